@@ -1,0 +1,46 @@
+// From a scene to a data set on disk: the batch scheduler behind `taxelsim generate`.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+
+#include "taxelsim/dataset.h"
+#include "taxelsim/device.h"
+#include "taxelsim/scene.h"
+
+namespace taxelsim {
+
+struct Progress {
+  std::uint64_t episodes_done = 0;
+  std::uint64_t num_episodes = 0;
+  std::uint64_t frames_done = 0;        // in this run
+  std::uint64_t episodes_resumed = 0;   // found on disk
+  double seconds = 0;                   // since this run began simulating
+};
+
+struct GenerateOptions {
+  int batch_size = 1024;   // instances over all slices, >= 1; does not change a byte of the data set
+  int num_slices = 2;      // slices of the batch in flight, >= 1; the same
+  // Called on the caller's thread a few times a second and at the end.
+  std::function<void(const Progress&)> on_progress;
+  // When it becomes true, shards under way are given up (complete ones stay) and generate() returns.
+  const std::atomic<bool>* stop = nullptr;
+};
+
+struct GenerateResult {
+  Progress progress;
+  bool complete = false;               // false when stopped
+  std::uint64_t num_load_misses = 0;   // contacts whose load was out of reach (also a column of the data set)
+};
+
+// The columns that a scene records, in file order.
+std::vector<Column> columnsOf(const Scene& scene);
+
+// Simulates all episodes of the scene that the directory lacks and writes them. Waits. Throws what Model, Simulator and
+// DatasetWriter throw.
+GenerateResult generate(const Device& device, const Scene& scene, const std::filesystem::path& directory,
+                        const GenerateOptions& options = {});
+
+}  // namespace taxelsim

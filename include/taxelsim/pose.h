@@ -1,0 +1,40 @@
+// Rigid transforms at the interface. X_AB takes coordinates in B to coordinates in A (monogram notation).
+#pragma once
+
+#include <array>
+
+namespace taxelsim {
+
+using Vector3 = std::array<double, 3>;
+using Quaternion = std::array<double, 4>;  // (w, x, y, z), of unit length
+
+// X_AB: position of B's origin in A (m) and rotation of B in A.
+struct Pose {
+  Vector3 position{0, 0, 0};
+  Quaternion rotation{1, 0, 0, 0};
+
+  bool operator==(const Pose&) const = default;
+};
+
+// X_AC = X_AB * X_BC. The product of unit quaternions is normalised again, so that long chains do not drift.
+Pose operator*(const Pose& X_AB, const Pose& X_BC);
+
+// X_BA from X_AB.
+Pose inverse(const Pose& X_AB);
+
+// Coordinates in A of the point with coordinates p_B in B.
+Vector3 operator*(const Pose& X_AB, const Vector3& p_B);
+
+// v_A from v_B: rotation alone.
+Vector3 rotate(const Quaternion& R_AB, const Vector3& v_B);
+
+// Rotation by `angle` (rad) about `axis` (need not be of unit length, must not be zero).
+Quaternion axisAngle(const Vector3& axis, double angle);
+
+// R_AC = R_AB * R_BC, normalised.
+Quaternion operator*(const Quaternion& R_AB, const Quaternion& R_BC);
+
+// Row-major 3 x 3 rotation matrix.
+std::array<double, 9> rotationMatrix(const Quaternion& R_AB);
+
+}  // namespace taxelsim

@@ -1,0 +1,88 @@
+// A scene: everything a data set is made from, read from YAML and checked. Not a running simulation.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "taxelsim/object.h"
+#include "taxelsim/sensor.h"
+
+namespace taxelsim {
+
+// Uniform on [min, max]; min == max is that value.
+struct Range {
+  double min = 0;
+  double max = 0;
+};
+
+struct SceneObject {
+  Object object;
+  double weight = 1;                    // of being chosen, >= 0; not all zero
+  Quaternion orientation{1, 0, 0, 0};   // R_WO before the random yaw and tilt: which side looks at the sensor
+};
+
+// What is drawn anew for each episode, from (seed, episode) alone.
+struct Randomisation {
+  Range x, y;          // m, in S: where the object first touches the skin
+  Range yaw;           // rad, about z of S
+  Range tilt;          // rad, >= 0, about a random axis in the xy plane of S
+  std::optional<Range> load;   // N, >= 0; or
+  std::optional<Range> depth;  // m, >= 0, of the object's lowest point below the skin. Exactly one of the two.
+  Range gain{1, 1};           // factor, > 0, on every taxel
+  Range gain_spread{0, 0};    // standard deviation of log gain per taxel, >= 0
+  Range noise{0, 0};          // counts, >= 0, beside the sensor's own
+};
+
+// Edge-orientation and force control of a free-flying sensor (paper section IV, with a force loop and exploration along the edge).
+struct EdgeServo {
+  double angle_gain = 0.8;          // 1/s, >= 0: turning speed per edge-angle error; 0.78 is the paper's 5 s
+  double force_gain = 2;            // 1/s, >= 0: of the force error, through the contact's measured stiffness
+  double centre_gain = 1;           // 1/s, >= 0: keeps the centre of pressure at the array's middle, across the edge
+  double target_angle = 0;          // rad, in (-pi/2, pi/2]
+  double exploration_velocity = 0;  // m/s, along the edge
+  double max_angular_velocity = 1;  // rad/s, > 0
+  double max_linear_velocity = 0.02;  // m/s, > 0
+  double min_confidence = 0.2;      // 0 to 1: below it the edge angle is left alone
+};
+
+struct Scene {
+  enum class Kind {
+    kServo,     // episodes of num_steps frames under a controller
+    kContacts,  // episodes of one frame each: labelled contact images
+  };
+
+  std::filesystem::path file;
+  std::string name;
+  Kind kind = Kind::kServo;
+  Sensor sensor;
+  Pose X_ES;                        // mount: the sensor in the end effector (the frame that the controller moves)
+  std::vector<SceneObject> objects;
+  int num_steps = 1;                // frames per episode, 1 for kContacts
+  double simulation_rate = 100;     // Hz
+  double control_rate = 100;        // Hz, simulation_rate divided by a whole number
+  Randomisation randomisation;
+  EdgeServo controller;             // of kServo
+  std::vector<std::string> record;  // names of columns, as in docs/file_formats.md; "tactile_image" and "features" by default
+  std::uint64_t num_episodes = 0;
+  std::uint64_t seed = 0;
+  std::uint64_t episodes_per_shard = 256;
+  int compression = 0;              // gzip level of the data set, 0 (none) to 9
+
+  // The scene as YAML with every default written out, the sensor in place and file contents replaced by their SHA-256; the same scene gives
+  // the same text on every machine. Episodes, seed, and everything else that decides the data set's bytes is in it; batch size is not.
+  std::string resolved;
+};
+
+// Values on the command line that stand above the file's.
+struct SceneOverrides {
+  std::optional<std::uint64_t> num_episodes;
+  std::optional<std::uint64_t> seed;
+};
+
+// Reads and checks a scene and all files it names. Throws Error(kInput): file, line, column, key, value found, what is allowed.
+Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrides = {});
+
+}  // namespace taxelsim

@@ -1,0 +1,105 @@
+// A tactile sensor: taxels on patches, the skin over them, and the electronics that read them.
+// Not the state of any sensor: that is the Simulator's.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "taxelsim/pose.h"
+
+namespace taxelsim {
+
+inline constexpr int kMaxSamplesPerTaxel = 8;   // per side
+inline constexpr int kMaxTaxelsPerSide = 128;   // of a grid patch
+inline constexpr int kMaxKernelSize = 9;        // taxels per side
+inline constexpr int kMaxCurveDegree = 5;
+inline constexpr int kMaxAdcBits = 16;
+
+// A planar grid of taxels. Its frame P lies in the grid's middle on the undeformed outer skin surface, z out of the skin
+// towards the object; row i runs along x, column j along y. Taxel (i, j) is centred on
+//   ((i - (num_rows - 1) / 2) pitch[0], (j - (num_cols - 1) / 2) pitch[1], 0) in P
+// and has index first_taxel_of_the_patch + i num_cols + j.
+struct GridPatch {
+  std::string name;
+  int num_rows = 1;                      // 1 to 128
+  int num_cols = 1;                      // 1 to 128
+  std::array<double, 2> pitch{0, 0};     // m, > 0: along x, along y
+  Pose X_SP;                             // pose of the patch in the sensor frame
+};
+
+// pressure = normal_contact_stiffness d^normal_exponent + normal_damping d', never negative, where d > 0 (the paper's
+// penalty contact, as an elastic foundation so that forces do not depend on the number of samples).
+struct Winkler {
+  double normal_contact_stiffness = 0;  // Pa / m^normal_exponent (N/m^3 for exponent 1), > 0
+  double normal_exponent = 1;           // 1 to 3
+  double normal_damping = 0;            // Pa s / m, >= 0; acts between steps, not in the load search (which is at rest)
+
+  bool operator==(const Winkler&) const = default;
+};
+
+using ContactLaw = std::variant<Winkler>;
+
+struct Skin {
+  double thickness = 0;  // m, > 0; the deepest penetration
+  ContactLaw law = Winkler{};
+};
+
+// The point spread function over taxels of one patch; paper eq. (1).
+struct Psf {
+  enum class Normalization {
+    kPerSource,  // I_i = sum_j F_j g_ij / sum_k g_kj: the sum of forces is kept, at borders too
+    kNone,       // the kernel as given: the paper's own sampled Gaussian sums to 1.0279 inside
+  };
+
+  int size = 1;                 // taxels per side, odd, 1 to 9; 1 with weight 1 is no spread
+  std::vector<double> kernel{1};  // (size x size), row-major, >= 0, sum > 0; [a][b] weighs the source at (i - a, j - b) from
+                                // the middle: spread(i, j) = sum F(i - a, j - b) g(a, b)
+  Normalization normalization = Normalization::kPerSource;
+};
+
+// The paper's kernel: a Gaussian of `sigma` (taxels, > 0) sampled at taxel centres with density 1 / (2 pi sigma^2).
+Psf gaussianPsf(double sigma, int size, Psf::Normalization normalization = Psf::Normalization::kPerSource);
+
+// Force after the spread -> counts, per taxel:
+//   x = gain F - trigger;  counts = clip(round(output_scale sum_m curve[m] x^(m+1) + noise), 0, saturation)
+// where the curve goes on below x = 0 as a straight line, so that noise meets the trigger as it does in the electronics.
+struct Readout {
+  std::vector<double> curve{1};      // counts / N^(m+1), m = 0 .. degree - 1, 1 to 5 terms; must rise over the range used
+  double output_scale = 1;           // > 0; the paper's k_scale
+  double trigger = 0;                // N, >= 0; smallest force that shows
+  int adc_bits = 12;                 // 1 to 16
+  int saturation = 4095;             // counts, 1 to 2^adc_bits - 1
+  double noise = 0;                  // counts, >= 0; standard deviation of white Gaussian noise per frame and taxel
+  std::vector<double> taxel_gain;    // (num_taxels) or empty for 1; >= 0
+  std::vector<double> taxel_trigger; // (num_taxels), N, or empty for `trigger`
+};
+
+struct Sensor {
+  std::string name;
+  std::vector<GridPatch> patches;
+  int samples_per_taxel = 4;    // per side, 1 to 8
+  Skin skin;
+  Psf psf;
+  Readout readout;
+  double frame_rate = 0;        // Hz, > 0, or 0 for a frame at every step
+};
+
+// Number of taxels over all patches.
+int numTaxels(const Sensor& sensor);
+
+// Centres of all taxels in S, (num_taxels), m, in storage order.
+std::vector<Vector3> taxelPositions(const Sensor& sensor);
+
+// Force (N) that reads `counts` by the nominal curve (gain 1, no noise): 0 for 0 counts, else the root x of the curve plus trigger.
+double nominalForce(const Readout& readout, double counts);
+
+// Throws Error(kInput) naming the field, its value and what is allowed.
+void checkSensor(const Sensor& sensor);
+
+// Reads a sensor file (docs/file_formats.md). Throws Error(kInput) with file, line, column and key.
+Sensor loadSensor(const std::filesystem::path& file);
+
+}  // namespace taxelsim

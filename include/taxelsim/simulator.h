@@ -1,0 +1,132 @@
+// A batch of sensor instances over one Model: poses in, tactile images and features out.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <span>
+
+#include "taxelsim/model.h"
+#include "taxelsim/pose.h"
+
+namespace taxelsim {
+
+inline constexpr int kMaxSlots = 8;       // objects that one instance can touch
+inline constexpr int kNoObject = -1;      // id of an empty slot
+// Load of an instance that is driven by its pose.
+inline constexpr float kPoseDriven = std::numeric_limits<float>::quiet_NaN();
+
+// Which per-taxel arrays come back. Features and `tactile_image` always do.
+struct OutputOptions {
+  bool tactile_normal_force = true;
+  bool tactile_shear_force = true;
+  bool penetration_depth = true;
+};
+
+struct SimulatorOptions {
+  int num_instances = 1;  // 1 to what memory holds
+  int num_slots = 1;      // objects per instance, 1 to 8
+  std::uint64_t seed = 0; // key of all noise
+  OutputOptions outputs;
+};
+
+// How one instance's readout differs from the sensor's nominal one.
+struct ReadoutVariation {
+  float gain = 1;         // multiplies every taxel's gain
+  float gain_spread = 0;  // standard deviation of the logarithm of a further gain per taxel, drawn once per episode
+  float noise = 0;        // counts, added in quadrature to the sensor's own noise
+};
+
+// Moments of an image of forces. All arrays are instance-major; N = num_instances.
+struct FeatureView {
+  std::span<const float> total_force;         // (N), N
+  std::span<const float> peak_force;          // (N), N: largest taxel
+  std::span<const float> center_of_pressure;  // (N x 3), m, in S; 0 without contact
+  std::span<const float> second_moments;      // (N x 3), m^2: xx, xy, yy about the centre of pressure, in the patch plane (of
+                                              // several patches: the xy plane of S)
+  std::span<const float> eigenvalues;         // (N x 2), m^2, larger first
+  std::span<const float> edge_angle;          // (N), rad in (-pi/2, pi/2]: 1/2 atan2(2 xy, xx - yy), paper eq. (3); 0 where undefined
+  std::span<const float> edge_confidence;     // (N), 0 to 1: (l1 - l2) / (l1 + l2)
+  std::span<const float> contact_area;        // (N), m^2: taxels above the trigger times their area
+};
+
+// Values nobody could measure: before time, readout and noise.
+struct GroundTruthView : FeatureView {
+  std::span<const float> tactile_normal_force;  // (N x num_taxels), N, after the PSF; empty unless asked for
+  std::span<const float> tactile_shear_force;   // (N x num_taxels x 2), N, along x and y of the taxel; empty unless asked for
+  std::span<const float> penetration_depth;     // (N x num_taxels), m, mean over the taxel's samples; empty unless asked for
+  std::span<const float> contact_wrench;        // (N x 6): force (N) and torque (N m) on the sensor at its origin, in S, before the PSF
+  std::span<const float> over_penetration;      // (N), fraction of samples at least as deep as the skin is thick
+  std::span<const float> load_offset;           // (N), m: by how much the load search moved the objects along z; 0 when pose-driven
+  std::span<const float> load_reached;          // (N), 1 when pose-driven or the load is carried, 0 when it is out of reach
+};
+
+// One frame of the whole batch. Measured features come from `tactile_image`, turned back into newtons by the nominal curve. The spans stay
+// valid until the next step() of the same simulator.
+struct FrameView : FeatureView {
+  std::span<const std::uint32_t> tactile_image;  // (N x num_taxels), counts
+  std::span<const float> saturated;              // (N), fraction of taxels at the upper end
+  GroundTruthView ground_truth;
+};
+
+// Bytes that a simulator takes on the device, for planning.
+struct MemoryPlan {
+  std::uint64_t bytes_per_instance = 0;
+  std::uint64_t bytes_fixed = 0;
+  std::uint64_t max_instances = 0;  // that fit into this device's memory and buffer limits
+};
+
+// Seconds of the last frame, from the device's own clock; NaN where it has none.
+struct StepTiming {
+  double contact = 0;
+  double image = 0;
+  double total = 0;
+};
+
+class Simulator {
+ public:
+  // Allocates all device memory. Throws Error(kInput), with the largest size that fits, when the batch does not.
+  Simulator(const Model& model, const SimulatorOptions& options);
+  ~Simulator();
+  Simulator(Simulator&&) noexcept;
+  Simulator& operator=(Simulator&&) noexcept;
+
+  static MemoryPlan plan(const Model& model, const SimulatorOptions& options);
+
+  int numInstances() const;
+  const Model& model() const;
+
+  // What each instance touches, for the next step(): ids (N x num_slots), indices into the model's objects or kNoObject; poses X_SO
+  // (N x num_slots), ignored for empty slots. Throws Error(kInput) for a wrong length, an unknown id, or a pose that is not
+  // finite or whose quaternion is not of unit length within 1e-3. Must not be called between step() and read().
+  void setObjects(std::span<const int> ids, std::span<const Pose> X_SO);
+
+  // One instance of the same.
+  void setObjects(int instance, std::span<const int> ids, std::span<const Pose> X_SO);
+
+  // Normal force that each instance's objects must carry, (N), N; kPoseDriven leaves their poses alone. The device then moves
+  // all objects of the instance together along z of S to where they rest with that force on the skin, between first touch and the deepest
+  // sample at the skin's thickness. Throws Error(kInput) for a wrong length, a negative or infinite load.
+  void setLoads(std::span<const float> loads);
+  void setLoad(int instance, float load);
+
+  // Puts one instance at the start of an episode: clock at 0, state of the skin and held frame gone; `episode` keys its noise.
+  void reset(int instance, std::uint64_t episode, const ReadoutVariation& variation = {});
+
+  // Advances every instance by dt (s, > 0) and computes its frame. Submits, does not wait. An instance whose sensor has no new frame due
+  // keeps its measured values; ground truth is always new.
+  void step(double dt);
+
+  // Waits for the last step(). Throws Error(kDevice) when the device was lost.
+  FrameView read();
+
+  // Of the last frame read.
+  StepTiming timing() const;
+
+  struct Impl;
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace taxelsim
