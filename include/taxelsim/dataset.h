@@ -1,6 +1,7 @@
 // Data sets on disk: HDF5 shards, a manifest, a virtual view over all shards (docs/file_formats.md). Not how the data is made.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -31,6 +32,7 @@ struct Manifest {
   std::string scene;              // resolved scene, YAML text
   std::string sensor_name;
   int num_rows = 0, num_cols = 0; // of the sensor when it is one grid patch, else 0
+  std::array<double, 2> pitch{0, 0};  // m, along x and y, of that patch, else 0
   std::uint64_t seed = 0;
   std::uint64_t num_episodes = 0;
   std::uint64_t episodes_per_shard = 0;
@@ -73,6 +75,20 @@ class DatasetWriter {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+// The manifest alone. Throws Error(kInput) when the directory holds no data set, one of a newer format, or a manifest that was changed.
+Manifest readManifest(const std::filesystem::path& directory);
+
+struct ShardStatus {
+  enum class State { kWhole, kMissing, kBroken };
+  std::uint64_t shard = 0;
+  State state = State::kWhole;
+  std::string problem;  // of a broken one, a complete line
+};
+
+// Looks at every shard, in order. With `contents` all values are read and held against their SHA-256; without, headers only. Throws what
+// readManifest() throws.
+std::vector<ShardStatus> checkShards(const std::filesystem::path& directory, bool contents);
 
 // Reads one back; checks every shard against the manifest when opened.
 class DatasetReader {

@@ -2,10 +2,13 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -53,6 +56,10 @@ struct Object {
   Object(std::string object_name, Shape object_shape) : name(std::move(object_name)), shape(std::move(object_shape)) {}
   // A shape alone names itself after its kind ("mesh", "sphere", ...).
   Object(Shape object_shape);  // NOLINT(google-explicit-constructor): lists of shapes read well at the call site
+  template <typename Kind>
+    requires(!std::same_as<std::remove_cvref_t<Kind>, Object> && !std::same_as<std::remove_cvref_t<Kind>, Shape> &&
+             std::constructible_from<Shape, Kind>)
+  Object(Kind&& kind) : Object(Shape(std::forward<Kind>(kind))) {}  // NOLINT(google-explicit-constructor): the same
 };
 
 enum class UpAxis { kX, kY, kZ };

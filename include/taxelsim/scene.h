@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "taxelsim/control.h"
 #include "taxelsim/object.h"
 #include "taxelsim/sensor.h"
 
@@ -36,18 +37,6 @@ struct Randomisation {
   Range noise{0, 0};          // counts, >= 0, beside the sensor's own
 };
 
-// Edge-orientation and force control of a free-flying sensor (paper section IV, with a force loop and exploration along the edge).
-struct EdgeServo {
-  double angle_gain = 0.8;          // 1/s, >= 0: turning speed per edge-angle error; 0.78 is the paper's 5 s
-  double force_gain = 2;            // 1/s, >= 0: of the force error, through the contact's measured stiffness
-  double centre_gain = 1;           // 1/s, >= 0: keeps the centre of pressure at the array's middle, across the edge
-  double target_angle = 0;          // rad, in (-pi/2, pi/2]
-  double exploration_velocity = 0;  // m/s, along the edge
-  double max_angular_velocity = 1;  // rad/s, > 0
-  double max_linear_velocity = 0.02;  // m/s, > 0
-  double min_confidence = 0.2;      // 0 to 1: below it the edge angle is left alone
-};
-
 struct Scene {
   enum class Kind {
     kServo,     // episodes of num_steps frames under a controller
@@ -65,8 +54,8 @@ struct Scene {
   double control_rate = 100;        // Hz, simulation_rate divided by a whole number
   Randomisation randomisation;
   EdgeServo controller;             // of kServo
-  std::vector<std::string> record;  // names of columns, as in docs/file_formats.md; "tactile_image" and "features" by default
-  std::uint64_t num_episodes = 0;
+  std::vector<std::string> record;  // what is written, by the words of docs/file_formats.md, in their order
+  std::uint64_t num_episodes = 1000;
   std::uint64_t seed = 0;
   std::uint64_t episodes_per_shard = 256;
   int compression = 0;              // gzip level of the data set, 0 (none) to 9

@@ -1,0 +1,115 @@
+// Height of analytic solids over a sample: the lowest z in P at which the ray p = (x, y, z), z rising, is inside the solid. kMiss where it
+// never is, kBottomless where the solid goes down for ever. Solids as in include/taxelsim/object.h. Twin: src/reference/analytic.cpp.
+
+const float kMiss = 1e30;
+const float kBottomless = -1e30;
+
+// Parts of the ray o + t d inside a convex set are intervals [near, far]; an empty one has near > far.
+vec2 slab(float o, float d, float low, float high) {
+  if (abs(d) < 1e-9) return o >= low && o <= high ? vec2(kBottomless, kMiss) : vec2(kMiss, kBottomless);
+  vec2 t = (vec2(low, high) - o) / d;
+  return vec2(min(t.x, t.y), max(t.x, t.y));
+}
+
+vec2 both(vec2 a, vec2 b) { return vec2(max(a.x, b.x), min(a.y, b.y)); }
+
+// Distance of the ray's line from the middle decides, not a difference of squares of large numbers.
+vec2 insideSphere(vec3 o, vec3 d, float radius) {
+  float middle = -dot(o, d);
+  vec3 closest = o + middle * d;
+  float q = radius * radius - dot(closest, closest);
+  if (q < 0.0) return vec2(kMiss, kBottomless);
+  float reach = sqrt(q);
+  return vec2(middle - reach, middle + reach);
+}
+
+vec2 insideInfiniteCylinder(vec3 o, vec3 d, float radius) {
+  float d2 = dot(d.xy, d.xy);
+  if (d2 < 1e-12) return dot(o.xy, o.xy) <= radius * radius ? vec2(kBottomless, kMiss) : vec2(kMiss, kBottomless);
+  float middle = -dot(o.xy, d.xy) / d2;
+  vec2 closest = o.xy + middle * d.xy;
+  float q = radius * radius - dot(closest, closest);
+  if (q < 0.0) return vec2(kMiss, kBottomless);
+  float reach = sqrt(q / d2);
+  return vec2(middle - reach, middle + reach);
+}
+
+// x^2 + y^2 <= (k z)^2, 0 <= z <= height.
+vec2 insideCone(vec3 o, vec3 d, float radius, float height) {
+  float k2 = (radius / height) * (radius / height);
+  vec2 within = slab(o.z, d.z, 0.0, height);
+  if (within.x > within.y) return within;
+  float a = dot(d.xy, d.xy) - k2 * d.z * d.z;
+  float b = dot(o.xy, d.xy) - k2 * o.z * d.z;
+  float c = dot(o.xy, o.xy) - k2 * o.z * o.z;
+  if (abs(a) < 1e-7) {  // parallel to a generator: 2 b t + c <= 0
+    if (abs(b) < 1e-12) return c <= 0.0 ? within : vec2(kMiss, kBottomless);
+    float t = -c / (2.0 * b);
+    return both(within, b > 0.0 ? vec2(kBottomless, t) : vec2(t, kMiss));
+  }
+  float q = b * b - a * c;
+  if (q < 0.0) {
+    if (a > 0.0) return vec2(kMiss, kBottomless);
+    q = 0.0;  // a line through the apex, up to rounding
+  }
+  float root = sqrt(q);
+  float t1 = (-b - root) / a;
+  float t2 = (-b + root) / a;
+  if (a > 0.0) return both(within, vec2(t1, t2));
+  // Steeper than the flank: inside before the smaller root (one nappe) and after the larger one (the other).
+  return both(within, d.z > 0.0 ? vec2(max(t1, t2), kMiss) : vec2(kBottomless, min(t1, t2)));
+}
+
+float torusDistance(vec3 p, float major_radius, float minor_radius) {
+  return length(vec2(length(p.xy) - major_radius, p.z)) - minor_radius;
+}
+
+// Sphere tracing on the exact distance, from the near side of the torus's bounding sphere.
+float torusHeight(vec3 o, vec3 d, float major_radius, float minor_radius) {
+  const int kSteps = 96;
+  const float kTouch = 2e-8;  // m; a ray that stays farther away all along misses
+  vec2 span = insideSphere(o, d, major_radius + minor_radius);
+  float t = span.x;
+  if (span.x > span.y) return kMiss;
+  for (int i = 0; i < kSteps; ++i) {
+    float distance = torusDistance(o + t * d, major_radius, minor_radius);
+    if (distance < kTouch) return t;
+    t += distance;
+    if (t > span.y) return kMiss;
+  }
+  return t;
+}
+
+// Height over the sample at (x, y) of P. X_PO: pose of the solid in P.
+float analyticHeight(uint kind, vec4 parameters, Affine X_PO, vec2 xy) {
+  vec3 r0 = X_PO.row0.xyz, r1 = X_PO.row1.xyz, r2 = X_PO.row2.xyz;
+  vec3 from = vec3(xy.x - X_PO.row0.w, xy.y - X_PO.row1.w, -X_PO.row2.w);
+  vec3 o = r0 * from.x + r1 * from.y + r2 * from.z;
+  vec3 d = r2;
+  vec2 inside = vec2(kMiss, kBottomless);
+  if (kind == kKindSphere) {
+    inside = insideSphere(o, d, parameters.x);
+  } else if (kind == kKindCylinder) {
+    inside = both(insideInfiniteCylinder(o, d, parameters.x), slab(o.z, d.z, -parameters.y, parameters.y));
+  } else if (kind == kKindCapsule) {
+    vec2 tube = both(insideInfiniteCylinder(o, d, parameters.x), slab(o.z, d.z, -parameters.y, parameters.y));
+    vec2 low = insideSphere(o + vec3(0, 0, parameters.y), d, parameters.x);
+    vec2 high = insideSphere(o - vec3(0, 0, parameters.y), d, parameters.x);
+    float near = kMiss;
+    if (tube.x <= tube.y) near = tube.x;
+    if (low.x <= low.y) near = min(near, low.x);
+    if (high.x <= high.y) near = min(near, high.x);
+    return near;
+  } else if (kind == kKindBox) {
+    inside = both(both(slab(o.x, d.x, -parameters.x, parameters.x), slab(o.y, d.y, -parameters.y, parameters.y)),
+                  slab(o.z, d.z, -parameters.z, parameters.z));
+  } else if (kind == kKindHalfSpace) {
+    if (d.z > 1e-9) return -o.z / d.z;
+    return d.z < -1e-9 || o.z >= 0.0 ? kBottomless : kMiss;
+  } else if (kind == kKindCone) {
+    inside = insideCone(o, d, parameters.x, parameters.y);
+  } else if (kind == kKindTorus) {
+    return torusHeight(o, d, parameters.x, parameters.y);
+  }
+  return inside.x <= inside.y ? inside.x : kMiss;
+}

@@ -1,0 +1,56 @@
+// One triangle into the depth tile, by one invocation. Twin: src/reference/depth.cpp (rays).
+//
+// Vertices come as (u, v, z): u and v in samples of the patch, sample (a, b) at u = a, v = b; z in m, in P. Rows run along u.
+//
+//        v ->
+//   u    top *                 A row a crosses the long edge top-bottom and one of the two short ones; the samples between the
+//   |       / \                crossings, half-open, are covered. A crossing is computed from the edge's upper and lower vertex alone, so
+//   v   row/---\  <- a         two triangles that share an edge find the same number and leave no gap between them.
+//         /    * middle
+//        * bottom
+//
+// The tile keeps the lowest surface: atomicMin on the bits of a float that is never negative orders like the float itself, and the order of
+// triangles does not show.
+
+float crossing(vec3 upper, vec3 lower, float a) { return upper.y + (a - upper.x) * ((lower.y - upper.y) / (lower.x - upper.x)); }
+
+void rasterTriangle(vec3 p, vec3 q, vec3 r) {
+  float z_low = min(p.z, min(q.z, r.z));
+  if (z_low >= z_limit) return;
+  float z_high = max(p.z, max(q.z, r.z));
+
+  // Sort by u.
+  vec3 top = p, middle = q, bottom = r;
+  if (top.x > middle.x) { vec3 swap = top; top = middle; middle = swap; }
+  if (middle.x > bottom.x) { vec3 swap = middle; middle = bottom; bottom = swap; }
+  if (top.x > middle.x) { vec3 swap = top; top = middle; middle = swap; }
+
+  float first_row = max(ceil(top.x), tile_first.x);
+  float end_row = min(ceil(bottom.x), tile_end.x);
+  float v_low = min(top.y, min(middle.y, bottom.y));
+  float v_high = max(top.y, max(middle.y, bottom.y));
+  if (first_row >= end_row || ceil(v_low) >= min(ceil(v_high), tile_end.y) || v_high < tile_first.y) return;
+
+  // Plane z = z0 + gradient . (u - u0, v - v0).
+  vec3 e1 = middle - top, e2 = bottom - top;
+  float determinant = e1.x * e2.y - e2.x * e1.y;
+  if (determinant == 0.0) return;
+  vec2 gradient = vec2(e1.z * e2.y - e2.z * e1.y, e1.x * e2.z - e2.x * e1.z) / determinant;
+
+  for (float a = first_row; a < end_row; a += 1.0) {
+    float v_long = crossing(top, bottom, a);
+    float v_short = a < middle.x ? crossing(top, middle, a) : crossing(middle, bottom, a);
+    float b_first = max(ceil(min(v_long, v_short)), tile_first.y);
+    float b_end = min(ceil(max(v_long, v_short)), tile_end.y);
+    // Leave out the part of the row that is too high to touch; one sample more on the open side, tested below.
+    float z_row = top.z + gradient.x * (a - top.x);
+    float b_limit = top.y + (z_limit - z_row) / gradient.y;
+    if (gradient.y > 0.0) b_end = min(b_end, ceil(b_limit) + 1.0);
+    if (gradient.y < 0.0) b_first = max(b_first, floor(b_limit) - 1.0);
+    uint address = uint(a - tile_first.x) * tile_stride + uint(max(b_first - tile_first.y, 0.0));
+    for (float b = b_first; b < b_end; b += 1.0, ++address) {
+      float z = clamp(z_row + gradient.y * (b - top.y), z_low, z_high);
+      if (z < z_limit) atomicMin(tile[address], floatBitsToUint(max(z - z_base, 0.0)));
+    }
+  }
+}

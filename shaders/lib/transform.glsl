@@ -1,0 +1,26 @@
+// Rigid and affine maps as three rows (A | b): image of p is A p + b.
+struct Affine {
+  vec4 row0, row1, row2;
+};
+
+vec3 apply(Affine X, vec3 p) {
+  return vec3(dot(X.row0.xyz, p) + X.row0.w, dot(X.row1.xyz, p) + X.row1.w, dot(X.row2.xyz, p) + X.row2.w);
+}
+
+// X_AC from X_AB and X_BC.
+Affine compose(Affine X_AB, Affine X_BC) {
+  Affine X_AC;
+  X_AC.row0 = X_AB.row0.x * X_BC.row0 + X_AB.row0.y * X_BC.row1 + X_AB.row0.z * X_BC.row2;
+  X_AC.row1 = X_AB.row1.x * X_BC.row0 + X_AB.row1.y * X_BC.row1 + X_AB.row1.z * X_BC.row2;
+  X_AC.row2 = X_AB.row2.x * X_BC.row0 + X_AB.row2.y * X_BC.row1 + X_AB.row2.z * X_BC.row2;
+  X_AC.row0.w += X_AB.row0.w;
+  X_AC.row1.w += X_AB.row1.w;
+  X_AC.row2.w += X_AB.row2.w;
+  return X_AC;
+}
+
+// Middle and half size, per axis, of the image of the box (center, half_size): the exact bounds of the turned box.
+void boundsOfImage(Affine X, vec3 center, vec3 half_size, out vec3 image_center, out vec3 image_half) {
+  image_center = apply(X, center);
+  image_half = vec3(dot(abs(X.row0.xyz), half_size), dot(abs(X.row1.xyz), half_size), dot(abs(X.row2.xyz), half_size));
+}

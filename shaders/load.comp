@@ -1,0 +1,85 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Load search over all tiles of a sensor: after each evaluation by the contact pass, the next offset to try. For sensors that are not one tile in a plane
+// z = const of S, where contact.comp cannot search by itself.
+//
+// An invocation owns one instance; no shared memory.
+// In:  tile_results (num_instances x num_tiles): the forces at the offset tried. Out: loads (num_instances): the next one, or that the search has ended.
+// Force falls as the offset grows: the bracket's lower bound carries too much (or sinks deeper than the skin), its upper bound too little.
+// Regula falsi and bisection in turn. Twin: src/reference/load.cpp.
+
+#include "shared/layout.h"
+
+layout(local_size_x_id = 0) in;
+layout(constant_id = 0) const uint WORKGROUP = 8;
+layout(constant_id = 1) const uint EVALUATIONS = 48;  // after which the search ends with the best it has
+
+layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceRecord instances[]; };
+layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
+layout(std430, set = 0, binding = 2) readonly buffer SensorBlock { SensorRecord sensor; };
+layout(std430, set = 0, binding = 3) readonly buffer Patches { PatchRecord patches[]; };
+layout(std430, set = 0, binding = 4) readonly buffer Tiles { TileRecord tiles[]; };
+layout(std430, set = 0, binding = 5) readonly buffer TileResults { TileResult tile_results[]; };
+layout(std430, set = 0, binding = 6) buffer Loads { LoadRecord loads[]; };
+
+const float kTolerance = 1e-5;         // of the load; a float's offset at 0.1 m is 4e-9 m, 4e-5 of a depth of 0.1 mm
+const float kAccepted = 1e-3;          // of the load: what a bracket as narrow as floats allow must reach
+const float kDeeper = 1e30;     // force at an offset at which a sample is deeper than the skin
+
+#include "lib/workgroup.glsl"
+
+void main() {
+  uint instance = workgroupNumber() * WORKGROUP + gl_LocalInvocationIndex;
+  if (instance >= step_record.batch.x) return;
+  LoadRecord record = loads[instance];
+  float status = record.bracket.w;
+  if ((instances[instance].keys.w & kFlagLoadDriven) == 0) {
+    loads[instance].bracket.w = kLoadCarried;  // driven by its pose: one evaluation is all
+    return;
+  }
+  if (status == kLoadCarried || status == kLoadOutOfReach) return;
+  if (status != kLoadSearching) {
+    loads[instance].bracket.w = status == kLoadClosingCarried ? kLoadCarried : kLoadOutOfReach;
+    return;
+  }
+
+  float force = 0.0;
+  float deep = 0.0;
+  for (uint t = 0; t < sensor.counts.y; ++t) {
+    TileResult result = tile_results[instance * sensor.counts.y + t];
+    // The load is the force along z of S.
+    PatchRecord patch_record = patches[tiles[t].place.x];
+    force -= patch_record.row0.z * result.force.x + patch_record.row1.z * result.force.y + patch_record.row2.z * result.force.z;
+    deep += result.force.w;
+  }
+  float load = instances[instance].drive.x;
+  float offset = record.bracket.x;
+  float evaluations = record.forces.w + 1.0;
+  record.forces.w = evaluations;
+  bool too_deep = deep > 0.0;
+  if (!too_deep && load > 0.0 && abs(force - load) <= kTolerance * load) {
+    loads[instance].bracket.w = kLoadCarried;
+    return;
+  }
+  if (too_deep || force > load) {
+    record.bracket.y = offset;
+    record.forces.x = too_deep ? kDeeper : force;
+  } else {
+    record.bracket.z = offset;
+    record.forces.y = force;
+  }
+  float low = record.bracket.y, high = record.bracket.z;
+  float f_low = record.forces.x, f_high = record.forces.y;
+  float next = 0.5 * (low + high);
+  if (f_low < kDeeper && f_high > 0.0 && mod(evaluations, 2.0) != 0.0) {
+    next = clamp(low + (high - low) * (f_low - load) / (f_low - f_high), low, high);
+  }
+  if (evaluations + 1.0 >= float(EVALUATIONS) || next == low || next == high) {
+    // As narrow as floats allow. Just above the bracket the skin carries a little less than the load, or far less because more would sink
+    // deeper than the skin.
+    next = high;
+    record.bracket.w = f_high >= load * (1.0 - kAccepted) ? kLoadClosingCarried : kLoadClosingOutOfReach;
+  }
+  record.bracket.x = next;
+  loads[instance] = record;
+}

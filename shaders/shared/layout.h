@@ -1,0 +1,155 @@
+// Structs and constants that host and device share; compiled by C++ and by GLSL (std430). Only 16-byte rows, so that both lay them out alike.
+// Frames by monogram: S sensor, P patch, O object, C chart (the frame of moments: P of a single patch, else S).
+#ifndef TAXELSIM_SHADERS_SHARED_LAYOUT_H
+#define TAXELSIM_SHADERS_SHARED_LAYOUT_H
+
+#ifdef __cplusplus
+#include <glm/glm.hpp>
+namespace taxelsim::layout {
+using uint = std::uint32_t;
+using glm::ivec4;
+using glm::uvec4;
+using glm::vec4;
+#define TAXELSIM_CONSTANT inline constexpr uint
+#define TAXELSIM_FLOAT inline constexpr float
+#else
+#define TAXELSIM_CONSTANT const uint
+#define TAXELSIM_FLOAT const float
+#endif
+
+// ---- objects ----
+
+TAXELSIM_CONSTANT kKindMesh = 0u;
+TAXELSIM_CONSTANT kKindSphere = 1u;
+TAXELSIM_CONSTANT kKindCylinder = 2u;
+TAXELSIM_CONSTANT kKindCapsule = 3u;
+TAXELSIM_CONSTANT kKindBox = 4u;
+TAXELSIM_CONSTANT kKindHalfSpace = 5u;
+TAXELSIM_CONSTANT kKindCone = 6u;
+TAXELSIM_CONSTANT kKindTorus = 7u;
+
+// A mesh lies on a lattice of its own: position in O = lattice_origin + lattice_step * q, q of kLatticeBits bits per axis, unsigned.
+TAXELSIM_CONSTANT kLatticeBits = 21u;
+TAXELSIM_CONSTANT kTriangleWords = 6u;      // three vertices of two words: x | y << 21, y >> 11 | z << 10
+TAXELSIM_CONSTANT kTrianglesPerCluster = 32u;
+TAXELSIM_CONSTANT kClustersPerGroup = 32u;
+
+struct ObjectRecord {
+  uvec4 kind_groups;  // kind, first group, number of groups, 0
+  vec4 parameters;    // of analytic solids: radius and length, half sizes, radius and height, both radii
+  vec4 lattice;       // of meshes: lattice_origin + lattice_step 2^20, the middle of the lattice, in O; lattice_step
+  vec4 center;        // of the bounding box, in O, m
+  vec4 half_size;     // of the bounding box, m
+};
+
+// An axis-aligned box around triangles (cluster) or clusters (group), in lattice units about the lattice's middle.
+struct BoundsRecord {
+  vec4 center;     // w: number of the first triangle or cluster, as bits
+  vec4 half_size;  // w: how many, as bits
+};
+
+// ---- the sensor ----
+
+struct PatchRecord {
+  vec4 row0, row1, row2;  // X_PS: rows of (R_PS | p)
+  uvec4 grid;             // rows, cols, first taxel, 0
+  vec4 spacing;           // sample spacing along x, y of P, m; sample area, m^2; 0
+};
+
+// A rectangle of whole taxels that one workgroup computes.
+struct TileRecord {
+  uvec4 place;  // patch, first row, first col, 0
+  uvec4 size;   // rows, cols, 0, 0
+};
+
+// Per taxel, two rows.
+struct TaxelRecord {
+  vec4 chart;    // position in C, m; area, m^2
+  vec4 readout;  // gain, trigger (N), 0, 0
+};
+
+struct SensorRecord {
+  uvec4 counts;  // taxels, tiles, kernel entries per taxel, degree of the curve
+  vec4 skin;     // thickness (m), stiffness, exponent, damping
+  vec4 readout;  // output scale, trigger (N), saturation (counts), noise (counts)
+  vec4 curve0;   // coefficients 1 to 4
+  vec4 curve1;   // coefficient 5, 0, 0, 0
+  vec4 X_SC_row0, X_SC_row1, X_SC_row2;
+  vec4 heights;  // highest and lowest z in S of any patch corner, m; 0; 0
+};
+
+// ---- a batch ----
+
+struct PoseRecord {
+  vec4 row0, row1, row2;  // X_SO: rows of (R_SO | p)
+  ivec4 object;           // index or -1, 0, 0, 0
+};
+
+TAXELSIM_CONSTANT kFlagNewFrame = 1u;   // the sensor delivers a frame in this step
+TAXELSIM_CONSTANT kFlagFirstStep = 2u;  // the first step since reset
+TAXELSIM_CONSTANT kFlagLoadDriven = 4u;
+
+struct InstanceRecord {
+  vec4 drive;    // load (N), gain, spread of log gain, extra noise (counts)
+  uvec4 keys;    // episode (low, high word), frame, flags
+};
+
+TAXELSIM_CONSTANT kOutputDepth = 1u;
+TAXELSIM_CONSTANT kOutputShear = 2u;
+
+struct StepRecord {
+  uvec4 batch;    // instances, slots, seed (low, high word)
+  vec4 time;      // dt (s), 1/dt, 0, 0
+  uvec4 outputs;  // kOutput... of the arrays that are brought back, 0, 0, 0
+};
+
+// What the contact pass leaves per instance and tile.
+struct TileResult {
+  vec4 force;    // in P: along x, y, z (on the sensor), N; samples at least as deep as the skin is thick
+  vec4 torque;   // in P about P's origin, N m; 0
+  uvec4 window;  // rectangle of taxels of the patch that may carry force: first row, end row, first col, end col; empty: all 0
+};
+
+// Status of a load search. Closing: evaluated once more, at the upper bound, then carried or out of reach.
+TAXELSIM_FLOAT kLoadSearching = 0.0f;
+TAXELSIM_FLOAT kLoadCarried = 1.0f;
+TAXELSIM_FLOAT kLoadOutOfReach = 2.0f;
+TAXELSIM_FLOAT kLoadClosingCarried = 3.0f;
+TAXELSIM_FLOAT kLoadClosingOutOfReach = 4.0f;
+
+// State of the load search of one instance.
+struct LoadRecord {
+  vec4 bracket;  // offset (m), a lower and an upper bound of it, status
+  vec4 forces;   // at the lower and the upper bound, N; at the offset; evaluations so far
+};
+
+// ---- features ----
+// An instance's features in the feature buffer: block after block, each (num_instances x components).
+
+TAXELSIM_CONSTANT kFeatureTotalForce = 0u;
+TAXELSIM_CONSTANT kFeaturePeakForce = 1u;
+TAXELSIM_CONSTANT kFeatureCenterOfPressure = 2u;  // 3
+TAXELSIM_CONSTANT kFeatureSecondMoments = 5u;     // 3
+TAXELSIM_CONSTANT kFeatureEigenvalues = 8u;       // 2
+TAXELSIM_CONSTANT kFeatureEdgeAngle = 10u;
+TAXELSIM_CONSTANT kFeatureEdgeConfidence = 11u;
+TAXELSIM_CONSTANT kFeatureContactArea = 12u;
+TAXELSIM_CONSTANT kNumImageFeatures = 13u;        // the block of measured ones starts at 0, that of clean ones here
+TAXELSIM_CONSTANT kFeatureSaturated = 26u;
+TAXELSIM_CONSTANT kFeatureContactWrench = 27u;    // 6
+TAXELSIM_CONSTANT kFeatureOverPenetration = 33u;
+TAXELSIM_CONSTANT kFeatureLoadOffset = 34u;
+TAXELSIM_CONSTANT kFeatureLoadReached = 35u;
+TAXELSIM_CONSTANT kNumFeatures = 36u;
+
+// ---- random numbers; base/philox.h has the same values ----
+TAXELSIM_CONSTANT kPurposeReadoutNoise = 1u;
+TAXELSIM_CONSTANT kPurposeTaxelGain = 2u;
+
+#ifdef __cplusplus
+}  // namespace taxelsim::layout
+#endif
+#undef TAXELSIM_CONSTANT
+#undef TAXELSIM_FLOAT
+
+#endif

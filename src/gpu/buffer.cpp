@@ -1,0 +1,100 @@
+#include "gpu/buffer.h"
+
+#include <cstring>
+#include <optional>
+
+#include "gpu/commands.h"
+#include "gpu/vulkan_buffer.h"
+#include "taxelsim/error.h"
+
+namespace taxelsim::gpu {
+namespace {
+
+using Property = vk::MemoryPropertyFlagBits;
+
+// First memory type that has all of the flags of the earliest entry of `wishes` that any type satisfies.
+std::optional<std::uint32_t> findMemoryType(const vk::PhysicalDeviceMemoryProperties& memory, std::uint32_t allowed,
+                                            std::initializer_list<vk::MemoryPropertyFlags> wishes) {
+  for (const vk::MemoryPropertyFlags wish : wishes) {
+    for (std::uint32_t i = 0; i < memory.memoryTypeCount; ++i) {
+      if ((allowed & (1u << i)) && (memory.memoryTypes[i].propertyFlags & wish) == wish) return i;
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<std::uint32_t> chooseMemory(const vk::PhysicalDeviceMemoryProperties& memory, std::uint32_t allowed, Domain domain) {
+  const vk::MemoryPropertyFlags host = Property::eHostVisible | Property::eHostCoherent;
+  switch (domain) {
+    case Domain::kDevice:
+      return findMemoryType(memory, allowed, {Property::eDeviceLocal | host | Property::eHostCached, Property::eDeviceLocal, {}});
+    case Domain::kUpload:
+      return findMemoryType(memory, allowed, {Property::eDeviceLocal | host, host});
+    case Domain::kReadback:
+      return findMemoryType(memory, allowed, {host | Property::eHostCached, host});
+  }
+  return std::nullopt;
+}
+
+std::string sizeText(std::size_t bytes) {
+  const double mebibytes = static_cast<double>(bytes) / (1024.0 * 1024.0);
+  char text[64];
+  std::snprintf(text, sizeof(text), "%.1f MiB", mebibytes);
+  return text;
+}
+
+}  // namespace
+
+Buffer::Buffer(Context& context, std::string name, std::size_t bytes, Domain domain)
+    : vulkan_(std::make_unique<Vulkan>()), name_(std::move(name)), bytes_(std::max<std::size_t>(bytes, 4)) {
+  Context::Vulkan& vk_context = context.vulkan();
+  using Usage = vk::BufferUsageFlagBits;
+  checked("buffer \"" + name_ + "\" of " + sizeText(bytes_), "use a smaller batch size or another device", [&] {
+    vulkan_->buffer = vk_context.device.createBuffer(
+        {{}, bytes_, Usage::eStorageBuffer | Usage::eTransferSrc | Usage::eTransferDst, vk::SharingMode::eExclusive});
+    const vk::MemoryRequirements needs = vulkan_->buffer.getMemoryRequirements();
+    const vk::PhysicalDeviceMemoryProperties memory = vk_context.physical.getMemoryProperties();
+    const std::optional<std::uint32_t> type = chooseMemory(memory, needs.memoryTypeBits, domain);
+    if (!type) throw Error(ErrorKind::kDevice, "the device has no memory for buffer \"" + name_ + "\"");
+    vulkan_->memory = vk_context.device.allocateMemory({needs.size, *type});
+    vulkan_->buffer.bindMemory(*vulkan_->memory, 0);
+    vk_context.name(vulkan_->buffer, name_);
+    if (memory.memoryTypes[*type].propertyFlags & Property::eHostCoherent) {
+      mapped_ = {static_cast<std::byte*>(vulkan_->memory.mapMemory(0, VK_WHOLE_SIZE)), bytes_};
+    }
+  });
+  if (!mapped_.empty()) {
+    std::memset(mapped_.data(), 0, mapped_.size());
+  } else {
+    Commands clear(context, "clear " + name_);
+    clear.fillZero(*this);
+    clear.end();
+    clear.submit();
+    clear.wait();
+  }
+}
+
+Buffer::Buffer() = default;
+Buffer::~Buffer() = default;
+Buffer::Buffer(Buffer&&) noexcept = default;
+Buffer& Buffer::operator=(Buffer&&) noexcept = default;
+
+Buffer makeStaticBuffer(Context& context, std::string name, std::span<const std::byte> bytes) {
+  Buffer buffer(context, name, bytes.size(), Domain::kDevice);
+  if (bytes.empty()) return buffer;
+  if (!buffer.mapped().empty()) {
+    std::memcpy(buffer.mapped().data(), bytes.data(), bytes.size());
+    return buffer;
+  }
+  const Buffer staging(context, name + " staging", bytes.size(), Domain::kUpload);
+  std::memcpy(staging.mapped().data(), bytes.data(), bytes.size());
+  Commands upload(context, "upload " + name);
+  upload.copy(staging, buffer, bytes.size());
+  upload.barrier(Access::kCopy, Access::kKernel);
+  upload.end();
+  upload.submit();
+  upload.wait();
+  return buffer;
+}
+
+}  // namespace taxelsim::gpu

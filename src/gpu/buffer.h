@@ -1,0 +1,58 @@
+// One buffer with memory of its own.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "gpu/context.h"
+
+namespace taxelsim::gpu {
+
+// Where the bytes live and who touches them.
+enum class Domain {
+  kDevice,    // written and read by kernels; mapped where device memory is host-cached (CPU devices, many integrated ones)
+  kUpload,    // written by the host, read by kernels or copied from; always mapped
+  kReadback,  // written by copies, read by the host; always mapped
+};
+
+class Buffer {
+ public:
+  Buffer();
+  // Contents are zero. Throws Error(kDevice), naming buffer and size, when memory runs out.
+  Buffer(Context& context, std::string name, std::size_t bytes, Domain domain);
+  ~Buffer();
+  Buffer(Buffer&&) noexcept;
+  Buffer& operator=(Buffer&&) noexcept;
+
+  const std::string& name() const { return name_; }
+  std::size_t size() const { return bytes_; }
+
+  // The bytes on the host, coherent with the device once a fence has been waited for; empty where the memory is not mapped.
+  std::span<std::byte> mapped() const { return mapped_; }
+
+  template <typename T>
+  std::span<T> mappedAs() const {
+    return {reinterpret_cast<T*>(mapped_.data()), mapped_.size() / sizeof(T)};
+  }
+
+  struct Vulkan;
+  Vulkan& vulkan() const { return *vulkan_; }
+
+ private:
+  std::unique_ptr<Vulkan> vulkan_;
+  std::string name_;
+  std::size_t bytes_ = 0;
+  std::span<std::byte> mapped_;
+};
+
+// A device buffer filled once from the host; waits.
+Buffer makeStaticBuffer(Context& context, std::string name, std::span<const std::byte> bytes);
+
+template <typename T>
+Buffer makeStaticBuffer(Context& context, std::string name, std::span<const T> values) {
+  return makeStaticBuffer(context, std::move(name), std::as_bytes(values));
+}
+
+}  // namespace taxelsim::gpu

@@ -1,0 +1,165 @@
+#include "gpu/commands.h"
+
+#include <limits>
+#include <stdexcept>
+
+#include "gpu/vulkan_buffer.h"
+
+namespace taxelsim::gpu {
+namespace {
+
+// Vulkan's guaranteed limit per dimension, and that of nearly every device.
+constexpr std::uint32_t kMaxGroupsPerDimension = 65535;
+constexpr std::uint32_t kMaxSets = 256;
+
+vk::PipelineStageFlags stageOf(Access access) {
+  switch (access) {
+    case Access::kKernel: return vk::PipelineStageFlagBits::eComputeShader;
+    case Access::kCopy: return vk::PipelineStageFlagBits::eTransfer;
+    default: return vk::PipelineStageFlagBits::eHost;
+  }
+}
+
+vk::AccessFlags written(Access access) {
+  switch (access) {
+    case Access::kKernel: return vk::AccessFlagBits::eShaderWrite;
+    case Access::kCopy: return vk::AccessFlagBits::eTransferWrite;
+    case Access::kHostWrite: return vk::AccessFlagBits::eHostWrite;
+    default: return {};
+  }
+}
+
+vk::AccessFlags used(Access access) {
+  switch (access) {
+    case Access::kKernel: return vk::AccessFlagBits::eShaderRead | vk::AccessFlagBits::eShaderWrite;
+    case Access::kCopy: return vk::AccessFlagBits::eTransferRead | vk::AccessFlagBits::eTransferWrite;
+    case Access::kHostRead: return vk::AccessFlagBits::eHostRead;
+    default: return {};
+  }
+}
+
+}  // namespace
+
+struct Commands::Vulkan {
+  Vulkan(Context& of, std::string with_name) : context(of), name(std::move(with_name)) {}
+
+  Context& context;
+  std::string name;
+  vk::raii::DescriptorPool descriptors = nullptr;
+  std::vector<vk::raii::DescriptorSet> sets;
+  vk::raii::CommandPool pool = nullptr;
+  vk::raii::CommandBuffer commands = nullptr;
+  vk::raii::Fence fence = nullptr;
+  vk::raii::QueryPool queries = nullptr;
+  std::uint32_t num_timestamps = 0;
+  std::vector<std::uint64_t> ticks;
+  bool submitted = false;
+};
+
+Commands::Commands(Context& context, std::string name, std::uint32_t num_timestamps) : vulkan_(std::make_unique<Vulkan>(context, std::move(name))) {
+  Context::Vulkan& vk_context = context.vulkan();
+  checked("recording " + vulkan_->name, "", [&] {
+    const vk::DescriptorPoolSize size(vk::DescriptorType::eStorageBuffer, kMaxSets * 16);
+    vulkan_->descriptors = vk_context.device.createDescriptorPool({vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, kMaxSets, size});
+    vulkan_->pool = vk_context.device.createCommandPool({{}, vk_context.queue_family});
+    vulkan_->commands =
+        std::move(vk::raii::CommandBuffers(vk_context.device, {*vulkan_->pool, vk::CommandBufferLevel::ePrimary, 1}).front());
+    vulkan_->fence = vk_context.device.createFence({});
+    vk_context.name(vulkan_->commands, vulkan_->name);
+    vulkan_->commands.begin(vk::CommandBufferBeginInfo());
+    if (num_timestamps > 0 && vk_context.timestamp_bits > 0) {
+      vulkan_->num_timestamps = num_timestamps;
+      vulkan_->queries = vk_context.device.createQueryPool({{}, vk::QueryType::eTimestamp, num_timestamps});
+      vulkan_->commands.resetQueryPool(*vulkan_->queries, 0, num_timestamps);
+    }
+  });
+}
+
+Commands::~Commands() {
+  if (vulkan_ == nullptr || !vulkan_->submitted) return;
+  try {
+    wait();
+  } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): a destructor has nobody to tell
+  }
+}
+
+Commands::Commands(Commands&&) noexcept = default;
+Commands& Commands::operator=(Commands&&) noexcept = default;
+
+void Commands::dispatch(const Kernel& kernel, std::uint32_t num_groups, std::initializer_list<const Buffer*> buffers) {
+  if (buffers.size() != kernel.numBuffers()) throw std::logic_error("kernel \"" + kernel.name() + "\": wrong number of buffers bound");
+  if (num_groups == 0) return;
+  Context::Vulkan& vk_context = vulkan_->context.vulkan();
+  checked("recording " + kernel.name(), "", [&] {
+    const Kernel::Vulkan& vk_kernel = kernel.vulkan();
+    vk::raii::DescriptorSet set = std::move(vk::raii::DescriptorSets(vk_context.device, {*vulkan_->descriptors, *vk_kernel.set_layout}).front());
+    std::vector<vk::DescriptorBufferInfo> infos;
+    infos.reserve(buffers.size());
+    std::vector<vk::WriteDescriptorSet> writes;
+    for (const Buffer* buffer : buffers) {
+      infos.emplace_back(*buffer->vulkan().buffer, 0, VK_WHOLE_SIZE);
+      writes.emplace_back(*set, static_cast<std::uint32_t>(writes.size()), 0, 1, vk::DescriptorType::eStorageBuffer, nullptr, &infos.back());
+    }
+    vk_context.device.updateDescriptorSets(writes, {});
+    vulkan_->commands.bindPipeline(vk::PipelineBindPoint::eCompute, *vk_kernel.pipeline);
+    vulkan_->commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *vk_kernel.layout, 0, *set, {});
+    const std::uint32_t columns = std::min(num_groups, kMaxGroupsPerDimension);
+    vulkan_->commands.dispatch(columns, (num_groups + columns - 1) / columns, 1);
+    vulkan_->sets.push_back(std::move(set));
+  });
+}
+
+void Commands::barrier(Access before, Access after) {
+  const vk::MemoryBarrier memory(written(before), used(after));
+  vulkan_->commands.pipelineBarrier(stageOf(before), stageOf(after), {}, memory, {}, {});
+}
+
+void Commands::copy(const Buffer& from, const Buffer& to, std::size_t bytes) {
+  vulkan_->commands.copyBuffer(*from.vulkan().buffer, *to.vulkan().buffer, vk::BufferCopy(0, 0, bytes));
+}
+
+void Commands::fillZero(const Buffer& buffer) { vulkan_->commands.fillBuffer(*buffer.vulkan().buffer, 0, VK_WHOLE_SIZE, 0); }
+
+void Commands::timestamp(std::uint32_t mark) {
+  if (vulkan_->num_timestamps == 0) return;
+  vulkan_->commands.writeTimestamp(vk::PipelineStageFlagBits::eBottomOfPipe, *vulkan_->queries, mark);
+}
+
+void Commands::end() {
+  checked("recording " + vulkan_->name, "", [&] { vulkan_->commands.end(); });
+}
+
+void Commands::submit() {
+  if (vulkan_->submitted) throw std::logic_error(vulkan_->name + ": submitted twice without wait()");
+  Context::Vulkan& vk_context = vulkan_->context.vulkan();
+  checked("submitting " + vulkan_->name, "", [&] {
+    const std::lock_guard lock(vk_context.queue_mutex);
+    vk_context.queue.submit(vk::SubmitInfo({}, {}, *vulkan_->commands), *vulkan_->fence);
+  });
+  vulkan_->submitted = true;
+}
+
+void Commands::wait() {
+  if (!vulkan_->submitted) return;
+  Context::Vulkan& vk_context = vulkan_->context.vulkan();
+  vulkan_->submitted = false;
+  checked(vulkan_->name, "", [&] {
+    const vk::Result result = vk_context.device.waitForFences(*vulkan_->fence, true, std::numeric_limits<std::uint64_t>::max());
+    if (result != vk::Result::eSuccess) vk::throwResultException(result, "waitForFences");
+    vk_context.device.resetFences(*vulkan_->fence);
+    if (vulkan_->num_timestamps > 0) {
+      vulkan_->ticks = vulkan_->queries
+                           .getResults<std::uint64_t>(0, vulkan_->num_timestamps, vulkan_->num_timestamps * sizeof(std::uint64_t),
+                                                      sizeof(std::uint64_t), vk::QueryResultFlagBits::e64)
+                           .second;
+    }
+  });
+  vulkan_->context.throwOnValidationMessage();
+}
+
+double Commands::seconds(std::uint32_t from, std::uint32_t to) const {
+  if (vulkan_->ticks.empty()) return std::numeric_limits<double>::quiet_NaN();
+  return static_cast<double>(vulkan_->ticks[to] - vulkan_->ticks[from]) * vulkan_->context.vulkan().timestamp_period;
+}
+
+}  // namespace taxelsim::gpu

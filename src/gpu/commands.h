@@ -1,0 +1,48 @@
+// A list of device commands, recorded once and submitted as often as wanted.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <initializer_list>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gpu/buffer.h"
+#include "gpu/kernel.h"
+
+namespace taxelsim::gpu {
+
+// What was done before a barrier must be visible to what is done after it.
+enum class Access { kHostWrite, kKernel, kCopy, kHostRead };
+
+class Commands {
+ public:
+  // Begins recording. `num_timestamps` marks can be set.
+  Commands(Context& context, std::string name, std::uint32_t num_timestamps = 0);
+  ~Commands();
+  Commands(Commands&&) noexcept;
+  Commands& operator=(Commands&&) noexcept;
+
+  // One workgroup per unit of work: `num_groups` of them, folded into two dimensions where one holds too few; kernels find their number with
+  // workgroupNumber() of shaders/lib/workgroup.glsl. Buffers by binding.
+  void dispatch(const Kernel& kernel, std::uint32_t num_groups, std::initializer_list<const Buffer*> buffers);
+  void barrier(Access before, Access after);
+  void copy(const Buffer& from, const Buffer& to, std::size_t bytes);
+  void fillZero(const Buffer& buffer);
+  void timestamp(std::uint32_t mark);
+  void end();
+
+  // Starts them on the device; does not wait. The same list must not be submitted again before wait().
+  void submit();
+  // Waits for the last submit(), if any. Throws Error(kDevice) when the device was lost or validation complained.
+  void wait();
+  // Seconds from mark `from` to mark `to` of the last run waited for; NaN where the device has no clock.
+  double seconds(std::uint32_t from, std::uint32_t to) const;
+
+ private:
+  struct Vulkan;
+  std::unique_ptr<Vulkan> vulkan_;
+};
+
+}  // namespace taxelsim::gpu

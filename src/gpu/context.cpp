@@ -1,0 +1,207 @@
+#include "gpu/context.h"
+
+#include <spdlog/spdlog.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "gpu/vulkan.h"
+#include "taxelsim/error.h"
+#include "taxelsim/version.h"
+
+namespace taxelsim::gpu {
+namespace {
+
+constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
+
+bool environmentFlag(const char* name) {
+  const char* value = std::getenv(name);
+  return value != nullptr && std::string(value) != "0" && std::string(value) != "";
+}
+
+VKAPI_ATTR VkBool32 VKAPI_CALL onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT severity, VkDebugUtilsMessageTypeFlagsEXT,
+                                         const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
+  auto& vulkan = *static_cast<Context::Vulkan*>(user);
+  const std::string message = data->pMessage;
+  if (severity >= VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT) {
+    spdlog::error("validation: {}", message);
+    const std::lock_guard lock(vulkan.message_mutex);
+    if (vulkan.first_message.empty()) vulkan.first_message = message;
+  }
+  return VK_FALSE;
+}
+
+std::filesystem::path cacheFile(const DeviceInfo& info) {
+  std::filesystem::path root;
+  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache != nullptr && *cache != '\0') {
+    root = cache;
+  } else if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0') {
+    root = std::filesystem::path(home) / ".cache";
+  } else {
+    return {};
+  }
+  return root / "taxelsim" / ("pipelines-" + info.uuid + "-" + kVersion + ".bin");
+}
+
+std::vector<std::uint8_t> readFile(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+vk::raii::Instance makeInstance(const vk::raii::Context& loader, bool validation) {
+  const vk::ApplicationInfo application("taxelsim", VK_MAKE_VERSION(TAXELSIM_VERSION_MAJOR, TAXELSIM_VERSION_MINOR, TAXELSIM_VERSION_PATCH),
+                                        nullptr, 0, VK_API_VERSION_1_2);
+  std::vector<const char*> layers;
+  std::vector<const char*> extensions;
+  const std::array<vk::ValidationFeatureEnableEXT, 1> enables{vk::ValidationFeatureEnableEXT::eSynchronizationValidation};
+  const vk::ValidationFeaturesEXT features(enables, {});
+  vk::InstanceCreateInfo create({}, &application);
+  if (validation) {
+    bool found = false;
+    for (const vk::LayerProperties& layer : loader.enumerateInstanceLayerProperties()) {
+      found = found || std::string_view(layer.layerName) == kValidationLayer;
+    }
+    if (!found) throw Error(ErrorKind::kDevice, "validation was asked for, but the Khronos validation layer is not installed");
+    layers.push_back(kValidationLayer);
+    extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+    create.pNext = &features;
+  }
+  create.setPEnabledLayerNames(layers);
+  create.setPEnabledExtensionNames(extensions);
+  return {loader, create};
+}
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+bool matches(const DeviceInfo& info, const std::string& wanted) {
+  if (wanted.empty()) return true;
+  if (wanted == "discrete") return info.type == DeviceType::kDiscrete;
+  if (wanted == "integrated") return info.type == DeviceType::kIntegrated;
+  if (wanted == "cpu") return info.type == DeviceType::kCpu;
+  if (wanted.find_first_not_of("0123456789") == std::string::npos) return std::to_string(info.index) == wanted;
+  return lower(info.name).find(lower(wanted)) != std::string::npos;
+}
+
+std::string listNames(const std::vector<DeviceInfo>& infos) {
+  std::string names;
+  for (const DeviceInfo& info : infos) names += (names.empty() ? "" : ", ") + std::to_string(info.index) + ": " + info.name;
+  return names.empty() ? "none" : names;
+}
+
+}  // namespace
+
+void throwDeviceError(const vk::SystemError& error, const std::string& what, const std::string& advice) {
+  const auto result = static_cast<vk::Result>(error.code().value());
+  if (result == vk::Result::eErrorOutOfDeviceMemory || result == vk::Result::eErrorOutOfHostMemory) {
+    throw Error(ErrorKind::kDevice, "out of memory: " + what + (advice.empty() ? "" : "; " + advice));
+  }
+  if (result == vk::Result::eErrorDeviceLost) {
+    throw Error(ErrorKind::kDevice, "the device was lost during " + what +
+                                        "; its work is gone: open it again, and if it happens again use smaller batches or another device");
+  }
+  throw Error(ErrorKind::kDevice, what + " failed: " + vk::to_string(result));
+}
+
+Context::Context(const DeviceOptions& options) : vulkan_(std::make_unique<Vulkan>()) {
+  const bool validation = options.validation || environmentFlag("TAXELSIM_VALIDATION");
+  subgroup_operations_ = options.subgroup_operations && !environmentFlag("TAXELSIM_NO_SUBGROUPS");
+  Vulkan& vulkan = *vulkan_;
+  checked("opening Vulkan", "", [&] { vulkan.instance = makeInstance(vulkan.loader, validation); });
+  if (validation) {
+    using Severity = vk::DebugUtilsMessageSeverityFlagBitsEXT;
+    using Type = vk::DebugUtilsMessageTypeFlagBitsEXT;
+    vulkan.debug_names = true;
+    vulkan.messenger = vulkan.instance.createDebugUtilsMessengerEXT(
+        {{}, Severity::eWarning | Severity::eError, Type::eValidation | Type::ePerformance, onMessage, vulkan_.get()});
+  }
+
+  std::vector<vk::raii::PhysicalDevice> handles;
+  const std::vector<DeviceInfo> infos = describeDevices(vulkan.instance, &handles);
+  std::string wanted = options.device;
+  std::string source = "--device";
+  if (wanted.empty()) {
+    if (const char* environment = std::getenv("TAXELSIM_DEVICE")) wanted = environment;
+    source = "TAXELSIM_DEVICE";
+  }
+  const DeviceInfo* chosen = nullptr;
+  for (const DeviceInfo& info : infos) {
+    if (chosen == nullptr && matches(info, wanted)) chosen = &info;
+  }
+  if (chosen == nullptr) {
+    throw Error(ErrorKind::kDevice, infos.empty() ? "no Vulkan 1.2 device with a compute queue; install a driver (mesa-vulkan-drivers has one for CPUs)"
+                                                  : source + ": no device matches \"" + wanted + "\"; there is " + listNames(infos));
+  }
+  info_ = *chosen;
+  vulkan.physical = handles[static_cast<std::size_t>(chosen - infos.data())];
+
+  const std::vector<vk::QueueFamilyProperties> families = vulkan.physical.getQueueFamilyProperties();
+  // A family for compute alone, where there is one, does not wait behind a desktop's graphics.
+  for (const bool dedicated : {false, true}) {
+    for (std::uint32_t i = 0; i < families.size(); ++i) {
+      const bool graphics = static_cast<bool>(families[i].queueFlags & vk::QueueFlagBits::eGraphics);
+      if ((families[i].queueFlags & vk::QueueFlagBits::eCompute) && (!dedicated || !graphics)) {
+        vulkan.queue_family = i;
+        vulkan.timestamp_bits = families[i].timestampValidBits;
+        break;
+      }
+    }
+  }
+  vulkan.timestamp_period = static_cast<double>(vulkan.physical.getProperties().limits.timestampPeriod) * 1e-9;
+  const float priority = 1;
+  const vk::DeviceQueueCreateInfo queue({}, vulkan.queue_family, 1, &priority);
+  checked("opening device " + info_.name, "", [&] {
+    vulkan.device = vk::raii::Device(vulkan.physical, vk::DeviceCreateInfo({}, queue));
+    vulkan.queue = vulkan.device.getQueue(vulkan.queue_family, 0);
+    const std::filesystem::path file = cacheFile(info_);
+    const std::vector<std::uint8_t> bytes = file.empty() ? std::vector<std::uint8_t>() : readFile(file);
+    vulkan.pipeline_cache = vulkan.device.createPipelineCache({{}, bytes.size(), bytes.data()});
+  });
+  spdlog::info("device {}: {} ({})", info_.index, info_.name, info_.driver);
+}
+
+Context::~Context() { savePipelineCache(); }
+
+void Context::savePipelineCache() {
+  if (!vulkan_->pipelines_changed.exchange(false)) return;
+  const std::filesystem::path file = cacheFile(info_);
+  if (file.empty()) return;
+  try {
+    const std::vector<std::uint8_t> bytes = vulkan_->pipeline_cache.getData();
+    std::filesystem::create_directories(file.parent_path());
+    // Renamed into place, so that two processes never see each other's half.
+    const std::filesystem::path temporary = file.string() + "." + std::to_string(std::hash<const void*>()(this)) + ".tmp";
+    std::ofstream(temporary, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    std::filesystem::rename(temporary, file);
+  } catch (const std::exception& error) {
+    spdlog::debug("pipeline cache not saved: {}", error.what());
+  }
+}
+
+void Context::throwOnValidationMessage() {
+  const std::lock_guard lock(vulkan_->message_mutex);
+  if (vulkan_->first_message.empty()) return;
+  const std::string message = std::exchange(vulkan_->first_message, {});
+  throw Error(ErrorKind::kDevice, "validation: " + message);
+}
+
+}  // namespace taxelsim::gpu
+
+namespace taxelsim {
+
+std::vector<DeviceInfo> listDevices() {
+  return gpu::checked("opening Vulkan", "", [] {
+    const vk::raii::Context loader;
+    const vk::raii::Instance instance = gpu::makeInstance(loader, false);
+    return gpu::describeDevices(instance, nullptr);
+  });
+}
+
+Device Device::open(const DeviceOptions& options) { return Device(std::make_shared<gpu::Context>(options)); }
+
+const DeviceInfo& Device::info() const { return context_->info(); }
+
+}  // namespace taxelsim

@@ -1,0 +1,40 @@
+// An open Vulkan device with one compute queue: the root of everything in this folder. Knows nothing of tactile sensing, and its headers show no
+// Vulkan type, so that the layers above compile without it.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "taxelsim/device.h"
+
+namespace taxelsim::gpu {
+
+class Context {
+ public:
+  explicit Context(const DeviceOptions& options);
+  ~Context();
+  Context(const Context&) = delete;
+  Context& operator=(const Context&) = delete;
+
+  const DeviceInfo& info() const { return info_; }
+  bool subgroupOperations() const { return subgroup_operations_; }
+
+  // Writes the pipeline cache to disk if new pipelines were made; called by the owner of the last pipeline of a batch of them. Errors are logged
+  // only: a cache is never worth a failure.
+  void savePipelineCache();
+
+  // Throws Error(kDevice) with the first validation message since the last call, if there was any.
+  void throwOnValidationMessage();
+
+  struct Vulkan;  // gpu/vulkan.h, for this folder alone
+  Vulkan& vulkan() { return *vulkan_; }
+
+ private:
+  std::unique_ptr<Vulkan> vulkan_;
+  DeviceInfo info_;
+  bool subgroup_operations_ = true;
+};
+
+}  // namespace taxelsim::gpu

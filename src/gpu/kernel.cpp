@@ -1,0 +1,67 @@
+#include "gpu/kernel.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "gpu/reflection.h"
+#include "gpu/vulkan_buffer.h"
+
+namespace taxelsim::gpu {
+namespace {
+
+void checkInterface(const KernelOptions& options, const Reflection& reflection) {
+  const std::string where = "kernel \"" + options.name + "\": ";
+  if (!reflection.others.empty()) throw std::logic_error(where + "resource \"" + reflection.others.front() + "\" is no storage buffer of set 0");
+  for (std::size_t i = 0; i < options.buffers.size(); ++i) {
+    const auto found = reflection.buffers.find(static_cast<std::uint32_t>(i));
+    const std::string shader_name = found == reflection.buffers.end() ? "nothing" : "\"" + found->second + "\"";
+    if (found == reflection.buffers.end() || found->second != options.buffers[i]) {
+      throw std::logic_error(where + "binding " + std::to_string(i) + " is declared as \"" + options.buffers[i] + "\", the shader has " + shader_name);
+    }
+  }
+  if (reflection.buffers.size() != options.buffers.size()) {
+    throw std::logic_error(where + "the shader has " + std::to_string(reflection.buffers.size()) + " buffers, " +
+                           std::to_string(options.buffers.size()) + " are declared");
+  }
+  std::vector<std::uint32_t> ids;
+  for (const Constant& constant : options.constants) ids.push_back(constant.id);
+  std::sort(ids.begin(), ids.end());
+  if (ids != reflection.constants) throw std::logic_error(where + "specialization constants differ from the shader's");
+}
+
+}  // namespace
+
+Kernel::Kernel(Context& context, const KernelOptions& options)
+    : vulkan_(std::make_unique<Vulkan>()), name_(options.name), num_buffers_(options.buffers.size()) {
+  checkInterface(options, reflect(options.spirv));
+  Context::Vulkan& vk_context = context.vulkan();
+  checked("building kernel " + name_, "", [&] {
+    std::vector<vk::DescriptorSetLayoutBinding> bindings;
+    for (std::uint32_t i = 0; i < num_buffers_; ++i) {
+      bindings.emplace_back(i, vk::DescriptorType::eStorageBuffer, 1, vk::ShaderStageFlagBits::eCompute);
+    }
+    vulkan_->set_layout = vk_context.device.createDescriptorSetLayout({{}, bindings});
+    vulkan_->layout = vk_context.device.createPipelineLayout({{}, *vulkan_->set_layout});
+    const vk::raii::ShaderModule module = vk_context.device.createShaderModule({{}, options.spirv.size_bytes(), options.spirv.data()});
+
+    std::vector<vk::SpecializationMapEntry> entries;
+    std::vector<std::uint32_t> values;
+    for (const Constant& constant : options.constants) {
+      entries.emplace_back(constant.id, static_cast<std::uint32_t>(values.size() * sizeof(std::uint32_t)), sizeof(std::uint32_t));
+      values.push_back(constant.value);
+    }
+    const vk::SpecializationInfo specialization(static_cast<std::uint32_t>(entries.size()), entries.data(), values.size() * sizeof(std::uint32_t),
+                                                values.data());
+    const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main", &specialization);
+    vulkan_->pipeline = vk_context.device.createComputePipeline(vk_context.pipeline_cache, {{}, stage, *vulkan_->layout});
+    vk_context.name(vulkan_->pipeline, name_);
+  });
+  vk_context.pipelines_changed = true;
+}
+
+Kernel::Kernel() = default;
+Kernel::~Kernel() = default;
+Kernel::Kernel(Kernel&&) noexcept = default;
+Kernel& Kernel::operator=(Kernel&&) noexcept = default;
+
+}  // namespace taxelsim::gpu

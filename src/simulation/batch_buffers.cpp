@@ -1,0 +1,103 @@
+#include "simulation/batch_buffers.h"
+
+#include <algorithm>
+
+#include "taxelsim/error.h"
+
+namespace taxelsim {
+namespace {
+
+// Bytes of one instance in every array.
+struct InstanceBytes {
+  InstanceBytes(const Model::Impl& model, const SimulatorOptions& options) {
+    const std::uint64_t taxels = model.packed.sensor.counts.x;
+    const std::uint64_t num_tiles = model.packed.tiles.size();
+    poses = sizeof(layout::PoseRecord) * static_cast<std::uint64_t>(options.num_slots);
+    state = model.has_state ? 4 * num_tiles * model.packed.max_tile_samples : 0;
+    taxel_scalar = 4 * taxels;
+    depth = options.outputs.penetration_depth ? 4 * taxels : 0;
+    shear = options.outputs.tactile_shear_force ? 8 * taxels : 0;
+    tiles = sizeof(layout::TileResult) * num_tiles;
+  }
+
+  std::uint64_t poses, state, taxel_scalar, depth, shear, tiles;
+  std::uint64_t instances = sizeof(layout::InstanceRecord);
+  std::uint64_t loads = sizeof(layout::LoadRecord);
+  std::uint64_t features = 4 * layout::kNumFeatures;
+
+  // contact_normal, spread_normal and the image have a scalar per taxel.
+  std::uint64_t total() const { return poses + state + 3 * taxel_scalar + depth + 2 * shear + tiles + instances + loads + features; }
+  std::uint64_t readBack() const { return 2 * taxel_scalar + depth + shear + features; }
+  std::uint64_t largest() const { return std::max({poses, state, taxel_scalar, shear, tiles, instances, features}); }
+};
+
+// Part of the device's memory that a batch may take; the rest is the driver's and other programs'.
+constexpr double kMemoryShare = 0.9;
+
+}  // namespace
+
+MemoryPlan planBatch(const Model::Impl& model, const SimulatorOptions& options) {
+  const InstanceBytes bytes(model, options);
+  const DeviceInfo& info = model.device.info();
+  MemoryPlan plan;
+  plan.bytes_per_instance = bytes.total() + (info.type == DeviceType::kDiscrete ? bytes.readBack() : 0);
+  plan.bytes_fixed = model.static_bytes + sizeof(layout::StepRecord);
+  const auto memory = static_cast<std::uint64_t>(static_cast<double>(info.memory) * kMemoryShare);
+  const std::uint64_t by_memory = memory > plan.bytes_fixed ? (memory - plan.bytes_fixed) / plan.bytes_per_instance : 0;
+  const std::uint64_t by_buffer = info.max_buffer / bytes.largest();
+  // Workgroup numbers are 32-bit.
+  const std::uint64_t by_number = 0xFFFFFFFFu / std::max<std::uint64_t>(1, model.packed.tiles.size());
+  plan.max_instances = std::min({by_memory, by_buffer, by_number, std::uint64_t{0x7FFFFFFF}});
+  return plan;
+}
+
+void checkBatchFits(const Model::Impl& model, const SimulatorOptions& options) {
+  if (options.num_instances < 1) {
+    throw Error(ErrorKind::kInput, "num_instances: " + std::to_string(options.num_instances) + " is not allowed: at least 1");
+  }
+  if (options.num_slots < 1 || options.num_slots > kMaxSlots) {
+    throw Error(ErrorKind::kInput, "num_slots: " + std::to_string(options.num_slots) + " is not allowed: 1 to " + std::to_string(kMaxSlots));
+  }
+  const MemoryPlan plan = planBatch(model, options);
+  if (static_cast<std::uint64_t>(options.num_instances) <= plan.max_instances) return;
+  throw Error(ErrorKind::kInput, "a batch of " + std::to_string(options.num_instances) + " instances of " + std::to_string(plan.bytes_per_instance) +
+                                     " bytes does not fit into device \"" + model.device.info().name + "\": at most " +
+                                     std::to_string(plan.max_instances) + " do");
+}
+
+BatchBuffers::BatchBuffers(const Model::Impl& model, const SimulatorOptions& options) {
+  const InstanceBytes bytes(model, options);
+  gpu::Context& context = model.device.context();
+  const auto n = static_cast<std::uint64_t>(options.num_instances);
+  const auto make = [&](const char* name, std::uint64_t per_instance, gpu::Domain domain) {
+    return gpu::Buffer(context, name, n * per_instance, domain);
+  };
+  const auto make_readable = [&](const char* name, std::uint64_t per_instance) {
+    ReadableBuffer buffer{make(name, per_instance, gpu::Domain::kDevice), {}};
+    if (buffer.copied()) buffer.readback = make((std::string(name) + " readback").c_str(), per_instance, gpu::Domain::kReadback);
+    return buffer;
+  };
+  poses = make("poses", bytes.poses, gpu::Domain::kUpload);
+  instances = make("instances", bytes.instances, gpu::Domain::kUpload);
+  loads = make("loads", bytes.loads, gpu::Domain::kUpload);
+  step = gpu::Buffer(context, "step", sizeof(layout::StepRecord), gpu::Domain::kUpload);
+  state = make("contact state", bytes.state, gpu::Domain::kDevice);
+  contact_normal = make("contact_normal", bytes.taxel_scalar, gpu::Domain::kDevice);
+  contact_shear = make("contact_shear", bytes.shear, gpu::Domain::kDevice);
+  tile_results = make("tile_results", bytes.tiles, gpu::Domain::kDevice);
+  contact_depth = make_readable("penetration_depth", bytes.depth);
+  image = make_readable("tactile_image", bytes.taxel_scalar);
+  spread_normal = make_readable("tactile_normal_force", bytes.taxel_scalar);
+  spread_shear = make_readable("tactile_shear_force", bytes.shear);
+  features = make_readable("features", bytes.features);
+}
+
+std::vector<ReadableBuffer*> BatchBuffers::readable(const OutputOptions& outputs) {
+  std::vector<ReadableBuffer*> list{&image, &features};
+  if (outputs.tactile_normal_force) list.push_back(&spread_normal);
+  if (outputs.tactile_shear_force) list.push_back(&spread_shear);
+  if (outputs.penetration_depth) list.push_back(&contact_depth);
+  return list;
+}
+
+}  // namespace taxelsim

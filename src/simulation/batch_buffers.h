@@ -1,0 +1,39 @@
+// The device memory of one batch: every array that has a row per instance.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "gpu/buffer.h"
+#include "simulation/model_impl.h"
+#include "taxelsim/simulator.h"
+
+namespace taxelsim {
+
+// A device array and, where its memory cannot be seen by the host, the place it is copied to.
+struct ReadableBuffer {
+  gpu::Buffer device;
+  gpu::Buffer readback;
+
+  bool copied() const { return device.mapped().empty(); }
+  template <typename T>
+  std::span<const T> read() const {
+    return copied() ? readback.mappedAs<T>() : device.mappedAs<T>();
+  }
+};
+
+struct BatchBuffers {
+  BatchBuffers(const Model::Impl& model, const SimulatorOptions& options);
+
+  gpu::Buffer poses, instances, step, loads;                                  // from the host
+  gpu::Buffer state, contact_normal, contact_shear, tile_results;             // stay on the device
+  ReadableBuffer contact_depth, image, spread_normal, spread_shear, features;  // come back
+  std::vector<ReadableBuffer*> readable(const OutputOptions& outputs);
+};
+
+MemoryPlan planBatch(const Model::Impl& model, const SimulatorOptions& options);
+
+// Throws Error(kInput) when the batch does not fit, with the size that does.
+void checkBatchFits(const Model::Impl& model, const SimulatorOptions& options);
+
+}  // namespace taxelsim

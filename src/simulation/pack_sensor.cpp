@@ -1,0 +1,161 @@
+#include "simulation/pack_sensor.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+namespace taxelsim {
+namespace {
+
+glm::vec4 row(const std::array<double, 9>& rotation, const Vector3& position, std::size_t i) {
+  return {static_cast<float>(rotation[3 * i]), static_cast<float>(rotation[3 * i + 1]), static_cast<float>(rotation[3 * i + 2]),
+          static_cast<float>(position[i])};
+}
+
+// Cuts a patch into near-square tiles of whole taxels, as even as they come.
+void addTiles(const GridPatch& patch, std::uint32_t patch_number, std::uint32_t max_taxels, std::vector<layout::TileRecord>& tiles) {
+  const auto rows = static_cast<std::uint32_t>(patch.num_rows);
+  const auto cols = static_cast<std::uint32_t>(patch.num_cols);
+  std::uint32_t tile_rows = rows;
+  std::uint32_t tile_cols = cols;
+  if (rows * cols > max_taxels) {
+    const auto side = static_cast<std::uint32_t>(std::sqrt(static_cast<double>(max_taxels)));
+    tile_cols = std::min(cols, std::max(side, max_taxels / rows));
+    tile_rows = std::min(rows, max_taxels / tile_cols);
+  }
+  const std::uint32_t down = (rows + tile_rows - 1) / tile_rows;
+  const std::uint32_t across = (cols + tile_cols - 1) / tile_cols;
+  for (std::uint32_t i = 0; i < down; ++i) {
+    for (std::uint32_t j = 0; j < across; ++j) {
+      const std::uint32_t row0 = rows * i / down;
+      const std::uint32_t col0 = cols * j / across;
+      tiles.push_back({{patch_number, row0, col0, 0u}, {rows * (i + 1) / down - row0, cols * (j + 1) / across - col0, 0u, 0u}});
+    }
+  }
+}
+
+struct Entry {
+  std::uint32_t source;
+  double weight;
+};
+
+// For every taxel, the sources that reach it; paper eq. (1), each source's weights summing to 1 unless the kernel is taken as it is.
+std::vector<std::vector<Entry>> spreadEntries(const Sensor& sensor) {
+  const int radius = sensor.psf.size / 2;
+  const auto kernel = [&](int a, int b) { return sensor.psf.kernel[static_cast<std::size_t>((a + radius) * sensor.psf.size + b + radius)]; };
+  std::vector<std::vector<Entry>> entries(static_cast<std::size_t>(numTaxels(sensor)));
+  int first = 0;
+  for (const GridPatch& patch : sensor.patches) {
+    for (int i = 0; i < patch.num_rows; ++i) {
+      for (int j = 0; j < patch.num_cols; ++j) {
+        const int a_first = std::max(-radius, -i), a_last = std::min(radius, patch.num_rows - 1 - i);
+        const int b_first = std::max(-radius, -j), b_last = std::min(radius, patch.num_cols - 1 - j);
+        double sum = 0;
+        for (int a = a_first; a <= a_last; ++a) {
+          for (int b = b_first; b <= b_last; ++b) sum += kernel(a, b);
+        }
+        const double scale = sensor.psf.normalization == Psf::Normalization::kNone ? 1 : sum > 0 ? 1 / sum : 0;
+        const auto source = static_cast<std::uint32_t>(first + i * patch.num_cols + j);
+        for (int a = a_first; a <= a_last; ++a) {
+          for (int b = b_first; b <= b_last; ++b) {
+            if (kernel(a, b) == 0) continue;
+            entries[static_cast<std::size_t>(first + (i + a) * patch.num_cols + j + b)].push_back({source, kernel(a, b) * scale});
+          }
+        }
+      }
+    }
+    first += patch.num_rows * patch.num_cols;
+  }
+  return entries;
+}
+
+std::vector<glm::vec2> packEntries(const std::vector<std::vector<Entry>>& entries, std::size_t per_taxel) {
+  std::vector<glm::vec2> packed(per_taxel * entries.size());
+  for (std::size_t t = 0; t < entries.size(); ++t) {
+    for (std::size_t e = 0; e < per_taxel; ++e) {
+      const Entry entry = e < entries[t].size() ? entries[t][e] : Entry{static_cast<std::uint32_t>(t), 0};
+      packed[e * entries.size() + t] = {std::bit_cast<float>(entry.source), static_cast<float>(entry.weight)};
+    }
+  }
+  return packed;
+}
+
+void packTaxels(const Sensor& sensor, bool one_patch, std::vector<layout::TaxelRecord>& taxels) {
+  const std::vector<Vector3> positions = taxelPositions(sensor);
+  const Pose X_CS = one_patch ? inverse(sensor.patches.front().X_SP) : Pose{};
+  std::size_t taxel = 0;
+  for (const GridPatch& patch : sensor.patches) {
+    const double area = patch.pitch[0] * patch.pitch[1];
+    for (int k = 0; k < patch.num_rows * patch.num_cols; ++k, ++taxel) {
+      const Vector3 p = X_CS * positions[taxel];
+      const double gain = sensor.readout.taxel_gain.empty() ? 1 : sensor.readout.taxel_gain[taxel];
+      const double trigger = sensor.readout.taxel_trigger.empty() ? sensor.readout.trigger : sensor.readout.taxel_trigger[taxel];
+      taxels.push_back({{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2]), static_cast<float>(area)},
+                        {static_cast<float>(gain), static_cast<float>(trigger), 0.0f, 0.0f}});
+    }
+  }
+}
+
+}  // namespace
+
+PackedSensor packSensor(const Sensor& sensor, std::uint32_t tile_samples) {
+  PackedSensor packed;
+  const auto samples = static_cast<std::uint32_t>(sensor.samples_per_taxel);
+  const auto num_taxels = static_cast<std::uint32_t>(numTaxels(sensor));
+  packed.one_patch = sensor.patches.size() == 1;
+  std::uint32_t first_taxel = 0;
+  double highest = -std::numeric_limits<double>::infinity();
+  double lowest = -highest;
+  for (const GridPatch& patch : sensor.patches) {
+    const Pose X_PS = inverse(patch.X_SP);
+    const std::array<double, 9> rotation = rotationMatrix(X_PS.rotation);
+    const double dx = patch.pitch[0] / samples;
+    const double dy = patch.pitch[1] / samples;
+    packed.patches.push_back({row(rotation, X_PS.position, 0), row(rotation, X_PS.position, 1), row(rotation, X_PS.position, 2),
+                              {static_cast<std::uint32_t>(patch.num_rows), static_cast<std::uint32_t>(patch.num_cols), first_taxel, 0u},
+                              {static_cast<float>(dx), static_cast<float>(dy), static_cast<float>(dx * dy), 0.0f}});
+    addTiles(patch, static_cast<std::uint32_t>(packed.patches.size()) - 1, std::max(1u, tile_samples / (samples * samples)), packed.tiles);
+    first_taxel += static_cast<std::uint32_t>(patch.num_rows * patch.num_cols);
+    for (const double sx : {-0.5, 0.5}) {
+      for (const double sy : {-0.5, 0.5}) {
+        const double z = (patch.X_SP * Vector3{sx * patch.num_rows * patch.pitch[0], sy * patch.num_cols * patch.pitch[1], 0})[2];
+        highest = std::max(highest, z);
+        lowest = std::min(lowest, z);
+      }
+    }
+  }
+  for (const layout::TileRecord& tile : packed.tiles) {
+    packed.max_tile_samples = std::max(packed.max_tile_samples, tile.size.x * tile.size.y * samples * samples);
+  }
+  packed.num_lanes = std::clamp(std::bit_ceil(num_taxels / 16), 8u, 64u);
+  packed.searches_in_tile = packed.tiles.size() == 1 && packed.patches.front().row2.z == 1.0f;
+  packTaxels(sensor, packed.one_patch, packed.taxels);
+
+  const std::vector<std::vector<Entry>> entries = spreadEntries(sensor);
+  std::size_t per_taxel = 0;
+  for (const std::vector<Entry>& list : entries) per_taxel = std::max(per_taxel, list.size());
+  packed.spread_entries = packEntries(entries, per_taxel);
+
+  layout::SensorRecord& record = packed.sensor;
+  const Winkler& law = std::get<Winkler>(sensor.skin.law);
+  const Readout& readout = sensor.readout;
+  record.counts = {num_taxels, static_cast<std::uint32_t>(packed.tiles.size()), static_cast<std::uint32_t>(per_taxel),
+                   static_cast<std::uint32_t>(readout.curve.size())};
+  record.skin = {static_cast<float>(sensor.skin.thickness), static_cast<float>(law.normal_contact_stiffness),
+                 static_cast<float>(law.normal_exponent), static_cast<float>(law.normal_damping)};
+  record.readout = {static_cast<float>(readout.output_scale), static_cast<float>(readout.trigger), static_cast<float>(readout.saturation),
+                    static_cast<float>(readout.noise)};
+  for (std::size_t m = 0; m < readout.curve.size(); ++m) {
+    (m < 4 ? record.curve0[static_cast<int>(m)] : record.curve1.x) = static_cast<float>(readout.curve[m]);
+  }
+  const Pose X_SC = packed.one_patch ? sensor.patches.front().X_SP : Pose{};
+  const std::array<double, 9> rotation = rotationMatrix(X_SC.rotation);
+  record.X_SC_row0 = row(rotation, X_SC.position, 0);
+  record.X_SC_row1 = row(rotation, X_SC.position, 1);
+  record.X_SC_row2 = row(rotation, X_SC.position, 2);
+  record.heights = {static_cast<float>(highest), static_cast<float>(lowest), 0.0f, 0.0f};
+  return packed;
+}
+
+}  // namespace taxelsim

@@ -1,0 +1,28 @@
+// A sensor -> the records that the passes read, and how its taxels are cut into tiles.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "shared/layout.h"
+#include "taxelsim/sensor.h"
+
+namespace taxelsim {
+
+struct PackedSensor {
+  layout::SensorRecord sensor{};
+  std::vector<layout::PatchRecord> patches;
+  std::vector<layout::TileRecord> tiles;
+  std::vector<layout::TaxelRecord> taxels;
+  std::vector<glm::vec2> spread_entries;  // (entries x num_taxels): source taxel as bits, weight
+  std::uint32_t max_tile_samples = 0;     // of any tile
+  std::uint32_t num_lanes = 0;            // partial sums; a function of the sensor alone
+  bool one_patch = false;
+  // The load search can move a tile's heights instead of its objects: one tile, facing along z of S.
+  bool searches_in_tile = false;
+};
+
+// `tile_samples`: most samples that a tile may have.
+PackedSensor packSensor(const Sensor& sensor, std::uint32_t tile_samples);
+
+}  // namespace taxelsim

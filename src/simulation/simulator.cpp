@@ -1,0 +1,287 @@
+#include "taxelsim/simulator.h"
+
+#include <cmath>
+#include <optional>
+
+#include "gpu/commands.h"
+#include "simulation/batch_buffers.h"
+#include "taxelsim/error.h"
+
+namespace taxelsim {
+namespace {
+
+// A quaternion read from text with six digits is this close to unit length.
+constexpr double kQuaternionTolerance = 1e-3;
+
+[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorKind::kInput, what); }
+
+void checkLength(const char* name, std::size_t found, std::size_t expected) {
+  if (found != expected) refuse(std::string(name) + ": " + std::to_string(found) + " values, expected " + std::to_string(expected));
+}
+
+glm::vec4 row(const std::array<double, 9>& rotation, const Vector3& position, std::size_t i) {
+  return {static_cast<float>(rotation[3 * i]), static_cast<float>(rotation[3 * i + 1]), static_cast<float>(rotation[3 * i + 2]),
+          static_cast<float>(position[i])};
+}
+
+// Time since reset of one instance, and when its sensor delivers.
+struct Clock {
+  double time = 0;           // s, of the next step
+  std::uint32_t frames = 0;  // delivered so far
+  bool first_step = true;
+
+  // Frame k is due at k / rate; a step that comes within a billionth of a period is in time.
+  bool frameDue(double rate) const { return rate == 0 || time * rate >= static_cast<double>(frames) - 1e-9; }
+  // Skips frames that fell between two steps.
+  void deliver(double rate) { frames = rate == 0 ? frames + 1 : static_cast<std::uint32_t>(std::floor(time * rate + 1e-9)) + 1; }
+};
+
+}  // namespace
+
+struct Simulator::Impl {
+  Impl(const Model& of, const SimulatorOptions& with) : model(of), options(with), buffers((checkBatchFits(*of.impl(), with), *of.impl()), with) {
+    clocks.resize(static_cast<std::size_t>(with.num_instances));
+    const std::span<layout::PoseRecord> poses = buffers.poses.mappedAs<layout::PoseRecord>();
+    for (layout::PoseRecord& pose : poses) pose.object = {kNoObject, 0, 0, 0};
+    for (layout::InstanceRecord& instance : records()) instance.drive = {kPoseDriven, 1.0f, 0.0f, 0.0f};
+    direct = record(false);
+    if (!of.impl()->packed.searches_in_tile) searching = record(true);
+  }
+
+  std::span<layout::InstanceRecord> records() const { return buffers.instances.mappedAs<layout::InstanceRecord>(); }
+
+  gpu::Commands record(bool search);
+  void startSearch();
+  FrameView view() const;
+
+  Model model;
+  SimulatorOptions options;
+  BatchBuffers buffers;
+  std::vector<Clock> clocks;
+  std::optional<gpu::Commands> direct;     // a frame
+  std::optional<gpu::Commands> searching;  // a frame after a load search over several tiles
+  gpu::Commands* running = nullptr;
+  StepTiming timing;
+};
+
+// The one place where the passes are put in order.
+gpu::Commands Simulator::Impl::record(bool search) {
+  const Model::Impl& m = *model.impl();
+  const auto n = static_cast<std::uint32_t>(options.num_instances);
+  const auto num_tiles = static_cast<std::uint32_t>(m.packed.tiles.size());
+  const BatchBuffers& b = buffers;
+  gpu::Commands commands(m.device.context(), search ? "a frame with a load search" : "a frame", 3);
+  commands.barrier(gpu::Access::kHostWrite, gpu::Access::kKernel);
+  commands.timestamp(0);
+  const std::uint32_t evaluations = search ? kLoadEvaluations + 2 : 1;  // two more: one closes the search, one is told
+  for (std::uint32_t evaluation = 0; evaluation < evaluations; ++evaluation) {
+    commands.dispatch(m.contact, n * num_tiles,
+                      {&b.poses, &b.instances, &b.step, &m.object_records, &m.groups, &m.clusters, &m.triangles, &m.sensor_record, &m.patches,
+                       &m.tiles, &b.state, &b.contact_normal, &b.contact_depth.device, &b.contact_shear, &b.tile_results, &b.loads});
+    commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
+    if (!search) continue;
+    commands.dispatch(m.load, (n + m.image_workgroup - 1) / m.image_workgroup,
+                      {&b.instances, &b.step, &m.sensor_record, &m.patches, &m.tiles, &b.tile_results, &b.loads});
+    commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
+  }
+  commands.timestamp(1);
+  commands.dispatch(m.image, n,
+                    {&b.instances, &b.step, &m.sensor_record, &m.patches, &m.tiles, &m.taxels, &m.spread_entries, &b.contact_normal, &b.contact_shear,
+                     &b.tile_results, &b.loads, &b.image.device, &b.spread_normal.device, &b.spread_shear.device, &b.features.device});
+  commands.timestamp(2);
+  commands.barrier(gpu::Access::kKernel, gpu::Access::kCopy);
+  for (ReadableBuffer* buffer : buffers.readable(options.outputs)) {
+    if (buffer->copied()) commands.copy(buffer->device, buffer->readback, buffer->device.size());
+  }
+  commands.barrier(gpu::Access::kCopy, gpu::Access::kHostRead);
+  commands.barrier(gpu::Access::kKernel, gpu::Access::kHostRead);
+  commands.end();
+  return commands;
+}
+
+// Brackets of the load search: between all objects just clear of the sensor and all of them past its skin.
+void Simulator::Impl::startSearch() {
+  const Model::Impl& m = *model.impl();
+  constexpr float kClearance = 1e-6f;  // m
+  const std::span<const layout::PoseRecord> poses = buffers.poses.mappedAs<layout::PoseRecord>();
+  const std::span<layout::LoadRecord> loads = buffers.loads.mappedAs<layout::LoadRecord>();
+  const auto slots = static_cast<std::size_t>(options.num_slots);
+  for (std::size_t i = 0; i < loads.size(); ++i) {
+    loads[i] = {{0.0f, 0.0f, 0.0f, layout::kLoadSearching}, {0.0f, 0.0f, 0.0f, 0.0f}};
+    if ((records()[i].keys.w & layout::kFlagLoadDriven) == 0) continue;
+    float low = std::numeric_limits<float>::infinity();
+    float high = -low;
+    for (std::size_t slot = 0; slot < slots; ++slot) {
+      const layout::PoseRecord& pose = poses[i * slots + slot];
+      if (pose.object.x < 0) continue;
+      const Bounds& bounds = m.bounds[static_cast<std::size_t>(pose.object.x)];
+      float center = pose.row2.w;
+      float half = 0;
+      for (int axis = 0; axis < 3; ++axis) {
+        center += pose.row2[axis] * static_cast<float>(bounds.min[axis] + bounds.max[axis]) / 2;
+        half += std::abs(pose.row2[axis]) * static_cast<float>(bounds.max[axis] - bounds.min[axis]) / 2;
+      }
+      low = std::min(low, center - half);
+      high = std::max(high, center + half);
+    }
+    if (low > high) continue;  // nothing to press with: the first evaluation finds no force at any offset
+    const float up = m.packed.sensor.heights.x - low + kClearance;
+    const float down = m.packed.sensor.heights.y - static_cast<float>(m.sensor.skin.thickness) * 2 - high;
+    loads[i].bracket = {0.5f * (up + down), down, up, layout::kLoadSearching};
+    loads[i].forces.x = std::numeric_limits<float>::max();
+  }
+}
+
+FrameView Simulator::Impl::view() const {
+  const auto n = static_cast<std::size_t>(options.num_instances);
+  const std::span<const float> features = buffers.features.read<float>();
+  const auto block = [&](std::uint32_t first, std::size_t components = 1) { return features.subspan(first * n, components * n); };
+  const auto fill = [&](FeatureView& view, std::uint32_t start) {
+    view.total_force = block(start + layout::kFeatureTotalForce);
+    view.peak_force = block(start + layout::kFeaturePeakForce);
+    view.center_of_pressure = block(start + layout::kFeatureCenterOfPressure, 3);
+    view.second_moments = block(start + layout::kFeatureSecondMoments, 3);
+    view.eigenvalues = block(start + layout::kFeatureEigenvalues, 2);
+    view.edge_angle = block(start + layout::kFeatureEdgeAngle);
+    view.edge_confidence = block(start + layout::kFeatureEdgeConfidence);
+    view.contact_area = block(start + layout::kFeatureContactArea);
+  };
+  FrameView frame;
+  fill(frame, 0);
+  fill(frame.ground_truth, layout::kNumImageFeatures);
+  const std::size_t taxels = model.impl()->packed.sensor.counts.x;
+  frame.tactile_image = buffers.image.read<std::uint32_t>().first(n * taxels);
+  frame.saturated = block(layout::kFeatureSaturated);
+  GroundTruthView& truth = frame.ground_truth;
+  if (options.outputs.tactile_normal_force) truth.tactile_normal_force = buffers.spread_normal.read<float>().first(n * taxels);
+  if (options.outputs.tactile_shear_force) truth.tactile_shear_force = buffers.spread_shear.read<float>().first(2 * n * taxels);
+  if (options.outputs.penetration_depth) truth.penetration_depth = buffers.contact_depth.read<float>().first(n * taxels);
+  truth.contact_wrench = block(layout::kFeatureContactWrench, 6);
+  truth.over_penetration = block(layout::kFeatureOverPenetration);
+  truth.load_offset = block(layout::kFeatureLoadOffset);
+  truth.load_reached = block(layout::kFeatureLoadReached);
+  return frame;
+}
+
+Simulator::Simulator(const Model& model, const SimulatorOptions& options) : impl_(std::make_unique<Impl>(model, options)) {}
+Simulator::~Simulator() = default;
+Simulator::Simulator(Simulator&&) noexcept = default;
+Simulator& Simulator::operator=(Simulator&&) noexcept = default;
+
+MemoryPlan Simulator::plan(const Model& model, const SimulatorOptions& options) { return planBatch(*model.impl(), options); }
+
+int Simulator::numInstances() const { return impl_->options.num_instances; }
+const Model& Simulator::model() const { return impl_->model; }
+
+void Simulator::setObjects(std::span<const int> ids, std::span<const Pose> X_SO) {
+  const auto slots = static_cast<std::size_t>(impl_->options.num_slots);
+  const auto n = static_cast<std::size_t>(impl_->options.num_instances);
+  checkLength("ids", ids.size(), n * slots);
+  checkLength("X_SO", X_SO.size(), n * slots);
+  for (std::size_t i = 0; i < n; ++i) setObjects(static_cast<int>(i), ids.subspan(i * slots, slots), X_SO.subspan(i * slots, slots));
+}
+
+void Simulator::setObjects(int instance, std::span<const int> ids, std::span<const Pose> X_SO) {
+  const auto slots = static_cast<std::size_t>(impl_->options.num_slots);
+  if (instance < 0 || instance >= impl_->options.num_instances) refuse("instance: " + std::to_string(instance) + " is not in the batch");
+  checkLength("ids", ids.size(), slots);
+  checkLength("X_SO", X_SO.size(), slots);
+  const auto num_objects = static_cast<int>(impl_->model.objects().size());
+  layout::PoseRecord* records = impl_->buffers.poses.mappedAs<layout::PoseRecord>().data() + static_cast<std::size_t>(instance) * slots;
+  for (std::size_t slot = 0; slot < slots; ++slot) {
+    if (ids[slot] != kNoObject && (ids[slot] < 0 || ids[slot] >= num_objects)) {
+      refuse("object " + std::to_string(ids[slot]) + " of instance " + std::to_string(instance) + " is not allowed: 0 to " +
+             std::to_string(num_objects - 1) + ", or -1 for none");
+    }
+    if (ids[slot] == kNoObject) {
+      records[slot].object = {kNoObject, 0, 0, 0};
+      continue;
+    }
+    const auto& [w, x, y, z] = X_SO[slot].rotation;
+    const Vector3& p = X_SO[slot].position;
+    const double norm = std::sqrt(w * w + x * x + y * y + z * z);
+    // Written so that NaN fails.
+    if (!(std::abs(norm - 1) <= kQuaternionTolerance)) {
+      refuse("rotation of instance " + std::to_string(instance) + ": a quaternion of length " + std::to_string(norm) + " is not allowed: 1");
+    }
+    if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) {
+      refuse("position of instance " + std::to_string(instance) + " is not finite");
+    }
+    const std::array<double, 9> rotation = rotationMatrix({w / norm, x / norm, y / norm, z / norm});
+    records[slot] = {row(rotation, p, 0), row(rotation, p, 1), row(rotation, p, 2), {ids[slot], 0, 0, 0}};
+  }
+}
+
+void Simulator::setLoads(std::span<const float> loads) {
+  checkLength("loads", loads.size(), static_cast<std::size_t>(impl_->options.num_instances));
+  for (std::size_t i = 0; i < loads.size(); ++i) setLoad(static_cast<int>(i), loads[i]);
+}
+
+void Simulator::setLoad(int instance, float load) {
+  if (instance < 0 || instance >= impl_->options.num_instances) refuse("instance: " + std::to_string(instance) + " is not in the batch");
+  if (load < 0 || std::isinf(load)) refuse("load of instance " + std::to_string(instance) + ": " + std::to_string(load) + " is not allowed: N, >= 0");
+  impl_->records()[static_cast<std::size_t>(instance)].drive.x = load;
+}
+
+void Simulator::reset(int instance, std::uint64_t episode, const ReadoutVariation& variation) {
+  if (instance < 0 || instance >= impl_->options.num_instances) refuse("instance: " + std::to_string(instance) + " is not in the batch");
+  const auto finite_from = [](float value, float low) { return value >= low && !std::isinf(value); };
+  if (!finite_from(variation.gain, 0) || !finite_from(variation.gain_spread, 0) || !finite_from(variation.noise, 0)) {
+    refuse("variation of instance " + std::to_string(instance) + ": gain, gain_spread and noise must be finite and >= 0");
+  }
+  layout::InstanceRecord& record = impl_->records()[static_cast<std::size_t>(instance)];
+  record.drive = {record.drive.x, variation.gain, variation.gain_spread, variation.noise};
+  record.keys.x = static_cast<std::uint32_t>(episode);
+  record.keys.y = static_cast<std::uint32_t>(episode >> 32);
+  impl_->clocks[static_cast<std::size_t>(instance)] = {};
+}
+
+void Simulator::step(double dt) {
+  if (!(dt > 0) || std::isinf(dt)) refuse("dt: " + std::to_string(dt) + " is not allowed: s, > 0");
+  Impl& impl = *impl_;
+  const Model::Impl& m = *impl.model.impl();
+  std::uint32_t outputs = 0;
+  if (impl.options.outputs.penetration_depth) outputs |= layout::kOutputDepth;
+  const std::uint64_t seed = impl.options.seed;
+  impl.buffers.step.mappedAs<layout::StepRecord>()[0] = {
+      {static_cast<std::uint32_t>(impl.options.num_instances), static_cast<std::uint32_t>(impl.options.num_slots), static_cast<std::uint32_t>(seed),
+       static_cast<std::uint32_t>(seed >> 32)},
+      {static_cast<float>(dt), static_cast<float>(1 / dt), 0.0f, 0.0f},
+      {outputs, 0u, 0u, 0u}};
+  bool any_load = false;
+  const double rate = impl.model.sensor().frame_rate;
+  const std::span<layout::InstanceRecord> records = impl.records();
+  for (std::size_t i = 0; i < impl.clocks.size(); ++i) {
+    Clock& clock = impl.clocks[i];
+    std::uint32_t flags = 0;
+    if (clock.first_step) flags |= layout::kFlagFirstStep;
+    if (!std::isnan(records[i].drive.x)) flags |= layout::kFlagLoadDriven;
+    any_load = any_load || (flags & layout::kFlagLoadDriven) != 0;
+    records[i].keys.z = clock.frames;
+    if (clock.frameDue(rate)) {
+      flags |= layout::kFlagNewFrame;
+      clock.deliver(rate);
+    }
+    records[i].keys.w = flags;
+    clock.first_step = false;
+    clock.time += dt;
+  }
+  const bool search = any_load && !m.packed.searches_in_tile;
+  if (!m.packed.searches_in_tile) impl.startSearch();
+  impl.running = search ? &*impl.searching : &*impl.direct;
+  impl.running->submit();
+}
+
+FrameView Simulator::read() {
+  Impl& impl = *impl_;
+  if (impl.running != nullptr) {
+    impl.running->wait();
+    impl.timing = {impl.running->seconds(0, 1), impl.running->seconds(1, 2), impl.running->seconds(0, 2)};
+    impl.running = nullptr;
+  }
+  return impl.view();
+}
+
+StepTiming Simulator::timing() const { return impl_->timing; }
+
+}  // namespace taxelsim
