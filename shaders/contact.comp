@@ -2,34 +2,51 @@
 #extension GL_GOOGLE_include_directive : require
 // Contact pass: stages 1 (depth) and 2 (contact law) of one frame, and the load search over one tile.
 //
-// A workgroup owns one tile of taxels of one instance; workgroup number = instance num_tiles + tile. An invocation owns triangles, then taxels.
+// A workgroup owns one tile of taxels of one instance; workgroup number = instance NUM_TILES + tile. An invocation owns boxes, then triangles, then
+// taxels.
 // In:  poses (num_instances x num_slots), objects, groups, clusters, triangles, the sensor's patches and tiles.
-// Out: contact_normal (num_instances x num_taxels), N; contact_depth and contact_shear alike; tile_results (num_instances x num_tiles);
+// Out: contact_normal (num_instances x num_taxels), N, over the part of the spread's kernel that stays on the sensor; contact_shear alike;
+//      contact_depth (num_instances x num_taxels), m; tile_results (num_instances x num_tiles);
 //      loads (num_instances): what the search found.
-// Shared memory: 4 TILE_SAMPLES + 32 (LANES + 2) + 4 WORKGROUP + 256 bytes.
+// Shared memory: 4 TILE_SAMPLES + 16 LANES + 4 kClustersPerBatch + 4 kGroupsPerBatch + 40 bytes.
 // Deterministic: the tile is a minimum; sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
 // Twins: src/reference/depth.cpp, contact.cpp, load.cpp.
 
 #include "shared/layout.h"
+#include "lib/specialization.glsl"
+layout(constant_id = 7) const uint TILE_SAMPLES = 1344;  // most samples of a tile
+layout(constant_id = 8) const bool FLAT = true;          // the one patch's frame is the sensor's
+layout(constant_id = 9) const bool HAS_STATE = false;    // the law needs the depth of the step before
+layout(constant_id = 10) const uint SEARCH = 0;          // load search: kNoSearch, kSearchInTile, kSearchOverTiles
+layout(constant_id = 11) const float THICKNESS = 0.002;  // m
+layout(constant_id = 12) const float LAW_0 = 1.73e8;     // parameters of the contact law, lib/laws/
+layout(constant_id = 13) const float LAW_1 = 1.0;
+layout(constant_id = 14) const float LAW_2 = 0.0;
+layout(constant_id = 15) const bool SCALED = true;       // sources near a border give more to the taxels that are there, lib/spread.glsl
+layout(constant_id = 16) const bool MANY_SLOTS = false;  // an instance may touch several objects
+layout(constant_id = 17) const uint KINDS = 1;           // bit per kind of object in the model
+layout(constant_id = 18) const uint TRIANGLES = 3;       // bit 0: meshes of small triangles, bit 1: of large ones
 
-layout(local_size_x_id = 0) in;
-layout(constant_id = 0) const uint WORKGROUP = 8;
-layout(constant_id = 1) const uint SAMPLES = 4;         // per taxel and side
-layout(constant_id = 2) const uint TILE_SAMPLES = 1344;  // most samples of a tile
-layout(constant_id = 3) const uint LANES = 16;           // partial sums
-layout(constant_id = 4) const uint HAS_STATE = 0;        // the law needs the depth of the step before
-layout(constant_id = 5) const uint LOAD_SEARCH = 0;      // 0: in this pass, over its one tile; 1: by load.comp, over all tiles
+// A software driver computes both sides of every branch and a loop's body at least once, so what a model, sensor or batch does not need is left
+// out by constants.
+const uint kNoSearch = 0u;         // no instance is driven by load
+const uint kSearchInTile = 1u;     // in this pass, over its one tile
+const uint kSearchOverTiles = 2u;  // by load.comp, over all tiles
+const bool kHasMesh = (KINDS & 1u) != 0;
+const bool kHasAnalytic = (KINDS & ~1u) != 0;
+// Heights go through the tile, but for a single analytic solid, whose heights are computed where they are summed.
+const bool kTiled = kHasMesh || MANY_SLOTS || SEARCH == kSearchInTile;
 
 layout(std430, set = 0, binding = 0) readonly buffer Poses { PoseRecord poses[]; };
 layout(std430, set = 0, binding = 1) readonly buffer Instances { InstanceRecord instances[]; };
 layout(std430, set = 0, binding = 2) readonly buffer Step { StepRecord step_record; };
 layout(std430, set = 0, binding = 3) readonly buffer Objects { ObjectRecord objects[]; };
-layout(std430, set = 0, binding = 4) readonly buffer Groups { BoundsRecord groups[]; };
-layout(std430, set = 0, binding = 5) readonly buffer Clusters { BoundsRecord clusters[]; };
+layout(std430, set = 0, binding = 4) readonly buffer Groups { uvec4 groups[]; };
+layout(std430, set = 0, binding = 5) readonly buffer Clusters { uvec4 clusters[]; };
 layout(std430, set = 0, binding = 6) readonly buffer Triangles { uint triangles[]; };
-layout(std430, set = 0, binding = 7) readonly buffer SensorBlock { SensorRecord sensor; };
-layout(std430, set = 0, binding = 8) readonly buffer Patches { PatchRecord patches[]; };
-layout(std430, set = 0, binding = 9) readonly buffer Tiles { TileRecord tiles[]; };
+layout(std430, set = 0, binding = 7) readonly buffer Patches { PatchRecord patches[]; };
+layout(std430, set = 0, binding = 8) readonly buffer Tiles { TileRecord tiles[]; };
+layout(std430, set = 0, binding = 9) readonly buffer SpreadScale { float spread_scale[]; };
 layout(std430, set = 0, binding = 10) buffer State { float state[]; };
 layout(std430, set = 0, binding = 11) writeonly buffer ContactNormal { float contact_normal[]; };
 layout(std430, set = 0, binding = 12) writeonly buffer ContactDepth { float contact_depth[]; };
@@ -38,14 +55,17 @@ layout(std430, set = 0, binding = 14) writeonly buffer TileResults { TileResult 
 layout(std430, set = 0, binding = 15) buffer Loads { LoadRecord loads[]; };
 
 const uint kEmpty = 0x7F7FFFFFu;  // the largest finite float, as bits: no surface over the sample
+// Groups are culled a batch at a time, so that the list of clusters has room for all of theirs.
+const uint kGroupsPerBatch = 16;
+const uint kClustersPerBatch = kGroupsPerBatch * kClustersPerGroup;
 
 shared uint tile[TILE_SAMPLES];
 shared vec4 partial[LANES];
-shared uint group_list[WORKGROUP];
-shared uint cluster_list[kClustersPerGroup];
+shared uint group_list[kGroupsPerBatch];      // first cluster | (how many - 1) << kFirstBits
+shared uint cluster_list[kClustersPerBatch];  // first triangle | (how many - 1) << kFirstBits
 shared uint num_listed_groups;
 shared uint num_listed_clusters;
-shared int active_box[4];  // in samples: first row, last row, first col, last col
+shared int active_box[4];    // in samples: first row, last row, first col, last col
 shared uint num_deep;
 shared uint lowest_bits;
 
@@ -55,6 +75,7 @@ uint tile_stride;
 float z_limit;  // m: surfaces at or above cannot touch
 float z_base;   // m: what the tile's numbers count from
 
+#include "lib/uniform_load.glsl"
 #include "lib/workgroup.glsl"
 #include "lib/transform.glsl"
 #include "lib/analytic.glsl"
@@ -62,44 +83,55 @@ float z_base;   // m: what the tile's numbers count from
 #include "lib/laws/registry.glsl"
 
 Affine X_PS;         // patch from sensor
-vec4 spacing;        // sample spacing x, y; sample area
+vec2 spacing;        // of samples, m
+float sample_area;   // m^2
 vec2 patch_corner;   // of sample (0, 0), in P, m
+float offset_z;      // by which a load search over several tiles has moved the objects along z of S, m
 
-Affine poseInPatch(uint slot_index, float offset_z) {
-  PoseRecord pose = poses[slot_index];
-  Affine X_SO = Affine(pose.row0, pose.row1, pose.row2);
-  X_SO.row2.w += offset_z;
-  return compose(X_PS, X_SO);
-}
-
-// From P in metres to (u, v, z): samples, samples, metres.
-Affine toSamples(Affine X_PO) {
-  X_PO.row0.w -= patch_corner.x;
-  X_PO.row1.w -= patch_corner.y;
-  X_PO.row0 /= spacing.x;
-  X_PO.row1 /= spacing.y;
-  return X_PO;
-}
+// What one slot holds, for this workgroup.
+struct Body {
+  uvec4 kind_groups;  // ObjectRecord
+  Affine X_PO;
+  Affine to_samples;          // from O to (u, v, z): samples, samples, m
+  vec3 center, half_size;     // bounds, in (u, v, z)
+  bool near;                  // reaches into the window
+};
 
 bool outsideTile(vec3 center, vec3 half_size) {
   // A hair larger, so that rounding of the box never cuts off a triangle.
-  vec3 reach = half_size + vec3(1e-3, 1e-3, 1e-8) + abs(half_size) * 1e-6;
+  vec3 reach = half_size + vec3(1e-3, 1e-3, 1e-8) + half_size * 1e-6;
   return center.z - reach.z >= z_limit || center.x + reach.x < tile_first.x || center.x - reach.x > tile_end.x - 1.0 ||
          center.y + reach.y < tile_first.y || center.y - reach.y > tile_end.y - 1.0;
+}
+
+int objectInSlot(uint slot_index) { return int(UNIFORM_ROW(poses[slot_index].object).x); }
+
+Body bodyInSlot(uint slot_index, int id) {
+  Body body;
+  body.kind_groups = UNIFORM_ROW(objects[id].kind_groups);
+  body.X_PO = Affine(UNIFORM_ROW(poses[slot_index].row0), UNIFORM_ROW(poses[slot_index].row1), UNIFORM_ROW(poses[slot_index].row2));
+  body.X_PO.row2.w += offset_z;
+  if (!FLAT) body.X_PO = compose(X_PS, body.X_PO);
+  body.to_samples = body.X_PO;
+  body.to_samples.row0.w -= patch_corner.x;
+  body.to_samples.row1.w -= patch_corner.y;
+  body.to_samples.row0 /= spacing.x;
+  body.to_samples.row1 /= spacing.y;
+  boundsOfImage(body.to_samples, UNIFORM_ROW(objects[id].center).xyz, UNIFORM_ROW(objects[id].half_size).xyz, body.center, body.half_size);
+  body.near = !outsideTile(body.center, body.half_size);
+  return body;
 }
 
 struct Box {
   vec2 low, high;  // in samples, closed
 };
 
-// `margin` is for the rounding of boxes, in samples: that of an object must hold those of its clusters.
-void grow(inout Box box, vec3 center, vec3 half_size, float margin) {
-  box.low = min(box.low, center.xy - half_size.xy - margin);
-  box.high = max(box.high, center.xy + half_size.xy + margin);
+void grow(inout Box box, vec3 center, vec3 half_size) {
+  box.low = min(box.low, center.xy - half_size.xy - 1e-3);
+  box.high = max(box.high, center.xy + half_size.xy + 1e-3);
 }
 
-const float kClusterMargin = 1e-3;
-const float kObjectMargin = 1e-2;
+Box emptyBox() { return Box(vec2(kMiss), vec2(-kMiss)); }
 
 void addToActive(Box box) {
   vec2 low = max(floor(box.low), tile_first);
@@ -111,82 +143,125 @@ void addToActive(Box box) {
   atomicMax(active_box[3], int(high.y));
 }
 
+Affine fromLattice(Body body, int id) {
+  vec4 lattice = UNIFORM_ROW(objects[id].lattice);
+  vec4 middle = vec4(lattice.xyz, 1);
+  Affine X;
+  X.row0 = vec4(body.to_samples.row0.xyz * lattice.w, dot(body.to_samples.row0, middle));
+  X.row1 = vec4(body.to_samples.row1.xyz * lattice.w, dot(body.to_samples.row1, middle));
+  X.row2 = vec4(body.to_samples.row2.xyz * lattice.w, dot(body.to_samples.row2, middle));
+  return X;
+}
+
+const int kLatticeMiddle = 1 << (kLatticeBits - 1);
+
+// Whether a box of a group or cluster reaches into the window; `center` and `half_size` are its bounds in (u, v, z).
+bool boxReaches(Affine from_lattice, uvec3 box, out vec3 center, out vec3 half_size) {
+  vec3 low = vec3(box & 0xFFFFu), high = vec3(box >> 16);
+  const float kUnit = float(1u << kBoxShift);
+  boundsOfImage(from_lattice, (low + high) * (0.5 * kUnit) - float(kLatticeMiddle), (high - low) * (0.5 * kUnit), center, half_size);
+  return !outsideTile(center, half_size);
+}
+
 vec3 unpackVertex(uint word) {
   uint w0 = triangles[word], w1 = triangles[word + 1];
   const uint kMask = (1u << kLatticeBits) - 1u;
-  const int kMiddle = 1 << (kLatticeBits - 1);
   uvec3 q = uvec3(w0 & kMask, (w0 >> kLatticeBits) | ((w1 & 0x3FFu) << 11), (w1 >> 10) & kMask);
-  return vec3(ivec3(q) - kMiddle);
+  return vec3(ivec3(q) - kLatticeMiddle);
 }
 
-// All triangles of one mesh whose clusters reach into the window.
-void rasterMesh(ObjectRecord object, Affine to_samples, inout Box box) {
-  Affine from_lattice = to_samples;
-  from_lattice.row0 = vec4(to_samples.row0.xyz * object.lattice.w, dot(to_samples.row0, vec4(object.lattice.xyz, 1)));
-  from_lattice.row1 = vec4(to_samples.row1.xyz * object.lattice.w, dot(to_samples.row1, vec4(object.lattice.xyz, 1)));
-  from_lattice.row2 = vec4(to_samples.row2.xyz * object.lattice.w, dot(to_samples.row2, vec4(object.lattice.xyz, 1)));
+void rasterNumbered(Affine from_lattice, uint triangle, bool large) {
+  uint word = triangle * kTriangleWords;
+  vec3 p = apply(from_lattice, unpackVertex(word));
+  vec3 q = apply(from_lattice, unpackVertex(word + 2));
+  vec3 r = apply(from_lattice, unpackVertex(word + 4));
+  if (TRIANGLES == 1 || (TRIANGLES == 3 && !large)) rasterBySamples(p, q, r);
+  if (TRIANGLES == 2 || (TRIANGLES == 3 && large)) rasterBySpans(p, q, r);
+}
 
-  uint lane = gl_LocalInvocationIndex;
-  uint end_group = object.kind_groups.y + object.kind_groups.z;
-  for (uint start = object.kind_groups.y; start < end_group; start += WORKGROUP) {
-    if (lane == 0) num_listed_groups = 0;
-    barrier();
-    vec3 center, half_size;
-    if (start + lane < end_group) {
-      boundsOfImage(from_lattice, groups[start + lane].center.xyz, groups[start + lane].half_size.xyz, center, half_size);
-      if (!outsideTile(center, half_size)) group_list[atomicAdd(num_listed_groups, 1u)] = start + lane;
-    }
-    barrier();
-    uint group_count = num_listed_groups;
-    for (uint g = 0; g < group_count; ++g) {
-      uint group = group_list[g];
-      uint first = floatBitsToUint(groups[group].center.w);
-      uint count = floatBitsToUint(groups[group].half_size.w);
-      if (lane == 0) num_listed_clusters = 0;
-      barrier();
-      for (uint c = lane; c < count; c += WORKGROUP) {
-        boundsOfImage(from_lattice, clusters[first + c].center.xyz, clusters[first + c].half_size.xyz, center, half_size);
-        if (!outsideTile(center, half_size)) {
-          cluster_list[atomicAdd(num_listed_clusters, 1u)] = first + c;
-          grow(box, center, half_size, kClusterMargin);
-        }
-      }
-      barrier();
-      uint items = num_listed_clusters * kTrianglesPerCluster;
-      for (uint i = lane; i < items; i += WORKGROUP) {
-        uint cluster = cluster_list[i / kTrianglesPerCluster];
-        uint within = i % kTrianglesPerCluster;
-        if (within < floatBitsToUint(clusters[cluster].half_size.w)) {
-          uint word = (floatBitsToUint(clusters[cluster].center.w) + within) * kTriangleWords;
-          rasterTriangle(apply(from_lattice, unpackVertex(word)), apply(from_lattice, unpackVertex(word + 2)),
-                         apply(from_lattice, unpackVertex(word + 4)));
-        }
-      }
-      barrier();
-    }
+// Samples of the box, whole taxels of them, are without a surface.
+void clearTile(Box box) {
+  vec2 low = max(floor(box.low), tile_first) - tile_first;
+  vec2 high = min(ceil(box.high), tile_end - 1.0) - tile_first;
+  if (low.x > high.x || low.y > high.y) return;
+  uvec2 first = uvec2(low) / SAMPLES * SAMPLES;
+  uvec2 count = (uvec2(high) / SAMPLES + 1u) * SAMPLES - first;
+  for (uint i = gl_LocalInvocationIndex; i < count.x * count.y; i += WORKGROUP) {
+    tile[(first.x + i / count.y) * tile_stride + first.y + i % count.y] = kEmpty;
   }
 }
 
-vec2 samplePosition(uvec2 sample_index) { return patch_corner + vec2(sample_index) * spacing.xy; }
+// Triangles of a mesh into the tile: of each batch of groups those that reach into the window, of these the clusters that do, of these all triangles.
+// `active_part` grows by the bounds of these clusters; with `clear`, which needs the mesh to be one batch, the tile is cleared there first.
+void rasterMesh(Body body, Affine from_lattice, inout Box active_part, bool clear) {
+  uint lane = gl_LocalInvocationIndex;
+  uint end_group = body.kind_groups.y + body.kind_groups.z;
+  vec3 center, half_size;
+  for (uint start = body.kind_groups.y; start < end_group; start += kGroupsPerBatch) {
+    if (lane == 0) num_listed_groups = num_listed_clusters = 0;
+    barrier();
+    for (uint g = start + lane; g < min(start + kGroupsPerBatch, end_group); g += WORKGROUP) {
+      uvec4 record = groups[g];
+      if (boxReaches(from_lattice, record.xyz, center, half_size)) group_list[atomicAdd(num_listed_groups, 1u)] = record.w;
+    }
+    barrier();
+    for (uint g = 0; g < num_listed_groups; ++g) {
+      uint group = group_list[g];
+      uint first = group & ((1u << kFirstBits) - 1u);
+      uint last = first + (group >> kFirstBits);
+      for (uint c = first + lane; c <= last; c += WORKGROUP) {
+        uvec4 record = clusters[c];
+        if (boxReaches(from_lattice, record.xyz, center, half_size)) {
+          cluster_list[atomicAdd(num_listed_clusters, 1u)] = record.w;
+          grow(active_part, center, half_size);
+        }
+      }
+    }
+    if (clear) {
+      addToActive(active_part);
+      barrier();
+      clearTile(Box(vec2(active_box[0], active_box[2]), vec2(active_box[1], active_box[3])));
+    }
+    barrier();
+    uint items = num_listed_clusters * kTrianglesPerCluster;
+    for (uint i = lane; i < items; i += WORKGROUP) {
+      uint cluster = cluster_list[i / kTrianglesPerCluster];
+      uint within = i % kTrianglesPerCluster;
+      if (within <= cluster >> kFirstBits) {
+        rasterNumbered(from_lattice, (cluster & ((1u << kFirstBits) - 1u)) + within, body.kind_groups.w != 0);
+      }
+    }
+    barrier();
+  }
+}
+
+vec2 samplePosition(uvec2 sample_index) { return patch_corner + vec2(sample_index) * spacing; }
 
 // An analytic solid into the tile, sample by sample over its bounds.
-void rasterAnalytic(ObjectRecord object, Affine X_PO, vec3 center, vec3 half_size) {
-  vec2 low = max(floor(center.xy - half_size.xy), tile_first);
-  vec2 end = min(ceil(center.xy + half_size.xy) + 1.0, tile_end);
+void rasterAnalytic(Body body, vec4 parameters) {
+  vec2 low = max(floor(body.center.xy - body.half_size.xy), tile_first);
+  vec2 end = min(ceil(body.center.xy + body.half_size.xy) + 1.0, tile_end);
   if (low.x >= end.x || low.y >= end.y) return;
   uvec2 first = uvec2(low);
   uvec2 count = uvec2(end) - first;
   for (uint i = gl_LocalInvocationIndex; i < count.x * count.y; i += WORKGROUP) {
     uvec2 at = first + uvec2(i / count.y, i % count.y);
-    float z = analyticHeight(object.kind_groups.x, object.parameters, X_PO, samplePosition(at));
-    if (z < z_limit) {
-      uint address = (at.x - uint(tile_first.x)) * tile_stride + at.y - uint(tile_first.y);
-      atomicMin(tile[address], floatBitsToUint(max(z - z_base, 0.0)));
-    }
+    float z = analyticHeight(body.kind_groups.x, parameters, body.X_PO, samplePosition(at));
+    if (z < z_limit) lowerTile((at.x - uint(tile_first.x)) * tile_stride + at.y - uint(tile_first.y), z);
   }
 }
 
-// Total of partial[...] in a fixed order; every invocation gets it.
+// Lowest height of a half-space over the tile, m: at one of its corners.
+float lowestCorner(Body body) {
+  float lowest = kMiss;
+  for (uint corner = 0; corner < 4; ++corner) {
+    vec2 at = vec2((corner & 1) == 0 ? tile_first.x : tile_end.x - 1.0, (corner & 2) == 0 ? tile_first.y : tile_end.y - 1.0);
+    lowest = min(lowest, analyticHeight(kKindHalfSpace, vec4(0), body.X_PO, patch_corner + at * spacing));
+  }
+  return lowest;
+}
+
+// Total of partial[] in a fixed order; every invocation gets it.
 vec4 sumOfPartials() {
   barrier();
   vec4 total = vec4(0);
@@ -202,92 +277,90 @@ struct Search {
   float status;  // kLoadCarried or kLoadOutOfReach
 };
 
-// Depth of the lowest sample at which the samples of the tile's window carry `load`: Newton's method from full depth down. Only z moves, so the gaps
+// Depth of the lowest sample at which the samples of the window carry `load`: Newton's method from full depth down. Only z moves, so the gaps
 // between the samples are those of the tile.
 Search searchLoad(float load, uvec2 first, uvec2 count) {
   const int kMaxIterations = 32;
   const float kTolerance = 2e-6;  // of the load; some ten roundings of a float
   uint total = count.x * count.y;
+  uint lane_lowest = kEmpty;
   for (uint i = gl_LocalInvocationIndex; i < total; i += WORKGROUP) {
-    uint address = (first.x + i / count.y) * tile_stride + first.y + i % count.y;
-    if (tile[address] < kEmpty) atomicMin(lowest_bits, tile[address]);
+    lane_lowest = min(lane_lowest, tile[(first.x + i / count.y) * tile_stride + first.y + i % count.y]);
   }
+  atomicMin(lowest_bits, lane_lowest);
   barrier();
   Search found = Search(0.0, 0.0, 0.0, kLoadOutOfReach);
   uint lowest = lowest_bits;
   if (lowest == kEmpty) return found;
-  float base = uintBitsToFloat(lowest);
-  found.lowest = base;
-  found.depth = sensor.skin.x;
+  found.lowest = uintBitsToFloat(lowest);
+  found.depth = THICKNESS;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     for (uint v = gl_LocalInvocationIndex; v < LANES; v += WORKGROUP) {
       float force = 0.0, slope = 0.0;
       for (uint i = v; i < total; i += LANES) {
         uint address = (first.x + i / count.y) * tile_stride + first.y + i % count.y;
-        float d = found.depth - (uintBitsToFloat(tile[address]) - base);
-        force += lawPressure(sensor.skin, d, 0.0);
-        slope += lawSlope(sensor.skin, d);
+        float d = found.depth - (uintBitsToFloat(tile[address]) - found.lowest);
+        force += lawPressure(d, 0.0);
+        slope += lawSlope(d);
       }
-      partial[v] = vec4(force, slope, 0, 0) * spacing.z;
+      partial[v] = vec4(force, slope, 0, 0) * sample_area;
     }
     vec4 sums = sumOfPartials();
     float excess = sums.x - load;
     if (iteration == 0 && excess < -kTolerance * load) break;  // even full depth carries less
     found.status = kLoadCarried;
     if (abs(excess) <= kTolerance * load || sums.y <= 0.0) break;
-    found.depth = clamp(found.depth - excess / sums.y, 0.0, sensor.skin.x);
+    found.depth = clamp(found.depth - excess / sums.y, 0.0, THICKNESS);
   }
   if (load == 0.0) found.depth = 0.0;
-  found.offset = -found.depth - (z_base + base);
+  found.offset = -found.depth - (z_base + found.lowest);
   return found;
-}
-
-// Lowest height of a half-space over the tile, m: at one of its corners.
-float lowestCorner(uint slot_index, float offset_z) {
-  Affine X_PO = poseInPatch(slot_index, offset_z);
-  float lowest = kMiss;
-  for (uint corner = 0; corner < 4; ++corner) {
-    vec2 at = vec2((corner & 1) == 0 ? tile_first.x : tile_end.x - 1.0, (corner & 2) == 0 ? tile_first.y : tile_end.y - 1.0);
-    lowest = min(lowest, analyticHeight(kKindHalfSpace, vec4(0), X_PO, patch_corner + at * spacing.xy));
-  }
-  return lowest;
 }
 
 void main() {
   uint lane = gl_LocalInvocationIndex;
   uint number = workgroupNumber();
-  uint num_tiles = sensor.counts.y;
-  uint instance = number / num_tiles;
-  if (instance >= step_record.batch.x) return;
-  uint tile_number = number - instance * num_tiles;
-  TileRecord this_tile = tiles[tile_number];
-  uint patch_number = this_tile.place.x;
-  PatchRecord patch_record = patches[patch_number];
-  X_PS = Affine(patch_record.row0, patch_record.row1, patch_record.row2);
-  spacing = patch_record.spacing;
-  patch_corner = -0.5 * vec2(patch_record.grid.xy * SAMPLES - 1u) * spacing.xy;
-  uvec2 tile_taxel = this_tile.place.yz;
-  uvec2 tile_size = this_tile.size.xy;
+  uvec4 batch = UNIFORM_ROW(step_record.batch);
+  uint instance = number / NUM_TILES;
+  if (instance >= batch.x) return;
+  uint tile_number = number - instance * NUM_TILES;
+  uint num_slots = batch.y;
+  uint outputs = step_record.outputs.x;
+
+  // The tile: the whole patch, or a part of one.
+  uvec4 place = uvec4(0), size = uvec4(NUM_ROWS, NUM_COLS, 0, 0);
+  if (NUM_TILES > 1) {
+    place = UNIFORM_ROW(tiles[tile_number].place);
+    size = UNIFORM_ROW(tiles[tile_number].size);
+  }
+  uvec4 grid = UNIFORM_ROW(patches[place.x].grid);
+  vec4 patch_spacing = UNIFORM_ROW(patches[place.x].spacing);
+  if (FLAT) {
+    X_PS = Affine(vec4(1, 0, 0, 0), vec4(0, 1, 0, 0), vec4(0, 0, 1, 0));
+  } else {
+    X_PS = Affine(UNIFORM_ROW(patches[place.x].row0), UNIFORM_ROW(patches[place.x].row1), UNIFORM_ROW(patches[place.x].row2));
+  }
+  spacing = patch_spacing.xy;
+  sample_area = patch_spacing.z;
+  patch_corner = -0.5 * vec2(grid.xy * SAMPLES - 1u) * spacing;
+  uvec2 tile_taxel = place.yz;
+  uvec2 tile_size = size.xy;
   tile_first = vec2(tile_taxel * SAMPLES);
   tile_end = tile_first + vec2(tile_size * SAMPLES);
   tile_stride = tile_size.y * SAMPLES;
-  uint num_taxels = sensor.counts.x;
-  uint num_slots = step_record.batch.y;
-  float thickness = sensor.skin.x;
 
-  uint outputs = step_record.outputs.x;
-  uint flags = instances[instance].keys.w;
-  bool load_driven = (flags & kFlagLoadDriven) != 0;
-  bool search_here = load_driven && LOAD_SEARCH == 0;
-  float offset_z = 0.0;
-  if (LOAD_SEARCH == 1) {
-    LoadRecord load = loads[instance];
+  uint flags = UNIFORM_ROW(instances[instance].keys).w;
+  bool load_driven = SEARCH != kNoSearch && (flags & kFlagLoadDriven) != 0;
+  bool search_here = SEARCH == kSearchInTile && load_driven;
+  offset_z = 0.0;
+  if (SEARCH == kSearchOverTiles) {
+    vec4 bracket = UNIFORM_ROW(loads[instance].bracket);
     // The results of the evaluation that ended the search stay as they are.
-    if (load.bracket.w == kLoadCarried || load.bracket.w == kLoadOutOfReach) return;
-    offset_z = load.bracket.x;
+    if (bracket.w == kLoadCarried || bracket.w == kLoadOutOfReach) return;
+    offset_z = bracket.x;
   }
   z_limit = search_here ? kMiss : 0.0;
-  z_base = -thickness;
+  z_base = -THICKNESS;
 
   if (lane == 0) {
     active_box[0] = active_box[2] = 0x7FFFFFFF;
@@ -296,126 +369,112 @@ void main() {
     lowest_bits = kEmpty;
   }
 
-  // Bounds of all objects: what to clear, where to count heights from, and which way to take.
-  Box cleared = Box(vec2(kMiss), vec2(-kMiss));
-  uint num_near = 0, near_slot = 0, near_kind = 0;
+  // Stage 1. First which objects reach into the window, and how low.
+  Box reached = emptyBox();
   float lowest_bound = kMiss;
+  Body body;
+  int id = -1;
   for (uint slot = 0; slot < num_slots; ++slot) {
-    int id = poses[instance * num_slots + slot].object.x;
-    if (id < 0) continue;
-    Affine to_samples = toSamples(poseInPatch(instance * num_slots + slot, offset_z));
-    vec3 center, half_size;
-    boundsOfImage(to_samples, objects[id].center.xyz, objects[id].half_size.xyz, center, half_size);
-    if (outsideTile(center, half_size)) continue;
-    ++num_near;
-    near_slot = slot;
-    near_kind = objects[id].kind_groups.x;
-    grow(cleared, center, half_size, kObjectMargin);
-    lowest_bound = min(lowest_bound, near_kind == kKindHalfSpace ? lowestCorner(instance * num_slots + slot, offset_z) : center.z - half_size.z);
+    id = objectInSlot(instance * num_slots + slot);
+    body = bodyInSlot(instance * num_slots + slot, max(id, 0));
+    body.near = body.near && id >= 0;
+    if (!body.near) continue;
+    grow(reached, body.center, body.half_size);
+    float lowest = body.center.z - body.half_size.z;
+    if (SEARCH == kSearchInTile && (KINDS & (1u << kKindHalfSpace)) != 0 && body.kind_groups.x == kKindHalfSpace) lowest = lowestCorner(body);
+    lowest_bound = min(lowest_bound, lowest);
   }
   if (search_here) z_base = clamp(lowest_bound, -1.0, 1.0);
-  bool tiled = search_here || num_near > 1 || near_kind == kKindMesh;
   barrier();
 
-  Affine only_X_PO;
-  ObjectRecord only_object;
-  if (num_near > 0 && !tiled) {
-    // One analytic solid: its heights are computed where they are summed.
-    only_object = objects[poses[instance * num_slots + near_slot].object.x];
-    only_X_PO = poseInPatch(instance * num_slots + near_slot, offset_z);
-    if (lane == 0) addToActive(cleared);
-  }
-  if (num_near > 0 && tiled) {
-    uvec2 low = uvec2(max(floor(cleared.low), tile_first) - tile_first);
-    uvec2 end = uvec2(min(ceil(cleared.high) + 1.0, tile_end) - tile_first);
-    // Whole taxels: their samples are all read.
-    low -= low % SAMPLES;
-    end = (end + SAMPLES - 1) / SAMPLES * SAMPLES;
-    uint width = end.y - low.y;
-    for (uint i = lane; i < (end.x - low.x) * width; i += WORKGROUP) tile[(low.x + i / width) * tile_stride + low.y + i % width] = kEmpty;
+  // Then their heights. The active part of the window is where clusters and solids reach.
+  Box active_part = emptyBox();
+  if (kTiled) {
+    bool one_batch = !MANY_SLOTS && body.kind_groups.x == kKindMesh && body.kind_groups.z <= kGroupsPerBatch;
+    if (!one_batch) clearTile(Box(reached.low - 1.0, reached.high + 1.0));
     barrier();
-    Box box = Box(vec2(kMiss), vec2(-kMiss));
     for (uint slot = 0; slot < num_slots; ++slot) {
-      int id = poses[instance * num_slots + slot].object.x;
-      if (id < 0) continue;
-      ObjectRecord object = objects[id];
-      Affine X_PO = poseInPatch(instance * num_slots + slot, offset_z);
-      Affine to_samples = toSamples(X_PO);
-      vec3 center, half_size;
-      boundsOfImage(to_samples, object.center.xyz, object.half_size.xyz, center, half_size);
-      if (outsideTile(center, half_size)) continue;
-      if (object.kind_groups.x == kKindMesh) {
-        rasterMesh(object, to_samples, box);
-      } else {
-        rasterAnalytic(object, X_PO, center, half_size);
-        grow(box, center, half_size, kClusterMargin);
+      if (MANY_SLOTS) {  // a single slot's body is at hand
+        id = objectInSlot(instance * num_slots + slot);
+        body = bodyInSlot(instance * num_slots + slot, max(id, 0));
+        body.near = body.near && id >= 0;
+      }
+      if (!body.near) continue;
+      bool is_mesh = body.kind_groups.x == kKindMesh;
+      if (kHasMesh && (!kHasAnalytic || is_mesh)) rasterMesh(body, fromLattice(body, id), active_part, one_batch);
+      if (kHasAnalytic && (!kHasMesh || !is_mesh)) {
+        rasterAnalytic(body, UNIFORM_ROW(objects[id].parameters));
+        grow(active_part, body.center, body.half_size);
       }
     }
-    addToActive(box);
+  } else {
+    active_part = reached;
   }
+  addToActive(active_part);
   barrier();
 
   // The rectangle of taxels that can carry force, in taxels of this tile, half-open.
   uvec2 active_first = uvec2(0), active_count = uvec2(0);
-  if (active_box[1] >= active_box[0] && active_box[3] >= active_box[2]) {
+  if (active_box[1] >= 0 && active_box[3] >= 0) {
     active_first = uvec2(active_box[0], active_box[2]) / SAMPLES - tile_taxel;
     active_count = uvec2(active_box[1], active_box[3]) / SAMPLES - tile_taxel + 1u - active_first;
   }
   uint num_active = active_count.x * active_count.y;
 
-  Search found = Search(0.0, 0.0, 0.0, 0.0);
-  if (search_here) {
-    found = searchLoad(instances[instance].drive.x, active_first * SAMPLES, active_count * SAMPLES);
+  Search found = Search(0.0, 0.0, 0.0, kLoadOutOfReach);
+  if (SEARCH == kSearchInTile && search_here) {
+    if (num_active > 0) found = searchLoad(UNIFORM_ROW(instances[instance].drive).x, active_first * SAMPLES, active_count * SAMPLES);
     if (lane == 0) loads[instance].bracket = vec4(found.offset, 0, 0, found.status);
   }
 
   // Stage 2, taxel by taxel; LANES partial sums of the wrench.
-  uint first_taxel = patch_record.grid.z;
-  uint patch_cols = patch_record.grid.y;
-  float per_sample = 1.0 / float(SAMPLES * SAMPLES);
-  bool first_step = (flags & kFlagFirstStep) != 0 || load_driven;
+  vec4 parameters = vec4(0);
+  if (!kTiled) parameters = UNIFORM_ROW(objects[max(id, 0)].parameters);
+  uint first_taxel = instance * NUM_TAXELS + grid.z;
+  const float kPerSample = 1.0 / float(SAMPLES * SAMPLES);
+  bool at_rest = (flags & kFlagFirstStep) != 0 || load_driven;
+  float per_dt = HAS_STATE ? step_record.time.y : 0.0;
   uint deep = 0;
   for (uint v = lane; v < LANES; v += WORKGROUP) {
     vec4 wrench = vec4(0);  // normal force, torque about x and y of P
     for (uint k = v; k < num_active; k += LANES) {
       uvec2 in_tile = active_first + uvec2(k / active_count.y, k % active_count.y);
       uvec2 base = in_tile * SAMPLES;
+      vec2 corner = samplePosition(base + tile_taxel * SAMPLES);
       float force = 0.0, depth_sum = 0.0;
       vec2 moment = vec2(0);
       for (uint a = 0; a < SAMPLES; ++a) {
         for (uint b = 0; b < SAMPLES; ++b) {
-          uvec2 at = base + uvec2(a, b);
-          uint address = at.x * tile_stride + at.y;
-          vec2 position = samplePosition(at + tile_taxel * SAMPLES);
+          uint address = (base.x + a) * tile_stride + base.y + b;
+          vec2 position = corner + vec2(a, b) * spacing;
           float d;
-          if (tiled) {
+          if (kTiled) {
             float height = uintBitsToFloat(tile[address]);
-            d = search_here ? found.depth - (height - found.lowest) : thickness - height;
+            d = search_here ? found.depth - (height - found.lowest) : THICKNESS - height;
           } else {
-            d = -analyticHeight(only_object.kind_groups.x, only_object.parameters, only_X_PO, position);
+            d = -analyticHeight(body.kind_groups.x, parameters, body.X_PO, position);
           }
-          d = clamp(d, 0.0, thickness);
+          d = clamp(d, 0.0, THICKNESS);
           float d_rate = 0.0;
-          if (HAS_STATE != 0) {
-            uint where = (instance * num_tiles + tile_number) * TILE_SAMPLES + address;
-            if (!first_step) d_rate = (d - state[where]) * step_record.time.y;
+          if (HAS_STATE) {
+            uint where = (instance * NUM_TILES + tile_number) * TILE_SAMPLES + address;
+            if (!at_rest) d_rate = (d - state[where]) * per_dt;
             state[where] = d;
           }
-          deep += d >= thickness ? 1u : 0u;
-          float f = lawPressure(sensor.skin, d, d_rate) * spacing.z;
+          deep += d >= THICKNESS ? 1u : 0u;
+          float f = lawPressure(d, d_rate);
           force += f;
           moment += f * position;
           depth_sum += d;
         }
       }
+      force *= sample_area;
+      moment *= sample_area;
       uvec2 in_patch = in_tile + tile_taxel;
-      uint taxel = instance * num_taxels + first_taxel + in_patch.x * patch_cols + in_patch.y;
-      contact_normal[taxel] = force;
-      if ((outputs & kOutputDepth) != 0) contact_depth[taxel] = depth_sum * per_sample;
-      if ((outputs & kOutputShear) != 0) {
-        contact_shear[2 * taxel] = 0.0;
-        contact_shear[2 * taxel + 1] = 0.0;
-      }
+      uint taxel = first_taxel + in_patch.x * grid.y + in_patch.y;
+      contact_normal[taxel] = SCALED ? force * spread_scale[grid.z + in_patch.x * grid.y + in_patch.y] : force;
+      if ((outputs & kOutputDepth) != 0) contact_depth[taxel] = depth_sum * kPerSample;
+      if ((outputs & kOutputShear) != 0) contact_shear[2 * taxel] = contact_shear[2 * taxel + 1] = 0.0;
       // The skin is pressed along -z: torque (x, y, 0) x (0, 0, -f).
       wrench += vec4(force, -moment.y, moment.x, 0);
     }
@@ -428,27 +487,34 @@ void main() {
     uvec2 in_tile = uvec2(k / tile_size.y, k % tile_size.y);
     if (all(greaterThanEqual(in_tile, active_first)) && all(lessThan(in_tile, active_first + active_count))) continue;
     uvec2 in_patch = in_tile + tile_taxel;
-    uint taxel = instance * num_taxels + first_taxel + in_patch.x * patch_cols + in_patch.y;
+    uint taxel = first_taxel + in_patch.x * grid.y + in_patch.y;
     contact_normal[taxel] = 0.0;
     if ((outputs & kOutputDepth) != 0) contact_depth[taxel] = 0.0;
-    if ((outputs & kOutputShear) != 0) {
-      contact_shear[2 * taxel] = 0.0;
-      contact_shear[2 * taxel + 1] = 0.0;
-    }
-    if (HAS_STATE != 0) {
+    if ((outputs & kOutputShear) != 0) contact_shear[2 * taxel] = contact_shear[2 * taxel + 1] = 0.0;
+    if (HAS_STATE) {
       for (uint a = 0; a < SAMPLES * SAMPLES; ++a) {
         uvec2 at = in_tile * SAMPLES + uvec2(a / SAMPLES, a % SAMPLES);
-        state[(instance * num_tiles + tile_number) * TILE_SAMPLES + at.x * tile_stride + at.y] = 0.0;
+        state[(instance * NUM_TILES + tile_number) * TILE_SAMPLES + at.x * tile_stride + at.y] = 0.0;
       }
     }
   }
 
   vec4 total = sumOfPartials();
-  if (lane == 0) {
-    uint result = instance * num_tiles + tile_number;
-    tile_results[result].force = vec4(0, 0, -total.x, float(num_deep));
-    tile_results[result].torque = vec4(total.y, total.z, 0, 0);
-    uvec2 first = tile_taxel + active_first;
-    tile_results[result].window = num_active == 0 ? uvec4(0) : uvec4(first.x, first.x + active_count.x, first.y, first.y + active_count.y);
+  vec3 force = -total.x * X_PS.row2.xyz;  // rows of R_PS are the axes of P in S
+  vec3 torque = total.y * X_PS.row0.xyz + total.z * X_PS.row1.xyz;
+  if (!FLAT) {
+    vec3 origin = -(X_PS.row0.xyz * X_PS.row0.w + X_PS.row1.xyz * X_PS.row1.w + X_PS.row2.xyz * X_PS.row2.w);  // of P in S
+    torque += cross(origin, force);
+  }
+  uvec2 first = tile_taxel + active_first;
+  uvec4 window = num_active == 0 ? uvec4(0) : uvec4(first.x, first.x + active_count.x, first.y, first.y + active_count.y);
+  // A word a lane.
+  uint result = instance * NUM_TILES + tile_number;
+  vec4 force_row = vec4(force, float(num_deep));
+  vec4 torque_row = vec4(torque, 0);
+  for (uint k = lane; k < 4; k += WORKGROUP) {
+    tile_results[result].force[k] = force_row[k];
+    tile_results[result].torque[k] = torque_row[k];
+    tile_results[result].window[k] = window[k];
   }
 }

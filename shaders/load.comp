@@ -12,15 +12,13 @@
 
 layout(local_size_x_id = 0) in;
 layout(constant_id = 0) const uint WORKGROUP = 8;
-layout(constant_id = 1) const uint EVALUATIONS = 48;  // after which the search ends with the best it has
+layout(constant_id = 1) const uint NUM_TILES = 1;
+layout(constant_id = 2) const uint EVALUATIONS = 48;  // after which the search closes with the best it has
 
 layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceRecord instances[]; };
 layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
-layout(std430, set = 0, binding = 2) readonly buffer SensorBlock { SensorRecord sensor; };
-layout(std430, set = 0, binding = 3) readonly buffer Patches { PatchRecord patches[]; };
-layout(std430, set = 0, binding = 4) readonly buffer Tiles { TileRecord tiles[]; };
-layout(std430, set = 0, binding = 5) readonly buffer TileResults { TileResult tile_results[]; };
-layout(std430, set = 0, binding = 6) buffer Loads { LoadRecord loads[]; };
+layout(std430, set = 0, binding = 2) readonly buffer TileResults { TileResult tile_results[]; };
+layout(std430, set = 0, binding = 3) buffer Loads { LoadRecord loads[]; };
 
 const float kTolerance = 1e-5;         // of the load; a float's offset at 0.1 m is 4e-9 m, 4e-5 of a depth of 0.1 mm
 const float kAccepted = 1e-3;          // of the load: what a bracket as narrow as floats allow must reach
@@ -45,12 +43,10 @@ void main() {
 
   float force = 0.0;
   float deep = 0.0;
-  for (uint t = 0; t < sensor.counts.y; ++t) {
-    TileResult result = tile_results[instance * sensor.counts.y + t];
+  for (uint t = 0; t < NUM_TILES; ++t) {
     // The load is the force along z of S.
-    PatchRecord patch_record = patches[tiles[t].place.x];
-    force -= patch_record.row0.z * result.force.x + patch_record.row1.z * result.force.y + patch_record.row2.z * result.force.z;
-    deep += result.force.w;
+    force -= tile_results[instance * NUM_TILES + t].force.z;
+    deep += tile_results[instance * NUM_TILES + t].force.w;
   }
   float load = instances[instance].drive.x;
   float offset = record.bracket.x;

@@ -1,6 +1,9 @@
 // Height of analytic solids over a sample: the lowest z in P at which the ray p = (x, y, z), z rising, is inside the solid. kMiss where it
 // never is, kBottomless where the solid goes down for ever. Solids as in include/taxelsim/object.h. Twin: src/reference/analytic.cpp.
 
+// Solids that the model does not have are left out by the constant KINDS.
+bool isKind(uint kind, uint wanted) { return (KINDS & (1u << wanted)) != 0 && kind == wanted; }
+
 const float kMiss = 1e30;
 const float kBottomless = -1e30;
 
@@ -87,11 +90,11 @@ float analyticHeight(uint kind, vec4 parameters, Affine X_PO, vec2 xy) {
   vec3 o = r0 * from.x + r1 * from.y + r2 * from.z;
   vec3 d = r2;
   vec2 inside = vec2(kMiss, kBottomless);
-  if (kind == kKindSphere) {
+  if (isKind(kind, kKindSphere)) {
     inside = insideSphere(o, d, parameters.x);
-  } else if (kind == kKindCylinder) {
+  } else if (isKind(kind, kKindCylinder)) {
     inside = both(insideInfiniteCylinder(o, d, parameters.x), slab(o.z, d.z, -parameters.y, parameters.y));
-  } else if (kind == kKindCapsule) {
+  } else if (isKind(kind, kKindCapsule)) {
     vec2 tube = both(insideInfiniteCylinder(o, d, parameters.x), slab(o.z, d.z, -parameters.y, parameters.y));
     vec2 low = insideSphere(o + vec3(0, 0, parameters.y), d, parameters.x);
     vec2 high = insideSphere(o - vec3(0, 0, parameters.y), d, parameters.x);
@@ -100,15 +103,15 @@ float analyticHeight(uint kind, vec4 parameters, Affine X_PO, vec2 xy) {
     if (low.x <= low.y) near = min(near, low.x);
     if (high.x <= high.y) near = min(near, high.x);
     return near;
-  } else if (kind == kKindBox) {
+  } else if (isKind(kind, kKindBox)) {
     inside = both(both(slab(o.x, d.x, -parameters.x, parameters.x), slab(o.y, d.y, -parameters.y, parameters.y)),
                   slab(o.z, d.z, -parameters.z, parameters.z));
-  } else if (kind == kKindHalfSpace) {
+  } else if (isKind(kind, kKindHalfSpace)) {
     if (d.z > 1e-9) return -o.z / d.z;
     return d.z < -1e-9 || o.z >= 0.0 ? kBottomless : kMiss;
-  } else if (kind == kKindCone) {
+  } else if (isKind(kind, kKindCone)) {
     inside = insideCone(o, d, parameters.x, parameters.y);
-  } else if (kind == kKindTorus) {
+  } else if (isKind(kind, kKindTorus)) {
     return torusHeight(o, d, parameters.x, parameters.y);
   }
   return inside.x <= inside.y ? inside.x : kMiss;

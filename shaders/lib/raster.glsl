@@ -1,6 +1,43 @@
 // One triangle into the depth tile, by one invocation. Twin: src/reference/depth.cpp (rays).
 //
-// Vertices come as (u, v, z): u and v in samples of the patch, sample (a, b) at u = a, v = b; z in m, in P. Rows run along u.
+// Vertices come as (u, v, z): u and v in samples of the patch, sample (a, b) at u = a, v = b; z in m, in P. Rows run along u. The tile keeps the lowest
+// surface: atomicMin on the bits of a float that is never negative orders like the float itself, and the order of triangles does not show.
+
+void lowerTile(uint address, float z) { atomicMin(tile[address], floatBitsToUint(max(z - z_base, 0.0))); }
+
+// For triangles of about the size of the samples' spacing: every sample of the bounding box is tested against the three edges. An edge's value comes from
+// the two vertices relative to the sample, so two triangles that share the edge find the same number with opposite signs, and a sample on it
+// belongs to both: no gap.
+void rasterBySamples(vec3 p, vec3 q, vec3 r) {
+  if (min(p.z, min(q.z, r.z)) >= z_limit) return;
+  vec2 first = max(ceil(min(p.xy, min(q.xy, r.xy))), tile_first);
+  vec2 last = min(floor(max(p.xy, max(q.xy, r.xy))), tile_end - 1.0);
+  if (first.x > last.x || first.y > last.y) return;
+  uint row_address = uint(first.x - tile_first.x) * tile_stride + uint(first.y - tile_first.y);
+  uint address = row_address;
+  vec2 at = first;
+  while (at.x <= last.x) {
+    vec2 sp = p.xy - at, sq = q.xy - at, sr = r.xy - at;
+    precise float ep = sq.x * sr.y - sq.y * sr.x;
+    precise float eq = sr.x * sp.y - sr.y * sp.x;
+    precise float er = sp.x * sq.y - sp.y * sq.x;
+    float area = ep + eq + er;
+    if (min(ep, min(eq, er)) >= 0.0 || max(ep, max(eq, er)) <= 0.0) {
+      float z = (ep * p.z + eq * q.z + er * r.z) / area;
+      // A triangle seen edge-on has no area, and no height.
+      if (z < z_limit && area != 0.0) lowerTile(address, z);
+    }
+    at.y += 1.0;
+    ++address;
+    if (at.y > last.y) {
+      at = vec2(at.x + 1.0, first.y);
+      row_address += tile_stride;
+      address = row_address;
+    }
+  }
+}
+
+// For larger triangles: row by row.
 //
 //        v ->
 //   u    top *                 A row a crosses the long edge top-bottom and one of the two short ones; the samples between the
@@ -8,13 +45,9 @@
 //   v   row/---\  <- a         two triangles that share an edge find the same number and leave no gap between them.
 //         /    * middle
 //        * bottom
-//
-// The tile keeps the lowest surface: atomicMin on the bits of a float that is never negative orders like the float itself, and the order of
-// triangles does not show.
-
 float crossing(vec3 upper, vec3 lower, float a) { return upper.y + (a - upper.x) * ((lower.y - upper.y) / (lower.x - upper.x)); }
 
-void rasterTriangle(vec3 p, vec3 q, vec3 r) {
+void rasterBySpans(vec3 p, vec3 q, vec3 r) {
   float z_low = min(p.z, min(q.z, r.z));
   if (z_low >= z_limit) return;
   float z_high = max(p.z, max(q.z, r.z));
@@ -50,7 +83,7 @@ void rasterTriangle(vec3 p, vec3 q, vec3 r) {
     uint address = uint(a - tile_first.x) * tile_stride + uint(max(b_first - tile_first.y, 0.0));
     for (float b = b_first; b < b_end; b += 1.0, ++address) {
       float z = clamp(z_row + gradient.y * (b - top.y), z_low, z_high);
-      if (z < z_limit) atomicMin(tile[address], floatBitsToUint(max(z - z_base, 0.0)));
+      if (z < z_limit) lowerTile(address, z);
     }
   }
 }

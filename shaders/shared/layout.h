@@ -35,18 +35,17 @@ TAXELSIM_CONSTANT kTrianglesPerCluster = 32u;
 TAXELSIM_CONSTANT kClustersPerGroup = 32u;
 
 struct ObjectRecord {
-  uvec4 kind_groups;  // kind, first group, number of groups, 0
-  vec4 parameters;    // of analytic solids: radius and length, half sizes, radius and height, both radii
-  vec4 lattice;       // of meshes: lattice_origin + lattice_step 2^20, the middle of the lattice, in O; lattice_step
+  uvec4 kind_groups;  // kind, first group, number of groups, 1 where triangles are large against the samples
+  vec4 parameters;    // of analytic solids: radius and half length, half sizes, radius and height, both radii
+  vec4 lattice;       // of meshes: the middle of the lattice in O, m; lattice_step, m
   vec4 center;        // of the bounding box, in O, m
   vec4 half_size;     // of the bounding box, m
 };
 
-// An axis-aligned box around triangles (cluster) or clusters (group), in lattice units about the lattice's middle.
-struct BoundsRecord {
-  vec4 center;     // w: number of the first triangle or cluster, as bits
-  vec4 half_size;  // w: how many, as bits
-};
+// An axis-aligned box around triangles (cluster) or clusters (group), three words of low | high << 16 per axis in units of 2^kBoxShift lattice steps,
+// rounded outwards; then what it holds: number of the first | (how many - 1) << kFirstBits.
+TAXELSIM_CONSTANT kBoxShift = 5u;
+TAXELSIM_CONSTANT kFirstBits = 27u;
 
 // ---- the sensor ----
 
@@ -69,20 +68,16 @@ struct TaxelRecord {
 };
 
 struct SensorRecord {
-  uvec4 counts;  // taxels, tiles, kernel entries per taxel, degree of the curve
-  vec4 skin;     // thickness (m), stiffness, exponent, damping
-  vec4 readout;  // output scale, trigger (N), saturation (counts), noise (counts)
-  vec4 curve0;   // coefficients 1 to 4
-  vec4 curve1;   // coefficient 5, 0, 0, 0
+  vec4 curve0;  // coefficients 1 to 4, counts / N^m
+  vec4 curve1;  // coefficient 5, 0, 0, 0
   vec4 X_SC_row0, X_SC_row1, X_SC_row2;
-  vec4 heights;  // highest and lowest z in S of any patch corner, m; 0; 0
 };
 
 // ---- a batch ----
 
 struct PoseRecord {
   vec4 row0, row1, row2;  // X_SO: rows of (R_SO | p)
-  ivec4 object;           // index or -1, 0, 0, 0
+  vec4 object;            // index or -1, 0, 0, 0
 };
 
 TAXELSIM_CONSTANT kFlagNewFrame = 1u;   // the sensor delivers a frame in this step
@@ -105,8 +100,8 @@ struct StepRecord {
 
 // What the contact pass leaves per instance and tile.
 struct TileResult {
-  vec4 force;    // in P: along x, y, z (on the sensor), N; samples at least as deep as the skin is thick
-  vec4 torque;   // in P about P's origin, N m; 0
+  vec4 force;    // on the sensor, in S, N; samples at least as deep as the skin is thick
+  vec4 torque;   // about S's origin, in S, N m; 0
   uvec4 window;  // rectangle of taxels of the patch that may carry force: first row, end row, first col, end col; empty: all 0
 };
 

@@ -9,6 +9,9 @@
 namespace taxelsim {
 namespace {
 
+// Steps left free around the mesh, so that boxes can be rounded outwards to coarser units.
+constexpr std::uint32_t kLatticeRim = 128;
+
 constexpr std::uint32_t kLatticeMiddle = 1u << (kLatticeBits - 1);
 
 // Orders `items` so that every run of `leaf` consecutive ones lies close together: halves at a multiple of `leaf`, by the centroid along the longest
@@ -36,30 +39,16 @@ void sortIntoRuns(std::span<std::uint32_t> items, const std::vector<std::array<s
   sortIntoRuns(items.subspan(middle), centroids, leaf);
 }
 
-struct LatticeBounds {
-  std::array<std::int64_t, 3> low{std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::max(),
-                                  std::numeric_limits<std::int64_t>::max()};
-  std::array<std::int64_t, 3> high{0, 0, 0};
-
-  void add(const LatticePoint& point) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      low[axis] = std::min<std::int64_t>(low[axis], point[axis]);
-      high[axis] = std::max<std::int64_t>(high[axis], point[axis]);
-    }
+void addToBox(const LatticePoint& point, ClusterBox& box) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    box.low[axis] = std::min(box.low[axis], point[axis]);
+    box.high[axis] = std::max(box.high[axis], point[axis]);
   }
+}
 
-  // Exact in float32: sums of two lattice coordinates have at most 22 bits, and halves of them are representable.
-  ClusterBox box(std::uint32_t first, std::uint32_t count) const {
-    ClusterBox result;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      result.center[axis] = static_cast<float>(static_cast<double>(low[axis] + high[axis]) / 2 - kLatticeMiddle);
-      result.half_size[axis] = static_cast<float>(static_cast<double>(high[axis] - low[axis]) / 2);
-    }
-    result.first = first;
-    result.count = count;
-    return result;
-  }
-};
+ClusterBox emptyBox(std::size_t first, std::size_t count) {
+  return {{~0u, ~0u, ~0u}, {0, 0, 0}, static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(count)};
+}
 
 }  // namespace
 
@@ -76,7 +65,7 @@ ClusteredMesh clusterMesh(const Mesh& mesh) {
     }
   }
   const double extent = std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2], 1e-9});
-  result.step = extent / ((1u << kLatticeBits) - 2);
+  result.step = extent / ((1u << kLatticeBits) - kLatticeRim);
   for (std::size_t axis = 0; axis < 3; ++axis) result.middle[axis] = (low[axis] + high[axis]) / 2;
 
   std::vector<LatticePoint> points(mesh.vertices.size());
@@ -100,22 +89,21 @@ ClusteredMesh clusterMesh(const Mesh& mesh) {
   for (std::size_t start = 0; start < order.size(); start += kTrianglesPerGroup) {
     const std::span<std::uint32_t> group = std::span(order).subspan(start, std::min(kTrianglesPerGroup, order.size() - start));
     sortIntoRuns(group, centroids, kTrianglesPerCluster);
-    LatticeBounds group_bounds;
-    const auto first_cluster = static_cast<std::uint32_t>(result.clusters.size());
+    ClusterBox group_box = emptyBox(result.clusters.size(), (group.size() + kTrianglesPerCluster - 1) / kTrianglesPerCluster);
     for (std::size_t run = 0; run < group.size(); run += kTrianglesPerCluster) {
-      LatticeBounds bounds;
-      const auto first = static_cast<std::uint32_t>(result.triangles.size());
-      for (const std::uint32_t triangle : group.subspan(run, std::min<std::size_t>(kTrianglesPerCluster, group.size() - run))) {
+      const std::span<std::uint32_t> cluster = group.subspan(run, std::min<std::size_t>(kTrianglesPerCluster, group.size() - run));
+      ClusterBox box = emptyBox(result.triangles.size(), cluster.size());
+      for (const std::uint32_t triangle : cluster) {
         const std::array<std::uint32_t, 3>& indices = mesh.triangles[triangle];
         result.triangles.push_back({points[indices[0]], points[indices[1]], points[indices[2]]});
         for (const LatticePoint& point : result.triangles.back()) {
-          bounds.add(point);
-          group_bounds.add(point);
+          addToBox(point, box);
+          addToBox(point, group_box);
         }
       }
-      result.clusters.push_back(bounds.box(first, static_cast<std::uint32_t>(result.triangles.size()) - first));
+      result.clusters.push_back(box);
     }
-    result.groups.push_back(group_bounds.box(first_cluster, static_cast<std::uint32_t>(result.clusters.size()) - first_cluster));
+    result.groups.push_back(group_box);
   }
   return result;
 }

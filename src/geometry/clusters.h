@@ -22,8 +22,8 @@ inline constexpr std::uint32_t kClustersPerGroup = 32;
 using LatticePoint = std::array<std::uint32_t, 3>;  // each below 2^kLatticeBits
 
 struct ClusterBox {
-  std::array<float, 3> center{};     // lattice units, from the lattice's middle 2^20
-  std::array<float, 3> half_size{};  // lattice units
+  LatticePoint low{};
+  LatticePoint high{};
   std::uint32_t first = 0;           // triangle of a cluster, cluster of a group
   std::uint32_t count = 0;
 };

@@ -10,7 +10,7 @@ namespace {
 // Bytes of one instance in every array.
 struct InstanceBytes {
   InstanceBytes(const Model::Impl& model, const SimulatorOptions& options) {
-    const std::uint64_t taxels = model.packed.sensor.counts.x;
+    const std::uint64_t taxels = model.num_taxels;
     const std::uint64_t num_tiles = model.packed.tiles.size();
     poses = sizeof(layout::PoseRecord) * static_cast<std::uint64_t>(options.num_slots);
     state = model.has_state ? 4 * num_tiles * model.packed.max_tile_samples : 0;

@@ -1,6 +1,9 @@
 // What a Model holds on the device.
 #pragma once
 
+#include <map>
+#include <mutex>
+#include <optional>
 #include <vector>
 
 #include "gpu/buffer.h"
@@ -18,22 +21,43 @@ struct Model::Impl {
   std::vector<Object> objects;
   std::vector<Bounds> bounds;  // of the objects, in O; the endless ones cut at 1 m
   PackedSensor packed;
+  std::uint32_t kinds = 0;      // bit per kind of object
+  std::uint32_t triangles_of = 0;  // bit 0: meshes of small triangles, bit 1: of large ones
+  std::uint32_t num_taxels = 0;
   std::uint32_t contact_workgroup = 0;
   std::uint32_t image_workgroup = 0;
   bool has_state = false;  // the law remembers the depth of the step before
 
   gpu::Buffer object_records, groups, clusters, triangles;
-  gpu::Buffer sensor_record, patches, tiles, taxels, spread_entries;
+  gpu::Buffer sensor_record, patches, tiles, taxels, spread_rows, spread_scale;
   std::uint64_t static_bytes = 0;
 
-  gpu::Kernel contact, image;
-  gpu::Kernel load;  // made only for sensors that do not search in their one tile
+  // Passes in the variants that batches need; made when first asked for, kept as long as the model. Safe to call from several threads.
+  struct ContactVariant {
+    std::uint32_t search = 0;  // kSearch... of shaders/contact.comp
+    bool many_slots = false;
+    auto operator<=>(const ContactVariant&) const = default;
+  };
+  const gpu::Kernel& contactKernel(const ContactVariant& variant) const;
+  // `random`: some instance draws noise or gains.
+  const gpu::Kernel& imageKernel(bool random) const;
+  const gpu::Kernel& loadKernel() const;
 
  private:
-  gpu::Kernel makeContactKernel() const;
-  gpu::Kernel makeImageKernel() const;
+  std::vector<gpu::Constant> commonConstants(std::uint32_t workgroup) const;
+  gpu::Kernel makeContactKernel(const ContactVariant& variant) const;
+  gpu::Kernel makeImageKernel(bool random) const;
   gpu::Kernel makeLoadKernel() const;
+
+  mutable std::mutex kernels_mutex_;
+  mutable std::map<ContactVariant, gpu::Kernel> contact_;
+  mutable std::map<bool, gpu::Kernel> image_;
+  mutable std::optional<gpu::Kernel> load_;
 };
+
+inline constexpr std::uint32_t kNoSearch = 0;
+inline constexpr std::uint32_t kSearchInTile = 1;
+inline constexpr std::uint32_t kSearchOverTiles = 2;
 
 // Evaluations of the load search over several tiles.
 inline constexpr std::uint32_t kLoadEvaluations = 48;

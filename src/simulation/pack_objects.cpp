@@ -1,9 +1,11 @@
 #include "simulation/pack_objects.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
-#include <bit>
+#include <cmath>
 
 #include "geometry/clusters.h"
+#include "taxelsim/error.h"
 
 namespace taxelsim {
 namespace {
@@ -14,19 +16,37 @@ static_assert(layout::kLatticeBits == kLatticeBits && layout::kTrianglesPerClust
 // Stands for infinity in bounds; squares of it are finite floats.
 constexpr float kEndless = 1e9f;
 
-float asFloat(std::uint32_t bits) { return std::bit_cast<float>(bits); }
+// Triangles whose root mean area is this many sample spacings are rastered row by row, smaller ones sample by sample.
+constexpr double kLargeTriangle = 6;
 
-layout::BoundsRecord packBox(const ClusterBox& box, std::uint32_t offset) {
-  return {{box.center[0], box.center[1], box.center[2], asFloat(box.first + offset)},
-          {box.half_size[0], box.half_size[1], box.half_size[2], asFloat(box.count)}};
+glm::uvec4 packBox(const ClusterBox& box, std::uint32_t offset) {
+  const auto axis = [&](std::size_t i) {
+    const std::uint32_t low = box.low[i] >> layout::kBoxShift;
+    const std::uint32_t high = (box.high[i] >> layout::kBoxShift) + 1;
+    return low | high << 16;
+  };
+  return {axis(0), axis(1), axis(2), (box.first + offset) | (box.count - 1) << layout::kFirstBits};
 }
 
-void packMesh(const Mesh& mesh, PackedObjects& packed, layout::ObjectRecord& record) {
+double meanTriangleSize(const Mesh& mesh) {
+  double twice_area = 0;
+  for (const std::array<std::uint32_t, 3>& t : mesh.triangles) {
+    const Eigen::Map<const Eigen::Vector3f> a(mesh.vertices[t[0]].data()), b(mesh.vertices[t[1]].data()), c(mesh.vertices[t[2]].data());
+    twice_area += static_cast<double>((b - a).cross(c - a).norm());
+  }
+  return std::sqrt(twice_area / 2 / static_cast<double>(mesh.triangles.size()));
+}
+
+void packMesh(const Mesh& mesh, double sample_spacing, PackedObjects& packed, layout::ObjectRecord& record) {
   const ClusteredMesh clustered = clusterMesh(mesh);
   const auto first_group = static_cast<std::uint32_t>(packed.groups.size());
   const auto first_cluster = static_cast<std::uint32_t>(packed.clusters.size());
   const auto first_triangle = static_cast<std::uint32_t>(packed.triangles.size() / layout::kTriangleWords);
-  record.kind_groups = {layout::kKindMesh, first_group, static_cast<std::uint32_t>(clustered.groups.size()), 0u};
+  if (first_triangle + clustered.triangles.size() > 1u << layout::kFirstBits) {
+    throw Error(ErrorKind::kInput, "the objects have more than " + std::to_string(1u << layout::kFirstBits) + " triangles together");
+  }
+  const bool large = meanTriangleSize(mesh) > kLargeTriangle * sample_spacing;
+  record.kind_groups = {layout::kKindMesh, first_group, static_cast<std::uint32_t>(clustered.groups.size()), large ? 1u : 0u};
   record.lattice = {static_cast<float>(clustered.middle[0]), static_cast<float>(clustered.middle[1]), static_cast<float>(clustered.middle[2]),
                     static_cast<float>(clustered.step)};
   for (const ClusterBox& group : clustered.groups) packed.groups.push_back(packBox(group, first_cluster));
@@ -59,7 +79,7 @@ struct PackSolid {
 
 }  // namespace
 
-PackedObjects packObjects(std::span<const Object> objects) {
+PackedObjects packObjects(std::span<const Object> objects, double sample_spacing) {
   PackedObjects packed;
   for (const Object& object : objects) {
     layout::ObjectRecord record{};
@@ -71,7 +91,7 @@ PackedObjects packObjects(std::span<const Object> objects) {
       record.half_size[axis] = static_cast<float>((high - low) / 2 * (1 + 1e-6));
     }
     std::visit(PackSolid{record}, object.shape);
-    if (const Mesh* mesh = std::get_if<Mesh>(&object.shape)) packMesh(*mesh, packed, record);
+    if (const Mesh* mesh = std::get_if<Mesh>(&object.shape)) packMesh(*mesh, sample_spacing, packed, record);
     packed.objects.push_back(record);
   }
   return packed;

@@ -12,11 +12,12 @@ namespace taxelsim {
 
 struct PackedObjects {
   std::vector<layout::ObjectRecord> objects;
-  std::vector<layout::BoundsRecord> groups;
-  std::vector<layout::BoundsRecord> clusters;
+  std::vector<glm::uvec4> groups;    // boxes, layout.h
+  std::vector<glm::uvec4> clusters;
   std::vector<std::uint32_t> triangles;
 };
 
-PackedObjects packObjects(std::span<const Object> objects);
+// `sample_spacing` (m): triangles much longer than it are rastered row by row.
+PackedObjects packObjects(std::span<const Object> objects, double sample_spacing);
 
 }  // namespace taxelsim

@@ -35,50 +35,55 @@ void addTiles(const GridPatch& patch, std::uint32_t patch_number, std::uint32_t 
   }
 }
 
-struct Entry {
-  std::uint32_t source;
-  double weight;
-};
+// Rows of four numbers, the last one filled up with zeros.
+std::vector<glm::vec4> inRows(const std::vector<float>& numbers) {
+  std::vector<glm::vec4> rows((numbers.size() + 3) / 4, glm::vec4(0));
+  for (std::size_t i = 0; i < numbers.size(); ++i) rows[i / 4][static_cast<int>(i % 4)] = numbers[i];
+  return rows;
+}
 
-// For every taxel, the sources that reach it; paper eq. (1), each source's weights summing to 1 unless the kernel is taken as it is.
-std::vector<std::vector<Entry>> spreadEntries(const Sensor& sensor) {
+// Paper eq. (1): what each source gives, per newton, so that it arrives whole; and for every taxel its sources. One patch keeps its kernel as it is.
+void packSpread(const Sensor& sensor, PackedSensor& packed) {
   const int radius = sensor.psf.size / 2;
   const auto kernel = [&](int a, int b) { return sensor.psf.kernel[static_cast<std::size_t>((a + radius) * sensor.psf.size + b + radius)]; };
-  std::vector<std::vector<Entry>> entries(static_cast<std::size_t>(numTaxels(sensor)));
+  const auto num_taxels = static_cast<std::size_t>(numTaxels(sensor));
+  std::vector<std::vector<glm::vec2>> sources(num_taxels);
+  packed.spread_scale.assign(num_taxels, 1.0f);
   int first = 0;
   for (const GridPatch& patch : sensor.patches) {
     for (int i = 0; i < patch.num_rows; ++i) {
       for (int j = 0; j < patch.num_cols; ++j) {
-        const int a_first = std::max(-radius, -i), a_last = std::min(radius, patch.num_rows - 1 - i);
-        const int b_first = std::max(-radius, -j), b_last = std::min(radius, patch.num_cols - 1 - j);
-        double sum = 0;
-        for (int a = a_first; a <= a_last; ++a) {
-          for (int b = b_first; b <= b_last; ++b) sum += kernel(a, b);
-        }
-        const double scale = sensor.psf.normalization == Psf::Normalization::kNone ? 1 : sum > 0 ? 1 / sum : 0;
-        const auto source = static_cast<std::uint32_t>(first + i * patch.num_cols + j);
-        for (int a = a_first; a <= a_last; ++a) {
-          for (int b = b_first; b <= b_last; ++b) {
+        const int source = first + i * patch.num_cols + j;
+        double arriving = 0;
+        for (int a = std::max(-radius, -i); a <= std::min(radius, patch.num_rows - 1 - i); ++a) {
+          for (int b = std::max(-radius, -j); b <= std::min(radius, patch.num_cols - 1 - j); ++b) {
             if (kernel(a, b) == 0) continue;
-            entries[static_cast<std::size_t>(first + (i + a) * patch.num_cols + j + b)].push_back({source, kernel(a, b) * scale});
+            arriving += kernel(a, b);
+            sources[static_cast<std::size_t>(source + a * patch.num_cols + b)].emplace_back(std::bit_cast<float>(source),
+                                                                                         static_cast<float>(kernel(a, b)));
           }
+        }
+        if (sensor.psf.normalization == Psf::Normalization::kPerSource) {
+          packed.spread_scale[static_cast<std::size_t>(source)] = arriving > 0 ? static_cast<float>(1 / arriving) : 0.0f;
         }
       }
     }
     first += patch.num_rows * patch.num_cols;
   }
-  return entries;
-}
-
-std::vector<glm::vec2> packEntries(const std::vector<std::vector<Entry>>& entries, std::size_t per_taxel) {
-  std::vector<glm::vec2> packed(per_taxel * entries.size());
-  for (std::size_t t = 0; t < entries.size(); ++t) {
-    for (std::size_t e = 0; e < per_taxel; ++e) {
-      const Entry entry = e < entries[t].size() ? entries[t][e] : Entry{static_cast<std::uint32_t>(t), 0};
-      packed[e * entries.size() + t] = {std::bit_cast<float>(entry.source), static_cast<float>(entry.weight)};
+  for (const std::vector<glm::vec2>& list : sources) packed.num_entries = std::max(packed.num_entries, static_cast<std::uint32_t>(list.size()));
+  if (packed.one_patch) {
+    packed.spread_rows = inRows({sensor.psf.kernel.begin(), sensor.psf.kernel.end()});
+    return;
+  }
+  std::vector<float> pairs;
+  for (std::size_t e = 0; e < packed.num_entries; ++e) {
+    for (std::size_t t = 0; t < num_taxels; ++t) {
+      const glm::vec2 entry = e < sources[t].size() ? sources[t][e] : glm::vec2(std::bit_cast<float>(static_cast<std::uint32_t>(t)), 0);
+      pairs.push_back(entry.x);
+      pairs.push_back(entry.y);
     }
   }
-  return packed;
+  packed.spread_rows = inRows(pairs);
 }
 
 void packTaxels(const Sensor& sensor, bool one_patch, std::vector<layout::TaxelRecord>& taxels) {
@@ -128,24 +133,16 @@ PackedSensor packSensor(const Sensor& sensor, std::uint32_t tile_samples) {
   for (const layout::TileRecord& tile : packed.tiles) {
     packed.max_tile_samples = std::max(packed.max_tile_samples, tile.size.x * tile.size.y * samples * samples);
   }
+  // Some sixteen taxels a lane, so that a lane has work and a large sensor's lanes are many.
   packed.num_lanes = std::clamp(std::bit_ceil(num_taxels / 16), 8u, 64u);
+  packed.flat = packed.one_patch && sensor.patches.front().X_SP == Pose{};
   packed.searches_in_tile = packed.tiles.size() == 1 && packed.patches.front().row2.z == 1.0f;
   packTaxels(sensor, packed.one_patch, packed.taxels);
 
-  const std::vector<std::vector<Entry>> entries = spreadEntries(sensor);
-  std::size_t per_taxel = 0;
-  for (const std::vector<Entry>& list : entries) per_taxel = std::max(per_taxel, list.size());
-  packed.spread_entries = packEntries(entries, per_taxel);
+  packSpread(sensor, packed);
 
   layout::SensorRecord& record = packed.sensor;
-  const Winkler& law = std::get<Winkler>(sensor.skin.law);
   const Readout& readout = sensor.readout;
-  record.counts = {num_taxels, static_cast<std::uint32_t>(packed.tiles.size()), static_cast<std::uint32_t>(per_taxel),
-                   static_cast<std::uint32_t>(readout.curve.size())};
-  record.skin = {static_cast<float>(sensor.skin.thickness), static_cast<float>(law.normal_contact_stiffness),
-                 static_cast<float>(law.normal_exponent), static_cast<float>(law.normal_damping)};
-  record.readout = {static_cast<float>(readout.output_scale), static_cast<float>(readout.trigger), static_cast<float>(readout.saturation),
-                    static_cast<float>(readout.noise)};
   for (std::size_t m = 0; m < readout.curve.size(); ++m) {
     (m < 4 ? record.curve0[static_cast<int>(m)] : record.curve1.x) = static_cast<float>(readout.curve[m]);
   }
@@ -154,7 +151,8 @@ PackedSensor packSensor(const Sensor& sensor, std::uint32_t tile_samples) {
   record.X_SC_row0 = row(rotation, X_SC.position, 0);
   record.X_SC_row1 = row(rotation, X_SC.position, 1);
   record.X_SC_row2 = row(rotation, X_SC.position, 2);
-  record.heights = {static_cast<float>(highest), static_cast<float>(lowest), 0.0f, 0.0f};
+  packed.highest = static_cast<float>(highest);
+  packed.lowest = static_cast<float>(lowest);
   return packed;
 }
 

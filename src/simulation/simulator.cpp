@@ -1,5 +1,6 @@
 #include "taxelsim/simulator.h"
 
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -42,15 +43,17 @@ struct Simulator::Impl {
   Impl(const Model& of, const SimulatorOptions& with) : model(of), options(with), buffers((checkBatchFits(*of.impl(), with), *of.impl()), with) {
     clocks.resize(static_cast<std::size_t>(with.num_instances));
     const std::span<layout::PoseRecord> poses = buffers.poses.mappedAs<layout::PoseRecord>();
-    for (layout::PoseRecord& pose : poses) pose.object = {kNoObject, 0, 0, 0};
+    for (layout::PoseRecord& pose : poses) pose.object = glm::vec4(kNoObject, 0, 0, 0);
     for (layout::InstanceRecord& instance : records()) instance.drive = {kPoseDriven, 1.0f, 0.0f, 0.0f};
-    direct = record(false);
-    if (!of.impl()->packed.searches_in_tile) searching = record(true);
+    commands(false, of.sensor().readout.noise > 0);
+    of.device().context().savePipelineCache();
   }
 
   std::span<layout::InstanceRecord> records() const { return buffers.instances.mappedAs<layout::InstanceRecord>(); }
 
-  gpu::Commands record(bool search);
+  // The commands of one frame, recorded when first wanted. `loads`: some instance is driven by load; `random`: some instance draws noise or gains.
+  gpu::Commands& commands(bool loads, bool random);
+  gpu::Commands record(bool loads, bool random);
   void startSearch();
   FrameView view() const;
 
@@ -58,36 +61,44 @@ struct Simulator::Impl {
   SimulatorOptions options;
   BatchBuffers buffers;
   std::vector<Clock> clocks;
-  std::optional<gpu::Commands> direct;     // a frame
-  std::optional<gpu::Commands> searching;  // a frame after a load search over several tiles
+  std::array<std::optional<gpu::Commands>, 4> recorded;
   gpu::Commands* running = nullptr;
   StepTiming timing;
 };
 
+gpu::Commands& Simulator::Impl::commands(bool loads, bool random) {
+  std::optional<gpu::Commands>& list = recorded[(loads ? 1u : 0u) + (random ? 2u : 0u)];
+  if (!list) list = record(loads, random);
+  return *list;
+}
+
 // The one place where the passes are put in order.
-gpu::Commands Simulator::Impl::record(bool search) {
+gpu::Commands Simulator::Impl::record(bool with_loads, bool random) {
   const Model::Impl& m = *model.impl();
   const auto n = static_cast<std::uint32_t>(options.num_instances);
   const auto num_tiles = static_cast<std::uint32_t>(m.packed.tiles.size());
+  const bool over_tiles = with_loads && !m.packed.searches_in_tile;
+  const gpu::Kernel& contact =
+      m.contactKernel({.search = over_tiles ? kSearchOverTiles : with_loads ? kSearchInTile : kNoSearch, .many_slots = options.num_slots > 1});
   const BatchBuffers& b = buffers;
-  gpu::Commands commands(m.device.context(), search ? "a frame with a load search" : "a frame", 3);
+  gpu::Commands commands(m.device.context(), "a frame", 3);
   commands.barrier(gpu::Access::kHostWrite, gpu::Access::kKernel);
   commands.timestamp(0);
-  const std::uint32_t evaluations = search ? kLoadEvaluations + 2 : 1;  // two more: one closes the search, one is told
+  const std::uint32_t evaluations = over_tiles ? kLoadEvaluations + 2 : 1;  // two more: one closes the search, one is told
   for (std::uint32_t evaluation = 0; evaluation < evaluations; ++evaluation) {
-    commands.dispatch(m.contact, n * num_tiles,
-                      {&b.poses, &b.instances, &b.step, &m.object_records, &m.groups, &m.clusters, &m.triangles, &m.sensor_record, &m.patches,
-                       &m.tiles, &b.state, &b.contact_normal, &b.contact_depth.device, &b.contact_shear, &b.tile_results, &b.loads});
+    commands.dispatch(contact, n * num_tiles,
+                      {&b.poses, &b.instances, &b.step, &m.object_records, &m.groups, &m.clusters, &m.triangles, &m.patches, &m.tiles,
+                       &m.spread_scale, &b.state, &b.contact_normal, &b.contact_depth.device, &b.contact_shear, &b.tile_results, &b.loads});
     commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
-    if (!search) continue;
-    commands.dispatch(m.load, (n + m.image_workgroup - 1) / m.image_workgroup,
-                      {&b.instances, &b.step, &m.sensor_record, &m.patches, &m.tiles, &b.tile_results, &b.loads});
+    if (!over_tiles) continue;
+    commands.dispatch(m.loadKernel(), (n + m.image_workgroup - 1) / m.image_workgroup,
+                      {&b.instances, &b.step, &b.tile_results, &b.loads});
     commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
   }
   commands.timestamp(1);
-  commands.dispatch(m.image, n,
-                    {&b.instances, &b.step, &m.sensor_record, &m.patches, &m.tiles, &m.taxels, &m.spread_entries, &b.contact_normal, &b.contact_shear,
-                     &b.tile_results, &b.loads, &b.image.device, &b.spread_normal.device, &b.spread_shear.device, &b.features.device});
+  commands.dispatch(m.imageKernel(random), n,
+                    {&b.instances, &b.step, &m.sensor_record, &m.taxels, &m.spread_rows, &b.contact_normal, &b.contact_shear, &b.tile_results,
+                     &b.loads, &b.image.device, &b.spread_normal.device, &b.spread_shear.device, &b.features.device});
   commands.timestamp(2);
   commands.barrier(gpu::Access::kKernel, gpu::Access::kCopy);
   for (ReadableBuffer* buffer : buffers.readable(options.outputs)) {
@@ -125,8 +136,8 @@ void Simulator::Impl::startSearch() {
       high = std::max(high, center + half);
     }
     if (low > high) continue;  // nothing to press with: the first evaluation finds no force at any offset
-    const float up = m.packed.sensor.heights.x - low + kClearance;
-    const float down = m.packed.sensor.heights.y - static_cast<float>(m.sensor.skin.thickness) * 2 - high;
+    const float up = m.packed.highest - low + kClearance;
+    const float down = m.packed.lowest - static_cast<float>(m.sensor.skin.thickness) * 2 - high;
     loads[i].bracket = {0.5f * (up + down), down, up, layout::kLoadSearching};
     loads[i].forces.x = std::numeric_limits<float>::max();
   }
@@ -149,7 +160,7 @@ FrameView Simulator::Impl::view() const {
   FrameView frame;
   fill(frame, 0);
   fill(frame.ground_truth, layout::kNumImageFeatures);
-  const std::size_t taxels = model.impl()->packed.sensor.counts.x;
+  const std::size_t taxels = model.impl()->num_taxels;
   frame.tactile_image = buffers.image.read<std::uint32_t>().first(n * taxels);
   frame.saturated = block(layout::kFeatureSaturated);
   GroundTruthView& truth = frame.ground_truth;
@@ -194,7 +205,7 @@ void Simulator::setObjects(int instance, std::span<const int> ids, std::span<con
              std::to_string(num_objects - 1) + ", or -1 for none");
     }
     if (ids[slot] == kNoObject) {
-      records[slot].object = {kNoObject, 0, 0, 0};
+      records[slot].object = glm::vec4(kNoObject, 0, 0, 0);
       continue;
     }
     const auto& [w, x, y, z] = X_SO[slot].rotation;
@@ -208,7 +219,7 @@ void Simulator::setObjects(int instance, std::span<const int> ids, std::span<con
       refuse("position of instance " + std::to_string(instance) + " is not finite");
     }
     const std::array<double, 9> rotation = rotationMatrix({w / norm, x / norm, y / norm, z / norm});
-    records[slot] = {row(rotation, p, 0), row(rotation, p, 1), row(rotation, p, 2), {ids[slot], 0, 0, 0}};
+    records[slot] = {row(rotation, p, 0), row(rotation, p, 1), row(rotation, p, 2), {static_cast<float>(ids[slot]), 0.0f, 0.0f, 0.0f}};
   }
 }
 
@@ -249,6 +260,7 @@ void Simulator::step(double dt) {
       {static_cast<float>(dt), static_cast<float>(1 / dt), 0.0f, 0.0f},
       {outputs, 0u, 0u, 0u}};
   bool any_load = false;
+  bool any_random = impl.model.sensor().readout.noise > 0;
   const double rate = impl.model.sensor().frame_rate;
   const std::span<layout::InstanceRecord> records = impl.records();
   for (std::size_t i = 0; i < impl.clocks.size(); ++i) {
@@ -257,6 +269,7 @@ void Simulator::step(double dt) {
     if (clock.first_step) flags |= layout::kFlagFirstStep;
     if (!std::isnan(records[i].drive.x)) flags |= layout::kFlagLoadDriven;
     any_load = any_load || (flags & layout::kFlagLoadDriven) != 0;
+    any_random = any_random || records[i].drive.z > 0 || records[i].drive.w > 0;
     records[i].keys.z = clock.frames;
     if (clock.frameDue(rate)) {
       flags |= layout::kFlagNewFrame;
@@ -266,9 +279,8 @@ void Simulator::step(double dt) {
     clock.first_step = false;
     clock.time += dt;
   }
-  const bool search = any_load && !m.packed.searches_in_tile;
-  if (!m.packed.searches_in_tile) impl.startSearch();
-  impl.running = search ? &*impl.searching : &*impl.direct;
+  if (any_load && !m.packed.searches_in_tile) impl.startSearch();
+  impl.running = &impl.commands(any_load, any_random);
   impl.running->submit();
 }
 
