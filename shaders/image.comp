@@ -56,6 +56,9 @@ shared float sums[kNumSums];
 #include "lib/moments.glsl"
 
 const bool kOnePatch = NUM_ROWS > 0;
+// Scalars: Mesa 22.3 picks the wrong components where a specialization constant chooses between two vectors.
+const uint kRows = kOnePatch ? NUM_ROWS : 1u;
+const uint kCols = kOnePatch ? NUM_COLS : NUM_TAXELS;
 
 // The part of the sensor that forces can reach: of one grid patch a rectangle, else all taxels as one row.
 uvec2 window_first, window_count;
@@ -65,25 +68,23 @@ uvec2 placeInWindow(uint k) { return window_first + uvec2(k / window_count.y, k 
 uint taxelAt(uvec2 at) { return kOnePatch ? at.x * NUM_COLS + at.y : at.y; }
 
 void findWindow(uint instance, bool everything) {
-  window_first = uvec2(0);
-  window_count = kOnePatch ? uvec2(NUM_ROWS, NUM_COLS) : uvec2(1, NUM_TAXELS);
-  if (!kOnePatch || everything) return;
-  uvec2 first = uvec2(0xFFFFFFFFu), end = uvec2(0);
+  uvec2 all_taxels = uvec2(kRows, kCols);
+  const uint kRadius = uint(KERNEL / 2);
+  uvec2 first = all_taxels, end = uvec2(0);
   for (uint t = 0; t < NUM_TILES; ++t) {
     uvec4 reached = UNIFORM_ROW(tile_results[instance * NUM_TILES + t].window);
-    if (reached.y <= reached.x) continue;
-    first = min(first, reached.xz);
-    end = max(end, reached.yw);
+    if (reached.x < reached.y) {
+      first = min(first, reached.xz);
+      end = max(end, reached.yw);
+    }
   }
-  if (end.x == 0) {
-    window_count = uvec2(0);
-    return;
+  bool touched = end.x > 0;
+  window_first = first - min(first, uvec2(kRadius));
+  window_count = touched ? min(end + kRadius, all_taxels) - window_first : uvec2(0);
+  if (!kOnePatch || everything) {
+    window_first = uvec2(0);
+    window_count = all_taxels;
   }
-  const uint kRadius = uint(KERNEL / 2);
-  first -= min(first, uvec2(kRadius));
-  end = min(end + kRadius, window_count);
-  window_first = first;
-  window_count = end - first;
 }
 
 // Position in C of a taxel, relative to the origin of the sums, and its area.

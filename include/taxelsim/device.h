@@ -30,7 +30,7 @@ struct DeviceInfo {
 struct DeviceOptions {
   // "discrete", "integrated", "cpu", an index into listDevices(), or part of a device's name. Empty: TAXELSIM_DEVICE if set, else the
   // best there is (discrete before integrated before virtual before CPU).
-  std::string device;
+  std::string device{};
   // Core and synchronisation validation; also switched on by TAXELSIM_VALIDATION=1. Any message makes the next wait throw. Throws when
   // the layers are not installed.
   bool validation = false;

@@ -93,7 +93,8 @@ struct Bounds {
 Bounds boundsOf(const Object& object);
 
 // The lowest point of the object, in O, once it is turned by R_SO: where it first meets a skin in the plane z = 0 of S. Where a
-// whole edge or face is lowest, its middle (for a mesh: the mean of its lowest vertices).
+// whole edge or face is lowest, its middle (for a mesh: the mean of its lowest vertices). A half-space that faces down, tilted or
+// not, gives its origin; one that does not throws Error(kInput).
 Vector3 lowestPoint(const Object& object, const Quaternion& R_SO);
 
 }  // namespace taxelsim

@@ -27,7 +27,7 @@ struct SimulatorOptions {
   int num_instances = 1;  // 1 to what memory holds
   int num_slots = 1;      // objects per instance, 1 to 8
   std::uint64_t seed = 0; // key of all noise
-  OutputOptions outputs;
+  OutputOptions outputs{};
 };
 
 // How one instance's readout differs from the sensor's nominal one.

@@ -28,7 +28,7 @@ Spread spreadOnGrid(uint first_taxel, ivec2 at) {
   const int kRadius = KERNEL / 2;
   for (int a = -kRadius; a <= kRadius; ++a) {
     for (int b = -kRadius; b <= kRadius; ++b) {
-      ivec2 source = at - ivec2(a, b);
+      uvec2 source = uvec2(at - ivec2(a, b));  // wraps to large numbers outside
       float weight;
       if (KERNEL == 3) {
         weight = kernel_rows[a + 1][b + 1];
@@ -36,9 +36,7 @@ Spread spreadOnGrid(uint first_taxel, ivec2 at) {
         uint number = uint((a + kRadius) * KERNEL + b + kRadius);
         weight = spread_rows[number >> 2][number & 3u];
       }
-      if (all(greaterThanEqual(source, ivec2(0))) && all(lessThan(source, ivec2(NUM_ROWS, NUM_COLS)))) {
-        addSource(sum, first_taxel + uint(source.x) * NUM_COLS + uint(source.y), weight);
-      }
+      if (all(lessThan(source, uvec2(NUM_ROWS, NUM_COLS)))) addSource(sum, first_taxel + source.x * NUM_COLS + source.y, weight);
     }
   }
   return sum;

@@ -1,0 +1,87 @@
+// The command line: parses, runs one subcommand, turns errors into one line and an exit status.
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <new>
+#include <string>
+
+#include "cli/commands.h"
+#include "taxelsim/error.h"
+#include "taxelsim/version.h"
+
+namespace taxelsim::cli {
+namespace {
+
+const std::map<std::string, spdlog::level::level_enum> kLogLevels{{"trace", spdlog::level::trace}, {"debug", spdlog::level::debug},
+                                                                  {"info", spdlog::level::info},   {"warning", spdlog::level::warn},
+                                                                  {"error", spdlog::level::err},   {"off", spdlog::level::off}};
+
+// Prints the line and leaves at once: HDF5 1.10 complains on stderr when a process that met a broken file ends in the ordinary way.
+[[noreturn]] void fail(int status, std::string message) {
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  std::fflush(stdout);
+  std::fprintf(stderr, "taxelsim: %s\n", message.c_str());
+  std::fflush(stderr);
+  std::_Exit(status);
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{"Simulates arrays of tactile sensing elements on the GPU, thousands of sensors at once.", "taxelsim"};
+  app.set_version_flag("--version", std::string("taxelsim ") + kVersion);
+  app.require_subcommand(1);
+  app.fallthrough();
+  app.footer(
+      "Examples:\n  taxelsim devices\n  taxelsim generate scenes/edge_servo.yaml -o out/ --episodes 1000\n"
+      "`taxelsim SUBCOMMAND --help` says more. Exit status: 0 done, 1 device or disk, 2 bad input, 130 interrupted.");
+  std::string log_level = "info";
+  app.add_option("--log-level", log_level, "What is logged to stderr: trace, debug, info, warning, error or off")
+      ->check(CLI::IsMember(kLogLevels))
+      ->capture_default_str()
+      ->type_name("LEVEL");
+
+  Action action;
+  addDevices(app, action);
+  addGenerate(app, action);
+  addFrame(app, action);
+  addInspect(app, action);
+  addRender(app, action);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version
+    std::string where = "taxelsim";
+    for (const CLI::App* chosen : app.get_subcommands()) where += " " + chosen->get_name();
+    fail(kExitInput, std::string(error.what()) + " (see " + where + " --help)");
+  }
+  const auto logger = spdlog::stderr_color_mt("taxelsim");
+  logger->set_pattern("%^%l%$: %v");
+  logger->set_level(kLogLevels.at(log_level));
+  spdlog::set_default_logger(logger);
+  return action();
+}
+
+}  // namespace
+}  // namespace taxelsim::cli
+
+int main(int argc, char** argv) {
+  using namespace taxelsim;
+  using namespace taxelsim::cli;
+  std::signal(SIGXFSZ, SIG_IGN);  // a file-size limit shall be an error of write(), not a kill
+  try {
+    const int status = run(argc, argv);
+    if (std::fflush(stdout) != 0) fail(kExitDevice, "cannot write to standard output");
+    return status;
+  } catch (const Error& error) {
+    fail(error.kind() == ErrorKind::kInput ? kExitInput : kExitDevice, error.what());
+  } catch (const std::bad_alloc&) {
+    fail(kExitDevice, "out of memory");
+  } catch (const std::exception& error) {
+    fail(kExitDevice, error.what());
+  }
+}

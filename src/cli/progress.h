@@ -1,0 +1,33 @@
+// How far a data set is: a bar on a terminal, a line now and then in a log. Not who counts.
+#pragma once
+
+#include <string>
+
+#include "taxelsim/generate.h"
+
+namespace taxelsim::cli {
+
+class ProgressPrinter {
+ public:
+  // A bar is drawn where stderr is a terminal.
+  ProgressPrinter();
+  ~ProgressPrinter();
+  ProgressPrinter(const ProgressPrinter&) = delete;
+  ProgressPrinter& operator=(const ProgressPrinter&) = delete;
+
+  void show(const Progress& progress);
+  // Removes the bar, so that what follows starts on a clean line.
+  void clear();
+
+ private:
+  bool terminal_;
+  bool drawn_ = false;
+  double next_line_ = 0;  // s, of Progress::seconds
+};
+
+// "[####......]  40 %  400 of 1,000 episodes  12,345 frames/s  1:23 left", at most `width` characters.
+std::string progressBar(const Progress& progress, int width);
+// The same without the bar.
+std::string progressLine(const Progress& progress);
+
+}  // namespace taxelsim::cli

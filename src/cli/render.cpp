@@ -1,0 +1,148 @@
+// `taxelsim render`: frames of a data set as a picture.
+#include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numbers>
+
+#include "cli/commands.h"
+#include "cli/scene_name.h"
+#include "cli/tactile_figure.h"
+#include "cli/text.h"
+#include "taxelsim/dataset.h"
+#include "taxelsim/error.h"
+
+namespace taxelsim::cli {
+namespace {
+
+constexpr const char* kImage = "data/tactile_image";
+constexpr int kMaxFrames = 400;
+constexpr std::size_t kTaxelsPerLine = 16;  // of sensors that are not one grid
+
+struct Arguments {
+  std::string directory, picture;
+  int num_frames = 12;
+  std::uint64_t episode = 0;
+};
+
+const Column* find(const Manifest& manifest, const std::string& name) {
+  const auto column = std::find_if(manifest.columns.begin(), manifest.columns.end(), [&](const Column& c) { return c.name == name; });
+  return column == manifest.columns.end() ? nullptr : &*column;
+}
+
+// One row of a column that may not be there, or not have the length expected.
+std::vector<double> row(const DatasetReader& reader, const std::string& name, std::uint64_t frame, std::size_t length) {
+  const Column* column = find(reader.manifest(), name);
+  if (column == nullptr || column->per_episode) return {};
+  std::vector<double> values = reader.readAsDouble(name, frame, 1);
+  return values.size() == length ? values : std::vector<double>{};
+}
+
+// A grid as it is; any other shape as lines of taxels in storage order.
+TactilePanel imageOf(const DatasetReader& reader, std::uint64_t frame) {
+  const Manifest& manifest = reader.manifest();
+  TactilePanel panel;
+  panel.values = reader.readAsDouble(kImage, frame, 1);
+  const std::vector<std::size_t>& shape = find(manifest, kImage)->shape;
+  if (shape.size() == 2) {
+    panel.num_rows = static_cast<int>(shape[0]);
+    panel.num_cols = static_cast<int>(shape[1]);
+    if (manifest.pitch[0] > 0 && manifest.pitch[1] > 0) panel.pitch = manifest.pitch;
+    return panel;
+  }
+  const std::size_t num_cols = std::min(panel.values.size(), kTaxelsPerLine);
+  const std::size_t num_rows = (panel.values.size() + num_cols - 1) / num_cols;
+  panel.values.resize(num_rows * num_cols, std::numeric_limits<double>::quiet_NaN());
+  panel.neighbours = false;
+  panel.num_rows = static_cast<int>(num_rows);
+  panel.num_cols = static_cast<int>(num_cols);
+  return panel;
+}
+
+// The recorded features where they are in metres on this grid, else the moments of the image itself.
+std::optional<ContactAxes> axesOf(const DatasetReader& reader, const TactilePanel& panel, std::uint64_t frame) {
+  if (!panel.neighbours) return std::nullopt;
+  std::optional<ContactAxes> axes = axesOfImage(panel);
+  if (!axes || panel.pitch != reader.manifest().pitch) return axes;
+  const std::vector<double> centre = row(reader, "data/center_of_pressure", frame, 3);
+  const std::vector<double> eigenvalues = row(reader, "data/eigenvalues", frame, 2);
+  const std::vector<double> angle = row(reader, "data/edge_angle", frame, 1);
+  if (!centre.empty()) axes->centre = {centre[0], centre[1]};
+  if (!eigenvalues.empty()) axes->eigenvalues = {eigenvalues[0], eigenvalues[1]};
+  if (!angle.empty()) axes->angle = angle[0];
+  return axes;
+}
+
+std::string captionOf(const DatasetReader& reader, std::uint64_t frame) {
+  std::vector<std::string> parts;
+  if (const auto force = row(reader, "data/total_force", frame, 1); !force.empty()) parts.push_back(fmt::format("{:.3g} N", force[0]));
+  const auto confidence = row(reader, "data/edge_confidence", frame, 1);
+  const bool undefined = !confidence.empty() && !(confidence[0] > 0);
+  if (const auto angle = row(reader, "data/edge_angle", frame, 1); !angle.empty() && !undefined)
+    parts.push_back(fmt::format("angle {:.1f}°", angle[0] * 180 / std::numbers::pi));
+  if (!confidence.empty()) parts.push_back(fmt::format("confidence {:.2f}", confidence[0]));
+  if (find(reader.manifest(), kImage)->shape.size() != 2) parts.push_back("taxels in storage order");
+  return fmt::format("{}", fmt::join(parts, "   "));
+}
+
+int runRender(const Arguments& arguments, bool one_episode) {
+  const DatasetReader reader(arguments.directory, /*allow_incomplete=*/true);
+  const Manifest& manifest = reader.manifest();
+  if (find(manifest, kImage) == nullptr) throw Error(ErrorKind::kInput, arguments.directory + ": has no column " + kImage + " to draw");
+  if (reader.numFrames() == 0) throw Error(ErrorKind::kInput, arguments.directory + ": has no frames yet");
+  if (!reader.missingShards().empty()) spdlog::warn("{}: {} shards are missing", arguments.directory, reader.missingShards().size());
+
+  const std::vector<std::uint64_t>& ends = reader.episodeEnds();
+  if (one_episode && arguments.episode >= ends.size())
+    throw Error(ErrorKind::kInput,
+                fmt::format("--episode {}: {} has episodes 0 to {}", arguments.episode, arguments.directory, ends.size() - 1));
+  const std::uint64_t begin = one_episode && arguments.episode > 0 ? ends[arguments.episode - 1] : 0;
+  const std::uint64_t end = one_episode ? ends[arguments.episode] : ends.back();
+  const std::uint64_t count = std::min<std::uint64_t>(end - begin, static_cast<std::uint64_t>(arguments.num_frames));
+
+  std::vector<TactilePanel> panels;
+  for (std::uint64_t k = 0; k < count; ++k) {
+    // Evenly over the frames, the first and the last among them.
+    const std::uint64_t frame = count == 1 ? begin : begin + k * (end - begin - 1) / (count - 1);
+    const auto episode = static_cast<std::uint64_t>(std::upper_bound(ends.begin(), ends.end(), frame) - ends.begin());
+    TactilePanel panel = imageOf(reader, frame);
+    panel.title = fmt::format("episode {}, frame {}", episode, frame - (episode > 0 ? ends[episode - 1] : 0));
+    panel.caption = captionOf(reader, frame);
+    panel.axes = axesOf(reader, panel, frame);
+    panels.push_back(std::move(panel));
+  }
+  const std::string name = sceneName(manifest);
+  writeTactileFigure(arguments.picture, panels,
+                     {.title = name == "-" ? arguments.directory : name,
+                      .subtitle = fmt::format("{}, seed {}, {} episodes, {} frames", manifest.sensor_name, manifest.seed,
+                                              countText(reader.numEpisodes()), countText(reader.numFrames())),
+                      .unit = find(manifest, kImage)->unit});
+  fmt::print("{}: {} frames\n", arguments.picture, count);
+  return kExitOk;
+}
+
+}  // namespace
+
+void addRender(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand("render", "Draw frames of a data set into a PNG picture");
+  command->footer(
+      "Example:\n  taxelsim render out/ -o out.png --episode 3 --frames 20\nFrames are taken evenly over the episode, or over all "
+      "episodes.");
+  const auto arguments = std::make_shared<Arguments>();
+  command->add_option("directory", arguments->directory, "Directory of the data set")->required()->type_name("DIR");
+  command->add_option("-o,--output", arguments->picture, "Picture to write (PNG)")->required()->type_name("FILE");
+  command->add_option("--frames", arguments->num_frames, "Number of frames drawn")
+      ->check(CLI::Range(1, kMaxFrames))
+      ->capture_default_str()
+      ->type_name("N");
+  CLI::Option* episode =
+      command->add_option("--episode", arguments->episode, "Draw this episode only")->check(refuseNegative)->type_name("E");
+  command->callback([=, &action] { action = [=] { return runRender(*arguments, episode->count() > 0); }; });
+}
+
+}  // namespace taxelsim::cli

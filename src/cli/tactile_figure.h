@@ -1,0 +1,44 @@
+// Pictures of tactile images, in the manner of figure 3 of the paper: heat maps with the outline of the contact (red) and its principal
+// axes (blue). Not a plotting library, and nothing here knows where the values come from.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace taxelsim::cli {
+
+// The ellipse of second moments of a contact, in the frame of the patch.
+struct ContactAxes {
+  std::array<double, 2> centre{0, 0};       // m, x and y
+  double angle = 0;                         // rad, of the longer axis from x towards y
+  std::array<double, 2> eigenvalues{0, 0};  // m^2, larger first
+};
+
+// One image. Rows run down the page and columns to the right, so x points down, y to the right and z, out of the skin, at the reader.
+struct TactilePanel {
+  int num_rows = 0, num_cols = 0;
+  std::array<double, 2> pitch{1, 1};  // m, of rows and of columns, > 0
+  std::vector<double> values;         // (num_rows x num_cols); NaN leaves a cell empty
+  std::string title;
+  std::string caption;
+  std::optional<ContactAxes> axes;
+  bool neighbours = true;  // false when cells side by side are not so on the sensor: then no outline and no axes are drawn
+};
+
+struct FigureOptions {
+  std::string title;
+  std::string subtitle;
+  std::string unit = "counts";  // of the colour bar
+};
+
+// Moments of the image itself, for data that come without features; none without contact.
+std::optional<ContactAxes> axesOfImage(const TactilePanel& panel);
+
+// Writes a PNG of all panels with one colour scale from 0 to the largest value. Throws Error(kIo) when the file cannot be written,
+// Error(kInput) when there is nothing to draw or the picture would be larger than Cairo can make.
+void writeTactileFigure(const std::filesystem::path& file, const std::vector<TactilePanel>& panels, const FigureOptions& options);
+
+}  // namespace taxelsim::cli

@@ -1,0 +1,119 @@
+#include "dataset/files.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include "taxelsim/error.h"
+
+namespace taxelsim::dataset {
+namespace {
+
+constexpr std::size_t kLargestWrite = std::size_t{1} << 30;  // bytes; Linux writes at most 2 GiB a call
+constexpr const char* kTemporaryMark = ".tmp-";
+
+[[noreturn]] void throwIo(const std::string& doing, const std::filesystem::path& file, int code) {
+  throw Error(ErrorKind::kIo, "cannot " + doing + " " + file.string() + ": " + std::strerror(code));
+}
+
+class Descriptor {
+ public:
+  explicit Descriptor(int value) : value_(value) {}
+  ~Descriptor() { close(); }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return value_; }
+  int close() {
+    const int result = value_ >= 0 ? ::close(value_) : 0;
+    value_ = -1;
+    return result;
+  }
+
+ private:
+  int value_;
+};
+
+void flushDirectory(const std::filesystem::path& directory) {
+  Descriptor descriptor(::open(directory.empty() ? "." : directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  // Some file systems cannot flush a directory and say EINVAL; they have no more to give.
+  if (descriptor.get() < 0 || (::fsync(descriptor.get()) != 0 && errno != EINVAL)) throwIo("flush directory", directory, errno);
+}
+
+void writeAndFlush(const std::filesystem::path& file, std::span<const std::byte> bytes) {
+  Descriptor descriptor(::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+  if (descriptor.get() < 0) throwIo("create", file, errno);
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor.get(), bytes.data(), std::min(bytes.size(), kLargestWrite));
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) throwIo("write", file, errno);
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+  if (::fsync(descriptor.get()) != 0) throwIo("flush", file, errno);
+  if (descriptor.close() != 0) throwIo("close", file, errno);
+}
+
+}  // namespace
+
+void writeFileAtomically(const std::filesystem::path& file, std::span<const std::byte> bytes) {
+  const std::filesystem::path temporary =
+      file.parent_path() / (std::string(".").append(file.filename().string()).append(kTemporaryMark).append(std::to_string(::getpid())));
+  try {
+    writeAndFlush(temporary, bytes);
+    if (::rename(temporary.c_str(), file.c_str()) != 0) throwIo("rename to", file, errno);
+  } catch (...) {
+    ::unlink(temporary.c_str());
+    throw;
+  }
+  flushDirectory(file.parent_path());
+}
+
+std::string readTextFile(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  if (stream) text << stream.rdbuf();
+  if (!stream || stream.bad()) throwIo("read", file, errno != 0 ? errno : EIO);
+  return std::move(text).str();
+}
+
+bool isTemporaryName(const std::string& name) {
+  return name.starts_with(".") && name.find(kTemporaryMark) != std::string::npos;
+}
+
+void removeFile(const std::filesystem::path& file) {
+  if (::unlink(file.c_str()) != 0 && errno != ENOENT) throwIo("remove", file, errno);
+  flushDirectory(file.parent_path());
+}
+
+DirectoryLock::DirectoryLock(const std::filesystem::path& directory) : file_(directory / kLockName) {
+  while (true) {
+    descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (descriptor_ < 0) throwIo("create lock file", file_, errno);
+    if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+      const int code = errno;
+      ::close(descriptor_);
+      if (code == EWOULDBLOCK) throw Error(ErrorKind::kIo, directory.string() + ": another process is writing this data set");
+      throwIo("lock", file_, code);
+    }
+    // The holder before us may have removed the file between our open and our lock; then the lock is on a file nobody else can find.
+    struct stat ours {
+    }, there{};
+    if (::fstat(descriptor_, &ours) == 0 && ::stat(file_.c_str(), &there) == 0 && ours.st_ino == there.st_ino &&
+        ours.st_dev == there.st_dev)
+      return;
+    ::close(descriptor_);
+  }
+}
+
+DirectoryLock::~DirectoryLock() {
+  ::unlink(file_.c_str());
+  ::close(descriptor_);
+}
+
+}  // namespace taxelsim::dataset

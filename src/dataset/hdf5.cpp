@@ -1,0 +1,215 @@
+#include "dataset/hdf5.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstdlib>
+#include <cstring>
+
+namespace taxelsim::dataset {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "rows are hashed as they lie in memory");
+
+constexpr std::size_t kImageIncrement = std::size_t{4} << 20;  // bytes by which a file in memory grows
+
+constexpr std::size_t kSuperblockVersionOffset = 8;  // bytes
+constexpr std::size_t kEndOfFileOffset = 28;
+constexpr std::size_t kSuperblockSize = 48;
+
+std::mutex& libraryMutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+herr_t collect(unsigned, const H5E_error2_t* error, void* data) {
+  static_cast<std::vector<std::string>*>(data)->emplace_back(error->desc != nullptr ? error->desc : "");
+  return 0;
+}
+
+Handle textType() {
+  Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  checked(H5Tset_size(type, H5T_VARIABLE));
+  checked(H5Tset_cset(type, H5T_CSET_UTF8));
+  return type;
+}
+
+}  // namespace
+
+Hdf5Session::Hdf5Session() : lock_(libraryMutex()) {
+  H5Eget_auto2(H5E_DEFAULT, &printer_, &printer_data_);
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
+
+Hdf5Session::~Hdf5Session() {
+  H5Eset_auto2(H5E_DEFAULT, printer_, printer_data_);
+}
+
+std::string hdf5Problem() {
+  std::vector<std::string> reasons;
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_DOWNWARD, collect, &reasons);
+  H5Eclear2(H5E_DEFAULT);
+  if (reasons.empty()) return "HDF5 failed";
+  std::string line = "HDF5: " + reasons.front();
+  if (reasons.size() > 1) line += ": " + reasons.back();
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  return line;
+}
+
+Handle::Handle(hid_t id, Closer closer) : id_(checked(id)), closer_(closer) {}
+
+hid_t memoryType(ScalarType type) {
+  switch (type) {
+    case ScalarType::kUint16:
+      return H5T_NATIVE_UINT16;
+    case ScalarType::kInt32:
+      return H5T_NATIVE_INT32;
+    case ScalarType::kUint64:
+      return H5T_NATIVE_UINT64;
+    case ScalarType::kFloat32:
+      return H5T_NATIVE_FLOAT;
+    case ScalarType::kFloat64:
+      break;
+  }
+  return H5T_NATIVE_DOUBLE;
+}
+
+hid_t fileType(ScalarType type) {
+  switch (type) {
+    case ScalarType::kUint16:
+      return H5T_STD_U16LE;
+    case ScalarType::kInt32:
+      return H5T_STD_I32LE;
+    case ScalarType::kUint64:
+      return H5T_STD_U64LE;
+    case ScalarType::kFloat32:
+      return H5T_IEEE_F32LE;
+    case ScalarType::kFloat64:
+      break;
+  }
+  return H5T_IEEE_F64LE;
+}
+
+void writeAttribute(hid_t object, const char* name, const std::string& value) {
+  const Handle type = textType();
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+  const Handle attribute(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  const char* text = value.c_str();
+  checked(H5Awrite(attribute, type, &text));
+}
+
+void writeAttribute(hid_t object, const char* name, std::uint64_t value) {
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+  const Handle attribute(H5Acreate2(object, name, H5T_STD_U64LE, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  checked(H5Awrite(attribute, H5T_NATIVE_UINT64, &value));
+}
+
+std::string readTextAttribute(hid_t object, const char* name) {
+  const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
+  const Handle stored(H5Aget_type(attribute), H5Tclose);
+  const Handle space(H5Aget_space(attribute), H5Sclose);
+  if (checked(H5Tis_variable_str(stored)) <= 0 || H5Sget_simple_extent_npoints(space) != 1)
+    throw Hdf5Error(std::string("attribute ") + name + " is not a text");
+  const Handle type = textType();
+  char* text = nullptr;
+  checked(H5Aread(attribute, type, &text));
+  std::string value = text != nullptr ? text : "";
+  H5free_memory(text);
+  return value;
+}
+
+std::uint64_t readNumberAttribute(hid_t object, const char* name) {
+  const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
+  const Handle stored(H5Aget_type(attribute), H5Tclose);
+  const Handle space(H5Aget_space(attribute), H5Sclose);
+  if (H5Tget_class(stored) != H5T_INTEGER || H5Sget_simple_extent_npoints(space) != 1)
+    throw Hdf5Error(std::string("attribute ") + name + " is not a whole number");
+  std::uint64_t value = 0;
+  checked(H5Aread(attribute, H5T_NATIVE_UINT64, &value));
+  return value;
+}
+
+// H5Fget_file_image() would clear the mark "open for writing" without mending the checksum over it; these keep the buffer of a file that
+// was closed in the ordinary way.
+struct ImageCallbacks {
+  static void* allocate(size_t size, H5FD_file_image_op_t, void*) { return std::malloc(size); }
+  static void* copy(void* to, const void* from, size_t size, H5FD_file_image_op_t, void*) { return std::memcpy(to, from, size); }
+  static void* reallocate(void* data, size_t size, H5FD_file_image_op_t, void* user) {
+    void* moved = std::realloc(data, size);
+    if (moved != nullptr) static_cast<FileImage::Buffer*>(user)->size = size;
+    return moved;
+  }
+  static herr_t release(void* data, H5FD_file_image_op_t operation, void* user) {
+    if (operation == H5FD_FILE_IMAGE_OP_FILE_CLOSE)
+      static_cast<FileImage::Buffer*>(user)->data = data;
+    else
+      std::free(data);
+    return 0;
+  }
+  static void* share(void* user) { return user; }
+  static herr_t forget(void*) { return 0; }
+};
+
+FileImage::FileImage(H5F_libver_t format) {
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  checked(H5Pset_fapl_core(access, kImageIncrement, false));
+  checked(H5Pset_libver_bounds(access, format, format));
+  H5FD_file_image_callbacks_t callbacks{ImageCallbacks::allocate,
+                                        ImageCallbacks::copy,
+                                        ImageCallbacks::reallocate,
+                                        ImageCallbacks::release,
+                                        ImageCallbacks::share,
+                                        ImageCallbacks::forget,
+                                        &buffer_};
+  checked(H5Pset_file_image_callbacks(access, &callbacks));
+  const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
+  checked(H5Pset_obj_track_times(creation, false));
+  file_.emplace(H5Fcreate("taxelsim", H5F_ACC_TRUNC, creation, access), H5Fclose);
+}
+
+FileImage::~FileImage() {
+  file_.reset();
+  std::free(buffer_.data);
+}
+
+Handle FileImage::datasetProperties() const {
+  Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  checked(H5Pset_obj_track_times(properties, false));
+  checked(H5Pset_fill_time(properties, H5D_FILL_TIME_NEVER));
+  return properties;
+}
+
+Handle FileImage::createDataset(const std::string& name, ScalarType type, std::span<const hsize_t> shape, hid_t properties) {
+  // Groups made by HDF5 on the way would carry the clock.
+  for (std::size_t slash = name.find('/'); slash != std::string::npos; slash = name.find('/', slash + 1)) {
+    const std::string group = name.substr(0, slash);
+    if (checked(H5Lexists(*file_, group.c_str(), H5P_DEFAULT)) > 0) continue;
+    const Handle creation(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
+    checked(H5Pset_obj_track_times(creation, false));
+    const Handle made(H5Gcreate2(*file_, group.c_str(), H5P_DEFAULT, creation, H5P_DEFAULT), H5Gclose);
+  }
+  const Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose);
+  return Handle(H5Dcreate2(*file_, name.c_str(), fileType(type), space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose);
+}
+
+std::vector<std::byte> FileImage::close() {
+  checked(H5Fflush(*file_, H5F_SCOPE_GLOBAL));
+  file_.reset();
+  // The buffer grows in steps; the file's own size is in its superblock (HDF5 File Format Specification, "Superblock (Version 2 and 3)").
+  const auto* data = static_cast<const std::byte*>(buffer_.data);
+  std::uint64_t size = 0;
+  if (data == nullptr || buffer_.size < kSuperblockSize || data[kSuperblockVersionOffset] < std::byte{2})
+    throw Hdf5Error("a file in memory did not close");
+  std::memcpy(&size, data + kEndOfFileOffset, sizeof(size));
+  if (size > buffer_.size) throw Hdf5Error("a file in memory did not close whole");
+  return {data, data + size};
+}
+
+Handle openForReading(const std::filesystem::path& file) {
+  // Complete shards never change, and some file systems cannot lock.
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  checked(H5Pset_file_locking(access, false, true));
+  checked(H5Pset_fclose_degree(access, H5F_CLOSE_STRONG));  // HDF5 forgets objects that it failed to open half way
+  return Handle(H5Fopen(file.c_str(), H5F_ACC_RDONLY, access), H5Fclose);
+}
+
+}  // namespace taxelsim::dataset

@@ -1,0 +1,122 @@
+#include <algorithm>
+#include <optional>
+#include <span>
+#include <system_error>
+
+#include "dataset/files.h"
+#include "dataset/manifest.h"
+#include "dataset/shard.h"
+#include "dataset/view.h"
+#include "taxelsim/dataset.h"
+#include "taxelsim/error.h"
+
+namespace taxelsim {
+
+using namespace dataset;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+void prepareDirectory(const fs::path& directory) {
+  std::error_code error;
+  fs::create_directories(directory, error);
+  if (error && !fs::exists(directory))
+    throw Error(ErrorKind::kIo, "cannot create directory " + directory.string() + ": " + error.message());
+  if (!fs::is_directory(directory)) throw Error(ErrorKind::kInput, directory.string() + ": is not a directory");
+  if (fs::exists(directory / kManifestName)) return;
+  for (const fs::directory_entry& entry : fs::directory_iterator(directory)) {
+    const std::string name = entry.path().filename().string();
+    if (name != kLockName && !isTemporaryName(name))
+      throw Error(ErrorKind::kInput,
+                  directory.string() + ": is not empty and holds no data set (it has " + name + "): choose another directory");
+  }
+}
+
+void removeTemporaryFiles(const fs::path& directory) {
+  std::vector<fs::path> left_over;
+  for (const fs::directory_entry& entry : fs::directory_iterator(directory))
+    if (isTemporaryName(entry.path().filename().string())) left_over.push_back(entry.path());
+  for (const fs::path& file : left_over) removeFile(file);
+}
+
+}  // namespace
+
+struct DatasetWriter::Impl {
+  fs::path directory;
+  Manifest manifest;
+  std::optional<DirectoryLock> lock;
+  std::vector<std::vector<std::uint64_t>> shard_ends;  // (num_shards), empty where the shard is not on disk
+
+  fs::path shardFile(std::uint64_t shard) const { return directory / shardName(shard); }
+
+  void writeManifestFile() {
+    const std::string text = writeManifest(manifest);
+    writeFileAtomically(directory / kManifestName, std::as_bytes(std::span(text)));
+  }
+
+  // Takes over what is there. A shard of the earlier, shorter data set that is not full would have to grow, so it must not be complete yet.
+  void resume() {
+    const fs::path file = directory / kManifestName;
+    const Manifest found = parseManifest(file, readTextFile(file));
+    checkSame(directory, found, manifest);
+    if (found.num_episodes == manifest.num_episodes) return;
+    if (manifest.num_episodes < found.num_episodes)
+      throw Error(ErrorKind::kInput, directory.string() + ": holds a data set of " + std::to_string(found.num_episodes) + " episodes, " +
+                                         std::to_string(manifest.num_episodes) + " asked for: it can grow but not shrink");
+    const std::uint64_t last = found.numShards() - 1;
+    if (numEpisodes(found, last) < numEpisodes(manifest, last) && fs::exists(shardFile(last)))
+      throw Error(ErrorKind::kInput, directory.string() + ": cannot be extended from " + std::to_string(found.num_episodes) + " to " +
+                                         std::to_string(manifest.num_episodes) + " episodes: " + shardName(last) +
+                                         " is complete and would change (" + std::to_string(manifest.episodes_per_shard) +
+                                         " episodes per shard)");
+    removeFile(directory / kViewName);
+    writeManifestFile();
+  }
+};
+
+DatasetWriter::DatasetWriter(fs::path directory, Manifest manifest) : impl_(std::make_unique<Impl>()) {
+  checkManifest(manifest);
+  impl_->directory = std::move(directory);
+  impl_->manifest = std::move(manifest);
+  try {
+    prepareDirectory(impl_->directory);
+    impl_->lock.emplace(impl_->directory);
+    if (fs::exists(impl_->directory / kManifestName))
+      impl_->resume();
+    else
+      impl_->writeManifestFile();
+    removeTemporaryFiles(impl_->directory);
+    impl_->shard_ends.resize(impl_->manifest.numShards());
+    for (std::uint64_t shard = 0; shard < impl_->manifest.numShards(); ++shard)
+      if (fs::exists(impl_->shardFile(shard)))
+        impl_->shard_ends[shard] = checkShard(impl_->shardFile(shard), impl_->manifest, shard, /*contents=*/true);
+  } catch (const fs::filesystem_error& error) {
+    throw Error(ErrorKind::kIo, impl_->directory.string() + ": " + error.code().message());
+  }
+}
+
+DatasetWriter::~DatasetWriter() = default;
+
+bool DatasetWriter::isComplete(std::uint64_t shard) const {
+  return shard < impl_->shard_ends.size() && !impl_->shard_ends[shard].empty();
+}
+
+void DatasetWriter::writeShard(std::uint64_t shard, const ShardData& data) {
+  if (shard >= impl_->shard_ends.size())
+    throw Error(ErrorKind::kInput,
+                "data set: there is no shard " + std::to_string(shard) + ": it has " + std::to_string(impl_->shard_ends.size()));
+  if (isComplete(shard)) throw Error(ErrorKind::kInput, impl_->shardFile(shard).string() + ": is complete and is not written again");
+  writeFileAtomically(impl_->shardFile(shard), shardImage(impl_->manifest, shard, data));
+  std::uint64_t end = 0;
+  for (const std::uint64_t length : data.episode_lengths) impl_->shard_ends[shard].push_back(end += length);
+}
+
+void DatasetWriter::finish() {
+  for (std::uint64_t shard = 0; shard < impl_->shard_ends.size(); ++shard)
+    if (!isComplete(shard) || !fs::exists(impl_->shardFile(shard)))
+      throw Error(ErrorKind::kIo, impl_->shardFile(shard).string() + ": is missing, the data set cannot be finished");
+  writeFileAtomically(impl_->directory / kViewName, viewImage(impl_->manifest, impl_->shard_ends));
+}
+
+}  // namespace taxelsim

@@ -1,0 +1,196 @@
+#include "episodes/columns.h"
+
+#include <cstddef>
+#include <set>
+#include <string>
+
+#include "taxelsim/error.h"
+#include "taxelsim/generate.h"
+
+namespace taxelsim {
+namespace {
+
+using Source = FrameColumn::Source;
+using Floats = std::span<const float> (*)(const FrameView&);
+
+constexpr const char* kGroups[] = {"tactile_image",       "features",          "ground_truth", "tactile_normal_force",
+                                   "tactile_shear_force", "penetration_depth", "poses",        "actions"};
+
+std::set<std::string> groupsOf(const Scene& scene) {
+  std::set<std::string> groups;
+  for (const std::string& name : scene.record) {
+    bool known = false;
+    for (const char* group : kGroups) known = known || name == group;
+    if (!known) {
+      std::string allowed;
+      for (const char* group : kGroups) allowed += (allowed.empty() ? "" : ", ") + std::string(group);
+      throw Error(ErrorKind::kInput, scene.file.string() + ": record: \"" + name + "\" found, one of " + allowed + " allowed");
+    }
+    groups.insert(name);
+  }
+  return groups;
+}
+
+FrameColumn floats(std::string name, std::vector<std::size_t> shape, std::string unit, std::string description, Floats values) {
+  return {{"data/" + std::move(name), ScalarType::kFloat32, std::move(shape), std::move(unit), std::move(description), false},
+          Source::kFloats,
+          values};
+}
+
+// The features of the measured image (view is the frame itself) or the clean ones (view is its ground truth).
+template <const FeatureView& (*view)(const FrameView&)>
+void addFeatures(std::vector<FrameColumn>& columns, const std::string& prefix, const std::string& of) {
+  const auto add = [&](const char* name, std::vector<std::size_t> shape, const char* unit, const std::string& description, Floats values) {
+    columns.push_back(floats(prefix + name, std::move(shape), unit, description, values));
+  };
+  add("total_force", {}, "N", "Sum of " + of + ".", [](const FrameView& f) { return view(f).total_force; });
+  add("peak_force", {}, "N", "Largest of " + of + ".", [](const FrameView& f) { return view(f).peak_force; });
+  add("center_of_pressure", {3}, "m", "Mean position in the sensor frame, weighted by " + of + "; 0 without contact.",
+      [](const FrameView& f) { return view(f).center_of_pressure; });
+  add("second_moments", {3}, "m^2", "Second moments xx, xy, yy of " + of + " about the centre of pressure.",
+      [](const FrameView& f) { return view(f).second_moments; });
+  add("eigenvalues", {2}, "m^2", "Eigenvalues of the second moments of " + of + ", larger first.",
+      [](const FrameView& f) { return view(f).eigenvalues; });
+  add("edge_angle", {}, "rad", "Angle of the major axis of " + of + ", in (-pi/2, pi/2]; 0 where undefined.",
+      [](const FrameView& f) { return view(f).edge_angle; });
+  add("edge_confidence", {}, "1", "Difference of the eigenvalues of " + of + " over their sum, 0 to 1.",
+      [](const FrameView& f) { return view(f).edge_confidence; });
+  add("contact_area", {}, "m^2", "Area of the taxels above the trigger, from " + of + ".",
+      [](const FrameView& f) { return view(f).contact_area; });
+}
+
+const FeatureView& measured(const FrameView& frame) {
+  return frame;
+}
+const FeatureView& clean(const FrameView& frame) {
+  return frame.ground_truth;
+}
+
+std::vector<FrameColumn> frameColumns(const Scene& scene, const std::set<std::string>& groups) {
+  std::vector<std::size_t> taxels;
+  if (scene.sensor.patches.size() == 1) {
+    taxels = {static_cast<std::size_t>(scene.sensor.patches[0].num_rows), static_cast<std::size_t>(scene.sensor.patches[0].num_cols)};
+  } else {
+    taxels = {static_cast<std::size_t>(numTaxels(scene.sensor))};
+  }
+  std::vector<std::size_t> taxel_vectors = taxels;
+  taxel_vectors.push_back(2);
+
+  std::vector<FrameColumn> columns;
+  columns.push_back({{"data/time", ScalarType::kFloat64, {}, "s", "Time since the episode's first frame.", false}, Source::kTime, nullptr});
+  if (groups.contains("tactile_image")) {
+    columns.push_back(
+        {{"data/tactile_image", ScalarType::kUint16, taxels, "counts", "What the sensor reports.", false}, Source::kImage, nullptr});
+  }
+  if (groups.contains("features")) {
+    addFeatures<measured>(columns, "", "the measured taxel forces");
+    columns.push_back(floats("saturated", {}, "1", "Fraction of the taxels at the upper end of their range.",
+                             [](const FrameView& f) { return f.saturated; }));
+  }
+  if (groups.contains("ground_truth")) {
+    addFeatures<clean>(columns, "ground_truth/", "the true taxel forces");
+    columns.push_back(floats("ground_truth/contact_wrench", {6}, "N, N m",
+                             "Force and torque on the sensor at the origin of its frame, in that frame, before the point spread function.",
+                             [](const FrameView& f) { return f.ground_truth.contact_wrench; }));
+    columns.push_back(floats("ground_truth/over_penetration", {}, "1", "Fraction of the samples at least as deep as the skin is thick.",
+                             [](const FrameView& f) { return f.ground_truth.over_penetration; }));
+  }
+  if (groups.contains("tactile_normal_force")) {
+    columns.push_back(floats("ground_truth/tactile_normal_force", taxels, "N",
+                             "Normal force of each taxel after the point spread function, before the readout.",
+                             [](const FrameView& f) { return f.ground_truth.tactile_normal_force; }));
+  }
+  if (groups.contains("tactile_shear_force")) {
+    columns.push_back(floats("ground_truth/tactile_shear_force", taxel_vectors, "N",
+                             "Shear force of each taxel along its x and y after the point spread function, before the readout.",
+                             [](const FrameView& f) { return f.ground_truth.tactile_shear_force; }));
+  }
+  if (groups.contains("penetration_depth")) {
+    columns.push_back(floats("ground_truth/penetration_depth", taxels, "m", "Depth of the object in the skin, mean over each taxel.",
+                             [](const FrameView& f) { return f.ground_truth.penetration_depth; }));
+  }
+  if (groups.contains("poses")) {
+    columns.push_back({{"data/pose",
+                        ScalarType::kFloat64,
+                        {7},
+                        "m, 1",
+                        "Pose of the object in the sensor frame: x, y, z, then the quaternion w, x, y, z.",
+                        false},
+                       Source::kPose,
+                       nullptr});
+    columns.push_back({{"data/sensor_pose",
+                        ScalarType::kFloat64,
+                        {7},
+                        "m, 1",
+                        "Pose of the sensor in the world, where the object rests: x, y, z, then the quaternion w, x, y, z.",
+                        false},
+                       Source::kSensorPose,
+                       nullptr});
+  }
+  if (groups.contains("actions")) {
+    columns.push_back({{"data/action",
+                        ScalarType::kFloat32,
+                        {6},
+                        "m/s, rad/s",
+                        "Twist of the sensor frame, in that frame, commanded after this frame: linear, then angular velocity.",
+                        false},
+                       Source::kAction,
+                       nullptr});
+  }
+  return columns;
+}
+
+std::vector<EpisodeColumn> episodeColumns() {
+  std::vector<EpisodeColumn> columns;
+  const auto add = [&](const char* name, ScalarType type, const char* unit, const char* description, std::size_t offset) {
+    columns.push_back({{std::string("meta/") + name, type, {}, unit, description, true}, offset});
+  };
+  add("episode", ScalarType::kUint64, "1", "Number of the episode, which with the seed decides all that is random in it.",
+      offsetof(EpisodeRecord, episode));
+  add("object", ScalarType::kInt32, "1", "Which object of the scene, counted from 0.", offsetof(EpisodeRecord, object));
+  add("load", ScalarType::kFloat32, "N", "Normal force asked for at the start; 0 where load_driven is 0.", offsetof(EpisodeRecord, load));
+  add("load_driven", ScalarType::kInt32, "1", "1 when the episode began with a given load, 0 when with a given depth.",
+      offsetof(EpisodeRecord, load_driven));
+  add("depth", ScalarType::kFloat32, "m", "Depth of the object's lowest point below the undeformed skin in the first frame.",
+      offsetof(EpisodeRecord, depth));
+  add("load_reached", ScalarType::kInt32, "1", "0 when the skin could not carry the load, and the first frame shows the deepest contact.",
+      offsetof(EpisodeRecord, load_reached));
+  add("gain", ScalarType::kFloat32, "1", "Factor on the gain of every taxel.", offsetof(EpisodeRecord, gain));
+  add("gain_spread", ScalarType::kFloat32, "1", "Standard deviation of the logarithm of a further gain per taxel.",
+      offsetof(EpisodeRecord, gain_spread));
+  add("noise", ScalarType::kFloat32, "counts", "Standard deviation of the noise beside the sensor's own.", offsetof(EpisodeRecord, noise));
+  return columns;
+}
+
+}  // namespace
+
+ColumnPlan planColumns(const Scene& scene) {
+  const std::set<std::string> groups = groupsOf(scene);
+  ColumnPlan plan;
+  plan.frame = frameColumns(scene, groups);
+  plan.episode = episodeColumns();
+  plan.outputs = {.tactile_normal_force = groups.contains("tactile_normal_force"),
+                  .tactile_shear_force = groups.contains("tactile_shear_force"),
+                  .penetration_depth = groups.contains("penetration_depth")};
+  return plan;
+}
+
+std::size_t rowBytes(const Column& column) {
+  std::size_t bytes = scalarSize(column.type);
+  for (const std::size_t extent : column.shape) bytes *= extent;
+  return bytes;
+}
+
+int numFrames(const Scene& scene) {
+  return scene.kind == Scene::Kind::kContacts ? 1 : scene.num_steps;
+}
+
+std::vector<Column> columnsOf(const Scene& scene) {
+  ColumnPlan plan = planColumns(scene);
+  std::vector<Column> columns;
+  for (FrameColumn& entry : plan.frame) columns.push_back(std::move(entry.column));
+  for (EpisodeColumn& entry : plan.episode) columns.push_back(std::move(entry.column));
+  return columns;
+}
+
+}  // namespace taxelsim

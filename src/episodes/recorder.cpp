@@ -1,0 +1,105 @@
+#include "episodes/recorder.h"
+
+#include <array>
+#include <cstring>
+
+namespace taxelsim {
+namespace {
+
+// Calls write(instance, first byte of its row) for every instance that is not idle.
+template <typename Write>
+void forRows(std::span<const FramePlace> places, std::size_t column, std::size_t row_bytes, Write write) {
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (places[i].columns) write(i, places[i].columns[column] + places[i].row * row_bytes);
+  }
+}
+
+// num_floats as a constant turns the copies of short rows into single moves.
+template <std::size_t num_floats>
+void copyShortRows(std::span<const float> values, std::span<const FramePlace> places, std::size_t column) {
+  forRows(places, column, num_floats * sizeof(float),
+          [&](std::size_t i, std::byte* to) { std::memcpy(to, &values[i * num_floats], num_floats * sizeof(float)); });
+}
+
+void copyRows(std::span<const float> values, std::size_t num_floats, std::span<const FramePlace> places, std::size_t column) {
+  switch (num_floats) {
+    case 1:
+      return copyShortRows<1>(values, places, column);
+    case 2:
+      return copyShortRows<2>(values, places, column);
+    case 3:
+      return copyShortRows<3>(values, places, column);
+    default:
+      forRows(places, column, num_floats * sizeof(float),
+              [&](std::size_t i, std::byte* to) { std::memcpy(to, &values[i * num_floats], num_floats * sizeof(float)); });
+  }
+}
+
+void copyImages(std::span<const std::uint32_t> counts, std::size_t num_taxels, std::span<const FramePlace> places, std::size_t column) {
+  forRows(places, column, num_taxels * sizeof(std::uint16_t), [&](std::size_t i, std::byte* to) {
+    const std::uint32_t* from = &counts[i * num_taxels];
+    for (std::size_t t = 0; t < num_taxels; ++t) {
+      const std::uint16_t value = static_cast<std::uint16_t>(from[t]);
+      std::memcpy(to + t * sizeof value, &value, sizeof value);
+    }
+  });
+}
+
+void copyPoses(std::span<const Pose> poses, std::span<const FramePlace> places, std::size_t column) {
+  forRows(places, column, 7 * sizeof(double), [&](std::size_t i, std::byte* to) {
+    const auto& [p, q] = poses[i];
+    const std::array<double, 7> row{p[0], p[1], p[2], q[0], q[1], q[2], q[3]};
+    std::memcpy(to, row.data(), sizeof row);
+  });
+}
+
+void copyTwists(std::span<const Twist> twists, std::span<const FramePlace> places, std::size_t column) {
+  forRows(places, column, 6 * sizeof(float), [&](std::size_t i, std::byte* to) {
+    std::array<float, 6> row;
+    for (int k = 0; k < 3; ++k) {
+      row[k] = static_cast<float>(twists[i].v[k]);
+      row[k + 3] = static_cast<float>(twists[i].w[k]);
+    }
+    std::memcpy(to, row.data(), sizeof row);
+  });
+}
+
+}  // namespace
+
+void Recorder::recordFrames(const FrameView& frame, const FrameContext& context) const {
+  for (std::size_t c = 0; c < plan_.frame.size(); ++c) {
+    const FrameColumn& entry = plan_.frame[c];
+    const std::size_t row_bytes = rowBytes(entry.column);
+    switch (entry.source) {
+      case FrameColumn::Source::kTime:
+        forRows(context.places, c, sizeof(double),
+                [&](std::size_t i, std::byte* to) { std::memcpy(to, &context.times[i], sizeof(double)); });
+        break;
+      case FrameColumn::Source::kImage:
+        copyImages(frame.tactile_image, row_bytes / sizeof(std::uint16_t), context.places, c);
+        break;
+      case FrameColumn::Source::kFloats:
+        copyRows(entry.floats(frame), row_bytes / sizeof(float), context.places, c);
+        break;
+      case FrameColumn::Source::kPose:
+        copyPoses(context.X_SO, context.places, c);
+        break;
+      case FrameColumn::Source::kSensorPose:
+        copyPoses(context.X_WS, context.places, c);
+        break;
+      case FrameColumn::Source::kAction:
+        copyTwists(context.twists, context.places, c);
+        break;
+    }
+  }
+}
+
+void Recorder::recordEpisode(const EpisodeRecord& record, const EpisodePlace& place) const {
+  const std::byte* bytes = reinterpret_cast<const std::byte*>(&record);
+  for (std::size_t c = 0; c < plan_.episode.size(); ++c) {
+    const std::size_t row_bytes = rowBytes(plan_.episode[c].column);
+    std::memcpy(place.buffer->columns[plan_.frame.size() + c] + place.row * row_bytes, bytes + plan_.episode[c].offset, row_bytes);
+  }
+}
+
+}  // namespace taxelsim

@@ -1,0 +1,150 @@
+#include "episodes/slice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace taxelsim {
+
+EpisodePlan::EpisodePlan(const Scene& of_scene)
+    : scene(of_scene),
+      drawer(of_scene),
+      columns(planColumns(of_scene)),
+      recorder(columns),
+      num_frames(numFrames(of_scene)),
+      dt(1 / of_scene.simulation_rate),
+      control_period(std::max(1, static_cast<int>(std::lround(of_scene.simulation_rate / of_scene.control_rate)))) {
+  if (scene.kind == Scene::Kind::kServo) controller.emplace(scene.controller, scene.sensor);
+}
+
+Slice::Slice(const Model& model, const EpisodePlan& plan, int num_instances)
+    : plan_(plan),
+      simulator_(model, {.num_instances = num_instances, .num_slots = 1, .seed = plan.scene.seed, .outputs = plan.columns.outputs}),
+      X_SE_(inverse(plan.scene.X_ES)),
+      slots_(num_instances),
+      ids_(num_instances, kNoObject),
+      X_SO_(num_instances),
+      X_WS_(num_instances),
+      loads_(num_instances, kPoseDriven),
+      places_(num_instances),
+      times_(num_instances, 0.0),
+      twists_(num_instances),
+      target_forces_(num_instances, 0.0f),
+      due_(num_instances, 0) {}
+
+void Slice::begin(ShardQueue& queue) {
+  for (int i = 0; i < simulator_.numInstances(); ++i) startEpisode(i, queue);
+}
+
+void Slice::startEpisode(int i, ShardQueue& queue) {
+  Slot& slot = slots_[i];
+  const bool was_busy = places_[i].columns != nullptr;
+  const std::optional<EpisodePlace> place = queue.next();
+  num_busy_ += static_cast<int>(place.has_value()) - static_cast<int>(was_busy);
+  X_WS_[i] = Pose{};
+  loads_changed_ = true;
+  if (!place) {
+    ids_[i] = kNoObject;
+    X_SO_[i] = Pose{};
+    loads_[i] = kPoseDriven;
+    places_[i] = {};
+    due_[i] = 0;
+    return;
+  }
+  slot.place = *place;
+  slot.frame = 0;
+  slot.draw = plan_.drawer.draw(place->episode);
+  slot.X_WE = X_SE_;
+  ids_[i] = slot.draw.object;
+  X_SO_[i] = slot.draw.X_SO;
+  loads_[i] = slot.draw.load_driven ? slot.draw.load : kPoseDriven;
+  places_[i] = {place->buffer->columns.data(), place->row * static_cast<std::uint64_t>(plan_.num_frames)};
+  times_[i] = 0;
+  simulator_.reset(i, place->episode, slot.draw.variation);
+}
+
+void Slice::submit() {
+  simulator_.setObjects(ids_, X_SO_);
+  if (std::exchange(loads_changed_, false)) simulator_.setLoads(loads_);
+  simulator_.step(plan_.dt);
+}
+
+// After the first frame: the object stays where its load has put it. Returns whether the load was reached.
+bool Slice::settle(int i, const FrameView& frame) {
+  Slot& slot = slots_[i];
+  const EpisodeDraw& draw = slot.draw;
+  const double load_offset = draw.load_driven ? frame.ground_truth.load_offset[i] : 0.0;
+  const bool load_reached = !draw.load_driven || frame.ground_truth.load_reached[i] != 0;
+  X_SO_[i].position[2] += load_offset;
+  slot.X_WO = X_SO_[i];
+  if (draw.load_driven) {
+    loads_[i] = kPoseDriven;
+    loads_changed_ = true;
+  }
+  // Without a load to hold, the servo holds the force that it met.
+  target_forces_[i] = draw.load_driven ? draw.load : frame.total_force[i];
+  plan_.recorder.recordEpisode({.episode = slot.place.episode,
+                                .object = draw.object,
+                                .load = draw.load,
+                                .load_driven = draw.load_driven,
+                                .depth = static_cast<float>(draw.depth - load_offset),
+                                .load_reached = load_reached,
+                                .gain = draw.variation.gain,
+                                .gain_spread = draw.variation.gain_spread,
+                                .noise = draw.variation.noise},
+                               slot.place);
+  return load_reached;
+}
+
+// The free-flying end effector flies on at its twist for one step.
+void Slice::move(int i) {
+  Slot& slot = slots_[i];
+  slot.X_WE = integrate(slot.X_WE, changeFrame(plan_.scene.X_ES, twists_[i]), plan_.dt);
+  X_WS_[i] = slot.X_WE * plan_.scene.X_ES;
+  X_SO_[i] = inverse(X_WS_[i]) * slot.X_WO;
+}
+
+Slice::Tally Slice::collect(ShardQueue& queue, ShardWriter& writer) {
+  const FrameView frame = simulator_.read();
+  const int num_instances = simulator_.numInstances();
+  Tally tally;
+
+  for (int i = 0; i < num_instances; ++i) {
+    if (!places_[i].columns) continue;
+    ++tally.num_frames;
+    if (slots_[i].frame == 0 && !settle(i, frame)) ++tally.num_load_misses;
+    due_[i] = slots_[i].frame % plan_.control_period == 0;
+  }
+  if (plan_.controller) {
+    plan_.controller->command({.edge_angle = frame.edge_angle,
+                               .edge_confidence = frame.edge_confidence,
+                               .total_force = frame.total_force,
+                               .center_of_pressure = frame.center_of_pressure,
+                               .contact_area = frame.contact_area,
+                               .target_force = target_forces_,
+                               .due = due_},
+                              twists_);
+  }
+  plan_.recorder.recordFrames(frame, {.places = places_, .times = times_, .X_SO = X_SO_, .X_WS = X_WS_, .twists = twists_});
+
+  for (int i = 0; i < num_instances; ++i) {
+    if (!places_[i].columns) continue;
+    Slot& slot = slots_[i];
+    ++slot.frame;
+    if (slot.frame < plan_.num_frames) {
+      move(i);
+      ++places_[i].row;
+      times_[i] = slot.frame * plan_.dt;
+    } else {
+      ++tally.num_episodes;
+      if (std::unique_ptr<ShardBuffer> done = queue.finish(slot.place)) {
+        writer.submit(std::move(done));
+        queue.recycle(writer.reclaim());
+      }
+      startEpisode(i, queue);
+    }
+  }
+  return tally;
+}
+
+}  // namespace taxelsim

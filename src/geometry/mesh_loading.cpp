@@ -1,0 +1,262 @@
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <assimp/BaseImporter.h>
+#include <assimp/DefaultIOSystem.h>
+#include <algorithm>
+#include <array>
+#include <assimp/Importer.hpp>
+#include <cctype>
+#include <cmath>
+#include <new>
+#include <optional>
+#include <set>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "geometry/gltf_checks.h"
+#include "geometry/mesh_file_checks.h"
+#include "geometry/text.h"
+#include "geometry/weld.h"
+#include "taxelsim/error.h"
+#include "taxelsim/object.h"
+
+namespace taxelsim {
+namespace {
+
+// Polygons are cut into triangles in time quadratic in their corners; nobody draws one with more.
+constexpr unsigned int kMaxPolygonCorners = 1000;
+
+[[noreturn]] void fail(const std::filesystem::path& file, const std::string& reason) {
+  throw Error(ErrorKind::kInput, oneLine(file.string()) + ": " + oneLine(reason));
+}
+
+struct Extension {
+  std::string text;  // lower case, without the dot
+  MeshFormat format;
+};
+
+Extension extensionOf(const std::filesystem::path& file) {
+  std::string text = file.extension().string();
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (text == ".obj") return {"obj", MeshFormat::kObj};
+  if (text == ".stl") return {"stl", MeshFormat::kStl};
+  if (text == ".ply") return {"ply", MeshFormat::kPly};
+  if (text == ".gltf") return {"gltf", MeshFormat::kGltf};
+  if (text == ".glb") return {"glb", MeshFormat::kGlb};
+  fail(file, "not a mesh file that can be read: its name must end in .obj, .stl, .ply, .gltf or .glb");
+}
+
+void checkFile(const std::filesystem::path& file) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(file, error);
+  if (!std::filesystem::exists(status)) fail(file, "there is no such file");
+  if (std::filesystem::is_directory(status)) fail(file, "is a directory, not a mesh file");
+  if (!std::filesystem::is_regular_file(status)) fail(file, "is not a regular file");
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  if (error) fail(file, "cannot be read: " + error.message());
+  if (size == 0) fail(file, "is empty");
+  if (size > kMaxMeshFileBytes) {
+    fail(file, "has " + std::to_string(size) + " bytes; at most " + std::to_string(kMaxMeshFileBytes) + " are read");
+  }
+}
+
+// What the importer may open: the file itself and, for glTF, the regular files it names for its buffers. Materials and textures stay
+// closed, and a name such as a pipe or an endless device never hangs the program.
+class MeshFiles : public Assimp::DefaultIOSystem {
+ public:
+  MeshFiles(std::filesystem::path file, bool others) : file_(std::move(file)), others_(others) {}
+
+  Assimp::IOStream* Open(const char* name, const char* mode) override {
+    const std::filesystem::path wanted(name);
+    std::error_code error;
+    if (wanted != file_ && !others_) return nullptr;
+    if (!std::filesystem::is_regular_file(wanted, error)) return nullptr;
+    const std::uintmax_t size = std::filesystem::file_size(wanted, error);
+    if (error || size > kMaxMeshFileBytes) return nullptr;
+    return DefaultIOSystem::Open(name, mode);
+  }
+
+ private:
+  std::filesystem::path file_;
+  bool others_;
+};
+
+// The importer guesses formats from contents when the one that the name asks for declines; we take the name at its word.
+void keepFormat(Assimp::Importer& importer, const std::string& extension) {
+  std::vector<Assimp::BaseImporter*> others;
+  for (std::size_t i = 0; i < importer.GetImporterCount(); ++i) {
+    std::set<std::string> extensions;
+    importer.GetImporter(i)->GetExtensionList(extensions);
+    if (!extensions.contains(extension)) others.push_back(importer.GetImporter(i));
+  }
+  for (Assimp::BaseImporter* other : others) {
+    importer.UnregisterLoader(other);
+    delete other;
+  }
+}
+
+// The order in which coordinates of the file become x, y, z.
+std::array<std::size_t, 3> axisOrder(UpAxis up_axis) {
+  switch (up_axis) {
+    case UpAxis::kX:
+      return {1, 2, 0};
+    case UpAxis::kY:
+      return {2, 0, 1};
+    case UpAxis::kZ:
+      break;
+  }
+  return {0, 1, 2};
+}
+
+using Matrix = std::array<double, 12>;  // (3 x 4), row-major: rotation and scale, then translation
+
+Matrix matrixOf(const aiMatrix4x4& m) {
+  return {m.a1, m.a2, m.a3, m.a4, m.b1, m.b2, m.b3, m.b4, m.c1, m.c2, m.c3, m.c4};
+}
+
+Matrix product(const Matrix& a, const Matrix& b) {
+  Matrix result{};
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t column = 0; column < 4; ++column) {
+      double sum = column == 3 ? a[row * 4 + 3] : 0;
+      for (std::size_t k = 0; k < 3; ++k) sum += a[row * 4 + k] * b[k * 4 + column];
+      result[row * 4 + column] = sum;
+    }
+  }
+  return result;
+}
+
+class Gatherer {
+ public:
+  Gatherer(const std::filesystem::path& file, const MeshOptions& options)
+      : file_(file), scale_(options.scale), order_(axisOrder(options.up_axis)) {}
+
+  // All meshes of the scene, each as often as a node uses it, in the frame of the file's root.
+  Mesh gather(const aiScene& scene) {
+    std::vector<std::pair<const aiNode*, Matrix>> waiting{{scene.mRootNode, matrixOf(scene.mRootNode->mTransformation)}};
+    while (!waiting.empty()) {
+      const auto [node, transform] = waiting.back();
+      waiting.pop_back();
+      for (unsigned int i = 0; i < node->mNumMeshes; ++i) add(*scene.mMeshes[node->mMeshes[i]], transform);
+      for (unsigned int i = node->mNumChildren; i-- > 0;) {
+        waiting.emplace_back(node->mChildren[i], product(transform, matrixOf(node->mChildren[i]->mTransformation)));
+      }
+    }
+    return std::move(mesh_);
+  }
+
+ private:
+  void add(const aiMesh& part, const Matrix& transform) {
+    const std::size_t first = mesh_.vertices.size();
+    if (first + part.mNumVertices >= std::size_t{1} << 31) fail(file_, "has more vertices than 2^31");
+    for (unsigned int i = 0; i < part.mNumVertices; ++i) {
+      const aiVector3D& v = part.mVertices[i];
+      std::array<double, 3> p;
+      for (std::size_t row = 0; row < 3; ++row) {
+        p[row] = transform[row * 4] * v.x + transform[row * 4 + 1] * v.y + transform[row * 4 + 2] * v.z + transform[row * 4 + 3];
+      }
+      std::array<float, 3> vertex;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        vertex[axis] = static_cast<float>(scale_ * p[order_[axis]]);
+        if (!std::isfinite(vertex[axis])) {
+          fail(file_, "vertex " + std::to_string(first + i) + " is not finite: (" + numberText(p[0]) + ", " + numberText(p[1]) + ", " +
+                          numberText(p[2]) + ") x scale " + numberText(scale_));
+        }
+      }
+      mesh_.vertices.push_back(vertex);
+    }
+    for (unsigned int i = 0; i < part.mNumFaces; ++i) {
+      const aiFace& face = part.mFaces[i];
+      if (face.mNumIndices != 3) continue;  // points and lines
+      std::array<std::uint32_t, 3> triangle;
+      for (unsigned int corner = 0; corner < 3; ++corner) {
+        if (face.mIndices[corner] >= part.mNumVertices) {
+          fail(file_, "a face uses vertex " + std::to_string(face.mIndices[corner]) + " of " + std::to_string(part.mNumVertices));
+        }
+        triangle[corner] = static_cast<std::uint32_t>(first + face.mIndices[corner]);
+      }
+      mesh_.triangles.push_back(triangle);
+    }
+  }
+
+  const std::filesystem::path& file_;
+  double scale_;
+  std::array<std::size_t, 3> order_;
+  Mesh mesh_;
+};
+
+// Before polygons are cut: what the cutting could not digest.
+void checkScene(const aiScene& scene, const std::filesystem::path& file) {
+  for (unsigned int m = 0; m < scene.mNumMeshes; ++m) {
+    const aiMesh& mesh = *scene.mMeshes[m];
+    for (unsigned int i = 0; i < mesh.mNumVertices; ++i) {
+      const aiVector3D& v = mesh.mVertices[i];
+      if (!(std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z))) {
+        fail(file, "vertex " + std::to_string(i) + " of part " + std::to_string(m) + " is not finite: (" + numberText(v.x) + ", " +
+                       numberText(v.y) + ", " + numberText(v.z) + ")");
+      }
+    }
+    for (unsigned int i = 0; i < mesh.mNumFaces; ++i) {
+      const aiFace& face = mesh.mFaces[i];
+      if (face.mNumIndices > kMaxPolygonCorners) {
+        fail(file, "face " + std::to_string(i) + " has " + std::to_string(face.mNumIndices) + " corners; at most " +
+                       std::to_string(kMaxPolygonCorners) + " are allowed");
+      }
+      for (unsigned int corner = 0; corner < face.mNumIndices; ++corner) {
+        if (face.mIndices[corner] >= mesh.mNumVertices) {
+          fail(file, "face " + std::to_string(i) + " uses vertex " + std::to_string(face.mIndices[corner]) + " of " +
+                         std::to_string(mesh.mNumVertices));
+        }
+      }
+    }
+  }
+}
+
+void checkCount(const aiScene& scene, const std::filesystem::path& file, MeshFormat format) {
+  const std::optional<std::uint64_t> expected = gltfTriangles(file, format == MeshFormat::kGlb);
+  std::uint64_t found = 0;
+  for (unsigned int m = 0; m < scene.mNumMeshes; ++m) found += scene.mMeshes[m]->mNumFaces;
+  if (expected && found < *expected) {
+    fail(file, std::to_string(*expected - found) + " of its " + std::to_string(*expected) + " triangles use vertices that are not there");
+  }
+}
+
+Mesh import(const std::filesystem::path& file, const Extension& extension, const MeshOptions& options) {
+  Assimp::Importer importer;
+  keepFormat(importer, extension.text);
+  const bool others = extension.format == MeshFormat::kGltf || extension.format == MeshFormat::kGlb;
+  importer.SetIOHandler(new MeshFiles(file, others));  // owned by the importer
+  const aiScene* scene = importer.ReadFile(file.string(), 0);
+  if (scene == nullptr) fail(file, std::string("is not a mesh: ") + importer.GetErrorString());
+  checkScene(*scene, file);
+  if (others) checkCount(*scene, file, extension.format);
+  scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
+  if (scene == nullptr || scene->mRootNode == nullptr) fail(file, "is not a mesh: its polygons cannot be cut into triangles");
+  return weld(Gatherer(file, options).gather(*scene));
+}
+
+}  // namespace
+
+Mesh loadMesh(const std::filesystem::path& file, const MeshOptions& options) {
+  if (!(std::isfinite(options.scale) && options.scale > 0)) {
+    fail(file, "scale: " + numberText(options.scale) + " is not allowed: metres per unit of the file, > 0");
+  }
+  checkFile(file);
+  const Extension extension = extensionOf(file);
+  Mesh mesh;
+  try {
+    if (const std::string fault = findFault(file, extension.format); !fault.empty()) fail(file, "is not a mesh: " + fault);
+    mesh = import(file, extension, options);
+  } catch (const std::bad_alloc&) {
+    fail(file, "takes more memory than there is");
+  } catch (const std::length_error&) {
+    fail(file, "takes more memory than there is");
+  }
+  if (mesh.triangles.empty()) fail(file, "holds no triangle with an area");
+  return mesh;
+}
+
+}  // namespace taxelsim

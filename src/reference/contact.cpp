@@ -1,0 +1,47 @@
+#include "reference/contact.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "reference/samples.h"
+#include "reference/vector3.h"
+
+namespace taxelsim::reference {
+
+double winklerPressure(const Winkler& law, double d, double rate) {
+  if (d <= 0) {
+    return 0;
+  }
+  return std::max(0.0, law.normal_contact_stiffness * std::pow(d, law.normal_exponent) + law.normal_damping * rate);
+}
+
+Contact winklerContact(const Sensor& sensor, std::span<const double> d, std::span<const double> previous, double dt) {
+  const Winkler& law = std::get<Winkler>(sensor.skin.law);
+  const std::vector<Sample> samples = samplesOf(sensor);
+  Contact contact;
+  contact.taxel_force.assign(samples.size() / samplesPerTaxel(sensor), 0);
+  contact.mean_penetration.assign(contact.taxel_force.size(), 0);
+  std::size_t num_over = 0;
+  Vector3 force{0, 0, 0}, torque{0, 0, 0};
+  for (std::size_t n = 0; n < samples.size(); ++n) {
+    const Sample& sample = samples[n];
+    const double rate = previous.empty() || dt == 0 ? 0 : (d[n] - previous[n]) / dt;
+    const double pressure = winklerPressure(law, d[n], rate);
+    contact.pressure.push_back(pressure);
+    contact.taxel_force[sample.taxel] += pressure * sample.area;
+    contact.mean_penetration[sample.taxel] += std::max(d[n], 0.0) / static_cast<double>(samplesPerTaxel(sensor));
+    num_over += d[n] >= sensor.skin.thickness ? 1 : 0;
+    const Pose& X_SP = sensor.patches[sample.patch].X_SP;
+    const Vector3 sample_force = rotate(X_SP.rotation, {0, 0, -pressure * sample.area});
+    force = add(force, sample_force);
+    torque = add(torque, cross(X_SP * sample.position_P, sample_force));
+  }
+  for (const double taxel_force : contact.taxel_force) {
+    contact.total_force += taxel_force;
+  }
+  contact.wrench = {force[0], force[1], force[2], torque[0], torque[1], torque[2]};
+  contact.over_penetration = static_cast<double>(num_over) / static_cast<double>(samples.size());
+  return contact;
+}
+
+}  // namespace taxelsim::reference

@@ -1,0 +1,142 @@
+#include "reference/depth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <type_traits>
+
+#include "reference/solids.h"
+#include "reference/vector3.h"
+
+namespace taxelsim::reference {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Fine grid of all samples of a patch: row u = i s + a along x, column v = j s + b along y.
+struct SampleGrid {
+  int rows, cols, samples_per_taxel, num_cols;
+  double step_x, step_y;
+  std::array<double, 2> shift;
+
+  SampleGrid(const GridPatch& patch, int s, const std::array<double, 2>& shift_P)
+      : rows(patch.num_rows * s),
+        cols(patch.num_cols * s),
+        samples_per_taxel(s),
+        num_cols(patch.num_cols),
+        step_x(patch.pitch[0] / s),
+        step_y(patch.pitch[1] / s),
+        shift(shift_P) {}
+
+  double x(int u) const { return (u - (rows - 1) / 2.0) * step_x + shift[0]; }
+  double y(int v) const { return (v - (cols - 1) / 2.0) * step_y + shift[1]; }
+  std::size_t index(int u, int v) const {
+    const int s = samples_per_taxel;
+    return ((static_cast<std::size_t>(u / s) * num_cols + v / s) * s + u % s) * s + v % s;
+  }
+  // First and last sample that can lie in [min, max], one too many on either side so that rounding loses none.
+  static std::pair<int, int> range(double min, double max, double step, double shift, int count) {
+    const double middle = (count - 1) / 2.0;
+    const double first = std::floor((min - shift) / step + middle) - 1, last = std::ceil((max - shift) / step + middle) + 1;
+    return {static_cast<int>(std::clamp(first, 0.0, static_cast<double>(count))),
+            static_cast<int>(std::clamp(last, -1.0, static_cast<double>(count - 1)))};
+  }
+};
+
+// Twice the signed area of (a, b, p) in the xy plane.
+double edgeFunction(const Vector3& a, const Vector3& b, double x, double y) {
+  return (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0]);
+}
+
+// Lowers `heights` to the triangle where it covers samples; its corners are sheared so that rays run along z.
+void lowerToTriangle(const std::array<Vector3, 3>& t, const SampleGrid& grid, std::span<double> heights) {
+  const double area = edgeFunction(t[0], t[1], t[2][0], t[2][1]);
+  if (area == 0) {
+    return;  // seen edge-on: covers nothing
+  }
+  const auto [min_x, max_x] = std::minmax({t[0][0], t[1][0], t[2][0]});
+  const auto [min_y, max_y] = std::minmax({t[0][1], t[1][1], t[2][1]});
+  const auto [first_u, last_u] = SampleGrid::range(min_x, max_x, grid.step_x, grid.shift[0], grid.rows);
+  const auto [first_v, last_v] = SampleGrid::range(min_y, max_y, grid.step_y, grid.shift[1], grid.cols);
+  const auto [min_z, max_z] = std::minmax({t[0][2], t[1][2], t[2][2]});
+  for (int u = first_u; u <= last_u; ++u) {
+    for (int v = first_v; v <= last_v; ++v) {
+      const double x = grid.x(u), y = grid.y(v);
+      const double w0 = edgeFunction(t[1], t[2], x, y) / area;
+      const double w1 = edgeFunction(t[2], t[0], x, y) / area;
+      const double w2 = edgeFunction(t[0], t[1], x, y) / area;
+      if (w0 < 0 || w1 < 0 || w2 < 0) {
+        continue;
+      }
+      const double z = (w0 * t[0][2] + w1 * t[1][2] + w2 * t[2][2]) / (w0 + w1 + w2);
+      double& height = heights[grid.index(u, v)];
+      height = std::min(height, std::clamp(z, min_z, max_z));
+    }
+  }
+}
+
+void lowerToMesh(const Mesh& mesh, const Pose& X_PO, const Vector3& direction, const SampleGrid& grid, std::span<double> heights) {
+  std::vector<Vector3> vertices;
+  for (const std::array<float, 3>& vertex : mesh.vertices) {
+    const Vector3 p = X_PO * Vector3{vertex[0], vertex[1], vertex[2]};
+    const double t = p[2] / direction[2];
+    vertices.push_back({p[0] - t * direction[0], p[1] - t * direction[1], t});
+  }
+  for (const std::array<std::uint32_t, 3>& corners : mesh.triangles) {
+    lowerToTriangle({vertices[corners[0]], vertices[corners[1]], vertices[corners[2]]}, grid, heights);
+  }
+}
+
+template <typename Solid>
+void lowerToSolid(const Solid& solid, const Pose& X_PO, const Vector3& direction_P, const SampleGrid& grid, std::span<double> heights) {
+  const Pose X_OP = inverse(X_PO);
+  const Vector3 direction_O = rotate(X_OP.rotation, direction_P);
+  for (int u = 0; u < grid.rows; ++u) {
+    for (int v = 0; v < grid.cols; ++v) {
+      double& height = heights[grid.index(u, v)];
+      height = std::min(height, firstHit(solid, X_OP * Vector3{grid.x(u), grid.y(v), 0}, direction_O));
+    }
+  }
+}
+
+}  // namespace
+
+void appendHeights(const GridPatch& patch, int samples_per_taxel, std::span<const PlacedObject> objects, const Rays& rays,
+                   std::vector<double>& heights) {
+  const SampleGrid grid(patch, samples_per_taxel, rays.shift_P);
+  const std::size_t first = heights.size();
+  heights.resize(first + static_cast<std::size_t>(grid.rows) * grid.cols, kInfinity);
+  const std::span<double> patch_heights = std::span(heights).subspan(first);
+  const Pose X_PS = inverse(patch.X_SP);
+  for (const PlacedObject& placed : objects) {
+    const Pose X_PO = X_PS * placed.X_SO;
+    std::visit(
+        [&](const auto& shape) {
+          if constexpr (std::is_same_v<std::decay_t<decltype(shape)>, Mesh>) {
+            lowerToMesh(shape, X_PO, rays.direction_P, grid, patch_heights);
+          } else {
+            lowerToSolid(shape, X_PO, rays.direction_P, grid, patch_heights);
+          }
+        },
+        placed.object->shape);
+  }
+}
+
+std::vector<double> surfaceHeights(const Sensor& sensor, std::span<const PlacedObject> objects, const std::array<double, 2>& shift_P) {
+  std::vector<double> heights;
+  for (const GridPatch& patch : sensor.patches) {
+    appendHeights(patch, sensor.samples_per_taxel, objects, {.shift_P = shift_P}, heights);
+  }
+  return heights;
+}
+
+std::vector<double> penetrations(std::span<const double> heights, double thickness, double reach) {
+  std::vector<double> d;
+  d.reserve(heights.size());
+  for (const double height : heights) {
+    d.push_back(std::clamp(-height, -reach, thickness));
+  }
+  return d;
+}
+
+}  // namespace taxelsim::reference

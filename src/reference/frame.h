@@ -1,0 +1,44 @@
+// All stages of the reference in a row for one sensor instance: the double-precision twin of a Simulator's frame.
+//
+//   poses -> heights -> penetration -> pressure, taxel force -> spread force -> counts -> features
+//
+// Not a simulator: the caller keeps what lasts from frame to frame (penetration of the frame before, held frames).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "reference/contact.h"
+#include "reference/depth.h"
+#include "reference/features.h"
+#include "reference/load.h"
+#include "reference/readout.h"
+
+namespace taxelsim::reference {
+
+struct FrameInput {
+  std::vector<PlacedObject> objects{};         // empty slots left out
+  std::optional<double> load{};                // N; none when pose-driven
+  std::vector<double> previous_penetration{};  // of the frame before; empty in the first one. A load-driven frame is at rest and ignores it
+  double dt = 0;                               // s since then
+  ReadoutDraw draw{};
+};
+
+// Every intermediate value, in the order in which it is computed.
+struct Frame {
+  LoadResult load;                  // offset 0 and reached when pose-driven
+  std::vector<double> heights;      // (num_taxels x s x s), m
+  std::vector<double> penetration;  // (num_taxels x s x s), m, 0 to thickness
+  Contact contact;
+  std::vector<double> spread_force;    // (num_taxels), N
+  std::vector<std::uint32_t> counts;   // (num_taxels)
+  std::vector<double> measured_force;  // (num_taxels), N
+  double saturated = 0;
+  Features clean;
+  Features measured;
+};
+
+Frame simulateFrame(const Sensor& sensor, const FrameInput& input);
+
+}  // namespace taxelsim::reference

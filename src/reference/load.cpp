@@ -1,0 +1,139 @@
+#include "reference/load.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <utility>
+
+#include "reference/contact.h"
+#include "reference/vector3.h"
+
+namespace taxelsim::reference {
+namespace {
+
+// The neighbouring values in [low, high] between which `holds` turns from true (as at low) to false (as at high).
+std::pair<double, double> bisect(double low, double high, const std::function<bool(double)>& holds) {
+  for (double middle = low + (high - low) / 2; middle > low && middle < high; middle = low + (high - low) / 2) {
+    (holds(middle) ? low : high) = middle;
+  }
+  return {low, high};
+}
+
+// Offset at which a surface first meets a sample, seen along z of S; -infinity when no object lies over any sample.
+double firstTouch(const Sensor& sensor, std::span<const PlacedObject> objects) {
+  std::vector<double> heights;
+  for (const GridPatch& patch : sensor.patches) {
+    const Vector3 direction_P = rotate(inverse(patch.X_SP).rotation, {0, 0, 1});
+    if (direction_P[2] > 0) {  // a patch that looks away from the motion is never touched first
+      appendHeights(patch, sensor.samples_per_taxel, objects, {.direction_P = direction_P}, heights);
+    }
+  }
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const double height : heights) {
+    lowest = std::min(lowest, height);
+  }
+  return -lowest;
+}
+
+bool allPatchesAreLevel(const Sensor& sensor) {
+  return std::all_of(sensor.patches.begin(), sensor.patches.end(), [](const GridPatch& patch) {
+    const Vector3 normal_S = rotate(patch.X_SP.rotation, {0, 0, 1});
+    return normal_S[0] == 0 && normal_S[1] == 0 && normal_S[2] == 1;
+  });
+}
+
+// Going down from first touch, the first offset at which the deepest sample is as deep as the skin; over a tilted patch an object may slide
+// off before that: then the offset, of those looked at, at which it was deepest.
+double fullDepth(double first_touch, double thickness, const std::function<double(double)>& deepestAt) {
+  constexpr int kStepsPerThickness = 16;
+  constexpr int kTravelInThicknesses = 6;  // a patch tilted by 80 degrees is as deep as its skin within this travel
+  const auto isFull = [&](double offset) { return deepestAt(offset) >= thickness; };
+  double best = first_touch, deepest = 0;
+  for (int n = 1; n <= kTravelInThicknesses * kStepsPerThickness; ++n) {
+    const double above = first_touch - (n - 1) * thickness / kStepsPerThickness, offset = first_touch - n * thickness / kStepsPerThickness;
+    const double depth = deepestAt(offset);
+    if (depth >= thickness) {
+      return bisect(offset, above, isFull).first;
+    }
+    if (depth > deepest) {
+      deepest = depth;
+      best = offset;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+std::vector<PlacedObject> movedAlongZ(std::span<const PlacedObject> objects, double offset) {
+  std::vector<PlacedObject> moved(objects.begin(), objects.end());
+  for (PlacedObject& placed : moved) {
+    placed.X_SO.position[2] += offset;
+  }
+  return moved;
+}
+
+LoadResult findLoad(const Sensor& sensor, std::span<const PlacedObject> objects, double load) {
+  const double thickness = sensor.skin.thickness;
+  LoadResult result;
+  result.first_touch = firstTouch(sensor, objects);
+  if (!std::isfinite(result.first_touch)) {
+    result.first_touch = 0;
+    return result;
+  }
+
+  // Level patches see the same surface at every offset; tilted ones see another one, because the object also moves across them.
+  const bool level = allPatchesAreLevel(sensor);
+  const std::vector<double> heights = level ? surfaceHeights(sensor, objects) : std::vector<double>{};
+  const auto penetrationsAt = [&](double offset) {
+    if (!level) {
+      return penetrations(surfaceHeights(sensor, movedAlongZ(objects, offset)), thickness);
+    }
+    std::vector<double> moved = heights;
+    for (double& height : moved) {
+      height += offset;
+    }
+    return penetrations(moved, thickness);
+  };
+  const auto deepestAt = [&](double offset) {
+    const std::vector<double> d = penetrationsAt(offset);
+    return *std::max_element(d.begin(), d.end());
+  };
+  const auto forceAt = [&](double offset) { return winklerContact(sensor, penetrationsAt(offset), {}, 0).total_force; };
+
+  if (!level) {
+    // Seen along its own normal, a tilted patch may be touched earlier, by a wall that moves in from the side.
+    const auto touches = [&](double offset) { return deepestAt(offset) > 0; };
+    constexpr double kFarthestWall = 0.2;  // m: also ends the search over a patch that looks down, which is touched at every offset
+    const double seen_along_z = result.first_touch;
+    double above = seen_along_z;
+    while (touches(above)) {
+      above += thickness / 8;
+      if (above > seen_along_z + kFarthestWall) {
+        return result;
+      }
+    }
+    const double below = above > seen_along_z ? above - thickness / 8 : seen_along_z - thickness / 16;
+    if (touches(below)) {
+      result.first_touch = bisect(below, above, touches).second;
+    }
+  }
+  result.full_depth = level ? result.first_touch - thickness : fullDepth(result.first_touch, thickness, deepestAt);
+  if (forceAt(result.full_depth) < load) {
+    result.offset = result.full_depth;
+    return result;
+  }
+  if (load <= 0) {
+    result.offset = result.first_touch;
+    result.reached = true;
+    return result;
+  }
+  result.offset = bisect(result.full_depth, result.first_touch, [&](double offset) { return forceAt(offset) >= load; }).first;
+  // Where an edge slides onto a tilted patch the force jumps, and a load within the jump is carried nowhere.
+  constexpr double kCarried = 1e-6;
+  result.reached = forceAt(result.offset) <= load * (1 + kCarried);
+  return result;
+}
+
+}  // namespace taxelsim::reference

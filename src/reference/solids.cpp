@@ -1,0 +1,189 @@
+#include "reference/solids.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "reference/vector3.h"
+
+namespace taxelsim::reference {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Part of a line inside a convex solid: [first, second], empty when first > second.
+using Interval = std::pair<double, double>;
+constexpr Interval kEmpty{kInfinity, -kInfinity};
+constexpr Interval kWholeLine{-kInfinity, kInfinity};
+
+Interval intersect(const Interval& a, const Interval& b) {
+  return {std::max(a.first, b.first), std::min(a.second, b.second)};
+}
+double startOf(const Interval& interval) {
+  return interval.first <= interval.second ? interval.first : kInfinity;
+}
+
+// Real roots, in order, of a t^2 + 2 b t + c without cancellation; empty when there are none.
+std::vector<double> quadraticRoots(double a, double b, double c) {
+  const double discriminant = b * b - a * c;
+  if (discriminant < 0) {
+    return {};
+  }
+  const double q = -(b + std::copysign(std::sqrt(discriminant), b));
+  std::vector<double> roots;
+  if (a != 0) {
+    roots.push_back(q / a);
+  }
+  if (q != 0) {
+    roots.push_back(c / q);
+  }
+  std::sort(roots.begin(), roots.end());
+  return roots;
+}
+
+// |position + t velocity| <= radius in as many dimensions as the dot products were taken over.
+Interval insideRound(double velocity_squared, double position_velocity, double position_squared, double radius) {
+  const double c = position_squared - radius * radius;
+  if (velocity_squared == 0) {
+    return c <= 0 ? kWholeLine : kEmpty;
+  }
+  const std::vector<double> roots = quadraticRoots(velocity_squared, position_velocity, c);
+  return roots.empty() ? kEmpty : Interval{roots.front(), roots.back()};
+}
+
+Interval insideSlab(double position, double velocity, double min, double max) {
+  if (velocity == 0) {
+    return position >= min && position <= max ? kWholeLine : kEmpty;
+  }
+  const double t0 = (min - position) / velocity, t1 = (max - position) / velocity;
+  return {std::min(t0, t1), std::max(t0, t1)};
+}
+
+Interval insideTube(double radius, const Vector3& origin, const Vector3& direction) {
+  return insideRound(direction[0] * direction[0] + direction[1] * direction[1], origin[0] * direction[0] + origin[1] * direction[1],
+                     origin[0] * origin[0] + origin[1] * origin[1], radius);
+}
+
+Interval insideBall(double radius, const Vector3& origin, const Vector3& direction) {
+  return insideRound(dot(direction, direction), dot(origin, direction), dot(origin, origin), radius);
+}
+
+double evaluate(const std::vector<double>& coefficients, double t) {
+  double value = 0;
+  for (auto c = coefficients.rbegin(); c != coefficients.rend(); ++c) {
+    value = value * t + *c;
+  }
+  return value;
+}
+
+// Real roots in [low, high] of the polynomial sum coefficients[m] t^m, in order: between two neighbouring roots of the derivative the
+// polynomial is monotone, so bisection finds the one root there may be. A root that only touches zero may be missed.
+std::vector<double> rootsIn(const std::vector<double>& coefficients, double low, double high) {
+  std::vector<double> derivative;
+  for (std::size_t m = 1; m < coefficients.size(); ++m) {
+    derivative.push_back(static_cast<double>(m) * coefficients[m]);
+  }
+  std::vector<double> borders{low};
+  if (derivative.size() > 1) {
+    for (const double t : rootsIn(derivative, low, high)) {
+      borders.push_back(t);
+    }
+  }
+  borders.push_back(high);
+  std::vector<double> roots;
+  for (std::size_t i = 0; i + 1 < borders.size(); ++i) {
+    double u = borders[i], v = borders[i + 1];
+    const bool rising = evaluate(coefficients, u) < 0;
+    if (evaluate(coefficients, u) == 0) {
+      roots.push_back(u);
+      continue;
+    }
+    if ((evaluate(coefficients, v) < 0) == rising) {
+      continue;
+    }
+    for (double middle = (u + v) / 2; middle > u && middle < v; middle = (u + v) / 2) {
+      ((evaluate(coefficients, middle) < 0) == rising ? u : v) = middle;
+    }
+    roots.push_back(v);
+  }
+  return roots;
+}
+
+}  // namespace
+
+double firstHit(const Sphere& sphere, const Vector3& origin, const Vector3& direction) {
+  return startOf(insideBall(sphere.radius, origin, direction));
+}
+
+double firstHit(const Cylinder& cylinder, const Vector3& origin, const Vector3& direction) {
+  return startOf(intersect(insideTube(cylinder.radius, origin, direction),
+                           insideSlab(origin[2], direction[2], -cylinder.length / 2, cylinder.length / 2)));
+}
+
+double firstHit(const Capsule& capsule, const Vector3& origin, const Vector3& direction) {
+  const double half = capsule.length / 2;
+  const double ends = std::min(startOf(insideBall(capsule.radius, {origin[0], origin[1], origin[2] - half}, direction)),
+                               startOf(insideBall(capsule.radius, {origin[0], origin[1], origin[2] + half}, direction)));
+  return std::min(ends, firstHit(Cylinder{capsule.radius, capsule.length}, origin, direction));
+}
+
+double firstHit(const Box& box, const Vector3& origin, const Vector3& direction) {
+  Interval inside = kWholeLine;
+  for (int axis = 0; axis < 3; ++axis) {
+    inside = intersect(inside, insideSlab(origin[axis], direction[axis], -box.size[axis] / 2, box.size[axis] / 2));
+  }
+  return startOf(inside);
+}
+
+double firstHit(const HalfSpace&, const Vector3& origin, const Vector3& direction) {
+  return startOf(insideSlab(origin[2], direction[2], 0, kInfinity));
+}
+
+double firstHit(const Cone& cone, const Vector3& origin, const Vector3& direction) {
+  // On the flank x^2 + y^2 = (slope z)^2 with 0 <= z <= height, or on the base. The rim belongs to both, within rounding.
+  const double slope = cone.radius / cone.height;
+  const double rounding = 1e-13 * cone.height;
+  const double a = direction[0] * direction[0] + direction[1] * direction[1] - slope * slope * direction[2] * direction[2];
+  const double b = origin[0] * direction[0] + origin[1] * direction[1] - slope * slope * origin[2] * direction[2];
+  const double c = origin[0] * origin[0] + origin[1] * origin[1] - slope * slope * origin[2] * origin[2];
+  double first = kInfinity;
+  for (const double t : quadraticRoots(a, b, c)) {
+    const double z = origin[2] + t * direction[2];
+    if (z >= -rounding && z <= cone.height + rounding) {
+      first = std::min(first, t);
+    }
+  }
+  if (direction[2] != 0) {
+    const double t = (cone.height - origin[2]) / direction[2];
+    const double x = origin[0] + t * direction[0], y = origin[1] + t * direction[1];
+    if (x * x + y * y <= cone.radius * cone.radius) {
+      first = std::min(first, t);
+    }
+  }
+  return first;
+}
+
+double firstHit(const Torus& torus, const Vector3& origin, const Vector3& direction) {
+  // (|p|^2 + R^2 - r^2)^2 = 4 R^2 (x^2 + y^2), in units of R + r, with t counted from the point of the line nearest to the centre.
+  const double reach = torus.major_radius + torus.minor_radius;
+  const double speed = length(direction);
+  const double nearest = -dot(origin, direction) / (speed * speed);
+  const Vector3 p = scale(1 / reach, add(origin, scale(nearest, direction)));
+  const Vector3 v = scale(1 / speed, direction);
+  const double R = torus.major_radius / reach, r = torus.minor_radius / reach;
+  const double distance_squared = dot(p, p);
+  if (distance_squared > 1) {
+    return kInfinity;
+  }
+  const double k = distance_squared + R * R - r * r;
+  const double flat_vv = v[0] * v[0] + v[1] * v[1], flat_pv = p[0] * v[0] + p[1] * v[1], flat_pp = p[0] * p[0] + p[1] * p[1];
+  // |p + t v|^2 = t^2 + |p|^2, because p and v are at right angles.
+  const std::vector<double> quartic{k * k - 4 * R * R * flat_pp, -8 * R * R * flat_pv, 2 * k - 4 * R * R * flat_vv, 0, 1};
+  const double half_chord = std::sqrt(1 - distance_squared);
+  const double outside = half_chord + 1e-3;  // the chord's own ends may be roots; start where the quartic is surely positive
+  const std::vector<double> roots = rootsIn(quartic, -outside, outside);
+  return roots.empty() ? kInfinity : nearest + roots.front() * reach / speed;
+}
+
+}  // namespace taxelsim::reference

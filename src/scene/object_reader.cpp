@@ -1,0 +1,164 @@
+#include "scene/object_reader.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "base/sha256.h"
+#include "scene/pose_reader.h"
+
+namespace taxelsim {
+namespace {
+
+constexpr std::string_view kShapes = "mesh | sphere | cylinder | capsule | box | half_space | cone | torus";
+
+// Keys of an item; the shapes come first.
+const YamlMap::Keys& objectKeys() {
+  static const YamlMap::Keys keys = {"mesh",  "sphere", "cylinder", "capsule",     "box",   "half_space", "cone",
+                                     "torus", "name",   "weight",   "orientation", "scale", "up_axis",    "sha256"};
+  return keys;
+}
+constexpr std::size_t kNumShapes = 8;
+
+Mesh readMesh(const YamlMap& map, const YamlNode& node, const std::filesystem::path& directory) {
+  Canonical& canonical = map.canonical();
+  const std::filesystem::path file = directory / node.text("a mesh file");
+  MeshOptions options;
+  // Text of the file's name only: where the file lies is no part of what the data are made from.
+  canonical.line("mesh", canonicalText(file.filename().string()));
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) node.fail(file.generic_string() + " is not there, or not a file");
+  if (file.extension() == ".gltf") {
+    node.fail("a .gltf keeps its geometry in other files, which its SHA-256 does not cover: save it as .glb");
+  }
+  if (std::filesystem::file_size(file, error) > kMaxMeshFileBytes || error) {
+    node.fail(file.generic_string() + " is too large: at most " + std::to_string(kMaxMeshFileBytes) + " bytes");
+  }
+  const std::string digest = atNode(node, [&] { return sha256File(file); });
+  canonical.line("sha256", "\"" + digest + "\"");
+  if (const std::optional<YamlNode> expected = map.find("sha256"); expected && expected->text("64 hexadecimal digits") != digest) {
+    expected->fail("not the SHA-256 of " + file.generic_string() + ", which is " + digest);
+  }
+  options.scale = map.number("scale", Allowed::above(0, "m per unit of the file"), options.scale);
+  const std::string up = map.choice("up_axis", {"x", "y", "z"}, "z");
+  options.up_axis = up == "x" ? UpAxis::kX : up == "y" ? UpAxis::kY : UpAxis::kZ;
+  return atNode(node, [&] { return loadMesh(file, options); });
+}
+
+Shape readSolid(const YamlMap& parent, std::string_view kind) {
+  const Allowed length = Allowed::above(0, "m");
+  if (kind == "half_space") {
+    Canonical none;
+    const YamlMap map(parent.require(kind, "{}"), {}, none);
+    parent.canonical().line(kind, "{}");
+    return HalfSpace{};
+  }
+  if (kind == "sphere") {
+    const YamlMap map(parent, kind, {"radius[_mm]"});
+    return Sphere{.radius = map.number("radius", length)};
+  }
+  if (kind == "cylinder") {
+    const YamlMap map(parent, kind, {"radius[_mm]", "length[_mm]"});
+    const double radius = map.number("radius", length);
+    return Cylinder{.radius = radius, .length = map.number("length", length)};
+  }
+  if (kind == "capsule") {
+    const YamlMap map(parent, kind, {"radius[_mm]", "length[_mm]"});
+    const double radius = map.number("radius", length);
+    return Capsule{.radius = radius, .length = map.number("length", Allowed::atLeast(0, "m"))};
+  }
+  if (kind == "box") {
+    const YamlMap map(parent, kind, {"size[_mm]"});
+    return Box{.size = map.numbers<3>("size", length)};
+  }
+  if (kind == "cone") {
+    const YamlMap map(parent, kind, {"radius[_mm]", "height[_mm]"});
+    const double radius = map.number("radius", length);
+    return Cone{.radius = radius, .height = map.number("height", length)};
+  }
+  const YamlMap map(parent, kind, {"major_radius[_mm]", "minor_radius[_mm]"});
+  const double major = map.number("major_radius", length);
+  return Torus{.major_radius = major, .minor_radius = map.number("minor_radius", length)};
+}
+
+// The one shape among the keys of an item.
+std::string_view shapeOf(const YamlMap& map) {
+  std::string_view shape;
+  for (std::size_t i = 0; i < kNumShapes; ++i) {
+    const std::string_view key = objectKeys()[i];
+    const std::optional<YamlNode> node = map.find(key);
+    if (!node) continue;
+    if (!shape.empty()) node->fail("a second shape beside " + std::string(shape) + ": one an object");
+    shape = key;
+  }
+  if (shape.empty()) map.node().fail("no shape: one of " + std::string(kShapes));
+  return shape;
+}
+
+// Names for objects without one: the file's or shape's own word, from the second on with a number behind it.
+class Names {
+ public:
+  // False when an earlier object has it.
+  bool take(const std::string& name) { return taken_.insert(name).second; }
+
+  std::string make(const YamlMap& map, std::string_view shape) {
+    std::string word(shape);
+    if (shape == "mesh") word = std::filesystem::path(map.require(shape, "a mesh file").text("a mesh file")).stem().string();
+    if (word.empty()) word = "mesh";
+    int& number = numbers_[word];
+    std::string name;
+    do {
+      name = ++number == 1 ? word : word + "_" + std::to_string(number);
+    } while (!take(name));
+    return name;
+  }
+
+ private:
+  std::set<std::string> taken_;
+  std::map<std::string, int> numbers_;
+};
+
+}  // namespace
+
+std::vector<SceneObject> readObjects(const YamlMap& map, const std::filesystem::path& directory) {
+  Canonical& canonical = map.canonical();
+  const std::string what = "a list of at least one object";
+  const YamlNode list = map.require("objects", what);
+  const std::vector<YamlNode> items = list.items(what);
+  if (items.empty()) list.refuse(what);
+  Names names;
+  for (const YamlNode& item : items) {
+    const std::optional<YamlNode> name = item.child("name");
+    if (name && !names.take(name->text("a name"))) name->fail("an earlier object has this name");
+  }
+
+  canonical.open("objects");
+  std::vector<SceneObject> objects;
+  double total_weight = 0;
+  for (const YamlNode& item : items) {
+    const YamlMap object_map = YamlMap::item(item, objectKeys(), canonical);
+    const std::string_view shape = shapeOf(object_map);
+    SceneObject object;
+    std::optional<std::string> default_name;
+    if (!object_map.has("name")) default_name = names.make(object_map, shape);
+    object.object.name = object_map.text("name", "a name", default_name);
+    object.weight = object_map.number("weight", Allowed::atLeast(0, ""), object.weight);
+    object.orientation = readRotation(object_map, "orientation");
+    if (shape == "mesh") {
+      object.object.shape = readMesh(object_map, object_map.require(shape, "a mesh file"), directory);
+    } else {
+      for (const std::string_view key : {"scale", "up_axis", "sha256"}) {
+        if (const std::optional<YamlNode> node = object_map.find(key)) node->fail("belongs to a mesh, not to a " + std::string(shape));
+      }
+      object.object.shape = readSolid(object_map, shape);
+    }
+    atNode(item, [&] { checkObject(object.object); });
+    total_weight += object.weight;
+    objects.push_back(std::move(object));
+  }
+  canonical.close();
+  if (total_weight <= 0) list.fail("every weight is 0: at least one object must be chosen");
+  return objects;
+}
+
+}  // namespace taxelsim

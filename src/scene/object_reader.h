@@ -1,0 +1,15 @@
+// The `objects` of a scene: meshes by file, analytic solids by their dimensions.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "scene/yaml_reader.h"
+#include "taxelsim/scene.h"
+
+namespace taxelsim {
+
+// Reads all objects of the scene `map`, loads their meshes (files relative to `directory`) and checks them with checkObject().
+std::vector<SceneObject> readObjects(const YamlMap& map, const std::filesystem::path& directory);
+
+}  // namespace taxelsim

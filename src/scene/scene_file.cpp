@@ -1,0 +1,208 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "scene/object_reader.h"
+#include "scene/pose_reader.h"
+#include "scene/sensor_file.h"
+#include "scene/yaml_reader.h"
+#include "taxelsim/error.h"
+#include "taxelsim/scene.h"
+
+namespace taxelsim {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr std::uint64_t kMaxSteps = 1'000'000;  // frames an episode
+constexpr std::uint64_t kMaxEpisodes = std::uint64_t{1} << 40;
+constexpr std::uint64_t kMaxEpisodesPerShard = 1'000'000;  // a shard is held in memory
+constexpr double kMaxRate = 1e6;                           // Hz
+constexpr double kMaxOffset = 1;                           // m; no sensor is larger
+constexpr double kMaxLoad = 1e6;                           // N
+constexpr double kRateTolerance = 1e-9;                    // relative; rates are decimal fractions
+
+// In the order of the canonical text and of Scene::record. The last needs a controller.
+constexpr std::array<std::string_view, 8> kColumns = {"tactile_image",       "features",          "ground_truth", "tactile_normal_force",
+                                                      "tactile_shear_force", "penetration_depth", "poses",        "actions"};
+constexpr std::string_view kActions = "actions";
+constexpr std::array<std::string_view, 5> kDefaultColumns = {"tactile_image", "features", "ground_truth", "poses", "actions"};
+
+// A number, or [min, max].
+Range readRange(const YamlMap& map, std::string_view key, const Allowed& allowed, std::optional<Range> otherwise = {}) {
+  const std::optional<YamlNode> node = map.find(key);
+  Range range = otherwise.value_or(Range{});
+  if (!node && !otherwise) map.require(key, "a number, or [min, max]");
+  if (node && node->isList()) {
+    const std::vector<double> numbers = node->numbers(allowed, 2);
+    range = {numbers[0], numbers[1]};
+    if (range.min > range.max) node->fail("[min, max] is not allowed with min > max");
+  } else if (node) {
+    range.min = range.max = node->number(allowed);
+  }
+  map.canonical().line(key, canonicalList(std::array{range.min, range.max}));
+  return range;
+}
+
+Sensor readSceneSensor(const YamlMap& map, const std::filesystem::path& directory) {
+  const YamlNode node = map.require("sensor", "a sensor file, or a sensor's own settings");
+  Canonical& canonical = map.canonical();
+  canonical.open("sensor");
+  Sensor sensor;
+  if (node.isMap()) {
+    sensor = readSensor(node, canonical, false);
+  } else {
+    const std::filesystem::path file = directory / node.text("a sensor file, or a sensor's own settings");
+    std::error_code error;
+    // What is wrong inside that file is reported with a position there.
+    if (!std::filesystem::is_regular_file(file, error)) node.fail(file.generic_string() + " is not there, or not a file");
+    sensor = readSensorFile(file, canonical);
+  }
+  canonical.close();
+  return sensor;
+}
+
+void readEpisode(const YamlMap& parent, Scene& scene) {
+  const YamlMap map(parent, "episode", {"num_steps", "simulation_rate", "control_rate"});
+  const Allowed rate{.min = 0, .max = kMaxRate, .above_min = true, .unit = "Hz"};
+  if (scene.kind == Scene::Kind::kServo) {
+    scene.num_steps = static_cast<int>(map.integer("num_steps", 1, kMaxSteps));
+  } else {
+    scene.num_steps = static_cast<int>(map.integer("num_steps", 1, 1, 1));
+  }
+  scene.simulation_rate = map.number("simulation_rate", rate, scene.simulation_rate);
+  scene.control_rate = map.number("control_rate", rate, scene.simulation_rate);
+  const double ratio = scene.simulation_rate / scene.control_rate;
+  if (ratio < 1 - kRateTolerance || std::abs(ratio - std::round(ratio)) > kRateTolerance * ratio) {
+    const YamlNode place = map.find("control_rate").value_or(map.node());
+    place.fail(canonicalNumber(scene.control_rate) + " Hz is not allowed: simulation_rate (" + canonicalNumber(scene.simulation_rate) +
+               " Hz) divided by a whole number");
+  }
+}
+
+Randomisation readRandomisation(const YamlMap& parent) {
+  const YamlMap map(parent, "randomisation",
+                    {"x[_mm]", "y[_mm]", "yaw[_deg]", "tilt[_deg]", "load", "depth[_mm]", "gain", "gain_spread", "noise"});
+  const Allowed offset = Allowed::within(-kMaxOffset, kMaxOffset, "m");
+  Randomisation random;
+  random.x = readRange(map, "x", offset, Range{});
+  random.y = readRange(map, "y", offset, Range{});
+  random.yaw = readRange(map, "yaw", Allowed::within(-2 * kPi, 2 * kPi, "rad"), Range{});
+  random.tilt = readRange(map, "tilt", Allowed::within(0, kPi / 2, "rad"), Range{});
+  if (const std::optional<YamlNode> depth = map.find("depth")) {
+    if (map.has("load")) depth->fail("given beside load: exactly one of the two");
+    random.depth = readRange(map, "depth", Allowed::within(0, kMaxOffset, "m"));
+  } else {
+    if (!map.has("load")) map.node().fail("load is missing: a number from 0 to 1e6 N, or [min, max]; or depth[_mm] instead");
+    random.load = readRange(map, "load", Allowed::within(0, kMaxLoad, "N"));
+  }
+  random.gain = readRange(map, "gain", {.min = 0, .max = 1e3, .above_min = true}, random.gain);
+  random.gain_spread = readRange(map, "gain_spread", Allowed::within(0, 2, ""), random.gain_spread);
+  random.noise = readRange(map, "noise", Allowed::within(0, 65535, "counts"), random.noise);
+  return random;
+}
+
+EdgeServo readEdgeServo(const YamlMap& parent) {
+  const YamlMap outer(parent, "controller", {"edge_servo"});
+  const YamlMap map(outer, "edge_servo",
+                    {"angle_gain", "force_gain", "centre_gain", "target_angle[_deg]", "exploration_velocity[_mm]",
+                     "max_angular_velocity[_deg]", "max_linear_velocity[_mm]", "min_confidence"});
+  EdgeServo servo;
+  const Allowed gain = Allowed::atLeast(0, "1/s");
+  servo.angle_gain = map.number("angle_gain", gain, servo.angle_gain);
+  servo.force_gain = map.number("force_gain", gain, servo.force_gain);
+  servo.centre_gain = map.number("centre_gain", gain, servo.centre_gain);
+  servo.target_angle = map.number("target_angle", {.min = -kPi / 2, .max = kPi / 2, .above_min = true, .unit = "rad"}, servo.target_angle);
+  servo.exploration_velocity = map.number("exploration_velocity", Allowed::any("m/s"), servo.exploration_velocity);
+  servo.max_angular_velocity = map.number("max_angular_velocity", Allowed::above(0, "rad/s"), servo.max_angular_velocity);
+  servo.max_linear_velocity = map.number("max_linear_velocity", Allowed::above(0, "m/s"), servo.max_linear_velocity);
+  servo.min_confidence = map.number("min_confidence", Allowed::within(0, 1, ""), servo.min_confidence);
+  return servo;
+}
+
+std::vector<std::string> readRecord(const YamlMap& map, Scene::Kind kind) {
+  std::vector<std::string> chosen;
+  const bool has_actions = kind == Scene::Kind::kServo;
+  if (const std::optional<YamlNode> node = map.find("record")) {
+    std::string words;
+    for (const std::string_view column : kColumns) words += (words.empty() ? "" : " | ") + std::string(column);
+    const std::vector<YamlNode> items = node->items("a list of " + words);
+    if (items.empty()) node->refuse("a list of at least one of " + words);
+    for (const YamlNode& item : items) {
+      const std::string column = item.text(words);
+      if (std::find(kColumns.begin(), kColumns.end(), column) == kColumns.end()) item.refuse(words);
+      if (column == kActions && !has_actions) item.fail("a scene of kind contacts has no actions");
+      if (std::find(chosen.begin(), chosen.end(), column) != chosen.end()) item.fail(column + " is given twice");
+      chosen.push_back(column);
+    }
+  } else {
+    chosen.assign(kDefaultColumns.begin(), kDefaultColumns.end());
+    if (!has_actions) std::erase(chosen, kActions);
+  }
+  std::vector<std::string> record;
+  std::string text;
+  for (const std::string_view column : kColumns) {
+    if (std::find(chosen.begin(), chosen.end(), column) == chosen.end()) continue;
+    text += (record.empty() ? "" : ", ") + std::string(column);
+    record.emplace_back(column);
+  }
+  map.canonical().line("record", "[" + text + "]");
+  return record;
+}
+
+// What stands on the command line replaces the file's value before it is checked or written.
+std::uint64_t overridden(const YamlMap& map, std::string_view key, std::uint64_t min, std::uint64_t max, std::uint64_t otherwise,
+                         const std::optional<std::uint64_t>& override_value) {
+  if (!override_value) return map.integer(key, min, max, otherwise);
+  if (*override_value < min || *override_value > max) {
+    throw Error(ErrorKind::kInput, std::string(key) + ": " + std::to_string(*override_value) + " is not allowed: a whole number from " +
+                                       std::to_string(min) + " to " + std::to_string(max));
+  }
+  map.canonical().line(key, std::to_string(*override_value));
+  return *override_value;
+}
+
+void readDataSet(const YamlMap& parent, const SceneOverrides& overrides, Scene& scene) {
+  const YamlMap map(parent, "data_set", {"episodes", "seed", "episodes_per_shard", "compression"});
+  scene.num_episodes = overridden(map, "episodes", 1, kMaxEpisodes, scene.num_episodes, overrides.num_episodes);
+  scene.seed = overridden(map, "seed", 0, std::numeric_limits<std::uint64_t>::max(), scene.seed, overrides.seed);
+  scene.episodes_per_shard = map.integer("episodes_per_shard", 1, kMaxEpisodesPerShard, scene.episodes_per_shard);
+  scene.compression = static_cast<int>(map.integer("compression", 0, 9, static_cast<std::uint64_t>(scene.compression)));
+}
+
+}  // namespace
+
+Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrides) {
+  const std::string name = file.generic_string();
+  const std::filesystem::path directory = file.parent_path();
+  const YamlTree tree = parseYaml(readYamlFile(file), name);
+  const YamlNode root(tree, name);
+  checkFormatVersion(root);
+
+  Canonical canonical;
+  const YamlMap map(
+      root,
+      {"format_version", "name", "kind", "sensor", "mount", "objects", "episode", "randomisation", "controller", "record", "data_set"},
+      canonical);
+  Scene scene;
+  scene.file = file;
+  map.integer("format_version", 1, kFormatVersion);
+  scene.name = map.text("name", "a name");
+  scene.kind = map.choice("kind", {"servo", "contacts"}) == "servo" ? Scene::Kind::kServo : Scene::Kind::kContacts;
+  scene.sensor = readSceneSensor(map, directory);
+  scene.X_ES = readPose(map, "mount");
+  scene.objects = readObjects(map, directory);
+  readEpisode(map, scene);
+  scene.randomisation = readRandomisation(map);
+  if (scene.kind == Scene::Kind::kServo) {
+    scene.controller = readEdgeServo(map);
+  } else if (const std::optional<YamlNode> controller = map.find("controller")) {
+    controller->fail("a scene of kind contacts has no controller");
+  }
+  scene.record = readRecord(map, scene.kind);
+  readDataSet(map, overrides, scene);
+  scene.resolved = canonical.text();
+  return scene;
+}
+
+}  // namespace taxelsim

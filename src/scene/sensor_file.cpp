@@ -1,0 +1,255 @@
+#include "scene/sensor_file.h"
+
+#include <limits>
+#include <set>
+
+#include "scene/pose_reader.h"
+#include "taxelsim/error.h"
+
+namespace taxelsim {
+namespace {
+
+// The numbers of a list, or of a list of rows.
+std::vector<double> flatNumbers(const YamlNode& node, const Allowed& allowed, std::vector<std::size_t>& row_lengths) {
+  std::vector<double> result;
+  for (const YamlNode& item : node.items("a list of numbers, or of rows of numbers")) {
+    if (!item.isList()) {
+      result.push_back(item.number(allowed));
+      continue;
+    }
+    const std::vector<YamlNode> row = item.items("a row of numbers");
+    row_lengths.push_back(row.size());
+    for (const YamlNode& number : row) result.push_back(number.number(allowed));
+  }
+  if (!row_lengths.empty() && node.items("").size() != row_lengths.size()) node.fail("numbers and rows are mixed: either, not both");
+  return result;
+}
+
+// All of a patch but its name.
+GridPatch readGrid(const YamlMap& map, std::string name) {
+  GridPatch patch;
+  patch.name = std::move(name);
+  patch.num_rows = static_cast<int>(map.integer("num_rows", 1, kMaxTaxelsPerSide));
+  patch.num_cols = static_cast<int>(map.integer("num_cols", 1, kMaxTaxelsPerSide));
+  const Allowed allowed = Allowed::above(0, "m");
+  const YamlNode pitch = map.require("pitch", "a number > 0 m, or a list of two");
+  if (pitch.isList()) {
+    const std::vector<double> numbers = pitch.numbers(allowed, 2);
+    patch.pitch = {numbers[0], numbers[1]};
+  } else {
+    patch.pitch.fill(pitch.number(allowed));
+  }
+  map.canonical().line("pitch", canonicalList(patch.pitch));
+  patch.X_SP = readPose(map, "pose");
+  return patch;
+}
+
+std::vector<GridPatch> readPatches(const YamlMap& map) {
+  Canonical& canonical = map.canonical();
+  std::vector<GridPatch> patches;
+  canonical.open("patches");
+  if (const std::optional<YamlNode> list = map.find("patches")) {
+    for (const std::string_view key : {"num_rows", "num_cols", "pitch", "pose"}) {
+      if (const std::optional<YamlNode> beside = map.find(key)) beside->fail("stands beside `patches`: give it in each patch instead");
+    }
+    const std::vector<YamlNode> items = list->items("a list of patches");
+    if (items.empty()) list->refuse("a list of at least one patch");
+    std::set<std::string> names;
+    for (const YamlNode& item : items) {
+      const YamlMap patch = YamlMap::item(item, {"name", "num_rows", "num_cols", "pitch[_mm]", "pose"}, canonical);
+      const std::string name = patch.text("name", "a name", "patch_" + std::to_string(patches.size()));
+      if (!names.insert(name).second) item.fail("the name '" + name + "' is taken by an earlier patch");
+      patches.push_back(readGrid(patch, name));
+    }
+  } else {
+    const std::string name = "patch_0";
+    canonical.openItem();
+    canonical.line("name", name);
+    patches.push_back(readGrid(map, name));
+    canonical.close();
+  }
+  canonical.close();
+  return patches;
+}
+
+Skin readSkin(const YamlMap& sensor) {
+  const YamlMap map(sensor, "skin", {"thickness[_mm]", "law", "normal_contact_stiffness", "normal_exponent", "normal_damping"});
+  Skin skin;
+  skin.thickness = map.number("thickness", Allowed::above(0, "m"));
+  map.choice("law", {"winkler"}, "winkler");
+  Winkler law;
+  law.normal_contact_stiffness = map.number("normal_contact_stiffness", Allowed::above(0, "Pa/m^normal_exponent"));
+  law.normal_exponent = map.number("normal_exponent", Allowed::within(1, 3, ""), law.normal_exponent);
+  law.normal_damping = map.number("normal_damping", Allowed::atLeast(0, "Pa s/m"), law.normal_damping);
+  skin.law = law;
+  return skin;
+}
+
+int readKernelSize(const YamlNode& node) {
+  const std::uint64_t size = node.integer(1, kMaxKernelSize);
+  if (size % 2 == 0) node.refuse("an odd whole number from 1 to " + std::to_string(kMaxKernelSize));
+  return static_cast<int>(size);
+}
+
+std::vector<double> readKernel(const YamlNode& node, Canonical& canonical) {
+  const std::string what = "a square list of rows of weights, their number odd and at most " + std::to_string(kMaxKernelSize);
+  const std::vector<YamlNode> rows = node.items(what);
+  if (rows.size() % 2 == 0 || rows.size() > static_cast<std::size_t>(kMaxKernelSize)) node.refuse(what);
+  std::vector<double> kernel;
+  std::string text;
+  double sum = 0;
+  for (const YamlNode& row : rows) {
+    const std::vector<double> weights = row.numbers(Allowed::atLeast(0, ""), rows.size());
+    kernel.insert(kernel.end(), weights.begin(), weights.end());
+    for (const double weight : weights) sum += weight;
+    text += (text.empty() ? "" : ", ") + canonicalList(weights);
+  }
+  if (sum <= 0) node.fail("the weights sum to 0: at least one must be > 0");
+  canonical.line("kernel", "[" + text + "]");
+  return kernel;
+}
+
+Psf readPsf(const YamlMap& sensor) {
+  const YamlMap map(sensor, "psf", {"gaussian", "kernel", "normalization"});
+  Canonical& canonical = map.canonical();
+  const std::optional<YamlNode> kernel = map.find("kernel");
+  Psf psf;
+  if (map.has("gaussian")) {
+    if (kernel) kernel->fail("given beside `gaussian`: either, not both");
+    const YamlMap gaussian(map, "gaussian", {"sigma", "size"});
+    // In taxels. A narrower one is no spread, a wider one is flat over the largest kernel.
+    const double sigma = gaussian.number("sigma", Allowed::within(1e-3, 100, "taxels"));
+    const int size = readKernelSize(gaussian.require("size", "an odd whole number from 1 to " + std::to_string(kMaxKernelSize)));
+    canonical.line("size", std::to_string(size));
+    psf = gaussianPsf(sigma, size);
+  } else if (kernel) {
+    psf.kernel = readKernel(*kernel, canonical);
+    psf.size = static_cast<int>(kernel->items("").size());
+  } else {
+    canonical.line("kernel", "[[1]]");
+  }
+  const bool none = map.choice("normalization", {"per_source", "none"}, "per_source") == "none";
+  psf.normalization = none ? Psf::Normalization::kNone : Psf::Normalization::kPerSource;
+  return psf;
+}
+
+std::vector<double> readCurve(const YamlMap& readout) {
+  readout.require("curve", "{counts_per_newton: ...} or {coefficients: [...]}");
+  const YamlMap map(readout, "curve", {"counts_per_newton", "coefficients"});
+  std::vector<double> curve;
+  if (const std::optional<YamlNode> slope = map.find("counts_per_newton")) {
+    if (const std::optional<YamlNode> both = map.find("coefficients")) both->fail("given beside `counts_per_newton`: either, not both");
+    curve = {slope->number(Allowed::above(0, "counts/N"))};
+  } else {
+    const YamlNode coefficients = map.require("coefficients", "a list of 1 to 5 numbers, counts/N^m; or counts_per_newton");
+    const std::vector<YamlNode> items = coefficients.items("a list of 1 to 5 numbers");
+    if (items.empty() || items.size() > static_cast<std::size_t>(kMaxCurveDegree)) coefficients.refuse("a list of 1 to 5 numbers");
+    for (const YamlNode& item : items) curve.push_back(item.number(Allowed::any("counts/N^m")));
+  }
+  map.canonical().line("coefficients", canonicalList(curve));
+  return curve;
+}
+
+// One number per taxel, or none.
+std::vector<double> readPerTaxel(const YamlMap& map, std::string_view key, std::string_view unit, const std::vector<GridPatch>& patches) {
+  std::vector<double> values;
+  if (const std::optional<YamlNode> node = map.find(key)) {
+    std::size_t num_taxels = 0;
+    for (const GridPatch& patch : patches)
+      num_taxels += static_cast<std::size_t>(patch.num_rows) * static_cast<std::size_t>(patch.num_cols);
+    std::vector<std::size_t> row_lengths;
+    values = flatNumbers(*node, Allowed::atLeast(0, unit), row_lengths);
+    if (!values.empty() && values.size() != num_taxels) {
+      node->fail(std::to_string(values.size()) + " numbers are not allowed: one for each of the " + std::to_string(num_taxels) + " taxels");
+    }
+    const auto num_cols = static_cast<std::size_t>(patches.front().num_cols);
+    for (const std::size_t length : row_lengths) {
+      if (patches.size() == 1 && length != num_cols) {
+        node->fail("a row of " + std::to_string(length) + " is not allowed: rows of " + std::to_string(num_cols) + " (num_cols)");
+      }
+    }
+  }
+  map.canonical().line(key, canonicalList(values));
+  return values;
+}
+
+Readout readReadout(const YamlMap& sensor, const std::vector<GridPatch>& patches) {
+  const YamlMap map(sensor, "readout",
+                    {"curve", "output_scale", "trigger", "adc_bits", "saturation", "noise", "taxel_gain", "taxel_trigger"});
+  Readout readout;
+  readout.curve = readCurve(map);
+  readout.output_scale = map.number("output_scale", Allowed::above(0, ""), readout.output_scale);
+  readout.trigger = map.number("trigger", Allowed::atLeast(0, "N"), readout.trigger);
+  readout.adc_bits = static_cast<int>(map.integer("adc_bits", 1, kMaxAdcBits, readout.adc_bits));
+  const std::uint64_t full_scale = (std::uint64_t{1} << readout.adc_bits) - 1;
+  readout.saturation = static_cast<int>(map.integer("saturation", 1, full_scale, full_scale));
+  readout.noise = map.number("noise", Allowed::atLeast(0, "counts"), readout.noise);
+  readout.taxel_gain = readPerTaxel(map, "taxel_gain", "", patches);
+  readout.taxel_trigger = readPerTaxel(map, "taxel_trigger", "N", patches);
+  return readout;
+}
+
+// checkSensor() begins its messages with the field, "readout.curve: ...": they are told at the nearest block that the file has.
+[[noreturn]] void failAtField(const YamlNode& sensor, std::string_view message) {
+  YamlNode place = sensor;
+  std::string_view rest = message;
+  while (true) {
+    const std::size_t end = rest.find_first_of(".:[");
+    if (end == std::string_view::npos) break;
+    const std::optional<YamlNode> next = place.child(rest.substr(0, end));
+    if (!next) break;
+    place = *next;
+    rest.remove_prefix(end + 1);
+    if (message[message.size() - rest.size() - 1] != '.') break;
+  }
+  place.fail(std::string(rest.starts_with(' ') ? rest.substr(1) : message));
+}
+
+}  // namespace
+
+void checkFormatVersion(const YamlNode& root) {
+  if (!root.isMap()) root.refuse("a mapping that begins with format_version: " + std::to_string(kFormatVersion));
+  const std::optional<YamlNode> given = root.child("format_version");
+  if (!given) root.fail("format_version is missing: " + std::to_string(kFormatVersion));
+  const std::uint64_t version = given->integer(1, std::numeric_limits<std::uint64_t>::max());
+  if (version > kFormatVersion) {
+    given->fail("version " + std::to_string(version) + " is newer than this program: it reads up to " + std::to_string(kFormatVersion));
+  }
+}
+
+Sensor readSensor(const YamlNode& node, Canonical& canonical, bool versioned) {
+  std::vector<std::string_view> keys = {"name",       "patches",           "num_rows", "num_cols", "pitch[_mm]", "pose",
+                                        "frame_rate", "samples_per_taxel", "skin",     "psf",      "readout"};
+  if (versioned) keys.insert(keys.begin(), "format_version");
+  const YamlMap map(node, keys, canonical);
+  Sensor sensor;
+  sensor.name = map.text("name", "a name");
+  sensor.patches = readPatches(map);
+  sensor.samples_per_taxel =
+      static_cast<int>(map.integer("samples_per_taxel", 1, kMaxSamplesPerTaxel, static_cast<std::uint64_t>(sensor.samples_per_taxel)));
+  sensor.skin = readSkin(map);
+  sensor.psf = readPsf(map);
+  sensor.readout = readReadout(map, sensor.patches);
+  sensor.frame_rate = map.number("frame_rate", Allowed::atLeast(0, "Hz"), sensor.frame_rate);
+  try {
+    checkSensor(sensor);
+  } catch (const Error& error) {
+    failAtField(node, error.what());
+  }
+  return sensor;
+}
+
+Sensor readSensorFile(const std::filesystem::path& file, Canonical& canonical) {
+  const std::string name = file.generic_string();
+  const YamlTree tree = parseYaml(readYamlFile(file), name);
+  const YamlNode root(tree, name);
+  checkFormatVersion(root);
+  return readSensor(root, canonical, true);
+}
+
+Sensor loadSensor(const std::filesystem::path& file) {
+  Canonical canonical;
+  return readSensorFile(file, canonical);
+}
+
+}  // namespace taxelsim

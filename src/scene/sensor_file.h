@@ -1,0 +1,23 @@
+// Sensor files, and the `sensor` block of a scene (docs/file_formats.md).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "scene/yaml_reader.h"
+#include "taxelsim/sensor.h"
+
+namespace taxelsim {
+
+inline constexpr std::uint64_t kFormatVersion = 1;  // of sensor and scene files
+
+// Refuses a file without `format_version` or with a newer one: before its other keys are looked at, since a newer file may have others.
+void checkFormatVersion(const YamlNode& root);
+
+// Reads and checks a sensor, checkSensor() included, and writes every setting to `canonical`. Only a file of its own is `versioned`.
+Sensor readSensor(const YamlNode& node, Canonical& canonical, bool versioned);
+
+// The same from a file of its own.
+Sensor readSensorFile(const std::filesystem::path& file, Canonical& canonical);
+
+}  // namespace taxelsim

@@ -1,0 +1,220 @@
+#include "scene/yaml_parse.h"
+
+#include <yaml-cpp/eventhandler.h>
+#include <yaml-cpp/exceptions.h>
+#include <yaml-cpp/parser.h>
+
+#include <algorithm>
+#include <fstream>
+#include <numeric>
+#include <sstream>
+#include <string_view>
+
+#include "taxelsim/error.h"
+
+namespace taxelsim {
+namespace {
+
+[[noreturn]] void failAt(const std::string& file, int line, int column, const std::string& message) {
+  throw Error(ErrorKind::kInput, oneLine(file + ":" + std::to_string(line) + ":" + std::to_string(column) + ": " + message));
+}
+
+// Bytes of the UTF-8 sequence that begins at `i`, or 0 when it is broken (overlong forms and surrogates are).
+std::size_t utf8Length(std::string_view text, std::size_t i) {
+  const auto byte = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u; };
+  const auto continues = [&](std::size_t k) { return (byte(k) & 0xC0u) == 0x80u; };
+  const unsigned first = byte(i);
+  if (first < 0x80u) return 1;
+  if (first >= 0xC2u && first <= 0xDFu) return continues(i + 1) ? 2 : 0;
+  if (first >= 0xE0u && first <= 0xEFu) {
+    const bool overlong = first == 0xE0u && byte(i + 1) < 0xA0u;
+    const bool surrogate = first == 0xEDu && byte(i + 1) > 0x9Fu;
+    return continues(i + 1) && continues(i + 2) && !overlong && !surrogate ? 3 : 0;
+  }
+  if (first >= 0xF0u && first <= 0xF4u) {
+    const bool overlong = first == 0xF0u && byte(i + 1) < 0x90u;
+    const bool beyond = first == 0xF4u && byte(i + 1) > 0x8Fu;
+    return continues(i + 1) && continues(i + 2) && continues(i + 3) && !overlong && !beyond ? 4 : 0;
+  }
+  return 0;
+}
+
+// yaml-cpp takes control characters, broken UTF-8 and some tabs without a word; a person gets a clear line here.
+void checkCharacters(std::string_view text, const std::string& file) {
+  int line = 1;
+  int column = 1;
+  bool indentation = true;
+  for (std::size_t i = 0; i < text.size();) {
+    const auto c = static_cast<unsigned char>(text[i]);
+    const std::size_t length = utf8Length(text, i);
+    if (length == 0) failAt(file, line, column, "not a YAML file: the text is not UTF-8");
+    if (c == '\t' && indentation) failAt(file, line, column, "a tab before the text of a line: indent with spaces");
+    if ((c < 0x20 && c != '\t' && c != '\n' && c != '\r') || c == 0x7F) {
+      failAt(file, line, column, "not a YAML file: control character " + std::to_string(c));
+    }
+    if (c == '\n') {
+      ++line;
+      column = 1;
+      indentation = true;
+    } else {
+      column += static_cast<int>(length);
+      indentation = indentation && c == ' ';
+    }
+    i += length;
+  }
+}
+
+// Builds the tree from yaml-cpp's events. It is asked before yaml-cpp descends, so its depth limit also bounds yaml-cpp's recursion.
+class TreeBuilder : public YAML::EventHandler {
+ public:
+  explicit TreeBuilder(const std::string& file) : file_(file) {}
+
+  YamlTree takeRoot() { return std::move(root_); }
+
+  void OnDocumentStart(const YAML::Mark& mark) override {
+    if (++num_documents_ > 1) fail(mark, "a second document, or text after the first: one document a file");
+  }
+  void OnDocumentEnd() override {}
+
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override { add(make(mark, "", anchor, YamlTree::Kind::kNull)); }
+
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t /*anchor*/) override {
+    fail(mark, "an alias (*name) is not allowed: write the value out");
+  }
+
+  void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor, const std::string& value) override {
+    YamlTree scalar = make(mark, tag, anchor, YamlTree::Kind::kScalar);
+    scalar.text = value;
+    scalar.quoted = tag == "!";
+    add(std::move(scalar));
+  }
+
+  void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor, YAML::EmitterStyle::value) override {
+    open(make(mark, tag, anchor, YamlTree::Kind::kSequence), mark);
+  }
+  void OnSequenceEnd() override { close(); }
+
+  void OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor, YAML::EmitterStyle::value) override {
+    open(make(mark, tag, anchor, YamlTree::Kind::kMap), mark);
+  }
+  void OnMapEnd() override {
+    checkDuplicates(open_.back());
+    close();
+  }
+
+ private:
+  [[noreturn]] void fail(const YAML::Mark& mark, const std::string& message) const {
+    failAt(file_, mark.line + 1, mark.column + 1, message);
+  }
+
+  YamlTree make(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor, YamlTree::Kind kind) {
+    if (anchor != 0) fail(mark, "an anchor (&name) is not allowed: write the value out where it is needed");
+    if (!tag.empty() && tag != "?" && tag != "!") fail(mark, "a tag (" + tag.substr(0, 40) + ") is not allowed");
+    if (++num_nodes_ > kMaxYamlNodes) fail(mark, "more than " + std::to_string(kMaxYamlNodes) + " values in one file");
+    YamlTree tree;
+    tree.kind = kind;
+    tree.line = mark.line + 1;
+    tree.column = mark.column + 1;
+    return tree;
+  }
+
+  bool wantsKey() const {
+    return !open_.empty() && open_.back().kind == YamlTree::Kind::kMap && open_.back().keys.size() == open_.back().children.size();
+  }
+
+  void open(YamlTree tree, const YAML::Mark& mark) {
+    if (wantsKey()) fail(mark, "a key must be a word");
+    if (open_.size() >= kMaxYamlDepth) fail(mark, "nested deeper than " + std::to_string(kMaxYamlDepth) + " levels");
+    open_.push_back(std::move(tree));
+  }
+
+  void close() {
+    YamlTree tree = std::move(open_.back());
+    open_.pop_back();
+    add(std::move(tree));
+  }
+
+  void add(YamlTree tree) {
+    if (open_.empty()) {
+      root_ = std::move(tree);
+    } else if (wantsKey()) {
+      if (tree.kind != YamlTree::Kind::kScalar) failAt(file_, tree.line, tree.column, "a key must be a word");
+      open_.back().keys.push_back({std::move(tree.text), tree.line, tree.column});
+    } else {
+      YamlTree& parent = open_.back();
+      if (tree.kind == YamlTree::Kind::kNull && parent.kind == YamlTree::Kind::kMap) {
+        // yaml-cpp places a value that is not there at whatever comes next.
+        tree.line = parent.keys.back().line;
+        tree.column = parent.keys.back().column;
+      }
+      parent.children.push_back(std::move(tree));
+    }
+  }
+
+  void checkDuplicates(const YamlTree& map) const {
+    std::vector<std::size_t> order(map.keys.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return map.keys[a].text < map.keys[b].text; });
+    for (std::size_t i = 1; i < order.size(); ++i) {
+      const YamlTree::Key& first = map.keys[order[i - 1]];
+      const YamlTree::Key& second = map.keys[order[i]];
+      if (first.text == second.text) {
+        failAt(file_, second.line, second.column,
+               "duplicate key '" + second.text.substr(0, 40) + "': already given on line " + std::to_string(first.line));
+      }
+    }
+  }
+
+  const std::string& file_;
+  YamlTree root_;
+  std::vector<YamlTree> open_;
+  std::size_t num_nodes_ = 0;
+  int num_documents_ = 0;
+};
+
+}  // namespace
+
+std::string oneLine(std::string message) {
+  for (char& c : message) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
+  }
+  return message;
+}
+
+std::string readYamlFile(const std::filesystem::path& file) {
+  const auto fail = [&](ErrorKind kind, const std::string& message) -> void { throw Error(kind, oneLine(file.string() + ": " + message)); };
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(file, error);
+  if (!std::filesystem::exists(status)) fail(ErrorKind::kInput, "no such file");
+  if (std::filesystem::is_directory(status)) fail(ErrorKind::kInput, "a directory, not a file");
+  if (!std::filesystem::is_regular_file(status)) fail(ErrorKind::kInput, "not a regular file");
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  if (error) fail(ErrorKind::kIo, "its size cannot be read");
+  if (size > kMaxYamlBytes) {
+    fail(ErrorKind::kInput, std::to_string(size) + " bytes are too many: at most " + std::to_string(kMaxYamlBytes));
+  }
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) fail(ErrorKind::kIo, "cannot be opened");
+  std::string text(static_cast<std::size_t>(size), '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (static_cast<std::uintmax_t>(stream.gcount()) != size) fail(ErrorKind::kIo, "reading failed");
+  return text;
+}
+
+YamlTree parseYaml(std::string text, const std::string& file) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
+  checkCharacters(text, file);
+  TreeBuilder builder(file);
+  try {
+    std::istringstream stream(std::move(text));
+    YAML::Parser parser(stream);
+    if (!parser.HandleNextDocument(builder)) failAt(file, 1, 1, "the file is empty");
+    parser.HandleNextDocument(builder);
+  } catch (const YAML::Exception& exception) {
+    failAt(file, std::max(exception.mark.line, 0) + 1, std::max(exception.mark.column, 0) + 1, "not YAML: " + exception.msg);
+  }
+  return builder.takeRoot();
+}
+
+}  // namespace taxelsim

@@ -1,0 +1,345 @@
+#include "scene/yaml_reader.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+
+#include "taxelsim/error.h"
+
+namespace taxelsim {
+namespace {
+
+constexpr double kLargest = 1e30;
+constexpr double kSmallest = 1e-30;
+constexpr std::size_t kMaxShown = 40;  // bytes of a value that a message repeats
+constexpr std::size_t kMaxText = 200;  // bytes of a name or file name
+constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
+
+const YamlTree& emptyMap() {
+  static const YamlTree tree = [] {
+    YamlTree map;
+    map.kind = YamlTree::Kind::kMap;
+    return map;
+  }();
+  return tree;
+}
+
+// "randomisation" and "load" -> "randomisation.load"
+std::string below(const std::string& path, std::string_view key) {
+  std::string result = path;
+  if (!path.empty()) result += '.';
+  return result.append(key);
+}
+
+std::string shown(const YamlTree& tree) {
+  switch (tree.kind) {
+    case YamlTree::Kind::kNull:
+      return "nothing";
+    case YamlTree::Kind::kSequence:
+      return "a list of " + std::to_string(tree.children.size());
+    case YamlTree::Kind::kMap:
+      return "a mapping";
+    case YamlTree::Kind::kScalar:
+      break;
+  }
+  std::string text = tree.text;
+  if (text.size() > kMaxShown) {
+    std::size_t end = kMaxShown;
+    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0u) == 0x80u) --end;  // not within a character
+    text = text.substr(0, end) + "...";
+  }
+  if (tree.quoted) return std::string("\"").append(text).append("\"");
+  return text.empty() ? "an empty text" : text;
+}
+
+// A bound as the file's unit has it; rounding takes the last bits of pi / 180 away, so that 90 deg is 90.
+double inUnit(double bound, YamlNode::Unit unit) {
+  switch (unit) {
+    case YamlNode::Unit::kMilli:
+      return bound * 1000;
+    case YamlNode::Unit::kDegree:
+      return std::isfinite(bound) ? std::round(bound * kDegreesPerRadian * 1e9) / 1e9 : bound;
+    case YamlNode::Unit::kSi:
+      break;
+  }
+  return bound;
+}
+
+std::string unitName(std::string_view si, YamlNode::Unit unit) {
+  std::string name;
+  if (unit == YamlNode::Unit::kMilli) name.append("m").append(si);                                            // m, m/s
+  if (unit == YamlNode::Unit::kDegree) name.append("deg").append(si.substr(std::string_view("rad").size()));  // rad, rad/s
+  return name.empty() ? std::string(si) : name;
+}
+
+std::string describe(const Allowed& allowed, YamlNode::Unit unit) {
+  const double min = inUnit(allowed.min, unit);
+  const double max = inUnit(allowed.max, unit);
+  std::string text = "a number";
+  if (std::isfinite(min) && std::isfinite(max) && !allowed.above_min) {
+    text += " from " + canonicalNumber(min) + " to " + canonicalNumber(max);
+  } else {
+    if (std::isfinite(min)) text += (allowed.above_min ? " > " : " >= ") + canonicalNumber(min);
+    if (std::isfinite(max)) text += (std::isfinite(min) ? " and <= " : " <= ") + canonicalNumber(max);
+  }
+  const std::string name = unitName(allowed.unit, unit);
+  return name.empty() ? text : text + " " + name;
+}
+
+// A thousandth of the decimal number `text` (which is `value`), rounded once: value / 1000 is rounded twice, and 3.4 mm must be the same
+// bits as 0.0034 m.
+double thousandth(std::string_view text, double value) {
+  const std::size_t e = text.find_first_of("eE");
+  int exponent = 0;
+  if (e != std::string_view::npos) {
+    std::string_view digits = text.substr(e + 1);
+    if (digits.starts_with('+')) digits.remove_prefix(1);
+    if (std::from_chars(digits.data(), digits.data() + digits.size(), exponent).ec != std::errc{}) return value / 1000;
+  }
+  const std::string shifted = std::string(text.substr(0, e)).append("e").append(std::to_string(static_cast<long long>(exponent) - 3));
+  double result = 0;
+  std::from_chars(shifted.data(), shifted.data() + shifted.size(), result);
+  return result;
+}
+
+std::size_t editDistance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
+    }
+  }
+  return row[b.size()];
+}
+
+// "pitch[_mm]" -> {"pitch", "_mm"}
+struct KeyForms {
+  std::string_view name;
+  std::string_view suffix;
+};
+
+KeyForms formsOf(std::string_view key) {
+  const std::size_t bracket = key.find('[');
+  if (bracket == std::string_view::npos) return {key, {}};
+  return {key.substr(0, bracket), key.substr(bracket + 1, key.size() - bracket - 2)};
+}
+
+}  // namespace
+
+void YamlNode::fail(const std::string& message) const {
+  const std::string position = *file_ + ":" + std::to_string(line_) + ":" + std::to_string(column_) + ": ";
+  throw Error(ErrorKind::kInput, oneLine(position + (path_.empty() ? "" : path_ + ": ") + message));
+}
+
+void YamlNode::refuse(const std::string& allowed) const {
+  fail(shown(*tree_) + " is not allowed: " + allowed);
+}
+
+std::optional<YamlNode> YamlNode::child(std::string_view key) const {
+  for (std::size_t i = 0; i < tree_->keys.size(); ++i) {
+    if (tree_->keys[i].text != key) continue;
+    YamlNode value(tree_->children[i], *file_);
+    value.path_ = below(path_, key);
+    return value;
+  }
+  return {};
+}
+
+std::vector<YamlNode> YamlNode::items(const std::string& what) const {
+  if (!isList()) refuse(what);
+  std::vector<YamlNode> result;
+  for (std::size_t i = 0; i < tree_->children.size(); ++i) {
+    YamlNode& item = result.emplace_back(tree_->children[i], *file_);
+    item.path_.append(path_).append("[").append(std::to_string(i)).append("]");
+    item.unit_ = unit_;
+  }
+  return result;
+}
+
+double YamlNode::number(const Allowed& allowed) const {
+  std::string_view text = tree_->text;
+  if (text.starts_with('+') && text.size() > 1 && text[1] != '-') text.remove_prefix(1);
+  double value = 0;
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool is_number = isScalar() && !tree_->quoted && code != std::errc::invalid_argument && end == text.data() + text.size();
+  if (!is_number || !std::isfinite(value)) refuse(describe(allowed, unit_));
+  const double magnitude = std::abs(value);
+  if (code == std::errc::result_out_of_range || magnitude > kLargest || (magnitude < kSmallest && magnitude > 0)) {
+    refuse(describe(allowed, unit_) + ", its size 0 or 1e-30 to 1e30");
+  }
+  const double min = inUnit(allowed.min, unit_);
+  const double max = inUnit(allowed.max, unit_);
+  if (value < min || value > max || (allowed.above_min && value == min)) refuse(describe(allowed, unit_));
+  if (unit_ == Unit::kMilli) value = thousandth(text, value);
+  if (unit_ == Unit::kDegree) value = value * std::numbers::pi / 180;
+  return std::clamp(value, allowed.min, allowed.max) + 0.0;  // + 0.0 takes the sign off -0
+}
+
+std::vector<double> YamlNode::numbers(const Allowed& allowed, std::size_t count) const {
+  const std::string what = "a list of " + std::to_string(count) + " numbers";
+  const std::vector<YamlNode> list = items(what);
+  if (list.size() != count) refuse(what);
+  std::vector<double> result;
+  for (const YamlNode& item : list) result.push_back(item.number(allowed));
+  return result;
+}
+
+std::uint64_t YamlNode::integer(std::uint64_t min, std::uint64_t max) const {
+  const std::string& text = tree_->text;
+  std::uint64_t value = 0;
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (!isScalar() || tree_->quoted || code != std::errc{} || end != text.data() + text.size() || value < min || value > max) {
+    refuse("a whole number from " + std::to_string(min) + " to " + std::to_string(max));
+  }
+  return value;
+}
+
+std::string YamlNode::text(const std::string& what) const {
+  if (!isScalar() || tree_->text.empty()) refuse(what);
+  if (tree_->text.size() > kMaxText) refuse(what + " of at most " + std::to_string(kMaxText) + " bytes");
+  if (oneLine(tree_->text) != tree_->text) refuse(what + " on one line");
+  return tree_->text;
+}
+
+std::string YamlNode::choice(std::initializer_list<std::string_view> words) const {
+  std::string allowed;
+  for (const std::string_view word : words) {
+    if (isScalar() && tree_->text == word) return std::string(word);
+    allowed += (allowed.empty() ? "" : " | ") + std::string(word);
+  }
+  refuse(allowed);
+}
+
+YamlMap::YamlMap(const YamlNode& node, Keys allowed, Canonical& canonical, bool closes)
+    : node_(node), allowed_(std::move(allowed)), canonical_(&canonical), closes_(closes) {
+  checkKeys();
+}
+
+YamlMap::YamlMap(const YamlNode& node, Keys allowed, Canonical& canonical) : YamlMap(node, std::move(allowed), canonical, false) {}
+
+YamlMap::YamlMap(const YamlMap& parent, std::string_view key, Keys allowed)
+    : YamlMap(blockOf(parent, key), std::move(allowed), parent.canonical(), true) {
+  canonical_->open(key);
+}
+
+YamlMap YamlMap::item(const YamlNode& node, Keys allowed, Canonical& canonical) {
+  canonical.openItem();
+  return YamlMap(node, std::move(allowed), canonical, true);
+}
+
+YamlMap::~YamlMap() {
+  if (closes_) canonical_->close();
+}
+
+YamlNode YamlMap::blockOf(const YamlMap& parent, std::string_view key) {
+  if (std::optional<YamlNode> given = parent.find(key)) return *given;
+  YamlNode block = parent.node_;
+  block.tree_ = &emptyMap();
+  block.path_ = below(block.path_, key);
+  return block;
+}
+
+void YamlMap::checkKeys() const {
+  std::string list;
+  for (const std::string_view key : allowed_) list += (list.empty() ? "" : ", ") + std::string(key);
+  if (!node_.isMap()) node_.refuse("a mapping of " + (list.empty() ? "nothing: {}" : list));
+  for (const YamlTree::Key& key : node_.tree_->keys) {
+    bool known = false;
+    std::string nearest;
+    std::size_t nearest_distance = 1 + key.text.size() / 4;  // farther words are no slip of the finger
+    for (const std::string_view allowed : allowed_) {
+      const auto [name, suffix] = formsOf(allowed);
+      for (const std::string& form : {std::string(name), std::string(name) + std::string(suffix)}) {
+        known = known || key.text == form;
+        // Keys are short; a long one is not worth a table as long as itself.
+        if (key.text.size() > 2 * kMaxShown) continue;
+        const std::size_t distance = editDistance(key.text, form);
+        if (distance <= nearest_distance && (nearest.empty() || distance < nearest_distance)) {
+          nearest = form;
+          nearest_distance = distance;
+        }
+      }
+    }
+    if (known) continue;
+    YamlNode place = node_;
+    place.line_ = key.line;
+    place.column_ = key.column;
+    place.path_ = below(place.path_, std::string_view(key.text).substr(0, kMaxShown));
+    place.fail("unknown key" + (nearest.empty() ? "" : ", did you mean '" + nearest + "'?") +
+               (list.empty() ? "; no key is allowed here" : "; allowed: " + list));
+  }
+}
+
+std::optional<YamlNode> YamlMap::find(std::string_view key) const {
+  std::string_view suffix;
+  for (const std::string_view allowed : allowed_) {
+    if (formsOf(allowed).name == key) suffix = formsOf(allowed).suffix;
+  }
+  std::optional<YamlNode> found = node_.child(key);
+  if (suffix.empty()) return found;
+  const std::string suffixed = std::string(key) + std::string(suffix);
+  if (std::optional<YamlNode> other = node_.child(suffixed)) {
+    if (found) other->fail("given twice, as " + std::string(key) + " and " + suffixed);
+    found = other;
+    found->unit_ = suffix == "_mm" ? YamlNode::Unit::kMilli : YamlNode::Unit::kDegree;
+  }
+  return found;
+}
+
+void YamlMap::fail(std::string_view key, const std::string& what) const {
+  std::string form(key);
+  for (const std::string_view allowed : allowed_) {
+    if (formsOf(allowed).name == key) form = allowed;
+  }
+  node_.fail(form + " is missing: " + what);
+}
+
+YamlNode YamlMap::require(std::string_view key, const std::string& what) const {
+  std::optional<YamlNode> value = find(key);
+  if (!value) fail(key, what);
+  return *value;
+}
+
+double YamlMap::number(std::string_view key, const Allowed& allowed, std::optional<double> otherwise) const {
+  const std::optional<YamlNode> value = find(key);
+  if (!value && !otherwise) fail(key, describe(allowed, YamlNode::Unit::kSi));
+  const double result = value ? value->number(allowed) : *otherwise;
+  canonical_->line(key, canonicalNumber(result));
+  return result;
+}
+
+std::uint64_t YamlMap::integer(std::string_view key, std::uint64_t min, std::uint64_t max, std::optional<std::uint64_t> otherwise) const {
+  const std::optional<YamlNode> value = find(key);
+  if (!value && !otherwise) fail(key, "a whole number from " + std::to_string(min) + " to " + std::to_string(max));
+  const std::uint64_t result = value ? value->integer(min, max) : *otherwise;
+  canonical_->line(key, std::to_string(result));
+  return result;
+}
+
+std::string YamlMap::text(std::string_view key, const std::string& what, std::optional<std::string> otherwise) const {
+  const std::optional<YamlNode> value = find(key);
+  if (!value && !otherwise) fail(key, what);
+  std::string result = value ? value->text(what) : *otherwise;
+  canonical_->line(key, canonicalText(result));
+  return result;
+}
+
+std::string YamlMap::choice(std::string_view key, std::initializer_list<std::string_view> words, std::string_view otherwise) const {
+  const std::optional<YamlNode> value = find(key);
+  if (!value && otherwise.empty()) {
+    std::string list;
+    for (const std::string_view word : words) list += (list.empty() ? "" : " | ") + std::string(word);
+    fail(key, list);
+  }
+  std::string result = value ? value->choice(words) : std::string(otherwise);
+  canonical_->line(key, canonicalText(result));
+  return result;
+}
+
+}  // namespace taxelsim

@@ -1,0 +1,119 @@
+#include "sensor/curve.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace taxelsim {
+namespace {
+
+constexpr int kMaxIterations = 200;  // bisection of a double's range ends sooner
+
+// Coefficients from the constant term up.
+using Polynomial = std::vector<double>;
+
+double evaluate(const Polynomial& p, double x) {
+  double value = 0;
+  for (std::size_t m = p.size(); m-- > 0;) value = value * x + p[m];
+  return value;
+}
+
+Polynomial derivative(const Polynomial& p) {
+  Polynomial result;
+  for (std::size_t m = 1; m < p.size(); ++m) result.push_back(static_cast<double>(m) * p[m]);
+  return result;
+}
+
+// The x in [low, high] where p crosses `value`, given p(low) and p(high) on its two sides and p monotone between: Newton's step while it
+// stays in the bracket, halving otherwise.
+double solve(const Polynomial& p, double value, double low, double high) {
+  const Polynomial slope = derivative(p);
+  const bool rising = evaluate(p, high) > evaluate(p, low);
+  double x = 0.5 * (low + high);
+  for (int i = 0; i < kMaxIterations; ++i) {
+    const double excess = evaluate(p, x) - value;
+    if (excess == 0) return x;
+    ((excess > 0) == rising ? high : low) = x;
+    double next = x - excess / evaluate(slope, x);
+    if (!(next > low && next < high)) next = 0.5 * (low + high);
+    if (next == x || next == low || next == high) return next;
+    x = next;
+  }
+  return x;
+}
+
+// Where p changes its sign in (low, high), ascending: between neighbouring extrema, which are the same question about its derivative.
+std::vector<double> signChanges(const Polynomial& p, double low, double high) {
+  if (p.size() < 2) return {};
+  std::vector<double> ends = signChanges(derivative(p), low, high);
+  ends.push_back(high);
+  std::vector<double> changes;
+  double begin = low;
+  for (const double end : ends) {
+    const double at_begin = evaluate(p, begin);
+    const double at_end = evaluate(p, end);
+    if ((at_begin < 0 && at_end > 0) || (at_begin > 0 && at_end < 0)) {
+      changes.push_back(solve(p, 0, begin, end));
+    } else if (at_end == 0 && end < high) {
+      changes.push_back(end);
+    }
+    begin = end;
+  }
+  return changes;
+}
+
+Polynomial polynomialOf(std::span<const double> curve) {
+  Polynomial p{0};
+  p.insert(p.end(), curve.begin(), curve.end());
+  while (p.size() > 1 && p.back() == 0) p.pop_back();
+  return p;
+}
+
+// Cauchy's bound: no root of p lies beyond it. Forces past 1e30 N are nobody's, and their fifth power still fits a double.
+double rootBound(const Polynomial& p) {
+  double largest = 0;
+  for (std::size_t m = 0; m + 1 < p.size(); ++m) largest = std::max(largest, std::abs(p[m] / p.back()));
+  return std::min(1 + largest, 1e30);
+}
+
+}  // namespace
+
+double evaluateCurve(std::span<const double> curve, double x) {
+  double value = 0;
+  for (std::size_t m = curve.size(); m-- > 0;) value = (value + curve[m]) * x;
+  return value;
+}
+
+bool curveRises(std::span<const double> curve, double max, double value) {
+  const Polynomial p = polynomialOf(curve);
+  std::vector<double> ends = signChanges(derivative(p), 0, max);
+  ends.push_back(max);
+  double before = 0;
+  for (const double end : ends) {
+    const double here = evaluate(p, end);
+    if (!(here > before)) return false;
+    if (here >= value) return true;
+    before = here;
+  }
+  return true;
+}
+
+double invertCurve(std::span<const double> curve, double value) {
+  const Polynomial p = polynomialOf(curve);
+  if (p.size() < 2) return 0;
+  if (p.size() == 2) return value / p[1];
+  const Polynomial slope = derivative(p);
+  double begin = 0;
+  double highest = 0;
+  for (const double end : signChanges(slope, 0, rootBound(slope))) {
+    if (evaluate(p, end) >= value) return solve(p, value, begin, end);
+    if (evaluate(p, end) > evaluate(p, highest)) highest = end;
+    begin = end;
+  }
+  if (p.back() < 0) return highest;
+  double end = std::max(2 * begin, 1.0);
+  while (evaluate(p, end) < value) end *= 2;
+  return solve(p, value, begin, end);
+}
+
+}  // namespace taxelsim

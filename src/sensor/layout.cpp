@@ -1,0 +1,26 @@
+#include "taxelsim/sensor.h"
+
+namespace taxelsim {
+
+int numTaxels(const Sensor& sensor) {
+  int count = 0;
+  for (const GridPatch& patch : sensor.patches) count += patch.num_rows * patch.num_cols;
+  return count;
+}
+
+std::vector<Vector3> taxelPositions(const Sensor& sensor) {
+  std::vector<Vector3> positions;
+  positions.reserve(static_cast<std::size_t>(numTaxels(sensor)));
+  for (const GridPatch& patch : sensor.patches) {
+    for (int i = 0; i < patch.num_rows; ++i) {
+      for (int j = 0; j < patch.num_cols; ++j) {
+        const double x = (i - 0.5 * (patch.num_rows - 1)) * patch.pitch[0];
+        const double y = (j - 0.5 * (patch.num_cols - 1)) * patch.pitch[1];
+        positions.push_back(patch.X_SP * Vector3{x, y, 0});
+      }
+    }
+  }
+  return positions;
+}
+
+}  // namespace taxelsim

@@ -1,0 +1,11 @@
+#include "sensor/curve.h"
+#include "taxelsim/sensor.h"
+
+namespace taxelsim {
+
+double nominalForce(const Readout& readout, double counts) {
+  if (!(counts > 0)) return 0;
+  return invertCurve(readout.curve, counts / readout.output_scale) + readout.trigger;
+}
+
+}  // namespace taxelsim

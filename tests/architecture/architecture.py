@@ -1,0 +1,171 @@
+#!/usr/bin/env python3
+"""Checks that the folders of src/ still are the architecture: includes point down the floors only (docs/architecture.md).
+
+    architecture.py ROOT    prints one line per fault, exits with 1 if there is any
+"""
+
+import re
+import sys
+from pathlib import Path
+
+# Top to bottom. Rooms on one floor do not know each other, but for the pairs below.
+FLOORS = [
+    ["cli"],
+    ["episodes", "characterize"],
+    ["simulation", "reference", "scene"],
+    ["gpu", "sensor", "control", "dataset", "geometry"],
+    ["base"],
+]
+NEIGHBOURS = {("sensor", "geometry")}
+
+# The floor that implements each public header; it and those above may include it. `None`: plain types, for everybody.
+HEADERS = {
+    "version.h": None,
+    "error.h": None,
+    "pose.h": None,
+    "sensor.h": None,
+    "object.h": None,
+    "device.h": "gpu",
+    "control.h": "control",
+    "dataset.h": "dataset",
+    "scene.h": "scene",
+    "model.h": "simulation",
+    "simulator.h": "simulation",
+    "generate.h": "episodes",
+}
+
+VULKAN_LAYERS = {"gpu", "simulation"}
+# Structs that C++ and GLSL share: for whoever fills device buffers.
+SHARED_LAYERS = {"gpu", "simulation", "reference", "geometry", "sensor"}
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
+USES = re.compile(r"taxelsim_layer\s*\(\s*(\w+)(.*?)\)", re.DOTALL)
+# Written in pieces so that this file passes its own check.
+MACHINE_PATH = re.compile("|".join("(?<![\\w.}])/" + name + "/" for name in ("work", "home", "root", "Users")))
+SOURCE = {".h", ".cpp", ".comp", ".glsl", ".in"}
+TEXT = SOURCE | {".txt", ".cmake", ".py", ".md", ".yaml", ".json", ""}
+PATH_CHECKED = ["src", "include", "shaders", "cmake", "scripts", "tests", "bench", "docs", "scenes", ".ci"]
+
+
+def floor_of(layer):
+    for number, rooms in enumerate(FLOORS):
+        if layer in rooms:
+            return number
+    return None
+
+
+def may_use(layer, other):
+    return layer == other or floor_of(layer) < floor_of(other) or (layer, other) in NEIGHBOURS
+
+
+def lines_of(path):
+    return path.read_text(encoding="utf-8", errors="replace").splitlines()
+
+
+def includes_of(path):
+    for number, line in enumerate(lines_of(path), 1):
+        match = INCLUDE.match(line)
+        if match:
+            yield number, match.group(1) == "<", match.group(2)
+
+
+def check_include(root, layer, path, number, is_system, name):
+    where = f"{path.relative_to(root)}:{number}"
+    head, _, rest = name.partition("/")
+    if head == "vulkan":
+        return [] if layer in VULKAN_LAYERS else [f"{where}: {layer} must not know Vulkan ({name})"]
+    if head == "taxelsim":
+        if rest not in HEADERS:
+            return [f"{where}: public header {name} is not in the table of tests/architecture/architecture.py"]
+        owner = HEADERS[rest]
+        if owner and floor_of(layer) > floor_of(owner):
+            return [f"{where}: {layer} must not include {name} of the higher floor {owner}"]
+        return []
+    if is_system:
+        return []
+    if head == "shared":
+        return [] if layer in SHARED_LAYERS else [f"{where}: {layer} must not know the device's structs ({name})"]
+    if not rest:
+        # Without a folder only what the build generates; files of ours are named by their folder.
+        exists = (path.parent / name).exists()
+        return [f"{where}: write {layer}/{name}"] if exists else []
+    if floor_of(head) is None:
+        return []
+    if not may_use(layer, head):
+        return [f"{where}: {layer} must not include {name}: includes point down the floors only"]
+    return []
+
+
+def check_layers(root):
+    faults = []
+    for folder in sorted(path for path in (root / "src").iterdir() if path.is_dir()):
+        layer = folder.name
+        if floor_of(layer) is None:
+            faults.append(f"src/{layer}: not on any floor")
+            continue
+        for path in sorted(folder.rglob("*")):
+            if path.suffix in (".h", ".cpp"):
+                for number, is_system, name in includes_of(path):
+                    faults += check_include(root, layer, path, number, is_system, name)
+        lists = folder / "CMakeLists.txt"
+        if lists.exists():
+            for name, body in USES.findall(lists.read_text()):
+                words = body.split()
+                used = words[words.index("USES") + 1 :] if "USES" in words else []
+                used = used[: next((i for i, word in enumerate(used) if word.isupper()), len(used))]
+                for other in used:
+                    if floor_of(other) is None or not may_use(name, other):
+                        faults.append(f"src/{layer}/CMakeLists.txt: {name} must not use {other}")
+    return faults
+
+
+def check_public_headers(root):
+    faults = []
+    for path in sorted((root / "include").rglob("*.h")) + sorted((root / "include").rglob("*.h.in")):
+        where = path.relative_to(root)
+        lines = lines_of(path)
+        if not lines or not lines[0].startswith("//"):
+            faults.append(f"{where}:1: a public header begins with what it is for")
+        if "#pragma once" not in lines:
+            faults.append(f"{where}: no #pragma once")
+        for number, is_system, name in includes_of(path):
+            if not is_system and not name.startswith("taxelsim/") or "vulkan" in name:
+                faults.append(f"{where}:{number}: a public header includes {name}")
+    return faults
+
+
+def check_shader_comments(root):
+    faults = []
+    for path in sorted((root / "shaders").rglob("*")):
+        if path.suffix in (".comp", ".glsl"):
+            lines = [line for line in lines_of(path) if line.strip() and not line.startswith(("#version", "#extension"))]
+            if not lines or not lines[0].lstrip().startswith(("//", "/*")):
+                faults.append(f"{path.relative_to(root)}:1: a shader begins with what a workgroup and an invocation own")
+    return faults
+
+
+def check_machine_paths(root):
+    faults = []
+    for top in PATH_CHECKED:
+        folder = root / top
+        for path in sorted(folder.rglob("*")) if folder.exists() else []:
+            if path.is_file() and path.suffix in TEXT and "__pycache__" not in path.parts:
+                for number, line in enumerate(lines_of(path), 1):
+                    if MACHINE_PATH.search(line):
+                        faults.append(f"{path.relative_to(root)}:{number}: a path of one machine: {line.strip()}")
+    return faults
+
+
+def check(root):
+    return check_layers(root) + check_public_headers(root) + check_shader_comments(root) + check_machine_paths(root)
+
+
+def main():
+    faults = check(Path(sys.argv[1]).resolve())
+    for fault in faults:
+        print(fault)
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,79 @@
+#!/usr/bin/env python3
+"""The architecture check must find each kind of fault that it is for, in a small tree that is clean but for that one."""
+
+import tempfile
+import unittest
+from pathlib import Path
+
+from architecture import check
+
+HEADER = "// What it is for.\n#pragma once\n"
+
+
+class ArchitectureTest(unittest.TestCase):
+    def faults(self, files):
+        with tempfile.TemporaryDirectory() as folder:
+            root = Path(folder)
+            clean = {
+                "src/base/pose.cpp": '#include "taxelsim/pose.h"\n#include "base/pose.h"\n',
+                "src/base/pose.h": HEADER,
+                "src/gpu/context.h": HEADER + "#include <vulkan/vulkan_raii.hpp>\n",
+                "src/sensor/psf.cpp": '#include "geometry/grid.h"\n#include "base/pose.h"\n',
+                "src/cli/main.cpp": '#include "episodes/a.h"\n#include "taxelsim/generate.h"\n',
+                "src/simulation/CMakeLists.txt": "taxelsim_layer(simulation SOURCES a.cpp USES gpu sensor LINK x::y)\n",
+                "include/taxelsim/pose.h": HEADER,
+                "shaders/image.comp": "#version 460\n// One workgroup per instance.\n",
+            }
+            for name, text in (clean | files).items():
+                path = root / name
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_text(text)
+            return check(root)
+
+    def assert_one(self, files, part):
+        faults = self.faults(files)
+        self.assertEqual(len(faults), 1, faults)
+        self.assertIn(part, faults[0])
+
+    def test_clean_tree_has_no_faults(self):
+        self.assertEqual(self.faults({}), [])
+
+    def test_include_up(self):
+        self.assert_one({"src/sensor/a.cpp": '#include "scene/scene.h"\n'}, "src/sensor/a.cpp:1: sensor must not include scene/scene.h")
+
+    def test_include_across_one_floor(self):
+        self.assert_one({"src/geometry/a.cpp": '\n#include "sensor/psf.h"\n'}, "src/geometry/a.cpp:2")
+
+    def test_public_header_of_a_higher_floor(self):
+        self.assert_one({"src/control/a.cpp": '#include "taxelsim/simulator.h"\n'}, "higher floor")
+
+    def test_unknown_public_header(self):
+        self.assert_one({"src/cli/a.cpp": '#include "taxelsim/new.h"\n'}, "not in the table")
+
+    def test_vulkan_outside_its_layers(self):
+        self.assert_one({"src/sensor/a.cpp": "#include <vulkan/vulkan.h>\n"}, "must not know Vulkan")
+
+    def test_vulkan_in_a_public_header(self):
+        self.assert_one({"include/taxelsim/a.h": HEADER + "#include <vulkan/vulkan.h>\n"}, "public header includes")
+
+    def test_include_without_folder(self):
+        self.assert_one({"src/base/a.cpp": '#include "pose.h"\n'}, "write base/pose.h")
+
+    def test_layer_on_no_floor(self):
+        self.assert_one({"src/utils/a.cpp": ""}, "src/utils: not on any floor")
+
+    def test_cmake_uses_up(self):
+        self.assert_one({"src/gpu/CMakeLists.txt": "taxelsim_layer(gpu SOURCES a.cpp\n  USES base simulation)\n"}, "gpu must not use simulation")
+
+    def test_header_without_purpose(self):
+        self.assert_one({"include/taxelsim/a.h": "#pragma once\n"}, "begins with what it is for")
+
+    def test_shader_without_comment(self):
+        self.assert_one({"shaders/lib/a.glsl": "float f() { return 1; }\n"}, "shaders/lib/a.glsl:1")
+
+    def test_machine_path(self):
+        self.assert_one({"src/base/a.h": HEADER + "// see " + "/ho" + "me/somebody/notes\n"}, "a path of one machine")
+
+
+if __name__ == "__main__":
+    unittest.main()

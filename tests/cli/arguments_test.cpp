@@ -1,0 +1,80 @@
+// Help, version and everything a user can type wrong: one line, exit status 2.
+#include <gtest/gtest.h>
+
+#include "cli/command_line.h"
+#include "taxelsim/version.h"
+
+namespace taxelsim::testing {
+namespace {
+
+TEST(Help, EverySubcommandTeachesByExample) {
+  for (const std::string command : {"devices", "generate", "frame", "inspect", "render"}) {
+    const Outcome outcome = runTaxelsim({command, "--help"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_TRUE(outcome.err.empty()) << outcome.err;
+    EXPECT_NE(outcome.out.find("Example:\n  taxelsim " + command), std::string::npos) << outcome.out;
+  }
+  const Outcome all = runTaxelsim({"--help"});
+  EXPECT_EQ(all.status, 0);
+  for (const std::string command : {"devices", "generate", "frame", "inspect", "render"})
+    EXPECT_NE(all.out.find("\n  " + command), std::string::npos) << command;
+}
+
+TEST(Help, Version) {
+  const Outcome outcome = runTaxelsim({"--version"});
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_EQ(outcome.out, std::string("taxelsim ") + kVersion + "\n");
+}
+
+TEST(Arguments, AreRefusedInOneLine) {
+  expectRefused(runTaxelsim({}), "subcommand");
+  expectRefused(runTaxelsim({"simulate"}), "taxelsim --help");
+  expectRefused(runTaxelsim({"devices", "--colour"}), "--colour");
+  expectRefused(runTaxelsim({"--log-level", "loud", "devices"}), "--log-level");
+  expectRefused(runTaxelsim({"generate"}), "taxelsim generate --help");
+  expectRefused(runTaxelsim({"generate", "scene.yaml"}), "--output");
+  expectRefused(runTaxelsim({"generate", "scene.yaml", "-o", "out", "--episodes", "0"}), "--episodes");
+  expectRefused(runTaxelsim({"generate", "scene.yaml", "-o", "out", "--episodes", "-3"}), "--episodes");
+  expectRefused(runTaxelsim({"generate", "scene.yaml", "-o", "out", "--episodes", "many"}), "--episodes");
+  expectRefused(runTaxelsim({"generate", "scene.yaml", "-o", "out", "--seed", "1.5"}), "--seed");
+  expectRefused(runTaxelsim({"generate", "scene.yaml", "-o", "out", "--seed", "-1"}), "--seed");
+  expectRefused(runTaxelsim({"generate", "scene.yaml", "-o", "out", "--batch-size", "0"}), "--batch-size");
+  expectRefused(runTaxelsim({"inspect"}), "directory");
+  expectRefused(runTaxelsim({"render", "out"}), "--output");
+  expectRefused(runTaxelsim({"render", "out", "-o", "a.png", "--frames", "0"}), "--frames");
+  expectRefused(runTaxelsim({"render", "out", "-o", "a.png", "--episode", "-1"}), "--episode");
+}
+
+// Poses are checked before any file is opened or device is looked for.
+TEST(Arguments, PosesAreRefusedInOneLine) {
+  const auto frame = [](const std::string& pose) {
+    return runTaxelsim({"frame", "--sensor", "no.yaml", "--object", "sphere:0.01", "--pose", pose});
+  };
+  expectRefused(frame("0 0 0"), "has 3 numbers, not 7");
+  expectRefused(frame(""), "has 0 numbers");
+  expectRefused(frame("0 0 0 1 0 0 0 0"), "more than 7");
+  expectRefused(frame("0 0 0.01 1 1 0 0"), "length 1.41421");
+  expectRefused(frame("0 0 0.01 0 0 0 0"), "length 0");
+  expectRefused(frame("nan 0 0 1 0 0 0"), "number 1 cannot be read");
+  expectRefused(frame("0 inf 0 1 0 0 0"), "number 2 cannot be read");
+  expectRefused(frame("0 0 1e999 1 0 0 0"), "number 3 cannot be read");
+  expectRefused(frame("0 0 0x1 1 0 0 0"), "number 3 cannot be read");
+  expectRefused(frame("0 0 up 1 0 0 0"), "number 3 cannot be read");
+  expectRefused(runTaxelsim({"frame", "--sensor", "s.yaml", "--object", "sphere:0.01"}), "--pose");
+  expectRefused(runTaxelsim({"frame", "--sensor", "s.yaml", "--object", "sphere:0.01", "--object", "sphere:1", "--pose", "0 0 0 1 0 0 0"}),
+                "2 --object but 1 --pose");
+  std::vector<std::string> many{"frame", "--sensor", "s.yaml"};
+  for (int i = 0; i < 9; ++i) many.insert(many.end(), {"--object", "half_space", "--pose", "-0.1 0 0 1 0 0 0"});
+  expectRefused(runTaxelsim(many), "at most 8");
+  for (const std::string load : {"-1", "nan", "inf", "heavy"})
+    expectRefused(runTaxelsim({"frame", "--sensor", "s.yaml", "--object", "sphere:0.01", "--pose", "0 0 0 1 0 0 0", "--load", load}),
+                  "--load");
+}
+
+TEST(Arguments, FilesThatAreNotThere) {
+  expectRefused(runTaxelsim({"inspect", "/nowhere"}), "/nowhere");
+  expectRefused(runTaxelsim({"render", "/nowhere", "-o", "/tmp/x.png"}), "/nowhere");
+}
+
+}  // namespace
+}  // namespace taxelsim::testing

@@ -1,0 +1,122 @@
+// `inspect` and `render` on a small data set, whole and damaged.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "cli/command_line.h"
+#include "cli/pressed_pad.h"
+
+namespace taxelsim::testing {
+namespace {
+
+constexpr std::size_t kBlankPicture = 8000;  // bytes; a PNG without drawing in it is smaller
+
+class DataSet : public ::testing::Test {
+ protected:
+  DataSet() {
+    std::string name = (std::filesystem::temp_directory_path() / "taxelsim-cli-set-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary directory");
+    root_ = name;
+  }
+  ~DataSet() override { std::filesystem::remove_all(root_); }
+  std::string at(const std::string& name) const { return (root_ / name).string(); }
+
+  static std::string content(const std::string& file) {
+    std::ifstream stream(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+
+  void flipByteOf(const std::string& file, std::size_t place) const {
+    std::string bytes = content(file);
+    bytes.at(place) ^= 1;
+    std::ofstream(file, std::ios::binary) << bytes;
+  }
+
+ private:
+  std::filesystem::path root_;
+};
+
+TEST_F(DataSet, InspectSaysWhatIsThere) {
+  writePressedPad(at("d"));
+  const Outcome text = runTaxelsim({"inspect", at("d")});
+  EXPECT_EQ(text.status, 0) << text.err;
+  for (const char* part : {"turning bar", "made-up pad", "3 of 3 whole", "data/tactile_image", "6 x 14", "counts", "meta/load"})
+    EXPECT_NE(text.out.find(part), std::string::npos) << part << " in\n" << text.out;
+
+  const Outcome outcome = runTaxelsim({"inspect", at("d"), "--json"});
+  const nlohmann::json json = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(json["scene"], "turning bar");
+  EXPECT_EQ(json["seed"], 7);
+  EXPECT_EQ(json["episodes_on_disk"], 5);
+  EXPECT_EQ(json["frames_on_disk"], 15);
+  EXPECT_EQ(json["shards"]["whole"], 3);
+  const nlohmann::json& load = json["columns"].back();
+  EXPECT_EQ(load["name"], "meta/load");
+  EXPECT_EQ(load["non_finite"], 1) << "the NaN of episode 0";
+  EXPECT_EQ(load["min"], 0.5);
+  EXPECT_EQ(load["max"], 2.0);
+  EXPECT_EQ(load["mean"], (0.5 + 1.0 + 1.5 + 2.0) / 4);
+}
+
+TEST_F(DataSet, InspectListsMissingShards) {
+  writePressedPad(at("d"));
+  std::filesystem::remove(at("d/shard-000001.h5"));
+  const Outcome outcome = runTaxelsim({"inspect", at("d"), "--json"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const nlohmann::json json = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(json["shards"]["missing"], nlohmann::json::array({1}));
+  EXPECT_EQ(json["episodes_on_disk"], 3);
+}
+
+TEST_F(DataSet, InspectRefusesBrokenShards) {
+  writePressedPad(at("d"));
+  const std::string bytes = content(at("d/shard-000002.h5"));
+  const std::vector<std::byte> image = DatasetReader(at("d")).read("data/tactile_image", 12, 3);  // the shard's only episode
+  const std::size_t in_values = bytes.find(std::string(reinterpret_cast<const char*>(image.data()), image.size()));
+  const std::size_t in_header = bytes.find("scene_sha256");
+  for (const std::size_t place : {in_values, in_header}) {
+    ASSERT_NE(place, std::string::npos);
+    flipByteOf(at("d/shard-000002.h5"), place);
+    const Outcome outcome = runTaxelsim({"inspect", at("d")});
+    expectRefused(outcome, "shard-000002.h5");
+    EXPECT_NE(outcome.out.find("1 broken (2)"), std::string::npos) << outcome.out;
+    flipByteOf(at("d/shard-000002.h5"), place);
+  }
+  EXPECT_EQ(runTaxelsim({"inspect", at("d")}).status, 0);
+}
+
+TEST_F(DataSet, InspectRefusesAChangedScene) {
+  writePressedPad(at("d"));
+  std::string text = content(at("d/dataset.yaml"));
+  text.replace(text.find("turning"), 7, "burning");
+  std::ofstream(at("d/dataset.yaml")) << text;
+  expectRefused(runTaxelsim({"inspect", at("d")}), "dataset.yaml");
+}
+
+TEST_F(DataSet, RenderDrawsAPicture) {
+  writePressedPad(at("d"));
+  const Outcome outcome = runTaxelsim({"render", at("d"), "-o", at("a.png"), "--frames", "6"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_TRUE(content(at("a.png")).starts_with("\x89PNG"));
+  EXPECT_GT(content(at("a.png")).size(), kBlankPicture);
+  const Outcome episode = runTaxelsim({"render", at("d"), "-o", at("b.png"), "--episode", "1"});
+  EXPECT_EQ(episode.out, at("b.png") + ": 3 frames\n");
+  EXPECT_NE(content(at("a.png")), content(at("b.png")));
+  expectRefused(runTaxelsim({"render", at("d"), "-o", at("c.png"), "--episode", "5"}), "episodes 0 to 4");
+  EXPECT_FALSE(std::filesystem::exists(at("c.png")));
+  const Outcome refused = runTaxelsim({"render", at("d"), "-o", at("none/c.png")});
+  EXPECT_EQ(refused.status, 1) << refused.err;
+}
+
+TEST_F(DataSet, RenderCopesWithoutFeaturesAndWithoutGrid) {
+  writePressedPad(at("bare"), {.features = false});
+  EXPECT_EQ(runTaxelsim({"render", at("bare"), "-o", at("a.png")}).status, 0);
+  writePressedPad(at("list"), {.one_grid = false});
+  EXPECT_EQ(runTaxelsim({"render", at("list"), "-o", at("b.png")}).status, 0);
+  EXPECT_GT(content(at("b.png")).size(), kBlankPicture);
+}
+
+}  // namespace
+}  // namespace taxelsim::testing

@@ -1,0 +1,60 @@
+// A small data set with made-up values, and helpers to look at directories. Not a fixture of any simulation.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "taxelsim/dataset.h"
+#include "taxelsim/error.h"
+
+namespace taxelsim::testing {
+
+// A directory of its own, removed at the end.
+class TemporaryDirectory {
+ public:
+  TemporaryDirectory();
+  ~TemporaryDirectory();
+  TemporaryDirectory(const TemporaryDirectory&) = delete;
+  TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+// 11 episodes in shards of 4 (the last holds 3), one column of every type.
+Manifest exampleManifest();
+
+// Frames of an episode: 1 to 5, by its number.
+std::uint64_t exampleLength(std::uint64_t episode);
+
+// Values depend on column and place in the whole data set only, so they show whether rows landed where they belong.
+ShardData exampleShard(const Manifest& manifest, std::uint64_t shard);
+
+void writeExample(const std::filesystem::path& directory, const Manifest& manifest);
+
+// Name -> bytes of every file in a directory.
+std::map<std::string, std::string> filesIn(const std::filesystem::path& directory);
+
+void overwrite(const std::filesystem::path& file, const std::string& bytes);
+
+// Runs `function`, which must throw an Error of that kind whose message is one line and holds `part`.
+template <typename Function>
+void expectError(ErrorKind kind, const std::string& part, Function function) {
+  try {
+    function();
+    ADD_FAILURE() << "no error; one was expected about: " << part;
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    EXPECT_EQ(error.kind(), kind) << message;
+    EXPECT_NE(message.find(part), std::string::npos) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+  }
+}
+
+}  // namespace taxelsim::testing

@@ -1,0 +1,204 @@
+// Broken files and full disks: named, never read as data and never overwritten.
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+
+#include "dataset/example.h"
+
+namespace taxelsim::testing {
+namespace {
+
+constexpr std::size_t kFlips = 40;  // places in a shard at which one byte is turned over
+
+// Reader with contents checked, and writer, must both refuse the directory and name the shard.
+void expectBroken(const std::filesystem::path& directory, const std::string& shard, const std::string& what) {
+  SCOPED_TRACE(what);
+  const auto before = filesIn(directory);
+  bool found = false;
+  for (const ShardStatus& status : checkShards(directory, /*contents=*/true)) {
+    if (status.state != ShardStatus::State::kBroken) continue;
+    found = true;
+    EXPECT_NE(status.problem.find(shard), std::string::npos) << status.problem;
+  }
+  EXPECT_TRUE(found) << "not noticed";
+  expectError(ErrorKind::kInput, shard, [&] { DatasetWriter(directory, exampleManifest()); });
+  EXPECT_EQ(filesIn(directory), before) << "touched";
+}
+
+TEST(Corruption, TruncatedShard) {
+  const TemporaryDirectory directory;
+  writeExample(directory / "d", exampleManifest());
+  const std::string whole = filesIn(directory / "d")["shard-000001.h5"];
+  for (const std::size_t size : {std::size_t{0}, std::size_t{7}, std::size_t{100}, whole.size() / 2, whole.size() - 1}) {
+    overwrite(directory / "d/shard-000001.h5", whole.substr(0, size));
+    expectBroken(directory / "d", "shard-000001.h5", "cut to " + std::to_string(size));
+    expectError(ErrorKind::kInput, "shard-000001.h5", [&] { DatasetReader(directory / "d"); });
+    expectError(ErrorKind::kInput, "shard-000001.h5", [&] { DatasetReader(directory / "d", true); });
+  }
+}
+
+TEST(Corruption, FlippedValue) {
+  for (const int compression : {0, 4}) {
+    const TemporaryDirectory directory;
+    Manifest manifest = exampleManifest();
+    manifest.compression = compression;
+    writeExample(directory / "d", manifest);
+    const std::string whole = filesIn(directory / "d")["shard-000000.h5"];
+    std::size_t noticed = 0;
+    for (std::size_t i = 0; i < kFlips; ++i) {
+      std::string flipped = whole;
+      flipped[whole.size() * i / kFlips] ^= 0x55;
+      overwrite(directory / "d/shard-000000.h5", flipped);
+      const bool broken = checkShards(directory / "d", true)[0].state == ShardStatus::State::kBroken;
+      noticed += broken;
+      // A flip in the padding between objects is harmless: then every value must be as before.
+      if (!broken) {
+        const DatasetReader reader(directory / "d");
+        const ShardData expected = exampleShard(manifest, 0);
+        for (std::size_t c = 0; c < manifest.columns.size(); ++c) {
+          const Column& column = manifest.columns[c];
+          const std::uint64_t count = column.per_episode ? 4 : reader.episodeEnds()[3];
+          EXPECT_EQ(reader.read(column.name, 0, count), expected.columns[c]) << column.name << ", flip " << i;
+        }
+      }
+    }
+    EXPECT_GT(noticed, 0u);
+  }
+}
+
+TEST(Corruption, FlippedValueOfAColumn) {
+  const TemporaryDirectory directory;
+  writeExample(directory / "d", exampleManifest());
+  const ShardData data = exampleShard(exampleManifest(), 2);
+  std::string bytes = filesIn(directory / "d")["shard-000002.h5"];
+  const std::string image(reinterpret_cast<const char*>(data.columns[0].data()), data.columns[0].size());
+  const std::size_t place = bytes.find(image);
+  ASSERT_NE(place, std::string::npos) << "an uncompressed column lies in the file as it is";
+  bytes[place + 5] ^= 1;
+  overwrite(directory / "d/shard-000002.h5", bytes);
+  expectBroken(directory / "d", "shard-000002.h5", "one bit of one pixel");
+  EXPECT_EQ(checkShards(directory / "d", false)[2].state, ShardStatus::State::kWhole) << "headers alone cannot show it";
+}
+
+TEST(Corruption, ForeignShard) {
+  const TemporaryDirectory directory;
+  writeExample(directory / "d", exampleManifest());
+  const auto files = filesIn(directory / "d");
+  const auto foreign = [&](const std::string& what, auto change) {
+    Manifest other = exampleManifest();
+    change(other);
+    const TemporaryDirectory elsewhere;
+    writeExample(elsewhere / "o", other);
+    overwrite(directory / "d/shard-000000.h5", filesIn(elsewhere / "o")["shard-000000.h5"]);
+    expectBroken(directory / "d", "shard-000000.h5", what);
+  };
+  foreign("scene", [](Manifest& m) { m.scene = "name: other\n"; });
+  foreign("seed", [](Manifest& m) { m.seed = 4; });
+  foreign("device", [](Manifest& m) { m.device = "GPU"; });
+  foreign("version", [](Manifest& m) { m.program_version = "0"; });
+  foreign("cut", [](Manifest& m) { m.episodes_per_shard = 2; });
+  foreign("type", [](Manifest& m) { m.columns[1].type = ScalarType::kFloat64; });
+  foreign("column", [](Manifest& m) { m.columns[1].name = "data/other"; });
+  overwrite(directory / "d/shard-000000.h5", files.at("shard-000001.h5"));
+  expectBroken(directory / "d", "shard-000000.h5", "another shard of the same data set");
+  overwrite(directory / "d/shard-000000.h5", "not HDF5 at all");
+  expectBroken(directory / "d", "shard-000000.h5", "text");
+}
+
+TEST(Corruption, MissingShard) {
+  const TemporaryDirectory directory;
+  writeExample(directory / "d", exampleManifest());
+  std::filesystem::remove(directory / "d/shard-000001.h5");
+  expectError(ErrorKind::kInput, "shard-000001.h5: this shard is missing", [&] { DatasetReader(directory / "d"); });
+  const DatasetReader reader(directory / "d", /*allow_incomplete=*/true);
+  EXPECT_EQ(reader.missingShards(), std::vector<std::uint64_t>{1});
+  EXPECT_EQ(reader.numEpisodes(), 7u);
+  const std::vector<double> episodes = reader.readAsDouble("meta/episode", 3, 2);
+  const double step = 7;  // of the made-up values from one episode to the next
+  EXPECT_EQ(episodes[1] - episodes[0], 5 * step) << "episode 3 is followed by episode 8";
+  EXPECT_EQ(checkShards(directory / "d", true)[1].state, ShardStatus::State::kMissing);
+}
+
+TEST(Corruption, NoDataSet) {
+  const TemporaryDirectory directory;
+  expectError(ErrorKind::kInput, "no data set", [&] { DatasetReader(directory / "nothing"); });
+  expectError(ErrorKind::kInput, "no data set", [&] { checkShards(directory.path(), false); });
+}
+
+TEST(Lock, OneWriterAtATime) {
+  const TemporaryDirectory directory;
+  {
+    const DatasetWriter writer(directory / "d", exampleManifest());
+    expectError(ErrorKind::kIo, "another process", [&] { DatasetWriter(directory / "d", exampleManifest()); });
+    const pid_t child = fork();
+    if (child == 0) {
+      try {
+        DatasetWriter(directory / "d", exampleManifest());
+        _exit(0);
+      } catch (const Error& error) {
+        _exit(error.kind() == ErrorKind::kIo ? 3 : 4);
+      }
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    EXPECT_EQ(WEXITSTATUS(status), 3);
+  }
+  EXPECT_NO_THROW(DatasetWriter(directory / "d", exampleManifest()));
+  EXPECT_FALSE(std::filesystem::exists(directory / "d/.lock"));
+}
+
+TEST(Lock, GoesWithItsProcess) {
+  const TemporaryDirectory directory;
+  int ready[2];
+  ASSERT_EQ(pipe(ready), 0);
+  const pid_t child = fork();
+  if (child == 0) {
+    const DatasetWriter writer(directory / "d", exampleManifest());
+    const char byte = 1;
+    if (write(ready[1], &byte, 1) != 1) _exit(1);
+    while (true) pause();
+  }
+  char byte = 0;
+  ASSERT_EQ(read(ready[0], &byte, 1), 1);
+  expectError(ErrorKind::kIo, "another process", [&] { DatasetWriter(directory / "d", exampleManifest()); });
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  EXPECT_NO_THROW(DatasetWriter(directory / "d", exampleManifest()));
+  close(ready[0]);
+  close(ready[1]);
+}
+
+// A limit on file sizes stands in for a full disk: write() fails half way in the same place.
+TEST(DiskFull, IsAnErrorAndLeavesNothing) {
+  const TemporaryDirectory directory;
+  const pid_t child = fork();
+  if (child == 0) {
+    signal(SIGXFSZ, SIG_IGN);
+    DatasetWriter writer(directory / "d", exampleManifest());
+    const rlimit limit{1000, 1000};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    for (int attempt = 0; attempt < 2; ++attempt) {
+      try {
+        writer.writeShard(0, exampleShard(exampleManifest(), 0));
+        _exit(1);
+      } catch (const Error& error) {
+        if (error.kind() != ErrorKind::kIo || std::string(error.what()).find("shard-000000.h5") == std::string::npos) _exit(2);
+      }
+    }
+    _exit(writer.isComplete(0) ? 3 : 0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+  const auto files = filesIn(directory / "d");
+  EXPECT_EQ(files.count("dataset.yaml"), 1u);
+  for (const auto& [name, bytes] : files) EXPECT_TRUE(name == "dataset.yaml" || name == ".lock") << name;
+}
+
+}  // namespace
+}  // namespace taxelsim::testing

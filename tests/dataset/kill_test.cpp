@@ -1,0 +1,68 @@
+// kill -9 at any moment leaves whole shards only, and the same command again gives the same bytes.
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <random>
+#include <thread>
+
+#include "dataset/example.h"
+
+namespace taxelsim::testing {
+namespace {
+
+constexpr int kKills = 25;
+constexpr int kLongestLife = 60000;  // us; a whole run takes about as long
+
+Manifest killManifest() {
+  Manifest manifest = exampleManifest();
+  manifest.num_episodes = 60;
+  manifest.columns[0].shape = {300, 300};  // large enough for writing to take a while
+  return manifest;
+}
+
+TEST(Kill, LeavesNoHalfShard) {
+  const TemporaryDirectory directory;
+  const Manifest manifest = killManifest();
+  writeExample(directory / "whole", manifest);
+  const auto whole = filesIn(directory / "whole");
+
+  std::mt19937 random(20);  // when to kill; any moment will do
+  int interrupted = 0;
+  std::filesystem::path target;
+  for (int i = 0; i < kKills; ++i) {
+    if (i % 5 == 0) target = directory / ("cut" + std::to_string(i));
+    const pid_t child = fork();
+    if (child == 0) {
+      DatasetWriter writer(target, manifest);
+      for (std::uint64_t shard = 0; shard < manifest.numShards(); ++shard)
+        if (!writer.isComplete(shard)) writer.writeShard(shard, exampleShard(manifest, shard));
+      writer.finish();
+      _exit(0);
+    }
+    std::this_thread::sleep_for(std::chrono::microseconds(random() % kLongestLife));
+    kill(child, SIGKILL);
+    int status = 0;
+    waitpid(child, &status, 0);
+    interrupted += WIFSIGNALED(status);
+    if (!std::filesystem::exists(target)) continue;
+    for (const auto& [name, bytes] : filesIn(target)) {
+      if (name.starts_with(".")) continue;
+      ASSERT_TRUE(whole.count(name)) << name;
+      EXPECT_TRUE(whole.at(name) == bytes) << name << " differs";
+    }
+    if (i % 5 != 4) continue;
+    {
+      DatasetWriter writer(target, manifest);
+      for (std::uint64_t shard = 0; shard < manifest.numShards(); ++shard)
+        if (!writer.isComplete(shard)) writer.writeShard(shard, exampleShard(manifest, shard));
+      writer.finish();
+    }
+    EXPECT_TRUE(filesIn(target) == whole) << "resumed, the files differ";
+  }
+  EXPECT_GT(interrupted, 0);
+}
+
+}  // namespace
+}  // namespace taxelsim::testing

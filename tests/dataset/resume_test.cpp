@@ -1,0 +1,129 @@
+// A directory that holds something already: resumed where that gives the same bytes, refused where not.
+#include <gmock/gmock.h>
+
+#include "dataset/example.h"
+
+namespace taxelsim::testing {
+namespace {
+
+TEST(Resume, FinishesWithTheSameBytes) {
+  const TemporaryDirectory directory;
+  const Manifest manifest = exampleManifest();
+  writeExample(directory / "whole", manifest);
+  {
+    DatasetWriter writer(directory / "cut", manifest);
+    writer.writeShard(1, exampleShard(manifest, 1));
+    expectError(ErrorKind::kIo, "shard-000000.h5", [&] { writer.finish(); });
+  }
+  overwrite(directory / "cut/.shard-000002.h5.tmp-77", "half");
+  {
+    DatasetWriter writer(directory / "cut", manifest);
+    EXPECT_FALSE(writer.isComplete(0));
+    EXPECT_TRUE(writer.isComplete(1));
+    EXPECT_FALSE(writer.isComplete(2));
+    EXPECT_FALSE(writer.isComplete(3));
+    expectError(ErrorKind::kInput, "is complete", [&] { writer.writeShard(1, exampleShard(manifest, 1)); });
+    expectError(ErrorKind::kInput, "no shard 3", [&] { writer.writeShard(3, {}); });
+    writer.writeShard(0, exampleShard(manifest, 0));
+    writer.writeShard(2, exampleShard(manifest, 2));
+    writer.finish();
+  }
+  EXPECT_EQ(filesIn(directory / "whole"), filesIn(directory / "cut"));
+}
+
+TEST(Resume, OfACompleteDataSetChangesNothing) {
+  const TemporaryDirectory directory;
+  writeExample(directory / "d", exampleManifest());
+  const auto before = filesIn(directory / "d");
+  DatasetWriter(directory / "d", exampleManifest()).finish();
+  EXPECT_EQ(filesIn(directory / "d"), before);
+}
+
+TEST(Resume, RefusesWhatWouldGiveOtherBytes) {
+  const TemporaryDirectory directory;
+  writeExample(directory / "d", exampleManifest());
+  const auto before = filesIn(directory / "d");
+  const auto refuses = [&](const std::string& part, auto change) {
+    Manifest manifest = exampleManifest();
+    change(manifest);
+    expectError(ErrorKind::kInput, part, [&] { DatasetWriter(directory / "d", manifest); });
+  };
+  refuses("another seed", [](Manifest& m) { m.seed = 1; });
+  refuses("another scene", [](Manifest& m) { m.scene += "x: 1\n"; });
+  refuses("another program version", [](Manifest& m) { m.program_version = "1.2.4"; });
+  refuses("another device", [](Manifest& m) { m.device = "GPU"; });
+  refuses("episodes per shard", [](Manifest& m) { m.episodes_per_shard = 5; });
+  refuses("another compression", [](Manifest& m) { m.compression = 1; });
+  refuses("another sensor", [](Manifest& m) { m.sensor_name = "pad B"; });
+  refuses("recorded columns", [](Manifest& m) { m.columns.pop_back(); });
+  refuses("another column", [](Manifest& m) { m.columns[1].name = "data/peak_force"; });
+  refuses("total_force", [](Manifest& m) { m.columns[1].type = ScalarType::kFloat64; });
+  refuses("not shrink", [](Manifest& m) { m.num_episodes = 8; });
+  refuses("would change", [](Manifest& m) { m.num_episodes = 12; });
+  EXPECT_EQ(filesIn(directory / "d"), before);
+}
+
+TEST(Resume, ExtendsWhereCompleteShardsStayAsTheyAre) {
+  const TemporaryDirectory directory;
+  Manifest longer = exampleManifest();
+  longer.num_episodes = 10;
+  writeExample(directory / "whole", longer);
+  Manifest manifest = longer;
+  manifest.num_episodes = 8;
+  writeExample(directory / "d", manifest);
+  {
+    DatasetWriter writer(directory / "d", longer);
+    EXPECT_FALSE(std::filesystem::exists(directory / "d/dataset.h5")) << "a view of fewer episodes than the manifest says";
+    EXPECT_TRUE(writer.isComplete(1));
+    writer.writeShard(2, exampleShard(longer, 2));
+    writer.finish();
+  }
+  EXPECT_EQ(filesIn(directory / "whole"), filesIn(directory / "d"));
+
+  // A shard that was not full but not made yet either may grow.
+  manifest.num_episodes = 6;
+  DatasetWriter(directory / "e", manifest).writeShard(0, exampleShard(manifest, 0));
+  EXPECT_TRUE(DatasetWriter(directory / "e", longer).isComplete(0));
+}
+
+TEST(Resume, RefusesDirectoriesOfSomethingElse) {
+  const TemporaryDirectory directory;
+  std::filesystem::create_directories(directory / "photos");
+  overwrite(directory / "photos/cat.jpg", "cat");
+  expectError(ErrorKind::kInput, "cat.jpg", [&] { DatasetWriter(directory / "photos", exampleManifest()); });
+  EXPECT_EQ(filesIn(directory / "photos").size(), 1u) << "nothing is added";
+  expectError(ErrorKind::kInput, "not a directory", [&] { DatasetWriter(directory / "photos/cat.jpg", exampleManifest()); });
+  std::filesystem::create_directories(directory / "other");
+  overwrite(directory / "other/dataset.yaml", "path: ../yolo\ntrain: images\n");
+  expectError(ErrorKind::kInput, "format_version", [&] { DatasetWriter(directory / "other", exampleManifest()); });
+}
+
+TEST(Resume, RefusesANewerFormat) {
+  const TemporaryDirectory directory;
+  writeExample(directory / "d", exampleManifest());
+  std::string text = filesIn(directory / "d")["dataset.yaml"];
+  text.replace(text.find("format_version: 1"), 17, "format_version: 2");
+  overwrite(directory / "d/dataset.yaml", text);
+  expectError(ErrorKind::kInput, "newer", [&] { DatasetWriter(directory / "d", exampleManifest()); });
+  expectError(ErrorKind::kInput, "newer", [&] { DatasetReader(directory / "d"); });
+}
+
+TEST(Writer, RefusesRowsThatDoNotFit) {
+  const TemporaryDirectory directory;
+  const Manifest manifest = exampleManifest();
+  DatasetWriter writer(directory / "d", manifest);
+  const auto refuses = [&](const std::string& part, auto change) {
+    ShardData data = exampleShard(manifest, 0);
+    change(data);
+    expectError(ErrorKind::kInput, part, [&] { writer.writeShard(0, data); });
+  };
+  refuses("episodes given", [](ShardData& d) { d.episode_lengths.pop_back(); });
+  refuses("no frames", [](ShardData& d) { d.episode_lengths[1] = 0; });
+  refuses("columns given", [](ShardData& d) { d.columns.pop_back(); });
+  refuses("data/total_force", [](ShardData& d) { d.columns[1].pop_back(); });
+  EXPECT_FALSE(writer.isComplete(0));
+  EXPECT_FALSE(std::filesystem::exists(directory / "d/shard-000000.h5"));
+}
+
+}  // namespace
+}  // namespace taxelsim::testing

@@ -1,0 +1,119 @@
+// What is written comes back, byte for byte, and the files depend on the content alone.
+#include <gmock/gmock.h>
+#include <rapidcheck.h>
+
+#include <chrono>
+#include <cstring>
+#include <thread>
+
+#include "dataset/example.h"
+#include "dataset/manifest.h"
+
+namespace taxelsim::testing {
+namespace {
+
+// HDF5 stamps whole seconds; longer than one, so that a stamp would show.
+constexpr auto kClockTick = std::chrono::milliseconds(1100);
+
+std::vector<std::byte> expectedColumn(const Manifest& manifest, std::size_t column) {
+  std::vector<std::byte> all;
+  for (std::uint64_t shard = 0; shard < manifest.numShards(); ++shard) {
+    const ShardData data = exampleShard(manifest, shard);
+    all.insert(all.end(), data.columns[column].begin(), data.columns[column].end());
+  }
+  return all;
+}
+
+class RoundTrip : public ::testing::TestWithParam<int> {};
+
+TEST_P(RoundTrip, ReadsWhatWasWritten) {
+  const TemporaryDirectory directory;
+  Manifest manifest = exampleManifest();
+  manifest.compression = GetParam();
+  writeExample(directory / "new/deep", manifest);
+
+  const DatasetReader reader(directory / "new/deep");
+  EXPECT_EQ(reader.numEpisodes(), 11u);
+  std::uint64_t frames = 0;
+  for (std::uint64_t episode = 0; episode < 11; ++episode) {
+    frames += exampleLength(episode);
+    EXPECT_EQ(reader.episodeEnds()[episode], frames);
+  }
+  EXPECT_EQ(reader.numFrames(), frames);
+  EXPECT_TRUE(reader.missingShards().empty());
+  for (std::size_t c = 0; c < manifest.columns.size(); ++c) {
+    const Column& column = manifest.columns[c];
+    const std::vector<std::byte> expected = expectedColumn(manifest, c);
+    const std::uint64_t num_rows = column.per_episode ? 11 : frames;
+    EXPECT_EQ(reader.read(column.name, 0, num_rows), expected) << column.name;
+    const std::size_t row_bytes = dataset::rowBytes(column);
+    for (std::uint64_t first = 0; first <= num_rows; ++first) {
+      const std::uint64_t count = std::min<std::uint64_t>(num_rows - first, 6);
+      const std::vector<std::byte> part(expected.begin() + first * row_bytes, expected.begin() + (first + count) * row_bytes);
+      EXPECT_EQ(reader.read(column.name, first, count), part) << column.name << " from " << first;
+    }
+  }
+}
+
+TEST_P(RoundTrip, SameContentGivesSameBytes) {
+  const TemporaryDirectory directory;
+  Manifest manifest = exampleManifest();
+  manifest.compression = GetParam();
+  writeExample(directory / "a", manifest);
+  std::this_thread::sleep_for(kClockTick);
+  writeExample(directory / "b", manifest);
+  const auto files = filesIn(directory / "a");
+  EXPECT_EQ(files, filesIn(directory / "b"));
+  std::vector<std::string> names;
+  for (const auto& [name, bytes] : files) names.push_back(name);
+  EXPECT_THAT(names, ::testing::ElementsAre("dataset.h5", "dataset.yaml", "shard-000000.h5", "shard-000001.h5", "shard-000002.h5"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Compression, RoundTrip, ::testing::Values(0, 4));
+
+TEST(Reader, TurnsEveryTypeIntoDoubles) {
+  const TemporaryDirectory directory;
+  const Manifest manifest = exampleManifest();
+  writeExample(directory / "d", manifest);
+  const DatasetReader reader(directory / "d");
+  for (std::size_t c = 0; c < manifest.columns.size(); ++c) {
+    const std::size_t per_row = dataset::rowBytes(manifest.columns[c]) / scalarSize(manifest.columns[c].type);
+    const std::vector<double> values = reader.readAsDouble(manifest.columns[c].name, 5, 6);
+    ASSERT_EQ(values.size(), 6 * per_row);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      EXPECT_EQ(values[i], static_cast<double>(((5 * per_row + i) * 7 + c * 1000 + 3) % 60000)) << manifest.columns[c].name;
+  }
+}
+
+TEST(Reader, RefusesUnknownColumnsAndRows) {
+  const TemporaryDirectory directory;
+  writeExample(directory / "d", exampleManifest());
+  const DatasetReader reader(directory / "d");
+  expectError(ErrorKind::kInput, "no column \"data/nothing\"", [&] { reader.read("data/nothing", 0, 1); });
+  expectError(ErrorKind::kInput, "rows", [&] { reader.read("data/total_force", 0, reader.numFrames() + 1); });
+  expectError(ErrorKind::kInput, "rows", [&] { reader.read("data/total_force", reader.numFrames(), 1); });
+  expectError(ErrorKind::kInput, "rows", [&] { reader.read("data/total_force", ~std::uint64_t{0}, 2); });
+  EXPECT_TRUE(reader.read("data/total_force", reader.numFrames(), 0).empty());
+}
+
+TEST(RoundTripProperty, AnyCutIntoShardsReadsTheSame) {
+  const bool holds = rc::check("rows do not depend on the cut", [] {
+    const TemporaryDirectory directory;
+    Manifest manifest = exampleManifest();
+    manifest.num_episodes = *rc::gen::inRange<std::uint64_t>(1, 30);
+    manifest.episodes_per_shard = *rc::gen::inRange<std::uint64_t>(1, 40);
+    manifest.compression = *rc::gen::element(0, 1);
+    writeExample(directory / "d", manifest);
+    Manifest whole = manifest;
+    whole.episodes_per_shard = whole.num_episodes;
+    const ShardData expected = exampleShard(whole, 0);
+    const DatasetReader reader(directory / "d");
+    for (std::size_t c = 0; c < manifest.columns.size(); ++c)
+      RC_ASSERT(reader.read(manifest.columns[c].name, 0, manifest.columns[c].per_episode ? reader.numEpisodes() : reader.numFrames()) ==
+                expected.columns[c]);
+  });
+  EXPECT_TRUE(holds);
+}
+
+}  // namespace
+}  // namespace taxelsim::testing

@@ -1,0 +1,103 @@
+#include "episodes/columns.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+#include <string>
+
+#include "example_scene.h"
+#include "taxelsim/error.h"
+#include "taxelsim/generate.h"
+
+namespace taxelsim {
+namespace {
+
+std::set<std::string> namesOf(const Scene& scene) {
+  std::set<std::string> names;
+  for (const Column& column : columnsOf(scene)) names.insert(column.name);
+  return names;
+}
+
+const Column& columnNamed(const std::vector<Column>& columns, const std::string& name) {
+  const auto found = std::find_if(columns.begin(), columns.end(), [&](const Column& c) { return c.name == name; });
+  if (found == columns.end()) throw Error(ErrorKind::kInput, "no column " + name);
+  return *found;
+}
+
+const std::set<std::string> kAlways = {"data/time",  "meta/episode",      "meta/object", "meta/load",        "meta/load_driven",
+                                       "meta/depth", "meta/load_reached", "meta/gain",   "meta/gain_spread", "meta/noise"};
+const std::set<std::string> kFeatures = {"total_force", "peak_force", "center_of_pressure", "second_moments",
+                                         "eigenvalues", "edge_angle", "edge_confidence",    "contact_area"};
+
+TEST(Columns, EveryGroupBringsItsOwn) {
+  Scene scene = exampleScene();
+  scene.record.clear();
+  EXPECT_EQ(namesOf(scene), kAlways);
+
+  std::set<std::string> measured = kAlways;
+  for (const std::string& name : kFeatures) measured.insert("data/" + name);
+  measured.insert("data/saturated");
+  scene.record = {"features"};
+  EXPECT_EQ(namesOf(scene), measured);
+
+  std::set<std::string> clean = kAlways;
+  for (const std::string& name : kFeatures) clean.insert("data/ground_truth/" + name);
+  clean.insert({"data/ground_truth/contact_wrench", "data/ground_truth/over_penetration"});
+  scene.record = {"ground_truth"};
+  EXPECT_EQ(namesOf(scene), clean);
+
+  for (const auto& [group, names] :
+       std::vector<std::pair<std::string, std::vector<std::string>>>{{"tactile_image", {"data/tactile_image"}},
+                                                                     {"tactile_normal_force", {"data/ground_truth/tactile_normal_force"}},
+                                                                     {"tactile_shear_force", {"data/ground_truth/tactile_shear_force"}},
+                                                                     {"penetration_depth", {"data/ground_truth/penetration_depth"}},
+                                                                     {"poses", {"data/pose", "data/sensor_pose"}},
+                                                                     {"actions", {"data/action"}}}) {
+    std::set<std::string> expected = kAlways;
+    expected.insert(names.begin(), names.end());
+    scene.record = {group};
+    EXPECT_EQ(namesOf(scene), expected) << group;
+  }
+}
+
+TEST(Columns, EveryOneIsNamedOnceWithUnitAndOneSentence) {
+  const std::vector<Column> columns = columnsOf(exampleScene());
+  EXPECT_EQ(namesOf(exampleScene()).size(), columns.size());
+  for (const Column& column : columns) {
+    EXPECT_FALSE(column.unit.empty()) << column.name;
+    EXPECT_TRUE(column.description.ends_with('.')) << column.name;
+    EXPECT_EQ(column.per_episode, column.name.starts_with("meta/")) << column.name;
+  }
+}
+
+TEST(Columns, ImagesHaveTheShapeOfOneGridAndAreAListForSeveral) {
+  Scene scene = exampleScene();
+  std::vector<Column> columns = columnsOf(scene);
+  EXPECT_EQ(columnNamed(columns, "data/tactile_image").shape, (std::vector<std::size_t>{6, 14}));
+  EXPECT_EQ(columnNamed(columns, "data/tactile_image").type, ScalarType::kUint16);
+  EXPECT_EQ(columnNamed(columns, "data/ground_truth/tactile_shear_force").shape, (std::vector<std::size_t>{6, 14, 2}));
+  scene.sensor.patches.push_back(scene.sensor.patches[0]);
+  columns = columnsOf(scene);
+  EXPECT_EQ(columnNamed(columns, "data/tactile_image").shape, (std::vector<std::size_t>{168}));
+  EXPECT_EQ(columnNamed(columns, "data/ground_truth/tactile_shear_force").shape, (std::vector<std::size_t>{168, 2}));
+}
+
+TEST(Columns, AskTheSimulatorForNoMoreThanIsRecorded) {
+  Scene scene = exampleScene();
+  EXPECT_TRUE(planColumns(scene).outputs.tactile_shear_force);
+  scene.record = {"penetration_depth"};
+  const OutputOptions outputs = planColumns(scene).outputs;
+  EXPECT_FALSE(outputs.tactile_normal_force);
+  EXPECT_FALSE(outputs.tactile_shear_force);
+  EXPECT_TRUE(outputs.penetration_depth);
+}
+
+TEST(Columns, RefusesUnknownNames) {
+  Scene scene = exampleScene();
+  scene.record = {"tactile_images"};
+  EXPECT_THROW(columnsOf(scene), Error);
+}
+
+}  // namespace
+}  // namespace taxelsim

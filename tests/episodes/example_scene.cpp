@@ -1,0 +1,67 @@
+#include "example_scene.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <numbers>
+#include <string>
+
+namespace taxelsim {
+
+Scene exampleScene() {
+  constexpr double kPi = std::numbers::pi;
+  Scene scene;
+  scene.file = "example.yaml";
+  scene.name = "example";
+  scene.sensor.name = "array";
+  scene.sensor.patches.push_back({.name = "grid", .num_rows = 6, .num_cols = 14, .pitch = {3.4e-3, 3.4e-3}, .X_SP = {}});
+  scene.sensor.skin = {.thickness = 2e-3, .law = Winkler{.normal_contact_stiffness = 1.73e8}};
+  scene.sensor.psf = {.size = 3, .kernel = {0, 0.1, 0, 0.1, 0.6, 0.1, 0, 0.1, 0}};
+  scene.sensor.readout = {.curve = {1000}, .trigger = 0.02, .noise = 2, .taxel_gain = {}, .taxel_trigger = {}};
+  scene.X_ES = {{0.01, 0, 0.05}, axisAngle({0, 1, 0.5}, 0.3)};
+  // The cylinder lies: its axis along y before the yaw.
+  scene.objects.push_back({Object("bar", Cylinder{.radius = 8e-3, .length = 0.1}), 3, axisAngle({1, 0, 0}, kPi / 2)});
+  scene.objects.push_back({Object("ball", Sphere{.radius = 0.01}), 1, {1, 0, 0, 0}});
+  scene.num_steps = 7;
+  scene.simulation_rate = 100;
+  scene.control_rate = 50;
+  scene.randomisation.x = {-0.003, 0.003};
+  scene.randomisation.y = {-0.01, 0.01};
+  scene.randomisation.yaw = {-kPi, kPi};
+  scene.randomisation.tilt = {0, 0.005};
+  scene.randomisation.load = Range{1, 4};
+  scene.randomisation.gain = {0.9, 1.1};
+  scene.randomisation.gain_spread = {0, 0.05};
+  scene.randomisation.noise = {0, 5};
+  scene.controller.exploration_velocity = 0.002;
+  scene.record = {"tactile_image",       "features",          "ground_truth", "tactile_normal_force",
+                  "tactile_shear_force", "penetration_depth", "poses",        "actions"};
+  scene.num_episodes = 23;
+  scene.seed = 11;
+  scene.episodes_per_shard = 5;
+  scene.resolved = "name: example\n";
+  return scene;
+}
+
+Scene exampleContacts() {
+  Scene scene = exampleScene();
+  scene.kind = Scene::Kind::kContacts;
+  scene.num_steps = 1;
+  scene.record.pop_back();
+  scene.resolved = "name: contacts\n";
+  return scene;
+}
+
+TestDirectory::TestDirectory() {
+  const testing::TestInfo* test = testing::UnitTest::GetInstance()->current_test_info();
+  path_ = std::filesystem::temp_directory_path() /
+          ("taxelsim_" + std::string(test->test_suite_name()) + "_" + test->name() + "_" + std::to_string(::getpid()));
+  std::filesystem::remove_all(path_);
+}
+
+TestDirectory::~TestDirectory() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+}  // namespace taxelsim

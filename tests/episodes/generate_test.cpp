@@ -1,0 +1,288 @@
+// The promise of DESIGN: what a data set holds depends on scene and seed, and on nothing about how it was made.
+#include "taxelsim/generate.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <string>
+#include <thread>
+
+#include "control/twist.h"
+#include "episodes/draw.h"
+#include "example_scene.h"
+#include "taxelsim/error.h"
+
+namespace taxelsim {
+namespace {
+
+const Device& device() {
+  static const Device opened = Device::open();
+  return opened;
+}
+
+using Files = std::map<std::string, std::string>;
+
+// Name and bytes of all that a reader of the data set sees.
+Files filesOf(const std::filesystem::path& directory) {
+  Files files;
+  for (const auto& entry : std::filesystem::directory_iterator(directory)) {
+    if (entry.path().extension() != ".h5" && entry.path().extension() != ".yaml") continue;
+    std::ifstream stream(entry.path(), std::ios::binary);
+    files[entry.path().filename().string()] = std::string(std::istreambuf_iterator<char>(stream), {});
+  }
+  return files;
+}
+
+void expectSame(const Files& expected, const Files& actual, const std::string& what) {
+  ASSERT_EQ(expected.size(), actual.size()) << what;
+  for (const auto& [name, bytes] : expected) {
+    ASSERT_TRUE(actual.contains(name)) << what << ": " << name;
+    EXPECT_TRUE(actual.at(name) == bytes) << what << ": " << name << " differs";
+  }
+}
+
+GenerateResult generateWith(const Scene& scene, const std::filesystem::path& directory, int batch_size, int num_slices) {
+  return generate(device(), scene, directory, {.batch_size = batch_size, .num_slices = num_slices, .on_progress = {}, .stop = nullptr});
+}
+
+void expectIndependentOfBatch(const Scene& scene) {
+  const TestDirectory directory;
+  const GenerateResult result = generateWith(scene, directory.path() / "reference", 1, 1);
+  EXPECT_TRUE(result.complete);
+  EXPECT_EQ(result.progress.episodes_done, scene.num_episodes);
+  EXPECT_EQ(result.progress.frames_done, scene.num_episodes * static_cast<std::uint64_t>(scene.num_steps));
+  const Files reference = filesOf(directory.path() / "reference");
+  EXPECT_EQ(reference.size(), 5u + 2u);  // shards, manifest, view
+  for (const auto& [batch_size, num_slices] : {std::pair{1, 3}, {7, 1}, {7, 2}, {7, 3}, {256, 1}, {256, 2}, {256, 3}}) {
+    const std::string name = std::to_string(batch_size) + "_" + std::to_string(num_slices);
+    EXPECT_TRUE(generateWith(scene, directory.path() / name, batch_size, num_slices).complete);
+    expectSame(reference, filesOf(directory.path() / name), name);
+  }
+}
+
+TEST(Generate, ServoDoesNotDependOnBatchOrSlices) {
+  expectIndependentOfBatch(exampleScene());
+}
+
+TEST(Generate, ContactsDoNotDependOnBatchOrSlices) {
+  expectIndependentOfBatch(exampleContacts());
+}
+
+TEST(Generate, StopAndResumeGiveTheSameBytes) {
+  Scene scene = exampleScene();
+  scene.num_episodes = 400;
+  const TestDirectory directory;
+  const std::filesystem::path whole = directory.path() / "whole", parts = directory.path() / "parts";
+  EXPECT_TRUE(generateWith(scene, whole, 64, 2).complete);
+
+  std::atomic<bool> stop = false;
+  std::thread watcher([&] {
+    while (!std::filesystem::exists(parts / "shard-000000.h5")) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    stop = true;
+  });
+  const GenerateResult first = generate(device(), scene, parts, {.batch_size = 3, .num_slices = 2, .on_progress = {}, .stop = &stop});
+  watcher.join();
+  EXPECT_FALSE(first.complete);
+  EXPECT_GE(first.progress.episodes_done, scene.episodes_per_shard);
+  EXPECT_LT(first.progress.episodes_done, scene.num_episodes);
+  EXPECT_EQ(first.progress.episodes_resumed, 0u);
+  EXPECT_FALSE(std::filesystem::exists(parts / "dataset.h5"));
+
+  const GenerateResult second = generateWith(scene, parts, 64, 3);
+  EXPECT_TRUE(second.complete);
+  EXPECT_EQ(second.progress.episodes_resumed, first.progress.episodes_done);
+  expectSame(filesOf(whole), filesOf(parts), "resumed");
+
+  const GenerateResult third = generateWith(scene, parts, 64, 2);
+  EXPECT_TRUE(third.complete);
+  EXPECT_EQ(third.progress.frames_done, 0u);
+  EXPECT_EQ(third.progress.episodes_resumed, scene.num_episodes);
+  expectSame(filesOf(whole), filesOf(parts), "nothing to do");
+}
+
+TEST(Generate, MakesAgainWhatIsMissing) {
+  const Scene scene = exampleScene();
+  const TestDirectory directory;
+  generateWith(scene, directory.path(), 4, 2);
+  const Files before = filesOf(directory.path());
+  for (const char* name : {"shard-000001.h5", "shard-000004.h5"}) std::filesystem::remove(directory.path() / name);
+  const GenerateResult result = generateWith(scene, directory.path(), 256, 1);
+  EXPECT_TRUE(result.complete);
+  EXPECT_EQ(result.progress.frames_done, 8u * 7u);  // shard 4 holds episodes 20 to 22
+  expectSame(before, filesOf(directory.path()), "mended");
+}
+
+TEST(Generate, StoppedBeforeItBeganLeavesSomethingToResume) {
+  const TestDirectory directory;
+  const std::atomic<bool> stop = true;
+  const GenerateResult result = generate(device(), exampleScene(), directory.path(), {.on_progress = {}, .stop = &stop});
+  EXPECT_FALSE(result.complete);
+  EXPECT_EQ(result.progress.episodes_done, 0u);
+  EXPECT_TRUE(generateWith(exampleScene(), directory.path(), 16, 2).complete);
+}
+
+TEST(Generate, ReportsProgressUpToTheEnd) {
+  const TestDirectory directory;
+  Progress last;
+  int num_calls = 0;
+  const auto listen = [&](const Progress& progress) {
+    EXPECT_GE(progress.episodes_done, last.episodes_done);
+    EXPECT_GE(progress.seconds, last.seconds);
+    last = progress;
+    ++num_calls;
+  };
+  generate(device(), exampleScene(), directory.path(), {.batch_size = 2, .on_progress = listen, .stop = nullptr});
+  EXPECT_GE(num_calls, 1);
+  EXPECT_EQ(last.episodes_done, 23u);
+  EXPECT_EQ(last.num_episodes, 23u);
+  EXPECT_EQ(last.frames_done, 23u * 7u);
+}
+
+TEST(Generate, RefusesCountsOutOfRange) {
+  const TestDirectory directory;
+  EXPECT_THROW(generateWith(exampleScene(), directory.path(), 0, 2), Error);
+  EXPECT_THROW(generateWith(exampleScene(), directory.path(), 16, 0), Error);
+  Scene scene = exampleScene();
+  scene.num_episodes = 0;
+  EXPECT_THROW(generateWith(scene, directory.path(), 16, 2), Error);
+  scene = exampleScene();
+  scene.objects[1].object = Object(Mesh{{{0, 0, 0}}, {{0, 1, 2}}});
+  EXPECT_THROW(generateWith(scene, directory.path(), 16, 2), Error);
+  EXPECT_FALSE(std::filesystem::exists(directory.path()));
+}
+
+TEST(Generate, RefusesABatchThatDoesNotFit) {
+  const TestDirectory directory;
+  Scene scene = exampleScene();
+  scene.record = {};
+  scene.num_steps = 1;
+  scene.num_episodes = 1 << 30;
+  scene.episodes_per_shard = 1 << 16;
+  try {
+    generateWith(scene, directory.path(), 1 << 30, 2);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kInput) << error.what();
+  }
+}
+
+TEST(Generate, RefusesShardsThatMemoryCannotHold) {
+  const TestDirectory directory;
+  Scene scene = exampleScene();
+  scene.num_steps = 1 << 30;
+  scene.num_episodes = scene.episodes_per_shard = std::uint64_t{1} << 50;
+  try {
+    generateWith(scene, directory.path(), 16, 2);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kInput);
+    EXPECT_NE(std::string(error.what()).find("episodes_per_shard"), std::string::npos) << error.what();
+  }
+  EXPECT_FALSE(std::filesystem::exists(directory.path()));
+}
+
+// The columns tell one story: the object rests in the world, and the sensor goes where the actions say.
+TEST(Generate, ActionsMoveTheSensorAndTheObjectRests) {
+  // Actions are float32, at most 1 rad/s and 0.02 m/s over 0.01 s; poses are double, and some roundings apart.
+  constexpr double kActionRounding = 2 * 0x1p-24 * 0.01, kPoseRounding = 1e-14;
+  const Scene scene = exampleScene();
+  const TestDirectory directory;
+  generateWith(scene, directory.path(), 8, 2);
+  const DatasetReader reader(directory.path());
+  ASSERT_EQ(reader.numFrames(), 23u * 7u);
+  const auto column = [&](const std::string& name) { return reader.readAsDouble(name, 0, reader.numFrames()); };
+  const std::vector<double> time = column("data/time"), action = column("data/action"), pose = column("data/pose"),
+                            sensor_pose = column("data/sensor_pose");
+  const auto poseAt = [](const std::vector<double>& values, std::size_t frame) {
+    const double* p = &values[7 * frame];
+    return Pose{{p[0], p[1], p[2]}, {p[3], p[4], p[5], p[6]}};
+  };
+  const auto expectNear = [](const Pose& a, const Pose& b, double tolerance) {
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(a.position[k], b.position[k], tolerance);
+    for (int k = 0; k < 4; ++k) EXPECT_NEAR(a.rotation[k], b.rotation[k], tolerance);
+  };
+
+  bool any_motion = false;
+  for (std::size_t frame = 0; frame < reader.numFrames(); ++frame) {
+    const std::size_t step = frame % 7;
+    EXPECT_NEAR(time[frame], static_cast<double>(step) * 0.01, 1e-15);
+    const Pose X_WS = poseAt(sensor_pose, frame);
+    if (step == 0) {
+      expectNear(X_WS, Pose{}, 0);
+      continue;
+    }
+    const double* a = &action[6 * (frame - 1)];
+    if (step % 2 == 0) {  // 50 Hz control in a 100 Hz simulation: every command is held for two frames
+      for (int k = 0; k < 6; ++k) EXPECT_EQ(a[k], a[k - 6]) << frame;
+    }
+    for (int k = 0; k < 6; ++k) any_motion = any_motion || a[k] != 0;
+    expectNear(poseAt(sensor_pose, frame - 1) * exponential({{a[0], a[1], a[2]}, {a[3], a[4], a[5]}}, 0.01), X_WS, kActionRounding);
+    const Pose X_WO = X_WS * poseAt(pose, frame);
+    expectNear(X_WO, poseAt(pose, frame - step), kPoseRounding);
+  }
+  EXPECT_TRUE(any_motion);
+}
+
+TEST(Generate, EpisodeColumnsSayWhatWasDrawn) {
+  const Scene scene = exampleContacts();
+  const TestDirectory directory;
+  generateWith(scene, directory.path(), 8, 2);
+  const DatasetReader reader(directory.path());
+  const auto column = [&](const std::string& name) { return reader.readAsDouble(name, 0, scene.num_episodes); };
+  const std::vector<double> episode = column("meta/episode"), object = column("meta/object"), load = column("meta/load"),
+                            driven = column("meta/load_driven"), depth = column("meta/depth"), reached = column("meta/load_reached"),
+                            gain = column("meta/gain"), spread = column("meta/gain_spread"), noise = column("meta/noise"),
+                            pose = column("data/pose");
+  const EpisodeDrawer drawer(scene);
+  for (std::uint64_t i = 0; i < scene.num_episodes; ++i) {
+    const EpisodeDraw draw = drawer.draw(i);
+    EXPECT_EQ(episode[i], i);
+    EXPECT_EQ(object[i], draw.object);
+    EXPECT_EQ(load[i], draw.load);
+    EXPECT_EQ(driven[i], 1);
+    EXPECT_EQ(reached[i], 1);
+    EXPECT_EQ(gain[i], draw.variation.gain);
+    EXPECT_EQ(spread[i], draw.variation.gain_spread);
+    EXPECT_EQ(noise[i], draw.variation.noise);
+    EXPECT_GT(depth[i], 0);
+    EXPECT_LT(depth[i], scene.sensor.skin.thickness);
+    // The pose is the one that carries the load: lower than touching by the depth, which comes as float32.
+    EXPECT_NEAR(pose[7 * i + 2], draw.X_SO.position[2] - depth[i], scene.sensor.skin.thickness * 0x1p-24);
+  }
+}
+
+TEST(Generate, FlagsLoadsOutOfReach) {
+  Scene scene = exampleContacts();
+  scene.randomisation.load = Range{1e5, 1e5};
+  const TestDirectory directory;
+  const GenerateResult result = generateWith(scene, directory.path(), 8, 2);
+  EXPECT_TRUE(result.complete);
+  EXPECT_EQ(result.num_load_misses, scene.num_episodes);
+  for (const double reached : DatasetReader(directory.path()).readAsDouble("meta/load_reached", 0, scene.num_episodes)) {
+    EXPECT_EQ(reached, 0);
+  }
+}
+
+TEST(Generate, RecordsDepthDrivenEpisodesWithoutALoad) {
+  Scene scene = exampleContacts();
+  scene.randomisation.load.reset();
+  scene.randomisation.depth = Range{0.5e-3, 0.5e-3};
+  const TestDirectory directory;
+  generateWith(scene, directory.path(), 8, 2);
+  const DatasetReader reader(directory.path());
+  for (std::uint64_t i = 0; i < scene.num_episodes; ++i) {
+    EXPECT_EQ(reader.readAsDouble("meta/load", i, 1)[0], 0);
+    EXPECT_EQ(reader.readAsDouble("meta/load_driven", i, 1)[0], 0);
+    EXPECT_EQ(reader.readAsDouble("meta/load_reached", i, 1)[0], 1);
+    EXPECT_EQ(reader.readAsDouble("meta/depth", i, 1)[0], static_cast<double>(0.5e-3f));
+    EXPECT_GT(reader.readAsDouble("data/total_force", i, 1)[0], 0);
+  }
+}
+
+}  // namespace
+}  // namespace taxelsim

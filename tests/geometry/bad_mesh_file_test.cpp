@@ -1,0 +1,192 @@
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+#include <sys/stat.h>
+
+#include "geometry/mesh_files.h"
+
+namespace taxelsim {
+namespace {
+
+using testing::Test;
+
+// The line names the file, is one line, and holds `words`.
+void expectRefused(const std::filesystem::path& file, const std::string& words, const MeshOptions& options = {}) {
+  const std::string line = inputError([&] { loadMesh(file, options); });
+  EXPECT_NE(line.find(file.filename().string()), std::string::npos) << line;
+  EXPECT_NE(line.find(words), std::string::npos) << line;
+  EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+}
+
+class BadMeshFile : public Test {
+ protected:
+  TemporaryFolder folder_;
+};
+
+TEST_F(BadMeshFile, MissingFolderEmptyPipe) {
+  expectRefused(folder_.path() / "none.obj", "there is no such file");
+  std::filesystem::create_directory(folder_.path() / "folder.obj");
+  expectRefused(folder_.path() / "folder.obj", "is a directory");
+  expectRefused(folder_.write("empty.stl", ""), "is empty");
+  ASSERT_EQ(mkfifo((folder_.path() / "pipe.ply").c_str(), 0600), 0);
+  expectRefused(folder_.path() / "pipe.ply", "not a regular file");
+}
+
+TEST_F(BadMeshFile, UnknownEnding) {
+  expectRefused(folder_.write("brick.dae", objText(brick())), ".obj, .stl, .ply, .gltf or .glb");
+}
+
+TEST_F(BadMeshFile, TooLargeIsRefusedUnopened) {
+  const std::filesystem::path file = folder_.write("huge.obj", "v 0 0 0\n");
+  std::filesystem::resize_file(file, kMaxMeshFileBytes + 1);  // sparse
+  expectRefused(file, "at most 1073741824");
+}
+
+TEST_F(BadMeshFile, TextThatIsNoMesh) {
+  const std::string prose = "Sing, goddess, the anger of Peleus' son Achilleus\nand its devastation.\n";
+  for (const char* name : {"prose.obj", "prose.stl", "prose.ply", "prose.gltf", "prose.glb"}) expectRefused(folder_.write(name, prose), "");
+  // Contents of another format under a known ending are not guessed at.
+  expectRefused(folder_.write("brick.stl", objText(brick())), "");
+  expectRefused(folder_.write("xml.gltf", "<?xml version=\"1.0\"?><COLLADA version=\"1.4.1\"></COLLADA>"), "no JSON object");
+}
+
+TEST_F(BadMeshFile, NoTriangle) {
+  expectRefused(folder_.write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n"), "no triangle");
+  expectRefused(folder_.write("line.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\n"), "no triangle");
+  expectRefused(folder_.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), "no triangle");
+  expectRefused(folder_.write("none.ply", plyHeader("ascii", 0, 0)), "");
+  expectRefused(folder_.write("none.stl", "solid x\nendsolid x\n"), "");
+}
+
+TEST_F(BadMeshFile, CoordinatesThatAreNotFinite) {
+  for (const char* bad : {"nan", "inf", "-inf", "1e999"}) {
+    expectRefused(folder_.write("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 " + std::string(bad) + " 0\nf 1 2 3\n"),
+                  "line 3: vertex 2 has the coordinate " + std::string(bad));
+  }
+  Mesh mesh = brick();
+  mesh.vertices[5][1] = std::numeric_limits<float>::quiet_NaN();
+  expectRefused(folder_.write("bad.ply", plyBytes(mesh)), "vertex 5");
+  expectRefused(folder_.write("bad.stl", stlBytes(mesh)), "is not finite");
+  expectRefused(folder_.write("good.obj", objText(brick())), "is not finite", {.scale = 1e39});
+}
+
+TEST_F(BadMeshFile, CoordinatesThatAreNoNumbers) {
+  for (const char* bad : {"1,5", "1.5.5", "0x1", "abc", "1e40", "--1"}) {
+    expectRefused(folder_.write("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 " + std::string(bad) + " 0\nf 1 2 3\n"), "line 3: vertex 2");
+  }
+  expectRefused(folder_.write("short.obj", "v 0 0 0\nv 1 0\nv 0 1 0\nf 1 2 3\n"), "line 2: vertex 1 lacks");
+  EXPECT_NO_THROW(loadMesh(folder_.write("good.obj", "v 0 0 0\r\nv +1 0 0 1.0\r\nv 0 1e-3 0\r\nf 1 2 3\r\n")));
+}
+
+TEST_F(BadMeshFile, TextStlCutShort) {
+  const std::string text = stlText(brick());
+  expectRefused(folder_.write("cut.stl", text.substr(0, text.size() / 2)), "ends before endsolid");
+}
+
+TEST_F(BadMeshFile, ScalesOutOfRange) {
+  const std::filesystem::path file = folder_.write("brick.obj", objText(brick()));
+  for (const double scale : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    expectRefused(file, "scale: ", {.scale = scale});
+  }
+  expectRefused(file, "no triangle", {.scale = 1e-60});  // every vertex rounds to the origin
+}
+
+TEST_F(BadMeshFile, IndicesOutOfRange) {
+  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  for (const char* face : {"f 1 2 4\n", "f 1 2 4000000000\n", "f 1 2 99999999999999999999\n", "f 1 2 -7\n"}) {
+    expectRefused(folder_.write("index.obj", vertices + face), "");
+  }
+  Mesh mesh = brick();
+  mesh.triangles[3][1] = 4000000000u;
+  expectRefused(folder_.write("index.ply", plyBytes(mesh)), "");
+  expectRefused(folder_.write("index.glb", glbBytes(mesh, R"([{"mesh":0}])")), "1 of its 12 triangles");
+}
+
+TEST_F(BadMeshFile, StlWhoseHeaderClaimsFourBillionTriangles) {
+  std::string bytes = stlBytes(brick());
+  bytes.replace(80, 4, "\xff\xff\xff\xff");
+  expectRefused(folder_.write("claims.stl", bytes), "claims 4294967295 triangles");
+  bytes.replace(0, 5, "solid");
+  expectRefused(folder_.write("claims.stl", bytes), "");
+
+  // The count whose size wraps around to 684 bytes in 32 bits: 50 x 2147483660 = 600 mod 2^32.
+  bytes = stlBytes(brick());
+  bytes.replace(80, 4, std::string("\x0c\x00\x00\x80", 4));
+  expectRefused(folder_.write("wraps.stl", bytes), "claims 2147483660 triangles");
+  bytes.replace(0, 5, "solid");
+  expectRefused(folder_.write("wraps.stl", bytes), "claims 2147483660 triangles");
+}
+
+TEST_F(BadMeshFile, PlyThatClaimsMoreThanItHas) {
+  expectRefused(folder_.write("claims.ply", plyHeader("ascii", 4000000000u, 1) + "0 0 0\n"), "4000000000 x vertex");
+  expectRefused(folder_.write("claims.ply", plyHeader("binary_little_endian", 3, 4000000000u)), "4000000000 x face");
+  // A list that says it is four billion long.
+  for (const char* format : {"binary_little_endian", "ascii"}) {
+    std::string bytes = plyHeader(format, 3, 1);
+    bytes.replace(bytes.find("uchar"), 5, "uint");
+    if (format[0] == 'a') {
+      bytes += "0 0 0\n1 0 0\n0 1 0\n4294967295 0 1 2\n";
+    } else {
+      bytes.append(36, '\0').append(4, '\xff').append(12, '\0');
+    }
+    expectRefused(folder_.write("list.ply", bytes), "ends before");
+  }
+}
+
+TEST_F(BadMeshFile, GltfThatClaimsMoreThanItHas) {
+  folder_.write("brick.bin", gltfBuffer(brick()));
+  const std::string nodes = R"([{"mesh":0}])";
+  for (const char* count : {"4000000000", "40000000", "-3", "1e30"}) {
+    expectRefused(folder_.write("claims.gltf", gltfJson(brick(), "brick.bin", nodes, count)), "");
+  }
+  expectRefused(folder_.write("device.gltf", gltfJson(brick(), "/dev/zero", nodes)), "");
+  expectRefused(folder_.write("absent.gltf", gltfJson(brick(), "absent.bin", nodes)), "");
+}
+
+TEST_F(BadMeshFile, GltfThatNestsWithoutEnd) {
+  folder_.write("brick.bin", gltfBuffer(brick()));
+  expectRefused(folder_.write("deep.gltf", std::string(1000000, '[')), "nests deeper");
+  expectRefused(folder_.write("cycle.gltf", gltfJson(brick(), "brick.bin", R"([{"children":[1]},{"children":[0],"mesh":0}])")), "no tree");
+  std::string nodes = "[";
+  for (int i = 1; i < 100000; ++i) nodes += R"({"children":[)" + std::to_string(i) + "]},";
+  expectRefused(folder_.write("chain.gltf", gltfJson(brick(), "brick.bin", nodes + R"({"mesh":0}])")), "deeper");
+}
+
+TEST_F(BadMeshFile, PolygonsWithoutEnd) {
+  std::string text;
+  std::string face = "f";
+  for (int i = 1; i <= 100000; ++i) {
+    text += "v " + std::to_string(i) + " " + std::to_string(i % 7) + " 0\n";
+    face.append(" ").append(std::to_string(i));
+  }
+  expectRefused(folder_.write("polygon.obj", text + face + "\n"), "corners");
+}
+
+TEST_F(BadMeshFile, NamesStayInOneLine) {
+  EXPECT_EQ(inputError([&] { loadMesh(folder_.path() / "two\nlines.obj"); }).find('\n'), std::string::npos);
+}
+
+// Any file cut short or with some bytes changed is read or refused; it never crashes or hangs. The oracle is the sanitizer and this
+// process.
+TEST_F(BadMeshFile, DamagedFilesAreReadOrRefused) {
+  folder_.write("brick.bin", gltfBuffer(brick()));
+  const std::vector<std::pair<std::string, std::string>> whole{{"damaged.obj", objText(brick())},
+                                                               {"text.stl", stlText(brick())},
+                                                               {"binary.stl", stlBytes(brick())},
+                                                               {"text.ply", plyText(brick())},
+                                                               {"binary.ply", plyBytes(brick())},
+                                                               {"damaged.gltf", gltfJson(brick(), "brick.bin", R"([{"mesh":0}])")},
+                                                               {"damaged.glb", glbBytes(brick(), R"([{"mesh":0}])")}};
+  EXPECT_TRUE(rc::check([&] {
+    auto [name, bytes] = *rc::gen::elementOf(whole);
+    bytes.resize(*rc::gen::inRange<std::size_t>(1, bytes.size() + 1));
+    const int num_changes = *rc::gen::inRange(0, 4);
+    for (int i = 0; i < num_changes; ++i) bytes[*rc::gen::inRange<std::size_t>(0, bytes.size())] = *rc::gen::arbitrary<char>();
+    const std::filesystem::path file = folder_.write(name, bytes);
+    const std::string line = inputError([&] { checkObject(loadMesh(file)); });
+    RC_ASSERT(line.find("wrong kind") == std::string::npos);
+    RC_ASSERT(line.find('\n') == std::string::npos);
+  }));
+}
+
+}  // namespace
+}  // namespace taxelsim

@@ -1,0 +1,67 @@
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "geometry/mesh_files.h"
+
+namespace taxelsim {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+TEST(CheckObject, TakesWhatIsInRange) {
+  EXPECT_NO_THROW(checkObject(brick()));
+  EXPECT_NO_THROW(checkObject(Sphere{1}));
+  EXPECT_NO_THROW(checkObject(Cylinder{1, 2}));
+  EXPECT_NO_THROW(checkObject(Capsule{1, 0}));
+  EXPECT_NO_THROW(checkObject(Box{{1, 2, 3}}));
+  EXPECT_NO_THROW(checkObject(HalfSpace{}));
+  EXPECT_NO_THROW(checkObject(Cone{1, 2}));
+  EXPECT_NO_THROW(checkObject(Torus{2, 1}));
+}
+
+TEST(CheckObject, NamesObjectFieldValueAndWhatIsAllowed) {
+  EXPECT_EQ(inputError([] { checkObject({"ball", Sphere{-1}}); }), "object 'ball': radius: -1 is not allowed: m, > 0");
+  EXPECT_EQ(inputError([] { checkObject({"ring", Torus{1, 2}}); }), "object 'ring': major_radius: 1 is not allowed: m, > minor_radius");
+}
+
+TEST(CheckObject, RefusesEveryDimensionOutOfRange) {
+  const auto expectRefused = [](const Object& object, const char* field, double bad) {
+    const std::string line = inputError([&] { checkObject(object); });
+    EXPECT_NE(line.find(std::string(field) + ": "), std::string::npos) << object.name << " with " << bad << ": " << line;
+  };
+  for (const double bad : {0.0, -1.0, kNan, kInfinity, -kInfinity}) {
+    expectRefused(Sphere{bad}, "radius", bad);
+    expectRefused(Cylinder{bad, 1}, "radius", bad);
+    expectRefused(Cylinder{1, bad}, "length", bad);
+    expectRefused(Capsule{bad, 1}, "radius", bad);
+    if (bad != 0) expectRefused(Capsule{1, bad}, "length", bad);
+    expectRefused(Box{{bad, 1, 1}}, "size[0]", bad);
+    expectRefused(Box{{1, bad, 1}}, "size[1]", bad);
+    expectRefused(Box{{1, 1, bad}}, "size[2]", bad);
+    expectRefused(Cone{bad, 1}, "radius", bad);
+    expectRefused(Cone{1, bad}, "height", bad);
+    expectRefused(Torus{bad, 1}, "major_radius", bad);
+    expectRefused(Torus{1, bad}, "minor_radius", bad);
+  }
+}
+
+TEST(CheckObject, RefusesBrokenMeshes) {
+  EXPECT_NE(inputError([] { checkObject(Mesh{}); }).find("no triangle"), std::string::npos);
+  Mesh mesh = brick();
+  mesh.triangles[2][1] = 8;
+  EXPECT_NE(inputError([&] { checkObject(mesh); }).find("triangles[2]: index 8"), std::string::npos);
+  mesh = brick();
+  mesh.vertices[4][2] = std::numeric_limits<float>::infinity();
+  EXPECT_NE(inputError([&] { checkObject(mesh); }).find("vertices[4]: inf"), std::string::npos);
+}
+
+TEST(Object, NamesItselfAfterItsKind) {
+  EXPECT_EQ(Object(HalfSpace{}).name, "half_space");
+  EXPECT_EQ(Object(brick()).name, "mesh");
+  EXPECT_EQ(Object(Torus{2, 1}).name, "torus");
+}
+
+}  // namespace
+}  // namespace taxelsim

@@ -1,0 +1,242 @@
+// Each way to break a scene, and the line a person gets: position, key, value found, what is allowed.
+#include <gmock/gmock.h>
+
+#include "scene_text.h"
+#include "taxelsim/scene.h"
+
+namespace taxelsim {
+namespace {
+
+struct BadScene {
+  std::string_view from;
+  std::string_view to;
+  std::string_view message;  // how it begins, after the file's name
+};
+
+std::string refusalOf(std::string_view text) {
+  const ScratchDirectory directory;
+  directory.write("mesh.obj", kMeshText);
+  directory.write("not_a_mesh.obj", "nothing here\n");
+  directory.write("sensor.yaml", "format_version: 1\nname: x\nnum_rows: 0\n");
+  directory.write("other.gltf", "{}");
+  const std::filesystem::path file = directory.write("scene.yaml", text);
+  std::string message = refusal(file, [&] { loadScene(file); });
+  // Files beside the scene are named by their whole path.
+  const std::string prefix = directory.path().string() + "/";
+  for (std::size_t at = message.find(prefix); at != std::string::npos; at = message.find(prefix)) message.erase(at, prefix.size());
+  return message;
+}
+
+void expectRefusals(std::initializer_list<BadScene> table) {
+  for (const BadScene& bad : table) {
+    SCOPED_TRACE(bad.to);
+    EXPECT_THAT(refusalOf(edited(kScene, bad.from, bad.to)), testing::StartsWith(std::string(bad.message)));
+  }
+}
+
+constexpr std::string_view kSkin = "{thickness_mm: 2, normal_contact_stiffness: 1.73e8}";
+constexpr std::string_view kPsf = "{gaussian: {sigma: 0.5, size: 3}}";
+constexpr std::string_view kCurve = "{counts_per_newton: 2400}";
+constexpr std::string_view kEpisode = "{num_steps: 20, simulation_rate: 100, control_rate: 50}";
+constexpr std::string_view kRotation = "{rotation: [1, 0, 0, 0]}";
+constexpr std::string_view kSphere = "sphere: {radius_mm: 5}";
+
+TEST(BadScenes, Versions) {
+  expectRefusals(
+      {BadScene{"format_version: 1", "format_version: 2", ":1:17: format_version: version 2 is newer than this program: it reads up to 1"},
+       BadScene{"format_version: 1\n", "", ":1:1: format_version is missing: 1"},
+       BadScene{"format_version: 1", "format_version: 0", ":1:17: format_version: 0 is not allowed: a whole number from 1"},
+       BadScene{"format_version: 1", "format_version: one", ":1:17: format_version: one is not allowed: a whole number from 1"},
+       BadScene{"format_version: 1", "format_version: 9\nfuture: x", ":1:17: format_version: version 9 is newer"}});
+}
+
+TEST(BadScenes, Keys) {
+  expectRefusals(
+      {BadScene{"weight: 2", "wieght: 2", ":17:5: objects[0].wieght: unknown key, did you mean 'weight'?; allowed: mesh, sphere,"},
+       BadScene{"thickness_mm: 2", "thicknes_mm: 2",
+                ":9:10: sensor.skin.thicknes_mm: unknown key, did you mean 'thickness_mm'?; allowed: thickness[_mm], law"},
+       BadScene{"seed: 7", "zebra: 7", ":28:26: data_set.zebra: unknown key; allowed: episodes, seed, episodes_per_shard, compression"},
+       BadScene{"kind: servo\n", "kind: servo\nkind: servo\n", ":4:1: duplicate key 'kind': already given on line 3"},
+       BadScene{"seed: 7", "seed: 7, seed: 8", ":28:35: duplicate key 'seed': already given on line 28"},
+       BadScene{"  pitch_mm: 3.4\n", "  pitch_mm: 3.4\n  pitch: 0.0034\n", ":8:13: sensor.pitch_mm: given twice, as pitch and pitch_mm"},
+       BadScene{"  pitch_mm: 3.4\n", "", ":5:3: sensor: pitch[_mm] is missing: a number > 0 m"},
+       BadScene{"name: small_scene\n", "", ":1:1: name is missing: a name"},
+       BadScene{"kind: servo\n", "", ":1:1: kind is missing: servo | contacts"},
+       BadScene{"  load: [0.5, 5]\n", "", ":22:3: randomisation: load is missing"},
+       BadScene{"  load: [0.5, 5]\n", "  load: 1\n  depth_mm: 1\n",
+                ":25:13: randomisation.depth_mm: given beside load: exactly one of the two"},
+       BadScene{"thickness_mm: 2, ", "", ":9:9: sensor.skin: thickness[_mm] is missing: a number > 0 m"},
+       BadScene{"num_steps: 20, ", "", ":20:10: episode: num_steps is missing: a whole number from 1 to 1000000"}});
+}
+
+TEST(BadScenes, Numbers) {
+  expectRefusals(
+      {BadScene{"load: [0.5, 5]", "load: -1", ":24:9: randomisation.load: -1 is not allowed: a number from 0 to 1e+06 N"},
+       BadScene{"load: [0.5, 5]", "load: [0.5, .nan]", ":24:15: randomisation.load[1]: .nan is not allowed: a number from 0 to 1e+06 N"},
+       BadScene{"load: [0.5, 5]", "load: [0.5, nan]", ":24:15: randomisation.load[1]: nan is not allowed"},
+       BadScene{"load: [0.5, 5]", "load: inf", ":24:9: randomisation.load: inf is not allowed"},
+       BadScene{"load: [0.5, 5]", "load: [5, 0.5]", ":24:9: randomisation.load: [min, max] is not allowed with min > max"},
+       BadScene{"load: [0.5, 5]", "load: [1, 2, 3]", ":24:9: randomisation.load: a list of 3 is not allowed: a list of 2 numbers"},
+       BadScene{"load: [0.5, 5]", "load: {min: 1}", ":24:9: randomisation.load: a mapping is not allowed: a number from 0"},
+       BadScene{"load: [0.5, 5]", "load: heavy", ":24:9: randomisation.load: heavy is not allowed: a number from 0"},
+       BadScene{"load: [0.5, 5]", "load: \"1\"", ":24:9: randomisation.load: \"1\" is not allowed: a number from 0"},
+       BadScene{"load: [0.5, 5]", "load: 1 N", ":24:9: randomisation.load: 1 N is not allowed"},
+       BadScene{"load: [0.5, 5]", "load: 0x10", ":24:9: randomisation.load: 0x10 is not allowed"},
+       BadScene{"load: [0.5, 5]", "load:", ":24:3: randomisation.load: nothing is not allowed"},
+       BadScene{"load: [0.5, 5]", "load: 1e999", ":24:9: randomisation.load: 1e999 is not allowed"},
+       BadScene{"1.73e8", "1e31",
+                ":9:53: sensor.skin.normal_contact_stiffness: 1e31 is not allowed: a number > 0 Pa/m^normal_exponent, its size 0 or 1e-30"},
+       BadScene{"1.73e8", "1e-320", ":9:53: sensor.skin.normal_contact_stiffness: 1e-320 is not allowed"},
+       BadScene{"1.73e8", "0", ":9:53: sensor.skin.normal_contact_stiffness: 0 is not allowed: a number > 0"},
+       BadScene{"yaw_deg: 30", "yaw_deg: 400", ":23:12: randomisation.yaw_deg: 400 is not allowed: a number from -360 to 360 deg"},
+       BadScene{"yaw_deg: 30", "tilt_deg: -1", ":23:13: randomisation.tilt_deg: -1 is not allowed: a number from 0 to 90 deg"},
+       BadScene{"x_mm: [-2, 2]", "x_mm: [-2, 2000]", ":22:14: randomisation.x_mm[1]: 2000 is not allowed: a number from -1000 to 1000 mm"},
+       BadScene{"yaw_deg: 30", "gain: 0", ":23:9: randomisation.gain: 0 is not allowed: a number > 0 and <= 1000"},
+       BadScene{"yaw_deg: 30", "noise: -3", ":23:10: randomisation.noise: -3 is not allowed: a number from 0 to 65535 counts"},
+       BadScene{"num_rows: 3", "num_rows: 0", ":6:13: sensor.num_rows: 0 is not allowed: a whole number from 1 to 128"},
+       BadScene{"num_rows: 3", "num_rows: 129", ":6:13: sensor.num_rows: 129 is not allowed"},
+       BadScene{"num_rows: 3", "num_rows: 3.5", ":6:13: sensor.num_rows: 3.5 is not allowed"},
+       BadScene{"pitch_mm: 3.4", "pitch_mm: [3.4, 0]", ":8:19: sensor.pitch_mm[1]: 0 is not allowed: a number > 0 mm"},
+       BadScene{"angle_gain: 0.78", "target_angle_deg: -90",
+                ":26:34: controller.edge_servo.target_angle_deg: -90 is not allowed: a number > -90 and <= 90 deg"},
+       BadScene{"angle_gain: 0.78", "max_angular_velocity_deg: 0",
+                ":26:42: controller.edge_servo.max_angular_velocity_deg: 0 is not allowed: a number > 0 deg/s"},
+       BadScene{"angle_gain: 0.78", "min_confidence: 1.5",
+                ":26:32: controller.edge_servo.min_confidence: 1.5 is not allowed: a number from 0 to 1"},
+       BadScene{"control_rate: 50", "control_rate: 30",
+                ":20:62: episode.control_rate: 30 Hz is not allowed: simulation_rate (100 Hz) divided by a whole number"},
+       BadScene{"control_rate: 50", "control_rate: 200", ":20:62: episode.control_rate: 200 Hz is not allowed"},
+       BadScene{"simulation_rate: 100", "simulation_rate: 0",
+                ":20:43: episode.simulation_rate: 0 is not allowed: a number > 0 and <= 1e+06 Hz"},
+       BadScene{"seed: 7", "seed: -7", ":28:32: data_set.seed: -7 is not allowed: a whole number from 0 to 18446744073709551615"},
+       BadScene{"seed: 7", "seed: 18446744073709551616", ":28:32: data_set.seed: 18446744073709551616 is not allowed"},
+       BadScene{"episodes: 10", "episodes: 0", ":28:22: data_set.episodes: 0 is not allowed: a whole number from 1"},
+       BadScene{"seed: 7", "compression: 10", ":28:39: data_set.compression: 10 is not allowed: a whole number from 0 to 9"},
+       BadScene{"seed: 7", "episodes_per_shard: 0", ":28:46: data_set.episodes_per_shard: 0 is not allowed"}});
+}
+
+TEST(BadScenes, Sensors) {
+  expectRefusals(
+      {BadScene{kSkin, "{thickness: 0, normal_contact_stiffness: 1}", ":9:21: sensor.skin.thickness: 0 is not allowed: a number > 0 m"},
+       BadScene{kSkin, "{thickness: 1, law: lugre, normal_contact_stiffness: 1}", ":9:29: sensor.skin.law: lugre is not allowed: winkler"},
+       BadScene{kSkin, "soft", ":9:9: sensor.skin: soft is not allowed: a mapping of thickness[_mm], law"},
+       BadScene{kPsf, "{gaussian: {sigma: 0, size: 3}}",
+                ":10:27: sensor.psf.gaussian.sigma: 0 is not allowed: a number from 0.001 to 100 taxels"},
+       BadScene{kPsf, "{gaussian: {sigma: 1, size: 4}}",
+                ":10:36: sensor.psf.gaussian.size: 4 is not allowed: an odd whole number from 1 to 9"},
+       BadScene{kPsf, "{gaussian: {sigma: 1}}", ":10:19: sensor.psf.gaussian: size is missing: an odd whole number from 1 to 9"},
+       BadScene{kPsf, "{kernel: [[1, 2, 1], [1, 2], [1, 2, 1]]}",
+                ":10:29: sensor.psf.kernel[1]: a list of 2 is not allowed: a list of 3 numbers"},
+       BadScene{kPsf, "{kernel: [[0]]}", ":10:17: sensor.psf.kernel: the weights sum to 0: at least one must be > 0"},
+       BadScene{kPsf, "{kernel: [[1, 1], [1, 1]]}", ":10:17: sensor.psf.kernel: a list of 2 is not allowed: a square list of rows"},
+       BadScene{kPsf, "{kernel: [[1]], gaussian: {sigma: 1, size: 1}}",
+                ":10:17: sensor.psf.kernel: given beside `gaussian`: either, not both"},
+       BadScene{kPsf, "{normalization: some}", ":10:24: sensor.psf.normalization: some is not allowed: per_source | none"},
+       BadScene{kCurve, "{}", ":12:12: sensor.readout.curve: coefficients is missing: a list of 1 to 5 numbers"},
+       BadScene{kCurve, "{coefficients: [1, 2, 3, 4, 5, 6]}",
+                ":12:27: sensor.readout.curve.coefficients: a list of 6 is not allowed: a list of 1 to 5"},
+       BadScene{kCurve, "{coefficients: [-1]}", ":12:12: sensor.readout.curve: "},
+       BadScene{kCurve, "{counts_per_newton: 1, coefficients: [1]}",
+                ":12:49: sensor.readout.curve.coefficients: given beside `counts_per_newton`"},
+       BadScene{"trigger: 0.02", "adc_bits: 17", ":13:15: sensor.readout.adc_bits: 17 is not allowed: a whole number from 1 to 16"},
+       BadScene{"trigger: 0.02", "saturation: 4096",
+                ":13:17: sensor.readout.saturation: 4096 is not allowed: a whole number from 1 to 4095"},
+       BadScene{"trigger: 0.02", "taxel_gain: [1, 1]",
+                ":13:17: sensor.readout.taxel_gain: 2 numbers are not allowed: one for each of the 12 taxels"},
+       BadScene{"trigger: 0.02", "taxel_gain: [[1, 1], 1]", ":13:17: sensor.readout.taxel_gain: numbers and rows are mixed"},
+       BadScene{"trigger: 0.02", "taxel_gain: [[1, 1, 1], [1, 1, 1], [1, 1, 1], [1, 1, 1]]",
+                ":13:17: sensor.readout.taxel_gain: a row of 3 is not allowed: rows of 4 (num_cols)"},
+       BadScene{"trigger: 0.02", "taxel_trigger: [-1]", ":13:21: sensor.readout.taxel_trigger[0]: -1 is not allowed: a number >= 0 N"},
+       BadScene{"  num_rows: 3\n", "  patches: []\n", ":7:13: sensor.num_cols: stands beside `patches`"},
+       BadScene{"rpy_deg: [0, 0, 90]", "rotation: [1, 1, 0, 0]",
+                ":14:43: mount.rotation: length 1.4142135623730951 is not allowed: a unit quaternion"},
+       BadScene{"rpy_deg: [0, 0, 90]", "rotation: [1, 0, 0]", ":14:43: mount.rotation: a list of 3 is not allowed: a list of 4 numbers"},
+       BadScene{"rpy_deg: [0, 0, 90]", "rpy: [0, 0, 0], rotation: [1, 0, 0, 0]",
+                ":14:59: mount.rotation: given twice, as rotation and rpy"}});
+}
+
+TEST(BadScenes, Objects) {
+  expectRefusals(
+      {BadScene{kSphere, "mesh: missing.obj", ":16:11: objects[0].mesh: missing.obj is not there, or not a file"},
+       BadScene{kSphere, "mesh: .", ":16:11: objects[0].mesh: "},
+       BadScene{kSphere, "mesh: not_a_mesh.obj", ":16:11: objects[0].mesh: not_a_mesh.obj"},
+       BadScene{kSphere, "mesh: other.gltf", ":16:11: objects[0].mesh: a .gltf keeps its geometry in other files"},
+       BadScene{"sphere: {radius_mm: 5}\n", "mesh: mesh.obj\n    scale: 0\n",
+                ":17:12: objects[0].scale: 0 is not allowed: a number > 0 m per unit"},
+       BadScene{"sphere: {radius_mm: 5}\n", "mesh: mesh.obj\n    up_axis: w\n", ":17:14: objects[0].up_axis: w is not allowed: x | y | z"},
+       BadScene{"sphere: {radius_mm: 5}\n", "mesh: mesh.obj\n    sha256: 00\n", ":17:13: objects[0].sha256: not the SHA-256 of mesh.obj"},
+       BadScene{kSphere, "sphere: {radius_mm: 0}", ":16:25: objects[0].sphere.radius_mm: 0 is not allowed: a number > 0 mm"},
+       BadScene{kSphere, "sphere: {}", ":16:13: objects[0].sphere: radius[_mm] is missing: a number > 0 m"},
+       BadScene{kSphere, "half_space: {radius: 1}", ":16:18: objects[0].half_space.radius: unknown key; no key is allowed here"},
+       BadScene{kSphere, "torus: {major_radius_mm: 1, minor_radius_mm: 2}", ":16:5: objects[0]: "},
+       BadScene{kSphere, "name: a", ":16:5: objects[0]: no shape: one of mesh | sphere"},
+       BadScene{"    weight: 2\n", "    box: {size: [1, 1, 1]}\n", ":17:10: objects[0].box: a second shape beside sphere: one an object"},
+       BadScene{"weight: 2", "scale: 2", ":17:12: objects[0].scale: belongs to a mesh, not to a sphere"},
+       BadScene{"weight: 2", "weight: -2", ":17:13: objects[0].weight: -2 is not allowed: a number >= 0"},
+       BadScene{"weight: 2\n  - cylinder: {radius_mm: 8, length_mm: 40}",
+                "weight: 0\n  - weight: 0\n    cylinder: {radius_mm: 8, length_mm: 40}", ":16:3: objects: every weight is 0"},
+       BadScene{"weight: 2\n  - cyl", "name: a\n  - name: a\n    cyl", ":18:11: objects[1].name: an earlier object has this name"},
+       BadScene{kRotation, "{rotation: [0, 0, 0, 0]}", ":19:29: objects[1].orientation.rotation: length 0 is not allowed"},
+       BadScene{kRotation, "{position: [0, 0, 0]}", ":19:19: objects[1].orientation.position: unknown key"}});
+}
+
+TEST(BadScenes, Scenes) {
+  expectRefusals(
+      {BadScene{"kind: servo", "kind: walk", ":3:7: kind: walk is not allowed: servo | contacts"},
+       BadScene{"name: small_scene", "name: \"\"", ":2:7: name: \"\" is not allowed: a name"},
+       BadScene{"name: small_scene", "name: \"a\\nb\"", ":2:7: name: \"a?b\" is not allowed: a name on one line"},
+       BadScene{"name: small_scene", "name: [a]", ":2:7: name: a list of 1 is not allowed: a name"},
+       BadScene{"kind: servo", "kind: contacts", ":20:22: episode.num_steps: 20 is not allowed: a whole number from 1 to 1"},
+       BadScene{kEpisode, "fast", ":20:10: episode: fast is not allowed: a mapping of num_steps"},
+       BadScene{"[tactile_image, features]", "[tactile_image, taste]",
+                ":27:25: record[1]: taste is not allowed: tactile_image | features | ground_truth"},
+       BadScene{"[tactile_image, features]", "[poses, poses]", ":27:17: record[1]: poses is given twice"},
+       BadScene{"[tactile_image, features]", "[]", ":27:9: record: a list of 0 is not allowed: a list of at least one of tactile_image"},
+       BadScene{"{angle_gain: 0.78}", "{}\n  pid: {}", ":27:3: controller.pid: unknown key; allowed: edge_servo"},
+       BadScene{"name: small_scene", "name: &a b", ":2:7: an anchor"}, BadScene{"name: small_scene", "name: *a", ":2:7: "},
+       BadScene{"name: small_scene", "name: !!str b", ":2:7: a tag"}, BadScene{"name: small_scene", "name: {", ":4:7: not YAML: "},
+       BadScene{"  load:", "\tload:", ":24:1: a tab before the text of a line: indent with spaces"},
+       BadScene{"record:", "---\nrecord:", ":27:1: a second document"}});
+}
+
+TEST(BadSceneFiles, ObjectsMustBeAListWithSomethingInIt) {
+  const std::string text(kScene);
+  const std::size_t begin = text.find("objects:");
+  const std::size_t end = text.find("episode:");
+  const auto with = [&](const std::string& objects) { return text.substr(0, begin) + objects + text.substr(end); };
+  EXPECT_THAT(refusalOf(with("objects: []\n")),
+              testing::StartsWith(":15:10: objects: a list of 0 is not allowed: a list of at least one object"));
+  EXPECT_THAT(refusalOf(with("objects: mesh.obj\n")), testing::StartsWith(":15:10: objects: mesh.obj is not allowed: a list"));
+  EXPECT_THAT(refusalOf(with("")), testing::StartsWith(":1:1: objects is missing: a list"));
+}
+
+TEST(BadSceneFiles, ErrorsOfASensorFileStandInThatFile) {
+  const std::string text(kScene);
+  const auto with = [&](const std::string& sensor) {
+    return text.substr(0, text.find("sensor:")) + sensor + text.substr(text.find("mount:"));
+  };
+  EXPECT_THAT(refusalOf(with("sensor: nowhere.yaml\n")), testing::StartsWith(":4:9: sensor: nowhere.yaml is not there, or not a file"));
+  EXPECT_THAT(refusalOf(with("sensor: sensor.yaml\n")),
+              testing::StartsWith("sensor.yaml:3:11: num_rows: 0 is not allowed: a whole number from 1 to 128"));
+  EXPECT_THAT(refusalOf(with("sensor: [a]\n")), testing::StartsWith(":4:9: sensor: a list of 1 is not allowed: a sensor file"));
+  EXPECT_THAT(refusalOf(with("sensor: {format_version: 1}\n")), testing::StartsWith(":4:10: sensor.format_version: unknown key"));
+}
+
+TEST(BadSceneFiles, ControllerAndActionsBelongToServoScenes) {
+  const std::string contacts = edited(edited(kScene, "kind: servo", "kind: contacts"), "num_steps: 20, ", "");
+  EXPECT_THAT(refusalOf(contacts), testing::StartsWith(":26:3: controller: a scene of kind contacts has no controller"));
+  const std::string without = edited(contacts, "controller:\n  edge_servo: {angle_gain: 0.78}\n", "");
+  EXPECT_EQ(refusalOf(without), "was accepted");
+  EXPECT_THAT(refusalOf(edited(without, "[tactile_image, features]", "[actions]")),
+              testing::StartsWith(":25:10: record[0]: a scene of kind contacts has no actions"));
+}
+
+TEST(BadSceneFiles, OverridesAreChecked) {
+  const ScratchDirectory directory;
+  const std::filesystem::path file = directory.write("scene.yaml", kScene);
+  EXPECT_THAT(refusal(file, [&] { loadScene(file, {.num_episodes = 0, .seed = 1}); }),
+              testing::StartsWith("episodes: 0 is not allowed: a whole number from 1"));
+}
+
+}  // namespace
+}  // namespace taxelsim

@@ -1,0 +1,196 @@
+// The canonical text of a scene: the same for the same data wherever it is loaded, another as soon as anything changes.
+#include <gmock/gmock.h>
+
+#include <clocale>
+#include <set>
+
+#include "scene_text.h"
+#include "taxelsim/scene.h"
+
+namespace taxelsim {
+namespace {
+
+std::string resolved(std::string_view text, const SceneOverrides& overrides = {}) {
+  const ScratchDirectory directory;
+  return loadScene(directory.write("scene.yaml", text), overrides).resolved;
+}
+
+class WorkingDirectory {
+ public:
+  explicit WorkingDirectory(const std::filesystem::path& path) : before_(std::filesystem::current_path()) {
+    std::filesystem::current_path(path);
+  }
+  ~WorkingDirectory() { std::filesystem::current_path(before_); }
+
+ private:
+  std::filesystem::path before_;
+};
+
+TEST(Resolved, IsAValidSceneThatResolvesToItself) {
+  const std::string text = resolved(kScene);
+  EXPECT_EQ(resolved(text), text);
+}
+
+TEST(Resolved, IsTheSameFromEveryDirectory) {
+  const ScratchDirectory one;
+  const ScratchDirectory two;
+  const std::string scene = edited(kScene, "sphere: {radius_mm: 5}", "mesh: mesh.obj");
+  for (const ScratchDirectory* directory : {&one, &two}) {
+    directory->write("mesh.obj", kMeshText);
+    directory->write("scene.yaml", scene);
+  }
+  const std::string expected = loadScene(one.path() / "scene.yaml").resolved;
+  EXPECT_EQ(loadScene(two.path() / "scene.yaml").resolved, expected);
+  EXPECT_EQ(expected.find(one.path().string()), std::string::npos);
+  const WorkingDirectory inside(one.path());
+  EXPECT_EQ(loadScene("scene.yaml").resolved, expected);
+  EXPECT_EQ(loadScene("./../" + one.path().filename().string() + "/scene.yaml").resolved, expected);
+}
+
+TEST(Resolved, WhereASensorOrMeshLiesDoesNotShow) {
+  const ScratchDirectory directory;
+  directory.write("deep/down/mesh.obj", kMeshText);
+  directory.write("mesh.obj", kMeshText);
+  const std::string text(kScene);
+  const std::size_t begin = text.find("sensor:\n") + std::string_view("sensor:\n").size();
+  std::string block = text.substr(begin, text.find("mount:") - begin);
+  std::string sensor = "format_version: 1\n";
+  for (std::size_t at = 0; at < block.size();) {
+    const std::size_t end = block.find('\n', at) + 1;
+    sensor += block.substr(at + 2, end - at - 2);
+    at = end;
+  }
+  directory.write("sensors/s.yaml", sensor);
+  const std::string with_file = text.substr(0, text.find("sensor:")) + "sensor: sensors/s.yaml\n" + text.substr(text.find("mount:"));
+  EXPECT_EQ(loadScene(directory.write("a.yaml", with_file)).resolved, resolved(kScene));
+
+  const auto with_mesh = [&](const std::string& mesh) {
+    return loadScene(directory.write("b.yaml", edited(kScene, "sphere: {radius_mm: 5}", "mesh: " + mesh))).resolved;
+  };
+  EXPECT_EQ(with_mesh("mesh.obj"), with_mesh("deep/down/mesh.obj"));
+}
+
+TEST(Resolved, NamesAMeshByItsBytes) {
+  const ScratchDirectory directory;
+  const std::filesystem::path file = directory.write("scene.yaml", edited(kScene, "sphere: {radius_mm: 5}", "mesh: mesh.obj"));
+  directory.write("mesh.obj", kMeshText);
+  const std::string before = loadScene(file).resolved;
+  // printf of kMeshText, piped into sha256sum.
+  EXPECT_THAT(before, testing::HasSubstr("sha256: \"af72715adabcffe1822c22ec53986be67d1430b62f4f8ff6cd0e5f329e8ada39\""));
+  directory.write("resolved.yaml", before);
+  EXPECT_EQ(loadScene(directory.path() / "resolved.yaml").resolved, before);
+  directory.write("mesh.obj", std::string(kMeshText) + "# a comment\n");
+  EXPECT_NE(loadScene(file).resolved, before);
+  EXPECT_THAT(refusal(directory.path() / "resolved.yaml", [&] { loadScene(directory.path() / "resolved.yaml"); }),
+              testing::HasSubstr("not the SHA-256 of"));
+}
+
+TEST(Resolved, DoesNotDependOnTheLocale) {
+  const std::string expected = resolved(kScene);
+  const std::string before = std::setlocale(LC_ALL, nullptr);
+  for (const char* name : {"de_DE.UTF-8", "C.UTF-8", "C"}) {
+    std::setlocale(LC_ALL, name);
+    EXPECT_EQ(resolved(kScene), expected) << name;
+  }
+  std::setlocale(LC_ALL, before.c_str());
+}
+
+TEST(Resolved, SpellingDoesNotShow) {
+  const std::string expected = resolved(kScene);
+  const std::vector<std::pair<std::string_view, std::string_view>> same = {
+      {"pitch_mm: 3.4", "pitch: 0.0034"},
+      {"pitch_mm: 3.4", "pitch: [0.0034, 3.4e-3]"},
+      {"{counts_per_newton: 2400}", "{coefficients: [2.4e3]}"},
+      {"weight: 2", "weight: +2.0"},
+      {"x_mm: [-2, 2]", "x: [-0.002, 0.002]"},
+      {"x_mm: [-2, 2]", "x_mm: [-2, 2]\n  y: -0"},
+      {"yaw_deg: 30", "yaw_deg: [30, 30]"},
+      {"{rotation: [1, 0, 0, 0]}", "{}"},
+      {"[tactile_image, features]", "[features, tactile_image]"},
+      {"name: small_scene", "name: \"small_scene\"  # a comment"},
+      {"load: [0.5, 5]", "load: [0.5,\n    5.0]\n  gain: 1"},
+  };
+  for (const auto& [from, to] : same) EXPECT_EQ(resolved(edited(kScene, from, to)), expected) << to;
+}
+
+TEST(Resolved, AnySettingShows) {
+  const std::vector<std::pair<std::string_view, std::string_view>> edits = {
+      {"name: small_scene", "name: other"},
+      {"name: small\n", "name: tiny\n"},
+      {"num_rows: 3", "num_rows: 4"},
+      {"num_cols: 4", "num_cols: 5"},
+      {"pitch_mm: 3.4", "pitch_mm: 3.5"},
+      {"pitch_mm: 3.4", "pitch_mm: [3.4, 3.5]"},
+      {"  pitch_mm: 3.4\n", "  pitch_mm: 3.4\n  pose: {position_mm: [1, 0, 0]}\n"},
+      {"  pitch_mm: 3.4\n", "  pitch_mm: 3.4\n  pose: {rpy_deg: [1, 0, 0]}\n"},
+      {"  pitch_mm: 3.4\n", "  pitch_mm: 3.4\n  samples_per_taxel: 5\n"},
+      {"  pitch_mm: 3.4\n", "  pitch_mm: 3.4\n  frame_rate: 50\n"},
+      {"thickness_mm: 2", "thickness_mm: 3"},
+      {"1.73e8", "1.73000000000001e8"},
+      {"1.73e8}", "1.73e8, normal_exponent: 2}"},
+      {"1.73e8}", "1.73e8, normal_damping: 1}"},
+      {"sigma: 0.5", "sigma: 0.6"},
+      {"size: 3", "size: 5"},
+      {"size: 3}}", "size: 3}, normalization: none}"},
+      {"{gaussian: {sigma: 0.5, size: 3}}", "{kernel: [[2]]}"},
+      {"counts_per_newton: 2400", "counts_per_newton: 2401"},
+      {"counts_per_newton: 2400", "coefficients: [2400, 1]"},
+      {"trigger: 0.02", "trigger: 0.03"},
+      {"trigger: 0.02", "trigger: 0.02\n    output_scale: 1.5"},
+      {"trigger: 0.02", "trigger: 0.02\n    adc_bits: 13"},
+      {"trigger: 0.02", "trigger: 0.02\n    saturation: 4000"},
+      {"trigger: 0.02", "trigger: 0.02\n    noise: 1"},
+      {"trigger: 0.02", "trigger: 0.02\n    taxel_gain: [1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 2]"},
+      {"trigger: 0.02", "trigger: 0.02\n    taxel_trigger: [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0.1]"},
+      {"position_mm: [1, 2, 3]", "position_mm: [1, 2, 4]"},
+      {"rpy_deg: [0, 0, 90]", "rpy_deg: [0, 0, 91]"},
+      {"radius_mm: 5", "radius_mm: 6"},
+      {"sphere: {radius_mm: 5}", "capsule: {radius_mm: 5, length: 0}"},
+      {"weight: 2", "weight: 3"},
+      {"weight: 2", "weight: 2\n    name: ball"},
+      {"length_mm: 40", "length_mm: 41"},
+      {"rotation: [1, 0, 0, 0]", "rotation: [0, 1, 0, 0]"},
+      {"num_steps: 20", "num_steps: 21"},
+      {"simulation_rate: 100", "simulation_rate: 200"},
+      {"control_rate: 50", "control_rate: 100"},
+      {"x_mm: [-2, 2]", "x_mm: [-2, 3]"},
+      {"x_mm: [-2, 2]", "y_mm: [-2, 2]"},
+      {"yaw_deg: 30", "yaw_deg: 31"},
+      {"yaw_deg: 30", "yaw_deg: 30\n  tilt_deg: 1"},
+      {"yaw_deg: 30", "yaw_deg: 30\n  gain: [1, 1.1]"},
+      {"yaw_deg: 30", "yaw_deg: 30\n  gain_spread: 0.1"},
+      {"yaw_deg: 30", "yaw_deg: 30\n  noise: 1"},
+      {"load: [0.5, 5]", "load: [0.5, 6]"},
+      {"load: [0.5, 5]", "depth: [0.5, 0.6]"},
+      {"angle_gain: 0.78", "angle_gain: 0.79"},
+      {"angle_gain: 0.78", "angle_gain: 0.78, force_gain: 1"},
+      {"angle_gain: 0.78", "angle_gain: 0.78, centre_gain: 2"},
+      {"angle_gain: 0.78", "angle_gain: 0.78, target_angle: 1"},
+      {"angle_gain: 0.78", "angle_gain: 0.78, exploration_velocity: 1"},
+      {"angle_gain: 0.78", "angle_gain: 0.78, max_angular_velocity: 2"},
+      {"angle_gain: 0.78", "angle_gain: 0.78, max_linear_velocity: 1"},
+      {"angle_gain: 0.78", "angle_gain: 0.78, min_confidence: 0"},
+      {"[tactile_image, features]", "[tactile_image]"},
+      {"episodes: 10", "episodes: 11"},
+      {"seed: 7", "seed: 8"},
+      {"seed: 7", "seed: 7, episodes_per_shard: 2"},
+      {"seed: 7", "seed: 7, compression: 1"},
+  };
+  std::set<std::string> texts = {resolved(kScene)};
+  for (const auto& [from, to] : edits) EXPECT_TRUE(texts.insert(resolved(edited(kScene, from, to))).second) << to;
+}
+
+TEST(Resolved, OverridesStandInIt) {
+  const std::string overridden = resolved(kScene, {.num_episodes = 99, .seed = 5});
+  EXPECT_EQ(overridden, resolved(edited(edited(kScene, "episodes: 10", "episodes: 99"), "seed: 7", "seed: 5")));
+}
+
+TEST(Resolved, NamesThatLookLikeSomethingElseAreQuoted) {
+  for (const std::string_view name : {"\"yes\"", "\"1.5\"", "\"a: b\"", "\"a \\\"b\\\" \\\\ #c\"", "\"\xC3\xA9\"", "y"}) {
+    const std::string text = resolved(edited(kScene, "name: small_scene", "name: " + std::string(name)));
+    EXPECT_EQ(resolved(text), text) << name;
+  }
+}
+
+}  // namespace
+}  // namespace taxelsim

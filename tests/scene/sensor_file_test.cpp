@@ -1,0 +1,236 @@
+// Sensor files: every setting arrives in its field, in SI units, and defaults are those of the header.
+#include <numbers>
+
+#include "scene_text.h"
+#include "taxelsim/scene.h"
+#include "taxelsim/sensor.h"
+
+namespace taxelsim {
+namespace {
+
+// Sines and cosines of a few ulp, in products of three rotations.
+constexpr double kRotationTolerance = 1e-15;
+
+Sensor load(const std::string& text) {
+  const ScratchDirectory directory;
+  return loadSensor(directory.write("sensor.yaml", "format_version: 1\nname: x\n" + text));
+}
+
+constexpr const char* kGrid = "num_rows: 3\nnum_cols: 4\npitch: 0.0034\n";
+constexpr const char* kRest = "skin: {thickness: 0.002, normal_contact_stiffness: 1.73e8}\nreadout: {curve: {counts_per_newton: 2400}}\n";
+
+TEST(SensorFile, DefaultsAreTheHeaders) {
+  const Sensor sensor = load(std::string(kGrid) + kRest);
+  EXPECT_EQ(sensor.name, "x");
+  ASSERT_EQ(sensor.patches.size(), 1u);
+  EXPECT_EQ(sensor.patches[0].num_rows, 3);
+  EXPECT_EQ(sensor.patches[0].num_cols, 4);
+  EXPECT_EQ(sensor.patches[0].pitch, (std::array<double, 2>{0.0034, 0.0034}));
+  EXPECT_EQ(sensor.patches[0].X_SP, Pose{});
+  EXPECT_EQ(sensor.samples_per_taxel, Sensor{}.samples_per_taxel);
+  EXPECT_EQ(sensor.frame_rate, Sensor{}.frame_rate);
+  EXPECT_EQ(sensor.skin.thickness, 0.002);
+  EXPECT_EQ(std::get<Winkler>(sensor.skin.law), (Winkler{.normal_contact_stiffness = 1.73e8}));
+  EXPECT_EQ(sensor.psf.size, Psf{}.size);
+  EXPECT_EQ(sensor.psf.kernel, Psf{}.kernel);
+  EXPECT_EQ(sensor.psf.normalization, Psf{}.normalization);
+  EXPECT_EQ(sensor.readout.curve, std::vector<double>{2400});
+  EXPECT_EQ(sensor.readout.output_scale, Readout{}.output_scale);
+  EXPECT_EQ(sensor.readout.trigger, Readout{}.trigger);
+  EXPECT_EQ(sensor.readout.adc_bits, Readout{}.adc_bits);
+  EXPECT_EQ(sensor.readout.saturation, Readout{}.saturation);
+  EXPECT_EQ(sensor.readout.noise, Readout{}.noise);
+  EXPECT_TRUE(sensor.readout.taxel_gain.empty());
+  EXPECT_TRUE(sensor.readout.taxel_trigger.empty());
+}
+
+TEST(SensorFile, EverySettingArrives) {
+  const Sensor sensor = load(R"(patches:
+  - {name: a, num_rows: 1, num_cols: 2, pitch_mm: [3, 4], pose: {position_mm: [1, 2, 3], rotation: [0, 1, 0, 0]}}
+  - {num_rows: 1, num_cols: 1, pitch: 0.005, pose: {rpy_deg: [0, 0, 90]}}
+samples_per_taxel: 8
+frame_rate: 31
+skin: {thickness_mm: 1.5, law: winkler, normal_contact_stiffness: 2e8, normal_exponent: 1.5, normal_damping: 10}
+psf: {kernel: [[0, 1, 0], [2, 4, 2], [0, 1, 0.5]], normalization: none}
+readout: {curve: {coefficients: [100, 2, 0.5]}, output_scale: 2, trigger: 0.1, adc_bits: 10, saturation: 1000, noise: 3,
+          taxel_gain: [1, 2, 3], taxel_trigger: [0.1, 0.2, 0.3]}
+)");
+  ASSERT_EQ(sensor.patches.size(), 2u);
+  EXPECT_EQ(sensor.patches[0].name, "a");
+  EXPECT_EQ(sensor.patches[0].pitch, (std::array<double, 2>{0.003, 0.004}));
+  EXPECT_EQ(sensor.patches[0].X_SP, (Pose{{0.001, 0.002, 0.003}, {0, 1, 0, 0}}));
+  EXPECT_EQ(sensor.patches[1].name, "patch_1");
+  const Vector3 turned = rotate(sensor.patches[1].X_SP.rotation, {1, 0, 0});
+  EXPECT_NEAR(turned[0], 0, kRotationTolerance);
+  EXPECT_NEAR(turned[1], 1, kRotationTolerance);
+  EXPECT_EQ(sensor.samples_per_taxel, 8);
+  EXPECT_EQ(sensor.frame_rate, 31);
+  EXPECT_EQ(sensor.skin.thickness, 0.0015);
+  EXPECT_EQ(std::get<Winkler>(sensor.skin.law), (Winkler{.normal_contact_stiffness = 2e8, .normal_exponent = 1.5, .normal_damping = 10}));
+  EXPECT_EQ(sensor.psf.size, 3);
+  EXPECT_EQ(sensor.psf.kernel, (std::vector<double>{0, 1, 0, 2, 4, 2, 0, 1, 0.5}));
+  EXPECT_EQ(sensor.psf.normalization, Psf::Normalization::kNone);
+  EXPECT_EQ(sensor.readout.curve, (std::vector<double>{100, 2, 0.5}));
+  EXPECT_EQ(sensor.readout.output_scale, 2);
+  EXPECT_EQ(sensor.readout.trigger, 0.1);
+  EXPECT_EQ(sensor.readout.adc_bits, 10);
+  EXPECT_EQ(sensor.readout.saturation, 1000);
+  EXPECT_EQ(sensor.readout.noise, 3);
+  EXPECT_EQ(sensor.readout.taxel_gain, (std::vector<double>{1, 2, 3}));
+  EXPECT_EQ(sensor.readout.taxel_trigger, (std::vector<double>{0.1, 0.2, 0.3}));
+}
+
+TEST(SensorFile, GainsInRowsAreGainsInStorageOrder) {
+  const std::string readout = "skin: {thickness: 0.002, normal_contact_stiffness: 1.73e8}\nreadout: {curve: {counts_per_newton: 2400}, ";
+  const std::vector<double> expected{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
+  EXPECT_EQ(load(kGrid + readout + "taxel_gain: [[1, 2, 3, 4], [5, 6, 7, 8], [9, 10, 11, 12]]}").readout.taxel_gain, expected);
+  EXPECT_EQ(load(kGrid + readout + "taxel_gain: [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12]}").readout.taxel_gain, expected);
+}
+
+TEST(SensorFile, FullScaleFollowsTheBits) {
+  const std::string text =
+      std::string(kGrid) +
+      "skin: {thickness: 0.002, normal_contact_stiffness: 1.73e8}\nreadout: {curve: {counts_per_newton: 100}, adc_bits: 8}\n";
+  EXPECT_EQ(load(text).readout.saturation, 255);
+}
+
+TEST(SensorFile, RollComesFirstThenPitchThenYaw) {
+  // Roll turns y into z, pitch turns z into x, yaw turns x into y.
+  const Sensor sensor = load(std::string(kGrid) + "pose: {rpy_deg: [90, 90, 90]}\n" + kRest);
+  const Vector3 turned = rotate(sensor.patches[0].X_SP.rotation, {0, 1, 0});
+  EXPECT_NEAR(turned[0], 0, kRotationTolerance);
+  EXPECT_NEAR(turned[1], 1, kRotationTolerance);
+  EXPECT_NEAR(turned[2], 0, kRotationTolerance);
+}
+
+TEST(SensorFile, AQuaternionOfFourDigitsBecomesUnit) {
+  const Sensor sensor = load(std::string(kGrid) + "pose: {rotation: [0.7071, 0.7071, 0, 0]}\n" + kRest);
+  const Quaternion& q = sensor.patches[0].X_SP.rotation;
+  EXPECT_NEAR(q[0] * q[0] + q[1] * q[1], 1, kRotationTolerance);
+}
+
+TEST(SceneFile, DefaultsAreTheHeaders) {
+  const ScratchDirectory directory;
+  const std::string sensor = std::string("format_version: 1\nname: x\n") + kGrid + kRest;
+  directory.write("sensors/x.yaml", sensor);
+  const Scene scene = loadScene(directory.write("scene.yaml", R"(format_version: 1
+name: plain
+kind: servo
+sensor: sensors/x.yaml
+objects: [{half_space: {}}, {sphere: {radius: 1}}, {sphere: {radius: 1}}]
+episode: {num_steps: 3}
+randomisation: {depth_mm: 1}
+)"));
+  const Scene expected;
+  EXPECT_EQ(scene.sensor.name, "x");
+  EXPECT_EQ(scene.X_ES, expected.X_ES);
+  ASSERT_EQ(scene.objects.size(), 3u);
+  EXPECT_EQ(scene.objects[0].object.name, "half_space");
+  EXPECT_EQ(scene.objects[1].object.name, "sphere");
+  EXPECT_EQ(scene.objects[2].object.name, "sphere_2");
+  EXPECT_EQ(scene.objects[0].weight, 1);
+  EXPECT_EQ(scene.num_steps, 3);
+  EXPECT_EQ(scene.simulation_rate, expected.simulation_rate);
+  EXPECT_EQ(scene.control_rate, expected.control_rate);
+  EXPECT_EQ(scene.controller.angle_gain, expected.controller.angle_gain);
+  EXPECT_EQ(scene.controller.min_confidence, expected.controller.min_confidence);
+  EXPECT_EQ(scene.num_episodes, expected.num_episodes);
+  EXPECT_EQ(scene.episodes_per_shard, expected.episodes_per_shard);
+  EXPECT_EQ(scene.compression, expected.compression);
+  EXPECT_EQ(scene.randomisation.gain.min, 1);
+  EXPECT_EQ(scene.randomisation.noise.max, 0);
+  ASSERT_TRUE(scene.randomisation.depth.has_value());
+  EXPECT_FALSE(scene.randomisation.load.has_value());
+  EXPECT_EQ(scene.randomisation.depth->min, 0.001);
+  EXPECT_EQ(scene.randomisation.depth->max, 0.001);
+  EXPECT_EQ(scene.record, (std::vector<std::string>{"tactile_image", "features", "ground_truth", "poses", "actions"}));
+}
+
+TEST(SceneFile, EverySettingArrives) {
+  const ScratchDirectory directory;
+  directory.write("meshes/mesh.obj", kMeshText);
+  std::string text = edited(kScene, "sphere: {radius_mm: 5}", "{mesh: meshes/mesh.obj, scale: 2, up_axis: x, name: m}");
+  text = edited(text, "    weight: 2\n", "");
+  text = edited(text, "{angle_gain: 0.78}",
+                "{angle_gain: 1, force_gain: 2.5, centre_gain: 3, target_angle_deg: 90, exploration_velocity_mm: -4, "
+                "max_angular_velocity: 5, max_linear_velocity_mm: 6, min_confidence: 0.7}");
+  text = edited(text, "  yaw_deg: 30\n",
+                "  y: [0.001, 0.002]\n  yaw_deg: 180\n  tilt: [0, 0.1]\n  gain: 2\n  gain_spread: 0.1\n  noise: [1, 2]\n");
+  text = edited(text, "seed: 7", "seed: 18446744073709551615, episodes_per_shard: 5, compression: 9");
+  text = edited(text, "[tactile_image, features]", "[actions, penetration_depth]");
+  const Scene scene = loadScene(directory.write("scene.yaml", text));
+  EXPECT_EQ(scene.name, "small_scene");
+  EXPECT_EQ(scene.kind, Scene::Kind::kServo);
+  EXPECT_EQ(scene.X_ES.position, (Vector3{0.001, 0.002, 0.003}));
+  ASSERT_EQ(scene.objects.size(), 2u);
+  EXPECT_EQ(scene.objects[0].object.name, "m");
+  ASSERT_TRUE(std::holds_alternative<Mesh>(scene.objects[0].object.shape));
+  EXPECT_EQ(std::get<Mesh>(scene.objects[0].object.shape).triangles.size(), 2u);
+  EXPECT_EQ(std::get<Cylinder>(scene.objects[1].object.shape).length, 0.04);
+  EXPECT_EQ(scene.num_steps, 20);
+  EXPECT_EQ(scene.control_rate, 50);
+  EXPECT_EQ(scene.controller.angle_gain, 1);
+  EXPECT_EQ(scene.controller.force_gain, 2.5);
+  EXPECT_EQ(scene.controller.centre_gain, 3);
+  EXPECT_EQ(scene.controller.target_angle, std::numbers::pi / 2);
+  EXPECT_EQ(scene.controller.exploration_velocity, -0.004);
+  EXPECT_EQ(scene.controller.max_angular_velocity, 5);
+  EXPECT_EQ(scene.controller.max_linear_velocity, 0.006);
+  EXPECT_EQ(scene.controller.min_confidence, 0.7);
+  const Randomisation& random = scene.randomisation;
+  EXPECT_EQ(random.x.min, -0.002);
+  EXPECT_EQ(random.x.max, 0.002);
+  EXPECT_EQ(random.y.max, 0.002);
+  EXPECT_EQ(random.yaw.min, std::numbers::pi);
+  EXPECT_EQ(random.tilt.max, 0.1);
+  EXPECT_EQ(random.load->min, 0.5);
+  EXPECT_EQ(random.gain.max, 2);
+  EXPECT_EQ(random.gain_spread.min, 0.1);
+  EXPECT_EQ(random.noise.max, 2);
+  EXPECT_EQ(scene.num_episodes, 10u);
+  EXPECT_EQ(scene.seed, 18446744073709551615u);
+  EXPECT_EQ(scene.episodes_per_shard, 5u);
+  EXPECT_EQ(scene.compression, 9);
+  EXPECT_EQ(scene.record, (std::vector<std::string>{"penetration_depth", "actions"}));
+}
+
+TEST(SceneFile, ManyObjectsWithoutNamesAreNamedQuickly) {
+  constexpr int kMany = 50'000;  // hangs if each name is sought from the start
+  const ScratchDirectory directory;
+  const std::string text(kScene);
+  std::string objects = "objects:\n  - {name: sphere_3, sphere: {radius: 1}}\n";
+  for (int i = 0; i < kMany; ++i) objects += "  - sphere: {radius: 1}\n";
+  const Scene scene =
+      loadScene(directory.write("scene.yaml", text.substr(0, text.find("objects:")) + objects + text.substr(text.find("episode:"))));
+  EXPECT_EQ(scene.objects[1].object.name, "sphere");
+  EXPECT_EQ(scene.objects[2].object.name, "sphere_2");
+  EXPECT_EQ(scene.objects[3].object.name, "sphere_4");
+  EXPECT_EQ(scene.objects.back().object.name, "sphere_" + std::to_string(kMany + 1));
+}
+
+TEST(SceneFile, EverySolidIsRead) {
+  const ScratchDirectory directory;
+  const std::string text(kScene);
+  const Scene scene = loadScene(directory.write("scene.yaml", text.substr(0, text.find("objects:")) + R"(objects:
+  - sphere: {radius_mm: 1}
+  - cylinder: {radius_mm: 1, length_mm: 2}
+  - capsule: {radius_mm: 1, length: 0}
+  - box: {size_mm: [1, 2, 3]}
+  - half_space: {}
+  - cone: {radius_mm: 1, height_mm: 2}
+  - torus: {major_radius_mm: 2, minor_radius_mm: 1}
+)" + text.substr(text.find("episode:"))));
+  ASSERT_EQ(scene.objects.size(), 7u);
+  const auto shape = [&](std::size_t i) -> const Shape& { return scene.objects[i].object.shape; };
+  EXPECT_EQ(std::get<Sphere>(shape(0)).radius, 0.001);
+  EXPECT_EQ(std::get<Cylinder>(shape(1)).radius, 0.001);
+  EXPECT_EQ(std::get<Capsule>(shape(2)).length, 0);
+  EXPECT_EQ(std::get<Box>(shape(3)).size, (Vector3{0.001, 0.002, 0.003}));
+  EXPECT_TRUE(std::holds_alternative<HalfSpace>(shape(4)));
+  EXPECT_EQ(std::get<Cone>(shape(5)).height, 0.002);
+  EXPECT_EQ(std::get<Torus>(shape(6)).major_radius, 0.002);
+  EXPECT_EQ(std::get<Torus>(shape(6)).minor_radius, 0.001);
+}
+
+}  // namespace
+}  // namespace taxelsim

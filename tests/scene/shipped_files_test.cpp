@@ -1,0 +1,74 @@
+// Every scene and sensor file of the project loads, and says where its numbers come from.
+#include <algorithm>
+
+#include "scene_text.h"
+#include "taxelsim/scene.h"
+#include "taxelsim/sensor.h"
+
+namespace taxelsim {
+namespace {
+
+const std::filesystem::path kScenes = std::filesystem::path(TAXELSIM_SOURCE_DIR) / "scenes";
+
+std::vector<std::filesystem::path> yamlFiles(const std::filesystem::path& directory) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(directory)) {
+    if (entry.path().extension() == ".yaml") files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+TEST(ShippedScenes, AllLoad) {
+  const std::vector<std::filesystem::path> files = yamlFiles(kScenes);
+  EXPECT_GE(files.size(), 3u);
+  for (const std::filesystem::path& file : files) {
+    SCOPED_TRACE(file);
+    const Scene scene = loadScene(file);
+    EXPECT_EQ(scene.name, file.stem().string());
+    EXPECT_EQ(scene.resolved.find(TAXELSIM_SOURCE_DIR), std::string::npos) << "a path of this machine";
+  }
+}
+
+TEST(ShippedSensors, AllLoad) {
+  const std::vector<std::filesystem::path> files = yamlFiles(kScenes / "sensors");
+  EXPECT_GE(files.size(), 4u);
+  for (const std::filesystem::path& file : files) {
+    SCOPED_TRACE(file);
+    EXPECT_EQ(loadSensor(file).name, file.stem().string());
+  }
+}
+
+TEST(ShippedSensors, TheWeissArrayHasThePapersNumbers) {
+  const Sensor sensor = loadSensor(kScenes / "sensors/wts0614.yaml");
+  EXPECT_EQ(numTaxels(sensor), 84);
+  EXPECT_EQ(sensor.patches[0].pitch[0], 0.0034);
+  // 2 N/mm over one taxel, given with three digits.
+  constexpr double kThreeDigits = 0.5e6;
+  EXPECT_NEAR(std::get<Winkler>(sensor.skin.law).normal_contact_stiffness, 2000 / (0.0034 * 0.0034), kThreeDigits);
+  const Sensor pin = loadSensor(kScenes / "sensors/wts0614_pin.yaml");
+  // The paper's linear range: 0 counts at 0.2 N, 3840 at 1.8 N.
+  constexpr double kRounding = 1e-12;
+  EXPECT_NEAR(nominalForce(pin.readout, 3840), 1.8, kRounding);
+  EXPECT_EQ(pin.readout.trigger, 0.2);
+}
+
+TEST(ShippedSensors, EveryNumberHasItsSource) {
+  for (const std::filesystem::path& file : yamlFiles(kScenes / "sensors")) {
+    std::ifstream stream(file);
+    std::string line;
+    for (int number = 1; std::getline(stream, line); ++number) {
+      const std::string code = line.substr(0, line.find('#'));
+      const bool is_setting = code.find_first_of("0123456789") != std::string::npos && !code.starts_with("format_version") &&
+                              code.find("name:") == std::string::npos;
+      if (!is_setting) continue;
+      const std::string comment = line.size() > code.size() ? line.substr(code.size()) : "";
+      const bool sourced = comment.find("assumption") != std::string::npos || comment.find("paper") != std::string::npos ||
+                           comment.find("full scale") != std::string::npos;
+      EXPECT_TRUE(sourced) << file << ":" << number << ": " << line;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace taxelsim

@@ -1,0 +1,148 @@
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+
+#include "sensor/example_sensor.h"
+#include "taxelsim/error.h"
+
+namespace taxelsim {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+std::string errorOf(const Sensor& sensor) {
+  try {
+    checkSensor(sensor);
+  } catch (const Error& error) {
+    return error.kind() == ErrorKind::kInput ? error.what() : "wrong kind";
+  }
+  return {};
+}
+
+void expectRefused(const std::string& field, const std::function<void(Sensor&)>& change) {
+  Sensor sensor = exampleSensor();
+  change(sensor);
+  const std::string line = errorOf(sensor);
+  EXPECT_EQ(line.rfind(field + ": ", 0), 0u) << "expected " << field << ", got: " << line;
+  EXPECT_NE(line.find(" is not allowed: "), std::string::npos) << line;
+}
+
+void expectTaken(const std::function<void(Sensor&)>& change) {
+  Sensor sensor = exampleSensor();
+  change(sensor);
+  EXPECT_EQ(errorOf(sensor), "");
+}
+
+Winkler& law(Sensor& sensor) {
+  return std::get<Winkler>(sensor.skin.law);
+}
+
+TEST(CheckSensor, TakesTheExampleAndTheEndsOfRanges) {
+  expectTaken([](Sensor&) {});
+  expectTaken([](Sensor& s) { s.patches[0].num_rows = kMaxTaxelsPerSide; });
+  expectTaken([](Sensor& s) { s.samples_per_taxel = kMaxSamplesPerTaxel; });
+  expectTaken([](Sensor& s) { law(s).normal_exponent = 3; });
+  expectTaken([](Sensor& s) { s.readout.noise = 0; });
+  expectTaken([](Sensor& s) { s.readout.trigger = 0; });
+  expectTaken([](Sensor& s) { s.frame_rate = 0; });
+  expectTaken([](Sensor& s) { s.psf = Psf{}; });
+  expectTaken([](Sensor& s) { s.readout.taxel_gain.assign(84, 0.0); });
+  expectTaken([](Sensor& s) { s.patches[0].X_SP.rotation = {0.7071, 0.7071, 0, 0}; });
+}
+
+TEST(CheckSensor, SaysFieldValueAndWhatIsAllowed) {
+  Sensor sensor = exampleSensor();
+  sensor.readout.noise = -1;
+  EXPECT_EQ(errorOf(sensor), "readout.noise: -1 is not allowed: counts, >= 0");
+}
+
+TEST(CheckSensor, Patches) {
+  expectRefused("patches", [](Sensor& s) { s.patches.clear(); });
+  for (const int bad : {0, -1, kMaxTaxelsPerSide + 1}) {
+    expectRefused("patches[0].num_rows", [&](Sensor& s) { s.patches[0].num_rows = bad; });
+    expectRefused("patches[0].num_cols", [&](Sensor& s) { s.patches[0].num_cols = bad; });
+  }
+  for (const double bad : {0.0, -1e-3, kNan, kInfinity}) {
+    expectRefused("patches[0].pitch[1]", [&](Sensor& s) { s.patches[0].pitch[1] = bad; });
+  }
+  expectRefused("patches[1].pitch[0]",
+                [](Sensor& s) { s.patches.push_back({.name = "bare", .num_rows = 1, .num_cols = 1, .pitch = {}, .X_SP = {}}); });
+  expectRefused("patches[0].X_SP.position[2]", [](Sensor& s) { s.patches[0].X_SP.position[2] = kNan; });
+  expectRefused("patches[0].X_SP.rotation", [](Sensor& s) { s.patches[0].X_SP.rotation = {1, 1, 0, 0}; });
+  expectRefused("patches[0].X_SP.rotation", [](Sensor& s) { s.patches[0].X_SP.rotation = {0, 0, 0, 0}; });
+  expectRefused("patches[0].X_SP.rotation", [](Sensor& s) { s.patches[0].X_SP.rotation = {kNan, 0, 0, 0}; });
+}
+
+TEST(CheckSensor, SamplesSkinAndLaw) {
+  for (const int bad : {0, -3, kMaxSamplesPerTaxel + 1}) expectRefused("samples_per_taxel", [&](Sensor& s) { s.samples_per_taxel = bad; });
+  for (const double bad : {0.0, -1.0, kNan, kInfinity}) {
+    expectRefused("skin.thickness", [&](Sensor& s) { s.skin.thickness = bad; });
+    expectRefused("skin.normal_contact_stiffness", [&](Sensor& s) { law(s).normal_contact_stiffness = bad; });
+  }
+  for (const double bad : {0.5, 3.5, kNan, kInfinity})
+    expectRefused("skin.normal_exponent", [&](Sensor& s) { law(s).normal_exponent = bad; });
+  for (const double bad : {-1.0, kNan, kInfinity}) expectRefused("skin.normal_damping", [&](Sensor& s) { law(s).normal_damping = bad; });
+  expectRefused("skin", [](Sensor& s) { law(s).normal_contact_stiffness = 1e308, s.skin.thickness = 1e10; });
+}
+
+TEST(CheckSensor, Psf) {
+  for (const int bad : {-1, 0, 2, 11}) expectRefused("psf.size", [&](Sensor& s) { s.psf.size = bad; });
+  expectRefused("psf.kernel", [](Sensor& s) { s.psf.size = 5; });
+  for (const double bad : {-0.1, kNan, kInfinity}) expectRefused("psf.kernel[3]", [&](Sensor& s) { s.psf.kernel[3] = bad; });
+  expectRefused("psf.kernel", [](Sensor& s) { s.psf.kernel.assign(9, 0.0); });
+}
+
+TEST(CheckSensor, PsfWhoseNormalisingWouldDivideByZero) {
+  // All weight goes one row up: the last row's goes nowhere.
+  const auto shift = [](Sensor& s) { s.psf.kernel = {0, 0, 0, 0, 0, 0, 0, 1, 0}; };
+  expectRefused("psf.kernel", shift);
+  expectTaken([&](Sensor& s) { shift(s), s.psf.normalization = Psf::Normalization::kNone; });
+  // All four neighbours but not itself: fine on a grid, not for a lone taxel.
+  const auto ring = [](Sensor& s) { s.psf.kernel = {0, 1, 0, 1, 0, 1, 0, 1, 0}; };
+  expectTaken(ring);
+  expectRefused("psf.kernel", [&](Sensor& s) { ring(s), s.patches[0].num_rows = s.patches[0].num_cols = 1; });
+}
+
+TEST(CheckSensor, Readout) {
+  for (const double bad : {0.0, -1.0, kNan, kInfinity})
+    expectRefused("readout.output_scale", [&](Sensor& s) { s.readout.output_scale = bad; });
+  for (const double bad : {-1.0, kNan, kInfinity}) {
+    expectRefused("readout.trigger", [&](Sensor& s) { s.readout.trigger = bad; });
+    expectRefused("readout.noise", [&](Sensor& s) { s.readout.noise = bad; });
+    expectRefused("frame_rate", [&](Sensor& s) { s.frame_rate = bad; });
+    expectRefused("readout.taxel_gain[83]", [&](Sensor& s) { s.readout.taxel_gain.assign(84, 1.0), s.readout.taxel_gain[83] = bad; });
+    expectRefused("readout.taxel_trigger[0]",
+                  [&](Sensor& s) { s.readout.taxel_trigger.assign(84, 0.0), s.readout.taxel_trigger[0] = bad; });
+  }
+  for (const int bad : {0, 17, -1, 64}) expectRefused("readout.adc_bits", [&](Sensor& s) { s.readout.adc_bits = bad; });
+  for (const int bad : {0, -1, 4096}) expectRefused("readout.saturation", [&](Sensor& s) { s.readout.saturation = bad; });
+  expectTaken([](Sensor& s) { s.readout.adc_bits = 16, s.readout.saturation = 65535; });
+  expectRefused("readout.taxel_gain", [](Sensor& s) { s.readout.taxel_gain.assign(83, 1.0); });
+  expectRefused("readout.taxel_trigger", [](Sensor& s) { s.readout.taxel_trigger.assign(85, 0.0); });
+}
+
+TEST(CheckSensor, Curve) {
+  expectRefused("readout.curve", [](Sensor& s) { s.readout.curve.clear(); });
+  expectRefused("readout.curve", [](Sensor& s) { s.readout.curve.assign(6, 1.0); });
+  expectRefused("readout.curve[1]", [](Sensor& s) { s.readout.curve = {1, kNan}; });
+  expectRefused("readout.curve", [](Sensor& s) { s.readout.curve = {0}; });
+  expectRefused("readout.curve", [](Sensor& s) { s.readout.curve = {-100}; });
+  // Full depth brings 1.73e8 x 1.45e-3 x (3.4e-3)^2 = 2.9 N. This curve is highest at 2 N, with 2400 counts; at 3 N with 5400.
+  expectRefused("readout.curve", [](Sensor& s) { s.readout.curve = {2400, -600}; });
+  expectTaken([](Sensor& s) { s.readout.curve = {3600, -600}; });
+  // Or where saturation comes before the top.
+  expectTaken([](Sensor& s) { s.readout.curve = {2400, -600}, s.readout.saturation = 2399; });
+  expectRefused("readout.curve", [](Sensor& s) { s.readout.curve = {2400, -600}, s.readout.saturation = 2401; });
+  // A higher gain reaches further along the curve.
+  expectRefused("readout.curve", [](Sensor& s) {
+    s.readout.curve = {1200, -200};  // highest at 3 N, 1800 counts
+    s.readout.taxel_gain.assign(84, 1.0);
+    s.readout.taxel_gain[7] = 1.1;
+  });
+  expectTaken([](Sensor& s) { s.readout.curve = {1200, -200}; });
+}
+
+}  // namespace
+}  // namespace taxelsim

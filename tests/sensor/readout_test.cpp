@@ -1,0 +1,89 @@
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <cmath>
+#include <limits>
+
+#include "sensor/curve.h"
+#include "taxelsim/sensor.h"
+
+namespace taxelsim {
+namespace {
+
+// Newton's method ends at neighbouring doubles; the curve's own evaluation costs some rounding errors, which a slope of at least a
+// hundredth of the chord's turns into a hundred times as much.
+constexpr double kRelative = 1e-12;
+
+TEST(NominalForce, IsExactForALinearCurve) {
+  Readout readout;
+  readout.curve = {2400};
+  readout.trigger = 0.2;
+  EXPECT_EQ(nominalForce(readout, 0), 0);
+  EXPECT_EQ(nominalForce(readout, 3840), 1.8);  // the paper's linear range: 0.2 N to 1.8 N over 3840 counts
+  readout.output_scale = 2;
+  EXPECT_EQ(nominalForce(readout, 3840), 1.0);
+  EXPECT_EQ(nominalForce(readout, -5), 0);
+  EXPECT_EQ(nominalForce(readout, std::numeric_limits<double>::quiet_NaN()), 0);
+}
+
+TEST(NominalForce, SolvesAQuadraticCurve) {
+  Readout readout;
+  readout.curve = {100, 25};  // 100 x + 25 x^2 = 300 at x = 2
+  readout.trigger = 0.5;
+  EXPECT_NEAR(nominalForce(readout, 300), 2.5, 2.5 * kRelative);
+  readout.curve = {0, 1};
+  EXPECT_NEAR(nominalForce(readout, 9), 3.5, 3.5 * kRelative);
+}
+
+TEST(NominalForce, TakesTheFirstRootOfACurveThatTurns) {
+  Readout readout;
+  readout.curve = {4, -1};  // highest, 4, at x = 2
+  EXPECT_NEAR(nominalForce(readout, 3), 1, kRelative);
+  EXPECT_NEAR(nominalForce(readout, 4), 2, 1e-6);                      // a double root: half the digits
+  EXPECT_NEAR(nominalForce(readout, 5), 2, 1e-6);                      // out of reach: where it is highest
+  readout.curve = {9, -6, 1};                                          // x (x - 3)^2: up to 4 at x = 1, down to 0 at 3, up again
+  EXPECT_NEAR(nominalForce(readout, 2), 2 - std::sqrt(3), kRelative);  // (x - 2)(x^2 - 4 x + 1) = 0
+  EXPECT_NEAR(nominalForce(readout, 20), 5, 5 * kRelative);
+}
+
+TEST(NominalForce, UndoesEveryRisingCurve) {
+  EXPECT_TRUE(rc::check([] {
+    Readout readout;
+    readout.curve = {*rc::gen::inRange(1, 1000) * 1.0};
+    const int degree = *rc::gen::inRange(1, 6);
+    while (static_cast<int>(readout.curve.size()) < degree) readout.curve.push_back(*rc::gen::inRange(0, 1000) * 0.1);
+    readout.output_scale = *rc::gen::inRange(1, 100) * 0.1;
+    readout.trigger = *rc::gen::inRange(0, 100) * 0.01;
+    const double x = *rc::gen::inRange(1, 10000) * 1e-3;
+    const double counts = readout.output_scale * evaluateCurve(readout.curve, x);
+    RC_ASSERT(std::abs(nominalForce(readout, counts) - readout.trigger - x) <= kRelative * (x + readout.trigger));
+  }));
+}
+
+TEST(NominalForce, RisesWithTheCounts) {
+  Readout readout;
+  readout.curve = {3000, -1200, 400};  // slope 3000 - 2400 x + 1200 x^2 > 0 everywhere
+  double before = 0;
+  for (int counts = 1; counts <= 4095; ++counts) {
+    const double force = nominalForce(readout, counts);
+    ASSERT_GT(force, before) << counts;
+    before = force;
+  }
+}
+
+TEST(CurveRises, TellsRisingFromFalling) {
+  const std::vector<double> hump{9, -6, 1};  // up to 4 at x = 1, down to 0 at 3, up again
+  EXPECT_TRUE(curveRises(hump, 0.99, 100));
+  EXPECT_FALSE(curveRises(hump, 1.01, 100));
+  EXPECT_FALSE(curveRises(hump, 5, 100));
+  EXPECT_TRUE(curveRises(hump, 5, 3.9));  // 3.9 is reached on the way up
+  EXPECT_FALSE(curveRises(hump, 5, 4.1));
+  EXPECT_FALSE(curveRises(std::vector<double>{0}, 1, 10));
+  EXPECT_FALSE(curveRises(std::vector<double>{-1}, 1, 10));
+  EXPECT_FALSE(curveRises(std::vector<double>{-1, 1}, 5, 10));
+  EXPECT_TRUE(curveRises(std::vector<double>{0, 0, 1}, 1, 10));
+  EXPECT_TRUE(curveRises(std::vector<double>{3, -3, 1}, 2, 10));  // (x - 1)^3 + 1: level at one point only
+}
+
+}  // namespace
+}  // namespace taxelsim

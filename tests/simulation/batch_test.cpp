@@ -1,0 +1,229 @@
+// What a batch promises: instance i is the same, bit for bit, whatever stands beside it and wherever it stands.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "simulation/comparison.h"
+#include "support/random_scene.h"
+
+namespace taxelsim {
+namespace {
+
+using support::Random;
+using support::Touch;
+
+constexpr double kDt = 0.01;  // s
+constexpr std::uint64_t kSeed = 77;
+
+// A sensor with everything on: damping, noise, a wide PSF, two patches.
+Sensor busySensor() {
+  Sensor sensor = support::gridSensor({.num_rows = 5, .num_cols = 7, .samples_per_taxel = 3, .law = {1.73e8, 1, 1e5}});
+  sensor.patches.push_back(sensor.patches[0]);
+  sensor.patches[1].name = "second";
+  sensor.patches[1].X_SP = {{0.02, 0, 0}, axisAngle({0, 1, 0}, 0.1)};
+  sensor.psf = gaussianPsf(0.8, 5);
+  sensor.readout = support::paperReadout();
+  sensor.readout.noise = 5;
+  return sensor;
+}
+
+struct Batch {
+  std::vector<Object> objects;
+  std::vector<Touch> first, second;  // two steps
+  std::vector<float> loads;
+};
+
+Batch randomBatch(const Sensor& sensor, int num_instances) {
+  Random random(21);
+  Batch batch;
+  for (int n = 0; n < 6; ++n) {
+    batch.objects.push_back(n % 2 ? support::randomSolid(random, 0.02) : support::randomMeshObject(random, 0.02));
+  }
+  for (int i = 0; i < num_instances; ++i) {
+    Touch touch;
+    for (int slot = 0; slot < 2; ++slot) {
+      const int id = random.integer(0, 5);
+      touch.ids.push_back(id);
+      touch.X_SO.push_back(support::randomContact(random, sensor, batch.objects[id]));
+    }
+    batch.first.push_back(touch);
+    for (Pose& X_SO : touch.X_SO) {
+      X_SO.position[2] -= 0.1e-3;
+    }
+    batch.second.push_back(touch);
+    batch.loads.push_back(i % 4 == 3 ? static_cast<float>(random.uniform(0.1, 2)) : kPoseDriven);
+  }
+  return batch;
+}
+
+// Two steps of the instances given, in that order; bits of each after the second.
+std::vector<std::vector<std::uint32_t>> runBatch(const Model& model, const Batch& batch, const std::vector<int>& instances) {
+  const int n = static_cast<int>(instances.size());
+  Simulator simulator(model, {.num_instances = n, .num_slots = 2, .seed = kSeed});
+  std::vector<float> loads;
+  std::vector<Touch> first, second;
+  for (int i = 0; i < n; ++i) {
+    simulator.reset(i, 1000 + static_cast<std::uint64_t>(instances[i]), {.gain = 1.1f, .gain_spread = 0.1f, .noise = 3});
+    first.push_back(batch.first[instances[i]]);
+    second.push_back(batch.second[instances[i]]);
+    loads.push_back(batch.loads[instances[i]]);
+  }
+  simulator.setLoads(loads);
+  support::setTouches(simulator, first);
+  simulator.step(kDt);
+  simulator.read();
+  support::setTouches(simulator, second);
+  simulator.step(kDt);
+  const FrameView frame = simulator.read();
+  support::expectWellFormed(frame, model.sensor(), n);
+  std::vector<std::vector<std::uint32_t>> bits;
+  for (int i = 0; i < n; ++i) {
+    bits.push_back(support::bitsOf(frame, i, n));
+  }
+  return bits;
+}
+
+TEST(Batch, InstanceInABatchEqualsItAlone) {
+  constexpr int kNumInstances = 37;
+  const Sensor sensor = busySensor();
+  const Batch batch = randomBatch(sensor, kNumInstances);
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = batch.objects});
+  std::vector<int> all(kNumInstances);
+  for (int i = 0; i < kNumInstances; ++i) {
+    all[i] = i;
+  }
+  const auto together = runBatch(model, batch, all);
+  std::vector<int> backwards(all.rbegin(), all.rend());
+  const auto reversed = runBatch(model, batch, backwards);
+  for (int i = 0; i < kNumInstances; ++i) {
+    EXPECT_EQ(together[i], reversed[kNumInstances - 1 - i]) << "instance " << i;
+    EXPECT_EQ(together[i], runBatch(model, batch, {i})[0]) << "instance " << i;
+  }
+  EXPECT_NE(together[0], together[1]);
+}
+
+TEST(Batch, RunsAreRepeatable) {
+  const Sensor sensor = busySensor();
+  const Batch batch = randomBatch(sensor, 9);
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = batch.objects});
+  const std::vector<int> all{0, 1, 2, 3, 4, 5, 6, 7, 8};
+  EXPECT_EQ(runBatch(model, batch, all), runBatch(model, batch, all));
+}
+
+TEST(Batch, NoiseIsKeyedByEpisodeAndSeedNotBySlot) {
+  const Sensor sensor = busySensor();
+  const std::vector<Object> objects{Object(Sphere{0.01})};
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+  const Touch touch{{0}, {{.position = {0, 0, 0.009}}}};
+  const auto image = [&](std::uint64_t seed, const std::vector<std::uint64_t>& episodes) {
+    Simulator simulator(model, {.num_instances = 3, .seed = seed});
+    support::setTouches(simulator, {touch, touch, touch});
+    for (int i = 0; i < 3; ++i) {
+      simulator.reset(i, episodes[i]);
+    }
+    simulator.step(kDt);
+    const FrameView frame = simulator.read();
+    std::vector<std::vector<std::uint32_t>> bits;
+    for (int i = 0; i < 3; ++i) {
+      bits.push_back(support::measuredBitsOf(frame, i, 3));
+    }
+    return bits;
+  };
+  const auto a = image(1, {5, 6, 5}), b = image(1, {6, 5, 0x100000005u}), c = image(2, {5, 6, 5});
+  EXPECT_EQ(a[0], a[2]);
+  EXPECT_EQ(a[0], b[1]);
+  EXPECT_EQ(a[1], b[0]);
+  EXPECT_NE(a[0], a[1]);
+  EXPECT_NE(a[0], b[2]);  // episodes are 64 bits
+  EXPECT_NE(a[0], c[0]);
+}
+
+TEST(Batch, EmptySlotsAndFarObjectsAreNothing) {
+  const Sensor sensor = support::gridSensor();
+  Random random(2);
+  const std::vector<Object> objects{Object(Sphere{0.005}), Object("soup", support::triangleSoup(40, 0.01, random)), Object(HalfSpace{})};
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+  Simulator simulator(model, {.num_instances = 7, .num_slots = 2});
+  const Pose near{.position = {0, 0, 0.0045}}, far_beside{.position = {1e3, -1e3, 0}}, far_above{.position = {0, 0, 100}};
+  support::setTouches(simulator, {{{kNoObject, kNoObject}, {Pose{}, Pose{}}},
+                                  {{0, kNoObject}, {near, Pose{}}},
+                                  {{kNoObject, 0}, {Pose{}, near}},
+                                  {{0, 1}, {near, far_beside}},
+                                  {{1, 0}, {far_above, near}},
+                                  {{0, 0}, {far_beside, far_above}},
+                                  {{2, 0}, {far_above, near}}});
+  simulator.step(kDt);
+  const FrameView frame = simulator.read();
+  support::expectWellFormed(frame, sensor, 7);
+  EXPECT_EQ(frame.ground_truth.total_force[0], 0);
+  EXPECT_GT(frame.ground_truth.total_force[1], 0);
+  for (const int same : {2, 3, 4, 6}) {
+    EXPECT_EQ(support::bitsOf(frame, same, 7), support::bitsOf(frame, 1, 7)) << "instance " << same;
+  }
+  EXPECT_EQ(support::bitsOf(frame, 5, 7), support::bitsOf(frame, 0, 7));
+}
+
+TEST(Batch, NothingIsTouchedBeforeObjectsAreSet) {
+  const Sensor sensor = support::gridSensor();
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(HalfSpace{})}});
+  Simulator simulator(model, {.num_instances = 2});
+  simulator.step(kDt);
+  const FrameView frame = simulator.read();
+  support::expectWellFormed(frame, sensor, 2);
+  EXPECT_EQ(frame.ground_truth.total_force[1], 0);
+  EXPECT_EQ(*std::max_element(frame.tactile_image.begin(), frame.tactile_image.end()), 0u);
+}
+
+TEST(Batch, OneInstanceCanBeSetAlone) {
+  const Sensor sensor = support::gridSensor();
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.005}), Object(Sphere{0.008})}});
+  const Touch a{{0}, {{.position = {0, 0, 0.0045}}}}, b{{1}, {{.position = {1e-3, 0, 0.0075}}}};
+  Simulator at_once(model, {.num_instances = 2}), one_by_one(model, {.num_instances = 2});
+  support::setTouches(at_once, {a, b});
+  support::setTouches(one_by_one, {a, a});
+  one_by_one.setObjects(1, b.ids, b.X_SO);
+  at_once.step(kDt);
+  one_by_one.step(kDt);
+  const FrameView frame = at_once.read(), other = one_by_one.read();
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(support::bitsOf(frame, i, 2), support::bitsOf(other, i, 2));
+  }
+}
+
+TEST(Batch, OverPenetrationIsReportedNotHidden) {
+  const Sensor sensor =
+      support::gridSensor({.num_rows = 4, .num_cols = 6, .pitch_x = 1e-3, .pitch_y = 1e-3, .samples_per_taxel = 2, .thickness = 1e-3});
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Box{{2e-3, 3e-3, 10e-3}})}});
+  Simulator simulator(model, {.num_instances = 3});
+  const auto at = [](double depth) { return Touch{{0}, {{.position = {0, 0.5e-3, 5e-3 - depth}}}}; };
+  support::setTouches(simulator, {at(0.9e-3), at(1.5e-3), at(9e-3)});
+  simulator.step(kDt);
+  const FrameView frame = simulator.read();
+  const double full = 1.73e8 * 1e-3 * 6e-6;  // 6 taxels of 1 mm^2 at full depth
+  EXPECT_EQ(frame.ground_truth.over_penetration[0], 0);
+  EXPECT_NEAR(frame.ground_truth.total_force[0], 0.9 * full, 1e-3 * full);
+  for (const int i : {1, 2}) {
+    EXPECT_NEAR(frame.ground_truth.over_penetration[i], 6.0 / 24, 4 * support::kUlp);
+    EXPECT_NEAR(frame.ground_truth.total_force[i], full, 1e-5 * full);
+  }
+}
+
+TEST(Batch, OutputsNotAskedForAreEmpty) {
+  const Sensor sensor = support::gridSensor();
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.005})}});
+  Simulator lean(model, {.outputs = {.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false}}),
+      full(model, {});
+  for (Simulator* simulator : {&lean, &full}) {
+    support::setTouches(*simulator, {{{0}, {{.position = {0, 0, 0.0045}}}}});
+    simulator->step(kDt);
+  }
+  const FrameView a = lean.read(), b = full.read();
+  EXPECT_TRUE(a.ground_truth.tactile_normal_force.empty());
+  EXPECT_TRUE(a.ground_truth.tactile_shear_force.empty());
+  EXPECT_TRUE(a.ground_truth.penetration_depth.empty());
+  EXPECT_EQ(support::measuredBitsOf(a, 0, 1), support::measuredBitsOf(b, 0, 1));
+  EXPECT_EQ(a.ground_truth.total_force[0], b.ground_truth.total_force[0]);
+}
+
+}  // namespace
+}  // namespace taxelsim

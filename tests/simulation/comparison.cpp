@@ -1,0 +1,257 @@
+#include "simulation/comparison.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "reference/features.h"
+#include "reference/readout.h"
+
+namespace taxelsim::support {
+namespace {
+
+template <typename T>
+std::span<const T> sliceOf(std::span<const T> all, int instance, int num_instances) {
+  const std::size_t per_instance = all.size() / static_cast<std::size_t>(num_instances);
+  return all.subspan(static_cast<std::size_t>(instance) * per_instance, per_instance);
+}
+
+void appendBits(std::span<const float> all, int instance, int num_instances, std::vector<std::uint32_t>& bits) {
+  for (const float value : sliceOf(all, instance, num_instances)) {
+    bits.push_back(std::bit_cast<std::uint32_t>(value));
+  }
+}
+
+void appendFeatureBits(const FeatureView& view, int instance, int num_instances, std::vector<std::uint32_t>& bits) {
+  for (const std::span<const float> array : {view.total_force, view.peak_force, view.center_of_pressure, view.second_moments,
+                                             view.eigenvalues, view.edge_angle, view.edge_confidence, view.contact_area}) {
+    appendBits(array, instance, num_instances, bits);
+  }
+}
+
+void expectFinite(std::span<const float> values, std::size_t size, const char* name) {
+  EXPECT_EQ(values.size(), size) << name;
+  EXPECT_TRUE(std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); })) << name;
+}
+
+void expectFeaturesWellFormed(const FeatureView& view, std::size_t n) {
+  expectFinite(view.total_force, n, "total_force");
+  expectFinite(view.peak_force, n, "peak_force");
+  expectFinite(view.center_of_pressure, 3 * n, "center_of_pressure");
+  expectFinite(view.second_moments, 3 * n, "second_moments");
+  expectFinite(view.eigenvalues, 2 * n, "eigenvalues");
+  expectFinite(view.edge_angle, n, "edge_angle");
+  expectFinite(view.edge_confidence, n, "edge_confidence");
+  expectFinite(view.contact_area, n, "contact_area");
+}
+
+// The first taxel outside its bounds, if any, and how many there are: one message instead of thousands.
+void expectInside(std::span<const float> values, const Bounded& bounds, double relative, double absolute, const char* name) {
+  ASSERT_EQ(values.size(), bounds.low.size()) << name;
+  std::size_t num_outside = 0, first = 0;
+  for (std::size_t t = values.size(); t-- > 0;) {
+    const double low = bounds.low[t] - relative * std::abs(bounds.low[t]) - absolute;
+    const double high = bounds.high[t] + relative * std::abs(bounds.high[t]) + absolute;
+    if (!(values[t] >= low && values[t] <= high)) {
+      ++num_outside;
+      first = t;
+    }
+  }
+  EXPECT_EQ(num_outside, 0u) << name << "[" << first << "] = " << values[first] << " is outside [" << bounds.low[first] << ", "
+                             << bounds.high[first] << "]";
+}
+
+// Farthest taxel centre from S's origin, and the array's own size, m: what moments are rounded relative to.
+double extentOf(const Sensor& sensor) {
+  double extent = 0;
+  for (const Vector3& p : taxelPositions(sensor)) {
+    extent = std::max({extent, std::abs(p[0]), std::abs(p[1]), std::abs(p[2])});
+  }
+  for (const GridPatch& patch : sensor.patches) {
+    extent = std::max({extent, patch.pitch[0] * patch.num_rows / 2, patch.pitch[1] * patch.num_cols / 2});
+  }
+  return extent;
+}
+
+void expectFeatures(const FeatureView& view, int instance, const Sensor& sensor, const reference::Features& expected, double relative,
+                    double area_slack, const char* which) {
+  SCOPED_TRACE(which);
+  const double extent = extentOf(sensor);
+  const double force = expected.total_force;
+  EXPECT_NEAR(view.total_force[instance], force, relative * force + kAbsoluteForce);
+  EXPECT_NEAR(view.peak_force[instance], expected.peak_force, relative * expected.peak_force);
+  EXPECT_NEAR(view.contact_area[instance], expected.contact_area, area_slack + relative * expected.contact_area);
+  if (force <= 0) {
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_EQ(view.center_of_pressure[3 * instance + axis], 0);
+      EXPECT_EQ(view.second_moments[3 * instance + axis], 0);
+    }
+    EXPECT_EQ(view.edge_angle[instance], 0);
+    EXPECT_EQ(view.edge_confidence[instance], 0);
+    return;
+  }
+  // Fixed-point sums leave their last place over the whole force.
+  const double rounding = relative + kAbsoluteForce / force;
+  if (rounding > 1e-3) {
+    return;  // a whisper: no moment means anything
+  }
+  const double moment_rounding = 4 * rounding * extent * extent;
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(view.center_of_pressure[3 * instance + axis], expected.center_of_pressure[axis], 2 * rounding * extent);
+    EXPECT_NEAR(view.second_moments[3 * instance + axis], expected.second_moments[axis], moment_rounding);
+  }
+  const auto [larger, smaller] = expected.eigenvalues;
+  EXPECT_NEAR(view.eigenvalues[2 * instance], larger, 2 * moment_rounding);
+  EXPECT_NEAR(view.eigenvalues[2 * instance + 1], smaller, 2 * moment_rounding);
+  EXPECT_GE(view.edge_confidence[instance], 0);
+  EXPECT_LE(view.edge_confidence[instance], 1 + 4 * kUlp);
+  EXPECT_GT(view.edge_angle[instance], -std::numbers::pi / 2 - 1e-6);
+  EXPECT_LE(view.edge_angle[instance], std::numbers::pi / 2 + 1e-6);
+  // (l1 - l2)/(l1 + l2) and 1/2 atan2(2 xy, xx - yy) move by the moments' error over these sums.
+  const double confidence_slack = 4 * moment_rounding / (larger + smaller) + 8 * kUlp;
+  if (confidence_slack < 0.1) {
+    EXPECT_NEAR(view.edge_confidence[instance], expected.edge_confidence, confidence_slack);
+  }
+  const double angle_slack = 2 * moment_rounding / (larger - smaller) + 8 * kUlp;
+  if (angle_slack < 0.1) {
+    EXPECT_NEAR(std::remainder(view.edge_angle[instance] - expected.edge_angle, std::numbers::pi), 0, angle_slack);
+  }
+}
+
+}  // namespace
+
+Rounding roundingFor(std::span<const reference::PlacedObject> objects) {
+  Rounding rounding = kRounding;
+  for (const reference::PlacedObject& placed : objects) {
+    if (std::holds_alternative<Torus>(placed.object->shape)) {
+      rounding.margin_z = kTorusMarginZ;
+    }
+  }
+  return rounding;
+}
+
+const Device& sharedDevice() {
+  static const Device device = Device::open({.validation = true});
+  return device;
+}
+
+std::vector<reference::PlacedObject> Touch::placed(const std::vector<Object>& objects, double offset) const {
+  std::vector<reference::PlacedObject> result;
+  for (std::size_t slot = 0; slot < ids.size(); ++slot) {
+    if (ids[slot] != kNoObject) {
+      result.push_back({&objects[ids[slot]], X_SO[slot]});
+      result.back().X_SO.position[2] += offset;
+    }
+  }
+  return result;
+}
+
+void setTouches(Simulator& simulator, const std::vector<Touch>& touches) {
+  std::vector<int> ids;
+  std::vector<Pose> X_SO;
+  for (const Touch& touch : touches) {
+    ids.insert(ids.end(), touch.ids.begin(), touch.ids.end());
+    X_SO.insert(X_SO.end(), touch.X_SO.begin(), touch.X_SO.end());
+  }
+  simulator.setObjects(ids, X_SO);
+}
+
+std::vector<std::uint32_t> measuredBitsOf(const FrameView& frame, int instance, int num_instances) {
+  const auto counts = sliceOf(frame.tactile_image, instance, num_instances);
+  std::vector<std::uint32_t> bits(counts.begin(), counts.end());
+  appendBits(frame.saturated, instance, num_instances, bits);
+  appendFeatureBits(frame, instance, num_instances, bits);
+  return bits;
+}
+
+std::vector<std::uint32_t> bitsOf(const FrameView& frame, int instance, int num_instances) {
+  std::vector<std::uint32_t> bits = measuredBitsOf(frame, instance, num_instances);
+  const GroundTruthView& truth = frame.ground_truth;
+  appendFeatureBits(truth, instance, num_instances, bits);
+  for (const std::span<const float> array : {truth.tactile_normal_force, truth.tactile_shear_force, truth.penetration_depth,
+                                             truth.contact_wrench, truth.over_penetration, truth.load_offset, truth.load_reached}) {
+    appendBits(array, instance, num_instances, bits);
+  }
+  return bits;
+}
+
+void expectWellFormed(const FrameView& frame, const Sensor& sensor, int num_instances) {
+  const auto n = static_cast<std::size_t>(num_instances), taxels = n * static_cast<std::size_t>(numTaxels(sensor));
+  EXPECT_EQ(frame.tactile_image.size(), taxels);
+  expectFinite(frame.saturated, n, "saturated");
+  expectFeaturesWellFormed(frame, n);
+  const GroundTruthView& truth = frame.ground_truth;
+  expectFeaturesWellFormed(truth, n);
+  expectFinite(truth.tactile_normal_force, taxels, "tactile_normal_force");
+  expectFinite(truth.tactile_shear_force, 2 * taxels, "tactile_shear_force");
+  expectFinite(truth.penetration_depth, taxels, "penetration_depth");
+  expectFinite(truth.contact_wrench, 6 * n, "contact_wrench");
+  expectFinite(truth.over_penetration, n, "over_penetration");
+  expectFinite(truth.load_offset, n, "load_offset");
+  expectFinite(truth.load_reached, n, "load_reached");
+}
+
+void expectMatches(const FrameView& frame, int instance, const Sensor& sensor, const FrameEnvelope& envelope) {
+  const int num_instances = static_cast<int>(frame.saturated.size());
+  const GroundTruthView& truth = frame.ground_truth;
+  const auto force = sliceOf(truth.tactile_normal_force, instance, num_instances);
+  const auto counts = sliceOf(frame.tactile_image, instance, num_instances);
+  SCOPED_TRACE("instance " + std::to_string(instance));
+
+  // A mean of up to 64 depths.
+  expectInside(sliceOf(truth.penetration_depth, instance, num_instances), envelope.mean_penetration, 64 * kUlp, 0, "penetration_depth");
+  // The PSF sums up to 81 products with weights rounded once, on top of the envelope's own rounding.
+  expectInside(force, envelope.spread_force, 100 * kUlp, 0, "tactile_normal_force");
+  const double lever = extentOf(sensor);
+  const double absolute = kRelativeMoment * envelope.total_high + kAbsoluteForce;
+  const auto wrench = sliceOf(truth.contact_wrench, instance, num_instances);
+  expectInside(
+      wrench.first(3),
+      {{envelope.wrench.low.begin(), envelope.wrench.low.begin() + 3}, {envelope.wrench.high.begin(), envelope.wrench.high.begin() + 3}}, 0,
+      absolute, "contact force");
+  expectInside(
+      wrench.last(3),
+      {{envelope.wrench.low.begin() + 3, envelope.wrench.low.end()}, {envelope.wrench.high.begin() + 3, envelope.wrench.high.end()}}, 0,
+      absolute * lever, "contact torque");
+  expectInside(sliceOf(truth.over_penetration, instance, num_instances), envelope.over_penetration, 4 * kUlp, 0, "over_penetration");
+
+  // Readout of the device's own forces: x = gain F - trigger and five powers of it, each a rounding of the terms' size.
+  const Readout& readout = sensor.readout;
+  std::size_t num_wrong = 0;
+  double area_slack = 0;
+  std::vector<std::size_t> patch_of;
+  for (std::size_t p = 0; p < sensor.patches.size(); ++p) {
+    patch_of.insert(patch_of.end(), static_cast<std::size_t>(sensor.patches[p].num_rows) * sensor.patches[p].num_cols, p);
+  }
+  for (std::size_t t = 0; t < counts.size(); ++t) {
+    const double gain = reference::gainOf(readout, t), trigger = reference::triggerOf(readout, t);
+    const double value = reference::analogueOutput(readout, force[t], gain, trigger, 0);
+    const double size = reference::analogueOutput(readout, force[t], gain, -trigger, 0);
+    const auto clip = [&](double v) { return std::clamp(std::round(v), 0.0, static_cast<double>(readout.saturation)); };
+    num_wrong += !(counts[t] >= clip(value - 32 * kUlp * size) && counts[t] <= clip(value + 32 * kUlp * size));
+    if (std::abs(force[t] - trigger) <= 2 * kUlp * trigger) {
+      const GridPatch& patch = sensor.patches[patch_of[t]];
+      area_slack += patch.pitch[0] * patch.pitch[1];  // on its trigger: may count either way
+    }
+  }
+  EXPECT_EQ(num_wrong, 0u) << "counts of so many taxels are not the readout of their forces";
+  EXPECT_NEAR(frame.saturated[instance], reference::saturatedFraction(sensor, counts), 4 * kUlp);
+
+  const std::vector<double> force_in_double(force.begin(), force.end());
+  expectFeatures(truth, instance, sensor, reference::cleanFeatures(sensor, force_in_double), kRelativeMoment, area_slack, "clean features");
+  expectFeatures(frame, instance, sensor, reference::measuredFeatures(sensor, counts), kRelativeInverse, 0, "measured features");
+}
+
+double looseness(const Sensor& sensor, const FrameEnvelope& envelope) {
+  double sum = 0;
+  for (std::size_t n = 0; n < envelope.penetration.low.size(); ++n) {
+    sum += envelope.penetration.high[n] - envelope.penetration.low[n];
+  }
+  return sum / static_cast<double>(envelope.penetration.low.size()) / sensor.skin.thickness;
+}
+
+}  // namespace taxelsim::support

@@ -1,0 +1,168 @@
+// The device against the double-precision reference on random scenes: every stage of every instance.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "simulation/comparison.h"
+#include "support/random_scene.h"
+
+namespace taxelsim {
+namespace {
+
+using support::Random;
+using support::Touch;
+
+constexpr double kObjectSize = 0.02;  // m
+constexpr double kDt = 1e-3;          // s
+// Envelopes wider than this on average, in skin thicknesses, would prove little: silhouettes are lines, not areas.
+constexpr double kLoosestEnvelope = 0.02;
+
+struct SceneKind {
+  support::SensorRange sensor;
+  double solid_share = 0;
+  int num_objects = 1;
+  int num_slots = 1;
+};
+
+// Draws a scene of the kind, runs it as one batch and compares every instance.
+void runScene(const SceneKind& kind, int seed) {
+  Random random(static_cast<std::uint64_t>(seed));
+  const Sensor sensor = support::randomSensor(random, kind.sensor);
+  std::vector<Object> objects;
+  for (int n = 0; n < kind.num_objects; ++n) {
+    objects.push_back(random.chance(kind.solid_share) ? support::randomSolid(random, kObjectSize)
+                                                      : support::randomMeshObject(random, kObjectSize));
+  }
+  std::vector<Touch> touches;
+  const int num_instances = random.integer(1, 6);
+  for (int i = 0; i < num_instances; ++i) {
+    Touch touch;
+    for (int slot = 0; slot < kind.num_slots; ++slot) {
+      const bool is_empty = kind.num_slots > 1 && random.chance(0.25);
+      const int id = is_empty ? kNoObject : random.integer(0, kind.num_objects - 1);
+      touch.ids.push_back(id);
+      touch.X_SO.push_back(is_empty ? Pose{} : support::randomContact(random, sensor, objects[id]));
+    }
+    touches.push_back(touch);
+  }
+  const int workgroups[] = {0, 4, 8, 16, 32, 64, 128, 256};
+  const Model model(support::sharedDevice(), {.sensor = sensor,
+                                              .objects = objects,
+                                              .contact_workgroup = workgroups[random.integer(0, 7)],
+                                              .image_workgroup = workgroups[random.integer(0, 7)]});
+  Simulator simulator(model, {.num_instances = num_instances, .num_slots = kind.num_slots});
+  support::setTouches(simulator, touches);
+  simulator.step(kDt);
+  const FrameView frame = simulator.read();
+  support::expectWellFormed(frame, sensor, num_instances);
+  for (int i = 0; i < num_instances; ++i) {
+    const auto placed = touches[i].placed(objects);
+    const support::FrameEnvelope envelope = support::frameEnvelope(sensor, placed, support::roundingFor(placed));
+    EXPECT_LT(support::looseness(sensor, envelope), kLoosestEnvelope);
+    support::expectMatches(frame, i, sensor, envelope);
+    EXPECT_EQ(frame.ground_truth.load_offset[i], 0);
+    EXPECT_EQ(frame.ground_truth.load_reached[i], 1);
+  }
+}
+
+class TwinSeeds : public ::testing::TestWithParam<int> {};
+
+TEST_P(TwinSeeds, MeshOnOnePatch) {
+  runScene({.sensor = {}}, GetParam());
+}
+
+TEST_P(TwinSeeds, SolidOnOnePatch) {
+  runScene({.sensor = {}, .solid_share = 1}, 1000 + GetParam());
+}
+
+TEST_P(TwinSeeds, SeveralObjectsInSlots) {
+  runScene({.sensor = {}, .solid_share = 0.5, .num_objects = 4, .num_slots = 1 + GetParam() % kMaxSlots}, 2000 + GetParam());
+}
+
+TEST_P(TwinSeeds, SeveralTiltedPatches) {
+  runScene({.sensor = {.max_rows = 8, .max_cols = 8, .max_patches = 4, .max_patch_tilt = 0.5},
+            .solid_share = 0.5,
+            .num_objects = 2,
+            .num_slots = 2},
+           3000 + GetParam());
+}
+
+INSTANTIATE_TEST_SUITE_P(Random, TwinSeeds, ::testing::Range(0, 40));
+
+// One sensor and one bumpy sphere, compared as above; for sizes and settings that random scenes seldom reach.
+void runSensor(const Sensor& sensor, double radius) {
+  Random random(5);
+  const std::vector<Object> objects{Object("bumpy sphere", support::icosphere(radius, 3, 0.02, random))};
+  const std::vector<Touch> touches{{{0}, {support::randomContact(random, sensor, objects[0])}},
+                                   {{0}, {support::randomContact(random, sensor, objects[0])}}};
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+  Simulator simulator(model, {.num_instances = 2});
+  support::setTouches(simulator, touches);
+  simulator.step(kDt);
+  const FrameView frame = simulator.read();
+  support::expectWellFormed(frame, sensor, 2);
+  for (int i = 0; i < 2; ++i) {
+    support::expectMatches(frame, i, sensor, support::frameEnvelope(sensor, touches[i].placed(objects), support::kRounding));
+  }
+}
+
+TEST(SensorSize, OneTaxel) {
+  for (int s = 1; s <= kMaxSamplesPerTaxel; ++s) {
+    runSensor(support::gridSensor({.num_rows = 1, .num_cols = 1, .samples_per_taxel = s}), 0.01);
+  }
+}
+
+TEST(SensorSize, EverySampleCount) {
+  for (int s = 1; s <= kMaxSamplesPerTaxel; ++s) {
+    runSensor(support::gridSensor({.samples_per_taxel = s}), 0.01);
+  }
+}
+
+TEST(SensorSize, LongAndThin) {
+  runSensor(support::gridSensor({.num_rows = 1, .num_cols = 128, .pitch_x = 1e-3, .pitch_y = 0.5e-3}), 0.02);
+  runSensor(support::gridSensor({.num_rows = 128, .num_cols = 1, .pitch_x = 0.5e-3, .pitch_y = 1e-3}), 0.02);
+}
+
+TEST(SensorSize, Largest) {
+  runSensor(support::gridSensor({.num_rows = 128, .num_cols = 128, .pitch_x = 0.5e-3, .pitch_y = 0.5e-3, .samples_per_taxel = 1}), 0.03);
+}
+
+// 1024 x 1024 samples: 4 MiB of depth, more than any workgroup can share.
+TEST(SensorSize, LargestWithAllSamples) {
+  runSensor(support::gridSensor({.num_rows = 128, .num_cols = 128, .pitch_x = 0.5e-3, .pitch_y = 0.5e-3, .samples_per_taxel = 8}), 0.03);
+}
+
+TEST(PsfOnDevice, EveryKernelSizeAndNormalization) {
+  for (int size = 1; size <= kMaxKernelSize; size += 2) {
+    for (const auto normalization : {Psf::Normalization::kPerSource, Psf::Normalization::kNone}) {
+      for (const auto& [rows, cols] : {std::pair{6, 14}, {2, 3}, {17, 33}}) {
+        Sensor sensor = support::gridSensor({.num_rows = rows, .num_cols = cols});
+        sensor.psf = gaussianPsf(0.3 + 0.2 * size, size, normalization);
+        runSensor(sensor, 0.015);
+      }
+    }
+  }
+}
+
+TEST(ReadoutOnDevice, PolynomialsGainsTriggersAndBits) {
+  for (int seed = 0; seed < 12; ++seed) {
+    Random random(static_cast<std::uint64_t>(seed));
+    Sensor sensor = support::gridSensor({.samples_per_taxel = 2});
+    Readout& readout = sensor.readout;
+    readout.adc_bits = 1 + (seed * 4) % kMaxAdcBits;
+    readout.saturation = (1 << readout.adc_bits) - 1;
+    readout.curve.assign(1 + seed % kMaxCurveDegree, 0);
+    for (double& coefficient : readout.curve) {
+      coefficient = readout.saturation / 2.0 * random.uniform(0.2, 1);
+    }
+    readout.output_scale = random.uniform(0.2, 3);
+    for (int t = 0; t < numTaxels(sensor); ++t) {
+      readout.taxel_gain.push_back(random.uniform(0, 2));
+      readout.taxel_trigger.push_back(random.uniform(0, 0.3));
+    }
+    runSensor(sensor, 0.01);
+  }
+}
+
+}  // namespace
+}  // namespace taxelsim

@@ -1,0 +1,158 @@
+// What a model and a simulator refuse, each with one complete line.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "simulation/comparison.h"
+#include "support/random_scene.h"
+#include "taxelsim/error.h"
+
+namespace taxelsim {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+template <typename Call>
+std::string inputError(Call call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kInput) << error.what();
+    const std::string message = error.what();
+    EXPECT_FALSE(message.empty());
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    return message;
+  }
+  ADD_FAILURE() << "nothing was thrown";
+  return {};
+}
+
+class Errors : public ::testing::Test {
+ protected:
+  Model model_{support::sharedDevice(), {.sensor = support::gridSensor(), .objects = {Object(Sphere{0.005}), Object(HalfSpace{})}}};
+  Simulator simulator_{model_, {.num_instances = 2, .num_slots = 2}};
+  std::vector<int> ids_{0, 1, kNoObject, 0};
+  std::vector<Pose> X_SO_{4};
+};
+
+TEST_F(Errors, GoodInputIsTaken) {
+  EXPECT_NO_THROW(simulator_.setObjects(ids_, X_SO_));
+  X_SO_[2] = {{kNan, 0, 0}, {0, 0, 0, 0}};  // of an empty slot: ignored
+  EXPECT_NO_THROW(simulator_.setObjects(ids_, X_SO_));
+  EXPECT_NO_THROW(simulator_.setLoads(std::vector<float>{kPoseDriven, 0}));
+  EXPECT_NO_THROW(simulator_.step(1e-3));
+  EXPECT_NO_THROW(simulator_.read());
+}
+
+TEST_F(Errors, WrongLengths) {
+  inputError([&] { simulator_.setObjects(std::vector<int>{0, 1}, X_SO_); });
+  inputError([&] { simulator_.setObjects(ids_, std::vector<Pose>(3)); });
+  inputError([&] { simulator_.setObjects(std::vector<int>(8, 0), std::vector<Pose>(8)); });
+  inputError([&] { simulator_.setObjects(0, ids_, X_SO_); });
+  inputError([&] { simulator_.setLoads(std::vector<float>{1}); });
+  inputError([&] { simulator_.setLoads(std::vector<float>{1, 1, 1}); });
+}
+
+TEST_F(Errors, UnknownIds) {
+  for (const int id : {2, 1000000, -2, std::numeric_limits<int>::min()}) {
+    ids_[1] = id;
+    EXPECT_NE(inputError([&] { simulator_.setObjects(ids_, X_SO_); }).find(std::to_string(id)), std::string::npos);
+  }
+}
+
+TEST_F(Errors, BadPoses) {
+  const auto refuse = [&](const Pose& bad) {
+    std::vector<Pose> poses = X_SO_;
+    poses[3] = bad;
+    inputError([&] { simulator_.setObjects(ids_, poses); });
+    inputError([&] { simulator_.setObjects(1, std::vector<int>{0, 0}, std::vector<Pose>{Pose{}, bad}); });
+  };
+  for (const double value : {kNan, std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()}) {
+    refuse({.position = {0, value, 0}});
+    refuse({{0, 0, 0}, {1, value, 0, 0}});
+  }
+  refuse({{0, 0, 0}, {0, 0, 0, 0}});
+  refuse({{0, 0, 0}, {1.01, 0, 0, 0}});
+  refuse({{0, 0, 0}, {0.5, 0.5, 0.5, 0.4}});
+  std::vector<Pose> poses = X_SO_;
+  poses[3].rotation = {1.0005, 0, 0, 0};  // within 1e-3: taken, and made of unit length
+  EXPECT_NO_THROW(simulator_.setObjects(ids_, poses));
+}
+
+TEST_F(Errors, RefusedInputLeavesTheOldInPlace) {
+  X_SO_[0].position = {0, 0, 0.0045};
+  ids_ = {0, kNoObject, 0, kNoObject};
+  simulator_.setObjects(ids_, X_SO_);
+  simulator_.step(1e-3);
+  const auto before = support::bitsOf(simulator_.read(), 0, 2);
+  X_SO_[0].position = {0, 0, 0.004};
+  X_SO_[2].position = {0, kNan, 0};
+  inputError([&] { simulator_.setObjects(ids_, X_SO_); });
+  simulator_.step(1e-3);
+  EXPECT_EQ(support::bitsOf(simulator_.read(), 0, 2), before);
+}
+
+TEST_F(Errors, BadLoads) {
+  for (const float load : {-1.0f, std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()}) {
+    inputError([&] { simulator_.setLoads(std::vector<float>{0, load}); });
+    inputError([&] { simulator_.setLoad(1, load); });
+  }
+}
+
+TEST_F(Errors, InstancesOutOfRange) {
+  for (const int instance : {-1, 2, 1000}) {
+    inputError([&] { simulator_.setLoad(instance, 1); });
+    inputError([&] { simulator_.reset(instance, 0); });
+    inputError([&] { simulator_.setObjects(instance, std::vector<int>{0, 0}, std::vector<Pose>(2)); });
+  }
+}
+
+TEST_F(Errors, BadSteps) {
+  for (const double dt : {0.0, -1e-3, kNan, std::numeric_limits<double>::infinity()}) {
+    inputError([&] { simulator_.step(dt); });
+  }
+}
+
+TEST_F(Errors, BadVariations) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  inputError([&] { simulator_.reset(0, 0, {.gain = nan}); });
+  inputError([&] { simulator_.reset(0, 0, {.gain_spread = -0.1f}); });
+  inputError([&] { simulator_.reset(0, 0, {.noise = -1}); });
+}
+
+TEST_F(Errors, BatchesOutOfRange) {
+  inputError([&] { Simulator(model_, {.num_instances = 0}); });
+  inputError([&] { Simulator(model_, {.num_instances = -5}); });
+  inputError([&] { Simulator(model_, {.num_slots = 0}); });
+  inputError([&] { Simulator(model_, {.num_slots = kMaxSlots + 1}); });
+}
+
+TEST_F(Errors, BatchTooLargeNamesTheSizeThatFits) {
+  SimulatorOptions options{.num_instances = std::numeric_limits<int>::max()};
+  const MemoryPlan plan = Simulator::plan(model_, options);
+  EXPECT_GT(plan.bytes_per_instance, 0u);
+  ASSERT_GT(plan.max_instances, 0u);
+  ASSERT_LT(plan.max_instances, static_cast<std::uint64_t>(options.num_instances)) << "the device holds any batch";
+  const std::string message = inputError([&] { Simulator(model_, options); });
+  EXPECT_NE(message.find(std::to_string(plan.max_instances)), std::string::npos) << message;
+}
+
+TEST(ModelErrors, RefusedModels) {
+  const Sensor sensor = support::gridSensor();
+  const Object sphere(Sphere{0.005});
+  inputError([&] { Model(support::sharedDevice(), {.sensor = sensor}); });
+  inputError([&] { Model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{-1})}}); });
+  inputError([&] { Model(support::sharedDevice(), {.sensor = sensor, .objects = {sphere, Object("empty", Mesh{})}}); });
+  Sensor bad = sensor;
+  bad.skin.thickness = 0;
+  inputError([&] { Model(support::sharedDevice(), {.sensor = bad, .objects = {sphere}}); });
+  for (const int workgroup : {3, 2, 512, -8}) {
+    inputError([&] { Model(support::sharedDevice(), {.sensor = sensor, .objects = {sphere}, .contact_workgroup = workgroup}); });
+    inputError([&] { Model(support::sharedDevice(), {.sensor = sensor, .objects = {sphere}, .image_workgroup = workgroup}); });
+  }
+}
+
+}  // namespace
+}  // namespace taxelsim

@@ -1,0 +1,224 @@
+// Load-driven instances on the device: the load is carried, where the reference says, or reported as out of reach.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "reference/contact.h"
+#include "reference/load.h"
+#include "simulation/comparison.h"
+#include "support/random_scene.h"
+
+namespace taxelsim {
+namespace {
+
+using support::Random;
+using support::Touch;
+
+// The root find stops at this share of the load, in float32 sums.
+constexpr double kCarried = 1e-4;
+constexpr double kDt = 1e-3;  // s
+
+// Offset (m) by which the device may miss the twin's: force is convex in depth, so a relative force error r moves the depth by at most r
+// thicknesses; beside that, the height of the surface itself is rounded.
+double offsetSlack(const Sensor& sensor) {
+  return kCarried * sensor.skin.thickness + support::kMarginZ;
+}
+
+double forceAt(const Sensor& sensor, const std::vector<reference::PlacedObject>& objects, double offset) {
+  const auto d = reference::penetrations(reference::surfaceHeights(sensor, reference::movedAlongZ(objects, offset)), sensor.skin.thickness);
+  return reference::winklerContact(sensor, d, {}, 0).total_force;
+}
+
+struct LoadedInstance {
+  Touch touch;
+  float load;
+};
+
+// Runs the batch and checks every instance: outcome, force, offset, and all stages at the offset that the device found.
+void runLoads(const Sensor& sensor, const std::vector<Object>& objects, const std::vector<LoadedInstance>& instances, bool is_level) {
+  const int num_instances = static_cast<int>(instances.size());
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+  Simulator simulator(model, {.num_instances = num_instances, .num_slots = static_cast<int>(instances[0].touch.ids.size())});
+  std::vector<Touch> touches;
+  std::vector<float> loads;
+  for (const LoadedInstance& instance : instances) {
+    touches.push_back(instance.touch);
+    loads.push_back(instance.load);
+  }
+  support::setTouches(simulator, touches);
+  simulator.setLoads(loads);
+  simulator.step(kDt);
+  const FrameView frame = simulator.read();
+  support::expectWellFormed(frame, sensor, num_instances);
+  for (int i = 0; i < num_instances; ++i) {
+    SCOPED_TRACE("instance " + std::to_string(i));
+    const auto placed = touches[i].placed(objects);
+    const double offset = frame.ground_truth.load_offset[i];
+    const reference::LoadResult expected = reference::findLoad(sensor, placed, loads[i]);
+    EXPECT_EQ(frame.ground_truth.load_reached[i], expected.reached ? 1 : 0);
+    if (!expected.reached || frame.ground_truth.load_reached[i] == 0) {
+      continue;
+    }
+    // Poses are rounded to float32 after the move, like any pose.
+    support::Rounding rounding = support::roundingFor(placed);
+    rounding.margin_z += offsetSlack(sensor);
+    const auto envelope = support::frameEnvelope(sensor, touches[i].placed(objects, offset), rounding);
+    support::expectMatches(frame, i, sensor, envelope);
+    if (is_level) {
+      EXPECT_NEAR(-frame.ground_truth.contact_wrench[6 * i + 2], loads[i], kCarried * loads[i] + support::kAbsoluteForce);
+      EXPECT_NEAR(offset, expected.offset, offsetSlack(sensor) + rounding.margin_z);
+    }
+    if (sensor.psf.normalization == Psf::Normalization::kPerSource) {
+      EXPECT_NEAR(frame.ground_truth.total_force[i], loads[i], kCarried * loads[i] + support::kAbsoluteForce);
+    }
+  }
+}
+
+class LoadOnDevice : public ::testing::TestWithParam<int> {};
+
+// Over the middle, over the border, with one or two objects, solids and meshes (with holes): loads from 2 to 95 % of what full depth
+// carries.
+void runRandomLoads(int seed, const support::SensorRange& range, bool is_level) {
+  Random random(static_cast<std::uint64_t>(seed));
+  const Sensor sensor = support::randomSensor(random, range);
+  std::vector<Object> objects;
+  for (int n = 0; n < 3; ++n) {
+    objects.push_back(random.chance(0.5) ? support::randomSolid(random, 0.02) : support::randomMeshObject(random, 0.02));
+  }
+  std::vector<LoadedInstance> instances;
+  for (int i = 0; i < 4; ++i) {
+    Touch touch;
+    for (int slot = 0; slot < 2; ++slot) {
+      touch.ids.push_back(slot > 0 && random.chance(0.5) ? kNoObject : random.integer(0, 2));
+      touch.X_SO.push_back(touch.ids.back() == kNoObject ? Pose{} : support::randomContact(random, sensor, objects[touch.ids.back()]));
+    }
+    // The search starts anywhere: far over the skin or deep in it.
+    const double lift = random.uniform(-0.02, 0.05);
+    for (Pose& X_SO : touch.X_SO) {
+      X_SO.position[2] += lift;
+    }
+    const auto placed = touch.placed(objects);
+    const double full = forceAt(sensor, placed, reference::findLoad(sensor, placed, 1e9).full_depth);
+    if (full > 1e-3) {  // else nothing lies over the skin there
+      instances.push_back({touch, static_cast<float>(random.uniform(0.02, 0.95) * full)});
+    }
+  }
+  if (!instances.empty()) {
+    runLoads(sensor, objects, instances, is_level);
+  }
+}
+
+TEST_P(LoadOnDevice, OnePatch) {
+  runRandomLoads(GetParam(), {}, true);
+}
+
+TEST_P(LoadOnDevice, SeveralLevelPatches) {
+  runRandomLoads(1000 + GetParam(), {.max_rows = 6, .max_cols = 6, .max_patches = 4}, true);
+}
+
+TEST_P(LoadOnDevice, SeveralTiltedPatches) {
+  runRandomLoads(2000 + GetParam(), {.max_rows = 5, .max_cols = 5, .max_patches = 3, .max_patch_tilt = 0.2}, false);
+}
+
+INSTANTIATE_TEST_SUITE_P(Random, LoadOnDevice, ::testing::Range(0, 15));
+
+TEST(LoadOnDevice, FlatPunchInClosedForm) {
+  const Sensor sensor = support::gridSensor();
+  const Object punch(Box{{4 * 3.4e-3, 6 * 3.4e-3, 0.01}});
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {punch}});
+  Simulator simulator(model, {});
+  const double load = 9.81 * 0.5, depth = load / (1.73e8 * 24 * 3.4e-3 * 3.4e-3);
+  for (const double z : {-0.03, 0.0, 0.005, 0.04}) {
+    simulator.setObjects(std::vector<int>{0}, std::vector<Pose>{{.position = {0.1e-3, 0.1e-3, z}}});
+    simulator.setLoads(std::vector<float>{static_cast<float>(load)});
+    simulator.step(kDt);
+    const FrameView frame = simulator.read();
+    EXPECT_EQ(frame.ground_truth.load_reached[0], 1);
+    EXPECT_NEAR(z + frame.ground_truth.load_offset[0], 0.005 - depth, offsetSlack(sensor) + support::kMarginZ);
+    EXPECT_NEAR(frame.ground_truth.total_force[0], load, kCarried * load);
+  }
+}
+
+TEST(LoadOnDevice, SphereInClosedForm) {
+  const double R = 10e-3, depth = 0.8e-3, load = std::numbers::pi * 1.73e8 * depth * depth * (R - depth / 3);
+  const Sensor sensor = support::gridSensor({.num_rows = 16, .num_cols = 16, .pitch_x = 1e-3, .pitch_y = 1e-3, .samples_per_taxel = 8});
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{R})}});
+  Simulator simulator(model, {});
+  simulator.setObjects(std::vector<int>{0}, std::vector<Pose>{{.position = {0.2e-3, -0.3e-3, 0.02}}});
+  simulator.setLoad(0, static_cast<float>(load));
+  simulator.step(kDt);
+  const FrameView frame = simulator.read();
+  // The sampled force errs by 0.15 % at most (PHYSICS section 22), and dF/F is 2 d(depth)/depth.
+  EXPECT_NEAR(0.02 + frame.ground_truth.load_offset[0], R - depth, 0.0015 / 2 * depth + offsetSlack(sensor));
+  EXPECT_NEAR(frame.ground_truth.total_force[0], load, kCarried * load);
+}
+
+TEST(LoadOnDevice, OverTheBorderAndAcrossPatches) {
+  Sensor sensor = support::gridSensor({.num_rows = 4, .num_cols = 4, .pitch_x = 2e-3, .pitch_y = 2e-3});
+  sensor.patches.push_back(sensor.patches[0]);
+  sensor.patches[1].name = "second";
+  sensor.patches[0].X_SP.position[0] = -4.5e-3;  // a gap of 1 mm between the two
+  sensor.patches[1].X_SP.position[0] = 4.5e-3;
+  const std::vector<Object> objects{Object(Sphere{6e-3}), Object(Capsule{3e-3, 20e-3})};
+  const Quaternion along_x = axisAngle({0, 1, 0}, std::numbers::pi / 2);
+  runLoads(sensor, objects,
+           {{{{0}, {{.position = {-8.2e-3, 0, 0.01}}}}, 0.5f},         // over the outer border
+            {{{0}, {{.position = {0.1e-3, 0.2e-3, 0.01}}}}, 0.7f},     // over the gap
+            {{{1}, {{{0.3e-3, -0.2e-3, 0.01}, along_x}}}, 2.0f},       // across both
+            {{{0}, {{.position = {-4.5e-3, 4.1e-3, -0.01}}}}, 0.2f}},  // over an edge, starting under the skin
+           true);
+}
+
+TEST(LoadOnDevice, MeshWithHoles) {
+  Random random(9);
+  const Sensor sensor = support::gridSensor({.pitch_x = 1.5e-3, .pitch_y = 1.5e-3});
+  const std::vector<Object> objects{Object("sheet", support::sheetWithHoles(24, 0.03, 0.1e-3, 0.4, random))};
+  runLoads(sensor, objects,
+           {{{{0}, {{.position = {0.4e-3, 0.1e-3, 0.003}}}}, 1.0f}, {{{0}, {{{0, 0, 0}, axisAngle({1, 1, 0}, 0.05)}}}, 3.0f}}, true);
+}
+
+TEST(LoadOnDevice, OutOfReachIsReportedAndHarmsNobody) {
+  const Sensor sensor = support::gridSensor();
+  const std::vector<Object> objects{Object(Sphere{3e-3})};
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+  Simulator simulator(model, {.num_instances = 4});
+  const Pose over{.position = {0, 0, 0.01}}, beside{.position = {0.2, 0, 0.01}};
+  support::setTouches(simulator, {{{0}, {over}}, {{0}, {beside}}, {{kNoObject}, {Pose{}}}, {{0}, {over}}});
+  simulator.setLoads(std::vector<float>{1000, 0.1f, 0.1f, 0.1f});
+  simulator.step(kDt);
+  const FrameView frame = simulator.read();
+  support::expectWellFormed(frame, sensor, 4);
+  EXPECT_EQ(frame.ground_truth.load_reached[0], 0);
+  EXPECT_EQ(frame.ground_truth.load_reached[1], 0);
+  EXPECT_EQ(frame.ground_truth.load_reached[2], 0);
+  EXPECT_EQ(frame.ground_truth.load_reached[3], 1);
+  EXPECT_LT(frame.ground_truth.total_force[0], 1000);
+  EXPECT_EQ(frame.ground_truth.total_force[1], 0);
+  EXPECT_EQ(frame.ground_truth.total_force[2], 0);
+  EXPECT_NEAR(frame.ground_truth.total_force[3], 0.1, kCarried * 0.1 + support::kAbsoluteForce);
+}
+
+TEST(LoadOnDevice, PoseDrivenNeighboursStayWhereTheyAre) {
+  const std::vector<Object> objects{Object(Sphere{8e-3})};
+  const Sensor sensor = support::gridSensor();
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+  Simulator simulator(model, {.num_instances = 2});
+  const Pose X_SO{.position = {0, 0, 8e-3 - 0.5e-3}};
+  support::setTouches(simulator, {{{0}, {X_SO}}, {{0}, {X_SO}}});
+  simulator.setLoads(std::vector<float>{1.0f, kPoseDriven});
+  simulator.step(kDt);
+  FrameView frame = simulator.read();
+  EXPECT_NE(frame.ground_truth.load_offset[0], 0);
+  EXPECT_EQ(frame.ground_truth.load_offset[1], 0);
+  const std::vector<std::uint32_t> alone = support::bitsOf(frame, 1, 2);
+  simulator.setLoad(0, kPoseDriven);
+  simulator.step(kDt);
+  frame = simulator.read();
+  EXPECT_EQ(frame.ground_truth.load_offset[0], 0);
+  EXPECT_EQ(support::bitsOf(frame, 0, 2), alone);
+}
+
+}  // namespace
+}  // namespace taxelsim
