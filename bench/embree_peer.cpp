@@ -17,10 +17,10 @@
 namespace taxelsim::bench {
 namespace {
 
-constexpr int kSide = 4;       // samples per taxel, per side
-constexpr int kPacket = 16;    // rays of one taxel
-constexpr int kReach = 1;      // of the 3 x 3 PSF, taxels
-constexpr int kBlock = 16;     // instances that a thread takes at a time
+constexpr int kSide = 4;     // samples per taxel, per side
+constexpr int kPacket = 16;  // rays of one taxel
+constexpr int kReach = 1;    // of the 3 x 3 PSF, taxels
+constexpr int kBlock = 16;   // instances that a thread takes at a time
 constexpr int kMaxTaxels = 1024;
 constexpr float kPi = std::numbers::pi_v<float>;
 
@@ -70,9 +70,11 @@ void EmbreePeer::Impl::build(const Mesh& mesh) {
   rtcSetSceneFlags(scene, RTC_SCENE_FLAG_NONE);
   const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_HIGH);
-  void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(mesh.vertices[0]), mesh.vertices.size());
+  void* vertices =
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(mesh.vertices[0]), mesh.vertices.size());
   std::copy(mesh.vertices.begin(), mesh.vertices.end(), static_cast<std::array<float, 3>*>(vertices));
-  void* indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(mesh.triangles[0]), mesh.triangles.size());
+  void* indices =
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(mesh.triangles[0]), mesh.triangles.size());
   std::copy(mesh.triangles.begin(), mesh.triangles.end(), static_cast<std::array<std::uint32_t, 3>*>(indices));
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(scene, geometry);
@@ -81,7 +83,8 @@ void EmbreePeer::Impl::build(const Mesh& mesh) {
 
   RTCBounds box;
   rtcGetSceneBounds(scene, &box);
-  for (int c = 0; c < 8; ++c) corners[c] = {c & 1 ? box.upper_x : box.lower_x, c & 2 ? box.upper_y : box.lower_y, c & 4 ? box.upper_z : box.lower_z};
+  for (int c = 0; c < 8; ++c)
+    corners[c] = {c & 1 ? box.upper_x : box.lower_x, c & 2 ? box.upper_y : box.lower_y, c & 4 ? box.upper_z : box.lower_z};
 }
 
 // Stages 1 and 2. A ray starts at the bottom of the skin and ends at its surface, so what is left of it is the penetration.
@@ -230,11 +233,13 @@ EmbreePeer::EmbreePeer(const Sensor& sensor, const Mesh& mesh, int threads) : im
   const Winkler* law = std::get_if<Winkler>(&sensor.skin.law);
   const bool plain = sensor.patches.size() == 1 && sensor.patches[0].X_SP == Pose{} && sensor.samples_per_taxel == kSide && law &&
                      law->normal_exponent == 1 && law->normal_damping == 0 && sensor.psf.size == 2 * kReach + 1 &&
-                     sensor.psf.normalization == Psf::Normalization::kPerSource && sensor.readout.curve.size() == 1 && sensor.readout.noise == 0 &&
-                     sensor.readout.taxel_gain.empty() && sensor.readout.taxel_trigger.empty() && numTaxels(sensor) <= kMaxTaxels;
+                     sensor.psf.normalization == Psf::Normalization::kPerSource && sensor.readout.curve.size() == 1 &&
+                     sensor.readout.noise == 0 && sensor.readout.taxel_gain.empty() && sensor.readout.taxel_trigger.empty() &&
+                     numTaxels(sensor) <= kMaxTaxels;
   if (!plain) {
-    throw Error(ErrorKind::kInput, sensor.name + ": the Embree peer does one grid patch at the origin with 4 x 4 samples, linear springs, a 3 x 3 "
-                                   "PSF per source and a straight, noiseless curve only");
+    throw Error(ErrorKind::kInput, sensor.name +
+                                       ": the Embree peer does one grid patch at the origin with 4 x 4 samples, linear springs, a 3 x 3 "
+                                       "PSF per source and a straight, noiseless curve only");
   }
   Impl& impl = *impl_;
   const GridPatch& patch = sensor.patches[0];
@@ -274,7 +279,9 @@ EmbreePeer::EmbreePeer(const Sensor& sensor, const Mesh& mesh, int threads) : im
 
 EmbreePeer::~EmbreePeer() = default;
 
-int EmbreePeer::numThreads() const { return impl_->num_threads; }
+int EmbreePeer::numThreads() const {
+  return impl_->num_threads;
+}
 
 void EmbreePeer::run(std::span<const Pose> X_SO, PeerFrame& frame) {
   const Impl& impl = *impl_;

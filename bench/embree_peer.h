@@ -1,6 +1,6 @@
-// The same frame on the CPU: Embree 3 for the depth, plain C++ for the rest. The peer that taxelsim is timed against, given every advantage that
-// we know of: packets of one taxel, rays no longer than the skin, taxels beside the object skipped, no allocation per frame, all cores. Not a
-// general simulator: one grid patch with 4 x 4 samples, linear winkler springs at a given pose, no noise.
+// The same frame on the CPU: Embree 3 for the depth, plain C++ for the rest. The peer that taxelsim is timed against, given every advantage
+// that we know of: packets of one taxel, rays no longer than the skin, taxels beside the object skipped, no allocation per frame, all
+// cores. Not a general simulator: one grid patch with 4 x 4 samples, linear winkler springs at a given pose, no noise.
 #pragma once
 
 #include <cstdint>

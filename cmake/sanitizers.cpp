@@ -3,13 +3,17 @@
 
 // The Vulkan loader unloads the drivers before the leak check, which then cannot tell whose a leaked block was. Left loaded, a driver's
 // leaks carry its name, so that they can be told from ours.
-extern "C" __attribute__((visibility("default"))) int dlclose(void* /*handle*/) { return 0; }
+extern "C" __attribute__((visibility("default"))) int dlclose(void* /*handle*/) {
+  return 0;
+}
 
 #endif
 
 #if defined(__SANITIZE_ADDRESS__)
 
-extern "C" const char* __asan_default_options() { return "detect_leaks=1:strict_string_checks=1:check_initialization_order=1"; }
+extern "C" const char* __asan_default_options() {
+  return "detect_leaks=1:strict_string_checks=1:check_initialization_order=1";
+}
 
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:libvulkan_\n"
@@ -19,15 +23,20 @@ extern "C" const char* __lsan_default_suppressions() {
          "leak:libfontconfig\n";
 }
 
-extern "C" const char* __lsan_default_options() { return "print_suppressions=0"; }
+extern "C" const char* __lsan_default_options() {
+  return "print_suppressions=0";
+}
 
-extern "C" const char* __ubsan_default_options() { return "print_stacktrace=1"; }
+extern "C" const char* __ubsan_default_options() {
+  return "print_stacktrace=1";
+}
 
 #endif
 
 #if defined(__SANITIZE_THREAD__)
 
-// The drivers and HDF5 are not instrumented: their own locks and atomics are invisible, so that what they do among themselves looks like races.
+// The drivers and HDF5 are not instrumented: their own locks and atomics are invisible, so that what they do among themselves looks like
+// races.
 extern "C" const char* __tsan_default_suppressions() {
   return "called_from_lib:libvulkan_lvp.so\n"
          "called_from_lib:libvk_swiftshader.so\n"

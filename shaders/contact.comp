@@ -511,7 +511,7 @@ void main() {
   // A word a lane.
   uint result = instance * NUM_TILES + tile_number;
   vec4 force_row = vec4(force, float(num_deep));
-  vec4 torque_row = vec4(torque, 0);
+  vec4 torque_row = vec4(torque, total.x);
   for (uint k = lane; k < 4; k += WORKGROUP) {
     tile_results[result].force[k] = force_row[k];
     tile_results[result].torque[k] = torque_row[k];

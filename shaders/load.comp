@@ -44,8 +44,7 @@ void main() {
   float force = 0.0;
   float deep = 0.0;
   for (uint t = 0; t < NUM_TILES; ++t) {
-    // The load is the force along z of S.
-    force -= tile_results[instance * NUM_TILES + t].force.z;
+    force += tile_results[instance * NUM_TILES + t].torque.w;
     deep += tile_results[instance * NUM_TILES + t].force.w;
   }
   float load = instances[instance].drive.x;

@@ -37,30 +37,44 @@ vec2 insideInfiniteCylinder(vec3 o, vec3 d, float radius) {
   return vec2(middle - reach, middle + reach);
 }
 
-// x^2 + y^2 <= (k z)^2, 0 <= z <= height.
+// x^2 + y^2 <= (k z)^2, 0 <= z <= height. Counted from the point of the ray closest to the apex, where the squares are smallest.
 vec2 insideCone(vec3 o, vec3 d, float radius, float height) {
   float k2 = (radius / height) * (radius / height);
-  vec2 within = slab(o.z, d.z, 0.0, height);
+  float middle = -dot(o, d);
+  vec3 closest = o + middle * d;
+  vec2 within = slab(closest.z, d.z, 0.0, height);
   if (within.x > within.y) return within;
   float a = dot(d.xy, d.xy) - k2 * d.z * d.z;
-  float b = dot(o.xy, d.xy) - k2 * o.z * d.z;
-  float c = dot(o.xy, o.xy) - k2 * o.z * o.z;
+  float b = dot(closest.xy, d.xy) - k2 * closest.z * d.z;
+  float c = dot(closest.xy, closest.xy) - k2 * closest.z * closest.z;
+  vec2 inside = within;
   if (abs(a) < 1e-7) {  // parallel to a generator: 2 b t + c <= 0
-    if (abs(b) < 1e-12) return c <= 0.0 ? within : vec2(kMiss, kBottomless);
     float t = -c / (2.0 * b);
-    return both(within, b > 0.0 ? vec2(kBottomless, t) : vec2(t, kMiss));
+    if (abs(b) < 1e-12) {
+      if (c > 0.0) inside = vec2(kMiss, kBottomless);
+    } else if (b > 0.0) {
+      inside.y = min(inside.y, t);
+    } else {
+      inside.x = max(inside.x, t);
+    }
+    return inside + middle;
   }
-  float q = b * b - a * c;
-  if (q < 0.0) {
-    if (a > 0.0) return vec2(kMiss, kBottomless);
-    q = 0.0;  // a line through the apex, up to rounding
+  float square = b * b - a * c;
+  if (square < 0.0 && a > 0.0) return vec2(kMiss, kBottomless);
+  // Below 0 with a < 0 only by rounding: a line through the apex. The root that does not cancel, and the other from their product.
+  float root = sqrt(max(square, 0.0));
+  float sum = b >= 0.0 ? -(b + root) : root - b;
+  float t1 = sum / a;
+  float t2 = sum != 0.0 ? c / sum : t1;
+  float first = min(t1, t2), second = max(t1, t2);
+  if (a > 0.0) {
+    inside = both(within, vec2(first, second));
+  } else if (d.z > 0.0) {  // steeper than the flank: inside before the first root (one nappe) and after the second (the other)
+    inside.x = max(inside.x, second);
+  } else {
+    inside.y = min(inside.y, first);
   }
-  float root = sqrt(q);
-  float t1 = (-b - root) / a;
-  float t2 = (-b + root) / a;
-  if (a > 0.0) return both(within, vec2(t1, t2));
-  // Steeper than the flank: inside before the smaller root (one nappe) and after the larger one (the other).
-  return both(within, d.z > 0.0 ? vec2(max(t1, t2), kMiss) : vec2(kBottomless, min(t1, t2)));
+  return inside + middle;
 }
 
 float torusDistance(vec3 p, float major_radius, float minor_radius) {

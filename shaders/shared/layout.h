@@ -101,7 +101,7 @@ struct StepRecord {
 // What the contact pass leaves per instance and tile.
 struct TileResult {
   vec4 force;    // on the sensor, in S, N; samples at least as deep as the skin is thick
-  vec4 torque;   // about S's origin, in S, N m; 0
+  vec4 torque;   // about S's origin, in S, N m; sum of the taxels' normal forces, N
   uvec4 window;  // rectangle of taxels of the patch that may carry force: first row, end row, first col, end col; empty: all 0
 };
 

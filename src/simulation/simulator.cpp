@@ -25,6 +25,34 @@ glm::vec4 row(const std::array<double, 9>& rotation, const Vector3& position, st
           static_cast<float>(position[i])};
 }
 
+double lengthOf(const Quaternion& q) { return std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]); }
+
+// Refuses what one slot of an instance may not hold.
+void checkSlot(int id, const Pose& X_SO, std::size_t instance, int num_objects) {
+  if (id == kNoObject) return;
+  const std::string where = " of instance " + std::to_string(instance);
+  if (id < 0 || id >= num_objects) {
+    refuse("object " + std::to_string(id) + where + " is not allowed: 0 to " + std::to_string(num_objects - 1) + ", or -1 for none");
+  }
+  const double length = lengthOf(X_SO.rotation);
+  // Written so that NaN fails.
+  if (!(std::abs(length - 1) <= kQuaternionTolerance)) {
+    refuse("rotation" + where + ": a quaternion of length " + std::to_string(length) + " is not allowed: 1");
+  }
+  for (const double coordinate : X_SO.position) {
+    if (!std::isfinite(coordinate)) refuse("position" + where + " is not finite");
+  }
+}
+
+layout::PoseRecord packPose(int id, const Pose& X_SO) {
+  if (id == kNoObject) return {{}, {}, {}, glm::vec4(kNoObject, 0, 0, 0)};
+  const auto& [w, x, y, z] = X_SO.rotation;
+  const double length = lengthOf(X_SO.rotation);
+  const std::array<double, 9> rotation = rotationMatrix({w / length, x / length, y / length, z / length});
+  return {row(rotation, X_SO.position, 0), row(rotation, X_SO.position, 1), row(rotation, X_SO.position, 2),
+          {static_cast<float>(id), 0.0f, 0.0f, 0.0f}};
+}
+
 // Time since reset of one instance, and when its sensor delivers.
 struct Clock {
   double time = 0;           // s, of the next step
@@ -43,10 +71,15 @@ struct Simulator::Impl {
   Impl(const Model& of, const SimulatorOptions& with) : model(of), options(with), buffers((checkBatchFits(*of.impl(), with), *of.impl()), with) {
     clocks.resize(static_cast<std::size_t>(with.num_instances));
     const std::span<layout::PoseRecord> poses = buffers.poses.mappedAs<layout::PoseRecord>();
-    for (layout::PoseRecord& pose : poses) pose.object = glm::vec4(kNoObject, 0, 0, 0);
+    for (layout::PoseRecord& pose : poses) pose = packPose(kNoObject, {});
     for (layout::InstanceRecord& instance : records()) instance.drive = {kPoseDriven, 1.0f, 0.0f, 0.0f};
     commands(false, of.sensor().readout.noise > 0);
     of.device().context().savePipelineCache();
+  }
+
+  void checkInstance(int instance) const {
+    if (instance >= 0 && instance < options.num_instances) return;
+    refuse("instance: " + std::to_string(instance) + " is not allowed: 0 to " + std::to_string(options.num_instances - 1));
   }
 
   std::span<layout::InstanceRecord> records() const { return buffers.instances.mappedAs<layout::InstanceRecord>(); }
@@ -189,38 +222,23 @@ void Simulator::setObjects(std::span<const int> ids, std::span<const Pose> X_SO)
   const auto n = static_cast<std::size_t>(impl_->options.num_instances);
   checkLength("ids", ids.size(), n * slots);
   checkLength("X_SO", X_SO.size(), n * slots);
-  for (std::size_t i = 0; i < n; ++i) setObjects(static_cast<int>(i), ids.subspan(i * slots, slots), X_SO.subspan(i * slots, slots));
+  // All are checked before any is taken, so that a refusal changes nothing.
+  const auto num_objects = static_cast<int>(impl_->model.objects().size());
+  for (std::size_t i = 0; i < ids.size(); ++i) checkSlot(ids[i], X_SO[i], i / slots, num_objects);
+  layout::PoseRecord* records = impl_->buffers.poses.mappedAs<layout::PoseRecord>().data();
+  for (std::size_t i = 0; i < ids.size(); ++i) records[i] = packPose(ids[i], X_SO[i]);
 }
 
 void Simulator::setObjects(int instance, std::span<const int> ids, std::span<const Pose> X_SO) {
   const auto slots = static_cast<std::size_t>(impl_->options.num_slots);
-  if (instance < 0 || instance >= impl_->options.num_instances) refuse("instance: " + std::to_string(instance) + " is not in the batch");
+  impl_->checkInstance(instance);
   checkLength("ids", ids.size(), slots);
   checkLength("X_SO", X_SO.size(), slots);
+  const auto i = static_cast<std::size_t>(instance);
   const auto num_objects = static_cast<int>(impl_->model.objects().size());
-  layout::PoseRecord* records = impl_->buffers.poses.mappedAs<layout::PoseRecord>().data() + static_cast<std::size_t>(instance) * slots;
-  for (std::size_t slot = 0; slot < slots; ++slot) {
-    if (ids[slot] != kNoObject && (ids[slot] < 0 || ids[slot] >= num_objects)) {
-      refuse("object " + std::to_string(ids[slot]) + " of instance " + std::to_string(instance) + " is not allowed: 0 to " +
-             std::to_string(num_objects - 1) + ", or -1 for none");
-    }
-    if (ids[slot] == kNoObject) {
-      records[slot].object = glm::vec4(kNoObject, 0, 0, 0);
-      continue;
-    }
-    const auto& [w, x, y, z] = X_SO[slot].rotation;
-    const Vector3& p = X_SO[slot].position;
-    const double norm = std::sqrt(w * w + x * x + y * y + z * z);
-    // Written so that NaN fails.
-    if (!(std::abs(norm - 1) <= kQuaternionTolerance)) {
-      refuse("rotation of instance " + std::to_string(instance) + ": a quaternion of length " + std::to_string(norm) + " is not allowed: 1");
-    }
-    if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) {
-      refuse("position of instance " + std::to_string(instance) + " is not finite");
-    }
-    const std::array<double, 9> rotation = rotationMatrix({w / norm, x / norm, y / norm, z / norm});
-    records[slot] = {row(rotation, p, 0), row(rotation, p, 1), row(rotation, p, 2), {static_cast<float>(ids[slot]), 0.0f, 0.0f, 0.0f}};
-  }
+  for (std::size_t slot = 0; slot < slots; ++slot) checkSlot(ids[slot], X_SO[slot], i, num_objects);
+  layout::PoseRecord* records = impl_->buffers.poses.mappedAs<layout::PoseRecord>().data() + i * slots;
+  for (std::size_t slot = 0; slot < slots; ++slot) records[slot] = packPose(ids[slot], X_SO[slot]);
 }
 
 void Simulator::setLoads(std::span<const float> loads) {
@@ -229,13 +247,13 @@ void Simulator::setLoads(std::span<const float> loads) {
 }
 
 void Simulator::setLoad(int instance, float load) {
-  if (instance < 0 || instance >= impl_->options.num_instances) refuse("instance: " + std::to_string(instance) + " is not in the batch");
+  impl_->checkInstance(instance);
   if (load < 0 || std::isinf(load)) refuse("load of instance " + std::to_string(instance) + ": " + std::to_string(load) + " is not allowed: N, >= 0");
   impl_->records()[static_cast<std::size_t>(instance)].drive.x = load;
 }
 
 void Simulator::reset(int instance, std::uint64_t episode, const ReadoutVariation& variation) {
-  if (instance < 0 || instance >= impl_->options.num_instances) refuse("instance: " + std::to_string(instance) + " is not in the batch");
+  impl_->checkInstance(instance);
   const auto finite_from = [](float value, float low) { return value >= low && !std::isinf(value); };
   if (!finite_from(variation.gain, 0) || !finite_from(variation.gain_spread, 0) || !finite_from(variation.noise, 0)) {
     refuse("variation of instance " + std::to_string(instance) + ": gain, gain_spread and noise must be finite and >= 0");

@@ -53,7 +53,9 @@ void runLoads(const Sensor& sensor, const std::vector<Object>& objects, const st
   const FrameView frame = simulator.read();
   support::expectWellFormed(frame, sensor, num_instances);
   for (int i = 0; i < num_instances; ++i) {
-    SCOPED_TRACE("instance " + std::to_string(i));
+    std::string touching;
+    for (const int id : touches[i].ids) touching += id == kNoObject ? " -" : " " + objects[id].name;
+    SCOPED_TRACE("instance " + std::to_string(i) + ":" + touching);
     const auto placed = touches[i].placed(objects);
     const double offset = frame.ground_truth.load_offset[i];
     const reference::LoadResult expected = reference::findLoad(sensor, placed, loads[i]);

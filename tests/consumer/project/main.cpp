@@ -17,8 +17,8 @@
 #include <vector>
 
 int main() {
-  constexpr float kLoad = 5;                // N
-  constexpr float kLoadTolerance = 0.01f;   // N; the search ends well below it, a wrong unit or a missing contact is far above
+  constexpr float kLoad = 5;               // N
+  constexpr float kLoadTolerance = 0.01f;  // N; the search ends well below it, a wrong unit or a missing contact is far above
   try {
     const taxelsim::Device device = taxelsim::Device::open();
     const taxelsim::Model model(device, {.sensor = taxelsim::loadSensor(std::string(SCENES) + "/sensors/wts0614.yaml"),

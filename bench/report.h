@@ -1,0 +1,26 @@
+// Repeated measurements, and what a results file says about the machine they were taken on.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "taxelsim/device.h"
+
+namespace taxelsim::bench {
+
+struct Summary {
+  double median = 0, min = 0, max = 0;
+};
+
+Summary summarise(std::vector<double> values);
+
+// {median, min, max, all}
+nlohmann::ordered_json toJson(const std::vector<double>& values);
+
+// Device, driver, CPU, number of cores, program version, environment variables that change a driver.
+nlohmann::ordered_json machine(const DeviceInfo& device);
+
+void writeJson(const std::filesystem::path& file, const nlohmann::ordered_json& json);
+
+}  // namespace taxelsim::bench
