@@ -42,7 +42,9 @@ struct Case {
 };
 
 struct Options {
-  std::string sensor, prism, json, device;
+  std::string sensor = TAXELSIM_SCENES "/sensors/wts0614.yaml";
+  std::string prism = TAXELSIM_SCENES "/objects/hex_prism.obj";
+  std::string json, device;
   int num_instances = 4096;
   int repetitions = 11;
   int threads = 0;
@@ -221,7 +223,7 @@ int run(const Options& options) {
 }  // namespace taxelsim::bench
 
 int main(int argc, char** argv) {
-  taxelsim::bench::Options options{.sensor = TAXELSIM_SCENES "/sensors/wts0614.yaml", .prism = TAXELSIM_SCENES "/objects/hex_prism.obj"};
+  taxelsim::bench::Options options;
   CLI::App app("Frames per second of taxelsim beside Embree 3: same poses, same samples, verified, timed in turns");
   app.add_option("--json", options.json, "Write the results into this file");
   app.add_option("--instances", options.num_instances, "Sensors in the batch")->check(CLI::Range(1, 1 << 20))->capture_default_str();

@@ -2,11 +2,11 @@
 #extension GL_GOOGLE_include_directive : require
 // Contact pass: stages 1 (depth) and 2 (contact law) of one frame, and the load search over one tile.
 //
-// A workgroup owns one tile of taxels of one instance; workgroup number = instance NUM_TILES + tile. An invocation owns boxes, then triangles, then
-// taxels.
+// A workgroup owns REPEAT tiles, one after another; tile number = instance NUM_TILES + tile of the sensor. An invocation owns boxes, then triangles,
+// then taxels.
 // In:  poses (num_instances x num_slots), objects, groups, clusters, triangles, the sensor's patches and tiles.
-// Out: contact_normal (num_instances x num_taxels), N, over the part of the spread's kernel that stays on the sensor; contact_shear alike;
-//      contact_depth (num_instances x num_taxels), m; tile_results (num_instances x num_tiles);
+// Out: contact_normal (num_instances x num_taxels), N, over the part of the spread's kernel that stays on the sensor; of a sensor of one tile only
+//      inside the window of its result; contact_depth (num_instances x num_taxels), m; tile_results (num_instances x num_tiles);
 //      loads (num_instances): what the search found.
 // Shared memory: 4 TILE_SAMPLES + 16 LANES + 4 kClustersPerBatch + 4 kGroupsPerBatch + 40 bytes.
 // Deterministic: the tile is a minimum; sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
@@ -14,18 +14,19 @@
 
 #include "shared/layout.h"
 #include "lib/specialization.glsl"
-layout(constant_id = 7) const uint TILE_SAMPLES = 1344;  // most samples of a tile
-layout(constant_id = 8) const bool FLAT = true;          // the one patch's frame is the sensor's
-layout(constant_id = 9) const bool HAS_STATE = false;    // the law needs the depth of the step before
-layout(constant_id = 10) const uint SEARCH = 0;          // load search: kNoSearch, kSearchInTile, kSearchOverTiles
-layout(constant_id = 11) const float THICKNESS = 0.002;  // m
-layout(constant_id = 12) const float LAW_0 = 1.73e8;     // parameters of the contact law, lib/laws/
-layout(constant_id = 13) const float LAW_1 = 1.0;
-layout(constant_id = 14) const float LAW_2 = 0.0;
-layout(constant_id = 15) const bool SCALED = true;       // sources near a border give more to the taxels that are there, lib/spread.glsl
-layout(constant_id = 16) const bool MANY_SLOTS = false;  // an instance may touch several objects
-layout(constant_id = 17) const uint KINDS = 1;           // bit per kind of object in the model
-layout(constant_id = 18) const uint TRIANGLES = 3;       // bit 0: meshes of small triangles, bit 1: of large ones
+layout(constant_id = 11) const uint TILE_SAMPLES = 1344;  // most samples of a tile
+layout(constant_id = 12) const bool FLAT = true;          // the one patch's frame is the sensor's
+layout(constant_id = 13) const bool HAS_STATE = false;    // the law needs the depth of the step before
+layout(constant_id = 14) const uint SEARCH = 0;          // load search: kNoSearch, kSearchInTile, kSearchOverTiles
+layout(constant_id = 15) const float THICKNESS = 0.002;  // m
+layout(constant_id = 16) const float LAW_0 = 1.73e8;     // parameters of the contact law, lib/laws/
+layout(constant_id = 17) const float LAW_1 = 1.0;
+layout(constant_id = 18) const float LAW_2 = 0.0;
+layout(constant_id = 19) const bool SCALED = true;       // sources near a border give more to the taxels that are there, lib/spread.glsl
+layout(constant_id = 20) const bool MANY_SLOTS = false;  // an instance may touch several objects
+layout(constant_id = 21) const uint KINDS = 1;           // bit per kind of object in the model
+layout(constant_id = 22) const uint TRIANGLES = 3;       // bit 0: meshes of small triangles, bit 1: of large ones
+layout(constant_id = 23) const bool OUTPUT_DEPTH = false;  // contact_depth is wanted
 
 // A software driver computes both sides of every branch and a loop's body at least once, so what a model, sensor or batch does not need is left
 // out by constants.
@@ -34,8 +35,8 @@ const uint kSearchInTile = 1u;     // in this pass, over its one tile
 const uint kSearchOverTiles = 2u;  // by load.comp, over all tiles
 const bool kHasMesh = (KINDS & 1u) != 0;
 const bool kHasAnalytic = (KINDS & ~1u) != 0;
-// Heights go through the tile, but for a single analytic solid, whose heights are computed where they are summed.
-const bool kTiled = kHasMesh || MANY_SLOTS || SEARCH == kSearchInTile;
+// Heights go through the tile, but for a single analytic solid, whose heights are computed where they are summed; not a torus's, which take long.
+bool usesTile() { return kHasMesh || MANY_SLOTS || SEARCH == kSearchInTile || (KINDS & (1u << kKindTorus)) != 0; }
 
 layout(std430, set = 0, binding = 0) readonly buffer Poses { PoseRecord poses[]; };
 layout(std430, set = 0, binding = 1) readonly buffer Instances { InstanceRecord instances[]; };
@@ -50,13 +51,13 @@ layout(std430, set = 0, binding = 9) readonly buffer SpreadScale { float spread_
 layout(std430, set = 0, binding = 10) buffer State { float state[]; };
 layout(std430, set = 0, binding = 11) writeonly buffer ContactNormal { float contact_normal[]; };
 layout(std430, set = 0, binding = 12) writeonly buffer ContactDepth { float contact_depth[]; };
-layout(std430, set = 0, binding = 13) writeonly buffer ContactShear { float contact_shear[]; };
-layout(std430, set = 0, binding = 14) writeonly buffer TileResults { TileResult tile_results[]; };
-layout(std430, set = 0, binding = 15) buffer Loads { LoadRecord loads[]; };
+layout(std430, set = 0, binding = 13) writeonly buffer TileResults { TileResult tile_results[]; };
+layout(std430, set = 0, binding = 14) buffer Loads { LoadRecord loads[]; };
+layout(std430, set = 0, binding = 15) writeonly buffer Problems { uint problems[]; };
 
 const uint kEmpty = 0x7F7FFFFFu;  // the largest finite float, as bits: no surface over the sample
 // Groups are culled a batch at a time, so that the list of clusters has room for all of theirs.
-const uint kGroupsPerBatch = 16;
+const uint kGroupsPerBatch = 32;
 const uint kClustersPerBatch = kGroupsPerBatch * kClustersPerGroup;
 
 shared uint tile[TILE_SAMPLES];
@@ -75,7 +76,9 @@ uint tile_stride;
 float z_limit;  // m: surfaces at or above cannot touch
 float z_base;   // m: what the tile's numbers count from
 
-#include "lib/uniform_load.glsl"
+// A loop ended before its work was done. Mesa's software driver ends all loops of an invocation after 65,535 turns together, without a word.
+bool cut_short = false;
+
 #include "lib/workgroup.glsl"
 #include "lib/transform.glsl"
 #include "lib/analytic.glsl"
@@ -104,12 +107,12 @@ bool outsideTile(vec3 center, vec3 half_size) {
          center.y + reach.y < tile_first.y || center.y - reach.y > tile_end.y - 1.0;
 }
 
-int objectInSlot(uint slot_index) { return int(UNIFORM_ROW(poses[slot_index].object).x); }
+int objectInSlot(uint slot_index) { return int(poses[slot_index].object.x); }
 
 Body bodyInSlot(uint slot_index, int id) {
   Body body;
-  body.kind_groups = UNIFORM_ROW(objects[id].kind_groups);
-  body.X_PO = Affine(UNIFORM_ROW(poses[slot_index].row0), UNIFORM_ROW(poses[slot_index].row1), UNIFORM_ROW(poses[slot_index].row2));
+  body.kind_groups = objects[id].kind_groups;
+  body.X_PO = Affine(poses[slot_index].row0, poses[slot_index].row1, poses[slot_index].row2);
   body.X_PO.row2.w += offset_z;
   if (!FLAT) body.X_PO = compose(X_PS, body.X_PO);
   body.to_samples = body.X_PO;
@@ -117,7 +120,7 @@ Body bodyInSlot(uint slot_index, int id) {
   body.to_samples.row1.w -= patch_corner.y;
   body.to_samples.row0 /= spacing.x;
   body.to_samples.row1 /= spacing.y;
-  boundsOfImage(body.to_samples, UNIFORM_ROW(objects[id].center).xyz, UNIFORM_ROW(objects[id].half_size).xyz, body.center, body.half_size);
+  boundsOfImage(body.to_samples, objects[id].center.xyz, objects[id].half_size.xyz, body.center, body.half_size);
   body.near = !outsideTile(body.center, body.half_size);
   return body;
 }
@@ -144,7 +147,7 @@ void addToActive(Box box) {
 }
 
 Affine fromLattice(Body body, int id) {
-  vec4 lattice = UNIFORM_ROW(objects[id].lattice);
+  vec4 lattice = objects[id].lattice;
   vec4 middle = vec4(lattice.xyz, 1);
   Affine X;
   X.row0 = vec4(body.to_samples.row0.xyz * lattice.w, dot(body.to_samples.row0, middle));
@@ -155,12 +158,13 @@ Affine fromLattice(Body body, int id) {
 
 const int kLatticeMiddle = 1 << (kLatticeBits - 1);
 
-// Whether a box of a group or cluster reaches into the window; `center` and `half_size` are its bounds in (u, v, z).
+// Whether a box of a group or cluster reaches into the window and over any sample; `center` and `half_size` are its bounds in (u, v, z).
 bool boxReaches(Affine from_lattice, uvec3 box, out vec3 center, out vec3 half_size) {
   vec3 low = vec3(box & 0xFFFFu), high = vec3(box >> 16);
   const float kUnit = float(1u << kBoxShift);
   boundsOfImage(from_lattice, (low + high) * (0.5 * kUnit) - float(kLatticeMiddle), (high - low) * (0.5 * kUnit), center, half_size);
-  return !outsideTile(center, half_size);
+  vec2 first = ceil(center.xy - half_size.xy - 1e-3), last = floor(center.xy + half_size.xy + 1e-3);
+  return !outsideTile(center, half_size) && first.x <= last.x && first.y <= last.y;
 }
 
 vec3 unpackVertex(uint word) {
@@ -197,7 +201,8 @@ void rasterMesh(Body body, Affine from_lattice, inout Box active_part, bool clea
   uint lane = gl_LocalInvocationIndex;
   uint end_group = body.kind_groups.y + body.kind_groups.z;
   vec3 center, half_size;
-  for (uint start = body.kind_groups.y; start < end_group; start += kGroupsPerBatch) {
+  uint start = body.kind_groups.y;
+  for (; start < end_group; start += kGroupsPerBatch) {
     if (lane == 0) num_listed_groups = num_listed_clusters = 0;
     barrier();
     for (uint g = start + lane; g < min(start + kGroupsPerBatch, end_group); g += WORKGROUP) {
@@ -224,15 +229,18 @@ void rasterMesh(Body body, Affine from_lattice, inout Box active_part, bool clea
     }
     barrier();
     uint items = num_listed_clusters * kTrianglesPerCluster;
-    for (uint i = lane; i < items; i += WORKGROUP) {
+    uint i = lane;
+    for (; i < items; i += WORKGROUP) {
       uint cluster = cluster_list[i / kTrianglesPerCluster];
       uint within = i % kTrianglesPerCluster;
       if (within <= cluster >> kFirstBits) {
         rasterNumbered(from_lattice, (cluster & ((1u << kFirstBits) - 1u)) + within, body.kind_groups.w != 0);
       }
     }
+    cut_short = cut_short || i < items;
     barrier();
   }
+  cut_short = cut_short || start < end_group;
 }
 
 vec2 samplePosition(uvec2 sample_index) { return patch_corner + vec2(sample_index) * spacing; }
@@ -317,31 +325,24 @@ Search searchLoad(float load, uvec2 first, uvec2 count) {
   return found;
 }
 
-void main() {
+void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   uint lane = gl_LocalInvocationIndex;
-  uint number = workgroupNumber();
-  uvec4 batch = UNIFORM_ROW(step_record.batch);
-  uint instance = number / NUM_TILES;
-  if (instance >= batch.x) return;
-  uint tile_number = number - instance * NUM_TILES;
-  uint num_slots = batch.y;
-  uint outputs = step_record.outputs.x;
 
   // The tile: the whole patch, or a part of one.
   uvec4 place = uvec4(0), size = uvec4(NUM_ROWS, NUM_COLS, 0, 0);
   if (NUM_TILES > 1) {
-    place = UNIFORM_ROW(tiles[tile_number].place);
-    size = UNIFORM_ROW(tiles[tile_number].size);
+    place = tiles[tile_number].place;
+    size = tiles[tile_number].size;
   }
-  uvec4 grid = UNIFORM_ROW(patches[place.x].grid);
-  vec4 patch_spacing = UNIFORM_ROW(patches[place.x].spacing);
-  if (FLAT) {
-    X_PS = Affine(vec4(1, 0, 0, 0), vec4(0, 1, 0, 0), vec4(0, 0, 1, 0));
-  } else {
-    X_PS = Affine(UNIFORM_ROW(patches[place.x].row0), UNIFORM_ROW(patches[place.x].row1), UNIFORM_ROW(patches[place.x].row2));
+  uvec4 grid = uvec4(NUM_ROWS, NUM_COLS, 0, 0);
+  spacing = vec2(PITCH_X, PITCH_Y) / float(SAMPLES);
+  if (NUM_ROWS == 0) {
+    grid = patches[place.x].grid;
+    spacing = patches[place.x].spacing.xy;
   }
-  spacing = patch_spacing.xy;
-  sample_area = patch_spacing.z;
+  sample_area = spacing.x * spacing.y;
+  X_PS = Affine(vec4(1, 0, 0, 0), vec4(0, 1, 0, 0), vec4(0, 0, 1, 0));
+  if (!FLAT) X_PS = Affine(patches[place.x].row0, patches[place.x].row1, patches[place.x].row2);
   patch_corner = -0.5 * vec2(grid.xy * SAMPLES - 1u) * spacing;
   uvec2 tile_taxel = place.yz;
   uvec2 tile_size = size.xy;
@@ -349,12 +350,12 @@ void main() {
   tile_end = tile_first + vec2(tile_size * SAMPLES);
   tile_stride = tile_size.y * SAMPLES;
 
-  uint flags = UNIFORM_ROW(instances[instance].keys).w;
+  uint flags = instances[instance].keys.w;
   bool load_driven = SEARCH != kNoSearch && (flags & kFlagLoadDriven) != 0;
   bool search_here = SEARCH == kSearchInTile && load_driven;
   offset_z = 0.0;
   if (SEARCH == kSearchOverTiles) {
-    vec4 bracket = UNIFORM_ROW(loads[instance].bracket);
+    vec4 bracket = loads[instance].bracket;
     // The results of the evaluation that ended the search stay as they are.
     if (bracket.w == kLoadCarried || bracket.w == kLoadOutOfReach) return;
     offset_z = bracket.x;
@@ -389,7 +390,7 @@ void main() {
 
   // Then their heights. The active part of the window is where clusters and solids reach.
   Box active_part = emptyBox();
-  if (kTiled) {
+  if (usesTile()) {
     bool one_batch = !MANY_SLOTS && body.kind_groups.x == kKindMesh && body.kind_groups.z <= kGroupsPerBatch;
     if (!one_batch) clearTile(Box(reached.low - 1.0, reached.high + 1.0));
     barrier();
@@ -403,7 +404,7 @@ void main() {
       bool is_mesh = body.kind_groups.x == kKindMesh;
       if (kHasMesh && (!kHasAnalytic || is_mesh)) rasterMesh(body, fromLattice(body, id), active_part, one_batch);
       if (kHasAnalytic && (!kHasMesh || !is_mesh)) {
-        rasterAnalytic(body, UNIFORM_ROW(objects[id].parameters));
+        rasterAnalytic(body, objects[id].parameters);
         grow(active_part, body.center, body.half_size);
       }
     }
@@ -423,13 +424,13 @@ void main() {
 
   Search found = Search(0.0, 0.0, 0.0, kLoadOutOfReach);
   if (SEARCH == kSearchInTile && search_here) {
-    if (num_active > 0) found = searchLoad(UNIFORM_ROW(instances[instance].drive).x, active_first * SAMPLES, active_count * SAMPLES);
+    if (num_active > 0) found = searchLoad(instances[instance].drive.x, active_first * SAMPLES, active_count * SAMPLES);
     if (lane == 0) loads[instance].bracket = vec4(found.offset, 0, 0, found.status);
   }
 
   // Stage 2, taxel by taxel; LANES partial sums of the wrench.
   vec4 parameters = vec4(0);
-  if (!kTiled) parameters = UNIFORM_ROW(objects[max(id, 0)].parameters);
+  if (!usesTile()) parameters = objects[max(id, 0)].parameters;
   uint first_taxel = instance * NUM_TAXELS + grid.z;
   const float kPerSample = 1.0 / float(SAMPLES * SAMPLES);
   bool at_rest = (flags & kFlagFirstStep) != 0 || load_driven;
@@ -448,7 +449,7 @@ void main() {
           uint address = (base.x + a) * tile_stride + base.y + b;
           vec2 position = corner + vec2(a, b) * spacing;
           float d;
-          if (kTiled) {
+          if (usesTile()) {
             float height = uintBitsToFloat(tile[address]);
             d = search_here ? found.depth - (height - found.lowest) : THICKNESS - height;
           } else {
@@ -473,8 +474,7 @@ void main() {
       uvec2 in_patch = in_tile + tile_taxel;
       uint taxel = first_taxel + in_patch.x * grid.y + in_patch.y;
       contact_normal[taxel] = SCALED ? force * spread_scale[grid.z + in_patch.x * grid.y + in_patch.y] : force;
-      if ((outputs & kOutputDepth) != 0) contact_depth[taxel] = depth_sum * kPerSample;
-      if ((outputs & kOutputShear) != 0) contact_shear[2 * taxel] = contact_shear[2 * taxel + 1] = 0.0;
+      if (OUTPUT_DEPTH) contact_depth[taxel] = depth_sum * kPerSample;
       // The skin is pressed along -z: torque (x, y, 0) x (0, 0, -f).
       wrench += vec4(force, -moment.y, moment.x, 0);
     }
@@ -482,19 +482,20 @@ void main() {
   }
   if (deep > 0) atomicAdd(num_deep, deep);
 
-  // Taxels that nothing reaches.
-  for (uint k = lane; k < tile_size.x * tile_size.y; k += WORKGROUP) {
-    uvec2 in_tile = uvec2(k / tile_size.y, k % tile_size.y);
-    if (all(greaterThanEqual(in_tile, active_first)) && all(lessThan(in_tile, active_first + active_count))) continue;
-    uvec2 in_patch = in_tile + tile_taxel;
-    uint taxel = first_taxel + in_patch.x * grid.y + in_patch.y;
-    contact_normal[taxel] = 0.0;
-    if ((outputs & kOutputDepth) != 0) contact_depth[taxel] = 0.0;
-    if ((outputs & kOutputShear) != 0) contact_shear[2 * taxel] = contact_shear[2 * taxel + 1] = 0.0;
-    if (HAS_STATE) {
-      for (uint a = 0; a < SAMPLES * SAMPLES; ++a) {
-        uvec2 at = in_tile * SAMPLES + uvec2(a / SAMPLES, a % SAMPLES);
-        state[(instance * NUM_TILES + tile_number) * TILE_SAMPLES + at.x * tile_stride + at.y] = 0.0;
+  // Taxels that nothing reaches. Of a sensor of one tile nobody reads their force.
+  if (NUM_TILES > 1 || OUTPUT_DEPTH || HAS_STATE) {
+    for (uint k = lane; k < tile_size.x * tile_size.y; k += WORKGROUP) {
+      uvec2 in_tile = uvec2(k / tile_size.y, k % tile_size.y);
+      if (all(greaterThanEqual(in_tile, active_first)) && all(lessThan(in_tile, active_first + active_count))) continue;
+      uvec2 in_patch = in_tile + tile_taxel;
+      uint taxel = first_taxel + in_patch.x * grid.y + in_patch.y;
+      contact_normal[taxel] = 0.0;
+      if (OUTPUT_DEPTH) contact_depth[taxel] = 0.0;
+      if (HAS_STATE) {
+        for (uint a = 0; a < SAMPLES * SAMPLES; ++a) {
+          uvec2 at = in_tile * SAMPLES + uvec2(a / SAMPLES, a % SAMPLES);
+          state[(instance * NUM_TILES + tile_number) * TILE_SAMPLES + at.x * tile_stride + at.y] = 0.0;
+        }
       }
     }
   }
@@ -517,4 +518,17 @@ void main() {
     tile_results[result].torque[k] = torque_row[k];
     tile_results[result].window[k] = window[k];
   }
+}
+
+void main() {
+  uvec4 batch = step_record.batch;
+  uint first = workgroupNumber() * REPEAT;
+  uint end = min(first + REPEAT, batch.x * NUM_TILES);
+  uint number = first;
+  for (; number < end; ++number) {
+    uint instance = number / NUM_TILES;
+    contactOnTile(instance, number - instance * NUM_TILES, batch.y);
+    barrier();
+  }
+  if (cut_short || number < end) problems[0] = 1;
 }

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Image pass: stages 3 (spread), 4 (frame-rate hold), 5 (readout) and 6 (features) of one frame.
 //
-// A workgroup owns one instance, an invocation owns taxels.
+// A workgroup owns REPEAT instances, one after another; an invocation owns taxels.
 // In:  contact_normal (num_instances x num_taxels), N; contact_shear; tile_results; the spread's kernel or lists.
 // Out: image (num_instances x num_taxels), counts; spread_normal, N, and spread_shear alike; features (block after block, layout.h).
 // Shared memory: 4 kNumSums (LANES + 1) bytes.
@@ -11,19 +11,17 @@
 
 #include "shared/layout.h"
 #include "lib/specialization.glsl"
-layout(constant_id = 7) const bool SHEAR = false;        // spread shear as well
-layout(constant_id = 8) const int KERNEL = 3;            // taxels per side
-layout(constant_id = 9) const uint NUM_ENTRIES = 9;      // of a taxel's list of sources, where the sensor is not one grid patch
-layout(constant_id = 10) const float PITCH_X = 0.0034;   // m, of the one patch
-layout(constant_id = 11) const float PITCH_Y = 0.0034;
-layout(constant_id = 12) const bool TAXELS_ALIKE = true;  // gain 1 and the sensor's trigger everywhere
-layout(constant_id = 13) const int CURVE_DEGREE = 1;
-layout(constant_id = 14) const float CURVE_SLOPE = 2400.0;  // at 0, counts/N
-layout(constant_id = 15) const float OUTPUT_SCALE = 1.0;
-layout(constant_id = 16) const float TRIGGER = 0.02;      // N
-layout(constant_id = 17) const float SATURATION = 4095.0;  // counts
-layout(constant_id = 18) const float NOISE = 0.0;         // counts
-layout(constant_id = 19) const bool RANDOM = false;      // some instance draws noise or gains
+layout(constant_id = 11) const bool SHEAR = false;        // spread shear as well
+layout(constant_id = 12) const uint NUM_ENTRIES = 9;      // of a taxel's list of sources, where the sensor is not one grid patch
+layout(constant_id = 13) const bool OUTPUT_NORMAL = true;  // spread_normal is wanted, outside contact too
+layout(constant_id = 14) const bool TAXELS_ALIKE = true;  // gain 1 and the sensor's trigger everywhere
+layout(constant_id = 15) const int CURVE_DEGREE = 1;
+layout(constant_id = 16) const float CURVE_SLOPE = 2400.0;  // at 0, counts/N
+layout(constant_id = 17) const float OUTPUT_SCALE = 1.0;
+layout(constant_id = 18) const float TRIGGER = 0.02;      // N
+layout(constant_id = 19) const float SATURATION = 4095.0;  // counts
+layout(constant_id = 20) const float NOISE = 0.0;         // counts
+layout(constant_id = 21) const bool RANDOM = false;      // some instance draws noise or gains
 
 layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceRecord instances[]; };
 layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
@@ -38,6 +36,7 @@ layout(std430, set = 0, binding = 9) buffer Image { uint image[]; };
 layout(std430, set = 0, binding = 10) buffer SpreadNormal { float spread_normal[]; };
 layout(std430, set = 0, binding = 11) writeonly buffer SpreadShear { float spread_shear[]; };
 layout(std430, set = 0, binding = 12) writeonly buffer Features { float features[]; };
+layout(std430, set = 0, binding = 13) writeonly buffer Problems { uint problems[]; };
 
 // Sums per image: force, first moments (3), second moments (3), area, peak; first the measured image's, then the clean one's, then the number of
 // saturated taxels.
@@ -48,7 +47,13 @@ const uint kPeak = 8u;
 shared float partial[kNumSums * LANES];
 shared float sums[kNumSums];
 
-#include "lib/uniform_load.glsl"
+// The part of the sensor that contact reaches, and that forces reach after the spread: of one grid patch rectangles, else all taxels as one row.
+uvec2 contact_first, contact_count;
+uvec2 window_first, window_count;
+
+// A loop ended before its work was done; see contact.comp.
+bool cut_short = false;
+
 #include "lib/workgroup.glsl"
 #include "lib/philox.glsl"
 #include "lib/spread.glsl"
@@ -60,25 +65,25 @@ const bool kOnePatch = NUM_ROWS > 0;
 const uint kRows = kOnePatch ? NUM_ROWS : 1u;
 const uint kCols = kOnePatch ? NUM_COLS : NUM_TAXELS;
 
-// The part of the sensor that forces can reach: of one grid patch a rectangle, else all taxels as one row.
-uvec2 window_first, window_count;
-
 uvec2 placeInWindow(uint k) { return window_first + uvec2(k / window_count.y, k % window_count.y); }
 
 uint taxelAt(uvec2 at) { return kOnePatch ? at.x * NUM_COLS + at.y : at.y; }
 
 void findWindow(uint instance, bool everything) {
   uvec2 all_taxels = uvec2(kRows, kCols);
-  const uint kRadius = uint(KERNEL / 2);
+  const uint kRadius = KERNEL / 2;
   uvec2 first = all_taxels, end = uvec2(0);
   for (uint t = 0; t < NUM_TILES; ++t) {
-    uvec4 reached = UNIFORM_ROW(tile_results[instance * NUM_TILES + t].window);
+    uvec4 reached = tile_results[instance * NUM_TILES + t].window;
     if (reached.x < reached.y) {
       first = min(first, reached.xz);
       end = max(end, reached.yw);
     }
   }
   bool touched = end.x > 0;
+  // Of a sensor of several tiles all taxels have a force.
+  contact_first = NUM_TILES == 1 ? first : uvec2(0);
+  contact_count = NUM_TILES > 1 ? all_taxels : touched ? end - first : uvec2(0);
   window_first = first - min(first, uvec2(kRadius));
   window_count = touched ? min(end + kRadius, all_taxels) - window_first : uvec2(0);
   if (!kOnePatch || everything) {
@@ -155,20 +160,14 @@ void writeContact(uint instance, uint num_instances, bool load_driven) {
   }
 }
 
-void main() {
+void imageOf(uint instance, uint num_instances, uvec2 seed) {
   uint lane = gl_LocalInvocationIndex;
-  uint instance = workgroupNumber();
-  uvec4 batch = UNIFORM_ROW(step_record.batch);
-  uint num_instances = batch.x;
-  if (instance >= num_instances) return;
-  uvec2 seed = batch.zw;
   uint first_taxel = instance * NUM_TAXELS;
-  vec4 drive = UNIFORM_ROW(instances[instance].drive);
-  uvec4 keys = UNIFORM_ROW(instances[instance].keys);
+  vec4 drive = instances[instance].drive;
+  uvec4 keys = instances[instance].keys;
   bool new_frame = (keys.w & kFlagNewFrame) != 0;
   float noise_level = sqrt(NOISE * NOISE + drive.w * drive.w);
   findWindow(instance, RANDOM && noise_level > 0.0);
-  loadKernel();
   uint num_window = window_count.x * window_count.y;
 
   // Outside the window everything is 0.
@@ -177,14 +176,14 @@ void main() {
     for (uint t = lane; t < NUM_TAXELS; t += WORKGROUP) {
       uvec2 at = uvec2(t / NUM_COLS, t % NUM_COLS);
       if (all(greaterThanEqual(at, window_first)) && all(lessThan(at, end))) continue;
-      spread_normal[first_taxel + t] = 0.0;
+      if (OUTPUT_NORMAL) spread_normal[first_taxel + t] = 0.0;
       if (SHEAR) spread_shear[2 * (first_taxel + t)] = spread_shear[2 * (first_taxel + t) + 1] = 0.0;
       if (new_frame) image[first_taxel + t] = 0;
     }
   }
-  for (uint k = lane; k < num_window; k += WORKGROUP) {
-    imageTaxel(first_taxel, placeInWindow(k), new_frame, drive, keys, seed, noise_level);
-  }
+  uint k = lane;
+  for (; k < num_window; k += WORKGROUP) imageTaxel(first_taxel, placeInWindow(k), new_frame, drive, keys, seed, noise_level);
+  cut_short = cut_short || k < num_window;
   memoryBarrierBuffer();
   barrier();
 
@@ -194,7 +193,8 @@ void main() {
     float measured[kSumsPerImage], clean[kSumsPerImage];
     for (uint s = 0; s < kSumsPerImage; ++s) measured[s] = clean[s] = 0.0;
     float num_saturated = 0.0;
-    for (uint k = v; k < num_window; k += LANES) {
+    uint k = v;
+    for (; k < num_window; k += LANES) {
       uvec2 at = placeInWindow(k);
       uint t = taxelAt(at);
       float force = spread_normal[first_taxel + t];
@@ -205,6 +205,7 @@ void main() {
       addTaxel(measured, nominalForce(counts), chart, counts > 0);
       if (float(counts) >= SATURATION) num_saturated += 1.0;
     }
+    cut_short = cut_short || k < num_window;
     for (uint s = 0; s < kSumsPerImage; ++s) {
       partial[s * LANES + v] = measured[s];
       partial[(kSumsPerImage + s) * LANES + v] = clean[s];
@@ -228,4 +229,17 @@ void main() {
     if (lane == 0) features[kFeatureSaturated * num_instances + instance] = sums[2 * kSumsPerImage] / float(NUM_TAXELS);
   }
   writeContact(instance, num_instances, (keys.w & kFlagLoadDriven) != 0);
+}
+
+void main() {
+  uvec4 batch = step_record.batch;
+  loadKernel();
+  uint first = workgroupNumber() * REPEAT;
+  uint end = min(first + REPEAT, batch.x);
+  uint instance = first;
+  for (; instance < end; ++instance) {
+    imageOf(instance, batch.x, batch.zw);
+    barrier();
+  }
+  if (cut_short || instance < end) problems[0] = 1;
 }

@@ -34,8 +34,6 @@ struct DeviceOptions {
   // Core and synchronisation validation; also switched on by TAXELSIM_VALIDATION=1. Any message makes the next wait throw. Throws when
   // the layers are not installed.
   bool validation = false;
-  // Kernels without subgroup operations, where both kinds exist; also switched by TAXELSIM_NO_SUBGROUPS=1.
-  bool subgroup_operations = true;
 };
 
 // Every device that can run taxelsim (Vulkan 1.2, compute queue), best first. Throws Error(kDevice) when there is no Vulkan at all.

@@ -13,6 +13,9 @@ void rasterBySamples(vec3 p, vec3 q, vec3 r) {
   vec2 first = max(ceil(min(p.xy, min(q.xy, r.xy))), tile_first);
   vec2 last = min(floor(max(p.xy, max(q.xy, r.xy))), tile_end - 1.0);
   if (first.x > last.x || first.y > last.y) return;
+  float area = (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x);
+  if (area == 0.0) return;  // seen edge-on: no height
+  vec3 heights = vec3(p.z, q.z, r.z) / area;
   uint row_address = uint(first.x - tile_first.x) * tile_stride + uint(first.y - tile_first.y);
   uint address = row_address;
   vec2 at = first;
@@ -21,12 +24,8 @@ void rasterBySamples(vec3 p, vec3 q, vec3 r) {
     precise float ep = sq.x * sr.y - sq.y * sr.x;
     precise float eq = sr.x * sp.y - sr.y * sp.x;
     precise float er = sp.x * sq.y - sp.y * sq.x;
-    float area = ep + eq + er;
-    if (min(ep, min(eq, er)) >= 0.0 || max(ep, max(eq, er)) <= 0.0) {
-      float z = (ep * p.z + eq * q.z + er * r.z) / area;
-      // A triangle seen edge-on has no area, and no height.
-      if (z < z_limit && area != 0.0) lowerTile(address, z);
-    }
+    float z = dot(vec3(ep, eq, er), heights);
+    if ((min(ep, min(eq, er)) >= 0.0 || max(ep, max(eq, er)) <= 0.0) && z < z_limit) lowerTile(address, z);
     at.y += 1.0;
     ++address;
     if (at.y > last.y) {
@@ -35,6 +34,7 @@ void rasterBySamples(vec3 p, vec3 q, vec3 r) {
       address = row_address;
     }
   }
+  cut_short = cut_short || at.x <= last.x;
 }
 
 // For larger triangles: row by row.
@@ -70,7 +70,8 @@ void rasterBySpans(vec3 p, vec3 q, vec3 r) {
   if (determinant == 0.0) return;
   vec2 gradient = vec2(e1.z * e2.y - e2.z * e1.y, e1.x * e2.z - e2.x * e1.z) / determinant;
 
-  for (float a = first_row; a < end_row; a += 1.0) {
+  float a = first_row;
+  for (; a < end_row; a += 1.0) {
     float v_long = crossing(top, bottom, a);
     float v_short = a < middle.x ? crossing(top, middle, a) : crossing(middle, bottom, a);
     float b_first = max(ceil(min(v_long, v_short)), tile_first.y);
@@ -81,9 +82,12 @@ void rasterBySpans(vec3 p, vec3 q, vec3 r) {
     if (gradient.y > 0.0) b_end = min(b_end, ceil(b_limit) + 1.0);
     if (gradient.y < 0.0) b_first = max(b_first, floor(b_limit) - 1.0);
     uint address = uint(a - tile_first.x) * tile_stride + uint(max(b_first - tile_first.y, 0.0));
-    for (float b = b_first; b < b_end; b += 1.0, ++address) {
+    float b = b_first;
+    for (; b < b_end; b += 1.0, ++address) {
       float z = clamp(z_row + gradient.y * (b - top.y), z_low, z_high);
       if (z < z_limit) lowerTile(address, z);
     }
+    cut_short = cut_short || b < b_end;
   }
+  cut_short = cut_short || a < end_row;
 }

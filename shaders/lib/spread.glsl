@@ -16,16 +16,16 @@ vec3 kernel_rows[3];
 
 void loadKernel() {
   if (NUM_ROWS == 0 || KERNEL != 3) return;
-  vec4 w0 = UNIFORM_ROW(spread_rows[0]), w1 = UNIFORM_ROW(spread_rows[1]), w2 = UNIFORM_ROW(spread_rows[2]);
+  vec4 w0 = spread_rows[0], w1 = spread_rows[1], w2 = spread_rows[2];
   kernel_rows[0] = w0.xyz;
   kernel_rows[1] = vec3(w0.w, w1.xy);
   kernel_rows[2] = vec3(w1.zw, w2.x);
 }
 
-// On one grid patch: the kernel itself. Sources outside the patch, or in taxels without contact (the window is wide enough), count nothing.
+// On one grid patch: the kernel itself, over the sources that contact reaches.
 Spread spreadOnGrid(uint first_taxel, ivec2 at) {
   Spread sum = Spread(0.0, vec2(0));
-  const int kRadius = KERNEL / 2;
+  const int kRadius = int(KERNEL) / 2;
   for (int a = -kRadius; a <= kRadius; ++a) {
     for (int b = -kRadius; b <= kRadius; ++b) {
       uvec2 source = uvec2(at - ivec2(a, b));  // wraps to large numbers outside
@@ -33,10 +33,10 @@ Spread spreadOnGrid(uint first_taxel, ivec2 at) {
       if (KERNEL == 3) {
         weight = kernel_rows[a + 1][b + 1];
       } else {
-        uint number = uint((a + kRadius) * KERNEL + b + kRadius);
+        uint number = uint((a + kRadius) * int(KERNEL) + b + kRadius);
         weight = spread_rows[number >> 2][number & 3u];
       }
-      if (all(lessThan(source, uvec2(NUM_ROWS, NUM_COLS)))) addSource(sum, first_taxel + source.x * NUM_COLS + source.y, weight);
+      if (all(lessThan(source - contact_first, contact_count))) addSource(sum, first_taxel + source.x * NUM_COLS + source.y, weight);
     }
   }
   return sum;

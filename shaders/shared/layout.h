@@ -31,7 +31,7 @@ TAXELSIM_CONSTANT kKindTorus = 7u;
 // A mesh lies on a lattice of its own: position in O = lattice_origin + lattice_step * q, q of kLatticeBits bits per axis, unsigned.
 TAXELSIM_CONSTANT kLatticeBits = 21u;
 TAXELSIM_CONSTANT kTriangleWords = 6u;      // three vertices of two words: x | y << 21, y >> 11 | z << 10
-TAXELSIM_CONSTANT kTrianglesPerCluster = 32u;
+TAXELSIM_CONSTANT kTrianglesPerCluster = 8u;
 TAXELSIM_CONSTANT kClustersPerGroup = 32u;
 
 struct ObjectRecord {
@@ -89,13 +89,9 @@ struct InstanceRecord {
   uvec4 keys;    // episode (low, high word), frame, flags
 };
 
-TAXELSIM_CONSTANT kOutputDepth = 1u;
-TAXELSIM_CONSTANT kOutputShear = 2u;
-
 struct StepRecord {
   uvec4 batch;    // instances, slots, seed (low, high word)
   vec4 time;      // dt (s), 1/dt, 0, 0
-  uvec4 outputs;  // kOutput... of the arrays that are brought back, 0, 0, 0
 };
 
 // What the contact pass leaves per instance and tile.

@@ -1,7 +1,7 @@
 // A mesh cut into small boxes, two levels deep, for culling: groups of clusters of triangles. Not a ray tracer's tree: a workgroup tests the
 // boxes of one level side by side.
 //
-//   mesh -> group (up to 32 clusters) -> cluster (up to 32 triangles)
+//   mesh -> group (up to 32 clusters) -> cluster (up to 8 triangles)
 //
 // Vertices lie on a lattice over the mesh's own bounds: 2^21 steps along its longest side (0.1 um for 0.2 m), so that a triangle takes six words and
 // neighbours share their vertices to the bit.
@@ -16,7 +16,7 @@
 namespace taxelsim {
 
 inline constexpr std::uint32_t kLatticeBits = 21;
-inline constexpr std::uint32_t kTrianglesPerCluster = 32;
+inline constexpr std::uint32_t kTrianglesPerCluster = 8;
 inline constexpr std::uint32_t kClustersPerGroup = 32;
 
 using LatticePoint = std::array<std::uint32_t, 3>;  // each below 2^kLatticeBits

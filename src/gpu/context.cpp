@@ -108,7 +108,6 @@ void throwDeviceError(const vk::SystemError& error, const std::string& what, con
 
 Context::Context(const DeviceOptions& options) : vulkan_(std::make_unique<Vulkan>()) {
   const bool validation = options.validation || environmentFlag("TAXELSIM_VALIDATION");
-  subgroup_operations_ = options.subgroup_operations && !environmentFlag("TAXELSIM_NO_SUBGROUPS");
   Vulkan& vulkan = *vulkan_;
   checked("opening Vulkan", "", [&] { vulkan.instance = makeInstance(vulkan.loader, validation); });
   if (validation) {

@@ -19,7 +19,6 @@ class Context {
   Context& operator=(const Context&) = delete;
 
   const DeviceInfo& info() const { return info_; }
-  bool subgroupOperations() const { return subgroup_operations_; }
 
   // Writes the pipeline cache to disk if new pipelines were made; called by the owner of the last pipeline of a batch of them. Errors are logged
   // only: a cache is never worth a failure.
@@ -34,7 +33,6 @@ class Context {
  private:
   std::unique_ptr<Vulkan> vulkan_;
   DeviceInfo info_;
-  bool subgroup_operations_ = true;
 };
 
 }  // namespace taxelsim::gpu

@@ -90,10 +90,12 @@ BatchBuffers::BatchBuffers(const Model::Impl& model, const SimulatorOptions& opt
   spread_normal = make_readable("tactile_normal_force", bytes.taxel_scalar);
   spread_shear = make_readable("tactile_shear_force", bytes.shear);
   features = make_readable("features", bytes.features);
+  problems = ReadableBuffer{gpu::Buffer(context, "problems", 4, gpu::Domain::kDevice), {}};
+  if (problems.copied()) problems.readback = gpu::Buffer(context, "problems readback", 4, gpu::Domain::kReadback);
 }
 
 std::vector<ReadableBuffer*> BatchBuffers::readable(const OutputOptions& outputs) {
-  std::vector<ReadableBuffer*> list{&image, &features};
+  std::vector<ReadableBuffer*> list{&image, &features, &problems};
   if (outputs.tactile_normal_force) list.push_back(&spread_normal);
   if (outputs.tactile_shear_force) list.push_back(&spread_shear);
   if (outputs.penetration_depth) list.push_back(&contact_depth);

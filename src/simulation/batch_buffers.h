@@ -27,7 +27,7 @@ struct BatchBuffers {
 
   gpu::Buffer poses, instances, step, loads;                                  // from the host
   gpu::Buffer state, contact_normal, contact_shear, tile_results;             // stay on the device
-  ReadableBuffer contact_depth, image, spread_normal, spread_shear, features;  // come back
+  ReadableBuffer contact_depth, image, spread_normal, spread_shear, features, problems;  // come back
   std::vector<ReadableBuffer*> readable(const OutputOptions& outputs);
 };
 

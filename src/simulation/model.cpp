@@ -3,9 +3,7 @@
 #include <cstdint>
 
 #include "contact_winkler.spv.h"
-#include "contact_winkler_subgroups.spv.h"
 #include "image.spv.h"
-#include "image_subgroups.spv.h"
 #include "load.spv.h"
 #include "simulation/model_impl.h"
 #include "simulation/pack_objects.h"
@@ -19,8 +17,19 @@ constexpr std::uint32_t kMaxTileSamples = 6144;
 // Shared memory of the contact pass beside the tile, at most: partial sums and lists.
 constexpr std::uint32_t kTileOverhead = 4096;
 
-std::uint32_t chooseWorkgroup(int wanted, const DeviceInfo& info, std::uint32_t on_gpu, const char* name) {
-  if (wanted == 0) return info.type == DeviceType::kCpu ? 8 : on_gpu;
+// Starting a workgroup on a software driver costs 1 to 3 us, so one does the work of many; on a GPU each is wanted for itself.
+constexpr std::uint32_t kMaxRepeat = 16;
+
+// Turns of loops that an invocation may take on a software driver: Mesa's ends them all after 65,535. Leaves room for what the estimates miss; passes
+// report when it was not enough.
+constexpr std::uint64_t kMaxTurns = 20000;
+
+// `work`: turns that one invocation alone would take, at the most usual.
+std::uint32_t chooseWorkgroup(int wanted, const DeviceInfo& info, std::uint32_t on_gpu, std::uint64_t work, const char* name) {
+  if (wanted == 0 && info.type == DeviceType::kCpu) {
+    return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(std::bit_ceil(work / kMaxTurns), 8, 256));
+  }
+  if (wanted == 0) return on_gpu;
   if (wanted < 4 || wanted > 256 || !std::has_single_bit(static_cast<unsigned>(wanted))) {
     throw Error(ErrorKind::kInput, std::string(name) + ": " + std::to_string(wanted) + " is not allowed: a power of two, 4 to 256");
   }
@@ -51,11 +60,25 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options)
     bounds.push_back(std::holds_alternative<Mesh>(object.shape) ? boundsOf(object) : cutBounds(object));
   }
   const DeviceInfo& info = device.info();
-  contact_workgroup = chooseWorkgroup(options.contact_workgroup, info, 64, "contact_workgroup");
-  image_workgroup = chooseWorkgroup(options.image_workgroup, info, 32, "image_workgroup");
   num_taxels = static_cast<std::uint32_t>(numTaxels(sensor));
   packed = packSensor(sensor, std::min(kMaxTileSamples, (info.shared_memory - kTileOverhead) / 4));
   has_state = std::get<Winkler>(sensor.skin.law).normal_damping > 0;
+
+  std::uint64_t most_triangles = 0;
+  for (const Object& object : objects) {
+    if (const Mesh* mesh = std::get_if<Mesh>(&object.shape)) most_triangles = std::max<std::uint64_t>(most_triangles, mesh->triangles.size());
+  }
+  const bool has_torus = std::any_of(objects.begin(), objects.end(), [](const Object& o) { return std::holds_alternative<Torus>(o.shape); });
+  constexpr std::uint64_t kTurnsOfTorus = 48;  // per sample, of at most 96
+  const std::uint64_t contact_work = 2 * most_triangles + packed.max_tile_samples * (has_torus ? kTurnsOfTorus : 3);
+  const auto kernel_area = static_cast<std::uint64_t>(sensor.psf.size * sensor.psf.size);
+  const std::uint64_t image_work = num_taxels * (kernel_area + (sensor.readout.curve.size() > 1 ? 64 : 8));
+  contact_workgroup = chooseWorkgroup(options.contact_workgroup, info, 64, contact_work, "contact_workgroup");
+  image_workgroup = chooseWorkgroup(options.image_workgroup, info, 32, image_work, "image_workgroup");
+  if (info.type == DeviceType::kCpu) {
+    const std::uint64_t turns = std::max(contact_work / contact_workgroup, image_work / image_workgroup);
+    repeat = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(kMaxTurns / std::max<std::uint64_t>(turns, 1), 1, kMaxRepeat));
+  }
 
   gpu::Context& context = device.context();
   const auto upload = [&]<typename T>(const char* name, const std::vector<T>& values) {
@@ -82,8 +105,6 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options)
     kinds |= 1u << record.kind_groups.x;
     if (record.kind_groups.x == layout::kKindMesh) triangles_of |= record.kind_groups.w == 0 ? 1u : 2u;
   }
-  contactKernel({});
-  imageKernel(sensor.readout.noise > 0);
 }
 
 const gpu::Kernel& Model::Impl::contactKernel(const ContactVariant& variant) const {
@@ -93,11 +114,11 @@ const gpu::Kernel& Model::Impl::contactKernel(const ContactVariant& variant) con
   return contact_.emplace(variant, makeContactKernel(variant)).first->second;
 }
 
-const gpu::Kernel& Model::Impl::imageKernel(bool random) const {
+const gpu::Kernel& Model::Impl::imageKernel(const ImageVariant& variant) const {
   const std::lock_guard lock(kernels_mutex_);
-  const auto found = image_.find(random);
+  const auto found = image_.find(variant);
   if (found != image_.end()) return found->second;
-  return image_.emplace(random, makeImageKernel(random)).first->second;
+  return image_.emplace(variant, makeImageKernel(variant)).first->second;
 }
 
 const gpu::Kernel& Model::Impl::loadKernel() const {
@@ -106,70 +127,54 @@ const gpu::Kernel& Model::Impl::loadKernel() const {
   return *load_;
 }
 
-// The list of shaders/lib/specialization.glsl.
-std::vector<gpu::Constant> Model::Impl::commonConstants(std::uint32_t workgroup) const {
+// The constants of shaders/lib/specialization.glsl, then those of one pass, numbered in order.
+std::vector<gpu::Constant> Model::Impl::constants(std::uint32_t workgroup, std::initializer_list<std::uint32_t> of_the_pass) const {
   const GridPatch& patch = sensor.patches.front();
-  return {{0, workgroup},
-          {1, packed.num_lanes},
-          {2, num_taxels},
-          {3, static_cast<std::uint32_t>(packed.tiles.size())},
-          {4, static_cast<std::uint32_t>(sensor.samples_per_taxel)},
-          {5, packed.one_patch ? static_cast<std::uint32_t>(patch.num_rows) : 0u},
-          {6, packed.one_patch ? static_cast<std::uint32_t>(patch.num_cols) : 1u}};
+  std::vector<std::uint32_t> values{workgroup,
+                                    packed.num_lanes,
+                                    num_taxels,
+                                    static_cast<std::uint32_t>(packed.tiles.size()),
+                                    static_cast<std::uint32_t>(sensor.samples_per_taxel),
+                                    packed.one_patch ? static_cast<std::uint32_t>(patch.num_rows) : 0u,
+                                    packed.one_patch ? static_cast<std::uint32_t>(patch.num_cols) : 1u,
+                                    repeat,
+                                    static_cast<std::uint32_t>(sensor.psf.size),
+                                    bits(patch.pitch[0]),
+                                    bits(patch.pitch[1])};
+  values.insert(values.end(), of_the_pass);
+  std::vector<gpu::Constant> numbered;
+  for (const std::uint32_t value : values) numbered.push_back({static_cast<std::uint32_t>(numbered.size()), value});
+  return numbered;
 }
 
 gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const {
   const Winkler& law = std::get<Winkler>(sensor.skin.law);
   const bool scaled = std::any_of(packed.spread_scale.begin(), packed.spread_scale.end(), [](float scale) { return scale != 1; });
-  std::vector<gpu::Constant> constants = commonConstants(contact_workgroup);
-  constants.insert(constants.end(), {{7, packed.max_tile_samples},
-                                     {8, packed.flat},
-                                     {9, has_state},
-                                     {10, variant.search},
-                                     {11, bits(sensor.skin.thickness)},
-                                     {12, bits(law.normal_contact_stiffness)},
-                                     {13, bits(law.normal_exponent)},
-                                     {14, bits(law.normal_damping)},
-                                     {15, scaled},
-                                     {16, variant.many_slots},
-                                     {17, kinds},
-                                     {18, triangles_of}});
-  const bool subgroups = device.context().subgroupOperations();
   return {device.context(),
           {.name = "contact_winkler",
-           .spirv = subgroups ? std::span<const std::uint32_t>(k_contact_winkler_subgroups_spirv) : k_contact_winkler_spirv,
+           .spirv = k_contact_winkler_spirv,
            .buffers = {"Poses", "Instances", "Step", "Objects", "Groups", "Clusters", "Triangles", "Patches", "Tiles", "SpreadScale", "State",
-                       "ContactNormal", "ContactDepth", "ContactShear", "TileResults", "Loads"},
-           .constants = std::move(constants)}};
+                       "ContactNormal", "ContactDepth", "TileResults", "Loads", "Problems"},
+           .constants = constants(contact_workgroup, {packed.max_tile_samples, packed.flat, has_state, variant.search, bits(sensor.skin.thickness),
+                                                      bits(law.normal_contact_stiffness), bits(law.normal_exponent), bits(law.normal_damping),
+                                                      scaled, variant.many_slots, kinds, triangles_of, variant.with_depth})}};
 }
 
-gpu::Kernel Model::Impl::makeImageKernel(bool random) const {
+gpu::Kernel Model::Impl::makeImageKernel(const ImageVariant& variant) const {
   const Readout& readout = sensor.readout;
-  const GridPatch& patch = sensor.patches.front();
   const bool alike = std::all_of(packed.taxels.begin(), packed.taxels.end(), [&](const layout::TaxelRecord& taxel) {
     return taxel.readout.x == 1.0f && taxel.readout.y == static_cast<float>(readout.trigger);
   });
-  std::vector<gpu::Constant> constants = commonConstants(image_workgroup);
-  constants.insert(constants.end(), {{7, false},
-                                     {8, static_cast<std::uint32_t>(sensor.psf.size)},
-                                     {9, packed.num_entries},
-                                     {10, bits(patch.pitch[0])},
-                                     {11, bits(patch.pitch[1])},
-                                     {12, alike},
-                                     {13, static_cast<std::uint32_t>(readout.curve.size())},
-                                     {14, bits(readout.curve.front())},
-                                     {15, bits(readout.output_scale)},
-                                     {16, bits(readout.trigger)},
-                                     {17, bits(readout.saturation)},
-                                     {18, bits(readout.noise)},
-                                     {19, random}});
-  const bool subgroups = device.context().subgroupOperations();
+  constexpr std::uint32_t kNoShear = 0;  // no law of today makes any
   return {device.context(),
           {.name = "image",
-           .spirv = subgroups ? std::span<const std::uint32_t>(k_image_subgroups_spirv) : k_image_spirv,
+           .spirv = k_image_spirv,
            .buffers = {"Instances", "Step", "SensorBlock", "Taxels", "SpreadRows", "ContactNormal", "ContactShear", "TileResults", "Loads", "Image",
-                       "SpreadNormal", "SpreadShear", "Features"},
-           .constants = std::move(constants)}};
+                       "SpreadNormal", "SpreadShear", "Features", "Problems"},
+           .constants = constants(image_workgroup, {kNoShear, packed.num_entries, variant.with_normal, alike,
+                                                    static_cast<std::uint32_t>(readout.curve.size()), bits(readout.curve.front()),
+                                                    bits(readout.output_scale), bits(readout.trigger), bits(readout.saturation), bits(readout.noise),
+                                                    variant.random})}};
 }
 
 gpu::Kernel Model::Impl::makeLoadKernel() const {

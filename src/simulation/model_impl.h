@@ -26,6 +26,7 @@ struct Model::Impl {
   std::uint32_t num_taxels = 0;
   std::uint32_t contact_workgroup = 0;
   std::uint32_t image_workgroup = 0;
+  std::uint32_t repeat = 1;  // tiles or instances that a workgroup does one after another
   bool has_state = false;  // the law remembers the depth of the step before
 
   gpu::Buffer object_records, groups, clusters, triangles;
@@ -36,22 +37,27 @@ struct Model::Impl {
   struct ContactVariant {
     std::uint32_t search = 0;  // kSearch... of shaders/contact.comp
     bool many_slots = false;
+    bool with_depth = false;   // penetration_depth is wanted
     auto operator<=>(const ContactVariant&) const = default;
   };
   const gpu::Kernel& contactKernel(const ContactVariant& variant) const;
-  // `random`: some instance draws noise or gains.
-  const gpu::Kernel& imageKernel(bool random) const;
+  struct ImageVariant {
+    bool random = false;       // some instance draws noise or gains
+    bool with_normal = false;  // tactile_normal_force is wanted
+    auto operator<=>(const ImageVariant&) const = default;
+  };
+  const gpu::Kernel& imageKernel(const ImageVariant& variant) const;
   const gpu::Kernel& loadKernel() const;
 
  private:
-  std::vector<gpu::Constant> commonConstants(std::uint32_t workgroup) const;
+  std::vector<gpu::Constant> constants(std::uint32_t workgroup, std::initializer_list<std::uint32_t> of_the_pass) const;
   gpu::Kernel makeContactKernel(const ContactVariant& variant) const;
-  gpu::Kernel makeImageKernel(bool random) const;
+  gpu::Kernel makeImageKernel(const ImageVariant& variant) const;
   gpu::Kernel makeLoadKernel() const;
 
   mutable std::mutex kernels_mutex_;
   mutable std::map<ContactVariant, gpu::Kernel> contact_;
-  mutable std::map<bool, gpu::Kernel> image_;
+  mutable std::map<ImageVariant, gpu::Kernel> image_;
   mutable std::optional<gpu::Kernel> load_;
 };
 

@@ -112,16 +112,17 @@ gpu::Commands Simulator::Impl::record(bool with_loads, bool random) {
   const auto num_tiles = static_cast<std::uint32_t>(m.packed.tiles.size());
   const bool over_tiles = with_loads && !m.packed.searches_in_tile;
   const gpu::Kernel& contact =
-      m.contactKernel({.search = over_tiles ? kSearchOverTiles : with_loads ? kSearchInTile : kNoSearch, .many_slots = options.num_slots > 1});
+      m.contactKernel({.search = over_tiles ? kSearchOverTiles : with_loads ? kSearchInTile : kNoSearch, .many_slots = options.num_slots > 1, .with_depth = options.outputs.penetration_depth});
   const BatchBuffers& b = buffers;
   gpu::Commands commands(m.device.context(), "a frame", 3);
   commands.barrier(gpu::Access::kHostWrite, gpu::Access::kKernel);
   commands.timestamp(0);
   const std::uint32_t evaluations = over_tiles ? kLoadEvaluations + 2 : 1;  // two more: one closes the search, one is told
   for (std::uint32_t evaluation = 0; evaluation < evaluations; ++evaluation) {
-    commands.dispatch(contact, n * num_tiles,
+    commands.dispatch(contact, (n * num_tiles + m.repeat - 1) / m.repeat,
                       {&b.poses, &b.instances, &b.step, &m.object_records, &m.groups, &m.clusters, &m.triangles, &m.patches, &m.tiles,
-                       &m.spread_scale, &b.state, &b.contact_normal, &b.contact_depth.device, &b.contact_shear, &b.tile_results, &b.loads});
+                       &m.spread_scale, &b.state, &b.contact_normal, &b.contact_depth.device, &b.tile_results, &b.loads,
+                       &b.problems.device});
     commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
     if (!over_tiles) continue;
     commands.dispatch(m.loadKernel(), (n + m.image_workgroup - 1) / m.image_workgroup,
@@ -129,9 +130,10 @@ gpu::Commands Simulator::Impl::record(bool with_loads, bool random) {
     commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
   }
   commands.timestamp(1);
-  commands.dispatch(m.imageKernel(random), n,
+  commands.dispatch(m.imageKernel({.random = random, .with_normal = options.outputs.tactile_normal_force}), (n + m.repeat - 1) / m.repeat,
                     {&b.instances, &b.step, &m.sensor_record, &m.taxels, &m.spread_rows, &b.contact_normal, &b.contact_shear, &b.tile_results,
-                     &b.loads, &b.image.device, &b.spread_normal.device, &b.spread_shear.device, &b.features.device});
+                     &b.loads, &b.image.device, &b.spread_normal.device, &b.spread_shear.device, &b.features.device,
+                     &b.problems.device});
   commands.timestamp(2);
   commands.barrier(gpu::Access::kKernel, gpu::Access::kCopy);
   for (ReadableBuffer* buffer : buffers.readable(options.outputs)) {
@@ -269,14 +271,11 @@ void Simulator::step(double dt) {
   if (!(dt > 0) || std::isinf(dt)) refuse("dt: " + std::to_string(dt) + " is not allowed: s, > 0");
   Impl& impl = *impl_;
   const Model::Impl& m = *impl.model.impl();
-  std::uint32_t outputs = 0;
-  if (impl.options.outputs.penetration_depth) outputs |= layout::kOutputDepth;
   const std::uint64_t seed = impl.options.seed;
   impl.buffers.step.mappedAs<layout::StepRecord>()[0] = {
       {static_cast<std::uint32_t>(impl.options.num_instances), static_cast<std::uint32_t>(impl.options.num_slots), static_cast<std::uint32_t>(seed),
        static_cast<std::uint32_t>(seed >> 32)},
-      {static_cast<float>(dt), static_cast<float>(1 / dt), 0.0f, 0.0f},
-      {outputs, 0u, 0u, 0u}};
+      {static_cast<float>(dt), static_cast<float>(1 / dt), 0.0f, 0.0f}};
   bool any_load = false;
   bool any_random = impl.model.sensor().readout.noise > 0;
   const double rate = impl.model.sensor().frame_rate;
@@ -308,6 +307,10 @@ FrameView Simulator::read() {
     impl.running->wait();
     impl.timing = {impl.running->seconds(0, 1), impl.running->seconds(1, 2), impl.running->seconds(0, 2)};
     impl.running = nullptr;
+    if (impl.buffers.problems.read<std::uint32_t>()[0] != 0) {
+      throw Error(ErrorKind::kDevice, "the driver cut loops of a kernel short (software Vulkan stops after 65,535 turns), so this frame is incomplete; "
+                                      "use simpler meshes, fewer samples, or a larger contact_workgroup");
+    }
   }
   return impl.view();
 }

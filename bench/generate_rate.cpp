@@ -1,0 +1,239 @@
+// How much of the device's own rate `generate` keeps: frames per second of a whole scene onto disk, beside the time that the device alone
+// needs for the same frames, replayed from the poses that a first run records. And how long a fresh process takes to its first frame, with
+// an empty and with a filled cache of compiled shaders.
+#include <fcntl.h>
+#include <spawn.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "report.h"
+#include "taxelsim/dataset.h"
+#include "taxelsim/error.h"
+#include "taxelsim/generate.h"
+#include "taxelsim/scene.h"
+#include "taxelsim/simulator.h"
+
+namespace taxelsim::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string scene = TAXELSIM_SCENES "/edge_servo_5k.yaml";
+  std::string program = TAXELSIM_PROGRAM;
+  std::string json, device;
+  std::string directory = fs::temp_directory_path().string();
+  std::uint64_t num_episodes = 1024;
+  int batch_size = 1024;
+  int repetitions = 3;
+};
+
+// A folder that is gone at the end, whatever happens.
+class ScratchDirectory {
+ public:
+  explicit ScratchDirectory(const std::string& parent) {
+    std::string pattern = parent + "/taxelsim_bench_XXXXXX";
+    if (!::mkdtemp(pattern.data())) throw Error(ErrorKind::kIo, parent + ": cannot make a folder there");
+    path_ = pattern;
+  }
+  ~ScratchDirectory() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  ScratchDirectory(const ScratchDirectory&) = delete;
+  ScratchDirectory& operator=(const ScratchDirectory&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+// All frames of a data set with poses, as (num_steps) batches of (num_episodes).
+struct Replay {
+  std::vector<int> ids;
+  std::vector<Pose> X_SO;    // (num_frames), episode by episode
+  std::vector<float> loads;  // (num_episodes), NaN when pose-driven
+  int num_steps = 0;
+};
+
+template <class T>
+std::vector<T> column(const DatasetReader& reader, const std::string& name, std::uint64_t count) {
+  const std::vector<std::byte> bytes = reader.read(name, 0, count);
+  std::vector<T> values(bytes.size() / sizeof(T));
+  std::memcpy(values.data(), bytes.data(), bytes.size());
+  return values;
+}
+
+Replay replayOf(const fs::path& directory, const Scene& scene) {
+  const DatasetReader reader(directory);
+  const std::uint64_t num_episodes = reader.numEpisodes();
+  Replay replay;
+  replay.num_steps = static_cast<int>(reader.numFrames() / num_episodes);
+  replay.ids = column<int>(reader, "meta/object", num_episodes);
+  replay.loads = column<float>(reader, "meta/load", num_episodes);
+  if (!scene.randomisation.load) std::fill(replay.loads.begin(), replay.loads.end(), kPoseDriven);
+  const std::vector<double> poses = column<double>(reader, "data/pose", reader.numFrames());
+  for (std::size_t i = 0; i < poses.size(); i += 7) {
+    replay.X_SO.push_back({{poses[i], poses[i + 1], poses[i + 2]}, {poses[i + 3], poses[i + 4], poses[i + 5], poses[i + 6]}});
+  }
+  return replay;
+}
+
+// Device seconds of every frame, in batches of one slice as generate() makes them: the first frame of an episode finds its load, the
+// others are driven by their pose.
+double deviceSeconds(const Model& model, const Scene& scene, const Replay& replay, int slice_size) {
+  const int num_episodes = static_cast<int>(replay.ids.size());
+  double seconds = 0;
+  for (int first = 0; first < num_episodes; first += slice_size) {
+    const int size = std::min(slice_size, num_episodes - first);
+    Simulator simulator(model, {.num_instances = size,
+                                .seed = scene.seed,
+                                .outputs = {.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false}});
+    std::vector<Pose> X_SO(size);
+    const auto step = [&](int frame) {
+      for (int i = 0; i < size; ++i) X_SO[i] = replay.X_SO[static_cast<std::size_t>(first + i) * replay.num_steps + frame];
+      simulator.setObjects(std::span(replay.ids).subspan(first, size), X_SO);
+      simulator.step(1 / scene.simulation_rate);
+      simulator.read();
+    };
+    if (first == 0) step(0);  // warm-up
+    simulator.setLoads(std::span(replay.loads).subspan(first, size));
+    for (int frame = 0; frame < replay.num_steps; ++frame) {
+      step(frame);
+      seconds += simulator.timing().total;
+      if (frame == 0) simulator.setLoads(std::vector<float>(size, kPoseDriven));
+    }
+  }
+  return seconds;
+}
+
+// Seconds from the start of `program` to its end after one frame.
+double firstFrameSeconds(const Options& options, const fs::path& cache) {
+  const std::string scenes = TAXELSIM_SCENES;
+  std::vector<std::string> words{options.program, "--log-level",
+                                 "error",         "frame",
+                                 "--sensor",      scenes + "/sensors/wts0614.yaml",
+                                 "--object",      scenes + "/objects/knob_5k.obj",
+                                 "--pose",        "0 0 0 1 0 0 0",
+                                 "--load",        "1"};
+  if (!options.device.empty()) words.insert(words.end(), {"--device", options.device});
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  ::setenv("MESA_SHADER_CACHE_DIR", cache.c_str(), 1);
+  ::setenv("__GL_SHADER_DISK_CACHE_PATH", cache.c_str(), 1);
+
+  posix_spawn_file_actions_t actions;
+  ::posix_spawn_file_actions_init(&actions);
+  ::posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  const auto start = std::chrono::steady_clock::now();
+  pid_t child = 0;
+  int status = -1;
+  const int refused = ::posix_spawn(&child, options.program.c_str(), &actions, nullptr, arguments.data(), environ);
+  if (!refused) ::waitpid(child, &status, 0);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  ::posix_spawn_file_actions_destroy(&actions);
+  if (refused || status != 0) throw Error(ErrorKind::kIo, options.program + ": did not compute a frame");
+  return seconds;
+}
+
+int run(const Options& options) {
+  const ScratchDirectory scratch(options.directory);
+  std::vector<double> cold, warm;
+  for (int r = 0; r < options.repetitions; ++r) {
+    const fs::path cache = scratch.path() / ("cache_" + std::to_string(r));
+    fs::create_directory(cache);
+    cold.push_back(firstFrameSeconds(options, cache));
+    warm.push_back(firstFrameSeconds(options, cache));
+  }
+
+  const Device device = Device::open({.device = options.device});
+  const Scene scene = loadScene(options.scene, {.num_episodes = options.num_episodes, .seed = {}});
+  ModelOptions model_options{.sensor = scene.sensor};
+  for (const SceneObject& entry : scene.objects) model_options.objects.push_back(entry.object);
+  const Model model(device, model_options);
+
+  Scene with_poses = scene;
+  with_poses.record.push_back("poses");
+  GenerateOptions generate_options;
+  generate_options.batch_size = options.batch_size;
+  generate(device, with_poses, scratch.path() / "poses", generate_options);
+  const Replay replay = replayOf(scratch.path() / "poses", scene);
+  fs::remove_all(scratch.path() / "poses");
+  const auto num_frames = static_cast<double>(replay.X_SO.size());
+
+  std::vector<double> on_device, generated, end_to_end, fractions;
+  for (int r = 0; r < options.repetitions; ++r) {
+    on_device.push_back(deviceSeconds(model, scene, replay, std::max(1, options.batch_size / generate_options.num_slices)));
+    const fs::path directory = scratch.path() / ("run_" + std::to_string(r));
+    const auto start = std::chrono::steady_clock::now();
+    const GenerateResult result = generate(device, scene, directory, generate_options);
+    end_to_end.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    if (!result.complete || static_cast<double>(result.progress.frames_done) != num_frames) {
+      throw Error(ErrorKind::kIo, directory.string() + ": not complete");
+    }
+    generated.push_back(result.progress.seconds);
+    fractions.push_back(on_device.back() / generated.back());
+    fs::remove_all(directory);
+  }
+
+  const auto rate = [&](const std::vector<double>& seconds) { return num_frames / summarise(seconds).median; };
+  std::printf("%s, %s; %s, %.0f frames, batch of %d\n", device.info().name.c_str(), device.info().driver.c_str(), scene.name.c_str(),
+              num_frames, options.batch_size);
+  std::printf("  device alone              %9.1f thousand frames/s\n", rate(on_device) / 1e3);
+  std::printf("  generate, simulating      %9.1f thousand frames/s, %.0f %% of the device's\n", rate(generated) / 1e3,
+              100 * summarise(fractions).median);
+  std::printf("  generate, start to end    %9.1f thousand frames/s\n", rate(end_to_end) / 1e3);
+  std::printf("  first frame of a process  %9.3f s, shaders compiled; %.3f s from the cache\n", summarise(cold).median,
+              summarise(warm).median);
+  if (!options.json.empty()) {
+    writeJson(options.json, {{"bench", "generate_rate"},
+                             {"machine", machine(device.info())},
+                             {"scene", scene.name},
+                             {"num_episodes", options.num_episodes},
+                             {"num_frames", replay.X_SO.size()},
+                             {"batch_size", options.batch_size},
+                             {"seconds_device", toJson(on_device)},
+                             {"seconds_generate", toJson(generated)},
+                             {"seconds_generate_end_to_end", toJson(end_to_end)},
+                             {"frames_per_second_device", rate(on_device)},
+                             {"frames_per_second_generate", rate(generated)},
+                             {"fraction_of_device", toJson(fractions)},
+                             {"first_frame_seconds_cold", toJson(cold)},
+                             {"first_frame_seconds_warm", toJson(warm)}});
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace taxelsim::bench
+
+int main(int argc, char** argv) {
+  taxelsim::bench::Options options;
+  CLI::App app("What `generate` keeps of the device's own rate, and the time to a fresh process's first frame");
+  app.add_option("scene", options.scene, "Scene")->capture_default_str();
+  app.add_option("--json", options.json, "Write the results into this file");
+  app.add_option("--episodes", options.num_episodes, "Episodes of a run")->check(CLI::Range(1, 1 << 20))->capture_default_str();
+  app.add_option("--batch-size", options.batch_size, "Sensors simulated at once")->check(CLI::Range(1, 1 << 20))->capture_default_str();
+  app.add_option("--repetitions", options.repetitions, "Runs")->check(CLI::Range(1, 1000))->capture_default_str();
+  app.add_option("--directory", options.directory, "Where data sets are written, and removed again")->capture_default_str();
+  app.add_option("--program", options.program, "The command line, for the first frame")->capture_default_str();
+  app.add_option("--device", options.device, "Device, as of `taxelsim generate --device`");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    return taxelsim::bench::run(options);
+  } catch (const taxelsim::Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return error.kind() == taxelsim::ErrorKind::kInput ? 2 : 1;
+  }
+}
