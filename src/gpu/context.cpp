@@ -159,7 +159,7 @@ Context::Context(const DeviceOptions& options) : vulkan_(std::make_unique<Vulkan
     const std::vector<std::uint8_t> bytes = file.empty() ? std::vector<std::uint8_t>() : readFile(file);
     vulkan.pipeline_cache = vulkan.device.createPipelineCache({{}, bytes.size(), bytes.data()});
   });
-  spdlog::info("device {}: {} ({})", info_.index, info_.name, info_.driver);
+  spdlog::debug("device {}: {} ({})", info_.index, info_.name, info_.driver);
 }
 
 Context::~Context() { savePipelineCache(); }

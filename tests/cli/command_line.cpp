@@ -6,24 +6,34 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <stdexcept>
+#include <thread>
 
 namespace taxelsim::testing {
-namespace {
 
 std::string contentOf(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-}  // namespace
-
-Outcome runTaxelsim(const std::vector<std::string>& arguments) {
+TemporaryDirectory::TemporaryDirectory() {
   std::string name = (std::filesystem::temp_directory_path() / "taxelsim-cli-XXXXXX").string();
   if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary directory");
-  const std::string out = name + "/out", err = name + "/err";
+  path_ = name;
+}
+
+TemporaryDirectory::~TemporaryDirectory() {
+  std::filesystem::remove_all(path_);
+}
+
+Outcome runTaxelsim(const std::vector<std::string>& arguments, const RunOptions& options) {
+  const TemporaryDirectory directory;
+  const std::string out = directory / "out", err = directory / "err";
   const pid_t child = fork();
   if (child == 0) {
     dup2(open(out.c_str(), O_WRONLY | O_CREAT, 0600), STDOUT_FILENO);
@@ -31,14 +41,17 @@ Outcome runTaxelsim(const std::vector<std::string>& arguments) {
     std::vector<char*> argv{const_cast<char*>("taxelsim")};
     for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
     argv.push_back(nullptr);
+    for (const std::string& variable : options.environment) putenv(const_cast<char*>(variable.c_str()));
     execv(TAXELSIM_EXECUTABLE, argv.data());
     _exit(127);
   }
+  if (options.signal != 0) {
+    std::this_thread::sleep_for(std::chrono::duration<double>(options.signal_after));
+    kill(child, options.signal);
+  }
   int status = 0;
   waitpid(child, &status, 0);
-  Outcome outcome{WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status), contentOf(out), contentOf(err)};
-  std::filesystem::remove_all(name);
-  return outcome;
+  return {WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status), contentOf(out), contentOf(err)};
 }
 
 void expectRefused(const Outcome& outcome, const std::string& part) {

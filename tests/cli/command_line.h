@@ -12,8 +12,30 @@ struct Outcome {
   std::string out, err;
 };
 
+struct RunOptions {
+  // Sends this signal once as many seconds have passed; 0 for none.
+  int signal = 0;
+  double signal_after = 0;
+  std::vector<std::string> environment;  // "NAME=value", beside the test's own
+};
+
 // The program sees its arguments as given, without a shell.
-Outcome runTaxelsim(const std::vector<std::string>& arguments);
+Outcome runTaxelsim(const std::vector<std::string>& arguments, const RunOptions& options = {});
+
+// A directory of a test's own, gone with it.
+class TemporaryDirectory {
+ public:
+  TemporaryDirectory();
+  ~TemporaryDirectory();
+  TemporaryDirectory(const TemporaryDirectory&) = delete;
+  TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
+  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+std::string contentOf(const std::filesystem::path& file);
 
 // One complete line on stderr, and exit status 2.
 void expectRefused(const Outcome& outcome, const std::string& part);

@@ -15,18 +15,8 @@ constexpr std::size_t kBlankPicture = 8000;  // bytes; a PNG without drawing in 
 
 class DataSet : public ::testing::Test {
  protected:
-  DataSet() {
-    std::string name = (std::filesystem::temp_directory_path() / "taxelsim-cli-set-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary directory");
-    root_ = name;
-  }
-  ~DataSet() override { std::filesystem::remove_all(root_); }
-  std::string at(const std::string& name) const { return (root_ / name).string(); }
-
-  static std::string content(const std::string& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-  }
+  std::string at(const std::string& name) const { return root_ / name; }
+  static std::string content(const std::string& file) { return contentOf(file); }
 
   void flipByteOf(const std::string& file, std::size_t place) const {
     std::string bytes = content(file);
@@ -35,7 +25,7 @@ class DataSet : public ::testing::Test {
   }
 
  private:
-  std::filesystem::path root_;
+  TemporaryDirectory root_;
 };
 
 TEST_F(DataSet, InspectSaysWhatIsThere) {

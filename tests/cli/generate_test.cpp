@@ -1,0 +1,126 @@
+// `generate`: the same bytes whatever the batch size and however often it was interrupted; what is refused.
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <fstream>
+#include <map>
+#include <random>
+
+#include "cli/command_line.h"
+
+namespace taxelsim::testing {
+namespace {
+
+const std::string kSensor = std::string(TAXELSIM_SOURCE_DIR) + "/scenes/sensors/wts0614.yaml";
+const std::string kObjects = std::string(TAXELSIM_SOURCE_DIR) + "/scenes/objects/";
+
+// Servo episodes on a mesh and a solid with everything that is drawn at random, in five shards.
+std::string writeScene(const std::string& file, int num_steps = 12) {
+  std::ofstream(file)
+      << "format_version: 1\nname: small\nkind: servo\nsensor: " << kSensor << "\nobjects:\n  - mesh: " << kObjects
+      << "hex_prism.obj\n  - mesh: " << kObjects << "knob_5k.obj\n"
+      << "  - cylinder: {radius_mm: 8, length_mm: 40}\n    orientation: {rpy_deg: [90, 0, 0]}\n"
+      << "episode: {num_steps: " << num_steps << ", simulation_rate: 100, control_rate: 50}\n"
+      << "randomisation: {x_mm: [-3, 3], y_mm: [-6, 6], yaw_deg: [-60, 60], tilt_deg: [0, 3], load: [0.5, 3], gain: [0.9, 1.1], "
+         "gain_spread: 0.05, noise: [0, 17]}\n"
+      << "controller: {edge_servo: {exploration_velocity_mm: 5}}\n"
+      << "record: [tactile_image, features, ground_truth, tactile_normal_force, penetration_depth, poses, actions]\n"
+      << "data_set: {episodes: 36, seed: 3, episodes_per_shard: 8, compression: 1}\n";
+  return file;
+}
+
+// Every file of a data set by name; the lock is none of it.
+std::map<std::string, std::string> filesOf(const std::string& directory) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(directory)) {
+    if (entry.path().filename().string().find("lock") == std::string::npos)
+      files[entry.path().filename().string()] = contentOf(entry.path());
+  }
+  return files;
+}
+
+void expectSame(const std::map<std::string, std::string>& files, const std::map<std::string, std::string>& expected,
+                const std::string& what) {
+  ASSERT_EQ(files.size(), expected.size()) << what;
+  for (const auto& [name, bytes] : expected) {
+    ASSERT_TRUE(files.contains(name)) << what << ": " << name;
+    EXPECT_TRUE(files.at(name) == bytes) << what << ": " << name << " differs";
+  }
+}
+
+TEST(Generate, SameBytesForAnyBatchSize) {
+  const TemporaryDirectory root;
+  const std::string scene = writeScene(root / "scene.yaml");
+  std::map<std::string, std::string> expected;
+  for (const int batch_size : {1, 7, 256, 4096}) {
+    const std::string out = root / ("out" + std::to_string(batch_size));
+    const Outcome outcome = runTaxelsim({"generate", scene, "-o", out, "--batch-size", std::to_string(batch_size)});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    if (expected.empty()) expected = filesOf(out);
+    EXPECT_EQ(expected.size(), 7u) << "five shards, a manifest, a view";
+    expectSame(filesOf(out), expected, "batch size " + std::to_string(batch_size));
+  }
+}
+
+TEST(Generate, SameBytesAfterBeingKilledTenTimes) {
+  const TemporaryDirectory root;
+  const std::string scene = writeScene(root / "scene.yaml", 150);
+  const std::vector<std::string> whole{"generate", scene, "-o", root / "whole", "--batch-size", "8"};
+  const auto start = std::chrono::steady_clock::now();
+  ASSERT_EQ(runTaxelsim(whole).status, 0);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const std::vector<std::string> killed{"generate", scene, "-o", root / "killed", "--batch-size", "8"};
+  std::mt19937 random(5);
+  int num_killed = 0;
+  for (int i = 0; i < 10; ++i) {
+    const double after = std::uniform_real_distribution(0.0, seconds)(random);
+    if (runTaxelsim(killed, {.signal = SIGKILL, .signal_after = after}).status == 128 + SIGKILL) ++num_killed;
+    if (!std::filesystem::exists(root / "killed")) continue;
+    for (const auto& [name, bytes] : filesOf(root / "killed")) {
+      if (name.starts_with("shard-")) EXPECT_TRUE(bytes == contentOf(root / ("whole/" + name))) << name << " is half written";
+    }
+  }
+  EXPECT_GE(num_killed, 3) << "the kills came too late to show anything";
+  ASSERT_EQ(runTaxelsim(killed).status, 0);
+  expectSame(filesOf(root / "killed"), filesOf(root / "whole"), "after the kills");
+}
+
+TEST(Generate, AnInterruptLeavesWholeShardsAndAResumableSet) {
+  const TemporaryDirectory root;
+  const std::string scene = writeScene(root / "scene.yaml", 400);
+  const std::vector<std::string> command{"generate", scene, "-o", root / "out", "--batch-size", "8"};
+  const Outcome stopped = runTaxelsim(command, {.signal = SIGINT, .signal_after = 0.6});
+  ASSERT_EQ(stopped.status, 130) << stopped.err;
+  ASSERT_EQ(runTaxelsim(command).status, 0);
+  ASSERT_EQ(runTaxelsim({"generate", scene, "-o", root / "whole"}).status, 0);
+  expectSame(filesOf(root / "out"), filesOf(root / "whole"), "after the interrupt");
+}
+
+TEST(Generate, AnotherSceneOrSeedIsRefused) {
+  const TemporaryDirectory root;
+  const std::string scene = writeScene(root / "scene.yaml");
+  ASSERT_EQ(runTaxelsim({"generate", scene, "-o", root / "out"}).status, 0);
+  const auto before = filesOf(root / "out");
+  expectRefused(runTaxelsim({"--log-level", "error", "generate", scene, "-o", root / "out", "--seed", "4"}), "seed");
+  expectRefused(runTaxelsim({"--log-level", "error", "generate", writeScene(root / "other.yaml", 13), "-o", root / "out"}), "scene");
+  expectSame(filesOf(root / "out"), before, "after the refusals");
+}
+
+TEST(Generate, BatchesThatDoNotFitAreRefusedBeforeTheyStart) {
+  const TemporaryDirectory root;
+  const Outcome outcome = runTaxelsim({"--log-level", "error", "generate", writeScene(root / "scene.yaml"), "-o", root / "out",
+                                       "--episodes", "20000000", "--batch-size", "3000000"});
+  expectRefused(outcome, "at most");
+  EXPECT_FALSE(std::filesystem::exists(root / "out/shard-000000.h5"));
+}
+
+TEST(Generate, WithoutADriverOneLineSaysSo) {
+  const TemporaryDirectory root;
+  const Outcome outcome = runTaxelsim({"generate", writeScene(root / "scene.yaml"), "-o", root / "out"},
+                                      {.environment = {"VK_ICD_FILENAMES=/nonexistent.json", "VK_DRIVER_FILES=/nonexistent.json"}});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_NE(outcome.err.find("taxelsim: "), std::string::npos) << outcome.err;
+}
+
+}  // namespace
+}  // namespace taxelsim::testing

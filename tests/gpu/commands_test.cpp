@@ -1,0 +1,77 @@
+// Recorded work: copies, clearing, time stamps, and mistakes in their use. Under the validation layers.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "gpu/commands.h"
+#include "taxelsim/device.h"
+#include "taxelsim/error.h"
+
+namespace taxelsim {
+namespace {
+
+const Device& device() {
+  static const Device opened = Device::open({.validation = true});
+  return opened;
+}
+
+TEST(Commands, BuffersStartAtZeroAndCopiesArrive) {
+  gpu::Context& context = device().context();
+  std::vector<std::uint32_t> values(1000);
+  std::iota(values.begin(), values.end(), 7u);
+  const gpu::Buffer source = gpu::makeStaticBuffer(context, "source", std::span<const std::uint32_t>(values));
+  const gpu::Buffer target(context, "target", values.size() * 4, gpu::Domain::kReadback);
+  for (const std::uint32_t word : target.mappedAs<std::uint32_t>()) ASSERT_EQ(word, 0u);
+
+  gpu::Commands commands(context, "copy", 2);
+  commands.timestamp(0);
+  commands.copy(source, target, source.size());
+  commands.timestamp(1);
+  commands.barrier(gpu::Access::kCopy, gpu::Access::kHostRead);
+  commands.end();
+  for (int run = 0; run < 3; ++run) {  // recorded once, run as often as wanted
+    commands.submit();
+    commands.wait();
+    const std::span<std::uint32_t> copied = target.mappedAs<std::uint32_t>();
+    ASSERT_TRUE(std::equal(values.begin(), values.end(), copied.begin()));
+    const double seconds = commands.seconds(0, 1);
+    EXPECT_TRUE(std::isnan(seconds) || (seconds >= 0 && seconds < 10)) << seconds;
+    std::fill(copied.begin(), copied.end(), 0u);
+  }
+}
+
+TEST(Commands, FillClears) {
+  gpu::Context& context = device().context();
+  const gpu::Buffer buffer(context, "buffer", 64, gpu::Domain::kReadback);
+  for (std::uint32_t& word : buffer.mappedAs<std::uint32_t>()) word = 1;
+  gpu::Commands commands(context, "fill");
+  commands.barrier(gpu::Access::kHostWrite, gpu::Access::kCopy);
+  commands.fillZero(buffer);
+  commands.barrier(gpu::Access::kCopy, gpu::Access::kHostRead);
+  commands.end();
+  commands.submit();
+  commands.wait();
+  for (const std::uint32_t word : buffer.mappedAs<std::uint32_t>()) EXPECT_EQ(word, 0u);
+}
+
+TEST(Commands, SubmittedTwiceWithoutAWaitIsAMistake) {
+  gpu::Commands commands(device().context(), "empty");
+  commands.end();
+  commands.submit();
+  EXPECT_THROW(commands.submit(), std::logic_error);
+  commands.wait();
+  commands.wait();  // nothing under way: nothing to wait for
+}
+
+TEST(Commands, ValidationIsNotDeaf) {
+  gpu::Context& context = device().context();
+  const gpu::Buffer small(context, "small", 16, gpu::Domain::kDevice);
+  const gpu::Buffer large(context, "large", 64, gpu::Domain::kDevice);
+  gpu::Commands commands(context, "a copy past the end");
+  commands.copy(large, small, 64);
+  EXPECT_THROW(context.throwOnValidationMessage(), Error);
+}
+
+}  // namespace
+}  // namespace taxelsim

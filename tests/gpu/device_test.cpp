@@ -1,0 +1,81 @@
+// Choosing devices, and what is said when one fails.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <set>
+
+#include "gpu/buffer.h"
+#include "gpu/vulkan.h"
+#include "taxelsim/device.h"
+#include "taxelsim/error.h"
+
+namespace taxelsim {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+template <typename Call>
+std::string deviceError(Call&& call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kDevice);
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << "one line";
+    return error.what();
+  }
+  ADD_FAILURE() << "nothing thrown";
+  return "";
+}
+
+TEST(Devices, AreListedBestFirst) {
+  const std::vector<DeviceInfo> infos = listDevices();
+  ASSERT_FALSE(infos.empty());
+  for (std::size_t i = 0; i < infos.size(); ++i) {
+    EXPECT_EQ(infos[i].index, static_cast<int>(i));
+    EXPECT_FALSE(infos[i].name.empty());
+    EXPECT_GT(infos[i].memory, 0u);
+    EXPECT_GE(infos[i].shared_memory, 16384u) << "Vulkan's minimum";
+    if (i > 0) EXPECT_LE(infos[i - 1].type, infos[i].type);
+  }
+}
+
+TEST(Devices, CanBeChosenByNumberNameAndKind) {
+  const DeviceInfo first = listDevices().front();
+  EXPECT_EQ(Device::open({.device = "0"}).info().name, first.name);
+  EXPECT_EQ(Device::open({.device = first.name.substr(1, 4)}).info().name, first.name);
+  if (first.type == DeviceType::kCpu) EXPECT_EQ(Device::open({.device = "cpu"}).info().name, first.name);
+}
+
+TEST(Devices, AnUnknownOneNamesThoseThatThereAre) {
+  const std::string message = deviceError([] { Device::open({.device = "no such device"}); });
+  EXPECT_THAT(message, AllOf(HasSubstr("no such device"), HasSubstr(listDevices().front().name)));
+}
+
+TEST(Devices, TheEnvironmentChooses) {
+  ::setenv("TAXELSIM_DEVICE", "nothing like it", 1);
+  const std::string message = deviceError([] { Device::open({}); });
+  ::unsetenv("TAXELSIM_DEVICE");
+  EXPECT_THAT(message, AllOf(HasSubstr("TAXELSIM_DEVICE"), HasSubstr("nothing like it")));
+}
+
+TEST(Devices, OutOfMemoryNamesBufferAndSize) {
+  const Device device = Device::open({});
+  // More than any device has. The validation layers would complain of it first, so they are not on here.
+  const std::size_t bytes = std::size_t{1} << 46;
+  const std::string message = deviceError([&] { gpu::Buffer(device.context(), "tactile_image", bytes, gpu::Domain::kDevice); });
+  EXPECT_THAT(message, AllOf(HasSubstr("\"tactile_image\""), HasSubstr("67108864.0 MiB")));
+}
+
+TEST(Devices, ErrorsSayWhatWasDoneAndWhatToDo) {
+  EXPECT_THAT(deviceError([] {
+                gpu::throwDeviceError(vk::OutOfDeviceMemoryError("x"), "buffer \"features\" of 3.0 MiB", "use a smaller batch size");
+              }),
+              AllOf(HasSubstr("out of memory"), HasSubstr("\"features\" of 3.0 MiB"), HasSubstr("smaller batch size")));
+  EXPECT_THAT(deviceError([] { gpu::throwDeviceError(vk::DeviceLostError("x"), "a frame", ""); }),
+              AllOf(HasSubstr("lost"), HasSubstr("a frame"), HasSubstr("open it again")));
+}
+
+}  // namespace
+}  // namespace taxelsim

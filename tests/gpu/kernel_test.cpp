@@ -1,0 +1,68 @@
+// Interfaces of kernels are reflected and compared with what the caller declares.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <stdexcept>
+
+#include "gpu/kernel.h"
+#include "gpu/reflection.h"
+#include "load.spv.h"
+#include "taxelsim/device.h"
+
+namespace taxelsim {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Pair;
+
+gpu::KernelOptions loadKernel() {
+  return {.name = "load", .spirv = k_load_spirv, .buffers = {"Instances", "Step", "TileResults", "Loads"}, .constants = {{0, 8}, {1, 1}, {2, 48}}};
+}
+
+std::string refusal(const gpu::KernelOptions& options) {
+  const Device device = Device::open({});
+  try {
+    gpu::Kernel(device.context(), options);
+  } catch (const std::logic_error& error) {
+    return error.what();
+  }
+  ADD_FAILURE() << "nothing thrown";
+  return "";
+}
+
+TEST(Kernel, IsReflected) {
+  const gpu::Reflection reflection = gpu::reflect(k_load_spirv);
+  EXPECT_THAT(reflection.buffers, ElementsAre(Pair(0, "Instances"), Pair(1, "Step"), Pair(2, "TileResults"), Pair(3, "Loads")));
+  EXPECT_THAT(reflection.constants, ElementsAre(0, 1, 2));
+  EXPECT_TRUE(reflection.others.empty());
+}
+
+TEST(Kernel, AsDeclaredIsBuilt) {
+  const Device device = Device::open({});
+  EXPECT_EQ(gpu::Kernel(device.context(), loadKernel()).numBuffers(), 4u);
+}
+
+TEST(Kernel, WrongNamesAndNumbersAreRefused) {
+  gpu::KernelOptions swapped = loadKernel();
+  std::swap(swapped.buffers[1], swapped.buffers[2]);
+  EXPECT_THAT(refusal(swapped), HasSubstr("binding 1 is declared as \"TileResults\", the shader has \"Step\""));
+  gpu::KernelOptions fewer = loadKernel();
+  fewer.buffers.pop_back();
+  EXPECT_THAT(refusal(fewer), HasSubstr("the shader has 4 buffers, 3 are declared"));
+  gpu::KernelOptions more = loadKernel();
+  more.buffers.emplace_back("State");
+  EXPECT_THAT(refusal(more), HasSubstr("\"State\", the shader has nothing"));
+  gpu::KernelOptions unknown = loadKernel();
+  unknown.constants[2].id = 7;
+  EXPECT_THAT(refusal(unknown), HasSubstr("specialization constants"));
+}
+
+TEST(Kernel, WordsThatAreNoModuleAreRefused) {
+  const std::uint32_t words[] = {1, 2, 3, 4, 5, 6};
+  EXPECT_THROW(gpu::reflect(words), std::logic_error);
+}
+
+}  // namespace
+}  // namespace taxelsim
