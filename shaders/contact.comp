@@ -146,102 +146,7 @@ void addToActive(Box box) {
   atomicMax(active_box[3], int(high.y));
 }
 
-Affine fromLattice(Body body, int id) {
-  vec4 lattice = objects[id].lattice;
-  vec4 middle = vec4(lattice.xyz, 1);
-  Affine X;
-  X.row0 = vec4(body.to_samples.row0.xyz * lattice.w, dot(body.to_samples.row0, middle));
-  X.row1 = vec4(body.to_samples.row1.xyz * lattice.w, dot(body.to_samples.row1, middle));
-  X.row2 = vec4(body.to_samples.row2.xyz * lattice.w, dot(body.to_samples.row2, middle));
-  return X;
-}
-
-const int kLatticeMiddle = 1 << (kLatticeBits - 1);
-
-// Whether a box of a group or cluster reaches into the window and over any sample; `center` and `half_size` are its bounds in (u, v, z).
-bool boxReaches(Affine from_lattice, uvec3 box, out vec3 center, out vec3 half_size) {
-  vec3 low = vec3(box & 0xFFFFu), high = vec3(box >> 16);
-  const float kUnit = float(1u << kBoxShift);
-  boundsOfImage(from_lattice, (low + high) * (0.5 * kUnit) - float(kLatticeMiddle), (high - low) * (0.5 * kUnit), center, half_size);
-  vec2 first = ceil(center.xy - half_size.xy - 1e-3), last = floor(center.xy + half_size.xy + 1e-3);
-  return !outsideTile(center, half_size) && first.x <= last.x && first.y <= last.y;
-}
-
-vec3 unpackVertex(uint word) {
-  uint w0 = triangles[word], w1 = triangles[word + 1];
-  const uint kMask = (1u << kLatticeBits) - 1u;
-  uvec3 q = uvec3(w0 & kMask, (w0 >> kLatticeBits) | ((w1 & 0x3FFu) << 11), (w1 >> 10) & kMask);
-  return vec3(ivec3(q) - kLatticeMiddle);
-}
-
-void rasterNumbered(Affine from_lattice, uint triangle, bool large) {
-  uint word = triangle * kTriangleWords;
-  vec3 p = apply(from_lattice, unpackVertex(word));
-  vec3 q = apply(from_lattice, unpackVertex(word + 2));
-  vec3 r = apply(from_lattice, unpackVertex(word + 4));
-  if (TRIANGLES == 1 || (TRIANGLES == 3 && !large)) rasterBySamples(p, q, r);
-  if (TRIANGLES == 2 || (TRIANGLES == 3 && large)) rasterBySpans(p, q, r);
-}
-
-// Samples of the box, whole taxels of them, are without a surface.
-void clearTile(Box box) {
-  vec2 low = max(floor(box.low), tile_first) - tile_first;
-  vec2 high = min(ceil(box.high), tile_end - 1.0) - tile_first;
-  if (low.x > high.x || low.y > high.y) return;
-  uvec2 first = uvec2(low) / SAMPLES * SAMPLES;
-  uvec2 count = (uvec2(high) / SAMPLES + 1u) * SAMPLES - first;
-  for (uint i = gl_LocalInvocationIndex; i < count.x * count.y; i += WORKGROUP) {
-    tile[(first.x + i / count.y) * tile_stride + first.y + i % count.y] = kEmpty;
-  }
-}
-
-// Triangles of a mesh into the tile: of each batch of groups those that reach into the window, of these the clusters that do, of these all triangles.
-// `active_part` grows by the bounds of these clusters; with `clear`, which needs the mesh to be one batch, the tile is cleared there first.
-void rasterMesh(Body body, Affine from_lattice, inout Box active_part, bool clear) {
-  uint lane = gl_LocalInvocationIndex;
-  uint end_group = body.kind_groups.y + body.kind_groups.z;
-  vec3 center, half_size;
-  uint start = body.kind_groups.y;
-  for (; start < end_group; start += kGroupsPerBatch) {
-    if (lane == 0) num_listed_groups = num_listed_clusters = 0;
-    barrier();
-    for (uint g = start + lane; g < min(start + kGroupsPerBatch, end_group); g += WORKGROUP) {
-      uvec4 record = groups[g];
-      if (boxReaches(from_lattice, record.xyz, center, half_size)) group_list[atomicAdd(num_listed_groups, 1u)] = record.w;
-    }
-    barrier();
-    for (uint g = 0; g < num_listed_groups; ++g) {
-      uint group = group_list[g];
-      uint first = group & ((1u << kFirstBits) - 1u);
-      uint last = first + (group >> kFirstBits);
-      for (uint c = first + lane; c <= last; c += WORKGROUP) {
-        uvec4 record = clusters[c];
-        if (boxReaches(from_lattice, record.xyz, center, half_size)) {
-          cluster_list[atomicAdd(num_listed_clusters, 1u)] = record.w;
-          grow(active_part, center, half_size);
-        }
-      }
-    }
-    if (clear) {
-      addToActive(active_part);
-      barrier();
-      clearTile(Box(vec2(active_box[0], active_box[2]), vec2(active_box[1], active_box[3])));
-    }
-    barrier();
-    uint items = num_listed_clusters * kTrianglesPerCluster;
-    uint i = lane;
-    for (; i < items; i += WORKGROUP) {
-      uint cluster = cluster_list[i / kTrianglesPerCluster];
-      uint within = i % kTrianglesPerCluster;
-      if (within <= cluster >> kFirstBits) {
-        rasterNumbered(from_lattice, (cluster & ((1u << kFirstBits) - 1u)) + within, body.kind_groups.w != 0);
-      }
-    }
-    cut_short = cut_short || i < items;
-    barrier();
-  }
-  cut_short = cut_short || start < end_group;
-}
+#include "lib/mesh.glsl"
 
 vec2 samplePosition(uvec2 sample_index) { return patch_corner + vec2(sample_index) * spacing; }
 
@@ -252,11 +157,13 @@ void rasterAnalytic(Body body, vec4 parameters) {
   if (low.x >= end.x || low.y >= end.y) return;
   uvec2 first = uvec2(low);
   uvec2 count = uvec2(end) - first;
-  for (uint i = gl_LocalInvocationIndex; i < count.x * count.y; i += WORKGROUP) {
+  uint i = gl_LocalInvocationIndex;
+  for (; i < count.x * count.y; i += WORKGROUP) {
     uvec2 at = first + uvec2(i / count.y, i % count.y);
     float z = analyticHeight(body.kind_groups.x, parameters, body.X_PO, samplePosition(at));
     if (z < z_limit) lowerTile((at.x - uint(tile_first.x)) * tile_stride + at.y - uint(tile_first.y), z);
   }
+  cut_short = cut_short || i < count.x * count.y;
 }
 
 // Lowest height of a half-space over the tile, m: at one of its corners.
@@ -278,52 +185,7 @@ vec4 sumOfPartials() {
   return total;
 }
 
-struct Search {
-  float depth;   // of the lowest sample, m
-  float lowest;  // height of the lowest sample before the move, as the tile counts it: over z_base, m
-  float offset;  // by which the objects move, m
-  float status;  // kLoadCarried or kLoadOutOfReach
-};
-
-// Depth of the lowest sample at which the samples of the window carry `load`: Newton's method from full depth down. Only z moves, so the gaps
-// between the samples are those of the tile.
-Search searchLoad(float load, uvec2 first, uvec2 count) {
-  const int kMaxIterations = 32;
-  const float kTolerance = 2e-6;  // of the load; some ten roundings of a float
-  uint total = count.x * count.y;
-  uint lane_lowest = kEmpty;
-  for (uint i = gl_LocalInvocationIndex; i < total; i += WORKGROUP) {
-    lane_lowest = min(lane_lowest, tile[(first.x + i / count.y) * tile_stride + first.y + i % count.y]);
-  }
-  atomicMin(lowest_bits, lane_lowest);
-  barrier();
-  Search found = Search(0.0, 0.0, 0.0, kLoadOutOfReach);
-  uint lowest = lowest_bits;
-  if (lowest == kEmpty) return found;
-  found.lowest = uintBitsToFloat(lowest);
-  found.depth = THICKNESS;
-  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
-    for (uint v = gl_LocalInvocationIndex; v < LANES; v += WORKGROUP) {
-      float force = 0.0, slope = 0.0;
-      for (uint i = v; i < total; i += LANES) {
-        uint address = (first.x + i / count.y) * tile_stride + first.y + i % count.y;
-        float d = found.depth - (uintBitsToFloat(tile[address]) - found.lowest);
-        force += lawPressure(d, 0.0);
-        slope += lawSlope(d);
-      }
-      partial[v] = vec4(force, slope, 0, 0) * sample_area;
-    }
-    vec4 sums = sumOfPartials();
-    float excess = sums.x - load;
-    if (iteration == 0 && excess < -kTolerance * load) break;  // even full depth carries less
-    found.status = kLoadCarried;
-    if (abs(excess) <= kTolerance * load || sums.y <= 0.0) break;
-    found.depth = clamp(found.depth - excess / sums.y, 0.0, THICKNESS);
-  }
-  if (load == 0.0) found.depth = 0.0;
-  found.offset = -found.depth - (z_base + found.lowest);
-  return found;
-}
+#include "lib/load_search.glsl"
 
 void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   uint lane = gl_LocalInvocationIndex;
@@ -438,7 +300,8 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   uint deep = 0;
   for (uint v = lane; v < LANES; v += WORKGROUP) {
     vec4 wrench = vec4(0);  // normal force, torque about x and y of P
-    for (uint k = v; k < num_active; k += LANES) {
+    uint k = v;
+    for (; k < num_active; k += LANES) {
       uvec2 in_tile = active_first + uvec2(k / active_count.y, k % active_count.y);
       uvec2 base = in_tile * SAMPLES;
       vec2 corner = samplePosition(base + tile_taxel * SAMPLES);
@@ -478,6 +341,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
       // The skin is pressed along -z: torque (x, y, 0) x (0, 0, -f).
       wrench += vec4(force, -moment.y, moment.x, 0);
     }
+    cut_short = cut_short || k < num_active;
     partial[v] = wrench;
   }
   if (deep > 0) atomicAdd(num_deep, deep);

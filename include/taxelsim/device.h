@@ -15,13 +15,13 @@ class Context;
 enum class DeviceType { kDiscrete, kIntegrated, kVirtual, kCpu, kOther };
 
 struct DeviceInfo {
-  int index = 0;               // place in listDevices()
+  int index = 0;  // place in listDevices()
   std::string name;
   DeviceType type = DeviceType::kOther;
-  std::string driver;          // name and version, as the driver gives them
-  std::string api_version;     // "1.3.230"
-  std::string uuid;            // of the device, hexadecimal
-  std::uint64_t memory = 0;    // bytes of the largest device-local heap
+  std::string driver;            // name and version, as the driver gives them
+  std::string api_version;       // "1.3.230"
+  std::string uuid;              // of the device, hexadecimal
+  std::uint64_t memory = 0;      // bytes of the largest device-local heap
   std::uint64_t max_buffer = 0;  // bytes that one storage buffer can hold
   std::uint32_t subgroup_size = 0;
   std::uint32_t shared_memory = 0;  // bytes per workgroup

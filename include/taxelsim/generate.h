@@ -15,14 +15,14 @@ namespace taxelsim {
 struct Progress {
   std::uint64_t episodes_done = 0;
   std::uint64_t num_episodes = 0;
-  std::uint64_t frames_done = 0;        // in this run
-  std::uint64_t episodes_resumed = 0;   // found on disk
-  double seconds = 0;                   // since this run began simulating
+  std::uint64_t frames_done = 0;       // in this run
+  std::uint64_t episodes_resumed = 0;  // found on disk
+  double seconds = 0;                  // since this run began simulating
 };
 
 struct GenerateOptions {
-  int batch_size = 1024;   // instances over all slices, >= 1; does not change a byte of the data set
-  int num_slices = 2;      // slices of the batch in flight, >= 1; the same
+  int batch_size = 1024;  // instances over all slices, >= 1; does not change a byte of the data set
+  int num_slices = 2;     // slices of the batch in flight, >= 1; the same
   // Called on the caller's thread a few times a second and at the end.
   std::function<void(const Progress&)> on_progress;
   // When it becomes true, shards under way are given up (complete ones stay) and generate() returns.
@@ -31,8 +31,8 @@ struct GenerateOptions {
 
 struct GenerateResult {
   Progress progress;
-  bool complete = false;               // false when stopped
-  std::uint64_t num_load_misses = 0;   // contacts whose load was out of reach (also a column of the data set)
+  bool complete = false;              // false when stopped
+  std::uint64_t num_load_misses = 0;  // contacts whose load was out of reach (also a column of the data set)
 };
 
 // The columns that a scene records, in file order.

@@ -18,7 +18,7 @@ namespace taxelsim {
 
 // Triangles in any order and winding; need not be closed: only the lowest surface over a sample counts.
 struct Mesh {
-  std::vector<std::array<float, 3>> vertices;         // (num_vertices x 3), m, in O
+  std::vector<std::array<float, 3>> vertices;           // (num_vertices x 3), m, in O
   std::vector<std::array<std::uint32_t, 3>> triangles;  // (num_triangles x 3), indices into vertices
 };
 
@@ -57,9 +57,9 @@ struct Object {
   // A shape alone names itself after its kind ("mesh", "sphere", ...).
   Object(Shape object_shape);  // NOLINT(google-explicit-constructor): lists of shapes read well at the call site
   template <typename Kind>
-    requires(!std::same_as<std::remove_cvref_t<Kind>, Object> && !std::same_as<std::remove_cvref_t<Kind>, Shape> &&
-             std::constructible_from<Shape, Kind>)
-  Object(Kind&& kind) : Object(Shape(std::forward<Kind>(kind))) {}  // NOLINT(google-explicit-constructor): the same
+  requires(!std::same_as<std::remove_cvref_t<Kind>, Object> && !std::same_as<std::remove_cvref_t<Kind>, Shape> &&
+           std::constructible_from<Shape, Kind>) Object(Kind&& kind)
+      : Object(Shape(std::forward<Kind>(kind))) {}  // NOLINT(google-explicit-constructor): the same
 };
 
 enum class UpAxis { kX, kY, kZ };

@@ -21,20 +21,20 @@ struct Range {
 
 struct SceneObject {
   Object object;
-  double weight = 1;                    // of being chosen, >= 0; not all zero
-  Quaternion orientation{1, 0, 0, 0};   // R_WO before the random yaw and tilt: which side looks at the sensor
+  double weight = 1;                   // of being chosen, >= 0; not all zero
+  Quaternion orientation{1, 0, 0, 0};  // R_WO before the random yaw and tilt: which side looks at the sensor
 };
 
 // What is drawn anew for each episode, from (seed, episode) alone.
 struct Randomisation {
-  Range x, y;          // m, in S: where the object first touches the skin
-  Range yaw;           // rad, about z of S
-  Range tilt;          // rad, >= 0, about a random axis in the xy plane of S
+  Range x, y;                  // m, in S: where the object first touches the skin
+  Range yaw;                   // rad, about z of S
+  Range tilt;                  // rad, >= 0, about a random axis in the xy plane of S
   std::optional<Range> load;   // N, >= 0; or
   std::optional<Range> depth;  // m, >= 0, of the object's lowest point below the skin. Exactly one of the two.
-  Range gain{1, 1};           // factor, > 0, on every taxel
-  Range gain_spread{0, 0};    // standard deviation of log gain per taxel, >= 0
-  Range noise{0, 0};          // counts, >= 0, beside the sensor's own
+  Range gain{1, 1};            // factor, > 0, on every taxel
+  Range gain_spread{0, 0};     // standard deviation of log gain per taxel, >= 0
+  Range noise{0, 0};           // counts, >= 0, beside the sensor's own
 };
 
 struct Scene {
@@ -47,18 +47,18 @@ struct Scene {
   std::string name;
   Kind kind = Kind::kServo;
   Sensor sensor;
-  Pose X_ES;                        // mount: the sensor in the end effector (the frame that the controller moves)
+  Pose X_ES;  // mount: the sensor in the end effector (the frame that the controller moves)
   std::vector<SceneObject> objects;
-  int num_steps = 1;                // frames per episode, 1 for kContacts
-  double simulation_rate = 100;     // Hz
-  double control_rate = 100;        // Hz, simulation_rate divided by a whole number
+  int num_steps = 1;             // frames per episode, 1 for kContacts
+  double simulation_rate = 100;  // Hz
+  double control_rate = 100;     // Hz, simulation_rate divided by a whole number
   Randomisation randomisation;
   EdgeServo controller;             // of kServo
   std::vector<std::string> record;  // what is written, by the words of docs/file_formats.md, in their order
   std::uint64_t num_episodes = 1000;
   std::uint64_t seed = 0;
   std::uint64_t episodes_per_shard = 256;
-  int compression = 0;              // gzip level of the data set, 0 (none) to 9
+  int compression = 0;  // gzip level of the data set, 0 (none) to 9
 
   // The scene as YAML with every default written out, the sensor in place and file contents replaced by their SHA-256; the same scene gives
   // the same text on every machine. Episodes, seed, and everything else that decides the data set's bytes is in it; batch size is not.

@@ -12,9 +12,9 @@
 
 namespace taxelsim {
 
-inline constexpr int kMaxSamplesPerTaxel = 8;   // per side
-inline constexpr int kMaxTaxelsPerSide = 128;   // of a grid patch
-inline constexpr int kMaxKernelSize = 9;        // taxels per side
+inline constexpr int kMaxSamplesPerTaxel = 8;  // per side
+inline constexpr int kMaxTaxelsPerSide = 128;  // of a grid patch
+inline constexpr int kMaxKernelSize = 9;       // taxels per side
 inline constexpr int kMaxCurveDegree = 5;
 inline constexpr int kMaxAdcBits = 16;
 
@@ -24,10 +24,10 @@ inline constexpr int kMaxAdcBits = 16;
 // and has index first_taxel_of_the_patch + i num_cols + j.
 struct GridPatch {
   std::string name;
-  int num_rows = 1;                      // 1 to 128
-  int num_cols = 1;                      // 1 to 128
-  std::array<double, 2> pitch{0, 0};     // m, > 0: along x, along y
-  Pose X_SP;                             // pose of the patch in the sensor frame
+  int num_rows = 1;                   // 1 to 128
+  int num_cols = 1;                   // 1 to 128
+  std::array<double, 2> pitch{0, 0};  // m, > 0: along x, along y
+  Pose X_SP;                          // pose of the patch in the sensor frame
 };
 
 // pressure = normal_contact_stiffness d^normal_exponent + normal_damping d', never negative, where d > 0 (the paper's
@@ -54,9 +54,9 @@ struct Psf {
     kNone,       // the kernel as given: the paper's own sampled Gaussian sums to 1.0279 inside
   };
 
-  int size = 1;                 // taxels per side, odd, 1 to 9; 1 with weight 1 is no spread
+  int size = 1;                   // taxels per side, odd, 1 to 9; 1 with weight 1 is no spread
   std::vector<double> kernel{1};  // (size x size), row-major, >= 0, sum > 0; [a][b] weighs the source at (i - a, j - b) from
-                                // the middle: spread(i, j) = sum F(i - a, j - b) g(a, b)
+                                  // the middle: spread(i, j) = sum F(i - a, j - b) g(a, b)
   Normalization normalization = Normalization::kPerSource;
 };
 
@@ -67,24 +67,24 @@ Psf gaussianPsf(double sigma, int size, Psf::Normalization normalization = Psf::
 //   x = gain F - trigger;  counts = clip(round(output_scale sum_m curve[m] x^(m+1) + noise), 0, saturation)
 // where the curve goes on below x = 0 as a straight line, so that noise meets the trigger as it does in the electronics.
 struct Readout {
-  std::vector<double> curve{1};      // counts / N^(m+1), m = 0 .. degree - 1, 1 to 5 terms; must rise over the range used
-  double output_scale = 1;           // > 0; the paper's k_scale
-  double trigger = 0;                // N, >= 0; smallest force that shows
-  int adc_bits = 12;                 // 1 to 16
-  int saturation = 4095;             // counts, 1 to 2^adc_bits - 1
-  double noise = 0;                  // counts, >= 0; standard deviation of white Gaussian noise per frame and taxel
-  std::vector<double> taxel_gain;    // (num_taxels) or empty for 1; >= 0
-  std::vector<double> taxel_trigger; // (num_taxels), N, or empty for `trigger`
+  std::vector<double> curve{1};       // counts / N^(m+1), m = 0 .. degree - 1, 1 to 5 terms; must rise over the range used
+  double output_scale = 1;            // > 0; the paper's k_scale
+  double trigger = 0;                 // N, >= 0; smallest force that shows
+  int adc_bits = 12;                  // 1 to 16
+  int saturation = 4095;              // counts, 1 to 2^adc_bits - 1
+  double noise = 0;                   // counts, >= 0; standard deviation of white Gaussian noise per frame and taxel
+  std::vector<double> taxel_gain;     // (num_taxels) or empty for 1; >= 0
+  std::vector<double> taxel_trigger;  // (num_taxels), N, or empty for `trigger`
 };
 
 struct Sensor {
   std::string name;
   std::vector<GridPatch> patches;
-  int samples_per_taxel = 4;    // per side, 1 to 8
+  int samples_per_taxel = 4;  // per side, 1 to 8
   Skin skin;
   Psf psf;
   Readout readout;
-  double frame_rate = 0;        // Hz, > 0, or 0 for a frame at every step
+  double frame_rate = 0;  // Hz, > 0, or 0 for a frame at every step
 };
 
 // Number of taxels over all patches.

@@ -11,8 +11,8 @@
 
 namespace taxelsim {
 
-inline constexpr int kMaxSlots = 8;       // objects that one instance can touch
-inline constexpr int kNoObject = -1;      // id of an empty slot
+inline constexpr int kMaxSlots = 8;   // objects that one instance can touch
+inline constexpr int kNoObject = -1;  // id of an empty slot
 // Load of an instance that is driven by its pose.
 inline constexpr float kPoseDriven = std::numeric_limits<float>::quiet_NaN();
 
@@ -24,9 +24,9 @@ struct OutputOptions {
 };
 
 struct SimulatorOptions {
-  int num_instances = 1;  // 1 to what memory holds
-  int num_slots = 1;      // objects per instance, 1 to 8
-  std::uint64_t seed = 0; // key of all noise
+  int num_instances = 1;   // 1 to what memory holds
+  int num_slots = 1;       // objects per instance, 1 to 8
+  std::uint64_t seed = 0;  // key of all noise
   OutputOptions outputs{};
 };
 

@@ -1,5 +1,5 @@
-// Structs and constants that host and device share; compiled by C++ and by GLSL (std430). Only 16-byte rows, so that both lay them out alike.
-// Frames by monogram: S sensor, P patch, O object, C chart (the frame of moments: P of a single patch, else S).
+// Structs and constants that host and device share; compiled by C++ and by GLSL (std430). Only 16-byte rows, so that both lay them out
+// alike. Frames by monogram: S sensor, P patch, O object, C chart (the frame of moments: P of a single patch, else S).
 #ifndef TAXELSIM_SHADERS_SHARED_LAYOUT_H
 #define TAXELSIM_SHADERS_SHARED_LAYOUT_H
 
@@ -30,7 +30,7 @@ TAXELSIM_CONSTANT kKindTorus = 7u;
 
 // A mesh lies on a lattice of its own: position in O = lattice_origin + lattice_step * q, q of kLatticeBits bits per axis, unsigned.
 TAXELSIM_CONSTANT kLatticeBits = 21u;
-TAXELSIM_CONSTANT kTriangleWords = 6u;      // three vertices of two words: x | y << 21, y >> 11 | z << 10
+TAXELSIM_CONSTANT kTriangleWords = 6u;  // three vertices of two words: x | y << 21, y >> 11 | z << 10
 TAXELSIM_CONSTANT kTrianglesPerCluster = 8u;
 TAXELSIM_CONSTANT kClustersPerGroup = 32u;
 
@@ -42,8 +42,8 @@ struct ObjectRecord {
   vec4 half_size;     // of the bounding box, m
 };
 
-// An axis-aligned box around triangles (cluster) or clusters (group), three words of low | high << 16 per axis in units of 2^kBoxShift lattice steps,
-// rounded outwards; then what it holds: number of the first | (how many - 1) << kFirstBits.
+// An axis-aligned box around triangles (cluster) or clusters (group), three words of low | high << 16 per axis in units of 2^kBoxShift
+// lattice steps, rounded outwards; then what it holds: number of the first | (how many - 1) << kFirstBits.
 TAXELSIM_CONSTANT kBoxShift = 5u;
 TAXELSIM_CONSTANT kFirstBits = 27u;
 
@@ -85,13 +85,13 @@ TAXELSIM_CONSTANT kFlagFirstStep = 2u;  // the first step since reset
 TAXELSIM_CONSTANT kFlagLoadDriven = 4u;
 
 struct InstanceRecord {
-  vec4 drive;    // load (N), gain, spread of log gain, extra noise (counts)
-  uvec4 keys;    // episode (low, high word), frame, flags
+  vec4 drive;  // load (N), gain, spread of log gain, extra noise (counts)
+  uvec4 keys;  // episode (low, high word), frame, flags
 };
 
 struct StepRecord {
-  uvec4 batch;    // instances, slots, seed (low, high word)
-  vec4 time;      // dt (s), 1/dt, 0, 0
+  uvec4 batch;  // instances, slots, seed (low, high word)
+  vec4 time;    // dt (s), 1/dt, 0, 0
 };
 
 // What the contact pass leaves per instance and tile.
@@ -125,9 +125,9 @@ TAXELSIM_CONSTANT kFeatureEigenvalues = 8u;       // 2
 TAXELSIM_CONSTANT kFeatureEdgeAngle = 10u;
 TAXELSIM_CONSTANT kFeatureEdgeConfidence = 11u;
 TAXELSIM_CONSTANT kFeatureContactArea = 12u;
-TAXELSIM_CONSTANT kNumImageFeatures = 13u;        // the block of measured ones starts at 0, that of clean ones here
+TAXELSIM_CONSTANT kNumImageFeatures = 13u;  // the block of measured ones starts at 0, that of clean ones here
 TAXELSIM_CONSTANT kFeatureSaturated = 26u;
-TAXELSIM_CONSTANT kFeatureContactWrench = 27u;    // 6
+TAXELSIM_CONSTANT kFeatureContactWrench = 27u;  // 6
 TAXELSIM_CONSTANT kFeatureOverPenetration = 33u;
 TAXELSIM_CONSTANT kFeatureLoadOffset = 34u;
 TAXELSIM_CONSTANT kFeatureLoadReached = 35u;

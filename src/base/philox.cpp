@@ -24,10 +24,9 @@ std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> counter, std::a
 }
 
 double EpisodeRandom::uniform() {
-  const std::array<std::uint32_t, 4> words =
-      philox({static_cast<std::uint32_t>(episode_), static_cast<std::uint32_t>(episode_ >> 32), next_++,
-              static_cast<std::uint32_t>(Purpose::kEpisode) << 24},
-             {static_cast<std::uint32_t>(seed_), static_cast<std::uint32_t>(seed_ >> 32)});
+  const std::array<std::uint32_t, 4> words = philox({static_cast<std::uint32_t>(episode_), static_cast<std::uint32_t>(episode_ >> 32),
+                                                     next_++, static_cast<std::uint32_t>(Purpose::kEpisode) << 24},
+                                                    {static_cast<std::uint32_t>(seed_), static_cast<std::uint32_t>(seed_ >> 32)});
   const std::uint64_t bits = (static_cast<std::uint64_t>(words[0]) << 21) ^ (words[1] >> 11);
   return static_cast<double>(bits & ((std::uint64_t{1} << 53) - 1)) * 0x1p-53;
 }

@@ -37,7 +37,9 @@ Vector3 operator*(const Pose& X_AB, const Vector3& p_B) {
   return {X_AB.position[0] + turned[0], X_AB.position[1] + turned[1], X_AB.position[2] + turned[2]};
 }
 
-Pose operator*(const Pose& X_AB, const Pose& X_BC) { return {X_AB * X_BC.position, X_AB.rotation * X_BC.rotation}; }
+Pose operator*(const Pose& X_AB, const Pose& X_BC) {
+  return {X_AB * X_BC.position, X_AB.rotation * X_BC.rotation};
+}
 
 Pose inverse(const Pose& X_AB) {
   const auto [w, x, y, z] = X_AB.rotation;

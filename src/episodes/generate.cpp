@@ -63,6 +63,7 @@ Manifest manifestOf(const Scene& scene, const Device& device) {
           .sensor_name = scene.sensor.name,
           .num_rows = one_grid ? scene.sensor.patches[0].num_rows : 0,
           .num_cols = one_grid ? scene.sensor.patches[0].num_cols : 0,
+          .pitch = one_grid ? scene.sensor.patches[0].pitch : std::array<double, 2>{0, 0},
           .seed = scene.seed,
           .num_episodes = scene.num_episodes,
           .episodes_per_shard = scene.episodes_per_shard,
@@ -196,13 +197,13 @@ GenerateResult generate(const Device& device, const Scene& scene, const std::fil
   checkHostMemory(scene, options);
   const EpisodePlan plan(scene);
   const Manifest manifest = manifestOf(scene, device);
+  // What cannot run leaves no directory behind.
+  const Model model(device, modelOptionsOf(scene));
+  cutBatch(model, plan, static_cast<int>(std::min<std::uint64_t>(options.batch_size, scene.num_episodes)), options.num_slices);
   DatasetWriter writer(directory, manifest);
   Run run(options, writer, manifest);
   ShardQueue queue(manifest, run.complete(), plan.num_frames);
-  if (queue.numEpisodesLeft() > 0) {
-    const Model model(device, modelOptionsOf(scene));
-    run.simulate(model, plan, queue);
-  }
+  if (queue.numEpisodesLeft() > 0) run.simulate(model, plan, queue);
   return run.end();
 }
 

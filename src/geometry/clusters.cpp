@@ -14,8 +14,8 @@ constexpr std::uint32_t kLatticeRim = 128;
 
 constexpr std::uint32_t kLatticeMiddle = 1u << (kLatticeBits - 1);
 
-// Orders `items` so that every run of `leaf` consecutive ones lies close together: halves at a multiple of `leaf`, by the centroid along the longest
-// side, until a run is left. Ties keep the order of the indices, which makes the result unique.
+// Orders `items` so that every run of `leaf` consecutive ones lies close together: halves at a multiple of `leaf`, by the centroid along
+// the longest side, until a run is left. Ties keep the order of the indices, which makes the result unique.
 void sortIntoRuns(std::span<std::uint32_t> items, const std::vector<std::array<std::uint32_t, 3>>& centroids, std::size_t leaf) {
   if (items.size() <= leaf) return;
   std::array<std::uint32_t, 3> low{~0u, ~0u, ~0u};

@@ -14,27 +14,38 @@ constexpr std::uint32_t kMaxSets = 256;
 
 vk::PipelineStageFlags stageOf(Access access) {
   switch (access) {
-    case Access::kKernel: return vk::PipelineStageFlagBits::eComputeShader;
-    case Access::kCopy: return vk::PipelineStageFlagBits::eTransfer;
-    default: return vk::PipelineStageFlagBits::eHost;
+    case Access::kKernel:
+      return vk::PipelineStageFlagBits::eComputeShader;
+    case Access::kCopy:
+      return vk::PipelineStageFlagBits::eTransfer;
+    default:
+      return vk::PipelineStageFlagBits::eHost;
   }
 }
 
 vk::AccessFlags written(Access access) {
   switch (access) {
-    case Access::kKernel: return vk::AccessFlagBits::eShaderWrite;
-    case Access::kCopy: return vk::AccessFlagBits::eTransferWrite;
-    case Access::kHostWrite: return vk::AccessFlagBits::eHostWrite;
-    default: return {};
+    case Access::kKernel:
+      return vk::AccessFlagBits::eShaderWrite;
+    case Access::kCopy:
+      return vk::AccessFlagBits::eTransferWrite;
+    case Access::kHostWrite:
+      return vk::AccessFlagBits::eHostWrite;
+    default:
+      return {};
   }
 }
 
 vk::AccessFlags used(Access access) {
   switch (access) {
-    case Access::kKernel: return vk::AccessFlagBits::eShaderRead | vk::AccessFlagBits::eShaderWrite;
-    case Access::kCopy: return vk::AccessFlagBits::eTransferRead | vk::AccessFlagBits::eTransferWrite;
-    case Access::kHostRead: return vk::AccessFlagBits::eHostRead;
-    default: return {};
+    case Access::kKernel:
+      return vk::AccessFlagBits::eShaderRead | vk::AccessFlagBits::eShaderWrite;
+    case Access::kCopy:
+      return vk::AccessFlagBits::eTransferRead | vk::AccessFlagBits::eTransferWrite;
+    case Access::kHostRead:
+      return vk::AccessFlagBits::eHostRead;
+    default:
+      return {};
   }
 }
 
@@ -56,7 +67,8 @@ struct Commands::Vulkan {
   bool submitted = false;
 };
 
-Commands::Commands(Context& context, std::string name, std::uint32_t num_timestamps) : vulkan_(std::make_unique<Vulkan>(context, std::move(name))) {
+Commands::Commands(Context& context, std::string name, std::uint32_t num_timestamps)
+    : vulkan_(std::make_unique<Vulkan>(context, std::move(name))) {
   Context::Vulkan& vk_context = context.vulkan();
   checked("recording " + vulkan_->name, "", [&] {
     const vk::DescriptorPoolSize size(vk::DescriptorType::eStorageBuffer, kMaxSets * 16);
@@ -92,13 +104,15 @@ void Commands::dispatch(const Kernel& kernel, std::uint32_t num_groups, std::ini
   Context::Vulkan& vk_context = vulkan_->context.vulkan();
   checked("recording " + kernel.name(), "", [&] {
     const Kernel::Vulkan& vk_kernel = kernel.vulkan();
-    vk::raii::DescriptorSet set = std::move(vk::raii::DescriptorSets(vk_context.device, {*vulkan_->descriptors, *vk_kernel.set_layout}).front());
+    vk::raii::DescriptorSet set =
+        std::move(vk::raii::DescriptorSets(vk_context.device, {*vulkan_->descriptors, *vk_kernel.set_layout}).front());
     std::vector<vk::DescriptorBufferInfo> infos;
     infos.reserve(buffers.size());
     std::vector<vk::WriteDescriptorSet> writes;
     for (const Buffer* buffer : buffers) {
       infos.emplace_back(*buffer->vulkan().buffer, 0, VK_WHOLE_SIZE);
-      writes.emplace_back(*set, static_cast<std::uint32_t>(writes.size()), 0, 1, vk::DescriptorType::eStorageBuffer, nullptr, &infos.back());
+      writes.emplace_back(*set, static_cast<std::uint32_t>(writes.size()), 0, 1, vk::DescriptorType::eStorageBuffer, nullptr,
+                          &infos.back());
     }
     vk_context.device.updateDescriptorSets(writes, {});
     vulkan_->commands.bindPipeline(vk::PipelineBindPoint::eCompute, *vk_kernel.pipeline);
@@ -118,7 +132,9 @@ void Commands::copy(const Buffer& from, const Buffer& to, std::size_t bytes) {
   vulkan_->commands.copyBuffer(*from.vulkan().buffer, *to.vulkan().buffer, vk::BufferCopy(0, 0, bytes));
 }
 
-void Commands::fillZero(const Buffer& buffer) { vulkan_->commands.fillBuffer(*buffer.vulkan().buffer, 0, VK_WHOLE_SIZE, 0); }
+void Commands::fillZero(const Buffer& buffer) {
+  vulkan_->commands.fillBuffer(*buffer.vulkan().buffer, 0, VK_WHOLE_SIZE, 0);
+}
 
 void Commands::timestamp(std::uint32_t mark) {
   if (vulkan_->num_timestamps == 0) return;

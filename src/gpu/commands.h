@@ -24,8 +24,8 @@ class Commands {
   Commands(Commands&&) noexcept;
   Commands& operator=(Commands&&) noexcept;
 
-  // One workgroup per unit of work: `num_groups` of them, folded into two dimensions where one holds too few; kernels find their number with
-  // workgroupNumber() of shaders/lib/workgroup.glsl. Buffers by binding.
+  // One workgroup per unit of work: `num_groups` of them, folded into two dimensions where one holds too few; kernels find their number
+  // with workgroupNumber() of shaders/lib/workgroup.glsl. Buffers by binding.
   void dispatch(const Kernel& kernel, std::uint32_t num_groups, std::initializer_list<const Buffer*> buffers);
   void barrier(Access before, Access after);
   void copy(const Buffer& from, const Buffer& to, std::size_t bytes);

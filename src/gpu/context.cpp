@@ -131,8 +131,9 @@ Context::Context(const DeviceOptions& options) : vulkan_(std::make_unique<Vulkan
     if (chosen == nullptr && matches(info, wanted)) chosen = &info;
   }
   if (chosen == nullptr) {
-    throw Error(ErrorKind::kDevice, infos.empty() ? "no Vulkan 1.2 device with a compute queue; install a driver (mesa-vulkan-drivers has one for CPUs)"
-                                                  : source + ": no device matches \"" + wanted + "\"; there is " + listNames(infos));
+    throw Error(ErrorKind::kDevice,
+                infos.empty() ? "no Vulkan 1.2 device with a compute queue; install a driver (mesa-vulkan-drivers has one for CPUs)"
+                              : source + ": no device matches \"" + wanted + "\"; there is " + listNames(infos));
   }
   info_ = *chosen;
   vulkan.physical = handles[static_cast<std::size_t>(chosen - infos.data())];
@@ -162,7 +163,9 @@ Context::Context(const DeviceOptions& options) : vulkan_(std::make_unique<Vulkan
   spdlog::debug("device {}: {} ({})", info_.index, info_.name, info_.driver);
 }
 
-Context::~Context() { savePipelineCache(); }
+Context::~Context() {
+  savePipelineCache();
+}
 
 void Context::savePipelineCache() {
   if (!vulkan_->pipelines_changed.exchange(false)) return;
@@ -173,7 +176,8 @@ void Context::savePipelineCache() {
     std::filesystem::create_directories(file.parent_path());
     // Renamed into place, so that two processes never see each other's half.
     const std::filesystem::path temporary = file.string() + "." + std::to_string(std::hash<const void*>()(this)) + ".tmp";
-    std::ofstream(temporary, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    std::ofstream(temporary, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     std::filesystem::rename(temporary, file);
   } catch (const std::exception& error) {
     spdlog::debug("pipeline cache not saved: {}", error.what());
@@ -199,8 +203,12 @@ std::vector<DeviceInfo> listDevices() {
   });
 }
 
-Device Device::open(const DeviceOptions& options) { return Device(std::make_shared<gpu::Context>(options)); }
+Device Device::open(const DeviceOptions& options) {
+  return Device(std::make_shared<gpu::Context>(options));
+}
 
-const DeviceInfo& Device::info() const { return context_->info(); }
+const DeviceInfo& Device::info() const {
+  return context_->info();
+}
 
 }  // namespace taxelsim

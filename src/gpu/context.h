@@ -1,5 +1,5 @@
-// An open Vulkan device with one compute queue: the root of everything in this folder. Knows nothing of tactile sensing, and its headers show no
-// Vulkan type, so that the layers above compile without it.
+// An open Vulkan device with one compute queue: the root of everything in this folder. Knows nothing of tactile sensing, and its headers
+// show no Vulkan type, so that the layers above compile without it.
 #pragma once
 
 #include <functional>
@@ -20,8 +20,8 @@ class Context {
 
   const DeviceInfo& info() const { return info_; }
 
-  // Writes the pipeline cache to disk if new pipelines were made; called by the owner of the last pipeline of a batch of them. Errors are logged
-  // only: a cache is never worth a failure.
+  // Writes the pipeline cache to disk if new pipelines were made; called by the owner of the last pipeline of a batch of them. Errors are
+  // logged only: a cache is never worth a failure.
   void savePipelineCache();
 
   // Throws Error(kDevice) with the first validation message since the last call, if there was any.

@@ -8,11 +8,16 @@ namespace {
 
 DeviceType typeOf(vk::PhysicalDeviceType type) {
   switch (type) {
-    case vk::PhysicalDeviceType::eDiscreteGpu: return DeviceType::kDiscrete;
-    case vk::PhysicalDeviceType::eIntegratedGpu: return DeviceType::kIntegrated;
-    case vk::PhysicalDeviceType::eVirtualGpu: return DeviceType::kVirtual;
-    case vk::PhysicalDeviceType::eCpu: return DeviceType::kCpu;
-    default: return DeviceType::kOther;
+    case vk::PhysicalDeviceType::eDiscreteGpu:
+      return DeviceType::kDiscrete;
+    case vk::PhysicalDeviceType::eIntegratedGpu:
+      return DeviceType::kIntegrated;
+    case vk::PhysicalDeviceType::eVirtualGpu:
+      return DeviceType::kVirtual;
+    case vk::PhysicalDeviceType::eCpu:
+      return DeviceType::kCpu;
+    default:
+      return DeviceType::kOther;
   }
 }
 
@@ -48,7 +53,8 @@ std::vector<DeviceInfo> describeDevices(const vk::raii::Instance& instance, std:
   std::vector<Found> found;
   for (const vk::raii::PhysicalDevice& device : instance.enumeratePhysicalDevices()) {
     if (!usable(device)) continue;
-    const auto chain = device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceVulkan11Properties, vk::PhysicalDeviceVulkan12Properties>();
+    const auto chain =
+        device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceVulkan11Properties, vk::PhysicalDeviceVulkan12Properties>();
     const vk::PhysicalDeviceProperties& properties = chain.get<vk::PhysicalDeviceProperties2>().properties;
     const auto& properties11 = chain.get<vk::PhysicalDeviceVulkan11Properties>();
     const auto& properties12 = chain.get<vk::PhysicalDeviceVulkan12Properties>();
@@ -60,7 +66,8 @@ std::vector<DeviceInfo> describeDevices(const vk::raii::Instance& instance, std:
     info.uuid = hexadecimal(properties11.deviceUUID);
     const vk::PhysicalDeviceMemoryProperties memory = device.getMemoryProperties();
     for (std::uint32_t i = 0; i < memory.memoryHeapCount; ++i) {
-      if (memory.memoryHeaps[i].flags & vk::MemoryHeapFlagBits::eDeviceLocal) info.memory = std::max<std::uint64_t>(info.memory, memory.memoryHeaps[i].size);
+      if (memory.memoryHeaps[i].flags & vk::MemoryHeapFlagBits::eDeviceLocal)
+        info.memory = std::max<std::uint64_t>(info.memory, memory.memoryHeaps[i].size);
     }
     info.max_buffer = std::min<std::uint64_t>(properties.limits.maxStorageBufferRange, properties11.maxMemoryAllocationSize);
     info.subgroup_size = properties11.subgroupSize;

@@ -11,12 +11,14 @@ namespace {
 
 void checkInterface(const KernelOptions& options, const Reflection& reflection) {
   const std::string where = "kernel \"" + options.name + "\": ";
-  if (!reflection.others.empty()) throw std::logic_error(where + "resource \"" + reflection.others.front() + "\" is no storage buffer of set 0");
+  if (!reflection.others.empty())
+    throw std::logic_error(where + "resource \"" + reflection.others.front() + "\" is no storage buffer of set 0");
   for (std::size_t i = 0; i < options.buffers.size(); ++i) {
     const auto found = reflection.buffers.find(static_cast<std::uint32_t>(i));
     const std::string shader_name = found == reflection.buffers.end() ? "nothing" : "\"" + found->second + "\"";
     if (found == reflection.buffers.end() || found->second != options.buffers[i]) {
-      throw std::logic_error(where + "binding " + std::to_string(i) + " is declared as \"" + options.buffers[i] + "\", the shader has " + shader_name);
+      throw std::logic_error(where + "binding " + std::to_string(i) + " is declared as \"" + options.buffers[i] + "\", the shader has " +
+                             shader_name);
     }
   }
   if (reflection.buffers.size() != options.buffers.size()) {
@@ -50,8 +52,8 @@ Kernel::Kernel(Context& context, const KernelOptions& options)
       entries.emplace_back(constant.id, static_cast<std::uint32_t>(values.size() * sizeof(std::uint32_t)), sizeof(std::uint32_t));
       values.push_back(constant.value);
     }
-    const vk::SpecializationInfo specialization(static_cast<std::uint32_t>(entries.size()), entries.data(), values.size() * sizeof(std::uint32_t),
-                                                values.data());
+    const vk::SpecializationInfo specialization(static_cast<std::uint32_t>(entries.size()), entries.data(),
+                                                values.size() * sizeof(std::uint32_t), values.data());
     const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main", &specialization);
     vulkan_->pipeline = vk_context.device.createComputePipeline(vk_context.pipeline_cache, {{}, stage, *vulkan_->layout});
     vk_context.name(vulkan_->pipeline, name_);

@@ -1,4 +1,5 @@
-// A compute shader with its interface: what it expects is reflected from the SPIR-V and compared with what the caller declares, at creation.
+// A compute shader with its interface: what it expects is reflected from the SPIR-V and compared with what the caller declares, at
+// creation.
 #pragma once
 
 #include <cstdint>

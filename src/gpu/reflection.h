@@ -10,9 +10,9 @@
 namespace taxelsim::gpu {
 
 struct Reflection {
-  std::map<std::uint32_t, std::string> buffers;    // storage buffers of set 0, by binding; the name of the block
-  std::vector<std::uint32_t> constants;            // ids of specialization constants, ascending
-  std::vector<std::string> others;                 // resources of a kind or set that kernels may not have
+  std::map<std::uint32_t, std::string> buffers;  // storage buffers of set 0, by binding; the name of the block
+  std::vector<std::uint32_t> constants;          // ids of specialization constants, ascending
+  std::vector<std::string> others;               // resources of a kind or set that kernels may not have
 };
 
 // Throws std::logic_error when the words are no valid module.

@@ -36,8 +36,8 @@ struct Context::Vulkan {
   }
 };
 
-// Runs `call` and turns what Vulkan throws into Error(kDevice): `what` names the thing being made or done, with its size; `advice` says what to do
-// when memory ran out.
+// Runs `call` and turns what Vulkan throws into Error(kDevice): `what` names the thing being made or done, with its size; `advice` says
+// what to do when memory ran out.
 [[noreturn]] void throwDeviceError(const vk::SystemError& error, const std::string& what, const std::string& advice);
 
 template <typename Call>

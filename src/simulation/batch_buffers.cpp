@@ -56,13 +56,14 @@ void checkBatchFits(const Model::Impl& model, const SimulatorOptions& options) {
     throw Error(ErrorKind::kInput, "num_instances: " + std::to_string(options.num_instances) + " is not allowed: at least 1");
   }
   if (options.num_slots < 1 || options.num_slots > kMaxSlots) {
-    throw Error(ErrorKind::kInput, "num_slots: " + std::to_string(options.num_slots) + " is not allowed: 1 to " + std::to_string(kMaxSlots));
+    throw Error(ErrorKind::kInput,
+                "num_slots: " + std::to_string(options.num_slots) + " is not allowed: 1 to " + std::to_string(kMaxSlots));
   }
   const MemoryPlan plan = planBatch(model, options);
   if (static_cast<std::uint64_t>(options.num_instances) <= plan.max_instances) return;
-  throw Error(ErrorKind::kInput, "a batch of " + std::to_string(options.num_instances) + " instances of " + std::to_string(plan.bytes_per_instance) +
-                                     " bytes does not fit into device \"" + model.device.info().name + "\": at most " +
-                                     std::to_string(plan.max_instances) + " do");
+  throw Error(ErrorKind::kInput, "a batch of " + std::to_string(options.num_instances) + " instances of " +
+                                     std::to_string(plan.bytes_per_instance) + " bytes does not fit into device \"" +
+                                     model.device.info().name + "\": at most " + std::to_string(plan.max_instances) + " do");
 }
 
 BatchBuffers::BatchBuffers(const Model::Impl& model, const SimulatorOptions& options) {

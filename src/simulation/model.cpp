@@ -20,8 +20,8 @@ constexpr std::uint32_t kTileOverhead = 4096;
 // Starting a workgroup on a software driver costs 1 to 3 us, so one does the work of many; on a GPU each is wanted for itself.
 constexpr std::uint32_t kMaxRepeat = 16;
 
-// Turns of loops that an invocation may take on a software driver: Mesa's ends them all after 65,535. Leaves room for what the estimates miss; passes
-// report when it was not enough.
+// Turns of loops that an invocation may take on a software driver: Mesa's ends them all after 65,535. Leaves room for what the estimates
+// miss; passes report when it was not enough.
 constexpr std::uint64_t kMaxTurns = 20000;
 
 // `work`: turns that one invocation alone would take, at the most usual.
@@ -36,7 +36,9 @@ std::uint32_t chooseWorkgroup(int wanted, const DeviceInfo& info, std::uint32_t 
   return static_cast<std::uint32_t>(wanted);
 }
 
-std::uint32_t bits(double value) { return std::bit_cast<std::uint32_t>(static_cast<float>(value)); }
+std::uint32_t bits(double value) {
+  return std::bit_cast<std::uint32_t>(static_cast<float>(value));
+}
 
 // An object's bounds in O with the endless ones cut, for the bracket of the load search.
 Bounds cutBounds(const Object& object) {
@@ -51,8 +53,7 @@ Bounds cutBounds(const Object& object) {
 
 }  // namespace
 
-Model::Impl::Impl(const Device& of, const ModelOptions& options)
-    : device(of), sensor(options.sensor), objects(options.objects) {
+Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), sensor(options.sensor), objects(options.objects) {
   checkSensor(sensor);
   if (objects.empty()) throw Error(ErrorKind::kInput, "objects: none given; a model needs at least one");
   for (const Object& object : objects) {
@@ -66,9 +67,11 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options)
 
   std::uint64_t most_triangles = 0;
   for (const Object& object : objects) {
-    if (const Mesh* mesh = std::get_if<Mesh>(&object.shape)) most_triangles = std::max<std::uint64_t>(most_triangles, mesh->triangles.size());
+    if (const Mesh* mesh = std::get_if<Mesh>(&object.shape))
+      most_triangles = std::max<std::uint64_t>(most_triangles, mesh->triangles.size());
   }
-  const bool has_torus = std::any_of(objects.begin(), objects.end(), [](const Object& o) { return std::holds_alternative<Torus>(o.shape); });
+  const bool has_torus =
+      std::any_of(objects.begin(), objects.end(), [](const Object& o) { return std::holds_alternative<Torus>(o.shape); });
   constexpr std::uint64_t kTurnsOfTorus = 48;  // per sample, of at most 96
   const std::uint64_t contact_work = 2 * most_triangles + packed.max_tile_samples * (has_torus ? kTurnsOfTorus : 3);
   const auto kernel_area = static_cast<std::uint64_t>(sensor.psf.size * sensor.psf.size);
@@ -153,11 +156,12 @@ gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const 
   return {device.context(),
           {.name = "contact_winkler",
            .spirv = k_contact_winkler_spirv,
-           .buffers = {"Poses", "Instances", "Step", "Objects", "Groups", "Clusters", "Triangles", "Patches", "Tiles", "SpreadScale", "State",
-                       "ContactNormal", "ContactDepth", "TileResults", "Loads", "Problems"},
-           .constants = constants(contact_workgroup, {packed.max_tile_samples, packed.flat, has_state, variant.search, bits(sensor.skin.thickness),
-                                                      bits(law.normal_contact_stiffness), bits(law.normal_exponent), bits(law.normal_damping),
-                                                      scaled, variant.many_slots, kinds, triangles_of, variant.with_depth})}};
+           .buffers = {"Poses", "Instances", "Step", "Objects", "Groups", "Clusters", "Triangles", "Patches", "Tiles", "SpreadScale",
+                       "State", "ContactNormal", "ContactDepth", "TileResults", "Loads", "Problems"},
+           .constants =
+               constants(contact_workgroup, {packed.max_tile_samples, packed.flat, has_state, variant.search, bits(sensor.skin.thickness),
+                                             bits(law.normal_contact_stiffness), bits(law.normal_exponent), bits(law.normal_damping),
+                                             scaled, variant.many_slots, kinds, triangles_of, variant.with_depth})}};
 }
 
 gpu::Kernel Model::Impl::makeImageKernel(const ImageVariant& variant) const {
@@ -169,12 +173,12 @@ gpu::Kernel Model::Impl::makeImageKernel(const ImageVariant& variant) const {
   return {device.context(),
           {.name = "image",
            .spirv = k_image_spirv,
-           .buffers = {"Instances", "Step", "SensorBlock", "Taxels", "SpreadRows", "ContactNormal", "ContactShear", "TileResults", "Loads", "Image",
-                       "SpreadNormal", "SpreadShear", "Features", "Problems"},
-           .constants = constants(image_workgroup, {kNoShear, packed.num_entries, variant.with_normal, alike,
-                                                    static_cast<std::uint32_t>(readout.curve.size()), bits(readout.curve.front()),
-                                                    bits(readout.output_scale), bits(readout.trigger), bits(readout.saturation), bits(readout.noise),
-                                                    variant.random})}};
+           .buffers = {"Instances", "Step", "SensorBlock", "Taxels", "SpreadRows", "ContactNormal", "ContactShear", "TileResults", "Loads",
+                       "Image", "SpreadNormal", "SpreadShear", "Features", "Problems"},
+           .constants = constants(
+               image_workgroup, {kNoShear, packed.num_entries, variant.with_normal, alike, static_cast<std::uint32_t>(readout.curve.size()),
+                                 bits(readout.curve.front()), bits(readout.output_scale), bits(readout.trigger), bits(readout.saturation),
+                                 bits(readout.noise), variant.random})}};
 }
 
 gpu::Kernel Model::Impl::makeLoadKernel() const {
@@ -187,8 +191,14 @@ gpu::Kernel Model::Impl::makeLoadKernel() const {
 
 Model::Model(const Device& device, const ModelOptions& options) : impl_(std::make_shared<Impl>(device, options)) {}
 
-const Sensor& Model::sensor() const { return impl_->sensor; }
-const std::vector<Object>& Model::objects() const { return impl_->objects; }
-const Device& Model::device() const { return impl_->device; }
+const Sensor& Model::sensor() const {
+  return impl_->sensor;
+}
+const std::vector<Object>& Model::objects() const {
+  return impl_->objects;
+}
+const Device& Model::device() const {
+  return impl_->device;
+}
 
 }  // namespace taxelsim

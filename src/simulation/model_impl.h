@@ -21,13 +21,13 @@ struct Model::Impl {
   std::vector<Object> objects;
   std::vector<Bounds> bounds;  // of the objects, in O; the endless ones cut at 1 m
   PackedSensor packed;
-  std::uint32_t kinds = 0;      // bit per kind of object
+  std::uint32_t kinds = 0;         // bit per kind of object
   std::uint32_t triangles_of = 0;  // bit 0: meshes of small triangles, bit 1: of large ones
   std::uint32_t num_taxels = 0;
   std::uint32_t contact_workgroup = 0;
   std::uint32_t image_workgroup = 0;
   std::uint32_t repeat = 1;  // tiles or instances that a workgroup does one after another
-  bool has_state = false;  // the law remembers the depth of the step before
+  bool has_state = false;    // the law remembers the depth of the step before
 
   gpu::Buffer object_records, groups, clusters, triangles;
   gpu::Buffer sensor_record, patches, tiles, taxels, spread_rows, spread_scale;
@@ -37,7 +37,7 @@ struct Model::Impl {
   struct ContactVariant {
     std::uint32_t search = 0;  // kSearch... of shaders/contact.comp
     bool many_slots = false;
-    bool with_depth = false;   // penetration_depth is wanted
+    bool with_depth = false;  // penetration_depth is wanted
     auto operator<=>(const ContactVariant&) const = default;
   };
   const gpu::Kernel& contactKernel(const ContactVariant& variant) const;

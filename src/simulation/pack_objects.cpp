@@ -47,8 +47,8 @@ void packMesh(const Mesh& mesh, double sample_spacing, PackedObjects& packed, la
   }
   const bool large = meanTriangleSize(mesh) > kLargeTriangle * sample_spacing;
   record.kind_groups = {layout::kKindMesh, first_group, static_cast<std::uint32_t>(clustered.groups.size()), large ? 1u : 0u};
-  record.lattice = {static_cast<float>(clustered.middle[0]), static_cast<float>(clustered.middle[1]), static_cast<float>(clustered.middle[2]),
-                    static_cast<float>(clustered.step)};
+  record.lattice = {static_cast<float>(clustered.middle[0]), static_cast<float>(clustered.middle[1]),
+                    static_cast<float>(clustered.middle[2]), static_cast<float>(clustered.step)};
   for (const ClusterBox& group : clustered.groups) packed.groups.push_back(packBox(group, first_cluster));
   for (const ClusterBox& cluster : clustered.clusters) packed.clusters.push_back(packBox(cluster, first_triangle));
   for (const auto& triangle : clustered.triangles) {

@@ -12,7 +12,7 @@ namespace taxelsim {
 
 struct PackedObjects {
   std::vector<layout::ObjectRecord> objects;
-  std::vector<glm::uvec4> groups;    // boxes, layout.h
+  std::vector<glm::uvec4> groups;  // boxes, layout.h
   std::vector<glm::uvec4> clusters;
   std::vector<std::uint32_t> triangles;
 };

@@ -42,10 +42,13 @@ std::vector<glm::vec4> inRows(const std::vector<float>& numbers) {
   return rows;
 }
 
-// Paper eq. (1): what each source gives, per newton, so that it arrives whole; and for every taxel its sources. One patch keeps its kernel as it is.
+// Paper eq. (1): what each source gives, per newton, so that it arrives whole; and for every taxel its sources. One patch keeps its kernel
+// as it is.
 void packSpread(const Sensor& sensor, PackedSensor& packed) {
   const int radius = sensor.psf.size / 2;
-  const auto kernel = [&](int a, int b) { return sensor.psf.kernel[static_cast<std::size_t>((a + radius) * sensor.psf.size + b + radius)]; };
+  const auto kernel = [&](int a, int b) {
+    return sensor.psf.kernel[static_cast<std::size_t>((a + radius) * sensor.psf.size + b + radius)];
+  };
   const auto num_taxels = static_cast<std::size_t>(numTaxels(sensor));
   std::vector<std::vector<glm::vec2>> sources(num_taxels);
   packed.spread_scale.assign(num_taxels, 1.0f);
@@ -60,7 +63,7 @@ void packSpread(const Sensor& sensor, PackedSensor& packed) {
             if (kernel(a, b) == 0) continue;
             arriving += kernel(a, b);
             sources[static_cast<std::size_t>(source + a * patch.num_cols + b)].emplace_back(std::bit_cast<float>(source),
-                                                                                         static_cast<float>(kernel(a, b)));
+                                                                                            static_cast<float>(kernel(a, b)));
           }
         }
         if (sensor.psf.normalization == Psf::Normalization::kPerSource) {
@@ -70,7 +73,8 @@ void packSpread(const Sensor& sensor, PackedSensor& packed) {
     }
     first += patch.num_rows * patch.num_cols;
   }
-  for (const std::vector<glm::vec2>& list : sources) packed.num_entries = std::max(packed.num_entries, static_cast<std::uint32_t>(list.size()));
+  for (const std::vector<glm::vec2>& list : sources)
+    packed.num_entries = std::max(packed.num_entries, static_cast<std::uint32_t>(list.size()));
   if (packed.one_patch) {
     packed.spread_rows = inRows({sensor.psf.kernel.begin(), sensor.psf.kernel.end()});
     return;
@@ -117,7 +121,9 @@ PackedSensor packSensor(const Sensor& sensor, std::uint32_t tile_samples) {
     const std::array<double, 9> rotation = rotationMatrix(X_PS.rotation);
     const double dx = patch.pitch[0] / samples;
     const double dy = patch.pitch[1] / samples;
-    packed.patches.push_back({row(rotation, X_PS.position, 0), row(rotation, X_PS.position, 1), row(rotation, X_PS.position, 2),
+    packed.patches.push_back({row(rotation, X_PS.position, 0),
+                              row(rotation, X_PS.position, 1),
+                              row(rotation, X_PS.position, 2),
                               {static_cast<std::uint32_t>(patch.num_rows), static_cast<std::uint32_t>(patch.num_cols), first_taxel, 0u},
                               {static_cast<float>(dx), static_cast<float>(dy), static_cast<float>(dx * dy), 0.0f}});
     addTiles(patch, static_cast<std::uint32_t>(packed.patches.size()) - 1, std::max(1u, tile_samples / (samples * samples)), packed.tiles);

@@ -17,11 +17,11 @@ struct PackedSensor {
   std::vector<glm::vec4> spread_rows;  // the kernel of one patch, or pairs (entries x num_taxels) of source (as bits) and weight
   std::uint32_t num_entries = 0;       // per taxel
   std::vector<float> spread_scale;     // (num_taxels): what a source gives to the spread per newton
-  std::uint32_t max_tile_samples = 0;     // of any tile
-  std::uint32_t num_lanes = 0;            // partial sums; a function of the sensor alone
+  std::uint32_t max_tile_samples = 0;  // of any tile
+  std::uint32_t num_lanes = 0;         // partial sums; a function of the sensor alone
   bool one_patch = false;
-  bool flat = false;                      // the one patch's frame is the sensor's
-  float highest = 0, lowest = 0;          // z in S of the corners of patches, m
+  bool flat = false;              // the one patch's frame is the sensor's
+  float highest = 0, lowest = 0;  // z in S of the corners of patches, m
   // The load search can move a tile's heights instead of its objects: one tile, facing along z of S.
   bool searches_in_tile = false;
 };

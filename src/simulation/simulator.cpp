@@ -14,7 +14,9 @@ namespace {
 // A quaternion read from text with six digits is this close to unit length.
 constexpr double kQuaternionTolerance = 1e-3;
 
-[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorKind::kInput, what); }
+[[noreturn]] void refuse(const std::string& what) {
+  throw Error(ErrorKind::kInput, what);
+}
 
 void checkLength(const char* name, std::size_t found, std::size_t expected) {
   if (found != expected) refuse(std::string(name) + ": " + std::to_string(found) + " values, expected " + std::to_string(expected));
@@ -25,7 +27,9 @@ glm::vec4 row(const std::array<double, 9>& rotation, const Vector3& position, st
           static_cast<float>(position[i])};
 }
 
-double lengthOf(const Quaternion& q) { return std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]); }
+double lengthOf(const Quaternion& q) {
+  return std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+}
 
 // Refuses what one slot of an instance may not hold.
 void checkSlot(int id, const Pose& X_SO, std::size_t instance, int num_objects) {
@@ -49,7 +53,9 @@ layout::PoseRecord packPose(int id, const Pose& X_SO) {
   const auto& [w, x, y, z] = X_SO.rotation;
   const double length = lengthOf(X_SO.rotation);
   const std::array<double, 9> rotation = rotationMatrix({w / length, x / length, y / length, z / length});
-  return {row(rotation, X_SO.position, 0), row(rotation, X_SO.position, 1), row(rotation, X_SO.position, 2),
+  return {row(rotation, X_SO.position, 0),
+          row(rotation, X_SO.position, 1),
+          row(rotation, X_SO.position, 2),
           {static_cast<float>(id), 0.0f, 0.0f, 0.0f}};
 }
 
@@ -68,7 +74,8 @@ struct Clock {
 }  // namespace
 
 struct Simulator::Impl {
-  Impl(const Model& of, const SimulatorOptions& with) : model(of), options(with), buffers((checkBatchFits(*of.impl(), with), *of.impl()), with) {
+  Impl(const Model& of, const SimulatorOptions& with)
+      : model(of), options(with), buffers((checkBatchFits(*of.impl(), with), *of.impl()), with) {
     clocks.resize(static_cast<std::size_t>(with.num_instances));
     const std::span<layout::PoseRecord> poses = buffers.poses.mappedAs<layout::PoseRecord>();
     for (layout::PoseRecord& pose : poses) pose = packPose(kNoObject, {});
@@ -84,7 +91,8 @@ struct Simulator::Impl {
 
   std::span<layout::InstanceRecord> records() const { return buffers.instances.mappedAs<layout::InstanceRecord>(); }
 
-  // The commands of one frame, recorded when first wanted. `loads`: some instance is driven by load; `random`: some instance draws noise or gains.
+  // The commands of one frame, recorded when first wanted. `loads`: some instance is driven by load; `random`: some instance draws noise or
+  // gains.
   gpu::Commands& commands(bool loads, bool random);
   gpu::Commands record(bool loads, bool random);
   void startSearch();
@@ -111,29 +119,31 @@ gpu::Commands Simulator::Impl::record(bool with_loads, bool random) {
   const auto n = static_cast<std::uint32_t>(options.num_instances);
   const auto num_tiles = static_cast<std::uint32_t>(m.packed.tiles.size());
   const bool over_tiles = with_loads && !m.packed.searches_in_tile;
-  const gpu::Kernel& contact =
-      m.contactKernel({.search = over_tiles ? kSearchOverTiles : with_loads ? kSearchInTile : kNoSearch, .many_slots = options.num_slots > 1, .with_depth = options.outputs.penetration_depth});
+  const gpu::Kernel& contact = m.contactKernel({.search = over_tiles   ? kSearchOverTiles
+                                                          : with_loads ? kSearchInTile
+                                                                       : kNoSearch,
+                                                .many_slots = options.num_slots > 1,
+                                                .with_depth = options.outputs.penetration_depth});
   const BatchBuffers& b = buffers;
   gpu::Commands commands(m.device.context(), "a frame", 3);
   commands.barrier(gpu::Access::kHostWrite, gpu::Access::kKernel);
   commands.timestamp(0);
   const std::uint32_t evaluations = over_tiles ? kLoadEvaluations + 2 : 1;  // two more: one closes the search, one is told
   for (std::uint32_t evaluation = 0; evaluation < evaluations; ++evaluation) {
-    commands.dispatch(contact, (n * num_tiles + m.repeat - 1) / m.repeat,
-                      {&b.poses, &b.instances, &b.step, &m.object_records, &m.groups, &m.clusters, &m.triangles, &m.patches, &m.tiles,
-                       &m.spread_scale, &b.state, &b.contact_normal, &b.contact_depth.device, &b.tile_results, &b.loads,
-                       &b.problems.device});
+    commands.dispatch(
+        contact, (n * num_tiles + m.repeat - 1) / m.repeat,
+        {&b.poses, &b.instances, &b.step, &m.object_records, &m.groups, &m.clusters, &m.triangles, &m.patches, &m.tiles, &m.spread_scale,
+         &b.state, &b.contact_normal, &b.contact_depth.device, &b.tile_results, &b.loads, &b.problems.device});
     commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
     if (!over_tiles) continue;
-    commands.dispatch(m.loadKernel(), (n + m.image_workgroup - 1) / m.image_workgroup,
-                      {&b.instances, &b.step, &b.tile_results, &b.loads});
+    commands.dispatch(m.loadKernel(), (n + m.image_workgroup - 1) / m.image_workgroup, {&b.instances, &b.step, &b.tile_results, &b.loads});
     commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
   }
   commands.timestamp(1);
-  commands.dispatch(m.imageKernel({.random = random, .with_normal = options.outputs.tactile_normal_force}), (n + m.repeat - 1) / m.repeat,
-                    {&b.instances, &b.step, &m.sensor_record, &m.taxels, &m.spread_rows, &b.contact_normal, &b.contact_shear, &b.tile_results,
-                     &b.loads, &b.image.device, &b.spread_normal.device, &b.spread_shear.device, &b.features.device,
-                     &b.problems.device});
+  commands.dispatch(
+      m.imageKernel({.random = random, .with_normal = options.outputs.tactile_normal_force}), (n + m.repeat - 1) / m.repeat,
+      {&b.instances, &b.step, &m.sensor_record, &m.taxels, &m.spread_rows, &b.contact_normal, &b.contact_shear, &b.tile_results, &b.loads,
+       &b.image.device, &b.spread_normal.device, &b.spread_shear.device, &b.features.device, &b.problems.device});
   commands.timestamp(2);
   commands.barrier(gpu::Access::kKernel, gpu::Access::kCopy);
   for (ReadableBuffer* buffer : buffers.readable(options.outputs)) {
@@ -214,10 +224,16 @@ Simulator::~Simulator() = default;
 Simulator::Simulator(Simulator&&) noexcept = default;
 Simulator& Simulator::operator=(Simulator&&) noexcept = default;
 
-MemoryPlan Simulator::plan(const Model& model, const SimulatorOptions& options) { return planBatch(*model.impl(), options); }
+MemoryPlan Simulator::plan(const Model& model, const SimulatorOptions& options) {
+  return planBatch(*model.impl(), options);
+}
 
-int Simulator::numInstances() const { return impl_->options.num_instances; }
-const Model& Simulator::model() const { return impl_->model; }
+int Simulator::numInstances() const {
+  return impl_->options.num_instances;
+}
+const Model& Simulator::model() const {
+  return impl_->model;
+}
 
 void Simulator::setObjects(std::span<const int> ids, std::span<const Pose> X_SO) {
   const auto slots = static_cast<std::size_t>(impl_->options.num_slots);
@@ -250,7 +266,8 @@ void Simulator::setLoads(std::span<const float> loads) {
 
 void Simulator::setLoad(int instance, float load) {
   impl_->checkInstance(instance);
-  if (load < 0 || std::isinf(load)) refuse("load of instance " + std::to_string(instance) + ": " + std::to_string(load) + " is not allowed: N, >= 0");
+  if (load < 0 || std::isinf(load))
+    refuse("load of instance " + std::to_string(instance) + ": " + std::to_string(load) + " is not allowed: N, >= 0");
   impl_->records()[static_cast<std::size_t>(instance)].drive.x = load;
 }
 
@@ -273,8 +290,8 @@ void Simulator::step(double dt) {
   const Model::Impl& m = *impl.model.impl();
   const std::uint64_t seed = impl.options.seed;
   impl.buffers.step.mappedAs<layout::StepRecord>()[0] = {
-      {static_cast<std::uint32_t>(impl.options.num_instances), static_cast<std::uint32_t>(impl.options.num_slots), static_cast<std::uint32_t>(seed),
-       static_cast<std::uint32_t>(seed >> 32)},
+      {static_cast<std::uint32_t>(impl.options.num_instances), static_cast<std::uint32_t>(impl.options.num_slots),
+       static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)},
       {static_cast<float>(dt), static_cast<float>(1 / dt), 0.0f, 0.0f}};
   bool any_load = false;
   bool any_random = impl.model.sensor().readout.noise > 0;
@@ -308,13 +325,16 @@ FrameView Simulator::read() {
     impl.timing = {impl.running->seconds(0, 1), impl.running->seconds(1, 2), impl.running->seconds(0, 2)};
     impl.running = nullptr;
     if (impl.buffers.problems.read<std::uint32_t>()[0] != 0) {
-      throw Error(ErrorKind::kDevice, "the driver cut loops of a kernel short (software Vulkan stops after 65,535 turns), so this frame is incomplete; "
-                                      "use simpler meshes, fewer samples, or a larger contact_workgroup");
+      throw Error(ErrorKind::kDevice,
+                  "the driver cut loops of a kernel short (software Vulkan stops after 65,535 turns), so this frame is incomplete; "
+                  "use simpler meshes, fewer samples, or a larger contact_workgroup");
     }
   }
   return impl.view();
 }
 
-StepTiming Simulator::timing() const { return impl_->timing; }
+StepTiming Simulator::timing() const {
+  return impl_->timing;
+}
 
 }  // namespace taxelsim

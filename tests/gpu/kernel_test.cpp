@@ -18,7 +18,10 @@ using ::testing::HasSubstr;
 using ::testing::Pair;
 
 gpu::KernelOptions loadKernel() {
-  return {.name = "load", .spirv = k_load_spirv, .buffers = {"Instances", "Step", "TileResults", "Loads"}, .constants = {{0, 8}, {1, 1}, {2, 48}}};
+  return {.name = "load",
+          .spirv = k_load_spirv,
+          .buffers = {"Instances", "Step", "TileResults", "Loads"},
+          .constants = {{0, 8}, {1, 1}, {2, 48}}};
 }
 
 std::string refusal(const gpu::KernelOptions& options) {
