@@ -131,7 +131,8 @@ const gpu::Kernel& Model::Impl::loadKernel() const {
 }
 
 // The constants of shaders/lib/specialization.glsl, then those of one pass, numbered in order.
-std::vector<gpu::Constant> Model::Impl::constants(std::uint32_t workgroup, std::initializer_list<std::uint32_t> of_the_pass) const {
+std::vector<gpu::Constant> Model::Impl::constants(std::uint32_t workgroup, std::uint32_t repeats,
+                                                  std::initializer_list<std::uint32_t> of_the_pass) const {
   const GridPatch& patch = sensor.patches.front();
   std::vector<std::uint32_t> values{workgroup,
                                     packed.num_lanes,
@@ -140,7 +141,7 @@ std::vector<gpu::Constant> Model::Impl::constants(std::uint32_t workgroup, std::
                                     static_cast<std::uint32_t>(sensor.samples_per_taxel),
                                     packed.one_patch ? static_cast<std::uint32_t>(patch.num_rows) : 0u,
                                     packed.one_patch ? static_cast<std::uint32_t>(patch.num_cols) : 1u,
-                                    repeat,
+                                    repeats,
                                     static_cast<std::uint32_t>(sensor.psf.size),
                                     bits(patch.pitch[0]),
                                     bits(patch.pitch[1])};
@@ -158,10 +159,10 @@ gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const 
            .spirv = k_contact_winkler_spirv,
            .buffers = {"Poses", "Instances", "Step", "Objects", "Groups", "Clusters", "Triangles", "Patches", "Tiles", "SpreadScale",
                        "State", "ContactNormal", "ContactDepth", "TileResults", "Loads", "Problems"},
-           .constants =
-               constants(contact_workgroup, {packed.max_tile_samples, packed.flat, has_state, variant.search, bits(sensor.skin.thickness),
-                                             bits(law.normal_contact_stiffness), bits(law.normal_exponent), bits(law.normal_damping),
-                                             scaled, variant.many_slots, kinds, triangles_of, variant.with_depth})}};
+           .constants = constants(contact_workgroup, contactRepeat(variant),
+                                  {packed.max_tile_samples, packed.flat, has_state, variant.search, bits(sensor.skin.thickness),
+                                   bits(law.normal_contact_stiffness), bits(law.normal_exponent), bits(law.normal_damping), scaled,
+                                   variant.many_slots, kinds, triangles_of, variant.with_depth})}};
 }
 
 gpu::Kernel Model::Impl::makeImageKernel(const ImageVariant& variant) const {
@@ -170,15 +171,16 @@ gpu::Kernel Model::Impl::makeImageKernel(const ImageVariant& variant) const {
     return taxel.readout.x == 1.0f && taxel.readout.y == static_cast<float>(readout.trigger);
   });
   constexpr std::uint32_t kNoShear = 0;  // no law of today makes any
-  return {device.context(),
-          {.name = "image",
-           .spirv = k_image_spirv,
-           .buffers = {"Instances", "Step", "SensorBlock", "Taxels", "SpreadRows", "ContactNormal", "ContactShear", "TileResults", "Loads",
-                       "Image", "SpreadNormal", "SpreadShear", "Features", "Problems"},
-           .constants = constants(
-               image_workgroup, {kNoShear, packed.num_entries, variant.with_normal, alike, static_cast<std::uint32_t>(readout.curve.size()),
-                                 bits(readout.curve.front()), bits(readout.output_scale), bits(readout.trigger), bits(readout.saturation),
-                                 bits(readout.noise), variant.random})}};
+  return {
+      device.context(),
+      {.name = "image",
+       .spirv = k_image_spirv,
+       .buffers = {"Instances", "Step", "SensorBlock", "Taxels", "SpreadRows", "ContactNormal", "ContactShear", "TileResults", "Loads",
+                   "Image", "SpreadNormal", "SpreadShear", "Features", "Problems"},
+       .constants = constants(image_workgroup, repeat,
+                              {kNoShear, packed.num_entries, variant.with_normal, alike, static_cast<std::uint32_t>(readout.curve.size()),
+                               bits(readout.curve.front()), bits(readout.output_scale), bits(readout.trigger), bits(readout.saturation),
+                               bits(readout.noise), variant.random})}};
 }
 
 gpu::Kernel Model::Impl::makeLoadKernel() const {

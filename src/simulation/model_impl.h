@@ -41,6 +41,8 @@ struct Model::Impl {
     auto operator<=>(const ContactVariant&) const = default;
   };
   const gpu::Kernel& contactKernel(const ContactVariant& variant) const;
+  // Tiles that a workgroup of it does one after another; a load search has turns enough for one.
+  std::uint32_t contactRepeat(const ContactVariant& variant) const { return variant.search == 0 ? repeat : 1; }
   struct ImageVariant {
     bool random = false;       // some instance draws noise or gains
     bool with_normal = false;  // tactile_normal_force is wanted
@@ -50,7 +52,8 @@ struct Model::Impl {
   const gpu::Kernel& loadKernel() const;
 
  private:
-  std::vector<gpu::Constant> constants(std::uint32_t workgroup, std::initializer_list<std::uint32_t> of_the_pass) const;
+  std::vector<gpu::Constant> constants(std::uint32_t workgroup, std::uint32_t repeats,
+                                       std::initializer_list<std::uint32_t> of_the_pass) const;
   gpu::Kernel makeContactKernel(const ContactVariant& variant) const;
   gpu::Kernel makeImageKernel(const ImageVariant& variant) const;
   gpu::Kernel makeLoadKernel() const;

@@ -119,11 +119,13 @@ gpu::Commands Simulator::Impl::record(bool with_loads, bool random) {
   const auto n = static_cast<std::uint32_t>(options.num_instances);
   const auto num_tiles = static_cast<std::uint32_t>(m.packed.tiles.size());
   const bool over_tiles = with_loads && !m.packed.searches_in_tile;
-  const gpu::Kernel& contact = m.contactKernel({.search = over_tiles   ? kSearchOverTiles
-                                                          : with_loads ? kSearchInTile
-                                                                       : kNoSearch,
-                                                .many_slots = options.num_slots > 1,
-                                                .with_depth = options.outputs.penetration_depth});
+  const Model::Impl::ContactVariant variant{.search = over_tiles   ? kSearchOverTiles
+                                                      : with_loads ? kSearchInTile
+                                                                   : kNoSearch,
+                                            .many_slots = options.num_slots > 1,
+                                            .with_depth = options.outputs.penetration_depth};
+  const gpu::Kernel& contact = m.contactKernel(variant);
+  const std::uint32_t contact_repeat = m.contactRepeat(variant);
   const BatchBuffers& b = buffers;
   gpu::Commands commands(m.device.context(), "a frame", 3);
   commands.barrier(gpu::Access::kHostWrite, gpu::Access::kKernel);
@@ -131,7 +133,7 @@ gpu::Commands Simulator::Impl::record(bool with_loads, bool random) {
   const std::uint32_t evaluations = over_tiles ? kLoadEvaluations + 2 : 1;  // two more: one closes the search, one is told
   for (std::uint32_t evaluation = 0; evaluation < evaluations; ++evaluation) {
     commands.dispatch(
-        contact, (n * num_tiles + m.repeat - 1) / m.repeat,
+        contact, (n * num_tiles + contact_repeat - 1) / contact_repeat,
         {&b.poses, &b.instances, &b.step, &m.object_records, &m.groups, &m.clusters, &m.triangles, &m.patches, &m.tiles, &m.spread_scale,
          &b.state, &b.contact_normal, &b.contact_depth.device, &b.tile_results, &b.loads, &b.problems.device});
     commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
