@@ -311,14 +311,14 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
         for (uint b = 0; b < SAMPLES; ++b) {
           uint address = (base.x + a) * tile_stride + base.y + b;
           vec2 position = corner + vec2(a, b) * spacing;
-          float d;
+          // Over z_base, with or without a tile: a batch may change between the two, and no bit may show it.
+          float height;
           if (usesTile()) {
-            float height = uintBitsToFloat(tile[address]);
-            d = search_here ? found.depth - (height - found.lowest) : THICKNESS - height;
+            height = uintBitsToFloat(tile[address]);
           } else {
-            d = -analyticHeight(body.kind_groups.x, parameters, body.X_PO, position);
+            height = max(analyticHeight(body.kind_groups.x, parameters, body.X_PO, position) - z_base, 0.0);
           }
-          d = clamp(d, 0.0, THICKNESS);
+          float d = clamp(search_here ? found.depth - (height - found.lowest) : THICKNESS - height, 0.0, THICKNESS);
           float d_rate = 0.0;
           if (HAS_STATE) {
             uint where = (instance * NUM_TILES + tile_number) * TILE_SAMPLES + address;

@@ -58,8 +58,8 @@ struct Object {
   Object(Shape object_shape);  // NOLINT(google-explicit-constructor): lists of shapes read well at the call site
   template <typename Kind>
   requires(!std::same_as<std::remove_cvref_t<Kind>, Object> && !std::same_as<std::remove_cvref_t<Kind>, Shape> &&
-           std::constructible_from<Shape, Kind>) Object(Kind&& kind)
-      : Object(Shape(std::forward<Kind>(kind))) {}  // NOLINT(google-explicit-constructor): the same
+           std::constructible_from<Shape, Kind>) Object(Kind&& kind)  // NOLINT(bugprone-forwarding-reference-overload)
+      : Object(Shape(std::forward<Kind>(kind))) {}
 };
 
 enum class UpAxis { kX, kY, kZ };

@@ -375,7 +375,8 @@ void writeTactileFigure(const std::filesystem::path& file, const std::vector<Tac
     const TactilePanel& panel = panels[static_cast<std::size_t>(p)];
     const PanelSize& size = sizes[static_cast<std::size_t>(p)];
     cairo_save(canvas);
-    cairo_translate(canvas, kMargin + p % num_cols * step_x, heading + p / num_cols * step_y + title_room);
+    const int row = p / num_cols;
+    cairo_translate(canvas, kMargin + p % num_cols * step_x, heading + row * step_y + title_room);
     canvas.colour(kInk);
     canvas.font(kBody, true);
     canvas.text(0, -6, panel.title, 0, widest);

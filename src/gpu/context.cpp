@@ -1,11 +1,11 @@
 #include "gpu/context.h"
 
-#include <spdlog/spdlog.h>
-
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <string_view>
 
+#include "base/log.h"
 #include "gpu/vulkan.h"
 #include "taxelsim/error.h"
 #include "taxelsim/version.h"
@@ -17,7 +17,7 @@ constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 
 bool environmentFlag(const char* name) {
   const char* value = std::getenv(name);
-  return value != nullptr && std::string(value) != "0" && std::string(value) != "";
+  return value != nullptr && *value != '\0' && std::string_view(value) != "0";
 }
 
 VKAPI_ATTR VkBool32 VKAPI_CALL onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT severity, VkDebugUtilsMessageTypeFlagsEXT,
@@ -25,7 +25,7 @@ VKAPI_ATTR VkBool32 VKAPI_CALL onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT 
   auto& vulkan = *static_cast<Context::Vulkan*>(user);
   const std::string message = data->pMessage;
   if (severity >= VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT) {
-    spdlog::error("validation: {}", message);
+    log().error("validation: {}", message);
     const std::lock_guard lock(vulkan.message_mutex);
     if (vulkan.first_message.empty()) vulkan.first_message = message;
   }
@@ -160,7 +160,7 @@ Context::Context(const DeviceOptions& options) : vulkan_(std::make_unique<Vulkan
     const std::vector<std::uint8_t> bytes = file.empty() ? std::vector<std::uint8_t>() : readFile(file);
     vulkan.pipeline_cache = vulkan.device.createPipelineCache({{}, bytes.size(), bytes.data()});
   });
-  spdlog::debug("device {}: {} ({})", info_.index, info_.name, info_.driver);
+  log().debug("device {}: {} ({})", info_.index, info_.name, info_.driver);
 }
 
 Context::~Context() {
@@ -180,7 +180,7 @@ void Context::savePipelineCache() {
         .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     std::filesystem::rename(temporary, file);
   } catch (const std::exception& error) {
-    spdlog::debug("pipeline cache not saved: {}", error.what());
+    log().debug("pipeline cache not saved: {}", error.what());
   }
 }
 

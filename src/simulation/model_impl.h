@@ -37,16 +37,16 @@ struct Model::Impl {
   struct ContactVariant {
     std::uint32_t search = 0;  // kSearch... of shaders/contact.comp
     bool many_slots = false;
-    bool with_depth = false;  // penetration_depth is wanted
-    auto operator<=>(const ContactVariant&) const = default;
+    bool with_depth = false;                                  // penetration_depth is wanted
+    auto operator<=>(const ContactVariant&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 misreads it
   };
   const gpu::Kernel& contactKernel(const ContactVariant& variant) const;
   // Tiles that a workgroup of it does one after another; a load search has turns enough for one.
   std::uint32_t contactRepeat(const ContactVariant& variant) const { return variant.search == 0 ? repeat : 1; }
   struct ImageVariant {
-    bool random = false;       // some instance draws noise or gains
-    bool with_normal = false;  // tactile_normal_force is wanted
-    auto operator<=>(const ImageVariant&) const = default;
+    bool random = false;                                    // some instance draws noise or gains
+    bool with_normal = false;                               // tactile_normal_force is wanted
+    auto operator<=>(const ImageVariant&) const = default;  // NOLINT(modernize-use-nullptr): the same
   };
   const gpu::Kernel& imageKernel(const ImageVariant& variant) const;
   const gpu::Kernel& loadKernel() const;

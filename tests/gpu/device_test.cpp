@@ -37,7 +37,9 @@ TEST(Devices, AreListedBestFirst) {
     EXPECT_FALSE(infos[i].name.empty());
     EXPECT_GT(infos[i].memory, 0u);
     EXPECT_GE(infos[i].shared_memory, 16384u) << "Vulkan's minimum";
-    if (i > 0) EXPECT_LE(infos[i - 1].type, infos[i].type);
+    if (i > 0) {
+      EXPECT_LE(infos[i - 1].type, infos[i].type);
+    }
   }
 }
 
@@ -45,7 +47,9 @@ TEST(Devices, CanBeChosenByNumberNameAndKind) {
   const DeviceInfo first = listDevices().front();
   EXPECT_EQ(Device::open({.device = "0"}).info().name, first.name);
   EXPECT_EQ(Device::open({.device = first.name.substr(1, 4)}).info().name, first.name);
-  if (first.type == DeviceType::kCpu) EXPECT_EQ(Device::open({.device = "cpu"}).info().name, first.name);
+  if (first.type == DeviceType::kCpu) {
+    EXPECT_EQ(Device::open({.device = "cpu"}).info().name, first.name);
+  }
 }
 
 TEST(Devices, AnUnknownOneNamesThoseThatThereAre) {
