@@ -304,13 +304,12 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
     for (; k < num_active; k += LANES) {
       uvec2 in_tile = active_first + uvec2(k / active_count.y, k % active_count.y);
       uvec2 base = in_tile * SAMPLES;
-      vec2 corner = samplePosition(base + tile_taxel * SAMPLES);
       float force = 0.0, depth_sum = 0.0;
       vec2 moment = vec2(0);
       for (uint a = 0; a < SAMPLES; ++a) {
         for (uint b = 0; b < SAMPLES; ++b) {
           uint address = (base.x + a) * tile_stride + base.y + b;
-          vec2 position = corner + vec2(a, b) * spacing;
+          vec2 position = samplePosition(base + tile_taxel * SAMPLES + uvec2(a, b));
           // Over z_base, with or without a tile: a batch may change between the two, and no bit may show it.
           float height;
           if (usesTile()) {

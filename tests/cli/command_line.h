@@ -16,7 +16,7 @@ struct RunOptions {
   // Sends this signal once as many seconds have passed; 0 for none.
   int signal = 0;
   double signal_after = 0;
-  std::vector<std::string> environment;  // "NAME=value", beside the test's own
+  std::vector<std::string> environment{};  // "NAME=value", beside the test's own
 };
 
 // The program sees its arguments as given, without a shell.

@@ -77,7 +77,9 @@ TEST(Generate, SameBytesAfterBeingKilledTenTimes) {
     if (runTaxelsim(killed, {.signal = SIGKILL, .signal_after = after}).status == 128 + SIGKILL) ++num_killed;
     if (!std::filesystem::exists(root / "killed")) continue;
     for (const auto& [name, bytes] : filesOf(root / "killed")) {
-      if (name.starts_with("shard-")) EXPECT_TRUE(bytes == contentOf(root / ("whole/" + name))) << name << " is half written";
+      if (name.starts_with("shard-")) {
+        EXPECT_TRUE(bytes == contentOf(root / ("whole/" + name))) << name << " is half written";
+      }
     }
   }
   EXPECT_GE(num_killed, 3) << "the kills came too late to show anything";
