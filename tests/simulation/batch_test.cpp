@@ -110,6 +110,22 @@ TEST(Batch, RunsAreRepeatable) {
   EXPECT_EQ(runBatch(model, batch, all), runBatch(model, batch, all));
 }
 
+TEST(Batch, TheSizeOfWorkgroupsDoesNotShow) {
+  const Sensor sensor = busySensor();
+  const Batch batch = randomBatch(sensor, 9);
+  const std::vector<int> all{0, 1, 2, 3, 4, 5, 6, 7, 8};
+  const auto bits = [&](int contact_workgroup, int image_workgroup) {
+    const Model model(support::sharedDevice(), {.sensor = sensor,
+                                                .objects = batch.objects,
+                                                .contact_workgroup = contact_workgroup,
+                                                .image_workgroup = image_workgroup});
+    return runBatch(model, batch, all);
+  };
+  const auto expected = bits(8, 8);
+  EXPECT_EQ(bits(32, 64), expected);
+  EXPECT_EQ(bits(128, 16), expected);
+}
+
 TEST(Batch, NoiseIsKeyedByEpisodeAndSeedNotBySlot) {
   const Sensor sensor = busySensor();
   const std::vector<Object> objects{Object(Sphere{0.01})};
