@@ -96,7 +96,7 @@ TEST(Generate, SameBytesAfterBeingKilledTenTimes) {
 
 TEST(Generate, AnInterruptLeavesWholeShardsAndAResumableSet) {
   const TemporaryDirectory root;
-  const std::string scene = writeScene(root / "scene.yaml", 400);
+  const std::string scene = writeScene(root / "scene.yaml", 1200);
   const std::vector<std::string> command{"generate", scene, "-o", root / "out", "--batch-size", "8"};
   const Outcome stopped = runTaxelsim(command, {.signal = SIGINT, .signal_after = 0.6});
   ASSERT_EQ(stopped.status, 130) << stopped.err;
