@@ -73,5 +73,15 @@ TEST(Commands, ValidationIsNotDeaf) {
   EXPECT_THROW(context.throwOnValidationMessage(), Error);
 }
 
+TEST(Commands, SynchronisationValidationIsNotDeaf) {
+  gpu::Context& context = device().context();
+  const gpu::Buffer first(context, "first", 64, gpu::Domain::kDevice);
+  const gpu::Buffer second(context, "second", 64, gpu::Domain::kDevice);
+  gpu::Commands commands(context, "a copy of what is still being copied");
+  commands.copy(first, second, 64);
+  commands.copy(second, first, 64);  // no barrier between
+  EXPECT_THROW(context.throwOnValidationMessage(), Error);
+}
+
 }  // namespace
 }  // namespace taxelsim
