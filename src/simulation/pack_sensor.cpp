@@ -5,13 +5,10 @@
 #include <cmath>
 #include <limits>
 
+#include "simulation/rows.h"
+
 namespace taxelsim {
 namespace {
-
-glm::vec4 row(const std::array<double, 9>& rotation, const Vector3& position, std::size_t i) {
-  return {static_cast<float>(rotation[3 * i]), static_cast<float>(rotation[3 * i + 1]), static_cast<float>(rotation[3 * i + 2]),
-          static_cast<float>(position[i])};
-}
 
 // Cuts a patch into near-square tiles of whole taxels, as even as they come.
 void addTiles(const GridPatch& patch, std::uint32_t patch_number, std::uint32_t max_taxels, std::vector<layout::TileRecord>& tiles) {

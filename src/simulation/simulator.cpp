@@ -6,6 +6,7 @@
 
 #include "gpu/commands.h"
 #include "simulation/batch_buffers.h"
+#include "simulation/rows.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -20,11 +21,6 @@ constexpr double kQuaternionTolerance = 1e-3;
 
 void checkLength(const char* name, std::size_t found, std::size_t expected) {
   if (found != expected) refuse(std::string(name) + ": " + std::to_string(found) + " values, expected " + std::to_string(expected));
-}
-
-glm::vec4 row(const std::array<double, 9>& rotation, const Vector3& position, std::size_t i) {
-  return {static_cast<float>(rotation[3 * i]), static_cast<float>(rotation[3 * i + 1]), static_cast<float>(rotation[3 * i + 2]),
-          static_cast<float>(position[i])};
 }
 
 double lengthOf(const Quaternion& q) {

@@ -115,10 +115,9 @@ TEST(Batch, TheSizeOfWorkgroupsDoesNotShow) {
   const Batch batch = randomBatch(sensor, 9);
   const std::vector<int> all{0, 1, 2, 3, 4, 5, 6, 7, 8};
   const auto bits = [&](int contact_workgroup, int image_workgroup) {
-    const Model model(support::sharedDevice(), {.sensor = sensor,
-                                                .objects = batch.objects,
-                                                .contact_workgroup = contact_workgroup,
-                                                .image_workgroup = image_workgroup});
+    const Model model(
+        support::sharedDevice(),
+        {.sensor = sensor, .objects = batch.objects, .contact_workgroup = contact_workgroup, .image_workgroup = image_workgroup});
     return runBatch(model, batch, all);
   };
   const auto expected = bits(8, 8);
