@@ -32,8 +32,8 @@ layout(std430, set = 0, binding = 5) readonly buffer ContactNormal { float conta
 layout(std430, set = 0, binding = 6) readonly buffer ContactShear { float contact_shear[]; };
 layout(std430, set = 0, binding = 7) readonly buffer TileResults { TileResult tile_results[]; };
 layout(std430, set = 0, binding = 8) readonly buffer Loads { LoadRecord loads[]; };
-layout(std430, set = 0, binding = 9) buffer Image { uint image[]; };
-layout(std430, set = 0, binding = 10) buffer SpreadNormal { float spread_normal[]; };
+layout(std430, set = 0, binding = 9) coherent buffer Image { uint image[]; };
+layout(std430, set = 0, binding = 10) coherent buffer SpreadNormal { float spread_normal[]; };
 layout(std430, set = 0, binding = 11) writeonly buffer SpreadShear { float spread_shear[]; };
 layout(std430, set = 0, binding = 12) writeonly buffer Features { float features[]; };
 layout(std430, set = 0, binding = 13) writeonly buffer Problems { uint problems[]; };

@@ -25,7 +25,11 @@ struct Column {
   bool per_episode = false;        // one row per episode, not per frame
 };
 
+// Bytes of one value.
 std::size_t scalarSize(ScalarType type);
+
+// "uint16", "int32", ...: NumPy's names.
+const char* nameOf(ScalarType type);
 
 // What decides a data set's content, and how it is cut into shards.
 struct Manifest {

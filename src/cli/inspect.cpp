@@ -57,22 +57,6 @@ Statistics statisticsOf(const DatasetReader& reader, const Column& column) {
   return statistics;
 }
 
-const char* nameOf(ScalarType type) {
-  switch (type) {
-    case ScalarType::kUint16:
-      return "uint16";
-    case ScalarType::kInt32:
-      return "int32";
-    case ScalarType::kUint64:
-      return "uint64";
-    case ScalarType::kFloat32:
-      return "float32";
-    case ScalarType::kFloat64:
-      break;
-  }
-  return "float64";
-}
-
 // "6 x 14", or "-" for scalars.
 std::string shapeText(const Column& column) {
   return column.shape.empty() ? "-" : fmt::format("{}", fmt::join(column.shape, " x "));

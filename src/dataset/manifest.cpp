@@ -15,6 +15,22 @@
 
 namespace taxelsim {
 
+const char* nameOf(ScalarType type) {
+  switch (type) {
+    case ScalarType::kUint16:
+      return "uint16";
+    case ScalarType::kInt32:
+      return "int32";
+    case ScalarType::kUint64:
+      return "uint64";
+    case ScalarType::kFloat32:
+      return "float32";
+    case ScalarType::kFloat64:
+      break;
+  }
+  return "float64";
+}
+
 std::size_t scalarSize(ScalarType type) {
   switch (type) {
     case ScalarType::kUint16:
@@ -162,22 +178,6 @@ std::string shapeText(const std::vector<std::size_t>& shape) {
 std::string shardName(std::uint64_t shard) {
   const std::string digits = std::to_string(shard);
   return "shard-" + std::string(digits.size() < 6 ? 6 - digits.size() : 0, '0') + digits + ".h5";
-}
-
-const char* nameOf(ScalarType type) {
-  switch (type) {
-    case ScalarType::kUint16:
-      return "uint16";
-    case ScalarType::kInt32:
-      return "int32";
-    case ScalarType::kUint64:
-      return "uint64";
-    case ScalarType::kFloat32:
-      return "float32";
-    case ScalarType::kFloat64:
-      break;
-  }
-  return "float64";
 }
 
 std::size_t rowBytes(const Column& column) {

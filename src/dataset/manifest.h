@@ -17,8 +17,6 @@ inline constexpr const char* kEpisodeEnds = "meta/episode_ends";
 // "shard-000012.h5"
 std::string shardName(std::uint64_t shard);
 
-const char* nameOf(ScalarType type);
-
 // Bytes of one row.
 std::size_t rowBytes(const Column& column);
 

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "support/temporary_directory.h"
+
 namespace taxelsim::testing {
 
 struct Outcome {
@@ -21,19 +23,6 @@ struct RunOptions {
 
 // The program sees its arguments as given, without a shell.
 Outcome runTaxelsim(const std::vector<std::string>& arguments, const RunOptions& options = {});
-
-// A directory of a test's own, gone with it.
-class TemporaryDirectory {
- public:
-  TemporaryDirectory();
-  ~TemporaryDirectory();
-  TemporaryDirectory(const TemporaryDirectory&) = delete;
-  TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
-  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  std::filesystem::path path_;
-};
 
 std::string contentOf(const std::filesystem::path& file);
 

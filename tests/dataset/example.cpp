@@ -28,17 +28,6 @@ std::vector<std::byte> rowsOf(std::uint64_t column, std::uint64_t first, std::ui
 
 }  // namespace
 
-TemporaryDirectory::TemporaryDirectory() {
-  std::string name = (std::filesystem::temp_directory_path() / "taxelsim-test-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary directory");
-  path_ = name;
-}
-
-TemporaryDirectory::~TemporaryDirectory() {
-  std::error_code error;
-  std::filesystem::remove_all(path_, error);
-}
-
 Manifest exampleManifest() {
   Manifest manifest;
   manifest.scene = "format_version: 1\nname: \"press\"  # comment\n\nlist:\n  - 1\n  - \"quoted: yes\"\n";

@@ -8,24 +8,11 @@
 #include <map>
 #include <string>
 
+#include "support/temporary_directory.h"
 #include "taxelsim/dataset.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim::testing {
-
-// A directory of its own, removed at the end.
-class TemporaryDirectory {
- public:
-  TemporaryDirectory();
-  ~TemporaryDirectory();
-  TemporaryDirectory(const TemporaryDirectory&) = delete;
-  TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 // 11 episodes in shards of 4 (the last holds 3), one column of every type.
 Manifest exampleManifest();
