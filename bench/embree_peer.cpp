@@ -34,6 +34,7 @@ struct EmbreePeer::Impl {
   int num_rows, num_cols, num_taxels, padded_cols, num_threads;
   float pitch_x, pitch_y, thickness, sample_force;  // sample_force: N per m of penetration
   float gain, trigger, saturation, taxel_area;
+  bool skip_beside;
   std::array<float, 9> kernel;
   std::vector<float> inverse_divisor;   // (num_taxels): 1 / what of the kernel lies inside, seen from a source
   std::vector<float> taxel_x, taxel_y;  // (num_taxels), m
@@ -93,20 +94,23 @@ void EmbreePeer::Impl::castRays(const Pose& X_SO, Scratch& scratch) const {
   const auto r = [&](int row, int column) { return static_cast<float>(R[3 * row + column]); };
   const Vec3f p{static_cast<float>(X_SO.position[0]), static_cast<float>(X_SO.position[1]), static_cast<float>(X_SO.position[2])};
 
-  // The box of the object in S.
-  Vec3f low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
-  for (const Vec3f& c : corners) {
-    const Vec3f q{r(0, 0) * c.x + r(0, 1) * c.y + r(0, 2) * c.z + p.x, r(1, 0) * c.x + r(1, 1) * c.y + r(1, 2) * c.z + p.y,
-                  r(2, 0) * c.x + r(2, 1) * c.y + r(2, 2) * c.z + p.z};
-    low = {std::min(low.x, q.x), std::min(low.y, q.y), std::min(low.z, q.z)};
-    high = {std::max(high.x, q.x), std::max(high.y, q.y), std::max(high.z, q.z)};
-  }
   std::fill_n(scratch.taxel_force, num_taxels, 0.0f);
-  if (low.z > 0 || high.z < -thickness) return;
-  const int first_row = std::max(0, static_cast<int>(std::floor(low.x / pitch_x + 0.5f * num_rows)));
-  const int last_row = std::min(num_rows - 1, static_cast<int>(std::floor(high.x / pitch_x + 0.5f * num_rows)));
-  const int first_col = std::max(0, static_cast<int>(std::floor(low.y / pitch_y + 0.5f * num_cols)));
-  const int last_col = std::min(num_cols - 1, static_cast<int>(std::floor(high.y / pitch_y + 0.5f * num_cols)));
+  int first_row = 0, last_row = num_rows - 1, first_col = 0, last_col = num_cols - 1;
+  if (skip_beside) {
+    // The box of the object in S.
+    Vec3f low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
+    for (const Vec3f& c : corners) {
+      const Vec3f q{r(0, 0) * c.x + r(0, 1) * c.y + r(0, 2) * c.z + p.x, r(1, 0) * c.x + r(1, 1) * c.y + r(1, 2) * c.z + p.y,
+                    r(2, 0) * c.x + r(2, 1) * c.y + r(2, 2) * c.z + p.z};
+      low = {std::min(low.x, q.x), std::min(low.y, q.y), std::min(low.z, q.z)};
+      high = {std::max(high.x, q.x), std::max(high.y, q.y), std::max(high.z, q.z)};
+    }
+    if (low.z > 0 || high.z < -thickness) return;
+    first_row = std::max(0, static_cast<int>(std::floor(low.x / pitch_x + 0.5f * num_rows)));
+    last_row = std::min(num_rows - 1, static_cast<int>(std::floor(high.x / pitch_x + 0.5f * num_rows)));
+    first_col = std::max(0, static_cast<int>(std::floor(low.y / pitch_y + 0.5f * num_cols)));
+    last_col = std::min(num_cols - 1, static_cast<int>(std::floor(high.y / pitch_y + 0.5f * num_cols)));
+  }
 
   // Columns of R_OS: the axes of S in O.
   const Vec3f x_O{r(0, 0), r(0, 1), r(0, 2)}, y_O{r(1, 0), r(1, 1), r(1, 2)}, z_O{r(2, 0), r(2, 1), r(2, 2)};
@@ -228,7 +232,7 @@ void EmbreePeer::Impl::frameOf(int i, const Pose& X_SO, Scratch& scratch, PeerFr
   frame.measured[i] = featuresOf(scratch.measured, num_measured);
 }
 
-EmbreePeer::EmbreePeer(const Sensor& sensor, const Mesh& mesh, int threads) : impl_(std::make_unique<Impl>()) {
+EmbreePeer::EmbreePeer(const Sensor& sensor, const Mesh& mesh, Rays rays, int threads) : impl_(std::make_unique<Impl>()) {
   checkSensor(sensor);
   const Winkler* law = std::get_if<Winkler>(&sensor.skin.law);
   const bool plain = sensor.patches.size() == 1 && sensor.patches[0].X_SP == Pose{} && sensor.samples_per_taxel == kSide && law &&
@@ -243,6 +247,7 @@ EmbreePeer::EmbreePeer(const Sensor& sensor, const Mesh& mesh, int threads) : im
   }
   Impl& impl = *impl_;
   const GridPatch& patch = sensor.patches[0];
+  impl.skip_beside = rays == Rays::kUnderBox;
   impl.num_rows = patch.num_rows;
   impl.num_cols = patch.num_cols;
   impl.num_taxels = patch.num_rows * patch.num_cols;

@@ -30,10 +30,13 @@ struct PeerFrame {
   std::vector<PeerFeatures> measured, clean;  // (num_instances)
 };
 
+// Which samples get a ray: every one, or those of taxels under the box of the turned object.
+enum class Rays { kAll, kUnderBox };
+
 class EmbreePeer {
  public:
   // Builds the scene; `threads` workers, 0 for one per core. Throws Error(kInput) for a sensor that it cannot do.
-  EmbreePeer(const Sensor& sensor, const Mesh& mesh, int threads = 0);
+  EmbreePeer(const Sensor& sensor, const Mesh& mesh, Rays rays, int threads = 0);
   ~EmbreePeer();
 
   int numThreads() const;

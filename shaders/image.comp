@@ -2,11 +2,13 @@
 #extension GL_GOOGLE_include_directive : require
 // Image pass: stages 3 (spread), 4 (frame-rate hold), 5 (readout) and 6 (features) of one frame.
 //
-// A workgroup owns REPEAT instances, one after another; an invocation owns taxels.
+// TEAM invocations share an instance; a workgroup has WORKGROUP / TEAM teams, and each does REPEAT instances one after another. An invocation owns rows of
+// taxels, so that of a row's sources each is fetched once. On a software driver a team is one invocation: what is done once per instance, above all
+// the features, is then done for as many instances at a time as a vector has lanes.
 // In:  contact_normal (num_instances x num_taxels), N; contact_shear; tile_results; the spread's kernel or lists.
 // Out: image (num_instances x num_taxels), counts; spread_normal, N, and spread_shear alike; features (block after block, layout.h).
-// Shared memory: 4 kNumSums (LANES + 1) bytes.
-// Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
+// Shared memory: 4 PARTIALS bytes.
+// Deterministic: sums run over at most LANES partial sums in a fixed order, whatever the size of team and workgroup.
 // Twins: src/reference/psf.cpp, readout.cpp, features.cpp.
 
 #include "shared/layout.h"
@@ -22,6 +24,8 @@ layout(constant_id = 18) const float TRIGGER = 0.02;      // N
 layout(constant_id = 19) const float SATURATION = 4095.0;  // counts
 layout(constant_id = 20) const float NOISE = 0.0;         // counts
 layout(constant_id = 21) const bool RANDOM = false;      // some instance draws noise or gains
+layout(constant_id = 22) const uint TEAM = 1;            // invocations of an instance
+layout(constant_id = 23) const uint PARTIALS = 1;        // kNumSums LANES for every team of more than one invocation
 
 layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceRecord instances[]; };
 layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
@@ -32,8 +36,8 @@ layout(std430, set = 0, binding = 5) readonly buffer ContactNormal { float conta
 layout(std430, set = 0, binding = 6) readonly buffer ContactShear { float contact_shear[]; };
 layout(std430, set = 0, binding = 7) readonly buffer TileResults { TileResult tile_results[]; };
 layout(std430, set = 0, binding = 8) readonly buffer Loads { LoadRecord loads[]; };
-layout(std430, set = 0, binding = 9) coherent buffer Image { uint image[]; };
-layout(std430, set = 0, binding = 10) coherent buffer SpreadNormal { float spread_normal[]; };
+layout(std430, set = 0, binding = 9) writeonly buffer Image { uint image[]; };
+layout(std430, set = 0, binding = 10) writeonly buffer SpreadNormal { float spread_normal[]; };
 layout(std430, set = 0, binding = 11) writeonly buffer SpreadShear { float spread_shear[]; };
 layout(std430, set = 0, binding = 12) writeonly buffer Features { float features[]; };
 layout(std430, set = 0, binding = 13) writeonly buffer Problems { uint problems[]; };
@@ -44,10 +48,10 @@ const uint kSumsPerImage = 9u;
 const uint kNumSums = 19u;
 const uint kPeak = 8u;
 
-shared float partial[kNumSums * LANES];
-shared float sums[kNumSums];
+shared float partial[PARTIALS];
 
-// The part of the sensor that contact reaches, and that forces reach after the spread: of one grid patch rectangles, else all taxels as one row.
+// The part of the sensor that contact reaches, and that forces reach after the spread: of one grid patch rectangles, else all taxels in rows of
+// kCols, the last one perhaps too long.
 uvec2 contact_first, contact_count;
 uvec2 window_first, window_count;
 
@@ -61,13 +65,10 @@ bool cut_short = false;
 #include "lib/moments.glsl"
 
 const bool kOnePatch = NUM_ROWS > 0;
+const bool kSliding = kOnePatch && KERNEL == 3;
 // Scalars: Mesa 22.3 picks the wrong components where a specialization constant chooses between two vectors.
-const uint kRows = kOnePatch ? NUM_ROWS : 1u;
-const uint kCols = kOnePatch ? NUM_COLS : NUM_TAXELS;
-
-uvec2 placeInWindow(uint k) { return window_first + uvec2(k / window_count.y, k % window_count.y); }
-
-uint taxelAt(uvec2 at) { return kOnePatch ? at.x * NUM_COLS + at.y : at.y; }
+const uint kCols = kOnePatch ? NUM_COLS : kListCols;
+const uint kRows = kOnePatch ? NUM_ROWS : (NUM_TAXELS + kCols - 1) / kCols;
 
 void findWindow(uint instance, bool everything) {
   uvec2 all_taxels = uvec2(kRows, kCols);
@@ -94,34 +95,24 @@ void findWindow(uint instance, bool everything) {
 
 // Position in C of a taxel, relative to the origin of the sums, and its area.
 vec4 chartOf(uvec2 at, uvec2 origin) {
-  if (!kOnePatch) return taxels[at.y].chart;
+  if (!kOnePatch) return taxels[at.x * kCols + at.y].chart;
   return vec4((vec2(at) - vec2(origin)) * vec2(PITCH_X, PITCH_Y), 0, PITCH_X * PITCH_Y);
 }
 
-// Stages 3 to 5 of one taxel.
-void imageTaxel(uint first_taxel, uvec2 at, bool new_frame, vec4 drive, uvec4 keys, uvec2 seed, float noise_level) {
-  uint t = taxelAt(at);
-  Spread spread;
-  if (kOnePatch) {
-    spread = spreadOnGrid(first_taxel, ivec2(at));
-  } else {
-    spread = spreadByList(first_taxel, t);
-  }
-  spread_normal[first_taxel + t] = spread.normal;
-  if (SHEAR) {
-    spread_shear[2 * (first_taxel + t)] = spread.shear.x;
-    spread_shear[2 * (first_taxel + t) + 1] = spread.shear.y;
-  }
-  if (!new_frame) return;
-  float gain = TAXELS_ALIKE ? drive.y : drive.y * taxels[t].readout.x;
-  float trigger = TAXELS_ALIKE ? TRIGGER : taxels[t].readout.y;
-  if (RANDOM && drive.z > 0.0) gain *= exp(drive.z * gaussian(seed, keys.xy, 0, t, kPurposeTaxelGain));
-  float noise = 0.0;
-  if (RANDOM && noise_level > 0.0) noise = noise_level * gaussian(seed, keys.xy, keys.z, t, kPurposeReadoutNoise);
-  image[first_taxel + t] = countsOf(spread.normal, gain, trigger, noise);
+// What an invocation sums over its taxels.
+struct Sums {
+  float measured[kSumsPerImage], clean[kSumsPerImage];
+  float num_saturated;
+};
+
+Sums noSums() {
+  Sums sums;
+  for (uint s = 0; s < kSumsPerImage; ++s) sums.measured[s] = sums.clean[s] = 0.0;
+  sums.num_saturated = 0.0;
+  return sums;
 }
 
-// Moments of one lane's taxels: what `weight` N at a taxel adds to the nine sums.
+// What `weight` N at a taxel adds to the sums of an image.
 void addTaxel(inout float image_sums[kSumsPerImage], float weight, vec4 chart, bool touched) {
   image_sums[0] += weight;
   image_sums[1] += weight * chart.x;
@@ -134,112 +125,171 @@ void addTaxel(inout float image_sums[kSumsPerImage], float weight, vec4 chart, b
   image_sums[kPeak] = max(image_sums[kPeak], weight);
 }
 
-// Features that the contact pass has computed: wrench, over-penetration, load.
-void writeContact(uint instance, uint num_instances, bool load_driven) {
-  const uint kNumContactFeatures = 9u;
-  for (uint k = gl_LocalInvocationIndex; k < kNumContactFeatures; k += WORKGROUP) {
-    float value = 0.0;
-    if (k < 7) {
-      for (uint t = 0; t < NUM_TILES; ++t) {
-        uint result = instance * NUM_TILES + t;
-        if (k < 3 || k == 6) {
-          value += tile_results[result].force[min(k, 3u)];
-        } else {
-          value += tile_results[result].torque[k - 3];
-        }
-      }
-      if (k == 6) value /= float(NUM_TAXELS * SAMPLES * SAMPLES);
-    } else if (load_driven) {
-      vec4 bracket = loads[instance].bracket;
-      value = k == 7 ? bracket.x : (bracket.w == kLoadCarried ? 1.0 : 0.0);
-    } else {
-      value = k == 7 ? 0.0 : 1.0;
-    }
-    uint place = k < 6 ? kFeatureContactWrench * num_instances + 6 * instance + k : (kFeatureOverPenetration + k - 6) * num_instances + instance;
-    features[place] = value;
+void addSums(inout Sums total, Sums part) {
+  for (uint s = 0; s < kPeak; ++s) {
+    total.measured[s] += part.measured[s];
+    total.clean[s] += part.clean[s];
   }
+  total.measured[kPeak] = max(total.measured[kPeak], part.measured[kPeak]);
+  total.clean[kPeak] = max(total.clean[kPeak], part.clean[kPeak]);
+  total.num_saturated += part.num_saturated;
 }
 
-void imageOf(uint instance, uint num_instances, uvec2 seed) {
-  uint lane = gl_LocalInvocationIndex;
-  uint first_taxel = instance * NUM_TAXELS;
-  vec4 drive = instances[instance].drive;
-  uvec4 keys = instances[instance].keys;
-  bool new_frame = (keys.w & kFlagNewFrame) != 0;
-  float noise_level = sqrt(NOISE * NOISE + drive.w * drive.w);
-  findWindow(instance, RANDOM && noise_level > 0.0);
-  uint num_window = window_count.x * window_count.y;
+// One instance, as its team sees it.
+struct Instance {
+  uint number, first_taxel;
+  vec4 drive;
+  uvec4 keys;
+  bool new_frame;
+  float noise_level;  // counts
+  uvec2 origin;       // the taxel in the middle of the window: moments about it are no differences of large numbers
+};
 
-  // Outside the window everything is 0.
-  if (kOnePatch) {
-    uvec2 end = window_first + window_count;
-    for (uint t = lane; t < NUM_TAXELS; t += WORKGROUP) {
-      uvec2 at = uvec2(t / NUM_COLS, t % NUM_COLS);
-      if (all(greaterThanEqual(at, window_first)) && all(lessThan(at, end))) continue;
-      if (OUTPUT_NORMAL) spread_normal[first_taxel + t] = 0.0;
-      if (SHEAR) spread_shear[2 * (first_taxel + t)] = spread_shear[2 * (first_taxel + t) + 1] = 0.0;
-      if (new_frame) image[first_taxel + t] = 0;
-    }
+// Stages 5 and 6 of one taxel.
+void readTaxel(Instance of, uint t, uvec2 at, Spread spread, uvec2 seed, inout Sums sums) {
+  if (OUTPUT_NORMAL) spread_normal[of.first_taxel + t] = spread.normal;
+  if (SHEAR) {
+    spread_shear[2 * (of.first_taxel + t)] = spread.shear.x;
+    spread_shear[2 * (of.first_taxel + t) + 1] = spread.shear.y;
   }
-  uint k = lane;
-  for (; k < num_window; k += WORKGROUP) imageTaxel(first_taxel, placeInWindow(k), new_frame, drive, keys, seed, noise_level);
-  cut_short = cut_short || k < num_window;
-  memoryBarrierBuffer();
-  barrier();
+  vec4 chart = chartOf(at, of.origin);
+  float nominal_trigger = TAXELS_ALIKE ? TRIGGER : taxels[t].readout.y;
+  addTaxel(sums.clean, spread.normal, chart, spread.normal > nominal_trigger);
+  if (!of.new_frame) return;
+  float gain = TAXELS_ALIKE ? of.drive.y : of.drive.y * taxels[t].readout.x;
+  if (RANDOM && of.drive.z > 0.0) gain *= exp(of.drive.z * gaussian(seed, of.keys.xy, 0, t, kPurposeTaxelGain));
+  float noise = 0.0;
+  if (RANDOM && of.noise_level > 0.0) noise = of.noise_level * gaussian(seed, of.keys.xy, of.keys.z, t, kPurposeReadoutNoise);
+  uint counts = countsOf(spread.normal, gain, nominal_trigger, noise);
+  image[of.first_taxel + t] = counts;
+  addTaxel(sums.measured, nominalForce(counts), chart, counts > 0);
+  if (float(counts) >= SATURATION) sums.num_saturated += 1.0;
+}
 
-  // Stage 6. Moments are summed about a taxel in the middle of the window, so that their variance is no difference of large numbers.
-  uvec2 origin = window_first + window_count / 2;
-  for (uint v = lane; v < LANES; v += WORKGROUP) {
-    float measured[kSumsPerImage], clean[kSumsPerImage];
-    for (uint s = 0; s < kSumsPerImage; ++s) measured[s] = clean[s] = 0.0;
-    float num_saturated = 0.0;
-    uint k = v;
-    for (; k < num_window; k += LANES) {
-      uvec2 at = placeInWindow(k);
-      uint t = taxelAt(at);
-      float force = spread_normal[first_taxel + t];
-      uint counts = image[first_taxel + t];
-      if (force == 0.0 && counts == 0) continue;
-      vec4 chart = chartOf(at, origin);
-      addTaxel(clean, force, chart, force > (TAXELS_ALIKE ? TRIGGER : taxels[t].readout.y));
-      addTaxel(measured, nominalForce(counts), chart, counts > 0);
-      if (float(counts) >= SATURATION) num_saturated += 1.0;
+// Stages 3 to 6 of row `i` of the window.
+void readRow(Instance of, uint i, uvec2 seed, inout Sums sums) {
+  Sums row = noSums();
+  uvec2 at = uvec2(window_first.x + i, window_first.y);
+  if (kSliding) startRow(of.first_taxel, ivec2(at));
+  uint j = 0;
+  for (; j < window_count.y; ++j, ++at.y) {
+    uint t = at.x * kCols + at.y;
+    if (!kOnePatch && t >= NUM_TAXELS) continue;
+    Spread spread;
+    if (kSliding) {
+      spread = spreadSliding(of.first_taxel, ivec2(at));
+    } else if (kOnePatch) {
+      spread = spreadOnGrid(of.first_taxel, ivec2(at));
+    } else {
+      spread = spreadByList(of.first_taxel, t);
     }
-    cut_short = cut_short || k < num_window;
-    for (uint s = 0; s < kSumsPerImage; ++s) {
-      partial[s * LANES + v] = measured[s];
-      partial[(kSumsPerImage + s) * LANES + v] = clean[s];
+    readTaxel(of, t, at, spread, seed, row);
+  }
+  cut_short = cut_short || j < window_count.y;
+  addSums(sums, row);
+}
+
+// Outside the window everything is 0.
+void clearOutside(Instance of, uint lane) {
+  uint t = lane;
+  for (; t < NUM_TAXELS; t += TEAM) {
+    uvec2 in_window = uvec2(t / kCols, t % kCols) - window_first;
+    if (all(lessThan(in_window, window_count))) continue;
+    if (OUTPUT_NORMAL) spread_normal[of.first_taxel + t] = 0.0;
+    if (SHEAR) spread_shear[2 * (of.first_taxel + t)] = spread_shear[2 * (of.first_taxel + t) + 1] = 0.0;
+    if (of.new_frame) image[of.first_taxel + t] = 0;
+  }
+  cut_short = cut_short || t < NUM_TAXELS;
+}
+
+// Features that the contact pass has computed: wrench, over-penetration, load.
+void writeContact(Instance of, uint num_instances) {
+  vec4 force = vec4(0), torque = vec4(0);
+  for (uint t = 0; t < NUM_TILES; ++t) {
+    force += tile_results[of.number * NUM_TILES + t].force;
+    torque += tile_results[of.number * NUM_TILES + t].torque;
+  }
+  vec4 bracket = vec4(0, 0, 0, kLoadCarried);
+  if ((of.keys.w & kFlagLoadDriven) != 0) bracket = loads[of.number].bracket;
+  uint wrench = kFeatureContactWrench * num_instances + 6 * of.number;
+  features[wrench] = force.x;
+  features[wrench + 1] = force.y;
+  features[wrench + 2] = force.z;
+  features[wrench + 3] = torque.x;
+  features[wrench + 4] = torque.y;
+  features[wrench + 5] = torque.z;
+  features[kFeatureOverPenetration * num_instances + of.number] = force.w / float(NUM_TAXELS * SAMPLES * SAMPLES);
+  features[kFeatureLoadOffset * num_instances + of.number] = bracket.x;
+  features[kFeatureLoadReached * num_instances + of.number] = bracket.w == kLoadCarried ? 1.0 : 0.0;
+}
+
+void writeImageFeatures(uint start, Instance of, uint num_instances, float s[kSumsPerImage]) {
+  Moments moments = Moments(s[0], vec3(s[1], s[2], s[3]), vec3(s[4], s[5], s[6]), s[kPeak], s[7]);
+  vec3 middle = vec3(0);
+  if (kOnePatch) middle.xy = (vec2(of.origin) - 0.5 * vec2(int(NUM_ROWS) - 1, int(NUM_COLS) - 1)) * vec2(PITCH_X, PITCH_Y);
+  writeMoments(start, of.number, num_instances, moments, middle, sensor.X_SC_row0, sensor.X_SC_row1, sensor.X_SC_row2);
+}
+
+// Every team goes the same way through the barriers; one without an instance of its own (`is_there` false) does and writes nothing.
+void imageOf(uint number, bool is_there, uint num_instances, uvec2 seed) {
+  uint lane = gl_LocalInvocationIndex % TEAM;
+  Instance of;
+  of.number = number;
+  of.first_taxel = number * NUM_TAXELS;
+  of.drive = instances[number].drive;
+  of.keys = instances[number].keys;
+  of.new_frame = (of.keys.w & kFlagNewFrame) != 0;
+  of.noise_level = sqrt(NOISE * NOISE + of.drive.w * of.drive.w);
+  findWindow(number, RANDOM && of.noise_level > 0.0);
+  of.origin = window_first + window_count / 2;
+  if (is_there) clearOutside(of, lane);
+
+  uint num_parts = is_there ? min(LANES, window_count.x) : 0;
+  Sums total = noSums();
+  uint first_partial = gl_LocalInvocationIndex / TEAM * kNumSums * LANES;
+  for (uint v = lane; v < num_parts; v += TEAM) {
+    Sums part = noSums();
+    uint i = v;
+    for (; i < window_count.x; i += LANES) readRow(of, i, seed, part);
+    cut_short = cut_short || i < window_count.x;
+    if (TEAM == 1) {
+      addSums(total, part);
+    } else {
+      for (uint s = 0; s < kSumsPerImage; ++s) {
+        partial[first_partial + s * LANES + v] = part.measured[s];
+        partial[first_partial + (kSumsPerImage + s) * LANES + v] = part.clean[s];
+      }
+      partial[first_partial + 2 * kSumsPerImage * LANES + v] = part.num_saturated;
     }
-    partial[2 * kSumsPerImage * LANES + v] = num_saturated;
   }
-  barrier();
-  for (uint k = lane; k < kNumSums; k += WORKGROUP) {
-    float total = 0.0;
-    bool is_peak = k % kSumsPerImage == kPeak;
-    for (uint v = 0; v < LANES; ++v) total = is_peak ? max(total, partial[k * LANES + v]) : total + partial[k * LANES + v];
-    sums[k] = total;
+  if (TEAM > 1) {
+    barrier();
+    for (uint v = 0; v < num_parts; ++v) {
+      Sums part;
+      for (uint s = 0; s < kSumsPerImage; ++s) {
+        part.measured[s] = partial[first_partial + s * LANES + v];
+        part.clean[s] = partial[first_partial + (kSumsPerImage + s) * LANES + v];
+      }
+      part.num_saturated = partial[first_partial + 2 * kSumsPerImage * LANES + v];
+      addSums(total, part);
+    }
+    barrier();
   }
-  barrier();
-  if (lane < 2 && (lane == 1 || new_frame)) {  // one lane per image
-    uint s = lane * kSumsPerImage;
-    Moments moments = Moments(sums[s], vec3(sums[s + 1], sums[s + 2], sums[s + 3]), vec3(sums[s + 4], sums[s + 5], sums[s + 6]),
-                              sums[s + kPeak], sums[s + 7]);
-    vec3 middle = kOnePatch ? vec3((vec2(origin) - 0.5 * vec2(int(NUM_ROWS) - 1, int(NUM_COLS) - 1)) * vec2(PITCH_X, PITCH_Y), 0) : vec3(0);
-    writeMoments(lane * kNumImageFeatures, instance, num_instances, moments, middle, sensor.X_SC_row0, sensor.X_SC_row1, sensor.X_SC_row2);
-    if (lane == 0) features[kFeatureSaturated * num_instances + instance] = sums[2 * kSumsPerImage] / float(NUM_TAXELS);
+  if (!is_there || lane > 0) return;
+  if (of.new_frame) {
+    writeImageFeatures(0, of, num_instances, total.measured);
+    features[kFeatureSaturated * num_instances + number] = total.num_saturated / float(NUM_TAXELS);
   }
-  writeContact(instance, num_instances, (keys.w & kFlagLoadDriven) != 0);
+  writeImageFeatures(kNumImageFeatures, of, num_instances, total.clean);
+  writeContact(of, num_instances);
 }
 
 void main() {
   uvec4 batch = step_record.batch;
   loadKernel();
-  uint first = workgroupNumber() * REPEAT;
-  uint end = min(first + REPEAT, batch.x);
-  uint instance = first;
-  for (; instance < end; ++instance) {
-    imageOf(instance, batch.x, batch.zw);
-    barrier();
-  }
-  if (cut_short || instance < end) problems[0] = 1;
+  const uint kTeams = WORKGROUP / TEAM;
+  uint number = workgroupNumber() * REPEAT * kTeams + gl_LocalInvocationIndex / TEAM;
+  uint r = 0;
+  for (; r < REPEAT; ++r, number += kTeams) imageOf(min(number, batch.x - 1), number < batch.x, batch.x, batch.zw);
+  if (cut_short || r < REPEAT) problems[0] = 1;
 }

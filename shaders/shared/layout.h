@@ -73,6 +73,9 @@ struct SensorRecord {
   vec4 X_SC_row0, X_SC_row1, X_SC_row2;
 };
 
+// Taxels of a row of the image pass where the sensor is not one grid patch.
+TAXELSIM_CONSTANT kListCols = 16u;
+
 // ---- a batch ----
 
 struct PoseRecord {

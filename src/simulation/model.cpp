@@ -74,13 +74,19 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
       std::any_of(objects.begin(), objects.end(), [](const Object& o) { return std::holds_alternative<Torus>(o.shape); });
   constexpr std::uint64_t kTurnsOfTorus = 48;  // per sample, of at most 96
   const std::uint64_t contact_work = 2 * most_triangles + packed.max_tile_samples * (has_torus ? kTurnsOfTorus : 3);
+  contact_workgroup = chooseWorkgroup(options.contact_workgroup, info, 64, contact_work, "contact_workgroup");
   const auto kernel_area = static_cast<std::uint64_t>(sensor.psf.size * sensor.psf.size);
   const std::uint64_t image_work = num_taxels * (kernel_area + (sensor.readout.curve.size() > 1 ? 64 : 8));
-  contact_workgroup = chooseWorkgroup(options.contact_workgroup, info, 64, contact_work, "contact_workgroup");
-  image_workgroup = chooseWorkgroup(options.image_workgroup, info, 32, image_work, "image_workgroup");
+  image_workgroup = chooseWorkgroup(options.image_workgroup, info, 64, image_work, "image_workgroup");
+  // On a software driver every invocation has an instance of its own, unless that would be too many turns for it.
+  const bool alone = info.type == DeviceType::kCpu && options.image_workgroup == 0 && image_work <= kMaxTurns;
+  image_team = alone ? 1 : std::min(image_workgroup, packed.image_lanes);
   if (info.type == DeviceType::kCpu) {
-    const std::uint64_t turns = std::max(contact_work / contact_workgroup, image_work / image_workgroup);
-    repeat = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(kMaxTurns / std::max<std::uint64_t>(turns, 1), 1, kMaxRepeat));
+    const auto repeats = [](std::uint64_t turns) {
+      return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(kMaxTurns / std::max<std::uint64_t>(turns, 1), 1, kMaxRepeat));
+    };
+    contact_repeat = repeats(contact_work / contact_workgroup);
+    image_repeat = repeats(image_work / image_team);
   }
 
   gpu::Context& context = device.context();
@@ -131,11 +137,11 @@ const gpu::Kernel& Model::Impl::loadKernel() const {
 }
 
 // The constants of shaders/lib/specialization.glsl, then those of one pass, numbered in order.
-std::vector<gpu::Constant> Model::Impl::constants(std::uint32_t workgroup, std::uint32_t repeats,
+std::vector<gpu::Constant> Model::Impl::constants(std::uint32_t workgroup, std::uint32_t lanes, std::uint32_t repeats,
                                                   std::initializer_list<std::uint32_t> of_the_pass) const {
   const GridPatch& patch = sensor.patches.front();
   std::vector<std::uint32_t> values{workgroup,
-                                    packed.num_lanes,
+                                    lanes,
                                     num_taxels,
                                     static_cast<std::uint32_t>(packed.tiles.size()),
                                     static_cast<std::uint32_t>(sensor.samples_per_taxel),
@@ -159,7 +165,7 @@ gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const 
            .spirv = k_contact_winkler_spirv,
            .buffers = {"Poses", "Instances", "Step", "Objects", "Groups", "Clusters", "Triangles", "Patches", "Tiles", "SpreadScale",
                        "State", "ContactNormal", "ContactDepth", "TileResults", "Loads", "Problems"},
-           .constants = constants(contact_workgroup, contactRepeat(variant),
+           .constants = constants(contact_workgroup, packed.contact_lanes, contactRepeat(variant),
                                   {packed.max_tile_samples, packed.flat, has_state, variant.search, bits(sensor.skin.thickness),
                                    bits(law.normal_contact_stiffness), bits(law.normal_exponent), bits(law.normal_damping), scaled,
                                    variant.many_slots, kinds, triangles_of, variant.with_depth})}};
@@ -170,6 +176,8 @@ gpu::Kernel Model::Impl::makeImageKernel(const ImageVariant& variant) const {
   const bool alike = std::all_of(packed.taxels.begin(), packed.taxels.end(), [&](const layout::TaxelRecord& taxel) {
     return taxel.readout.x == 1.0f && taxel.readout.y == static_cast<float>(readout.trigger);
   });
+  constexpr std::uint32_t kNumSums = 19;  // of shaders/image.comp
+  const std::uint32_t num_partials = image_team == 1 ? 1 : image_workgroup / image_team * kNumSums * packed.image_lanes;
   constexpr std::uint32_t kNoShear = 0;  // no law of today makes any
   return {
       device.context(),
@@ -177,10 +185,10 @@ gpu::Kernel Model::Impl::makeImageKernel(const ImageVariant& variant) const {
        .spirv = k_image_spirv,
        .buffers = {"Instances", "Step", "SensorBlock", "Taxels", "SpreadRows", "ContactNormal", "ContactShear", "TileResults", "Loads",
                    "Image", "SpreadNormal", "SpreadShear", "Features", "Problems"},
-       .constants = constants(image_workgroup, repeat,
+       .constants = constants(image_workgroup, packed.image_lanes, image_repeat,
                               {kNoShear, packed.num_entries, variant.with_normal, alike, static_cast<std::uint32_t>(readout.curve.size()),
                                bits(readout.curve.front()), bits(readout.output_scale), bits(readout.trigger), bits(readout.saturation),
-                               bits(readout.noise), variant.random})}};
+                               bits(readout.noise), variant.random, image_team, num_partials})}};
 }
 
 gpu::Kernel Model::Impl::makeLoadKernel() const {

@@ -26,8 +26,10 @@ struct Model::Impl {
   std::uint32_t num_taxels = 0;
   std::uint32_t contact_workgroup = 0;
   std::uint32_t image_workgroup = 0;
-  std::uint32_t repeat = 1;  // tiles or instances that a workgroup does one after another
-  bool has_state = false;    // the law remembers the depth of the step before
+  std::uint32_t contact_repeat = 1;  // tiles that a workgroup does one after another
+  std::uint32_t image_team = 1;      // invocations that share an instance in the image pass
+  std::uint32_t image_repeat = 1;    // instances that such a team does one after another
+  bool has_state = false;            // the law remembers the depth of the step before
 
   gpu::Buffer object_records, groups, clusters, triangles;
   gpu::Buffer sensor_record, patches, tiles, taxels, spread_rows, spread_scale;
@@ -42,17 +44,18 @@ struct Model::Impl {
   };
   const gpu::Kernel& contactKernel(const ContactVariant& variant) const;
   // Tiles that a workgroup of it does one after another; a load search has turns enough for one.
-  std::uint32_t contactRepeat(const ContactVariant& variant) const { return variant.search == 0 ? repeat : 1; }
+  std::uint32_t contactRepeat(const ContactVariant& variant) const { return variant.search == 0 ? contact_repeat : 1; }
   struct ImageVariant {
     bool random = false;                                    // some instance draws noise or gains
     bool with_normal = false;                               // tactile_normal_force is wanted
     auto operator<=>(const ImageVariant&) const = default;  // NOLINT(modernize-use-nullptr): the same
   };
   const gpu::Kernel& imageKernel(const ImageVariant& variant) const;
+  std::uint32_t imagesPerWorkgroup() const { return image_workgroup / image_team * image_repeat; }
   const gpu::Kernel& loadKernel() const;
 
  private:
-  std::vector<gpu::Constant> constants(std::uint32_t workgroup, std::uint32_t repeats,
+  std::vector<gpu::Constant> constants(std::uint32_t workgroup, std::uint32_t lanes, std::uint32_t repeats,
                                        std::initializer_list<std::uint32_t> of_the_pass) const;
   gpu::Kernel makeContactKernel(const ContactVariant& variant) const;
   gpu::Kernel makeImageKernel(const ImageVariant& variant) const;

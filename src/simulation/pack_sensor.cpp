@@ -137,7 +137,12 @@ PackedSensor packSensor(const Sensor& sensor, std::uint32_t tile_samples) {
     packed.max_tile_samples = std::max(packed.max_tile_samples, tile.size.x * tile.size.y * samples * samples);
   }
   // Some sixteen taxels a lane, so that a lane has work and a large sensor's lanes are many.
-  packed.num_lanes = std::clamp(std::bit_ceil(num_taxels / 16), 8u, 64u);
+  constexpr std::uint32_t kTaxelsPerLane = 16;
+  constexpr std::uint32_t kMaxLanes = 64;
+  packed.contact_lanes = std::clamp(std::bit_ceil(num_taxels / kTaxelsPerLane), 8u, kMaxLanes);
+  const std::uint32_t rows = packed.one_patch ? static_cast<std::uint32_t>(sensor.patches.front().num_rows)
+                                              : (num_taxels + layout::kListCols - 1) / layout::kListCols;
+  packed.image_lanes = std::min(std::bit_ceil(rows), kMaxLanes);
   packed.flat = packed.one_patch && sensor.patches.front().X_SP == Pose{};
   packed.searches_in_tile = packed.tiles.size() == 1 && packed.patches.front().row2.z == 1.0f;
   packTaxels(sensor, packed.one_patch, packed.taxels);

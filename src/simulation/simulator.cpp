@@ -139,7 +139,8 @@ gpu::Commands Simulator::Impl::record(bool with_loads, bool random) {
   }
   commands.timestamp(1);
   commands.dispatch(
-      m.imageKernel({.random = random, .with_normal = options.outputs.tactile_normal_force}), (n + m.repeat - 1) / m.repeat,
+      m.imageKernel({.random = random, .with_normal = options.outputs.tactile_normal_force}),
+      (n + m.imagesPerWorkgroup() - 1) / m.imagesPerWorkgroup(),
       {&b.instances, &b.step, &m.sensor_record, &m.taxels, &m.spread_rows, &b.contact_normal, &b.contact_shear, &b.tile_results, &b.loads,
        &b.image.device, &b.spread_normal.device, &b.spread_shear.device, &b.features.device, &b.problems.device});
   commands.timestamp(2);
