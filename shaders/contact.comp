@@ -4,7 +4,7 @@
 //
 // A workgroup owns REPEAT tiles, one after another; tile number = instance NUM_TILES + tile of the sensor. An invocation owns boxes, then triangles,
 // then taxels.
-// In:  poses (num_instances x num_slots), objects, groups, clusters, triangles, the sensor's patches and tiles.
+// In:  poses (num_instances x num_slots), objects, groups, clusters, triangles, faces, the sensor's patches and tiles.
 // Out: contact_normal (num_instances x num_taxels), N, over the part of the spread's kernel that stays on the sensor; of a sensor of one tile only
 //      inside the window of its result; contact_depth (num_instances x num_taxels), m; tile_results (num_instances x num_tiles);
 //      loads (num_instances): what the search found.
@@ -12,6 +12,7 @@
 // Deterministic: the tile is a minimum; sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
 // Twins: src/reference/depth.cpp, contact.cpp, load.cpp.
 
+#include "lib/pairs.glsl"
 #include "shared/layout.h"
 #include "lib/specialization.glsl"
 layout(constant_id = 11) const uint TILE_SAMPLES = 1344;  // most samples of a tile
@@ -27,6 +28,7 @@ layout(constant_id = 20) const bool MANY_SLOTS = false;  // an instance may touc
 layout(constant_id = 21) const uint KINDS = 1;           // bit per kind of object in the model
 layout(constant_id = 22) const uint TRIANGLES = 3;       // bit 0: meshes of small triangles, bit 1: of large ones
 layout(constant_id = 23) const bool OUTPUT_DEPTH = false;  // contact_depth is wanted
+layout(constant_id = 24) const uint FACES = 1;           // of each polyhedron, some perhaps listed twice
 
 // A software driver computes both sides of every branch and a loop's body at least once, so what a model, sensor or batch does not need is left
 // out by constants.
@@ -42,9 +44,9 @@ layout(std430, set = 0, binding = 0) readonly buffer Poses { PoseRecord poses[];
 layout(std430, set = 0, binding = 1) readonly buffer Instances { InstanceRecord instances[]; };
 layout(std430, set = 0, binding = 2) readonly buffer Step { StepRecord step_record; };
 layout(std430, set = 0, binding = 3) readonly buffer Objects { ObjectRecord objects[]; };
-layout(std430, set = 0, binding = 4) readonly buffer Groups { uvec4 groups[]; };
-layout(std430, set = 0, binding = 5) readonly buffer Clusters { uvec4 clusters[]; };
-layout(std430, set = 0, binding = 6) readonly buffer Triangles { uint triangles[]; };
+layout(std430, set = 0, binding = 4) readonly buffer Groups { Pair groups[]; };
+layout(std430, set = 0, binding = 5) readonly buffer Clusters { Pair clusters[]; };
+layout(std430, set = 0, binding = 6) readonly buffer Triangles { Pair triangles[]; };
 layout(std430, set = 0, binding = 7) readonly buffer Patches { PatchRecord patches[]; };
 layout(std430, set = 0, binding = 8) readonly buffer Tiles { TileRecord tiles[]; };
 layout(std430, set = 0, binding = 9) readonly buffer SpreadScale { float spread_scale[]; };
@@ -54,7 +56,9 @@ layout(std430, set = 0, binding = 12) writeonly buffer ContactDepth { float cont
 layout(std430, set = 0, binding = 13) writeonly buffer TileResults { TileResult tile_results[]; };
 layout(std430, set = 0, binding = 14) buffer Loads { LoadRecord loads[]; };
 layout(std430, set = 0, binding = 15) writeonly buffer Problems { uint problems[]; };
+layout(std430, set = 0, binding = 16) readonly buffer Faces { Pair faces[]; };
 
+const float kMiss = 1e30;  // height where there is no surface
 const uint kEmpty = 0x7F7FFFFFu;  // the largest finite float, as bits: no surface over the sample
 // Groups are culled a batch at a time, so that the list of clusters has room for all of theirs.
 const uint kGroupsPerBatch = 32;
@@ -81,6 +85,7 @@ bool cut_short = false;
 
 #include "lib/workgroup.glsl"
 #include "lib/transform.glsl"
+#include "lib/polyhedron.glsl"
 #include "lib/analytic.glsl"
 #include "lib/raster.glsl"
 #include "lib/laws/registry.glsl"
@@ -266,12 +271,14 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
       bool is_mesh = body.kind_groups.x == kKindMesh;
       if (kHasMesh && (!kHasAnalytic || is_mesh)) rasterMesh(body, fromLattice(body, id), active_part, one_batch);
       if (kHasAnalytic && (!kHasMesh || !is_mesh)) {
+        if (isKind(body.kind_groups.x, kKindPolyhedron)) loadFaces(body.kind_groups.y, body.X_PO);
         rasterAnalytic(body, objects[id].parameters);
         grow(active_part, body.center, body.half_size);
       }
     }
   } else {
     active_part = reached;
+    if (isKind(body.kind_groups.x, kKindPolyhedron)) loadFaces(body.kind_groups.y, body.X_PO);
   }
   addToActive(active_part);
   barrier();

@@ -1,10 +1,9 @@
 // Height of analytic solids over a sample: the lowest z in P at which the ray p = (x, y, z), z rising, is inside the solid. kMiss where it
 // never is, kBottomless where the solid goes down for ever. Solids as in include/taxelsim/object.h. Twin: src/reference/analytic.cpp.
 
-// Solids that the model does not have are left out by the constant KINDS.
-bool isKind(uint kind, uint wanted) { return (KINDS & (1u << wanted)) != 0 && kind == wanted; }
+// By the constant KINDS, solids that the model does not have are left out, and one that is alone is not asked for.
+bool isKind(uint kind, uint wanted) { return KINDS == (1u << wanted) || ((KINDS & (1u << wanted)) != 0 && kind == wanted); }
 
-const float kMiss = 1e30;
 const float kBottomless = -1e30;
 
 // Parts of the ray o + t d inside a convex set are intervals [near, far]; an empty one has near > far.
@@ -97,8 +96,9 @@ float torusHeight(vec3 o, vec3 d, float major_radius, float minor_radius) {
   return t;
 }
 
-// Height over the sample at (x, y) of P. X_PO: pose of the solid in P.
+// Height over the sample at (x, y) of P. X_PO: pose of the solid in P; of a polyhedron the faces have been loaded.
 float analyticHeight(uint kind, vec4 parameters, Affine X_PO, vec2 xy) {
+  if (isKind(kind, kKindPolyhedron)) return polyhedronHeight(xy);
   vec3 r0 = X_PO.row0.xyz, r1 = X_PO.row1.xyz, r2 = X_PO.row2.xyz;
   vec3 from = vec3(xy.x - X_PO.row0.w, xy.y - X_PO.row1.w, -X_PO.row2.w);
   vec3 o = r0 * from.x + r1 * from.y + r2 * from.z;

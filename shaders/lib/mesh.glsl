@@ -12,8 +12,9 @@ Affine fromLattice(Body body, int id) {
 
 const int kLatticeMiddle = 1 << (kLatticeBits - 1);
 
-// Whether a box of a group or cluster reaches into the window and over any sample; `center` and `half_size` are its bounds in (u, v, z).
-bool boxReaches(Affine from_lattice, uvec3 box, out vec3 center, out vec3 half_size) {
+// Whether the box of a group or cluster reaches into the window and over any sample; `center` and `half_size` are its bounds in (u, v, z).
+bool boxReaches(Affine from_lattice, uvec2 box_xy, uint box_z, out vec3 center, out vec3 half_size) {
+  uvec3 box = uvec3(box_xy, box_z);
   vec3 low = vec3(box & 0xFFFFu), high = vec3(box >> 16);
   const float kUnit = float(1u << kBoxShift);
   boundsOfImage(from_lattice, (low + high) * (0.5 * kUnit) - float(kLatticeMiddle), (high - low) * (0.5 * kUnit), center, half_size);
@@ -21,18 +22,17 @@ bool boxReaches(Affine from_lattice, uvec3 box, out vec3 center, out vec3 half_s
   return !outsideTile(center, half_size) && first.x <= last.x && first.y <= last.y;
 }
 
-vec3 unpackVertex(uint word) {
-  uint w0 = triangles[word], w1 = triangles[word + 1];
+vec3 unpackVertex(uint vertex) {
+  uvec2 words = wordsOf(triangles[vertex]);
   const uint kMask = (1u << kLatticeBits) - 1u;
-  uvec3 q = uvec3(w0 & kMask, (w0 >> kLatticeBits) | ((w1 & 0x3FFu) << 11), (w1 >> 10) & kMask);
+  uvec3 q = uvec3(words.x & kMask, (words.x >> kLatticeBits) | ((words.y & 0x3FFu) << 11), (words.y >> 10) & kMask);
   return vec3(ivec3(q) - kLatticeMiddle);
 }
 
 void rasterNumbered(Affine from_lattice, uint triangle, bool large) {
-  uint word = triangle * kTriangleWords;
-  vec3 p = apply(from_lattice, unpackVertex(word));
-  vec3 q = apply(from_lattice, unpackVertex(word + 2));
-  vec3 r = apply(from_lattice, unpackVertex(word + 4));
+  vec3 p = apply(from_lattice, unpackVertex(3 * triangle));
+  vec3 q = apply(from_lattice, unpackVertex(3 * triangle + 1));
+  vec3 r = apply(from_lattice, unpackVertex(3 * triangle + 2));
   if (TRIANGLES == 1 || (TRIANGLES == 3 && !large)) rasterBySamples(p, q, r);
   if (TRIANGLES == 2 || (TRIANGLES == 3 && large)) rasterBySpans(p, q, r);
 }
@@ -43,9 +43,9 @@ void clearTile(Box box) {
   vec2 high = min(ceil(box.high), tile_end - 1.0) - tile_first;
   if (low.x > high.x || low.y > high.y) return;
   uvec2 first = uvec2(low) / SAMPLES * SAMPLES;
-  uvec2 count = (uvec2(high) / SAMPLES + 1u) * SAMPLES - first;
-  for (uint i = gl_LocalInvocationIndex; i < count.x * count.y; i += WORKGROUP) {
-    tile[(first.x + i / count.y) * tile_stride + first.y + i % count.y] = kEmpty;
+  uvec2 end = (uvec2(high) / SAMPLES + 1u) * SAMPLES;
+  for (uint row = first.x + gl_LocalInvocationIndex; row < end.x; row += WORKGROUP) {
+    for (uint address = row * tile_stride + first.y; address < row * tile_stride + end.y; ++address) tile[address] = kEmpty;
   }
 }
 
@@ -60,8 +60,8 @@ void rasterMesh(Body body, Affine from_lattice, inout Box active_part, bool clea
     if (lane == 0) num_listed_groups = num_listed_clusters = 0;
     barrier();
     for (uint g = start + lane; g < min(start + kGroupsPerBatch, end_group); g += WORKGROUP) {
-      uvec4 record = groups[g];
-      if (boxReaches(from_lattice, record.xyz, center, half_size)) group_list[atomicAdd(num_listed_groups, 1u)] = record.w;
+      uvec2 box_xy = wordsOf(groups[2 * g]), box_z_items = wordsOf(groups[2 * g + 1]);
+      if (boxReaches(from_lattice, box_xy, box_z_items.x, center, half_size)) group_list[atomicAdd(num_listed_groups, 1u)] = box_z_items.y;
     }
     barrier();
     for (uint g = 0; g < num_listed_groups; ++g) {
@@ -69,9 +69,9 @@ void rasterMesh(Body body, Affine from_lattice, inout Box active_part, bool clea
       uint first = group & ((1u << kFirstBits) - 1u);
       uint last = first + (group >> kFirstBits);
       for (uint c = first + lane; c <= last; c += WORKGROUP) {
-        uvec4 record = clusters[c];
-        if (boxReaches(from_lattice, record.xyz, center, half_size)) {
-          cluster_list[atomicAdd(num_listed_clusters, 1u)] = record.w;
+        uvec2 box_xy = wordsOf(clusters[2 * c]), box_z_items = wordsOf(clusters[2 * c + 1]);
+        if (boxReaches(from_lattice, box_xy, box_z_items.x, center, half_size)) {
+          cluster_list[atomicAdd(num_listed_clusters, 1u)] = box_z_items.y;
           grow(active_part, center, half_size);
         }
       }

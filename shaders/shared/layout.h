@@ -27,6 +27,7 @@ TAXELSIM_CONSTANT kKindBox = 4u;
 TAXELSIM_CONSTANT kKindHalfSpace = 5u;
 TAXELSIM_CONSTANT kKindCone = 6u;
 TAXELSIM_CONSTANT kKindTorus = 7u;
+TAXELSIM_CONSTANT kKindPolyhedron = 8u;  // a convex mesh of few faces
 
 // A mesh lies on a lattice of its own: position in O = lattice_origin + lattice_step * q, q of kLatticeBits bits per axis, unsigned.
 TAXELSIM_CONSTANT kLatticeBits = 21u;
@@ -35,7 +36,8 @@ TAXELSIM_CONSTANT kTrianglesPerCluster = 8u;
 TAXELSIM_CONSTANT kClustersPerGroup = 32u;
 
 struct ObjectRecord {
-  uvec4 kind_groups;  // kind, first group, number of groups, 1 where triangles are large against the samples
+  uvec4 kind_groups;  // kind; of meshes first group, number of groups, 1 where triangles are large against the samples; of polyhedra first
+                      // face
   vec4 parameters;    // of analytic solids: radius and half length, half sizes, radius and height, both radii
   vec4 lattice;       // of meshes: the middle of the lattice in O, m; lattice_step, m
   vec4 center;        // of the bounding box, in O, m

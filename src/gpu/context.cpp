@@ -153,8 +153,11 @@ Context::Context(const DeviceOptions& options) : vulkan_(std::make_unique<Vulkan
   vulkan.timestamp_period = static_cast<double>(vulkan.physical.getProperties().limits.timestampPeriod) * 1e-9;
   const float priority = 1;
   const vk::DeviceQueueCreateInfo queue({}, vulkan.queue_family, 1, &priority);
+  vk::PhysicalDeviceFeatures features;
+  features.shaderInt64 = vulkan.physical.getFeatures().shaderInt64;
+  has_int64_ = features.shaderInt64 == VK_TRUE;
   checked("opening device " + info_.name, "", [&] {
-    vulkan.device = vk::raii::Device(vulkan.physical, vk::DeviceCreateInfo({}, queue));
+    vulkan.device = vk::raii::Device(vulkan.physical, vk::DeviceCreateInfo({}, queue, {}, {}, &features));
     vulkan.queue = vulkan.device.getQueue(vulkan.queue_family, 0);
     const std::filesystem::path file = cacheFile(info_);
     const std::vector<std::uint8_t> bytes = file.empty() ? std::vector<std::uint8_t>() : readFile(file);

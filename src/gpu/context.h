@@ -20,6 +20,9 @@ class Context {
 
   const DeviceInfo& info() const { return info_; }
 
+  // Whether kernels may use integers of 64 bits; switched on where the device has them.
+  bool hasInt64() const { return has_int64_; }
+
   // Writes the pipeline cache to disk if new pipelines were made; called by the owner of the last pipeline of a batch of them. Errors are
   // logged only: a cache is never worth a failure.
   void savePipelineCache();
@@ -33,6 +36,7 @@ class Context {
  private:
   std::unique_ptr<Vulkan> vulkan_;
   DeviceInfo info_;
+  bool has_int64_ = false;
 };
 
 }  // namespace taxelsim::gpu

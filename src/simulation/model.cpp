@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "contact_winkler.spv.h"
+#include "contact_winkler_pairs.spv.h"
 #include "image.spv.h"
 #include "load.spv.h"
 #include "simulation/model_impl.h"
@@ -104,6 +105,8 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
   groups = upload("groups", packed_objects.groups);
   clusters = upload("clusters", packed_objects.clusters);
   triangles = upload("triangles", packed_objects.triangles);
+  faces = upload("faces", packed_objects.faces);
+  num_faces = packed_objects.num_faces;
   sensor_record = upload("sensor", std::vector{packed.sensor});
   patches = upload("patches", packed.patches);
   tiles = upload("tiles", packed.tiles);
@@ -159,16 +162,18 @@ std::vector<gpu::Constant> Model::Impl::constants(std::uint32_t workgroup, std::
 
 gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const {
   const Winkler& law = std::get<Winkler>(sensor.skin.law);
+  // Measured on a software driver; GPUs fetch two words at once without it.
+  const bool pairs = device.info().type == DeviceType::kCpu && device.context().hasInt64();
   const bool scaled = std::any_of(packed.spread_scale.begin(), packed.spread_scale.end(), [](float scale) { return scale != 1; });
   return {device.context(),
           {.name = "contact_winkler",
-           .spirv = k_contact_winkler_spirv,
+           .spirv = pairs ? std::span<const std::uint32_t>(k_contact_winkler_pairs_spirv) : k_contact_winkler_spirv,
            .buffers = {"Poses", "Instances", "Step", "Objects", "Groups", "Clusters", "Triangles", "Patches", "Tiles", "SpreadScale",
-                       "State", "ContactNormal", "ContactDepth", "TileResults", "Loads", "Problems"},
+                       "State", "ContactNormal", "ContactDepth", "TileResults", "Loads", "Problems", "Faces"},
            .constants = constants(contact_workgroup, packed.contact_lanes, contactRepeat(variant),
                                   {packed.max_tile_samples, packed.flat, has_state, variant.search, bits(sensor.skin.thickness),
                                    bits(law.normal_contact_stiffness), bits(law.normal_exponent), bits(law.normal_damping), scaled,
-                                   variant.many_slots, kinds, triangles_of, variant.with_depth})}};
+                                   variant.many_slots, kinds, triangles_of, variant.with_depth, num_faces})}};
 }
 
 gpu::Kernel Model::Impl::makeImageKernel(const ImageVariant& variant) const {

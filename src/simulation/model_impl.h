@@ -31,7 +31,8 @@ struct Model::Impl {
   std::uint32_t image_repeat = 1;    // instances that such a team does one after another
   bool has_state = false;            // the law remembers the depth of the step before
 
-  gpu::Buffer object_records, groups, clusters, triangles;
+  std::uint32_t num_faces = 1;  // of each polyhedron
+  gpu::Buffer object_records, groups, clusters, triangles, faces;
   gpu::Buffer sensor_record, patches, tiles, taxels, spread_rows, spread_scale;
   std::uint64_t static_bytes = 0;
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "geometry/clusters.h"
+#include "geometry/polyhedron.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -18,6 +19,9 @@ constexpr float kEndless = 1e9f;
 
 // Triangles whose root mean area is this many sample spacings are rastered row by row, smaller ones sample by sample.
 constexpr double kLargeTriangle = 6;
+
+// Faces that a polyhedron may have: with more, rastering its triangles is as fast.
+constexpr std::size_t kMaxFaces = 16;
 
 glm::uvec4 packBox(const ClusterBox& box, std::uint32_t offset) {
   const auto axis = [&](std::size_t i) {
@@ -59,6 +63,27 @@ void packMesh(const Mesh& mesh, double sample_spacing, PackedObjects& packed, la
   }
 }
 
+// The faces of all meshes, if each of them is a polyhedron; else nothing: a model that has to raster one mesh had better raster all.
+std::vector<std::vector<Face>> polyhedra(std::span<const Object> objects) {
+  std::vector<std::vector<Face>> all;
+  for (const Object& object : objects) {
+    const Mesh* mesh = std::get_if<Mesh>(&object.shape);
+    if (mesh == nullptr) continue;
+    const std::optional<std::vector<Face>> faces = convexFaces(*mesh, kMaxFaces);
+    if (!faces) return {};
+    all.push_back(*faces);
+  }
+  return all;
+}
+
+void packFaces(const std::vector<Face>& faces, PackedObjects& packed, layout::ObjectRecord& record) {
+  record.kind_groups = {layout::kKindPolyhedron, static_cast<std::uint32_t>(packed.faces.size()), 0u, 0u};
+  for (std::size_t f = 0; f < packed.num_faces; ++f) {
+    const auto& [normal, offset] = faces[f < faces.size() ? f : 0];
+    packed.faces.emplace_back(normal[0], normal[1], normal[2], offset);
+  }
+}
+
 // Kind and parameters of an analytic solid, as shaders/lib/analytic.glsl reads them.
 struct PackSolid {
   layout::ObjectRecord& record;
@@ -81,6 +106,9 @@ struct PackSolid {
 
 PackedObjects packObjects(std::span<const Object> objects, double sample_spacing) {
   PackedObjects packed;
+  const std::vector<std::vector<Face>> faces = polyhedra(objects);
+  for (const std::vector<Face>& of_one : faces) packed.num_faces = std::max(packed.num_faces, static_cast<std::uint32_t>(of_one.size()));
+  std::size_t num_meshes = 0;
   for (const Object& object : objects) {
     layout::ObjectRecord record{};
     const Bounds bounds = boundsOf(object);
@@ -91,7 +119,13 @@ PackedObjects packObjects(std::span<const Object> objects, double sample_spacing
       record.half_size[axis] = static_cast<float>((high - low) / 2 * (1 + 1e-6));
     }
     std::visit(PackSolid{record}, object.shape);
-    if (const Mesh* mesh = std::get_if<Mesh>(&object.shape)) packMesh(*mesh, sample_spacing, packed, record);
+    if (const Mesh* mesh = std::get_if<Mesh>(&object.shape)) {
+      if (faces.empty()) {
+        packMesh(*mesh, sample_spacing, packed, record);
+      } else {
+        packFaces(faces[num_meshes++], packed, record);
+      }
+    }
     packed.objects.push_back(record);
   }
   return packed;

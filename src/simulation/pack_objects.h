@@ -15,9 +15,12 @@ struct PackedObjects {
   std::vector<glm::uvec4> groups;  // boxes, layout.h
   std::vector<glm::uvec4> clusters;
   std::vector<std::uint32_t> triangles;
+  std::vector<glm::vec4> faces;  // of polyhedra: normal and offset, m, in O
+  std::uint32_t num_faces = 1;   // of each polyhedron; those of one with fewer are repeated
 };
 
-// `sample_spacing` (m): triangles much longer than it are rastered row by row.
+// Where every mesh is convex and has few faces, they become polyhedra. `sample_spacing` (m): triangles much longer than it are rastered row
+// by row.
 PackedObjects packObjects(std::span<const Object> objects, double sample_spacing);
 
 }  // namespace taxelsim

@@ -131,7 +131,7 @@ gpu::Commands Simulator::Impl::record(bool with_loads, bool random) {
     commands.dispatch(
         contact, (n * num_tiles + contact_repeat - 1) / contact_repeat,
         {&b.poses, &b.instances, &b.step, &m.object_records, &m.groups, &m.clusters, &m.triangles, &m.patches, &m.tiles, &m.spread_scale,
-         &b.state, &b.contact_normal, &b.contact_depth.device, &b.tile_results, &b.loads, &b.problems.device});
+         &b.state, &b.contact_normal, &b.contact_depth.device, &b.tile_results, &b.loads, &b.problems.device, &m.faces});
     commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
     if (!over_tiles) continue;
     commands.dispatch(m.loadKernel(), (n + m.image_workgroup - 1) / m.image_workgroup, {&b.instances, &b.step, &b.tile_results, &b.loads});

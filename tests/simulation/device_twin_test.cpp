@@ -19,6 +19,7 @@ constexpr double kLoosestEnvelope = 0.02;
 
 struct SceneKind {
   support::SensorRange sensor;
+  bool all_convex = false;  // every mesh is a convex polyhedron
   double solid_share = 0;
   int num_objects = 1;
   int num_slots = 1;
@@ -31,6 +32,7 @@ void runScene(const SceneKind& kind, int seed) {
   std::vector<Object> objects;
   for (int n = 0; n < kind.num_objects; ++n) {
     objects.push_back(random.chance(kind.solid_share) ? support::randomSolid(random, kObjectSize)
+                      : kind.all_convex               ? support::randomPolyhedron(random, kObjectSize)
                                                       : support::randomMeshObject(random, kObjectSize));
   }
   std::vector<Touch> touches;
@@ -69,6 +71,19 @@ class TwinSeeds : public ::testing::TestWithParam<int> {};
 
 TEST_P(TwinSeeds, MeshOnOnePatch) {
   runScene({.sensor = {}}, GetParam());
+}
+
+TEST_P(TwinSeeds, PolyhedronOnOnePatch) {
+  runScene({.sensor = {}, .all_convex = true}, 4000 + GetParam());
+}
+
+TEST_P(TwinSeeds, PolyhedraAmongSolids) {
+  runScene({.sensor = {.max_rows = 8, .max_cols = 8, .max_patches = 1 + GetParam() % 3, .max_patch_tilt = 0.3},
+            .all_convex = true,
+            .solid_share = 0.3,
+            .num_objects = 3,
+            .num_slots = 1 + GetParam() % 3},
+           5000 + GetParam());
 }
 
 TEST_P(TwinSeeds, SolidOnOnePatch) {

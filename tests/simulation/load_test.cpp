@@ -82,12 +82,13 @@ class LoadOnDevice : public ::testing::TestWithParam<int> {};
 
 // Over the middle, over the border, with one or two objects, solids and meshes (with holes): loads from 2 to 95 % of what full depth
 // carries.
-void runRandomLoads(int seed, const support::SensorRange& range, bool is_level) {
+void runRandomLoads(int seed, const support::SensorRange& range, bool is_level,
+                    Object (*randomMesh)(Random&, double) = support::randomMeshObject) {
   Random random(static_cast<std::uint64_t>(seed));
   const Sensor sensor = support::randomSensor(random, range);
   std::vector<Object> objects;
   for (int n = 0; n < 3; ++n) {
-    objects.push_back(random.chance(0.5) ? support::randomSolid(random, 0.02) : support::randomMeshObject(random, 0.02));
+    objects.push_back(random.chance(0.5) ? support::randomSolid(random, 0.02) : randomMesh(random, 0.02));
   }
   std::vector<LoadedInstance> instances;
   for (int i = 0; i < 4; ++i) {
@@ -114,6 +115,10 @@ void runRandomLoads(int seed, const support::SensorRange& range, bool is_level) 
 
 TEST_P(LoadOnDevice, OnePatch) {
   runRandomLoads(GetParam(), {}, true);
+}
+
+TEST_P(LoadOnDevice, Polyhedra) {
+  runRandomLoads(3000 + GetParam(), {.max_patches = 1 + GetParam() % 2}, true, support::randomPolyhedron);
 }
 
 TEST_P(LoadOnDevice, SeveralLevelPatches) {

@@ -165,8 +165,8 @@ Mesh prism(const std::vector<std::array<double, 2>>& outline_xz, double length_y
     mesh.triangles.push_back({i, next, n + next});
     mesh.triangles.push_back({i, n + next, n + i});
     if (i >= 2) {
-      mesh.triangles.push_back({0, i - 1, i});
-      mesh.triangles.push_back({n, n + i, n + i - 1});
+      mesh.triangles.push_back({0, i, i - 1});
+      mesh.triangles.push_back({n, n + i - 1, n + i});
     }
   }
   return mesh;
@@ -228,6 +228,17 @@ Object randomMeshObject(Random& random, double size) {
     default:
       return Object("box", boxMesh({random.uniform(0.2, 1) * size, random.uniform(0.2, 1) * size, random.uniform(0.2, 1) * size}));
   }
+}
+
+Object randomPolyhedron(Random& random, double size) {
+  std::vector<std::array<double, 2>> outline;
+  const int num_corners = random.integer(3, 14);
+  const double stretch = random.uniform(0.3, 1);
+  for (int n = 0; n < num_corners; ++n) {
+    const double angle = 2 * std::numbers::pi * (n + random.uniform(-0.3, 0.3)) / num_corners;
+    outline.push_back({size / 2 * std::cos(angle), stretch * size / 2 * std::sin(angle)});
+  }
+  return Object("polyhedron", prism(outline, random.uniform(0.1, 2) * size));
 }
 
 Object randomSolid(Random& random, double size) {

@@ -60,6 +60,7 @@ Mesh triangleSoup(int num_triangles, double size, Random& random);
 Mesh sheetWithHoles(int num_cells, double size, double roughness, double hole_probability, Random& random);  // open, z about 0
 
 Object randomMeshObject(Random& random, double size);
+Object randomPolyhedron(Random& random, double size);  // a mesh: a convex prism of 5 to 16 faces
 Object randomSolid(Random& random, double size);
 // A rotation in which the object has a lowest surface everywhere (half-spaces are only tilted).
 Quaternion randomRotation(Random& random, const Object& object);

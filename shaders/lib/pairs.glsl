@@ -1,0 +1,10 @@
+// Two words of a buffer, fetched together. Mesa's software driver fetches lane by lane and component by component, so that a word of 64 bits costs it hardly
+// more than one of 32; a GPU fetches a uvec2 in one go.
+#ifdef PAIRS_OF_64_BITS
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#define Pair uint64_t
+#define wordsOf unpackUint2x32
+#else
+#define Pair uvec2
+#define wordsOf
+#endif
