@@ -20,15 +20,20 @@ layout(constant_id = 12) const bool FLAT = true;          // the one patch's fra
 layout(constant_id = 13) const bool HAS_STATE = false;    // the law needs the depth of the step before
 layout(constant_id = 14) const uint SEARCH = 0;          // load search: kNoSearch, kSearchInTile, kSearchOverTiles
 layout(constant_id = 15) const float THICKNESS = 0.002;  // m
-layout(constant_id = 16) const float LAW_0 = 1.73e8;     // parameters of the contact law, lib/laws/
-layout(constant_id = 17) const float LAW_1 = 1.0;
-layout(constant_id = 18) const float LAW_2 = 0.0;
-layout(constant_id = 19) const bool SCALED = true;       // sources near a border give more to the taxels that are there, lib/spread.glsl
-layout(constant_id = 20) const bool MANY_SLOTS = false;  // an instance may touch several objects
-layout(constant_id = 21) const uint KINDS = 1;           // bit per kind of object in the model
-layout(constant_id = 22) const uint TRIANGLES = 3;       // bit 0: meshes of small triangles, bit 1: of large ones
-layout(constant_id = 23) const bool OUTPUT_DEPTH = false;  // contact_depth is wanted
-layout(constant_id = 24) const uint FACES = 1;           // of each polyhedron, some perhaps listed twice
+layout(constant_id = 16) const bool SCALED = true;       // sources near a border give more to the taxels that are there, lib/spread.glsl
+layout(constant_id = 17) const bool MANY_SLOTS = false;  // an instance may touch several objects
+layout(constant_id = 18) const uint KINDS = 1;           // bit per kind of object in the model
+layout(constant_id = 19) const uint TRIANGLES = 3;       // bit 0: meshes of small triangles, bit 1: of large ones
+layout(constant_id = 20) const bool OUTPUT_DEPTH = false;  // contact_depth is wanted
+layout(constant_id = 21) const uint FACES = 1;           // of each polyhedron, some perhaps listed twice
+layout(constant_id = 22) const float LAW_0 = 1.73e8;     // parameters of the contact law, lib/laws/
+layout(constant_id = 23) const float LAW_1 = 1.0;
+layout(constant_id = 24) const float LAW_2 = 0.0;
+layout(constant_id = 25) const float LAW_3 = 0.0;
+layout(constant_id = 26) const float LAW_4 = 0.0;
+layout(constant_id = 27) const float LAW_5 = 0.0;
+layout(constant_id = 28) const float LAW_6 = 0.0;
+layout(constant_id = 29) const float LAW_7 = 0.0;
 
 // A software driver computes both sides of every branch and a loop's body at least once, so what a model, sensor or batch does not need is left
 // out by constants.

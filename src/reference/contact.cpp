@@ -8,15 +8,24 @@
 
 namespace taxelsim::reference {
 
-double winklerPressure(const Winkler& law, double d, double rate) {
-  if (d <= 0) {
-    return 0;
+namespace {
+
+// One a law.
+struct Pressure {
+  double d, rate;
+
+  double operator()(const Winkler& law) const {
+    return std::max(0.0, law.normal_contact_stiffness * std::pow(d, law.normal_exponent) + law.normal_damping * rate);
   }
-  return std::max(0.0, law.normal_contact_stiffness * std::pow(d, law.normal_exponent) + law.normal_damping * rate);
+};
+
+}  // namespace
+
+double pressureOf(const ContactLaw& law, double d, double rate) {
+  return d <= 0 ? 0 : std::visit(Pressure{d, rate}, law);
 }
 
-Contact winklerContact(const Sensor& sensor, std::span<const double> d, std::span<const double> previous, double dt) {
-  const Winkler& law = std::get<Winkler>(sensor.skin.law);
+Contact contactOf(const Sensor& sensor, std::span<const double> d, std::span<const double> previous, double dt) {
   const std::vector<Sample> samples = samplesOf(sensor);
   Contact contact;
   contact.taxel_force.assign(samples.size() / samplesPerTaxel(sensor), 0);
@@ -26,7 +35,7 @@ Contact winklerContact(const Sensor& sensor, std::span<const double> d, std::spa
   for (std::size_t n = 0; n < samples.size(); ++n) {
     const Sample& sample = samples[n];
     const double rate = previous.empty() || dt == 0 ? 0 : (d[n] - previous[n]) / dt;
-    const double pressure = winklerPressure(law, d[n], rate);
+    const double pressure = pressureOf(sensor.skin.law, d[n], rate);
     contact.pressure.push_back(pressure);
     contact.taxel_force[sample.taxel] += pressure * sample.area;
     contact.mean_penetration[sample.taxel] += std::max(d[n], 0.0) / static_cast<double>(samplesPerTaxel(sensor));

@@ -12,8 +12,8 @@ Frame simulateFrame(const Sensor& sensor, const FrameInput& input) {
   }
   frame.heights = surfaceHeights(sensor, movedAlongZ(input.objects, frame.load.offset));
   frame.penetration = penetrations(frame.heights, sensor.skin.thickness);
-  frame.contact = input.load ? winklerContact(sensor, frame.penetration, {}, 0)
-                             : winklerContact(sensor, frame.penetration, input.previous_penetration, input.dt);
+  frame.contact =
+      input.load ? contactOf(sensor, frame.penetration, {}, 0) : contactOf(sensor, frame.penetration, input.previous_penetration, input.dt);
   frame.spread_force = spread(sensor, frame.contact.taxel_force);
   frame.counts = readOut(sensor, frame.spread_force, input.draw);
   frame.measured_force = measuredForce(sensor, frame.counts);

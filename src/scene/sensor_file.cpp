@@ -72,16 +72,20 @@ std::vector<GridPatch> readPatches(const YamlMap& map) {
   return patches;
 }
 
+Winkler readWinkler(const YamlMap& map) {
+  Winkler law;
+  law.normal_contact_stiffness = map.number("normal_contact_stiffness", Allowed::above(0, "Pa/m^normal_exponent"));
+  law.normal_exponent = map.number("normal_exponent", Allowed::within(1, 3, ""), law.normal_exponent);
+  law.normal_damping = map.number("normal_damping", Allowed::atLeast(0, "Pa s/m"), law.normal_damping);
+  return law;
+}
+
 Skin readSkin(const YamlMap& sensor) {
   const YamlMap map(sensor, "skin", {"thickness[_mm]", "law", "normal_contact_stiffness", "normal_exponent", "normal_damping"});
   Skin skin;
   skin.thickness = map.number("thickness", Allowed::above(0, "m"));
   map.choice("law", {"winkler"}, "winkler");
-  Winkler law;
-  law.normal_contact_stiffness = map.number("normal_contact_stiffness", Allowed::above(0, "Pa/m^normal_exponent"));
-  law.normal_exponent = map.number("normal_exponent", Allowed::within(1, 3, ""), law.normal_exponent);
-  law.normal_damping = map.number("normal_damping", Allowed::atLeast(0, "Pa s/m"), law.normal_damping);
-  skin.law = law;
+  skin.law = readWinkler(map);
   return skin;
 }
 

@@ -57,12 +57,25 @@ void checkPatches(const std::vector<GridPatch>& patches) {
   for (std::size_t i = 0; i < patches.size(); ++i) checkPatch(at("patches", i), patches[i]);
 }
 
+// One a law.
+struct CheckLaw {
+  void operator()(const Winkler& law) const {
+    checkPositive("skin.normal_contact_stiffness", law.normal_contact_stiffness, "Pa / m^normal_exponent");
+    if (!(law.normal_exponent >= 1 && law.normal_exponent <= 3)) fail("skin.normal_exponent", numberText(law.normal_exponent), "1 to 3");
+    checkNotNegative("skin.normal_damping", law.normal_damping, "Pa s / m");
+  }
+};
+
+// Pressure (Pa) at the skin's full depth, at rest; one a law.
+struct FullPressure {
+  double thickness;
+
+  double operator()(const Winkler& law) const { return law.normal_contact_stiffness * std::pow(thickness, law.normal_exponent); }
+};
+
 void checkSkin(const Skin& skin) {
   checkPositive("skin.thickness", skin.thickness, "m");
-  const Winkler& law = std::get<Winkler>(skin.law);
-  checkPositive("skin.normal_contact_stiffness", law.normal_contact_stiffness, "Pa / m^normal_exponent");
-  if (!(law.normal_exponent >= 1 && law.normal_exponent <= 3)) fail("skin.normal_exponent", numberText(law.normal_exponent), "1 to 3");
-  checkNotNegative("skin.normal_damping", law.normal_damping, "Pa s / m");
+  std::visit(CheckLaw{}, skin.law);
 }
 
 // Every taxel must send some of its force to a taxel of its own patch, or normalising per source divides by zero.
@@ -109,11 +122,10 @@ void checkPsf(const Psf& psf, const std::vector<GridPatch>& patches) {
 double largestForce(const Sensor& sensor) {
   double area = 0;
   for (const GridPatch& patch : sensor.patches) area = std::max(area, patch.pitch[0] * patch.pitch[1]);
-  const Winkler& law = std::get<Winkler>(sensor.skin.law);
   double gain = 1;
   for (const double taxel_gain : sensor.readout.taxel_gain) gain = std::max(gain, taxel_gain);
   if (sensor.psf.normalization == Psf::Normalization::kNone) gain *= std::max(1.0, kernelSum(sensor.psf));
-  return law.normal_contact_stiffness * std::pow(sensor.skin.thickness, law.normal_exponent) * area * gain;
+  return std::visit(FullPressure{sensor.skin.thickness}, sensor.skin.law) * area * gain;
 }
 
 void checkTaxelList(const std::string& field, const std::vector<double>& values, int num_taxels, const char* unit) {

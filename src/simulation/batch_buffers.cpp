@@ -13,7 +13,7 @@ struct InstanceBytes {
     const std::uint64_t taxels = model.num_taxels;
     const std::uint64_t num_tiles = model.packed.tiles.size();
     poses = sizeof(layout::PoseRecord) * static_cast<std::uint64_t>(options.num_slots);
-    state = model.has_state ? 4 * num_tiles * model.packed.max_tile_samples : 0;
+    state = model.law.has_state ? 4 * num_tiles * model.packed.max_tile_samples : 0;
     taxel_scalar = 4 * taxels;
     depth = options.outputs.penetration_depth ? 4 * taxels : 0;
     shear = options.outputs.tactile_shear_force ? 8 * taxels : 0;

@@ -2,8 +2,6 @@
 #include <bit>
 #include <cstdint>
 
-#include "contact_winkler.spv.h"
-#include "contact_winkler_pairs.spv.h"
 #include "image.spv.h"
 #include "load.spv.h"
 #include "simulation/model_impl.h"
@@ -64,7 +62,7 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
   const DeviceInfo& info = device.info();
   num_taxels = static_cast<std::uint32_t>(numTaxels(sensor));
   packed = packSensor(sensor, std::min(kMaxTileSamples, (info.shared_memory - kTileOverhead) / 4));
-  has_state = std::get<Winkler>(sensor.skin.law).normal_damping > 0;
+  law = packLaw(sensor.skin.law);
 
   std::uint64_t most_triangles = 0;
   for (const Object& object : objects) {
@@ -161,19 +159,19 @@ std::vector<gpu::Constant> Model::Impl::constants(std::uint32_t workgroup, std::
 }
 
 gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const {
-  const Winkler& law = std::get<Winkler>(sensor.skin.law);
   // Measured on a software driver; GPUs fetch two words at once without it.
   const bool pairs = device.info().type == DeviceType::kCpu && device.context().hasInt64();
   const bool scaled = std::any_of(packed.spread_scale.begin(), packed.spread_scale.end(), [](float scale) { return scale != 1; });
   return {device.context(),
-          {.name = "contact_winkler",
-           .spirv = pairs ? std::span<const std::uint32_t>(k_contact_winkler_pairs_spirv) : k_contact_winkler_spirv,
+          {.name = law.kernel,
+           .spirv = pairs ? law.spirv_pairs : law.spirv,
            .buffers = {"Poses", "Instances", "Step", "Objects", "Groups", "Clusters", "Triangles", "Patches", "Tiles", "SpreadScale",
                        "State", "ContactNormal", "ContactDepth", "TileResults", "Loads", "Problems", "Faces"},
            .constants = constants(contact_workgroup, packed.contact_lanes, contactRepeat(variant),
-                                  {packed.max_tile_samples, packed.flat, has_state, variant.search, bits(sensor.skin.thickness),
-                                   bits(law.normal_contact_stiffness), bits(law.normal_exponent), bits(law.normal_damping), scaled,
-                                   variant.many_slots, kinds, triangles_of, variant.with_depth, num_faces})}};
+                                  {packed.max_tile_samples, packed.flat, law.has_state, variant.search, bits(sensor.skin.thickness), scaled,
+                                   variant.many_slots, kinds, triangles_of, variant.with_depth, num_faces, bits(law.parameters[0]),
+                                   bits(law.parameters[1]), bits(law.parameters[2]), bits(law.parameters[3]), bits(law.parameters[4]),
+                                   bits(law.parameters[5]), bits(law.parameters[6]), bits(law.parameters[7])})}};
 }
 
 gpu::Kernel Model::Impl::makeImageKernel(const ImageVariant& variant) const {

@@ -8,6 +8,7 @@
 
 #include "gpu/buffer.h"
 #include "gpu/kernel.h"
+#include "simulation/pack_law.h"
 #include "simulation/pack_sensor.h"
 #include "taxelsim/model.h"
 
@@ -21,6 +22,7 @@ struct Model::Impl {
   std::vector<Object> objects;
   std::vector<Bounds> bounds;  // of the objects, in O; the endless ones cut at 1 m
   PackedSensor packed;
+  PackedLaw law;
   std::uint32_t kinds = 0;         // bit per kind of object
   std::uint32_t triangles_of = 0;  // bit 0: meshes of small triangles, bit 1: of large ones
   std::uint32_t num_taxels = 0;
@@ -29,7 +31,6 @@ struct Model::Impl {
   std::uint32_t contact_repeat = 1;  // tiles that a workgroup does one after another
   std::uint32_t image_team = 1;      // invocations that share an instance in the image pass
   std::uint32_t image_repeat = 1;    // instances that such a team does one after another
-  bool has_state = false;            // the law remembers the depth of the step before
 
   std::uint32_t num_faces = 1;  // of each polyhedron
   gpu::Buffer object_records, groups, clusters, triangles, faces;

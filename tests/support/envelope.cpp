@@ -57,8 +57,8 @@ FrameEnvelope frameEnvelope(const Sensor& sensor, std::span<const reference::Pla
     const reference::Sample& sample = samples[n];
     const double d_low = frame.penetration.low[n], d_high = frame.penetration.high[n];
     const double slowest = previous ? (d_low - previous->high[n]) / dt : 0, fastest = previous ? (d_high - previous->low[n]) / dt : 0;
-    const double force_low = reference::winklerPressure(law, d_low, slowest) * sample.area * (1 - rounding.relative_force);
-    const double force_high = reference::winklerPressure(law, d_high, fastest) * sample.area * (1 + rounding.relative_force);
+    const double force_low = reference::pressureOf(law, d_low, slowest) * sample.area * (1 - rounding.relative_force);
+    const double force_high = reference::pressureOf(law, d_high, fastest) * sample.area * (1 + rounding.relative_force);
     frame.taxel_force.low[sample.taxel] += force_low;
     frame.taxel_force.high[sample.taxel] += force_high;
     frame.mean_penetration.low[sample.taxel] += d_low / per_taxel;
