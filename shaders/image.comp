@@ -26,6 +26,7 @@ layout(constant_id = 20) const float NOISE = 0.0;         // counts
 layout(constant_id = 21) const bool RANDOM = false;      // some instance draws noise or gains
 layout(constant_id = 22) const uint TEAM = 1;            // invocations of an instance
 layout(constant_id = 23) const uint PARTIALS = 1;        // kNumSums LANES for every team of more than one invocation
+layout(constant_id = 24) const bool WHOLE_ARRAY = false;  // taxels that no object reaches may have a force
 
 layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceRecord instances[]; };
 layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
@@ -82,12 +83,13 @@ void findWindow(uint instance, bool everything) {
     }
   }
   bool touched = end.x > 0;
-  // Of a sensor of several tiles all taxels have a force.
-  contact_first = NUM_TILES == 1 ? first : uvec2(0);
-  contact_count = NUM_TILES > 1 ? all_taxels : touched ? end - first : uvec2(0);
+  // Of a sensor of several tiles, and after passes over its taxels, all have a force.
+  const bool kWritten = NUM_TILES > 1 || WHOLE_ARRAY;
+  contact_first = kWritten ? uvec2(0) : first;
+  contact_count = kWritten ? all_taxels : touched ? end - first : uvec2(0);
   window_first = first - min(first, uvec2(kRadius));
   window_count = touched ? min(end + kRadius, all_taxels) - window_first : uvec2(0);
-  if (!kOnePatch || everything) {
+  if (!kOnePatch || WHOLE_ARRAY || everything) {
     window_first = uvec2(0);
     window_count = all_taxels;
   }

@@ -40,7 +40,40 @@ struct Winkler {
   bool operator==(const Winkler&) const = default;
 };
 
-using ContactLaw = std::variant<Winkler>;
+// SkinSim: every taxel is a mass on a spring and a damper, pushed by what contact presses on it (an elastic foundation, as Winkler with
+// exponent 1). It reads the force in its spring, which after a while is that of contact: m x" + damping x' + stiffness x = F, reads
+// stiffness x.
+struct MassSpringDamper {
+  double normal_contact_stiffness = 0;  // N/m^3, > 0
+  double mass = 1e-3;                   // kg, > 0; with the next two the defaults of SkinSim's generator (model_params.yaml)
+  double stiffness = 16.37;             // N/m, > 0
+  double damping = 0.130;               // N s/m, >= 0
+
+  bool operator==(const MassSpringDamper&) const = default;
+};
+
+// RobWorkSim: an elastic foundation whose forces deform the surface around each contact by a mask that falls with distance, cells that
+// saturate, all rescaled to the force of contact. The mask is RobWorkSim's (TactileArraySensor), integrated over taxels: middle .52464,
+// edge .10387, corner .01497; at borders what stays on the patch is normalised.
+struct DeformationMask {
+  double normal_contact_stiffness = 3.5e8;  // N/m^3, > 0; the default is RobWorkSim's 700 kPa over 2 mm
+  double saturation_pressure = 250e3;       // Pa, > 0; RobWorkSim's
+
+  bool operator==(const DeformationMask&) const = default;
+};
+
+// Pezzementi et al.: depth alone, no force; a taxel reads sensitivity x mean depth x area, in newtons as the readout's curve takes them.
+// Cannot be driven by load; the contact wrench is 0.
+struct Proximity {
+  double sensitivity = 0;  // N/m^3, > 0
+
+  bool operator==(const Proximity&) const = default;
+};
+
+using ContactLaw = std::variant<Winkler, MassSpringDamper, DeformationMask, Proximity>;
+
+// The elastic foundation that the law presses with: Winkler's own, for the others linear springs without damping.
+Winkler foundationOf(const ContactLaw& law);
 
 struct Skin {
   double thickness = 0;  // m, > 0; the deepest penetration

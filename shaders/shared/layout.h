@@ -97,6 +97,7 @@ struct InstanceRecord {
 struct StepRecord {
   uvec4 batch;  // instances, slots, seed (low, high word)
   vec4 time;    // dt (s), 1/dt, 0, 0
+  vec4 law;     // of a law with taxels that move: what a step does to them
 };
 
 // What the contact pass leaves per instance and tile.

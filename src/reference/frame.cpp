@@ -14,7 +14,9 @@ Frame simulateFrame(const Sensor& sensor, const FrameInput& input) {
   frame.penetration = penetrations(frame.heights, sensor.skin.thickness);
   frame.contact =
       input.load ? contactOf(sensor, frame.penetration, {}, 0) : contactOf(sensor, frame.penetration, input.previous_penetration, input.dt);
-  frame.spread_force = spread(sensor, frame.contact.taxel_force);
+  if (!input.load) frame.taxel_state = input.taxel_state;
+  frame.taxel_force = taxelResponse(sensor, frame.contact.taxel_force, input.dt, frame.taxel_state);
+  frame.spread_force = spread(sensor, frame.taxel_force);
   frame.counts = readOut(sensor, frame.spread_force, input.draw);
   frame.measured_force = measuredForce(sensor, frame.counts);
   frame.saturated = saturatedFraction(sensor, frame.counts);

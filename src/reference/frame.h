@@ -14,6 +14,7 @@
 #include "reference/features.h"
 #include "reference/load.h"
 #include "reference/readout.h"
+#include "reference/taxel_laws.h"
 
 namespace taxelsim::reference {
 
@@ -21,6 +22,7 @@ struct FrameInput {
   std::vector<PlacedObject> objects{};         // empty slots left out
   std::optional<double> load{};                // N; none when pose-driven
   std::vector<double> previous_penetration{};  // of the frame before; empty in the first one. A load-driven frame is at rest and ignores it
+  std::vector<TaxelState> taxel_state{};       // the same
   double dt = 0;                               // s since then
   ReadoutDraw draw{};
 };
@@ -31,9 +33,11 @@ struct Frame {
   std::vector<double> heights;      // (num_taxels x s x s), m
   std::vector<double> penetration;  // (num_taxels x s x s), m, 0 to thickness
   Contact contact;
-  std::vector<double> spread_force;    // (num_taxels), N
-  std::vector<std::uint32_t> counts;   // (num_taxels)
-  std::vector<double> measured_force;  // (num_taxels), N
+  std::vector<TaxelState> taxel_state;  // of laws with one
+  std::vector<double> taxel_force;      // (num_taxels), N: contact's, as the law's taxels read them
+  std::vector<double> spread_force;     // (num_taxels), N
+  std::vector<std::uint32_t> counts;    // (num_taxels)
+  std::vector<double> measured_force;   // (num_taxels), N
   double saturated = 0;
   Features clean;
   Features measured;

@@ -1,5 +1,6 @@
 #include "scene/sensor_file.h"
 
+#include <algorithm>
 #include <limits>
 #include <set>
 
@@ -80,12 +81,74 @@ Winkler readWinkler(const YamlMap& map) {
   return law;
 }
 
+MassSpringDamper readMassSpringDamper(const YamlMap& map) {
+  MassSpringDamper law;
+  law.normal_contact_stiffness = map.number("normal_contact_stiffness", Allowed::above(0, "N/m^3"));
+  law.mass = map.number("mass", Allowed::above(0, "kg"), law.mass);
+  law.stiffness = map.number("stiffness", Allowed::above(0, "N/m"), law.stiffness);
+  law.damping = map.number("damping", Allowed::atLeast(0, "N s/m"), law.damping);
+  return law;
+}
+
+DeformationMask readDeformationMask(const YamlMap& map) {
+  DeformationMask law;
+  law.normal_contact_stiffness = map.number("normal_contact_stiffness", Allowed::above(0, "N/m^3"), law.normal_contact_stiffness);
+  law.saturation_pressure = map.number("saturation_pressure", Allowed::above(0, "Pa"), law.saturation_pressure);
+  return law;
+}
+
+Proximity readProximity(const YamlMap& map) {
+  return {.sensitivity = map.number("sensitivity", Allowed::above(0, "N/m^3"))};
+}
+
+// Laws by name, their keys, and how they are read.
+struct LawReader {
+  std::string_view name;
+  YamlMap::Keys keys;
+  ContactLaw (*read)(const YamlMap&);
+};
+
+const std::vector<LawReader>& lawReaders() {
+  static const std::vector<LawReader> readers{
+      {"winkler",
+       {"normal_contact_stiffness", "normal_exponent", "normal_damping"},
+       [](const YamlMap& map) -> ContactLaw { return readWinkler(map); }},
+      {"mass_spring_damper",
+       {"normal_contact_stiffness", "mass", "stiffness", "damping"},
+       [](const YamlMap& map) -> ContactLaw { return readMassSpringDamper(map); }},
+      {"deformation_mask",
+       {"normal_contact_stiffness", "saturation_pressure"},
+       [](const YamlMap& map) -> ContactLaw { return readDeformationMask(map); }},
+      {"proximity", {"sensitivity"}, [](const YamlMap& map) -> ContactLaw { return readProximity(map); }},
+  };
+  return readers;
+}
+
+ContactLaw readLaw(const YamlMap& map) {
+  const std::string name = map.choice("law", {"winkler", "mass_spring_damper", "deformation_mask", "proximity"}, "winkler");
+  const LawReader& law =
+      *std::find_if(lawReaders().begin(), lawReaders().end(), [&](const LawReader& reader) { return reader.name == name; });
+  for (const LawReader& other : lawReaders()) {
+    for (const std::string_view key : other.keys) {
+      if (std::find(law.keys.begin(), law.keys.end(), key) != law.keys.end()) continue;
+      if (const std::optional<YamlNode> given = map.find(key))
+        given->fail("not a key of law " + name + " but of " + std::string(other.name));
+    }
+  }
+  return law.read(map);
+}
+
 Skin readSkin(const YamlMap& sensor) {
-  const YamlMap map(sensor, "skin", {"thickness[_mm]", "law", "normal_contact_stiffness", "normal_exponent", "normal_damping"});
+  YamlMap::Keys keys{"thickness[_mm]", "law"};
+  for (const LawReader& law : lawReaders()) {
+    for (const std::string_view key : law.keys) {
+      if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
+    }
+  }
+  const YamlMap map(sensor, "skin", keys);
   Skin skin;
   skin.thickness = map.number("thickness", Allowed::above(0, "m"));
-  map.choice("law", {"winkler"}, "winkler");
-  skin.law = readWinkler(map);
+  skin.law = readLaw(map);
   return skin;
 }
 

@@ -64,13 +64,17 @@ struct CheckLaw {
     if (!(law.normal_exponent >= 1 && law.normal_exponent <= 3)) fail("skin.normal_exponent", numberText(law.normal_exponent), "1 to 3");
     checkNotNegative("skin.normal_damping", law.normal_damping, "Pa s / m");
   }
-};
-
-// Pressure (Pa) at the skin's full depth, at rest; one a law.
-struct FullPressure {
-  double thickness;
-
-  double operator()(const Winkler& law) const { return law.normal_contact_stiffness * std::pow(thickness, law.normal_exponent); }
+  void operator()(const MassSpringDamper& law) const {
+    checkPositive("skin.normal_contact_stiffness", law.normal_contact_stiffness, "N/m^3");
+    checkPositive("skin.mass", law.mass, "kg");
+    checkPositive("skin.stiffness", law.stiffness, "N/m");
+    checkNotNegative("skin.damping", law.damping, "N s/m");
+  }
+  void operator()(const DeformationMask& law) const {
+    checkPositive("skin.normal_contact_stiffness", law.normal_contact_stiffness, "N/m^3");
+    checkPositive("skin.saturation_pressure", law.saturation_pressure, "Pa");
+  }
+  void operator()(const Proximity& law) const { checkPositive("skin.sensitivity", law.sensitivity, "N/m"); }
 };
 
 void checkSkin(const Skin& skin) {
@@ -125,7 +129,10 @@ double largestForce(const Sensor& sensor) {
   double gain = 1;
   for (const double taxel_gain : sensor.readout.taxel_gain) gain = std::max(gain, taxel_gain);
   if (sensor.psf.normalization == Psf::Normalization::kNone) gain *= std::max(1.0, kernelSum(sensor.psf));
-  return std::visit(FullPressure{sensor.skin.thickness}, sensor.skin.law) * area * gain;
+  // An undamped mass swings to twice its rest.
+  if (std::holds_alternative<MassSpringDamper>(sensor.skin.law)) gain *= 2;
+  const Winkler law = foundationOf(sensor.skin.law);
+  return law.normal_contact_stiffness * std::pow(sensor.skin.thickness, law.normal_exponent) * area * gain;
 }
 
 void checkTaxelList(const std::string& field, const std::vector<double>& values, int num_taxels, const char* unit) {

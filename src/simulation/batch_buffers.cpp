@@ -15,20 +15,23 @@ struct InstanceBytes {
     poses = sizeof(layout::PoseRecord) * static_cast<std::uint64_t>(options.num_slots);
     state = model.law.has_state ? 4 * num_tiles * model.packed.max_tile_samples : 0;
     taxel_scalar = 4 * taxels;
+    taxel_state = model.law.taxel_passes.empty() ? 0 : 8 * taxels;
     depth = options.outputs.penetration_depth ? 4 * taxels : 0;
     shear = options.outputs.tactile_shear_force ? 8 * taxels : 0;
     tiles = sizeof(layout::TileResult) * num_tiles;
   }
 
-  std::uint64_t poses, state, taxel_scalar, depth, shear, tiles;
+  std::uint64_t poses, state, taxel_scalar, taxel_state, depth, shear, tiles;
   std::uint64_t instances = sizeof(layout::InstanceRecord);
   std::uint64_t loads = sizeof(layout::LoadRecord);
   std::uint64_t features = 4 * layout::kNumFeatures;
 
   // contact_normal, spread_normal and the image have a scalar per taxel.
-  std::uint64_t total() const { return poses + state + 3 * taxel_scalar + depth + 2 * shear + tiles + instances + loads + features; }
+  std::uint64_t total() const {
+    return poses + state + taxel_state + 3 * taxel_scalar + depth + 2 * shear + tiles + instances + loads + features;
+  }
   std::uint64_t readBack() const { return 2 * taxel_scalar + depth + shear + features; }
-  std::uint64_t largest() const { return std::max({poses, state, taxel_scalar, shear, tiles, instances, features}); }
+  std::uint64_t largest() const { return std::max({poses, state, taxel_state, taxel_scalar, shear, tiles, instances, features}); }
 };
 
 // Part of the device's memory that a batch may take; the rest is the driver's and other programs'.
@@ -83,6 +86,7 @@ BatchBuffers::BatchBuffers(const Model::Impl& model, const SimulatorOptions& opt
   loads = make("loads", bytes.loads, gpu::Domain::kUpload);
   step = gpu::Buffer(context, "step", sizeof(layout::StepRecord), gpu::Domain::kUpload);
   state = make("contact state", bytes.state, gpu::Domain::kDevice);
+  taxel_state = make("taxel state", bytes.taxel_state, gpu::Domain::kDevice);
   contact_normal = make("contact_normal", bytes.taxel_scalar, gpu::Domain::kDevice);
   contact_shear = make("contact_shear", bytes.shear, gpu::Domain::kDevice);
   tile_results = make("tile_results", bytes.tiles, gpu::Domain::kDevice);

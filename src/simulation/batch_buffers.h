@@ -26,7 +26,7 @@ struct BatchBuffers {
   BatchBuffers(const Model::Impl& model, const SimulatorOptions& options);
 
   gpu::Buffer poses, instances, step, loads;                                             // from the host
-  gpu::Buffer state, contact_normal, contact_shear, tile_results;                        // stay on the device
+  gpu::Buffer state, taxel_state, contact_normal, contact_shear, tile_results;           // stay on the device
   ReadableBuffer contact_depth, image, spread_normal, spread_shear, features, problems;  // come back
   std::vector<ReadableBuffer*> readable(const OutputOptions& outputs);
 };

@@ -19,6 +19,9 @@ constexpr std::uint32_t kTileOverhead = 4096;
 // Starting a workgroup on a software driver costs 1 to 3 us, so one does the work of many; on a GPU each is wanted for itself.
 constexpr std::uint32_t kMaxRepeat = 16;
 
+// Of the passes over taxels: no invocation waits for another.
+constexpr std::uint32_t kTaxelWorkgroup = 64;
+
 // Turns of loops that an invocation may take on a software driver: Mesa's ends them all after 65,535. Leaves room for what the estimates
 // miss; passes report when it was not enough.
 constexpr std::uint64_t kMaxTurns = 20000;
@@ -111,6 +114,8 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
   taxels = upload("taxels", packed.taxels);
   spread_rows = upload("spread rows", packed.spread_rows);
   spread_scale = upload("spread scale", packed.spread_scale);
+  mask = upload("mask", std::holds_alternative<DeformationMask>(sensor.skin.law) ? packMask(sensor) : std::vector<glm::vec2>(1));
+  scaled = std::any_of(packed.spread_scale.begin(), packed.spread_scale.end(), [](float scale) { return scale != 1; });
   for (const layout::ObjectRecord& record : packed_objects.objects) {
     kinds |= 1u << record.kind_groups.x;
     if (record.kind_groups.x == layout::kKindMesh) triangles_of |= record.kind_groups.w == 0 ? 1u : 2u;
@@ -159,19 +164,20 @@ std::vector<gpu::Constant> Model::Impl::constants(std::uint32_t workgroup, std::
 }
 
 gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const {
+  const bool taxels_follow = std::any_of(law.taxel_passes.begin(), law.taxel_passes.end(),
+                                         [](const TaxelPass& pass) { return pass.owner != TaxelPass::Owner::kTile; });
   // Measured on a software driver; GPUs fetch two words at once without it.
   const bool pairs = device.info().type == DeviceType::kCpu && device.context().hasInt64();
-  const bool scaled = std::any_of(packed.spread_scale.begin(), packed.spread_scale.end(), [](float scale) { return scale != 1; });
   return {device.context(),
           {.name = law.kernel,
            .spirv = pairs ? law.spirv_pairs : law.spirv,
            .buffers = {"Poses", "Instances", "Step", "Objects", "Groups", "Clusters", "Triangles", "Patches", "Tiles", "SpreadScale",
                        "State", "ContactNormal", "ContactDepth", "TileResults", "Loads", "Problems", "Faces"},
            .constants = constants(contact_workgroup, packed.contact_lanes, contactRepeat(variant),
-                                  {packed.max_tile_samples, packed.flat, law.has_state, variant.search, bits(sensor.skin.thickness), scaled,
-                                   variant.many_slots, kinds, triangles_of, variant.with_depth, num_faces, bits(law.parameters[0]),
-                                   bits(law.parameters[1]), bits(law.parameters[2]), bits(law.parameters[3]), bits(law.parameters[4]),
-                                   bits(law.parameters[5]), bits(law.parameters[6]), bits(law.parameters[7])})}};
+                                  {packed.max_tile_samples, packed.flat, law.has_state, variant.search, bits(sensor.skin.thickness),
+                                   scaled && !taxels_follow, variant.many_slots, kinds, triangles_of, variant.with_depth, num_faces,
+                                   bits(law.parameters[0]), bits(law.parameters[1]), bits(law.parameters[2]), bits(law.parameters[3]),
+                                   bits(law.parameters[4]), bits(law.parameters[5]), bits(law.parameters[6]), bits(law.parameters[7])})}};
 }
 
 gpu::Kernel Model::Impl::makeImageKernel(const ImageVariant& variant) const {
@@ -191,7 +197,29 @@ gpu::Kernel Model::Impl::makeImageKernel(const ImageVariant& variant) const {
        .constants = constants(image_workgroup, packed.image_lanes, image_repeat,
                               {kNoShear, packed.num_entries, variant.with_normal, alike, static_cast<std::uint32_t>(readout.curve.size()),
                                bits(readout.curve.front()), bits(readout.output_scale), bits(readout.trigger), bits(readout.saturation),
-                               bits(readout.noise), variant.random, image_team, num_partials})}};
+                               bits(readout.noise), variant.random, image_team, num_partials, law.whole_array})}};
+}
+
+const std::vector<gpu::Kernel>& Model::Impl::taxelKernels() const {
+  const std::lock_guard lock(kernels_mutex_);
+  while (taxel_.size() < law.taxel_passes.size()) taxel_.push_back(makeTaxelKernel(law.taxel_passes[taxel_.size()]));
+  return taxel_;
+}
+
+std::uint32_t Model::Impl::taxelGroups(const TaxelPass& pass, std::uint32_t num_instances) const {
+  const std::uint64_t per_instance = pass.owner == TaxelPass::Owner::kTaxel  ? num_taxels
+                                     : pass.owner == TaxelPass::Owner::kTile ? packed.tiles.size()
+                                                                             : 1;
+  return static_cast<std::uint32_t>((num_instances * per_instance + kTaxelWorkgroup - 1) / kTaxelWorkgroup);
+}
+
+gpu::Kernel Model::Impl::makeTaxelKernel(const TaxelPass& pass) const {
+  return {
+      device.context(),
+      {.name = pass.kernel,
+       .spirv = pass.spirv,
+       .buffers = {"Instances", "Step", "SpreadScale", "Neighbours", "ContactNormal", "TaxelState", "TileResults", "Taxels", "Problems"},
+       .constants = constants(kTaxelWorkgroup, 1, 1, {scaled, bits(law.taxel_parameters[0]), bits(law.taxel_parameters[1])})}};
 }
 
 gpu::Kernel Model::Impl::makeLoadKernel() const {

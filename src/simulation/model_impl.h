@@ -32,9 +32,10 @@ struct Model::Impl {
   std::uint32_t image_team = 1;      // invocations that share an instance in the image pass
   std::uint32_t image_repeat = 1;    // instances that such a team does one after another
 
+  bool scaled = false;          // some source gives more or less than its force to the spread
   std::uint32_t num_faces = 1;  // of each polyhedron
   gpu::Buffer object_records, groups, clusters, triangles, faces;
-  gpu::Buffer sensor_record, patches, tiles, taxels, spread_rows, spread_scale;
+  gpu::Buffer sensor_record, patches, tiles, taxels, spread_rows, spread_scale, mask;
   std::uint64_t static_bytes = 0;
 
   // Passes in the variants that batches need; made when first asked for, kept as long as the model. Safe to call from several threads.
@@ -55,6 +56,9 @@ struct Model::Impl {
   const gpu::Kernel& imageKernel(const ImageVariant& variant) const;
   std::uint32_t imagesPerWorkgroup() const { return image_workgroup / image_team * image_repeat; }
   const gpu::Kernel& loadKernel() const;
+  const std::vector<gpu::Kernel>& taxelKernels() const;  // of the law's taxel passes
+  // Workgroups of such a pass over `num_instances`.
+  std::uint32_t taxelGroups(const TaxelPass& pass, std::uint32_t num_instances) const;
 
  private:
   std::vector<gpu::Constant> constants(std::uint32_t workgroup, std::uint32_t lanes, std::uint32_t repeats,
@@ -62,11 +66,13 @@ struct Model::Impl {
   gpu::Kernel makeContactKernel(const ContactVariant& variant) const;
   gpu::Kernel makeImageKernel(const ImageVariant& variant) const;
   gpu::Kernel makeLoadKernel() const;
+  gpu::Kernel makeTaxelKernel(const TaxelPass& pass) const;
 
   mutable std::mutex kernels_mutex_;
   mutable std::map<ContactVariant, gpu::Kernel> contact_;
   mutable std::map<ImageVariant, gpu::Kernel> image_;
   mutable std::optional<gpu::Kernel> load_;
+  mutable std::vector<gpu::Kernel> taxel_;
 };
 
 inline constexpr std::uint32_t kNoSearch = 0;

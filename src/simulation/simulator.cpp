@@ -137,6 +137,12 @@ gpu::Commands Simulator::Impl::record(bool with_loads, bool random) {
     commands.dispatch(m.loadKernel(), (n + m.image_workgroup - 1) / m.image_workgroup, {&b.instances, &b.step, &b.tile_results, &b.loads});
     commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
   }
+  for (std::size_t pass = 0; pass < m.law.taxel_passes.size(); ++pass) {
+    commands.dispatch(m.taxelKernels()[pass], m.taxelGroups(m.law.taxel_passes[pass], n),
+                      {&b.instances, &b.step, &m.spread_scale, &m.mask, &b.contact_normal, &b.taxel_state, &b.tile_results, &m.taxels,
+                       &b.problems.device});
+    commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
+  }
   commands.timestamp(1);
   commands.dispatch(
       m.imageKernel({.random = random, .with_normal = options.outputs.tactile_normal_force}),
@@ -265,6 +271,9 @@ void Simulator::setLoads(std::span<const float> loads) {
 
 void Simulator::setLoad(int instance, float load) {
   impl_->checkInstance(instance);
+  if (!std::isnan(load) && std::holds_alternative<Proximity>(impl_->model.sensor().skin.law)) {
+    refuse("load of instance " + std::to_string(instance) + ": the contact law proximity has no forces, so it cannot be driven by load");
+  }
   if (load < 0 || std::isinf(load))
     refuse("load of instance " + std::to_string(instance) + ": " + std::to_string(load) + " is not allowed: N, >= 0");
   impl_->records()[static_cast<std::size_t>(instance)].drive.x = load;
@@ -288,10 +297,12 @@ void Simulator::step(double dt) {
   Impl& impl = *impl_;
   const Model::Impl& m = *impl.model.impl();
   const std::uint64_t seed = impl.options.seed;
+  const std::array<float, 4> law = transitionOf(m.sensor.skin.law, dt);
   impl.buffers.step.mappedAs<layout::StepRecord>()[0] = {
       {static_cast<std::uint32_t>(impl.options.num_instances), static_cast<std::uint32_t>(impl.options.num_slots),
        static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)},
-      {static_cast<float>(dt), static_cast<float>(1 / dt), 0.0f, 0.0f}};
+      {static_cast<float>(dt), static_cast<float>(1 / dt), 0.0f, 0.0f},
+      {law[0], law[1], law[2], law[3]}};
   bool any_load = false;
   bool any_random = impl.model.sensor().readout.noise > 0;
   const double rate = impl.model.sensor().frame_rate;

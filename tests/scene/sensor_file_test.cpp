@@ -94,6 +94,19 @@ TEST(SensorFile, FullScaleFollowsTheBits) {
   EXPECT_EQ(load(text).readout.saturation, 255);
 }
 
+TEST(SensorFile, EveryLawArrives) {
+  const std::string readout = "\nreadout: {curve: {counts_per_newton: 2400}}\n";
+  const auto law = [&](const std::string& skin) {
+    return load(std::string(kGrid) + "skin: {thickness_mm: 2, law: " + skin + "}" + readout).skin.law;
+  };
+  EXPECT_EQ(law("mass_spring_damper, normal_contact_stiffness: 1e8"), ContactLaw(MassSpringDamper{.normal_contact_stiffness = 1e8}));
+  EXPECT_EQ(law("mass_spring_damper, normal_contact_stiffness: 1e8, mass: 2, stiffness: 3, damping: 4"),
+            ContactLaw(MassSpringDamper{1e8, 2, 3, 4}));
+  EXPECT_EQ(law("deformation_mask"), ContactLaw(DeformationMask{}));
+  EXPECT_EQ(law("deformation_mask, normal_contact_stiffness: 1e7, saturation_pressure: 1e5"), ContactLaw(DeformationMask{1e7, 1e5}));
+  EXPECT_EQ(law("proximity, sensitivity: 5e7"), ContactLaw(Proximity{5e7}));
+}
+
 TEST(SensorFile, RollComesFirstThenPitchThenYaw) {
   // Roll turns y into z, pitch turns z into x, yaw turns x into y.
   const Sensor sensor = load(std::string(kGrid) + "pose: {rpy_deg: [90, 90, 90]}\n" + kRest);
