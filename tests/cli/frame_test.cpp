@@ -23,7 +23,7 @@ TEST(Frame, SphereOnAnElasticFoundation) {
   const Outcome outcome = runTaxelsim(frame("sphere:0.01", "0 0 0.009 1 0 0 0", {"--json"}));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const nlohmann::json json = nlohmann::json::parse(outcome.out);
-  // PHYSICS: F = pi k d^2 (R - d/3); a = 4.4 mm is 5 samples of 0.85 mm, of which the sum is within 1 % (measured worst over offsets).
+  // F = pi k d^2 (R - d/3); a = 4.4 mm is 5 samples of 0.85 mm, of which the sum is within 1 % (measured worst over offsets).
   constexpr double kSamplingError = 0.01;
   const double force = std::numbers::pi * kStiffness * 1e-6 * (0.01 - 1e-3 / 3);
   EXPECT_NEAR(json["ground_truth"]["total_force"].get<double>(), force, kSamplingError * force);

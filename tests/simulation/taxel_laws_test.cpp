@@ -28,7 +28,7 @@ struct Path {
 };
 
 Path follow(Sensor sensor, const ContactLaw& law, const Object& object, const std::vector<Pose>& path, const std::vector<double>& dt,
-        float load = std::numeric_limits<float>::quiet_NaN()) {
+            float load = std::numeric_limits<float>::quiet_NaN()) {
   sensor.skin.law = law;
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {object}});
   Simulator simulator(model, {.num_instances = 1});
