@@ -95,9 +95,14 @@ struct InstanceRecord {
 };
 
 struct StepRecord {
-  uvec4 batch;  // instances, slots, seed (low, high word)
-  vec4 time;    // dt (s), 1/dt, 0, 0
+  uvec4 batch;  // instances; slots, or in a batch of contacts the room for contacts of an instance; seed (low, high word)
+  vec4 time;    // dt (s), 1/dt, contact_band (m), 0
   vec4 law;     // of a law with taxels that move: what a step does to them
+};
+
+// A contact from another engine.
+struct ContactRecord {
+  vec4 point;  // position in S, m; normal force, N
 };
 
 // What the contact pass leaves per instance and tile.
@@ -137,7 +142,9 @@ TAXELSIM_CONSTANT kFeatureContactWrench = 27u;  // 6
 TAXELSIM_CONSTANT kFeatureOverPenetration = 33u;
 TAXELSIM_CONSTANT kFeatureLoadOffset = 34u;
 TAXELSIM_CONSTANT kFeatureLoadReached = 35u;
-TAXELSIM_CONSTANT kNumFeatures = 36u;
+TAXELSIM_CONSTANT kFeatureOffArrayLoad = 36u;
+TAXELSIM_CONSTANT kFeatureOffArrayContacts = 37u;
+TAXELSIM_CONSTANT kNumFeatures = 38u;
 
 // ---- random numbers; base/philox.h has the same values ----
 TAXELSIM_CONSTANT kPurposeReadoutNoise = 1u;

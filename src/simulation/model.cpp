@@ -2,6 +2,7 @@
 #include <bit>
 #include <cstdint>
 
+#include "contacts.spv.h"
 #include "image.spv.h"
 #include "load.spv.h"
 #include "simulation/model_impl.h"
@@ -38,6 +39,12 @@ std::uint32_t chooseWorkgroup(int wanted, const DeviceInfo& info, std::uint32_t 
   return static_cast<std::uint32_t>(wanted);
 }
 
+// `turns` that an invocation takes for one piece of work.
+std::uint32_t chooseRepeat(const DeviceInfo& info, std::uint64_t turns) {
+  if (info.type != DeviceType::kCpu) return 1;
+  return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(kMaxTurns / std::max<std::uint64_t>(turns, 1), 1, kMaxRepeat));
+}
+
 std::uint32_t bits(double value) {
   return std::bit_cast<std::uint32_t>(static_cast<float>(value));
 }
@@ -57,7 +64,6 @@ Bounds cutBounds(const Object& object) {
 
 Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), sensor(options.sensor), objects(options.objects) {
   checkSensor(sensor);
-  if (objects.empty()) throw Error(ErrorKind::kInput, "objects: none given; a model needs at least one");
   for (const Object& object : objects) {
     checkObject(object);
     bounds.push_back(std::holds_alternative<Mesh>(object.shape) ? boundsOf(object) : cutBounds(object));
@@ -83,13 +89,8 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
   // On a software driver every invocation has an instance of its own, unless that would be too many turns for it.
   const bool alone = info.type == DeviceType::kCpu && options.image_workgroup == 0 && image_work <= kMaxTurns;
   image_team = alone ? 1 : std::min(image_workgroup, packed.image_lanes);
-  if (info.type == DeviceType::kCpu) {
-    const auto repeats = [](std::uint64_t turns) {
-      return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(kMaxTurns / std::max<std::uint64_t>(turns, 1), 1, kMaxRepeat));
-    };
-    contact_repeat = repeats(contact_work / contact_workgroup);
-    image_repeat = repeats(image_work / image_team);
-  }
+  contact_repeat = chooseRepeat(info, contact_work / contact_workgroup);
+  image_repeat = chooseRepeat(info, image_work / image_team);
 
   gpu::Context& context = device.context();
   const auto upload = [&]<typename T>(const char* name, const std::vector<T>& values) {
@@ -115,7 +116,6 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
   spread_rows = upload("spread rows", packed.spread_rows);
   spread_scale = upload("spread scale", packed.spread_scale);
   mask = upload("mask", std::holds_alternative<DeformationMask>(sensor.skin.law) ? packMask(sensor) : std::vector<glm::vec2>(1));
-  scaled = std::any_of(packed.spread_scale.begin(), packed.spread_scale.end(), [](float scale) { return scale != 1; });
   for (const layout::ObjectRecord& record : packed_objects.objects) {
     kinds |= 1u << record.kind_groups.x;
     if (record.kind_groups.x == layout::kKindMesh) triangles_of |= record.kind_groups.w == 0 ? 1u : 2u;
@@ -134,6 +134,18 @@ const gpu::Kernel& Model::Impl::imageKernel(const ImageVariant& variant) const {
   const auto found = image_.find(variant);
   if (found != image_.end()) return found->second;
   return image_.emplace(variant, makeImageKernel(variant)).first->second;
+}
+
+std::uint32_t Model::Impl::contactsRepeat(int max_contacts) const {
+  const std::uint64_t contact_turns = static_cast<std::uint64_t>(max_contacts) * sensor.patches.size();
+  return chooseRepeat(device.info(), num_taxels / image_team + packed.tiles.size() + contact_turns);
+}
+
+const gpu::Kernel& Model::Impl::contactsKernel(std::uint32_t repeat) const {
+  const std::lock_guard lock(kernels_mutex_);
+  const auto found = contacts_.find(repeat);
+  if (found != contacts_.end()) return found->second;
+  return contacts_.emplace(repeat, makeContactsKernel(repeat)).first->second;
 }
 
 const gpu::Kernel& Model::Impl::loadKernel() const {
@@ -173,11 +185,23 @@ gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const 
            .spirv = pairs ? law.spirv_pairs : law.spirv,
            .buffers = {"Poses", "Instances", "Step", "Objects", "Groups", "Clusters", "Triangles", "Patches", "Tiles", "SpreadScale",
                        "State", "ContactNormal", "ContactDepth", "TileResults", "Loads", "Problems", "Faces"},
-           .constants = constants(contact_workgroup, packed.contact_lanes, contactRepeat(variant),
-                                  {packed.max_tile_samples, packed.flat, law.has_state, variant.search, bits(sensor.skin.thickness),
-                                   scaled && !taxels_follow, variant.many_slots, kinds, triangles_of, variant.with_depth, num_faces,
-                                   bits(law.parameters[0]), bits(law.parameters[1]), bits(law.parameters[2]), bits(law.parameters[3]),
-                                   bits(law.parameters[4]), bits(law.parameters[5]), bits(law.parameters[6]), bits(law.parameters[7])})}};
+           .constants =
+               constants(contact_workgroup, packed.contact_lanes, contactRepeat(variant),
+                         {packed.max_tile_samples, packed.flat, law.has_state, variant.search, bits(sensor.skin.thickness),
+                          packed.scalesSpread() && !taxels_follow, variant.many_slots, kinds, triangles_of, variant.with_depth, num_faces,
+                          bits(law.parameters[0]), bits(law.parameters[1]), bits(law.parameters[2]), bits(law.parameters[3]),
+                          bits(law.parameters[4]), bits(law.parameters[5]), bits(law.parameters[6]), bits(law.parameters[7])})}};
+}
+
+gpu::Kernel Model::Impl::makeContactsKernel(std::uint32_t repeat) const {
+  constexpr std::uint32_t kNoLanes = 1;  // its sums are of one invocation each
+  return {device.context(),
+          {.name = "contacts",
+           .spirv = k_contacts_spirv,
+           .buffers = {"Step", "Contacts", "NumContacts", "Patches", "SpreadScale", "ContactNormal", "TileResults", "Features", "Problems"},
+           .constants = constants(image_workgroup, kNoLanes, repeat,
+                                  {static_cast<std::uint32_t>(sensor.patches.size()), packed.flat, bits(sensor.skin.thickness),
+                                   packed.scalesSpread(), image_team})}};
 }
 
 gpu::Kernel Model::Impl::makeImageKernel(const ImageVariant& variant) const {
@@ -197,7 +221,7 @@ gpu::Kernel Model::Impl::makeImageKernel(const ImageVariant& variant) const {
        .constants = constants(image_workgroup, packed.image_lanes, image_repeat,
                               {kNoShear, packed.num_entries, variant.with_normal, alike, static_cast<std::uint32_t>(readout.curve.size()),
                                bits(readout.curve.front()), bits(readout.output_scale), bits(readout.trigger), bits(readout.saturation),
-                               bits(readout.noise), variant.random, image_team, num_partials, law.whole_array})}};
+                               bits(readout.noise), variant.random, image_team, num_partials, variant.whole_array})}};
 }
 
 const std::vector<gpu::Kernel>& Model::Impl::taxelKernels() const {
@@ -219,7 +243,8 @@ gpu::Kernel Model::Impl::makeTaxelKernel(const TaxelPass& pass) const {
       {.name = pass.kernel,
        .spirv = pass.spirv,
        .buffers = {"Instances", "Step", "SpreadScale", "Neighbours", "ContactNormal", "TaxelState", "TileResults", "Taxels", "Problems"},
-       .constants = constants(kTaxelWorkgroup, 1, 1, {scaled, bits(law.taxel_parameters[0]), bits(law.taxel_parameters[1])})}};
+       .constants =
+           constants(kTaxelWorkgroup, 1, 1, {packed.scalesSpread(), bits(law.taxel_parameters[0]), bits(law.taxel_parameters[1])})}};
 }
 
 gpu::Kernel Model::Impl::makeLoadKernel() const {

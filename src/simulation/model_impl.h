@@ -32,7 +32,6 @@ struct Model::Impl {
   std::uint32_t image_team = 1;      // invocations that share an instance in the image pass
   std::uint32_t image_repeat = 1;    // instances that such a team does one after another
 
-  bool scaled = false;          // some source gives more or less than its force to the spread
   std::uint32_t num_faces = 1;  // of each polyhedron
   gpu::Buffer object_records, groups, clusters, triangles, faces;
   gpu::Buffer sensor_record, patches, tiles, taxels, spread_rows, spread_scale, mask;
@@ -50,6 +49,7 @@ struct Model::Impl {
   std::uint32_t contactRepeat(const ContactVariant& variant) const { return variant.search == 0 ? contact_repeat : 1; }
   struct ImageVariant {
     bool random = false;                                    // some instance draws noise or gains
+    bool whole_array = false;                               // taxels that nothing reaches may have a force
     bool with_normal = false;                               // tactile_normal_force is wanted
     auto operator<=>(const ImageVariant&) const = default;  // NOLINT(modernize-use-nullptr): the same
   };
@@ -59,6 +59,9 @@ struct Model::Impl {
   const std::vector<gpu::Kernel>& taxelKernels() const;  // of the law's taxel passes
   // Workgroups of such a pass over `num_instances`.
   std::uint32_t taxelGroups(const TaxelPass& pass, std::uint32_t num_instances) const;
+  // Contacts from another engine instead of objects: shaders/contacts.comp, with the workgroups and teams of the image pass.
+  std::uint32_t contactsRepeat(int max_contacts) const;  // instances that a team does one after another
+  const gpu::Kernel& contactsKernel(std::uint32_t repeat) const;
 
  private:
   std::vector<gpu::Constant> constants(std::uint32_t workgroup, std::uint32_t lanes, std::uint32_t repeats,
@@ -67,12 +70,14 @@ struct Model::Impl {
   gpu::Kernel makeImageKernel(const ImageVariant& variant) const;
   gpu::Kernel makeLoadKernel() const;
   gpu::Kernel makeTaxelKernel(const TaxelPass& pass) const;
+  gpu::Kernel makeContactsKernel(std::uint32_t repeat) const;
 
   mutable std::mutex kernels_mutex_;
   mutable std::map<ContactVariant, gpu::Kernel> contact_;
   mutable std::map<ImageVariant, gpu::Kernel> image_;
   mutable std::optional<gpu::Kernel> load_;
   mutable std::vector<gpu::Kernel> taxel_;
+  mutable std::map<std::uint32_t, gpu::Kernel> contacts_;
 };
 
 inline constexpr std::uint32_t kNoSearch = 0;

@@ -1,6 +1,7 @@
 // A sensor -> the records that the passes read, and how its taxels are cut into tiles.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -25,6 +26,11 @@ struct PackedSensor {
   float highest = 0, lowest = 0;  // z in S of the corners of patches, m
   // The load search can move a tile's heights instead of its objects: one tile, facing along z of S.
   bool searches_in_tile = false;
+
+  // Some source near a border gives more to the taxels that are there.
+  bool scalesSpread() const {
+    return std::any_of(spread_scale.begin(), spread_scale.end(), [](float scale) { return scale != 1; });
+  }
 };
 
 // `tile_samples`: most samples that a tile may have.

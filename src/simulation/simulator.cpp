@@ -6,6 +6,7 @@
 
 #include "gpu/commands.h"
 #include "simulation/batch_buffers.h"
+#include "simulation/pack_contacts.h"
 #include "simulation/rows.h"
 #include "taxelsim/error.h"
 
@@ -85,12 +86,24 @@ struct Simulator::Impl {
     refuse("instance: " + std::to_string(instance) + " is not allowed: 0 to " + std::to_string(options.num_instances - 1));
   }
 
+  bool takesContacts() const { return options.max_contacts > 0; }
+  void checkTakesObjects() const {
+    if (takesContacts()) refuse("this simulator takes contacts (max_contacts > 0), neither objects nor loads");
+  }
+  void checkTakesContacts() const {
+    if (!takesContacts()) refuse("this simulator takes no contacts: max_contacts is 0");
+  }
+  void takeContacts(std::size_t instance, std::span<const ContactPoint> contacts) const;
+
   std::span<layout::InstanceRecord> records() const { return buffers.instances.mappedAs<layout::InstanceRecord>(); }
 
   // The commands of one frame, recorded when first wanted. `loads`: some instance is driven by load; `random`: some instance draws noise or
   // gains.
   gpu::Commands& commands(bool loads, bool random);
   gpu::Commands record(bool loads, bool random);
+  void recordObjects(gpu::Commands& commands, bool with_loads) const;
+  void recordTaxels(gpu::Commands& commands) const;
+  void recordContacts(gpu::Commands& commands) const;
   void startSearch();
   FrameView view() const;
 
@@ -113,39 +126,20 @@ gpu::Commands& Simulator::Impl::commands(bool loads, bool random) {
 gpu::Commands Simulator::Impl::record(bool with_loads, bool random) {
   const Model::Impl& m = *model.impl();
   const auto n = static_cast<std::uint32_t>(options.num_instances);
-  const auto num_tiles = static_cast<std::uint32_t>(m.packed.tiles.size());
-  const bool over_tiles = with_loads && !m.packed.searches_in_tile;
-  const Model::Impl::ContactVariant variant{.search = over_tiles   ? kSearchOverTiles
-                                                      : with_loads ? kSearchInTile
-                                                                   : kNoSearch,
-                                            .many_slots = options.num_slots > 1,
-                                            .with_depth = options.outputs.penetration_depth};
-  const gpu::Kernel& contact = m.contactKernel(variant);
-  const std::uint32_t contact_repeat = m.contactRepeat(variant);
   const BatchBuffers& b = buffers;
   gpu::Commands commands(m.device.context(), "a frame", 3);
   commands.barrier(gpu::Access::kHostWrite, gpu::Access::kKernel);
   commands.timestamp(0);
-  const std::uint32_t evaluations = over_tiles ? kLoadEvaluations + 2 : 1;  // two more: one closes the search, one is told
-  for (std::uint32_t evaluation = 0; evaluation < evaluations; ++evaluation) {
-    commands.dispatch(
-        contact, (n * num_tiles + contact_repeat - 1) / contact_repeat,
-        {&b.poses, &b.instances, &b.step, &m.object_records, &m.groups, &m.clusters, &m.triangles, &m.patches, &m.tiles, &m.spread_scale,
-         &b.state, &b.contact_normal, &b.contact_depth.device, &b.tile_results, &b.loads, &b.problems.device, &m.faces});
-    commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
-    if (!over_tiles) continue;
-    commands.dispatch(m.loadKernel(), (n + m.image_workgroup - 1) / m.image_workgroup, {&b.instances, &b.step, &b.tile_results, &b.loads});
-    commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
-  }
-  for (std::size_t pass = 0; pass < m.law.taxel_passes.size(); ++pass) {
-    commands.dispatch(m.taxelKernels()[pass], m.taxelGroups(m.law.taxel_passes[pass], n),
-                      {&b.instances, &b.step, &m.spread_scale, &m.mask, &b.contact_normal, &b.taxel_state, &b.tile_results, &m.taxels,
-                       &b.problems.device});
-    commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
+  if (takesContacts()) {
+    recordContacts(commands);
+  } else {
+    recordObjects(commands, with_loads);
+    recordTaxels(commands);
   }
   commands.timestamp(1);
   commands.dispatch(
-      m.imageKernel({.random = random, .with_normal = options.outputs.tactile_normal_force}),
+      m.imageKernel(
+          {.random = random, .whole_array = m.law.whole_array && !takesContacts(), .with_normal = options.outputs.tactile_normal_force}),
       (n + m.imagesPerWorkgroup() - 1) / m.imagesPerWorkgroup(),
       {&b.instances, &b.step, &m.sensor_record, &m.taxels, &m.spread_rows, &b.contact_normal, &b.contact_shear, &b.tile_results, &b.loads,
        &b.image.device, &b.spread_normal.device, &b.spread_shear.device, &b.features.device, &b.problems.device});
@@ -158,6 +152,57 @@ gpu::Commands Simulator::Impl::record(bool with_loads, bool random) {
   commands.barrier(gpu::Access::kKernel, gpu::Access::kHostRead);
   commands.end();
   return commands;
+}
+
+// Stages 1 and 2 from poses of objects.
+void Simulator::Impl::recordObjects(gpu::Commands& commands, bool with_loads) const {
+  const Model::Impl& m = *model.impl();
+  const auto n = static_cast<std::uint32_t>(options.num_instances);
+  const auto num_tiles = static_cast<std::uint32_t>(m.packed.tiles.size());
+  const bool over_tiles = with_loads && !m.packed.searches_in_tile;
+  const Model::Impl::ContactVariant variant{.search = over_tiles   ? kSearchOverTiles
+                                                      : with_loads ? kSearchInTile
+                                                                   : kNoSearch,
+                                            .many_slots = options.num_slots > 1,
+                                            .with_depth = options.outputs.penetration_depth};
+  const gpu::Kernel& contact = m.contactKernel(variant);
+  const std::uint32_t contact_repeat = m.contactRepeat(variant);
+  const BatchBuffers& b = buffers;
+  const std::uint32_t evaluations = over_tiles ? kLoadEvaluations + 2 : 1;  // two more: one closes the search, one is told
+  for (std::uint32_t evaluation = 0; evaluation < evaluations; ++evaluation) {
+    commands.dispatch(
+        contact, (n * num_tiles + contact_repeat - 1) / contact_repeat,
+        {&b.poses, &b.instances, &b.step, &m.object_records, &m.groups, &m.clusters, &m.triangles, &m.patches, &m.tiles, &m.spread_scale,
+         &b.state, &b.contact_normal, &b.contact_depth.device, &b.tile_results, &b.loads, &b.problems.device, &m.faces});
+    commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
+    if (!over_tiles) continue;
+    commands.dispatch(m.loadKernel(), (n + m.image_workgroup - 1) / m.image_workgroup, {&b.instances, &b.step, &b.tile_results, &b.loads});
+    commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
+  }
+}
+
+// What the law's taxels make of the force of contact.
+void Simulator::Impl::recordTaxels(gpu::Commands& commands) const {
+  const Model::Impl& m = *model.impl();
+  const BatchBuffers& b = buffers;
+  for (std::size_t pass = 0; pass < m.law.taxel_passes.size(); ++pass) {
+    commands.dispatch(m.taxelKernels()[pass], m.taxelGroups(m.law.taxel_passes[pass], static_cast<std::uint32_t>(options.num_instances)),
+                      {&b.instances, &b.step, &m.spread_scale, &m.mask, &b.contact_normal, &b.taxel_state, &b.tile_results, &m.taxels,
+                       &b.problems.device});
+    commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
+  }
+}
+
+// Stages 1 and 2 from contacts; no law is asked.
+void Simulator::Impl::recordContacts(gpu::Commands& commands) const {
+  const Model::Impl& m = *model.impl();
+  const std::uint32_t repeat = m.contactsRepeat(options.max_contacts);
+  const std::uint32_t per_workgroup = m.image_workgroup / m.image_team * repeat;
+  const BatchBuffers& b = buffers;
+  commands.dispatch(m.contactsKernel(repeat), (static_cast<std::uint32_t>(options.num_instances) + per_workgroup - 1) / per_workgroup,
+                    {&b.step, &b.contacts, &b.num_contacts, &m.patches, &m.spread_scale, &b.contact_normal, &b.tile_results,
+                     &b.features.device, &b.problems.device});
+  commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
 }
 
 // Brackets of the load search: between all objects just clear of the sensor and all of them past its skin.
@@ -221,6 +266,8 @@ FrameView Simulator::Impl::view() const {
   truth.over_penetration = block(layout::kFeatureOverPenetration);
   truth.load_offset = block(layout::kFeatureLoadOffset);
   truth.load_reached = block(layout::kFeatureLoadReached);
+  truth.off_array_load = block(layout::kFeatureOffArrayLoad);
+  truth.off_array_contacts = block(layout::kFeatureOffArrayContacts);
   return frame;
 }
 
@@ -241,6 +288,7 @@ const Model& Simulator::model() const {
 }
 
 void Simulator::setObjects(std::span<const int> ids, std::span<const Pose> X_SO) {
+  impl_->checkTakesObjects();
   const auto slots = static_cast<std::size_t>(impl_->options.num_slots);
   const auto n = static_cast<std::size_t>(impl_->options.num_instances);
   checkLength("ids", ids.size(), n * slots);
@@ -253,6 +301,7 @@ void Simulator::setObjects(std::span<const int> ids, std::span<const Pose> X_SO)
 }
 
 void Simulator::setObjects(int instance, std::span<const int> ids, std::span<const Pose> X_SO) {
+  impl_->checkTakesObjects();
   const auto slots = static_cast<std::size_t>(impl_->options.num_slots);
   impl_->checkInstance(instance);
   checkLength("ids", ids.size(), slots);
@@ -270,6 +319,7 @@ void Simulator::setLoads(std::span<const float> loads) {
 }
 
 void Simulator::setLoad(int instance, float load) {
+  impl_->checkTakesObjects();
   impl_->checkInstance(instance);
   if (!std::isnan(load) && std::holds_alternative<Proximity>(impl_->model.sensor().skin.law)) {
     refuse("load of instance " + std::to_string(instance) + ": the contact law proximity has no forces, so it cannot be driven by load");
@@ -277,6 +327,32 @@ void Simulator::setLoad(int instance, float load) {
   if (load < 0 || std::isinf(load))
     refuse("load of instance " + std::to_string(instance) + ": " + std::to_string(load) + " is not allowed: N, >= 0");
   impl_->records()[static_cast<std::size_t>(instance)].drive.x = load;
+}
+
+void Simulator::Impl::takeContacts(std::size_t instance, std::span<const ContactPoint> contacts) const {
+  const auto room = static_cast<std::size_t>(options.max_contacts);
+  layout::ContactRecord* records_of_it = buffers.contacts.mappedAs<layout::ContactRecord>().data() + instance * room;
+  for (std::size_t k = 0; k < contacts.size(); ++k) records_of_it[k] = packContact(contacts[k]);
+  buffers.num_contacts.mappedAs<std::uint32_t>()[instance] = static_cast<std::uint32_t>(contacts.size());
+}
+
+void Simulator::setContacts(std::span<const ContactPoint> contacts, std::span<const int> offsets) {
+  impl_->checkTakesContacts();
+  const auto n = static_cast<std::size_t>(impl_->options.num_instances);
+  checkLength("offsets", offsets.size(), n + 1);
+  checkOffsets(offsets, contacts.size());
+  const auto of_instance = [&](std::size_t i) {
+    return contacts.subspan(static_cast<std::size_t>(offsets[i]), static_cast<std::size_t>(offsets[i + 1] - offsets[i]));
+  };
+  for (std::size_t i = 0; i < n; ++i) checkContacts(of_instance(i), i, impl_->options.max_contacts);
+  for (std::size_t i = 0; i < n; ++i) impl_->takeContacts(i, of_instance(i));
+}
+
+void Simulator::setContacts(int instance, std::span<const ContactPoint> contacts) {
+  impl_->checkTakesContacts();
+  impl_->checkInstance(instance);
+  checkContacts(contacts, static_cast<std::size_t>(instance), impl_->options.max_contacts);
+  impl_->takeContacts(static_cast<std::size_t>(instance), contacts);
 }
 
 void Simulator::reset(int instance, std::uint64_t episode, const ReadoutVariation& variation) {
@@ -299,9 +375,10 @@ void Simulator::step(double dt) {
   const std::uint64_t seed = impl.options.seed;
   const std::array<float, 4> law = transitionOf(m.sensor.skin.law, dt);
   impl.buffers.step.mappedAs<layout::StepRecord>()[0] = {
-      {static_cast<std::uint32_t>(impl.options.num_instances), static_cast<std::uint32_t>(impl.options.num_slots),
+      {static_cast<std::uint32_t>(impl.options.num_instances),
+       static_cast<std::uint32_t>(impl.takesContacts() ? impl.options.max_contacts : impl.options.num_slots),
        static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)},
-      {static_cast<float>(dt), static_cast<float>(1 / dt), 0.0f, 0.0f},
+      {static_cast<float>(dt), static_cast<float>(1 / dt), static_cast<float>(impl.options.contact_band), 0.0f},
       {law[0], law[1], law[2], law[3]}};
   bool any_load = false;
   bool any_random = impl.model.sensor().readout.noise > 0;
@@ -337,7 +414,7 @@ FrameView Simulator::read() {
     if (impl.buffers.problems.read<std::uint32_t>()[0] != 0) {
       throw Error(ErrorKind::kDevice,
                   "the driver cut loops of a kernel short (software Vulkan stops after 65,535 turns), so this frame is incomplete; "
-                  "use simpler meshes, fewer samples, or a larger contact_workgroup");
+                  "use simpler meshes, fewer samples or contacts, or a larger contact_workgroup");
     }
   }
   return impl.view();

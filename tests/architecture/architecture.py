@@ -25,6 +25,7 @@ HEADERS = {
     "pose.h": None,
     "sensor.h": None,
     "object.h": None,
+    "contact_point.h": None,
     "device.h": "gpu",
     "control.h": "control",
     "dataset.h": "dataset",
