@@ -85,6 +85,21 @@ TEST(Resolved, NamesAMeshByItsBytes) {
               testing::HasSubstr("not the SHA-256 of"));
 }
 
+TEST(Resolved, SaysByHowMuchAMeshMayBeSimplified) {
+  const ScratchDirectory directory;
+  directory.write("mesh.obj", kMeshText);
+  const auto with = [&](const std::string& setting) {
+    return loadScene(directory.write("scene.yaml", edited(kScene, "sphere: {radius_mm: 5}", "mesh: mesh.obj" + setting))).resolved;
+  };
+  EXPECT_THAT(with(""), testing::HasSubstr("\n    max_depth_error: 1e-05\n"));
+  EXPECT_EQ(with("\n    max_depth_error_mm: 0.01"), with(""));
+  EXPECT_THAT(with("\n    max_depth_error_mm: 0.02"), testing::HasSubstr("\n    max_depth_error: 2e-05\n"));
+  EXPECT_THAT(with("\n    max_depth_error: 0"), testing::HasSubstr("\n    max_depth_error: 0\n"));
+  const std::string text = with("\n    max_depth_error_mm: 0.02");
+  EXPECT_EQ(loadScene(directory.write("resolved.yaml", text)).resolved, text);
+  EXPECT_THAT(resolved(kScene), testing::Not(testing::HasSubstr("max_depth_error")));
+}
+
 TEST(Resolved, DoesNotDependOnTheLocale) {
   const std::string expected = resolved(kScene);
   const std::string before = std::setlocale(LC_ALL, nullptr);

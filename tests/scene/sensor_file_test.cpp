@@ -207,6 +207,31 @@ TEST(SceneFile, EverySettingArrives) {
   EXPECT_EQ(scene.record, (std::vector<std::string>{"penetration_depth", "actions"}));
 }
 
+// A flat plate of 20 x 20 cells needs no vertex but those of its rim.
+TEST(SceneFile, AMeshIsSimplifiedAsFarAsItsKeyAllows) {
+  constexpr int kCells = 20;
+  const ScratchDirectory directory;
+  std::string plate;
+  for (int i = 0; i <= kCells; ++i) {
+    for (int j = 0; j <= kCells; ++j) plate += "v " + std::to_string(1e-3 * i) + " " + std::to_string(1e-3 * j) + " 0\n";
+  }
+  for (int i = 0; i < kCells; ++i) {
+    for (int j = 1; j <= kCells; ++j) {
+      const std::string a = std::to_string(i * (kCells + 1) + j), b = std::to_string(i * (kCells + 1) + j + 1);
+      const std::string c = std::to_string((i + 1) * (kCells + 1) + j + 1), d = std::to_string((i + 1) * (kCells + 1) + j);
+      plate += "f " + a + " " + d + " " + c + "\nf " + a + " " + c + " " + b + "\n";
+    }
+  }
+  directory.write("plate.obj", plate);
+  const auto numTriangles = [&](const std::string& setting) {
+    const std::string text = edited(kScene, "sphere: {radius_mm: 5}", "mesh: plate.obj" + setting);
+    return std::get<Mesh>(loadScene(directory.write("scene.yaml", text)).objects[0].object.shape).triangles.size();
+  };
+  EXPECT_EQ(numTriangles("\n    max_depth_error: 0"), 800u);
+  EXPECT_LT(numTriangles("\n    max_depth_error_mm: 0.01"), 200u);
+  EXPECT_LT(numTriangles(""), 200u);
+}
+
 TEST(SceneFile, ManyObjectsWithoutNamesAreNamedQuickly) {
   constexpr int kMany = 50'000;  // hangs if each name is sought from the start
   const ScratchDirectory directory;
