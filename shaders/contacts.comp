@@ -158,7 +158,7 @@ void main() {
   uint instance = workgroupNumber() * REPEAT * kTeams + gl_LocalInvocationIndex / TEAM;
   uint r = 0;
   for (; r < REPEAT; ++r, instance += kTeams) {
-    if (instance < batch.x) contactsOf(instance, batch.x, batch.y, step_record.time.z, first_patch);
+    if (instance < batch.x) contactsOf(instance, batch.x, batch.y, step_record.contacts.x, first_patch);
   }
   if (cut_short || r < REPEAT) problems[0] = 1;
 }

@@ -4,7 +4,7 @@
 // saturates. include/taxelsim/sensor.h, DeformationMask. An invocation owns one taxel of one instance.
 //
 // In:  contact_normal (num_instances x num_taxels), N, as the contact pass left it; neighbours: the mask, as sources of every taxel.
-// Out: taxel_state (num_instances x num_taxels), .x: force before it is rescaled, N. LAW_0: saturation pressure, Pa.
+// Out: law_state (num_instances x num_taxels), .x: force before it is rescaled, N. LAW_0: saturation pressure, Pa.
 // Twin: src/reference/taxel_laws.cpp.
 
 #include "lib/taxel_pass.glsl"
@@ -19,5 +19,5 @@ void main() {
     vec2 source = neighbours[e * NUM_TAXELS + taxel];
     force += source.y * contactForce(instance, floatBitsToUint(source.x));
   }
-  taxel_state[number].x = min(force, LAW_0 * taxels[taxel].chart.w);
+  law_state[number].x = min(force, LAW_0 * taxels[taxel].chart.w);
 }

@@ -3,7 +3,7 @@
 // Law deformation_mask, second half: what saturation has cut off is given to all taxels in proportion, so that they carry what contact presses. An
 // invocation owns one instance.
 //
-// In:  taxel_state (num_instances x num_taxels), .x, N; tile_results: the force of contact. Out: contact_normal, for the spread.
+// In:  law_state (num_instances x num_taxels), .x, N; tile_results: the force of contact. Out: contact_normal, for the spread.
 // Twin: src/reference/taxel_laws.cpp.
 
 #include "lib/taxel_pass.glsl"
@@ -15,9 +15,9 @@ void main() {
   for (uint t = 0; t < NUM_TILES; ++t) pressed += tile_results[instance * NUM_TILES + t].torque.w;
   uint first = instance * NUM_TAXELS;
   uint t = 0;
-  for (; t < NUM_TAXELS; ++t) carried += taxel_state[first + t].x;
+  for (; t < NUM_TAXELS; ++t) carried += law_state[first + t].x;
   bool cut_short = t < NUM_TAXELS;
   float scale = carried > 0.0 ? pressed / carried : 0.0;
-  for (t = 0; t < NUM_TAXELS; ++t) giveToSpread(instance, t, scale * taxel_state[first + t].x);
+  for (t = 0; t < NUM_TAXELS; ++t) giveToSpread(instance, t, scale * law_state[first + t].x);
   if (cut_short || t < NUM_TAXELS) problems[0] = 1;
 }

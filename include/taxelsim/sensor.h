@@ -17,6 +17,12 @@ inline constexpr int kMaxTaxelsPerSide = 128;  // of a grid patch
 inline constexpr int kMaxKernelSize = 9;       // taxels per side
 inline constexpr int kMaxCurveDegree = 5;
 inline constexpr int kMaxAdcBits = 16;
+inline constexpr int kMaxHysteresisElements = 4;
+inline constexpr int kMaxCreepTerms = 4;
+inline constexpr int kMaxDelaySteps = 32;  // simulation steps that a readout's delay may span
+inline constexpr double kMaxCreepFraction = 1e6;
+inline constexpr double kMaxOffsetCounts = 1e9;  // of bias and random walk
+inline constexpr double kMaxGainSpread = 2;
 
 // A planar grid of taxels. Its frame P lies in the grid's middle on the undeformed outer skin surface, z out of the skin
 // towards the object; row i runs along x, column j along y. Taxel (i, j) is centred on
@@ -96,6 +102,15 @@ struct Psf {
 // The paper's kernel: a Gaussian of `sigma` (taxels, > 0) sampled at taxel centres with density 1 / (2 pi sigma^2).
 Psf gaussianPsf(double sigma, int size, Psf::Normalization normalization = Psf::Normalization::kPerSource);
 
+// Readout creep: at a force F that begins at t = 0 the sensor reads F [1 + sum fraction (1 - e^(-t / time))]. The skin's own relaxation, at
+// constant depth, belongs to the contact law.
+struct CreepTerm {
+  double fraction = 0;  // of the force, 0 to 1e6
+  double time = 1;      // s, > 0
+
+  bool operator==(const CreepTerm&) const = default;
+};
+
 // Force after the spread -> counts, per taxel:
 //   x = gain F - trigger;  counts = clip(round(output_scale sum_m curve[m] x^(m+1) + noise), 0, saturation)
 // where the curve goes on below x = 0 as a straight line, so that noise meets the trigger as it does in the electronics.
@@ -108,6 +123,24 @@ struct Readout {
   double noise = 0;                   // counts, >= 0; standard deviation of white Gaussian noise per frame and taxel
   std::vector<double> taxel_gain;     // (num_taxels) or empty for 1; >= 0
   std::vector<double> taxel_trigger;  // (num_taxels), N, or empty for `trigger`
+
+  // How the force F of the formula follows the spread force x over time, in this order; a reset leaves the sensor as if long unloaded. Time
+  // runs at every step, with x held over it.
+  // Hysteresis (Prandtl and Ishlinskii): (1 - sum strength) x + sum strength play(x), play being what an element with that much slack on
+  // either side is pushed to.
+  std::vector<double> hysteresis_strength{};  // (elements), 0 to 4 of them, each >= 0, their sum < 1
+  std::vector<double> hysteresis_width{};     // (elements), N, >= 0
+  std::vector<CreepTerm> creep{};             // 0 to 4 terms
+  double low_pass_time = 0;                   // s, >= 0; first order
+  double delay = 0;                           // s, 0 to kMaxDelaySteps steps: a frame shows the newest step that is at least so old
+  double jitter = 0;                          // s, 0 to 1 / frame_rate; standard deviation of the instant at which a frame is delivered
+
+  // Imperfections, each a function of seed, episode and taxel. Counts are added where noise is.
+  double bias = 0;                    // counts, 0 to 1e9; standard deviation over taxels and episodes
+  double random_walk = 0;             // counts / sqrt(s), 0 to 1e9; of an offset that drifts from 0 on, per taxel
+  double gain_spread = 0;             // 0 to 2; standard deviation of the logarithm of a gain per taxel and episode
+  double press_gain_spread = 0;       // 0 to 2; the same of a gain per episode, common to all taxels: repeatability
+  double dead_taxel_probability = 0;  // 0 to 1; of a taxel to read 0 for an episode
 };
 
 struct Sensor {

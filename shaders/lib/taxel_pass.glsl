@@ -11,7 +11,7 @@ layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_reco
 layout(std430, set = 0, binding = 2) readonly buffer SpreadScale { float spread_scale[]; };
 layout(std430, set = 0, binding = 3) readonly buffer Neighbours { vec2 neighbours[]; };  // (9 x num_taxels): taxel (as bits), weight
 layout(std430, set = 0, binding = 4) buffer ContactNormal { float contact_normal[]; };
-layout(std430, set = 0, binding = 5) buffer TaxelState { vec2 taxel_state[]; };  // (num_instances x num_taxels)
+layout(std430, set = 0, binding = 5) buffer LawState { vec2 law_state[]; };  // (num_instances x num_taxels)
 layout(std430, set = 0, binding = 6) buffer TileResults { TileResult tile_results[]; };
 layout(std430, set = 0, binding = 7) readonly buffer Taxels { TaxelRecord taxels[]; };
 layout(std430, set = 0, binding = 8) writeonly buffer Problems { uint problems[]; };

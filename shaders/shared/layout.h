@@ -73,6 +73,9 @@ struct SensorRecord {
   vec4 curve0;  // coefficients 1 to 4, counts / N^m
   vec4 curve1;  // coefficient 5, 0, 0, 0
   vec4 X_SC_row0, X_SC_row1, X_SC_row2;
+  vec4 hysteresis_strength;  // of up to four elements
+  vec4 hysteresis_width;     // N
+  vec4 creep_fraction;       // of up to four terms
 };
 
 // Taxels of a row of the image pass where the sensor is not one grid patch.
@@ -90,20 +93,27 @@ TAXELSIM_CONSTANT kFlagFirstStep = 2u;  // the first step since reset
 TAXELSIM_CONSTANT kFlagLoadDriven = 4u;
 
 struct InstanceRecord {
-  vec4 drive;  // load (N), gain, spread of log gain, extra noise (counts)
-  uvec4 keys;  // episode (low, high word), frame, flags
+  vec4 drive;   // load (N), gain, spread of log gain, extra noise (counts)
+  uvec4 keys;   // episode (low, high word), frame, flags
+  uvec4 clock;  // steps since reset, 0, 0, 0
 };
 
 struct StepRecord {
-  uvec4 batch;  // instances; slots, or in a batch of contacts the room for contacts of an instance; seed (low, high word)
-  vec4 time;    // dt (s), 1/dt, contact_band (m), 0
-  vec4 law;     // of a law with taxels that move: what a step does to them
+  uvec4 batch;    // instances; slots, or in a batch of contacts the room for contacts of an instance; seed (low, high word)
+  vec4 time;      // dt (s), 1/dt, share of the low-pass, standard deviation of the random walk's step (counts)
+  vec4 creep;     // share of the way to its end that each term goes in dt
+  uvec4 delay;    // slot of this step in the ring of forces, steps back to the force that a frame shows, 0, 0
+  vec4 law;       // of a law with taxels that move: what a step does to them
+  vec4 contacts;  // contact_band (m), 0, 0, 0
 };
 
 // A contact from another engine.
 struct ContactRecord {
   vec4 point;  // position in S, m; normal force, N
 };
+
+// Forces that the ring of a delay keeps, one a step.
+TAXELSIM_CONSTANT kMaxDelaySteps = 32u;
 
 // What the contact pass leaves per instance and tile.
 struct TileResult {
@@ -149,6 +159,9 @@ TAXELSIM_CONSTANT kNumFeatures = 38u;
 // ---- random numbers; base/philox.h has the same values ----
 TAXELSIM_CONSTANT kPurposeReadoutNoise = 1u;
 TAXELSIM_CONSTANT kPurposeTaxelGain = 2u;
+TAXELSIM_CONSTANT kPurposeBias = 4u;
+TAXELSIM_CONSTANT kPurposeDeadTaxel = 5u;
+TAXELSIM_CONSTANT kPurposeRandomWalk = 6u;
 
 #ifdef __cplusplus
 }  // namespace taxelsim::layout

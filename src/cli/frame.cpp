@@ -231,7 +231,8 @@ int runObjects(const Arguments& arguments, bool load_driven) {
     throw Error(ErrorKind::kInput, fmt::format("--load {}: must be a force of 0 N or more", arguments.load));
   std::vector<Pose> X_SO;
   for (const std::string& text : arguments.poses) X_SO.push_back(parsePose(text));
-  const Sensor sensor = loadSensor(arguments.sensor);
+  Sensor sensor = loadSensor(arguments.sensor);
+  sensor.readout.delay = sensor.readout.low_pass_time = 0;  // the one frame shows what they would settle to
   ModelOptions options{.sensor = sensor, .objects = {}};
   std::vector<int> ids;
   for (const std::string& text : arguments.objects) {

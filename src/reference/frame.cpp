@@ -17,7 +17,8 @@ Frame simulateFrame(const Sensor& sensor, const FrameInput& input) {
   if (!input.load) frame.taxel_state = input.taxel_state;
   frame.taxel_force = taxelResponse(sensor, frame.contact.taxel_force, input.dt, frame.taxel_state);
   frame.spread_force = spread(sensor, frame.taxel_force);
-  frame.counts = readOut(sensor, frame.spread_force, input.draw);
+  frame.lagged_force = input.lag ? input.lag->step(frame.spread_force, input.dt) : frame.spread_force;
+  frame.counts = readOut(sensor, frame.lagged_force, input.draw);
   frame.measured_force = measuredForce(sensor, frame.counts);
   frame.saturated = saturatedFraction(sensor, frame.counts);
   frame.clean = cleanFeatures(sensor, frame.spread_force);

@@ -1,6 +1,6 @@
 // All stages of the reference in a row for one sensor instance: the double-precision twin of a Simulator's frame.
 //
-//   poses -> heights -> penetration -> pressure, taxel force -> spread force -> counts -> features
+//   poses -> heights -> penetration -> pressure, taxel force -> spread force -> lagged force -> counts -> features
 //
 // Not a simulator: the caller keeps what lasts from frame to frame (penetration of the frame before, held frames).
 #pragma once
@@ -12,6 +12,7 @@
 #include "reference/contact.h"
 #include "reference/depth.h"
 #include "reference/features.h"
+#include "reference/lag.h"
 #include "reference/load.h"
 #include "reference/readout.h"
 #include "reference/taxel_laws.h"
@@ -25,6 +26,7 @@ struct FrameInput {
   std::vector<TaxelState> taxel_state{};       // the same
   double dt = 0;                               // s since then
   ReadoutDraw draw{};
+  Lag* lag = nullptr;  // stage 4, advanced by dt; none: a frame shows the spread force itself
 };
 
 // Every intermediate value, in the order in which it is computed.
@@ -36,6 +38,7 @@ struct Frame {
   std::vector<TaxelState> taxel_state;  // of laws with one
   std::vector<double> taxel_force;      // (num_taxels), N: contact's, as the law's taxels read them
   std::vector<double> spread_force;     // (num_taxels), N
+  std::vector<double> lagged_force;     // (num_taxels), N
   std::vector<std::uint32_t> counts;    // (num_taxels)
   std::vector<double> measured_force;   // (num_taxels), N
   double saturated = 0;

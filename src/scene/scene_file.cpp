@@ -80,6 +80,22 @@ void readEpisode(const YamlMap& parent, Scene& scene) {
   }
 }
 
+// A delay must show what it delays, and fit into the ring of forces that a step fills.
+void checkDelay(const YamlMap& map, const Scene& scene) {
+  const double delay = scene.sensor.readout.delay;
+  if (delay == 0) return;
+  const YamlNode sensor = map.require("sensor", "");
+  if (scene.kind == Scene::Kind::kContacts) {
+    sensor.fail("readout.delay " + canonicalNumber(delay) +
+                " s is not allowed: 0 in a scene of kind contacts, whose one frame would show the sensor before the contact");
+  }
+  if (delay * scene.simulation_rate > kMaxDelaySteps * (1 + kRateTolerance / 2)) {
+    sensor.fail("readout.delay " + canonicalNumber(delay) + " s is not allowed: at most " + std::to_string(kMaxDelaySteps) +
+                " steps at a simulation_rate of " + canonicalNumber(scene.simulation_rate) + " Hz (" +
+                canonicalNumber(kMaxDelaySteps / scene.simulation_rate) + " s)");
+  }
+}
+
 Randomisation readRandomisation(const YamlMap& parent, const Sensor& sensor) {
   const YamlMap map(parent, "randomisation",
                     {"x[_mm]", "y[_mm]", "yaw[_deg]", "tilt[_deg]", "load", "depth[_mm]", "gain", "gain_spread", "noise"});
@@ -196,6 +212,7 @@ Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrid
   scene.X_ES = readPose(map, "mount");
   scene.objects = readObjects(map, directory);
   readEpisode(map, scene);
+  checkDelay(map, scene);
   scene.randomisation = readRandomisation(map, scene.sensor);
   if (scene.kind == Scene::Kind::kServo) {
     scene.controller = readEdgeServo(map);

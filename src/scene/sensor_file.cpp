@@ -240,9 +240,58 @@ std::vector<double> readPerTaxel(const YamlMap& map, std::string_view key, std::
   return values;
 }
 
+// A number, or a list of them: one per element of the hysteresis.
+std::vector<double> readElements(const YamlMap& map, std::string_view key, const Allowed& allowed) {
+  std::vector<double> values;
+  if (const std::optional<YamlNode> node = map.find(key)) {
+    if (node->isList()) {
+      const std::string what = "a number, or a list of at most " + std::to_string(kMaxHysteresisElements);
+      const std::vector<YamlNode> items = node->items(what);
+      if (items.size() > static_cast<std::size_t>(kMaxHysteresisElements)) node->refuse(what);
+      for (const YamlNode& item : items) values.push_back(item.number(allowed));
+    } else {
+      values.push_back(node->number(allowed));
+    }
+  }
+  map.canonical().line(key, canonicalList(values));
+  return values;
+}
+
+void readHysteresis(const YamlMap& map, Readout& readout) {
+  readout.hysteresis_strength = readElements(map, "hysteresis_strength", Allowed::within(0, 1, ""));
+  readout.hysteresis_width = readElements(map, "hysteresis_width", Allowed::atLeast(0, "N"));
+  if (readout.hysteresis_width.size() == readout.hysteresis_strength.size()) return;
+  const bool has_width = map.has("hysteresis_width");
+  const YamlNode place = has_width ? map.require("hysteresis_width", "") : map.require("hysteresis_strength", "");
+  place.fail(std::to_string(readout.hysteresis_strength.size()) + " of hysteresis_strength and " +
+             std::to_string(readout.hysteresis_width.size()) + " of hysteresis_width: as many of one as of the other");
+}
+
+std::vector<CreepTerm> readCreep(const YamlMap& map) {
+  const std::optional<YamlNode> node = map.find("creep");
+  const std::string what = "a list of at most " + std::to_string(kMaxCreepTerms) + " of {fraction, time}";
+  const std::vector<YamlNode> items = node ? node->items(what) : std::vector<YamlNode>{};
+  if (items.size() > static_cast<std::size_t>(kMaxCreepTerms)) node->refuse(what);
+  std::vector<CreepTerm> terms;
+  if (items.empty()) {
+    map.canonical().line("creep", "[]");
+    return terms;
+  }
+  map.canonical().open("creep");
+  for (const YamlNode& item : items) {
+    const YamlMap term = YamlMap::item(item, {"fraction", "time"}, map.canonical());
+    const double fraction = term.number("fraction", Allowed::within(0, kMaxCreepFraction, "of the force"));
+    terms.push_back({.fraction = fraction, .time = term.number("time", Allowed::above(0, "s"))});
+  }
+  map.canonical().close();
+  return terms;
+}
+
 Readout readReadout(const YamlMap& sensor, const std::vector<GridPatch>& patches) {
   const YamlMap map(sensor, "readout",
-                    {"curve", "output_scale", "trigger", "adc_bits", "saturation", "noise", "taxel_gain", "taxel_trigger"});
+                    {"curve", "output_scale", "trigger", "adc_bits", "saturation", "noise", "taxel_gain", "taxel_trigger",
+                     "hysteresis_strength", "hysteresis_width", "creep", "low_pass_time", "delay", "jitter", "bias", "random_walk",
+                     "gain_spread", "press_gain_spread", "dead_taxel_probability"});
   Readout readout;
   readout.curve = readCurve(map);
   readout.output_scale = map.number("output_scale", Allowed::above(0, ""), readout.output_scale);
@@ -253,6 +302,16 @@ Readout readReadout(const YamlMap& sensor, const std::vector<GridPatch>& patches
   readout.noise = map.number("noise", Allowed::atLeast(0, "counts"), readout.noise);
   readout.taxel_gain = readPerTaxel(map, "taxel_gain", "", patches);
   readout.taxel_trigger = readPerTaxel(map, "taxel_trigger", "N", patches);
+  readHysteresis(map, readout);
+  readout.creep = readCreep(map);
+  readout.low_pass_time = map.number("low_pass_time", Allowed::atLeast(0, "s"), readout.low_pass_time);
+  readout.delay = map.number("delay", Allowed::atLeast(0, "s"), readout.delay);
+  readout.jitter = map.number("jitter", Allowed::atLeast(0, "s"), readout.jitter);
+  readout.bias = map.number("bias", Allowed::within(0, kMaxOffsetCounts, "counts"), readout.bias);
+  readout.random_walk = map.number("random_walk", Allowed::within(0, kMaxOffsetCounts, "counts/sqrt(s)"), readout.random_walk);
+  readout.gain_spread = map.number("gain_spread", Allowed::within(0, kMaxGainSpread, ""), readout.gain_spread);
+  readout.press_gain_spread = map.number("press_gain_spread", Allowed::within(0, kMaxGainSpread, ""), readout.press_gain_spread);
+  readout.dead_taxel_probability = map.number("dead_taxel_probability", Allowed::within(0, 1, ""), readout.dead_taxel_probability);
   return readout;
 }
 

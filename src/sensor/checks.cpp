@@ -122,12 +122,15 @@ void checkPsf(const Psf& psf, const std::vector<GridPatch>& patches) {
   }
 }
 
-// The largest force that a taxel can bring to its curve: its whole area at the skin's full depth, times what gain and kernel add.
+// The largest force that a taxel can bring to its curve: its whole area at the skin's full depth, times what gain, creep and kernel add.
 double largestForce(const Sensor& sensor) {
   double area = 0;
   for (const GridPatch& patch : sensor.patches) area = std::max(area, patch.pitch[0] * patch.pitch[1]);
   double gain = 1;
   for (const double taxel_gain : sensor.readout.taxel_gain) gain = std::max(gain, taxel_gain);
+  double creep = 1;
+  for (const CreepTerm& term : sensor.readout.creep) creep += term.fraction;
+  gain *= creep;
   if (sensor.psf.normalization == Psf::Normalization::kNone) gain *= std::max(1.0, kernelSum(sensor.psf));
   // An undamped mass swings to twice its rest.
   if (std::holds_alternative<MassSpringDamper>(sensor.skin.law)) gain *= 2;
@@ -161,6 +164,62 @@ void checkCurve(const Sensor& sensor) {
   }
 }
 
+void checkRange(const std::string& field, double value, double min, double max, const char* unit) {
+  if (!(value >= min && value <= max))
+    fail(field, numberText(value), std::string(unit) + ", " + numberText(min) + " to " + numberText(max));
+}
+
+void checkHysteresis(const Readout& readout) {
+  const std::size_t num_elements = readout.hysteresis_strength.size();
+  if (num_elements > static_cast<std::size_t>(kMaxHysteresisElements)) {
+    fail("readout.hysteresis_strength", std::to_string(num_elements) + " elements", "at most " + std::to_string(kMaxHysteresisElements));
+  }
+  if (readout.hysteresis_width.size() != num_elements) {
+    fail("readout.hysteresis_width", std::to_string(readout.hysteresis_width.size()) + " values",
+         std::to_string(num_elements) + ", one per hysteresis_strength");
+  }
+  double sum = 0;
+  for (std::size_t e = 0; e < num_elements; ++e) {
+    checkNotNegative(at("readout.hysteresis_strength", e), readout.hysteresis_strength[e], "share");
+    checkNotNegative(at("readout.hysteresis_width", e), readout.hysteresis_width[e], "N");
+    sum += readout.hysteresis_strength[e];
+  }
+  if (!(sum < 1)) fail("readout.hysteresis_strength", "a sum of " + numberText(sum), "less than 1");
+}
+
+void checkCreep(const Readout& readout) {
+  if (readout.creep.size() > static_cast<std::size_t>(kMaxCreepTerms)) {
+    fail("readout.creep", std::to_string(readout.creep.size()) + " terms", "at most " + std::to_string(kMaxCreepTerms));
+  }
+  for (std::size_t m = 0; m < readout.creep.size(); ++m) {
+    checkRange(at("readout.creep", m) + ".fraction", readout.creep[m].fraction, 0, kMaxCreepFraction, "of the force");
+    checkPositive(at("readout.creep", m) + ".time", readout.creep[m].time, "s");
+  }
+}
+
+void checkTime(const Sensor& sensor) {
+  const Readout& readout = sensor.readout;
+  checkHysteresis(readout);
+  checkCreep(readout);
+  checkNotNegative("readout.low_pass_time", readout.low_pass_time, "s");
+  checkNotNegative("readout.delay", readout.delay, "s");
+  checkNotNegative("readout.jitter", readout.jitter, "s");
+  if (readout.jitter > 0 && !(readout.jitter * sensor.frame_rate <= 1)) {
+    fail("readout.jitter", numberText(readout.jitter), "s, at most 1 / frame_rate (" + numberText(1 / sensor.frame_rate) + " s)");
+  }
+  if (readout.jitter > 0 && sensor.frame_rate == 0) {
+    fail("readout.jitter", numberText(readout.jitter), "s, 0 where frame_rate is 0 (a frame at every step)");
+  }
+}
+
+void checkImperfections(const Readout& readout) {
+  checkRange("readout.bias", readout.bias, 0, kMaxOffsetCounts, "counts");
+  checkRange("readout.random_walk", readout.random_walk, 0, kMaxOffsetCounts, "counts / sqrt(s)");
+  checkRange("readout.gain_spread", readout.gain_spread, 0, kMaxGainSpread, "of the logarithm");
+  checkRange("readout.press_gain_spread", readout.press_gain_spread, 0, kMaxGainSpread, "of the logarithm");
+  checkRange("readout.dead_taxel_probability", readout.dead_taxel_probability, 0, 1, "probability");
+}
+
 void checkReadout(const Sensor& sensor) {
   const Readout& readout = sensor.readout;
   checkPositive("readout.output_scale", readout.output_scale, "factor");
@@ -170,6 +229,8 @@ void checkReadout(const Sensor& sensor) {
   checkNotNegative("readout.noise", readout.noise, "counts");
   checkTaxelList("readout.taxel_gain", readout.taxel_gain, numTaxels(sensor), "factor");
   checkTaxelList("readout.taxel_trigger", readout.taxel_trigger, numTaxels(sensor), "N");
+  checkTime(sensor);
+  checkImperfections(readout);
   checkCurve(sensor);
 }
 

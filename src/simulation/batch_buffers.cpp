@@ -18,24 +18,27 @@ struct InstanceBytes {
     num_contacts = takes_contacts ? 4 : 0;
     state = model.law.has_state && !takes_contacts ? 4 * num_tiles * model.packed.max_tile_samples : 0;
     taxel_scalar = 4 * taxels;
-    taxel_state = model.law.taxel_passes.empty() ? 0 : 8 * taxels;
+    law_state = model.law.taxel_passes.empty() ? 0 : 8 * taxels;
+    taxel_states = model.packed.num_states * taxel_scalar;
     depth = options.outputs.penetration_depth ? 4 * taxels : 0;
     shear = options.outputs.tactile_shear_force ? 8 * taxels : 0;
     tiles = sizeof(layout::TileResult) * num_tiles;
   }
 
-  std::uint64_t poses, contacts, num_contacts, state, taxel_scalar, taxel_state, depth, shear, tiles;
+  std::uint64_t poses, contacts, num_contacts, state, taxel_scalar, law_state, taxel_states, depth, shear, tiles;
   std::uint64_t instances = sizeof(layout::InstanceRecord);
   std::uint64_t loads = sizeof(layout::LoadRecord);
   std::uint64_t features = 4 * layout::kNumFeatures;
 
   // contact_normal, spread_normal and the image have a scalar per taxel.
   std::uint64_t total() const {
-    return poses + contacts + num_contacts + state + taxel_state + 3 * taxel_scalar + depth + 2 * shear + tiles + instances + loads +
-           features;
+    return poses + contacts + num_contacts + state + law_state + taxel_states + 3 * taxel_scalar + depth + 2 * shear + tiles + instances +
+           loads + features;
   }
   std::uint64_t readBack() const { return 2 * taxel_scalar + depth + shear + features; }
-  std::uint64_t largest() const { return std::max({poses, contacts, state, taxel_state, taxel_scalar, shear, tiles, instances, features}); }
+  std::uint64_t largest() const {
+    return std::max({poses, contacts, state, law_state, taxel_states, taxel_scalar, shear, tiles, instances, features});
+  }
 };
 
 // Part of the device's memory that a batch may take; the rest is the driver's and other programs'.
@@ -112,9 +115,10 @@ BatchBuffers::BatchBuffers(const Model::Impl& model, const SimulatorOptions& opt
   num_contacts = make("num_contacts", bytes.num_contacts, gpu::Domain::kUpload);
   step = gpu::Buffer(context, "step", sizeof(layout::StepRecord), gpu::Domain::kUpload);
   state = make("contact state", bytes.state, gpu::Domain::kDevice);
-  taxel_state = make("taxel state", bytes.taxel_state, gpu::Domain::kDevice);
+  law_state = make("law state", bytes.law_state, gpu::Domain::kDevice);
   contact_normal = make("contact_normal", bytes.taxel_scalar, gpu::Domain::kDevice);
   contact_shear = make("contact_shear", bytes.shear, gpu::Domain::kDevice);
+  taxel_states = make("taxel states", bytes.taxel_states, gpu::Domain::kDevice);
   tile_results = make("tile_results", bytes.tiles, gpu::Domain::kDevice);
   contact_depth = make_readable("penetration_depth", bytes.depth);
   image = make_readable("tactile_image", bytes.taxel_scalar);

@@ -49,6 +49,13 @@ std::uint32_t bits(double value) {
   return std::bit_cast<std::uint32_t>(static_cast<float>(value));
 }
 
+// Turns per taxel that stage 4 and imperfections add to the image pass: elements, terms, and the rounds of each draw.
+std::uint64_t turnsOfTime(const Readout& readout) {
+  constexpr std::uint64_t kRounds = 10;
+  const auto draws = static_cast<std::uint64_t>((readout.bias > 0) + (readout.random_walk > 0) + (readout.dead_taxel_probability > 0));
+  return readout.hysteresis_strength.size() + readout.creep.size() + kRounds * draws;
+}
+
 // An object's bounds in O with the endless ones cut, for the bracket of the load search.
 Bounds cutBounds(const Object& object) {
   constexpr double kReach = 1;  // m
@@ -84,7 +91,7 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
   const std::uint64_t contact_work = 2 * most_triangles + packed.max_tile_samples * (has_torus ? kTurnsOfTorus : 3);
   contact_workgroup = chooseWorkgroup(options.contact_workgroup, info, 64, contact_work, "contact_workgroup");
   const auto kernel_area = static_cast<std::uint64_t>(sensor.psf.size * sensor.psf.size);
-  const std::uint64_t image_work = num_taxels * (kernel_area + (sensor.readout.curve.size() > 1 ? 64 : 8));
+  const std::uint64_t image_work = num_taxels * (kernel_area + (sensor.readout.curve.size() > 1 ? 64 : 8) + turnsOfTime(sensor.readout));
   image_workgroup = chooseWorkgroup(options.image_workgroup, info, 64, image_work, "image_workgroup");
   // On a software driver every invocation has an instance of its own, unless that would be too many turns for it.
   const bool alone = info.type == DeviceType::kCpu && options.image_workgroup == 0 && image_work <= kMaxTurns;
@@ -212,16 +219,33 @@ gpu::Kernel Model::Impl::makeImageKernel(const ImageVariant& variant) const {
   constexpr std::uint32_t kNumSums = 19;  // of shaders/image.comp
   const std::uint32_t num_partials = image_team == 1 ? 1 : image_workgroup / image_team * kNumSums * packed.image_lanes;
   constexpr std::uint32_t kNoShear = 0;  // no law of today makes any
-  return {
-      device.context(),
-      {.name = "image",
-       .spirv = k_image_spirv,
-       .buffers = {"Instances", "Step", "SensorBlock", "Taxels", "SpreadRows", "ContactNormal", "ContactShear", "TileResults", "Loads",
-                   "Image", "SpreadNormal", "SpreadShear", "Features", "Problems"},
-       .constants = constants(image_workgroup, packed.image_lanes, image_repeat,
-                              {kNoShear, packed.num_entries, variant.with_normal, alike, static_cast<std::uint32_t>(readout.curve.size()),
-                               bits(readout.curve.front()), bits(readout.output_scale), bits(readout.trigger), bits(readout.saturation),
-                               bits(readout.noise), variant.random, image_team, num_partials, variant.whole_array})}};
+  return {device.context(),
+          {.name = "image",
+           .spirv = k_image_spirv,
+           .buffers = {"Instances", "Step", "SensorBlock", "Taxels", "SpreadRows", "ContactNormal", "ContactShear", "TileResults", "Loads",
+                       "Image", "SpreadNormal", "SpreadShear", "Features", "Problems", "TaxelStates"},
+           .constants = constants(image_workgroup, packed.image_lanes, image_repeat,
+                                  {kNoShear,
+                                   packed.num_entries,
+                                   variant.with_normal,
+                                   alike,
+                                   static_cast<std::uint32_t>(readout.curve.size()),
+                                   bits(readout.curve.front()),
+                                   bits(readout.output_scale),
+                                   bits(readout.trigger),
+                                   bits(readout.saturation),
+                                   bits(readout.noise),
+                                   variant.random,
+                                   image_team,
+                                   num_partials,
+                                   static_cast<std::uint32_t>(readout.hysteresis_strength.size()),
+                                   static_cast<std::uint32_t>(readout.creep.size()),
+                                   readout.low_pass_time > 0,
+                                   readout.delay > 0,
+                                   readout.random_walk > 0,
+                                   bits(readout.bias),
+                                   bits(readout.dead_taxel_probability),
+                                   variant.whole_array})}};
 }
 
 const std::vector<gpu::Kernel>& Model::Impl::taxelKernels() const {
@@ -238,13 +262,12 @@ std::uint32_t Model::Impl::taxelGroups(const TaxelPass& pass, std::uint32_t num_
 }
 
 gpu::Kernel Model::Impl::makeTaxelKernel(const TaxelPass& pass) const {
-  return {
-      device.context(),
-      {.name = pass.kernel,
-       .spirv = pass.spirv,
-       .buffers = {"Instances", "Step", "SpreadScale", "Neighbours", "ContactNormal", "TaxelState", "TileResults", "Taxels", "Problems"},
-       .constants =
-           constants(kTaxelWorkgroup, 1, 1, {packed.scalesSpread(), bits(law.taxel_parameters[0]), bits(law.taxel_parameters[1])})}};
+  return {device.context(),
+          {.name = pass.kernel,
+           .spirv = pass.spirv,
+           .buffers = {"Instances", "Step", "SpreadScale", "Neighbours", "ContactNormal", "LawState", "TileResults", "Taxels", "Problems"},
+           .constants =
+               constants(kTaxelWorkgroup, 1, 1, {packed.scalesSpread(), bits(law.taxel_parameters[0]), bits(law.taxel_parameters[1])})}};
 }
 
 gpu::Kernel Model::Impl::makeLoadKernel() const {

@@ -21,6 +21,7 @@ struct PackedSensor {
   std::uint32_t max_tile_samples = 0;  // of any tile
   std::uint32_t contact_lanes = 0;     // partial sums of the contact pass; a function of the sensor alone
   std::uint32_t image_lanes = 0;       // and of the image pass
+  std::uint32_t num_states = 0;        // of stage 4 per taxel, shaders/lib/lag.glsl
   bool one_patch = false;
   bool flat = false;              // the one patch's frame is the sensor's
   float highest = 0, lowest = 0;  // z in S of the corners of patches, m

@@ -4,8 +4,11 @@
 #include <cmath>
 #include <optional>
 
+#include "base/philox.h"
+#include "geometry/text.h"
 #include "gpu/commands.h"
 #include "simulation/batch_buffers.h"
+#include "simulation/clock.h"
 #include "simulation/pack_contacts.h"
 #include "simulation/rows.h"
 #include "taxelsim/error.h"
@@ -56,17 +59,10 @@ layout::PoseRecord packPose(int id, const Pose& X_SO) {
           {static_cast<float>(id), 0.0f, 0.0f, 0.0f}};
 }
 
-// Time since reset of one instance, and when its sensor delivers.
-struct Clock {
-  double time = 0;           // s, of the next step
-  std::uint32_t frames = 0;  // delivered so far
-  bool first_step = true;
-
-  // Frame k is due at k / rate; a step that comes within a billionth of a period is in time.
-  bool frameDue(double rate) const { return rate == 0 || time * rate >= static_cast<double>(frames) - 1e-9; }
-  // Skips frames that fell between two steps.
-  void deliver(double rate) { frames = rate == 0 ? frames + 1 : static_cast<std::uint32_t>(std::floor(time * rate + 1e-9)) + 1; }
-};
+// The share of the way to its end that a first-order system goes in dt.
+float shareOfTheWay(double dt, double time) {
+  return time > 0 ? static_cast<float>(-std::expm1(-dt / time)) : 1.0f;
+}
 
 }  // namespace
 
@@ -76,8 +72,11 @@ struct Simulator::Impl {
     clocks.resize(static_cast<std::size_t>(with.num_instances));
     const std::span<layout::PoseRecord> poses = buffers.poses.mappedAs<layout::PoseRecord>();
     for (layout::PoseRecord& pose : poses) pose = packPose(kNoObject, {});
-    for (layout::InstanceRecord& instance : records()) instance.drive = {kPoseDriven, 1.0f, 0.0f, 0.0f};
-    commands(false, of.sensor().readout.noise > 0);
+    for (layout::InstanceRecord& instance : records()) {
+      instance.drive.x = kPoseDriven;
+      setVariation(instance, 0, {});
+    }
+    commands(false, of.sensor().readout.noise > 0 || of.sensor().readout.gain_spread > 0);
     of.device().context().savePipelineCache();
   }
 
@@ -97,6 +96,11 @@ struct Simulator::Impl {
 
   std::span<layout::InstanceRecord> records() const { return buffers.instances.mappedAs<layout::InstanceRecord>(); }
 
+  // Draws what is common to all taxels, and hands the device what it needs to draw the rest.
+  void setVariation(layout::InstanceRecord& record, std::uint64_t episode, const ReadoutVariation& variation) const;
+  // The record of a step of dt. Throws Error(kInput) when the delay is longer than the device keeps.
+  layout::StepRecord stepRecord(double dt);
+
   // The commands of one frame, recorded when first wanted. `loads`: some instance is driven by load; `random`: some instance draws noise or
   // gains.
   gpu::Commands& commands(bool loads, bool random);
@@ -111,6 +115,8 @@ struct Simulator::Impl {
   SimulatorOptions options;
   BatchBuffers buffers;
   std::vector<Clock> clocks;
+  StepHistory history;
+  std::uint32_t num_steps = 0;  // taken so far, by all instances together
   std::array<std::optional<gpu::Commands>, 4> recorded;
   gpu::Commands* running = nullptr;
   StepTiming timing;
@@ -120,6 +126,41 @@ gpu::Commands& Simulator::Impl::commands(bool loads, bool random) {
   std::optional<gpu::Commands>& list = recorded[(loads ? 1u : 0u) + (random ? 2u : 0u)];
   if (!list) list = record(loads, random);
   return *list;
+}
+
+void Simulator::Impl::setVariation(layout::InstanceRecord& record, std::uint64_t episode, const ReadoutVariation& variation) const {
+  const Readout& readout = model.sensor().readout;
+  float gain = variation.gain;
+  if (readout.press_gain_spread > 0) {
+    const double drawn = gaussian({.seed = options.seed, .episode = episode, .purpose = Purpose::kPressGain});
+    gain *= static_cast<float>(std::exp(readout.press_gain_spread * drawn));
+  }
+  float spread = variation.gain_spread;
+  if (readout.gain_spread > 0) spread = static_cast<float>(std::hypot(readout.gain_spread, variation.gain_spread));
+  record.drive = {record.drive.x, gain, spread, variation.noise};
+  record.keys.x = static_cast<std::uint32_t>(episode);
+  record.keys.y = static_cast<std::uint32_t>(episode >> 32);
+}
+
+layout::StepRecord Simulator::Impl::stepRecord(double dt) {
+  const Readout& readout = model.sensor().readout;
+  constexpr double kRounding = 5e-10;  // of a delay of just so many steps; less than StepHistory forgives
+  if (readout.delay > kMaxDelaySteps * dt * (1 + kRounding)) {
+    refuse("readout.delay: " + numberText(readout.delay) + " is not allowed: s, at most " + std::to_string(kMaxDelaySteps) + " steps of " +
+           numberText(dt) + " s (" + numberText(kMaxDelaySteps * dt) + " s); shorten it or take longer steps");
+  }
+  layout::StepRecord record{};
+  record.batch = {static_cast<std::uint32_t>(options.num_instances),
+                  static_cast<std::uint32_t>(takesContacts() ? options.max_contacts : options.num_slots),
+                  static_cast<std::uint32_t>(options.seed), static_cast<std::uint32_t>(options.seed >> 32)};
+  record.time = {static_cast<float>(dt), static_cast<float>(1 / dt), shareOfTheWay(dt, readout.low_pass_time),
+                 static_cast<float>(readout.random_walk * std::sqrt(dt))};
+  for (std::size_t m = 0; m < readout.creep.size(); ++m) record.creep[static_cast<int>(m)] = shareOfTheWay(dt, readout.creep[m].time);
+  const std::array<float, 4> law = transitionOf(model.sensor().skin.law, dt);
+  record.law = {law[0], law[1], law[2], law[3]};
+  record.contacts.x = static_cast<float>(options.contact_band);
+  record.delay = {num_steps++ % kMaxDelaySteps, history.stepsBack(dt, readout.delay), 0u, 0u};
+  return record;
 }
 
 // The one place where the passes are put in order.
@@ -142,7 +183,7 @@ gpu::Commands Simulator::Impl::record(bool with_loads, bool random) {
           {.random = random, .whole_array = m.law.whole_array && !takesContacts(), .with_normal = options.outputs.tactile_normal_force}),
       (n + m.imagesPerWorkgroup() - 1) / m.imagesPerWorkgroup(),
       {&b.instances, &b.step, &m.sensor_record, &m.taxels, &m.spread_rows, &b.contact_normal, &b.contact_shear, &b.tile_results, &b.loads,
-       &b.image.device, &b.spread_normal.device, &b.spread_shear.device, &b.features.device, &b.problems.device});
+       &b.image.device, &b.spread_normal.device, &b.spread_shear.device, &b.features.device, &b.problems.device, &b.taxel_states});
   commands.timestamp(2);
   commands.barrier(gpu::Access::kKernel, gpu::Access::kCopy);
   for (ReadableBuffer* buffer : buffers.readable(options.outputs)) {
@@ -186,9 +227,9 @@ void Simulator::Impl::recordTaxels(gpu::Commands& commands) const {
   const Model::Impl& m = *model.impl();
   const BatchBuffers& b = buffers;
   for (std::size_t pass = 0; pass < m.law.taxel_passes.size(); ++pass) {
-    commands.dispatch(m.taxelKernels()[pass], m.taxelGroups(m.law.taxel_passes[pass], static_cast<std::uint32_t>(options.num_instances)),
-                      {&b.instances, &b.step, &m.spread_scale, &m.mask, &b.contact_normal, &b.taxel_state, &b.tile_results, &m.taxels,
-                       &b.problems.device});
+    commands.dispatch(
+        m.taxelKernels()[pass], m.taxelGroups(m.law.taxel_passes[pass], static_cast<std::uint32_t>(options.num_instances)),
+        {&b.instances, &b.step, &m.spread_scale, &m.mask, &b.contact_normal, &b.law_state, &b.tile_results, &m.taxels, &b.problems.device});
     commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
   }
 }
@@ -362,9 +403,7 @@ void Simulator::reset(int instance, std::uint64_t episode, const ReadoutVariatio
     refuse("variation of instance " + std::to_string(instance) + ": gain, gain_spread and noise must be finite and >= 0");
   }
   layout::InstanceRecord& record = impl_->records()[static_cast<std::size_t>(instance)];
-  record.drive = {record.drive.x, variation.gain, variation.gain_spread, variation.noise};
-  record.keys.x = static_cast<std::uint32_t>(episode);
-  record.keys.y = static_cast<std::uint32_t>(episode >> 32);
+  impl_->setVariation(record, episode, variation);
   impl_->clocks[static_cast<std::size_t>(instance)] = {};
 }
 
@@ -372,32 +411,26 @@ void Simulator::step(double dt) {
   if (!(dt > 0) || std::isinf(dt)) refuse("dt: " + std::to_string(dt) + " is not allowed: s, > 0");
   Impl& impl = *impl_;
   const Model::Impl& m = *impl.model.impl();
-  const std::uint64_t seed = impl.options.seed;
-  const std::array<float, 4> law = transitionOf(m.sensor.skin.law, dt);
-  impl.buffers.step.mappedAs<layout::StepRecord>()[0] = {
-      {static_cast<std::uint32_t>(impl.options.num_instances),
-       static_cast<std::uint32_t>(impl.takesContacts() ? impl.options.max_contacts : impl.options.num_slots),
-       static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)},
-      {static_cast<float>(dt), static_cast<float>(1 / dt), static_cast<float>(impl.options.contact_band), 0.0f},
-      {law[0], law[1], law[2], law[3]}};
+  impl.buffers.step.mappedAs<layout::StepRecord>()[0] = impl.stepRecord(dt);
+  const Sensor& sensor = m.sensor;
   bool any_load = false;
-  bool any_random = impl.model.sensor().readout.noise > 0;
-  const double rate = impl.model.sensor().frame_rate;
+  bool any_random = sensor.readout.noise > 0;
+  const FrameTiming timing{.rate = sensor.frame_rate, .jitter = sensor.readout.jitter, .seed = impl.options.seed};
   const std::span<layout::InstanceRecord> records = impl.records();
   for (std::size_t i = 0; i < impl.clocks.size(); ++i) {
     Clock& clock = impl.clocks[i];
     std::uint32_t flags = 0;
-    if (clock.first_step) flags |= layout::kFlagFirstStep;
+    if (clock.steps == 0) flags |= layout::kFlagFirstStep;
     if (!std::isnan(records[i].drive.x)) flags |= layout::kFlagLoadDriven;
     any_load = any_load || (flags & layout::kFlagLoadDriven) != 0;
     any_random = any_random || records[i].drive.z > 0 || records[i].drive.w > 0;
     records[i].keys.z = clock.frames;
-    if (clock.frameDue(rate)) {
+    if (clock.frameDue(timing.rate)) {
       flags |= layout::kFlagNewFrame;
-      clock.deliver(rate);
+      clock.deliver(timing, records[i].keys.x | static_cast<std::uint64_t>(records[i].keys.y) << 32);
     }
     records[i].keys.w = flags;
-    clock.first_step = false;
+    records[i].clock.x = clock.steps++;
     clock.time += dt;
   }
   if (any_load && !m.packed.searches_in_tile) impl.startSearch();

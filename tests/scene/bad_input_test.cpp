@@ -168,6 +168,51 @@ TEST(BadScenes, Sensors) {
                 ":14:59: mount.rotation: given twice, as rotation and rpy"}});
 }
 
+TEST(BadScenes, ReadoutOverTimeAndImperfections) {
+  constexpr std::string_view kTrigger = "trigger: 0.02";
+  expectRefusals(
+      {BadScene{kTrigger, "hysteresis_strength: 1.5",
+                ":13:26: sensor.readout.hysteresis_strength: 1.5 is not allowed: a number from 0 to 1"},
+       BadScene{kTrigger, "hysteresis_strength: 0.1",
+                ":13:26: sensor.readout.hysteresis_strength: 1 of hysteresis_strength and 0 of hysteresis_width: as many"},
+       BadScene{kTrigger, "hysteresis_width: [0.1]",
+                ":13:23: sensor.readout.hysteresis_width: 0 of hysteresis_strength and 1 of hysteresis_width: as many"},
+       BadScene{kTrigger, "hysteresis_width: -0.1", ":13:23: sensor.readout.hysteresis_width: -0.1 is not allowed: a number >= 0 N"},
+       BadScene{kTrigger, "hysteresis_strength: [0, 0, 0, 0, 0]",
+                ":13:26: sensor.readout.hysteresis_strength: a list of 5 is not allowed: a number, or a list of at most 4"},
+       BadScene{kTrigger, "hysteresis_strength: [0.5, 0.5]\n    hysteresis_width: [1, 2]",
+                ":13:26: sensor.readout.hysteresis_strength: a sum of 1 is not allowed: less than 1"},
+       BadScene{kTrigger, "creep: 3", ":13:12: sensor.readout.creep: 3 is not allowed: a list of at most 4 of {fraction, time}"},
+       BadScene{kTrigger, "creep: [{fraction: 0.1}]", ":13:13: sensor.readout.creep[0]: time is missing: a number > 0 s"},
+       BadScene{kTrigger, "creep: [{fraction: -1, time: 1}]",
+                ":13:24: sensor.readout.creep[0].fraction: -1 is not allowed: a number from 0"},
+       BadScene{kTrigger, "creep: [{fraction: 1, time: 0}]", ":13:33: sensor.readout.creep[0].time: 0 is not allowed: a number > 0 s"},
+       BadScene{kTrigger, "creep: [{fraction: 1, tau: 1}]", ":13:27: sensor.readout.creep[0].tau: unknown key"},
+       BadScene{kTrigger, "low_pass_time: -1", ":13:20: sensor.readout.low_pass_time: -1 is not allowed: a number >= 0 s"},
+       BadScene{kTrigger, "delay: soon", ":13:12: sensor.readout.delay: soon is not allowed: a number >= 0 s"},
+       BadScene{kTrigger, "delay: 0.4",
+                ":5:3: sensor: readout.delay 0.4 s is not allowed: at most 32 steps at a simulation_rate of 100 Hz (0.32 s)"},
+       BadScene{kTrigger, "jitter: 0.001",
+                ":13:13: sensor.readout.jitter: 0.001 is not allowed: s, 0 where frame_rate is 0 (a frame at every step)"},
+       BadScene{kTrigger, "jitter: 0.1\n  frame_rate: 20",
+                ":13:13: sensor.readout.jitter: 0.1 is not allowed: s, at most 1 / frame_rate (0.05 s)"},
+       BadScene{kTrigger, "bias: -1", ":13:11: sensor.readout.bias: -1 is not allowed: a number from 0 to 1e+09 counts"},
+       BadScene{kTrigger, "random_walk: 1e10",
+                ":13:18: sensor.readout.random_walk: 1e10 is not allowed: a number from 0 to 1e+09 counts/sqrt(s)"},
+       BadScene{kTrigger, "gain_spread: 3", ":13:18: sensor.readout.gain_spread: 3 is not allowed: a number from 0 to 2"},
+       BadScene{kTrigger, "press_gain_spread: .nan", ":13:24: sensor.readout.press_gain_spread: .nan is not allowed"},
+       BadScene{kTrigger, "dead_taxel_probability: 1.1",
+                ":13:29: sensor.readout.dead_taxel_probability: 1.1 is not allowed: a number from 0 to 1"}});
+}
+
+TEST(BadSceneFiles, ADelayWouldBlankAContactImage) {
+  std::string text = edited(edited(kScene, "kind: servo", "kind: contacts"), "num_steps: 20, ", "");
+  text = edited(text, "controller:\n  edge_servo: {angle_gain: 0.78}\n", "");
+  EXPECT_EQ(refusalOf(text), "was accepted");
+  EXPECT_THAT(refusalOf(edited(text, "trigger: 0.02", "delay: 0.01")),
+              testing::StartsWith(":5:3: sensor: readout.delay 0.01 s is not allowed: 0 in a scene of kind contacts"));
+}
+
 TEST(BadScenes, Objects) {
   expectRefusals(
       {BadScene{kSphere, "mesh: missing.obj", ":16:11: objects[0].mesh: missing.obj is not there, or not a file"},

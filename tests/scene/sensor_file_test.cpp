@@ -42,6 +42,16 @@ TEST(SensorFile, DefaultsAreTheHeaders) {
   EXPECT_EQ(sensor.readout.noise, Readout{}.noise);
   EXPECT_TRUE(sensor.readout.taxel_gain.empty());
   EXPECT_TRUE(sensor.readout.taxel_trigger.empty());
+  EXPECT_TRUE(sensor.readout.hysteresis_strength.empty());
+  EXPECT_TRUE(sensor.readout.creep.empty());
+  EXPECT_EQ(sensor.readout.low_pass_time, Readout{}.low_pass_time);
+  EXPECT_EQ(sensor.readout.delay, Readout{}.delay);
+  EXPECT_EQ(sensor.readout.jitter, Readout{}.jitter);
+  EXPECT_EQ(sensor.readout.bias, Readout{}.bias);
+  EXPECT_EQ(sensor.readout.random_walk, Readout{}.random_walk);
+  EXPECT_EQ(sensor.readout.gain_spread, Readout{}.gain_spread);
+  EXPECT_EQ(sensor.readout.press_gain_spread, Readout{}.press_gain_spread);
+  EXPECT_EQ(sensor.readout.dead_taxel_probability, Readout{}.dead_taxel_probability);
 }
 
 TEST(SensorFile, EverySettingArrives) {
@@ -53,7 +63,9 @@ frame_rate: 31
 skin: {thickness_mm: 1.5, law: winkler, normal_contact_stiffness: 2e8, normal_exponent: 1.5, normal_damping: 10}
 psf: {kernel: [[0, 1, 0], [2, 4, 2], [0, 1, 0.5]], normalization: none}
 readout: {curve: {coefficients: [100, 2, 0.5]}, output_scale: 2, trigger: 0.1, adc_bits: 10, saturation: 1000, noise: 3,
-          taxel_gain: [1, 2, 3], taxel_trigger: [0.1, 0.2, 0.3]}
+          taxel_gain: [1, 2, 3], taxel_trigger: [0.1, 0.2, 0.3], hysteresis_strength: [0.1, 0.2], hysteresis_width: [0.3, 0.4],
+          creep: [{fraction: 0.5, time: 6}, {time: 8, fraction: 0.7}], low_pass_time: 0.01, delay: 0.02, jitter: 0.03, bias: 4,
+          random_walk: 5, gain_spread: 0.6, press_gain_spread: 0.7, dead_taxel_probability: 0.8}
 )");
   ASSERT_EQ(sensor.patches.size(), 2u);
   EXPECT_EQ(sensor.patches[0].name, "a");
@@ -78,6 +90,17 @@ readout: {curve: {coefficients: [100, 2, 0.5]}, output_scale: 2, trigger: 0.1, a
   EXPECT_EQ(sensor.readout.noise, 3);
   EXPECT_EQ(sensor.readout.taxel_gain, (std::vector<double>{1, 2, 3}));
   EXPECT_EQ(sensor.readout.taxel_trigger, (std::vector<double>{0.1, 0.2, 0.3}));
+  EXPECT_EQ(sensor.readout.hysteresis_strength, (std::vector<double>{0.1, 0.2}));
+  EXPECT_EQ(sensor.readout.hysteresis_width, (std::vector<double>{0.3, 0.4}));
+  EXPECT_EQ(sensor.readout.creep, (std::vector<CreepTerm>{{0.5, 6}, {0.7, 8}}));
+  EXPECT_EQ(sensor.readout.low_pass_time, 0.01);
+  EXPECT_EQ(sensor.readout.delay, 0.02);
+  EXPECT_EQ(sensor.readout.jitter, 0.03);
+  EXPECT_EQ(sensor.readout.bias, 4);
+  EXPECT_EQ(sensor.readout.random_walk, 5);
+  EXPECT_EQ(sensor.readout.gain_spread, 0.6);
+  EXPECT_EQ(sensor.readout.press_gain_spread, 0.7);
+  EXPECT_EQ(sensor.readout.dead_taxel_probability, 0.8);
 }
 
 TEST(SensorFile, GainsInRowsAreGainsInStorageOrder) {
@@ -85,6 +108,14 @@ TEST(SensorFile, GainsInRowsAreGainsInStorageOrder) {
   const std::vector<double> expected{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
   EXPECT_EQ(load(kGrid + readout + "taxel_gain: [[1, 2, 3, 4], [5, 6, 7, 8], [9, 10, 11, 12]]}").readout.taxel_gain, expected);
   EXPECT_EQ(load(kGrid + readout + "taxel_gain: [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12]}").readout.taxel_gain, expected);
+}
+
+TEST(SensorFile, OneElementOfHysteresisNeedsNoList) {
+  const Sensor sensor = load(std::string(kGrid) +
+                             "skin: {thickness: 0.002, normal_contact_stiffness: 1.73e8}\nreadout: {curve: {counts_per_newton: 2400}, "
+                             "hysteresis_strength: 0.1, hysteresis_width: 0.2}");
+  EXPECT_EQ(sensor.readout.hysteresis_strength, std::vector<double>{0.1});
+  EXPECT_EQ(sensor.readout.hysteresis_width, std::vector<double>{0.2});
 }
 
 TEST(SensorFile, FullScaleFollowsTheBits) {
