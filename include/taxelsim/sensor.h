@@ -23,6 +23,8 @@ inline constexpr int kMaxDelaySteps = 32;  // simulation steps that a readout's 
 inline constexpr double kMaxCreepFraction = 1e6;
 inline constexpr double kMaxOffsetCounts = 1e9;  // of bias and random walk
 inline constexpr double kMaxGainSpread = 2;
+inline constexpr double kMaxFrictionCoefficient = 1000;
+inline constexpr double kMaxTangentialStiffness = 1e30;  // N/m^3: what the device's float32 holds with room for a displacement
 
 // A planar grid of taxels. Its frame P lies in the grid's middle on the undeformed outer skin surface, z out of the skin
 // towards the object; row i runs along x, column j along y. Taxel (i, j) is centred on
@@ -81,9 +83,19 @@ using ContactLaw = std::variant<Winkler, MassSpringDamper, DeformationMask, Prox
 // The elastic foundation that the law presses with: Winkler's own, for the others linear springs without damping.
 Winkler foundationOf(const ContactLaw& law);
 
+// Stick and slip with memory: at every sample a tangential spring that holds on to the object where it touched and gives way at Coulomb's
+// cone, |traction| <= friction_coefficient * pressure. Depends on the path of the object, not on its speed.
+struct Friction {
+  double tangential_stiffness = 0;  // N/m^3, > 0 where there is friction, at most 1e30; a layer bonded to its base has G / thickness
+  double friction_coefficient = 0;  // 0 to 1000; 0: no shear
+
+  bool operator==(const Friction&) const = default;
+};
+
 struct Skin {
   double thickness = 0;  // m, > 0; the deepest penetration
   ContactLaw law = Winkler{};
+  Friction friction{};
 };
 
 // The point spread function over taxels of one patch; paper eq. (1).

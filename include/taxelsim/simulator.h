@@ -59,7 +59,7 @@ struct FeatureView {
 // Values nobody could measure: before time, readout and noise.
 struct GroundTruthView : FeatureView {
   std::span<const float> tactile_normal_force;  // (N x num_taxels), N, after the PSF; empty unless asked for
-  std::span<const float> tactile_shear_force;   // (N x num_taxels x 2), N, along x and y of the taxel; empty unless asked for
+  std::span<const float> tactile_shear_force;   // (N x num_taxels x 2), N, on the skin, along x and y of the taxel; empty unless asked for
   std::span<const float> penetration_depth;     // (N x num_taxels), m, mean over the taxel's samples; empty unless asked for
   std::span<const float> contact_wrench;        // (N x 6): force (N) and torque (N m) on the sensor at its origin, in S, before the PSF
   std::span<const float> over_penetration;      // (N), fraction of samples at least as deep as the skin is thick; of contacts 0
@@ -110,6 +110,7 @@ class Simulator {
   // (N x num_slots), ignored for empty slots. Throws Error(kInput) for a wrong length, an unknown id, or a pose that is not
   // finite or whose quaternion is not of unit length within 1e-3, or when max_contacts is not 0. Must not be called between step() and
   // read().
+  // To a skin with friction an object that stays in its slot has slid or rolled there since the step before; after a jump, reset().
   void setObjects(std::span<const int> ids, std::span<const Pose> X_SO);
 
   // One instance of the same.

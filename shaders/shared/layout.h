@@ -88,6 +88,16 @@ struct PoseRecord {
   vec4 object;            // index or -1, 0, 0, 0
 };
 
+// What the object in a slot has done since the step before, before a load search moves it: a point p of it, in S, was displaced by A p + t,
+// the rows being (A | t). Computed in double on the host: the difference of two float32 poses would make a resting object creep.
+struct MotionRecord {
+  vec4 row0, row1, row2;
+  vec4 known;  // 1, or 0 where the slot holds another object than before or the instance has been reset: then A and t are 0; 0, 0, 0
+};
+
+// A slot's number fits into so many bits.
+TAXELSIM_CONSTANT kSlotBits = 3u;
+
 TAXELSIM_CONSTANT kFlagNewFrame = 1u;   // the sensor delivers a frame in this step
 TAXELSIM_CONSTANT kFlagFirstStep = 2u;  // the first step since reset
 TAXELSIM_CONSTANT kFlagLoadDriven = 4u;
@@ -114,6 +124,10 @@ struct ContactRecord {
 
 // Forces that the ring of a delay keeps, one a step.
 TAXELSIM_CONSTANT kMaxDelaySteps = 32u;
+// Per tile the state of friction is kFrictionHeader pairs of words, the rectangle of taxels whose samples have one (first row, end row,
+// first col, end col, of the patch), then a pair per sample: the traction along x and y of P, Pa; kApart where nothing touched.
+TAXELSIM_CONSTANT kFrictionHeader = 2u;
+TAXELSIM_CONSTANT kApart = 0x7F7FFFF8u;  // as the bits of x: larger than any traction, and free for a slot's number
 
 // What the contact pass leaves per instance and tile.
 struct TileResult {

@@ -138,8 +138,20 @@ ContactLaw readLaw(const YamlMap& map) {
   return law.read(map);
 }
 
+Friction readFriction(const YamlMap& map) {
+  Friction friction;
+  friction.friction_coefficient =
+      map.number("friction_coefficient", Allowed::within(0, kMaxFrictionCoefficient, ""), friction.friction_coefficient);
+  if (friction.friction_coefficient > 0) {
+    friction.tangential_stiffness = map.number("tangential_stiffness", Allowed::above(0, "N/m^3"));
+  } else if (const std::optional<YamlNode> alone = map.find("tangential_stiffness")) {
+    alone->fail("given without friction: friction_coefficient must be > 0 beside it");
+  }
+  return friction;
+}
+
 Skin readSkin(const YamlMap& sensor) {
-  YamlMap::Keys keys{"thickness[_mm]", "law"};
+  YamlMap::Keys keys{"thickness[_mm]", "law", "friction_coefficient", "tangential_stiffness"};
   for (const LawReader& law : lawReaders()) {
     for (const std::string_view key : law.keys) {
       if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
@@ -149,6 +161,7 @@ Skin readSkin(const YamlMap& sensor) {
   Skin skin;
   skin.thickness = map.number("thickness", Allowed::above(0, "m"));
   skin.law = readLaw(map);
+  skin.friction = readFriction(map);
   return skin;
 }
 

@@ -77,9 +77,25 @@ struct CheckLaw {
   void operator()(const Proximity& law) const { checkPositive("skin.sensitivity", law.sensitivity, "N/m"); }
 };
 
+void checkFriction(const Friction& friction) {
+  const auto [stiffness, coefficient] = friction;
+  if (!(coefficient >= 0 && coefficient <= kMaxFrictionCoefficient)) {
+    fail("skin.friction_coefficient", numberText(coefficient), "0 to " + numberText(kMaxFrictionCoefficient));
+  }
+  if (coefficient == 0 && stiffness != 0) fail("skin.tangential_stiffness", numberText(stiffness), "0 where friction_coefficient is 0");
+  if (coefficient > 0 && !(stiffness > 0 && stiffness <= kMaxTangentialStiffness)) {
+    fail("skin.tangential_stiffness", numberText(stiffness),
+         "N/m^3, > 0 and at most " + numberText(kMaxTangentialStiffness) + " where friction_coefficient is > 0");
+  }
+}
+
 void checkSkin(const Skin& skin) {
   checkPositive("skin.thickness", skin.thickness, "m");
   std::visit(CheckLaw{}, skin.law);
+  if (skin.friction.friction_coefficient > 0 && !std::holds_alternative<Winkler>(skin.law)) {
+    fail("skin.friction_coefficient", numberText(skin.friction.friction_coefficient), "0 for a law other than winkler");
+  }
+  checkFriction(skin.friction);
 }
 
 // Every taxel must send some of its force to a taxel of its own patch, or normalising per source divides by zero.

@@ -22,22 +22,28 @@ struct InstanceBytes {
     taxel_states = model.packed.num_states * taxel_scalar;
     depth = options.outputs.penetration_depth ? 4 * taxels : 0;
     shear = options.outputs.tactile_shear_force ? 8 * taxels : 0;
+    if (model.hasFriction() && !takes_contacts) {
+      motions = sizeof(layout::MotionRecord) * static_cast<std::uint64_t>(options.num_slots);
+      friction = 8 * num_tiles * (layout::kFrictionHeader + model.packed.max_tile_samples);
+      contact_shear = shear;
+    }
     tiles = sizeof(layout::TileResult) * num_tiles;
   }
 
   std::uint64_t poses, contacts, num_contacts, state, taxel_scalar, law_state, taxel_states, depth, shear, tiles;
+  std::uint64_t motions = 0, friction = 0, contact_shear = 0;
   std::uint64_t instances = sizeof(layout::InstanceRecord);
   std::uint64_t loads = sizeof(layout::LoadRecord);
   std::uint64_t features = 4 * layout::kNumFeatures;
 
   // contact_normal, spread_normal and the image have a scalar per taxel.
   std::uint64_t total() const {
-    return poses + contacts + num_contacts + state + law_state + taxel_states + 3 * taxel_scalar + depth + 2 * shear + tiles + instances +
-           loads + features;
+    return poses + motions + contacts + num_contacts + state + friction + law_state + taxel_states + 3 * taxel_scalar + depth + shear +
+           contact_shear + tiles + instances + loads + features;
   }
   std::uint64_t readBack() const { return 2 * taxel_scalar + depth + shear + features; }
   std::uint64_t largest() const {
-    return std::max({poses, contacts, state, law_state, taxel_states, taxel_scalar, shear, tiles, instances, features});
+    return std::max({poses, motions, contacts, state, friction, law_state, taxel_states, taxel_scalar, shear, tiles, instances, features});
   }
 };
 
@@ -109,6 +115,7 @@ BatchBuffers::BatchBuffers(const Model::Impl& model, const SimulatorOptions& opt
     return buffer;
   };
   poses = make("poses", bytes.poses, gpu::Domain::kUpload);
+  motions = make("motions", bytes.motions, gpu::Domain::kUpload);
   instances = make("instances", bytes.instances, gpu::Domain::kUpload);
   loads = make("loads", bytes.loads, gpu::Domain::kUpload);
   contacts = make("contacts", bytes.contacts, gpu::Domain::kUpload);
@@ -116,8 +123,9 @@ BatchBuffers::BatchBuffers(const Model::Impl& model, const SimulatorOptions& opt
   step = gpu::Buffer(context, "step", sizeof(layout::StepRecord), gpu::Domain::kUpload);
   state = make("contact state", bytes.state, gpu::Domain::kDevice);
   law_state = make("law state", bytes.law_state, gpu::Domain::kDevice);
+  friction_state = make("friction state", bytes.friction, gpu::Domain::kDevice);
   contact_normal = make("contact_normal", bytes.taxel_scalar, gpu::Domain::kDevice);
-  contact_shear = make("contact_shear", bytes.shear, gpu::Domain::kDevice);
+  contact_shear = make("contact_shear", bytes.contact_shear, gpu::Domain::kDevice);
   taxel_states = make("taxel states", bytes.taxel_states, gpu::Domain::kDevice);
   tile_results = make("tile_results", bytes.tiles, gpu::Domain::kDevice);
   contact_depth = make_readable("penetration_depth", bytes.depth);

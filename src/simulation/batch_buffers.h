@@ -25,9 +25,10 @@ struct ReadableBuffer {
 struct BatchBuffers {
   BatchBuffers(const Model::Impl& model, const SimulatorOptions& options);
 
-  gpu::Buffer poses, instances, step, loads, contacts, num_contacts;                        // from the host
-  gpu::Buffer state, law_state, contact_normal, contact_shear, tile_results, taxel_states;  // stay on the device
-  ReadableBuffer contact_depth, image, spread_normal, spread_shear, features, problems;     // come back
+  gpu::Buffer poses, motions, instances, step, loads, contacts, num_contacts;  // from the host
+  // stay on the device
+  gpu::Buffer state, friction_state, law_state, contact_normal, contact_shear, tile_results, taxel_states;
+  ReadableBuffer contact_depth, image, spread_normal, spread_shear, features, problems;  // come back
   std::vector<ReadableBuffer*> readable(const OutputOptions& outputs);
 };
 

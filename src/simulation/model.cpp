@@ -163,7 +163,7 @@ const gpu::Kernel& Model::Impl::loadKernel() const {
 
 // The constants of shaders/lib/specialization.glsl, then those of one pass, numbered in order.
 std::vector<gpu::Constant> Model::Impl::constants(std::uint32_t workgroup, std::uint32_t lanes, std::uint32_t repeats,
-                                                  std::initializer_list<std::uint32_t> of_the_pass) const {
+                                                  const std::vector<std::uint32_t>& of_the_pass) const {
   const GridPatch& patch = sensor.patches.front();
   std::vector<std::uint32_t> values{workgroup,
                                     lanes,
@@ -176,7 +176,7 @@ std::vector<gpu::Constant> Model::Impl::constants(std::uint32_t workgroup, std::
                                     static_cast<std::uint32_t>(sensor.psf.size),
                                     bits(patch.pitch[0]),
                                     bits(patch.pitch[1])};
-  values.insert(values.end(), of_the_pass);
+  values.insert(values.end(), of_the_pass.begin(), of_the_pass.end());
   std::vector<gpu::Constant> numbered;
   for (const std::uint32_t value : values) numbered.push_back({static_cast<std::uint32_t>(numbered.size()), value});
   return numbered;
@@ -187,17 +187,32 @@ gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const 
                                          [](const TaxelPass& pass) { return pass.owner != TaxelPass::Owner::kTile; });
   // Measured on a software driver; GPUs fetch two words at once without it.
   const bool pairs = device.info().type == DeviceType::kCpu && device.context().hasInt64();
+  // Under friction a search over tiles leaves the state of the samples alone: one more evaluation ends it.
+  const Friction& skin_friction = sensor.skin.friction;
+  const bool only_searches = hasFriction() && variant.search == kSearchOverTiles;
+  const bool friction = hasFriction() && !only_searches;
+  const bool has_state = law.has_state && !only_searches;
+  std::vector<std::uint32_t> of_the_pass{packed.max_tile_samples,
+                                         packed.flat,
+                                         has_state,
+                                         variant.search,
+                                         bits(sensor.skin.thickness),
+                                         packed.scalesSpread() && !taxels_follow,
+                                         variant.many_slots,
+                                         kinds,
+                                         triangles_of,
+                                         variant.with_depth,
+                                         num_faces};
+  for (const float parameter : law.parameters) of_the_pass.push_back(bits(parameter));
+  of_the_pass.insert(of_the_pass.end(), {friction, bits(skin_friction.tangential_stiffness), bits(skin_friction.friction_coefficient),
+                                         friction && variant.with_shear});
   return {device.context(),
           {.name = law.kernel,
            .spirv = pairs ? law.spirv_pairs : law.spirv,
-           .buffers = {"Poses", "Instances", "Step", "Objects", "Groups", "Clusters", "Triangles", "Patches", "Tiles", "SpreadScale",
-                       "State", "ContactNormal", "ContactDepth", "TileResults", "Loads", "Problems", "Faces"},
-           .constants =
-               constants(contact_workgroup, packed.contact_lanes, contactRepeat(variant),
-                         {packed.max_tile_samples, packed.flat, law.has_state, variant.search, bits(sensor.skin.thickness),
-                          packed.scalesSpread() && !taxels_follow, variant.many_slots, kinds, triangles_of, variant.with_depth, num_faces,
-                          bits(law.parameters[0]), bits(law.parameters[1]), bits(law.parameters[2]), bits(law.parameters[3]),
-                          bits(law.parameters[4]), bits(law.parameters[5]), bits(law.parameters[6]), bits(law.parameters[7])})}};
+           .buffers = {"Poses",   "Instances", "Step",        "Objects", "Groups",        "Clusters",     "Triangles",
+                       "Patches", "Tiles",     "SpreadScale", "State",   "ContactNormal", "ContactDepth", "TileResults",
+                       "Loads",   "Problems",  "Faces",       "Motions", "FrictionState", "ContactShear"},
+           .constants = constants(contact_workgroup, packed.contact_lanes, contactRepeat(variant), of_the_pass)}};
 }
 
 gpu::Kernel Model::Impl::makeContactsKernel(std::uint32_t repeat) const {
@@ -218,14 +233,13 @@ gpu::Kernel Model::Impl::makeImageKernel(const ImageVariant& variant) const {
   });
   constexpr std::uint32_t kNumSums = 19;  // of shaders/image.comp
   const std::uint32_t num_partials = image_team == 1 ? 1 : image_workgroup / image_team * kNumSums * packed.image_lanes;
-  constexpr std::uint32_t kNoShear = 0;  // no law of today makes any
   return {device.context(),
           {.name = "image",
            .spirv = k_image_spirv,
            .buffers = {"Instances", "Step", "SensorBlock", "Taxels", "SpreadRows", "ContactNormal", "ContactShear", "TileResults", "Loads",
                        "Image", "SpreadNormal", "SpreadShear", "Features", "Problems", "TaxelStates"},
            .constants = constants(image_workgroup, packed.image_lanes, image_repeat,
-                                  {kNoShear,
+                                  {variant.with_shear,
                                    packed.num_entries,
                                    variant.with_normal,
                                    alike,

@@ -42,6 +42,7 @@ struct Model::Impl {
     std::uint32_t search = 0;  // kSearch... of shaders/contact.comp
     bool many_slots = false;
     bool with_depth = false;                                  // penetration_depth is wanted
+    bool with_shear = false;                                  // tactile_shear_force is wanted, of a sensor with friction
     auto operator<=>(const ContactVariant&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 misreads it
   };
   const gpu::Kernel& contactKernel(const ContactVariant& variant) const;
@@ -51,6 +52,7 @@ struct Model::Impl {
     bool random = false;                                    // some instance draws noise or gains
     bool whole_array = false;                               // taxels that nothing reaches may have a force
     bool with_normal = false;                               // tactile_normal_force is wanted
+    bool with_shear = false;                                // tactile_shear_force is wanted, of a sensor with friction
     auto operator<=>(const ImageVariant&) const = default;  // NOLINT(modernize-use-nullptr): the same
   };
   const gpu::Kernel& imageKernel(const ImageVariant& variant) const;
@@ -62,10 +64,11 @@ struct Model::Impl {
   // Contacts from another engine instead of objects: shaders/contacts.comp, with the workgroups and teams of the image pass.
   std::uint32_t contactsRepeat(int max_contacts) const;  // instances that a team does one after another
   const gpu::Kernel& contactsKernel(std::uint32_t repeat) const;
+  bool hasFriction() const { return sensor.skin.friction.friction_coefficient > 0; }
 
  private:
   std::vector<gpu::Constant> constants(std::uint32_t workgroup, std::uint32_t lanes, std::uint32_t repeats,
-                                       std::initializer_list<std::uint32_t> of_the_pass) const;
+                                       const std::vector<std::uint32_t>& of_the_pass) const;
   gpu::Kernel makeContactKernel(const ContactVariant& variant) const;
   gpu::Kernel makeImageKernel(const ImageVariant& variant) const;
   gpu::Kernel makeLoadKernel() const;
@@ -83,6 +86,7 @@ struct Model::Impl {
 inline constexpr std::uint32_t kNoSearch = 0;
 inline constexpr std::uint32_t kSearchInTile = 1;
 inline constexpr std::uint32_t kSearchOverTiles = 2;
+inline constexpr std::uint32_t kSearchEnded = 3;
 
 // Evaluations of the load search over several tiles.
 inline constexpr std::uint32_t kLoadEvaluations = 48;

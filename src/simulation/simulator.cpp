@@ -9,6 +9,7 @@
 #include "gpu/commands.h"
 #include "simulation/batch_buffers.h"
 #include "simulation/clock.h"
+#include "simulation/motions.h"
 #include "simulation/pack_contacts.h"
 #include "simulation/rows.h"
 #include "taxelsim/error.h"
@@ -76,6 +77,7 @@ struct Simulator::Impl {
       instance.drive.x = kPoseDriven;
       setVariation(instance, 0, {});
     }
+    if (of.impl()->hasFriction() && !takesContacts()) motions.emplace(clocks.size(), static_cast<std::size_t>(with.num_slots));
     commands(false, of.sensor().readout.noise > 0 || of.sensor().readout.gain_spread > 0);
     of.device().context().savePipelineCache();
   }
@@ -86,6 +88,7 @@ struct Simulator::Impl {
   }
 
   bool takesContacts() const { return options.max_contacts > 0; }
+  bool withShear() const { return model.impl()->hasFriction() && !takesContacts() && options.outputs.tactile_shear_force; }
   void checkTakesObjects() const {
     if (takesContacts()) refuse("this simulator takes contacts (max_contacts > 0), neither objects nor loads");
   }
@@ -93,6 +96,11 @@ struct Simulator::Impl {
     if (!takesContacts()) refuse("this simulator takes no contacts: max_contacts is 0");
   }
   void takeContacts(std::size_t instance, std::span<const ContactPoint> contacts) const;
+  // What a slot (of num_instances x num_slots) holds from now on.
+  void place(std::size_t slot_index, int id, const Pose& X_SO) {
+    buffers.poses.mappedAs<layout::PoseRecord>()[slot_index] = packPose(id, X_SO);
+    if (motions) motions->place(slot_index, id, X_SO);
+  }
 
   std::span<layout::InstanceRecord> records() const { return buffers.instances.mappedAs<layout::InstanceRecord>(); }
 
@@ -116,7 +124,8 @@ struct Simulator::Impl {
   BatchBuffers buffers;
   std::vector<Clock> clocks;
   StepHistory history;
-  std::uint32_t num_steps = 0;  // taken so far, by all instances together
+  std::uint32_t num_steps = 0;     // taken so far, by all instances together
+  std::optional<Motions> motions;  // of a sensor with friction
   std::array<std::optional<gpu::Commands>, 4> recorded;
   gpu::Commands* running = nullptr;
   StepTiming timing;
@@ -179,8 +188,10 @@ gpu::Commands Simulator::Impl::record(bool with_loads, bool random) {
   }
   commands.timestamp(1);
   commands.dispatch(
-      m.imageKernel(
-          {.random = random, .whole_array = m.law.whole_array && !takesContacts(), .with_normal = options.outputs.tactile_normal_force}),
+      m.imageKernel({.random = random,
+                     .whole_array = m.law.whole_array && !takesContacts(),
+                     .with_normal = options.outputs.tactile_normal_force,
+                     .with_shear = withShear()}),
       (n + m.imagesPerWorkgroup() - 1) / m.imagesPerWorkgroup(),
       {&b.instances, &b.step, &m.sensor_record, &m.taxels, &m.spread_rows, &b.contact_normal, &b.contact_shear, &b.tile_results, &b.loads,
        &b.image.device, &b.spread_normal.device, &b.spread_shear.device, &b.features.device, &b.problems.device, &b.taxel_states});
@@ -205,20 +216,45 @@ void Simulator::Impl::recordObjects(gpu::Commands& commands, bool with_loads) co
                                                       : with_loads ? kSearchInTile
                                                                    : kNoSearch,
                                             .many_slots = options.num_slots > 1,
-                                            .with_depth = options.outputs.penetration_depth};
-  const gpu::Kernel& contact = m.contactKernel(variant);
-  const std::uint32_t contact_repeat = m.contactRepeat(variant);
+                                            .with_depth = options.outputs.penetration_depth,
+                                            .with_shear = withShear()};
   const BatchBuffers& b = buffers;
+  const auto contact_pass = [&](const Model::Impl::ContactVariant& of) {
+    const std::uint32_t repeat = m.contactRepeat(of);
+    commands.dispatch(m.contactKernel(of), (n * num_tiles + repeat - 1) / repeat,
+                      {&b.poses,
+                       &b.instances,
+                       &b.step,
+                       &m.object_records,
+                       &m.groups,
+                       &m.clusters,
+                       &m.triangles,
+                       &m.patches,
+                       &m.tiles,
+                       &m.spread_scale,
+                       &b.state,
+                       &b.contact_normal,
+                       &b.contact_depth.device,
+                       &b.tile_results,
+                       &b.loads,
+                       &b.problems.device,
+                       &m.faces,
+                       &b.motions,
+                       &b.friction_state,
+                       &b.contact_shear});
+    commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
+  };
   const std::uint32_t evaluations = over_tiles ? kLoadEvaluations + 2 : 1;  // two more: one closes the search, one is told
   for (std::uint32_t evaluation = 0; evaluation < evaluations; ++evaluation) {
-    commands.dispatch(
-        contact, (n * num_tiles + contact_repeat - 1) / contact_repeat,
-        {&b.poses, &b.instances, &b.step, &m.object_records, &m.groups, &m.clusters, &m.triangles, &m.patches, &m.tiles, &m.spread_scale,
-         &b.state, &b.contact_normal, &b.contact_depth.device, &b.tile_results, &b.loads, &b.problems.device, &m.faces});
-    commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
+    contact_pass(variant);
     if (!over_tiles) continue;
     commands.dispatch(m.loadKernel(), (n + m.image_workgroup - 1) / m.image_workgroup, {&b.instances, &b.step, &b.tile_results, &b.loads});
     commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
+  }
+  if (over_tiles && m.hasFriction()) {
+    Model::Impl::ContactVariant last = variant;
+    last.search = kSearchEnded;
+    contact_pass(last);
   }
 }
 
@@ -337,8 +373,7 @@ void Simulator::setObjects(std::span<const int> ids, std::span<const Pose> X_SO)
   // All are checked before any is taken, so that a refusal changes nothing.
   const auto num_objects = static_cast<int>(impl_->model.objects().size());
   for (std::size_t i = 0; i < ids.size(); ++i) checkSlot(ids[i], X_SO[i], i / slots, num_objects);
-  layout::PoseRecord* records = impl_->buffers.poses.mappedAs<layout::PoseRecord>().data();
-  for (std::size_t i = 0; i < ids.size(); ++i) records[i] = packPose(ids[i], X_SO[i]);
+  for (std::size_t i = 0; i < ids.size(); ++i) impl_->place(i, ids[i], X_SO[i]);
 }
 
 void Simulator::setObjects(int instance, std::span<const int> ids, std::span<const Pose> X_SO) {
@@ -350,8 +385,7 @@ void Simulator::setObjects(int instance, std::span<const int> ids, std::span<con
   const auto i = static_cast<std::size_t>(instance);
   const auto num_objects = static_cast<int>(impl_->model.objects().size());
   for (std::size_t slot = 0; slot < slots; ++slot) checkSlot(ids[slot], X_SO[slot], i, num_objects);
-  layout::PoseRecord* records = impl_->buffers.poses.mappedAs<layout::PoseRecord>().data() + i * slots;
-  for (std::size_t slot = 0; slot < slots; ++slot) records[slot] = packPose(ids[slot], X_SO[slot]);
+  for (std::size_t slot = 0; slot < slots; ++slot) impl_->place(i * slots + slot, ids[slot], X_SO[slot]);
 }
 
 void Simulator::setLoads(std::span<const float> loads) {
@@ -405,6 +439,7 @@ void Simulator::reset(int instance, std::uint64_t episode, const ReadoutVariatio
   layout::InstanceRecord& record = impl_->records()[static_cast<std::size_t>(instance)];
   impl_->setVariation(record, episode, variation);
   impl_->clocks[static_cast<std::size_t>(instance)] = {};
+  if (impl_->motions) impl_->motions->forget(static_cast<std::size_t>(instance));
 }
 
 void Simulator::step(double dt) {
@@ -432,6 +467,11 @@ void Simulator::step(double dt) {
     records[i].keys.w = flags;
     records[i].clock.x = clock.steps++;
     clock.time += dt;
+  }
+  if (impl.motions) {
+    const auto features = impl.buffers.features.read<float>();
+    impl.motions->pack(features.subspan(layout::kFeatureLoadOffset * impl.clocks.size(), impl.clocks.size()),
+                       impl.buffers.motions.mappedAs<layout::MotionRecord>());
   }
   if (any_load && !m.packed.searches_in_tile) impl.startSearch();
   impl.running = &impl.commands(any_load, any_random);

@@ -29,6 +29,9 @@ class WorkingDirectory {
 TEST(Resolved, IsAValidSceneThatResolvesToItself) {
   const std::string text = resolved(kScene);
   EXPECT_EQ(resolved(text), text);
+  const std::string with_friction = resolved(edited(kScene, "1.73e8}", "1.73e8, friction_coefficient: 0.5, tangential_stiffness: 1e8}"));
+  EXPECT_EQ(resolved(with_friction), with_friction);
+  EXPECT_NE(with_friction, text);
 }
 
 TEST(Resolved, IsTheSameFromEveryDirectory) {

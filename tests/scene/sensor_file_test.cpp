@@ -31,6 +31,7 @@ TEST(SensorFile, DefaultsAreTheHeaders) {
   EXPECT_EQ(sensor.frame_rate, Sensor{}.frame_rate);
   EXPECT_EQ(sensor.skin.thickness, 0.002);
   EXPECT_EQ(std::get<Winkler>(sensor.skin.law), (Winkler{.normal_contact_stiffness = 1.73e8}));
+  EXPECT_EQ(sensor.skin.friction, Friction{});
   EXPECT_EQ(sensor.psf.size, Psf{}.size);
   EXPECT_EQ(sensor.psf.kernel, Psf{}.kernel);
   EXPECT_EQ(sensor.psf.normalization, Psf{}.normalization);
@@ -60,7 +61,8 @@ TEST(SensorFile, EverySettingArrives) {
   - {num_rows: 1, num_cols: 1, pitch: 0.005, pose: {rpy_deg: [0, 0, 90]}}
 samples_per_taxel: 8
 frame_rate: 31
-skin: {thickness_mm: 1.5, law: winkler, normal_contact_stiffness: 2e8, normal_exponent: 1.5, normal_damping: 10}
+skin: {thickness_mm: 1.5, law: winkler, normal_contact_stiffness: 2e8, normal_exponent: 1.5, normal_damping: 10,
+       friction_coefficient: 0.6, tangential_stiffness: 5e7}
 psf: {kernel: [[0, 1, 0], [2, 4, 2], [0, 1, 0.5]], normalization: none}
 readout: {curve: {coefficients: [100, 2, 0.5]}, output_scale: 2, trigger: 0.1, adc_bits: 10, saturation: 1000, noise: 3,
           taxel_gain: [1, 2, 3], taxel_trigger: [0.1, 0.2, 0.3], hysteresis_strength: [0.1, 0.2], hysteresis_width: [0.3, 0.4],
@@ -79,6 +81,7 @@ readout: {curve: {coefficients: [100, 2, 0.5]}, output_scale: 2, trigger: 0.1, a
   EXPECT_EQ(sensor.frame_rate, 31);
   EXPECT_EQ(sensor.skin.thickness, 0.0015);
   EXPECT_EQ(std::get<Winkler>(sensor.skin.law), (Winkler{.normal_contact_stiffness = 2e8, .normal_exponent = 1.5, .normal_damping = 10}));
+  EXPECT_EQ(sensor.skin.friction, (Friction{.tangential_stiffness = 5e7, .friction_coefficient = 0.6}));
   EXPECT_EQ(sensor.psf.size, 3);
   EXPECT_EQ(sensor.psf.kernel, (std::vector<double>{0, 1, 0, 2, 4, 2, 0, 1, 0.5}));
   EXPECT_EQ(sensor.psf.normalization, Psf::Normalization::kNone);

@@ -87,6 +87,20 @@ TEST(CheckSensor, SamplesSkinAndLaw) {
   expectRefused("skin", [](Sensor& s) { law(s).normal_contact_stiffness = 1e308, s.skin.thickness = 1e10; });
 }
 
+TEST(CheckSensor, Friction) {
+  expectTaken([](Sensor& s) { s.skin.friction = {1e8, 0.5}; });
+  expectTaken([](Sensor& s) { s.skin.friction = {kMaxTangentialStiffness, kMaxFrictionCoefficient}; });
+  for (const double bad : {-0.1, 2 * kMaxFrictionCoefficient, kNan, kInfinity}) {
+    expectRefused("skin.friction_coefficient", [&](Sensor& s) { s.skin.friction = {1e8, bad}; });
+  }
+  for (const double bad : {0.0, -1.0, 2 * kMaxTangentialStiffness, kNan, kInfinity}) {
+    expectRefused("skin.tangential_stiffness", [&](Sensor& s) { s.skin.friction = {bad, 0.5}; });
+  }
+  for (const double bad : {1.0, -1.0, kNan}) {
+    expectRefused("skin.tangential_stiffness", [&](Sensor& s) { s.skin.friction = {bad, 0}; });
+  }
+}
+
 TEST(CheckSensor, Psf) {
   for (const int bad : {-1, 0, 2, 11}) expectRefused("psf.size", [&](Sensor& s) { s.psf.size = bad; });
   expectRefused("psf.kernel", [](Sensor& s) { s.psf.size = 5; });
