@@ -141,7 +141,7 @@ TEST(BadScenes, Sensors) {
        BadScene{kSkin, "{thickness: 1, normal_contact_stiffness: 1, tangential_stiffness: 1e8}",
                 ":9:75: sensor.skin.tangential_stiffness: given without friction: friction_coefficient must be > 0 beside it"},
        BadScene{kSkin, "{thickness: 1, law: deformation_mask, friction_coefficient: 0.5, tangential_stiffness: 1e8}",
-                ":9:9: sensor.skin.friction_coefficient: 0.5 is not allowed: 0 for a law other than winkler"},
+                ":9:69: sensor.skin.friction_coefficient: 0.5 is not allowed: 0 for a law other than winkler"},
        BadScene{kSkin, "soft", ":9:9: sensor.skin: soft is not allowed: a mapping of thickness[_mm], law"},
        BadScene{kPsf, "{gaussian: {sigma: 0, size: 3}}",
                 ":10:27: sensor.psf.gaussian.sigma: 0 is not allowed: a number from 0.001 to 100 taxels"},
