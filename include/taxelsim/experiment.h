@@ -6,11 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "taxelsim/device.h"
 #include "taxelsim/scene.h"
 #include "taxelsim/sensor.h"
 
 namespace taxelsim {
+
+class Device;
 
 struct StaticExperiment {
   struct Entry {

@@ -10,6 +10,7 @@
 
 #include "cli/commands.h"
 #include "cli/tactile_figure.h"
+#include "taxelsim/device.h"
 #include "taxelsim/error.h"
 #include "taxelsim/experiment.h"
 

@@ -30,6 +30,7 @@ HEADERS = {
     "control.h": "control",
     "dataset.h": "dataset",
     "scene.h": "scene",
+    "experiment.h": "scene",
     "model.h": "simulation",
     "simulator.h": "simulation",
     "generate.h": "episodes",
