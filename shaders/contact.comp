@@ -6,13 +6,12 @@
 // then taxels.
 // In:  poses (num_instances x num_slots), objects, groups, clusters, triangles, faces, the sensor's patches and tiles.
 // Out: contact_normal (num_instances x num_taxels), N, over the part of the spread's kernel that stays on the sensor; of a sensor of one tile only
-//      inside the window of its result; contact_depth (num_instances x num_taxels), m; tile_results (num_instances x num_tiles);
-//      loads (num_instances): what the search found.
-//      Of a law that is solved apart, instead of forces and depths, the height of the lowest surface (m, in P) over each of its nodes, which take the
-//      taxels' place; 1e30 where there is none.
-// Shared memory: 4 TILE_SAMPLES + 16 LANES + 4 kClustersPerBatch + 4 kGroupsPerBatch + 40 bytes.
+//      inside the window of its result; contact_shear (num_instances x num_taxels x 2), N, the same;
+//      contact_depth (num_instances x num_taxels), m; tile_results (num_instances x num_tiles); loads (num_instances): what the search found.
+// State: of every sample, between steps: its depth where the law needs it, its shear traction where there is friction.
+// Shared memory: 4 TILE_SAMPLES + 16 LANES + 4 kClustersPerBatch + 4 kGroupsPerBatch + 40 bytes, with friction 8 LANES and 512 more.
 // Deterministic: the tile is a minimum; sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
-// Twins: src/reference/depth.cpp, contact.cpp, load.cpp.
+// Twins: src/reference/depth.cpp, contact.cpp, friction.cpp, load.cpp.
 
 #include "lib/pairs.glsl"
 #include "shared/layout.h"
@@ -36,12 +35,17 @@ layout(constant_id = 26) const float LAW_4 = 0.0;
 layout(constant_id = 27) const float LAW_5 = 0.0;
 layout(constant_id = 28) const float LAW_6 = 0.0;
 layout(constant_id = 29) const float LAW_7 = 0.0;
+layout(constant_id = 30) const bool FRICTION = false;     // shear with memory, lib/friction.glsl
+layout(constant_id = 31) const float TANGENTIAL_STIFFNESS = 1e8;  // N/m^3
+layout(constant_id = 32) const float FRICTION_COEFFICIENT = 1.0;
+layout(constant_id = 33) const bool OUTPUT_SHEAR = false;  // contact_shear is wanted
 
 // A software driver computes both sides of every branch and a loop's body at least once, so what a model, sensor or batch does not need is left
 // out by constants.
 const uint kNoSearch = 0u;         // no instance is driven by load
 const uint kSearchInTile = 1u;     // in this pass, over its one tile
 const uint kSearchOverTiles = 2u;  // by load.comp, over all tiles
+const uint kSearchEnded = 3u;      // the frame of a sensor with friction at the offsets that this search has found
 const bool kHasMesh = (KINDS & 1u) != 0;
 const bool kHasAnalytic = (KINDS & ~1u) != 0;
 // Heights go through the tile, but for a single analytic solid, whose heights are computed where they are summed; not a torus's, which take long.
@@ -64,6 +68,9 @@ layout(std430, set = 0, binding = 13) writeonly buffer TileResults { TileResult 
 layout(std430, set = 0, binding = 14) buffer Loads { LoadRecord loads[]; };
 layout(std430, set = 0, binding = 15) writeonly buffer Problems { uint problems[]; };
 layout(std430, set = 0, binding = 16) readonly buffer Faces { Pair faces[]; };
+layout(std430, set = 0, binding = 17) readonly buffer Motions { MotionRecord motions[]; };
+layout(std430, set = 0, binding = 18) buffer FrictionState { Pair friction_state[]; };
+layout(std430, set = 0, binding = 19) writeonly buffer ContactShear { float contact_shear[]; };
 
 const float kMiss = 1e30;  // height where there is no surface
 const uint kEmpty = 0x7F7FFFFFu;  // the largest finite float, as bits: no surface over the sample
@@ -86,12 +93,14 @@ vec2 tile_first, tile_end;  // half-open
 uint tile_stride;
 float z_limit;  // m: surfaces at or above cannot touch
 float z_base;   // m: what the tile's numbers count from
+uint raster_slot = 0;  // of the body on its way into the tile
 
 // A loop ended before its work was done. Mesa's software driver ends all loops of an invocation after 65,535 turns together, without a word.
 bool cut_short = false;
 
 #include "lib/workgroup.glsl"
 #include "lib/transform.glsl"
+#include "lib/slots.glsl"
 #include "lib/polyhedron.glsl"
 #include "lib/analytic.glsl"
 #include "lib/raster.glsl"
@@ -160,6 +169,11 @@ void addToActive(Box box) {
 
 #include "lib/mesh.glsl"
 
+void writeShear(uint taxel, vec2 shear) {
+  contact_shear[2 * taxel] = shear.x;
+  contact_shear[2 * taxel + 1] = shear.y;
+}
+
 vec2 samplePosition(uvec2 sample_index) { return patch_corner + vec2(sample_index) * spacing; }
 
 // An analytic solid into the tile, sample by sample over its bounds.
@@ -198,6 +212,7 @@ vec4 sumOfPartials() {
 }
 
 #include "lib/load_search.glsl"
+#include "lib/friction.glsl"
 
 void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   uint lane = gl_LocalInvocationIndex;
@@ -226,7 +241,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
 
   uint flags = instances[instance].keys.w;
   bool load_driven = SEARCH != kNoSearch && (flags & kFlagLoadDriven) != 0;
-  bool search_here = SEARCH == kSearchInTile && load_driven;  // of a law that is solved apart, the search is, too
+  bool search_here = SEARCH == kSearchInTile && load_driven;
   offset_z = 0.0;
   if (SEARCH == kSearchOverTiles) {
     vec4 bracket = loads[instance].bracket;
@@ -234,7 +249,8 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
     if (bracket.w == kLoadCarried || bracket.w == kLoadOutOfReach) return;
     offset_z = bracket.x;
   }
-  z_limit = search_here ? kMiss : lawReach();
+  if (SEARCH == kSearchEnded && load_driven) offset_z = loads[instance].bracket.x;
+  z_limit = search_here ? kMiss : 0.0;
   z_base = -THICKNESS;
 
   if (lane == 0) {
@@ -275,6 +291,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
         body.near = body.near && id >= 0;
       }
       if (!body.near) continue;
+      raster_slot = slot;
       bool is_mesh = body.kind_groups.x == kKindMesh;
       if (kHasMesh && (!kHasAnalytic || is_mesh)) rasterMesh(body, fromLattice(body, id), active_part, one_batch);
       if (kHasAnalytic && (!kHasMesh || !is_mesh)) {
@@ -299,9 +316,16 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   uint num_active = active_count.x * active_count.y;
 
   Search found = Search(0.0, 0.0, 0.0, kLoadOutOfReach);
-  if (!kLawSolvedApart && SEARCH == kSearchInTile && search_here) {
+  if (SEARCH == kSearchInTile && search_here) {
     if (num_active > 0) found = searchLoad(instances[instance].drive.x, active_first * SAMPLES, active_count * SAMPLES);
     if (lane == 0) loads[instance].bracket = vec4(found.offset, 0, 0, found.status);
+  }
+
+  uint tile_state = (instance * NUM_TILES + tile_number) * (kFrictionHeader + TILE_SAMPLES);
+  uvec4 kept = uvec4(0);
+  if (FRICTION) {
+    kept = keptWindow(tile_state);
+    loadMotions(instance, num_slots, search_here ? found.offset : offset_z);
   }
 
   // Stage 2, taxel by taxel; LANES partial sums of the wrench.
@@ -313,27 +337,30 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   float per_dt = HAS_STATE ? step_record.time.y : 0.0;
   uint deep = 0;
   for (uint v = lane; v < LANES; v += WORKGROUP) {
-    vec4 wrench = vec4(0);  // normal force, torque about x and y of P
+    vec4 wrench = vec4(0);  // normal force, torque about x, y and z of P
+    vec2 lane_shear = vec2(0);
     uint k = v;
     for (; k < num_active; k += LANES) {
       uvec2 in_tile = active_first + uvec2(k / active_count.y, k % active_count.y);
       uvec2 base = in_tile * SAMPLES;
+      uvec2 in_patch = in_tile + tile_taxel;
       float force = 0.0, depth_sum = 0.0;
       vec2 moment = vec2(0);
+      vec2 shear = vec2(0);
+      vec3 shear_moment = vec3(0);
+      bool is_kept = FRICTION && in_patch.x >= kept.x && in_patch.x < kept.y && in_patch.y >= kept.z && in_patch.y < kept.w;
       for (uint a = 0; a < SAMPLES; ++a) {
         for (uint b = 0; b < SAMPLES; ++b) {
           uint address = (base.x + a) * tile_stride + base.y + b;
           vec2 position = samplePosition(base + tile_taxel * SAMPLES + uvec2(a, b));
           // Over z_base, with or without a tile: a batch may change between the two, and no bit may show it.
           float height;
+          uint word = 0;
           if (usesTile()) {
-            height = uintBitsToFloat(tile[address]);
+            word = tile[address];
+            height = withoutSlot(word);
           } else {
             height = max(analyticHeight(body.kind_groups.x, parameters, body.X_PO, position) - z_base, 0.0);
-          }
-          if (kLawSolvedApart) {
-            force = height >= uintBitsToFloat(kEmpty) ? kMiss : z_base + height;
-            continue;
           }
           float d = clamp(search_here ? found.depth - (height - found.lowest) : THICKNESS - height, 0.0, THICKNESS);
           float d_rate = 0.0;
@@ -347,19 +374,31 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
           force += f;
           moment += f * position;
           depth_sum += d;
+          if (FRICTION) {
+            vec2 q = shearTraction(tile_state + kFrictionHeader + address, is_kept, slotOf(word), vec3(position, -d), f);
+            shear += q;
+            shear_moment += cross(vec3(position, -d), vec3(q, 0));
+          }
         }
       }
-      if (!kLawSolvedApart) force *= sample_area;
+      force *= sample_area;
       moment *= sample_area;
-      uvec2 in_patch = in_tile + tile_taxel;
-      uint taxel = first_taxel + in_patch.x * grid.y + in_patch.y;
-      contact_normal[taxel] = SCALED ? force * spread_scale[grid.z + in_patch.x * grid.y + in_patch.y] : force;
+      uint in_sensor = grid.z + in_patch.x * grid.y + in_patch.y;
+      uint taxel = instance * NUM_TAXELS + in_sensor;
+      contact_normal[taxel] = SCALED ? force * spread_scale[in_sensor] : force;
       if (OUTPUT_DEPTH) contact_depth[taxel] = depth_sum * kPerSample;
       // The skin is pressed along -z: torque (x, y, 0) x (0, 0, -f).
       wrench += vec4(force, -moment.y, moment.x, 0);
+      if (FRICTION) {
+        shear *= sample_area;
+        if (OUTPUT_SHEAR) writeShear(taxel, SCALED ? shear * spread_scale[in_sensor] : shear);
+        wrench.yzw += shear_moment * sample_area;
+        lane_shear += shear;
+      }
     }
     cut_short = cut_short || k < num_active;
     partial[v] = wrench;
+    if (FRICTION) partial_shear[v] = lane_shear;
   }
   if (deep > 0) atomicAdd(num_deep, deep);
 
@@ -370,7 +409,8 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
       if (all(greaterThanEqual(in_tile, active_first)) && all(lessThan(in_tile, active_first + active_count))) continue;
       uvec2 in_patch = in_tile + tile_taxel;
       uint taxel = first_taxel + in_patch.x * grid.y + in_patch.y;
-      contact_normal[taxel] = kLawSolvedApart ? kMiss : 0.0;
+      contact_normal[taxel] = 0.0;
+      if (OUTPUT_SHEAR) writeShear(taxel, vec2(0));
       if (OUTPUT_DEPTH) contact_depth[taxel] = 0.0;
       if (HAS_STATE) {
         for (uint a = 0; a < SAMPLES * SAMPLES; ++a) {
@@ -384,12 +424,19 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   vec4 total = sumOfPartials();
   vec3 force = -total.x * X_PS.row2.xyz;  // rows of R_PS are the axes of P in S
   vec3 torque = total.y * X_PS.row0.xyz + total.z * X_PS.row1.xyz;
+  if (FRICTION) {
+    vec2 shear = vec2(0);
+    for (uint v = 0; v < LANES; ++v) shear += partial_shear[v];
+    force += shear.x * X_PS.row0.xyz + shear.y * X_PS.row1.xyz;
+    torque += total.w * X_PS.row2.xyz;
+  }
   if (!FLAT) {
     vec3 origin = -(X_PS.row0.xyz * X_PS.row0.w + X_PS.row1.xyz * X_PS.row1.w + X_PS.row2.xyz * X_PS.row2.w);  // of P in S
     torque += cross(origin, force);
   }
   uvec2 first = tile_taxel + active_first;
   uvec4 window = num_active == 0 ? uvec4(0) : uvec4(first.x, first.x + active_count.x, first.y, first.y + active_count.y);
+  if (FRICTION) keepWindow(tile_state, window);
   // A word a lane.
   uint result = instance * NUM_TILES + tile_number;
   vec4 force_row = vec4(force, float(num_deep));

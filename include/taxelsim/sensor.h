@@ -17,8 +17,14 @@ inline constexpr int kMaxTaxelsPerSide = 128;  // of a grid patch
 inline constexpr int kMaxKernelSize = 9;       // taxels per side
 inline constexpr int kMaxCurveDegree = 5;
 inline constexpr int kMaxAdcBits = 16;
-inline constexpr int kMaxLayerNodes = 65536;      // of an elastic layer: samples of its patch and margin
-inline constexpr int kMaxLayerIterations = 1000;  // per frame
+inline constexpr int kMaxHysteresisElements = 4;
+inline constexpr int kMaxCreepTerms = 4;
+inline constexpr int kMaxDelaySteps = 32;  // simulation steps that a readout's delay may span
+inline constexpr double kMaxCreepFraction = 1e6;
+inline constexpr double kMaxOffsetCounts = 1e9;  // of bias and random walk
+inline constexpr double kMaxGainSpread = 2;
+inline constexpr double kMaxFrictionCoefficient = 1000;
+inline constexpr double kMaxTangentialStiffness = 1e30;  // N/m^3: what the device's float32 holds with room for a displacement
 
 // A planar grid of taxels. Its frame P lies in the grid's middle on the undeformed outer skin surface, z out of the skin
 // towards the object; row i runs along x, column j along y. Taxel (i, j) is centred on
@@ -42,31 +48,54 @@ struct Winkler {
   bool operator==(const Winkler&) const = default;
 };
 
-// The skin as an elastic solid with a frictionless surface. Its pressures p >= 0 and normal displacements w (m, into the skin) obey
-//   w = d where p > 0,   w >= d where p = 0,   w = A p,
-// d being the signed overlap of object and undeformed skin: gaps count, since a layer that is squeezed out bulges into them. Solved on the
-// samples of one grid patch and of the margin around it; a sensor of several patches is refused.
-struct ElasticLayer {
-  enum class Base {
-    kHalfSpace,  // so deep that no base is felt; `thickness` only ends the penetration
-    kBonded,     // as thick as the skin, stuck to a rigid board; samples may lie up to 8 thicknesses apart
-  };
+// SkinSim: every taxel is a mass on a spring and a damper, pushed by what contact presses on it (an elastic foundation, as Winkler with
+// exponent 1). It reads the force in its spring, which after a while is that of contact: m x" + damping x' + stiffness x = F, reads
+// stiffness x.
+struct MassSpringDamper {
+  double normal_contact_stiffness = 0;  // N/m^3, > 0
+  double mass = 1e-3;                   // kg, > 0; with the next two the defaults of SkinSim's generator (model_params.yaml)
+  double stiffness = 16.37;             // N/m, > 0
+  double damping = 0.130;               // N s/m, >= 0
 
-  double elastic_modulus = 0;   // Pa, > 0
-  double poisson_ratio = 0.49;  // 0 to 0.5
-  Base base = Base::kBonded;
-  int iterations = 10;      // of the solver, at most, per frame; 1 to 1000
-  double tolerance = 1e-3;  // the solver ends when `contact_residual` is no larger; 1e-5 to 0.1
-
-  bool operator==(const ElasticLayer&) const = default;
+  bool operator==(const MassSpringDamper&) const = default;
 };
 
-using ContactLaw = std::variant<Winkler, ElasticLayer>;
+// RobWorkSim: an elastic foundation whose forces deform the surface around each contact by a mask that falls with distance, cells that
+// saturate, all rescaled to the force of contact. The mask is RobWorkSim's (TactileArraySensor), integrated over taxels: middle .52464,
+// edge .10387, corner .01497; at borders what stays on the patch is normalised.
+struct DeformationMask {
+  double normal_contact_stiffness = 3.5e8;  // N/m^3, > 0; the default is RobWorkSim's 700 kPa over 2 mm
+  double saturation_pressure = 250e3;       // Pa, > 0; RobWorkSim's
+
+  bool operator==(const DeformationMask&) const = default;
+};
+
+// Pezzementi et al.: depth alone, no force; a taxel reads sensitivity x mean depth x area, in newtons as the readout's curve takes them.
+// Cannot be driven by load; the contact wrench is 0.
+struct Proximity {
+  double sensitivity = 0;  // N/m^3, > 0
+
+  bool operator==(const Proximity&) const = default;
+};
+
+using ContactLaw = std::variant<Winkler, MassSpringDamper, DeformationMask, Proximity>;
+
+// The elastic foundation that the law presses with: Winkler's own, for the others linear springs without damping.
+Winkler foundationOf(const ContactLaw& law);
+
+// Stick and slip with memory: at every sample a tangential spring that holds on to the object where it touched and gives way at Coulomb's
+// cone, |traction| <= friction_coefficient * pressure. Depends on the path of the object, not on its speed.
+struct Friction {
+  double tangential_stiffness = 0;  // N/m^3, > 0 where there is friction, at most 1e30; a layer bonded to its base has G / thickness
+  double friction_coefficient = 0;  // 0 to 1000; 0: no shear
+
+  bool operator==(const Friction&) const = default;
+};
 
 struct Skin {
   double thickness = 0;  // m, > 0; the deepest penetration
   ContactLaw law = Winkler{};
-  double margin = 0;  // m, >= 0: how far the skin goes on past the taxels, rounded to whole samples; 0 unless the law is ElasticLayer
+  Friction friction{};
 };
 
 // The point spread function over taxels of one patch; paper eq. (1).
@@ -85,6 +114,15 @@ struct Psf {
 // The paper's kernel: a Gaussian of `sigma` (taxels, > 0) sampled at taxel centres with density 1 / (2 pi sigma^2).
 Psf gaussianPsf(double sigma, int size, Psf::Normalization normalization = Psf::Normalization::kPerSource);
 
+// Readout creep: at a force F that begins at t = 0 the sensor reads F [1 + sum fraction (1 - e^(-t / time))]. The skin's own relaxation, at
+// constant depth, belongs to the contact law.
+struct CreepTerm {
+  double fraction = 0;  // of the force, 0 to 1e6
+  double time = 1;      // s, > 0
+
+  bool operator==(const CreepTerm&) const = default;
+};
+
 // Force after the spread -> counts, per taxel:
 //   x = gain F - trigger;  counts = clip(round(output_scale sum_m curve[m] x^(m+1) + noise), 0, saturation)
 // where the curve goes on below x = 0 as a straight line, so that noise meets the trigger as it does in the electronics.
@@ -97,6 +135,24 @@ struct Readout {
   double noise = 0;                   // counts, >= 0; standard deviation of white Gaussian noise per frame and taxel
   std::vector<double> taxel_gain;     // (num_taxels) or empty for 1; >= 0
   std::vector<double> taxel_trigger;  // (num_taxels), N, or empty for `trigger`
+
+  // How the force F of the formula follows the spread force x over time, in this order; a reset leaves the sensor as if long unloaded. Time
+  // runs at every step, with x held over it.
+  // Hysteresis (Prandtl and Ishlinskii): (1 - sum strength) x + sum strength play(x), play being what an element with that much slack on
+  // either side is pushed to.
+  std::vector<double> hysteresis_strength{};  // (elements), 0 to 4 of them, each >= 0, their sum < 1
+  std::vector<double> hysteresis_width{};     // (elements), N, >= 0
+  std::vector<CreepTerm> creep{};             // 0 to 4 terms
+  double low_pass_time = 0;                   // s, >= 0; first order
+  double delay = 0;                           // s, 0 to kMaxDelaySteps steps: a frame shows the newest step that is at least so old
+  double jitter = 0;                          // s, 0 to 1 / frame_rate; standard deviation of the instant at which a frame is delivered
+
+  // Imperfections, each a function of seed, episode and taxel. Counts are added where noise is.
+  double bias = 0;                    // counts, 0 to 1e9; standard deviation over taxels and episodes
+  double random_walk = 0;             // counts / sqrt(s), 0 to 1e9; of an offset that drifts from 0 on, per taxel
+  double gain_spread = 0;             // 0 to 2; standard deviation of the logarithm of a gain per taxel and episode
+  double press_gain_spread = 0;       // 0 to 2; the same of a gain per episode, common to all taxels: repeatability
+  double dead_taxel_probability = 0;  // 0 to 1; of a taxel to read 0 for an episode
 };
 
 struct Sensor {

@@ -3,7 +3,7 @@
 // Vertices come as (u, v, z): u and v in samples of the patch, sample (a, b) at u = a, v = b; z in m, in P. Rows run along u. The tile keeps the lowest
 // surface: atomicMin on the bits of a float that is never negative orders like the float itself, and the order of triangles does not show.
 
-void lowerTile(uint address, float z) { atomicMin(tile[address], floatBitsToUint(max(z - z_base, 0.0))); }
+void lowerTile(uint address, float z) { atomicMin(tile[address], withSlot(max(z - z_base, 0.0), raster_slot)); }
 
 // For triangles of about the size of the samples' spacing: every sample of the bounding box is tested against the three edges. An edge's value comes from
 // the two vertices relative to the sample, so two triangles that share the edge find the same number with opposite signs, and a sample on it

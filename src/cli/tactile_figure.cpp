@@ -352,9 +352,10 @@ void writeTactileFigure(const std::filesystem::path& file, const std::vector<Tac
   }
   const double title_room = titles ? kTitleRoom : 0, caption_room = captions ? kCaptionRoom : 0;
   const double step_x = widest + kGutter, step_y = title_room + highest + caption_room + kGutter;
-  // As many columns as bring the page nearest to four by three.
   const auto count = static_cast<int>(panels.size());
-  const int num_cols = std::clamp(static_cast<int>(std::lround(std::sqrt(count * step_y / step_x * 4 / 3))), 1, count);
+  const int wanted =
+      options.num_columns > 0 ? options.num_columns : static_cast<int>(std::lround(std::sqrt(count * step_y / step_x * 4 / 3)));
+  const int num_cols = std::clamp(wanted, 1, count);
   const int num_rows = (count + num_cols - 1) / num_cols;
   const double grid_width = std::max(num_cols * step_x - kGutter, kLeastWidth), grid_height = num_rows * step_y - kGutter;
   const double heading = kMargin + kHeading + (options.subtitle.empty() ? 0 : kBody + 8) + 20;

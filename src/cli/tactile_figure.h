@@ -32,6 +32,7 @@ struct FigureOptions {
   std::string title;
   std::string subtitle;
   std::string unit = "counts";  // of the colour bar
+  int num_columns = 0;          // of panels; 0: as many as bring the page nearest to four by three
 };
 
 // Moments of the image itself, for data that come without features; none without contact.

@@ -52,15 +52,9 @@ EdgeServoController::EdgeServoController(const EdgeServo& servo, const Sensor& s
   require(finitePositive(servo.max_linear_velocity), "max_linear_velocity", servo.max_linear_velocity, "a number > 0");
   require(servo.min_confidence >= 0 && servo.min_confidence <= 1, "min_confidence", servo.min_confidence, "0 to 1");
 
-  if (const Winkler* law = std::get_if<Winkler>(&sensor.skin.law)) {
-    stiffness_ = law->normal_contact_stiffness;
-    exponent_ = law->normal_exponent;
-  } else {
-    // Under a contact about as wide as the skin is thick; what a bonded layer is stiffer adds to the loop's gain, which bears it.
-    const auto& layer = std::get<ElasticLayer>(sensor.skin.law);
-    stiffness_ = layer.elastic_modulus / (1 - layer.poisson_ratio * layer.poisson_ratio) / sensor.skin.thickness;
-    exponent_ = 1;
-  }
+  const Winkler foundation = foundationOf(sensor.skin.law);
+  stiffness_ = foundation.normal_contact_stiffness;
+  exponent_ = foundation.normal_exponent;
 
   // Grids lie centred on their patch frames, so the mean over taxels is the mean of the patch origins, weighted by size.
   taxel_area_ = std::numeric_limits<double>::infinity();

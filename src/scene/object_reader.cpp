@@ -14,8 +14,8 @@ constexpr std::string_view kShapes = "mesh | sphere | cylinder | capsule | box |
 
 // Keys of an item; the shapes come first.
 const YamlMap::Keys& objectKeys() {
-  static const YamlMap::Keys keys = {"mesh",  "sphere", "cylinder", "capsule",     "box",   "half_space", "cone",
-                                     "torus", "name",   "weight",   "orientation", "scale", "up_axis",    "sha256"};
+  static const YamlMap::Keys keys = {"mesh", "sphere", "cylinder",    "capsule", "box",     "half_space",           "cone",  "torus",
+                                     "name", "weight", "orientation", "scale",   "up_axis", "max_depth_error[_mm]", "sha256"};
   return keys;
 }
 constexpr std::size_t kNumShapes = 8;
@@ -42,6 +42,7 @@ Mesh readMesh(const YamlMap& map, const YamlNode& node, const std::filesystem::p
   options.scale = map.number("scale", Allowed::above(0, "m per unit of the file"), options.scale);
   const std::string up = map.choice("up_axis", {"x", "y", "z"}, "z");
   options.up_axis = up == "x" ? UpAxis::kX : up == "y" ? UpAxis::kY : UpAxis::kZ;
+  options.max_depth_error = map.number("max_depth_error", Allowed::atLeast(0, "m"), options.max_depth_error);
   return atNode(node, [&] { return loadMesh(file, options); });
 }
 
@@ -147,7 +148,7 @@ std::vector<SceneObject> readObjects(const YamlMap& map, const std::filesystem::
     if (shape == "mesh") {
       object.object.shape = readMesh(object_map, object_map.require(shape, "a mesh file"), directory);
     } else {
-      for (const std::string_view key : {"scale", "up_axis", "sha256"}) {
+      for (const std::string_view key : {"scale", "up_axis", "max_depth_error", "sha256"}) {
         if (const std::optional<YamlNode> node = object_map.find(key)) node->fail("belongs to a mesh, not to a " + std::string(shape));
       }
       object.object.shape = readSolid(object_map, shape);

@@ -103,6 +103,22 @@ void packTaxels(const Sensor& sensor, bool one_patch, std::vector<layout::TaxelR
   }
 }
 
+static_assert(layout::kMaxDelaySteps == kMaxDelaySteps);
+
+// What stage 4 keeps per taxel, and its parameters.
+void packLag(const Readout& readout, PackedSensor& packed) {
+  for (std::size_t e = 0; e < readout.hysteresis_strength.size(); ++e) {
+    packed.sensor.hysteresis_strength[static_cast<int>(e)] = static_cast<float>(readout.hysteresis_strength[e]);
+    packed.sensor.hysteresis_width[static_cast<int>(e)] = static_cast<float>(readout.hysteresis_width[e]);
+  }
+  for (std::size_t m = 0; m < readout.creep.size(); ++m) {
+    packed.sensor.creep_fraction[static_cast<int>(m)] = static_cast<float>(readout.creep[m].fraction);
+  }
+  const std::size_t num_states = readout.hysteresis_strength.size() + readout.creep.size() + (readout.low_pass_time > 0 ? 1 : 0) +
+                                 (readout.random_walk > 0 ? 1 : 0) + (readout.delay > 0 ? layout::kMaxDelaySteps : 0);
+  packed.num_states = static_cast<std::uint32_t>(num_states);
+}
+
 }  // namespace
 
 PackedSensor packSensor(const Sensor& sensor, std::uint32_t tile_samples) {
@@ -148,6 +164,7 @@ PackedSensor packSensor(const Sensor& sensor, std::uint32_t tile_samples) {
   packTaxels(sensor, packed.one_patch, packed.taxels);
 
   packSpread(sensor, packed);
+  packLag(sensor.readout, packed);
 
   layout::SensorRecord& record = packed.sensor;
   const Readout& readout = sensor.readout;

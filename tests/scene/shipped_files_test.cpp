@@ -64,7 +64,7 @@ TEST(ShippedSensors, EveryNumberHasItsSource) {
       if (!is_setting) continue;
       const std::string comment = line.size() > code.size() ? line.substr(code.size()) : "";
       const bool sourced = comment.find("assumption") != std::string::npos || comment.find("paper") != std::string::npos ||
-                           comment.find("full scale") != std::string::npos;
+                           comment.find("full scale") != std::string::npos || comment.find("source: ") != std::string::npos;
       EXPECT_TRUE(sourced) << file << ":" << number << ": " << line;
     }
   }

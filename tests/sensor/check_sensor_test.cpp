@@ -87,36 +87,18 @@ TEST(CheckSensor, SamplesSkinAndLaw) {
   expectRefused("skin", [](Sensor& s) { law(s).normal_contact_stiffness = 1e308, s.skin.thickness = 1e10; });
 }
 
-TEST(CheckSensor, ElasticLayer) {
-  const auto with = [](const std::function<void(Sensor&, ElasticLayer&)>& change) {
-    return [change](Sensor& s) {
-      s.skin.law = ElasticLayer{.elastic_modulus = 1e6};
-      change(s, std::get<ElasticLayer>(s.skin.law));
-    };
-  };
-  expectTaken(with([](Sensor&, ElasticLayer&) {}));
-  expectTaken(with([](Sensor& s, ElasticLayer& l) { l.poisson_ratio = 0.5, s.skin.margin = 0.01; }));
-  for (const double bad : {0.0, -1.0, kNan, kInfinity}) {
-    expectRefused("skin.elastic_modulus", with([&](Sensor&, ElasticLayer& l) { l.elastic_modulus = bad; }));
+TEST(CheckSensor, Friction) {
+  expectTaken([](Sensor& s) { s.skin.friction = {1e8, 0.5}; });
+  expectTaken([](Sensor& s) { s.skin.friction = {kMaxTangentialStiffness, kMaxFrictionCoefficient}; });
+  for (const double bad : {-0.1, 2 * kMaxFrictionCoefficient, kNan, kInfinity}) {
+    expectRefused("skin.friction_coefficient", [&](Sensor& s) { s.skin.friction = {1e8, bad}; });
   }
-  for (const double bad : {-0.1, 0.51, kNan}) {
-    expectRefused("skin.poisson_ratio", with([&](Sensor&, ElasticLayer& l) { l.poisson_ratio = bad; }));
+  for (const double bad : {0.0, -1.0, 2 * kMaxTangentialStiffness, kNan, kInfinity}) {
+    expectRefused("skin.tangential_stiffness", [&](Sensor& s) { s.skin.friction = {bad, 0.5}; });
   }
-  for (const int bad : {0, 1001}) expectRefused("skin.iterations", with([&](Sensor&, ElasticLayer& l) { l.iterations = bad; }));
-  for (const double bad : {0.0, 1.0, kNan}) expectRefused("skin.tolerance", with([&](Sensor&, ElasticLayer& l) { l.tolerance = bad; }));
-  for (const double bad : {-1.0, 2.0, kNan, kInfinity}) {
-    expectRefused("skin.margin", with([&](Sensor& s, ElasticLayer&) { s.skin.margin = bad; }));
+  for (const double bad : {1.0, -1.0, kNan}) {
+    expectRefused("skin.tangential_stiffness", [&](Sensor& s) { s.skin.friction = {bad, 0}; });
   }
-  expectRefused("skin.margin", [](Sensor& s) { s.skin.margin = 0.001; });  // of another law
-  expectRefused("patches", with([](Sensor& s, ElasticLayer&) { s.patches.push_back(s.patches[0]); }));
-  expectRefused("patches[0].pitch", with([](Sensor& s, ElasticLayer&) { s.patches[0].pitch[1] = s.patches[0].pitch[0] / 20; }));
-  expectRefused("skin.thickness", with([](Sensor& s, ElasticLayer&) { s.skin.thickness = 1e-5; }));
-  expectRefused("skin.thickness", with([](Sensor& s, ElasticLayer&) { s.skin.thickness = 1; }));
-  expectTaken(with([](Sensor& s, ElasticLayer& l) { s.skin.thickness = 1e-5, l.base = ElasticLayer::Base::kHalfSpace; }));
-  expectRefused("samples_per_taxel", with([](Sensor& s, ElasticLayer&) {
-                  s.patches[0].num_rows = s.patches[0].num_cols = kMaxTaxelsPerSide;
-                  s.samples_per_taxel = 8;
-                }));
 }
 
 TEST(CheckSensor, Psf) {
@@ -155,6 +137,44 @@ TEST(CheckSensor, Readout) {
   expectRefused("readout.taxel_trigger", [](Sensor& s) { s.readout.taxel_trigger.assign(85, 0.0); });
 }
 
+TEST(CheckSensor, ReadoutOverTime) {
+  expectTaken([](Sensor& s) { s.readout.hysteresis_strength = {0.5, 0.4}, s.readout.hysteresis_width = {0, 1}; });
+  expectRefused("readout.hysteresis_strength", [](Sensor& s) { s.readout.hysteresis_strength.assign(5, 0.1); });
+  expectRefused("readout.hysteresis_width", [](Sensor& s) { s.readout.hysteresis_strength = {0.5}; });
+  expectRefused("readout.hysteresis_strength", [](Sensor& s) {
+    s.readout.hysteresis_strength = {0.5, 0.5}, s.readout.hysteresis_width = {1, 1};
+  });
+  expectTaken([](Sensor& s) { s.readout.creep.assign(4, {.fraction = 0, .time = 1e-6}); });
+  expectRefused("readout.creep", [](Sensor& s) { s.readout.creep.assign(5, {.fraction = 0, .time = 1}); });
+  for (const double bad : {-1.0, kNan, kInfinity}) {
+    expectRefused("readout.hysteresis_strength[0]",
+                  [&](Sensor& s) { s.readout.hysteresis_strength = {bad}, s.readout.hysteresis_width = {1}; });
+    expectRefused("readout.hysteresis_width[0]",
+                  [&](Sensor& s) { s.readout.hysteresis_strength = {0.1}, s.readout.hysteresis_width = {bad}; });
+    expectRefused("readout.creep[0].fraction", [&](Sensor& s) { s.readout.creep = {{bad, 1}}; });
+    expectRefused("readout.creep[0].time", [&](Sensor& s) { s.readout.creep = {{1, bad}}; });
+    expectRefused("readout.low_pass_time", [&](Sensor& s) { s.readout.low_pass_time = bad; });
+    expectRefused("readout.delay", [&](Sensor& s) { s.readout.delay = bad; });
+    expectRefused("readout.jitter", [&](Sensor& s) { s.readout.jitter = bad; });
+  }
+  expectRefused("readout.creep[0].time", [](Sensor& s) { s.readout.creep = {{1, 0}}; });
+  // The example's rate is 100 Hz.
+  expectTaken([](Sensor& s) { s.readout.jitter = 0.01; });
+  expectRefused("readout.jitter", [](Sensor& s) { s.readout.jitter = 0.011; });
+  expectRefused("readout.jitter", [](Sensor& s) { s.readout.jitter = 1e-9, s.frame_rate = 0; });
+}
+
+TEST(CheckSensor, Imperfections) {
+  expectTaken([](Sensor& s) { s.readout.dead_taxel_probability = 1, s.readout.bias = 1e9, s.readout.gain_spread = 2; });
+  for (const double bad : {-1e-9, 1.1e9, kNan, kInfinity}) {
+    expectRefused("readout.bias", [&](Sensor& s) { s.readout.bias = bad; });
+    expectRefused("readout.random_walk", [&](Sensor& s) { s.readout.random_walk = bad; });
+    expectRefused("readout.gain_spread", [&](Sensor& s) { s.readout.gain_spread = bad; });
+    expectRefused("readout.press_gain_spread", [&](Sensor& s) { s.readout.press_gain_spread = bad; });
+    expectRefused("readout.dead_taxel_probability", [&](Sensor& s) { s.readout.dead_taxel_probability = bad; });
+  }
+}
+
 TEST(CheckSensor, Curve) {
   expectRefused("readout.curve", [](Sensor& s) { s.readout.curve.clear(); });
   expectRefused("readout.curve", [](Sensor& s) { s.readout.curve.assign(6, 1.0); });
@@ -174,6 +194,8 @@ TEST(CheckSensor, Curve) {
     s.readout.taxel_gain[7] = 1.1;
   });
   expectTaken([](Sensor& s) { s.readout.curve = {1200, -200}; });
+  // So does creep.
+  expectRefused("readout.curve", [](Sensor& s) { s.readout.curve = {1200, -200}, s.readout.creep = {{0.1, 1}}; });
 }
 
 }  // namespace

@@ -157,7 +157,7 @@ TEST(LoadOnDevice, SphereInClosedForm) {
   simulator.setLoad(0, static_cast<float>(load));
   simulator.step(kDt);
   const FrameView frame = simulator.read();
-  // The sampled force errs by 0.15 % at most (PHYSICS section 22), and dF/F is 2 d(depth)/depth.
+  // The sampled force errs by 0.15 % at most (worst over offsets, by an independent program), and dF/F is 2 d(depth)/depth.
   EXPECT_NEAR(0.02 + frame.ground_truth.load_offset[0], R - depth, 0.0015 / 2 * depth + offsetSlack(sensor));
   EXPECT_NEAR(frame.ground_truth.total_force[0], load, kCarried * load);
 }
