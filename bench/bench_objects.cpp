@@ -1,10 +1,15 @@
 #include "bench_objects.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <map>
 #include <numbers>
 #include <random>
+#include <string>
 #include <utility>
 
 namespace taxelsim::bench {
@@ -68,6 +73,19 @@ Mesh ellipsoid(const Vector3& size, int levels) {
   }
   mesh.triangles = std::move(triangles);
   return mesh;
+}
+
+Mesh asLoaded(const Mesh& mesh, double max_depth_error) {
+  const std::filesystem::path file = std::filesystem::temp_directory_path() / ("taxelsim_bench_" + std::to_string(getpid()) + ".obj");
+  {
+    std::ofstream out(file);
+    out.precision(9);
+    for (const auto& [x, y, z] : mesh.vertices) out << "v " << x << ' ' << y << ' ' << z << '\n';
+    for (const auto& [a, b, c] : mesh.triangles) out << "f " << a + 1 << ' ' << b + 1 << ' ' << c + 1 << '\n';
+  }
+  Mesh loaded = loadMesh(file, {.max_depth_error = max_depth_error});
+  std::filesystem::remove(file);
+  return loaded;
 }
 
 Mesh tessellatedCylinder(double radius, double length, int segments) {

@@ -12,6 +12,9 @@ namespace taxelsim::bench {
 // them.
 Mesh ellipsoid(const Vector3& size, int levels);
 
+// The mesh as loadMesh() gives it from a file, simplified within `max_depth_error` (m).
+Mesh asLoaded(const Mesh& mesh, double max_depth_error);
+
 // The surface of Cylinder{radius, length} in `segments` flat strips.
 Mesh tessellatedCylinder(double radius, double length, int segments);
 

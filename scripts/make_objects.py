@@ -29,6 +29,16 @@ def prism(corners, length):
     return vertices, [tuple(reversed(t)) for t in triangles]
 
 
+def cross(span, width, length):
+    """Two bars across each other in the yz plane, drawn out along x."""
+    vertices, triangles = [], []
+    for y, z in ((span / 2, width / 2), (width / 2, span / 2)):
+        bar_vertices, bar_triangles = prism([(y, -z), (y, z), (-y, z), (-y, -z)], length)
+        triangles += [tuple(len(vertices) + i for i in t) for t in bar_triangles]
+        vertices += bar_vertices
+    return vertices, triangles
+
+
 def icosphere(levels):
     """Unit sphere of 20 * 4**levels triangles: the icosahedron, each triangle cut into four at its edges' middles."""
     golden = (1 + math.sqrt(5)) / 2
@@ -103,6 +113,20 @@ def main():
         directory / "edge_bar.obj",
         ["Square bar, 12 mm x 12 mm x 60 mm along x, turned so that a straight 90-degree edge looks down (-z)."],
         *prism(diamond, 0.06),
+    )
+
+    circumradius = 0.016 / math.sqrt(3)
+    triangle = [(circumradius * math.cos(2 * math.pi / 3 * i), circumradius * math.sin(2 * math.pi / 3 * i)) for i in range(3)]
+    write_obj(
+        directory / "triangular_prism.obj",
+        ["Triangular prism: sides of 16 mm, 20 mm long along x."],
+        *prism(triangle, 0.02),
+    )
+
+    write_obj(
+        directory / "cross.obj",
+        ["Cross of two bars, 18 mm x 5 mm each, 20 mm long along x; they overlap in the middle."],
+        *cross(0.018, 0.005, 0.02),
     )
 
     write_obj(

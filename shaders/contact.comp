@@ -2,15 +2,16 @@
 #extension GL_GOOGLE_include_directive : require
 // Contact pass: stages 1 (depth) and 2 (contact law) of one frame, and the load search over one tile.
 //
-// A workgroup owns REPEAT tiles, one after another, of several patches those that objects are near; tile number = instance NUM_TILES + tile of the
-// sensor. An invocation owns boxes, then triangles, then taxels.
+// A workgroup owns REPEAT tiles, one after another; tile number = instance NUM_TILES + tile of the sensor. An invocation owns boxes, then triangles,
+// then taxels.
 // In:  poses (num_instances x num_slots), objects, groups, clusters, triangles, faces, the sensor's patches and tiles.
 // Out: contact_normal (num_instances x num_taxels), N, over the part of the spread's kernel that stays on the sensor; of a sensor of one tile only
-//      inside the window of its result; contact_depth (num_instances x num_taxels), m; tile_results (num_instances x num_tiles);
-//      loads (num_instances): what the search found.
-// Shared memory: 4 TILE_SAMPLES + 16 LANES + 4 kClustersPerBatch + 4 kGroupsPerBatch + 4 REPEAT + 48 bytes.
+//      inside the window of its result; contact_shear (num_instances x num_taxels x 2), N, the same;
+//      contact_depth (num_instances x num_taxels), m; tile_results (num_instances x num_tiles); loads (num_instances): what the search found.
+// State: of every sample, between steps: its depth where the law needs it, its shear traction where there is friction.
+// Shared memory: 4 TILE_SAMPLES + 16 LANES + 4 kClustersPerBatch + 4 kGroupsPerBatch + 40 bytes, with friction 8 LANES and 512 more.
 // Deterministic: the tile is a minimum; sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
-// Twins: src/reference/depth.cpp, contact.cpp, load.cpp.
+// Twins: src/reference/depth.cpp, contact.cpp, friction.cpp, load.cpp.
 
 #include "lib/pairs.glsl"
 #include "shared/layout.h"
@@ -34,12 +35,17 @@ layout(constant_id = 26) const float LAW_4 = 0.0;
 layout(constant_id = 27) const float LAW_5 = 0.0;
 layout(constant_id = 28) const float LAW_6 = 0.0;
 layout(constant_id = 29) const float LAW_7 = 0.0;
+layout(constant_id = 30) const bool FRICTION = false;     // shear with memory, lib/friction.glsl
+layout(constant_id = 31) const float TANGENTIAL_STIFFNESS = 1e8;  // N/m^3
+layout(constant_id = 32) const float FRICTION_COEFFICIENT = 1.0;
+layout(constant_id = 33) const bool OUTPUT_SHEAR = false;  // contact_shear is wanted
 
 // A software driver computes both sides of every branch and a loop's body at least once, so what a model, sensor or batch does not need is left
 // out by constants.
 const uint kNoSearch = 0u;         // no instance is driven by load
 const uint kSearchInTile = 1u;     // in this pass, over its one tile
 const uint kSearchOverTiles = 2u;  // by load.comp, over all tiles
+const uint kSearchEnded = 3u;      // the frame of a sensor with friction at the offsets that this search has found
 const bool kHasMesh = (KINDS & 1u) != 0;
 const bool kHasAnalytic = (KINDS & ~1u) != 0;
 // Heights go through the tile, but for a single analytic solid, whose heights are computed where they are summed; not a torus's, which take long.
@@ -62,14 +68,12 @@ layout(std430, set = 0, binding = 13) writeonly buffer TileResults { TileResult 
 layout(std430, set = 0, binding = 14) buffer Loads { LoadRecord loads[]; };
 layout(std430, set = 0, binding = 15) writeonly buffer Problems { uint problems[]; };
 layout(std430, set = 0, binding = 16) readonly buffer Faces { Pair faces[]; };
+layout(std430, set = 0, binding = 17) readonly buffer Motions { MotionRecord motions[]; };
+layout(std430, set = 0, binding = 18) buffer FrictionState { Pair friction_state[]; };
+layout(std430, set = 0, binding = 19) writeonly buffer ContactShear { float contact_shear[]; };
 
 const float kMiss = 1e30;  // height where there is no surface
 const uint kEmpty = 0x7F7FFFFFu;  // the largest finite float, as bits: no surface over the sample
-// Cosine to z of S. Under a patch that looks up more than this, a surface too deep to be seen means that a load search has gone through the body; a
-// steeper one may see the slope of an object that is still above.
-const float kLooksUp = 0.7;
-// Of many small tiles objects reach few. Which, is found by one invocation for each, before all of them go to those.
-const bool kFindsNear = NUM_ROWS == 0 && NUM_TILES > 1;
 // Groups are culled a batch at a time, so that the list of clusters has room for all of theirs.
 const uint kGroupsPerBatch = 32;
 const uint kClustersPerBatch = kGroupsPerBatch * kClustersPerGroup;
@@ -82,9 +86,6 @@ shared uint num_listed_groups;
 shared uint num_listed_clusters;
 shared int active_box[4];    // in samples: first row, last row, first col, last col
 shared uint num_deep;
-shared uint any_behind;
-shared uint tile_list[REPEAT];
-shared uint num_listed_tiles;
 shared uint lowest_bits;
 
 // The window of samples that this workgroup rasters, in samples of the patch, and how a height becomes the tile's number.
@@ -92,22 +93,14 @@ vec2 tile_first, tile_end;  // half-open
 uint tile_stride;
 float z_limit;  // m: surfaces at or above cannot touch
 float z_base;   // m: what the tile's numbers count from
-float z_floor;  // m: surfaces below are at the far side of the body, and not seen
-
-// This invocation has met a surface below z_floor.
-bool met_behind = false;
-
-bool isSeen(float z) {
-  if (NUM_ROWS > 0) return z < z_limit;
-  met_behind = met_behind || z < z_floor;
-  return z < z_limit && z >= z_floor;
-}
+uint raster_slot = 0;  // of the body on its way into the tile
 
 // A loop ended before its work was done. Mesa's software driver ends all loops of an invocation after 65,535 turns together, without a word.
 bool cut_short = false;
 
 #include "lib/workgroup.glsl"
 #include "lib/transform.glsl"
+#include "lib/slots.glsl"
 #include "lib/polyhedron.glsl"
 #include "lib/analytic.glsl"
 #include "lib/raster.glsl"
@@ -117,9 +110,6 @@ Affine X_PS;         // patch from sensor
 vec2 spacing;        // of samples, m
 float sample_area;   // m^2
 vec2 patch_corner;   // of sample (0, 0), in P, m
-uvec4 grid;          // of the patch, PatchRecord
-uvec2 tile_taxel;    // first one of the tile
-uvec2 tile_size;     // in taxels
 float offset_z;      // by which a load search over several tiles has moved the objects along z of S, m
 
 // What one slot holds, for this workgroup.
@@ -179,6 +169,11 @@ void addToActive(Box box) {
 
 #include "lib/mesh.glsl"
 
+void writeShear(uint taxel, vec2 shear) {
+  contact_shear[2 * taxel] = shear.x;
+  contact_shear[2 * taxel + 1] = shear.y;
+}
+
 vec2 samplePosition(uvec2 sample_index) { return patch_corner + vec2(sample_index) * spacing; }
 
 // An analytic solid into the tile, sample by sample over its bounds.
@@ -192,7 +187,7 @@ void rasterAnalytic(Body body, vec4 parameters) {
   for (; i < count.x * count.y; i += WORKGROUP) {
     uvec2 at = first + uvec2(i / count.y, i % count.y);
     float z = analyticHeight(body.kind_groups.x, parameters, body.X_PO, samplePosition(at));
-    if (isSeen(z)) lowerTile((at.x - uint(tile_first.x)) * tile_stride + at.y - uint(tile_first.y), z);
+    if (z < z_limit) lowerTile((at.x - uint(tile_first.x)) * tile_stride + at.y - uint(tile_first.y), z);
   }
   cut_short = cut_short || i < count.x * count.y;
 }
@@ -217,80 +212,51 @@ vec4 sumOfPartials() {
 }
 
 #include "lib/load_search.glsl"
+#include "lib/friction.glsl"
 
-// Goes to a tile: the whole patch, or a part of one. False when the load search of its instance has ended: the results of the evaluation that ended it
-// stay as they are.
-bool enterTile(uint instance, uint tile_number) {
+void contactOnTile(uint instance, uint tile_number, uint num_slots) {
+  uint lane = gl_LocalInvocationIndex;
+
+  // The tile: the whole patch, or a part of one.
   uvec4 place = uvec4(0), size = uvec4(NUM_ROWS, NUM_COLS, 0, 0);
-  if (NUM_TILES > 1 || NUM_ROWS == 0) {
+  if (NUM_TILES > 1) {
     place = tiles[tile_number].place;
     size = tiles[tile_number].size;
   }
-  grid = uvec4(NUM_ROWS, NUM_COLS, 0, 0);
+  uvec4 grid = uvec4(NUM_ROWS, NUM_COLS, 0, 0);
   spacing = vec2(PITCH_X, PITCH_Y) / float(SAMPLES);
   if (NUM_ROWS == 0) {
     grid = patches[place.x].grid;
     spacing = patches[place.x].spacing.xy;
-    z_floor = -patches[place.x].spacing.w;
   }
   sample_area = spacing.x * spacing.y;
   X_PS = Affine(vec4(1, 0, 0, 0), vec4(0, 1, 0, 0), vec4(0, 0, 1, 0));
   if (!FLAT) X_PS = Affine(patches[place.x].row0, patches[place.x].row1, patches[place.x].row2);
   patch_corner = -0.5 * vec2(grid.xy * SAMPLES - 1u) * spacing;
-  tile_taxel = place.yz;
-  tile_size = size.xy;
+  uvec2 tile_taxel = place.yz;
+  uvec2 tile_size = size.xy;
   tile_first = vec2(tile_taxel * SAMPLES);
   tile_end = tile_first + vec2(tile_size * SAMPLES);
   tile_stride = tile_size.y * SAMPLES;
-  offset_z = 0.0;
-  z_limit = 0.0;
-  if (SEARCH == kSearchInTile && (instances[instance].keys.w & kFlagLoadDriven) != 0) z_limit = kMiss;
-  if (SEARCH == kSearchOverTiles) {
-    vec4 bracket = loads[instance].bracket;
-    if (bracket.w == kLoadCarried || bracket.w == kLoadOutOfReach) return false;
-    offset_z = bracket.x;
-  }
-  return true;
-}
 
-bool anyObjectNear(uint instance, uint num_slots) {
-  bool near = false;
-  for (uint slot = 0; slot < num_slots; ++slot) {
-    int id = objectInSlot(instance * num_slots + slot);
-    near = near || (id >= 0 && bodyInSlot(instance * num_slots + slot, max(id, 0)).near);
-  }
-  return near;
-}
-
-// What remains of the tile entered when no object is near: by one invocation.
-void leaveUntouched(uint instance, uint tile_number) {
-  uint result = instance * NUM_TILES + tile_number;
-  for (uint k = 0; k < tile_size.x * tile_size.y; ++k) {
-    uvec2 in_patch = uvec2(k / tile_size.y, k % tile_size.y) + tile_taxel;
-    uint taxel = instance * NUM_TAXELS + grid.z + in_patch.x * grid.y + in_patch.y;
-    contact_normal[taxel] = 0.0;
-    if (OUTPUT_DEPTH) contact_depth[taxel] = 0.0;
-  }
-  if (HAS_STATE) {
-    for (uint k = 0; k < tile_size.x * tile_stride * SAMPLES; ++k) state[result * TILE_SAMPLES + k] = 0.0;
-  }
-  tile_results[result] = TileResult(vec4(0), vec4(0), uvec4(0));
-}
-
-void contactOnTile(uint instance, uint tile_number, uint num_slots) {
-  uint lane = gl_LocalInvocationIndex;
-  if (!enterTile(instance, tile_number)) return;
   uint flags = instances[instance].keys.w;
   bool load_driven = SEARCH != kNoSearch && (flags & kFlagLoadDriven) != 0;
   bool search_here = SEARCH == kSearchInTile && load_driven;
+  offset_z = 0.0;
+  if (SEARCH == kSearchOverTiles) {
+    vec4 bracket = loads[instance].bracket;
+    // The results of the evaluation that ended the search stay as they are.
+    if (bracket.w == kLoadCarried || bracket.w == kLoadOutOfReach) return;
+    offset_z = bracket.x;
+  }
+  if (SEARCH == kSearchEnded && load_driven) offset_z = loads[instance].bracket.x;
+  z_limit = search_here ? kMiss : 0.0;
   z_base = -THICKNESS;
-  met_behind = false;
 
   if (lane == 0) {
     active_box[0] = active_box[2] = 0x7FFFFFFF;
     active_box[1] = active_box[3] = -1;
     num_deep = 0;
-    any_behind = 0;
     lowest_bits = kEmpty;
   }
 
@@ -325,6 +291,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
         body.near = body.near && id >= 0;
       }
       if (!body.near) continue;
+      raster_slot = slot;
       bool is_mesh = body.kind_groups.x == kKindMesh;
       if (kHasMesh && (!kHasAnalytic || is_mesh)) rasterMesh(body, fromLattice(body, id), active_part, one_batch);
       if (kHasAnalytic && (!kHasMesh || !is_mesh)) {
@@ -354,6 +321,13 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
     if (lane == 0) loads[instance].bracket = vec4(found.offset, 0, 0, found.status);
   }
 
+  uint tile_state = (instance * NUM_TILES + tile_number) * (kFrictionHeader + TILE_SAMPLES);
+  uvec4 kept = uvec4(0);
+  if (FRICTION) {
+    kept = keptWindow(tile_state);
+    loadMotions(instance, num_slots, search_here ? found.offset : offset_z);
+  }
+
   // Stage 2, taxel by taxel; LANES partial sums of the wrench.
   vec4 parameters = vec4(0);
   if (!usesTile()) parameters = objects[max(id, 0)].parameters;
@@ -363,24 +337,30 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   float per_dt = HAS_STATE ? step_record.time.y : 0.0;
   uint deep = 0;
   for (uint v = lane; v < LANES; v += WORKGROUP) {
-    vec4 wrench = vec4(0);  // normal force, torque about x and y of P
+    vec4 wrench = vec4(0);  // normal force, torque about x, y and z of P
+    vec2 lane_shear = vec2(0);
     uint k = v;
     for (; k < num_active; k += LANES) {
       uvec2 in_tile = active_first + uvec2(k / active_count.y, k % active_count.y);
       uvec2 base = in_tile * SAMPLES;
+      uvec2 in_patch = in_tile + tile_taxel;
       float force = 0.0, depth_sum = 0.0;
       vec2 moment = vec2(0);
+      vec2 shear = vec2(0);
+      vec3 shear_moment = vec3(0);
+      bool is_kept = FRICTION && in_patch.x >= kept.x && in_patch.x < kept.y && in_patch.y >= kept.z && in_patch.y < kept.w;
       for (uint a = 0; a < SAMPLES; ++a) {
         for (uint b = 0; b < SAMPLES; ++b) {
           uint address = (base.x + a) * tile_stride + base.y + b;
           vec2 position = samplePosition(base + tile_taxel * SAMPLES + uvec2(a, b));
           // Over z_base, with or without a tile: a batch may change between the two, and no bit may show it.
           float height;
+          uint word = 0;
           if (usesTile()) {
-            height = uintBitsToFloat(tile[address]);
+            word = tile[address];
+            height = withoutSlot(word);
           } else {
-            float z = analyticHeight(body.kind_groups.x, parameters, body.X_PO, position);
-            height = NUM_ROWS > 0 || isSeen(z) ? max(z - z_base, 0.0) : kMiss;
+            height = max(analyticHeight(body.kind_groups.x, parameters, body.X_PO, position) - z_base, 0.0);
           }
           float d = clamp(search_here ? found.depth - (height - found.lowest) : THICKNESS - height, 0.0, THICKNESS);
           float d_rate = 0.0;
@@ -394,31 +374,43 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
           force += f;
           moment += f * position;
           depth_sum += d;
+          if (FRICTION) {
+            vec2 q = shearTraction(tile_state + kFrictionHeader + address, is_kept, slotOf(word), vec3(position, -d), f);
+            shear += q;
+            shear_moment += cross(vec3(position, -d), vec3(q, 0));
+          }
         }
       }
       force *= sample_area;
       moment *= sample_area;
-      uvec2 in_patch = in_tile + tile_taxel;
-      uint taxel = first_taxel + in_patch.x * grid.y + in_patch.y;
-      contact_normal[taxel] = SCALED ? force * spread_scale[grid.z + in_patch.x * grid.y + in_patch.y] : force;
+      uint in_sensor = grid.z + in_patch.x * grid.y + in_patch.y;
+      uint taxel = instance * NUM_TAXELS + in_sensor;
+      contact_normal[taxel] = SCALED ? force * spread_scale[in_sensor] : force;
       if (OUTPUT_DEPTH) contact_depth[taxel] = depth_sum * kPerSample;
       // The skin is pressed along -z: torque (x, y, 0) x (0, 0, -f).
       wrench += vec4(force, -moment.y, moment.x, 0);
+      if (FRICTION) {
+        shear *= sample_area;
+        if (OUTPUT_SHEAR) writeShear(taxel, SCALED ? shear * spread_scale[in_sensor] : shear);
+        wrench.yzw += shear_moment * sample_area;
+        lane_shear += shear;
+      }
     }
     cut_short = cut_short || k < num_active;
     partial[v] = wrench;
+    if (FRICTION) partial_shear[v] = lane_shear;
   }
   if (deep > 0) atomicAdd(num_deep, deep);
-  if (NUM_ROWS == 0 && met_behind && X_PS.row2.z > kLooksUp) atomicOr(any_behind, 1u);
 
-  // Taxels that nothing reaches. Of a sensor of one tile nobody reads their force, but for a spread by lists.
-  if (NUM_TILES > 1 || NUM_ROWS == 0 || OUTPUT_DEPTH || HAS_STATE) {
+  // Taxels that nothing reaches. Of a sensor of one tile nobody reads their force.
+  if (NUM_TILES > 1 || OUTPUT_DEPTH || HAS_STATE) {
     for (uint k = lane; k < tile_size.x * tile_size.y; k += WORKGROUP) {
       uvec2 in_tile = uvec2(k / tile_size.y, k % tile_size.y);
       if (all(greaterThanEqual(in_tile, active_first)) && all(lessThan(in_tile, active_first + active_count))) continue;
       uvec2 in_patch = in_tile + tile_taxel;
       uint taxel = first_taxel + in_patch.x * grid.y + in_patch.y;
       contact_normal[taxel] = 0.0;
+      if (OUTPUT_SHEAR) writeShear(taxel, vec2(0));
       if (OUTPUT_DEPTH) contact_depth[taxel] = 0.0;
       if (HAS_STATE) {
         for (uint a = 0; a < SAMPLES * SAMPLES; ++a) {
@@ -432,13 +424,19 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   vec4 total = sumOfPartials();
   vec3 force = -total.x * X_PS.row2.xyz;  // rows of R_PS are the axes of P in S
   vec3 torque = total.y * X_PS.row0.xyz + total.z * X_PS.row1.xyz;
+  if (FRICTION) {
+    vec2 shear = vec2(0);
+    for (uint v = 0; v < LANES; ++v) shear += partial_shear[v];
+    force += shear.x * X_PS.row0.xyz + shear.y * X_PS.row1.xyz;
+    torque += total.w * X_PS.row2.xyz;
+  }
   if (!FLAT) {
     vec3 origin = -(X_PS.row0.xyz * X_PS.row0.w + X_PS.row1.xyz * X_PS.row1.w + X_PS.row2.xyz * X_PS.row2.w);  // of P in S
     torque += cross(origin, force);
   }
   uvec2 first = tile_taxel + active_first;
   uvec4 window = num_active == 0 ? uvec4(0) : uvec4(first.x, first.x + active_count.x, first.y, first.y + active_count.y);
-  if (NUM_ROWS == 0) window = uvec4(any_behind, 0, 0, 0);
+  if (FRICTION) keepWindow(tile_state, window);
   // A word a lane.
   uint result = instance * NUM_TILES + tile_number;
   vec4 force_row = vec4(force, float(num_deep));
@@ -454,28 +452,11 @@ void main() {
   uvec4 batch = step_record.batch;
   uint first = workgroupNumber() * REPEAT;
   uint end = min(first + REPEAT, batch.x * NUM_TILES);
-  uint count = end - first;
-  if (kFindsNear) {
-    if (gl_LocalInvocationIndex == 0) num_listed_tiles = 0;
-    barrier();
-    for (uint number = first + gl_LocalInvocationIndex; number < end; number += WORKGROUP) {
-      uint instance = number / NUM_TILES, tile_number = number - instance * NUM_TILES;
-      if (!enterTile(instance, tile_number)) continue;
-      if (anyObjectNear(instance, batch.y)) {
-        tile_list[atomicAdd(num_listed_tiles, 1u)] = number;
-      } else {
-        leaveUntouched(instance, tile_number);
-      }
-    }
-    barrier();
-    count = num_listed_tiles;
-  }
-  uint k = 0;
-  for (; k < count; ++k) {
-    uint number = kFindsNear ? tile_list[k] : first + k;
+  uint number = first;
+  for (; number < end; ++number) {
     uint instance = number / NUM_TILES;
     contactOnTile(instance, number - instance * NUM_TILES, batch.y);
     barrier();
   }
-  if (cut_short || k < count) problems[0] = 1;
+  if (cut_short || number < end) problems[0] = 1;
 }

@@ -1,15 +1,16 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Image pass: stages 3 (spread), 4 (frame-rate hold), 5 (readout) and 6 (features) of one frame.
+// Image pass: stages 3 (spread), 4 (time), 5 (readout) and 6 (features) of one frame.
 //
 // TEAM invocations share an instance; a workgroup has WORKGROUP / TEAM teams, and each does REPEAT instances one after another. An invocation owns rows of
 // taxels, so that of a row's sources each is fetched once. On a software driver a team is one invocation: what is done once per instance, above all
 // the features, is then done for as many instances at a time as a vector has lanes.
 // In:  contact_normal (num_instances x num_taxels), N; contact_shear; tile_results; the spread's kernel or lists.
 // Out: image (num_instances x num_taxels), counts; spread_normal, N, and spread_shear alike; features (block after block, layout.h).
+// Kept between steps: taxel_states (num_instances x states x num_taxels), lib/lag.glsl.
 // Shared memory: 4 PARTIALS bytes.
 // Deterministic: sums run over at most LANES partial sums in a fixed order, whatever the size of team and workgroup.
-// Twins: src/reference/psf.cpp, readout.cpp, features.cpp.
+// Twins: src/reference/psf.cpp, lag.cpp, imperfections.cpp, readout.cpp, features.cpp.
 
 #include "shared/layout.h"
 #include "lib/specialization.glsl"
@@ -26,6 +27,14 @@ layout(constant_id = 20) const float NOISE = 0.0;         // counts
 layout(constant_id = 21) const bool RANDOM = false;      // some instance draws noise or gains
 layout(constant_id = 22) const uint TEAM = 1;            // invocations of an instance
 layout(constant_id = 23) const uint PARTIALS = 1;        // kNumSums LANES for every team of more than one invocation
+layout(constant_id = 24) const uint NUM_HYSTERESIS = 0;  // elements
+layout(constant_id = 25) const uint NUM_CREEP = 0;       // terms
+layout(constant_id = 26) const bool LOW_PASS = false;
+layout(constant_id = 27) const bool DELAY = false;
+layout(constant_id = 28) const bool RANDOM_WALK = false;
+layout(constant_id = 29) const float BIAS = 0.0;         // counts
+layout(constant_id = 30) const float DEAD_TAXELS = 0.0;  // probability
+layout(constant_id = 31) const bool WHOLE_ARRAY = false;  // taxels that no object reaches may have a force
 
 layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceRecord instances[]; };
 layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
@@ -41,6 +50,7 @@ layout(std430, set = 0, binding = 10) writeonly buffer SpreadNormal { float spre
 layout(std430, set = 0, binding = 11) writeonly buffer SpreadShear { float spread_shear[]; };
 layout(std430, set = 0, binding = 12) writeonly buffer Features { float features[]; };
 layout(std430, set = 0, binding = 13) writeonly buffer Problems { uint problems[]; };
+layout(std430, set = 0, binding = 14) buffer TaxelStates { float taxel_states[]; };
 
 // Sums per image: force, first moments (3), second moments (3), area, peak; first the measured image's, then the clean one's, then the number of
 // saturated taxels.
@@ -61,6 +71,8 @@ bool cut_short = false;
 #include "lib/workgroup.glsl"
 #include "lib/philox.glsl"
 #include "lib/spread.glsl"
+#include "lib/lag.glsl"
+#include "lib/imperfections.glsl"
 #include "lib/readout.glsl"
 #include "lib/moments.glsl"
 
@@ -72,11 +84,6 @@ const uint kRows = kOnePatch ? NUM_ROWS : (NUM_TAXELS + kCols - 1) / kCols;
 
 void findWindow(uint instance, bool everything) {
   uvec2 all_taxels = uvec2(kRows, kCols);
-  if (!kOnePatch) {
-    contact_first = window_first = uvec2(0);
-    contact_count = window_count = all_taxels;
-    return;
-  }
   const uint kRadius = KERNEL / 2;
   uvec2 first = all_taxels, end = uvec2(0);
   for (uint t = 0; t < NUM_TILES; ++t) {
@@ -87,12 +94,13 @@ void findWindow(uint instance, bool everything) {
     }
   }
   bool touched = end.x > 0;
-  // Of a sensor of several tiles all taxels have a force.
-  contact_first = NUM_TILES == 1 ? first : uvec2(0);
-  contact_count = NUM_TILES > 1 ? all_taxels : touched ? end - first : uvec2(0);
+  // Of a sensor of several tiles, and after passes over its taxels, all have a force.
+  const bool kWritten = NUM_TILES > 1 || WHOLE_ARRAY;
+  contact_first = kWritten ? uvec2(0) : first;
+  contact_count = kWritten ? all_taxels : touched ? end - first : uvec2(0);
   window_first = first - min(first, uvec2(kRadius));
   window_count = touched ? min(end + kRadius, all_taxels) - window_first : uvec2(0);
-  if (everything) {
+  if (!kOnePatch || WHOLE_ARRAY || everything) {
     window_first = uvec2(0);
     window_count = all_taxels;
   }
@@ -146,11 +154,12 @@ struct Instance {
   vec4 drive;
   uvec4 keys;
   bool new_frame;
+  uint step;          // since reset
   float noise_level;  // counts
   uvec2 origin;       // the taxel in the middle of the window: moments about it are no differences of large numbers
 };
 
-// Stages 5 and 6 of one taxel.
+// Stages 4 to 6 of one taxel.
 void readTaxel(Instance of, uint t, uvec2 at, Spread spread, uvec2 seed, inout Sums sums) {
   if (OUTPUT_NORMAL) spread_normal[of.first_taxel + t] = spread.normal;
   if (SHEAR) {
@@ -160,12 +169,15 @@ void readTaxel(Instance of, uint t, uvec2 at, Spread spread, uvec2 seed, inout S
   vec4 chart = chartOf(at, of.origin);
   float nominal_trigger = TAXELS_ALIKE ? TRIGGER : taxels[t].readout.y;
   addTaxel(sums.clean, spread.normal, chart, spread.normal > nominal_trigger);
+  TaxelTime time = TaxelTime(of.number * numStates() * NUM_TAXELS + t, of.step);
+  float force = lagged(time, spread.normal);
+  float drift = 0.0;
+  if (RANDOM_WALK) drift = drifted(time, step_record.time.w * gaussian(seed, of.keys.xy, of.step, t, kPurposeRandomWalk));
   if (!of.new_frame) return;
   float gain = TAXELS_ALIKE ? of.drive.y : of.drive.y * taxels[t].readout.x;
   if (RANDOM && of.drive.z > 0.0) gain *= exp(of.drive.z * gaussian(seed, of.keys.xy, 0, t, kPurposeTaxelGain));
-  float noise = 0.0;
-  if (RANDOM && of.noise_level > 0.0) noise = of.noise_level * gaussian(seed, of.keys.xy, of.keys.z, t, kPurposeReadoutNoise);
-  uint counts = countsOf(spread.normal, gain, nominal_trigger, noise);
+  uint counts = countsOf(force, gain, nominal_trigger, offsetOf(seed, of.keys.xy, of.keys.z, t, of.noise_level) + drift);
+  if (isDead(seed, of.keys.xy, t)) counts = 0;
   image[of.first_taxel + t] = counts;
   addTaxel(sums.measured, nominalForce(counts), chart, counts > 0);
   if (float(counts) >= SATURATION) sums.num_saturated += 1.0;
@@ -245,7 +257,8 @@ void imageOf(uint number, bool is_there, uint num_instances, uvec2 seed) {
   of.keys = instances[number].keys;
   of.new_frame = (of.keys.w & kFlagNewFrame) != 0;
   of.noise_level = sqrt(NOISE * NOISE + of.drive.w * of.drive.w);
-  findWindow(number, RANDOM && of.noise_level > 0.0);
+  of.step = hasState() ? instances[number].clock.x : 0;
+  findWindow(number, hasState() || BIAS > 0.0 || RANDOM && of.noise_level > 0.0);
   of.origin = window_first + window_count / 2;
   if (is_there) clearOutside(of, lane);
 
@@ -292,6 +305,7 @@ void imageOf(uint number, bool is_there, uint num_instances, uvec2 seed) {
 void main() {
   uvec4 batch = step_record.batch;
   loadKernel();
+  loadLag();
   const uint kTeams = WORKGROUP / TEAM;
   uint number = workgroupNumber() * REPEAT * kTeams + gl_LocalInvocationIndex / TEAM;
   uint r = 0;

@@ -14,7 +14,7 @@ namespace taxelsim {
 
 struct ModelOptions {
   Sensor sensor;
-  std::vector<Object> objects{};  // at least one; an instance refers to them by index
+  std::vector<Object> objects{};  // an instance refers to them by index; empty where all simulators take contacts
   // Workgroup sizes; 0 takes what was measured best for the kind of device. Powers of two, 4 to 256.
   int contact_workgroup = 0;
   int image_workgroup = 0;

@@ -67,13 +67,19 @@ enum class UpAxis { kX, kY, kZ };
 struct MeshOptions {
   double scale = 1;             // metres per unit of the file, > 0
   UpAxis up_axis = UpAxis::kZ;  // the file's axis that becomes z; the others follow cyclically
+
+  // m, >= 0: triangles are left out as long as no point of the surface that was read is farther than this from the one that is kept, nor
+  // the other way round. That is proven, not estimated; 0 keeps every triangle. A depth changes by at most this along the surface's normal,
+  // and by this / cos(slope) along z; only on a silhouette may a sample be hit by one surface and missed by the other.
+  double max_depth_error = 1e-5;
 };
 
 // Largest mesh file read, bytes. A larger one is refused before it is opened.
 inline constexpr std::uintmax_t kMaxMeshFileBytes = std::uintmax_t{1} << 30;
 
-// Reads OBJ, STL, PLY or glTF; all parts of the file become one mesh, vertices welded, degenerate triangles dropped.
-// Throws Error(kInput) when the file is missing, too large, not a mesh, holds no triangle or a value that is not finite.
+// Reads OBJ, STL, PLY or glTF; all parts of the file become one mesh, scaled and turned, vertices welded, degenerate triangles dropped,
+// then simplified as max_depth_error allows. The same file and options give the same mesh. Throws Error(kInput) when the file is missing,
+// too large, not a mesh, holds no triangle or a value that is not finite, and when an option is out of its range.
 Mesh loadMesh(const std::filesystem::path& file, const MeshOptions& options = {});
 
 // An object from a word as the CLI takes it: a mesh file, or sphere:R | cylinder:R,L | capsule:R,L | box:X,Y,Z | half_space |

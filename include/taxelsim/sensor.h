@@ -15,9 +15,16 @@ namespace taxelsim {
 inline constexpr int kMaxSamplesPerTaxel = 8;  // per side
 inline constexpr int kMaxTaxelsPerSide = 128;  // of a grid patch
 inline constexpr int kMaxKernelSize = 9;       // taxels per side
-inline constexpr int kMaxSpreadTaxels = 128;   // that one taxel may reach by distance along the skin
 inline constexpr int kMaxCurveDegree = 5;
 inline constexpr int kMaxAdcBits = 16;
+inline constexpr int kMaxHysteresisElements = 4;
+inline constexpr int kMaxCreepTerms = 4;
+inline constexpr int kMaxDelaySteps = 32;  // simulation steps that a readout's delay may span
+inline constexpr double kMaxCreepFraction = 1e6;
+inline constexpr double kMaxOffsetCounts = 1e9;  // of bias and random walk
+inline constexpr double kMaxGainSpread = 2;
+inline constexpr double kMaxFrictionCoefficient = 1000;
+inline constexpr double kMaxTangentialStiffness = 1e30;  // N/m^3: what the device's float32 holds with room for a displacement
 
 // A planar grid of taxels. Its frame P lies in the grid's middle on the undeformed outer skin surface, z out of the skin
 // towards the object; row i runs along x, column j along y. Taxel (i, j) is centred on
@@ -31,13 +38,6 @@ struct GridPatch {
   Pose X_SP;                          // pose of the patch in the sensor frame
 };
 
-// A taxel with a place of its own, on a curved or irregular skin: a patch of 1 x 1, the square or rectangle of `size` (m, > 0, along x and
-// y of P) in the plane that touches the skin at `position` (m, in S), looking along `normal` (in S, of any length but 0). The shortest turn
-// that takes z of S to the normal takes x of S to x of P; `x_axis` (in S, not along the normal), if given, is projected into the plane
-// instead. Throws Error(kInput) for a direction that is 0, not finite, or along the normal.
-GridPatch taxelPatch(std::string name, const Vector3& position, const Vector3& normal, const std::array<double, 2>& size,
-                     const std::optional<Vector3>& x_axis = {});
-
 // pressure = normal_contact_stiffness d^normal_exponent + normal_damping d', never negative, where d > 0 (the paper's
 // penalty contact, as an elastic foundation so that forces do not depend on the number of samples).
 struct Winkler {
@@ -48,15 +48,57 @@ struct Winkler {
   bool operator==(const Winkler&) const = default;
 };
 
-using ContactLaw = std::variant<Winkler>;
+// SkinSim: every taxel is a mass on a spring and a damper, pushed by what contact presses on it (an elastic foundation, as Winkler with
+// exponent 1). It reads the force in its spring, which after a while is that of contact: m x" + damping x' + stiffness x = F, reads
+// stiffness x.
+struct MassSpringDamper {
+  double normal_contact_stiffness = 0;  // N/m^3, > 0
+  double mass = 1e-3;                   // kg, > 0; with the next two the defaults of SkinSim's generator (model_params.yaml)
+  double stiffness = 16.37;             // N/m, > 0
+  double damping = 0.130;               // N s/m, >= 0
+
+  bool operator==(const MassSpringDamper&) const = default;
+};
+
+// RobWorkSim: an elastic foundation whose forces deform the surface around each contact by a mask that falls with distance, cells that
+// saturate, all rescaled to the force of contact. The mask is RobWorkSim's (TactileArraySensor), integrated over taxels: middle .52464,
+// edge .10387, corner .01497; at borders what stays on the patch is normalised.
+struct DeformationMask {
+  double normal_contact_stiffness = 3.5e8;  // N/m^3, > 0; the default is RobWorkSim's 700 kPa over 2 mm
+  double saturation_pressure = 250e3;       // Pa, > 0; RobWorkSim's
+
+  bool operator==(const DeformationMask&) const = default;
+};
+
+// Pezzementi et al.: depth alone, no force; a taxel reads sensitivity x mean depth x area, in newtons as the readout's curve takes them.
+// Cannot be driven by load; the contact wrench is 0.
+struct Proximity {
+  double sensitivity = 0;  // N/m^3, > 0
+
+  bool operator==(const Proximity&) const = default;
+};
+
+using ContactLaw = std::variant<Winkler, MassSpringDamper, DeformationMask, Proximity>;
+
+// The elastic foundation that the law presses with: Winkler's own, for the others linear springs without damping.
+Winkler foundationOf(const ContactLaw& law);
+
+// Stick and slip with memory: at every sample a tangential spring that holds on to the object where it touched and gives way at Coulomb's
+// cone, |traction| <= friction_coefficient * pressure. Depends on the path of the object, not on its speed.
+struct Friction {
+  double tangential_stiffness = 0;  // N/m^3, > 0 where there is friction, at most 1e30; a layer bonded to its base has G / thickness
+  double friction_coefficient = 0;  // 0 to 1000; 0: no shear
+
+  bool operator==(const Friction&) const = default;
+};
 
 struct Skin {
   double thickness = 0;  // m, > 0; the deepest penetration
   ContactLaw law = Winkler{};
+  Friction friction{};
 };
 
-// The point spread function; paper eq. (1): over the taxels of one patch by a kernel, or over all taxels of the sensor by their distance
-// along the skin.
+// The point spread function over taxels of one patch; paper eq. (1).
 struct Psf {
   enum class Normalization {
     kPerSource,  // I_i = sum_j F_j g_ij / sum_k g_kj: the sum of forces is kept, at borders too
@@ -67,20 +109,19 @@ struct Psf {
   std::vector<double> kernel{1};  // (size x size), row-major, >= 0, sum > 0; [a][b] weighs the source at (i - a, j - b) from
                                   // the middle: spread(i, j) = sum F(i - a, j - b) g(a, b)
   Normalization normalization = Normalization::kPerSource;
-
-  // > 0: no kernel (which must be the default then) but the weight exp(-s^2 / (2 sigma^2)) for all taxels, of this patch and others, at a
-  // distance s <= reach along the skin, see skinDistance(); 1 for the taxel itself. No taxel may reach more than 128.
-  double sigma = 0;  // m
-  double reach = 0;  // m, > 0; 0 is 3 sigma
 };
-
-// Distance (m) along the skin between two of its points p and q with unit normals n and m, as if the skin between them turned evenly. The
-// part of the chord p - q across the axis n x m about which the normals turn, by an angle theta, is an arc of that angle, longer than the
-// chord by (theta / 2) / sin(theta / 2); the part along the axis is straight. Exact on planes, cylinders and spheres.
-double skinDistance(const Vector3& p, const Vector3& n, const Vector3& q, const Vector3& m);
 
 // The paper's kernel: a Gaussian of `sigma` (taxels, > 0) sampled at taxel centres with density 1 / (2 pi sigma^2).
 Psf gaussianPsf(double sigma, int size, Psf::Normalization normalization = Psf::Normalization::kPerSource);
+
+// Readout creep: at a force F that begins at t = 0 the sensor reads F [1 + sum fraction (1 - e^(-t / time))]. The skin's own relaxation, at
+// constant depth, belongs to the contact law.
+struct CreepTerm {
+  double fraction = 0;  // of the force, 0 to 1e6
+  double time = 1;      // s, > 0
+
+  bool operator==(const CreepTerm&) const = default;
+};
 
 // Force after the spread -> counts, per taxel:
 //   x = gain F - trigger;  counts = clip(round(output_scale sum_m curve[m] x^(m+1) + noise), 0, saturation)
@@ -94,6 +135,24 @@ struct Readout {
   double noise = 0;                   // counts, >= 0; standard deviation of white Gaussian noise per frame and taxel
   std::vector<double> taxel_gain;     // (num_taxels) or empty for 1; >= 0
   std::vector<double> taxel_trigger;  // (num_taxels), N, or empty for `trigger`
+
+  // How the force F of the formula follows the spread force x over time, in this order; a reset leaves the sensor as if long unloaded. Time
+  // runs at every step, with x held over it.
+  // Hysteresis (Prandtl and Ishlinskii): (1 - sum strength) x + sum strength play(x), play being what an element with that much slack on
+  // either side is pushed to.
+  std::vector<double> hysteresis_strength{};  // (elements), 0 to 4 of them, each >= 0, their sum < 1
+  std::vector<double> hysteresis_width{};     // (elements), N, >= 0
+  std::vector<CreepTerm> creep{};             // 0 to 4 terms
+  double low_pass_time = 0;                   // s, >= 0; first order
+  double delay = 0;                           // s, 0 to kMaxDelaySteps steps: a frame shows the newest step that is at least so old
+  double jitter = 0;                          // s, 0 to 1 / frame_rate; standard deviation of the instant at which a frame is delivered
+
+  // Imperfections, each a function of seed, episode and taxel. Counts are added where noise is.
+  double bias = 0;                    // counts, 0 to 1e9; standard deviation over taxels and episodes
+  double random_walk = 0;             // counts / sqrt(s), 0 to 1e9; of an offset that drifts from 0 on, per taxel
+  double gain_spread = 0;             // 0 to 2; standard deviation of the logarithm of a gain per taxel and episode
+  double press_gain_spread = 0;       // 0 to 2; the same of a gain per episode, common to all taxels: repeatability
+  double dead_taxel_probability = 0;  // 0 to 1; of a taxel to read 0 for an episode
 };
 
 struct Sensor {
@@ -111,9 +170,6 @@ int numTaxels(const Sensor& sensor);
 
 // Centres of all taxels in S, (num_taxels), m, in storage order.
 std::vector<Vector3> taxelPositions(const Sensor& sensor);
-
-// Unit normals of all taxels in S, (num_taxels), in storage order.
-std::vector<Vector3> taxelNormals(const Sensor& sensor);
 
 // Force (N) that reads `counts` by the nominal curve (gain 1, no noise): 0 for 0 counts, else the root x of the curve plus trigger.
 double nominalForce(const Readout& readout, double counts);

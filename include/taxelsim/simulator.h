@@ -1,4 +1,4 @@
-// A batch of sensor instances over one Model: poses in, tactile images and features out.
+// A batch of sensor instances over one Model: poses or contact points in, tactile images and features out.
 #pragma once
 
 #include <cstdint>
@@ -6,13 +6,15 @@
 #include <memory>
 #include <span>
 
+#include "taxelsim/contact_point.h"
 #include "taxelsim/model.h"
 #include "taxelsim/pose.h"
 
 namespace taxelsim {
 
-inline constexpr int kMaxSlots = 8;   // objects that one instance can touch
-inline constexpr int kNoObject = -1;  // id of an empty slot
+inline constexpr int kMaxSlots = 8;        // objects that one instance can touch
+inline constexpr int kNoObject = -1;       // id of an empty slot
+inline constexpr int kMaxContacts = 4096;  // that one instance can be given
 // Load of an instance that is driven by its pose.
 inline constexpr float kPoseDriven = std::numeric_limits<float>::quiet_NaN();
 
@@ -28,6 +30,10 @@ struct SimulatorOptions {
   int num_slots = 1;       // objects per instance, 1 to 8
   std::uint64_t seed = 0;  // key of all noise
   OutputOptions outputs{};
+  // Contact points that one instance may be given, 0 to kMaxContacts. Above 0, all instances take contacts (setContacts()) and none takes
+  // objects or a load. `outputs.penetration_depth` is then refused: forces at points tell nothing about it, and zeros would be made up.
+  int max_contacts = 0;
+  double contact_band = 1e-4;  // m, 0 to 1: how far over the undeformed skin a contact still counts; below, it is the skin's thickness
 };
 
 // How one instance's readout differs from the sensor's nominal one.
@@ -53,12 +59,16 @@ struct FeatureView {
 // Values nobody could measure: before time, readout and noise.
 struct GroundTruthView : FeatureView {
   std::span<const float> tactile_normal_force;  // (N x num_taxels), N, after the PSF; empty unless asked for
-  std::span<const float> tactile_shear_force;   // (N x num_taxels x 2), N, along x and y of the taxel; empty unless asked for
+  std::span<const float> tactile_shear_force;   // (N x num_taxels x 2), N, on the skin, along x and y of the taxel; empty unless asked for
   std::span<const float> penetration_depth;     // (N x num_taxels), m, mean over the taxel's samples; empty unless asked for
   std::span<const float> contact_wrench;        // (N x 6): force (N) and torque (N m) on the sensor at its origin, in S, before the PSF
-  std::span<const float> over_penetration;      // (N), fraction of samples at least as deep as the skin is thick
+  std::span<const float> over_penetration;      // (N), fraction of samples at least as deep as the skin is thick; of contacts 0
   std::span<const float> load_offset;           // (N), m: by how much the load search moved the objects along z; 0 when pose-driven
   std::span<const float> load_reached;          // (N), 1 when pose-driven or the load is carried, 0 when it is out of reach
+  // Of contacts that lie on no taxel; 0 with objects. In no other output, contact_wrench included: a force without a patch has no
+  // direction.
+  std::span<const float> off_array_load;      // (N), N: sum of their normal forces
+  std::span<const float> off_array_contacts;  // (N): how many they are
 };
 
 // One frame of the whole batch. Measured features come from `tactile_image`, turned back into newtons by the nominal curve. The spans stay
@@ -98,18 +108,28 @@ class Simulator {
 
   // What each instance touches, for the next step(): ids (N x num_slots), indices into the model's objects or kNoObject; poses X_SO
   // (N x num_slots), ignored for empty slots. Throws Error(kInput) for a wrong length, an unknown id, or a pose that is not
-  // finite or whose quaternion is not of unit length within 1e-3. Must not be called between step() and read().
+  // finite or whose quaternion is not of unit length within 1e-3, or when max_contacts is not 0. Must not be called between step() and
+  // read().
+  // To a skin with friction an object that stays in its slot has slid or rolled there since the step before; after a jump, reset().
   void setObjects(std::span<const int> ids, std::span<const Pose> X_SO);
 
   // One instance of the same.
   void setObjects(int instance, std::span<const int> ids, std::span<const Pose> X_SO);
 
-  // Normal force that each instance's objects must carry, (N), N: the sum over all taxels, whatever way they look, so that its part along z
-  // of S is smaller on a skin that slopes; kPoseDriven leaves their poses alone. The device then moves all objects of the instance together
-  // along z of S to where they rest with that force on the skin, between first touch and the deepest sample at the skin's thickness. Throws
-  // Error(kInput) for a wrong length, a negative or infinite load.
+  // Normal force that each instance's objects must carry, (N), N; kPoseDriven leaves their poses alone. The device then moves
+  // all objects of the instance together along z of S to where they rest with that force on the skin, between first touch and the deepest
+  // sample at the skin's thickness. Throws Error(kInput) for a wrong length, a negative or infinite load, or when max_contacts is not 0.
   void setLoads(std::span<const float> loads);
   void setLoad(int instance, float load);
+
+  // The contacts of every instance for the next step(), until they are set again: those of instance i are contacts[offsets[i]] to
+  // contacts[offsets[i + 1] - 1]; `offsets` (N + 1) rises from 0 to the number of contacts. Forces are added in the order given. Throws
+  // Error(kInput), and changes nothing, for offsets that do not, more than max_contacts of an instance, a position or force that is
+  // not finite or out of range (contact_point.h), or when max_contacts is 0. Must not be called between step() and read().
+  void setContacts(std::span<const ContactPoint> contacts, std::span<const int> offsets);
+
+  // One instance of the same.
+  void setContacts(int instance, std::span<const ContactPoint> contacts);
 
   // Puts one instance at the start of an episode: clock at 0, state of the skin and held frame gone; `episode` keys its noise.
   void reset(int instance, std::uint64_t episode, const ReadoutVariation& variation = {});

@@ -22,7 +22,7 @@ Search searchLoad(float load, uvec2 first, uvec2 count) {
   Search found = Search(0.0, 0.0, 0.0, kLoadOutOfReach);
   uint lowest = lowest_bits;
   if (lowest == kEmpty) return found;
-  found.lowest = uintBitsToFloat(lowest);
+  found.lowest = withoutSlot(lowest);
   found.depth = THICKNESS;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     for (uint v = gl_LocalInvocationIndex; v < LANES; v += WORKGROUP) {
@@ -30,7 +30,7 @@ Search searchLoad(float load, uvec2 first, uvec2 count) {
       uint i = v;
       for (; i < total; i += LANES) {
         uint address = (first.x + i / count.y) * tile_stride + first.y + i % count.y;
-        float d = found.depth - (uintBitsToFloat(tile[address]) - found.lowest);
+        float d = found.depth - (withoutSlot(tile[address]) - found.lowest);
         force += lawPressure(d, 0.0);
         slope += lawSlope(d);
       }

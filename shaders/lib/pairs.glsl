@@ -4,7 +4,9 @@
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #define Pair uint64_t
 #define wordsOf unpackUint2x32
+#define pairOf packUint2x32
 #else
 #define Pair uvec2
 #define wordsOf
+#define pairOf
 #endif

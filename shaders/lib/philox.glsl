@@ -10,9 +10,19 @@ uvec4 philox(uvec4 counter, uvec2 key) {
   return counter;
 }
 
-// Standard normal number of one taxel (Box and Muller): a function of seed, episode, frame, taxel and purpose alone.
+// Draws of one taxel: functions of seed, episode, frame (or step), taxel and purpose alone.
+uvec4 taxelWords(uvec2 seed, uvec2 episode, uint frame, uint taxel, uint purpose) {
+  return philox(uvec4(episode, frame, taxel | purpose << 24), seed);
+}
+
+// Uniform on [0, 1), 24 bits.
+float uniformNumber(uvec2 seed, uvec2 episode, uint frame, uint taxel, uint purpose) {
+  return float(taxelWords(seed, episode, frame, taxel, purpose).x >> 8) * (1.0 / 16777216.0);
+}
+
+// Standard normal (Box and Muller).
 float gaussian(uvec2 seed, uvec2 episode, uint frame, uint taxel, uint purpose) {
-  uvec4 words = philox(uvec4(episode, frame, taxel | purpose << 24), seed);
+  uvec4 words = taxelWords(seed, episode, frame, taxel, purpose);
   float u = (float(words.x >> 8) + 0.5) * (1.0 / 16777216.0);
   float angle = float(words.y >> 8) * (6.28318530718 / 16777216.0);
   return sqrt(-2.0 * log(u)) * cos(angle);

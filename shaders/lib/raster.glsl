@@ -3,7 +3,7 @@
 // Vertices come as (u, v, z): u and v in samples of the patch, sample (a, b) at u = a, v = b; z in m, in P. Rows run along u. The tile keeps the lowest
 // surface: atomicMin on the bits of a float that is never negative orders like the float itself, and the order of triangles does not show.
 
-void lowerTile(uint address, float z) { atomicMin(tile[address], floatBitsToUint(max(z - z_base, 0.0))); }
+void lowerTile(uint address, float z) { atomicMin(tile[address], withSlot(max(z - z_base, 0.0), raster_slot)); }
 
 // For triangles of about the size of the samples' spacing: every sample of the bounding box is tested against the three edges. An edge's value comes from
 // the two vertices relative to the sample, so two triangles that share the edge find the same number with opposite signs, and a sample on it
@@ -25,7 +25,7 @@ void rasterBySamples(vec3 p, vec3 q, vec3 r) {
     precise float eq = sr.x * sp.y - sr.y * sp.x;
     precise float er = sp.x * sq.y - sp.y * sq.x;
     float z = dot(vec3(ep, eq, er), heights);
-    if ((min(ep, min(eq, er)) >= 0.0 || max(ep, max(eq, er)) <= 0.0) && isSeen(z)) lowerTile(address, z);
+    if ((min(ep, min(eq, er)) >= 0.0 || max(ep, max(eq, er)) <= 0.0) && z < z_limit) lowerTile(address, z);
     at.y += 1.0;
     ++address;
     if (at.y > last.y) {
@@ -85,7 +85,7 @@ void rasterBySpans(vec3 p, vec3 q, vec3 r) {
     float b = b_first;
     for (; b < b_end; b += 1.0, ++address) {
       float z = clamp(z_row + gradient.y * (b - top.y), z_low, z_high);
-      if (isSeen(z)) lowerTile(address, z);
+      if (z < z_limit) lowerTile(address, z);
     }
     cut_short = cut_short || b < b_end;
   }

@@ -54,7 +54,7 @@ TAXELSIM_CONSTANT kFirstBits = 27u;
 struct PatchRecord {
   vec4 row0, row1, row2;  // X_PS: rows of (R_PS | p)
   uvec4 grid;             // rows, cols, first taxel, 0
-  vec4 spacing;           // sample spacing along x, y of P, m; sample area, m^2; how deep under the skin surfaces are seen, m
+  vec4 spacing;           // sample spacing along x, y of P, m; sample area, m^2; 0
 };
 
 // A rectangle of whole taxels that one workgroup computes.
@@ -73,9 +73,12 @@ struct SensorRecord {
   vec4 curve0;  // coefficients 1 to 4, counts / N^m
   vec4 curve1;  // coefficient 5, 0, 0, 0
   vec4 X_SC_row0, X_SC_row1, X_SC_row2;
+  vec4 hysteresis_strength;  // of up to four elements
+  vec4 hysteresis_width;     // N
+  vec4 creep_fraction;       // of up to four terms
 };
 
-// Taxels of a row of the image pass where the sensor is not one grid patch, or its spread no kernel.
+// Taxels of a row of the image pass where the sensor is not one grid patch.
 TAXELSIM_CONSTANT kListCols = 16u;
 
 // ---- a batch ----
@@ -85,26 +88,52 @@ struct PoseRecord {
   vec4 object;            // index or -1, 0, 0, 0
 };
 
+// What the object in a slot has done since the step before, before a load search moves it: a point p of it, in S, was displaced by A p + t,
+// the rows being (A | t). Computed in double on the host: the difference of two float32 poses would make a resting object creep.
+struct MotionRecord {
+  vec4 row0, row1, row2;
+  vec4 known;  // 1, or 0 where the slot holds another object than before or the instance has been reset: then A and t are 0; 0, 0, 0
+};
+
+// A slot's number fits into so many bits.
+TAXELSIM_CONSTANT kSlotBits = 3u;
+
 TAXELSIM_CONSTANT kFlagNewFrame = 1u;   // the sensor delivers a frame in this step
 TAXELSIM_CONSTANT kFlagFirstStep = 2u;  // the first step since reset
 TAXELSIM_CONSTANT kFlagLoadDriven = 4u;
 
 struct InstanceRecord {
-  vec4 drive;  // load (N), gain, spread of log gain, extra noise (counts)
-  uvec4 keys;  // episode (low, high word), frame, flags
+  vec4 drive;   // load (N), gain, spread of log gain, extra noise (counts)
+  uvec4 keys;   // episode (low, high word), frame, flags
+  uvec4 clock;  // steps since reset, 0, 0, 0
 };
 
 struct StepRecord {
-  uvec4 batch;  // instances, slots, seed (low, high word)
-  vec4 time;    // dt (s), 1/dt, 0, 0
+  uvec4 batch;    // instances; slots, or in a batch of contacts the room for contacts of an instance; seed (low, high word)
+  vec4 time;      // dt (s), 1/dt, share of the low-pass, standard deviation of the random walk's step (counts)
+  vec4 creep;     // share of the way to its end that each term goes in dt
+  uvec4 delay;    // slot of this step in the ring of forces, steps back to the force that a frame shows, 0, 0
+  vec4 law;       // of a law with taxels that move: what a step does to them
+  vec4 contacts;  // contact_band (m), 0, 0, 0
 };
+
+// A contact from another engine.
+struct ContactRecord {
+  vec4 point;  // position in S, m; normal force, N
+};
+
+// Forces that the ring of a delay keeps, one a step.
+TAXELSIM_CONSTANT kMaxDelaySteps = 32u;
+// Per tile the state of friction is kFrictionHeader pairs of words, the rectangle of taxels whose samples have one (first row, end row,
+// first col, end col, of the patch), then a pair per sample: the traction along x and y of P, Pa; kApart where nothing touched.
+TAXELSIM_CONSTANT kFrictionHeader = 2u;
+TAXELSIM_CONSTANT kApart = 0x7F7FFFF8u;  // as the bits of x: larger than any traction, and free for a slot's number
 
 // What the contact pass leaves per instance and tile.
 struct TileResult {
   vec4 force;    // on the sensor, in S, N; samples at least as deep as the skin is thick
   vec4 torque;   // about S's origin, in S, N m; sum of the taxels' normal forces, N
-  uvec4 window;  // of one grid: rectangle of taxels that may carry force: first row, end row, first col, end col; empty: all 0. Else 1
-                 // where a patch that looks along z of S met a surface too deep to be seen; 0, 0, 0
+  uvec4 window;  // rectangle of taxels of the patch that may carry force: first row, end row, first col, end col; empty: all 0
 };
 
 // Status of a load search. Closing: evaluated once more, at the upper bound, then carried or out of reach.
@@ -137,11 +166,16 @@ TAXELSIM_CONSTANT kFeatureContactWrench = 27u;  // 6
 TAXELSIM_CONSTANT kFeatureOverPenetration = 33u;
 TAXELSIM_CONSTANT kFeatureLoadOffset = 34u;
 TAXELSIM_CONSTANT kFeatureLoadReached = 35u;
-TAXELSIM_CONSTANT kNumFeatures = 36u;
+TAXELSIM_CONSTANT kFeatureOffArrayLoad = 36u;
+TAXELSIM_CONSTANT kFeatureOffArrayContacts = 37u;
+TAXELSIM_CONSTANT kNumFeatures = 38u;
 
 // ---- random numbers; base/philox.h has the same values ----
 TAXELSIM_CONSTANT kPurposeReadoutNoise = 1u;
 TAXELSIM_CONSTANT kPurposeTaxelGain = 2u;
+TAXELSIM_CONSTANT kPurposeBias = 4u;
+TAXELSIM_CONSTANT kPurposeDeadTaxel = 5u;
+TAXELSIM_CONSTANT kPurposeRandomWalk = 6u;
 
 #ifdef __cplusplus
 }  // namespace taxelsim::layout

@@ -13,10 +13,32 @@ enum class Purpose : std::uint32_t {
   kReadoutNoise = 1,
   kTaxelGain = 2,
   kEpisode = 3,  // everything drawn on the host at the start of an episode
+  kBias = 4,
+  kDeadTaxel = 5,
+  kRandomWalk = 6,
+  kPressGain = 7,
+  kJitter = 8,
 };
 
 // Four words, uniform on [0, 2^32).
 std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> counter, std::array<std::uint32_t, 2> key);
+
+// One draw of a sensor instance, as the shaders make it for a taxel. `frame` is the step or 0 where the purpose has no frame, `taxel`
+// 0 where it is of the whole instance.
+struct DrawKey {
+  std::uint64_t seed = 0;
+  std::uint64_t episode = 0;
+  std::uint32_t frame = 0;
+  std::uint32_t taxel = 0;  // below 2^24
+  Purpose purpose{};
+};
+
+// Uniform on [0, 1), 24 bits.
+double uniformNumber(const DrawKey& key);
+
+// Standard normal (Box and Muller), never farther out than kLargestGaussian.
+double gaussian(const DrawKey& key);
+inline constexpr double kLargestGaussian = 5.9;  // sqrt(2 ln 2^25) = 5.887
 
 // The draws of one episode, numbered by the order in which they are asked for.
 class EpisodeRandom {

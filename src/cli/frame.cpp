@@ -12,8 +12,8 @@
 #include <numbers>
 
 #include "cli/commands.h"
+#include "cli/contacts_file.h"
 #include "cli/tactile_figure.h"
-#include "cli/taxel_chart.h"
 #include "taxelsim/device.h"
 #include "taxelsim/error.h"
 #include "taxelsim/model.h"
@@ -26,7 +26,7 @@ constexpr double kQuaternionTolerance = 1e-3;  // as Simulator::setObjects() has
 constexpr double kDefaultStep = 0.01;          // s, for sensors that give a frame at every step
 
 struct Arguments {
-  std::string sensor, picture, device;
+  std::string sensor, contacts, picture, device;
   std::vector<std::string> objects, poses;
   double load = 0;
   bool json = false;
@@ -106,26 +106,20 @@ nlohmann::ordered_json asJson(const Sensor& sensor, const FrameView& frame) {
   nlohmann::ordered_json& clean = json["ground_truth"];
   clean["tactile_normal_force"] = taxelsOf(sensor, truth.tactile_normal_force);
   clean["tactile_shear_force"] = taxelsOf(sensor, truth.tactile_shear_force, 2);
-  clean["penetration_depth"] = taxelsOf(sensor, truth.penetration_depth);
+  if (!truth.penetration_depth.empty()) clean["penetration_depth"] = taxelsOf(sensor, truth.penetration_depth);
   addFeatures(clean, truth);
   clean["contact_wrench"] = arrayOf(truth.contact_wrench);
   clean["over_penetration"] = truth.over_penetration[0];
   clean["load_offset"] = truth.load_offset[0];
   clean["load_reached"] = truth.load_reached[0];
+  clean["off_array_load"] = truth.off_array_load[0];
+  clean["off_array_contacts"] = truth.off_array_contacts[0];
   return json;
 }
 
 void printImage(const Sensor& sensor, std::span<const std::uint32_t> image) {
   const auto width = std::to_string(*std::max_element(image.begin(), image.end())).size();
   std::size_t taxel = 0;
-  if (isTaxelList(sensor)) {
-    constexpr std::size_t kTaxelsPerLine = 16;
-    fmt::print("tactile_image, counts ({} taxels, {} a line)\n", image.size(), kTaxelsPerLine);
-    for (; taxel < image.size(); ++taxel)
-      fmt::print("{} {:>{}}{}", taxel % kTaxelsPerLine == 0 ? " " : "", image[taxel], width,
-                 (taxel + 1) % kTaxelsPerLine == 0 || taxel + 1 == image.size() ? "\n" : "");
-    return;
-  }
   for (const GridPatch& patch : sensor.patches) {
     fmt::print("tactile_image{}{}, counts ({} rows along x, {} columns along y)\n", patch.name.empty() ? "" : " of ", patch.name,
                patch.num_rows, patch.num_cols);
@@ -165,20 +159,13 @@ void printText(const Sensor& sensor, const FrameView& frame) {
   clean("contact_wrench", "N, N m", truth.contact_wrench);
   clean("over_penetration", "1", truth.over_penetration);
   clean("load_offset", "m", truth.load_offset);
+  if (!truth.penetration_depth.empty()) return;  // from objects, of which nothing is off the array
+  clean("off_array_load", "N", truth.off_array_load);
+  clean("off_array_contacts", "1", truth.off_array_contacts);
 }
 
-// One panel a patch, or all taxels of a list together.
-std::vector<TactilePanel> panelsOf(const Sensor& sensor, const FrameView& frame) {
+void drawFrame(const std::string& file, const Sensor& sensor, const FrameView& frame, const std::string& what) {
   std::vector<TactilePanel> panels;
-  if (isTaxelList(sensor)) {
-    TactilePanel panel;
-    panel.values.assign(frame.tactile_image.begin(), frame.tactile_image.end());
-    panel.outlines = unrolled(sensor);
-    panel.caption = kUnrolled;
-    panel.neighbours = false;
-    panels.push_back(std::move(panel));
-    return panels;
-  }
   std::size_t first = 0;
   for (const GridPatch& patch : sensor.patches) {
     TactilePanel panel;
@@ -197,21 +184,44 @@ std::vector<TactilePanel> panelsOf(const Sensor& sensor, const FrameView& frame)
     }
     panels.push_back(std::move(panel));
   }
-  return panels;
-}
-
-void drawFrame(const std::string& file, const Sensor& sensor, const FrameView& frame, const std::vector<Object>& objects) {
-  const std::vector<TactilePanel> panels = panelsOf(sensor, frame);
-  std::vector<std::string> names;
-  for (const Object& object : objects) names.push_back(object.name);
   writeTactileFigure(
       file, panels,
-      {.title = fmt::format("{} on {}", fmt::join(names, ", "), sensor.name),
+      {.title = fmt::format("{} on {}", what, sensor.name),
        .subtitle = fmt::format("{:.4g} N   angle {:.1f}°   confidence {:.2f}   area {:.3g} mm²", frame.total_force[0],
                                frame.edge_angle[0] * 180 / std::numbers::pi, frame.edge_confidence[0], frame.contact_area[0] * 1e6)});
 }
 
-int runFrame(const Arguments& arguments, bool load_driven) {
+void show(const Arguments& arguments, const Sensor& sensor, const FrameView& frame, const std::string& what) {
+  if (arguments.json)
+    fmt::print("{}\n", asJson(sensor, frame).dump(2));
+  else
+    printText(sensor, frame);
+  if (!arguments.picture.empty()) drawFrame(arguments.picture, sensor, frame, what);
+}
+
+double stepOf(const Sensor& sensor) {
+  return sensor.frame_rate > 0 ? 1 / sensor.frame_rate : kDefaultStep;
+}
+
+Device openDevice(const Arguments& arguments) {
+  return Device::open({.device = arguments.device, .validation = arguments.validation});
+}
+
+int runContacts(const Arguments& arguments, bool load_driven) {
+  if (!arguments.objects.empty() || !arguments.poses.empty() || load_driven)
+    throw Error(ErrorKind::kInput, "--contacts comes instead of --object, --pose and --load");
+  const std::vector<ContactPoint> contacts = readContacts(arguments.contacts);
+  const Sensor sensor = loadSensor(arguments.sensor);
+  Simulator simulator(Model(openDevice(arguments), {.sensor = sensor}),
+                      {.outputs = {.penetration_depth = false}, .max_contacts = std::max(1, static_cast<int>(contacts.size()))});
+  simulator.setContacts(0, contacts);
+  simulator.step(stepOf(sensor));
+  show(arguments, sensor, simulator.read(), fmt::format("{} contacts", contacts.size()));
+  return kExitOk;
+}
+
+int runObjects(const Arguments& arguments, bool load_driven) {
+  if (arguments.objects.empty()) throw Error(ErrorKind::kInput, "--object with --pose, or --contacts, is required");
   if (arguments.poses.size() != arguments.objects.size())
     throw Error(ErrorKind::kInput, fmt::format("{} --object but {} --pose: each object needs its pose, in the same order",
                                                arguments.objects.size(), arguments.poses.size()));
@@ -221,7 +231,8 @@ int runFrame(const Arguments& arguments, bool load_driven) {
     throw Error(ErrorKind::kInput, fmt::format("--load {}: must be a force of 0 N or more", arguments.load));
   std::vector<Pose> X_SO;
   for (const std::string& text : arguments.poses) X_SO.push_back(parsePose(text));
-  const Sensor sensor = loadSensor(arguments.sensor);
+  Sensor sensor = loadSensor(arguments.sensor);
+  sensor.readout.delay = sensor.readout.low_pass_time = 0;  // the one frame shows what they would settle to
   ModelOptions options{.sensor = sensor, .objects = {}};
   std::vector<int> ids;
   for (const std::string& text : arguments.objects) {
@@ -229,11 +240,11 @@ int runFrame(const Arguments& arguments, bool load_driven) {
     options.objects.push_back(parseObject(text));
   }
 
-  const Model model(Device::open({.device = arguments.device, .validation = arguments.validation}), options);
+  const Model model(openDevice(arguments), options);
   Simulator simulator(model, {.num_instances = 1, .num_slots = static_cast<int>(ids.size()), .outputs = {}});
   simulator.setObjects(ids, X_SO);
   simulator.setLoad(0, load_driven ? static_cast<float>(arguments.load) : kPoseDriven);
-  simulator.step(sensor.frame_rate > 0 ? 1 / sensor.frame_rate : kDefaultStep);
+  simulator.step(stepOf(sensor));
   const FrameView frame = simulator.read();
   if (load_driven && frame.ground_truth.load_reached[0] == 0) {
     // The search ends at the deepest contact that the skin allows; what that carries is the most there is.
@@ -243,18 +254,16 @@ int runFrame(const Arguments& arguments, bool load_driven) {
                                                      arguments.load, carried)
                                        : fmt::format("--load {} N is out of reach: no object lies over the skin", arguments.load));
   }
-  if (arguments.json)
-    fmt::print("{}\n", asJson(sensor, frame).dump(2));
-  else
-    printText(sensor, frame);
-  if (!arguments.picture.empty()) drawFrame(arguments.picture, sensor, frame, options.objects);
+  std::vector<std::string> names;
+  for (const Object& object : options.objects) names.push_back(object.name);
+  show(arguments, sensor, frame, fmt::format("{}", fmt::join(names, ", ")));
   return kExitOk;
 }
 
 }  // namespace
 
 void addFrame(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("frame", "Press objects against one sensor and print what it reports");
+  CLI::App* command = app.add_subcommand("frame", "Press objects or contact points against one sensor and print what it reports");
   command->footer(
       "Example:\n  taxelsim frame --sensor scenes/sensors/wts0614.yaml --object sphere:0.01 --pose \"0 0 0.0095 1 0 0 0\"\n"
       "Poses are of the object in the sensor frame, whose z points out of the skin: here the sphere is 0.5 mm deep.");
@@ -264,13 +273,17 @@ void addFrame(CLI::App& app, Action& action) {
       ->add_option(
           "--object", arguments->objects,
           "Mesh file, or sphere:R, cylinder:R,L, capsule:R,L, box:X,Y,Z, half_space, cone:R,H, torus:MAJOR,MINOR in m; may be repeated")
-      ->required()
       ->allow_extra_args(false)
       ->type_name("SPEC");
   command->add_option("--pose", arguments->poses, "\"x y z qw qx qy qz\" of each object in the sensor frame, m and a unit quaternion")
-      ->required()
       ->allow_extra_args(false)
       ->type_name("POSE");
+  CLI::Option* contacts =
+      command
+          ->add_option(
+              "--contacts", arguments->contacts,
+              "Instead of objects: contact points from another engine, lines of \"x,y,z,normal_force\", m in the sensor frame and N")
+          ->type_name("FILE");
   CLI::Option* load =
       command->add_option("--load", arguments->load, "Move the objects along z until they press with this force, N")->type_name("N");
   command->add_flag("--json", arguments->json, "Print JSON, all numbers in full");
@@ -278,7 +291,9 @@ void addFrame(CLI::App& app, Action& action) {
   command->add_option("--device", arguments->device, "discrete, integrated, cpu, a number of `taxelsim devices` or part of a name")
       ->type_name("D");
   command->add_flag("--validation", arguments->validation, "Run with Vulkan's validation layers; slow");
-  command->callback([=, &action] { action = [=] { return runFrame(*arguments, load->count() > 0); }; });
+  command->callback([=, &action] {
+    action = [=] { return contacts->count() > 0 ? runContacts(*arguments, load->count() > 0) : runObjects(*arguments, load->count() > 0); };
+  });
 }
 
 }  // namespace taxelsim::cli

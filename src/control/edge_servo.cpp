@@ -52,12 +52,9 @@ EdgeServoController::EdgeServoController(const EdgeServo& servo, const Sensor& s
   require(finitePositive(servo.max_linear_velocity), "max_linear_velocity", servo.max_linear_velocity, "a number > 0");
   require(servo.min_confidence >= 0 && servo.min_confidence <= 1, "min_confidence", servo.min_confidence, "0 to 1");
 
-  std::visit(
-      [this](const Winkler& law) {
-        stiffness_ = law.normal_contact_stiffness;
-        exponent_ = law.normal_exponent;
-      },
-      sensor.skin.law);
+  const Winkler foundation = foundationOf(sensor.skin.law);
+  stiffness_ = foundation.normal_contact_stiffness;
+  exponent_ = foundation.normal_exponent;
 
   // Grids lie centred on their patch frames, so the mean over taxels is the mean of the patch origins, weighted by size.
   taxel_area_ = std::numeric_limits<double>::infinity();

@@ -16,8 +16,10 @@
 #include <utility>
 #include <vector>
 
+#include "base/log.h"
 #include "geometry/gltf_checks.h"
 #include "geometry/mesh_file_checks.h"
+#include "geometry/simplify.h"
 #include "geometry/text.h"
 #include "geometry/weld.h"
 #include "taxelsim/error.h"
@@ -244,12 +246,20 @@ Mesh loadMesh(const std::filesystem::path& file, const MeshOptions& options) {
   if (!(std::isfinite(options.scale) && options.scale > 0)) {
     fail(file, "scale: " + numberText(options.scale) + " is not allowed: metres per unit of the file, > 0");
   }
+  if (!(std::isfinite(options.max_depth_error) && options.max_depth_error >= 0)) {
+    fail(file, "max_depth_error: " + numberText(options.max_depth_error) + " is not allowed: m, >= 0");
+  }
   checkFile(file);
   const Extension extension = extensionOf(file);
   Mesh mesh;
   try {
     if (const std::string fault = findFault(file, extension.format); !fault.empty()) fail(file, "is not a mesh: " + fault);
-    mesh = import(file, extension, options);
+    const Mesh full = import(file, extension, options);
+    mesh = simplified(full, options.max_depth_error);
+    if (mesh.triangles.size() < full.triangles.size()) {
+      log().debug("{}: {} of {} triangles stay, within {} m", oneLine(file.string()), mesh.triangles.size(), full.triangles.size(),
+                  options.max_depth_error);
+    }
   } catch (const std::bad_alloc&) {
     fail(file, "takes more memory than there is");
   } catch (const std::length_error&) {

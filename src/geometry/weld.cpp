@@ -10,15 +10,6 @@ namespace {
 using Triangle = std::array<std::uint32_t, 3>;
 using Vertex = std::array<float, 3>;
 
-// Differences and products are formed in double, so that a sliver of float32 vertices does not vanish by rounding.
-bool hasArea(const Vertex& a, const Vertex& b, const Vertex& c) {
-  const auto edge = [&](const Vertex& end, std::size_t axis) { return static_cast<double>(end[axis]) - static_cast<double>(a[axis]); };
-  const double x = edge(b, 1) * edge(c, 2) - edge(b, 2) * edge(c, 1);
-  const double y = edge(b, 2) * edge(c, 0) - edge(b, 0) * edge(c, 2);
-  const double z = edge(b, 0) * edge(c, 1) - edge(b, 1) * edge(c, 0);
-  return x != 0 || y != 0 || z != 0;
-}
-
 Mesh dropUnusedVertices(const Mesh& mesh) {
   constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> new_index(mesh.vertices.size(), kUnused);
@@ -37,6 +28,15 @@ Mesh dropUnusedVertices(const Mesh& mesh) {
 }
 
 }  // namespace
+
+// Differences and products are formed in double, so that a sliver of float32 vertices does not vanish by rounding.
+bool hasArea(const Vertex& a, const Vertex& b, const Vertex& c) {
+  const auto edge = [&](const Vertex& end, std::size_t axis) { return static_cast<double>(end[axis]) - static_cast<double>(a[axis]); };
+  const double x = edge(b, 1) * edge(c, 2) - edge(b, 2) * edge(c, 1);
+  const double y = edge(b, 2) * edge(c, 0) - edge(b, 0) * edge(c, 2);
+  const double z = edge(b, 0) * edge(c, 1) - edge(b, 1) * edge(c, 0);
+  return x != 0 || y != 0 || z != 0;
+}
 
 Mesh weld(const Mesh& mesh) {
   if (mesh.triangles.empty()) return {};

@@ -9,4 +9,7 @@ namespace taxelsim {
 // vertices that no triangle uses. Order of triangles and of first use is kept. All coordinates must be finite, all indices in range.
 Mesh weld(const Mesh& mesh);
 
+// Whether a triangle with these corners is more than a point or a line.
+bool hasArea(const std::array<float, 3>& a, const std::array<float, 3>& b, const std::array<float, 3>& c);
+
 }  // namespace taxelsim

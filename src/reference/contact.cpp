@@ -17,6 +17,9 @@ struct Pressure {
   double operator()(const Winkler& law) const {
     return std::max(0.0, law.normal_contact_stiffness * std::pow(d, law.normal_exponent) + law.normal_damping * rate);
   }
+  double operator()(const MassSpringDamper& law) const { return law.normal_contact_stiffness * d; }
+  double operator()(const DeformationMask& law) const { return law.normal_contact_stiffness * d; }
+  double operator()(const Proximity& law) const { return law.sensitivity * d; }
 };
 
 }  // namespace
@@ -48,6 +51,7 @@ Contact contactOf(const Sensor& sensor, std::span<const double> d, std::span<con
   for (const double taxel_force : contact.taxel_force) {
     contact.total_force += taxel_force;
   }
+  if (std::holds_alternative<Proximity>(sensor.skin.law)) force = torque = {0, 0, 0};  // nothing presses
   contact.wrench = {force[0], force[1], force[2], torque[0], torque[1], torque[2]};
   contact.over_penetration = static_cast<double>(num_over) / static_cast<double>(samples.size());
   return contact;

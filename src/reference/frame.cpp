@@ -4,18 +4,41 @@
 
 namespace taxelsim::reference {
 
+namespace {
+
+// Shear spreads with the weights of the normal force, component by component.
+std::vector<Shear> spreadShear(const Sensor& sensor, const std::vector<Shear>& taxel_force) {
+  std::vector<Shear> result(taxel_force.size());
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    std::vector<double> component;
+    for (const Shear& force : taxel_force) component.push_back(force[axis]);
+    const std::vector<double> image = spread(sensor, component);
+    for (std::size_t t = 0; t < image.size(); ++t) result[t][axis] = image[t];
+  }
+  return result;
+}
+
+}  // namespace
+
 Frame simulateFrame(const Sensor& sensor, const FrameInput& input) {
   Frame frame;
   frame.load.reached = true;
   if (input.load) {
     frame.load = findLoad(sensor, input.objects, *input.load);
   }
-  frame.heights = surfaceHeights(sensor, movedAlongZ(input.objects, frame.load.offset));
+  const std::vector<PlacedObject> placed = movedAlongZ(input.objects, frame.load.offset);
+  frame.heights = surfaceHeights(sensor, placed);
   frame.penetration = penetrations(frame.heights, sensor.skin.thickness);
   frame.contact =
       input.load ? contactOf(sensor, frame.penetration, {}, 0) : contactOf(sensor, frame.penetration, input.previous_penetration, input.dt);
-  frame.spread_force = spread(sensor, frame.contact.taxel_force);
-  frame.counts = readOut(sensor, frame.spread_force, input.draw);
+  frame.shear = contactShear(sensor, placed, frame.penetration, frame.contact.pressure, input.previous_friction);
+  for (std::size_t i = 0; i < frame.wrench.size(); ++i) frame.wrench[i] = frame.contact.wrench[i] + frame.shear.wrench[i];
+  if (!input.load) frame.taxel_state = input.taxel_state;
+  frame.taxel_force = taxelResponse(sensor, frame.contact.taxel_force, input.dt, frame.taxel_state);
+  frame.spread_force = spread(sensor, frame.taxel_force);
+  frame.spread_shear = spreadShear(sensor, frame.shear.taxel_force);
+  frame.lagged_force = input.lag ? input.lag->step(frame.spread_force, input.dt) : frame.spread_force;
+  frame.counts = readOut(sensor, frame.lagged_force, input.draw);
   frame.measured_force = measuredForce(sensor, frame.counts);
   frame.saturated = saturatedFraction(sensor, frame.counts);
   frame.clean = cleanFeatures(sensor, frame.spread_force);

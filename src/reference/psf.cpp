@@ -1,35 +1,9 @@
 #include "reference/psf.h"
 
-#include "sensor/skin.h"
-
 namespace taxelsim::reference {
-namespace {
-
-// By distance along the skin, from every taxel to every other.
-std::vector<double> spreadAlongSkin(const Sensor& sensor, std::span<const double> taxel_force) {
-  const std::vector<Vector3> positions = taxelPositions(sensor), normals = taxelNormals(sensor);
-  std::vector<double> image(taxel_force.size(), 0), weights(taxel_force.size());
-  for (std::size_t source = 0; source < taxel_force.size(); ++source) {
-    double total_weight = 0;
-    for (std::size_t t = 0; t < weights.size(); ++t) {
-      weights[t] = skinWeight(sensor.psf, skinDistance(positions[source], normals[source], positions[t], normals[t]));
-      total_weight += weights[t];
-    }
-    const double divisor = sensor.psf.normalization == Psf::Normalization::kPerSource ? total_weight : 1;
-    for (std::size_t t = 0; t < weights.size(); ++t) {
-      image[t] += taxel_force[source] * weights[t] / divisor;
-    }
-  }
-  return image;
-}
-
-}  // namespace
 
 std::vector<double> spread(const Sensor& sensor, std::span<const double> taxel_force) {
   const Psf& psf = sensor.psf;
-  if (psf.sigma > 0) {
-    return spreadAlongSkin(sensor, taxel_force);
-  }
   const int half = psf.size / 2;
   std::vector<double> image(taxel_force.size(), 0);
   std::size_t first_taxel = 0;

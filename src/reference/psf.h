@@ -1,4 +1,4 @@
-// Stage 3 of the reference: the point spread function (paper eq. (1)), patch by patch or by distance along the skin.
+// Stage 3 of the reference: the point spread function (paper eq. (1)), patch by patch.
 #pragma once
 
 #include <span>

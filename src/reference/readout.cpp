@@ -35,7 +35,8 @@ std::vector<std::uint32_t> readOut(const Sensor& sensor, std::span<const double>
     const double gain = gainOf(readout, t) * (draw.gain.empty() ? 1 : draw.gain[t]);
     const double noise = draw.noise.empty() ? 0 : draw.noise[t];
     const double value = std::round(analogueOutput(readout, spread_force[t], gain, triggerOf(readout, t), noise));
-    counts.push_back(static_cast<std::uint32_t>(std::clamp(value, 0.0, static_cast<double>(readout.saturation))));
+    const bool dead = !draw.dead.empty() && draw.dead[t];
+    counts.push_back(dead ? 0 : static_cast<std::uint32_t>(std::clamp(value, 0.0, static_cast<double>(readout.saturation))));
   }
   return counts;
 }

@@ -9,10 +9,11 @@
 
 namespace taxelsim::reference {
 
-// How one instance differs from the nominal sensor; drawn outside, so that the reference has no random numbers of its own.
+// How one instance differs from the nominal sensor; drawn outside (imperfections.h), so that stages have no random numbers of their own.
 struct ReadoutDraw {
   std::vector<double> gain{};   // (num_taxels), factor on top of the sensor's taxel_gain; empty for 1
-  std::vector<double> noise{};  // (num_taxels), counts; empty for 0
+  std::vector<double> noise{};  // (num_taxels), counts, with bias and random walk; empty for 0
+  std::vector<bool> dead{};     // (num_taxels): reads 0; empty for none
 };
 
 // Output before rounding and clipping, counts: output_scale sum curve[m] x^(m+1) + noise at x = gain F - trigger.

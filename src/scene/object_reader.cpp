@@ -4,7 +4,7 @@
 #include <map>
 #include <set>
 
-#include "scene/hashed_file.h"
+#include "base/sha256.h"
 #include "scene/pose_reader.h"
 
 namespace taxelsim {
@@ -14,18 +14,35 @@ constexpr std::string_view kShapes = "mesh | sphere | cylinder | capsule | box |
 
 // Keys of an item; the shapes come first.
 const YamlMap::Keys& objectKeys() {
-  static const YamlMap::Keys keys = {"mesh",  "sphere", "cylinder", "capsule",     "box",   "half_space", "cone",
-                                     "torus", "name",   "weight",   "orientation", "scale", "up_axis",    "sha256"};
+  static const YamlMap::Keys keys = {"mesh", "sphere", "cylinder",    "capsule", "box",     "half_space",           "cone",  "torus",
+                                     "name", "weight", "orientation", "scale",   "up_axis", "max_depth_error[_mm]", "sha256"};
   return keys;
 }
 constexpr std::size_t kNumShapes = 8;
 
 Mesh readMesh(const YamlMap& map, const YamlNode& node, const std::filesystem::path& directory) {
-  const std::filesystem::path file = readHashedFile(map, "mesh", "a mesh file", directory, kMaxMeshFileBytes);
+  Canonical& canonical = map.canonical();
+  const std::filesystem::path file = directory / node.text("a mesh file");
   MeshOptions options;
+  // Text of the file's name only: where the file lies is no part of what the data are made from.
+  canonical.line("mesh", canonicalText(file.filename().string()));
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) node.fail(file.generic_string() + " is not there, or not a file");
+  if (file.extension() == ".gltf") {
+    node.fail("a .gltf keeps its geometry in other files, which its SHA-256 does not cover: save it as .glb");
+  }
+  if (std::filesystem::file_size(file, error) > kMaxMeshFileBytes || error) {
+    node.fail(file.generic_string() + " is too large: at most " + std::to_string(kMaxMeshFileBytes) + " bytes");
+  }
+  const std::string digest = atNode(node, [&] { return sha256File(file); });
+  canonical.line("sha256", "\"" + digest + "\"");
+  if (const std::optional<YamlNode> expected = map.find("sha256"); expected && expected->text("64 hexadecimal digits") != digest) {
+    expected->fail("not the SHA-256 of " + file.generic_string() + ", which is " + digest);
+  }
   options.scale = map.number("scale", Allowed::above(0, "m per unit of the file"), options.scale);
   const std::string up = map.choice("up_axis", {"x", "y", "z"}, "z");
   options.up_axis = up == "x" ? UpAxis::kX : up == "y" ? UpAxis::kY : UpAxis::kZ;
+  options.max_depth_error = map.number("max_depth_error", Allowed::atLeast(0, "m"), options.max_depth_error);
   return atNode(node, [&] { return loadMesh(file, options); });
 }
 
@@ -131,7 +148,7 @@ std::vector<SceneObject> readObjects(const YamlMap& map, const std::filesystem::
     if (shape == "mesh") {
       object.object.shape = readMesh(object_map, object_map.require(shape, "a mesh file"), directory);
     } else {
-      for (const std::string_view key : {"scale", "up_axis", "sha256"}) {
+      for (const std::string_view key : {"scale", "up_axis", "max_depth_error", "sha256"}) {
         if (const std::optional<YamlNode> node = object_map.find(key)) node->fail("belongs to a mesh, not to a " + std::string(shape));
       }
       object.object.shape = readSolid(object_map, shape);

@@ -50,7 +50,7 @@ Sensor readSceneSensor(const YamlMap& map, const std::filesystem::path& director
   canonical.open("sensor");
   Sensor sensor;
   if (node.isMap()) {
-    sensor = readSensor(node, directory, canonical, false);
+    sensor = readSensor(node, canonical, false);
   } else {
     const std::filesystem::path file = directory / node.text("a sensor file, or a sensor's own settings");
     std::error_code error;
@@ -80,7 +80,23 @@ void readEpisode(const YamlMap& parent, Scene& scene) {
   }
 }
 
-Randomisation readRandomisation(const YamlMap& parent) {
+// A delay must show what it delays, and fit into the ring of forces that a step fills.
+void checkDelay(const YamlMap& map, const Scene& scene) {
+  const double delay = scene.sensor.readout.delay;
+  if (delay == 0) return;
+  const YamlNode sensor = map.require("sensor", "");
+  if (scene.kind == Scene::Kind::kContacts) {
+    sensor.fail("readout.delay " + canonicalNumber(delay) +
+                " s is not allowed: 0 in a scene of kind contacts, whose one frame would show the sensor before the contact");
+  }
+  if (delay * scene.simulation_rate > kMaxDelaySteps * (1 + kRateTolerance / 2)) {
+    sensor.fail("readout.delay " + canonicalNumber(delay) + " s is not allowed: at most " + std::to_string(kMaxDelaySteps) +
+                " steps at a simulation_rate of " + canonicalNumber(scene.simulation_rate) + " Hz (" +
+                canonicalNumber(kMaxDelaySteps / scene.simulation_rate) + " s)");
+  }
+}
+
+Randomisation readRandomisation(const YamlMap& parent, const Sensor& sensor) {
   const YamlMap map(parent, "randomisation",
                     {"x[_mm]", "y[_mm]", "yaw[_deg]", "tilt[_deg]", "load", "depth[_mm]", "gain", "gain_spread", "noise"});
   const Allowed offset = Allowed::within(-kMaxOffset, kMaxOffset, "m");
@@ -94,6 +110,9 @@ Randomisation readRandomisation(const YamlMap& parent) {
     random.depth = readRange(map, "depth", Allowed::within(0, kMaxOffset, "m"));
   } else {
     if (!map.has("load")) map.node().fail("load is missing: a number from 0 to 1e6 N, or [min, max]; or depth[_mm] instead");
+    if (std::holds_alternative<Proximity>(sensor.skin.law)) {
+      map.find("load")->fail("the sensor's law proximity has no forces: give depth[_mm] instead");
+    }
     random.load = readRange(map, "load", Allowed::within(0, kMaxLoad, "N"));
   }
   random.gain = readRange(map, "gain", {.min = 0, .max = 1e3, .above_min = true}, random.gain);
@@ -193,7 +212,8 @@ Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrid
   scene.X_ES = readPose(map, "mount");
   scene.objects = readObjects(map, directory);
   readEpisode(map, scene);
-  scene.randomisation = readRandomisation(map);
+  checkDelay(map, scene);
+  scene.randomisation = readRandomisation(map, scene.sensor);
   if (scene.kind == Scene::Kind::kServo) {
     scene.controller = readEdgeServo(map);
   } else if (const std::optional<YamlNode> controller = map.find("controller")) {

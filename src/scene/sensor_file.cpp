@@ -1,10 +1,10 @@
 #include "scene/sensor_file.h"
 
+#include <algorithm>
 #include <limits>
 #include <set>
 
 #include "scene/pose_reader.h"
-#include "scene/taxel_reader.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -45,31 +45,14 @@ GridPatch readGrid(const YamlMap& map, std::string name) {
   return patch;
 }
 
-// The key by which the sensor gives its taxels, if it is not one grid.
-std::optional<std::string_view> layoutKey(const YamlMap& map) {
-  std::optional<std::string_view> chosen;
-  for (const std::string_view key : {"patches", "taxels", "taxel_mesh", "urdf"}) {
-    const std::optional<YamlNode> given = map.find(key);
-    if (given && chosen) given->fail("stands beside `" + std::string(*chosen) + "`: one of the two");
-    if (given) chosen = key;
-  }
-  if (!chosen) return chosen;
-  for (const std::string_view key : {"num_rows", "num_cols", "pitch", "pose"}) {
-    const std::optional<YamlNode> beside = map.find(key);
-    if (beside) beside->fail("stands beside `" + std::string(*chosen) + (chosen == "patches" ? "`: give it in each patch instead" : "`"));
-  }
-  return chosen;
-}
-
-std::vector<GridPatch> readPatches(const YamlMap& map, const std::filesystem::path& directory) {
-  const std::optional<std::string_view> layout = layoutKey(map);
-  if (layout == "taxels") return readTaxelList(map);
-  if (layout == "taxel_mesh") return readTaxelMesh(map, directory);
-  if (layout == "urdf") return readTaxelUrdf(map, directory);
+std::vector<GridPatch> readPatches(const YamlMap& map) {
   Canonical& canonical = map.canonical();
   std::vector<GridPatch> patches;
   canonical.open("patches");
   if (const std::optional<YamlNode> list = map.find("patches")) {
+    for (const std::string_view key : {"num_rows", "num_cols", "pitch", "pose"}) {
+      if (const std::optional<YamlNode> beside = map.find(key)) beside->fail("stands beside `patches`: give it in each patch instead");
+    }
     const std::vector<YamlNode> items = list->items("a list of patches");
     if (items.empty()) list->refuse("a list of at least one patch");
     std::set<std::string> names;
@@ -98,12 +81,87 @@ Winkler readWinkler(const YamlMap& map) {
   return law;
 }
 
+MassSpringDamper readMassSpringDamper(const YamlMap& map) {
+  MassSpringDamper law;
+  law.normal_contact_stiffness = map.number("normal_contact_stiffness", Allowed::above(0, "N/m^3"));
+  law.mass = map.number("mass", Allowed::above(0, "kg"), law.mass);
+  law.stiffness = map.number("stiffness", Allowed::above(0, "N/m"), law.stiffness);
+  law.damping = map.number("damping", Allowed::atLeast(0, "N s/m"), law.damping);
+  return law;
+}
+
+DeformationMask readDeformationMask(const YamlMap& map) {
+  DeformationMask law;
+  law.normal_contact_stiffness = map.number("normal_contact_stiffness", Allowed::above(0, "N/m^3"), law.normal_contact_stiffness);
+  law.saturation_pressure = map.number("saturation_pressure", Allowed::above(0, "Pa"), law.saturation_pressure);
+  return law;
+}
+
+Proximity readProximity(const YamlMap& map) {
+  return {.sensitivity = map.number("sensitivity", Allowed::above(0, "N/m^3"))};
+}
+
+// Laws by name, their keys, and how they are read.
+struct LawReader {
+  std::string_view name;
+  YamlMap::Keys keys;
+  ContactLaw (*read)(const YamlMap&);
+};
+
+const std::vector<LawReader>& lawReaders() {
+  static const std::vector<LawReader> readers{
+      {"winkler",
+       {"normal_contact_stiffness", "normal_exponent", "normal_damping"},
+       [](const YamlMap& map) -> ContactLaw { return readWinkler(map); }},
+      {"mass_spring_damper",
+       {"normal_contact_stiffness", "mass", "stiffness", "damping"},
+       [](const YamlMap& map) -> ContactLaw { return readMassSpringDamper(map); }},
+      {"deformation_mask",
+       {"normal_contact_stiffness", "saturation_pressure"},
+       [](const YamlMap& map) -> ContactLaw { return readDeformationMask(map); }},
+      {"proximity", {"sensitivity"}, [](const YamlMap& map) -> ContactLaw { return readProximity(map); }},
+  };
+  return readers;
+}
+
+ContactLaw readLaw(const YamlMap& map) {
+  const std::string name = map.choice("law", {"winkler", "mass_spring_damper", "deformation_mask", "proximity"}, "winkler");
+  const LawReader& law =
+      *std::find_if(lawReaders().begin(), lawReaders().end(), [&](const LawReader& reader) { return reader.name == name; });
+  for (const LawReader& other : lawReaders()) {
+    for (const std::string_view key : other.keys) {
+      if (std::find(law.keys.begin(), law.keys.end(), key) != law.keys.end()) continue;
+      if (const std::optional<YamlNode> given = map.find(key))
+        given->fail("not a key of law " + name + " but of " + std::string(other.name));
+    }
+  }
+  return law.read(map);
+}
+
+Friction readFriction(const YamlMap& map) {
+  Friction friction;
+  friction.friction_coefficient =
+      map.number("friction_coefficient", Allowed::within(0, kMaxFrictionCoefficient, ""), friction.friction_coefficient);
+  if (friction.friction_coefficient > 0) {
+    friction.tangential_stiffness = map.number("tangential_stiffness", Allowed::above(0, "N/m^3"));
+  } else if (const std::optional<YamlNode> alone = map.find("tangential_stiffness")) {
+    alone->fail("given without friction: friction_coefficient must be > 0 beside it");
+  }
+  return friction;
+}
+
 Skin readSkin(const YamlMap& sensor) {
-  const YamlMap map(sensor, "skin", {"thickness[_mm]", "law", "normal_contact_stiffness", "normal_exponent", "normal_damping"});
+  YamlMap::Keys keys{"thickness[_mm]", "law", "friction_coefficient", "tangential_stiffness"};
+  for (const LawReader& law : lawReaders()) {
+    for (const std::string_view key : law.keys) {
+      if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
+    }
+  }
+  const YamlMap map(sensor, "skin", keys);
   Skin skin;
   skin.thickness = map.number("thickness", Allowed::above(0, "m"));
-  map.choice("law", {"winkler"}, "winkler");
-  skin.law = readWinkler(map);
+  skin.law = readLaw(map);
+  skin.friction = readFriction(map);
   return skin;
 }
 
@@ -132,17 +190,11 @@ std::vector<double> readKernel(const YamlNode& node, Canonical& canonical) {
 }
 
 Psf readPsf(const YamlMap& sensor) {
-  const YamlMap map(sensor, "psf", {"gaussian", "skin_gaussian", "kernel", "normalization"});
+  const YamlMap map(sensor, "psf", {"gaussian", "kernel", "normalization"});
   Canonical& canonical = map.canonical();
-  const std::optional<YamlNode> kernel = map.find("kernel"), skin_gaussian = map.find("skin_gaussian");
+  const std::optional<YamlNode> kernel = map.find("kernel");
   Psf psf;
-  if (skin_gaussian && map.has("gaussian")) skin_gaussian->fail("given beside `gaussian`: either, not both");
-  if (kernel && skin_gaussian) kernel->fail("given beside `skin_gaussian`: either, not both");
-  if (skin_gaussian) {
-    const YamlMap gaussian(map, "skin_gaussian", {"sigma[_mm]", "reach[_mm]"});
-    psf.sigma = gaussian.number("sigma", Allowed::above(0, "m"));
-    psf.reach = gaussian.number("reach", Allowed::above(0, "m"), 3 * psf.sigma);
-  } else if (map.has("gaussian")) {
+  if (map.has("gaussian")) {
     if (kernel) kernel->fail("given beside `gaussian`: either, not both");
     const YamlMap gaussian(map, "gaussian", {"sigma", "size"});
     // In taxels. A narrower one is no spread, a wider one is flat over the largest kernel.
@@ -201,9 +253,58 @@ std::vector<double> readPerTaxel(const YamlMap& map, std::string_view key, std::
   return values;
 }
 
+// A number, or a list of them: one per element of the hysteresis.
+std::vector<double> readElements(const YamlMap& map, std::string_view key, const Allowed& allowed) {
+  std::vector<double> values;
+  if (const std::optional<YamlNode> node = map.find(key)) {
+    if (node->isList()) {
+      const std::string what = "a number, or a list of at most " + std::to_string(kMaxHysteresisElements);
+      const std::vector<YamlNode> items = node->items(what);
+      if (items.size() > static_cast<std::size_t>(kMaxHysteresisElements)) node->refuse(what);
+      for (const YamlNode& item : items) values.push_back(item.number(allowed));
+    } else {
+      values.push_back(node->number(allowed));
+    }
+  }
+  map.canonical().line(key, canonicalList(values));
+  return values;
+}
+
+void readHysteresis(const YamlMap& map, Readout& readout) {
+  readout.hysteresis_strength = readElements(map, "hysteresis_strength", Allowed::within(0, 1, ""));
+  readout.hysteresis_width = readElements(map, "hysteresis_width", Allowed::atLeast(0, "N"));
+  if (readout.hysteresis_width.size() == readout.hysteresis_strength.size()) return;
+  const bool has_width = map.has("hysteresis_width");
+  const YamlNode place = has_width ? map.require("hysteresis_width", "") : map.require("hysteresis_strength", "");
+  place.fail(std::to_string(readout.hysteresis_strength.size()) + " of hysteresis_strength and " +
+             std::to_string(readout.hysteresis_width.size()) + " of hysteresis_width: as many of one as of the other");
+}
+
+std::vector<CreepTerm> readCreep(const YamlMap& map) {
+  const std::optional<YamlNode> node = map.find("creep");
+  const std::string what = "a list of at most " + std::to_string(kMaxCreepTerms) + " of {fraction, time}";
+  const std::vector<YamlNode> items = node ? node->items(what) : std::vector<YamlNode>{};
+  if (items.size() > static_cast<std::size_t>(kMaxCreepTerms)) node->refuse(what);
+  std::vector<CreepTerm> terms;
+  if (items.empty()) {
+    map.canonical().line("creep", "[]");
+    return terms;
+  }
+  map.canonical().open("creep");
+  for (const YamlNode& item : items) {
+    const YamlMap term = YamlMap::item(item, {"fraction", "time"}, map.canonical());
+    const double fraction = term.number("fraction", Allowed::within(0, kMaxCreepFraction, "of the force"));
+    terms.push_back({.fraction = fraction, .time = term.number("time", Allowed::above(0, "s"))});
+  }
+  map.canonical().close();
+  return terms;
+}
+
 Readout readReadout(const YamlMap& sensor, const std::vector<GridPatch>& patches) {
   const YamlMap map(sensor, "readout",
-                    {"curve", "output_scale", "trigger", "adc_bits", "saturation", "noise", "taxel_gain", "taxel_trigger"});
+                    {"curve", "output_scale", "trigger", "adc_bits", "saturation", "noise", "taxel_gain", "taxel_trigger",
+                     "hysteresis_strength", "hysteresis_width", "creep", "low_pass_time", "delay", "jitter", "bias", "random_walk",
+                     "gain_spread", "press_gain_spread", "dead_taxel_probability"});
   Readout readout;
   readout.curve = readCurve(map);
   readout.output_scale = map.number("output_scale", Allowed::above(0, ""), readout.output_scale);
@@ -214,6 +315,16 @@ Readout readReadout(const YamlMap& sensor, const std::vector<GridPatch>& patches
   readout.noise = map.number("noise", Allowed::atLeast(0, "counts"), readout.noise);
   readout.taxel_gain = readPerTaxel(map, "taxel_gain", "", patches);
   readout.taxel_trigger = readPerTaxel(map, "taxel_trigger", "N", patches);
+  readHysteresis(map, readout);
+  readout.creep = readCreep(map);
+  readout.low_pass_time = map.number("low_pass_time", Allowed::atLeast(0, "s"), readout.low_pass_time);
+  readout.delay = map.number("delay", Allowed::atLeast(0, "s"), readout.delay);
+  readout.jitter = map.number("jitter", Allowed::atLeast(0, "s"), readout.jitter);
+  readout.bias = map.number("bias", Allowed::within(0, kMaxOffsetCounts, "counts"), readout.bias);
+  readout.random_walk = map.number("random_walk", Allowed::within(0, kMaxOffsetCounts, "counts/sqrt(s)"), readout.random_walk);
+  readout.gain_spread = map.number("gain_spread", Allowed::within(0, kMaxGainSpread, ""), readout.gain_spread);
+  readout.press_gain_spread = map.number("press_gain_spread", Allowed::within(0, kMaxGainSpread, ""), readout.press_gain_spread);
+  readout.dead_taxel_probability = map.number("dead_taxel_probability", Allowed::within(0, 1, ""), readout.dead_taxel_probability);
   return readout;
 }
 
@@ -245,14 +356,14 @@ void checkFormatVersion(const YamlNode& root) {
   }
 }
 
-Sensor readSensor(const YamlNode& node, const std::filesystem::path& directory, Canonical& canonical, bool versioned) {
-  std::vector<std::string_view> keys = {"name",       "patches", "taxels",     "taxel_mesh",        "urdf", "num_rows", "num_cols",
-                                        "pitch[_mm]", "pose",    "frame_rate", "samples_per_taxel", "skin", "psf",      "readout"};
+Sensor readSensor(const YamlNode& node, Canonical& canonical, bool versioned) {
+  std::vector<std::string_view> keys = {"name",       "patches",           "num_rows", "num_cols", "pitch[_mm]", "pose",
+                                        "frame_rate", "samples_per_taxel", "skin",     "psf",      "readout"};
   if (versioned) keys.insert(keys.begin(), "format_version");
   const YamlMap map(node, keys, canonical);
   Sensor sensor;
   sensor.name = map.text("name", "a name");
-  sensor.patches = readPatches(map, directory);
+  sensor.patches = readPatches(map);
   sensor.samples_per_taxel =
       static_cast<int>(map.integer("samples_per_taxel", 1, kMaxSamplesPerTaxel, static_cast<std::uint64_t>(sensor.samples_per_taxel)));
   sensor.skin = readSkin(map);
@@ -272,7 +383,7 @@ Sensor readSensorFile(const std::filesystem::path& file, Canonical& canonical) {
   const YamlTree tree = parseYaml(readYamlFile(file), name);
   const YamlNode root(tree, name);
   checkFormatVersion(root);
-  return readSensor(root, file.parent_path(), canonical, true);
+  return readSensor(root, canonical, true);
 }
 
 Sensor loadSensor(const std::filesystem::path& file) {

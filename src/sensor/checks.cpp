@@ -5,7 +5,6 @@
 
 #include "geometry/text.h"
 #include "sensor/curve.h"
-#include "sensor/skin.h"
 #include "taxelsim/error.h"
 #include "taxelsim/sensor.h"
 
@@ -65,18 +64,38 @@ struct CheckLaw {
     if (!(law.normal_exponent >= 1 && law.normal_exponent <= 3)) fail("skin.normal_exponent", numberText(law.normal_exponent), "1 to 3");
     checkNotNegative("skin.normal_damping", law.normal_damping, "Pa s / m");
   }
+  void operator()(const MassSpringDamper& law) const {
+    checkPositive("skin.normal_contact_stiffness", law.normal_contact_stiffness, "N/m^3");
+    checkPositive("skin.mass", law.mass, "kg");
+    checkPositive("skin.stiffness", law.stiffness, "N/m");
+    checkNotNegative("skin.damping", law.damping, "N s/m");
+  }
+  void operator()(const DeformationMask& law) const {
+    checkPositive("skin.normal_contact_stiffness", law.normal_contact_stiffness, "N/m^3");
+    checkPositive("skin.saturation_pressure", law.saturation_pressure, "Pa");
+  }
+  void operator()(const Proximity& law) const { checkPositive("skin.sensitivity", law.sensitivity, "N/m"); }
 };
 
-// Pressure (Pa) at the skin's full depth, at rest; one a law.
-struct FullPressure {
-  double thickness;
-
-  double operator()(const Winkler& law) const { return law.normal_contact_stiffness * std::pow(thickness, law.normal_exponent); }
-};
+void checkFriction(const Friction& friction) {
+  const auto [stiffness, coefficient] = friction;
+  if (!(coefficient >= 0 && coefficient <= kMaxFrictionCoefficient)) {
+    fail("skin.friction_coefficient", numberText(coefficient), "0 to " + numberText(kMaxFrictionCoefficient));
+  }
+  if (coefficient == 0 && stiffness != 0) fail("skin.tangential_stiffness", numberText(stiffness), "0 where friction_coefficient is 0");
+  if (coefficient > 0 && !(stiffness > 0 && stiffness <= kMaxTangentialStiffness)) {
+    fail("skin.tangential_stiffness", numberText(stiffness),
+         "N/m^3, > 0 and at most " + numberText(kMaxTangentialStiffness) + " where friction_coefficient is > 0");
+  }
+}
 
 void checkSkin(const Skin& skin) {
   checkPositive("skin.thickness", skin.thickness, "m");
   std::visit(CheckLaw{}, skin.law);
+  if (skin.friction.friction_coefficient > 0 && !std::holds_alternative<Winkler>(skin.law)) {
+    fail("skin.friction_coefficient", numberText(skin.friction.friction_coefficient), "0 for a law other than winkler");
+  }
+  checkFriction(skin.friction);
 }
 
 // Every taxel must send some of its force to a taxel of its own patch, or normalising per source divides by zero.
@@ -104,17 +123,7 @@ double kernelSum(const Psf& psf) {
   return sum;
 }
 
-void checkSpreadByDistance(const Sensor& sensor) {
-  const Psf& psf = sensor.psf;
-  checkPositive("psf.sigma", psf.sigma, "m");
-  checkNotNegative("psf.reach", psf.reach, "m");
-  if (psf.size != 1 || psf.kernel != std::vector<double>{1}) fail("psf.sigma", "a value beside a kernel", "either, not both");
-  skinNeighbours(sensor);  // refuses a reach over too many taxels
-}
-
-void checkPsf(const Sensor& sensor) {
-  const Psf& psf = sensor.psf;
-  if (psf.sigma != 0 || psf.reach != 0) return checkSpreadByDistance(sensor);
+void checkPsf(const Psf& psf, const std::vector<GridPatch>& patches) {
   if (psf.size < 1 || psf.size > kMaxKernelSize || psf.size % 2 == 0) {
     fail("psf.size", std::to_string(psf.size), "taxels per side, odd, 1 to " + std::to_string(kMaxKernelSize));
   }
@@ -125,30 +134,24 @@ void checkPsf(const Sensor& sensor) {
   for (std::size_t i = 0; i < psf.kernel.size(); ++i) checkNotNegative(at("psf.kernel", i), psf.kernel[i], "weight");
   checkPositive("psf.kernel", kernelSum(psf), "sum of weights");
   if (psf.normalization == Psf::Normalization::kPerSource && !(psf.kernel[num_weights / 2] > 0)) {
-    for (const GridPatch& patch : sensor.patches) checkReach(psf, patch);
+    for (const GridPatch& patch : patches) checkReach(psf, patch);
   }
 }
 
-// What a force on every taxel sums to in one of them, relative to it, where nothing is normalised.
-double largestGain(const Sensor& sensor) {
-  if (sensor.psf.sigma == 0) return kernelSum(sensor.psf);
-  double largest = 0;
-  for (const std::vector<SkinNeighbour>& neighbours : skinNeighbours(sensor)) {
-    double sum = 0;
-    for (const SkinNeighbour& neighbour : neighbours) sum += neighbour.weight;
-    largest = std::max(largest, sum);
-  }
-  return largest;
-}
-
-// The largest force that a taxel can bring to its curve: its whole area at the skin's full depth, times what gain and kernel add.
+// The largest force that a taxel can bring to its curve: its whole area at the skin's full depth, times what gain, creep and kernel add.
 double largestForce(const Sensor& sensor) {
   double area = 0;
   for (const GridPatch& patch : sensor.patches) area = std::max(area, patch.pitch[0] * patch.pitch[1]);
   double gain = 1;
   for (const double taxel_gain : sensor.readout.taxel_gain) gain = std::max(gain, taxel_gain);
-  if (sensor.psf.normalization == Psf::Normalization::kNone) gain *= std::max(1.0, largestGain(sensor));
-  return std::visit(FullPressure{sensor.skin.thickness}, sensor.skin.law) * area * gain;
+  double creep = 1;
+  for (const CreepTerm& term : sensor.readout.creep) creep += term.fraction;
+  gain *= creep;
+  if (sensor.psf.normalization == Psf::Normalization::kNone) gain *= std::max(1.0, kernelSum(sensor.psf));
+  // An undamped mass swings to twice its rest.
+  if (std::holds_alternative<MassSpringDamper>(sensor.skin.law)) gain *= 2;
+  const Winkler law = foundationOf(sensor.skin.law);
+  return law.normal_contact_stiffness * std::pow(sensor.skin.thickness, law.normal_exponent) * area * gain;
 }
 
 void checkTaxelList(const std::string& field, const std::vector<double>& values, int num_taxels, const char* unit) {
@@ -177,6 +180,62 @@ void checkCurve(const Sensor& sensor) {
   }
 }
 
+void checkRange(const std::string& field, double value, double min, double max, const char* unit) {
+  if (!(value >= min && value <= max))
+    fail(field, numberText(value), std::string(unit) + ", " + numberText(min) + " to " + numberText(max));
+}
+
+void checkHysteresis(const Readout& readout) {
+  const std::size_t num_elements = readout.hysteresis_strength.size();
+  if (num_elements > static_cast<std::size_t>(kMaxHysteresisElements)) {
+    fail("readout.hysteresis_strength", std::to_string(num_elements) + " elements", "at most " + std::to_string(kMaxHysteresisElements));
+  }
+  if (readout.hysteresis_width.size() != num_elements) {
+    fail("readout.hysteresis_width", std::to_string(readout.hysteresis_width.size()) + " values",
+         std::to_string(num_elements) + ", one per hysteresis_strength");
+  }
+  double sum = 0;
+  for (std::size_t e = 0; e < num_elements; ++e) {
+    checkNotNegative(at("readout.hysteresis_strength", e), readout.hysteresis_strength[e], "share");
+    checkNotNegative(at("readout.hysteresis_width", e), readout.hysteresis_width[e], "N");
+    sum += readout.hysteresis_strength[e];
+  }
+  if (!(sum < 1)) fail("readout.hysteresis_strength", "a sum of " + numberText(sum), "less than 1");
+}
+
+void checkCreep(const Readout& readout) {
+  if (readout.creep.size() > static_cast<std::size_t>(kMaxCreepTerms)) {
+    fail("readout.creep", std::to_string(readout.creep.size()) + " terms", "at most " + std::to_string(kMaxCreepTerms));
+  }
+  for (std::size_t m = 0; m < readout.creep.size(); ++m) {
+    checkRange(at("readout.creep", m) + ".fraction", readout.creep[m].fraction, 0, kMaxCreepFraction, "of the force");
+    checkPositive(at("readout.creep", m) + ".time", readout.creep[m].time, "s");
+  }
+}
+
+void checkTime(const Sensor& sensor) {
+  const Readout& readout = sensor.readout;
+  checkHysteresis(readout);
+  checkCreep(readout);
+  checkNotNegative("readout.low_pass_time", readout.low_pass_time, "s");
+  checkNotNegative("readout.delay", readout.delay, "s");
+  checkNotNegative("readout.jitter", readout.jitter, "s");
+  if (readout.jitter > 0 && !(readout.jitter * sensor.frame_rate <= 1)) {
+    fail("readout.jitter", numberText(readout.jitter), "s, at most 1 / frame_rate (" + numberText(1 / sensor.frame_rate) + " s)");
+  }
+  if (readout.jitter > 0 && sensor.frame_rate == 0) {
+    fail("readout.jitter", numberText(readout.jitter), "s, 0 where frame_rate is 0 (a frame at every step)");
+  }
+}
+
+void checkImperfections(const Readout& readout) {
+  checkRange("readout.bias", readout.bias, 0, kMaxOffsetCounts, "counts");
+  checkRange("readout.random_walk", readout.random_walk, 0, kMaxOffsetCounts, "counts / sqrt(s)");
+  checkRange("readout.gain_spread", readout.gain_spread, 0, kMaxGainSpread, "of the logarithm");
+  checkRange("readout.press_gain_spread", readout.press_gain_spread, 0, kMaxGainSpread, "of the logarithm");
+  checkRange("readout.dead_taxel_probability", readout.dead_taxel_probability, 0, 1, "probability");
+}
+
 void checkReadout(const Sensor& sensor) {
   const Readout& readout = sensor.readout;
   checkPositive("readout.output_scale", readout.output_scale, "factor");
@@ -186,6 +245,8 @@ void checkReadout(const Sensor& sensor) {
   checkNotNegative("readout.noise", readout.noise, "counts");
   checkTaxelList("readout.taxel_gain", readout.taxel_gain, numTaxels(sensor), "factor");
   checkTaxelList("readout.taxel_trigger", readout.taxel_trigger, numTaxels(sensor), "N");
+  checkTime(sensor);
+  checkImperfections(readout);
   checkCurve(sensor);
 }
 
@@ -195,7 +256,7 @@ void checkSensor(const Sensor& sensor) {
   checkPatches(sensor.patches);
   checkWhole("samples_per_taxel", sensor.samples_per_taxel, 1, kMaxSamplesPerTaxel);
   checkSkin(sensor.skin);
-  checkPsf(sensor);
+  checkPsf(sensor.psf, sensor.patches);
   checkReadout(sensor);
   checkNotNegative("frame_rate", sensor.frame_rate, "Hz");
 }

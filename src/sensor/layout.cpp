@@ -23,14 +23,4 @@ std::vector<Vector3> taxelPositions(const Sensor& sensor) {
   return positions;
 }
 
-std::vector<Vector3> taxelNormals(const Sensor& sensor) {
-  std::vector<Vector3> normals;
-  normals.reserve(static_cast<std::size_t>(numTaxels(sensor)));
-  for (const GridPatch& patch : sensor.patches) {
-    const auto count = static_cast<std::size_t>(patch.num_rows * patch.num_cols);
-    normals.insert(normals.end(), count, rotate(patch.X_SP.rotation, {0, 0, 1}));
-  }
-  return normals;
-}
-
 }  // namespace taxelsim

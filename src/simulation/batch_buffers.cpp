@@ -12,27 +12,62 @@ struct InstanceBytes {
   InstanceBytes(const Model::Impl& model, const SimulatorOptions& options) {
     const std::uint64_t taxels = model.num_taxels;
     const std::uint64_t num_tiles = model.packed.tiles.size();
-    poses = sizeof(layout::PoseRecord) * static_cast<std::uint64_t>(options.num_slots);
-    state = model.law.has_state ? 4 * num_tiles * model.packed.max_tile_samples : 0;
+    const bool takes_contacts = options.max_contacts > 0;
+    poses = takes_contacts ? 0 : sizeof(layout::PoseRecord) * static_cast<std::uint64_t>(options.num_slots);
+    contacts = sizeof(layout::ContactRecord) * static_cast<std::uint64_t>(options.max_contacts);
+    num_contacts = takes_contacts ? 4 : 0;
+    state = model.law.has_state && !takes_contacts ? 4 * num_tiles * model.packed.max_tile_samples : 0;
     taxel_scalar = 4 * taxels;
+    law_state = model.law.taxel_passes.empty() ? 0 : 8 * taxels;
+    taxel_states = model.packed.num_states * taxel_scalar;
     depth = options.outputs.penetration_depth ? 4 * taxels : 0;
     shear = options.outputs.tactile_shear_force ? 8 * taxels : 0;
+    if (model.hasFriction() && !takes_contacts) {
+      motions = sizeof(layout::MotionRecord) * static_cast<std::uint64_t>(options.num_slots);
+      friction = 8 * num_tiles * (layout::kFrictionHeader + model.packed.max_tile_samples);
+      contact_shear = shear;
+    }
     tiles = sizeof(layout::TileResult) * num_tiles;
   }
 
-  std::uint64_t poses, state, taxel_scalar, depth, shear, tiles;
+  std::uint64_t poses, contacts, num_contacts, state, taxel_scalar, law_state, taxel_states, depth, shear, tiles;
+  std::uint64_t motions = 0, friction = 0, contact_shear = 0;
   std::uint64_t instances = sizeof(layout::InstanceRecord);
   std::uint64_t loads = sizeof(layout::LoadRecord);
   std::uint64_t features = 4 * layout::kNumFeatures;
 
   // contact_normal, spread_normal and the image have a scalar per taxel.
-  std::uint64_t total() const { return poses + state + 3 * taxel_scalar + depth + 2 * shear + tiles + instances + loads + features; }
+  std::uint64_t total() const {
+    return poses + motions + contacts + num_contacts + state + friction + law_state + taxel_states + 3 * taxel_scalar + depth + shear +
+           contact_shear + tiles + instances + loads + features;
+  }
   std::uint64_t readBack() const { return 2 * taxel_scalar + depth + shear + features; }
-  std::uint64_t largest() const { return std::max({poses, state, taxel_scalar, shear, tiles, instances, features}); }
+  std::uint64_t largest() const {
+    return std::max({poses, motions, contacts, state, friction, law_state, taxel_states, taxel_scalar, shear, tiles, instances, features});
+  }
 };
 
 // Part of the device's memory that a batch may take; the rest is the driver's and other programs'.
 constexpr double kMemoryShare = 0.9;
+
+// Objects or contacts: where the forces of the batch come from.
+void checkSource(const Model::Impl& model, const SimulatorOptions& options) {
+  constexpr double kMaxContactBand = 1;  // m
+  const auto refuse = [](const std::string& what) { throw Error(ErrorKind::kInput, what); };
+  if (options.max_contacts < 0 || options.max_contacts > kMaxContacts) {
+    refuse("max_contacts: " + std::to_string(options.max_contacts) + " is not allowed: 0 to " + std::to_string(kMaxContacts));
+  }
+  // Written so that NaN fails.
+  if (!(options.contact_band >= 0 && options.contact_band <= kMaxContactBand)) {
+    refuse("contact_band: " + std::to_string(options.contact_band) + " is not allowed: 0 to 1 m");
+  }
+  if (options.max_contacts == 0 && model.objects.empty()) {
+    refuse("objects: none given; a model needs at least one, unless its simulators take contacts (max_contacts)");
+  }
+  if (options.max_contacts > 0 && options.outputs.penetration_depth) {
+    refuse("outputs.penetration_depth: true is not allowed where max_contacts > 0: contacts do not tell it");
+  }
+}
 
 }  // namespace
 
@@ -59,6 +94,7 @@ void checkBatchFits(const Model::Impl& model, const SimulatorOptions& options) {
     throw Error(ErrorKind::kInput,
                 "num_slots: " + std::to_string(options.num_slots) + " is not allowed: 1 to " + std::to_string(kMaxSlots));
   }
+  checkSource(model, options);
   const MemoryPlan plan = planBatch(model, options);
   if (static_cast<std::uint64_t>(options.num_instances) <= plan.max_instances) return;
   throw Error(ErrorKind::kInput, "a batch of " + std::to_string(options.num_instances) + " instances of " +
@@ -79,12 +115,18 @@ BatchBuffers::BatchBuffers(const Model::Impl& model, const SimulatorOptions& opt
     return buffer;
   };
   poses = make("poses", bytes.poses, gpu::Domain::kUpload);
+  motions = make("motions", bytes.motions, gpu::Domain::kUpload);
   instances = make("instances", bytes.instances, gpu::Domain::kUpload);
   loads = make("loads", bytes.loads, gpu::Domain::kUpload);
+  contacts = make("contacts", bytes.contacts, gpu::Domain::kUpload);
+  num_contacts = make("num_contacts", bytes.num_contacts, gpu::Domain::kUpload);
   step = gpu::Buffer(context, "step", sizeof(layout::StepRecord), gpu::Domain::kUpload);
   state = make("contact state", bytes.state, gpu::Domain::kDevice);
+  law_state = make("law state", bytes.law_state, gpu::Domain::kDevice);
+  friction_state = make("friction state", bytes.friction, gpu::Domain::kDevice);
   contact_normal = make("contact_normal", bytes.taxel_scalar, gpu::Domain::kDevice);
-  contact_shear = make("contact_shear", bytes.shear, gpu::Domain::kDevice);
+  contact_shear = make("contact_shear", bytes.contact_shear, gpu::Domain::kDevice);
+  taxel_states = make("taxel states", bytes.taxel_states, gpu::Domain::kDevice);
   tile_results = make("tile_results", bytes.tiles, gpu::Domain::kDevice);
   contact_depth = make_readable("penetration_depth", bytes.depth);
   image = make_readable("tactile_image", bytes.taxel_scalar);

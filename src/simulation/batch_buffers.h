@@ -25,15 +25,16 @@ struct ReadableBuffer {
 struct BatchBuffers {
   BatchBuffers(const Model::Impl& model, const SimulatorOptions& options);
 
-  gpu::Buffer poses, instances, step, loads;                                             // from the host
-  gpu::Buffer state, contact_normal, contact_shear, tile_results;                        // stay on the device
+  gpu::Buffer poses, motions, instances, step, loads, contacts, num_contacts;  // from the host
+  // stay on the device
+  gpu::Buffer state, friction_state, law_state, contact_normal, contact_shear, tile_results, taxel_states;
   ReadableBuffer contact_depth, image, spread_normal, spread_shear, features, problems;  // come back
   std::vector<ReadableBuffer*> readable(const OutputOptions& outputs);
 };
 
 MemoryPlan planBatch(const Model::Impl& model, const SimulatorOptions& options);
 
-// Throws Error(kInput) when the batch does not fit, with the size that does.
+// Throws Error(kInput) when an option is out of its range or the batch does not fit, with the size that does.
 void checkBatchFits(const Model::Impl& model, const SimulatorOptions& options);
 
 }  // namespace taxelsim

@@ -2,6 +2,7 @@
 #include <bit>
 #include <cstdint>
 
+#include "contacts.spv.h"
 #include "image.spv.h"
 #include "load.spv.h"
 #include "simulation/model_impl.h"
@@ -18,8 +19,9 @@ constexpr std::uint32_t kTileOverhead = 4096;
 
 // Starting a workgroup on a software driver costs 1 to 3 us, so one does the work of many; on a GPU each is wanted for itself.
 constexpr std::uint32_t kMaxRepeat = 16;
-// Of tiles of several patches, most of which objects do not reach.
-constexpr std::uint32_t kMaxTileRepeat = 64;
+
+// Of the passes over taxels: no invocation waits for another.
+constexpr std::uint32_t kTaxelWorkgroup = 64;
 
 // Turns of loops that an invocation may take on a software driver: Mesa's ends them all after 65,535. Leaves room for what the estimates
 // miss; passes report when it was not enough.
@@ -37,8 +39,21 @@ std::uint32_t chooseWorkgroup(int wanted, const DeviceInfo& info, std::uint32_t 
   return static_cast<std::uint32_t>(wanted);
 }
 
+// `turns` that an invocation takes for one piece of work.
+std::uint32_t chooseRepeat(const DeviceInfo& info, std::uint64_t turns) {
+  if (info.type != DeviceType::kCpu) return 1;
+  return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(kMaxTurns / std::max<std::uint64_t>(turns, 1), 1, kMaxRepeat));
+}
+
 std::uint32_t bits(double value) {
   return std::bit_cast<std::uint32_t>(static_cast<float>(value));
+}
+
+// Turns per taxel that stage 4 and imperfections add to the image pass: elements, terms, and the rounds of each draw.
+std::uint64_t turnsOfTime(const Readout& readout) {
+  constexpr std::uint64_t kRounds = 10;
+  const auto draws = static_cast<std::uint64_t>((readout.bias > 0) + (readout.random_walk > 0) + (readout.dead_taxel_probability > 0));
+  return readout.hysteresis_strength.size() + readout.creep.size() + kRounds * draws;
 }
 
 // An object's bounds in O with the endless ones cut, for the bracket of the load search.
@@ -56,7 +71,6 @@ Bounds cutBounds(const Object& object) {
 
 Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), sensor(options.sensor), objects(options.objects) {
   checkSensor(sensor);
-  if (objects.empty()) throw Error(ErrorKind::kInput, "objects: none given; a model needs at least one");
   for (const Object& object : objects) {
     checkObject(object);
     bounds.push_back(std::holds_alternative<Mesh>(object.shape) ? boundsOf(object) : cutBounds(object));
@@ -76,19 +90,14 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
   constexpr std::uint64_t kTurnsOfTorus = 48;  // per sample, of at most 96
   const std::uint64_t contact_work = 2 * most_triangles + packed.max_tile_samples * (has_torus ? kTurnsOfTorus : 3);
   contact_workgroup = chooseWorkgroup(options.contact_workgroup, info, 64, contact_work, "contact_workgroup");
-  const std::uint64_t sources = packed.one_grid ? static_cast<std::uint64_t>(sensor.psf.size * sensor.psf.size) : packed.num_entries;
-  const std::uint64_t image_work = num_taxels * (sources + (sensor.readout.curve.size() > 1 ? 64 : 8));
+  const auto kernel_area = static_cast<std::uint64_t>(sensor.psf.size * sensor.psf.size);
+  const std::uint64_t image_work = num_taxels * (kernel_area + (sensor.readout.curve.size() > 1 ? 64 : 8) + turnsOfTime(sensor.readout));
   image_workgroup = chooseWorkgroup(options.image_workgroup, info, 64, image_work, "image_workgroup");
   // On a software driver every invocation has an instance of its own, unless that would be too many turns for it.
   const bool alone = info.type == DeviceType::kCpu && options.image_workgroup == 0 && image_work <= kMaxTurns;
   image_team = alone ? 1 : std::min(image_workgroup, packed.image_lanes);
-  if (info.type == DeviceType::kCpu) {
-    const auto repeats = [](std::uint64_t turns, std::uint32_t most) {
-      return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(kMaxTurns / std::max<std::uint64_t>(turns, 1), 1, most));
-    };
-    contact_repeat = repeats(contact_work / contact_workgroup, packed.tiles.size() > 1 ? kMaxTileRepeat : kMaxRepeat);
-    image_repeat = repeats(image_work / image_team, kMaxRepeat);
-  }
+  contact_repeat = chooseRepeat(info, contact_work / contact_workgroup);
+  image_repeat = chooseRepeat(info, image_work / image_team);
 
   gpu::Context& context = device.context();
   const auto upload = [&]<typename T>(const char* name, const std::vector<T>& values) {
@@ -113,6 +122,7 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
   taxels = upload("taxels", packed.taxels);
   spread_rows = upload("spread rows", packed.spread_rows);
   spread_scale = upload("spread scale", packed.spread_scale);
+  mask = upload("mask", std::holds_alternative<DeformationMask>(sensor.skin.law) ? packMask(sensor) : std::vector<glm::vec2>(1));
   for (const layout::ObjectRecord& record : packed_objects.objects) {
     kinds |= 1u << record.kind_groups.x;
     if (record.kind_groups.x == layout::kKindMesh) triangles_of |= record.kind_groups.w == 0 ? 1u : 2u;
@@ -133,6 +143,18 @@ const gpu::Kernel& Model::Impl::imageKernel(const ImageVariant& variant) const {
   return image_.emplace(variant, makeImageKernel(variant)).first->second;
 }
 
+std::uint32_t Model::Impl::contactsRepeat(int max_contacts) const {
+  const std::uint64_t contact_turns = static_cast<std::uint64_t>(max_contacts) * sensor.patches.size();
+  return chooseRepeat(device.info(), num_taxels / image_team + packed.tiles.size() + contact_turns);
+}
+
+const gpu::Kernel& Model::Impl::contactsKernel(std::uint32_t repeat) const {
+  const std::lock_guard lock(kernels_mutex_);
+  const auto found = contacts_.find(repeat);
+  if (found != contacts_.end()) return found->second;
+  return contacts_.emplace(repeat, makeContactsKernel(repeat)).first->second;
+}
+
 const gpu::Kernel& Model::Impl::loadKernel() const {
   const std::lock_guard lock(kernels_mutex_);
   if (!load_) load_ = makeLoadKernel();
@@ -141,39 +163,67 @@ const gpu::Kernel& Model::Impl::loadKernel() const {
 
 // The constants of shaders/lib/specialization.glsl, then those of one pass, numbered in order.
 std::vector<gpu::Constant> Model::Impl::constants(std::uint32_t workgroup, std::uint32_t lanes, std::uint32_t repeats,
-                                                  std::initializer_list<std::uint32_t> of_the_pass) const {
+                                                  const std::vector<std::uint32_t>& of_the_pass) const {
   const GridPatch& patch = sensor.patches.front();
   std::vector<std::uint32_t> values{workgroup,
                                     lanes,
                                     num_taxels,
                                     static_cast<std::uint32_t>(packed.tiles.size()),
                                     static_cast<std::uint32_t>(sensor.samples_per_taxel),
-                                    packed.one_grid ? static_cast<std::uint32_t>(patch.num_rows) : 0u,
-                                    packed.one_grid ? static_cast<std::uint32_t>(patch.num_cols) : 1u,
+                                    packed.one_patch ? static_cast<std::uint32_t>(patch.num_rows) : 0u,
+                                    packed.one_patch ? static_cast<std::uint32_t>(patch.num_cols) : 1u,
                                     repeats,
                                     static_cast<std::uint32_t>(sensor.psf.size),
                                     bits(patch.pitch[0]),
                                     bits(patch.pitch[1])};
-  values.insert(values.end(), of_the_pass);
+  values.insert(values.end(), of_the_pass.begin(), of_the_pass.end());
   std::vector<gpu::Constant> numbered;
   for (const std::uint32_t value : values) numbered.push_back({static_cast<std::uint32_t>(numbered.size()), value});
   return numbered;
 }
 
 gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const {
+  const bool taxels_follow = std::any_of(law.taxel_passes.begin(), law.taxel_passes.end(),
+                                         [](const TaxelPass& pass) { return pass.owner != TaxelPass::Owner::kTile; });
   // Measured on a software driver; GPUs fetch two words at once without it.
   const bool pairs = device.info().type == DeviceType::kCpu && device.context().hasInt64();
-  const bool scaled = std::any_of(packed.spread_scale.begin(), packed.spread_scale.end(), [](float scale) { return scale != 1; });
+  // Under friction a search over tiles leaves the state of the samples alone: one more evaluation ends it.
+  const Friction& skin_friction = sensor.skin.friction;
+  const bool only_searches = hasFriction() && variant.search == kSearchOverTiles;
+  const bool friction = hasFriction() && !only_searches;
+  const bool has_state = law.has_state && !only_searches;
+  std::vector<std::uint32_t> of_the_pass{packed.max_tile_samples,
+                                         packed.flat,
+                                         has_state,
+                                         variant.search,
+                                         bits(sensor.skin.thickness),
+                                         packed.scalesSpread() && !taxels_follow,
+                                         variant.many_slots,
+                                         kinds,
+                                         triangles_of,
+                                         variant.with_depth,
+                                         num_faces};
+  for (const float parameter : law.parameters) of_the_pass.push_back(bits(parameter));
+  of_the_pass.insert(of_the_pass.end(), {friction, bits(skin_friction.tangential_stiffness), bits(skin_friction.friction_coefficient),
+                                         friction && variant.with_shear});
   return {device.context(),
           {.name = law.kernel,
            .spirv = pairs ? law.spirv_pairs : law.spirv,
-           .buffers = {"Poses", "Instances", "Step", "Objects", "Groups", "Clusters", "Triangles", "Patches", "Tiles", "SpreadScale",
-                       "State", "ContactNormal", "ContactDepth", "TileResults", "Loads", "Problems", "Faces"},
-           .constants = constants(contact_workgroup, packed.contact_lanes, contactRepeat(variant),
-                                  {packed.max_tile_samples, packed.flat, law.has_state, variant.search, bits(sensor.skin.thickness), scaled,
-                                   variant.many_slots, kinds, triangles_of, variant.with_depth, num_faces, bits(law.parameters[0]),
-                                   bits(law.parameters[1]), bits(law.parameters[2]), bits(law.parameters[3]), bits(law.parameters[4]),
-                                   bits(law.parameters[5]), bits(law.parameters[6]), bits(law.parameters[7])})}};
+           .buffers = {"Poses",   "Instances", "Step",        "Objects", "Groups",        "Clusters",     "Triangles",
+                       "Patches", "Tiles",     "SpreadScale", "State",   "ContactNormal", "ContactDepth", "TileResults",
+                       "Loads",   "Problems",  "Faces",       "Motions", "FrictionState", "ContactShear"},
+           .constants = constants(contact_workgroup, packed.contact_lanes, contactRepeat(variant), of_the_pass)}};
+}
+
+gpu::Kernel Model::Impl::makeContactsKernel(std::uint32_t repeat) const {
+  constexpr std::uint32_t kNoLanes = 1;  // its sums are of one invocation each
+  return {device.context(),
+          {.name = "contacts",
+           .spirv = k_contacts_spirv,
+           .buffers = {"Step", "Contacts", "NumContacts", "Patches", "SpreadScale", "ContactNormal", "TileResults", "Features", "Problems"},
+           .constants = constants(image_workgroup, kNoLanes, repeat,
+                                  {static_cast<std::uint32_t>(sensor.patches.size()), packed.flat, bits(sensor.skin.thickness),
+                                   packed.scalesSpread(), image_team})}};
 }
 
 gpu::Kernel Model::Impl::makeImageKernel(const ImageVariant& variant) const {
@@ -183,17 +233,55 @@ gpu::Kernel Model::Impl::makeImageKernel(const ImageVariant& variant) const {
   });
   constexpr std::uint32_t kNumSums = 19;  // of shaders/image.comp
   const std::uint32_t num_partials = image_team == 1 ? 1 : image_workgroup / image_team * kNumSums * packed.image_lanes;
-  constexpr std::uint32_t kNoShear = 0;  // no law of today makes any
-  return {
-      device.context(),
-      {.name = "image",
-       .spirv = k_image_spirv,
-       .buffers = {"Instances", "Step", "SensorBlock", "Taxels", "SpreadRows", "ContactNormal", "ContactShear", "TileResults", "Loads",
-                   "Image", "SpreadNormal", "SpreadShear", "Features", "Problems"},
-       .constants = constants(image_workgroup, packed.image_lanes, image_repeat,
-                              {kNoShear, packed.num_entries, variant.with_normal, alike, static_cast<std::uint32_t>(readout.curve.size()),
-                               bits(readout.curve.front()), bits(readout.output_scale), bits(readout.trigger), bits(readout.saturation),
-                               bits(readout.noise), variant.random, image_team, num_partials})}};
+  return {device.context(),
+          {.name = "image",
+           .spirv = k_image_spirv,
+           .buffers = {"Instances", "Step", "SensorBlock", "Taxels", "SpreadRows", "ContactNormal", "ContactShear", "TileResults", "Loads",
+                       "Image", "SpreadNormal", "SpreadShear", "Features", "Problems", "TaxelStates"},
+           .constants = constants(image_workgroup, packed.image_lanes, image_repeat,
+                                  {variant.with_shear,
+                                   packed.num_entries,
+                                   variant.with_normal,
+                                   alike,
+                                   static_cast<std::uint32_t>(readout.curve.size()),
+                                   bits(readout.curve.front()),
+                                   bits(readout.output_scale),
+                                   bits(readout.trigger),
+                                   bits(readout.saturation),
+                                   bits(readout.noise),
+                                   variant.random,
+                                   image_team,
+                                   num_partials,
+                                   static_cast<std::uint32_t>(readout.hysteresis_strength.size()),
+                                   static_cast<std::uint32_t>(readout.creep.size()),
+                                   readout.low_pass_time > 0,
+                                   readout.delay > 0,
+                                   readout.random_walk > 0,
+                                   bits(readout.bias),
+                                   bits(readout.dead_taxel_probability),
+                                   variant.whole_array})}};
+}
+
+const std::vector<gpu::Kernel>& Model::Impl::taxelKernels() const {
+  const std::lock_guard lock(kernels_mutex_);
+  while (taxel_.size() < law.taxel_passes.size()) taxel_.push_back(makeTaxelKernel(law.taxel_passes[taxel_.size()]));
+  return taxel_;
+}
+
+std::uint32_t Model::Impl::taxelGroups(const TaxelPass& pass, std::uint32_t num_instances) const {
+  const std::uint64_t per_instance = pass.owner == TaxelPass::Owner::kTaxel  ? num_taxels
+                                     : pass.owner == TaxelPass::Owner::kTile ? packed.tiles.size()
+                                                                             : 1;
+  return static_cast<std::uint32_t>((num_instances * per_instance + kTaxelWorkgroup - 1) / kTaxelWorkgroup);
+}
+
+gpu::Kernel Model::Impl::makeTaxelKernel(const TaxelPass& pass) const {
+  return {device.context(),
+          {.name = pass.kernel,
+           .spirv = pass.spirv,
+           .buffers = {"Instances", "Step", "SpreadScale", "Neighbours", "ContactNormal", "LawState", "TileResults", "Taxels", "Problems"},
+           .constants =
+               constants(kTaxelWorkgroup, 1, 1, {packed.scalesSpread(), bits(law.taxel_parameters[0]), bits(law.taxel_parameters[1])})}};
 }
 
 gpu::Kernel Model::Impl::makeLoadKernel() const {
@@ -201,8 +289,7 @@ gpu::Kernel Model::Impl::makeLoadKernel() const {
           {.name = "load",
            .spirv = k_load_spirv,
            .buffers = {"Instances", "Step", "TileResults", "Loads"},
-           .constants = {
-               {0, image_workgroup}, {1, static_cast<std::uint32_t>(packed.tiles.size())}, {2, kLoadEvaluations}, {3, packed.one_grid}}}};
+           .constants = {{0, image_workgroup}, {1, static_cast<std::uint32_t>(packed.tiles.size())}, {2, kLoadEvaluations}}}};
 }
 
 Model::Model(const Device& device, const ModelOptions& options) : impl_(std::make_shared<Impl>(device, options)) {}

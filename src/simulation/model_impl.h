@@ -14,10 +14,6 @@
 
 namespace taxelsim {
 
-inline constexpr std::uint32_t kNoSearch = 0;
-inline constexpr std::uint32_t kSearchInTile = 1;
-inline constexpr std::uint32_t kSearchOverTiles = 2;
-
 struct Model::Impl {
   Impl(const Device& of, const ModelOptions& options);
 
@@ -38,7 +34,7 @@ struct Model::Impl {
 
   std::uint32_t num_faces = 1;  // of each polyhedron
   gpu::Buffer object_records, groups, clusters, triangles, faces;
-  gpu::Buffer sensor_record, patches, tiles, taxels, spread_rows, spread_scale;
+  gpu::Buffer sensor_record, patches, tiles, taxels, spread_rows, spread_scale, mask;
   std::uint64_t static_bytes = 0;
 
   // Passes in the variants that batches need; made when first asked for, kept as long as the model. Safe to call from several threads.
@@ -46,32 +42,51 @@ struct Model::Impl {
     std::uint32_t search = 0;  // kSearch... of shaders/contact.comp
     bool many_slots = false;
     bool with_depth = false;                                  // penetration_depth is wanted
+    bool with_shear = false;                                  // tactile_shear_force is wanted, of a sensor with friction
     auto operator<=>(const ContactVariant&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 misreads it
   };
   const gpu::Kernel& contactKernel(const ContactVariant& variant) const;
-  // Tiles that a workgroup of it does one after another; a load search in a tile has turns enough for one.
-  std::uint32_t contactRepeat(const ContactVariant& variant) const { return variant.search == kSearchInTile ? 1 : contact_repeat; }
+  // Tiles that a workgroup of it does one after another; a load search has turns enough for one.
+  std::uint32_t contactRepeat(const ContactVariant& variant) const { return variant.search == 0 ? contact_repeat : 1; }
   struct ImageVariant {
     bool random = false;                                    // some instance draws noise or gains
+    bool whole_array = false;                               // taxels that nothing reaches may have a force
     bool with_normal = false;                               // tactile_normal_force is wanted
+    bool with_shear = false;                                // tactile_shear_force is wanted, of a sensor with friction
     auto operator<=>(const ImageVariant&) const = default;  // NOLINT(modernize-use-nullptr): the same
   };
   const gpu::Kernel& imageKernel(const ImageVariant& variant) const;
   std::uint32_t imagesPerWorkgroup() const { return image_workgroup / image_team * image_repeat; }
   const gpu::Kernel& loadKernel() const;
+  const std::vector<gpu::Kernel>& taxelKernels() const;  // of the law's taxel passes
+  // Workgroups of such a pass over `num_instances`.
+  std::uint32_t taxelGroups(const TaxelPass& pass, std::uint32_t num_instances) const;
+  // Contacts from another engine instead of objects: shaders/contacts.comp, with the workgroups and teams of the image pass.
+  std::uint32_t contactsRepeat(int max_contacts) const;  // instances that a team does one after another
+  const gpu::Kernel& contactsKernel(std::uint32_t repeat) const;
+  bool hasFriction() const { return sensor.skin.friction.friction_coefficient > 0; }
 
  private:
   std::vector<gpu::Constant> constants(std::uint32_t workgroup, std::uint32_t lanes, std::uint32_t repeats,
-                                       std::initializer_list<std::uint32_t> of_the_pass) const;
+                                       const std::vector<std::uint32_t>& of_the_pass) const;
   gpu::Kernel makeContactKernel(const ContactVariant& variant) const;
   gpu::Kernel makeImageKernel(const ImageVariant& variant) const;
   gpu::Kernel makeLoadKernel() const;
+  gpu::Kernel makeTaxelKernel(const TaxelPass& pass) const;
+  gpu::Kernel makeContactsKernel(std::uint32_t repeat) const;
 
   mutable std::mutex kernels_mutex_;
   mutable std::map<ContactVariant, gpu::Kernel> contact_;
   mutable std::map<ImageVariant, gpu::Kernel> image_;
   mutable std::optional<gpu::Kernel> load_;
+  mutable std::vector<gpu::Kernel> taxel_;
+  mutable std::map<std::uint32_t, gpu::Kernel> contacts_;
 };
+
+inline constexpr std::uint32_t kNoSearch = 0;
+inline constexpr std::uint32_t kSearchInTile = 1;
+inline constexpr std::uint32_t kSearchOverTiles = 2;
+inline constexpr std::uint32_t kSearchEnded = 3;
 
 // Evaluations of the load search over several tiles.
 inline constexpr std::uint32_t kLoadEvaluations = 48;

@@ -3,21 +3,42 @@
 
 #include <array>
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "taxelsim/sensor.h"
 
 namespace taxelsim {
 
-struct PackedLaw {
+// A pass over the taxels between contact and image.
+struct TaxelPass {
+  enum class Owner { kTaxel, kInstance, kTile };
+
   std::string kernel;
+  std::span<const std::uint32_t> spirv;
+  Owner owner = Owner::kTaxel;  // of an invocation
+};
+
+struct PackedLaw {
+  std::string kernel;  // of the contact pass
   std::span<const std::uint32_t> spirv;
   std::span<const std::uint32_t> spirv_pairs;  // the same with words of 64 bits, shaders/lib/pairs.glsl
   std::array<float, 8> parameters{};           // LAW_0 .. LAW_7 of shaders/contact.comp
   bool has_state = false;                      // the law needs every sample's depth of the step before
+  std::vector<TaxelPass> taxel_passes{};       // in order
+  std::array<float, 2> taxel_parameters{};     // LAW_0, LAW_1 of shaders/lib/taxel_pass.glsl
+  bool whole_array = false;                    // taxels that nothing reaches may have a force
 };
 
 PackedLaw packLaw(const ContactLaw& law);
+
+// What a step of `dt` s does to the force in a taxel's spring (N) and its rate (N/s), about rest: exp(A dt) of MassSpringDamper, by rows;
+// of other laws zeros.
+std::array<float, 4> transitionOf(const ContactLaw& law, double dt);
+
+// The mask of DeformationMask on this sensor: (9 x num_taxels) pairs of source (as bits) and weight.
+std::vector<glm::vec2> packMask(const Sensor& sensor);
 
 }  // namespace taxelsim

@@ -4,8 +4,13 @@
 #include <cmath>
 #include <optional>
 
+#include "base/philox.h"
+#include "geometry/text.h"
 #include "gpu/commands.h"
 #include "simulation/batch_buffers.h"
+#include "simulation/clock.h"
+#include "simulation/motions.h"
+#include "simulation/pack_contacts.h"
 #include "simulation/rows.h"
 #include "taxelsim/error.h"
 
@@ -55,17 +60,10 @@ layout::PoseRecord packPose(int id, const Pose& X_SO) {
           {static_cast<float>(id), 0.0f, 0.0f, 0.0f}};
 }
 
-// Time since reset of one instance, and when its sensor delivers.
-struct Clock {
-  double time = 0;           // s, of the next step
-  std::uint32_t frames = 0;  // delivered so far
-  bool first_step = true;
-
-  // Frame k is due at k / rate; a step that comes within a billionth of a period is in time.
-  bool frameDue(double rate) const { return rate == 0 || time * rate >= static_cast<double>(frames) - 1e-9; }
-  // Skips frames that fell between two steps.
-  void deliver(double rate) { frames = rate == 0 ? frames + 1 : static_cast<std::uint32_t>(std::floor(time * rate + 1e-9)) + 1; }
-};
+// The share of the way to its end that a first-order system goes in dt.
+float shareOfTheWay(double dt, double time) {
+  return time > 0 ? static_cast<float>(-std::expm1(-dt / time)) : 1.0f;
+}
 
 }  // namespace
 
@@ -75,8 +73,12 @@ struct Simulator::Impl {
     clocks.resize(static_cast<std::size_t>(with.num_instances));
     const std::span<layout::PoseRecord> poses = buffers.poses.mappedAs<layout::PoseRecord>();
     for (layout::PoseRecord& pose : poses) pose = packPose(kNoObject, {});
-    for (layout::InstanceRecord& instance : records()) instance.drive = {kPoseDriven, 1.0f, 0.0f, 0.0f};
-    commands(false, of.sensor().readout.noise > 0);
+    for (layout::InstanceRecord& instance : records()) {
+      instance.drive.x = kPoseDriven;
+      setVariation(instance, 0, {});
+    }
+    if (of.impl()->hasFriction() && !takesContacts()) motions.emplace(clocks.size(), static_cast<std::size_t>(with.num_slots));
+    commands(false, of.sensor().readout.noise > 0 || of.sensor().readout.gain_spread > 0);
     of.device().context().savePipelineCache();
   }
 
@@ -85,12 +87,35 @@ struct Simulator::Impl {
     refuse("instance: " + std::to_string(instance) + " is not allowed: 0 to " + std::to_string(options.num_instances - 1));
   }
 
+  bool takesContacts() const { return options.max_contacts > 0; }
+  bool withShear() const { return model.impl()->hasFriction() && !takesContacts() && options.outputs.tactile_shear_force; }
+  void checkTakesObjects() const {
+    if (takesContacts()) refuse("this simulator takes contacts (max_contacts > 0), neither objects nor loads");
+  }
+  void checkTakesContacts() const {
+    if (!takesContacts()) refuse("this simulator takes no contacts: max_contacts is 0");
+  }
+  void takeContacts(std::size_t instance, std::span<const ContactPoint> contacts) const;
+  // What a slot (of num_instances x num_slots) holds from now on.
+  void place(std::size_t slot_index, int id, const Pose& X_SO) {
+    buffers.poses.mappedAs<layout::PoseRecord>()[slot_index] = packPose(id, X_SO);
+    if (motions) motions->place(slot_index, id, X_SO);
+  }
+
   std::span<layout::InstanceRecord> records() const { return buffers.instances.mappedAs<layout::InstanceRecord>(); }
+
+  // Draws what is common to all taxels, and hands the device what it needs to draw the rest.
+  void setVariation(layout::InstanceRecord& record, std::uint64_t episode, const ReadoutVariation& variation) const;
+  // The record of a step of dt. Throws Error(kInput) when the delay is longer than the device keeps.
+  layout::StepRecord stepRecord(double dt);
 
   // The commands of one frame, recorded when first wanted. `loads`: some instance is driven by load; `random`: some instance draws noise or
   // gains.
   gpu::Commands& commands(bool loads, bool random);
   gpu::Commands record(bool loads, bool random);
+  void recordObjects(gpu::Commands& commands, bool with_loads) const;
+  void recordTaxels(gpu::Commands& commands) const;
+  void recordContacts(gpu::Commands& commands) const;
   void startSearch();
   FrameView view() const;
 
@@ -98,6 +123,9 @@ struct Simulator::Impl {
   SimulatorOptions options;
   BatchBuffers buffers;
   std::vector<Clock> clocks;
+  StepHistory history;
+  std::uint32_t num_steps = 0;     // taken so far, by all instances together
+  std::optional<Motions> motions;  // of a sensor with friction
   std::array<std::optional<gpu::Commands>, 4> recorded;
   gpu::Commands* running = nullptr;
   StepTiming timing;
@@ -109,40 +137,64 @@ gpu::Commands& Simulator::Impl::commands(bool loads, bool random) {
   return *list;
 }
 
+void Simulator::Impl::setVariation(layout::InstanceRecord& record, std::uint64_t episode, const ReadoutVariation& variation) const {
+  const Readout& readout = model.sensor().readout;
+  float gain = variation.gain;
+  if (readout.press_gain_spread > 0) {
+    const double drawn = gaussian({.seed = options.seed, .episode = episode, .purpose = Purpose::kPressGain});
+    gain *= static_cast<float>(std::exp(readout.press_gain_spread * drawn));
+  }
+  float spread = variation.gain_spread;
+  if (readout.gain_spread > 0) spread = static_cast<float>(std::hypot(readout.gain_spread, variation.gain_spread));
+  record.drive = {record.drive.x, gain, spread, variation.noise};
+  record.keys.x = static_cast<std::uint32_t>(episode);
+  record.keys.y = static_cast<std::uint32_t>(episode >> 32);
+}
+
+layout::StepRecord Simulator::Impl::stepRecord(double dt) {
+  const Readout& readout = model.sensor().readout;
+  constexpr double kRounding = 5e-10;  // of a delay of just so many steps; less than StepHistory forgives
+  if (readout.delay > kMaxDelaySteps * dt * (1 + kRounding)) {
+    refuse("readout.delay: " + numberText(readout.delay) + " is not allowed: s, at most " + std::to_string(kMaxDelaySteps) + " steps of " +
+           numberText(dt) + " s (" + numberText(kMaxDelaySteps * dt) + " s); shorten it or take longer steps");
+  }
+  layout::StepRecord record{};
+  record.batch = {static_cast<std::uint32_t>(options.num_instances),
+                  static_cast<std::uint32_t>(takesContacts() ? options.max_contacts : options.num_slots),
+                  static_cast<std::uint32_t>(options.seed), static_cast<std::uint32_t>(options.seed >> 32)};
+  record.time = {static_cast<float>(dt), static_cast<float>(1 / dt), shareOfTheWay(dt, readout.low_pass_time),
+                 static_cast<float>(readout.random_walk * std::sqrt(dt))};
+  for (std::size_t m = 0; m < readout.creep.size(); ++m) record.creep[static_cast<int>(m)] = shareOfTheWay(dt, readout.creep[m].time);
+  const std::array<float, 4> law = transitionOf(model.sensor().skin.law, dt);
+  record.law = {law[0], law[1], law[2], law[3]};
+  record.contacts.x = static_cast<float>(options.contact_band);
+  record.delay = {num_steps++ % kMaxDelaySteps, history.stepsBack(dt, readout.delay), 0u, 0u};
+  return record;
+}
+
 // The one place where the passes are put in order.
 gpu::Commands Simulator::Impl::record(bool with_loads, bool random) {
   const Model::Impl& m = *model.impl();
   const auto n = static_cast<std::uint32_t>(options.num_instances);
-  const auto num_tiles = static_cast<std::uint32_t>(m.packed.tiles.size());
-  const bool over_tiles = with_loads && !m.packed.searches_in_tile;
-  const Model::Impl::ContactVariant variant{.search = over_tiles   ? kSearchOverTiles
-                                                      : with_loads ? kSearchInTile
-                                                                   : kNoSearch,
-                                            .many_slots = options.num_slots > 1,
-                                            .with_depth = options.outputs.penetration_depth};
-  const gpu::Kernel& contact = m.contactKernel(variant);
-  const std::uint32_t contact_repeat = m.contactRepeat(variant);
   const BatchBuffers& b = buffers;
   gpu::Commands commands(m.device.context(), "a frame", 3);
   commands.barrier(gpu::Access::kHostWrite, gpu::Access::kKernel);
   commands.timestamp(0);
-  const std::uint32_t evaluations = over_tiles ? kLoadEvaluations + 2 : 1;  // two more: one closes the search, one is told
-  for (std::uint32_t evaluation = 0; evaluation < evaluations; ++evaluation) {
-    commands.dispatch(
-        contact, (n * num_tiles + contact_repeat - 1) / contact_repeat,
-        {&b.poses, &b.instances, &b.step, &m.object_records, &m.groups, &m.clusters, &m.triangles, &m.patches, &m.tiles, &m.spread_scale,
-         &b.state, &b.contact_normal, &b.contact_depth.device, &b.tile_results, &b.loads, &b.problems.device, &m.faces});
-    commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
-    if (!over_tiles) continue;
-    commands.dispatch(m.loadKernel(), (n + m.image_workgroup - 1) / m.image_workgroup, {&b.instances, &b.step, &b.tile_results, &b.loads});
-    commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
+  if (takesContacts()) {
+    recordContacts(commands);
+  } else {
+    recordObjects(commands, with_loads);
+    recordTaxels(commands);
   }
   commands.timestamp(1);
   commands.dispatch(
-      m.imageKernel({.random = random, .with_normal = options.outputs.tactile_normal_force}),
+      m.imageKernel({.random = random,
+                     .whole_array = m.law.whole_array && !takesContacts(),
+                     .with_normal = options.outputs.tactile_normal_force,
+                     .with_shear = withShear()}),
       (n + m.imagesPerWorkgroup() - 1) / m.imagesPerWorkgroup(),
       {&b.instances, &b.step, &m.sensor_record, &m.taxels, &m.spread_rows, &b.contact_normal, &b.contact_shear, &b.tile_results, &b.loads,
-       &b.image.device, &b.spread_normal.device, &b.spread_shear.device, &b.features.device, &b.problems.device});
+       &b.image.device, &b.spread_normal.device, &b.spread_shear.device, &b.features.device, &b.problems.device, &b.taxel_states});
   commands.timestamp(2);
   commands.barrier(gpu::Access::kKernel, gpu::Access::kCopy);
   for (ReadableBuffer* buffer : buffers.readable(options.outputs)) {
@@ -152,6 +204,82 @@ gpu::Commands Simulator::Impl::record(bool with_loads, bool random) {
   commands.barrier(gpu::Access::kKernel, gpu::Access::kHostRead);
   commands.end();
   return commands;
+}
+
+// Stages 1 and 2 from poses of objects.
+void Simulator::Impl::recordObjects(gpu::Commands& commands, bool with_loads) const {
+  const Model::Impl& m = *model.impl();
+  const auto n = static_cast<std::uint32_t>(options.num_instances);
+  const auto num_tiles = static_cast<std::uint32_t>(m.packed.tiles.size());
+  const bool over_tiles = with_loads && !m.packed.searches_in_tile;
+  const Model::Impl::ContactVariant variant{.search = over_tiles   ? kSearchOverTiles
+                                                      : with_loads ? kSearchInTile
+                                                                   : kNoSearch,
+                                            .many_slots = options.num_slots > 1,
+                                            .with_depth = options.outputs.penetration_depth,
+                                            .with_shear = withShear()};
+  const BatchBuffers& b = buffers;
+  const auto contact_pass = [&](const Model::Impl::ContactVariant& of) {
+    const std::uint32_t repeat = m.contactRepeat(of);
+    commands.dispatch(m.contactKernel(of), (n * num_tiles + repeat - 1) / repeat,
+                      {&b.poses,
+                       &b.instances,
+                       &b.step,
+                       &m.object_records,
+                       &m.groups,
+                       &m.clusters,
+                       &m.triangles,
+                       &m.patches,
+                       &m.tiles,
+                       &m.spread_scale,
+                       &b.state,
+                       &b.contact_normal,
+                       &b.contact_depth.device,
+                       &b.tile_results,
+                       &b.loads,
+                       &b.problems.device,
+                       &m.faces,
+                       &b.motions,
+                       &b.friction_state,
+                       &b.contact_shear});
+    commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
+  };
+  const std::uint32_t evaluations = over_tiles ? kLoadEvaluations + 2 : 1;  // two more: one closes the search, one is told
+  for (std::uint32_t evaluation = 0; evaluation < evaluations; ++evaluation) {
+    contact_pass(variant);
+    if (!over_tiles) continue;
+    commands.dispatch(m.loadKernel(), (n + m.image_workgroup - 1) / m.image_workgroup, {&b.instances, &b.step, &b.tile_results, &b.loads});
+    commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
+  }
+  if (over_tiles && m.hasFriction()) {
+    Model::Impl::ContactVariant last = variant;
+    last.search = kSearchEnded;
+    contact_pass(last);
+  }
+}
+
+// What the law's taxels make of the force of contact.
+void Simulator::Impl::recordTaxels(gpu::Commands& commands) const {
+  const Model::Impl& m = *model.impl();
+  const BatchBuffers& b = buffers;
+  for (std::size_t pass = 0; pass < m.law.taxel_passes.size(); ++pass) {
+    commands.dispatch(
+        m.taxelKernels()[pass], m.taxelGroups(m.law.taxel_passes[pass], static_cast<std::uint32_t>(options.num_instances)),
+        {&b.instances, &b.step, &m.spread_scale, &m.mask, &b.contact_normal, &b.law_state, &b.tile_results, &m.taxels, &b.problems.device});
+    commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
+  }
+}
+
+// Stages 1 and 2 from contacts; no law is asked.
+void Simulator::Impl::recordContacts(gpu::Commands& commands) const {
+  const Model::Impl& m = *model.impl();
+  const std::uint32_t repeat = m.contactsRepeat(options.max_contacts);
+  const std::uint32_t per_workgroup = m.image_workgroup / m.image_team * repeat;
+  const BatchBuffers& b = buffers;
+  commands.dispatch(m.contactsKernel(repeat), (static_cast<std::uint32_t>(options.num_instances) + per_workgroup - 1) / per_workgroup,
+                    {&b.step, &b.contacts, &b.num_contacts, &m.patches, &m.spread_scale, &b.contact_normal, &b.tile_results,
+                     &b.features.device, &b.problems.device});
+  commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
 }
 
 // Brackets of the load search: between all objects just clear of the sensor and all of them past its skin.
@@ -215,6 +343,8 @@ FrameView Simulator::Impl::view() const {
   truth.over_penetration = block(layout::kFeatureOverPenetration);
   truth.load_offset = block(layout::kFeatureLoadOffset);
   truth.load_reached = block(layout::kFeatureLoadReached);
+  truth.off_array_load = block(layout::kFeatureOffArrayLoad);
+  truth.off_array_contacts = block(layout::kFeatureOffArrayContacts);
   return frame;
 }
 
@@ -235,6 +365,7 @@ const Model& Simulator::model() const {
 }
 
 void Simulator::setObjects(std::span<const int> ids, std::span<const Pose> X_SO) {
+  impl_->checkTakesObjects();
   const auto slots = static_cast<std::size_t>(impl_->options.num_slots);
   const auto n = static_cast<std::size_t>(impl_->options.num_instances);
   checkLength("ids", ids.size(), n * slots);
@@ -242,11 +373,11 @@ void Simulator::setObjects(std::span<const int> ids, std::span<const Pose> X_SO)
   // All are checked before any is taken, so that a refusal changes nothing.
   const auto num_objects = static_cast<int>(impl_->model.objects().size());
   for (std::size_t i = 0; i < ids.size(); ++i) checkSlot(ids[i], X_SO[i], i / slots, num_objects);
-  layout::PoseRecord* records = impl_->buffers.poses.mappedAs<layout::PoseRecord>().data();
-  for (std::size_t i = 0; i < ids.size(); ++i) records[i] = packPose(ids[i], X_SO[i]);
+  for (std::size_t i = 0; i < ids.size(); ++i) impl_->place(i, ids[i], X_SO[i]);
 }
 
 void Simulator::setObjects(int instance, std::span<const int> ids, std::span<const Pose> X_SO) {
+  impl_->checkTakesObjects();
   const auto slots = static_cast<std::size_t>(impl_->options.num_slots);
   impl_->checkInstance(instance);
   checkLength("ids", ids.size(), slots);
@@ -254,8 +385,7 @@ void Simulator::setObjects(int instance, std::span<const int> ids, std::span<con
   const auto i = static_cast<std::size_t>(instance);
   const auto num_objects = static_cast<int>(impl_->model.objects().size());
   for (std::size_t slot = 0; slot < slots; ++slot) checkSlot(ids[slot], X_SO[slot], i, num_objects);
-  layout::PoseRecord* records = impl_->buffers.poses.mappedAs<layout::PoseRecord>().data() + i * slots;
-  for (std::size_t slot = 0; slot < slots; ++slot) records[slot] = packPose(ids[slot], X_SO[slot]);
+  for (std::size_t slot = 0; slot < slots; ++slot) impl_->place(i * slots + slot, ids[slot], X_SO[slot]);
 }
 
 void Simulator::setLoads(std::span<const float> loads) {
@@ -264,10 +394,40 @@ void Simulator::setLoads(std::span<const float> loads) {
 }
 
 void Simulator::setLoad(int instance, float load) {
+  impl_->checkTakesObjects();
   impl_->checkInstance(instance);
+  if (!std::isnan(load) && std::holds_alternative<Proximity>(impl_->model.sensor().skin.law)) {
+    refuse("load of instance " + std::to_string(instance) + ": the contact law proximity has no forces, so it cannot be driven by load");
+  }
   if (load < 0 || std::isinf(load))
     refuse("load of instance " + std::to_string(instance) + ": " + std::to_string(load) + " is not allowed: N, >= 0");
   impl_->records()[static_cast<std::size_t>(instance)].drive.x = load;
+}
+
+void Simulator::Impl::takeContacts(std::size_t instance, std::span<const ContactPoint> contacts) const {
+  const auto room = static_cast<std::size_t>(options.max_contacts);
+  layout::ContactRecord* records_of_it = buffers.contacts.mappedAs<layout::ContactRecord>().data() + instance * room;
+  for (std::size_t k = 0; k < contacts.size(); ++k) records_of_it[k] = packContact(contacts[k]);
+  buffers.num_contacts.mappedAs<std::uint32_t>()[instance] = static_cast<std::uint32_t>(contacts.size());
+}
+
+void Simulator::setContacts(std::span<const ContactPoint> contacts, std::span<const int> offsets) {
+  impl_->checkTakesContacts();
+  const auto n = static_cast<std::size_t>(impl_->options.num_instances);
+  checkLength("offsets", offsets.size(), n + 1);
+  checkOffsets(offsets, contacts.size());
+  const auto of_instance = [&](std::size_t i) {
+    return contacts.subspan(static_cast<std::size_t>(offsets[i]), static_cast<std::size_t>(offsets[i + 1] - offsets[i]));
+  };
+  for (std::size_t i = 0; i < n; ++i) checkContacts(of_instance(i), i, impl_->options.max_contacts);
+  for (std::size_t i = 0; i < n; ++i) impl_->takeContacts(i, of_instance(i));
+}
+
+void Simulator::setContacts(int instance, std::span<const ContactPoint> contacts) {
+  impl_->checkTakesContacts();
+  impl_->checkInstance(instance);
+  checkContacts(contacts, static_cast<std::size_t>(instance), impl_->options.max_contacts);
+  impl_->takeContacts(static_cast<std::size_t>(instance), contacts);
 }
 
 void Simulator::reset(int instance, std::uint64_t episode, const ReadoutVariation& variation) {
@@ -277,40 +437,41 @@ void Simulator::reset(int instance, std::uint64_t episode, const ReadoutVariatio
     refuse("variation of instance " + std::to_string(instance) + ": gain, gain_spread and noise must be finite and >= 0");
   }
   layout::InstanceRecord& record = impl_->records()[static_cast<std::size_t>(instance)];
-  record.drive = {record.drive.x, variation.gain, variation.gain_spread, variation.noise};
-  record.keys.x = static_cast<std::uint32_t>(episode);
-  record.keys.y = static_cast<std::uint32_t>(episode >> 32);
+  impl_->setVariation(record, episode, variation);
   impl_->clocks[static_cast<std::size_t>(instance)] = {};
+  if (impl_->motions) impl_->motions->forget(static_cast<std::size_t>(instance));
 }
 
 void Simulator::step(double dt) {
   if (!(dt > 0) || std::isinf(dt)) refuse("dt: " + std::to_string(dt) + " is not allowed: s, > 0");
   Impl& impl = *impl_;
   const Model::Impl& m = *impl.model.impl();
-  const std::uint64_t seed = impl.options.seed;
-  impl.buffers.step.mappedAs<layout::StepRecord>()[0] = {
-      {static_cast<std::uint32_t>(impl.options.num_instances), static_cast<std::uint32_t>(impl.options.num_slots),
-       static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)},
-      {static_cast<float>(dt), static_cast<float>(1 / dt), 0.0f, 0.0f}};
+  impl.buffers.step.mappedAs<layout::StepRecord>()[0] = impl.stepRecord(dt);
+  const Sensor& sensor = m.sensor;
   bool any_load = false;
-  bool any_random = impl.model.sensor().readout.noise > 0;
-  const double rate = impl.model.sensor().frame_rate;
+  bool any_random = sensor.readout.noise > 0;
+  const FrameTiming timing{.rate = sensor.frame_rate, .jitter = sensor.readout.jitter, .seed = impl.options.seed};
   const std::span<layout::InstanceRecord> records = impl.records();
   for (std::size_t i = 0; i < impl.clocks.size(); ++i) {
     Clock& clock = impl.clocks[i];
     std::uint32_t flags = 0;
-    if (clock.first_step) flags |= layout::kFlagFirstStep;
+    if (clock.steps == 0) flags |= layout::kFlagFirstStep;
     if (!std::isnan(records[i].drive.x)) flags |= layout::kFlagLoadDriven;
     any_load = any_load || (flags & layout::kFlagLoadDriven) != 0;
     any_random = any_random || records[i].drive.z > 0 || records[i].drive.w > 0;
     records[i].keys.z = clock.frames;
-    if (clock.frameDue(rate)) {
+    if (clock.frameDue(timing.rate)) {
       flags |= layout::kFlagNewFrame;
-      clock.deliver(rate);
+      clock.deliver(timing, records[i].keys.x | static_cast<std::uint64_t>(records[i].keys.y) << 32);
     }
     records[i].keys.w = flags;
-    clock.first_step = false;
+    records[i].clock.x = clock.steps++;
     clock.time += dt;
+  }
+  if (impl.motions) {
+    const auto features = impl.buffers.features.read<float>();
+    impl.motions->pack(features.subspan(layout::kFeatureLoadOffset * impl.clocks.size(), impl.clocks.size()),
+                       impl.buffers.motions.mappedAs<layout::MotionRecord>());
   }
   if (any_load && !m.packed.searches_in_tile) impl.startSearch();
   impl.running = &impl.commands(any_load, any_random);
@@ -326,7 +487,7 @@ FrameView Simulator::read() {
     if (impl.buffers.problems.read<std::uint32_t>()[0] != 0) {
       throw Error(ErrorKind::kDevice,
                   "the driver cut loops of a kernel short (software Vulkan stops after 65,535 turns), so this frame is incomplete; "
-                  "use simpler meshes, fewer samples, or a larger contact_workgroup");
+                  "use simpler meshes, fewer samples or contacts, or a larger contact_workgroup");
     }
   }
   return impl.view();

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
@@ -23,7 +24,7 @@ TEST(Frame, SphereOnAnElasticFoundation) {
   const Outcome outcome = runTaxelsim(frame("sphere:0.01", "0 0 0.009 1 0 0 0", {"--json"}));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const nlohmann::json json = nlohmann::json::parse(outcome.out);
-  // PHYSICS: F = pi k d^2 (R - d/3); a = 4.4 mm is 5 samples of 0.85 mm, of which the sum is within 1 % (measured worst over offsets).
+  // F = pi k d^2 (R - d/3); a = 4.4 mm is 5 samples of 0.85 mm, of which the sum is within 1 % (measured worst over offsets).
   constexpr double kSamplingError = 0.01;
   const double force = std::numbers::pi * kStiffness * 1e-6 * (0.01 - 1e-3 / 3);
   EXPECT_NEAR(json["ground_truth"]["total_force"].get<double>(), force, kSamplingError * force);
@@ -60,7 +61,55 @@ TEST(Frame, PictureAndText) {
   EXPECT_NE(outcome.out.find("edge_angle"), std::string::npos);
 }
 
+class FrameOfContacts : public ::testing::Test {
+ protected:
+  Outcome run(const std::string& content, std::vector<std::string> more = {}) const {
+    std::ofstream(file_) << content;
+    std::vector<std::string> command{"frame", "--sensor", kSensor, "--contacts", file_};
+    command.insert(command.end(), more.begin(), more.end());
+    return runTaxelsim(command);
+  }
+  TemporaryDirectory root_;
+  std::string file_ = root_ / "contacts.csv";
+};
+
+TEST_F(FrameOfContacts, ForcesGoToTheirTaxels) {
+  const Outcome outcome = run("# x, y, z, normal force\n0.0017,0.0017,0,1.25\n\n 0.0017 , -0.0017 , -1e-4 , 0.25\r\n1,0,0,3 # beside it",
+                              {"--json", "--png", root_ / "frame.png"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const nlohmann::json truth = nlohmann::json::parse(outcome.out)["ground_truth"];
+  EXPECT_NEAR(truth["total_force"].get<double>(), 1.5, 1e-6);
+  EXPECT_NEAR(truth["contact_wrench"][2].get<double>(), -1.5, 1e-6);
+  EXPECT_EQ(truth["off_array_load"], 3);
+  EXPECT_EQ(truth["off_array_contacts"], 1);
+  EXPECT_FALSE(truth.contains("penetration_depth"));
+  EXPECT_TRUE(contentOf(root_ / "frame.png").starts_with("\x89PNG"));
+}
+
+TEST_F(FrameOfContacts, NoneIsNoContact) {
+  const Outcome outcome = run("# none\n", {"--json"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(nlohmann::json::parse(outcome.out)["total_force"], 0);
+}
+
+TEST_F(FrameOfContacts, BadFilesAreRefusedByLine) {
+  for (const std::string line : {"0,0,0", "0,0,0,1,2", "0 0 0 1", "x,y,z,normal_force", "0,0,0,", "0,0,0,1x", "0,0,0,-1", "0,0,0,nan",
+                                 "0,inf,0,1", "0,0,1e9,1", "0,0,0,1e300", "0,0,0,1e999"}) {
+    const Outcome outcome = run("0,0,0,1\n\n" + line + "\n");
+    expectRefused(outcome, file_ + ":3: ");
+  }
+  std::string many;
+  for (int n = 0; n <= 4096; ++n) many += "0,0,0,1\n";
+  expectRefused(run(many), "4096");
+  expectRefused(run(std::string(std::size_t{2} << 20, ' ')), "1 MiB");
+  expectRefused(runTaxelsim({"frame", "--sensor", kSensor, "--contacts", root_ / "missing.csv"}), "missing.csv");
+  expectRefused(runTaxelsim({"frame", "--sensor", kSensor, "--contacts", root_ / ""}), "no such file");
+  expectRefused(run("0,0,0,1\n", {"--object", "sphere:0.01", "--pose", "0 0 0 1 0 0 0"}), "instead of");
+  expectRefused(run("0,0,0,1\n", {"--load", "1"}), "instead of");
+}
+
 TEST(Frame, BadInputIsRefused) {
+  expectRefused(runTaxelsim({"frame", "--sensor", kSensor}), "--contacts");
   expectRefused(runTaxelsim(frame("sphere:-1", "0 0 0 1 0 0 0")), "-1");
   expectRefused(runTaxelsim(frame("sphere:nan", "0 0 0 1 0 0 0")), "nan");
   expectRefused(runTaxelsim(frame("no_such_file.obj", "0 0 0 1 0 0 0")), "no_such_file.obj");

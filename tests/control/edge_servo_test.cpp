@@ -58,7 +58,7 @@ TEST(EdgeServo, StandsStillAtTheTarget) {
   EXPECT_EQ(commandOne(EdgeServo{}, Features{}), Twist{});
 }
 
-// A line fixed in the world, seen from the turning sensor: e falls as (1 - K Ts)^n, PHYSICS section 14.
+// A line fixed in the world, seen from the turning sensor: e falls as (1 - K Ts)^n.
 TEST(EdgeServo, AngleErrorDecaysAsTheSampledLaw) {
   constexpr double kGain = 0.78, kPeriod = 0.01, kStart = 0.6;
   constexpr int kSteps = 500;

@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 
 #include "geometry/mesh_files.h"
+#include "geometry/text.h"
 
 namespace taxelsim {
 namespace {
@@ -86,6 +87,9 @@ TEST_F(BadMeshFile, ScalesOutOfRange) {
   const std::filesystem::path file = folder_.write("brick.obj", objText(brick()));
   for (const double scale : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     expectRefused(file, "scale: ", {.scale = scale});
+  }
+  for (const double error : {-1e-9, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    expectRefused(file, "max_depth_error: " + numberText(error) + " is not allowed: m, >= 0", {.max_depth_error = error});
   }
   expectRefused(file, "no triangle", {.scale = 1e-60});  // every vertex rounds to the origin
 }

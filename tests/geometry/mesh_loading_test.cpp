@@ -3,6 +3,7 @@
 #include <clocale>
 
 #include "geometry/mesh_files.h"
+#include "support/random_scene.h"
 
 namespace taxelsim {
 namespace {
@@ -113,6 +114,29 @@ TEST(LoadMesh, NeverOpensMaterials) {
   const TemporaryFolder folder;
   const Mesh mesh = loadMesh(folder.write("brick.obj", "mtllib /dev/zero\nusemtl grey\n" + objText(brick())));
   EXPECT_EQ(canonical(mesh), canonical(brick()));
+}
+
+TEST(LoadMesh, LeavesOutTrianglesAsFarAsTheOptionAllowsInMetres) {
+  const TemporaryFolder folder;
+  support::Random random(1);
+  // A ball of 10 mm, in millimetres. Its triangles' edges are at most 0.83 mm, their neighbours 9 to 34 um off their planes.
+  const Mesh ball = support::icosphere(10, 4, 0, random);
+  const std::filesystem::path file = folder.write("ball.stl", stlBytes(ball));
+  EXPECT_EQ(loadMesh(file, {.scale = 1e-3, .max_depth_error = 0}).triangles.size(), 5120u);
+  EXPECT_EQ(loadMesh(file, {.scale = 1e-3, .max_depth_error = 1e-6}).triangles.size(), 5120u);
+  EXPECT_LT(loadMesh(file, {.scale = 1e-3, .max_depth_error = 1e-4}).triangles.size(), 1500u);
+  EXPECT_EQ(loadMesh(file, {.scale = 1, .max_depth_error = 1e-4}).triangles.size(), 5120u);
+}
+
+TEST(LoadMesh, AllowsTenMicrometresByDefault) {
+  EXPECT_EQ(MeshOptions{}.max_depth_error, 1e-5);
+  const TemporaryFolder folder;
+  support::Random random(1);
+  const Mesh plate = support::sheetWithHoles(30, 0.02, 4e-6, 0, random);
+  const std::filesystem::path file = folder.write("plate.stl", stlBytes(plate));
+  EXPECT_EQ(loadMesh(file, {.max_depth_error = 0}).triangles.size(), 1800u);
+  EXPECT_LT(loadMesh(file).triangles.size(), 600u);
+  EXPECT_LT(std::get<Mesh>(parseObject(file.string()).shape).triangles.size(), 600u);
 }
 
 TEST(LoadMesh, ReadsNumbersTheSameInEveryLocale) {

@@ -56,7 +56,7 @@ double worstError(const Sensor& sensor, const Object& object, const Quaternion& 
 
 struct Density {
   int samples_per_radius;
-  double sphere_error;  // worst seen over offsets by an independent program (PHYSICS section 22), rounded up in the last digit
+  double sphere_error;  // worst seen over offsets by an independent program, rounded up in the last digit
 };
 
 class Convergence : public ::testing::TestWithParam<Density> {
@@ -81,7 +81,7 @@ TEST_P(Convergence, Cone) {
 }
 
 // Along the axis the cylinder is as long as a whole number of samples, so that only the profile's error is left: worst 25 % / n^2
-// (PHYSICS section 22), plus a tenth for the higher terms.
+// plus a tenth for the higher terms.
 TEST_P(Convergence, CylinderExact) {
   const double R = 5e-3, depth = 0.4e-3, a = std::sqrt(2 * R * depth - depth * depth), step = stepFor(a);
   const Cylinder cylinder{.radius = R, .length = 13 * step};

@@ -45,7 +45,7 @@ TEST(Load, SphereFollowsItsClosedForm) {
   const Object sphere(Sphere{R});
   const PlacedObject placed{&sphere, {{0.2e-3, -0.3e-3, 0}}};
   const LoadResult result = findLoad(sensor, {&placed, 1}, kPi * 1.73e8 * depth * depth * (R - depth / 3));
-  // 32 samples per contact radius: 0.15 % of force at 8 (PHYSICS section 22), and dF/F = 2 d(depth)/depth.
+  // 32 samples per contact radius: 0.15 % of force at 8 (worst over offsets, by an independent program), and dF/F = 2 d(depth)/depth.
   EXPECT_NEAR(result.offset, R - depth, 0.0015 / 2 * depth);
 }
 

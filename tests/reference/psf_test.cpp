@@ -1,4 +1,4 @@
-// The point spread function's sums and taps (PHYSICS section 6, worked out by an independent program).
+// The point spread function's sums and taps, worked out by an independent program.
 #include "reference/psf.h"
 
 #include <gtest/gtest.h>

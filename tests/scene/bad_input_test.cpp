@@ -118,7 +118,30 @@ TEST(BadScenes, Numbers) {
 TEST(BadScenes, Sensors) {
   expectRefusals(
       {BadScene{kSkin, "{thickness: 0, normal_contact_stiffness: 1}", ":9:21: sensor.skin.thickness: 0 is not allowed: a number > 0 m"},
-       BadScene{kSkin, "{thickness: 1, law: lugre, normal_contact_stiffness: 1}", ":9:29: sensor.skin.law: lugre is not allowed: winkler"},
+       BadScene{kSkin, "{thickness: 1, law: honey, normal_contact_stiffness: 1}", ":9:29: sensor.skin.law: honey is not allowed: winkler"},
+       BadScene{kSkin, "{thickness: 1, law: deformation_mask, mass: 1}",
+                ":9:53: sensor.skin.mass: not a key of law deformation_mask but of mass_spring_damper"},
+       BadScene{kSkin, "{thickness: 1, law: proximity, normal_contact_stiffness: 1}",
+                ":9:66: sensor.skin.normal_contact_stiffness: not a key of law proximity but of winkler"},
+       BadScene{kSkin, "{thickness: 1, law: proximity}", ":9:9: sensor.skin: sensitivity is missing: a number > 0 N/m^3"},
+       BadScene{kSkin, "{thickness: 1, law: proximity, sensitivity: 1e8}",
+                ":24:9: randomisation.load: the sensor's law proximity has no forces: give depth[_mm] instead"},
+       BadScene{kSkin, "{thickness: 1, law: mass_spring_damper, normal_contact_stiffness: 1, mass: 0}",
+                ":9:84: sensor.skin.mass: 0 is not allowed: a number > 0 kg"},
+       BadScene{kSkin, "{thickness: 1, law: mass_spring_damper, normal_contact_stiffness: 1, damping: -1}",
+                ":9:87: sensor.skin.damping: -1 is not allowed: a number >= 0 N s/m"},
+       BadScene{kSkin, "{thickness: 1, law: deformation_mask, saturation_pressure: 0}",
+                ":9:68: sensor.skin.saturation_pressure: 0 is not allowed: a number > 0 Pa"},
+       BadScene{kSkin, "{thickness: 1, normal_contact_stiffness: 1, friction_coefficient: -0.5}",
+                ":9:75: sensor.skin.friction_coefficient: -0.5 is not allowed: a number from 0 to 1000"},
+       BadScene{kSkin, "{thickness: 1, normal_contact_stiffness: 1, friction_coefficient: 0.5}",
+                ":9:9: sensor.skin: tangential_stiffness is missing: a number > 0 N/m^3"},
+       BadScene{kSkin, "{thickness: 1, normal_contact_stiffness: 1, friction_coefficient: 0.5, tangential_stiffness: 0}",
+                ":9:102: sensor.skin.tangential_stiffness: 0 is not allowed: a number > 0 N/m^3"},
+       BadScene{kSkin, "{thickness: 1, normal_contact_stiffness: 1, tangential_stiffness: 1e8}",
+                ":9:75: sensor.skin.tangential_stiffness: given without friction: friction_coefficient must be > 0 beside it"},
+       BadScene{kSkin, "{thickness: 1, law: deformation_mask, friction_coefficient: 0.5, tangential_stiffness: 1e8}",
+                ":9:69: sensor.skin.friction_coefficient: 0.5 is not allowed: 0 for a law other than winkler"},
        BadScene{kSkin, "soft", ":9:9: sensor.skin: soft is not allowed: a mapping of thickness[_mm], law"},
        BadScene{kPsf, "{gaussian: {sigma: 0, size: 3}}",
                 ":10:27: sensor.psf.gaussian.sigma: 0 is not allowed: a number from 0.001 to 100 taxels"},
@@ -155,6 +178,51 @@ TEST(BadScenes, Sensors) {
                 ":14:59: mount.rotation: given twice, as rotation and rpy"}});
 }
 
+TEST(BadScenes, ReadoutOverTimeAndImperfections) {
+  constexpr std::string_view kTrigger = "trigger: 0.02";
+  expectRefusals(
+      {BadScene{kTrigger, "hysteresis_strength: 1.5",
+                ":13:26: sensor.readout.hysteresis_strength: 1.5 is not allowed: a number from 0 to 1"},
+       BadScene{kTrigger, "hysteresis_strength: 0.1",
+                ":13:26: sensor.readout.hysteresis_strength: 1 of hysteresis_strength and 0 of hysteresis_width: as many"},
+       BadScene{kTrigger, "hysteresis_width: [0.1]",
+                ":13:23: sensor.readout.hysteresis_width: 0 of hysteresis_strength and 1 of hysteresis_width: as many"},
+       BadScene{kTrigger, "hysteresis_width: -0.1", ":13:23: sensor.readout.hysteresis_width: -0.1 is not allowed: a number >= 0 N"},
+       BadScene{kTrigger, "hysteresis_strength: [0, 0, 0, 0, 0]",
+                ":13:26: sensor.readout.hysteresis_strength: a list of 5 is not allowed: a number, or a list of at most 4"},
+       BadScene{kTrigger, "hysteresis_strength: [0.5, 0.5]\n    hysteresis_width: [1, 2]",
+                ":13:26: sensor.readout.hysteresis_strength: a sum of 1 is not allowed: less than 1"},
+       BadScene{kTrigger, "creep: 3", ":13:12: sensor.readout.creep: 3 is not allowed: a list of at most 4 of {fraction, time}"},
+       BadScene{kTrigger, "creep: [{fraction: 0.1}]", ":13:13: sensor.readout.creep[0]: time is missing: a number > 0 s"},
+       BadScene{kTrigger, "creep: [{fraction: -1, time: 1}]",
+                ":13:24: sensor.readout.creep[0].fraction: -1 is not allowed: a number from 0"},
+       BadScene{kTrigger, "creep: [{fraction: 1, time: 0}]", ":13:33: sensor.readout.creep[0].time: 0 is not allowed: a number > 0 s"},
+       BadScene{kTrigger, "creep: [{fraction: 1, tau: 1}]", ":13:27: sensor.readout.creep[0].tau: unknown key"},
+       BadScene{kTrigger, "low_pass_time: -1", ":13:20: sensor.readout.low_pass_time: -1 is not allowed: a number >= 0 s"},
+       BadScene{kTrigger, "delay: soon", ":13:12: sensor.readout.delay: soon is not allowed: a number >= 0 s"},
+       BadScene{kTrigger, "delay: 0.4",
+                ":5:3: sensor: readout.delay 0.4 s is not allowed: at most 32 steps at a simulation_rate of 100 Hz (0.32 s)"},
+       BadScene{kTrigger, "jitter: 0.001",
+                ":13:13: sensor.readout.jitter: 0.001 is not allowed: s, 0 where frame_rate is 0 (a frame at every step)"},
+       BadScene{kTrigger, "jitter: 0.1\n  frame_rate: 20",
+                ":13:13: sensor.readout.jitter: 0.1 is not allowed: s, at most 1 / frame_rate (0.05 s)"},
+       BadScene{kTrigger, "bias: -1", ":13:11: sensor.readout.bias: -1 is not allowed: a number from 0 to 1e+09 counts"},
+       BadScene{kTrigger, "random_walk: 1e10",
+                ":13:18: sensor.readout.random_walk: 1e10 is not allowed: a number from 0 to 1e+09 counts/sqrt(s)"},
+       BadScene{kTrigger, "gain_spread: 3", ":13:18: sensor.readout.gain_spread: 3 is not allowed: a number from 0 to 2"},
+       BadScene{kTrigger, "press_gain_spread: .nan", ":13:24: sensor.readout.press_gain_spread: .nan is not allowed"},
+       BadScene{kTrigger, "dead_taxel_probability: 1.1",
+                ":13:29: sensor.readout.dead_taxel_probability: 1.1 is not allowed: a number from 0 to 1"}});
+}
+
+TEST(BadSceneFiles, ADelayWouldBlankAContactImage) {
+  std::string text = edited(edited(kScene, "kind: servo", "kind: contacts"), "num_steps: 20, ", "");
+  text = edited(text, "controller:\n  edge_servo: {angle_gain: 0.78}\n", "");
+  EXPECT_EQ(refusalOf(text), "was accepted");
+  EXPECT_THAT(refusalOf(edited(text, "trigger: 0.02", "delay: 0.01")),
+              testing::StartsWith(":5:3: sensor: readout.delay 0.01 s is not allowed: 0 in a scene of kind contacts"));
+}
+
 TEST(BadScenes, Objects) {
   expectRefusals(
       {BadScene{kSphere, "mesh: missing.obj", ":16:11: objects[0].mesh: missing.obj is not there, or not a file"},
@@ -164,6 +232,15 @@ TEST(BadScenes, Objects) {
        BadScene{"sphere: {radius_mm: 5}\n", "mesh: mesh.obj\n    scale: 0\n",
                 ":17:12: objects[0].scale: 0 is not allowed: a number > 0 m per unit"},
        BadScene{"sphere: {radius_mm: 5}\n", "mesh: mesh.obj\n    up_axis: w\n", ":17:14: objects[0].up_axis: w is not allowed: x | y | z"},
+       BadScene{"sphere: {radius_mm: 5}\n", "mesh: mesh.obj\n    max_depth_error_mm: -1\n",
+                ":17:25: objects[0].max_depth_error_mm: -1 is not allowed: a number >= 0 mm"},
+       BadScene{"sphere: {radius_mm: 5}\n", "mesh: mesh.obj\n    max_depth_error: .inf\n",
+                ":17:22: objects[0].max_depth_error: .inf is not allowed: a number >= 0 m"},
+       BadScene{"sphere: {radius_mm: 5}\n", "mesh: mesh.obj\n    max_depth_error: small\n",
+                ":17:22: objects[0].max_depth_error: small is not allowed: a number >= 0 m"},
+       BadScene{"sphere: {radius_mm: 5}\n", "mesh: mesh.obj\n    max_depth_error: 0\n    max_depth_error_mm: 0\n",
+                ":18:25: objects[0].max_depth_error_mm: given twice, as max_depth_error and max_depth_error_mm"},
+       BadScene{"weight: 2", "max_depth_error_mm: 0", ":17:25: objects[0].max_depth_error_mm: belongs to a mesh, not to a sphere"},
        BadScene{"sphere: {radius_mm: 5}\n", "mesh: mesh.obj\n    sha256: 00\n", ":17:13: objects[0].sha256: not the SHA-256 of mesh.obj"},
        BadScene{kSphere, "sphere: {radius_mm: 0}", ":16:25: objects[0].sphere.radius_mm: 0 is not allowed: a number > 0 mm"},
        BadScene{kSphere, "sphere: {}", ":16:13: objects[0].sphere: radius[_mm] is missing: a number > 0 m"},

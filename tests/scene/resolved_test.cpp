@@ -29,6 +29,9 @@ class WorkingDirectory {
 TEST(Resolved, IsAValidSceneThatResolvesToItself) {
   const std::string text = resolved(kScene);
   EXPECT_EQ(resolved(text), text);
+  const std::string with_friction = resolved(edited(kScene, "1.73e8}", "1.73e8, friction_coefficient: 0.5, tangential_stiffness: 1e8}"));
+  EXPECT_EQ(resolved(with_friction), with_friction);
+  EXPECT_NE(with_friction, text);
 }
 
 TEST(Resolved, IsTheSameFromEveryDirectory) {
@@ -83,6 +86,21 @@ TEST(Resolved, NamesAMeshByItsBytes) {
   EXPECT_NE(loadScene(file).resolved, before);
   EXPECT_THAT(refusal(directory.path() / "resolved.yaml", [&] { loadScene(directory.path() / "resolved.yaml"); }),
               testing::HasSubstr("not the SHA-256 of"));
+}
+
+TEST(Resolved, SaysByHowMuchAMeshMayBeSimplified) {
+  const ScratchDirectory directory;
+  directory.write("mesh.obj", kMeshText);
+  const auto with = [&](const std::string& setting) {
+    return loadScene(directory.write("scene.yaml", edited(kScene, "sphere: {radius_mm: 5}", "mesh: mesh.obj" + setting))).resolved;
+  };
+  EXPECT_THAT(with(""), testing::HasSubstr("\n    max_depth_error: 1e-05\n"));
+  EXPECT_EQ(with("\n    max_depth_error_mm: 0.01"), with(""));
+  EXPECT_THAT(with("\n    max_depth_error_mm: 0.02"), testing::HasSubstr("\n    max_depth_error: 2e-05\n"));
+  EXPECT_THAT(with("\n    max_depth_error: 0"), testing::HasSubstr("\n    max_depth_error: 0\n"));
+  const std::string text = with("\n    max_depth_error_mm: 0.02");
+  EXPECT_EQ(loadScene(directory.write("resolved.yaml", text)).resolved, text);
+  EXPECT_THAT(resolved(kScene), testing::Not(testing::HasSubstr("max_depth_error")));
 }
 
 TEST(Resolved, DoesNotDependOnTheLocale) {
@@ -142,6 +160,18 @@ TEST(Resolved, AnySettingShows) {
       {"trigger: 0.02", "trigger: 0.02\n    noise: 1"},
       {"trigger: 0.02", "trigger: 0.02\n    taxel_gain: [1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 2]"},
       {"trigger: 0.02", "trigger: 0.02\n    taxel_trigger: [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0.1]"},
+      {"trigger: 0.02", "trigger: 0.02\n    hysteresis_strength: 0.1\n    hysteresis_width: 0.2"},
+      {"trigger: 0.02", "trigger: 0.02\n    hysteresis_strength: [0.1, 0.2]\n    hysteresis_width: [0.2, 0.3]"},
+      {"trigger: 0.02", "trigger: 0.02\n    creep: [{fraction: 0.1, time: 1}]"},
+      {"trigger: 0.02", "trigger: 0.02\n    creep: [{fraction: 0.1, time: 1}, {fraction: 0.1, time: 8}]"},
+      {"trigger: 0.02", "trigger: 0.02\n    low_pass_time: 0.1"},
+      {"trigger: 0.02", "trigger: 0.02\n    delay: 0.1"},
+      {"trigger: 0.02", "trigger: 0.02\n    jitter: 0.001\n  frame_rate: 50"},
+      {"trigger: 0.02", "trigger: 0.02\n    bias: 1"},
+      {"trigger: 0.02", "trigger: 0.02\n    random_walk: 1"},
+      {"trigger: 0.02", "trigger: 0.02\n    gain_spread: 0.1"},
+      {"trigger: 0.02", "trigger: 0.02\n    press_gain_spread: 0.1"},
+      {"trigger: 0.02", "trigger: 0.02\n    dead_taxel_probability: 0.1"},
       {"position_mm: [1, 2, 3]", "position_mm: [1, 2, 4]"},
       {"rpy_deg: [0, 0, 90]", "rpy_deg: [0, 0, 91]"},
       {"radius_mm: 5", "radius_mm: 6"},

@@ -31,6 +31,7 @@ TEST(SensorFile, DefaultsAreTheHeaders) {
   EXPECT_EQ(sensor.frame_rate, Sensor{}.frame_rate);
   EXPECT_EQ(sensor.skin.thickness, 0.002);
   EXPECT_EQ(std::get<Winkler>(sensor.skin.law), (Winkler{.normal_contact_stiffness = 1.73e8}));
+  EXPECT_EQ(sensor.skin.friction, Friction{});
   EXPECT_EQ(sensor.psf.size, Psf{}.size);
   EXPECT_EQ(sensor.psf.kernel, Psf{}.kernel);
   EXPECT_EQ(sensor.psf.normalization, Psf{}.normalization);
@@ -42,6 +43,16 @@ TEST(SensorFile, DefaultsAreTheHeaders) {
   EXPECT_EQ(sensor.readout.noise, Readout{}.noise);
   EXPECT_TRUE(sensor.readout.taxel_gain.empty());
   EXPECT_TRUE(sensor.readout.taxel_trigger.empty());
+  EXPECT_TRUE(sensor.readout.hysteresis_strength.empty());
+  EXPECT_TRUE(sensor.readout.creep.empty());
+  EXPECT_EQ(sensor.readout.low_pass_time, Readout{}.low_pass_time);
+  EXPECT_EQ(sensor.readout.delay, Readout{}.delay);
+  EXPECT_EQ(sensor.readout.jitter, Readout{}.jitter);
+  EXPECT_EQ(sensor.readout.bias, Readout{}.bias);
+  EXPECT_EQ(sensor.readout.random_walk, Readout{}.random_walk);
+  EXPECT_EQ(sensor.readout.gain_spread, Readout{}.gain_spread);
+  EXPECT_EQ(sensor.readout.press_gain_spread, Readout{}.press_gain_spread);
+  EXPECT_EQ(sensor.readout.dead_taxel_probability, Readout{}.dead_taxel_probability);
 }
 
 TEST(SensorFile, EverySettingArrives) {
@@ -50,10 +61,13 @@ TEST(SensorFile, EverySettingArrives) {
   - {num_rows: 1, num_cols: 1, pitch: 0.005, pose: {rpy_deg: [0, 0, 90]}}
 samples_per_taxel: 8
 frame_rate: 31
-skin: {thickness_mm: 1.5, law: winkler, normal_contact_stiffness: 2e8, normal_exponent: 1.5, normal_damping: 10}
+skin: {thickness_mm: 1.5, law: winkler, normal_contact_stiffness: 2e8, normal_exponent: 1.5, normal_damping: 10,
+       friction_coefficient: 0.6, tangential_stiffness: 5e7}
 psf: {kernel: [[0, 1, 0], [2, 4, 2], [0, 1, 0.5]], normalization: none}
 readout: {curve: {coefficients: [100, 2, 0.5]}, output_scale: 2, trigger: 0.1, adc_bits: 10, saturation: 1000, noise: 3,
-          taxel_gain: [1, 2, 3], taxel_trigger: [0.1, 0.2, 0.3]}
+          taxel_gain: [1, 2, 3], taxel_trigger: [0.1, 0.2, 0.3], hysteresis_strength: [0.1, 0.2], hysteresis_width: [0.3, 0.4],
+          creep: [{fraction: 0.5, time: 6}, {time: 8, fraction: 0.7}], low_pass_time: 0.01, delay: 0.02, jitter: 0.03, bias: 4,
+          random_walk: 5, gain_spread: 0.6, press_gain_spread: 0.7, dead_taxel_probability: 0.8}
 )");
   ASSERT_EQ(sensor.patches.size(), 2u);
   EXPECT_EQ(sensor.patches[0].name, "a");
@@ -67,6 +81,7 @@ readout: {curve: {coefficients: [100, 2, 0.5]}, output_scale: 2, trigger: 0.1, a
   EXPECT_EQ(sensor.frame_rate, 31);
   EXPECT_EQ(sensor.skin.thickness, 0.0015);
   EXPECT_EQ(std::get<Winkler>(sensor.skin.law), (Winkler{.normal_contact_stiffness = 2e8, .normal_exponent = 1.5, .normal_damping = 10}));
+  EXPECT_EQ(sensor.skin.friction, (Friction{.tangential_stiffness = 5e7, .friction_coefficient = 0.6}));
   EXPECT_EQ(sensor.psf.size, 3);
   EXPECT_EQ(sensor.psf.kernel, (std::vector<double>{0, 1, 0, 2, 4, 2, 0, 1, 0.5}));
   EXPECT_EQ(sensor.psf.normalization, Psf::Normalization::kNone);
@@ -78,6 +93,17 @@ readout: {curve: {coefficients: [100, 2, 0.5]}, output_scale: 2, trigger: 0.1, a
   EXPECT_EQ(sensor.readout.noise, 3);
   EXPECT_EQ(sensor.readout.taxel_gain, (std::vector<double>{1, 2, 3}));
   EXPECT_EQ(sensor.readout.taxel_trigger, (std::vector<double>{0.1, 0.2, 0.3}));
+  EXPECT_EQ(sensor.readout.hysteresis_strength, (std::vector<double>{0.1, 0.2}));
+  EXPECT_EQ(sensor.readout.hysteresis_width, (std::vector<double>{0.3, 0.4}));
+  EXPECT_EQ(sensor.readout.creep, (std::vector<CreepTerm>{{0.5, 6}, {0.7, 8}}));
+  EXPECT_EQ(sensor.readout.low_pass_time, 0.01);
+  EXPECT_EQ(sensor.readout.delay, 0.02);
+  EXPECT_EQ(sensor.readout.jitter, 0.03);
+  EXPECT_EQ(sensor.readout.bias, 4);
+  EXPECT_EQ(sensor.readout.random_walk, 5);
+  EXPECT_EQ(sensor.readout.gain_spread, 0.6);
+  EXPECT_EQ(sensor.readout.press_gain_spread, 0.7);
+  EXPECT_EQ(sensor.readout.dead_taxel_probability, 0.8);
 }
 
 TEST(SensorFile, GainsInRowsAreGainsInStorageOrder) {
@@ -87,11 +113,32 @@ TEST(SensorFile, GainsInRowsAreGainsInStorageOrder) {
   EXPECT_EQ(load(kGrid + readout + "taxel_gain: [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12]}").readout.taxel_gain, expected);
 }
 
+TEST(SensorFile, OneElementOfHysteresisNeedsNoList) {
+  const Sensor sensor = load(std::string(kGrid) +
+                             "skin: {thickness: 0.002, normal_contact_stiffness: 1.73e8}\nreadout: {curve: {counts_per_newton: 2400}, "
+                             "hysteresis_strength: 0.1, hysteresis_width: 0.2}");
+  EXPECT_EQ(sensor.readout.hysteresis_strength, std::vector<double>{0.1});
+  EXPECT_EQ(sensor.readout.hysteresis_width, std::vector<double>{0.2});
+}
+
 TEST(SensorFile, FullScaleFollowsTheBits) {
   const std::string text =
       std::string(kGrid) +
       "skin: {thickness: 0.002, normal_contact_stiffness: 1.73e8}\nreadout: {curve: {counts_per_newton: 100}, adc_bits: 8}\n";
   EXPECT_EQ(load(text).readout.saturation, 255);
+}
+
+TEST(SensorFile, EveryLawArrives) {
+  const std::string readout = "\nreadout: {curve: {counts_per_newton: 2400}}\n";
+  const auto law = [&](const std::string& skin) {
+    return load(std::string(kGrid) + "skin: {thickness_mm: 2, law: " + skin + "}" + readout).skin.law;
+  };
+  EXPECT_EQ(law("mass_spring_damper, normal_contact_stiffness: 1e8"), ContactLaw(MassSpringDamper{.normal_contact_stiffness = 1e8}));
+  EXPECT_EQ(law("mass_spring_damper, normal_contact_stiffness: 1e8, mass: 2, stiffness: 3, damping: 4"),
+            ContactLaw(MassSpringDamper{1e8, 2, 3, 4}));
+  EXPECT_EQ(law("deformation_mask"), ContactLaw(DeformationMask{}));
+  EXPECT_EQ(law("deformation_mask, normal_contact_stiffness: 1e7, saturation_pressure: 1e5"), ContactLaw(DeformationMask{1e7, 1e5}));
+  EXPECT_EQ(law("proximity, sensitivity: 5e7"), ContactLaw(Proximity{5e7}));
 }
 
 TEST(SensorFile, RollComesFirstThenPitchThenYaw) {
@@ -192,6 +239,31 @@ TEST(SceneFile, EverySettingArrives) {
   EXPECT_EQ(scene.episodes_per_shard, 5u);
   EXPECT_EQ(scene.compression, 9);
   EXPECT_EQ(scene.record, (std::vector<std::string>{"penetration_depth", "actions"}));
+}
+
+// A flat plate of 20 x 20 cells needs no vertex but those of its rim.
+TEST(SceneFile, AMeshIsSimplifiedAsFarAsItsKeyAllows) {
+  constexpr int kCells = 20;
+  const ScratchDirectory directory;
+  std::string plate;
+  for (int i = 0; i <= kCells; ++i) {
+    for (int j = 0; j <= kCells; ++j) plate += "v " + std::to_string(1e-3 * i) + " " + std::to_string(1e-3 * j) + " 0\n";
+  }
+  for (int i = 0; i < kCells; ++i) {
+    for (int j = 1; j <= kCells; ++j) {
+      const std::string a = std::to_string(i * (kCells + 1) + j), b = std::to_string(i * (kCells + 1) + j + 1);
+      const std::string c = std::to_string((i + 1) * (kCells + 1) + j + 1), d = std::to_string((i + 1) * (kCells + 1) + j);
+      plate += "f " + a + " " + d + " " + c + "\nf " + a + " " + c + " " + b + "\n";
+    }
+  }
+  directory.write("plate.obj", plate);
+  const auto numTriangles = [&](const std::string& setting) {
+    const std::string text = edited(kScene, "sphere: {radius_mm: 5}", "mesh: plate.obj" + setting);
+    return std::get<Mesh>(loadScene(directory.write("scene.yaml", text)).objects[0].object.shape).triangles.size();
+  };
+  EXPECT_EQ(numTriangles("\n    max_depth_error: 0"), 800u);
+  EXPECT_LT(numTriangles("\n    max_depth_error_mm: 0.01"), 200u);
+  EXPECT_LT(numTriangles(""), 200u);
 }
 
 TEST(SceneFile, ManyObjectsWithoutNamesAreNamedQuickly) {

@@ -87,6 +87,20 @@ TEST(CheckSensor, SamplesSkinAndLaw) {
   expectRefused("skin", [](Sensor& s) { law(s).normal_contact_stiffness = 1e308, s.skin.thickness = 1e10; });
 }
 
+TEST(CheckSensor, Friction) {
+  expectTaken([](Sensor& s) { s.skin.friction = {1e8, 0.5}; });
+  expectTaken([](Sensor& s) { s.skin.friction = {kMaxTangentialStiffness, kMaxFrictionCoefficient}; });
+  for (const double bad : {-0.1, 2 * kMaxFrictionCoefficient, kNan, kInfinity}) {
+    expectRefused("skin.friction_coefficient", [&](Sensor& s) { s.skin.friction = {1e8, bad}; });
+  }
+  for (const double bad : {0.0, -1.0, 2 * kMaxTangentialStiffness, kNan, kInfinity}) {
+    expectRefused("skin.tangential_stiffness", [&](Sensor& s) { s.skin.friction = {bad, 0.5}; });
+  }
+  for (const double bad : {1.0, -1.0, kNan}) {
+    expectRefused("skin.tangential_stiffness", [&](Sensor& s) { s.skin.friction = {bad, 0}; });
+  }
+}
+
 TEST(CheckSensor, Psf) {
   for (const int bad : {-1, 0, 2, 11}) expectRefused("psf.size", [&](Sensor& s) { s.psf.size = bad; });
   expectRefused("psf.kernel", [](Sensor& s) { s.psf.size = 5; });
@@ -123,6 +137,44 @@ TEST(CheckSensor, Readout) {
   expectRefused("readout.taxel_trigger", [](Sensor& s) { s.readout.taxel_trigger.assign(85, 0.0); });
 }
 
+TEST(CheckSensor, ReadoutOverTime) {
+  expectTaken([](Sensor& s) { s.readout.hysteresis_strength = {0.5, 0.4}, s.readout.hysteresis_width = {0, 1}; });
+  expectRefused("readout.hysteresis_strength", [](Sensor& s) { s.readout.hysteresis_strength.assign(5, 0.1); });
+  expectRefused("readout.hysteresis_width", [](Sensor& s) { s.readout.hysteresis_strength = {0.5}; });
+  expectRefused("readout.hysteresis_strength", [](Sensor& s) {
+    s.readout.hysteresis_strength = {0.5, 0.5}, s.readout.hysteresis_width = {1, 1};
+  });
+  expectTaken([](Sensor& s) { s.readout.creep.assign(4, {.fraction = 0, .time = 1e-6}); });
+  expectRefused("readout.creep", [](Sensor& s) { s.readout.creep.assign(5, {.fraction = 0, .time = 1}); });
+  for (const double bad : {-1.0, kNan, kInfinity}) {
+    expectRefused("readout.hysteresis_strength[0]",
+                  [&](Sensor& s) { s.readout.hysteresis_strength = {bad}, s.readout.hysteresis_width = {1}; });
+    expectRefused("readout.hysteresis_width[0]",
+                  [&](Sensor& s) { s.readout.hysteresis_strength = {0.1}, s.readout.hysteresis_width = {bad}; });
+    expectRefused("readout.creep[0].fraction", [&](Sensor& s) { s.readout.creep = {{bad, 1}}; });
+    expectRefused("readout.creep[0].time", [&](Sensor& s) { s.readout.creep = {{1, bad}}; });
+    expectRefused("readout.low_pass_time", [&](Sensor& s) { s.readout.low_pass_time = bad; });
+    expectRefused("readout.delay", [&](Sensor& s) { s.readout.delay = bad; });
+    expectRefused("readout.jitter", [&](Sensor& s) { s.readout.jitter = bad; });
+  }
+  expectRefused("readout.creep[0].time", [](Sensor& s) { s.readout.creep = {{1, 0}}; });
+  // The example's rate is 100 Hz.
+  expectTaken([](Sensor& s) { s.readout.jitter = 0.01; });
+  expectRefused("readout.jitter", [](Sensor& s) { s.readout.jitter = 0.011; });
+  expectRefused("readout.jitter", [](Sensor& s) { s.readout.jitter = 1e-9, s.frame_rate = 0; });
+}
+
+TEST(CheckSensor, Imperfections) {
+  expectTaken([](Sensor& s) { s.readout.dead_taxel_probability = 1, s.readout.bias = 1e9, s.readout.gain_spread = 2; });
+  for (const double bad : {-1e-9, 1.1e9, kNan, kInfinity}) {
+    expectRefused("readout.bias", [&](Sensor& s) { s.readout.bias = bad; });
+    expectRefused("readout.random_walk", [&](Sensor& s) { s.readout.random_walk = bad; });
+    expectRefused("readout.gain_spread", [&](Sensor& s) { s.readout.gain_spread = bad; });
+    expectRefused("readout.press_gain_spread", [&](Sensor& s) { s.readout.press_gain_spread = bad; });
+    expectRefused("readout.dead_taxel_probability", [&](Sensor& s) { s.readout.dead_taxel_probability = bad; });
+  }
+}
+
 TEST(CheckSensor, Curve) {
   expectRefused("readout.curve", [](Sensor& s) { s.readout.curve.clear(); });
   expectRefused("readout.curve", [](Sensor& s) { s.readout.curve.assign(6, 1.0); });
@@ -142,6 +194,8 @@ TEST(CheckSensor, Curve) {
     s.readout.taxel_gain[7] = 1.1;
   });
   expectTaken([](Sensor& s) { s.readout.curve = {1200, -200}; });
+  // So does creep.
+  expectRefused("readout.curve", [](Sensor& s) { s.readout.curve = {1200, -200}, s.readout.creep = {{0.1, 1}}; });
 }
 
 }  // namespace

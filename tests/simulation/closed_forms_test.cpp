@@ -42,7 +42,7 @@ void expectForce(const Result& result, double expected, double discretisation) {
 
 TEST(DeviceClosedForm, SphereExact) {
   const double R = 12e-3, depth = 0.9e-3;  // contact radius 4.56 mm: 36 samples
-  // 0.15 % at 8 samples per radius (PHYSICS section 22), falling further.
+  // 0.15 % at 8 samples per radius (worst over offsets, by an independent program), falling further.
   expectForce(run(fineSensor(), Object(Sphere{R}), {.position = {0.13e-3, -0.29e-3, R - depth}}),
               kPi * kStiffness * depth * depth * (R - depth / 3), 0.0015);
 }

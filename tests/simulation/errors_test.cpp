@@ -142,7 +142,7 @@ TEST_F(Errors, BatchTooLargeNamesTheSizeThatFits) {
 TEST(ModelErrors, RefusedModels) {
   const Sensor sensor = support::gridSensor();
   const Object sphere(Sphere{0.005});
-  inputError([&] { Model(support::sharedDevice(), {.sensor = sensor}); });
+  inputError([&] { Simulator(Model(support::sharedDevice(), {.sensor = sensor}), {}); });
   inputError([&] { Model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{-1})}}); });
   inputError([&] { Model(support::sharedDevice(), {.sensor = sensor, .objects = {sphere, Object("empty", Mesh{})}}); });
   Sensor bad = sensor;

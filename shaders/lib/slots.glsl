@@ -1,0 +1,15 @@
+// The slot that a surface belongs to, in the lowest bits of a float: of a height in the tile, where atomicMin then still finds the lowest surface, and of
+// a traction in the state of friction. Only where a sensor with friction may touch several objects; elsewhere a word is the float's own.
+//
+// The float keeps 20 of its 23 bits, rounded to nearest: a height within the skin is off by at most 2^-21 of the skin's thickness, 1 nm of 2 mm.
+
+const bool kKeepsSlots = FRICTION && MANY_SLOTS;
+const uint kSlotMask = (1u << kSlotBits) - 1u;
+
+uint withSlot(float value, uint slot) {
+  uint bits = floatBitsToUint(value);
+  return kKeepsSlots ? ((bits + (kSlotMask + 1u) / 2u) & ~kSlotMask) | slot : bits;
+}
+
+float withoutSlot(uint word) { return uintBitsToFloat(kKeepsSlots ? word & ~kSlotMask : word); }
+uint slotOf(uint word) { return kKeepsSlots ? word & kSlotMask : 0u; }

@@ -1,0 +1,37 @@
+// What the passes share that some laws run over the taxels, between contact and image. An invocation owns a taxel, an instance or a tile of an instance.
+
+#include "shared/layout.h"
+#include "lib/specialization.glsl"
+layout(constant_id = 11) const bool SCALED = true;  // as in contact.comp, which leaves the scale to these passes
+layout(constant_id = 12) const float LAW_0 = 0.0;   // parameters of the law
+layout(constant_id = 13) const float LAW_1 = 0.0;
+
+layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceRecord instances[]; };
+layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
+layout(std430, set = 0, binding = 2) readonly buffer SpreadScale { float spread_scale[]; };
+layout(std430, set = 0, binding = 3) readonly buffer Neighbours { vec2 neighbours[]; };  // (9 x num_taxels): taxel (as bits), weight
+layout(std430, set = 0, binding = 4) buffer ContactNormal { float contact_normal[]; };
+layout(std430, set = 0, binding = 5) buffer LawState { vec2 law_state[]; };  // (num_instances x num_taxels)
+layout(std430, set = 0, binding = 6) buffer TileResults { TileResult tile_results[]; };
+layout(std430, set = 0, binding = 7) readonly buffer Taxels { TaxelRecord taxels[]; };
+layout(std430, set = 0, binding = 8) writeonly buffer Problems { uint problems[]; };
+
+#include "lib/workgroup.glsl"
+
+// Number of this invocation over the whole batch.
+uint invocationNumber() { return workgroupNumber() * WORKGROUP + gl_LocalInvocationIndex; }
+
+// Force that contact has left for a taxel, N. Of a sensor of one tile those outside the window were not written.
+float contactForce(uint instance, uint taxel) {
+  if (NUM_TILES == 1) {
+    uvec4 window = tile_results[instance].window;
+    uvec2 at = uvec2(taxel / NUM_COLS, taxel % NUM_COLS);
+    if (at.x < window.x || at.x >= window.y || at.y < window.z || at.y >= window.w) return 0.0;
+  }
+  return contact_normal[instance * NUM_TAXELS + taxel];
+}
+
+// `force` (N) is what the taxel's law makes of it, for the spread.
+void giveToSpread(uint instance, uint taxel, float force) {
+  contact_normal[instance * NUM_TAXELS + taxel] = SCALED ? force * spread_scale[taxel] : force;
+}

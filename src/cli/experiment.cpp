@@ -1,0 +1,183 @@
+// `taxelsim experiment`: sensor models beside each other on the paper's static experiments.
+#include <spdlog/fmt/fmt.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "cli/commands.h"
+#include "cli/tactile_figure.h"
+#include "taxelsim/device.h"
+#include "taxelsim/error.h"
+#include "taxelsim/experiment.h"
+
+namespace taxelsim::cli {
+namespace {
+
+struct Arguments {
+  std::string file, directory, device;
+  bool json = false;
+  bool validation = false;
+};
+
+double medianOf(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t n = values.size();
+  return n == 0 ? 0 : (values[(n - 1) / 2] + values[n / 2]) / 2;
+}
+
+std::size_t numberOf(const StaticExperiment& experiment, std::size_t object, std::size_t yaw, std::size_t load) {
+  return (object * experiment.yaw.size() + yaw) * experiment.loads.size() + load;
+}
+
+// Medians over all contacts of one load.
+ImageDistance medianDistance(const StaticExperiment& experiment, const StaticImages& images, std::size_t load) {
+  std::vector<double> differences, relative;
+  for (std::size_t contact = load; contact < images.distances.size(); contact += experiment.loads.size()) {
+    differences.push_back(images.distances[contact].median_difference);
+    relative.push_back(images.distances[contact].relative_l1);
+  }
+  return {medianOf(differences), medianOf(relative)};
+}
+
+std::string fitText(const StaticImages& images) {
+  if (images.fitted_sigma == 0) return "";
+  return fmt::format("normal_contact_stiffness {:.4g} N/m^3, psf sigma {:.3f} taxels",
+                     std::get<Winkler>(images.sensor.skin.law).normal_contact_stiffness, images.fitted_sigma);
+}
+
+void printTable(const StaticExperiment& experiment, const StaticResult& result) {
+  fmt::print("{}: {} indenters x {} angles, judged by {}\n", experiment.name, experiment.objects.size(), experiment.yaw.size(),
+             result.reference.name);
+  fmt::print(
+      "M1: median |difference| over taxels that carry force, % of full scale; M4: sum |difference| / sum, %; medians over contacts\n\n");
+  std::string heading = fmt::format("{:<32}", "sensor");
+  for (const double load : experiment.loads)
+    heading += fmt::format("  {:>8}  {:>8}", fmt::format("M1 {:.3g}N", load), fmt::format("M4 {:.3g}N", load));
+  fmt::print("{}\n", heading);
+  for (const StaticImages& images : result.sensors) {
+    std::string line = fmt::format("{:<32}", images.name);
+    for (std::size_t load = 0; load < experiment.loads.size(); ++load) {
+      const ImageDistance distance = medianDistance(experiment, images, load);
+      line += fmt::format("  {:>8.2f}  {:>8.1f}", 100 * distance.median_difference, 100 * distance.relative_l1);
+    }
+    fmt::print("{}\n", line);
+  }
+  for (const StaticImages& images : result.sensors) {
+    if (images.fitted_sigma > 0) fmt::print("\n{}: {}\n", images.name, fitText(images));
+  }
+}
+
+nlohmann::ordered_json asJson(const StaticExperiment& experiment, const StaticImages& images) {
+  nlohmann::ordered_json json{{"sensor", images.name}};
+  if (images.fitted_sigma > 0) {
+    json["normal_contact_stiffness"] = std::get<Winkler>(images.sensor.skin.law).normal_contact_stiffness;
+    json["psf_sigma"] = images.fitted_sigma;
+  }
+  nlohmann::ordered_json& medians = json["medians"] = nlohmann::ordered_json::array();
+  for (std::size_t load = 0; load < experiment.loads.size(); ++load) {
+    const ImageDistance distance = medianDistance(experiment, images, load);
+    medians.push_back(
+        {{"load", experiment.loads[load]}, {"median_difference", distance.median_difference}, {"relative_l1", distance.relative_l1}});
+  }
+  nlohmann::ordered_json& contacts = json["contacts"] = nlohmann::ordered_json::array();
+  for (std::size_t object = 0; object < experiment.objects.size(); ++object) {
+    for (std::size_t yaw = 0; yaw < experiment.yaw.size(); ++yaw) {
+      for (std::size_t load = 0; load < experiment.loads.size(); ++load) {
+        const std::size_t contact = numberOf(experiment, object, yaw, load);
+        contacts.push_back({{"object", experiment.objects[object].object.name},
+                            {"yaw", experiment.yaw[yaw]},
+                            {"load", experiment.loads[load]},
+                            {"median_difference", images.distances[contact].median_difference},
+                            {"relative_l1", images.distances[contact].relative_l1},
+                            {"tactile_normal_force", images.images[contact]}});
+      }
+    }
+  }
+  return json;
+}
+
+TactilePanel panelOf(const StaticImages& images, std::size_t contact) {
+  const GridPatch& patch = images.sensor.patches.front();
+  TactilePanel panel;
+  panel.num_rows = patch.num_rows;
+  panel.num_cols = patch.num_cols;
+  panel.pitch = patch.pitch;
+  panel.values.assign(images.images[contact].begin(), images.images[contact].end());
+  for (double& value : panel.values) value = std::round(value * 1000) / 1000;  // mN are what a cell has room for
+  panel.axes = axesOfImage(panel);
+  return panel;
+}
+
+// Figures 8 and 9 of the paper, for every load: an indenter's images, a row an angle, the reference first.
+void drawFigures(const std::string& directory, const StaticExperiment& experiment, const StaticResult& result) {
+  std::error_code error;
+  std::filesystem::create_directories(directory, error);
+  std::vector<const StaticImages*> all{&result.reference};
+  for (const StaticImages& images : result.sensors) all.push_back(&images);
+  for (const StaticImages* images : all) {
+    if (images->sensor.patches.size() != 1) return;  // several patches have no picture
+  }
+  for (std::size_t object = 0; object < experiment.objects.size(); ++object) {
+    for (std::size_t load = 0; load < experiment.loads.size(); ++load) {
+      std::vector<TactilePanel> panels;
+      for (std::size_t yaw = 0; yaw < experiment.yaw.size(); ++yaw) {
+        const std::size_t contact = numberOf(experiment, object, yaw, load);
+        for (const StaticImages* images : all) {
+          TactilePanel panel = panelOf(*images, contact);
+          panel.title = fmt::format("{}, {:.0f}°", images->name, experiment.yaw[yaw] * 180 / std::numbers::pi);
+          const ImageDistance& distance = images->distances[contact];
+          panel.caption = images == &result.reference
+                              ? "judged by this"
+                              : fmt::format("M1 {:.2f} %   M4 {:.1f} %", 100 * distance.median_difference, 100 * distance.relative_l1);
+          panels.push_back(std::move(panel));
+        }
+      }
+      const std::string& name = experiment.objects[object].object.name;
+      writeTactileFigure(std::filesystem::path(directory) / fmt::format("{}_{:.3g}N.png", name, experiment.loads[load]), panels,
+                         {.title = fmt::format("{} under {:.3g} N", name, experiment.loads[load]),
+                          .subtitle = "tactile_normal_force, clean, no trigger",
+                          .unit = "N",
+                          .num_columns = static_cast<int>(all.size())});
+    }
+  }
+}
+
+int runExperiment(const Arguments& arguments) {
+  const StaticExperiment experiment = loadStaticExperiment(arguments.file);
+  const StaticResult result =
+      runStaticExperiment(Device::open({.device = arguments.device, .validation = arguments.validation}), experiment);
+  if (!arguments.directory.empty()) drawFigures(arguments.directory, experiment, result);
+  if (!arguments.json) {
+    printTable(experiment, result);
+    return kExitOk;
+  }
+  nlohmann::ordered_json json{{"experiment", experiment.name}, {"reference", asJson(experiment, result.reference)}};
+  json["sensors"] = nlohmann::ordered_json::array();
+  for (const StaticImages& images : result.sensors) json["sensors"].push_back(asJson(experiment, images));
+  fmt::print("{}\n", json.dump(2));
+  return kExitOk;
+}
+
+}  // namespace
+
+void addExperiment(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand("experiment", "Sensor models beside each other: indenters under dead weights, as in the paper");
+  command->footer(
+      "Example:\n  taxelsim experiment scenes/experiments/paper/static_indenters.yaml -o figures/\n"
+      "Every model's images, in newtons, are judged by those of the experiment's reference.");
+  const auto arguments = std::make_shared<Arguments>();
+  command->add_option("experiment", arguments->file, "Experiment file (YAML)")->required()->type_name("FILE");
+  command->add_option("-o,--output", arguments->directory, "Draw a picture of every indenter and load into this directory")
+      ->type_name("DIR");
+  command->add_flag("--json", arguments->json, "Print JSON with every image");
+  command->add_option("--device", arguments->device, "discrete, integrated, cpu, a number of `taxelsim devices` or part of a name")
+      ->type_name("D");
+  command->add_flag("--validation", arguments->validation, "Run with Vulkan's validation layers; slow");
+  command->callback([=, &action] { action = [=] { return runExperiment(*arguments); }; });
+}
+
+}  // namespace taxelsim::cli

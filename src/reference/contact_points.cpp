@@ -1,0 +1,64 @@
+#include "reference/contact_points.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "reference/vector3.h"
+
+namespace taxelsim::reference {
+namespace {
+
+// The cell of a row of cells in which x lies, m from the row's middle.
+std::optional<int> cellAt(double x, int num_cells, double pitch) {
+  if (std::abs(x) > num_cells * pitch / 2 + kRimTolerance) return std::nullopt;
+  return std::clamp(static_cast<int>(std::floor(x / pitch + num_cells / 2.0)), 0, num_cells - 1);
+}
+
+struct Place {
+  int taxel;
+  const GridPatch* patch;
+};
+
+std::optional<Place> placeAt(const Sensor& sensor, const Vector3& p_SQ_S, double contact_band) {
+  int first_taxel = 0;
+  for (const GridPatch& patch : sensor.patches) {
+    const Vector3 p_PQ_P = inverse(patch.X_SP) * p_SQ_S;
+    const std::optional<int> i = cellAt(p_PQ_P[0], patch.num_rows, patch.pitch[0]);
+    const std::optional<int> j = cellAt(p_PQ_P[1], patch.num_cols, patch.pitch[1]);
+    if (i && j && p_PQ_P[2] >= -sensor.skin.thickness && p_PQ_P[2] <= contact_band) {
+      return Place{first_taxel + *i * patch.num_cols + *j, &patch};
+    }
+    first_taxel += patch.num_rows * patch.num_cols;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<int> taxelAt(const Sensor& sensor, const Vector3& p_SQ_S, double contact_band) {
+  const std::optional<Place> place = placeAt(sensor, p_SQ_S, contact_band);
+  return place ? std::optional(place->taxel) : std::nullopt;
+}
+
+ContactSums sumContacts(const Sensor& sensor, std::span<const ContactPoint> contacts, double contact_band) {
+  ContactSums sums;
+  sums.taxel_force.assign(static_cast<std::size_t>(numTaxels(sensor)), 0);
+  Vector3 force{0, 0, 0}, torque{0, 0, 0};
+  for (const ContactPoint& contact : contacts) {
+    const std::optional<Place> place = placeAt(sensor, contact.position, contact_band);
+    if (!place) {
+      sums.off_array_load += contact.normal_force;
+      ++sums.off_array_contacts;
+      continue;
+    }
+    sums.taxel_force[static_cast<std::size_t>(place->taxel)] += contact.normal_force;
+    sums.total_force += contact.normal_force;
+    const Vector3 contact_force = rotate(place->patch->X_SP.rotation, {0, 0, -contact.normal_force});
+    force = add(force, contact_force);
+    torque = add(torque, cross(contact.position, contact_force));
+  }
+  sums.wrench = {force[0], force[1], force[2], torque[0], torque[1], torque[2]};
+  return sums;
+}
+
+}  // namespace taxelsim::reference

@@ -1,0 +1,128 @@
+#include "reference/taxel_laws.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace taxelsim::reference {
+namespace {
+
+using Matrix = std::array<double, 4>;  // by rows
+
+Matrix product(const Matrix& a, const Matrix& b) {
+  return {a[0] * b[0] + a[1] * b[2], a[0] * b[1] + a[1] * b[3], a[2] * b[0] + a[3] * b[2], a[2] * b[1] + a[3] * b[3]};
+}
+
+// exp(A t) as a Taylor series of A t / 2^n, squared n times.
+Matrix exponential(const Matrix& A, double t) {
+  int halvings = 0;
+  double scale = t;
+  while ((std::abs(A[0]) + std::abs(A[1]) + std::abs(A[2]) + std::abs(A[3])) * scale > 0.25) {
+    scale /= 2;
+    ++halvings;
+  }
+  Matrix sum{1, 0, 0, 1};
+  Matrix term = sum;
+  for (int n = 1; n <= 20; ++n) {
+    term = product(term, {A[0] * scale / n, A[1] * scale / n, A[2] * scale / n, A[3] * scale / n});
+    for (std::size_t k = 0; k < 4; ++k) sum[k] += term[k];
+  }
+  for (int n = 0; n < halvings; ++n) sum = product(sum, sum);
+  return sum;
+}
+
+// One a law.
+struct Respond {
+  const Sensor& sensor;
+  std::span<const double> pressed;
+  double dt;
+  std::vector<TaxelState>& state;
+
+  std::vector<double> operator()(const Winkler&) const { return {pressed.begin(), pressed.end()}; }
+  std::vector<double> operator()(const Proximity&) const { return {pressed.begin(), pressed.end()}; }
+
+  // Force in the spring y = k x: y" = (k F - c y' - k y) / m. Time is counted in periods of the undamped mass, so that A's entries are
+  // alike.
+  std::vector<double> operator()(const MassSpringDamper& law) const {
+    const double rate = std::sqrt(law.stiffness / law.mass);
+    const double damping = law.damping / (law.mass * rate);
+    std::vector<double> response;
+    if (state.empty()) {
+      for (const double force : pressed) state.push_back({force, 0});
+    } else {
+      const Matrix step = exponential({0, 1, -1, -damping}, rate * dt);
+      for (std::size_t t = 0; t < state.size(); ++t) {
+        const double off = state[t][0] - pressed[t];
+        const double speed = state[t][1] / rate;
+        state[t] = {pressed[t] + step[0] * off + step[1] * speed, rate * (step[2] * off + step[3] * speed)};
+      }
+    }
+    for (const TaxelState& taxel : state) response.push_back(std::max(taxel[0], 0.0));
+    return response;
+  }
+
+  std::vector<double> operator()(const DeformationMask& law) const {
+    const std::array<double, 3> weights = maskWeights();
+    std::vector<double> response(pressed.size(), 0);
+    std::size_t first = 0;
+    for (const GridPatch& patch : sensor.patches) {
+      const auto inside = [&](int i, int j) { return i >= 0 && i < patch.num_rows && j >= 0 && j < patch.num_cols; };
+      const auto indexOf = [&](int i, int j) { return first + static_cast<std::size_t>(i) * patch.num_cols + j; };
+      const auto weight = [&](int a, int b) { return weights[static_cast<std::size_t>(std::abs(a) + std::abs(b))]; };
+      for (int i = 0; i < patch.num_rows; ++i) {
+        for (int j = 0; j < patch.num_cols; ++j) {
+          double total = 0;
+          for (int a = -1; a <= 1; ++a) {
+            for (int b = -1; b <= 1; ++b) total += inside(i + a, j + b) ? weight(a, b) : 0;
+          }
+          for (int a = -1; a <= 1; ++a) {
+            for (int b = -1; b <= 1; ++b) {
+              if (inside(i + a, j + b)) response[indexOf(i + a, j + b)] += pressed[indexOf(i, j)] * weight(a, b) / total;
+            }
+          }
+        }
+      }
+      const auto num_taxels = static_cast<std::size_t>(patch.num_rows) * patch.num_cols;
+      for (std::size_t t = first; t < first + num_taxels; ++t) {
+        response[t] = std::min(response[t], law.saturation_pressure * patch.pitch[0] * patch.pitch[1]);
+      }
+      first += num_taxels;
+    }
+    double all = 0;
+    double carried = 0;
+    for (const double force : pressed) all += force;
+    for (const double force : response) carried += force;
+    for (double& force : response) force *= carried > 0 ? all / carried : 0;
+    return response;
+  }
+};
+
+}  // namespace
+
+std::vector<double> taxelResponse(const Sensor& sensor, std::span<const double> pressed, double dt, std::vector<TaxelState>& state) {
+  return std::visit(Respond{sensor, pressed, dt, state}, sensor.skin.law);
+}
+
+std::array<double, 3> maskWeights() {
+  // TactileArraySensor of RobWorkSim: -0.34766355 + 1.22429907 / (1 + r^2), r = 4/3 of the distance in taxels, where that is positive. Sums
+  // of taxels 0, 1 and sqrt(2) away, by the midpoint rule.
+  constexpr int kCells = 400;
+  std::array<double, 3> weights{};
+  for (int a = 0; a <= 1; ++a) {
+    for (int b = 0; b <= 1; ++b) {
+      double sum = 0;
+      for (int i = 0; i < kCells; ++i) {
+        for (int j = 0; j < kCells; ++j) {
+          const double x = a + (i + 0.5) / kCells - 0.5;
+          const double y = b + (j + 0.5) / kCells - 0.5;
+          sum += std::max(0.0, -0.34766355 + 1.22429907 / (1 + 16.0 / 9 * (x * x + y * y)));
+        }
+      }
+      weights[static_cast<std::size_t>(a + b)] = sum;
+    }
+  }
+  const double all = weights[0] + 4 * weights[1] + 4 * weights[2];
+  for (double& weight : weights) weight /= all;
+  return weights;
+}
+
+}  // namespace taxelsim::reference

@@ -1,0 +1,72 @@
+#include "scene/object_reader.h"
+#include "scene/sensor_file.h"
+#include "taxelsim/experiment.h"
+
+namespace taxelsim {
+namespace {
+
+constexpr double kTurn = 6.283185307179586;
+constexpr std::size_t kMaxValues = 1000;
+
+Sensor readSensorNamed(const YamlNode& node, const std::filesystem::path& directory, Canonical& canonical) {
+  const std::filesystem::path file = directory / node.text("a sensor file");
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) node.fail(file.generic_string() + " is not there, or not a file");
+  canonical.open("sensor");
+  Sensor sensor = readSensorFile(file, canonical);
+  canonical.close();
+  return sensor;
+}
+
+std::vector<double> readList(const YamlMap& map, std::string_view key, const Allowed& allowed) {
+  const std::string what = "a list of 1 to " + std::to_string(kMaxValues) + " numbers";
+  const YamlNode node = map.require(key, what);
+  const std::vector<YamlNode> items = node.items(what);
+  if (items.empty() || items.size() > kMaxValues) node.refuse(what);
+  std::vector<double> values;
+  for (const YamlNode& item : items) values.push_back(item.number(allowed));
+  map.canonical().line(key, canonicalList(values));
+  return values;
+}
+
+void checkEntry(const YamlNode& item, const StaticExperiment::Entry& entry, const Sensor& reference) {
+  if (numTaxels(entry.sensor) != numTaxels(reference)) {
+    item.fail("has " + std::to_string(numTaxels(entry.sensor)) + " taxels, the reference " + std::to_string(numTaxels(reference)));
+  }
+  if (entry.fitted && !std::holds_alternative<Winkler>(entry.sensor.skin.law)) item.fail("only sensors of law winkler can be fitted");
+}
+
+}  // namespace
+
+StaticExperiment loadStaticExperiment(const std::filesystem::path& file) {
+  const std::string name = file.generic_string();
+  const std::filesystem::path directory = file.parent_path();
+  const YamlTree tree = parseYaml(readYamlFile(file), name);
+  const YamlNode root(tree, name);
+  checkFormatVersion(root);
+  Canonical canonical;
+  const YamlMap map(root, {"format_version", "name", "experiment", "reference", "sensors", "objects", "yaw[_deg]", "loads"}, canonical);
+  StaticExperiment experiment;
+  map.integer("format_version", 1, kFormatVersion);
+  experiment.name = map.text("name", "a name");
+  map.choice("experiment", {"static"});
+  experiment.reference = readSensorNamed(map.require("reference", "a sensor file"), directory, canonical);
+  const YamlNode sensors = map.require("sensors", "a list of {file, fitted}");
+  canonical.open("sensors");
+  for (const YamlNode& item : sensors.items("a list of {file, fitted}")) {
+    const YamlMap entry_map = YamlMap::item(item, {"file", "fitted"}, canonical);
+    StaticExperiment::Entry entry;
+    entry.sensor = readSensorNamed(entry_map.require("file", "a sensor file"), directory, canonical);
+    entry.fitted = entry_map.choice("fitted", {"true", "false"}, "false") == "true";
+    checkEntry(item, entry, experiment.reference);
+    experiment.sensors.push_back(std::move(entry));
+  }
+  canonical.close();
+  if (experiment.sensors.empty()) sensors.refuse("a list of at least one {file, fitted}");
+  experiment.objects = readObjects(map, directory);
+  experiment.yaw = readList(map, "yaw", Allowed::within(-kTurn, kTurn, "rad"));
+  experiment.loads = readList(map, "loads", Allowed::above(0, "N"));
+  return experiment;
+}
+
+}  // namespace taxelsim

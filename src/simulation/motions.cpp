@@ -1,0 +1,64 @@
+#include "simulation/motions.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "taxelsim/simulator.h"
+
+namespace taxelsim {
+namespace {
+
+static_assert(kMaxSlots <= 1 << layout::kSlotBits);
+
+// (R - 1) as rows. From the quaternion, so that a small turn keeps all its digits.
+std::array<double, 9> turnOf(const Quaternion& q) {
+  const auto [w, x, y, z] = q;
+  return {-2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y), 2 * (x * y + w * z), -2 * (x * x + z * z),
+          2 * (y * z - w * x),  2 * (x * z - w * y), 2 * (y * z + w * x), -2 * (x * x + y * y)};
+}
+
+// An object that jumps farther slips anyway; the product with the stiffness stays inside float32.
+float bounded(double displacement) {
+  constexpr double kFarthest = 1e6;  // m
+  return static_cast<float>(std::clamp(displacement, -kFarthest, kFarthest));
+}
+
+// D = X_to X_from^-1 - 1: p -> (R - 1) p + t with t = (p_to - p_from) - (R - 1) p_from.
+layout::MotionRecord motionBetween(const Pose& from, const Pose& to) {
+  const auto& [w, x, y, z] = from.rotation;
+  const std::array<double, 9> turn = turnOf(to.rotation * Quaternion{w, -x, -y, -z});
+  layout::MotionRecord record{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    double t = to.position[i] - from.position[i];
+    for (std::size_t j = 0; j < 3; ++j) t -= turn[3 * i + j] * from.position[j];
+    glm::vec4& row = i == 0 ? record.row0 : i == 1 ? record.row1 : record.row2;
+    row = {static_cast<float>(turn[3 * i]), static_cast<float>(turn[3 * i + 1]), static_cast<float>(turn[3 * i + 2]), bounded(t)};
+  }
+  record.known.x = 1;
+  return record;
+}
+
+}  // namespace
+
+Motions::Motions(std::size_t num_instances, std::size_t num_slots)
+    : num_slots_(num_slots), now_(num_instances * num_slots, {kNoObject, {}}), before_(now_) {}
+
+void Motions::place(std::size_t index, int id, const Pose& X_SO) {
+  now_[index] = {id, {X_SO.position, X_SO.rotation * Quaternion{1, 0, 0, 0}}};  // the product is of unit length
+}
+
+void Motions::forget(std::size_t instance) {
+  for (std::size_t slot = 0; slot < num_slots_; ++slot) before_[instance * num_slots_ + slot].id = kNoObject;
+}
+
+void Motions::pack(std::span<const float> load_offsets, std::span<layout::MotionRecord> records) {
+  for (std::size_t i = 0; i < now_.size(); ++i) {
+    Placed& before = before_[i];
+    before.X_SO.position[2] += load_offsets[i / num_slots_];
+    const bool is_known = now_[i].id != kNoObject && now_[i].id == before.id;
+    records[i] = is_known ? motionBetween(before.X_SO, now_[i].X_SO) : layout::MotionRecord{};
+    before = now_[i];
+  }
+}
+
+}  // namespace taxelsim

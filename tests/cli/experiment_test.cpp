@@ -1,0 +1,108 @@
+// `experiment`: distances by hand, a fit that finds what it was made from, every output, and what is refused.
+#include "taxelsim/experiment.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "cli/command_line.h"
+
+namespace taxelsim::testing {
+namespace {
+
+const std::string kScenes = std::string(TAXELSIM_SOURCE_DIR) + "/scenes";
+
+// A file with one bar and one ball on the shipped array; `reference` and `sensors` are inserted as given.
+std::string experimentText(const std::string& reference, const std::string& sensors,
+                           const std::string& rest = "yaw_deg: [0, 45]\nloads: [1, 4]\n") {
+  return "format_version: 1\nname: small\nexperiment: static\nreference: " + reference + "\nsensors: " + sensors +
+         "\nobjects:\n  - {name: bar, box: {size_mm: [5, 30, 20]}}\n  - {name: ball, sphere: {radius_mm: 10}}\n" + rest;
+}
+
+std::filesystem::path written(const TemporaryDirectory& root, const std::string& name, const std::string& text) {
+  std::ofstream(root / name) << text;
+  return root / name;
+}
+
+std::string shipped(const std::string& name) {
+  return kScenes + "/sensors/" + name + ".yaml";
+}
+
+TEST(ImageDistance, ByHand) {
+  // Taxel 0 carries nothing in either and does not count for the median; differences 1, 2, 3 of the others.
+  const ImageDistance distance = imageDistance({0, 1, 4, 3}, {0, 2, 2, 6}, 0.5, 10);
+  EXPECT_DOUBLE_EQ(distance.median_difference, 0.2);
+  EXPECT_DOUBLE_EQ(distance.relative_l1, 0.6);
+  EXPECT_EQ(imageDistance({0, 0}, {0, 0}, 0.5, 10).median_difference, 0);
+  EXPECT_EQ(imageDistance({1, 2}, {1, 2}, 0.5, 10).relative_l1, 0);
+  // Of an even number the mean of the two in the middle.
+  EXPECT_DOUBLE_EQ(imageDistance({1, 1}, {2, 4}, 0.5, 1).median_difference, 2);
+}
+
+TEST(Experiment, AFitFindsTheSensorItIsJudgedBy) {
+  const TemporaryDirectory root;
+  // A softer skin of another spread than the shipped one that the fit starts from.
+  std::ifstream source(shipped("wts0614"));
+  std::string text((std::istreambuf_iterator<char>(source)), {});
+  text.replace(text.find("1.73e8"), 6, "0.70e8");
+  text.replace(text.find("sigma: 0.5"), 10, "sigma: 0.7");
+  written(root, "soft.yaml", text);
+  const std::filesystem::path file =
+      written(root, "x.yaml", experimentText("soft.yaml", "[{file: " + shipped("wts0614") + ", fitted: true}, {file: soft.yaml}]"));
+  const Outcome outcome = runTaxelsim({"experiment", file, "--json"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const nlohmann::json json = nlohmann::json::parse(outcome.out);
+  const nlohmann::json& fitted = json["sensors"][0];
+  constexpr double kFound = 0.02;  // the simplex's size after its evaluations, in the logarithm
+  EXPECT_EQ(fitted["sensor"], "wts0614_fitted");
+  EXPECT_NEAR(std::log(fitted["normal_contact_stiffness"].get<double>() / 0.7e8), 0, kFound);
+  EXPECT_NEAR(std::log(fitted["psf_sigma"].get<double>() / 0.7), 0, kFound);
+  for (const auto& median : fitted["medians"]) EXPECT_LT(median["relative_l1"].get<double>(), kFound);
+  for (const auto& contact : json["sensors"][1]["contacts"]) EXPECT_EQ(contact["relative_l1"], 0) << "the same sensor";
+  ASSERT_EQ(fitted["contacts"].size(), 8u);
+  for (const auto& contact : fitted["contacts"]) {
+    double sum = 0;
+    for (const auto& force : contact["tactile_normal_force"]) sum += force.get<double>();
+    EXPECT_NEAR(sum, contact["load"].get<double>(), 1e-3 * sum) << "every image carries its load";
+  }
+}
+
+TEST(Experiment, TableAndPictures) {
+  const TemporaryDirectory root;
+  const std::filesystem::path file = written(root, "x.yaml",
+                                             experimentText(shipped("wts0614"), "[{file: " + shipped("wts0614_deformation_mask") +
+                                                                                    "}, {file: " + shipped("wts0614_proximity") + "}]"));
+  const Outcome outcome = runTaxelsim({"experiment", file, "-o", root / "figures"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("wts0614_deformation_mask"), std::string::npos);
+  EXPECT_NE(outcome.out.find("M4"), std::string::npos);
+  for (const char* name : {"bar_1N.png", "bar_4N.png", "ball_1N.png", "ball_4N.png"}) {
+    EXPECT_TRUE(contentOf(root / "figures" / name).starts_with("\x89PNG")) << name;
+  }
+}
+
+TEST(Experiment, Refusals) {
+  const TemporaryDirectory root;
+  const std::string sensor = "[{file: " + shipped("wts0614") + "}]";
+  const auto refused = [&](const std::string& text, const std::string& part) {
+    expectRefused(runTaxelsim({"experiment", written(root, "x.yaml", text)}), part);
+  };
+  refused(experimentText("missing.yaml", sensor), "x.yaml:4:12: reference: ");
+  refused(experimentText(shipped("wts0614"), "[]"), "x.yaml:5:10: sensors");
+  refused(experimentText(shipped("wts0614"), "[{file: " + shipped("digitacts_6x4") + "}]"), "taxels, the reference 84");
+  refused(experimentText(shipped("wts0614"), "[{file: " + shipped("wts0614_proximity") + ", fitted: true}]"),
+          "only sensors of law winkler can be fitted");
+  refused(experimentText(shipped("wts0614"), "[{file: " + shipped("wts0614") + ", fitted: perhaps}]"),
+          "fitted: perhaps is not allowed: true | false");
+  refused(experimentText(shipped("wts0614"), sensor, "yaw: [0]\nloads: [-1]\n"), "loads");
+  refused(experimentText(shipped("wts0614"), sensor, "yaw: []\nloads: [1]\n"), "yaw");
+  refused(experimentText(shipped("wts0614"), sensor, "yaw: [0]\n"), "loads is missing");
+  refused(experimentText(shipped("wts0614"), sensor, "yaw: [0]\nloads: [1e6]\n"), "out of reach");
+  refused(experimentText(shipped("wts0614"), sensor) + "zebra: 1\n", "unknown key");
+  expectRefused(runTaxelsim({"experiment", root / "none.yaml"}), "none.yaml");
+}
+
+}  // namespace
+}  // namespace taxelsim::testing

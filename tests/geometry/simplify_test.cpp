@@ -1,0 +1,324 @@
+// Simplified meshes: never farther off than allowed, by an independent measure; as few triangles as promised; nothing that crashes.
+#include "geometry/simplify.h"
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <map>
+#include <numbers>
+#include <set>
+
+#include "geometry/brute_force_distance.h"
+#include "geometry/is_within.h"
+#include "geometry/mesh_files.h"
+#include "geometry/weld.h"
+#include "reference/samples.h"
+#include "support/embree_oracle.h"
+#include "support/random_scene.h"
+
+namespace taxelsim {
+namespace {
+
+using support::Random;
+
+Mesh ellipsoid(const Vector3& size, int num_subdivisions) {
+  Random random(1);
+  Mesh mesh = support::icosphere(0.5, num_subdivisions, 0, random);
+  for (auto& vertex : mesh.vertices) {
+    for (std::size_t axis = 0; axis < 3; ++axis) vertex[axis] *= static_cast<float>(size[axis]);
+  }
+  return mesh;
+}
+
+// 20 x 14 x 12 mm in 81,920 triangles, and what is left of it at 10 um.
+constexpr Vector3 kSize{0.020, 0.014, 0.012};
+constexpr double kMaxError = 1e-5;
+
+const Mesh& fineEllipsoid() {
+  static const Mesh mesh = ellipsoid(kSize, 6);
+  return mesh;
+}
+const Mesh& simplifiedEllipsoid() {
+  static const Mesh mesh = simplified(fineEllipsoid(), kMaxError);
+  return mesh;
+}
+
+// A sheet with a smooth height and straight rims.
+Mesh wavySheet(int num_cells, double size, double height, Random& random) {
+  Mesh mesh = support::sheetWithHoles(num_cells, size, 0, 0, random);
+  const double phase = random.uniform(0, 6), waves = random.uniform(0.3, 2) * 2 * std::numbers::pi / size;
+  for (auto& v : mesh.vertices) v[2] = static_cast<float>(height * std::sin(waves * v[0] + phase) * std::cos(waves * v[1]));
+  return mesh;
+}
+
+Mesh together(const Mesh& a, const Mesh& b) {
+  Mesh both = a;
+  both.vertices.insert(both.vertices.end(), b.vertices.begin(), b.vertices.end());
+  const auto first = static_cast<std::uint32_t>(a.vertices.size());
+  for (const auto& [i, j, k] : b.triangles) both.triangles.push_back({first + i, first + j, first + k});
+  return both;
+}
+
+// A box of side 2 cm, each face in num_cells x num_cells cells.
+Mesh fineBox(int num_cells) {
+  Random random(1);
+  const Mesh face = support::sheetWithHoles(num_cells, 0.02, 0, 0, random);
+  Mesh box;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (const float side : {-0.01f, 0.01f}) {
+      Mesh turned = face;
+      for (auto& v : turned.vertices) {
+        const std::array<float, 3> p = v;
+        v[axis] = side;
+        v[(axis + 1) % 3] = p[0];
+        v[(axis + 2) % 3] = p[1];
+      }
+      if (side < 0) {
+        for (auto& t : turned.triangles) std::swap(t[1], t[2]);
+      }
+      box = together(box, turned);
+    }
+  }
+  return weld(box);
+}
+
+// Edges with one triangle, by the positions of their ends.
+std::set<std::pair<Corner, Corner>> rimOf(const Mesh& mesh) {
+  std::map<std::pair<Corner, Corner>, int> count;
+  for (const auto& t : mesh.triangles) {
+    for (std::size_t i = 0; i < 3; ++i) ++count[std::minmax(mesh.vertices.at(t[i]), mesh.vertices.at(t[(i + 1) % 3]))];
+  }
+  std::set<std::pair<Corner, Corner>> rim;
+  for (const auto& [edge, triangles] : count) {
+    if (triangles == 1) rim.insert(edge);
+  }
+  return rim;
+}
+
+bool isUnchanged(const Mesh& result, const Mesh& mesh) {
+  return result.vertices == mesh.vertices && result.triangles == mesh.triangles;
+}
+
+// What was proven on the way is proven again at the end, from nothing; the last bits of it may differ.
+bool isProven(const Mesh& result, const Mesh& mesh, double max_error) {
+  return isUnchanged(result, mesh) || (isWithin(result, mesh, max_error * (1 + 1e-6)) && isWithin(mesh, result, max_error * (1 + 1e-6)));
+}
+
+// What must hold of every result. Random points of both surfaces are measured by brute force.
+void expectFaithful(const Mesh& result, const Mesh& mesh, double max_error, int num_points, Random& random) {
+  ASSERT_NO_THROW(checkObject(result));
+  EXPECT_LE(result.triangles.size(), mesh.triangles.size());
+  const std::set<Corner> vertices(mesh.vertices.begin(), mesh.vertices.end());
+  for (const Corner& vertex : result.vertices) ASSERT_TRUE(vertices.contains(vertex));
+  EXPECT_TRUE(isProven(result, mesh, max_error));
+  EXPECT_LE(sampledDistance(mesh, result, num_points, random, max_error), max_error);
+  EXPECT_LE(sampledDistance(result, mesh, num_points, random, max_error), max_error);
+}
+
+TEST(Simplify, AnEllipsoidLosesNineTenths) {
+  const Mesh& mesh = simplifiedEllipsoid();
+  EXPECT_EQ(fineEllipsoid().triangles.size(), 81920u);
+  EXPECT_LT(mesh.triangles.size(), 8192u);
+  Random random(1);
+  expectFaithful(mesh, fineEllipsoid(), kMaxError, 200, random);
+}
+
+TEST(Simplify, UsesTheBound) {
+  Random random(2);
+  EXPECT_GT(sampledDistance(fineEllipsoid(), simplifiedEllipsoid(), 500, random), kMaxError / 2);
+  // Ten times the bound, about a tenth of the triangles.
+  EXPECT_LT(simplified(fineEllipsoid(), 10 * kMaxError).triangles.size(), simplifiedEllipsoid().triangles.size() / 5);
+}
+
+TEST(Simplify, ZeroKeepsEveryTriangle) {
+  EXPECT_TRUE(isUnchanged(simplified(fineEllipsoid(), 0), fineEllipsoid()));
+}
+
+TEST(Simplify, WhatDoesNotPayIsLeftAlone) {
+  const Mesh coarse = ellipsoid(kSize, 2);
+  EXPECT_TRUE(isUnchanged(simplified(coarse, 1e-6), coarse));
+  const Mesh few = fineBox(2);  // 48 triangles where 12 would do
+  EXPECT_TRUE(isUnchanged(simplified(few, 1e-5), few));
+}
+
+TEST(Simplify, IsTheSameEveryTime) {
+  const Mesh mesh = ellipsoid(kSize, 5);
+  const Mesh once = simplified(mesh, kMaxError);
+  EXPECT_LT(once.triangles.size(), mesh.triangles.size());
+  EXPECT_TRUE(isUnchanged(simplified(mesh, kMaxError), once));
+}
+
+TEST(Simplify, FlatFacesTakeFewTriangles) {
+  const Mesh box = fineBox(20);
+  ASSERT_EQ(box.triangles.size(), 4800u);
+  const Mesh result = simplified(box, 1e-6);
+  EXPECT_LE(result.triangles.size(), 24u);
+  EXPECT_EQ(boundsOf(result).min, boundsOf(box).min);
+  EXPECT_EQ(boundsOf(result).max, boundsOf(box).max);
+  Random random(3);
+  expectFaithful(result, box, 1e-6, 300, random);
+}
+
+TEST(Simplify, AnOpenSheetKeepsItsRimsExactly) {
+  Random random(4);
+  for (const double hole_probability : {0.0, 0.02}) {
+    const Mesh sheet = weld(support::sheetWithHoles(40, 0.02, 2e-6, hole_probability, random));
+    const Mesh result = simplified(sheet, kMaxError);
+    EXPECT_LT(result.triangles.size(), sheet.triangles.size() * 8 / 10);
+    EXPECT_EQ(rimOf(result), rimOf(sheet));
+    expectFaithful(result, sheet, kMaxError, 300, random);
+  }
+}
+
+// A rough surface with triangles about as large as what is left out of it: most of the mending, and edges that must be turned.
+TEST(Simplify, AScanAtCoarseBounds) {
+  const std::string objects = std::string(TAXELSIM_SOURCE_DIR) + "/scenes/objects/";
+  Random random(8);
+  for (const char* name : {"YcbBanana.obj", "YcbMustardBottle.obj"}) {
+    const Mesh scan = loadMesh(objects + name, {.max_depth_error = 0});
+    for (const double max_error : {5e-5, 3e-4}) {
+      const Mesh result = simplified(scan, max_error);
+      EXPECT_LT(result.triangles.size(), scan.triangles.size() * 8 / 10);
+      expectFaithful(result, scan, max_error, 100, random);
+    }
+  }
+}
+
+TEST(Simplify, IgnoresVerticesThatNoTriangleUses) {
+  Mesh box = fineBox(10);
+  box.vertices.push_back({0, 0, 0});  // 1 cm from the surface
+  EXPECT_LE(simplified(box, 1e-6).triangles.size(), 24u);
+}
+
+TEST(Simplify, DigestsWhatFilesHold) {
+  Random random(5);
+  const Mesh sphere = ellipsoid(kSize, 3);
+  Mesh doubled = sphere;
+  doubled.triangles.insert(doubled.triangles.end(), sphere.triangles.begin(), sphere.triangles.end());
+  Mesh fins = sphere;  // every edge of every tenth triangle has a third triangle
+  for (std::size_t t = 0; t < sphere.triangles.size(); t += 10) {
+    const auto& [a, b, c] = sphere.triangles[t];
+    for (const auto& [i, j] : {std::pair{a, b}, {b, c}, {c, a}}) fins.triangles.push_back({i, j, 0});
+  }
+  Mesh slivers;  // 10 mm long, down to 1e-20 m wide
+  for (int n = 0; n <= 200; ++n) {
+    const float y = n == 0 ? 0 : static_cast<float>(std::pow(10, -20 + 0.1 * n));
+    slivers.vertices.push_back({0, y, 0});
+    slivers.vertices.push_back({0.01f, y, 0});
+  }
+  for (std::uint32_t n = 0; n < 400; ++n) slivers.triangles.push_back({n, n + 1, n + 2});
+  const std::vector<Mesh> meshes = {weld(doubled),
+                                    weld(fins),
+                                    weld(slivers),
+                                    weld(together(sphere, fineBox(10))),
+                                    weld(support::triangleSoup(500, 0.01, random)),
+                                    weld(support::sheetWithHoles(20, 0.02, 1e-3, 0.4, random))};
+  for (std::size_t n = 0; n < meshes.size(); ++n) {
+    for (const double max_error : {1e-12, 1e-7, 1e-5, 1e-4, 1e-3, 0.1, 1e30, 1e300}) {
+      SCOPED_TRACE(testing::Message() << "mesh " << n << " at " << max_error);
+      expectFaithful(simplified(meshes[n], max_error), meshes[n], max_error, 60, random);
+    }
+  }
+}
+
+// From subnormal float32 numbers up to the largest.
+TEST(Simplify, WorksAtAnyScale) {
+  Random random(6);
+  const Mesh sphere = support::icosphere(1, 3, 0, random);
+  for (const double scale : {1e-44, 1e-38, 1e-30, 1e-9, 1e-3, 1e3, 1e30, 3e38}) {
+    SCOPED_TRACE(scale);
+    Mesh mesh = sphere;
+    for (auto& vertex : mesh.vertices) {
+      for (float& coordinate : vertex) coordinate = static_cast<float>(scale * coordinate);
+    }
+    mesh = weld(mesh);
+    if (mesh.triangles.empty()) continue;
+    for (const double relative : {1e-9, 0.05, 10.0}) {
+      const Mesh result = simplified(mesh, relative * scale);
+      expectFaithful(result, mesh, relative * scale, 60, random);
+      const bool is_within_reach = scale > 1e-37 && scale < 1e37;
+      if (relative == 0.05 && is_within_reach) {
+        EXPECT_LT(result.triangles.size(), mesh.triangles.size() / 2);
+      }
+    }
+  }
+}
+
+RC_GTEST_PROP(SimplifyRandomMeshes, StayWithinTheBound, (std::uint32_t seed)) {
+  Random random(seed);
+  const double size = std::pow(10, random.uniform(-3, 0));
+  Mesh mesh;
+  switch (random.integer(0, 4)) {
+    case 0:
+      mesh = support::icosphere(size / 2, 3, random.chance(0.5) ? 0 : std::pow(10, random.uniform(-4, -1)), random);
+      for (auto& vertex : mesh.vertices) vertex[0] *= static_cast<float>(random.uniform(0.95, 1.05));
+      break;
+    case 1:
+      mesh = wavySheet(random.integer(8, 24), size, random.uniform(0, 0.2) * size, random);
+      break;
+    case 2:
+      mesh =
+          support::sheetWithHoles(random.integer(8, 24), size, std::pow(10, random.uniform(-5, -2)) * size, random.uniform(0, 0.2), random);
+      break;
+    case 3:
+      mesh = together(support::triangleSoup(random.integer(30, 200), size, random), ellipsoid({size, size, size / 2}, 2));
+      break;
+    default:
+      mesh = together(wavySheet(12, size, 0.1 * size, random), ellipsoid({size, size / 2, size / 2}, 3));
+  }
+  mesh = weld(mesh);
+  const double max_error = std::pow(10, random.uniform(-4.5, -1)) * size;
+  const Mesh result = simplified(mesh, max_error);
+  RC_CLASSIFY(result.triangles.size() < mesh.triangles.size());
+  RC_ASSERT(10 * result.triangles.size() <= 9 * mesh.triangles.size() || isUnchanged(result, mesh));
+  RC_ASSERT(rimOf(result) == rimOf(mesh));
+  checkObject(result);
+  RC_ASSERT(isProven(result, mesh, max_error));
+  RC_ASSERT(sampledDistance(mesh, result, 200, random, max_error) <= max_error);
+  RC_ASSERT(sampledDistance(result, mesh, 200, random, max_error) <= max_error);
+}
+
+// Depth by rays: the same sample over the full and over the simplified mesh.
+TEST(Simplify, DepthAlongZChangesByTheBoundOverTheCosineOfTheSlope) {
+  // Embree's heights are trusted to 1e-6 of the scene (embree_oracle.h), 0.02 m here, in both meshes.
+  constexpr double kRays = 2 * 1e-6 * 0.02;
+  // The triangles of the full mesh lean from the ellipsoid by less than their longest edge (0.25 mm) times its greatest curvature
+  // (half of 20 mm over the square of half of 12 mm, 278 / m): 0.07 rad.
+  constexpr double kLean = 0.07;
+  constexpr double kMaxSlope = std::numbers::pi / 3;
+  const Object full(fineEllipsoid()), simple(simplifiedEllipsoid());
+  Random random(7);
+  std::size_t num_compared = 0;
+  double greatest = 0;
+  for (int n = 0; n < 20; ++n) {
+    const Quaternion R_SO = random.rotation();
+    const Pose X_SO{{random.uniform(-1e-3, 1e-3), random.uniform(-1e-3, 1e-3), 0}, R_SO};
+    const GridPatch patch{"rays", 24, 24, {7.3e-4, 7.3e-4}, {}};
+    const reference::PlacedObject placed_full{&full, X_SO}, placed_simple{&simple, X_SO};
+    const std::vector<double> before = support::embreeHeights(patch, 2, {&placed_full, 1});
+    const std::vector<double> after = support::embreeHeights(patch, 2, {&placed_simple, 1});
+    Sensor sensor;
+    sensor.patches = {patch};
+    sensor.samples_per_taxel = 2;
+    const std::vector<reference::Sample> samples = reference::samplesOf(sensor);
+    ASSERT_EQ(samples.size(), before.size());
+    for (std::size_t s = 0; s < samples.size(); ++s) {
+      if (!std::isfinite(before[s])) continue;
+      // The ellipsoid's normal at the hit: the gradient of sum (x_i / a_i)^2.
+      const Vector3 hit = inverse(X_SO) * Vector3{samples[s].position_P[0], samples[s].position_P[1], before[s]};
+      Vector3 gradient;
+      for (std::size_t axis = 0; axis < 3; ++axis) gradient[axis] = hit[axis] / (kSize[axis] * kSize[axis]);
+      const Vector3 normal = rotate(R_SO, gradient);
+      const double slope = std::atan2(std::hypot(normal[0], normal[1]), -normal[2]);
+      if (slope > kMaxSlope) continue;
+      ++num_compared;
+      greatest = std::max(greatest, std::abs(after[s] - before[s]) * std::cos(slope));
+      ASSERT_NEAR(after[s], before[s], kMaxError / std::cos(slope + kLean) + kRays);
+    }
+  }
+  EXPECT_GT(num_compared, 3000u);
+  EXPECT_GT(greatest, kMaxError / 2);
+}
+
+}  // namespace
+}  // namespace taxelsim

@@ -1,0 +1,66 @@
+// The twin's shear against closed forms.
+#include <gtest/gtest.h>
+
+#include "reference/frame.h"
+#include "support/friction_cases.h"
+
+namespace taxelsim {
+namespace {
+
+using reference::Frame;
+using support::FrictionCases;
+using support::Push;
+
+std::vector<std::vector<Push>> simulateByTwin(const Sensor& sensor, const Object& object, const std::vector<support::Path>& paths) {
+  std::vector<std::vector<Push>> result;
+  for (const support::Path& path : paths) {
+    reference::FrictionState state;
+    result.emplace_back();
+    for (const Pose& X_SO : path) {
+      Frame frame = reference::simulateFrame(sensor, {.objects = {{&object, X_SO}}, .previous_friction = state});
+      result.back().push_back({frame.contact.total_force, frame.wrench});
+      state = std::move(frame.shear.state);
+    }
+  }
+  return result;
+}
+
+// Sums of a few thousand products; displacements of 1e-6 m are differences of positions of 1e-2 m.
+const FrictionCases kTwin{simulateByTwin, 1e-9};
+
+TEST(FrictionClosedForm, DiscTwist) {
+  kTwin.discTwist();
+}
+TEST(FrictionClosedForm, SphereTwist) {
+  kTwin.sphereTwist();
+}
+TEST(FrictionClosedForm, PartialSlipOfAFlat) {
+  kTwin.partialSlipOfAFlat();
+}
+TEST(FrictionClosedForm, PartialSlipOfASphere) {
+  kTwin.partialSlipOfASphere();
+}
+TEST(FrictionClosedForm, PartialSlipOfACylinder) {
+  kTwin.partialSlipOfACylinder();
+}
+TEST(FrictionClosedForm, LoopAreas) {
+  kTwin.loopAreas();
+}
+TEST(FrictionClosedForm, SlantedPress) {
+  kTwin.slantedPress();
+}
+TEST(FrictionClosedForm, RollingCylinder) {
+  kTwin.rollingCylinder();
+}
+TEST(FrictionClosedForm, RollingSphere) {
+  kTwin.rollingSphere();
+}
+TEST(FrictionClosedForm, SlideStopSlideBack) {
+  kTwin.slideStopSlideBack();
+}
+TEST(FrictionClosedForm, SlipTurnsTowardsTheMotion) {
+  kTwin.slipTurnsTowardsTheMotion();
+}
+
+}  // namespace
+}  // namespace taxelsim

@@ -1,0 +1,132 @@
+// Laws whose taxels are more than the sum of their samples, against closed forms and published numbers.
+#include "reference/taxel_laws.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "support/random_scene.h"
+
+namespace taxelsim {
+namespace {
+
+using reference::taxelResponse;
+using reference::TaxelState;
+
+// Of squarings and a Taylor series in double, generously.
+constexpr double kExact = 1e-10;
+
+Sensor oneTaxel(const ContactLaw& law) {
+  Sensor sensor = support::gridSensor({.num_rows = 1, .num_cols = 1});
+  sensor.skin.law = law;
+  return sensor;
+}
+
+// The force in a taxel's spring after each of `num_steps` of dt under a force that sets in at once.
+std::vector<double> stepResponse(const MassSpringDamper& law, double force, double dt, int num_steps) {
+  const Sensor sensor = oneTaxel(law);
+  std::vector<TaxelState> state{{0, 0}};
+  std::vector<double> response;
+  for (int n = 0; n < num_steps; ++n) {
+    taxelResponse(sensor, std::vector{force}, dt, state);
+    response.push_back(state[0][0]);
+  }
+  return response;
+}
+
+TEST(MassSpringDamperTwin, FollowsTheClosedFormOfAStep) {
+  for (const double damping : {0.0, 0.02, 0.130, 0.25}) {
+    const MassSpringDamper law{.normal_contact_stiffness = 1, .damping = damping};
+    const double wn = std::sqrt(law.stiffness / law.mass), zeta = damping / (2 * law.mass * wn), wd = wn * std::sqrt(1 - zeta * zeta);
+    const double dt = 1e-3;
+    const std::vector<double> response = stepResponse(law, 2, dt, 200);
+    for (std::size_t n = 0; n < response.size(); ++n) {
+      const double t = dt * static_cast<double>(n + 1);
+      EXPECT_NEAR(response[n], 2 * (1 - std::exp(-zeta * wn * t) * (std::cos(wd * t) + zeta * wn / wd * std::sin(wd * t))), kExact);
+    }
+  }
+}
+
+TEST(MassSpringDamperTwin, OverdampedFollowsItsTwoExponentials) {
+  const MassSpringDamper law{.normal_contact_stiffness = 1, .damping = 1};
+  const double a = law.damping / (2 * law.mass), root = std::sqrt(a * a - law.stiffness / law.mass), fast = a + root, slow = a - root;
+  const std::vector<double> response = stepResponse(law, 1, 1e-3, 300);
+  for (std::size_t n = 0; n < response.size(); ++n) {
+    const double t = 1e-3 * static_cast<double>(n + 1);
+    EXPECT_NEAR(response[n], 1 - (fast * std::exp(-slow * t) - slow * std::exp(-fast * t)) / (fast - slow), 1e-9);
+  }
+}
+
+// SkinSim's taxel: 20.4 Hz, damping ratio 0.508; overshoot exp(-pi zeta / sqrt(1 - zeta^2)) = 15.7 %, within 2 % for good after 62.4 ms.
+TEST(MassSpringDamperTwin, SkinSimsTaxelOvershootsAndSettlesAsItShould) {
+  const double dt = 1e-4;
+  const std::vector<double> response = stepResponse({.normal_contact_stiffness = 1}, 1, dt, 2000);
+  EXPECT_NEAR(*std::max_element(response.begin(), response.end()), 1.157, 5e-4);
+  std::size_t settled = response.size();
+  while (std::abs(response[settled - 1] - 1) < 0.02) --settled;
+  EXPECT_NEAR(static_cast<double>(settled) * dt, 62.4e-3, 1e-4);
+}
+
+// The response to a sine held over short steps: |H| = 1 / sqrt((1 - r^2)^2 + (2 zeta r)^2).
+TEST(MassSpringDamperTwin, AnswersASineAsTheTransferFunctionSays) {
+  const MassSpringDamper law{.normal_contact_stiffness = 1};
+  const double wn = std::sqrt(law.stiffness / law.mass), zeta = law.damping / (2 * law.mass * wn);
+  const Sensor sensor = oneTaxel(law);
+  for (const double r : {0.2, 0.7, 1.0, 2.0}) {
+    const double period = 2 * std::numbers::pi / (r * wn), dt = period / 2000;
+    std::vector<TaxelState> state{{0, 0}};
+    double largest = 0;
+    const int num_steps = 2000 * 12;  // transients are e^-12 and less in the last two periods
+    for (int n = 0; n < num_steps; ++n) {
+      taxelResponse(sensor, std::vector{std::sin(r * wn * (n + 0.5) * dt)}, dt, state);
+      if (n > num_steps - 4000) largest = std::max(largest, std::abs(state[0][0]));
+    }
+    EXPECT_NEAR(largest, 1 / std::hypot(1 - r * r, 2 * zeta * r), 1e-4) << r;
+  }
+}
+
+TEST(MassSpringDamperTwin, RestsUnderAHeldForceAndStartsAtRest) {
+  const Sensor sensor = oneTaxel(MassSpringDamper{.normal_contact_stiffness = 1});
+  std::vector<TaxelState> state;
+  for (int n = 0; n < 5; ++n) EXPECT_EQ(taxelResponse(sensor, std::vector{0.7}, 0.01, state)[0], 0.7);
+}
+
+// Continuous taxel weights of RobWorkSim's mask, and that it sums to 1.
+TEST(DeformationMaskTwin, WeightsAreThePublishedFunctionsOverTaxels) {
+  const std::array<double, 3> weights = reference::maskWeights();
+  EXPECT_NEAR(weights[0], 0.52464, 5e-6);
+  EXPECT_NEAR(weights[1], 0.10387, 5e-6);
+  EXPECT_NEAR(weights[2], 0.01497, 5e-6);
+  EXPECT_NEAR(weights[0] + 4 * weights[1] + 4 * weights[2], 1, kExact);
+  // Zero from 1.19095 taxels on, so it never leaves the neighbours: from a taxel's corner that is over 1.5 taxels away along an axis.
+  EXPECT_NEAR(-0.34766355 + 1.22429907 / (1 + std::pow(4.0 / 3 * 1.19095, 2)), 0, 1e-5);
+}
+
+TEST(DeformationMaskTwin, KeepsTheForceAndSaturatesCells) {
+  Sensor sensor = support::gridSensor({.num_rows = 3, .num_cols = 4});
+  const double area = sensor.patches[0].pitch[0] * sensor.patches[0].pitch[1];
+  sensor.skin.law = DeformationMask{};
+  for (const int source : {0, 1, 5}) {  // corner, border, middle
+    for (const double force : {0.5, 20.0}) {
+      std::vector<double> pressed(12, 0);
+      pressed[static_cast<std::size_t>(source)] = force;
+      std::vector<TaxelState> state;
+      const std::vector<double> response = taxelResponse(sensor, pressed, 0, state);
+      double sum = 0;
+      for (const double f : response) sum += f;
+      EXPECT_NEAR(sum, force, kExact * force);
+      const double cell = 250e3 * area;  // 2.89 N
+      const double unclipped = response[static_cast<std::size_t>(source)] / force;
+      if (force * 0.52464 < cell)
+        EXPECT_GT(unclipped, 0.52) << source;
+      else
+        EXPECT_LT(unclipped, 0.52) << source;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace taxelsim

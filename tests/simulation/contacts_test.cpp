@@ -1,0 +1,361 @@
+// Contacts from another engine: the device against the twin, the partition of paper eq. (2), and that nothing of the batch shows.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "reference/contact_points.h"
+#include "reference/psf.h"
+#include "simulation/comparison.h"
+#include "support/random_scene.h"
+#include "taxelsim/error.h"
+
+namespace taxelsim {
+namespace {
+
+using support::kUlp;
+using support::Random;
+
+constexpr double kDt = 1e-3;  // s
+// A position within 0.1 m goes through one float32 transform: some four roundings of at most 6e-9 m. Contacts this near to where
+// their place changes could go either way.
+constexpr double kNear = 1e-7;  // m
+constexpr OutputOptions kNoDepth{.penetration_depth = false};
+
+using Contacts = std::vector<ContactPoint>;
+
+// At least `kNear` from every border of a cell and of the band.
+bool isClear(const Sensor& sensor, const Vector3& p, double band) {
+  const std::optional<int> taxel = reference::taxelAt(sensor, p, band);
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vector3 moved{p[0] + (corner & 1 ? kNear : -kNear), p[1] + (corner & 2 ? kNear : -kNear), p[2] + (corner & 4 ? kNear : -kNear)};
+    if (reference::taxelAt(sensor, moved, band) != taxel) return false;
+  }
+  return true;
+}
+
+// Most lie on some patch, in a clump as often as all over it; the rest off the array, over the band or under the skin.
+Contacts randomContacts(Random& random, const Sensor& sensor, int num_contacts, double band) {
+  Contacts contacts;
+  const bool clump = random.chance(0.5);
+  while (static_cast<int>(contacts.size()) < num_contacts) {
+    const GridPatch& patch = sensor.patches[random.integer(0, static_cast<int>(sensor.patches.size()) - 1)];
+    const double reach = clump ? 0.2 : 0.6;
+    const double thickness = sensor.skin.thickness;
+    const Vector3 p_PQ_P{random.uniform(-reach, reach) * patch.num_rows * patch.pitch[0],
+                         random.uniform(-reach, reach) * patch.num_cols * patch.pitch[1],
+                         random.uniform(-thickness - 0.1e-3, band + 0.1e-3)};
+    const Vector3 position = patch.X_SP * p_PQ_P;
+    if (!isClear(sensor, position, band)) continue;
+    contacts.push_back({position, random.chance(0.05) ? 0 : random.uniform(0, 0.3)});
+  }
+  return contacts;
+}
+
+// The twin's frame as bounds for expectMatches(). `num_contacts` forces are added in float32, times their share of the spread.
+support::FrameEnvelope envelopeOf(const Sensor& sensor, const reference::ContactSums& sums, std::size_t num_contacts) {
+  const double relative = static_cast<double>(num_contacts + 4) * kUlp;
+  support::FrameEnvelope envelope;
+  envelope.spread_force.low = envelope.spread_force.high = reference::spread(sensor, sums.taxel_force);
+  for (double& force : envelope.spread_force.low) force *= 1 - relative;
+  for (double& force : envelope.spread_force.high) force *= 1 + relative;
+  envelope.wrench = {{sums.wrench.begin(), sums.wrench.end()}, {sums.wrench.begin(), sums.wrench.end()}};
+  envelope.over_penetration = {{0}, {0}};
+  // What the tolerance of the wrench is relative to: with the roundings of the sum, more than the force itself.
+  envelope.total_low = sums.total_force;
+  envelope.total_high = sums.total_force * (1 + static_cast<double>(num_contacts) / 64);
+  return envelope;
+}
+
+void setAll(Simulator& simulator, const std::vector<Contacts>& batch) {
+  Contacts contacts;
+  std::vector<int> offsets{0};
+  for (const Contacts& of_one : batch) {
+    contacts.insert(contacts.end(), of_one.begin(), of_one.end());
+    offsets.push_back(static_cast<int>(contacts.size()));
+  }
+  simulator.setContacts(contacts, offsets);
+}
+
+void expectSameAsTwin(const FrameView& frame, int instance, const Sensor& sensor, const Contacts& contacts, double band) {
+  const reference::ContactSums sums = reference::sumContacts(sensor, contacts, band);
+  support::expectMatches(frame, instance, sensor, envelopeOf(sensor, sums, contacts.size()));
+  const GroundTruthView& truth = frame.ground_truth;
+  EXPECT_EQ(truth.off_array_contacts[instance], sums.off_array_contacts);
+  EXPECT_NEAR(truth.off_array_load[instance], sums.off_array_load, static_cast<double>(contacts.size() + 1) * kUlp * sums.off_array_load);
+  EXPECT_EQ(truth.load_reached[instance], 1);
+  EXPECT_TRUE(truth.penetration_depth.empty());
+}
+
+class ContactSeeds : public ::testing::TestWithParam<int> {};
+
+TEST_P(ContactSeeds, MatchTheTwin) {
+  Random random(9000 + static_cast<std::uint64_t>(GetParam()));
+  const Sensor sensor = support::randomSensor(random, {.max_patches = 1 + GetParam() % 4, .max_patch_tilt = GetParam() % 2 ? 0.5 : 0});
+  const int workgroups[] = {0, 4, 8, 16, 32, 64, 128, 256};
+  const Model model(support::sharedDevice(), {.sensor = sensor, .image_workgroup = workgroups[random.integer(0, 7)]});
+  const double band = random.uniform(0, 0.5e-3);
+  const int max_contacts = random.integer(1, 200), num_instances = random.integer(1, 20);
+  Simulator simulator(model, {.num_instances = num_instances, .outputs = kNoDepth, .max_contacts = max_contacts, .contact_band = band});
+  for (int step = 0; step < 2; ++step) {  // what the first left must not show in the second
+    std::vector<Contacts> batch;
+    for (int i = 0; i < num_instances; ++i) batch.push_back(randomContacts(random, sensor, random.integer(0, max_contacts), band));
+    setAll(simulator, batch);
+    simulator.step(kDt);
+    const FrameView frame = simulator.read();
+    for (int i = 0; i < num_instances; ++i) expectSameAsTwin(frame, i, sensor, batch[i], band);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Random, ContactSeeds, ::testing::Range(0, 24));
+
+// 128 x 128 taxels, many tiles: all of the result is in the first.
+TEST(ContactsOnDevice, LargestSensor) {
+  Random random(3);
+  const Sensor sensor =
+      support::gridSensor({.num_rows = 128, .num_cols = 128, .pitch_x = 0.5e-3, .pitch_y = 0.5e-3, .samples_per_taxel = 8});
+  const Model model(support::sharedDevice(), {.sensor = sensor});
+  Simulator simulator(model, {.num_instances = 3, .outputs = kNoDepth, .max_contacts = kMaxContacts});
+  std::vector<Contacts> batch;
+  for (const int count : {kMaxContacts, 0, 10}) batch.push_back(randomContacts(random, sensor, count, 1e-4));
+  setAll(simulator, batch);
+  simulator.step(kDt);
+  const FrameView frame = simulator.read();
+  for (int i = 0; i < 3; ++i) expectSameAsTwin(frame, i, sensor, batch[i], 1e-4);
+}
+
+// A pitch of 2^-8 m, so that borders are floats. Forces are powers of two, so that their sums tell which taxel took which.
+class Borders : public ::testing::Test {
+ protected:
+  static constexpr double kPitch = 0x1p-8;  // m
+  Sensor sensor_ = support::gridSensor({.num_rows = 3, .num_cols = 4, .pitch_x = kPitch, .pitch_y = kPitch, .thickness = 0x1p-9});
+  Model model_{support::sharedDevice(), {.sensor = sensor_}};
+  Simulator simulator_{model_, {.outputs = kNoDepth, .max_contacts = 64, .contact_band = 0x1p-13}};
+
+  // Force on each taxel; the sum of what is off the array comes last.
+  std::vector<double> forcesOf(const Contacts& contacts) {
+    simulator_.setContacts(0, contacts);
+    simulator_.step(kDt);
+    const FrameView frame = simulator_.read();
+    std::vector<double> forces(frame.ground_truth.tactile_normal_force.begin(), frame.ground_truth.tactile_normal_force.end());
+    forces.push_back(frame.ground_truth.off_array_load[0]);
+    return forces;
+  }
+  // All of one contact's force is where it belongs; -1: off the array.
+  void expectTaxel(double x, double y, double z, int taxel) {
+    std::vector<double> expected(13, 0);
+    expected[taxel < 0 ? 12 : static_cast<std::size_t>(taxel)] = 1;
+    EXPECT_EQ(forcesOf({{{x, y, z}, 1}}), expected) << x / kPitch << " " << y / kPitch << " " << z / kPitch;
+    const std::optional<int> by_twin = reference::taxelAt(sensor_, {x, y, z}, 0x1p-13);
+    EXPECT_EQ(by_twin.value_or(-1), taxel);
+  }
+};
+
+TEST_F(Borders, BetweenTaxelsTheHigherIndexTakesIt) {
+  // Borders along x at -1/2 and 1/2 pitches, along y at -1, 0 and 1.
+  expectTaxel(-kPitch / 2, 0.5 * kPitch, 0, 1 * 4 + 2);
+  expectTaxel(kPitch / 2, 0.5 * kPitch, 0, 2 * 4 + 2);
+  expectTaxel(0, -kPitch, 0, 1 * 4 + 1);
+  expectTaxel(0, 0, 0, 1 * 4 + 2);
+  expectTaxel(-kPitch / 2, -kPitch, 0, 1 * 4 + 1);
+  // A float less, and it is the other's.
+  const double less = 1 - 0x1p-23;
+  expectTaxel(kPitch / 2 * less, kPitch * less, 0, 1 * 4 + 2);
+  expectTaxel(kPitch / 2, kPitch * less, 0, 2 * 4 + 2);
+}
+
+TEST_F(Borders, TheRimBelongsToTheArray) {
+  expectTaxel(-1.5 * kPitch, -2 * kPitch, 0, 0);
+  expectTaxel(1.5 * kPitch, 2 * kPitch, 0, 11);
+  expectTaxel(1.5 * kPitch + kRimTolerance / 2, -2 * kPitch - kRimTolerance / 2, 0, 8);
+  expectTaxel(1.5 * kPitch + 2 * kRimTolerance, 0, 0, -1);
+  expectTaxel(0, -2 * kPitch - 2 * kRimTolerance, 0, -1);
+}
+
+TEST_F(Borders, HeightsFromTheThicknessToTheBand) {
+  expectTaxel(0, 0, 0x1p-13, 6);
+  expectTaxel(0, 0, -0x1p-9, 6);
+  expectTaxel(0, 0, 0x1p-13 * (1 + 0x1p-22), -1);
+  expectTaxel(0, 0, -0x1p-9 * (1 + 0x1p-22), -1);
+}
+
+// 63 contacts, on all corners, middles of edges and centres of cells: exactly one taxel takes each.
+TEST_F(Borders, TaxelsPartitionTheForce) {
+  Contacts contacts;
+  for (int a = 0; a <= 6; ++a) {
+    for (int b = 0; b <= 8; ++b) contacts.push_back({{(a - 3) * kPitch / 2, (b - 4) * kPitch / 2, 0}, 1});
+  }
+  const std::vector<double> forces = forcesOf(contacts);
+  EXPECT_EQ(std::accumulate(forces.begin(), forces.end() - 1, 0.0), 63);
+  EXPECT_EQ(forces.back(), 0);
+  // Half-open: four in each cell, and two more along the rim that closes it.
+  EXPECT_EQ(forces[0], 4);
+  EXPECT_EQ(forces[3], 6);
+  EXPECT_EQ(forces[8], 6);
+  EXPECT_EQ(forces[11], 9);
+}
+
+// What comes after is the same, bit by bit, as for objects that press with the same force on every taxel.
+TEST(ContactsOnDevice, StagesAfterAreThoseOfObjects) {
+  Random random(17);
+  for (int trial = 0; trial < 4; ++trial) {
+    Sensor sensor = support::gridSensor({.num_rows = 6, .num_cols = 14, .thickness = 2e-3});
+    const std::vector<Object> objects{support::randomSolid(random, 0.01)};
+    const Pose X_SO = support::randomContact(random, sensor, objects[0]);
+    const auto press = [&] {
+      const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+      auto simulator = std::make_unique<Simulator>(model, SimulatorOptions{.seed = 4});
+      simulator->setObjects(std::vector<int>{0}, std::vector<Pose>{X_SO});
+      simulator->step(kDt);
+      return simulator;
+    };
+    // Without a spread, a sensor shows the force on each taxel.
+    const auto bare = press();
+    const FrameView forces = bare->read();
+    Contacts contacts;
+    const std::vector<Vector3> positions = taxelPositions(sensor);
+    for (std::size_t t = 0; t < positions.size(); ++t) contacts.push_back({positions[t], forces.ground_truth.tactile_normal_force[t]});
+
+    sensor.psf = gaussianPsf(0.8, trial % 2 ? 3 : 5);
+    sensor.readout = support::paperReadout();
+    sensor.readout.noise = 5;
+    const auto pressed = press();
+    const FrameView expected = pressed->read();
+    Simulator simulator(Model(support::sharedDevice(), {.sensor = sensor}), {.seed = 4, .outputs = kNoDepth, .max_contacts = 84});
+    simulator.setContacts(0, contacts);
+    simulator.step(kDt);
+    const FrameView found = simulator.read();
+    EXPECT_TRUE(std::ranges::equal(found.tactile_image, expected.tactile_image));
+    EXPECT_TRUE(std::ranges::equal(found.ground_truth.tactile_normal_force, expected.ground_truth.tactile_normal_force));
+    ASSERT_GT(expected.ground_truth.total_force[0], 0);
+    EXPECT_NEAR(found.total_force[0], expected.total_force[0], support::kRelativeMoment * expected.total_force[0]);
+    EXPECT_NEAR(found.ground_truth.contact_wrench[2], expected.ground_truth.contact_wrench[2],
+                support::kRelativeMoment * expected.ground_truth.total_force[0]);
+  }
+}
+
+std::vector<std::vector<std::uint32_t>> bitsOfBatch(const Model& model, const std::vector<Contacts>& batch, int max_contacts) {
+  const int n = static_cast<int>(batch.size());
+  Simulator simulator(model, {.num_instances = n, .seed = 7, .outputs = kNoDepth, .max_contacts = max_contacts});
+  for (int i = 0; i < n; ++i) simulator.setContacts(i, batch[i]);
+  simulator.step(kDt);
+  const FrameView frame = simulator.read();
+  std::vector<std::vector<std::uint32_t>> bits;
+  for (int i = 0; i < n; ++i) bits.push_back(support::bitsOf(frame, i, n));
+  return bits;
+}
+
+TEST(ContactsOnDevice, NothingOfTheBatchShows) {
+  Random random(31);
+  // Of taxels enough that several subgroups share an instance.
+  Sensor sensor = support::gridSensor({.num_rows = 40, .num_cols = 12, .pitch_x = 1e-3, .pitch_y = 2e-3});
+  sensor.patches.push_back(sensor.patches[0]);
+  sensor.patches[1].X_SP = {{0.045, 0, 0}, axisAngle({0, 1, 0}, 0.2)};
+  sensor.psf = gaussianPsf(0.8, 5);
+  sensor.readout = support::paperReadout();
+  sensor.readout.noise = 2;
+  std::vector<Contacts> batch;
+  for (int i = 0; i < 21; ++i) batch.push_back(randomContacts(random, sensor, random.integer(0, 90), 1e-4));
+  const Model model(support::sharedDevice(), {.sensor = sensor});
+  const auto together = bitsOfBatch(model, batch, 90);
+  EXPECT_NE(together[0], together[1]);
+  EXPECT_EQ(together, bitsOfBatch(model, batch, 1000));
+  for (const int instance : {0, 7, 20}) EXPECT_EQ(bitsOfBatch(model, {batch[instance]}, 90)[0], together[instance]);
+  for (const int workgroup : {4, 8, 32, 256}) {
+    const Model other(support::sharedDevice(), {.sensor = sensor, .image_workgroup = workgroup});
+    EXPECT_EQ(bitsOfBatch(other, batch, 90), together) << workgroup;
+  }
+}
+
+TEST(ContactsOnDevice, StayUntilTheyAreSetAgain) {
+  const Sensor sensor = support::gridSensor();
+  Simulator simulator(Model(support::sharedDevice(), {.sensor = sensor}), {.num_instances = 2, .outputs = kNoDepth, .max_contacts = 2});
+  simulator.step(kDt);
+  EXPECT_EQ(simulator.read().ground_truth.total_force[1], 0);  // none set: no contact
+  simulator.setContacts(1, Contacts{{{0.001, 0.001, 0}, 1}, {{0.001, 0.001, 0}, 0.5}});
+  for (int step = 0; step < 2; ++step) {
+    simulator.step(kDt);
+    const FrameView frame = simulator.read();
+    EXPECT_EQ(frame.ground_truth.total_force[0], 0);
+    EXPECT_EQ(frame.ground_truth.total_force[1], 1.5f);
+    EXPECT_EQ(frame.ground_truth.contact_wrench[6 + 2], -1.5f);
+  }
+  simulator.setContacts(1, {});
+  simulator.step(kDt);
+  EXPECT_EQ(simulator.read().ground_truth.total_force[1], 0);
+}
+
+template <typename Call>
+std::string inputError(Call call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kInput) << error.what();
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+    return error.what();
+  }
+  ADD_FAILURE() << "nothing was thrown";
+  return {};
+}
+
+class ContactErrors : public ::testing::Test {
+ protected:
+  Model model_{support::sharedDevice(), {.sensor = support::gridSensor(), .objects = {Object(Sphere{0.005})}}};
+  Simulator simulator_{model_, {.num_instances = 2, .outputs = kNoDepth, .max_contacts = 3}};
+};
+
+TEST_F(ContactErrors, BadContacts) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
+  for (const ContactPoint& bad :
+       {ContactPoint{{0, 0, 0}, -1}, ContactPoint{{0, 0, 0}, kNan}, ContactPoint{{0, 0, 0}, kInfinity}, ContactPoint{{0, 0, 0}, 1e300},
+        ContactPoint{{kNan, 0, 0}, 1}, ContactPoint{{0, -kInfinity, 0}, 1}, ContactPoint{{0, 0, 1e7}, 1}}) {
+    const Contacts contacts{{{0, 0, 0}, 1}, bad};
+    EXPECT_NE(inputError([&] { simulator_.setContacts(1, contacts); }).find("contact 1 of instance 1"), std::string::npos);
+    inputError([&] { simulator_.setContacts(contacts, std::vector<int>{0, 0, 2}); });
+  }
+}
+
+TEST_F(ContactErrors, BadCounts) {
+  const Contacts four(4);
+  EXPECT_NE(inputError([&] { simulator_.setContacts(0, four); }).find("max_contacts is 3"), std::string::npos);
+  inputError([&] { simulator_.setContacts(four, std::vector<int>{0, 0, 4}); });
+  inputError([&] { simulator_.setContacts(four, std::vector<int>{0, 4}); });
+  inputError([&] { simulator_.setContacts(four, std::vector<int>{1, 2, 4}); });
+  inputError([&] { simulator_.setContacts(four, std::vector<int>{0, 2, 3}); });
+  inputError([&] { simulator_.setContacts(four, std::vector<int>{0, 3, 2}); });
+  inputError([&] { simulator_.setContacts(four, std::vector<int>{0, -1, 4}); });
+  EXPECT_NO_THROW(simulator_.setContacts(four, std::vector<int>{0, 2, 4}));
+  inputError([&] { simulator_.setContacts(2, {}); });
+  inputError([&] { simulator_.setContacts(-1, {}); });
+}
+
+TEST_F(ContactErrors, RefusedInputLeavesTheOldInPlace) {
+  simulator_.setContacts(0, Contacts{{{0, 0, 0}, 1}});
+  inputError([&] { simulator_.setContacts(Contacts{{{0, 0, 0}, 2}, {{0, 0, 0}, -2}}, std::vector<int>{0, 1, 2}); });
+  simulator_.step(kDt);
+  EXPECT_EQ(simulator_.read().ground_truth.total_force[0], 1);
+}
+
+TEST_F(ContactErrors, OneSourceForABatch) {
+  inputError([&] { simulator_.setObjects(std::vector<int>{0, 0}, std::vector<Pose>(2)); });
+  inputError([&] { simulator_.setObjects(0, std::vector<int>{0}, std::vector<Pose>(1)); });
+  inputError([&] { simulator_.setLoad(0, 1); });
+  inputError([&] { simulator_.setLoads(std::vector<float>{1, 1}); });
+  Simulator with_objects(model_, {});
+  inputError([&] { with_objects.setContacts(0, {}); });
+  inputError([&] { with_objects.setContacts({}, std::vector<int>{0, 0}); });
+}
+
+TEST_F(ContactErrors, BadOptions) {
+  inputError([&] { Simulator(model_, {.outputs = kNoDepth, .max_contacts = -1}); });
+  inputError([&] { Simulator(model_, {.outputs = kNoDepth, .max_contacts = kMaxContacts + 1}); });
+  EXPECT_NE(inputError([&] { Simulator(model_, {.max_contacts = 1}); }).find("penetration_depth"), std::string::npos);
+  for (const double band : {-1e-3, 2.0, std::numeric_limits<double>::quiet_NaN()}) {
+    inputError([&] { Simulator(model_, {.outputs = kNoDepth, .max_contacts = 1, .contact_band = band}); });
+  }
+}
+
+}  // namespace
+}  // namespace taxelsim

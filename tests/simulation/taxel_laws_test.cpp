@@ -1,0 +1,178 @@
+// Laws whose taxels are more than the sum of their samples, on the device: the forces that contact presses are those of a winkler skin as
+// stiff; what taxels make of them is compared with the twin.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "reference/taxel_laws.h"
+#include "simulation/comparison.h"
+#include "support/random_scene.h"
+#include "taxelsim/error.h"
+
+namespace taxelsim {
+namespace {
+
+using support::Random;
+
+// A step's matrix, state and force are rounded to float32, some eight roundings of terms as large as the largest force; errors of steps add
+// up.
+constexpr double kPerStep = 16 * support::kUlp;
+// The mask's published weights are given to five digits, and so are the device's.
+constexpr double kMaskWeights = 2e-5;
+
+// A run of poses of one object over one sensor; normal forces (num_steps x num_taxels) after the law, N, and total force and wrench.
+struct Path {
+  std::vector<std::vector<float>> forces;
+  std::vector<float> wrench_z;
+};
+
+Path follow(Sensor sensor, const ContactLaw& law, const Object& object, const std::vector<Pose>& path, const std::vector<double>& dt,
+            float load = std::numeric_limits<float>::quiet_NaN()) {
+  sensor.skin.law = law;
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {object}});
+  Simulator simulator(model, {.num_instances = 1});
+  if (!std::isnan(load)) simulator.setLoad(0, load);
+  Path result;
+  for (std::size_t n = 0; n < path.size(); ++n) {
+    simulator.setObjects(std::vector<int>{0}, std::vector<Pose>{path[n]});
+    simulator.step(dt[n]);
+    const FrameView frame = simulator.read();
+    support::expectWellFormed(frame, sensor, 1);
+    result.forces.emplace_back(frame.ground_truth.tactile_normal_force.begin(), frame.ground_truth.tactile_normal_force.end());
+    result.wrench_z.push_back(frame.ground_truth.contact_wrench[2]);
+  }
+  return result;
+}
+
+Sensor plainSensor(Random& random, int max_patches) {
+  Sensor sensor = support::randomSensor(random, {.max_rows = 8, .max_cols = 10, .max_patches = max_patches, .max_kernel = 1});
+  sensor.psf = {};
+  return sensor;
+}
+
+std::vector<double> asDouble(const std::vector<float>& values) {
+  return {values.begin(), values.end()};
+}
+
+double sum(const std::vector<float>& values) {
+  double total = 0;
+  for (const float value : values) total += value;
+  return total;
+}
+
+class TaxelLaws : public ::testing::TestWithParam<int> {};
+
+TEST_P(TaxelLaws, MassSpringDamperFollowsItsTwin) {
+  Random random(static_cast<std::uint64_t>(GetParam()));
+  const Sensor sensor = plainSensor(random, 1 + GetParam() % 2);
+  const Object object = support::randomSolid(random, 0.02);
+  const auto logarithmic = [&](double low, double high) { return low * std::pow(high / low, random.uniform()); };
+  const MassSpringDamper law{.normal_contact_stiffness = 1.73e8,
+                             .mass = logarithmic(1e-5, 1e-1),
+                             .stiffness = logarithmic(1, 1e3),
+                             .damping = random.chance(0.1) ? 0 : logarithmic(1e-3, 10)};
+  std::vector<Pose> path;
+  std::vector<double> dt;
+  for (int n = 0; n < 6; ++n) {
+    path.push_back(support::randomContact(random, sensor, object));
+    dt.push_back(logarithmic(1e-4, 1e-1));
+  }
+  const Path pressed = follow(sensor, Winkler{.normal_contact_stiffness = 1.73e8}, object, path, dt);
+  const Path device = follow(sensor, law, object, path, dt);
+  Sensor with_law = sensor;
+  with_law.skin.law = law;
+  std::vector<reference::TaxelState> state;
+  double largest = 0;
+  for (std::size_t n = 0; n < path.size(); ++n) {
+    const std::vector<double> expected = reference::taxelResponse(with_law, asDouble(pressed.forces[n]), dt[n], state);
+    for (const float force : pressed.forces[n]) largest = std::max<double>(largest, force);
+    for (std::size_t t = 0; t < expected.size(); ++t) {
+      ASSERT_NEAR(device.forces[n][t], expected[t], kPerStep * static_cast<double>(n + 1) * largest + support::kAbsoluteForce)
+          << n << " " << t;
+    }
+    EXPECT_EQ(device.wrench_z[n], pressed.wrench_z[n]) << "contact presses the same";
+  }
+}
+
+TEST_P(TaxelLaws, DeformationMaskFollowsItsTwinAndKeepsTheForce) {
+  Random random(100 + static_cast<std::uint64_t>(GetParam()));
+  const Sensor sensor = plainSensor(random, 1 + GetParam() % 3);
+  const Object object = support::randomMeshObject(random, 0.02);
+  const DeformationMask law{.saturation_pressure = GetParam() % 2 == 0 ? 250e3 : 30e3};
+  const std::vector<Pose> path{support::randomContact(random, sensor, object), support::randomContact(random, sensor, object)};
+  const Path pressed = follow(sensor, Winkler{.normal_contact_stiffness = 3.5e8}, object, path, {1e-3, 1e-3});
+  const Path device = follow(sensor, law, object, path, {1e-3, 1e-3});
+  Sensor with_law = sensor;
+  with_law.skin.law = law;
+  std::vector<reference::TaxelState> state;
+  for (std::size_t n = 0; n < path.size(); ++n) {
+    const std::vector<double> expected = reference::taxelResponse(with_law, asDouble(pressed.forces[n]), 0, state);
+    const double total = sum(pressed.forces[n]);
+    for (std::size_t t = 0; t < expected.size(); ++t)
+      ASSERT_NEAR(device.forces[n][t], expected[t], kMaskWeights * total + support::kAbsoluteForce);
+    EXPECT_NEAR(sum(device.forces[n]), total, 1e-5 * total + support::kAbsoluteForce);
+  }
+}
+
+TEST_P(TaxelLaws, ProximityReadsDepthAndPressesNothing) {
+  Random random(200 + static_cast<std::uint64_t>(GetParam()));
+  const Sensor sensor = plainSensor(random, 1 + GetParam() % 2);
+  const Object object = support::randomSolid(random, 0.02);
+  const std::vector<Pose> path{support::randomContact(random, sensor, object)};
+  const Path pressed = follow(sensor, Winkler{.normal_contact_stiffness = 1e8}, object, path, {1e-3});
+  const Path device = follow(sensor, Proximity{.sensitivity = 1e8}, object, path, {1e-3});
+  EXPECT_EQ(device.forces, pressed.forces);
+  EXPECT_EQ(device.wrench_z[0], 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Random, TaxelLaws, ::testing::Range(0, 12));
+
+TEST(TaxelLawsUnderLoad, TaxelsCarryTheLoad) {
+  constexpr double kCarried = 1e-3;  // of the load
+  const Sensor sensor = support::gridSensor();
+  const Object object(Sphere{0.008});
+  for (const Vector3& at : {Vector3{0.001, 0.002, 0.02}, Vector3{0.0098, -0.02, 0.02}}) {  // in the middle, over the border
+    for (const ContactLaw& law : std::vector<ContactLaw>{MassSpringDamper{.normal_contact_stiffness = 1.73e8}, DeformationMask{}}) {
+      const Path device = follow(sensor, law, object, {{.position = at}, {.position = at}}, {1e-3, 1e-3}, 3.0f);
+      for (const auto& forces : device.forces) EXPECT_NEAR(sum(forces), 3, 3 * kCarried);
+    }
+  }
+}
+
+TEST(TaxelLawsUnderLoad, ProximityHasNone) {
+  Sensor sensor = support::gridSensor();
+  sensor.skin.law = Proximity{.sensitivity = 1e8};
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.01})}});
+  Simulator simulator(model, {.num_instances = 1});
+  EXPECT_THROW(simulator.setLoad(0, 1), Error);
+  simulator.setLoad(0, std::numeric_limits<float>::quiet_NaN());  // driven by pose
+}
+
+// Six orders of magnitude beyond the usual each way, and steps from a microsecond to a quarter of an hour: a spring never carries more than
+// an undamped swing.
+TEST(TaxelLawsUnderLoad, ExtremeMassesSpringsAndDampersStayBounded) {
+  const Sensor sensor = support::gridSensor({.num_rows = 4, .num_cols = 4});
+  const Object object(Sphere{0.01});
+  const std::vector<Pose> path{
+      {.position = {0, 0, 0.02}}, {.position = {0, 0, 0.009}}, {.position = {0, 0, 0.009}}, {.position = {0, 0, 0.02}}};
+  const Path pressed = follow(sensor, Winkler{.normal_contact_stiffness = 1.73e8}, object, path, {1, 1, 1, 1});
+  double largest = 0;
+  for (const float force : pressed.forces[1]) largest = std::max<double>(largest, force);
+  for (const double mass : {1e-9, 1e3}) {
+    for (const double stiffness : {1.6e-5, 1.6e7}) {
+      for (const double damping : {0.0, 1.3e-7, 1.3e5}) {
+        for (const double dt : {1e-6, 1e-3, 1e3}) {
+          const Path device = follow(sensor, MassSpringDamper{1.73e8, mass, stiffness, damping}, object, path, {dt, dt, dt, dt});
+          for (const auto& forces : device.forces) {
+            for (const float force : forces)
+              EXPECT_TRUE(force >= 0 && force <= 4.001 * largest) << mass << " " << stiffness << " " << damping << " " << dt;
+          }
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace taxelsim
