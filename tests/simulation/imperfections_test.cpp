@@ -79,8 +79,10 @@ std::vector<std::vector<std::uint32_t>> bitsOfEpisodes(Simulator& simulator, con
   return bits;
 }
 
-// Draws in float32: angle and logarithm of a normal number are good to some 1e-6, times sums of a few.
-constexpr double kDraw = 1e-5;
+// A normal number is sqrt(-2 log u) cos(angle): Vulkan lets a driver's cos be off by 2^-11, and the root is at most 5.8.
+constexpr double kDraw = 3e-3;
+// What float32 does to the rest.
+constexpr double kRounded = 1e-5;
 
 TEST(ImperfectionsOnDevice, CountsAreTheTwins) {
   for (const int num_patches : {1, 2}) {
@@ -109,7 +111,8 @@ TEST(ImperfectionsOnDevice, CountsAreTheTwins) {
         for (std::size_t t = 0; t < num_taxels; ++t) {
           const double value = reference::analogueOutput(readout, force[t], draw.gain[t], readout.trigger, draw.noise[t]);
           const double slack = kDraw * (readout.bias + readout.noise + readout.random_walk) +
-                               kDraw * reference::analogueOutput(readout, force[t], draw.gain[t], -readout.trigger, 0);
+                               (kRounded + kDraw * std::hypot(readout.gain_spread, 0.05)) *
+                                   reference::analogueOutput(readout, force[t], draw.gain[t], -readout.trigger, 0);
           const auto clip = [&](double v) { return draw.dead[t] ? 0 : std::clamp(std::round(v), 0.0, 1.0 * readout.saturation); };
           ASSERT_GE(frame.tactile_image[t], clip(value - slack)) << "taxel " << t << ", step " << n;
           ASSERT_LE(frame.tactile_image[t], clip(value + slack)) << "taxel " << t << ", step " << n;
