@@ -30,15 +30,10 @@ layout(constant_id = 21) const uint FACES = 1;           // of each polyhedron, 
 layout(constant_id = 22) const float LAW_0 = 1.73e8;     // parameters of the contact law, lib/laws/
 layout(constant_id = 23) const float LAW_1 = 1.0;
 layout(constant_id = 24) const float LAW_2 = 0.0;
-layout(constant_id = 25) const float LAW_3 = 0.0;
-layout(constant_id = 26) const float LAW_4 = 0.0;
-layout(constant_id = 27) const float LAW_5 = 0.0;
-layout(constant_id = 28) const float LAW_6 = 0.0;
-layout(constant_id = 29) const float LAW_7 = 0.0;
-layout(constant_id = 30) const bool FRICTION = false;     // shear with memory, lib/friction.glsl
-layout(constant_id = 31) const float TANGENTIAL_STIFFNESS = 1e8;  // N/m^3
-layout(constant_id = 32) const float FRICTION_COEFFICIENT = 1.0;
-layout(constant_id = 33) const bool OUTPUT_SHEAR = false;  // contact_shear is wanted
+layout(constant_id = 25) const bool FRICTION = false;     // shear with memory, lib/friction.glsl
+layout(constant_id = 26) const float TANGENTIAL_STIFFNESS = 1e8;  // N/m^3
+layout(constant_id = 27) const float FRICTION_COEFFICIENT = 1.0;
+layout(constant_id = 28) const bool OUTPUT_SHEAR = false;  // contact_shear is wanted
 
 // A software driver computes both sides of every branch and a loop's body at least once, so what a model, sensor or batch does not need is left
 // out by constants.

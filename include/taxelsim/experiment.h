@@ -56,6 +56,9 @@ struct StaticResult {
 // where a load is out of reach.
 StaticResult runStaticExperiment(const Device& device, const StaticExperiment& experiment);
 
+// Medians over all contacts of one load (its number), each measure by itself.
+ImageDistance medianDistance(const StaticExperiment& experiment, const StaticImages& images, std::size_t load);
+
 // The distance of one image from another of the same length. `least` (N): a count's worth; `full_scale`, N.
 ImageDistance imageDistance(const std::vector<float>& image, const std::vector<float>& reference, double least, double full_scale);
 

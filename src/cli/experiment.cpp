@@ -23,24 +23,8 @@ struct Arguments {
   bool validation = false;
 };
 
-double medianOf(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t n = values.size();
-  return n == 0 ? 0 : (values[(n - 1) / 2] + values[n / 2]) / 2;
-}
-
 std::size_t numberOf(const StaticExperiment& experiment, std::size_t object, std::size_t yaw, std::size_t load) {
   return (object * experiment.yaw.size() + yaw) * experiment.loads.size() + load;
-}
-
-// Medians over all contacts of one load.
-ImageDistance medianDistance(const StaticExperiment& experiment, const StaticImages& images, std::size_t load) {
-  std::vector<double> differences, relative;
-  for (std::size_t contact = load; contact < images.distances.size(); contact += experiment.loads.size()) {
-    differences.push_back(images.distances[contact].median_difference);
-    relative.push_back(images.distances[contact].relative_l1);
-  }
-  return {medianOf(differences), medianOf(relative)};
 }
 
 std::string fitText(const StaticImages& images) {

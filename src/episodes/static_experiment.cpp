@@ -207,6 +207,16 @@ ImageDistance imageDistance(const std::vector<float>& image, const std::vector<f
   return {medianOf(differences) / full_scale, all > 0 ? sum / all : 0};
 }
 
+ImageDistance medianDistance(const StaticExperiment& experiment, const StaticImages& images, std::size_t load) {
+  std::vector<double> differences;
+  std::vector<double> relative;
+  for (std::size_t contact = load; contact < images.distances.size(); contact += experiment.loads.size()) {
+    differences.push_back(images.distances[contact].median_difference);
+    relative.push_back(images.distances[contact].relative_l1);
+  }
+  return {medianOf(differences), medianOf(relative)};
+}
+
 StaticResult runStaticExperiment(const Device& device, const StaticExperiment& experiment) {
   const Judge judge(device, experiment);
   StaticResult result{judge.reference(), {}};

@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "geometry/vector3.h"
+#include "base/vector3.h"
 #include "geometry/weld.h"
 
 namespace taxelsim {

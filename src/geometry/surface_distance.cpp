@@ -3,17 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/vector3.h"
+#include "base/vector3.h"
 
 namespace taxelsim {
 namespace {
-
-using geometry::add;
-using geometry::cross;
-using geometry::dot;
-using geometry::length;
-using geometry::scale;
-using geometry::subtract;
 
 // Cuts that may lie over one another; meshes of a million triangles over a flat face of two take fewer than half.
 constexpr int kMaxDepth = 128;

@@ -6,15 +6,10 @@
 #include <numeric>
 #include <utility>
 
-#include "geometry/vector3.h"
+#include "base/vector3.h"
 
 namespace taxelsim {
 namespace {
-
-using geometry::add;
-using geometry::dot;
-using geometry::scale;
-using geometry::subtract;
 
 constexpr std::uint32_t kLeafSize = 4;
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/vector3.h"
 #include "reference/samples.h"
-#include "reference/vector3.h"
 
 namespace taxelsim::reference {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "reference/vector3.h"
+#include "base/vector3.h"
 
 namespace taxelsim::reference {
 namespace {

@@ -5,8 +5,8 @@
 #include <limits>
 #include <type_traits>
 
+#include "base/vector3.h"
 #include "reference/solids.h"
-#include "reference/vector3.h"
 
 namespace taxelsim::reference {
 namespace {

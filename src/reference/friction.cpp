@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/vector3.h"
 #include "reference/samples.h"
-#include "reference/vector3.h"
 
 namespace taxelsim::reference {
 namespace {

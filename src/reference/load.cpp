@@ -6,8 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "base/vector3.h"
 #include "reference/contact.h"
-#include "reference/vector3.h"
 
 namespace taxelsim::reference {
 namespace {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "reference/vector3.h"
+#include "base/vector3.h"
 
 namespace taxelsim::reference {
 namespace {

@@ -8,16 +8,6 @@ namespace {
 constexpr double kTurn = 6.283185307179586;
 constexpr std::size_t kMaxValues = 1000;
 
-Sensor readSensorNamed(const YamlNode& node, const std::filesystem::path& directory, Canonical& canonical) {
-  const std::filesystem::path file = directory / node.text("a sensor file");
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error)) node.fail(file.generic_string() + " is not there, or not a file");
-  canonical.open("sensor");
-  Sensor sensor = readSensorFile(file, canonical);
-  canonical.close();
-  return sensor;
-}
-
 std::vector<double> readList(const YamlMap& map, std::string_view key, const Allowed& allowed) {
   const std::string what = "a list of 1 to " + std::to_string(kMaxValues) + " numbers";
   const YamlNode node = map.require(key, what);
@@ -50,19 +40,19 @@ StaticExperiment loadStaticExperiment(const std::filesystem::path& file) {
   map.integer("format_version", 1, kFormatVersion);
   experiment.name = map.text("name", "a name");
   map.choice("experiment", {"static"});
-  experiment.reference = readSensorNamed(map.require("reference", "a sensor file"), directory, canonical);
-  const YamlNode sensors = map.require("sensors", "a list of {file, fitted}");
+  experiment.reference = readSensorBlock(map.require("reference", kSensorBlock), directory, canonical);
+  const YamlNode sensors = map.require("sensors", "a list of {sensor, fitted}");
   canonical.open("sensors");
-  for (const YamlNode& item : sensors.items("a list of {file, fitted}")) {
-    const YamlMap entry_map = YamlMap::item(item, {"file", "fitted"}, canonical);
+  for (const YamlNode& item : sensors.items("a list of {sensor, fitted}")) {
+    const YamlMap entry_map = YamlMap::item(item, {"sensor", "fitted"}, canonical);
     StaticExperiment::Entry entry;
-    entry.sensor = readSensorNamed(entry_map.require("file", "a sensor file"), directory, canonical);
+    entry.sensor = readSensorBlock(entry_map.require("sensor", kSensorBlock), directory, canonical);
     entry.fitted = entry_map.choice("fitted", {"true", "false"}, "false") == "true";
     checkEntry(item, entry, experiment.reference);
     experiment.sensors.push_back(std::move(entry));
   }
   canonical.close();
-  if (experiment.sensors.empty()) sensors.refuse("a list of at least one {file, fitted}");
+  if (experiment.sensors.empty()) sensors.refuse("a list of at least one {sensor, fitted}");
   experiment.objects = readObjects(map, directory);
   experiment.yaw = readList(map, "yaw", Allowed::within(-kTurn, kTurn, "rad"));
   experiment.loads = readList(map, "loads", Allowed::above(0, "N"));

@@ -44,24 +44,6 @@ Range readRange(const YamlMap& map, std::string_view key, const Allowed& allowed
   return range;
 }
 
-Sensor readSceneSensor(const YamlMap& map, const std::filesystem::path& directory) {
-  const YamlNode node = map.require("sensor", "a sensor file, or a sensor's own settings");
-  Canonical& canonical = map.canonical();
-  canonical.open("sensor");
-  Sensor sensor;
-  if (node.isMap()) {
-    sensor = readSensor(node, canonical, false);
-  } else {
-    const std::filesystem::path file = directory / node.text("a sensor file, or a sensor's own settings");
-    std::error_code error;
-    // What is wrong inside that file is reported with a position there.
-    if (!std::filesystem::is_regular_file(file, error)) node.fail(file.generic_string() + " is not there, or not a file");
-    sensor = readSensorFile(file, canonical);
-  }
-  canonical.close();
-  return sensor;
-}
-
 void readEpisode(const YamlMap& parent, Scene& scene) {
   const YamlMap map(parent, "episode", {"num_steps", "simulation_rate", "control_rate"});
   const Allowed rate{.min = 0, .max = kMaxRate, .above_min = true, .unit = "Hz"};
@@ -208,7 +190,7 @@ Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrid
   map.integer("format_version", 1, kFormatVersion);
   scene.name = map.text("name", "a name");
   scene.kind = map.choice("kind", {"servo", "contacts"}) == "servo" ? Scene::Kind::kServo : Scene::Kind::kContacts;
-  scene.sensor = readSceneSensor(map, directory);
+  scene.sensor = readSensorBlock(map.require("sensor", kSensorBlock), directory, canonical);
   scene.X_ES = readPose(map, "mount");
   scene.objects = readObjects(map, directory);
   readEpisode(map, scene);

@@ -386,6 +386,22 @@ Sensor readSensorFile(const std::filesystem::path& file, Canonical& canonical) {
   return readSensor(root, canonical, true);
 }
 
+Sensor readSensorBlock(const YamlNode& node, const std::filesystem::path& directory, Canonical& canonical) {
+  canonical.open("sensor");
+  Sensor sensor;
+  if (node.isMap()) {
+    sensor = readSensor(node, canonical, false);
+  } else {
+    const std::filesystem::path file = directory / node.text(kSensorBlock);
+    std::error_code error;
+    // What is wrong inside that file is reported with a position there.
+    if (!std::filesystem::is_regular_file(file, error)) node.fail(file.generic_string() + " is not there, or not a file");
+    sensor = readSensorFile(file, canonical);
+  }
+  canonical.close();
+  return sensor;
+}
+
 Sensor loadSensor(const std::filesystem::path& file) {
   Canonical canonical;
   return readSensorFile(file, canonical);

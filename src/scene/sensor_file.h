@@ -20,4 +20,10 @@ Sensor readSensor(const YamlNode& node, Canonical& canonical, bool versioned);
 // The same from a file of its own.
 Sensor readSensorFile(const std::filesystem::path& file, Canonical& canonical);
 
+// What readSensorBlock() takes, for a message.
+inline constexpr const char* kSensorBlock = "a sensor file, or a sensor's own settings";
+
+// The sensor that `node` names by a file, relative to `directory`, or gives in place; as the block `sensor` of the canonical text.
+Sensor readSensorBlock(const YamlNode& node, const std::filesystem::path& directory, Canonical& canonical);
+
 }  // namespace taxelsim

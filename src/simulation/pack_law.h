@@ -25,7 +25,7 @@ struct PackedLaw {
   std::string kernel;  // of the contact pass
   std::span<const std::uint32_t> spirv;
   std::span<const std::uint32_t> spirv_pairs;  // the same with words of 64 bits, shaders/lib/pairs.glsl
-  std::array<float, 8> parameters{};           // LAW_0 .. LAW_7 of shaders/contact.comp
+  std::array<float, 3> parameters{};           // LAW_0 .. LAW_2 of shaders/contact.comp
   bool has_state = false;                      // the law needs every sample's depth of the step before
   std::vector<TaxelPass> taxel_passes{};       // in order
   std::array<float, 2> taxel_parameters{};     // LAW_0, LAW_1 of shaders/lib/taxel_pass.glsl

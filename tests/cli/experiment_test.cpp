@@ -50,7 +50,7 @@ TEST(Experiment, AFitFindsTheSensorItIsJudgedBy) {
   text.replace(text.find("sigma: 0.5"), 10, "sigma: 0.7");
   written(root, "soft.yaml", text);
   const std::filesystem::path file =
-      written(root, "x.yaml", experimentText("soft.yaml", "[{file: " + shipped("wts0614") + ", fitted: true}, {file: soft.yaml}]"));
+      written(root, "x.yaml", experimentText("soft.yaml", "[{sensor: " + shipped("wts0614") + ", fitted: true}, {sensor: soft.yaml}]"));
   const Outcome outcome = runTaxelsim({"experiment", file, "--json"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const nlohmann::json json = nlohmann::json::parse(outcome.out);
@@ -72,8 +72,8 @@ TEST(Experiment, AFitFindsTheSensorItIsJudgedBy) {
 TEST(Experiment, TableAndPictures) {
   const TemporaryDirectory root;
   const std::filesystem::path file = written(root, "x.yaml",
-                                             experimentText(shipped("wts0614"), "[{file: " + shipped("wts0614_deformation_mask") +
-                                                                                    "}, {file: " + shipped("wts0614_proximity") + "}]"));
+                                             experimentText(shipped("wts0614"), "[{sensor: " + shipped("wts0614_deformation_mask") +
+                                                                                    "}, {sensor: " + shipped("wts0614_proximity") + "}]"));
   const Outcome outcome = runTaxelsim({"experiment", file, "-o", root / "figures"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_NE(outcome.out.find("wts0614_deformation_mask"), std::string::npos);
@@ -83,18 +83,34 @@ TEST(Experiment, TableAndPictures) {
   }
 }
 
+TEST(Experiment, EveryImageOfTheShippedOneHasActiveTaxels) {
+  const Outcome outcome = runTaxelsim({"experiment", kScenes + "/experiments/paper/static_indenters.yaml", "--json"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const nlohmann::json json = nlohmann::json::parse(outcome.out);
+  std::size_t num_images = 0;
+  for (const auto& sensor : json["sensors"]) {
+    for (const auto& contact : sensor["contacts"]) {
+      double most = 0;
+      for (const auto& force : contact["tactile_normal_force"]) most = std::max(most, force.get<double>());
+      EXPECT_GT(most, 0.02) << sensor["sensor"] << " " << contact["object"];  // N: the trigger of wts0614.yaml
+      ++num_images;
+    }
+  }
+  EXPECT_GE(num_images, 6u * 3 * 2);
+}
+
 TEST(Experiment, Refusals) {
   const TemporaryDirectory root;
-  const std::string sensor = "[{file: " + shipped("wts0614") + "}]";
+  const std::string sensor = "[{sensor: " + shipped("wts0614") + "}]";
   const auto refused = [&](const std::string& text, const std::string& part) {
     expectRefused(runTaxelsim({"experiment", written(root, "x.yaml", text)}), part);
   };
   refused(experimentText("missing.yaml", sensor), "x.yaml:4:12: reference: ");
   refused(experimentText(shipped("wts0614"), "[]"), "x.yaml:5:10: sensors");
-  refused(experimentText(shipped("wts0614"), "[{file: " + shipped("digitacts_6x4") + "}]"), "taxels, the reference 84");
-  refused(experimentText(shipped("wts0614"), "[{file: " + shipped("wts0614_proximity") + ", fitted: true}]"),
+  refused(experimentText(shipped("wts0614"), "[{sensor: " + shipped("digitacts_6x4") + "}]"), "taxels, the reference 84");
+  refused(experimentText(shipped("wts0614"), "[{sensor: " + shipped("wts0614_proximity") + ", fitted: true}]"),
           "only sensors of law winkler can be fitted");
-  refused(experimentText(shipped("wts0614"), "[{file: " + shipped("wts0614") + ", fitted: perhaps}]"),
+  refused(experimentText(shipped("wts0614"), "[{sensor: " + shipped("wts0614") + ", fitted: perhaps}]"),
           "fitted: perhaps is not allowed: true | false");
   refused(experimentText(shipped("wts0614"), sensor, "yaw: [0]\nloads: [-1]\n"), "loads");
   refused(experimentText(shipped("wts0614"), sensor, "yaw: []\nloads: [1]\n"), "yaw");

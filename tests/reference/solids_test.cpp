@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "reference/vector3.h"
+#include "base/vector3.h"
 #include "support/random_scene.h"
 
 namespace taxelsim {
@@ -18,13 +18,13 @@ using support::Random;
 
 // Less than 0 inside, 0 on the surface, in m (distance to the nearest of the surfaces that bound it, up to a factor).
 double levelOf(const Sphere& s, const Vector3& p) {
-  return reference::length(p) - s.radius;
+  return length(p) - s.radius;
 }
 double levelOf(const Cylinder& c, const Vector3& p) {
   return std::max(std::hypot(p[0], p[1]) - c.radius, std::abs(p[2]) - c.length / 2);
 }
 double levelOf(const Capsule& c, const Vector3& p) {
-  return reference::length({p[0], p[1], std::max(0.0, std::abs(p[2]) - c.length / 2)}) - c.radius;
+  return length({p[0], p[1], std::max(0.0, std::abs(p[2]) - c.length / 2)}) - c.radius;
 }
 double levelOf(const Box& b, const Vector3& p) {
   return std::max({std::abs(p[0]) - b.size[0] / 2, std::abs(p[1]) - b.size[1] / 2, std::abs(p[2]) - b.size[2] / 2});
@@ -69,7 +69,7 @@ TEST_P(SolidSeeds, FirstHitIsOnTheSurfaceAndNothingIsInsideBeforeIt) {
     std::visit(
         [&](const auto& shape) {
           const double t = firstHit(shape, origin, direction);
-          const auto level = [&](double at) { return levelOf(shape, reference::add(origin, reference::scale(at, direction))); };
+          const auto level = [&](double at) { return levelOf(shape, add(origin, scale(at, direction))); };
           if (std::isfinite(t)) {
             ++num_hits;
             EXPECT_NEAR(level(t), 0, kOnSurface) << object.name;

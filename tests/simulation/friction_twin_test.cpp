@@ -9,11 +9,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/vector3.h"
 #include "reference/contact.h"
 #include "reference/frame.h"
 #include "reference/psf.h"
 #include "reference/samples.h"
-#include "reference/vector3.h"
 #include "simulation/comparison.h"
 #include "support/random_scene.h"
 
@@ -94,10 +94,10 @@ Tracked advance(const Sensor& sensor, const std::vector<PlacedObject>& placed, c
       const Pose &from = before.state.objects[number].X_SO, &to = placed[number].X_SO;
       const Pose& X_SP = sensor.patches[samples[n].patch].X_SP;
       const Vector3 p_S = X_SP * Vector3{samples[n].position_P[0], samples[n].position_P[1], -now.frame.penetration[n]};
-      const Vector3 moved = reference::subtract(to * (inverse(from) * p_S), p_S);
+      const Vector3 moved = subtract(to * (inverse(from) * p_S), p_S);
       const Vector3 u = rotate(inverse(X_SP).rotation, moved);
       const double angle = angleOf(from.rotation, to.rotation), along = std::hypot(u[0], u[1]);
-      const double motion_error = kRelativeMotion * (reference::length(u) + angle * kArm) + angle * rounding.margin_z;
+      const double motion_error = kRelativeMotion * (length(u) + angle * kArm) + angle * rounding.margin_z;
       error = friction.tangential_stiffness * motion_error + friction.friction_coefficient * (p_high - p_low) +
               2 * rounding.relative_force * now.cone[n];
       if (before.touched[n]) {

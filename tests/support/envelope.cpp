@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/vector3.h"
 #include "reference/psf.h"
-#include "reference/vector3.h"
 
 namespace taxelsim::support {
 namespace {
@@ -68,7 +68,7 @@ FrameEnvelope frameEnvelope(const Sensor& sensor, std::span<const reference::Pla
     frame.over_penetration.high[0] += -heights.low[n] >= sensor.skin.thickness ? 1.0 : 0.0;
     const Pose& X_SP = sensor.patches[sample.patch].X_SP;
     const Vector3 direction = rotate(X_SP.rotation, {0, 0, -1});
-    const Vector3 arm = reference::cross(X_SP * sample.position_P, direction);
+    const Vector3 arm = cross(X_SP * sample.position_P, direction);
     for (int axis = 0; axis < 3; ++axis) {
       addProduct(direction[axis], force_low, force_high, frame.wrench.low[axis], frame.wrench.high[axis]);
       addProduct(arm[axis], force_low, force_high, frame.wrench.low[3 + axis], frame.wrench.high[3 + axis]);

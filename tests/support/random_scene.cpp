@@ -7,17 +7,11 @@
 #include <numbers>
 #include <string>
 
+#include "base/vector3.h"
 #include "reference/load.h"
-#include "reference/vector3.h"
 
 namespace taxelsim::support {
 namespace {
-
-using reference::add;
-using reference::cross;
-using reference::length;
-using reference::scale;
-using reference::subtract;
 
 std::array<float, 3> toFloat(const Vector3& p) {
   return {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};

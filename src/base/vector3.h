@@ -1,11 +1,11 @@
-// Arithmetic on Vector3 for the reference. Not a linear algebra library.
+// Arithmetic on Vector3 for plain loops. Not a linear algebra library.
 #pragma once
 
 #include <cmath>
 
 #include "taxelsim/pose.h"
 
-namespace taxelsim::reference {
+namespace taxelsim {
 
 inline Vector3 add(const Vector3& a, const Vector3& b) {
   return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
@@ -26,4 +26,4 @@ inline double length(const Vector3& a) {
   return std::sqrt(dot(a, a));
 }
 
-}  // namespace taxelsim::reference
+}  // namespace taxelsim
