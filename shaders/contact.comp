@@ -8,6 +8,8 @@
 // Out: contact_normal (num_instances x num_taxels), N, over the part of the spread's kernel that stays on the sensor; of a sensor of one tile only
 //      inside the window of its result; contact_shear (num_instances x num_taxels x 2), N, the same;
 //      contact_depth (num_instances x num_taxels), m; tile_results (num_instances x num_tiles); loads (num_instances): what the search found.
+//      Of a law that is solved apart, instead of forces and depths, the height of the lowest surface (m, in P) over each of its nodes, which take the
+//      taxels' place; 1e30 where there is none.
 // State: of every sample, between steps: its depth where the law needs it, its shear traction where there is friction.
 // Shared memory: 4 TILE_SAMPLES + 16 LANES + 4 kClustersPerBatch + 4 kGroupsPerBatch + 40 bytes, with friction 8 LANES and 512 more.
 // Deterministic: the tile is a minimum; sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
@@ -236,7 +238,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
 
   uint flags = instances[instance].keys.w;
   bool load_driven = SEARCH != kNoSearch && (flags & kFlagLoadDriven) != 0;
-  bool search_here = SEARCH == kSearchInTile && load_driven;
+  bool search_here = SEARCH == kSearchInTile && load_driven;  // of a law that is solved apart, the search is, too
   offset_z = 0.0;
   if (SEARCH == kSearchOverTiles) {
     vec4 bracket = loads[instance].bracket;
@@ -245,7 +247,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
     offset_z = bracket.x;
   }
   if (SEARCH == kSearchEnded && load_driven) offset_z = loads[instance].bracket.x;
-  z_limit = search_here ? kMiss : 0.0;
+  z_limit = search_here ? kMiss : lawReach();
   z_base = -THICKNESS;
 
   if (lane == 0) {
@@ -311,7 +313,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   uint num_active = active_count.x * active_count.y;
 
   Search found = Search(0.0, 0.0, 0.0, kLoadOutOfReach);
-  if (SEARCH == kSearchInTile && search_here) {
+  if (!kLawSolvedApart && SEARCH == kSearchInTile && search_here) {
     if (num_active > 0) found = searchLoad(instances[instance].drive.x, active_first * SAMPLES, active_count * SAMPLES);
     if (lane == 0) loads[instance].bracket = vec4(found.offset, 0, 0, found.status);
   }
@@ -357,6 +359,10 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
           } else {
             height = max(analyticHeight(body.kind_groups.x, parameters, body.X_PO, position) - z_base, 0.0);
           }
+          if (kLawSolvedApart) {
+            force = height >= uintBitsToFloat(kEmpty) ? kMiss : z_base + height;
+            continue;
+          }
           float d = clamp(search_here ? found.depth - (height - found.lowest) : THICKNESS - height, 0.0, THICKNESS);
           float d_rate = 0.0;
           if (HAS_STATE) {
@@ -376,7 +382,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
           }
         }
       }
-      force *= sample_area;
+      if (!kLawSolvedApart) force *= sample_area;
       moment *= sample_area;
       uint in_sensor = grid.z + in_patch.x * grid.y + in_patch.y;
       uint taxel = instance * NUM_TAXELS + in_sensor;
@@ -404,7 +410,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
       if (all(greaterThanEqual(in_tile, active_first)) && all(lessThan(in_tile, active_first + active_count))) continue;
       uvec2 in_patch = in_tile + tile_taxel;
       uint taxel = first_taxel + in_patch.x * grid.y + in_patch.y;
-      contact_normal[taxel] = 0.0;
+      contact_normal[taxel] = kLawSolvedApart ? kMiss : 0.0;
       if (OUTPUT_SHEAR) writeShear(taxel, vec2(0));
       if (OUTPUT_DEPTH) contact_depth[taxel] = 0.0;
       if (HAS_STATE) {

@@ -25,6 +25,8 @@ inline constexpr double kMaxOffsetCounts = 1e9;  // of bias and random walk
 inline constexpr double kMaxGainSpread = 2;
 inline constexpr double kMaxFrictionCoefficient = 1000;
 inline constexpr double kMaxTangentialStiffness = 1e30;  // N/m^3: what the device's float32 holds with room for a displacement
+inline constexpr int kMaxLayerNodes = 65536;             // of an elastic layer: samples of its patch and margin
+inline constexpr int kMaxLayerIterations = 1000;         // per frame
 
 // A planar grid of taxels. Its frame P lies in the grid's middle on the undeformed outer skin surface, z out of the skin
 // towards the object; row i runs along x, column j along y. Taxel (i, j) is centred on
@@ -78,10 +80,26 @@ struct Proximity {
   bool operator==(const Proximity&) const = default;
 };
 
-using ContactLaw = std::variant<Winkler, MassSpringDamper, DeformationMask, Proximity>;
+// The skin as an elastic solid with a frictionless surface. Its pressures p >= 0 and normal displacements w (m, into the skin) obey
+//   w = d where p > 0,   w >= d where p = 0,   w = A p,
+// d being the signed overlap of object and undeformed skin: gaps count, since a layer that is squeezed out bulges into them. Solved on the
+// samples of one grid patch and of the margin around it; a sensor of several patches is refused.
+struct ElasticLayer {
+  enum class Base {
+    kHalfSpace,  // so deep that no base is felt; `thickness` only ends the penetration
+    kBonded,     // as thick as the skin, stuck to a rigid board; samples may lie up to 8 thicknesses apart
+  };
 
-// The elastic foundation that the law presses with: Winkler's own, for the others linear springs without damping.
-Winkler foundationOf(const ContactLaw& law);
+  double elastic_modulus = 0;   // Pa, > 0
+  double poisson_ratio = 0.49;  // 0 to 0.5
+  Base base = Base::kBonded;
+  int iterations = 10;      // of the solver, at most, per frame; 1 to 1000
+  double tolerance = 1e-3;  // the solver ends when `contact_residual` is no larger; 1e-5 to 0.1
+
+  bool operator==(const ElasticLayer&) const = default;
+};
+
+using ContactLaw = std::variant<Winkler, MassSpringDamper, DeformationMask, Proximity, ElasticLayer>;
 
 // Stick and slip with memory: at every sample a tangential spring that holds on to the object where it touched and gives way at Coulomb's
 // cone, |traction| <= friction_coefficient * pressure. Depends on the path of the object, not on its speed.
@@ -96,7 +114,12 @@ struct Skin {
   double thickness = 0;  // m, > 0; the deepest penetration
   ContactLaw law = Winkler{};
   Friction friction{};
+  double margin = 0;  // m, >= 0: how far the skin goes on past the taxels, rounded to whole samples; 0 unless the law is ElasticLayer
 };
+
+// The elastic foundation that the skin presses with: Winkler's own, for other laws linear springs without damping; of an elastic layer
+// about what it resists under a contact as wide as the skin is thick.
+Winkler foundationOf(const Skin& skin);
 
 // The point spread function over taxels of one patch; paper eq. (1).
 struct Psf {

@@ -65,10 +65,14 @@ struct GroundTruthView : FeatureView {
   std::span<const float> over_penetration;      // (N), fraction of samples at least as deep as the skin is thick; of contacts 0
   std::span<const float> load_offset;           // (N), m: by how much the load search moved the objects along z; 0 when pose-driven
   std::span<const float> load_reached;          // (N), 1 when pose-driven or the load is carried, 0 when it is out of reach
-  // Of contacts that lie on no taxel; 0 with objects. In no other output, contact_wrench included: a force without a patch has no
-  // direction.
-  std::span<const float> off_array_load;      // (N), N: sum of their normal forces
-  std::span<const float> off_array_contacts;  // (N): how many they are
+  // Contacts: the normal forces of those that lie on no taxel, in no other output, contact_wrench included: a force without a patch has no
+  // direction. Objects: what the margin of an elastic layer carries, contact_wrench included; 0 of other laws.
+  std::span<const float> off_array_load;      // (N), N
+  std::span<const float> off_array_contacts;  // (N): how many contacts lie on no taxel
+  // Of the law ElasticLayer, else empty.
+  std::span<const float> contact_residual;    // (N), >= 0: root mean square, over the samples in contact, of what the displacements miss,
+                                              // relative to the deepest one
+  std::span<const float> contact_iterations;  // (N), of the solver
 };
 
 // One frame of the whole batch. Measured features come from `tactile_image`, turned back into newtons by the nominal curve. The spans stay

@@ -168,7 +168,20 @@ TAXELSIM_CONSTANT kFeatureLoadOffset = 34u;
 TAXELSIM_CONSTANT kFeatureLoadReached = 35u;
 TAXELSIM_CONSTANT kFeatureOffArrayLoad = 36u;
 TAXELSIM_CONSTANT kFeatureOffArrayContacts = 37u;
-TAXELSIM_CONSTANT kNumFeatures = 38u;
+// Of laws that are solved over all samples at once.
+TAXELSIM_CONSTANT kFeatureContactResidual = 38u;
+TAXELSIM_CONSTANT kFeatureContactIterations = 39u;
+TAXELSIM_CONSTANT kNumFeatures = 40u;
+
+// ---- elastic layer ----
+// Arrays over its nodes are rows of strips of kStrip nodes, the last one filled up; an instance has one array of each kind.
+TAXELSIM_CONSTANT kStrip = 8u;
+TAXELSIM_CONSTANT kLayerPressure = 0u;  // as what it would move its own cell by, thicknesses; lasts from frame to frame
+TAXELSIM_CONSTANT kLayerTarget = 1u;    // the displacement asked for, thicknesses
+TAXELSIM_CONSTANT kLayerExcess = 2u;    // displacement under the pressures less the target
+TAXELSIM_CONSTANT kLayerDirection = 3u;
+TAXELSIM_CONSTANT kLayerAnswer = 4u;  // the displacement under the direction
+TAXELSIM_CONSTANT kNumLayerArrays = 5u;
 
 // ---- random numbers; base/philox.h has the same values ----
 TAXELSIM_CONSTANT kPurposeReadoutNoise = 1u;

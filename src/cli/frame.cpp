@@ -114,6 +114,10 @@ nlohmann::ordered_json asJson(const Sensor& sensor, const FrameView& frame) {
   clean["load_reached"] = truth.load_reached[0];
   clean["off_array_load"] = truth.off_array_load[0];
   clean["off_array_contacts"] = truth.off_array_contacts[0];
+  if (!truth.contact_residual.empty()) {
+    clean["contact_residual"] = truth.contact_residual[0];
+    clean["contact_iterations"] = truth.contact_iterations[0];
+  }
   return json;
 }
 
@@ -159,9 +163,13 @@ void printText(const Sensor& sensor, const FrameView& frame) {
   clean("contact_wrench", "N, N m", truth.contact_wrench);
   clean("over_penetration", "1", truth.over_penetration);
   clean("load_offset", "m", truth.load_offset);
-  if (!truth.penetration_depth.empty()) return;  // from objects, of which nothing is off the array
-  clean("off_array_load", "N", truth.off_array_load);
-  clean("off_array_contacts", "1", truth.off_array_contacts);
+  const bool of_layer = !truth.contact_residual.empty();
+  const bool of_contacts = truth.penetration_depth.empty();
+  if (of_layer || of_contacts) clean("off_array_load", "N", truth.off_array_load);
+  if (of_contacts) clean("off_array_contacts", "1", truth.off_array_contacts);
+  if (!of_layer) return;
+  clean("contact_residual", "1", truth.contact_residual);
+  clean("contact_iterations", "1", truth.contact_iterations);
 }
 
 void drawFrame(const std::string& file, const Sensor& sensor, const FrameView& frame, const std::string& what) {

@@ -52,7 +52,7 @@ EdgeServoController::EdgeServoController(const EdgeServo& servo, const Sensor& s
   require(finitePositive(servo.max_linear_velocity), "max_linear_velocity", servo.max_linear_velocity, "a number > 0");
   require(servo.min_confidence >= 0 && servo.min_confidence <= 1, "min_confidence", servo.min_confidence, "0 to 1");
 
-  const Winkler foundation = foundationOf(sensor.skin.law);
+  const Winkler foundation = foundationOf(sensor.skin);
   stiffness_ = foundation.normal_contact_stiffness;
   exponent_ = foundation.normal_exponent;
 

@@ -94,6 +94,15 @@ std::vector<FrameColumn> frameColumns(const Scene& scene, const std::set<std::st
                              [](const FrameView& f) { return f.ground_truth.contact_wrench; }));
     columns.push_back(floats("ground_truth/over_penetration", {}, "1", "Fraction of the samples at least as deep as the skin is thick.",
                              [](const FrameView& f) { return f.ground_truth.over_penetration; }));
+    if (std::holds_alternative<ElasticLayer>(scene.sensor.skin.law)) {
+      columns.push_back(floats("ground_truth/off_array_load", {}, "N", "Normal force that the skin's margin carries, beside the taxels.",
+                               [](const FrameView& f) { return f.ground_truth.off_array_load; }));
+      columns.push_back(floats("ground_truth/contact_residual", {}, "1",
+                               "Root mean square of what the displacements of the skin miss, relative to the deepest one.",
+                               [](const FrameView& f) { return f.ground_truth.contact_residual; }));
+      columns.push_back(floats("ground_truth/contact_iterations", {}, "1", "Iterations of the contact solver.",
+                               [](const FrameView& f) { return f.ground_truth.contact_iterations; }));
+    }
   }
   if (groups.contains("tactile_normal_force")) {
     columns.push_back(floats("ground_truth/tactile_normal_force", taxels, "N",

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "base/vector3.h"
 #include "reference/samples.h"
@@ -20,6 +21,7 @@ struct Pressure {
   double operator()(const MassSpringDamper& law) const { return law.normal_contact_stiffness * d; }
   double operator()(const DeformationMask& law) const { return law.normal_contact_stiffness * d; }
   double operator()(const Proximity& law) const { return law.sensitivity * d; }
+  double operator()(const ElasticLayer&) const { throw std::logic_error("an elastic layer's pressures are solved together"); }
 };
 
 }  // namespace

@@ -18,11 +18,12 @@ struct Contact {
   double over_penetration = 0;           // fraction of samples at least as deep as the skin is thick
 };
 
-// By the sensor's law. Penetration d and that of the frame before, (num_taxels x s x s), m; an empty `previous`, or dt = 0, is a contact at
-// rest.
+// By the sensor's law, which must not be ElasticLayer (reference/elastic_layer.h). Penetration d and that of the frame before, (num_taxels
+// x s x s), m; an empty `previous`, or dt = 0, is a contact at rest.
 Contact contactOf(const Sensor& sensor, std::span<const double> d, std::span<const double> previous, double dt);
 
-// Pressure (Pa) of one sample, d' in m/s: not negative, and zero where d <= 0; a damper never pulls.
+// Pressure (Pa) of one sample, d' in m/s: not negative, and zero where d <= 0; a damper never pulls. Not
+// of ElasticLayer.
 double pressureOf(const ContactLaw& law, double d, double rate);
 
 }  // namespace taxelsim::reference

@@ -1,8 +1,25 @@
 #include "reference/frame.h"
 
+#include "reference/elastic_layer.h"
 #include "reference/psf.h"
 
 namespace taxelsim::reference {
+namespace {
+
+// Stages 1 and 2 of a law that is solved over all samples at once.
+void pressElasticLayer(const Sensor& sensor, const FrameInput& input, Frame& frame) {
+  LayerContact solved = input.load ? loadedLayerContact(sensor, input.objects, *input.load) : layerContact(sensor, input.objects);
+  frame.load.offset = solved.offset;
+  frame.load.reached = solved.load_reached;
+  frame.contact.taxel_force = std::move(solved.taxel_force);
+  frame.contact.mean_penetration = std::move(solved.mean_penetration);
+  frame.contact.wrench = solved.wrench;
+  frame.contact.total_force = solved.total_force;
+  frame.contact.over_penetration = solved.over_penetration;
+  frame.off_array_load = solved.off_array_load;
+}
+
+}  // namespace
 
 namespace {
 
@@ -23,15 +40,20 @@ std::vector<Shear> spreadShear(const Sensor& sensor, const std::vector<Shear>& t
 Frame simulateFrame(const Sensor& sensor, const FrameInput& input) {
   Frame frame;
   frame.load.reached = true;
-  if (input.load) {
+  const bool solved = std::holds_alternative<ElasticLayer>(sensor.skin.law);
+  if (solved) {
+    pressElasticLayer(sensor, input, frame);
+  } else if (input.load) {
     frame.load = findLoad(sensor, input.objects, *input.load);
   }
   const std::vector<PlacedObject> placed = movedAlongZ(input.objects, frame.load.offset);
   frame.heights = surfaceHeights(sensor, placed);
   frame.penetration = penetrations(frame.heights, sensor.skin.thickness);
-  frame.contact =
-      input.load ? contactOf(sensor, frame.penetration, {}, 0) : contactOf(sensor, frame.penetration, input.previous_penetration, input.dt);
-  frame.shear = contactShear(sensor, placed, frame.penetration, frame.contact.pressure, input.previous_friction);
+  if (!solved) {
+    frame.contact = input.load ? contactOf(sensor, frame.penetration, {}, 0)
+                               : contactOf(sensor, frame.penetration, input.previous_penetration, input.dt);
+    frame.shear = contactShear(sensor, placed, frame.penetration, frame.contact.pressure, input.previous_friction);
+  }
   for (std::size_t i = 0; i < frame.wrench.size(); ++i) frame.wrench[i] = frame.contact.wrench[i] + frame.shear.wrench[i];
   if (!input.load) frame.taxel_state = input.taxel_state;
   frame.taxel_force = taxelResponse(sensor, frame.contact.taxel_force, input.dt, frame.taxel_state);

@@ -18,7 +18,8 @@ struct LoadResult {
 // Objects after moving by `offset` along z of S.
 std::vector<PlacedObject> movedAlongZ(std::span<const PlacedObject> objects, double offset);
 
-// Finds the offset by bisection: force is the sum over the taxels at rest, `load` (N) >= 0.
+// Finds the offset by bisection: force is the sum over the taxels at rest, `load` (N) >= 0. Not of
+// ElasticLayer (reference/elastic_layer.h).
 LoadResult findLoad(const Sensor& sensor, std::span<const PlacedObject> objects, double load);
 
 }  // namespace taxelsim::reference

@@ -39,6 +39,7 @@ struct Respond {
 
   std::vector<double> operator()(const Winkler&) const { return {pressed.begin(), pressed.end()}; }
   std::vector<double> operator()(const Proximity&) const { return {pressed.begin(), pressed.end()}; }
+  std::vector<double> operator()(const ElasticLayer&) const { return {pressed.begin(), pressed.end()}; }
 
   // Force in the spring y = k x: y" = (k F - c y' - k y) / m. Time is counted in periods of the undamped mass, so that A's entries are
   // alike.

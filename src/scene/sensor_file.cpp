@@ -101,6 +101,17 @@ Proximity readProximity(const YamlMap& map) {
   return {.sensitivity = map.number("sensitivity", Allowed::above(0, "N/m^3"))};
 }
 
+ElasticLayer readElasticLayer(const YamlMap& map) {
+  ElasticLayer law;
+  law.elastic_modulus = map.number("elastic_modulus", Allowed::above(0, "Pa"));
+  law.poisson_ratio = map.number("poisson_ratio", Allowed::within(0, 0.5, ""));
+  const bool bonded = map.choice("base", {"half_space", "bonded"}, "bonded") == "bonded";
+  law.base = bonded ? ElasticLayer::Base::kBonded : ElasticLayer::Base::kHalfSpace;
+  law.iterations = static_cast<int>(map.integer("iterations", 1, kMaxLayerIterations, static_cast<std::uint64_t>(law.iterations)));
+  law.tolerance = map.number("tolerance", Allowed::within(1e-5, 0.1, ""), law.tolerance);
+  return law;
+}
+
 // Laws by name, their keys, and how they are read.
 struct LawReader {
   std::string_view name;
@@ -120,12 +131,16 @@ const std::vector<LawReader>& lawReaders() {
        {"normal_contact_stiffness", "saturation_pressure"},
        [](const YamlMap& map) -> ContactLaw { return readDeformationMask(map); }},
       {"proximity", {"sensitivity"}, [](const YamlMap& map) -> ContactLaw { return readProximity(map); }},
+      {"elastic_layer",
+       {"elastic_modulus", "poisson_ratio", "base", "iterations", "tolerance", "margin[_mm]"},
+       [](const YamlMap& map) -> ContactLaw { return readElasticLayer(map); }},
   };
   return readers;
 }
 
 ContactLaw readLaw(const YamlMap& map) {
-  const std::string name = map.choice("law", {"winkler", "mass_spring_damper", "deformation_mask", "proximity"}, "winkler");
+  const std::string name =
+      map.choice("law", {"winkler", "mass_spring_damper", "deformation_mask", "proximity", "elastic_layer"}, "winkler");
   const LawReader& law =
       *std::find_if(lawReaders().begin(), lawReaders().end(), [&](const LawReader& reader) { return reader.name == name; });
   for (const LawReader& other : lawReaders()) {
@@ -161,6 +176,7 @@ Skin readSkin(const YamlMap& sensor) {
   Skin skin;
   skin.thickness = map.number("thickness", Allowed::above(0, "m"));
   skin.law = readLaw(map);
+  if (std::holds_alternative<ElasticLayer>(skin.law)) skin.margin = map.number("margin", Allowed::within(0, 1, "m"), skin.margin);
   skin.friction = readFriction(map);
   return skin;
 }

@@ -277,6 +277,7 @@ void YamlMap::checkKeys() const {
 }
 
 std::optional<YamlNode> YamlMap::find(std::string_view key) const {
+  key = formsOf(key).name;
   std::string_view suffix;
   for (const std::string_view allowed : allowed_) {
     if (formsOf(allowed).name == key) suffix = formsOf(allowed).suffix;

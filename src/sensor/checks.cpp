@@ -75,6 +75,12 @@ struct CheckLaw {
     checkPositive("skin.saturation_pressure", law.saturation_pressure, "Pa");
   }
   void operator()(const Proximity& law) const { checkPositive("skin.sensitivity", law.sensitivity, "N/m"); }
+  void operator()(const ElasticLayer& law) const {
+    checkPositive("skin.elastic_modulus", law.elastic_modulus, "Pa");
+    if (!(law.poisson_ratio >= 0 && law.poisson_ratio <= 0.5)) fail("skin.poisson_ratio", numberText(law.poisson_ratio), "0 to 0.5");
+    checkWhole("skin.iterations", law.iterations, 1, kMaxLayerIterations);
+    if (!(law.tolerance >= 1e-5 && law.tolerance <= 0.1)) fail("skin.tolerance", numberText(law.tolerance), "1e-5 to 0.1");
+  }
 };
 
 void checkFriction(const Friction& friction) {
@@ -96,6 +102,47 @@ void checkSkin(const Skin& skin) {
     fail("skin.friction_coefficient", numberText(skin.friction.friction_coefficient), "0 for a law other than winkler");
   }
   checkFriction(skin.friction);
+  checkNotNegative("skin.margin", skin.margin, "m");
+  if (skin.margin > 0 && !std::holds_alternative<ElasticLayer>(skin.law)) {
+    fail("skin.margin", numberText(skin.margin), "0, unless the law is elastic_layer");
+  }
+}
+
+// An elastic layer is solved on the nodes of one grid.
+void checkLayer(const Sensor& sensor) {
+  const ElasticLayer* law = std::get_if<ElasticLayer>(&sensor.skin.law);
+  if (law == nullptr) return;
+  if (sensor.patches.size() != 1) fail("patches", std::to_string(sensor.patches.size()) + " patches", "1 with the law elastic_layer");
+  // Before it is counted in samples.
+  constexpr double kWidestMargin = 1;  // m
+  if (sensor.skin.margin > kWidestMargin) fail("skin.margin", numberText(sensor.skin.margin), "0 to 1 m");
+  const std::array<double, 2>& pitch = sensor.patches.front().pitch;
+  const double smallest = std::min(pitch[0], pitch[1]) / sensor.samples_per_taxel;
+  const double largest = std::max(pitch[0], pitch[1]) / sensor.samples_per_taxel;
+  constexpr double kThickest = 0.1;  // m: heights are counted from the base, in float32
+  if (sensor.skin.thickness > kThickest)
+    fail("skin.thickness", numberText(sensor.skin.thickness), "at most 0.1 m with the law elastic_layer");
+  constexpr double kMaxSpacing = 8;  // thicknesses: wider cells hide what the base does
+  if (law->base == ElasticLayer::Base::kBonded && largest > kMaxSpacing * sensor.skin.thickness) {
+    fail("skin.thickness", numberText(sensor.skin.thickness),
+         "at least an eighth of the spacing of samples (" + numberText(largest) + " m) where a layer is bonded");
+  }
+  constexpr double kMaxSlender = 16;  // of a cell: its influence is that of a line
+  if (largest > kMaxSlender * smallest)
+    fail("patches[0].pitch", numberText(largest / smallest) + " to 1", "1 to 16 with the law elastic_layer");
+  const double num_nodes = (sensor.patches.front().num_rows + 2 * sensor.skin.margin / pitch[0]) *
+                           (sensor.patches.front().num_cols + 2 * sensor.skin.margin / pitch[1]) * sensor.samples_per_taxel *
+                           sensor.samples_per_taxel;
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    constexpr double kMostPerSide = kMaxTaxelsPerSide * kMaxSamplesPerTaxel;
+    const double margin = 2 * std::round(sensor.skin.margin * sensor.samples_per_taxel / pitch[axis]);
+    if (margin > kMostPerSide) fail("skin.margin", numberText(sensor.skin.margin), "at most " + numberText(kMostPerSide / 2) + " samples");
+  }
+  if (num_nodes > kMaxLayerNodes) {
+    fail("samples_per_taxel",
+         std::to_string(sensor.samples_per_taxel) + ", with the margin " + numberText(std::round(num_nodes)) + " nodes,",
+         "at most " + std::to_string(kMaxLayerNodes) + " nodes of an elastic layer");
+  }
 }
 
 // Every taxel must send some of its force to a taxel of its own patch, or normalising per source divides by zero.
@@ -150,7 +197,10 @@ double largestForce(const Sensor& sensor) {
   if (sensor.psf.normalization == Psf::Normalization::kNone) gain *= std::max(1.0, kernelSum(sensor.psf));
   // An undamped mass swings to twice its rest.
   if (std::holds_alternative<MassSpringDamper>(sensor.skin.law)) gain *= 2;
-  const Winkler law = foundationOf(sensor.skin.law);
+  // An incompressible layer bears any pressure: the curve must rise until it saturates.
+  constexpr double kAnyPressure = 1e18;
+  if (std::holds_alternative<ElasticLayer>(sensor.skin.law)) return kAnyPressure * area * gain;
+  const Winkler law = foundationOf(sensor.skin);
   return law.normal_contact_stiffness * std::pow(sensor.skin.thickness, law.normal_exponent) * area * gain;
 }
 
@@ -256,6 +306,7 @@ void checkSensor(const Sensor& sensor) {
   checkPatches(sensor.patches);
   checkWhole("samples_per_taxel", sensor.samples_per_taxel, 1, kMaxSamplesPerTaxel);
   checkSkin(sensor.skin);
+  checkLayer(sensor);
   checkPsf(sensor.psf, sensor.patches);
   checkReadout(sensor);
   checkNotNegative("frame_rate", sensor.frame_rate, "Hz");

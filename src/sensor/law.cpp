@@ -7,16 +7,21 @@ namespace {
 
 // One a law.
 struct Foundation {
+  double thickness;
+
   Winkler operator()(const Winkler& law) const { return law; }
   Winkler operator()(const MassSpringDamper& law) const { return {.normal_contact_stiffness = law.normal_contact_stiffness}; }
   Winkler operator()(const DeformationMask& law) const { return {.normal_contact_stiffness = law.normal_contact_stiffness}; }
   Winkler operator()(const Proximity& law) const { return {.normal_contact_stiffness = law.sensitivity}; }
+  Winkler operator()(const ElasticLayer& law) const {
+    return {.normal_contact_stiffness = law.elastic_modulus / (1 - law.poisson_ratio * law.poisson_ratio) / thickness};
+  }
 };
 
 }  // namespace
 
-Winkler foundationOf(const ContactLaw& law) {
-  return std::visit(Foundation{}, law);
+Winkler foundationOf(const Skin& skin) {
+  return std::visit(Foundation{skin.thickness}, skin.law);
 }
 
 }  // namespace taxelsim

@@ -28,10 +28,16 @@ struct InstanceBytes {
       contact_shear = shear;
     }
     tiles = sizeof(layout::TileResult) * num_tiles;
+    if (model.layer && !takes_contacts) {
+      heights = 4 * static_cast<std::uint64_t>(numTaxels(model.contact_sensor));
+      windows = sizeof(layout::TileResult) * model.contact_packed.tiles.size();
+      layer = 4 * layout::kNumLayerArrays * model.layer->influence.size() / 2;
+    }
   }
 
   std::uint64_t poses, contacts, num_contacts, state, taxel_scalar, law_state, taxel_states, depth, shear, tiles;
   std::uint64_t motions = 0, friction = 0, contact_shear = 0;
+  std::uint64_t heights = 0, windows = 0, layer = 0;
   std::uint64_t instances = sizeof(layout::InstanceRecord);
   std::uint64_t loads = sizeof(layout::LoadRecord);
   std::uint64_t features = 4 * layout::kNumFeatures;
@@ -39,11 +45,12 @@ struct InstanceBytes {
   // contact_normal, spread_normal and the image have a scalar per taxel.
   std::uint64_t total() const {
     return poses + motions + contacts + num_contacts + state + friction + law_state + taxel_states + 3 * taxel_scalar + depth + shear +
-           contact_shear + tiles + instances + loads + features;
+           contact_shear + tiles + heights + windows + layer + instances + loads + features;
   }
   std::uint64_t readBack() const { return 2 * taxel_scalar + depth + shear + features; }
   std::uint64_t largest() const {
-    return std::max({poses, motions, contacts, state, friction, law_state, taxel_states, taxel_scalar, shear, tiles, instances, features});
+    return std::max({poses, motions, contacts, state, friction, law_state, taxel_states, taxel_scalar, shear, tiles, heights, windows,
+                     layer, instances, features});
   }
 };
 
@@ -81,7 +88,7 @@ MemoryPlan planBatch(const Model::Impl& model, const SimulatorOptions& options) 
   const std::uint64_t by_memory = memory > plan.bytes_fixed ? (memory - plan.bytes_fixed) / plan.bytes_per_instance : 0;
   const std::uint64_t by_buffer = info.max_buffer / bytes.largest();
   // Workgroup numbers are 32-bit.
-  const std::uint64_t by_number = 0xFFFFFFFFu / std::max<std::uint64_t>(1, model.packed.tiles.size());
+  const std::uint64_t by_number = 0xFFFFFFFFu / std::max<std::uint64_t>(1, model.contact_packed.tiles.size());
   plan.max_instances = std::min({by_memory, by_buffer, by_number, std::uint64_t{0x7FFFFFFF}});
   return plan;
 }
@@ -128,6 +135,9 @@ BatchBuffers::BatchBuffers(const Model::Impl& model, const SimulatorOptions& opt
   contact_shear = make("contact_shear", bytes.contact_shear, gpu::Domain::kDevice);
   taxel_states = make("taxel states", bytes.taxel_states, gpu::Domain::kDevice);
   tile_results = make("tile_results", bytes.tiles, gpu::Domain::kDevice);
+  heights = make("heights", bytes.heights, gpu::Domain::kDevice);
+  windows = make("windows", bytes.windows, gpu::Domain::kDevice);
+  layer = make("layer", bytes.layer, gpu::Domain::kDevice);
   contact_depth = make_readable("penetration_depth", bytes.depth);
   image = make_readable("tactile_image", bytes.taxel_scalar);
   spread_normal = make_readable("tactile_normal_force", bytes.taxel_scalar);

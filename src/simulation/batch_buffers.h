@@ -28,6 +28,7 @@ struct BatchBuffers {
   gpu::Buffer poses, motions, instances, step, loads, contacts, num_contacts;  // from the host
   // stay on the device
   gpu::Buffer state, friction_state, law_state, contact_normal, contact_shear, tile_results, taxel_states;
+  gpu::Buffer heights, windows, layer;  // of an elastic layer: per node, per tile of the contact pass, arrays over strips of nodes
   ReadableBuffer contact_depth, image, spread_normal, spread_shear, features, problems;  // come back
   std::vector<ReadableBuffer*> readable(const OutputOptions& outputs);
 };

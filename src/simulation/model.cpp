@@ -1,8 +1,12 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <limits>
+#include <span>
 
 #include "contacts.spv.h"
+#include "elastic_layer.spv.h"
+#include "elastic_layer_pairs.spv.h"
 #include "image.spv.h"
 #include "load.spv.h"
 #include "simulation/model_impl.h"
@@ -45,6 +49,22 @@ std::uint32_t chooseRepeat(const DeviceInfo& info, std::uint64_t turns) {
   return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(kMaxTurns / std::max<std::uint64_t>(turns, 1), 1, kMaxRepeat));
 }
 
+// Turns that one invocation alone would take for an elastic layer: two products of all strips with all others in some of the iterations,
+// the window being a part of them.
+std::uint64_t layerWork(const Sensor& sensor, const PackedLayer& layer) {
+  const std::uint64_t strips = layer.influence.size() / (2 * layout::kStrip);
+  const auto iterations = static_cast<std::uint64_t>(std::get<ElasticLayer>(sensor.skin.law).iterations);
+  return strips * strips * (10 + iterations) / 10;
+}
+
+// Partial sums of the pass over an elastic layer. A GPU's workgroup has one for each invocation; on a software driver every sum is read by
+// every invocation and a fetch is dear, so there are no more than a vector has lanes, unless there is more work than for so many.
+std::uint32_t layerLanes(const DeviceInfo& info, std::uint64_t work) {
+  constexpr std::uint64_t kFewest = 8, kMost = 256;
+  if (info.type != DeviceType::kCpu) return 64;
+  return static_cast<std::uint32_t>(std::clamp(std::bit_ceil(work / kMaxTurns), kFewest, kMost));
+}
+
 std::uint32_t bits(double value) {
   return std::bit_cast<std::uint32_t>(static_cast<float>(value));
 }
@@ -77,8 +97,13 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
   }
   const DeviceInfo& info = device.info();
   num_taxels = static_cast<std::uint32_t>(numTaxels(sensor));
-  packed = packSensor(sensor, std::min(kMaxTileSamples, (info.shared_memory - kTileOverhead) / 4));
-  law = packLaw(sensor.skin.law);
+  const std::uint32_t tile_samples = std::min(kMaxTileSamples, (info.shared_memory - kTileOverhead) / 4);
+  if (std::holds_alternative<ElasticLayer>(sensor.skin.law)) layer = packLayer(sensor);
+  // An elastic layer is cut into tiles only where its heights are found.
+  packed = packSensor(sensor, layer ? std::numeric_limits<std::uint32_t>::max() : tile_samples);
+  contact_sensor = layer ? layer->node_sensor : sensor;
+  contact_packed = layer ? packSensor(contact_sensor, tile_samples) : packed;
+  law = packLaw(sensor.skin, layer ? layer->reach : 0);
 
   std::uint64_t most_triangles = 0;
   for (const Object& object : objects) {
@@ -88,8 +113,11 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
   const bool has_torus =
       std::any_of(objects.begin(), objects.end(), [](const Object& o) { return std::holds_alternative<Torus>(o.shape); });
   constexpr std::uint64_t kTurnsOfTorus = 48;  // per sample, of at most 96
-  const std::uint64_t contact_work = 2 * most_triangles + packed.max_tile_samples * (has_torus ? kTurnsOfTorus : 3);
+  const std::uint64_t contact_work = 2 * most_triangles + contact_packed.max_tile_samples * (has_torus ? kTurnsOfTorus : 3);
   contact_workgroup = chooseWorkgroup(options.contact_workgroup, info, 64, contact_work, "contact_workgroup");
+  if (layer) {
+    layer_workgroup = chooseWorkgroup(options.contact_workgroup, info, 64, layerWork(sensor, *layer), "contact_workgroup");
+  }
   const auto kernel_area = static_cast<std::uint64_t>(sensor.psf.size * sensor.psf.size);
   const std::uint64_t image_work = num_taxels * (kernel_area + (sensor.readout.curve.size() > 1 ? 64 : 8) + turnsOfTime(sensor.readout));
   image_workgroup = chooseWorkgroup(options.image_workgroup, info, 64, image_work, "image_workgroup");
@@ -109,7 +137,7 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
     }
     return buffer;
   };
-  const PackedObjects packed_objects = packObjects(objects, sensor.patches.front().pitch[0] / sensor.samples_per_taxel);
+  const PackedObjects packed_objects = packObjects(objects, contact_sensor.patches.front().pitch[0] / contact_sensor.samples_per_taxel);
   object_records = upload("objects", packed_objects.objects);
   groups = upload("groups", packed_objects.groups);
   clusters = upload("clusters", packed_objects.clusters);
@@ -117,12 +145,13 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
   faces = upload("faces", packed_objects.faces);
   num_faces = packed_objects.num_faces;
   sensor_record = upload("sensor", std::vector{packed.sensor});
-  patches = upload("patches", packed.patches);
-  tiles = upload("tiles", packed.tiles);
+  patches = upload("patches", contact_packed.patches);
+  tiles = upload("tiles", contact_packed.tiles);
   taxels = upload("taxels", packed.taxels);
   spread_rows = upload("spread rows", packed.spread_rows);
   spread_scale = upload("spread scale", packed.spread_scale);
   mask = upload("mask", std::holds_alternative<DeformationMask>(sensor.skin.law) ? packMask(sensor) : std::vector<glm::vec2>(1));
+  if (layer) influence = upload("influence", layer->influence);
   for (const layout::ObjectRecord& record : packed_objects.objects) {
     kinds |= 1u << record.kind_groups.x;
     if (record.kind_groups.x == layout::kKindMesh) triangles_of |= record.kind_groups.w == 0 ? 1u : 2u;
@@ -161,18 +190,25 @@ const gpu::Kernel& Model::Impl::loadKernel() const {
   return *load_;
 }
 
+const gpu::Kernel& Model::Impl::layerKernel(const LayerVariant& variant) const {
+  const std::lock_guard lock(kernels_mutex_);
+  const auto found = layer_.find(variant);
+  if (found != layer_.end()) return found->second;
+  return layer_.emplace(variant, makeLayerKernel(variant)).first->second;
+}
+
 // The constants of shaders/lib/specialization.glsl, then those of one pass, numbered in order.
-std::vector<gpu::Constant> Model::Impl::constants(std::uint32_t workgroup, std::uint32_t lanes, std::uint32_t repeats,
-                                                  const std::vector<std::uint32_t>& of_the_pass) const {
+std::vector<gpu::Constant> Model::Impl::constants(const Sensor& sensor, const PackedSensor& packed, const Sizes& sizes,
+                                                  const std::vector<std::uint32_t>& of_the_pass) {
   const GridPatch& patch = sensor.patches.front();
-  std::vector<std::uint32_t> values{workgroup,
-                                    lanes,
-                                    num_taxels,
+  std::vector<std::uint32_t> values{sizes.workgroup,
+                                    sizes.lanes,
+                                    static_cast<std::uint32_t>(numTaxels(sensor)),
                                     static_cast<std::uint32_t>(packed.tiles.size()),
                                     static_cast<std::uint32_t>(sensor.samples_per_taxel),
                                     packed.one_patch ? static_cast<std::uint32_t>(patch.num_rows) : 0u,
                                     packed.one_patch ? static_cast<std::uint32_t>(patch.num_cols) : 1u,
-                                    repeats,
+                                    sizes.repeats,
                                     static_cast<std::uint32_t>(sensor.psf.size),
                                     bits(patch.pitch[0]),
                                     bits(patch.pitch[1])};
@@ -192,12 +228,12 @@ gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const 
   const bool only_searches = hasFriction() && variant.search == kSearchOverTiles;
   const bool friction = hasFriction() && !only_searches;
   const bool has_state = law.has_state && !only_searches;
-  std::vector<std::uint32_t> of_the_pass{packed.max_tile_samples,
-                                         packed.flat,
+  std::vector<std::uint32_t> of_the_pass{contact_packed.max_tile_samples,
+                                         contact_packed.flat,
                                          has_state,
                                          variant.search,
                                          bits(sensor.skin.thickness),
-                                         packed.scalesSpread() && !taxels_follow,
+                                         packed.scalesSpread() && !taxels_follow && !layer,
                                          variant.many_slots,
                                          kinds,
                                          triangles_of,
@@ -212,7 +248,8 @@ gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const 
            .buffers = {"Poses",   "Instances", "Step",        "Objects", "Groups",        "Clusters",     "Triangles",
                        "Patches", "Tiles",     "SpreadScale", "State",   "ContactNormal", "ContactDepth", "TileResults",
                        "Loads",   "Problems",  "Faces",       "Motions", "FrictionState", "ContactShear"},
-           .constants = constants(contact_workgroup, packed.contact_lanes, contactRepeat(variant), of_the_pass)}};
+           .constants = constants(contact_sensor, contact_packed, {contact_workgroup, contact_packed.contact_lanes, contactRepeat(variant)},
+                                  of_the_pass)}};
 }
 
 gpu::Kernel Model::Impl::makeContactsKernel(std::uint32_t repeat) const {
@@ -221,7 +258,7 @@ gpu::Kernel Model::Impl::makeContactsKernel(std::uint32_t repeat) const {
           {.name = "contacts",
            .spirv = k_contacts_spirv,
            .buffers = {"Step", "Contacts", "NumContacts", "Patches", "SpreadScale", "ContactNormal", "TileResults", "Features", "Problems"},
-           .constants = constants(image_workgroup, kNoLanes, repeat,
+           .constants = constants(sensor, packed, {image_workgroup, kNoLanes, repeat},
                                   {static_cast<std::uint32_t>(sensor.patches.size()), packed.flat, bits(sensor.skin.thickness),
                                    packed.scalesSpread(), image_team})}};
 }
@@ -238,7 +275,7 @@ gpu::Kernel Model::Impl::makeImageKernel(const ImageVariant& variant) const {
            .spirv = k_image_spirv,
            .buffers = {"Instances", "Step", "SensorBlock", "Taxels", "SpreadRows", "ContactNormal", "ContactShear", "TileResults", "Loads",
                        "Image", "SpreadNormal", "SpreadShear", "Features", "Problems", "TaxelStates"},
-           .constants = constants(image_workgroup, packed.image_lanes, image_repeat,
+           .constants = constants(sensor, packed, {image_workgroup, packed.image_lanes, image_repeat},
                                   {variant.with_shear,
                                    packed.num_entries,
                                    variant.with_normal,
@@ -280,8 +317,8 @@ gpu::Kernel Model::Impl::makeTaxelKernel(const TaxelPass& pass) const {
           {.name = pass.kernel,
            .spirv = pass.spirv,
            .buffers = {"Instances", "Step", "SpreadScale", "Neighbours", "ContactNormal", "LawState", "TileResults", "Taxels", "Problems"},
-           .constants =
-               constants(kTaxelWorkgroup, 1, 1, {packed.scalesSpread(), bits(law.taxel_parameters[0]), bits(law.taxel_parameters[1])})}};
+           .constants = constants(sensor, packed, {kTaxelWorkgroup, 1, 1},
+                                  {packed.scalesSpread(), bits(law.taxel_parameters[0]), bits(law.taxel_parameters[1])})}};
 }
 
 gpu::Kernel Model::Impl::makeLoadKernel() const {
@@ -290,6 +327,23 @@ gpu::Kernel Model::Impl::makeLoadKernel() const {
            .spirv = k_load_spirv,
            .buffers = {"Instances", "Step", "TileResults", "Loads"},
            .constants = {{0, image_workgroup}, {1, static_cast<std::uint32_t>(packed.tiles.size())}, {2, kLoadEvaluations}}}};
+}
+
+gpu::Kernel Model::Impl::makeLayerKernel(const LayerVariant& variant) const {
+  const bool pairs = device.info().type == DeviceType::kCpu && device.context().hasInt64();
+  const auto& elastic = std::get<ElasticLayer>(sensor.skin.law);
+  const LayerNodes& nodes = layer->nodes;
+  const auto count = [](int number) { return static_cast<std::uint32_t>(number); };
+  return {device.context(),
+          {.name = "elastic_layer",
+           .spirv = pairs ? std::span<const std::uint32_t>(k_elastic_layer_pairs_spirv) : k_elastic_layer_spirv,
+           .buffers = {"Instances", "Step", "SensorBlock", "Heights", "Windows", "Influence", "SpreadScale", "Layer", "ContactNormal",
+                       "ContactDepth", "TileResults", "Loads", "Features", "Problems"},
+           .constants = constants(
+               sensor, packed, {layer_workgroup, layerLanes(device.info(), layerWork(sensor, *layer)), 1},
+               {count(nodes.num_rows), count(nodes.num_cols), count(nodes.margin_rows), count(nodes.margin_cols),
+                bits(sensor.skin.thickness), bits(layer->reach), bits(layer->node_force), count(elastic.iterations),
+                bits(elastic.tolerance), count(static_cast<int>(contact_packed.tiles.size())), variant.loads, variant.with_depth})}};
 }
 
 Model::Model(const Device& device, const ModelOptions& options) : impl_(std::make_shared<Impl>(device, options)) {}

@@ -9,6 +9,7 @@
 #include "gpu/buffer.h"
 #include "gpu/kernel.h"
 #include "simulation/pack_law.h"
+#include "simulation/pack_layer.h"
 #include "simulation/pack_sensor.h"
 #include "taxelsim/model.h"
 
@@ -22,19 +23,24 @@ struct Model::Impl {
   std::vector<Object> objects;
   std::vector<Bounds> bounds;  // of the objects, in O; the endless ones cut at 1 m
   PackedSensor packed;
+  std::optional<PackedLayer> layer;  // of a law that is solved over all samples at once
+  // What the contact pass works on: the sensor, or the nodes of its layer as taxels.
+  Sensor contact_sensor;
+  PackedSensor contact_packed;
   PackedLaw law;
   std::uint32_t kinds = 0;         // bit per kind of object
   std::uint32_t triangles_of = 0;  // bit 0: meshes of small triangles, bit 1: of large ones
   std::uint32_t num_taxels = 0;
   std::uint32_t contact_workgroup = 0;
   std::uint32_t image_workgroup = 0;
+  std::uint32_t layer_workgroup = 0;
   std::uint32_t contact_repeat = 1;  // tiles that a workgroup does one after another
   std::uint32_t image_team = 1;      // invocations that share an instance in the image pass
   std::uint32_t image_repeat = 1;    // instances that such a team does one after another
 
   std::uint32_t num_faces = 1;  // of each polyhedron
   gpu::Buffer object_records, groups, clusters, triangles, faces;
-  gpu::Buffer sensor_record, patches, tiles, taxels, spread_rows, spread_scale, mask;
+  gpu::Buffer sensor_record, patches, tiles, taxels, spread_rows, spread_scale, mask, influence;
   std::uint64_t static_bytes = 0;
 
   // Passes in the variants that batches need; made when first asked for, kept as long as the model. Safe to call from several threads.
@@ -65,15 +71,25 @@ struct Model::Impl {
   std::uint32_t contactsRepeat(int max_contacts) const;  // instances that a team does one after another
   const gpu::Kernel& contactsKernel(std::uint32_t repeat) const;
   bool hasFriction() const { return sensor.skin.friction.friction_coefficient > 0; }
+  struct LayerVariant {
+    bool loads = false;                                     // some instance is driven by load
+    bool with_depth = false;                                // penetration_depth is wanted
+    auto operator<=>(const LayerVariant&) const = default;  // NOLINT(modernize-use-nullptr): the same
+  };
+  const gpu::Kernel& layerKernel(const LayerVariant& variant) const;
 
  private:
-  std::vector<gpu::Constant> constants(std::uint32_t workgroup, std::uint32_t lanes, std::uint32_t repeats,
-                                       const std::vector<std::uint32_t>& of_the_pass) const;
+  struct Sizes {
+    std::uint32_t workgroup, lanes, repeats;
+  };
+  static std::vector<gpu::Constant> constants(const Sensor& sensor, const PackedSensor& packed, const Sizes& sizes,
+                                              const std::vector<std::uint32_t>& of_the_pass);
   gpu::Kernel makeContactKernel(const ContactVariant& variant) const;
   gpu::Kernel makeImageKernel(const ImageVariant& variant) const;
   gpu::Kernel makeLoadKernel() const;
   gpu::Kernel makeTaxelKernel(const TaxelPass& pass) const;
   gpu::Kernel makeContactsKernel(std::uint32_t repeat) const;
+  gpu::Kernel makeLayerKernel(const LayerVariant& variant) const;
 
   mutable std::mutex kernels_mutex_;
   mutable std::map<ContactVariant, gpu::Kernel> contact_;
@@ -81,6 +97,7 @@ struct Model::Impl {
   mutable std::optional<gpu::Kernel> load_;
   mutable std::vector<gpu::Kernel> taxel_;
   mutable std::map<std::uint32_t, gpu::Kernel> contacts_;
+  mutable std::map<LayerVariant, gpu::Kernel> layer_;
 };
 
 inline constexpr std::uint32_t kNoSearch = 0;

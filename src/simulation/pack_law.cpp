@@ -4,6 +4,8 @@
 #include <bit>
 #include <cmath>
 
+#include "contact_elastic_layer.spv.h"
+#include "contact_elastic_layer_pairs.spv.h"
 #include "contact_winkler.spv.h"
 #include "contact_winkler_pairs.spv.h"
 #include "deformation_mask.spv.h"
@@ -17,6 +19,7 @@ namespace {
 // One a law: what it adds to its foundation.
 struct Add {
   PackedLaw& packed;
+  float reach;
 
   void operator()(const Winkler&) const {}
   void operator()(const MassSpringDamper&) const {
@@ -29,19 +32,25 @@ struct Add {
     packed.whole_array = true;
   }
   void operator()(const Proximity&) const { packed.taxel_passes = {{"proximity", k_proximity_spirv, TaxelPass::Owner::kTile}}; }
+  void operator()(const ElasticLayer&) const {
+    packed = {.kernel = "contact_elastic_layer",
+              .spirv = k_contact_elastic_layer_spirv,
+              .spirv_pairs = k_contact_elastic_layer_pairs_spirv,
+              .parameters = {reach}};
+  }
 };
 
 }  // namespace
 
-PackedLaw packLaw(const ContactLaw& law) {
-  const Winkler foundation = foundationOf(law);
+PackedLaw packLaw(const Skin& skin, float reach) {
+  const Winkler foundation = foundationOf(skin);
   PackedLaw packed{.kernel = "contact_winkler",
                    .spirv = k_contact_winkler_spirv,
                    .spirv_pairs = k_contact_winkler_pairs_spirv,
                    .parameters = {static_cast<float>(foundation.normal_contact_stiffness), static_cast<float>(foundation.normal_exponent),
                                   static_cast<float>(foundation.normal_damping)},
                    .has_state = foundation.normal_damping > 0};
-  std::visit(Add{packed}, law);
+  std::visit(Add{packed, reach}, skin.law);
   return packed;
 }
 

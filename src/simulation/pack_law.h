@@ -32,7 +32,8 @@ struct PackedLaw {
   bool whole_array = false;                    // taxels that nothing reaches may have a force
 };
 
-PackedLaw packLaw(const ContactLaw& law);
+// `reach`: of an elastic layer, gaps that matter in thicknesses.
+PackedLaw packLaw(const Skin& skin, float reach);
 
 // What a step of `dt` s does to the force in a taxel's spring (N) and its rate (N/s), about rest: exp(A dt) of MassSpringDamper, by rows;
 // of other laws zeros.

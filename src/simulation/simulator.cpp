@@ -210,15 +210,18 @@ gpu::Commands Simulator::Impl::record(bool with_loads, bool random) {
 void Simulator::Impl::recordObjects(gpu::Commands& commands, bool with_loads) const {
   const Model::Impl& m = *model.impl();
   const auto n = static_cast<std::uint32_t>(options.num_instances);
-  const auto num_tiles = static_cast<std::uint32_t>(m.packed.tiles.size());
-  const bool over_tiles = with_loads && !m.packed.searches_in_tile;
+  const auto num_tiles = static_cast<std::uint32_t>(m.contact_packed.tiles.size());
+  const bool over_tiles = with_loads && !m.layer && !m.packed.searches_in_tile;
   const Model::Impl::ContactVariant variant{.search = over_tiles   ? kSearchOverTiles
                                                       : with_loads ? kSearchInTile
                                                                    : kNoSearch,
                                             .many_slots = options.num_slots > 1,
-                                            .with_depth = options.outputs.penetration_depth,
+                                            .with_depth = !m.layer && options.outputs.penetration_depth,
                                             .with_shear = withShear()};
   const BatchBuffers& b = buffers;
+  // Of a law that is solved apart, the contact pass leaves heights and where they are.
+  const gpu::Buffer* contact_out = m.layer ? &b.heights : &b.contact_normal;
+  const gpu::Buffer* results_out = m.layer ? &b.windows : &b.tile_results;
   const auto contact_pass = [&](const Model::Impl::ContactVariant& of) {
     const std::uint32_t repeat = m.contactRepeat(of);
     commands.dispatch(m.contactKernel(of), (n * num_tiles + repeat - 1) / repeat,
@@ -233,9 +236,9 @@ void Simulator::Impl::recordObjects(gpu::Commands& commands, bool with_loads) co
                        &m.tiles,
                        &m.spread_scale,
                        &b.state,
-                       &b.contact_normal,
+                       contact_out,
                        &b.contact_depth.device,
-                       &b.tile_results,
+                       results_out,
                        &b.loads,
                        &b.problems.device,
                        &m.faces,
@@ -255,6 +258,12 @@ void Simulator::Impl::recordObjects(gpu::Commands& commands, bool with_loads) co
     Model::Impl::ContactVariant last = variant;
     last.search = kSearchEnded;
     contact_pass(last);
+  }
+  if (m.layer) {
+    commands.dispatch(m.layerKernel({.loads = with_loads, .with_depth = options.outputs.penetration_depth}), n,
+                      {&b.instances, &b.step, &m.sensor_record, &b.heights, &b.windows, &m.influence, &m.spread_scale, &b.layer,
+                       &b.contact_normal, &b.contact_depth.device, &b.tile_results, &b.loads, &b.features.device, &b.problems.device});
+    commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
   }
 }
 
@@ -345,6 +354,10 @@ FrameView Simulator::Impl::view() const {
   truth.load_reached = block(layout::kFeatureLoadReached);
   truth.off_array_load = block(layout::kFeatureOffArrayLoad);
   truth.off_array_contacts = block(layout::kFeatureOffArrayContacts);
+  if (model.impl()->layer && !takesContacts()) {
+    truth.contact_residual = block(layout::kFeatureContactResidual);
+    truth.contact_iterations = block(layout::kFeatureContactIterations);
+  }
   return frame;
 }
 
@@ -401,6 +414,10 @@ void Simulator::setLoad(int instance, float load) {
   }
   if (load < 0 || std::isinf(load))
     refuse("load of instance " + std::to_string(instance) + ": " + std::to_string(load) + " is not allowed: N, >= 0");
+  if (impl_->model.impl()->layer && !std::isnan(load) && !impl_->model.impl()->packed.searches_in_tile) {
+    refuse("load of instance " + std::to_string(instance) + ": " + std::to_string(load) +
+           " is not allowed: none, where an elastic_layer does not face along z of the sensor frame");
+  }
   impl_->records()[static_cast<std::size_t>(instance)].drive.x = load;
 }
 
@@ -473,7 +490,7 @@ void Simulator::step(double dt) {
     impl.motions->pack(features.subspan(layout::kFeatureLoadOffset * impl.clocks.size(), impl.clocks.size()),
                        impl.buffers.motions.mappedAs<layout::MotionRecord>());
   }
-  if (any_load && !m.packed.searches_in_tile) impl.startSearch();
+  if (any_load && !m.layer && !m.packed.searches_in_tile) impl.startSearch();
   impl.running = &impl.commands(any_load, any_random);
   impl.running->submit();
 }

@@ -46,6 +46,10 @@ TEST(Columns, EveryGroupBringsItsOwn) {
   clean.insert({"data/ground_truth/contact_wrench", "data/ground_truth/over_penetration"});
   scene.record = {"ground_truth"};
   EXPECT_EQ(namesOf(scene), clean);
+  Scene elastic = scene;
+  elastic.sensor.skin.law = ElasticLayer{.elastic_modulus = 1e6};
+  clean.insert({"data/ground_truth/off_array_load", "data/ground_truth/contact_residual", "data/ground_truth/contact_iterations"});
+  EXPECT_EQ(namesOf(elastic), clean);
 
   for (const auto& [group, names] :
        std::vector<std::pair<std::string, std::vector<std::string>>>{{"tactile_image", {"data/tactile_image"}},

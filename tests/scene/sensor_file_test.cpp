@@ -106,6 +106,22 @@ readout: {curve: {coefficients: [100, 2, 0.5]}, output_scale: 2, trigger: 0.1, a
   EXPECT_EQ(sensor.readout.dead_taxel_probability, 0.8);
 }
 
+TEST(SensorFile, AnElasticLayerHasKeysOfItsOwn) {
+  const std::string readout = "readout: {curve: {counts_per_newton: 2400}}\n";
+  const Sensor plain = load(kGrid + ("skin: {thickness_mm: 2, law: elastic_layer, elastic_modulus: 1e6, poisson_ratio: 0.45}\n" + readout));
+  EXPECT_EQ(std::get<ElasticLayer>(plain.skin.law), (ElasticLayer{.elastic_modulus = 1e6, .poisson_ratio = 0.45}));
+  EXPECT_EQ(plain.skin.margin, 0);
+  const Sensor sensor =
+      load(kGrid + ("skin: {thickness_mm: 2, law: elastic_layer, elastic_modulus: 2e6, poisson_ratio: 0.5, base: half_space, "
+                    "iterations: 25, tolerance: 1e-4, margin_mm: 4}\n" +
+                    readout));
+  EXPECT_EQ(
+      std::get<ElasticLayer>(sensor.skin.law),
+      (ElasticLayer{
+          .elastic_modulus = 2e6, .poisson_ratio = 0.5, .base = ElasticLayer::Base::kHalfSpace, .iterations = 25, .tolerance = 1e-4}));
+  EXPECT_EQ(sensor.skin.margin, 0.004);
+}
+
 TEST(SensorFile, GainsInRowsAreGainsInStorageOrder) {
   const std::string readout = "skin: {thickness: 0.002, normal_contact_stiffness: 1.73e8}\nreadout: {curve: {counts_per_newton: 2400}, ";
   const std::vector<double> expected{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};

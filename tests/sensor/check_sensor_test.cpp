@@ -101,6 +101,38 @@ TEST(CheckSensor, Friction) {
   }
 }
 
+TEST(CheckSensor, ElasticLayer) {
+  const auto with = [](const std::function<void(Sensor&, ElasticLayer&)>& change) {
+    return [change](Sensor& s) {
+      s.skin.law = ElasticLayer{.elastic_modulus = 1e6};
+      change(s, std::get<ElasticLayer>(s.skin.law));
+    };
+  };
+  expectTaken(with([](Sensor&, ElasticLayer&) {}));
+  expectTaken(with([](Sensor& s, ElasticLayer& l) { l.poisson_ratio = 0.5, s.skin.margin = 0.01; }));
+  for (const double bad : {0.0, -1.0, kNan, kInfinity}) {
+    expectRefused("skin.elastic_modulus", with([&](Sensor&, ElasticLayer& l) { l.elastic_modulus = bad; }));
+  }
+  for (const double bad : {-0.1, 0.51, kNan}) {
+    expectRefused("skin.poisson_ratio", with([&](Sensor&, ElasticLayer& l) { l.poisson_ratio = bad; }));
+  }
+  for (const int bad : {0, 1001}) expectRefused("skin.iterations", with([&](Sensor&, ElasticLayer& l) { l.iterations = bad; }));
+  for (const double bad : {0.0, 1.0, kNan}) expectRefused("skin.tolerance", with([&](Sensor&, ElasticLayer& l) { l.tolerance = bad; }));
+  for (const double bad : {-1.0, 2.0, kNan, kInfinity}) {
+    expectRefused("skin.margin", with([&](Sensor& s, ElasticLayer&) { s.skin.margin = bad; }));
+  }
+  expectRefused("skin.margin", [](Sensor& s) { s.skin.margin = 0.001; });  // of another law
+  expectRefused("patches", with([](Sensor& s, ElasticLayer&) { s.patches.push_back(s.patches[0]); }));
+  expectRefused("patches[0].pitch", with([](Sensor& s, ElasticLayer&) { s.patches[0].pitch[1] = s.patches[0].pitch[0] / 20; }));
+  expectRefused("skin.thickness", with([](Sensor& s, ElasticLayer&) { s.skin.thickness = 1e-5; }));
+  expectRefused("skin.thickness", with([](Sensor& s, ElasticLayer&) { s.skin.thickness = 1; }));
+  expectTaken(with([](Sensor& s, ElasticLayer& l) { s.skin.thickness = 1e-5, l.base = ElasticLayer::Base::kHalfSpace; }));
+  expectRefused("samples_per_taxel", with([](Sensor& s, ElasticLayer&) {
+                  s.patches[0].num_rows = s.patches[0].num_cols = kMaxTaxelsPerSide;
+                  s.samples_per_taxel = 8;
+                }));
+}
+
 TEST(CheckSensor, Psf) {
   for (const int bad : {-1, 0, 2, 11}) expectRefused("psf.size", [&](Sensor& s) { s.psf.size = bad; });
   expectRefused("psf.kernel", [](Sensor& s) { s.psf.size = 5; });

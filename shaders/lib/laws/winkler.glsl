@@ -13,3 +13,6 @@ float lawSlope(float d) {
   if (d <= 0.0) return 0.0;
   return LAW_1 == 1.0 ? LAW_0 : LAW_0 * LAW_1 * pow(d, LAW_1 - 1.0);
 }
+
+const bool kLawSolvedApart = false;
+float lawReach() { return 0.0; }

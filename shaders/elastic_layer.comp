@@ -1,0 +1,370 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Elastic layer: stage 2 (contact law) of one frame for the law `elastic_layer`, and its load search.
+//
+//   w = A p;   w = d where p > 0,   w >= d where p = 0;      d = target + shift
+//
+// by conjugate gradients over the nodes in contact, which are found along the way: a step that would pull a node lets go of it, a node that would be
+// penetrated is pressed (Polonsky and Keer, Wear 231 (1999) 206). An instance that is driven by its pose has shift 0 and the signed overlap as target; of one
+// that is driven by load the target is the shape of the surface below its lowest point, the shift its depth, and pressures are scaled so that their sum is
+// the load in every iteration. Displacements are in thicknesses; pressures are what they would move their own cell by, so that A has ones on its diagonal.
+//
+// A workgroup owns an instance. Nodes come in strips of kStrip along a row; only those of the window are touched, where there is something to
+// follow. An invocation owns strips. What costs is A t: a strip of sources and a strip of results need kStrip^2 products, but only 2 kStrip - 1
+// coefficients, since A depends on the distance alone, and half of them are at hand from the strip before.
+// In:  heights (num_instances x num_nodes), m, and windows (num_instances x NUM_HEIGHT_TILES) from the contact pass; influence (rows x 2 rows of strips).
+// Out: contact_normal (num_instances x num_taxels), N; contact_depth; tile_results (num_instances); loads; features of the solution; and the
+//      pressures, from which the next frame starts.
+// Shared memory: 16 LANES + 12 NODE_ROWS + 16 bytes.
+// Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
+// Twin: src/reference/elastic_layer.cpp.
+
+#include "lib/pairs.glsl"
+#include "shared/layout.h"
+#include "lib/specialization.glsl"
+layout(constant_id = 11) const uint NODE_ROWS = 12;
+layout(constant_id = 12) const uint NODE_COLS = 28;
+layout(constant_id = 13) const uint MARGIN_ROWS = 0;  // nodes of the margin on either side
+layout(constant_id = 14) const uint MARGIN_COLS = 0;
+layout(constant_id = 15) const float THICKNESS = 0.002;  // m
+layout(constant_id = 16) const float REACH = 2.0;        // gaps that matter, in depths of the deepest node
+layout(constant_id = 17) const float NODE_FORCE = 1.0;   // of a node under a pressure that moves its own cell by a thickness, N
+layout(constant_id = 18) const uint ITERATIONS = 10;
+layout(constant_id = 19) const float TOLERANCE = 1e-3;
+layout(constant_id = 20) const uint NUM_HEIGHT_TILES = 1;  // of the contact pass
+layout(constant_id = 21) const bool LOADS = false;         // some instance is driven by load
+layout(constant_id = 22) const bool OUTPUT_DEPTH = false;  // contact_depth is wanted
+
+layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceRecord instances[]; };
+layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
+layout(std430, set = 0, binding = 2) readonly buffer SensorBlock { SensorRecord sensor; };
+layout(std430, set = 0, binding = 3) readonly buffer Heights { float heights[]; };
+layout(std430, set = 0, binding = 4) readonly buffer Windows { TileResult windows[]; };
+layout(std430, set = 0, binding = 5) readonly buffer Influence { Pair influence[]; };
+layout(std430, set = 0, binding = 6) readonly buffer SpreadScale { float spread_scale[]; };
+layout(std430, set = 0, binding = 7) coherent buffer Layer { Pair layer[]; };
+layout(std430, set = 0, binding = 8) writeonly buffer ContactNormal { float contact_normal[]; };
+layout(std430, set = 0, binding = 9) writeonly buffer ContactDepth { float contact_depth[]; };
+layout(std430, set = 0, binding = 10) writeonly buffer TileResults { TileResult tile_results[]; };
+layout(std430, set = 0, binding = 11) buffer Loads { LoadRecord loads[]; };
+layout(std430, set = 0, binding = 12) writeonly buffer Features { float features[]; };
+layout(std430, set = 0, binding = 13) writeonly buffer Problems { uint problems[]; };
+
+const uint kStripPairs = kStrip / 2;
+const uint kRowStrips = (NODE_COLS + kStrip - 1) / kStrip;
+const uint kArrayPairs = NODE_ROWS * kRowStrips * kStripPairs;
+const float kMiss = 1e30;     // height where there is no surface
+const float kNever = -1e30;   // target of a node that cannot be touched
+
+shared vec4 partial[LANES];
+// Strips of the window, and those that have sources: by row the first and the end, and of the rows that have any the first and the end.
+shared uint window_first[NODE_ROWS];
+shared uint source_first[NODE_ROWS], source_end[NODE_ROWS];
+shared uint source_rows[2];
+shared uint widest;
+shared uint num_deep;
+
+bool cut_short = false;  // see contact.comp
+
+#include "lib/workgroup.glsl"
+
+#include "lib/layer_strips.glsl"
+#include "lib/layer_solver.glsl"
+
+// ---- from heights to targets, from pressures to forces ----
+
+// Heights over a strip, kMiss outside the nodes and outside what the contact pass reached (rows, cols: half-open).
+Strip heightsOver(uint first_height, uvec2 at, uvec4 reached) {
+  Strip h = strip(kMiss);
+  if (at.x < reached.x || at.x >= reached.y) return h;
+  for (uint c = 0; c < kStrip; ++c) {
+    uint col = at.y * kStrip + c;
+    float height = kMiss;
+    if (col >= reached.z && col < reached.w) height = heights[first_height + at.x * NODE_COLS + col];
+    if (c < 4) h.low[c] = height; else h.high[c - 4] = height;
+  }
+  return h;
+}
+
+// What the contact pass reached: rows, cols, half-open; all 0 for nothing.
+uvec4 reachedNodes(uint instance) {
+  uvec4 reached = uvec4(NODE_ROWS, 0, NODE_COLS, 0);
+  for (uint t = 0; t < NUM_HEIGHT_TILES; ++t) {
+    uvec4 tile = windows[instance * NUM_HEIGHT_TILES + t].window;
+    if (tile.x >= tile.y) continue;
+    reached = uvec4(min(reached.x, tile.x), max(reached.y, tile.y), min(reached.z, tile.z), max(reached.w, tile.w));
+  }
+  return reached.x < reached.y ? reached : uvec4(0);
+}
+
+// The lowest height, m; kMiss if there is none. Over the window.
+float lowestHeight(uint first_height, uvec4 reached) {
+  for (uint v = gl_LocalInvocationIndex; v < num_parts; v += WORKGROUP) {
+    float highest = -kMiss;
+    uint k = v;
+    for (; k < num_strips; k += LANES) highest = max(highest, largestOf(scaled(heightsOver(first_height, stripAt(k), reached), -1.0)));
+    cut_short = cut_short || k < num_strips;
+    partial[v] = vec4(highest);
+  }
+  return -largestOfPartials(num_parts);
+}
+
+vec4 targetOf(vec4 height, float origin, float limit) {
+  vec4 target = min((origin - height) / THICKNESS, 1.0);
+  return mix(vec4(kNever), target, greaterThan(target, vec4(limit)));
+}
+
+// Targets of the strips that were reached: as deep below `origin` (m) as the surface is, at most 1; kNever from `limit` down. The window shrinks to the rest.
+void aim(uint first_height, uvec4 reached, float origin, float limit) {
+  uint end = reached.z / kStrip + window_width;  // strips beyond have no targets
+  clearSources();
+  uint k = gl_LocalInvocationIndex;
+  for (; k < num_strips; k += WORKGROUP) {
+    uvec2 at = stripAt(k);
+    Strip h = heightsOver(first_height, at, reached);
+    Strip target = Strip(targetOf(h.low, origin, limit), targetOf(h.high, origin, limit));
+    writeStrip(kLayerTarget, at, target);
+    if (largestOf(target) > kNever) addSource(at);
+  }
+  cut_short = cut_short || k < num_strips;
+  meet();
+  uvec2 rows = uvec2(source_rows[0], source_rows[1]);
+  for (uint row = rows.x + gl_LocalInvocationIndex; row < rows.y; row += WORKGROUP) {
+    if (source_first[row] < source_end[row]) atomicMax(widest, source_end[row] - source_first[row]);
+  }
+  meet();
+  uint width = widest;
+  for (uint row = rows.x + gl_LocalInvocationIndex; row < rows.y; row += WORKGROUP) {
+    window_first[row] = min(source_first[row], end - width);
+  }
+  setWindow(uvec2(rows.x, max(rows.y, rows.x) - rows.x), width);
+  meet();
+}
+
+// No pressure outside the window, nor anywhere before the first step.
+void clearPressures(bool first_step) {
+  uint k = gl_LocalInvocationIndex;
+  for (; k < NODE_ROWS * kRowStrips; k += WORKGROUP) {
+    uvec2 at = uvec2(k / kRowStrips, k % kRowStrips);
+    bool in_window = at.x - window_rows.x < window_rows.y && at.y - window_first[at.x] < window_width;
+    if (first_step || !in_window) writeStrip(kLayerPressure, at, strip(0.0));
+  }
+  cut_short = cut_short || k < NODE_ROWS * kRowStrips;
+  meet();
+}
+
+// Springs as soft as a few cells: the depth at which they would carry the load, a first guess of the shift. Newton's method from full depth.
+float guessShift(float sum_wanted) {
+  const float kSoftness = 4.0;
+  const uint kRounds = 6;
+  float shift = 1.0;
+  for (uint round = 0; round < kRounds; ++round) {
+    for (uint v = gl_LocalInvocationIndex; v < num_parts; v += WORKGROUP) {
+      vec2 sums = vec2(0);
+      uint k = v;
+      for (; k < num_strips; k += LANES) {
+        Strip target = readStrip(kLayerTarget, stripAt(k));
+        Strip pressed = whereAbove(target, -shift);
+        sums += vec2(sumOf(productOf(pressed, Strip(target.low + shift, target.high + shift))), sumOf(pressed));
+      }
+      cut_short = cut_short || k < num_strips;
+      partial[v] = vec4(sums, 0, 0);
+    }
+    vec2 sums = sumOfPartials(num_parts).xy;
+    shift = clamp(shift - (sums.x - kSoftness * sum_wanted) / max(sums.y, 1.0), 1e-6, 1.0);
+  }
+  return shift;
+}
+
+// What `p` does along the targets, nodes that cannot be touched left out.
+float workOf(Strip p, Strip target) { return dotOf(p, Strip(max(target.low, -2.0 - REACH), max(target.high, -2.0 - REACH))); }
+
+// Pressures to start from, and their excess: those of the frame before, where they press what is to be pressed now, else in proportion to depth; as many
+// times that as make up the load, or do most.
+void begin(Solution found, Goal goal) {
+  for (uint v = gl_LocalInvocationIndex; v < num_parts; v += WORKGROUP) {
+    vec2 sums = vec2(0);
+    uint k = v;
+    for (; k < num_strips; k += LANES) {
+      uvec2 at = stripAt(k);
+      Strip target = readStrip(kLayerTarget, at);
+      Strip p = productOf(readStrip(kLayerPressure, at), whereAbove(target, kNever));
+      writeStrip(kLayerPressure, at, p);
+      sums += vec2(workOf(p, target), sumOf(p));
+    }
+    cut_short = cut_short || k < num_strips;
+    partial[v] = vec4(sums, 0, 0);
+  }
+  vec2 work = sumOfPartials(num_parts).xy;
+  const float kFitting = 0.25;  // mean depth under the old pressures, of the deepest node's
+  bool warm = work.y > 0.0 && work.x + found.shift * work.y > kFitting * (goal.deepest + found.shift) * work.y;
+
+  clearSources();
+  for (uint v = gl_LocalInvocationIndex; v < num_parts; v += WORKGROUP) {
+    uint k = v;
+    for (; k < num_strips; k += LANES) {
+      uvec2 at = stripAt(k);
+      Strip target = readStrip(kLayerTarget, at);
+      Strip p = readStrip(kLayerPressure, at);
+      if (!warm) p = Strip(max(target.low + found.shift, 0.0), max(target.high + found.shift, 0.0));
+      writeStrip(kLayerPressure, at, p);
+      writeStrip(kLayerDirection, at, strip(0.0));
+      if (largestOf(p) > 0.0) addSource(at);
+    }
+    cut_short = cut_short || k < num_strips;
+  }
+  meet();
+  for (uint v = gl_LocalInvocationIndex; v < num_parts; v += WORKGROUP) {
+    vec4 sums = vec4(0);  // pressures times targets, times displacements; pressures
+    uint k = v;
+    for (; k < num_strips; k += LANES) {
+      uvec2 at = stripAt(k);
+      Strip p = readStrip(kLayerPressure, at), moved = displacementAt(at, kLayerPressure);
+      writeStrip(kLayerAnswer, at, moved);
+      sums += vec4(workOf(p, readStrip(kLayerTarget, at)), dotOf(p, moved), sumOf(p), 0);
+    }
+    cut_short = cut_short || k < num_strips;
+    partial[v] = sums;
+  }
+  vec4 sums = sumOfPartials(num_parts);
+  float factor = LOADS && goal.by_load ? goal.sum / max(sums.z, 1e-30) : max(sums.x, 0.0) / max(sums.y, 1e-30);
+  uint k = gl_LocalInvocationIndex;
+  for (; k < num_strips; k += WORKGROUP) {
+    uvec2 at = stripAt(k);
+    writeStrip(kLayerPressure, at, scaled(readStrip(kLayerPressure, at), factor));
+    writeStrip(kLayerExcess, at, minus(scaled(readStrip(kLayerAnswer, at), factor), readStrip(kLayerTarget, at)));
+  }
+  cut_short = cut_short || k < num_strips;
+  meet();
+}
+
+// Whether a node carries a taxel, not the margin, along a strip of row `at.x`.
+Strip onTaxels(uvec2 at) {
+  bool row = at.x >= MARGIN_ROWS && at.x < NODE_ROWS - MARGIN_ROWS;
+  vec4 col = float(at.y * kStrip) + vec4(0, 1, 2, 3);
+  vec2 range = row ? vec2(MARGIN_COLS, NODE_COLS - MARGIN_COLS) : vec2(0);
+  return Strip(vec4(greaterThanEqual(col, vec4(range.x))) * vec4(lessThan(col, vec4(range.y))),
+               vec4(greaterThanEqual(col + 4.0, vec4(range.x))) * vec4(lessThan(col + 4.0, vec4(range.y))));
+}
+
+// One value of an array over the nodes.
+float valueAt(uint kind, uvec2 node) {
+  uvec2 words = wordsOf(layer[stripAddress(kind, uvec2(node.x, node.y / kStrip)) + node.y % kStrip / 2]);
+  return uintBitsToFloat((node.y & 1u) == 0 ? words.x : words.y);
+}
+
+// Forces of the taxels that were reached, N, and the mean depth of their samples, m; returns the rectangle of these taxels.
+uvec4 writeTaxels(uint instance, uvec4 reached, float shift) {
+  uvec2 margin = uvec2(MARGIN_ROWS, MARGIN_COLS);
+  uvec2 first_node = max(reached.xz, margin), end_node = min(reached.yw, uvec2(NODE_ROWS - MARGIN_ROWS, NODE_COLS - MARGIN_COLS));
+  bool any_node = num_strips > 0 && all(lessThan(first_node, end_node));
+  uvec2 first = (first_node - margin) / SAMPLES, count = (end_node - margin + SAMPLES - 1u) / SAMPLES - first;
+  if (!any_node) first = count = uvec2(0);
+  for (uint k = gl_LocalInvocationIndex; k < NUM_TAXELS; k += WORKGROUP) {
+    uvec2 at = uvec2(k / NUM_COLS, k % NUM_COLS);
+    bool inside = all(lessThan(at - first, count));
+    if (!inside && !OUTPUT_DEPTH) continue;
+    float pressure = 0.0, depth = 0.0;
+    for (uint a = 0; inside && a < SAMPLES; ++a) {
+      for (uint b = 0; b < SAMPLES; ++b) {
+        uvec2 node = margin + at * SAMPLES + uvec2(a, b);
+        // Targets are known where the surface is; a taxel's nodes may lie beside.
+        if (any(lessThan(node, first_node)) || any(greaterThanEqual(node, end_node))) continue;
+        pressure += valueAt(kLayerPressure, node);
+        if (OUTPUT_DEPTH) depth += max(valueAt(kLayerTarget, node) + shift, 0.0);
+      }
+    }
+    uint taxel = instance * NUM_TAXELS + k;
+    contact_normal[taxel] = pressure * NODE_FORCE * spread_scale[k];
+    if (OUTPUT_DEPTH) contact_depth[taxel] = depth * THICKNESS / float(SAMPLES * SAMPLES);
+  }
+  return uvec4(first.x, first.x + count.x, first.y, first.y + count.y);
+}
+
+// Wrench, loads and what else is told of an instance.
+void report(uint instance, uint num_instances, Solution found, Goal goal, uint iterations, uvec4 taxels) {
+  vec2 spacing = vec2(PITCH_X, PITCH_Y) / float(SAMPLES);
+  for (uint v = gl_LocalInvocationIndex; v < num_parts; v += WORKGROUP) {
+    vec4 sums = vec4(0);  // pressures, these times x and y of P, pressures on taxels
+    float deep = 0.0;
+    uint k = v;
+    for (; k < num_strips; k += LANES) {
+      uvec2 at = stripAt(k);
+      Strip p = readStrip(kLayerPressure, at), target = readStrip(kLayerTarget, at), on_taxels = onTaxels(at);
+      vec2 corner = (vec2(at.x, at.y * kStrip) - 0.5 * vec2(NODE_ROWS - 1u, NODE_COLS - 1u)) * spacing;
+      Strip along = Strip(corner.y + vec4(0, 1, 2, 3) * spacing.y, corner.y + vec4(4, 5, 6, 7) * spacing.y);
+      float sum = sumOf(p);
+      sums += vec4(sum, sum * corner.x, dotOf(p, along), dotOf(p, on_taxels));
+      deep += dotOf(on_taxels, whereAbove(Strip(target.low + found.shift, target.high + found.shift), 0.9999999));
+    }
+    cut_short = cut_short || k < num_strips;
+    partial[v] = sums;
+    if (deep > 0.0) atomicAdd(num_deep, uint(deep));
+  }
+  vec4 sums = sumOfPartials(num_parts) * NODE_FORCE;
+  if (gl_LocalInvocationIndex != 0) return;
+  mat3 R_SP = transpose(mat3(sensor.X_SC_row0.xyz, sensor.X_SC_row1.xyz, sensor.X_SC_row2.xyz));
+  vec3 force = R_SP * vec3(0, 0, -sums.x);
+  // The skin is pressed along -z of P: torque (x, y, 0) x (0, 0, -f).
+  vec3 torque = R_SP * vec3(-sums.z, sums.y, 0) + cross(vec3(sensor.X_SC_row0.w, sensor.X_SC_row1.w, sensor.X_SC_row2.w), force);
+  tile_results[instance].force = vec4(force, float(num_deep));
+  tile_results[instance].torque = vec4(torque, sums.w);
+  tile_results[instance].window = taxels;
+  features[kFeatureOffArrayLoad * num_instances + instance] = max(sums.x - sums.w, 0.0);
+  features[kFeatureContactResidual * num_instances + instance] = found.residual;
+  features[kFeatureContactIterations * num_instances + instance] = float(iterations);
+}
+
+void pressInstance(uint instance, uint num_instances) {
+  layer_start = instance * kNumLayerArrays * kArrayPairs;
+  uint flags = instances[instance].keys.w;
+  bool by_load = LOADS && (flags & kFlagLoadDriven) != 0;
+  if (gl_LocalInvocationIndex == 0) num_deep = 0;
+
+  uvec4 reached = reachedNodes(instance);
+  uint first_height = instance * NODE_ROWS * NODE_COLS;
+  uint first_strip = reached.z / kStrip;
+  for (uint row = gl_LocalInvocationIndex; row < NODE_ROWS; row += WORKGROUP) window_first[row] = first_strip;
+  setWindow(uvec2(reached.x, reached.y - reached.x), (reached.w + kStrip - 1u) / kStrip - first_strip);
+  meet();
+  float lowest = lowestHeight(first_height, reached);
+  bool above = lowest >= kMiss;  // there is nothing
+  float deepest = by_load ? 0.0 : min(-lowest / THICKNESS, 1.0);
+  // Deeper than its thickness the skin is not pressed.
+  aim(first_height, reached, by_load ? lowest : 0.0, above ? kMiss : by_load ? -(1.0 + REACH) : -REACH * max(deepest, 0.0));
+  float load = by_load ? instances[instance].drive.x : 0.0;
+  bool idle = above || (by_load ? load <= 0.0 : deepest <= 0.0);
+  if (idle) setWindow(uvec2(0), 0);
+  clearPressures((flags & kFlagFirstStep) != 0);
+
+  // More than any skin carries is as good as endless.
+  const float kMost = 1e6 * float(NODE_ROWS * NODE_COLS);
+  Goal goal = Goal(deepest, by_load, min(load / NODE_FORCE, kMost));
+  Solution found = Solution(0.0, 0.0, 0.0, 0.0);
+  uint iterations = 0;
+  float status = above ? kLoadOutOfReach : kLoadCarried;
+  if (!idle) {
+    if (LOADS && by_load) found.shift = guessShift(goal.sum);
+    begin(found, goal);
+    iterations = solve(found, goal);
+    if (by_load && !goal.by_load) status = kLoadOutOfReach;
+  }
+  if (LOADS && by_load && gl_LocalInvocationIndex == 0) {
+    loads[instance].bracket = vec4(above ? 0.0 : -lowest - found.shift * THICKNESS, 0, 0, status);
+  }
+  meet();
+  uvec4 taxels = writeTaxels(instance, reached, found.shift);
+  report(instance, num_instances, found, goal, iterations, taxels);
+}
+
+void main() {
+  uvec4 batch = step_record.batch;
+  uint first = workgroupNumber() * REPEAT;
+  uint end = min(first + REPEAT, batch.x);
+  uint instance = first;
+  for (; instance < end; ++instance) {
+    pressInstance(instance, batch.x);
+    meet();
+  }
+  if (cut_short || instance < end) problems[0] = 1;
+}

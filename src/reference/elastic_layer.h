@@ -1,0 +1,61 @@
+// The law `elastic_layer` of the reference: pressures under which an elastic skin follows an object, in double precision, converged.
+//
+// Unknown are the pressures p >= 0 on the nodes of a patch and its margin, with displacements w = A p: w = d where p > 0, w >= d elsewhere.
+// They minimise p.A p / 2 - p.d. Conjugate gradients over the nodes in contact, which are found along the way: a step that would pull a
+// node lets go of it, a node that would be penetrated is pressed (Polonsky and Keer, Wear 231 (1999) 206).
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "reference/depth.h"
+#include "sensor/elastic_layer.h"
+
+namespace taxelsim::reference {
+
+// The patch's nodes and how they give way: A_mn = influence[|u_m - u_n|][|v_m - v_n|].
+struct Layer {
+  LayerNodes nodes;
+  std::vector<double> influence;  // (num_rows x num_cols), m/Pa
+};
+
+Layer layerOf(const Sensor& sensor);
+
+struct LayerSolution {
+  std::vector<double> pressure;  // (num_rows x num_cols), Pa
+  double residual = 0;           // largest |w - d| where p > 0 and d - w elsewhere, relative to the deepest overlap
+  int iterations = 0;
+};
+
+// The signed overlap d (num_rows x num_cols), m; -infinity where there is no surface. Throws std::runtime_error where `tolerance` of the
+// residual is not reached.
+LayerSolution pressLayer(const Layer& layer, std::span<const double> overlap, double tolerance = 1e-10);
+
+// Sum of p dA over all nodes, N.
+double forceOn(const Layer& layer, std::span<const double> pressure);
+
+// One frame of the contact: forces as of contactOf(), over the taxels, and what the margin carries.
+struct LayerContact {
+  LayerSolution solution;
+  std::vector<double> taxel_force;       // (num_taxels), N
+  std::vector<double> mean_penetration;  // (num_taxels), m: mean of clamp(d, 0, thickness)
+  std::array<double, 6> wrench{};        // force (N) and torque (N m) on the sensor at S's origin, in S; margin included
+  double total_force = 0;                // N: sum over the taxels
+  double off_array_load = 0;             // N: sum over the margin
+  double over_penetration = 0;           // fraction of the taxels' samples at least as deep as the skin is thick
+  double offset = 0;                     // m: by how much the objects were moved along z of S
+  bool load_reached = true;
+};
+
+// Heights of the lowest surface over every node, (num_rows x num_cols), m along z of P; +infinity where there is none.
+std::vector<double> layerHeights(const Sensor& sensor, const LayerNodes& nodes, std::span<const PlacedObject> objects);
+
+// Objects where they are.
+LayerContact layerContact(const Sensor& sensor, std::span<const PlacedObject> objects);
+
+// Objects moved along z of S until taxels and margin together carry `load` (N); at full depth, where its deepest sample is as deep as the
+// skin is thick, when that carries less. The patch must face along z of S.
+LayerContact loadedLayerContact(const Sensor& sensor, std::span<const PlacedObject> objects, double load);
+
+}  // namespace taxelsim::reference

@@ -1,0 +1,36 @@
+// An elastic layer in numbers: the nodes on which its contact is solved, and how far each gives way to pressure on another. Not the solver:
+// that is src/reference/elastic_layer.h in double precision, shaders/elastic_layer.comp on the device.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "taxelsim/sensor.h"
+
+namespace taxelsim {
+
+// The samples of a patch and of the skin's margin around it: a grid centred on the patch, row u along x, column v along y of P. Sample (a,
+// b) of taxel (i, j) is node (margin_rows + i s + a, margin_cols + j s + b).
+struct LayerNodes {
+  int num_rows = 0;
+  int num_cols = 0;
+  int margin_rows = 0;  // on either side
+  int margin_cols = 0;
+  std::array<double, 2> spacing{};  // m
+
+  double area() const { return spacing[0] * spacing[1]; }
+};
+
+// Of the sensor's first patch.
+LayerNodes layerNodes(const Sensor& sensor);
+
+// Ratio L of a bonded layer's compliance to a half-space's at k h = x >= 0, k the wave number and h the thickness: w^(k) = 2 / (E* k) L(k
+// h) p^(k). Frictionless top, bonded base; from the plane-strain solution of the layer for a surface load cos(k x).
+double layerKernel(double x, double poisson_ratio);
+
+// Displacement (m) of the node u rows and v columns away from a cell under 1 Pa, (num_rows x num_cols); even in u and v. A bonded layer of
+// `thickness` (m).
+std::vector<double> layerInfluence(const ElasticLayer& layer, double thickness, const std::array<double, 2>& spacing, int num_rows,
+                                   int num_cols);
+
+}  // namespace taxelsim

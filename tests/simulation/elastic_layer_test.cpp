@@ -1,0 +1,379 @@
+// The law `elastic_layer` on the device: against the twin, straight against contact mechanics, under loads, from frame to frame.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+#include "reference/elastic_layer.h"
+#include "simulation/comparison.h"
+#include "support/random_scene.h"
+#include "taxelsim/error.h"
+
+namespace taxelsim {
+namespace {
+
+using Base = ElasticLayer::Base;
+using support::Random;
+using support::Touch;
+
+constexpr double kDt = 1e-2;      // s
+constexpr double kModulus = 1e6;  // Pa
+// Iterations enough for any contact here, to what float32 leaves of the residual.
+constexpr int kManyIterations = 300;
+constexpr double kTightTolerance = 2e-5;
+
+struct SkinOptions {
+  double thickness = 2e-3;
+  double poisson_ratio = 0.49;
+  Base base = Base::kBonded;
+  double margin = 0;
+  int iterations = kManyIterations;
+  double tolerance = kTightTolerance;
+};
+
+Sensor layerSensor(const SkinOptions& skin, const support::GridOptions& grid = {}) {
+  Sensor sensor = support::gridSensor(grid);
+  sensor.skin = {.thickness = skin.thickness,
+                 .law = ElasticLayer{.elastic_modulus = kModulus,
+                                     .poisson_ratio = skin.poisson_ratio,
+                                     .base = skin.base,
+                                     .iterations = skin.iterations,
+                                     .tolerance = skin.tolerance},
+                 .margin = skin.margin};
+  return sensor;
+}
+
+// A frame of a batch, poses and loads as given (NaN: pose-driven).
+FrameView stepOnce(Simulator& simulator, const std::vector<Touch>& touches, const std::vector<float>& loads = {}) {
+  support::setTouches(simulator, touches);
+  if (!loads.empty()) simulator.setLoads(loads);
+  simulator.step(kDt);
+  return simulator.read();
+}
+
+// What the device's sums over the taxels may miss of the twin's. The residual counts displacements; under a wide contact on a nearly
+// incompressible layer pressures of long waves move little, and their error is some forty times the residual (seen: thirty-five). Beside
+// that, heights are rounded: forces of a depth that is off by the margin.
+double forceSlack(const reference::LayerContact& twin, double deepest) {
+  return (40 * kTightTolerance + 2 * support::kMarginZ / deepest) * (twin.total_force + twin.off_array_load) + support::kAbsoluteForce;
+}
+
+// Objects without a silhouette near the skin, where a sample may fall to either side: round ones, and a box on its edge or corner.
+std::vector<Object> roundObjects(Random& random) {
+  return {Sphere{0.012}, Capsule{0.006, 0.02}, support::icosphere(0.015, 3, 0.05, random), Box{{0.02, 0.03, 0.025}}};
+}
+
+Touch randomTouch(Random& random, const Sensor& sensor, const std::vector<Object>& objects) {
+  const int id = random.integer(0, static_cast<int>(objects.size()) - 1);
+  const Object& object = objects[static_cast<std::size_t>(id)];
+  const GridPatch& patch = sensor.patches[0];
+  Sensor springs = sensor;
+  springs.skin = {.thickness = sensor.skin.thickness, .law = Winkler{.normal_contact_stiffness = 1e8}};
+  const double angle = random.uniform(0.3, 0.7), yaw = random.uniform(-3, 3);
+  const Quaternion tilted{std::cos(angle / 2), std::sin(angle / 2) * std::cos(yaw), std::sin(angle / 2) * std::sin(yaw), 0};
+  return {{id},
+          {support::poseAtDepth(springs, object, std::holds_alternative<Capsule>(object.shape) ? random.tilt(0.3) : tilted,
+                                random.uniform(-0.6, 0.6) * patch.num_rows * patch.pitch[0],
+                                random.uniform(-0.6, 0.6) * patch.num_cols * patch.pitch[1],
+                                random.uniform(0.1, 1.1) * sensor.skin.thickness)}};
+}
+
+double deepestOf(const Sensor& sensor, const std::vector<reference::PlacedObject>& placed) {
+  const std::vector<double> heights = reference::layerHeights(sensor, layerNodes(sensor), placed);
+  return std::min(sensor.skin.thickness, -*std::min_element(heights.begin(), heights.end()));
+}
+
+// Every value that the law decides of one instance against the twin.
+void expectLikeTwin(const FrameView& frame, std::size_t i, const Sensor& sensor, const reference::LayerContact& twin, double slack) {
+  const auto num_taxels = static_cast<std::size_t>(numTaxels(sensor));
+  const GroundTruthView& truth = frame.ground_truth;
+  for (std::size_t t = 0; t < num_taxels; ++t) {
+    EXPECT_NEAR(truth.tactile_normal_force[i * num_taxels + t], twin.taxel_force[t], slack) << "taxel " << t;
+  }
+  EXPECT_NEAR(truth.off_array_load[i], twin.off_array_load, slack);
+  EXPECT_LE(truth.contact_residual[i], kTightTolerance);
+  constexpr double kReach = 0.04;  // m: from S's origin to the farthest node
+  for (std::size_t k = 0; k < 6; ++k) {
+    EXPECT_NEAR(truth.contact_wrench[6 * i + k], twin.wrench[k], k < 3 ? slack : slack * kReach);
+  }
+}
+
+struct LayerCase {
+  SkinOptions skin;
+  int samples_per_taxel;
+};
+
+void PrintTo(const LayerCase& layer, std::ostream* out) {
+  *out << layer.samples_per_taxel << " samples per taxel, thickness " << layer.skin.thickness << ", Poisson's ratio "
+       << layer.skin.poisson_ratio;
+}
+
+class ElasticLayerTwin : public ::testing::TestWithParam<LayerCase> {};
+
+TEST_P(ElasticLayerTwin, RandomContacts) {
+  constexpr int kInstances = 12;
+  const auto [skin, samples] = GetParam();
+  Random random(static_cast<std::uint64_t>(samples) + 7);
+  Sensor sensor = layerSensor(skin, {.samples_per_taxel = samples});
+  // A level patch, turned and moved.
+  sensor.patches[0].X_SP = {{0.003, -0.002, 0.001}, {std::cos(0.4), 0, 0, std::sin(0.4)}};
+  const std::vector<Object> objects = roundObjects(random);
+  std::vector<Touch> touches;
+  for (int i = 0; i < kInstances; ++i) touches.push_back(randomTouch(random, sensor, objects));
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+  Simulator simulator(model, {.num_instances = kInstances});
+  const FrameView frame = stepOnce(simulator, touches);
+  support::expectWellFormed(frame, sensor, kInstances);
+  for (std::size_t i = 0; i < kInstances; ++i) {
+    SCOPED_TRACE("instance " + std::to_string(i) + ": object " + std::to_string(touches[i].ids[0]));
+    const auto placed = touches[i].placed(objects);
+    const double deepest = deepestOf(sensor, placed);
+    const reference::LayerContact twin = reference::layerContact(sensor, placed);
+    if (deepest > 0) expectLikeTwin(frame, i, sensor, twin, forceSlack(twin, deepest));
+    const auto num_taxels = static_cast<std::size_t>(numTaxels(sensor));
+    for (std::size_t t = 0; t < num_taxels; ++t) {
+      EXPECT_NEAR(frame.ground_truth.penetration_depth[i * num_taxels + t], twin.mean_penetration[t], 2 * support::kMarginZ);
+    }
+    EXPECT_NEAR(frame.ground_truth.over_penetration[i], twin.over_penetration, 2.0 / (numTaxels(sensor) * samples * samples));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Layers, ElasticLayerTwin,
+                         ::testing::Values(LayerCase{{.poisson_ratio = 0.3, .base = Base::kHalfSpace}, 2},
+                                           LayerCase{{.poisson_ratio = 0.49, .margin = 4e-3}, 2},
+                                           LayerCase{{.thickness = 1e-3, .poisson_ratio = 0.5}, 3},
+                                           // Several tiles of the contact pass.
+                                           LayerCase{{.thickness = 1e-3, .poisson_ratio = 0.4, .margin = 6e-3, .iterations = 30}, 8},
+                                           LayerCase{{.thickness = 4e-3, .poisson_ratio = 0.45, .margin = 1e-3}, 1}));
+
+// ---- closed forms ----
+
+// Sneddon's exact sphere on a half-space, as tests/reference/elastic_layer_test.cpp has it for the twin.
+TEST(ElasticLayerOnDevice, SphereCarriesSneddonsForce) {
+  constexpr double kForceError = 0.02, kPeakError = 0.03;
+  constexpr double kRadius = 0.02, kContact = 0.004;
+  constexpr int kInstances = 16;
+  const Sensor sensor =
+      layerSensor({.thickness = 5e-3, .base = Base::kHalfSpace},
+                  {.num_rows = 14, .num_cols = 14, .pitch_x = kContact / 4, .pitch_y = kContact / 4, .samples_per_taxel = 1});
+  const double logarithm = std::log((kRadius + kContact) / (kRadius - kContact));
+  const double depth = kContact / 2 * logarithm, plane_modulus = kModulus / (1 - 0.49 * 0.49);
+  const double force = plane_modulus / 2 * ((kContact * kContact + kRadius * kRadius) * logarithm - 2 * kContact * kRadius);
+  Random random(4);
+  std::vector<Touch> touches;
+  for (int i = 0; i < kInstances; ++i) {
+    touches.push_back(
+        {{0}, {{{random.uniform(-1, 1) * kContact / 8, random.uniform(-1, 1) * kContact / 8, kRadius - depth}, {1, 0, 0, 0}}}});
+  }
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Sphere{kRadius}}});
+  Simulator simulator(model, {.num_instances = kInstances});
+  const FrameView frame = stepOnce(simulator, touches);
+  for (std::size_t i = 0; i < kInstances; ++i) {
+    EXPECT_NEAR(frame.ground_truth.total_force[i] / force, 1, kForceError);
+    const double peak = frame.ground_truth.peak_force[i] / (kContact * kContact / 16);
+    EXPECT_NEAR(peak / (2 * plane_modulus * kContact / (std::numbers::pi * kRadius)), 1, kPeakError);
+  }
+}
+
+// A sphere on an incompressible layer half as thick as the contact's radius: 8.468 times Hertz's force at the depth (sqrt(R delta)/h
+// = 1.3489).
+TEST(ElasticLayerOnDevice, SphereOnABondedLayerCarriesTheTablesForce) {
+  constexpr double kForceError = 0.02;
+  constexpr double kRadius = 0.2, kThickness = 2e-3, kChi = 1.3489, kOverHertz = 8.46801;
+  const double depth = kChi * kChi * kThickness * kThickness / kRadius;
+  const Sensor sensor = layerSensor({.thickness = kThickness, .poisson_ratio = 0.5},
+                                    {.num_rows = 30, .num_cols = 30, .pitch_x = 4e-4, .pitch_y = 4e-4, .samples_per_taxel = 1});
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Sphere{kRadius}}});
+  Simulator simulator(model, {.num_instances = 1});
+  const FrameView frame = stepOnce(simulator, {{{0}, {{{1e-4, -5e-5, kRadius - depth}, {1, 0, 0, 0}}}}});
+  const double hertz = 4.0 / 3 * kModulus / 0.75 * std::sqrt(kRadius) * std::pow(depth, 1.5);
+  EXPECT_NEAR(frame.ground_truth.total_force[0] / hertz / kOverHertz, 1, kForceError);
+}
+
+// ---- loads ----
+
+TEST(ElasticLayerOnDevice, TaxelsAndMarginCarryTheLoad) {
+  constexpr double kCarried = 1e-3;
+  const Sensor sensor = layerSensor({.margin = 4e-3}, {.samples_per_taxel = 2});
+  Random random(5);
+  const std::vector<Object> objects = roundObjects(random);
+  std::vector<Touch> touches;
+  std::vector<float> loads;
+  const auto add = [&](const Touch& touch, double load) {
+    touches.push_back(touch);
+    loads.push_back(static_cast<float>(load));
+  };
+  const Touch middle{{0}, {{{0.001, 0.002, 0.05}, {1, 0, 0, 0}}}}, border{{0}, {{{0.0103, 0.002, -0.003}, {1, 0, 0, 0}}}};
+  for (const double load : {0.01, 1.0, 20.0}) add(middle, load);
+  for (const double load : {0.5, 5.0}) add(border, load);
+  add(middle, 1e5);                                 // more than full depth
+  add({{0}, {{{0.08, 0, 0}, {1, 0, 0, 0}}}}, 1.0);  // beside the skin
+  add({{kNoObject}, {Pose{}}}, 1.0);                // nothing
+  add(middle, 0);
+  add({{0}, {{{0, 0, 0.0115}, {1, 0, 0, 0}}}}, kPoseDriven);
+  for (int n = 0; n < 6; ++n) {
+    Touch touch = randomTouch(random, sensor, objects);
+    touch.X_SO[0].position[2] += random.uniform(-0.01, 0.03);
+    add(touch, random.uniform(0.1, 3));
+  }
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+  Simulator simulator(model, {.num_instances = static_cast<int>(loads.size())});
+  const FrameView frame = stepOnce(simulator, touches, loads);
+  support::expectWellFormed(frame, sensor, static_cast<int>(loads.size()));
+  const GroundTruthView& truth = frame.ground_truth;
+  for (std::size_t i = 0; i < loads.size(); ++i) {
+    SCOPED_TRACE("instance " + std::to_string(i));
+    const auto placed = touches[i].placed(objects);
+    if (std::isnan(loads[i])) {
+      EXPECT_EQ(truth.load_reached[i], 1);
+      continue;
+    }
+    const reference::LayerContact twin = reference::loadedLayerContact(sensor, placed, loads[i]);
+    EXPECT_EQ(truth.load_reached[i], twin.load_reached ? 1 : 0);
+    const double carried = truth.total_force[i] + truth.off_array_load[i];
+    if (twin.load_reached) {
+      EXPECT_NEAR(carried, loads[i], kCarried * loads[i]);
+      EXPECT_NEAR(-truth.contact_wrench[6 * i + 2], loads[i], kCarried * loads[i]);
+    }
+    // Force grows at least in proportion to depth, so that a share of the force is at most this share of the depth.
+    EXPECT_NEAR(truth.load_offset[i], twin.offset, 10 * kTightTolerance * sensor.skin.thickness + 2 * support::kMarginZ);
+    if (loads[i] > 0.1 && std::isfinite(twin.offset)) expectLikeTwin(frame, i, sensor, twin, 1e-3 * (carried + 1e-3));
+  }
+  EXPECT_GT(truth.off_array_load[3], 0.01 * loads[3]);
+  EXPECT_EQ(truth.load_reached[5], 0);
+  EXPECT_EQ(truth.load_reached[6], 0);
+  EXPECT_EQ(truth.load_reached[7], 0);
+}
+
+TEST(ElasticLayerOnDevice, NoLoadOnATiltedPatch) {
+  Sensor sensor = layerSensor({});
+  sensor.patches[0].X_SP.rotation = {std::cos(0.1), std::sin(0.1), 0, 0};
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Sphere{0.01}}});
+  Simulator simulator(model, {.num_instances = 1});
+  EXPECT_THROW(simulator.setLoad(0, 1), Error);
+  simulator.setLoad(0, kPoseDriven);
+}
+
+// ---- from frame to frame, in batches ----
+
+// All bits of an instance, with what only this law reports.
+std::vector<std::uint32_t> bitsWithLayer(const FrameView& frame, int i, int num_instances) {
+  std::vector<std::uint32_t> bits = support::bitsOf(frame, i, num_instances);
+  for (const auto& values :
+       {frame.ground_truth.off_array_load, frame.ground_truth.contact_residual, frame.ground_truth.contact_iterations}) {
+    bits.push_back(std::bit_cast<std::uint32_t>(values[static_cast<std::size_t>(i)]));
+  }
+  return bits;
+}
+
+// A batch with loads, alone, and with other workgroups: the same bits over three frames.
+TEST(ElasticLayerOnDevice, SameBitsInAnyBatchAndWorkgroup) {
+  constexpr int kInstances = 5, kFrames = 3;
+  Random random(6);
+  const Sensor sensor = layerSensor({.margin = 2e-3, .iterations = 6, .tolerance = 1e-3}, {.samples_per_taxel = 2});
+  const std::vector<Object> objects = roundObjects(random);
+  std::vector<std::vector<Touch>> frames;
+  for (int f = 0; f < kFrames; ++f) {
+    std::vector<Touch> touches;
+    for (int i = 0; i < kInstances; ++i) touches.push_back(randomTouch(random, sensor, objects));
+    frames.push_back(touches);
+  }
+  const std::vector<float> loads{kPoseDriven, 2, kPoseDriven, 0.5f, kPoseDriven};
+  std::vector<std::vector<std::uint32_t>> expected;
+  for (const int workgroup : {8, 4, 32}) {
+    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects, .contact_workgroup = workgroup});
+    Simulator together(model, {.num_instances = kInstances});
+    Simulator alone(model, {.num_instances = 1});
+    for (int f = 0; f < kFrames; ++f) {
+      const FrameView frame = stepOnce(together, frames[static_cast<std::size_t>(f)], loads);
+      for (int i = 0; i < kInstances; ++i) {
+        const auto bits = bitsWithLayer(frame, i, kInstances);
+        const auto at = static_cast<std::size_t>(f * kInstances + i);
+        if (workgroup == 8) expected.push_back(bits);
+        EXPECT_EQ(bits, expected[at]) << "workgroup " << workgroup << " frame " << f << " instance " << i;
+      }
+      for (const int i : {0, 3}) {
+        if (workgroup != 8 || i == 3) continue;
+        const FrameView frame_alone = stepOnce(alone, {frames[static_cast<std::size_t>(f)][static_cast<std::size_t>(i)]});
+        EXPECT_EQ(bitsWithLayer(frame_alone, 0, 1), expected[static_cast<std::size_t>(f * kInstances + i)]) << "alone, frame " << f;
+      }
+    }
+  }
+}
+
+// A contact that wanders ends as one that begins where it ends, with fewer iterations; after reset() it is the very same.
+TEST(ElasticLayerOnDevice, WarmStartEndsWhereAColdOneDoes) {
+  constexpr double kTolerance = 1e-4;
+  const Sensor sensor = layerSensor({.tolerance = kTolerance}, {.samples_per_taxel = 2});
+  const std::vector<Object> objects{Capsule{0.006, 0.02}};
+  const auto touchAt = [](double x) {
+    const double c = std::sqrt(0.5);
+    return std::vector<Touch>{{{0}, {{{x, 0.002, 0.006 - 0.0005}, {c, c, 0, 0}}}}};
+  };
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+  Simulator simulator(model, {.num_instances = 1});
+  const auto forces = [](const FrameView& frame) {
+    return std::vector<float>(frame.ground_truth.tactile_normal_force.begin(), frame.ground_truth.tactile_normal_force.end());
+  };
+  const std::vector<std::uint32_t> first = bitsWithLayer(stepOnce(simulator, touchAt(0)), 0, 1);
+  for (int k = 1; k <= 20; ++k) stepOnce(simulator, touchAt(k * 1e-4));
+  // A jump to the other side and back.
+  stepOnce(simulator, touchAt(-0.008));
+  stepOnce(simulator, touchAt(0.0019));
+  const FrameView warm_frame = stepOnce(simulator, touchAt(0.002));
+  const std::vector<float> warm = forces(warm_frame);
+  const float warm_iterations = warm_frame.ground_truth.contact_iterations[0];
+  EXPECT_LE(warm_frame.ground_truth.contact_residual[0], kTolerance);
+  simulator.reset(0, 0);
+  const FrameView cold_frame = stepOnce(simulator, touchAt(0.002));
+  EXPECT_LE(cold_frame.ground_truth.contact_residual[0], kTolerance);
+  EXPECT_LT(warm_iterations, cold_frame.ground_truth.contact_iterations[0]);
+  const double slack = 20 * kTolerance * *std::max_element(warm.begin(), warm.end());
+  for (std::size_t t = 0; t < warm.size(); ++t) EXPECT_NEAR(warm[t], cold_frame.ground_truth.tactile_normal_force[t], slack);
+  simulator.reset(0, 0);
+  EXPECT_EQ(bitsWithLayer(stepOnce(simulator, touchAt(0)), 0, 1), first);
+}
+
+// ---- far from the usual ----
+
+double forceOfSphere(const Sensor& sensor, double load = kPoseDriven) {
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Sphere{0.01}}});
+  Simulator simulator(model, {.num_instances = 1});
+  const FrameView frame = stepOnce(simulator, {{{0}, {{{0.0005, 0, 0.0097}, {1, 0, 0, 0}}}}}, {static_cast<float>(load)});
+  support::expectWellFormed(frame, sensor, 1);
+  EXPECT_LE(frame.ground_truth.contact_residual[0], kTightTolerance);
+  return frame.ground_truth.total_force[0];
+}
+
+// Six orders of magnitude either way: forces go with the modulus, a thick layer is a half-space, one thin as a hair is refused, and so is
+// one that float32 heights cannot resolve.
+TEST(ElasticLayerOnDevice, FarFromTheUsual) {
+  constexpr double kRounding = 1e-5;
+  Sensor sensor = layerSensor({.poisson_ratio = 0.3}, {.samples_per_taxel = 2});
+  const double usual = forceOfSphere(sensor);
+  EXPECT_GT(usual, 0);
+  for (const double factor : {1e-6, 1e6}) {
+    Sensor other = sensor;
+    std::get<ElasticLayer>(other.skin.law).elastic_modulus *= factor;
+    EXPECT_NEAR(forceOfSphere(other) / (usual * factor), 1, kRounding);
+  }
+  Sensor thick = sensor, half_space = sensor, hair = sensor;
+  thick.skin.thickness = 0.1;
+  std::get<ElasticLayer>(half_space.skin.law).base = Base::kHalfSpace;
+  // A contact radius of 1.7 mm on 100 mm: some 1.1 times their ratio stiffer.
+  EXPECT_NEAR(forceOfSphere(thick) / forceOfSphere(half_space), 1, 0.03);
+  thick.skin.thickness *= 1e4;
+  EXPECT_THROW(forceOfSphere(thick), Error);
+  hair.skin.thickness *= 1e-6;
+  EXPECT_THROW(forceOfSphere(hair), Error);
+  std::get<ElasticLayer>(hair.skin.law).base = Base::kHalfSpace;
+  EXPECT_GT(forceOfSphere(hair), 0);
+  Sensor beyond = sensor;
+  std::get<ElasticLayer>(beyond.skin.law).elastic_modulus = 1e38;
+  EXPECT_THROW(forceOfSphere(beyond), Error);
+}
+
+}  // namespace
+}  // namespace taxelsim
