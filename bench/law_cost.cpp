@@ -1,0 +1,199 @@
+// What a frame costs under each contact law, with shear, and with what readout adds, beside `winkler` on the same poses: in one process, in
+// turns, so that what else the machine does meets all of them.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench_objects.h"
+#include "report.h"
+#include "taxelsim/error.h"
+#include "taxelsim/simulator.h"
+
+namespace taxelsim::bench {
+namespace {
+
+constexpr double kDt = 1e-3;  // s
+constexpr std::uint64_t kPoseSeed = 1;
+constexpr int kWarmUps = 2;
+constexpr double kStride = 1e-5;  // m, along x from frame to frame, to and fro: a slow slide, so that states have something to follow
+
+struct Options {
+  std::string sensor = TAXELSIM_SCENES "/sensors/wts0614.yaml";
+  std::string json, device;
+  int num_instances = 1024;
+  int repetitions = 11;
+};
+
+struct Case {
+  std::string name;
+  std::function<void(Sensor&)> change;  // of the sensor whose law is winkler
+  bool cold = false;                    // every frame from nothing, as the first of an episode
+};
+
+Skin elasticSkin(const Skin& skin, ElasticLayer::Base base, double margin) {
+  return {.thickness = skin.thickness, .law = ElasticLayer{.elastic_modulus = 1e6, .poisson_ratio = 0.49, .base = base}, .margin = margin};
+}
+
+std::vector<Case> allCases() {
+  const auto stiffness = [](const Sensor& s) { return foundationOf(s.skin).normal_contact_stiffness; };
+  return {
+      {"winkler", [](Sensor&) {}},
+      {"winkler, damped", [](Sensor& s) { std::get<Winkler>(s.skin.law).normal_damping = 1e4; }},
+      {"mass_spring_damper", [=](Sensor& s) { s.skin.law = MassSpringDamper{.normal_contact_stiffness = stiffness(s)}; }},
+      {"deformation_mask", [](Sensor& s) { s.skin.law = DeformationMask{}; }},
+      {"proximity", [=](Sensor& s) { s.skin.law = Proximity{.sensitivity = stiffness(s)}; }},
+      {"winkler, 2 x 2 samples", [](Sensor& s) { s.samples_per_taxel = 2; }},
+      {"elastic_layer, half-space, 2 x 2, cold",
+       [](Sensor& s) { s.samples_per_taxel = 2, s.skin = elasticSkin(s.skin, ElasticLayer::Base::kHalfSpace, 0); }, true},
+      {"elastic_layer, half-space, 2 x 2, sliding",
+       [](Sensor& s) { s.samples_per_taxel = 2, s.skin = elasticSkin(s.skin, ElasticLayer::Base::kHalfSpace, 0); }},
+      {"elastic_layer, bonded, margin, 2 x 2, sliding",
+       [](Sensor& s) { s.samples_per_taxel = 2, s.skin = elasticSkin(s.skin, ElasticLayer::Base::kBonded, 4e-3); }},
+      {"friction", [](Sensor& s) { s.skin.friction = {.tangential_stiffness = 1e8, .friction_coefficient = 0.5}; }},
+      {"readout: low-pass, hysteresis, creep, delay",
+       [](Sensor& s) {
+         s.readout.low_pass_time = 0.01;
+         s.readout.hysteresis_strength = {0.1, 0.1};
+         s.readout.hysteresis_width = {0.01, 0.1};
+         s.readout.creep = {{0.1, 1}, {0.1, 10}};
+         s.readout.delay = 2 * kDt;
+       }},
+      {"readout: noise, bias, walk, gain spread, dead taxels",
+       [](Sensor& s) {
+         s.readout.noise = 17;
+         s.readout.bias = 5;
+         s.readout.random_walk = 1;
+         s.readout.gain_spread = 0.05;
+         s.readout.dead_taxel_probability = 0.01;
+       }},
+  };
+}
+
+// One law's batch, held ready.
+class Run {
+ public:
+  Run(const Device& device, const Case& work, Sensor sensor, const Object& object, const std::vector<Pose>& X_SO)
+      : name_(work.name), cold_(work.cold), ids_(X_SO.size(), 0), here_(X_SO), there_(X_SO) {
+    work.change(sensor);
+    for (Pose& pose : there_) pose.position[0] += kStride;
+    const Model model(device, {.sensor = sensor, .objects = {object}});
+    simulator_.emplace(
+        model, SimulatorOptions{.num_instances = static_cast<int>(X_SO.size()),
+                                .outputs = {.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false}});
+  }
+
+  // Seconds from poses to features.
+  double frame() {
+    std::swap(here_, there_);
+    if (cold_) {
+      for (std::size_t i = 0; i < ids_.size(); ++i) simulator_->reset(static_cast<int>(i), i);
+    }
+    const auto start = std::chrono::steady_clock::now();
+    simulator_->setObjects(ids_, here_);
+    simulator_->step(kDt);
+    const FrameView frame = simulator_->read();
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    for (const float force : frame.ground_truth.total_force) blank_ += !(force > 0);
+    for (const float residual : frame.ground_truth.contact_residual) {
+      largest_residual_ = std::max(largest_residual_, static_cast<double>(residual));
+    }
+    double iterations = 0;
+    for (const float count : frame.ground_truth.contact_iterations) iterations += count;
+    iterations_ = iterations / static_cast<double>(ids_.size());
+    return seconds;
+  }
+
+  const std::string& name() const { return name_; }
+  std::size_t blank() const { return blank_; }
+  double largestResidual() const { return largest_residual_; }
+  double iterations() const { return iterations_; }
+
+ private:
+  std::string name_;
+  bool cold_;
+  std::vector<int> ids_;
+  std::vector<Pose> here_, there_;
+  std::optional<Simulator> simulator_;
+  std::size_t blank_ = 0;  // frames without force: nothing was simulated
+  double largest_residual_ = 0, iterations_ = 0;
+};
+
+nlohmann::ordered_json runObject(const Device& device, const Sensor& sensor, const Object& object, const PoseSpread& spread,
+                                 const Options& options) {
+  const std::vector<Pose> X_SO = randomPoses(object, spread, options.num_instances, kPoseSeed);
+  std::vector<Run> runs;
+  for (const Case& work : allCases()) runs.emplace_back(device, work, sensor, object, X_SO);
+  std::vector<std::vector<double>> seconds(runs.size()), ratios(runs.size());
+  for (int r = -kWarmUps; r < options.repetitions; ++r) {
+    for (std::size_t k = 0; k < runs.size(); ++k) {
+      const double taken = runs[k].frame();
+      if (r < 0) continue;
+      seconds[k].push_back(taken);
+      ratios[k].push_back(taken / seconds[0].back());
+    }
+  }
+  std::printf("%s\n", object.name.c_str());
+  nlohmann::ordered_json results = nlohmann::ordered_json::array();
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    if (runs[k].blank() > 0)
+      throw Error(ErrorKind::kDevice, runs[k].name() + ": " + std::to_string(runs[k].blank()) + " frames without force");
+    const double per_frame = summarise(seconds[k]).median / options.num_instances;
+    std::printf("  %-54s %8.2f us a frame, %8.0f frames/s, %6.2f times winkler", runs[k].name().c_str(), per_frame * 1e6, 1 / per_frame,
+                summarise(ratios[k]).median);
+    if (runs[k].iterations() > 0) std::printf("; %.1f iterations, residual at most %.2g", runs[k].iterations(), runs[k].largestResidual());
+    std::printf("\n");
+    nlohmann::ordered_json result{{"case", runs[k].name()}, {"seconds", toJson(seconds[k])}, {"times_winkler", toJson(ratios[k])}};
+    if (runs[k].iterations() > 0) {
+      result["mean_iterations"] = runs[k].iterations();
+      result["largest_residual"] = runs[k].largestResidual();
+    }
+    results.push_back(std::move(result));
+  }
+  return {{"object", object.name}, {"cases", results}};
+}
+
+void run(const Options& options) {
+  const Device device = Device::open({.device = options.device});
+  const Sensor sensor = loadSensor(options.sensor);
+  std::printf("%s, %s; %d instances of %s, %d repetitions\n", device.info().name.c_str(), device.info().driver.c_str(),
+              options.num_instances, sensor.name.c_str(), options.repetitions);
+  nlohmann::ordered_json results = nlohmann::ordered_json::array();
+  results.push_back(runObject(device, sensor, Object("cylinder", Cylinder{.radius = 0.008, .length = 0.04}),
+                              {.laid = axisAngle({0, 1, 0}, 1.5707963267948966)}, options));
+  results.push_back(runObject(device, sensor, Object("ellipsoid_5120", ellipsoid({0.020, 0.014, 0.012}, 4)), {.rolls = true}, options));
+  if (!options.json.empty()) {
+    writeJson(options.json, {{"bench", "law_cost"},
+                             {"machine", machine(device.info())},
+                             {"sensor", sensor.name},
+                             {"num_instances", options.num_instances},
+                             {"repetitions", options.repetitions},
+                             {"objects", results}});
+  }
+}
+
+}  // namespace
+}  // namespace taxelsim::bench
+
+int main(int argc, char** argv) {
+  taxelsim::bench::Options options;
+  CLI::App app("What a frame costs under each contact law and with what readout adds, beside winkler on the same poses");
+  app.add_option("--json", options.json, "Write the results into this file");
+  app.add_option("--instances", options.num_instances, "Sensors in the batch")->check(CLI::Range(1, 1 << 20))->capture_default_str();
+  app.add_option("--repetitions", options.repetitions, "Timed frames of each")->check(CLI::Range(1, 10000))->capture_default_str();
+  app.add_option("--sensor", options.sensor, "Sensor file, of law winkler on one grid")->capture_default_str();
+  app.add_option("--device", options.device, "Device, as of `taxelsim frame --device`");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    taxelsim::bench::run(options);
+    return 0;
+  } catch (const taxelsim::Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return error.kind() == taxelsim::ErrorKind::kInput ? 2 : 1;
+  }
+}
