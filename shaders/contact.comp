@@ -2,9 +2,9 @@
 #extension GL_GOOGLE_include_directive : require
 // Contact pass: stages 1 (depth) and 2 (contact law) of one frame, and the load search over one tile.
 //
-// A workgroup owns REPEAT tiles, one after another; tile number = instance NUM_TILES + tile of the sensor. An invocation owns boxes, then triangles,
+// A workgroup owns REPEAT tiles, one after another; tile number = instance NUM_TILES + tile of the sensor. An invocation owns boxes, then quads of triangles,
 // then taxels.
-// In:  poses (num_instances x num_slots), objects, groups, clusters, triangles, faces, the sensor's patches and tiles.
+// In:  poses (num_instances x num_slots), objects, groups, clusters, quads of triangles, faces, the sensor's patches and tiles.
 // Out: contact_normal (num_instances x num_taxels), N, over the part of the spread's kernel that stays on the sensor; of a sensor of one tile only
 //      inside the window of its result; contact_shear (num_instances x num_taxels x 2), N, the same;
 //      contact_depth (num_instances x num_taxels), m; tile_results (num_instances x num_tiles); loads (num_instances): what the search found.
@@ -54,7 +54,7 @@ layout(std430, set = 0, binding = 2) readonly buffer Step { StepRecord step_reco
 layout(std430, set = 0, binding = 3) readonly buffer Objects { ObjectRecord objects[]; };
 layout(std430, set = 0, binding = 4) readonly buffer Groups { Pair groups[]; };
 layout(std430, set = 0, binding = 5) readonly buffer Clusters { Pair clusters[]; };
-layout(std430, set = 0, binding = 6) readonly buffer Triangles { Pair triangles[]; };
+layout(std430, set = 0, binding = 6) readonly buffer Quads { Pair quads[]; };
 layout(std430, set = 0, binding = 7) readonly buffer Patches { PatchRecord patches[]; };
 layout(std430, set = 0, binding = 8) readonly buffer Tiles { TileRecord tiles[]; };
 layout(std430, set = 0, binding = 9) readonly buffer SpreadScale { float spread_scale[]; };
@@ -78,7 +78,7 @@ const uint kClustersPerBatch = kGroupsPerBatch * kClustersPerGroup;
 shared uint tile[TILE_SAMPLES];
 shared vec4 partial[LANES];
 shared uint group_list[kGroupsPerBatch];      // first cluster | (how many - 1) << kFirstBits
-shared uint cluster_list[kClustersPerBatch];  // first triangle | (how many - 1) << kFirstBits
+shared uint cluster_list[kClustersPerBatch];  // first quad | (how many - 1) << kFirstBits
 shared uint num_listed_groups;
 shared uint num_listed_clusters;
 shared int active_box[4];    // in samples: first row, last row, first col, last col

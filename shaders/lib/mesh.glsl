@@ -23,18 +23,22 @@ bool boxReaches(Affine from_lattice, uvec2 box_xy, uint box_z, out vec3 center, 
 }
 
 vec3 unpackVertex(uint vertex) {
-  uvec2 words = wordsOf(triangles[vertex]);
+  uvec2 words = wordsOf(quads[vertex]);
   const uint kMask = (1u << kLatticeBits) - 1u;
   uvec3 q = uvec3(words.x & kMask, (words.x >> kLatticeBits) | ((words.y & 0x3FFu) << 11), (words.y >> 10) & kMask);
   return vec3(ivec3(q) - kLatticeMiddle);
 }
 
-void rasterNumbered(Affine from_lattice, uint triangle, bool large) {
-  vec3 p = apply(from_lattice, unpackVertex(3 * triangle));
-  vec3 q = apply(from_lattice, unpackVertex(3 * triangle + 1));
-  vec3 r = apply(from_lattice, unpackVertex(3 * triangle + 2));
-  if (TRIANGLES == 1 || (TRIANGLES == 3 && !large)) rasterBySamples(p, q, r);
-  if (TRIANGLES == 2 || (TRIANGLES == 3 && large)) rasterBySpans(p, q, r);
+void rasterNumbered(Affine from_lattice, uint quad, bool large) {
+  vec3 p = apply(from_lattice, unpackVertex(4 * quad));
+  vec3 q = apply(from_lattice, unpackVertex(4 * quad + 1));
+  vec3 r = apply(from_lattice, unpackVertex(4 * quad + 2));
+  vec3 s = apply(from_lattice, unpackVertex(4 * quad + 3));
+  if (TRIANGLES == 1 || (TRIANGLES == 3 && !large)) rasterBySamples(p, q, r, s);
+  if (TRIANGLES == 2 || (TRIANGLES == 3 && large)) {
+    rasterBySpans(p, q, r);
+    rasterBySpans(r, q, s);
+  }
 }
 
 // Samples of the box, whole taxels of them, are without a surface.
@@ -49,7 +53,7 @@ void clearTile(Box box) {
   }
 }
 
-// Triangles of a mesh into the tile: of each batch of groups those that reach into the window, of these the clusters that do, of these all triangles.
+// Triangles of a mesh into the tile: of each batch of groups those that reach into the window, of these the clusters that do, of these all quads.
 // `active_part` grows by the bounds of these clusters; with `clear`, which needs the mesh to be one batch, the tile is cleared there first.
 void rasterMesh(Body body, Affine from_lattice, inout Box active_part, bool clear) {
   uint lane = gl_LocalInvocationIndex;
@@ -82,11 +86,11 @@ void rasterMesh(Body body, Affine from_lattice, inout Box active_part, bool clea
       clearTile(Box(vec2(active_box[0], active_box[2]), vec2(active_box[1], active_box[3])));
     }
     barrier();
-    uint items = num_listed_clusters * kTrianglesPerCluster;
+    uint items = num_listed_clusters * kQuadsPerCluster;
     uint i = lane;
     for (; i < items; i += WORKGROUP) {
-      uint cluster = cluster_list[i / kTrianglesPerCluster];
-      uint within = i % kTrianglesPerCluster;
+      uint cluster = cluster_list[i / kQuadsPerCluster];
+      uint within = i % kQuadsPerCluster;
       if (within <= cluster >> kFirstBits) {
         rasterNumbered(from_lattice, (cluster & ((1u << kFirstBits) - 1u)) + within, body.kind_groups.w != 0);
       }

@@ -1,31 +1,38 @@
-// One triangle into the depth tile, by one invocation. Twin: src/reference/depth.cpp (rays).
+// Triangles into the depth tile, by one invocation each, or two at a time. Twin: src/reference/depth.cpp (rays).
 //
 // Vertices come as (u, v, z): u and v in samples of the patch, sample (a, b) at u = a, v = b; z in m, in P. Rows run along u. The tile keeps the lowest
 // surface: atomicMin on the bits of a float that is never negative orders like the float itself, and the order of triangles does not show.
 
 void lowerTile(uint address, float z) { atomicMin(tile[address], withSlot(max(z - z_base, 0.0), raster_slot)); }
 
-// For triangles of about the size of the samples' spacing: every sample of the bounding box is tested against the three edges. An edge's value comes from
-// the two vertices relative to the sample, so two triangles that share the edge find the same number with opposite signs, and a sample on it
-// belongs to both: no gap.
-void rasterBySamples(vec3 p, vec3 q, vec3 r) {
-  if (min(p.z, min(q.z, r.z)) >= z_limit) return;
-  vec2 first = max(ceil(min(p.xy, min(q.xy, r.xy))), tile_first);
-  vec2 last = min(floor(max(p.xy, max(q.xy, r.xy))), tile_end - 1.0);
+// For triangles of about the size of the samples' spacing, two that share the edge from q to r, (p, q, r) and (r, q, s): every sample of the
+// bounding box is tested against the five edges. An edge's value comes from the two vertices relative to the sample, so two triangles that share the edge
+// find the same number with opposite signs, and a sample on it belongs to both: no gap.
+void rasterBySamples(vec3 p, vec3 q, vec3 r, vec3 s) {
+  if (min(min(p.z, q.z), min(r.z, s.z)) >= z_limit) return;
+  vec2 first = max(ceil(min(min(p.xy, q.xy), min(r.xy, s.xy))), tile_first);
+  vec2 last = min(floor(max(max(p.xy, q.xy), max(r.xy, s.xy))), tile_end - 1.0);
   if (first.x > last.x || first.y > last.y) return;
-  float area = (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x);
-  if (area == 0.0) return;  // seen edge-on: no height
-  vec3 heights = vec3(p.z, q.z, r.z) / area;
+  // Seen edge-on there is no height.
+  float area_p = (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x);
+  float area_s = (q.x - r.x) * (s.y - r.y) - (q.y - r.y) * (s.x - r.x);
+  bool has_p = area_p != 0.0, has_s = area_s != 0.0;
+  vec3 heights_p = vec3(p.z, q.z, r.z) / (has_p ? area_p : 1.0);
+  vec3 heights_s = vec3(r.z, q.z, s.z) / (has_s ? area_s : 1.0);
   uint row_address = uint(first.x - tile_first.x) * tile_stride + uint(first.y - tile_first.y);
   uint address = row_address;
   vec2 at = first;
   while (at.x <= last.x) {
-    vec2 sp = p.xy - at, sq = q.xy - at, sr = r.xy - at;
-    precise float ep = sq.x * sr.y - sq.y * sr.x;
-    precise float eq = sr.x * sp.y - sr.y * sp.x;
-    precise float er = sp.x * sq.y - sp.y * sq.x;
-    float z = dot(vec3(ep, eq, er), heights);
-    if ((min(ep, min(eq, er)) >= 0.0 || max(ep, max(eq, er)) <= 0.0) && z < z_limit) lowerTile(address, z);
+    vec2 tp = p.xy - at, tq = q.xy - at, tr = r.xy - at, ts = s.xy - at;
+    precise float qr = tq.x * tr.y - tq.y * tr.x;
+    precise float rp = tr.x * tp.y - tr.y * tp.x;
+    precise float pq = tp.x * tq.y - tp.y * tq.x;
+    precise float qs = tq.x * ts.y - tq.y * ts.x;
+    precise float sr = ts.x * tr.y - ts.y * tr.x;
+    float z = kMiss;
+    if (has_p && (min(qr, min(rp, pq)) >= 0.0 || max(qr, max(rp, pq)) <= 0.0)) z = dot(vec3(qr, rp, pq), heights_p);
+    if (has_s && (min(-qr, min(qs, sr)) >= 0.0 || max(-qr, max(qs, sr)) <= 0.0)) z = min(z, dot(vec3(qs, sr, -qr), heights_s));
+    if (z < z_limit) lowerTile(address, z);
     at.y += 1.0;
     ++address;
     if (at.y > last.y) {

@@ -31,8 +31,9 @@ TAXELSIM_CONSTANT kKindPolyhedron = 8u;  // a convex mesh of few faces
 
 // A mesh lies on a lattice of its own: position in O = lattice_origin + lattice_step * q, q of kLatticeBits bits per axis, unsigned.
 TAXELSIM_CONSTANT kLatticeBits = 21u;
-TAXELSIM_CONSTANT kTriangleWords = 6u;  // three vertices of two words: x | y << 21, y >> 11 | z << 10
-TAXELSIM_CONSTANT kTrianglesPerCluster = 8u;
+// Triangles come in pairs that share an edge: vertices p, q, r, s of (p, q, r) and, unless s is r, (r, q, s).
+TAXELSIM_CONSTANT kQuadWords = 8u;  // four vertices of two words: x | y << 21, y >> 11 | z << 10
+TAXELSIM_CONSTANT kQuadsPerCluster = 4u;
 TAXELSIM_CONSTANT kClustersPerGroup = 32u;
 
 struct ObjectRecord {
@@ -44,7 +45,7 @@ struct ObjectRecord {
   vec4 half_size;     // of the bounding box, m
 };
 
-// An axis-aligned box around triangles (cluster) or clusters (group), three words of low | high << 16 per axis in units of 2^kBoxShift
+// An axis-aligned box around quads (cluster) or clusters (group), three words of low | high << 16 per axis in units of 2^kBoxShift
 // lattice steps, rounded outwards; then what it holds: number of the first | (how many - 1) << kFirstBits.
 TAXELSIM_CONSTANT kBoxShift = 5u;
 TAXELSIM_CONSTANT kFirstBits = 27u;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 #include <span>
+#include <tuple>
 
 namespace taxelsim {
 namespace {
@@ -50,6 +51,90 @@ ClusterBox emptyBox(std::size_t first, std::size_t count) {
   return {{~0u, ~0u, ~0u}, {0, 0, 0}, static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(count)};
 }
 
+using Triangle = std::array<std::uint32_t, 3>;
+
+double squaredLength(const LatticePoint& a, const LatticePoint& b) {
+  double sum = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double side = static_cast<double>(a[axis]) - static_cast<double>(b[axis]);
+    sum += side * side;
+  }
+  return sum;
+}
+
+// The triangles across the edges of each: neighbours[t][k] lies across the edge from corner k to the next.
+constexpr std::uint32_t kNobody = ~0u;
+std::vector<Triangle> neighboursOf(const std::vector<Triangle>& triangles) {
+  struct Edge {
+    std::uint32_t low, high, triangle, corner;
+  };
+  std::vector<Edge> edges;
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const auto [low, high] = std::minmax(triangles[t][k], triangles[t][(k + 1) % 3]);
+      edges.push_back({low, high, t, k});
+    }
+  }
+  std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
+    return std::tie(a.low, a.high, a.triangle, a.corner) < std::tie(b.low, b.high, b.triangle, b.corner);
+  });
+  std::vector<Triangle> neighbours(triangles.size(), {kNobody, kNobody, kNobody});
+  for (std::size_t e = 0; e + 1 < edges.size(); ++e) {
+    const Edge &a = edges[e], &b = edges[e + 1];
+    if (a.low != b.low || a.high != b.high || a.triangle == b.triangle) continue;
+    neighbours[a.triangle][a.corner] = b.triangle;
+    neighbours[b.triangle][b.corner] = a.triangle;
+    ++e;
+  }
+  return neighbours;
+}
+
+// Corners of quads that hold every triangle once. A triangle with a single free neighbour goes first, which leaves few alone (Karp and
+// Sipser, "Maximum matchings in sparse random graphs", 1981); of several neighbours the one across the longest edge, since that
+// quad's box is the smallest.
+std::vector<std::array<std::uint32_t, 4>> pairTriangles(const std::vector<Triangle>& triangles, const std::vector<LatticePoint>& points) {
+  const std::vector<Triangle> neighbours = neighboursOf(triangles);
+  std::vector<bool> taken(triangles.size(), false);
+  const auto isFree = [&](std::uint32_t t) { return t != kNobody && !taken[t]; };
+  const auto numFree = [&](std::uint32_t t) { return std::count_if(neighbours[t].begin(), neighbours[t].end(), isFree); };
+  std::vector<std::array<std::uint32_t, 4>> quads;
+  std::vector<std::uint32_t> urgent;
+  const auto pair = [&](std::uint32_t t) {
+    const Triangle& corners = triangles[t];
+    std::size_t across = 3;
+    double longest = -1;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double length = squaredLength(points[corners[k]], points[corners[(k + 1) % 3]]);
+      if (isFree(neighbours[t][k]) && length > longest) across = k, longest = length;
+    }
+    taken[t] = true;
+    if (across == 3) {
+      quads.push_back({corners[0], corners[1], corners[2], corners[2]});
+      return;
+    }
+    const std::uint32_t other = neighbours[t][across];
+    taken[other] = true;
+    const std::uint32_t q = corners[across], r = corners[(across + 1) % 3];
+    const std::uint32_t s =
+        *std::find_if(triangles[other].begin(), triangles[other].end(), [&](std::uint32_t c) { return c != q && c != r; });
+    quads.push_back({corners[(across + 2) % 3], q, r, s});
+    for (const std::uint32_t done : {t, other}) {
+      for (const std::uint32_t next : neighbours[done]) {
+        if (isFree(next) && numFree(next) == 1) urgent.push_back(next);
+      }
+    }
+  };
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    if (!taken[t]) pair(t);
+    while (!urgent.empty()) {
+      const std::uint32_t next = urgent.back();
+      urgent.pop_back();
+      if (!taken[next]) pair(next);
+    }
+  }
+  return quads;
+}
+
 }  // namespace
 
 ClusteredMesh clusterMesh(const Mesh& mesh) {
@@ -75,28 +160,31 @@ ClusteredMesh clusterMesh(const Mesh& mesh) {
       points[i][axis] = static_cast<std::uint32_t>(std::clamp<double>(q, 0, (1u << kLatticeBits) - 1));
     }
   }
-  std::vector<std::array<std::uint32_t, 3>> centroids(mesh.triangles.size());
-  for (std::size_t i = 0; i < centroids.size(); ++i) {
+  std::vector<Quad> quads;
+  for (const std::array<std::uint32_t, 4>& corners : pairTriangles(mesh.triangles, points)) {
+    quads.push_back({points[corners[0]], points[corners[1]], points[corners[2]], points[corners[3]]});
+  }
+  std::vector<std::array<std::uint32_t, 3>> centroids(quads.size());
+  for (std::size_t i = 0; i < quads.size(); ++i) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      for (const std::uint32_t index : mesh.triangles[i]) centroids[i][axis] += points[index][axis];
+      for (const LatticePoint& point : quads[i]) centroids[i][axis] += point[axis];
     }
   }
-  std::vector<std::uint32_t> order(mesh.triangles.size());
+  std::vector<std::uint32_t> order(quads.size());
   std::iota(order.begin(), order.end(), 0u);
   // Runs of a group first, then runs of a cluster within each, so that groups hold whole clusters.
-  constexpr std::size_t kTrianglesPerGroup = std::size_t{kTrianglesPerCluster} * kClustersPerGroup;
-  sortIntoRuns(order, centroids, kTrianglesPerGroup);
-  for (std::size_t start = 0; start < order.size(); start += kTrianglesPerGroup) {
-    const std::span<std::uint32_t> group = std::span(order).subspan(start, std::min(kTrianglesPerGroup, order.size() - start));
-    sortIntoRuns(group, centroids, kTrianglesPerCluster);
-    ClusterBox group_box = emptyBox(result.clusters.size(), (group.size() + kTrianglesPerCluster - 1) / kTrianglesPerCluster);
-    for (std::size_t run = 0; run < group.size(); run += kTrianglesPerCluster) {
-      const std::span<std::uint32_t> cluster = group.subspan(run, std::min<std::size_t>(kTrianglesPerCluster, group.size() - run));
-      ClusterBox box = emptyBox(result.triangles.size(), cluster.size());
-      for (const std::uint32_t triangle : cluster) {
-        const std::array<std::uint32_t, 3>& indices = mesh.triangles[triangle];
-        result.triangles.push_back({points[indices[0]], points[indices[1]], points[indices[2]]});
-        for (const LatticePoint& point : result.triangles.back()) {
+  constexpr std::size_t kQuadsPerGroup = std::size_t{kQuadsPerCluster} * kClustersPerGroup;
+  sortIntoRuns(order, centroids, kQuadsPerGroup);
+  for (std::size_t start = 0; start < order.size(); start += kQuadsPerGroup) {
+    const std::span<std::uint32_t> group = std::span(order).subspan(start, std::min(kQuadsPerGroup, order.size() - start));
+    sortIntoRuns(group, centroids, kQuadsPerCluster);
+    ClusterBox group_box = emptyBox(result.clusters.size(), (group.size() + kQuadsPerCluster - 1) / kQuadsPerCluster);
+    for (std::size_t run = 0; run < group.size(); run += kQuadsPerCluster) {
+      const std::span<std::uint32_t> cluster = group.subspan(run, std::min<std::size_t>(kQuadsPerCluster, group.size() - run));
+      ClusterBox box = emptyBox(result.quads.size(), cluster.size());
+      for (const std::uint32_t quad : cluster) {
+        result.quads.push_back(quads[quad]);
+        for (const LatticePoint& point : quads[quad]) {
           addToBox(point, box);
           addToBox(point, group_box);
         }
@@ -110,15 +198,16 @@ ClusteredMesh clusterMesh(const Mesh& mesh) {
 
 Mesh latticeMesh(const ClusteredMesh& clustered) {
   Mesh mesh;
-  for (const std::array<LatticePoint, 3>& triangle : clustered.triangles) {
+  for (const Quad& quad : clustered.quads) {
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-    for (const LatticePoint& point : triangle) {
+    for (const LatticePoint& point : quad) {
       std::array<float, 3>& vertex = mesh.vertices.emplace_back();
       for (std::size_t axis = 0; axis < 3; ++axis) {
         vertex[axis] = static_cast<float>(clustered.middle[axis] + clustered.step * (static_cast<double>(point[axis]) - kLatticeMiddle));
       }
     }
     mesh.triangles.push_back({first, first + 1, first + 2});
+    if (quad[3] != quad[2]) mesh.triangles.push_back({first + 2, first + 1, first + 3});
   }
   return mesh;
 }

@@ -141,7 +141,7 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
   object_records = upload("objects", packed_objects.objects);
   groups = upload("groups", packed_objects.groups);
   clusters = upload("clusters", packed_objects.clusters);
-  triangles = upload("triangles", packed_objects.triangles);
+  quads = upload("triangles", packed_objects.quads);
   faces = upload("faces", packed_objects.faces);
   num_faces = packed_objects.num_faces;
   sensor_record = upload("sensor", std::vector{packed.sensor});
@@ -245,7 +245,7 @@ gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const 
   return {device.context(),
           {.name = law.kernel,
            .spirv = pairs ? law.spirv_pairs : law.spirv,
-           .buffers = {"Poses",   "Instances", "Step",        "Objects", "Groups",        "Clusters",     "Triangles",
+           .buffers = {"Poses",   "Instances", "Step",        "Objects", "Groups",        "Clusters",     "Quads",
                        "Patches", "Tiles",     "SpreadScale", "State",   "ContactNormal", "ContactDepth", "TileResults",
                        "Loads",   "Problems",  "Faces",       "Motions", "FrictionState", "ContactShear"},
            .constants = constants(contact_sensor, contact_packed, {contact_workgroup, contact_packed.contact_lanes, contactRepeat(variant)},

@@ -39,7 +39,7 @@ struct Model::Impl {
   std::uint32_t image_repeat = 1;    // instances that such a team does one after another
 
   std::uint32_t num_faces = 1;  // of each polyhedron
-  gpu::Buffer object_records, groups, clusters, triangles, faces;
+  gpu::Buffer object_records, groups, clusters, quads, faces;
   gpu::Buffer sensor_record, patches, tiles, taxels, spread_rows, spread_scale, mask, influence;
   std::uint64_t static_bytes = 0;
 

@@ -11,7 +11,7 @@
 namespace taxelsim {
 namespace {
 
-static_assert(layout::kLatticeBits == kLatticeBits && layout::kTrianglesPerCluster == kTrianglesPerCluster &&
+static_assert(layout::kLatticeBits == kLatticeBits && layout::kQuadsPerCluster == kQuadsPerCluster &&
               layout::kClustersPerGroup == kClustersPerGroup);
 
 // Stands for infinity in bounds; squares of it are finite floats.
@@ -45,20 +45,21 @@ void packMesh(const Mesh& mesh, double sample_spacing, PackedObjects& packed, la
   const ClusteredMesh clustered = clusterMesh(mesh);
   const auto first_group = static_cast<std::uint32_t>(packed.groups.size());
   const auto first_cluster = static_cast<std::uint32_t>(packed.clusters.size());
-  const auto first_triangle = static_cast<std::uint32_t>(packed.triangles.size() / layout::kTriangleWords);
-  if (first_triangle + clustered.triangles.size() > 1u << layout::kFirstBits) {
-    throw Error(ErrorKind::kInput, "the objects have more than " + std::to_string(1u << layout::kFirstBits) + " triangles together");
+  const auto first_quad = static_cast<std::uint32_t>(packed.quads.size() / layout::kQuadWords);
+  if (first_quad + clustered.quads.size() > 1u << layout::kFirstBits) {
+    throw Error(ErrorKind::kInput,
+                "the objects have more than " + std::to_string(1u << layout::kFirstBits) + " pairs of triangles together");
   }
   const bool large = meanTriangleSize(mesh) > kLargeTriangle * sample_spacing;
   record.kind_groups = {layout::kKindMesh, first_group, static_cast<std::uint32_t>(clustered.groups.size()), large ? 1u : 0u};
   record.lattice = {static_cast<float>(clustered.middle[0]), static_cast<float>(clustered.middle[1]),
                     static_cast<float>(clustered.middle[2]), static_cast<float>(clustered.step)};
   for (const ClusterBox& group : clustered.groups) packed.groups.push_back(packBox(group, first_cluster));
-  for (const ClusterBox& cluster : clustered.clusters) packed.clusters.push_back(packBox(cluster, first_triangle));
-  for (const auto& triangle : clustered.triangles) {
-    for (const LatticePoint& q : triangle) {
-      packed.triangles.push_back(q[0] | q[1] << kLatticeBits);
-      packed.triangles.push_back(q[1] >> (32 - kLatticeBits) | q[2] << (2 * kLatticeBits - 32));
+  for (const ClusterBox& cluster : clustered.clusters) packed.clusters.push_back(packBox(cluster, first_quad));
+  for (const Quad& quad : clustered.quads) {
+    for (const LatticePoint& q : quad) {
+      packed.quads.push_back(q[0] | q[1] << kLatticeBits);
+      packed.quads.push_back(q[1] >> (32 - kLatticeBits) | q[2] << (2 * kLatticeBits - 32));
     }
   }
 }

@@ -14,9 +14,9 @@ struct PackedObjects {
   std::vector<layout::ObjectRecord> objects;
   std::vector<glm::uvec4> groups;  // boxes, layout.h
   std::vector<glm::uvec4> clusters;
-  std::vector<std::uint32_t> triangles;
-  std::vector<glm::vec4> faces;  // of polyhedra: normal and offset, m, in O
-  std::uint32_t num_faces = 1;   // of each polyhedron; those of one with fewer are repeated
+  std::vector<std::uint32_t> quads;  // of triangles
+  std::vector<glm::vec4> faces;      // of polyhedra: normal and offset, m, in O
+  std::uint32_t num_faces = 1;       // of each polyhedron; those of one with fewer are repeated
 };
 
 // Where every mesh is convex and has few faces, they become polyhedra. `sample_spacing` (m): triangles much longer than it are rastered row

@@ -231,7 +231,7 @@ void Simulator::Impl::recordObjects(gpu::Commands& commands, bool with_loads) co
                        &m.object_records,
                        &m.groups,
                        &m.clusters,
-                       &m.triangles,
+                       &m.quads,
                        &m.patches,
                        &m.tiles,
                        &m.spread_scale,

@@ -20,6 +20,22 @@ std::vector<std::array<std::array<float, 3>, 3>> contentOf(const Mesh& mesh) {
   return content;
 }
 
+// Corners of all triangles in lattice steps, those of each in order, all sorted.
+std::vector<std::array<std::array<long, 3>, 3>> cornersOf(const Mesh& mesh, const ClusteredMesh& clustered) {
+  std::vector<std::array<std::array<long, 3>, 3>> all;
+  for (const auto& triangle : mesh.triangles) {
+    std::array<std::array<long, 3>, 3>& corners = all.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        corners[k][axis] = std::lround((mesh.vertices[triangle[k]][axis] - clustered.middle[axis]) / clustered.step);
+      }
+    }
+    std::sort(corners.begin(), corners.end());
+  }
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
 bool inside(const ClusterBox& box, const LatticePoint& point) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (point[axis] < box.low[axis] || point[axis] > box.high[axis]) return false;
@@ -31,25 +47,25 @@ TEST(Clusters, HoldEveryTriangleOnceInsideTheirBoxes) {
   for (const char* name : {"hex_prism.obj", "knob_5k.obj", "bunny.obj"}) {
     const Mesh mesh = shipped(name);
     const ClusteredMesh clustered = clusterMesh(mesh);
-    ASSERT_EQ(clustered.triangles.size(), mesh.triangles.size()) << name;
-    std::uint32_t next_cluster = 0, next_triangle = 0;
+    EXPECT_EQ(cornersOf(latticeMesh(clustered), clustered), cornersOf(mesh, clustered)) << name;
+    std::uint32_t next_cluster = 0, next_quad = 0;
     for (const ClusterBox& group : clustered.groups) {
       ASSERT_EQ(group.first, next_cluster);
       ASSERT_LE(group.count, kClustersPerGroup);
       next_cluster += group.count;
       for (std::uint32_t c = group.first; c < group.first + group.count; ++c) {
         const ClusterBox& cluster = clustered.clusters[c];
-        ASSERT_EQ(cluster.first, next_triangle);
+        ASSERT_EQ(cluster.first, next_quad);
         ASSERT_GE(cluster.count, 1u);
-        ASSERT_LE(cluster.count, kTrianglesPerCluster);
-        next_triangle += cluster.count;
+        ASSERT_LE(cluster.count, kQuadsPerCluster);
+        next_quad += cluster.count;
         for (std::uint32_t t = cluster.first; t < cluster.first + cluster.count; ++t) {
-          for (const LatticePoint& point : clustered.triangles[t]) ASSERT_TRUE(inside(cluster, point) && inside(group, point)) << name;
+          for (const LatticePoint& point : clustered.quads[t]) ASSERT_TRUE(inside(cluster, point) && inside(group, point)) << name;
         }
       }
     }
     EXPECT_EQ(next_cluster, clustered.clusters.size());
-    EXPECT_EQ(next_triangle, clustered.triangles.size());
+    EXPECT_EQ(next_quad, clustered.quads.size());
   }
 }
 
@@ -77,10 +93,21 @@ TEST(Clusters, MoveVerticesByHalfALatticeStepAtMost) {
   }
 }
 
+// A closed mesh of triangles with three neighbours each can be paired without rest (Petersen's theorem); the greedy pairing leaves some.
+TEST(Clusters, LeaveFewTrianglesAlone) {
+  constexpr double kMostAlone = 0.05;  // of the quads; measured: 0.6 % and 1.8 %
+  for (const char* name : {"knob_5k.obj", "bunny.obj"}) {
+    const std::vector<Quad> quads = clusterMesh(shipped(name)).quads;
+    const auto alone = std::count_if(quads.begin(), quads.end(), [](const Quad& quad) { return quad[3] == quad[2]; });
+    EXPECT_LE(static_cast<double>(alone), kMostAlone * static_cast<double>(quads.size()))
+        << name << ": " << alone << " of " << quads.size();
+  }
+}
+
 TEST(Clusters, AreTheSameEveryTime) {
   const Mesh mesh = shipped("bunny.obj");
   const ClusteredMesh a = clusterMesh(mesh), b = clusterMesh(mesh);
-  EXPECT_EQ(a.triangles, b.triangles);
+  EXPECT_EQ(a.quads, b.quads);
 }
 
 TEST(Clusters, OfOneFlatTriangleAreFine) {
