@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 // Contact pass: stages 1 (depth) and 2 (contact law) of one frame, and the load search over one tile.
 //
-// A workgroup owns REPEAT tiles, one after another; tile number = instance NUM_TILES + tile of the sensor. An invocation owns boxes, then quads of triangles,
-// then taxels.
+// A workgroup owns REPEAT tiles, one after another, of several patches those that objects are near; tile number = instance NUM_TILES + tile of the
+// sensor. An invocation owns boxes, then quads of triangles, then taxels.
 // In:  poses (num_instances x num_slots), objects, groups, clusters, quads of triangles, faces, the sensor's patches and tiles.
 // Out: contact_normal (num_instances x num_taxels), N, over the part of the spread's kernel that stays on the sensor; of a sensor of one tile only
 //      inside the window of its result; contact_shear (num_instances x num_taxels x 2), N, the same;
@@ -11,7 +11,7 @@
 //      Of a law that is solved apart, instead of forces and depths, the height of the lowest surface (m, in P) over each of its nodes, which take the
 //      taxels' place; 1e30 where there is none.
 // State: of every sample, between steps: its depth where the law needs it, its shear traction where there is friction.
-// Shared memory: 4 TILE_SAMPLES + 16 LANES + 4 kClustersPerBatch + 4 kGroupsPerBatch + 40 bytes, with friction 8 LANES and 512 more.
+// Shared memory: 4 TILE_SAMPLES + 16 LANES + 4 kClustersPerBatch + 4 kGroupsPerBatch + 4 REPEAT + 48 bytes, with friction 8 LANES and 512 more.
 // Deterministic: the tile is a minimum; sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
 // Twins: src/reference/depth.cpp, contact.cpp, friction.cpp, load.cpp.
 
@@ -71,6 +71,11 @@ layout(std430, set = 0, binding = 19) writeonly buffer ContactShear { float cont
 
 const float kMiss = 1e30;  // height where there is no surface
 const uint kEmpty = 0x7F7FFFFFu;  // the largest finite float, as bits: no surface over the sample
+// Cosine to z of S. Under a patch that looks up more than this, a surface too deep to be seen means that a load search has gone through the body; a
+// steeper one may see the slope of an object that is still above.
+const float kLooksUp = 0.7;
+// Of many small tiles objects reach few. Which, is found by one invocation for each, before all of them go to those.
+const bool kFindsNear = NUM_ROWS == 0 && NUM_TILES > 1;
 // Groups are culled a batch at a time, so that the list of clusters has room for all of theirs.
 const uint kGroupsPerBatch = 32;
 const uint kClustersPerBatch = kGroupsPerBatch * kClustersPerGroup;
@@ -83,6 +88,9 @@ shared uint num_listed_groups;
 shared uint num_listed_clusters;
 shared int active_box[4];    // in samples: first row, last row, first col, last col
 shared uint num_deep;
+shared uint any_behind;
+shared uint tile_list[REPEAT];
+shared uint num_listed_tiles;
 shared uint lowest_bits;
 
 // The window of samples that this workgroup rasters, in samples of the patch, and how a height becomes the tile's number.
@@ -91,6 +99,16 @@ uint tile_stride;
 float z_limit;  // m: surfaces at or above cannot touch
 float z_base;   // m: what the tile's numbers count from
 uint raster_slot = 0;  // of the body on its way into the tile
+float z_floor;  // m: surfaces below are at the far side of the body, and not seen
+
+// This invocation has met a surface below z_floor.
+bool met_behind = false;
+
+bool isSeen(float z) {
+  if (NUM_ROWS > 0) return z < z_limit;
+  met_behind = met_behind || z < z_floor;
+  return z < z_limit && z >= z_floor;
+}
 
 // A loop ended before its work was done. Mesa's software driver ends all loops of an invocation after 65,535 turns together, without a word.
 bool cut_short = false;
@@ -107,6 +125,9 @@ Affine X_PS;         // patch from sensor
 vec2 spacing;        // of samples, m
 float sample_area;   // m^2
 vec2 patch_corner;   // of sample (0, 0), in P, m
+uvec4 grid;          // of the patch, PatchRecord
+uvec2 tile_taxel;    // first one of the tile
+uvec2 tile_size;     // in taxels
 float offset_z;      // by which a load search over several tiles has moved the objects along z of S, m
 
 // What one slot holds, for this workgroup.
@@ -184,7 +205,7 @@ void rasterAnalytic(Body body, vec4 parameters) {
   for (; i < count.x * count.y; i += WORKGROUP) {
     uvec2 at = first + uvec2(i / count.y, i % count.y);
     float z = analyticHeight(body.kind_groups.x, parameters, body.X_PO, samplePosition(at));
-    if (z < z_limit) lowerTile((at.x - uint(tile_first.x)) * tile_stride + at.y - uint(tile_first.y), z);
+    if (isSeen(z)) lowerTile((at.x - uint(tile_first.x)) * tile_stride + at.y - uint(tile_first.y), z);
   }
   cut_short = cut_short || i < count.x * count.y;
 }
@@ -211,49 +232,82 @@ vec4 sumOfPartials() {
 #include "lib/load_search.glsl"
 #include "lib/friction.glsl"
 
-void contactOnTile(uint instance, uint tile_number, uint num_slots) {
-  uint lane = gl_LocalInvocationIndex;
-
-  // The tile: the whole patch, or a part of one.
+// Goes to a tile: the whole patch, or a part of one. False when the load search of its instance has ended: the results of the evaluation that ended it
+// stay as they are.
+bool enterTile(uint instance, uint tile_number) {
   uvec4 place = uvec4(0), size = uvec4(NUM_ROWS, NUM_COLS, 0, 0);
-  if (NUM_TILES > 1) {
+  if (NUM_TILES > 1 || NUM_ROWS == 0) {
     place = tiles[tile_number].place;
     size = tiles[tile_number].size;
   }
-  uvec4 grid = uvec4(NUM_ROWS, NUM_COLS, 0, 0);
+  grid = uvec4(NUM_ROWS, NUM_COLS, 0, 0);
   spacing = vec2(PITCH_X, PITCH_Y) / float(SAMPLES);
   if (NUM_ROWS == 0) {
     grid = patches[place.x].grid;
     spacing = patches[place.x].spacing.xy;
+    z_floor = -patches[place.x].spacing.w;
   }
   sample_area = spacing.x * spacing.y;
   X_PS = Affine(vec4(1, 0, 0, 0), vec4(0, 1, 0, 0), vec4(0, 0, 1, 0));
   if (!FLAT) X_PS = Affine(patches[place.x].row0, patches[place.x].row1, patches[place.x].row2);
   patch_corner = -0.5 * vec2(grid.xy * SAMPLES - 1u) * spacing;
-  uvec2 tile_taxel = place.yz;
-  uvec2 tile_size = size.xy;
+  tile_taxel = place.yz;
+  tile_size = size.xy;
   tile_first = vec2(tile_taxel * SAMPLES);
   tile_end = tile_first + vec2(tile_size * SAMPLES);
   tile_stride = tile_size.y * SAMPLES;
+  offset_z = 0.0;
+  z_limit = lawReach();
+  if (SEARCH == kSearchInTile && (instances[instance].keys.w & kFlagLoadDriven) != 0) z_limit = kMiss;
+  if (SEARCH == kSearchOverTiles) {
+    vec4 bracket = loads[instance].bracket;
+    if (bracket.w == kLoadCarried || bracket.w == kLoadOutOfReach) return false;
+    offset_z = bracket.x;
+  }
+  if (SEARCH == kSearchEnded && (instances[instance].keys.w & kFlagLoadDriven) != 0) offset_z = loads[instance].bracket.x;
+  return true;
+}
 
+bool anyObjectNear(uint instance, uint num_slots) {
+  bool near = false;
+  for (uint slot = 0; slot < num_slots; ++slot) {
+    int id = objectInSlot(instance * num_slots + slot);
+    near = near || (id >= 0 && bodyInSlot(instance * num_slots + slot, max(id, 0)).near);
+  }
+  return near;
+}
+
+// What remains of the tile entered when no object is near: by one invocation.
+void leaveUntouched(uint instance, uint tile_number) {
+  uint result = instance * NUM_TILES + tile_number;
+  for (uint k = 0; k < tile_size.x * tile_size.y; ++k) {
+    uvec2 in_patch = uvec2(k / tile_size.y, k % tile_size.y) + tile_taxel;
+    uint taxel = instance * NUM_TAXELS + grid.z + in_patch.x * grid.y + in_patch.y;
+    contact_normal[taxel] = 0.0;
+    if (OUTPUT_SHEAR) writeShear(taxel, vec2(0));
+    if (OUTPUT_DEPTH) contact_depth[taxel] = 0.0;
+  }
+  if (FRICTION) keepWindow(result * (kFrictionHeader + TILE_SAMPLES), uvec4(0));
+  if (HAS_STATE) {
+    for (uint k = 0; k < tile_size.x * tile_stride * SAMPLES; ++k) state[result * TILE_SAMPLES + k] = 0.0;
+  }
+  tile_results[result] = TileResult(vec4(0), vec4(0), uvec4(0));
+}
+
+void contactOnTile(uint instance, uint tile_number, uint num_slots) {
+  uint lane = gl_LocalInvocationIndex;
+  if (!enterTile(instance, tile_number)) return;
   uint flags = instances[instance].keys.w;
   bool load_driven = SEARCH != kNoSearch && (flags & kFlagLoadDriven) != 0;
   bool search_here = SEARCH == kSearchInTile && load_driven;  // of a law that is solved apart, the search is, too
-  offset_z = 0.0;
-  if (SEARCH == kSearchOverTiles) {
-    vec4 bracket = loads[instance].bracket;
-    // The results of the evaluation that ended the search stay as they are.
-    if (bracket.w == kLoadCarried || bracket.w == kLoadOutOfReach) return;
-    offset_z = bracket.x;
-  }
-  if (SEARCH == kSearchEnded && load_driven) offset_z = loads[instance].bracket.x;
-  z_limit = search_here ? kMiss : lawReach();
   z_base = -THICKNESS;
+  met_behind = false;
 
   if (lane == 0) {
     active_box[0] = active_box[2] = 0x7FFFFFFF;
     active_box[1] = active_box[3] = -1;
     num_deep = 0;
+    any_behind = 0;
     lowest_bits = kEmpty;
   }
 
@@ -357,7 +411,8 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
             word = tile[address];
             height = withoutSlot(word);
           } else {
-            height = max(analyticHeight(body.kind_groups.x, parameters, body.X_PO, position) - z_base, 0.0);
+            float z = analyticHeight(body.kind_groups.x, parameters, body.X_PO, position);
+            height = NUM_ROWS > 0 || isSeen(z) ? max(z - z_base, 0.0) : kMiss;
           }
           if (kLawSolvedApart) {
             force = height >= uintBitsToFloat(kEmpty) ? kMiss : z_base + height;
@@ -402,9 +457,10 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
     if (FRICTION) partial_shear[v] = lane_shear;
   }
   if (deep > 0) atomicAdd(num_deep, deep);
+  if (NUM_ROWS == 0 && met_behind && X_PS.row2.z > kLooksUp) atomicOr(any_behind, 1u);
 
-  // Taxels that nothing reaches. Of a sensor of one tile nobody reads their force.
-  if (NUM_TILES > 1 || OUTPUT_DEPTH || HAS_STATE) {
+  // Taxels that nothing reaches. Of a sensor of one tile nobody reads their force, but for a spread by lists.
+  if (NUM_TILES > 1 || NUM_ROWS == 0 || OUTPUT_DEPTH || HAS_STATE) {
     for (uint k = lane; k < tile_size.x * tile_size.y; k += WORKGROUP) {
       uvec2 in_tile = uvec2(k / tile_size.y, k % tile_size.y);
       if (all(greaterThanEqual(in_tile, active_first)) && all(lessThan(in_tile, active_first + active_count))) continue;
@@ -437,7 +493,8 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   }
   uvec2 first = tile_taxel + active_first;
   uvec4 window = num_active == 0 ? uvec4(0) : uvec4(first.x, first.x + active_count.x, first.y, first.y + active_count.y);
-  if (FRICTION) keepWindow(tile_state, window);
+  if (FRICTION && lane == 0) keepWindow(tile_state, window);
+  if (NUM_ROWS == 0) window = uvec4(any_behind, 0, 0, 0);
   // A word a lane.
   uint result = instance * NUM_TILES + tile_number;
   vec4 force_row = vec4(force, float(num_deep));
@@ -453,11 +510,28 @@ void main() {
   uvec4 batch = step_record.batch;
   uint first = workgroupNumber() * REPEAT;
   uint end = min(first + REPEAT, batch.x * NUM_TILES);
-  uint number = first;
-  for (; number < end; ++number) {
+  uint count = end - first;
+  if (kFindsNear) {
+    if (gl_LocalInvocationIndex == 0) num_listed_tiles = 0;
+    barrier();
+    for (uint number = first + gl_LocalInvocationIndex; number < end; number += WORKGROUP) {
+      uint instance = number / NUM_TILES, tile_number = number - instance * NUM_TILES;
+      if (!enterTile(instance, tile_number)) continue;
+      if (anyObjectNear(instance, batch.y)) {
+        tile_list[atomicAdd(num_listed_tiles, 1u)] = number;
+      } else {
+        leaveUntouched(instance, tile_number);
+      }
+    }
+    barrier();
+    count = num_listed_tiles;
+  }
+  uint k = 0;
+  for (; k < count; ++k) {
+    uint number = kFindsNear ? tile_list[k] : first + k;
     uint instance = number / NUM_TILES;
     contactOnTile(instance, number - instance * NUM_TILES, batch.y);
     barrier();
   }
-  if (cut_short || number < end) problems[0] = 1;
+  if (cut_short || k < count) problems[0] = 1;
 }

@@ -33,6 +33,7 @@ layout(std430, set = 0, binding = 8) writeonly buffer Problems { uint problems[]
 
 const float kRimTolerance = 1e-6;  // m, include/taxelsim/contact_point.h
 const uint kNoCell = 0xFFFFFFFFu;
+const bool kTaxelList = NUM_PATCHES > 1 && NUM_PATCHES == NUM_TAXELS;  // places of their own
 
 // A loop ended before its work was done; see contact.comp.
 bool cut_short = false;
@@ -54,7 +55,7 @@ Patch patchAt(uint p) {
   patch_p.size = uvec2(NUM_ROWS, NUM_COLS);
   patch_p.first_taxel = 0;
   patch_p.pitch = vec2(PITCH_X, PITCH_Y);
-  if (NUM_PATCHES > 1) {
+  if (NUM_ROWS == 0) {
     patch_p.size = patches[p].grid.xy;
     patch_p.first_taxel = patches[p].grid.z;
     patch_p.pitch = patches[p].spacing.xy * float(SAMPLES);
@@ -95,6 +96,33 @@ Place placeOn(Patch on, vec3 p_SQ_S, float band) {
   return Place(inside ? on.first_taxel + cell.x * on.size.y + cell.y : kNoCell, cell, on.X_PS.row2.xyz);
 }
 
+// Of taxels with places of their own the one in whose rectangle the contact lies nearest the middle.
+Place placeInList(vec3 p_SQ_S, float band) {
+  Place at = Place(kNoCell, uvec2(0), vec3(0));
+  float least = 0.5;  // the ellipse through the corners
+  uint t = 0;
+  for (; t < NUM_PATCHES; ++t) {
+    Patch on = patchAt(t);
+    vec3 p_PQ_P = apply(on.X_PS, p_SQ_S);
+    vec2 off = p_PQ_P.xy / on.pitch;
+    float away = dot(off, off);
+    if (p_PQ_P.z < -THICKNESS || p_PQ_P.z > band || !(away < least)) continue;
+    least = away;
+    at = Place(t, uvec2(0), on.X_PS.row2.xyz);
+  }
+  cut_short = cut_short || t < NUM_PATCHES;
+  return at;
+}
+
+// Where the volumes of patches hold the contact, the first.
+Place placeOnPatches(Patch first_patch, vec3 p_SQ_S, float band) {
+  Place at = placeOn(first_patch, p_SQ_S, band);
+  uint p = 1;
+  for (; p < NUM_PATCHES && at.taxel == kNoCell; ++p) at = placeOn(patchAt(p), p_SQ_S, band);
+  cut_short = cut_short || (p < NUM_PATCHES && at.taxel == kNoCell);
+  return at;
+}
+
 // What an instance's contacts sum to.
 struct Sums {
   vec3 force, torque;  // on the sensor, in S, at its origin
@@ -129,10 +157,12 @@ void contactsOf(uint instance, uint num_instances, uint room, float band, Patch 
   uint k = 0;
   for (; k < count; ++k) {
     vec4 point = contacts[instance * room + k].point;
-    Place at = placeOn(first_patch, point.xyz, band);
-    uint p = 1;
-    for (; p < NUM_PATCHES && at.taxel == kNoCell; ++p) at = placeOn(patchAt(p), point.xyz, band);
-    cut_short = cut_short || (p < NUM_PATCHES && at.taxel == kNoCell);
+    Place at;
+    if (kTaxelList) {
+      at = placeInList(point.xyz, band);
+    } else {
+      at = placeOnPatches(first_patch, point.xyz, band);
+    }
     if (at.taxel == kNoCell) {
       sums.off_array_load += point.w;
       ++sums.num_off_array;

@@ -35,6 +35,7 @@ layout(constant_id = 28) const bool RANDOM_WALK = false;
 layout(constant_id = 29) const float BIAS = 0.0;         // counts
 layout(constant_id = 30) const float DEAD_TAXELS = 0.0;  // probability
 layout(constant_id = 31) const bool WHOLE_ARRAY = false;  // taxels that no object reaches may have a force
+layout(constant_id = 32) const bool TURNS_SHEAR = false;  // on its way along the skin, lib/spread.glsl
 
 layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceRecord instances[]; };
 layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
@@ -84,6 +85,11 @@ const uint kRows = kOnePatch ? NUM_ROWS : (NUM_TAXELS + kCols - 1) / kCols;
 
 void findWindow(uint instance, bool everything) {
   uvec2 all_taxels = uvec2(kRows, kCols);
+  if (!kOnePatch) {
+    contact_first = window_first = uvec2(0);
+    contact_count = window_count = all_taxels;
+    return;
+  }
   const uint kRadius = KERNEL / 2;
   uvec2 first = all_taxels, end = uvec2(0);
   for (uint t = 0; t < NUM_TILES; ++t) {
@@ -100,7 +106,7 @@ void findWindow(uint instance, bool everything) {
   contact_count = kWritten ? all_taxels : touched ? end - first : uvec2(0);
   window_first = first - min(first, uvec2(kRadius));
   window_count = touched ? min(end + kRadius, all_taxels) - window_first : uvec2(0);
-  if (!kOnePatch || WHOLE_ARRAY || everything) {
+  if (WHOLE_ARRAY || everything) {
     window_first = uvec2(0);
     window_count = all_taxels;
   }

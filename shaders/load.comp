@@ -14,6 +14,7 @@ layout(local_size_x_id = 0) in;
 layout(constant_id = 0) const uint WORKGROUP = 8;
 layout(constant_id = 1) const uint NUM_TILES = 1;
 layout(constant_id = 2) const uint EVALUATIONS = 48;  // after which the search closes with the best it has
+layout(constant_id = 3) const bool ONE_GRID = false;   // windows are rectangles
 
 layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceRecord instances[]; };
 layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
@@ -43,15 +44,18 @@ void main() {
 
   float force = 0.0;
   float deep = 0.0;
+  uint behind = 0;
   for (uint t = 0; t < NUM_TILES; ++t) {
     force += tile_results[instance * NUM_TILES + t].torque.w;
     deep += tile_results[instance * NUM_TILES + t].force.w;
+    if (!ONE_GRID) behind |= tile_results[instance * NUM_TILES + t].window.x;
   }
   float load = instances[instance].drive.x;
   float offset = record.bracket.x;
   float evaluations = record.forces.w + 1.0;
   record.forces.w = evaluations;
-  bool too_deep = deep > 0.0;
+  // Without a force, an object below the far side of the body has gone through it.
+  bool too_deep = deep > 0.0 || (force == 0.0 && behind > 0);
   if (!too_deep && load > 0.0 && abs(force - load) <= kTolerance * load) {
     loads[instance].bracket.w = kLoadCarried;
     return;

@@ -15,6 +15,7 @@ namespace taxelsim {
 inline constexpr int kMaxSamplesPerTaxel = 8;  // per side
 inline constexpr int kMaxTaxelsPerSide = 128;  // of a grid patch
 inline constexpr int kMaxKernelSize = 9;       // taxels per side
+inline constexpr int kMaxSpreadTaxels = 128;   // that one taxel may reach by distance along the skin
 inline constexpr int kMaxCurveDegree = 5;
 inline constexpr int kMaxAdcBits = 16;
 inline constexpr int kMaxHysteresisElements = 4;
@@ -39,6 +40,13 @@ struct GridPatch {
   std::array<double, 2> pitch{0, 0};  // m, > 0: along x, along y
   Pose X_SP;                          // pose of the patch in the sensor frame
 };
+
+// A taxel with a place of its own, on a curved or irregular skin: a patch of 1 x 1, the square or rectangle of `size` (m, > 0, along x and
+// y of P) in the plane that touches the skin at `position` (m, in S), looking along `normal` (in S, of any length but 0). The shortest turn
+// that takes z of S to the normal takes x of S to x of P; `x_axis` (in S, not along the normal), if given, is projected into the plane
+// instead. Throws Error(kInput) for a direction that is 0, not finite, or along the normal.
+GridPatch taxelPatch(std::string name, const Vector3& position, const Vector3& normal, const std::array<double, 2>& size,
+                     const std::optional<Vector3>& x_axis = {});
 
 // pressure = normal_contact_stiffness d^normal_exponent + normal_damping d', never negative, where d > 0 (the paper's
 // penalty contact, as an elastic foundation so that forces do not depend on the number of samples).
@@ -121,7 +129,8 @@ struct Skin {
 // about what it resists under a contact as wide as the skin is thick.
 Winkler foundationOf(const Skin& skin);
 
-// The point spread function over taxels of one patch; paper eq. (1).
+// The point spread function; paper eq. (1): over the taxels of one patch by a kernel, or over all taxels of the sensor by their distance
+// along the skin.
 struct Psf {
   enum class Normalization {
     kPerSource,  // I_i = sum_j F_j g_ij / sum_k g_kj: the sum of forces is kept, at borders too
@@ -132,7 +141,17 @@ struct Psf {
   std::vector<double> kernel{1};  // (size x size), row-major, >= 0, sum > 0; [a][b] weighs the source at (i - a, j - b) from
                                   // the middle: spread(i, j) = sum F(i - a, j - b) g(a, b)
   Normalization normalization = Normalization::kPerSource;
+
+  // > 0: no kernel (which must be the default then) but the weight exp(-s^2 / (2 sigma^2)) for all taxels, of this patch and others, at a
+  // distance s <= reach along the skin, see skinDistance(); 1 for the taxel itself. No taxel may reach more than 128.
+  double sigma = 0;  // m
+  double reach = 0;  // m, > 0; 0 is 3 sigma
 };
+
+// Distance (m) along the skin between two of its points p and q with unit normals n and m, as if the skin between them turned evenly. The
+// part of the chord p - q across the axis n x m about which the normals turn, by an angle theta, is an arc of that angle, longer than the
+// chord by (theta / 2) / sin(theta / 2); the part along the axis is straight. Exact on planes, cylinders and spheres.
+double skinDistance(const Vector3& p, const Vector3& n, const Vector3& q, const Vector3& m);
 
 // The paper's kernel: a Gaussian of `sigma` (taxels, > 0) sampled at taxel centres with density 1 / (2 pi sigma^2).
 Psf gaussianPsf(double sigma, int size, Psf::Normalization normalization = Psf::Normalization::kPerSource);
@@ -191,8 +210,14 @@ struct Sensor {
 // Number of taxels over all patches.
 int numTaxels(const Sensor& sensor);
 
+// Whether the sensor is a list of taxels with places of their own: several patches, of one taxel each.
+bool isTaxelList(const Sensor& sensor);
+
 // Centres of all taxels in S, (num_taxels), m, in storage order.
 std::vector<Vector3> taxelPositions(const Sensor& sensor);
+
+// Unit normals of all taxels in S, (num_taxels), in storage order.
+std::vector<Vector3> taxelNormals(const Sensor& sensor);
 
 // Force (N) that reads `counts` by the nominal curve (gain 1, no noise): 0 for 0 counts, else the root x of the curve plus trigger.
 double nominalForce(const Readout& readout, double counts);

@@ -120,9 +120,10 @@ class Simulator {
   // One instance of the same.
   void setObjects(int instance, std::span<const int> ids, std::span<const Pose> X_SO);
 
-  // Normal force that each instance's objects must carry, (N), N; kPoseDriven leaves their poses alone. The device then moves
-  // all objects of the instance together along z of S to where they rest with that force on the skin, between first touch and the deepest
-  // sample at the skin's thickness. Throws Error(kInput) for a wrong length, a negative or infinite load, or when max_contacts is not 0.
+  // Normal force that each instance's objects must carry, (N), N: the sum over all taxels, whatever way they look, so that its part along z
+  // of S is smaller on a skin that slopes; kPoseDriven leaves their poses alone. The device then moves all objects of the instance together
+  // along z of S to where they rest with that force on the skin, between first touch and the deepest sample at the skin's thickness. Throws
+  // Error(kInput) for a wrong length, a negative or infinite load, or when max_contacts is not 0.
   void setLoads(std::span<const float> loads);
   void setLoad(int instance, float load);
 

@@ -82,7 +82,8 @@ float torusDistance(vec3 p, float major_radius, float minor_radius) {
 
 // Sphere tracing on the exact distance, from the near side of the torus's bounding sphere.
 float torusHeight(vec3 o, vec3 d, float major_radius, float minor_radius) {
-  const int kSteps = 96;
+  // A ray that grazes takes many, and what it grazes must not be taken for a surface too deep to be seen.
+  const int kSteps = NUM_ROWS > 0 ? 96 : 256;
   const float kTouch = 2e-8;  // m; a ray that stays farther away all along misses
   vec2 span = insideSphere(o, d, major_radius + minor_radius);
   float t = span.x;

@@ -97,7 +97,6 @@ vec2 shearTraction(uint state_index, bool kept, uint slot, vec3 p, float pressur
 uvec4 keptWindow(uint tile_state) { return uvec4(wordsOf(friction_state[tile_state]), wordsOf(friction_state[tile_state + 1])); }
 
 void keepWindow(uint tile_state, uvec4 window) {
-  if (gl_LocalInvocationIndex > 0) return;
   friction_state[tile_state] = pairOf(window.xy);
   friction_state[tile_state + 1] = pairOf(window.zw);
 }

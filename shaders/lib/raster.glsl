@@ -29,10 +29,11 @@ void rasterBySamples(vec3 p, vec3 q, vec3 r, vec3 s) {
     precise float pq = tp.x * tq.y - tp.y * tq.x;
     precise float qs = tq.x * ts.y - tq.y * ts.x;
     precise float sr = ts.x * tr.y - ts.y * tr.x;
+    float z_p = dot(vec3(qr, rp, pq), heights_p), z_s = dot(vec3(qs, sr, -qr), heights_s);
     float z = kMiss;
-    if (has_p && (min(qr, min(rp, pq)) >= 0.0 || max(qr, max(rp, pq)) <= 0.0)) z = dot(vec3(qr, rp, pq), heights_p);
-    if (has_s && (min(-qr, min(qs, sr)) >= 0.0 || max(-qr, max(qs, sr)) <= 0.0)) z = min(z, dot(vec3(qs, sr, -qr), heights_s));
-    if (z < z_limit) lowerTile(address, z);
+    if (has_p && (min(qr, min(rp, pq)) >= 0.0 || max(qr, max(rp, pq)) <= 0.0) && isSeen(z_p)) z = z_p;
+    if (has_s && (min(-qr, min(qs, sr)) >= 0.0 || max(-qr, max(qs, sr)) <= 0.0) && isSeen(z_s)) z = min(z, z_s);
+    if (z < kMiss) lowerTile(address, z);
     at.y += 1.0;
     ++address;
     if (at.y > last.y) {
@@ -92,7 +93,7 @@ void rasterBySpans(vec3 p, vec3 q, vec3 r) {
     float b = b_first;
     for (; b < b_end; b += 1.0, ++address) {
       float z = clamp(z_row + gradient.y * (b - top.y), z_low, z_high);
-      if (z < z_limit) lowerTile(address, z);
+      if (isSeen(z)) lowerTile(address, z);
     }
     cut_short = cut_short || b < b_end;
   }

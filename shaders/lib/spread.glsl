@@ -85,13 +85,24 @@ Spread spreadOnGrid(uint first_taxel, ivec2 at) {
   return sum;
 }
 
-// On any sensor: a list of sources per taxel, (NUM_ENTRIES x num_taxels) pairs of taxel (as bits) and weight, two to a row.
+vec2 pairOfRows(uint number) { return (number & 1u) == 0 ? spread_rows[number >> 1].xy : spread_rows[number >> 1].zw; }
+
+// On any sensor: a list of sources per taxel, (NUM_ENTRIES x num_taxels) pairs of taxel (as bits) and weight, two to a row; after them as many of cosine
+// and sine where a source's shear turns with the skin on its way.
 Spread spreadByList(uint first_taxel, uint t) {
   Spread sum = Spread(0.0, vec2(0));
   for (uint e = 0; e < NUM_ENTRIES; ++e) {
     uint number = e * NUM_TAXELS + t;
-    vec2 entry = (number & 1u) == 0 ? spread_rows[number >> 1].xy : spread_rows[number >> 1].zw;
-    addSource(sum, first_taxel + floatBitsToUint(entry.x), entry.y);
+    vec2 entry = pairOfRows(number);
+    uint source = first_taxel + floatBitsToUint(entry.x);
+    if (!SHEAR || !TURNS_SHEAR) {
+      addSource(sum, source, entry.y);
+      continue;
+    }
+    vec2 turn = pairOfRows(NUM_ENTRIES * NUM_TAXELS + number);
+    vec2 shear = vec2(contact_shear[2 * source], contact_shear[2 * source + 1]);
+    sum.normal += entry.y * contact_normal[source];
+    sum.shear += entry.y * vec2(turn.x * shear.x - turn.y * shear.y, turn.y * shear.x + turn.x * shear.y);
   }
   return sum;
 }

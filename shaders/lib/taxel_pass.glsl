@@ -21,9 +21,9 @@ layout(std430, set = 0, binding = 8) writeonly buffer Problems { uint problems[]
 // Number of this invocation over the whole batch.
 uint invocationNumber() { return workgroupNumber() * WORKGROUP + gl_LocalInvocationIndex; }
 
-// Force that contact has left for a taxel, N. Of a sensor of one tile those outside the window were not written.
+// Force that contact has left for a taxel, N. Of a grid of one tile those outside the window were not written.
 float contactForce(uint instance, uint taxel) {
-  if (NUM_TILES == 1) {
+  if (NUM_TILES == 1 && NUM_ROWS > 0) {
     uvec4 window = tile_results[instance].window;
     uvec2 at = uvec2(taxel / NUM_COLS, taxel % NUM_COLS);
     if (at.x < window.x || at.x >= window.y || at.y < window.z || at.y >= window.w) return 0.0;

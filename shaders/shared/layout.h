@@ -55,7 +55,7 @@ TAXELSIM_CONSTANT kFirstBits = 27u;
 struct PatchRecord {
   vec4 row0, row1, row2;  // X_PS: rows of (R_PS | p)
   uvec4 grid;             // rows, cols, first taxel, 0
-  vec4 spacing;           // sample spacing along x, y of P, m; sample area, m^2; 0
+  vec4 spacing;           // sample spacing along x, y of P, m; sample area, m^2; how deep under the skin surfaces are seen, m
 };
 
 // A rectangle of whole taxels that one workgroup computes.
@@ -79,7 +79,7 @@ struct SensorRecord {
   vec4 creep_fraction;       // of up to four terms
 };
 
-// Taxels of a row of the image pass where the sensor is not one grid patch.
+// Taxels of a row of the image pass where the sensor is not one grid patch, or its spread no kernel.
 TAXELSIM_CONSTANT kListCols = 16u;
 
 // ---- a batch ----
@@ -134,7 +134,8 @@ TAXELSIM_CONSTANT kApart = 0x7F7FFFF8u;  // as the bits of x: larger than any tr
 struct TileResult {
   vec4 force;    // on the sensor, in S, N; samples at least as deep as the skin is thick
   vec4 torque;   // about S's origin, in S, N m; sum of the taxels' normal forces, N
-  uvec4 window;  // rectangle of taxels of the patch that may carry force: first row, end row, first col, end col; empty: all 0
+  uvec4 window;  // of one grid: rectangle of taxels that may carry force: first row, end row, first col, end col; empty: all 0. Else 1
+                 // where a patch that looks along z of S met a surface too deep to be seen; 0, 0, 0
 };
 
 // Status of a load search. Closing: evaluated once more, at the upper bound, then carried or out of reach.

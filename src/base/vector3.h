@@ -25,5 +25,8 @@ inline Vector3 cross(const Vector3& a, const Vector3& b) {
 inline double length(const Vector3& a) {
   return std::sqrt(dot(a, a));
 }
+inline Vector3 unit(const Vector3& a) {
+  return scale(1 / length(a), a);
+}
 
 }  // namespace taxelsim

@@ -10,6 +10,7 @@
 
 #include "cli/commands.h"
 #include "cli/tactile_figure.h"
+#include "cli/taxel_chart.h"
 #include "taxelsim/device.h"
 #include "taxelsim/error.h"
 #include "taxelsim/experiment.h"
@@ -90,9 +91,13 @@ TactilePanel panelOf(const StaticImages& images, std::size_t contact) {
   panel.num_rows = patch.num_rows;
   panel.num_cols = patch.num_cols;
   panel.pitch = patch.pitch;
+  if (isTaxelList(images.sensor)) {
+    panel.outlines = unrolled(images.sensor);
+    panel.neighbours = false;
+  }
   panel.values.assign(images.images[contact].begin(), images.images[contact].end());
   for (double& value : panel.values) value = std::round(value * 1000) / 1000;  // mN are what a cell has room for
-  panel.axes = axesOfImage(panel);
+  if (panel.outlines.empty()) panel.axes = axesOfImage(panel);
   return panel;
 }
 
@@ -103,7 +108,7 @@ void drawFigures(const std::string& directory, const StaticExperiment& experimen
   std::vector<const StaticImages*> all{&result.reference};
   for (const StaticImages& images : result.sensors) all.push_back(&images);
   for (const StaticImages* images : all) {
-    if (images->sensor.patches.size() != 1) return;  // several patches have no picture
+    if (images->sensor.patches.size() != 1 && !isTaxelList(images->sensor)) return;  // several grids have no picture
   }
   for (std::size_t object = 0; object < experiment.objects.size(); ++object) {
     for (std::size_t load = 0; load < experiment.loads.size(); ++load) {

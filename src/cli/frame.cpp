@@ -14,6 +14,7 @@
 #include "cli/commands.h"
 #include "cli/contacts_file.h"
 #include "cli/tactile_figure.h"
+#include "cli/taxel_chart.h"
 #include "taxelsim/device.h"
 #include "taxelsim/error.h"
 #include "taxelsim/model.h"
@@ -124,6 +125,14 @@ nlohmann::ordered_json asJson(const Sensor& sensor, const FrameView& frame) {
 void printImage(const Sensor& sensor, std::span<const std::uint32_t> image) {
   const auto width = std::to_string(*std::max_element(image.begin(), image.end())).size();
   std::size_t taxel = 0;
+  if (isTaxelList(sensor)) {
+    constexpr std::size_t kTaxelsPerLine = 16;
+    fmt::print("tactile_image, counts ({} taxels, {} a line)\n", image.size(), kTaxelsPerLine);
+    for (; taxel < image.size(); ++taxel)
+      fmt::print("{} {:>{}}{}", taxel % kTaxelsPerLine == 0 ? " " : "", image[taxel], width,
+                 (taxel + 1) % kTaxelsPerLine == 0 || taxel + 1 == image.size() ? "\n" : "");
+    return;
+  }
   for (const GridPatch& patch : sensor.patches) {
     fmt::print("tactile_image{}{}, counts ({} rows along x, {} columns along y)\n", patch.name.empty() ? "" : " of ", patch.name,
                patch.num_rows, patch.num_cols);
@@ -172,8 +181,18 @@ void printText(const Sensor& sensor, const FrameView& frame) {
   clean("contact_iterations", "1", truth.contact_iterations);
 }
 
-void drawFrame(const std::string& file, const Sensor& sensor, const FrameView& frame, const std::string& what) {
+// One panel a patch, or all taxels of a list together.
+std::vector<TactilePanel> panelsOf(const Sensor& sensor, const FrameView& frame) {
   std::vector<TactilePanel> panels;
+  if (isTaxelList(sensor)) {
+    TactilePanel panel;
+    panel.values.assign(frame.tactile_image.begin(), frame.tactile_image.end());
+    panel.outlines = unrolled(sensor);
+    panel.caption = kUnrolled;
+    panel.neighbours = false;
+    panels.push_back(std::move(panel));
+    return panels;
+  }
   std::size_t first = 0;
   for (const GridPatch& patch : sensor.patches) {
     TactilePanel panel;
@@ -192,6 +211,11 @@ void drawFrame(const std::string& file, const Sensor& sensor, const FrameView& f
     }
     panels.push_back(std::move(panel));
   }
+  return panels;
+}
+
+void drawFrame(const std::string& file, const Sensor& sensor, const FrameView& frame, const std::string& what) {
+  const std::vector<TactilePanel> panels = panelsOf(sensor, frame);
   writeTactileFigure(
       file, panels,
       {.title = fmt::format("{} on {}", what, sensor.name),
@@ -256,7 +280,7 @@ int runObjects(const Arguments& arguments, bool load_driven) {
   const FrameView frame = simulator.read();
   if (load_driven && frame.ground_truth.load_reached[0] == 0) {
     // The search ends at the deepest contact that the skin allows; what that carries is the most there is.
-    const float carried = -frame.ground_truth.contact_wrench[2];
+    const float carried = isTaxelList(sensor) ? frame.ground_truth.total_force[0] : -frame.ground_truth.contact_wrench[2];
     throw Error(ErrorKind::kInput, carried > 0
                                        ? fmt::format("--load {} N is out of reach: pressed through the skin, the objects carry {:.4g} N",
                                                      arguments.load, carried)

@@ -13,6 +13,7 @@
 #include "cli/commands.h"
 #include "cli/scene_name.h"
 #include "cli/tactile_figure.h"
+#include "cli/taxel_chart.h"
 #include "cli/text.h"
 #include "taxelsim/dataset.h"
 #include "taxelsim/error.h"
@@ -43,8 +44,8 @@ std::vector<double> row(const DatasetReader& reader, const std::string& name, st
   return values.size() == length ? values : std::vector<double>{};
 }
 
-// A grid as it is; any other shape as lines of taxels in storage order.
-TactilePanel imageOf(const DatasetReader& reader, std::uint64_t frame) {
+// A grid as it is, a list of taxels by their outlines if these are known; any other shape as lines of taxels in storage order.
+TactilePanel imageOf(const DatasetReader& reader, const std::vector<TaxelOutline>& outlines, std::uint64_t frame) {
   const Manifest& manifest = reader.manifest();
   TactilePanel panel;
   panel.values = reader.readAsDouble(kImage, frame, 1);
@@ -55,10 +56,14 @@ TactilePanel imageOf(const DatasetReader& reader, std::uint64_t frame) {
     if (manifest.pitch[0] > 0 && manifest.pitch[1] > 0) panel.pitch = manifest.pitch;
     return panel;
   }
+  panel.neighbours = false;
+  if (panel.values.size() == outlines.size()) {
+    panel.outlines = outlines;
+    return panel;
+  }
   const std::size_t num_cols = std::min(panel.values.size(), kTaxelsPerLine);
   const std::size_t num_rows = (panel.values.size() + num_cols - 1) / num_cols;
   panel.values.resize(num_rows * num_cols, std::numeric_limits<double>::quiet_NaN());
-  panel.neighbours = false;
   panel.num_rows = static_cast<int>(num_rows);
   panel.num_cols = static_cast<int>(num_cols);
   return panel;
@@ -78,7 +83,7 @@ std::optional<ContactAxes> axesOf(const DatasetReader& reader, const TactilePane
   return axes;
 }
 
-std::string captionOf(const DatasetReader& reader, std::uint64_t frame) {
+std::string captionOf(const DatasetReader& reader, const TactilePanel& panel, std::uint64_t frame) {
   std::vector<std::string> parts;
   if (const auto force = row(reader, "data/total_force", frame, 1); !force.empty()) parts.push_back(fmt::format("{:.3g} N", force[0]));
   const auto confidence = row(reader, "data/edge_confidence", frame, 1);
@@ -86,7 +91,7 @@ std::string captionOf(const DatasetReader& reader, std::uint64_t frame) {
   if (const auto angle = row(reader, "data/edge_angle", frame, 1); !angle.empty() && !undefined)
     parts.push_back(fmt::format("angle {:.1f}°", angle[0] * 180 / std::numbers::pi));
   if (!confidence.empty()) parts.push_back(fmt::format("confidence {:.2f}", confidence[0]));
-  if (find(reader.manifest(), kImage)->shape.size() != 2) parts.push_back("taxels in storage order");
+  if (!panel.neighbours) parts.push_back(panel.outlines.empty() ? "taxels in storage order" : "unrolled");
   return fmt::format("{}", fmt::join(parts, "   "));
 }
 
@@ -105,14 +110,16 @@ int runRender(const Arguments& arguments, bool one_episode) {
   const std::uint64_t end = one_episode ? ends[arguments.episode] : ends.back();
   const std::uint64_t count = std::min<std::uint64_t>(end - begin, static_cast<std::uint64_t>(arguments.num_frames));
 
+  const std::optional<Sensor> listed = listedTaxels(manifest);
+  const std::vector<TaxelOutline> outlines = listed ? unrolled(*listed) : std::vector<TaxelOutline>{};
   std::vector<TactilePanel> panels;
   for (std::uint64_t k = 0; k < count; ++k) {
     // Evenly over the frames, the first and the last among them.
     const std::uint64_t frame = count == 1 ? begin : begin + k * (end - begin - 1) / (count - 1);
     const auto episode = static_cast<std::uint64_t>(std::upper_bound(ends.begin(), ends.end(), frame) - ends.begin());
-    TactilePanel panel = imageOf(reader, frame);
+    TactilePanel panel = imageOf(reader, outlines, frame);
     panel.title = fmt::format("episode {}, frame {}", episode, frame - (episode > 0 ? ends[episode - 1] : 0));
-    panel.caption = captionOf(reader, frame);
+    panel.caption = captionOf(reader, panel, frame);
     panel.axes = axesOf(reader, panel, frame);
     panels.push_back(std::move(panel));
   }

@@ -131,7 +131,39 @@ struct PanelSize {
   double width = 0, height = 0;  // of the grid
 };
 
+// Where x and y of all outlines begin and end, m.
+struct Extent {
+  std::array<double, 2> low, high;
+};
+
+Extent extentOf(const std::vector<TaxelOutline>& outlines) {
+  Extent extent{outlines.front().front(), outlines.front().front()};
+  for (const TaxelOutline& outline : outlines) {
+    for (const auto& corner : outline) {
+      for (std::size_t axis = 0; axis < 2; ++axis) {
+        extent.low[axis] = std::min(extent.low[axis], corner[axis]);
+        extent.high[axis] = std::max(extent.high[axis], corner[axis]);
+      }
+    }
+  }
+  return extent;
+}
+
+// Cells of outlines are as large as the smallest of them, for the values written there.
+PanelSize sizeOfOutlines(const std::vector<TaxelOutline>& outlines) {
+  const Extent extent = extentOf(outlines);
+  const double along_x = extent.high[0] - extent.low[0], along_y = extent.high[1] - extent.low[1];
+  double scale = kPanelLength / std::max(along_x, along_y);
+  scale *= std::clamp(kSmallestPanel / (scale * std::min(along_x, along_y)), 1.0, 2.0);
+  double side = std::max(along_x, along_y);
+  for (const TaxelOutline& o : outlines) {
+    side = std::min({side, std::hypot(o[1][0] - o[0][0], o[1][1] - o[0][1]), std::hypot(o[3][0] - o[0][0], o[3][1] - o[0][1])});
+  }
+  return {side * scale, side * scale, along_y * scale, along_x * scale};
+}
+
 PanelSize sizeOf(const TactilePanel& panel) {
+  if (!panel.outlines.empty()) return sizeOfOutlines(panel.outlines);
   const double along_y = panel.num_cols * panel.pitch[1], along_x = panel.num_rows * panel.pitch[0];
   double scale = kPanelLength / std::max(along_x, along_y);
   // A strip of few taxels grows until its shorter side has room for words, but not past twice the usual length.
@@ -150,7 +182,37 @@ void eachCell(const TactilePanel& panel, double max, Function function) {
   }
 }
 
+// Calls function(corners in points, value, colour) for every outline that has a value.
+template <typename Function>
+void eachOutline(const TactilePanel& panel, const PanelSize& size, double max, Function function) {
+  const Extent extent = extentOf(panel.outlines);
+  const double scale = size.height / (extent.high[0] - extent.low[0]);
+  for (std::size_t t = 0; t < panel.outlines.size(); ++t) {
+    if (!std::isfinite(panel.values[t])) continue;
+    TaxelOutline corners = panel.outlines[t];
+    for (auto& [x, y] : corners) {
+      const double down = (x - extent.low[0]) * scale;
+      x = (y - extent.low[1]) * scale;
+      y = down;
+    }
+    function(corners, panel.values[t], viridis(max > 0 ? panel.values[t] / max : 0));
+  }
+}
+
+void drawOutlines(const Canvas& canvas, const TactilePanel& panel, const PanelSize& size, double max) {
+  eachOutline(panel, size, max, [&](const TaxelOutline& corners, double, const Colour& colour) {
+    for (const auto& [x, y] : corners) cairo_line_to(canvas, x, y);
+    cairo_close_path(canvas);
+    canvas.colour(colour);
+    cairo_fill_preserve(canvas);
+    canvas.colour(kPaper);
+    cairo_set_line_width(canvas, 0.7);
+    cairo_stroke(canvas);
+  });
+}
+
 void drawCells(const Canvas& canvas, const TactilePanel& panel, const PanelSize& size, double max) {
+  if (!panel.outlines.empty()) return drawOutlines(canvas, panel, size, max);
   canvas.colour(kGap);
   cairo_rectangle(canvas, 0, 0, size.width, size.height);
   cairo_fill(canvas);
@@ -169,16 +231,25 @@ void drawValues(const Canvas& canvas, const TactilePanel& panel, const PanelSize
   const double type = std::min(kLargestValue * fit, kLargestValue);
   if (type < kSmallestValue) return;
   canvas.font(type);
-  eachCell(panel, max, [&](int i, int j, double value, const Colour& colour) {
+  const auto write = [&](double x, double y, double value, const Colour& colour) {
     if (value == 0) return;
     const std::string text = valueText(value);
-    cairo_move_to(canvas, (j + 0.5) * size.cell_width - canvas.widthOf(text) / 2, (i + 0.5) * size.cell_height + 0.36 * type);
+    cairo_move_to(canvas, x - canvas.widthOf(text) / 2, y + 0.36 * type);
     cairo_text_path(canvas, text.c_str());
     canvas.colour(colour);
     cairo_set_line_width(canvas, 0.22 * type);
     cairo_stroke_preserve(canvas);
     canvas.colour(luminance(colour) > kDarkTextFrom ? kInk : kPaper);
     cairo_fill(canvas);
+  };
+  if (!panel.outlines.empty()) {
+    eachOutline(panel, size, max, [&](const TaxelOutline& c, double value, const Colour& colour) {
+      write((c[0][0] + c[2][0]) / 2, (c[0][1] + c[2][1]) / 2, value, colour);
+    });
+    return;
+  }
+  eachCell(panel, max, [&](int i, int j, double value, const Colour& colour) {
+    write((j + 0.5) * size.cell_width, (i + 0.5) * size.cell_height, value, colour);
   });
 }
 

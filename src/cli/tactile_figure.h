@@ -17,11 +17,15 @@ struct ContactAxes {
   std::array<double, 2> eigenvalues{0, 0};  // m^2, larger first
 };
 
+// Corners (x, y) of a taxel that is no cell of a grid, m, in the picture's own frame: x runs down the page, y to the right.
+using TaxelOutline = std::array<std::array<double, 2>, 4>;
+
 // One image. Rows run down the page and columns to the right, so x points down, y to the right and z, out of the skin, at the reader.
 struct TactilePanel {
   int num_rows = 0, num_cols = 0;
-  std::array<double, 2> pitch{1, 1};  // m, of rows and of columns, > 0
-  std::vector<double> values;         // (num_rows x num_cols); NaN leaves a cell empty
+  std::array<double, 2> pitch{1, 1};   // m, of rows and of columns, > 0
+  std::vector<double> values;          // (num_rows x num_cols); NaN leaves a cell empty
+  std::vector<TaxelOutline> outlines;  // (num_values), where they are no grid; rows, columns and pitch do not matter then
   std::string title;
   std::string caption;
   std::optional<ContactAxes> axes;

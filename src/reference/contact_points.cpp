@@ -19,7 +19,23 @@ struct Place {
   const GridPatch* patch;
 };
 
+// Of taxels with places of their own.
+std::optional<Place> placeInList(const Sensor& sensor, const Vector3& p_SQ_S, double contact_band) {
+  std::optional<Place> place;
+  double least = 0.5;  // the ellipse through the corners
+  for (std::size_t t = 0; t < sensor.patches.size(); ++t) {
+    const GridPatch& patch = sensor.patches[t];
+    const Vector3 p_PQ_P = inverse(patch.X_SP) * p_SQ_S;
+    const double away = std::pow(p_PQ_P[0] / patch.pitch[0], 2) + std::pow(p_PQ_P[1] / patch.pitch[1], 2);
+    if (p_PQ_P[2] < -sensor.skin.thickness || p_PQ_P[2] > contact_band || !(away < least)) continue;
+    least = away;
+    place = Place{static_cast<int>(t), &patch};
+  }
+  return place;
+}
+
 std::optional<Place> placeAt(const Sensor& sensor, const Vector3& p_SQ_S, double contact_band) {
+  if (isTaxelList(sensor)) return placeInList(sensor, p_SQ_S, contact_band);
   int first_taxel = 0;
   for (const GridPatch& patch : sensor.patches) {
     const Vector3 p_PQ_P = inverse(patch.X_SP) * p_SQ_S;

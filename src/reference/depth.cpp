@@ -7,6 +7,7 @@
 
 #include "base/vector3.h"
 #include "reference/solids.h"
+#include "sensor/skin.h"
 
 namespace taxelsim::reference {
 namespace {
@@ -48,8 +49,8 @@ double edgeFunction(const Vector3& a, const Vector3& b, double x, double y) {
   return (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0]);
 }
 
-// Lowers `heights` to the triangle where it covers samples; its corners are sheared so that rays run along z.
-void lowerToTriangle(const std::array<Vector3, 3>& t, const SampleGrid& grid, std::span<double> heights) {
+// Lowers `heights` to the triangle where it covers samples and is not below `floor`; its corners are sheared so that rays run along z.
+void lowerToTriangle(const std::array<Vector3, 3>& t, const SampleGrid& grid, double floor, std::span<double> heights) {
   const double area = edgeFunction(t[0], t[1], t[2][0], t[2][1]);
   if (area == 0) {
     return;  // seen edge-on: covers nothing
@@ -68,14 +69,15 @@ void lowerToTriangle(const std::array<Vector3, 3>& t, const SampleGrid& grid, st
       if (w0 < 0 || w1 < 0 || w2 < 0) {
         continue;
       }
-      const double z = (w0 * t[0][2] + w1 * t[1][2] + w2 * t[2][2]) / (w0 + w1 + w2);
+      const double z = std::clamp((w0 * t[0][2] + w1 * t[1][2] + w2 * t[2][2]) / (w0 + w1 + w2), min_z, max_z);
       double& height = heights[grid.index(u, v)];
-      height = std::min(height, std::clamp(z, min_z, max_z));
+      if (z >= floor) height = std::min(height, z);
     }
   }
 }
 
-void lowerToMesh(const Mesh& mesh, const Pose& X_PO, const Vector3& direction, const SampleGrid& grid, std::span<double> heights) {
+void lowerToMesh(const Mesh& mesh, const Pose& X_PO, const Rays& rays, const SampleGrid& grid, std::span<double> heights) {
+  const Vector3& direction = rays.direction_P;
   std::vector<Vector3> vertices;
   for (const std::array<float, 3>& vertex : mesh.vertices) {
     const Vector3 p = X_PO * Vector3{vertex[0], vertex[1], vertex[2]};
@@ -83,18 +85,19 @@ void lowerToMesh(const Mesh& mesh, const Pose& X_PO, const Vector3& direction, c
     vertices.push_back({p[0] - t * direction[0], p[1] - t * direction[1], t});
   }
   for (const std::array<std::uint32_t, 3>& corners : mesh.triangles) {
-    lowerToTriangle({vertices[corners[0]], vertices[corners[1]], vertices[corners[2]]}, grid, heights);
+    lowerToTriangle({vertices[corners[0]], vertices[corners[1]], vertices[corners[2]]}, grid, -rays.view_depth, heights);
   }
 }
 
 template <typename Solid>
-void lowerToSolid(const Solid& solid, const Pose& X_PO, const Vector3& direction_P, const SampleGrid& grid, std::span<double> heights) {
+void lowerToSolid(const Solid& solid, const Pose& X_PO, const Rays& rays, const SampleGrid& grid, std::span<double> heights) {
   const Pose X_OP = inverse(X_PO);
-  const Vector3 direction_O = rotate(X_OP.rotation, direction_P);
+  const Vector3 direction_O = rotate(X_OP.rotation, rays.direction_P);
   for (int u = 0; u < grid.rows; ++u) {
     for (int v = 0; v < grid.cols; ++v) {
       double& height = heights[grid.index(u, v)];
-      height = std::min(height, firstHit(solid, X_OP * Vector3{grid.x(u), grid.y(v), 0}, direction_O));
+      const double hit = firstHit(solid, X_OP * Vector3{grid.x(u), grid.y(v), 0}, direction_O);
+      if (hit >= -rays.view_depth) height = std::min(height, hit);
     }
   }
 }
@@ -113,9 +116,9 @@ void appendHeights(const GridPatch& patch, int samples_per_taxel, std::span<cons
     std::visit(
         [&](const auto& shape) {
           if constexpr (std::is_same_v<std::decay_t<decltype(shape)>, Mesh>) {
-            lowerToMesh(shape, X_PO, rays.direction_P, grid, patch_heights);
+            lowerToMesh(shape, X_PO, rays, grid, patch_heights);
           } else {
-            lowerToSolid(shape, X_PO, rays.direction_P, grid, patch_heights);
+            lowerToSolid(shape, X_PO, rays, grid, patch_heights);
           }
         },
         placed.object->shape);
@@ -123,9 +126,10 @@ void appendHeights(const GridPatch& patch, int samples_per_taxel, std::span<cons
 }
 
 std::vector<double> surfaceHeights(const Sensor& sensor, std::span<const PlacedObject> objects, const std::array<double, 2>& shift_P) {
+  const std::vector<double> view_depths = viewDepths(sensor);
   std::vector<double> heights;
-  for (const GridPatch& patch : sensor.patches) {
-    appendHeights(patch, sensor.samples_per_taxel, objects, {.shift_P = shift_P}, heights);
+  for (std::size_t n = 0; n < sensor.patches.size(); ++n) {
+    appendHeights(sensor.patches[n], sensor.samples_per_taxel, objects, {.shift_P = shift_P, .view_depth = view_depths[n]}, heights);
   }
   return heights;
 }

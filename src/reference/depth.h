@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -19,12 +20,14 @@ struct PlacedObject {
 
 // The lines along which a patch looks.
 struct Rays {
-  Vector3 direction_P{0, 0, 1};         // z > 0; heights are counted along it, in multiples of it
-  std::array<double, 2> shift_P{0, 0};  // m: moves every sample, to see what sits on a silhouette
+  Vector3 direction_P{0, 0, 1};                                 // z > 0; heights are counted along it, in multiples of it
+  std::array<double, 2> shift_P{0, 0};                          // m: moves every sample, to see what sits on a silhouette
+  double view_depth = std::numeric_limits<double>::infinity();  // m: surfaces farther below the skin are not seen
 };
 
-// Height over each sample of the lowest surface of all objects, (num_taxels x s x s), m along z of the sample's patch; +infinity where
-// there is none, -infinity under a half-space that opens downwards. A sample exactly on an edge counts as covered.
+// Height over each sample of the lowest surface of all objects that its patch sees (sensor/skin.h, viewDepths), (num_taxels x s x s), m
+// along z of the sample's patch; +infinity where there is none, -infinity under a half-space that opens downwards. A sample exactly on an
+// edge counts as covered.
 std::vector<double> surfaceHeights(const Sensor& sensor, std::span<const PlacedObject> objects,
                                    const std::array<double, 2>& shift_P = {0, 0});
 

@@ -11,28 +11,13 @@ void pressElasticLayer(const Sensor& sensor, const FrameInput& input, Frame& fra
   LayerContact solved = input.load ? loadedLayerContact(sensor, input.objects, *input.load) : layerContact(sensor, input.objects);
   frame.load.offset = solved.offset;
   frame.load.reached = solved.load_reached;
+  frame.shear.taxel_force.assign(solved.taxel_force.size(), {0, 0});
   frame.contact.taxel_force = std::move(solved.taxel_force);
   frame.contact.mean_penetration = std::move(solved.mean_penetration);
   frame.contact.wrench = solved.wrench;
   frame.contact.total_force = solved.total_force;
   frame.contact.over_penetration = solved.over_penetration;
   frame.off_array_load = solved.off_array_load;
-}
-
-}  // namespace
-
-namespace {
-
-// Shear spreads with the weights of the normal force, component by component.
-std::vector<Shear> spreadShear(const Sensor& sensor, const std::vector<Shear>& taxel_force) {
-  std::vector<Shear> result(taxel_force.size());
-  for (std::size_t axis = 0; axis < 2; ++axis) {
-    std::vector<double> component;
-    for (const Shear& force : taxel_force) component.push_back(force[axis]);
-    const std::vector<double> image = spread(sensor, component);
-    for (std::size_t t = 0; t < image.size(); ++t) result[t][axis] = image[t];
-  }
-  return result;
 }
 
 }  // namespace

@@ -10,15 +10,16 @@
 namespace taxelsim::reference {
 namespace {
 
-// Number of the object whose surface is lowest over each sample; the first of equals.
+// Number of the object whose surface is lowest over each sample; the first of equals, as all are that lie deeper than the skin is thick.
 std::vector<int> lowestObjects(const Sensor& sensor, std::span<const PlacedObject> objects, std::size_t num_samples) {
   std::vector<int> lowest(num_samples, kApart);
   std::vector<double> heights(num_samples, std::numeric_limits<double>::infinity());
   for (std::size_t number = 0; number < objects.size(); ++number) {
     const std::vector<double> own = surfaceHeights(sensor, objects.subspan(number, 1));
     for (std::size_t n = 0; n < num_samples; ++n) {
-      if (own[n] < heights[n]) {
-        heights[n] = own[n];
+      const double height = std::max(own[n], -sensor.skin.thickness);
+      if (height < heights[n]) {
+        heights[n] = height;
         lowest[n] = static_cast<int>(number);
       }
     }

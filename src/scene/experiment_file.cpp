@@ -24,6 +24,9 @@ void checkEntry(const YamlNode& item, const StaticExperiment::Entry& entry, cons
     item.fail("has " + std::to_string(numTaxels(entry.sensor)) + " taxels, the reference " + std::to_string(numTaxels(reference)));
   }
   if (entry.fitted && !std::holds_alternative<Winkler>(entry.sensor.skin.law)) item.fail("only sensors of law winkler can be fitted");
+  if (entry.fitted && (isTaxelList(entry.sensor) || entry.sensor.psf.sigma > 0)) {
+    item.fail("only sensors whose point spread function is a kernel over grids can be fitted");
+  }
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <map>
 #include <set>
 
-#include "base/sha256.h"
+#include "scene/hashed_file.h"
 #include "scene/pose_reader.h"
 
 namespace taxelsim {
@@ -21,24 +21,8 @@ const YamlMap::Keys& objectKeys() {
 constexpr std::size_t kNumShapes = 8;
 
 Mesh readMesh(const YamlMap& map, const YamlNode& node, const std::filesystem::path& directory) {
-  Canonical& canonical = map.canonical();
-  const std::filesystem::path file = directory / node.text("a mesh file");
+  const std::filesystem::path file = readHashedFile(map, "mesh", "a mesh file", directory, kMaxMeshFileBytes);
   MeshOptions options;
-  // Text of the file's name only: where the file lies is no part of what the data are made from.
-  canonical.line("mesh", canonicalText(file.filename().string()));
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error)) node.fail(file.generic_string() + " is not there, or not a file");
-  if (file.extension() == ".gltf") {
-    node.fail("a .gltf keeps its geometry in other files, which its SHA-256 does not cover: save it as .glb");
-  }
-  if (std::filesystem::file_size(file, error) > kMaxMeshFileBytes || error) {
-    node.fail(file.generic_string() + " is too large: at most " + std::to_string(kMaxMeshFileBytes) + " bytes");
-  }
-  const std::string digest = atNode(node, [&] { return sha256File(file); });
-  canonical.line("sha256", "\"" + digest + "\"");
-  if (const std::optional<YamlNode> expected = map.find("sha256"); expected && expected->text("64 hexadecimal digits") != digest) {
-    expected->fail("not the SHA-256 of " + file.generic_string() + ", which is " + digest);
-  }
   options.scale = map.number("scale", Allowed::above(0, "m per unit of the file"), options.scale);
   const std::string up = map.choice("up_axis", {"x", "y", "z"}, "z");
   options.up_axis = up == "x" ? UpAxis::kX : up == "y" ? UpAxis::kY : UpAxis::kZ;

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "scene/pose_reader.h"
+#include "scene/taxel_reader.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -45,14 +46,31 @@ GridPatch readGrid(const YamlMap& map, std::string name) {
   return patch;
 }
 
-std::vector<GridPatch> readPatches(const YamlMap& map) {
+// The key by which the sensor gives its taxels, if it is not one grid.
+std::optional<std::string_view> layoutKey(const YamlMap& map) {
+  std::optional<std::string_view> chosen;
+  for (const std::string_view key : {"patches", "taxels", "taxel_mesh", "urdf"}) {
+    const std::optional<YamlNode> given = map.find(key);
+    if (given && chosen) given->fail("stands beside `" + std::string(*chosen) + "`: one of the two");
+    if (given) chosen = key;
+  }
+  if (!chosen) return chosen;
+  for (const std::string_view key : {"num_rows", "num_cols", "pitch", "pose"}) {
+    const std::optional<YamlNode> beside = map.find(key);
+    if (beside) beside->fail("stands beside `" + std::string(*chosen) + (chosen == "patches" ? "`: give it in each patch instead" : "`"));
+  }
+  return chosen;
+}
+
+std::vector<GridPatch> readPatches(const YamlMap& map, const std::filesystem::path& directory) {
+  const std::optional<std::string_view> layout = layoutKey(map);
+  if (layout == "taxels") return readTaxelList(map);
+  if (layout == "taxel_mesh") return readTaxelMesh(map, directory);
+  if (layout == "urdf") return readTaxelUrdf(map, directory);
   Canonical& canonical = map.canonical();
   std::vector<GridPatch> patches;
   canonical.open("patches");
   if (const std::optional<YamlNode> list = map.find("patches")) {
-    for (const std::string_view key : {"num_rows", "num_cols", "pitch", "pose"}) {
-      if (const std::optional<YamlNode> beside = map.find(key)) beside->fail("stands beside `patches`: give it in each patch instead");
-    }
     const std::vector<YamlNode> items = list->items("a list of patches");
     if (items.empty()) list->refuse("a list of at least one patch");
     std::set<std::string> names;
@@ -206,11 +224,17 @@ std::vector<double> readKernel(const YamlNode& node, Canonical& canonical) {
 }
 
 Psf readPsf(const YamlMap& sensor) {
-  const YamlMap map(sensor, "psf", {"gaussian", "kernel", "normalization"});
+  const YamlMap map(sensor, "psf", {"gaussian", "skin_gaussian", "kernel", "normalization"});
   Canonical& canonical = map.canonical();
-  const std::optional<YamlNode> kernel = map.find("kernel");
+  const std::optional<YamlNode> kernel = map.find("kernel"), skin_gaussian = map.find("skin_gaussian");
   Psf psf;
-  if (map.has("gaussian")) {
+  if (skin_gaussian && map.has("gaussian")) skin_gaussian->fail("given beside `gaussian`: either, not both");
+  if (kernel && skin_gaussian) kernel->fail("given beside `skin_gaussian`: either, not both");
+  if (skin_gaussian) {
+    const YamlMap gaussian(map, "skin_gaussian", {"sigma[_mm]", "reach[_mm]"});
+    psf.sigma = gaussian.number("sigma", Allowed::above(0, "m"));
+    psf.reach = gaussian.number("reach", Allowed::above(0, "m"), 3 * psf.sigma);
+  } else if (map.has("gaussian")) {
     if (kernel) kernel->fail("given beside `gaussian`: either, not both");
     const YamlMap gaussian(map, "gaussian", {"sigma", "size"});
     // In taxels. A narrower one is no spread, a wider one is flat over the largest kernel.
@@ -372,14 +396,14 @@ void checkFormatVersion(const YamlNode& root) {
   }
 }
 
-Sensor readSensor(const YamlNode& node, Canonical& canonical, bool versioned) {
-  std::vector<std::string_view> keys = {"name",       "patches",           "num_rows", "num_cols", "pitch[_mm]", "pose",
-                                        "frame_rate", "samples_per_taxel", "skin",     "psf",      "readout"};
+Sensor readSensor(const YamlNode& node, const std::filesystem::path& directory, Canonical& canonical, bool versioned) {
+  std::vector<std::string_view> keys = {"name",       "patches", "taxels",     "taxel_mesh",        "urdf", "num_rows", "num_cols",
+                                        "pitch[_mm]", "pose",    "frame_rate", "samples_per_taxel", "skin", "psf",      "readout"};
   if (versioned) keys.insert(keys.begin(), "format_version");
   const YamlMap map(node, keys, canonical);
   Sensor sensor;
   sensor.name = map.text("name", "a name");
-  sensor.patches = readPatches(map);
+  sensor.patches = readPatches(map, directory);
   sensor.samples_per_taxel =
       static_cast<int>(map.integer("samples_per_taxel", 1, kMaxSamplesPerTaxel, static_cast<std::uint64_t>(sensor.samples_per_taxel)));
   sensor.skin = readSkin(map);
@@ -399,14 +423,14 @@ Sensor readSensorFile(const std::filesystem::path& file, Canonical& canonical) {
   const YamlTree tree = parseYaml(readYamlFile(file), name);
   const YamlNode root(tree, name);
   checkFormatVersion(root);
-  return readSensor(root, canonical, true);
+  return readSensor(root, file.parent_path(), canonical, true);
 }
 
 Sensor readSensorBlock(const YamlNode& node, const std::filesystem::path& directory, Canonical& canonical) {
   canonical.open("sensor");
   Sensor sensor;
   if (node.isMap()) {
-    sensor = readSensor(node, canonical, false);
+    sensor = readSensor(node, directory, canonical, false);
   } else {
     const std::filesystem::path file = directory / node.text(kSensorBlock);
     std::error_code error;

@@ -14,8 +14,9 @@ inline constexpr std::uint64_t kFormatVersion = 1;  // of sensor and scene files
 // Refuses a file without `format_version` or with a newer one: before its other keys are looked at, since a newer file may have others.
 void checkFormatVersion(const YamlNode& root);
 
-// Reads and checks a sensor, checkSensor() included, and writes every setting to `canonical`. Only a file of its own is `versioned`.
-Sensor readSensor(const YamlNode& node, Canonical& canonical, bool versioned);
+// Reads and checks a sensor, checkSensor() included, and writes every setting to `canonical`. Files that it names lie relative to
+// `directory`. Only a file of its own is `versioned`.
+Sensor readSensor(const YamlNode& node, const std::filesystem::path& directory, Canonical& canonical, bool versioned);
 
 // The same from a file of its own.
 Sensor readSensorFile(const std::filesystem::path& file, Canonical& canonical);

@@ -5,6 +5,7 @@
 
 #include "geometry/text.h"
 #include "sensor/curve.h"
+#include "sensor/skin.h"
 #include "taxelsim/error.h"
 #include "taxelsim/sensor.h"
 
@@ -170,7 +171,17 @@ double kernelSum(const Psf& psf) {
   return sum;
 }
 
-void checkPsf(const Psf& psf, const std::vector<GridPatch>& patches) {
+void checkSpreadByDistance(const Sensor& sensor) {
+  const Psf& psf = sensor.psf;
+  checkPositive("psf.sigma", psf.sigma, "m");
+  checkNotNegative("psf.reach", psf.reach, "m");
+  if (psf.size != 1 || psf.kernel != std::vector<double>{1}) fail("psf.sigma", "a value beside a kernel", "either, not both");
+  skinNeighbours(sensor);  // refuses a reach over too many taxels
+}
+
+void checkPsf(const Sensor& sensor) {
+  const Psf& psf = sensor.psf;
+  if (psf.sigma != 0 || psf.reach != 0) return checkSpreadByDistance(sensor);
   if (psf.size < 1 || psf.size > kMaxKernelSize || psf.size % 2 == 0) {
     fail("psf.size", std::to_string(psf.size), "taxels per side, odd, 1 to " + std::to_string(kMaxKernelSize));
   }
@@ -181,8 +192,20 @@ void checkPsf(const Psf& psf, const std::vector<GridPatch>& patches) {
   for (std::size_t i = 0; i < psf.kernel.size(); ++i) checkNotNegative(at("psf.kernel", i), psf.kernel[i], "weight");
   checkPositive("psf.kernel", kernelSum(psf), "sum of weights");
   if (psf.normalization == Psf::Normalization::kPerSource && !(psf.kernel[num_weights / 2] > 0)) {
-    for (const GridPatch& patch : patches) checkReach(psf, patch);
+    for (const GridPatch& patch : sensor.patches) checkReach(psf, patch);
   }
+}
+
+// What a force on every taxel sums to in one of them, relative to it, where nothing is normalised.
+double largestGain(const Sensor& sensor) {
+  if (sensor.psf.sigma == 0) return kernelSum(sensor.psf);
+  double largest = 0;
+  for (const std::vector<SkinNeighbour>& neighbours : skinNeighbours(sensor)) {
+    double sum = 0;
+    for (const SkinNeighbour& neighbour : neighbours) sum += neighbour.weight;
+    largest = std::max(largest, sum);
+  }
+  return largest;
 }
 
 // The largest force that a taxel can bring to its curve: its whole area at the skin's full depth, times what gain, creep and kernel add.
@@ -194,7 +217,7 @@ double largestForce(const Sensor& sensor) {
   double creep = 1;
   for (const CreepTerm& term : sensor.readout.creep) creep += term.fraction;
   gain *= creep;
-  if (sensor.psf.normalization == Psf::Normalization::kNone) gain *= std::max(1.0, kernelSum(sensor.psf));
+  if (sensor.psf.normalization == Psf::Normalization::kNone) gain *= std::max(1.0, largestGain(sensor));
   // An undamped mass swings to twice its rest.
   if (std::holds_alternative<MassSpringDamper>(sensor.skin.law)) gain *= 2;
   // An incompressible layer bears any pressure: the curve must rise until it saturates.
@@ -307,7 +330,14 @@ void checkSensor(const Sensor& sensor) {
   checkWhole("samples_per_taxel", sensor.samples_per_taxel, 1, kMaxSamplesPerTaxel);
   checkSkin(sensor.skin);
   checkLayer(sensor);
-  checkPsf(sensor.psf, sensor.patches);
+  if (sensor.psf.sigma > 0 && std::holds_alternative<ElasticLayer>(sensor.skin.law)) {
+    fail("psf.sigma", numberText(sensor.psf.sigma), "a kernel over the grid, or none, for the law elastic_layer");
+  }
+  if (isTaxelList(sensor) && std::holds_alternative<DeformationMask>(sensor.skin.law)) {
+    fail("skin.law", "deformation_mask",
+         "winkler, mass_spring_damper or proximity for taxels with places of their own, as its mask goes over the rows of a grid");
+  }
+  checkPsf(sensor);
   checkReadout(sensor);
   checkNotNegative("frame_rate", sensor.frame_rate, "Hz");
 }

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "taxelsim/sensor.h"
 
 namespace taxelsim {
@@ -21,6 +23,21 @@ std::vector<Vector3> taxelPositions(const Sensor& sensor) {
     }
   }
   return positions;
+}
+
+bool isTaxelList(const Sensor& sensor) {
+  return sensor.patches.size() > 1 && std::all_of(sensor.patches.begin(), sensor.patches.end(),
+                                                  [](const GridPatch& patch) { return patch.num_rows == 1 && patch.num_cols == 1; });
+}
+
+std::vector<Vector3> taxelNormals(const Sensor& sensor) {
+  std::vector<Vector3> normals;
+  normals.reserve(static_cast<std::size_t>(numTaxels(sensor)));
+  for (const GridPatch& patch : sensor.patches) {
+    const auto count = static_cast<std::size_t>(patch.num_rows * patch.num_cols);
+    normals.insert(normals.end(), count, rotate(patch.X_SP.rotation, {0, 0, 1}));
+  }
+  return normals;
 }
 
 }  // namespace taxelsim

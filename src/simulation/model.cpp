@@ -23,6 +23,8 @@ constexpr std::uint32_t kTileOverhead = 4096;
 
 // Starting a workgroup on a software driver costs 1 to 3 us, so one does the work of many; on a GPU each is wanted for itself.
 constexpr std::uint32_t kMaxRepeat = 16;
+// Of tiles of several patches, most of which objects do not reach.
+constexpr std::uint32_t kMaxTileRepeat = 64;
 
 // Of the passes over taxels: no invocation waits for another.
 constexpr std::uint32_t kTaxelWorkgroup = 64;
@@ -44,9 +46,9 @@ std::uint32_t chooseWorkgroup(int wanted, const DeviceInfo& info, std::uint32_t 
 }
 
 // `turns` that an invocation takes for one piece of work.
-std::uint32_t chooseRepeat(const DeviceInfo& info, std::uint64_t turns) {
+std::uint32_t chooseRepeat(const DeviceInfo& info, std::uint64_t turns, std::uint32_t most = kMaxRepeat) {
   if (info.type != DeviceType::kCpu) return 1;
-  return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(kMaxTurns / std::max<std::uint64_t>(turns, 1), 1, kMaxRepeat));
+  return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(kMaxTurns / std::max<std::uint64_t>(turns, 1), 1, most));
 }
 
 // Turns that one invocation alone would take for an elastic layer: two products of all strips with all others in some of the iterations,
@@ -118,13 +120,13 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
   if (layer) {
     layer_workgroup = chooseWorkgroup(options.contact_workgroup, info, 64, layerWork(sensor, *layer), "contact_workgroup");
   }
-  const auto kernel_area = static_cast<std::uint64_t>(sensor.psf.size * sensor.psf.size);
-  const std::uint64_t image_work = num_taxels * (kernel_area + (sensor.readout.curve.size() > 1 ? 64 : 8) + turnsOfTime(sensor.readout));
+  const std::uint64_t sources = packed.one_grid ? static_cast<std::uint64_t>(sensor.psf.size * sensor.psf.size) : packed.num_entries;
+  const std::uint64_t image_work = num_taxels * (sources + (sensor.readout.curve.size() > 1 ? 64 : 8) + turnsOfTime(sensor.readout));
   image_workgroup = chooseWorkgroup(options.image_workgroup, info, 64, image_work, "image_workgroup");
   // On a software driver every invocation has an instance of its own, unless that would be too many turns for it.
   const bool alone = info.type == DeviceType::kCpu && options.image_workgroup == 0 && image_work <= kMaxTurns;
   image_team = alone ? 1 : std::min(image_workgroup, packed.image_lanes);
-  contact_repeat = chooseRepeat(info, contact_work / contact_workgroup);
+  contact_repeat = chooseRepeat(info, contact_work / contact_workgroup, packed.tiles.size() > 1 ? kMaxTileRepeat : kMaxRepeat);
   image_repeat = chooseRepeat(info, image_work / image_team);
 
   gpu::Context& context = device.context();
@@ -206,8 +208,8 @@ std::vector<gpu::Constant> Model::Impl::constants(const Sensor& sensor, const Pa
                                     static_cast<std::uint32_t>(numTaxels(sensor)),
                                     static_cast<std::uint32_t>(packed.tiles.size()),
                                     static_cast<std::uint32_t>(sensor.samples_per_taxel),
-                                    packed.one_patch ? static_cast<std::uint32_t>(patch.num_rows) : 0u,
-                                    packed.one_patch ? static_cast<std::uint32_t>(patch.num_cols) : 1u,
+                                    packed.one_grid ? static_cast<std::uint32_t>(patch.num_rows) : 0u,
+                                    packed.one_grid ? static_cast<std::uint32_t>(patch.num_cols) : 1u,
                                     sizes.repeats,
                                     static_cast<std::uint32_t>(sensor.psf.size),
                                     bits(patch.pitch[0]),
@@ -296,7 +298,8 @@ gpu::Kernel Model::Impl::makeImageKernel(const ImageVariant& variant) const {
                                    readout.random_walk > 0,
                                    bits(readout.bias),
                                    bits(readout.dead_taxel_probability),
-                                   variant.whole_array})}};
+                                   variant.whole_array,
+                                   packed.turns_shear})}};
 }
 
 const std::vector<gpu::Kernel>& Model::Impl::taxelKernels() const {
@@ -326,7 +329,8 @@ gpu::Kernel Model::Impl::makeLoadKernel() const {
           {.name = "load",
            .spirv = k_load_spirv,
            .buffers = {"Instances", "Step", "TileResults", "Loads"},
-           .constants = {{0, image_workgroup}, {1, static_cast<std::uint32_t>(packed.tiles.size())}, {2, kLoadEvaluations}}}};
+           .constants = {
+               {0, image_workgroup}, {1, static_cast<std::uint32_t>(packed.tiles.size())}, {2, kLoadEvaluations}, {3, packed.one_grid}}}};
 }
 
 gpu::Kernel Model::Impl::makeLayerKernel(const LayerVariant& variant) const {

@@ -15,6 +15,11 @@
 
 namespace taxelsim {
 
+inline constexpr std::uint32_t kNoSearch = 0;
+inline constexpr std::uint32_t kSearchInTile = 1;
+inline constexpr std::uint32_t kSearchOverTiles = 2;
+inline constexpr std::uint32_t kSearchEnded = 3;
+
 struct Model::Impl {
   Impl(const Device& of, const ModelOptions& options);
 
@@ -52,8 +57,8 @@ struct Model::Impl {
     auto operator<=>(const ContactVariant&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 misreads it
   };
   const gpu::Kernel& contactKernel(const ContactVariant& variant) const;
-  // Tiles that a workgroup of it does one after another; a load search has turns enough for one.
-  std::uint32_t contactRepeat(const ContactVariant& variant) const { return variant.search == 0 ? contact_repeat : 1; }
+  // Tiles that a workgroup of it does one after another; a load search in a tile has turns enough for one.
+  std::uint32_t contactRepeat(const ContactVariant& variant) const { return variant.search == kSearchInTile ? 1 : contact_repeat; }
   struct ImageVariant {
     bool random = false;                                    // some instance draws noise or gains
     bool whole_array = false;                               // taxels that nothing reaches may have a force
@@ -99,11 +104,6 @@ struct Model::Impl {
   mutable std::map<std::uint32_t, gpu::Kernel> contacts_;
   mutable std::map<LayerVariant, gpu::Kernel> layer_;
 };
-
-inline constexpr std::uint32_t kNoSearch = 0;
-inline constexpr std::uint32_t kSearchInTile = 1;
-inline constexpr std::uint32_t kSearchOverTiles = 2;
-inline constexpr std::uint32_t kSearchEnded = 3;
 
 // Evaluations of the load search over several tiles.
 inline constexpr std::uint32_t kLoadEvaluations = 48;

@@ -5,10 +5,13 @@
 #include <cmath>
 #include <limits>
 
+#include "sensor/skin.h"
 #include "simulation/rows.h"
 
 namespace taxelsim {
 namespace {
+
+constexpr double kEndless = 1e30;  // m, for a float
 
 // Cuts a patch into near-square tiles of whole taxels, as even as they come.
 void addTiles(const GridPatch& patch, std::uint32_t patch_number, std::uint32_t max_taxels, std::vector<layout::TileRecord>& tiles) {
@@ -39,6 +42,51 @@ std::vector<glm::vec4> inRows(const std::vector<float>& numbers) {
   return rows;
 }
 
+using Sources = std::vector<std::vector<glm::vec2>>;  // (num_taxels): pairs of source (as bits) and weight
+
+// Lists of one length, filled up with the taxel itself at weight 0; after them, of a sensor whose shear turns along the skin, the turns.
+void packSources(const Sensor& sensor, const Sources& sources, PackedSensor& packed) {
+  for (const std::vector<glm::vec2>& list : sources)
+    packed.num_entries = std::max(packed.num_entries, static_cast<std::uint32_t>(list.size()));
+  std::vector<float> pairs;
+  for (std::size_t e = 0; e < packed.num_entries; ++e) {
+    for (std::size_t t = 0; t < sources.size(); ++t) {
+      const glm::vec2 entry = e < sources[t].size() ? sources[t][e] : glm::vec2(std::bit_cast<float>(static_cast<std::uint32_t>(t)), 0);
+      pairs.push_back(entry.x);
+      pairs.push_back(entry.y);
+    }
+  }
+  if (packed.turns_shear) {
+    std::vector<const Quaternion*> R_SP;
+    for (const GridPatch& patch : sensor.patches) {
+      R_SP.insert(R_SP.end(), static_cast<std::size_t>(patch.num_rows * patch.num_cols), &patch.X_SP.rotation);
+    }
+    for (std::size_t e = 0; e < packed.num_entries; ++e) {
+      for (std::size_t t = 0; t < sources.size(); ++t) {
+        const std::size_t source = e < sources[t].size() ? std::bit_cast<std::uint32_t>(sources[t][e].x) : t;
+        for (const double part : turnAlongSkin(*R_SP[source], *R_SP[t])) pairs.push_back(static_cast<float>(part));
+      }
+    }
+  }
+  packed.spread_rows = inRows(pairs);
+}
+
+// The spread by distance along the skin; neighbours are so mutually, and weigh as much either way.
+void packSkinSpread(const Sensor& sensor, PackedSensor& packed) {
+  Sources sources;
+  for (const std::vector<SkinNeighbour>& neighbours : skinNeighbours(sensor)) {
+    std::vector<glm::vec2>& list = sources.emplace_back();
+    double arriving = 0;
+    for (const SkinNeighbour& neighbour : neighbours) {
+      arriving += neighbour.weight;
+      list.emplace_back(std::bit_cast<float>(neighbour.taxel), static_cast<float>(neighbour.weight));
+    }
+    const bool per_source = sensor.psf.normalization == Psf::Normalization::kPerSource;
+    packed.spread_scale.push_back(per_source ? static_cast<float>(1 / arriving) : 1.0f);
+  }
+  packSources(sensor, sources, packed);
+}
+
 // Paper eq. (1): what each source gives, per newton, so that it arrives whole; and for every taxel its sources. One patch keeps its kernel
 // as it is.
 void packSpread(const Sensor& sensor, PackedSensor& packed) {
@@ -47,7 +95,7 @@ void packSpread(const Sensor& sensor, PackedSensor& packed) {
     return sensor.psf.kernel[static_cast<std::size_t>((a + radius) * sensor.psf.size + b + radius)];
   };
   const auto num_taxels = static_cast<std::size_t>(numTaxels(sensor));
-  std::vector<std::vector<glm::vec2>> sources(num_taxels);
+  Sources sources(num_taxels);
   packed.spread_scale.assign(num_taxels, 1.0f);
   int first = 0;
   for (const GridPatch& patch : sensor.patches) {
@@ -70,21 +118,11 @@ void packSpread(const Sensor& sensor, PackedSensor& packed) {
     }
     first += patch.num_rows * patch.num_cols;
   }
-  for (const std::vector<glm::vec2>& list : sources)
-    packed.num_entries = std::max(packed.num_entries, static_cast<std::uint32_t>(list.size()));
-  if (packed.one_patch) {
+  if (packed.one_grid) {
     packed.spread_rows = inRows({sensor.psf.kernel.begin(), sensor.psf.kernel.end()});
-    return;
+  } else {
+    packSources(sensor, sources, packed);
   }
-  std::vector<float> pairs;
-  for (std::size_t e = 0; e < packed.num_entries; ++e) {
-    for (std::size_t t = 0; t < num_taxels; ++t) {
-      const glm::vec2 entry = e < sources[t].size() ? sources[t][e] : glm::vec2(std::bit_cast<float>(static_cast<std::uint32_t>(t)), 0);
-      pairs.push_back(entry.x);
-      pairs.push_back(entry.y);
-    }
-  }
-  packed.spread_rows = inRows(pairs);
 }
 
 void packTaxels(const Sensor& sensor, bool one_patch, std::vector<layout::TaxelRecord>& taxels) {
@@ -126,6 +164,9 @@ PackedSensor packSensor(const Sensor& sensor, std::uint32_t tile_samples) {
   const auto samples = static_cast<std::uint32_t>(sensor.samples_per_taxel);
   const auto num_taxels = static_cast<std::uint32_t>(numTaxels(sensor));
   packed.one_patch = sensor.patches.size() == 1;
+  packed.one_grid = packed.one_patch && sensor.psf.sigma == 0;
+  packed.turns_shear = sensor.psf.sigma > 0 && sensor.skin.friction.friction_coefficient > 0;
+  const std::vector<double> view_depths = viewDepths(sensor);
   std::uint32_t first_taxel = 0;
   double highest = -std::numeric_limits<double>::infinity();
   double lowest = -highest;
@@ -138,7 +179,8 @@ PackedSensor packSensor(const Sensor& sensor, std::uint32_t tile_samples) {
                               row(rotation, X_PS.position, 1),
                               row(rotation, X_PS.position, 2),
                               {static_cast<std::uint32_t>(patch.num_rows), static_cast<std::uint32_t>(patch.num_cols), first_taxel, 0u},
-                              {static_cast<float>(dx), static_cast<float>(dy), static_cast<float>(dx * dy), 0.0f}});
+                              {static_cast<float>(dx), static_cast<float>(dy), static_cast<float>(dx * dy),
+                               static_cast<float>(std::min(view_depths[packed.patches.size()], kEndless))}});
     addTiles(patch, static_cast<std::uint32_t>(packed.patches.size()) - 1, std::max(1u, tile_samples / (samples * samples)), packed.tiles);
     first_taxel += static_cast<std::uint32_t>(patch.num_rows * patch.num_cols);
     for (const double sx : {-0.5, 0.5}) {
@@ -155,15 +197,16 @@ PackedSensor packSensor(const Sensor& sensor, std::uint32_t tile_samples) {
   // Some sixteen taxels a lane, so that a lane has work and a large sensor's lanes are many.
   constexpr std::uint32_t kTaxelsPerLane = 16;
   constexpr std::uint32_t kMaxLanes = 64;
-  packed.contact_lanes = std::clamp(std::bit_ceil(num_taxels / kTaxelsPerLane), 8u, kMaxLanes);
-  const std::uint32_t rows = packed.one_patch ? static_cast<std::uint32_t>(sensor.patches.front().num_rows)
-                                              : (num_taxels + layout::kListCols - 1) / layout::kListCols;
+  const std::uint32_t most_taxels = packed.one_patch ? num_taxels : packed.max_tile_samples / (samples * samples);
+  packed.contact_lanes = std::clamp(std::bit_ceil(most_taxels / kTaxelsPerLane), 8u, kMaxLanes);
+  const std::uint32_t rows = packed.one_grid ? static_cast<std::uint32_t>(sensor.patches.front().num_rows)
+                                             : (num_taxels + layout::kListCols - 1) / layout::kListCols;
   packed.image_lanes = std::min(std::bit_ceil(rows), kMaxLanes);
   packed.flat = packed.one_patch && sensor.patches.front().X_SP == Pose{};
   packed.searches_in_tile = packed.tiles.size() == 1 && packed.patches.front().row2.z == 1.0f;
   packTaxels(sensor, packed.one_patch, packed.taxels);
 
-  packSpread(sensor, packed);
+  sensor.psf.sigma > 0 ? packSkinSpread(sensor, packed) : packSpread(sensor, packed);
   packLag(sensor.readout, packed);
 
   layout::SensorRecord& record = packed.sensor;

@@ -15,7 +15,9 @@ struct PackedSensor {
   std::vector<layout::PatchRecord> patches;
   std::vector<layout::TileRecord> tiles;
   std::vector<layout::TaxelRecord> taxels;
-  std::vector<glm::vec4> spread_rows;  // the kernel of one patch, or pairs (entries x num_taxels) of source (as bits) and weight
+  // The kernel of one patch, or pairs (entries x num_taxels) of source (as bits) and weight, then as many of cosine and sine
+  // (turnAlongSkin()) where shear turns.
+  std::vector<glm::vec4> spread_rows;
   std::uint32_t num_entries = 0;       // per taxel
   std::vector<float> spread_scale;     // (num_taxels): what a source gives to the spread per newton
   std::uint32_t max_tile_samples = 0;  // of any tile
@@ -23,6 +25,8 @@ struct PackedSensor {
   std::uint32_t image_lanes = 0;       // and of the image pass
   std::uint32_t num_states = 0;        // of stage 4 per taxel, shaders/lib/lag.glsl
   bool one_patch = false;
+  bool one_grid = false;          // one patch whose spread is a kernel
+  bool turns_shear = false;       // spread by distance, of a skin with friction
   bool flat = false;              // the one patch's frame is the sensor's
   float highest = 0, lowest = 0;  // z in S of the corners of patches, m
   // The load search can move a tile's heights instead of its objects: one tile, facing along z of S.

@@ -52,6 +52,24 @@ TEST(CheckSensor, TakesTheExampleAndTheEndsOfRanges) {
   expectTaken([](Sensor& s) { s.patches[0].X_SP.rotation = {0.7071, 0.7071, 0, 0}; });
 }
 
+TEST(CheckSensor, AMaskNeedsRows) {
+  const auto list = [](Sensor& s) {
+    s.skin.law = DeformationMask{};
+    s.psf = {};
+    s.readout.taxel_gain.clear();
+    s.readout.taxel_trigger.clear();
+    s.patches = {taxelPatch("a", {0, 0, 0}, {0, 0, 1}, {1e-3, 1e-3}), taxelPatch("b", {1e-3, 0, 0}, {0.1, 0, 1}, {1e-3, 1e-3})};
+  };
+  expectRefused("skin.law", list);
+  expectRefused("patches", [&](Sensor& s) { list(s), s.skin.law = ElasticLayer{.elastic_modulus = 1e5}; });
+  expectRefused("psf.sigma", [&](Sensor& s) {
+    list(s), s.patches.pop_back(), s.skin.law = ElasticLayer{.elastic_modulus = 1e5};
+    s.psf.sigma = 1e-3;
+  });
+  expectTaken([&](Sensor& s) { list(s), s.skin.law = Proximity{.sensitivity = 1e8}; });
+  expectTaken([&](Sensor& s) { list(s), s.patches.pop_back(); });
+}
+
 TEST(CheckSensor, SaysFieldValueAndWhatIsAllowed) {
   Sensor sensor = exampleSensor();
   sensor.readout.noise = -1;

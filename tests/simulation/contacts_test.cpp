@@ -9,6 +9,7 @@
 #include "reference/contact_points.h"
 #include "reference/psf.h"
 #include "simulation/comparison.h"
+#include "support/curved_sensor.h"
 #include "support/random_scene.h"
 #include "taxelsim/error.h"
 
@@ -91,9 +92,7 @@ void expectSameAsTwin(const FrameView& frame, int instance, const Sensor& sensor
 
 class ContactSeeds : public ::testing::TestWithParam<int> {};
 
-TEST_P(ContactSeeds, MatchTheTwin) {
-  Random random(9000 + static_cast<std::uint64_t>(GetParam()));
-  const Sensor sensor = support::randomSensor(random, {.max_patches = 1 + GetParam() % 4, .max_patch_tilt = GetParam() % 2 ? 0.5 : 0});
+void expectRandomContactsMatchTheTwin(Random& random, const Sensor& sensor) {
   const int workgroups[] = {0, 4, 8, 16, 32, 64, 128, 256};
   const Model model(support::sharedDevice(), {.sensor = sensor, .image_workgroup = workgroups[random.integer(0, 7)]});
   const double band = random.uniform(0, 0.5e-3);
@@ -109,7 +108,51 @@ TEST_P(ContactSeeds, MatchTheTwin) {
   }
 }
 
+TEST_P(ContactSeeds, MatchTheTwin) {
+  Random random(9000 + static_cast<std::uint64_t>(GetParam()));
+  expectRandomContactsMatchTheTwin(
+      random, support::randomSensor(random, {.max_patches = 1 + GetParam() % 4, .max_patch_tilt = GetParam() % 2 ? 0.5 : 0}));
+}
+
+TEST_P(ContactSeeds, MatchTheTwinWithASpreadAlongTheSkin) {
+  Random random(9500 + static_cast<std::uint64_t>(GetParam()));
+  Sensor sensor = GetParam() % 4 < 3 ? support::curvedSensor(random, GetParam() % 4) : support::randomSensor(random);
+  if (GetParam() % 4 == 3) sensor.psf = {.sigma = 0.7 * sensor.patches[0].pitch[0]};
+  expectRandomContactsMatchTheTwin(random, sensor);
+}
+
 INSTANTIATE_TEST_SUITE_P(Random, ContactSeeds, ::testing::Range(0, 24));
+
+// A flat list parts contacts as the grid that it copies; a sphere's go to the taxel nearest along the skin, and none is lost between two.
+TEST(ContactsOnTaxels, GoWhereASkinHasThem) {
+  Random random(17);
+  const Sensor grid = support::gridSensor({.num_rows = 5, .num_cols = 7, .pitch_x = 2e-3, .pitch_y = 3e-3});
+  Sensor list = grid;
+  list.patches.clear();
+  for (const Vector3& p : taxelPositions(grid)) list.patches.push_back(taxelPatch("t", p, {0, 0, 1}, grid.patches[0].pitch));
+  for (int n = 0; n < 2000; ++n) {
+    const Vector3 p{random.uniform(-4.9e-3, 4.9e-3), random.uniform(-10.4e-3, 10.4e-3), random.uniform(-1e-3, 0)};
+    if (isClear(grid, p, 0)) {
+      EXPECT_EQ(reference::taxelAt(list, p, 0), reference::taxelAt(grid, p, 0));
+    }
+  }
+  constexpr double kRadius = 8e-3;
+  const Sensor sphere = support::sphereFingertip(kRadius, 2, 1.3);
+  const std::vector<Vector3> normals = taxelNormals(sphere);
+  for (int n = 0; n < 2000; ++n) {
+    const double lean = random.uniform(0, 1.1), around = random.uniform(-3.2, 3.2);
+    const Vector3 out{std::sin(lean) * std::cos(around), std::sin(lean) * std::sin(around), std::cos(lean)};
+    int nearest = 0;
+    double largest = -1;
+    for (std::size_t t = 0; t < normals.size(); ++t) {
+      const double cosine = out[0] * normals[t][0] + out[1] * normals[t][1] + out[2] * normals[t][2];
+      if (cosine > largest) largest = cosine, nearest = static_cast<int>(t);
+    }
+    const Vector3 p{kRadius * out[0], kRadius * out[1], kRadius * (out[2] - 1)};
+    if (!isClear(sphere, p, 1e-6)) continue;
+    EXPECT_EQ(reference::taxelAt(sphere, p, 1e-6), nearest);
+  }
+}
 
 // 128 x 128 taxels, many tiles: all of the result is in the first.
 TEST(ContactsOnDevice, LargestSensor) {

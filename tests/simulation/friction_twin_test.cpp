@@ -15,6 +15,7 @@
 #include "reference/psf.h"
 #include "reference/samples.h"
 #include "simulation/comparison.h"
+#include "support/curved_sensor.h"
 #include "support/random_scene.h"
 
 namespace taxelsim {
@@ -54,16 +55,21 @@ double angleOf(const Quaternion& from, const Quaternion& to) {
   return 2 * std::hypot(turn[1], turn[2], turn[3]);
 }
 
-// Whether, at each sample, no other object's surface may be lower than that of the lowest.
+// Whether, at each sample, it is sure which object is the one that touches: its surface is the lowest, or the first below the skin.
 std::vector<bool> surelyLowest(const Sensor& sensor, const std::vector<PlacedObject>& placed, const support::Rounding& rounding) {
   std::vector<Bounded> heights;
   for (const PlacedObject& one : placed) heights.push_back(support::heightEnvelope(sensor, {&one, 1}, rounding.shift, rounding.margin_z));
+  for (Bounded& of_one : heights) {
+    for (double& height : of_one.low) height = std::max(height, -sensor.skin.thickness);
+    for (double& height : of_one.high) height = std::max(height, -sensor.skin.thickness);
+  }
   std::vector<bool> result(heights[0].low.size(), true);
   for (std::size_t n = 0; n < result.size(); ++n) {
     std::size_t lowest = 0;
     for (std::size_t k = 0; k < placed.size(); ++k) lowest = heights[k].high[n] < heights[lowest].high[n] ? k : lowest;
     for (std::size_t k = 0; k < placed.size(); ++k) {
-      if (k != lowest && heights[k].low[n] <= heights[lowest].high[n]) result[n] = false;
+      const bool both_below = k > lowest && heights[lowest].high[n] == -sensor.skin.thickness;
+      if (k != lowest && !both_below && heights[k].low[n] <= heights[lowest].high[n]) result[n] = false;
     }
   }
   return result;
@@ -119,14 +125,17 @@ Tracked advance(const Sensor& sensor, const std::vector<PlacedObject>& placed, c
 
 struct PathKind {
   support::SensorRange sensor;
+  int curved = -1;  // instead: number of a curvedSensor(); 3: one grid with a spread along the skin
   double solid_share = 0.5;
   bool all_convex = false;
   int num_slots = 1;
   bool with_loads = false;
 };
 
-Sensor randomFrictionSensor(Random& random, const support::SensorRange& range) {
-  Sensor sensor = support::randomSensor(random, range);
+Sensor randomFrictionSensor(Random& random, const PathKind& kind) {
+  Sensor sensor =
+      kind.curved >= 0 && kind.curved < 3 ? support::curvedSensor(random, kind.curved) : support::randomSensor(random, kind.sensor);
+  if (kind.curved == 3) sensor.psf = {.sigma = 0.7 * sensor.patches[0].pitch[0]};
   sensor.samples_per_taxel = random.integer(1, 5);
   const double stiffness = reference::pressureOf(sensor.skin.law, sensor.skin.thickness, 0) / sensor.skin.thickness;
   sensor.skin.friction = {stiffness * std::pow(10, random.uniform(-1.5, 1.5)), random.uniform(0.1, 1.5)};
@@ -144,7 +153,7 @@ Pose nextPose(Random& random, const Pose& X_SO, double thickness) {
 
 void runPath(const PathKind& kind, int seed) {
   Random random(static_cast<std::uint64_t>(seed));
-  const Sensor sensor = randomFrictionSensor(random, kind.sensor);
+  const Sensor sensor = randomFrictionSensor(random, kind);
   std::vector<Object> objects;
   for (int n = 0; n < 3; ++n) {
     objects.push_back(random.chance(kind.solid_share) ? support::randomSolid(random, kObjectSize)
@@ -157,7 +166,9 @@ void runPath(const PathKind& kind, int seed) {
   for (Touch& touch : touches) {
     for (int slot = 0; slot < kind.num_slots; ++slot) {
       touch.ids.push_back(random.integer(0, 2));
-      touch.X_SO.push_back(support::randomContact(random, sensor, objects[touch.ids.back()]));
+      touch.X_SO.push_back(isTaxelList(sensor) && !kind.with_loads
+                               ? support::randomContactOnTaxel(random, sensor, objects[touch.ids.back()])
+                               : support::randomContact(random, sensor, objects[touch.ids.back()]));
     }
     loads.push_back(kind.with_loads ? static_cast<float>(random.uniform(0.01, 0.5)) : kPoseDriven);
   }
@@ -238,6 +249,14 @@ TEST_P(FrictionTwinSeeds, UnderALoad) {
   runPath({.sensor = {.max_rows = 8, .max_cols = 8, .max_patches = 1 + GetParam() % 2, .max_patch_tilt = GetParam() % 4 < 2 ? 0.0 : 0.2},
            .with_loads = true},
           4000 + GetParam());
+}
+
+TEST_P(FrictionTwinSeeds, TaxelsWithPlacesOfTheirOwn) {
+  runPath({.sensor = {}, .curved = GetParam() % 4, .num_slots = 1 + GetParam() / 4}, 5000 + GetParam());
+}
+
+TEST_P(FrictionTwinSeeds, TaxelsWithPlacesOfTheirOwnUnderALoad) {
+  runPath({.sensor = {}, .curved = GetParam() % 4, .all_convex = true, .with_loads = true}, 6000 + GetParam());
 }
 
 INSTANTIATE_TEST_SUITE_P(Random, FrictionTwinSeeds, ::testing::Range(0, 8));

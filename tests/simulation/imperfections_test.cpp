@@ -12,6 +12,7 @@
 
 #include "reference/lag.h"
 #include "simulation/comparison.h"
+#include "support/curved_sensor.h"
 #include "support/random_scene.h"
 
 namespace taxelsim {
@@ -85,8 +86,12 @@ constexpr double kDraw = 3e-3;
 constexpr double kRounded = 1e-5;
 
 TEST(ImperfectionsOnDevice, CountsAreTheTwins) {
-  for (const int num_patches : {1, 2}) {
-    Sensor sensor = busySensor(num_patches);
+  for (const int num_patches : {1, 2, 60}) {  // 60 and more: taxels with places of their own
+    Sensor sensor = busySensor(num_patches < 60 ? num_patches : 1);
+    if (num_patches == 60) {
+      sensor.patches = support::sphereFingertip(8e-3, 2, 1.2).patches;
+      sensor.psf = {.sigma = 1e-3};
+    }
     const std::uint32_t steps_per_frame = num_patches == 1 ? 1 : 2;
     sensor.frame_rate = num_patches == 1 ? 0 : 0.5 / kDt;
     const Readout& readout = sensor.readout;
@@ -122,7 +127,7 @@ TEST(ImperfectionsOnDevice, CountsAreTheTwins) {
       }
     }
     EXPECT_GT(num_dead, 0);
-    EXPECT_GT(num_read, 100);
+    EXPECT_GT(num_read, 50);
   }
 }
 

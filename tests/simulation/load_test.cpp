@@ -8,6 +8,7 @@
 #include "reference/contact.h"
 #include "reference/load.h"
 #include "simulation/comparison.h"
+#include "support/curved_sensor.h"
 #include "support/random_scene.h"
 
 namespace taxelsim {
@@ -82,10 +83,8 @@ class LoadOnDevice : public ::testing::TestWithParam<int> {};
 
 // Over the middle, over the border, with one or two objects, solids and meshes (with holes): loads from 2 to 95 % of what full depth
 // carries.
-void runRandomLoads(int seed, const support::SensorRange& range, bool is_level,
+void runRandomLoads(Random& random, const Sensor& sensor, bool is_level,
                     Object (*randomMesh)(Random&, double) = support::randomMeshObject) {
-  Random random(static_cast<std::uint64_t>(seed));
-  const Sensor sensor = support::randomSensor(random, range);
   std::vector<Object> objects;
   for (int n = 0; n < 3; ++n) {
     objects.push_back(random.chance(0.5) ? support::randomSolid(random, 0.02) : randomMesh(random, 0.02));
@@ -113,6 +112,13 @@ void runRandomLoads(int seed, const support::SensorRange& range, bool is_level,
   }
 }
 
+void runRandomLoads(int seed, const support::SensorRange& range, bool is_level,
+                    Object (*randomMesh)(Random&, double) = support::randomMeshObject) {
+  Random random(static_cast<std::uint64_t>(seed));
+  const Sensor sensor = support::randomSensor(random, range);
+  runRandomLoads(random, sensor, is_level, randomMesh);
+}
+
 TEST_P(LoadOnDevice, OnePatch) {
   runRandomLoads(GetParam(), {}, true);
 }
@@ -127,6 +133,22 @@ TEST_P(LoadOnDevice, SeveralLevelPatches) {
 
 TEST_P(LoadOnDevice, SeveralTiltedPatches) {
   runRandomLoads(2000 + GetParam(), {.max_rows = 5, .max_cols = 5, .max_patches = 3, .max_patch_tilt = 0.2}, false);
+}
+
+// Loose triangles, pressed into a body beyond the depth that its skin sees, leave its skin one by one: their force does not grow with
+// depth.
+Object closedMesh(Random& random, double size) {
+  return random.chance(0.5) ? support::randomPolyhedron(random, size)
+                            : Object("bumpy sphere", support::icosphere(size / 2, random.integer(0, 3), random.uniform(0, 0.1), random));
+}
+
+TEST_P(LoadOnDevice, Fingertips) {
+  Random random(static_cast<std::uint64_t>(4000 + GetParam()));
+  Sensor sensor = GetParam() % 3 == 0   ? support::cylinderFingertip(8e-3, 1.4 + 0.1 * GetParam() / 3, 9, 4, 2.4e-3)
+                  : GetParam() % 3 == 1 ? support::sphereFingertip(8e-3, 2, 1.3)
+                                        : support::randomTaxels(random, random.integer(10, 40));
+  sensor.psf.sigma = 1e-3;
+  runRandomLoads(random, sensor, false, closedMesh);
 }
 
 INSTANTIATE_TEST_SUITE_P(Random, LoadOnDevice, ::testing::Range(0, 15));
@@ -205,6 +227,18 @@ TEST(LoadOnDevice, OutOfReachIsReportedAndHarmsNobody) {
   EXPECT_EQ(frame.ground_truth.total_force[1], 0);
   EXPECT_EQ(frame.ground_truth.total_force[2], 0);
   EXPECT_NEAR(frame.ground_truth.total_force[3], 0.1, kCarried * 0.1 + support::kAbsoluteForce);
+}
+
+// One grid whose spread goes by lists, level and tilted: the search stays in its tile, or goes over tiles that are one.
+TEST(LoadOnDevice, OneGridWithASpreadAlongTheSkin) {
+  Sensor sensor = support::gridSensor({.num_rows = 5, .num_cols = 6});
+  sensor.psf.sigma = 3e-3;
+  const std::vector<Object> objects{Object(Sphere{8e-3})};
+  const Touch over{{0}, {{.position = {1e-3, 2e-3, 0.03}}}}, beside{{0}, {{.position = {0.2, 0, 0.01}}}};
+  for (const double tilt : {0.0, 0.15}) {
+    sensor.patches[0].X_SP.rotation = axisAngle({1, 2, 0}, tilt);
+    runLoads(sensor, objects, {{over, 0.7f}, {beside, 0.5f}, {over, 1.5f}}, tilt == 0);
+  }
 }
 
 TEST(LoadOnDevice, PoseDrivenNeighboursStayWhereTheyAre) {

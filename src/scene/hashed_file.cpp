@@ -1,0 +1,29 @@
+#include "scene/hashed_file.h"
+
+#include "base/sha256.h"
+
+namespace taxelsim {
+
+std::filesystem::path readHashedFile(const YamlMap& map, std::string_view key, std::string_view what,
+                                     const std::filesystem::path& directory, std::uintmax_t max_bytes) {
+  const YamlNode node = map.require(key, std::string(what));
+  Canonical& canonical = map.canonical();
+  std::filesystem::path file = directory / node.text(std::string(what));
+  canonical.line(key, canonicalText(file.filename().string()));
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) node.fail(file.generic_string() + " is not there, or not a file");
+  if (file.extension() == ".gltf") {
+    node.fail("a .gltf keeps its geometry in other files, which its SHA-256 does not cover: save it as .glb");
+  }
+  if (std::filesystem::file_size(file, error) > max_bytes || error) {
+    node.fail(file.generic_string() + " is too large: at most " + std::to_string(max_bytes) + " bytes");
+  }
+  const std::string digest = atNode(node, [&] { return sha256File(file); });
+  canonical.line("sha256", "\"" + digest + "\"");
+  if (const std::optional<YamlNode> expected = map.find("sha256"); expected && expected->text("64 hexadecimal digits") != digest) {
+    expected->fail("not the SHA-256 of " + file.generic_string() + ", which is " + digest);
+  }
+  return file;
+}
+
+}  // namespace taxelsim

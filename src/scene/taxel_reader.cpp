@@ -1,0 +1,80 @@
+#include "scene/taxel_reader.h"
+
+#include "scene/hashed_file.h"
+#include "scene/urdf_taxels.h"
+#include "sensor/taxel_mesh.h"
+#include "taxelsim/object.h"
+
+namespace taxelsim {
+namespace {
+
+const std::string kAtMost = "at most " + std::to_string(kMaxListTaxels) + " taxels";
+
+// A side, or [along x, along y].
+std::array<double, 2> readSize(const YamlMap& map) {
+  const Allowed allowed = Allowed::above(0, "m");
+  const YamlNode node = map.require("size", "the side of a square in m, > 0, or [along x, along y]");
+  std::array<double, 2> size{};
+  if (node.isList()) {
+    const std::vector<double> numbers = node.numbers(allowed, 2);
+    size = {numbers[0], numbers[1]};
+  } else {
+    size.fill(node.number(allowed));
+  }
+  map.canonical().line("size", canonicalList(size));
+  return size;
+}
+
+// The canonical text keeps directions as given: the rotation computed from them may differ in the last bit between machines.
+GridPatch readTaxel(const YamlMap& map, std::string name) {
+  const Vector3 position = map.numbers<3>("position", Allowed::any("m"));
+  const Allowed component = Allowed::any("");
+  const Vector3 normal = map.numbers<3>("normal", component);
+  std::optional<Vector3> x_axis;
+  if (map.has("x_axis")) x_axis = map.numbers<3>("x_axis", component);
+  const std::array<double, 2> size = readSize(map);
+  return atNode(map.node(), [&] { return taxelPatch(std::move(name), position, normal, size, x_axis); });
+}
+
+}  // namespace
+
+std::vector<GridPatch> readTaxelList(const YamlMap& sensor) {
+  const std::string what = "a list of at least one taxel";
+  const YamlNode list = sensor.require("taxels", what);
+  const std::vector<YamlNode> items = list.items(what);
+  if (items.empty()) list.refuse(what);
+  if (items.size() > static_cast<std::size_t>(kMaxListTaxels)) list.refuse(kAtMost);
+  Canonical& canonical = sensor.canonical();
+  canonical.open("taxels");
+  std::vector<GridPatch> taxels;
+  for (const YamlNode& item : items) {
+    const YamlMap map = YamlMap::item(item, {"position[_mm]", "normal", "size[_mm]", "x_axis"}, canonical);
+    taxels.push_back(readTaxel(map, "taxel_" + std::to_string(taxels.size())));
+  }
+  canonical.close();
+  return taxels;
+}
+
+std::vector<GridPatch> readTaxelMesh(const YamlMap& sensor, const std::filesystem::path& directory) {
+  const YamlMap map(sensor, "taxel_mesh", {"file", "scale", "up_axis", "sha256"});
+  const std::filesystem::path file = readHashedFile(map, "file", "a mesh file", directory, kMaxMeshFileBytes);
+  MeshOptions options;
+  options.scale = map.number("scale", Allowed::above(0, "m per unit of the file"), options.scale);
+  const std::string up = map.choice("up_axis", {"x", "y", "z"}, "z");
+  options.up_axis = up == "x" ? UpAxis::kX : up == "y" ? UpAxis::kY : UpAxis::kZ;
+  const YamlNode node = map.require("file", "a mesh file");
+  const Mesh mesh = atNode(node, [&] { return loadMesh(file, options); });
+  if (mesh.triangles.size() > 2 * static_cast<std::size_t>(kMaxListTaxels)) {
+    node.fail(std::to_string(mesh.triangles.size()) + " triangles are not allowed: two a taxel, " + kAtMost);
+  }
+  return atNode(node, [&] { return taxelsOfMesh(mesh); });
+}
+
+std::vector<GridPatch> readTaxelUrdf(const YamlMap& sensor, const std::filesystem::path& directory) {
+  const YamlMap map(sensor, "urdf", {"file", "sensor", "sha256"});
+  const std::filesystem::path file = readHashedFile(map, "file", "a URDF file", directory, kMaxUrdfBytes);
+  const std::string name = map.text("sensor", "the name of a tactile sensor in the URDF");
+  return atNode(map.node(), [&] { return loadUrdfTaxels(file, name, kMaxListTaxels); });
+}
+
+}  // namespace taxelsim
