@@ -10,10 +10,10 @@
 //      contact_depth (num_instances x num_taxels), m; tile_results (num_instances x num_tiles); loads (num_instances): what the search found.
 //      Of a law that is solved apart, instead of forces and depths, the height of the lowest surface (m, in P) over each of its nodes, which take the
 //      taxels' place; 1e30 where there is none.
-// State: of every sample, between steps: its depth where the law needs it, its shear traction where there is friction.
+// State: of every sample, between steps: its depth where the law needs it; where there is friction its shear traction, or how far its bristles are bent.
 // Shared memory: 4 TILE_SAMPLES + 16 LANES + 4 kClustersPerBatch + 4 kGroupsPerBatch + 4 REPEAT + 48 bytes, with friction 8 LANES and 512 more.
 // Deterministic: the tile is a minimum; sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
-// Twins: src/reference/depth.cpp, contact.cpp, friction.cpp, load.cpp.
+// Twins: src/reference/depth.cpp, contact.cpp, friction.cpp, lugre.cpp, load.cpp.
 
 #include "lib/pairs.glsl"
 #include "shared/layout.h"
@@ -36,6 +36,13 @@ layout(constant_id = 25) const bool FRICTION = false;     // shear with memory, 
 layout(constant_id = 26) const float TANGENTIAL_STIFFNESS = 1e8;  // N/m^3
 layout(constant_id = 27) const float FRICTION_COEFFICIENT = 1.0;
 layout(constant_id = 28) const bool OUTPUT_SHEAR = false;  // contact_shear is wanted
+layout(constant_id = 29) const bool BRISTLES = false;     // that shear is of the law lugre, lib/laws/lugre.glsl; its parameters
+layout(constant_id = 30) const float BRISTLE_STIFFNESS = 1e5;  // 1/m
+layout(constant_id = 31) const float BRISTLE_DAMPING = 316.0;  // s/m
+layout(constant_id = 32) const float VISCOUS_FRICTION = 0.4;   // s/m
+layout(constant_id = 33) const float STATIC_FRICTION = 1.5;
+layout(constant_id = 34) const float COULOMB_FRICTION = 1.0;
+layout(constant_id = 35) const float STRIBECK_VELOCITY = 1e-3;  // m/s
 
 // A software driver computes both sides of every branch and a loop's body at least once, so what a model, sensor or batch does not need is left
 // out by constants.
@@ -385,7 +392,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   uint first_taxel = instance * NUM_TAXELS + grid.z;
   const float kPerSample = 1.0 / float(SAMPLES * SAMPLES);
   bool at_rest = (flags & kFlagFirstStep) != 0 || load_driven;
-  float per_dt = HAS_STATE ? step_record.time.y : 0.0;
+  float per_dt = HAS_STATE || BRISTLES ? step_record.time.y : 0.0;
   uint deep = 0;
   for (uint v = lane; v < LANES; v += WORKGROUP) {
     vec4 wrench = vec4(0);  // normal force, torque about x, y and z of P
@@ -431,7 +438,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
           moment += f * position;
           depth_sum += d;
           if (FRICTION) {
-            vec2 q = shearTraction(tile_state + kFrictionHeader + address, is_kept, slotOf(word), vec3(position, -d), f);
+            vec2 q = shearTraction(tile_state + kFrictionHeader + address, is_kept, slotOf(word), vec3(position, -d), f, per_dt);
             shear += q;
             shear_moment += cross(vec3(position, -d), vec3(q, 0));
           }

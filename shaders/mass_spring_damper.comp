@@ -4,10 +4,12 @@
 // force in its spring. include/taxelsim/sensor.h, MassSpringDamper. An invocation owns one taxel of one instance.
 //
 // In:  contact_normal (num_instances x num_taxels), N, as the contact pass left it; step_record.law: exp(A dt) of the taxel's motion about rest, by rows.
-// Out: contact_normal, for the spread; law_state: force in the spring (N) and its rate (N/s).
+//      contact_shear (num_instances x num_taxels x 2), N, where it is wanted.
+// Out: contact_normal, contact_shear, for the spread; law_state: force in the spring (N) and its rate (N/s).
 // Twin: src/reference/taxel_laws.cpp.
 
 #include "lib/taxel_pass.glsl"
+#include "lib/cone.glsl"
 
 void main() {
   uint number = invocationNumber();
@@ -24,5 +26,8 @@ void main() {
   vec2 state = vec2(force, 0) + off_rest;
   law_state[number] = state;
   // A spring that swings back past its rest pulls on nothing.
-  giveToSpread(instance, taxel, max(state.x, 0.0));
+  float reading = max(state.x, 0.0);
+  giveToSpread(instance, taxel, reading);
+  // While the mass lags behind the force of contact, friction holds no more than what the spring shows of it.
+  if (SHEAR) giveShearToSpread(instance, taxel, onCone(contactShear(instance, taxel), FRICTION_COEFFICIENT * reading));
 }

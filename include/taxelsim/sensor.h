@@ -25,6 +25,8 @@ inline constexpr double kMaxCreepFraction = 1e6;
 inline constexpr double kMaxOffsetCounts = 1e9;  // of bias and random walk
 inline constexpr double kMaxGainSpread = 2;
 inline constexpr double kMaxFrictionCoefficient = 1000;
+inline constexpr double kMinLuGreFriction = 1e-9;        // of the coefficients of LuGre
+inline constexpr double kMaxBristle = 1e12;              // of the stiffness, damping and viscous friction of LuGre
 inline constexpr double kMaxTangentialStiffness = 1e30;  // N/m^3: what the device's float32 holds with room for a displacement
 inline constexpr int kMaxLayerNodes = 65536;             // of an elastic layer: samples of its patch and margin
 inline constexpr int kMaxLayerIterations = 1000;         // per frame
@@ -88,6 +90,25 @@ struct Proximity {
   bool operator==(const Proximity&) const = default;
 };
 
+// OpenGrasp: an elastic foundation (as Winkler with exponent 1) whose shear is that of LuGre (C. Canudas de Wit, H. Olsson, K. J. Astrom,
+// P. Lischinsky, "A new model for control of systems with friction", IEEE Trans. Automatic Control 40(3), 1995): at every sample bristles
+// that the object bends by z (m), moving over them at the velocity v. Per newton of normal force,
+//   z' = v - bristle_stiffness |v| z / g,  g = coulomb_friction + (static_friction - coulomb_friction) exp(-(|v| / stribeck_velocity)^2)
+//   shear = bristle_stiffness z + bristle_damping z' + viscous_friction v,  shortened to static_friction where it is longer,
+// v being the same throughout a step and shear that at its end. Unlike Friction it depends on speed. The shortening is not LuGre's: at a
+// jump of v it would overstep Coulomb's bound by the damping. The defaults are the paper's for a Coulomb friction of 1 N, taken per newton.
+struct LuGre {
+  double normal_contact_stiffness = 0;  // N/m^3, > 0
+  double bristle_stiffness = 1e5;       // sigma_0, 1/m, > 0, at most 1e12
+  double bristle_damping = 316.2;       // sigma_1, s/m, 0 to 1e12; the paper's sqrt(1e5)
+  double viscous_friction = 0.4;        // sigma_2, s/m, 0 to 1e12
+  double static_friction = 1.5;         // mu_s, coulomb_friction to 1000
+  double coulomb_friction = 1;          // mu_c, 1e-9 to 1000
+  double stribeck_velocity = 1e-3;      // m/s, > 0
+
+  bool operator==(const LuGre&) const = default;
+};
+
 // The skin as an elastic solid with a frictionless surface. Its pressures p >= 0 and normal displacements w (m, into the skin) obey
 //   w = d where p > 0,   w >= d where p = 0,   w = A p,
 // d being the signed overlap of object and undeformed skin: gaps count, since a layer that is squeezed out bulges into them. Solved on the
@@ -107,10 +128,12 @@ struct ElasticLayer {
   bool operator==(const ElasticLayer&) const = default;
 };
 
-using ContactLaw = std::variant<Winkler, MassSpringDamper, DeformationMask, Proximity, ElasticLayer>;
+using ContactLaw = std::variant<Winkler, MassSpringDamper, DeformationMask, Proximity, ElasticLayer, LuGre>;
 
 // Stick and slip with memory: at every sample a tangential spring that holds on to the object where it touched and gives way at Coulomb's
-// cone, |traction| <= friction_coefficient * pressure. Depends on the path of the object, not on its speed.
+// cone, |traction| <= friction_coefficient * pressure. Depends on the path of the object, not on its speed. Beside Winkler and
+// MassSpringDamper only. A taxel whose mass lags shows no more shear than friction_coefficient times the force that it reads;
+// contact_wrench is that of contact, in shear as in normal force, which no mass delays.
 struct Friction {
   double tangential_stiffness = 0;  // N/m^3, > 0 where there is friction, at most 1e30; a layer bonded to its base has G / thickness
   double friction_coefficient = 0;  // 0 to 1000; 0: no shear

@@ -5,6 +5,10 @@
 // traction q, which acts on the skin along the object's motion, becomes
 //   q + k_t (u_x, u_y),  shortened to mu p where it is longer: the backward Euler step of elastic-perfectly plastic slip (radial return).
 // Where contact began within the step only the part of u after touch counts; a sample that nothing touches forgets.
+// The law lugre has another rule for the traction, lib/laws/lugre.glsl, and shares the rest.
+
+#include "lib/cone.glsl"
+#include "lib/laws/lugre.glsl"
 
 // Motion of the object in a slot, from p in P to its displacement in P, m; kSlotRows rows a slot.
 const uint kSlotRows = 4u;
@@ -62,21 +66,12 @@ Motion motionOf(uint slot) {
                 slot_motions[kSlotRows * slot + 3].x > 0.0);
 }
 
-// q, no longer than `cap`; without squares, which overflow.
-vec2 onCone(vec2 q, float cap) {
-  float largest = max(abs(q.x), abs(q.y));
-  if (largest <= 0.0) return q;
-  vec2 direction = q / largest;
-  float size = length(direction);  // 1 to sqrt(2)
-  return largest * size <= cap ? q : direction * (cap / size);
-}
-
 // Shear traction (Pa) at the sample p of P, where `pressure` (Pa) and the object in `slot` act; leaves the sample's state for the next step. `kept`: the
-// sample has a state of the step before.
-vec2 shearTraction(uint state_index, bool kept, uint slot, vec3 p, float pressure) {
+// sample has a state of the step before. `per_dt`, for the law lugre: 1 / the step's time, 1/s.
+vec2 shearTraction(uint state_index, bool kept, uint slot, vec3 p, float pressure, float per_dt) {
   float depth = -p.z;
   uvec2 before = uvec2(kApart, 0u), after = before;
-  vec2 q = vec2(0);
+  vec2 q = vec2(0), held = vec2(0);
   if (depth > 0.0) {
     if (kept) before = wordsOf(friction_state[state_index]);
     bool touched = (before.x & ~kSlotMask) != kApart && slotOf(before.x) == slot;
@@ -84,10 +79,14 @@ vec2 shearTraction(uint state_index, bool kept, uint slot, vec3 p, float pressur
     if (motion.known) {
       vec3 u = apply(motion.displacement, p);
       float share = !touched && u.z < 0.0 ? min(depth / -u.z, 1.0) : 1.0;
-      if (touched) q = vec2(withoutSlot(before.x), uintBitsToFloat(before.y));
-      q = onCone(q + TANGENTIAL_STIFFNESS * share * u.xy, FRICTION_COEFFICIENT * pressure);
+      if (touched) held = vec2(withoutSlot(before.x), uintBitsToFloat(before.y));
+      if (BRISTLES) {
+        q = pressure * bristleShear(held, u.xy, share, per_dt);
+      } else {
+        q = held = onCone(held + TANGENTIAL_STIFFNESS * share * u.xy, FRICTION_COEFFICIENT * pressure);
+      }
     }
-    after = uvec2(withSlot(q.x, slot), floatBitsToUint(q.y));
+    after = uvec2(withSlot(held.x, slot), floatBitsToUint(held.y));
   }
   friction_state[state_index] = pairOf(after);
   return q;

@@ -1,5 +1,5 @@
 // The slot that a surface belongs to, in the lowest bits of a float: of a height in the tile, where atomicMin then still finds the lowest surface, and of
-// a traction in the state of friction. Only where a sensor with friction may touch several objects; elsewhere a word is the float's own.
+// the state of friction. Only where a sensor with friction may touch several objects; elsewhere a word is the float's own.
 //
 // The float keeps 20 of its 23 bits, rounded to nearest: a height within the skin is off by at most 2^-21 of the skin's thickness, 1 nm of 2 mm.
 

@@ -126,9 +126,10 @@ struct ContactRecord {
 // Forces that the ring of a delay keeps, one a step.
 TAXELSIM_CONSTANT kMaxDelaySteps = 32u;
 // Per tile the state of friction is kFrictionHeader pairs of words, the rectangle of taxels whose samples have one (first row, end row,
-// first col, end col, of the patch), then a pair per sample: the traction along x and y of P, Pa; kApart where nothing touched.
+// first col, end col, of the patch), then a pair per sample: along x and y of P the traction (Pa), or of the law lugre how far the bristles
+// are bent, in units of friction; kApart where nothing touched.
 TAXELSIM_CONSTANT kFrictionHeader = 2u;
-TAXELSIM_CONSTANT kApart = 0x7F7FFFF8u;  // as the bits of x: larger than any traction, and free for a slot's number
+TAXELSIM_CONSTANT kApart = 0x7F7FFFF8u;  // as the bits of x: larger than any of them, and free for a slot's number
 
 // What the contact pass leaves per instance and tile.
 struct TileResult {

@@ -22,6 +22,7 @@ struct Pressure {
   double operator()(const DeformationMask& law) const { return law.normal_contact_stiffness * d; }
   double operator()(const Proximity& law) const { return law.sensitivity * d; }
   double operator()(const ElasticLayer&) const { throw std::logic_error("an elastic layer's pressures are solved together"); }
+  double operator()(const LuGre& law) const { return law.normal_contact_stiffness * d; }
 };
 
 }  // namespace

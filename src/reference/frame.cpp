@@ -37,13 +37,14 @@ Frame simulateFrame(const Sensor& sensor, const FrameInput& input) {
   if (!solved) {
     frame.contact = input.load ? contactOf(sensor, frame.penetration, {}, 0)
                                : contactOf(sensor, frame.penetration, input.previous_penetration, input.dt);
-    frame.shear = contactShear(sensor, placed, frame.penetration, frame.contact.pressure, input.previous_friction);
+    frame.shear = contactShear(sensor, placed, frame.penetration, frame.contact.pressure, input.previous_friction, input.dt);
   }
   for (std::size_t i = 0; i < frame.wrench.size(); ++i) frame.wrench[i] = frame.contact.wrench[i] + frame.shear.wrench[i];
   if (!input.load) frame.taxel_state = input.taxel_state;
   frame.taxel_force = taxelResponse(sensor, frame.contact.taxel_force, input.dt, frame.taxel_state);
   frame.spread_force = spread(sensor, frame.taxel_force);
-  frame.spread_shear = spreadShear(sensor, frame.shear.taxel_force);
+  frame.taxel_shear = taxelShear(sensor, frame.shear.taxel_force, frame.taxel_force);
+  frame.spread_shear = spreadShear(sensor, frame.taxel_shear);
   frame.lagged_force = input.lag ? input.lag->step(frame.spread_force, input.dt) : frame.spread_force;
   frame.counts = readOut(sensor, frame.lagged_force, input.draw);
   frame.measured_force = measuredForce(sensor, frame.counts);

@@ -42,6 +42,7 @@ struct Frame {
   std::array<double, 6> wrench{};       // force (N) and torque (N m) on the sensor at S's origin, in S
   std::vector<TaxelState> taxel_state;  // of laws with one
   std::vector<double> taxel_force;      // (num_taxels), N: contact's, as the law's taxels read them
+  std::vector<Shear> taxel_shear;       // (num_taxels), N, the same
   std::vector<double> spread_force;     // (num_taxels), N
   std::vector<Shear> spread_shear;      // (num_taxels), N
   std::vector<double> lagged_force;     // (num_taxels), N

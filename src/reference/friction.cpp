@@ -44,12 +44,13 @@ Shear onCone(const Shear& q, double cap) {
 }  // namespace
 
 ContactShear contactShear(const Sensor& sensor, std::span<const PlacedObject> objects, std::span<const double> d,
-                          std::span<const double> pressure, const FrictionState& before) {
+                          std::span<const double> pressure, const FrictionState& before, double dt) {
   const std::vector<Sample> samples = samplesOf(sensor);
   const Friction& friction = sensor.skin.friction;
   ContactShear shear;
   shear.taxel_force.assign(samples.size() / samplesPerTaxel(sensor), {0, 0});
-  if (friction.friction_coefficient == 0) return shear;
+  const LuGre* bristles = std::get_if<LuGre>(&sensor.skin.law);
+  if (friction.friction_coefficient == 0 && bristles == nullptr) return shear;
   const std::vector<int> lowest = lowestObjects(sensor, objects, samples.size());
   shear.state = {{objects.begin(), objects.end()}, std::vector<int>(samples.size(), kApart), std::vector<Shear>(samples.size(), {0, 0})};
   Vector3 force{0, 0, 0}, torque{0, 0, 0};
@@ -66,10 +67,17 @@ ContactShear contactShear(const Sensor& sensor, std::span<const PlacedObject> ob
     const Vector3 u = rotate(inverse(X_SP).rotation, displacementOf(p_S, before.objects[slot].X_SO, objects[slot].X_SO));
     const bool touched = before.touching[n] == number;
     const double share = !touched && u[2] < 0 ? std::min(d[n] / -u[2], 1.0) : 1.0;  // of the displacement, after touch
-    Shear q = touched ? before.traction[n] : Shear{0, 0};
-    for (std::size_t axis = 0; axis < 2; ++axis) q[axis] += friction.tangential_stiffness * share * u[axis];
-    q = onCone(q, friction.friction_coefficient * pressure[n]);
-    shear.state.traction[n] = q;
+    const Shear held = touched ? before.held[n] : Shear{0, 0};
+    Shear q = held;
+    if (bristles != nullptr) {
+      const Bristles after = moveBristles(*bristles, held, {u[0], u[1]}, share, dt);
+      shear.state.held[n] = after.bend;
+      q = {pressure[n] * after.share[0], pressure[n] * after.share[1]};
+    } else {
+      for (std::size_t axis = 0; axis < 2; ++axis) q[axis] += friction.tangential_stiffness * share * u[axis];
+      q = onCone(q, friction.friction_coefficient * pressure[n]);
+      shear.state.held[n] = q;
+    }
     for (std::size_t axis = 0; axis < 2; ++axis) shear.taxel_force[sample.taxel][axis] += q[axis] * sample.area;
     const Vector3 sample_force = rotate(X_SP.rotation, {q[0] * sample.area, q[1] * sample.area, 0});
     force = add(force, sample_force);

@@ -40,6 +40,7 @@ struct Respond {
   std::vector<double> operator()(const Winkler&) const { return {pressed.begin(), pressed.end()}; }
   std::vector<double> operator()(const Proximity&) const { return {pressed.begin(), pressed.end()}; }
   std::vector<double> operator()(const ElasticLayer&) const { return {pressed.begin(), pressed.end()}; }
+  std::vector<double> operator()(const LuGre&) const { return {pressed.begin(), pressed.end()}; }
 
   // Force in the spring y = k x: y" = (k F - c y' - k y) / m. Time is counted in periods of the undamped mass, so that A's entries are
   // alike.
@@ -101,6 +102,17 @@ struct Respond {
 
 std::vector<double> taxelResponse(const Sensor& sensor, std::span<const double> pressed, double dt, std::vector<TaxelState>& state) {
   return std::visit(Respond{sensor, pressed, dt, state}, sensor.skin.law);
+}
+
+std::vector<Shear> taxelShear(const Sensor& sensor, std::span<const Shear> shear, std::span<const double> response) {
+  std::vector<Shear> read(shear.begin(), shear.end());
+  if (!std::holds_alternative<MassSpringDamper>(sensor.skin.law)) return read;
+  for (std::size_t t = 0; t < read.size(); ++t) {
+    const double size = std::hypot(read[t][0], read[t][1]);
+    const double cap = sensor.skin.friction.friction_coefficient * response[t];
+    if (size > cap) read[t] = {read[t][0] * cap / size, read[t][1] * cap / size};
+  }
+  return read;
 }
 
 std::array<double, 3> maskWeights() {

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "reference/friction.h"
 #include "taxelsim/sensor.h"
 
 namespace taxelsim::reference {
@@ -15,6 +16,9 @@ using TaxelState = std::array<double, 2>;
 // What taxels read of the force (N) that contact presses on them, (num_taxels), by the sensor's law. `state` (num_taxels, or empty for a
 // sensor at rest) moves on by dt, the force held; it is left empty by laws without one.
 std::vector<double> taxelResponse(const Sensor& sensor, std::span<const double> pressed, double dt, std::vector<TaxelState>& state);
+
+// What they read of its shear: where a mass lags, no more than friction holds by the force that the taxel reads.
+std::vector<Shear> taxelShear(const Sensor& sensor, std::span<const Shear> shear, std::span<const double> response);
 
 // Weights of DeformationMask for a taxel itself, a neighbour across an edge, and one across a corner: RobWorkSim's function integrated over
 // taxels.

@@ -130,6 +130,20 @@ ElasticLayer readElasticLayer(const YamlMap& map) {
   return law;
 }
 
+LuGre readLuGre(const YamlMap& map) {
+  LuGre law;
+  law.normal_contact_stiffness = map.number("normal_contact_stiffness", Allowed::above(0, "N/m^3"));
+  law.bristle_stiffness =
+      map.number("bristle_stiffness", {.min = 0, .max = kMaxBristle, .above_min = true, .unit = "1/m"}, law.bristle_stiffness);
+  law.bristle_damping = map.number("bristle_damping", Allowed::within(0, kMaxBristle, "s/m"), law.bristle_damping);
+  law.viscous_friction = map.number("viscous_friction", Allowed::within(0, kMaxBristle, "s/m"), law.viscous_friction);
+  law.static_friction = map.number("static_friction", Allowed::within(kMinLuGreFriction, kMaxFrictionCoefficient, ""), law.static_friction);
+  law.coulomb_friction =
+      map.number("coulomb_friction", Allowed::within(kMinLuGreFriction, kMaxFrictionCoefficient, ""), law.coulomb_friction);
+  law.stribeck_velocity = map.number("stribeck_velocity", Allowed::above(0, "m/s"), law.stribeck_velocity);
+  return law;
+}
+
 // Laws by name, their keys, and how they are read.
 struct LawReader {
   std::string_view name;
@@ -152,13 +166,17 @@ const std::vector<LawReader>& lawReaders() {
       {"elastic_layer",
        {"elastic_modulus", "poisson_ratio", "base", "iterations", "tolerance", "margin[_mm]"},
        [](const YamlMap& map) -> ContactLaw { return readElasticLayer(map); }},
+      {"lugre",
+       {"normal_contact_stiffness", "bristle_stiffness", "bristle_damping", "viscous_friction", "static_friction", "coulomb_friction",
+        "stribeck_velocity"},
+       [](const YamlMap& map) -> ContactLaw { return readLuGre(map); }},
   };
   return readers;
 }
 
 ContactLaw readLaw(const YamlMap& map) {
   const std::string name =
-      map.choice("law", {"winkler", "mass_spring_damper", "deformation_mask", "proximity", "elastic_layer"}, "winkler");
+      map.choice("law", {"winkler", "mass_spring_damper", "deformation_mask", "proximity", "elastic_layer", "lugre"}, "winkler");
   const LawReader& law =
       *std::find_if(lawReaders().begin(), lawReaders().end(), [&](const LawReader& reader) { return reader.name == name; });
   for (const LawReader& other : lawReaders()) {

@@ -27,6 +27,11 @@ void checkNotNegative(const std::string& field, double value, const char* unit) 
   if (!(std::isfinite(value) && value >= 0)) fail(field, numberText(value), std::string(unit) + ", >= 0");
 }
 
+void checkRange(const std::string& field, double value, double min, double max, const char* unit) {
+  if (!(value >= min && value <= max))
+    fail(field, numberText(value), std::string(unit) + ", " + numberText(min) + " to " + numberText(max));
+}
+
 void checkWhole(const std::string& field, int value, int min, int max) {
   if (value < min || value > max) fail(field, std::to_string(value), std::to_string(min) + " to " + std::to_string(max));
 }
@@ -82,6 +87,20 @@ struct CheckLaw {
     checkWhole("skin.iterations", law.iterations, 1, kMaxLayerIterations);
     if (!(law.tolerance >= 1e-5 && law.tolerance <= 0.1)) fail("skin.tolerance", numberText(law.tolerance), "1e-5 to 0.1");
   }
+  void operator()(const LuGre& law) const {
+    checkPositive("skin.normal_contact_stiffness", law.normal_contact_stiffness, "N/m^3");
+    if (!(law.bristle_stiffness > 0 && law.bristle_stiffness <= kMaxBristle)) {
+      fail("skin.bristle_stiffness", numberText(law.bristle_stiffness), "1/m, > 0 and at most " + numberText(kMaxBristle));
+    }
+    checkRange("skin.bristle_damping", law.bristle_damping, 0, kMaxBristle, "s/m");
+    checkRange("skin.viscous_friction", law.viscous_friction, 0, kMaxBristle, "s/m");
+    checkRange("skin.coulomb_friction", law.coulomb_friction, kMinLuGreFriction, kMaxFrictionCoefficient, "of the pressure");
+    if (!(law.static_friction >= law.coulomb_friction && law.static_friction <= kMaxFrictionCoefficient)) {
+      fail("skin.static_friction", numberText(law.static_friction),
+           "coulomb_friction (" + numberText(law.coulomb_friction) + ") to " + numberText(kMaxFrictionCoefficient));
+    }
+    checkPositive("skin.stribeck_velocity", law.stribeck_velocity, "m/s");
+  }
 };
 
 void checkFriction(const Friction& friction) {
@@ -99,8 +118,11 @@ void checkFriction(const Friction& friction) {
 void checkSkin(const Skin& skin) {
   checkPositive("skin.thickness", skin.thickness, "m");
   std::visit(CheckLaw{}, skin.law);
-  if (skin.friction.friction_coefficient > 0 && !std::holds_alternative<Winkler>(skin.law)) {
-    fail("skin.friction_coefficient", numberText(skin.friction.friction_coefficient), "0 for a law other than winkler");
+  if (skin.friction.friction_coefficient > 0 && !std::holds_alternative<Winkler>(skin.law) &&
+      !std::holds_alternative<MassSpringDamper>(skin.law)) {
+    fail("skin.friction_coefficient", numberText(skin.friction.friction_coefficient),
+         std::holds_alternative<LuGre>(skin.law) ? "0 beside the law lugre, whose friction is its own: static_friction, coulomb_friction"
+                                                 : "0 for a law other than winkler and mass_spring_damper");
   }
   checkFriction(skin.friction);
   checkNotNegative("skin.margin", skin.margin, "m");
@@ -251,11 +273,6 @@ void checkCurve(const Sensor& sensor) {
          "strictly rising from 0 N to where it reaches saturation (" + std::to_string(readout.saturation) +
              " counts) or the force at full depth (" + numberText(force) + " N)");
   }
-}
-
-void checkRange(const std::string& field, double value, double min, double max, const char* unit) {
-  if (!(value >= min && value <= max))
-    fail(field, numberText(value), std::string(unit) + ", " + numberText(min) + " to " + numberText(max));
 }
 
 void checkHysteresis(const Readout& readout) {

@@ -16,6 +16,7 @@ struct Foundation {
   Winkler operator()(const ElasticLayer& law) const {
     return {.normal_contact_stiffness = law.elastic_modulus / (1 - law.poisson_ratio * law.poisson_ratio) / thickness};
   }
+  Winkler operator()(const LuGre& law) const { return {.normal_contact_stiffness = law.normal_contact_stiffness}; }
 };
 
 }  // namespace

@@ -243,7 +243,8 @@ gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const 
                                          num_faces};
   for (const float parameter : law.parameters) of_the_pass.push_back(bits(parameter));
   of_the_pass.insert(of_the_pass.end(), {friction, bits(skin_friction.tangential_stiffness), bits(skin_friction.friction_coefficient),
-                                         friction && variant.with_shear});
+                                         friction && variant.with_shear, friction && law.has_bristles});
+  for (const float parameter : law.bristles) of_the_pass.push_back(bits(parameter));
   return {device.context(),
           {.name = law.kernel,
            .spirv = pairs ? law.spirv_pairs : law.spirv,
@@ -302,10 +303,11 @@ gpu::Kernel Model::Impl::makeImageKernel(const ImageVariant& variant) const {
                                    packed.turns_shear})}};
 }
 
-const std::vector<gpu::Kernel>& Model::Impl::taxelKernels() const {
+const std::vector<gpu::Kernel>& Model::Impl::taxelKernels(bool with_shear) const {
   const std::lock_guard lock(kernels_mutex_);
-  while (taxel_.size() < law.taxel_passes.size()) taxel_.push_back(makeTaxelKernel(law.taxel_passes[taxel_.size()]));
-  return taxel_;
+  std::vector<gpu::Kernel>& kernels = taxel_[with_shear];
+  while (kernels.size() < law.taxel_passes.size()) kernels.push_back(makeTaxelKernel(law.taxel_passes[kernels.size()], with_shear));
+  return kernels;
 }
 
 std::uint32_t Model::Impl::taxelGroups(const TaxelPass& pass, std::uint32_t num_instances) const {
@@ -315,13 +317,15 @@ std::uint32_t Model::Impl::taxelGroups(const TaxelPass& pass, std::uint32_t num_
   return static_cast<std::uint32_t>((num_instances * per_instance + kTaxelWorkgroup - 1) / kTaxelWorkgroup);
 }
 
-gpu::Kernel Model::Impl::makeTaxelKernel(const TaxelPass& pass) const {
+gpu::Kernel Model::Impl::makeTaxelKernel(const TaxelPass& pass, bool with_shear) const {
   return {device.context(),
           {.name = pass.kernel,
            .spirv = pass.spirv,
-           .buffers = {"Instances", "Step", "SpreadScale", "Neighbours", "ContactNormal", "LawState", "TileResults", "Taxels", "Problems"},
+           .buffers = {"Instances", "Step", "SpreadScale", "Neighbours", "ContactNormal", "LawState", "TileResults", "Taxels", "Problems",
+                       "ContactShear"},
            .constants = constants(sensor, packed, {kTaxelWorkgroup, 1, 1},
-                                  {packed.scalesSpread(), bits(law.taxel_parameters[0]), bits(law.taxel_parameters[1])})}};
+                                  {packed.scalesSpread(), bits(law.taxel_parameters[0]), bits(law.taxel_parameters[1]), with_shear,
+                                   bits(sensor.skin.friction.friction_coefficient)})}};
 }
 
 gpu::Kernel Model::Impl::makeLoadKernel() const {

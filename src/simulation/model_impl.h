@@ -1,6 +1,7 @@
 // What a Model holds on the device.
 #pragma once
 
+#include <array>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -69,13 +70,13 @@ struct Model::Impl {
   const gpu::Kernel& imageKernel(const ImageVariant& variant) const;
   std::uint32_t imagesPerWorkgroup() const { return image_workgroup / image_team * image_repeat; }
   const gpu::Kernel& loadKernel() const;
-  const std::vector<gpu::Kernel>& taxelKernels() const;  // of the law's taxel passes
+  const std::vector<gpu::Kernel>& taxelKernels(bool with_shear) const;  // of the law's taxel passes
   // Workgroups of such a pass over `num_instances`.
   std::uint32_t taxelGroups(const TaxelPass& pass, std::uint32_t num_instances) const;
   // Contacts from another engine instead of objects: shaders/contacts.comp, with the workgroups and teams of the image pass.
   std::uint32_t contactsRepeat(int max_contacts) const;  // instances that a team does one after another
   const gpu::Kernel& contactsKernel(std::uint32_t repeat) const;
-  bool hasFriction() const { return sensor.skin.friction.friction_coefficient > 0; }
+  bool hasFriction() const { return sensor.skin.friction.friction_coefficient > 0 || law.has_bristles; }
   struct LayerVariant {
     bool loads = false;                                     // some instance is driven by load
     bool with_depth = false;                                // penetration_depth is wanted
@@ -92,7 +93,7 @@ struct Model::Impl {
   gpu::Kernel makeContactKernel(const ContactVariant& variant) const;
   gpu::Kernel makeImageKernel(const ImageVariant& variant) const;
   gpu::Kernel makeLoadKernel() const;
-  gpu::Kernel makeTaxelKernel(const TaxelPass& pass) const;
+  gpu::Kernel makeTaxelKernel(const TaxelPass& pass, bool with_shear) const;
   gpu::Kernel makeContactsKernel(std::uint32_t repeat) const;
   gpu::Kernel makeLayerKernel(const LayerVariant& variant) const;
 
@@ -100,7 +101,7 @@ struct Model::Impl {
   mutable std::map<ContactVariant, gpu::Kernel> contact_;
   mutable std::map<ImageVariant, gpu::Kernel> image_;
   mutable std::optional<gpu::Kernel> load_;
-  mutable std::vector<gpu::Kernel> taxel_;
+  mutable std::array<std::vector<gpu::Kernel>, 2> taxel_;  // without shear, with it
   mutable std::map<std::uint32_t, gpu::Kernel> contacts_;
   mutable std::map<LayerVariant, gpu::Kernel> layer_;
 };

@@ -10,6 +10,14 @@ namespace {
 
 static_assert(kMaxSlots <= 1 << layout::kSlotBits);
 
+// What turns `from` into `to`: to from^-1, in pairs that cancel, so that an object at rest turns by exactly nothing.
+Quaternion turnBetween(const Quaternion& from, const Quaternion& to) {
+  const auto& [w, x, y, z] = from;
+  const auto& [tw, tx, ty, tz] = to;
+  return {tw * w + tx * x + ty * y + tz * z, (tx * w - tw * x) + (tz * y - ty * z), (ty * w - tw * y) + (tx * z - tz * x),
+          (tz * w - tw * z) + (ty * x - tx * y)};
+}
+
 // (R - 1) as rows. From the quaternion, so that a small turn keeps all its digits.
 std::array<double, 9> turnOf(const Quaternion& q) {
   const auto [w, x, y, z] = q;
@@ -25,8 +33,7 @@ float bounded(double displacement) {
 
 // D = X_to X_from^-1 - 1: p -> (R - 1) p + t with t = (p_to - p_from) - (R - 1) p_from.
 layout::MotionRecord motionBetween(const Pose& from, const Pose& to) {
-  const auto& [w, x, y, z] = from.rotation;
-  const std::array<double, 9> turn = turnOf(to.rotation * Quaternion{w, -x, -y, -z});
+  const std::array<double, 9> turn = turnOf(turnBetween(from.rotation, to.rotation));
   layout::MotionRecord record{};
   for (std::size_t i = 0; i < 3; ++i) {
     double t = to.position[i] - from.position[i];

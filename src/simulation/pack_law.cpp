@@ -38,6 +38,12 @@ struct Add {
               .spirv_pairs = k_contact_elastic_layer_pairs_spirv,
               .parameters = {reach}};
   }
+  void operator()(const LuGre& law) const {
+    packed.has_bristles = true;
+    packed.bristles = {static_cast<float>(law.bristle_stiffness), static_cast<float>(law.bristle_damping),
+                       static_cast<float>(law.viscous_friction),  static_cast<float>(law.static_friction),
+                       static_cast<float>(law.coulomb_friction),  static_cast<float>(law.stribeck_velocity)};
+  }
 };
 
 }  // namespace

@@ -27,6 +27,8 @@ struct PackedLaw {
   std::span<const std::uint32_t> spirv_pairs;  // the same with words of 64 bits, shaders/lib/pairs.glsl
   std::array<float, 3> parameters{};           // LAW_0 .. LAW_2 of shaders/contact.comp
   bool has_state = false;                      // the law needs every sample's depth of the step before
+  bool has_bristles = false;                   // shear is the law's own, shaders/lib/laws/lugre.glsl
+  std::array<float, 6> bristles{};             // BRISTLE_STIFFNESS .. STRIBECK_VELOCITY of shaders/contact.comp
   std::vector<TaxelPass> taxel_passes{};       // in order
   std::array<float, 2> taxel_parameters{};     // LAW_0, LAW_1 of shaders/lib/taxel_pass.glsl
   bool whole_array = false;                    // taxels that nothing reaches may have a force

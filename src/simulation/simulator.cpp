@@ -272,9 +272,10 @@ void Simulator::Impl::recordTaxels(gpu::Commands& commands) const {
   const Model::Impl& m = *model.impl();
   const BatchBuffers& b = buffers;
   for (std::size_t pass = 0; pass < m.law.taxel_passes.size(); ++pass) {
-    commands.dispatch(
-        m.taxelKernels()[pass], m.taxelGroups(m.law.taxel_passes[pass], static_cast<std::uint32_t>(options.num_instances)),
-        {&b.instances, &b.step, &m.spread_scale, &m.mask, &b.contact_normal, &b.law_state, &b.tile_results, &m.taxels, &b.problems.device});
+    commands.dispatch(m.taxelKernels(withShear())[pass],
+                      m.taxelGroups(m.law.taxel_passes[pass], static_cast<std::uint32_t>(options.num_instances)),
+                      {&b.instances, &b.step, &m.spread_scale, &m.mask, &b.contact_normal, &b.law_state, &b.tile_results, &m.taxels,
+                       &b.problems.device, &b.contact_shear});
     commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
   }
 }

@@ -8,6 +8,7 @@
 #include <complex>
 #include <numbers>
 
+#include "reference/frame.h"
 #include "support/random_scene.h"
 
 namespace taxelsim {
@@ -92,6 +93,54 @@ TEST(MassSpringDamperTwin, RestsUnderAHeldForceAndStartsAtRest) {
   const Sensor sensor = oneTaxel(MassSpringDamper{.normal_contact_stiffness = 1});
   std::vector<TaxelState> state;
   for (int n = 0; n < 5; ++n) EXPECT_EQ(taxelResponse(sensor, std::vector{0.7}, 0.01, state)[0], 0.7);
+}
+
+// Its shear is contact's, shortened to what friction holds by the force in the spring: none by a spring that carries none.
+TEST(MassSpringDamperTwin, ShearsNoMoreThanFrictionHoldsByItsSpring) {
+  Sensor sensor = oneTaxel(MassSpringDamper{.normal_contact_stiffness = 1});
+  sensor.skin.friction = {1e8, 0.5};
+  const auto shear = [&](double force) {
+    return reference::taxelShear(sensor, std::vector{reference::Shear{0.3, -0.4}}, std::vector{force})[0];
+  };
+  EXPECT_EQ(shear(1), (reference::Shear{0.3, -0.4}));
+  EXPECT_EQ(shear(7), (reference::Shear{0.3, -0.4}));
+  EXPECT_NEAR(shear(0.2)[0], 0.06, kExact);
+  EXPECT_NEAR(shear(0.2)[1], -0.08, kExact);
+  EXPECT_EQ(shear(0), (reference::Shear{0, 0}));
+}
+
+// In a frame the PSF spreads what taxels show, while the wrench is contact's; after a while both are those of a winkler skin.
+TEST(MassSpringDamperTwin, AFrameShearsAsItsTaxelsShow) {
+  Sensor sensor = support::gridSensor();
+  sensor.skin.friction = {1e8, 0.6};
+  sensor.psf = gaussianPsf(0.5, 3);
+  Sensor lagging = sensor;
+  lagging.skin.law = MassSpringDamper{.normal_contact_stiffness = 1.73e8};
+  const Object ball(Sphere{0.01});
+  reference::Frame at_once, late;
+  double least = 1;
+  for (int n = 0; n < 40; ++n) {
+    const Pose X_SO{.position = {n < 2 ? 0.0 : 0.2e-3, 0, n == 0 ? 0.03 : 0.0092}};
+    const double dt = n < 5 ? 2e-3 : 0.05;
+    const auto next = [&](const Sensor& of, const reference::Frame& before) {
+      return reference::simulateFrame(
+          of, {.objects = {{&ball, X_SO}}, .taxel_state = before.taxel_state, .previous_friction = before.shear.state, .dt = dt});
+    };
+    at_once = next(sensor, at_once);
+    late = next(lagging, late);
+    EXPECT_EQ(late.wrench, at_once.wrench);
+    double shear = 0, held = 0;
+    for (std::size_t t = 0; t < late.spread_force.size(); ++t) {
+      EXPECT_LE(std::hypot(late.spread_shear[t][0], late.spread_shear[t][1]), 0.6 * late.spread_force[t] + kExact);
+      shear += late.spread_shear[t][0];
+      held += at_once.spread_shear[t][0];
+    }
+    if (held > 0) least = std::min(least, shear / held);
+    if (n == 39) {
+      EXPECT_NEAR(shear, held, 1e-9 + 1e-9 * held);
+    }
+  }
+  EXPECT_LT(least, 0.5) << "the mass lags";
 }
 
 // Continuous taxel weights of RobWorkSim's mask, and that it sums to 1.

@@ -155,6 +155,10 @@ TEST(SensorFile, EveryLawArrives) {
   EXPECT_EQ(law("deformation_mask"), ContactLaw(DeformationMask{}));
   EXPECT_EQ(law("deformation_mask, normal_contact_stiffness: 1e7, saturation_pressure: 1e5"), ContactLaw(DeformationMask{1e7, 1e5}));
   EXPECT_EQ(law("proximity, sensitivity: 5e7"), ContactLaw(Proximity{5e7}));
+  EXPECT_EQ(law("lugre, normal_contact_stiffness: 1e8"), ContactLaw(LuGre{.normal_contact_stiffness = 1e8}));
+  EXPECT_EQ(law("lugre, normal_contact_stiffness: 1e8, bristle_stiffness: 2, bristle_damping: 3, viscous_friction: 4, static_friction: 6, "
+                "coulomb_friction: 5, stribeck_velocity: 7"),
+            ContactLaw(LuGre{1e8, 2, 3, 4, 6, 5, 7}));
 }
 
 TEST(SensorFile, RollComesFirstThenPitchThenYaw) {

@@ -151,6 +151,41 @@ TEST(CheckSensor, ElasticLayer) {
                 }));
 }
 
+TEST(CheckSensor, LuGre) {
+  const auto lugre = [](Sensor& s) -> LuGre& { return s.skin.law.emplace<LuGre>(LuGre{.normal_contact_stiffness = 1.73e8}); };
+  expectTaken([&](Sensor& s) { lugre(s); });
+  expectTaken([&](Sensor& s) { lugre(s).bristle_damping = 0; });
+  expectTaken([&](Sensor& s) { lugre(s).viscous_friction = 0; });
+  expectTaken([&](Sensor& s) {
+    s.skin.law = LuGre{1.73e8, kMaxBristle, kMaxBristle, kMaxBristle, kMaxFrictionCoefficient, kMinLuGreFriction, 1e-30};
+  });
+  for (const double bad : {0.0, -1.0, 2 * kMaxBristle, kNan, kInfinity}) {
+    expectRefused("skin.bristle_stiffness", [&](Sensor& s) { lugre(s).bristle_stiffness = bad; });
+  }
+  for (const double bad : {-1.0, 2 * kMaxBristle, kNan, kInfinity}) {
+    expectRefused("skin.bristle_damping", [&](Sensor& s) { lugre(s).bristle_damping = bad; });
+    expectRefused("skin.viscous_friction", [&](Sensor& s) { lugre(s).viscous_friction = bad; });
+  }
+  for (const double bad : {0.0, -1.0, 2 * kMaxFrictionCoefficient, kNan}) {
+    expectRefused("skin.coulomb_friction", [&](Sensor& s) { lugre(s).coulomb_friction = bad; });
+  }
+  for (const double bad : {0.9, 2 * kMaxFrictionCoefficient, kNan}) {
+    expectRefused("skin.static_friction", [&](Sensor& s) { lugre(s).static_friction = bad; });
+  }
+  for (const double bad : {0.0, -1.0, kNan, kInfinity}) {
+    expectRefused("skin.normal_contact_stiffness", [&](Sensor& s) { lugre(s).normal_contact_stiffness = bad; });
+    expectRefused("skin.stribeck_velocity", [&](Sensor& s) { lugre(s).stribeck_velocity = bad; });
+  }
+}
+
+TEST(CheckSensor, FrictionIsOfTwoLaws) {
+  expectTaken([](Sensor& s) { s.skin.law = MassSpringDamper{.normal_contact_stiffness = 1e8}, s.skin.friction = {1e8, 0.5}; });
+  for (const ContactLaw& law : std::vector<ContactLaw>{DeformationMask{}, Proximity{1e8}, ElasticLayer{.elastic_modulus = 1e6},
+                                                       LuGre{.normal_contact_stiffness = 1e8}}) {
+    expectRefused("skin.friction_coefficient", [&](Sensor& s) { s.skin.law = law, s.skin.friction = {1e8, 0.5}; });
+  }
+}
+
 TEST(CheckSensor, Psf) {
   for (const int bad : {-1, 0, 2, 11}) expectRefused("psf.size", [&](Sensor& s) { s.psf.size = bad; });
   expectRefused("psf.kernel", [](Sensor& s) { s.psf.size = 5; });

@@ -91,6 +91,14 @@ Sensor busySensor() {
   return sensor;
 }
 
+// The same with the bristles of LuGre instead of springs, which creep and slip by how fast an object goes.
+Sensor bristlySensor() {
+  Sensor sensor = busySensor();
+  sensor.skin.friction = {};
+  sensor.skin.law = LuGre{.normal_contact_stiffness = 1.73e8};
+  return sensor;
+}
+
 // Instances that roll and slide about, lift off and touch again, some of them under a load.
 struct Paths {
   std::vector<Object> objects;
@@ -154,12 +162,13 @@ std::vector<int> upTo(int count) {
   return numbers;
 }
 
-class FrictionBatch : public ::testing::TestWithParam<int> {};  // slots
+class FrictionBatch : public ::testing::TestWithParam<std::tuple<int, bool>> {};  // slots, bristles
 
 TEST_P(FrictionBatch, AnInstanceIsTheSameInAnyBatchAndWorkgroup) {
-  const Sensor sensor = busySensor();
+  const auto [num_slots, bristles] = GetParam();
+  const Sensor sensor = bristles ? bristlySensor() : busySensor();
   constexpr int kNumInstances = 13;
-  const Paths paths = randomPaths(sensor, kNumInstances, GetParam(), true);
+  const Paths paths = randomPaths(sensor, kNumInstances, num_slots, true);
   const auto model = [&](int contact_workgroup, int image_workgroup) {
     return Model(support::sharedDevice(),
                  {.sensor = sensor, .objects = paths.objects, .contact_workgroup = contact_workgroup, .image_workgroup = image_workgroup});
@@ -175,7 +184,7 @@ TEST_P(FrictionBatch, AnInstanceIsTheSameInAnyBatchAndWorkgroup) {
   EXPECT_EQ(runPaths(model(128, 16), paths, upTo(kNumInstances)), together);
 }
 
-INSTANTIATE_TEST_SUITE_P(Slots, FrictionBatch, ::testing::Values(1, 2));
+INSTANTIATE_TEST_SUITE_P(Slots, FrictionBatch, ::testing::Combine(::testing::Values(1, 2), ::testing::Bool()));
 
 // Without a damper nothing knows how long a step takes.
 TEST(FrictionOnDevice, SpeedDoesNotShow) {
@@ -307,9 +316,7 @@ double shearAfterSlide(const Model& model, int num_slots, Meddle&& meddle) {
   return simulator.read().ground_truth.contact_wrench[0];
 }
 
-TEST(FrictionOnDevice, NewObjectsAndEpisodesBeginWithoutShear) {
-  Sensor sensor = support::gridSensor();
-  sensor.skin.friction = {1e8, 0.6};
+void expectNewObjectsBeginWithoutShear(const Sensor& sensor) {
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.01}), Object(Sphere{0.01})}});
   for (const int num_slots : {1, 2}) {
     EXPECT_GT(shearAfterSlide(model, num_slots, [](Simulator&, Touch&) {}), 0.1);
@@ -320,6 +327,14 @@ TEST(FrictionOnDevice, NewObjectsAndEpisodesBeginWithoutShear) {
   EXPECT_EQ(shearAfterSlide(
                 model, 2, [](Simulator&, Touch& touch) { std::swap(touch.ids[0], touch.ids[1]), std::swap(touch.X_SO[0], touch.X_SO[1]); }),
             0);
+}
+
+TEST(FrictionOnDevice, NewObjectsAndEpisodesBeginWithoutShear) {
+  Sensor sensor = support::gridSensor();
+  sensor.skin.friction = {1e8, 0.6};
+  expectNewObjectsBeginWithoutShear(sensor);
+  sensor.skin = {sensor.skin.thickness, LuGre{.normal_contact_stiffness = 1.73e8}, {}};
+  expectNewObjectsBeginWithoutShear(sensor);
 }
 
 // One object is drawn along and lifted while another comes down in its place: its springs are new, though the samples have not been free.

@@ -3,7 +3,7 @@
 // Sample by sample, beside the twin's traction q runs a bound e of what float32 may add. The cone is convex, so that a step keeps |q - q'|
 // <= e but for what it adds itself: the stiffness times the displacement's rounding, the share of a step before touch where the depth is
 // not sure, and mu times the pressure's width. Where it is not sure that, or which, object touched before, anything inside the cones is
-// possible.
+// possible. For the law lugre the bound is one of its bristles' bend, in units of friction, which a step carries on as it carries the bend.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -27,7 +27,6 @@ using support::Random;
 using support::Touch;
 
 constexpr double kObjectSize = 0.02;  // m
-constexpr double kDt = 1e-3;          // s
 constexpr int kNumSteps = 5;
 // A displacement takes two rotations and a dozen products, in float32, of a turn by up to some angle over arms of up to kArm.
 constexpr double kRelativeMotion = 32 * support::kUlp;
@@ -37,11 +36,13 @@ constexpr double kSlotRounding = 3e-3 * 0x1p-21;  // m
 // Bounds wider than this, relative to the cone, would prove little; silhouettes and whispers may have them, half of a path's frames not.
 constexpr double kLoosest = 0.1;
 constexpr double kWhisper = 1e-2;  // N, of the cone
+// A dozen operations of a step of bristles, exp() with its 3 + 2 |x| units in the last place among them.
+constexpr double kBristleRounding = 32 * support::kUlp;
 
 // What is known of one instance after a step.
 struct Tracked {
   reference::FrictionState state;
-  std::vector<double> error;        // (samples), Pa
+  std::vector<double> error;        // (samples), of what the state holds: Pa; bristles: of the pressure
   std::vector<double> cone;         // (samples), Pa: mu times the largest pressure
   std::vector<bool> touched;        // (samples): surely, and surely by the twin's object
   std::vector<bool> may_touch;      // (samples)
@@ -75,14 +76,74 @@ std::vector<bool> surelyLowest(const Sensor& sensor, const std::vector<PlacedObj
   return result;
 }
 
-Tracked advance(const Sensor& sensor, const std::vector<PlacedObject>& placed, const support::Rounding& rounding, const Tracked& before) {
+// A step of bristles, as the test needs it to bound what float32 may add.
+struct BristleStep {
+  reference::Shear bend, u;     // before the step, m; m
+  double share, dt;             // of u after touch; s
+  double bend_error;            // before the step, of the pressure
+  double motion_error, unsure;  // m; of `share`
+};
+
+// Bounds of bend and shear after the step, both as shares of the pressure.
+struct BristleError {
+  double bend, shear;
+};
+
+// s <- g a + (s - g a) e^-x with a = u / |u| and x = sigma_0 |u| / g: what each of s, a, g and x adds, and after it what they add to the
+// rates.
+BristleError bristleError(const LuGre& law, const BristleStep& step) {
+  const double stiffness = law.bristle_stiffness, most = law.static_friction;
+  const double way = std::hypot(step.u[0], step.u[1]), speed = way / step.dt;
+  if (way + step.motion_error == 0) return {step.bend_error, step.bend_error};
+  const double g = reference::stribeckFriction(law, speed), off = g + most;
+  const double speed_error = step.motion_error / step.dt + kBristleRounding * speed;
+  // |d exp(-r^2) / dr| <= sqrt(2 / e).
+  const double g_error =
+      (law.static_friction - law.coulomb_friction) * std::min(1.0, std::sqrt(2 / std::exp(1.0)) * speed_error / law.stribeck_velocity) +
+      kBristleRounding * g;
+  const double g_low = std::max(law.coulomb_friction * (1 - kBristleRounding), g - g_error);
+  const double x = stiffness * way * step.share / g;
+  const double x_error =
+      stiffness * (step.share * step.motion_error + way * step.unsure) / g_low + x * (g_error / g_low + kBristleRounding);
+  const double fade = std::exp(-std::max(0.0, x - x_error));
+  const double turned = way > 0 ? std::min(2.0, 2 * step.motion_error / way) : 2;
+  BristleError error{};
+  error.bend = std::min(step.bend_error * fade + g * std::min(1.0, x + x_error) * turned + g_error + off * std::min(1.0, x_error * fade) +
+                            kBristleRounding * off,
+                        2 * most);
+  const double factor = law.bristle_damping * (speed + speed_error) / g_low * fade;
+  const double factor_error =
+      law.bristle_damping * fade / g_low * (speed_error + speed * (std::min(1.0, x_error) + g_error / g)) + kBristleRounding * factor;
+  const double unbounded = error.bend + factor * (step.bend_error + g * turned + g_error + kBristleRounding * off) + factor_error * off +
+                           law.viscous_friction * (speed_error + speed * turned);
+  // What is shortened to the cone is off by as much less as it was shortened; by the twin's way of the sum.
+  reference::Shear sum{};
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    const double along = way > 0 ? step.u[axis] / way : 0, left = (g * along - stiffness * step.bend[axis]) * std::exp(-x);
+    sum[axis] = g * along - left + law.bristle_damping * speed / g * left + law.viscous_friction * speed * along;
+  }
+  const double shortest = std::hypot(sum[0], sum[1]) - unbounded;
+  error.shear = std::min(shortest > most ? unbounded * most / shortest : unbounded, 2 * most) + kBristleRounding * most;
+  return error;
+}
+
+// Greatest share of the pressure that shear may be.
+double coneOf(const Sensor& sensor) {
+  const LuGre* bristles = std::get_if<LuGre>(&sensor.skin.law);
+  return bristles != nullptr ? bristles->static_friction : sensor.skin.friction.friction_coefficient;
+}
+
+Tracked advance(const Sensor& sensor, const std::vector<PlacedObject>& placed, const support::Rounding& rounding, const Tracked& before,
+                double dt, double slot_rounding) {
   const Friction& friction = sensor.skin.friction;
+  const LuGre* bristles = std::get_if<LuGre>(&sensor.skin.law);
+  const double mu = coneOf(sensor);
   const support::FrameEnvelope envelope = support::frameEnvelope(sensor, placed, rounding);
   const std::vector<bool> sure = surelyLowest(sensor, placed, rounding);
   const std::vector<reference::Sample> samples = reference::samplesOf(sensor);
   const bool is_first = before.state.objects.empty();
   Tracked now;
-  now.frame = reference::simulateFrame(sensor, {.objects = placed, .previous_friction = before.state});
+  now.frame = reference::simulateFrame(sensor, {.objects = placed, .previous_friction = before.state, .dt = dt});
   now.state = now.frame.shear.state;
   now.error.assign(samples.size(), 0);
   now.cone = now.error;
@@ -92,9 +153,9 @@ Tracked advance(const Sensor& sensor, const std::vector<PlacedObject>& placed, c
     const double p_low = reference::pressureOf(sensor.skin.law, d_low, 0), p_high = reference::pressureOf(sensor.skin.law, d_high, 0);
     now.touched.push_back(d_low > 0 && sure[n]);
     now.may_touch.push_back(d_high > 0);
-    now.cone[n] = friction.friction_coefficient * p_high * (1 + rounding.relative_force);
+    now.cone[n] = mu * p_high * (1 + rounding.relative_force);
     if (d_high <= 0 || is_first) continue;
-    double error = 2 * now.cone[n];
+    double error = 2 * now.cone[n], bend_error = 2 * mu;
     if (sure[n]) {
       const int number = std::max(now.state.touching[n], 0);
       const Pose &from = before.state.objects[number].X_SO, &to = placed[number].X_SO;
@@ -104,33 +165,58 @@ Tracked advance(const Sensor& sensor, const std::vector<PlacedObject>& placed, c
       const Vector3 u = rotate(inverse(X_SP).rotation, moved);
       const double angle = angleOf(from.rotation, to.rotation), along = std::hypot(u[0], u[1]);
       const double motion_error = kRelativeMotion * (length(u) + angle * kArm) + angle * rounding.margin_z;
-      error = friction.tangential_stiffness * motion_error + friction.friction_coefficient * (p_high - p_low) +
-              2 * rounding.relative_force * now.cone[n];
-      if (before.touched[n]) {
-        error += before.error[n];
+      // Of the step, after touch: depth / descent, at most 1.
+      const auto share = [](double depth, double descent) { return descent > depth ? depth / descent : 1.0; };
+      const double unsure = share(d_high, -u[2] - motion_error) - share(d_low, -u[2] + motion_error);
+      error = mu * (p_high - p_low) + 2 * rounding.relative_force * now.cone[n];
+      const bool is_held = before.touched[n] && before.state.touching[n] == number;
+      if (bristles != nullptr && (is_held || !before.may_touch[n] || before.touched[n])) {
+        const BristleError step = bristleError(*bristles, {.bend = is_held ? before.state.held[n] : reference::Shear{0, 0},
+                                                           .u = {u[0], u[1]},
+                                                           .share = is_held ? 1 : share(now.frame.penetration[n], -u[2]),
+                                                           .dt = dt,
+                                                           .bend_error = is_held ? before.error[n] : 0,
+                                                           .motion_error = motion_error,
+                                                           .unsure = is_held ? 0 : unsure});
+        bend_error = step.bend + slot_rounding * mu;
+        error += step.shear * p_high;
+      } else if (bristles != nullptr) {
+        error += 2 * now.cone[n];
+      } else if (before.touched[n]) {
+        error += friction.tangential_stiffness * motion_error + before.error[n];
       } else {
-        // Of the step, after touch: depth / descent, at most 1.
-        const auto share = [](double depth, double descent) { return descent > depth ? depth / descent : 1.0; };
-        const double unsure = share(d_high, -u[2] - motion_error) - share(d_low, -u[2] + motion_error);
-        error += friction.tangential_stiffness * along * unsure;
+        error += friction.tangential_stiffness * (motion_error + along * unsure);
         if (before.may_touch[n]) error += before.cone[n] + friction.tangential_stiffness * along;
       }
       error = std::min(error, 2 * now.cone[n]);
     }
-    now.error[n] = error;
+    now.error[n] = bristles != nullptr ? bend_error : error;
     now.taxel_error[samples[n].taxel] += error * samples[n].area;
   }
   return now;
 }
 
+enum class Shears { kSprings, kBristles, kAnyBristles };
+
 struct PathKind {
   support::SensorRange sensor;
   int curved = -1;  // instead: number of a curvedSensor(); 3: one grid with a spread along the skin
+  Shears shears = Shears::kSprings;
   double solid_share = 0.5;
   bool all_convex = false;
   int num_slots = 1;
   bool with_loads = false;
 };
+
+// Around the preset, or with each parameter up to six orders of magnitude off.
+LuGre randomLuGre(Random& random, double stiffness, bool any) {
+  const auto around = [&](double value, double decades) { return value * std::pow(10, random.uniform(-decades, decades)); };
+  const double decades = any ? 6 : 0.3;
+  LuGre law{stiffness, around(1e5, decades), around(316.2, decades), around(0.4, decades), 0, 0, around(1e-3, decades)};
+  law.coulomb_friction = any ? std::pow(10, random.uniform(-6, 2.5)) : random.uniform(0.1, 1.5);
+  law.static_friction = law.coulomb_friction * random.uniform(1, 3);
+  return law;
+}
 
 Sensor randomFrictionSensor(Random& random, const PathKind& kind) {
   Sensor sensor =
@@ -138,22 +224,27 @@ Sensor randomFrictionSensor(Random& random, const PathKind& kind) {
   if (kind.curved == 3) sensor.psf = {.sigma = 0.7 * sensor.patches[0].pitch[0]};
   sensor.samples_per_taxel = random.integer(1, 5);
   const double stiffness = reference::pressureOf(sensor.skin.law, sensor.skin.thickness, 0) / sensor.skin.thickness;
-  sensor.skin.friction = {stiffness * std::pow(10, random.uniform(-1.5, 1.5)), random.uniform(0.1, 1.5)};
+  if (kind.shears == Shears::kSprings) {
+    sensor.skin.friction = {stiffness * std::pow(10, random.uniform(-1.5, 1.5)), random.uniform(0.1, 1.5)};
+  } else {
+    sensor.skin.law = randomLuGre(random, stiffness, kind.shears == Shears::kAnyBristles);
+  }
   return sensor;
 }
 
 // The object rolls, slides, lifts a little or rests.
-Pose nextPose(Random& random, const Pose& X_SO, double thickness) {
+Pose nextPose(Random& random, const Pose& X_SO, double thickness, double size) {
   if (random.chance(0.15)) return X_SO;
   const Vector3 axis{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1) + 1e-3};
-  Pose next{X_SO.position, axisAngle(axis, random.uniform(0, 0.02)) * X_SO.rotation};
-  for (double& coordinate : next.position) coordinate += random.uniform(-0.2, 0.2) * thickness;
+  Pose next{X_SO.position, axisAngle(axis, random.uniform(0, 0.02) * size) * X_SO.rotation};
+  for (double& coordinate : next.position) coordinate += random.uniform(-0.2, 0.2) * thickness * size;
   return next;
 }
 
 void runPath(const PathKind& kind, int seed) {
   Random random(static_cast<std::uint64_t>(seed));
   const Sensor sensor = randomFrictionSensor(random, kind);
+  const double mu = coneOf(sensor);
   std::vector<Object> objects;
   for (int n = 0; n < 3; ++n) {
     objects.push_back(random.chance(kind.solid_share) ? support::randomSolid(random, kObjectSize)
@@ -181,7 +272,8 @@ void runPath(const PathKind& kind, int seed) {
   const std::size_t num_taxels = static_cast<std::size_t>(numTaxels(sensor));
   for (int step = 0; step < kNumSteps; ++step) {
     support::setTouches(simulator, touches);
-    simulator.step(kDt);
+    const double dt = kind.shears == Shears::kSprings ? 1e-3 : std::pow(10, random.uniform(-4, 1));
+    simulator.step(dt);
     const FrameView frame = simulator.read();
     support::expectWellFormed(frame, sensor, kNumInstances);
     for (int i = 0; i < kNumInstances; ++i) {
@@ -190,19 +282,19 @@ void runPath(const PathKind& kind, int seed) {
       support::Rounding rounding = support::roundingFor(placed);
       // A pose that a load search moves is rounded once more.
       rounding.margin_z += (kind.num_slots > 1 ? kSlotRounding : 0) + (kind.with_loads ? support::kMarginZ : 0);
-      tracked[i] = advance(sensor, placed, rounding, tracked[i]);
+      tracked[i] = advance(sensor, placed, rounding, tracked[i], dt, kind.num_slots > 1 ? 0x1p-20 : 0);
       const Tracked& twin = tracked[i];
       const std::vector<double> bound = reference::spread(sensor, twin.taxel_error);
       double width = 0, cone = 0;
       std::size_t num_wrong = 0;
       for (std::size_t t = 0; t < num_taxels; ++t) {
-        const double slack = bound[t] + 200 * support::kUlp * sensor.skin.friction.friction_coefficient * twin.frame.spread_force[t] + 1e-9;
+        const double slack = bound[t] + 200 * support::kUlp * mu * twin.frame.spread_force[t] + 1e-9;
         for (std::size_t axis = 0; axis < 2; ++axis) {
           const double found = frame.ground_truth.tactile_shear_force[2 * (i * num_taxels + t) + axis];
           num_wrong += std::abs(found - twin.frame.spread_shear[t][axis]) <= slack ? 0 : 1;
         }
         width += twin.taxel_error[t];
-        cone += sensor.skin.friction.friction_coefficient * twin.frame.contact.taxel_force[t];
+        cone += mu * twin.frame.contact.taxel_force[t];
       }
       EXPECT_EQ(num_wrong, 0u);
       if (cone > kWhisper) looseness.push_back(width / cone);
@@ -216,11 +308,13 @@ void runPath(const PathKind& kind, int seed) {
         EXPECT_LE(found, envelope.wrench.high[axis] + slack) << "wrench[" << axis << "]";
       }
     }
+    // Bristles have bent as far as they can after some 10 um.
+    const double size = kind.shears == Shears::kSprings ? 1 : std::pow(10, random.uniform(-3, 0));
     for (Touch& touch : touches) {
-      for (Pose& X_SO : touch.X_SO) X_SO = nextPose(random, X_SO, sensor.skin.thickness);
+      for (Pose& X_SO : touch.X_SO) X_SO = nextPose(random, X_SO, sensor.skin.thickness, size);
     }
   }
-  if (looseness.empty()) return;
+  if (looseness.empty() || kind.shears == Shears::kAnyBristles) return;
   const auto middle = looseness.begin() + static_cast<std::ptrdiff_t>(looseness.size() / 2);
   std::nth_element(looseness.begin(), middle, looseness.end());
   EXPECT_LE(*middle, kLoosest);
@@ -257,6 +351,26 @@ TEST_P(FrictionTwinSeeds, TaxelsWithPlacesOfTheirOwn) {
 
 TEST_P(FrictionTwinSeeds, TaxelsWithPlacesOfTheirOwnUnderALoad) {
   runPath({.sensor = {}, .curved = GetParam() % 4, .all_convex = true, .with_loads = true}, 6000 + GetParam());
+}
+
+TEST_P(FrictionTwinSeeds, Bristles) {
+  runPath({.sensor = {}, .shears = Shears::kBristles}, 9000 + GetParam());
+}
+
+TEST_P(FrictionTwinSeeds, BristlesUnderSeveralObjectsAndPatches) {
+  runPath({.sensor = {.max_rows = 8, .max_cols = 8, .max_patches = 1 + GetParam() % 3, .max_patch_tilt = 0.5},
+           .shears = Shears::kBristles,
+           .num_slots = 1 + GetParam() % 3},
+          6000 + GetParam());
+}
+
+TEST_P(FrictionTwinSeeds, BristlesUnderALoad) {
+  runPath({.sensor = {.max_rows = 8, .max_cols = 8, .max_patches = 1 + GetParam() % 2}, .shears = Shears::kBristles, .with_loads = true},
+          7000 + GetParam());
+}
+
+TEST_P(FrictionTwinSeeds, AnyBristles) {
+  runPath({.sensor = {}, .shears = Shears::kAnyBristles, .num_slots = 1 + GetParam() % 2}, 8000 + GetParam());
 }
 
 INSTANTIATE_TEST_SUITE_P(Random, FrictionTwinSeeds, ::testing::Range(0, 8));

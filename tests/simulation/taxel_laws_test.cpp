@@ -23,10 +23,11 @@ constexpr double kPerStep = 16 * support::kUlp;
 // The mask's published weights are given to five digits, and so are the device's.
 constexpr double kMaskWeights = 2e-5;
 
-// A run of poses of one object over one sensor; normal forces (num_steps x num_taxels) after the law, N, and total force and wrench.
+// A run of poses of one object over one sensor; normal and shear forces (num_steps x num_taxels) after the law, N, and the wrench.
 struct Path {
   std::vector<std::vector<float>> forces;
-  std::vector<float> wrench_z;
+  std::vector<std::vector<reference::Shear>> shears;
+  std::vector<std::vector<float>> wrench;
 };
 
 Path follow(Sensor sensor, const ContactLaw& law, const Object& object, const std::vector<Pose>& path, const std::vector<double>& dt,
@@ -42,7 +43,10 @@ Path follow(Sensor sensor, const ContactLaw& law, const Object& object, const st
     const FrameView frame = simulator.read();
     support::expectWellFormed(frame, sensor, 1);
     result.forces.emplace_back(frame.ground_truth.tactile_normal_force.begin(), frame.ground_truth.tactile_normal_force.end());
-    result.wrench_z.push_back(frame.ground_truth.contact_wrench[2]);
+    result.shears.emplace_back();
+    const auto shear = frame.ground_truth.tactile_shear_force;
+    for (std::size_t t = 0; t < shear.size(); t += 2) result.shears.back().push_back({shear[t], shear[t + 1]});
+    result.wrench.emplace_back(frame.ground_truth.contact_wrench.begin(), frame.ground_truth.contact_wrench.end());
   }
   return result;
 }
@@ -115,7 +119,59 @@ void expectMassSpringDamperFollowsItsTwin(Random& random, const Sensor& sensor) 
       ASSERT_NEAR(device.forces[n][t], expected[t], kPerStep * static_cast<double>(n + 1) * largest * gain + support::kAbsoluteForce)
           << n << " " << t;
     }
-    EXPECT_NEAR(device.wrench_z[n], pressed.wrench_z[n], support::kRelativeMoment * largest_sum) << "contact presses the same";
+    EXPECT_NEAR(device.wrench[n][2], pressed.wrench[n][2], support::kRelativeMoment * largest_sum) << "contact presses the same";
+  }
+}
+
+// What contact shears is that of a winkler skin; what taxels show of it is shortened to what friction holds by their own forces, then
+// spread with the weights of these, so that no taxel ever shows more.
+TEST_P(TaxelLaws, MassSpringDamperShearsNoMoreThanItsTaxelsRead) {
+  Random random(300 + static_cast<std::uint64_t>(GetParam()));
+  Sensor plain = plainSensor(random, 1 + GetParam() % 2);
+  plain.skin.friction = {plain.skin.thickness > 1e-3 ? 1e8 : 1e9, random.uniform(0.1, 1.5)};
+  Sensor spread = plain;
+  if (GetParam() % 3 != 0) spread.psf = gaussianPsf(0.8, 3 + 2 * (GetParam() % 3 - 1));
+  const Object object = support::randomSolid(random, 0.02);
+  const auto logarithmic = [&](double low, double high) { return low * std::pow(high / low, random.uniform()); };
+  const bool any = GetParam() % 4 == 3;  // six orders of magnitude either way
+  const MassSpringDamper law{.normal_contact_stiffness = 1.73e8,
+                             .mass = any ? logarithmic(1e-9, 1e3) : logarithmic(1e-5, 1e-1),
+                             .stiffness = any ? logarithmic(1.6e-5, 1.6e7) : logarithmic(1, 1e3),
+                             .damping = random.chance(0.2) ? 0 : logarithmic(1e-3, 10)};
+  std::vector<Pose> path{support::randomContact(random, plain, object)};
+  std::vector<double> dt{1e-3};
+  for (int n = 0; n < 7; ++n) {
+    path.push_back(path.back());
+    for (double& coordinate : path.back().position) coordinate += random.uniform(-0.2, 0.2) * plain.skin.thickness;
+    dt.push_back(logarithmic(1e-4, 1e-1));
+  }
+  path[4].position[2] += 0.05;  // lifted: springs swing on, shear ends
+  const double mu = plain.skin.friction.friction_coefficient;
+  const Path pressed = follow(plain, Winkler{.normal_contact_stiffness = 1.73e8}, object, path, dt);
+  const Path device = follow(spread, law, object, path, dt);
+  Sensor with_law = spread;
+  with_law.skin.law = law;
+  std::vector<reference::TaxelState> state;
+  double largest = 0;
+  for (std::size_t n = 0; n < path.size(); ++n) {
+    EXPECT_EQ(device.wrench[n], pressed.wrench[n]) << "contact shears the same";
+    const std::vector<double> response = reference::taxelResponse(with_law, asDouble(pressed.forces[n]), dt[n], state);
+    const std::vector<reference::Shear> read = reference::taxelShear(with_law, pressed.shears[n], response);
+    for (const float force : pressed.forces[n]) largest = std::max<double>(largest, force);
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      std::vector<double> component;
+      for (const reference::Shear& shear : read) component.push_back(shear[axis]);
+      const std::vector<double> expected = reference::spread(spread, component);
+      for (std::size_t t = 0; t < expected.size(); ++t) {
+        // The shear itself is contact's, bit by bit; where it is shortened, as the force of the spring.
+        const double slack = (kPerStep * static_cast<double>(n + 1) + 100 * support::kUlp) * mu * largest + support::kAbsoluteForce;
+        ASSERT_NEAR(device.shears[n][t][axis], expected[t], slack) << n << " " << t;
+      }
+    }
+    for (std::size_t t = 0; t < device.forces[n].size(); ++t) {
+      const double size = std::hypot(device.shears[n][t][0], device.shears[n][t][1]);
+      ASSERT_LE(size, mu * device.forces[n][t] * (1 + 100 * support::kUlp)) << n << " " << t;
+    }
   }
 }
 
@@ -167,7 +223,7 @@ TEST_P(TaxelLaws, ProximityReadsDepthAndPressesNothing) {
   const Path pressed = follow(sensor, Winkler{.normal_contact_stiffness = 1e8}, object, path, {1e-3});
   const Path device = follow(sensor, Proximity{.sensitivity = 1e8}, object, path, {1e-3});
   EXPECT_EQ(device.forces, pressed.forces);
-  EXPECT_EQ(device.wrench_z[0], 0);
+  EXPECT_EQ(device.wrench[0][2], 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Random, TaxelLaws, ::testing::Range(0, 12));
@@ -191,6 +247,52 @@ TEST(TaxelLawsUnderLoad, ProximityHasNone) {
   Simulator simulator(model, {.num_instances = 1});
   EXPECT_THROW(simulator.setLoad(0, 1), Error);
   simulator.setLoad(0, std::numeric_limits<float>::quiet_NaN());  // driven by pose
+}
+
+// A mass that has just been pushed holds little yet; after a while, or under a load, the shear is that of a winkler skin.
+TEST(TaxelLawsShear, FollowsTheMassAndRestsAsContactDoes) {
+  Sensor sensor = support::gridSensor();
+  sensor.skin.friction = {1e8, 0.6};
+  sensor.psf = gaussianPsf(0.5, 3);
+  const Object object(Sphere{0.01});
+  std::vector<Pose> path{{.position = {0, 0, 0.03}}, {.position = {0, 0, 0.0092}}, {.position = {0.2e-3, 0.1e-3, 0.0092}}};
+  for (int n = 0; n < 30; ++n) path.push_back(path.back());
+  std::vector<double> dt(path.size(), 2e-3);
+  std::fill(dt.begin() + 4, dt.end(), 0.05);
+  const MassSpringDamper law{.normal_contact_stiffness = 1.73e8};
+  const Path held = follow(sensor, Winkler{.normal_contact_stiffness = 1.73e8}, object, path, dt);
+  const Path lagging = follow(sensor, law, object, path, dt);
+  const auto along_x = [](const Path& run, std::size_t step) {
+    double total = 0;
+    for (const reference::Shear& shear : run.shears[step]) total += shear[0];
+    return total;
+  };
+  EXPECT_GT(along_x(held, 2), 0.1);
+  EXPECT_LT(along_x(lagging, 2), 0.3 * along_x(held, 2));
+  EXPECT_GT(along_x(lagging, 2), 0);
+  // e^(-0.508 * 128 / s * 1.3 s) of the force is left.
+  for (std::size_t t = 0; t < held.shears.back().size(); ++t) {
+    for (std::size_t axis = 0; axis < 2; ++axis) EXPECT_NEAR(lagging.shears.back()[t][axis], held.shears.back()[t][axis], 1e-5);
+  }
+  const Path under_load = follow(sensor, law, object, path, dt, 2.0f);
+  const Path winkler_under_load = follow(sensor, Winkler{.normal_contact_stiffness = 1.73e8}, object, path, dt, 2.0f);
+  for (std::size_t t = 0; t < held.shears[2].size(); ++t) {
+    for (std::size_t axis = 0; axis < 2; ++axis) EXPECT_NEAR(under_load.shears[2][t][axis], winkler_under_load.shears[2][t][axis], 1e-5);
+  }
+}
+
+TEST(TaxelLawsShear, NeedNotBeAskedFor) {
+  Sensor sensor = support::gridSensor();
+  sensor.skin = {2e-3, MassSpringDamper{.normal_contact_stiffness = 1.73e8}, {1e8, 0.6}};
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.01})}});
+  Simulator simulator(model, {.outputs = {.tactile_shear_force = false}});
+  for (const double x : {0.0, 0.2e-3}) {
+    simulator.setObjects(std::vector<int>{0}, std::vector<Pose>{{.position = {x, 0, 0.0092}}});
+    simulator.step(1e-3);
+    const FrameView frame = simulator.read();
+    EXPECT_TRUE(frame.ground_truth.tactile_shear_force.empty());
+    EXPECT_EQ(frame.ground_truth.contact_wrench[0] > 0.1f, x > 0);
+  }
 }
 
 // Six orders of magnitude beyond the usual each way, and steps from a microsecond to a quarter of an hour: a spring never carries more than

@@ -40,7 +40,7 @@ Bounded heightEnvelope(const Sensor& sensor, std::span<const reference::PlacedOb
 
 FrameEnvelope frameEnvelope(const Sensor& sensor, std::span<const reference::PlacedObject> objects, const Rounding& rounding,
                             const std::optional<Bounded>& previous, double dt) {
-  const Winkler& law = std::get<Winkler>(sensor.skin.law);
+  const Winkler law = foundationOf(sensor.skin);
   const Bounded heights = heightEnvelope(sensor, objects, rounding.shift, rounding.margin_z);
   const std::vector<reference::Sample> samples = reference::samplesOf(sensor);
   const auto per_taxel = static_cast<double>(reference::samplesPerTaxel(sensor));

@@ -1,0 +1,189 @@
+// The law lugre on the device: closed forms, and what must hold at any speed.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "simulation/comparison.h"
+#include "support/random_scene.h"
+
+namespace taxelsim {
+namespace {
+
+using support::Random;
+using support::Touch;
+
+constexpr LuGre kLuGre{.normal_contact_stiffness = 1.73e8};
+constexpr double kDepth = 0.5e-3;  // m
+// Shear over normal force, both summed over the same samples at the same pressure: some twenty roundings of bristles of about 1, which a
+// displacement of 32 roundings (of 1e-6 m and of positions of a few millimetres, as tests of friction have it) bends.
+constexpr double kRounding = 100 * support::kUlp;
+
+Sensor sensorWith(const LuGre& law) {
+  Sensor sensor = support::gridSensor();
+  sensor.skin.law = law;
+  return sensor;
+}
+
+// A flat on whole samples, or on one of two patches, that slides along x by `ways` (m) in steps of `dt` (s) each; shear over normal force
+// along x.
+std::vector<double> slide(const LuGre& law, const std::vector<double>& ways, const std::vector<double>& dt) {
+  const Model model(support::sharedDevice(), {.sensor = sensorWith(law), .objects = {Object(Box{{3.4e-3, 6.8e-3, 0.01}})}});
+  Simulator simulator(model, {});
+  Touch touch{{0}, {{.position = {1.7e-3, 0, 5e-3 - kDepth}}}};
+  support::setTouches(simulator, {touch});
+  simulator.step(1e-3);
+  simulator.read();
+  std::vector<double> shares;
+  for (std::size_t n = 0; n < ways.size(); ++n) {
+    touch.X_SO[0].position[0] += ways[n];
+    support::setTouches(simulator, {touch});
+    simulator.step(dt[n]);
+    const auto wrench = simulator.read().ground_truth.contact_wrench;
+    EXPECT_NEAR(wrench[1], 0, kRounding);
+    shares.push_back(wrench[0] / -wrench[2]);
+  }
+  return shares;
+}
+
+TEST(LuGreOnDevice, SteadySlidingFollowsTheStribeckCurve) {
+  for (const double speed : {1e-5, 1e-4, 5e-4, 1e-3, 2e-3, 1e-2, 0.1, 1.0}) {
+    // Slid far enough after 20 steps of 1e-5 m: e^-13 and less is left.
+    const double expected = std::min(1 + 0.5 * std::exp(-speed * speed / 1e-6) + 0.4 * speed, 1.5);
+    const std::vector<double> shares = slide(kLuGre, std::vector(20, 1e-5), std::vector(20, 1e-5 / speed));
+    EXPECT_NEAR(shares.back(), expected, kRounding + 2 * std::exp(-20 / 1.5)) << speed;
+  }
+}
+
+// The same path, fast and slow: the rate-free spring's shear would be one and the same.
+TEST(LuGreOnDevice, ThePresetShearsMoreWhenItIsSlow) {
+  const std::vector<double> path(30, 1e-5);
+  EXPECT_NEAR(slide(kLuGre, path, std::vector(30, 0.1)).back(), 1.49506, 1e-5);
+  EXPECT_NEAR(slide(kLuGre, path, std::vector(30, 1e-3)).back(), 1.00400, 1e-5);
+}
+
+TEST(LuGreOnDevice, ConstantVelocityFromRestIsAnExponential) {
+  LuGre law = kLuGre;
+  law.bristle_damping = 0;
+  for (const double speed : {1e-4, 1e-3, 1e-2}) {
+    for (const double way : {1e-8, 1e-7, 1e-6, 5e-6, 3e-5}) {
+      const double g = 1 + 0.5 * std::exp(-speed * speed / 1e-6);
+      const auto at = [&](double slid) { return -g * std::expm1(-1e5 * slid / g) + 0.4 * speed; };
+      const std::vector<double> shares = slide(law, std::vector(4, way), std::vector(4, way / speed));
+      for (int n = 0; n < 4; ++n) {
+        const double expected = std::min(at((n + 1) * way), 1.5);
+        EXPECT_NEAR(shares[n], expected, kRounding * std::max(expected, 0.01)) << speed << " " << way;
+      }
+    }
+  }
+}
+
+// A flat that comes down while it slides, in touch for half of the way.
+TEST(LuGreOnDevice, LandingBendsByTheWayAfterTouch) {
+  LuGre law = kLuGre;
+  law.bristle_damping = 0;
+  const Model model(support::sharedDevice(), {.sensor = sensorWith(law), .objects = {Object(Box{{3.4e-3, 6.8e-3, 0.01}})}});
+  Simulator simulator(model, {});
+  for (const double way : {0.0, 5e-6}) {
+    support::setTouches(simulator, {{{0}, {{.position = {1.7e-3 + way, 0, 5e-3 + (way > 0 ? -kDepth : kDepth)}}}}});
+    simulator.step(5e-3);
+    simulator.read();
+  }
+  const auto wrench = simulator.read().ground_truth.contact_wrench;
+  const double g = 1 + 0.5 * std::exp(-1.0), share = -g * std::expm1(-1e5 * 2.5e-6 / g) + 0.4e-3;
+  // The share of the way is as sure as the depth.
+  EXPECT_NEAR(wrench[0] / -wrench[2], share, (support::kMarginZ / kDepth + kRounding) * share);
+}
+
+// The uncapped force after a jump from rest to 0.1 m/s is 31.7 times the load.
+TEST(LuGreOnDevice, AJumpOfVelocityKeepsCoulombsBound) {
+  const std::vector<double> shares = slide(kLuGre, {1e-7, 1e-7, -1e-7, 0}, {1e-6, 1e-6, 1e-6, 1e-6});
+  EXPECT_NEAR(shares[0], 1.5, kRounding);
+  EXPECT_NEAR(shares[1], 1.5, kRounding);
+  EXPECT_NEAR(shares[2], -1.5, kRounding);
+  EXPECT_LT(std::abs(shares[3]), 0.02) << "what the bristles hold at rest";
+}
+
+TEST(LuGreOnDevice, AnObjectAtRestDoesNotCreep) {
+  const Model model(support::sharedDevice(), {.sensor = sensorWith(kLuGre), .objects = {Object(Sphere{0.01})}});
+  Simulator simulator(model, {.num_instances = 2});
+  Pose X_SO{{4e-3, 17e-3, 0.0094}, axisAngle({1, 2, 3}, 1.1)};
+  simulator.setLoad(1, 2.0f);
+  const auto step = [&](double dt) {
+    support::setTouches(simulator, {{{0}, {X_SO}}, {{0}, {X_SO}}});
+    simulator.step(dt);
+    return support::bitsOf(simulator.read(), 1, 2);
+  };
+  step(1e-3);
+  X_SO.position[0] += 5e-6;
+  step(1e-3);
+  const auto bits = step(1e-3);
+  for (int n = 0; n < 20; ++n) ASSERT_EQ(step(std::pow(10.0, n - 10)), bits) << "step " << n;
+  EXPECT_GT(simulator.read().ground_truth.contact_wrench[6], 0.1f);
+}
+
+// In one tile and over several, where the search is done before the bristles move, once.
+TEST(LuGreOnDevice, ALoadThatSlidesShearsByTheCurve) {
+  for (const int num_patches : {1, 2}) {
+    Sensor sensor = sensorWith(kLuGre);
+    for (int p = 1; p < num_patches; ++p) {
+      sensor.patches.push_back(sensor.patches[0]);
+      sensor.patches.back().X_SP.position = {6 * 3.4e-3, 0, 0};
+    }
+    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.02})}});
+    Simulator simulator(model, {});
+    simulator.setLoad(0, 3.0f);
+    for (int n = 0; n < 12; ++n) {
+      support::setTouches(simulator, {{{0}, {{.position = {0.1e-3 * n, 0, 0.03}}}}});
+      simulator.step(1e-2);
+      const auto wrench = simulator.read().ground_truth.contact_wrench;
+      constexpr double kCarried = 1e-4;  // of the load, by the search
+      EXPECT_NEAR(wrench[2], -3, 3 * kCarried);
+      // 0.1 mm bends bristles e^-10 short of all they can; the whisper that the leading edge has just met carries little.
+      EXPECT_NEAR(wrench[0], n == 0 ? 0 : 1.004 * 3, 2e-3 * 3) << n;
+    }
+  }
+}
+
+// |sum of shear| <= mu_s (sum of normal force), per taxel too, with every parameter six orders of magnitude off and steps from a
+// nanosecond to a quarter of an hour; never anything but finite.
+TEST(LuGreOnDevice, ShearStaysInsideTheConeAtAnyParameters) {
+  // Products with four factors and sums of up to 64 samples and 81 neighbours, each rounded.
+  constexpr double kConeRounding = 300 * support::kUlp;
+  Random random(11);
+  double most = 0;
+  for (int scene = 0; scene < 16; ++scene) {
+    const auto around = [&](double value) { return scene == 0 ? value : value * std::pow(10, random.integer(-2, 2) * 3.0); };
+    LuGre law{1.73e8, around(1e5), around(316), around(0.4), 0, scene == 0 ? 1.0 : std::pow(10, random.uniform(-6, 2.5)), around(1e-3)};
+    law.static_friction = law.coulomb_friction * random.uniform(1, 3);
+    Sensor sensor = support::randomSensor(random, {.max_rows = 6, .max_cols = 8, .max_patches = 2, .max_patch_tilt = 0.3});
+    sensor.skin.law = law;
+    sensor.skin.thickness = 1e-3;
+    const Object object = random.chance(0.5) ? support::randomSolid(random, 0.02) : support::randomMeshObject(random, 0.02);
+    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {object}});
+    Simulator simulator(model, {.num_instances = 2});
+    simulator.setLoad(1, 0.5f);
+    Touch touch{{0}, {support::randomContact(random, sensor, object)}};
+    for (int step = 0; step < 6; ++step) {
+      support::setTouches(simulator, {touch, touch});
+      simulator.step(std::pow(10, random.uniform(-9, 3)));
+      const FrameView frame = simulator.read();
+      support::expectWellFormed(frame, sensor, 2);
+      const auto normal = frame.ground_truth.tactile_normal_force, shear = frame.ground_truth.tactile_shear_force;
+      std::size_t num_outside = 0;
+      for (std::size_t t = 0; t < normal.size(); ++t) {
+        const double size = std::hypot(shear[2 * t], shear[2 * t + 1]), cone = law.static_friction * normal[t];
+        num_outside += size > cone * (1 + kConeRounding) ? 1 : 0;
+        if (normal[t] > 1e-3) most = std::max(most, size / cone);
+      }
+      EXPECT_EQ(num_outside, 0u) << "scene " << scene;
+      const double way = std::pow(10, random.uniform(-9, -2));
+      for (double& coordinate : touch.X_SO[0].position)
+        coordinate += way * random.uniform(-1, 1) * (&coordinate == &touch.X_SO[0].position[2] ? 0.01 : 1);
+    }
+  }
+  EXPECT_GT(most, 0.99) << "the bound is reached";
+}
+
+}  // namespace
+}  // namespace taxelsim
