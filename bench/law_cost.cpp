@@ -56,6 +56,10 @@ std::vector<Case> allCases() {
       {"elastic_layer, bonded, margin, 2 x 2, sliding",
        [](Sensor& s) { s.samples_per_taxel = 2, s.skin = elasticSkin(s.skin, ElasticLayer::Base::kBonded, 4e-3); }},
       {"friction", [](Sensor& s) { s.skin.friction = {.tangential_stiffness = 1e8, .friction_coefficient = 0.5}; }},
+      {"relaxation, two terms",
+       [](Sensor& s) {
+         s.skin.relaxation = {{.fraction = 0.2, .time = 0.1}, {.fraction = 0.2, .time = 2}};
+       }},
       {"readout: low-pass, hysteresis, creep, delay",
        [](Sensor& s) {
          s.readout.low_pass_time = 0.01;

@@ -10,10 +10,11 @@
 //      contact_depth (num_instances x num_taxels), m; tile_results (num_instances x num_tiles); loads (num_instances): what the search found.
 //      Of a law that is solved apart, instead of forces and depths, the height of the lowest surface (m, in P) over each of its nodes, which take the
 //      taxels' place; 1e30 where there is none.
-// State: of every sample, between steps: its depth where the law needs it; where there is friction its shear traction, or how far its bristles are bent.
+// State: of every sample, between steps: its depth where the law needs it, its strain and overstresses where the skin relaxes; where there is
+//        friction its shear traction, or how far its bristles are bent.
 // Shared memory: 4 TILE_SAMPLES + 16 LANES + 4 kClustersPerBatch + 4 kGroupsPerBatch + 4 REPEAT + 48 bytes, with friction 8 LANES and 512 more.
 // Deterministic: the tile is a minimum; sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
-// Twins: src/reference/depth.cpp, contact.cpp, friction.cpp, lugre.cpp, load.cpp.
+// Twins: src/reference/depth.cpp, contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp, load.cpp.
 
 #include "lib/pairs.glsl"
 #include "shared/layout.h"
@@ -43,13 +44,14 @@ layout(constant_id = 32) const float VISCOUS_FRICTION = 0.4;   // s/m
 layout(constant_id = 33) const float STATIC_FRICTION = 1.5;
 layout(constant_id = 34) const float COULOMB_FRICTION = 1.0;
 layout(constant_id = 35) const float STRIBECK_VELOCITY = 1e-3;  // m/s
+layout(constant_id = 36) const uint RELAXATION = 0;  // terms of the skin's relaxation, lib/relaxation.glsl
 
 // A software driver computes both sides of every branch and a loop's body at least once, so what a model, sensor or batch does not need is left
 // out by constants.
 const uint kNoSearch = 0u;         // no instance is driven by load
 const uint kSearchInTile = 1u;     // in this pass, over its one tile
 const uint kSearchOverTiles = 2u;  // by load.comp, over all tiles
-const uint kSearchEnded = 3u;      // the frame of a sensor with friction at the offsets that this search has found
+const uint kSearchEnded = 3u;      // the frame of a sensor with friction or relaxation at the offsets that this search has found
 const bool kHasMesh = (KINDS & 1u) != 0;
 const bool kHasAnalytic = (KINDS & ~1u) != 0;
 // Heights go through the tile, but for a single analytic solid, whose heights are computed where they are summed; not a torus's, which take long.
@@ -82,7 +84,7 @@ const uint kEmpty = 0x7F7FFFFFu;  // the largest finite float, as bits: no surfa
 // steeper one may see the slope of an object that is still above.
 const float kLooksUp = 0.7;
 // Of many small tiles objects reach few. Which, is found by one invocation for each, before all of them go to those.
-const bool kFindsNear = NUM_ROWS == 0 && NUM_TILES > 1;
+const bool kFindsNear = NUM_ROWS == 0 && NUM_TILES > 1 && RELAXATION == 0;  // a skin that relaxes moves on where nothing is near
 // Groups are culled a batch at a time, so that the list of clusters has room for all of theirs.
 const uint kGroupsPerBatch = 32;
 const uint kClustersPerBatch = kGroupsPerBatch * kClustersPerGroup;
@@ -236,6 +238,7 @@ vec4 sumOfPartials() {
   return total;
 }
 
+#include "lib/relaxation.glsl"
 #include "lib/load_search.glsl"
 #include "lib/friction.glsl"
 
@@ -373,6 +376,8 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   }
   uint num_active = active_count.x * active_count.y;
 
+  bool is_first = (flags & kFlagFirstStep) != 0;
+  if (RELAXATION > 0) loadRelaxation(instance * NUM_TILES + tile_number, is_first);
   Search found = Search(0.0, 0.0, 0.0, kLoadOutOfReach);
   if (!kLawSolvedApart && SEARCH == kSearchInTile && search_here) {
     if (num_active > 0) found = searchLoad(instances[instance].drive.x, active_first * SAMPLES, active_count * SAMPLES);
@@ -391,7 +396,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   if (!usesTile()) parameters = objects[max(id, 0)].parameters;
   uint first_taxel = instance * NUM_TAXELS + grid.z;
   const float kPerSample = 1.0 / float(SAMPLES * SAMPLES);
-  bool at_rest = (flags & kFlagFirstStep) != 0 || load_driven;
+  bool at_rest = is_first || load_driven;
   float per_dt = HAS_STATE || BRISTLES ? step_record.time.y : 0.0;
   uint deep = 0;
   for (uint v = lane; v < LANES; v += WORKGROUP) {
@@ -406,6 +411,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
       vec2 moment = vec2(0);
       vec2 shear = vec2(0);
       vec3 shear_moment = vec3(0);
+      bool is_reached = RELAXATION > 0 && isReached(in_tile);
       bool is_kept = FRICTION && in_patch.x >= kept.x && in_patch.x < kept.y && in_patch.y >= kept.z && in_patch.y < kept.w;
       for (uint a = 0; a < SAMPLES; ++a) {
         for (uint b = 0; b < SAMPLES; ++b) {
@@ -434,6 +440,11 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
           }
           deep += d >= THICKNESS ? 1u : 0u;
           float f = lawPressure(d, d_rate);
+          if (RELAXATION > 0) {
+            SkinState skin = skinAt(address, is_reached);
+            if (kAdvances) keepSkin(address, skin, f);
+            f = relaxedPressure(skin, f);
+          }
           force += f;
           moment += f * position;
           depth_sum += d;
@@ -486,6 +497,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   }
 
   vec4 total = sumOfPartials();
+  if (RELAXATION > 0 && kAdvances) keepRestOfSkin(active_first, active_count);
   vec3 force = -total.x * X_PS.row2.xyz;  // rows of R_PS are the axes of P in S
   vec3 torque = total.y * X_PS.row0.xyz + total.z * X_PS.row1.xyz;
   if (FRICTION) {

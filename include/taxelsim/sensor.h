@@ -20,6 +20,7 @@ inline constexpr int kMaxCurveDegree = 5;
 inline constexpr int kMaxAdcBits = 16;
 inline constexpr int kMaxHysteresisElements = 4;
 inline constexpr int kMaxCreepTerms = 4;
+inline constexpr int kMaxRelaxationTerms = 4;
 inline constexpr int kMaxDelaySteps = 32;  // simulation steps that a readout's delay may span
 inline constexpr double kMaxCreepFraction = 1e6;
 inline constexpr double kMaxOffsetCounts = 1e9;  // of bias and random walk
@@ -141,11 +142,26 @@ struct Friction {
   bool operator==(const Friction&) const = default;
 };
 
+// A term of the skin's relaxation: a spring and a dashpot in series, beside the spring that stays and the other terms (the standard linear
+// solid; a Prony series). At constant depth the pressure falls, k(t) = k(0) [1 - sum fraction (1 - e^(-t / time))]; under a load the depth
+// grows while the sum of the forces stays the load. Other histories by Boltzmann's superposition, with d^normal_exponent as strain; skin
+// that an object leaves recovers with a free surface, and a new press meets the dent that is left. Not the readout's creep, which is of
+// counts at constant force.
+struct RelaxationTerm {
+  double fraction = 0;  // of the instantaneous stiffness, which is normal_contact_stiffness; 0 to 1, the sum of all terms < 1
+  double time = 1;      // s, > 0
+
+  bool operator==(const RelaxationTerm&) const = default;
+};
+
 struct Skin {
   double thickness = 0;  // m, > 0; the deepest penetration
   ContactLaw law = Winkler{};
   Friction friction{};
   double margin = 0;  // m, >= 0: how far the skin goes on past the taxels, rounded to whole samples; 0 unless the law is ElasticLayer
+  // 0 to 4 terms; none beside normal_damping, under Proximity or ElasticLayer. The first step after a reset presses at once, on skin long
+  // unloaded.
+  std::vector<RelaxationTerm> relaxation{};
 };
 
 // The elastic foundation that the skin presses with: Winkler's own, for other laws linear springs without damping; of an elastic layer
@@ -179,8 +195,8 @@ double skinDistance(const Vector3& p, const Vector3& n, const Vector3& q, const 
 // The paper's kernel: a Gaussian of `sigma` (taxels, > 0) sampled at taxel centres with density 1 / (2 pi sigma^2).
 Psf gaussianPsf(double sigma, int size, Psf::Normalization normalization = Psf::Normalization::kPerSource);
 
-// Readout creep: at a force F that begins at t = 0 the sensor reads F [1 + sum fraction (1 - e^(-t / time))]. The skin's own relaxation, at
-// constant depth, belongs to the contact law.
+// Readout creep: at a force F that begins at t = 0 the sensor reads F [1 + sum fraction (1 - e^(-t / time))]. What the skin itself does
+// over time, at constant depth or under a load, is its relaxation.
 struct CreepTerm {
   double fraction = 0;  // of the force, 0 to 1e6
   double time = 1;      // s, > 0

@@ -31,8 +31,14 @@ Search searchLoad(float load, uvec2 first, uvec2 count) {
       for (; i < total; i += LANES) {
         uint address = (first.x + i / count.y) * tile_stride + first.y + i % count.y;
         float d = found.depth - (withoutSlot(tile[address]) - found.lowest);
-        force += lawPressure(d, 0.0);
-        slope += lawSlope(d);
+        float f = lawPressure(d, 0.0), f_slope = lawSlope(d);
+        if (RELAXATION > 0) {
+          bool reached = isReached((first + uvec2(i / count.y, i % count.y)) / SAMPLES);
+          f = relaxedPressure(skinAt(address, reached), f);
+          f_slope = f > 0.0 ? skin_gain * f_slope : 0.0;
+        }
+        force += f;
+        slope += f_slope;
       }
       cut_short = cut_short || i < total;
       partial[v] = vec4(force, slope, 0, 0) * sample_area;
@@ -41,10 +47,11 @@ Search searchLoad(float load, uvec2 first, uvec2 count) {
     float excess = sums.x - load;
     if (iteration == 0 && excess < -kTolerance * load) break;  // even full depth carries less
     found.status = kLoadCarried;
+    if (RELAXATION > 0 && load > 0.0 && sums.y <= 0.0) found.status = kLoadOutOfReach;  // lost in the rounding of a much deeper dent
     if (abs(excess) <= kTolerance * load || sums.y <= 0.0) break;
     found.depth = clamp(found.depth - excess / sums.y, 0.0, THICKNESS);
   }
-  if (load == 0.0) found.depth = 0.0;
+  if (RELAXATION == 0 && load == 0.0) found.depth = 0.0;  // else at the bottom of a dent
   found.offset = -found.depth - (z_base + found.lowest);
   return found;
 }

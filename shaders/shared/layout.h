@@ -116,6 +116,12 @@ struct StepRecord {
   uvec4 delay;    // slot of this step in the ring of forces, steps back to the force that a frame shows, 0, 0
   vec4 law;       // of a law with taxels that move: what a step does to them
   vec4 contacts;  // contact_band (m), 0, 0, 0
+  // Of a skin that relaxes; stiffnesses as shares of the instantaneous.
+  vec4 relaxation;            // what stays for ever, that of strain added in this step, 0, 0
+  vec4 relaxation_fade;       // what of each term's overstress is left after dt
+  vec4 relaxation_fade_rest;  // the same, what float32 leaves out
+  vec4 relaxation_growth;     // of each term, that of strain added in this step
+  vec4 relaxation_fraction;   // the same in a first press
 };
 
 // A contact from another engine.
@@ -130,6 +136,9 @@ TAXELSIM_CONSTANT kMaxDelaySteps = 32u;
 // are bent, in units of friction; kApart where nothing touched.
 TAXELSIM_CONSTANT kFrictionHeader = 2u;
 TAXELSIM_CONSTANT kApart = 0x7F7FFFF8u;  // as the bits of x: larger than any of them, and free for a slot's number
+
+// Words per tile that precede those of the samples in the state of a skin that relaxes: the rectangle of taxels that has been reached.
+TAXELSIM_CONSTANT kRelaxationHeader = 4u;
 
 // What the contact pass leaves per instance and tile.
 struct TileResult {

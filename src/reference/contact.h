@@ -5,12 +5,14 @@
 #include <span>
 #include <vector>
 
+#include "reference/relaxation.h"
 #include "taxelsim/sensor.h"
 
 namespace taxelsim::reference {
 
 struct Contact {
   std::vector<double> pressure;          // (num_taxels x s x s), Pa
+  std::vector<double> strain;            // (num_taxels x s x s), Pa, of a skin that relaxes: SkinHistory
   std::vector<double> taxel_force;       // (num_taxels), N
   std::vector<double> mean_penetration;  // (num_taxels), m: mean of max(d, 0)
   std::array<double, 6> wrench{};        // force (N) and torque (N m) on the sensor at S's origin, in S
@@ -19,10 +21,10 @@ struct Contact {
 };
 
 // By the sensor's law, which must not be ElasticLayer (reference/elastic_layer.h). Penetration d and that of the frame before, (num_taxels
-// x s x s), m; an empty `previous`, or dt = 0, is a contact at rest.
-Contact contactOf(const Sensor& sensor, std::span<const double> d, std::span<const double> previous, double dt);
+// x s x s), m; an empty `previous`, or dt = 0, is a contact at rest. `skin`: of a skin that relaxes; none: of one that was never pressed.
+Contact contactOf(const Sensor& sensor, std::span<const double> d, std::span<const double> previous, double dt, const SkinStep& skin = {});
 
-// Pressure (Pa) of one sample, d' in m/s: not negative, and zero where d <= 0; a damper never pulls. Not
+// Pressure (Pa) of one sample, d' in m/s, of a skin that has not relaxed: not negative, and zero where d <= 0; a damper never pulls. Not
 // of ElasticLayer.
 double pressureOf(const ContactLaw& law, double d, double rate);
 

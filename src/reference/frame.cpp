@@ -25,18 +25,20 @@ void pressElasticLayer(const Sensor& sensor, const FrameInput& input, Frame& fra
 Frame simulateFrame(const Sensor& sensor, const FrameInput& input) {
   Frame frame;
   frame.load.reached = true;
+  const SkinStep skin = input.skin ? input.skin->step(input.dt) : SkinStep{};
   const bool solved = std::holds_alternative<ElasticLayer>(sensor.skin.law);
   if (solved) {
     pressElasticLayer(sensor, input, frame);
   } else if (input.load) {
-    frame.load = findLoad(sensor, input.objects, *input.load);
+    frame.load = findLoad(sensor, input.objects, *input.load, skin);
   }
   const std::vector<PlacedObject> placed = movedAlongZ(input.objects, frame.load.offset);
   frame.heights = surfaceHeights(sensor, placed);
   frame.penetration = penetrations(frame.heights, sensor.skin.thickness);
   if (!solved) {
-    frame.contact = input.load ? contactOf(sensor, frame.penetration, {}, 0)
-                               : contactOf(sensor, frame.penetration, input.previous_penetration, input.dt);
+    const std::span<const double> previous = input.previous_penetration;
+    frame.contact = contactOf(sensor, frame.penetration, input.load ? std::span<const double>{} : previous, input.dt, skin);
+    if (input.skin) input.skin->advance(input.dt, frame.contact.strain);
     frame.shear = contactShear(sensor, placed, frame.penetration, frame.contact.pressure, input.previous_friction, input.dt);
   }
   for (std::size_t i = 0; i < frame.wrench.size(); ++i) frame.wrench[i] = frame.contact.wrench[i] + frame.shear.wrench[i];

@@ -16,6 +16,7 @@
 #include "reference/lag.h"
 #include "reference/load.h"
 #include "reference/readout.h"
+#include "reference/relaxation.h"
 #include "reference/taxel_laws.h"
 
 namespace taxelsim::reference {
@@ -27,6 +28,7 @@ struct FrameInput {
   std::vector<TaxelState> taxel_state{};       // the same
   FrictionState previous_friction{};           // Frame::shear.state of the frame before
   double dt = 0;                               // s since then
+  SkinHistory* skin = nullptr;                 // of a skin that relaxes, advanced by dt; none: it was never pressed
   ReadoutDraw draw{};
   Lag* lag = nullptr;  // stage 4, advanced by dt; none: a frame shows the spread force itself
 };

@@ -74,7 +74,7 @@ std::vector<PlacedObject> movedAlongZ(std::span<const PlacedObject> objects, dou
   return moved;
 }
 
-LoadResult findLoad(const Sensor& sensor, std::span<const PlacedObject> objects, double load) {
+LoadResult findLoad(const Sensor& sensor, std::span<const PlacedObject> objects, double load, const SkinStep& skin) {
   const double thickness = sensor.skin.thickness;
   LoadResult result;
   result.first_touch = firstTouch(sensor, objects);
@@ -100,7 +100,7 @@ LoadResult findLoad(const Sensor& sensor, std::span<const PlacedObject> objects,
     const std::vector<double> d = penetrationsAt(offset);
     return *std::max_element(d.begin(), d.end());
   };
-  const auto forceAt = [&](double offset) { return contactOf(sensor, penetrationsAt(offset), {}, 0).total_force; };
+  const auto forceAt = [&](double offset) { return contactOf(sensor, penetrationsAt(offset), {}, 0, skin).total_force; };
 
   if (!level) {
     // Seen along its own normal, a tilted patch may be touched earlier, by a wall that moves in from the side.
@@ -124,8 +124,8 @@ LoadResult findLoad(const Sensor& sensor, std::span<const PlacedObject> objects,
     result.offset = result.full_depth;
     return result;
   }
-  if (load <= 0) {
-    result.offset = result.first_touch;
+  if (load <= 0) {  // at first touch, or at the bottom of a dent
+    result.offset = bisect(result.full_depth, result.first_touch, [&](double offset) { return forceAt(offset) > 0; }).second;
     result.reached = true;
     return result;
   }

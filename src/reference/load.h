@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "reference/depth.h"
+#include "reference/relaxation.h"
 
 namespace taxelsim::reference {
 
@@ -18,8 +19,8 @@ struct LoadResult {
 // Objects after moving by `offset` along z of S.
 std::vector<PlacedObject> movedAlongZ(std::span<const PlacedObject> objects, double offset);
 
-// Finds the offset by bisection: force is the sum over the taxels at rest, `load` (N) >= 0. Not of
-// ElasticLayer (reference/elastic_layer.h).
-LoadResult findLoad(const Sensor& sensor, std::span<const PlacedObject> objects, double load);
+// Finds the offset by bisection: force is the sum over the taxels at rest, `load` (N) >= 0. `skin`: of a skin that relaxes, at the end of
+// the step. Not of ElasticLayer (reference/elastic_layer.h).
+LoadResult findLoad(const Sensor& sensor, std::span<const PlacedObject> objects, double load, const SkinStep& skin = {});
 
 }  // namespace taxelsim::reference

@@ -91,6 +91,22 @@ std::vector<GridPatch> readPatches(const YamlMap& map, const std::filesystem::pa
   return patches;
 }
 
+// The terms of a series: a list of {fraction, time}.
+template <typename Read>
+void forTerms(const YamlMap& map, std::string_view key, int most, const Read& read) {
+  const std::optional<YamlNode> node = map.find(key);
+  const std::string what = "a list of at most " + std::to_string(most) + " of {fraction, time}";
+  const std::vector<YamlNode> items = node ? node->items(what) : std::vector<YamlNode>{};
+  if (items.size() > static_cast<std::size_t>(most)) node->refuse(what);
+  if (items.empty()) {
+    map.canonical().line(key, "[]");
+    return;
+  }
+  map.canonical().open(key);
+  for (const YamlNode& item : items) read(YamlMap::item(item, {"fraction", "time"}, map.canonical()));
+  map.canonical().close();
+}
+
 Winkler readWinkler(const YamlMap& map) {
   Winkler law;
   law.normal_contact_stiffness = map.number("normal_contact_stiffness", Allowed::above(0, "Pa/m^normal_exponent"));
@@ -201,8 +217,17 @@ Friction readFriction(const YamlMap& map) {
   return friction;
 }
 
+std::vector<RelaxationTerm> readRelaxation(const YamlMap& map) {
+  std::vector<RelaxationTerm> terms;
+  forTerms(map, "relaxation", kMaxRelaxationTerms, [&](const YamlMap& term) {
+    const double fraction = term.number("fraction", Allowed::within(0, 1, "of the stiffness"));
+    terms.push_back({.fraction = fraction, .time = term.number("time", Allowed::above(0, "s"))});
+  });
+  return terms;
+}
+
 Skin readSkin(const YamlMap& sensor) {
-  YamlMap::Keys keys{"thickness[_mm]", "law", "friction_coefficient", "tangential_stiffness"};
+  YamlMap::Keys keys{"thickness[_mm]", "law", "friction_coefficient", "tangential_stiffness", "relaxation"};
   for (const LawReader& law : lawReaders()) {
     for (const std::string_view key : law.keys) {
       if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
@@ -214,6 +239,7 @@ Skin readSkin(const YamlMap& sensor) {
   skin.law = readLaw(map);
   if (std::holds_alternative<ElasticLayer>(skin.law)) skin.margin = map.number("margin", Allowed::within(0, 1, "m"), skin.margin);
   skin.friction = readFriction(map);
+  skin.relaxation = readRelaxation(map);
   return skin;
 }
 
@@ -339,22 +365,11 @@ void readHysteresis(const YamlMap& map, Readout& readout) {
 }
 
 std::vector<CreepTerm> readCreep(const YamlMap& map) {
-  const std::optional<YamlNode> node = map.find("creep");
-  const std::string what = "a list of at most " + std::to_string(kMaxCreepTerms) + " of {fraction, time}";
-  const std::vector<YamlNode> items = node ? node->items(what) : std::vector<YamlNode>{};
-  if (items.size() > static_cast<std::size_t>(kMaxCreepTerms)) node->refuse(what);
   std::vector<CreepTerm> terms;
-  if (items.empty()) {
-    map.canonical().line("creep", "[]");
-    return terms;
-  }
-  map.canonical().open("creep");
-  for (const YamlNode& item : items) {
-    const YamlMap term = YamlMap::item(item, {"fraction", "time"}, map.canonical());
+  forTerms(map, "creep", kMaxCreepTerms, [&](const YamlMap& term) {
     const double fraction = term.number("fraction", Allowed::within(0, kMaxCreepFraction, "of the force"));
     terms.push_back({.fraction = fraction, .time = term.number("time", Allowed::above(0, "s"))});
-  }
-  map.canonical().close();
+  });
   return terms;
 }
 

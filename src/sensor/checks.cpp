@@ -115,6 +115,32 @@ void checkFriction(const Friction& friction) {
   }
 }
 
+void checkRelaxation(const Skin& skin) {
+  const std::vector<RelaxationTerm>& terms = skin.relaxation;
+  if (terms.empty()) return;
+  const std::string found = std::to_string(terms.size()) + (terms.size() == 1 ? " term" : " terms");
+  if (terms.size() > static_cast<std::size_t>(kMaxRelaxationTerms)) {
+    fail("skin.relaxation", found, "at most " + std::to_string(kMaxRelaxationTerms));
+  }
+  if (std::holds_alternative<Proximity>(skin.law))
+    fail("skin.relaxation", found, "none for the law proximity, under which nothing presses");
+  if (std::holds_alternative<ElasticLayer>(skin.law)) fail("skin.relaxation", found, "none for the law elastic_layer");
+  const double damping = foundationOf(skin).normal_damping;
+  if (damping > 0)
+    fail("skin.relaxation", found, "none beside normal_damping (" + numberText(damping) + " Pa s / m), which is another model of loss");
+  double sum = 0;
+  for (std::size_t m = 0; m < terms.size(); ++m) {
+    const std::string field = at("skin.relaxation", m);
+    // Written so that NaN fails.
+    if (!(terms[m].fraction >= 0 && terms[m].fraction < 1)) {
+      fail(field + ".fraction", numberText(terms[m].fraction), "of the instantaneous stiffness, >= 0 and < 1");
+    }
+    checkPositive(field + ".time", terms[m].time, "s");
+    sum += terms[m].fraction;
+  }
+  if (!(sum < 1)) fail("skin.relaxation", "a sum of fractions of " + numberText(sum), "less than 1");
+}
+
 void checkSkin(const Skin& skin) {
   checkPositive("skin.thickness", skin.thickness, "m");
   std::visit(CheckLaw{}, skin.law);
@@ -129,6 +155,7 @@ void checkSkin(const Skin& skin) {
   if (skin.margin > 0 && !std::holds_alternative<ElasticLayer>(skin.law)) {
     fail("skin.margin", numberText(skin.margin), "0, unless the law is elastic_layer");
   }
+  checkRelaxation(skin);
 }
 
 // An elastic layer is solved on the nodes of one grid.

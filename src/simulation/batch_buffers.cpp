@@ -17,6 +17,10 @@ struct InstanceBytes {
     contacts = sizeof(layout::ContactRecord) * static_cast<std::uint64_t>(options.max_contacts);
     num_contacts = takes_contacts ? 4 : 0;
     state = model.law.has_state && !takes_contacts ? 4 * num_tiles * model.packed.max_tile_samples : 0;
+    if (model.relaxes() && !takes_contacts) {
+      const std::uint64_t per_sample = 1 + model.sensor.skin.relaxation.size();
+      state = 4 * num_tiles * (layout::kRelaxationHeader + per_sample * model.packed.max_tile_samples);
+    }
     taxel_scalar = 4 * taxels;
     law_state = model.law.taxel_passes.empty() ? 0 : 8 * taxels;
     taxel_states = model.packed.num_states * taxel_scalar;

@@ -225,7 +225,7 @@ gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const 
                                          [](const TaxelPass& pass) { return pass.owner != TaxelPass::Owner::kTile; });
   // Measured on a software driver; GPUs fetch two words at once without it.
   const bool pairs = device.info().type == DeviceType::kCpu && device.context().hasInt64();
-  // Under friction a search over tiles leaves the state of the samples alone: one more evaluation ends it.
+  // Under friction or relaxation a search over tiles leaves the state of the samples alone: one more evaluation ends it.
   const Friction& skin_friction = sensor.skin.friction;
   const bool only_searches = hasFriction() && variant.search == kSearchOverTiles;
   const bool friction = hasFriction() && !only_searches;
@@ -245,6 +245,7 @@ gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const 
   of_the_pass.insert(of_the_pass.end(), {friction, bits(skin_friction.tangential_stiffness), bits(skin_friction.friction_coefficient),
                                          friction && variant.with_shear, friction && law.has_bristles});
   for (const float parameter : law.bristles) of_the_pass.push_back(bits(parameter));
+  of_the_pass.push_back(static_cast<std::uint32_t>(sensor.skin.relaxation.size()));
   return {device.context(),
           {.name = law.kernel,
            .spirv = pairs ? law.spirv_pairs : law.spirv,

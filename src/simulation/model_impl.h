@@ -77,6 +77,7 @@ struct Model::Impl {
   std::uint32_t contactsRepeat(int max_contacts) const;  // instances that a team does one after another
   const gpu::Kernel& contactsKernel(std::uint32_t repeat) const;
   bool hasFriction() const { return sensor.skin.friction.friction_coefficient > 0 || law.has_bristles; }
+  bool relaxes() const { return !sensor.skin.relaxation.empty(); }
   struct LayerVariant {
     bool loads = false;                                     // some instance is driven by load
     bool with_depth = false;                                // penetration_depth is wanted

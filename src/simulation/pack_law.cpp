@@ -82,6 +82,26 @@ std::array<float, 4> transitionOf(const ContactLaw& law, double dt) {
   return {static_cast<float>(c + decay * s), static_cast<float>(s), static_cast<float>(-square * s), static_cast<float>(c - decay * s)};
 }
 
+void packRelaxation(std::span<const RelaxationTerm> terms, double dt, layout::StepRecord& record) {
+  double settled = 1, added = 0;
+  for (std::size_t m = 0; m < terms.size(); ++m) {
+    const auto [fraction, time] = terms[m];
+    const double x = dt / time;
+    const double fade = std::exp(-x);
+    const double growth = fraction * (x > 0 ? -std::expm1(-x) / x : 1);
+    const int row = static_cast<int>(m);
+    record.relaxation_fade[row] = static_cast<float>(fade);
+    record.relaxation_fade_rest[row] = static_cast<float>(fade - static_cast<double>(static_cast<float>(fade)));
+    record.relaxation_growth[row] = static_cast<float>(growth);
+    record.relaxation_fraction[row] = static_cast<float>(fraction);
+    settled -= fraction;
+    added += growth;
+  }
+  settled = std::max(settled, 0x1p-53);  // a sum just below 1, rounded in another order
+  record.relaxation.x = static_cast<float>(settled);
+  record.relaxation.y = static_cast<float>(settled + added);
+}
+
 std::vector<glm::vec2> packMask(const Sensor& sensor) {
   // RobWorkSim's mask integrated over taxels; include/taxelsim/sensor.h, DeformationMask.
   constexpr std::array<double, 3> kWeights{0.52464, 0.10387, 0.01497};  // by the number of steps to the neighbour

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "shared/layout.h"
 #include "taxelsim/sensor.h"
 
 namespace taxelsim {
@@ -40,6 +41,9 @@ PackedLaw packLaw(const Skin& skin, float reach);
 // What a step of `dt` s does to the force in a taxel's spring (N) and its rate (N/s), about rest: exp(A dt) of MassSpringDamper, by rows;
 // of other laws zeros.
 std::array<float, 4> transitionOf(const ContactLaw& law, double dt);
+
+// What a step of `dt` s does to a skin that relaxes, into the record's rows for that.
+void packRelaxation(std::span<const RelaxationTerm> terms, double dt, layout::StepRecord& record);
 
 // The mask of DeformationMask on this sensor: (9 x num_taxels) pairs of source (as bits) and weight.
 std::vector<glm::vec2> packMask(const Sensor& sensor);

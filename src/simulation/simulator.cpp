@@ -168,6 +168,7 @@ layout::StepRecord Simulator::Impl::stepRecord(double dt) {
   const std::array<float, 4> law = transitionOf(model.sensor().skin.law, dt);
   record.law = {law[0], law[1], law[2], law[3]};
   record.contacts.x = static_cast<float>(options.contact_band);
+  packRelaxation(model.sensor().skin.relaxation, dt, record);
   record.delay = {num_steps++ % kMaxDelaySteps, history.stepsBack(dt, readout.delay), 0u, 0u};
   return record;
 }
@@ -254,7 +255,7 @@ void Simulator::Impl::recordObjects(gpu::Commands& commands, bool with_loads) co
     commands.dispatch(m.loadKernel(), (n + m.image_workgroup - 1) / m.image_workgroup, {&b.instances, &b.step, &b.tile_results, &b.loads});
     commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
   }
-  if (over_tiles && m.hasFriction()) {
+  if (over_tiles && (m.hasFriction() || m.relaxes())) {
     Model::Impl::ContactVariant last = variant;
     last.search = kSearchEnded;
     contact_pass(last);

@@ -147,6 +147,8 @@ TEST(Resolved, AnySettingShows) {
       {"1.73e8", "1.73000000000001e8"},
       {"1.73e8}", "1.73e8, normal_exponent: 2}"},
       {"1.73e8}", "1.73e8, normal_damping: 1}"},
+      {"1.73e8}", "1.73e8, relaxation: [{fraction: 0.1, time: 1}]}"},
+      {"1.73e8}", "1.73e8, relaxation: [{fraction: 0.1, time: 1}, {fraction: 0.1, time: 8}]}"},
       {"sigma: 0.5", "sigma: 0.6"},
       {"size: 3", "size: 5"},
       {"size: 3}}", "size: 3}, normalization: none}"},

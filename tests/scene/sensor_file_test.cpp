@@ -32,6 +32,7 @@ TEST(SensorFile, DefaultsAreTheHeaders) {
   EXPECT_EQ(sensor.skin.thickness, 0.002);
   EXPECT_EQ(std::get<Winkler>(sensor.skin.law), (Winkler{.normal_contact_stiffness = 1.73e8}));
   EXPECT_EQ(sensor.skin.friction, Friction{});
+  EXPECT_TRUE(sensor.skin.relaxation.empty());
   EXPECT_EQ(sensor.psf.size, Psf{}.size);
   EXPECT_EQ(sensor.psf.kernel, Psf{}.kernel);
   EXPECT_EQ(sensor.psf.normalization, Psf{}.normalization);
@@ -120,6 +121,18 @@ TEST(SensorFile, AnElasticLayerHasKeysOfItsOwn) {
       (ElasticLayer{
           .elastic_modulus = 2e6, .poisson_ratio = 0.5, .base = ElasticLayer::Base::kHalfSpace, .iterations = 25, .tolerance = 1e-4}));
   EXPECT_EQ(sensor.skin.margin, 0.004);
+}
+
+TEST(SensorFile, RelaxationOfTheLawsOnAFoundation) {
+  const std::vector<RelaxationTerm> terms{{0.5, 6}, {0.2, 8}};
+  for (const std::string law :
+       {"winkler, normal_contact_stiffness: 1e8", "mass_spring_damper, normal_contact_stiffness: 1e8", "deformation_mask"}) {
+    const Sensor sensor = load(
+        "num_rows: 1\nnum_cols: 1\npitch: 0.003\nskin: {thickness: 0.002, relaxation: [{fraction: 0.5, time: 6}, "
+        "{time: 8, fraction: 0.2}], law: " +
+        law + "}\nreadout: {curve: {counts_per_newton: 2400}}\n");
+    EXPECT_EQ(sensor.skin.relaxation, terms);
+  }
 }
 
 TEST(SensorFile, GainsInRowsAreGainsInStorageOrder) {

@@ -162,13 +162,27 @@ std::vector<int> upTo(int count) {
   return numbers;
 }
 
-class FrictionBatch : public ::testing::TestWithParam<std::tuple<int, bool>> {};  // slots, bristles
+struct StateKind {
+  int num_slots = 1;
+  int num_patches = 2;
+  bool has_friction = true;
+  bool relaxes = false;
+  bool bristles = false;
+};
 
-TEST_P(FrictionBatch, AnInstanceIsTheSameInAnyBatchAndWorkgroup) {
-  const auto [num_slots, bristles] = GetParam();
-  const Sensor sensor = bristles ? bristlySensor() : busySensor();
+class StateBatch : public ::testing::TestWithParam<StateKind> {};
+
+TEST_P(StateBatch, AnInstanceIsTheSameInAnyBatchAndWorkgroup) {
+  const StateKind kind = GetParam();
+  Sensor sensor = kind.bristles ? bristlySensor() : busySensor();
+  sensor.patches.resize(static_cast<std::size_t>(kind.num_patches));
+  if (!kind.has_friction) sensor.skin.friction = {};
+  if (kind.relaxes) {
+    if (Winkler* law = std::get_if<Winkler>(&sensor.skin.law)) law->normal_damping = 0;
+    sensor.skin.relaxation = {{0.3, 1e-3}, {0.4, 0.01}, {0.1, 1}};
+  }
   constexpr int kNumInstances = 13;
-  const Paths paths = randomPaths(sensor, kNumInstances, num_slots, true);
+  const Paths paths = randomPaths(sensor, kNumInstances, kind.num_slots, true);
   const auto model = [&](int contact_workgroup, int image_workgroup) {
     return Model(support::sharedDevice(),
                  {.sensor = sensor, .objects = paths.objects, .contact_workgroup = contact_workgroup, .image_workgroup = image_workgroup});
@@ -184,7 +198,11 @@ TEST_P(FrictionBatch, AnInstanceIsTheSameInAnyBatchAndWorkgroup) {
   EXPECT_EQ(runPaths(model(128, 16), paths, upTo(kNumInstances)), together);
 }
 
-INSTANTIATE_TEST_SUITE_P(Slots, FrictionBatch, ::testing::Combine(::testing::Values(1, 2), ::testing::Bool()));
+INSTANTIATE_TEST_SUITE_P(Kinds, StateBatch,
+                         ::testing::Values(StateKind{}, StateKind{.num_slots = 2}, StateKind{.has_friction = false, .relaxes = true},
+                                           StateKind{.num_patches = 1, .has_friction = false, .relaxes = true},
+                                           StateKind{.num_slots = 2, .num_patches = 1, .relaxes = true}, StateKind{.relaxes = true},
+                                           StateKind{.bristles = true}, StateKind{.num_slots = 2, .relaxes = true, .bristles = true}));
 
 // Without a damper nothing knows how long a step takes.
 TEST(FrictionOnDevice, SpeedDoesNotShow) {

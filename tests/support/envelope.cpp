@@ -15,6 +15,9 @@ void addProduct(double factor, double value_low, double value_high, double& low,
   high += factor * (factor >= 0 ? value_high : value_low);
 }
 
+// Products and sums of a step, each rounded by 2^-24 of a strain at most.
+constexpr double kRoundingsPerStep = 16 * 0x1p-24;
+
 }  // namespace
 
 Bounded heightEnvelope(const Sensor& sensor, std::span<const reference::PlacedObject> objects, double shift, double margin_z) {
@@ -39,7 +42,7 @@ Bounded heightEnvelope(const Sensor& sensor, std::span<const reference::PlacedOb
 }
 
 FrameEnvelope frameEnvelope(const Sensor& sensor, std::span<const reference::PlacedObject> objects, const Rounding& rounding,
-                            const std::optional<Bounded>& previous, double dt) {
+                            const std::optional<Bounded>& previous, double dt, SkinEnvelope* skin) {
   const Winkler law = foundationOf(sensor.skin);
   const Bounded heights = heightEnvelope(sensor, objects, rounding.shift, rounding.margin_z);
   const std::vector<reference::Sample> samples = reference::samplesOf(sensor);
@@ -53,12 +56,22 @@ FrameEnvelope frameEnvelope(const Sensor& sensor, std::span<const reference::Pla
   frame.mean_penetration = frame.taxel_force = {zero, zero};
   frame.wrench = {std::vector<double>(6, 0), std::vector<double>(6, 0)};
   frame.over_penetration = {{0}, {0}};
+  const reference::SkinStep skin_low = skin ? skin->low.step(dt) : reference::SkinStep{};
+  const reference::SkinStep skin_high = skin ? skin->high.step(dt) : reference::SkinStep{};
+  Bounded strain;
+  // Of a skin that relaxes: pressure is a difference of strains, each rounded like a force; a step rounds them and up to four overstresses.
+  const double relative_strain = skin ? rounding.relative_force + kRoundingsPerStep * skin->num_steps : 0;
   for (std::size_t n = 0; n < samples.size(); ++n) {
     const reference::Sample& sample = samples[n];
     const double d_low = frame.penetration.low[n], d_high = frame.penetration.high[n];
     const double slowest = previous ? (d_low - previous->high[n]) / dt : 0, fastest = previous ? (d_high - previous->low[n]) / dt : 0;
-    const double force_low = reference::pressureOf(law, d_low, slowest) * sample.area * (1 - rounding.relative_force);
-    const double force_high = reference::pressureOf(law, d_high, fastest) * sample.area * (1 + rounding.relative_force);
+    const double elastic_low = reference::pressureOf(law, d_low, slowest), elastic_high = reference::pressureOf(law, d_high, fastest);
+    const auto low = skin_high.press(n, elastic_low), high = skin_low.press(n, elastic_high);  // crosswise
+    strain.low.push_back(skin_low.press(n, elastic_low).strain);
+    strain.high.push_back(skin_high.press(n, elastic_high).strain);
+    const double absolute = elastic_high > 0 ? relative_strain * strain.high[n] : 0;
+    const double force_low = std::max(0.0, low.pressure * (1 - rounding.relative_force) - absolute) * sample.area;
+    const double force_high = (high.pressure * (1 + rounding.relative_force) + absolute) * sample.area;
     frame.taxel_force.low[sample.taxel] += force_low;
     frame.taxel_force.high[sample.taxel] += force_high;
     frame.mean_penetration.low[sample.taxel] += d_low / per_taxel;
@@ -73,6 +86,11 @@ FrameEnvelope frameEnvelope(const Sensor& sensor, std::span<const reference::Pla
       addProduct(direction[axis], force_low, force_high, frame.wrench.low[axis], frame.wrench.high[axis]);
       addProduct(arm[axis], force_low, force_high, frame.wrench.low[3 + axis], frame.wrench.high[3 + axis]);
     }
+  }
+  if (skin) {
+    skin->low.advance(dt, strain.low);
+    skin->high.advance(dt, strain.high);
+    ++skin->num_steps;
   }
   for (std::size_t t = 0; t < num_taxels; ++t) {
     frame.taxel_force.low[t] -= rounding.absolute_force;

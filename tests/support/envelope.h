@@ -43,8 +43,18 @@ struct Rounding {
   double absolute_force = 0;  // N
 };
 
-// `previous` is the envelope of penetration of the frame before, none in the first frame or under a load; dt in s.
+// The past of a skin that relaxes. Strain that a sample had earlier takes from its pressure now and adds to the strain it recovers to, so
+// that bounds stay bounds: of strain each of its own kind, of pressure the upper one with the lower strains.
+struct SkinEnvelope {
+  explicit SkinEnvelope(std::span<const RelaxationTerm> terms) : low(terms), high(terms) {}
+
+  reference::SkinHistory low, high;
+  int num_steps = 0;
+};
+
+// `previous` is the envelope of penetration of the frame before, none in the first frame or under a load; dt in s. `skin` is moved on by
+// dt.
 FrameEnvelope frameEnvelope(const Sensor& sensor, std::span<const reference::PlacedObject> objects, const Rounding& rounding,
-                            const std::optional<Bounded>& previous = {}, double dt = 0);
+                            const std::optional<Bounded>& previous = {}, double dt = 0, SkinEnvelope* skin = nullptr);
 
 }  // namespace taxelsim::support

@@ -1,0 +1,43 @@
+#include "reference/relaxation.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace taxelsim::reference {
+
+SkinStep::Pressed SkinStep::press(std::size_t sample, double elastic) const {
+  if (strain.empty()) return {elastic, elastic};
+  const double recovered = std::max(0.0, strain[sample] - held[sample] / gain);
+  return elastic > recovered ? Pressed{gain * (elastic - recovered), elastic} : Pressed{0, recovered};
+}
+
+double SkinHistory::meanKernel(double age, double span) const {
+  double mean = 1;
+  for (const RelaxationTerm& term : terms_) {
+    const double x = span / term.time;
+    mean += term.fraction * (std::exp(-age / term.time) * (x > 0 ? -std::expm1(-x) / x : 1) - 1);
+  }
+  return mean;
+}
+
+SkinStep SkinHistory::step(double dt) const {
+  SkinStep step;
+  if (strain_.empty()) return step;
+  step.strain = strain_.back();
+  step.held.assign(step.strain.size(), 0);
+  step.gain = meanKernel(0, dt);
+  double age = dt;
+  for (std::size_t k = strain_.size(); k-- > 0;) {
+    const double weight = meanKernel(age, k > 0 ? dt_[k] : 0);
+    for (std::size_t n = 0; n < step.held.size(); ++n) step.held[n] += weight * (strain_[k][n] - (k > 0 ? strain_[k - 1][n] : 0));
+    age += dt_[k];
+  }
+  return step;
+}
+
+void SkinHistory::advance(double dt, std::span<const double> strain) {
+  dt_.push_back(dt);
+  strain_.emplace_back(strain.begin(), strain.end());
+}
+
+}  // namespace taxelsim::reference

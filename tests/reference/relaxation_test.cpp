@@ -1,0 +1,62 @@
+// The twin's relaxation against closed forms.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "reference/frame.h"
+#include "support/relaxation_cases.h"
+
+namespace taxelsim {
+namespace {
+
+using support::Press;
+using support::Pressed;
+using support::RelaxationCases;
+
+std::vector<Pressed> simulateByTwin(const Sensor& sensor, const Object& object, const std::vector<Press>& steps) {
+  reference::SkinHistory skin(sensor.skin.relaxation);
+  std::vector<Pressed> result;
+  for (const Press& step : steps) {
+    const reference::Frame frame =
+        reference::simulateFrame(sensor, {.objects = {{&object, step.X_SO}}, .load = step.load, .dt = step.dt, .skin = &skin});
+    const std::vector<double>& forces = frame.contact.taxel_force;
+    result.push_back({frame.contact.total_force, *std::min_element(forces.begin(), forces.end()), frame.load.offset, frame.load.reached});
+  }
+  return result;
+}
+
+const RelaxationCases kTwin{simulateByTwin, 1e-12};
+
+TEST(RelaxationClosedForm, StepOfDepth) {
+  kTwin.stepOfDepth();
+}
+TEST(RelaxationClosedForm, AnyTimes) {
+  kTwin.anyTimes();
+}
+TEST(RelaxationClosedForm, Ramp) {
+  kTwin.ramp();
+}
+TEST(RelaxationClosedForm, GrowingSphere) {
+  kTwin.growingSphere();
+}
+TEST(RelaxationClosedForm, DeadLoadOnAFlat) {
+  kTwin.deadLoadOnAFlat();
+}
+TEST(RelaxationClosedForm, DeadLoadOnASphere) {
+  kTwin.deadLoadOnASphere();
+}
+TEST(RelaxationClosedForm, FreeRecovery) {
+  kTwin.freeRecovery();
+}
+TEST(RelaxationClosedForm, PressedAgain) {
+  kTwin.pressedAgain();
+}
+TEST(RelaxationClosedForm, LossOfACycle) {
+  kTwin.lossOfACycle();
+}
+TEST(RelaxationClosedForm, CyclesLose) {
+  kTwin.cyclesLose();
+}
+
+}  // namespace
+}  // namespace taxelsim

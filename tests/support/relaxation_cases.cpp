@@ -1,0 +1,283 @@
+#include "support/relaxation_cases.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "support/random_scene.h"
+
+namespace taxelsim::support {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kStiffness = 1.73e8;  // k0, N/m^3
+constexpr double kSide = 12e-3;        // m, of the array
+constexpr double kArea = kSide * kSide;
+// What the closed forms are held to where the path within a step, or the grid under a sphere, is not theirs.
+constexpr double kClose = 0.005;
+constexpr double kCarried = 0.001;  // of a load
+
+Sensor skinOf(std::vector<RelaxationTerm> terms, double exponent = 1, int taxels = 2) {
+  Sensor sensor = gridSensor({.num_rows = taxels,
+                              .num_cols = taxels,
+                              .pitch_x = kSide / taxels,
+                              .pitch_y = kSide / taxels,
+                              .samples_per_taxel = 4,
+                              .thickness = 2e-3,
+                              .law = {kStiffness / std::pow(1e-3, exponent - 1), exponent, 0}});
+  sensor.skin.relaxation = std::move(terms);
+  return sensor;
+}
+
+// Fine enough for a sphere.
+Sensor fineSkinOf(std::vector<RelaxationTerm> terms) {
+  return skinOf(std::move(terms), 1, 12);
+}
+
+// k(t) / k0, and its integral from 0 to t.
+double kernel(const Sensor& sensor, double t) {
+  double g = 1;
+  for (const auto& [fraction, time] : sensor.skin.relaxation) g -= fraction * -std::expm1(-t / time);
+  return g;
+}
+double integralOfKernel(const Sensor& sensor, double t) {
+  double settled = 1, sum = 0;
+  for (const auto& [fraction, time] : sensor.skin.relaxation) {
+    settled -= fraction;
+    sum += fraction * time * -std::expm1(-t / time);
+  }
+  return settled * t + sum;
+}
+
+// Creep compliance times k0 of a skin with one term: 1/Einf - E1 / (Einf (Einf + E1)) e^(-t / tc), tc = time (Einf + E1) / Einf, Einf + E1
+// = 1.
+double compliance(const RelaxationTerm& term, double t) {
+  const double settled = 1 - term.fraction;
+  return 1 / settled - term.fraction / settled * std::exp(-t * settled / term.time);
+}
+
+// A half-space over the whole array, `depth` deep (m).
+const Object& flat() {
+  static const Object object(HalfSpace{});
+  return object;
+}
+Press flatAt(double depth, double dt) {
+  return {{.position = {0, 0, -depth}}, dt};
+}
+
+double capOf(double radius, double depth) {
+  return depth > 0 ? kPi * depth * depth * (radius - depth / 3) : 0;
+}
+
+const std::vector<RelaxationTerm> kTerms{{0.3, 0.05}, {0.2, 1}, {0.1, 11}, {0.05, 0.002}};
+
+}  // namespace
+
+void RelaxationCases::stepOfDepth() const {
+  constexpr double kDepth = 0.8e-3;
+  for (const double exponent : {1.0, 1.5, 3.0}) {
+    for (std::size_t num_terms = 0; num_terms <= kTerms.size(); ++num_terms) {
+      const Sensor sensor = skinOf({kTerms.begin(), kTerms.begin() + static_cast<std::ptrdiff_t>(num_terms)}, exponent);
+      std::vector<Press> steps;
+      for (const double dt : {0.7, 1e-4, 1e-3, 0.02, 0.003, 0.4, 3.0, 30.0}) steps.push_back(flatAt(kDepth, dt));
+      const std::vector<Pressed> pressed = simulate(sensor, flat(), steps);
+      const double instantaneous = kStiffness * 1e-3 * std::pow(kDepth / 1e-3, exponent) * kArea;
+      double t = 0;
+      for (std::size_t n = 0; n < steps.size(); ++n) {
+        if (n > 0) t += steps[n].dt;
+        EXPECT_NEAR(pressed[n].force / (instantaneous * kernel(sensor, t)), 1, exponent * depth_error / kDepth + 1e-5) << n;
+      }
+    }
+  }
+}
+
+// Times a million times shorter and longer than the steps, and nearly all of the stiffness in terms.
+void RelaxationCases::anyTimes() const {
+  constexpr double kDepth = 0.8e-3;
+  for (const double dt : {1e-9, 1e-3, 1e3}) {
+    for (const double ratio : {1e-6, 1e-3, 1.0, 1e3, 1e6}) {
+      for (const double left : {1e-6, 0.5}) {
+        const Sensor sensor = skinOf({{1 - left, dt * ratio}, {left / 2, 3 * dt}});
+        const std::vector<Pressed> pressed = simulate(sensor, flat(), std::vector<Press>(30, flatAt(kDepth, dt)));
+        for (std::size_t n = 0; n < pressed.size(); ++n) {
+          const double expected = kStiffness * kDepth * kArea * kernel(sensor, static_cast<double>(n) * dt);
+          EXPECT_NEAR(pressed[n].force / expected, 1, depth_error / kDepth + kClose) << dt << " " << ratio << " " << left << " " << n;
+        }
+        // And let go.
+        std::vector<Press> steps(3, flatAt(kDepth, dt));
+        steps.resize(6, flatAt(-kDepth, dt));
+        for (const Pressed& after : simulate(sensor, flat(), steps)) EXPECT_GE(after.smallest, 0);
+      }
+    }
+  }
+}
+
+void RelaxationCases::ramp() const {
+  constexpr double kRate = 1e-3;  // m/s
+  const Sensor sensor = skinOf({kTerms.begin(), kTerms.begin() + 3});
+  std::vector<Press> steps;
+  double t = 0;
+  for (const double dt : {0.0, 0.2, 0.01, 0.09, 0.3, 0.05, 0.6}) {
+    t += dt;
+    steps.push_back(flatAt(kRate * t, std::max(dt, 1e-3)));
+  }
+  const std::vector<Pressed> pressed = simulate(sensor, flat(), steps);
+  t = 0;
+  for (std::size_t n = 1; n < steps.size(); ++n) {
+    t += steps[n].dt;
+    EXPECT_NEAR(pressed[n].force / (kStiffness * kArea * kRate * integralOfKernel(sensor, t)), 1, 2 * depth_error / (kRate * t) + 1e-5)
+        << n;
+  }
+}
+
+void RelaxationCases::growingSphere() const {
+  constexpr double kRadius = 10e-3, kDepth = 1e-3, kTime = 1;
+  constexpr int kNumSteps = 60;
+  const Sensor sensor = fineSkinOf({kTerms.begin(), kTerms.begin() + 3});
+  // Fast first, then slow: the contact grows all the time.
+  const auto depthAt = [](double t) { return kDepth * std::sin(kPi / 2 * t / kTime); };
+  std::vector<Press> steps;
+  for (int n = 0; n <= kNumSteps; ++n) {
+    steps.push_back({{.position = {0.11e-3, -0.07e-3, kRadius - depthAt(kTime * n / kNumSteps)}}, kTime / kNumSteps});
+  }
+  const std::vector<Pressed> pressed = simulate(sensor, Object(Sphere{kRadius}), steps);
+  for (int n = kNumSteps / 4; n <= kNumSteps; ++n) {
+    // The midpoint rule over the volume's own steps.
+    constexpr int kCells = 4000;
+    const double t = kTime * n / kNumSteps;
+    double force = 0;
+    for (int i = 0; i < kCells; ++i) {
+      const double from = t * i / kCells, to = t * (i + 1) / kCells;
+      force += kStiffness * kernel(sensor, t - (from + to) / 2) * (capOf(kRadius, depthAt(to)) - capOf(kRadius, depthAt(from)));
+    }
+    EXPECT_NEAR(pressed[static_cast<std::size_t>(n)].force / force, 1, kClose + 2 * depth_error / depthAt(t)) << n;
+  }
+}
+
+void RelaxationCases::deadLoadOnAFlat() const {
+  constexpr double kLoad = 4;  // N
+  for (const RelaxationTerm term : {RelaxationTerm{0.4, 0.5}, RelaxationTerm{0.8, 0.02}}) {
+    const Sensor sensor = skinOf({term});
+    const std::vector<Pressed> pressed = simulate(sensor, flat(), std::vector<Press>(120, {{.position = {0, 0, 0.01}}, 0.01, kLoad}));
+    for (std::size_t n = 0; n < pressed.size(); ++n) {
+      const double depth = kLoad / (kStiffness * kArea) * compliance(term, 0.01 * static_cast<double>(n));
+      EXPECT_TRUE(pressed[n].reached);
+      EXPECT_NEAR(pressed[n].force / kLoad, 1, kCarried);
+      EXPECT_NEAR(-0.01 - pressed[n].offset, depth, kClose * depth + 2 * depth_error);
+    }
+  }
+}
+
+void RelaxationCases::deadLoadOnASphere() const {
+  constexpr double kRadius = 10e-3, kLoad = 1, kDt = 0.02;
+  const RelaxationTerm term{0.5, 0.3};
+  const Sensor sensor = fineSkinOf({term});
+  const std::vector<Press> steps(60, {{.position = {0.11e-3, -0.07e-3, 0.03}}, kDt, kLoad});
+  const std::vector<Pressed> pressed = simulate(sensor, Object(Sphere{kRadius}), steps);
+  for (std::size_t n = 0; n < pressed.size(); ++n) {
+    const double volume = kLoad / kStiffness * compliance(term, kDt * static_cast<double>(n));
+    const double parabolic = std::sqrt(volume / (kPi * kRadius));
+    double depth = parabolic;  // then the cap's own
+    for (int i = 0; i < 20; ++i) depth = std::sqrt(volume / (kPi * (kRadius - depth / 3)));
+    EXPECT_NEAR(pressed[n].force / kLoad, 1, kCarried);
+    EXPECT_NEAR(kRadius - 0.03 - pressed[n].offset, depth, kClose * depth + 2 * depth_error) << n;
+  }
+}
+
+// Held until nothing changes, then let go at once: the skin jumps back by the share that stays and recovers the rest with the time of
+// creep.
+void RelaxationCases::freeRecovery() const {
+  constexpr double kDent = 1e-3, kShort = 1e-6;
+  const RelaxationTerm term{0.6, 0.3};
+  const double settled = 1 - term.fraction;
+  const Sensor sensor = skinOf({term});
+  for (const double wait : {0.01, 0.3, 1.0}) {
+    std::vector<Press> steps{flatAt(kDent, 1), flatAt(kDent, 40 * term.time), flatAt(-1e-3, kShort)};
+    constexpr int kNumWaits = 50;
+    for (int n = 0; n < kNumWaits; ++n) steps.push_back(flatAt(-1e-3, wait / kNumWaits));
+    const double dent = term.fraction * kDent * std::exp(-wait * settled / term.time);
+    const double deeper = 1.2e-3;
+    steps.push_back(flatAt(dent - 0.01 * kDent, kShort));  // not yet at the skin
+    steps.push_back(flatAt(deeper, kShort));
+    const std::vector<Pressed> pressed = simulate(sensor, flat(), steps);
+    EXPECT_NEAR(pressed[1].force / (kStiffness * kArea * kDent * settled), 1, kClose);
+    for (std::size_t n = 2; n + 1 < pressed.size(); ++n) EXPECT_EQ(pressed[n].force, 0) << n;
+    EXPECT_NEAR(pressed.back().force / (kStiffness * kArea * (deeper - dent)), 1, kClose) << wait;
+  }
+}
+
+// Half way back faster than the skin follows, into the dent again, away for long, and again: never negative, less in the dent, in the end
+// as at first.
+void RelaxationCases::pressedAgain() const {
+  constexpr double kRadius = 10e-3;
+  for (const auto& terms : {std::vector<RelaxationTerm>{{0.7, 0.1}}, kTerms}) {
+    const Sensor sensor = fineSkinOf(terms);
+    const auto at = [&](double depth, double dt) { return Press{{.position = {0.11e-3, -0.07e-3, kRadius - depth}}, dt}; };
+    std::vector<Press> steps{at(1e-3, 1)};
+    for (int n = 0; n < 20; ++n) steps.push_back(at(1e-3, 0.1));
+    for (const double depth : {0.9e-3, 0.8e-3, 0.5e-3, 0.2e-3, -1e-3, 0.6e-3, 1e-3}) steps.push_back(at(depth, 1e-3));
+    for (int n = 0; n < 40; ++n) steps.push_back(at(-1e-3, 10));
+    steps.push_back(at(1e-3, 1e-7));
+    const std::vector<Pressed> pressed = simulate(sensor, Object(Sphere{kRadius}), steps);
+    for (const Pressed& step : pressed) EXPECT_GE(step.smallest, 0);
+    const double first = pressed.front().force, in_the_dent = pressed[27].force;
+    EXPECT_EQ(pressed[25].force, 0);
+    EXPECT_LT(in_the_dent, 0.9 * first);
+    EXPECT_GT(in_the_dent, 0);
+    EXPECT_NEAR(pressed.back().force / first, 1, kClose);
+  }
+}
+
+// Always pressed, d = d0 + a sin wt: after the first cycles one loses pi a^2 k0 A E'', E'' = fraction w time / (1 + (w time)^2).
+void RelaxationCases::lossOfACycle() const {
+  constexpr double kMean = 1e-3, kAmplitude = 0.2e-3;
+  constexpr int kPerCycle = 100, kCycles = 6;
+  const RelaxationTerm term{0.5, 0.1};
+  const Sensor sensor = skinOf({term});
+  for (const double times : {0.3, 1 / std::sqrt(2.0), 1.0, 4.0}) {  // w time
+    const double omega = times / term.time, dt = 2 * kPi / omega / kPerCycle;
+    const auto depthAt = [&](int n) { return kMean + kAmplitude * std::sin(2 * kPi * n / kPerCycle); };
+    std::vector<Press> steps{flatAt(kMean, 1), flatAt(kMean, 40 * term.time)};
+    for (int n = 1; n <= kCycles * kPerCycle; ++n) steps.push_back(flatAt(depthAt(n), dt));
+    const std::vector<Pressed> pressed = simulate(sensor, flat(), steps);
+    double work = 0;
+    for (int n = (kCycles - 1) * kPerCycle + 1; n <= kCycles * kPerCycle; ++n) {
+      const auto k = static_cast<std::size_t>(n + 1);
+      work += (pressed[k].force + pressed[k - 1].force) / 2 * (depthAt(n) - depthAt(n - 1));
+    }
+    const double loss = kPi * kAmplitude * kAmplitude * kStiffness * kArea * term.fraction * times / (1 + times * times);
+    // Depths that are off do not sum up over a closed loop: a part of their share, of a force that is the mean's.
+    EXPECT_NEAR(work / loss, 1, kClose + 2 * depth_error / kAmplitude) << times;
+  }
+}
+
+// Over any closed path of a skin at rest at both ends the object has done work.
+void RelaxationCases::cyclesLose() const {
+  constexpr double kRadius = 10e-3;
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    Random random(seed);
+    const Sensor sensor = fineSkinOf({{0.4, std::pow(10, random.uniform(-3, 0))}, {0.3, std::pow(10, random.uniform(-2, 1))}});
+    std::vector<double> depths{-0.1e-3};
+    for (int n = 0; n < 60; ++n) {
+      // To a new depth in steps so small that the trapezoids of work are the path's.
+      const double from = depths.back(), to = random.uniform(-0.2e-3, 1.2e-3);
+      const int count = random.integer(2, 12);
+      for (int i = 1; i <= count; ++i) depths.push_back(from + (to - from) * i / count);
+    }
+    depths.push_back(-0.1e-3);
+    std::vector<Press> steps;
+    for (const double depth : depths) steps.push_back({{.position = {0.11e-3, -0.07e-3, kRadius - depth}}, 0.01});
+    const std::vector<Pressed> pressed = simulate(sensor, Object(Sphere{kRadius}), steps);
+    double work = 0, most = 0;
+    for (std::size_t n = 1; n < depths.size(); ++n) {
+      EXPECT_GE(pressed[n].smallest, 0);
+      work += (pressed[n].force + pressed[n - 1].force) / 2 * (depths[n] - depths[n - 1]);
+      most = std::max(most, work);
+    }
+    EXPECT_GT(work, 0.1 * most) << seed;
+  }
+}
+
+}  // namespace taxelsim::support

@@ -1,0 +1,54 @@
+// Closed forms of a skin that relaxes, for whatever simulates it: the twin and the device run the same cases. Each checks with GoogleTest's
+// expectations.
+//
+// A skin of stiffness k(t) = k0 [1 - sum fraction (1 - e^(-t / time))] pressed ever deeper carries F(t) = int k(t - s) dV(s), V being the
+// volume that the object takes up below the undeformed surface; under a dead load F0 that volume is V(t) = F0 J(t), with the creep
+// compliance J of int k(t - s) dJ(s) = 1 (W. N. Findley, J. S. Lai and K. Onaran, Creep and Relaxation of Nonlinear Viscoelastic Materials,
+// 1976, chapter 5).
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "taxelsim/object.h"
+#include "taxelsim/sensor.h"
+
+namespace taxelsim::support {
+
+// One step: where the object is, for how long, and the load that drives it, if one does.
+struct Press {
+  Pose X_SO;
+  double dt = 0;                 // s
+  std::optional<double> load{};  // N
+};
+
+// What comes of it.
+struct Pressed {
+  double force = 0;     // N, sum over the taxels
+  double smallest = 0;  // N, of a taxel
+  double offset = 0;    // m, of the load search
+  bool reached = true;  // by the load search
+};
+
+// A frame per step, after a reset.
+using SimulatePresses = std::function<std::vector<Pressed>(const Sensor& sensor, const Object& object, const std::vector<Press>& steps)>;
+
+// `depth_error` (m): by how much a depth may be off.
+struct RelaxationCases {
+  SimulatePresses simulate;
+  double depth_error = 0;
+
+  void stepOfDepth() const;
+  void anyTimes() const;
+  void ramp() const;
+  void growingSphere() const;
+  void deadLoadOnAFlat() const;
+  void deadLoadOnASphere() const;
+  void freeRecovery() const;
+  void pressedAgain() const;
+  void lossOfACycle() const;
+  void cyclesLose() const;
+};
+
+}  // namespace taxelsim::support
