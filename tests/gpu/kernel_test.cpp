@@ -21,7 +21,7 @@ gpu::KernelOptions loadKernel() {
   return {.name = "load",
           .spirv = k_load_spirv,
           .buffers = {"Instances", "Step", "TileResults", "Loads"},
-          .constants = {{0, 8}, {1, 1}, {2, 48}}};
+          .constants = {{0, 8}, {1, 1}, {2, 48}, {3, 1}}};
 }
 
 std::string refusal(const gpu::KernelOptions& options) {
@@ -38,7 +38,7 @@ std::string refusal(const gpu::KernelOptions& options) {
 TEST(Kernel, IsReflected) {
   const gpu::Reflection reflection = gpu::reflect(k_load_spirv);
   EXPECT_THAT(reflection.buffers, ElementsAre(Pair(0, "Instances"), Pair(1, "Step"), Pair(2, "TileResults"), Pair(3, "Loads")));
-  EXPECT_THAT(reflection.constants, ElementsAre(0, 1, 2));
+  EXPECT_THAT(reflection.constants, ElementsAre(0, 1, 2, 3));
   EXPECT_TRUE(reflection.others.empty());
 }
 

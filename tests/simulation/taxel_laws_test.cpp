@@ -228,14 +228,32 @@ TEST_P(TaxelLaws, ProximityReadsDepthAndPressesNothing) {
 
 INSTANTIATE_TEST_SUITE_P(Random, TaxelLaws, ::testing::Range(0, 12));
 
+// Under every law whose taxels carry force; the elastic layer's, with its margin, in elastic_layer_test.cpp.
 TEST(TaxelLawsUnderLoad, TaxelsCarryTheLoad) {
   constexpr double kCarried = 1e-3;  // of the load
-  const Sensor sensor = support::gridSensor();
+  Sensor plain = support::gridSensor();
+  plain.psf = {};
+  Sensor spread = plain;
+  spread.psf = gaussianPsf(0.5, 3);
+  Sensor patches = spread;  // a second one beside the first, one taxel of border between them
+  patches.patches.push_back(patches.patches[0]);
+  patches.patches[1].name = "second";
+  patches.patches[1].X_SP.position[0] = (patches.patches[0].num_rows + 1) * patches.patches[0].pitch[0];
+  Sensor relaxing = spread;
+  relaxing.skin.relaxation = {{0.3, 1e-3}, {0.2, 1}};
+  const Vector3 middle{0.001, 0.002, 0.02}, border{0.0098, -0.02, 0.02}, across{patches.patches[1].X_SP.position[0] / 2, 0.003, 0.02};
   const Object object(Sphere{0.008});
-  for (const Vector3& at : {Vector3{0.001, 0.002, 0.02}, Vector3{0.0098, -0.02, 0.02}}) {  // in the middle, over the border
-    for (const ContactLaw& law : std::vector<ContactLaw>{MassSpringDamper{.normal_contact_stiffness = 1.73e8}, DeformationMask{}}) {
-      const Path device = follow(sensor, law, object, {{.position = at}, {.position = at}}, {1e-3, 1e-3}, 3.0f);
-      for (const auto& forces : device.forces) EXPECT_NEAR(sum(forces), 3, 3 * kCarried);
+  for (const ContactLaw& law : std::vector<ContactLaw>{
+           Winkler{.normal_contact_stiffness = 1.73e8}, Winkler{.normal_contact_stiffness = 1e11, .normal_exponent = 2},
+           MassSpringDamper{.normal_contact_stiffness = 1.73e8}, DeformationMask{}, LuGre{.normal_contact_stiffness = 1.73e8}}) {
+    for (const Sensor& sensor : {plain, spread, patches, relaxing}) {
+      for (const Vector3& at : {middle, border, across}) {
+        if (at == across && sensor.patches.size() == 1) continue;
+        SCOPED_TRACE("law " + std::to_string(law.index()) + ", " + std::to_string(sensor.patches.size()) + " patches, x " +
+                     std::to_string(at[0]));
+        const Path device = follow(sensor, law, object, {{.position = at}, {.position = at}}, {1e-3, 1e-3}, 2.0f);
+        for (const auto& forces : device.forces) EXPECT_NEAR(sum(forces), 2, 2 * kCarried);
+      }
     }
   }
 }
