@@ -317,7 +317,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
     active_box[0] = active_box[2] = 0x7FFFFFFF;
     active_box[1] = active_box[3] = -1;
     num_deep = 0;
-    any_behind = 0;
+    if (NUM_ROWS == 0) any_behind = 0;
     lowest_bits = kEmpty;
   }
 

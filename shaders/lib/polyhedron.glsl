@@ -26,11 +26,11 @@ float polyhedronHeight(vec2 xy) {
     low = face_looks_down[f] && value > low ? value : low;
     minus_high = !face_looks_down[f] && value > minus_high ? value : minus_high;
   }
-  if (low > -minus_high) return kMiss;
+  bool hit = low <= -minus_high;
   // As triangles have it: where the side that looks down is too deep to be seen, the other one is next.
-  if (NUM_ROWS == 0 && low < z_floor) {
+  if (NUM_ROWS == 0 && hit && low < z_floor) {
     met_behind = true;
-    return -minus_high;
+    low = -minus_high;
   }
-  return low;
+  return hit ? low : kMiss;
 }
