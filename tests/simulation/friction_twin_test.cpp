@@ -349,6 +349,10 @@ TEST_P(FrictionTwinSeeds, TaxelsWithPlacesOfTheirOwn) {
   runPath({.sensor = {}, .curved = GetParam() % 4, .num_slots = 1 + GetParam() / 4}, 5000 + GetParam());
 }
 
+TEST_P(FrictionTwinSeeds, BristlesOnTaxelsWithPlacesOfTheirOwn) {
+  runPath({.sensor = {}, .curved = GetParam() % 4, .shears = Shears::kBristles, .num_slots = 1 + GetParam() / 4}, 5500 + GetParam());
+}
+
 TEST_P(FrictionTwinSeeds, TaxelsWithPlacesOfTheirOwnUnderALoad) {
   runPath({.sensor = {}, .curved = GetParam() % 4, .all_convex = true, .with_loads = true}, 6000 + GetParam());
 }

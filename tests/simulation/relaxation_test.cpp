@@ -7,6 +7,7 @@
 #include "reference/contact.h"
 #include "reference/load.h"
 #include "simulation/comparison.h"
+#include "support/curved_sensor.h"
 #include "support/random_scene.h"
 #include "support/relaxation_cases.h"
 
@@ -82,6 +83,7 @@ constexpr double kWhisper = 1e-2;  // N
 
 struct PathKind {
   support::SensorRange sensor;
+  int curved = -1;  // instead: number of a curvedSensor()
   double solid_share = 0.5;
   bool all_convex = false;
   int num_slots = 1;
@@ -111,7 +113,7 @@ struct Tracked {
 
 void runPath(const PathKind& kind, int seed) {
   Random random(static_cast<std::uint64_t>(seed));
-  Sensor sensor = support::randomSensor(random, kind.sensor);
+  Sensor sensor = kind.curved >= 0 ? support::curvedSensor(random, kind.curved) : support::randomSensor(random, kind.sensor);
   sensor.samples_per_taxel = random.integer(1, 5);
   sensor.skin.relaxation = randomTerms(random, 1 + seed % kMaxRelaxationTerms);
   std::vector<Object> objects;
@@ -126,7 +128,9 @@ void runPath(const PathKind& kind, int seed) {
     for (Touch& touch : *places) {
       for (int slot = 0; slot < kind.num_slots; ++slot) {
         touch.ids.push_back(random.integer(0, 2));
-        touch.X_SO.push_back(support::randomContact(random, sensor, objects[touch.ids.back()]));
+        const Object& object = objects[touch.ids.back()];
+        touch.X_SO.push_back(kind.curved >= 0 ? support::randomContactOnTaxel(random, sensor, object)
+                                              : support::randomContact(random, sensor, object));
       }
     }
   }
@@ -224,6 +228,10 @@ TEST_P(RelaxationTwinSeeds, UnderALoad) {
 TEST_P(RelaxationTwinSeeds, UnderALoadOnTiltedPatches) {
   runPath({.sensor = {.max_rows = 6, .max_cols = 6, .max_patches = 3, .max_patch_tilt = 0.2}, .with_loads = true, .is_level = false},
           4000 + GetParam());
+}
+
+TEST_P(RelaxationTwinSeeds, TaxelsWithPlacesOfTheirOwn) {
+  runPath({.sensor = {}, .curved = GetParam() % 3, .num_slots = 1 + GetParam() / 6}, 5000 + GetParam());
 }
 
 // 1024 x 1024 samples over many tiles.
