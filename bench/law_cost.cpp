@@ -51,10 +51,17 @@ std::vector<Case> allCases() {
       {"winkler, 2 x 2 samples", [](Sensor& s) { s.samples_per_taxel = 2; }},
       {"elastic_layer, half-space, 2 x 2, cold",
        [](Sensor& s) { s.samples_per_taxel = 2, s.skin = elasticSkin(s.skin, ElasticLayer::Base::kHalfSpace, 0); }, true},
+      {"elastic_layer, half-space, 2 x 2, cold, ten iterations",
+       [](Sensor& s) {
+         s.samples_per_taxel = 2, s.skin = elasticSkin(s.skin, ElasticLayer::Base::kHalfSpace, 0);
+         std::get<ElasticLayer>(s.skin.law).tolerance = 1e-5;
+       },
+       true},
       {"elastic_layer, half-space, 2 x 2, sliding",
        [](Sensor& s) { s.samples_per_taxel = 2, s.skin = elasticSkin(s.skin, ElasticLayer::Base::kHalfSpace, 0); }},
       {"elastic_layer, bonded, margin, 2 x 2, sliding",
        [](Sensor& s) { s.samples_per_taxel = 2, s.skin = elasticSkin(s.skin, ElasticLayer::Base::kBonded, 4e-3); }},
+      {"lugre", [=](Sensor& s) { s.skin.law = LuGre{.normal_contact_stiffness = stiffness(s)}; }},
       {"friction", [](Sensor& s) { s.skin.friction = {.tangential_stiffness = 1e8, .friction_coefficient = 0.5}; }},
       {"relaxation, two terms",
        [](Sensor& s) {
