@@ -90,7 +90,8 @@ TEST(Experiment, OfFingertips) {
       experimentText(shipped("fingertip_cylinder"), "[{sensor: " + shipped("fingertip_cylinder") + "}]", "yaw_deg: [0]\nloads: [1]\n"));
   const Outcome outcome = runTaxelsim({"experiment", file, "-o", root / "figures", "--json"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  for (const auto& contact : nlohmann::json::parse(outcome.out)["sensors"][0]["contacts"]) EXPECT_EQ(contact["relative_l1"], 0);
+  const nlohmann::json json = nlohmann::json::parse(outcome.out);
+  for (const auto& contact : json["sensors"][0]["contacts"]) EXPECT_EQ(contact["relative_l1"], 0);
   EXPECT_TRUE(contentOf(root / "figures" / "bar_1N.png").starts_with("\x89PNG"));
   written(root, "x.yaml", experimentText(shipped("fingertip_cylinder"), "[{sensor: " + shipped("fingertip_cylinder") + ", fitted: true}]"));
   expectRefused(runTaxelsim({"experiment", file}), "only sensors whose point spread function is a kernel over grids can be fitted");
