@@ -12,7 +12,7 @@
 //      taxels' place; 1e30 where there is none.
 // State: of every sample, between steps: its depth where the law needs it, its strain and overstresses where the skin relaxes; where there is
 //        friction its shear traction, or how far its bristles are bent.
-// Shared memory: 4 TILE_SAMPLES + 16 LANES + 4 kClustersPerBatch + 4 kGroupsPerBatch + 4 REPEAT + 48 bytes, with friction 8 LANES and 512 more.
+// Shared memory: 4 TILE_SAMPLES + 16 LANES + 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 4 REPEAT + 48 bytes, with friction 8 LANES and 512 more.
 // Deterministic: the tile is a minimum; sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
 // Twins: src/reference/depth.cpp, contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp, load.cpp.
 
@@ -45,6 +45,7 @@ layout(constant_id = 33) const float STATIC_FRICTION = 1.5;
 layout(constant_id = 34) const float COULOMB_FRICTION = 1.0;
 layout(constant_id = 35) const float STRIBECK_VELOCITY = 1e-3;  // m/s
 layout(constant_id = 36) const uint RELAXATION = 0;  // terms of the skin's relaxation, lib/relaxation.glsl
+layout(constant_id = 37) const uint GROUPS_PER_BATCH = 32;  // groups are culled a batch at a time, so that the list of clusters has room for all of theirs
 
 // A software driver computes both sides of every branch and a loop's body at least once, so what a model, sensor or batch does not need is left
 // out by constants.
@@ -85,13 +86,11 @@ const uint kEmpty = 0x7F7FFFFFu;  // the largest finite float, as bits: no surfa
 const float kLooksUp = 0.7;
 // Of many small tiles objects reach few. Which, is found by one invocation for each, before all of them go to those.
 const bool kFindsNear = NUM_ROWS == 0 && NUM_TILES > 1 && RELAXATION == 0;  // a skin that relaxes moves on where nothing is near
-// Groups are culled a batch at a time, so that the list of clusters has room for all of theirs.
-const uint kGroupsPerBatch = 32;
-const uint kClustersPerBatch = kGroupsPerBatch * kClustersPerGroup;
+const uint kClustersPerBatch = GROUPS_PER_BATCH * kClustersPerGroup;
 
 shared uint tile[TILE_SAMPLES];
 shared vec4 partial[LANES];
-shared uint group_list[kGroupsPerBatch];      // first cluster | (how many - 1) << kFirstBits
+shared uint group_list[GROUPS_PER_BATCH];      // first cluster | (how many - 1) << kFirstBits
 shared uint cluster_list[kClustersPerBatch];  // first quad | (how many - 1) << kFirstBits
 shared uint num_listed_groups;
 shared uint num_listed_clusters;
@@ -342,7 +341,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   // Then their heights. The active part of the window is where clusters and solids reach.
   Box active_part = emptyBox();
   if (usesTile()) {
-    bool one_batch = !MANY_SLOTS && body.kind_groups.x == kKindMesh && body.kind_groups.z <= kGroupsPerBatch;
+    bool one_batch = !MANY_SLOTS && body.kind_groups.x == kKindMesh && body.kind_groups.z <= GROUPS_PER_BATCH;
     if (!one_batch) clearTile(Box(reached.low - 1.0, reached.high + 1.0));
     barrier();
     for (uint slot = 0; slot < num_slots; ++slot) {

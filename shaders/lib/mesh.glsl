@@ -60,10 +60,10 @@ void rasterMesh(Body body, Affine from_lattice, inout Box active_part, bool clea
   uint end_group = body.kind_groups.y + body.kind_groups.z;
   vec3 center, half_size;
   uint start = body.kind_groups.y;
-  for (; start < end_group; start += kGroupsPerBatch) {
+  for (; start < end_group; start += GROUPS_PER_BATCH) {
     if (lane == 0) num_listed_groups = num_listed_clusters = 0;
     barrier();
-    for (uint g = start + lane; g < min(start + kGroupsPerBatch, end_group); g += WORKGROUP) {
+    for (uint g = start + lane; g < min(start + GROUPS_PER_BATCH, end_group); g += WORKGROUP) {
       uvec2 box_xy = wordsOf(groups[2 * g]), box_z_items = wordsOf(groups[2 * g + 1]);
       if (boxReaches(from_lattice, box_xy, box_z_items.x, center, half_size)) group_list[atomicAdd(num_listed_groups, 1u)] = box_z_items.y;
     }

@@ -18,8 +18,9 @@ namespace {
 
 // Most samples of a tile, whatever the shared memory: more would leave a GPU's core too few workgroups.
 constexpr std::uint32_t kMaxTileSamples = 6144;
-// Shared memory of the contact pass beside the tile, at most: partial sums and lists.
-constexpr std::uint32_t kTileOverhead = 4096;
+// Shared memory of the contact pass beside the tile, at most: partial sums and lists, of clusters of kGroupsPerBatch groups.
+constexpr std::uint32_t kTileOverhead = 6144;
+constexpr std::uint32_t kGroupsPerBatch = 32;
 
 // Starting a workgroup on a software driver costs 1 to 3 us, so one does the work of many; on a GPU each is wanted for itself.
 constexpr std::uint32_t kMaxRepeat = 16;
@@ -65,6 +66,19 @@ std::uint32_t layerLanes(const DeviceInfo& info, std::uint64_t work) {
   constexpr std::uint64_t kFewest = 8, kMost = 256;
   if (info.type != DeviceType::kCpu) return 64;
   return static_cast<std::uint32_t>(std::clamp(std::bit_ceil(work / kMaxTurns), kFewest, kMost));
+}
+
+// Groups of clusters that the contact pass culls between two barriers: a barrier costs a software driver some microseconds, so there as
+// many as a mesh has, if the lists fit beside the tile. On a GPU memory is what limits how many workgroups run.
+std::uint32_t chooseGroupsPerBatch(const DeviceInfo& info, std::uint32_t tile_samples, std::uint32_t most_groups) {
+  constexpr std::uint32_t kMost = 128;
+  std::uint32_t groups = kGroupsPerBatch;
+  const auto bytes = [&] { return 4 * tile_samples + kTileOverhead + 4 * (groups - kGroupsPerBatch) * (layout::kClustersPerGroup + 1); };
+  while (info.type == DeviceType::kCpu && groups < std::min(kMost, most_groups)) {
+    groups *= 2;
+    if (bytes() > info.shared_memory) return groups / 2;
+  }
+  return groups;
 }
 
 std::uint32_t bits(double value) {
@@ -154,10 +168,13 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
   spread_scale = upload("spread scale", packed.spread_scale);
   mask = upload("mask", std::holds_alternative<DeformationMask>(sensor.skin.law) ? packMask(sensor) : std::vector<glm::vec2>(1));
   if (layer) influence = upload("influence", layer->influence);
+  std::uint32_t most_groups = 0;
   for (const layout::ObjectRecord& record : packed_objects.objects) {
     kinds |= 1u << record.kind_groups.x;
+    if (record.kind_groups.x == layout::kKindMesh) most_groups = std::max(most_groups, record.kind_groups.z);
     if (record.kind_groups.x == layout::kKindMesh) triangles_of |= record.kind_groups.w == 0 ? 1u : 2u;
   }
+  groups_per_batch = chooseGroupsPerBatch(info, contact_packed.max_tile_samples, most_groups);
 }
 
 const gpu::Kernel& Model::Impl::contactKernel(const ContactVariant& variant) const {
@@ -246,6 +263,7 @@ gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const 
                                          friction && variant.with_shear, friction && law.has_bristles});
   for (const float parameter : law.bristles) of_the_pass.push_back(bits(parameter));
   of_the_pass.push_back(static_cast<std::uint32_t>(sensor.skin.relaxation.size()));
+  of_the_pass.push_back(groups_per_batch);
   return {device.context(),
           {.name = law.kernel,
            .spirv = pairs ? law.spirv_pairs : law.spirv,

@@ -44,7 +44,8 @@ struct Model::Impl {
   std::uint32_t image_team = 1;      // invocations that share an instance in the image pass
   std::uint32_t image_repeat = 1;    // instances that such a team does one after another
 
-  std::uint32_t num_faces = 1;  // of each polyhedron
+  std::uint32_t num_faces = 1;         // of each polyhedron
+  std::uint32_t groups_per_batch = 0;  // of clusters, in the contact pass
   gpu::Buffer object_records, groups, clusters, quads, faces;
   gpu::Buffer sensor_record, patches, tiles, taxels, spread_rows, spread_scale, mask, influence;
   std::uint64_t static_bytes = 0;
