@@ -240,68 +240,7 @@ vec4 sumOfPartials() {
 #include "lib/relaxation.glsl"
 #include "lib/load_search.glsl"
 #include "lib/friction.glsl"
-
-// Goes to a tile: the whole patch, or a part of one. False when the load search of its instance has ended: the results of the evaluation that ended it
-// stay as they are.
-bool enterTile(uint instance, uint tile_number) {
-  uvec4 place = uvec4(0), size = uvec4(NUM_ROWS, NUM_COLS, 0, 0);
-  if (NUM_TILES > 1 || NUM_ROWS == 0) {
-    place = tiles[tile_number].place;
-    size = tiles[tile_number].size;
-  }
-  grid = uvec4(NUM_ROWS, NUM_COLS, 0, 0);
-  spacing = vec2(PITCH_X, PITCH_Y) / float(SAMPLES);
-  if (NUM_ROWS == 0) {
-    grid = patches[place.x].grid;
-    spacing = patches[place.x].spacing.xy;
-    z_floor = -patches[place.x].spacing.w;
-  }
-  sample_area = spacing.x * spacing.y;
-  X_PS = Affine(vec4(1, 0, 0, 0), vec4(0, 1, 0, 0), vec4(0, 0, 1, 0));
-  if (!FLAT) X_PS = Affine(patches[place.x].row0, patches[place.x].row1, patches[place.x].row2);
-  patch_corner = -0.5 * vec2(grid.xy * SAMPLES - 1u) * spacing;
-  tile_taxel = place.yz;
-  tile_size = size.xy;
-  tile_first = vec2(tile_taxel * SAMPLES);
-  tile_end = tile_first + vec2(tile_size * SAMPLES);
-  tile_stride = tile_size.y * SAMPLES;
-  offset_z = 0.0;
-  z_limit = lawReach();
-  if (SEARCH == kSearchInTile && (instances[instance].keys.w & kFlagLoadDriven) != 0) z_limit = kMiss;
-  if (SEARCH == kSearchOverTiles) {
-    vec4 bracket = loads[instance].bracket;
-    if (bracket.w == kLoadCarried || bracket.w == kLoadOutOfReach) return false;
-    offset_z = bracket.x;
-  }
-  if (SEARCH == kSearchEnded && (instances[instance].keys.w & kFlagLoadDriven) != 0) offset_z = loads[instance].bracket.x;
-  return true;
-}
-
-bool anyObjectNear(uint instance, uint num_slots) {
-  bool near = false;
-  for (uint slot = 0; slot < num_slots; ++slot) {
-    int id = objectInSlot(instance * num_slots + slot);
-    near = near || (id >= 0 && bodyInSlot(instance * num_slots + slot, max(id, 0)).near);
-  }
-  return near;
-}
-
-// What remains of the tile entered when no object is near: by one invocation.
-void leaveUntouched(uint instance, uint tile_number) {
-  uint result = instance * NUM_TILES + tile_number;
-  for (uint k = 0; k < tile_size.x * tile_size.y; ++k) {
-    uvec2 in_patch = uvec2(k / tile_size.y, k % tile_size.y) + tile_taxel;
-    uint taxel = instance * NUM_TAXELS + grid.z + in_patch.x * grid.y + in_patch.y;
-    contact_normal[taxel] = 0.0;
-    if (OUTPUT_SHEAR) writeShear(taxel, vec2(0));
-    if (OUTPUT_DEPTH) contact_depth[taxel] = 0.0;
-  }
-  if (FRICTION) keepWindow(result * (kFrictionHeader + TILE_SAMPLES), uvec4(0));
-  if (HAS_STATE) {
-    for (uint k = 0; k < tile_size.x * tile_stride * SAMPLES; ++k) state[result * TILE_SAMPLES + k] = 0.0;
-  }
-  tile_results[result] = TileResult(vec4(0), vec4(0), uvec4(0));
-}
+#include "lib/tiles.glsl"
 
 void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   uint lane = gl_LocalInvocationIndex;

@@ -168,6 +168,9 @@ struct Skin {
 // about what it resists under a contact as wide as the skin is thick.
 Winkler foundationOf(const Skin& skin);
 
+// Whether the skin shears: by `friction`, or by a law with friction of its own.
+bool hasFriction(const Skin& skin);
+
 // The point spread function; paper eq. (1): over the taxels of one patch by a kernel, or over all taxels of the sensor by their distance
 // along the skin.
 struct Psf {

@@ -25,4 +25,8 @@ Winkler foundationOf(const Skin& skin) {
   return std::visit(Foundation{skin.thickness}, skin.law);
 }
 
+bool hasFriction(const Skin& skin) {
+  return skin.friction.friction_coefficient > 0 || std::holds_alternative<LuGre>(skin.law);
+}
+
 }  // namespace taxelsim

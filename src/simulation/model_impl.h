@@ -77,7 +77,7 @@ struct Model::Impl {
   // Contacts from another engine instead of objects: shaders/contacts.comp, with the workgroups and teams of the image pass.
   std::uint32_t contactsRepeat(int max_contacts) const;  // instances that a team does one after another
   const gpu::Kernel& contactsKernel(std::uint32_t repeat) const;
-  bool hasFriction() const { return sensor.skin.friction.friction_coefficient > 0 || law.has_bristles; }
+  bool hasFriction() const { return taxelsim::hasFriction(sensor.skin); }
   bool relaxes() const { return !sensor.skin.relaxation.empty(); }
   struct LayerVariant {
     bool loads = false;                                     // some instance is driven by load

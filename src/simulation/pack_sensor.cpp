@@ -165,8 +165,7 @@ PackedSensor packSensor(const Sensor& sensor, std::uint32_t tile_samples) {
   const auto num_taxels = static_cast<std::uint32_t>(numTaxels(sensor));
   packed.one_patch = sensor.patches.size() == 1;
   packed.one_grid = packed.one_patch && sensor.psf.sigma == 0;
-  const bool shears = sensor.skin.friction.friction_coefficient > 0 || std::holds_alternative<LuGre>(sensor.skin.law);
-  packed.turns_shear = sensor.psf.sigma > 0 && shears;
+  packed.turns_shear = sensor.psf.sigma > 0 && hasFriction(sensor.skin);
   const std::vector<double> view_depths = viewDepths(sensor);
   std::uint32_t first_taxel = 0;
   double highest = -std::numeric_limits<double>::infinity();
