@@ -12,7 +12,8 @@
 //      taxels' place; 1e30 where there is none.
 // State: of every sample, between steps: its depth where the law needs it, its strain and overstresses where the skin relaxes; where there is
 //        friction its shear traction, or how far its bristles are bent.
-// Shared memory: 4 TILE_SAMPLES + 16 LANES + 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 4 REPEAT + 48 bytes, with friction 8 LANES and 512 more.
+// Shared memory: 4 TILE_SAMPLES + 16 LANES + 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 4 REPEAT + 48 bytes, with friction 8 LANES and 512 more,
+//      with blocks 4 kBlocksPerBatch.
 // Deterministic: the tile is a minimum; sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
 // Twins: src/reference/depth.cpp, contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp, load.cpp.
 
@@ -46,6 +47,7 @@ layout(constant_id = 34) const float COULOMB_FRICTION = 1.0;
 layout(constant_id = 35) const float STRIBECK_VELOCITY = 1e-3;  // m/s
 layout(constant_id = 36) const uint RELAXATION = 0;  // terms of the skin's relaxation, lib/relaxation.glsl
 layout(constant_id = 37) const uint GROUPS_PER_BATCH = 32;  // groups are culled a batch at a time, so that the list of clusters has room for all of theirs
+layout(constant_id = 38) const bool BLOCKS = false;  // some mesh has more groups than that, and blocks of them are culled first
 
 // A software driver computes both sides of every branch and a loop's body at least once, so what a model, sensor or batch does not need is left
 // out by constants.
@@ -87,11 +89,14 @@ const float kLooksUp = 0.7;
 // Of many small tiles objects reach few. Which, is found by one invocation for each, before all of them go to those.
 const bool kFindsNear = NUM_ROWS == 0 && NUM_TILES > 1 && RELAXATION == 0;  // a skin that relaxes moves on where nothing is near
 const uint kClustersPerBatch = GROUPS_PER_BATCH * kClustersPerGroup;
+const uint kBlocksPerBatch = 64;
 
 shared uint tile[TILE_SAMPLES];
 shared vec4 partial[LANES];
+shared uint block_list[BLOCKS ? kBlocksPerBatch : 1u];  // first group | (how many - 1) << kFirstBits
+shared uint num_listed_blocks;
 shared uint group_list[GROUPS_PER_BATCH];      // first cluster | (how many - 1) << kFirstBits
-shared uint cluster_list[kClustersPerBatch];  // first quad | (how many - 1) << kFirstBits
+shared uint cluster_list[kClustersPerBatch];
 shared uint num_listed_groups;
 shared uint num_listed_clusters;
 shared int active_box[4];    // in samples: first row, last row, first col, last col

@@ -1,4 +1,4 @@
-// Stage 1 for meshes: culling of groups and clusters, and their triangles into the tile. Included by contact.comp, whose names it uses.
+// Stage 1 for meshes: culling of blocks, groups and clusters, and their triangles into the tile. Included by contact.comp, whose names it uses.
 
 Affine fromLattice(Body body, int id) {
   vec4 lattice = objects[id].lattice;
@@ -11,6 +11,7 @@ Affine fromLattice(Body body, int id) {
 }
 
 const int kLatticeMiddle = 1 << (kLatticeBits - 1);
+const uint kFirstMask = (1u << kFirstBits) - 1u;
 
 // Whether the box of a group or cluster reaches into the window and over any sample; `center` and `half_size` are its bounds in (u, v, z).
 bool boxReaches(Affine from_lattice, uvec2 box_xy, uint box_z, out vec3 center, out vec3 half_size) {
@@ -53,50 +54,104 @@ void clearTile(Box box) {
   }
 }
 
-// Triangles of a mesh into the tile: of each batch of groups those that reach into the window, of these the clusters that do, of these all quads.
-// `active_part` grows by the bounds of these clusters; with `clear`, which needs the mesh to be one batch, the tile is cleared there first.
-void rasterMesh(Body body, Affine from_lattice, inout Box active_part, bool clear) {
-  uint lane = gl_LocalInvocationIndex;
-  uint end_group = body.kind_groups.y + body.kind_groups.z;
+// The box of a group or block; `items` is what it holds.
+bool groupReaches(Affine from_lattice, uint group, out uint items) {
+  uvec2 box_xy = wordsOf(groups[2 * group]), box_z_items = wordsOf(groups[2 * group + 1]);
   vec3 center, half_size;
+  items = box_z_items.y;
+  return boxReaches(from_lattice, box_xy, box_z_items.x, center, half_size);
+}
+
+// Of the listed groups those clusters that reach into the window, of these all quads. `active_part` grows by the bounds of these clusters; with `clear` the
+// tile is cleared there first. Before and after, all invocations have met.
+void rasterListedGroups(Body body, Affine from_lattice, inout Box active_part, bool clear) {
+  uint lane = gl_LocalInvocationIndex;
+  vec3 center, half_size;
+  for (uint g = 0; g < num_listed_groups; ++g) {
+    uint group = group_list[g];
+    uint first = (group & kFirstMask) + lane, end = (group & kFirstMask) + (group >> kFirstBits) + 1u;
+    // As bits first: the list is asked for room once for all that this invocation finds.
+    uint reaching = 0;
+    for (uint c = first, bit = 1u; c < end; c += WORKGROUP, bit <<= 1) {
+      if (boxReaches(from_lattice, wordsOf(clusters[2 * c]), wordsOf(clusters[2 * c + 1]).x, center, half_size)) {
+        reaching |= bit;
+        grow(active_part, center, half_size);
+      }
+    }
+    if (reaching == 0) continue;
+    uint at = atomicAdd(num_listed_clusters, uint(bitCount(reaching)));
+    for (; reaching != 0; reaching &= reaching - 1u) cluster_list[at++] = first + uint(findLSB(reaching)) * WORKGROUP;
+  }
+  if (clear) {
+    addToActive(active_part);
+    barrier();
+    clearTile(Box(vec2(active_box[0], active_box[2]), vec2(active_box[1], active_box[3])));
+  }
+  barrier();
+  uint items = num_listed_clusters * kQuadsPerCluster;
+  uint i = lane;
+  for (; i < items; i += WORKGROUP) {
+    uint quad = cluster_list[i / kQuadsPerCluster] * kQuadsPerCluster + i % kQuadsPerCluster;
+    rasterNumbered(from_lattice, quad, body.kind_groups.w != 0);
+  }
+  cut_short = cut_short || i < items;
+  barrier();
+}
+
+// Triangles of a mesh into the tile: a batch of groups at a time those that reach into the window. `clear` needs the mesh to be one batch.
+void rasterGroups(Body body, Affine from_lattice, inout Box active_part, bool clear) {
+  uint end_group = body.kind_groups.y + body.kind_groups.z;
+  uint items;
   uint start = body.kind_groups.y;
   for (; start < end_group; start += GROUPS_PER_BATCH) {
-    if (lane == 0) num_listed_groups = num_listed_clusters = 0;
+    if (gl_LocalInvocationIndex == 0) num_listed_groups = num_listed_clusters = 0;
     barrier();
-    for (uint g = start + lane; g < min(start + GROUPS_PER_BATCH, end_group); g += WORKGROUP) {
-      uvec2 box_xy = wordsOf(groups[2 * g]), box_z_items = wordsOf(groups[2 * g + 1]);
-      if (boxReaches(from_lattice, box_xy, box_z_items.x, center, half_size)) group_list[atomicAdd(num_listed_groups, 1u)] = box_z_items.y;
+    for (uint g = start + gl_LocalInvocationIndex; g < min(start + GROUPS_PER_BATCH, end_group); g += WORKGROUP) {
+      if (groupReaches(from_lattice, g, items)) group_list[atomicAdd(num_listed_groups, 1u)] = items;
     }
     barrier();
-    for (uint g = 0; g < num_listed_groups; ++g) {
-      uint group = group_list[g];
-      uint first = group & ((1u << kFirstBits) - 1u);
-      uint last = first + (group >> kFirstBits);
-      for (uint c = first + lane; c <= last; c += WORKGROUP) {
-        uvec2 box_xy = wordsOf(clusters[2 * c]), box_z_items = wordsOf(clusters[2 * c + 1]);
-        if (boxReaches(from_lattice, box_xy, box_z_items.x, center, half_size)) {
-          cluster_list[atomicAdd(num_listed_clusters, 1u)] = box_z_items.y;
-          grow(active_part, center, half_size);
-        }
-      }
-    }
-    if (clear) {
-      addToActive(active_part);
-      barrier();
-      clearTile(Box(vec2(active_box[0], active_box[2]), vec2(active_box[1], active_box[3])));
-    }
-    barrier();
-    uint items = num_listed_clusters * kQuadsPerCluster;
-    uint i = lane;
-    for (; i < items; i += WORKGROUP) {
-      uint cluster = cluster_list[i / kQuadsPerCluster];
-      uint within = i % kQuadsPerCluster;
-      if (within <= cluster >> kFirstBits) {
-        rasterNumbered(from_lattice, (cluster & ((1u << kFirstBits) - 1u)) + within, body.kind_groups.w != 0);
-      }
-    }
-    cut_short = cut_short || i < items;
-    barrier();
+    rasterListedGroups(body, from_lattice, active_part, clear);
   }
   cut_short = cut_short || start < end_group;
+}
+
+// The same for a mesh of many groups: only those of blocks that reach into the window are looked at.
+void rasterBlocks(Body body, Affine from_lattice, inout Box active_part, bool clear) {
+  const uint kListedBlocksPerBatch = GROUPS_PER_BATCH / kGroupsPerBlock;
+  uint lane = gl_LocalInvocationIndex;
+  uint end_block = body.kind_groups.y + body.kind_groups.z + (body.kind_groups.z + kGroupsPerBlock - 1u) / kGroupsPerBlock;
+  uint items;
+  uint start = body.kind_groups.y + body.kind_groups.z;
+  for (; start < end_block; start += kBlocksPerBatch) {
+    if (lane == 0) num_listed_blocks = num_listed_groups = num_listed_clusters = 0;
+    barrier();
+    for (uint b = start + lane; b < min(start + kBlocksPerBatch, end_block); b += WORKGROUP) {
+      if (groupReaches(from_lattice, b, items)) block_list[atomicAdd(num_listed_blocks, 1u)] = items;
+    }
+    barrier();
+    uint listed = 0;
+    for (; listed < num_listed_blocks; listed += kListedBlocksPerBatch) {
+      uint candidates = min(kListedBlocksPerBatch, num_listed_blocks - listed) * kGroupsPerBlock;
+      for (uint k = lane; k < candidates; k += WORKGROUP) {
+        uint block = block_list[listed + k / kGroupsPerBlock], within = k % kGroupsPerBlock;
+        if (within <= block >> kFirstBits && groupReaches(from_lattice, (block & kFirstMask) + within, items)) {
+          group_list[atomicAdd(num_listed_groups, 1u)] = items;
+        }
+      }
+      barrier();
+      rasterListedGroups(body, from_lattice, active_part, clear);
+      if (lane == 0) num_listed_groups = num_listed_clusters = 0;
+      barrier();
+    }
+    cut_short = cut_short || listed < num_listed_blocks;
+  }
+  cut_short = cut_short || start < end_block;
+}
+
+void rasterMesh(Body body, Affine from_lattice, inout Box active_part, bool clear) {
+  if (BLOCKS) {
+    rasterBlocks(body, from_lattice, active_part, clear);
+  } else {
+    rasterGroups(body, from_lattice, active_part, clear);
+  }
 }

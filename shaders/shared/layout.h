@@ -35,6 +35,7 @@ TAXELSIM_CONSTANT kLatticeBits = 21u;
 TAXELSIM_CONSTANT kQuadWords = 8u;  // four vertices of two words: x | y << 21, y >> 11 | z << 10
 TAXELSIM_CONSTANT kQuadsPerCluster = 4u;
 TAXELSIM_CONSTANT kClustersPerGroup = 32u;
+TAXELSIM_CONSTANT kGroupsPerBlock = 16u;  // boxes of a mesh's blocks follow those of its groups
 
 struct ObjectRecord {
   uvec4 kind_groups;  // kind; of meshes first group, number of groups, 1 where triangles are large against the samples; of polyhedra first
@@ -45,8 +46,9 @@ struct ObjectRecord {
   vec4 half_size;     // of the bounding box, m
 };
 
-// An axis-aligned box around quads (cluster) or clusters (group), three words of low | high << 16 per axis in units of 2^kBoxShift
-// lattice steps, rounded outwards; then what it holds: number of the first | (how many - 1) << kFirstBits.
+// An axis-aligned box around quads (cluster), clusters (group) or groups (block), three words of low | high << 16 per axis in units of 2^kBoxShift
+// lattice steps, rounded outwards; then what a group or block holds: number of the first | (how many - 1) << kFirstBits. A cluster holds the
+// kQuadsPerCluster quads of its own number; where it has fewer, the rest are points.
 TAXELSIM_CONSTANT kBoxShift = 5u;
 TAXELSIM_CONSTANT kFirstBits = 27u;
 

@@ -47,8 +47,23 @@ void addToBox(const LatticePoint& point, ClusterBox& box) {
   }
 }
 
-ClusterBox emptyBox(std::size_t first, std::size_t count) {
-  return {{~0u, ~0u, ~0u}, {0, 0, 0}, static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(count)};
+ClusterBox emptyBox(std::size_t first) {
+  return {{~0u, ~0u, ~0u}, {0, 0, 0}, static_cast<std::uint32_t>(first), 0};
+}
+
+// The next one that a box of the level above holds.
+void addToBox(const ClusterBox& part, ClusterBox& box) {
+  addToBox(part.low, box);
+  addToBox(part.high, box);
+  ++box.count;
+}
+
+std::vector<std::span<std::uint32_t>> runsOf(std::span<std::uint32_t> items, std::size_t size) {
+  std::vector<std::span<std::uint32_t>> runs;
+  for (std::size_t start = 0; start < items.size(); start += size) {
+    runs.push_back(items.subspan(start, std::min(size, items.size() - start)));
+  }
+  return runs;
 }
 
 using Triangle = std::array<std::uint32_t, 3>;
@@ -172,26 +187,30 @@ ClusteredMesh clusterMesh(const Mesh& mesh) {
   }
   std::vector<std::uint32_t> order(quads.size());
   std::iota(order.begin(), order.end(), 0u);
-  // Runs of a group first, then runs of a cluster within each, so that groups hold whole clusters.
+  // Runs of a block first, then runs of a group within each and of a cluster within these, so that each level holds whole ones of the next.
   constexpr std::size_t kQuadsPerGroup = std::size_t{kQuadsPerCluster} * kClustersPerGroup;
-  sortIntoRuns(order, centroids, kQuadsPerGroup);
-  for (std::size_t start = 0; start < order.size(); start += kQuadsPerGroup) {
-    const std::span<std::uint32_t> group = std::span(order).subspan(start, std::min(kQuadsPerGroup, order.size() - start));
-    sortIntoRuns(group, centroids, kQuadsPerCluster);
-    ClusterBox group_box = emptyBox(result.clusters.size(), (group.size() + kQuadsPerCluster - 1) / kQuadsPerCluster);
-    for (std::size_t run = 0; run < group.size(); run += kQuadsPerCluster) {
-      const std::span<std::uint32_t> cluster = group.subspan(run, std::min<std::size_t>(kQuadsPerCluster, group.size() - run));
-      ClusterBox box = emptyBox(result.quads.size(), cluster.size());
-      for (const std::uint32_t quad : cluster) {
-        result.quads.push_back(quads[quad]);
-        for (const LatticePoint& point : quads[quad]) {
-          addToBox(point, box);
-          addToBox(point, group_box);
+  constexpr std::size_t kQuadsPerBlock = kQuadsPerGroup * kGroupsPerBlock;
+  sortIntoRuns(order, centroids, kQuadsPerBlock);
+  for (const std::span<std::uint32_t> block : runsOf(order, kQuadsPerBlock)) {
+    sortIntoRuns(block, centroids, kQuadsPerGroup);
+    ClusterBox block_box = emptyBox(result.groups.size());
+    for (const std::span<std::uint32_t> group : runsOf(block, kQuadsPerGroup)) {
+      sortIntoRuns(group, centroids, kQuadsPerCluster);
+      ClusterBox group_box = emptyBox(result.clusters.size());
+      for (const std::span<std::uint32_t> cluster : runsOf(group, kQuadsPerCluster)) {
+        ClusterBox box = emptyBox(result.quads.size());
+        for (const std::uint32_t quad : cluster) {
+          result.quads.push_back(quads[quad]);
+          for (const LatticePoint& point : quads[quad]) addToBox(point, box);
         }
+        box.count = static_cast<std::uint32_t>(cluster.size());
+        result.clusters.push_back(box);
+        addToBox(box, group_box);
       }
-      result.clusters.push_back(box);
+      result.groups.push_back(group_box);
+      addToBox(group_box, block_box);
     }
-    result.groups.push_back(group_box);
+    result.blocks.push_back(block_box);
   }
   return result;
 }

@@ -19,7 +19,7 @@ namespace {
 // Most samples of a tile, whatever the shared memory: more would leave a GPU's core too few workgroups.
 constexpr std::uint32_t kMaxTileSamples = 6144;
 // Shared memory of the contact pass beside the tile, at most: partial sums and lists, of clusters of kGroupsPerBatch groups.
-constexpr std::uint32_t kTileOverhead = 6144;
+constexpr std::uint32_t kTileOverhead = 6656;
 constexpr std::uint32_t kGroupsPerBatch = 32;
 
 // Starting a workgroup on a software driver costs 1 to 3 us, so one does the work of many; on a GPU each is wanted for itself.
@@ -175,6 +175,7 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
     if (record.kind_groups.x == layout::kKindMesh) triangles_of |= record.kind_groups.w == 0 ? 1u : 2u;
   }
   groups_per_batch = chooseGroupsPerBatch(info, contact_packed.max_tile_samples, most_groups);
+  has_blocks = most_groups > groups_per_batch;
 }
 
 const gpu::Kernel& Model::Impl::contactKernel(const ContactVariant& variant) const {
@@ -263,7 +264,7 @@ gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const 
                                          friction && variant.with_shear, friction && law.has_bristles});
   for (const float parameter : law.bristles) of_the_pass.push_back(bits(parameter));
   of_the_pass.push_back(static_cast<std::uint32_t>(sensor.skin.relaxation.size()));
-  of_the_pass.push_back(groups_per_batch);
+  of_the_pass.insert(of_the_pass.end(), {groups_per_batch, has_blocks});
   return {device.context(),
           {.name = law.kernel,
            .spirv = pairs ? law.spirv_pairs : law.spirv,

@@ -12,7 +12,10 @@ namespace taxelsim {
 namespace {
 
 static_assert(layout::kLatticeBits == kLatticeBits && layout::kQuadsPerCluster == kQuadsPerCluster &&
-              layout::kClustersPerGroup == kClustersPerGroup);
+              layout::kClustersPerGroup == kClustersPerGroup && layout::kGroupsPerBlock == kGroupsPerBlock);
+
+// So that the number of a quad is one of GLSL's.
+constexpr std::uint32_t kMaxClusters = 1u << (layout::kFirstBits - 2);
 
 // Stands for infinity in bounds; squares of it are finite floats.
 constexpr float kEndless = 1e9f;
@@ -32,6 +35,13 @@ glm::uvec4 packBox(const ClusterBox& box, std::uint32_t offset) {
   return {axis(0), axis(1), axis(2), (box.first + offset) | (box.count - 1) << layout::kFirstBits};
 }
 
+void packQuad(const Quad& quad, PackedObjects& packed) {
+  for (const LatticePoint& q : quad) {
+    packed.quads.push_back(q[0] | q[1] << kLatticeBits);
+    packed.quads.push_back(q[1] >> (32 - kLatticeBits) | q[2] << (2 * kLatticeBits - 32));
+  }
+}
+
 double meanTriangleSize(const Mesh& mesh) {
   double twice_area = 0;
   for (const std::array<std::uint32_t, 3>& t : mesh.triangles) {
@@ -45,22 +55,21 @@ void packMesh(const Mesh& mesh, double sample_spacing, PackedObjects& packed, la
   const ClusteredMesh clustered = clusterMesh(mesh);
   const auto first_group = static_cast<std::uint32_t>(packed.groups.size());
   const auto first_cluster = static_cast<std::uint32_t>(packed.clusters.size());
-  const auto first_quad = static_cast<std::uint32_t>(packed.quads.size() / layout::kQuadWords);
-  if (first_quad + clustered.quads.size() > 1u << layout::kFirstBits) {
+  if (first_cluster + clustered.clusters.size() > kMaxClusters) {
     throw Error(ErrorKind::kInput,
-                "the objects have more than " + std::to_string(1u << layout::kFirstBits) + " pairs of triangles together");
+                "the objects have more than " + std::to_string(kMaxClusters * kQuadsPerCluster) + " pairs of triangles together");
   }
   const bool large = meanTriangleSize(mesh) > kLargeTriangle * sample_spacing;
   record.kind_groups = {layout::kKindMesh, first_group, static_cast<std::uint32_t>(clustered.groups.size()), large ? 1u : 0u};
   record.lattice = {static_cast<float>(clustered.middle[0]), static_cast<float>(clustered.middle[1]),
                     static_cast<float>(clustered.middle[2]), static_cast<float>(clustered.step)};
   for (const ClusterBox& group : clustered.groups) packed.groups.push_back(packBox(group, first_cluster));
-  for (const ClusterBox& cluster : clustered.clusters) packed.clusters.push_back(packBox(cluster, first_quad));
-  for (const Quad& quad : clustered.quads) {
-    for (const LatticePoint& q : quad) {
-      packed.quads.push_back(q[0] | q[1] << kLatticeBits);
-      packed.quads.push_back(q[1] >> (32 - kLatticeBits) | q[2] << (2 * kLatticeBits - 32));
-    }
+  for (const ClusterBox& block : clustered.blocks) packed.groups.push_back(packBox(block, first_group));
+  for (const ClusterBox& cluster : clustered.clusters) {
+    packed.clusters.push_back(packBox(cluster, 0));
+    for (std::uint32_t q = 0; q < cluster.count; ++q) packQuad(clustered.quads[cluster.first + q], packed);
+    const LatticePoint& corner = clustered.quads[cluster.first].front();
+    for (std::uint32_t q = cluster.count; q < kQuadsPerCluster; ++q) packQuad({corner, corner, corner, corner}, packed);
   }
 }
 
