@@ -61,6 +61,11 @@ std::vector<Case> allCases() {
        [](Sensor& s) { s.samples_per_taxel = 2, s.skin = elasticSkin(s.skin, ElasticLayer::Base::kHalfSpace, 0); }},
       {"elastic_layer, bonded, margin, 2 x 2, sliding",
        [](Sensor& s) { s.samples_per_taxel = 2, s.skin = elasticSkin(s.skin, ElasticLayer::Base::kBonded, 4e-3); }},
+      {"elastic_layer, bonded, margin, 2 x 2, sliding, friction",
+       [](Sensor& s) {
+         s.samples_per_taxel = 2, s.skin = elasticSkin(s.skin, ElasticLayer::Base::kBonded, 4e-3);
+         s.skin.friction = {.tangential_stiffness = 1e8, .friction_coefficient = 0.5};
+       }},
       {"lugre", [=](Sensor& s) { s.skin.law = LuGre{.normal_contact_stiffness = stiffness(s)}; }},
       {"friction", [](Sensor& s) { s.skin.friction = {.tangential_stiffness = 1e8, .friction_coefficient = 0.5}; }},
       {"relaxation, two terms",

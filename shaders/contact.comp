@@ -9,7 +9,7 @@
 //      inside the window of its result; contact_shear (num_instances x num_taxels x 2), N, the same;
 //      contact_depth (num_instances x num_taxels), m; tile_results (num_instances x num_tiles); loads (num_instances): what the search found.
 //      Of a law that is solved apart, instead of forces and depths, the height of the lowest surface (m, in P) over each of its nodes, which take the
-//      taxels' place; 1e30 where there is none.
+//      taxels' place, with the slot in its lowest bits where lib/slots.glsl keeps it; kMiss where there is none.
 // State: of every sample, between steps: its depth where the law needs it, its strain and overstresses where the skin relaxes; where there is
 //        friction its shear traction, or how far its bristles are bent.
 // Shared memory: 4 TILE_SAMPLES + 16 LANES + 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 4 REPEAT + 48 bytes, with friction 8 LANES and 512 more,
@@ -81,7 +81,7 @@ layout(std430, set = 0, binding = 17) readonly buffer Motions { MotionRecord mot
 layout(std430, set = 0, binding = 18) buffer FrictionState { Pair friction_state[]; };
 layout(std430, set = 0, binding = 19) writeonly buffer ContactShear { float contact_shear[]; };
 
-const float kMiss = 1e30;  // height where there is no surface
+const float kMiss = kNoHeight;  // height where there is no surface
 const uint kEmpty = 0x7F7FFFFFu;  // the largest finite float, as bits: no surface over the sample
 // Cosine to z of S. Under a patch that looks up more than this, a surface too deep to be seen means that a load search has gone through the body; a
 // steeper one may see the slope of an object that is still above.
@@ -133,6 +133,8 @@ bool cut_short = false;
 #include "lib/analytic.glsl"
 #include "lib/raster.glsl"
 #include "lib/laws/registry.glsl"
+
+const bool kShears = FRICTION && !kLawSolvedApart;  // else the pass that solves has the shear, and needs the slots
 
 Affine X_PS;         // patch from sensor
 vec2 spacing;        // of samples, m
@@ -245,6 +247,15 @@ vec4 sumOfPartials() {
 #include "lib/relaxation.glsl"
 #include "lib/load_search.glsl"
 #include "lib/friction.glsl"
+#include "lib/laws/lugre.glsl"
+
+float per_dt;  // 1 / the step's time, 1/s, for laws that ask
+
+vec2 tractionAfter(inout vec2 held, vec2 u, float share, float pressure) {
+  if (BRISTLES) return pressure * bristleShear(held, u, share, per_dt);
+  return held = springTraction(held, u, share, pressure);
+}
+
 #include "lib/tiles.glsl"
 
 void contactOnTile(uint instance, uint tile_number, uint num_slots) {
@@ -329,7 +340,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
 
   uint tile_state = (instance * NUM_TILES + tile_number) * (kFrictionHeader + TILE_SAMPLES);
   uvec4 kept = uvec4(0);
-  if (FRICTION) {
+  if (kShears) {
     kept = keptWindow(tile_state);
     loadMotions(instance, num_slots, search_here ? found.offset : offset_z);
   }
@@ -340,7 +351,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   uint first_taxel = instance * NUM_TAXELS + grid.z;
   const float kPerSample = 1.0 / float(SAMPLES * SAMPLES);
   bool at_rest = is_first || load_driven;
-  float per_dt = HAS_STATE || BRISTLES ? step_record.time.y : 0.0;
+  per_dt = HAS_STATE || BRISTLES ? step_record.time.y : 0.0;
   uint deep = 0;
   for (uint v = lane; v < LANES; v += WORKGROUP) {
     vec4 wrench = vec4(0);  // normal force, torque about x, y and z of P
@@ -355,7 +366,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
       vec2 shear = vec2(0);
       vec3 shear_moment = vec3(0);
       bool is_reached = RELAXATION > 0 && isReached(in_tile);
-      bool is_kept = FRICTION && in_patch.x >= kept.x && in_patch.x < kept.y && in_patch.y >= kept.z && in_patch.y < kept.w;
+      bool is_kept = kShears && isKept(in_patch, kept);
       for (uint a = 0; a < SAMPLES; ++a) {
         for (uint b = 0; b < SAMPLES; ++b) {
           uint address = (base.x + a) * tile_stride + base.y + b;
@@ -371,7 +382,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
             height = NUM_ROWS > 0 || isSeen(z) ? max(z - z_base, 0.0) : kMiss;
           }
           if (kLawSolvedApart) {
-            force = height >= uintBitsToFloat(kEmpty) ? kMiss : z_base + height;
+            force = height >= kMiss ? kMiss : uintBitsToFloat(withSlot(z_base + height, slotOf(word)));
             continue;
           }
           float d = clamp(search_here ? found.depth - (height - found.lowest) : THICKNESS - height, 0.0, THICKNESS);
@@ -391,8 +402,8 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
           force += f;
           moment += f * position;
           depth_sum += d;
-          if (FRICTION) {
-            vec2 q = shearTraction(tile_state + kFrictionHeader + address, is_kept, slotOf(word), vec3(position, -d), f, per_dt);
+          if (kShears) {
+            vec2 q = shearTraction(tile_state + kFrictionHeader + address, is_kept, d > 0.0, slotOf(word), vec3(position, -d), f);
             shear += q;
             shear_moment += cross(vec3(position, -d), vec3(q, 0));
           }
@@ -406,7 +417,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
       if (OUTPUT_DEPTH) contact_depth[taxel] = depth_sum * kPerSample;
       // The skin is pressed along -z: torque (x, y, 0) x (0, 0, -f).
       wrench += vec4(force, -moment.y, moment.x, 0);
-      if (FRICTION) {
+      if (kShears) {
         shear *= sample_area;
         if (OUTPUT_SHEAR) writeShear(taxel, SCALED ? shear * spread_scale[in_sensor] : shear);
         wrench.yzw += shear_moment * sample_area;
@@ -415,7 +426,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
     }
     cut_short = cut_short || k < num_active;
     partial[v] = wrench;
-    if (FRICTION) partial_shear[v] = lane_shear;
+    if (kShears) partial_shear[v] = lane_shear;
   }
   if (deep > 0) atomicAdd(num_deep, deep);
   if (NUM_ROWS == 0 && met_behind && X_PS.row2.z > kLooksUp) atomicOr(any_behind, 1u);
@@ -443,7 +454,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   if (RELAXATION > 0 && kAdvances) keepRestOfSkin(active_first, active_count);
   vec3 force = -total.x * X_PS.row2.xyz;  // rows of R_PS are the axes of P in S
   vec3 torque = total.y * X_PS.row0.xyz + total.z * X_PS.row1.xyz;
-  if (FRICTION) {
+  if (kShears) {
     vec2 shear = vec2(0);
     for (uint v = 0; v < LANES; ++v) shear += partial_shear[v];
     force += shear.x * X_PS.row0.xyz + shear.y * X_PS.row1.xyz;
@@ -455,7 +466,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   }
   uvec2 first = tile_taxel + active_first;
   uvec4 window = num_active == 0 ? uvec4(0) : uvec4(first.x, first.x + active_count.x, first.y, first.y + active_count.y);
-  if (FRICTION && lane == 0) keepWindow(tile_state, window);
+  if (kShears && lane == 0) keepWindow(tile_state, window);
   if (NUM_ROWS == 0) window = uvec4(any_behind, 0, 0, 0);
   // A word a lane.
   uint result = instance * NUM_TILES + tile_number;

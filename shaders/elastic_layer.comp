@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Elastic layer: stage 2 (contact law) of one frame for the law `elastic_layer`, and its load search.
+// Elastic layer: stage 2 (contact law) of one frame for the law `elastic_layer`, its load search and its shear.
 //
 //   w = A p;   w = d where p > 0,   w >= d where p = 0;      d = target + shift
 //
@@ -12,12 +12,14 @@
 // A workgroup owns an instance. Nodes come in strips of kStrip along a row; only those of the window are touched, where there is something to
 // follow. An invocation owns strips. What costs is A t: a strip of sources and a strip of results need kStrip^2 products, but only 2 kStrip - 1
 // coefficients, since A depends on the distance alone, and half of them are at hand from the strip before.
-// In:  heights (num_instances x num_nodes), m, and windows (num_instances x NUM_HEIGHT_TILES) from the contact pass; influence (rows x 2 rows of strips).
-// Out: contact_normal (num_instances x num_taxels), N; contact_depth; tile_results (num_instances); loads; features of the solution; and the
-//      pressures, from which the next frame starts.
-// Shared memory: 16 LANES + 12 NODE_ROWS + 16 bytes.
+// In:  heights (num_instances x num_nodes), m, with slots in their lowest bits where lib/slots.glsl keeps them, and windows (num_instances x
+//      NUM_HEIGHT_TILES) from the contact pass; influence (rows x 2 rows of strips); with friction what the objects did (num_instances x num_slots).
+// Out: contact_normal (num_instances x num_taxels), N; contact_shear (num_instances x num_taxels x 2), N; contact_depth; tile_results (num_instances); loads;
+//      features of the solution; and the pressures, from which the next frame starts.
+// State: where there is friction the shear traction of every node.
+// Shared memory: 16 LANES + 12 NODE_ROWS + 16 bytes, with friction 8 LANES and 512 more.
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
-// Twin: src/reference/elastic_layer.cpp.
+// Twins: src/reference/elastic_layer.cpp, friction.cpp.
 
 #include "lib/pairs.glsl"
 #include "shared/layout.h"
@@ -34,11 +36,16 @@ layout(constant_id = 19) const float TOLERANCE = 1e-3;
 layout(constant_id = 20) const uint NUM_HEIGHT_TILES = 1;  // of the contact pass
 layout(constant_id = 21) const bool LOADS = false;         // some instance is driven by load
 layout(constant_id = 22) const bool OUTPUT_DEPTH = false;  // contact_depth is wanted
+layout(constant_id = 23) const bool MANY_SLOTS = false;    // an instance may touch several objects
+layout(constant_id = 24) const bool FRICTION = false;      // shear with memory, lib/friction.glsl
+layout(constant_id = 25) const float TANGENTIAL_STIFFNESS = 1e8;  // N/m^3
+layout(constant_id = 26) const float FRICTION_COEFFICIENT = 1.0;
+layout(constant_id = 27) const bool OUTPUT_SHEAR = false;  // contact_shear is wanted
 
 layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceRecord instances[]; };
 layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
 layout(std430, set = 0, binding = 2) readonly buffer SensorBlock { SensorRecord sensor; };
-layout(std430, set = 0, binding = 3) readonly buffer Heights { float heights[]; };
+layout(std430, set = 0, binding = 3) readonly buffer Heights { uint heights[]; };
 layout(std430, set = 0, binding = 4) readonly buffer Windows { TileResult windows[]; };
 layout(std430, set = 0, binding = 5) readonly buffer Influence { Pair influence[]; };
 layout(std430, set = 0, binding = 6) readonly buffer SpreadScale { float spread_scale[]; };
@@ -49,12 +56,16 @@ layout(std430, set = 0, binding = 10) writeonly buffer TileResults { TileResult 
 layout(std430, set = 0, binding = 11) buffer Loads { LoadRecord loads[]; };
 layout(std430, set = 0, binding = 12) writeonly buffer Features { float features[]; };
 layout(std430, set = 0, binding = 13) writeonly buffer Problems { uint problems[]; };
+layout(std430, set = 0, binding = 14) readonly buffer Motions { MotionRecord motions[]; };
+layout(std430, set = 0, binding = 15) coherent buffer FrictionState { Pair friction_state[]; };
+layout(std430, set = 0, binding = 16) writeonly buffer ContactShear { float contact_shear[]; };
 
 const uint kStripPairs = kStrip / 2;
 const uint kRowStrips = (NODE_COLS + kStrip - 1) / kStrip;
 const uint kArrayPairs = NODE_ROWS * kRowStrips * kStripPairs;
-const float kMiss = 1e30;     // height where there is no surface
-const float kNever = -1e30;   // target of a node that cannot be touched
+const float kMiss = kNoHeight;  // height where there is no surface
+const float kNever = -kMiss;      // target of a node that cannot be touched
+const bool kShears = FRICTION;
 
 shared vec4 partial[LANES];
 // Strips of the window, and those that have sources: by row the first and the end, and of the rows that have any the first and the end.
@@ -67,6 +78,15 @@ shared uint num_deep;
 bool cut_short = false;  // see contact.comp
 
 #include "lib/workgroup.glsl"
+#include "lib/transform.glsl"
+#include "lib/slots.glsl"
+
+const bool FLAT = false;  // the patch's frame may be any
+Affine X_PS;              // patch from sensor
+
+#include "lib/friction.glsl"
+
+vec2 tractionAfter(inout vec2 held, vec2 u, float share, float pressure) { return held = springTraction(held, u, share, pressure); }
 
 #include "lib/layer_strips.glsl"
 #include "lib/layer_solver.glsl"
@@ -80,7 +100,7 @@ Strip heightsOver(uint first_height, uvec2 at, uvec4 reached) {
   for (uint c = 0; c < kStrip; ++c) {
     uint col = at.y * kStrip + c;
     float height = kMiss;
-    if (col >= reached.z && col < reached.w) height = heights[first_height + at.x * NODE_COLS + col];
+    if (col >= reached.z && col < reached.w) height = withoutSlot(heights[first_height + at.x * NODE_COLS + col]);
     if (c < 4) h.low[c] = height; else h.high[c - 4] = height;
   }
   return h;
@@ -253,8 +273,10 @@ float valueAt(uint kind, uvec2 node) {
   return uintBitsToFloat((node.y & 1u) == 0 ? words.x : words.y);
 }
 
-// Forces of the taxels that were reached, N, and the mean depth of their samples, m; returns the rectangle of these taxels.
-uvec4 writeTaxels(uint instance, uvec4 reached, float shift) {
+#include "lib/layer_shear.glsl"
+
+// Forces of the taxels that were reached, N, and the mean depth of their samples, m; returns the rectangle of these taxels. `pressed`: the nodes that shear.
+uvec4 writeTaxels(uint instance, uvec4 reached, uvec4 pressed, float shift) {
   uvec2 margin = uvec2(MARGIN_ROWS, MARGIN_COLS);
   uvec2 first_node = max(reached.xz, margin), end_node = min(reached.yw, uvec2(NODE_ROWS - MARGIN_ROWS, NODE_COLS - MARGIN_COLS));
   bool any_node = num_strips > 0 && all(lessThan(first_node, end_node));
@@ -265,6 +287,7 @@ uvec4 writeTaxels(uint instance, uvec4 reached, float shift) {
     bool inside = all(lessThan(at - first, count));
     if (!inside && !OUTPUT_DEPTH) continue;
     float pressure = 0.0, depth = 0.0;
+    vec2 traction = vec2(0);
     for (uint a = 0; inside && a < SAMPLES; ++a) {
       for (uint b = 0; b < SAMPLES; ++b) {
         uvec2 node = margin + at * SAMPLES + uvec2(a, b);
@@ -272,18 +295,24 @@ uvec4 writeTaxels(uint instance, uvec4 reached, float shift) {
         if (any(lessThan(node, first_node)) || any(greaterThanEqual(node, end_node))) continue;
         pressure += valueAt(kLayerPressure, node);
         if (OUTPUT_DEPTH) depth += max(valueAt(kLayerTarget, node) + shift, 0.0);
+        if (OUTPUT_SHEAR && isKept(node, pressed)) traction += heldAt(shearState(instance, node));
       }
     }
     uint taxel = instance * NUM_TAXELS + k;
     contact_normal[taxel] = pressure * NODE_FORCE * spread_scale[k];
     if (OUTPUT_DEPTH) contact_depth[taxel] = depth * THICKNESS / float(SAMPLES * SAMPLES);
+    if (OUTPUT_SHEAR) {
+      vec2 shear = traction * nodeArea() * spread_scale[k];
+      contact_shear[2 * taxel] = shear.x;
+      contact_shear[2 * taxel + 1] = shear.y;
+    }
   }
   return uvec4(first.x, first.x + count.x, first.y, first.y + count.y);
 }
 
 // Wrench, loads and what else is told of an instance.
-void report(uint instance, uint num_instances, Solution found, Goal goal, uint iterations, uvec4 taxels) {
-  vec2 spacing = vec2(PITCH_X, PITCH_Y) / float(SAMPLES);
+void report(uint instance, uint num_instances, Solution found, Goal goal, uint iterations, uvec4 taxels, Shear shear) {
+  vec2 spacing = nodeSpacing();
   for (uint v = gl_LocalInvocationIndex; v < num_parts; v += WORKGROUP) {
     vec4 sums = vec4(0);  // pressures, these times x and y of P, pressures on taxels
     float deep = 0.0;
@@ -291,7 +320,7 @@ void report(uint instance, uint num_instances, Solution found, Goal goal, uint i
     for (; k < num_strips; k += LANES) {
       uvec2 at = stripAt(k);
       Strip p = readStrip(kLayerPressure, at), target = readStrip(kLayerTarget, at), on_taxels = onTaxels(at);
-      vec2 corner = (vec2(at.x, at.y * kStrip) - 0.5 * vec2(NODE_ROWS - 1u, NODE_COLS - 1u)) * spacing;
+      vec2 corner = nodePosition(uvec2(at.x, at.y * kStrip));
       Strip along = Strip(corner.y + vec4(0, 1, 2, 3) * spacing.y, corner.y + vec4(4, 5, 6, 7) * spacing.y);
       float sum = sumOf(p);
       sums += vec4(sum, sum * corner.x, dotOf(p, along), dotOf(p, on_taxels));
@@ -304,9 +333,9 @@ void report(uint instance, uint num_instances, Solution found, Goal goal, uint i
   vec4 sums = sumOfPartials(num_parts) * NODE_FORCE;
   if (gl_LocalInvocationIndex != 0) return;
   mat3 R_SP = transpose(mat3(sensor.X_SC_row0.xyz, sensor.X_SC_row1.xyz, sensor.X_SC_row2.xyz));
-  vec3 force = R_SP * vec3(0, 0, -sums.x);
+  vec3 force = R_SP * vec3(shear.force, -sums.x);
   // The skin is pressed along -z of P: torque (x, y, 0) x (0, 0, -f).
-  vec3 torque = R_SP * vec3(-sums.z, sums.y, 0) + cross(vec3(sensor.X_SC_row0.w, sensor.X_SC_row1.w, sensor.X_SC_row2.w), force);
+  vec3 torque = R_SP * (vec3(-sums.z, sums.y, 0) + shear.torque) + cross(vec3(sensor.X_SC_row0.w, sensor.X_SC_row1.w, sensor.X_SC_row2.w), force);
   tile_results[instance].force = vec4(force, float(num_deep));
   tile_results[instance].torque = vec4(torque, sums.w);
   tile_results[instance].window = taxels;
@@ -315,7 +344,7 @@ void report(uint instance, uint num_instances, Solution found, Goal goal, uint i
   features[kFeatureContactIterations * num_instances + instance] = float(iterations);
 }
 
-void pressInstance(uint instance, uint num_instances) {
+void pressInstance(uint instance, uint num_instances, uint num_slots) {
   layer_start = instance * kNumLayerArrays * kArrayPairs;
   uint flags = instances[instance].keys.w;
   bool by_load = LOADS && (flags & kFlagLoadDriven) != 0;
@@ -349,12 +378,17 @@ void pressInstance(uint instance, uint num_instances) {
     iterations = solve(found, goal);
     if (by_load && !goal.by_load) status = kLoadOutOfReach;
   }
-  if (LOADS && by_load && gl_LocalInvocationIndex == 0) {
-    loads[instance].bracket = vec4(above ? 0.0 : -lowest - found.shift * THICKNESS, 0, 0, status);
-  }
+  float offset = !by_load || above ? 0.0 : -lowest - found.shift * THICKNESS;
+  if (LOADS && by_load && gl_LocalInvocationIndex == 0) loads[instance].bracket = vec4(offset, 0, 0, status);
   meet();
-  uvec4 taxels = writeTaxels(instance, reached, found.shift);
-  report(instance, num_instances, found, goal, iterations, taxels);
+  uvec4 pressed = uvec4(0);
+  Shear shear = Shear(vec2(0), vec3(0));
+  if (FRICTION) {
+    pressed = pressedNodes();
+    shear = shearNodes(instance, num_slots, pressed, found.shift, offset);
+  }
+  uvec4 taxels = writeTaxels(instance, reached, pressed, found.shift);
+  report(instance, num_instances, found, goal, iterations, taxels, shear);
 }
 
 void main() {
@@ -363,7 +397,7 @@ void main() {
   uint end = min(first + REPEAT, batch.x);
   uint instance = first;
   for (; instance < end; ++instance) {
-    pressInstance(instance, batch.x);
+    pressInstance(instance, batch.x, batch.y);
     meet();
   }
   if (cut_short || instance < end) problems[0] = 1;

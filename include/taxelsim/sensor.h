@@ -110,10 +110,11 @@ struct LuGre {
   bool operator==(const LuGre&) const = default;
 };
 
-// The skin as an elastic solid with a frictionless surface. Its pressures p >= 0 and normal displacements w (m, into the skin) obey
+// The skin as an elastic solid. Its pressures p >= 0 and normal displacements w (m, into the skin) obey
 //   w = d where p > 0,   w >= d where p = 0,   w = A p,
-// d being the signed overlap of object and undeformed skin: gaps count, since a layer that is squeezed out bulges into them. Solved on the
-// samples of one grid patch and of the margin around it; a sensor of several patches is refused.
+// d being the signed overlap of object and undeformed skin: gaps count, since a layer that is squeezed out bulges into them. Shear does not
+// move the surface along its normal, nor pressure along the surface. Solved on the samples of one grid patch and of the margin around it; a
+// sensor of several patches is refused.
 struct ElasticLayer {
   enum class Base {
     kHalfSpace,  // so deep that no base is felt; `thickness` only ends the penetration
@@ -132,9 +133,9 @@ struct ElasticLayer {
 using ContactLaw = std::variant<Winkler, MassSpringDamper, DeformationMask, Proximity, ElasticLayer, LuGre>;
 
 // Stick and slip with memory: at every sample a tangential spring that holds on to the object where it touched and gives way at Coulomb's
-// cone, |traction| <= friction_coefficient * pressure. Depends on the path of the object, not on its speed. Beside Winkler and
-// MassSpringDamper only. A taxel whose mass lags shows no more shear than friction_coefficient times the force that it reads;
-// contact_wrench is that of contact, in shear as in normal force, which no mass delays.
+// cone, |traction| <= friction_coefficient * pressure. Depends on the path of the object, not on its speed. Beside Winkler,
+// MassSpringDamper and ElasticLayer only; of the last its margin shears, too. A taxel whose mass lags shows no more shear than
+// friction_coefficient times the force that it reads; contact_wrench is that of contact, in shear as in normal force, which no mass delays.
 struct Friction {
   double tangential_stiffness = 0;  // N/m^3, > 0 where there is friction, at most 1e30; a layer bonded to its base has G / thickness
   double friction_coefficient = 0;  // 0 to 1000; 0: no shear

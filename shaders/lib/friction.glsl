@@ -1,5 +1,5 @@
 // Shear with memory: a tangential spring at every sample of the skin, held by the object that touches it, capped by Coulomb's cone;
-// include/taxelsim/sensor.h, Friction. Included by contact.comp, whose names it uses. Twin: src/reference/friction.cpp.
+// include/taxelsim/sensor.h, Friction. Included by contact.comp and elastic_layer.comp, whose names it uses. Twin: src/reference/friction.cpp.
 //
 // At a sample p = (x, y, -d) of P an object that moves by u in this step drags the end of the spring along by the tangential part of u, so that the
 // traction q, which acts on the skin along the object's motion, becomes
@@ -8,12 +8,20 @@
 // The law lugre has another rule for the traction, lib/laws/lugre.glsl, and shares the rest.
 
 #include "lib/cone.glsl"
-#include "lib/laws/lugre.glsl"
+
+// The rule, which the includer has: shear traction (Pa) under `pressure` (Pa) after the object has moved by `u` (m, along x and y of P), `share` of that in
+// touch. `held` is what the sample keeps between steps.
+vec2 tractionAfter(inout vec2 held, vec2 u, float share, float pressure);
+
+// That of springs, which keep their traction.
+vec2 springTraction(vec2 held, vec2 u, float share, float pressure) {
+  return onCone(held + TANGENTIAL_STIFFNESS * share * u, FRICTION_COEFFICIENT * pressure);
+}
 
 // Motion of the object in a slot, from p in P to its displacement in P, m; kSlotRows rows a slot.
 const uint kSlotRows = 4u;
 shared vec4 slot_motions[kKeepsSlots ? kSlotRows << kSlotBits : 1u];
-shared vec2 partial_shear[FRICTION ? LANES : 1u];
+shared vec2 partial_shear[kShears ? LANES : 1u];
 
 struct Motion {
   Affine displacement;
@@ -66,25 +74,26 @@ Motion motionOf(uint slot) {
                 slot_motions[kSlotRows * slot + 3].x > 0.0);
 }
 
-// Shear traction (Pa) at the sample p of P, where `pressure` (Pa) and the object in `slot` act; leaves the sample's state for the next step. `kept`: the
-// sample has a state of the step before. `per_dt`, for the law lugre: 1 / the step's time, 1/s.
-vec2 shearTraction(uint state_index, bool kept, uint slot, vec3 p, float pressure, float per_dt) {
-  float depth = -p.z;
+// What a sample keeps, 0 where nothing touched.
+vec2 heldAt(uint state_index) {
+  uvec2 words = wordsOf(friction_state[state_index]);
+  return (words.x & ~kSlotMask) == kApart ? vec2(0) : vec2(withoutSlot(words.x), uintBitsToFloat(words.y));
+}
+
+// Shear traction (Pa) at the sample p of P under `pressure` (Pa), if the object in `slot` touches there; leaves the sample's state for the next step.
+// `kept`: the sample has a state of the step before.
+vec2 shearTraction(uint state_index, bool kept, bool touches, uint slot, vec3 p, float pressure) {
   uvec2 before = uvec2(kApart, 0u), after = before;
   vec2 q = vec2(0), held = vec2(0);
-  if (depth > 0.0) {
+  if (touches) {
     if (kept) before = wordsOf(friction_state[state_index]);
     bool touched = (before.x & ~kSlotMask) != kApart && slotOf(before.x) == slot;
     Motion motion = motionOf(slot);
     if (motion.known) {
       vec3 u = apply(motion.displacement, p);
-      float share = !touched && u.z < 0.0 ? min(depth / -u.z, 1.0) : 1.0;
+      float share = !touched && u.z < 0.0 ? clamp(p.z / u.z, 0.0, 1.0) : 1.0;  // skin that bulges meets objects at p.z > 0
       if (touched) held = vec2(withoutSlot(before.x), uintBitsToFloat(before.y));
-      if (BRISTLES) {
-        q = pressure * bristleShear(held, u.xy, share, per_dt);
-      } else {
-        q = held = onCone(held + TANGENTIAL_STIFFNESS * share * u.xy, FRICTION_COEFFICIENT * pressure);
-      }
+      q = tractionAfter(held, u.xy, share, pressure);
     }
     after = uvec2(withSlot(held.x, slot), floatBitsToUint(held.y));
   }
@@ -92,10 +101,12 @@ vec2 shearTraction(uint state_index, bool kept, uint slot, vec3 p, float pressur
   return q;
 }
 
-// The taxels of the patch whose samples have a state: first row, end row, first col, end col.
+// The taxels of the patch whose samples have a state, or the nodes of a layer that have one: first row, end row, first col, end col.
 uvec4 keptWindow(uint tile_state) { return uvec4(wordsOf(friction_state[tile_state]), wordsOf(friction_state[tile_state + 1])); }
 
 void keepWindow(uint tile_state, uvec4 window) {
   friction_state[tile_state] = pairOf(window.xy);
   friction_state[tile_state + 1] = pairOf(window.zw);
 }
+
+bool isKept(uvec2 at, uvec4 window) { return all(greaterThanEqual(at, window.xz)) && all(lessThan(at, window.yw)); }

@@ -55,7 +55,7 @@ void leaveUntouched(uint instance, uint tile_number) {
     if (OUTPUT_SHEAR) writeShear(taxel, vec2(0));
     if (OUTPUT_DEPTH) contact_depth[taxel] = 0.0;
   }
-  if (FRICTION) keepWindow(result * (kFrictionHeader + TILE_SAMPLES), uvec4(0));
+  if (kShears) keepWindow(result * (kFrictionHeader + TILE_SAMPLES), uvec4(0));
   if (HAS_STATE) {
     for (uint k = 0; k < tile_size.x * tile_stride * SAMPLES; ++k) state[result * TILE_SAMPLES + k] = 0.0;
   }

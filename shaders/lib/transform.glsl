@@ -19,6 +19,14 @@ Affine compose(Affine X_AB, Affine X_BC) {
   return X_AC;
 }
 
+// X_BA from the rigid X_AB.
+Affine inverseOf(Affine X_AB) {
+  mat3 R_BA = mat3(X_AB.row0.xyz, X_AB.row1.xyz, X_AB.row2.xyz);  // by columns: the transpose of R_AB
+  vec3 b = -(R_BA * vec3(X_AB.row0.w, X_AB.row1.w, X_AB.row2.w));
+  return Affine(vec4(X_AB.row0.x, X_AB.row1.x, X_AB.row2.x, b.x), vec4(X_AB.row0.y, X_AB.row1.y, X_AB.row2.y, b.y),
+                vec4(X_AB.row0.z, X_AB.row1.z, X_AB.row2.z, b.z));
+}
+
 // Middle and half size, per axis, of the image of the box (center, half_size): the exact bounds of the turned box.
 void boundsOfImage(Affine X, vec3 center, vec3 half_size, out vec3 image_center, out vec3 image_half) {
   image_center = apply(X, center);

@@ -78,12 +78,24 @@ Minimum minimise(const Problem& problem, double deepest, double tolerance) {
   }
 }
 
-// The index of node (u, v) among taxels, or -1 in the margin.
+// The taxel of node (u, v), or kNoTaxel.
 int taxelAt(const Sensor& sensor, const LayerNodes& nodes, int u, int v) {
   const GridPatch& patch = sensor.patches.front();
   const int s = sensor.samples_per_taxel, a = u - nodes.margin_rows, b = v - nodes.margin_cols;
-  if (a < 0 || b < 0 || a >= patch.num_rows * s || b >= patch.num_cols * s) return -1;
+  if (a < 0 || b < 0 || a >= patch.num_rows * s || b >= patch.num_cols * s) return kNoTaxel;
   return a / s * patch.num_cols + b / s;
+}
+
+// The nodes as samples of one patch.
+std::vector<Sample> samplesAt(const Sensor& sensor, const LayerNodes& nodes) {
+  std::vector<Sample> samples;
+  for (int u = 0; u < nodes.num_rows; ++u) {
+    for (int v = 0; v < nodes.num_cols; ++v) {
+      const double x = (u - (nodes.num_rows - 1) / 2.0) * nodes.spacing[0], y = (v - (nodes.num_cols - 1) / 2.0) * nodes.spacing[1];
+      samples.push_back({0, taxelAt(sensor, nodes, u, v), {x, y, 0}, nodes.area()});
+    }
+  }
+  return samples;
 }
 
 LayerContact contactAt(const Sensor& sensor, const Layer& layer, std::span<const double> heights) {
@@ -92,30 +104,26 @@ LayerContact contactAt(const Sensor& sensor, const Layer& layer, std::span<const
   LayerContact contact;
   contact.taxel_force.assign(static_cast<std::size_t>(numTaxels(sensor)), 0);
   contact.mean_penetration = contact.taxel_force;
-  std::vector<double> overlap;
-  for (const double height : heights) overlap.push_back(std::min(-height, thickness));
-  contact.solution = pressLayer(layer, overlap);
+  for (const double height : heights) contact.overlap.push_back(std::min(-height, thickness));
+  contact.solution = pressLayer(layer, contact.overlap);
   const double per_taxel = sensor.samples_per_taxel * sensor.samples_per_taxel;
   const Pose& X_SP = sensor.patches.front().X_SP;
   Vector3 force{0, 0, 0}, torque{0, 0, 0};
-  std::size_t n = 0;
-  for (int u = 0; u < nodes.num_rows; ++u) {
-    for (int v = 0; v < nodes.num_cols; ++v, ++n) {
-      const double node_force = contact.solution.pressure[n] * nodes.area();
-      const Vector3 p_P{(u - (nodes.num_rows - 1) / 2.0) * nodes.spacing[0], (v - (nodes.num_cols - 1) / 2.0) * nodes.spacing[1], 0};
-      const Vector3 force_S = rotate(X_SP.rotation, {0, 0, -node_force});
-      force = add(force, force_S);
-      torque = add(torque, cross(X_SP * p_P, force_S));
-      const int taxel = taxelAt(sensor, nodes, u, v);
-      if (taxel < 0) {
-        contact.off_array_load += node_force;
-        continue;
-      }
-      contact.total_force += node_force;
-      contact.taxel_force[static_cast<std::size_t>(taxel)] += node_force;
-      contact.mean_penetration[static_cast<std::size_t>(taxel)] += std::max(overlap[n], 0.0) / per_taxel;
-      contact.over_penetration += overlap[n] >= thickness ? 1 / (per_taxel * numTaxels(sensor)) : 0;
+  const std::vector<Sample> samples = samplesAt(sensor, nodes);
+  for (std::size_t n = 0; n < samples.size(); ++n) {
+    const double node_force = contact.solution.pressure[n] * nodes.area(), d = contact.overlap[n];
+    const Vector3 force_S = rotate(X_SP.rotation, {0, 0, -node_force});
+    force = add(force, force_S);
+    torque = add(torque, cross(X_SP * samples[n].position_P, force_S));
+    if (samples[n].taxel == kNoTaxel) {
+      contact.off_array_load += node_force;
+      continue;
     }
+    const auto taxel = static_cast<std::size_t>(samples[n].taxel);
+    contact.total_force += node_force;
+    contact.taxel_force[taxel] += node_force;
+    contact.mean_penetration[taxel] += std::max(d, 0.0) / per_taxel;
+    contact.over_penetration += d >= thickness ? 1 / (per_taxel * numTaxels(sensor)) : 0;
   }
   contact.wrench = {force[0], force[1], force[2], torque[0], torque[1], torque[2]};
   return contact;
@@ -165,6 +173,17 @@ std::vector<double> layerHeights(const Sensor& sensor, const LayerNodes& nodes, 
   std::vector<double> heights;
   appendHeights(grid, 1, objects, {}, heights);
   return heights;
+}
+
+PressedSkin pressedNodes(const Sensor& sensor, std::span<const PlacedObject> objects, const LayerContact& contact) {
+  const LayerNodes nodes = layerNodes(sensor);
+  const std::vector<double>& pressure = contact.solution.pressure;
+  PressedSkin skin{samplesAt(sensor, nodes), std::vector<int>(pressure.size(), kApart), contact.overlap, pressure};
+  if (!hasFriction(sensor.skin) || objects.empty()) return skin;
+  const auto heightsUnder = [&](std::span<const PlacedObject> one) { return layerHeights(sensor, nodes, one); };
+  const std::vector<int> lowest = lowestObjects(objects, sensor.skin.thickness, heightsUnder);
+  for (std::size_t n = 0; n < pressure.size(); ++n) skin.touching[n] = pressure[n] > 0 ? lowest[n] : kApart;
+  return skin;
 }
 
 LayerContact layerContact(const Sensor& sensor, std::span<const PlacedObject> objects) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "reference/depth.h"
+#include "reference/friction.h"
 #include "sensor/elastic_layer.h"
 
 namespace taxelsim::reference {
@@ -38,6 +39,7 @@ double forceOn(const Layer& layer, std::span<const double> pressure);
 // One frame of the contact: forces as of contactOf(), over the taxels, and what the margin carries.
 struct LayerContact {
   LayerSolution solution;
+  std::vector<double> overlap;           // (num_rows x num_cols), m: d, at most the thickness
   std::vector<double> taxel_force;       // (num_taxels), N
   std::vector<double> mean_penetration;  // (num_taxels), m: mean of clamp(d, 0, thickness)
   std::array<double, 6> wrench{};        // force (N) and torque (N m) on the sensor at S's origin, in S; margin included
@@ -50,6 +52,9 @@ struct LayerContact {
 
 // Heights of the lowest surface over every node, (num_rows x num_cols), m along z of P; +infinity where there is none.
 std::vector<double> layerHeights(const Sensor& sensor, const LayerNodes& nodes, std::span<const PlacedObject> objects);
+
+// What shears of it: the nodes, each touched where it has pressure, by the lowest of the objects, which are where `contact` left them.
+PressedSkin pressedNodes(const Sensor& sensor, std::span<const PlacedObject> objects, const LayerContact& contact);
 
 // Objects where they are.
 LayerContact layerContact(const Sensor& sensor, std::span<const PlacedObject> objects);

@@ -11,7 +11,8 @@ void pressElasticLayer(const Sensor& sensor, const FrameInput& input, Frame& fra
   LayerContact solved = input.load ? loadedLayerContact(sensor, input.objects, *input.load) : layerContact(sensor, input.objects);
   frame.load.offset = solved.offset;
   frame.load.reached = solved.load_reached;
-  frame.shear.taxel_force.assign(solved.taxel_force.size(), {0, 0});
+  const std::vector<PlacedObject> placed = movedAlongZ(input.objects, solved.offset);
+  frame.shear = contactShear(sensor, placed, pressedNodes(sensor, placed, solved), input.previous_friction, input.dt);
   frame.contact.taxel_force = std::move(solved.taxel_force);
   frame.contact.mean_penetration = std::move(solved.mean_penetration);
   frame.contact.wrench = solved.wrench;
@@ -39,7 +40,8 @@ Frame simulateFrame(const Sensor& sensor, const FrameInput& input) {
     const std::span<const double> previous = input.previous_penetration;
     frame.contact = contactOf(sensor, frame.penetration, input.load ? std::span<const double>{} : previous, input.dt, skin);
     if (input.skin) input.skin->advance(input.dt, frame.contact.strain);
-    frame.shear = contactShear(sensor, placed, frame.penetration, frame.contact.pressure, input.previous_friction, input.dt);
+    const PressedSkin pressed = pressedSamples(sensor, placed, frame.penetration, frame.contact.pressure);
+    frame.shear = contactShear(sensor, placed, pressed, input.previous_friction, input.dt);
   }
   for (std::size_t i = 0; i < frame.wrench.size(); ++i) frame.wrench[i] = frame.contact.wrench[i] + frame.shear.wrench[i];
   if (!input.load) frame.taxel_state = input.taxel_state;

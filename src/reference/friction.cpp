@@ -10,23 +10,6 @@
 namespace taxelsim::reference {
 namespace {
 
-// Number of the object whose surface is lowest over each sample; the first of equals, as all are that lie deeper than the skin is thick.
-std::vector<int> lowestObjects(const Sensor& sensor, std::span<const PlacedObject> objects, std::size_t num_samples) {
-  std::vector<int> lowest(num_samples, kApart);
-  std::vector<double> heights(num_samples, std::numeric_limits<double>::infinity());
-  for (std::size_t number = 0; number < objects.size(); ++number) {
-    const std::vector<double> own = surfaceHeights(sensor, objects.subspan(number, 1));
-    for (std::size_t n = 0; n < num_samples; ++n) {
-      const double height = std::max(own[n], -sensor.skin.thickness);
-      if (height < heights[n]) {
-        heights[n] = height;
-        lowest[n] = static_cast<int>(number);
-      }
-    }
-  }
-  return lowest;
-}
-
 // (X_to X_from^-1 - 1) p in S, without the difference of nearly equal positions: (R - 1) (p - p_from) + p_to - p_from, and with
 // R = 1 + 2 w [v] + 2 [v][v] for the quaternion (w, v) of the turn.
 Vector3 displacementOf(const Vector3& p_S, const Pose& from, const Pose& to) {
@@ -43,45 +26,74 @@ Shear onCone(const Shear& q, double cap) {
 
 }  // namespace
 
-ContactShear contactShear(const Sensor& sensor, std::span<const PlacedObject> objects, std::span<const double> d,
-                          std::span<const double> pressure, const FrictionState& before, double dt) {
-  const std::vector<Sample> samples = samplesOf(sensor);
+std::vector<int> lowestObjects(std::span<const PlacedObject> objects, double thickness,
+                               const std::function<std::vector<double>(std::span<const PlacedObject>)>& heightsUnder) {
+  std::vector<int> lowest;
+  std::vector<double> heights;
+  for (std::size_t number = 0; number < objects.size(); ++number) {
+    const std::vector<double> own = heightsUnder(objects.subspan(number, 1));
+    lowest.resize(own.size(), kApart);
+    heights.resize(own.size(), std::numeric_limits<double>::infinity());
+    for (std::size_t n = 0; n < own.size(); ++n) {
+      const double height = std::max(own[n], -thickness);
+      if (height < heights[n]) {
+        heights[n] = height;
+        lowest[n] = static_cast<int>(number);
+      }
+    }
+  }
+  return lowest;
+}
+
+PressedSkin pressedSamples(const Sensor& sensor, std::span<const PlacedObject> objects, std::span<const double> d,
+                           std::span<const double> pressure) {
+  const auto heightsUnder = [&](std::span<const PlacedObject> one) { return surfaceHeights(sensor, one); };
+  PressedSkin skin{samplesOf(sensor), std::vector<int>(d.size(), kApart), {d.begin(), d.end()}, {pressure.begin(), pressure.end()}};
+  if (!hasFriction(sensor.skin) || objects.empty()) return skin;
+  const std::vector<int> lowest = lowestObjects(objects, sensor.skin.thickness, heightsUnder);
+  for (std::size_t n = 0; n < d.size(); ++n) skin.touching[n] = d[n] > 0 ? lowest[n] : kApart;
+  return skin;
+}
+
+ContactShear contactShear(const Sensor& sensor, std::span<const PlacedObject> objects, const PressedSkin& skin, const FrictionState& before,
+                          double dt) {
   const Friction& friction = sensor.skin.friction;
   ContactShear shear;
-  shear.taxel_force.assign(samples.size() / samplesPerTaxel(sensor), {0, 0});
+  shear.taxel_force.assign(static_cast<std::size_t>(numTaxels(sensor)), {0, 0});
+  if (!hasFriction(sensor.skin)) return shear;
   const LuGre* bristles = std::get_if<LuGre>(&sensor.skin.law);
-  if (friction.friction_coefficient == 0 && bristles == nullptr) return shear;
-  const std::vector<int> lowest = lowestObjects(sensor, objects, samples.size());
-  shear.state = {{objects.begin(), objects.end()}, std::vector<int>(samples.size(), kApart), std::vector<Shear>(samples.size(), {0, 0})};
+  shear.state = {{objects.begin(), objects.end()}, skin.touching, std::vector<Shear>(skin.points.size(), {0, 0})};
   Vector3 force{0, 0, 0}, torque{0, 0, 0};
-  for (std::size_t n = 0; n < samples.size(); ++n) {
-    if (d[n] <= 0) continue;
-    const int number = lowest[n];
-    shear.state.touching[n] = number;
+  for (std::size_t n = 0; n < skin.points.size(); ++n) {
+    const int number = skin.touching[n];
+    if (number == kApart) continue;
     const auto slot = static_cast<std::size_t>(number);
     const bool is_known = slot < before.objects.size() && before.objects[slot].object == objects[slot].object;
     if (!is_known) continue;
-    const Sample& sample = samples[n];
-    const Pose& X_SP = sensor.patches[sample.patch].X_SP;
-    const Vector3 p_P{sample.position_P[0], sample.position_P[1], -d[n]}, p_S = X_SP * p_P;
+    const Sample& point = skin.points[n];
+    const double d = skin.d[n], pressure = skin.pressure[n];
+    const Pose& X_SP = sensor.patches[static_cast<std::size_t>(point.patch)].X_SP;
+    const Vector3 p_P{point.position_P[0], point.position_P[1], -d}, p_S = X_SP * p_P;
     const Vector3 u = rotate(inverse(X_SP).rotation, displacementOf(p_S, before.objects[slot].X_SO, objects[slot].X_SO));
     const bool touched = before.touching[n] == number;
-    const double share = !touched && u[2] < 0 ? std::min(d[n] / -u[2], 1.0) : 1.0;  // of the displacement, after touch
+    const double share = !touched && u[2] < 0 ? std::clamp(d / -u[2], 0.0, 1.0) : 1.0;  // of the displacement, after touch
     const Shear held = touched ? before.held[n] : Shear{0, 0};
     Shear q = held;
     if (bristles != nullptr) {
       const Bristles after = moveBristles(*bristles, held, {u[0], u[1]}, share, dt);
       shear.state.held[n] = after.bend;
-      q = {pressure[n] * after.share[0], pressure[n] * after.share[1]};
+      q = {pressure * after.share[0], pressure * after.share[1]};
     } else {
       for (std::size_t axis = 0; axis < 2; ++axis) q[axis] += friction.tangential_stiffness * share * u[axis];
-      q = onCone(q, friction.friction_coefficient * pressure[n]);
+      q = onCone(q, friction.friction_coefficient * pressure);
       shear.state.held[n] = q;
     }
-    for (std::size_t axis = 0; axis < 2; ++axis) shear.taxel_force[sample.taxel][axis] += q[axis] * sample.area;
-    const Vector3 sample_force = rotate(X_SP.rotation, {q[0] * sample.area, q[1] * sample.area, 0});
-    force = add(force, sample_force);
-    torque = add(torque, cross(p_S, sample_force));
+    if (point.taxel != kNoTaxel) {
+      for (std::size_t axis = 0; axis < 2; ++axis) shear.taxel_force[static_cast<std::size_t>(point.taxel)][axis] += q[axis] * point.area;
+    }
+    const Vector3 point_force = rotate(X_SP.rotation, {q[0] * point.area, q[1] * point.area, 0});
+    force = add(force, point_force);
+    torque = add(torque, cross(p_S, point_force));
   }
   shear.wrench = {force[0], force[1], force[2], torque[0], torque[1], torque[2]};
   return shear;

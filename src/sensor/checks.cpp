@@ -145,10 +145,10 @@ void checkSkin(const Skin& skin) {
   checkPositive("skin.thickness", skin.thickness, "m");
   std::visit(CheckLaw{}, skin.law);
   if (skin.friction.friction_coefficient > 0 && !std::holds_alternative<Winkler>(skin.law) &&
-      !std::holds_alternative<MassSpringDamper>(skin.law)) {
+      !std::holds_alternative<MassSpringDamper>(skin.law) && !std::holds_alternative<ElasticLayer>(skin.law)) {
     fail("skin.friction_coefficient", numberText(skin.friction.friction_coefficient),
          std::holds_alternative<LuGre>(skin.law) ? "0 beside the law lugre, whose friction is its own: static_friction, coulomb_friction"
-                                                 : "0 for a law other than winkler and mass_spring_damper");
+                                                 : "0 for a law other than winkler, mass_spring_damper and elastic_layer");
   }
   checkFriction(skin.friction);
   checkNotNegative("skin.margin", skin.margin, "m");

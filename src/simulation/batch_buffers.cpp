@@ -28,7 +28,9 @@ struct InstanceBytes {
     shear = options.outputs.tactile_shear_force ? 8 * taxels : 0;
     if (model.hasFriction() && !takes_contacts) {
       motions = sizeof(layout::MotionRecord) * static_cast<std::uint64_t>(options.num_slots);
-      friction = 8 * num_tiles * (layout::kFrictionHeader + model.packed.max_tile_samples);
+      const std::uint64_t samples =
+          model.layer ? static_cast<std::uint64_t>(numTaxels(model.contact_sensor)) : num_tiles * model.packed.max_tile_samples;
+      friction = 8 * (num_tiles * layout::kFrictionHeader + samples);
       contact_shear = shear;
     }
     tiles = sizeof(layout::TileResult) * num_tiles;

@@ -360,18 +360,20 @@ gpu::Kernel Model::Impl::makeLoadKernel() const {
 gpu::Kernel Model::Impl::makeLayerKernel(const LayerVariant& variant) const {
   const bool pairs = device.info().type == DeviceType::kCpu && device.context().hasInt64();
   const auto& elastic = std::get<ElasticLayer>(sensor.skin.law);
+  const Friction& friction = sensor.skin.friction;
   const LayerNodes& nodes = layer->nodes;
   const auto count = [](int number) { return static_cast<std::uint32_t>(number); };
   return {device.context(),
           {.name = "elastic_layer",
            .spirv = pairs ? std::span<const std::uint32_t>(k_elastic_layer_pairs_spirv) : k_elastic_layer_spirv,
            .buffers = {"Instances", "Step", "SensorBlock", "Heights", "Windows", "Influence", "SpreadScale", "Layer", "ContactNormal",
-                       "ContactDepth", "TileResults", "Loads", "Features", "Problems"},
-           .constants = constants(
-               sensor, packed, {layer_workgroup, layerLanes(device.info(), layerWork(sensor, *layer)), 1},
-               {count(nodes.num_rows), count(nodes.num_cols), count(nodes.margin_rows), count(nodes.margin_cols),
-                bits(sensor.skin.thickness), bits(layer->reach), bits(layer->node_force), count(elastic.iterations),
-                bits(elastic.tolerance), count(static_cast<int>(contact_packed.tiles.size())), variant.loads, variant.with_depth})}};
+                       "ContactDepth", "TileResults", "Loads", "Features", "Problems", "Motions", "FrictionState", "ContactShear"},
+           .constants = constants(sensor, packed, {layer_workgroup, layerLanes(device.info(), layerWork(sensor, *layer)), 1},
+                                  {count(nodes.num_rows), count(nodes.num_cols), count(nodes.margin_rows), count(nodes.margin_cols),
+                                   bits(sensor.skin.thickness), bits(layer->reach), bits(layer->node_force), count(elastic.iterations),
+                                   bits(elastic.tolerance), count(static_cast<int>(contact_packed.tiles.size())), variant.loads,
+                                   variant.with_depth, variant.many_slots, hasFriction(), bits(friction.tangential_stiffness),
+                                   bits(friction.friction_coefficient), variant.with_shear})}};
 }
 
 Model::Model(const Device& device, const ModelOptions& options) : impl_(std::make_shared<Impl>(device, options)) {}

@@ -81,8 +81,10 @@ struct Model::Impl {
   bool hasFriction() const { return taxelsim::hasFriction(sensor.skin); }
   bool relaxes() const { return !sensor.skin.relaxation.empty(); }
   struct LayerVariant {
-    bool loads = false;                                     // some instance is driven by load
+    bool loads = false;  // some instance is driven by load
+    bool many_slots = false;
     bool with_depth = false;                                // penetration_depth is wanted
+    bool with_shear = false;                                // tactile_shear_force is wanted, of a sensor with friction
     auto operator<=>(const LayerVariant&) const = default;  // NOLINT(modernize-use-nullptr): the same
   };
   const gpu::Kernel& layerKernel(const LayerVariant& variant) const;

@@ -218,7 +218,7 @@ void Simulator::Impl::recordObjects(gpu::Commands& commands, bool with_loads) co
                                                                    : kNoSearch,
                                             .many_slots = options.num_slots > 1,
                                             .with_depth = !m.layer && options.outputs.penetration_depth,
-                                            .with_shear = withShear()};
+                                            .with_shear = !m.layer && withShear()};
   const BatchBuffers& b = buffers;
   // Of a law that is solved apart, the contact pass leaves heights and where they are.
   const gpu::Buffer* contact_out = m.layer ? &b.heights : &b.contact_normal;
@@ -261,9 +261,14 @@ void Simulator::Impl::recordObjects(gpu::Commands& commands, bool with_loads) co
     contact_pass(last);
   }
   if (m.layer) {
-    commands.dispatch(m.layerKernel({.loads = with_loads, .with_depth = options.outputs.penetration_depth}), n,
+    commands.dispatch(m.layerKernel({.loads = with_loads,
+                                     .many_slots = options.num_slots > 1,
+                                     .with_depth = options.outputs.penetration_depth,
+                                     .with_shear = withShear()}),
+                      n,
                       {&b.instances, &b.step, &m.sensor_record, &b.heights, &b.windows, &m.influence, &m.spread_scale, &b.layer,
-                       &b.contact_normal, &b.contact_depth.device, &b.tile_results, &b.loads, &b.features.device, &b.problems.device});
+                       &b.contact_normal, &b.contact_depth.device, &b.tile_results, &b.loads, &b.features.device, &b.problems.device,
+                       &b.motions, &b.friction_state, &b.contact_shear});
     commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
   }
 }

@@ -61,6 +61,9 @@ TEST(FrictionClosedForm, SlideStopSlideBack) {
 TEST(FrictionClosedForm, SlipTurnsTowardsTheMotion) {
   kTwin.slipTurnsTowardsTheMotion();
 }
+TEST(FrictionClosedForm, ElasticLayerSticksAndSlips) {
+  kTwin.elasticLayerSticksAndSlips();
+}
 
 }  // namespace
 }  // namespace taxelsim

@@ -141,7 +141,8 @@ TEST(BadScenes, Sensors) {
        BadScene{kSkin, "{thickness: 1, normal_contact_stiffness: 1, tangential_stiffness: 1e8}",
                 ":9:75: sensor.skin.tangential_stiffness: given without friction: friction_coefficient must be > 0 beside it"},
        BadScene{kSkin, "{thickness: 1, law: deformation_mask, friction_coefficient: 0.5, tangential_stiffness: 1e8}",
-                ":9:69: sensor.skin.friction_coefficient: 0.5 is not allowed: 0 for a law other than winkler and mass_spring_damper"},
+                ":9:69: sensor.skin.friction_coefficient: 0.5 is not allowed: 0 for a law other than winkler, mass_spring_damper and "
+                "elastic_layer"},
        BadScene{kSkin, "{thickness: 1, law: lugre, normal_contact_stiffness: 1, friction_coefficient: 0.5, tangential_stiffness: 1e8}",
                 ":9:87: sensor.skin.friction_coefficient: 0.5 is not allowed: 0 beside the law lugre, whose friction is its own"},
        BadScene{kSkin, "{thickness: 1, law: lugre}", ":9:9: sensor.skin: normal_contact_stiffness is missing: a number > 0 N/m^3"},

@@ -114,13 +114,14 @@ TEST(SensorFile, AnElasticLayerHasKeysOfItsOwn) {
   EXPECT_EQ(plain.skin.margin, 0);
   const Sensor sensor =
       load(kGrid + ("skin: {thickness_mm: 2, law: elastic_layer, elastic_modulus: 2e6, poisson_ratio: 0.5, base: half_space, "
-                    "iterations: 25, tolerance: 1e-4, margin_mm: 4}\n" +
+                    "iterations: 25, tolerance: 1e-4, margin_mm: 4, friction_coefficient: 0.6, tangential_stiffness: 5e7}\n" +
                     readout));
   EXPECT_EQ(
       std::get<ElasticLayer>(sensor.skin.law),
       (ElasticLayer{
           .elastic_modulus = 2e6, .poisson_ratio = 0.5, .base = ElasticLayer::Base::kHalfSpace, .iterations = 25, .tolerance = 1e-4}));
   EXPECT_EQ(sensor.skin.margin, 0.004);
+  EXPECT_EQ(sensor.skin.friction, (Friction{.tangential_stiffness = 5e7, .friction_coefficient = 0.6}));
 }
 
 TEST(SensorFile, RelaxationOfTheLawsOnAFoundation) {

@@ -178,10 +178,12 @@ TEST(CheckSensor, LuGre) {
   }
 }
 
-TEST(CheckSensor, FrictionIsOfTwoLaws) {
-  expectTaken([](Sensor& s) { s.skin.law = MassSpringDamper{.normal_contact_stiffness = 1e8}, s.skin.friction = {1e8, 0.5}; });
-  for (const ContactLaw& law : std::vector<ContactLaw>{DeformationMask{}, Proximity{1e8}, ElasticLayer{.elastic_modulus = 1e6},
-                                                       LuGre{.normal_contact_stiffness = 1e8}}) {
+TEST(CheckSensor, FrictionIsOfThreeLaws) {
+  for (const ContactLaw& law :
+       std::vector<ContactLaw>{MassSpringDamper{.normal_contact_stiffness = 1e8}, ElasticLayer{.elastic_modulus = 1e6}}) {
+    expectTaken([&](Sensor& s) { s.skin.law = law, s.skin.friction = {1e8, 0.5}; });
+  }
+  for (const ContactLaw& law : std::vector<ContactLaw>{DeformationMask{}, Proximity{1e8}, LuGre{.normal_contact_stiffness = 1e8}}) {
     expectRefused("skin.friction_coefficient", [&](Sensor& s) { s.skin.law = law, s.skin.friction = {1e8, 0.5}; });
   }
 }

@@ -8,6 +8,7 @@
 
 #include "reference/elastic_layer.h"
 #include "simulation/comparison.h"
+#include "simulation/layer_scene.h"
 #include "support/random_scene.h"
 #include "taxelsim/error.h"
 
@@ -15,35 +16,14 @@ namespace taxelsim {
 namespace {
 
 using Base = ElasticLayer::Base;
+using support::kModulus;
+using support::kTightTolerance;
+using support::LayerOptions;
+using support::layerSensor;
 using support::Random;
 using support::Touch;
 
-constexpr double kDt = 1e-2;      // s
-constexpr double kModulus = 1e6;  // Pa
-// Iterations enough for any contact here, to what float32 leaves of the residual.
-constexpr int kManyIterations = 300;
-constexpr double kTightTolerance = 2e-5;
-
-struct SkinOptions {
-  double thickness = 2e-3;
-  double poisson_ratio = 0.49;
-  Base base = Base::kBonded;
-  double margin = 0;
-  int iterations = kManyIterations;
-  double tolerance = kTightTolerance;
-};
-
-Sensor layerSensor(const SkinOptions& skin, const support::GridOptions& grid = {}) {
-  Sensor sensor = support::gridSensor(grid);
-  sensor.skin = {.thickness = skin.thickness,
-                 .law = ElasticLayer{.elastic_modulus = kModulus,
-                                     .poisson_ratio = skin.poisson_ratio,
-                                     .base = skin.base,
-                                     .iterations = skin.iterations,
-                                     .tolerance = skin.tolerance},
-                 .margin = skin.margin};
-  return sensor;
-}
+constexpr double kDt = 1e-2;  // s
 
 // A frame of a batch, poses and loads as given (NaN: pose-driven).
 FrameView stepOnce(Simulator& simulator, const std::vector<Touch>& touches, const std::vector<float>& loads = {}) {
@@ -51,33 +31,6 @@ FrameView stepOnce(Simulator& simulator, const std::vector<Touch>& touches, cons
   if (!loads.empty()) simulator.setLoads(loads);
   simulator.step(kDt);
   return simulator.read();
-}
-
-// What the device's sums over the taxels may miss of the twin's. The residual counts displacements; under a wide contact on a nearly
-// incompressible layer pressures of long waves move little, and their error is some forty times the residual (seen: thirty-five). Beside
-// that, heights are rounded: forces of a depth that is off by the margin.
-double forceSlack(const reference::LayerContact& twin, double deepest) {
-  return (40 * kTightTolerance + 2 * support::kMarginZ / deepest) * (twin.total_force + twin.off_array_load) + support::kAbsoluteForce;
-}
-
-// Objects without a silhouette near the skin, where a sample may fall to either side: round ones, and a box on its edge or corner.
-std::vector<Object> roundObjects(Random& random) {
-  return {Sphere{0.012}, Capsule{0.006, 0.02}, support::icosphere(0.015, 3, 0.05, random), Box{{0.02, 0.03, 0.025}}};
-}
-
-Touch randomTouch(Random& random, const Sensor& sensor, const std::vector<Object>& objects) {
-  const int id = random.integer(0, static_cast<int>(objects.size()) - 1);
-  const Object& object = objects[static_cast<std::size_t>(id)];
-  const GridPatch& patch = sensor.patches[0];
-  Sensor springs = sensor;
-  springs.skin = {.thickness = sensor.skin.thickness, .law = Winkler{.normal_contact_stiffness = 1e8}};
-  const double angle = random.uniform(0.3, 0.7), yaw = random.uniform(-3, 3);
-  const Quaternion tilted{std::cos(angle / 2), std::sin(angle / 2) * std::cos(yaw), std::sin(angle / 2) * std::sin(yaw), 0};
-  return {{id},
-          {support::poseAtDepth(springs, object, std::holds_alternative<Capsule>(object.shape) ? random.tilt(0.3) : tilted,
-                                random.uniform(-0.6, 0.6) * patch.num_rows * patch.pitch[0],
-                                random.uniform(-0.6, 0.6) * patch.num_cols * patch.pitch[1],
-                                random.uniform(0.1, 1.1) * sensor.skin.thickness)}};
 }
 
 double deepestOf(const Sensor& sensor, const std::vector<reference::PlacedObject>& placed) {
@@ -101,7 +54,7 @@ void expectLikeTwin(const FrameView& frame, std::size_t i, const Sensor& sensor,
 }
 
 struct LayerCase {
-  SkinOptions skin;
+  LayerOptions skin;
   int samples_per_taxel;
 };
 
@@ -119,9 +72,9 @@ TEST_P(ElasticLayerTwin, RandomContacts) {
   Sensor sensor = layerSensor(skin, {.samples_per_taxel = samples});
   // A level patch, turned and moved.
   sensor.patches[0].X_SP = {{0.003, -0.002, 0.001}, {std::cos(0.4), 0, 0, std::sin(0.4)}};
-  const std::vector<Object> objects = roundObjects(random);
+  const std::vector<Object> objects = support::roundObjects(random);
   std::vector<Touch> touches;
-  for (int i = 0; i < kInstances; ++i) touches.push_back(randomTouch(random, sensor, objects));
+  for (int i = 0; i < kInstances; ++i) touches.push_back(support::randomTouch(random, sensor, objects));
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
   Simulator simulator(model, {.num_instances = kInstances});
   const FrameView frame = stepOnce(simulator, touches);
@@ -131,7 +84,7 @@ TEST_P(ElasticLayerTwin, RandomContacts) {
     const auto placed = touches[i].placed(objects);
     const double deepest = deepestOf(sensor, placed);
     const reference::LayerContact twin = reference::layerContact(sensor, placed);
-    if (deepest > 0) expectLikeTwin(frame, i, sensor, twin, forceSlack(twin, deepest));
+    if (deepest > 0) expectLikeTwin(frame, i, sensor, twin, support::forceSlack(twin.total_force + twin.off_array_load, deepest));
     const auto num_taxels = static_cast<std::size_t>(numTaxels(sensor));
     for (std::size_t t = 0; t < num_taxels; ++t) {
       EXPECT_NEAR(frame.ground_truth.penetration_depth[i * num_taxels + t], twin.mean_penetration[t], 2 * support::kMarginZ);
@@ -198,7 +151,7 @@ TEST(ElasticLayerOnDevice, TaxelsAndMarginCarryTheLoad) {
   constexpr double kCarried = 1e-3;
   const Sensor sensor = layerSensor({.margin = 4e-3}, {.samples_per_taxel = 2});
   Random random(5);
-  const std::vector<Object> objects = roundObjects(random);
+  const std::vector<Object> objects = support::roundObjects(random);
   std::vector<Touch> touches;
   std::vector<float> loads;
   const auto add = [&](const Touch& touch, double load) {
@@ -214,7 +167,7 @@ TEST(ElasticLayerOnDevice, TaxelsAndMarginCarryTheLoad) {
   add(middle, 0);
   add({{0}, {{{0, 0, 0.0115}, {1, 0, 0, 0}}}}, kPoseDriven);
   for (int n = 0; n < 6; ++n) {
-    Touch touch = randomTouch(random, sensor, objects);
+    Touch touch = support::randomTouch(random, sensor, objects);
     touch.X_SO[0].position[2] += random.uniform(-0.01, 0.03);
     add(touch, random.uniform(0.1, 3));
   }
@@ -273,11 +226,11 @@ TEST(ElasticLayerOnDevice, SameBitsInAnyBatchAndWorkgroup) {
   constexpr int kInstances = 5, kFrames = 3;
   Random random(6);
   const Sensor sensor = layerSensor({.margin = 2e-3, .iterations = 6, .tolerance = 1e-3}, {.samples_per_taxel = 2});
-  const std::vector<Object> objects = roundObjects(random);
+  const std::vector<Object> objects = support::roundObjects(random);
   std::vector<std::vector<Touch>> frames;
   for (int f = 0; f < kFrames; ++f) {
     std::vector<Touch> touches;
-    for (int i = 0; i < kInstances; ++i) touches.push_back(randomTouch(random, sensor, objects));
+    for (int i = 0; i < kInstances; ++i) touches.push_back(support::randomTouch(random, sensor, objects));
     frames.push_back(touches);
   }
   const std::vector<float> loads{kPoseDriven, 2, kPoseDriven, 0.5f, kPoseDriven};

@@ -79,6 +79,9 @@ TEST(FrictionOnDevice, SlideStopSlideBack) {
 TEST(FrictionOnDevice, SlipTurnsTowardsTheMotion) {
   kDevice.slipTurnsTowardsTheMotion();
 }
+TEST(FrictionOnDevice, ElasticLayerSticksAndSlips) {
+  kDevice.elasticLayerSticksAndSlips();
+}
 
 // A sensor with friction and everything that takes another way through the passes: two patches, one tilted, a PSF of its own.
 Sensor busySensor() {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/vector3.h"
 #include "support/random_scene.h"
 
 namespace taxelsim::support {
@@ -369,6 +370,53 @@ void FrictionCases::slipTurnsTowardsTheMotion() const {
     EXPECT_NEAR(angle / expected, 1, 0.04 * 10 / kStepsPerLength * n / kStepsPerLength + 4 * rounding);
     EXPECT_NEAR(std::hypot(push.wrench[0], push.wrench[1]) / (kMu * indenter.normal), 1, 4 * rounding);
   }
+}
+
+// A flat punch on an elastic layer, whose pressures are far from even: every node under it sticks until it slips, whatever the others do.
+// Sticking, a slide s carries k_t s A and a turn th carries k_t th int r^2 dA over the nodes, at the depth of the punch; slipping all over,
+// mu times the normal force.
+void FrictionCases::elasticLayerSticksAndSlips() const {
+  constexpr double kRadius = 3e-3, kDepth = 0.2e-3, kSpacing = 0.5e-3;
+  const Vector3 place{0.11e-3, -0.07e-3, 5e-3 - kDepth};
+  Sensor sensor = sensorWithStep(kSpacing, 8e-3, 0, 0);
+  sensor.skin.law = ElasticLayer{.elastic_modulus = 1e6, .poisson_ratio = 0.49, .iterations = 100, .tolerance = 1e-4};
+  double num_nodes = 0, inertia = 0;  // about the punch's axis, m^4
+  const int side = 4 * sensor.patches[0].num_rows;
+  for (int u = 0; u < side; ++u) {
+    for (int v = 0; v < side; ++v) {
+      const double r = std::hypot((u - (side - 1) / 2.0) * kSpacing - place[0], (v - (side - 1) / 2.0) * kSpacing - place[1]);
+      if (r > kRadius) continue;
+      num_nodes += 1;
+      inertia += r * r * kSpacing * kSpacing;
+    }
+  }
+  const double area = num_nodes * kSpacing * kSpacing;
+  const auto slidBy = [&](double s) { return Pose{add(place, {s, 0, 0}), {1, 0, 0, 0}}; };
+  const Object punch(Cylinder{kRadius, 10e-3});
+  for (const double stiffness : {1e6, 1e12}) {
+    constexpr double kSlide = 1e-6, kTurn = 1e-4;
+    sensor.skin.friction = {stiffness, 1000};
+    const auto pushes = simulate(sensor, punch, {{slidBy(0), slidBy(kSlide)}, {slidBy(0), turned(place, kTurn)}});
+    const auto& wrench = pushes[0][1].wrench;
+    EXPECT_EQ(pushes[0][0].wrench[0], 0);
+    EXPECT_NEAR(wrench[0] / (stiffness * kSlide * area), 1, 1e-5);
+    EXPECT_NEAR(torqueAbout(pushes[1][1], place[0], place[1]) / (stiffness * kTurn * inertia), 1, 1e-4);
+    // At the depth of the punch; of soft springs the torque would be lost beside that of the pressures.
+    if (stiffness > 1e9) {
+      EXPECT_NEAR((wrench[4] - pushes[0][0].wrench[4]) / (-kDepth * wrench[0]), 1, 1e-3 + rounding);
+    }
+  }
+  sensor.skin.friction = {1e13, kMu};
+  const std::vector<Push> slips = simulateOne(*this, sensor, punch, {slidBy(0), slidBy(1e-9), slidBy(1e-8), slidBy(1e-6), slidBy(1e-5)});
+  for (std::size_t n = 1; n < slips.size(); ++n) {
+    const double full = kMu * slips[n].normal;
+    EXPECT_LE(slips[n].wrench[0], full * (1 + 1e-5));
+    EXPECT_GE(slips[n].wrench[0], slips[n - 1].wrench[0] * (1 - 1e-5));
+    if (n > 2) {
+      EXPECT_NEAR(slips[n].wrench[0] / full, 1, 1e-5);
+    }
+  }
+  EXPECT_LT(slips[1].wrench[0], 0.2 * kMu * slips[1].normal);
 }
 
 }  // namespace taxelsim::support

@@ -41,6 +41,7 @@ struct FrictionCases {
   void rollingSphere() const;
   void slideStopSlideBack() const;
   void slipTurnsTowardsTheMotion() const;
+  void elasticLayerSticksAndSlips() const;
 };
 
 }  // namespace taxelsim::support
