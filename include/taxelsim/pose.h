@@ -1,4 +1,4 @@
-// Rigid transforms at the interface. X_AB takes coordinates in B to coordinates in A (monogram notation).
+// Rigid transforms and twists at the interface. X_AB takes coordinates in B to coordinates in A (monogram notation).
 #pragma once
 
 #include <array>
@@ -14,6 +14,14 @@ struct Pose {
   Quaternion rotation{1, 0, 0, 0};
 
   bool operator==(const Pose&) const = default;
+};
+
+// Velocity of a frame against the world, in the frame's own axes.
+struct Twist {
+  Vector3 v{0, 0, 0};  // m/s, of the frame's origin
+  Vector3 w{0, 0, 0};  // rad/s
+
+  bool operator==(const Twist&) const = default;
 };
 
 // X_AC = X_AB * X_BC. The product of unit quaternions is normalised again, so that long chains do not drift.

@@ -10,6 +10,7 @@
 #include "taxelsim/control.h"
 #include "taxelsim/object.h"
 #include "taxelsim/sensor.h"
+#include "taxelsim/trajectory.h"
 
 namespace taxelsim {
 
@@ -23,6 +24,7 @@ struct SceneObject {
   Object object;
   double weight = 1;                   // of being chosen, >= 0; not all zero
   Quaternion orientation{1, 0, 0, 0};  // R_WO before the random yaw and tilt: which side looks at the sensor
+  std::optional<Motion> motion = {};   // from where it was set down; at rest without
 };
 
 // What is drawn anew for each episode, from (seed, episode) alone.
@@ -70,6 +72,9 @@ struct SceneOverrides {
   std::optional<std::uint64_t> num_episodes;
   std::optional<std::uint64_t> seed;
 };
+
+// Waypoints from a CSV file (docs/file_formats.md). Throws Error(kInput): file, line, column, the value found and what is allowed.
+std::vector<Waypoint> loadWaypoints(const std::filesystem::path& file);
 
 // Reads and checks a scene and all files it names. Throws Error(kInput): file, line, column, key, value found, what is allowed.
 Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrides = {});

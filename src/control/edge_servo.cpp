@@ -4,11 +4,9 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <locale>
 #include <numbers>
-#include <sstream>
 
-#include "taxelsim/error.h"
+#include "control/values.h"
 
 namespace taxelsim {
 namespace {
@@ -19,21 +17,6 @@ constexpr double kApproachFraction = 0.1;
 // Smallest mean pressure at which a curved law (exponent > 1) is linearised, as the depth it stands for: at no depth it has no stiffness.
 constexpr double kLinearisationDepth = 1e-4;  // m
 
-void require(bool holds, const char* field, double value, const char* allowed) {
-  if (holds) return;
-  std::ostringstream message;
-  message.imbue(std::locale::classic());
-  message << "controller: " << field << ": " << value << " found, " << allowed << " allowed";
-  throw Error(ErrorKind::kInput, message.str());
-}
-
-bool finiteAtLeastZero(double value) {
-  return std::isfinite(value) && value >= 0;
-}
-bool finitePositive(double value) {
-  return std::isfinite(value) && value > 0;
-}
-
 // The representative in (-pi/2, pi/2] of an angle between lines.
 double wrapLineAngle(double angle) {
   const double wrapped = std::remainder(angle, std::numbers::pi);
@@ -43,14 +26,15 @@ double wrapLineAngle(double angle) {
 }  // namespace
 
 EdgeServoController::EdgeServoController(const EdgeServo& servo, const Sensor& sensor) : servo_(servo) {
-  require(finiteAtLeastZero(servo.angle_gain), "angle_gain", servo.angle_gain, "a number >= 0");
-  require(finiteAtLeastZero(servo.force_gain), "force_gain", servo.force_gain, "a number >= 0");
-  require(finiteAtLeastZero(servo.centre_gain), "centre_gain", servo.centre_gain, "a number >= 0");
-  require(std::isfinite(servo.target_angle), "target_angle", servo.target_angle, "a finite angle");
-  require(std::isfinite(servo.exploration_velocity), "exploration_velocity", servo.exploration_velocity, "a finite velocity");
-  require(finitePositive(servo.max_angular_velocity), "max_angular_velocity", servo.max_angular_velocity, "a number > 0");
-  require(finitePositive(servo.max_linear_velocity), "max_linear_velocity", servo.max_linear_velocity, "a number > 0");
-  require(servo.min_confidence >= 0 && servo.min_confidence <= 1, "min_confidence", servo.min_confidence, "0 to 1");
+  requireValue(isAtLeastZero(servo.angle_gain), "controller", "angle_gain", servo.angle_gain, "a number >= 0");
+  requireValue(isAtLeastZero(servo.force_gain), "controller", "force_gain", servo.force_gain, "a number >= 0");
+  requireValue(isAtLeastZero(servo.centre_gain), "controller", "centre_gain", servo.centre_gain, "a number >= 0");
+  requireValue(std::isfinite(servo.target_angle), "controller", "target_angle", servo.target_angle, "a finite angle");
+  requireValue(std::isfinite(servo.exploration_velocity), "controller", "exploration_velocity", servo.exploration_velocity,
+               "a finite velocity");
+  requireValue(isPositive(servo.max_angular_velocity), "controller", "max_angular_velocity", servo.max_angular_velocity, "a number > 0");
+  requireValue(isPositive(servo.max_linear_velocity), "controller", "max_linear_velocity", servo.max_linear_velocity, "a number > 0");
+  requireValue(servo.min_confidence >= 0 && servo.min_confidence <= 1, "controller", "min_confidence", servo.min_confidence, "0 to 1");
 
   const Winkler foundation = foundationOf(sensor.skin);
   stiffness_ = foundation.normal_contact_stiffness;

@@ -6,14 +6,6 @@
 
 namespace taxelsim {
 
-// Velocity of a frame against the world, in the frame's own axes.
-struct Twist {
-  Vector3 v{0, 0, 0};  // m/s, of the frame's origin
-  Vector3 w{0, 0, 0};  // rad/s
-
-  bool operator==(const Twist&) const = default;
-};
-
 // The twist of A from the twist of B, where A and B are fixed to each other by X_AB.
 Twist changeFrame(const Pose& X_AB, const Twist& twist_B);
 

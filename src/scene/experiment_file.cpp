@@ -57,6 +57,7 @@ StaticExperiment loadStaticExperiment(const std::filesystem::path& file) {
   canonical.close();
   if (experiment.sensors.empty()) sensors.refuse("a list of at least one {sensor, fitted}");
   experiment.objects = readObjects(map, directory);
+  refuseMotions(map, "objects of a static experiment do not move");
   experiment.yaw = readList(map, "yaw", Allowed::within(-kTurn, kTurn, "rad"));
   experiment.loads = readList(map, "loads", Allowed::above(0, "N"));
   return experiment;

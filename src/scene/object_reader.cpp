@@ -5,6 +5,7 @@
 #include <set>
 
 #include "scene/hashed_file.h"
+#include "scene/motion_reader.h"
 #include "scene/pose_reader.h"
 
 namespace taxelsim {
@@ -14,8 +15,9 @@ constexpr std::string_view kShapes = "mesh | sphere | cylinder | capsule | box |
 
 // Keys of an item; the shapes come first.
 const YamlMap::Keys& objectKeys() {
-  static const YamlMap::Keys keys = {"mesh", "sphere", "cylinder",    "capsule", "box",     "half_space",           "cone",  "torus",
-                                     "name", "weight", "orientation", "scale",   "up_axis", "max_depth_error[_mm]", "sha256"};
+  static const YamlMap::Keys keys = {
+      "mesh",   "sphere",      "cylinder", "capsule", "box",     "half_space",           "cone",  "torus", "name",
+      "weight", "orientation", "motion",   "scale",   "up_axis", "max_depth_error[_mm]", "sha256"};
   return keys;
 }
 constexpr std::size_t kNumShapes = 8;
@@ -129,6 +131,7 @@ std::vector<SceneObject> readObjects(const YamlMap& map, const std::filesystem::
     object.object.name = object_map.text("name", "a name", default_name);
     object.weight = object_map.number("weight", Allowed::atLeast(0, ""), object.weight);
     object.orientation = readRotation(object_map, "orientation");
+    object.motion = readMotion(object_map, directory);
     if (shape == "mesh") {
       object.object.shape = readMesh(object_map, object_map.require(shape, "a mesh file"), directory);
     } else {
@@ -144,6 +147,12 @@ std::vector<SceneObject> readObjects(const YamlMap& map, const std::filesystem::
   canonical.close();
   if (total_weight <= 0) list.fail("every weight is 0: at least one object must be chosen");
   return objects;
+}
+
+void refuseMotions(const YamlMap& map, const std::string& reason) {
+  for (const YamlNode& item : map.require("objects", "").items("")) {
+    if (const std::optional<YamlNode> motion = item.child("motion")) motion->fail(reason);
+  }
 }
 
 }  // namespace taxelsim

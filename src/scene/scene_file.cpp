@@ -193,6 +193,7 @@ Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrid
   scene.sensor = readSensorBlock(map.require("sensor", kSensorBlock), directory, canonical);
   scene.X_ES = readPose(map, "mount");
   scene.objects = readObjects(map, directory);
+  if (scene.kind == Scene::Kind::kContacts) refuseMotions(map, "a scene of kind contacts has one frame, in which nothing moves");
   readEpisode(map, scene);
   checkDelay(map, scene);
   scene.randomisation = readRandomisation(map, scene.sensor);

@@ -28,6 +28,7 @@ HEADERS = {
     "contact_point.h": None,
     "device.h": "gpu",
     "control.h": "control",
+    "trajectory.h": "control",
     "dataset.h": "dataset",
     "scene.h": "scene",
     "experiment.h": "scene",

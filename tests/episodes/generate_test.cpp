@@ -186,6 +186,20 @@ TEST(Generate, RefusesShardsThatMemoryCannotHold) {
   EXPECT_FALSE(std::filesystem::exists(directory.path()));
 }
 
+TEST(Generate, RefusesWhatItDoesNotMoveYet) {
+  const TestDirectory directory;
+  Scene scene = exampleScene();
+  scene.objects[0].motion = HandHeld{};
+  try {
+    generateWith(scene, directory.path(), 16, 2);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kInput);
+    EXPECT_NE(std::string(error.what()).find("has a motion: generate does not move objects yet"), std::string::npos) << error.what();
+  }
+  EXPECT_FALSE(std::filesystem::exists(directory.path()));
+}
+
 // The columns tell one story: the object rests in the world, and the sensor goes where the actions say.
 TEST(Generate, ActionsMoveTheSensorAndTheObjectRests) {
   // Actions are float32, at most 1 rad/s and 0.02 m/s over 0.01 s; poses are double, and some roundings apart.
