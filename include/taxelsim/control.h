@@ -1,18 +1,51 @@
-// Gains and limits of the controllers that move a sensor by what it feels. Not the controllers: those belong to the scheduler.
+// Gains, references and limits of the controller that moves a sensor by what it feels. Not the controller: that belongs to the scheduler.
 #pragma once
+
+#include <array>
+#include <cstddef>
+#include <limits>
+#include <optional>
 
 namespace taxelsim {
 
-// Edge-orientation and force control of a free-flying sensor (paper section IV, with a force loop and exploration along the edge).
-struct EdgeServo {
-  double angle_gain = 0.8;            // 1/s, >= 0: turning speed per edge-angle error; 0.78 is the paper's 5 s
-  double force_gain = 2;              // 1/s, >= 0: of the force error, through the skin's stiffness over the measured contact area
-  double centre_gain = 1;             // 1/s, >= 0: keeps the centre of pressure at the array's middle, across the edge
-  double target_angle = 0;            // rad, in (-pi/2, pi/2]
+// What the servo can hold at a reference, in the order of its arrays. All in the sensor frame S.
+enum class ServoFeature {
+  kCenterX,       // centre of pressure along x, m
+  kCenterY,       // along y, m
+  kCenterAcross,  // across the edge from the array's middle, along y where the edge lies along x, m; instead of x and y
+  kTotalForce,    // N
+  kEdgeAngle,     // rad, known up to pi
+};
+inline constexpr int kNumServoFeatures = 5;
+
+// One feature's PID. Its error is reference - value, its output how fast the feature shall move to the reference.
+struct FeatureLoop {
+  bool selected = false;              // an entry of the selection matrix; the rest counts only where true
+  std::optional<double> reference{};  // without one: the array's middle, the force that an episode starts with, angle 0
+  double kp = 0;                      // 1/s, >= 0
+  double ki = 0;                      // 1/s^2, >= 0
+  double kd = 0;                      // >= 0, < 1: the error's own rate times kd
+  // Largest sizes, > 0: of the error that kp and ki see (the feature's unit), of its integral (unit s), of its rate (unit/s).
+  double error_limit = std::numeric_limits<double>::infinity();
+  double integral_limit = std::numeric_limits<double>::infinity();
+  double derivative_limit = std::numeric_limits<double>::infinity();
+};
+
+// Tactile servoing: feature error -> PID -> selection -> inverse tactile Jacobian -> twist of the sensor frame, and an exploration velocity
+// beside it (Q. Li et al., "A control framework for tactile servoing", RSS 2013; paper, section IV). Clipped terms as of N. F. Lepora and
+// J. Lloyd, "Pose-based tactile servoing", IEEE Robotics & Automation Magazine 28(4), 2021.
+struct TactileServo {
+  std::array<FeatureLoop, kNumServoFeatures> loops{};
   double exploration_velocity = 0;    // m/s, along the edge
   double max_angular_velocity = 1;    // rad/s, > 0
   double max_linear_velocity = 0.02;  // m/s, > 0
   double min_confidence = 0.2;        // 0 to 1: below it the edge angle is left alone
+
+  FeatureLoop& operator[](ServoFeature feature) { return loops[static_cast<std::size_t>(feature)]; }
+  const FeatureLoop& operator[](ServoFeature feature) const { return loops[static_cast<std::size_t>(feature)]; }
 };
+
+// Follows an edge: holds its angle, the force, and the contact in the array's middle across the edge. 0.78 / s is the paper's 5 s.
+TactileServo edgeServo();
 
 }  // namespace taxelsim

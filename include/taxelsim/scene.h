@@ -55,8 +55,8 @@ struct Scene {
   double simulation_rate = 100;  // Hz
   double control_rate = 100;     // Hz, simulation_rate divided by a whole number
   Randomisation randomisation;
-  EdgeServo controller;             // of kServo
-  std::vector<std::string> record;  // what is written, by the words of docs/file_formats.md, in their order
+  TactileServo controller = edgeServo();  // of kServo
+  std::vector<std::string> record;        // what is written, by the words of docs/file_formats.md, in their order
   std::uint64_t num_episodes = 1000;
   std::uint64_t seed = 0;
   std::uint64_t episodes_per_shard = 256;

@@ -13,9 +13,7 @@ EpisodePlan::EpisodePlan(const Scene& of_scene)
       recorder(columns),
       num_frames(numFrames(of_scene)),
       dt(1 / of_scene.simulation_rate),
-      control_period(std::max(1, static_cast<int>(std::lround(of_scene.simulation_rate / of_scene.control_rate)))) {
-  if (scene.kind == Scene::Kind::kServo) controller.emplace(scene.controller, scene.sensor);
-}
+      control_period(std::max(1, static_cast<int>(std::lround(of_scene.simulation_rate / of_scene.control_rate)))) {}
 
 Slice::Slice(const Model& model, const EpisodePlan& plan, int num_instances)
     : plan_(plan),
@@ -29,8 +27,10 @@ Slice::Slice(const Model& model, const EpisodePlan& plan, int num_instances)
       places_(num_instances),
       times_(num_instances, 0.0),
       twists_(num_instances),
-      target_forces_(num_instances, 0.0f),
-      due_(num_instances, 0) {}
+      start_forces_(num_instances, 0.0f),
+      due_(num_instances, 0) {
+  if (plan.scene.kind == Scene::Kind::kServo) controller_.emplace(plan.scene.controller, plan.scene.sensor, num_instances);
+}
 
 void Slice::begin(ShardQueue& queue) {
   for (int i = 0; i < simulator_.numInstances(); ++i) startEpisode(i, queue);
@@ -61,6 +61,7 @@ void Slice::startEpisode(int i, ShardQueue& queue) {
   places_[i] = {place->buffer->columns.data(), place->row * static_cast<std::uint64_t>(plan_.num_frames)};
   times_[i] = 0;
   simulator_.reset(i, place->episode, slot.draw.variation);
+  if (controller_) controller_->reset(i);
 }
 
 void Slice::submit() {
@@ -82,7 +83,7 @@ bool Slice::settle(int i, const FrameView& frame) {
     loads_changed_ = true;
   }
   // Without a load to hold, the servo holds the force that it met.
-  target_forces_[i] = draw.load_driven ? draw.load : frame.total_force[i];
+  start_forces_[i] = draw.load_driven ? draw.load : frame.total_force[i];
   plan_.recorder.recordEpisode({.episode = slot.place.episode,
                                 .object = draw.object,
                                 .load = draw.load,
@@ -115,15 +116,15 @@ Slice::Tally Slice::collect(ShardQueue& queue, ShardWriter& writer) {
     if (slots_[i].frame == 0 && !settle(i, frame)) ++tally.num_load_misses;
     due_[i] = slots_[i].frame % plan_.control_period == 0;
   }
-  if (plan_.controller) {
-    plan_.controller->command({.edge_angle = frame.edge_angle,
-                               .edge_confidence = frame.edge_confidence,
-                               .total_force = frame.total_force,
-                               .center_of_pressure = frame.center_of_pressure,
-                               .contact_area = frame.contact_area,
-                               .target_force = target_forces_,
-                               .due = due_},
-                              twists_);
+  if (controller_) {
+    controller_->command({.edge_angle = frame.edge_angle,
+                          .edge_confidence = frame.edge_confidence,
+                          .total_force = frame.total_force,
+                          .center_of_pressure = frame.center_of_pressure,
+                          .contact_area = frame.contact_area,
+                          .start_force = start_forces_,
+                          .due = due_},
+                         plan_.control_period * plan_.dt, twists_);
   }
   plan_.recorder.recordFrames(frame, {.places = places_, .times = times_, .X_SO = X_SO_, .X_WS = X_WS_, .twists = twists_});
 

@@ -10,7 +10,7 @@
 #include <optional>
 #include <vector>
 
-#include "control/edge_servo.h"
+#include "control/tactile_servo.h"
 #include "episodes/draw.h"
 #include "episodes/recorder.h"
 #include "episodes/shard_queue.h"
@@ -27,10 +27,9 @@ struct EpisodePlan {
   EpisodeDrawer drawer;
   ColumnPlan columns;
   Recorder recorder;
-  int num_frames;                                 // of an episode
-  double dt;                                      // s, from frame to frame
-  int control_period;                             // frames
-  std::optional<EdgeServoController> controller;  // of a servo scene
+  int num_frames;      // of an episode
+  double dt;           // s, from frame to frame
+  int control_period;  // frames
 };
 
 class Slice {
@@ -75,6 +74,7 @@ class Slice {
 
   const EpisodePlan& plan_;
   Simulator simulator_;
+  std::optional<TactileServoController> controller_;  // of a servo scene
   const Pose X_SE_;
   int num_busy_ = 0;
   bool loads_changed_ = false;
@@ -88,7 +88,7 @@ class Slice {
   std::vector<FramePlace> places_;
   std::vector<double> times_;
   std::vector<Twist> twists_;
-  std::vector<float> target_forces_;
+  std::vector<float> start_forces_;
   std::vector<std::uint8_t> due_;
 };
 

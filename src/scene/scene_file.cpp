@@ -6,6 +6,7 @@
 #include "scene/object_reader.h"
 #include "scene/pose_reader.h"
 #include "scene/sensor_file.h"
+#include "scene/servo_reader.h"
 #include "scene/yaml_reader.h"
 #include "taxelsim/error.h"
 #include "taxelsim/scene.h"
@@ -103,24 +104,6 @@ Randomisation readRandomisation(const YamlMap& parent, const Sensor& sensor) {
   return random;
 }
 
-EdgeServo readEdgeServo(const YamlMap& parent) {
-  const YamlMap outer(parent, "controller", {"edge_servo"});
-  const YamlMap map(outer, "edge_servo",
-                    {"angle_gain", "force_gain", "centre_gain", "target_angle[_deg]", "exploration_velocity[_mm]",
-                     "max_angular_velocity[_deg]", "max_linear_velocity[_mm]", "min_confidence"});
-  EdgeServo servo;
-  const Allowed gain = Allowed::atLeast(0, "1/s");
-  servo.angle_gain = map.number("angle_gain", gain, servo.angle_gain);
-  servo.force_gain = map.number("force_gain", gain, servo.force_gain);
-  servo.centre_gain = map.number("centre_gain", gain, servo.centre_gain);
-  servo.target_angle = map.number("target_angle", {.min = -kPi / 2, .max = kPi / 2, .above_min = true, .unit = "rad"}, servo.target_angle);
-  servo.exploration_velocity = map.number("exploration_velocity", Allowed::any("m/s"), servo.exploration_velocity);
-  servo.max_angular_velocity = map.number("max_angular_velocity", Allowed::above(0, "rad/s"), servo.max_angular_velocity);
-  servo.max_linear_velocity = map.number("max_linear_velocity", Allowed::above(0, "m/s"), servo.max_linear_velocity);
-  servo.min_confidence = map.number("min_confidence", Allowed::within(0, 1, ""), servo.min_confidence);
-  return servo;
-}
-
 std::vector<std::string> readRecord(const YamlMap& map, Scene::Kind kind) {
   std::vector<std::string> chosen;
   const bool has_actions = kind == Scene::Kind::kServo;
@@ -198,7 +181,7 @@ Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrid
   checkDelay(map, scene);
   scene.randomisation = readRandomisation(map, scene.sensor);
   if (scene.kind == Scene::Kind::kServo) {
-    scene.controller = readEdgeServo(map);
+    scene.controller = readController(map);
   } else if (const std::optional<YamlNode> controller = map.find("controller")) {
     controller->fail("a scene of kind contacts has no controller");
   }

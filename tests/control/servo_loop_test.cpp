@@ -5,7 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "control/edge_servo.h"
+#include "control/tactile_servo.h"
+#include "control/twist.h"
 
 namespace taxelsim {
 namespace {
@@ -62,11 +63,11 @@ struct LoopEnd {
   Pose X_SO;
 };
 
-LoopEnd runLoop(const EdgeServo& servo, double start_angle, double start_depth, float target_force, int num_steps) {
+LoopEnd runLoop(const TactileServo& servo, double start_angle, double start_depth, float target_force, int num_steps) {
   Sensor sensor;
   sensor.patches.push_back({.name = "grid", .num_rows = kNumRows, .num_cols = kNumCols, .pitch = {kPitch, kPitch}, .X_SP = {}});
   sensor.skin = {.thickness = kThickness, .law = Winkler{.normal_contact_stiffness = kStiffness}};
-  const EdgeServoController controller(servo, sensor);
+  TactileServoController controller(servo, sensor, 1);
   // The cylinder's axis lies along y of S at yaw 0, so the line's angle is yaw + pi/2.
   const Quaternion lying = axisAngle({1, 0, 0}, -std::numbers::pi / 2);
   const Pose X_WO{{0.003, -0.004, kRadius - start_depth}, axisAngle({0, 0, 1}, start_angle - std::numbers::pi / 2) * lying};
@@ -78,11 +79,17 @@ LoopEnd runLoop(const EdgeServo& servo, double start_angle, double start_depth, 
     const Features& f = end.features;
     Twist twist;
     const std::uint8_t due = 1;
-    controller.command({{&f.angle, 1}, {&f.confidence, 1}, {&f.force, 1}, f.center, {&f.area, 1}, {&target_force, 1}, {&due, 1}},
+    controller.command({{&f.angle, 1}, {&f.confidence, 1}, {&f.force, 1}, f.center, {&f.area, 1}, {&target_force, 1}, {&due, 1}}, kPeriod,
                        {&twist, 1});
     X_WS = integrate(X_WS, twist, kPeriod);
   }
   return end;
+}
+
+TactileServo servoTo(double angle) {
+  TactileServo servo = edgeServo();
+  servo[ServoFeature::kEdgeAngle].reference = angle;
+  return servo;
 }
 
 double lineAngle(const Pose& X_SO) {
@@ -102,7 +109,7 @@ TEST(ServoLoop, ConvergesToAngleForceAndMiddle) {
   for (const double target_degrees : {90.0, 60.0, 0.0}) {
     for (const double start_degrees : {target_degrees - 40, target_degrees + 55}) {
       const double target = target_degrees * std::numbers::pi / 180;
-      const LoopEnd end = runLoop({.target_angle = target}, start_degrees * std::numbers::pi / 180, 0.3e-3, 4.0f, kSteps);
+      const LoopEnd end = runLoop(servoTo(target), start_degrees * std::numbers::pi / 180, 0.3e-3, 4.0f, kSteps);
       EXPECT_NEAR(std::remainder(lineAngle(end.X_SO) - target, std::numbers::pi), 0, kAngleLimit)
           << "from " << start_degrees << " to " << target_degrees;
       EXPECT_NEAR(end.features.force, 4.0, 4.0 * kForceLimit);
@@ -114,13 +121,14 @@ TEST(ServoLoop, ConvergesToAngleForceAndMiddle) {
 
 TEST(ServoLoop, FindsTheObjectFromAbove) {
   const double target = std::numbers::pi / 2;
-  const LoopEnd end = runLoop({.target_angle = target}, target, -1e-3, 4.0f, kSteps);
+  const LoopEnd end = runLoop(servoTo(target), target, -1e-3, 4.0f, kSteps);
   EXPECT_NEAR(end.features.force, 4.0, 4.0 * kForceLimit);
 }
 
 TEST(ServoLoop, ExplorationMovesAlongTheEdgeAndKeepsIt) {
   const double target = std::numbers::pi / 2;
-  const EdgeServo servo{.target_angle = target, .exploration_velocity = 0.01};
+  TactileServo servo = servoTo(target);
+  servo.exploration_velocity = 0.01;
   const LoopEnd end = runLoop(servo, target - 0.3, 0.5e-3, 4.0f, kSteps);
   // 5 cm along +y in 5 s: the object's middle, which began at y = -4 mm, falls behind.
   constexpr double kWay = 2e-3;  // m: the first second's detour while it turns by 0.3 rad, and the turn about a moving centre

@@ -11,6 +11,7 @@ namespace taxelsim {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kTargetAngle = std::numbers::pi / 2;
 
 // 5 s at the default gains: the paper's convergence time for the angle (2 % of 60 degrees is 1.2), and e^{-5} or better for the force. What
 // is left is bias: of the principal axis where the line leaves the array, and of counts that are turned back into newtons.
@@ -31,8 +32,8 @@ Scene servoScene() {
   // The bar's axis lies along y at yaw 0, which is the target.
   scene.randomisation.yaw = {-60 * kDegree, 60 * kDegree};
   scene.randomisation.load = Range{2, 5};
-  scene.controller = {};
-  scene.controller.target_angle = std::numbers::pi / 2;
+  scene.controller = edgeServo();
+  scene.controller[ServoFeature::kEdgeAngle].reference = kTargetAngle;
   return scene;
 }
 
@@ -50,8 +51,8 @@ void expectConverges(const Scene& scene) {
   double worst_start = 0;
   for (std::uint64_t episode = 0; episode < scene.num_episodes; ++episode) {
     const std::uint64_t first = episode * kNumSteps, last = first + kNumSteps - 1;
-    worst_start = std::max(worst_start, lineError(angle[first], scene.controller.target_angle));
-    EXPECT_LT(lineError(angle[last], scene.controller.target_angle), kAngleLimit) << "episode " << episode;
+    worst_start = std::max(worst_start, lineError(angle[first], kTargetAngle));
+    EXPECT_LT(lineError(angle[last], kTargetAngle), kAngleLimit) << "episode " << episode;
     const double target = scene.randomisation.load ? load[episode] : force[first];
     EXPECT_NEAR(force[last], target, kForceLimit * target) << "episode " << episode;
   }

@@ -97,12 +97,22 @@ TEST(BadScenes, Numbers) {
        BadScene{"num_rows: 3", "num_rows: 129", ":6:13: sensor.num_rows: 129 is not allowed"},
        BadScene{"num_rows: 3", "num_rows: 3.5", ":6:13: sensor.num_rows: 3.5 is not allowed"},
        BadScene{"pitch_mm: 3.4", "pitch_mm: [3.4, 0]", ":8:19: sensor.pitch_mm[1]: 0 is not allowed: a number > 0 mm"},
-       BadScene{"angle_gain: 0.78", "target_angle_deg: -90",
-                ":26:34: controller.edge_servo.target_angle_deg: -90 is not allowed: a number > -90 and <= 90 deg"},
-       BadScene{"angle_gain: 0.78", "max_angular_velocity_deg: 0",
-                ":26:42: controller.edge_servo.max_angular_velocity_deg: 0 is not allowed: a number > 0 deg/s"},
-       BadScene{"angle_gain: 0.78", "min_confidence: 1.5",
-                ":26:32: controller.edge_servo.min_confidence: 1.5 is not allowed: a number from 0 to 1"},
+       BadScene{"kp: 0.78", "kp: 0.78, reference_deg: -90",
+                ":26:57: controller.tactile_servo.edge_angle.reference_deg: -90 is not allowed: a number > -90 and <= 90 deg"},
+       BadScene{"kp: 0.78", "kp: -1", ":26:36: controller.tactile_servo.edge_angle.kp: -1 is not allowed: a number >= 0 1/s"},
+       BadScene{"kp: 0.78", "kp: .nan", ":26:36: controller.tactile_servo.edge_angle.kp: .nan is not allowed"},
+       BadScene{"kp: 0.78", "ki: 1", ":26:31: controller.tactile_servo.edge_angle: kp is missing"},
+       BadScene{"kp: 0.78", "kp: 1, kd: 1", ":26:43: controller.tactile_servo.edge_angle.kd: 1 is not allowed: a number from 0 to 0.99"},
+       BadScene{"kp: 0.78", "kp: 1, error_limit_deg: 0",
+                ":26:56: controller.tactile_servo.edge_angle.error_limit_deg: 0 is not allowed: a number > 0 deg"},
+       BadScene{"edge_angle: {kp: 0.78}", "min_confidence: 0.5",
+                ":26:18: controller.tactile_servo: nothing to hold: at least one of center_x"},
+       BadScene{"edge_angle: {kp: 0.78}", "center_across: {kp: 1}, center_y: {kp: 1}",
+                ":26:53: controller.tactile_servo.center_y: given beside center_across, which holds the same contact"},
+       BadScene{"{kp: 0.78}", "{kp: 0.78}, max_angular_velocity_deg: 0",
+                ":26:69: controller.tactile_servo.max_angular_velocity_deg: 0 is not allowed: a number > 0 deg/s"},
+       BadScene{"{kp: 0.78}", "{kp: 0.78}, min_confidence: 1.5",
+                ":26:59: controller.tactile_servo.min_confidence: 1.5 is not allowed: a number from 0 to 1"},
        BadScene{"control_rate: 50", "control_rate: 30",
                 ":20:62: episode.control_rate: 30 Hz is not allowed: simulation_rate (100 Hz) divided by a whole number"},
        BadScene{"control_rate: 50", "control_rate: 200", ":20:62: episode.control_rate: 200 Hz is not allowed"},
@@ -277,7 +287,7 @@ TEST(BadScenes, ReadoutOverTimeAndImperfections) {
 
 TEST(BadSceneFiles, ADelayWouldBlankAContactImage) {
   std::string text = edited(edited(kScene, "kind: servo", "kind: contacts"), "num_steps: 20, ", "");
-  text = edited(text, "controller:\n  edge_servo: {angle_gain: 0.78}\n", "");
+  text = edited(text, "controller:\n  tactile_servo: {edge_angle: {kp: 0.78}}\n", "");
   EXPECT_EQ(refusalOf(text), "was accepted");
   EXPECT_THAT(refusalOf(edited(text, "trigger: 0.02", "delay: 0.01")),
               testing::StartsWith(":5:3: sensor: readout.delay 0.01 s is not allowed: 0 in a scene of kind contacts"));
@@ -329,7 +339,7 @@ TEST(BadScenes, Scenes) {
                 ":27:25: record[1]: taste is not allowed: tactile_image | features | ground_truth"},
        BadScene{"[tactile_image, features]", "[poses, poses]", ":27:17: record[1]: poses is given twice"},
        BadScene{"[tactile_image, features]", "[]", ":27:9: record: a list of 0 is not allowed: a list of at least one of tactile_image"},
-       BadScene{"{angle_gain: 0.78}", "{}\n  pid: {}", ":27:3: controller.pid: unknown key; allowed: edge_servo"},
+       BadScene{"{edge_angle: {kp: 0.78}}", "{}\n  pid: {}", ":27:3: controller.pid: unknown key; allowed: tactile_servo"},
        BadScene{"name: small_scene", "name: &a b", ":2:7: an anchor"}, BadScene{"name: small_scene", "name: *a", ":2:7: "},
        BadScene{"name: small_scene", "name: !!str b", ":2:7: a tag"}, BadScene{"name: small_scene", "name: {", ":4:7: not YAML: "},
        BadScene{"  load:", "\tload:", ":24:1: a tab before the text of a line: indent with spaces"},
@@ -362,7 +372,7 @@ TEST(BadSceneFiles, ErrorsOfASensorFileStandInThatFile) {
 TEST(BadSceneFiles, ControllerAndActionsBelongToServoScenes) {
   const std::string contacts = edited(edited(kScene, "kind: servo", "kind: contacts"), "num_steps: 20, ", "");
   EXPECT_THAT(refusalOf(contacts), testing::StartsWith(":26:3: controller: a scene of kind contacts has no controller"));
-  const std::string without = edited(contacts, "controller:\n  edge_servo: {angle_gain: 0.78}\n", "");
+  const std::string without = edited(contacts, "controller:\n  tactile_servo: {edge_angle: {kp: 0.78}}\n", "");
   EXPECT_EQ(refusalOf(without), "was accepted");
   EXPECT_THAT(refusalOf(edited(without, "[tactile_image, features]", "[actions]")),
               testing::StartsWith(":25:10: record[0]: a scene of kind contacts has no actions"));

@@ -125,7 +125,7 @@ TEST(MotionFile, BadBlocksAreRefused) {
 TEST(MotionFile, NothingMovesWhereThereIsOneFrame) {
   const ScratchDirectory directory;
   std::string text = edited(withMotion("{hand_held: {}}"), "kind: servo", "kind: contacts");
-  text = edited(edited(text, "num_steps: 20, ", ""), "controller:\n  edge_servo: {angle_gain: 0.78}\n", "");
+  text = edited(edited(text, "num_steps: 20, ", ""), "controller:\n  tactile_servo: {edge_angle: {kp: 0.78}}\n", "");
   const std::filesystem::path file = directory.write("scene.yaml", text);
   EXPECT_THAT(refusal(file, [&] { loadScene(file); }),
               testing::StartsWith(":17:13: objects[0].motion: a scene of kind contacts has one frame, in which nothing moves"));

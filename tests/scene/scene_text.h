@@ -38,7 +38,7 @@ randomisation:
   yaw_deg: 30
   load: [0.5, 5]
 controller:
-  edge_servo: {angle_gain: 0.78}
+  tactile_servo: {edge_angle: {kp: 0.78}}
 record: [tactile_image, features]
 data_set: {episodes: 10, seed: 7}
 )";

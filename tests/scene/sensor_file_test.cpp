@@ -201,6 +201,7 @@ sensor: sensors/x.yaml
 objects: [{half_space: {}}, {sphere: {radius: 1}}, {sphere: {radius: 1}}]
 episode: {num_steps: 3}
 randomisation: {depth_mm: 1}
+controller: {tactile_servo: {edge_angle: {kp: 1}}}
 )"));
   const Scene expected;
   EXPECT_EQ(scene.sensor.name, "x");
@@ -213,7 +214,14 @@ randomisation: {depth_mm: 1}
   EXPECT_EQ(scene.num_steps, 3);
   EXPECT_EQ(scene.simulation_rate, expected.simulation_rate);
   EXPECT_EQ(scene.control_rate, expected.control_rate);
-  EXPECT_EQ(scene.controller.angle_gain, expected.controller.angle_gain);
+  const FeatureLoop &angle = scene.controller[ServoFeature::kEdgeAngle], loop;
+  EXPECT_TRUE(angle.selected);
+  EXPECT_EQ(angle.reference, loop.reference);
+  EXPECT_EQ(angle.ki, loop.ki);
+  EXPECT_EQ(angle.kd, loop.kd);
+  EXPECT_EQ(angle.error_limit, loop.error_limit);
+  EXPECT_FALSE(scene.controller[ServoFeature::kTotalForce].selected);
+  EXPECT_EQ(scene.controller.max_linear_velocity, expected.controller.max_linear_velocity);
   EXPECT_EQ(scene.controller.min_confidence, expected.controller.min_confidence);
   EXPECT_EQ(scene.num_episodes, expected.num_episodes);
   EXPECT_EQ(scene.episodes_per_shard, expected.episodes_per_shard);
@@ -232,9 +240,10 @@ TEST(SceneFile, EverySettingArrives) {
   directory.write("meshes/mesh.obj", kMeshText);
   std::string text = edited(kScene, "sphere: {radius_mm: 5}", "{mesh: meshes/mesh.obj, scale: 2, up_axis: x, name: m}");
   text = edited(text, "    weight: 2\n", "");
-  text = edited(text, "{angle_gain: 0.78}",
-                "{angle_gain: 1, force_gain: 2.5, centre_gain: 3, target_angle_deg: 90, exploration_velocity_mm: -4, "
-                "max_angular_velocity: 5, max_linear_velocity_mm: 6, min_confidence: 0.7}");
+  text = edited(text, "{edge_angle: {kp: 0.78}}",
+                "{edge_angle: {kp: 1, ki: 2, kd: 0.3, reference_deg: 90, error_limit_deg: 180, integral_limit: 5, derivative_limit: 6}, "
+                "total_force: {kp: 2.5, reference: 7}, center_x: {kp: 3, reference_mm: 8, error_limit_mm: 9}, center_y: {kp: 4}, "
+                "exploration_velocity_mm: -4, max_angular_velocity: 5, max_linear_velocity_mm: 6, min_confidence: 0.7}");
   text = edited(text, "  yaw_deg: 30\n",
                 "  y: [0.001, 0.002]\n  yaw_deg: 180\n  tilt: [0, 0.1]\n  gain: 2\n  gain_spread: 0.1\n  noise: [1, 2]\n");
   text = edited(text, "seed: 7", "seed: 18446744073709551615, episodes_per_shard: 5, compression: 9");
@@ -250,10 +259,24 @@ TEST(SceneFile, EverySettingArrives) {
   EXPECT_EQ(std::get<Cylinder>(scene.objects[1].object.shape).length, 0.04);
   EXPECT_EQ(scene.num_steps, 20);
   EXPECT_EQ(scene.control_rate, 50);
-  EXPECT_EQ(scene.controller.angle_gain, 1);
-  EXPECT_EQ(scene.controller.force_gain, 2.5);
-  EXPECT_EQ(scene.controller.centre_gain, 3);
-  EXPECT_EQ(scene.controller.target_angle, std::numbers::pi / 2);
+  const FeatureLoop &angle = scene.controller[ServoFeature::kEdgeAngle], &force = scene.controller[ServoFeature::kTotalForce],
+                    &x = scene.controller[ServoFeature::kCenterX], &y = scene.controller[ServoFeature::kCenterY];
+  EXPECT_TRUE(angle.selected && force.selected && x.selected && y.selected);
+  EXPECT_FALSE(scene.controller[ServoFeature::kCenterAcross].selected);
+  EXPECT_EQ(angle.kp, 1);
+  EXPECT_EQ(angle.ki, 2);
+  EXPECT_EQ(angle.kd, 0.3);
+  EXPECT_EQ(angle.reference, std::numbers::pi / 2);
+  EXPECT_EQ(angle.error_limit, std::numbers::pi);
+  EXPECT_EQ(angle.integral_limit, 5);
+  EXPECT_EQ(angle.derivative_limit, 6);
+  EXPECT_EQ(force.kp, 2.5);
+  EXPECT_EQ(force.reference, 7);
+  EXPECT_EQ(x.kp, 3);
+  EXPECT_EQ(x.reference, 0.008);
+  EXPECT_EQ(x.error_limit, 0.009);
+  EXPECT_EQ(y.kp, 4);
+  EXPECT_FALSE(y.reference);
   EXPECT_EQ(scene.controller.exploration_velocity, -0.004);
   EXPECT_EQ(scene.controller.max_angular_velocity, 5);
   EXPECT_EQ(scene.controller.max_linear_velocity, 0.006);
