@@ -131,7 +131,7 @@ std::vector<FrameColumn> frameColumns(const Scene& scene, const std::set<std::st
                         ScalarType::kFloat64,
                         {7},
                         "m, 1",
-                        "Pose of the sensor in the world, where the object rests: x, y, z, then the quaternion w, x, y, z.",
+                        "Pose of the sensor in the world, where the object rests or goes its way: x, y, z, then the quaternion w, x, y, z.",
                         false},
                        Source::kSensorPose,
                        nullptr});

@@ -23,10 +23,6 @@ void checkCount(const char* name, std::uint64_t value) {
   if (value < 1) throw Error(ErrorKind::kInput, std::string(name) + ": " + std::to_string(value) + " found, at least 1 allowed");
 }
 
-[[noreturn]] void refuseScene(const Scene& scene, const std::string& what) {
-  throw Error(ErrorKind::kInput, scene.file.generic_string() + ": " + what);
-}
-
 // A scene need not come from loadScene().
 void checkRun(const Scene& scene, const GenerateOptions& options) {
   checkCount("batch size", static_cast<std::uint64_t>(std::max(options.batch_size, 0)));
@@ -37,8 +33,7 @@ void checkRun(const Scene& scene, const GenerateOptions& options) {
   checkCount("objects", scene.objects.size());
   for (const SceneObject& entry : scene.objects) {
     checkObject(entry.object);
-    if (entry.motion)
-      refuseScene(scene, "object '" + entry.object.name + "' has a motion: generate does not move objects yet; take the block out");
+    if (entry.motion) checkMotion(*entry.motion);
   }
   checkSensor(scene.sensor);
 }

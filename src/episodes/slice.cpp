@@ -78,6 +78,9 @@ bool Slice::settle(int i, const FrameView& frame) {
   const bool load_reached = !draw.load_driven || frame.ground_truth.load_reached[i] != 0;
   X_SO_[i].position[2] += load_offset;
   slot.X_WO = X_SO_[i];
+  const std::optional<Motion>& motion = plan_.scene.objects[static_cast<std::size_t>(draw.object)].motion;
+  slot.trajectory.reset();
+  if (motion) slot.trajectory.emplace(*motion, slot.X_WO, MotionKey{.seed = plan_.scene.seed, .episode = slot.place.episode});
   if (draw.load_driven) {
     loads_[i] = kPoseDriven;
     loads_changed_ = true;
@@ -97,11 +100,12 @@ bool Slice::settle(int i, const FrameView& frame) {
   return load_reached;
 }
 
-// The free-flying end effector flies on at its twist for one step.
+// The free-flying end effector flies on at its twist for one step, to the slot's frame; the object goes its way.
 void Slice::move(int i) {
   Slot& slot = slots_[i];
   slot.X_WE = integrate(slot.X_WE, changeFrame(plan_.scene.X_ES, twists_[i]), plan_.dt);
   X_WS_[i] = slot.X_WE * plan_.scene.X_ES;
+  if (slot.trajectory) slot.X_WO = slot.trajectory->at(slot.frame * plan_.dt);
   X_SO_[i] = inverse(X_WS_[i]) * slot.X_WO;
 }
 

@@ -2,7 +2,8 @@
 // the host works on another. What an episode holds does not depend on which instance plays it, or when.
 //
 //   frame 0            the object is set down: by its load (the device finds the depth) or at its depth
-//   frames 1, 2, ...   the object rests in the world, the sensor moves; the controller looks at a frame and commands the way to the next
+//   frames 1, 2, ...   the object rests in the world or goes its way, the sensor moves; the controller looks at a frame and commands the
+//   way to the next
 #pragma once
 
 #include <cstdint>
@@ -16,6 +17,7 @@
 #include "episodes/shard_queue.h"
 #include "episodes/shard_writer.h"
 #include "taxelsim/simulator.h"
+#include "taxelsim/trajectory.h"
 
 namespace taxelsim {
 
@@ -64,7 +66,8 @@ class Slice {
     EpisodePlace place;
     EpisodeDraw draw;
     int frame = 0;
-    Pose X_WO;  // the world is where the sensor was at the start
+    Pose X_WO;                             // the world is where the sensor was at the start
+    std::optional<Trajectory> trajectory;  // of an object that moves on from there
     Pose X_WE;
   };
 

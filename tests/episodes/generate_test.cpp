@@ -186,17 +186,18 @@ TEST(Generate, RefusesShardsThatMemoryCannotHold) {
   EXPECT_FALSE(std::filesystem::exists(directory.path()));
 }
 
-TEST(Generate, RefusesWhatItDoesNotMoveYet) {
-  const TestDirectory directory;
+TEST(Generate, MovingObjectsDoNotDependOnBatchOrSlices) {
   Scene scene = exampleScene();
   scene.objects[0].motion = HandHeld{};
-  try {
-    generateWith(scene, directory.path(), 16, 2);
-    FAIL() << "no error";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    EXPECT_NE(std::string(error.what()).find("has a motion: generate does not move objects yet"), std::string::npos) << error.what();
-  }
+  scene.objects[1].motion = Sinusoid{.axis = {0, 0, 1}, .amplitude = 1e-4, .frequency = 5};
+  expectIndependentOfBatch(scene);
+}
+
+TEST(Generate, RefusesAMotionThatIsNone) {
+  const TestDirectory directory;
+  Scene scene = exampleScene();
+  scene.objects[0].motion = Sinusoid{.frequency = 0};
+  EXPECT_THROW(generateWith(scene, directory.path(), 16, 2), Error);
   EXPECT_FALSE(std::filesystem::exists(directory.path()));
 }
 
