@@ -28,6 +28,7 @@ HEADERS = {
     "contact_point.h": None,
     "device.h": "gpu",
     "control.h": "control",
+    "robot.h": "control",
     "trajectory.h": "control",
     "dataset.h": "dataset",
     "scene.h": "scene",
@@ -38,6 +39,8 @@ HEADERS = {
 }
 
 VULKAN_LAYERS = {"gpu", "simulation"}
+# Headers of what reads robots (urdfdom, Orocos KDL): for controllers alone.
+ROBOT_PARTS = {"kdl", "urdf_model", "urdf_parser", "urdf_world", "console_bridge"}
 # Structs that C++ and GLSL share: for whoever fills device buffers.
 SHARED_LAYERS = {"gpu", "simulation", "reference", "geometry", "sensor"}
 
@@ -77,6 +80,8 @@ def check_include(root, layer, path, number, is_system, name):
     head, _, rest = name.partition("/")
     if head == "vulkan":
         return [] if layer in VULKAN_LAYERS else [f"{where}: {layer} must not know Vulkan ({name})"]
+    if head in ROBOT_PARTS:
+        return [] if layer == "control" else [f"{where}: {layer} must not know {name}: robots are read in control"]
     if head == "taxelsim":
         if rest not in HEADERS:
             return [f"{where}: public header {name} is not in the table of tests/architecture/architecture.py"]

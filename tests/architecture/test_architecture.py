@@ -53,6 +53,10 @@ class ArchitectureTest(unittest.TestCase):
     def test_vulkan_outside_its_layers(self):
         self.assert_one({"src/sensor/a.cpp": "#include <vulkan/vulkan.h>\n"}, "must not know Vulkan")
 
+    def test_robot_parts_outside_their_layer(self):
+        self.assert_one({"src/scene/a.cpp": "#include <kdl/chain.hpp>\n"}, "robots are read in control")
+        self.assertEqual(self.faults({"src/control/a.cpp": "#include <kdl/chain.hpp>\n#include <urdf_parser/urdf_parser.h>\n"}), [])
+
     def test_vulkan_in_a_public_header(self):
         self.assert_one({"include/taxelsim/a.h": HEADER + "#include <vulkan/vulkan.h>\n"}, "public header includes")
 

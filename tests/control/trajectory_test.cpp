@@ -10,6 +10,7 @@
 
 #include "base/vector3.h"
 #include "control/twist.h"
+#include "robot_draws.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -18,28 +19,6 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kRounding = 1e-13;  // some tens of roundings on numbers of order 1
 const Pose kStart{{0.1, -0.2, 0.3}, axisAngle({1, 2, -1}, 0.7)};
-
-double drawBetween(double min, double max) {
-  return min + (max - min) * (*rc::gen::inRange(0, 1 << 30)) / static_cast<double>(1 << 30);
-}
-Vector3 drawVector(double size) {
-  return {drawBetween(-size, size), drawBetween(-size, size), drawBetween(-size, size)};
-}
-Quaternion drawRotation() {
-  return axisAngle({drawBetween(0.1, 1), drawBetween(-1, 1), drawBetween(-1, 1)}, drawBetween(-3, 3));
-}
-
-// Largest difference of coordinates; q and -q are the same rotation.
-double distance(const Pose& a, const Pose& b) {
-  double sign = 0, largest = 0;
-  for (int i = 0; i < 4; ++i) sign += a.rotation[i] * b.rotation[i];
-  for (int i = 0; i < 4; ++i) largest = std::max(largest, std::abs(a.rotation[i] - std::copysign(1, sign) * b.rotation[i]));
-  for (int i = 0; i < 3; ++i) largest = std::max(largest, std::abs(a.position[i] - b.position[i]));
-  return largest;
-}
-double distance(const Vector3& a, const Vector3& b) {
-  return std::max({std::abs(a[0] - b[0]), std::abs(a[1] - b[1]), std::abs(a[2] - b[2])});
-}
 
 // The twist that takes the pose at t - h to that at t + h, in the axes of the middle one: exact but for h^2 times the third derivative.
 Twist differenceTwist(const Trajectory& trajectory, double t, double h) {
@@ -219,10 +198,10 @@ TEST(Trajectory, TremorLiesInItsBandAndHasItsAmplitude) {
   const Motion motion = HandHeld{.drift = 0, .drift_angle = 0, .tremor = 2e-4, .tremor_angle = 0};
   for (std::uint64_t episode = 0; episode < 5; ++episode) {
     const Spectrum spectrum = spectrumOf(Trajectory(motion, Pose{}, {.seed = 3, .episode = episode}), 1, 8, 12);
-    // Two waves of neighbouring quarters may come so near each other that 20 s see one of them, doubled or gone: a mean square of 3/2 or
-    // 1/2.
-    EXPECT_GT(spectrum.rms, 2e-4 * std::sqrt(0.5)) << episode;
-    EXPECT_LT(spectrum.rms, 2e-4 * std::sqrt(1.5)) << episode;
+    // Two waves of neighbouring thirds may come so near each other that 20 s see one of them, doubled or gone: a mean square of 5/3 or
+    // 1/3.
+    EXPECT_GT(spectrum.rms, 2e-4 * std::sqrt(1.0 / 3)) << episode;
+    EXPECT_LT(spectrum.rms, 2e-4 * std::sqrt(5.0 / 3)) << episode;
     EXPECT_GT(spectrum.inside, 0);
     EXPECT_LT(spectrum.outside, 1e-4 * spectrum.inside) << episode;
   }
@@ -255,7 +234,7 @@ RC_GTEST_PROP(TrajectoryProperty, TwistIsTheDerivativeOfHandHeldMotion, ()) {
   const Trajectory trajectory(motion, {drawVector(1), drawRotation()},
                               {.seed = *rc::gen::inRange<std::uint64_t>(0, 1000), .episode = *rc::gen::inRange<std::uint64_t>(0, 1000)});
   constexpr double kH = 1e-5;
-  // Sums of four waves: tremor 4 * 1e-3 * sqrt(0.5) (2 pi 12)^3 = 1.2e3 rad/s^3, times h^2 / 6 = 2e-8; rounding 1e-15 / h = 1e-10.
+  // Sums of three waves: tremor 3 * 1e-3 * sqrt(2 / 3) (2 pi 12)^3 = 1.1e3 rad/s^3, times h^2 / 6 = 2e-8; rounding 1e-15 / h = 1e-10.
   expectDerivative(trajectory, drawBetween(0.1, 30), kH, 5e-8);
 }
 

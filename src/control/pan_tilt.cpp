@@ -1,0 +1,46 @@
+#include <cmath>
+
+#include "control/values.h"
+#include "taxelsim/error.h"
+#include "taxelsim/robot.h"
+
+namespace taxelsim {
+namespace {
+
+// Takes y to z: the joint turns about z of its own frame.
+const Quaternion kYAsAxis{std::sqrt(0.5), -std::sqrt(0.5), 0, 0};
+
+}  // namespace
+
+Manipulator panTilt(const PanTilt& platform) {
+  requireValue(std::isfinite(platform.tilt_height), "robot", "tilt_height", platform.tilt_height, "a finite length");
+  Manipulator robot;
+  robot.name = "pan_tilt";
+  robot.selection = {false, false, false, false, true, true};
+  robot.drive = platform.drive;
+  for (const char* name : {"pan", "tilt"}) {
+    robot.joints.push_back({.name = name,
+                            .type = JointType::kRevolute,
+                            .lower = platform.position_limits[0],
+                            .upper = platform.position_limits[1],
+                            .max_velocity = platform.max_velocity});
+  }
+  const ChainJoint pan{.X_PJ = {}, .type = JointType::kRevolute, .joint = 0};
+  const ChainJoint tilt{.X_PJ = {{0, 0, platform.tilt_height}, kYAsAxis}, .type = JointType::kRevolute, .joint = 1};
+  const Pose X_JL = inverse({{0, 0, 0}, kYAsAxis});  // of the tilt link behind its joint
+  for (const SensorMount& mount : platform.sensors) {
+    if (mount.link == "base") {
+      robot.sensors.push_back({mount.link, {}, mount.X_LS});
+    } else if (mount.link == "pan") {
+      robot.sensors.push_back({mount.link, {pan}, mount.X_LS});
+    } else if (mount.link == "tilt") {
+      robot.sensors.push_back({mount.link, {pan, tilt}, X_JL * mount.X_LS});
+    } else {
+      throw Error(ErrorKind::kInput, "robot: no link " + mount.link + ": base, pan or tilt");
+    }
+  }
+  checkRobot(robot);
+  return robot;
+}
+
+}  // namespace taxelsim

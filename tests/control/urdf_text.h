@@ -1,0 +1,51 @@
+// URDF texts for tests, and a folder to put them into.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+namespace taxelsim {
+
+class UrdfFolder {
+ public:
+  UrdfFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "taxelsim-urdf-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder");
+    path_ = name;
+  }
+  ~UrdfFolder() {
+    std::error_code error;
+    std::filesystem::remove_all(path_, error);
+  }
+  UrdfFolder(const UrdfFolder&) = delete;
+  UrdfFolder& operator=(const UrdfFolder&) = delete;
+
+  std::filesystem::path write(const std::string& text) const {
+    std::ofstream(path_ / "robot.urdf", std::ios::binary) << text;
+    return path_ / "robot.urdf";
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+// A joint of `type` from one link to the other; `more` holds its other elements.
+inline std::string joint(const std::string& name, const std::string& type, const std::string& parent, const std::string& child,
+                         const std::string& more = "") {
+  return "<joint name='" + name + "' type='" + type + "'><parent link='" + parent + "'/><child link='" + child + "'/>" + more +
+         "</joint>\n";
+}
+
+inline std::string robot(const std::string& elements) {
+  return "<robot name='test'>\n" + elements + "</robot>\n";
+}
+
+inline const std::string kLimit = "<limit lower='-1' upper='1' effort='1' velocity='2'/>";
+inline const std::string kLinks = "<link name='a'/><link name='b'/><link name='c'/>\n";
+inline const std::filesystem::path kRobots = std::filesystem::path(TAXELSIM_SOURCE_DIR) / "scenes/robots";
+
+}  // namespace taxelsim
