@@ -9,6 +9,7 @@
 
 #include "taxelsim/control.h"
 #include "taxelsim/object.h"
+#include "taxelsim/robot.h"
 #include "taxelsim/sensor.h"
 #include "taxelsim/trajectory.h"
 
@@ -49,7 +50,7 @@ struct Scene {
   std::string name;
   Kind kind = Kind::kServo;
   Sensor sensor;
-  Pose X_ES;  // mount: the sensor in the end effector (the frame that the controller moves)
+  Robot robot;  // what moves the sensor
   std::vector<SceneObject> objects;
   int num_steps = 1;             // frames per episode, 1 for kContacts
   double simulation_rate = 100;  // Hz

@@ -47,7 +47,7 @@ struct Waypoints {
 // As a hand holds a thing: slow drift, and physiological tremor in its band of 8 to 12 Hz (R. J. Elble, "Physiologic and enhanced
 // physiologic tremor", Handbook of Clinical Neurophysiology 1, 2003; T. Novak, K. M. Newell, "Physiological tremor (8-12 Hz component) in
 // isometric force control", Neuroscience Letters 641, 2017). Amplitudes are assumptions. Each band is a sum of sines of equal
-// amplitude, one in each quarter of the band, with random frequencies and phases, the same along and about x, y and z of M.
+// amplitude, one in each third of the band, with random frequencies and phases, the same along and about x, y and z of M.
 struct HandHeld {
   double drift = 3e-3;                       // m, >= 0: root mean square about the mean, per axis
   double drift_angle = 0.03;                 // rad, >= 0, the same of the rotation vector
@@ -84,7 +84,7 @@ class Trajectory {
 
  private:
   static constexpr int kNumAxes = 6;   // along x, y, z; about x, y, z
-  static constexpr int kNumWaves = 8;  // of an axis: half drift, half tremor
+  static constexpr int kNumWaves = 6;  // of an axis: half drift, half tremor
   struct Wave {
     double amplitude;  // m or rad
     double frequency;  // rad/s

@@ -13,8 +13,9 @@ namespace {
 using Source = FrameColumn::Source;
 using Floats = std::span<const float> (*)(const FrameView&);
 
-constexpr const char* kGroups[] = {"tactile_image",       "features",          "ground_truth", "tactile_normal_force",
-                                   "tactile_shear_force", "penetration_depth", "poses",        "actions"};
+constexpr const char* kGroups[] = {
+    "tactile_image", "features", "ground_truth", "tactile_normal_force", "tactile_shear_force", "penetration_depth",
+    "poses",         "actions",  "robot"};
 
 std::set<std::string> groupsOf(const Scene& scene) {
   std::set<std::string> groups;
@@ -64,6 +65,25 @@ const FeatureView& measured(const FrameView& frame) {
 }
 const FeatureView& clean(const FrameView& frame) {
   return frame.ground_truth;
+}
+
+void addRobot(const Robot& robot, std::vector<FrameColumn>& columns) {
+  const auto add = [&](const char* name, ScalarType type, std::vector<std::size_t> shape, const char* unit, const std::string& description,
+                       Source source) {
+    columns.push_back({{std::string("data/robot/") + name, type, std::move(shape), unit, description, false}, source, nullptr});
+  };
+  add("status", ScalarType::kInt32, {}, "1",
+      "What held the robot back on its way to this frame, a sum: 1 a joint at its position limit, 2 too fast a twist or a drive behind its "
+      "command, 4 near a singular pose, 8 no finite twist; 0 nothing.",
+      Source::kRobotStatus);
+  const auto* manipulator = std::get_if<Manipulator>(&robot);
+  if (manipulator == nullptr) return;
+  std::string names;
+  for (const Joint& joint : manipulator->joints) names += (names.empty() ? "" : ", ") + joint.name;
+  const std::size_t num_joints = manipulator->joints.size();
+  add("joint_position", ScalarType::kFloat64, {num_joints}, "rad or m", "Positions of the joints " + names + ".", Source::kJointPosition);
+  add("joint_velocity", ScalarType::kFloat64, {num_joints}, "rad/s or m/s",
+      "Velocities of the joints, not of their commands, on the way to this frame.", Source::kJointVelocity);
 }
 
 std::vector<FrameColumn> frameColumns(const Scene& scene, const std::set<std::string>& groups) {
@@ -146,6 +166,7 @@ std::vector<FrameColumn> frameColumns(const Scene& scene, const std::set<std::st
                        Source::kAction,
                        nullptr});
   }
+  if (groups.contains("robot")) addRobot(scene.robot, columns);
   return columns;
 }
 

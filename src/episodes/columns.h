@@ -14,7 +14,7 @@ namespace taxelsim {
 
 // One value per frame and instance.
 struct FrameColumn {
-  enum class Source { kTime, kImage, kFloats, kPose, kSensorPose, kAction };
+  enum class Source { kTime, kImage, kFloats, kPose, kSensorPose, kAction, kJointPosition, kJointVelocity, kRobotStatus };
 
   Column column;
   Source source = Source::kFloats;

@@ -31,6 +31,11 @@ void checkRun(const Scene& scene, const GenerateOptions& options) {
   checkCount("episodes_per_shard", scene.episodes_per_shard);
   checkCount("num_steps", static_cast<std::uint64_t>(std::max(scene.num_steps, 0)));
   checkCount("objects", scene.objects.size());
+  checkRobot(scene.robot);
+  if (const auto* manipulator = std::get_if<Manipulator>(&scene.robot); manipulator != nullptr && manipulator->sensors.size() > 1) {
+    throw Error(ErrorKind::kInput, scene.file.generic_string() + ": robot.sensors: " + std::to_string(manipulator->sensors.size()) +
+                                       " sensors, generate simulates 1 of each robot; several arrays are patches of one sensor");
+  }
   for (const SceneObject& entry : scene.objects) {
     checkObject(entry.object);
     if (entry.motion) checkMotion(*entry.motion);

@@ -53,6 +53,11 @@ void copyPoses(std::span<const Pose> poses, std::span<const FramePlace> places, 
   });
 }
 
+void copyDoubles(std::span<const double> values, std::size_t row_bytes, std::span<const FramePlace> places, std::size_t column) {
+  forRows(places, column, row_bytes,
+          [&](std::size_t i, std::byte* to) { std::memcpy(to, &values[i * (row_bytes / sizeof(double))], row_bytes); });
+}
+
 void copyTwists(std::span<const Twist> twists, std::span<const FramePlace> places, std::size_t column) {
   forRows(places, column, 6 * sizeof(float), [&](std::size_t i, std::byte* to) {
     std::array<float, 6> row;
@@ -85,10 +90,22 @@ void Recorder::recordFrames(const FrameView& frame, const FrameContext& context)
         copyPoses(context.X_SO, context.places, c);
         break;
       case FrameColumn::Source::kSensorPose:
-        copyPoses(context.X_WS, context.places, c);
+        copyPoses(context.robots->X_WS(), context.places, c);
         break;
       case FrameColumn::Source::kAction:
         copyTwists(context.twists, context.places, c);
+        break;
+      case FrameColumn::Source::kJointPosition:
+        copyDoubles(context.robots->jointPositions(), row_bytes, context.places, c);
+        break;
+      case FrameColumn::Source::kJointVelocity:
+        copyDoubles(context.robots->jointVelocities(), row_bytes, context.places, c);
+        break;
+      case FrameColumn::Source::kRobotStatus:
+        forRows(context.places, c, sizeof(std::int32_t), [&](std::size_t i, std::byte* to) {
+          const std::int32_t status = context.robots->status()[i];
+          std::memcpy(to, &status, sizeof status);
+        });
         break;
     }
   }

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "control/twist.h"
+#include "control/robots.h"
 #include "episodes/columns.h"
 #include "episodes/shard_queue.h"
 
@@ -21,8 +21,8 @@ struct FrameContext {
   std::span<const FramePlace> places;
   std::span<const double> times;  // s
   std::span<const Pose> X_SO;
-  std::span<const Pose> X_WS;
   std::span<const Twist> twists;  // of the sensor frame
+  const Robots* robots;           // with one sensor each
 };
 
 class Recorder {

@@ -18,11 +18,10 @@ EpisodePlan::EpisodePlan(const Scene& of_scene)
 Slice::Slice(const Model& model, const EpisodePlan& plan, int num_instances)
     : plan_(plan),
       simulator_(model, {.num_instances = num_instances, .num_slots = 1, .seed = plan.scene.seed, .outputs = plan.columns.outputs}),
-      X_SE_(inverse(plan.scene.X_ES)),
+      robots_(plan.scene.robot, num_instances),
       slots_(num_instances),
       ids_(num_instances, kNoObject),
       X_SO_(num_instances),
-      X_WS_(num_instances),
       loads_(num_instances, kPoseDriven),
       places_(num_instances),
       times_(num_instances, 0.0),
@@ -41,7 +40,7 @@ void Slice::startEpisode(int i, ShardQueue& queue) {
   const bool was_busy = places_[i].columns != nullptr;
   const std::optional<EpisodePlace> place = queue.next();
   num_busy_ += static_cast<int>(place.has_value()) - static_cast<int>(was_busy);
-  X_WS_[i] = Pose{};
+  robots_.reset(i, Pose{});
   loads_changed_ = true;
   if (!place) {
     ids_[i] = kNoObject;
@@ -49,12 +48,12 @@ void Slice::startEpisode(int i, ShardQueue& queue) {
     loads_[i] = kPoseDriven;
     places_[i] = {};
     due_[i] = 0;
+    twists_[i] = {};
     return;
   }
   slot.place = *place;
   slot.frame = 0;
   slot.draw = plan_.drawer.draw(place->episode);
-  slot.X_WE = X_SE_;
   ids_[i] = slot.draw.object;
   X_SO_[i] = slot.draw.X_SO;
   loads_[i] = slot.draw.load_driven ? slot.draw.load : kPoseDriven;
@@ -100,13 +99,11 @@ bool Slice::settle(int i, const FrameView& frame) {
   return load_reached;
 }
 
-// The free-flying end effector flies on at its twist for one step, to the slot's frame; the object goes its way.
-void Slice::move(int i) {
+// The robot has gone on to the slot's frame; so does the object.
+void Slice::follow(int i) {
   Slot& slot = slots_[i];
-  slot.X_WE = integrate(slot.X_WE, changeFrame(plan_.scene.X_ES, twists_[i]), plan_.dt);
-  X_WS_[i] = slot.X_WE * plan_.scene.X_ES;
   if (slot.trajectory) slot.X_WO = slot.trajectory->at(slot.frame * plan_.dt);
-  X_SO_[i] = inverse(X_WS_[i]) * slot.X_WO;
+  X_SO_[i] = inverse(robots_.X_WS()[i]) * slot.X_WO;
 }
 
 Slice::Tally Slice::collect(ShardQueue& queue, ShardWriter& writer) {
@@ -130,14 +127,15 @@ Slice::Tally Slice::collect(ShardQueue& queue, ShardWriter& writer) {
                           .due = due_},
                          plan_.control_period * plan_.dt, twists_);
   }
-  plan_.recorder.recordFrames(frame, {.places = places_, .times = times_, .X_SO = X_SO_, .X_WS = X_WS_, .twists = twists_});
+  plan_.recorder.recordFrames(frame, {.places = places_, .times = times_, .X_SO = X_SO_, .twists = twists_, .robots = &robots_});
+  robots_.command(twists_, plan_.dt);
 
   for (int i = 0; i < num_instances; ++i) {
     if (!places_[i].columns) continue;
     Slot& slot = slots_[i];
     ++slot.frame;
     if (slot.frame < plan_.num_frames) {
-      move(i);
+      follow(i);
       ++places_[i].row;
       times_[i] = slot.frame * plan_.dt;
     } else {

@@ -11,6 +11,7 @@
 #include <optional>
 #include <vector>
 
+#include "control/robots.h"
 #include "control/tactile_servo.h"
 #include "episodes/draw.h"
 #include "episodes/recorder.h"
@@ -68,17 +69,16 @@ class Slice {
     int frame = 0;
     Pose X_WO;                             // the world is where the sensor was at the start
     std::optional<Trajectory> trajectory;  // of an object that moves on from there
-    Pose X_WE;
   };
 
   void startEpisode(int i, ShardQueue& queue);
   bool settle(int i, const FrameView& frame);
-  void move(int i);
+  void follow(int i);
 
   const EpisodePlan& plan_;
   Simulator simulator_;
   std::optional<TactileServoController> controller_;  // of a servo scene
-  const Pose X_SE_;
+  Robots robots_;
   int num_busy_ = 0;
   bool loads_changed_ = false;
 
@@ -86,7 +86,6 @@ class Slice {
   std::vector<Slot> slots_;
   std::vector<int> ids_;
   std::vector<Pose> X_SO_;
-  std::vector<Pose> X_WS_;
   std::vector<float> loads_;
   std::vector<FramePlace> places_;
   std::vector<double> times_;

@@ -5,6 +5,7 @@
 
 #include "scene/object_reader.h"
 #include "scene/pose_reader.h"
+#include "scene/robot_file.h"
 #include "scene/sensor_file.h"
 #include "scene/servo_reader.h"
 #include "scene/yaml_reader.h"
@@ -23,10 +24,11 @@ constexpr double kMaxOffset = 1;                           // m; no sensor is la
 constexpr double kMaxLoad = 1e6;                           // N
 constexpr double kRateTolerance = 1e-9;                    // relative; rates are decimal fractions
 
-// In the order of the canonical text and of Scene::record. The last needs a controller.
-constexpr std::array<std::string_view, 8> kColumns = {"tactile_image",       "features",          "ground_truth", "tactile_normal_force",
-                                                      "tactile_shear_force", "penetration_depth", "poses",        "actions"};
-constexpr std::string_view kActions = "actions";
+// In the order of the canonical text and of Scene::record. The last two need a controller.
+constexpr std::array<std::string_view, 9> kColumns = {
+    "tactile_image", "features", "ground_truth", "tactile_normal_force", "tactile_shear_force", "penetration_depth",
+    "poses",         "actions",  "robot"};
+constexpr std::string_view kActions = "actions", kRobot = "robot";
 constexpr std::array<std::string_view, 5> kDefaultColumns = {"tactile_image", "features", "ground_truth", "poses", "actions"};
 
 // A number, or [min, max].
@@ -116,6 +118,7 @@ std::vector<std::string> readRecord(const YamlMap& map, Scene::Kind kind) {
       const std::string column = item.text(words);
       if (std::find(kColumns.begin(), kColumns.end(), column) == kColumns.end()) item.refuse(words);
       if (column == kActions && !has_actions) item.fail("a scene of kind contacts has no actions");
+      if (column == kRobot && !has_actions) item.fail("in a scene of kind contacts no robot moves");
       if (std::find(chosen.begin(), chosen.end(), column) != chosen.end()) item.fail(column + " is given twice");
       chosen.push_back(column);
     }
@@ -166,7 +169,7 @@ Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrid
   Canonical canonical;
   const YamlMap map(
       root,
-      {"format_version", "name", "kind", "sensor", "mount", "objects", "episode", "randomisation", "controller", "record", "data_set"},
+      {"format_version", "name", "kind", "sensor", "robot", "objects", "episode", "randomisation", "controller", "record", "data_set"},
       canonical);
   Scene scene;
   scene.file = file;
@@ -174,7 +177,10 @@ Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrid
   scene.name = map.text("name", "a name");
   scene.kind = map.choice("kind", {"servo", "contacts"}) == "servo" ? Scene::Kind::kServo : Scene::Kind::kContacts;
   scene.sensor = readSensorBlock(map.require("sensor", kSensorBlock), directory, canonical);
-  scene.X_ES = readPose(map, "mount");
+  scene.robot = readRobotBlock(map, directory);
+  if (scene.kind == Scene::Kind::kContacts && !std::holds_alternative<FreeFlying>(scene.robot)) {
+    map.find("robot")->fail("a scene of kind contacts has one frame, in which nothing moves");
+  }
   scene.objects = readObjects(map, directory);
   if (scene.kind == Scene::Kind::kContacts) refuseMotions(map, "a scene of kind contacts has one frame, in which nothing moves");
   readEpisode(map, scene);

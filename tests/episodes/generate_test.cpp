@@ -193,6 +193,32 @@ TEST(Generate, MovingObjectsDoNotDependOnBatchOrSlices) {
   expectIndependentOfBatch(scene);
 }
 
+TEST(Generate, RobotsDoNotDependOnBatchOrSlices) {
+  Scene scene = exampleScene();
+  scene.record.emplace_back("robot");
+  PanTilt platform;
+  platform.drive.delay = 3;
+  scene.robot = panTilt(platform);
+  expectIndependentOfBatch(scene);
+}
+
+TEST(Generate, RefusesRobotsWithSeveralSensors) {
+  const TestDirectory directory;
+  Scene scene = exampleScene();
+  PanTilt platform;
+  platform.sensors.push_back({"pan", {}});
+  scene.robot = panTilt(platform);
+  try {
+    generateWith(scene, directory.path(), 16, 2);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kInput);
+    EXPECT_NE(std::string(error.what()).find("robot.sensors: 2 sensors, generate simulates 1 of each robot"), std::string::npos)
+        << error.what();
+  }
+  EXPECT_FALSE(std::filesystem::exists(directory.path()));
+}
+
 TEST(Generate, RefusesAMotionThatIsNone) {
   const TestDirectory directory;
   Scene scene = exampleScene();

@@ -66,7 +66,9 @@ std::vector<T> part(const V& values, std::size_t instance, std::size_t width) {
 }
 
 TEST(Recorder, PutsEveryValueInItsPlace) {
-  const Scene scene = exampleScene();
+  Scene scene = exampleScene();
+  scene.robot = panTilt({});
+  scene.record.emplace_back("robot");
   const ColumnPlan plan = planColumns(scene);
   Manifest manifest;
   manifest.num_episodes = 4;
@@ -94,10 +96,11 @@ TEST(Recorder, PutsEveryValueInItsPlace) {
   const std::vector<FramePlace> places{{third.buffer->columns.data(), 1}, {}, {second.buffer->columns.data(), kNumFrames + 2}};
   const std::vector<double> times{0.1, 0, 0.2};
   const std::vector<Pose> X_SO{{{1, 2, 3}, {0.5, 0.5, 0.5, 0.5}}, {}, {{4, 5, 6}, {1, 0, 0, 0}}};
-  const std::vector<Pose> X_WS{{{7, 8, 9}, {0, 1, 0, 0}}, {}, {{10, 11, 12}, {0, 0, 1, 0}}};
   const std::vector<Twist> twists{{{1, 2, 3}, {4, 5, 6}}, {}, {{-1, -2, -3}, {-4, -5, -6}}};
   const Recorder recorder(plan);
-  recorder.recordFrames(frame.view, {places, times, X_SO, X_WS, twists});
+  Robots robots(scene.robot, 3);
+  robots.command(twists, 0.01);
+  recorder.recordFrames(frame.view, {places, times, X_SO, twists, &robots});
 
   for (const std::size_t instance : {std::size_t{0}, std::size_t{2}}) {
     const ShardBuffer& buffer = instance == 0 ? *third.buffer : *second.buffer;
@@ -113,7 +116,14 @@ TEST(Recorder, PutsEveryValueInItsPlace) {
     EXPECT_EQ(rowOf<double>(buffer, index.at("data/time"), row, 1)[0], times[instance]);
   }
   EXPECT_EQ(rowOf<double>(*third.buffer, index.at("data/pose"), 1, 7), (std::vector<double>{1, 2, 3, 0.5, 0.5, 0.5, 0.5}));
-  EXPECT_EQ(rowOf<double>(*third.buffer, index.at("data/sensor_pose"), 1, 7), (std::vector<double>{7, 8, 9, 0, 1, 0, 0}));
+  const auto& [p, q] = robots.X_WS()[0];
+  EXPECT_EQ(rowOf<double>(*third.buffer, index.at("data/sensor_pose"), 1, 7),
+            (std::vector<double>{p[0], p[1], p[2], q[0], q[1], q[2], q[3]}));
+  EXPECT_NE(robots.jointPositions()[0], robots.jointPositions()[4]);
+  EXPECT_EQ(rowOf<double>(*third.buffer, index.at("data/robot/joint_position"), 1, 2), part<double>(robots.jointPositions(), 0, 2));
+  EXPECT_EQ(rowOf<double>(*second.buffer, index.at("data/robot/joint_velocity"), kNumFrames + 2, 2),
+            part<double>(robots.jointVelocities(), 2, 2));
+  EXPECT_EQ(rowOf<std::int32_t>(*third.buffer, index.at("data/robot/status"), 1, 1)[0], robots.status()[0]);
   EXPECT_EQ(rowOf<float>(*third.buffer, index.at("data/action"), 1, 6), (std::vector<float>{1, 2, 3, 4, 5, 6}));
   // Features by name, so that the table itself is checked and not only what it says.
   EXPECT_EQ(rowOf<float>(*third.buffer, index.at("data/edge_angle"), 1, 1)[0], frame.view.edge_angle[0]);

@@ -76,6 +76,18 @@ TEST(ServoEpisode, HoldsTheForceOfADepthDrivenStart) {
   expectConverges(scene);
 }
 
+// Seven joints carry the sensor where it would have flown.
+TEST(ServoEpisode, ConvergesOnAnArm) {
+  Scene scene = servoScene();
+  Manipulator arm = loadUrdf(TAXELSIM_SOURCE_DIR "/scenes/robots/lwr_palm.urdf", {.base_link = "", .sensors = {{"palm", {}}}});
+  // Bent, away from singular poses.
+  for (const auto& [joint, position] : {std::pair{1, 30 * kDegree}, {3, -90 * kDegree}, {5, 60 * kDegree}}) {
+    arm.joints[static_cast<std::size_t>(joint)].initial_position = position;
+  }
+  scene.robot = arm;
+  expectConverges(scene);
+}
+
 // A sensor that reads half of what it feels presses twice as hard: after its first frame the object is no longer carried by the load, but
 // by where the sensor has gone.
 TEST(ServoEpisode, PressesUntilItReadsTheForce) {

@@ -241,11 +241,12 @@ TEST(BadScenes, Sensors) {
                 ":13:17: sensor.readout.taxel_gain: a row of 3 is not allowed: rows of 4 (num_cols)"},
        BadScene{"trigger: 0.02", "taxel_trigger: [-1]", ":13:21: sensor.readout.taxel_trigger[0]: -1 is not allowed: a number >= 0 N"},
        BadScene{"  num_rows: 3\n", "  patches: []\n", ":7:13: sensor.num_cols: stands beside `patches`"},
-       BadScene{"rpy_deg: [0, 0, 90]", "rotation: [1, 1, 0, 0]",
-                ":14:43: mount.rotation: length 1.4142135623730951 is not allowed: a unit quaternion"},
-       BadScene{"rpy_deg: [0, 0, 90]", "rotation: [1, 0, 0]", ":14:43: mount.rotation: a list of 3 is not allowed: a list of 4 numbers"},
-       BadScene{"rpy_deg: [0, 0, 90]", "rpy: [0, 0, 0], rotation: [1, 0, 0, 0]",
-                ":14:59: mount.rotation: given twice, as rotation and rpy"}});
+       BadScene{"free_flying: {}", "pan_tilt: {base: {rotation: [1, 1, 0, 0]}}",
+                ":14:37: robot.pan_tilt.base.rotation: length 1.4142135623730951 is not allowed: a unit quaternion"},
+       BadScene{"free_flying: {}", "pan_tilt: {base: {rotation: [1, 0, 0]}}",
+                ":14:37: robot.pan_tilt.base.rotation: a list of 3 is not allowed: a list of 4 numbers"},
+       BadScene{"free_flying: {}", "pan_tilt: {base: {rpy: [0, 0, 0], rotation: [1, 0, 0, 0]}}",
+                ":14:53: robot.pan_tilt.base.rotation: given twice, as rotation and rpy"}});
 }
 
 TEST(BadScenes, ReadoutOverTimeAndImperfections) {
@@ -360,7 +361,7 @@ TEST(BadSceneFiles, ObjectsMustBeAListWithSomethingInIt) {
 TEST(BadSceneFiles, ErrorsOfASensorFileStandInThatFile) {
   const std::string text(kScene);
   const auto with = [&](const std::string& sensor) {
-    return text.substr(0, text.find("sensor:")) + sensor + text.substr(text.find("mount:"));
+    return text.substr(0, text.find("sensor:")) + sensor + text.substr(text.find("robot:"));
   };
   EXPECT_THAT(refusalOf(with("sensor: nowhere.yaml\n")), testing::StartsWith(":4:9: sensor: nowhere.yaml is not there, or not a file"));
   EXPECT_THAT(refusalOf(with("sensor: sensor.yaml\n")),

@@ -56,7 +56,7 @@ TEST(Resolved, WhereASensorOrMeshLiesDoesNotShow) {
   directory.write("mesh.obj", kMeshText);
   const std::string text(kScene);
   const std::size_t begin = text.find("sensor:\n") + std::string_view("sensor:\n").size();
-  std::string block = text.substr(begin, text.find("mount:") - begin);
+  std::string block = text.substr(begin, text.find("robot:") - begin);
   std::string sensor = "format_version: 1\n";
   for (std::size_t at = 0; at < block.size();) {
     const std::size_t end = block.find('\n', at) + 1;
@@ -64,7 +64,7 @@ TEST(Resolved, WhereASensorOrMeshLiesDoesNotShow) {
     at = end;
   }
   directory.write("sensors/s.yaml", sensor);
-  const std::string with_file = text.substr(0, text.find("sensor:")) + "sensor: sensors/s.yaml\n" + text.substr(text.find("mount:"));
+  const std::string with_file = text.substr(0, text.find("sensor:")) + "sensor: sensors/s.yaml\n" + text.substr(text.find("robot:"));
   EXPECT_EQ(loadScene(directory.write("a.yaml", with_file)).resolved, resolved(kScene));
 
   const auto with_mesh = [&](const std::string& mesh) {
@@ -174,8 +174,8 @@ TEST(Resolved, AnySettingShows) {
       {"trigger: 0.02", "trigger: 0.02\n    gain_spread: 0.1"},
       {"trigger: 0.02", "trigger: 0.02\n    press_gain_spread: 0.1"},
       {"trigger: 0.02", "trigger: 0.02\n    dead_taxel_probability: 0.1"},
-      {"position_mm: [1, 2, 3]", "position_mm: [1, 2, 4]"},
-      {"rpy_deg: [0, 0, 90]", "rpy_deg: [0, 0, 91]"},
+      {"free_flying: {}", "pan_tilt: {}"},
+      {"free_flying: {}", "pan_tilt: {base: {position_mm: [1, 2, 4]}}"},
       {"radius_mm: 5", "radius_mm: 6"},
       {"sphere: {radius_mm: 5}", "capsule: {radius_mm: 5, length: 0}"},
       {"weight: 2", "weight: 3"},

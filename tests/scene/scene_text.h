@@ -26,7 +26,7 @@ sensor:
   readout:
     curve: {counts_per_newton: 2400}
     trigger: 0.02
-mount: {position_mm: [1, 2, 3], rpy_deg: [0, 0, 90]}
+robot: {free_flying: {}}
 objects:
   - sphere: {radius_mm: 5}
     weight: 2

@@ -1,0 +1,198 @@
+#include "scene/robot_file.h"
+
+#include <algorithm>
+#include <set>
+
+#include "scene/hashed_file.h"
+#include "scene/pose_reader.h"
+#include "scene/sensor_file.h"
+#include "taxelsim/scene.h"
+
+namespace taxelsim {
+namespace {
+
+constexpr std::string_view kKinds = "free_flying | pan_tilt | urdf";
+constexpr const char* kRobotBlock = "a robot file, or a robot's own settings";
+constexpr std::array<std::string_view, 6> kCoordinates = {"vx", "vy", "vz", "wx", "wy", "wz"};
+
+// Of all robots with joints.
+constexpr std::array<std::string_view, 8> kManipulatorKeys = {
+    "base", "sensors", "selection", "max_damping", "singular_threshold", "position_step[_deg]", "delay", "initial_positions"};
+
+YamlMap::Keys withManipulatorKeys(YamlMap::Keys keys) {
+  keys.insert(keys.end(), kManipulatorKeys.begin(), kManipulatorKeys.end());
+  return keys;
+}
+
+std::vector<SensorMount> readMounts(const YamlMap& map, const std::vector<SensorMount>& otherwise) {
+  const std::string what = "a list of at least one {link, mount}";
+  Canonical& canonical = map.canonical();
+  std::vector<SensorMount> mounts;
+  if (!map.has("sensors") && !otherwise.empty()) {
+    canonical.open("sensors");
+    for (const SensorMount& mount : otherwise) {
+      canonical.openItem();
+      canonical.line("link", canonicalText(mount.link));
+      canonical.open("mount");
+      canonical.line("position", canonicalList(mount.X_LS.position));
+      canonical.line("rotation", canonicalList(mount.X_LS.rotation));
+      canonical.close();
+      canonical.close();
+    }
+    canonical.close();
+    return otherwise;
+  }
+  const YamlNode list = map.require("sensors", what);
+  canonical.open("sensors");
+  for (const YamlNode& item : list.items(what)) {
+    const YamlMap mount(YamlMap::item(item, {"link", "mount"}, canonical));
+    SensorMount result{.link = mount.text("link", "the name of a link"), .X_LS = {}};
+    result.X_LS = readPose(mount, "mount");
+    mounts.push_back(std::move(result));
+  }
+  canonical.close();
+  if (mounts.empty()) list.refuse(what);
+  return mounts;
+}
+
+std::array<bool, 6> readSelection(const YamlMap& map, std::array<bool, 6> selection) {
+  const std::string what = "a list of at least one of vx, vy, vz, wx, wy, wz";
+  if (const std::optional<YamlNode> node = map.find("selection")) {
+    const std::vector<YamlNode> items = node->items(what);
+    if (items.empty()) node->refuse(what);
+    selection.fill(false);
+    for (const YamlNode& item : items) {
+      const std::string word = item.choice({"vx", "vy", "vz", "wx", "wy", "wz"});
+      bool& chosen = selection[std::find(kCoordinates.begin(), kCoordinates.end(), word) - kCoordinates.begin()];
+      if (chosen) item.fail(word + " is given twice");
+      chosen = true;
+    }
+  }
+  std::string text;
+  for (std::size_t i = 0; i < selection.size(); ++i) {
+    if (selection[i]) text += (text.empty() ? "" : ", ") + std::string(kCoordinates[i]);
+  }
+  map.canonical().line("selection", "[" + text + "]");
+  return selection;
+}
+
+Joint& jointNamed(const YamlNode& item, std::vector<Joint>& joints) {
+  const std::optional<YamlNode> node = item.child("joint");
+  if (!node) item.fail("joint is missing: the name of a joint");
+  const std::string name = node->text("the name of a joint");
+  std::string names;
+  for (Joint& joint : joints) {
+    if (joint.name == name) return joint;
+    names += (names.empty() ? "" : ", ") + joint.name;
+  }
+  node->fail("no joint " + name + " moves a sensor: " + names);
+}
+
+void readInitialPositions(const YamlMap& map, std::vector<Joint>& joints) {
+  if (const std::optional<YamlNode> node = map.find("initial_positions")) {
+    std::set<std::string> given;
+    for (const YamlNode& item : node->items("a list of {joint, position}")) {
+      Joint& joint = jointNamed(item, joints);
+      if (!given.insert(joint.name).second) item.fail("joint " + joint.name + " is given twice");
+      const bool is_revolute = joint.type == JointType::kRevolute;
+      Canonical none;
+      const YamlMap entry(item, {"joint", is_revolute ? "position[_deg]" : "position[_mm]"}, none);
+      joint.initial_position = entry.number("position", Allowed::within(joint.lower, joint.upper, is_revolute ? "rad" : "m"));
+    }
+  }
+  Canonical& canonical = map.canonical();
+  canonical.open("initial_positions");
+  for (const Joint& joint : joints) {
+    canonical.openItem();
+    canonical.line("joint", canonicalText(joint.name));
+    canonical.line("position", canonicalNumber(joint.initial_position));
+    canonical.close();
+  }
+  canonical.close();
+}
+
+JointDrive readDrive(const YamlMap& map, JointDrive drive) {
+  drive.position_step = map.number("position_step", Allowed::atLeast(0, "rad"), drive.position_step);
+  drive.delay = static_cast<int>(map.integer("delay", 0, kMaxDelayTicks, static_cast<std::uint64_t>(drive.delay)));
+  return drive;
+}
+
+// What any robot with joints has, whatever says where they are; the drive is read before.
+void readManipulator(const YamlMap& map, Manipulator& robot) {
+  robot.X_WB = readPose(map, "base");
+  robot.selection = readSelection(map, robot.selection);
+  robot.max_damping = map.number("max_damping", Allowed::above(0, ""), robot.max_damping);
+  robot.singular_threshold = map.number("singular_threshold", {.min = 0, .max = 1, .above_min = true}, robot.singular_threshold);
+  readInitialPositions(map, robot.joints);
+  atNode(map.node(), [&] { checkRobot(robot); });
+}
+
+Manipulator readPanTilt(const YamlMap& parent) {
+  const YamlMap map(parent, "pan_tilt", withManipulatorKeys({"tilt_height[_mm]", "position_limits[_deg]", "max_velocity[_deg]"}));
+  PanTilt platform;
+  platform.tilt_height = map.number("tilt_height", Allowed::any("m"), platform.tilt_height);
+  platform.position_limits = map.numbers<2>("position_limits", Allowed::any("rad"), platform.position_limits);
+  platform.max_velocity = map.number("max_velocity", Allowed::above(0, "rad/s"), platform.max_velocity);
+  platform.drive = readDrive(map, platform.drive);
+  platform.sensors = readMounts(map, platform.sensors);
+  Manipulator robot = atNode(map.node(), [&] { return panTilt(platform); });
+  readManipulator(map, robot);
+  return robot;
+}
+
+Manipulator readUrdf(const YamlMap& parent, const std::filesystem::path& directory) {
+  const YamlMap map(parent, "urdf", withManipulatorKeys({"file", "sha256", "base_link", "velocity_limit_scale"}));
+  const std::filesystem::path file = readHashedFile(map, "file", "a URDF file", directory, kMaxRobotFileBytes);
+  UrdfOptions options;
+  if (map.has("base_link")) options.base_link = map.text("base_link", "the name of a link");
+  options.velocity_limit_scale = map.number("velocity_limit_scale", {.min = 0, .max = 1, .above_min = true}, options.velocity_limit_scale);
+  const JointDrive drive = readDrive(map, {});
+  options.sensors = readMounts(map, {});
+  Manipulator robot = atNode(map.node(), [&] { return loadUrdf(file, options); });
+  robot.drive = drive;
+  readManipulator(map, robot);
+  return robot;
+}
+
+Robot readRobot(const YamlNode& node, const std::filesystem::path& directory, Canonical& canonical, bool versioned) {
+  YamlMap::Keys keys{"free_flying", "pan_tilt", "urdf"};
+  if (versioned) keys.insert(keys.begin(), "format_version");
+  const YamlMap map(node, keys, canonical);
+  int num_kinds = 0;
+  for (const std::string_view kind : {"free_flying", "pan_tilt", "urdf"}) num_kinds += map.has(kind) ? 1 : 0;
+  if (num_kinds != 1) node.fail("exactly one of " + std::string(kKinds));
+  if (map.has("pan_tilt")) return readPanTilt(map);
+  if (map.has("urdf")) return readUrdf(map, directory);
+  Canonical none;
+  const YamlMap nothing(map.require("free_flying", "{}"), {}, none);
+  canonical.line("free_flying", "{}");
+  return FreeFlying{};
+}
+
+}  // namespace
+
+Robot readRobotBlock(const YamlMap& scene, const std::filesystem::path& directory) {
+  Canonical& canonical = scene.canonical();
+  canonical.open("robot");
+  const std::optional<YamlNode> node = scene.find("robot");
+  Robot robot;
+  if (!node) {
+    canonical.line("free_flying", "{}");
+  } else if (node->isMap()) {
+    robot = readRobot(*node, directory, canonical, false);
+  } else {
+    const std::filesystem::path file = directory / node->text(kRobotBlock);
+    std::error_code error;
+    // What is wrong inside that file is reported with a position there.
+    if (!std::filesystem::is_regular_file(file, error)) node->fail(file.generic_string() + " is not there, or not a file");
+    const std::string name = file.generic_string();
+    const YamlTree tree = parseYaml(readYamlFile(file), name);
+    const YamlNode root(tree, name);
+    checkFormatVersion(root);
+    robot = readRobot(root, file.parent_path(), canonical, true);
+  }
+  canonical.close();
+  return robot;
+}
+
+}  // namespace taxelsim
