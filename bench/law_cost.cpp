@@ -66,6 +66,11 @@ std::vector<Case> allCases() {
          s.samples_per_taxel = 2, s.skin = elasticSkin(s.skin, ElasticLayer::Base::kBonded, 4e-3);
          s.skin.friction = {.tangential_stiffness = 1e8, .friction_coefficient = 0.5};
        }},
+      {"elastic_layer, bonded, margin, 2 x 2, sliding, relaxation, two terms",
+       [](Sensor& s) {
+         s.samples_per_taxel = 2, s.skin = elasticSkin(s.skin, ElasticLayer::Base::kBonded, 4e-3);
+         s.skin.relaxation = {{.fraction = 0.2, .time = 0.1}, {.fraction = 0.2, .time = 2}};
+       }},
       {"lugre", [=](Sensor& s) { s.skin.law = LuGre{.normal_contact_stiffness = stiffness(s)}; }},
       {"friction", [](Sensor& s) { s.skin.friction = {.tangential_stiffness = 1e8, .friction_coefficient = 0.5}; }},
       {"relaxation, two terms",

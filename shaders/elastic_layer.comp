@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Elastic layer: stage 2 (contact law) of one frame for the law `elastic_layer`, its load search and its shear.
+// Elastic layer: stage 2 (contact law) of one frame for the law `elastic_layer`, its load search, its shear and its relaxation.
 //
 //   w = A p;   w = d where p > 0,   w >= d where p = 0;      d = target + shift
 //
@@ -16,10 +16,10 @@
 //      NUM_HEIGHT_TILES) from the contact pass; influence (rows x 2 rows of strips); with friction what the objects did (num_instances x num_slots).
 // Out: contact_normal (num_instances x num_taxels), N; contact_shear (num_instances x num_taxels x 2), N; contact_depth; tile_results (num_instances); loads;
 //      features of the solution; and the pressures, from which the next frame starts.
-// State: where there is friction the shear traction of every node.
+// State: where the skin relaxes strain and overstresses of every node, lib/layer_relaxation.glsl; where there is friction its shear traction.
 // Shared memory: 16 LANES + 12 NODE_ROWS + 16 bytes, with friction 8 LANES and 512 more.
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
-// Twins: src/reference/elastic_layer.cpp, friction.cpp.
+// Twins: src/reference/elastic_layer.cpp, relaxation.cpp, friction.cpp.
 
 #include "lib/pairs.glsl"
 #include "shared/layout.h"
@@ -41,6 +41,7 @@ layout(constant_id = 24) const bool FRICTION = false;      // shear with memory,
 layout(constant_id = 25) const float TANGENTIAL_STIFFNESS = 1e8;  // N/m^3
 layout(constant_id = 26) const float FRICTION_COEFFICIENT = 1.0;
 layout(constant_id = 27) const bool OUTPUT_SHEAR = false;  // contact_shear is wanted
+layout(constant_id = 28) const uint RELAXATION = 0;        // terms of the skin's relaxation
 
 layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceRecord instances[]; };
 layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
@@ -66,6 +67,7 @@ const uint kArrayPairs = NODE_ROWS * kRowStrips * kStripPairs;
 const float kMiss = kNoHeight;  // height where there is no surface
 const float kNever = -kMiss;      // target of a node that cannot be touched
 const bool kShears = FRICTION;
+const uint kLayerArrays = kNumLayerArrays + (RELAXATION > 0 ? 1 + RELAXATION : 0);
 
 shared vec4 partial[LANES];
 // Strips of the window, and those that have sources: by row the first and the end, and of the rows that have any the first and the end.
@@ -90,23 +92,33 @@ vec2 tractionAfter(inout vec2 held, vec2 u, float share, float pressure) { retur
 
 #include "lib/layer_strips.glsl"
 #include "lib/layer_solver.glsl"
+#include "lib/skin_step.glsl"
+#include "lib/layer_relaxation.glsl"
+
+float node_force;  // of a node under the pressure 1 of the solution, N
 
 // ---- from heights to targets, from pressures to forces ----
 
-// Heights over a strip, kMiss outside the nodes and outside what the contact pass reached (rows, cols: half-open).
-Strip heightsOver(uint first_height, uvec2 at, uvec4 reached) {
+// The surface over the nodes of an instance.
+struct Surface {
+  uint first_height;
+  uvec4 reached;  // by the contact pass: rows, cols, half-open; all 0 for nothing
+  float origin;   // that overlaps count from, m
+};
+
+// Heights over a strip, kMiss outside the nodes and outside what was reached.
+Strip heightsOver(Surface surface, uvec2 at) {
   Strip h = strip(kMiss);
-  if (at.x < reached.x || at.x >= reached.y) return h;
+  if (at.x < surface.reached.x || at.x >= surface.reached.y) return h;
   for (uint c = 0; c < kStrip; ++c) {
     uint col = at.y * kStrip + c;
     float height = kMiss;
-    if (col >= reached.z && col < reached.w) height = withoutSlot(heights[first_height + at.x * NODE_COLS + col]);
+    if (col >= surface.reached.z && col < surface.reached.w) height = withoutSlot(heights[surface.first_height + at.x * NODE_COLS + col]);
     if (c < 4) h.low[c] = height; else h.high[c - 4] = height;
   }
   return h;
 }
 
-// What the contact pass reached: rows, cols, half-open; all 0 for nothing.
 uvec4 reachedNodes(uint instance) {
   uvec4 reached = uvec4(NODE_ROWS, 0, NODE_COLS, 0);
   for (uint t = 0; t < NUM_HEIGHT_TILES; ++t) {
@@ -118,35 +130,38 @@ uvec4 reachedNodes(uint instance) {
 }
 
 // The lowest height, m; kMiss if there is none. Over the window.
-float lowestHeight(uint first_height, uvec4 reached) {
+float lowestHeight(Surface surface) {
   for (uint v = gl_LocalInvocationIndex; v < num_parts; v += WORKGROUP) {
     float highest = -kMiss;
     uint k = v;
-    for (; k < num_strips; k += LANES) highest = max(highest, largestOf(scaled(heightsOver(first_height, stripAt(k), reached), -1.0)));
+    for (; k < num_strips; k += LANES) highest = max(highest, largestOf(scaled(heightsOver(surface, stripAt(k)), -1.0)));
     cut_short = cut_short || k < num_strips;
     partial[v] = vec4(highest);
   }
   return -largestOfPartials(num_parts);
 }
 
-vec4 targetOf(vec4 height, float origin, float limit) {
-  vec4 target = min((origin - height) / THICKNESS, 1.0);
-  return mix(vec4(kNever), target, greaterThan(target, vec4(limit)));
+// How deep below the origin the surface is, thicknesses, at most 1: deeper the skin is not pressed.
+vec4 overlapOf(Surface surface, vec4 height) { return min((surface.origin - height) / THICKNESS, 1.0); }
+Strip overlapsOver(Surface surface, uvec2 at) {
+  Strip h = heightsOver(surface, at);
+  return Strip(overlapOf(surface, h.low), overlapOf(surface, h.high));
+}
+float overlapAt(Surface surface, uvec2 node) {
+  return overlapOf(surface, vec4(withoutSlot(heights[surface.first_height + node.x * NODE_COLS + node.y]))).x;
 }
 
-// Targets of the strips that were reached: as deep below `origin` (m) as the surface is, at most 1; kNever from `limit` down. The window shrinks to the rest.
-void aim(uint first_height, uvec4 reached, float origin, float limit) {
-  uint end = reached.z / kStrip + window_width;  // strips beyond have no targets
-  clearSources();
-  uint k = gl_LocalInvocationIndex;
-  for (; k < num_strips; k += WORKGROUP) {
-    uvec2 at = stripAt(k);
-    Strip h = heightsOver(first_height, at, reached);
-    Strip target = Strip(targetOf(h.low, origin, limit), targetOf(h.high, origin, limit));
-    writeStrip(kLayerTarget, at, target);
-    if (largestOf(target) > kNever) addSource(at);
-  }
-  cut_short = cut_short || k < num_strips;
+vec4 aboveOrNever(vec4 target, float limit) { return mix(vec4(kNever), target, greaterThan(target, vec4(limit))); }
+
+// A strip of the window has this target, but kNever from `limit` down; what is left of it is a source.
+void setTarget(uvec2 at, Strip target, float limit) {
+  target = Strip(aboveOrNever(target.low, limit), aboveOrNever(target.high, limit));
+  writeStrip(kLayerTarget, at, target);
+  if (largestOf(target) > kNever) addSource(at);
+}
+
+// The window shrinks to the sources. Strips from `end` on have no targets.
+void shrinkWindow(uint end) {
   meet();
   uvec2 rows = uvec2(source_rows[0], source_rows[1]);
   for (uint row = rows.x + gl_LocalInvocationIndex; row < rows.y; row += WORKGROUP) {
@@ -159,6 +174,25 @@ void aim(uint first_height, uvec4 reached, float origin, float limit) {
   }
   setWindow(uvec2(rows.x, max(rows.y, rows.x) - rows.x), width);
   meet();
+}
+
+// Targets of what was reached are its overlaps; kNever from `limit` down, where the window ends.
+void aim(Surface surface, float limit) {
+  uint end = surface.reached.z / kStrip + window_width;
+  clearSources();
+  uint k = gl_LocalInvocationIndex;
+  for (; k < num_strips; k += WORKGROUP) setTarget(stripAt(k), overlapsOver(surface, stripAt(k)), limit);
+  cut_short = cut_short || k < num_strips;
+  shrinkWindow(end);
+}
+
+// The same with the targets there are.
+void narrow(uint end, float limit) {
+  clearSources();
+  uint k = gl_LocalInvocationIndex;
+  for (; k < num_strips; k += WORKGROUP) setTarget(stripAt(k), readStrip(kLayerTarget, stripAt(k)), limit);
+  cut_short = cut_short || k < num_strips;
+  shrinkWindow(end);
 }
 
 // No pressure outside the window, nor anywhere before the first step.
@@ -174,7 +208,7 @@ void clearPressures(bool first_step) {
 }
 
 // Springs as soft as a few cells: the depth at which they would carry the load, a first guess of the shift. Newton's method from full depth.
-float guessShift(float sum_wanted) {
+float guessShift(Goal goal) {
   const float kSoftness = 4.0;
   const uint kRounds = 6;
   float shift = 1.0;
@@ -191,7 +225,7 @@ float guessShift(float sum_wanted) {
       partial[v] = vec4(sums, 0, 0);
     }
     vec2 sums = sumOfPartials(num_parts).xy;
-    shift = clamp(shift - (sums.x - kSoftness * sum_wanted) / max(sums.y, 1.0), 1e-6, 1.0);
+    shift = clamp(shift - (sums.x - kSoftness * goal.sum) / max(sums.y, 1.0), min(1e-6 - goal.deepest, 1.0), 1.0);
   }
   return shift;
 }
@@ -276,10 +310,11 @@ float valueAt(uint kind, uvec2 node) {
 #include "lib/layer_shear.glsl"
 
 // Forces of the taxels that were reached, N, and the mean depth of their samples, m; returns the rectangle of these taxels. `pressed`: the nodes that shear.
-uvec4 writeTaxels(uint instance, uvec4 reached, uvec4 pressed, float shift) {
+uvec4 writeTaxels(uint instance, Surface surface, uvec4 pressed, float shift) {
   uvec2 margin = uvec2(MARGIN_ROWS, MARGIN_COLS);
+  uvec4 reached = surface.reached;
   uvec2 first_node = max(reached.xz, margin), end_node = min(reached.yw, uvec2(NODE_ROWS - MARGIN_ROWS, NODE_COLS - MARGIN_COLS));
-  bool any_node = num_strips > 0 && all(lessThan(first_node, end_node));
+  bool any_node = (num_strips > 0 || RELAXATION > 0) && all(lessThan(first_node, end_node));
   uvec2 first = (first_node - margin) / SAMPLES, count = (end_node - margin + SAMPLES - 1u) / SAMPLES - first;
   if (!any_node) first = count = uvec2(0);
   for (uint k = gl_LocalInvocationIndex; k < NUM_TAXELS; k += WORKGROUP) {
@@ -291,15 +326,15 @@ uvec4 writeTaxels(uint instance, uvec4 reached, uvec4 pressed, float shift) {
     for (uint a = 0; inside && a < SAMPLES; ++a) {
       for (uint b = 0; b < SAMPLES; ++b) {
         uvec2 node = margin + at * SAMPLES + uvec2(a, b);
-        // Targets are known where the surface is; a taxel's nodes may lie beside.
+        // The surface is known where it was reached; a taxel's nodes may lie beside.
         if (any(lessThan(node, first_node)) || any(greaterThanEqual(node, end_node))) continue;
         pressure += valueAt(kLayerPressure, node);
-        if (OUTPUT_DEPTH) depth += max(valueAt(kLayerTarget, node) + shift, 0.0);
+        if (OUTPUT_DEPTH) depth += max(overlapAt(surface, node) + shift, 0.0);
         if (OUTPUT_SHEAR && isKept(node, pressed)) traction += heldAt(shearState(instance, node));
       }
     }
     uint taxel = instance * NUM_TAXELS + k;
-    contact_normal[taxel] = pressure * NODE_FORCE * spread_scale[k];
+    contact_normal[taxel] = pressure * node_force * spread_scale[k];
     if (OUTPUT_DEPTH) contact_depth[taxel] = depth * THICKNESS / float(SAMPLES * SAMPLES);
     if (OUTPUT_SHEAR) {
       vec2 shear = traction * nodeArea() * spread_scale[k];
@@ -311,7 +346,7 @@ uvec4 writeTaxels(uint instance, uvec4 reached, uvec4 pressed, float shift) {
 }
 
 // Wrench, loads and what else is told of an instance.
-void report(uint instance, uint num_instances, Solution found, Goal goal, uint iterations, uvec4 taxels, Shear shear) {
+void report(uint instance, uint num_instances, Surface surface, Solution found, uint iterations, uvec4 taxels, Shear shear) {
   vec2 spacing = nodeSpacing();
   for (uint v = gl_LocalInvocationIndex; v < num_parts; v += WORKGROUP) {
     vec4 sums = vec4(0);  // pressures, these times x and y of P, pressures on taxels
@@ -319,18 +354,19 @@ void report(uint instance, uint num_instances, Solution found, Goal goal, uint i
     uint k = v;
     for (; k < num_strips; k += LANES) {
       uvec2 at = stripAt(k);
-      Strip p = readStrip(kLayerPressure, at), target = readStrip(kLayerTarget, at), on_taxels = onTaxels(at);
+      Strip p = readStrip(kLayerPressure, at), overlap = readStrip(kLayerTarget, at), on_taxels = onTaxels(at);
+      if (RELAXATION > 0) overlap = overlapsOver(surface, at);
       vec2 corner = nodePosition(uvec2(at.x, at.y * kStrip));
       Strip along = Strip(corner.y + vec4(0, 1, 2, 3) * spacing.y, corner.y + vec4(4, 5, 6, 7) * spacing.y);
       float sum = sumOf(p);
       sums += vec4(sum, sum * corner.x, dotOf(p, along), dotOf(p, on_taxels));
-      deep += dotOf(on_taxels, whereAbove(Strip(target.low + found.shift, target.high + found.shift), 0.9999999));
+      deep += dotOf(on_taxels, whereAbove(Strip(overlap.low + found.shift, overlap.high + found.shift), 0.9999999));
     }
     cut_short = cut_short || k < num_strips;
     partial[v] = sums;
     if (deep > 0.0) atomicAdd(num_deep, uint(deep));
   }
-  vec4 sums = sumOfPartials(num_parts) * NODE_FORCE;
+  vec4 sums = sumOfPartials(num_parts) * node_force;
   if (gl_LocalInvocationIndex != 0) return;
   mat3 R_SP = transpose(mat3(sensor.X_SC_row0.xyz, sensor.X_SC_row1.xyz, sensor.X_SC_row2.xyz));
   vec3 force = R_SP * vec3(shear.force, -sums.x);
@@ -345,35 +381,50 @@ void report(uint instance, uint num_instances, Solution found, Goal goal, uint i
 }
 
 void pressInstance(uint instance, uint num_instances, uint num_slots) {
-  layer_start = instance * kNumLayerArrays * kArrayPairs;
+  layer_start = instance * kLayerArrays * kArrayPairs;
   uint flags = instances[instance].keys.w;
+  bool is_first = (flags & kFlagFirstStep) != 0;
   bool by_load = LOADS && (flags & kFlagLoadDriven) != 0;
+  node_force = NODE_FORCE;
+  if (RELAXATION > 0) {
+    skin_is_new = is_first;
+    loadSkinStep(is_first);
+    node_force *= skin_gain;
+  }
   if (gl_LocalInvocationIndex == 0) num_deep = 0;
 
-  uvec4 reached = reachedNodes(instance);
-  uint first_height = instance * NODE_ROWS * NODE_COLS;
-  uint first_strip = reached.z / kStrip;
+  Surface surface = Surface(instance * NODE_ROWS * NODE_COLS, reachedNodes(instance), 0.0);
+  uint first_strip = surface.reached.z / kStrip, end_strip = (surface.reached.w + kStrip - 1u) / kStrip;
   for (uint row = gl_LocalInvocationIndex; row < NODE_ROWS; row += WORKGROUP) window_first[row] = first_strip;
-  setWindow(uvec2(reached.x, reached.y - reached.x), (reached.w + kStrip - 1u) / kStrip - first_strip);
+  setWindow(uvec2(surface.reached.x, surface.reached.y - surface.reached.x), end_strip - first_strip);
   meet();
-  float lowest = lowestHeight(first_height, reached);
+  float lowest = lowestHeight(surface);
   bool above = lowest >= kMiss;  // there is nothing
+  if (by_load) surface.origin = lowest;
   float deepest = by_load ? 0.0 : min(-lowest / THICKNESS, 1.0);
-  // Deeper than its thickness the skin is not pressed.
-  aim(first_height, reached, by_load ? lowest : 0.0, above ? kMiss : by_load ? -(1.0 + REACH) : -REACH * max(deepest, 0.0));
+  // Around a dent skin that bulges may be met anywhere in its reach.
+  float limit = by_load ? -(1.0 + REACH) : RELAXATION > 0 ? -REACH : -REACH * max(deepest, 0.0);
+  aim(surface, above ? kMiss : limit);
+  if (RELAXATION > 0) {
+    float sunk = sinkTargets();
+    if (!by_load) narrow(end_strip, -REACH * max(max(sunk, deepest), 0.0));
+    deepest = sunk;
+  }
   float load = by_load ? instances[instance].drive.x : 0.0;
-  bool idle = above || (by_load ? load <= 0.0 : deepest <= 0.0);
+  bool too_deep = deepest <= -1.0;  // full depth would not reach the bottom of a dent
+  bool idle = above || (by_load ? load <= 0.0 || too_deep : deepest <= 0.0);
   if (idle) setWindow(uvec2(0), 0);
-  clearPressures((flags & kFlagFirstStep) != 0);
+  clearPressures(is_first);
 
   // More than any skin carries is as good as endless.
   const float kMost = 1e6 * float(NODE_ROWS * NODE_COLS);
-  Goal goal = Goal(deepest, by_load, min(load / NODE_FORCE, kMost));
+  Goal goal = Goal(deepest, by_load, min(load / node_force, kMost));
   Solution found = Solution(0.0, 0.0, 0.0, 0.0);
   uint iterations = 0;
-  float status = above ? kLoadOutOfReach : kLoadCarried;
+  float status = above || (load > 0.0 && too_deep) ? kLoadOutOfReach : kLoadCarried;
+  if (by_load && !above) found.shift = min(-deepest, 1.0);  // at first touch
   if (!idle) {
-    if (LOADS && by_load) found.shift = guessShift(goal.sum);
+    if (LOADS && by_load) found.shift = guessShift(goal);
     begin(found, goal);
     iterations = solve(found, goal);
     if (by_load && !goal.by_load) status = kLoadOutOfReach;
@@ -381,14 +432,15 @@ void pressInstance(uint instance, uint num_instances, uint num_slots) {
   float offset = !by_load || above ? 0.0 : -lowest - found.shift * THICKNESS;
   if (LOADS && by_load && gl_LocalInvocationIndex == 0) loads[instance].bracket = vec4(offset, 0, 0, status);
   meet();
+  if (RELAXATION > 0) keepSkin();
   uvec4 pressed = uvec4(0);
   Shear shear = Shear(vec2(0), vec3(0));
   if (FRICTION) {
     pressed = pressedNodes();
-    shear = shearNodes(instance, num_slots, pressed, found.shift, offset);
+    shear = shearNodes(instance, num_slots, surface, pressed, found.shift, offset);
   }
-  uvec4 taxels = writeTaxels(instance, reached, pressed, found.shift);
-  report(instance, num_instances, found, goal, iterations, taxels, shear);
+  uvec4 taxels = writeTaxels(instance, surface, pressed, found.shift);
+  report(instance, num_instances, surface, found, iterations, taxels, shear);
 }
 
 void main() {

@@ -145,11 +145,11 @@ struct Friction {
 
 // A term of the skin's relaxation: a spring and a dashpot in series, beside the spring that stays and the other terms (the standard linear
 // solid; a Prony series). At constant depth the pressure falls, k(t) = k(0) [1 - sum fraction (1 - e^(-t / time))]; under a load the depth
-// grows while the sum of the forces stays the load. Other histories by Boltzmann's superposition, with d^normal_exponent as strain; skin
-// that an object leaves recovers with a free surface, and a new press meets the dent that is left. Not the readout's creep, which is of
-// counts at constant force.
+// grows while the sum of the forces stays the load. Other histories by Boltzmann's superposition, with d^normal_exponent as strain, of
+// ElasticLayer with the displacements of the whole surface, all moduli following one k(t); skin that an object leaves recovers with a free
+// surface, and a new press meets the dent that is left. Not the readout's creep, which is of counts at constant force.
 struct RelaxationTerm {
-  double fraction = 0;  // of the instantaneous stiffness, which is normal_contact_stiffness; 0 to 1, the sum of all terms < 1
+  double fraction = 0;  // of the instantaneous stiffness: normal_contact_stiffness, elastic_modulus; 0 to 1, the sum of all terms < 1
   double time = 1;      // s, > 0
 
   bool operator==(const RelaxationTerm&) const = default;
@@ -160,8 +160,7 @@ struct Skin {
   ContactLaw law = Winkler{};
   Friction friction{};
   double margin = 0;  // m, >= 0: how far the skin goes on past the taxels, rounded to whole samples; 0 unless the law is ElasticLayer
-  // 0 to 4 terms; none beside normal_damping, under Proximity or ElasticLayer. The first step after a reset presses at once, on skin long
-  // unloaded.
+  // 0 to 4 terms; none beside normal_damping or under Proximity. The first step after a reset presses at once, on skin long unloaded.
   std::vector<RelaxationTerm> relaxation{};
 };
 

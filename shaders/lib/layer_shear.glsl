@@ -32,7 +32,7 @@ uvec4 pressedNodes() {
 }
 
 // `shift`: as of the solution; `moved_z`: how far a load search has moved the objects along z of S in this step, m.
-Shear shearNodes(uint instance, uint num_slots, uvec4 pressed, float shift, float moved_z) {
+Shear shearNodes(uint instance, uint num_slots, Surface surface, uvec4 pressed, float shift, float moved_z) {
   uvec4 kept = keptWindow(frictionStart(instance));
   X_PS = inverseOf(Affine(sensor.X_SC_row0, sensor.X_SC_row1, sensor.X_SC_row2));
   loadMotions(instance, num_slots, moved_z);
@@ -43,9 +43,9 @@ Shear shearNodes(uint instance, uint num_slots, uvec4 pressed, float shift, floa
     uint k = v;
     for (; k < count.x * count.y; k += LANES) {
       uvec2 node = first + uvec2(k / count.y, k % count.y);
-      float pressure = valueAt(kLayerPressure, node) * (NODE_FORCE / nodeArea());
-      uint slot = slotOf(heights[(instance * NODE_ROWS + node.x) * NODE_COLS + node.y]);
-      vec3 p = vec3(nodePosition(node), -(valueAt(kLayerTarget, node) + shift) * THICKNESS);
+      float pressure = valueAt(kLayerPressure, node) * (node_force / nodeArea());
+      uint slot = slotOf(heights[surface.first_height + node.x * NODE_COLS + node.y]);
+      vec3 p = vec3(nodePosition(node), -(overlapAt(surface, node) + shift) * THICKNESS);
       vec2 q = shearTraction(shearState(instance, node), isKept(node, kept), pressure > 0.0, slot, p, pressure);
       force += q;
       torque += cross(p, vec3(q, 0));

@@ -12,6 +12,8 @@
 // nothing is kept and all is 0. Then planes of TILE_SAMPLES words, w and one h after the other. A step rounds h by about 2^-24 of itself, so that a
 // term whose time is more than some ten million steps stands still.
 
+#include "lib/skin_step.glsl"
+
 // A search over tiles tries offsets; its last pass, kSearchEnded, moves on.
 const bool kAdvances = SEARCH != kSearchOverTiles;
 
@@ -24,19 +26,12 @@ struct SkinState {
 // Of this step and tile.
 uint skin_first;     // word of its state
 uvec4 skin_reached;  // before
-float skin_settled, skin_gain;
-vec4 skin_fade, skin_fade_rest;  // e in two floats: 1 - e is what matters where steps are short
-vec4 skin_growth;                // c
 
 void loadRelaxation(uint tile, bool is_new) {
   skin_first = tile * (kRelaxationHeader + (1u + RELAXATION) * TILE_SAMPLES);
   skin_reached = uvec4(0);
   if (!is_new) skin_reached = uvec4(state[skin_first], state[skin_first + 1], state[skin_first + 2], state[skin_first + 3]);
-  skin_settled = step_record.relaxation.x;
-  skin_gain = is_new ? 1.0 : step_record.relaxation.y;
-  skin_fade = step_record.relaxation_fade;
-  skin_fade_rest = step_record.relaxation_fade_rest;
-  skin_growth = is_new ? step_record.relaxation_fraction : step_record.relaxation_growth;
+  loadSkinStep(is_new);
 }
 
 bool isReached(uvec2 taxel) { return all(greaterThanEqual(taxel, skin_reached.xz)) && all(lessThan(taxel, skin_reached.yw)); }

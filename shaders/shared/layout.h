@@ -199,6 +199,9 @@ TAXELSIM_CONSTANT kLayerExcess = 2u;    // displacement under the pressures less
 TAXELSIM_CONSTANT kLayerDirection = 3u;
 TAXELSIM_CONSTANT kLayerAnswer = 4u;  // the displacement under the direction
 TAXELSIM_CONSTANT kNumLayerArrays = 5u;
+// Of a skin that relaxes, both from frame to frame and in the units of pressures; then one more for each further term.
+TAXELSIM_CONSTANT kLayerStrain = 5u;
+TAXELSIM_CONSTANT kLayerOverstress = 6u;
 
 // ---- random numbers; base/philox.h has the same values ----
 TAXELSIM_CONSTANT kPurposeReadoutNoise = 1u;

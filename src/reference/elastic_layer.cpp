@@ -98,14 +98,42 @@ std::vector<Sample> samplesAt(const Sensor& sensor, const LayerNodes& nodes) {
   return samples;
 }
 
-LayerContact contactAt(const Sensor& sensor, const Layer& layer, std::span<const double> heights) {
+// What a skin that relaxes brings into a step.
+struct Dents {
+  double gain = 1;
+  std::vector<double> strain;  // (nodes), Pa: to which they recover by themselves
+  std::vector<double> depth;   // (nodes), m: by which that lowers the surface
+};
+
+Dents dentsOf(const Layer& layer, const SkinStep& skin) {
+  const auto size = static_cast<std::size_t>(layer.nodes.num_rows * layer.nodes.num_cols);
+  Dents dents{skin.gain, {}, std::vector<double>(size, 0)};
+  Problem everywhere{layer, {}, {}};
+  for (std::size_t n = 0; n < size; ++n) {
+    dents.strain.push_back(skin.recovered(n));
+    everywhere.node.push_back({static_cast<int>(n) / layer.nodes.num_cols, static_cast<int>(n) % layer.nodes.num_cols});
+  }
+  if (!skin.strain.empty()) dents.depth = everywhere.displacements(dents.strain);
+  return dents;
+}
+
+LayerContact contactAt(const Sensor& sensor, const Layer& layer, std::span<const double> heights, const Dents& dents) {
   const LayerNodes& nodes = layer.nodes;
   const double thickness = sensor.skin.thickness;
   LayerContact contact;
   contact.taxel_force.assign(static_cast<std::size_t>(numTaxels(sensor)), 0);
   contact.mean_penetration = contact.taxel_force;
-  for (const double height : heights) contact.overlap.push_back(std::min(-height, thickness));
-  contact.solution = pressLayer(layer, contact.overlap);
+  std::vector<double> below;  // the surface as it is without pressure
+  for (std::size_t n = 0; n < heights.size(); ++n) {
+    contact.overlap.push_back(std::min(-heights[n], thickness));
+    below.push_back(contact.overlap[n] - dents.depth[n]);
+  }
+  contact.solution = pressLayer(layer, below);
+  for (std::size_t n = 0; n < heights.size(); ++n) {
+    double& pressure = contact.solution.pressure[n];
+    contact.strain.push_back(dents.strain[n] + pressure);
+    pressure *= dents.gain;
+  }
   const double per_taxel = sensor.samples_per_taxel * sensor.samples_per_taxel;
   const Pose& X_SP = sensor.patches.front().X_SP;
   Vector3 force{0, 0, 0}, torque{0, 0, 0};
@@ -186,34 +214,38 @@ PressedSkin pressedNodes(const Sensor& sensor, std::span<const PlacedObject> obj
   return skin;
 }
 
-LayerContact layerContact(const Sensor& sensor, std::span<const PlacedObject> objects) {
+LayerContact layerContact(const Sensor& sensor, std::span<const PlacedObject> objects, const SkinStep& skin) {
   const Layer layer = layerOf(sensor);
-  return contactAt(sensor, layer, layerHeights(sensor, layer.nodes, objects));
+  return contactAt(sensor, layer, layerHeights(sensor, layer.nodes, objects), dentsOf(layer, skin));
 }
 
-LayerContact loadedLayerContact(const Sensor& sensor, std::span<const PlacedObject> objects, double load) {
+LayerContact loadedLayerContact(const Sensor& sensor, std::span<const PlacedObject> objects, double load, const SkinStep& skin) {
   const Layer layer = layerOf(sensor);
+  const Dents dents = dentsOf(layer, skin);
   const std::vector<double> heights = layerHeights(sensor, layer.nodes, objects);
   const double lowest = *std::min_element(heights.begin(), heights.end());
   LayerContact contact;
   if (!std::isfinite(lowest)) {
-    contact = contactAt(sensor, layer, heights);
+    contact = contactAt(sensor, layer, heights, dents);
     contact.load_reached = false;
     return contact;
   }
   const auto pressed = [&](double depth) {
     std::vector<double> moved = heights;
     for (double& height : moved) height -= lowest + depth;
-    LayerContact at = contactAt(sensor, layer, moved);
+    LayerContact at = contactAt(sensor, layer, moved, dents);
     at.offset = -lowest - depth;
     return at;
   };
   const auto excess = [&](const LayerContact& at) { return at.total_force + at.off_array_load - load; };
-  double shallow = 0, deep = sensor.skin.thickness;
+  // From first touch: of the lowest point, or of the skin raised or lowered by dents.
+  double shallow = std::numeric_limits<double>::infinity(), deep = sensor.skin.thickness;
+  for (std::size_t n = 0; n < heights.size(); ++n) shallow = std::min(shallow, heights[n] - lowest + dents.depth[n]);
+  shallow = std::min(shallow, deep);
   contact = pressed(deep);
   contact.load_reached = excess(contact) >= 0;
   if (!contact.load_reached) return contact;
-  if (load == 0) return pressed(0);
+  if (load == 0) return pressed(shallow);
   // Force grows with depth: bisection, then secants between the two ends (Illinois), until the load is met to eight digits.
   constexpr int kMaxEvaluations = 100;
   constexpr double kCarried = 1e-8;

@@ -11,6 +11,7 @@
 
 #include "reference/depth.h"
 #include "reference/friction.h"
+#include "reference/relaxation.h"
 #include "sensor/elastic_layer.h"
 
 namespace taxelsim::reference {
@@ -38,7 +39,8 @@ double forceOn(const Layer& layer, std::span<const double> pressure);
 
 // One frame of the contact: forces as of contactOf(), over the taxels, and what the margin carries.
 struct LayerContact {
-  LayerSolution solution;
+  LayerSolution solution;                // of a skin that relaxes: of the problem of its dents, but for the pressure
+  std::vector<double> strain;            // (num_rows x num_cols), Pa, of a skin that relaxes: pressures of an instantaneous press
   std::vector<double> overlap;           // (num_rows x num_cols), m: d, at most the thickness
   std::vector<double> taxel_force;       // (num_taxels), N
   std::vector<double> mean_penetration;  // (num_taxels), m: mean of clamp(d, 0, thickness)
@@ -56,11 +58,15 @@ std::vector<double> layerHeights(const Sensor& sensor, const LayerNodes& nodes, 
 // What shears of it: the nodes, each touched where it has pressure, by the lowest of the objects, which are where `contact` left them.
 PressedSkin pressedNodes(const Sensor& sensor, std::span<const PlacedObject> objects, const LayerContact& contact);
 
-// Objects where they are.
-LayerContact layerContact(const Sensor& sensor, std::span<const PlacedObject> objects);
+// Objects where they are. `skin`: of a skin that relaxes, over the nodes; none: of one that was never pressed.
+//
+// All moduli follow one g(t), so that the pressures p are the convolution of g with pressures P that would move the layer as far at once, A
+// P = w. A step that begins with `skin` has p = gain (P - q), q being the strains to which it recovers by itself, so that p / gain solves
+// the layer's problem for d - A q.
+LayerContact layerContact(const Sensor& sensor, std::span<const PlacedObject> objects, const SkinStep& skin = {});
 
 // Objects moved along z of S until taxels and margin together carry `load` (N); at full depth, where its deepest sample is as deep as the
 // skin is thick, when that carries less. The patch must face along z of S.
-LayerContact loadedLayerContact(const Sensor& sensor, std::span<const PlacedObject> objects, double load);
+LayerContact loadedLayerContact(const Sensor& sensor, std::span<const PlacedObject> objects, double load, const SkinStep& skin = {});
 
 }  // namespace taxelsim::reference

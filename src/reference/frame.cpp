@@ -7,8 +7,10 @@ namespace taxelsim::reference {
 namespace {
 
 // Stages 1 and 2 of a law that is solved over all samples at once.
-void pressElasticLayer(const Sensor& sensor, const FrameInput& input, Frame& frame) {
-  LayerContact solved = input.load ? loadedLayerContact(sensor, input.objects, *input.load) : layerContact(sensor, input.objects);
+void pressElasticLayer(const Sensor& sensor, const FrameInput& input, const SkinStep& skin, Frame& frame) {
+  LayerContact solved =
+      input.load ? loadedLayerContact(sensor, input.objects, *input.load, skin) : layerContact(sensor, input.objects, skin);
+  if (input.skin) input.skin->advance(input.dt, solved.strain);
   frame.load.offset = solved.offset;
   frame.load.reached = solved.load_reached;
   const std::vector<PlacedObject> placed = movedAlongZ(input.objects, solved.offset);
@@ -29,7 +31,7 @@ Frame simulateFrame(const Sensor& sensor, const FrameInput& input) {
   const SkinStep skin = input.skin ? input.skin->step(input.dt) : SkinStep{};
   const bool solved = std::holds_alternative<ElasticLayer>(sensor.skin.law);
   if (solved) {
-    pressElasticLayer(sensor, input, frame);
+    pressElasticLayer(sensor, input, skin, frame);
   } else if (input.load) {
     frame.load = findLoad(sensor, input.objects, *input.load, skin);
   }

@@ -38,7 +38,7 @@ struct Frame {
   LoadResult load;                  // offset 0 and reached when pose-driven; of ElasticLayer offset and reached only
   std::vector<double> heights;      // (num_taxels x s x s), m
   std::vector<double> penetration;  // (num_taxels x s x s), m, 0 to thickness
-  Contact contact;                  // its wrench is that of the pressures alone; of ElasticLayer without `pressure`
+  Contact contact;                  // its wrench is that of the pressures alone; of ElasticLayer without `pressure` and `strain`
   ContactShear shear;
   double off_array_load = 0;            // N: what the skin's margin carries
   std::array<double, 6> wrench{};       // force (N) and torque (N m) on the sensor at S's origin, in S

@@ -5,10 +5,13 @@
 
 namespace taxelsim::reference {
 
+double SkinStep::recovered(std::size_t sample) const {
+  return strain.empty() ? 0 : std::max(0.0, strain[sample] - held[sample] / gain);
+}
+
 SkinStep::Pressed SkinStep::press(std::size_t sample, double elastic) const {
-  if (strain.empty()) return {elastic, elastic};
-  const double recovered = std::max(0.0, strain[sample] - held[sample] / gain);
-  return elastic > recovered ? Pressed{gain * (elastic - recovered), elastic} : Pressed{0, recovered};
+  const double least = recovered(sample);
+  return elastic > least ? Pressed{gain * (elastic - least), elastic} : Pressed{0, least};
 }
 
 double SkinHistory::meanKernel(double age, double span) const {

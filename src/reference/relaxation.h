@@ -24,6 +24,8 @@ struct SkinStep {
     double pressure;  // Pa, >= 0
     double strain;    // Pa
   };
+  // Strain (Pa) to which a sample recovers that nothing presses.
+  double recovered(std::size_t sample) const;
   // A sample that an object presses to the strain `elastic` (Pa), or not at all (0).
   Pressed press(std::size_t sample, double elastic) const;
 };

@@ -124,7 +124,6 @@ void checkRelaxation(const Skin& skin) {
   }
   if (std::holds_alternative<Proximity>(skin.law))
     fail("skin.relaxation", found, "none for the law proximity, under which nothing presses");
-  if (std::holds_alternative<ElasticLayer>(skin.law)) fail("skin.relaxation", found, "none for the law elastic_layer");
   const double damping = foundationOf(skin).normal_damping;
   if (damping > 0)
     fail("skin.relaxation", found, "none beside normal_damping (" + numberText(damping) + " Pa s / m), which is another model of loss");

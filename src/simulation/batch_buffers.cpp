@@ -17,8 +17,8 @@ struct InstanceBytes {
     contacts = sizeof(layout::ContactRecord) * static_cast<std::uint64_t>(options.max_contacts);
     num_contacts = takes_contacts ? 4 : 0;
     state = model.law.has_state && !takes_contacts ? 4 * num_tiles * model.packed.max_tile_samples : 0;
-    if (model.relaxes() && !takes_contacts) {
-      const std::uint64_t per_sample = 1 + model.sensor.skin.relaxation.size();
+    const std::uint64_t per_sample = model.relaxes() ? 1 + model.sensor.skin.relaxation.size() : 0;  // strain, overstresses
+    if (model.relaxes() && !model.layer && !takes_contacts) {
       state = 4 * num_tiles * (layout::kRelaxationHeader + per_sample * model.packed.max_tile_samples);
     }
     taxel_scalar = 4 * taxels;
@@ -37,7 +37,7 @@ struct InstanceBytes {
     if (model.layer && !takes_contacts) {
       heights = 4 * static_cast<std::uint64_t>(numTaxels(model.contact_sensor));
       windows = sizeof(layout::TileResult) * model.contact_packed.tiles.size();
-      layer = 4 * layout::kNumLayerArrays * model.layer->influence.size() / 2;
+      layer = 4 * (layout::kNumLayerArrays + per_sample) * model.layer->influence.size() / 2;
     }
   }
 

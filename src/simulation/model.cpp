@@ -53,11 +53,11 @@ std::uint32_t chooseRepeat(const DeviceInfo& info, std::uint64_t turns, std::uin
 }
 
 // Turns that one invocation alone would take for an elastic layer: two products of all strips with all others in some of the iterations,
-// the window being a part of them.
+// the window being a part of them, and one of the dents of a skin that relaxes.
 std::uint64_t layerWork(const Sensor& sensor, const PackedLayer& layer) {
   const std::uint64_t strips = layer.influence.size() / (2 * layout::kStrip);
   const auto iterations = static_cast<std::uint64_t>(std::get<ElasticLayer>(sensor.skin.law).iterations);
-  return strips * strips * (10 + iterations) / 10;
+  return strips * strips * ((sensor.skin.relaxation.empty() ? 10 : 20) + iterations) / 10;
 }
 
 // Partial sums of the pass over an elastic layer. A GPU's workgroup has one for each invocation; on a software driver every sum is read by
@@ -263,7 +263,7 @@ gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const 
   of_the_pass.insert(of_the_pass.end(), {friction, bits(skin_friction.tangential_stiffness), bits(skin_friction.friction_coefficient),
                                          friction && variant.with_shear, friction && law.has_bristles});
   for (const float parameter : law.bristles) of_the_pass.push_back(bits(parameter));
-  of_the_pass.push_back(static_cast<std::uint32_t>(sensor.skin.relaxation.size()));
+  of_the_pass.push_back(layer ? 0 : static_cast<std::uint32_t>(sensor.skin.relaxation.size()));
   of_the_pass.insert(of_the_pass.end(), {groups_per_batch, has_blocks});
   return {device.context(),
           {.name = law.kernel,
@@ -368,12 +368,13 @@ gpu::Kernel Model::Impl::makeLayerKernel(const LayerVariant& variant) const {
            .spirv = pairs ? std::span<const std::uint32_t>(k_elastic_layer_pairs_spirv) : k_elastic_layer_spirv,
            .buffers = {"Instances", "Step", "SensorBlock", "Heights", "Windows", "Influence", "SpreadScale", "Layer", "ContactNormal",
                        "ContactDepth", "TileResults", "Loads", "Features", "Problems", "Motions", "FrictionState", "ContactShear"},
-           .constants = constants(sensor, packed, {layer_workgroup, layerLanes(device.info(), layerWork(sensor, *layer)), 1},
-                                  {count(nodes.num_rows), count(nodes.num_cols), count(nodes.margin_rows), count(nodes.margin_cols),
-                                   bits(sensor.skin.thickness), bits(layer->reach), bits(layer->node_force), count(elastic.iterations),
-                                   bits(elastic.tolerance), count(static_cast<int>(contact_packed.tiles.size())), variant.loads,
-                                   variant.with_depth, variant.many_slots, hasFriction(), bits(friction.tangential_stiffness),
-                                   bits(friction.friction_coefficient), variant.with_shear})}};
+           .constants =
+               constants(sensor, packed, {layer_workgroup, layerLanes(device.info(), layerWork(sensor, *layer)), 1},
+                         {count(nodes.num_rows), count(nodes.num_cols), count(nodes.margin_rows), count(nodes.margin_cols),
+                          bits(sensor.skin.thickness), bits(layer->reach), bits(layer->node_force), count(elastic.iterations),
+                          bits(elastic.tolerance), count(static_cast<int>(contact_packed.tiles.size())), variant.loads, variant.with_depth,
+                          variant.many_slots, hasFriction(), bits(friction.tangential_stiffness), bits(friction.friction_coefficient),
+                          variant.with_shear, count(static_cast<int>(sensor.skin.relaxation.size()))})}};
 }
 
 Model::Model(const Device& device, const ModelOptions& options) : impl_(std::make_shared<Impl>(device, options)) {}

@@ -57,6 +57,12 @@ TEST(RelaxationClosedForm, LossOfACycle) {
 TEST(RelaxationClosedForm, CyclesLose) {
   kTwin.cyclesLose();
 }
+TEST(RelaxationClosedForm, LayerUnderAPunch) {
+  kTwin.layerUnderAPunch();
+}
+TEST(RelaxationClosedForm, LayerUnderASphere) {
+  kTwin.layerUnderASphere();
+}
 
 }  // namespace
 }  // namespace taxelsim

@@ -207,9 +207,6 @@ TEST(BadScenes, Sensors) {
        BadScene{
            kSkin, "{thickness: 1, normal_contact_stiffness: 1, normal_damping: 2, relaxation: [{fraction: 0.5, time: 1}]}",
            ":9:84: sensor.skin.relaxation: 1 term is not allowed: none beside normal_damping (2 Pa s / m), which is another model of loss"},
-       BadScene{kSkin,
-                "{thickness: 0.002, law: elastic_layer, elastic_modulus: 1e6, poisson_ratio: 0.5, relaxation: [{fraction: 0.5, time: 1}]}",
-                ":9:102: sensor.skin.relaxation: 1 term is not allowed: none for the law elastic_layer"},
        BadScene{kSkin, "{thickness: 1, law: proximity, sensitivity: 1, relaxation: [{fraction: 0.5, time: 1}]}",
                 ":9:68: sensor.skin.relaxation: 1 term is not allowed: none for the law proximity, under which nothing presses"},
        BadScene{kSkin, "soft", ":9:9: sensor.skin: soft is not allowed: a mapping of thickness[_mm], law"},

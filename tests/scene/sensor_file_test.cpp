@@ -124,10 +124,10 @@ TEST(SensorFile, AnElasticLayerHasKeysOfItsOwn) {
   EXPECT_EQ(sensor.skin.friction, (Friction{.tangential_stiffness = 5e7, .friction_coefficient = 0.6}));
 }
 
-TEST(SensorFile, RelaxationOfTheLawsOnAFoundation) {
+TEST(SensorFile, Relaxation) {
   const std::vector<RelaxationTerm> terms{{0.5, 6}, {0.2, 8}};
-  for (const std::string law :
-       {"winkler, normal_contact_stiffness: 1e8", "mass_spring_damper, normal_contact_stiffness: 1e8", "deformation_mask"}) {
+  for (const std::string law : {"winkler, normal_contact_stiffness: 1e8", "mass_spring_damper, normal_contact_stiffness: 1e8",
+                                "deformation_mask", "elastic_layer, elastic_modulus: 1e6, poisson_ratio: 0.45"}) {
     const Sensor sensor = load(
         "num_rows: 1\nnum_cols: 1\npitch: 0.003\nskin: {thickness: 0.002, relaxation: [{fraction: 0.5, time: 6}, "
         "{time: 8, fraction: 0.2}], law: " +

@@ -192,12 +192,12 @@ TEST(CheckSensor, Relaxation) {
   expectTaken([](Sensor& s) { s.skin.relaxation.assign(4, {.fraction = 0, .time = 1e-30}); });
   expectTaken([](Sensor& s) { s.skin.relaxation = {{0.5, 1e6}, {0.499999, 1e-6}}; });
   expectTaken([](Sensor& s) { s.skin.relaxation = {{0.5, 1}}, s.skin.law = DeformationMask{}; });
+  expectTaken([](Sensor& s) { s.skin.relaxation = {{0.5, 1}}, s.skin.law = ElasticLayer{.elastic_modulus = 1e6}; });
   expectTaken([](Sensor& s) { s.skin.relaxation = {{0.5, 1}}, s.skin.friction = {1e8, 0.5}; });
   expectRefused("skin.relaxation", [](Sensor& s) { s.skin.relaxation.assign(5, {.fraction = 0.1, .time = 1}); });
   expectRefused("skin.relaxation", [](Sensor& s) { s.skin.relaxation = {{0.5, 1}, {0.5, 2}}; });
   expectRefused("skin.relaxation", [](Sensor& s) { s.skin.relaxation = {{0.5, 1}}, s.skin.law = Proximity{.sensitivity = 1e8}; });
   expectRefused("skin.relaxation", [](Sensor& s) { s.skin.relaxation = {{0.5, 1}}, law(s).normal_damping = 1; });
-  expectRefused("skin.relaxation", [](Sensor& s) { s.skin.relaxation = {{0.5, 1}}, s.skin.law = ElasticLayer{.elastic_modulus = 1e6}; });
   for (const double bad : {-0.1, 1.0, kNan, kInfinity})
     expectRefused("skin.relaxation[0].fraction", [&](Sensor& s) { s.skin.relaxation = {{bad, 1}}; });
   for (const double bad : {-1.0, 0.0, kNan, kInfinity})

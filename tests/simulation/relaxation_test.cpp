@@ -71,6 +71,12 @@ TEST(RelaxationOnDevice, LossOfACycle) {
 TEST(RelaxationOnDevice, CyclesLose) {
   kDevice.cyclesLose();
 }
+TEST(RelaxationOnDevice, LayerUnderAPunch) {
+  kDevice.layerUnderAPunch();
+}
+TEST(RelaxationOnDevice, LayerUnderASphere) {
+  kDevice.layerUnderASphere();
+}
 
 // ---- the twin ----
 

@@ -280,4 +280,105 @@ void RelaxationCases::cyclesLose() const {
   }
 }
 
+namespace {
+
+// 16 x 16 nodes, 0.75 mm apart. Of springs what is relaxed here is exact; a layer is solved, on the device to this share of the depth.
+Sensor layerOf(std::vector<RelaxationTerm> terms, ElasticLayer::Base base) {
+  Sensor sensor = skinOf(std::move(terms), 1, 4);
+  sensor.skin.law = ElasticLayer{.elastic_modulus = 1e6, .poisson_ratio = 0.49, .base = base, .iterations = 200, .tolerance = 2e-5};
+  return sensor;
+}
+
+Sensor withoutRelaxation(Sensor sensor) {
+  sensor.skin.relaxation.clear();
+  return sensor;
+}
+
+}  // namespace
+
+// Under a punch that stays in place all pressures stay in proportion, so that the layer is one spring: k(t) at a constant depth, J(t) under
+// a load, and of a dent that was long held the share of its term recovers with the time of creep.
+void RelaxationCases::layerUnderAPunch() const {
+  constexpr double kDepth = 0.4e-3, kLoad = 2;
+  const Object punch(Cylinder{3e-3, 10e-3});
+  const auto at = [](double depth, double dt) { return Press{{.position = {0.11e-3, -0.07e-3, 5e-3 - depth}}, dt}; };
+  const double slack = kClose + 2 * depth_error / kDepth;
+  for (const auto base : {ElasticLayer::Base::kBonded, ElasticLayer::Base::kHalfSpace}) {
+    const Sensor sensor = layerOf(kTerms, base);
+    std::vector<Press> steps;
+    for (const double dt : {0.7, 1e-4, 1e-3, 0.02, 0.003, 0.4, 3.0, 30.0}) steps.push_back(at(kDepth, dt));
+    const std::vector<Pressed> held = simulate(sensor, punch, steps);
+    double t = 0;
+    for (std::size_t n = 1; n < steps.size(); ++n) {
+      t += steps[n].dt;
+      EXPECT_NEAR(held[n].force / (held[0].force * kernel(sensor, t)), 1, slack) << n;
+    }
+    const double stiffness = held[0].force / kDepth;
+    const RelaxationTerm term{0.6, 0.3};
+    const double settled = 1 - term.fraction;
+    const Sensor creeping = layerOf({term}, base);
+    const std::vector<Pressed> loaded = simulate(creeping, punch, std::vector<Press>(40, {at(0, 0.02).X_SO, 0.02, kLoad}));
+    for (std::size_t n = 0; n < loaded.size(); ++n) {
+      const double depth = kLoad / stiffness * compliance(term, 0.02 * static_cast<double>(n));
+      EXPECT_TRUE(loaded[n].reached);
+      EXPECT_NEAR(loaded[n].force / kLoad, 1, kCarried);
+      EXPECT_NEAR(-loaded[n].offset, depth, slack * depth + 2 * depth_error) << n;
+    }
+
+    constexpr double kShort = 1e-6, kWait = 0.3;
+    constexpr int kNumWaits = 30;
+    steps = {at(kDepth, 1), at(kDepth, 40 * term.time), at(0.9 * term.fraction * kDepth, kShort), at(-1e-3, kShort)};
+    for (int n = 0; n < kNumWaits; ++n) steps.push_back(at(-1e-3, kWait / kNumWaits));
+    const double dent = term.fraction * kDepth * std::exp(-kWait * settled / term.time);
+    steps.push_back(at(dent - 0.05 * kDepth, kShort));  // not yet at the skin
+    steps.push_back(at(kDepth, kShort));
+    const std::vector<Pressed> recovers = simulate(creeping, punch, steps);
+    EXPECT_NEAR(recovers[1].force / (held[0].force * settled), 1, slack);
+    for (std::size_t n = 2; n + 1 < recovers.size(); ++n) EXPECT_EQ(recovers[n].force, 0) << n;
+    EXPECT_NEAR(recovers.back().force / (stiffness * (kDepth - dent)), 1, slack);
+  }
+}
+
+// Under a sphere the contact grows. By its pose, F(t) = int k(t - s) dF0(depth(s)), F0 being the force of the layer that does not relax;
+// under a dead load, F0(depth(t)) = F J(t), of a half-space depth ~ (F J)^(2/3) by Hertz.
+void RelaxationCases::layerUnderASphere() const {
+  constexpr double kRadius = 10e-3, kDepth = 0.6e-3, kLoad = 0.5, kDt = 0.05;
+  constexpr std::size_t kNumSteps = 16;
+  const RelaxationTerm term{0.5, 0.3};
+  const Object sphere(Sphere{kRadius});
+  const auto at = [](double depth) { return Pose{.position = {0.11e-3, -0.07e-3, kRadius - depth}}; };
+  // A step's path is straight in strain, the load's is at its ends: a sixth of the square of dt over the time of the term.
+  const double slack = kClose + kDt * kDt / (6 * term.time * term.time);
+  for (const auto base : {ElasticLayer::Base::kBonded, ElasticLayer::Base::kHalfSpace}) {
+    const Sensor sensor = layerOf({term}, base), elastic = withoutRelaxation(sensor);
+    std::vector<Press> steps, loads, as_compliant;
+    for (std::size_t n = 0; n < kNumSteps; ++n) {
+      const double t = kDt * static_cast<double>(n);
+      steps.push_back({at(kDepth * std::sin(kPi / 2 * static_cast<double>(n + 1) / kNumSteps)), kDt});
+      loads.push_back({at(0), kDt, kLoad});
+      as_compliant.push_back({at(0), kDt, kLoad * compliance(term, t)});
+    }
+    const std::vector<Pressed> pressed = simulate(sensor, sphere, steps), at_once = simulate(elastic, sphere, steps);
+    for (std::size_t n = 0; n < kNumSteps; ++n) {
+      double force = kernel(sensor, kDt * static_cast<double>(n)) * at_once[0].force;
+      for (std::size_t k = 1; k <= n; ++k) {
+        const double from = kDt * static_cast<double>(n - k),
+                     mean = (integralOfKernel(sensor, from + kDt) - integralOfKernel(sensor, from)) / kDt;
+        force += mean * (at_once[k].force - at_once[k - 1].force);
+      }
+      EXPECT_NEAR(pressed[n].force / force, 1, slack + 2 * depth_error / kDepth) << n;
+    }
+    const std::vector<Pressed> loaded = simulate(sensor, sphere, loads), compliant = simulate(elastic, sphere, as_compliant);
+    for (std::size_t n = 0; n < kNumSteps; ++n) {
+      EXPECT_TRUE(loaded[n].reached);
+      EXPECT_NEAR(loaded[n].force / kLoad, 1, kCarried);
+      EXPECT_NEAR(loaded[n].offset / compliant[n].offset, 1, slack) << n;
+      if (base != ElasticLayer::Base::kHalfSpace) continue;
+      // Four to six nodes in the contact's radius, which a pressure meets one by one.
+      constexpr double kGrid = 0.03;
+      EXPECT_NEAR(loaded[n].offset / (loaded[0].offset * std::pow(compliance(term, kDt * static_cast<double>(n)), 2.0 / 3)), 1, kGrid) << n;
+    }
+  }
+}
+
 }  // namespace taxelsim::support

@@ -4,7 +4,8 @@
 // A skin of stiffness k(t) = k0 [1 - sum fraction (1 - e^(-t / time))] pressed ever deeper carries F(t) = int k(t - s) dV(s), V being the
 // volume that the object takes up below the undeformed surface; under a dead load F0 that volume is V(t) = F0 J(t), with the creep
 // compliance J of int k(t - s) dJ(s) = 1 (W. N. Findley, J. S. Lai and K. Onaran, Creep and Relaxation of Nonlinear Viscoelastic Materials,
-// 1976, chapter 5).
+// 1976, chapter 5). Of an elastic layer the force of an instantaneous press takes the place of the volume, as long as the contact grows (E.
+// H. Lee and J. R. M. Radok, J. Appl. Mech. 27, 438-444, 1960).
 #pragma once
 
 #include <functional>
@@ -49,6 +50,8 @@ struct RelaxationCases {
   void pressedAgain() const;
   void lossOfACycle() const;
   void cyclesLose() const;
+  void layerUnderAPunch() const;
+  void layerUnderASphere() const;
 };
 
 }  // namespace taxelsim::support
