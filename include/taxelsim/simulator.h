@@ -7,6 +7,7 @@
 #include <span>
 
 #include "taxelsim/contact_point.h"
+#include "taxelsim/contact_type.h"
 #include "taxelsim/model.h"
 #include "taxelsim/pose.h"
 
@@ -15,14 +16,17 @@ namespace taxelsim {
 inline constexpr int kMaxSlots = 8;        // objects that one instance can touch
 inline constexpr int kNoObject = -1;       // id of an empty slot
 inline constexpr int kMaxContacts = 4096;  // that one instance can be given
+inline constexpr int kMaxRegions = 8;      // that have features of their own
 // Load of an instance that is driven by its pose.
 inline constexpr float kPoseDriven = std::numeric_limits<float>::quiet_NaN();
 
-// Which per-taxel arrays come back. Features and `tactile_image` always do.
+// What comes back beside features and `tactile_image`, which always do.
 struct OutputOptions {
   bool tactile_normal_force = true;
   bool tactile_shear_force = true;
   bool penetration_depth = true;
+  bool contact_features = false;        // FrameView::contact, two more passes of the device
+  bool clean_contact_features = false;  // GroundTruthView::contact, as many
 };
 
 struct SimulatorOptions {
@@ -33,6 +37,7 @@ struct SimulatorOptions {
   // Contact points that one instance may be given, 0 to kMaxContacts. Above 0, all instances take contacts (setContacts()) and none takes
   // objects or a load. `outputs.penetration_depth` is then refused: forces at points tell nothing about it, and zeros would be made up.
   int max_contacts = 0;
+  int max_regions = 0;         // rows of contact features for connected taxels, 0 to 8; 0 where no such features are asked for
   double contact_band = 1e-4;  // m, 0 to 1: how far over the undeformed skin a contact still counts; below, it is the skin's thickness
 };
 
@@ -56,6 +61,33 @@ struct FeatureView {
   std::span<const float> contact_area;        // (N), m^2: taxels above the trigger times their area
 };
 
+// Features of what is in contact, of parts of a sensor. Rows of an instance: the sensor; each of its patches (of a list of taxels none);
+// then the largest regions by total force. A region is a set of connected taxels that report anything, or carry more than their trigger
+// where forces are clean: on a grid patch each taxel is connected with the eight around it, on a list with those no farther along the skin
+// than 1.5 times the mean size of the two; not across patches. Of two regions with one force the one with the lowest taxel is first. Rows
+// without a region are 0, `patch` too where there is but one, else -1. Moments are taken in the plane of `patch`, as are its angles. A
+// region of a list lies in the plane of its taxel with the largest force, taxels beside it projected. In FeatureView's shapes N stands for
+// num_instances x num_rows here.
+struct ContactFeatureView : FeatureView {
+  int num_rows = 0;     // 1 + num_patches + max_regions; 0 unless asked for
+  int num_patches = 0;  // rows of patches
+  // The angle of an edge that the array cuts off: axes of the forces under a Gaussian window, whose standard deviation is 1.15 times the
+  // larger pitch, around a middle that four rounds move to the centre of the forces under it. 0 where less than a thousandth of the force
+  // is under it.
+  std::span<const float> windowed_edge_angle;       // (N), rad in (-pi/2, pi/2]; 0 where undefined
+  std::span<const float> windowed_edge_confidence;  // (N), 0 to 1
+  // How a flat face is turned against the patch, about x and y of `patch`, right-handed: a face turned by a about x presses less at +y
+  // where a > 0, one turned by b about y more at +x where b > 0. From the pressure's slope over the core, the taxels inside patch and
+  // contact that the spread gives as much as it takes from them, over the stiffness of foundationOf(skin) at their mean pressure. Saturated taxels
+  // are left out. Curved objects have none. 0 with confidence 0 where the core has fewer than four taxels or these on a line, and in the
+  // plane of S and on lists.
+  std::span<const float> tilt;             // (N x 2), rad
+  std::span<const float> tilt_confidence;  // (N), 0 to 1: 1 - what a plane misses of the core's forces, root mean square, over their mean
+  std::span<const float> contact_type;     // (N), a ContactType as a number
+  std::span<const float> patch;        // (N), number of the patch (of a list: the taxel) in whose plane moments are; -1: the xy plane of S
+  std::span<const float> num_regions;  // (num_instances): regions that there are, of which the largest have rows; 0 if max_regions is
+};
+
 // Values nobody could measure: before time, readout and noise.
 struct GroundTruthView : FeatureView {
   std::span<const float> tactile_normal_force;  // (N x num_taxels), N, after the PSF; empty unless asked for
@@ -73,6 +105,7 @@ struct GroundTruthView : FeatureView {
   std::span<const float> contact_residual;    // (N), >= 0: root mean square, over the samples in contact, of what the displacements miss,
                                               // relative to the deepest one
   std::span<const float> contact_iterations;  // (N), of the solver
+  ContactFeatureView contact;                 // from tactile_normal_force; empty unless asked for
 };
 
 // One frame of the whole batch. Measured features come from `tactile_image`, turned back into newtons by the nominal curve. The spans stay
@@ -80,6 +113,7 @@ struct GroundTruthView : FeatureView {
 struct FrameView : FeatureView {
   std::span<const std::uint32_t> tactile_image;  // (N x num_taxels), counts
   std::span<const float> saturated;              // (N), fraction of taxels at the upper end
+  ContactFeatureView contact;                    // empty unless asked for
   GroundTruthView ground_truth;
 };
 
@@ -93,7 +127,7 @@ struct MemoryPlan {
 // Seconds of the last frame, from the device's own clock; NaN where it has none.
 struct StepTiming {
   double contact = 0;
-  double image = 0;
+  double image = 0;  // with the contact features
   double total = 0;
 };
 

@@ -20,6 +20,24 @@ float angleOf(float y, float x) {
   return y < 0.0 ? -angle : angle;
 }
 
+// Eigenvalues of second moments (xx, xy, yy), larger first, and the direction of the larger one; where they are alike angle and confidence are 0.
+struct Axes {
+  float large, small;
+  float angle;       // rad in (-pi/2, pi/2]
+  float confidence;  // 0 to 1
+};
+
+Axes axesOf(vec3 second) {
+  float middle = 0.5 * (second.x + second.z);
+  float radius = length(vec2(0.5 * (second.x - second.z), second.y));
+  Axes axes = Axes(middle + radius, max(middle - radius, 0.0), 0.0, 0.0);
+  if (axes.large - axes.small > kNoDirection) {
+    axes.angle = 0.5 * angleOf(2.0 * second.y, second.x - second.z);
+    axes.confidence = (axes.large - axes.small) / (axes.large + axes.small);
+  }
+  return axes;
+}
+
 struct Moments {
   float force;  // N
   vec3 first;   // N m, about the origin of the sums, in C
@@ -28,41 +46,41 @@ struct Moments {
   float area;   // m^2
 };
 
-// The 13 image features of one instance; those of a block of components lie side by side, the blocks of all instances one after another.
-void writeMoments(uint start, uint instance, uint num_instances, Moments m, vec3 origin, vec4 X_SC_row0, vec4 X_SC_row1, vec4 X_SC_row2) {
+// About their own mean, m^2.
+vec3 centralMoments(float weight, vec2 first, vec3 second) {
+  vec2 mean = first / weight;
+  vec3 central = second / weight - vec3(mean.x * mean.x, mean.x * mean.y, mean.y * mean.y);
+  central.x = max(central.x, 0.0);
+  central.z = max(central.z, 0.0);
+  return central;
+}
+
+// The 13 image features of one row of `num_rows`: an instance, or a part of one. Those of a block of components lie side by side, the blocks of all rows one
+// after another.
+void writeMoments(uint start, uint row, uint num_rows, Moments m, vec3 origin, vec4 X_SC_row0, vec4 X_SC_row1, vec4 X_SC_row2) {
   vec3 center = vec3(0), second = vec3(0);
-  float large = 0.0, small = 0.0, angle = 0.0, confidence = 0.0;
+  Axes axes = Axes(0.0, 0.0, 0.0, 0.0);
   if (m.force > 0.0) {
-    vec3 mean = m.first / m.force;
-    second = m.second / m.force - vec3(mean.x * mean.x, mean.x * mean.y, mean.y * mean.y);
-    second.x = max(second.x, 0.0);
-    second.z = max(second.z, 0.0);
-    vec4 c = vec4(origin + mean, 1.0);
+    second = centralMoments(m.force, m.first.xy, m.second);
+    vec4 c = vec4(origin + m.first / m.force, 1.0);
     center = vec3(dot(X_SC_row0, c), dot(X_SC_row1, c), dot(X_SC_row2, c));
-    float middle = 0.5 * (second.x + second.z);
-    float radius = length(vec2(0.5 * (second.x - second.z), second.y));
-    large = middle + radius;
-    small = max(middle - radius, 0.0);
-    if (large - small > kNoDirection) {
-      angle = 0.5 * angleOf(2.0 * second.y, second.x - second.z);
-      confidence = (large - small) / (large + small);
-    }
+    axes = axesOf(second);
   }
-  uint base = start * num_instances;
-  features[base + kFeatureTotalForce * num_instances + instance] = m.force;
-  features[base + kFeaturePeakForce * num_instances + instance] = m.peak;
-  uint at = base + kFeatureCenterOfPressure * num_instances + 3 * instance;
+  uint base = start * num_rows;
+  features[base + kFeatureTotalForce * num_rows + row] = m.force;
+  features[base + kFeaturePeakForce * num_rows + row] = m.peak;
+  uint at = base + kFeatureCenterOfPressure * num_rows + 3 * row;
   features[at] = center.x;
   features[at + 1] = center.y;
   features[at + 2] = center.z;
-  at = base + kFeatureSecondMoments * num_instances + 3 * instance;
+  at = base + kFeatureSecondMoments * num_rows + 3 * row;
   features[at] = second.x;
   features[at + 1] = second.y;
   features[at + 2] = second.z;
-  at = base + kFeatureEigenvalues * num_instances + 2 * instance;
-  features[at] = large;
-  features[at + 1] = small;
-  features[base + kFeatureEdgeAngle * num_instances + instance] = angle;
-  features[base + kFeatureEdgeConfidence * num_instances + instance] = confidence;
-  features[base + kFeatureContactArea * num_instances + instance] = m.area;
+  at = base + kFeatureEigenvalues * num_rows + 2 * row;
+  features[at] = axes.large;
+  features[at + 1] = axes.small;
+  features[base + kFeatureEdgeAngle * num_rows + row] = axes.angle;
+  features[base + kFeatureEdgeConfidence * num_rows + row] = axes.confidence;
+  features[base + kFeatureContactArea * num_rows + row] = m.area;
 }

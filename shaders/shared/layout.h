@@ -69,7 +69,7 @@ struct TileRecord {
 // Per taxel, two rows.
 struct TaxelRecord {
   vec4 chart;    // position in C, m; area, m^2
-  vec4 readout;  // gain, trigger (N), 0, 0
+  vec4 readout;  // gain, trigger (N), patch, 0
 };
 
 struct SensorRecord {
@@ -79,6 +79,14 @@ struct SensorRecord {
   vec4 hysteresis_strength;  // of up to four elements
   vec4 hysteresis_width;     // N
   vec4 creep_fraction;       // of up to four terms
+};
+
+// A plane in which moments are taken: that of a patch, or xy of S, which is the last one. Chart C here is P or S.
+struct PlaneRecord {
+  vec4 X_SC_row0, X_SC_row1, X_SC_row2;
+  uvec4 grid;   // rows, cols, first taxel; how many taxels away from one that does not report forces are those of a wide face
+  vec4 pitch;   // along x and y, m; the larger of them; N at a taxel per Pa on a wide face
+  vec4 spread;  // xx, xy, yy: what the spread and the taxels' size add to second moments, m^2; 0
 };
 
 // Taxels of a row of the image pass where the sensor is not one grid patch, or its spread no kernel.
@@ -189,6 +197,29 @@ TAXELSIM_CONSTANT kFeatureOffArrayContacts = 37u;
 TAXELSIM_CONSTANT kFeatureContactResidual = 38u;
 TAXELSIM_CONSTANT kFeatureContactIterations = 39u;
 TAXELSIM_CONSTANT kNumFeatures = 40u;
+
+// ---- contact features ----
+// Rows of an instance: the sensor, its patches (none of a list of taxels), its regions. Block after block as above, each (num_instances x
+// num_rows x components): the image features at the numbers that they have above, then these, then the number of regions (num_instances).
+
+TAXELSIM_CONSTANT kContactWindowedEdgeAngle = 13u;
+TAXELSIM_CONSTANT kContactWindowedEdgeConfidence = 14u;
+TAXELSIM_CONSTANT kContactTilt = 15u;  // 2
+TAXELSIM_CONSTANT kContactTiltConfidence = 17u;
+TAXELSIM_CONSTANT kContactType = 18u;
+TAXELSIM_CONSTANT kContactPatch = 19u;
+TAXELSIM_CONSTANT kNumContactFeatures = 20u;
+
+// ContactType of the public header.
+TAXELSIM_FLOAT kContactNone = 0.0f;
+TAXELSIM_FLOAT kContactPoint = 1.0f;
+TAXELSIM_FLOAT kContactEdge = 2.0f;
+TAXELSIM_FLOAT kContactArea = 3.0f;
+
+// A taxel's word: its region, named by the lowest taxel in it, or kNoRegion where it does not report; plus kCoreTaxel where it lies so far
+// inside that its force is that of a wide face.
+TAXELSIM_CONSTANT kNoRegion = 0x7FFFFFFFu;
+TAXELSIM_CONSTANT kCoreTaxel = 0x80000000u;
 
 // ---- elastic layer ----
 // Arrays over its nodes are rows of strips of kStrip nodes, the last one filled up; an instance has one array of each kind.

@@ -9,12 +9,6 @@
 namespace taxelsim::reference {
 namespace {
 
-struct TaxelPlace {
-  Vector3 position_S;
-  std::array<double, 2> in_plane;  // coordinates in which the second moments are taken
-  double area;
-};
-
 std::vector<TaxelPlace> placesOf(const Sensor& sensor) {
   std::vector<TaxelPlace> places;
   for (const GridPatch& patch : sensor.patches) {
@@ -33,8 +27,22 @@ std::vector<TaxelPlace> placesOf(const Sensor& sensor) {
 
 }  // namespace
 
-Features featuresOf(const Sensor& sensor, std::span<const double> force, const std::vector<bool>& is_touched) {
-  const std::vector<TaxelPlace> places = placesOf(sensor);
+void setAxes(const std::array<double, 3>& second_moments, Features& features) {
+  const auto [xx, xy, yy] = second_moments;
+  const double middle = (xx + yy) / 2, radius = std::hypot((xx - yy) / 2, xy);
+  features.second_moments = second_moments;
+  features.eigenvalues = {middle + radius, std::max(0.0, middle - radius)};
+  const auto [larger, smaller] = features.eigenvalues;
+  if (radius > 0) {
+    features.edge_angle = std::atan2(2 * xy, xx - yy) / 2;
+    if (features.edge_angle <= -std::numbers::pi / 2) {
+      features.edge_angle += std::numbers::pi;  // atan2 gives -pi for a negative zero
+    }
+    features.edge_confidence = (larger - smaller) / (larger + smaller);
+  }
+}
+
+Features featuresOf(std::span<const TaxelPlace> places, std::span<const double> force, const std::vector<bool>& is_touched) {
   Features features;
   std::array<double, 2> mean{0, 0};
   for (std::size_t t = 0; t < force.size(); ++t) {
@@ -56,7 +64,8 @@ Features featuresOf(const Sensor& sensor, std::span<const double> force, const s
   }
   mean = {mean[0] / features.total_force, mean[1] / features.total_force};
 
-  auto& [xx, xy, yy] = features.second_moments;
+  std::array<double, 3> second_moments{0, 0, 0};
+  auto& [xx, xy, yy] = second_moments;
   for (std::size_t t = 0; t < force.size(); ++t) {
     const double x = places[t].in_plane[0] - mean[0], y = places[t].in_plane[1] - mean[1];
     const double weight = force[t] / features.total_force;
@@ -64,17 +73,12 @@ Features featuresOf(const Sensor& sensor, std::span<const double> force, const s
     xy += weight * x * y;
     yy += weight * y * y;
   }
-  const double middle = (xx + yy) / 2, radius = std::hypot((xx - yy) / 2, xy);
-  features.eigenvalues = {middle + radius, std::max(0.0, middle - radius)};
-  const auto [larger, smaller] = features.eigenvalues;
-  if (radius > 0) {
-    features.edge_angle = std::atan2(2 * xy, xx - yy) / 2;
-    if (features.edge_angle <= -std::numbers::pi / 2) {
-      features.edge_angle += std::numbers::pi;  // atan2 gives -pi for a negative zero
-    }
-    features.edge_confidence = (larger - smaller) / (larger + smaller);
-  }
+  setAxes(second_moments, features);
   return features;
+}
+
+Features featuresOf(const Sensor& sensor, std::span<const double> force, const std::vector<bool>& is_touched) {
+  return featuresOf(placesOf(sensor), force, is_touched);
 }
 
 Features cleanFeatures(const Sensor& sensor, std::span<const double> spread_force) {

@@ -22,6 +22,19 @@ struct Features {
   double contact_area = 0;                        // m^2
 };
 
+// Where a taxel is.
+struct TaxelPlace {
+  Vector3 position_S;              // m
+  std::array<double, 2> in_plane;  // coordinates in which the second moments are taken, m
+  double area;                     // m^2
+};
+
+// Of taxels at these places with these forces (N); is_touched says which of them count towards the contact area.
+Features featuresOf(std::span<const TaxelPlace> places, std::span<const double> force, const std::vector<bool>& is_touched);
+
+// Second moments (xx, xy, yy, m^2) about the mean, and what they say: eigenvalues, angle and confidence.
+void setAxes(const std::array<double, 3>& second_moments, Features& features);
+
 // Forces of all taxels, (num_taxels), N; is_touched says which taxels count towards the contact area.
 Features featuresOf(const Sensor& sensor, std::span<const double> force, const std::vector<bool>& is_touched);
 

@@ -34,6 +34,14 @@ struct InstanceBytes {
       contact_shear = shear;
     }
     tiles = sizeof(layout::TileResult) * num_tiles;
+    if (options.outputs.contact_features || options.outputs.clean_contact_features) {
+      const std::uint64_t per_set = 4 * (1 + layout::kNumContactFeatures * numContactRows(model.packed_contact, options.max_regions));
+      if (options.outputs.contact_features) contact_features = per_set;
+      if (options.outputs.clean_contact_features) clean_contact_features = per_set;
+      forces = taxel_regions = taxel_scalar;
+      region_sums = options.max_regions > 0 ? taxel_scalar : 0;
+      regions = 4 * static_cast<std::uint64_t>(options.max_regions);
+    }
     if (model.layer && !takes_contacts) {
       heights = 4 * static_cast<std::uint64_t>(numTaxels(model.contact_sensor));
       windows = sizeof(layout::TileResult) * model.contact_packed.tiles.size();
@@ -44,6 +52,7 @@ struct InstanceBytes {
   std::uint64_t poses, contacts, num_contacts, state, taxel_scalar, law_state, taxel_states, depth, shear, tiles;
   std::uint64_t motions = 0, friction = 0, contact_shear = 0;
   std::uint64_t heights = 0, windows = 0, layer = 0;
+  std::uint64_t forces = 0, taxel_regions = 0, region_sums = 0, regions = 0, contact_features = 0, clean_contact_features = 0;
   std::uint64_t instances = sizeof(layout::InstanceRecord);
   std::uint64_t loads = sizeof(layout::LoadRecord);
   std::uint64_t features = 4 * layout::kNumFeatures;
@@ -51,17 +60,27 @@ struct InstanceBytes {
   // contact_normal, spread_normal and the image have a scalar per taxel.
   std::uint64_t total() const {
     return poses + motions + contacts + num_contacts + state + friction + law_state + taxel_states + 3 * taxel_scalar + depth + shear +
-           contact_shear + tiles + heights + windows + layer + instances + loads + features;
+           contact_shear + tiles + heights + windows + layer + instances + loads + features + forces + taxel_regions + region_sums +
+           regions + contact_features + clean_contact_features;
   }
-  std::uint64_t readBack() const { return 2 * taxel_scalar + depth + shear + features; }
+  std::uint64_t readBack() const { return 2 * taxel_scalar + depth + shear + features + contact_features + clean_contact_features; }
   std::uint64_t largest() const {
     return std::max({poses, motions, contacts, state, friction, law_state, taxel_states, taxel_scalar, shear, tiles, heights, windows,
-                     layer, instances, features});
+                     layer, instances, features, contact_features, clean_contact_features});
   }
 };
 
 // Part of the device's memory that a batch may take; the rest is the driver's and other programs'.
 constexpr double kMemoryShare = 0.9;
+
+void checkRegions(const SimulatorOptions& options) {
+  const auto refuse = [&](const std::string& allowed) {
+    throw Error(ErrorKind::kInput, "max_regions: " + std::to_string(options.max_regions) + " is not allowed: " + allowed);
+  };
+  if (options.max_regions < 0 || options.max_regions > kMaxRegions) refuse("0 to " + std::to_string(kMaxRegions));
+  const bool with_features = options.outputs.contact_features || options.outputs.clean_contact_features;
+  if (options.max_regions > 0 && !with_features) refuse("0 where no outputs.contact_features or clean_contact_features are asked for");
+}
 
 // Objects or contacts: where the forces of the batch come from.
 void checkSource(const Model::Impl& model, const SimulatorOptions& options) {
@@ -108,6 +127,7 @@ void checkBatchFits(const Model::Impl& model, const SimulatorOptions& options) {
                 "num_slots: " + std::to_string(options.num_slots) + " is not allowed: 1 to " + std::to_string(kMaxSlots));
   }
   checkSource(model, options);
+  checkRegions(options);
   const MemoryPlan plan = planBatch(model, options);
   if (static_cast<std::uint64_t>(options.num_instances) <= plan.max_instances) return;
   throw Error(ErrorKind::kInput, "a batch of " + std::to_string(options.num_instances) + " instances of " +
@@ -144,11 +164,17 @@ BatchBuffers::BatchBuffers(const Model::Impl& model, const SimulatorOptions& opt
   heights = make("heights", bytes.heights, gpu::Domain::kDevice);
   windows = make("windows", bytes.windows, gpu::Domain::kDevice);
   layer = make("layer", bytes.layer, gpu::Domain::kDevice);
+  forces = make("forces", bytes.forces, gpu::Domain::kDevice);
+  taxel_regions = make("taxel regions", bytes.taxel_regions, gpu::Domain::kDevice);
+  region_sums = make("region sums", bytes.region_sums, gpu::Domain::kDevice);
+  regions = make("regions", bytes.regions, gpu::Domain::kDevice);
   contact_depth = make_readable("penetration_depth", bytes.depth);
   image = make_readable("tactile_image", bytes.taxel_scalar);
   spread_normal = make_readable("tactile_normal_force", bytes.taxel_scalar);
   spread_shear = make_readable("tactile_shear_force", bytes.shear);
   features = make_readable("features", bytes.features);
+  contact_features = make_readable("contact_features", bytes.contact_features);
+  clean_contact_features = make_readable("clean_contact_features", bytes.clean_contact_features);
   problems = ReadableBuffer{gpu::Buffer(context, "problems", 4, gpu::Domain::kDevice), {}};
   if (problems.copied()) problems.readback = gpu::Buffer(context, "problems readback", 4, gpu::Domain::kReadback);
 }
@@ -158,6 +184,8 @@ std::vector<ReadableBuffer*> BatchBuffers::readable(const OutputOptions& outputs
   if (outputs.tactile_normal_force) list.push_back(&spread_normal);
   if (outputs.tactile_shear_force) list.push_back(&spread_shear);
   if (outputs.penetration_depth) list.push_back(&contact_depth);
+  if (outputs.contact_features) list.push_back(&contact_features);
+  if (outputs.clean_contact_features) list.push_back(&clean_contact_features);
   return list;
 }
 

@@ -29,7 +29,9 @@ struct BatchBuffers {
   // stay on the device
   gpu::Buffer state, friction_state, law_state, contact_normal, contact_shear, tile_results, taxel_states;
   gpu::Buffer heights, windows, layer;  // of an elastic layer: per node, per tile of the contact pass, arrays over strips of nodes
-  ReadableBuffer contact_depth, image, spread_normal, spread_shear, features, problems;  // come back
+  gpu::Buffer forces, taxel_regions, region_sums, regions;  // of contact features
+  // come back
+  ReadableBuffer contact_depth, image, spread_normal, spread_shear, features, contact_features, clean_contact_features, problems;
   std::vector<ReadableBuffer*> readable(const OutputOptions& outputs);
 };
 

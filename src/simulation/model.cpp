@@ -11,6 +11,7 @@
 #include "load.spv.h"
 #include "simulation/model_impl.h"
 #include "simulation/pack_objects.h"
+#include "simulation/workgroups.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -22,35 +23,8 @@ constexpr std::uint32_t kMaxTileSamples = 6144;
 constexpr std::uint32_t kTileOverhead = 6656;
 constexpr std::uint32_t kGroupsPerBatch = 32;
 
-// Starting a workgroup on a software driver costs 1 to 3 us, so one does the work of many; on a GPU each is wanted for itself.
-constexpr std::uint32_t kMaxRepeat = 16;
-// Of tiles of several patches, most of which objects do not reach.
-constexpr std::uint32_t kMaxTileRepeat = 64;
-
 // Of the passes over taxels: no invocation waits for another.
 constexpr std::uint32_t kTaxelWorkgroup = 64;
-
-// Turns of loops that an invocation may take on a software driver: Mesa's ends them all after 65,535. Leaves room for what the estimates
-// miss; passes report when it was not enough.
-constexpr std::uint64_t kMaxTurns = 20000;
-
-// `work`: turns that one invocation alone would take, at the most usual.
-std::uint32_t chooseWorkgroup(int wanted, const DeviceInfo& info, std::uint32_t on_gpu, std::uint64_t work, const char* name) {
-  if (wanted == 0 && info.type == DeviceType::kCpu) {
-    return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(std::bit_ceil(work / kMaxTurns), 8, 256));
-  }
-  if (wanted == 0) return on_gpu;
-  if (wanted < 4 || wanted > 256 || !std::has_single_bit(static_cast<unsigned>(wanted))) {
-    throw Error(ErrorKind::kInput, std::string(name) + ": " + std::to_string(wanted) + " is not allowed: a power of two, 4 to 256");
-  }
-  return static_cast<std::uint32_t>(wanted);
-}
-
-// `turns` that an invocation takes for one piece of work.
-std::uint32_t chooseRepeat(const DeviceInfo& info, std::uint64_t turns, std::uint32_t most = kMaxRepeat) {
-  if (info.type != DeviceType::kCpu) return 1;
-  return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(kMaxTurns / std::max<std::uint64_t>(turns, 1), 1, most));
-}
 
 // Turns that one invocation alone would take for an elastic layer: two products of all strips with all others in some of the iterations,
 // the window being a part of them, and one of the dents of a skin that relaxes.
@@ -79,10 +53,6 @@ std::uint32_t chooseGroupsPerBatch(const DeviceInfo& info, std::uint32_t tile_sa
     if (bytes() > info.shared_memory) return groups / 2;
   }
   return groups;
-}
-
-std::uint32_t bits(double value) {
-  return std::bit_cast<std::uint32_t>(static_cast<float>(value));
 }
 
 // Turns per taxel that stage 4 and imperfections add to the image pass: elements, terms, and the rounds of each draw.
@@ -119,6 +89,7 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
   packed = packSensor(sensor, layer ? std::numeric_limits<std::uint32_t>::max() : tile_samples);
   contact_sensor = layer ? layer->node_sensor : sensor;
   contact_packed = layer ? packSensor(contact_sensor, tile_samples) : packed;
+  packed_contact = packContactFeatures(sensor);
   law = packLaw(sensor.skin, layer ? layer->reach : 0);
 
   std::uint64_t most_triangles = 0;
@@ -136,6 +107,7 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
   }
   const std::uint64_t sources = packed.one_grid ? static_cast<std::uint64_t>(sensor.psf.size * sensor.psf.size) : packed.num_entries;
   const std::uint64_t image_work = num_taxels * (sources + (sensor.readout.curve.size() > 1 ? 64 : 8) + turnsOfTime(sensor.readout));
+  image_workgroup_wanted = options.image_workgroup;
   image_workgroup = chooseWorkgroup(options.image_workgroup, info, 64, image_work, "image_workgroup");
   // On a software driver every invocation has an instance of its own, unless that would be too many turns for it.
   const bool alone = info.type == DeviceType::kCpu && options.image_workgroup == 0 && image_work <= kMaxTurns;
@@ -167,6 +139,8 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
   spread_rows = upload("spread rows", packed.spread_rows);
   spread_scale = upload("spread scale", packed.spread_scale);
   mask = upload("mask", std::holds_alternative<DeformationMask>(sensor.skin.law) ? packMask(sensor) : std::vector<glm::vec2>(1));
+  planes = upload("planes", packed_contact.planes);
+  neighbours = upload("neighbours", packed_contact.neighbours);
   if (layer) influence = upload("influence", layer->influence);
   std::uint32_t most_groups = 0;
   for (const layout::ObjectRecord& record : packed_objects.objects) {

@@ -9,6 +9,7 @@
 
 #include "gpu/buffer.h"
 #include "gpu/kernel.h"
+#include "simulation/pack_contact_features.h"
 #include "simulation/pack_law.h"
 #include "simulation/pack_layer.h"
 #include "simulation/pack_sensor.h"
@@ -34,11 +35,13 @@ struct Model::Impl {
   Sensor contact_sensor;
   PackedSensor contact_packed;
   PackedLaw law;
+  PackedContactFeatures packed_contact;
   std::uint32_t kinds = 0;         // bit per kind of object
   std::uint32_t triangles_of = 0;  // bit 0: meshes of small triangles, bit 1: of large ones
   std::uint32_t num_taxels = 0;
   std::uint32_t contact_workgroup = 0;
   std::uint32_t image_workgroup = 0;
+  int image_workgroup_wanted = 0;  // by the caller
   std::uint32_t layer_workgroup = 0;
   std::uint32_t contact_repeat = 1;  // tiles that a workgroup does one after another
   std::uint32_t image_team = 1;      // invocations that share an instance in the image pass
@@ -48,7 +51,7 @@ struct Model::Impl {
   std::uint32_t groups_per_batch = 0;  // of clusters, in the contact pass
   bool has_blocks = false;             // some mesh has more groups, so that blocks of them are culled first
   gpu::Buffer object_records, groups, clusters, quads, faces;
-  gpu::Buffer sensor_record, patches, tiles, taxels, spread_rows, spread_scale, mask, influence;
+  gpu::Buffer sensor_record, patches, tiles, taxels, spread_rows, spread_scale, mask, influence, planes, neighbours;
   std::uint64_t static_bytes = 0;
 
   // Passes in the variants that batches need; made when first asked for, kept as long as the model. Safe to call from several threads.
@@ -88,6 +91,16 @@ struct Model::Impl {
     auto operator<=>(const LayerVariant&) const = default;  // NOLINT(modernize-use-nullptr): the same
   };
   const gpu::Kernel& layerKernel(const LayerVariant& variant) const;
+  struct ContactFeatureVariant {
+    bool clean = false;  // of the clean forces, else of the image
+    int max_regions = 0;
+    auto operator<=>(const ContactFeatureVariant&) const = default;  // NOLINT(modernize-use-nullptr): the same
+  };
+  struct ContactFeaturePasses {
+    gpu::Kernel regions, features;
+    std::uint32_t instances_per_workgroup, parts_per_workgroup;
+  };
+  const ContactFeaturePasses& contactFeatures(const ContactFeatureVariant& variant) const;
 
  private:
   struct Sizes {
@@ -101,6 +114,7 @@ struct Model::Impl {
   gpu::Kernel makeTaxelKernel(const TaxelPass& pass, bool with_shear) const;
   gpu::Kernel makeContactsKernel(std::uint32_t repeat) const;
   gpu::Kernel makeLayerKernel(const LayerVariant& variant) const;
+  ContactFeaturePasses makeContactFeatures(const ContactFeatureVariant& variant) const;
 
   mutable std::mutex kernels_mutex_;
   mutable std::map<ContactVariant, gpu::Kernel> contact_;
@@ -109,6 +123,7 @@ struct Model::Impl {
   mutable std::array<std::vector<gpu::Kernel>, 2> taxel_;  // without shear, with it
   mutable std::map<std::uint32_t, gpu::Kernel> contacts_;
   mutable std::map<LayerVariant, gpu::Kernel> layer_;
+  mutable std::map<ContactFeatureVariant, ContactFeaturePasses> contact_features_;
 };
 
 // Evaluations of the load search over several tiles.

@@ -129,6 +129,7 @@ void packTaxels(const Sensor& sensor, bool one_patch, std::vector<layout::TaxelR
   const std::vector<Vector3> positions = taxelPositions(sensor);
   const Pose X_CS = one_patch ? inverse(sensor.patches.front().X_SP) : Pose{};
   std::size_t taxel = 0;
+  float patch_number = 0;
   for (const GridPatch& patch : sensor.patches) {
     const double area = patch.pitch[0] * patch.pitch[1];
     for (int k = 0; k < patch.num_rows * patch.num_cols; ++k, ++taxel) {
@@ -136,8 +137,9 @@ void packTaxels(const Sensor& sensor, bool one_patch, std::vector<layout::TaxelR
       const double gain = sensor.readout.taxel_gain.empty() ? 1 : sensor.readout.taxel_gain[taxel];
       const double trigger = sensor.readout.taxel_trigger.empty() ? sensor.readout.trigger : sensor.readout.taxel_trigger[taxel];
       taxels.push_back({{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2]), static_cast<float>(area)},
-                        {static_cast<float>(gain), static_cast<float>(trigger), 0.0f, 0.0f}});
+                        {static_cast<float>(gain), static_cast<float>(trigger), patch_number, 0.0f}});
     }
+    ++patch_number;
   }
 }
 

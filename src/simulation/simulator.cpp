@@ -9,6 +9,7 @@
 #include "gpu/commands.h"
 #include "simulation/batch_buffers.h"
 #include "simulation/clock.h"
+#include "simulation/frame_view.h"
 #include "simulation/motions.h"
 #include "simulation/pack_contacts.h"
 #include "simulation/rows.h"
@@ -116,8 +117,8 @@ struct Simulator::Impl {
   void recordObjects(gpu::Commands& commands, bool with_loads) const;
   void recordTaxels(gpu::Commands& commands) const;
   void recordContacts(gpu::Commands& commands) const;
+  void recordContactFeatures(gpu::Commands& commands, bool clean) const;
   void startSearch();
-  FrameView view() const;
 
   Model model;
   SimulatorOptions options;
@@ -191,11 +192,13 @@ gpu::Commands Simulator::Impl::record(bool with_loads, bool random) {
   commands.dispatch(
       m.imageKernel({.random = random,
                      .whole_array = m.law.whole_array && !takesContacts(),
-                     .with_normal = options.outputs.tactile_normal_force,
+                     .with_normal = options.outputs.tactile_normal_force || options.outputs.clean_contact_features,
                      .with_shear = withShear()}),
       (n + m.imagesPerWorkgroup() - 1) / m.imagesPerWorkgroup(),
       {&b.instances, &b.step, &m.sensor_record, &m.taxels, &m.spread_rows, &b.contact_normal, &b.contact_shear, &b.tile_results, &b.loads,
        &b.image.device, &b.spread_normal.device, &b.spread_shear.device, &b.features.device, &b.problems.device, &b.taxel_states});
+  if (options.outputs.contact_features) recordContactFeatures(commands, false);
+  if (options.outputs.clean_contact_features) recordContactFeatures(commands, true);
   commands.timestamp(2);
   commands.barrier(gpu::Access::kKernel, gpu::Access::kCopy);
   for (ReadableBuffer* buffer : buffers.readable(options.outputs)) {
@@ -298,6 +301,26 @@ void Simulator::Impl::recordContacts(gpu::Commands& commands) const {
   commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
 }
 
+// After the image pass.
+void Simulator::Impl::recordContactFeatures(gpu::Commands& commands, bool clean) const {
+  const Model::Impl& m = *model.impl();
+  const BatchBuffers& b = buffers;
+  const auto n = static_cast<std::uint64_t>(options.num_instances);
+  const Model::Impl::ContactFeaturePasses& passes = m.contactFeatures({.clean = clean, .max_regions = options.max_regions});
+  const gpu::Buffer& features = clean ? b.clean_contact_features.device : b.contact_features.device;
+  const auto num_groups = [](std::uint64_t work, std::uint32_t per_workgroup) {
+    return static_cast<std::uint32_t>((work + per_workgroup - 1) / per_workgroup);
+  };
+  commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
+  commands.dispatch(passes.regions, num_groups(n, passes.instances_per_workgroup),
+                    {&b.instances, &b.step, &m.sensor_record, &m.taxels, &m.planes, &m.neighbours, &b.image.device, &b.spread_normal.device,
+                     &b.forces, &b.taxel_regions, &b.region_sums, &b.regions, &features, &b.problems.device});
+  commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
+  const std::uint64_t num_parts = numContactRows(m.packed_contact, options.max_regions) - (m.packed_contact.num_patches == 1 ? 1 : 0);
+  commands.dispatch(passes.features, num_groups(n * num_parts, passes.parts_per_workgroup),
+                    {&b.instances, &b.step, &m.taxels, &m.planes, &b.forces, &b.taxel_regions, &b.regions, &features, &b.problems.device});
+}
+
 // Brackets of the load search: between all objects just clear of the sensor and all of them past its skin.
 void Simulator::Impl::startSearch() {
   const Model::Impl& m = *model.impl();
@@ -329,43 +352,6 @@ void Simulator::Impl::startSearch() {
     loads[i].bracket = {0.5f * (up + down), down, up, layout::kLoadSearching};
     loads[i].forces.x = std::numeric_limits<float>::max();
   }
-}
-
-FrameView Simulator::Impl::view() const {
-  const auto n = static_cast<std::size_t>(options.num_instances);
-  const std::span<const float> features = buffers.features.read<float>();
-  const auto block = [&](std::uint32_t first, std::size_t components = 1) { return features.subspan(first * n, components * n); };
-  const auto fill = [&](FeatureView& view, std::uint32_t start) {
-    view.total_force = block(start + layout::kFeatureTotalForce);
-    view.peak_force = block(start + layout::kFeaturePeakForce);
-    view.center_of_pressure = block(start + layout::kFeatureCenterOfPressure, 3);
-    view.second_moments = block(start + layout::kFeatureSecondMoments, 3);
-    view.eigenvalues = block(start + layout::kFeatureEigenvalues, 2);
-    view.edge_angle = block(start + layout::kFeatureEdgeAngle);
-    view.edge_confidence = block(start + layout::kFeatureEdgeConfidence);
-    view.contact_area = block(start + layout::kFeatureContactArea);
-  };
-  FrameView frame;
-  fill(frame, 0);
-  fill(frame.ground_truth, layout::kNumImageFeatures);
-  const std::size_t taxels = model.impl()->num_taxels;
-  frame.tactile_image = buffers.image.read<std::uint32_t>().first(n * taxels);
-  frame.saturated = block(layout::kFeatureSaturated);
-  GroundTruthView& truth = frame.ground_truth;
-  if (options.outputs.tactile_normal_force) truth.tactile_normal_force = buffers.spread_normal.read<float>().first(n * taxels);
-  if (options.outputs.tactile_shear_force) truth.tactile_shear_force = buffers.spread_shear.read<float>().first(2 * n * taxels);
-  if (options.outputs.penetration_depth) truth.penetration_depth = buffers.contact_depth.read<float>().first(n * taxels);
-  truth.contact_wrench = block(layout::kFeatureContactWrench, 6);
-  truth.over_penetration = block(layout::kFeatureOverPenetration);
-  truth.load_offset = block(layout::kFeatureLoadOffset);
-  truth.load_reached = block(layout::kFeatureLoadReached);
-  truth.off_array_load = block(layout::kFeatureOffArrayLoad);
-  truth.off_array_contacts = block(layout::kFeatureOffArrayContacts);
-  if (model.impl()->layer && !takesContacts()) {
-    truth.contact_residual = block(layout::kFeatureContactResidual);
-    truth.contact_iterations = block(layout::kFeatureContactIterations);
-  }
-  return frame;
 }
 
 Simulator::Simulator(const Model& model, const SimulatorOptions& options) : impl_(std::make_unique<Impl>(model, options)) {}
@@ -511,10 +497,10 @@ FrameView Simulator::read() {
     if (impl.buffers.problems.read<std::uint32_t>()[0] != 0) {
       throw Error(ErrorKind::kDevice,
                   "the driver cut loops of a kernel short (software Vulkan stops after 65,535 turns), so this frame is incomplete; "
-                  "use simpler meshes, fewer samples or contacts, or a larger contact_workgroup");
+                  "use simpler meshes, fewer samples or contacts, or a larger contact_workgroup or image_workgroup");
     }
   }
-  return impl.view();
+  return viewOf(*impl.model.impl(), impl.options, impl.buffers);
 }
 
 StepTiming Simulator::timing() const {

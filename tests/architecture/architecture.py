@@ -26,6 +26,7 @@ HEADERS = {
     "sensor.h": None,
     "object.h": None,
     "contact_point.h": None,
+    "contact_type.h": None,
     "device.h": "gpu",
     "control.h": "control",
     "robot.h": "control",

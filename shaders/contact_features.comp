@@ -1,0 +1,332 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Features of what is in contact, of the sensor, of each of its patches, of each region: moments, edge angle under a window, tilt of a flat face, type of the
+// contact. After contact_regions.comp.
+//
+// TEAM invocations share a part (a row of an instance); a workgroup has WORKGROUP / TEAM teams, and each does REPEAT parts one after another. The parts of one
+// kind of all instances follow each other.
+// In:  forces (num_instances x num_taxels), N; taxel_regions alike, layout.h; regions (num_instances x REGIONS).
+// Out: features (block after block, each num_instances x num_rows x components, layout.h).
+// Shared memory: 4 PARTIALS bytes.
+// Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of team and workgroup.
+// Twin: src/reference/contact_features.cpp.
+
+#include "shared/layout.h"
+#include "lib/specialization.glsl"
+layout(constant_id = 11) const bool CLEAN = false;
+layout(constant_id = 12) const uint TEAM = 1;         // invocations of a part
+layout(constant_id = 13) const uint REGIONS = 0;      // rows of regions
+layout(constant_id = 14) const uint PATCHES = 1;      // rows of patches
+layout(constant_id = 15) const uint LAST_PLANE = 1;   // that of S
+layout(constant_id = 16) const uint PARTIALS = 1;     // kNumSums LANES for every team of more than one invocation
+layout(constant_id = 17) const float NOISE = 0.0;     // counts
+layout(constant_id = 18) const float SLOPE = 2400.0;  // counts/N
+layout(constant_id = 19) const float STIFFNESS = 1.73e8;  // d pressure / d depth = STIFFNESS pressure^(1 - 1 / EXPONENT), N, m
+layout(constant_id = 20) const float EXPONENT = 1.0;
+
+layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceRecord instances[]; };
+layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
+layout(std430, set = 0, binding = 2) readonly buffer Taxels { TaxelRecord taxels[]; };
+layout(std430, set = 0, binding = 3) readonly buffer Planes { PlaneRecord planes[]; };
+layout(std430, set = 0, binding = 4) readonly buffer Forces { float forces[]; };
+layout(std430, set = 0, binding = 5) readonly buffer TaxelRegions { uint taxel_regions[]; };
+layout(std430, set = 0, binding = 6) readonly buffer Regions { uint regions[]; };
+layout(std430, set = 0, binding = 7) writeonly buffer Features { float features[]; };
+layout(std430, set = 0, binding = 8) writeonly buffer Problems { uint problems[]; };
+
+const uint kTeams = WORKGROUP / TEAM;
+const bool kList = PATCHES == 0;      // of taxels with places of their own
+const bool kOnePatch = PATCHES == 1;  // whose row is the sensor's
+const uint kRows = 1 + PATCHES + REGIONS;
+const uint kFirstRegion = kOnePatch ? 1u : 1u + PATCHES;  // among the parts that are computed
+const uint kParts = kFirstRegion + REGIONS;
+
+// The window under which the edge's angle is found, of its pitch, and how often its middle is moved to the centre of the forces under it.
+const float kWindow = 1.15;
+const uint kWindowRounds = 4u;
+const float kLeastUnderWindow = 1e-3;  // of the force: two contacts far apart have nothing between them
+
+// When a contact is none, and what its lengths say; see ContactFeatureView in simulator.h.
+const float kNoiseFactor = 5.0;
+const float kLongestPoint = 2.5;  // pitches
+const float kWidestEdge = 0.5;    // of its length
+
+// Largest taxel number plus 1 that a float holds among others.
+const float kTaxelNumbers = 16777216.0;
+
+const uint kNumSums = 17u;
+const uint kLargest = 16u;  // the last one is no sum but the largest value
+
+shared float partial[PARTIALS];
+
+// A loop ended before its work was done; see contact.comp.
+bool cut_short = false;
+
+#include "lib/workgroup.glsl"
+#include "lib/moments.glsl"
+
+// A row of an instance, as its team sees it.
+struct Part {
+  uint first_taxel;  // of the instance
+  uint first, end;   // its taxels are among these
+  uint region;       // whose taxels they are; kNoRegion: all
+  uint plane;
+  bool is_grid;      // of that plane, else places in S
+};
+
+// Sums over the taxels of a part, one array for all of them.
+struct Sums {
+  float s[kNumSums];
+};
+
+Sums noSums() {
+  Sums sums;
+  for (uint k = 0; k < kNumSums; ++k) sums.s[k] = 0.0;
+  return sums;
+}
+
+void addSums(inout Sums total, Sums more) {
+  for (uint k = 0; k < kLargest; ++k) total.s[k] += more.s[k];
+  total.s[kLargest] = max(total.s[kLargest], more.s[kLargest]);
+}
+
+// Place of a taxel in C.
+vec3 placeOf(Part part, uint t) {
+  if (part.is_grid) {
+    uvec4 grid = planes[part.plane].grid;
+    vec2 at = vec2((t - grid.z) / grid.y, (t - grid.z) % grid.y) - 0.5 * (vec2(grid.xy) - 1.0);
+    return vec3(at * planes[part.plane].pitch.xy, 0);
+  }
+  vec3 p_S = taxels[t].chart.xyz;
+  if (part.plane == LAST_PLANE) return p_S;
+  PlaneRecord plane = planes[part.plane];
+  vec3 d = p_S - vec3(plane.X_SC_row0.w, plane.X_SC_row1.w, plane.X_SC_row2.w);
+  return plane.X_SC_row0.xyz * d.x + plane.X_SC_row1.xyz * d.y + plane.X_SC_row2.xyz * d.z;
+}
+
+// What is summed over the taxels, scan after scan: one loop over the scans, for a driver that copies every function to where it is called.
+const uint kScanForce = 0u;   // force, first moments, area, taxels that report; the largest force
+const uint kScanPeak = 1u;    // of lists: which taxel has the largest force. Then kScanForce again, in its plane
+const uint kScanSecond = 2u;  // moments about a middle; of the core, too, with how forces change over it
+const uint kScanWindow = 3u;  // moments about a middle, under a window around it
+const uint kFirstScans = kList && REGIONS > 0 ? 3u : 1u;  // before kScanSecond
+const uint kNumScans = kFirstScans + 1u + kWindowRounds;
+
+uint scanOf(uint number) {
+  if (number < kFirstScans) return number == 1 ? kScanPeak : kScanForce;
+  return number == kFirstScans ? kScanSecond : kScanWindow;
+}
+
+// kScanSecond: sums of the core begin here: taxels, first and second moments of their places (pitches), forces less `force`, first moments and squares of them.
+const uint kCore = 6u;
+
+void addTaxel(uint scan, Part part, uint t, vec3 middle, float force, inout Sums sums) {
+  uint word = taxel_regions[part.first_taxel + t];
+  if (part.region != kNoRegion && (word & ~kCoreTaxel) != part.region) return;
+  float weight = forces[part.first_taxel + t];
+  bool reports = (word & ~kCoreTaxel) != kNoRegion;
+  if (scan == kScanPeak) {
+    if (weight == force) sums.s[kLargest] = max(sums.s[kLargest], kTaxelNumbers - float(t));
+    return;
+  }
+  if (!reports && weight == 0.0) return;
+  vec3 p = placeOf(part, t) - middle;
+  if (scan == kScanForce) {
+    sums.s[0] += weight;
+    sums.s[1] += weight * p.x;
+    sums.s[2] += weight * p.y;
+    sums.s[3] += weight * p.z;
+    sums.s[4] += reports ? taxels[t].chart.w : 0.0;
+    sums.s[5] += reports ? 1.0 : 0.0;
+    sums.s[kLargest] = max(sums.s[kLargest], weight);
+    return;
+  }
+  if (scan == kScanWindow) {
+    float width = kWindow * planes[part.plane].pitch.z;
+    weight *= exp(-0.5 * dot(p.xy, p.xy) / (width * width));
+  }
+  sums.s[0] += weight * p.x;
+  sums.s[1] += weight * p.y;
+  sums.s[2] += scan == kScanWindow ? weight : weight * p.z;
+  sums.s[3] += weight * p.x * p.x;
+  sums.s[4] += weight * p.x * p.y;
+  sums.s[5] += weight * p.y * p.y;
+  if (kList || scan != kScanSecond || (word & kCoreTaxel) == 0) return;
+  vec2 at = p.xy / planes[part.plane].pitch.xy;
+  float more = weight - force;
+  sums.s[kCore] += 1.0;
+  sums.s[kCore + 1] += at.x;
+  sums.s[kCore + 2] += at.y;
+  sums.s[kCore + 3] += at.x * at.x;
+  sums.s[kCore + 4] += at.x * at.y;
+  sums.s[kCore + 5] += at.y * at.y;
+  sums.s[kCore + 6] += more;
+  sums.s[kCore + 7] += more * at.x;
+  sums.s[kCore + 8] += more * at.y;
+  sums.s[kCore + 9] += more * more;
+}
+
+// Over all taxels of the part, the same for every invocation of the team.
+Sums sumsOf(uint scan, Part part, vec3 middle, float force) {
+  uint lane = gl_LocalInvocationIndex % TEAM;
+  uint first_partial = gl_LocalInvocationIndex / TEAM * kNumSums * LANES;
+  Sums total = noSums();
+  for (uint v = lane; v < LANES; v += TEAM) {
+    Sums sums = noSums();
+    uint t = part.first + v;
+    for (; t < part.end; t += LANES) addTaxel(scan, part, t, middle, force, sums);
+    cut_short = cut_short || t < part.end;
+    if (TEAM == 1) {
+      addSums(total, sums);
+    } else {
+      for (uint k = 0; k < kNumSums; ++k) partial[first_partial + k * LANES + v] = sums.s[k];
+    }
+  }
+  if (TEAM > 1) {
+    barrier();
+    for (uint v = 0; v < LANES; ++v) {
+      Sums sums;
+      for (uint k = 0; k < kNumSums; ++k) sums.s[k] = partial[first_partial + k * LANES + v];
+      addSums(total, sums);
+    }
+    barrier();
+  }
+  return total;
+}
+
+struct Tilt {
+  vec2 angles;  // rad, about x and y of C
+  float confidence;
+};
+
+// How a flat face stands to the plane, from a pressure p + g . x over the core: there the centre of pressure less the middle of the area is the area's second
+// moments times g area / force. The slope is g over the skin's stiffness.
+Tilt tiltOf(PlaneRecord plane, Sums sums, float force) {
+  Tilt none = Tilt(vec2(0), 0.0);
+  float n = sums.s[kCore];
+  if (n < 4.0) return none;  // a plane through three says nothing
+  vec2 middle = vec2(sums.s[kCore + 1], sums.s[kCore + 2]) / n;
+  float mean = sums.s[kCore + 6] / n;
+  vec3 area = vec3(sums.s[kCore + 3], sums.s[kCore + 4], sums.s[kCore + 5]) - n * vec3(middle.x * middle.x, middle.x * middle.y, middle.y * middle.y);
+  vec2 lean = vec2(sums.s[kCore + 7], sums.s[kCore + 8]) - n * mean * middle;
+  float determinant = area.x * area.z - area.y * area.y;
+  // Of whole numbers of pitches n times the determinant is a whole number: 0 on a line.
+  if (n * determinant < 0.5) return none;
+  vec2 gradient = vec2(area.z * lean.x - area.y * lean.y, area.x * lean.y - area.y * lean.x) / determinant;  // N per pitch
+  float missed = max(sums.s[kCore + 9] - n * mean * mean - dot(gradient, lean), 0.0);
+  float mean_force = force + mean;
+  if (mean_force <= 0.0) return none;
+  float stiffness = STIFFNESS * (EXPONENT == 1.0 ? 1.0 : pow(mean_force / plane.pitch.w, 1.0 - 1.0 / EXPONENT));
+  vec2 slope = gradient / (plane.pitch.xy * plane.pitch.w * stiffness);
+  return Tilt(vec2(angleOf(-slope.y, 1.0), angleOf(slope.x, 1.0)), max(1.0 - sqrt(missed / (n - 3.0)) / mean_force, 0.0));
+}
+
+// From the length and width of the patch of even pressure that has these second moments, less what spread and taxels add.
+float typeOf(PlaneRecord plane, vec3 second, float force, float least_force) {
+  if (force <= least_force) return kContactNone;
+  vec3 touched = second - plane.spread.xyz;
+  float middle = 0.5 * (touched.x + touched.z);
+  float radius = length(vec2(0.5 * (touched.x - touched.z), touched.y));
+  float angle = axesOf(touched).angle;
+  float pitch = length(vec2(cos(angle), sin(angle)) * plane.pitch.xy);
+  float size = sqrt(12.0 * max(middle + radius, 0.0)), width = sqrt(12.0 * max(middle - radius, 0.0));
+  if (size <= kLongestPoint * pitch) return kContactPoint;
+  return width <= kWidestEdge * size ? kContactEdge : kContactArea;
+}
+
+void writeRow(uint row, uint num_rows, PlaneRecord plane, float patch_number, Moments moments, vec3 middle, Axes windowed, Tilt tilt, float type) {
+  writeMoments(0, row, num_rows, moments, middle, plane.X_SC_row0, plane.X_SC_row1, plane.X_SC_row2);
+  features[kContactWindowedEdgeAngle * num_rows + row] = windowed.angle;
+  features[kContactWindowedEdgeConfidence * num_rows + row] = windowed.confidence;
+  features[kContactTilt * num_rows + 2 * row] = tilt.angles.x;
+  features[kContactTilt * num_rows + 2 * row + 1] = tilt.angles.y;
+  features[kContactTiltConfidence * num_rows + row] = tilt.confidence;
+  features[kContactType * num_rows + row] = type;
+  features[kContactPatch * num_rows + row] = patch_number;
+}
+
+// Part `number` (below kParts) of an instance; empty where it has nothing to do.
+Part partOf(uint instance, uint number, bool is_due) {
+  Part part = Part(instance * NUM_TAXELS, 0, is_due ? NUM_TAXELS : 0, kNoRegion, kOnePatch ? 0 : LAST_PLANE, kOnePatch);
+  if (number == 0) return part;
+  uint patch_number = number - 1;
+  if (number >= kFirstRegion) {
+    part.region = is_due ? regions[instance * REGIONS + number - kFirstRegion] : kNoRegion;
+    if (part.region == kNoRegion) part.end = 0;
+    if (part.end == 0 || kList) return part;
+    patch_number = uint(taxels[part.region].readout.z);
+  }
+  uvec4 grid = planes[patch_number].grid;
+  part.plane = patch_number;
+  part.is_grid = true;
+  part.first = grid.z;
+  if (is_due) part.end = grid.z + grid.x * grid.y;
+  return part;
+}
+
+// Every team goes the same way through the barriers; one without a part of its own (`is_there` false) does and writes nothing. Between the sensor's own frames
+// measured values stay.
+void featuresOf(uint number, bool is_there, uint num_instances) {
+  uint instance = number % num_instances, which = number / num_instances;
+  bool is_due = is_there && (CLEAN || (instances[instance].keys.w & kFlagNewFrame) != 0);
+  Part part = partOf(instance, which, is_due);
+  Moments moments = Moments(0.0, vec3(0), vec3(0), 0.0, 0.0);
+  Sums core = noSums();
+  vec3 center = vec3(0), middle = vec3(0);  // of pressure, of the window
+  vec3 windowed = vec3(0);
+  float num_reporting = 0.0, mean_force = 0.0;
+  bool is_empty = false;  // what is under the window
+  for (uint number = 0; number < kNumScans; ++number) {
+    uint scan = scanOf(number);
+    Sums sums = sumsOf(scan, part, middle, scan == kScanPeak ? moments.peak : mean_force);
+    if (scan == kScanForce) {
+      moments.force = sums.s[0];
+      moments.peak = sums.s[kLargest];
+      moments.area = sums.s[4];
+      num_reporting = sums.s[5];
+      mean_force = moments.force / max(num_reporting, 1.0);
+      if (moments.force > 0.0) center = vec3(sums.s[1], sums.s[2], sums.s[3]) / moments.force;
+      if (number + 1 == kFirstScans) middle = center;
+      is_empty = moments.force <= 0.0;
+    } else if (scan == kScanPeak) {
+      if (part.region != kNoRegion) part.plane = uint(taxels[uint(kTaxelNumbers - sums.s[kLargest])].readout.z);
+    } else if (scan == kScanSecond) {
+      moments.first = vec3(sums.s[0], sums.s[1], sums.s[2]);
+      moments.second = vec3(sums.s[3], sums.s[4], sums.s[5]);
+      core = sums;
+    } else {
+      float weight = sums.s[2];
+      is_empty = is_empty || weight < kLeastUnderWindow * moments.force;
+      if (is_empty) continue;
+      vec2 first = vec2(sums.s[0], sums.s[1]);
+      windowed = centralMoments(weight, first, vec3(sums.s[3], sums.s[4], sums.s[5]));
+      middle.xy += first / weight;
+    }
+  }
+  if (!is_due || gl_LocalInvocationIndex % TEAM > 0) return;
+
+  PlaneRecord plane = planes[part.plane];
+  Tilt tilt = Tilt(vec2(0), 0.0);
+  if (part.is_grid) tilt = tiltOf(plane, core, mean_force);
+  float num_taxels = part.region != kNoRegion ? num_reporting : float(part.end - part.first);
+  float noise = CLEAN ? 0.0 : sqrt(NOISE * NOISE + instances[instance].drive.w * instances[instance].drive.w) / SLOPE;
+  vec3 second = vec3(0);
+  if (moments.force > 0.0) second = centralMoments(moments.force, moments.first.xy, moments.second);
+  float type = typeOf(plane, second, moments.force, kNoiseFactor * noise * sqrt(num_taxels));
+  Axes axes = Axes(0.0, 0.0, 0.0, 0.0);
+  if (!is_empty) axes = axesOf(windowed);
+  uint num_rows = num_instances * kRows;
+  uint row = instance * kRows + which + (kOnePatch && which > 0 ? 1 : 0);
+  float patch_number = part.plane == LAST_PLANE ? -1.0 : float(part.plane);
+  writeRow(row, num_rows, plane, patch_number, moments, center, axes, tilt, type);
+  if (kOnePatch && which == 0) writeRow(row + 1, num_rows, plane, patch_number, moments, center, axes, tilt, type);
+}
+
+void main() {
+  uint num_instances = step_record.batch.x;
+  uint num_parts = num_instances * kParts;
+  uint number = workgroupNumber() * REPEAT * kTeams + gl_LocalInvocationIndex / TEAM;
+  uint r = 0;
+  for (; r < REPEAT; ++r, number += kTeams) featuresOf(min(number, num_parts - 1), number < num_parts, num_instances);
+  if (cut_short || r < REPEAT) problems[0] = 1;
+}

@@ -1,0 +1,302 @@
+#include "reference/contact_features.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "base/vector3.h"
+#include "reference/readout.h"
+#include "sensor/regions.h"
+
+namespace taxelsim::reference {
+namespace {
+
+constexpr double kWindow = 1.15;  // larger pitches
+constexpr int kWindowRounds = 4;
+constexpr double kLeastUnderWindow = 1e-3;  // of the force
+constexpr double kNoiseFactor = 5;
+constexpr double kLongestPoint = 2.5;  // pitches
+constexpr double kWidestEdge = 0.5;    // of its length
+
+// A taxel of the sensor: patch, row, column.
+struct TaxelOnPatch {
+  int patch, i, j;
+};
+
+struct Skinned {
+  explicit Skinned(const Sensor& of) : sensor(of), positions(taxelPositions(of)) {
+    for (int p = 0; p < static_cast<int>(of.patches.size()); ++p) {
+      first.push_back(static_cast<int>(at.size()));
+      for (int i = 0; i < of.patches[p].num_rows; ++i) {
+        for (int j = 0; j < of.patches[p].num_cols; ++j) at.push_back({p, i, j});
+      }
+    }
+    if (isTaxelList(of)) lower = listNeighbours(of);
+  }
+
+  const Sensor& sensor;
+  std::vector<Vector3> positions;
+  std::vector<int> first;               // taxel of each patch
+  std::vector<TaxelOnPatch> at;         // (num_taxels)
+  std::vector<std::vector<int>> lower;  // neighbours, of a list of taxels
+};
+
+bool areNeighbours(const Skinned& skin, int s, int t) {
+  if (!skin.lower.empty()) {
+    const std::vector<int>& lower = skin.lower[std::max(s, t)];
+    return std::find(lower.begin(), lower.end(), std::min(s, t)) != lower.end();
+  }
+  const TaxelOnPatch &a = skin.at[s], &b = skin.at[t];
+  return a.patch == b.patch && std::abs(a.i - b.i) <= 1 && std::abs(a.j - b.j) <= 1;
+}
+
+// Candidates for neighbours of a taxel: on grids those around it, so that a flood is not quadratic.
+std::vector<int> neighboursOf(const Skinned& skin, int t) {
+  std::vector<int> candidates, found;
+  if (skin.lower.empty()) {
+    const TaxelOnPatch& a = skin.at[t];
+    const GridPatch& patch = skin.sensor.patches[a.patch];
+    for (int i = std::max(a.i - 1, 0); i <= std::min(a.i + 1, patch.num_rows - 1); ++i) {
+      for (int j = std::max(a.j - 1, 0); j <= std::min(a.j + 1, patch.num_cols - 1); ++j) {
+        candidates.push_back(skin.first[a.patch] + i * patch.num_cols + j);
+      }
+    }
+  } else {
+    for (int s = 0; s < static_cast<int>(skin.at.size()); ++s) candidates.push_back(s);
+  }
+  for (const int s : candidates) {
+    if (s != t && areNeighbours(skin, s, t)) found.push_back(s);
+  }
+  return found;
+}
+
+// Floods from every taxel that reports and is in no region yet.
+std::vector<std::vector<int>> regionsOf(const Skinned& skin, const std::vector<bool>& reports) {
+  std::vector<std::vector<int>> regions;
+  std::vector<bool> seen(reports.size(), false);
+  for (int start = 0; start < static_cast<int>(reports.size()); ++start) {
+    if (!reports[start] || seen[start]) continue;
+    std::vector<int> region{start};
+    seen[start] = true;
+    for (std::size_t next = 0; next < region.size(); ++next) {
+      for (const int neighbour : neighboursOf(skin, region[next])) {
+        if (!reports[neighbour] || seen[neighbour]) continue;
+        seen[neighbour] = true;
+        region.push_back(neighbour);
+      }
+    }
+    std::sort(region.begin(), region.end());
+    regions.push_back(region);
+  }
+  return regions;
+}
+
+// Where moments are taken, and what blurs them there.
+struct Plane {
+  int patch;  // -1: the xy plane of S
+  bool is_grid;
+  std::array<double, 2> pitch;
+  std::array<double, 3> blur;  // second moments of spread and taxels, m^2
+};
+
+Plane planeOf(const Sensor& sensor, int patch) {
+  if (patch >= 0 && !isTaxelList(sensor)) {
+    const auto& [px, py] = sensor.patches[patch].pitch;
+    const auto& [xx, xy, yy] = spreadShape(sensor.psf, sensor.patches[patch].pitch).moments;
+    return {patch, true, {px, py}, {xx + px * px / 12, xy, yy + py * py / 12}};
+  }
+  const double pitch = meanPitch(sensor);
+  const auto& [xx, xy, yy] = spreadShape(sensor.psf, {pitch, pitch}).moments;
+  const double blur = (xx + yy) / 2 + pitch * pitch / 12;
+  return {patch, false, {pitch, pitch}, {blur, 0, blur}};
+}
+
+std::vector<TaxelPlace> placesIn(const Skinned& skin, const Plane& plane, const std::vector<int>& taxels) {
+  std::vector<TaxelPlace> places;
+  for (const int t : taxels) {
+    const auto& [pitch_x, pitch_y] = skin.sensor.patches[skin.at[t].patch].pitch;
+    const Vector3 p = plane.patch < 0 ? skin.positions[t] : inverse(skin.sensor.patches[plane.patch].X_SP) * skin.positions[t];
+    places.push_back({skin.positions[t], {p[0], p[1]}, pitch_x * pitch_y});
+  }
+  return places;
+}
+
+// Angle and confidence under a window that moves to where the forces under it are.
+void setWindowed(std::span<const TaxelPlace> places, std::span<const double> force, double pitch, ContactFeatures& features) {
+  const double width = kWindow * pitch;
+  std::array<double, 2> middle{0, 0};
+  for (std::size_t k = 0; k < force.size(); ++k) {
+    for (int axis = 0; axis < 2; ++axis) middle[axis] += force[k] / features.total_force * places[k].in_plane[axis];
+  }
+  for (int round = 0; round < kWindowRounds; ++round) {
+    double sum = 0;
+    std::array<double, 2> mean{0, 0};
+    std::vector<double> weight;
+    for (std::size_t k = 0; k < force.size(); ++k) {
+      const double x = places[k].in_plane[0] - middle[0], y = places[k].in_plane[1] - middle[1];
+      weight.push_back(force[k] * std::exp(-(x * x + y * y) / (2 * width * width)));
+      sum += weight[k];
+      mean[0] += weight[k] * places[k].in_plane[0];
+      mean[1] += weight[k] * places[k].in_plane[1];
+    }
+    features.window_share = std::min(features.window_share, sum / features.total_force);
+    if (features.window_share < kLeastUnderWindow) {
+      features.windowed_edge_angle = features.windowed_edge_confidence = 0;
+      return;
+    }
+    mean = {mean[0] / sum, mean[1] / sum};
+    std::array<double, 3> moments{0, 0, 0};
+    for (std::size_t k = 0; k < force.size(); ++k) {
+      const double x = places[k].in_plane[0] - mean[0], y = places[k].in_plane[1] - mean[1];
+      moments[0] += weight[k] / sum * x * x;
+      moments[1] += weight[k] / sum * x * y;
+      moments[2] += weight[k] / sum * y * y;
+    }
+    middle = mean;
+    Features axes;
+    setAxes(moments, axes);
+    features.windowed_edge_angle = axes.edge_angle;
+    features.windowed_edge_confidence = axes.edge_confidence;
+    features.windowed_trace = moments[0] + moments[2];
+    // d mean / d middle is the covariance over width^2.
+    features.window_growth *= std::max(1.0, axes.eigenvalues[0] / (width * width));
+  }
+}
+
+// Whether a taxel lies inside its patch, and all of the patch around it report. What touches may end beside the patch anywhere.
+bool isCore(const Skinned& skin, const std::vector<bool>& reports, int taxel, int margin) {
+  const TaxelOnPatch& a = skin.at[taxel];
+  const GridPatch& patch = skin.sensor.patches[a.patch];
+  if (a.i == 0 || a.j == 0 || a.i == patch.num_rows - 1 || a.j == patch.num_cols - 1) return false;
+  for (int i = std::max(a.i - margin, 0); i <= std::min(a.i + margin, patch.num_rows - 1); ++i) {
+    for (int j = std::max(a.j - margin, 0); j <= std::min(a.j + margin, patch.num_cols - 1); ++j) {
+      if (!reports[skin.first[a.patch] + i * patch.num_cols + j]) return false;
+    }
+  }
+  return true;
+}
+
+// The plane through the pressures of the core, by least squares, and its slope over the skin's stiffness.
+void setTilt(const Skinned& skin, const ContactImage& image, const Plane& plane, const std::vector<int>& taxels,
+             ContactFeatures& features) {
+  const SpreadShape spread = spreadShape(skin.sensor.psf, plane.pitch);
+  std::vector<int> core;
+  for (const int t : taxels) {
+    if (image.reports[t] && !image.saturated[t] && isCore(skin, image.reports, t, spread.radius + 1)) core.push_back(t);
+  }
+  if (core.size() < 4) return;
+  const std::vector<TaxelPlace> places = placesIn(skin, plane, core);
+  const auto n = static_cast<double>(core.size());
+  std::vector<double> pressure;
+  double mean_p = 0, mean_x = 0, mean_y = 0;
+  for (std::size_t k = 0; k < core.size(); ++k) {
+    pressure.push_back(image.force[core[k]] / (places[k].area * spread.sum));
+    mean_p += pressure[k] / n;
+    mean_x += places[k].in_plane[0] / n;
+    mean_y += places[k].in_plane[1] / n;
+  }
+  double xx = 0, xy = 0, yy = 0, px = 0, py = 0;
+  for (std::size_t k = 0; k < core.size(); ++k) {
+    const double x = places[k].in_plane[0] - mean_x, y = places[k].in_plane[1] - mean_y, p = pressure[k] - mean_p;
+    xx += x * x, xy += x * y, yy += y * y, px += p * x, py += p * y;
+  }
+  const double determinant = xx * yy - xy * xy;
+  if (determinant <= 1e-9 * (xx + yy) * (xx + yy) || mean_p <= 0) return;
+  const double gx = (yy * px - xy * py) / determinant, gy = (xx * py - xy * px) / determinant;
+  double missed = 0;
+  for (std::size_t k = 0; k < core.size(); ++k) {
+    const double x = places[k].in_plane[0] - mean_x, y = places[k].in_plane[1] - mean_y;
+    const double rest = pressure[k] - mean_p - gx * x - gy * y;
+    missed += rest * rest;
+  }
+  // p = K d^n: at this pressure the depth is (p / K)^(1 / n).
+  const Winkler foundation = foundationOf(skin.sensor.skin);
+  const double exponent = foundation.normal_exponent, factor = foundation.normal_contact_stiffness;
+  const double depth = std::pow(mean_p / factor, 1 / exponent);
+  const double stiffness = exponent * factor * std::pow(depth, exponent - 1);
+  features.tilt = {-std::atan(gy / stiffness), std::atan(gx / stiffness)};
+  features.core = core;
+  features.tilt_confidence = std::max(0.0, 1 - std::sqrt(missed / (n - 3)) / mean_p);
+}
+
+ContactType typeOf(const Plane& plane, ContactFeatures& features) {
+  Features touched;
+  std::array<double, 3> moments = features.second_moments;
+  for (int m = 0; m < 3; ++m) moments[m] -= plane.blur[m];
+  setAxes(moments, touched);
+  const double pitch = std::hypot(std::cos(touched.edge_angle) * plane.pitch[0], std::sin(touched.edge_angle) * plane.pitch[1]);
+  features.length = std::sqrt(12 * std::max(touched.eigenvalues[0], 0.0));
+  features.width = std::sqrt(12 * touched.eigenvalues[1]);
+  features.longest_point = kLongestPoint * pitch;
+  if (features.total_force <= features.least_force) return ContactType::kNone;
+  if (features.length <= features.longest_point) return ContactType::kPoint;
+  return features.width <= kWidestEdge * features.length ? ContactType::kEdge : ContactType::kArea;
+}
+
+ContactFeatures featuresOf(const Skinned& skin, const ContactImage& image, const std::vector<int>& taxels, int patch) {
+  const Plane plane = planeOf(skin.sensor, patch);
+  const std::vector<TaxelPlace> places = placesIn(skin, plane, taxels);
+  std::vector<double> force;
+  std::vector<bool> reports;
+  for (const int t : taxels) {
+    force.push_back(image.force[t]);
+    reports.push_back(image.reports[t]);
+  }
+  ContactFeatures features;
+  static_cast<Features&>(features) = reference::featuresOf(places, force, reports);
+  features.patch = patch;
+  if (features.total_force <= 0) return features;
+  setWindowed(places, force, std::max(plane.pitch[0], plane.pitch[1]), features);
+  if (plane.is_grid) setTilt(skin, image, plane, taxels, features);
+  features.least_force = kNoiseFactor * image.noise * std::sqrt(static_cast<double>(taxels.size()));
+  features.contact_type = typeOf(plane, features);
+  return features;
+}
+
+}  // namespace
+
+ContactRows contactFeatures(const Sensor& sensor, const ContactImage& image) {
+  const Skinned skin(sensor);
+  const bool is_list = isTaxelList(sensor);
+  std::vector<int> all;
+  for (int t = 0; t < static_cast<int>(skin.at.size()); ++t) all.push_back(t);
+  ContactRows rows;
+  rows.sensor = featuresOf(skin, image, all, sensor.patches.size() == 1 ? 0 : -1);
+  for (int p = 0; p < numFeaturePatches(sensor); ++p) {
+    std::vector<int> taxels;
+    std::copy_if(all.begin(), all.end(), std::back_inserter(taxels), [&](int t) { return skin.at[t].patch == p; });
+    rows.patches.push_back(featuresOf(skin, image, taxels, p));
+  }
+  for (const std::vector<int>& region : regionsOf(skin, image.reports)) {
+    const auto largest = [&](int s, int t) { return image.force[s] < image.force[t]; };
+    const int named = is_list ? *std::max_element(region.begin(), region.end(), largest) : region.front();
+    rows.regions.push_back(featuresOf(skin, image, region, skin.at[named].patch));
+    rows.regions.back().taxels = region;
+  }
+  std::stable_sort(rows.regions.begin(), rows.regions.end(),
+                   [](const ContactFeatures& a, const ContactFeatures& b) { return a.total_force > b.total_force; });
+  return rows;
+}
+
+ContactImage cleanContactImage(const Sensor& sensor, std::span<const double> spread_force) {
+  ContactImage image;
+  for (std::size_t t = 0; t < spread_force.size(); ++t) {
+    image.force.push_back(spread_force[t]);
+    image.reports.push_back(spread_force[t] > triggerOf(sensor.readout, t));
+    image.saturated.push_back(false);
+  }
+  return image;
+}
+
+ContactImage measuredContactImage(const Sensor& sensor, std::span<const std::uint32_t> counts, double extra_noise) {
+  const Readout& readout = sensor.readout;
+  ContactImage image{.force = measuredForce(sensor, counts)};
+  for (const std::uint32_t value : counts) {
+    image.reports.push_back(value > 0);
+    image.saturated.push_back(value >= static_cast<std::uint32_t>(readout.saturation));
+  }
+  image.noise = std::hypot(readout.noise, extra_noise) / (readout.output_scale * readout.curve[0]);
+  return image;
+}
+
+}  // namespace taxelsim::reference

@@ -1,0 +1,27 @@
+// A sensor -> what the passes over regions and contact features read.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "shared/layout.h"
+#include "taxelsim/sensor.h"
+
+namespace taxelsim {
+
+struct PackedContactFeatures {
+  std::vector<layout::PlaneRecord> planes;  // of every patch, then xy of S
+  std::vector<std::uint32_t> neighbours;    // (num_neighbours x num_taxels), of lower number; filled up with the taxel itself
+  std::uint32_t num_neighbours = 0;         // of a list of taxels at least 1, else 0
+  std::uint32_t num_patches = 0;            // with features of their own
+  std::uint32_t lanes = 0;                  // partial sums, a function of the sensor alone
+  std::uint32_t force_steps = 0;            // of the largest force, in sums of regions
+  double stiffness = 0, exponent = 1;       // d pressure / d depth = stiffness pressure^(1 - 1 / exponent)
+};
+
+PackedContactFeatures packContactFeatures(const Sensor& sensor);
+
+// Rows of contact features of an instance.
+std::uint32_t numContactRows(const PackedContactFeatures& packed, int max_regions);
+
+}  // namespace taxelsim

@@ -1,0 +1,264 @@
+// Regions, windowed edge angle, tilt and contact type: patterns by hand, closed forms, and statistics over seeded contacts.
+#include "reference/contact_features.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "reference/frame.h"
+#include "sensor/regions.h"
+#include "support/contact_cases.h"
+#include "support/random_scene.h"
+
+namespace taxelsim {
+namespace {
+
+using reference::ContactFeatures;
+using reference::ContactRows;
+using support::ContactCase;
+using support::gridSensor;
+using support::Random;
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kPitch = 2e-3;  // m
+constexpr double kRounding = 1e-12;
+
+ContactRows cleanRows(const Sensor& sensor, const std::vector<double>& force) {
+  return reference::contactFeatures(sensor, reference::cleanContactImage(sensor, force));
+}
+
+Sensor square(int rows, int cols) {
+  return gridSensor({.num_rows = rows, .num_cols = cols, .pitch_x = kPitch, .pitch_y = kPitch});
+}
+
+// A picture of digits: newtons.
+std::vector<double> picture(const char* text) {
+  std::vector<double> force;
+  for (; *text; ++text) {
+    if (*text != '\n') force.push_back(*text - '0');
+  }
+  return force;
+}
+
+std::vector<std::vector<int>> taxelsOf(const ContactRows& rows) {
+  std::vector<std::vector<int>> regions;
+  for (const ContactFeatures& region : rows.regions) regions.push_back(region.taxels);
+  return regions;
+}
+
+TEST(ContactFeatures, RegionsTouchAtCornersAndComeByForce) {
+  const ContactRows rows = cleanRows(square(4, 5), picture("10002"
+                                                           "01000"
+                                                           "00003"
+                                                           "90000"));
+  EXPECT_EQ(taxelsOf(rows), (std::vector<std::vector<int>>{{15}, {14}, {0, 6}, {4}}));
+  EXPECT_NEAR(rows.regions[2].total_force, 2, kRounding);
+  EXPECT_NEAR(rows.regions[2].edge_angle, kPi / 4, kRounding);
+  EXPECT_NEAR(rows.regions[2].center_of_pressure[0], -kPitch, kRounding);
+  EXPECT_NEAR(rows.regions[2].contact_area, 2 * kPitch * kPitch, kRounding);
+  EXPECT_EQ(rows.regions[2].patch, 0);
+  EXPECT_NEAR(rows.sensor.total_force, 16, kRounding);
+}
+
+TEST(ContactFeatures, OfEqualRegionsTheOneWithTheLowestTaxelIsFirst) {
+  const ContactRows rows = cleanRows(square(3, 5), picture("00202"
+                                                           "10000"
+                                                           "10202"));
+  EXPECT_EQ(taxelsOf(rows), (std::vector<std::vector<int>>{{2}, {4}, {5, 10}, {12}, {14}}));
+}
+
+TEST(ContactFeatures, RegionsEndWithTheirPatch) {
+  Sensor sensor = square(2, 2);
+  sensor.patches.push_back(sensor.patches[0]);
+  sensor.patches[1].X_SP.position = {2 * kPitch, 0, 0};
+  const ContactRows rows = cleanRows(sensor, picture("0011"
+                                                     "1100"));
+  EXPECT_EQ(taxelsOf(rows), (std::vector<std::vector<int>>{{2, 3}, {4, 5}}));
+  EXPECT_EQ(rows.regions[1].patch, 1);
+  EXPECT_EQ(rows.sensor.patch, -1);
+  ASSERT_EQ(rows.patches.size(), 2u);
+  EXPECT_NEAR(rows.patches[1].center_of_pressure[0], 1.5 * kPitch, kRounding);
+}
+
+TEST(ContactFeatures, AListOfTaxelsIsConnectedAsItsGrid) {
+  const Sensor grid = square(5, 6);
+  Sensor list = grid;
+  list.patches.clear();
+  for (const Vector3& p : taxelPositions(grid)) list.patches.push_back(taxelPatch("t", p, {0, 0, 1}, {kPitch, kPitch}));
+  Random random(3);
+  for (int draw = 0; draw < 50; ++draw) {
+    std::vector<double> force;
+    for (int t = 0; t < 30; ++t) force.push_back(random.chance(0.4) ? random.uniform(0.1, 1) : 0);
+    EXPECT_EQ(taxelsOf(cleanRows(list, force)), taxelsOf(cleanRows(grid, force)));
+  }
+  EXPECT_TRUE(cleanRows(list, std::vector<double>(30, 1)).patches.empty());
+}
+
+TEST(ContactFeatures, NothingIsNone) {
+  const ContactRows rows = cleanRows(square(3, 3), std::vector<double>(9, 0));
+  EXPECT_TRUE(rows.regions.empty());
+  EXPECT_EQ(rows.sensor.contact_type, ContactType::kNone);
+  EXPECT_EQ(rows.sensor.windowed_edge_confidence, 0);
+  EXPECT_EQ(rows.sensor.tilt_confidence, 0);
+}
+
+// The sampled, normalised kernel has a variance of its own, not sigma^2.
+TEST(ContactFeatures, SpreadHasTheVarianceOfItsKernel) {
+  const SpreadShape shape = spreadShape(gaussianPsf(0.5, 3), {2.0, 3.0});
+  const double w = std::exp(-2.0), variance = 2 * w / (1 + 2 * w);
+  EXPECT_NEAR(variance, 0.21301, 1e-5);
+  EXPECT_NEAR(shape.moments[0], 4 * variance, kRounding);
+  EXPECT_NEAR(shape.moments[1], 0, kRounding);
+  EXPECT_NEAR(shape.moments[2], 9 * variance, kRounding);
+  EXPECT_EQ(shape.radius, 1);
+  EXPECT_EQ(shape.sum, 1);
+  EXPECT_NEAR(spreadShape(gaussianPsf(0.5, 3, Psf::Normalization::kNone), {2.0, 3.0}).sum, 1.0279, 1e-4);
+  EXPECT_EQ(spreadShape({}, {2.0, 3.0}).radius, 0);
+}
+
+// Two far contacts leave nothing under a window between them.
+TEST(ContactFeatures, AWindowOverNothingHasNoAngle) {
+  std::vector<double> force(40, 0);
+  force[0] = force[1] = force[38] = force[39] = 1;
+  const ContactRows rows = cleanRows(square(1, 40), force);
+  EXPECT_EQ(rows.sensor.windowed_edge_confidence, 0);
+  EXPECT_NEAR(rows.regions[0].windowed_edge_confidence, 1, kRounding);
+  EXPECT_NEAR(rows.regions[0].windowed_edge_angle, kPi / 2, kRounding);
+}
+
+// The noise of a taxel, counts.
+std::vector<double> whiteNoise(Random& random, int num_taxels, double deviation) {
+  std::vector<double> noise;
+  for (int t = 0; t < num_taxels; ++t) {
+    const double radius = std::sqrt(-2 * std::log(1 - random.uniform()));
+    noise.push_back(deviation * radius * std::cos(2 * kPi * random.uniform()));
+  }
+  return noise;
+}
+
+ContactRows measuredRows(const Sensor& sensor, const ContactCase& contact, double noise, Random& random) {
+  const reference::Frame frame = reference::simulateFrame(
+      sensor, {.objects = {{&contact.object, contact.X_SO}}, .draw = {.noise = whiteNoise(random, numTaxels(sensor), noise)}});
+  return reference::contactFeatures(sensor, reference::measuredContactImage(sensor, frame.counts, noise));
+}
+
+TEST(ContactFeatures, TheWindowFindsTheAngleOfAnEdgeThatTheArrayCutsOff) {
+  const Sensor sensor = support::wts0614();
+  Random random(1);
+  support::AngleErrors plain, windowed;
+  for (int draw = 0; draw < 600; ++draw) {
+    const ContactCase contact = support::randomEdge(random);
+    const ContactFeatures row = measuredRows(sensor, contact, support::kWtsNoise, random).sensor;
+    plain.add(row.edge_angle, contact.angle);
+    windowed.add(row.windowed_edge_angle, contact.angle);
+  }
+  support::expectWindowHelps(plain, windowed);
+}
+
+TEST(ContactFeatures, TypesOfRandomContacts) {
+  const Sensor sensor = support::wts0614();
+  Random random(2);
+  int num_wrong = 0;
+  constexpr int kNumDraws = 200;
+  for (int draw = 0; draw < kNumDraws; ++draw) {
+    for (const ContactCase& contact : {support::randomSphere(random), support::randomEdge(random), support::randomPlate(random)}) {
+      // Noise shows at a taxel now and then, far from the contact: of the whole image it moves the moments, of the region it does not.
+      const ContactFeatures whole = measuredRows(sensor, contact, 0, random).sensor;
+      const ContactFeatures region = measuredRows(sensor, contact, support::kWtsNoise, random).regions[0];
+      for (const ContactFeatures& row : {whole, region}) {
+        num_wrong += row.contact_type != contact.type;
+        EXPECT_EQ(static_cast<int>(row.contact_type), static_cast<int>(contact.type))
+            << contact.object.name << " length " << row.length << " width " << row.width;
+      }
+    }
+  }
+  EXPECT_EQ(num_wrong, 0) << "of " << 6 * kNumDraws;
+  std::vector<std::uint32_t> noise_only;
+  for (const double value : whiteNoise(random, numTaxels(sensor), support::kWtsNoise)) {
+    noise_only.push_back(value > 0 ? static_cast<std::uint32_t>(value) : 0);
+  }
+  Sensor without_trigger = sensor;
+  without_trigger.readout.trigger = 0;
+  const auto image = reference::measuredContactImage(without_trigger, noise_only, support::kWtsNoise);
+  EXPECT_EQ(reference::contactFeatures(without_trigger, image).sensor.contact_type, ContactType::kNone);
+}
+
+// Without spread every taxel of the core lies wholly under the face, where depth is linear and so is the mean over its samples.
+TEST(ContactFeatures, TiltOfAPunchIsExactWithoutSpread) {
+  Random random(4);
+  for (const double exponent : {1.0, 2.0}) {
+    Sensor sensor = gridSensor({.num_rows = 14, .num_cols = 16, .pitch_x = 1.5e-3, .pitch_y = 2e-3, .thickness = 2e-3});
+    sensor.skin.law = Winkler{1e8 * std::pow(1e3, exponent - 1), exponent, 0};
+    for (int draw = 0; draw < 40; ++draw) {
+      const support::TiltedPunch punch = support::randomPunch(random, 12e-3);
+      const reference::Frame frame = reference::simulateFrame(sensor, {.objects = {{&punch.object, punch.X_SO}}});
+      const ContactRows rows = cleanRows(sensor, frame.spread_force);
+      ASSERT_GE(rows.sensor.core.size(), 12u);
+      // Of an exponent above 1 the slope is that at the mean pressure, while pressure is a parabola: its part of even order does not lean,
+      // and the mean of depth^2 is the squared mean times 1 + v, v the relative variance of depth, at most 0.25 here.
+      const double slack = exponent == 1 ? 1e-9 : 0.3;
+      for (int axis = 0; axis < 2; ++axis) {
+        EXPECT_NEAR(rows.sensor.tilt[axis], punch.tilt[axis], slack * std::hypot(punch.tilt[0], punch.tilt[1])) << axis;
+      }
+      EXPECT_GT(rows.sensor.tilt_confidence, exponent == 1 ? 1 - 1e-6 : 0.7);
+      EXPECT_EQ(rows.regions[0].tilt, rows.sensor.tilt);
+    }
+  }
+}
+
+// With spread a taxel on the rim of the core may have neighbours that are partly covered: what they fall short of reaches it by the
+// kernel's outer row.
+TEST(ContactFeatures, TiltOfAPunchUnderThePaper) {
+  const Sensor sensor = support::wts0614();
+  Random random(5);
+  for (int draw = 0; draw < 60; ++draw) {
+    const support::TiltedPunch punch = support::randomPunch(random, 19e-3);
+    const reference::Frame frame = reference::simulateFrame(sensor, {.objects = {{&punch.object, punch.X_SO}}});
+    const ContactFeatures row = reference::contactFeatures(sensor, reference::measuredContactImage(sensor, frame.counts)).sensor;
+    ASSERT_FALSE(row.core.empty());
+    for (int axis = 0; axis < 2; ++axis) {
+      EXPECT_NEAR(row.tilt[axis], punch.tilt[axis], support::tiltSlack(sensor, row.core, punch.depth, axis)) << axis;
+    }
+    EXPECT_GT(row.tilt_confidence, 0.9) << row.core.size();
+  }
+}
+
+TEST(ContactFeatures, TiltHasTheSignOfTheFacesTurn) {
+  const Sensor sensor = gridSensor({.num_rows = 8, .num_cols = 8});
+  const Object face{HalfSpace{}};
+  for (int axis = 0; axis < 2; ++axis) {
+    const Vector3 about{axis == 0 ? 1.0 : 0.0, axis == 1 ? 1.0 : 0.0, 0};
+    const Pose X_SO{{0, 0, -0.7e-3}, axisAngle(about, 0.02)};
+    const ContactRows rows = cleanRows(sensor, reference::simulateFrame(sensor, {.objects = {{&face, X_SO}}}).spread_force);
+    EXPECT_NEAR(rows.sensor.tilt[axis], 0.02, 1e-9);
+    EXPECT_NEAR(rows.sensor.tilt[1 - axis], 0, 1e-9);
+  }
+}
+
+TEST(ContactFeatures, WhatIsRoundOrThinHasNoTiltToTrust) {
+  const Sensor sensor = gridSensor({.num_rows = 12, .num_cols = 12, .pitch_x = 1e-3, .pitch_y = 1e-3});
+  const Object sphere{Sphere{10e-3}}, edge{Cylinder{2e-3, 60e-3}};
+  const auto confidence = [&](const Object& object, const Pose& X_SO) {
+    return cleanRows(sensor, reference::simulateFrame(sensor, {.objects = {{&object, X_SO}}}).spread_force).sensor.tilt_confidence;
+  };
+  EXPECT_LT(confidence(sphere, {{0, 0, 10e-3 - 1e-3}}), 0.8);
+  EXPECT_EQ(confidence(edge, {{0, 0, 2e-3 - 0.2e-3}, axisAngle({1, 0, 0}, kPi / 2)}), 0);
+}
+
+TEST(ContactFeatures, SaturatedTaxelsHaveNoPartInTheTilt) {
+  Sensor sensor = gridSensor({.num_rows = 10, .num_cols = 10});
+  sensor.readout = support::paperReadout();
+  sensor.readout.trigger = 0;
+  const Object face{HalfSpace{}};
+  // Depth rises along x from 0.6 to 1.2 mm; a taxel saturates at 1.71 N, 0.85 mm.
+  const double tilt = std::atan(0.6e-3 / (10 * 3.4e-3));
+  const reference::Frame frame = reference::simulateFrame(sensor, {.objects = {{&face, {{0, 0, -0.9e-3}, axisAngle({0, 1, 0}, tilt)}}}});
+  ASSERT_GT(frame.saturated, 0.2);
+  const ContactFeatures row = reference::contactFeatures(sensor, reference::measuredContactImage(sensor, frame.counts)).sensor;
+  EXPECT_NEAR(row.tilt[1], tilt, 2e-3 * tilt);  // counts are rounded
+}
+
+}  // namespace
+}  // namespace taxelsim
