@@ -58,6 +58,7 @@ struct Scene {
   Randomisation randomisation;
   TactileServo controller = edgeServo();  // of kServo
   std::vector<std::string> record;        // what is written, by the words of docs/file_formats.md, in their order
+  int max_regions = 0;                    // rows for connected taxels in recorded contact features, 0 to 8; 0 where none are recorded
   std::uint64_t num_episodes = 1000;
   std::uint64_t seed = 0;
   std::uint64_t episodes_per_shard = 256;

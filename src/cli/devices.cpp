@@ -45,13 +45,13 @@ MemoryPlan planFor(const DeviceInfo& info, const Scene& scene) {
   ModelOptions options{.sensor = scene.sensor, .objects = {}};
   for (const SceneObject& object : scene.objects) options.objects.push_back(object.object);
   const Model model(Device::open({.device = std::to_string(info.index)}), options);
-  const std::vector<Column> columns = columnsOf(scene);
-  const auto records = [&](const std::string& name) {
-    return std::any_of(columns.begin(), columns.end(), [&](const Column& c) { return c.name == "data/ground_truth/" + name; });
-  };
+  const auto records = [&](const char* name) { return std::find(scene.record.begin(), scene.record.end(), name) != scene.record.end(); };
   return Simulator::plan(model, {.outputs = {.tactile_normal_force = records("tactile_normal_force"),
                                              .tactile_shear_force = records("tactile_shear_force"),
-                                             .penetration_depth = records("penetration_depth")}});
+                                             .penetration_depth = records("penetration_depth"),
+                                             .contact_features = records("contact_features"),
+                                             .clean_contact_features = records("clean_contact_features")},
+                                 .max_regions = scene.max_regions});
 }
 
 // Instances that 1 GiB of the device would hold.

@@ -86,15 +86,51 @@ nlohmann::ordered_json taxelsOf(const Sensor& sensor, std::span<const T> values,
   return list;
 }
 
-void addFeatures(nlohmann::ordered_json& json, const FeatureView& features) {
-  json["total_force"] = features.total_force[0];
-  json["peak_force"] = features.peak_force[0];
-  json["center_of_pressure"] = arrayOf(features.center_of_pressure);
-  json["second_moments"] = arrayOf(features.second_moments);
-  json["eigenvalues"] = arrayOf(features.eigenvalues);
-  json["edge_angle"] = features.edge_angle[0];
-  json["edge_confidence"] = features.edge_confidence[0];
-  json["contact_area"] = features.contact_area[0];
+// Those of one row.
+void addFeatures(nlohmann::ordered_json& json, const FeatureView& features, std::size_t row = 0) {
+  json["total_force"] = features.total_force[row];
+  json["peak_force"] = features.peak_force[row];
+  json["center_of_pressure"] = arrayOf(features.center_of_pressure.subspan(3 * row, 3));
+  json["second_moments"] = arrayOf(features.second_moments.subspan(3 * row, 3));
+  json["eigenvalues"] = arrayOf(features.eigenvalues.subspan(2 * row, 2));
+  json["edge_angle"] = features.edge_angle[row];
+  json["edge_confidence"] = features.edge_confidence[row];
+  json["contact_area"] = features.contact_area[row];
+}
+
+constexpr const char* kContactTypes[] = {"none", "point", "edge", "area"};
+
+const char* contactTypeOf(const ContactFeatureView& contact, std::size_t row) {
+  return kContactTypes[static_cast<std::size_t>(contact.contact_type[row])];
+}
+
+// The regions that have rows; the last rows may be empty.
+std::size_t numRegionRows(const ContactFeatureView& contact) {
+  return std::min(static_cast<std::size_t>(contact.num_regions[0]), static_cast<std::size_t>(kMaxRegions));
+}
+
+nlohmann::ordered_json contactRow(const ContactFeatureView& contact, std::size_t row) {
+  nlohmann::ordered_json json;
+  json["contact_type"] = contactTypeOf(contact, row);
+  json["patch"] = static_cast<int>(contact.patch[row]);
+  addFeatures(json, contact, row);
+  json["windowed_edge_angle"] = contact.windowed_edge_angle[row];
+  json["windowed_edge_confidence"] = contact.windowed_edge_confidence[row];
+  json["tilt"] = arrayOf(contact.tilt.subspan(2 * row, 2));
+  json["tilt_confidence"] = contact.tilt_confidence[row];
+  return json;
+}
+
+nlohmann::ordered_json contactJson(const ContactFeatureView& contact) {
+  nlohmann::ordered_json json;
+  json["sensor"] = contactRow(contact, 0);
+  json["patches"] = nlohmann::ordered_json::array();
+  const auto num_patches = static_cast<std::size_t>(contact.num_patches);
+  for (std::size_t p = 0; p < num_patches; ++p) json["patches"].push_back(contactRow(contact, 1 + p));
+  json["num_regions"] = static_cast<int>(contact.num_regions[0]);
+  json["regions"] = nlohmann::ordered_json::array();
+  for (std::size_t r = 0; r < numRegionRows(contact); ++r) json["regions"].push_back(contactRow(contact, 1 + num_patches + r));
+  return json;
 }
 
 nlohmann::ordered_json asJson(const Sensor& sensor, const FrameView& frame) {
@@ -103,12 +139,14 @@ nlohmann::ordered_json asJson(const Sensor& sensor, const FrameView& frame) {
   json["tactile_image"] = taxelsOf(sensor, frame.tactile_image);
   addFeatures(json, frame);
   json["saturated"] = frame.saturated[0];
+  json["contact"] = contactJson(frame.contact);
   const GroundTruthView& truth = frame.ground_truth;
   nlohmann::ordered_json& clean = json["ground_truth"];
   clean["tactile_normal_force"] = taxelsOf(sensor, truth.tactile_normal_force);
   clean["tactile_shear_force"] = taxelsOf(sensor, truth.tactile_shear_force, 2);
   if (!truth.penetration_depth.empty()) clean["penetration_depth"] = taxelsOf(sensor, truth.penetration_depth);
   addFeatures(clean, truth);
+  clean["contact"] = contactJson(truth.contact);
   clean["contact_wrench"] = arrayOf(truth.contact_wrench);
   clean["over_penetration"] = truth.over_penetration[0];
   clean["load_offset"] = truth.load_offset[0];
@@ -165,6 +203,12 @@ void printText(const Sensor& sensor, const FrameView& frame) {
   line("edge_angle", "rad", frame.edge_angle, truth.edge_angle);
   line("edge_confidence", "1", frame.edge_confidence, truth.edge_confidence);
   line("contact_area", "m^2", frame.contact_area, truth.contact_area);
+  const ContactFeatureView &measured = frame.contact, &true_contact = truth.contact;
+  line("windowed_edge_angle", "rad", measured.windowed_edge_angle.first(1), true_contact.windowed_edge_angle.first(1));
+  line("tilt", "rad", measured.tilt.first(2), true_contact.tilt.first(2));
+  line("tilt_confidence", "1", measured.tilt_confidence.first(1), true_contact.tilt_confidence.first(1));
+  fmt::print("{:<20} {:<7} {:<40} {}\n", "contact_type", "", contactTypeOf(measured, 0), contactTypeOf(true_contact, 0));
+  line("num_regions", "1", measured.num_regions, true_contact.num_regions);
   line("saturated", "1", frame.saturated, {});
   const auto clean = [&](const char* name, const char* unit, std::span<const float> values) {
     fmt::print("{:<20} {:<7} {:<40} {}\n", name, unit, "", numbersText(values));
@@ -245,7 +289,9 @@ int runContacts(const Arguments& arguments, bool load_driven) {
   const std::vector<ContactPoint> contacts = readContacts(arguments.contacts);
   const Sensor sensor = loadSensor(arguments.sensor);
   Simulator simulator(Model(openDevice(arguments), {.sensor = sensor}),
-                      {.outputs = {.penetration_depth = false}, .max_contacts = std::max(1, static_cast<int>(contacts.size()))});
+                      {.outputs = {.penetration_depth = false, .contact_features = true, .clean_contact_features = true},
+                       .max_contacts = std::max(1, static_cast<int>(contacts.size())),
+                       .max_regions = kMaxRegions});
   simulator.setContacts(0, contacts);
   simulator.step(stepOf(sensor));
   show(arguments, sensor, simulator.read(), fmt::format("{} contacts", contacts.size()));
@@ -273,7 +319,10 @@ int runObjects(const Arguments& arguments, bool load_driven) {
   }
 
   const Model model(openDevice(arguments), options);
-  Simulator simulator(model, {.num_instances = 1, .num_slots = static_cast<int>(ids.size()), .outputs = {}});
+  Simulator simulator(model, {.num_instances = 1,
+                              .num_slots = static_cast<int>(ids.size()),
+                              .outputs = {.contact_features = true, .clean_contact_features = true},
+                              .max_regions = kMaxRegions});
   simulator.setObjects(ids, X_SO);
   simulator.setLoad(0, load_driven ? static_cast<float>(arguments.load) : kPoseDriven);
   simulator.step(stepOf(sensor));

@@ -4,6 +4,7 @@
 #include <set>
 #include <string>
 
+#include "sensor/regions.h"
 #include "taxelsim/error.h"
 #include "taxelsim/generate.h"
 
@@ -13,9 +14,17 @@ namespace {
 using Source = FrameColumn::Source;
 using Floats = std::span<const float> (*)(const FrameView&);
 
-constexpr const char* kGroups[] = {
-    "tactile_image", "features", "ground_truth", "tactile_normal_force", "tactile_shear_force", "penetration_depth",
-    "poses",         "actions",  "robot"};
+constexpr const char* kGroups[] = {"tactile_image",
+                                   "features",
+                                   "ground_truth",
+                                   "tactile_normal_force",
+                                   "tactile_shear_force",
+                                   "penetration_depth",
+                                   "contact_features",
+                                   "clean_contact_features",
+                                   "poses",
+                                   "actions",
+                                   "robot"};
 
 std::set<std::string> groupsOf(const Scene& scene) {
   std::set<std::string> groups;
@@ -38,11 +47,24 @@ FrameColumn floats(std::string name, std::vector<std::size_t> shape, std::string
           values};
 }
 
-// The features of the measured image (view is the frame itself) or the clean ones (view is its ground truth).
-template <const FeatureView& (*view)(const FrameView&)>
-void addFeatures(std::vector<FrameColumn>& columns, const std::string& prefix, const std::string& of) {
-  const auto add = [&](const char* name, std::vector<std::size_t> shape, const char* unit, const std::string& description, Floats values) {
+// Of features: where they go, what they are from, and how many rows a frame has of them; none where it has but one.
+struct FeatureGroup {
+  std::string prefix, of;
+  std::vector<std::size_t> rows{};
+
+  void add(std::vector<FrameColumn>& columns, const char* name, std::vector<std::size_t> shape, const char* unit,
+           const std::string& description, Floats values) const {
+    shape.insert(shape.begin(), rows.begin(), rows.end());
     columns.push_back(floats(prefix + name, std::move(shape), unit, description, values));
+  }
+};
+
+// The features that `view` gives of a frame.
+template <auto view>
+void addFeatures(std::vector<FrameColumn>& columns, const FeatureGroup& group) {
+  const std::string& of = group.of;
+  const auto add = [&](const char* name, std::vector<std::size_t> shape, const char* unit, const std::string& description, Floats values) {
+    group.add(columns, name, std::move(shape), unit, description, values);
   };
   add("total_force", {}, "N", "Sum of " + of + ".", [](const FrameView& f) { return view(f).total_force; });
   add("peak_force", {}, "N", "Largest of " + of + ".", [](const FrameView& f) { return view(f).peak_force; });
@@ -60,11 +82,42 @@ void addFeatures(std::vector<FrameColumn>& columns, const std::string& prefix, c
       [](const FrameView& f) { return view(f).contact_area; });
 }
 
+// Those of the rows of contact features, and what they have beside.
+template <auto view>
+void addContactFeatures(std::vector<FrameColumn>& columns, const FeatureGroup& group) {
+  addFeatures<view>(columns, group);
+  const std::string& of = group.of;
+  const auto add = [&](const char* name, std::vector<std::size_t> shape, const char* unit, const std::string& description, Floats values) {
+    group.add(columns, name, std::move(shape), unit, description, values);
+  };
+  add("windowed_edge_angle", {}, "rad",
+      "Angle of the major axis of " + of + " under a Gaussian window, in (-pi/2, pi/2]; 0 where undefined.",
+      [](const FrameView& f) { return view(f).windowed_edge_angle; });
+  add("windowed_edge_confidence", {}, "1", "Difference of the eigenvalues under that window over their sum, 0 to 1.",
+      [](const FrameView& f) { return view(f).windowed_edge_confidence; });
+  add("tilt", {2}, "rad", "How a flat face is turned about x and y of its patch, from " + of + "; 0 where undefined.",
+      [](const FrameView& f) { return view(f).tilt; });
+  add("tilt_confidence", {}, "1", "How well a flat face explains " + of + " inside the contact, 0 to 1.",
+      [](const FrameView& f) { return view(f).tilt_confidence; });
+  add("contact_type", {}, "1", "0 none, 1 point, 2 edge, 3 area.", [](const FrameView& f) { return view(f).contact_type; });
+  add("patch", {}, "1",
+      "Number of the patch, of a list the taxel, in whose plane moments and angles are; -1 the xy plane of the sensor frame.",
+      [](const FrameView& f) { return view(f).patch; });
+  columns.push_back(floats(group.prefix + "num_regions", {}, "1", "Regions of connected taxels; the largest have rows.",
+                           [](const FrameView& f) { return view(f).num_regions; }));
+}
+
 const FeatureView& measured(const FrameView& frame) {
   return frame;
 }
 const FeatureView& clean(const FrameView& frame) {
   return frame.ground_truth;
+}
+const ContactFeatureView& measuredContact(const FrameView& frame) {
+  return frame.contact;
+}
+const ContactFeatureView& cleanContact(const FrameView& frame) {
+  return frame.ground_truth.contact;
 }
 
 void addRobot(const Robot& robot, std::vector<FrameColumn>& columns) {
@@ -103,12 +156,12 @@ std::vector<FrameColumn> frameColumns(const Scene& scene, const std::set<std::st
         {{"data/tactile_image", ScalarType::kUint16, taxels, "counts", "What the sensor reports.", false}, Source::kImage, nullptr});
   }
   if (groups.contains("features")) {
-    addFeatures<measured>(columns, "", "the measured taxel forces");
+    addFeatures<measured>(columns, {"", "the measured taxel forces"});
     columns.push_back(floats("saturated", {}, "1", "Fraction of the taxels at the upper end of their range.",
                              [](const FrameView& f) { return f.saturated; }));
   }
   if (groups.contains("ground_truth")) {
-    addFeatures<clean>(columns, "ground_truth/", "the true taxel forces");
+    addFeatures<clean>(columns, {"ground_truth/", "the true taxel forces"});
     columns.push_back(floats("ground_truth/contact_wrench", {6}, "N, N m",
                              "Force and torque on the sensor at the origin of its frame, in that frame, before the point spread function.",
                              [](const FrameView& f) { return f.ground_truth.contact_wrench; }));
@@ -137,6 +190,14 @@ std::vector<FrameColumn> frameColumns(const Scene& scene, const std::set<std::st
   if (groups.contains("penetration_depth")) {
     columns.push_back(floats("ground_truth/penetration_depth", taxels, "m", "Depth of the object in the skin, mean over each taxel.",
                              [](const FrameView& f) { return f.ground_truth.penetration_depth; }));
+  }
+  // The sensor, its patches, its regions.
+  const std::size_t rows = static_cast<std::size_t>(1 + numFeaturePatches(scene.sensor) + scene.max_regions);
+  if (groups.contains("contact_features")) {
+    addContactFeatures<measuredContact>(columns, {"contact/", "the measured taxel forces", {rows}});
+  }
+  if (groups.contains("clean_contact_features")) {
+    addContactFeatures<cleanContact>(columns, {"ground_truth/contact/", "the true taxel forces", {rows}});
   }
   if (groups.contains("poses")) {
     columns.push_back({{"data/pose",
@@ -201,7 +262,10 @@ ColumnPlan planColumns(const Scene& scene) {
   plan.episode = episodeColumns();
   plan.outputs = {.tactile_normal_force = groups.contains("tactile_normal_force"),
                   .tactile_shear_force = groups.contains("tactile_shear_force"),
-                  .penetration_depth = groups.contains("penetration_depth")};
+                  .penetration_depth = groups.contains("penetration_depth"),
+                  .contact_features = groups.contains("contact_features"),
+                  .clean_contact_features = groups.contains("clean_contact_features")};
+  plan.max_regions = scene.max_regions;
   return plan;
 }
 

@@ -42,6 +42,7 @@ struct ColumnPlan {
   std::vector<FrameColumn> frame;      // first in file order
   std::vector<EpisodeColumn> episode;  // then these
   OutputOptions outputs;               // what the simulator must give back
+  int max_regions = 0;                 // in its contact features
 };
 
 // Throws Error(kInput) for a name in scene.record that is none of the groups.

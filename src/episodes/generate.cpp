@@ -90,8 +90,11 @@ ModelOptions modelOptionsOf(const Scene& scene) {
 // Instances of each slice; no slice is empty. Each simulator checks its own part against the device; together they must fit as well.
 std::vector<int> cutBatch(const Model& model, const EpisodePlan& plan, int batch_size, int num_slices) {
   num_slices = std::min(num_slices, batch_size);
-  const MemoryPlan memory =
-      Simulator::plan(model, {.num_instances = batch_size, .num_slots = 1, .seed = plan.scene.seed, .outputs = plan.columns.outputs});
+  const MemoryPlan memory = Simulator::plan(model, {.num_instances = batch_size,
+                                                    .num_slots = 1,
+                                                    .seed = plan.scene.seed,
+                                                    .outputs = plan.columns.outputs,
+                                                    .max_regions = plan.columns.max_regions});
   const std::uint64_t have = model.device().info().memory;
   const std::uint64_t fixed = memory.bytes_fixed * static_cast<std::uint64_t>(num_slices);
   const std::uint64_t need = fixed + memory.bytes_per_instance * static_cast<std::uint64_t>(batch_size);

@@ -17,7 +17,11 @@ EpisodePlan::EpisodePlan(const Scene& of_scene)
 
 Slice::Slice(const Model& model, const EpisodePlan& plan, int num_instances)
     : plan_(plan),
-      simulator_(model, {.num_instances = num_instances, .num_slots = 1, .seed = plan.scene.seed, .outputs = plan.columns.outputs}),
+      simulator_(model, {.num_instances = num_instances,
+                         .num_slots = 1,
+                         .seed = plan.scene.seed,
+                         .outputs = plan.columns.outputs,
+                         .max_regions = plan.columns.max_regions}),
       robots_(plan.scene.robot, num_instances),
       slots_(num_instances),
       ids_(num_instances, kNoObject),

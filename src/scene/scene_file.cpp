@@ -25,9 +25,20 @@ constexpr double kMaxLoad = 1e6;                           // N
 constexpr double kRateTolerance = 1e-9;                    // relative; rates are decimal fractions
 
 // In the order of the canonical text and of Scene::record. The last two need a controller.
-constexpr std::array<std::string_view, 9> kColumns = {
-    "tactile_image", "features", "ground_truth", "tactile_normal_force", "tactile_shear_force", "penetration_depth",
-    "poses",         "actions",  "robot"};
+constexpr std::array<std::string_view, 11> kColumns = {"tactile_image",
+                                                       "features",
+                                                       "ground_truth",
+                                                       "tactile_normal_force",
+                                                       "tactile_shear_force",
+                                                       "penetration_depth",
+                                                       "contact_features",
+                                                       "clean_contact_features",
+                                                       "poses",
+                                                       "actions",
+                                                       "robot"};
+constexpr std::array<std::string_view, 2> kContactColumns = {"contact_features", "clean_contact_features"};
+constexpr std::uint64_t kMaxRegions = 8;  // as a simulator has it
+constexpr std::uint64_t kDefaultRegions = 4;
 constexpr std::string_view kActions = "actions", kRobot = "robot";
 constexpr std::array<std::string_view, 5> kDefaultColumns = {"tactile_image", "features", "ground_truth", "poses", "actions"};
 
@@ -137,6 +148,18 @@ std::vector<std::string> readRecord(const YamlMap& map, Scene::Kind kind) {
   return record;
 }
 
+// Of contact features; a scene without them has no such key.
+int readMaxRegions(const YamlMap& map, const std::vector<std::string>& record) {
+  const bool has_rows = std::any_of(kContactColumns.begin(), kContactColumns.end(), [&](std::string_view column) {
+    return std::find(record.begin(), record.end(), column) != record.end();
+  });
+  if (has_rows) return static_cast<int>(map.integer("max_regions", 0, kMaxRegions, kDefaultRegions));
+  if (const std::optional<YamlNode> node = map.find("max_regions")) {
+    node->fail("is of contact_features or clean_contact_features, and record has neither");
+  }
+  return 0;
+}
+
 // What stands on the command line replaces the file's value before it is checked or written.
 std::uint64_t overridden(const YamlMap& map, std::string_view key, std::uint64_t min, std::uint64_t max, std::uint64_t otherwise,
                          const std::optional<std::uint64_t>& override_value) {
@@ -167,10 +190,10 @@ Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrid
   checkFormatVersion(root);
 
   Canonical canonical;
-  const YamlMap map(
-      root,
-      {"format_version", "name", "kind", "sensor", "robot", "objects", "episode", "randomisation", "controller", "record", "data_set"},
-      canonical);
+  const YamlMap map(root,
+                    {"format_version", "name", "kind", "sensor", "robot", "objects", "episode", "randomisation", "controller", "record",
+                     "max_regions", "data_set"},
+                    canonical);
   Scene scene;
   scene.file = file;
   map.integer("format_version", 1, kFormatVersion);
@@ -192,6 +215,7 @@ Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrid
     controller->fail("a scene of kind contacts has no controller");
   }
   scene.record = readRecord(map, scene.kind);
+  scene.max_regions = readMaxRegions(map, scene.record);
   readDataSet(map, overrides, scene);
   scene.resolved = canonical.text();
   return scene;

@@ -51,6 +51,17 @@ TEST(Columns, EveryGroupBringsItsOwn) {
   clean.insert({"data/ground_truth/off_array_load", "data/ground_truth/contact_residual", "data/ground_truth/contact_iterations"});
   EXPECT_EQ(namesOf(elastic), clean);
 
+  const std::set<std::string> contact = {
+      "windowed_edge_angle", "windowed_edge_confidence", "tilt", "tilt_confidence", "contact_type", "patch", "num_regions"};
+  for (const auto& [group, prefix] :
+       {std::pair{"contact_features", "data/contact/"}, {"clean_contact_features", "data/ground_truth/contact/"}}) {
+    std::set<std::string> expected = kAlways;
+    for (const std::string& name : kFeatures) expected.insert(prefix + name);
+    for (const std::string& name : contact) expected.insert(prefix + name);
+    scene.record = {group};
+    EXPECT_EQ(namesOf(scene), expected) << group;
+  }
+
   for (const auto& [group, names] :
        std::vector<std::pair<std::string, std::vector<std::string>>>{{"tactile_image", {"data/tactile_image"}},
                                                                      {"tactile_normal_force", {"data/ground_truth/tactile_normal_force"}},
@@ -87,6 +98,20 @@ TEST(Columns, ImagesHaveTheShapeOfOneGridAndAreAListForSeveral) {
   EXPECT_EQ(columnNamed(columns, "data/ground_truth/tactile_shear_force").shape, (std::vector<std::size_t>{168, 2}));
 }
 
+TEST(Columns, ContactFeaturesHaveARowForSensorPatchesAndRegions) {
+  Scene scene = exampleScene();
+  const auto shape = [&](const char* name) { return columnNamed(columnsOf(scene), std::string("data/contact/") + name).shape; };
+  EXPECT_EQ(shape("total_force"), (std::vector<std::size_t>{4}));
+  EXPECT_EQ(shape("center_of_pressure"), (std::vector<std::size_t>{4, 3}));
+  EXPECT_EQ(shape("tilt"), (std::vector<std::size_t>{4, 2}));
+  EXPECT_TRUE(shape("num_regions").empty());
+  scene.sensor.patches.push_back(scene.sensor.patches[0]);
+  scene.max_regions = 0;
+  EXPECT_EQ(shape("total_force"), (std::vector<std::size_t>{3}));
+  for (GridPatch& patch : scene.sensor.patches) patch.num_rows = patch.num_cols = 1;  // a list of taxels
+  EXPECT_EQ(shape("total_force"), (std::vector<std::size_t>{1}));
+}
+
 TEST(Columns, AskTheSimulatorForNoMoreThanIsRecorded) {
   Scene scene = exampleScene();
   EXPECT_TRUE(planColumns(scene).outputs.tactile_shear_force);
@@ -95,6 +120,10 @@ TEST(Columns, AskTheSimulatorForNoMoreThanIsRecorded) {
   EXPECT_FALSE(outputs.tactile_normal_force);
   EXPECT_FALSE(outputs.tactile_shear_force);
   EXPECT_TRUE(outputs.penetration_depth);
+  EXPECT_FALSE(outputs.contact_features);
+  EXPECT_FALSE(outputs.clean_contact_features);
+  EXPECT_TRUE(planColumns(exampleScene()).outputs.contact_features);
+  EXPECT_EQ(planColumns(exampleScene()).max_regions, 2);
 }
 
 TEST(Columns, RefusesUnknownNames) {

@@ -33,8 +33,17 @@ Scene exampleScene() {
   scene.randomisation.gain_spread = {0, 0.05};
   scene.randomisation.noise = {0, 5};
   scene.controller.exploration_velocity = 0.002;
-  scene.record = {"tactile_image",       "features",          "ground_truth", "tactile_normal_force",
-                  "tactile_shear_force", "penetration_depth", "poses",        "actions"};
+  scene.record = {"tactile_image",
+                  "features",
+                  "ground_truth",
+                  "tactile_normal_force",
+                  "tactile_shear_force",
+                  "penetration_depth",
+                  "contact_features",
+                  "clean_contact_features",
+                  "poses",
+                  "actions"};
+  scene.max_regions = 2;
   scene.num_episodes = 23;
   scene.seed = 11;
   scene.episodes_per_shard = 5;

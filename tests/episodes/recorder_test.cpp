@@ -37,6 +37,21 @@ struct ExampleFrame {
     features.contact_area = next(1);
   }
 
+  // The sensor, its patch and two regions.
+  void fill(ContactFeatureView& contact) {
+    constexpr std::size_t kRows = 4;
+    contact.num_rows = kRows;
+    contact.num_patches = 1;
+    for (std::span<const float>* values : {&contact.total_force, &contact.peak_force, &contact.edge_angle, &contact.edge_confidence,
+                                           &contact.contact_area, &contact.windowed_edge_angle, &contact.windowed_edge_confidence,
+                                           &contact.tilt_confidence, &contact.contact_type, &contact.patch}) {
+      *values = next(kRows);
+    }
+    for (std::span<const float>* values : {&contact.center_of_pressure, &contact.second_moments}) *values = next(3 * kRows);
+    for (std::span<const float>* values : {&contact.eigenvalues, &contact.tilt}) *values = next(2 * kRows);
+    contact.num_regions = next(1);
+  }
+
   ExampleFrame() : counts(kNumInstances * kNumTaxels) {
     arrays.reserve(64);
     fill(view);
@@ -47,6 +62,8 @@ struct ExampleFrame {
     view.ground_truth.penetration_depth = next(kNumTaxels);
     view.ground_truth.contact_wrench = next(6);
     view.ground_truth.over_penetration = next(1);
+    fill(view.contact);
+    fill(view.ground_truth.contact);
     std::iota(counts.begin(), counts.end(), 65535u - static_cast<std::uint32_t>(counts.size()));
     view.tactile_image = counts;
   }

@@ -232,6 +232,7 @@ controller: {tactile_servo: {edge_angle: {kp: 1}}}
   EXPECT_EQ(scene.randomisation.depth->min, 0.001);
   EXPECT_EQ(scene.randomisation.depth->max, 0.001);
   EXPECT_EQ(scene.record, (std::vector<std::string>{"tactile_image", "features", "ground_truth", "poses", "actions"}));
+  EXPECT_EQ(scene.max_regions, 0);
 }
 
 TEST(SceneFile, EverySettingArrives) {
@@ -246,7 +247,7 @@ TEST(SceneFile, EverySettingArrives) {
   text = edited(text, "  yaw_deg: 30\n",
                 "  y: [0.001, 0.002]\n  yaw_deg: 180\n  tilt: [0, 0.1]\n  gain: 2\n  gain_spread: 0.1\n  noise: [1, 2]\n");
   text = edited(text, "seed: 7", "seed: 18446744073709551615, episodes_per_shard: 5, compression: 9");
-  text = edited(text, "[tactile_image, features]", "[actions, penetration_depth]");
+  text = edited(text, "[tactile_image, features]", "[actions, contact_features, penetration_depth]\nmax_regions: 6");
   const Scene scene = loadScene(directory.write("scene.yaml", text));
   EXPECT_EQ(scene.name, "small_scene");
   EXPECT_EQ(scene.kind, Scene::Kind::kServo);
@@ -293,7 +294,8 @@ TEST(SceneFile, EverySettingArrives) {
   EXPECT_EQ(scene.seed, 18446744073709551615u);
   EXPECT_EQ(scene.episodes_per_shard, 5u);
   EXPECT_EQ(scene.compression, 9);
-  EXPECT_EQ(scene.record, (std::vector<std::string>{"penetration_depth", "actions"}));
+  EXPECT_EQ(scene.record, (std::vector<std::string>{"penetration_depth", "contact_features", "actions"}));
+  EXPECT_EQ(scene.max_regions, 6);
 }
 
 // A flat plate of 20 x 20 cells needs no vertex but those of its rim.
