@@ -1,5 +1,5 @@
-// What a frame costs under each contact law, with shear, and with what readout adds, beside `winkler` on the same poses: in one process, in
-// turns, so that what else the machine does meets all of them.
+// What a frame costs under each contact law, with shear, and with what readout and contact features add, beside `winkler` on the same
+// poses: in one process, in turns, so that what else the machine does meets all of them.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -34,6 +34,7 @@ struct Case {
   std::string name;
   std::function<void(Sensor&)> change;  // of the sensor whose law is winkler
   bool cold = false;                    // every frame from nothing, as the first of an episode
+  int max_regions = -1;                 // of measured contact features; -1: none of these features
 };
 
 Skin elasticSkin(const Skin& skin, ElasticLayer::Base base, double margin) {
@@ -93,6 +94,8 @@ std::vector<Case> allCases() {
          s.readout.gain_spread = 0.05;
          s.readout.dead_taxel_probability = 0.01;
        }},
+      {"contact features, no regions", [](Sensor&) {}, false, 0},
+      {"contact features, four regions", [](Sensor&) {}, false, 4},
   };
 }
 
@@ -104,9 +107,12 @@ class Run {
     work.change(sensor);
     for (Pose& pose : there_) pose.position[0] += kStride;
     const Model model(device, {.sensor = sensor, .objects = {object}});
-    simulator_.emplace(
-        model, SimulatorOptions{.num_instances = static_cast<int>(X_SO.size()),
-                                .outputs = {.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false}});
+    simulator_.emplace(model, SimulatorOptions{.num_instances = static_cast<int>(X_SO.size()),
+                                               .outputs = {.tactile_normal_force = false,
+                                                           .tactile_shear_force = false,
+                                                           .penetration_depth = false,
+                                                           .contact_features = work.max_regions >= 0},
+                                               .max_regions = std::max(work.max_regions, 0)});
   }
 
   // Seconds from poses to features.

@@ -575,8 +575,7 @@ std::vector<std::uint32_t> bitsOf(const ContactFeatureView& view, int instance) 
   return bits;
 }
 
-std::vector<std::vector<std::uint32_t>> bitsOfAll(const Sensor& sensor, int workgroup, const std::vector<std::vector<double>>& forces) {
-  const Model model(support::sharedDevice(), {.sensor = sensor, .image_workgroup = workgroup});
+std::vector<std::vector<std::uint32_t>> bitsOfAll(const Model& model, const std::vector<std::vector<double>>& forces) {
   const int n = static_cast<int>(forces.size());
   Simulator simulator(model, {.num_instances = n, .outputs = kAll, .max_contacts = 3000, .max_regions = 5});
   const FrameView frame = press(simulator, forces);
@@ -597,9 +596,11 @@ TEST(ContactFeaturesOnDevice, BytesDependOnNeitherBatchNorWorkgroup) {
   Random random(9);
   std::vector<std::vector<double>> forces;
   for (int i = 0; i < 11; ++i) forces.push_back(randomImage(random, sensor));
-  const auto expected = bitsOfAll(sensor, 0, forces);
-  for (const int workgroup : {4, 16, 256}) EXPECT_EQ(bitsOfAll(sensor, workgroup, forces), expected) << workgroup;
-  for (std::size_t i = 0; i < forces.size(); ++i) EXPECT_EQ(bitsOfAll(sensor, 0, {forces[i]})[0], expected[i]) << i;
+  const auto modelWith = [&](int workgroup) { return Model(support::sharedDevice(), {.sensor = sensor, .image_workgroup = workgroup}); };
+  const Model model = modelWith(0);
+  const auto expected = bitsOfAll(model, forces);
+  for (const int workgroup : {4, 16, 256}) EXPECT_EQ(bitsOfAll(modelWith(workgroup), forces), expected) << workgroup;
+  for (std::size_t i = 0; i < forces.size(); ++i) EXPECT_EQ(bitsOfAll(model, {forces[i]})[0], expected[i]) << i;
 }
 
 TEST(ContactFeaturesOnDevice, MeasuredOnesAreHeldBetweenTheSensorsFrames) {

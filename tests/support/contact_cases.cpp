@@ -80,6 +80,8 @@ void expectWindowHelps(const AngleErrors& plain, const AngleErrors& windowed) {
   EXPECT_GT(plain.quantile(0.95), 5);
   EXPECT_LT(windowed.quantile(0.5), 0.25);
   EXPECT_LT(windowed.quantile(0.95), 1.4);
+  testing::Test::RecordProperty("plain_median", std::to_string(plain.quantile(0.5)));
+  testing::Test::RecordProperty("plain_95", std::to_string(plain.quantile(0.95)));
   testing::Test::RecordProperty("windowed_median", std::to_string(windowed.quantile(0.5)));
   testing::Test::RecordProperty("windowed_95", std::to_string(windowed.quantile(0.95)));
 }
