@@ -18,7 +18,7 @@ layout(constant_id = 12) const uint TEAM = 1;         // invocations of a part
 layout(constant_id = 13) const uint REGIONS = 0;      // rows of regions
 layout(constant_id = 14) const uint PATCHES = 1;      // rows of patches
 layout(constant_id = 15) const uint LAST_PLANE = 1;   // that of S
-layout(constant_id = 16) const uint PARTIALS = 1;     // kNumSums LANES for every team of more than one invocation
+layout(constant_id = 16) const uint PARTIALS = 1;     // kMostSums LANES for every team of more than one invocation
 layout(constant_id = 17) const float NOISE = 0.0;     // counts
 layout(constant_id = 18) const float SLOPE = 2400.0;  // counts/N
 layout(constant_id = 19) const float STIFFNESS = 1.73e8;  // d pressure / d depth = STIFFNESS pressure^(1 - 1 / EXPONENT), N, m
@@ -54,8 +54,7 @@ const float kWidestEdge = 0.5;    // of its length
 // Largest taxel number plus 1 that a float holds among others.
 const float kTaxelNumbers = 16777216.0;
 
-const uint kNumSums = 17u;
-const uint kLargest = 16u;  // the last one is no sum but the largest value
+const uint kMostSums = 16u;  // of any scan
 
 shared float partial[PARTIALS];
 
@@ -72,77 +71,78 @@ struct Part {
   uint region;       // whose taxels they are; kNoRegion: all
   uint plane;
   bool is_grid;      // of that plane, else places in S
+  vec4 pitch;        // of the plane
+  vec2 size;         // of the grid, rows and columns
 };
 
-// Sums over the taxels of a part, one array for all of them.
+// What is summed over the taxels of a part.
+const uint kScanForce = 0u;   // the largest force; force, first moments, area, taxels that report
+const uint kScanPeak = 1u;    // of lists: which taxel has the largest force
+const uint kScanSecond = 2u;  // moments about a middle; of the core, too, with how forces change over it
+const uint kScanWindow = 3u;  // moments about a middle, under a window around it
+
+uint numSums(uint scan) { return scan == kScanForce ? 7u : scan == kScanPeak ? 1u : scan == kScanSecond ? kMostSums : 6u; }
+
+// Of scans over forces and peaks the first one is no sum but the largest value.
+bool hasLargest(uint scan) { return scan <= kScanPeak; }
+
+// kScanSecond: sums of the core begin here: taxels, first and second moments of their places (pitches), forces less `force`, first moments and squares of them.
+const uint kCore = 6u;
+
 struct Sums {
-  float s[kNumSums];
+  float s[kMostSums];
 };
 
 Sums noSums() {
   Sums sums;
-  for (uint k = 0; k < kNumSums; ++k) sums.s[k] = 0.0;
+  for (uint k = 0; k < kMostSums; ++k) sums.s[k] = 0.0;
   return sums;
 }
 
-void addSums(inout Sums total, Sums more) {
-  for (uint k = 0; k < kLargest; ++k) total.s[k] += more.s[k];
-  total.s[kLargest] = max(total.s[kLargest], more.s[kLargest]);
+void addSums(uint scan, inout Sums total, Sums more) {
+  float largest = max(total.s[0], more.s[0]);
+  for (uint k = 0; k < numSums(scan); ++k) total.s[k] += more.s[k];
+  if (hasLargest(scan)) total.s[0] = largest;
 }
 
 // Place of a taxel in C.
 vec3 placeOf(Part part, uint t) {
-  if (part.is_grid) {
-    uvec4 grid = planes[part.plane].grid;
-    vec2 at = vec2((t - grid.z) / grid.y, (t - grid.z) % grid.y) - 0.5 * (vec2(grid.xy) - 1.0);
-    return vec3(at * planes[part.plane].pitch.xy, 0);
+  if (kOnePatch || part.is_grid) {
+    // The row by a product: a driver's integer division is slow. It is half a taxel from where it could be off.
+    float number = float(t - part.first);
+    float i = floor((number + 0.5) / part.size.y);
+    return vec3((vec2(i, number - i * part.size.y) - 0.5 * (part.size - 1.0)) * part.pitch.xy, 0);
   }
   vec3 p_S = taxels[t].chart.xyz;
-  if (part.plane == LAST_PLANE) return p_S;
+  if (!kList || part.plane == LAST_PLANE) return p_S;
   PlaneRecord plane = planes[part.plane];
   vec3 d = p_S - vec3(plane.X_SC_row0.w, plane.X_SC_row1.w, plane.X_SC_row2.w);
   return plane.X_SC_row0.xyz * d.x + plane.X_SC_row1.xyz * d.y + plane.X_SC_row2.xyz * d.z;
 }
 
-// What is summed over the taxels, scan after scan: one loop over the scans, for a driver that copies every function to where it is called.
-const uint kScanForce = 0u;   // force, first moments, area, taxels that report; the largest force
-const uint kScanPeak = 1u;    // of lists: which taxel has the largest force. Then kScanForce again, in its plane
-const uint kScanSecond = 2u;  // moments about a middle; of the core, too, with how forces change over it
-const uint kScanWindow = 3u;  // moments about a middle, under a window around it
-const uint kFirstScans = kList && REGIONS > 0 ? 3u : 1u;  // before kScanSecond
-const uint kNumScans = kFirstScans + 1u + kWindowRounds;
-
-uint scanOf(uint number) {
-  if (number < kFirstScans) return number == 1 ? kScanPeak : kScanForce;
-  return number == kFirstScans ? kScanSecond : kScanWindow;
-}
-
-// kScanSecond: sums of the core begin here: taxels, first and second moments of their places (pitches), forces less `force`, first moments and squares of them.
-const uint kCore = 6u;
-
 void addTaxel(uint scan, Part part, uint t, vec3 middle, float force, inout Sums sums) {
   uint word = taxel_regions[part.first_taxel + t];
-  if (part.region != kNoRegion && (word & ~kCoreTaxel) != part.region) return;
+  uint name = word & kNoRegion;
   float weight = forces[part.first_taxel + t];
-  bool reports = (word & ~kCoreTaxel) != kNoRegion;
+  if (part.region != kNoRegion && name != part.region) weight = 0.0;
   if (scan == kScanPeak) {
-    if (weight == force) sums.s[kLargest] = max(sums.s[kLargest], kTaxelNumbers - float(t));
+    if (weight == force) sums.s[0] = max(sums.s[0], kTaxelNumbers - float(t));
     return;
   }
-  if (!reports && weight == 0.0) return;
   vec3 p = placeOf(part, t) - middle;
   if (scan == kScanForce) {
-    sums.s[0] += weight;
-    sums.s[1] += weight * p.x;
-    sums.s[2] += weight * p.y;
-    sums.s[3] += weight * p.z;
-    sums.s[4] += reports ? taxels[t].chart.w : 0.0;
-    sums.s[5] += reports ? 1.0 : 0.0;
-    sums.s[kLargest] = max(sums.s[kLargest], weight);
+    bool counts = name != kNoRegion && (part.region == kNoRegion || name == part.region);
+    sums.s[0] = max(sums.s[0], weight);
+    sums.s[1] += weight;
+    sums.s[2] += weight * p.x;
+    sums.s[3] += weight * p.y;
+    sums.s[4] += weight * p.z;
+    sums.s[5] += counts ? (kOnePatch ? PITCH_X * PITCH_Y : taxels[t].chart.w) : 0.0;
+    sums.s[6] += counts ? 1.0 : 0.0;
     return;
   }
   if (scan == kScanWindow) {
-    float width = kWindow * planes[part.plane].pitch.z;
+    float width = kWindow * part.pitch.z;
     weight *= exp(-0.5 * dot(p.xy, p.xy) / (width * width));
   }
   sums.s[0] += weight * p.x;
@@ -151,15 +151,16 @@ void addTaxel(uint scan, Part part, uint t, vec3 middle, float force, inout Sums
   sums.s[3] += weight * p.x * p.x;
   sums.s[4] += weight * p.x * p.y;
   sums.s[5] += weight * p.y * p.y;
-  if (kList || scan != kScanSecond || (word & kCoreTaxel) == 0) return;
-  vec2 at = p.xy / planes[part.plane].pitch.xy;
-  float more = weight - force;
-  sums.s[kCore] += 1.0;
-  sums.s[kCore + 1] += at.x;
-  sums.s[kCore + 2] += at.y;
-  sums.s[kCore + 3] += at.x * at.x;
-  sums.s[kCore + 4] += at.x * at.y;
-  sums.s[kCore + 5] += at.y * at.y;
+  if (kList || scan != kScanSecond) return;
+  vec2 at = p.xy / part.pitch.xy;
+  float one = (word & kCoreTaxel) != 0 && weight > 0.0 ? 1.0 : 0.0;
+  float more = one * (weight - force);
+  sums.s[kCore] += one;
+  sums.s[kCore + 1] += one * at.x;
+  sums.s[kCore + 2] += one * at.y;
+  sums.s[kCore + 3] += one * at.x * at.x;
+  sums.s[kCore + 4] += one * at.x * at.y;
+  sums.s[kCore + 5] += one * at.y * at.y;
   sums.s[kCore + 6] += more;
   sums.s[kCore + 7] += more * at.x;
   sums.s[kCore + 8] += more * at.y;
@@ -169,7 +170,7 @@ void addTaxel(uint scan, Part part, uint t, vec3 middle, float force, inout Sums
 // Over all taxels of the part, the same for every invocation of the team.
 Sums sumsOf(uint scan, Part part, vec3 middle, float force) {
   uint lane = gl_LocalInvocationIndex % TEAM;
-  uint first_partial = gl_LocalInvocationIndex / TEAM * kNumSums * LANES;
+  uint first_partial = gl_LocalInvocationIndex / TEAM * kMostSums * LANES;
   Sums total = noSums();
   for (uint v = lane; v < LANES; v += TEAM) {
     Sums sums = noSums();
@@ -177,21 +178,38 @@ Sums sumsOf(uint scan, Part part, vec3 middle, float force) {
     for (; t < part.end; t += LANES) addTaxel(scan, part, t, middle, force, sums);
     cut_short = cut_short || t < part.end;
     if (TEAM == 1) {
-      addSums(total, sums);
+      addSums(scan, total, sums);
     } else {
-      for (uint k = 0; k < kNumSums; ++k) partial[first_partial + k * LANES + v] = sums.s[k];
+      for (uint k = 0; k < numSums(scan); ++k) partial[first_partial + k * LANES + v] = sums.s[k];
     }
   }
   if (TEAM > 1) {
     barrier();
     for (uint v = 0; v < LANES; ++v) {
-      Sums sums;
-      for (uint k = 0; k < kNumSums; ++k) sums.s[k] = partial[first_partial + k * LANES + v];
-      addSums(total, sums);
+      Sums sums = noSums();
+      for (uint k = 0; k < numSums(scan); ++k) sums.s[k] = partial[first_partial + k * LANES + v];
+      addSums(scan, total, sums);
     }
     barrier();
   }
   return total;
+}
+
+// Axes of the forces under a Gaussian window that finds their middle by itself, from `middle` on.
+Axes windowedAxes(Part part, vec3 middle, float force) {
+  vec3 second = vec3(0);
+  bool is_empty = force <= 0.0;
+  for (uint round = 0; round < kWindowRounds; ++round) {
+    Sums sums = sumsOf(kScanWindow, part, middle, 0.0);
+    float weight = sums.s[2];
+    is_empty = is_empty || weight < kLeastUnderWindow * force;
+    if (is_empty) continue;
+    vec2 first = vec2(sums.s[0], sums.s[1]);
+    second = centralMoments(weight, first, vec3(sums.s[3], sums.s[4], sums.s[5]));
+    middle.xy += first / weight;
+  }
+  if (is_empty) second = vec3(0);
+  return axesOf(second);
 }
 
 struct Tilt {
@@ -247,21 +265,22 @@ void writeRow(uint row, uint num_rows, PlaneRecord plane, float patch_number, Mo
 
 // Part `number` (below kParts) of an instance; empty where it has nothing to do.
 Part partOf(uint instance, uint number, bool is_due) {
-  Part part = Part(instance * NUM_TAXELS, 0, is_due ? NUM_TAXELS : 0, kNoRegion, kOnePatch ? 0 : LAST_PLANE, kOnePatch);
-  if (number == 0) return part;
-  uint patch_number = number - 1;
+  uint plane = kOnePatch ? 0 : LAST_PLANE;
+  uint first = 0, end = NUM_TAXELS, region = kNoRegion;
+  bool is_grid = kOnePatch;
   if (number >= kFirstRegion) {
-    part.region = is_due ? regions[instance * REGIONS + number - kFirstRegion] : kNoRegion;
-    if (part.region == kNoRegion) part.end = 0;
-    if (part.end == 0 || kList) return part;
-    patch_number = uint(taxels[part.region].readout.z);
+    if (is_due) region = regions[instance * REGIONS + number - kFirstRegion];
+    if (region == kNoRegion) end = 0;
   }
-  uvec4 grid = planes[patch_number].grid;
-  part.plane = patch_number;
-  part.is_grid = true;
-  part.first = grid.z;
-  if (is_due) part.end = grid.z + grid.x * grid.y;
-  return part;
+  if (!kOnePatch && !kList && number > 0 && end > 0) {
+    plane = number < kFirstRegion ? number - 1 : uint(taxels[region].readout.z);
+    uvec4 grid = planes[plane].grid;
+    first = grid.z;
+    end = grid.z + grid.x * grid.y;
+    is_grid = true;
+  }
+  if (!is_due) end = 0;
+  return Part(instance * NUM_TAXELS, first, end, region, plane, is_grid, planes[plane].pitch, vec2(planes[plane].grid.xy));
 }
 
 // Every team goes the same way through the barriers; one without a part of its own (`is_there` false) does and writes nothing. Between the sensor's own frames
@@ -270,51 +289,31 @@ void featuresOf(uint number, bool is_there, uint num_instances) {
   uint instance = number % num_instances, which = number / num_instances;
   bool is_due = is_there && (CLEAN || (instances[instance].keys.w & kFlagNewFrame) != 0);
   Part part = partOf(instance, which, is_due);
-  Moments moments = Moments(0.0, vec3(0), vec3(0), 0.0, 0.0);
-  Sums core = noSums();
-  vec3 center = vec3(0), middle = vec3(0);  // of pressure, of the window
-  vec3 windowed = vec3(0);
-  float num_reporting = 0.0, mean_force = 0.0;
-  bool is_empty = false;  // what is under the window
-  for (uint number = 0; number < kNumScans; ++number) {
-    uint scan = scanOf(number);
-    Sums sums = sumsOf(scan, part, middle, scan == kScanPeak ? moments.peak : mean_force);
-    if (scan == kScanForce) {
-      moments.force = sums.s[0];
-      moments.peak = sums.s[kLargest];
-      moments.area = sums.s[4];
-      num_reporting = sums.s[5];
-      mean_force = moments.force / max(num_reporting, 1.0);
-      if (moments.force > 0.0) center = vec3(sums.s[1], sums.s[2], sums.s[3]) / moments.force;
-      if (number + 1 == kFirstScans) middle = center;
-      is_empty = moments.force <= 0.0;
-    } else if (scan == kScanPeak) {
-      if (part.region != kNoRegion) part.plane = uint(taxels[uint(kTaxelNumbers - sums.s[kLargest])].readout.z);
-    } else if (scan == kScanSecond) {
-      moments.first = vec3(sums.s[0], sums.s[1], sums.s[2]);
-      moments.second = vec3(sums.s[3], sums.s[4], sums.s[5]);
-      core = sums;
-    } else {
-      float weight = sums.s[2];
-      is_empty = is_empty || weight < kLeastUnderWindow * moments.force;
-      if (is_empty) continue;
-      vec2 first = vec2(sums.s[0], sums.s[1]);
-      windowed = centralMoments(weight, first, vec3(sums.s[3], sums.s[4], sums.s[5]));
-      middle.xy += first / weight;
-    }
+  Sums sums = sumsOf(kScanForce, part, vec3(0), 0.0);
+  if (kList && REGIONS > 0) {
+    Sums peak = sumsOf(kScanPeak, part, vec3(0), sums.s[0]);
+    if (part.region != kNoRegion) part.plane = uint(taxels[uint(kTaxelNumbers - peak.s[0])].readout.z);
+    sums = sumsOf(kScanForce, part, vec3(0), 0.0);
   }
+  Moments moments = Moments(sums.s[1], vec3(0), vec3(0), sums.s[0], sums.s[5]);
+  float num_reporting = sums.s[6];
+  float mean_force = moments.force / max(num_reporting, 1.0);
+  vec3 center = vec3(0);
+  if (moments.force > 0.0) center = vec3(sums.s[2], sums.s[3], sums.s[4]) / moments.force;
+  Sums core = sumsOf(kScanSecond, part, center, mean_force);
+  moments.first = vec3(core.s[0], core.s[1], core.s[2]);
+  moments.second = vec3(core.s[3], core.s[4], core.s[5]);
+  Axes axes = windowedAxes(part, center, moments.force);
   if (!is_due || gl_LocalInvocationIndex % TEAM > 0) return;
 
   PlaneRecord plane = planes[part.plane];
   Tilt tilt = Tilt(vec2(0), 0.0);
   if (part.is_grid) tilt = tiltOf(plane, core, mean_force);
-  float num_taxels = part.region != kNoRegion ? num_reporting : float(part.end - part.first);
+  float num_taxels = which >= kFirstRegion ? num_reporting : float(part.end - part.first);
   float noise = CLEAN ? 0.0 : sqrt(NOISE * NOISE + instances[instance].drive.w * instances[instance].drive.w) / SLOPE;
   vec3 second = vec3(0);
   if (moments.force > 0.0) second = centralMoments(moments.force, moments.first.xy, moments.second);
   float type = typeOf(plane, second, moments.force, kNoiseFactor * noise * sqrt(num_taxels));
-  Axes axes = Axes(0.0, 0.0, 0.0, 0.0);
-  if (!is_empty) axes = axesOf(windowed);
   uint num_rows = num_instances * kRows;
   uint row = instance * kRows + which + (kOnePatch && which > 0 ? 1 : 0);
   float patch_number = part.plane == LAST_PLANE ? -1.0 : float(part.plane);

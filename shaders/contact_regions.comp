@@ -19,11 +19,12 @@ layout(constant_id = 13) const uint REGIONS = 0;         // that are wanted
 layout(constant_id = 14) const uint NUM_NEIGHBOURS = 0;  // in the list of each taxel; 0: patches are grids
 layout(constant_id = 15) const uint FORCE_STEPS = 1;     // of the largest force of an image: the sum over all taxels fits into 31 bits
 layout(constant_id = 16) const uint FIRST_COUNT = 0;     // of the numbers of regions, features per instance before it
-layout(constant_id = 17) const int CURVE_DEGREE = 1;
-layout(constant_id = 18) const float CURVE_SLOPE = 2400.0;  // at 0, counts/N
-layout(constant_id = 19) const float OUTPUT_SCALE = 1.0;
-layout(constant_id = 20) const float TRIGGER = 0.02;      // N
-layout(constant_id = 21) const float SATURATION = 4095.0;  // counts
+layout(constant_id = 17) const bool ONE_PATCH = true;    // a grid
+layout(constant_id = 18) const int CURVE_DEGREE = 1;
+layout(constant_id = 19) const float CURVE_SLOPE = 2400.0;  // at 0, counts/N
+layout(constant_id = 20) const float OUTPUT_SCALE = 1.0;
+layout(constant_id = 21) const float TRIGGER = 0.02;      // N
+layout(constant_id = 22) const float SATURATION = 4095.0;  // counts
 
 layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceRecord instances[]; };
 layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
@@ -66,7 +67,7 @@ struct Instance {
   uint end;  // of its taxels: 0 where there is nothing to do
 };
 
-bool reports(uint word) { return (word & ~kCoreTaxel) != kNoRegion; }
+bool reports(uint word) { return (word & kNoRegion) != kNoRegion; }
 
 // The taxel that names the region of taxel `t`, as far as taxels are united; every one on the way is moved to the one after the next.
 uint regionOf(uint first_taxel, uint t) {
@@ -102,35 +103,60 @@ void unite(uint first_taxel, uint a, uint b) {
   cut_short = cut_short || !done;
 }
 
+// Patch of a taxel, and its row and column there.
+struct Place {
+  uvec4 grid;  // of the patch
+  uvec2 at;
+};
+
+Place placeOf(uint t) {
+  uvec4 grid = planes[ONE_PATCH ? 0 : uint(taxels[t].readout.z)].grid;
+  uint cols = ONE_PATCH && NUM_ROWS > 0 ? NUM_COLS : grid.y;
+  return Place(grid, uvec2((t - grid.z) / cols, (t - grid.z) % cols));
+}
+
+bool reportsAt(uint first_taxel, uint t) { return reports(taxel_regions[first_taxel + t]); }
+
 // A taxel with those of its neighbours that have lower numbers.
 void uniteNeighbours(uint first_taxel, uint t) {
   for (uint e = 0; e < NUM_NEIGHBOURS; ++e) {
     uint other = neighbours[e * NUM_TAXELS + t];
-    if (reports(taxel_regions[first_taxel + other])) unite(first_taxel, t, other);
+    if (reportsAt(first_taxel, other)) unite(first_taxel, t, other);
   }
   if (!kGrids) return;
-  uvec4 grid = planes[uint(taxels[t].readout.z)].grid;
-  uint i = (t - grid.z) / grid.y, j = (t - grid.z) % grid.y;
-  if (i > 0 && reports(taxel_regions[first_taxel + t - grid.y])) {
-    unite(first_taxel, t, t - grid.y);  // and with it those beside it
-    return;
+  // The one before it in its row and the two beside the one above are connected with that, so that two neighbours at most are left.
+  Place place = placeOf(t);
+  uint before = t, after = t, above = t - place.grid.y;
+  bool has_left = place.at.y > 0, has_row = place.at.x > 0;
+  if (has_row && has_left && reportsAt(first_taxel, above - 1)) before = above - 1;
+  if (has_left && reportsAt(first_taxel, t - 1)) before = t - 1;
+  if (has_row && place.at.y + 1 < place.grid.y && reportsAt(first_taxel, above + 1)) after = above + 1;
+  if (has_row && reportsAt(first_taxel, above)) {
+    before = above;
+    after = t;
   }
-  bool left = j > 0 && reports(taxel_regions[first_taxel + t - 1]);
-  if (left) unite(first_taxel, t, t - 1);
-  if (i == 0) return;
-  if (!left && j > 0 && reports(taxel_regions[first_taxel + t - grid.y - 1])) unite(first_taxel, t, t - grid.y - 1);
-  if (j + 1 < grid.y && reports(taxel_regions[first_taxel + t - grid.y + 1])) unite(first_taxel, t, t - grid.y + 1);
+  if (before != t) unite(first_taxel, t, before);
+  if (after != t) unite(first_taxel, t, after);
 }
 
-// Whether a taxel lies so far inside what touches that the spread brings it as much as it takes away: all taxels of its patch around it report, and it
-// is not on the border, where what touches may end anywhere.
+// Whether a taxel lies so far inside what touches that the spread brings it as much as it takes away, along its row, and then in all: all taxels of its
+// patch around it report, and it is not on the border, where what touches may end anywhere.
+bool isCoreInRow(uint first_taxel, uint t) {
+  Place place = placeOf(t);
+  uint row = place.grid.z + place.at.x * place.grid.y;
+  uint last = min(place.at.y + place.grid.w, place.grid.y - 1);
+  bool core = place.at.y > 0 && place.at.y + 1 < place.grid.y;
+  for (uint j = place.at.y - min(place.at.y, place.grid.w); j <= last && core; ++j) core = reportsAt(first_taxel, row + j);
+  return core;
+}
+
 bool isCore(uint first_taxel, uint t) {
-  uvec4 grid = planes[uint(taxels[t].readout.z)].grid;
-  uvec2 at = uvec2((t - grid.z) / grid.y, (t - grid.z) % grid.y);
-  uvec2 first = at - min(at, uvec2(grid.w)), last = min(at + grid.w, grid.xy - 1);
-  bool core = all(greaterThan(at, uvec2(0))) && all(lessThan(at, grid.xy - 1));
-  for (uint i = first.x; i <= last.x && core; ++i) {
-    for (uint j = first.y; j <= last.y && core; ++j) core = reports(taxel_regions[first_taxel + grid.z + i * grid.y + j]);
+  Place place = placeOf(t);
+  uint column = place.grid.z + place.at.y;
+  uint last = min(place.at.x + place.grid.w, place.grid.x - 1);
+  bool core = place.at.x > 0 && place.at.x + 1 < place.grid.x;
+  for (uint i = place.at.x - min(place.at.x, place.grid.w); i <= last && core; ++i) {
+    core = (taxel_regions[first_taxel + column + i * place.grid.y] & kCoreInRow) != 0;
   }
   return core;
 }
@@ -236,12 +262,19 @@ void regionsOf(uint number, bool is_there, uint num_instances) {
     if (lane == 0 && is_due) features[FIRST_COUNT * num_instances + number] = float(count);
   }
   uint t = lane;
-  for (; t < of.end; t += TEAM) {
-    uint word = taxel_regions[of.first_taxel + t];
-    bool in_range = CLEAN || float(image[of.first_taxel + t]) < SATURATION;
-    if (kGrids && reports(word) && in_range && isCore(of.first_taxel, t)) taxel_regions[of.first_taxel + t] = word | kCoreTaxel;
+  if (kGrids) {
+    for (; t < of.end; t += TEAM) {
+      uint word = taxel_regions[of.first_taxel + t];
+      if (reports(word) && isCoreInRow(of.first_taxel, t)) taxel_regions[of.first_taxel + t] = word | kCoreInRow;
+    }
+    together();
+    for (t = lane; t < of.end; t += TEAM) {
+      uint word = taxel_regions[of.first_taxel + t];
+      bool in_range = CLEAN || float(image[of.first_taxel + t]) < SATURATION;
+      if (in_range && isCore(of.first_taxel, t)) taxel_regions[of.first_taxel + t] = word | kCoreTaxel;
+    }
   }
-  cut_short = cut_short || t < of.end;
+  cut_short = cut_short || (kGrids && t < of.end);
 }
 
 void main() {

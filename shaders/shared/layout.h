@@ -217,8 +217,9 @@ TAXELSIM_FLOAT kContactEdge = 2.0f;
 TAXELSIM_FLOAT kContactArea = 3.0f;
 
 // A taxel's word: its region, named by the lowest taxel in it, or kNoRegion where it does not report; plus kCoreTaxel where it lies so far
-// inside that its force is that of a wide face.
-TAXELSIM_CONSTANT kNoRegion = 0x7FFFFFFFu;
+// inside that its force is that of a wide face, and kCoreInRow where that is so along its row.
+TAXELSIM_CONSTANT kNoRegion = 0x3FFFFFFFu;
+TAXELSIM_CONSTANT kCoreInRow = 0x40000000u;
 TAXELSIM_CONSTANT kCoreTaxel = 0x80000000u;
 
 // ---- elastic layer ----

@@ -11,7 +11,7 @@
 namespace taxelsim {
 namespace {
 
-constexpr std::uint32_t kNumSums = 17;      // of shaders/contact_features.comp
+constexpr std::uint32_t kMostSums = 16;     // of shaders/contact_features.comp
 constexpr std::uint64_t kNumScans = 8;      // over the taxels of a part, at most
 constexpr std::uint64_t kUniteTurns = 16;   // per taxel
 constexpr std::uint64_t kInvertTurns = 64;  // of a curve that is no straight line
@@ -22,12 +22,12 @@ std::uint64_t regionsWork(const Sensor& sensor, const PackedContactFeatures& pac
   for (const layout::PlaneRecord& plane : packed.planes) core = std::max<std::uint64_t>(core, 2 * plane.grid.w + 1);
   const std::uint64_t unite = kUniteTurns + 8ull * packed.num_neighbours;
   return static_cast<std::uint64_t>(numTaxels(sensor)) *
-         (core * core + unite + static_cast<std::uint64_t>(max_regions) + (sensor.readout.curve.size() > 1 ? kInvertTurns : 0));
+         (2 * core + unite + static_cast<std::uint64_t>(max_regions) + (sensor.readout.curve.size() > 1 ? kInvertTurns : 0));
 }
 
 // The same for a part.
 std::uint64_t partWork(const Sensor& sensor, const PackedContactFeatures& packed) {
-  return kNumScans * (static_cast<std::uint64_t>(numTaxels(sensor)) + 2ull * kNumSums * packed.lanes);
+  return kNumScans * (static_cast<std::uint64_t>(numTaxels(sensor)) + 2ull * kMostSums * packed.lanes);
 }
 
 }  // namespace
@@ -58,7 +58,7 @@ Model::Impl::ContactFeaturePasses Model::Impl::makeContactFeatures(const Contact
   const std::uint32_t parts_workgroup = chooseWorkgroup(image_workgroup_wanted, info, 64, part_work, "image_workgroup");
   const std::uint32_t parts_team = team(part_work, parts_workgroup, packed_contact.lanes);
   const std::uint32_t parts_repeat = chooseRepeat(info, part_work / parts_team);
-  const std::uint32_t num_partials = parts_team == 1 ? 1 : parts_workgroup / parts_team * kNumSums * packed_contact.lanes;
+  const std::uint32_t num_partials = parts_team == 1 ? 1 : parts_workgroup / parts_team * kMostSums * packed_contact.lanes;
   const std::uint32_t first_count = layout::kNumContactFeatures * numContactRows(packed_contact, variant.max_regions);
   return {
       {device.context(),
@@ -66,10 +66,11 @@ Model::Impl::ContactFeaturePasses Model::Impl::makeContactFeatures(const Contact
         .spirv = k_contact_regions_spirv,
         .buffers = {"Instances", "Step", "SensorBlock", "Taxels", "Planes", "Neighbours", "Image", "SpreadNormal", "Forces", "TaxelRegions",
                     "RegionSums", "Regions", "Features", "Problems"},
-        .constants = constants(sensor, packed, {regions_workgroup, 1, regions_repeat},
-                               {variant.clean, regions_team, regions, packed_contact.num_neighbours, packed_contact.force_steps,
-                                first_count, static_cast<std::uint32_t>(readout.curve.size()), bits(readout.curve.front()),
-                                bits(readout.output_scale), bits(readout.trigger), bits(readout.saturation)})}},
+        .constants =
+            constants(sensor, packed, {regions_workgroup, 1, regions_repeat},
+                      {variant.clean, regions_team, regions, packed_contact.num_neighbours, packed_contact.force_steps, first_count,
+                       sensor.patches.size() == 1, static_cast<std::uint32_t>(readout.curve.size()), bits(readout.curve.front()),
+                       bits(readout.output_scale), bits(readout.trigger), bits(readout.saturation)})}},
       {device.context(),
        {.name = "contact_features",
         .spirv = k_contact_features_spirv,

@@ -295,8 +295,9 @@ Sensor withReadout(Random& random, Sensor sensor) {
 void compareImages(Random& random, const Sensor& sensor, int num_instances, int smallest_workgroup = 4) {
   std::vector<std::vector<double>> forces;
   for (int i = 0; i < num_instances; ++i) forces.push_back(randomImage(random, sensor));
-  const int workgroups[] = {0, 0, smallest_workgroup, 4 * smallest_workgroup, 256};
-  const Model model(support::sharedDevice(), {.sensor = sensor, .image_workgroup = workgroups[random.integer(0, 4)]});
+  // Teams of several invocations are seldom a software driver's own choice, and take it long to compile.
+  const int workgroup = random.chance(0.7) ? 0 : smallest_workgroup << random.integer(0, 2);
+  const Model model(support::sharedDevice(), {.sensor = sensor, .image_workgroup = workgroup});
   Simulator simulator(model, {.num_instances = num_instances,
                               .outputs = kAll,
                               .max_contacts = maxContacts(forces),
@@ -323,7 +324,7 @@ TEST_P(ContactFeatureSeeds, ListsOfTaxels) {
   compareImages(random, withReadout(random, support::curvedSensor(random, GetParam())), random.integer(1, 9));
 }
 
-INSTANTIATE_TEST_SUITE_P(Random, ContactFeatureSeeds, ::testing::Range(0, 12));
+INSTANTIATE_TEST_SUITE_P(Random, ContactFeatureSeeds, ::testing::Range(0, 10));
 
 TEST(ContactFeaturesOnDevice, SmallAndThinGrids) {
   Random random(5);
@@ -381,7 +382,7 @@ TEST(ContactFeaturesOnDevice, ASpiralIsOneRegion) {
     turns = 0;
   }
   ASSERT_GT(std::count(force.begin(), force.end(), 1.0), 1900);
-  for (const int workgroup : {0, 4, 64, 256}) {
+  for (const int workgroup : {0, 4, 256}) {
     const Model model(support::sharedDevice(), {.sensor = sensor, .image_workgroup = workgroup});
     Simulator simulator(model, {.outputs = kAll, .max_contacts = maxContacts({force}), .max_regions = 2});
     const FrameView frame = press(simulator, {force});
@@ -437,7 +438,7 @@ TEST(ContactFeaturesOnDevice, OfEqualRegionsTheOneWithTheLowestTaxelIsFirst) {
   const Sensor sensor = support::gridSensor({.num_rows = 3, .num_cols = 15, .pitch_x = 1e-3, .pitch_y = 1e-3});
   std::vector<double> force(45, 0);
   for (const int t : {44, 30, 4, 26, 8}) force[t] = 1;
-  for (const int workgroup : {0, 4, 64}) {
+  for (const int workgroup : {0, 4}) {
     const Model model(support::sharedDevice(), {.sensor = sensor, .image_workgroup = workgroup});
     Simulator simulator(model, {.outputs = kAll, .max_contacts = 8, .max_regions = 4});
     const FrameView frame = press(simulator, {force});
