@@ -31,43 +31,36 @@ struct Skinned {
         for (int j = 0; j < of.patches[p].num_cols; ++j) at.push_back({p, i, j});
       }
     }
-    if (isTaxelList(of)) lower = listNeighbours(of);
+    if (!isTaxelList(of)) return;
+    const std::vector<std::vector<int>> lower = listNeighbours(of);
+    neighbours.resize(at.size());
+    for (int t = 0; t < static_cast<int>(lower.size()); ++t) {
+      for (const int s : lower[t]) {
+        neighbours[t].push_back(s);
+        neighbours[s].push_back(t);
+      }
+    }
   }
 
   const Sensor& sensor;
   std::vector<Vector3> positions;
-  std::vector<int> first;               // taxel of each patch
-  std::vector<TaxelOnPatch> at;         // (num_taxels)
-  std::vector<std::vector<int>> lower;  // neighbours, of a list of taxels
+  std::vector<int> first;                    // taxel of each patch
+  std::vector<TaxelOnPatch> at;              // (num_taxels)
+  std::vector<std::vector<int>> neighbours;  // of a list of taxels
 };
 
-bool areNeighbours(const Skinned& skin, int s, int t) {
-  if (!skin.lower.empty()) {
-    const std::vector<int>& lower = skin.lower[std::max(s, t)];
-    return std::find(lower.begin(), lower.end(), std::min(s, t)) != lower.end();
-  }
-  const TaxelOnPatch &a = skin.at[s], &b = skin.at[t];
-  return a.patch == b.patch && std::abs(a.i - b.i) <= 1 && std::abs(a.j - b.j) <= 1;
-}
-
-// Candidates for neighbours of a taxel: on grids those around it, so that a flood is not quadratic.
+// Of a list its neighbours, on a grid those around the taxel and itself.
 std::vector<int> neighboursOf(const Skinned& skin, int t) {
-  std::vector<int> candidates, found;
-  if (skin.lower.empty()) {
-    const TaxelOnPatch& a = skin.at[t];
-    const GridPatch& patch = skin.sensor.patches[a.patch];
-    for (int i = std::max(a.i - 1, 0); i <= std::min(a.i + 1, patch.num_rows - 1); ++i) {
-      for (int j = std::max(a.j - 1, 0); j <= std::min(a.j + 1, patch.num_cols - 1); ++j) {
-        candidates.push_back(skin.first[a.patch] + i * patch.num_cols + j);
-      }
+  if (!skin.neighbours.empty()) return skin.neighbours[t];
+  const TaxelOnPatch& a = skin.at[t];
+  const GridPatch& patch = skin.sensor.patches[a.patch];
+  std::vector<int> around;
+  for (int i = std::max(a.i - 1, 0); i <= std::min(a.i + 1, patch.num_rows - 1); ++i) {
+    for (int j = std::max(a.j - 1, 0); j <= std::min(a.j + 1, patch.num_cols - 1); ++j) {
+      around.push_back(skin.first[a.patch] + i * patch.num_cols + j);
     }
-  } else {
-    for (int s = 0; s < static_cast<int>(skin.at.size()); ++s) candidates.push_back(s);
   }
-  for (const int s : candidates) {
-    if (s != t && areNeighbours(skin, s, t)) found.push_back(s);
-  }
-  return found;
+  return around;
 }
 
 // Floods from every taxel that reports and is in no region yet.
