@@ -46,10 +46,14 @@ const float kWindow = 1.15;
 const uint kWindowRounds = 4u;
 const float kLeastUnderWindow = 1e-3;  // of the force: two contacts far apart have nothing between them
 
-// When a contact is none, and what its lengths say; see ContactFeatureView in simulator.h.
+// What ContactType says of forces and lengths.
 const float kNoiseFactor = 5.0;
 const float kLongestPoint = 2.5;  // pitches
 const float kWidestEdge = 0.5;    // of its length
+
+// A core on a row or column has no second moment across it, any other at least 3/4 of a pitch squared. Of one on a diagonal line the determinant is 0 but for
+// rounding, of two rows of 128 1.8e-4 times the product of the diagonal.
+const float kLeastSpread = 3e-5;
 
 // Largest taxel number plus 1 that a float holds among others.
 const float kTaxelNumbers = 16777216.0;
@@ -228,8 +232,7 @@ Tilt tiltOf(PlaneRecord plane, Sums sums, float force) {
   vec3 area = vec3(sums.s[kCore + 3], sums.s[kCore + 4], sums.s[kCore + 5]) - n * vec3(middle.x * middle.x, middle.x * middle.y, middle.y * middle.y);
   vec2 lean = vec2(sums.s[kCore + 7], sums.s[kCore + 8]) - n * mean * middle;
   float determinant = area.x * area.z - area.y * area.y;
-  // Of whole numbers of pitches n times the determinant is a whole number: 0 on a line.
-  if (n * determinant < 0.5) return none;
+  if (min(area.x, area.z) < 0.5 || determinant <= kLeastSpread * area.x * area.z) return none;
   vec2 gradient = vec2(area.z * lean.x - area.y * lean.y, area.x * lean.y - area.y * lean.x) / determinant;  // N per pitch
   float missed = max(sums.s[kCore + 9] - n * mean * mean - dot(gradient, lean), 0.0);
   float mean_force = force + mean;
@@ -242,12 +245,9 @@ Tilt tiltOf(PlaneRecord plane, Sums sums, float force) {
 // From the length and width of the patch of even pressure that has these second moments, less what spread and taxels add.
 float typeOf(PlaneRecord plane, vec3 second, float force, float least_force) {
   if (force <= least_force) return kContactNone;
-  vec3 touched = second - plane.spread.xyz;
-  float middle = 0.5 * (touched.x + touched.z);
-  float radius = length(vec2(0.5 * (touched.x - touched.z), touched.y));
-  float angle = axesOf(touched).angle;
-  float pitch = length(vec2(cos(angle), sin(angle)) * plane.pitch.xy);
-  float size = sqrt(12.0 * max(middle + radius, 0.0)), width = sqrt(12.0 * max(middle - radius, 0.0));
+  Axes touched = axesOf(second - plane.spread.xyz);
+  float pitch = length(vec2(cos(touched.angle), sin(touched.angle)) * plane.pitch.xy);
+  float size = sqrt(12.0 * max(touched.large, 0.0)), width = sqrt(12.0 * touched.small);
   if (size <= kLongestPoint * pitch) return kContactPoint;
   return width <= kWidestEdge * size ? kContactEdge : kContactArea;
 }

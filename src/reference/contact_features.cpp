@@ -14,6 +14,7 @@ namespace {
 constexpr double kWindow = 1.15;  // larger pitches
 constexpr int kWindowRounds = 4;
 constexpr double kLeastUnderWindow = 1e-3;  // of the force
+constexpr double kLeastSpread = 3e-5;       // of the core, off a diagonal
 constexpr double kNoiseFactor = 5;
 constexpr double kLongestPoint = 2.5;  // pitches
 constexpr double kWidestEdge = 0.5;    // of its length
@@ -194,7 +195,8 @@ void setTilt(const Skinned& skin, const ContactImage& image, const Plane& plane,
     xx += x * x, xy += x * y, yy += y * y, px += p * x, py += p * y;
   }
   const double determinant = xx * yy - xy * xy;
-  if (determinant <= 1e-9 * (xx + yy) * (xx + yy) || mean_p <= 0) return;
+  const bool on_line = std::min(xx / (plane.pitch[0] * plane.pitch[0]), yy / (plane.pitch[1] * plane.pitch[1])) < 0.5;
+  if (on_line || determinant <= kLeastSpread * xx * yy || mean_p <= 0) return;
   const double gx = (yy * px - xy * py) / determinant, gy = (xx * py - xy * px) / determinant;
   double missed = 0;
   for (std::size_t k = 0; k < core.size(); ++k) {

@@ -75,7 +75,7 @@ TEST(ContactFeatures, RegionsEndWithTheirPatch) {
   sensor.patches[1].X_SP.position = {2 * kPitch, 0, 0};
   const ContactRows rows = cleanRows(sensor, picture("0011"
                                                      "1100"));
-  EXPECT_EQ(taxelsOf(rows), (std::vector<std::vector<int>>{{2, 3}, {4, 5}}));
+  ASSERT_EQ(taxelsOf(rows), (std::vector<std::vector<int>>{{2, 3}, {4, 5}}));
   EXPECT_EQ(rows.regions[1].patch, 1);
   EXPECT_EQ(rows.sensor.patch, -1);
   ASSERT_EQ(rows.patches.size(), 2u);

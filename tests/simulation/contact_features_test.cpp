@@ -361,6 +361,37 @@ TEST(ContactFeaturesOnDevice, AFaceOverTheLargestGrid) {
   }
 }
 
+// The core of three rows is one row, that of a band along the diagonal a line: float32 must not find a slope across it.
+TEST(ContactFeaturesOnDevice, ACoreOnARowHasNoTilt) {
+  for (const auto& [rows, cols] : {std::pair{3, 20}, {20, 3}, {4, 20}}) {
+    const Sensor sensor = support::gridSensor({.num_rows = rows, .num_cols = cols, .pitch_x = 1.3e-3, .pitch_y = 0.7e-3});
+    std::vector<double> force;
+    for (int t = 0; t < rows * cols; ++t) force.push_back(1 + 0.013 * t);
+    const Model model(support::sharedDevice(), {.sensor = sensor});
+    Simulator simulator(model, {.outputs = kAll, .max_contacts = maxContacts({force})});
+    const FrameView frame = press(simulator, {force});
+    expectFrame(frame, sensor, 1);
+    EXPECT_EQ(frame.ground_truth.contact.tilt_confidence[0] > 0, rows == 4);
+  }
+}
+
+TEST(ContactFeaturesOnDevice, ACoreOnADiagonalHasNoTilt) {
+  constexpr int kSide = 128;
+  const Sensor sensor = support::gridSensor({.num_rows = kSide, .num_cols = kSide, .pitch_x = 0.5e-3, .pitch_y = 0.5e-3});
+  for (const int half_width : {2, 3}) {
+    std::vector<double> force(kSide * kSide, 0);
+    for (int i = 0; i < kSide; ++i) {
+      for (int j = std::max(0, i - half_width); j <= std::min(kSide - 1, i + half_width); ++j)
+        force[i * kSide + j] = 1 + 0.01 * i + 0.1 * j;
+    }
+    const Model model(support::sharedDevice(), {.sensor = sensor});
+    Simulator simulator(model, {.outputs = kAll, .max_contacts = maxContacts({force})});
+    const FrameView frame = press(simulator, {force});
+    expectFrame(frame, sensor, 1);
+    EXPECT_EQ(frame.ground_truth.contact.tilt_confidence[0] > 0, half_width == 3);
+  }
+}
+
 // A spiral one taxel wide is the longest region; the spread would close it.
 TEST(ContactFeaturesOnDevice, ASpiralIsOneRegion) {
   constexpr int kSide = 63;
