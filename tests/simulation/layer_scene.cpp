@@ -34,6 +34,14 @@ Touch randomTouch(Random& random, const Sensor& sensor, const std::vector<Object
                        random.uniform(-0.6, 0.6) * patch.num_cols * patch.pitch[1], random.uniform(0.1, 1.1) * sensor.skin.thickness)}};
 }
 
+Pose nextPose(Random& random, const Pose& X_SO, double size) {
+  if (random.chance(0.15)) return X_SO;
+  const Vector3 axis{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1) + 1e-3};
+  Pose next{X_SO.position, axisAngle(axis, random.uniform(0, 0.02)) * X_SO.rotation};
+  for (double& coordinate : next.position) coordinate += random.uniform(-1, 1) * size;
+  return next;
+}
+
 double forceSlack(double force, double deepest) {
   return (40 * kTightTolerance + 2 * kMarginZ / deepest) * force + kAbsoluteForce;
 }

@@ -30,6 +30,9 @@ std::vector<Object> roundObjects(Random& random);
 // One of them somewhere on the first patch or its border, up to 1.1 thicknesses deep.
 Touch randomTouch(Random& random, const Sensor& sensor, const std::vector<Object>& objects);
 
+// Where an object goes that rolls, slides, twists, lifts a little or rests: by up to `size` (m) along each axis.
+Pose nextPose(Random& random, const Pose& X_SO, double size);
+
 // What the device's sums over the taxels may miss of the twin's of `force` (N) at `deepest` (m), solved to kTightTolerance. The residual
 // counts displacements; under a wide contact on a nearly incompressible layer pressures of long waves move little, and their error is some
 // forty times the residual (seen: thirty-five). Beside that, heights are rounded: forces of a depth that is off by the margin.
