@@ -139,13 +139,15 @@ TEST(PanTiltRobots, IncrementsBelowAStepAddUp) {
 
 TEST(PanTiltRobots, JointsStandOnStepsWithinTheLimits) {
   const double step = 0.29 * kPi / 180;
-  Robots robots(panTilt({}), 1);
+  PanTilt platform;
+  platform.position_limits = {-517.6 * step, 517.6 * step};
+  Robots robots(panTilt(platform), 1);
   for (int n = 0; n < 60; ++n) {
     robots.command(std::vector{Twist{{0, 0, 0}, {0, 0, 5}}}, kTick);
     const double steps = robots.jointPositions()[0] / step;
     EXPECT_NEAR(steps, std::round(steps), 1e-9);
   }
-  // 150 deg are 517.2 steps.
+  // The step next to the limit is the 518th, which is beyond it.
   EXPECT_NEAR(robots.jointPositions()[0], 517 * step, kRounding);
   EXPECT_EQ(robots.status()[0], kJointLimit);
   robots.command(std::vector{Twist{{0, 0, 0}, {0, 0, -5}}}, kTick);
@@ -260,6 +262,18 @@ TEST(Manipulators, AJointStopsAtItsLimitAndOthersTakeOver) {
   robots.command(std::vector{scaled(turn, -1)}, kTick);  // away from the limit both move again
   EXPECT_NEAR(robots.jointPositions()[0], 0.052 - 0.005, kRounding);
   EXPECT_EQ(robots.status()[0], 0);
+}
+
+TEST(Manipulators, WhatIsLeftOfATwistIsSharedOutAtBothLimits) {
+  Manipulator robot = twin(0.005);
+  for (Joint& joint : robot.joints) joint.max_velocity = 1;
+  Robots robots(robot, 1);
+  // Each would turn at 2 rad/s and may at 1: half of the twist. In a tick the first can turn at 0.5 before it is at its limit, the second
+  // should turn at 1.5 and may at 1: two thirds of all that.
+  robots.command(std::vector{Twist{{0, 0, 0}, {0, 0, 4}}}, kTick);
+  EXPECT_NEAR(robots.jointVelocities()[0], 1.0 / 3, kRounding);
+  EXPECT_NEAR(robots.jointVelocities()[1], 1, kRounding);
+  EXPECT_EQ(robots.status()[0], kJointLimit | kVelocityLimit);
 }
 
 TEST(Manipulators, NeverPassALimitAndNeverRunTooFast) {

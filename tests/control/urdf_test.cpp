@@ -172,6 +172,17 @@ TEST(Urdf, MimicJointsFollowAndNarrowTheirLeader) {
   EXPECT_NEAR(follows.joints[0].max_velocity, 1.5, kRounding);
 }
 
+// q_b = 3 q_a + 0.2, q_c = 2 q_b + 0.1.
+TEST(Urdf, MimicJointsMayFollowEachOther) {
+  const std::string z = "<axis xyz='0 0 1'/>";
+  const Manipulator follows = load(robot(kLinks + "<link name='d'/>" + joint("ab", "continuous", "a", "b", z) +
+                                         joint("bc", "continuous", "b", "c", z + "<mimic joint='ab' multiplier='3' offset='0.2'/>") +
+                                         joint("cd", "continuous", "c", "d", z + "<mimic joint='bc' multiplier='2' offset='0.1'/>")),
+                                   "d");
+  ASSERT_EQ(follows.joints.size(), 1u);
+  EXPECT_LE(distance(poseOf(follows, {0.1}), Pose{{0, 0, 0}, axisAngle({0, 0, 1}, 0.1 + 0.5 + 1.1)}), kRounding);
+}
+
 // The leader need not be on the way to the sensor.
 TEST(Urdf, MimicJointsFollowAJointElsewhere) {
   const std::string z = "<axis xyz='0 0 1'/>";
@@ -196,7 +207,7 @@ TEST(Urdf, LooksAndMassesNeedNotBeRight) {
   const std::string text = robot(
       "<link name='a'><visual><geometry><dodecahedron/></geometry></visual><inertial><mass value='heavy'/></inertial></link><link "
       "name='b'/>"
-      "<transmission/><gazebo reference='a'/><material name='x'/>" +
+      "<transmission/><gazebo reference='a'/><material name='x'/><material name='x'/>" +
       joint("ab", "revolute", "a", "b", kLimit));
   EXPECT_EQ(load(text, "b").joints.size(), 1u);
 }
