@@ -81,7 +81,8 @@ TEST_F(RobotFile, APanTiltPlatformHasItsSettings) {
 
 TEST_F(RobotFile, AnArmComesFromItsUrdf) {
   const Manipulator robot = manipulator(
-      "{urdf: {file: arm.urdf, base_link: base, velocity_limit_scale: 0.5, sensors: [{link: tool, mount: {position_mm: [0, 0, 10]}}],\n"
+      "{urdf: {file: arm.urdf, base_link: base, velocity_limit_scale: 0.5, sensors: [{link: tool, mount: {position_mm: [0, 0, 10]}}], "
+      "delay: 2,\n"
       "  initial_positions: [{joint: lift, position_mm: 100}, {joint: turn, position_deg: 45}]}}");
   ASSERT_EQ(robot.joints.size(), 2u);
   EXPECT_EQ(robot.joints[0].name, "turn");
@@ -89,6 +90,7 @@ TEST_F(RobotFile, AnArmComesFromItsUrdf) {
   EXPECT_NEAR(robot.joints[0].initial_position, 45 * kDegree, kRounding);
   EXPECT_EQ(robot.joints[1].initial_position, 0.1);
   EXPECT_EQ(robot.drive.position_step, 0);
+  EXPECT_EQ(robot.drive.delay, 2);
 }
 
 TEST_F(RobotFile, ARobotMayHaveAFileOfItsOwn) {
