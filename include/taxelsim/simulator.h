@@ -78,9 +78,9 @@ struct ContactFeatureView : FeatureView {
   std::span<const float> windowed_edge_confidence;  // (N), 0 to 1
   // How a flat face is turned against the patch, about x and y of `patch`, right-handed: a face turned by a about x presses less at +y
   // where a > 0, one turned by b about y more at +x where b > 0. From the pressure's slope over the core, the taxels inside patch and
-  // contact that the spread gives as much as it takes from them, over the stiffness of foundationOf(skin) at their mean pressure. Saturated taxels
-  // are left out. Curved objects have none. 0 with confidence 0 where the core has fewer than four taxels or these on a line, and in the
-  // plane of S and on lists.
+  // contact that the spread gives as much as it takes from them, over the stiffness of foundationOf(skin) at their mean pressure. Saturated
+  // taxels are left out. Curved objects have none. 0 with confidence 0 where the core has fewer than four taxels or these on a line, and in
+  // the plane of S and on lists.
   std::span<const float> tilt;             // (N x 2), rad
   std::span<const float> tilt_confidence;  // (N), 0 to 1: 1 - what a plane misses of the core's forces, root mean square, over their mean
   std::span<const float> contact_type;     // (N), a ContactType as a number
