@@ -46,9 +46,9 @@ struct ObjectRecord {
   vec4 half_size;     // of the bounding box, m
 };
 
-// An axis-aligned box around quads (cluster), clusters (group) or groups (block), three words of low | high << 16 per axis in units of 2^kBoxShift
-// lattice steps, rounded outwards; then what a group or block holds: number of the first | (how many - 1) << kFirstBits. A cluster holds the
-// kQuadsPerCluster quads of its own number; where it has fewer, the rest are points.
+// An axis-aligned box around quads (cluster), clusters (group) or groups (block), three words of low | high << 16 per axis in units of
+// 2^kBoxShift lattice steps, rounded outwards; then what a group or block holds: number of the first | (how many - 1) << kFirstBits. A
+// cluster holds the kQuadsPerCluster quads of its own number; where it has fewer, the rest are points.
 TAXELSIM_CONSTANT kBoxShift = 5u;
 TAXELSIM_CONSTANT kFirstBits = 27u;
 
