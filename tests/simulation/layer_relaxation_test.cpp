@@ -219,6 +219,26 @@ TEST(ElasticLayerRelaxation, NothingPressesInADent) {
   EXPECT_NEAR(carriedBy(layer.press(0.6e-3, 1e-6)) / first, 1, 5e-3);
 }
 
+// An incompressible layer that was pressed for long stands up around its dent: an object beside it touches above the skin's surface.
+TEST(ElasticLayerRelaxation, TheBulgeAroundADentTouches) {
+  const std::vector<RelaxationTerm> terms{{0.9, 0.1}};
+  const Sensor sensor = relaxingSensor({.poisson_ratio = 0.5}, terms, 2);
+  const std::vector<Object> objects{Object(Sphere{0.01}), Object(Sphere{0.004})};
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+  Simulator simulator(model, {});
+  reference::SkinHistory skin(terms);
+  const Touch pressed{{0}, {{.position = {-4e-3, 1e-3, 0.01 - 1e-3}}}}, beside{{1}, {{.position = {2e-3, 1e-3, 0.004 + 0.01e-3}}}};
+  for (const auto& [touch, dt] : {std::pair{pressed, 1.0}, {pressed, 1.0}, {beside, 1e-3}}) {
+    support::setTouches(simulator, {touch});
+    simulator.step(dt);
+    const double found = carriedBy(simulator.read().ground_truth);
+    const reference::LayerContact twin = reference::layerContact(sensor, touch.placed(objects), skin.step(dt));
+    skin.advance(dt, twin.strain);
+    EXPECT_GT(twin.total_force, 1e-3);
+    EXPECT_NEAR(found / twin.total_force, 1, 0.02);  // a depth of some 20 um under a bulge, of which kMarginZ is a hundredth
+  }
+}
+
 TEST(ElasticLayerRelaxation, ALoadIsCarriedWhileItSinksIn) {
   constexpr double kLoad = 2;
   PressedLayer layer({{0.3, 0.1}, {0.2, 2}});
