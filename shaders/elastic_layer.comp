@@ -207,6 +207,8 @@ void clearPressures(bool first_step) {
   meet();
 }
 
+const float kLeastShift = 1e-6;  // of a load, past first touch
+
 // Springs as soft as a few cells: the depth at which they would carry the load, a first guess of the shift. Newton's method from full depth.
 float guessShift(Goal goal) {
   const float kSoftness = 4.0;
@@ -225,7 +227,7 @@ float guessShift(Goal goal) {
       partial[v] = vec4(sums, 0, 0);
     }
     vec2 sums = sumOfPartials(num_parts).xy;
-    shift = clamp(shift - (sums.x - kSoftness * goal.sum) / max(sums.y, 1.0), min(1e-6 - goal.deepest, 1.0), 1.0);
+    shift = clamp(shift - (sums.x - kSoftness * goal.sum) / max(sums.y, 1.0), kLeastShift - goal.deepest, 1.0);
   }
   return shift;
 }
@@ -411,7 +413,7 @@ void pressInstance(uint instance, uint num_instances, uint num_slots) {
     deepest = sunk;
   }
   float load = by_load ? instances[instance].drive.x : 0.0;
-  bool too_deep = deepest <= -1.0;  // full depth would not reach the bottom of a dent
+  bool too_deep = kLeastShift - deepest > 1.0;  // full depth would not press on the bottom of a dent
   bool idle = above || (by_load ? load <= 0.0 || too_deep : deepest <= 0.0);
   if (idle) setWindow(uvec2(0), 0);
   clearPressures(is_first);

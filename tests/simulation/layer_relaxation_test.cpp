@@ -168,11 +168,16 @@ INSTANTIATE_TEST_SUITE_P(Random, LayerRelaxationTwinSeeds, ::testing::Range(0, 4
 
 // ---- what must hold on any path ----
 
-// One sphere of 20 mm on a bonded layer with the default solver.
+// A bonded layer with the default solver.
+Sensor bondedLayer(std::vector<RelaxationTerm> terms) {
+  return relaxingSensor({.margin = 4e-3, .iterations = 10, .tolerance = 1e-3}, std::move(terms), 2);
+}
+
+// One sphere of 20 mm on a skin.
 class PressedLayer {
  public:
-  explicit PressedLayer(std::vector<RelaxationTerm> terms, const LayerOptions& skin = {.margin = 4e-3, .iterations = 10, .tolerance = 1e-3})
-      : sensor_(relaxingSensor(skin, std::move(terms), 2)),
+  explicit PressedLayer(Sensor sensor)
+      : sensor_(std::move(sensor)),
         model_(support::sharedDevice(), {.sensor = sensor_, .objects = {Object(Sphere{0.02})}}),
         simulator_(model_, {}) {}
 
@@ -201,7 +206,7 @@ double carriedBy(const GroundTruthView& truth) {
 // A sphere that is drawn up faster than the skin follows stands in its dent, below the skin's surface, and touches nothing; pressed again
 // it meets less than at first, long after as much.
 TEST(ElasticLayerRelaxation, NothingPressesInADent) {
-  PressedLayer layer({{0.6, 0.1}, {0.1, 0.5}});
+  PressedLayer layer(bondedLayer({{0.6, 0.1}, {0.1, 0.5}}));
   const double first = carriedBy(layer.press(0.6e-3, 1e-3));
   for (int n = 0; n < 20; ++n) layer.press(0.6e-3, 0.1);
   for (const double depth : {0.3e-3, 0.1e-3}) {
@@ -241,7 +246,7 @@ TEST(ElasticLayerRelaxation, TheBulgeAroundADentTouches) {
 
 TEST(ElasticLayerRelaxation, ALoadIsCarriedWhileItSinksIn) {
   constexpr double kLoad = 2;
-  PressedLayer layer({{0.3, 0.1}, {0.2, 2}});
+  PressedLayer layer(bondedLayer({{0.3, 0.1}, {0.2, 2}}));
   double before = 0, first = 0;
   for (int n = 0; n < 60; ++n) {
     const GroundTruthView truth = layer.load(kLoad, 0.05);
@@ -256,7 +261,7 @@ TEST(ElasticLayerRelaxation, ALoadIsCarriedWhileItSinksIn) {
 
 // What full depth carries falls to half: a load between is carried at first and then out of reach, at full depth.
 TEST(ElasticLayerRelaxation, ALoadMayGoOutOfReach) {
-  PressedLayer layer({{0.5, 0.1}});
+  PressedLayer layer(bondedLayer({{0.5, 0.1}}));
   const double load = 0.75 * carriedBy(layer.press(2e-3, 1e-3));
   layer.reset();
   EXPECT_EQ(layer.load(load, 1e-3).load_reached[0], 1);
@@ -272,7 +277,7 @@ TEST(ElasticLayerRelaxation, ALoadMayGoOutOfReach) {
 TEST(ElasticLayerRelaxation, ASmallLoadInTheDentOfALargeOne) {
   constexpr double kLoad = 5;
   for (const double share : {0.1, 1e-3, 1e-9, 0.0}) {
-    PressedLayer layer({{0.8, 0.1}});
+    PressedLayer layer(bondedLayer({{0.8, 0.1}}));
     for (int n = 0; n < 20; ++n) layer.load(kLoad, 0.05);
     for (int n = 0; n < 2; ++n) {
       const GroundTruthView truth = layer.load(share * kLoad, 1e-3);
@@ -283,9 +288,23 @@ TEST(ElasticLayerRelaxation, ASmallLoadInTheDentOfALargeOne) {
   }
 }
 
+// One node, held at full depth until next to nothing of its stiffness is left: full depth is the bottom of the dent, and no load is
+// carried.
+TEST(ElasticLayerRelaxation, LoadsInADentOfFullDepth) {
+  Sensor sensor = layerSensor({.base = ElasticLayer::Base::kHalfSpace}, {.num_rows = 1, .num_cols = 1, .samples_per_taxel = 1});
+  sensor.skin.relaxation = {{1 - 1e-9, 1e-3}};
+  for (const double load : {0.0, 1e-6, 1.0, 1e12}) {
+    PressedLayer layer(sensor);
+    for (int n = 0; n < 4; ++n) layer.press(2.5e-3, 1);
+    const GroundTruthView truth = layer.load(load, 1e-7);
+    EXPECT_EQ(truth.load_reached[0], load > 0 ? 0 : 1) << load;
+    EXPECT_EQ(carriedBy(truth), 0) << load;
+  }
+}
+
 // A term that has no part in the stiffness changes nothing but roundings.
 TEST(ElasticLayerRelaxation, OfNothingIsNothing) {
-  PressedLayer relaxes({{0, 0.1}}), stays({});
+  PressedLayer relaxes(bondedLayer({{0, 0.1}})), stays(bondedLayer({}));
   for (const double depth : {0.3e-3, 0.5e-3, 0.2e-3, -0.1e-3, 0.4e-3}) {
     const double expected = carriedBy(stays.press(depth, 0.1));
     EXPECT_NEAR(carriedBy(relaxes.press(depth, 0.1)), expected, 2e-3 * expected) << depth;
