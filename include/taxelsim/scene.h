@@ -1,10 +1,12 @@
 // A scene: everything a data set is made from, read from YAML and checked. Not a running simulation.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "taxelsim/control.h"
@@ -40,6 +42,19 @@ struct Randomisation {
   Range noise{0, 0};           // counts, >= 0, beside the sensor's own
 };
 
+// The words of Scene::record, in their order. The last two need a controller.
+inline constexpr std::array<std::string_view, 11> kRecordWords = {"tactile_image",
+                                                                  "features",
+                                                                  "ground_truth",
+                                                                  "tactile_normal_force",
+                                                                  "tactile_shear_force",
+                                                                  "penetration_depth",
+                                                                  "contact_features",
+                                                                  "clean_contact_features",
+                                                                  "poses",
+                                                                  "actions",
+                                                                  "robot"};
+
 struct Scene {
   enum class Kind {
     kServo,     // episodes of num_steps frames under a controller
@@ -57,7 +72,7 @@ struct Scene {
   double control_rate = 100;     // Hz, simulation_rate divided by a whole number
   Randomisation randomisation;
   TactileServo controller = edgeServo();  // of kServo
-  std::vector<std::string> record;        // what is written, by the words of docs/file_formats.md, in their order
+  std::vector<std::string> record;        // what is written: some of kRecordWords, in their order
   int max_regions = 0;                    // rows for connected taxels in recorded contact features, 0 to 8; 0 where none are recorded
   std::uint64_t num_episodes = 1000;
   std::uint64_t seed = 0;

@@ -1,5 +1,6 @@
 #include "episodes/columns.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <set>
 #include <string>
@@ -14,26 +15,12 @@ namespace {
 using Source = FrameColumn::Source;
 using Floats = std::span<const float> (*)(const FrameView&);
 
-constexpr const char* kGroups[] = {"tactile_image",
-                                   "features",
-                                   "ground_truth",
-                                   "tactile_normal_force",
-                                   "tactile_shear_force",
-                                   "penetration_depth",
-                                   "contact_features",
-                                   "clean_contact_features",
-                                   "poses",
-                                   "actions",
-                                   "robot"};
-
 std::set<std::string> groupsOf(const Scene& scene) {
   std::set<std::string> groups;
   for (const std::string& name : scene.record) {
-    bool known = false;
-    for (const char* group : kGroups) known = known || name == group;
-    if (!known) {
+    if (std::find(kRecordWords.begin(), kRecordWords.end(), name) == kRecordWords.end()) {
       std::string allowed;
-      for (const char* group : kGroups) allowed += (allowed.empty() ? "" : ", ") + std::string(group);
+      for (const std::string_view group : kRecordWords) allowed += (allowed.empty() ? "" : ", ") + std::string(group);
       throw Error(ErrorKind::kInput, scene.file.string() + ": record: \"" + name + "\" found, one of " + allowed + " allowed");
     }
     groups.insert(name);

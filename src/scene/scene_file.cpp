@@ -24,18 +24,6 @@ constexpr double kMaxOffset = 1;                           // m; no sensor is la
 constexpr double kMaxLoad = 1e6;                           // N
 constexpr double kRateTolerance = 1e-9;                    // relative; rates are decimal fractions
 
-// In the order of the canonical text and of Scene::record. The last two need a controller.
-constexpr std::array<std::string_view, 11> kColumns = {"tactile_image",
-                                                       "features",
-                                                       "ground_truth",
-                                                       "tactile_normal_force",
-                                                       "tactile_shear_force",
-                                                       "penetration_depth",
-                                                       "contact_features",
-                                                       "clean_contact_features",
-                                                       "poses",
-                                                       "actions",
-                                                       "robot"};
 constexpr std::array<std::string_view, 2> kContactColumns = {"contact_features", "clean_contact_features"};
 constexpr std::uint64_t kMaxRegions = 8;  // as a simulator has it
 constexpr std::uint64_t kDefaultRegions = 4;
@@ -122,12 +110,12 @@ std::vector<std::string> readRecord(const YamlMap& map, Scene::Kind kind) {
   const bool has_actions = kind == Scene::Kind::kServo;
   if (const std::optional<YamlNode> node = map.find("record")) {
     std::string words;
-    for (const std::string_view column : kColumns) words += (words.empty() ? "" : " | ") + std::string(column);
+    for (const std::string_view column : kRecordWords) words += (words.empty() ? "" : " | ") + std::string(column);
     const std::vector<YamlNode> items = node->items("a list of " + words);
     if (items.empty()) node->refuse("a list of at least one of " + words);
     for (const YamlNode& item : items) {
       const std::string column = item.text(words);
-      if (std::find(kColumns.begin(), kColumns.end(), column) == kColumns.end()) item.refuse(words);
+      if (std::find(kRecordWords.begin(), kRecordWords.end(), column) == kRecordWords.end()) item.refuse(words);
       if (column == kActions && !has_actions) item.fail("a scene of kind contacts has no actions");
       if (column == kRobot && !has_actions) item.fail("in a scene of kind contacts no robot moves");
       if (std::find(chosen.begin(), chosen.end(), column) != chosen.end()) item.fail(column + " is given twice");
@@ -139,7 +127,7 @@ std::vector<std::string> readRecord(const YamlMap& map, Scene::Kind kind) {
   }
   std::vector<std::string> record;
   std::string text;
-  for (const std::string_view column : kColumns) {
+  for (const std::string_view column : kRecordWords) {
     if (std::find(chosen.begin(), chosen.end(), column) == chosen.end()) continue;
     text += (record.empty() ? "" : ", ") + std::string(column);
     record.emplace_back(column);

@@ -288,11 +288,11 @@ TEST(BadUrdfs, AreRefusedInOneLine) {
        ": joint bc: no position of joint ab, which it follows, is within the limits of both"},
   };
   for (const BadUrdf& bad : table) {
-    testing::internal::CaptureStderr();
-    EXPECT_THAT(refusalOf(bad), testing::StartsWith(bad.message)) << bad.text;
-    EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << bad.text;
+    ::testing::internal::CaptureStderr();
+    EXPECT_THAT(refusalOf(bad), ::testing::StartsWith(bad.message)) << bad.text;
+    EXPECT_EQ(::testing::internal::GetCapturedStderr(), "") << bad.text;
   }
-  EXPECT_THAT(refusalOf({robot(kLinks + ab + bc), ""}, "z"), testing::StartsWith(": no link z: it has a, b, c"));
+  EXPECT_THAT(refusalOf({robot(kLinks + ab + bc), ""}, "z"), ::testing::StartsWith(": no link z: it has a, b, c"));
 }
 
 TEST(BadUrdfs, MissingAndHugeFilesAreRefused) {
@@ -300,10 +300,10 @@ TEST(BadUrdfs, MissingAndHugeFilesAreRefused) {
   EXPECT_THROW(loadUrdf(kRobots, {.base_link = "", .sensors = {{"a", {}}}}), Error);
   std::string deep;
   for (int i = 0; i < 100'000; ++i) deep += "<a>";
-  EXPECT_THAT(refusalOf({robot(deep), ""}), testing::HasSubstr("is not XML: XML_ELEMENT_DEPTH_EXCEEDED"));
+  EXPECT_THAT(refusalOf({robot(deep), ""}), ::testing::HasSubstr("is not XML: XML_ELEMENT_DEPTH_EXCEEDED"));
   std::string wide;
   for (int i = 0; i < 5000; ++i) wide += "<link name='l" + std::to_string(i) + "'/>";
-  EXPECT_THAT(refusalOf({robot(wide), ""}), testing::StartsWith(":1: has 5000 links: at most 4096 are allowed"));
+  EXPECT_THAT(refusalOf({robot(wide), ""}), ::testing::StartsWith(":1: has 5000 links: at most 4096 are allowed"));
 }
 
 TEST(BadUrdfs, OptionsOutOfRangeAreRefused) {

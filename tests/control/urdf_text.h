@@ -1,36 +1,23 @@
 // URDF texts for tests, and a folder to put them into.
 #pragma once
 
-#include <gtest/gtest.h>
-#include <stdlib.h>
-
 #include <filesystem>
 #include <fstream>
 #include <string>
+
+#include "support/temporary_directory.h"
 
 namespace taxelsim {
 
 class UrdfFolder {
  public:
-  UrdfFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "taxelsim-urdf-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder");
-    path_ = name;
-  }
-  ~UrdfFolder() {
-    std::error_code error;
-    std::filesystem::remove_all(path_, error);
-  }
-  UrdfFolder(const UrdfFolder&) = delete;
-  UrdfFolder& operator=(const UrdfFolder&) = delete;
-
   std::filesystem::path write(const std::string& text) const {
-    std::ofstream(path_ / "robot.urdf", std::ios::binary) << text;
-    return path_ / "robot.urdf";
+    std::ofstream(directory_ / "robot.urdf", std::ios::binary) << text;
+    return directory_ / "robot.urdf";
   }
 
  private:
-  std::filesystem::path path_;
+  testing::TemporaryDirectory directory_;
 };
 
 // A joint of `type` from one link to the other; `more` holds its other elements.
