@@ -1,17 +1,16 @@
 #include "control/urdf_model.h"
 
 #include <console_bridge/console.h>
-#include <tinyxml2.h>
 #include <urdf_parser/urdf_parser.h>
 
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <map>
 #include <mutex>
-#include <sstream>
 #include <vector>
 
+#include "base/text.h"
+#include "base/xml_file.h"
 #include "taxelsim/error.h"
 #include "taxelsim/robot.h"
 
@@ -23,13 +22,6 @@ using tinyxml2::XMLElement;
 constexpr std::size_t kMaxLinks = 4096;  // links hold their children, which are let go of one within the other
 constexpr std::size_t kMaxShown = 80;    // bytes of a name that a message repeats
 constexpr const char* kJointTypes[] = {"revolute", "continuous", "prismatic", "fixed", "floating", "planar"};
-
-std::string oneLine(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, ' ');
-  text.erase(text.find_last_not_of(' ') + 1);
-  return text;
-}
 
 std::string textOf(const XMLElement& element, const char* attribute) {
   const char* const text = element.Attribute(attribute);
@@ -71,20 +63,7 @@ class CaughtMessages : public console_bridge::OutputHandler {
 // recursion.
 class UrdfText {
  public:
-  UrdfText(const std::filesystem::path& file, const std::string& name) : name_(name) {
-    std::error_code error;
-    if (!std::filesystem::is_regular_file(file, error)) throw Error(ErrorKind::kInput, oneLine(name_ + ": is not there, or not a file"));
-    if (std::filesystem::file_size(file, error) > kMaxRobotFileBytes)
-      throw Error(ErrorKind::kInput, oneLine(name_ + ": larger than 16 MiB"));
-    std::ifstream stream(file, std::ios::binary);
-    std::ostringstream text;
-    text << stream.rdbuf();
-    if (!stream) throw Error(ErrorKind::kInput, oneLine(name_ + ": cannot be read"));
-    const std::string bytes = text.str();
-    if (document_.Parse(bytes.data(), bytes.size()) != tinyxml2::XML_SUCCESS) {
-      fail(document_.ErrorLineNum(), std::string("is not XML: ") + tinyxml2::XMLDocument::ErrorIDToName(document_.ErrorID()));
-    }
-    robot_ = document_.RootElement();
+  explicit UrdfText(const std::filesystem::path& file) : file_(file, kMaxRobotFileBytes), robot_(file_.root()) {
     if (robot_ == nullptr || std::string_view(robot_->Name()) != "robot") fail(1, "is not a URDF: no <robot>");
     check();
   }
@@ -98,14 +77,11 @@ class UrdfText {
     std::string link;
   };
 
-  [[noreturn]] void fail(int line, const std::string& what) const {
-    throw Error(ErrorKind::kInput, oneLine(name_ + ":" + std::to_string(line) + ": " + what));
-  }
+  [[noreturn]] void fail(int line, const std::string& what) const { file_.fail(line, what); }
   void check() const;
   void checkLoops(const std::map<std::string, Parent>& parents) const;
 
-  const std::string& name_;
-  tinyxml2::XMLDocument document_;
+  XmlFile file_;
   const XMLElement* robot_;
 };
 
@@ -205,7 +181,7 @@ KDL::Tree treeOf(const urdf::ModelInterface& model) {
 }  // namespace
 
 UrdfModel::UrdfModel(const std::filesystem::path& file) : name_(file.generic_string()) {
-  const std::string text = UrdfText(file, name_).kinematics();
+  const std::string text = UrdfText(file).kinematics();
   std::string problem;
   {
     const CaughtMessages messages;

@@ -1,9 +1,8 @@
-#include <spdlog/fmt/fmt.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 
+#include "base/text.h"
 #include "base/vector3.h"
 #include "control/urdf_model.h"
 #include "control/values.h"
@@ -20,10 +19,6 @@ struct Following {
   double multiplier = 1;
   double offset = 0;
 };
-
-std::string numberText(double value) {
-  return fmt::format("{}", value);
-}
 
 Pose poseOf(const KDL::Frame& frame) {
   Pose X{{frame.p.x(), frame.p.y(), frame.p.z()}, {}};

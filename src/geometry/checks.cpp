@@ -1,7 +1,7 @@
 #include <cmath>
 #include <string>
 
-#include "geometry/text.h"
+#include "base/text.h"
 #include "taxelsim/error.h"
 #include "taxelsim/object.h"
 

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/text.h"
 #include "geometry/raw_file.h"
-#include "geometry/text.h"
 #include "taxelsim/object.h"
 
 namespace taxelsim {

@@ -11,9 +11,9 @@
 #include <string_view>
 #include <vector>
 
+#include "base/text.h"
 #include "geometry/gltf_checks.h"
 #include "geometry/raw_file.h"
-#include "geometry/text.h"
 #include "taxelsim/object.h"
 
 namespace taxelsim {

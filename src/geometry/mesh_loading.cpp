@@ -17,10 +17,10 @@
 #include <vector>
 
 #include "base/log.h"
+#include "base/text.h"
 #include "geometry/gltf_checks.h"
 #include "geometry/mesh_file_checks.h"
 #include "geometry/simplify.h"
-#include "geometry/text.h"
 #include "geometry/weld.h"
 #include "taxelsim/error.h"
 #include "taxelsim/object.h"

@@ -4,7 +4,7 @@
 #include <system_error>
 #include <vector>
 
-#include "geometry/text.h"
+#include "base/text.h"
 #include "taxelsim/error.h"
 #include "taxelsim/object.h"
 

@@ -1,16 +1,14 @@
 #include "scene/urdf_taxels.h"
 
-#include <tinyxml2.h>
-
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <numbers>
 #include <optional>
 #include <sstream>
 
-#include "geometry/text.h"
+#include "base/text.h"
+#include "base/xml_file.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -25,23 +23,12 @@ constexpr double kLargest = 1e30;
 // A file while it is read; knows its name for messages.
 class Urdf {
  public:
-  Urdf(const std::filesystem::path& file, int max_taxels) : name_(file.generic_string()), max_taxels_(max_taxels) {
-    std::ifstream stream(file, std::ios::binary);
-    std::ostringstream text;
-    text << stream.rdbuf();
-    if (!stream) throw Error(ErrorKind::kInput, oneLine(name_ + ": cannot be read"));
-    const std::string bytes = text.str();
-    if (document_.Parse(bytes.data(), bytes.size()) != tinyxml2::XML_SUCCESS) {
-      fail(document_.ErrorLineNum(), std::string("is not XML: ") + tinyxml2::XMLDocument::ErrorIDToName(document_.ErrorID()));
-    }
-  }
+  Urdf(const std::filesystem::path& file, int max_taxels) : file_(file, kMaxUrdfBytes), max_taxels_(max_taxels) {}
 
   std::vector<GridPatch> taxelsOf(const std::string& sensor) const;
 
  private:
-  [[noreturn]] void fail(int line, const std::string& what) const {
-    throw Error(ErrorKind::kInput, oneLine(name_ + ":" + std::to_string(line) + ": " + what));
-  }
+  [[noreturn]] void fail(int line, const std::string& what) const { file_.fail(line, what); }
   [[noreturn]] void fail(const XMLElement& element, const std::string& what) const {
     fail(element.GetLineNum(), "<" + std::string(element.Name()) + "> " + what);
   }
@@ -59,8 +46,7 @@ class Urdf {
   std::vector<GridPatch> listOf(const XMLElement& tactile) const;
   std::array<double, 2> sizeOf(const XMLElement& taxel) const;
 
-  tinyxml2::XMLDocument document_;
-  std::string name_;
+  XmlFile file_;
   int max_taxels_;
 };
 
@@ -92,8 +78,8 @@ int Urdf::whole(const XMLElement& element, const char* attribute, int min, int m
 }
 
 const XMLElement& Urdf::tactileOf(const std::string& sensor) const {
-  const XMLElement* robot = document_.FirstChildElement("robot");
-  if (robot == nullptr) fail(1, "is not a URDF: no <robot>");
+  const XMLElement* robot = file_.root();
+  if (robot == nullptr || std::string_view(robot->Name()) != "robot") fail(1, "is not a URDF: no <robot>");
   const XMLElement* found = nullptr;
   std::string others;
   for (const XMLElement* element = robot->FirstChildElement("sensor"); element != nullptr;

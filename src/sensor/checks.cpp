@@ -3,7 +3,7 @@
 #include <limits>
 #include <string>
 
-#include "geometry/text.h"
+#include "base/text.h"
 #include "sensor/curve.h"
 #include "sensor/skin.h"
 #include "taxelsim/error.h"

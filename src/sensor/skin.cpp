@@ -6,8 +6,8 @@
 #include <numeric>
 #include <string>
 
+#include "base/text.h"
 #include "base/vector3.h"
-#include "geometry/text.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

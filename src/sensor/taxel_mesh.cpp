@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "base/text.h"
 #include "base/vector3.h"
-#include "geometry/text.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "base/philox.h"
-#include "geometry/text.h"
+#include "base/text.h"
 #include "gpu/commands.h"
 #include "simulation/batch_buffers.h"
 #include "simulation/clock.h"

@@ -2,8 +2,8 @@
 #include <rapidcheck.h>
 #include <sys/stat.h>
 
+#include "base/text.h"
 #include "geometry/mesh_files.h"
-#include "geometry/text.h"
 
 namespace taxelsim {
 namespace {

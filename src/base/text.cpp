@@ -1,4 +1,4 @@
-#include "geometry/text.h"
+#include "base/text.h"
 
 #include <array>
 #include <charconv>
