@@ -7,7 +7,8 @@
 // In:  poses (num_instances x num_slots), objects, groups, clusters, quads of triangles, faces, the sensor's patches and tiles.
 // Out: contact_normal (num_instances x num_taxels), N, over the part of the spread's kernel that stays on the sensor; of a sensor of one tile only
 //      inside the window of its result; contact_shear (num_instances x num_taxels x 2), N, the same;
-//      contact_depth (num_instances x num_taxels), m; tile_results (num_instances x num_tiles); loads (num_instances): what the search found.
+//      contact_depth (num_instances x num_taxels), m; tile_results (num_instances x num_tiles); loads (num_instances): what the search found;
+//      contact_cells (num_instances x num_taxels), tile_changes (num_instances x num_tiles x LANES), lib/cell_fluxes.glsl.
 //      Of a law that is solved apart, instead of forces and depths, the height of the lowest surface (m, in P) over each of its nodes, which take the
 //      taxels' place, with the slot in its lowest bits where lib/slots.glsl keeps it; kMiss where there is none.
 // State: of every sample, between steps: its depth where the law needs it, its strain and overstresses where the skin relaxes; where there is
@@ -48,6 +49,7 @@ layout(constant_id = 35) const float STRIBECK_VELOCITY = 1e-3;  // m/s
 layout(constant_id = 36) const uint RELAXATION = 0;  // terms of the skin's relaxation, lib/relaxation.glsl
 layout(constant_id = 37) const uint GROUPS_PER_BATCH = 32;  // groups are culled a batch at a time, so that the list of clusters has room for all of theirs
 layout(constant_id = 38) const bool BLOCKS = false;  // some mesh has more groups than that, and blocks of them are culled first
+layout(constant_id = 39) const bool OUTPUT_JACOBIAN = false;  // contact_cells and tile_changes are wanted, lib/cell_fluxes.glsl
 
 // A software driver computes both sides of every branch and a loop's body at least once, so what a model, sensor or batch does not need is left
 // out by constants.
@@ -57,8 +59,9 @@ const uint kSearchOverTiles = 2u;  // by load.comp, over all tiles
 const uint kSearchEnded = 3u;      // the frame of a sensor with friction or relaxation at the offsets that this search has found
 const bool kHasMesh = (KINDS & 1u) != 0;
 const bool kHasAnalytic = (KINDS & ~1u) != 0;
-// Heights go through the tile, but for a single analytic solid, whose heights are computed where they are summed; not a torus's, which take long.
-bool usesTile() { return kHasMesh || MANY_SLOTS || SEARCH == kSearchInTile || (KINDS & (1u << kKindTorus)) != 0; }
+// Heights go through the tile, but for a single analytic solid, whose heights are computed where they are summed; not a torus's, which take long, nor where
+// a sample's neighbours are asked for.
+bool usesTile() { return OUTPUT_JACOBIAN || kHasMesh || MANY_SLOTS || SEARCH == kSearchInTile || (KINDS & (1u << kKindTorus)) != 0; }
 
 layout(std430, set = 0, binding = 0) readonly buffer Poses { PoseRecord poses[]; };
 layout(std430, set = 0, binding = 1) readonly buffer Instances { InstanceRecord instances[]; };
@@ -80,6 +83,8 @@ layout(std430, set = 0, binding = 16) readonly buffer Faces { Pair faces[]; };
 layout(std430, set = 0, binding = 17) readonly buffer Motions { MotionRecord motions[]; };
 layout(std430, set = 0, binding = 18) buffer FrictionState { Pair friction_state[]; };
 layout(std430, set = 0, binding = 19) writeonly buffer ContactShear { float contact_shear[]; };
+layout(std430, set = 0, binding = 20) writeonly buffer ContactCells { CellRecord contact_cells[]; };
+layout(std430, set = 0, binding = 21) writeonly buffer TileChanges { float tile_changes[]; };
 
 const float kMiss = kNoHeight;  // height where there is no surface
 const uint kEmpty = 0x7F7FFFFFu;  // the largest finite float, as bits: no surface over the sample
@@ -145,61 +150,7 @@ uvec2 tile_taxel;    // first one of the tile
 uvec2 tile_size;     // in taxels
 float offset_z;      // by which a load search over several tiles has moved the objects along z of S, m
 
-// What one slot holds, for this workgroup.
-struct Body {
-  uvec4 kind_groups;  // ObjectRecord
-  Affine X_PO;
-  Affine to_samples;          // from O to (u, v, z): samples, samples, m
-  vec3 center, half_size;     // bounds, in (u, v, z)
-  bool near;                  // reaches into the window
-};
-
-bool outsideTile(vec3 center, vec3 half_size) {
-  // A hair larger, so that rounding of the box never cuts off a triangle.
-  vec3 reach = half_size + vec3(1e-3, 1e-3, 1e-8) + half_size * 1e-6;
-  return center.z - reach.z >= z_limit || center.x + reach.x < tile_first.x || center.x - reach.x > tile_end.x - 1.0 ||
-         center.y + reach.y < tile_first.y || center.y - reach.y > tile_end.y - 1.0;
-}
-
-int objectInSlot(uint slot_index) { return int(poses[slot_index].object.x); }
-
-Body bodyInSlot(uint slot_index, int id) {
-  Body body;
-  body.kind_groups = objects[id].kind_groups;
-  body.X_PO = Affine(poses[slot_index].row0, poses[slot_index].row1, poses[slot_index].row2);
-  body.X_PO.row2.w += offset_z;
-  if (!FLAT) body.X_PO = compose(X_PS, body.X_PO);
-  body.to_samples = body.X_PO;
-  body.to_samples.row0.w -= patch_corner.x;
-  body.to_samples.row1.w -= patch_corner.y;
-  body.to_samples.row0 /= spacing.x;
-  body.to_samples.row1 /= spacing.y;
-  boundsOfImage(body.to_samples, objects[id].center.xyz, objects[id].half_size.xyz, body.center, body.half_size);
-  body.near = !outsideTile(body.center, body.half_size);
-  return body;
-}
-
-struct Box {
-  vec2 low, high;  // in samples, closed
-};
-
-void grow(inout Box box, vec3 center, vec3 half_size) {
-  box.low = min(box.low, center.xy - half_size.xy - 1e-3);
-  box.high = max(box.high, center.xy + half_size.xy + 1e-3);
-}
-
-Box emptyBox() { return Box(vec2(kMiss), vec2(-kMiss)); }
-
-void addToActive(Box box) {
-  vec2 low = max(floor(box.low), tile_first);
-  vec2 high = min(ceil(box.high), tile_end - 1.0);
-  if (low.x > high.x || low.y > high.y) return;
-  atomicMin(active_box[0], int(low.x));
-  atomicMax(active_box[1], int(high.x));
-  atomicMin(active_box[2], int(low.y));
-  atomicMax(active_box[3], int(high.y));
-}
-
+#include "lib/bodies.glsl"
 #include "lib/mesh.glsl"
 
 void writeShear(uint taxel, vec2 shear) {
@@ -256,6 +207,7 @@ vec2 tractionAfter(inout vec2 held, vec2 u, float share, float pressure) {
   return held = springTraction(held, u, share, pressure);
 }
 
+#include "lib/cell_fluxes.glsl"
 #include "lib/tiles.glsl"
 
 void contactOnTile(uint instance, uint tile_number, uint num_slots) {
@@ -353,9 +305,11 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   bool at_rest = is_first || load_driven;
   per_dt = HAS_STATE || BRISTLES ? step_record.time.y : 0.0;
   uint deep = 0;
+  float surface = search_here ? found.depth + found.lowest : THICKNESS;  // depth where the tile's height is 0
   for (uint v = lane; v < LANES; v += WORKGROUP) {
     vec4 wrench = vec4(0);  // normal force, torque about x, y and z of P
     vec2 lane_shear = vec2(0);
+    vec3 change[6] = vec3[6](vec3(0), vec3(0), vec3(0), vec3(0), vec3(0), vec3(0));
     uint k = v;
     for (; k < num_active; k += LANES) {
       uvec2 in_tile = active_first + uvec2(k / active_count.y, k % active_count.y);
@@ -367,6 +321,8 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
       vec3 shear_moment = vec3(0);
       bool is_reached = RELAXATION > 0 && isReached(in_tile);
       bool is_kept = kShears && isKept(in_patch, kept);
+      Cell cell = noCell();
+      bvec4 rim = bvec4(equal(in_patch, uvec2(0)), equal(in_patch + 1u, grid.xy)).xzyw;
       for (uint a = 0; a < SAMPLES; ++a) {
         for (uint b = 0; b < SAMPLES; ++b) {
           uint address = (base.x + a) * tile_stride + base.y + b;
@@ -402,6 +358,11 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
           force += f;
           moment += f * position;
           depth_sum += d;
+          if (OUTPUT_JACOBIAN) {
+            float signed_d = surface - height;
+            vec2 steps = vec2(stepOfDepth(signed_d, a, address, tile_stride, surface), stepOfDepth(signed_d, b, address, 1, surface));
+            addToCell(cell, change, uvec2(a, b), rim, position, signed_d, length(steps), f);
+          }
           if (kShears) {
             vec2 q = shearTraction(tile_state + kFrictionHeader + address, is_kept, d > 0.0, slotOf(word), vec3(position, -d), f);
             shear += q;
@@ -415,6 +376,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
       uint taxel = instance * NUM_TAXELS + in_sensor;
       contact_normal[taxel] = SCALED ? force * spread_scale[in_sensor] : force;
       if (OUTPUT_DEPTH) contact_depth[taxel] = depth_sum * kPerSample;
+      if (OUTPUT_JACOBIAN) keepCell(taxel, cell);
       // The skin is pressed along -z: torque (x, y, 0) x (0, 0, -f).
       wrench += vec4(force, -moment.y, moment.x, 0);
       if (kShears) {
@@ -427,12 +389,13 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
     cut_short = cut_short || k < num_active;
     partial[v] = wrench;
     if (kShears) partial_shear[v] = lane_shear;
+    if (OUTPUT_JACOBIAN) keepChange((instance * NUM_TILES + tile_number) * LANES + v, change);
   }
   if (deep > 0) atomicAdd(num_deep, deep);
   if (NUM_ROWS == 0 && met_behind && X_PS.row2.z > kLooksUp) atomicOr(any_behind, 1u);
 
   // Taxels that nothing reaches. Of a sensor of one tile nobody reads their force, but for a spread by lists.
-  if (NUM_TILES > 1 || NUM_ROWS == 0 || OUTPUT_DEPTH || HAS_STATE) {
+  if (OUTPUT_JACOBIAN || NUM_TILES > 1 || NUM_ROWS == 0 || OUTPUT_DEPTH || HAS_STATE) {
     for (uint k = lane; k < tile_size.x * tile_size.y; k += WORKGROUP) {
       uvec2 in_tile = uvec2(k / tile_size.y, k % tile_size.y);
       if (all(greaterThanEqual(in_tile, active_first)) && all(lessThan(in_tile, active_first + active_count))) continue;
@@ -441,6 +404,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
       contact_normal[taxel] = kLawSolvedApart ? kMiss : 0.0;
       if (OUTPUT_SHEAR) writeShear(taxel, vec2(0));
       if (OUTPUT_DEPTH) contact_depth[taxel] = 0.0;
+      if (OUTPUT_JACOBIAN) leaveCell(taxel);
       if (HAS_STATE) {
         for (uint a = 0; a < SAMPLES * SAMPLES; ++a) {
           uvec2 at = in_tile * SAMPLES + uvec2(a / SAMPLES, a % SAMPLES);

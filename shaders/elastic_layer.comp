@@ -15,7 +15,8 @@
 // In:  heights (num_instances x num_nodes), m, with slots in their lowest bits where lib/slots.glsl keeps them, and windows (num_instances x
 //      NUM_HEIGHT_TILES) from the contact pass; influence (rows x 2 rows of strips); with friction what the objects did (num_instances x num_slots).
 // Out: contact_normal (num_instances x num_taxels), N; contact_shear (num_instances x num_taxels x 2), N; contact_depth; tile_results (num_instances); loads;
-//      features of the solution; and the pressures, from which the next frame starts.
+//      features of the solution; where asked for how forces change with the sensor's twist: taxel_jacobian (num_instances x 6 x num_taxels), N/m and
+//      N/rad, and wrench_jacobian (num_instances x 6 x 6); and the pressures, from which the next frame starts.
 // State: where the skin relaxes strain and overstresses of every node, lib/layer_relaxation.glsl; where there is friction its shear traction.
 // Shared memory: 16 LANES + 12 NODE_ROWS + 16 bytes, with friction 8 LANES and 512 more.
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
@@ -42,6 +43,7 @@ layout(constant_id = 25) const float TANGENTIAL_STIFFNESS = 1e8;  // N/m^3
 layout(constant_id = 26) const float FRICTION_COEFFICIENT = 1.0;
 layout(constant_id = 27) const bool OUTPUT_SHEAR = false;  // contact_shear is wanted
 layout(constant_id = 28) const uint RELAXATION = 0;        // terms of the skin's relaxation
+layout(constant_id = 29) const bool OUTPUT_JACOBIAN = false;  // taxel_jacobian and wrench_jacobian are wanted, lib/layer_jacobian.glsl
 
 layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceRecord instances[]; };
 layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
@@ -60,6 +62,8 @@ layout(std430, set = 0, binding = 13) writeonly buffer Problems { uint problems[
 layout(std430, set = 0, binding = 14) readonly buffer Motions { MotionRecord motions[]; };
 layout(std430, set = 0, binding = 15) coherent buffer FrictionState { Pair friction_state[]; };
 layout(std430, set = 0, binding = 16) writeonly buffer ContactShear { float contact_shear[]; };
+layout(std430, set = 0, binding = 17) writeonly buffer TaxelJacobian { float taxel_jacobian[]; };
+layout(std430, set = 0, binding = 18) writeonly buffer WrenchJacobian { float wrench_jacobian[]; };
 
 const uint kStripPairs = kStrip / 2;
 const uint kRowStrips = (NODE_COLS + kStrip - 1) / kStrip;
@@ -310,6 +314,7 @@ float valueAt(uint kind, uvec2 node) {
 }
 
 #include "lib/layer_shear.glsl"
+#include "lib/layer_jacobian.glsl"
 
 // Forces of the taxels that were reached, N, and the mean depth of their samples, m; returns the rectangle of these taxels. `pressed`: the nodes that shear.
 uvec4 writeTaxels(uint instance, Surface surface, uvec4 pressed, float shift) {
@@ -443,6 +448,7 @@ void pressInstance(uint instance, uint num_instances, uint num_slots) {
   }
   uvec4 taxels = writeTaxels(instance, surface, pressed, found.shift);
   report(instance, num_instances, surface, found, iterations, taxels, shear);
+  if (OUTPUT_JACOBIAN) keepJacobian(instance, surface, found.shift);
 }
 
 void main() {

@@ -258,6 +258,9 @@ bool isTaxelList(const Sensor& sensor);
 // Centres of all taxels in S, (num_taxels), m, in storage order.
 std::vector<Vector3> taxelPositions(const Sensor& sensor);
 
+// Mean of all taxel centres in S, m.
+Vector3 arrayMiddle(const Sensor& sensor);
+
 // Unit normals of all taxels in S, (num_taxels), in storage order.
 std::vector<Vector3> taxelNormals(const Sensor& sensor);
 

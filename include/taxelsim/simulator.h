@@ -27,6 +27,10 @@ struct OutputOptions {
   bool penetration_depth = true;
   bool contact_features = false;        // FrameView::contact, two more passes of the device
   bool clean_contact_features = false;  // GroundTruthView::contact, as many
+  // FrameView::jacobian and GroundTruthView::jacobian: two more passes for either, four under DeformationMask; under ElasticLayer one, and
+  // six more solves. Refused where contacts come from outside.
+  bool tactile_jacobian = false;
+  bool clean_tactile_jacobian = false;
 };
 
 struct SimulatorOptions {
@@ -88,6 +92,32 @@ struct ContactFeatureView : FeatureView {
   std::span<const float> num_regions;  // (num_instances): regions that there are, of which the largest have rows; 0 if max_regions is
 };
 
+// How features change as the sensor moves by a small twist and the objects stay: 6 columns, by the velocity v (per m) along x, y, z of S of
+// S's origin and by the angular velocity w (per rad) about x, y, z of S. By the same twist of the objects, with the sensor at rest, it is
+// minus that: a sensor that moves along +x has d center_of_pressure x / d v_x = -1. Rows of an instance: the sensor, then each of its
+// patches (of a list of taxels none), as in ContactFeatureView; N stands for num_instances x num_rows. What is undefined is 0: without
+// contact all, of an edge angle whose confidence is 0 its row; never NaN.
+//
+// From the samples of this frame by the balance of force over each taxel (Reynolds' transport theorem; shaders/lib/cell_fluxes.glsl): what
+// moves sideways flows through the taxel's sides, what moves up or down gives by the law's stiffness. So they are derivatives of the
+// feature over this array: where a wall passes a taxel they are those of that taxel, not of an array without taxels. They hold for a sensor
+// at rest: a taxel of MassSpringDamper gives the force of contact at once; of a skin that relaxes every sample keeps its present share of
+// its stiffness, as it does under motions slower than relaxation; friction has no part in them. An ElasticLayer answers by its own
+// equations over the samples in contact, one that relaxes at once. Of an instance that is driven by its load they are at the pose where the
+// load put the objects, which then stay.
+struct TactileJacobianView {
+  int num_rows = 0;                           // 1 + num_patches; 0 unless asked for
+  int num_patches = 0;                        // rows of patches
+  std::span<const float> center_of_pressure;  // (N x 3 x 6), m/m and m/rad, in S
+  std::span<const float> total_force;         // (N x 6), N/m and N/rad
+  std::span<const float> edge_angle;          // (N x 6), rad/m and rad/rad
+};
+
+// The same from the clean forces, and of the wrench.
+struct CleanTactileJacobianView : TactileJacobianView {
+  std::span<const float> contact_wrench;  // (num_instances x 6 x 6), N/m, N/rad, then N m/m, N m/rad; of the normal forces
+};
+
 // Values nobody could measure: before time, readout and noise.
 struct GroundTruthView : FeatureView {
   std::span<const float> tactile_normal_force;  // (N x num_taxels), N, after the PSF; empty unless asked for
@@ -106,6 +136,7 @@ struct GroundTruthView : FeatureView {
                                               // relative to the deepest one
   std::span<const float> contact_iterations;  // (N), of the solver
   ContactFeatureView contact;                 // from tactile_normal_force; empty unless asked for
+  CleanTactileJacobianView jacobian;          // of the features above; empty unless asked for
 };
 
 // One frame of the whole batch. Measured features come from `tactile_image`, turned back into newtons by the nominal curve. The spans stay
@@ -114,6 +145,9 @@ struct FrameView : FeatureView {
   std::span<const std::uint32_t> tactile_image;  // (N x num_taxels), counts
   std::span<const float> saturated;              // (N), fraction of taxels at the upper end
   ContactFeatureView contact;                    // empty unless asked for
+  // Of what the readout makes of the clean forces before noise, bias, time and rounding: a taxel below its trigger, saturated or dead has
+  // no derivative, any other its gain. Empty unless asked for.
+  TactileJacobianView jacobian;
   GroundTruthView ground_truth;
 };
 
@@ -127,7 +161,7 @@ struct MemoryPlan {
 // Seconds of the last frame, from the device's own clock; NaN where it has none.
 struct StepTiming {
   double contact = 0;
-  double image = 0;  // with the contact features
+  double image = 0;  // with the contact features and the tactile Jacobian
   double total = 0;
 };
 

@@ -25,7 +25,7 @@ bool enterTile(uint instance, uint tile_number) {
   tile_end = tile_first + vec2(tile_size * SAMPLES);
   tile_stride = tile_size.y * SAMPLES;
   offset_z = 0.0;
-  z_limit = lawReach();
+  z_limit = OUTPUT_JACOBIAN ? cellReach() : lawReach();
   if (SEARCH == kSearchInTile && (instances[instance].keys.w & kFlagLoadDriven) != 0) z_limit = kMiss;
   if (SEARCH == kSearchOverTiles) {
     vec4 bracket = loads[instance].bracket;
@@ -54,10 +54,12 @@ void leaveUntouched(uint instance, uint tile_number) {
     contact_normal[taxel] = 0.0;
     if (OUTPUT_SHEAR) writeShear(taxel, vec2(0));
     if (OUTPUT_DEPTH) contact_depth[taxel] = 0.0;
+    if (OUTPUT_JACOBIAN) leaveCell(taxel);
   }
   if (kShears) keepWindow(result * (kFrictionHeader + TILE_SAMPLES), uvec4(0));
   if (HAS_STATE) {
     for (uint k = 0; k < tile_size.x * tile_stride * SAMPLES; ++k) state[result * TILE_SAMPLES + k] = 0.0;
   }
+  if (OUTPUT_JACOBIAN) leaveChange(result);
   tile_results[result] = TileResult(vec4(0), vec4(0), uvec4(0));
 }

@@ -210,6 +210,25 @@ TAXELSIM_CONSTANT kContactType = 18u;
 TAXELSIM_CONSTANT kContactPatch = 19u;
 TAXELSIM_CONSTANT kNumContactFeatures = 20u;
 
+// ---- tactile Jacobian ----
+// How features change with the six coordinates of the sensor's twist, v and w in S. Rows of an instance: the sensor, its patches (none of a
+// list of taxels). Block after block as above, each (num_instances x num_rows x components x 6), then the wrench's (num_instances x 6 x 6).
+
+TAXELSIM_CONSTANT kJacobianCenterOfPressure = 0u;  // 3 x 6
+TAXELSIM_CONSTANT kJacobianTotalForce = 18u;       // 6
+TAXELSIM_CONSTANT kJacobianEdgeAngle = 24u;        // 6
+TAXELSIM_CONSTANT kNumJacobian = 30u;
+TAXELSIM_CONSTANT kNumWrenchJacobian = 36u;
+
+// What the contact pass leaves for it of a taxel: lib/cell_fluxes.glsl.
+struct CellRecord {
+  vec4 low_x, high_x, low_y, high_y;  // along each side: integrals of f (N/m), of G (N), of f times the coordinate along it (N). Last:
+                                      // integrals of f' over the cell times 1, x, y (N/m, N, N); 1 where all this was written, else 0
+};
+// And of a tile, for each partial sum of that pass: the changes of force and its first moments about the origin of P by the object's twist
+// in P; of a tile that nothing is near only kNoHeight, as the first of them.
+TAXELSIM_CONSTANT kTileChanges = 18u;  // 6 x 3
+
 // ContactType of the public header.
 TAXELSIM_FLOAT kContactNone = 0.0f;
 TAXELSIM_FLOAT kContactPoint = 1.0f;

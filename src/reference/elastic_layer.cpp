@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 
 #include "base/vector3.h"
@@ -86,18 +87,6 @@ int taxelAt(const Sensor& sensor, const LayerNodes& nodes, int u, int v) {
   return a / s * patch.num_cols + b / s;
 }
 
-// The nodes as samples of one patch.
-std::vector<Sample> samplesAt(const Sensor& sensor, const LayerNodes& nodes) {
-  std::vector<Sample> samples;
-  for (int u = 0; u < nodes.num_rows; ++u) {
-    for (int v = 0; v < nodes.num_cols; ++v) {
-      const double x = (u - (nodes.num_rows - 1) / 2.0) * nodes.spacing[0], y = (v - (nodes.num_cols - 1) / 2.0) * nodes.spacing[1];
-      samples.push_back({0, taxelAt(sensor, nodes, u, v), {x, y, 0}, nodes.area()});
-    }
-  }
-  return samples;
-}
-
 // What a skin that relaxes brings into a step.
 struct Dents {
   double gain = 1;
@@ -121,6 +110,7 @@ LayerContact contactAt(const Sensor& sensor, const Layer& layer, std::span<const
   const LayerNodes& nodes = layer.nodes;
   const double thickness = sensor.skin.thickness;
   LayerContact contact;
+  contact.gain = dents.gain;
   contact.taxel_force.assign(static_cast<std::size_t>(numTaxels(sensor)), 0);
   contact.mean_penetration = contact.taxel_force;
   std::vector<double> below;  // the surface as it is without pressure
@@ -137,7 +127,7 @@ LayerContact contactAt(const Sensor& sensor, const Layer& layer, std::span<const
   const double per_taxel = sensor.samples_per_taxel * sensor.samples_per_taxel;
   const Pose& X_SP = sensor.patches.front().X_SP;
   Vector3 force{0, 0, 0}, torque{0, 0, 0};
-  const std::vector<Sample> samples = samplesAt(sensor, nodes);
+  const std::vector<Sample> samples = layerSamples(sensor, nodes);
   for (std::size_t n = 0; n < samples.size(); ++n) {
     const double node_force = contact.solution.pressure[n] * nodes.area(), d = contact.overlap[n];
     const Vector3 force_S = rotate(X_SP.rotation, {0, 0, -node_force});
@@ -158,6 +148,17 @@ LayerContact contactAt(const Sensor& sensor, const Layer& layer, std::span<const
 }
 
 }  // namespace
+
+std::vector<Sample> layerSamples(const Sensor& sensor, const LayerNodes& nodes) {
+  std::vector<Sample> samples;
+  for (int u = 0; u < nodes.num_rows; ++u) {
+    for (int v = 0; v < nodes.num_cols; ++v) {
+      const double x = (u - (nodes.num_rows - 1) / 2.0) * nodes.spacing[0], y = (v - (nodes.num_cols - 1) / 2.0) * nodes.spacing[1];
+      samples.push_back({0, taxelAt(sensor, nodes, u, v), {x, y, 0}, nodes.area()});
+    }
+  }
+  return samples;
+}
 
 Layer layerOf(const Sensor& sensor) {
   Layer layer{layerNodes(sensor), {}};
@@ -188,6 +189,37 @@ LayerSolution pressLayer(const Layer& layer, std::span<const double> overlap, do
   return solution;
 }
 
+std::vector<double> pressureRates(const Layer& layer, const LayerContact& contact, std::span<const double> overlap_rates) {
+  constexpr double kLeft = 1e-24;  // squares, of those at the beginning
+  const std::vector<double>& pressure = contact.solution.pressure;
+  Problem problem{layer, {}, {}};
+  std::vector<std::size_t> index;
+  for (std::size_t n = 0; n < pressure.size(); ++n) {
+    if (pressure[n] <= 0) continue;
+    problem.node.push_back({static_cast<int>(n) / layer.nodes.num_cols, static_cast<int>(n) % layer.nodes.num_cols});
+    problem.d.push_back(overlap_rates[n]);
+    index.push_back(n);
+  }
+  // Conjugate gradients from 0.
+  std::vector<double> x(index.size(), 0), missed = problem.d, t = problem.d;
+  const auto squaresOf = [](const std::vector<double>& v) { return std::inner_product(v.begin(), v.end(), v.begin(), 0.0); };
+  const double first = squaresOf(missed);
+  double squares = first;
+  for (std::size_t round = 0; round < 4 * index.size() && squares > kLeft * first; ++round) {
+    const std::vector<double> q = problem.displacements(t);
+    const double step = squares / std::inner_product(q.begin(), q.end(), t.begin(), 0.0), before = squares;
+    for (std::size_t n = 0; n < x.size(); ++n) {
+      x[n] += step * t[n];
+      missed[n] -= step * q[n];
+    }
+    squares = squaresOf(missed);
+    for (std::size_t n = 0; n < x.size(); ++n) t[n] = missed[n] + squares / before * t[n];
+  }
+  std::vector<double> rates(pressure.size(), 0);
+  for (std::size_t n = 0; n < x.size(); ++n) rates[index[n]] = contact.gain * x[n];
+  return rates;
+}
+
 double forceOn(const Layer& layer, std::span<const double> pressure) {
   double sum = 0;
   for (const double p : pressure) sum += p * layer.nodes.area();
@@ -206,7 +238,7 @@ std::vector<double> layerHeights(const Sensor& sensor, const LayerNodes& nodes, 
 PressedSkin pressedNodes(const Sensor& sensor, std::span<const PlacedObject> objects, const LayerContact& contact) {
   const LayerNodes nodes = layerNodes(sensor);
   const std::vector<double>& pressure = contact.solution.pressure;
-  PressedSkin skin{samplesAt(sensor, nodes), std::vector<int>(pressure.size(), kApart), contact.overlap, pressure};
+  PressedSkin skin{layerSamples(sensor, nodes), std::vector<int>(pressure.size(), kApart), contact.overlap, pressure};
   if (!hasFriction(sensor.skin) || objects.empty()) return skin;
   const auto heightsUnder = [&](std::span<const PlacedObject> one) { return layerHeights(sensor, nodes, one); };
   const std::vector<int> lowest = lowestObjects(objects, sensor.skin.thickness, heightsUnder);

@@ -50,7 +50,15 @@ struct LayerContact {
   double over_penetration = 0;           // fraction of the taxels' samples at least as deep as the skin is thick
   double offset = 0;                     // m: by how much the objects were moved along z of S
   bool load_reached = true;
+  double gain = 1;  // of a skin that relaxes: pressure by what an instantaneous press would need for its depth
 };
+
+// How the pressures (num_rows x num_cols), Pa, change when the overlap does (the same, m), at once: over the nodes with pressure, which
+// stay the same, the layer's own equations.
+std::vector<double> pressureRates(const Layer& layer, const LayerContact& contact, std::span<const double> overlap_rates);
+
+// The nodes as samples of one patch, in their order; those of the margin have no taxel.
+std::vector<Sample> layerSamples(const Sensor& sensor, const LayerNodes& nodes);
 
 // Heights of the lowest surface over every node, (num_rows x num_cols), m along z of P; +infinity where there is none.
 std::vector<double> layerHeights(const Sensor& sensor, const LayerNodes& nodes, std::span<const PlacedObject> objects);

@@ -1,6 +1,5 @@
 #include "reference/frame.h"
 
-#include "reference/elastic_layer.h"
 #include "reference/psf.h"
 
 namespace taxelsim::reference {
@@ -15,12 +14,13 @@ void pressElasticLayer(const Sensor& sensor, const FrameInput& input, const Skin
   frame.load.reached = solved.load_reached;
   const std::vector<PlacedObject> placed = movedAlongZ(input.objects, solved.offset);
   frame.shear = contactShear(sensor, placed, pressedNodes(sensor, placed, solved), input.previous_friction, input.dt);
-  frame.contact.taxel_force = std::move(solved.taxel_force);
-  frame.contact.mean_penetration = std::move(solved.mean_penetration);
+  frame.contact.taxel_force = solved.taxel_force;
+  frame.contact.mean_penetration = solved.mean_penetration;
   frame.contact.wrench = solved.wrench;
   frame.contact.total_force = solved.total_force;
   frame.contact.over_penetration = solved.over_penetration;
   frame.off_array_load = solved.off_array_load;
+  frame.layer = std::move(solved);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 
 #include "reference/contact.h"
 #include "reference/depth.h"
+#include "reference/elastic_layer.h"
 #include "reference/features.h"
 #include "reference/friction.h"
 #include "reference/lag.h"
@@ -40,6 +41,7 @@ struct Frame {
   std::vector<double> penetration;  // (num_taxels x s x s), m, 0 to thickness
   Contact contact;                  // its wrench is that of the pressures alone; of ElasticLayer without `pressure` and `strain`
   ContactShear shear;
+  LayerContact layer;                   // of ElasticLayer
   double off_array_load = 0;            // N: what the skin's margin carries
   std::array<double, 6> wrench{};       // force (N) and torque (N m) on the sensor at S's origin, in S
   std::vector<TaxelState> taxel_state;  // of laws with one

@@ -25,6 +25,16 @@ std::vector<Vector3> taxelPositions(const Sensor& sensor) {
   return positions;
 }
 
+// Grids lie centred on their patch frames, so it is the mean of the patch origins, weighted by size.
+Vector3 arrayMiddle(const Sensor& sensor) {
+  Vector3 middle{0, 0, 0};
+  for (const GridPatch& patch : sensor.patches) {
+    const double part = static_cast<double>(patch.num_rows) * patch.num_cols / numTaxels(sensor);
+    for (std::size_t k = 0; k < 3; ++k) middle[k] += part * patch.X_SP.position[k];
+  }
+  return middle;
+}
+
 bool isTaxelList(const Sensor& sensor) {
   return sensor.patches.size() > 1 && std::all_of(sensor.patches.begin(), sensor.patches.end(),
                                                   [](const GridPatch& patch) { return patch.num_rows == 1 && patch.num_cols == 1; });

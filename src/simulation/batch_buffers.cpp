@@ -42,6 +42,16 @@ struct InstanceBytes {
       region_sums = options.max_regions > 0 ? taxel_scalar : 0;
       regions = 4 * static_cast<std::uint64_t>(options.max_regions);
     }
+    if (wantsJacobian(options.outputs)) {
+      const std::uint64_t per_set = 4ull * layout::kNumJacobian * numContactRows(model.packed_contact, 0);
+      if (options.outputs.tactile_jacobian) jacobian = per_set;
+      if (options.outputs.clean_tactile_jacobian) clean_jacobian = per_set + 4 * layout::kNumWrenchJacobian;
+      contact_cells = model.layer ? 0 : sizeof(layout::CellRecord) * taxels;
+      tile_changes = model.layer ? 0 : 4 * num_tiles * model.packed.contact_lanes * layout::kTileChanges;
+      taxel_jacobian = 6 * taxel_scalar;
+      masked_jacobian = model.masksForces() ? taxel_jacobian : 0;
+      wrench_jacobian = 4 * num_tiles * layout::kNumWrenchJacobian;
+    }
     if (model.layer && !takes_contacts) {
       heights = 4 * static_cast<std::uint64_t>(numTaxels(model.contact_sensor));
       windows = sizeof(layout::TileResult) * model.contact_packed.tiles.size();
@@ -53,6 +63,8 @@ struct InstanceBytes {
   std::uint64_t motions = 0, friction = 0, contact_shear = 0;
   std::uint64_t heights = 0, windows = 0, layer = 0;
   std::uint64_t forces = 0, taxel_regions = 0, region_sums = 0, regions = 0, contact_features = 0, clean_contact_features = 0;
+  std::uint64_t contact_cells = 0, tile_changes = 0, taxel_jacobian = 0, masked_jacobian = 0, wrench_jacobian = 0;
+  std::uint64_t jacobian = 0, clean_jacobian = 0;
   std::uint64_t instances = sizeof(layout::InstanceRecord);
   std::uint64_t loads = sizeof(layout::LoadRecord);
   std::uint64_t features = 4 * layout::kNumFeatures;
@@ -61,12 +73,36 @@ struct InstanceBytes {
   std::uint64_t total() const {
     return poses + motions + contacts + num_contacts + state + friction + law_state + taxel_states + 3 * taxel_scalar + depth + shear +
            contact_shear + tiles + heights + windows + layer + instances + loads + features + forces + taxel_regions + region_sums +
-           regions + contact_features + clean_contact_features;
+           regions + contact_features + clean_contact_features + contact_cells + tile_changes + taxel_jacobian + masked_jacobian +
+           wrench_jacobian + jacobian + clean_jacobian;
   }
-  std::uint64_t readBack() const { return 2 * taxel_scalar + depth + shear + features + contact_features + clean_contact_features; }
+  std::uint64_t readBack() const {
+    return 2 * taxel_scalar + depth + shear + features + contact_features + clean_contact_features + jacobian + clean_jacobian;
+  }
   std::uint64_t largest() const {
-    return std::max({poses, motions, contacts, state, friction, law_state, taxel_states, taxel_scalar, shear, tiles, heights, windows,
-                     layer, instances, features, contact_features, clean_contact_features});
+    return std::max({poses,
+                     motions,
+                     contacts,
+                     state,
+                     friction,
+                     law_state,
+                     taxel_states,
+                     taxel_scalar,
+                     shear,
+                     tiles,
+                     heights,
+                     windows,
+                     layer,
+                     instances,
+                     features,
+                     contact_features,
+                     clean_contact_features,
+                     contact_cells,
+                     tile_changes,
+                     taxel_jacobian,
+                     wrench_jacobian,
+                     jacobian,
+                     clean_jacobian});
   }
 };
 
@@ -80,6 +116,13 @@ void checkRegions(const SimulatorOptions& options) {
   if (options.max_regions < 0 || options.max_regions > kMaxRegions) refuse("0 to " + std::to_string(kMaxRegions));
   const bool with_features = options.outputs.contact_features || options.outputs.clean_contact_features;
   if (options.max_regions > 0 && !with_features) refuse("0 where no outputs.contact_features or clean_contact_features are asked for");
+}
+
+void checkJacobian(const SimulatorOptions& options) {
+  const char* name = options.outputs.tactile_jacobian ? "outputs.tactile_jacobian" : "outputs.clean_tactile_jacobian";
+  if (!wantsJacobian(options.outputs)) return;
+  const auto refuse = [&](const char* why) { throw Error(ErrorKind::kInput, std::string(name) + ": true is not allowed " + why); };
+  if (options.max_contacts > 0) refuse("where max_contacts > 0: contacts do not tell how forces follow a motion");
 }
 
 // Objects or contacts: where the forces of the batch come from.
@@ -128,6 +171,7 @@ void checkBatchFits(const Model::Impl& model, const SimulatorOptions& options) {
   }
   checkSource(model, options);
   checkRegions(options);
+  checkJacobian(options);
   const MemoryPlan plan = planBatch(model, options);
   if (static_cast<std::uint64_t>(options.num_instances) <= plan.max_instances) return;
   throw Error(ErrorKind::kInput, "a batch of " + std::to_string(options.num_instances) + " instances of " +
@@ -168,6 +212,11 @@ BatchBuffers::BatchBuffers(const Model::Impl& model, const SimulatorOptions& opt
   taxel_regions = make("taxel regions", bytes.taxel_regions, gpu::Domain::kDevice);
   region_sums = make("region sums", bytes.region_sums, gpu::Domain::kDevice);
   regions = make("regions", bytes.regions, gpu::Domain::kDevice);
+  contact_cells = make("contact cells", bytes.contact_cells, gpu::Domain::kDevice);
+  tile_changes = make("tile changes", bytes.tile_changes, gpu::Domain::kDevice);
+  taxel_jacobian = make("taxel Jacobian", bytes.taxel_jacobian, gpu::Domain::kDevice);
+  masked_jacobian = make("masked Jacobian", bytes.masked_jacobian, gpu::Domain::kDevice);
+  wrench_jacobian = make("wrench Jacobian", bytes.wrench_jacobian, gpu::Domain::kDevice);
   contact_depth = make_readable("penetration_depth", bytes.depth);
   image = make_readable("tactile_image", bytes.taxel_scalar);
   spread_normal = make_readable("tactile_normal_force", bytes.taxel_scalar);
@@ -175,6 +224,8 @@ BatchBuffers::BatchBuffers(const Model::Impl& model, const SimulatorOptions& opt
   features = make_readable("features", bytes.features);
   contact_features = make_readable("contact_features", bytes.contact_features);
   clean_contact_features = make_readable("clean_contact_features", bytes.clean_contact_features);
+  jacobian = make_readable("tactile_jacobian", bytes.jacobian);
+  clean_jacobian = make_readable("clean_tactile_jacobian", bytes.clean_jacobian);
   problems = ReadableBuffer{gpu::Buffer(context, "problems", 4, gpu::Domain::kDevice), {}};
   if (problems.copied()) problems.readback = gpu::Buffer(context, "problems readback", 4, gpu::Domain::kReadback);
 }
@@ -186,6 +237,8 @@ std::vector<ReadableBuffer*> BatchBuffers::readable(const OutputOptions& outputs
   if (outputs.penetration_depth) list.push_back(&contact_depth);
   if (outputs.contact_features) list.push_back(&contact_features);
   if (outputs.clean_contact_features) list.push_back(&clean_contact_features);
+  if (outputs.tactile_jacobian) list.push_back(&jacobian);
+  if (outputs.clean_tactile_jacobian) list.push_back(&clean_jacobian);
   return list;
 }
 

@@ -22,6 +22,10 @@ struct ReadableBuffer {
   }
 };
 
+inline bool wantsJacobian(const OutputOptions& outputs) {
+  return outputs.tactile_jacobian || outputs.clean_tactile_jacobian;
+}
+
 struct BatchBuffers {
   BatchBuffers(const Model::Impl& model, const SimulatorOptions& options);
 
@@ -29,9 +33,11 @@ struct BatchBuffers {
   // stay on the device
   gpu::Buffer state, friction_state, law_state, contact_normal, contact_shear, tile_results, taxel_states;
   gpu::Buffer heights, windows, layer;  // of an elastic layer: per node, per tile of the contact pass, arrays over strips of nodes
-  gpu::Buffer forces, taxel_regions, region_sums, regions;  // of contact features
+  gpu::Buffer forces, taxel_regions, region_sums, regions;                                    // of contact features
+  gpu::Buffer contact_cells, tile_changes, taxel_jacobian, masked_jacobian, wrench_jacobian;  // of the tactile Jacobian
   // come back
-  ReadableBuffer contact_depth, image, spread_normal, spread_shear, features, contact_features, clean_contact_features, problems;
+  ReadableBuffer contact_depth, image, spread_normal, spread_shear, features, contact_features, clean_contact_features, jacobian,
+      clean_jacobian, problems;
   std::vector<ReadableBuffer*> readable(const OutputOptions& outputs);
 };
 

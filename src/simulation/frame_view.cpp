@@ -40,6 +40,19 @@ ContactFeatureView contactView(const Model::Impl& model, const SimulatorOptions&
   return view;
 }
 
+template <typename View>
+void fillJacobian(const Model::Impl& model, const SimulatorOptions& options, const ReadableBuffer& buffer, View& view) {
+  const auto n = static_cast<std::size_t>(options.num_instances);
+  const std::size_t num_rows = n * numContactRows(model.packed_contact, 0);
+  const std::span<const float> values = buffer.read<float>();
+  const auto block = [&](std::uint32_t first, std::size_t components) { return values.subspan(first * num_rows, components * num_rows); };
+  view.num_rows = static_cast<int>(num_rows / n);
+  view.num_patches = static_cast<int>(model.packed_contact.num_patches);
+  view.center_of_pressure = block(layout::kJacobianCenterOfPressure, 18);
+  view.total_force = block(layout::kJacobianTotalForce, 6);
+  view.edge_angle = block(layout::kJacobianEdgeAngle, 6);
+}
+
 }  // namespace
 
 FrameView viewOf(const Model::Impl& model, const SimulatorOptions& options, const BatchBuffers& buffers) {
@@ -51,6 +64,13 @@ FrameView viewOf(const Model::Impl& model, const SimulatorOptions& options, cons
   fillFeatures(features, n, layout::kNumImageFeatures, frame.ground_truth);
   if (options.outputs.contact_features) frame.contact = contactView(model, options, buffers.contact_features);
   if (options.outputs.clean_contact_features) frame.ground_truth.contact = contactView(model, options, buffers.clean_contact_features);
+  if (options.outputs.tactile_jacobian) fillJacobian(model, options, buffers.jacobian, frame.jacobian);
+  if (options.outputs.clean_tactile_jacobian) {
+    CleanTactileJacobianView& view = frame.ground_truth.jacobian;
+    fillJacobian(model, options, buffers.clean_jacobian, view);
+    view.contact_wrench = buffers.clean_jacobian.read<float>().subspan(layout::kNumJacobian * n * static_cast<std::size_t>(view.num_rows),
+                                                                       layout::kNumWrenchJacobian * n);
+  }
   const std::size_t taxels = model.num_taxels;
   frame.tactile_image = buffers.image.read<std::uint32_t>().first(n * taxels);
   frame.saturated = block(layout::kFeatureSaturated);

@@ -23,9 +23,6 @@ constexpr std::uint32_t kMaxTileSamples = 6144;
 constexpr std::uint32_t kTileOverhead = 6656;
 constexpr std::uint32_t kGroupsPerBatch = 32;
 
-// Of the passes over taxels: no invocation waits for another.
-constexpr std::uint32_t kTaxelWorkgroup = 64;
-
 // Turns that one invocation alone would take for an elastic layer: two products of all strips with all others in some of the iterations,
 // the window being a part of them, and one of the dents of a skin that relaxes.
 std::uint64_t layerWork(const Sensor& sensor, const PackedLayer& layer) {
@@ -238,13 +235,13 @@ gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const 
                                          friction && variant.with_shear, friction && law.has_bristles});
   for (const float parameter : law.bristles) of_the_pass.push_back(bits(parameter));
   of_the_pass.push_back(layer ? 0 : static_cast<std::uint32_t>(sensor.skin.relaxation.size()));
-  of_the_pass.insert(of_the_pass.end(), {groups_per_batch, has_blocks});
+  of_the_pass.insert(of_the_pass.end(), {groups_per_batch, has_blocks, variant.with_jacobian});
   return {device.context(),
           {.name = law.kernel,
            .spirv = pairs ? law.spirv_pairs : law.spirv,
-           .buffers = {"Poses",   "Instances", "Step",        "Objects", "Groups",        "Clusters",     "Quads",
-                       "Patches", "Tiles",     "SpreadScale", "State",   "ContactNormal", "ContactDepth", "TileResults",
-                       "Loads",   "Problems",  "Faces",       "Motions", "FrictionState", "ContactShear"},
+           .buffers = {"Poses", "Instances",   "Step",          "Objects",       "Groups",       "Clusters",    "Quads", "Patches",
+                       "Tiles", "SpreadScale", "State",         "ContactNormal", "ContactDepth", "TileResults", "Loads", "Problems",
+                       "Faces", "Motions",     "FrictionState", "ContactShear",  "ContactCells", "TileChanges"},
            .constants = constants(contact_sensor, contact_packed, {contact_workgroup, contact_packed.contact_lanes, contactRepeat(variant)},
                                   of_the_pass)}};
 }
@@ -341,14 +338,15 @@ gpu::Kernel Model::Impl::makeLayerKernel(const LayerVariant& variant) const {
           {.name = "elastic_layer",
            .spirv = pairs ? std::span<const std::uint32_t>(k_elastic_layer_pairs_spirv) : k_elastic_layer_spirv,
            .buffers = {"Instances", "Step", "SensorBlock", "Heights", "Windows", "Influence", "SpreadScale", "Layer", "ContactNormal",
-                       "ContactDepth", "TileResults", "Loads", "Features", "Problems", "Motions", "FrictionState", "ContactShear"},
+                       "ContactDepth", "TileResults", "Loads", "Features", "Problems", "Motions", "FrictionState", "ContactShear",
+                       "TaxelJacobian", "WrenchJacobian"},
            .constants =
                constants(sensor, packed, {layer_workgroup, layerLanes(device.info(), layerWork(sensor, *layer)), 1},
                          {count(nodes.num_rows), count(nodes.num_cols), count(nodes.margin_rows), count(nodes.margin_cols),
                           bits(sensor.skin.thickness), bits(layer->reach), bits(layer->node_force), count(elastic.iterations),
                           bits(elastic.tolerance), count(static_cast<int>(contact_packed.tiles.size())), variant.loads, variant.with_depth,
                           variant.many_slots, hasFriction(), bits(friction.tangential_stiffness), bits(friction.friction_coefficient),
-                          variant.with_shear, count(static_cast<int>(sensor.skin.relaxation.size()))})}};
+                          variant.with_shear, count(static_cast<int>(sensor.skin.relaxation.size())), variant.with_jacobian})}};
 }
 
 Model::Model(const Device& device, const ModelOptions& options) : impl_(std::make_shared<Impl>(device, options)) {}

@@ -60,6 +60,7 @@ struct Model::Impl {
     bool many_slots = false;
     bool with_depth = false;                                  // penetration_depth is wanted
     bool with_shear = false;                                  // tactile_shear_force is wanted, of a sensor with friction
+    bool with_jacobian = false;                               // what a tactile Jacobian is made from is wanted
     auto operator<=>(const ContactVariant&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 misreads it
   };
   const gpu::Kernel& contactKernel(const ContactVariant& variant) const;
@@ -86,8 +87,9 @@ struct Model::Impl {
   struct LayerVariant {
     bool loads = false;  // some instance is driven by load
     bool many_slots = false;
-    bool with_depth = false;                                // penetration_depth is wanted
-    bool with_shear = false;                                // tactile_shear_force is wanted, of a sensor with friction
+    bool with_depth = false;  // penetration_depth is wanted
+    bool with_shear = false;  // tactile_shear_force is wanted, of a sensor with friction
+    bool with_jacobian = false;
     auto operator<=>(const LayerVariant&) const = default;  // NOLINT(modernize-use-nullptr): the same
   };
   const gpu::Kernel& layerKernel(const LayerVariant& variant) const;
@@ -101,6 +103,20 @@ struct Model::Impl {
     std::uint32_t instances_per_workgroup, parts_per_workgroup;
   };
   const ContactFeaturePasses& contactFeatures(const ContactFeatureVariant& variant) const;
+  // Tactile Jacobian: of every taxel, through a law's mask, of the features.
+  struct JacobianVariant {
+    bool clean = false;                                        // of the clean forces, else as the readout has them
+    bool random = false;                                       // some instance draws gains
+    auto operator<=>(const JacobianVariant&) const = default;  // NOLINT(modernize-use-nullptr): the same
+  };
+  struct JacobianPass {
+    gpu::Kernel features;
+    std::uint32_t parts_per_workgroup;
+  };
+  bool masksForces() const { return std::holds_alternative<DeformationMask>(sensor.skin.law); }
+  const std::vector<gpu::Kernel>& taxelJacobian()
+      const;  // shaders/taxel_jacobian.comp; under a mask then mask_jacobian.comp, rescale_jacobian.comp
+  const JacobianPass& tactileJacobian(const JacobianVariant& variant) const;
 
  private:
   struct Sizes {
@@ -115,6 +131,7 @@ struct Model::Impl {
   gpu::Kernel makeContactsKernel(std::uint32_t repeat) const;
   gpu::Kernel makeLayerKernel(const LayerVariant& variant) const;
   ContactFeaturePasses makeContactFeatures(const ContactFeatureVariant& variant) const;
+  JacobianPass makeTactileJacobian(const JacobianVariant& variant) const;
 
   mutable std::mutex kernels_mutex_;
   mutable std::map<ContactVariant, gpu::Kernel> contact_;
@@ -124,7 +141,12 @@ struct Model::Impl {
   mutable std::map<std::uint32_t, gpu::Kernel> contacts_;
   mutable std::map<LayerVariant, gpu::Kernel> layer_;
   mutable std::map<ContactFeatureVariant, ContactFeaturePasses> contact_features_;
+  mutable std::vector<gpu::Kernel> taxel_jacobian_;
+  mutable std::map<JacobianVariant, JacobianPass> tactile_jacobian_;
 };
+
+// Of the passes over taxels: no invocation waits for another.
+inline constexpr std::uint32_t kTaxelWorkgroup = 64;
 
 // Evaluations of the load search over several tiles.
 inline constexpr std::uint32_t kLoadEvaluations = 48;

@@ -6,13 +6,10 @@
 
 #include "base/philox.h"
 #include "base/text.h"
-#include "gpu/commands.h"
-#include "simulation/batch_buffers.h"
-#include "simulation/clock.h"
 #include "simulation/frame_view.h"
-#include "simulation/motions.h"
 #include "simulation/pack_contacts.h"
 #include "simulation/rows.h"
+#include "simulation/simulator_impl.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -68,69 +65,37 @@ float shareOfTheWay(double dt, double time) {
 
 }  // namespace
 
-struct Simulator::Impl {
-  Impl(const Model& of, const SimulatorOptions& with)
-      : model(of), options(with), buffers((checkBatchFits(*of.impl(), with), *of.impl()), with) {
-    clocks.resize(static_cast<std::size_t>(with.num_instances));
-    const std::span<layout::PoseRecord> poses = buffers.poses.mappedAs<layout::PoseRecord>();
-    for (layout::PoseRecord& pose : poses) pose = packPose(kNoObject, {});
-    for (layout::InstanceRecord& instance : records()) {
-      instance.drive.x = kPoseDriven;
-      setVariation(instance, 0, {});
-    }
-    if (of.impl()->hasFriction() && !takesContacts()) motions.emplace(clocks.size(), static_cast<std::size_t>(with.num_slots));
-    commands(false, of.sensor().readout.noise > 0 || of.sensor().readout.gain_spread > 0);
-    of.device().context().savePipelineCache();
+Simulator::Impl::Impl(const Model& of, const SimulatorOptions& with)
+    : model(of), options(with), buffers((checkBatchFits(*of.impl(), with), *of.impl()), with) {
+  clocks.resize(static_cast<std::size_t>(with.num_instances));
+  const std::span<layout::PoseRecord> poses = buffers.poses.mappedAs<layout::PoseRecord>();
+  for (layout::PoseRecord& pose : poses) pose = packPose(kNoObject, {});
+  for (layout::InstanceRecord& instance : records()) {
+    instance.drive.x = kPoseDriven;
+    setVariation(instance, 0, {});
   }
+  if (of.impl()->hasFriction() && !takesContacts()) motions.emplace(clocks.size(), static_cast<std::size_t>(with.num_slots));
+  commands(false, of.sensor().readout.noise > 0 || of.sensor().readout.gain_spread > 0);
+  of.device().context().savePipelineCache();
+}
 
-  void checkInstance(int instance) const {
-    if (instance >= 0 && instance < options.num_instances) return;
-    refuse("instance: " + std::to_string(instance) + " is not allowed: 0 to " + std::to_string(options.num_instances - 1));
-  }
+void Simulator::Impl::checkInstance(int instance) const {
+  if (instance >= 0 && instance < options.num_instances) return;
+  refuse("instance: " + std::to_string(instance) + " is not allowed: 0 to " + std::to_string(options.num_instances - 1));
+}
 
-  bool takesContacts() const { return options.max_contacts > 0; }
-  bool withShear() const { return model.impl()->hasFriction() && !takesContacts() && options.outputs.tactile_shear_force; }
-  void checkTakesObjects() const {
-    if (takesContacts()) refuse("this simulator takes contacts (max_contacts > 0), neither objects nor loads");
-  }
-  void checkTakesContacts() const {
-    if (!takesContacts()) refuse("this simulator takes no contacts: max_contacts is 0");
-  }
-  void takeContacts(std::size_t instance, std::span<const ContactPoint> contacts) const;
-  // What a slot (of num_instances x num_slots) holds from now on.
-  void place(std::size_t slot_index, int id, const Pose& X_SO) {
-    buffers.poses.mappedAs<layout::PoseRecord>()[slot_index] = packPose(id, X_SO);
-    if (motions) motions->place(slot_index, id, X_SO);
-  }
+void Simulator::Impl::checkTakesObjects() const {
+  if (takesContacts()) refuse("this simulator takes contacts (max_contacts > 0), neither objects nor loads");
+}
 
-  std::span<layout::InstanceRecord> records() const { return buffers.instances.mappedAs<layout::InstanceRecord>(); }
+void Simulator::Impl::checkTakesContacts() const {
+  if (!takesContacts()) refuse("this simulator takes no contacts: max_contacts is 0");
+}
 
-  // Draws what is common to all taxels, and hands the device what it needs to draw the rest.
-  void setVariation(layout::InstanceRecord& record, std::uint64_t episode, const ReadoutVariation& variation) const;
-  // The record of a step of dt. Throws Error(kInput) when the delay is longer than the device keeps.
-  layout::StepRecord stepRecord(double dt);
-
-  // The commands of one frame, recorded when first wanted. `loads`: some instance is driven by load; `random`: some instance draws noise or
-  // gains.
-  gpu::Commands& commands(bool loads, bool random);
-  gpu::Commands record(bool loads, bool random);
-  void recordObjects(gpu::Commands& commands, bool with_loads) const;
-  void recordTaxels(gpu::Commands& commands) const;
-  void recordContacts(gpu::Commands& commands) const;
-  void recordContactFeatures(gpu::Commands& commands, bool clean) const;
-  void startSearch();
-
-  Model model;
-  SimulatorOptions options;
-  BatchBuffers buffers;
-  std::vector<Clock> clocks;
-  StepHistory history;
-  std::uint32_t num_steps = 0;     // taken so far, by all instances together
-  std::optional<Motions> motions;  // of a sensor with friction
-  std::array<std::optional<gpu::Commands>, 4> recorded;
-  gpu::Commands* running = nullptr;
-  StepTiming timing;
-};
+void Simulator::Impl::place(std::size_t slot_index, int id, const Pose& X_SO) {
+  buffers.poses.mappedAs<layout::PoseRecord>()[slot_index] = packPose(id, X_SO);
+  if (motions) motions->place(slot_index, id, X_SO);
+}
 
 gpu::Commands& Simulator::Impl::commands(bool loads, bool random) {
   std::optional<gpu::Commands>& list = recorded[(loads ? 1u : 0u) + (random ? 2u : 0u)];
@@ -172,153 +137,6 @@ layout::StepRecord Simulator::Impl::stepRecord(double dt) {
   packRelaxation(model.sensor().skin.relaxation, dt, record);
   record.delay = {num_steps++ % kMaxDelaySteps, history.stepsBack(dt, readout.delay), 0u, 0u};
   return record;
-}
-
-// The one place where the passes are put in order.
-gpu::Commands Simulator::Impl::record(bool with_loads, bool random) {
-  const Model::Impl& m = *model.impl();
-  const auto n = static_cast<std::uint32_t>(options.num_instances);
-  const BatchBuffers& b = buffers;
-  gpu::Commands commands(m.device.context(), "a frame", 3);
-  commands.barrier(gpu::Access::kHostWrite, gpu::Access::kKernel);
-  commands.timestamp(0);
-  if (takesContacts()) {
-    recordContacts(commands);
-  } else {
-    recordObjects(commands, with_loads);
-    recordTaxels(commands);
-  }
-  commands.timestamp(1);
-  commands.dispatch(
-      m.imageKernel({.random = random,
-                     .whole_array = m.law.whole_array && !takesContacts(),
-                     .with_normal = options.outputs.tactile_normal_force || options.outputs.clean_contact_features,
-                     .with_shear = withShear()}),
-      (n + m.imagesPerWorkgroup() - 1) / m.imagesPerWorkgroup(),
-      {&b.instances, &b.step, &m.sensor_record, &m.taxels, &m.spread_rows, &b.contact_normal, &b.contact_shear, &b.tile_results, &b.loads,
-       &b.image.device, &b.spread_normal.device, &b.spread_shear.device, &b.features.device, &b.problems.device, &b.taxel_states});
-  if (options.outputs.contact_features) recordContactFeatures(commands, false);
-  if (options.outputs.clean_contact_features) recordContactFeatures(commands, true);
-  commands.timestamp(2);
-  commands.barrier(gpu::Access::kKernel, gpu::Access::kCopy);
-  for (ReadableBuffer* buffer : buffers.readable(options.outputs)) {
-    if (buffer->copied()) commands.copy(buffer->device, buffer->readback, buffer->device.size());
-  }
-  commands.barrier(gpu::Access::kCopy, gpu::Access::kHostRead);
-  commands.barrier(gpu::Access::kKernel, gpu::Access::kHostRead);
-  commands.end();
-  return commands;
-}
-
-// Stages 1 and 2 from poses of objects.
-void Simulator::Impl::recordObjects(gpu::Commands& commands, bool with_loads) const {
-  const Model::Impl& m = *model.impl();
-  const auto n = static_cast<std::uint32_t>(options.num_instances);
-  const auto num_tiles = static_cast<std::uint32_t>(m.contact_packed.tiles.size());
-  const bool over_tiles = with_loads && !m.layer && !m.packed.searches_in_tile;
-  const Model::Impl::ContactVariant variant{.search = over_tiles   ? kSearchOverTiles
-                                                      : with_loads ? kSearchInTile
-                                                                   : kNoSearch,
-                                            .many_slots = options.num_slots > 1,
-                                            .with_depth = !m.layer && options.outputs.penetration_depth,
-                                            .with_shear = !m.layer && withShear()};
-  const BatchBuffers& b = buffers;
-  // Of a law that is solved apart, the contact pass leaves heights and where they are.
-  const gpu::Buffer* contact_out = m.layer ? &b.heights : &b.contact_normal;
-  const gpu::Buffer* results_out = m.layer ? &b.windows : &b.tile_results;
-  const auto contact_pass = [&](const Model::Impl::ContactVariant& of) {
-    const std::uint32_t repeat = m.contactRepeat(of);
-    commands.dispatch(m.contactKernel(of), (n * num_tiles + repeat - 1) / repeat,
-                      {&b.poses,
-                       &b.instances,
-                       &b.step,
-                       &m.object_records,
-                       &m.groups,
-                       &m.clusters,
-                       &m.quads,
-                       &m.patches,
-                       &m.tiles,
-                       &m.spread_scale,
-                       &b.state,
-                       contact_out,
-                       &b.contact_depth.device,
-                       results_out,
-                       &b.loads,
-                       &b.problems.device,
-                       &m.faces,
-                       &b.motions,
-                       &b.friction_state,
-                       &b.contact_shear});
-    commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
-  };
-  const std::uint32_t evaluations = over_tiles ? kLoadEvaluations + 2 : 1;  // two more: one closes the search, one is told
-  for (std::uint32_t evaluation = 0; evaluation < evaluations; ++evaluation) {
-    contact_pass(variant);
-    if (!over_tiles) continue;
-    commands.dispatch(m.loadKernel(), (n + m.image_workgroup - 1) / m.image_workgroup, {&b.instances, &b.step, &b.tile_results, &b.loads});
-    commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
-  }
-  if (over_tiles && (m.hasFriction() || m.relaxes())) {
-    Model::Impl::ContactVariant last = variant;
-    last.search = kSearchEnded;
-    contact_pass(last);
-  }
-  if (m.layer) {
-    commands.dispatch(m.layerKernel({.loads = with_loads,
-                                     .many_slots = options.num_slots > 1,
-                                     .with_depth = options.outputs.penetration_depth,
-                                     .with_shear = withShear()}),
-                      n,
-                      {&b.instances, &b.step, &m.sensor_record, &b.heights, &b.windows, &m.influence, &m.spread_scale, &b.layer,
-                       &b.contact_normal, &b.contact_depth.device, &b.tile_results, &b.loads, &b.features.device, &b.problems.device,
-                       &b.motions, &b.friction_state, &b.contact_shear});
-    commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
-  }
-}
-
-// What the law's taxels make of the force of contact.
-void Simulator::Impl::recordTaxels(gpu::Commands& commands) const {
-  const Model::Impl& m = *model.impl();
-  const BatchBuffers& b = buffers;
-  for (std::size_t pass = 0; pass < m.law.taxel_passes.size(); ++pass) {
-    commands.dispatch(m.taxelKernels(withShear())[pass],
-                      m.taxelGroups(m.law.taxel_passes[pass], static_cast<std::uint32_t>(options.num_instances)),
-                      {&b.instances, &b.step, &m.spread_scale, &m.mask, &b.contact_normal, &b.law_state, &b.tile_results, &m.taxels,
-                       &b.problems.device, &b.contact_shear});
-    commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
-  }
-}
-
-// Stages 1 and 2 from contacts; no law is asked.
-void Simulator::Impl::recordContacts(gpu::Commands& commands) const {
-  const Model::Impl& m = *model.impl();
-  const std::uint32_t repeat = m.contactsRepeat(options.max_contacts);
-  const std::uint32_t per_workgroup = m.image_workgroup / m.image_team * repeat;
-  const BatchBuffers& b = buffers;
-  commands.dispatch(m.contactsKernel(repeat), (static_cast<std::uint32_t>(options.num_instances) + per_workgroup - 1) / per_workgroup,
-                    {&b.step, &b.contacts, &b.num_contacts, &m.patches, &m.spread_scale, &b.contact_normal, &b.tile_results,
-                     &b.features.device, &b.problems.device});
-  commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
-}
-
-// After the image pass.
-void Simulator::Impl::recordContactFeatures(gpu::Commands& commands, bool clean) const {
-  const Model::Impl& m = *model.impl();
-  const BatchBuffers& b = buffers;
-  const auto n = static_cast<std::uint64_t>(options.num_instances);
-  const Model::Impl::ContactFeaturePasses& passes = m.contactFeatures({.clean = clean, .max_regions = options.max_regions});
-  const gpu::Buffer& features = clean ? b.clean_contact_features.device : b.contact_features.device;
-  const auto num_groups = [](std::uint64_t work, std::uint32_t per_workgroup) {
-    return static_cast<std::uint32_t>((work + per_workgroup - 1) / per_workgroup);
-  };
-  commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
-  commands.dispatch(passes.regions, num_groups(n, passes.instances_per_workgroup),
-                    {&b.instances, &b.step, &m.sensor_record, &m.taxels, &m.planes, &m.neighbours, &b.image.device, &b.spread_normal.device,
-                     &b.forces, &b.taxel_regions, &b.region_sums, &b.regions, &features, &b.problems.device});
-  commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
-  const std::uint64_t num_parts = numContactRows(m.packed_contact, options.max_regions) - (m.packed_contact.num_patches == 1 ? 1 : 0);
-  commands.dispatch(passes.features, num_groups(n * num_parts, passes.parts_per_workgroup),
-                    {&b.instances, &b.step, &m.taxels, &m.planes, &b.forces, &b.taxel_regions, &b.regions, &features, &b.problems.device});
 }
 
 // Brackets of the load search: between all objects just clear of the sensor and all of them past its skin.

@@ -324,7 +324,7 @@ TEST_P(ContactFeatureSeeds, ListsOfTaxels) {
   compareImages(random, withReadout(random, support::curvedSensor(random, GetParam())), random.integer(1, 9));
 }
 
-INSTANTIATE_TEST_SUITE_P(Random, ContactFeatureSeeds, ::testing::Range(0, 10));
+INSTANTIATE_TEST_SUITE_P(Random, ContactFeatureSeeds, ::testing::Range(0, 6));
 
 TEST(ContactFeaturesOnDevice, SmallAndThinGrids) {
   Random random(5);

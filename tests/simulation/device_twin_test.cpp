@@ -102,7 +102,7 @@ TEST_P(TwinSeeds, SeveralTiltedPatches) {
            3000 + GetParam());
 }
 
-INSTANTIATE_TEST_SUITE_P(Random, TwinSeeds, ::testing::Range(0, 40));
+INSTANTIATE_TEST_SUITE_P(Random, TwinSeeds, ::testing::Range(0, 16));
 
 // One sensor and one bumpy sphere, compared as above; for sizes and settings that random scenes seldom reach.
 void runSensor(const Sensor& sensor, double radius, int num_subdivisions = 3, int num_instances = 2) {

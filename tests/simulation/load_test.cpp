@@ -151,7 +151,7 @@ TEST_P(LoadOnDevice, Fingertips) {
   runRandomLoads(random, sensor, false, closedMesh);
 }
 
-INSTANTIATE_TEST_SUITE_P(Random, LoadOnDevice, ::testing::Range(0, 15));
+INSTANTIATE_TEST_SUITE_P(Random, LoadOnDevice, ::testing::Range(0, 8));
 
 TEST(LoadOnDevice, FlatPunchInClosedForm) {
   const Sensor sensor = support::gridSensor();

@@ -1,0 +1,56 @@
+// What the slots of an instance hold, seen from a tile, and the part of the tile that bodies cover. Included by contact.comp, whose names it uses.
+
+// What one slot holds, for this workgroup.
+struct Body {
+  uvec4 kind_groups;  // ObjectRecord
+  Affine X_PO;
+  Affine to_samples;          // from O to (u, v, z): samples, samples, m
+  vec3 center, half_size;     // bounds, in (u, v, z)
+  bool near;                  // reaches into the window
+};
+
+bool outsideTile(vec3 center, vec3 half_size) {
+  // A hair larger, so that rounding of the box never cuts off a triangle.
+  vec3 reach = half_size + vec3(1e-3, 1e-3, 1e-8) + half_size * 1e-6;
+  return center.z - reach.z >= z_limit || center.x + reach.x < tile_first.x || center.x - reach.x > tile_end.x - 1.0 ||
+         center.y + reach.y < tile_first.y || center.y - reach.y > tile_end.y - 1.0;
+}
+
+int objectInSlot(uint slot_index) { return int(poses[slot_index].object.x); }
+
+Body bodyInSlot(uint slot_index, int id) {
+  Body body;
+  body.kind_groups = objects[id].kind_groups;
+  body.X_PO = Affine(poses[slot_index].row0, poses[slot_index].row1, poses[slot_index].row2);
+  body.X_PO.row2.w += offset_z;
+  if (!FLAT) body.X_PO = compose(X_PS, body.X_PO);
+  body.to_samples = body.X_PO;
+  body.to_samples.row0.w -= patch_corner.x;
+  body.to_samples.row1.w -= patch_corner.y;
+  body.to_samples.row0 /= spacing.x;
+  body.to_samples.row1 /= spacing.y;
+  boundsOfImage(body.to_samples, objects[id].center.xyz, objects[id].half_size.xyz, body.center, body.half_size);
+  body.near = !outsideTile(body.center, body.half_size);
+  return body;
+}
+
+struct Box {
+  vec2 low, high;  // in samples, closed
+};
+
+void grow(inout Box box, vec3 center, vec3 half_size) {
+  box.low = min(box.low, center.xy - half_size.xy - 1e-3);
+  box.high = max(box.high, center.xy + half_size.xy + 1e-3);
+}
+
+Box emptyBox() { return Box(vec2(kMiss), vec2(-kMiss)); }
+
+void addToActive(Box box) {
+  vec2 low = max(floor(box.low), tile_first);
+  vec2 high = min(ceil(box.high), tile_end - 1.0);
+  if (low.x > high.x || low.y > high.y) return;
+  atomicMin(active_box[0], int(low.x));
+  atomicMax(active_box[1], int(high.x));
+  atomicMin(active_box[2], int(low.y));
+  atomicMax(active_box[3], int(high.y));
+}

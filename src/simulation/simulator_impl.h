@@ -1,0 +1,62 @@
+// What stands behind a Simulator: simulator.cpp takes inputs and steps, record_passes.cpp puts the device's passes in order.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "gpu/commands.h"
+#include "simulation/batch_buffers.h"
+#include "simulation/clock.h"
+#include "simulation/motions.h"
+#include "taxelsim/simulator.h"
+
+namespace taxelsim {
+
+struct Simulator::Impl {
+  Impl(const Model& of, const SimulatorOptions& with);
+
+  // Each throws Error(kInput).
+  void checkInstance(int instance) const;
+  void checkTakesObjects() const;
+  void checkTakesContacts() const;
+
+  bool takesContacts() const { return options.max_contacts > 0; }
+  bool withShear() const { return model.impl()->hasFriction() && !takesContacts() && options.outputs.tactile_shear_force; }
+  void takeContacts(std::size_t instance, std::span<const ContactPoint> contacts) const;
+  // What a slot (of num_instances x num_slots) holds from now on.
+  void place(std::size_t slot_index, int id, const Pose& X_SO);
+
+  std::span<layout::InstanceRecord> records() const { return buffers.instances.mappedAs<layout::InstanceRecord>(); }
+
+  // Draws what is common to all taxels, and hands the device what it needs to draw the rest.
+  void setVariation(layout::InstanceRecord& record, std::uint64_t episode, const ReadoutVariation& variation) const;
+  // The record of a step of dt. Throws Error(kInput) when the delay is longer than the device keeps.
+  layout::StepRecord stepRecord(double dt);
+
+  // The commands of one frame, recorded when first wanted. `loads`: some instance is driven by load; `random`: some instance draws noise or
+  // gains.
+  gpu::Commands& commands(bool loads, bool random);
+  gpu::Commands record(bool loads, bool random);
+  void recordObjects(gpu::Commands& commands, bool with_loads) const;
+  void recordTaxels(gpu::Commands& commands) const;
+  void recordContacts(gpu::Commands& commands) const;
+  void recordContactFeatures(gpu::Commands& commands, bool clean) const;
+  void recordJacobian(gpu::Commands& commands, bool random) const;
+  void startSearch();
+
+  Model model;
+  SimulatorOptions options;
+  BatchBuffers buffers;
+  std::vector<Clock> clocks;
+  StepHistory history;
+  std::uint32_t num_steps = 0;     // taken so far, by all instances together
+  std::optional<Motions> motions;  // of a sensor with friction
+  std::array<std::optional<gpu::Commands>, 4> recorded;
+  gpu::Commands* running = nullptr;
+  StepTiming timing;
+};
+
+}  // namespace taxelsim

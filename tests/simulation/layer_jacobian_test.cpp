@@ -1,0 +1,218 @@
+// The tactile Jacobian of an elastic layer: its twin against features of moved sensors, the device against the twin.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "layer_scene.h"
+#include "reference/tactile_jacobian.h"
+#include "support/jacobian_cases.h"
+
+namespace taxelsim {
+namespace {
+
+using reference::ByTwist;
+using reference::TactileJacobian;
+using support::layerSensor;
+using support::Random;
+using support::Touch;
+
+constexpr double kDt = 0.01;      // s
+constexpr double kStep = 3e-5;    // m, and as far as the farthest taxel moves by a turn
+constexpr double kExtent = 0.02;  // m, half of the array's diagonal or so
+constexpr OutputOptions kAll{.tactile_jacobian = true, .clean_tactile_jacobian = true};
+
+using Block = std::vector<double>;
+
+constexpr std::size_t kNumBlocks = 15;
+
+// What is compared, block by block: of the centre of pressure, the force, the edge angle and the wrench's force and torque, by what slides
+// the contact (v along x and y), what presses it (along z) and what turns it (w).
+template <typename Center, typename Force, typename Angle, typename Wrench>
+std::vector<Block> blocksOf(Center center, Force force, Angle angle, Wrench wrench) {
+  std::vector<Block> blocks;
+  for (const auto& [first, end] : {std::pair<std::size_t, std::size_t>{0, 2}, {2, 3}, {3, 6}}) {
+    Block of_center, of_force, of_angle, of_push, of_torque;
+    for (std::size_t k = first; k < end; ++k) {
+      for (const std::size_t axis : {0, 1}) of_center.push_back(center(axis, k));
+      of_force.push_back(force(k));
+      of_angle.push_back(angle(k));
+      for (const std::size_t axis : {0, 1, 2}) of_push.push_back(wrench(axis, k));
+      for (const std::size_t axis : {3, 4, 5}) of_torque.push_back(wrench(axis, k));
+    }
+    blocks.insert(blocks.end(), {of_center, of_force, of_angle, of_push, of_torque});
+  }
+  return blocks;
+}
+
+std::vector<Block> blocksOf(const TactileJacobian& twin) {
+  return blocksOf([&](std::size_t axis, std::size_t k) { return twin.clean.center_of_pressure[axis][k]; },
+                  [&](std::size_t k) { return twin.clean.total_force_by_twist[k]; },
+                  [&](std::size_t k) { return twin.clean.edge_angle[k]; },
+                  [&](std::size_t axis, std::size_t k) { return twin.contact_wrench[axis][k]; });
+}
+
+std::vector<Block> blocksOf(const FrameView& frame, std::size_t i) {
+  const CleanTactileJacobianView& view = frame.ground_truth.jacobian;
+  const std::size_t row = i * static_cast<std::size_t>(view.num_rows);
+  return blocksOf([&](std::size_t axis, std::size_t k) { return view.center_of_pressure[18 * row + 6 * axis + k]; },
+                  [&](std::size_t k) { return view.total_force[6 * row + k]; }, [&](std::size_t k) { return view.edge_angle[6 * row + k]; },
+                  [&](std::size_t axis, std::size_t k) { return view.contact_wrench[36 * i + 6 * axis + k]; });
+}
+
+// The largest error of each kind of block, relative to the largest entry of the block there; `floors`: what a block counts as at least.
+std::vector<double> errorsOf(const std::vector<Block>& found, const std::vector<Block>& expected, const std::vector<double>& floors) {
+  std::vector<double> errors;
+  for (std::size_t b = 0; b < found.size(); ++b) {
+    double largest = floors[b], worst = 0;
+    for (std::size_t n = 0; n < found[b].size(); ++n) {
+      largest = std::max(largest, std::abs(expected[b][n]));
+      worst = std::max(worst, std::abs(found[b][n] - expected[b][n]));
+    }
+    errors.push_back(worst / largest);
+  }
+  return errors;
+}
+
+// Sizes of such blocks for a contact of this size: sliding moves its centre as far, pressing makes it grow by the share that the force
+// does, turning is sliding and pressing at the array's half.
+std::vector<double> floorsFor(const reference::FeatureJacobian& row) {
+  const double size = std::sqrt(row.trace), stiffness = std::abs(row.total_force_by_twist[2]), growth = stiffness / row.total_force;
+  const std::vector<double> slide{1, stiffness, 1 / size / row.edge_confidence, stiffness, stiffness * size};
+  const std::vector<double> press{size * growth, stiffness, growth / row.edge_confidence, stiffness, stiffness * size};
+  std::vector<double> floors = slide;
+  floors.insert(floors.end(), press.begin(), press.end());
+  for (std::size_t b = 0; b < press.size(); ++b) floors.push_back(std::max(slide[b], press[b]) * size);
+  return floors;
+}
+
+reference::Frame frameOf(const Sensor& sensor, const std::vector<Object>& objects, const Touch& touch) {
+  return reference::simulateFrame(sensor, {.objects = touch.placed(objects)});
+}
+
+// Features of the same solver where the sensor has moved by a little this way and that.
+std::vector<Block> differencesOf(const Sensor& sensor, const std::vector<Object>& objects, const Touch& touch) {
+  std::array<std::array<reference::Frame, 2>, 6> frames;
+  std::array<double, 6> steps{};
+  for (std::size_t k = 0; k < 6; ++k) {
+    steps[k] = k < 3 ? kStep : kStep / kExtent;
+    for (const std::size_t side : {0, 1}) {
+      Touch moved = touch;
+      for (Pose& X_SO : moved.X_SO) X_SO = support::afterTwist(X_SO, k, side == 0 ? -steps[k] : steps[k]);
+      frames[k][side] = frameOf(sensor, objects, moved);
+    }
+  }
+  const auto rate = [&](std::size_t k, auto value) { return (value(frames[k][1]) - value(frames[k][0])) / (2 * steps[k]); };
+  return blocksOf(
+      [&](std::size_t axis, std::size_t k) { return rate(k, [&](const reference::Frame& f) { return f.clean.center_of_pressure[axis]; }); },
+      [&](std::size_t k) { return rate(k, [](const reference::Frame& f) { return f.clean.total_force; }); },
+      [&](std::size_t k) {
+        return std::remainder(frames[k][1].clean.edge_angle - frames[k][0].clean.edge_angle, std::acos(-1)) / (2 * steps[k]);
+      },
+      [&](std::size_t axis, std::size_t k) { return rate(k, [&](const reference::Frame& f) { return f.wrench[axis]; }); });
+}
+
+struct LayerContactCase {
+  Sensor sensor;
+  std::vector<Object> objects;
+  Touch touch;
+};
+
+// A long round thing across the array, with a principal axis, deep enough to cover some nodes, tilted a little.
+LayerContactCase randomCase(Random& random, int samples_per_taxel) {
+  const auto base = random.uniform(0, 1) < 0.5 ? ElasticLayer::Base::kBonded : ElasticLayer::Base::kHalfSpace;
+  LayerContactCase contact{layerSensor({.base = base, .margin = random.uniform(0, 1) < 0.5 ? 0 : 3.4e-3}), {}, {}};
+  contact.sensor.samples_per_taxel = samples_per_taxel;
+  const double radius = random.uniform(8e-3, 16e-3), depth = random.uniform(0.3e-3, 0.7e-3);
+  contact.objects = {Object(Capsule{.radius = radius, .length = random.uniform(4e-3, 8e-3)})};
+  const Quaternion laid =
+      axisAngle({0, 0, 1}, random.uniform(-1.5, 1.5)) * axisAngle({1, 0, 0}, std::acos(-1) / 2 + random.uniform(-0.05, 0.05));
+  contact.touch = {{0}, {{{random.uniform(-3e-3, 3e-3), random.uniform(-3e-3, 3e-3), radius - depth}, laid}}};
+  return contact;
+}
+
+// Nodes come into contact and leave it one by one as the object moves, each with a force of its own size to the power 3/2, and slopes come
+// from neighbours: relative errors of the spacing over the contact's half-width, squared, some (1.7 / 4)^2 and (0.85 / 4)^2.
+TEST(LayerJacobianTwin, IsWhatMovedSensorsFeel) {
+  for (const auto& [samples, allowed] : {std::pair{2, 0.15}, {4, 0.05}}) {
+    Random random(3);
+    std::vector<double> worst(kNumBlocks, 0);
+    for (int n = 0; n < 6; ++n) {
+      const LayerContactCase contact = randomCase(random, samples);
+      const reference::Frame frame = frameOf(contact.sensor, contact.objects, contact.touch);
+      ASSERT_GT(frame.clean.total_force, 0);
+      const TactileJacobian twin = reference::tactileJacobian(contact.sensor, frame);
+      const std::vector<double> errors =
+          errorsOf(blocksOf(twin), differencesOf(contact.sensor, contact.objects, contact.touch), floorsFor(twin.clean));
+      for (std::size_t b = 0; b < worst.size(); ++b) worst[b] = std::max(worst[b], errors[b]);
+    }
+    for (std::size_t b = 0; b < worst.size(); ++b) EXPECT_LE(worst[b], allowed) << samples << " samples, block " << b;
+    std::printf("%d x %d samples; centre, force, angle, push and torque by sliding, pressing, turning:", samples, samples);
+    for (const double error : worst) std::printf(" %.3f", error);
+    std::printf("\n");
+  }
+}
+
+// The device ends its conjugate gradients at a ten thousandth; its contact may miss a node at the rim, whose share is that of a few
+// hundred.
+constexpr double kLikeTwin = 0.02;
+
+TEST(LayerJacobianOnDevice, MatchesTheTwin) {
+  std::vector<double> worst(kNumBlocks, 0);
+  for (int n = 0; n < 6; ++n) {
+    Random random(static_cast<std::uint64_t>(20 + n));
+    const LayerContactCase contact = randomCase(random, 2 + n % 2);
+    const Model model(support::sharedDevice(), {.sensor = contact.sensor, .objects = contact.objects});
+    Simulator simulator(model, {.outputs = kAll});
+    support::setTouches(simulator, {contact.touch});
+    simulator.step(kDt);
+    const FrameView view = simulator.read();
+    const reference::Frame frame = frameOf(contact.sensor, contact.objects, contact.touch);
+    const TactileJacobian twin = reference::tactileJacobian(contact.sensor, frame);
+    const std::vector<double> errors = errorsOf(blocksOf(view, 0), blocksOf(twin), floorsFor(twin.clean));
+    for (std::size_t b = 0; b < worst.size(); ++b) worst[b] = std::max(worst[b], errors[b]);
+  }
+  for (std::size_t b = 0; b < worst.size(); ++b) EXPECT_LE(worst[b], kLikeTwin) << "block " << b;
+}
+
+// A frame is the same with it and without, in any batch and workgroup, and nothing is left of an object that has gone.
+TEST(LayerJacobianOnDevice, ChangesNothingElseAndIsTheSameInAnyBatch) {
+  Random random(7);
+  const LayerContactCase contact = randomCase(random, 2);
+  const Touch away{{0}, {{{0, 0, 1}, {1, 0, 0, 0}}}};
+  std::vector<std::uint32_t> alone, normal;
+  for (const int workgroup : {0, 4, 32}) {
+    const Model model(support::sharedDevice(), {.sensor = contact.sensor, .objects = contact.objects, .contact_workgroup = workgroup});
+    for (const int num_instances : {1, 5}) {
+      for (const bool wanted : {true, false}) {
+        Simulator simulator(model, {.num_instances = num_instances, .outputs = wanted ? kAll : OutputOptions{}});
+        std::vector<Touch> touches(static_cast<std::size_t>(num_instances), away);
+        touches.back() = contact.touch;
+        support::setTouches(simulator, touches);
+        simulator.step(kDt);
+        const FrameView frame = simulator.read();
+        const auto last = static_cast<std::size_t>(num_instances - 1), num_taxels = static_cast<std::size_t>(numTaxels(contact.sensor));
+        std::vector<std::uint32_t> forces, jacobian;
+        for (const float f : frame.ground_truth.tactile_normal_force.subspan(last * num_taxels))
+          forces.push_back(std::bit_cast<std::uint32_t>(f));
+        if (normal.empty()) normal = forces;
+        EXPECT_EQ(forces, normal);
+        if (!wanted) continue;
+        for (const Block& block : blocksOf(frame, last)) {
+          for (const double value : block) jacobian.push_back(std::bit_cast<std::uint32_t>(static_cast<float>(value)));
+        }
+        if (alone.empty()) alone = jacobian;
+        EXPECT_EQ(jacobian, alone);
+        if (num_instances == 1) continue;
+        for (const Block& block : blocksOf(frame, 0)) EXPECT_EQ(block, Block(block.size(), 0));
+        support::setTouches(simulator, std::vector<Touch>(static_cast<std::size_t>(num_instances), away));
+        simulator.step(kDt);
+        for (const Block& block : blocksOf(simulator.read(), last)) EXPECT_EQ(block, Block(block.size(), 0));
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace taxelsim

@@ -1,0 +1,512 @@
+// The tactile Jacobian on the device: against the twin on random scenes, against features of moved sensors, and what a batch promises.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+#include "base/vector3.h"
+#include "reference/imperfections.h"
+#include "reference/psf.h"
+#include "reference/tactile_jacobian.h"
+#include "simulation/comparison.h"
+#include "support/curved_sensor.h"
+#include "support/jacobian_cases.h"
+#include "support/random_scene.h"
+#include "taxelsim/error.h"
+
+namespace taxelsim {
+namespace {
+
+using reference::ByTwist;
+using reference::FeatureJacobian;
+using reference::Frame;
+using reference::TactileJacobian;
+using support::JacobianCase;
+using support::JacobianErrors;
+using support::JacobianKind;
+using support::kUlp;
+using support::Random;
+using support::Touch;
+
+constexpr double kDt = 0.01;  // s
+constexpr OutputOptions kAll{.tactile_jacobian = true, .clean_tactile_jacobian = true};
+
+// Rounding of what a taxel's derivatives are summed from, relative to their gross size: pressures as in kRelativeForce, and as much again
+// for sums and transforms.
+constexpr double kRelative = 2 * support::kRelativeForce;
+// Corners of what float32 makes of a place: the twin's values there say how much a value hangs on it. Between corners there may be a little
+// more.
+constexpr double kBetweenCorners = 3;
+
+// The part of a frame that the twin's Jacobian is made from, with the samples moved and the surface lifted.
+Frame frameAt(const Sensor& sensor, std::span<const reference::PlacedObject> objects, const std::array<double, 2>& shift, double lift) {
+  Frame frame;
+  frame.heights = reference::surfaceHeights(sensor, objects, shift);
+  for (double& height : frame.heights) height += lift;
+  frame.penetration = reference::penetrations(frame.heights, sensor.skin.thickness);
+  frame.contact = reference::contactOf(sensor, frame.penetration, {}, 0);
+  std::vector<reference::TaxelState> none;
+  frame.taxel_force = reference::taxelResponse(sensor, frame.contact.taxel_force, 0, none);
+  frame.spread_force = reference::spread(sensor, frame.taxel_force);
+  return frame;
+}
+
+// A row, or the wrench, as one list of numbers.
+std::vector<double> flat(const FeatureJacobian& row) {
+  std::vector<double> values;
+  for (const ByTwist& axis : row.center_of_pressure) values.insert(values.end(), axis.begin(), axis.end());
+  values.insert(values.end(), row.total_force_by_twist.begin(), row.total_force_by_twist.end());
+  values.insert(values.end(), row.edge_angle.begin(), row.edge_angle.end());
+  return values;
+}
+
+std::vector<double> flat(const std::array<ByTwist, 6>& wrench) {
+  std::vector<double> values;
+  for (const ByTwist& row : wrench) values.insert(values.end(), row.begin(), row.end());
+  return values;
+}
+
+std::vector<double> flat(const TactileJacobianView& view, std::size_t row) {
+  std::vector<double> values;
+  for (const auto& [block, width] : {std::pair{view.center_of_pressure, 18}, {view.total_force, 6}, {view.edge_angle, 6}}) {
+    const auto part = block.subspan(row * static_cast<std::size_t>(width), static_cast<std::size_t>(width));
+    values.insert(values.end(), part.begin(), part.end());
+  }
+  return values;
+}
+
+double extentOf(const Sensor& sensor) {
+  double extent = 0;
+  for (const Vector3& p : taxelPositions(sensor)) extent = std::max(extent, length(p));
+  for (const GridPatch& patch : sensor.patches) {
+    extent = std::max({extent, patch.pitch[0] * patch.num_rows, patch.pitch[1] * patch.num_cols});
+  }
+  return extent;
+}
+
+// Gross size of what is summed for each coordinate of the twist, N/m or N/rad.
+ByTwist grossOf(const TactileJacobian& twin, double extent) {
+  double by_v = 0;
+  for (const ByTwist& taxel : twin.taxel_force) by_v += std::abs(taxel[0]) + std::abs(taxel[1]) + std::abs(taxel[2]);
+  ByTwist gross{by_v, by_v, by_v, extent * by_v, extent * by_v, extent * by_v};
+  for (const ByTwist& taxel : twin.taxel_force) {
+    for (std::size_t k = 3; k < 6; ++k) gross[k] += std::abs(taxel[k]);
+  }
+  return gross;
+}
+
+struct Corners {
+  Corners(const Sensor& sensor, std::span<const reference::PlacedObject> objects, const reference::ReadoutDraw& draw) {
+    const support::Rounding rounding = support::roundingFor(objects);
+    const auto at = [&](double x, double y, double z) {
+      return reference::tactileJacobian(sensor, frameAt(sensor, objects, {x * rounding.shift, y * rounding.shift}, z * rounding.margin_z),
+                                        draw);
+    };
+    middle = at(0, 0, 0);
+    for (const double x : {-1, 1}) {
+      for (const double y : {-1, 1}) corners.push_back(at(x, y, x * y));
+    }
+  }
+  TactileJacobian middle;
+  std::vector<TactileJacobian> corners;
+};
+
+// `pick` gives a row's numbers, `gross` the size of what each is summed from.
+template <typename Pick>
+void expectNear(const std::vector<double>& found, const Corners& twin, const std::vector<double>& gross, Pick pick, const char* what) {
+  const std::vector<double> expected = pick(twin.middle);
+  std::size_t num_off = 0, first = 0;
+  double first_slack = 0;
+  for (std::size_t n = found.size(); n-- > 0;) {
+    double spread = 0;
+    for (const TactileJacobian& corner : twin.corners) spread = std::max(spread, std::abs(pick(corner)[n] - expected[n]));
+    const double slack = kBetweenCorners * spread + kRelative * (gross[n] + std::abs(expected[n]));
+    if (std::abs(found[n] - expected[n]) <= slack) continue;
+    ++num_off, first = n, first_slack = slack;
+  }
+  EXPECT_EQ(num_off, 0u) << what << "[" << first << "]: " << found[first] << ", expected " << expected[first] << " within " << first_slack;
+}
+
+template <typename Pick>
+void expectRow(const std::vector<double>& found, const Corners& twin, const Sensor& sensor, Pick pick, const char* what) {
+  const FeatureJacobian& row = pick(twin.middle);
+  const double extent = extentOf(sensor);
+  const ByTwist by_twist = grossOf(twin.middle, extent);
+  double gain = 1;
+  for (const double taxel_gain : sensor.readout.taxel_gain) gain = std::max(gain, taxel_gain);
+  std::vector<double> gross;
+  for (std::size_t block = 0; block < 5; ++block) {
+    for (const double size : by_twist) {
+      double value = 2 * gain * size;
+      const double difference = row.edge_confidence * row.trace;
+      if (block < 3) value *= extent / row.total_force;
+      if (block == 4) value *= difference > 1e-12 ? extent * extent / (row.total_force * difference) : 0;
+      gross.push_back(row.total_force > 0 ? value : 0);
+    }
+  }
+  // A whisper, on one taxel or just at its trigger, has no moments to speak of.
+  if (row.total_force < 1e-5) return;
+  expectNear(
+      found, twin, gross, [&](const TactileJacobian& of) { return flat(pick(of)); }, what);
+}
+
+void expectMatches(const FrameView& frame, int instance, const Sensor& sensor, std::span<const reference::PlacedObject> objects,
+                   const reference::ReadoutDraw& draw = {}) {
+  SCOPED_TRACE("instance " + std::to_string(instance));
+  const Corners twin(sensor, objects, draw);
+  const auto rows = static_cast<std::size_t>(frame.jacobian.num_rows);
+  ASSERT_EQ(rows, 1 + twin.middle.clean_patches.size());
+  const std::size_t row = static_cast<std::size_t>(instance) * rows;
+  expectRow(
+      flat(frame.ground_truth.jacobian, row), twin, sensor, [](const TactileJacobian& of) -> const FeatureJacobian& { return of.clean; },
+      "clean");
+  expectRow(
+      flat(frame.jacobian, row), twin, sensor, [](const TactileJacobian& of) -> const FeatureJacobian& { return of.measured; }, "measured");
+  for (std::size_t p = 0; p + 1 < rows; ++p) {
+    expectRow(
+        flat(frame.ground_truth.jacobian, row + 1 + p), twin, sensor,
+        [&](const TactileJacobian& of) -> const FeatureJacobian& { return of.clean_patches[p]; }, "clean patch");
+    expectRow(
+        flat(frame.jacobian, row + 1 + p), twin, sensor,
+        [&](const TactileJacobian& of) -> const FeatureJacobian& { return of.measured_patches[p]; }, "measured patch");
+  }
+  const ByTwist by_twist = grossOf(twin.middle, extentOf(sensor));
+  std::vector<double> gross;
+  for (std::size_t c = 0; c < 6; ++c) {
+    for (const double size : by_twist) gross.push_back(size * (c < 3 ? 1 : extentOf(sensor)));
+  }
+  const auto wrench = frame.ground_truth.jacobian.contact_wrench.subspan(36 * static_cast<std::size_t>(instance), 36);
+  expectNear(
+      {wrench.begin(), wrench.end()}, twin, gross, [](const TactileJacobian& of) { return flat(of.contact_wrench); }, "wrench");
+}
+
+void expectFinite(const FrameView& frame) {
+  const CleanTactileJacobianView& clean = frame.ground_truth.jacobian;
+  for (const std::span<const float> values : {frame.jacobian.center_of_pressure, frame.jacobian.total_force, frame.jacobian.edge_angle,
+                                              clean.center_of_pressure, clean.total_force, clean.edge_angle, clean.contact_wrench}) {
+    EXPECT_TRUE(std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); }));
+  }
+}
+
+struct SceneKind {
+  support::SensorRange sensor{.max_rows = 8, .max_cols = 8};
+  double solid_share = 1;
+  int num_slots = 1;
+};
+
+void runScene(const SceneKind& kind, int seed) {
+  Random random(static_cast<std::uint64_t>(seed));
+  const Sensor sensor = support::randomSensor(random, kind.sensor);
+  std::vector<Object> objects;
+  for (int n = 0; n < kind.num_slots; ++n) {
+    objects.push_back(random.chance(kind.solid_share) ? support::randomSolid(random, 0.02) : support::randomMeshObject(random, 0.02));
+  }
+  std::vector<Touch> touches;
+  const int num_instances = random.integer(1, 3);
+  for (int i = 0; i < num_instances; ++i) {
+    Touch touch;
+    for (int slot = 0; slot < kind.num_slots; ++slot) {
+      touch.ids.push_back(slot);
+      touch.X_SO.push_back(support::randomContact(random, sensor, objects[static_cast<std::size_t>(slot)]));
+    }
+    touches.push_back(touch);
+  }
+  const int workgroups[] = {0, 4, 16, 64};
+  const Model model(support::sharedDevice(), {.sensor = sensor,
+                                              .objects = objects,
+                                              .contact_workgroup = workgroups[random.integer(0, 3)],
+                                              .image_workgroup = workgroups[random.integer(0, 3)]});
+  Simulator simulator(model, {.num_instances = num_instances, .num_slots = kind.num_slots, .outputs = kAll});
+  support::setTouches(simulator, touches);
+  simulator.step(kDt);
+  const FrameView frame = simulator.read();
+  expectFinite(frame);
+  for (int i = 0; i < num_instances; ++i) expectMatches(frame, i, sensor, touches[static_cast<std::size_t>(i)].placed(objects));
+}
+
+class JacobianSeeds : public ::testing::TestWithParam<int> {};
+
+TEST_P(JacobianSeeds, SolidOnOnePatch) {
+  runScene({}, 100 + GetParam());
+}
+TEST_P(JacobianSeeds, MeshOnOnePatch) {
+  runScene({.solid_share = 0}, 200 + GetParam());
+}
+TEST_P(JacobianSeeds, SeveralObjectsOverTiltedPatches) {
+  runScene({.sensor = {.max_rows = 6, .max_cols = 6, .max_patches = 3, .max_patch_tilt = 0.4}, .solid_share = 0.6, .num_slots = 3},
+           300 + GetParam());
+}
+
+INSTANTIATE_TEST_SUITE_P(Random, JacobianSeeds, ::testing::Range(0, 10));
+
+// ---- against features of moved sensors ----
+
+support::FeatureChanges changesOf(const TactileJacobianView& view, std::size_t row) {
+  support::FeatureChanges changes;
+  for (std::size_t k = 0; k < 6; ++k) {
+    for (std::size_t axis = 0; axis < 3; ++axis) changes.center_of_pressure[axis][k] = view.center_of_pressure[18 * row + 6 * axis + k];
+    changes.total_force[k] = view.total_force[6 * row + k];
+    changes.edge_angle[k] = view.edge_angle[6 * row + k];
+  }
+  return changes;
+}
+
+support::JacobianScale scaleOf(const FeatureView& features, bool several_contacts) {
+  const double size = std::sqrt(features.second_moments[0] + features.second_moments[2]);
+  return {size, length({features.center_of_pressure[0], features.center_of_pressure[1], features.center_of_pressure[2]}),
+          features.edge_confidence[0], several_contacts ? size : 0, features.total_force[0]};
+}
+
+// Of the device at 4 x 4 samples; the twin's tests hold 8 x 8 and all kinds of contact against the same.
+TEST(TactileJacobianOnDevice, FollowsTheFeaturesOfAMovedSensor) {
+  Random random(11);
+  JacobianErrors errors;
+  for (int draw = 0; draw < 2; ++draw) {
+    JacobianCase contact = support::randomJacobianCase(random, draw % 2 == 0 ? JacobianKind::kRound : JacobianKind::kPatches);
+    const support::JacobianChanges expected = support::centralDifferences(contact);
+    contact.sensor.samples_per_taxel = 4;
+    const Model model(support::sharedDevice(), {.sensor = contact.sensor, .objects = contact.objects});
+    const int num_slots = static_cast<int>(contact.objects.size());
+    Simulator simulator(model, {.num_slots = num_slots, .outputs = kAll});
+    Touch touch{{}, contact.X_SO};
+    for (int slot = 0; slot < num_slots; ++slot) touch.ids.push_back(slot);
+    support::setTouches(simulator, {touch});
+    simulator.step(kDt);
+    const FrameView frame = simulator.read();
+    errors.add(changesOf(frame.ground_truth.jacobian, 0), expected.sensor, scaleOf(frame.ground_truth, num_slots > 1));
+    const std::vector<double> force(frame.ground_truth.tactile_normal_force.begin(), frame.ground_truth.tactile_normal_force.end());
+    const bool same = expected.triggers_hold && support::reportingTaxels(contact.sensor, force) == expected.reports;
+    if (same) errors.add(changesOf(frame.jacobian, 0), expected.measured, scaleOf(frame, num_slots > 1));
+    std::array<std::array<double, 6>, 6> wrench{};
+    for (std::size_t n = 0; n < 36; ++n) wrench[n / 6][n % 6] = frame.ground_truth.jacobian.contact_wrench[n];
+    errors.addWrench(wrench, expected.contact_wrench, scaleOf(frame.ground_truth, num_slots > 1));
+  }
+  EXPECT_LT(errors.worst(), 0.05);
+  EXPECT_LT(errors.worstAngle(), 0.1);
+}
+
+// ---- laws, loads, readouts ----
+
+FrameView pressOnce(Simulator& simulator, const std::vector<Touch>& touches) {
+  support::setTouches(simulator, touches);
+  simulator.step(kDt);
+  return simulator.read();
+}
+
+std::vector<ContactLaw> laws() {
+  return {Winkler{1.73e8, 1.5, 0}, MassSpringDamper{.normal_contact_stiffness = 1.73e8}, DeformationMask{}, Proximity{.sensitivity = 1e8},
+          LuGre{.normal_contact_stiffness = 1.73e8}};
+}
+
+TEST(TactileJacobianOnDevice, EveryLaw) {
+  for (const ContactLaw& law : laws()) {
+    Sensor sensor = support::gridSensor({.num_rows = 6, .num_cols = 9, .thickness = 2e-3});
+    sensor.skin.law = law;
+    sensor.psf = gaussianPsf(0.5, 3);
+    const std::vector<Object> objects{Object(Cylinder{8e-3, 60e-3})};
+    // Deep enough that cells of the mask saturate.
+    const Touch touch{{0}, {{{1e-3, 0.5e-3, 8e-3 - 1.3e-3}, axisAngle({0.1, 1, 0.2}, 1.5)}}};
+    Simulator simulator(Model(support::sharedDevice(), {.sensor = sensor, .objects = objects}), {.outputs = kAll});
+    SCOPED_TRACE(law.index());
+    expectMatches(pressOnce(simulator, {touch}), 0, sensor, touch.placed(objects));
+  }
+}
+
+TEST(TactileJacobianOnDevice, OfALoadItIsWhereTheLoadPutTheObjects) {
+  Random random(5);
+  for (const bool tilted : {false, true}) {
+    Sensor sensor = support::gridSensor({.num_rows = 7, .num_cols = 8, .thickness = 3e-3});
+    // A patch that does not face along z of S is searched over tiles, in passes of their own.
+    if (tilted) sensor.patches[0].X_SP = {{2e-3, 1e-3, 0}, axisAngle({1, 0.4, 0}, 0.15)};
+    const std::vector<Object> objects{Object(Sphere{9e-3})};
+    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+    constexpr int kNumInstances = 3;
+    Simulator simulator(model, {.num_instances = kNumInstances, .outputs = kAll});
+    std::vector<Touch> touches;
+    for (int i = 0; i < kNumInstances; ++i) {
+      touches.push_back({{0}, {{{random.uniform(-4e-3, 4e-3), random.uniform(-4e-3, 4e-3), 8.2e-3}}}});
+      if (i > 0) simulator.setLoad(i, 2.0f * static_cast<float>(i));
+    }
+    const FrameView frame = pressOnce(simulator, touches);
+    for (int i = 0; i < kNumInstances; ++i) {
+      EXPECT_EQ(frame.ground_truth.load_reached[i], 1);
+      const Touch& touch = touches[static_cast<std::size_t>(i)];
+      // The load is met to 2e-6 of itself.
+      expectMatches(frame, i, sensor, touch.placed(objects, frame.ground_truth.load_offset[i]));
+    }
+  }
+}
+
+TEST(TactileJacobianOnDevice, MeasuredByDrawnGainsAndDeadTaxels) {
+  Sensor sensor = support::gridSensor({.num_rows = 6, .num_cols = 8, .thickness = 3e-3});
+  sensor.psf = gaussianPsf(0.5, 3);
+  sensor.readout = support::paperReadout();
+  sensor.readout.gain_spread = 0.2;
+  sensor.readout.dead_taxel_probability = 0.2;
+  const std::vector<Object> objects{Object(Sphere{12e-3})};
+  Simulator simulator(Model(support::sharedDevice(), {.sensor = sensor, .objects = objects}),
+                      {.num_instances = 2, .seed = 5, .outputs = kAll});
+  std::vector<Touch> touches(2, Touch{{0}, {{{2e-3, 1e-3, 10.5e-3}}}});
+  for (int i = 0; i < 2; ++i) simulator.reset(i, static_cast<std::uint64_t>(i), {.gain = 1.1f, .gain_spread = 0.1f});
+  const FrameView frame = pressOnce(simulator, touches);
+  EXPECT_GT(frame.saturated[0], 0);
+  for (int i = 0; i < 2; ++i) {
+    const reference::EpisodeKey key{.seed = 5, .episode = static_cast<std::uint64_t>(i), .gain = 1.1f, .gain_spread = 0.1f};
+    reference::Imperfections imperfections(sensor.readout, static_cast<std::size_t>(numTaxels(sensor)), key);
+    expectMatches(frame, i, sensor, touches[0].placed(objects), imperfections.draw(0));
+  }
+}
+
+// A skin that relaxes keeps the same share of its stiffness everywhere under a press that was held: forces fall, centres move as before.
+TEST(TactileJacobianOnDevice, ASkinThatRelaxesKeepsItsShare) {
+  Sensor sensor = support::gridSensor({.num_rows = 7, .num_cols = 7, .thickness = 3e-3});
+  const std::vector<Object> objects{Object(Sphere{9e-3})};
+  const Touch touch{{0}, {{{1e-3, -0.7e-3, 8.1e-3}}}};
+  Simulator fresh(Model(support::sharedDevice(), {.sensor = sensor, .objects = objects}), {.outputs = kAll});
+  const FrameView at_once = pressOnce(fresh, {touch});
+  sensor.skin.relaxation = {{0.6, 0.02}};
+  Simulator held(Model(support::sharedDevice(), {.sensor = sensor, .objects = objects}), {.outputs = kAll});
+  for (int n = 0; n < 5; ++n) pressOnce(held, {touch});
+  const FrameView later = held.read();
+  const double share = later.ground_truth.total_force[0] / at_once.ground_truth.total_force[0];
+  EXPECT_LT(share, 0.6);
+  // f' of a skin that relaxes is not averaged over the samples' cells, so that the area in touch is that of whole samples: of 14 in its
+  // radius.
+  constexpr double kArea = 0.03;
+  const auto& a = at_once.ground_truth.jacobian;
+  const auto& b = later.ground_truth.jacobian;
+  EXPECT_NEAR(b.total_force[2], share * a.total_force[2], kArea * share * a.total_force[2]);
+  for (const std::size_t k : {0u, 1u, 5u}) {
+    for (std::size_t axis = 0; axis < 2; ++axis) EXPECT_NEAR(b.center_of_pressure[6 * axis + k], a.center_of_pressure[6 * axis + k], 1e-4);
+  }
+}
+
+TEST(TactileJacobianOnDevice, OfAListOfTaxels) {
+  Random random(3);
+  for (int kind = 0; kind < 3; ++kind) {
+    const Sensor sensor = support::curvedSensor(random, kind);
+    const std::vector<Object> objects{Object(Sphere{15e-3})};
+    Touch touch{{0}, {support::randomContactOnTaxel(random, sensor, objects[0])}};
+    Simulator simulator(Model(support::sharedDevice(), {.sensor = sensor, .objects = objects}), {.outputs = kAll});
+    const FrameView frame = pressOnce(simulator, {touch});
+    EXPECT_EQ(frame.jacobian.num_rows, 1);
+    SCOPED_TRACE(kind);
+    expectMatches(frame, 0, sensor, touch.placed(objects));
+  }
+}
+
+// ---- what a batch promises ----
+
+std::vector<std::uint32_t> bitsOf(const FrameView& frame, int instance) {
+  std::vector<std::uint32_t> bits;
+  const CleanTactileJacobianView& clean = frame.ground_truth.jacobian;
+  const auto n = clean.contact_wrench.size() / 36;
+  for (const std::span<const float> values : {frame.jacobian.center_of_pressure, frame.jacobian.total_force, frame.jacobian.edge_angle,
+                                              clean.center_of_pressure, clean.total_force, clean.edge_angle, clean.contact_wrench}) {
+    const std::size_t per_instance = values.size() / n;
+    for (const float value : values.subspan(static_cast<std::size_t>(instance) * per_instance, per_instance)) {
+      bits.push_back(std::bit_cast<std::uint32_t>(value));
+    }
+  }
+  return bits;
+}
+
+TEST(TactileJacobianOnDevice, BytesDependOnNeitherBatchNorWorkgroup) {
+  Sensor sensor = support::gridSensor({.num_rows = 22, .num_cols = 27, .pitch_x = 1e-3, .pitch_y = 1e-3});
+  sensor.patches.push_back(sensor.patches[0]);
+  sensor.patches[1].X_SP = {{0.03, 0, 0}, axisAngle({0, 1, 0}, 0.1)};
+  sensor.psf = gaussianPsf(0.6, 3);
+  Random random(9);
+  const std::vector<Object> objects{support::randomMeshObject(random, 0.02), Object(Sphere{8e-3})};
+  std::vector<Touch> touches;
+  for (int i = 0; i < 5; ++i) {
+    touches.push_back({{0, 1}, {support::randomContact(random, sensor, objects[0]), support::randomContact(random, sensor, objects[1])}});
+  }
+  const auto run = [&](int workgroup, const std::vector<Touch>& batch) {
+    const Model model(support::sharedDevice(),
+                      {.sensor = sensor, .objects = objects, .contact_workgroup = workgroup, .image_workgroup = workgroup});
+    const int n = static_cast<int>(batch.size());
+    Simulator simulator(model, {.num_instances = n, .num_slots = 2, .outputs = kAll});
+    const FrameView frame = pressOnce(simulator, batch);
+    std::vector<std::vector<std::uint32_t>> bits;
+    for (int i = 0; i < n; ++i) bits.push_back(bitsOf(frame, i));
+    return bits;
+  };
+  const auto expected = run(0, touches);
+  for (const int workgroup : {4, 256}) EXPECT_EQ(run(workgroup, touches), expected) << workgroup;
+  EXPECT_EQ(run(0, {touches[3]})[0], expected[3]);
+}
+
+TEST(TactileJacobianOnDevice, LargestArrayOverSeveralTiles) {
+  const Sensor sensor = support::gridSensor({.num_rows = 128, .num_cols = 128, .pitch_x = 1e-3, .pitch_y = 1e-3, .samples_per_taxel = 2});
+  const std::vector<Object> objects{Object(Sphere{0.3})};
+  const Touch touch{{0}, {{{3e-3, -2e-3, 0.2994}}}};
+  Simulator simulator(Model(support::sharedDevice(), {.sensor = sensor, .objects = objects}), {.outputs = kAll});
+  const FrameView frame = pressOnce(simulator, {touch});
+  expectMatches(frame, 0, sensor, touch.placed(objects));
+  EXPECT_NEAR(frame.ground_truth.jacobian.center_of_pressure[0], -1, 0.01);
+}
+
+TEST(TactileJacobianOnDevice, MeasuredOneIsHeldBetweenTheSensorsFrames) {
+  Sensor sensor = support::gridSensor();
+  sensor.frame_rate = 50;
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.005})}});
+  Simulator simulator(model, {.outputs = kAll});
+  std::vector<float> measured, clean;
+  for (const double depth : {0.5e-3, 0.7e-3, 0.9e-3}) {
+    const FrameView frame = pressOnce(simulator, {{{0}, {{.position = {0, 0, 0.005 - depth}}}}});
+    measured.push_back(frame.jacobian.total_force[2]);
+    clean.push_back(frame.ground_truth.jacobian.total_force[2]);
+  }
+  EXPECT_EQ(measured[0], measured[1]);
+  EXPECT_NE(measured[1], measured[2]);
+  EXPECT_NE(clean[0], clean[1]);
+}
+
+TEST(TactileJacobianOnDevice, NothingComesUnlessAskedFor) {
+  const Model model(support::sharedDevice(), {.sensor = support::gridSensor(), .objects = {Object(Sphere{0.005})}});
+  Simulator without(model, {}), with(model, {.outputs = {.clean_tactile_jacobian = true}});
+  const std::vector<Touch> touch{{{0}, {{.position = {0, 0, 0.0045}}}}};
+  const FrameView a = pressOnce(without, touch), b = pressOnce(with, touch);
+  EXPECT_EQ(a.ground_truth.jacobian.num_rows, 0);
+  EXPECT_TRUE(a.ground_truth.jacobian.total_force.empty());
+  EXPECT_TRUE(a.ground_truth.jacobian.contact_wrench.empty());
+  EXPECT_EQ(b.ground_truth.jacobian.num_rows, 2);
+  EXPECT_EQ(b.ground_truth.jacobian.num_patches, 1);
+  EXPECT_TRUE(b.jacobian.total_force.empty());
+  EXPECT_GT(Simulator::plan(model, {.outputs = {.tactile_jacobian = true}}).bytes_per_instance,
+            Simulator::plan(model, {}).bytes_per_instance);
+}
+
+TEST(TactileJacobianOnDevice, NothingTouchesIsZero) {
+  const Model model(support::sharedDevice(), {.sensor = support::gridSensor(), .objects = {Object(Sphere{0.005})}});
+  Simulator simulator(model, {.outputs = kAll});
+  // Near enough to be seen, and away; after a contact, so that nothing is left of it.
+  for (const double height : {0.0045, 0.0051, 0.1}) {
+    const FrameView frame = pressOnce(simulator, {{{0}, {{.position = {0, 0, height}}}}});
+    const std::vector<std::uint32_t> bits = bitsOf(frame, 0);
+    const bool all_zero = std::all_of(bits.begin(), bits.end(), [](std::uint32_t word) { return std::bit_cast<float>(word) == 0; });
+    EXPECT_EQ(all_zero, height > 0.005) << height;
+  }
+}
+
+TEST(TactileJacobianOnDevice, WhatItCannotTellIsRefused) {
+  const auto expectRefused = [](const Sensor& sensor, const SimulatorOptions& options, const char* why) {
+    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.005})}});
+    try {
+      Simulator simulator(model, options);
+      ADD_FAILURE() << why;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kInput);
+      EXPECT_NE(std::string(error.what()).find(why), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find("tactile_jacobian"), std::string::npos) << error.what();
+    }
+  };
+  expectRefused(support::gridSensor(), {.outputs = {.penetration_depth = false, .clean_tactile_jacobian = true}, .max_contacts = 4},
+                "max_contacts");
+}
+
+}  // namespace
+}  // namespace taxelsim

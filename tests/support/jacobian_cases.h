@@ -1,0 +1,92 @@
+// The tactile Jacobian's judge: contacts by seed, and features of the same contact on far finer samples, a step of the sensor this way and
+// that.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "support/random_scene.h"
+
+namespace taxelsim::support {
+
+// Half of the way between the two poses that are compared.
+inline constexpr double kJacobianStep = 0.1e-3;     // m
+inline constexpr double kJacobianTurn = 0.0174533;  // rad: 1 degree, less where that moves a taxel farther than by the step
+// Samples of a taxel's side from which features are taken for that.
+inline constexpr int kFineSamples = 32;
+
+// Where an object is once the sensor has moved by `step` along coordinate k of its twist: v of S's origin, then w, in S.
+Pose afterTwist(const Pose& X_SO, std::size_t k, double step);
+
+// A contact that no wall or rim of the skin's depth changes within the step: deeper than it, and far from full depth.
+struct JacobianCase {
+  Sensor sensor;  // with `samples_per_taxel` to be set
+  std::vector<Object> objects;
+  std::vector<Pose> X_SO;
+  bool has_walls = false;
+
+  std::vector<reference::PlacedObject> placed() const;
+};
+
+enum class JacobianKind {
+  kRound,    // one round solid over one patch
+  kWalls,    // a box or prism, whose vertical walls are in the contact
+  kPatches,  // round solids over up to three patches, tilted against each other, each touched by its own
+};
+JacobianCase randomJacobianCase(Random& random, JacobianKind kind);
+
+// What is compared: a row's center of pressure, force and edge angle, and of the sensor the wrench.
+struct FeatureChanges {
+  std::array<std::array<double, 6>, 3> center_of_pressure{};
+  std::array<double, 6> total_force{}, edge_angle{};
+};
+struct JacobianChanges {
+  FeatureChanges sensor;
+  std::vector<FeatureChanges> patches;
+  FeatureChanges measured;
+  std::vector<bool> reports;  // (num_taxels): as reportingTaxels(), at all these poses
+  bool triggers_hold = true;  // they do so alike: else the readout has a kink there
+  std::array<std::array<double, 6>, 6> contact_wrench{};
+};
+
+// Which taxels report anything, or have no trigger to stop them.
+std::vector<bool> reportingTaxels(const Sensor& sensor, const std::vector<double>& spread_force);
+
+// By the reference's features at both ends of each step, on kFineSamples.
+JacobianChanges centralDifferences(const JacobianCase& contact);
+
+// A row's image: what the scales of its errors depend on.
+struct JacobianScale {
+  double size = 0;        // m: root of the sum of its second moments
+  double lever = 0;       // m: of its centre of pressure about S's origin
+  double confidence = 0;  // of its edge angle
+  double apart = 0;       // m: of contacts that share it; what goes from one to another moves the centre that far
+  double force = 1;       // N: its total force
+};
+
+// Largest errors of a set of contacts, each relative to the scale of its kind of entry: the largest one in the same row of the same contact
+// by the same half of the twist, but no less than what that kind has in any contact. By v that is for a force the stiffness of the area in
+// touch, for a centre 1, for an angle 1 over the contact's size and the angle's confidence, as it is a quotient by the difference of
+// eigenvalues; by w the same times size and lever.
+class JacobianErrors {
+ public:
+  void add(const FeatureChanges& found, const FeatureChanges& expected, const JacobianScale& scale);
+  void addWrench(const std::array<std::array<double, 6>, 6>& found, const std::array<std::array<double, 6>, 6>& expected,
+                 const JacobianScale& scale);
+
+  // Over everything that was added but angles, and over angles.
+  double worst() const;
+  double worstAngle() const;
+  void print(const char* title) const;
+
+ private:
+  struct Entry {
+    double largest = 0, sum_of_squares = 0;
+    int count = 0;
+    void add(double error);
+  };
+  // Center, force, angle, wrench by v and by w.
+  std::array<Entry, 8> entries_;
+};
+
+}  // namespace taxelsim::support
