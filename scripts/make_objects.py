@@ -93,6 +93,72 @@ def knob():
     return pushed, triangles
 
 
+def rounded_square(side, radius, count):
+    """Points of a square with round corners, at equal steps, and from the middle of a side."""
+    straight = side - 2 * radius
+    lap = 4 * straight + 2 * math.pi * radius
+    points = []
+    for i in range(count):
+        arc = (i / count * lap + straight / 2) % lap
+        quarter, arc = divmod(arc, lap / 4)
+        along, turned = min(arc, straight), max(arc - straight, 0) / radius
+        x = side / 2 if turned == 0 else side / 2 - radius + radius * math.cos(turned)
+        y = -straight / 2 + along + radius * math.sin(turned)
+        c, s = ((1, 0), (0, 1), (-1, 0), (0, -1))[int(quarter)]
+        points.append((c * x - s * y, s * x + c * y))
+    return points
+
+
+def leaves(radius, wave, number, count):
+    """Points of r = radius + wave cos(number angle)."""
+    points = []
+    for i in range(count):
+        angle = 2 * math.pi * i / count
+        r = radius + wave * math.cos(number * angle)
+        points.append((r * math.cos(angle), r * math.sin(angle)))
+    return points
+
+
+def ridge(points, radius, steps):
+    """The lower half of a round wire along a closed line in the xy plane; its lowest line is at z = 0."""
+    n = len(points)
+    vertices, triangles = [], []
+    for i, (x, y) in enumerate(points):
+        (x0, y0), (x1, y1) = points[i - 1], points[(i + 1) % n]
+        size = math.hypot(x1 - x0, y1 - y0)
+        across = ((y1 - y0) / size, (x0 - x1) / size)
+        for k in range(steps + 1):
+            angle = math.pi * (k / steps - 0.5)
+            out, up = radius * math.sin(angle), radius * (1 - math.cos(angle))
+            vertices.append((x + out * across[0], y + out * across[1], up))
+    for i in range(n):
+        j = (i + 1) % n
+        for k in range(steps):
+            a, b = i * (steps + 1) + k, j * (steps + 1) + k
+            triangles += [(a, b, b + 1), (a, b + 1, a + 1)]
+    return vertices, triangles
+
+
+def saddle(radius, half_width, steps):
+    """z = (x^2 - y^2) / (2 radius) over a square."""
+    vertices, triangles = [], []
+    for i in range(steps + 1):
+        for j in range(steps + 1):
+            x, y = (half_width * (2 * k / steps - 1) for k in (i, j))
+            vertices.append((x, y, (x * x - y * y) / (2 * radius)))
+    for i in range(steps):
+        for j in range(steps):
+            a, b = i * (steps + 1) + j, (i + 1) * (steps + 1) + j
+            triangles += [(a, b + 1, b), (a, a + 1, b + 1)]
+    return vertices, triangles
+
+
+def write_contour(file, description, points):
+    lines = [f"# {description}", "# Made by scripts/make_objects.py.", "x_m,y_m,z_m"]
+    lines += [f"{round(x, 9) + 0.0:.9f},{round(y, 9) + 0.0:.9f},0" for x, y in points]
+    file.write_text("\n".join(lines) + "\n", encoding="ascii")
+
+
 def main():
     directory = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parent.parent / "scenes" / "objects")
 
@@ -133,6 +199,24 @@ def main():
         directory / "knob_5k.obj",
         ["Handle, 5120 triangles, 44 mm x 20 mm x 18 mm, with a blunt ridge along x that looks down (-z)."],
         *knob(),
+    )
+
+    for name, words, points in (
+        ("square", "a square of 120 mm with corners of 30 mm radius", rounded_square(0.12, 0.03, 240)),
+        ("clover", "r = 60 mm + 8 mm cos(4 angle)", leaves(0.06, 0.008, 4, 240)),
+        ("foil", "r = 60 mm + 14 mm cos(3 angle)", leaves(0.06, 0.014, 3, 240)),
+    ):
+        write_obj(
+            directory / f"ridge_{name}.obj",
+            ["Lower half of a round wire, 3 mm in radius, along a closed line:", f"{words}. The lowest line is at z = 0."],
+            *ridge(points, 0.003, 8),
+        )
+        write_contour(directory / f"ridge_{name}.csv", f"The lowest line of ridge_{name}.obj: {words}.", points)
+
+    write_obj(
+        directory / "saddle.obj",
+        ["z = (x^2 - y^2) / (2 * 80 mm) over 100 mm x 100 mm: round along x, hollow along y, as seen from below."],
+        *saddle(0.08, 0.05, 50),
     )
 
 

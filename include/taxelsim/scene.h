@@ -13,6 +13,7 @@
 #include "taxelsim/object.h"
 #include "taxelsim/robot.h"
 #include "taxelsim/sensor.h"
+#include "taxelsim/task.h"
 #include "taxelsim/trajectory.h"
 
 namespace taxelsim {
@@ -28,22 +29,39 @@ struct SceneObject {
   double weight = 1;                   // of being chosen, >= 0; not all zero
   Quaternion orientation{1, 0, 0, 0};  // R_WO before the random yaw and tilt: which side looks at the sensor
   std::optional<Motion> motion = {};   // from where it was set down; at rest without
+  std::optional<Vector3> edge = {};    // direction in O, of length 1, of what the true edge angle is of
+  // A closed line of points in O, m, at least 3: the edge that runs around the object; the true edge angle is of the part next to the
+  // sensor. Instead of `edge`.
+  std::vector<Vector3> contour = {};
+  // The point in O that is set down, m; without one the lowest point. With a contour it is a random point of that, and the yaw is that of
+  // the contour there.
+  std::optional<Vector3> anchor = {};
+};
+
+struct SceneController {
+  std::string name = "tactile_servo";
+  double weight = 1;  // of being chosen for an episode, >= 0; not all zero
+  TactileServo servo = edgeServo();
 };
 
 // What is drawn anew for each episode, from (seed, episode) alone.
 struct Randomisation {
-  Range x, y;                  // m, in S: where the object first touches the skin
+  Range x, y;                  // m, in S: where the object first touches the skin, or its anchor lies
   Range yaw;                   // rad, about z of S
   Range tilt;                  // rad, >= 0, about a random axis in the xy plane of S
   std::optional<Range> load;   // N, >= 0; or
-  std::optional<Range> depth;  // m, >= 0, of the object's lowest point below the skin. Exactly one of the two.
+  std::optional<Range> depth;  // m, >= 0, of the object's lowest point, or its anchor, below the skin. Exactly one of the two.
   Range gain{1, 1};            // factor, > 0, on every taxel
   Range gain_spread{0, 0};     // standard deviation of log gain per taxel, >= 0
   Range noise{0, 0};           // counts, >= 0, beside the sensor's own
+  // Of a servo scene.
+  std::optional<Range> exploration_velocity{};  // m/s, instead of the controller's
+  // Standard deviations, >= 0, of white noise on every component of the twists that the robot is commanded: m/s, rad/s.
+  Range linear_action_noise{0, 0}, angular_action_noise{0, 0};
 };
 
 // The words of Scene::record, in their order. The last two need a controller.
-inline constexpr std::array<std::string_view, 11> kRecordWords = {"tactile_image",
+inline constexpr std::array<std::string_view, 13> kRecordWords = {"tactile_image",
                                                                   "features",
                                                                   "ground_truth",
                                                                   "tactile_normal_force",
@@ -51,6 +69,8 @@ inline constexpr std::array<std::string_view, 11> kRecordWords = {"tactile_image
                                                                   "penetration_depth",
                                                                   "contact_features",
                                                                   "clean_contact_features",
+                                                                  "tactile_jacobian",
+                                                                  "clean_tactile_jacobian",
                                                                   "poses",
                                                                   "actions",
                                                                   "robot"};
@@ -71,9 +91,10 @@ struct Scene {
   double simulation_rate = 100;  // Hz
   double control_rate = 100;     // Hz, simulation_rate divided by a whole number
   Randomisation randomisation;
-  TactileServo controller = edgeServo();  // of kServo
-  std::vector<std::string> record;        // what is written: some of kRecordWords, in their order
-  int max_regions = 0;                    // rows for connected taxels in recorded contact features, 0 to 8; 0 where none are recorded
+  std::vector<SceneController> controllers{1};  // of kServo; at least one
+  std::optional<Task> task;                     // of kServo: what `evaluate` judges by
+  std::vector<std::string> record;              // what is written: some of kRecordWords, in their order
+  int max_regions = 0;                          // rows for connected taxels in recorded contact features, 0 to 8; 0 where none are recorded
   std::uint64_t num_episodes = 1000;
   std::uint64_t seed = 0;
   std::uint64_t episodes_per_shard = 256;
@@ -92,6 +113,9 @@ struct SceneOverrides {
 
 // Waypoints from a CSV file (docs/file_formats.md). Throws Error(kInput): file, line, column, the value found and what is allowed.
 std::vector<Waypoint> loadWaypoints(const std::filesystem::path& file);
+
+// A closed line from a CSV file (docs/file_formats.md). Throws as loadWaypoints() does.
+std::vector<Vector3> loadContour(const std::filesystem::path& file);
 
 // Reads and checks a scene and all files it names. Throws Error(kInput): file, line, column, key, value found, what is allowed.
 Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrides = {});

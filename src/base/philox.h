@@ -18,7 +18,8 @@ enum class Purpose : std::uint32_t {
   kRandomWalk = 6,
   kPressGain = 7,
   kJitter = 8,
-  kMotion = 9,  // of objects; on the host only
+  kMotion = 9,        // of objects; on the host only
+  kActionNoise = 10,  // on the host only
 };
 
 // Four words, uniform on [0, 2^32).

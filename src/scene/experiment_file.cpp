@@ -1,12 +1,34 @@
+#include "scene/experiment_reader.h"
 #include "scene/object_reader.h"
 #include "scene/sensor_file.h"
-#include "taxelsim/experiment.h"
 
 namespace taxelsim {
 namespace {
 
 constexpr double kTurn = 6.283185307179586;
 constexpr std::size_t kMaxValues = 1000;
+
+void checkEntry(const YamlNode& item, const StaticExperiment::Entry& entry, const Sensor& reference) {
+  if (numTaxels(entry.sensor) != numTaxels(reference)) {
+    item.fail("has " + std::to_string(numTaxels(entry.sensor)) + " taxels, the reference " + std::to_string(numTaxels(reference)));
+  }
+  if (entry.fitted && !std::holds_alternative<Winkler>(entry.sensor.skin.law)) item.fail("only sensors of law winkler can be fitted");
+  if (entry.fitted && (isTaxelList(entry.sensor) || entry.sensor.psf.sigma > 0)) {
+    item.fail("only sensors whose point spread function is a kernel over grids can be fitted");
+  }
+}
+
+// Calls read(root, directory) with what the file holds.
+template <typename Function>
+auto readFile(const std::filesystem::path& file, Function read) {
+  const std::string name = file.generic_string();
+  const YamlTree tree = parseYaml(readYamlFile(file), name);
+  const YamlNode root(tree, name);
+  checkFormatVersion(root);
+  return read(root, file.parent_path());
+}
+
+}  // namespace
 
 std::vector<double> readList(const YamlMap& map, std::string_view key, const Allowed& allowed) {
   const std::string what = "a list of 1 to " + std::to_string(kMaxValues) + " numbers";
@@ -19,24 +41,7 @@ std::vector<double> readList(const YamlMap& map, std::string_view key, const All
   return values;
 }
 
-void checkEntry(const YamlNode& item, const StaticExperiment::Entry& entry, const Sensor& reference) {
-  if (numTaxels(entry.sensor) != numTaxels(reference)) {
-    item.fail("has " + std::to_string(numTaxels(entry.sensor)) + " taxels, the reference " + std::to_string(numTaxels(reference)));
-  }
-  if (entry.fitted && !std::holds_alternative<Winkler>(entry.sensor.skin.law)) item.fail("only sensors of law winkler can be fitted");
-  if (entry.fitted && (isTaxelList(entry.sensor) || entry.sensor.psf.sigma > 0)) {
-    item.fail("only sensors whose point spread function is a kernel over grids can be fitted");
-  }
-}
-
-}  // namespace
-
-StaticExperiment loadStaticExperiment(const std::filesystem::path& file) {
-  const std::string name = file.generic_string();
-  const std::filesystem::path directory = file.parent_path();
-  const YamlTree tree = parseYaml(readYamlFile(file), name);
-  const YamlNode root(tree, name);
-  checkFormatVersion(root);
+StaticExperiment readStaticExperiment(const YamlNode& root, const std::filesystem::path& directory) {
   Canonical canonical;
   const YamlMap map(root, {"format_version", "name", "experiment", "reference", "sensors", "objects", "yaw[_deg]", "loads"}, canonical);
   StaticExperiment experiment;
@@ -61,6 +66,23 @@ StaticExperiment loadStaticExperiment(const std::filesystem::path& file) {
   experiment.yaw = readList(map, "yaw", Allowed::within(-kTurn, kTurn, "rad"));
   experiment.loads = readList(map, "loads", Allowed::above(0, "N"));
   return experiment;
+}
+
+StaticExperiment loadStaticExperiment(const std::filesystem::path& file) {
+  return readFile(file, readStaticExperiment);
+}
+
+ServoExperiment loadServoExperiment(const std::filesystem::path& file) {
+  return readFile(file, readServoExperiment);
+}
+
+Experiment loadExperiment(const std::filesystem::path& file) {
+  return readFile(file, [](const YamlNode& root, const std::filesystem::path& directory) -> Experiment {
+    const std::optional<YamlNode> kind = root.child("experiment");
+    if (!kind) root.fail("experiment is missing: static | servo");
+    if (kind->choice({"static", "servo"}) == "static") return readStaticExperiment(root, directory);
+    return readServoExperiment(root, directory);
+  });
 }
 
 }  // namespace taxelsim

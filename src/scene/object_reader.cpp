@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "base/vector3.h"
 #include "scene/hashed_file.h"
 #include "scene/motion_reader.h"
 #include "scene/pose_reader.h"
@@ -15,12 +16,14 @@ constexpr std::string_view kShapes = "mesh | sphere | cylinder | capsule | box |
 
 // Keys of an item; the shapes come first.
 const YamlMap::Keys& objectKeys() {
-  static const YamlMap::Keys keys = {
-      "mesh",   "sphere",      "cylinder", "capsule", "box",     "half_space",           "cone",  "torus", "name",
-      "weight", "orientation", "motion",   "scale",   "up_axis", "max_depth_error[_mm]", "sha256"};
+  static const YamlMap::Keys keys = {"mesh",  "sphere",  "cylinder",    "capsule", "box",         "half_space",
+                                     "cone",  "torus",   "name",        "weight",  "orientation", "motion",
+                                     "edge",  "contour", "anchor[_mm]", "scale",   "up_axis",     "max_depth_error[_mm]",
+                                     "sha256"};
   return keys;
 }
 constexpr std::size_t kNumShapes = 8;
+constexpr std::uintmax_t kMaxContourBytes = std::uintmax_t{1} << 20;
 
 Mesh readMesh(const YamlMap& map, const YamlNode& node, const std::filesystem::path& directory) {
   const std::filesystem::path file = readHashedFile(map, "mesh", "a mesh file", directory, kMaxMeshFileBytes);
@@ -66,6 +69,26 @@ Shape readSolid(const YamlMap& parent, std::string_view kind) {
   const YamlMap map(parent, kind, {"major_radius[_mm]", "minor_radius[_mm]"});
   const double major = map.number("major_radius", length);
   return Torus{.major_radius = major, .minor_radius = map.number("minor_radius", length)};
+}
+
+// Where the object's edge runs: a direction, or a closed line.
+void readEdge(const YamlMap& map, const std::filesystem::path& directory, SceneObject& object) {
+  if (const std::optional<YamlNode> edge = map.find("edge")) {
+    const Vector3 direction = map.numbers<3>("edge", Allowed::any(""));
+    const double size = length(direction);
+    if (!(size > 0)) edge->fail("[0, 0, 0] is not allowed: a direction");
+    object.edge = scale(1 / size, direction);
+  }
+  if (const std::optional<YamlNode> contour = map.find("contour")) {
+    if (object.edge) contour->fail("given beside edge: one of the two");
+    const YamlMap block(map, "contour", {"file", "sha256"});
+    const std::filesystem::path file = readHashedFile(block, "file", "a CSV file of points", directory, kMaxContourBytes);
+    object.contour = atNode(block.require("file", ""), [&] { return loadContour(file); });
+  }
+  if (const std::optional<YamlNode> anchor = map.find("anchor")) {
+    if (!object.contour.empty()) anchor->fail("given beside contour, which is set down at random points");
+    object.anchor = map.numbers<3>("anchor", Allowed::any("m"));
+  }
 }
 
 // The one shape among the keys of an item.
@@ -132,6 +155,7 @@ std::vector<SceneObject> readObjects(const YamlMap& map, const std::filesystem::
     object.weight = object_map.number("weight", Allowed::atLeast(0, ""), object.weight);
     object.orientation = readRotation(object_map, "orientation");
     object.motion = readMotion(object_map, directory);
+    readEdge(object_map, directory, object);
     if (shape == "mesh") {
       object.object.shape = readMesh(object_map, object_map.require(shape, "a mesh file"), directory);
     } else {

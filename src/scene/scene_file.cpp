@@ -8,6 +8,7 @@
 #include "scene/robot_file.h"
 #include "scene/sensor_file.h"
 #include "scene/servo_reader.h"
+#include "scene/task_reader.h"
 #include "scene/yaml_reader.h"
 #include "taxelsim/error.h"
 #include "taxelsim/scene.h"
@@ -80,9 +81,11 @@ void checkDelay(const YamlMap& map, const Scene& scene) {
   }
 }
 
-Randomisation readRandomisation(const YamlMap& parent, const Sensor& sensor) {
-  const YamlMap map(parent, "randomisation",
-                    {"x[_mm]", "y[_mm]", "yaw[_deg]", "tilt[_deg]", "load", "depth[_mm]", "gain", "gain_spread", "noise"});
+Randomisation readRandomisation(const YamlMap& parent, const Scene& scene) {
+  YamlMap::Keys keys{"x[_mm]", "y[_mm]", "yaw[_deg]", "tilt[_deg]", "load", "depth[_mm]", "gain", "gain_spread", "noise"};
+  const bool moves = scene.kind == Scene::Kind::kServo;
+  if (moves) keys.insert(keys.end(), {"exploration_velocity[_mm]", "linear_action_noise[_mm]", "angular_action_noise[_deg]"});
+  const YamlMap map(parent, "randomisation", keys);
   const Allowed offset = Allowed::within(-kMaxOffset, kMaxOffset, "m");
   Randomisation random;
   random.x = readRange(map, "x", offset, Range{});
@@ -94,7 +97,7 @@ Randomisation readRandomisation(const YamlMap& parent, const Sensor& sensor) {
     random.depth = readRange(map, "depth", Allowed::within(0, kMaxOffset, "m"));
   } else {
     if (!map.has("load")) map.node().fail("load is missing: a number from 0 to 1e6 N, or [min, max]; or depth[_mm] instead");
-    if (std::holds_alternative<Proximity>(sensor.skin.law)) {
+    if (std::holds_alternative<Proximity>(scene.sensor.skin.law)) {
       map.find("load")->fail("the sensor's law proximity has no forces: give depth[_mm] instead");
     }
     random.load = readRange(map, "load", Allowed::within(0, kMaxLoad, "N"));
@@ -102,7 +105,22 @@ Randomisation readRandomisation(const YamlMap& parent, const Sensor& sensor) {
   random.gain = readRange(map, "gain", {.min = 0, .max = 1e3, .above_min = true}, random.gain);
   random.gain_spread = readRange(map, "gain_spread", Allowed::within(0, 2, ""), random.gain_spread);
   random.noise = readRange(map, "noise", Allowed::within(0, 65535, "counts"), random.noise);
+  if (moves) {
+    if (map.has("exploration_velocity")) random.exploration_velocity = readRange(map, "exploration_velocity", Allowed::any("m/s"));
+    random.linear_action_noise = readRange(map, "linear_action_noise", Allowed::atLeast(0, "m/s"), random.linear_action_noise);
+    random.angular_action_noise = readRange(map, "angular_action_noise", Allowed::atLeast(0, "rad/s"), random.angular_action_noise);
+  }
   return random;
+}
+
+// Exact angles are of an edge that the scene knows.
+void checkExactAngles(const YamlMap& map, const Scene& scene) {
+  const bool wanted = std::any_of(scene.controllers.begin(), scene.controllers.end(), [](const SceneController& controller) {
+    return controller.servo.edge_angle_source == EdgeAngleSource::kExact;
+  });
+  const bool known = std::all_of(scene.objects.begin(), scene.objects.end(),
+                                 [](const SceneObject& object) { return object.edge || !object.contour.empty(); });
+  if (wanted && !known) map.require("objects", "").fail("an object has neither edge nor contour, which edge_angle_source exact needs");
 }
 
 std::vector<std::string> readRecord(const YamlMap& map, Scene::Kind kind) {
@@ -179,8 +197,8 @@ Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrid
 
   Canonical canonical;
   const YamlMap map(root,
-                    {"format_version", "name", "kind", "sensor", "robot", "objects", "episode", "randomisation", "controller", "record",
-                     "max_regions", "data_set"},
+                    {"format_version", "name", "kind", "sensor", "robot", "objects", "episode", "randomisation", "controller",
+                     "controllers", "task", "record", "max_regions", "data_set"},
                     canonical);
   Scene scene;
   scene.file = file;
@@ -196,12 +214,16 @@ Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrid
   if (scene.kind == Scene::Kind::kContacts) refuseMotions(map, "a scene of kind contacts has one frame, in which nothing moves");
   readEpisode(map, scene);
   checkDelay(map, scene);
-  scene.randomisation = readRandomisation(map, scene.sensor);
+  scene.randomisation = readRandomisation(map, scene);
   if (scene.kind == Scene::Kind::kServo) {
-    scene.controller = readController(map);
-  } else if (const std::optional<YamlNode> controller = map.find("controller")) {
-    controller->fail("a scene of kind contacts has no controller");
+    scene.controllers = readControllers(map);
+    checkExactAngles(map, scene);
+  } else {
+    for (const std::string_view key : {"controller", "controllers"}) {
+      if (const std::optional<YamlNode> controller = map.find(key)) controller->fail("a scene of kind contacts has no controller");
+    }
   }
+  scene.task = readTask(map, scene);
   scene.record = readRecord(map, scene.kind);
   scene.max_regions = readMaxRegions(map, scene.record);
   readDataSet(map, overrides, scene);

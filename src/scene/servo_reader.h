@@ -1,11 +1,13 @@
-// The `controller` block of a scene.
+// The `controller` block of a scene, or its list of `controllers`.
 #pragma once
 
+#include <vector>
+
 #include "scene/yaml_reader.h"
-#include "taxelsim/control.h"
+#include "taxelsim/scene.h"
 
 namespace taxelsim {
 
-TactileServo readController(const YamlMap& scene);
+std::vector<SceneController> readControllers(const YamlMap& scene);
 
 }  // namespace taxelsim

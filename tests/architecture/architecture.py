@@ -27,6 +27,7 @@ HEADERS = {
     "object.h": None,
     "contact_point.h": None,
     "contact_type.h": None,
+    "task.h": None,
     "device.h": "gpu",
     "control.h": "control",
     "robot.h": "control",
@@ -37,6 +38,7 @@ HEADERS = {
     "model.h": "simulation",
     "simulator.h": "simulation",
     "generate.h": "episodes",
+    "evaluate.h": "episodes",
 }
 
 VULKAN_LAYERS = {"gpu", "simulation"}

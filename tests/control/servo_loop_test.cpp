@@ -79,8 +79,14 @@ LoopEnd runLoop(const TactileServo& servo, double start_angle, double start_dept
     const Features& f = end.features;
     Twist twist;
     const std::uint8_t due = 1;
-    controller.command({{&f.angle, 1}, {&f.confidence, 1}, {&f.force, 1}, f.center, {&f.area, 1}, {&target_force, 1}, {&due, 1}}, kPeriod,
-                       {&twist, 1});
+    controller.command({.edge_angle = {&f.angle, 1},
+                        .edge_confidence = {&f.confidence, 1},
+                        .total_force = {&f.force, 1},
+                        .center_of_pressure = f.center,
+                        .contact_area = {&f.area, 1},
+                        .start_force = {&target_force, 1},
+                        .due = {&due, 1}},
+                       kPeriod, {&twist, 1});
     X_WS = integrate(X_WS, twist, kPeriod);
   }
   return end;

@@ -48,6 +48,18 @@ ServoInput inputOf(const Features& f) {
           .due = {&kDue, 1}};
 }
 
+ServoInput inputOf(std::span<const float> angle, std::span<const float> confidence, std::span<const float> force,
+                   std::span<const float> center, std::span<const float> area, std::span<const float> target,
+                   std::span<const std::uint8_t> due) {
+  return {.edge_angle = angle,
+          .edge_confidence = confidence,
+          .total_force = force,
+          .center_of_pressure = center,
+          .contact_area = area,
+          .start_force = target,
+          .due = due};
+}
+
 Twist commandOne(TactileServoController& controller, const Features& f) {
   Twist twist;
   controller.command(inputOf(f), kPeriod, {&twist, 1});
@@ -285,9 +297,9 @@ TEST(TactileServo, ResetForgetsOneInstance) {
   const std::vector<float> angle{0.5f, 0.5f}, one{1, 1}, area{1e-4f, 1e-4f}, center(6, 0.0f);
   const std::vector<std::uint8_t> due{1, 1};
   std::vector<Twist> first(2), second(2);
-  controller.command({angle, one, one, center, area, one, due}, kPeriod, first);
+  controller.command(inputOf(angle, one, one, center, area, one, due), kPeriod, first);
   controller.reset(1);
-  controller.command({angle, one, one, center, area, one, due}, kPeriod, second);
+  controller.command(inputOf(angle, one, one, center, area, one, due), kPeriod, second);
   EXPECT_NE(second[0], first[0]);
   EXPECT_EQ(second[1], first[1]);
 }
@@ -298,7 +310,7 @@ TEST(TactileServo, LeavesInstancesAloneThatAreNotDue) {
   const std::vector<std::uint8_t> due{0, 1};
   const Twist held{{1, 2, 3}, {4, 5, 6}};
   std::vector<Twist> twists{held, held};
-  controller.command({angle, one, one, center, area, one, due}, kPeriod, twists);
+  controller.command(inputOf(angle, one, one, center, area, one, due), kPeriod, twists);
   EXPECT_EQ(twists[0], held);
   EXPECT_NE(twists[1], held);
 }
@@ -309,7 +321,7 @@ TEST(TactileServo, HoldsAnInstanceStillWhoseFeaturesAreNotFinite) {
   const std::vector<float> angle{nan, 0.5f}, one{1, 1}, area{1e-4f, 1e-4f}, center(6, 0.0f);
   const std::vector<std::uint8_t> due{1, 1};
   std::vector<Twist> twists(2);
-  controller.command({angle, one, one, center, area, one, due}, kPeriod, twists);
+  controller.command(inputOf(angle, one, one, center, area, one, due), kPeriod, twists);
   EXPECT_EQ(twists[0], Twist{});
   EXPECT_EQ(twists[1], commandOne(alone, {.angle = 0.5f, .force = 1, .area = 1e-4f, .target = 1}));
 }
@@ -354,7 +366,7 @@ RC_GTEST_PROP(TactileServoProperty, KeepsTheLimits, ()) {
   TactileServoController controller(servo, gridSensor(), 1);
   for (int tick = 0; tick < 4; ++tick) {
     const Twist twist = commandOne(controller, drawFeatures());
-    RC_ASSERT(std::abs(twist.w[2]) <= servo.max_angular_velocity);
+    RC_ASSERT(std::abs(twist.w[2]) <= servo.max_angular_velocity * (1 + kSpeedRounding));
     RC_ASSERT(twist.w[0] == 0 && twist.w[1] == 0);
     RC_ASSERT(speed(twist) <= servo.max_linear_velocity * (1 + kSpeedRounding));
   }
@@ -384,7 +396,7 @@ RC_GTEST_PROP(TactileServoProperty, DoesNotDependOnTheBatch, ()) {
     }
     const std::vector<std::uint8_t> due(n, 1);
     std::vector<Twist> twists(n);
-    controller.command({angle, confidence, force, center, area, target, due}, kPeriod, twists);
+    controller.command(inputOf(angle, confidence, force, center, area, target, due), kPeriod, twists);
     for (std::size_t i = 0; i < n; ++i) {
       const Twist one = commandOne(alone[i], features[i]);
       for (std::size_t k = 0; k < 3; ++k) {

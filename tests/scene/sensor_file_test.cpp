@@ -213,15 +213,15 @@ controller: {tactile_servo: {edge_angle: {kp: 1}}}
   EXPECT_EQ(scene.num_steps, 3);
   EXPECT_EQ(scene.simulation_rate, expected.simulation_rate);
   EXPECT_EQ(scene.control_rate, expected.control_rate);
-  const FeatureLoop &angle = scene.controller[ServoFeature::kEdgeAngle], loop;
+  const FeatureLoop &angle = scene.controllers[0].servo[ServoFeature::kEdgeAngle], loop;
   EXPECT_TRUE(angle.selected);
   EXPECT_EQ(angle.reference, loop.reference);
   EXPECT_EQ(angle.ki, loop.ki);
   EXPECT_EQ(angle.kd, loop.kd);
   EXPECT_EQ(angle.error_limit, loop.error_limit);
-  EXPECT_FALSE(scene.controller[ServoFeature::kTotalForce].selected);
-  EXPECT_EQ(scene.controller.max_linear_velocity, expected.controller.max_linear_velocity);
-  EXPECT_EQ(scene.controller.min_confidence, expected.controller.min_confidence);
+  EXPECT_FALSE(scene.controllers[0].servo[ServoFeature::kTotalForce].selected);
+  EXPECT_EQ(scene.controllers[0].servo.max_linear_velocity, expected.controllers[0].servo.max_linear_velocity);
+  EXPECT_EQ(scene.controllers[0].servo.min_confidence, expected.controllers[0].servo.min_confidence);
   EXPECT_EQ(scene.num_episodes, expected.num_episodes);
   EXPECT_EQ(scene.episodes_per_shard, expected.episodes_per_shard);
   EXPECT_EQ(scene.compression, expected.compression);
@@ -258,10 +258,11 @@ TEST(SceneFile, EverySettingArrives) {
   EXPECT_EQ(std::get<Cylinder>(scene.objects[1].object.shape).length, 0.04);
   EXPECT_EQ(scene.num_steps, 20);
   EXPECT_EQ(scene.control_rate, 50);
-  const FeatureLoop &angle = scene.controller[ServoFeature::kEdgeAngle], &force = scene.controller[ServoFeature::kTotalForce],
-                    &x = scene.controller[ServoFeature::kCenterX], &y = scene.controller[ServoFeature::kCenterY];
+  const FeatureLoop &angle = scene.controllers[0].servo[ServoFeature::kEdgeAngle],
+                    &force = scene.controllers[0].servo[ServoFeature::kTotalForce], &x = scene.controllers[0].servo[ServoFeature::kCenterX],
+                    &y = scene.controllers[0].servo[ServoFeature::kCenterY];
   EXPECT_TRUE(angle.selected && force.selected && x.selected && y.selected);
-  EXPECT_FALSE(scene.controller[ServoFeature::kCenterAcross].selected);
+  EXPECT_FALSE(scene.controllers[0].servo[ServoFeature::kCenterAcross].selected);
   EXPECT_EQ(angle.kp, 1);
   EXPECT_EQ(angle.ki, 2);
   EXPECT_EQ(angle.kd, 0.3);
@@ -276,10 +277,10 @@ TEST(SceneFile, EverySettingArrives) {
   EXPECT_EQ(x.error_limit, 0.009);
   EXPECT_EQ(y.kp, 4);
   EXPECT_FALSE(y.reference);
-  EXPECT_EQ(scene.controller.exploration_velocity, -0.004);
-  EXPECT_EQ(scene.controller.max_angular_velocity, 5);
-  EXPECT_EQ(scene.controller.max_linear_velocity, 0.006);
-  EXPECT_EQ(scene.controller.min_confidence, 0.7);
+  EXPECT_EQ(scene.controllers[0].servo.exploration_velocity, -0.004);
+  EXPECT_EQ(scene.controllers[0].servo.max_angular_velocity, 5);
+  EXPECT_EQ(scene.controllers[0].servo.max_linear_velocity, 0.006);
+  EXPECT_EQ(scene.controllers[0].servo.min_confidence, 0.7);
   const Randomisation& random = scene.randomisation;
   EXPECT_EQ(random.x.min, -0.002);
   EXPECT_EQ(random.x.max, 0.002);

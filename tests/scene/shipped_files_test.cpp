@@ -30,6 +30,17 @@ TEST(ShippedScenes, AllLoad) {
   }
 }
 
+TEST(ShippedTasks, AllLoadAndSayWhatSuccessIs) {
+  const std::vector<std::filesystem::path> files = yamlFiles(kScenes / "tasks");
+  EXPECT_GE(files.size(), 6u);
+  for (const std::filesystem::path& file : files) {
+    SCOPED_TRACE(file);
+    const Scene scene = loadScene(file);
+    EXPECT_EQ(scene.name, file.stem().string());
+    EXPECT_TRUE(scene.task.has_value());
+  }
+}
+
 TEST(ShippedSensors, AllLoad) {
   const std::vector<std::filesystem::path> files = yamlFiles(kScenes / "sensors");
   EXPECT_GE(files.size(), 6u);

@@ -1,0 +1,19 @@
+// Experiment files (docs/file_formats.md), kind by kind.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "scene/yaml_reader.h"
+#include "taxelsim/experiment.h"
+
+namespace taxelsim {
+
+// The list of 1 to 1000 numbers `key` of `map`.
+std::vector<double> readList(const YamlMap& map, std::string_view key, const Allowed& allowed);
+
+// Files that they name lie relative to `directory`.
+StaticExperiment readStaticExperiment(const YamlNode& root, const std::filesystem::path& directory);
+ServoExperiment readServoExperiment(const YamlNode& root, const std::filesystem::path& directory);
+
+}  // namespace taxelsim

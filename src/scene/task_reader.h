@@ -1,0 +1,14 @@
+// The `task` block of a scene.
+#pragma once
+
+#include <optional>
+
+#include "scene/yaml_reader.h"
+#include "taxelsim/scene.h"
+
+namespace taxelsim {
+
+// `scene`: with objects and length of episodes read. Nothing where the file has no task.
+std::optional<Task> readTask(const YamlMap& map, const Scene& scene);
+
+}  // namespace taxelsim

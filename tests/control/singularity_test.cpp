@@ -1,0 +1,41 @@
+#include "control/singularity.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace taxelsim {
+namespace {
+
+constexpr double kRounding = 1e-12;
+
+// Two joints about z, a metre apart; the sensor a metre beyond. Its place in the plane is singular where the arm is stretched.
+Manipulator planarArm() {
+  Manipulator arm;
+  arm.joints = {{.name = "shoulder"}, {.name = "elbow"}};
+  ChainJoint shoulder{.joint = 0}, elbow{.joint = 1};
+  elbow.X_PJ.position = {1, 0, 0};
+  arm.sensors = {{.link = "hand", .chain = {shoulder, elbow}, .X_JS = {{1, 0, 0}, {1, 0, 0, 0}}}};
+  arm.selection = {true, true, false, false, false, false};
+  return arm;
+}
+
+TEST(Singularity, OfAPlanarArm) {
+  const Manipulator arm = planarArm();
+  for (const double elbow : {0.0, 0.3, 1.2, 2.0}) {
+    // In S: the shoulder moves it at (sin q, 1 + cos q), the elbow at (0, 1); determinant sin q, sum of squares 3 + 2 cos q.
+    const double determinant = std::sin(elbow), squares = 3 + 2 * std::cos(elbow);
+    const double smallest = std::sqrt((squares - std::sqrt(squares * squares - 4 * determinant * determinant)) / 2);
+    EXPECT_NEAR(smallestSingularValue(arm, std::array{0.7, elbow}), smallest, kRounding) << elbow;
+  }
+}
+
+TEST(Singularity, OfOneJointAlone) {
+  Manipulator platform = panTilt({});
+  EXPECT_NEAR(smallestSingularValue(platform, std::array{0.0, 0.0}), 1, kRounding) << "pan and tilt turn the sensor about y and z";
+  // Tilted by 60 degrees, pan turns it about z at a half of its speed.
+  EXPECT_NEAR(smallestSingularValue(platform, std::array{0.0, std::acos(0.5)}), 0.5, kRounding);
+}
+
+}  // namespace
+}  // namespace taxelsim
