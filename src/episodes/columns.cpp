@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include "episodes/draw.h"
 #include "sensor/regions.h"
 #include "taxelsim/error.h"
 #include "taxelsim/generate.h"
@@ -94,6 +95,20 @@ void addContactFeatures(std::vector<FrameColumn>& columns, const FeatureGroup& g
                            [](const FrameView& f) { return view(f).num_regions; }));
 }
 
+// How the features of its rows change with the sensor's twist.
+template <auto view>
+void addJacobian(std::vector<FrameColumn>& columns, const FeatureGroup& group) {
+  const std::string by = " by the sensor's twist, v then w in the sensor frame, from " + group.of;
+  const auto add = [&](const char* name, std::vector<std::size_t> shape, const char* unit, const std::string& description, Floats values) {
+    group.add(columns, name, std::move(shape), unit, description, values);
+  };
+  add("center_of_pressure", {3, 6}, "1, m/rad", "Derivative of the centre of pressure" + by + "; 0 without contact.",
+      [](const FrameView& f) { return view(f).center_of_pressure; });
+  add("total_force", {6}, "N/m, N/rad", "Derivative of the total force" + by + ".", [](const FrameView& f) { return view(f).total_force; });
+  add("edge_angle", {6}, "rad/m, 1", "Derivative of the edge angle" + by + "; 0 where undefined.",
+      [](const FrameView& f) { return view(f).edge_angle; });
+}
+
 const FeatureView& measured(const FrameView& frame) {
   return frame;
 }
@@ -105,6 +120,12 @@ const ContactFeatureView& measuredContact(const FrameView& frame) {
 }
 const ContactFeatureView& cleanContact(const FrameView& frame) {
   return frame.ground_truth.contact;
+}
+const TactileJacobianView& measuredJacobian(const FrameView& frame) {
+  return frame.jacobian;
+}
+const TactileJacobianView& cleanJacobian(const FrameView& frame) {
+  return frame.ground_truth.jacobian;
 }
 
 void addRobot(const Robot& robot, std::vector<FrameColumn>& columns) {
@@ -124,6 +145,15 @@ void addRobot(const Robot& robot, std::vector<FrameColumn>& columns) {
   add("joint_position", ScalarType::kFloat64, {num_joints}, "rad or m", "Positions of the joints " + names + ".", Source::kJointPosition);
   add("joint_velocity", ScalarType::kFloat64, {num_joints}, "rad/s or m/s",
       "Velocities of the joints, not of their commands, on the way to this frame.", Source::kJointVelocity);
+}
+
+// Whether every sensor of a robot has such a column's values, and not the robot.
+bool isOfSensor(Source source) {
+  return source == Source::kImage || source == Source::kFloats || source == Source::kPose || source == Source::kSensorPose;
+}
+
+bool hasActionNoise(const Scene& scene) {
+  return scene.randomisation.linear_action_noise.max > 0 || scene.randomisation.angular_action_noise.max > 0;
 }
 
 std::vector<FrameColumn> frameColumns(const Scene& scene, const std::set<std::string>& groups) {
@@ -179,12 +209,22 @@ std::vector<FrameColumn> frameColumns(const Scene& scene, const std::set<std::st
                              [](const FrameView& f) { return f.ground_truth.penetration_depth; }));
   }
   // The sensor, its patches, its regions.
-  const std::size_t rows = static_cast<std::size_t>(1 + numFeaturePatches(scene.sensor) + scene.max_regions);
+  const std::size_t rows = static_cast<std::size_t>(1 + numFeaturePatches(scene.sensor) + numRegions(scene));
   if (groups.contains("contact_features")) {
     addContactFeatures<measuredContact>(columns, {"contact/", "the measured taxel forces", {rows}});
   }
   if (groups.contains("clean_contact_features")) {
     addContactFeatures<cleanContact>(columns, {"ground_truth/contact/", "the true taxel forces", {rows}});
+  }
+  const std::size_t jacobian_rows = static_cast<std::size_t>(1 + numFeaturePatches(scene.sensor));
+  if (groups.contains("tactile_jacobian")) {
+    addJacobian<measuredJacobian>(columns, {"jacobian/", "the taxel forces as the readout has them without noise", {jacobian_rows}});
+  }
+  if (groups.contains("clean_tactile_jacobian")) {
+    addJacobian<cleanJacobian>(columns, {"ground_truth/jacobian/", "the true taxel forces", {jacobian_rows}});
+    columns.push_back(floats("ground_truth/jacobian/contact_wrench", {6, 6}, "N/m, N/rad, N, N m/rad",
+                             "Derivative of the contact wrench by the sensor's twist, v then w in the sensor frame, of the normal forces.",
+                             [](const FrameView& f) { return f.ground_truth.jacobian.contact_wrench; }));
   }
   if (groups.contains("poses")) {
     columns.push_back({{"data/pose",
@@ -205,20 +245,23 @@ std::vector<FrameColumn> frameColumns(const Scene& scene, const std::set<std::st
                        nullptr});
   }
   if (groups.contains("actions")) {
-    columns.push_back({{"data/action",
-                        ScalarType::kFloat32,
-                        {6},
-                        "m/s, rad/s",
-                        "Twist of the sensor frame, in that frame, commanded after this frame: linear, then angular velocity.",
-                        false},
-                       Source::kAction,
-                       nullptr});
+    const auto add = [&](const char* name, const char* description, Source source) {
+      columns.push_back({{name, ScalarType::kFloat32, {6}, "m/s, rad/s", description, false}, source, nullptr});
+    };
+    add("data/action", "Twist of the sensor frame, in that frame, commanded after this frame: linear, then angular velocity.",
+        Source::kAction);
+    if (hasActionNoise(scene)) add("data/controller_action", "The same before noise was added.", Source::kControllerAction);
+  }
+  if (const auto num_sensors = static_cast<std::size_t>(numSensors(scene)); num_sensors > 1) {
+    for (FrameColumn& entry : columns) {
+      if (isOfSensor(entry.source)) entry.column.shape.insert(entry.column.shape.begin(), num_sensors);
+    }
   }
   if (groups.contains("robot")) addRobot(scene.robot, columns);
   return columns;
 }
 
-std::vector<EpisodeColumn> episodeColumns() {
+std::vector<EpisodeColumn> episodeColumns(const Scene& scene) {
   std::vector<EpisodeColumn> columns;
   const auto add = [&](const char* name, ScalarType type, const char* unit, const char* description, std::size_t offset) {
     columns.push_back({{std::string("meta/") + name, type, {}, unit, description, true}, offset});
@@ -237,33 +280,38 @@ std::vector<EpisodeColumn> episodeColumns() {
   add("gain_spread", ScalarType::kFloat32, "1", "Standard deviation of the logarithm of a further gain per taxel.",
       offsetof(EpisodeRecord, gain_spread));
   add("noise", ScalarType::kFloat32, "counts", "Standard deviation of the noise beside the sensor's own.", offsetof(EpisodeRecord, noise));
+  if (scene.kind != Scene::Kind::kServo) return columns;
+  add("controller", ScalarType::kInt32, "1", "Which controller of the scene, counted from 0.", offsetof(EpisodeRecord, controller));
+  add("exploration_velocity", ScalarType::kFloat32, "m/s", "Velocity of the exploration, in the direction that the controller has for it.",
+      offsetof(EpisodeRecord, exploration_velocity));
+  add("linear_action_noise", ScalarType::kFloat32, "m/s", "Standard deviation of the noise on each linear velocity.",
+      offsetof(EpisodeRecord, linear_action_noise));
+  add("angular_action_noise", ScalarType::kFloat32, "rad/s", "Standard deviation of the noise on each angular velocity.",
+      offsetof(EpisodeRecord, angular_action_noise));
   return columns;
 }
 
 }  // namespace
 
 ColumnPlan planColumns(const Scene& scene) {
+  return {frameColumns(scene, groupsOf(scene)), episodeColumns(scene)};
+}
+
+OutputOptions outputsOf(const Scene& scene) {
   const std::set<std::string> groups = groupsOf(scene);
-  ColumnPlan plan;
-  plan.frame = frameColumns(scene, groups);
-  plan.episode = episodeColumns();
-  plan.outputs = {.tactile_normal_force = groups.contains("tactile_normal_force"),
-                  .tactile_shear_force = groups.contains("tactile_shear_force"),
-                  .penetration_depth = groups.contains("penetration_depth"),
-                  .contact_features = groups.contains("contact_features"),
-                  .clean_contact_features = groups.contains("clean_contact_features")};
-  plan.max_regions = scene.max_regions;
-  return plan;
+  return {.tactile_normal_force = groups.contains("tactile_normal_force"),
+          .tactile_shear_force = groups.contains("tactile_shear_force"),
+          .penetration_depth = groups.contains("penetration_depth"),
+          .contact_features = groups.contains("contact_features"),
+          .clean_contact_features = groups.contains("clean_contact_features"),
+          .tactile_jacobian = groups.contains("tactile_jacobian"),
+          .clean_tactile_jacobian = groups.contains("clean_tactile_jacobian")};
 }
 
 std::size_t rowBytes(const Column& column) {
   std::size_t bytes = scalarSize(column.type);
   for (const std::size_t extent : column.shape) bytes *= extent;
   return bytes;
-}
-
-int numFrames(const Scene& scene) {
-  return scene.kind == Scene::Kind::kContacts ? 1 : scene.num_steps;
 }
 
 std::vector<Column> columnsOf(const Scene& scene) {

@@ -1,5 +1,6 @@
 #include "episodes/draw.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -14,28 +15,52 @@ double drawRange(EpisodeRandom& random, const Range& range) {
   return random.uniform(range.min, range.max);
 }
 
-int drawObject(EpisodeRandom& random, const std::vector<SceneObject>& objects) {
+// An index, chosen by weight.
+template <typename T>
+int drawWeighted(EpisodeRandom& random, const std::vector<T>& choices) {
   double sum = 0;
-  for (const SceneObject& object : objects) sum += object.weight;
+  for (const T& choice : choices) sum += choice.weight;
   double left = random.uniform() * sum;
-  int last = 0;  // rounding may leave a little over: it belongs to the last object that can be chosen
-  for (int i = 0; i < static_cast<int>(objects.size()); ++i) {
-    if (objects[i].weight <= 0) continue;
+  int last = 0;  // rounding may leave a little over: it belongs to the last one that can be chosen
+  for (int i = 0; i < static_cast<int>(choices.size()); ++i) {
+    if (choices[i].weight <= 0) continue;
     last = i;
-    if (left < objects[i].weight) break;
-    left -= objects[i].weight;
+    if (left < choices[i].weight) break;
+    left -= choices[i].weight;
   }
   return last;
 }
 
 }  // namespace
 
-EpisodeDrawer::EpisodeDrawer(const Scene& scene) : scene_(scene) {
-  lowest_.reserve(scene.objects.size());
-  for (const SceneObject& entry : scene.objects) lowest_.emplace_back(entry.object);
+int numFrames(const Scene& scene) {
+  return scene.kind == Scene::Kind::kContacts ? 1 : scene.num_steps;
 }
 
-Vector3 EpisodeDrawer::lowestPointOf(int object, const Quaternion& R_SO, std::uint64_t episode) const {
+int numSensors(const Scene& scene) {
+  const auto* manipulator = std::get_if<Manipulator>(&scene.robot);
+  return manipulator ? static_cast<int>(manipulator->sensors.size()) : 1;
+}
+
+int numRegions(const Scene& scene) {
+  const bool looked_at = scene.kind == Scene::Kind::kServo &&
+                         std::any_of(scene.controllers.begin(), scene.controllers.end(), [](const SceneController& controller) {
+                           return controller.servo.contact == ServoContact::kLargestRegion;
+                         });
+  return std::max(scene.max_regions, looked_at ? 1 : 0);
+}
+
+EpisodeDrawer::EpisodeDrawer(const Scene& scene) : scene_(scene) {
+  lowest_.reserve(scene.objects.size());
+  for (const SceneObject& entry : scene.objects) {
+    lowest_.emplace_back(entry.object);
+    edges_.emplace_back(entry);
+  }
+}
+
+// The point in O that is set down.
+Vector3 EpisodeDrawer::anchorOf(int object, const Quaternion& R_SO, std::uint64_t episode) const {
+  if (scene_.objects[object].anchor) return *scene_.objects[object].anchor;
   try {
     return lowest_[object].find(R_SO);
   } catch (const Error& error) {
@@ -48,7 +73,7 @@ EpisodeDraw EpisodeDrawer::draw(std::uint64_t episode) const {
   EpisodeRandom random(scene_.seed, episode);
   EpisodeDraw drawn;
 
-  drawn.object = drawObject(random, scene_.objects);
+  drawn.object = drawWeighted(random, scene_.objects);
   const double x = drawRange(random, ranges.x);
   const double y = drawRange(random, ranges.y);
   const double yaw = drawRange(random, ranges.yaw);
@@ -59,6 +84,11 @@ EpisodeDraw EpisodeDrawer::draw(std::uint64_t episode) const {
   drawn.variation.gain = static_cast<float>(drawRange(random, ranges.gain));
   drawn.variation.gain_spread = static_cast<float>(drawRange(random, ranges.gain_spread));
   drawn.variation.noise = static_cast<float>(drawRange(random, ranges.noise));
+  drawn.controller = drawWeighted(random, scene_.controllers);
+  const double exploration_velocity = drawRange(random, ranges.exploration_velocity.value_or(Range{}));
+  if (ranges.exploration_velocity) drawn.exploration_velocity = exploration_velocity;
+  drawn.linear_action_noise = drawRange(random, ranges.linear_action_noise);
+  drawn.angular_action_noise = drawRange(random, ranges.angular_action_noise);
 
   if (drawn.load_driven) {
     drawn.load = static_cast<float>(load_or_depth);
@@ -66,10 +96,24 @@ EpisodeDraw EpisodeDrawer::draw(std::uint64_t episode) const {
     drawn.depth = load_or_depth;
   }
 
+  const double along_contour = random.uniform();
+
   const Vector3 tilt_axis{std::cos(tilt_direction), std::sin(tilt_direction), 0};
-  drawn.X_SO.rotation = axisAngle({0, 0, 1}, yaw) * (axisAngle(tilt_axis, tilt) * scene_.objects[drawn.object].orientation);
-  const Vector3 lowest = rotate(drawn.X_SO.rotation, lowestPointOf(drawn.object, drawn.X_SO.rotation, episode));
-  drawn.X_SO.position = {x - lowest[0], y - lowest[1], -drawn.depth - lowest[2]};
+  const Quaternion laid = axisAngle(tilt_axis, tilt) * scene_.objects[drawn.object].orientation;
+  const TrueEdge& edge = edges_[drawn.object];
+  Vector3 anchor;
+  if (edge.contourLength() > 0) {
+    // The contour runs along x there before the yaw.
+    const TrueEdge::Place place = edge.at(along_contour * edge.contourLength());
+    const Vector3 direction = rotate(laid, place.direction);
+    drawn.X_SO.rotation = axisAngle({0, 0, 1}, yaw - std::atan2(direction[1], direction[0])) * laid;
+    anchor = place.point;
+  } else {
+    drawn.X_SO.rotation = axisAngle({0, 0, 1}, yaw) * laid;
+    anchor = anchorOf(drawn.object, drawn.X_SO.rotation, episode);
+  }
+  const Vector3 set_down = rotate(drawn.X_SO.rotation, anchor);
+  drawn.X_SO.position = {x - set_down[0], y - set_down[1], -drawn.depth - set_down[2]};
   return drawn;
 }
 

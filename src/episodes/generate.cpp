@@ -8,7 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "episodes/slice.h"
+#include "episodes/batch.h"
+#include "episodes/shard_sink.h"
 #include "taxelsim/error.h"
 #include "taxelsim/version.h"
 
@@ -19,28 +20,11 @@ using Clock = std::chrono::steady_clock;
 
 constexpr auto kProgressPeriod = std::chrono::milliseconds(250);
 
-void checkCount(const char* name, std::uint64_t value) {
-  if (value < 1) throw Error(ErrorKind::kInput, std::string(name) + ": " + std::to_string(value) + " found, at least 1 allowed");
-}
-
-// A scene need not come from loadScene().
 void checkRun(const Scene& scene, const GenerateOptions& options) {
-  checkCount("batch size", static_cast<std::uint64_t>(std::max(options.batch_size, 0)));
-  checkCount("slices", static_cast<std::uint64_t>(std::max(options.num_slices, 0)));
-  checkCount("episodes", scene.num_episodes);
-  checkCount("episodes_per_shard", scene.episodes_per_shard);
-  checkCount("num_steps", static_cast<std::uint64_t>(std::max(scene.num_steps, 0)));
-  checkCount("objects", scene.objects.size());
-  checkRobot(scene.robot);
-  if (const auto* manipulator = std::get_if<Manipulator>(&scene.robot); manipulator != nullptr && manipulator->sensors.size() > 1) {
-    throw Error(ErrorKind::kInput, scene.file.generic_string() + ": robot.sensors: " + std::to_string(manipulator->sensors.size()) +
-                                       " sensors, generate simulates 1 of each robot; several arrays are patches of one sensor");
-  }
-  for (const SceneObject& entry : scene.objects) {
-    checkObject(entry.object);
-    if (entry.motion) checkMotion(*entry.motion);
-  }
-  checkSensor(scene.sensor);
+  checkCount("batch size", options.batch_size);
+  checkCount("slices", options.num_slices);
+  checkCount("episodes_per_shard", static_cast<std::int64_t>(scene.episodes_per_shard));
+  checkScene(scene);
 }
 
 // Shards that one batch keeps in memory: those its episodes span, with a part of one at either end.
@@ -81,34 +65,6 @@ Manifest manifestOf(const Scene& scene, const Device& device) {
           .columns = columnsOf(scene)};
 }
 
-ModelOptions modelOptionsOf(const Scene& scene) {
-  ModelOptions options{.sensor = scene.sensor, .objects = {}};
-  for (const SceneObject& object : scene.objects) options.objects.push_back(object.object);
-  return options;
-}
-
-// Instances of each slice; no slice is empty. Each simulator checks its own part against the device; together they must fit as well.
-std::vector<int> cutBatch(const Model& model, const EpisodePlan& plan, int batch_size, int num_slices) {
-  num_slices = std::min(num_slices, batch_size);
-  const MemoryPlan memory = Simulator::plan(model, {.num_instances = batch_size,
-                                                    .num_slots = 1,
-                                                    .seed = plan.scene.seed,
-                                                    .outputs = plan.columns.outputs,
-                                                    .max_regions = plan.columns.max_regions});
-  const std::uint64_t have = model.device().info().memory;
-  const std::uint64_t fixed = memory.bytes_fixed * static_cast<std::uint64_t>(num_slices);
-  const std::uint64_t need = fixed + memory.bytes_per_instance * static_cast<std::uint64_t>(batch_size);
-  if (need > have) {
-    const std::uint64_t fits = have > fixed ? (have - fixed) / std::max<std::uint64_t>(memory.bytes_per_instance, 1) : 0;
-    throw Error(ErrorKind::kInput, "batch size: " + std::to_string(batch_size) + " instances in " + std::to_string(num_slices) +
-                                       " slices take " + std::to_string(need) + " bytes of device memory, " + std::to_string(have) +
-                                       " there are; at most " + std::to_string(fits) + " fit");
-  }
-  std::vector<int> sizes;
-  for (int s = 0; s < num_slices; ++s) sizes.push_back(batch_size / num_slices + (s < batch_size % num_slices ? 1 : 0));
-  return sizes;
-}
-
 // The state of one generate() call.
 class Run {
  public:
@@ -137,8 +93,6 @@ class Run {
   }
 
  private:
-  bool stopped() const { return options_.stop && options_.stop->load(std::memory_order_relaxed); }
-  void loop(std::vector<std::unique_ptr<Slice>>& slices, ShardQueue& queue, ShardWriter& shard_writer);
   void report(Clock::time_point now);
 
   const GenerateOptions& options_;
@@ -156,46 +110,24 @@ void Run::report(Clock::time_point now) {
   options_.on_progress(progress());
 }
 
-// Slices take turns. When a slice's turn comes its frame is read and its next one started; meanwhile the others' frames are computed.
-void Run::loop(std::vector<std::unique_ptr<Slice>>& slices, ShardQueue& queue, ShardWriter& shard_writer) {
-  for (const auto& slice : slices) {
-    slice->begin(queue);
-    if (slice->busy()) slice->submit();
-  }
-  bool any_busy = true;
-  while (any_busy) {
-    any_busy = false;
-    for (const auto& slice : slices) {
-      if (!slice->busy()) continue;
-      if (stopped()) {
-        for (const auto& other : slices) {
-          if (other->busy()) other->abandon();
-        }
-        return;
-      }
-      const Slice::Tally tally = slice->collect(queue, shard_writer);
-      progress().frames_done += tally.num_frames;
-      progress().episodes_done += tally.num_episodes;
-      result_.num_load_misses += tally.num_load_misses;
-      if (slice->busy()) {
-        slice->submit();
-        any_busy = true;
-      }
-      report(Clock::now());
-    }
-  }
-}
-
 void Run::simulate(const Model& model, const EpisodePlan& plan, ShardQueue& queue) {
   const int batch_size = static_cast<int>(std::min<std::uint64_t>(options_.batch_size, queue.numEpisodesLeft()));
+  const Recorder recorder(planColumns(plan.scene));
+  // Episodes of a batch end together, so as many shards can come at once as the batch spans; the device need not wait for them.
+  ShardWriter shard_writer(writer_, numShardsUnderWay(plan.scene, options_));
+  std::vector<std::unique_ptr<ShardSink>> sinks;
   std::vector<std::unique_ptr<Slice>> slices;
   for (const int size : cutBatch(model, plan, batch_size, options_.num_slices)) {
-    slices.push_back(std::make_unique<Slice>(model, plan, size));
+    sinks.push_back(std::make_unique<ShardSink>(recorder, queue, shard_writer, plan.num_frames, size));
+    slices.push_back(std::make_unique<Slice>(model, plan, size, *sinks.back()));
   }
-  // Episodes of a batch end together, so as many shards can come at once as the batch spans; the device need not wait for them.
   start_ = last_report_ = Clock::now();
-  ShardWriter shard_writer(writer_, numShardsUnderWay(plan.scene, options_));
-  loop(slices, queue, shard_writer);
+  playEpisodes(slices, options_.stop, [&](const Slice::Tally& tally) {
+    progress().frames_done += tally.num_frames;
+    progress().episodes_done += tally.num_episodes;
+    result_.num_load_misses += tally.num_load_misses;
+    report(Clock::now());
+  });
   shard_writer.close();
   progress().episodes_done = progress().episodes_resumed + shard_writer.numEpisodesWritten();
   progress().seconds = std::chrono::duration<double>(Clock::now() - start_).count();
@@ -206,7 +138,7 @@ void Run::simulate(const Model& model, const EpisodePlan& plan, ShardQueue& queu
 GenerateResult generate(const Device& device, const Scene& scene, const std::filesystem::path& directory, const GenerateOptions& options) {
   checkRun(scene, options);
   checkHostMemory(scene, options);
-  const EpisodePlan plan(scene);
+  const EpisodePlan plan(scene, outputsOf(scene));
   const Manifest manifest = manifestOf(scene, device);
   // What cannot run leaves no directory behind.
   const Model model(device, modelOptionsOf(scene));

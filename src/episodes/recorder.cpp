@@ -45,11 +45,16 @@ void copyImages(std::span<const std::uint32_t> counts, std::size_t num_taxels, s
   });
 }
 
-void copyPoses(std::span<const Pose> poses, std::span<const FramePlace> places, std::size_t column) {
-  forRows(places, column, 7 * sizeof(double), [&](std::size_t i, std::byte* to) {
-    const auto& [p, q] = poses[i];
-    const std::array<double, 7> row{p[0], p[1], p[2], q[0], q[1], q[2], q[3]};
-    std::memcpy(to, row.data(), sizeof row);
+// (num_instances x num_sensors)
+void copyPoses(std::span<const Pose> poses, std::size_t num_sensors, std::span<const FramePlace> places, std::size_t column) {
+  constexpr std::size_t kNumbers = 7;
+  forRows(places, column, num_sensors * kNumbers * sizeof(double), [&](std::size_t i, std::byte* to) {
+    for (const Pose& pose : poses.subspan(i * num_sensors, num_sensors)) {
+      const auto& [p, q] = pose;
+      const std::array<double, kNumbers> row{p[0], p[1], p[2], q[0], q[1], q[2], q[3]};
+      std::memcpy(to, row.data(), sizeof row);
+      to += sizeof row;
+    }
   });
 }
 
@@ -71,38 +76,40 @@ void copyTwists(std::span<const Twist> twists, std::span<const FramePlace> place
 
 }  // namespace
 
-void Recorder::recordFrames(const FrameView& frame, const FrameContext& context) const {
+void Recorder::recordFrames(const FrameView& frame, const FrameContext& context, std::span<const FramePlace> places) const {
   for (std::size_t c = 0; c < plan_.frame.size(); ++c) {
     const FrameColumn& entry = plan_.frame[c];
     const std::size_t row_bytes = rowBytes(entry.column);
     switch (entry.source) {
       case FrameColumn::Source::kTime:
-        forRows(context.places, c, sizeof(double),
-                [&](std::size_t i, std::byte* to) { std::memcpy(to, &context.times[i], sizeof(double)); });
+        forRows(places, c, sizeof(double), [&](std::size_t i, std::byte* to) { std::memcpy(to, &context.times[i], sizeof(double)); });
         break;
       case FrameColumn::Source::kImage:
-        copyImages(frame.tactile_image, row_bytes / sizeof(std::uint16_t), context.places, c);
+        copyImages(frame.tactile_image, row_bytes / sizeof(std::uint16_t), places, c);
         break;
       case FrameColumn::Source::kFloats:
-        copyRows(entry.floats(frame), row_bytes / sizeof(float), context.places, c);
+        copyRows(entry.floats(frame), row_bytes / sizeof(float), places, c);
         break;
       case FrameColumn::Source::kPose:
-        copyPoses(context.X_SO, context.places, c);
+        copyPoses(context.X_SO, static_cast<std::size_t>(context.num_sensors), places, c);
         break;
       case FrameColumn::Source::kSensorPose:
-        copyPoses(context.robots->X_WS(), context.places, c);
+        copyPoses(context.robots->X_WS(), static_cast<std::size_t>(context.num_sensors), places, c);
         break;
       case FrameColumn::Source::kAction:
-        copyTwists(context.twists, context.places, c);
+        copyTwists(context.actions, places, c);
+        break;
+      case FrameColumn::Source::kControllerAction:
+        copyTwists(context.controller_actions, places, c);
         break;
       case FrameColumn::Source::kJointPosition:
-        copyDoubles(context.robots->jointPositions(), row_bytes, context.places, c);
+        copyDoubles(context.robots->jointPositions(), row_bytes, places, c);
         break;
       case FrameColumn::Source::kJointVelocity:
-        copyDoubles(context.robots->jointVelocities(), row_bytes, context.places, c);
+        copyDoubles(context.robots->jointVelocities(), row_bytes, places, c);
         break;
       case FrameColumn::Source::kRobotStatus:
-        forRows(context.places, c, sizeof(std::int32_t), [&](std::size_t i, std::byte* to) {
+        forRows(places, c, sizeof(std::int32_t), [&](std::size_t i, std::byte* to) {
           const std::int32_t status = context.robots->status()[i];
           std::memcpy(to, &status, sizeof status);
         });

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <span>
 
-#include "control/robots.h"
 #include "episodes/columns.h"
+#include "episodes/episode_sink.h"
 #include "episodes/shard_queue.h"
 
 namespace taxelsim {
@@ -16,20 +16,12 @@ struct FramePlace {
   std::uint64_t row = 0;                // of the frame in its shard
 };
 
-// What a frame holds beside the simulator's outputs; all (N).
-struct FrameContext {
-  std::span<const FramePlace> places;
-  std::span<const double> times;  // s
-  std::span<const Pose> X_SO;
-  std::span<const Twist> twists;  // of the sensor frame
-  const Robots* robots;           // with one sensor each
-};
-
 class Recorder {
  public:
   explicit Recorder(const ColumnPlan& plan) : plan_(plan) {}
 
-  void recordFrames(const FrameView& frame, const FrameContext& context) const;
+  // `places` (N).
+  void recordFrames(const FrameView& frame, const FrameContext& context, std::span<const FramePlace> places) const;
   void recordEpisode(const EpisodeRecord& record, const EpisodePlace& place) const;
 
  private:

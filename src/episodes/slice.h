@@ -1,22 +1,21 @@
 // A part of the batch with its own simulator: every instance plays one episode after another until none are left. While one slice computes,
 // the host works on another. What an episode holds does not depend on which instance plays it, or when.
 //
-//   frame 0            the object is set down: by its load (the device finds the depth) or at its depth
-//   frames 1, 2, ...   the object rests in the world or goes its way, the sensor moves; the controller looks at a frame and commands the
-//   way to the next
+//   frame 0            the object is set down on the robot's first sensor: by its load (the device finds the depth) or at its depth. Where
+//                      the robot has more sensors, those must wait to see where it came to rest: then a frame that nobody sees goes before
+//   frames 1, 2, ...   the object rests in the world or goes its way, the sensors move; the controller looks at a frame of the first sensor
+//                      and commands the way to the next
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <vector>
 
 #include "control/robots.h"
 #include "control/tactile_servo.h"
 #include "episodes/draw.h"
-#include "episodes/recorder.h"
-#include "episodes/shard_queue.h"
-#include "episodes/shard_writer.h"
+#include "episodes/episode_sink.h"
+#include "episodes/true_edge.h"
 #include "taxelsim/simulator.h"
 #include "taxelsim/trajectory.h"
 
@@ -24,15 +23,24 @@ namespace taxelsim {
 
 // What all slices of a run share.
 struct EpisodePlan {
-  explicit EpisodePlan(const Scene& scene);
+  // `outputs`: what the sinks read; what the controllers look at is added. `controller`: its number, for all episodes instead of what they
+  // draw. Everything else in them is the same whoever controls.
+  EpisodePlan(const Scene& scene, const OutputOptions& outputs, std::optional<int> controller = {});
 
   const Scene& scene;
   EpisodeDrawer drawer;
-  ColumnPlan columns;
-  Recorder recorder;
+  OutputOptions outputs;
+  int num_sensors;     // of a robot; the simulator has that many instances for one of ours
   int num_frames;      // of an episode
   double dt;           // s, from frame to frame
   int control_period;  // frames
+  std::optional<int> controller;
+  bool wants_contact = false;      // a controller looks at contact features,
+  bool wants_jacobian = false;     // at the tactile Jacobian,
+  bool wants_exact_angle = false;  // or at the true angle
+  std::vector<TrueEdge> edges;     // of the objects
+
+  SimulatorOptions simulatorOptions(int num_instances) const;
 };
 
 class Slice {
@@ -42,13 +50,15 @@ class Slice {
     std::uint64_t num_frames = 0;
     std::uint64_t num_episodes = 0;  // ended
     std::uint64_t num_load_misses = 0;
+    double control_seconds = 0;  // what controllers, robots and objects took on the host, from this frame to the next
+    double wait_seconds = 0;     // for the device
   };
 
-  // Throws what Simulator throws. `plan` must outlive this.
-  Slice(const Model& model, const EpisodePlan& plan, int num_instances);
+  // Throws what Simulator throws. `plan` and `sink` must outlive this.
+  Slice(const Model& model, const EpisodePlan& plan, int num_instances, EpisodeSink& sink);
 
   // Gives every instance its first episode.
-  void begin(ShardQueue& queue);
+  void begin();
 
   // Whether any instance plays an episode.
   bool busy() const { return num_busy_ > 0; }
@@ -56,40 +66,55 @@ class Slice {
   // Starts the next frame; does not wait.
   void submit();
 
-  // Waits for it, records it, moves the sensors on; hands shards that are complete to `writer` and takes new episodes from `queue`.
-  Tally collect(ShardQueue& queue, ShardWriter& writer);
+  // Waits for it, shows it to the sink, moves the sensors on; takes new episodes from the sink where one has ended.
+  Tally collect();
 
   // Waits for a frame that nobody will use.
   void abandon() { simulator_.read(); }
 
  private:
   struct Slot {
-    EpisodePlace place;
     EpisodeDraw draw;
+    std::uint64_t episode = 0;
+    int controller = 0;
+    int first_frame = 0;  // 0, or -1: the object is set down while nobody looks
     int frame = 0;
-    Pose X_WO;                             // the world is where the sensor was at the start
-    std::optional<Trajectory> trajectory;  // of an object that moves on from there
+    double load_offset = 0;
+    bool load_reached = true;
+    std::optional<Trajectory> trajectory;  // of an object that moves on from where it was set down
   };
 
-  void startEpisode(int i, ShardQueue& queue);
-  bool settle(int i, const FrameView& frame);
+  void startEpisode(int i);
+  void resetSensors(int i);
+  void settle(int i, const FrameView& frame);
+  void announce(int i, const FrameView& frame);
+  void control(const FrameView& frame);
+  Twist actionNoise(int i) const;
   void follow(int i);
 
   const EpisodePlan& plan_;
+  EpisodeSink& sink_;
   Simulator simulator_;
   std::optional<TactileServoController> controller_;  // of a servo scene
   Robots robots_;
   int num_busy_ = 0;
   bool loads_changed_ = false;
+  double submit_seconds_ = 0;
 
-  // (num_instances) each.
-  std::vector<Slot> slots_;
+  // (num_instances x num_sensors) each.
   std::vector<int> ids_;
   std::vector<Pose> X_SO_;
   std::vector<float> loads_;
-  std::vector<FramePlace> places_;
+
+  // (num_instances) each.
+  std::vector<Slot> slots_;
+  std::vector<std::uint8_t> busy_;
+  std::vector<std::uint8_t> shown_;  // busy, and its frame is one of an episode
+  std::vector<Pose> X_WO_;           // the world is where the robot's base was at the start
   std::vector<double> times_;
-  std::vector<Twist> twists_;
+  std::vector<Twist> twists_;   // as the controllers want them
+  std::vector<Twist> actions_;  // with noise
+  std::vector<float> exact_angles_;
   std::vector<float> start_forces_;
   std::vector<std::uint8_t> due_;
 };

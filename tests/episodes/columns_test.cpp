@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 
+#include "episodes/draw.h"
 #include "example_scene.h"
 #include "taxelsim/error.h"
 #include "taxelsim/generate.h"
@@ -25,8 +26,20 @@ const Column& columnNamed(const std::vector<Column>& columns, const std::string&
   return *found;
 }
 
-const std::set<std::string> kAlways = {"data/time",  "meta/episode",      "meta/object", "meta/load",        "meta/load_driven",
-                                       "meta/depth", "meta/load_reached", "meta/gain",   "meta/gain_spread", "meta/noise"};
+const std::set<std::string> kAlways = {"data/time",
+                                       "meta/episode",
+                                       "meta/object",
+                                       "meta/load",
+                                       "meta/load_driven",
+                                       "meta/depth",
+                                       "meta/load_reached",
+                                       "meta/gain",
+                                       "meta/gain_spread",
+                                       "meta/noise",
+                                       "meta/controller",
+                                       "meta/exploration_velocity",
+                                       "meta/linear_action_noise",
+                                       "meta/angular_action_noise"};
 const std::set<std::string> kFeatures = {"total_force", "peak_force", "center_of_pressure", "second_moments",
                                          "eigenvalues", "edge_angle", "edge_confidence",    "contact_area"};
 
@@ -112,18 +125,40 @@ TEST(Columns, ContactFeaturesHaveARowForSensorPatchesAndRegions) {
   EXPECT_EQ(shape("total_force"), (std::vector<std::size_t>{1}));
 }
 
+TEST(Columns, TactileJacobiansHaveARowForSensorAndPatches) {
+  Scene scene = exampleScene();
+  scene.record = {"tactile_jacobian", "clean_tactile_jacobian"};
+  std::set<std::string> expected = kAlways;
+  for (const char* name : {"center_of_pressure", "total_force", "edge_angle"}) {
+    expected.insert(std::string("data/jacobian/") + name);
+    expected.insert(std::string("data/ground_truth/jacobian/") + name);
+  }
+  expected.insert("data/ground_truth/jacobian/contact_wrench");
+  EXPECT_EQ(namesOf(scene), expected);
+  const auto shape = [&](const char* name) { return columnNamed(columnsOf(scene), name).shape; };
+  EXPECT_EQ(shape("data/jacobian/center_of_pressure"), (std::vector<std::size_t>{2, 3, 6}));
+  EXPECT_EQ(shape("data/ground_truth/jacobian/contact_wrench"), (std::vector<std::size_t>{6, 6}));
+  scene.sensor.patches.push_back(scene.sensor.patches[0]);
+  EXPECT_EQ(shape("data/jacobian/total_force"), (std::vector<std::size_t>{3, 6}));
+  for (const Column& column : columnsOf(scene)) EXPECT_TRUE(column.description.ends_with('.')) << column.name;
+  EXPECT_TRUE(outputsOf(scene).tactile_jacobian);
+  EXPECT_TRUE(outputsOf(scene).clean_tactile_jacobian);
+}
+
 TEST(Columns, AskTheSimulatorForNoMoreThanIsRecorded) {
   Scene scene = exampleScene();
-  EXPECT_TRUE(planColumns(scene).outputs.tactile_shear_force);
+  EXPECT_TRUE(outputsOf(scene).tactile_shear_force);
   scene.record = {"penetration_depth"};
-  const OutputOptions outputs = planColumns(scene).outputs;
+  const OutputOptions outputs = outputsOf(scene);
   EXPECT_FALSE(outputs.tactile_normal_force);
   EXPECT_FALSE(outputs.tactile_shear_force);
   EXPECT_TRUE(outputs.penetration_depth);
   EXPECT_FALSE(outputs.contact_features);
   EXPECT_FALSE(outputs.clean_contact_features);
-  EXPECT_TRUE(planColumns(exampleScene()).outputs.contact_features);
-  EXPECT_EQ(planColumns(exampleScene()).max_regions, 2);
+  EXPECT_FALSE(outputs.tactile_jacobian);
+  EXPECT_FALSE(outputs.clean_tactile_jacobian);
+  EXPECT_TRUE(outputsOf(exampleScene()).contact_features);
+  EXPECT_EQ(numRegions(exampleScene()), 2);
 }
 
 TEST(Columns, RefusesUnknownNames) {

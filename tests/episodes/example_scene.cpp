@@ -32,7 +32,7 @@ Scene exampleScene() {
   scene.randomisation.gain = {0.9, 1.1};
   scene.randomisation.gain_spread = {0, 0.05};
   scene.randomisation.noise = {0, 5};
-  scene.controller.exploration_velocity = 0.002;
+  scene.controllers[0].servo.exploration_velocity = 0.002;
   scene.record = {"tactile_image",
                   "features",
                   "ground_truth",

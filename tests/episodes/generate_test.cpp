@@ -202,21 +202,75 @@ TEST(Generate, RobotsDoNotDependOnBatchOrSlices) {
   expectIndependentOfBatch(scene);
 }
 
-TEST(Generate, RefusesRobotsWithSeveralSensors) {
-  const TestDirectory directory;
-  Scene scene = exampleScene();
+// Two arrays on one plate, 40 mm apart along y.
+constexpr double kApart = 0.04;  // m
+
+Robot robotWith(int num_sensors) {
   PanTilt platform;
-  platform.sensors.push_back({"pan", {}});
-  scene.robot = panTilt(platform);
-  try {
-    generateWith(scene, directory.path(), 16, 2);
-    FAIL() << "no error";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    EXPECT_NE(std::string(error.what()).find("robot.sensors: 2 sensors, generate simulates 1 of each robot"), std::string::npos)
-        << error.what();
+  if (num_sensors > 1) platform.sensors.push_back({"tilt", {{0, kApart, 0.03}, {1, 0, 0, 0}}});
+  return panTilt(platform);
+}
+
+TEST(Generate, SeveralSensorsOfARobotDoNotDependOnBatchOrSlices) {
+  Scene scene = exampleScene();
+  scene.robot = robotWith(2);
+  expectIndependentOfBatch(scene);
+}
+
+// What the first sensor sees does not depend on whether there is a second one.
+TEST(Generate, TheFirstOfSeveralSensorsIsAsItWereAlone) {
+  Scene scene = exampleScene();
+  scene.sensor.readout.noise = 0;
+  scene.randomisation.gain_spread = scene.randomisation.noise = {0, 0};
+  scene.randomisation.load.reset();
+  scene.randomisation.depth = Range{1e-4, 5e-4};
+  scene.record = {"tactile_image", "features", "poses"};
+  const TestDirectory directory;
+  std::vector<std::map<std::string, std::vector<double>>> columns(2);
+  for (const int num_sensors : {1, 2}) {
+    scene.robot = robotWith(num_sensors);
+    const std::filesystem::path path = directory.path() / std::to_string(num_sensors);
+    ASSERT_TRUE(generateWith(scene, path, 7, 2).complete);
+    const DatasetReader reader(path);
+    for (const char* name : {"data/tactile_image", "data/total_force", "data/pose", "data/sensor_pose"}) {
+      const std::vector<double> values = reader.readAsDouble(name, 0, reader.numFrames());
+      const std::size_t row = values.size() / reader.numFrames(), of_one = row / static_cast<std::size_t>(num_sensors);
+      for (std::size_t at = 0; at < values.size(); at += row) {
+        std::vector<double>& first = columns[static_cast<std::size_t>(num_sensors - 1)][name];
+        first.insert(first.end(), values.begin() + static_cast<std::ptrdiff_t>(at),
+                     values.begin() + static_cast<std::ptrdiff_t>(at + of_one));
+      }
+    }
   }
-  EXPECT_FALSE(std::filesystem::exists(directory.path()));
+  EXPECT_EQ(columns[0], columns[1]);
+}
+
+// A plate over both: under the load that the first sensor carries the second one reads the same, where it is.
+TEST(Generate, EverySensorOfARobotSeesWhereTheObjectCameToRest) {
+  Scene scene = exampleScene();
+  scene.robot = robotWith(2);
+  scene.sensor.readout.noise = 0;
+  scene.randomisation = {};
+  scene.randomisation.load = Range{1, 4};
+  scene.objects.resize(1);
+  scene.objects[0] = {.object = Object("plate", HalfSpace{})};
+  scene.record = {"ground_truth", "poses"};
+  const TestDirectory directory;
+  ASSERT_TRUE(generateWith(scene, directory.path(), 7, 2).complete);
+  const DatasetReader reader(directory.path());
+  const std::vector<double> force = reader.readAsDouble("data/ground_truth/total_force", 0, reader.numFrames());
+  const std::vector<double> sensor_pose = reader.readAsDouble("data/sensor_pose", 0, reader.numFrames());
+  const std::vector<double> load = reader.readAsDouble("meta/load", 0, scene.num_episodes);
+  const auto num_steps = static_cast<std::size_t>(scene.num_steps);
+  ASSERT_EQ(force.size(), 2 * num_steps * scene.num_episodes);
+  // The load search ends within 1e-3 of the load; float32 heights of some 1e-5 m have 2^-21 m / 2e-3 m of their depth.
+  constexpr double kLoad = 2e-3;
+  for (std::size_t e = 0; e < scene.num_episodes; ++e) {
+    const std::size_t row = e * num_steps;
+    for (const std::size_t s : {std::size_t{0}, std::size_t{1}}) EXPECT_NEAR(force[2 * row + s], load[e], kLoad * load[e]) << e << " " << s;
+    // Apart by what the mounts are, at first along y of the world, which is the first sensor's.
+    EXPECT_NEAR(sensor_pose[7 * (2 * row + 1) + 1] - sensor_pose[7 * (2 * row) + 1], kApart, 1e-12);
+  }
 }
 
 TEST(Generate, RefusesAMotionThatIsNone) {

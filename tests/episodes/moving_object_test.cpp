@@ -23,7 +23,7 @@ Scene sceneWith(const Motion& motion, const TactileServo& servo) {
   scene.num_episodes = scene.episodes_per_shard = 6;
   scene.randomisation.yaw = {-0.2, 0.2};
   scene.randomisation.noise = {0, 0};
-  scene.controller = servo;
+  scene.controllers[0].servo = servo;
   return scene;
 }
 

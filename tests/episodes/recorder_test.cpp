@@ -117,7 +117,16 @@ TEST(Recorder, PutsEveryValueInItsPlace) {
   const Recorder recorder(plan);
   Robots robots(scene.robot, 3);
   robots.command(twists, 0.01);
-  recorder.recordFrames(frame.view, {places, times, X_SO, twists, &robots});
+  recorder.recordFrames(frame.view,
+                        {.playing = {},
+                         .times = times,
+                         .num_sensors = 1,
+                         .X_SO = X_SO,
+                         .X_WO = {},
+                         .actions = twists,
+                         .controller_actions = {},
+                         .robots = &robots},
+                        places);
 
   for (const std::size_t instance : {std::size_t{0}, std::size_t{2}}) {
     const ShardBuffer& buffer = instance == 0 ? *third.buffer : *second.buffer;

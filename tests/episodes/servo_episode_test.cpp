@@ -32,8 +32,8 @@ Scene servoScene() {
   // The bar's axis lies along y at yaw 0, which is the target.
   scene.randomisation.yaw = {-60 * kDegree, 60 * kDegree};
   scene.randomisation.load = Range{2, 5};
-  scene.controller = edgeServo();
-  scene.controller[ServoFeature::kEdgeAngle].reference = kTargetAngle;
+  scene.controllers[0].servo = edgeServo();
+  scene.controllers[0].servo[ServoFeature::kEdgeAngle].reference = kTargetAngle;
   return scene;
 }
 
@@ -104,6 +104,50 @@ TEST(ServoEpisode, PressesUntilItReadsTheForce) {
     const double trigger = scene.sensor.readout.trigger * numTaxels(scene.sensor);
     EXPECT_NEAR(force[(episode + 1) * kNumSteps - 1], 2 * load[episode], 2 * kForceLimit * load[episode] + trigger)
         << "episode " << episode;
+  }
+}
+
+// With the measured tactile Jacobian every feature falls as its own sampled law, (1 - kp Ts)^n, whatever the contact's stiffness.
+TEST(ServoEpisode, TheMeasuredJacobianMakesForceAndCentreFollowTheirLaw) {
+  Scene scene = servoScene();
+  scene.num_steps = 40;
+  scene.sensor.readout.trigger = 0;
+  scene.sensor.readout.noise = 0;
+  scene.sensor.readout.curve = {10000};  // 0.1 mN a count, over some 20 taxels
+  scene.sensor.readout.adc_bits = 16;
+  scene.sensor.readout.saturation = 65535;
+  scene.randomisation.x = {-0.002, 0.002};
+  scene.randomisation.y = {-0.004, 0.004};
+  scene.randomisation.load = Range{2, 5};
+  scene.objects = {{.object = Object("ball", Sphere{.radius = 0.012})}};
+  constexpr double kGain = 5, kForce = 3.5;
+  TactileServo servo{.max_angular_velocity = 10, .max_linear_velocity = 1};
+  servo[ServoFeature::kTotalForce] = {.selected = true, .reference = kForce, .kp = kGain};
+  servo[ServoFeature::kCenterX] = {.selected = true, .kp = kGain};
+  servo[ServoFeature::kCenterY] = {.selected = true, .kp = kGain};
+  servo.jacobian = TactileJacobianSource::kMeasured;
+  scene.controllers[0].servo = servo;
+  const TestDirectory directory;
+  ASSERT_TRUE(generate(Device::open(), scene, directory.path(), {.batch_size = 12, .on_progress = {}, .stop = nullptr}).complete);
+  const DatasetReader reader(directory.path());
+  const std::vector<double> force = reader.readAsDouble("data/total_force", 0, reader.numFrames());
+  const std::vector<double> center = reader.readAsDouble("data/center_of_pressure", 0, reader.numFrames());
+  // Force is curved in depth: the derivative of a step of 5 % of at most 1.5 N in 3 is off by at most 1.25 % of the step, and the
+  // Jacobian at 4 x 4 samples by its own 1 % of force and 4 % of centre.
+  constexpr double kForceLeft = 0.03, kCenterLeft = 0.05;
+  // A ball that slides over samples, four to five to its contact's radius, changes its force by up to 1 %.
+  constexpr double kRipple = 0.01 * kForce;
+  for (std::uint64_t episode = 0; episode < scene.num_episodes; ++episode) {
+    const std::uint64_t first = episode * 40;
+    for (std::uint64_t n = 0; n < 40; ++n) {
+      const double left = std::pow(1 - kGain / scene.simulation_rate, n);
+      EXPECT_NEAR(force[first + n] - kForce, left * (force[first] - kForce), kForceLeft * std::abs(force[first] - kForce) + kRipple)
+          << "episode " << episode << ", frame " << n;
+      for (const std::size_t axis : {0, 1}) {
+        EXPECT_NEAR(center[3 * (first + n) + axis], left * center[3 * first + axis], kCenterLeft * 0.004)
+            << "episode " << episode << ", frame " << n;
+      }
+    }
   }
 }
 

@@ -1,0 +1,78 @@
+#include "episodes/batch.h"
+
+#include <algorithm>
+#include <string>
+
+#include "taxelsim/error.h"
+
+namespace taxelsim {
+
+void checkCount(const char* name, std::int64_t value) {
+  if (value < 1) throw Error(ErrorKind::kInput, std::string(name) + ": " + std::to_string(value) + " found, at least 1 allowed");
+}
+
+void checkScene(const Scene& scene) {
+  checkCount("episodes", static_cast<std::int64_t>(scene.num_episodes));
+  checkCount("num_steps", scene.num_steps);
+  checkCount("objects", static_cast<std::int64_t>(scene.objects.size()));
+  if (scene.kind == Scene::Kind::kServo) checkCount("controllers", static_cast<std::int64_t>(scene.controllers.size()));
+  checkRobot(scene.robot);
+  for (const SceneObject& entry : scene.objects) {
+    checkObject(entry.object);
+    if (entry.motion) checkMotion(*entry.motion);
+  }
+  checkSensor(scene.sensor);
+}
+
+ModelOptions modelOptionsOf(const Scene& scene) {
+  ModelOptions options{.sensor = scene.sensor, .objects = {}};
+  for (const SceneObject& object : scene.objects) options.objects.push_back(object.object);
+  return options;
+}
+
+std::vector<int> cutBatch(const Model& model, const EpisodePlan& plan, int batch_size, int num_slices) {
+  num_slices = std::min(num_slices, batch_size);
+  const MemoryPlan memory = Simulator::plan(model, plan.simulatorOptions(batch_size));
+  const std::uint64_t bytes_per_instance = memory.bytes_per_instance * static_cast<std::uint64_t>(plan.num_sensors);
+  const std::uint64_t have = model.device().info().memory;
+  const std::uint64_t fixed = memory.bytes_fixed * static_cast<std::uint64_t>(num_slices);
+  const std::uint64_t need = fixed + bytes_per_instance * static_cast<std::uint64_t>(batch_size);
+  if (need > have) {
+    const std::uint64_t fits = have > fixed ? (have - fixed) / std::max<std::uint64_t>(bytes_per_instance, 1) : 0;
+    throw Error(ErrorKind::kInput, "batch size: " + std::to_string(batch_size) + " instances in " + std::to_string(num_slices) +
+                                       " slices take " + std::to_string(need) + " bytes of device memory, " + std::to_string(have) +
+                                       " there are; at most " + std::to_string(fits) + " fit");
+  }
+  std::vector<int> sizes;
+  for (int s = 0; s < num_slices; ++s) sizes.push_back(batch_size / num_slices + (s < batch_size % num_slices ? 1 : 0));
+  return sizes;
+}
+
+void playEpisodes(std::span<const std::unique_ptr<Slice>> slices, const std::atomic<bool>* stop,
+                  const std::function<void(const Slice::Tally&)>& after_turn) {
+  for (const auto& slice : slices) {
+    slice->begin();
+    if (slice->busy()) slice->submit();
+  }
+  bool any_busy = true;
+  while (any_busy) {
+    any_busy = false;
+    for (const auto& slice : slices) {
+      if (!slice->busy()) continue;
+      if (stop && stop->load(std::memory_order_relaxed)) {
+        for (const auto& other : slices) {
+          if (other->busy()) other->abandon();
+        }
+        return;
+      }
+      const Slice::Tally tally = slice->collect();
+      if (slice->busy()) {
+        slice->submit();
+        any_busy = true;
+      }
+      after_turn(tally);
+    }
+  }
+}
+
+}  // namespace taxelsim

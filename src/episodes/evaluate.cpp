@@ -1,0 +1,187 @@
+#include "taxelsim/evaluate.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
+#include "episodes/batch.h"
+#include "episodes/judge.h"
+#include "taxelsim/error.h"
+
+namespace taxelsim {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::uint64_t kMaxEpisodes = std::uint64_t{1} << 24;  // verdicts are held in memory
+constexpr int kNumStarts = 5;
+constexpr double kLeastRange = 0.1;              // tolerances, over which errors start, for a start to make a difference
+constexpr double kNormal95 = 1.959963984540054;  // quantile 0.975 of the standard normal
+
+Quantiles quantilesOf(std::vector<double> values) {
+  std::erase_if(values, [](double value) { return !std::isfinite(value); });
+  if (values.empty()) return {};
+  std::sort(values.begin(), values.end());
+  // The value that at least this part does not exceed.
+  const auto at = [&](double part) {
+    const double rank = std::ceil(part * static_cast<double>(values.size()));
+    return values[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
+  };
+  return {at(0.5), at(0.95), values.back()};
+}
+
+// Where the judged error that starts most unequally starts, in its tolerances.
+struct Starts {
+  std::size_t measure = 0;
+  double lowest = 0, highest = 0;
+};
+
+Starts startsOf(const Task& task, const std::vector<Verdict>& verdicts) {
+  Starts starts;
+  double widest = kLeastRange;
+  for (std::size_t m = 0; m < task.criteria.size(); ++m) {
+    if (!task.criteria[m]) continue;
+    double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+    for (const Verdict& verdict : verdicts) {
+      if (!std::isfinite(verdict.start_error[m])) continue;
+      lowest = std::min<double>(lowest, verdict.start_error[m]);
+      highest = std::max<double>(highest, verdict.start_error[m]);
+    }
+    const double width = (highest - lowest) / task.criteria[m]->tolerance;
+    if (!(width > widest)) continue;
+    widest = width;
+    starts = {m, lowest, highest};
+  }
+  return starts;
+}
+
+std::vector<Score> scoresByStart(const Starts& starts, const std::vector<Verdict>& verdicts) {
+  const auto [measure, lowest, highest] = starts;
+  std::vector<Score> scores;
+  if (!(highest > lowest)) return scores;
+  const double width = (highest - lowest) / kNumStarts;
+  std::vector<std::vector<Verdict>> parts(kNumStarts);
+  for (const Verdict& verdict : verdicts) {
+    const double error = verdict.start_error[measure];
+    if (std::isfinite(error)) parts[std::min(static_cast<std::size_t>((error - lowest) / width), parts.size() - 1)].push_back(verdict);
+  }
+  const auto& [unit, per_si] = kTaskMeasureUnits[measure];
+  for (int k = 0; k < kNumStarts; ++k) {
+    char name[80];
+    std::snprintf(name, sizeof name, "%s %.3g to %.3g %s", kTaskMeasureNames[measure], (lowest + k * width) * per_si,
+                  (lowest + (k + 1) * width) * per_si, unit);
+    scores.push_back(scoreOf(name, parts[static_cast<std::size_t>(k)]));
+    scores.back().start_error = {lowest + k * width, lowest + (k + 1) * width};
+  }
+  return scores;
+}
+
+std::vector<int> numbersOf(const Scene& scene, const std::vector<std::string>& names) {
+  std::vector<int> numbers;
+  std::string known;
+  for (const SceneController& controller : scene.controllers) known += (known.empty() ? "" : ", ") + controller.name;
+  for (const std::string& name : names) {
+    const auto found = std::find_if(scene.controllers.begin(), scene.controllers.end(),
+                                    [&](const SceneController& controller) { return controller.name == name; });
+    if (found == scene.controllers.end()) {
+      throw Error(ErrorKind::kInput, scene.file.generic_string() + ": controller: \"" + name + "\" found, one of " + known + " allowed");
+    }
+    numbers.push_back(static_cast<int>(found - scene.controllers.begin()));
+  }
+  for (int c = 0; names.empty() && c < static_cast<int>(scene.controllers.size()); ++c) numbers.push_back(c);
+  return numbers;
+}
+
+Evaluation evaluationOf(const Scene& scene, int controller, std::vector<Verdict> verdicts) {
+  Evaluation evaluation;
+  evaluation.controller = scene.controllers[static_cast<std::size_t>(controller)].name;
+  evaluation.verdicts = std::move(verdicts);
+  evaluation.total = scoreOf("all", evaluation.verdicts);
+  for (std::size_t object = 0; object < scene.objects.size(); ++object) {
+    std::vector<Verdict> of_object;
+    for (const Verdict& verdict : evaluation.verdicts) {
+      if (verdict.object == static_cast<int>(object)) of_object.push_back(verdict);
+    }
+    evaluation.by_object.push_back(scoreOf(scene.objects[object].object.name, of_object));
+  }
+  const Starts starts = startsOf(*scene.task, evaluation.verdicts);
+  evaluation.start_measure = static_cast<int>(starts.measure);
+  evaluation.by_start = scoresByStart(starts, evaluation.verdicts);
+  return evaluation;
+}
+
+}  // namespace
+
+Score scoreOf(const std::string& name, const std::vector<Verdict>& verdicts) {
+  Score score;
+  score.name = name;
+  score.num_episodes = verdicts.size();
+  std::vector<double> settling, peak;
+  std::array<std::vector<double>, kNumTaskMeasures> steady;
+  for (const Verdict& verdict : verdicts) {
+    score.num_successes += verdict.success ? 1 : 0;
+    settling.push_back(verdict.settling_time);
+    peak.push_back(verdict.peak_force);
+    for (std::size_t m = 0; m < steady.size(); ++m) steady[m].push_back(verdict.steady_error[m]);
+    score.num_lost += verdict.num_losses > 0 ? 1 : 0;
+    score.num_saturated += verdict.saturated > 0 ? 1 : 0;
+    for (std::size_t bit = 0; bit < score.num_robot.size(); ++bit) score.num_robot[bit] += verdict.robot >> bit & 1;
+  }
+  score.settling_time = quantilesOf(std::move(settling));
+  score.peak_force = quantilesOf(std::move(peak));
+  for (std::size_t m = 0; m < steady.size(); ++m) score.steady_error[m] = quantilesOf(std::move(steady[m]));
+  if (score.num_episodes == 0) return score;
+  const double n = static_cast<double>(score.num_episodes), rate = static_cast<double>(score.num_successes) / n;
+  const double z2 = kNormal95 * kNormal95, middle = (rate + z2 / (2 * n)) / (1 + z2 / n);
+  const double half = kNormal95 / (1 + z2 / n) * std::sqrt(rate * (1 - rate) / n + z2 / (4 * n * n));
+  score.success_rate = rate;
+  score.success_low = std::max(0.0, middle - half);
+  score.success_high = std::min(1.0, middle + half);
+  return score;
+}
+
+std::vector<Evaluation> evaluate(const Device& device, const Scene& scene, const std::vector<std::string>& controllers,
+                                 const EvaluateOptions& options) {
+  checkCount("batch size", options.batch_size);
+  checkCount("slices", options.num_slices);
+  checkScene(scene);
+  if (!scene.task) throw Error(ErrorKind::kInput, scene.file.generic_string() + ": task is missing: what the controllers are judged by");
+  if (scene.num_episodes > kMaxEpisodes) {
+    throw Error(ErrorKind::kInput, "episodes: " + std::to_string(scene.num_episodes) + " found, at most " + std::to_string(kMaxEpisodes) +
+                                       " are judged at once");
+  }
+  const std::vector<int> numbers = numbersOf(scene, controllers);
+  const Model model(device, modelOptionsOf(scene));
+  const int batch_size = static_cast<int>(std::min<std::uint64_t>(static_cast<std::uint64_t>(options.batch_size), scene.num_episodes));
+  const auto stopped = [&] { return options.stop && options.stop->load(std::memory_order_relaxed); };
+
+  Progress progress;
+  progress.num_episodes = scene.num_episodes * numbers.size();
+  const Clock::time_point start = Clock::now();
+  std::vector<Evaluation> evaluations;
+  for (const int number : numbers) {
+    const OutputOptions none{.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false};
+    const EpisodePlan plan(scene, none, number);
+    std::vector<Verdict> verdicts(scene.num_episodes);
+    std::uint64_t next = 0;
+    std::vector<std::unique_ptr<Judge>> judges;
+    std::vector<std::unique_ptr<Slice>> slices;
+    for (const int size : cutBatch(model, plan, batch_size, options.num_slices)) {
+      judges.push_back(std::make_unique<Judge>(plan, next, verdicts, size));
+      slices.push_back(std::make_unique<Slice>(model, plan, size, *judges.back()));
+    }
+    playEpisodes(slices, options.stop, [&](const Slice::Tally& tally) {
+      progress.frames_done += tally.num_frames;
+      progress.episodes_done += tally.num_episodes;
+      progress.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+      if (options.on_progress) options.on_progress(progress);
+    });
+    if (stopped()) break;
+    evaluations.push_back(evaluationOf(scene, number, std::move(verdicts)));
+  }
+  return evaluations;
+}
+
+}  // namespace taxelsim

@@ -1,0 +1,21 @@
+// The edge angle that a controller looks at.
+#pragma once
+
+#include <optional>
+
+#include "taxelsim/control.h"
+#include "taxelsim/simulator.h"
+
+namespace taxelsim {
+
+// Of one instance, rad; none where it is the exact one, which no frame holds.
+inline std::optional<double> feltAngle(const TactileServo& servo, const FrameView& view, std::size_t instance) {
+  if (servo.edge_angle_source == EdgeAngleSource::kExact) return {};
+  if (!needsContactFeatures(servo)) return view.edge_angle[instance];
+  const ContactFeatureView& contact = view.contact;
+  const auto region = static_cast<std::size_t>(servo.contact == ServoContact::kLargestRegion ? 1 + contact.num_patches : 0);
+  const std::size_t row = instance * static_cast<std::size_t>(contact.num_rows) + region;
+  return servo.edge_angle_source == EdgeAngleSource::kWindow ? contact.windowed_edge_angle[row] : contact.edge_angle[row];
+}
+
+}  // namespace taxelsim
