@@ -22,6 +22,7 @@ inline std::string refuseNegative(const std::string& text) {
 
 // Each adds its subcommand to `app`; choosing it sets `action`, which outlives the call.
 void addDevices(CLI::App& app, Action& action);
+void addEvaluate(CLI::App& app, Action& action);
 void addExperiment(CLI::App& app, Action& action);
 void addFrame(CLI::App& app, Action& action);
 void addGenerate(CLI::App& app, Action& action);

@@ -50,7 +50,9 @@ MemoryPlan planFor(const DeviceInfo& info, const Scene& scene) {
                                              .tactile_shear_force = records("tactile_shear_force"),
                                              .penetration_depth = records("penetration_depth"),
                                              .contact_features = records("contact_features"),
-                                             .clean_contact_features = records("clean_contact_features")},
+                                             .clean_contact_features = records("clean_contact_features"),
+                                             .tactile_jacobian = records("tactile_jacobian"),
+                                             .clean_tactile_jacobian = records("clean_tactile_jacobian")},
                                  .max_regions = scene.max_regions});
 }
 

@@ -1,4 +1,4 @@
-// `taxelsim experiment`: sensor models beside each other on the paper's static experiments.
+// `taxelsim experiment`: sensor models beside each other on the paper's static experiments, and its servo experiments beside theory.
 #include <spdlog/fmt/fmt.h>
 
 #include <CLI/CLI.hpp>
@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "cli/commands.h"
+#include "cli/servo_report.h"
 #include "cli/tactile_figure.h"
 #include "cli/taxel_chart.h"
 #include "taxelsim/device.h"
@@ -135,34 +136,54 @@ void drawFigures(const std::string& directory, const StaticExperiment& experimen
   }
 }
 
-int runExperiment(const Arguments& arguments) {
-  const StaticExperiment experiment = loadStaticExperiment(arguments.file);
-  const StaticResult result =
-      runStaticExperiment(Device::open({.device = arguments.device, .validation = arguments.validation}), experiment);
-  if (!arguments.directory.empty()) drawFigures(arguments.directory, experiment, result);
-  if (!arguments.json) {
-    printTable(experiment, result);
-    return kExitOk;
-  }
+nlohmann::ordered_json asJson(const StaticExperiment& experiment, const StaticResult& result) {
   nlohmann::ordered_json json{{"experiment", experiment.name}, {"reference", asJson(experiment, result.reference)}};
   json["sensors"] = nlohmann::ordered_json::array();
   for (const StaticImages& images : result.sensors) json["sensors"].push_back(asJson(experiment, images));
-  fmt::print("{}\n", json.dump(2));
+  return json;
+}
+
+void report(const Arguments& arguments, const Device& device, const StaticExperiment& experiment) {
+  const StaticResult result = runStaticExperiment(device, experiment);
+  if (!arguments.directory.empty()) drawFigures(arguments.directory, experiment, result);
+  if (arguments.json) {
+    fmt::print("{}\n", asJson(experiment, result).dump(2));
+  } else {
+    printTable(experiment, result);
+  }
+}
+
+void report(const Arguments& arguments, const Device& device, const ServoExperiment& experiment) {
+  const ServoResult result = runServoExperiment(device, experiment);
+  if (!arguments.directory.empty()) drawServoFigures(arguments.directory, experiment, result);
+  if (arguments.json) {
+    fmt::print("{}\n", servoJson(experiment, result).dump());
+  } else {
+    fmt::print("{}", servoTables(experiment, result));
+  }
+}
+
+int runExperiment(const Arguments& arguments) {
+  const Experiment experiment = loadExperiment(arguments.file);
+  const Device device = Device::open({.device = arguments.device, .validation = arguments.validation});
+  std::visit([&](const auto& of_its_kind) { report(arguments, device, of_its_kind); }, experiment);
   return kExitOk;
 }
 
 }  // namespace
 
 void addExperiment(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("experiment", "Sensor models beside each other: indenters under dead weights, as in the paper");
+  CLI::App* command = app.add_subcommand("experiment", "The paper's experiments: indenters under dead weights, edges held by a robot");
   command->footer(
       "Example:\n  taxelsim experiment scenes/experiments/paper/static_indenters.yaml -o figures/\n"
-      "Every model's images, in newtons, are judged by those of the experiment's reference.");
+      "  taxelsim experiment scenes/experiments/paper/pan_tilt.yaml -o figures/\n"
+      "Of indenters, every model's images, in newtons, are judged by those of the experiment's reference. Of servo loops, every run is "
+      "held\n"
+      "against theory where there is one.");
   const auto arguments = std::make_shared<Arguments>();
   command->add_option("experiment", arguments->file, "Experiment file (YAML)")->required()->type_name("FILE");
-  command->add_option("-o,--output", arguments->directory, "Draw a picture of every indenter and load into this directory")
-      ->type_name("DIR");
-  command->add_flag("--json", arguments->json, "Print JSON with every image");
+  command->add_option("-o,--output", arguments->directory, "Draw figures into this directory")->type_name("DIR");
+  command->add_flag("--json", arguments->json, "Print JSON with everything, not a table");
   command->add_option("--device", arguments->device, "discrete, integrated, cpu, a number of `taxelsim devices` or part of a name")
       ->type_name("D");
   command->add_flag("--validation", arguments->validation, "Run with Vulkan's validation layers; slow");

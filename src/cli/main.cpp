@@ -49,6 +49,7 @@ int run(int argc, char** argv) {
   addDevices(app, action);
   addGenerate(app, action);
   addFrame(app, action);
+  addEvaluate(app, action);
   addExperiment(app, action);
   addInspect(app, action);
   addRender(app, action);

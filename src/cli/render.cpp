@@ -44,18 +44,20 @@ std::vector<double> row(const DatasetReader& reader, const std::string& name, st
   return values.size() == length ? values : std::vector<double>{};
 }
 
-// A grid as it is, a list of taxels by their outlines if these are known; any other shape as lines of taxels in storage order.
+// A grid as it is, a list of taxels by their outlines if these are known; any other shape as lines of taxels in storage order. Of a robot
+// with several sensors the first one's.
 TactilePanel imageOf(const DatasetReader& reader, const std::vector<TaxelOutline>& outlines, std::uint64_t frame) {
   const Manifest& manifest = reader.manifest();
   TactilePanel panel;
   panel.values = reader.readAsDouble(kImage, frame, 1);
-  const std::vector<std::size_t>& shape = find(manifest, kImage)->shape;
-  if (shape.size() == 2) {
-    panel.num_rows = static_cast<int>(shape[0]);
-    panel.num_cols = static_cast<int>(shape[1]);
+  if (manifest.num_rows > 0) {
+    panel.num_rows = manifest.num_rows;
+    panel.num_cols = manifest.num_cols;
+    panel.values.resize(static_cast<std::size_t>(manifest.num_rows) * static_cast<std::size_t>(manifest.num_cols));
     if (manifest.pitch[0] > 0 && manifest.pitch[1] > 0) panel.pitch = manifest.pitch;
     return panel;
   }
+  panel.values.resize(find(manifest, kImage)->shape.back());
   panel.neighbours = false;
   if (panel.values.size() == outlines.size()) {
     panel.outlines = outlines;

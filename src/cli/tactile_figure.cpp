@@ -1,47 +1,32 @@
 #include "cli/tactile_figure.h"
 
-#include <cairo.h>
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <numbers>
+#include <utility>
 
+#include "cli/canvas.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim::cli {
 namespace {
 
-struct Colour {
-  double red = 0, green = 0, blue = 0;
-};
-
-constexpr Colour rgb(unsigned code) {
-  return {(code >> 16) / 255.0, (code >> 8 & 255) / 255.0, (code & 255) / 255.0};
-}
-
 // Viridis (Smith, van der Walt and Firing, 2015) at eleven even places: lightness rises evenly, and it reads in grey and to the
 // colour-blind.
 constexpr std::array<Colour, 11> kViridis{rgb(0x440154), rgb(0x482475), rgb(0x414487), rgb(0x355f8d), rgb(0x2a788e), rgb(0x21918c),
                                           rgb(0x22a884), rgb(0x44bf70), rgb(0x7ad151), rgb(0xbddf26), rgb(0xfde725)};
-constexpr Colour kInk = rgb(0x1f2430), kGrey = rgb(0x6b7280), kPaper = rgb(0xffffff), kGap = rgb(0xe8eaee);
-constexpr Colour kContour = rgb(0xe5322d), kAxis = rgb(0x2f7de1);
+constexpr Colour kContour = kRed, kAxis = kBlue;
 constexpr double kDarkTextFrom = 0.52;  // luminance of a cell from which on dark type reads better than white
-constexpr const char* kFont = "DejaVu Sans";
 
-// Lengths in points; the picture has kPixelsPerPoint pixels a point.
-constexpr double kPixelsPerPoint = 2;
-constexpr double kMargin = 24, kGutter = 26;
-constexpr double kHeading = 17, kBody = 11, kSmall = 9.5;   // sizes of type
+// Lengths in points.
 constexpr double kSmallestValue = 5.5, kLargestValue = 12;  // sizes of type in cells
 constexpr double kPanelLength = 300;                        // longer side of a panel
 constexpr double kSmallestPanel = 90;                       // shorter side, which makes room for captions
 constexpr double kLeastWidth = 330;                         // of all panels, which makes room for the title
 constexpr double kBarWidth = 14, kBarGap = 22, kBarText = 52;
 constexpr double kTitleRoom = 17, kCaptionRoom = 19, kLegendRoom = 24;
-constexpr double kLargestSide = 30000;  // pixels; Cairo's image surfaces end at 32767
-constexpr int kTicks = 5;
 
 Colour viridis(double t) {
   const double place = std::clamp(t, 0.0, 1.0) * (kViridis.size() - 1);
@@ -56,74 +41,9 @@ double luminance(const Colour& c) {
   return 0.2126 * c.red + 0.7152 * c.green + 0.0722 * c.blue;
 }
 
-// A step of 1, 2 or 5 times a power of ten that gives about kTicks ticks.
-double tickStep(double max) {
-  const double raw = max / kTicks;
-  const double power = std::pow(10.0, std::floor(std::log10(raw)));
-  for (const double step : {1.0, 2.0, 5.0})
-    if (step * power >= raw) return step * power;
-  return 10 * power;
-}
-
 std::string valueText(double value) {
   return value == std::round(value) && std::abs(value) < 1e6 ? fmt::format("{:.0f}", value) : fmt::format("{:.3g}", value);
 }
-
-class Canvas {
- public:
-  Canvas(double width, double height)
-      : surface_(cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(std::ceil(width * kPixelsPerPoint)),
-                                            static_cast<int>(std::ceil(height * kPixelsPerPoint))),
-                 cairo_surface_destroy),
-        cairo_(cairo_create(surface_.get()), cairo_destroy) {
-    if (cairo_status(cairo_.get()) != CAIRO_STATUS_SUCCESS)
-      throw Error(ErrorKind::kInput, fmt::format("cannot draw a picture of {:.0f} x {:.0f} points: {}", width, height,
-                                                 cairo_status_to_string(cairo_status(cairo_.get()))));
-    cairo_scale(*this, kPixelsPerPoint, kPixelsPerPoint);
-    colour(kPaper);
-    cairo_paint(*this);
-    cairo_set_line_join(*this, CAIRO_LINE_JOIN_ROUND);
-    cairo_set_line_cap(*this, CAIRO_LINE_CAP_ROUND);
-  }
-
-  operator cairo_t*() const { return cairo_.get(); }  // NOLINT(google-explicit-constructor): passed to C functions only
-
-  void colour(const Colour& c, double alpha = 1) const { cairo_set_source_rgba(*this, c.red, c.green, c.blue, alpha); }
-
-  void font(double size, bool bold = false) const {
-    cairo_select_font_face(*this, kFont, CAIRO_FONT_SLANT_NORMAL, bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
-    cairo_set_font_size(*this, size);
-  }
-
-  double widthOf(const std::string& text) const {
-    cairo_text_extents_t extents;
-    cairo_text_extents(*this, text.c_str(), &extents);
-    return extents.x_advance;
-  }
-
-  // `anchor` 0 puts the left end at x, 1/2 the middle, 1 the right end; y is the baseline. Text longer than `room` is set smaller.
-  void text(double x, double y, const std::string& text, double anchor = 0, double room = 0) const {
-    cairo_save(*this);
-    const double width = widthOf(text);
-    const double scale = room > 0 && width > room ? room / width : 1;
-    cairo_translate(*this, x - anchor * width * scale, y);
-    cairo_scale(*this, scale, scale);
-    cairo_move_to(*this, 0, 0);
-    cairo_show_text(*this, text.c_str());
-    cairo_restore(*this);
-    cairo_new_path(*this);
-  }
-
-  void save(const std::filesystem::path& file) const {
-    const cairo_status_t status = cairo_surface_write_to_png(surface_.get(), file.c_str());
-    if (status != CAIRO_STATUS_SUCCESS)
-      throw Error(ErrorKind::kIo, "cannot write " + file.string() + ": " + cairo_status_to_string(status));
-  }
-
- private:
-  std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)> surface_;
-  std::unique_ptr<cairo_t, decltype(&cairo_destroy)> cairo_;
-};
 
 // Sizes of one panel, all from its grid: cells keep the taxels' proportions.
 struct PanelSize {
@@ -311,6 +231,33 @@ void drawAxes(const Canvas& canvas, const TactilePanel& panel, const PanelSize& 
   cairo_restore(canvas);
 }
 
+// Lines right across the image.
+void drawLines(const Canvas& canvas, const TactilePanel& panel, const PanelSize& size) {
+  cairo_save(canvas);
+  cairo_rectangle(canvas, 0, 0, size.width, size.height);
+  cairo_clip(canvas);
+  std::array<double, 2> low{-0.5 * panel.num_rows * panel.pitch[0], -0.5 * panel.num_cols * panel.pitch[1]};
+  std::array<double, 2> scale{size.cell_height / panel.pitch[0], size.cell_width / panel.pitch[1]};
+  if (!panel.outlines.empty()) {
+    const Extent extent = extentOf(panel.outlines);
+    low = extent.low;
+    scale.fill(size.height / (extent.high[0] - extent.low[0]));
+  }
+  const double half = size.width + size.height;  // points: past every corner
+  for (const TactileLine& line : panel.lines) {
+    const double x = (line.through[1] - low[1]) * scale[1], y = (line.through[0] - low[0]) * scale[0];
+    const double dx = half * std::sin(line.angle), dy = half * std::cos(line.angle);
+    for (const auto& [colour, halo] : {std::pair{kPaper, 1.6}, std::pair{line.colour, 0.0}}) {
+      cairo_move_to(canvas, x - dx, y - dy);
+      cairo_line_to(canvas, x + dx, y + dy);
+      canvas.colour(colour);
+      cairo_set_line_width(canvas, 2.4 + halo);
+      cairo_stroke(canvas);
+    }
+  }
+  cairo_restore(canvas);
+}
+
 void drawColourBar(const Canvas& canvas, double x, double y, double height, double max, const std::string& unit) {
   cairo_pattern_t* pattern = cairo_pattern_create_linear(0, y + height, 0, y);
   for (std::size_t i = 0; i < kViridis.size(); ++i)
@@ -324,15 +271,14 @@ void drawColourBar(const Canvas& canvas, double x, double y, double height, doub
   canvas.font(kSmall);
   cairo_set_line_width(canvas, 0.8);
   const double top = max > 0 ? max : 1;
-  const double step = tickStep(top);
-  for (int tick = 0; tick * step <= top * (1 + 1e-9); ++tick) {
-    const double level = y + height * (1 - tick * step / top);
+  for (const double tick : ticksOf(0, top)) {
+    const double level = y + height * (1 - tick / top);
     canvas.colour(kGrey);
     cairo_move_to(canvas, x + kBarWidth, level);
     cairo_line_to(canvas, x + kBarWidth + 4, level);
     cairo_stroke(canvas);
     canvas.colour(kInk);
-    canvas.text(x + kBarWidth + 7, level + 0.36 * kSmall, fmt::format("{:g}", tick * step));
+    canvas.text(x + kBarWidth + 7, level + 0.36 * kSmall, fmt::format("{:g}", tick));
   }
   canvas.colour(kGrey);
   canvas.text(x, y - 7, unit, 0, kBarWidth + kBarText);
@@ -358,13 +304,29 @@ void drawFrame(const Canvas& canvas, double x, double y) {
   canvas.text(x + 6, y + kLength + 1.5, "x");
 }
 
+using LegendEntry = std::pair<Colour, std::string>;
+
+// What the lines of all panels are, each once.
+std::vector<LegendEntry> legendOf(const std::vector<TactilePanel>& panels) {
+  std::vector<LegendEntry> entries;
+  if (std::any_of(panels.begin(), panels.end(), [](const TactilePanel& panel) { return panel.neighbours; })) {
+    entries = {{kContour, "outline of the contact"}, {kAxis, "principal axes, 2 standard deviations"}};
+  }
+  for (const TactilePanel& panel : panels) {
+    for (const TactileLine& line : panel.lines) {
+      const auto has_name = [&](const LegendEntry& entry) { return entry.second == line.name; };
+      if (std::none_of(entries.begin(), entries.end(), has_name)) entries.emplace_back(line.colour, line.name);
+    }
+  }
+  return entries;
+}
+
 // Below the panels: which way x and y run, and what the lines are.
-void drawLegend(const Canvas& canvas, double foot) {
+void drawLegend(const Canvas& canvas, double foot, const std::vector<LegendEntry>& entries) {
   drawFrame(canvas, kMargin + 4, foot);
   double x = kMargin + 52;
   canvas.font(kSmall);
-  for (const auto& [colour, word] :
-       {std::pair{kContour, "outline of the contact"}, std::pair{kAxis, "principal axes, 2 standard deviations"}}) {
+  for (const auto& [colour, word] : entries) {
     canvas.colour(colour);
     cairo_set_line_width(canvas, 2.4);
     cairo_move_to(canvas, x, foot + 8);
@@ -411,7 +373,7 @@ void writeTactileFigure(const std::filesystem::path& file, const std::vector<Tac
   double max = 0;
   std::vector<PanelSize> sizes;
   double widest = 0, highest = 0;
-  bool titles = false, captions = false, neighbours = false;
+  bool titles = false, captions = false;
   for (const TactilePanel& panel : panels) {
     for (const double value : panel.values) max = std::isfinite(value) ? std::max(max, value) : max;
     sizes.push_back(sizeOf(panel));
@@ -419,8 +381,8 @@ void writeTactileFigure(const std::filesystem::path& file, const std::vector<Tac
     highest = std::max(highest, sizes.back().height);
     titles |= !panel.title.empty();
     captions |= !panel.caption.empty();
-    neighbours |= panel.neighbours;
   }
+  const std::vector<LegendEntry> legend = legendOf(panels);
   const double title_room = titles ? kTitleRoom : 0, caption_room = captions ? kCaptionRoom : 0;
   const double step_x = widest + kGutter, step_y = title_room + highest + caption_room + kGutter;
   const auto count = static_cast<int>(panels.size());
@@ -429,19 +391,14 @@ void writeTactileFigure(const std::filesystem::path& file, const std::vector<Tac
   const int num_cols = std::clamp(wanted, 1, count);
   const int num_rows = (count + num_cols - 1) / num_cols;
   const double grid_width = std::max(num_cols * step_x - kGutter, kLeastWidth), grid_height = num_rows * step_y - kGutter;
-  const double heading = kMargin + kHeading + (options.subtitle.empty() ? 0 : kBody + 8) + 20;
+  const double heading = headingRoom(options.subtitle);
   const double width = kMargin + grid_width + kBarGap + kBarWidth + kBarText + kMargin;
-  const double height = heading + grid_height + kMargin + (neighbours ? kLegendRoom : 0);
+  const double height = heading + grid_height + kMargin + (legend.empty() ? 0 : kLegendRoom);
   if (std::max(width, height) * kPixelsPerPoint > kLargestSide)
     throw Error(ErrorKind::kInput, fmt::format("{} images do not fit into one picture: ask for fewer", count));
 
   const Canvas canvas(width, height);
-  canvas.colour(kInk);
-  canvas.font(kHeading, true);
-  canvas.text(kMargin, kMargin + 0.75 * kHeading, options.title, 0, width - 2 * kMargin);
-  canvas.colour(kGrey);
-  canvas.font(kBody);
-  canvas.text(kMargin, kMargin + kHeading + 0.9 * kBody + 4, options.subtitle, 0, width - 2 * kMargin);
+  canvas.heading(options.title, options.subtitle, width);
 
   for (int p = 0; p < count; ++p) {
     const TactilePanel& panel = panels[static_cast<std::size_t>(p)];
@@ -457,7 +414,8 @@ void writeTactileFigure(const std::filesystem::path& file, const std::vector<Tac
       drawAxes(canvas, panel, size);
       drawContour(canvas, panel, size);
     }
-    drawValues(canvas, panel, size, max);
+    drawLines(canvas, panel, size);
+    if (panel.numbers) drawValues(canvas, panel, size, max);
     canvas.colour(kGrey);
     canvas.font(kSmall);
     canvas.text(0, size.height + kSmall + 5, panel.caption, 0, widest);
@@ -468,7 +426,7 @@ void writeTactileFigure(const std::filesystem::path& file, const std::vector<Tac
   drawColourBar(canvas, kMargin + grid_width + kBarGap, bar_top, std::min(grid_height - title_room - caption_room, 420.0), max,
                 options.unit);
 
-  if (neighbours) drawLegend(canvas, heading + grid_height + 20);
+  if (!legend.empty()) drawLegend(canvas, heading + grid_height + 20, legend);
   canvas.save(file);
 }
 

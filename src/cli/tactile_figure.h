@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "cli/canvas.h"
+
 namespace taxelsim::cli {
 
 // The ellipse of second moments of a contact, in the frame of the patch.
@@ -20,6 +22,14 @@ struct ContactAxes {
 // Corners (x, y) of a taxel that is no cell of a grid, m, in the picture's own frame: x runs down the page, y to the right.
 using TaxelOutline = std::array<std::array<double, 2>, 4>;
 
+// A line across an image, m, in the frame of its patch; of outlines in theirs.
+struct TactileLine {
+  std::array<double, 2> through{0, 0};  // x and y
+  double angle = 0;                     // rad, from x towards y
+  Colour colour = kRed;
+  std::string name{};  // in the legend
+};
+
 // One image. Rows run down the page and columns to the right, so x points down, y to the right and z, out of the skin, at the reader.
 struct TactilePanel {
   int num_rows = 0, num_cols = 0;
@@ -29,6 +39,8 @@ struct TactilePanel {
   std::string title;
   std::string caption;
   std::optional<ContactAxes> axes;
+  std::vector<TactileLine> lines{};
+  bool numbers = true;     // values are written into cells that have room
   bool neighbours = true;  // false when cells side by side are not so on the sensor: then no outline and no axes are drawn
 };
 

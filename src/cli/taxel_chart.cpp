@@ -75,6 +75,26 @@ std::vector<TaxelOutline> unrolled(const Sensor& sensor) {
   return outlines;
 }
 
+std::vector<TaxelOutline> outlinesOf(const Sensor& sensor) {
+  if (isTaxelList(sensor)) return unrolled(sensor);
+  std::vector<TaxelOutline> outlines;
+  for (const GridPatch& patch : sensor.patches) {
+    for (int i = 0; i < patch.num_rows; ++i) {
+      for (int j = 0; j < patch.num_cols; ++j) {
+        TaxelOutline& outline = outlines.emplace_back();
+        constexpr int kCorners[4][2] = {{0, 0}, {0, 1}, {1, 1}, {1, 0}};
+        for (std::size_t c = 0; c < outline.size(); ++c) {
+          const Vector3 corner_P{(i + kCorners[c][0] - 0.5 * patch.num_rows) * patch.pitch[0],
+                                 (j + kCorners[c][1] - 0.5 * patch.num_cols) * patch.pitch[1], 0};
+          const Vector3 corner = add(patch.X_SP.position, rotate(patch.X_SP.rotation, corner_P));
+          outline[c] = {corner[0], corner[1]};
+        }
+      }
+    }
+  }
+  return outlines;
+}
+
 std::optional<Sensor> listedTaxels(const Manifest& manifest) {
   Sensor sensor;
   try {

@@ -14,6 +14,9 @@ namespace taxelsim::cli {
 // keeps its distances from the middle.
 std::vector<TaxelOutline> unrolled(const Sensor& sensor);
 
+// Outlines of all taxels of a sensor, (num_taxels): of a list unrolled(), of grids where they lie in the xy plane of S.
+std::vector<TaxelOutline> outlinesOf(const Sensor& sensor);
+
 // The taxels that a data set's scene lists in place; none where the sensor is something else or came from a mesh or URDF.
 std::optional<Sensor> listedTaxels(const Manifest& manifest);
 

@@ -1,10 +1,10 @@
 // The picture's geometry by numbers: axes of an image, and where colours land.
-#include <cairo.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <filesystem>
 
+#include "cli/picture.h"
 #include "cli/tactile_figure.h"
 #include "taxelsim/error.h"
 
@@ -40,30 +40,47 @@ TEST(Figure, ShowsTheContactWhereItIs) {
   panel.values = {0, 0, 0, 9, 0, 0, 0, 0};
   const std::filesystem::path file = std::filesystem::temp_directory_path() / "taxelsim-figure-test.png";
   writeTactileFigure(file, {panel}, {.title = "one taxel", .subtitle = "", .unit = "counts"});
-  cairo_surface_t* picture = cairo_image_surface_create_from_png(file.c_str());
-  ASSERT_EQ(cairo_surface_status(picture), CAIRO_STATUS_SUCCESS);
-  const int width = cairo_image_surface_get_width(picture), height = cairo_image_surface_get_height(picture);
-  const unsigned char* data = cairo_image_surface_get_data(picture);
-  const int stride = cairo_image_surface_get_stride(picture);
-  const auto counted = [&](unsigned code) {
-    int count = 0;
-    double mean_x = 0, mean_y = 0;
-    for (int y = 0; y < height; ++y)
-      for (int x = 0; x < width; ++x) {
-        const auto* pixel = reinterpret_cast<const std::uint32_t*>(data + y * stride) + x;
-        if ((*pixel & 0xffffff) != code) continue;
-        ++count;
-        mean_x += x;
-        mean_y += y;
+  const testing::Picture picture(file);
+  const auto dark = picture.of(0x440154), bright = picture.of(0xfde725);
+  EXPECT_GT(dark.count, 5 * bright.count) << "seven taxels against one";
+  EXPECT_GT(bright.x, dark.x) << "column 3 lies to the right";
+  EXPECT_LT(bright.y, dark.y) << "row 0 lies at the top";
+  EXPECT_GT(picture.of(0xe5322d).count, 100) << "a red outline";
+  std::filesystem::remove(file);
+}
+
+// x runs down the page and y to the right: a line along y lies level, one along x stands; both in a grid and among outlines.
+TEST(Figure, LinesLieAsTheyShould) {
+  TactilePanel grid;
+  grid.num_rows = grid.num_cols = 3;
+  grid.values.assign(9, 1);
+  grid.numbers = false;
+  TactilePanel outlines = grid;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      const double x = i - 1.5, y = j - 1.5;
+      outlines.outlines.push_back({{{x, y}, {x, y + 1}, {x + 1, y + 1}, {x + 1, y}}});
+    }
+  }
+  grid.neighbours = outlines.neighbours = false;
+  const std::filesystem::path file = std::filesystem::temp_directory_path() / "taxelsim-lines-test.png";
+  for (const TactilePanel& panel : {grid, outlines}) {
+    for (const double angle : {0.0, std::acos(0.0)}) {
+      TactilePanel drawn = panel;
+      drawn.lines = {{.through = {-1, 1}, .angle = angle, .colour = rgb(0x123456), .name = ""}};
+      writeTactileFigure(file, {drawn}, {.title = "", .subtitle = "", .unit = ""});
+      const testing::Picture picture(file);
+      // The legend shows a piece of the line too, at the left foot of the page; the image's is the long one.
+      const testing::Picture::Spot line = picture.of(0x123456), cells = picture.of(0xfde725);
+      if (angle == 0) {
+        EXPECT_GT(line.right, (cells.left + cells.right) / 2) << "y is 1: in the last column";
+        EXPECT_LE(line.top, cells.top + 4) << "from the first row on";
+      } else {
+        EXPECT_NEAR(line.right, cells.right, 4) << "right across";
+        EXPECT_NEAR(line.top, cells.top + (cells.bottom - cells.top) / 6, 8) << "x is -1: in the first row";
       }
-    return std::array{static_cast<double>(count), mean_x / count, mean_y / count};
-  };
-  const auto dark = counted(0x440154), bright = counted(0xfde725);
-  EXPECT_GT(dark[0], 5 * bright[0]) << "seven taxels against one";
-  EXPECT_GT(bright[1], dark[1]) << "column 3 lies to the right";
-  EXPECT_LT(bright[2], dark[2]) << "row 0 lies at the top";
-  EXPECT_GT(counted(0xe5322d)[0], 100) << "a red outline";
-  cairo_surface_destroy(picture);
+    }
+  }
   std::filesystem::remove(file);
 }
 

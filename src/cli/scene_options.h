@@ -1,0 +1,23 @@
+// What commands that play a scene's episodes have in common.
+#pragma once
+
+#include <CLI/App.hpp>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "taxelsim/scene.h"
+
+namespace taxelsim::cli {
+
+struct SceneOptions {
+  std::string scene, device;
+  SceneOverrides overrides{};
+  int batch_size = 0;
+  bool validation = false;
+};
+
+// Adds SCENE, --episodes, --seed, --batch-size, --device and --validation. `options` must outlive the parsing.
+void addSceneOptions(CLI::App& command, SceneOptions& options, int default_batch_size);
+
+}  // namespace taxelsim::cli
