@@ -35,6 +35,7 @@ struct Case {
   std::function<void(Sensor&)> change;  // of the sensor whose law is winkler
   bool cold = false;                    // every frame from nothing, as the first of an episode
   int max_regions = -1;                 // of measured contact features; -1: none of these features
+  bool jacobian = false;                // the measured tactile Jacobian is asked for
 };
 
 Skin elasticSkin(const Skin& skin, ElasticLayer::Base base, double margin) {
@@ -96,6 +97,7 @@ std::vector<Case> allCases() {
        }},
       {"contact features, no regions", [](Sensor&) {}, false, 0},
       {"contact features, four regions", [](Sensor&) {}, false, 4},
+      {"tactile Jacobian", [](Sensor&) {}, false, -1, true},
   };
 }
 
@@ -111,7 +113,8 @@ class Run {
                                                .outputs = {.tactile_normal_force = false,
                                                            .tactile_shear_force = false,
                                                            .penetration_depth = false,
-                                                           .contact_features = work.max_regions >= 0},
+                                                           .contact_features = work.max_regions >= 0,
+                                                           .tactile_jacobian = work.jacobian},
                                                .max_regions = std::max(work.max_regions, 0)});
   }
 
