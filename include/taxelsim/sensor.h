@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <variant>
@@ -208,10 +209,13 @@ struct CreepTerm {
 };
 
 // Force after the spread -> counts, per taxel:
-//   x = gain F - trigger;  counts = clip(round(output_scale sum_m curve[m] x^(m+1) + noise), 0, saturation)
+//   x = gain F - trigger;  y = sum_m curve[m] x^(m+1);  counts = clip(round(output_scale y / (1 + y / curve_limit) + noise), 0, saturation)
 // where the curve goes on below x = 0 as a straight line, so that noise meets the trigger as it does in the electronics.
 struct Readout {
-  std::vector<double> curve{1};       // counts / N^(m+1), m = 0 .. degree - 1, 1 to 5 terms; must rise over the range used
+  std::vector<double> curve{1};  // counts / N^(m+1), m = 0 .. degree - 1, 1 to 5 terms; must rise over the range used
+  // Counts that the output tends to, > saturation / output_scale, or 0 for none: the curve of a taxel whose conductance grows as `curve`
+  // and which is one arm of a voltage divider.
+  double curve_limit = 0;
   double output_scale = 1;            // > 0; the paper's k_scale
   double trigger = 0;                 // N, >= 0; smallest force that shows
   int adc_bits = 12;                  // 1 to 16
@@ -272,5 +276,9 @@ void checkSensor(const Sensor& sensor);
 
 // Reads a sensor file (docs/file_formats.md). Throws Error(kInput) with file, line, column and key.
 Sensor loadSensor(const std::filesystem::path& file);
+
+// The text of a sensor file that loadSensor() reads as the same sensor, all settings in SI units. `notes`: what to say beside a key
+// ("readout.trigger"), one line without control characters each; "" at the head of the file.
+std::string sensorText(const Sensor& sensor, const std::map<std::string, std::string>& notes = {});
 
 }  // namespace taxelsim

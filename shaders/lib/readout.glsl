@@ -7,7 +7,7 @@ float curveCoefficient(int power) {
   return power <= 4 ? sensor.curve0[power - 1] : sensor.curve1[power - 5];
 }
 
-// Counts before output scale, for x = gain F - trigger; a straight line below 0.
+// Counts before limit and output scale, for x = gain F - trigger; a straight line below 0.
 float curveAt(float x) {
   if (x <= 0.0) return CURVE_SLOPE * x;
   float y = 0.0;
@@ -15,15 +15,24 @@ float curveAt(float x) {
   return y;
 }
 
+// What a voltage divider makes of it; and back.
+float limited(float y) {
+  return CURVE_LIMIT > 0.0 && y > 0.0 ? y * CURVE_LIMIT / (CURVE_LIMIT + y) : y;
+}
+
+float unlimited(float y) {
+  return CURVE_LIMIT > 0.0 ? y * CURVE_LIMIT / (CURVE_LIMIT - y) : y;
+}
+
 uint countsOf(float force, float gain, float trigger, float noise) {
-  float counts = OUTPUT_SCALE * curveAt(gain * force - trigger) + noise;
+  float counts = OUTPUT_SCALE * limited(curveAt(gain * force - trigger)) + noise;
   return uint(clamp(floor(counts + 0.5), 0.0, SATURATION));
 }
 
 // Newton's method on the rising curve, from its own tangent at 0; a straight line is done at once.
 float nominalForce(uint counts) {
   if (counts == 0) return 0.0;
-  float y = float(counts) / OUTPUT_SCALE;
+  float y = unlimited(float(counts) / OUTPUT_SCALE);
   float x = y / CURVE_SLOPE;
   if (CURVE_DEGREE > 1) {
     const int kIterations = 24;

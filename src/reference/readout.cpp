@@ -24,6 +24,7 @@ double analogueOutput(const Readout& readout, double force, double gain, double 
       value += coefficient * power;
       power *= x;
     }
+    if (readout.curve_limit > 0) value = value * readout.curve_limit / (readout.curve_limit + value);
   }
   return readout.output_scale * value + noise;
 }

@@ -18,16 +18,6 @@ void checkEntry(const YamlNode& item, const StaticExperiment::Entry& entry, cons
   }
 }
 
-// Calls read(root, directory) with what the file holds.
-template <typename Function>
-auto readFile(const std::filesystem::path& file, Function read) {
-  const std::string name = file.generic_string();
-  const YamlTree tree = parseYaml(readYamlFile(file), name);
-  const YamlNode root(tree, name);
-  checkFormatVersion(root);
-  return read(root, file.parent_path());
-}
-
 }  // namespace
 
 std::vector<double> readList(const YamlMap& map, std::string_view key, const Allowed& allowed) {
@@ -69,15 +59,15 @@ StaticExperiment readStaticExperiment(const YamlNode& root, const std::filesyste
 }
 
 StaticExperiment loadStaticExperiment(const std::filesystem::path& file) {
-  return readFile(file, readStaticExperiment);
+  return readVersionedFile(file, readStaticExperiment);
 }
 
 ServoExperiment loadServoExperiment(const std::filesystem::path& file) {
-  return readFile(file, readServoExperiment);
+  return readVersionedFile(file, readServoExperiment);
 }
 
 Experiment loadExperiment(const std::filesystem::path& file) {
-  return readFile(file, [](const YamlNode& root, const std::filesystem::path& directory) -> Experiment {
+  return readVersionedFile(file, [](const YamlNode& root, const std::filesystem::path& directory) -> Experiment {
     const std::optional<YamlNode> kind = root.child("experiment");
     if (!kind) root.fail("experiment is missing: static | servo");
     if (kind->choice({"static", "servo"}) == "static") return readStaticExperiment(root, directory);

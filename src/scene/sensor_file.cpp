@@ -297,10 +297,11 @@ Psf readPsf(const YamlMap& sensor) {
   return psf;
 }
 
-std::vector<double> readCurve(const YamlMap& readout) {
-  readout.require("curve", "{counts_per_newton: ...} or {coefficients: [...]}");
-  const YamlMap map(readout, "curve", {"counts_per_newton", "coefficients"});
-  std::vector<double> curve;
+void readCurve(const YamlMap& from, Readout& readout) {
+  from.require("curve", "{counts_per_newton: ...} or {coefficients: [...]}");
+  const YamlMap map(from, "curve", {"counts_per_newton", "coefficients", "limit"});
+  std::vector<double>& curve = readout.curve;
+  curve.clear();
   if (const std::optional<YamlNode> slope = map.find("counts_per_newton")) {
     if (const std::optional<YamlNode> both = map.find("coefficients")) both->fail("given beside `counts_per_newton`: either, not both");
     curve = {slope->number(Allowed::above(0, "counts/N"))};
@@ -311,7 +312,7 @@ std::vector<double> readCurve(const YamlMap& readout) {
     for (const YamlNode& item : items) curve.push_back(item.number(Allowed::any("counts/N^m")));
   }
   map.canonical().line("coefficients", canonicalList(curve));
-  return curve;
+  readout.curve_limit = map.number("limit", Allowed::atLeast(0, "counts"), readout.curve_limit);
 }
 
 // One number per taxel, or none.
@@ -379,7 +380,7 @@ Readout readReadout(const YamlMap& sensor, const std::vector<GridPatch>& patches
                      "hysteresis_strength", "hysteresis_width", "creep", "low_pass_time", "delay", "jitter", "bias", "random_walk",
                      "gain_spread", "press_gain_spread", "dead_taxel_probability"});
   Readout readout;
-  readout.curve = readCurve(map);
+  readCurve(map, readout);
   readout.output_scale = map.number("output_scale", Allowed::above(0, ""), readout.output_scale);
   readout.trigger = map.number("trigger", Allowed::atLeast(0, "N"), readout.trigger);
   readout.adc_bits = static_cast<int>(map.integer("adc_bits", 1, kMaxAdcBits, readout.adc_bits));

@@ -292,9 +292,14 @@ void checkCurve(const Sensor& sensor) {
       fail(at("readout.curve", m), numberText(readout.curve[m]), "counts / N^" + std::to_string(m + 1) + ", finite");
     }
   }
+  const double end = readout.saturation / readout.output_scale;
+  if (readout.curve_limit != 0 && !(std::isfinite(readout.curve_limit) && readout.curve_limit > end)) {
+    fail("readout.curve_limit", numberText(readout.curve_limit) + " counts",
+         "0 for none, or more than saturation / output_scale, which is " + numberText(end));
+  }
   const double force = largestForce(sensor);
   if (!(std::isfinite(force) && force > 0)) fail("skin", "a force of " + numberText(force) + " N per taxel at full depth", "finite, > 0");
-  if (!curveRises(readout.curve, force, readout.saturation / readout.output_scale)) {
+  if (!curveRises(readout.curve, force, withoutLimit(end, readout.curve_limit))) {
     fail("readout.curve", "a curve that does not rise all the way",
          "strictly rising from 0 N to where it reaches saturation (" + std::to_string(readout.saturation) +
              " counts) or the force at full depth (" + numberText(force) + " N)");

@@ -116,4 +116,8 @@ double invertCurve(std::span<const double> curve, double value) {
   return solve(p, value, begin, end);
 }
 
+double withoutLimit(double value, double limit) {
+  return limit > 0 ? value / (1 - value / limit) : value;
+}
+
 }  // namespace taxelsim

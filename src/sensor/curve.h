@@ -14,4 +14,7 @@ bool curveRises(std::span<const double> curve, double max, double value);
 // Smallest x > 0 where the curve is `value` > 0; where it never gets there, the x where it is highest.
 double invertCurve(std::span<const double> curve, double value);
 
+// y of y / (1 + y / limit) = value; of limit 0 the value itself. 0 <= value < limit.
+double withoutLimit(double value, double limit);
+
 }  // namespace taxelsim

@@ -5,7 +5,7 @@ namespace taxelsim {
 
 double nominalForce(const Readout& readout, double counts) {
   if (!(counts > 0)) return 0;
-  return invertCurve(readout.curve, counts / readout.output_scale) + readout.trigger;
+  return invertCurve(readout.curve, withoutLimit(counts / readout.output_scale, readout.curve_limit)) + readout.trigger;
 }
 
 }  // namespace taxelsim

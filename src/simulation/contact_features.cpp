@@ -70,7 +70,7 @@ Model::Impl::ContactFeaturePasses Model::Impl::makeContactFeatures(const Contact
             constants(sensor, packed, {regions_workgroup, 1, regions_repeat},
                       {variant.clean, regions_team, regions, packed_contact.num_neighbours, packed_contact.force_steps, first_count,
                        sensor.patches.size() == 1, static_cast<std::uint32_t>(readout.curve.size()), bits(readout.curve.front()),
-                       bits(readout.output_scale), bits(readout.trigger), bits(readout.saturation)})}},
+                       bits(readout.output_scale), bits(readout.trigger), bits(readout.saturation), bits(readout.curve_limit)})}},
       {device.context(),
        {.name = "contact_features",
         .spirv = k_contact_features_spirv,

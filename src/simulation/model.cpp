@@ -291,7 +291,8 @@ gpu::Kernel Model::Impl::makeImageKernel(const ImageVariant& variant) const {
                                    bits(readout.bias),
                                    bits(readout.dead_taxel_probability),
                                    variant.whole_array,
-                                   packed.turns_shear})}};
+                                   packed.turns_shear,
+                                   bits(readout.curve_limit)})}};
 }
 
 const std::vector<gpu::Kernel>& Model::Impl::taxelKernels(bool with_shear) const {

@@ -50,6 +50,37 @@ TEST(ShippedSensors, AllLoad) {
   }
 }
 
+// The writer against the reader: layouts, laws, spreads and readouts that ship.
+TEST(ShippedSensors, WhatSensorTextWritesIsTheSameSensor) {
+  const ScratchDirectory directory;
+  std::vector<Sensor> sensors;
+  for (const std::filesystem::path& file : yamlFiles(kScenes / "sensors")) sensors.push_back(loadSensor(file));
+  Sensor& odd = sensors.emplace_back(sensors.front());
+  odd.name = "on \"#1\"";
+  odd.readout.creep = {{.fraction = 0.1, .time = 1}, {.fraction = 0.2, .time = 8}};
+  odd.readout.hysteresis_strength = {0.1, 0.2};
+  odd.readout.hysteresis_width = {0.3, 0.4};
+  odd.readout.taxel_gain.assign(static_cast<std::size_t>(numTaxels(odd)), 1.25);
+  odd.readout.curve = {1, 2, 3};
+  odd.readout.curve_limit = 5000;
+  odd.skin.relaxation = {{.fraction = 0.25, .time = 2}};
+  for (const Sensor& sensor : sensors) {
+    SCOPED_TRACE(sensor.name);
+    const std::filesystem::path file =
+        directory.write("first.yaml", sensorText(sensor, {{"", "a head"}, {"readout.trigger", "0.02 (0.01 to 0.03) N: # measured"}}));
+    const Sensor again = loadSensor(file);
+    EXPECT_TRUE(sensorText(again) == sensorText(sensor));
+    EXPECT_EQ(again.readout.curve, sensor.readout.curve);
+    EXPECT_EQ(again.readout.curve_limit, sensor.readout.curve_limit);
+    EXPECT_EQ(again.readout.creep, sensor.readout.creep);
+    EXPECT_EQ(again.readout.taxel_gain, sensor.readout.taxel_gain);
+    EXPECT_EQ(again.psf.kernel, sensor.psf.kernel);
+    EXPECT_EQ(again.skin.law, sensor.skin.law);
+    EXPECT_EQ(again.skin.relaxation, sensor.skin.relaxation);
+    EXPECT_EQ(taxelPositions(again), taxelPositions(sensor));
+  }
+}
+
 TEST(ShippedSensors, TheWeissArrayHasThePapersNumbers) {
   const Sensor sensor = loadSensor(kScenes / "sensors/wts0614.yaml");
   EXPECT_EQ(numTaxels(sensor), 84);

@@ -101,6 +101,7 @@ Sensor randomSensor(Random& random, const SensorRange& range) {
       readout.taxel_trigger.push_back(random.uniform(0, 0.1));
     }
   }
+  if (random.chance(0.3)) readout.curve_limit = random.uniform(1.1, 5) * readout.saturation / readout.output_scale;
   return sensor;
 }
 
