@@ -1,0 +1,227 @@
+#include "taxelsim/measurement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/text.h"
+#include "scene/hashed_file.h"
+#include "scene/number_table.h"
+#include "scene/sensor_file.h"
+#include "taxelsim/error.h"
+
+namespace taxelsim {
+namespace {
+
+constexpr std::uintmax_t kMaxTableBytes = std::uintmax_t{4} << 30;
+
+double positive(const YamlMap& map, std::string_view key) {
+  return map.number(key, Allowed::above(0, "m"));
+}
+
+Indenter readIndenter(const YamlMap& measurement) {
+  const char* const kWhat = "flat_pin, stamp, sphere, cylinder or cone";
+  measurement.require("indenter", kWhat);
+  const YamlMap map(measurement, "indenter", {"flat_pin", "stamp", "sphere", "cylinder", "cone"});
+  Indenter indenter;
+  int given = 0;
+  const auto shape = [&](std::string_view key, Indenter::Shape value, YamlMap::Keys keys, const auto& read) {
+    if (!map.has(key)) return;
+    if (++given > 1) map.require(key, "").fail("a second shape: one of " + std::string(kWhat));
+    indenter.shape = value;
+    read(YamlMap(map, key, std::move(keys)));
+  };
+  const auto radius = [&](const YamlMap& keys) { indenter.radius = positive(keys, "radius"); };
+  shape("flat_pin", Indenter::Shape::kFlatPin, {"radius[_mm]"}, radius);
+  shape("stamp", Indenter::Shape::kStamp, {"size[_mm]"},
+        [&](const YamlMap& keys) { indenter.size = keys.numbers<2>("size", Allowed::above(0, "m")); });
+  shape("sphere", Indenter::Shape::kSphere, {"radius[_mm]"}, radius);
+  shape("cylinder", Indenter::Shape::kCylinder, {"radius[_mm]", "length[_mm]"}, [&](const YamlMap& keys) {
+    radius(keys);
+    indenter.length = positive(keys, "length");
+  });
+  shape("cone", Indenter::Shape::kCone, {"half_angle[_deg]"}, [&](const YamlMap& keys) {
+    constexpr double kMost = 89 * std::numbers::pi / 180;
+    indenter.half_angle = keys.number("half_angle", {.min = 0, .max = kMost, .above_min = true, .unit = "rad"});
+  });
+  if (given == 0) map.node().refuse(kWhat);
+  return indenter;
+}
+
+// Counts as an array of the sensor gives them, at (row, column) of the table.
+double countsAt(const NumberTable& table, std::size_t row, std::size_t column, double full_scale) {
+  const double counts = table.at(row, column);
+  if (counts < 0 || counts > full_scale) {
+    table.failAtRow(row, table.columns()[column] + ": " + numberText(counts) + " is not allowed: from 0 to " + numberText(full_scale) +
+                             " counts, as the sensor's adc_bits have it");
+  }
+  return counts;
+}
+
+void checkRising(const NumberTable& table, const std::vector<double>& time) {
+  for (std::size_t row = 1; row < time.size(); ++row) {
+    if (!(time[row] > time[row - 1])) {
+      table.failAtRow(
+          row, "time: " + numberText(time[row]) + " s is not allowed: later than the row before (" + numberText(time[row - 1]) + " s)");
+    }
+  }
+}
+
+// A table beside its measurement, and what is needed to read it.
+struct Source {
+  const YamlMap& map;
+  const NumberTable& table;
+  const Sensor& sensor;
+  double full_scale;  // counts
+};
+
+Images readImages(const Source& source) {
+  const bool one_grid = source.sensor.patches.size() == 1;
+  const std::optional<std::string> otherwise = one_grid ? std::optional<std::string>(kGridColumns) : std::nullopt;
+  const std::string pattern = source.map.text("taxel_columns", "names of columns, such as \"r{row}_c{col}\" or \"{patch}\"", otherwise);
+  const std::vector<std::size_t> columns = source.table.taxelColumns(source.sensor, pattern);
+  Images images;
+  images.num_taxels = columns.size();
+  images.time = source.table.find(kTime);
+  checkRising(source.table, images.time);
+  images.counts.reserve(source.table.numRows() * columns.size());
+  for (std::size_t row = 0; row < source.table.numRows(); ++row) {
+    for (const std::size_t column : columns) {
+      images.counts.push_back(static_cast<float>(countsAt(source.table, row, column, source.full_scale)));
+    }
+  }
+  return images;
+}
+
+std::vector<double> readCounts(const Source& source, double most) {
+  const std::vector<double> counts = source.table.require(kCounts);
+  const auto& columns = source.table.columns();
+  const auto column = static_cast<std::size_t>(std::find(columns.begin(), columns.end(), kCounts.units[0].column) - columns.begin());
+  for (std::size_t row = 0; row < counts.size(); ++row) countsAt(source.table, row, column, most);
+  return counts;
+}
+
+ForceCurve readForceCurve(const Source& source) {
+  ForceCurve curve;
+  curve.curve_degree = static_cast<int>(source.map.integer("curve_degree", 1, kMaxCurveDegree, 1));
+  curve.divider = source.map.choice("divider", {"true", "false"}, "false") == "true";
+  const std::vector<double> taxel = source.table.require(kTaxel);
+  const double num_taxels = numTaxels(source.sensor);
+  for (std::size_t row = 0; row < taxel.size(); ++row) {
+    if (taxel[row] < 0 || taxel[row] >= num_taxels || taxel[row] != std::floor(taxel[row])) {
+      source.table.failAtRow(
+          row, "taxel: " + numberText(taxel[row]) + " is not allowed: a whole number from 0 to " + numberText(num_taxels - 1));
+    }
+    curve.taxel.push_back(static_cast<int>(taxel[row]));
+  }
+  curve.force = source.table.require(kForce);
+  curve.counts = readCounts(source, source.full_scale);
+  curve.time = source.table.find(kTime);
+  checkRising(source.table, curve.time);
+  return curve;
+}
+
+ForceDepth readForceDepth(const Source& source) {
+  return {.indenter = readIndenter(source.map), .depth = source.table.require(kDepth), .force = source.table.require(kForce)};
+}
+
+PointImages readPointImages(const Source& source) {
+  PointImages points{
+      .indenter = readIndenter(source.map), .position = {}, .force = source.table.find(kForce), .images = readImages(source)};
+  const std::vector<double> x = source.table.require(kPositionX), y = source.table.require(kPositionY);
+  for (std::size_t row = 0; row < x.size(); ++row) points.position.push_back({x[row], y[row]});
+  return points;
+}
+
+StepResponse readStepResponse(const Source& source) {
+  StepResponse step;
+  step.load = source.map.number("load", Allowed::above(0, "N"));
+  step.time = source.table.require(kTime);
+  checkRising(source.table, step.time);
+  step.counts = readCounts(source, source.full_scale * numTaxels(source.sensor));
+  return step;
+}
+
+StampImages readStampImages(const Source& source) {
+  StampImages stamp{
+      .indenter = readIndenter(source.map), .load = source.map.number("load", Allowed::above(0, "N")), .images = readImages(source)};
+  if (stamp.indenter.shape != Indenter::Shape::kStamp && stamp.indenter.shape != Indenter::Shape::kFlatPin) {
+    source.map.require("indenter", "").fail("what lies flat is asked for: stamp or flat_pin");
+  }
+  if (stamp.images.time.empty()) source.table.fail("no column has a time: time_s or time_ms");
+  return stamp;
+}
+
+// Kinds of measurements, their keys, and how they are read.
+struct Kind {
+  std::string_view name;
+  YamlMap::Keys keys;
+  decltype(Measurement::data) (*read)(const Source&);
+};
+
+const std::vector<Kind>& kinds() {
+  static const std::vector<Kind> all{
+      {"force_curve", {"curve_degree", "divider"}, [](const Source& s) -> decltype(Measurement::data) { return readForceCurve(s); }},
+      {"force_depth", {"indenter"}, [](const Source& s) -> decltype(Measurement::data) { return readForceDepth(s); }},
+      {"point_images", {"indenter", "taxel_columns"}, [](const Source& s) -> decltype(Measurement::data) { return readPointImages(s); }},
+      {"step_response", {"load"}, [](const Source& s) -> decltype(Measurement::data) { return readStepResponse(s); }},
+      {"stamp_images",
+       {"indenter", "load", "taxel_columns"},
+       [](const Source& s) -> decltype(Measurement::data) { return readStampImages(s); }},
+      {"images", {"taxel_columns"}, [](const Source& s) -> decltype(Measurement::data) { return ImageSequence{readImages(s)}; }},
+  };
+  return all;
+}
+
+Measurement readMeasurement(const YamlNode& root, const std::filesystem::path& directory, const std::filesystem::path& file) {
+  YamlMap::Keys keys{"format_version", "measurement", "sensor", "table", "sha256"};
+  for (const Kind& kind : kinds()) keys.insert(keys.end(), kind.keys.begin(), kind.keys.end());
+  Canonical canonical;
+  const YamlMap map(root, keys, canonical);
+  map.integer("format_version", 1, kFormatVersion);
+  const std::string name =
+      map.choice("measurement", {"force_curve", "force_depth", "point_images", "step_response", "stamp_images", "images"});
+  const Kind& kind = *std::find_if(kinds().begin(), kinds().end(), [&](const Kind& candidate) { return candidate.name == name; });
+  for (const Kind& other : kinds()) {
+    for (const std::string_view key : other.keys) {
+      const std::optional<YamlNode> given = map.find(key);
+      if (given && std::find(kind.keys.begin(), kind.keys.end(), key) == kind.keys.end()) given->fail("not a key of " + name);
+    }
+  }
+  Measurement measurement{.file = file, .name = file.stem().string(), .sensor = {}, .resolved_sensor = {}, .data = {}};
+  Canonical sensor_text;
+  measurement.sensor = readSensorBlock(map.require("sensor", kSensorBlock), directory, sensor_text);
+  measurement.resolved_sensor = sensor_text.text();
+  const NumberTable table(readHashedFile(map, "table", "a table of numbers (CSV)", directory, kMaxTableBytes));
+  const double full_scale = (1 << measurement.sensor.readout.adc_bits) - 1;
+  measurement.data = kind.read({map, table, measurement.sensor, full_scale});
+  return measurement;
+}
+
+}  // namespace
+
+double Indenter::sectionAt(double height) const {
+  const double in_round = std::min(height, radius);
+  const double half_width = std::sqrt(std::max(0.0, in_round * (2 * radius - in_round)));
+  const double in_cone = height * std::tan(half_angle);
+  switch (shape) {
+    case Shape::kFlatPin:
+      return std::numbers::pi * radius * radius;
+    case Shape::kStamp:
+      return size[0] * size[1];
+    case Shape::kSphere:
+      return std::numbers::pi * half_width * half_width;
+    case Shape::kCylinder:
+      return 2 * half_width * length;
+    case Shape::kCone:
+      return std::numbers::pi * in_cone * in_cone;
+  }
+  return 0;
+}
+
+Measurement loadMeasurement(const std::filesystem::path& file) {
+  return readVersionedFile(
+      file, [&](const YamlNode& root, const std::filesystem::path& directory) { return readMeasurement(root, directory, file); });
+}
+
+}  // namespace taxelsim

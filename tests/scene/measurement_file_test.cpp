@@ -1,0 +1,123 @@
+// Measurement files: what arrives of each kind, and each way to get one wrong.
+#include "taxelsim/measurement.h"
+
+#include <gmock/gmock.h>
+
+#include <numbers>
+
+#include "scene_text.h"
+
+namespace taxelsim {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr std::string_view kSensor = R"(format_version: 1
+name: small
+num_rows: 1
+num_cols: 2
+pitch_mm: 3.4
+skin: {thickness_mm: 2, normal_contact_stiffness: 1.73e8}
+readout: {curve: {counts_per_newton: 2400}}
+)";
+
+// A measurement with `keys` and this table, in a directory of its own.
+class Bench {
+ public:
+  Bench(const std::string& keys, std::string_view table) {
+    directory_.write("sensor.yaml", kSensor);
+    directory_.write("table.csv", table);
+    file_ = directory_.write("bench.yaml", "format_version: 1\nsensor: sensor.yaml\ntable: table.csv\n" + keys);
+  }
+  Measurement load() const { return loadMeasurement(file_); }
+  std::string refused() const {
+    return refusal(file_, [&] { load(); });
+  }
+
+ private:
+  ScratchDirectory directory_;
+  std::filesystem::path file_;
+};
+
+TEST(MeasurementFile, EveryKindArrives) {
+  const Measurement curve = Bench("measurement: force_curve\n", "taxel,force_N,counts\n0,0.5,100\n1,1,200\n").load();
+  EXPECT_EQ(curve.name, "bench");
+  EXPECT_EQ(curve.sensor.name, "small");
+  EXPECT_THAT(std::get<ForceCurve>(curve.data).taxel, ElementsAre(0, 1));
+  EXPECT_THAT(std::get<ForceCurve>(curve.data).counts, ElementsAre(100, 200));
+
+  const Measurement depth = Bench("measurement: force_depth\nindenter: {sphere: {radius_mm: 4}}\n", "depth_mm,force_N\n1,2\n").load();
+  EXPECT_EQ(std::get<ForceDepth>(depth.data).indenter.radius, 0.004);
+  EXPECT_THAT(std::get<ForceDepth>(depth.data).depth, ElementsAre(0.001));
+
+  const Measurement point =
+      Bench("measurement: point_images\nindenter: {flat_pin: {radius_mm: 0.5}}\n", "x_mm,y_m,r0_c1,r0_c0,force_mN\n1,0.002,7,8,9\n").load();
+  const auto& images = std::get<PointImages>(point.data);
+  EXPECT_THAT(images.position, ElementsAre(std::array<double, 2>{0.001, 0.002}));
+  EXPECT_THAT(images.force, ElementsAre(testing::DoubleEq(0.009)));
+  EXPECT_THAT(images.images.counts, ElementsAre(8, 7));
+  EXPECT_EQ(images.images.num_taxels, 2u);
+  EXPECT_TRUE(images.images.time.empty());
+
+  const Measurement step = Bench("measurement: step_response\nload: 2\n", "time_ms,counts\n0,0\n100,8190\n").load();
+  EXPECT_EQ(std::get<StepResponse>(step.data).load, 2);
+  EXPECT_THAT(std::get<StepResponse>(step.data).time, ElementsAre(0, 0.1));
+  EXPECT_THAT(std::get<StepResponse>(step.data).counts, ElementsAre(0, 8190)) << "a sum over two taxels of 12 bits";
+
+  const Measurement stamp = Bench("measurement: stamp_images\nload: 3\nindenter: {stamp: {size_mm: [4, 5]}}\ntaxel_columns: \"t{taxel}\"\n",
+                                  "time_s,t0,t1\n0,0,0\n1,5,6\n")
+                                .load();
+  EXPECT_THAT(std::get<StampImages>(stamp.data).indenter.size, ElementsAre(0.004, 0.005));
+  EXPECT_THAT(std::get<StampImages>(stamp.data).images.time, ElementsAre(0, 1));
+
+  const Measurement all = Bench("measurement: images\n", "r0_c0,r0_c1\n1,2\n").load();
+  EXPECT_THAT(std::get<ImageSequence>(all.data).images.counts, ElementsAre(1, 2));
+}
+
+TEST(MeasurementFile, WrongOnesAreRefused) {
+  const std::string step = "measurement: step_response\nload: 2\n", point = "measurement: point_images\n";
+  const std::string pin = "indenter: {flat_pin: {radius_mm: 0.5}}\n";
+  const std::vector<std::tuple<std::string, std::string, std::string>> table = {
+      {"measurement: guess\n", "a\n1\n", ":4:14: measurement: guess is not allowed"},
+      {"measurement: step_response\n", "time_s,counts\n0,1\n", "load is missing"},
+      {"measurement: step_response\nload: -2\n", "time_s,counts\n0,1\n", "load: -2 is not allowed"},
+      {step + pin, "time_s,counts\n0,1\n", "indenter: not a key of step_response"},
+      {step, "time_s\n0\n", "table.csv:1: no column has an output: counts"},
+      {step, "time_s,counts\n0,1\n0,2\n", "table.csv:3: time: 0 s is not allowed: later than the row before (0 s)"},
+      {step, "time_s,counts\n0,8191\n", "table.csv:2: counts: 8191 is not allowed: from 0 to 8190 counts"},
+      {step, "time_s,counts\n0,-1\n", "table.csv:2: counts: -1 is not allowed"},
+      {"measurement: force_curve\n", "taxel,force_N,counts\n2,1,1\n", "table.csv:2: taxel: 2 is not allowed: a whole number from 0 to 1"},
+      {"measurement: force_curve\n", "taxel,force_N,counts\n0.5,1,1\n", "table.csv:2: taxel: 0.5 is not allowed"},
+      {"measurement: force_curve\n", "taxel,force_N,counts\n0,1,4096\n", "counts: 4096 is not allowed: from 0 to 4095 counts"},
+      {"measurement: force_depth\n", "depth_mm,force_N\n0,1\n", "indenter is missing"},
+      {"measurement: force_depth\nindenter: {}\n", "depth_mm,force_N\n0,1\n", "flat_pin, stamp, sphere, cylinder or cone"},
+      {"measurement: force_depth\nindenter: {sphere: {radius_mm: 1}, cone: {half_angle_deg: 30}}\n", "depth_mm,force_N\n0,1\n",
+       "a second shape"},
+      {"measurement: force_depth\nindenter: {sphere: {radius_mm: 0}}\n", "depth_mm,force_N\n0,1\n", "radius_mm: 0 is not allowed"},
+      {"measurement: force_depth\nindenter: {sphere: {radius: 1, length: 1}}\n", "depth_mm,force_N\n0,1\n", "length"},
+      {point + pin, "x_mm,y_mm,r0_c0\n0,0,1\n", "no column is taxel 1"},
+      {point + pin, "x_mm,r0_c0,r0_c1\n0,0,1\n", "no column has a place along y"},
+      {"measurement: stamp_images\nload: 1\nindenter: {sphere: {radius_mm: 1}}\n", "time_s,r0_c0,r0_c1\n0,0,1\n",
+       "what lies flat is asked for"},
+      {"measurement: stamp_images\nload: 1\n" + pin, "r0_c0,r0_c1\n0,1\n", "no column has a time"},
+  };
+  for (const auto& [keys, text, message] : table) {
+    EXPECT_THAT(Bench(keys, text).refused(), HasSubstr(message)) << keys << text;
+  }
+}
+
+// Sections against the solids' formulas.
+TEST(Indenter, SectionsAreThoseOfTheSolid) {
+  using Shape = Indenter::Shape;
+  constexpr double kPi = std::numbers::pi, kRounding = 1e-15;
+  EXPECT_NEAR((Indenter{.shape = Shape::kFlatPin, .radius = 2}.sectionAt(0)), 4 * kPi, 1e-14);
+  EXPECT_NEAR((Indenter{.shape = Shape::kStamp, .size = {2, 3}}.sectionAt(1)), 6, kRounding);
+  EXPECT_NEAR((Indenter{.shape = Shape::kSphere, .radius = 5}.sectionAt(1)), 9 * kPi, 1e-14) << "3, 4, 5";
+  EXPECT_NEAR((Indenter{.shape = Shape::kSphere, .radius = 5}.sectionAt(7)), 25 * kPi, 1e-13) << "past its middle";
+  EXPECT_NEAR((Indenter{.shape = Shape::kCylinder, .radius = 5, .length = 2}.sectionAt(2)), 16, 1e-14) << "4, 3, 5";
+  EXPECT_NEAR((Indenter{.shape = Shape::kCone, .half_angle = kPi / 4}.sectionAt(3)), 9 * kPi, 1e-13);
+}
+
+}  // namespace
+}  // namespace taxelsim
