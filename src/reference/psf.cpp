@@ -9,9 +9,9 @@
 namespace taxelsim::reference {
 namespace {
 
-// By distance along the skin: give(source, taxel, share of the source's force) for every two taxels that are near.
+// Calls give(source, taxel, weight, divisor) for every two taxels that are near along the skin.
 template <typename Function>
-void forSharesAlongSkin(const Sensor& sensor, Function give) {
+void forWeightsAlongSkin(const Sensor& sensor, Function give) {
   const std::vector<Vector3> positions = taxelPositions(sensor), normals = taxelNormals(sensor);
   std::vector<double> weights(positions.size());
   for (std::size_t source = 0; source < positions.size(); ++source) {
@@ -22,42 +22,15 @@ void forSharesAlongSkin(const Sensor& sensor, Function give) {
     }
     const double divisor = sensor.psf.normalization == Psf::Normalization::kPerSource ? total_weight : 1;
     for (std::size_t t = 0; t < weights.size(); ++t) {
-      if (weights[t] > 0) give(source, t, weights[t] / divisor);
+      if (weights[t] > 0) give(source, t, weights[t], divisor);
     }
   }
 }
 
-// v_S, tangential to the skin where its normal is n, brought to where it is m by the shortest turn.
-Vector3 turnedWithSkin(const Vector3& v_S, const Vector3& n, const Vector3& m) {
-  const Vector3 axis = cross(n, m);
-  const double sine = length(axis);
-  return sine > 0 ? rotate(axisAngle(axis, std::atan2(sine, dot(n, m))), v_S) : v_S;
-}
-
-std::vector<Shear> spreadShearAlongSkin(const Sensor& sensor, std::span<const Shear> taxel_shear) {
-  std::vector<Quaternion> R_SP;
-  for (const GridPatch& patch : sensor.patches) {
-    R_SP.insert(R_SP.end(), static_cast<std::size_t>(patch.num_rows * patch.num_cols), patch.X_SP.rotation);
-  }
-  const std::vector<Vector3> normals = taxelNormals(sensor);
-  std::vector<Shear> image(taxel_shear.size(), {0, 0});
-  forSharesAlongSkin(sensor, [&](std::size_t source, std::size_t t, double share) {
-    const Vector3 shear_S = rotate(R_SP[source], {taxel_shear[source][0], taxel_shear[source][1], 0});
-    const Vector3 shear_P = rotate(inverse({{0, 0, 0}, R_SP[t]}).rotation, turnedWithSkin(shear_S, normals[source], normals[t]));
-    for (std::size_t axis = 0; axis < 2; ++axis) image[t][axis] += share * shear_P[axis];
-  });
-  return image;
-}
-
-}  // namespace
-
-std::vector<double> spread(const Sensor& sensor, std::span<const double> taxel_force) {
+// The same by the kernel, patch by patch.
+template <typename Function>
+void forWeightsInPatches(const Sensor& sensor, Function give) {
   const Psf& psf = sensor.psf;
-  std::vector<double> image(taxel_force.size(), 0);
-  if (psf.sigma > 0) {
-    forSharesAlongSkin(sensor, [&](std::size_t source, std::size_t t, double share) { image[t] += taxel_force[source] * share; });
-    return image;
-  }
   const int half = psf.size / 2;
   std::size_t first_taxel = 0;
   for (const GridPatch& patch : sensor.patches) {
@@ -78,15 +51,62 @@ std::vector<double> spread(const Sensor& sensor, std::span<const double> taxel_f
         }
         for (int a = -half; a <= half; ++a) {
           for (int b = -half; b <= half; ++b) {
-            if (inside(i + a, j + b)) {
-              image[indexOf(i + a, j + b)] += taxel_force[indexOf(i, j)] * weight(a, b) / divisor;
-            }
+            if (inside(i + a, j + b)) give(indexOf(i, j), indexOf(i + a, j + b), weight(a, b), divisor);
           }
         }
       }
     }
     first_taxel += static_cast<std::size_t>(patch.num_rows) * patch.num_cols;
   }
+}
+
+template <typename Function>
+void forWeights(const Sensor& sensor, Function give) {
+  if (sensor.psf.sigma > 0) {
+    forWeightsAlongSkin(sensor, give);
+  } else {
+    forWeightsInPatches(sensor, give);
+  }
+}
+
+// v_S, tangential to the skin where its normal is n, brought to where it is m by the shortest turn.
+Vector3 turnedWithSkin(const Vector3& v_S, const Vector3& n, const Vector3& m) {
+  const Vector3 axis = cross(n, m);
+  const double sine = length(axis);
+  return sine > 0 ? rotate(axisAngle(axis, std::atan2(sine, dot(n, m))), v_S) : v_S;
+}
+
+std::vector<Shear> spreadShearAlongSkin(const Sensor& sensor, std::span<const Shear> taxel_shear) {
+  std::vector<Quaternion> R_SP;
+  for (const GridPatch& patch : sensor.patches) {
+    R_SP.insert(R_SP.end(), static_cast<std::size_t>(patch.num_rows * patch.num_cols), patch.X_SP.rotation);
+  }
+  const std::vector<Vector3> normals = taxelNormals(sensor);
+  std::vector<Shear> image(taxel_shear.size(), {0, 0});
+  forWeightsAlongSkin(sensor, [&](std::size_t source, std::size_t t, double weight, double divisor) {
+    const double share = weight / divisor;
+    const Vector3 shear_S = rotate(R_SP[source], {taxel_shear[source][0], taxel_shear[source][1], 0});
+    const Vector3 shear_P = rotate(inverse({{0, 0, 0}, R_SP[t]}).rotation, turnedWithSkin(shear_S, normals[source], normals[t]));
+    for (std::size_t axis = 0; axis < 2; ++axis) image[t][axis] += share * shear_P[axis];
+  });
+  return image;
+}
+
+}  // namespace
+
+std::vector<Share> sharesOf(const Sensor& sensor) {
+  std::vector<Share> shares;
+  forWeights(sensor, [&](std::size_t source, std::size_t taxel, double weight, double divisor) {
+    shares.push_back({source, taxel, weight / divisor});
+  });
+  return shares;
+}
+
+std::vector<double> spread(const Sensor& sensor, std::span<const double> taxel_force) {
+  std::vector<double> image(taxel_force.size(), 0);
+  forWeights(sensor, [&](std::size_t source, std::size_t taxel, double weight, double divisor) {
+    image[taxel] += taxel_force[source] * weight / divisor;
+  });
   return image;
 }
 

@@ -35,10 +35,15 @@ HEADERS = {
     "dataset.h": "dataset",
     "scene.h": "scene",
     "experiment.h": "scene",
+    "measurement.h": "scene",
+    "characterize.h": "characterize",
     "model.h": "simulation",
     "simulator.h": "simulation",
     "generate.h": "episodes",
     "evaluate.h": "episodes",
+    "characterize.h": "characterize",
+    "compare.h": "characterize",
+    "readings.h": "characterize",
 }
 
 VULKAN_LAYERS = {"gpu", "simulation"}

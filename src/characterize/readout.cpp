@@ -1,0 +1,413 @@
+// Force curves to a readout: which readings tell, which model they ask for, and what it makes of the sensor.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <optional>
+
+#include "base/text.h"
+#include "characterize/clipped_mean.h"
+#include "characterize/fits.h"
+#include "characterize/readout_model.h"
+#include "reference/psf.h"
+#include "taxelsim/error.h"
+
+namespace taxelsim {
+namespace {
+
+constexpr std::size_t kPlateauRows = 5;          // with one and the same largest output: the sensor ends there
+constexpr double kFlat = 0.01;                   // of the output: less over the last third of the force is no rise
+constexpr double kStill = 2;                     // counts: a taxel that moves less under force does not answer
+constexpr double kWayBack = 0.2;                 // of the largest force: a fall that is a way back
+constexpr std::size_t kMaxRowsPerTaxel = 20000;  // more are thinned evenly
+constexpr std::size_t kMaxDots = 4000;
+constexpr std::array<double, 3> kWidths{0.02, 0.06, 0.15};  // of the largest force, to look for the play's from
+
+std::map<int, std::vector<Reading>> rowsByTaxel(Measured measurements) {
+  std::map<int, std::vector<Reading>> rows;
+  for (const Measurement* measurement : measurements) {
+    const auto& curve = std::get<ForceCurve>(measurement->data);
+    for (std::size_t r = 0; r < curve.taxel.size(); ++r) rows[curve.taxel[r]].push_back({curve.force[r], curve.counts[r]});
+  }
+  for (auto& [taxel, all] : rows) {
+    if (all.size() <= kMaxRowsPerTaxel) continue;
+    std::vector<Reading> thinned;
+    for (std::size_t k = 0; k < kMaxRowsPerTaxel; ++k) thinned.push_back(all[k * all.size() / kMaxRowsPerTaxel]);
+    all = std::move(thinned);
+  }
+  return rows;
+}
+
+// Median output at forces from `low` to `high` of the largest; none of fewer than kLeastReadings rows.
+std::optional<double> medianAt(const std::vector<Reading>& rows, double most, double low, double high) {
+  std::vector<double> counts;
+  for (const Reading& row : rows) {
+    if (row.force >= low * most && row.force <= high * most) counts.push_back(row.counts);
+  }
+  if (counts.size() < kLeastReadings) return {};
+  return medianOf(std::move(counts));
+}
+
+// Where the sensor ends, if it was seen to.
+struct Plateau {
+  double counts = 0;  // 0: not seen
+  double top = 0;     // counts: readings from here on are taken for the plateau's
+};
+
+// A converter that clips gives one and the same largest output again and again; an amplifier that does gives about the same, whatever the
+// force, and noise upon it.
+Plateau plateauOf(const std::map<int, std::vector<Reading>>& rows) {
+  double largest = 0;
+  std::size_t count = 0;
+  std::vector<double> ends, spreads;
+  for (const auto& [taxel, all] : rows) {
+    for (const Reading& row : all) {
+      if (row.counts > largest) count = 0;
+      largest = std::max(largest, row.counts);
+      if (row.counts == largest) ++count;
+    }
+    const double most = largestForce(all);
+    const std::optional<double> before = medianAt(all, most, 0.7, 0.85), last = medianAt(all, most, 0.85, 1);
+    if (!before || !last || !(*last > 0) || std::abs(*last - *before) >= kFlat * *last) continue;
+    ends.push_back(*last);
+    for (const Reading& row : all) {
+      if (row.force >= 0.85 * most) spreads.push_back(std::abs(row.counts - *last));
+    }
+  }
+  if (count >= kPlateauRows) return {largest, largest};
+  const double end = medianOf(std::move(ends));
+  if (end <= (1 - kFlat) * largest) return {};
+  constexpr double kMedianToDeviation = 1.482602;  // of a Gaussian
+  return {std::round(end), std::round(end - kFarNoise * kMedianToDeviation * medianOf(std::move(spreads)))};
+}
+
+bool isStill(const std::vector<Reading>& rows) {
+  const auto [low, high] =
+      std::minmax_element(rows.begin(), rows.end(), [](const Reading& a, const Reading& b) { return a.counts < b.counts; });
+  return high->counts - low->counts <= kStill;
+}
+
+bool hasWayBack(const std::vector<Reading>& rows) {
+  double highest = rows.front().force, fall = 0;
+  for (const Reading& row : rows) {
+    highest = std::max(highest, row.force);
+    fall = std::max(fall, highest - row.force);
+  }
+  return fall > kWayBack * largestForce(rows);
+}
+
+double squaresOf(const GroupedFit& fit) {
+  return fit.residual_sd * fit.residual_sd * static_cast<double>(fit.degrees_of_freedom);
+}
+
+// Share of a force on one taxel that stays on it.
+double ownShare(const Sensor& sensor, int taxel) {
+  std::vector<double> force(static_cast<std::size_t>(numTaxels(sensor)));
+  force[static_cast<std::size_t>(taxel)] = 1;
+  return reference::spread(sensor, force)[static_cast<std::size_t>(taxel)];
+}
+
+bool isBorder(const Sensor& sensor, int taxel) {
+  for (const GridPatch& patch : sensor.patches) {
+    const int count = patch.num_rows * patch.num_cols;
+    if (taxel < count) {
+      const int row = taxel / patch.num_cols, col = taxel % patch.num_cols;
+      return row == 0 || col == 0 || row == patch.num_rows - 1 || col == patch.num_cols - 1;
+    }
+    taxel -= count;
+  }
+  return false;
+}
+
+std::string rounded(double value) {
+  return numberText(std::round(value * 1e3) / 1e3);
+}
+
+// All that was found, on its way into the sensor.
+class Findings {
+ public:
+  Findings(const std::vector<PressedTaxel>& taxels, const ReadoutModel& model, const GroupedFit& fit, Characterization& result)
+      : taxels_(taxels), model_(model), fit_(fit), result_(result), readout_(result.sensor.readout) {}
+
+  void tellCurve();
+  void tellHysteresis(bool way_back);
+  void tellNoise();
+  void tellGains();
+  void draw() const;
+
+ private:
+  void add(std::string parameter, std::string unit, double value, double half_width, std::string remark) {
+    result_.estimates.push_back({.parameter = std::move(parameter),
+                                 .unit = std::move(unit),
+                                 .determined = true,
+                                 .value = value,
+                                 .low = value - half_width,
+                                 .high = value + half_width,
+                                 .remark = std::move(remark)});
+  }
+  double slopeOf(std::size_t t) const { return fit_.own[t][0] / taxels_[t].share; }
+
+  const std::vector<PressedTaxel>& taxels_;
+  const ReadoutModel& model_;
+  const GroupedFit& fit_;
+  Characterization& result_;
+  Readout& readout_;
+  double slope_ = 0;           // S, counts/N
+  double slope_by_share_ = 0;  // what half the shares' interval does to it
+};
+
+void Findings::tellCurve() {
+  const auto count = static_cast<double>(taxels_.size());
+  double share = 0, trigger = 0;
+  for (std::size_t t = 0; t < taxels_.size(); ++t) {
+    slope_ += slopeOf(t) / count;
+    share += taxels_[t].share / count;
+  }
+  std::vector<Eigen::VectorXd> of_slope, of_trigger;
+  const Eigen::VectorXd no_shared = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(fit_.shared.size()));
+  for (std::size_t t = 0; t < taxels_.size(); ++t) {
+    // gain x - trigger is 0 at the first force f: trigger = a f / S.
+    const double a = fit_.own[t][0], f = fit_.own[t][1];
+    trigger += a * f / slope_ / count;
+    of_slope.push_back(Eigen::Vector2d{1 / taxels_[t].share, 0});
+    of_trigger.push_back(Eigen::Vector2d{f, a} / slope_);
+  }
+  // By the shares: S = sum a / w / n.
+  for (std::size_t t = 0; t < taxels_.size(); ++t) slope_by_share_ -= slopeOf(t) * taxels_[t].share_half_width / taxels_[t].share / count;
+  const std::string over = "mean of " + std::to_string(taxels_.size()) + (taxels_.size() == 1 ? " taxel" : " taxels") +
+                           "; the point spread function leaves them " + numberText(std::round(1000 * share) / 10) + " % of a force on them";
+  readout_.curve = {slope_};
+  readout_.output_scale = 1;
+  readout_.trigger = std::max(0.0, trigger);
+  add(model_.num_bends == 0 ? "readout.curve.counts_per_newton" : "readout.curve.coefficients[0]", "counts/N", slope_,
+      std::hypot(fit_.meanHalfWidth(of_slope, no_shared), slope_by_share_), over);
+  for (std::size_t k = 0; k < model_.num_bends; ++k) {
+    // b z^(k + 2) / K^(k + 1) with z = S x.
+    const auto power = static_cast<double>(k + 2);
+    const double factor = slope_ * std::pow(slope_ / model_.top, power - 1);
+    std::vector<Eigen::VectorXd> own = of_slope;
+    for (Eigen::VectorXd& gradient : own) gradient *= power * fit_.shared[k] * factor / slope_;
+    Eigen::VectorXd shared = no_shared;
+    shared[static_cast<Eigen::Index>(k)] = factor;
+    readout_.curve.push_back(fit_.shared[k] * factor);
+    add("readout.curve.coefficients[" + std::to_string(k + 1) + "]", "counts/N^" + std::to_string(k + 2), readout_.curve.back(),
+        std::hypot(fit_.meanHalfWidth(own, shared), power * readout_.curve.back() * slope_by_share_ / slope_), "");
+  }
+  readout_.curve_limit = 0;
+  if (model_.divider) {
+    const double part = fit_.shared[model_.num_bends], half = fit_.halfWidth(model_.num_bends);
+    const std::string parameter = "readout.curve.limit";
+    if (part > half) {
+      readout_.curve_limit = model_.top / part;
+      result_.estimates.push_back({.parameter = parameter,
+                                   .unit = "counts",
+                                   .determined = true,
+                                   .value = readout_.curve_limit,
+                                   .low = model_.top / (part + half),
+                                   .high = model_.top / (part - half),
+                                   .remark = ""});
+    } else {
+      result_.estimates.push_back({.parameter = parameter, .unit = "counts", .remark = "no bend beyond noise: none"});
+    }
+  }
+  add("readout.trigger", "N", trigger, std::hypot(fit_.meanHalfWidth(of_trigger, no_shared), trigger * slope_by_share_ / slope_), "");
+  result_.remarks.push_back("a force on one taxel shows from " + rounded(trigger / share) + " N on; the straight line would end at " +
+                            rounded((trigger + model_.top / slope_) / share) + " N");
+}
+
+void Findings::tellHysteresis(bool way_back) {
+  if (model_.hysteresis) {
+    const std::size_t s = model_.lag();
+    readout_.hysteresis_strength = {fit_.shared[s]};
+    readout_.hysteresis_width = {fit_.shared[s + 1]};
+    add("readout.hysteresis_strength", "", fit_.shared[s], fit_.halfWidth(s), "");
+    add("readout.hysteresis_width", "N", fit_.shared[s + 1], fit_.halfWidth(s + 1), "");
+    return;
+  }
+  result_.estimates.push_back({.parameter = "readout.hysteresis_strength",
+                               .unit = "",
+                               .remark = way_back ? "the ways up and down do not differ beyond noise" : "the force only rises"});
+}
+
+void Findings::tellNoise() {
+  const ReadingNoise noise = noiseOf(taxels_, model_, fit_);
+  if (noise.degrees_of_freedom == 0) return;
+  // Rounding is a part of what is seen, and the simulator rounds by itself.
+  readout_.noise = std::sqrt(std::max(0.0, noise.deviation * noise.deviation - kLeastNoise * kLeastNoise));
+  add("readout.noise", "counts", readout_.noise,
+      studentFactor(noise.degrees_of_freedom) * noise.deviation / std::sqrt(2.0 * static_cast<double>(noise.degrees_of_freedom)),
+      "standard deviation of the residuals, without that of rounding");
+}
+
+void Findings::tellGains() {
+  const auto num_taxels = static_cast<std::size_t>(numTaxels(result_.sensor));
+  readout_.taxel_gain.assign(num_taxels, 1);
+  readout_.taxel_trigger.assign(num_taxels, readout_.trigger);
+  for (const int dead : result_.dead_taxels) readout_.taxel_gain[static_cast<std::size_t>(dead)] = 0;
+  double squares = 0;
+  std::array<double, 2> sum{}, count{};  // of the middle, of the border
+  for (std::size_t t = 0; t < taxels_.size(); ++t) {
+    const double gain = slopeOf(t) / slope_;
+    const double by_share = gain * (-taxels_[t].share_half_width / taxels_[t].share - slope_by_share_ / slope_);
+    const auto at = static_cast<std::size_t>(taxels_[t].taxel);
+    readout_.taxel_gain[at] = gain;
+    readout_.taxel_trigger[at] = std::max(0.0, fit_.own[t][0] * fit_.own[t][1] / slope_);
+    add("readout.taxel_gain[" + std::to_string(at) + "]", "", gain,
+        std::hypot(fit_.ownHalfWidth(t, 0) / taxels_[t].share / slope_, by_share), "");
+    squares += (gain - 1) * (gain - 1);
+    const std::size_t where = isBorder(result_.sensor, taxels_[t].taxel) ? 1 : 0;
+    sum[where] += gain;
+    count[where] += 1;
+  }
+  std::string text = "taxel_gain: standard deviation " + rounded(std::sqrt(squares / std::max(1.0, count[0] + count[1] - 1)));
+  if (count[0] > 0 && count[1] > 0) {
+    text += ", mean of the " + numberText(count[1]) + " taxels at the border " + rounded(sum[1] / count[1]) + ", of the others " +
+            rounded(sum[0] / count[0]);
+  }
+  result_.remarks.push_back(text);
+  if (taxels_.size() + result_.dead_taxels.size() < num_taxels) {
+    result_.remarks.push_back(std::to_string(num_taxels - taxels_.size() - result_.dead_taxels.size()) +
+                              " taxels were not measured: their gain is 1, the mean of those that were");
+  }
+}
+
+// All readings on the scale of the mean taxel.
+void Findings::draw() const {
+  FitFigure figure{.title = "Output against force, all taxels", .x_label = "force, N", .y_label = "counts", .curves = {}};
+  FitFigure::Curve dots{.name = "measured", .measured = true, .x = {}, .y = {}}, line{.name = "the mean taxel, fitted", .x = {}, .y = {}};
+  std::size_t total = 0, k = 0;
+  double slope = 0, first = 0, most = 0;
+  for (std::size_t t = 0; t < taxels_.size(); ++t) {
+    total += taxels_[t].rows.size();
+    slope += fit_.own[t][0] / static_cast<double>(taxels_.size());
+    first += fit_.own[t][1] / static_cast<double>(taxels_.size());
+    most = std::max(most, largestForce(taxels_[t].rows));
+  }
+  const std::size_t every = total / kMaxDots + 1;
+  for (const PressedTaxel& taxel : taxels_) {
+    for (const Reading& row : taxel.rows) {
+      if (k++ % every != 0) continue;
+      dots.x.push_back(row.force);
+      dots.y.push_back(row.counts);
+    }
+  }
+  constexpr int kPoints = 200;
+  for (int p = 0; p <= kPoints; ++p) {
+    line.x.push_back(most * p / kPoints);
+    line.y.push_back(std::clamp(model_.output(slope * (line.x.back() - first), fit_.shared.data()), 0.0, model_.top));
+  }
+  figure.curves = {std::move(dots), std::move(line)};
+  result_.figures.push_back(std::move(figure));
+}
+
+}  // namespace
+
+void fitReadout(Measured measurements, const std::optional<PsfRange>& psf_range, Characterization& result) {
+  std::map<int, std::vector<Reading>> rows = rowsByTaxel(measurements);
+  Readout& readout = result.sensor.readout;
+  const Plateau plateau = plateauOf(rows);
+  ReadoutModel model{.top = plateau.counts > 0 ? plateau.top : readout.saturation};
+  for (auto& [taxel, all] : rows) {
+    for (Reading& row : all) row.counts = std::min(row.counts, model.top);
+  }
+  for (const Measurement* measurement : measurements) {
+    model.divider = model.divider || std::get<ForceCurve>(measurement->data).divider;
+    model.num_bends = std::max(model.num_bends, static_cast<std::size_t>(std::get<ForceCurve>(measurement->data).curve_degree - 1));
+  }
+
+  std::vector<PressedTaxel> taxels;
+  std::vector<FitResult> lines;
+  std::vector<double> deviations;
+  for (const auto& [taxel, all] : rows) {
+    if (isStill(all)) {
+      result.dead_taxels.push_back(taxel);
+      continue;
+    }
+    std::optional<FitResult> line = straightLine(all, model.top);
+    if (!line) {
+      result.remarks.push_back("taxel " + std::to_string(taxel) + ": fewer than " + std::to_string(kLeastReadings) +
+                               " rows between trigger and saturation, left out");
+      continue;
+    }
+    taxels.push_back({.taxel = taxel, .share = ownShare(result.sensor, taxel), .share_half_width = 0, .rows = all, .used = {}});
+    if (psf_range) {
+      Sensor low = result.sensor, high = result.sensor;
+      low.psf = psf_range->low;
+      high.psf = psf_range->high;
+      taxels.back().share_half_width = (ownShare(high, taxel) - ownShare(low, taxel)) / 2;
+    }
+    deviations.push_back(line->residual_sd);
+    lines.push_back(std::move(*line));
+  }
+  if (taxels.empty()) {
+    const std::string still = result.dead_taxels.empty() ? "" : "; " + std::to_string(result.dead_taxels.size()) + " did not answer at all";
+    throw Error(ErrorKind::kInput, measurements.front()->file.generic_string() + ": no taxel has " + std::to_string(kLeastReadings) +
+                                       " rows between trigger and saturation" + still);
+  }
+  model.noise = std::max(kLeastNoise, medianOf(deviations));
+  for (std::size_t t = 0; t < taxels.size(); ++t) taxels[t].used = rowsThatTell(taxels[t].rows, lines[t], model.top, model.noise);
+
+  GroupedFit fit = fitReadoutModel(taxels, lines, model, 0);
+  for (; model.num_bends > 0 && !rises(model, fit, taxels); fit = fitReadoutModel(taxels, lines, model, 0)) {
+    result.remarks.push_back("a curve of degree " + std::to_string(model.num_bends + 1) +
+                             " would fall somewhere in the range: one degree less");
+    --model.num_bends;
+  }
+  const bool way_back = std::any_of(taxels.begin(), taxels.end(), [](const PressedTaxel& taxel) { return hasWayBack(taxel.rows); });
+  if (way_back) {
+    ReadoutModel with = model;
+    with.hysteresis = true;
+    for (const double width : kWidths) {
+      GroupedFit other = fitReadoutModel(taxels, lines, with, width);
+      const bool told = hysteresisIsTold(with, other);
+      const double more = model.hysteresis ? 0 : 2;
+      const bool better = more > 0 ? isBetterFit(squaresOf(fit), squaresOf(other), more, static_cast<double>(other.degrees_of_freedom))
+                                   : squaresOf(other) < squaresOf(fit);
+      if (!told || !better) continue;
+      fit = std::move(other);
+      model = with;
+    }
+  }
+  // The noise that bends the model where it is clipped was a guess; now it is known. What hysteresis it made up goes.
+  if (const ReadingNoise noise = noiseOf(taxels, model, fit); noise.deviation > kLeastNoise) {
+    model.noise = noise.deviation;
+    double most = 0;
+    for (const PressedTaxel& taxel : taxels) most = std::max(most, largestForce(taxel.rows) * taxel.share);
+    fit = fitReadoutModel(taxels, lines, model, model.hysteresis ? fit.shared[model.lag() + 1] / most : 0);
+    if (model.hysteresis && !hysteresisIsTold(model, fit)) {
+      model.hysteresis = false;
+      fit = fitReadoutModel(taxels, lines, model, 0);
+    }
+  }
+
+  Findings findings(taxels, model, fit, result);
+  findings.tellCurve();
+  if (plateau.counts > 0) {
+    readout.saturation = static_cast<int>(plateau.counts);
+    result.estimates.push_back({.parameter = "readout.saturation",
+                                .unit = "counts",
+                                .determined = true,
+                                .value = plateau.counts,
+                                .low = plateau.counts,
+                                .high = plateau.counts,
+                                .remark = "seen as a plateau"});
+  } else {
+    result.estimates.push_back({.parameter = "readout.saturation",
+                                .unit = "counts",
+                                .remark = "no plateau in the output: the sensor file's " + std::to_string(readout.saturation) + " stays"});
+  }
+  findings.tellHysteresis(way_back);
+  findings.tellNoise();
+  findings.tellGains();
+  findings.draw();
+  std::size_t num_rows = 0;
+  for (const PressedTaxel& taxel : taxels) num_rows += taxel.rows.size();
+  result.fits.push_back({.measurement = measurements.front()->name,
+                         .unit = "counts",
+                         .rms = fit.residual_sd,
+                         .num_rows = num_rows,
+                         .num_outliers = fit.num_outliers});
+}
+
+}  // namespace taxelsim

@@ -1,0 +1,134 @@
+#include "characterize/readout_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "characterize/clipped_mean.h"
+
+namespace taxelsim {
+namespace {
+
+constexpr double kFarRange = 0.1;       // of the range
+constexpr double kMostOfLimit = 0.999;  // of the divider's limit: where the range may end
+
+// What is left of each row's force by the play of its taxel.
+std::vector<double> playedForces(const PressedTaxel& taxel, double strength, double width) {
+  std::vector<double> forces;
+  forces.reserve(taxel.rows.size());
+  double play = 0;
+  for (const Reading& row : taxel.rows) {
+    play = std::clamp(play, row.force - width / taxel.share, row.force + width / taxel.share);
+    forces.push_back(row.force + strength * (play - row.force));
+  }
+  return forces;
+}
+
+// Output of the rows used, before noise and clipping.
+std::vector<double> outputs(const PressedTaxel& taxel, const ReadoutModel& model, const double* shared, const double* own) {
+  const double* const lag = shared + model.lag();
+  std::vector<double> played;
+  if (model.hysteresis) played = playedForces(taxel, lag[0], lag[1]);
+  std::vector<double> result;
+  result.reserve(taxel.used.size());
+  for (const std::size_t r : taxel.used) {
+    const double force = model.hysteresis ? played[r] : taxel.rows[r].force;
+    result.push_back(model.output(own[0] * (force - own[1]), shared));
+  }
+  return result;
+}
+
+}  // namespace
+
+double largestForce(const std::vector<Reading>& rows) {
+  double most = 0;
+  for (const Reading& row : rows) most = std::max(most, std::abs(row.force));
+  return most;
+}
+
+std::optional<FitResult> straightLine(const std::vector<Reading>& rows, double top) {
+  std::vector<Reading> inside;
+  std::copy_if(rows.begin(), rows.end(), std::back_inserter(inside),
+               [&](const Reading& row) { return row.counts > 0 && row.counts < top; });
+  if (inside.size() < kLeastReadings) return {};
+  const double most = largestForce(rows), slope = top / std::max(most, 1e-30);
+  return fitRows(inside.size(), {{.start = slope, .scale = slope, .low = 0}, {.start = 0, .scale = most, .low = -most, .high = most}},
+                 [&](std::size_t r, const double* p) { return p[0] * (inside[r].force - p[1]) - inside[r].counts; });
+}
+
+std::vector<std::size_t> rowsThatTell(const std::vector<Reading>& rows, const FitResult& line, double top, double noise) {
+  const double far = std::max(kFarNoise * noise, kFarRange * top);
+  std::vector<std::size_t> used;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const double mean = line.values[0] * (rows[r].force - line.values[1]);
+    if (!((mean < -far && rows[r].counts <= 0) || (mean > top + far && rows[r].counts >= top))) used.push_back(r);
+  }
+  return used;
+}
+
+GroupedFit fitReadoutModel(const std::vector<PressedTaxel>& taxels, const std::vector<FitResult>& lines, const ReadoutModel& model,
+                           double width) {
+  GroupedProblem problem;
+  for (std::size_t k = 0; k < model.num_bends; ++k) problem.shared.push_back({.start = 0, .scale = 1});
+  if (model.divider) problem.shared.push_back({.start = 0.3, .scale = 1, .low = 0, .high = kMostOfLimit});
+  double most = 0;
+  for (const PressedTaxel& taxel : taxels) most = std::max(most, largestForce(taxel.rows) * taxel.share);
+  if (model.hysteresis) {
+    problem.shared.push_back({.start = 0.05, .scale = 0.1, .low = 0, .high = 0.99});
+    problem.shared.push_back({.start = width * most, .scale = 0.1 * most, .low = 0, .high = most});
+  }
+  for (std::size_t t = 0; t < taxels.size(); ++t) {
+    const double force = largestForce(taxels[t].rows);
+    const std::vector<double>& start = lines[t].values;
+    problem.own.push_back({{.start = start[0], .scale = std::max(start[0], 1e-9), .low = 0},
+                           {.start = start[1], .scale = force, .low = -force, .high = force}});
+    problem.num_rows.push_back(taxels[t].used.size());
+  }
+  problem.residuals = [&](std::size_t group, const double* shared, const double* own, double* residuals) {
+    const PressedTaxel& taxel = taxels[group];
+    const std::vector<double> means = outputs(taxel, model, shared, own);
+    for (std::size_t k = 0; k < means.size(); ++k) {
+      residuals[k] = clippedMean(means[k], model.noise, model.top) - taxel.rows[taxel.used[k]].counts;
+    }
+  };
+  return fitGroups(problem);
+}
+
+bool hysteresisIsTold(const ReadoutModel& model, const GroupedFit& fit) {
+  const std::size_t s = model.lag();
+  return fit.shared[s] > fit.halfWidth(s) && fit.shared[s + 1] > fit.halfWidth(s + 1);
+}
+
+bool rises(const ReadoutModel& model, const GroupedFit& fit, const std::vector<PressedTaxel>& taxels) {
+  double last = 0;
+  for (std::size_t t = 0; t < taxels.size(); ++t) {
+    last = std::max(last, fit.own[t][0] * (largestForce(taxels[t].rows) - fit.own[t][1]));
+  }
+  constexpr int kSteps = 500;
+  double before = 0;
+  for (int k = 1; k <= kSteps && before < model.top; ++k) {
+    const double output = model.output(last * k / kSteps, fit.shared.data());
+    if (output <= before) return false;
+    before = output;
+  }
+  return true;
+}
+
+ReadingNoise noiseOf(const std::vector<PressedTaxel>& taxels, const ReadoutModel& model, const GroupedFit& fit) {
+  double squares = 0;
+  std::size_t count = 0;
+  for (std::size_t t = 0; t < taxels.size(); ++t) {
+    const std::vector<double> means = outputs(taxels[t], model, fit.shared.data(), fit.own[t].data());
+    for (std::size_t k = 0; k < means.size(); ++k) {
+      const double from_end = std::min(means[k], model.top - means[k]);
+      if (fit.outlier[t][k] || from_end < kFarNoise * model.noise) continue;
+      const double residual = taxels[t].rows[taxels[t].used[k]].counts - means[k];
+      squares += residual * residual;
+      ++count;
+    }
+  }
+  const std::size_t spent = 2 * taxels.size() + fit.shared.size();
+  const std::size_t freedom = count > spent ? count - spent : 0;
+  return {freedom > 0 ? std::sqrt(squares / static_cast<double>(freedom)) : 0, freedom};
+}
+
+}  // namespace taxelsim

@@ -1,0 +1,75 @@
+// The model of force on single taxels against output; paper, section III.B and figure 5. Of a taxel that is pressed by F, of which the
+// point spread function leaves the share w to it,
+//   x = w [(1 - s) F + s play(F)],  y = P(gain x - trigger),  counts = clip(y / (1 + y / L)),
+// s and play being the readout's hysteresis, P a polynomial that begins with S counts/N, L the limit of a voltage divider. What is fitted
+// to a taxel is its slope a = S gain w (counts/N) and the first force f that shows (N): with z = a (F - f) and K the end of the range,
+// y = z (1 + b2 z/K + b3 (z/K)^2 + ...). The b, K/L, s and the play's width are common to all taxels.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "characterize/least_squares.h"
+
+namespace taxelsim {
+
+inline constexpr std::size_t kLeastReadings =
+    4;  // of a taxel, between trigger and saturation: two parameters, and something to judge them by
+
+struct Reading {
+  double force;  // N
+  double counts;
+};
+
+struct PressedTaxel {
+  int taxel = 0;
+  double share = 1;               // w
+  double share_half_width = 0;    // of its 95 % interval, with a sign: all taxels' shares rise or fall together
+  std::vector<Reading> rows;      // in the order in which they were taken
+  std::vector<std::size_t> used;  // rows that tell anything
+};
+
+struct ReadoutModel {
+  std::size_t num_bends = 0;  // b2, b3, ...
+  bool divider = false;       // K/L follows the bends
+  bool hysteresis = false;    // s and the play's width (N) come last
+  double top = 0;             // counts
+  double noise = 1;           // counts
+
+  // Counts before noise and clipping.
+  double output(double z, const double* shared) const {
+    double factor = 1, power = 1;
+    for (std::size_t k = 0; k < num_bends && z > 0; ++k) factor += shared[k] * (power *= z / top);
+    const double y = z * factor;
+    return divider && y > 0 ? y / (1 + y * shared[num_bends] / top) : y;
+  }
+  std::size_t lag() const { return num_bends + (divider ? 1 : 0); }  // where s stands
+};
+
+struct ReadingNoise {
+  double deviation = 0;  // counts
+  std::size_t degrees_of_freedom = 0;
+};
+
+double largestForce(const std::vector<Reading>& rows);
+
+// Slope and first force by a straight line through the rows inside the range, robustly: to begin with. None where there are too few.
+std::optional<FitResult> straightLine(const std::vector<Reading>& rows, double top);
+
+// Deep under the trigger and far over the end every slope reads the same.
+std::vector<std::size_t> rowsThatTell(const std::vector<Reading>& rows, const FitResult& line, double top, double noise);
+
+GroupedFit fitReadoutModel(const std::vector<PressedTaxel>& taxels, const std::vector<FitResult>& lines, const ReadoutModel& model,
+                           double width);
+
+// Whether both intervals leave 0 out.
+bool hysteresisIsTold(const ReadoutModel& model, const GroupedFit& fit);
+
+// Whether the polynomial rises over the range, as a readout must.
+bool rises(const ReadoutModel& model, const GroupedFit& fit, const std::vector<PressedTaxel>& taxels);
+
+// Pooled over the rows that nothing clips.
+ReadingNoise noiseOf(const std::vector<PressedTaxel>& taxels, const ReadoutModel& model, const GroupedFit& fit);
+
+}  // namespace taxelsim

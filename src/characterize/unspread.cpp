@@ -1,0 +1,90 @@
+#include "characterize/unspread.h"
+
+#include <Eigen/SparseCholesky>
+
+#include "reference/psf.h"
+#include "taxelsim/error.h"
+
+namespace taxelsim {
+namespace {
+
+// Of the pivots of G^T G to its largest entry: below it rounding is all that a force would be found by.
+constexpr double kLeastPivot = 1e-12;
+constexpr double kRounding = 1e-12;  // of the largest force or slope: a wrong sign that is none
+constexpr int kBlockTries = 3;       // changes of all sides at once while the number of wrong signs does not fall
+
+}  // namespace
+
+Unspread::Unspread(const Sensor& sensor) : free_(static_cast<std::size_t>(numTaxels(sensor)), true) {
+  const auto count = static_cast<Eigen::Index>(free_.size());
+  std::vector<Eigen::Triplet<double>> entries;
+  for (const reference::Share& share : reference::sharesOf(sensor)) {
+    entries.emplace_back(static_cast<int>(share.taxel), static_cast<int>(share.source), share.share);
+  }
+  spread_.resize(count, count);
+  spread_.setFromTriplets(entries.begin(), entries.end());
+  normal_ = spread_.transpose() * spread_;
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors(normal_);
+  if (factors.info() != Eigen::Success || factors.vectorD().minCoeff() < kLeastPivot * normal_.coeffs().maxCoeff()) {
+    throw Error(ErrorKind::kInput, "psf: cannot be undone: different loads spread to the same image");
+  }
+}
+
+Eigen::VectorXd Unspread::solveFree(const Eigen::VectorXd& right) const {
+  std::vector<Eigen::Index> place(free_.size(), -1);
+  Eigen::Index count = 0;
+  for (std::size_t t = 0; t < free_.size(); ++t) {
+    if (free_[t]) place[t] = count++;
+  }
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(right.size());
+  if (count == 0) return force;
+  std::vector<Eigen::Triplet<double>> entries;
+  Eigen::VectorXd free_right(count);
+  for (Eigen::Index source = 0; source < right.size(); ++source) {
+    const Eigen::Index column = place[static_cast<std::size_t>(source)];
+    if (column < 0) continue;
+    free_right[column] = right[source];
+    for (Eigen::SparseMatrix<double>::InnerIterator entry(normal_, source); entry; ++entry) {
+      const Eigen::Index row = place[static_cast<std::size_t>(entry.row())];
+      if (row >= 0) entries.emplace_back(static_cast<int>(row), static_cast<int>(column), entry.value());
+    }
+  }
+  Eigen::SparseMatrix<double> matrix(count, count);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::VectorXd solved = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(matrix).solve(free_right);
+  for (std::size_t t = 0; t < place.size(); ++t) {
+    if (place[t] >= 0) force[static_cast<Eigen::Index>(t)] = solved[place[t]];
+  }
+  return force;
+}
+
+std::vector<double> Unspread::forceOf(std::span<const double> image) {
+  const Eigen::VectorXd right =
+      spread_.transpose() * Eigen::Map<const Eigen::VectorXd>(image.data(), static_cast<Eigen::Index>(image.size()));
+  const double least_slope = kRounding * right.cwiseAbs().maxCoeff();
+  std::size_t fewest = free_.size() + 1;
+  int tries = kBlockTries;
+  for (int pivot = 0; pivot < kMaxPivots; ++pivot) {
+    const Eigen::VectorXd force = solveFree(right), slope = normal_ * force - right;
+    const double least_force = kRounding * force.cwiseAbs().maxCoeff();
+    std::vector<std::size_t> wrong;
+    for (std::size_t t = 0; t < free_.size(); ++t) {
+      const auto i = static_cast<Eigen::Index>(t);
+      if (free_[t] ? force[i] < -least_force : slope[i] < -least_slope) wrong.push_back(t);
+    }
+    if (wrong.empty()) {
+      const Eigen::VectorXd result = force.cwiseMax(0);
+      return {result.begin(), result.end()};
+    }
+    if (wrong.size() < fewest) {
+      fewest = wrong.size();
+      tries = kBlockTries;
+    } else if (tries-- <= 0) {
+      wrong.erase(wrong.begin(), wrong.end() - 1);
+    }
+    for (const std::size_t t : wrong) free_[t] = !free_[t];
+  }
+  throw Error(ErrorKind::kInput, "psf: cannot be undone: no forces found in " + std::to_string(kMaxPivots) + " steps");
+}
+
+}  // namespace taxelsim

@@ -1,0 +1,30 @@
+// Looking at what characterize() found.
+#pragma once
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "taxelsim/characterize.h"
+
+namespace taxelsim::support {
+
+// The estimate of that name; nullptr where there is none.
+inline const Estimate* findEstimate(const Characterization& result, const std::string& parameter) {
+  const auto found = std::find_if(result.estimates.begin(), result.estimates.end(),
+                                  [&](const Estimate& estimate) { return estimate.parameter == parameter; });
+  return found == result.estimates.end() ? nullptr : &*found;
+}
+
+// Whether it was determined and its interval holds `truth`.
+inline bool holds(const Characterization& result, const std::string& parameter, double truth) {
+  const Estimate* const estimate = findEstimate(result, parameter);
+  return estimate != nullptr && estimate->determined && estimate->low <= truth && truth <= estimate->high;
+}
+
+// Of 40 runs a 95 % interval holds the truth in at least 34 with probability .997: P(X <= 33) of a binomial (40, .95) is .0034. That it
+// does so in all 40 has probability .13, so that intervals far too wide show only over many parameters.
+inline constexpr int kRuns = 40;
+inline constexpr int kLeastInside = 34;
+
+}  // namespace taxelsim::support
