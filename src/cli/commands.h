@@ -21,6 +21,9 @@ inline std::string refuseNegative(const std::string& text) {
 }
 
 // Each adds its subcommand to `app`; choosing it sets `action`, which outlives the call.
+void addCalibrateReadings(CLI::App& app, Action& action);
+void addCharacterize(CLI::App& app, Action& action);
+void addCompare(CLI::App& app, Action& action);
 void addDevices(CLI::App& app, Action& action);
 void addEvaluate(CLI::App& app, Action& action);
 void addExperiment(CLI::App& app, Action& action);

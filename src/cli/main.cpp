@@ -47,10 +47,13 @@ int run(int argc, char** argv) {
 
   Action action;
   addDevices(app, action);
+  addCharacterize(app, action);
   addGenerate(app, action);
   addFrame(app, action);
   addEvaluate(app, action);
   addExperiment(app, action);
+  addCompare(app, action);
+  addCalibrateReadings(app, action);
   addInspect(app, action);
   addRender(app, action);
   try {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <utility>
 
 #include "cli/canvas.h"
@@ -17,6 +18,8 @@ namespace {
 // colour-blind.
 constexpr std::array<Colour, 11> kViridis{rgb(0x440154), rgb(0x482475), rgb(0x414487), rgb(0x355f8d), rgb(0x2a788e), rgb(0x21918c),
                                           rgb(0x22a884), rgb(0x44bf70), rgb(0x7ad151), rgb(0xbddf26), rgb(0xfde725)};
+// Of differences: the same lightness on both sides of 0.
+constexpr std::array<Colour, 5> kBlueToRed{rgb(0x2b5fa8), rgb(0x8fb3dd), rgb(0xeeeff1), rgb(0xe8a58f), rgb(0xb5372b)};
 constexpr Colour kContour = kRed, kAxis = kBlue;
 constexpr double kDarkTextFrom = 0.52;  // luminance of a cell from which on dark type reads better than white
 
@@ -25,17 +28,28 @@ constexpr double kSmallestValue = 5.5, kLargestValue = 12;  // sizes of type in 
 constexpr double kPanelLength = 300;                        // longer side of a panel
 constexpr double kSmallestPanel = 90;                       // shorter side, which makes room for captions
 constexpr double kLeastWidth = 330;                         // of all panels, which makes room for the title
-constexpr double kBarWidth = 14, kBarGap = 22, kBarText = 52;
+constexpr double kBarWidth = 14, kBarGap = 22, kBarText = 52, kBarStep = kBarGap + kBarWidth + kBarText;
 constexpr double kTitleRoom = 17, kCaptionRoom = 19, kLegendRoom = 24;
 
-Colour viridis(double t) {
-  const double place = std::clamp(t, 0.0, 1.0) * (kViridis.size() - 1);
-  const std::size_t i = std::min(static_cast<std::size_t>(place), kViridis.size() - 2);
+// A place from 0 to 1 along colours that are evenly apart.
+Colour along(std::span<const Colour> colours, double t) {
+  const double place = std::clamp(t, 0.0, 1.0) * static_cast<double>(colours.size() - 1);
+  const std::size_t i = std::min(static_cast<std::size_t>(place), colours.size() - 2);
   const double f = place - static_cast<double>(i);
-  const auto mix = [f](double a, double b) { return a + f * (b - a); };
-  return {mix(kViridis[i].red, kViridis[i + 1].red), mix(kViridis[i].green, kViridis[i + 1].green),
-          mix(kViridis[i].blue, kViridis[i + 1].blue)};
+  const auto mix = [f](double from, double to) { return from + f * (to - from); };
+  return {mix(colours[i].red, colours[i + 1].red), mix(colours[i].green, colours[i + 1].green), mix(colours[i].blue, colours[i + 1].blue)};
 }
+
+// From 0, or of signed values from -max, to max.
+struct ColourScale {
+  std::span<const Colour> colours;
+  double max = 0;
+  bool is_signed = false;
+
+  double low() const { return is_signed ? -top() : 0; }
+  double top() const { return max > 0 ? max : 1; }
+  Colour at(double value) const { return along(colours, (value - low()) / (top() - low())); }
+};
 
 double luminance(const Colour& c) {
   return 0.2126 * c.red + 0.7152 * c.green + 0.0722 * c.blue;
@@ -93,18 +107,18 @@ PanelSize sizeOf(const TactilePanel& panel) {
 
 // Calls function(row, column, value, colour) for every cell that has a value.
 template <typename Function>
-void eachCell(const TactilePanel& panel, double max, Function function) {
+void eachCell(const TactilePanel& panel, const ColourScale& scale, Function function) {
   for (int i = 0; i < panel.num_rows; ++i) {
     for (int j = 0; j < panel.num_cols; ++j) {
       const double value = panel.values[static_cast<std::size_t>(i) * panel.num_cols + j];
-      if (std::isfinite(value)) function(i, j, value, viridis(max > 0 ? value / max : 0));
+      if (std::isfinite(value)) function(i, j, value, scale.at(value));
     }
   }
 }
 
 // Calls function(corners in points, value, colour) for every outline that has a value.
 template <typename Function>
-void eachOutline(const TactilePanel& panel, const PanelSize& size, double max, Function function) {
+void eachOutline(const TactilePanel& panel, const PanelSize& size, const ColourScale& colours, Function function) {
   const Extent extent = extentOf(panel.outlines);
   const double scale = size.height / (extent.high[0] - extent.low[0]);
   for (std::size_t t = 0; t < panel.outlines.size(); ++t) {
@@ -115,12 +129,12 @@ void eachOutline(const TactilePanel& panel, const PanelSize& size, double max, F
       x = (y - extent.low[1]) * scale;
       y = down;
     }
-    function(corners, panel.values[t], viridis(max > 0 ? panel.values[t] / max : 0));
+    function(corners, panel.values[t], colours.at(panel.values[t]));
   }
 }
 
-void drawOutlines(const Canvas& canvas, const TactilePanel& panel, const PanelSize& size, double max) {
-  eachOutline(panel, size, max, [&](const TaxelOutline& corners, double, const Colour& colour) {
+void drawOutlines(const Canvas& canvas, const TactilePanel& panel, const PanelSize& size, const ColourScale& scale) {
+  eachOutline(panel, size, scale, [&](const TaxelOutline& corners, double, const Colour& colour) {
     for (const auto& [x, y] : corners) cairo_line_to(canvas, x, y);
     cairo_close_path(canvas);
     canvas.colour(colour);
@@ -131,13 +145,13 @@ void drawOutlines(const Canvas& canvas, const TactilePanel& panel, const PanelSi
   });
 }
 
-void drawCells(const Canvas& canvas, const TactilePanel& panel, const PanelSize& size, double max) {
-  if (!panel.outlines.empty()) return drawOutlines(canvas, panel, size, max);
+void drawCells(const Canvas& canvas, const TactilePanel& panel, const PanelSize& size, const ColourScale& scale) {
+  if (!panel.outlines.empty()) return drawOutlines(canvas, panel, size, scale);
   canvas.colour(kGap);
   cairo_rectangle(canvas, 0, 0, size.width, size.height);
   cairo_fill(canvas);
   const double gap = std::min(0.5, 0.03 * size.cell_width);
-  eachCell(panel, max, [&](int i, int j, double, const Colour& colour) {
+  eachCell(panel, scale, [&](int i, int j, double, const Colour& colour) {
     canvas.colour(colour);
     cairo_rectangle(canvas, j * size.cell_width + gap, i * size.cell_height + gap, size.cell_width - 2 * gap, size.cell_height - 2 * gap);
     cairo_fill(canvas);
@@ -145,9 +159,10 @@ void drawCells(const Canvas& canvas, const TactilePanel& panel, const PanelSize&
 }
 
 // Values over everything else, each with a halo of its cell's colour, where the widest of the picture fits into a cell.
-void drawValues(const Canvas& canvas, const TactilePanel& panel, const PanelSize& size, double max) {
+void drawValues(const Canvas& canvas, const TactilePanel& panel, const PanelSize& size, const ColourScale& scale) {
   canvas.font(kLargestValue);
-  const double fit = std::min(0.8 * size.cell_width / canvas.widthOf(valueText(max)), 0.5 * size.cell_height / kLargestValue);
+  const double fit = std::min(0.8 * size.cell_width / canvas.widthOf(valueText(scale.is_signed ? -scale.max : scale.max)),
+                              0.5 * size.cell_height / kLargestValue);
   const double type = std::min(kLargestValue * fit, kLargestValue);
   if (type < kSmallestValue) return;
   canvas.font(type);
@@ -163,12 +178,12 @@ void drawValues(const Canvas& canvas, const TactilePanel& panel, const PanelSize
     cairo_fill(canvas);
   };
   if (!panel.outlines.empty()) {
-    eachOutline(panel, size, max, [&](const TaxelOutline& c, double value, const Colour& colour) {
+    eachOutline(panel, size, scale, [&](const TaxelOutline& c, double value, const Colour& colour) {
       write((c[0][0] + c[2][0]) / 2, (c[0][1] + c[2][1]) / 2, value, colour);
     });
     return;
   }
-  eachCell(panel, max, [&](int i, int j, double value, const Colour& colour) {
+  eachCell(panel, scale, [&](int i, int j, double value, const Colour& colour) {
     write((j + 0.5) * size.cell_width, (i + 0.5) * size.cell_height, value, colour);
   });
 }
@@ -258,11 +273,13 @@ void drawLines(const Canvas& canvas, const TactilePanel& panel, const PanelSize&
   cairo_restore(canvas);
 }
 
-void drawColourBar(const Canvas& canvas, double x, double y, double height, double max, const std::string& unit) {
+void drawColourBar(const Canvas& canvas, double x, double y, double height, const ColourScale& scale, const std::string& unit) {
   cairo_pattern_t* pattern = cairo_pattern_create_linear(0, y + height, 0, y);
-  for (std::size_t i = 0; i < kViridis.size(); ++i)
-    cairo_pattern_add_color_stop_rgb(pattern, static_cast<double>(i) / (kViridis.size() - 1), kViridis[i].red, kViridis[i].green,
-                                     kViridis[i].blue);
+  for (std::size_t i = 0; i < scale.colours.size(); ++i) {
+    const Colour& colour = scale.colours[i];
+    cairo_pattern_add_color_stop_rgb(pattern, static_cast<double>(i) / static_cast<double>(scale.colours.size() - 1), colour.red,
+                                     colour.green, colour.blue);
+  }
   cairo_rectangle(canvas, x, y, kBarWidth, height);
   cairo_set_source(canvas, pattern);
   cairo_fill(canvas);
@@ -270,9 +287,8 @@ void drawColourBar(const Canvas& canvas, double x, double y, double height, doub
 
   canvas.font(kSmall);
   cairo_set_line_width(canvas, 0.8);
-  const double top = max > 0 ? max : 1;
-  for (const double tick : ticksOf(0, top)) {
-    const double level = y + height * (1 - tick / top);
+  for (const double tick : ticksOf(scale.low(), scale.top())) {
+    const double level = y + height * (scale.top() - tick) / (scale.top() - scale.low());
     canvas.colour(kGrey);
     cairo_move_to(canvas, x + kBarWidth, level);
     cairo_line_to(canvas, x + kBarWidth + 4, level);
@@ -370,12 +386,14 @@ std::optional<ContactAxes> axesOfImage(const TactilePanel& panel) {
 
 void writeTactileFigure(const std::filesystem::path& file, const std::vector<TactilePanel>& panels, const FigureOptions& options) {
   if (panels.empty()) throw Error(ErrorKind::kInput, "there is no tactile image to draw");
-  double max = 0;
+  ColourScale counts{.colours = kViridis, .max = 0, .is_signed = false}, differences{.colours = kBlueToRed, .max = 0, .is_signed = true};
   std::vector<PanelSize> sizes;
   double widest = 0, highest = 0;
-  bool titles = false, captions = false;
+  bool titles = false, captions = false, any_signed = false;
   for (const TactilePanel& panel : panels) {
-    for (const double value : panel.values) max = std::isfinite(value) ? std::max(max, value) : max;
+    double& max = panel.is_signed ? differences.max : counts.max;
+    for (const double value : panel.values) max = std::isfinite(value) ? std::max(max, panel.is_signed ? std::abs(value) : value) : max;
+    any_signed |= panel.is_signed;
     sizes.push_back(sizeOf(panel));
     widest = std::max(widest, sizes.back().width);
     highest = std::max(highest, sizes.back().height);
@@ -392,7 +410,7 @@ void writeTactileFigure(const std::filesystem::path& file, const std::vector<Tac
   const int num_rows = (count + num_cols - 1) / num_cols;
   const double grid_width = std::max(num_cols * step_x - kGutter, kLeastWidth), grid_height = num_rows * step_y - kGutter;
   const double heading = headingRoom(options.subtitle);
-  const double width = kMargin + grid_width + kBarGap + kBarWidth + kBarText + kMargin;
+  const double width = kMargin + grid_width + (any_signed ? 2 : 1) * kBarStep + kMargin;
   const double height = heading + grid_height + kMargin + (legend.empty() ? 0 : kLegendRoom);
   if (std::max(width, height) * kPixelsPerPoint > kLargestSide)
     throw Error(ErrorKind::kInput, fmt::format("{} images do not fit into one picture: ask for fewer", count));
@@ -409,22 +427,24 @@ void writeTactileFigure(const std::filesystem::path& file, const std::vector<Tac
     canvas.colour(kInk);
     canvas.font(kBody, true);
     canvas.text(0, -6, panel.title, 0, widest);
-    drawCells(canvas, panel, size, max);
+    const ColourScale& scale = panel.is_signed ? differences : counts;
+    drawCells(canvas, panel, size, scale);
     if (panel.neighbours) {
       drawAxes(canvas, panel, size);
       drawContour(canvas, panel, size);
     }
     drawLines(canvas, panel, size);
-    if (panel.numbers) drawValues(canvas, panel, size, max);
+    if (panel.numbers) drawValues(canvas, panel, size, scale);
     canvas.colour(kGrey);
     canvas.font(kSmall);
     canvas.text(0, size.height + kSmall + 5, panel.caption, 0, widest);
     cairo_restore(canvas);
   }
 
-  const double bar_top = heading + title_room;
-  drawColourBar(canvas, kMargin + grid_width + kBarGap, bar_top, std::min(grid_height - title_room - caption_room, 420.0), max,
-                options.unit);
+  const double bar_left = kMargin + grid_width + kBarGap, bar_top = heading + title_room;
+  const double bar_height = std::min(grid_height - title_room - caption_room, 420.0);
+  drawColourBar(canvas, bar_left, bar_top, bar_height, counts, options.unit);
+  if (any_signed) drawColourBar(canvas, bar_left + kBarStep, bar_top, bar_height, differences, "difference");
 
   if (!legend.empty()) drawLegend(canvas, heading + grid_height + 20, legend);
   canvas.save(file);

@@ -42,6 +42,7 @@ struct TactilePanel {
   std::vector<TactileLine> lines{};
   bool numbers = true;     // values are written into cells that have room
   bool neighbours = true;  // false when cells side by side are not so on the sensor: then no outline and no axes are drawn
+  bool is_signed = false;  // values are differences: blue below 0, red above, by a scale of their own
 };
 
 struct FigureOptions {
@@ -54,8 +55,9 @@ struct FigureOptions {
 // Moments of the image itself, for data that come without features; none without contact.
 std::optional<ContactAxes> axesOfImage(const TactilePanel& panel);
 
-// Writes a PNG of all panels with one colour scale from 0 to the largest value. Throws Error(kIo) when the file cannot be written,
-// Error(kInput) when there is nothing to draw or the picture would be larger than Cairo can make.
+// Writes a PNG of all panels with one colour scale from 0 to the largest value, and one for signed values, as far up as down. Throws
+// Error(kIo) when the file cannot be written, Error(kInput) when there is nothing to draw or the picture would be larger than Cairo can
+// make.
 void writeTactileFigure(const std::filesystem::path& file, const std::vector<TactilePanel>& panels, const FigureOptions& options);
 
 }  // namespace taxelsim::cli

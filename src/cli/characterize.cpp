@@ -1,0 +1,141 @@
+// `taxelsim characterize`: measurements of a real sensor become a sensor file.
+#include "taxelsim/characterize.h"
+
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "cli/characterize_report.h"
+#include "cli/commands.h"
+#include "cli/text.h"
+#include "dataset/files.h"
+#include "taxelsim/version.h"
+
+namespace taxelsim::cli {
+namespace {
+
+struct Arguments {
+  std::vector<std::string> measurements;
+  std::string sensor;
+  std::string name;
+  std::string report;
+  bool json = false;
+};
+
+// The key of the sensor file that tells of an estimate.
+std::string keyOf(const std::string& parameter) {
+  return parameter.starts_with("psf.") ? "psf.kernel" : parameter;
+}
+
+// Where each number comes from, beside it in the file.
+std::map<std::string, std::string> notesOf(const Characterization& result, const std::vector<Measurement>& measurements) {
+  std::map<std::string, std::string> notes;
+  std::string files;
+  for (const Measurement& measurement : measurements) files += (files.empty() ? "" : ", ") + measurement.file.filename().string();
+  notes[""] = fmt::format(
+      "Found by taxelsim {} from {}. Numbers with an interval were measured; all others are those of the sensor file "
+      "that the measurements name.",
+      kVersion, files);
+  for (const Estimate& estimate : result.estimates) {
+    std::string text = estimate.determined && estimate.parameter.starts_with("psf.") ? estimate.parameter.substr(4) + " " : "";
+    text += estimateText(estimate);
+    if (estimate.determined && !estimate.remark.empty()) text += ", " + estimate.remark;
+    notes.emplace(keyOf(estimate.parameter), text);
+  }
+  return notes;
+}
+
+void printTable(const Characterization& result) {
+  std::vector<std::vector<std::string>> rows{{"parameter", "value", "from", "to", "unit", ""}};
+  std::size_t num_gains = 0;
+  for (const Estimate& estimate : result.estimates) {
+    if (estimate.parameter.starts_with("readout.taxel_gain[")) {
+      ++num_gains;
+    } else if (estimate.determined) {
+      rows.push_back({estimate.parameter, numberText(estimate.value), numberText(estimate.low), numberText(estimate.high), estimate.unit,
+                      estimate.remark});
+    } else {
+      rows.push_back({estimate.parameter, "", "", "", estimate.unit, "not determined: " + estimate.remark});
+    }
+  }
+  fmt::print("95 % intervals\n\n{}\n", tableText(rows));
+  std::vector<std::vector<std::string>> fits{{"measurement", "rms", "rows", "outliers"}};
+  for (const FitQuality& fit : result.fits) {
+    fits.push_back({fit.measurement, numberText(fit.rms) + " " + fit.unit, countText(fit.num_rows), countText(fit.num_outliers)});
+  }
+  fmt::print("{}\n", tableText(fits));
+  if (num_gains > 0) fmt::print("gains of {} taxels: in the sensor file\n", num_gains);
+  if (!result.dead_taxels.empty()) fmt::print("taxels that did not answer: {}\n", fmt::join(result.dead_taxels, ", "));
+  for (const std::string& remark : result.remarks) fmt::print("{}\n", remark);
+}
+
+nlohmann::ordered_json asJson(const Characterization& result) {
+  nlohmann::ordered_json json{{"sensor", result.sensor.name}, {"estimates", nlohmann::ordered_json::array()}};
+  for (const Estimate& estimate : result.estimates) {
+    nlohmann::ordered_json entry{{"parameter", estimate.parameter}, {"unit", estimate.unit}, {"determined", estimate.determined}};
+    if (estimate.determined) {
+      entry["value"] = estimate.value;
+      entry["low"] = estimate.low;
+      entry["high"] = estimate.high;
+    }
+    entry["remark"] = estimate.remark;
+    json["estimates"].push_back(std::move(entry));
+  }
+  json["fits"] = nlohmann::ordered_json::array();
+  for (const FitQuality& fit : result.fits) {
+    json["fits"].push_back({{"measurement", fit.measurement},
+                            {"unit", fit.unit},
+                            {"rms", fit.rms},
+                            {"num_rows", fit.num_rows},
+                            {"num_outliers", fit.num_outliers}});
+  }
+  json["dead_taxels"] = result.dead_taxels;
+  json["remarks"] = result.remarks;
+  return json;
+}
+
+int runCharacterize(const Arguments& arguments) {
+  std::vector<Measurement> measurements;
+  for (const std::string& file : arguments.measurements) {
+    measurements.push_back(loadMeasurement(file));
+    spdlog::debug("{} is read", file);
+  }
+  Characterization result = characterize(measurements);
+  if (!arguments.name.empty()) result.sensor.name = arguments.name;
+  const std::string text = sensorText(result.sensor, notesOf(result, measurements));
+  dataset::writeFileAtomically(arguments.sensor, std::as_bytes(std::span(text)));
+  if (!arguments.report.empty()) {
+    writeReport(arguments.report, measurements, result, drawCharacterization(arguments.report, result));
+  }
+  if (arguments.json) {
+    fmt::print("{}\n", asJson(result).dump(2));
+  } else {
+    printTable(result);
+  }
+  return kExitOk;
+}
+
+}  // namespace
+
+void addCharacterize(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand("characterize", "Measurements of a real sensor become a sensor file, with intervals");
+  command->footer(
+      "Example:\n  taxelsim characterize scenes/measurements/*.yaml -o my_sensor.yaml --report my_sensor.html\n"
+      "Measurements are CSV tables with a small YAML file each: docs/measurements.md says which.");
+  const auto arguments = std::make_shared<Arguments>();
+  command->add_option("measurements", arguments->measurements, "Measurement files (YAML), all of one sensor")
+      ->required()
+      ->type_name("MEASUREMENT");
+  command->add_option("-o,--output", arguments->sensor, "Sensor file to write")->required()->type_name("SENSOR");
+  command->add_option("--name", arguments->name, "Name of the sensor, instead of that of the file that the measurements name")
+      ->type_name("NAME");
+  command->add_option("--report", arguments->report, "Write a page with all figures (HTML), and the figures beside it (PNG)")
+      ->type_name("HTML");
+  command->add_flag("--json", arguments->json, "Print JSON, not a table");
+  command->callback([=, &action] { action = [=] { return runCharacterize(*arguments); }; });
+}
+
+}  // namespace taxelsim::cli

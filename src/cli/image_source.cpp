@@ -1,0 +1,74 @@
+#include "cli/image_source.h"
+
+#include <algorithm>
+#include <functional>
+#include <numeric>
+
+#include "cli/scene_name.h"
+#include "scene/sensor_file.h"
+#include "taxelsim/dataset.h"
+#include "taxelsim/error.h"
+
+namespace taxelsim::cli {
+namespace {
+
+constexpr const char* kImage = "data/tactile_image";
+constexpr std::uint64_t kFramesAtOnce = 4096;
+
+// The sensor stands in the scene with all its settings; only files that give its taxels (a mesh, a URDF) are not kept in a data set.
+std::optional<Sensor> sensorOf(const Manifest& manifest) {
+  const std::string name = "scene of the data set";
+  try {
+    const YamlTree tree = parseYaml(manifest.scene, name);
+    const YamlNode root(tree, name);
+    const std::optional<YamlNode> block = root.isMap() ? root.child("sensor") : std::nullopt;
+    Canonical canonical;
+    if (block) return readSensorBlock(*block, {}, canonical);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+ImageSource loadDataSet(const std::filesystem::path& directory) {
+  const DatasetReader reader(directory);
+  const Manifest& manifest = reader.manifest();
+  const auto column = std::find_if(manifest.columns.begin(), manifest.columns.end(), [](const Column& c) { return c.name == kImage; });
+  if (column == manifest.columns.end()) throw Error(ErrorKind::kInput, directory.string() + ": has no column " + kImage);
+  if (reader.numFrames() == 0) throw Error(ErrorKind::kInput, directory.string() + ": has no frames");
+  ImageSource source{.file = directory.string(), .name = sceneName(manifest), .sensor = sensorOf(manifest), .images = {}};
+  source.images.num_taxels = std::accumulate(column->shape.begin(), column->shape.end(), std::size_t{1}, std::multiplies<>());
+  if (source.sensor && source.images.num_taxels != static_cast<std::size_t>(numTaxels(*source.sensor))) {
+    throw Error(ErrorKind::kInput, directory.string() + ": images of several sensors at once cannot be compared");
+  }
+  for (std::uint64_t first = 0; first < reader.numFrames(); first += kFramesAtOnce) {
+    for (const double counts : reader.readAsDouble(kImage, first, std::min(kFramesAtOnce, reader.numFrames() - first))) {
+      source.images.counts.push_back(static_cast<float>(counts));
+    }
+  }
+  return source;
+}
+
+ImageSource loadFile(const std::filesystem::path& file) {
+  Measurement measurement = loadMeasurement(file);
+  ImageSource source{.file = file.string(), .name = measurement.name, .sensor = std::move(measurement.sensor), .images = {}};
+  if (auto* points = std::get_if<PointImages>(&measurement.data)) {
+    source.images = std::move(points->images);
+  } else if (auto* stamp = std::get_if<StampImages>(&measurement.data)) {
+    source.images = std::move(stamp->images);
+  } else if (auto* sequence = std::get_if<ImageSequence>(&measurement.data)) {
+    source.images = std::move(sequence->images);
+  } else {
+    throw Error(ErrorKind::kInput, file.generic_string() + ": has no images: images, point_images or stamp_images is asked for");
+  }
+  return source;
+}
+
+}  // namespace
+
+ImageSource loadImages(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::is_directory(path, error) ? loadDataSet(path) : loadFile(path);
+}
+
+}  // namespace taxelsim::cli

@@ -1,0 +1,113 @@
+// `characterize` on the measurements that ship, which were simulated with known parameters, and what it writes.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "cli/command_line.h"
+#include "cli/picture.h"
+#include "taxelsim/sensor.h"
+
+namespace taxelsim::testing {
+namespace {
+
+using Json = nlohmann::json;
+using ::testing::HasSubstr;
+
+const std::string kMeasurements = TAXELSIM_SOURCE_DIR "/scenes/measurements/";
+
+std::vector<std::string> characterized(const std::vector<std::string>& names, const std::string& sensor) {
+  std::vector<std::string> arguments{"characterize", "-o", sensor};
+  for (const std::string& name : names) arguments.push_back(kMeasurements + name + ".yaml");
+  return arguments;
+}
+
+const Json& estimateOf(const Json& json, const std::string& parameter) {
+  for (const Json& estimate : json["estimates"]) {
+    if (estimate["parameter"] == parameter) return estimate;
+  }
+  throw std::runtime_error("no estimate of " + parameter);
+}
+
+// TRUTH of scripts/make_measurements.py.
+TEST(Characterize, FindsWhatTheShippedMeasurementsWereMadeWith) {
+  const TemporaryDirectory directory;
+  std::vector<std::string> arguments =
+      characterized({"force_curve", "force_depth", "point_images", "step_response", "stamp_3N", "stamp_6N"}, directory / "s.yaml");
+  arguments.insert(arguments.end(), {"--json", "--report", directory / "r.html"});
+  const Outcome outcome = runTaxelsim(arguments);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const Json json = Json::parse(outcome.out);
+  const std::vector<std::pair<std::string, double>> truths{{"readout.curve.counts_per_newton", 2310},
+                                                           {"readout.trigger", 0.031},
+                                                           {"readout.saturation", 3840},
+                                                           {"readout.noise", 6},
+                                                           {"skin.normal_contact_stiffness", 1.61e8},
+                                                           {"force_depth.contact_offset", 0.212e-3},
+                                                           {"psf.gaussian.sigma", 0.6}};
+  for (const auto& [parameter, truth] : truths) {
+    const Json& estimate = estimateOf(json, parameter);
+    ASSERT_TRUE(estimate["determined"].get<bool>()) << parameter;
+    // Of seven 95 % intervals of one bench one may miss; none by more than half its width, four standard deviations from the middle.
+    const double low = estimate["low"], high = estimate["high"];
+    EXPECT_GE(truth, low - (high - low) / 2) << parameter;
+    EXPECT_LE(truth, high + (high - low) / 2) << parameter;
+  }
+  EXPECT_EQ(json["dead_taxels"], Json({40}));
+  const Sensor sensor = loadSensor(directory / "s.yaml");
+  EXPECT_EQ(sensor.readout.saturation, 3840);
+  EXPECT_EQ(sensor.readout.taxel_gain[40], 0);
+  EXPECT_EQ(sensor.readout.creep.size(), 2u) << "of the step response, not of the stamps";
+  EXPECT_GT(Picture(directory / "r_output_over_time_under_a_constant_load_2.png").width(), 100) << "of the stamps";
+  EXPECT_THAT(contentOf(directory / "s.yaml"), HasSubstr("saturation: 3840  # 3840 counts, seen as a plateau"));
+}
+
+TEST(Characterize, WritesAReportThatNeedsNothingElse) {
+  const TemporaryDirectory directory;
+  std::vector<std::string> arguments = characterized({"force_curve", "force_depth"}, directory / "s.yaml");
+  arguments.insert(arguments.end(), {"--name", "mine", "--report", directory / "r.html"});
+  const Outcome outcome = runTaxelsim(arguments);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("skin.normal_contact_stiffness"));
+  EXPECT_THAT(outcome.out, HasSubstr("taxels that did not answer: 40"));
+  EXPECT_EQ(loadSensor(directory / "s.yaml").name, "mine");
+  const std::string page = contentOf(directory / "r.html");
+  EXPECT_THAT(page, HasSubstr("Characterisation of mine"));
+  EXPECT_THAT(page, HasSubstr("data:image/png;base64,iVBORw0KGgo")) << "how every PNG begins";
+  EXPECT_EQ(page.find("http"), std::string::npos);
+  EXPECT_EQ(page.find(" nan"), std::string::npos);
+  for (const char* picture : {"r_output_against_force_all_taxels.png", "r_force_against_penetration_depth.png", "r_gain_map.png"}) {
+    EXPECT_GT(Picture(directory / picture).width(), 100) << picture;
+  }
+}
+
+TEST(Characterize, TwiceTheSameBytes) {
+  const TemporaryDirectory directory;
+  for (const char* name : {"a.yaml", "b.yaml"}) ASSERT_EQ(runTaxelsim(characterized({"force_depth"}, directory / name)).status, 0);
+  EXPECT_EQ(contentOf(directory / "a.yaml"), contentOf(directory / "b.yaml"));
+}
+
+TEST(Characterize, RefusesInOneLineAndWritesNothing) {
+  const TemporaryDirectory directory;
+  const std::string sensor = directory / "s.yaml";
+  const auto write = [&](const std::string& name, const std::string& text) { std::ofstream(directory / name) << text; };
+  expectRefused(runTaxelsim(characterized({"none"}, sensor)), "none.yaml");
+  expectRefused(runTaxelsim({"characterize", "-o", sensor}), "measurements is required");
+  expectRefused(runTaxelsim({"characterize", kMeasurements + "force_depth.yaml"}), "--output is required");
+  // Another sensor than the first measurement's.
+  write("t.csv", "depth_mm,force_N\n0,0\n1,1\n");
+  write("m.yaml", "format_version: 1\nmeasurement: force_depth\nsensor: " TAXELSIM_SOURCE_DIR
+                  "/scenes/sensors/cea_list.yaml\ntable: t.csv\nindenter: {flat_pin: {radius_mm: 0.5}}\n");
+  std::vector<std::string> arguments = characterized({"force_depth"}, sensor);
+  arguments.push_back(directory / "m.yaml");
+  expectRefused(runTaxelsim(arguments), "m.yaml: another sensor than that of");
+  write("n.csv", "depth_mm,force_N\n0,0\n1,nan\n");
+  write("n.yaml", "format_version: 1\nmeasurement: force_depth\nsensor: " TAXELSIM_SOURCE_DIR
+                  "/scenes/sensors/wts0614.yaml\ntable: n.csv\nindenter: {flat_pin: {radius_mm: 0.5}}\n");
+  expectRefused(runTaxelsim({"characterize", directory / "n.yaml", "-o", sensor}), "n.csv:3:3: force_N: \"nan\" is not allowed");
+  EXPECT_FALSE(std::filesystem::exists(sensor));
+}
+
+}  // namespace
+}  // namespace taxelsim::testing
