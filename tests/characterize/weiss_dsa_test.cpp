@@ -1,5 +1,5 @@
 // Recordings of a real matrix under dead weights of 200 to 900 g: the sensor is fitted to all loads but one and predicts the one left out.
-// Three loads of eight; all of them with TAXELSIM_LEFT_OUT=ABCDEFGH in the environment, in three minutes.
+// Two loads of eight; all of them with TAXELSIM_LEFT_OUT=ABCDEFGH in the environment, in three minutes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -137,7 +137,7 @@ TEST(WeissDsa, LeftOutLoadsArePredicted) {
   ASSERT_EQ(recordings.size(), 17u);
   std::vector<double> all_m1, heavy_m4, heavy_sum, creep_rms, zero_m1;
   const char* const asked = std::getenv("TAXELSIM_LEFT_OUT");
-  for (const char letter : std::string(asked != nullptr ? asked : "BDF")) {
+  for (const char letter : std::string(asked != nullptr ? asked : "DF")) {
     std::vector<Measurement> measurements;
     for (const Recording& recording : recordings) {
       if (recording.letter != letter) measurements.push_back(recording.measurement);

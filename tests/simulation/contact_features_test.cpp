@@ -284,6 +284,7 @@ std::vector<double> randomImage(Random& random, const Sensor& sensor) {
 
 Sensor withReadout(Random& random, Sensor sensor) {
   sensor.readout.adc_bits = 16;
+  sensor.readout.curve_limit = 0;
   sensor.readout.saturation = random.chance(0.5) ? 65535 : 20000;
   sensor.readout.curve = {30000};
   if (random.chance(0.5)) sensor.readout.curve = {20000, 5000, 3000};
@@ -349,6 +350,7 @@ TEST(ContactFeaturesOnDevice, AFaceOverTheLargestGrid) {
   Sensor sensor = support::gridSensor({.num_rows = 128, .num_cols = 128, .pitch_x = 0.5e-3, .pitch_y = 0.5e-3, .samples_per_taxel = 1});
   sensor.readout.curve = {1e6};
   sensor.readout.adc_bits = 16;
+  sensor.readout.curve_limit = 0;
   sensor.readout.saturation = 65535;
   for (const int workgroup : {0, 256}) {
     const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(HalfSpace{})}, .image_workgroup = workgroup});

@@ -27,6 +27,7 @@ Sensor punchedSensor() {
   Sensor sensor = support::gridSensor({.num_rows = 1, .num_cols = 1, .samples_per_taxel = 1});
   sensor.readout.curve = {kCountsPerNewton};
   sensor.readout.adc_bits = 16;
+  sensor.readout.curve_limit = 0;
   sensor.readout.saturation = 65535;
   return sensor;
 }
@@ -213,6 +214,7 @@ TEST_P(LagSeeds, CountsFollowTheTwin) {
   Sensor sensor = support::randomSensor(random, {.max_rows = 6, .max_cols = 7, .max_patches = 1 + GetParam() % 2, .max_kernel = 5});
   sensor.readout = randomLag(random, sensor.readout);
   sensor.readout.adc_bits = 16;
+  sensor.readout.curve_limit = 0;
   sensor.readout.saturation = 65535;
   sensor.readout.curve[0] *= 65535.0 / 256;
   if (random.chance(0.5)) sensor.frame_rate = random.uniform(30, 300);

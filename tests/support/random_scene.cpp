@@ -101,7 +101,8 @@ Sensor randomSensor(Random& random, const SensorRange& range) {
       readout.taxel_trigger.push_back(random.uniform(0, 0.1));
     }
   }
-  if (random.chance(0.3)) readout.curve_limit = random.uniform(1.1, 5) * readout.saturation / readout.output_scale;
+  Random other = random;  // what is drawn after this stays as it was
+  if (other.chance(0.3)) readout.curve_limit = other.uniform(1.1, 5) * readout.saturation / readout.output_scale;
   return sensor;
 }
 
