@@ -16,11 +16,11 @@
 namespace taxelsim {
 namespace {
 
-constexpr std::size_t kPlateauRows = 5;          // with one and the same largest output: the sensor ends there
-constexpr double kFlat = 0.01;                   // of the output: less over the last third of the force is no rise
-constexpr double kStill = 2;                     // counts: a taxel that moves less under force does not answer
-constexpr double kWayBack = 0.2;                 // of the largest force: a fall that is a way back
-constexpr std::size_t kMaxRowsPerTaxel = 20000;  // more are thinned evenly
+constexpr std::size_t kPlateauRows = 5;    // with one and the same largest output: the sensor ends there
+constexpr double kFlat = 0.01;             // of the output: less over the last third of the force is no rise
+constexpr double kStill = 2;               // counts: a taxel that moves less under force does not answer
+constexpr double kWayBack = 0.2;           // of the largest force: a fall that is a way back
+constexpr std::size_t kMaxRows = 200'000;  // of all taxels; more are thinned evenly
 constexpr std::size_t kMaxDots = 4000;
 constexpr std::array<double, 3> kWidths{0.02, 0.06, 0.15};  // of the largest force, to look for the play's from
 
@@ -30,10 +30,11 @@ std::map<int, std::vector<Reading>> rowsByTaxel(Measured measurements) {
     const auto& curve = std::get<ForceCurve>(measurement->data);
     for (std::size_t r = 0; r < curve.taxel.size(); ++r) rows[curve.taxel[r]].push_back({curve.force[r], curve.counts[r]});
   }
+  const std::size_t most = std::max(kMaxRows / std::max<std::size_t>(rows.size(), 1), 10 * kLeastReadings);
   for (auto& [taxel, all] : rows) {
-    if (all.size() <= kMaxRowsPerTaxel) continue;
+    if (all.size() <= most) continue;
     std::vector<Reading> thinned;
-    for (std::size_t k = 0; k < kMaxRowsPerTaxel; ++k) thinned.push_back(all[k * all.size() / kMaxRowsPerTaxel]);
+    for (std::size_t k = 0; k < most; ++k) thinned.push_back(all[k * all.size() / most]);
     all = std::move(thinned);
   }
   return rows;
