@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -16,10 +17,20 @@ inline const Estimate* findEstimate(const Characterization& result, const std::s
   return found == result.estimates.end() ? nullptr : &*found;
 }
 
+// The same where it must be there; throws where it is not.
+inline const Estimate& estimateOf(const Characterization& result, const std::string& parameter) {
+  const Estimate* const estimate = findEstimate(result, parameter);
+  if (estimate == nullptr) throw std::runtime_error("no estimate of " + parameter);
+  return *estimate;
+}
+
 // Whether it was determined and its interval holds `truth`.
+inline bool holds(const Estimate& estimate, double truth) {
+  return estimate.determined && estimate.low <= truth && truth <= estimate.high;
+}
 inline bool holds(const Characterization& result, const std::string& parameter, double truth) {
   const Estimate* const estimate = findEstimate(result, parameter);
-  return estimate != nullptr && estimate->determined && estimate->low <= truth && truth <= estimate->high;
+  return estimate != nullptr && holds(*estimate, truth);
 }
 
 // Of 40 runs a 95 % interval holds the truth in at least 34 with probability .997: P(X <= 33) of a binomial (40, .95) is .0034. That it

@@ -2,11 +2,15 @@
 #include <gmock/gmock.h>
 
 #include "bench_session.h"
+#include "characterize/estimates.h"
 #include "taxelsim/characterize.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim::testing {
 namespace {
+
+using support::estimateOf;
+using support::holds;
 
 using ::testing::HasSubstr;
 
@@ -31,17 +35,6 @@ ForceCurve pressed(const std::vector<TrueTaxel>& taxels, std::mt19937& random, d
 Characterization characterized(ForceCurve curve) {
   const std::vector<Measurement> measurements{measurementOf("curve", benchSensor(2, 2), std::move(curve))};
   return characterize(measurements);
-}
-
-const Estimate& estimateOf(const Characterization& result, const std::string& parameter) {
-  const auto found =
-      std::find_if(result.estimates.begin(), result.estimates.end(), [&](const Estimate& e) { return e.parameter == parameter; });
-  if (found == result.estimates.end()) throw std::runtime_error("no estimate of " + parameter);
-  return *found;
-}
-
-bool holds(const Estimate& estimate, double truth) {
-  return estimate.determined && estimate.low <= truth && truth <= estimate.high;
 }
 
 struct Truth {

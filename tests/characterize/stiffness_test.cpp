@@ -4,11 +4,14 @@
 #include <numbers>
 
 #include "bench_session.h"
+#include "characterize/estimates.h"
 #include "taxelsim/characterize.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim::testing {
 namespace {
+
+using support::estimateOf;
 
 using ::testing::HasSubstr;
 
@@ -50,13 +53,6 @@ ForceDepth pressed(const Case& with, double noise, std::mt19937& random) {
 Characterization characterized(ForceDepth data) {
   const std::vector<Measurement> measurements{measurementOf("press", benchSensor(1, 1), std::move(data))};
   return characterize(measurements);
-}
-
-const Estimate& estimateOf(const Characterization& result, const std::string& parameter) {
-  const auto found =
-      std::find_if(result.estimates.begin(), result.estimates.end(), [&](const Estimate& e) { return e.parameter == parameter; });
-  if (found == result.estimates.end()) throw std::runtime_error("no estimate of " + parameter);
-  return *found;
 }
 
 // Without noise what is left is the quadrature and the solver's end, at 1e-10 of a parameter.

@@ -12,7 +12,6 @@
 #include <sstream>
 
 #include "characterize/creep.h"
-#include "characterize/estimates.h"
 #include "characterize/least_squares.h"
 #include "reference/frame.h"
 #include "reference/lag.h"
@@ -22,8 +21,6 @@
 
 namespace taxelsim {
 namespace {
-
-using support::findEstimate;
 
 constexpr double kGravity = 9.81;
 const Indenter kStamp{.shape = Indenter::Shape::kStamp, .size = {10.5e-3, 10.5e-3}};
