@@ -124,16 +124,19 @@ Characterization characterize(std::span<const Measurement> measurements) {
   std::optional<PsfRange> psf_range;
   // The point spread function is seen through the readout, and of a force on one taxel it leaves a share to others: in turn, until neither
   // moves the other.
-  for (int round = 0; round < kMaxRounds && !ofKind<PointImages>(measurements).empty(); ++round) {
+  const std::vector<const Measurement*> points = ofKind<PointImages>(measurements);
+  for (int round = 0; round < kMaxRounds && !points.empty(); ++round) {
     Characterization draft = result;
-    if (!curves.empty()) fitReadout(curves, {}, draft);
-    fitKind<PointImages>(measurements, draft, fitPointSpread);
+    ReadoutDoubt doubt;
+    if (!curves.empty()) doubt = fitReadout(curves, {}, draft);
+    fitPointSpread(points, doubt, draft);
     const bool settled = differenceOf(std::exchange(result.sensor.psf, draft.sensor.psf), draft.sensor.psf) < kSettled;
     psf_range = rangeOf(draft);
     if (settled || curves.empty()) break;
   }
-  if (!curves.empty()) fitReadout(curves, psf_range, result);
-  fitKind<PointImages>(measurements, result, fitPointSpread);
+  ReadoutDoubt doubt;
+  if (!curves.empty()) doubt = fitReadout(curves, psf_range, result);
+  if (!points.empty()) fitPointSpread(points, doubt, result);
   fitKind<ForceDepth>(measurements, result, fitStiffness);
   fitKind<StepResponse>(measurements, result, fitCreep);
   if (const std::vector<const Measurement*> stamps = ofKind<StampImages>(measurements); !stamps.empty()) fitStampsBeside(stamps, result);

@@ -206,7 +206,7 @@ void setCovariances(const GroupedProblem& problem, const Weights& weights, const
   const auto num_shared = static_cast<Eigen::Index>(problem.shared.size());
   Eigen::MatrixXd schur = Eigen::MatrixXd::Zero(num_shared, num_shared);
   Eigen::VectorXd squares = Eigen::VectorXd::Zero(num_shared);
-  std::vector<Eigen::MatrixXd> own_inverse, gain;
+  std::vector<Eigen::MatrixXd> own_inverse, gain, by_row;
   std::vector<std::vector<bool>> own_told;
   for (std::size_t g = 0; g < problem.own.size(); ++g) {
     const auto rows = static_cast<Eigen::Index>(problem.num_rows[g]), num_own = static_cast<Eigen::Index>(problem.own[g].size());
@@ -225,11 +225,14 @@ void setCovariances(const GroupedProblem& problem, const Weights& weights, const
     own_inverse.push_back(inverseWhereTold(normal, b.colwise().norm().transpose(), told));
     own_told.push_back(std::move(told));
     gain.emplace_back(mixed * own_inverse.back());
+    const Eigen::Map<const Eigen::VectorXd> weight(weights[g].data(), rows);
+    by_row.emplace_back((a.transpose() - gain.back() * b.transpose()) * weight.asDiagonal());
     squares += a.colwise().squaredNorm().transpose();
     schur += a.transpose() * a - gain.back() * mixed.transpose();
   }
   std::vector<bool> told;
   fit.covariance = inverseWhereTold(schur, squares.cwiseSqrt(), told);
+  for (const Eigen::MatrixXd& rows : by_row) fit.response.emplace_back(scalesOf(problem.shared).asDiagonal() * (fit.covariance * rows));
   for (std::size_t g = 0; g < problem.own.size(); ++g) {
     const Eigen::MatrixXd own = own_inverse[g] + gain[g].transpose() * fit.covariance * gain[g];
     std::vector<double> variances;
@@ -257,6 +260,17 @@ void setCovariances(const GroupedProblem& problem, const Weights& weights, const
 double GroupedFit::halfWidth(std::size_t shared_parameter) const {
   const auto p = static_cast<Eigen::Index>(shared_parameter);
   return studentFactor(degrees_of_freedom) * std::sqrt(covariance(p, p));
+}
+
+double GroupedFit::halfWidthOf(const Eigen::VectorXd& gradient) const {
+  double variance = 0;
+  for (Eigen::Index p = 0; p < gradient.size(); ++p) {
+    for (Eigen::Index q = 0; q < gradient.size(); ++q) {
+      // What the rows do not tell is infinite, and need not matter here.
+      if (gradient[p] != 0 && gradient[q] != 0) variance += gradient[p] * covariance(p, q) * gradient[q];
+    }
+  }
+  return studentFactor(degrees_of_freedom) * std::sqrt(std::max(0.0, variance));
 }
 
 double GroupedFit::ownHalfWidth(std::size_t group, std::size_t parameter) const {
@@ -339,14 +353,13 @@ double cutSquares(const GroupedFit& fit, double deviation) {
   return squares;
 }
 
-bool isBetterFit(double squares, double squares_with_more, double more, double freedom) {
-  constexpr double kOneInAThousand = 3.0902;  // standard deviations of a Gaussian, one side
+bool isBetterFit(double squares, double squares_with_more, double more, double freedom, double chance) {
   if (!(freedom > 0) || !(squares > squares_with_more)) return false;
   if (!(squares_with_more > 0)) return true;
   // F as a Gaussian: M. Abramowitz and I. Stegun, Handbook of Mathematical Functions, 26.6.15.
   const double root = std::cbrt((squares - squares_with_more) / more / (squares_with_more / freedom));
   const double a = 2 / (9 * freedom), b = 2 / (9 * more);
-  return ((1 - a) * root - (1 - b)) / std::sqrt(a * root * root + b) > kOneInAThousand;
+  return ((1 - a) * root - (1 - b)) / std::sqrt(a * root * root + b) > chance;
 }
 
 double FitResult::halfWidth(std::size_t parameter) const {

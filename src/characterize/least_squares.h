@@ -45,11 +45,14 @@ struct GroupedFit {
   // Half the width of the 95 % interval, by Student's distribution; infinite where the rows do not tell.
   double halfWidth(std::size_t shared_parameter) const;
   double ownHalfWidth(std::size_t group, std::size_t parameter) const;
+  // The same of what depends on the shared values as `gradient` says.
+  double halfWidthOf(const Eigen::VectorXd& gradient) const;
   // The same of a mean over groups of what depends on a group's own parameters as `own_gradients` say, one a group, and on the shared ones.
   double meanHalfWidth(const std::vector<Eigen::VectorXd>& own_gradients, const Eigen::VectorXd& shared_gradient) const;
 
   std::vector<Eigen::MatrixXd> own_covariance;  // (groups): with the shared values held
   std::vector<Eigen::MatrixXd> lean;            // (groups): how far own values fall as shared ones rise, (own x shared)
+  std::vector<Eigen::MatrixXd> response;        // (groups): how far shared values fall as a residual rises, (shared x rows)
 };
 
 // Parameters that make the sum of squares of the residuals least over the rows that are no outliers: first under Cauchy's loss, which
@@ -60,9 +63,12 @@ GroupedFit fitGroups(const GroupedProblem& problem);
 // Sum of squares of a fit's residuals, each cut off at 3 `deviation`: of models of the same rows, whatever each calls an outlier.
 double cutSquares(const GroupedFit& fit, double deviation);
 
-// Whether a model of `more` further parameters is better than chance allows, in one case of a thousand: the F test between sums of squares
-// of the same rows, with `freedom` degrees left to the larger model.
-bool isBetterFit(double squares, double squares_with_more, double more, double freedom);
+inline constexpr double kOneInAThousand = 3.0902;  // standard deviations of a Gaussian, one side
+inline constexpr double kOneInAHundred = 2.3263;
+
+// Whether a model of `more` further parameters is better than chance allows, in one case of a thousand, or another: the F test between sums
+// of squares of the same rows, with `freedom` degrees left to the larger model.
+bool isBetterFit(double squares, double squares_with_more, double more, double freedom, double chance = kOneInAThousand);
 
 struct FitResult {
   std::vector<double> values;

@@ -41,6 +41,7 @@ struct Image {
 
 struct Model {
   Sensor sensor;  // but for its point spread function, which is what is fitted
+  ReadoutDoubt doubt;
   std::vector<Image> images;
   double noise = kLeastNoise;  // counts
 
@@ -147,9 +148,9 @@ void spreadShares(const GridPatch& patch, const Psf& psf, const Image& image, st
   }
 }
 
-// Mean output of a taxel before it is clipped, counts.
-double outputOf(const Readout& readout, double force, std::size_t taxel) {
-  return reference::analogueOutput(readout, force, reference::gainOf(readout, taxel), reference::triggerOf(readout, taxel), 0);
+// What a taxel of that gain and trigger (N) counts on average.
+double readingOf(const Model& model, double force, double gain, double trigger) {
+  return clippedMean(reference::analogueOutput(model.sensor.readout, force, gain, trigger, 0), model.noise, model.top());
 }
 
 // All taxels that a kernel of `size` reaches from the footprint, but for dead ones; `all` or only those that read between the ends.
@@ -192,6 +193,29 @@ double noiseOf(const Model& model, const GroupedFit& fit) {
   return std::max(kLeastNoise, freedom >= kLeastFreedom ? std::sqrt(squares / freedom) : guess);
 }
 
+// What is not known of gains and triggers moves the shared parameters, each image's readings being all they have.
+void addDoubt(const Model& model, const std::function<Psf(const double*)>& psf, GroupedFit& fit) {
+  if (model.doubt.empty() || fit.shared.empty()) return;
+  constexpr double kStep = 1e-6;  // of the gain; N
+  const Readout& readout = model.sensor.readout;
+  const Psf found = psf(fit.shared.data());
+  std::vector<Eigen::MatrixXd> moved(model.doubt.size(), Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(fit.shared.size()), 2));
+  std::vector<double> spread;
+  for (std::size_t g = 0; g < model.images.size(); ++g) {
+    const Image& image = model.images[g];
+    spreadShares(model.sensor.patches[0], found, image, spread);
+    for (std::size_t k = 0; k < image.taxels.size(); ++k) {
+      const std::size_t t = image.taxels[k];
+      const double force = fit.own[g][0] * spread[t], gain = reference::gainOf(readout, t), trigger = reference::triggerOf(readout, t);
+      const Eigen::RowVector2d growth{
+          (readingOf(model, force, gain + kStep, trigger) - readingOf(model, force, gain - kStep, trigger)) / (2 * kStep),
+          (readingOf(model, force, gain, trigger + kStep) - readingOf(model, force, gain, trigger - kStep)) / (2 * kStep)};
+      moved[t] += fit.response[g].col(static_cast<Eigen::Index>(k)) * growth;
+    }
+  }
+  for (std::size_t t = 0; t < moved.size(); ++t) fit.covariance += moved[t] * model.doubt[t] * moved[t].transpose();
+}
+
 // `psf` of the shared parameters; none: a point spread function that stays.
 PsfFit fitPsf(const Model& model, const std::vector<FitParameter>& shared, const std::function<Psf(const double*)>& psf) {
   GroupedProblem problem{.shared = shared, .own = {}, .num_rows = {}, .noise = model.noise, .residuals = {}};
@@ -205,11 +229,14 @@ PsfFit fitPsf(const Model& model, const std::vector<FitParameter>& shared, const
     spreadShares(model.sensor.patches[0], psf(values), image, spread);
     for (std::size_t k = 0; k < image.taxels.size(); ++k) {
       const std::size_t t = image.taxels[k];
-      residuals[k] = clippedMean(outputOf(model.sensor.readout, own[0] * spread[t], t), model.noise, model.top()) - image.counts[t];
+      residuals[k] =
+          readingOf(model, own[0] * spread[t], reference::gainOf(model.sensor.readout, t), reference::triggerOf(model.sensor.readout, t)) -
+          image.counts[t];
     }
   };
   PsfFit result{.psf = {}, .fit = fitGroups(problem)};
   result.psf = psf(result.fit.shared.data());
+  addDoubt(model, psf, result.fit);
   return result;
 }
 
@@ -310,13 +337,13 @@ int gaussianKernelSize(double sigma, int least) {
   return size;
 }
 
-void fitPointSpread(Measured measurements, Characterization& result) {
+void fitPointSpread(Measured measurements, const ReadoutDoubt& doubt, Characterization& result) {
   const std::string file = measurements.front()->file.generic_string();
   if (result.sensor.patches.size() != 1) {
     throw Error(ErrorKind::kInput, file + ": images under points need a sensor of one grid, not of " +
                                        std::to_string(result.sensor.patches.size()) + " patches");
   }
-  Model model{.sensor = result.sensor, .images = {}};
+  Model model{.sensor = result.sensor, .doubt = doubt, .images = {}};
   for (const int dead : result.dead_taxels) {
     model.sensor.readout.taxel_gain.resize(static_cast<std::size_t>(numTaxels(model.sensor)), 1.0);
     model.sensor.readout.taxel_gain[static_cast<std::size_t>(dead)] = 0;

@@ -136,6 +136,7 @@ class Findings {
   void tellNoise();
   void tellGains();
   void draw() const;
+  ReadoutDoubt doubt() const;
 
  private:
   void add(std::string parameter, std::string unit, double value, double half_width, std::string remark) {
@@ -273,6 +274,19 @@ void Findings::tellGains() {
   }
 }
 
+// With gain = a / (w S) and trigger = a f / S.
+ReadoutDoubt Findings::doubt() const {
+  ReadoutDoubt doubt(static_cast<std::size_t>(numTaxels(result_.sensor)), Eigen::Matrix2d::Zero());
+  for (std::size_t t = 0; t < taxels_.size(); ++t) {
+    Eigen::Matrix2d of_own{{1 / taxels_[t].share, 0}, {fit_.own[t][1], fit_.own[t][0]}};
+    of_own /= slope_;
+    Eigen::Matrix2d own = fit_.own_covariance[t];
+    if (!fit_.shared.empty()) own += fit_.lean[t] * fit_.covariance * fit_.lean[t].transpose();
+    if (own.allFinite()) doubt[static_cast<std::size_t>(taxels_[t].taxel)] = of_own * own * of_own.transpose();
+  }
+  return doubt;
+}
+
 // All readings on the scale of the mean taxel.
 void Findings::draw() const {
   FitFigure figure{.title = "Output against force, all taxels", .x_label = "force, N", .y_label = "counts", .curves = {}};
@@ -304,7 +318,7 @@ void Findings::draw() const {
 
 }  // namespace
 
-void fitReadout(Measured measurements, const std::optional<PsfRange>& psf_range, Characterization& result) {
+ReadoutDoubt fitReadout(Measured measurements, const std::optional<PsfRange>& psf_range, Characterization& result) {
   std::map<int, std::vector<Reading>> rows = rowsByTaxel(measurements);
   Readout& readout = result.sensor.readout;
   const Plateau plateau = plateauOf(rows);
@@ -409,6 +423,7 @@ void fitReadout(Measured measurements, const std::optional<PsfRange>& psf_range,
                          .rms = fit.residual_sd,
                          .num_rows = num_rows,
                          .num_outliers = fit.num_outliers});
+  return findings.doubt();
 }
 
 }  // namespace taxelsim

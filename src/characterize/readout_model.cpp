@@ -39,6 +39,17 @@ std::vector<double> outputs(const PressedTaxel& taxel, const ReadoutModel& model
 
 }  // namespace
 
+bool ReadoutModel::rises(double last, const double* shared) const {
+  constexpr int kSteps = 500;
+  double before = 0;
+  for (int k = 1; k <= kSteps && before < top; ++k) {
+    const double counts = output(last * k / kSteps, shared);
+    if (counts <= before) return false;
+    before = counts;
+  }
+  return true;
+}
+
 double largestForce(const std::vector<Reading>& rows) {
   double most = 0;
   for (const Reading& row : rows) most = std::max(most, std::abs(row.force));
@@ -103,14 +114,7 @@ bool rises(const ReadoutModel& model, const GroupedFit& fit, const std::vector<P
   for (std::size_t t = 0; t < taxels.size(); ++t) {
     last = std::max(last, fit.own[t][0] * (largestForce(taxels[t].rows) - fit.own[t][1]));
   }
-  constexpr int kSteps = 500;
-  double before = 0;
-  for (int k = 1; k <= kSteps && before < model.top; ++k) {
-    const double output = model.output(last * k / kSteps, fit.shared.data());
-    if (output <= before) return false;
-    before = output;
-  }
-  return true;
+  return model.rises(last, fit.shared.data());
 }
 
 ReadingNoise noiseOf(const std::vector<PressedTaxel>& taxels, const ReadoutModel& model, const GroupedFit& fit) {

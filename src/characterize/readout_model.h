@@ -44,6 +44,8 @@ struct ReadoutModel {
     const double y = z * factor;
     return divider && y > 0 ? y / (1 + y * shared[num_bends] / top) : y;
   }
+  // Whether the output rises from 0 on to `last`, or to the end of the range, as a readout's must.
+  bool rises(double last, const double* shared) const;
   std::size_t lag() const { return num_bends + (divider ? 1 : 0); }  // where s stands
 };
 

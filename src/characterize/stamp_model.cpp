@@ -1,0 +1,295 @@
+#include "characterize/stamp_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "characterize/clipped_mean.h"
+#include "characterize/footprint.h"
+#include "reference/readout.h"
+
+namespace taxelsim {
+namespace {
+
+using namespace stamp_own;
+using namespace stamp_shared;
+
+constexpr double kLeastSlope = 0.3;     // cosine between stamp and taxel below which it is not touched
+constexpr double kMostTilt = 0.05;      // rad
+constexpr double kPlane = 1e-6;         // m and rad: a skin more even than that is plane
+constexpr double kMostOfLimit = 0.999;  // of the divider's limit: where the range may end
+constexpr double kMostBend = 100;       // at the end of the range, of the straight line
+constexpr int kMaxKernelReach = kMaxKernelSize / 2;
+
+// Between taxels of one grid in taxels, without those that no kernel reaches; between taxels of a list along the skin.
+Eigen::MatrixXd squaredDistances(const Sensor& sensor) {
+  const auto count = static_cast<Eigen::Index>(numTaxels(sensor));
+  Eigen::MatrixXd squares = Eigen::MatrixXd::Constant(count, count, std::numeric_limits<double>::infinity());
+  if (isTaxelList(sensor)) {
+    const std::vector<Vector3> positions = taxelPositions(sensor), normals = taxelNormals(sensor);
+    for (std::size_t a = 0; a < positions.size(); ++a) {
+      for (std::size_t b = 0; b < positions.size(); ++b) {
+        const double distance = skinDistance(positions[a], normals[a], positions[b], normals[b]);
+        squares(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)) = distance * distance;
+      }
+    }
+    return squares;
+  }
+  Eigen::Index first = 0;
+  for (const GridPatch& patch : sensor.patches) {
+    const Eigen::Index num = patch.num_rows * patch.num_cols;
+    for (Eigen::Index a = 0; a < num; ++a) {
+      for (Eigen::Index b = 0; b < num; ++b) {
+        const Eigen::Index rows = a / patch.num_cols - b / patch.num_cols, cols = a % patch.num_cols - b % patch.num_cols;
+        if (std::max(std::abs(rows), std::abs(cols)) > kMaxKernelReach) continue;
+        squares(first + a, first + b) = static_cast<double>(rows * rows + cols * cols);
+      }
+    }
+    first += num;
+  }
+  return squares;
+}
+
+bool isPlane(const Sensor& sensor) {
+  const std::vector<Vector3> positions = taxelPositions(sensor), normals = taxelNormals(sensor);
+  return std::all_of(positions.begin(), positions.end(), [&](const Vector3& p) {
+    const Vector3& n = normals[static_cast<std::size_t>(&p - positions.data())];
+    return length(cross(n, normals[0])) < kPlane && std::abs(dot(subtract(p, positions[0]), normals[0])) < kPlane;
+  });
+}
+
+// Force on each taxel, N, under a stamp that is pressed as deep as carries its load; all 0 where it meets no taxel.
+std::vector<double> forcesUnder(const StampModel& model, const Stamp& stamp, const double* own, double stiffness) {
+  const Vector3 n_S{-own[kSlopeX], -own[kSlopeY], 1};
+  const Polygon outline = moved(sectionOf(stamp.data->indenter, 0), {own[kX], own[kY]}, own[kYaw]);
+  const std::size_t num_patches = model.X_PS.size();
+  std::vector<Polygon> outline_P(num_patches);
+  std::vector<Vector3> n_P(num_patches), middle_P(num_patches);
+  std::vector<std::array<double, 2>> low_P(num_patches, {1e300, 1e300}), high_P(num_patches, {-1e300, -1e300});
+  for (std::size_t p = 0; p < num_patches; ++p) {
+    n_P[p] = rotate(model.X_PS[p].rotation, n_S);
+    middle_P[p] = model.X_PS[p] * Vector3{own[kX], own[kY], 0};
+    if (n_P[p][2] < kLeastSlope) continue;
+    for (const auto& corner : outline) {
+      const double z = own[kSlopeX] * (corner[0] - own[kX]) + own[kSlopeY] * (corner[1] - own[kY]);
+      const Vector3 corner_P = model.X_PS[p] * Vector3{corner[0], corner[1], z};
+      outline_P[p].push_back({corner_P[0], corner_P[1]});
+      for (std::size_t axis = 0; axis < 2; ++axis) {
+        low_P[p][axis] = std::min(low_P[p][axis], corner_P[axis]);
+        high_P[p][axis] = std::max(high_P[p][axis], corner_P[axis]);
+      }
+    }
+  }
+  struct Cell {
+    int taxel;
+    double area;    // m^2, covered
+    double height;  // m, of the face over the skin along the taxel's normal, before the stamp is let down
+    double rate;    // m of height per m down
+  };
+  std::vector<Cell> cells;
+  double deepest = -1e300;
+  for (const reference::Sample& sample : model.samples) {
+    const auto p = static_cast<std::size_t>(sample.patch);
+    if (outline_P[p].empty()) continue;
+    const double x = sample.position_P[0], y = sample.position_P[1];
+    const auto& half = model.half_cell[p];
+    if (x + half[0] <= low_P[p][0] || x - half[0] >= high_P[p][0] || y + half[1] <= low_P[p][1] || y - half[1] >= high_P[p][1]) continue;
+    const double area = overlap(outline_P[p], {x - half[0], y - half[1]}, {x + half[0], y + half[1]});
+    if (area <= 0) continue;
+    const Vector3& n = n_P[p];
+    const double height = middle_P[p][2] - (n[0] * (x - middle_P[p][0]) + n[1] * (y - middle_P[p][1])) / n[2];
+    cells.push_back({sample.taxel, area, height, 1 / n[2]});
+    deepest = std::max(deepest, -height * n[2]);
+  }
+  std::vector<double> force(model.gain.size(), 0.0);
+  if (cells.empty()) return force;
+  const double exponent = model.foundation.normal_exponent;
+  // Force and its growth per m down: convex, so that Newton's steps from a depth that is too large never pass the right one.
+  const auto press = [&](double down) {
+    std::array<double, 2> sum{0, 0};
+    for (const Cell& cell : cells) {
+      const double depth = down * cell.rate - cell.height;
+      if (depth <= 0) continue;
+      const double below = exponent == 1 ? 1 : std::pow(depth, exponent - 1);
+      sum[0] += cell.area * stiffness * below * depth;
+      sum[1] += cell.area * stiffness * exponent * below * cell.rate;
+    }
+    return sum;
+  };
+  double high = -deepest + 1e-4;
+  while (press(high)[0] < stamp.data->load && high < 1) high = -deepest + 2 * (high + deepest);
+  for (int round = 0; round < 30; ++round) {
+    const auto [sum, growth] = press(high);
+    const double step = (sum - stamp.data->load) / growth;
+    if (!(step > 1e-13)) break;
+    high -= step;
+  }
+  for (const Cell& cell : cells) {
+    const double depth = high * cell.rate - cell.height;
+    if (depth > 0) force[static_cast<std::size_t>(cell.taxel)] += cell.area * stiffness * std::pow(depth, exponent);
+  }
+  const double off = stamp.data->load / std::max(press(high)[0], 1e-300);
+  for (double& value : force) value *= off;
+  return force;
+}
+
+// What the derivatives ask for again and again: weights per source, columns of sum 1, of the sigmas asked for last, and forces under each
+// stamp where it lay last.
+class Memory {
+ public:
+  explicit Memory(const StampModel& model) : model_(model), pressed_(model.stamps.size()) {}
+
+  // Force on each taxel after the spread, N.
+  const std::vector<double>& spread(std::size_t stamp, const double* own, double stiffness, double sigma) {
+    const std::array<double, 6> at{own[kX], own[kY], own[kYaw], own[kSlopeX], own[kSlopeY], stiffness};
+    Pressed& pressed = pressed_[stamp];
+    const bool lies_there = !pressed.force.empty() && pressed.at == at;
+    if (lies_there && pressed.sigma == sigma) return pressed.spread;
+    if (!lies_there) pressed.force = forcesUnder(model_, model_.stamps[stamp], own, stiffness);
+    pressed.at = at;
+    pressed.sigma = sigma;
+    pressed.spread.assign(pressed.force.size(), 0);
+    Eigen::Map<Eigen::VectorXd> sum(pressed.spread.data(), static_cast<Eigen::Index>(pressed.spread.size()));
+    const Eigen::MatrixXd& weights = weightsOf(sigma);
+    for (std::size_t t = 0; t < pressed.force.size(); ++t) {
+      if (pressed.force[t] > 0) sum += pressed.force[t] * weights.col(static_cast<Eigen::Index>(t));
+    }
+    return pressed.spread;
+  }
+
+ private:
+  struct Pressed {
+    std::array<double, 6> at{};
+    double sigma = 0;
+    std::vector<double> force{}, spread{};  // (num_taxels), N
+  };
+
+  const Eigen::MatrixXd& weightsOf(double sigma) {
+    for (const auto& [known, matrix] : last_) {
+      if (known == sigma) return matrix;
+    }
+    if (last_.size() > 4) last_.erase(last_.begin());
+    Eigen::MatrixXd weights = (-model_.squared_distance.array() / (2 * sigma * sigma)).exp();
+    const Eigen::RowVectorXd sums = weights.colwise().sum();
+    for (Eigen::Index source = 0; source < weights.cols(); ++source) weights.col(source) /= sums[source];
+    last_.emplace_back(sigma, std::move(weights));
+    return last_.back().second;
+  }
+
+  const StampModel& model_;
+  std::vector<Pressed> pressed_;  // (stamps)
+  std::vector<std::pair<double, Eigen::MatrixXd>> last_;
+};
+
+// A parameter that stays is one whose bounds are its value.
+FitParameter fixedAt(double value) {
+  return {.start = value, .scale = 1, .low = value, .high = value};
+}
+
+FitParameter freeFrom(double value, double scale, double low, double high) {
+  return {.start = value, .scale = scale, .low = low, .high = high};
+}
+
+std::vector<FitParameter> sharedParameters(const StampModel& model, const std::vector<double>& start) {
+  const double unit = model.sigmaUnit();
+  std::vector<FitParameter> parameters{
+      freeFrom(start[kSigma], 0.1 * unit, 0.15 * unit, 4 * unit), freeFrom(start[kScale], start[kScale], 0, 1e12),
+      freeFrom(start[kTrigger], 10, 0, 1e6),
+      model.is_plane ? fixedAt(start[kStiffness]) : freeFrom(start[kStiffness], 1, start[kStiffness] - 5, start[kStiffness] + 5)};
+  // Presses that differ explain what the curve leaves: beside them it stays.
+  const auto curveParameter = [&](double high) {
+    const double value = parameters.size() < start.size() ? start[parameters.size()] : 0;
+    parameters.push_back(model.press_spread > 0 ? fixedAt(value) : freeFrom(value, 1, 0, high));
+  };
+  for (std::size_t k = 0; k < model.curve.num_bends; ++k) curveParameter(kMostBend);
+  if (model.curve.divider) curveParameter(kMostOfLimit);
+  for (std::size_t t = 0; t < model.gain.size(); ++t) {
+    const double gain =
+        model.with_gains && model.gain[t] > 0 && parameters.size() < start.size() ? start[parameters.size()] : model.gain[t];
+    parameters.push_back(model.with_gains && model.isLoaded(t) ? freeFrom(gain, kGainDeviation, 0, 100) : fixedAt(gain));
+  }
+  return parameters;
+}
+
+}  // namespace
+
+StampModel::StampModel(const Sensor& a_sensor)
+    : sensor(&a_sensor),
+      foundation(foundationOf(a_sensor.skin)),
+      samples(reference::samplesOf(a_sensor)),
+      squared_distance(squaredDistances(a_sensor)),
+      is_plane(isPlane(a_sensor)) {
+  for (const GridPatch& patch : sensor->patches) {
+    X_PS.push_back(inverse(patch.X_SP));
+    half_cell.push_back({patch.pitch[0] / (2 * sensor->samples_per_taxel), patch.pitch[1] / (2 * sensor->samples_per_taxel)});
+  }
+  for (int t = 0; t < numTaxels(*sensor); ++t) gain.push_back(reference::gainOf(sensor->readout, static_cast<std::size_t>(t)));
+  curve = {.top = static_cast<double>(sensor->readout.saturation), .noise = 0};
+}
+
+void StampModel::chooseTaxels(bool all) {
+  for (Stamp& stamp : stamps) {
+    stamp.taxels.clear();
+    for (std::size_t t = 0; t < stamp.image.size(); ++t) {
+      if (gain[t] > 0 && (all || (stamp.image[t] > 0 && stamp.image[t] < curve.top))) stamp.taxels.push_back(t);
+    }
+  }
+}
+
+bool StampModel::isLoaded(std::size_t taxel) const {
+  return gain[taxel] > 0 && std::any_of(stamps.begin(), stamps.end(), [&](const Stamp& stamp) { return stamp.image[taxel] > 0; });
+}
+
+double outputOf(const StampModel& model, const std::vector<double>& shared_values, double force) {
+  return model.curve.output(shared_values[kScale] * force - shared_values[kTrigger], shared_values.data() + kCurve);
+}
+
+StampFit fitStampModel(const StampModel& model, const std::vector<double>& shared_start,
+                       const std::vector<std::vector<double>>& own_start) {
+  GroupedProblem problem{
+      .shared = sharedParameters(model, shared_start), .own = {}, .num_rows = {}, .noise = model.curve.noise, .residuals = {}};
+  for (std::size_t g = 0; g < model.stamps.size(); ++g) {
+    const std::vector<double>& at = own_start[g];
+    const bool round = model.stamps[g].data->indenter.shape == Indenter::Shape::kFlatPin;
+    const auto slope = [&](std::size_t p) { return model.with_tilt ? freeFrom(at[p], 1e-3, -kMostTilt, kMostTilt) : fixedAt(at[p]); };
+    problem.own.push_back({freeFrom(at[kX], 1e-3, -1, 1), freeFrom(at[kY], 1e-3, -1, 1),
+                           round ? fixedAt(0) : freeFrom(at[kYaw], 0.1, -0.8, 0.8), slope(kSlopeX), slope(kSlopeY),
+                           model.press_spread > 0 ? freeFrom(at[kPress], 0.1, 0.2, 5) : fixedAt(1)});
+    problem.num_rows.push_back(model.stamps[g].taxels.size() + (model.press_spread > 0 ? 1 : 0));
+  }
+  const std::size_t gains_at = model.gainsAt();
+  std::vector<std::size_t> loaded;
+  for (std::size_t t = 0; t < model.gain.size(); ++t) {
+    if (model.with_gains && model.isLoaded(t)) loaded.push_back(t);
+  }
+  if (model.with_gains) {
+    problem.own.emplace_back();
+    problem.num_rows.push_back(loaded.size());
+  }
+  Memory memory(model);
+  const double noise = std::max(kLeastNoise, model.curve.noise);
+  problem.residuals = [&](std::size_t g, const double* values, const double* own, double* residuals) {
+    const double* const gains = values + gains_at;
+    if (g == model.stamps.size()) {
+      // What is known before: gains are 1, give or take.
+      for (const std::size_t t : loaded) *residuals++ = noise * (gains[t] - model.gain[t]) / kGainDeviation;
+      return;
+    }
+    const std::vector<double>& force = memory.spread(g, own, std::exp(values[kStiffness]), values[kSigma]);
+    for (const std::size_t t : model.stamps[g].taxels) {
+      const double z = gains[t] * own[kPress] * values[kScale] * force[t] - values[kTrigger];
+      *residuals++ = clippedMean(model.curve.output(z, values + kCurve), noise, model.curve.top) - model.stamps[g].image[t];
+    }
+    if (model.press_spread > 0) *residuals = noise * (own[kPress] - 1) / model.press_spread;
+  };
+  StampFit result{.fit = fitGroups(problem), .force = {}};
+  for (std::size_t g = 0; g < model.stamps.size(); ++g) {
+    const std::vector<double>& own = result.fit.own[g];
+    result.force.push_back(memory.spread(g, own.data(), std::exp(result.fit.shared[kStiffness]), result.fit.shared[kSigma]));
+    for (double& force : result.force.back()) force *= own[kPress];
+  }
+  return result;
+}
+
+}  // namespace taxelsim
