@@ -238,8 +238,8 @@ EmbreePeer::EmbreePeer(const Sensor& sensor, const Mesh& mesh, Rays rays, int th
   const bool plain = sensor.patches.size() == 1 && sensor.patches[0].X_SP == Pose{} && sensor.samples_per_taxel == kSide && law &&
                      law->normal_exponent == 1 && law->normal_damping == 0 && sensor.psf.size == 2 * kReach + 1 &&
                      sensor.psf.normalization == Psf::Normalization::kPerSource && sensor.readout.curve.size() == 1 &&
-                     sensor.readout.curve_limit == 0 && sensor.readout.noise == 0 && sensor.readout.taxel_gain.empty() &&
-                     sensor.readout.taxel_trigger.empty() && numTaxels(sensor) <= kMaxTaxels;
+                     sensor.readout.curve_limit == 0 && sensor.readout.curve_points.empty() && sensor.readout.noise == 0 &&
+                     sensor.readout.taxel_gain.empty() && sensor.readout.taxel_trigger.empty() && numTaxels(sensor) <= kMaxTaxels;
   if (!plain) {
     throw Error(ErrorKind::kInput, sensor.name +
                                        ": the Embree peer does one grid patch at the origin with 4 x 4 samples, linear springs, a 3 x 3 "

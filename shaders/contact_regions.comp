@@ -26,6 +26,7 @@ layout(constant_id = 20) const float OUTPUT_SCALE = 1.0;
 layout(constant_id = 21) const float TRIGGER = 0.02;      // N
 layout(constant_id = 22) const float SATURATION = 4095.0;  // counts
 layout(constant_id = 23) const float CURVE_LIMIT = 0.0;    // counts; 0: none
+layout(constant_id = 24) const int CURVE_PIECES = 0;       // 0: a polynomial
 
 layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceRecord instances[]; };
 layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };

@@ -37,6 +37,7 @@ layout(constant_id = 30) const float DEAD_TAXELS = 0.0;  // probability
 layout(constant_id = 31) const bool WHOLE_ARRAY = false;  // taxels that no object reaches may have a force
 layout(constant_id = 32) const bool TURNS_SHEAR = false;  // on its way along the skin, lib/spread.glsl
 layout(constant_id = 33) const float CURVE_LIMIT = 0.0;   // counts; 0: none
+layout(constant_id = 34) const int CURVE_PIECES = 0;      // 0: a polynomial
 
 layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceRecord instances[]; };
 layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };

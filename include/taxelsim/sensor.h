@@ -18,6 +18,7 @@ inline constexpr int kMaxTaxelsPerSide = 128;  // of a grid patch
 inline constexpr int kMaxKernelSize = 9;       // taxels per side
 inline constexpr int kMaxSpreadTaxels = 128;   // that one taxel may reach by distance along the skin
 inline constexpr int kMaxCurveDegree = 5;
+inline constexpr int kMaxCurvePoints = 16;
 inline constexpr int kMaxAdcBits = 16;
 inline constexpr int kMaxHysteresisElements = 4;
 inline constexpr int kMaxCreepTerms = 4;
@@ -208,11 +209,22 @@ struct CreepTerm {
   bool operator==(const CreepTerm&) const = default;
 };
 
+// A corner of a readout's curve of straight pieces.
+struct CurvePoint {
+  double force = 0;   // N, of gain F - trigger
+  double counts = 0;  // before output_scale
+
+  bool operator==(const CurvePoint&) const = default;
+};
+
 // Force after the spread -> counts, per taxel:
 //   x = gain F - trigger;  y = sum_m curve[m] x^(m+1);  counts = clip(round(output_scale y / (1 + y / curve_limit) + noise), 0, saturation)
 // where the curve goes on below x = 0 as a straight line, so that noise meets the trigger as it does in the electronics.
 struct Readout {
   std::vector<double> curve{1};  // counts / N^(m+1), m = 0 .. degree - 1, 1 to 5 terms; must rise over the range used
+  // Or straight pieces from (0, 0) through up to 16 points, both of whose numbers are > 0 and rise strictly; the first piece goes on below
+  // 0 and the last one past the last point. Empty: `curve`. Beside points `curve` and `curve_limit` must be the defaults.
+  std::vector<CurvePoint> curve_points{};
   // Counts that the output tends to, > saturation / output_scale, or 0 for none: the curve of a taxel whose conductance grows as `curve`
   // and which is one arm of a voltage divider.
   double curve_limit = 0;
@@ -268,7 +280,8 @@ Vector3 arrayMiddle(const Sensor& sensor);
 // Unit normals of all taxels in S, (num_taxels), in storage order.
 std::vector<Vector3> taxelNormals(const Sensor& sensor);
 
-// Force (N) that reads `counts` by the nominal curve (gain 1, no noise): 0 for 0 counts, else the root x of the curve plus trigger.
+// Force (N) that reads `counts` by the nominal curve (gain 1, no noise): 0 for 0 counts, else the root x of the curve, of points too, plus
+// trigger.
 double nominalForce(const Readout& readout, double counts);
 
 // Throws Error(kInput) naming the field, its value and what is allowed.

@@ -7,8 +7,22 @@ float curveCoefficient(int power) {
   return power <= 4 ? sensor.curve0[power - 1] : sensor.curve1[power - 5];
 }
 
+// The piece of a curve of points that holds x = gain F - trigger (axis 0) or the counts y (axis 1); what lies outside is of the first or last.
+vec4 curvePiece(float value, int axis) {
+  vec4 piece = sensor.curve_pieces[0];
+  for (int k = 1; k < CURVE_PIECES; ++k) {
+    vec4 next = sensor.curve_pieces[k];
+    if (value >= next[axis]) piece = next;
+  }
+  return piece;
+}
+
 // Counts before limit and output scale, for x = gain F - trigger; a straight line below 0.
 float curveAt(float x) {
+  if (CURVE_PIECES > 0) {
+    vec4 piece = curvePiece(x, 0);
+    return piece.y + piece.z * (x - piece.x);
+  }
   if (x <= 0.0) return CURVE_SLOPE * x;
   float y = 0.0;
   for (int power = CURVE_DEGREE; power >= 1; --power) y = (y + curveCoefficient(power)) * x;
@@ -29,10 +43,14 @@ uint countsOf(float force, float gain, float trigger, float noise) {
   return uint(clamp(floor(counts + 0.5), 0.0, SATURATION));
 }
 
-// Newton's method on the rising curve, from its own tangent at 0; a straight line is done at once.
+// Newton's method on the rising curve, from its own tangent at 0; straight lines are done at once.
 float nominalForce(uint counts) {
   if (counts == 0) return 0.0;
   float y = unlimited(float(counts) / OUTPUT_SCALE);
+  if (CURVE_PIECES > 0) {
+    vec4 piece = curvePiece(y, 1);
+    return piece.x + piece.w * (y - piece.y) + TRIGGER;
+  }
   float x = y / CURVE_SLOPE;
   if (CURVE_DEGREE > 1) {
     const int kIterations = 24;

@@ -72,9 +72,13 @@ struct TaxelRecord {
   vec4 readout;  // gain, trigger (N), patch, 0
 };
 
+TAXELSIM_CONSTANT kMaxCurvePieces = 16u;
+
 struct SensorRecord {
   vec4 curve0;  // coefficients 1 to 4, counts / N^m
   vec4 curve1;  // coefficient 5, 0, 0, 0
+  // Of a curve of straight pieces: where each begins, N and counts; its slope, counts/N, and the inverse of that.
+  vec4 curve_pieces[kMaxCurvePieces];
   vec4 X_SC_row0, X_SC_row1, X_SC_row2;
   vec4 hysteresis_strength;  // of up to four elements
   vec4 hysteresis_width;     // N

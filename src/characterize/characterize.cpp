@@ -86,6 +86,7 @@ void fitStampsBeside(Measured stamps, Characterization& result) {
   if (isTold(result, "readout.curve.")) {
     told.insert(told.end(), {"readout.curve.", "readout.trigger", "readout.taxel_gain"});
     after.curve = before.curve;
+    after.curve_points = before.curve_points;
     after.output_scale = before.output_scale;
     after.trigger = before.trigger;
     after.taxel_trigger = before.taxel_trigger;

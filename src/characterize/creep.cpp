@@ -12,6 +12,7 @@
 #include "base/text.h"
 #include "characterize/fits.h"
 #include "characterize/least_squares.h"
+#include "sensor/curve.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -393,7 +394,7 @@ void fitCreep(Measured step_responses, Characterization& result) {
       throw Error(ErrorKind::kInput, one.file + ": most rows read the saturation of " + std::to_string(readout.saturation) + " counts");
     }
     if (readout.trigger > 0) {
-      const double share = readout.output_scale * readout.curve[0] * readout.trigger / (0.9 * most);
+      const double share = readout.output_scale * slopeAtZero(readout) * readout.trigger / (0.9 * most);
       remark = is_sum ? "a sum over taxels: their triggers are left out, every taxel that shows makes it about " +
                             numberText(std::round(share * 1e4) / 100) + " % too large"
                       : "taken for the output of one taxel, whose trigger is put back";

@@ -323,6 +323,7 @@ Readout Findings::steadyReadout() const {
   readout.output_scale = 1;
   readout.trigger = fit_.shared[kTrigger] / fit_.shared[kScale];
   readout.curve = {fit_.shared[kScale]};
+  readout.curve_points.clear();
   for (std::size_t k = 0; k < model_.curve.num_bends; ++k) {
     readout.curve.push_back(fit_.shared[kCurve + k] * fit_.shared[kScale] *
                             std::pow(fit_.shared[kScale] / model_.curve.top, static_cast<double>(k + 1)));
@@ -382,6 +383,7 @@ void Findings::tellCurve() {
       slope_half, before_creep, "");
   if (!result_.estimates.back().determined) return;
   readout.curve = {slope};
+  readout.curve_points.clear();
   readout.output_scale = 1;
   for (std::size_t k = 0; k < model_.curve.num_bends; ++k) {
     // b z^(k + 2) / K^(k + 1) with z = S x.

@@ -6,6 +6,7 @@
 
 #include "base/vector3.h"
 #include "reference/readout.h"
+#include "sensor/curve.h"
 #include "sensor/regions.h"
 
 namespace taxelsim::reference {
@@ -290,7 +291,7 @@ ContactImage measuredContactImage(const Sensor& sensor, std::span<const std::uin
     image.reports.push_back(value > 0);
     image.saturated.push_back(value >= static_cast<std::uint32_t>(readout.saturation));
   }
-  image.noise = std::hypot(readout.noise, extra_noise) / (readout.output_scale * readout.curve[0]);
+  image.noise = std::hypot(readout.noise, extra_noise) / (readout.output_scale * slopeAtZero(readout));
   return image;
 }
 

@@ -5,6 +5,20 @@
 
 namespace taxelsim::reference {
 
+namespace {
+
+// Straight pieces through (0, 0) and the points, the outer ones going on.
+double interpolate(std::span<const CurvePoint> points, double x) {
+  CurvePoint from, to = points.front();
+  for (std::size_t k = 1; k < points.size() && x > to.force; ++k) {
+    from = to;
+    to = points[k];
+  }
+  return from.counts + (x - from.force) / (to.force - from.force) * (to.counts - from.counts);
+}
+
+}  // namespace
+
 double triggerOf(const Readout& readout, std::size_t taxel) {
   return readout.taxel_trigger.empty() ? readout.trigger : readout.taxel_trigger[taxel];
 }
@@ -16,7 +30,9 @@ double gainOf(const Readout& readout, std::size_t taxel) {
 double analogueOutput(const Readout& readout, double force, double gain, double trigger, double noise) {
   const double x = gain * force - trigger;
   double value = 0;
-  if (x < 0) {
+  if (!readout.curve_points.empty()) {
+    value = interpolate(readout.curve_points, x);
+  } else if (x < 0) {
     value = readout.curve[0] * x;
   } else {
     double power = x;

@@ -4,6 +4,7 @@
 #include <limits>
 #include <set>
 
+#include "scene/curve_reader.h"
 #include "scene/pose_reader.h"
 #include "scene/taxel_reader.h"
 #include "taxelsim/error.h"
@@ -295,24 +296,6 @@ Psf readPsf(const YamlMap& sensor) {
   const bool none = map.choice("normalization", {"per_source", "none"}, "per_source") == "none";
   psf.normalization = none ? Psf::Normalization::kNone : Psf::Normalization::kPerSource;
   return psf;
-}
-
-void readCurve(const YamlMap& from, Readout& readout) {
-  from.require("curve", "{counts_per_newton: ...} or {coefficients: [...]}");
-  const YamlMap map(from, "curve", {"counts_per_newton", "coefficients", "limit"});
-  std::vector<double>& curve = readout.curve;
-  curve.clear();
-  if (const std::optional<YamlNode> slope = map.find("counts_per_newton")) {
-    if (const std::optional<YamlNode> both = map.find("coefficients")) both->fail("given beside `counts_per_newton`: either, not both");
-    curve = {slope->number(Allowed::above(0, "counts/N"))};
-  } else {
-    const YamlNode coefficients = map.require("coefficients", "a list of 1 to 5 numbers, counts/N^m; or counts_per_newton");
-    const std::vector<YamlNode> items = coefficients.items("a list of 1 to 5 numbers");
-    if (items.empty() || items.size() > static_cast<std::size_t>(kMaxCurveDegree)) coefficients.refuse("a list of 1 to 5 numbers");
-    for (const YamlNode& item : items) curve.push_back(item.number(Allowed::any("counts/N^m")));
-  }
-  map.canonical().line("coefficients", canonicalList(curve));
-  readout.curve_limit = map.number("limit", Allowed::atLeast(0, "counts"), readout.curve_limit);
 }
 
 // One number per taxel, or none.

@@ -1,4 +1,5 @@
 // A sensor as the text of a sensor file. Every setting that sensor_file.cpp reads is written here.
+#include <array>
 #include <set>
 #include <span>
 #include <string>
@@ -155,7 +156,13 @@ void writePsf(const Psf& psf, Writer& out) {
 
 void writeReadout(const Readout& readout, Writer& out) {
   out.block("curve", [&] {
-    if (readout.curve.size() == 1) {
+    if (!readout.curve_points.empty()) {
+      std::string points;
+      for (const CurvePoint& point : readout.curve_points) {
+        points += (points.empty() ? "" : ", ") + canonicalList(std::array{point.force, point.counts});
+      }
+      out.line("points", "[" + points + "]");
+    } else if (readout.curve.size() == 1) {
       out.line("counts_per_newton", readout.curve.front());
     } else {
       out.line("coefficients", readout.curve);

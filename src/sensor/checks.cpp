@@ -282,6 +282,33 @@ void checkTaxelList(const std::string& field, const std::vector<double>& values,
   for (std::size_t i = 0; i < values.size(); ++i) checkNotNegative(at(field, i), values[i], unit);
 }
 
+void checkCurvePoints(const Readout& readout) {
+  const std::vector<CurvePoint>& points = readout.curve_points;
+  if (points.size() > static_cast<std::size_t>(kMaxCurvePoints)) {
+    fail("readout.curve_points", std::to_string(points.size()) + " points", "1 to " + std::to_string(kMaxCurvePoints) + ", or none");
+  }
+  if (readout.curve != Readout{}.curve) fail("readout.curve_points", "a value beside a polynomial", "either, not both");
+  if (readout.curve_limit != 0) fail("readout.curve_limit", numberText(readout.curve_limit) + " counts", "0 beside curve_points");
+  CurvePoint before;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const std::string field = at("readout.curve_points", k);
+    const auto check = [&](const char* key, double value, double least, const char* unit) {
+      if (!(std::isfinite(value) && value > least)) {
+        fail(field + "." + key, numberText(value),
+             std::string(unit) + ", > " + numberText(least) + ", from point to point rising strictly");
+      }
+    };
+    check("force", points[k].force, before.force, "N");
+    check("counts", points[k].counts, before.counts, "counts");
+    const double slope = (points[k].counts - before.counts) / (points[k].force - before.force);
+    constexpr double kLeastSlope = 1e-30, kLargestSlope = 1e30;  // what float32 holds with its inverse
+    if (!(slope >= kLeastSlope && slope <= kLargestSlope)) {
+      fail(field, "a slope of " + numberText(slope) + " counts/N before it", numberText(kLeastSlope) + " to " + numberText(kLargestSlope));
+    }
+    before = points[k];
+  }
+}
+
 void checkCurve(const Sensor& sensor) {
   const Readout& readout = sensor.readout;
   if (readout.curve.empty() || readout.curve.size() > static_cast<std::size_t>(kMaxCurveDegree)) {
@@ -299,6 +326,7 @@ void checkCurve(const Sensor& sensor) {
   }
   const double force = largestForce(sensor);
   if (!(std::isfinite(force) && force > 0)) fail("skin", "a force of " + numberText(force) + " N per taxel at full depth", "finite, > 0");
+  if (!readout.curve_points.empty()) return checkCurvePoints(readout);
   if (!curveRises(readout.curve, force, withoutLimit(end, readout.curve_limit))) {
     fail("readout.curve", "a curve that does not rise all the way",
          "strictly rising from 0 N to where it reaches saturation (" + std::to_string(readout.saturation) +

@@ -116,6 +116,22 @@ double invertCurve(std::span<const double> curve, double value) {
   return solve(p, value, begin, end);
 }
 
+double invertPoints(std::span<const CurvePoint> points, double value) {
+  std::size_t end = 0;
+  while (end + 1 < points.size() && points[end].counts < value) ++end;
+  const CurvePoint from = end > 0 ? points[end - 1] : CurvePoint{};
+  const CurvePoint& to = points[end];
+  return from.force + (value - from.counts) * (to.force - from.force) / (to.counts - from.counts);
+}
+
+double slopeAtZero(const Readout& readout) {
+  return readout.curve_points.empty() ? readout.curve.front() : readout.curve_points.front().counts / readout.curve_points.front().force;
+}
+
+bool isStraight(const Readout& readout) {
+  return readout.curve.size() == 1 && readout.curve_points.size() < 2;
+}
+
 double withoutLimit(double value, double limit) {
   return limit > 0 ? value / (1 - value / limit) : value;
 }

@@ -1,7 +1,9 @@
-// The force-to-output curve as a polynomial without a constant term: where it rises, and its inverse.
+// The force-to-output curve, a polynomial without a constant term or straight pieces: where it rises, its slope at 0, and its inverse.
 #pragma once
 
 #include <span>
+
+#include "taxelsim/sensor.h"
 
 namespace taxelsim {
 
@@ -13,6 +15,15 @@ bool curveRises(std::span<const double> curve, double max, double value);
 
 // Smallest x > 0 where the curve is `value` > 0; where it never gets there, the x where it is highest.
 double invertCurve(std::span<const double> curve, double value);
+
+// x where straight pieces through (0, 0) and the points reach `value` > 0. At least one point.
+double invertPoints(std::span<const CurvePoint> points, double value);
+
+// Counts/N that the curve begins with, before output_scale.
+double slopeAtZero(const Readout& readout);
+
+// Whether counts are a multiple of force over the trigger, but for a limit.
+bool isStraight(const Readout& readout);
 
 // y of y / (1 + y / limit) = value; of limit 0 the value itself. 0 <= value < limit.
 double withoutLimit(double value, double limit);

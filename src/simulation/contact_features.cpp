@@ -5,6 +5,7 @@
 
 #include "contact_features.spv.h"
 #include "contact_regions.spv.h"
+#include "sensor/curve.h"
 #include "simulation/model_impl.h"
 #include "simulation/workgroups.h"
 
@@ -22,7 +23,7 @@ std::uint64_t regionsWork(const Sensor& sensor, const PackedContactFeatures& pac
   for (const layout::PlaneRecord& plane : packed.planes) core = std::max<std::uint64_t>(core, 2 * plane.grid.w + 1);
   const std::uint64_t unite = kUniteTurns + 8ull * packed.num_neighbours;
   return static_cast<std::uint64_t>(numTaxels(sensor)) *
-         (2 * core + unite + static_cast<std::uint64_t>(max_regions) + (sensor.readout.curve.size() > 1 ? kInvertTurns : 0));
+         (2 * core + unite + static_cast<std::uint64_t>(max_regions) + (isStraight(sensor.readout) ? 0 : kInvertTurns));
 }
 
 // The same for a part.
@@ -66,11 +67,11 @@ Model::Impl::ContactFeaturePasses Model::Impl::makeContactFeatures(const Contact
         .spirv = k_contact_regions_spirv,
         .buffers = {"Instances", "Step", "SensorBlock", "Taxels", "Planes", "Neighbours", "Image", "SpreadNormal", "Forces", "TaxelRegions",
                     "RegionSums", "Regions", "Features", "Problems"},
-        .constants =
-            constants(sensor, packed, {regions_workgroup, 1, regions_repeat},
-                      {variant.clean, regions_team, regions, packed_contact.num_neighbours, packed_contact.force_steps, first_count,
-                       sensor.patches.size() == 1, static_cast<std::uint32_t>(readout.curve.size()), bits(readout.curve.front()),
-                       bits(readout.output_scale), bits(readout.trigger), bits(readout.saturation), bits(readout.curve_limit)})}},
+        .constants = constants(sensor, packed, {regions_workgroup, 1, regions_repeat},
+                               {variant.clean, regions_team, regions, packed_contact.num_neighbours, packed_contact.force_steps,
+                                first_count, sensor.patches.size() == 1, static_cast<std::uint32_t>(readout.curve.size()),
+                                bits(slopeAtZero(readout)), bits(readout.output_scale), bits(readout.trigger), bits(readout.saturation),
+                                bits(readout.curve_limit), static_cast<std::uint32_t>(readout.curve_points.size())})}},
       {device.context(),
        {.name = "contact_features",
         .spirv = k_contact_features_spirv,
@@ -78,8 +79,8 @@ Model::Impl::ContactFeaturePasses Model::Impl::makeContactFeatures(const Contact
         .constants =
             constants(sensor, packed, {parts_workgroup, packed_contact.lanes, parts_repeat},
                       {variant.clean, parts_team, regions, packed_contact.num_patches, static_cast<std::uint32_t>(sensor.patches.size()),
-                       num_partials, bits(readout.noise), bits(readout.curve.front() * readout.output_scale),
-                       bits(packed_contact.stiffness), bits(packed_contact.exponent)})}},
+                       num_partials, bits(readout.noise), bits(slopeAtZero(readout) * readout.output_scale), bits(packed_contact.stiffness),
+                       bits(packed_contact.exponent)})}},
       regions_workgroup / regions_team * regions_repeat,
       parts_workgroup / parts_team * parts_repeat,
   };

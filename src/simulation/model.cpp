@@ -9,6 +9,7 @@
 #include "elastic_layer_pairs.spv.h"
 #include "image.spv.h"
 #include "load.spv.h"
+#include "sensor/curve.h"
 #include "simulation/model_impl.h"
 #include "simulation/pack_objects.h"
 #include "simulation/workgroups.h"
@@ -103,7 +104,7 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
     layer_workgroup = chooseWorkgroup(options.contact_workgroup, info, 64, layerWork(sensor, *layer), "contact_workgroup");
   }
   const std::uint64_t sources = packed.one_grid ? static_cast<std::uint64_t>(sensor.psf.size * sensor.psf.size) : packed.num_entries;
-  const std::uint64_t image_work = num_taxels * (sources + (sensor.readout.curve.size() > 1 ? 64 : 8) + turnsOfTime(sensor.readout));
+  const std::uint64_t image_work = num_taxels * (sources + (isStraight(sensor.readout) ? 8 : 64) + turnsOfTime(sensor.readout));
   image_workgroup_wanted = options.image_workgroup;
   image_workgroup = chooseWorkgroup(options.image_workgroup, info, 64, image_work, "image_workgroup");
   // On a software driver every invocation has an instance of its own, unless that would be too many turns for it.
@@ -275,7 +276,7 @@ gpu::Kernel Model::Impl::makeImageKernel(const ImageVariant& variant) const {
                                    variant.with_normal,
                                    alike,
                                    static_cast<std::uint32_t>(readout.curve.size()),
-                                   bits(readout.curve.front()),
+                                   bits(slopeAtZero(readout)),
                                    bits(readout.output_scale),
                                    bits(readout.trigger),
                                    bits(readout.saturation),
@@ -292,7 +293,8 @@ gpu::Kernel Model::Impl::makeImageKernel(const ImageVariant& variant) const {
                                    bits(readout.dead_taxel_probability),
                                    variant.whole_array,
                                    packed.turns_shear,
-                                   bits(readout.curve_limit)})}};
+                                   bits(readout.curve_limit),
+                                   static_cast<std::uint32_t>(readout.curve_points.size())})}};
 }
 
 const std::vector<gpu::Kernel>& Model::Impl::taxelKernels(bool with_shear) const {

@@ -143,7 +143,7 @@ void packTaxels(const Sensor& sensor, bool one_patch, std::vector<layout::TaxelR
   }
 }
 
-static_assert(layout::kMaxDelaySteps == kMaxDelaySteps);
+static_assert(layout::kMaxDelaySteps == kMaxDelaySteps && layout::kMaxCurvePieces == kMaxCurvePoints);
 
 // What stage 4 keeps per taxel, and its parameters.
 void packLag(const Readout& readout, PackedSensor& packed) {
@@ -215,6 +215,13 @@ PackedSensor packSensor(const Sensor& sensor, std::uint32_t tile_samples) {
   const Readout& readout = sensor.readout;
   for (std::size_t m = 0; m < readout.curve.size(); ++m) {
     (m < 4 ? record.curve0[static_cast<int>(m)] : record.curve1.x) = static_cast<float>(readout.curve[m]);
+  }
+  CurvePoint begin;
+  for (std::size_t k = 0; k < readout.curve_points.size(); ++k) {
+    const CurvePoint& end = readout.curve_points[k];
+    const double slope = (end.counts - begin.counts) / (end.force - begin.force);
+    record.curve_pieces[k] = glm::dvec4(begin.force, begin.counts, slope, 1 / slope);
+    begin = end;
   }
   const Pose X_SC = packed.one_patch ? sensor.patches.front().X_SP : Pose{};
   const std::array<double, 9> rotation = rotationMatrix(X_SC.rotation);

@@ -53,6 +53,31 @@ TEST(Readout, CurveIsAPolynomialAboveAndALineBelowItsTrigger) {
   EXPECT_EQ(readOut(sensor, std::vector<double>{0.9, 0.9}, {.noise = {19, 25}}), (std::vector<std::uint32_t>{0, 5}));
 }
 
+// 0 to 800 counts over the first 0.5 N, to 1900 at 1 N, to 2000 at 2 N: slopes 1600, 2200 and 100 counts/N.
+TEST(Readout, StraightPiecesGoThroughTheirPointsAndOnPastThem) {
+  Readout readout;
+  readout.curve_points = {{0.5, 800}, {1, 1900}, {2, 2000}};
+  const auto analogue = [&](double x) { return reference::analogueOutput(readout, x, 1, 0, 0); };
+  EXPECT_DOUBLE_EQ(analogue(0), 0);
+  EXPECT_DOUBLE_EQ(analogue(0.25), 400);
+  EXPECT_DOUBLE_EQ(analogue(0.5), 800);
+  EXPECT_DOUBLE_EQ(analogue(0.75), 1350);
+  EXPECT_DOUBLE_EQ(analogue(1), 1900);
+  EXPECT_DOUBLE_EQ(analogue(1.5), 1950);
+  EXPECT_DOUBLE_EQ(analogue(2), 2000);
+  EXPECT_DOUBLE_EQ(analogue(7), 2500) << "the last slope";
+  EXPECT_DOUBLE_EQ(analogue(-0.1), -160) << "the first slope";
+  readout.output_scale = 2;
+  EXPECT_DOUBLE_EQ(reference::analogueOutput(readout, 1, 0.5, -0.25, 7), 2 * 1350 + 7) << "x = 0.5 x 1 + 0.25";
+  readout.trigger = 0.25;
+  readout.saturation = 2705;
+  const Sensor sensor = sensorWith(readout, 4);
+  EXPECT_EQ(readOut(sensor, std::vector<double>{0.2, 0.5, 1.0, 1.1}, {.noise = {159, 0, 0, 0}}),
+            (std::vector<std::uint32_t>{0, 800, 2700, 2705}))
+      << "2 x 1600 x -0.05 + 159 < 0; at x = 0.25, 0.75 and 0.85 twice 400, 1350 and 1570";
+  EXPECT_EQ(readOut(sensor, std::vector<double>{0.2, 0, 0, 0}, {.noise = {165, 0, 0, 0}})[0], 5u);
+}
+
 TEST(Readout, GainAndTriggerArePerTaxel) {
   Readout readout;
   readout.curve = {1000};

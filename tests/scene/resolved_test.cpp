@@ -155,6 +155,8 @@ TEST(Resolved, AnySettingShows) {
       {"{gaussian: {sigma: 0.5, size: 3}}", "{kernel: [[2]]}"},
       {"counts_per_newton: 2400", "counts_per_newton: 2401"},
       {"counts_per_newton: 2400", "coefficients: [2400, 1]"},
+      {"counts_per_newton: 2400", "points: [[0.5, 1200], [1, 2400]]"},
+      {"counts_per_newton: 2400", "points: [[0.5, 1200], [1, 2401]]"},
       {"trigger: 0.02", "trigger: 0.03"},
       {"trigger: 0.02", "trigger: 0.02\n    output_scale: 1.5"},
       {"trigger: 0.02", "trigger: 0.02\n    adc_bits: 13"},

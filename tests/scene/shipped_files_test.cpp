@@ -64,6 +64,9 @@ TEST(ShippedSensors, WhatSensorTextWritesIsTheSameSensor) {
   odd.readout.curve = {1, 2, 3};
   odd.readout.curve_limit = 5000;
   odd.skin.relaxation = {{.fraction = 0.25, .time = 2}};
+  Sensor& pieces = sensors.emplace_back(sensors.front());
+  pieces.readout.curve = {1};
+  pieces.readout.curve_points = {{.force = 0.1, .counts = 1.0 / 3}, {.force = 2, .counts = 4e3}};
   for (const Sensor& sensor : sensors) {
     SCOPED_TRACE(sensor.name);
     const std::filesystem::path file =
@@ -71,6 +74,7 @@ TEST(ShippedSensors, WhatSensorTextWritesIsTheSameSensor) {
     const Sensor again = loadSensor(file);
     EXPECT_TRUE(sensorText(again) == sensorText(sensor));
     EXPECT_EQ(again.readout.curve, sensor.readout.curve);
+    EXPECT_EQ(again.readout.curve_points, sensor.readout.curve_points);
     EXPECT_EQ(again.readout.curve_limit, sensor.readout.curve_limit);
     EXPECT_EQ(again.readout.creep, sensor.readout.creep);
     EXPECT_EQ(again.readout.taxel_gain, sensor.readout.taxel_gain);

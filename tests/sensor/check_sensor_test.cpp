@@ -301,5 +301,34 @@ TEST(CheckSensor, Curve) {
   expectRefused("readout.curve", [](Sensor& s) { s.readout.curve = {1200, -200}, s.readout.creep = {{0.1, 1}}; });
 }
 
+TEST(CheckSensor, CurvePoints) {
+  const auto points = [](std::vector<CurvePoint> all) {
+    return [all](Sensor& s) {
+      s.readout.curve = {1};
+      s.readout.curve_points = all;
+    };
+  };
+  expectTaken(points({{0.5, 800}, {1, 1900}}));
+  std::vector<CurvePoint> many;
+  for (int k = 1; k <= 16; ++k) many.push_back({0.1 * k, 100.0 * k * k});
+  expectTaken(points(many));
+  many.push_back({2, 1e5});
+  expectRefused("readout.curve_points", points(many));
+  expectRefused("readout.curve_points[0].force", points({{0, 800}}));
+  expectRefused("readout.curve_points[0].counts", points({{0.5, 0}}));
+  expectRefused("readout.curve_points[1].force", points({{0.5, 800}, {0.5, 900}}));
+  expectRefused("readout.curve_points[1].counts", points({{0.5, 800}, {0.6, 800}}));
+  expectRefused("readout.curve_points[1].counts", points({{0.5, 800}, {0.6, 700}}));
+  expectRefused("readout.curve_points[1].force", points({{0.5, 800}, {kNan, 900}}));
+  expectRefused("readout.curve_points[0].counts", points({{0.5, kNan}}));
+  expectRefused("readout.curve_points[0].counts", points({{0.5, kInfinity}}));
+  expectRefused("readout.curve_points[0]", points({{1e-20, 1e20}}));
+  expectRefused("readout.curve_points", [](Sensor& s) { s.readout.curve = {2400}, s.readout.curve_points = {{1, 2}}; });
+  expectRefused("readout.curve_limit", [](Sensor& s) {
+    s.readout.curve = {1}, s.readout.curve_points = {{1, 2}};
+    s.readout.curve_limit = 5000;
+  });
+}
+
 }  // namespace
 }  // namespace taxelsim

@@ -46,6 +46,22 @@ TEST(NominalForce, TakesTheFirstRootOfACurveThatTurns) {
   EXPECT_NEAR(nominalForce(readout, 20), 5, 5 * kRelative);
 }
 
+TEST(NominalForce, FollowsStraightPieces) {
+  Readout readout;
+  readout.curve_points = {{0.5, 800}, {1, 1900}, {2, 2000}};
+  EXPECT_DOUBLE_EQ(nominalForce(readout, 400), 0.25);
+  EXPECT_DOUBLE_EQ(nominalForce(readout, 800), 0.5);
+  EXPECT_DOUBLE_EQ(nominalForce(readout, 1350), 0.75);
+  EXPECT_DOUBLE_EQ(nominalForce(readout, 1900), 1);
+  EXPECT_DOUBLE_EQ(nominalForce(readout, 1950), 1.5);
+  EXPECT_DOUBLE_EQ(nominalForce(readout, 2500), 7) << "the last slope, 100 counts/N";
+  readout.output_scale = 2;
+  readout.trigger = 0.25;
+  EXPECT_DOUBLE_EQ(nominalForce(readout, 2700), 1);
+  EXPECT_EQ(nominalForce(readout, 0), 0);
+  EXPECT_EQ(nominalForce(readout, -1), 0);
+}
+
 TEST(NominalForce, UndoesEveryRisingCurve) {
   EXPECT_TRUE(rc::check([] {
     Readout readout;

@@ -219,8 +219,14 @@ void expectMatches(const FrameView& frame, int instance, const Sensor& sensor, c
       absolute * lever, "contact torque");
   expectInside(sliceOf(truth.over_penetration, instance, num_instances), envelope.over_penetration, 4 * kUlp, 0, "over_penetration");
 
-  // Readout of the device's own forces: x = gain F - trigger and five powers of it, each a rounding of the terms' size.
+  // Readout of the device's own forces: x = gain F - trigger and five powers of it, each a rounding of the terms' size; or a straight
+  // piece, whose slope takes part in the rounding of x.
   const Readout& readout = sensor.readout;
+  double steepest = 0;  // counts/N
+  for (std::size_t k = 0; k < readout.curve_points.size(); ++k) {
+    const CurvePoint from = k > 0 ? readout.curve_points[k - 1] : CurvePoint{}, to = readout.curve_points[k];
+    steepest = std::max(steepest, readout.output_scale * (to.counts - from.counts) / (to.force - from.force));
+  }
   std::size_t num_wrong = 0;
   double area_slack = 0;
   std::vector<std::size_t> patch_of;
@@ -230,7 +236,7 @@ void expectMatches(const FrameView& frame, int instance, const Sensor& sensor, c
   for (std::size_t t = 0; t < counts.size(); ++t) {
     const double gain = reference::gainOf(readout, t), trigger = reference::triggerOf(readout, t);
     const double value = reference::analogueOutput(readout, force[t], gain, trigger, 0);
-    const double size = reference::analogueOutput(readout, force[t], gain, -trigger, 0);
+    const double size = std::max(reference::analogueOutput(readout, force[t], gain, -trigger, 0), steepest * (gain * force[t] + trigger));
     const auto clip = [&](double v) { return std::clamp(std::round(v), 0.0, static_cast<double>(readout.saturation)); };
     num_wrong += !(counts[t] >= clip(value - 32 * kUlp * size) && counts[t] <= clip(value + 32 * kUlp * size));
     if (std::abs(force[t] - trigger) <= 2 * kUlp * trigger) {

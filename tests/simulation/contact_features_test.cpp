@@ -286,10 +286,16 @@ Sensor withReadout(Random& random, Sensor sensor) {
   sensor.readout.adc_bits = 16;
   sensor.readout.curve_limit = 0;
   sensor.readout.saturation = random.chance(0.5) ? 65535 : 20000;
+  sensor.readout.curve_points.clear();
   sensor.readout.curve = {30000};
   if (random.chance(0.5)) sensor.readout.curve = {20000, 5000, 3000};
   sensor.readout.trigger = random.chance(0.3) ? 0 : random.uniform(0, 0.15);
   sensor.readout.noise = random.chance(0.5) ? 0 : 50;
+  Random other = random;  // what is drawn after this stays as it was
+  if (other.chance(0.3)) {
+    sensor.readout.curve = {1};
+    sensor.readout.curve_points = {{0.2, 4000}, {0.5, 22000}, {0.9, 31000}};
+  }
   return sensor;
 }
 

@@ -187,5 +187,30 @@ TEST(ReadoutOnDevice, PolynomialsGainsTriggersAndBits) {
   }
 }
 
+// 1 to 16 points, saturation before and past the last one, forces below the first.
+TEST(ReadoutOnDevice, StraightPieces) {
+  for (int seed = 0; seed < 12; ++seed) {
+    Random random(static_cast<std::uint64_t>(seed));
+    Sensor sensor = support::gridSensor({.samples_per_taxel = 2});
+    Readout& readout = sensor.readout;
+    readout.adc_bits = 8 + seed % 9;
+    readout.saturation = (1 << readout.adc_bits) - 1;
+    readout.output_scale = random.uniform(0.2, 3);
+    const int num_points = 1 + seed * 15 / 11;
+    const double force = random.uniform(0.2, 2), counts = random.uniform(0.3, 1.5) * readout.saturation / readout.output_scale;
+    CurvePoint point;
+    for (int k = 0; k < num_points; ++k) {
+      point.force += random.uniform(0.1, 1.9) * force / num_points;
+      point.counts += random.uniform(0.1, 1.9) * counts / num_points;
+      readout.curve_points.push_back(point);
+    }
+    for (int t = 0; t < numTaxels(sensor); ++t) {
+      readout.taxel_gain.push_back(random.uniform(0, 2));
+      readout.taxel_trigger.push_back(random.uniform(0, 0.3));
+    }
+    runSensor(sensor, 0.01);
+  }
+}
+
 }  // namespace
 }  // namespace taxelsim

@@ -216,7 +216,8 @@ TEST_P(LagSeeds, CountsFollowTheTwin) {
   sensor.readout.adc_bits = 16;
   sensor.readout.curve_limit = 0;
   sensor.readout.saturation = 65535;
-  sensor.readout.curve[0] *= 65535.0 / 256;
+  if (sensor.readout.curve_points.empty()) sensor.readout.curve[0] *= 65535.0 / 256;
+  for (CurvePoint& point : sensor.readout.curve_points) point.counts *= 65535.0 / 256;
   if (random.chance(0.5)) sensor.frame_rate = random.uniform(30, 300);
   const std::vector<Object> objects{Object(HalfSpace{})};
   const int workgroups[] = {0, 8, 64};

@@ -103,6 +103,17 @@ Sensor randomSensor(Random& random, const SensorRange& range) {
   }
   Random other = random;  // what is drawn after this stays as it was
   if (other.chance(0.3)) readout.curve_limit = other.uniform(1.1, 5) * readout.saturation / readout.output_scale;
+  if (readout.curve_limit == 0 && other.chance(0.3)) {
+    readout.curve = {1};
+    CurvePoint point;
+    const int num_points = other.integer(1, kMaxCurvePoints);
+    const double force = other.uniform(0.2, 4) / num_points;  // N, to about saturation
+    for (int k = 0; k < num_points; ++k) {
+      point.force += other.uniform(0.3, 1.7) * force;
+      point.counts += other.uniform(0.1, 1.9) * readout.saturation / readout.output_scale / num_points;
+      readout.curve_points.push_back(point);
+    }
+  }
   return sensor;
 }
 

@@ -1,0 +1,58 @@
+#include "scene/curve_reader.h"
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace taxelsim {
+namespace {
+
+// Both numbers of each point above those of the point before it, the first above 0.
+std::vector<CurvePoint> readCurvePoints(const YamlNode& node, Canonical& canonical) {
+  const std::string what = "a list of 1 to " + std::to_string(kMaxCurvePoints) + " points, [N, counts] each";
+  const std::vector<YamlNode> items = node.items(what);
+  if (items.empty() || items.size() > static_cast<std::size_t>(kMaxCurvePoints)) node.refuse(what);
+  std::vector<CurvePoint> points;
+  CurvePoint before;
+  std::string text;
+  for (const YamlNode& item : items) {
+    const std::vector<YamlNode> pair = item.items("a point, [N, counts]");
+    if (pair.size() != 2) item.refuse("a point, [N, counts]");
+    const CurvePoint& point = points.emplace_back(
+        CurvePoint{pair[0].number(Allowed::above(before.force, "N")), pair[1].number(Allowed::above(before.counts, "counts"))});
+    text += (text.empty() ? "" : ", ") + canonicalList(std::array{point.force, point.counts});
+    before = point;
+  }
+  canonical.line("points", "[" + text + "]");
+  return points;
+}
+
+}  // namespace
+
+void readCurve(const YamlMap& from, Readout& readout) {
+  from.require("curve", "{counts_per_newton: ...}, {coefficients: [...]} or {points: [...]}");
+  const YamlMap map(from, "curve", {"counts_per_newton", "coefficients", "limit", "points"});
+  if (const std::optional<YamlNode> points = map.find("points")) {
+    for (const char* const key : {"counts_per_newton", "coefficients", "limit"}) {
+      if (const std::optional<YamlNode> both = map.find(key)) both->fail("given beside `points`: either, not both");
+    }
+    readout.curve_points = readCurvePoints(*points, map.canonical());
+    return;
+  }
+  std::vector<double>& curve = readout.curve;
+  curve.clear();
+  if (const std::optional<YamlNode> slope = map.find("counts_per_newton")) {
+    if (const std::optional<YamlNode> both = map.find("coefficients")) both->fail("given beside `counts_per_newton`: either, not both");
+    curve = {slope->number(Allowed::above(0, "counts/N"))};
+  } else {
+    const YamlNode coefficients = map.require("coefficients", "a list of 1 to 5 numbers, counts/N^m; or counts_per_newton");
+    const std::vector<YamlNode> items = coefficients.items("a list of 1 to 5 numbers");
+    if (items.empty() || items.size() > static_cast<std::size_t>(kMaxCurveDegree)) coefficients.refuse("a list of 1 to 5 numbers");
+    for (const YamlNode& item : items) curve.push_back(item.number(Allowed::any("counts/N^m")));
+  }
+  map.canonical().line("coefficients", canonicalList(curve));
+  readout.curve_limit = map.number("limit", Allowed::atLeast(0, "counts"), readout.curve_limit);
+}
+
+}  // namespace taxelsim
