@@ -45,6 +45,7 @@ struct Images {
 struct ForceCurve {
   int curve_degree = 1;        // of the polynomial to fit, 1 to kMaxCurveDegree
   bool divider = false;        // whether Readout::curve_limit is fitted, too
+  int curve_segments = 0;      // 2 to kMaxCurvePoints: instead of both, straight pieces (Readout::curve_points); 0: none
   std::vector<int> taxel;      // (rows), index in storage order
   std::vector<double> force;   // (rows), N
   std::vector<double> counts;  // (rows)

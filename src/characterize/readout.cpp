@@ -8,6 +8,7 @@
 
 #include "base/text.h"
 #include "characterize/clipped_mean.h"
+#include "characterize/curve_pieces.h"
 #include "characterize/fits.h"
 #include "characterize/readout_model.h"
 #include "reference/psf.h"
@@ -128,8 +129,9 @@ std::string rounded(double value) {
 // All that was found, on its way into the sensor.
 class Findings {
  public:
-  Findings(const std::vector<PressedTaxel>& taxels, const ReadoutModel& model, const GroupedFit& fit, Characterization& result)
-      : taxels_(taxels), model_(model), fit_(fit), result_(result), readout_(result.sensor.readout) {}
+  Findings(const std::vector<PressedTaxel>& taxels, const ReadoutModel& model, const PiecesFit& pieces, const GroupedFit& fit,
+           Characterization& result)
+      : taxels_(taxels), model_(model), pieces_(pieces), fit_(fit), result_(result), readout_(result.sensor.readout) {}
 
   void tellCurve();
   void tellHysteresis(bool way_back);
@@ -148,10 +150,15 @@ class Findings {
                                  .high = value + half_width,
                                  .remark = std::move(remark)});
   }
+  // `of_slope`: how S changes with each taxel's own parameters.
+  void tellPolynomial(const std::vector<Eigen::VectorXd>& of_slope, const std::string& over);
+  void tellPoints(const std::vector<Eigen::VectorXd>& of_slope);
+  void tellLimit();
   double slopeOf(std::size_t t) const { return fit_.own[t][0] / taxels_[t].share; }
 
   const std::vector<PressedTaxel>& taxels_;
   const ReadoutModel& model_;
+  const PiecesFit& pieces_;
   const GroupedFit& fit_;
   Characterization& result_;
   Readout& readout_;
@@ -180,8 +187,25 @@ void Findings::tellCurve() {
   const std::string over = "mean of " + std::to_string(taxels_.size()) + (taxels_.size() == 1 ? " taxel" : " taxels") +
                            "; the point spread function leaves them " + numberText(std::round(1000 * share) / 10) + " % of a force on them";
   readout_.curve = {slope_};
+  readout_.curve_points.clear();
   readout_.output_scale = 1;
   readout_.trigger = std::max(0.0, trigger);
+  if (!model_.knots.empty()) {
+    tellPoints(of_slope);
+    result_.remarks.push_back("readout.curve.points: " + over);
+  } else {
+    tellPolynomial(of_slope, over);
+  }
+  readout_.curve_limit = 0;
+  if (model_.divider) tellLimit();
+  add("readout.trigger", "N", trigger, std::hypot(fit_.meanHalfWidth(of_trigger, no_shared), trigger * slope_by_share_ / slope_), "");
+  const std::string line_end =
+      model_.knots.empty() ? "; the straight line would end at " + rounded((trigger + model_.top / slope_) / share) + " N" : "";
+  result_.remarks.push_back("a force on one taxel shows from " + rounded(trigger / share) + " N on" + line_end);
+}
+
+void Findings::tellPolynomial(const std::vector<Eigen::VectorXd>& of_slope, const std::string& over) {
+  const Eigen::VectorXd no_shared = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(fit_.shared.size()));
   add(model_.num_bends == 0 ? "readout.curve.counts_per_newton" : "readout.curve.coefficients[0]", "counts/N", slope_,
       std::hypot(fit_.meanHalfWidth(of_slope, no_shared), slope_by_share_), over);
   for (std::size_t k = 0; k < model_.num_bends; ++k) {
@@ -196,26 +220,48 @@ void Findings::tellCurve() {
     add("readout.curve.coefficients[" + std::to_string(k + 1) + "]", "counts/N^" + std::to_string(k + 2), readout_.curve.back(),
         std::hypot(fit_.meanHalfWidth(own, shared), power * readout_.curve.back() * slope_by_share_ / slope_), "");
   }
-  readout_.curve_limit = 0;
-  if (model_.divider) {
-    const double part = fit_.shared[model_.num_bends], half = fit_.halfWidth(model_.num_bends);
-    const std::string parameter = "readout.curve.limit";
-    if (part > half) {
-      readout_.curve_limit = model_.top / part;
-      result_.estimates.push_back({.parameter = parameter,
-                                   .unit = "counts",
-                                   .determined = true,
-                                   .value = readout_.curve_limit,
-                                   .low = model_.top / (part + half),
-                                   .high = model_.top / (part - half),
-                                   .remark = ""});
-    } else {
-      result_.estimates.push_back({.parameter = parameter, .unit = "counts", .remark = "no bend beyond noise: none"});
-    }
+}
+
+// At the forces where the knots lie by the slope that was found: how far the slope may be off is in the interval of the output there.
+void Findings::tellPoints(const std::vector<Eigen::VectorXd>& of_slope) {
+  readout_.curve = Readout{}.curve;
+  for (std::size_t k = 0; k < model_.knots.size(); ++k) {
+    const KnotOutput output = outputAt(k, model_, fit_.shared);
+    const double force = model_.knots[k] / slope_, by_slope = output.slope * force;
+    std::vector<Eigen::VectorXd> own = of_slope;
+    for (Eigen::VectorXd& gradient : own) gradient *= by_slope;
+    readout_.curve_points.push_back({.force = force, .counts = output.counts});
+    add("readout.curve.points[" + std::to_string(k) + "].counts", "counts", output.counts,
+        std::hypot(fit_.meanHalfWidth(own, output.gradient), by_slope * slope_by_share_), "at " + rounded(force) + " N");
   }
-  add("readout.trigger", "N", trigger, std::hypot(fit_.meanHalfWidth(of_trigger, no_shared), trigger * slope_by_share_ / slope_), "");
-  result_.remarks.push_back("a force on one taxel shows from " + rounded(trigger / share) + " N on; the straight line would end at " +
-                            rounded((trigger + model_.top / slope_) / share) + " N");
+  const auto untold = [&](const std::string& where) {
+    result_.estimates.push_back({.parameter = "readout.curve.points",
+                                 .unit = "counts",
+                                 .remark = where + ": fewer than " + std::to_string(kLeastReadings) +
+                                           " rows, or none that tell the output there; the curve goes straight through"});
+  };
+  for (const double z : pieces_.joined) untold("at " + rounded(z / slope_) + " N");
+  for (const std::size_t k : pieces_.sparse) {
+    const double begin = k > 0 ? model_.knots[k - 1] : 0;
+    untold("from " + rounded(begin / slope_) + " to " + rounded(model_.knots[k] / slope_) + " N");
+  }
+}
+
+void Findings::tellLimit() {
+  const double part = fit_.shared[model_.num_bends], half = fit_.halfWidth(model_.num_bends);
+  const std::string parameter = "readout.curve.limit";
+  if (part > half) {
+    readout_.curve_limit = model_.top / part;
+    result_.estimates.push_back({.parameter = parameter,
+                                 .unit = "counts",
+                                 .determined = true,
+                                 .value = readout_.curve_limit,
+                                 .low = model_.top / (part + half),
+                                 .high = model_.top / (part - half),
+                                 .remark = ""});
+  } else {
+    result_.estimates.push_back({.parameter = parameter, .unit = "counts", .remark = "no bend beyond noise: none"});
+  }
 }
 
 void Findings::tellHysteresis(bool way_back) {
@@ -326,9 +372,16 @@ ReadoutDoubt fitReadout(Measured measurements, const std::optional<PsfRange>& ps
   for (auto& [taxel, all] : rows) {
     for (Reading& row : all) row.counts = std::min(row.counts, model.top);
   }
+  int num_pieces = 0;
   for (const Measurement* measurement : measurements) {
-    model.divider = model.divider || std::get<ForceCurve>(measurement->data).divider;
-    model.num_bends = std::max(model.num_bends, static_cast<std::size_t>(std::get<ForceCurve>(measurement->data).curve_degree - 1));
+    const auto& curve = std::get<ForceCurve>(measurement->data);
+    model.divider = model.divider || curve.divider;
+    model.num_bends = std::max(model.num_bends, static_cast<std::size_t>(curve.curve_degree - 1));
+    num_pieces = std::max(num_pieces, curve.curve_segments);
+    if (num_pieces > 0 && (model.divider || model.num_bends > 0)) {
+      throw Error(ErrorKind::kInput, measurement->file.generic_string() +
+                                         ": curve_segments stands beside curve_degree or divider of the same sensor: either, not both");
+    }
   }
 
   std::vector<PressedTaxel> taxels;
@@ -363,7 +416,9 @@ ReadoutDoubt fitReadout(Measured measurements, const std::optional<PsfRange>& ps
   model.noise = std::max(kLeastNoise, medianOf(deviations));
   for (std::size_t t = 0; t < taxels.size(); ++t) taxels[t].used = rowsThatTell(taxels[t].rows, lines[t], model.top, model.noise);
 
-  GroupedFit fit = fitReadoutModel(taxels, lines, model, 0);
+  PiecesFit pieces;
+  if (num_pieces > 0) pieces = fitPieces(taxels, static_cast<std::size_t>(num_pieces), lines, model);
+  GroupedFit fit = num_pieces > 0 ? std::move(pieces.fit) : fitReadoutModel(taxels, lines, model, 0);
   for (; model.num_bends > 0 && !rises(model, fit, taxels); fit = fitReadoutModel(taxels, lines, model, 0)) {
     result.remarks.push_back("a curve of degree " + std::to_string(model.num_bends + 1) +
                              " would fall somewhere in the range: one degree less");
@@ -396,7 +451,7 @@ ReadoutDoubt fitReadout(Measured measurements, const std::optional<PsfRange>& ps
     }
   }
 
-  Findings findings(taxels, model, fit, result);
+  Findings findings(taxels, model, pieces, fit, result);
   findings.tellCurve();
   if (plateau.counts > 0) {
     readout.saturation = static_cast<int>(plateau.counts);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "characterize/clipped_mean.h"
+#include "characterize/curve_pieces.h"
 
 namespace taxelsim {
 namespace {
@@ -50,6 +51,18 @@ bool ReadoutModel::rises(double last, const double* shared) const {
   return true;
 }
 
+double ReadoutModel::outputOfPieces(double z, const double* shared) const {
+  double sum = 0;
+  for (std::size_t k = 0; k < knots.size(); ++k) sum += rise(k, shared);
+  double begin = 0, risen = 0;
+  std::size_t piece = 0;
+  for (; piece + 1 < knots.size() && z > knots[piece]; ++piece) {
+    begin = knots[piece];
+    risen += rise(piece, shared);
+  }
+  return (risen + rise(piece, shared) * (z - begin) / (knots[piece] - begin)) * knots.back() / sum;
+}
+
 double largestForce(const std::vector<Reading>& rows) {
   double most = 0;
   for (const Reading& row : rows) most = std::max(most, std::abs(row.force));
@@ -80,6 +93,7 @@ GroupedFit fitReadoutModel(const std::vector<PressedTaxel>& taxels, const std::v
                            double width) {
   GroupedProblem problem;
   for (std::size_t k = 0; k < model.num_bends; ++k) problem.shared.push_back({.start = 0, .scale = 1});
+  if (!model.knots.empty()) problem.shared = risesOfPieces(model, taxels, lines);
   if (model.divider) problem.shared.push_back({.start = 0.3, .scale = 1, .low = 0, .high = kMostOfLimit});
   double most = 0;
   for (const PressedTaxel& taxel : taxels) most = std::max(most, largestForce(taxel.rows) * taxel.share);
@@ -90,8 +104,10 @@ GroupedFit fitReadoutModel(const std::vector<PressedTaxel>& taxels, const std::v
   for (std::size_t t = 0; t < taxels.size(); ++t) {
     const double force = largestForce(taxels[t].rows);
     const std::vector<double>& start = lines[t].values;
+    // Pieces would use a trigger below 0, which no readout has, to shift their knots.
+    const double least = model.knots.empty() ? -force : 0;
     problem.own.push_back({{.start = start[0], .scale = std::max(start[0], 1e-9), .low = 0},
-                           {.start = start[1], .scale = force, .low = -force, .high = force}});
+                           {.start = start[1], .scale = force, .low = least, .high = force}});
     problem.num_rows.push_back(taxels[t].used.size());
   }
   problem.residuals = [&](std::size_t group, const double* shared, const double* own, double* residuals) {

@@ -3,7 +3,9 @@
 //   x = w [(1 - s) F + s play(F)],  y = P(gain x - trigger),  counts = clip(y / (1 + y / L)),
 // s and play being the readout's hysteresis, P a polynomial that begins with S counts/N, L the limit of a voltage divider. What is fitted
 // to a taxel is its slope a = S gain w (counts/N) and the first force f that shows (N): with z = a (F - f) and K the end of the range,
-// y = z (1 + b2 z/K + b3 (z/K)^2 + ...). The b, K/L, s and the play's width are common to all taxels.
+// y = z (1 + b2 z/K + b3 (z/K)^2 + ...). Or y goes straight from (0, 0) from knot to knot and reaches Z, near the end of the range, at z =
+// Z: S is then the slope of the chord up to there, and shared are the rises of the pieces relative to that of the one that rises most. The
+// b or rises, K/L, s and the play's width are common to all taxels.
 #pragma once
 
 #include <cstddef>
@@ -14,8 +16,8 @@
 
 namespace taxelsim {
 
-inline constexpr std::size_t kLeastReadings =
-    4;  // of a taxel, between trigger and saturation: two parameters, and something to judge them by
+// Of a taxel, between trigger and saturation: two parameters, and something to judge them by. Of a straight piece of the curve as many.
+inline constexpr std::size_t kLeastReadings = 4;
 
 struct Reading {
   double force;  // N
@@ -37,8 +39,12 @@ struct ReadoutModel {
   double top = 0;             // counts
   double noise = 1;           // counts
 
+  std::vector<double> knots{};     // where straight pieces end, counts, > 0 and rising, the last one is Z; none: a polynomial
+  std::size_t steepest_piece = 0;  // whose rise is 1; those of the others are the shared values, before K/L
+
   // Counts before noise and clipping.
   double output(double z, const double* shared) const {
+    if (!knots.empty()) return outputOfPieces(z, shared);
     double factor = 1, power = 1;
     for (std::size_t k = 0; k < num_bends && z > 0; ++k) factor += shared[k] * (power *= z / top);
     const double y = z * factor;
@@ -46,7 +52,15 @@ struct ReadoutModel {
   }
   // Whether the output rises from 0 on to `last`, or to the end of the range, as a readout's must.
   bool rises(double last, const double* shared) const;
-  std::size_t lag() const { return num_bends + (divider ? 1 : 0); }  // where s stands
+  std::size_t lag() const { return (knots.empty() ? num_bends : knots.size() - 1) + (divider ? 1 : 0); }  // where s stands
+
+  // Relative to that of the piece that rises most.
+  double rise(std::size_t piece, const double* shared) const {
+    return piece == steepest_piece ? 1 : shared[piece < steepest_piece ? piece : piece - 1];
+  }
+
+ private:
+  double outputOfPieces(double z, const double* shared) const;
 };
 
 struct ReadingNoise {

@@ -27,7 +27,8 @@ struct Arguments {
 
 // The key of the sensor file that tells of an estimate.
 std::string keyOf(const std::string& parameter) {
-  return parameter.starts_with("psf.") ? "psf.kernel" : parameter;
+  if (parameter.starts_with("psf.")) return "psf.kernel";
+  return parameter.starts_with("readout.curve.") ? parameter.substr(0, parameter.find('[')) : parameter;
 }
 
 // Where each number comes from, beside it in the file.
@@ -43,7 +44,8 @@ std::map<std::string, std::string> notesOf(const Characterization& result, const
     std::string text = estimate.determined && estimate.parameter.starts_with("psf.") ? estimate.parameter.substr(4) + " " : "";
     text += estimateText(estimate);
     if (estimate.determined && !estimate.remark.empty()) text += ", " + estimate.remark;
-    notes.emplace(keyOf(estimate.parameter), text);
+    std::string& note = notes[keyOf(estimate.parameter)];
+    if (note.empty() || estimate.parameter.starts_with("readout.curve.")) note += (note.empty() ? "" : "; ") + text;
   }
   return notes;
 }

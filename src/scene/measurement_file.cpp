@@ -105,6 +105,12 @@ ForceCurve readForceCurve(const Source& source) {
   ForceCurve curve;
   curve.curve_degree = static_cast<int>(source.map.integer("curve_degree", 1, kMaxCurveDegree, 1));
   curve.divider = source.map.choice("divider", {"true", "false"}, "false") == "true";
+  if (source.map.has("curve_segments")) {
+    curve.curve_segments = static_cast<int>(source.map.integer("curve_segments", 2, kMaxCurvePoints));
+    for (const char* const key : {"curve_degree", "divider"}) {
+      if (const std::optional<YamlNode> both = source.map.find(key)) both->fail("given beside `curve_segments`: either, not both");
+    }
+  }
   const std::vector<double> taxel = source.table.require(kTaxel);
   const double num_taxels = numTaxels(source.sensor);
   for (std::size_t row = 0; row < taxel.size(); ++row) {
@@ -161,7 +167,9 @@ struct Kind {
 
 const std::vector<Kind>& kinds() {
   static const std::vector<Kind> all{
-      {"force_curve", {"curve_degree", "divider"}, [](const Source& s) -> decltype(Measurement::data) { return readForceCurve(s); }},
+      {"force_curve",
+       {"curve_degree", "divider", "curve_segments"},
+       [](const Source& s) -> decltype(Measurement::data) { return readForceCurve(s); }},
       {"force_depth", {"indenter"}, [](const Source& s) -> decltype(Measurement::data) { return readForceDepth(s); }},
       {"point_images", {"indenter", "taxel_columns"}, [](const Source& s) -> decltype(Measurement::data) { return readPointImages(s); }},
       {"step_response", {"load"}, [](const Source& s) -> decltype(Measurement::data) { return readStepResponse(s); }},

@@ -259,6 +259,139 @@ TEST(ReadoutFit, ADividerIsFound) {
   EXPECT_GE(slope, leastHits(kRuns));
 }
 
+// An S: counts at 0.32, 0.64, ... N over the trigger, the last of them the end of the range.
+const std::vector<double> kPieces{200, 1000, 2300, 3300, 3800};
+constexpr double kPiece = 0.32;                          // N
+const std::vector<double> kGains{0.95, 1.1, 0.9, 1.05};  // of mean 1
+constexpr double kShown = 0.05;                          // N, of gain F - trigger
+
+double outputOfPieces(double x) {
+  double begin = 0;
+  for (std::size_t k = 0;; ++k) {
+    const double from = kPiece * static_cast<double>(k);
+    if (x <= from + kPiece || k + 1 == kPieces.size()) return begin + (kPieces[k] - begin) * (x - from) / kPiece;
+    begin = kPieces[k];
+  }
+}
+
+ForceCurve piecewise(std::mt19937& random, int num_pieces) {
+  ForceCurve curve;
+  curve.curve_segments = num_pieces;
+  for (int t = 0; t < 4; ++t) {
+    for (int k = 0; k < 100; ++k) {
+      const double force = 0.024 * k;
+      curve.taxel.push_back(t);
+      curve.force.push_back(force);
+      curve.counts.push_back(reading({1, 0}, outputOfPieces(kGains[static_cast<std::size_t>(t)] * force - kShown), kNoise, kTop, random));
+    }
+  }
+  return curve;
+}
+
+std::string pointName(std::size_t k) {
+  return "readout.curve.points[" + std::to_string(k) + "].counts";
+}
+
+TEST(ReadoutFit, StraightPiecesAreFound) {
+  constexpr int kRuns = 60;
+  std::vector<int> hits(kPieces.size());
+  int trigger = 0, gains = 0;
+  for (unsigned seed = 0; seed < kRuns; ++seed) {
+    std::mt19937 random(seed);
+    const Characterization result = characterized(piecewise(random, 5));
+    const std::vector<CurvePoint>& points = result.sensor.readout.curve_points;
+    ASSERT_EQ(points.size(), kPieces.size());
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      // Knots are even parts of the force that reaches the end of the range, which is seen to about a thousandth.
+      EXPECT_NEAR(points[k].force, kPiece * static_cast<double>(k + 1), 0.005 * points[k].force);
+      hits[k] += holds(estimateOf(result, pointName(k)), outputOfPieces(points[k].force));
+      EXPECT_EQ(estimateOf(result, pointName(k)).value, points[k].counts);
+    }
+    trigger += holds(estimateOf(result, "readout.trigger"), kShown);
+    for (std::size_t t = 0; t < kGains.size(); ++t) {
+      gains += holds(estimateOf(result, "readout.taxel_gain[" + std::to_string(t) + "]"), kGains[t]);
+    }
+  }
+  for (const int count : hits) EXPECT_GE(count, leastHits(kRuns));
+  EXPECT_GE(trigger, leastHits(kRuns));
+  EXPECT_GE(gains, leastHits(kRuns * 4));
+  // And are not simply wide: the widest is that of the steepest piece, which makes most of where the trigger lies.
+  std::mt19937 random(1);
+  const Characterization result = characterized(piecewise(random, 5));
+  for (std::size_t k = 0; k < kPieces.size(); ++k) {
+    const Estimate& estimate = estimateOf(result, pointName(k));
+    EXPECT_LT(estimate.high - estimate.low, 0.01 * kTop) << k;
+  }
+}
+
+TEST(ReadoutFit, OutliersDoNotMoveStraightPieces) {
+  std::mt19937 random(3);
+  ForceCurve curve = piecewise(random, 5);
+  for (std::size_t row = 5; row < curve.counts.size(); row += 10) curve.counts[row] = row % 20 == 5 ? 0 : 3500;
+  const Characterization result = characterized(curve);
+  EXPECT_GT(result.fits.front().num_outliers, curve.counts.size() / 20);
+  const std::vector<CurvePoint>& points = result.sensor.readout.curve_points;
+  ASSERT_EQ(points.size(), 5u);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Estimate& estimate = estimateOf(result, pointName(k));
+    EXPECT_NEAR(points[k].counts, outputOfPieces(points[k].force), estimate.high - estimate.low) << k << ": four standard deviations";
+  }
+}
+
+// Loads that stop short of the end of the range: the table ends where they do.
+TEST(ReadoutFit, StraightPiecesEndWithTheLoads) {
+  std::mt19937 random(12);
+  ForceCurve curve = piecewise(random, 6);
+  for (double& force : curve.force) force *= 0.5;
+  for (std::size_t row = 0; row < curve.force.size(); ++row) {
+    curve.counts[row] = reading({1, 0}, outputOfPieces(kGains[row / 100] * curve.force[row] - kShown), kNoise, kTop, random);
+  }
+  const Characterization result = characterized(curve);
+  const std::vector<CurvePoint>& points = result.sensor.readout.curve_points;
+  ASSERT_EQ(points.size(), 6u);
+  EXPECT_NEAR(points.back().force, 1.1, 0.15) << "1.2 N on a taxel of gain 1.1, of which the last 15 % count alike";
+  // Knots that are not the curve's own: each is off by a part of the bends between them, at most 1,875 counts/N over a quarter of a piece.
+  for (const double counts : {300.0, 1000.0, 2000.0, 2600.0}) {
+    double x = 0;
+    while (outputOfPieces(x) < counts) x += 1e-4;
+    EXPECT_NEAR(nominalForce(result.sensor.readout, counts), x + kShown, 0.03) << counts;
+  }
+}
+
+// What lies between 0.68 and 1.3 N over the trigger was not pressed: the knots in there are not told, and the curve goes straight from one
+// side to the other.
+TEST(ReadoutFit, APieceWithoutReadingsIsNotMadeUp) {
+  std::mt19937 random(13);
+  const ForceCurve curve = piecewise(random, 10);
+  ForceCurve sparse;
+  sparse.curve_segments = 10;
+  for (std::size_t row = 0; row < curve.force.size(); ++row) {
+    const double x = kGains[row / 100] * curve.force[row] - kShown;
+    if (x > 0.64 && x < 1.3) continue;
+    sparse.taxel.push_back(curve.taxel[row]);
+    sparse.force.push_back(curve.force[row]);
+    sparse.counts.push_back(curve.counts[row]);
+  }
+  const Characterization result = characterized(sparse);
+  const std::vector<CurvePoint>& points = result.sensor.readout.curve_points;
+  ASSERT_EQ(points.size(), 7u) << "those at 0.8, 0.96 and 1.12 N are gone";
+  EXPECT_NEAR(points[3].force, 0.64, 0.01);
+  EXPECT_NEAR(points[4].force, 1.28, 0.01);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Estimate& estimate = estimateOf(result, pointName(k));
+    EXPECT_TRUE(estimate.determined);
+    EXPECT_NEAR(points[k].counts, outputOfPieces(points[k].force), estimate.high - estimate.low) << k << ": four standard deviations";
+  }
+  std::vector<std::string> untold;
+  for (const Estimate& estimate : result.estimates) {
+    if (estimate.parameter != "readout.curve.points") continue;
+    EXPECT_FALSE(estimate.determined);
+    untold.push_back(estimate.remark);
+  }
+  EXPECT_EQ(untold.size(), 4u);
+  EXPECT_THAT(untold, ::testing::Contains(HasSubstr("from 0.6")));
+}
+
 // Readings that bend down at the end and stop there make a parabola fall.
 TEST(ReadoutFit, ACurveThatWouldFallLosesADegree) {
   std::mt19937 random(10);
@@ -290,6 +423,14 @@ TEST(ReadoutFit, WhatTellsNothingIsRefused) {
   ForceCurve clipped = pressed(kTaxels, random);
   std::fill(clipped.counts.begin(), clipped.counts.end(), 4095);
   EXPECT_THAT(refused(clipped), HasSubstr("no taxel has 4 rows"));
+  ForceCurve bends = bent(random, 3), pieces = piecewise(random, 3);
+  const std::vector<Measurement> both{measurementOf("bends", benchSensor(2, 2), bends), measurementOf("pieces", benchSensor(2, 2), pieces)};
+  try {
+    characterize(both);
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("pieces.yaml: curve_segments stands beside curve_degree or divider"));
+  }
 }
 
 }  // namespace

@@ -82,6 +82,23 @@ TEST(Characterize, WritesAReportThatNeedsNothingElse) {
   }
 }
 
+// The shipped force curves are straight: so are the pieces.
+TEST(Characterize, WritesACurveOfStraightPieces) {
+  const TemporaryDirectory directory;
+  std::ofstream(directory / "pieces.yaml") << "format_version: 1\nmeasurement: force_curve\nsensor: " TAXELSIM_SOURCE_DIR
+                                              "/scenes/sensors/wts0614.yaml\ncurve_segments: 4\ntable: force_curve.csv\n";
+  std::filesystem::copy_file(kMeasurements + "force_curve.csv", directory / "force_curve.csv");
+  const Outcome outcome = runTaxelsim({"characterize", directory / "pieces.yaml", "-o", directory / "s.yaml"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("readout.curve.points[3].counts"));
+  ASSERT_EQ(runTaxelsim(characterized({"force_curve"}, directory / "line.yaml")).status, 0);
+  const double slope = loadSensor(directory / "line.yaml").readout.curve[0];
+  const Sensor sensor = loadSensor(directory / "s.yaml");
+  ASSERT_EQ(sensor.readout.curve_points.size(), 4u);
+  for (const CurvePoint& point : sensor.readout.curve_points) EXPECT_NEAR(point.counts / point.force, slope, 0.01 * slope) << point.force;
+  EXPECT_THAT(contentOf(directory / "s.yaml"), ::testing::ContainsRegex("points: .*  # [0-9.]+ .*, at 0.*; .*, at 1"));
+}
+
 TEST(Characterize, TwiceTheSameBytes) {
   const TemporaryDirectory directory;
   for (const char* name : {"a.yaml", "b.yaml"}) ASSERT_EQ(runTaxelsim(characterized({"force_depth"}, directory / name)).status, 0);

@@ -47,6 +47,10 @@ TEST(MeasurementFile, EveryKindArrives) {
   EXPECT_THAT(std::get<ForceCurve>(curve.data).taxel, ElementsAre(0, 1));
   EXPECT_THAT(std::get<ForceCurve>(curve.data).counts, ElementsAre(100, 200));
 
+  EXPECT_EQ(std::get<ForceCurve>(curve.data).curve_segments, 0);
+  const Measurement pieces = Bench("measurement: force_curve\ncurve_segments: 7\n", "taxel,force_N,counts\n0,0.5,100\n").load();
+  EXPECT_EQ(std::get<ForceCurve>(pieces.data).curve_segments, 7);
+
   const Measurement depth = Bench("measurement: force_depth\nindenter: {sphere: {radius_mm: 4}}\n", "depth_mm,force_N\n1,2\n").load();
   EXPECT_EQ(std::get<ForceDepth>(depth.data).indenter.radius, 0.004);
   EXPECT_THAT(std::get<ForceDepth>(depth.data).depth, ElementsAre(0.001));
@@ -89,6 +93,14 @@ TEST(MeasurementFile, WrongOnesAreRefused) {
       {step, "time_s,counts\n0,-1\n", "table.csv:2: counts: -1 is not allowed"},
       {"measurement: force_curve\n", "taxel,force_N,counts\n2,1,1\n", "table.csv:2: taxel: 2 is not allowed: a whole number from 0 to 1"},
       {"measurement: force_curve\n", "taxel,force_N,counts\n0.5,1,1\n", "table.csv:2: taxel: 0.5 is not allowed"},
+      {"measurement: force_curve\ncurve_segments: 1\n", "taxel,force_N,counts\n0,1,1\n",
+       ":5:17: curve_segments: 1 is not allowed: a whole number from 2 to 16"},
+      {"measurement: force_curve\ncurve_segments: 17\n", "taxel,force_N,counts\n0,1,1\n", "curve_segments: 17 is not allowed"},
+      {"measurement: force_curve\ncurve_segments: 4\ncurve_degree: 2\n", "taxel,force_N,counts\n0,1,1\n",
+       ":6:15: curve_degree: given beside `curve_segments`: either, not both"},
+      {"measurement: force_curve\ndivider: true\ncurve_segments: 4\n", "taxel,force_N,counts\n0,1,1\n",
+       ":5:10: divider: given beside `curve_segments`: either, not both"},
+      {step + "curve_segments: 4\n", "time_s,counts\n0,1\n", "curve_segments: not a key of step_response"},
       {"measurement: force_curve\n", "taxel,force_N,counts\n0,1,4096\n", "counts: 4096 is not allowed: from 0 to 4095 counts"},
       {"measurement: force_depth\n", "depth_mm,force_N\n0,1\n", "indenter is missing"},
       {"measurement: force_depth\nindenter: {}\n", "depth_mm,force_N\n0,1\n", "flat_pin, stamp, sphere, cylinder or cone"},
