@@ -13,7 +13,12 @@ namespace {
 
 constexpr double kLeastRise = 1e-3;  // of the piece that rises most: a curve must rise
 constexpr double kNearEnd = 0.85;    // of the largest force
-constexpr double kTold = 0.5;        // of the end of the pieces: an output that is known no better is not told
+constexpr double kTold = 0.5;        // of the range: an output that is known no better is not told
+constexpr double kBeforeTop = 0.95;  // of the end of the range: a knot past it could be anywhere
+constexpr double kGross = 0.25;      // of the range, and
+constexpr double kGrossNoise = 20;   // standard deviations: outliers that a fit is not even shown
+constexpr double kNotLightly = 2;    // a fit with first forces below 0 must be so much better, in squares
+constexpr double kBentOver = 0.8;    // of the output: where half of the force makes more of it, pieces become longer with force
 // Of where a straight line would begin: a curve that bends up begins before it, and a fit finds no way from far off.
 constexpr std::array<double, 3> kBegins{1, 0.5, 0};
 
@@ -46,13 +51,14 @@ bool isSparse(std::size_t num_rows) {
 
 // A knot between two pieces that both have too few rows, or that the first or last piece has none of its own to tell. A single piece
 // without rows is told by those beside it: it goes straight from one to the other.
-std::optional<std::size_t> knotOfFewRows(const std::vector<std::size_t>& num_rows) {
-  const std::size_t num_pieces = num_rows.size();
+std::optional<std::size_t> knotOfFewRows(const ReadoutModel& model, const std::vector<std::size_t>& num_rows) {
+  const std::size_t num_pieces = num_rows.size(), pinned = model.pinned_knot;
   if (num_pieces < 2) return {};
-  if (isSparse(num_rows.front())) return 0;
-  if (isSparse(num_rows.back())) return num_pieces - 2;
+  const auto beside = [&](std::size_t knot) { return knot != pinned ? knot : knot > 0 ? knot - 1 : knot + 1; };
+  if (isSparse(num_rows.front())) return beside(0);
+  if (isSparse(num_rows.back())) return pinned + 1 < num_pieces ? num_pieces - 1 : num_pieces - 2;
   for (std::size_t k = 0; k + 1 < num_pieces; ++k) {
-    if (isSparse(num_rows[k]) && isSparse(num_rows[k + 1])) return k;
+    if (isSparse(num_rows[k]) && isSparse(num_rows[k + 1])) return beside(k);
   }
   return {};
 }
@@ -98,25 +104,50 @@ std::vector<std::size_t> rowsOfPieces(const ReadoutModel& model, const std::vect
 // A knot whose output a fit does not tell.
 std::optional<std::size_t> untoldKnot(const ReadoutModel& model, std::size_t num_taxels, const GroupedFit& fit) {
   const std::vector<Eigen::VectorXd> no_own(num_taxels, Eigen::Vector2d::Zero());
-  for (std::size_t knot = 0; knot + 1 < model.knots.size(); ++knot) {
-    if (!(fit.meanHalfWidth(no_own, outputAt(knot, model, fit.shared).gradient) < kTold * model.knots.back())) return knot;
+  for (std::size_t knot = 0; knot < model.knots.size(); ++knot) {
+    if (knot != model.pinned_knot && !(fit.meanHalfWidth(no_own, outputAt(knot, model, fit.shared).gradient) < kTold * model.top))
+      return knot;
   }
   return {};
 }
 
-// What the outputs at the largest forces come to.
-double endOfPieces(const std::vector<PressedTaxel>& taxels) {
-  double end = 0, largest = 0;
+// What the outputs come to at the largest forces, or near a share of them.
+double outputNear(const std::vector<PressedTaxel>& taxels, double share) {
+  double output = 0;
   for (const PressedTaxel& taxel : taxels) {
-    const double near_end = kNearEnd * largestForce(taxel.rows);
+    const double most = share * largestForce(taxel.rows);
     std::vector<double> counts;
     for (const Reading& row : taxel.rows) {
-      largest = std::max(largest, row.counts);
-      if (row.force >= near_end) counts.push_back(row.counts);
+      if (row.force >= kNearEnd * most && row.force <= most) counts.push_back(row.counts);
     }
-    if (counts.size() >= kLeastReadings) end = std::max(end, medianOf(std::move(counts)));
+    if (counts.size() >= kLeastReadings) output = std::max(output, medianOf(std::move(counts)));
   }
-  return end > 0 ? end : largest;
+  return output;
+}
+
+// Cuts the range into pieces, see the head of curve_pieces.h; returns the share of the largest force that the pinned knot is for.
+double cutIntoPieces(const std::vector<PressedTaxel>& taxels, std::size_t num_pieces, ReadoutModel& model) {
+  double end = outputNear(taxels, 1), share = 1;
+  std::size_t num_longer = 0;
+  while (num_longer + 2 < num_pieces) {
+    const double half = outputNear(taxels, share / 2);
+    if (!(half > kBentOver * end)) break;
+    if (end < model.top) ++num_longer;
+    share /= 2;
+    end = half;
+  }
+  if (!(end > 0)) {
+    for (const PressedTaxel& taxel : taxels) {
+      for (const Reading& row : taxel.rows) end = std::max(end, row.counts);
+    }
+  }
+  end = std::min(end, kBeforeTop * model.top);
+  const std::size_t num_alike = num_pieces - num_longer;
+  model.pinned_knot = num_alike - 1;
+  model.knots.clear();
+  for (std::size_t k = 1; k <= num_alike; ++k) model.knots.push_back(end * static_cast<double>(k) / static_cast<double>(num_alike));
+  for (std::size_t k = 0; k < num_longer; ++k) model.knots.push_back(2 * model.knots.back());
+  return share;
 }
 
 // Noise (counts) by how far readings lie from the line between their neighbours in force, which no bend of the curve makes much of.
@@ -151,8 +182,27 @@ void fit(const std::vector<PressedTaxel>& taxels, Attempt& attempt) {
   attempt.found.fit = fitReadoutModel(taxels, attempt.lines, attempt.model, 0);
 }
 
-// Those that a straight line called far past an end may not be.
-void chooseRows(const Attempt& attempt, std::vector<PressedTaxel>& taxels) {
+// Leaves out what is far from its neighbours in force: until the curve is about known, outliers would lead it astray.
+void leaveOutGross(std::vector<PressedTaxel>& taxels, double least) {
+  constexpr std::size_t kNeighbours = 5;  // on either side
+  for (PressedTaxel& taxel : taxels) {
+    std::vector<std::size_t> order = taxel.used;
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return taxel.rows[a].force < taxel.rows[b].force; });
+    std::vector<std::size_t> kept;
+    for (std::size_t k = 0; k < order.size(); ++k) {
+      std::vector<double> near;
+      for (std::size_t n = k - std::min(k, kNeighbours); n <= std::min(k + kNeighbours, order.size() - 1); ++n) {
+        near.push_back(taxel.rows[order[n]].counts);
+      }
+      if (std::abs(taxel.rows[order[k]].counts - medianOf(std::move(near))) <= least) kept.push_back(order[k]);
+    }
+    std::sort(kept.begin(), kept.end());
+    if (kept.size() >= kLeastReadings) taxel.used = std::move(kept);
+  }
+}
+
+// Those that tell by a fit, but for what it is far from.
+void chooseRows(Attempt& attempt, std::vector<PressedTaxel>& taxels, double least) {
   const ReadoutModel& model = attempt.model;
   const GroupedFit& fit = attempt.found.fit;
   for (std::size_t t = 0; t < taxels.size(); ++t) {
@@ -160,7 +210,12 @@ void chooseRows(const Attempt& attempt, std::vector<PressedTaxel>& taxels) {
     taxel.used.clear();
     for (std::size_t r = 0; r < taxel.rows.size(); ++r) {
       const double mean = model.output(fit.own[t][0] * (taxel.rows[r].force - fit.own[t][1]), fit.shared.data());
-      if (!isFarPastEnd(mean, taxel.rows[r].counts, model.noise, model.top)) taxel.used.push_back(r);
+      if (isFarPastEnd(mean, taxel.rows[r].counts, model.noise, model.top)) continue;
+      if (std::abs(taxel.rows[r].counts - std::clamp(mean, 0.0, model.top)) <= least) {
+        taxel.used.push_back(r);
+      } else {
+        ++attempt.found.num_gross;
+      }
     }
   }
 }
@@ -168,38 +223,51 @@ void chooseRows(const Attempt& attempt, std::vector<PressedTaxel>& taxels) {
 void drop(std::size_t knot, Attempt& attempt) {
   attempt.found.joined.push_back(attempt.model.knots[knot]);
   attempt.model.knots.erase(attempt.model.knots.begin() + static_cast<std::ptrdiff_t>(knot));
+  if (knot < attempt.model.pinned_knot) --attempt.model.pinned_knot;
 }
 
 }  // namespace
 
 PiecesFit fitPieces(std::vector<PressedTaxel>& taxels, std::size_t num_pieces, std::vector<FitResult>& lines, ReadoutModel& model) {
-  const double end = endOfPieces(taxels);
   model.noise = std::min(model.noise, noiseOfNeighbours(taxels, model.top));
-  model.knots.clear();
-  for (std::size_t k = 1; k <= num_pieces; ++k) model.knots.push_back(end * static_cast<double>(k) / static_cast<double>(num_pieces));
-  std::vector<Attempt> attempts;
+  const double share = cutIntoPieces(taxels, num_pieces, model), end = model.knots[model.pinned_knot];
+  for (std::size_t t = 0; t < taxels.size() && share < 1; ++t) {
+    std::vector<Reading> low;
+    const double most = share * largestForce(taxels[t].rows);
+    std::copy_if(taxels[t].rows.begin(), taxels[t].rows.end(), std::back_inserter(low),
+                 [&](const Reading& row) { return row.force <= most; });
+    if (std::optional<FitResult> line = straightLine(low, model.top)) lines[t] = std::move(*line);
+  }
+  const double gross = std::max(kGrossNoise * model.noise, kGross * model.top);
+  leaveOutGross(taxels, gross);
   double deviation = model.top;
-  for (const double begin : kBegins) {
-    Attempt& attempt = attempts.emplace_back(Attempt{.model = model, .lines = lines, .found = {}});
+  const auto attemptFrom = [&](double begin, bool shows_below_zero) {
+    Attempt attempt{.model = model, .lines = lines, .found = {}};
+    attempt.model.shows_below_zero = shows_below_zero;
     for (FitResult& line : attempt.lines) {
       // Through the same point at the end.
-      const double at_end = line.values[1] + end / std::max(line.values[0], 1e-30), first = begin * std::max(0.0, line.values[1]);
+      const double at_end = line.values[1] + end / std::max(line.values[0], 1e-30);
+      const double first = shows_below_zero ? std::min(0.0, line.values[1]) : begin * std::max(0.0, line.values[1]);
       line.values = {end / (at_end - first), first};
     }
-    while (const auto knot = knotOfFewRows(rowsOfPieces(attempt.model, taxels, attempt.lines))) drop(*knot, attempt);
+    while (const auto knot = knotOfFewRows(attempt.model, rowsOfPieces(attempt.model, taxels, attempt.lines))) drop(*knot, attempt);
     fit(taxels, attempt);
     deviation = std::min(deviation, std::max(kLeastNoise, attempt.found.fit.residual_sd));
-  }
-  Attempt& best = *std::min_element(attempts.begin(), attempts.end(), [&](const Attempt& a, const Attempt& b) {
-    return cutSquares(a.found.fit, deviation) < cutSquares(b.found.fit, deviation);
-  });
-  chooseRows(best, taxels);
+    return attempt;
+  };
+  std::vector<Attempt> attempts;
+  for (const double begin : kBegins) attempts.push_back(attemptFrom(begin, false));
+  attempts.push_back(attemptFrom(1, true));
+  const auto misfit = [&](const Attempt& a) { return cutSquares(a.found.fit, deviation) * (a.model.shows_below_zero ? kNotLightly : 1); };
+  Attempt& best =
+      *std::min_element(attempts.begin(), attempts.end(), [&](const Attempt& a, const Attempt& b) { return misfit(a) < misfit(b); });
+  chooseRows(best, taxels, gross);
   std::vector<std::size_t> num_rows;
   while (true) {
     for (std::size_t t = 0; t < taxels.size(); ++t) best.lines[t].values = best.found.fit.own[t];
     fit(taxels, best);
     num_rows = rowsOfPieces(best.model, taxels, best.found.fit);
-    std::optional<std::size_t> knot = knotOfFewRows(num_rows);
+    std::optional<std::size_t> knot = knotOfFewRows(best.model, num_rows);
     if (!knot) knot = untoldKnot(best.model, taxels.size(), best.found.fit);
     if (!knot) break;
     drop(*knot, best);
@@ -228,17 +296,19 @@ KnotOutput outputAt(std::size_t knot, const ReadoutModel& model, const std::vect
   const auto width = [&](std::size_t piece) { return model.knots[piece] - (piece > 0 ? model.knots[piece - 1] : 0); };
   double sum = 0, risen = 0;
   for (std::size_t k = 0; k < num_pieces; ++k) {
-    sum += model.rise(k, shared.data());
+    if (k <= model.pinned_knot) sum += model.rise(k, shared.data());
     if (k <= knot) risen += model.rise(k, shared.data());
   }
-  const double scale = model.knots.back() / sum;
+  const double scale = model.knots[model.pinned_knot] / sum;
   const double before = model.rise(knot, shared.data()) / width(knot);
   const double after = knot + 1 < num_pieces ? model.rise(knot + 1, shared.data()) / width(knot + 1) : before;
   KnotOutput output{.counts = risen * scale, .slope = (before + after) / 2 * scale, .gradient = {}};
   output.gradient = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(shared.size()));
   std::size_t s = 0;
   for (std::size_t k = 0; k < num_pieces; ++k) {
-    if (k != model.steepest_piece) output.gradient[static_cast<Eigen::Index>(s++)] = ((k <= knot ? 1 : 0) - risen / sum) * scale;
+    if (k == model.steepest_piece) continue;
+    const double of_risen = k <= knot ? 1 : 0, of_sum = k <= model.pinned_knot ? 1 : 0;
+    output.gradient[static_cast<Eigen::Index>(s++)] = (of_risen - of_sum * risen / sum) * scale;
   }
   return output;
 }

@@ -1,7 +1,8 @@
 // Readout curves of straight pieces: where their knots lie, which of them the readings tell, and the fit.
 //
-// Knots begin as even parts of the output near the largest forces, z being the slope of the chord times force: so each piece spans as much
-// force as the others. Pieces with too few readings are joined to one another, at both ends to the next.
+// Pieces are alike in force up to where the output is what it comes to near the largest forces, or 0.95 of the end of the range; that knot
+// is pinned. But as long as half of the range makes more than 0.8 of its output, the upper half becomes one piece of its own. Pieces with
+// too few readings are joined to one another, at both ends to the next.
 #pragma once
 
 #include <cstddef>
@@ -13,6 +14,7 @@ namespace taxelsim {
 
 struct PiecesFit {
   GroupedFit fit;
+  std::size_t num_gross = 0;        // rows that were left out as outliers beforehand
   std::vector<double> joined;       // z (counts) of knots that the readings do not tell, and that are no more
   std::vector<std::size_t> sparse;  // pieces with fewer than kLeastReadings rows of their own
 };

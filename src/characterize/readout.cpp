@@ -198,7 +198,12 @@ void Findings::tellCurve() {
   }
   readout_.curve_limit = 0;
   if (model_.divider) tellLimit();
-  add("readout.trigger", "N", trigger, std::hypot(fit_.meanHalfWidth(of_trigger, no_shared), trigger * slope_by_share_ / slope_), "");
+  const double trigger_half = std::hypot(fit_.meanHalfWidth(of_trigger, no_shared), trigger * slope_by_share_ / slope_);
+  add("readout.trigger", "N", trigger, trigger_half, "");
+  if (trigger < -trigger_half) {
+    result_.remarks.push_back("the output begins at " + rounded(trigger) +
+                              " N, before the force: no readout does, and the sensor's trigger is 0, which shifts its curve by as much");
+  }
   const std::string line_end =
       model_.knots.empty() ? "; the straight line would end at " + rounded((trigger + model_.top / slope_) / share) + " N" : "";
   result_.remarks.push_back("a force on one taxel shows from " + rounded(trigger / share) + " N on" + line_end);
@@ -231,8 +236,9 @@ void Findings::tellPoints(const std::vector<Eigen::VectorXd>& of_slope) {
     std::vector<Eigen::VectorXd> own = of_slope;
     for (Eigen::VectorXd& gradient : own) gradient *= by_slope;
     readout_.curve_points.push_back({.force = force, .counts = output.counts});
-    add("readout.curve.points[" + std::to_string(k) + "].counts", "counts", output.counts,
-        std::hypot(fit_.meanHalfWidth(own, output.gradient), by_slope * slope_by_share_), "at " + rounded(force) + " N");
+    const double half = std::hypot(fit_.meanHalfWidth(own, output.gradient), by_slope * slope_by_share_);
+    add("readout.curve.points[" + std::to_string(k) + "].counts", "counts", output.counts, half, "at " + rounded(force) + " N");
+    result_.estimates.back().determined = std::isfinite(half);
   }
   const auto untold = [&](const std::string& where) {
     result_.estimates.push_back({.parameter = "readout.curve.points",
@@ -477,7 +483,7 @@ ReadoutDoubt fitReadout(Measured measurements, const std::optional<PsfRange>& ps
                          .unit = "counts",
                          .rms = fit.residual_sd,
                          .num_rows = num_rows,
-                         .num_outliers = fit.num_outliers});
+                         .num_outliers = fit.num_outliers + pieces.num_gross});
   return findings.doubt();
 }
 

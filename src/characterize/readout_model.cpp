@@ -53,14 +53,14 @@ bool ReadoutModel::rises(double last, const double* shared) const {
 
 double ReadoutModel::outputOfPieces(double z, const double* shared) const {
   double sum = 0;
-  for (std::size_t k = 0; k < knots.size(); ++k) sum += rise(k, shared);
+  for (std::size_t k = 0; k <= pinned_knot; ++k) sum += rise(k, shared);
   double begin = 0, risen = 0;
   std::size_t piece = 0;
   for (; piece + 1 < knots.size() && z > knots[piece]; ++piece) {
     begin = knots[piece];
     risen += rise(piece, shared);
   }
-  return (risen + rise(piece, shared) * (z - begin) / (knots[piece] - begin)) * knots.back() / sum;
+  return (risen + rise(piece, shared) * (z - begin) / (knots[piece] - begin)) * knots[pinned_knot] / sum;
 }
 
 double largestForce(const std::vector<Reading>& rows) {
@@ -105,7 +105,7 @@ GroupedFit fitReadoutModel(const std::vector<PressedTaxel>& taxels, const std::v
     const double force = largestForce(taxels[t].rows);
     const std::vector<double>& start = lines[t].values;
     // Pieces would use a trigger below 0, which no readout has, to shift their knots.
-    const double least = model.knots.empty() ? -force : 0;
+    const double least = model.knots.empty() || model.shows_below_zero ? -force : 0;
     problem.own.push_back({{.start = start[0], .scale = std::max(start[0], 1e-9), .low = 0},
                            {.start = start[1], .scale = force, .low = least, .high = force}});
     problem.num_rows.push_back(taxels[t].used.size());

@@ -3,9 +3,9 @@
 //   x = w [(1 - s) F + s play(F)],  y = P(gain x - trigger),  counts = clip(y / (1 + y / L)),
 // s and play being the readout's hysteresis, P a polynomial that begins with S counts/N, L the limit of a voltage divider. What is fitted
 // to a taxel is its slope a = S gain w (counts/N) and the first force f that shows (N): with z = a (F - f) and K the end of the range,
-// y = z (1 + b2 z/K + b3 (z/K)^2 + ...). Or y goes straight from (0, 0) from knot to knot and reaches Z, near the end of the range, at z =
-// Z: S is then the slope of the chord up to there, and shared are the rises of the pieces relative to that of the one that rises most. The
-// b or rises, K/L, s and the play's width are common to all taxels.
+// y = z (1 + b2 z/K + b3 (z/K)^2 + ...). Or y goes straight from (0, 0) from knot to knot and at one of them, of z = Z, is Z: S is then the
+// slope of the chord up to there, and shared are the rises of the pieces relative to that of the one that rises most.
+// The b or rises, K/L, s and the play's width are common to all taxels.
 #pragma once
 
 #include <cstddef>
@@ -39,8 +39,11 @@ struct ReadoutModel {
   double top = 0;             // counts
   double noise = 1;           // counts
 
-  std::vector<double> knots{};     // where straight pieces end, counts, > 0 and rising, the last one is Z; none: a polynomial
+  std::vector<double> knots{};     // where straight pieces end, counts of z, > 0 and rising; none: a polynomial
+  std::size_t pinned_knot = 0;     // that of Z
   std::size_t steepest_piece = 0;  // whose rise is 1; those of the others are the shared values, before K/L
+
+  bool shows_below_zero = false;  // pieces only: first forces may be < 0, as of a load cell whose zero is off
 
   // Counts before noise and clipping.
   double output(double z, const double* shared) const {

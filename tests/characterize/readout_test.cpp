@@ -3,6 +3,7 @@
 
 #include "bench_session.h"
 #include "characterize/estimates.h"
+#include "reference/readout.h"
 #include "taxelsim/characterize.h"
 #include "taxelsim/error.h"
 
@@ -259,8 +260,8 @@ TEST(ReadoutFit, ADividerIsFound) {
   EXPECT_GE(slope, leastHits(kRuns));
 }
 
-// An S: counts at 0.32, 0.64, ... N over the trigger, the last of them the end of the range.
-const std::vector<double> kPieces{200, 1000, 2300, 3300, 3800};
+// An S: counts at 0.32, 0.64, ... N over the trigger; where the last of them lies the fit has its last knot, too.
+const std::vector<double> kPieces{200, 1000, 2200, 3100, 0.95 * kTop};
 constexpr double kPiece = 0.32;                          // N
 const std::vector<double> kGains{0.95, 1.1, 0.9, 1.05};  // of mean 1
 constexpr double kShown = 0.05;                          // N, of gain F - trigger
@@ -279,7 +280,7 @@ ForceCurve piecewise(std::mt19937& random, int num_pieces) {
   curve.curve_segments = num_pieces;
   for (int t = 0; t < 4; ++t) {
     for (int k = 0; k < 100; ++k) {
-      const double force = 0.024 * k;
+      const double force = 0.021 * k;
       curve.taxel.push_back(t);
       curve.force.push_back(force);
       curve.counts.push_back(reading({1, 0}, outputOfPieces(kGains[static_cast<std::size_t>(t)] * force - kShown), kNoise, kTop, random));
@@ -302,7 +303,7 @@ TEST(ReadoutFit, StraightPiecesAreFound) {
     const std::vector<CurvePoint>& points = result.sensor.readout.curve_points;
     ASSERT_EQ(points.size(), kPieces.size());
     for (std::size_t k = 0; k < points.size(); ++k) {
-      // Knots are even parts of the force that reaches the end of the range, which is seen to about a thousandth.
+      // Knots are even parts of the force that reaches 0.95 of the range, which is seen to about a thousandth.
       EXPECT_NEAR(points[k].force, kPiece * static_cast<double>(k + 1), 0.005 * points[k].force);
       hits[k] += holds(estimateOf(result, pointName(k)), outputOfPieces(points[k].force));
       EXPECT_EQ(estimateOf(result, pointName(k)).value, points[k].counts);
@@ -335,6 +336,28 @@ TEST(ReadoutFit, OutliersDoNotMoveStraightPieces) {
   for (std::size_t k = 0; k < points.size(); ++k) {
     const Estimate& estimate = estimateOf(result, pointName(k));
     EXPECT_NEAR(points[k].counts, outputOfPieces(points[k].force), estimate.high - estimate.low) << k << ": four standard deviations";
+  }
+}
+
+// Half of the rise within a thirtieth of the forces: pieces become longer with force.
+TEST(ReadoutFit, StraightPiecesFollowACurveThatBendsOver) {
+  constexpr double kLimit = 3500, kHalf = 0.2;  // N
+  std::mt19937 random(14);
+  ForceCurve curve;
+  curve.curve_segments = 10;
+  for (int k = 0; k < 1000; ++k) {
+    const double force = 6e-3 * k;
+    curve.taxel.push_back(0);
+    curve.force.push_back(force);
+    curve.counts.push_back(reading({1, 0}, kLimit * force / (force + kHalf), kNoise, 4095, random));
+  }
+  const Characterization result = characterized(curve);
+  // On a chord from x to 2 x the curve lies at most 0.03 kLimit over it, where x = kHalf / sqrt(2); a fit halves that, and pieces that are
+  // alike are narrower.
+  const Readout& readout = result.sensor.readout;
+  for (const double force : {0.05, 0.1, 0.3, 0.6, 1.0, 2.0, 4.0, 5.0}) {
+    const double output = reference::analogueOutput(readout, force, 1, readout.trigger, 0);
+    EXPECT_NEAR(std::min<double>(output, readout.saturation), kLimit * force / (force + kHalf), 0.015 * kLimit) << force;
   }
 }
 
