@@ -64,7 +64,7 @@ GroupedFit fitGroups(const GroupedProblem& problem);
 double cutSquares(const GroupedFit& fit, double deviation);
 
 inline constexpr double kOneInAThousand = 3.0902;  // standard deviations of a Gaussian, one side
-inline constexpr double kOneInAHundred = 2.3263;
+inline constexpr double kOneInTwenty = 1.6449;
 
 // Whether a model of `more` further parameters is better than chance allows, in one case of a thousand, or another: the F test between sums
 // of squares of the same rows, with `freedom` degrees left to the larger model.

@@ -201,7 +201,7 @@ StampFit Choice::choose(std::vector<std::string>& remarks) {
   if (model_.with_gains) settle(model_, found);
 
   // Presses that differ look like a curve that bends, and the other way round: the curve is taken if with it presses differ less, by more
-  // than chance in one case of a hundred, since presses are few.
+  // than chance in one case of twenty, since presses are few.
   StampModel straight = model_;
   StampFit straight_fit = found;
   bendCurve(found);
@@ -212,7 +212,7 @@ StampFit Choice::choose(std::vector<std::string>& remarks) {
     freePresses(model_, found);
     const auto presses = static_cast<double>(model_.stamps.size() - 1), more = static_cast<double>(num_bends);
     if (num_bends > 0 && !isBetterFit(presses * straight.press_spread * straight.press_spread,
-                                      presses * model_.press_spread * model_.press_spread, more, presses - more, kOneInAHundred)) {
+                                      presses * model_.press_spread * model_.press_spread, more, presses - more, kOneInTwenty)) {
       model_ = std::move(straight);
       found = std::move(straight_fit);
     }
