@@ -1,0 +1,193 @@
+#include "peers/cases.h"
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <random>
+
+#include "bench_objects.h"
+#include "taxelsim/error.h"
+
+namespace taxelsim::bench {
+namespace {
+
+constexpr std::uint64_t kPoseSeed = 1;
+constexpr double kMaxDepthError = MeshOptions{}.max_depth_error;
+constexpr Vector3 kEllipsoid{0.020, 0.014, 0.012};  // m
+constexpr Cylinder kCylinder{.radius = 0.008, .length = 0.04};
+constexpr int kStrips = 1024;  // of the cylinder for Embree
+constexpr double kPi = std::numbers::pi;
+constexpr PoseSpread kAnySide{.rolls = true};
+
+Mesh slab(double side, double height) {
+  const auto a = static_cast<float>(side / 2), h = static_cast<float>(height / 2);
+  Mesh mesh;
+  for (int c = 0; c < 8; ++c) mesh.vertices.push_back({c & 1 ? a : -a, c & 2 ? a : -a, c & 4 ? h : -h});
+  mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                    {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+  return mesh;
+}
+
+double halfDiagonal(const Sensor& sensor) {
+  const GridPatch& patch = sensor.patches.at(0);
+  return std::hypot(patch.num_rows * patch.pitch[0], patch.num_cols * patch.pitch[1]) / 2;
+}
+
+// The slab's lower face on the whole array: 0.5 to 1.5 mm deep in the middle, so little tilted that no sample is less than 0.3 or more than
+// 1.7 mm deep.
+std::vector<Pose> slabPoses(const Sensor& sensor, double height, int count) {
+  constexpr double kMinDepth = 0.5e-3, kMaxDepth = 1.5e-3, kMaxRise = 0.2e-3;  // m
+  const double max_tilt = std::atan(kMaxRise / halfDiagonal(sensor));
+  std::mt19937_64 engine(kPoseSeed);
+  const auto uniform = [&](double low, double high) { return low + (high - low) * static_cast<double>(engine() >> 11) * 0x1p-53; };
+  std::vector<Pose> poses;
+  for (int i = 0; i < count; ++i) {
+    const double direction = uniform(-kPi, kPi);
+    const Quaternion R =
+        axisAngle({std::cos(direction), std::sin(direction), 0}, uniform(0, max_tilt)) * axisAngle({0, 0, 1}, uniform(-kPi, kPi));
+    const Vector3 face = rotate(R, {0, 0, -height / 2});
+    poses.push_back({{-face[0], -face[1], -uniform(kMinDepth, kMaxDepth) - face[2]}, R});
+  }
+  return poses;
+}
+
+void append(Case& work, Object object, std::shared_ptr<const Mesh> mesh) {
+  work.num_triangles += mesh->triangles.size();
+  work.objects.push_back(std::move(object));
+  work.meshes.push_back(std::move(mesh));
+}
+
+void appendCylinder(Case& work) {
+  work.objects.push_back(Object("cylinder", kCylinder));
+  work.meshes.push_back(std::make_shared<Mesh>(tessellatedCylinder(kCylinder.radius, kCylinder.length, kStrips)));
+  work.note = "Embree has the cylinder in 1024 flat strips";
+}
+
+PoseSpread spreadOf(const Object& object) {
+  return object.name == "cylinder" ? PoseSpread{.laid = axisAngle({0, 1, 0}, kPi / 2)} : kAnySide;
+}
+
+// Instances take the objects in turn.
+void placeInTurn(Case& work, int num_instances) {
+  const std::size_t num_objects = work.objects.size();
+  std::vector<std::vector<Pose>> poses;
+  for (const Object& object : work.objects)
+    poses.push_back(randomPoses(object, spreadOf(object),
+                                static_cast<int>((static_cast<std::size_t>(num_instances) + num_objects - 1) / num_objects), kPoseSeed));
+  for (std::size_t i = 0; i < static_cast<std::size_t>(num_instances); ++i) {
+    work.ids.push_back(static_cast<int>(i % num_objects));
+    work.X_SO.push_back(poses[i % num_objects][i / num_objects]);
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> caseNames() {
+  return {"cylinder_analytic",
+          "prism_24",
+          "ellipsoid_5120",
+          "ellipsoid_81920",
+          "ellipsoid_81920_10um",
+          "ellipsoid_81920_10um_full",
+          "ellipsoid_1310720_10um",
+          "ellipsoid_1310720_10um_full",
+          "full_pad",
+          "mixed"};
+}
+
+Sensor withArray(const Sensor& sensor, const std::string& array) {
+  const auto number = [](std::string_view text) -> std::optional<int> {
+    int value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return error == std::errc() && end == text.data() + text.size() && value > 0 ? std::optional(value) : std::nullopt;
+  };
+  const std::size_t cross = array.find('x');
+  const auto rows = cross == std::string::npos ? std::nullopt : number(std::string_view(array).substr(0, cross));
+  const auto cols = cross == std::string::npos ? std::nullopt : number(std::string_view(array).substr(cross + 1));
+  if (!rows || !cols) throw Error(ErrorKind::kInput, "--array " + array + ": not rows and columns as in 6x14");
+  Sensor made = sensor;
+  if (made.patches.size() != 1) throw Error(ErrorKind::kInput, sensor.name + ": the peers do sensors of one grid patch only");
+  made.patches[0].num_rows = *rows;
+  made.patches[0].num_cols = *cols;
+  checkSensor(made);
+  return made;
+}
+
+const CaseMaker::Kept& CaseMaker::prism() {
+  Kept& kept = kept_["prism"];
+  if (!kept.mesh) kept.mesh = std::make_shared<Mesh>(loadMesh(prism_));
+  return kept;
+}
+
+const CaseMaker::Kept& CaseMaker::ellipsoid(int levels) {
+  Kept& kept = kept_["ellipsoid " + std::to_string(levels)];
+  if (!kept.mesh) kept.mesh = std::make_shared<Mesh>(bench::ellipsoid(kEllipsoid, levels));
+  return kept;
+}
+
+const CaseMaker::Kept& CaseMaker::simplified(int levels) {
+  Kept& kept = kept_["simplified " + std::to_string(levels)];
+  if (!kept.mesh) {
+    const Mesh& full = *ellipsoid(levels).mesh;
+    const auto start = std::chrono::steady_clock::now();
+    kept.mesh = std::make_shared<Mesh>(asLoaded(full, kMaxDepthError));
+    kept.load_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  }
+  return kept;
+}
+
+Case CaseMaker::make(const std::string& name, const Sensor& sensor, int num_instances) {
+  Case work;
+  work.name = name;
+  const auto simple = [&](int levels, bool full_for_embree) {
+    const Kept& kept = simplified(levels);
+    const std::size_t before = ellipsoid(levels).mesh->triangles.size();
+    append(work, Object("simplified_ellipsoid", *kept.mesh), kept.mesh);
+    work.load_seconds = kept.load_seconds;
+    work.note = std::to_string(kept.mesh->triangles.size()) + " triangles, as loadMesh() leaves of " + std::to_string(before);
+    if (!full_for_embree) return;
+    work.meshes.back() = ellipsoid(levels).mesh;
+    work.note += "; Embree has all of them";
+    work.depth_tolerance = kMaxDepthError;
+    work.embree_only = true;
+  };
+  if (name == "cylinder_analytic") {
+    appendCylinder(work);
+  } else if (name == "prism_24") {
+    append(work, Object("prism", *prism().mesh), prism().mesh);
+  } else if (name == "ellipsoid_5120") {
+    append(work, Object("ellipsoid", *ellipsoid(4).mesh), ellipsoid(4).mesh);
+  } else if (name == "ellipsoid_81920") {
+    append(work, Object("fine_ellipsoid", *ellipsoid(6).mesh), ellipsoid(6).mesh);
+  } else if (name == "ellipsoid_81920_10um" || name == "ellipsoid_81920_10um_full") {
+    simple(6, name.ends_with("_full"));
+  } else if (name == "ellipsoid_1310720_10um" || name == "ellipsoid_1310720_10um_full") {
+    simple(8, name.ends_with("_full"));
+  } else if (name == "full_pad") {
+    constexpr double kHeight = 0.02;  // m
+    const auto mesh = std::make_shared<Mesh>(slab(3 * halfDiagonal(sensor), kHeight));
+    append(work, Object("slab", *mesh), mesh);
+    work.ids.assign(static_cast<std::size_t>(num_instances), 0);
+    work.X_SO = slabPoses(sensor, kHeight, num_instances);
+    return work;
+  } else if (name == "mixed") {
+    appendCylinder(work);
+    append(work, Object("prism", *prism().mesh), prism().mesh);
+    append(work, Object("ellipsoid", *ellipsoid(4).mesh), ellipsoid(4).mesh);
+    append(work, Object("fine_ellipsoid", *ellipsoid(6).mesh), ellipsoid(6).mesh);
+    const std::string cylinder_note = work.note;
+    simple(8, false);
+    work.note = cylinder_note + "; the finest object: " + work.note;
+  } else {
+    std::string known;
+    for (const std::string& other : caseNames()) known += (known.empty() ? "" : ", ") + other;
+    throw Error(ErrorKind::kInput, "--case " + name + ": not one of " + known);
+  }
+  placeInTurn(work, num_instances);
+  return work;
+}
+
+}  // namespace taxelsim::bench

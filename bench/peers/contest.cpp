@@ -1,0 +1,217 @@
+#include "peers/contest.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <functional>
+#include <memory>
+
+#include "peers/embree_peer.h"
+#include "peers/ode_peer.h"
+#include "peers/taxelsim_peer.h"
+#include "peers/twin_peer.h"
+#include "peers/vector_peer.h"
+#ifdef TAXELSIM_HAS_MUJOCO
+#include "peers/mujoco_peer.h"
+#endif
+
+namespace taxelsim::bench {
+namespace {
+
+constexpr int kWarmUps = 2;
+constexpr std::size_t kFirstLook = 256;  // instances that everybody is verified on; who is fast enough, on all
+constexpr double kLongestRun = 0.5;      // s, about: whoever needs longer for all instances gets fewer, a power of two, but no fewer than
+constexpr std::size_t kFewest = 64;
+constexpr double kLongestTurn = 3;  // s; where a turn takes longer there are kFewRepetitions
+constexpr int kFewRepetitions = 3;
+
+double secondsOf(const std::function<void()>& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+std::unique_ptr<Peer> makePeer(const std::string& name, const Sensor& sensor, const Case& work, int threads) {
+  std::vector<const Mesh*> meshes;
+  for (const auto& mesh : work.meshes) meshes.push_back(mesh.get());
+  const int num_instances = static_cast<int>(work.X_SO.size());
+  if (name == "embree") return std::make_unique<EmbreePeer>(sensor, meshes, Rays::kAll, threads);
+  if (name == "embree_box") return std::make_unique<EmbreePeer>(sensor, meshes, Rays::kUnderBox, threads);
+  if (work.embree_only) return nullptr;
+  if (name == "vector") return std::make_unique<VectorPeer>(sensor, work.objects, threads);
+  if (name == "twin") return std::make_unique<TwinPeer>(sensor, work.objects, threads);
+  if (name == "ode_samples") return std::make_unique<OdePeer>(sensor, work.objects, OdeCells::kSamples, num_instances, threads);
+  if (name == "ode_taxels") return std::make_unique<OdePeer>(sensor, work.objects, OdeCells::kTaxels, num_instances, threads);
+#ifdef TAXELSIM_HAS_MUJOCO
+  if (name == "mujoco") return std::make_unique<MujocoPeer>(sensor, work.objects, threads);
+#endif
+  return nullptr;
+}
+
+// A peer at work on the first instances of a case.
+struct Entrant {
+  std::unique_ptr<Peer> peer;
+  PeerResult result;
+  PeerFrame frame;
+
+  void run(const Case& work, std::size_t count) { peer->run(std::span(work.ids).first(count), std::span(work.X_SO).first(count), frame); }
+};
+
+// How many instances take about kLongestRun at this rate.
+std::size_t fewEnough(double frames_per_second, std::size_t num_instances) {
+  if (static_cast<double>(num_instances) <= frames_per_second * kLongestRun) return num_instances;
+  std::size_t count = kFewest;
+  while (2 * static_cast<double>(count) <= frames_per_second * kLongestRun) count *= 2;
+  return std::min(count, num_instances);
+}
+
+// Verifies on few, then, if that tells that there is time, on all.
+void verify(Entrant& entrant, const Sensor& sensor, const Case& work, const PeerFrame& ours) {
+  entrant.frame.with_forces = true;
+  std::size_t count = std::min(kFirstLook, work.X_SO.size());
+  double seconds = secondsOf([&] { entrant.run(work, count); });
+  const double rate = static_cast<double>(count) / seconds;
+  if (const std::size_t more = fewEnough(rate, work.X_SO.size()); more > count) {
+    count = more;
+    entrant.run(work, count);
+  }
+  entrant.result.agreement = compare(sensor, ours, entrant.frame, entrant.peer->trust(), work.depth_tolerance);
+  entrant.frame = {.with_forces = false, .spread_force = {}, .tactile_image = {}, .measured = {}, .clean = {}};
+  entrant.run(work, count);
+  seconds = secondsOf([&] { entrant.run(work, count); });
+  entrant.result.num_instances = fewEnough(static_cast<double>(count) / seconds, work.X_SO.size());
+}
+
+double touchedFraction(const PeerFrame& frame) {
+  const auto touched = std::count_if(frame.spread_force.begin(), frame.spread_force.end(), [](float force) { return force > 0; });
+  return static_cast<double>(touched) / static_cast<double>(frame.spread_force.size());
+}
+
+}  // namespace
+
+std::vector<std::string> peerNames() {
+  return {"embree", "embree_box", "vector", "mujoco", "ode_taxels", "ode_samples", "twin"};
+}
+
+std::string missingPeer([[maybe_unused]] const std::string& name) {
+#ifndef TAXELSIM_HAS_MUJOCO
+  if (name == "mujoco") return "mujoco is left out: the program was built without TAXELSIM_MUJOCO, the folder of MuJoCo's Python package";
+#endif
+  return {};
+}
+
+CaseResult runCase(const Device& device, const Sensor& sensor, const Case& work, const ContestOptions& options) {
+  const GridPatch& patch = sensor.patches[0];
+  CaseResult result{.name = work.name,
+                    .note = work.note,
+                    .array = std::to_string(patch.num_rows) + "x" + std::to_string(patch.num_cols),
+                    .num_instances = work.X_SO.size(),
+                    .num_triangles = work.num_triangles,
+                    .load_seconds = work.load_seconds,
+                    .peers = {},
+                    .submit_to_read = {},
+                    .device = {},
+                    .contact_pass = {}};
+  const Model model(device, {.sensor = sensor, .objects = work.objects});
+  const int num_instances = static_cast<int>(work.X_SO.size());
+  PeerFrame ours;
+  TaxelsimPeer(model, num_instances, true).run(work.ids, work.X_SO, ours);
+  result.touched = touchedFraction(ours);
+
+  std::vector<Entrant> entrants;
+  for (const std::string& name : options.peers) {
+    Entrant entrant;
+    entrant.peer = makePeer(name, sensor, work, options.threads);
+    if (!entrant.peer) continue;
+    entrant.result.name = entrant.peer->name();
+    entrant.result.what = entrant.peer->what();
+    verify(entrant, sensor, work, ours);
+    result.complete &= entrant.result.agreement->agrees;
+    entrants.push_back(std::move(entrant));
+  }
+  ours = {};
+
+  TaxelsimPeer simulator(model, num_instances, false);
+  PeerResult own{.name = simulator.name(), .what = simulator.what(), .num_instances = work.X_SO.size()};
+  PeerFrame none;
+  const auto turn = [&](bool counts) {
+    const double seconds = secondsOf([&] { simulator.run(work.ids, work.X_SO, none); });
+    if (counts) {
+      own.seconds.push_back(seconds);
+      own.ratios.push_back(1);
+      result.device.push_back(simulator.timing().total);
+      result.contact_pass.push_back(simulator.timing().contact);
+      result.submit_to_read.push_back(simulator.submitToRead());
+    }
+    for (Entrant& entrant : entrants) {
+      if (!entrant.result.agreement->agrees) continue;
+      const std::size_t count = entrant.result.num_instances;
+      const double theirs = secondsOf([&] { entrant.run(work, count); });
+      if (!counts) continue;
+      entrant.result.seconds.push_back(theirs);
+      entrant.result.ratios.push_back(theirs / static_cast<double>(count) / (seconds / static_cast<double>(num_instances)));
+    }
+  };
+  double longest = 0;
+  for (int w = 0; w < kWarmUps; ++w) longest = secondsOf([&] { turn(false); });
+  const int repetitions = longest > kLongestTurn ? std::min(kFewRepetitions, options.repetitions) : options.repetitions;
+  for (int r = 0; r < repetitions; ++r) turn(true);
+
+  result.peers.push_back(std::move(own));
+  for (Entrant& entrant : entrants) result.peers.push_back(std::move(entrant.result));
+  return result;
+}
+
+void print(const CaseResult& result) {
+  std::printf("%s, %s taxels, %zu instances", result.name.c_str(), result.array.c_str(), result.num_instances);
+  if (result.num_triangles > 0) std::printf(", %zu triangles", result.num_triangles);
+  std::printf("; %.1f %% of the taxels under contact\n", 100 * result.touched);
+  if (!result.note.empty()) std::printf("  %s\n", result.note.c_str());
+  if (result.load_seconds > 0) std::printf("  read and simplified in %.1f s\n", result.load_seconds);
+  std::printf("  %-12s %14s %10s  %-24s %s\n", "peer", "frames/s", "instances", "taxelsim is faster by", "verified");
+  for (const PeerResult& peer : result.peers) {
+    const std::string verified = peer.agreement ? textOf(*peer.agreement) : peer.what;
+    if (peer.seconds.empty()) {
+      std::printf("  %-12s %14s %10zu  %-24s %s\n", peer.name.c_str(), "-", peer.agreement->num_instances, "does not agree: not timed",
+                  verified.c_str());
+      continue;
+    }
+    const Summary ratio = summarise(peer.ratios);
+    char faster[60] = "";
+    if (peer.agreement) std::snprintf(faster, sizeof faster, "%.3g (%.3g to %.3g)", ratio.median, ratio.min, ratio.max);
+    std::printf("  %-12s %14.0f %10zu  %-24s %s\n", peer.name.c_str(), peer.framesPerSecond(), peer.num_instances, faster,
+                verified.c_str());
+  }
+  const auto rate = [&](const std::vector<double>& seconds) {
+    return static_cast<double>(result.num_instances) / summarise(seconds).median;
+  };
+  std::printf("  taxelsim submit to read %.0f frames/s, device alone %.0f, contact pass %.0f\n\n", rate(result.submit_to_read),
+              rate(result.device), rate(result.contact_pass));
+  std::fflush(stdout);
+}
+
+nlohmann::ordered_json toJson(const CaseResult& result) {
+  nlohmann::ordered_json peers = nlohmann::ordered_json::object();
+  for (const PeerResult& peer : result.peers) {
+    nlohmann::ordered_json& json = peers[peer.name];
+    json = {{"what", peer.what}, {"num_instances", peer.num_instances}};
+    if (peer.agreement) json["agreement"] = toJson(*peer.agreement);
+    if (peer.seconds.empty()) continue;
+    json["frames_per_second"] = peer.framesPerSecond();
+    json["seconds"] = toJson(peer.seconds);
+    if (peer.agreement) json["ratio"] = toJson(peer.ratios);
+  }
+  return {{"case", result.name},
+          {"note", result.note},
+          {"array", result.array},
+          {"num_instances", result.num_instances},
+          {"num_triangles", result.num_triangles},
+          {"load_seconds", result.load_seconds},
+          {"touched_taxels", result.touched},
+          {"seconds_submit_to_read", toJson(result.submit_to_read)},
+          {"seconds_device", toJson(result.device)},
+          {"seconds_contact_pass", toJson(result.contact_pass)},
+          {"peers", peers}};
+}
+
+}  // namespace taxelsim::bench

@@ -1,0 +1,145 @@
+// Frames per second of taxelsim beside everybody whom we could put beside it, on the same poses and taxels, in one process: verified
+// against each other first, then timed in turns, so that what else the machine does meets all. The ratio is what is to be quoted.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "peers/bar_chart.h"
+#include "peers/cases.h"
+#include "peers/contest.h"
+#include "taxelsim/error.h"
+#include "taxelsim/simulator.h"
+
+namespace taxelsim::bench {
+namespace {
+
+// The largest batch of a sweep, in taxels: 4096 arrays of 100 x 100.
+constexpr std::size_t kMostTaxels = std::size_t{4096} * 10000;
+
+struct Options {
+  std::string sensor = TAXELSIM_SCENES "/sensors/wts0614.yaml";
+  std::string prism = TAXELSIM_SCENES "/objects/hex_prism.obj";
+  std::string json, plot, device;
+  std::vector<std::string> arrays, cases, peers;
+  std::vector<int> instances;
+  bool sweep = false;
+  ContestOptions contest;
+};
+
+// What is not given, by kind of run.
+Options completed(Options options) {
+  const auto byDefault = [](auto& values, auto defaults) {
+    if (values.empty()) values = std::move(defaults);
+  };
+  if (options.sweep) {
+    byDefault(options.cases, std::vector<std::string>{"ellipsoid_5120"});
+    byDefault(options.arrays, std::vector<std::string>{"6x14", "10x10", "100x100"});
+    byDefault(options.instances, std::vector<int>{64, 256, 1024, 4096, 16384, 65536});
+    byDefault(options.peers, std::vector<std::string>{"embree", "embree_box"});
+  }
+  byDefault(options.cases, caseNames());
+  byDefault(options.arrays, std::vector<std::string>{"6x14"});
+  byDefault(options.instances, std::vector<int>{4096});
+  byDefault(options.peers, peerNames());
+  return options;
+}
+
+void checkNames(const Options& options) {
+  const auto check = [](const char* option, const std::vector<std::string>& given, const std::vector<std::string>& known) {
+    for (const std::string& name : given) {
+      if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+      std::string list;
+      for (const std::string& other : known) list += (list.empty() ? "" : ", ") + other;
+      throw Error(ErrorKind::kInput, std::string(option) + " " + name + ": not one of " + list);
+    }
+  };
+  check("--case", options.cases, caseNames());
+  check("--peers", options.peers, peerNames());
+}
+
+int run(const Options& given) {
+  Options options = completed(given);
+  checkNames(options);
+  for (const std::string& name : options.peers) {
+    if (const std::string reason = missingPeer(name); !reason.empty()) std::printf("%s\n", reason.c_str());
+  }
+  options.contest.peers = options.peers;
+  const Sensor sensor = loadSensor(options.sensor);
+  std::vector<Sensor> sensors;
+  for (const std::string& array : options.arrays) sensors.push_back(withArray(sensor, array));
+  const Device device = Device::open({.device = options.device});
+  const nlohmann::ordered_json where = machine(device.info());
+  const std::string heading = device.info().name + ", " + device.info().driver + ", beside " + where["cpu"].get<std::string>() + ", " +
+                              std::to_string(where["cores"].get<unsigned>()) + " cores";
+  std::printf("%s\n%s, %d repetitions\n\n", heading.c_str(), sensor.name.c_str(), options.contest.repetitions);
+
+  CaseMaker maker(options.prism);
+  std::vector<CaseResult> results;
+  bool complete = true;
+  for (const std::string& name : options.cases) {
+    for (std::size_t a = 0; a < sensors.size(); ++a) {
+      for (const int num_instances : options.instances) {
+        if (static_cast<std::size_t>(num_instances) * static_cast<std::size_t>(numTaxels(sensors[a])) > kMostTaxels) {
+          std::printf("%s, %s taxels, %d instances: left out, larger than %zu taxels\n\n", name.c_str(), options.arrays[a].c_str(),
+                      num_instances, kMostTaxels);
+          continue;
+        }
+        const Case work = maker.make(name, sensors[a], num_instances);
+        results.push_back(runCase(device, sensors[a], work, options.contest));
+        complete &= results.back().complete;
+        print(results.back());
+      }
+    }
+  }
+  if (!options.json.empty()) {
+    nlohmann::ordered_json cases = nlohmann::ordered_json::array();
+    for (const CaseResult& result : results) cases.push_back(toJson(result));
+    writeJson(options.json, {{"bench", options.sweep ? "peers --sweep" : "peers"},
+                             {"machine", where},
+                             {"sensor", sensor.name},
+                             {"threads", options.contest.threads},
+                             {"repetitions", options.contest.repetitions},
+                             {"cases", cases}});
+  }
+  if (!options.plot.empty()) writeBarChart(options.plot, heading, results);
+  return complete ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace taxelsim::bench
+
+int main(int argc, char** argv) {
+  using namespace taxelsim;
+  bench::Options options;
+  CLI::App app("Frames per second of taxelsim beside other ways to the same frame: same poses, same taxels, verified, timed in turns");
+  app.add_option("--json", options.json, "Write the results into this file");
+  app.add_option("--plot", options.plot, "Draw the results into this file, a PNG");
+  app.add_option("--case", options.cases, "Names of cases; all if not given");
+  app.add_option("--peers", options.peers, "Names of peers beside taxelsim; all if not given");
+  app.add_option("--array", options.arrays, "Rows and columns, as in 6x14; several are run one by one");
+  app.add_option("--instances", options.instances, "Sensors in the batch, 4096 if not given; several are run one by one")
+      ->check(CLI::Range(1, 1 << 20));
+  app.add_flag("--sweep", options.sweep,
+               "Batches of 64 to 65,536, arrays of 6x14, 10x10 and 100x100, one case, Embree alone beside taxelsim");
+  app.add_option("--repetitions", options.contest.repetitions, "Timed turns")->check(CLI::Range(1, 10000))->capture_default_str();
+  app.add_option("--threads", options.contest.threads, "Threads of every peer on the CPU; 0 for one per core")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  app.add_option("--sensor", options.sensor, "Sensor file")->capture_default_str();
+  app.add_option("--device", options.device, "Device, as of `taxelsim frame --device`");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);
+    std::fprintf(stderr, "peers: %s\n", error.what());
+    return 2;
+  }
+  try {
+    return bench::run(options);
+  } catch (const Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return error.kind() == ErrorKind::kInput ? 2 : 1;
+  }
+}

@@ -1,0 +1,62 @@
+#include "peers/taxelsim_peer.h"
+
+#include <algorithm>
+#include <chrono>
+
+namespace taxelsim::bench {
+namespace {
+
+constexpr double kDt = 1e-3;  // s
+
+SimulatorOptions optionsOf(int num_instances, bool with_forces) {
+  return {.num_instances = num_instances,
+          .outputs = {.tactile_normal_force = with_forces, .tactile_shear_force = false, .penetration_depth = false}};
+}
+
+PeerFeatures featuresOf(const FeatureView& view, std::size_t i) {
+  return {.total_force = view.total_force[i],
+          .peak_force = view.peak_force[i],
+          .center_of_pressure = {view.center_of_pressure[3 * i], view.center_of_pressure[3 * i + 1]},
+          .second_moments = {view.second_moments[3 * i], view.second_moments[3 * i + 1], view.second_moments[3 * i + 2]},
+          .eigenvalues = {view.eigenvalues[2 * i], view.eigenvalues[2 * i + 1]},
+          .edge_angle = view.edge_angle[i],
+          .edge_confidence = view.edge_confidence[i],
+          .contact_area = view.contact_area[i]};
+}
+
+}  // namespace
+
+TaxelsimPeer::TaxelsimPeer(const Model& model, int num_instances, bool with_forces)
+    : with_forces_(with_forces), simulator_(model, optionsOf(num_instances, with_forces)) {}
+
+std::string TaxelsimPeer::what() const {
+  return "taxelsim on " + simulator_.model().device().info().name;
+}
+
+void TaxelsimPeer::run(std::span<const int> ids, std::span<const Pose> X_SO, PeerFrame& frame) {
+  simulator_.setObjects(ids, X_SO);
+  simulator_.step(kDt);
+  const FrameView view = simulator_.read();
+  if (with_forces_) copy(view, frame);
+}
+
+double TaxelsimPeer::submitToRead() {
+  const auto start = std::chrono::steady_clock::now();
+  simulator_.step(kDt);
+  simulator_.read();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void TaxelsimPeer::copy(const FrameView& view, PeerFrame& frame) const {
+  frame.spread_force.assign(view.ground_truth.tactile_normal_force.begin(), view.ground_truth.tactile_normal_force.end());
+  frame.tactile_image.assign(view.tactile_image.begin(), view.tactile_image.end());
+  const std::size_t num_instances = view.total_force.size();
+  frame.clean.resize(num_instances);
+  frame.measured.resize(num_instances);
+  for (std::size_t i = 0; i < num_instances; ++i) {
+    frame.clean[i] = featuresOf(view.ground_truth, i);
+    frame.measured[i] = featuresOf(view, i);
+  }
+}
+
+}  // namespace taxelsim::bench

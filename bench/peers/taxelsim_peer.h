@@ -1,0 +1,34 @@
+// taxelsim itself: setObjects(), step(), read().
+#pragma once
+
+#include <vector>
+
+#include "peers/peer.h"
+#include "taxelsim/simulator.h"
+
+namespace taxelsim::bench {
+
+class TaxelsimPeer : public Peer {
+ public:
+  // `with_forces`: taxels' forces come back, too. A frame asks for what the peer was made for.
+  TaxelsimPeer(const Model& model, int num_instances, bool with_forces);
+
+  std::string name() const override { return "taxelsim"; }
+  std::string what() const override;
+
+  // Copies the frame where forces were asked for; else it stays where read() shows it, as a caller would use it, and `frame` is untouched.
+  void run(std::span<const int> ids, std::span<const Pose> X_SO, PeerFrame& frame) override;
+
+  // The poses of the last run() once more: seconds from step() to the end of read().
+  double submitToRead();
+
+  StepTiming timing() const { return simulator_.timing(); }
+
+ private:
+  void copy(const FrameView& view, PeerFrame& frame) const;
+
+  bool with_forces_;
+  Simulator simulator_;
+};
+
+}  // namespace taxelsim::bench
