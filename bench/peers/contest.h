@@ -35,7 +35,7 @@ struct CaseResult {
   double load_seconds = 0, touched = 0;                      // fraction of the taxels under contact
   std::vector<PeerResult> peers;                             // taxelsim first
   std::vector<double> submit_to_read, device, contact_pass;  // s, of taxelsim
-  bool complete = true;                                      // everybody agreed
+  bool complete = true;                                      // everybody who computes the same frame agreed
 };
 
 // All names that ContestOptions::peers may have, taxelsim's apart, in the order of the table.

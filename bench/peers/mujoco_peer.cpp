@@ -23,6 +23,7 @@ struct DataRelease {
 using ModelPointer = std::unique_ptr<mjModel, ModelRelease>;
 using DataPointer = std::unique_ptr<mjData, DataRelease>;
 
+constexpr int kSide = 4;             // samples per taxel, per side
 constexpr double kPadHeight = 0.01;  // m; deeper than anything is pressed
 
 std::string objText(const Mesh& mesh) {
@@ -33,17 +34,18 @@ std::string objText(const Mesh& mesh) {
   return out.str();
 }
 
-// The skin: a vertex at the middle of every taxel.
-Mesh skinMesh(const GridPatch& patch) {
+// The skin: `per_side` x `per_side` vertices per taxel.
+Mesh skinMesh(const GridPatch& patch, int per_side) {
+  const int rows = patch.num_rows * per_side, cols = patch.num_cols * per_side;
   Mesh mesh;
-  for (int i = 0; i < patch.num_rows; ++i) {
-    for (int j = 0; j < patch.num_cols; ++j)
-      mesh.vertices.push_back({static_cast<float>((i - (patch.num_rows - 1) / 2.0) * patch.pitch[0]),
-                               static_cast<float>((j - (patch.num_cols - 1) / 2.0) * patch.pitch[1]), 0});
+  for (int i = 0; i < rows; ++i) {
+    for (int j = 0; j < cols; ++j)
+      mesh.vertices.push_back({static_cast<float>((i - (rows - 1) / 2.0) * patch.pitch[0] / per_side),
+                               static_cast<float>((j - (cols - 1) / 2.0) * patch.pitch[1] / per_side), 0});
   }
-  const auto vertex = [&](int i, int j) { return static_cast<std::uint32_t>(i * patch.num_cols + j); };
-  for (int i = 0; i + 1 < patch.num_rows; ++i) {
-    for (int j = 0; j + 1 < patch.num_cols; ++j) {
+  const auto vertex = [&](int i, int j) { return static_cast<std::uint32_t>(i * cols + j); };
+  for (int i = 0; i + 1 < rows; ++i) {
+    for (int j = 0; j + 1 < cols; ++j) {
       mesh.triangles.push_back({vertex(i, j), vertex(i + 1, j), vertex(i, j + 1)});
       mesh.triangles.push_back({vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j + 1)});
     }
@@ -72,7 +74,7 @@ std::string modelText(const GridPatch& patch, const Object& object) {
   return out.str();
 }
 
-ModelPointer modelOf(const GridPatch& patch, const Object& object) {
+ModelPointer modelOf(const GridPatch& patch, const Object& object, int per_side) {
   const auto* mesh = std::get_if<Mesh>(&object.shape);
   if (!mesh && !std::holds_alternative<Cylinder>(object.shape))
     throw Error(ErrorKind::kInput, object.name + ": the MuJoCo peer does meshes and cylinders only");
@@ -81,7 +83,7 @@ ModelPointer modelOf(const GridPatch& patch, const Object& object) {
   const auto add = [&](const char* name, const std::string& text) {
     mj_addBufferVFS(&files, name, text.data(), static_cast<int>(text.size()));
   };
-  add("skin.obj", objText(skinMesh(patch)));
+  add("skin.obj", objText(skinMesh(patch, per_side)));
   if (mesh) add("object.obj", objText(*mesh));
   add("model.xml", modelText(patch, object));
   std::array<char, 1000> message{};
@@ -99,6 +101,7 @@ ModelPointer modelOf(const GridPatch& patch, const Object& object) {
 
 struct MujocoPeer::Impl {
   TaxelStage stage;
+  int per_side;  // points per taxel
   int num_threads;
   std::vector<ModelPointer> models;  // (num_objects)
 
@@ -117,17 +120,32 @@ void MujocoPeer::Impl::press(const mjModel& model, mjData& data, const Pose& X_S
   mj_kinematics(&model, &data);
   mj_comPos(&model, &data);
   mj_collision(&model, &data);
-  mj_sensorAcc(&model, &data);
+  // The stage that the sensor belongs to has changed from version to version.
+  switch (model.sensor_needstage[0]) {
+    case mjSTAGE_POS:
+      mj_sensorPos(&model, &data);
+      break;
+    case mjSTAGE_VEL:
+      mj_sensorVel(&model, &data);
+      break;
+    default:
+      mj_sensorAcc(&model, &data);
+  }
   const mjtNum* depth = data.sensordata;
-  for (int row = 0; row < stage.numRows(); ++row) {
-    for (int col = 0; col < stage.numCols(); ++col)
-      stage.force(taxels, row, col) = stage.taxelStiffness() * std::min(static_cast<float>(*depth++), stage.thickness());
+  const int cols = stage.numCols() * per_side;
+  const float point_stiffness = stage.taxelStiffness() / static_cast<float>(per_side * per_side);
+  for (int i = 0; i < stage.numRows() * per_side; ++i) {
+    for (int j = 0; j < cols; ++j) {
+      const auto deep = static_cast<float>(*depth++);
+      if (deep > 0) stage.force(taxels, i / per_side, j / per_side) += point_stiffness * std::min(deep, stage.thickness());
+    }
   }
 }
 
-MujocoPeer::MujocoPeer(const Sensor& sensor, const std::vector<Object>& objects, int num_threads)
-    : impl_(std::make_unique<Impl>(Impl{TaxelStage(sensor), threadsOf(num_threads), {}, {}})) {
-  for (const Object& object : objects) impl_->models.push_back(modelOf(sensor.patches[0], object));
+MujocoPeer::MujocoPeer(const Sensor& sensor, const std::vector<Object>& objects, MujocoPoints points, int num_threads)
+    : impl_(
+          std::make_unique<Impl>(Impl{TaxelStage(sensor), points == MujocoPoints::kSamples ? kSide : 1, threadsOf(num_threads), {}, {}})) {
+  for (const Object& object : objects) impl_->models.push_back(modelOf(sensor.patches[0], object, impl_->per_side));
   for (int t = 0; t < impl_->num_threads; ++t) {
     Impl::Worker& worker = impl_->workers.emplace_back();
     for (const ModelPointer& model : impl_->models) worker.data.emplace_back(mj_makeData(model.get()));
@@ -137,8 +155,13 @@ MujocoPeer::MujocoPeer(const Sensor& sensor, const std::vector<Object>& objects,
 
 MujocoPeer::~MujocoPeer() = default;
 
+std::string MujocoPeer::name() const {
+  return impl_->per_side == 1 ? "mujoco" : "mujoco_samples";
+}
+
 std::string MujocoPeer::what() const {
-  return std::string("MuJoCo ") + mj_versionString() + " tactile sensor, one point per taxel";
+  return std::string("MuJoCo ") + mj_versionString() + " tactile sensor, " +
+         (impl_->per_side == 1 ? "one point per taxel" : "every sample");
 }
 
 void MujocoPeer::run(std::span<const int> ids, std::span<const Pose> X_SO, PeerFrame& frame) {

@@ -109,7 +109,7 @@ struct OdePeer::Impl {
 
   TaxelStage stage;
   OdeCells cells;
-  int per_side;  // cells per taxel
+  int per_side;  // cells of the sensor's mesh per taxel
   int max_instances, num_workers;
   std::unique_ptr<OdeShape> skin;
   std::vector<std::unique_ptr<OdeShape>> objects;
@@ -129,8 +129,8 @@ struct OdePeer::Impl {
 
   // Of a worker.
   std::vector<dContactGeom> contacts;
-  std::vector<float> depth_sum, depth_count;  // (num_cells)
-  std::vector<int> touched;                   // cells
+  std::vector<float> depth_sum, depth_count;  // (num_taxels)
+  std::vector<std::size_t> touched;           // taxels
 
   std::vector<TaxelStage::Scratch> scratches;  // (num_workers)
 };
@@ -167,10 +167,9 @@ void OdePeer::Impl::share() {
 }
 
 void OdePeer::Impl::startWorkers() {
-  const auto num_cells = static_cast<std::size_t>(stage.numTaxels() * per_side * per_side);
   contacts.resize(kMaxContacts);
-  depth_sum.resize(num_cells);
-  depth_count.resize(num_cells);
+  depth_sum.resize(static_cast<std::size_t>(stage.numTaxels()));
+  depth_count.resize(static_cast<std::size_t>(stage.numTaxels()));
   for (int w = 0; w < num_workers; ++w) {
     int ask[2], answer[2];
     if (pipe(ask) != 0 || pipe(answer) != 0)
@@ -210,26 +209,23 @@ void OdePeer::Impl::collide(int instance) {
   dGeomSetQuaternion(object, q);
   const int num_contacts = dCollide(skin->geom, object, kMaxContacts, contacts.data(), sizeof(dContactGeom));
 
-  const int rows = stage.numRows() * per_side, cols = stage.numCols() * per_side;
-  const double per_x = per_side / static_cast<double>(stage.pitchX()), per_y = per_side / static_cast<double>(stage.pitchY());
+  const int rows = stage.numRows(), cols = stage.numCols();
+  const double per_x = 1 / static_cast<double>(stage.pitchX()), per_y = 1 / static_cast<double>(stage.pitchY());
   touched.clear();
   for (int c = 0; c < num_contacts; ++c) {
     const dContactGeom& contact = contacts[static_cast<std::size_t>(c)];
     const int row = static_cast<int>(std::floor(contact.pos[0] * per_x + rows / 2.0));
     const int col = static_cast<int>(std::floor(contact.pos[1] * per_y + cols / 2.0));
     if (row < 0 || row >= rows || col < 0 || col >= cols) continue;
-    const auto cell = static_cast<std::size_t>(row * cols + col);
+    const auto taxel = static_cast<std::size_t>(row * cols + col);
     const double depth = std::clamp(contact.depth * std::abs(contact.normal[2]), 0.0, static_cast<double>(stage.thickness()));
-    if (depth_count[cell] == 0) touched.push_back(static_cast<int>(cell));
-    depth_sum[cell] += static_cast<float>(depth);
-    depth_count[cell] += 1;
+    if (depth_count[taxel] == 0) touched.push_back(taxel);
+    depth_sum[taxel] += static_cast<float>(depth);
+    depth_count[taxel] += 1;
   }
-  const float cell_stiffness = stage.taxelStiffness() / static_cast<float>(per_side * per_side);
-  for (const int cell : touched) {
-    const auto k = static_cast<std::size_t>(cell);
-    const int row = cell / cols / per_side, col = cell % cols / per_side;
-    force[row * stage.numCols() + col] += cell_stiffness * depth_sum[k] / depth_count[k];
-    depth_sum[k] = depth_count[k] = 0;
+  for (const std::size_t taxel : touched) {
+    force[taxel] = stage.taxelStiffness() * depth_sum[taxel] / depth_count[taxel];
+    depth_sum[taxel] = depth_count[taxel] = 0;
   }
 }
 

@@ -1,5 +1,6 @@
-// The paper's way: the Open Dynamics Engine's contacts between a mesh of the sensor and one of the object, uncapped, gathered in cells;
-// then our taxel stage. Debian's ODE meets meshes in one thread at a time, so its workers are processes, started when the peer is made.
+// The paper's way: the Open Dynamics Engine's contacts between a mesh of the sensor and one of the object, uncapped, clustered into taxels,
+// whose force is their stiffness times the mean depth of their contacts along z; then our taxel stage. Debian's ODE meets meshes in one
+// thread at a time, so its workers are processes, started when the peer is made.
 #pragma once
 
 #include <memory>
@@ -11,7 +12,7 @@
 
 namespace taxelsim::bench {
 
-// Two triangles of the sensor's mesh are one such cell; a cell's force is its stiffness times the mean depth of its contacts along z.
+// What two triangles of the sensor's mesh cover.
 enum class OdeCells { kSamples, kTaxels };
 
 class OdePeer : public Peer {
