@@ -10,6 +10,8 @@
 namespace taxelsim::bench {
 namespace {
 
+constexpr std::size_t kColours = 7;  // of seriesColour(); a second round of them is paler
+constexpr double kPale = 0.45;
 // Points.
 constexpr double kLabels = 190, kAxis = 560, kNumbers = 70, kBar = 11, kGap = 12, kLegendRow = 16;
 
@@ -23,6 +25,10 @@ std::string shortNumber(double value) {
     std::snprintf(text, sizeof text, "%.0f", value);
   }
   return text;
+}
+
+void useColour(const cli::Canvas& canvas, std::size_t entry) {
+  canvas.colour(cli::seriesColour(entry), entry < kColours ? 1 : kPale);
 }
 
 // Peers that were timed anywhere, in the order of the first case that has them.
@@ -62,7 +68,7 @@ void writeBarChart(const std::filesystem::path& file, const std::string& subtitl
   canvas.font(cli::kSmall);
   double y = cli::headingRoom(subtitle);
   for (std::size_t k = 0; k < legend.size(); ++k, y += kLegendRow) {
-    canvas.colour(cli::seriesColour(k));
+    useColour(canvas, k);
     cairo_rectangle(canvas, left, y, 10, 10);
     cairo_fill(canvas);
     canvas.colour(cli::kInk);
@@ -84,7 +90,7 @@ void writeBarChart(const std::filesystem::path& file, const std::string& subtitl
     for (const PeerResult& peer : result.peers) {
       if (peer.seconds.empty()) continue;
       const auto entry = std::find_if(legend.begin(), legend.end(), [&](const PeerResult& other) { return other.name == peer.name; });
-      canvas.colour(cli::seriesColour(static_cast<std::size_t>(entry - legend.begin())));
+      useColour(canvas, static_cast<std::size_t>(entry - legend.begin()));
       const double end = x(peer.framesPerSecond());
       cairo_rectangle(canvas, left, y + 1, std::max(1.0, end - left), kBar - 2);
       cairo_fill(canvas);

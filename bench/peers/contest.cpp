@@ -170,7 +170,7 @@ void print(const CaseResult& result) {
   std::printf("; %.1f %% of the taxels under contact\n", 100 * result.touched);
   if (!result.note.empty()) std::printf("  %s\n", result.note.c_str());
   if (result.load_seconds > 0) std::printf("  read and simplified in %.1f s\n", result.load_seconds);
-  std::printf("  %-15s %14s %10s  %-24s %s\n", "peer", "frames/s", "instances", "taxelsim is faster by", "verified");
+  std::printf("  %-15s %14s %10s  %-24s %s\n", "peer", "frames/s", "instances", "taxelsim over peer", "verified");
   for (const PeerResult& peer : result.peers) {
     const std::string verified = peer.agreement ? textOf(*peer.agreement) : peer.what;
     if (peer.seconds.empty()) {

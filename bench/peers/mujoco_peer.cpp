@@ -23,6 +23,8 @@ struct DataRelease {
 using ModelPointer = std::unique_ptr<mjModel, ModelRelease>;
 using DataPointer = std::unique_ptr<mjData, DataRelease>;
 
+static_assert(mjVERSION_HEADER >= 3009000, "before MuJoCo 3.9 the tactile sensor tells no depth");
+
 constexpr int kSide = 4;             // samples per taxel, per side
 constexpr double kPadHeight = 0.01;  // m; deeper than anything is pressed
 

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -59,9 +60,19 @@ void checkNames(const Options& options) {
   check("--peers", options.peers, peerNames());
 }
 
+// Before the run rather than after it.
+void checkFolder(const char* option, const std::string& file) {
+  if (file.empty()) return;
+  const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
+  if (!std::filesystem::is_directory(folder))
+    throw Error(ErrorKind::kInput, std::string(option) + " " + file + ": there is no such folder");
+}
+
 int run(const Options& given) {
   Options options = completed(given);
   checkNames(options);
+  checkFolder("--json", options.json);
+  checkFolder("--plot", options.plot);
   for (const std::string& name : options.peers) {
     if (const std::string reason = missingPeer(name); !reason.empty()) std::printf("%s\n", reason.c_str());
   }
@@ -116,10 +127,11 @@ int main(int argc, char** argv) {
   CLI::App app("Frames per second of taxelsim beside other ways to the same frame: same poses, same taxels, verified, timed in turns");
   app.add_option("--json", options.json, "Write the results into this file");
   app.add_option("--plot", options.plot, "Draw the results into this file, a PNG");
-  app.add_option("--case", options.cases, "Names of cases; all if not given");
-  app.add_option("--peers", options.peers, "Names of peers beside taxelsim; all if not given");
-  app.add_option("--array", options.arrays, "Rows and columns, as in 6x14; several are run one by one");
+  app.add_option("--case", options.cases, "Names of cases, with commas or spaces between them; all if not given")->delimiter(',');
+  app.add_option("--peers", options.peers, "Names of peers beside taxelsim; all if not given")->delimiter(',');
+  app.add_option("--array", options.arrays, "Rows and columns, as in 6x14; several are run one by one")->delimiter(',');
   app.add_option("--instances", options.instances, "Sensors in the batch, 4096 if not given; several are run one by one")
+      ->delimiter(',')
       ->check(CLI::Range(1, 1 << 20));
   app.add_flag("--sweep", options.sweep,
                "Batches of 64 to 65,536, arrays of 6x14, 10x10 and 100x100, one case, Embree alone beside taxelsim");
