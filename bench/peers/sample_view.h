@@ -74,7 +74,7 @@ class TaxelSums {
  private:
   void flush() {
     const Floats force = sumsOf(depth_) * stage_.sampleForce();
-    for (int k = 0; k < count_; ++k) *place_[k] = force[k];
+    for (int k = 0; k < count_; ++k) *place_[k] = force[static_cast<std::size_t>(k)];
     count_ = 0;
   }
 

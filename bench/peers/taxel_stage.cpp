@@ -154,11 +154,11 @@ void TaxelStage::finish(Scratch& scratch, int first_row, int last_row, std::size
         for (int b = -kReach; b <= kReach; ++b) f += load(source - a * row_length_ - b) * kernel_[(a + kReach) * 3 + b + kReach];
       const int count = std::min(kLanes, num_cols_ - c * kLanes);
       const Floats y = load(&col_y_[static_cast<std::size_t>(c * kLanes)]);
-      if (count < kLanes) f = toFloats(all(count)) > Floats{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15} ? f : Floats{};
+      if (count < kLanes) f = select(Floats{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15} < static_cast<float>(count), f, Floats{});
       // Rounded half away from zero.
       const Ints counts = toInts(smaller(larger((f - trigger_) * gain_, Floats{}), all(saturation_)) + 0.5f);
       const Ints reads = counts > 0;
-      const Floats felt = reads ? toFloats(counts) * inverse_gain_ + trigger_ : Floats{};
+      const Floats felt = select(reads, toFloats(counts) * inverse_gain_ + trigger_, Floats{});
       clean.add(f, row_x_[static_cast<std::size_t>(i)], y, f > trigger_);
       measured.add(felt, row_x_[static_cast<std::size_t>(i)], y, reads);
       const std::size_t place = static_cast<std::size_t>(i * num_cols_ + c * kLanes);

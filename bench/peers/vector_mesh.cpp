@@ -68,7 +68,7 @@ void drawLarge(const std::array<float, 3>& u, const std::array<float, 3>& v, con
       const Ints inside = smaller(w0, smaller(w1, w2)) >= rim;
       const Floats height = smaller(larger((w0 * z[0] + w1 * z[1] + w2 * z[2]) / (w0 + w1 + w2), all(low)), all(high));
       Floats& taxel = tile[row * num_cols + col];
-      taxel = smaller(taxel, inside ? height : taxel);
+      taxel = smaller(taxel, select(inside, height, taxel));
     }
   }
 }
@@ -94,9 +94,9 @@ VectorMesh::VectorMesh(const Mesh& mesh) {
     Pack& pack = packs_[k / kLanes];
     for (std::size_t c = 0; c < 3; ++c) {
       const auto& [x, y, z] = mesh.vertices[corners[c]];
-      pack.x[c][k % kLanes] = x;
-      pack.y[c][k % kLanes] = y;
-      pack.z[c][k % kLanes] = z;
+      setLane(pack.x[c], k % kLanes, x);
+      setLane(pack.y[c], k % kLanes, y);
+      setLane(pack.z[c], k % kLanes, z);
       extend(boxes[k / kLanes], {x, y, z, x, y, z});
     }
   }
@@ -116,14 +116,14 @@ void VectorMesh::addBoxes(std::vector<Boxes>& level, const std::vector<Box>& box
     const std::size_t lane = k % kLanes;
     // Past the last, a box that is inside out and touches nothing.
     const Box& box = k < boxes.size() ? boxes[k] : Box{1, 1, 1, -1, -1, -1};
-    sixteen.x[lane] = (box[0] + box[3]) / 2;
-    sixteen.y[lane] = (box[1] + box[4]) / 2;
-    sixteen.z[lane] = (box[2] + box[5]) / 2;
+    setLane(sixteen.x, lane, (box[0] + box[3]) / 2);
+    setLane(sixteen.y, lane, (box[1] + box[4]) / 2);
+    setLane(sixteen.z, lane, (box[2] + box[5]) / 2);
     // A rounding more, so that no corner is outside.
     constexpr float kMore = 1 + 1e-6f;
-    sixteen.half_x[lane] = k < boxes.size() ? (box[3] - box[0]) / 2 * kMore + 1e-9f : -kFar;
-    sixteen.half_y[lane] = k < boxes.size() ? (box[4] - box[1]) / 2 * kMore + 1e-9f : -kFar;
-    sixteen.half_z[lane] = k < boxes.size() ? (box[5] - box[2]) / 2 * kMore + 1e-9f : -kFar;
+    setLane(sixteen.half_x, lane, k < boxes.size() ? (box[3] - box[0]) / 2 * kMore + 1e-9f : -kFar);
+    setLane(sixteen.half_y, lane, k < boxes.size() ? (box[4] - box[1]) / 2 * kMore + 1e-9f : -kFar);
+    setLane(sixteen.half_z, lane, k < boxes.size() ? (box[5] - box[2]) / 2 * kMore + 1e-9f : -kFar);
   }
 }
 
@@ -160,10 +160,10 @@ TaxelRange VectorMesh::cull(const SampleView& view, Scratch& scratch) const {
       const Ints first_v = larger(ceilOf(v - half_v), Ints{}), last_v = smaller(floorOf(v + half_v), last_sample_v);
       live &= (first_u <= last_u) & (first_v <= last_v);
       if (level == 0) {
-        low_u = live ? smaller(low_u, first_u) : low_u;
-        high_u = live ? larger(high_u, last_u) : high_u;
-        low_v = live ? smaller(low_v, first_v) : low_v;
-        high_v = live ? larger(high_v, last_v) : high_v;
+        low_u = select(live, smaller(low_u, first_u), low_u);
+        high_u = select(live, larger(high_u, last_u), high_u);
+        low_v = select(live, smaller(low_v, first_v), low_v);
+        high_v = select(live, larger(high_v, last_v), high_v);
       }
       for (unsigned bits = bitsOf(live); bits; bits &= bits - 1)
         to[kept++] = from[k] * kLanes + static_cast<std::uint32_t>(std::countr_zero(bits));
@@ -210,7 +210,7 @@ TaxelRange VectorMesh::press(const SampleView& view, const TaxelStage& stage, Sc
     active &= (area > kFlat) | (area < -kFlat);
     const Ints large = active & ((last_u - first_u + 1) * (last_v - first_v + 1) > kMostInLanes);
     for (unsigned bits = bitsOf(large); bits; bits &= bits - 1) {
-      const int t = std::countr_zero(bits);
+      const auto t = static_cast<std::size_t>(std::countr_zero(bits));
       drawLarge({u[0][t], u[1][t], u[2][t]}, {v[0][t], v[1][t], v[2][t]}, {z[0][t], z[1][t], z[2][t]}, num_cols, first_u[t], last_u[t],
                 first_v[t], last_v[t], tile);
     }
@@ -218,7 +218,7 @@ TaxelRange VectorMesh::press(const SampleView& view, const TaxelStage& stage, Sc
 
     // Sample by sample of every triangle's box, sixteen triangles in step.
     const Floats high_z = larger(z[0], larger(z[1], z[2]));
-    const Floats sign = area < Floats{} ? all(-1.0f) : all(1.0f);
+    const Floats sign = select(area < Floats{}, all(-1.0f), all(1.0f));
     const Floats rim = (high_u - low_u + high_v - low_v) * -kRim;
     const Floats inverse_area = sign / area;
     Ints pu = first_u, pv = first_v;
@@ -237,14 +237,14 @@ TaxelRange VectorMesh::press(const SampleView& view, const TaxelStage& stage, Sc
         std::memcpy(places, &place, sizeof place);
         float* samples = reinterpret_cast<float*>(tile);
         for (; bits; bits &= bits - 1) {
-          const int t = std::countr_zero(bits);
+          const auto t = static_cast<std::size_t>(std::countr_zero(bits));
           float& sample = samples[places[t]];
           sample = std::min(sample, heights[t]);
         }
       }
       const Ints ends = pv >= last_v;
       pu -= ends;
-      pv = ends ? first_v : pv + 1;
+      pv = select(ends, first_v, pv + 1);
       active &= pu <= last_u;
     }
   }

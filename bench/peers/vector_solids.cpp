@@ -56,10 +56,10 @@ TaxelRange forTaxels(const TaxelRange& range, const Sixteen& sixteen, const One&
 VectorPolyhedron::VectorPolyhedron(const std::vector<Face>& faces, const Bounds& bounds)
     : faces_((1u << faces.size()) - 1), bounds_(bounds) {
   for (std::size_t k = 0; k < faces.size(); ++k) {
-    normal_x_[k] = static_cast<float>(faces[k].normal[0]);
-    normal_y_[k] = static_cast<float>(faces[k].normal[1]);
-    normal_z_[k] = static_cast<float>(faces[k].normal[2]);
-    offset_[k] = static_cast<float>(faces[k].offset);
+    setLane(normal_x_, k, static_cast<float>(faces[k].normal[0]));
+    setLane(normal_y_, k, static_cast<float>(faces[k].normal[1]));
+    setLane(normal_z_, k, static_cast<float>(faces[k].normal[2]));
+    setLane(offset_, k, static_cast<float>(faces[k].offset));
   }
 }
 
@@ -74,8 +74,8 @@ TaxelRange VectorPolyhedron::press(const SampleView& view, const TaxelStage& sta
   const Floats ny = normal_x_ * R[3] + normal_y_ * R[4] + normal_z_ * R[5];
   Floats nz = normal_x_ * R[6] + normal_y_ * R[7] + normal_z_ * R[8];
   const Floats offset = offset_ + nx * (view.p[0] - view.first_x) + ny * (view.p[1] - view.first_y) + nz * view.p[2];
-  nz = (nz < kUpright) & (nz > -kUpright) ? all(kUpright) : nz;
-  const Floats per_nz = 1 / nz;
+  nz = select((nz < kUpright) & (nz > -kUpright), all(kUpright), nz);
+  const Floats per_nz = 1.0f / nz;
   const Floats a = nx * per_nz * -view.pitch_u, b = ny * per_nz * -view.pitch_v, c = offset * per_nz;
   const Floats slack = (larger(a, -a) + larger(b, -b)) * kHalfTaxel;
   const unsigned down = bitsOf(nz < Floats{}) & faces_, up = faces_ & ~down;
@@ -83,33 +83,33 @@ TaxelRange VectorPolyhedron::press(const SampleView& view, const TaxelStage& sta
   const auto sixteen = [&](float u, Floats v) {
     Floats enter = all(-kFar), leave = all(kFar);
     for (unsigned bits = down; bits; bits &= bits - 1) {
-      const int f = std::countr_zero(bits);
+      const auto f = static_cast<std::size_t>(std::countr_zero(bits));
       enter = larger(enter, v * b[f] + (c[f] - slack[f] + a[f] * u));
     }
     for (unsigned bits = up; bits; bits &= bits - 1) {
-      const int f = std::countr_zero(bits);
+      const auto f = static_cast<std::size_t>(std::countr_zero(bits));
       leave = smaller(leave, v * b[f] + (c[f] + slack[f] + a[f] * u));
     }
     return (enter < Floats{}) & (enter <= leave);
   };
   std::array<Floats, kMaxFaces> across;
   for (unsigned bits = faces_; bits; bits &= bits - 1) {
-    const int f = std::countr_zero(bits);
-    across[static_cast<std::size_t>(f)] = kLaneU * a[f] + kLaneV * b[f] + c[f];
+    const auto f = static_cast<std::size_t>(std::countr_zero(bits));
+    across[f] = kLaneU * a[f] + kLaneV * b[f] + c[f];
   }
   TaxelSums sums(stage, taxels);
   const auto one = [&](int row, int col) {
     const auto u = static_cast<float>(kSide * row), v = static_cast<float>(kSide * col);
     Floats enter = all(-kFar), leave = all(kFar);
     for (unsigned bits = down; bits; bits &= bits - 1) {
-      const int f = std::countr_zero(bits);
-      enter = larger(enter, across[static_cast<std::size_t>(f)] + (a[f] * u + b[f] * v));
+      const auto f = static_cast<std::size_t>(std::countr_zero(bits));
+      enter = larger(enter, across[f] + (a[f] * u + b[f] * v));
     }
     for (unsigned bits = up; bits; bits &= bits - 1) {
-      const int f = std::countr_zero(bits);
-      leave = smaller(leave, across[static_cast<std::size_t>(f)] + (a[f] * u + b[f] * v));
+      const auto f = static_cast<std::size_t>(std::countr_zero(bits));
+      leave = smaller(leave, across[f] + (a[f] * u + b[f] * v));
     }
-    sums.add(row, col, enter <= leave ? enter : Floats{});
+    sums.add(row, col, select(enter <= leave, enter, Floats{}));
   };
   return forTaxels(range, sixteen, one);
 }
@@ -142,7 +142,7 @@ TaxelRange VectorCylinder::press(const SampleView& view, const TaxelStage& stage
     const float half_end = half_length * std::abs(per_along);
     const Floats enter = larger((-middle - root) * per_square, end - half_end);
     const Floats leave = smaller((root - middle) * per_square, end + half_end);
-    return (inside >= Floats{}) & (enter <= leave) ? enter : all(kFar);
+    return select((inside >= Floats{}) & (enter <= leave), enter, all(kFar));
   };
   // A taxel's samples touch only if its middle does under a cylinder that is larger by half the taxel's diagonal.
   const float more = kHalfTaxel * std::hypot(view.pitch_u, view.pitch_v);
