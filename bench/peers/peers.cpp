@@ -73,8 +73,12 @@ int run(const Options& given) {
   checkNames(options);
   checkFolder("--json", options.json);
   checkFolder("--plot", options.plot);
+  nlohmann::ordered_json left_out = nlohmann::ordered_json::array();
   for (const std::string& name : options.peers) {
-    if (const std::string reason = missingPeer(name); !reason.empty()) std::printf("%s\n", reason.c_str());
+    const std::string reason = missingPeer(name);
+    if (reason.empty()) continue;
+    std::printf("%s\n", reason.c_str());
+    left_out.push_back(reason);
   }
   options.contest.peers = options.peers;
   const Sensor sensor = loadSensor(options.sensor);
@@ -98,7 +102,15 @@ int run(const Options& given) {
           continue;
         }
         const Case work = maker.make(name, sensors[a], num_instances);
-        results.push_back(runCase(device, sensors[a], work, options.contest));
+        try {
+          results.push_back(runCase(device, sensors[a], work, options.contest));
+        } catch (const Error& error) {
+          // A sweep goes on past a batch that the device has no room for.
+          if (!options.sweep) throw;
+          std::printf("%s, %s taxels, %d instances: left out, %s\n\n", name.c_str(), options.arrays[a].c_str(), num_instances,
+                      error.what());
+          continue;
+        }
         complete &= results.back().complete;
         print(results.back());
       }
@@ -112,6 +124,7 @@ int run(const Options& given) {
                              {"sensor", sensor.name},
                              {"threads", options.contest.threads},
                              {"repetitions", options.contest.repetitions},
+                             {"left_out", left_out},
                              {"cases", cases}});
   }
   if (!options.plot.empty()) writeBarChart(options.plot, heading, results);
