@@ -103,7 +103,7 @@ std::vector<std::size_t> rowsOfPieces(const ReadoutModel& model, const std::vect
 
 // A knot whose output a fit does not tell.
 std::optional<std::size_t> untoldKnot(const ReadoutModel& model, std::size_t num_taxels, const GroupedFit& fit) {
-  const std::vector<Eigen::VectorXd> no_own(num_taxels, Eigen::Vector2d::Zero());
+  const std::vector<Eigen::VectorXd> no_own(num_taxels, Eigen::Vector3d::Zero());
   for (std::size_t knot = 0; knot < model.knots.size(); ++knot) {
     if (knot != model.pinned_knot && !(fit.meanHalfWidth(no_own, outputAt(knot, model, fit.shared).gradient) < kTold * model.top))
       return knot;

@@ -20,10 +20,8 @@ namespace {
 constexpr std::size_t kPlateauRows = 5;    // with one and the same largest output: the sensor ends there
 constexpr double kFlat = 0.01;             // of the output: less over the last third of the force is no rise
 constexpr double kStill = 2;               // counts: a taxel that moves less under force does not answer
-constexpr double kWayBack = 0.2;           // of the largest force: a fall that is a way back
 constexpr std::size_t kMaxRows = 200'000;  // of all taxels; more are thinned evenly
 constexpr std::size_t kMaxDots = 4000;
-constexpr std::array<double, 3> kWidths{0.02, 0.06, 0.15};  // of the largest force, to look for the play's from
 
 std::map<int, std::vector<Reading>> rowsByTaxel(Measured measurements) {
   std::map<int, std::vector<Reading>> rows;
@@ -90,19 +88,6 @@ bool isStill(const std::vector<Reading>& rows) {
   return high->counts - low->counts <= kStill;
 }
 
-bool hasWayBack(const std::vector<Reading>& rows) {
-  double highest = rows.front().force, fall = 0;
-  for (const Reading& row : rows) {
-    highest = std::max(highest, row.force);
-    fall = std::max(fall, highest - row.force);
-  }
-  return fall > kWayBack * largestForce(rows);
-}
-
-double squaresOf(const GroupedFit& fit) {
-  return fit.residual_sd * fit.residual_sd * static_cast<double>(fit.degrees_of_freedom);
-}
-
 // Share of a force on one taxel that stays on it.
 double ownShare(const Sensor& sensor, int taxel) {
   std::vector<double> force(static_cast<std::size_t>(numTaxels(sensor)));
@@ -134,7 +119,8 @@ class Findings {
       : taxels_(taxels), model_(model), pieces_(pieces), fit_(fit), result_(result), readout_(result.sensor.readout) {}
 
   void tellCurve();
-  void tellHysteresis(bool way_back);
+  void tellHysteresis();
+  void tellDrift();
   void tellNoise();
   void tellGains();
   void draw() const;
@@ -179,8 +165,8 @@ void Findings::tellCurve() {
     // gain x - trigger is 0 at the first force f: trigger = a f / S.
     const double a = fit_.own[t][0], f = fit_.own[t][1];
     trigger += a * f / slope_ / count;
-    of_slope.push_back(Eigen::Vector2d{1 / taxels_[t].share, 0});
-    of_trigger.push_back(Eigen::Vector2d{f, a} / slope_);
+    of_slope.push_back(Eigen::Vector3d{1 / taxels_[t].share, 0, 0});
+    of_trigger.push_back(Eigen::Vector3d{f, a, 0} / slope_);
   }
   // By the shares: S = sum a / w / n.
   for (std::size_t t = 0; t < taxels_.size(); ++t) slope_by_share_ -= slopeOf(t) * taxels_[t].share_half_width / taxels_[t].share / count;
@@ -270,7 +256,7 @@ void Findings::tellLimit() {
   }
 }
 
-void Findings::tellHysteresis(bool way_back) {
+void Findings::tellHysteresis() {
   if (model_.hysteresis) {
     const std::size_t s = model_.lag();
     readout_.hysteresis_strength = {fit_.shared[s]};
@@ -279,9 +265,19 @@ void Findings::tellHysteresis(bool way_back) {
     add("readout.hysteresis_width", "N", fit_.shared[s + 1], fit_.halfWidth(s + 1), "");
     return;
   }
+  const bool way_back = std::any_of(taxels_.begin(), taxels_.end(), [](const PressedTaxel& taxel) { return hasWayBack(taxel.rows); });
   result_.estimates.push_back({.parameter = "readout.hysteresis_strength",
                                .unit = "",
                                .remark = way_back ? "the ways up and down do not differ beyond noise" : "the force only rises"});
+}
+
+void Findings::tellDrift() {
+  if (!model_.drifts) return;
+  std::vector<double> drifts;
+  for (std::size_t t = 0; t < taxels_.size(); ++t) drifts.push_back(std::abs(fit_.own[t][2]));
+  result_.remarks.push_back("the zero of taxels drifts from the first row to the last, by " +
+                            rounded(*std::max_element(drifts.begin(), drifts.end())) + " N at most, " + rounded(medianOf(drifts)) +
+                            " N in the median: fitted, and no part of the sensor");
 }
 
 void Findings::tellNoise() {
@@ -332,8 +328,9 @@ ReadoutDoubt Findings::doubt() const {
   for (std::size_t t = 0; t < taxels_.size(); ++t) {
     Eigen::Matrix2d of_own{{1 / taxels_[t].share, 0}, {fit_.own[t][1], fit_.own[t][0]}};
     of_own /= slope_;
-    Eigen::Matrix2d own = fit_.own_covariance[t];
-    if (!fit_.shared.empty()) own += fit_.lean[t] * fit_.covariance * fit_.lean[t].transpose();
+    Eigen::Matrix3d all = fit_.own_covariance[t];
+    if (!fit_.shared.empty()) all += fit_.lean[t] * fit_.covariance * fit_.lean[t].transpose();
+    const Eigen::Matrix2d own = all.topLeftCorner<2, 2>();
     if (own.allFinite()) doubt[static_cast<std::size_t>(taxels_[t].taxel)] = of_own * own * of_own.transpose();
   }
   return doubt;
@@ -430,32 +427,7 @@ ReadoutDoubt fitReadout(Measured measurements, const std::optional<PsfRange>& ps
                              " would fall somewhere in the range: one degree less");
     --model.num_bends;
   }
-  const bool way_back = std::any_of(taxels.begin(), taxels.end(), [](const PressedTaxel& taxel) { return hasWayBack(taxel.rows); });
-  if (way_back) {
-    ReadoutModel with = model;
-    with.hysteresis = true;
-    for (const double width : kWidths) {
-      GroupedFit other = fitReadoutModel(taxels, lines, with, width);
-      const bool told = hysteresisIsTold(with, other);
-      const double more = model.hysteresis ? 0 : 2;
-      const bool better = more > 0 ? isBetterFit(squaresOf(fit), squaresOf(other), more, static_cast<double>(other.degrees_of_freedom))
-                                   : squaresOf(other) < squaresOf(fit);
-      if (!told || !better) continue;
-      fit = std::move(other);
-      model = with;
-    }
-  }
-  // The noise that bends the model where it is clipped was a guess; now it is known. What hysteresis it made up goes.
-  if (const ReadingNoise noise = noiseOf(taxels, model, fit); noise.deviation > kLeastNoise) {
-    model.noise = noise.deviation;
-    double most = 0;
-    for (const PressedTaxel& taxel : taxels) most = std::max(most, largestForce(taxel.rows) * taxel.share);
-    fit = fitReadoutModel(taxels, lines, model, model.hysteresis ? fit.shared[model.lag() + 1] / most : 0);
-    if (model.hysteresis && !hysteresisIsTold(model, fit)) {
-      model.hysteresis = false;
-      fit = fitReadoutModel(taxels, lines, model, 0);
-    }
-  }
+  fit = withHysteresisAndDrift(taxels, lines, model, std::move(fit));
 
   Findings findings(taxels, model, pieces, fit, result);
   findings.tellCurve();
@@ -473,7 +445,8 @@ ReadoutDoubt fitReadout(Measured measurements, const std::optional<PsfRange>& ps
                                 .unit = "counts",
                                 .remark = "no plateau in the output: the sensor file's " + std::to_string(readout.saturation) + " stays"});
   }
-  findings.tellHysteresis(way_back);
+  findings.tellHysteresis();
+  findings.tellDrift();
   findings.tellNoise();
   findings.tellGains();
   findings.draw();

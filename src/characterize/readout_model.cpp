@@ -1,7 +1,9 @@
 #include "characterize/readout_model.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "characterize/clipped_mean.h"
 #include "characterize/curve_pieces.h"
@@ -9,8 +11,10 @@
 namespace taxelsim {
 namespace {
 
-constexpr double kFarRange = 0.1;       // of the range
-constexpr double kMostOfLimit = 0.999;  // of the divider's limit: where the range may end
+constexpr double kFarRange = 0.1;                           // of the range
+constexpr double kMostOfLimit = 0.999;                      // of the divider's limit: where the range may end
+constexpr double kWayBack = 0.2;                            // of the largest force: a fall that is a way back
+constexpr std::array<double, 3> kWidths{0.02, 0.06, 0.15};  // of the largest force, to look for the play's from
 
 // What is left of each row's force by the play of its taxel.
 std::vector<double> playedForces(const PressedTaxel& taxel, double strength, double width) {
@@ -33,9 +37,24 @@ std::vector<double> outputs(const PressedTaxel& taxel, const ReadoutModel& model
   result.reserve(taxel.used.size());
   for (const std::size_t r : taxel.used) {
     const double force = model.hysteresis ? played[r] : taxel.rows[r].force;
-    result.push_back(model.output(own[0] * (force - own[1]), shared));
+    const double drift = own[2] * (static_cast<double>(r) / static_cast<double>(taxel.rows.size()) - 0.5);
+    result.push_back(model.output(own[0] * (force - own[1] - drift), shared));
   }
   return result;
+}
+
+double squaresOf(const GroupedFit& fit) {
+  return fit.residual_sd * fit.residual_sd * static_cast<double>(fit.degrees_of_freedom);
+}
+
+bool isBetter(const GroupedFit& fit, const GroupedFit& with_more, double more) {
+  return isBetterFit(squaresOf(fit), squaresOf(with_more), more, static_cast<double>(with_more.degrees_of_freedom));
+}
+
+// Whether both intervals leave 0 out.
+bool hysteresisIsTold(const ReadoutModel& model, const GroupedFit& fit) {
+  const std::size_t s = model.lag();
+  return fit.shared[s] > fit.halfWidth(s) && fit.shared[s + 1] > fit.halfWidth(s + 1);
 }
 
 }  // namespace
@@ -107,7 +126,8 @@ GroupedFit fitReadoutModel(const std::vector<PressedTaxel>& taxels, const std::v
     // Pieces would use a trigger below 0, which no readout has, to shift their knots.
     const double least = model.knots.empty() || model.shows_below_zero ? -force : 0;
     problem.own.push_back({{.start = start[0], .scale = std::max(start[0], 1e-9), .low = 0},
-                           {.start = start[1], .scale = force, .low = least, .high = force}});
+                           {.start = start[1], .scale = force, .low = least, .high = force},
+                           {.start = 0, .scale = 0.1 * force, .low = model.drifts ? -force : 0, .high = model.drifts ? force : 0}});
     problem.num_rows.push_back(taxels[t].used.size());
   }
   problem.residuals = [&](std::size_t group, const double* shared, const double* own, double* residuals) {
@@ -120,9 +140,55 @@ GroupedFit fitReadoutModel(const std::vector<PressedTaxel>& taxels, const std::v
   return fitGroups(problem);
 }
 
-bool hysteresisIsTold(const ReadoutModel& model, const GroupedFit& fit) {
-  const std::size_t s = model.lag();
-  return fit.shared[s] > fit.halfWidth(s) && fit.shared[s + 1] > fit.halfWidth(s + 1);
+bool hasWayBack(const std::vector<Reading>& rows) {
+  double highest = rows.front().force, fall = 0;
+  for (const Reading& row : rows) {
+    highest = std::max(highest, row.force);
+    fall = std::max(fall, highest - row.force);
+  }
+  return fall > kWayBack * largestForce(rows);
+}
+
+GroupedFit withHysteresisAndDrift(const std::vector<PressedTaxel>& taxels, const std::vector<FitResult>& lines, ReadoutModel& model,
+                                  GroupedFit fit) {
+  double most = 0;
+  for (const PressedTaxel& taxel : taxels) most = std::max(most, largestForce(taxel.rows) * taxel.share);
+  const auto widthOf = [&] { return model.hysteresis ? fit.shared[model.lag() + 1] / most : 0; };
+  if (std::any_of(taxels.begin(), taxels.end(), [](const PressedTaxel& taxel) { return hasWayBack(taxel.rows); })) {
+    ReadoutModel with = model;
+    with.hysteresis = true;
+    for (const double width : kWidths) {
+      GroupedFit other = fitReadoutModel(taxels, lines, with, width);
+      const bool better = model.hysteresis ? squaresOf(other) < squaresOf(fit) : isBetter(fit, other, 2);
+      if (!hysteresisIsTold(with, other) || !better) continue;
+      fit = std::move(other);
+      model = with;
+    }
+    // A drift looks like hysteresis in part: with both at hand, what is not needed goes.
+    with = model;
+    with.drifts = true;
+    GroupedFit drifting = fitReadoutModel(taxels, lines, with, widthOf());
+    if (isBetter(fit, drifting, static_cast<double>(taxels.size()))) {
+      fit = std::move(drifting);
+      model = with;
+      with.hysteresis = false;
+      drifting = model.hysteresis ? fitReadoutModel(taxels, lines, with, 0) : fit;
+      if (model.hysteresis && !(hysteresisIsTold(model, fit) && isBetter(drifting, fit, 2))) {
+        fit = std::move(drifting);
+        model = with;
+      }
+    }
+  }
+  // The noise that bends the model where it is clipped was a guess; now it is known. What hysteresis it made up goes.
+  if (const ReadingNoise noise = noiseOf(taxels, model, fit); noise.deviation > kLeastNoise) {
+    model.noise = noise.deviation;
+    fit = fitReadoutModel(taxels, lines, model, widthOf());
+    if (model.hysteresis && !hysteresisIsTold(model, fit)) {
+      model.hysteresis = false;
+      fit = fitReadoutModel(taxels, lines, model, 0);
+    }
+  }
+  return fit;
 }
 
 bool rises(const ReadoutModel& model, const GroupedFit& fit, const std::vector<PressedTaxel>& taxels) {
@@ -146,7 +212,7 @@ ReadingNoise noiseOf(const std::vector<PressedTaxel>& taxels, const ReadoutModel
       ++count;
     }
   }
-  const std::size_t spent = 2 * taxels.size() + fit.shared.size();
+  const std::size_t spent = (model.drifts ? 3 : 2) * taxels.size() + fit.shared.size();
   const std::size_t freedom = count > spent ? count - spent : 0;
   return {freedom > 0 ? std::sqrt(squares / static_cast<double>(freedom)) : 0, freedom};
 }

@@ -3,9 +3,9 @@
 //   x = w [(1 - s) F + s play(F)],  y = P(gain x - trigger),  counts = clip(y / (1 + y / L)),
 // s and play being the readout's hysteresis, P a polynomial that begins with S counts/N, L the limit of a voltage divider. What is fitted
 // to a taxel is its slope a = S gain w (counts/N) and the first force f that shows (N): with z = a (F - f) and K the end of the range,
-// y = z (1 + b2 z/K + b3 (z/K)^2 + ...). Or y goes straight from (0, 0) from knot to knot and at one of them, of z = Z, is Z: S is then the
-// slope of the chord up to there, and shared are the rises of the pieces relative to that of the one that rises most.
-// The b or rises, K/L, s and the play's width are common to all taxels.
+// y = z (1 + b2 z/K + b3 (z/K)^2 + ...). Where its zero drifts, f moves by d (N) from the first row to the last. Or y goes straight from
+// (0, 0) from knot to knot and at one of them, of z = Z, is Z: S is then the slope of the chord up to there, and shared are the rises of
+// the pieces relative to that of the one that rises most. The b or rises, K/L, s and the play's width are common to all taxels.
 #pragma once
 
 #include <cstddef>
@@ -36,6 +36,7 @@ struct ReadoutModel {
   std::size_t num_bends = 0;  // b2, b3, ...
   bool divider = false;       // K/L follows the bends
   bool hysteresis = false;    // s and the play's width (N) come last
+  bool drifts = false;        // each taxel has a drift d
   double top = 0;             // counts
   double noise = 1;           // counts
 
@@ -82,8 +83,13 @@ std::vector<std::size_t> rowsThatTell(const std::vector<Reading>& rows, const Fi
 GroupedFit fitReadoutModel(const std::vector<PressedTaxel>& taxels, const std::vector<FitResult>& lines, const ReadoutModel& model,
                            double width);
 
-// Whether both intervals leave 0 out.
-bool hysteresisIsTold(const ReadoutModel& model, const GroupedFit& fit);
+// The fit with hysteresis and with drift, `model` saying which, where they are better than chance; both need a force that goes up and
+// down. What is noise beside the ends of the range is found on the way.
+GroupedFit withHysteresisAndDrift(const std::vector<PressedTaxel>& taxels, const std::vector<FitResult>& lines, ReadoutModel& model,
+                                  GroupedFit fit);
+
+// Whether the force comes back far enough to tell the ways apart.
+bool hasWayBack(const std::vector<Reading>& rows);
 
 // Whether the polynomial rises over the range, as a readout must.
 bool rises(const ReadoutModel& model, const GroupedFit& fit, const std::vector<PressedTaxel>& taxels);

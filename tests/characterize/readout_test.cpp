@@ -193,6 +193,34 @@ TEST(ReadoutFit, HysteresisIsFoundFromTheWayBack) {
   EXPECT_GE(slope, leastHits(kRuns));
 }
 
+// Four taxels, their zeros at the first row and at the last 0.06 N and more apart.
+TEST(ReadoutFit, ADriftingZeroIsNoHysteresisAndMovesNothing) {
+  const Truth truth = truthOf(kTaxels);
+  const std::vector<double> drifts{0.06, 0.09, -0.06, 0.12};  // N
+  int slope = 0, trigger = 0;
+  for (unsigned seed = 0; seed < support::kRuns; ++seed) {
+    std::mt19937 random(seed);
+    ForceCurve curve;
+    for (std::size_t t = 0; t < kTaxels.size(); ++t) {
+      for (int k = 0; k < 60; ++k) {
+        const double force = 2.4 * std::min(k, 59 - k) / 29, drift = drifts[t] * (k / 60.0 - 0.5);
+        curve.taxel.push_back(static_cast<int>(t));
+        curve.force.push_back(force);
+        curve.counts.push_back(reading(kTaxels[t], force - drift, kNoise, kTop, random));
+      }
+    }
+    const Characterization result = characterized(curve);
+    slope += holds(estimateOf(result, "readout.curve.counts_per_newton"), truth.slope);
+    trigger += holds(estimateOf(result, "readout.trigger"), truth.trigger);
+    EXPECT_FALSE(estimateOf(result, "readout.hysteresis_strength").determined);
+    EXPECT_THAT(result.remarks, ::testing::Contains(HasSubstr("zero of taxels drifts")));
+  }
+  EXPECT_GE(slope, support::kLeastInside);
+  EXPECT_GE(trigger, support::kLeastInside);
+  std::mt19937 random(1);
+  EXPECT_THAT(characterized(pressed(kTaxels, random)).remarks, ::testing::Not(::testing::Contains(HasSubstr("drifts"))));
+}
+
 TEST(ReadoutFit, WithoutAWayBackHysteresisIsNotDetermined) {
   std::mt19937 random(9);
   ForceCurve curve = pressed(kTaxels, random);
