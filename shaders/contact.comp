@@ -140,6 +140,8 @@ bool cut_short = false;
 #include "lib/laws/registry.glsl"
 
 const bool kShears = FRICTION && !kLawSolvedApart;  // else the pass that solves has the shear, and needs the slots
+// Of a large grid most tiles are untouched: their workgroups leave early.
+const bool kLeavesUntouched = NUM_ROWS > 0 && NUM_TILES > 1 && RELAXATION == 0 && !kLawSolvedApart && !OUTPUT_JACOBIAN;
 
 Affine X_PS;         // patch from sensor
 vec2 spacing;        // of samples, m
@@ -241,6 +243,10 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
     float lowest = body.center.z - body.half_size.z;
     if (SEARCH == kSearchInTile && (KINDS & (1u << kKindHalfSpace)) != 0 && body.kind_groups.x == kKindHalfSpace) lowest = lowestCorner(body);
     lowest_bound = min(lowest_bound, lowest);
+  }
+  if (kLeavesUntouched && reached.low.x > reached.high.x) {
+    leaveUntouched(instance, tile_number, lane, WORKGROUP);
+    return;
   }
   if (search_here) z_base = clamp(lowest_bound, -1.0, 1.0);
   barrier();
@@ -457,7 +463,7 @@ void main() {
       if (anyObjectNear(instance, batch.y)) {
         tile_list[atomicAdd(num_listed_tiles, 1u)] = number;
       } else {
-        leaveUntouched(instance, tile_number);
+        leaveUntouched(instance, tile_number, 0, 1);
       }
     }
     barrier();

@@ -45,21 +45,23 @@ bool anyObjectNear(uint instance, uint num_slots) {
   return near;
 }
 
-// What remains of the tile entered when no object is near: by one invocation.
-void leaveUntouched(uint instance, uint tile_number) {
+// What remains of the tile entered when no object is near: by one invocation alone (first 0, step 1), or by all of a workgroup.
+void leaveUntouched(uint instance, uint tile_number, uint first, uint step) {
   uint result = instance * NUM_TILES + tile_number;
-  for (uint k = 0; k < tile_size.x * tile_size.y; ++k) {
-    uvec2 in_patch = uvec2(k / tile_size.y, k % tile_size.y) + tile_taxel;
-    uint taxel = instance * NUM_TAXELS + grid.z + in_patch.x * grid.y + in_patch.y;
-    contact_normal[taxel] = 0.0;
-    if (OUTPUT_SHEAR) writeShear(taxel, vec2(0));
-    if (OUTPUT_DEPTH) contact_depth[taxel] = 0.0;
-    if (OUTPUT_JACOBIAN) leaveCell(taxel);
+  for (uint row = 0; row < tile_size.x; ++row) {
+    uint begin = instance * NUM_TAXELS + grid.z + (row + tile_taxel.x) * grid.y + tile_taxel.y;
+    for (uint taxel = begin + first; taxel < begin + tile_size.y; taxel += step) {
+      contact_normal[taxel] = 0.0;
+      if (OUTPUT_SHEAR) writeShear(taxel, vec2(0));
+      if (OUTPUT_DEPTH) contact_depth[taxel] = 0.0;
+      if (OUTPUT_JACOBIAN) leaveCell(taxel);
+    }
   }
-  if (kShears) keepWindow(result * (kFrictionHeader + TILE_SAMPLES), uvec4(0));
   if (HAS_STATE) {
-    for (uint k = 0; k < tile_size.x * tile_stride * SAMPLES; ++k) state[result * TILE_SAMPLES + k] = 0.0;
+    for (uint k = first; k < tile_size.x * tile_stride * SAMPLES; k += step) state[result * TILE_SAMPLES + k] = 0.0;
   }
+  if (first > 0) return;
+  if (kShears) keepWindow(result * (kFrictionHeader + TILE_SAMPLES), uvec4(0));
   if (OUTPUT_JACOBIAN) leaveChange(result);
   tile_results[result] = TileResult(vec4(0), vec4(0), uvec4(0));
 }

@@ -155,7 +155,8 @@ class Choice {
 };
 
 void Choice::freePresses(StampModel& model, StampFit& found) const {
-  constexpr int kRounds = 6;
+  // Two rounds: beyond, presses get whatever the rest of the model does not explain.
+  constexpr int kRounds = 2;
   model.press_spread = pressSpread(model, found);
   const auto count = static_cast<double>(model.stamps.size());
   for (int round = 0; model.press_spread > 0 && round < kRounds; ++round) {
@@ -415,8 +416,15 @@ void Findings::tellCurve() {
 void Findings::tellPresses() {
   if (!(model_.press_spread > 0)) return;
   const std::size_t freedom = model_.stamps.size() - 1;
-  add(result_, "readout.press_gain_spread", "", model_.press_spread,
-      studentFactor(freedom) * model_.press_spread / std::sqrt(2.0 * static_cast<double>(freedom)), "between the " + over_, "");
+  // Of a standard deviation of few values the logarithm is nearer to Gaussian than itself.
+  const double factor = std::exp(studentFactor(freedom) / std::sqrt(2.0 * static_cast<double>(freedom)));
+  result_.estimates.push_back({.parameter = "readout.press_gain_spread",
+                               .unit = "",
+                               .determined = true,
+                               .value = model_.press_spread,
+                               .low = model_.press_spread / factor,
+                               .high = model_.press_spread * factor,
+                               .remark = "between the " + over_});
   result_.sensor.readout.press_gain_spread = std::min(model_.press_spread, kMaxGainSpread);
 }
 

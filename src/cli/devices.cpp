@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "cli/driver_advice.h"
 #include "cli/text.h"
 #include "taxelsim/device.h"
 #include "taxelsim/generate.h"
@@ -67,6 +68,7 @@ nlohmann::ordered_json asJson(const DeviceInfo& info) {
           {"name", info.name},
           {"type", nameOf(info.type)},
           {"driver", info.driver},
+          {"advice", driverAdvice(info)},
           {"api_version", info.api_version},
           {"uuid", info.uuid},
           {"memory", info.memory},
@@ -101,6 +103,9 @@ int runDevices(const Arguments& arguments) {
     table.push_back({std::to_string(info.index), info.name, nameOf(info.type), info.driver, info.api_version, bytesText(info.memory),
                      bytesText(info.max_buffer), bytesText(info.shared_memory), std::to_string(info.subgroup_size)});
   fmt::print("{}", tableText(table));
+  for (const DeviceInfo& info : devices) {
+    if (const std::string advice = driverAdvice(info); !advice.empty()) fmt::print("{}\n", advice);
+  }
   if (plans.empty()) return kExitOk;
   table = {{"#", "per instance", "fixed", "instances in 1 GiB", "instances on the device"}};
   for (std::size_t i = 0; i < devices.size(); ++i)
