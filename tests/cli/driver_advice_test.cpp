@@ -7,7 +7,10 @@ namespace taxelsim::cli {
 namespace {
 
 std::string adviceFor(const std::string& driver) {
-  return driverAdvice({.index = 2, .name = "a device", .driver = driver});
+  DeviceInfo device;
+  device.index = 2;
+  device.driver = driver;
+  return driverAdvice(device);
 }
 
 TEST(DriverAdvice, OldLavapipeAlone) {
