@@ -1,5 +1,5 @@
 // Recordings of a real matrix under dead weights of 200 to 900 g: the sensor is fitted to all loads but one and predicts the one left out.
-// Two loads of eight; all of them with TAXELSIM_LEFT_OUT=ABCDEFGH in the environment, in three minutes.
+// Two loads of eight; all of them with TAXELSIM_LEFT_OUT=ABCDEFGH in the environment, in four minutes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
