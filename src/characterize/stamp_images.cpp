@@ -206,14 +206,14 @@ StampFit Choice::choose(std::vector<std::string>& remarks) {
   StampModel straight = model_;
   StampFit straight_fit = found;
   bendCurve(found);
-  const std::size_t num_bends = model_.curve.lag();
-  if (num_bends > 0) found.curve = found.fit;
+  const std::size_t num_curve_numbers = model_.curve.lag();
+  if (num_curve_numbers > 0) found.curve = found.fit;
   freePresses(straight, straight_fit);
   if (straight.press_spread > 0) {
     freePresses(model_, found);
-    const auto presses = static_cast<double>(model_.stamps.size() - 1), more = static_cast<double>(num_bends);
-    if (num_bends > 0 && !isBetterFit(presses * straight.press_spread * straight.press_spread,
-                                      presses * model_.press_spread * model_.press_spread, more, presses - more, kOneInTwenty)) {
+    const auto presses = static_cast<double>(model_.stamps.size() - 1), more = static_cast<double>(num_curve_numbers);
+    if (num_curve_numbers > 0 && !isBetterFit(presses * straight.press_spread * straight.press_spread,
+                                              presses * model_.press_spread * model_.press_spread, more, presses - more, kOneInTwenty)) {
       model_ = std::move(straight);
       found = std::move(straight_fit);
     }
