@@ -104,7 +104,7 @@ shared uint group_list[GROUPS_PER_BATCH];      // first cluster | (how many - 1)
 shared uint cluster_list[kClustersPerBatch];
 shared uint num_listed_groups;
 shared uint num_listed_clusters;
-shared int active_box[4];    // in samples: first row, last row, first col, last col
+shared int active_box[4];    // in samples of the tile: first row, last row, first col, last col
 shared uint num_deep;
 shared uint any_behind;
 shared uint tile_list[REPEAT];
@@ -113,6 +113,7 @@ shared uint lowest_bits;
 
 // The window of samples that this workgroup rasters, in samples of the patch, and how a height becomes the tile's number.
 vec2 tile_first, tile_end;  // half-open
+uvec2 tile_size;  // in taxels
 uint tile_stride;
 float z_limit;  // m: surfaces at or above cannot touch
 float z_base;   // m: what the tile's numbers count from
@@ -132,6 +133,7 @@ bool isSeen(float z) {
 bool cut_short = false;
 
 #include "lib/workgroup.glsl"
+#include "lib/whole.glsl"
 #include "lib/transform.glsl"
 #include "lib/slots.glsl"
 #include "lib/polyhedron.glsl"
@@ -149,7 +151,6 @@ float sample_area;   // m^2
 vec2 patch_corner;   // of sample (0, 0), in P, m
 uvec4 grid;          // of the patch, PatchRecord
 uvec2 tile_taxel;    // first one of the tile
-uvec2 tile_size;     // in taxels
 float offset_z;      // by which a load search over several tiles has moved the objects along z of S, m
 
 #include "lib/bodies.glsl"
@@ -230,7 +231,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   }
 
   // Stage 1. First which objects reach into the window, and how low.
-  Box reached = emptyBox();
+  Box reached = noSamples();
   float lowest_bound = kMiss;
   Body body;
   int id = -1;
@@ -239,12 +240,12 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
     body = bodyInSlot(instance * num_slots + slot, max(id, 0));
     body.near = body.near && id >= 0;
     if (!body.near) continue;
-    grow(reached, body.center, body.half_size);
+    grow(reached, samplesUnder(body));
     float lowest = body.center.z - body.half_size.z;
     if (SEARCH == kSearchInTile && (KINDS & (1u << kKindHalfSpace)) != 0 && body.kind_groups.x == kKindHalfSpace) lowest = lowestCorner(body);
     lowest_bound = min(lowest_bound, lowest);
   }
-  if (kLeavesUntouched && reached.low.x > reached.high.x) {
+  if (kLeavesUntouched && !isAny(reached)) {
     leaveUntouched(instance, tile_number, lane, WORKGROUP);
     return;
   }
@@ -252,10 +253,10 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   barrier();
 
   // Then their heights. The active part of the window is where clusters and solids reach.
-  Box active_part = emptyBox();
+  Box active_part = noSamples();
   if (usesTile()) {
     bool one_batch = !MANY_SLOTS && body.kind_groups.x == kKindMesh && body.kind_groups.z <= GROUPS_PER_BATCH;
-    if (!one_batch) clearTile(Box(reached.low - 1.0, reached.high + 1.0));
+    if (!one_batch) clearTile(reached);
     barrier();
     for (uint slot = 0; slot < num_slots; ++slot) {
       if (MANY_SLOTS) {  // a single slot's body is at hand
@@ -266,11 +267,12 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
       if (!body.near) continue;
       raster_slot = slot;
       bool is_mesh = body.kind_groups.x == kKindMesh;
+      subpixel_bits = int(body.kind_groups.w & kSubpixelMask);
       if (kHasMesh && (!kHasAnalytic || is_mesh)) rasterMesh(body, fromLattice(body, id), active_part, one_batch);
       if (kHasAnalytic && (!kHasMesh || !is_mesh)) {
         if (isKind(body.kind_groups.x, kKindPolyhedron)) loadFaces(body.kind_groups.y, body.X_PO);
         rasterAnalytic(body, objects[id].parameters);
-        grow(active_part, body.center, body.half_size);
+        grow(active_part, samplesUnder(body));
       }
     }
   } else {
@@ -282,9 +284,10 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
 
   // The rectangle of taxels that can carry force, in taxels of this tile, half-open.
   uvec2 active_first = uvec2(0), active_count = uvec2(0);
-  if (active_box[1] >= 0 && active_box[3] >= 0) {
-    active_first = uvec2(active_box[0], active_box[2]) / SAMPLES - tile_taxel;
-    active_count = uvec2(active_box[1], active_box[3]) / SAMPLES - tile_taxel + 1u - active_first;
+  Box active_samples = activeBox();
+  if (isAny(active_samples)) {
+    active_first = uvec2(active_samples.first) / SAMPLES;
+    active_count = uvec2(active_samples.last) / SAMPLES + 1u - active_first;
   }
   uint num_active = active_count.x * active_count.y;
 

@@ -53,6 +53,7 @@ shared uint peak_bits[kTeams], num_regions[kTeams], picked_sum[kTeams], picked[k
 bool cut_short = false;
 
 #include "lib/workgroup.glsl"
+#include "lib/whole.glsl"
 #include "lib/readout.glsl"
 
 // What a team has written is there for all of it.

@@ -72,6 +72,7 @@ uvec2 window_first, window_count;
 bool cut_short = false;
 
 #include "lib/workgroup.glsl"
+#include "lib/whole.glsl"
 #include "lib/philox.glsl"
 #include "lib/spread.glsl"
 #include "lib/lag.glsl"

@@ -16,7 +16,7 @@ bool outsideTile(vec3 center, vec3 half_size) {
          center.y + reach.y < tile_first.y || center.y - reach.y > tile_end.y - 1.0;
 }
 
-int objectInSlot(uint slot_index) { return int(poses[slot_index].object.x); }
+int objectInSlot(uint slot_index) { return wholeNumber(poses[slot_index].object.x); }
 
 Body bodyInSlot(uint slot_index, int id) {
   Body body;
@@ -34,23 +34,31 @@ Body bodyInSlot(uint slot_index, int id) {
   return body;
 }
 
+// Samples of the tile, first and last row and column; none where a last is before its first.
 struct Box {
-  vec2 low, high;  // in samples, closed
+  ivec2 first, last;
 };
 
-void grow(inout Box box, vec3 center, vec3 half_size) {
-  box.low = min(box.low, center.xy - half_size.xy - 1e-3);
-  box.high = max(box.high, center.xy + half_size.xy + 1e-3);
+bool isAny(Box box) { return box.first.x <= box.last.x && box.first.y <= box.last.y; }
+Box noSamples() { return Box(ivec2(0x7FFFFFFF), ivec2(-1)); }
+
+void grow(inout Box box, Box other) {
+  box.first = min(box.first, other.first);
+  box.last = max(box.last, other.last);
 }
 
-Box emptyBox() { return Box(vec2(kMiss), vec2(-kMiss)); }
+// Samples of the tile that a body's bounds may cover, and those next to them: boxes of its clusters are a little larger.
+Box samplesUnder(Body body) {
+  vec2 low = floor(body.center.xy - body.half_size.xy - 1e-3), high = ceil(body.center.xy + body.half_size.xy + 1e-3);
+  return Box(wholeNumbers(clamp(low, tile_first, tile_end) - tile_first), wholeNumbers(clamp(high, tile_first - 1.0, tile_end - 1.0) - tile_first));
+}
 
 void addToActive(Box box) {
-  vec2 low = max(floor(box.low), tile_first);
-  vec2 high = min(ceil(box.high), tile_end - 1.0);
-  if (low.x > high.x || low.y > high.y) return;
-  atomicMin(active_box[0], int(low.x));
-  atomicMax(active_box[1], int(high.x));
-  atomicMin(active_box[2], int(low.y));
-  atomicMax(active_box[3], int(high.y));
+  if (!isAny(box)) return;
+  atomicMin(active_box[0], box.first.x);
+  atomicMax(active_box[1], box.last.x);
+  atomicMin(active_box[2], box.first.y);
+  atomicMax(active_box[3], box.last.y);
 }
+
+Box activeBox() { return Box(ivec2(active_box[0], active_box[2]), ivec2(active_box[1], active_box[3])); }

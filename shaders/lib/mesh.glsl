@@ -1,26 +1,37 @@
 // Stage 1 for meshes: culling of blocks, groups and clusters, and their triangles into the tile. Included by contact.comp, whose names it uses.
 
+// To (u, v, z) as shaders/lib/raster.glsl has them.
 Affine fromLattice(Body body, int id) {
   vec4 lattice = objects[id].lattice;
   vec4 middle = vec4(lattice.xyz, 1);
+  float units = float(1 << subpixel_bits);
   Affine X;
-  X.row0 = vec4(body.to_samples.row0.xyz * lattice.w, dot(body.to_samples.row0, middle));
-  X.row1 = vec4(body.to_samples.row1.xyz * lattice.w, dot(body.to_samples.row1, middle));
+  X.row0 = vec4(body.to_samples.row0.xyz * lattice.w, dot(body.to_samples.row0, middle) - tile_first.x) * units;
+  X.row1 = vec4(body.to_samples.row1.xyz * lattice.w, dot(body.to_samples.row1, middle) - tile_first.y) * units;
   X.row2 = vec4(body.to_samples.row2.xyz * lattice.w, dot(body.to_samples.row2, middle));
   return X;
+}
+
+// Mesa's software driver does arithmetic from before a barrier anew wherever its result is used behind it, in the midst of loops, too. What is multiplied
+// by a 1 that it cannot foresee is at hand.
+Affine atHand(Affine X) {
+  float one = num_deep == 0xFFFFFFFFu ? 0.0 : 1.0;
+  return Affine(X.row0 * one, X.row1 * one, X.row2 * one);
 }
 
 const int kLatticeMiddle = 1 << (kLatticeBits - 1);
 const uint kFirstMask = (1u << kFirstBits) - 1u;
 
-// Whether the box of a group or cluster reaches into the window and over any sample; `center` and `half_size` are its bounds in (u, v, z).
-bool boxReaches(Affine from_lattice, uvec2 box_xy, uint box_z, out vec3 center, out vec3 half_size) {
+// Whether the box of a group or cluster is low enough and over any sample; which of the tile's, at most.
+bool boxReaches(Affine from_lattice, uvec2 box_xy, uint box_z, out Box reached) {
   uvec3 box = uvec3(box_xy, box_z);
-  vec3 low = vec3(box & 0xFFFFu), high = vec3(box >> 16);
+  vec3 low = vec3(box & 0xFFFFu), high = vec3(box >> 16), center, half_size;
   const float kUnit = float(1u << kBoxShift);
   boundsOfImage(from_lattice, (low + high) * (0.5 * kUnit) - float(kLatticeMiddle), (high - low) * (0.5 * kUnit), center, half_size);
-  vec2 first = ceil(center.xy - half_size.xy - 1e-3), last = floor(center.xy + half_size.xy + 1e-3);
-  return !outsideTile(center, half_size) && first.x <= last.x && first.y <= last.y;
+  // A hair larger: what is rounded differently than the vertices never cuts off a triangle.
+  int hair = 2 + ((1 << subpixel_bits) >> 10);
+  reached = Box(firstSample(wholeNumbers(center.xy - half_size.xy) - hair), lastSample(wholeNumbers(center.xy + half_size.xy) + hair));
+  return center.z - half_size.z * (1.0 + 1e-6) - 1e-8 < z_limit && isAny(reached);
 }
 
 vec3 unpackVertex(uint vertex) {
@@ -30,11 +41,14 @@ vec3 unpackVertex(uint vertex) {
   return vec3(ivec3(q) - kLatticeMiddle);
 }
 
+Vertex vertexOf(Affine from_lattice, uint number) {
+  vec3 image = apply(from_lattice, unpackVertex(number));
+  return Vertex(wholeNumbers(image.xy), image.z);
+}
+
 void rasterNumbered(Affine from_lattice, uint quad, bool large) {
-  vec3 p = apply(from_lattice, unpackVertex(4 * quad));
-  vec3 q = apply(from_lattice, unpackVertex(4 * quad + 1));
-  vec3 r = apply(from_lattice, unpackVertex(4 * quad + 2));
-  vec3 s = apply(from_lattice, unpackVertex(4 * quad + 3));
+  Vertex p = vertexOf(from_lattice, 4 * quad), q = vertexOf(from_lattice, 4 * quad + 1);
+  Vertex r = vertexOf(from_lattice, 4 * quad + 2), s = vertexOf(from_lattice, 4 * quad + 3);
   if (TRIANGLES == 1 || (TRIANGLES == 3 && !large)) rasterBySamples(p, q, r, s);
   if (TRIANGLES == 2 || (TRIANGLES == 3 && large)) {
     rasterBySpans(p, q, r);
@@ -44,11 +58,9 @@ void rasterNumbered(Affine from_lattice, uint quad, bool large) {
 
 // Samples of the box, whole taxels of them, are without a surface.
 void clearTile(Box box) {
-  vec2 low = max(floor(box.low), tile_first) - tile_first;
-  vec2 high = min(ceil(box.high), tile_end - 1.0) - tile_first;
-  if (low.x > high.x || low.y > high.y) return;
-  uvec2 first = uvec2(low) / SAMPLES * SAMPLES;
-  uvec2 end = (uvec2(high) / SAMPLES + 1u) * SAMPLES;
+  if (!isAny(box)) return;
+  uvec2 first = uvec2(box.first) / SAMPLES * SAMPLES;
+  uvec2 end = (uvec2(box.last) / SAMPLES + 1u) * SAMPLES;
   for (uint row = first.x + gl_LocalInvocationIndex; row < end.x; row += WORKGROUP) {
     for (uint address = row * tile_stride + first.y; address < row * tile_stride + end.y; ++address) tile[address] = kEmpty;
   }
@@ -57,25 +69,26 @@ void clearTile(Box box) {
 // The box of a group or block; `items` is what it holds.
 bool groupReaches(Affine from_lattice, uint group, out uint items) {
   uvec2 box_xy = wordsOf(groups[2 * group]), box_z_items = wordsOf(groups[2 * group + 1]);
-  vec3 center, half_size;
+  Box reached;
   items = box_z_items.y;
-  return boxReaches(from_lattice, box_xy, box_z_items.x, center, half_size);
+  return boxReaches(from_lattice, box_xy, box_z_items.x, reached);
 }
 
 // Of the listed groups those clusters that reach into the window, of these all quads. `active_part` grows by the bounds of these clusters; with `clear` the
 // tile is cleared there first. Before and after, all invocations have met.
 void rasterListedGroups(Body body, Affine from_lattice, inout Box active_part, bool clear) {
   uint lane = gl_LocalInvocationIndex;
-  vec3 center, half_size;
+  Box reached;
+  Affine X = atHand(from_lattice);
   for (uint g = 0; g < num_listed_groups; ++g) {
     uint group = group_list[g];
     uint first = (group & kFirstMask) + lane, end = (group & kFirstMask) + (group >> kFirstBits) + 1u;
     // As bits first: the list is asked for room once for all that this invocation finds.
     uint reaching = 0;
     for (uint c = first, bit = 1u; c < end; c += WORKGROUP, bit <<= 1) {
-      if (boxReaches(from_lattice, wordsOf(clusters[2 * c]), wordsOf(clusters[2 * c + 1]).x, center, half_size)) {
+      if (boxReaches(X, wordsOf(clusters[2 * c]), wordsOf(clusters[2 * c + 1]).x, reached)) {
         reaching |= bit;
-        grow(active_part, center, half_size);
+        grow(active_part, reached);
       }
     }
     if (reaching == 0) continue;
@@ -85,14 +98,15 @@ void rasterListedGroups(Body body, Affine from_lattice, inout Box active_part, b
   if (clear) {
     addToActive(active_part);
     barrier();
-    clearTile(Box(vec2(active_box[0], active_box[2]), vec2(active_box[1], active_box[3])));
+    clearTile(activeBox());
   }
   barrier();
+  X = atHand(from_lattice);
   uint items = num_listed_clusters * kQuadsPerCluster;
   uint i = lane;
   for (; i < items; i += WORKGROUP) {
     uint quad = cluster_list[i / kQuadsPerCluster] * kQuadsPerCluster + i % kQuadsPerCluster;
-    rasterNumbered(from_lattice, quad, body.kind_groups.w != 0);
+    rasterNumbered(X, quad, (body.kind_groups.w & kLargeTriangles) != 0);
   }
   cut_short = cut_short || i < items;
   barrier();

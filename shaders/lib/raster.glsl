@@ -1,101 +1,164 @@
 // Triangles into the depth tile, by one invocation each, or two at a time. Twin: src/reference/depth.cpp (rays).
 //
-// Vertices come as (u, v, z): u and v in samples of the patch, sample (a, b) at u = a, v = b; z in m, in P. Rows run along u. The tile keeps the lowest
+// Which samples a triangle covers is found in integers, exactly: a vertex is at (u, v) in units of 2^-subpixel_bits of the samples' spacing, from the
+// tile's first sample; sample (a, b) is at (a, b) << subpixel_bits. Rows run along u. Heights z are floats, in m, in P. The tile keeps the lowest
 // surface: atomicMin on the bits of a float that is never negative orders like the float itself, and the order of triangles does not show.
 
-void lowerTile(uint address, float z) { atomicMin(tile[address], withSlot(max(z - z_base, 0.0), raster_slot)); }
+int subpixel_bits;  // of the mesh on its way into the tile, ObjectRecord
 
-// For triangles of about the size of the samples' spacing, two that share the edge from q to r, (p, q, r) and (r, q, s): every sample of the
-// bounding box is tested against the five edges. An edge's value comes from the two vertices relative to the sample, so two triangles that share the edge
-// find the same number with opposite signs, and a sample on it belongs to both: no gap.
-void rasterBySamples(vec3 p, vec3 q, vec3 r, vec3 s) {
-  if (min(min(p.z, q.z), min(r.z, s.z)) >= z_limit) return;
-  vec2 first = max(ceil(min(min(p.xy, q.xy), min(r.xy, s.xy))), tile_first);
-  vec2 last = min(floor(max(max(p.xy, q.xy), max(r.xy, s.xy))), tile_end - 1.0);
+struct Vertex {
+  ivec2 at;
+  float z;
+};
+
+// As integers, a negative float is a negative number.
+void lowerTile(uint address, float z) {
+  int height = max(floatBitsToInt(z - z_base), 0);
+  atomicMin(tile[address], withSlot(intBitsToFloat(height), raster_slot));
+}
+
+// First and last sample of the tile from `low` to `high`; none where one is greater.
+ivec2 firstSample(ivec2 low) { return max((low + ((1 << subpixel_bits) - 1)) >> subpixel_bits, 0); }
+ivec2 lastSample(ivec2 high) { return min(high >> subpixel_bits, ivec2(tile_size * SAMPLES) - 1); }
+
+// Twice the area of the origin, q and r: the edge function of q and r at the origin, positive on one side of the edge.
+int edge(ivec2 q, ivec2 r) { return q.x * r.y - q.y * r.x; }
+
+// For triangles of about the size of the samples' spacing, two that share the edge from q to r, (p, q, r) and (r, q, s): every sample of the bounding
+// box is tested against the five edges. No edge is longer than kSmallEdge units, so 32 bits hold the products. A sample on an edge belongs to both.
+//
+//    p ------ r      An edge's value changes by the same amount from each sample of a row to the next, and by another from the end of one row to the
+//    |      / |      start of the next. Of a triangle seen from behind all signs are turned: its mask is ~0, and (e + mask) ^ mask is negative
+//    |    /   |      where -e is. What is left of three of these is or-ed: the sample is covered unless its sign is set.
+//    |  /     |
+//    q ------ s
+void rasterBySamples(Vertex p, Vertex q, Vertex r, Vertex s) {
+  if (p.z >= z_limit && q.z >= z_limit && r.z >= z_limit && s.z >= z_limit) return;
+  ivec2 first = firstSample(min(min(p.at, q.at), min(r.at, s.at)));
+  ivec2 last = lastSample(max(max(p.at, q.at), max(r.at, s.at)));
   if (first.x > last.x || first.y > last.y) return;
-  // Seen edge-on there is no height.
-  float area_p = (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x);
-  float area_s = (q.x - r.x) * (s.y - r.y) - (q.y - r.y) * (s.x - r.x);
-  bool has_p = area_p != 0.0, has_s = area_s != 0.0;
-  vec3 heights_p = vec3(p.z, q.z, r.z) / (has_p ? area_p : 1.0);
-  vec3 heights_s = vec3(r.z, q.z, s.z) / (has_s ? area_s : 1.0);
-  uint row_address = uint(first.x - tile_first.x) * tile_stride + uint(first.y - tile_first.y);
-  uint address = row_address;
-  vec2 at = first;
-  while (at.x <= last.x) {
-    vec2 tp = p.xy - at, tq = q.xy - at, tr = r.xy - at, ts = s.xy - at;
-    precise float qr = tq.x * tr.y - tq.y * tr.x;
-    precise float rp = tr.x * tp.y - tr.y * tp.x;
-    precise float pq = tp.x * tq.y - tp.y * tq.x;
-    precise float qs = tq.x * ts.y - tq.y * ts.x;
-    precise float sr = ts.x * tr.y - ts.y * tr.x;
-    float z_p = dot(vec3(qr, rp, pq), heights_p), z_s = dot(vec3(qs, sr, -qr), heights_s);
+  ivec2 steps = last - first;
+
+  // Values over the first sample.
+  ivec2 origin = first << subpixel_bits;
+  p.at -= origin;
+  q.at -= origin;
+  r.at -= origin;
+  s.at -= origin;
+  int qr = edge(q.at, r.at);
+  int rp = edge(r.at, p.at), pq = edge(p.at, q.at);
+  int qs = edge(q.at, s.at), sr = edge(s.at, r.at);
+  int area_p = qr + rp + pq, area_s = qs + sr - qr;
+  int mask_p = area_p >> 31, mask_s = area_s >> 31;
+
+  // Heights as p's or s's and what the others add. Seen edge-on there is none.
+  vec2 slope_p = vec2(q.z - p.z, r.z - p.z) * (1.0 / float(area_p)), slope_s = vec2(r.z - s.z, q.z - s.z) * (1.0 / float(area_s));
+  if (area_p == 0) p.z = kMiss, slope_p = vec2(0);
+  if (area_s == 0) s.z = kMiss, slope_s = vec2(0);
+
+  ivec2 along_qr = (r.at - q.at) << subpixel_bits, along_rp = (p.at - r.at) << subpixel_bits, along_pq = (q.at - p.at) << subpixel_bits;
+  ivec2 along_qs = (s.at - q.at) << subpixel_bits, along_sr = (r.at - s.at) << subpixel_bits;
+  int wrap_qr = -along_qr.y - steps.y * along_qr.x, wrap_rp = -along_rp.y - steps.y * along_rp.x, wrap_pq = -along_pq.y - steps.y * along_pq.x;
+  int wrap_qs = -along_qs.y - steps.y * along_qs.x, wrap_sr = -along_sr.y - steps.y * along_sr.x;
+
+  uint address = uint(first.x) * tile_stride + uint(first.y);
+  uint wrap_address = tile_stride - uint(steps.y);
+  int count = (steps.x + 1) * (steps.y + 1), next_wrap = steps.y;
+  int k = 0;
+  for (; k < count; ++k) {
+    bool outside_p = ((((qr + mask_p) ^ mask_p) | ((rp + mask_p) ^ mask_p) | ((pq + mask_p) ^ mask_p)) < 0);
+    bool outside_s = ((((mask_s - qr) ^ mask_s) | ((qs + mask_s) ^ mask_s) | ((sr + mask_s) ^ mask_s)) < 0);
+    float z_p = p.z + float(rp) * slope_p.x + float(pq) * slope_p.y;
+    float z_s = s.z + float(qs) * slope_s.x + float(sr) * slope_s.y;
     float z = kMiss;
-    if (has_p && (min(qr, min(rp, pq)) >= 0.0 || max(qr, max(rp, pq)) <= 0.0) && isSeen(z_p)) z = z_p;
-    if (has_s && (min(-qr, min(qs, sr)) >= 0.0 || max(-qr, max(qs, sr)) <= 0.0) && isSeen(z_s)) z = min(z, z_s);
+    if (!outside_p && isSeen(z_p)) z = z_p;
+    if (!outside_s && isSeen(z_s)) z = z_s < z ? z_s : z;
     if (z < kMiss) lowerTile(address, z);
-    at.y += 1.0;
-    ++address;
-    if (at.y > last.y) {
-      at = vec2(at.x + 1.0, first.y);
-      row_address += tile_stride;
-      address = row_address;
-    }
+    bool wraps = k == next_wrap;
+    qr += wraps ? wrap_qr : along_qr.x;
+    rp += wraps ? wrap_rp : along_rp.x;
+    pq += wraps ? wrap_pq : along_pq.x;
+    qs += wraps ? wrap_qs : along_qs.x;
+    sr += wraps ? wrap_sr : along_sr.x;
+    address += wraps ? wrap_address : 1u;
+    next_wrap += wraps ? steps.y + 1 : 0;
   }
-  cut_short = cut_short || at.x <= last.x;
+  cut_short = cut_short || k < count;
 }
 
 // For larger triangles: row by row.
 //
 //        v ->
 //   u    top *                 A row a crosses the long edge top-bottom and one of the two short ones; the samples between the
-//   |       / \                crossings, half-open, are covered. A crossing is computed from the edge's upper and lower vertex alone, so
-//   v   row/---\  <- a         two triangles that share an edge find the same number and leave no gap between them.
-//         /    * middle
+//   |       / \                crossings, half-open, are covered. A crossing is guessed in floats and settled by 64-bit products of the
+//   v   row/---\  <- a         edge's upper and lower vertex alone, so two triangles that share an edge find the same sample and leave no
+//         /    * middle        gap between them.
 //        * bottom
-float crossing(vec3 upper, vec3 lower, float a) { return upper.y + (a - upper.x) * ((lower.y - upper.y) / (lower.x - upper.x)); }
 
-void rasterBySpans(vec3 p, vec3 q, vec3 r) {
+// a.x a.y >= b.x b.y
+bool isProductAtLeast(ivec2 a, ivec2 b) {
+  int a_high, b_high, a_low, b_low;
+  imulExtended(a.x, a.y, a_high, a_low);
+  imulExtended(b.x, b.y, b_high, b_low);
+  return a_high > b_high || (a_high == b_high && uint(a_low) >= uint(b_low));
+}
+
+// First sample of the row at `row`, in units, that is not before the edge; the edge crosses the row.
+int crossing(ivec2 upper, ivec2 lower, int row) {
+  ivec2 edge = lower - upper;
+  int along = row - upper.x;
+  int guess = (upper.y + int(float(along) * float(edge.y) / float(edge.x))) >> subpixel_bits;
+  int b = guess - 1;
+  for (int k = 0; k < 3; ++k) {
+    if (!isProductAtLeast(ivec2((b << subpixel_bits) - upper.y, edge.x), ivec2(along, edge.y))) ++b;
+  }
+  return b;
+}
+
+void rasterBySpans(Vertex p, Vertex q, Vertex r) {
   float z_low = min(p.z, min(q.z, r.z));
   if (z_low >= z_limit) return;
   float z_high = max(p.z, max(q.z, r.z));
 
   // Sort by u.
-  vec3 top = p, middle = q, bottom = r;
-  if (top.x > middle.x) { vec3 swap = top; top = middle; middle = swap; }
-  if (middle.x > bottom.x) { vec3 swap = middle; middle = bottom; bottom = swap; }
-  if (top.x > middle.x) { vec3 swap = top; top = middle; middle = swap; }
+  Vertex top = p, middle = q, bottom = r;
+  if (top.at.x > middle.at.x) { Vertex swap = top; top = middle; middle = swap; }
+  if (middle.at.x > bottom.at.x) { Vertex swap = middle; middle = bottom; bottom = swap; }
+  if (top.at.x > middle.at.x) { Vertex swap = top; top = middle; middle = swap; }
 
-  float first_row = max(ceil(top.x), tile_first.x);
-  float end_row = min(ceil(bottom.x), tile_end.x);
-  float v_low = min(top.y, min(middle.y, bottom.y));
-  float v_high = max(top.y, max(middle.y, bottom.y));
-  if (first_row >= end_row || ceil(v_low) >= min(ceil(v_high), tile_end.y) || v_high < tile_first.y) return;
+  ivec2 first = firstSample(ivec2(top.at.x, min(top.at.y, min(middle.at.y, bottom.at.y))));
+  ivec2 last = lastSample(ivec2(bottom.at.x, max(top.at.y, max(middle.at.y, bottom.at.y))));
+  if (first.x > last.x || first.y > last.y) return;
 
-  // Plane z = z0 + gradient . (u - u0, v - v0).
-  vec3 e1 = middle - top, e2 = bottom - top;
-  float determinant = e1.x * e2.y - e2.x * e1.y;
+  // Plane z = z0 + gradient . (u - u0, v - v0), in samples.
+  vec2 to_middle = vec2(middle.at - top.at), to_bottom = vec2(bottom.at - top.at);
+  float determinant = to_middle.x * to_bottom.y - to_bottom.x * to_middle.y;
   if (determinant == 0.0) return;
-  vec2 gradient = vec2(e1.z * e2.y - e2.z * e1.y, e1.x * e2.z - e2.x * e1.z) / determinant;
+  float per_sample = float(1 << subpixel_bits) / determinant;
+  float rise_middle = middle.z - top.z, rise_bottom = bottom.z - top.z;
+  vec2 gradient = vec2(rise_middle * to_bottom.y - rise_bottom * to_middle.y, to_middle.x * rise_bottom - to_bottom.x * rise_middle) * per_sample;
+  vec2 top_sample = vec2(top.at) / float(1 << subpixel_bits);
 
-  float a = first_row;
-  for (; a < end_row; a += 1.0) {
-    float v_long = crossing(top, bottom, a);
-    float v_short = a < middle.x ? crossing(top, middle, a) : crossing(middle, bottom, a);
-    float b_first = max(ceil(min(v_long, v_short)), tile_first.y);
-    float b_end = min(ceil(max(v_long, v_short)), tile_end.y);
+  int a = first.x;
+  for (; a <= last.x; ++a) {
+    int row = a << subpixel_bits;
+    if (row == bottom.at.x) break;  // the rows, too, are half-open
+    int b_long = crossing(top.at, bottom.at, row);
+    bool upper = row < middle.at.x;
+    int b_short = crossing(upper ? top.at : middle.at, upper ? middle.at : bottom.at, row);
+    int b_first = max(min(b_long, b_short), first.y), b_end = min(max(b_long, b_short), last.y + 1);
     // Leave out the part of the row that is too high to touch; one sample more on the open side, tested below.
-    float z_row = top.z + gradient.x * (a - top.x);
-    float b_limit = top.y + (z_limit - z_row) / gradient.y;
-    if (gradient.y > 0.0) b_end = min(b_end, ceil(b_limit) + 1.0);
-    if (gradient.y < 0.0) b_first = max(b_first, floor(b_limit) - 1.0);
-    uint address = uint(a - tile_first.x) * tile_stride + uint(max(b_first - tile_first.y, 0.0));
-    float b = b_first;
-    for (; b < b_end; b += 1.0, ++address) {
-      float z = clamp(z_row + gradient.y * (b - top.y), z_low, z_high);
+    float z_row = top.z + gradient.x * (float(a) - top_sample.x);
+    float b_limit = clamp(top_sample.y + (z_limit - z_row) / gradient.y, float(b_first) - 2.0, float(b_end) + 2.0);
+    if (gradient.y > 0.0) b_end = min(b_end, int(ceil(b_limit)) + 1);
+    if (gradient.y < 0.0) b_first = max(b_first, int(floor(b_limit)) - 1);
+    uint address = uint(a) * tile_stride + uint(b_first);
+    int b = b_first;
+    for (; b < b_end; ++b, ++address) {
+      float z = clamp(z_row + gradient.y * (float(b) - top_sample.y), z_low, z_high);
       if (isSeen(z)) lowerTile(address, z);
     }
     cut_short = cut_short || b < b_end;
   }
-  cut_short = cut_short || a < end_row;
+  cut_short = cut_short || a < last.x;
 }

@@ -40,7 +40,8 @@ float unlimited(float y) {
 
 uint countsOf(float force, float gain, float trigger, float noise) {
   float counts = OUTPUT_SCALE * limited(curveAt(gain * force - trigger)) + noise;
-  return uint(clamp(floor(counts + 0.5), 0.0, SATURATION));
+  float whole = clamp(floor(counts + 0.5), 0.0, SATURATION);
+  return SATURATION < kMostWhole ? uint(wholeNumber(whole)) : uint(whole);
 }
 
 // Newton's method on the rising curve, from its own tangent at 0; straight lines are done at once.

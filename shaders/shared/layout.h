@@ -36,10 +36,14 @@ TAXELSIM_CONSTANT kQuadWords = 8u;  // four vertices of two words: x | y << 21, 
 TAXELSIM_CONSTANT kQuadsPerCluster = 4u;
 TAXELSIM_CONSTANT kClustersPerGroup = 32u;
 TAXELSIM_CONSTANT kGroupsPerBlock = 16u;  // boxes of a mesh's blocks follow those of its groups
+// Seen by a sensor, vertices are rounded to 2^-subpixel_bits of the samples' spacing, and quads are either all small, no edge longer than
+// 2^kSmallEdgeBits of these units, or rastered row by row.
+TAXELSIM_CONSTANT kSubpixelMask = 0xFFu;
+TAXELSIM_CONSTANT kLargeTriangles = 0x100u;
+TAXELSIM_CONSTANT kSmallEdgeBits = 14u;
 
 struct ObjectRecord {
-  uvec4 kind_groups;  // kind; of meshes first group, number of groups, 1 where triangles are large against the samples; of polyhedra first
-                      // face
+  uvec4 kind_groups;  // kind; of meshes first group, number of groups, subpixel bits | kLargeTriangles; of polyhedra first face
   vec4 parameters;    // of analytic solids: radius and half length, half sizes, radius and height, both radii
   vec4 lattice;       // of meshes: the middle of the lattice in O, m; lattice_step, m
   vec4 center;        // of the bounding box, in O, m

@@ -60,6 +60,15 @@ std::uint64_t turnsOfTime(const Readout& readout) {
   return readout.hysteresis_strength.size() + readout.creep.size() + kRounds * draws;
 }
 
+SampleGrid sampleGrid(const Sensor& sensor, const PackedSensor& packed) {
+  double finest = std::numeric_limits<double>::infinity();
+  for (const GridPatch& patch : sensor.patches) finest = std::min({finest, patch.pitch[0], patch.pitch[1]});
+  std::uint32_t longest = 0;
+  for (const layout::TileRecord& tile : packed.tiles) longest = std::max({longest, tile.size.x, tile.size.y});
+  const auto per_taxel = static_cast<std::uint32_t>(sensor.samples_per_taxel);
+  return {finest / per_taxel, longest * per_taxel};
+}
+
 // An object's bounds in O with the endless ones cut, for the bracket of the load search.
 Bounds cutBounds(const Object& object) {
   constexpr double kReach = 1;  // m
@@ -123,7 +132,7 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
     }
     return buffer;
   };
-  const PackedObjects packed_objects = packObjects(objects, contact_sensor.patches.front().pitch[0] / contact_sensor.samples_per_taxel);
+  const PackedObjects packed_objects = packObjects(objects, sampleGrid(contact_sensor, contact_packed));
   object_records = upload("objects", packed_objects.objects);
   groups = upload("groups", packed_objects.groups);
   clusters = upload("clusters", packed_objects.clusters);
@@ -144,7 +153,7 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
   for (const layout::ObjectRecord& record : packed_objects.objects) {
     kinds |= 1u << record.kind_groups.x;
     if (record.kind_groups.x == layout::kKindMesh) most_groups = std::max(most_groups, record.kind_groups.z);
-    if (record.kind_groups.x == layout::kKindMesh) triangles_of |= record.kind_groups.w == 0 ? 1u : 2u;
+    if (record.kind_groups.x == layout::kKindMesh) triangles_of |= (record.kind_groups.w & layout::kLargeTriangles) == 0 ? 1u : 2u;
   }
   groups_per_batch = chooseGroupsPerBatch(info, contact_packed.max_tile_samples, most_groups);
   has_blocks = most_groups > groups_per_batch;

@@ -1,6 +1,5 @@
 #include "simulation/pack_objects.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
@@ -19,9 +18,6 @@ constexpr std::uint32_t kMaxClusters = 1u << (layout::kFirstBits - 2);
 
 // Stands for infinity in bounds; squares of it are finite floats.
 constexpr float kEndless = 1e9f;
-
-// Triangles whose root mean area is this many sample spacings are rastered row by row, smaller ones sample by sample.
-constexpr double kLargeTriangle = 6;
 
 // Faces that a polyhedron may have: with more, rastering its triangles is as fast.
 constexpr std::size_t kMaxFaces = 16;
@@ -42,16 +38,7 @@ void packQuad(const Quad& quad, PackedObjects& packed) {
   }
 }
 
-double meanTriangleSize(const Mesh& mesh) {
-  double twice_area = 0;
-  for (const std::array<std::uint32_t, 3>& t : mesh.triangles) {
-    const Eigen::Map<const Eigen::Vector3f> a(mesh.vertices[t[0]].data()), b(mesh.vertices[t[1]].data()), c(mesh.vertices[t[2]].data());
-    twice_area += static_cast<double>((b - a).cross(c - a).norm());
-  }
-  return std::sqrt(twice_area / 2 / static_cast<double>(mesh.triangles.size()));
-}
-
-void packMesh(const Mesh& mesh, double sample_spacing, PackedObjects& packed, layout::ObjectRecord& record) {
+void packMesh(const Mesh& mesh, const SampleGrid& grid, PackedObjects& packed, layout::ObjectRecord& record) {
   const ClusteredMesh clustered = clusterMesh(mesh);
   const auto first_group = static_cast<std::uint32_t>(packed.groups.size());
   const auto first_cluster = static_cast<std::uint32_t>(packed.clusters.size());
@@ -59,8 +46,9 @@ void packMesh(const Mesh& mesh, double sample_spacing, PackedObjects& packed, la
     throw Error(ErrorKind::kInput,
                 "the objects have more than " + std::to_string(kMaxClusters * kQuadsPerCluster) + " pairs of triangles together");
   }
-  const bool large = meanTriangleSize(mesh) > kLargeTriangle * sample_spacing;
-  record.kind_groups = {layout::kKindMesh, first_group, static_cast<std::uint32_t>(clustered.groups.size()), large ? 1u : 0u};
+  const Raster raster = chooseRaster(mesh, grid);
+  record.kind_groups = {layout::kKindMesh, first_group, static_cast<std::uint32_t>(clustered.groups.size()),
+                        static_cast<std::uint32_t>(raster.subpixel_bits) | (raster.large ? layout::kLargeTriangles : 0u)};
   record.lattice = {static_cast<float>(clustered.middle[0]), static_cast<float>(clustered.middle[1]),
                     static_cast<float>(clustered.middle[2]), static_cast<float>(clustered.step)};
   for (const ClusterBox& group : clustered.groups) packed.groups.push_back(packBox(group, first_cluster));
@@ -114,7 +102,7 @@ struct PackSolid {
 
 }  // namespace
 
-PackedObjects packObjects(std::span<const Object> objects, double sample_spacing) {
+PackedObjects packObjects(std::span<const Object> objects, const SampleGrid& grid) {
   PackedObjects packed;
   const std::vector<std::vector<Face>> faces = polyhedra(objects);
   for (const std::vector<Face>& of_one : faces) packed.num_faces = std::max(packed.num_faces, static_cast<std::uint32_t>(of_one.size()));
@@ -131,7 +119,7 @@ PackedObjects packObjects(std::span<const Object> objects, double sample_spacing
     std::visit(PackSolid{record}, object.shape);
     if (const Mesh* mesh = std::get_if<Mesh>(&object.shape)) {
       if (faces.empty()) {
-        packMesh(*mesh, sample_spacing, packed, record);
+        packMesh(*mesh, grid, packed, record);
       } else {
         packFaces(faces[num_meshes++], packed, record);
       }

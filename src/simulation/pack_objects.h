@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "shared/layout.h"
+#include "simulation/raster.h"
 #include "taxelsim/object.h"
 
 namespace taxelsim {
@@ -19,8 +20,7 @@ struct PackedObjects {
   std::uint32_t num_faces = 1;       // of each polyhedron; those of one with fewer are repeated
 };
 
-// Where every mesh is convex and has few faces, they become polyhedra. `sample_spacing` (m): triangles much longer than it are rastered row
-// by row.
-PackedObjects packObjects(std::span<const Object> objects, double sample_spacing);
+// Where every mesh is convex and has few faces, they become polyhedra.
+PackedObjects packObjects(std::span<const Object> objects, const SampleGrid& grid);
 
 }  // namespace taxelsim

@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <string>
 
 #include "reference/features.h"
 #include "reference/readout.h"
+#include "simulation/raster.h"
 
 namespace taxelsim::support {
 namespace {
@@ -124,9 +126,21 @@ void expectFeatures(const FeatureView& view, int instance, const Sensor& sensor,
 
 }  // namespace
 
-Rounding roundingFor(std::span<const reference::PlacedObject> objects) {
+Rounding roundingFor(const Sensor& sensor, std::span<const reference::PlacedObject> objects) {
+  double finest = std::numeric_limits<double>::infinity(), coarsest = 0;
+  int longest = 0;
+  for (const GridPatch& patch : sensor.patches) {
+    finest = std::min({finest, patch.pitch[0], patch.pitch[1]});
+    coarsest = std::max({coarsest, patch.pitch[0], patch.pitch[1]});
+    longest = std::max({longest, patch.num_rows, patch.num_cols});
+  }
+  const int s = sensor.samples_per_taxel;
   Rounding rounding = kRounding;
   for (const reference::PlacedObject& placed : objects) {
+    if (const Mesh* mesh = std::get_if<Mesh>(&placed.object->shape)) {
+      const Raster raster = chooseRaster(*mesh, {finest / s, static_cast<std::uint32_t>(longest * s)});
+      rounding.shift = std::max(rounding.shift, kShift + 0.5 * std::ldexp(coarsest / s, -raster.subpixel_bits));
+    }
     if (std::holds_alternative<Torus>(placed.object->shape)) {
       rounding.margin_z = kTorusMarginZ;
     }

@@ -35,7 +35,8 @@ inline constexpr double kRelativeMoment = 64 * kUlp;
 inline constexpr double kRelativeInverse = 512 * kUlp;
 
 inline constexpr Rounding kRounding{kShift, kMarginZ, kRelativeForce, kAbsoluteForce};
-Rounding roundingFor(std::span<const reference::PlacedObject> objects);
+// With the torus's and, of meshes, that of their vertices to fractions of the sample spacing.
+Rounding roundingFor(const Sensor& sensor, std::span<const reference::PlacedObject> objects);
 
 // The one device of this process, with validation on: any message makes the next wait throw.
 const Device& sharedDevice();

@@ -49,7 +49,7 @@ void comparePoses(Random& random, const Sensor& sensor, const std::vector<Object
   for (int i = 0; i < kNumInstances; ++i) {
     SCOPED_TRACE(objects[touches[i].ids[0]].name);
     const auto placed = touches[i].placed(objects);
-    support::expectMatches(frame, i, sensor, support::frameEnvelope(sensor, placed, support::roundingFor(placed)));
+    support::expectMatches(frame, i, sensor, support::frameEnvelope(sensor, placed, support::roundingFor(sensor, placed)));
   }
 }
 
@@ -153,7 +153,7 @@ TEST(Curved, AFlatListIsTheGridThatItCopies) {
     SCOPED_TRACE(i);
     const auto placed = touches[i].placed(objects);
     // Each within the same bounds, which are those of the samples that both have.
-    const support::FrameEnvelope envelope = support::frameEnvelope(grid, placed, support::roundingFor(placed));
+    const support::FrameEnvelope envelope = support::frameEnvelope(grid, placed, support::roundingFor(grid, placed));
     support::expectMatches(one, i, grid, envelope);
     support::expectMatches(other, i, list, envelope);
     EXPECT_NEAR(one.ground_truth.total_force[i], other.ground_truth.total_force[i], envelope.total_high - envelope.total_low);
@@ -275,7 +275,7 @@ TEST(Curved, OneTo4096Taxels) {
     support::expectWellFormed(frame, sensor, 2);
     for (int i = 0; i < 2; ++i) {
       const auto placed = touches[i].placed(objects);
-      support::expectMatches(frame, i, sensor, support::frameEnvelope(sensor, placed, support::kRounding));
+      support::expectMatches(frame, i, sensor, support::frameEnvelope(sensor, placed, support::roundingFor(sensor, placed)));
     }
   }
 }

@@ -59,7 +59,7 @@ void runScene(const SceneKind& kind, int seed) {
   support::expectWellFormed(frame, sensor, num_instances);
   for (int i = 0; i < num_instances; ++i) {
     const auto placed = touches[i].placed(objects);
-    const support::FrameEnvelope envelope = support::frameEnvelope(sensor, placed, support::roundingFor(placed));
+    const support::FrameEnvelope envelope = support::frameEnvelope(sensor, placed, support::roundingFor(sensor, placed));
     EXPECT_LT(support::looseness(sensor, envelope), kLoosestEnvelope);
     support::expectMatches(frame, i, sensor, envelope);
     EXPECT_EQ(frame.ground_truth.load_offset[i], 0);
@@ -117,7 +117,9 @@ void runSensor(const Sensor& sensor, double radius, int num_subdivisions = 3, in
   const FrameView frame = simulator.read();
   support::expectWellFormed(frame, sensor, num_instances);
   for (int i = 0; i < num_instances; ++i) {
-    support::expectMatches(frame, i, sensor, support::frameEnvelope(sensor, touches[i].placed(objects), support::kRounding));
+    support::expectMatches(
+        frame, i, sensor,
+        support::frameEnvelope(sensor, touches[i].placed(objects), support::roundingFor(sensor, touches[i].placed(objects))));
   }
 }
 

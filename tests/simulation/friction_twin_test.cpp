@@ -279,7 +279,7 @@ void runPath(const PathKind& kind, int seed) {
     for (int i = 0; i < kNumInstances; ++i) {
       SCOPED_TRACE("step " + std::to_string(step) + ", instance " + std::to_string(i));
       const auto placed = touches[i].placed(objects, frame.ground_truth.load_offset[i]);
-      support::Rounding rounding = support::roundingFor(placed);
+      support::Rounding rounding = support::roundingFor(sensor, placed);
       // A pose that a load search moves is rounded once more.
       rounding.margin_z += (kind.num_slots > 1 ? kSlotRounding : 0) + (kind.with_loads ? support::kMarginZ : 0);
       tracked[i] = advance(sensor, placed, rounding, tracked[i], dt, kind.num_slots > 1 ? 0x1p-20 : 0);

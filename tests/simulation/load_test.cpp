@@ -65,7 +65,7 @@ void runLoads(const Sensor& sensor, const std::vector<Object>& objects, const st
       continue;
     }
     // Poses are rounded to float32 after the move, like any pose.
-    support::Rounding rounding = support::roundingFor(placed);
+    support::Rounding rounding = support::roundingFor(sensor, placed);
     rounding.margin_z += offsetSlack(sensor);
     const auto envelope = support::frameEnvelope(sensor, touches[i].placed(objects, offset), rounding);
     support::expectMatches(frame, i, sensor, envelope);

@@ -175,7 +175,7 @@ void runPath(const PathKind& kind, int seed) {
       const bool driven = !std::isnan(loads[i]);
       const double offset = frame.ground_truth.load_offset[i];
       const auto placed = touches[i].placed(objects, offset);
-      support::Rounding rounding = support::roundingFor(placed);
+      support::Rounding rounding = support::roundingFor(sensor, placed);
       // A pose that a load search moves is rounded once more.
       rounding.margin_z += driven ? support::kMarginZ : 0;
       const auto envelope = support::frameEnvelope(sensor, placed, rounding, {}, dt, &tracked[i].bounds);
@@ -253,7 +253,8 @@ TEST(RelaxationOnDevice, LargestSensor) {
     support::setTouches(simulator, {touch});
     simulator.step(1e-3);
     support::expectMatches(simulator.read(), 0, sensor,
-                           support::frameEnvelope(sensor, touch.placed(objects), support::kRounding, {}, 1e-3, &tracked.bounds));
+                           support::frameEnvelope(sensor, touch.placed(objects), support::roundingFor(sensor, touch.placed(objects)), {},
+                                                  1e-3, &tracked.bounds));
   }
 }
 

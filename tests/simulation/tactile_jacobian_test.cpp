@@ -99,7 +99,7 @@ ByTwist grossOf(const TactileJacobian& twin, double extent) {
 
 struct Corners {
   Corners(const Sensor& sensor, std::span<const reference::PlacedObject> objects, const reference::ReadoutDraw& draw) {
-    const support::Rounding rounding = support::roundingFor(objects);
+    const support::Rounding rounding = support::roundingFor(sensor, objects);
     const auto at = [&](double x, double y, double z) {
       return reference::tactileJacobian(sensor, frameAt(sensor, objects, {x * rounding.shift, y * rounding.shift}, z * rounding.margin_z),
                                         draw);

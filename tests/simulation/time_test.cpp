@@ -35,8 +35,8 @@ TEST(Damping, FollowsTheTwinAcrossSteps) {
       const double dt = random.uniform(0.005, 0.02);
       support::setTouches(simulator, {touch});
       simulator.step(dt);
-      const auto envelope =
-          support::frameEnvelope(sensor, touch.placed(objects), support::kRounding, previous, static_cast<double>(static_cast<float>(dt)));
+      const auto envelope = support::frameEnvelope(sensor, touch.placed(objects), support::roundingFor(sensor, touch.placed(objects)),
+                                                   previous, static_cast<double>(static_cast<float>(dt)));
       support::expectMatches(simulator.read(), 0, sensor, envelope);
       previous = envelope.penetration;
       touch.X_SO[0].position[2] += random.uniform(-0.3e-3, 0.3e-3);

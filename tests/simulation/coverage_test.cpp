@@ -1,0 +1,195 @@
+// Which samples triangles cover, against exact arithmetic: vertices lie on fractions of the sample spacing that the device keeps, so both
+// see the same triangles, and no sample may differ but those on an edge.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "simulation/comparison.h"
+#include "simulation/raster.h"
+#include "support/random_scene.h"
+
+namespace taxelsim {
+namespace {
+
+using support::Random;
+
+constexpr int kRows = 24, kCols = 56;  // one sample per taxel
+constexpr double kSpacing = 0x1p-10;   // m: positions of samples and vertices are exact in binary
+constexpr int kFractionBits = 7;       // of the spacing, on which vertices lie
+constexpr std::int64_t kUnit = 1 << kFractionBits;
+constexpr double kThickness = 0x1p-9;  // m, about 2 mm
+// A vertex is rounded to 2^-21 of the object, which is as large as the sensor. A height lies on a plane whose slope is off by some
+// roundings of the rise over the width of the triangle; slivers are 80 samples long and two units wide at most, and a sample may be as far
+// from the corner.
+constexpr double kHeightRounding = 0x1p-21 * 2 * kCols * kSpacing + 4 * support::kUlp * kThickness * (80 * kUnit / 2);
+
+struct Point {
+  std::int64_t u, v;  // in units, from the first sample
+  double z;           // m
+};
+using Triangle = std::array<Point, 3>;
+
+// Twice the area of a, b and p.
+std::int64_t edge(const Point& a, const Point& b, std::int64_t u, std::int64_t v) {
+  return (b.u - a.u) * (v - a.v) - (b.v - a.v) * (u - a.u);
+}
+
+// What the triangles leave of one sample.
+struct Oracle {
+  double height = std::numeric_limits<double>::infinity();  // the lowest over it
+  bool on_edge = false;
+};
+
+Oracle look(const std::vector<Triangle>& triangles, int row, int col) {
+  Oracle seen;
+  const std::int64_t u = row * kUnit, v = col * kUnit;
+  for (const auto& [a, b, c] : triangles) {
+    const std::int64_t area = edge(a, b, c.u, c.v);
+    if (area == 0) continue;
+    const std::int64_t sign = area > 0 ? 1 : -1;
+    const std::array<std::int64_t, 3> weights{sign * edge(b, c, u, v), sign * edge(c, a, u, v), sign * edge(a, b, u, v)};
+    const auto lowest = *std::min_element(weights.begin(), weights.end());
+    if (lowest < 0) continue;
+    seen.on_edge = seen.on_edge || lowest == 0;
+    const auto w = [&](int k) { return static_cast<double>(weights[static_cast<std::size_t>(k)]); };
+    seen.height = std::min(seen.height, (w(0) * a.z + w(1) * b.z + w(2) * c.z) / static_cast<double>(sign * area));
+  }
+  return seen;
+}
+
+Mesh meshOf(const std::vector<Triangle>& triangles) {
+  Mesh mesh;
+  const auto place = [](std::int64_t units, int count) {
+    return static_cast<float>((static_cast<double>(units) / kUnit - (count - 1) / 2.0) * kSpacing);
+  };
+  for (const Triangle& triangle : triangles) {
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (const Point& p : triangle) mesh.vertices.push_back({place(p.u, kRows), place(p.v, kCols), static_cast<float>(p.z)});
+    mesh.triangles.push_back({first, first + 1, first + 2});
+  }
+  return mesh;
+}
+
+Sensor sensorOfSamples() {
+  Sensor sensor = support::gridSensor({.num_rows = kRows, .num_cols = kCols, .samples_per_taxel = 1, .law = {1.73e8, 1, 0}});
+  sensor.patches[0].pitch = {kSpacing, kSpacing};
+  sensor.skin.thickness = kThickness;
+  return sensor;
+}
+
+// Depths of all samples, mesh by mesh, m.
+std::vector<float> depthsOf(const Sensor& sensor, const std::vector<std::vector<Triangle>>& drawn) {
+  std::vector<Object> objects;
+  std::vector<int> ids;
+  for (const std::vector<Triangle>& triangles : drawn) {
+    ids.push_back(static_cast<int>(objects.size()));
+    objects.emplace_back("triangles " + std::to_string(ids.back()), meshOf(triangles));
+  }
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+  Simulator simulator(model, {.num_instances = static_cast<int>(ids.size())});
+  simulator.setObjects(ids, std::vector<Pose>(ids.size()));
+  simulator.step(1e-3);
+  const auto depths = simulator.read().ground_truth.penetration_depth;
+  return {depths.begin(), depths.end()};
+}
+
+// A third of the triangles are slivers: their third vertex is within two units of the line through the others.
+std::vector<Triangle> randomTriangles(Random& random, int count, double size) {
+  const auto units = [&](double samples) { return static_cast<std::int64_t>(std::lround(samples * kUnit)); };
+  std::vector<Triangle> triangles;
+  for (int n = 0; n < count; ++n) {
+    const Point a{units(random.uniform(-2, kRows + 1)), units(random.uniform(-2, kCols + 1)), random.uniform(-0.9, -0.1) * kThickness};
+    Triangle triangle{a, a, a};
+    for (Point* p : {&triangle[1], &triangle[2]}) {
+      *p = {a.u + units(random.uniform(-size, size)), a.v + units(random.uniform(-size, size)), random.uniform(-0.9, -0.1) * kThickness};
+    }
+    if (n % 3 == 0) {
+      const double share = random.uniform(0, 1);
+      const Point& b = triangle[1];
+      triangle[2].u = a.u + std::llround(share * static_cast<double>(b.u - a.u)) + random.integer(-2, 2);
+      triangle[2].v = a.v + std::llround(share * static_cast<double>(b.v - a.v)) + random.integer(-2, 2);
+    }
+    triangles.push_back(triangle);
+  }
+  return triangles;
+}
+
+struct Kind {
+  const char* name;
+  int count;
+  double size;  // of triangles, in samples
+  bool large;
+
+  friend void PrintTo(const Kind& kind, std::ostream* out) { *out << kind.name; }
+};
+
+class Coverage : public ::testing::TestWithParam<Kind> {};
+
+// A crossing of an edge and a row comes so near to a sample that a float would not tell them apart once in some ten thousand.
+TEST_P(Coverage, OfLooseTrianglesIsExact) {
+  constexpr int kDraws = 48;
+  const Kind& kind = GetParam();
+  const Sensor sensor = sensorOfSamples();
+  std::vector<std::vector<Triangle>> drawn;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    Random random(static_cast<std::uint64_t>(100 + draw));
+    drawn.push_back(randomTriangles(random, kind.count, kind.size));
+    const Raster raster = chooseRaster(meshOf(drawn.back()), {kSpacing, kCols});
+    ASSERT_EQ(raster.large, kind.large);
+    ASSERT_GE(raster.subpixel_bits, kFractionBits);
+  }
+  const std::vector<float> depths = depthsOf(sensor, drawn);
+  int num_covered = 0, num_wrong = 0;
+  for (std::size_t k = 0; k < depths.size(); ++k) {
+    const auto draw = static_cast<int>(k) / (kRows * kCols), sample = static_cast<int>(k) % (kRows * kCols);
+    const Oracle seen = look(drawn[static_cast<std::size_t>(draw)], sample / kCols, sample % kCols);
+    if (seen.on_edge) continue;
+    const double expected = std::isinf(seen.height) ? 0 : -seen.height;
+    num_covered += expected > 0;
+    num_wrong += std::abs(depths[k] - expected) > kHeightRounding;
+  }
+  EXPECT_EQ(num_wrong, 0);
+  EXPECT_GT(num_covered, 5000);
+}
+
+// Two triangles in each cell of a grid whose corners were moved, but for every fourth, which lies on a sample: no sample of the sensor may
+// fall through.
+TEST_P(Coverage, OfASheetHasNoGap) {
+  constexpr int kDraws = 8;
+  const Kind& kind = GetParam();
+  const auto cell = static_cast<int>(std::ceil(kind.size));
+  const int rows = (kRows + 4 * cell) / cell, cols = (kCols + 4 * cell) / cell;
+  std::vector<std::vector<Triangle>> drawn;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    Random random(static_cast<std::uint64_t>(200 + draw));
+    std::vector<Point> corners;
+    for (int n = 0; n < (rows + 1) * (cols + 1); ++n) {
+      const bool on_sample = random.integer(0, 3) == 0;
+      const int most = on_sample ? 0 : static_cast<int>(0.3 * kind.size * kUnit);
+      const auto moved = [&](int index) { return (index - 1) * cell * kUnit + random.integer(-most, most); };
+      corners.push_back({moved(n / (cols + 1)), moved(n % (cols + 1)), random.uniform(-0.9, -0.1) * kThickness});
+    }
+    std::vector<Triangle>& triangles = drawn.emplace_back();
+    for (int n = 0; n < rows * cols; ++n) {
+      const auto at = static_cast<std::size_t>(n / cols * (cols + 1) + n % cols), below = at + static_cast<std::size_t>(cols + 1);
+      triangles.push_back({corners[at], corners[below], corners[at + 1]});
+      triangles.push_back({corners[at + 1], corners[below], corners[below + 1]});
+    }
+  }
+  const std::vector<float> depths = depthsOf(sensorOfSamples(), drawn);
+  EXPECT_EQ(std::count(depths.begin(), depths.end(), 0.0f), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Triangles, Coverage,
+                         ::testing::Values(Kind{"Small", 400, 2.5, false}, Kind{"Tiny", 3000, 0.7, false}, Kind{"Large", 30, 40, true}),
+                         [](const auto& of) { return std::string(of.param.name); });
+
+}  // namespace
+}  // namespace taxelsim
