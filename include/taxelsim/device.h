@@ -34,6 +34,8 @@ struct DeviceOptions {
   // Core and synchronisation validation; also switched on by TAXELSIM_VALIDATION=1. Any message makes the next wait throw. Throws when
   // the layers are not installed.
   bool validation = false;
+  // Compiled kernels are kept for the next process, in a file of the user's cache folder. Not for who makes hundreds of variants once.
+  bool keep_kernels = true;
 };
 
 // Every device that can run taxelsim (Vulkan 1.2, compute queue), best first. Throws Error(kDevice) when there is no Vulkan at all.

@@ -1,10 +1,11 @@
-// Where the library logs: the logger "taxelsim", to stderr unless the program has registered one of that name.
+// Where the library logs, line by line: to the logger "taxelsim" of spdlog, on stderr unless the program has registered one of that name.
 #pragma once
 
-#include <spdlog/logger.h>
+#include <string_view>
 
 namespace taxelsim {
 
-spdlog::logger& log();
+void logDebug(std::string_view line);
+void logError(std::string_view line);
 
 }  // namespace taxelsim

@@ -257,8 +257,8 @@ Mesh loadMesh(const std::filesystem::path& file, const MeshOptions& options) {
     const Mesh full = import(file, extension, options);
     mesh = simplified(full, options.max_depth_error);
     if (mesh.triangles.size() < full.triangles.size()) {
-      log().debug("{}: {} of {} triangles stay, within {} m", oneLine(file.string()), mesh.triangles.size(), full.triangles.size(),
-                  options.max_depth_error);
+      logDebug(oneLine(file.string()) + ": " + std::to_string(mesh.triangles.size()) + " of " + std::to_string(full.triangles.size()) +
+               " triangles stay, within " + numberText(options.max_depth_error) + " m");
     }
   } catch (const std::bad_alloc&) {
     fail(file, "takes more memory than there is");

@@ -25,7 +25,7 @@ VKAPI_ATTR VkBool32 VKAPI_CALL onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT 
   auto& vulkan = *static_cast<Context::Vulkan*>(user);
   const std::string message = data->pMessage;
   if (severity >= VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT) {
-    log().error("validation: {}", message);
+    logError("validation: " + message);
     const std::lock_guard lock(vulkan.message_mutex);
     if (vulkan.first_message.empty()) vulkan.first_message = message;
   }
@@ -106,7 +106,7 @@ void throwDeviceError(const vk::SystemError& error, const std::string& what, con
   throw Error(ErrorKind::kDevice, what + " failed: " + vk::to_string(result));
 }
 
-Context::Context(const DeviceOptions& options) : vulkan_(std::make_unique<Vulkan>()) {
+Context::Context(const DeviceOptions& options) : vulkan_(std::make_unique<Vulkan>()), keeps_kernels_(options.keep_kernels) {
   const bool validation = options.validation || environmentFlag("TAXELSIM_VALIDATION");
   Vulkan& vulkan = *vulkan_;
   checked("opening Vulkan", "", [&] { vulkan.instance = makeInstance(vulkan.loader, validation); });
@@ -159,11 +159,11 @@ Context::Context(const DeviceOptions& options) : vulkan_(std::make_unique<Vulkan
   checked("opening device " + info_.name, "", [&] {
     vulkan.device = vk::raii::Device(vulkan.physical, vk::DeviceCreateInfo({}, queue, {}, {}, &features));
     vulkan.queue = vulkan.device.getQueue(vulkan.queue_family, 0);
-    const std::filesystem::path file = cacheFile(info_);
+    const std::filesystem::path file = keeps_kernels_ ? cacheFile(info_) : std::filesystem::path();
     const std::vector<std::uint8_t> bytes = file.empty() ? std::vector<std::uint8_t>() : readFile(file);
     vulkan.pipeline_cache = vulkan.device.createPipelineCache({{}, bytes.size(), bytes.data()});
   });
-  log().debug("device {}: {} ({})", info_.index, info_.name, info_.driver);
+  logDebug("device " + std::to_string(info_.index) + ": " + info_.name + " (" + info_.driver + ")");
 }
 
 Context::~Context() {
@@ -171,7 +171,7 @@ Context::~Context() {
 }
 
 void Context::savePipelineCache() {
-  if (!vulkan_->pipelines_changed.exchange(false)) return;
+  if (!vulkan_->pipelines_changed.exchange(false) || !keeps_kernels_) return;
   const std::filesystem::path file = cacheFile(info_);
   if (file.empty()) return;
   try {
@@ -183,7 +183,7 @@ void Context::savePipelineCache() {
         .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     std::filesystem::rename(temporary, file);
   } catch (const std::exception& error) {
-    log().debug("pipeline cache not saved: {}", error.what());
+    logDebug(std::string("pipeline cache not saved: ") + error.what());
   }
 }
 

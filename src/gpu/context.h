@@ -23,8 +23,8 @@ class Context {
   // Whether kernels may use integers of 64 bits; switched on where the device has them.
   bool hasInt64() const { return has_int64_; }
 
-  // Writes the pipeline cache to disk if new pipelines were made; called by the owner of the last pipeline of a batch of them. Errors are
-  // logged only: a cache is never worth a failure.
+  // Writes the pipeline cache to disk if new pipelines were made and are to be kept; called by the owner of the last pipeline of a batch of
+  // them. Errors are logged only: a cache is never worth a failure.
   void savePipelineCache();
 
   // Throws Error(kDevice) with the first validation message since the last call, if there was any.
@@ -37,6 +37,7 @@ class Context {
   std::unique_ptr<Vulkan> vulkan_;
   DeviceInfo info_;
   bool has_int64_ = false;
+  bool keeps_kernels_ = true;
 };
 
 }  // namespace taxelsim::gpu

@@ -3,11 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <cstdlib>
+#include <filesystem>
 #include <stdexcept>
 
 #include "gpu/kernel.h"
 #include "gpu/reflection.h"
 #include "load.spv.h"
+#include "support/temporary_directory.h"
 #include "taxelsim/device.h"
 
 namespace taxelsim {
@@ -45,6 +48,21 @@ TEST(Kernel, IsReflected) {
 TEST(Kernel, AsDeclaredIsBuilt) {
   const Device device = Device::open({});
   EXPECT_EQ(gpu::Kernel(device.context(), loadKernel()).numBuffers(), 4u);
+}
+
+// A process of its own reads the environment: that of this one is left as it was.
+TEST(Kernel, IsKeptForTheNextProcessOnlyIfWanted) {
+  for (const bool keep : {false, true}) {
+    const testing::TemporaryDirectory cache;
+    const auto run = [&] {
+      setenv("XDG_CACHE_HOME", cache.path().c_str(), 1);
+      const Device device = Device::open({.keep_kernels = keep});
+      const gpu::Kernel kernel(device.context(), loadKernel());
+      device.context().savePipelineCache();
+      std::_Exit(std::filesystem::exists(cache / "taxelsim") == keep ? 0 : 1);
+    };
+    EXPECT_EXIT(run(), ::testing::ExitedWithCode(0), "") << keep;
+  }
 }
 
 TEST(Kernel, WrongNamesAndNumbersAreRefused) {
