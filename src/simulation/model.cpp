@@ -18,12 +18,6 @@
 namespace taxelsim {
 namespace {
 
-// Most samples of a tile, whatever the shared memory: more would leave a GPU's core too few workgroups.
-constexpr std::uint32_t kMaxTileSamples = 6144;
-// Shared memory of the contact pass beside the tile, at most: partial sums and lists, of clusters of kGroupsPerBatch groups.
-constexpr std::uint32_t kTileOverhead = 6656;
-constexpr std::uint32_t kGroupsPerBatch = 32;
-
 // Turns that one invocation alone would take for an elastic layer: two products of all strips with all others in some of the iterations,
 // the window being a part of them, and one of the dents of a skin that relaxes.
 std::uint64_t layerWork(const Sensor& sensor, const PackedLayer& layer) {
@@ -38,19 +32,6 @@ std::uint32_t layerLanes(const DeviceInfo& info, std::uint64_t work) {
   constexpr std::uint64_t kFewest = 8, kMost = 256;
   if (info.type != DeviceType::kCpu) return 64;
   return static_cast<std::uint32_t>(std::clamp(std::bit_ceil(work / kMaxTurns), kFewest, kMost));
-}
-
-// Groups of clusters that the contact pass culls between two barriers: a barrier costs a software driver some microseconds, so there as
-// many as a mesh has, if the lists fit beside the tile. On a GPU memory is what limits how many workgroups run.
-std::uint32_t chooseGroupsPerBatch(const DeviceInfo& info, std::uint32_t tile_samples, std::uint32_t most_groups) {
-  constexpr std::uint32_t kMost = 128;
-  std::uint32_t groups = kGroupsPerBatch;
-  const auto bytes = [&] { return 4 * tile_samples + kTileOverhead + 4 * (groups - kGroupsPerBatch) * (layout::kClustersPerGroup + 1); };
-  while (info.type == DeviceType::kCpu && groups < std::min(kMost, most_groups)) {
-    groups *= 2;
-    if (bytes() > info.shared_memory) return groups / 2;
-  }
-  return groups;
 }
 
 // Turns per taxel that stage 4 and imperfections add to the image pass: elements, terms, and the rounds of each draw.
@@ -90,7 +71,7 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
   }
   const DeviceInfo& info = device.info();
   num_taxels = static_cast<std::uint32_t>(numTaxels(sensor));
-  const std::uint32_t tile_samples = std::min(kMaxTileSamples, (info.shared_memory - kTileOverhead) / 4);
+  const std::uint32_t tile_samples = mostTileSamples(info);
   if (std::holds_alternative<ElasticLayer>(sensor.skin.law)) layer = packLayer(sensor);
   // An elastic layer is cut into tiles only where its heights are found.
   packed = packSensor(sensor, layer ? std::numeric_limits<std::uint32_t>::max() : tile_samples);
@@ -118,9 +99,15 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
   image_workgroup = chooseWorkgroup(options.image_workgroup, info, 64, image_work, "image_workgroup");
   // On a software driver every invocation has an instance of its own, unless that would be too many turns for it.
   const bool alone = info.type == DeviceType::kCpu && options.image_workgroup == 0 && image_work <= kMaxTurns;
-  image_team = alone ? 1 : std::min(image_workgroup, packed.image_lanes);
-  contact_repeat = chooseRepeat(info, contact_work / contact_workgroup, packed.tiles.size() > 1 ? kMaxTileRepeat : kMaxRepeat);
-  image_repeat = chooseRepeat(info, image_work / image_team);
+  const Tuning& tuning = options.tuning;
+  image_team =
+      tunedSize(tuning.image_team, alone ? 1 : std::min(image_workgroup, packed.image_lanes), 1, image_workgroup, "tuning.image_team");
+  image_partials = imagePartials(image_workgroup, image_team, packed.image_lanes);
+  if (tuning.image_team != 0) checkImageFits(info, image_workgroup, image_team, image_partials);
+  const std::uint32_t most_repeat = packed.tiles.size() > 1 ? kMaxTileRepeat : kMaxRepeat;
+  contact_repeat =
+      tunedRepeat(tuning.contact_repeat, chooseRepeat(info, contact_work / contact_workgroup, most_repeat), "tuning.contact_repeat");
+  image_repeat = tunedRepeat(tuning.image_repeat, chooseRepeat(info, image_work / image_team), "tuning.image_repeat");
 
   gpu::Context& context = device.context();
   const auto upload = [&]<typename T>(const char* name, const std::vector<T>& values) {
@@ -155,7 +142,12 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
     if (record.kind_groups.x == layout::kKindMesh) most_groups = std::max(most_groups, record.kind_groups.z);
     if (record.kind_groups.x == layout::kKindMesh) triangles_of |= (record.kind_groups.w & layout::kLargeTriangles) == 0 ? 1u : 2u;
   }
-  groups_per_batch = chooseGroupsPerBatch(info, contact_packed.max_tile_samples, most_groups);
+  const std::uint32_t most_samples = contact_packed.max_tile_samples;
+  groups_per_batch = tunedSize(options.tuning.groups_per_batch, chooseGroupsPerBatch(info, most_samples, most_groups),
+                               layout::kGroupsPerBlock, kMostGroupsPerBatch, "tuning.groups_per_batch");
+  if (options.tuning.groups_per_batch != 0 || options.tuning.contact_repeat != 0) {
+    checkContactFits(info, most_samples, groups_per_batch, contact_repeat);
+  }
   has_blocks = most_groups > groups_per_batch;
 }
 
@@ -272,8 +264,6 @@ gpu::Kernel Model::Impl::makeImageKernel(const ImageVariant& variant) const {
   const bool alike = std::all_of(packed.taxels.begin(), packed.taxels.end(), [&](const layout::TaxelRecord& taxel) {
     return taxel.readout.x == 1.0f && taxel.readout.y == static_cast<float>(readout.trigger);
   });
-  constexpr std::uint32_t kNumSums = 19;  // of shaders/image.comp
-  const std::uint32_t num_partials = image_team == 1 ? 1 : image_workgroup / image_team * kNumSums * packed.image_lanes;
   return {device.context(),
           {.name = "image",
            .spirv = k_image_spirv,
@@ -292,7 +282,7 @@ gpu::Kernel Model::Impl::makeImageKernel(const ImageVariant& variant) const {
                                    bits(readout.noise),
                                    variant.random,
                                    image_team,
-                                   num_partials,
+                                   image_partials,
                                    static_cast<std::uint32_t>(readout.hysteresis_strength.size()),
                                    static_cast<std::uint32_t>(readout.creep.size()),
                                    readout.low_pass_time > 0,

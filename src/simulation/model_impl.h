@@ -46,6 +46,7 @@ struct Model::Impl {
   std::uint32_t contact_repeat = 1;  // tiles that a workgroup does one after another
   std::uint32_t image_team = 1;      // invocations that share an instance in the image pass
   std::uint32_t image_repeat = 1;    // instances that such a team does one after another
+  std::uint32_t image_partials = 1;  // partial sums of the image pass's teams
 
   std::uint32_t num_faces = 1;         // of each polyhedron
   std::uint32_t groups_per_batch = 0;  // of clusters, in the contact pass

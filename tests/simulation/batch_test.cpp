@@ -125,6 +125,19 @@ TEST(Batch, TheSizeOfWorkgroupsDoesNotShow) {
   EXPECT_EQ(bits(128, 16), expected);
 }
 
+TEST(Batch, TheTuningDoesNotShow) {
+  const Sensor sensor = busySensor();
+  const Batch batch = randomBatch(sensor, 9);
+  const std::vector<int> all{0, 1, 2, 3, 4, 5, 6, 7, 8};
+  const auto bits = [&](const Tuning& tuning) {
+    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = batch.objects, .image_workgroup = 16, .tuning = tuning});
+    return runBatch(model, batch, all);
+  };
+  const auto expected = bits({});
+  EXPECT_EQ(bits({.contact_repeat = 1, .image_team = 1, .image_repeat = 1, .groups_per_batch = 16}), expected);
+  EXPECT_EQ(bits({.contact_repeat = 4, .image_team = 16, .image_repeat = 2, .groups_per_batch = 64}), expected);
+}
+
 TEST(Batch, NoiseIsKeyedByEpisodeAndSeedNotBySlot) {
   const Sensor sensor = busySensor();
   const std::vector<Object> objects{Object(Sphere{0.01})};

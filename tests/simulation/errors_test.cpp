@@ -1,4 +1,5 @@
 // What a model and a simulator refuse, each with one complete line.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -152,6 +153,40 @@ TEST(ModelErrors, RefusedModels) {
     inputError([&] { Model(support::sharedDevice(), {.sensor = sensor, .objects = {sphere}, .contact_workgroup = workgroup}); });
     inputError([&] { Model(support::sharedDevice(), {.sensor = sensor, .objects = {sphere}, .image_workgroup = workgroup}); });
   }
+}
+
+// Every number of a tuning in turn: what is refused, and the line that names it.
+TEST(ModelErrors, RefusedTunings) {
+  const Sensor sensor = support::gridSensor();
+  const auto refused = [&](const Tuning& tuning, int image_workgroup = 0) {
+    return inputError([&] {
+      Model(support::sharedDevice(),
+            {.sensor = sensor, .objects = {Object(Sphere{0.005})}, .image_workgroup = image_workgroup, .tuning = tuning});
+    });
+  };
+  for (const int number : {-1, 65, 1 << 30}) {
+    EXPECT_THAT(refused({.contact_repeat = number}), ::testing::StartsWith("tuning.contact_repeat: " + std::to_string(number) + " "));
+    EXPECT_THAT(refused({.image_repeat = number}), ::testing::StartsWith("tuning.image_repeat: " + std::to_string(number) + " "));
+  }
+  for (const int number : {-16, 8, 24, 256}) {
+    EXPECT_THAT(refused({.groups_per_batch = number}), ::testing::StartsWith("tuning.groups_per_batch: " + std::to_string(number) + " "));
+  }
+  // A team is a part of its workgroup.
+  for (const int number : {-2, 3, 32}) {
+    EXPECT_THAT(refused({.image_team = number}, 16), ::testing::HasSubstr("a power of two, 1 to 16")) << number;
+  }
+}
+
+// 128 teams of two with the partial sums of 64 lanes: half a megabyte, which no device shares.
+TEST(ModelErrors, ATuningThatTheDeviceHasNoRoomFor) {
+  Sensor sensor = support::gridSensor();
+  sensor.patches[0].num_rows = 64;
+  const std::string message = inputError([&] {
+    Model(support::sharedDevice(),
+          {.sensor = sensor, .objects = {Object(Sphere{0.005})}, .image_workgroup = 256, .tuning = {.image_team = 2}});
+  });
+  EXPECT_THAT(message, ::testing::HasSubstr(std::to_string(4 * 128 * 19 * 64) + " bytes"));
+  EXPECT_THAT(message, ::testing::HasSubstr(std::to_string(support::sharedDevice().info().shared_memory)));
 }
 
 }  // namespace
