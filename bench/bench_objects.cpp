@@ -1,15 +1,10 @@
 #include "bench_objects.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <map>
 #include <numbers>
 #include <random>
-#include <string>
 #include <utility>
 
 namespace taxelsim::bench {
@@ -75,17 +70,28 @@ Mesh ellipsoid(const Vector3& size, int levels) {
   return mesh;
 }
 
-Mesh asLoaded(const Mesh& mesh, double max_depth_error) {
-  const std::filesystem::path file = std::filesystem::temp_directory_path() / ("taxelsim_bench_" + std::to_string(getpid()) + ".obj");
-  {
-    std::ofstream out(file);
-    out.precision(9);
-    for (const auto& [x, y, z] : mesh.vertices) out << "v " << x << ' ' << y << ' ' << z << '\n';
-    for (const auto& [a, b, c] : mesh.triangles) out << "f " << a + 1 << ' ' << b + 1 << ' ' << c + 1 << '\n';
+Mesh hexPrism() {
+  constexpr double kFlatToFlat = 0.012, kLength = 0.06;  // m
+  constexpr std::uint32_t kSides = 6;
+  const double radius = kFlatToFlat / 2 / std::cos(kPi / kSides);
+  Mesh mesh;
+  for (const double x : {-kLength / 2, kLength / 2}) {
+    for (std::uint32_t side = 0; side < kSides; ++side) {
+      const double angle = kPi / 3 * side;
+      mesh.vertices.push_back(
+          {static_cast<float>(x), static_cast<float>(radius * std::cos(angle)), static_cast<float>(radius * std::sin(angle))});
+    }
   }
-  Mesh loaded = loadMesh(file, {.max_depth_error = max_depth_error});
-  std::filesystem::remove(file);
-  return loaded;
+  const auto middle = static_cast<std::uint32_t>(mesh.vertices.size());  // of the end at -x; that at +x follows
+  for (const double x : {-kLength / 2, kLength / 2}) mesh.vertices.push_back({static_cast<float>(x), 0, 0});
+  for (std::uint32_t a = 0; a < kSides; ++a) {
+    const std::uint32_t b = (a + 1) % kSides;
+    for (const Corners& corners :
+         {Corners{a, b, kSides + b}, {a, kSides + b, kSides + a}, {middle, b, a}, {middle + 1, kSides + a, kSides + b}}) {
+      mesh.triangles.push_back(corners);
+    }
+  }
+  return mesh;
 }
 
 Mesh tessellatedCylinder(double radius, double length, int segments) {

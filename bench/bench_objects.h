@@ -12,8 +12,8 @@ namespace taxelsim::bench {
 // them.
 Mesh ellipsoid(const Vector3& size, int levels);
 
-// The mesh as loadMesh() gives it from a file, simplified within `max_depth_error` (m).
-Mesh asLoaded(const Mesh& mesh, double max_depth_error);
+// A hexagonal prism of 24 triangles, 12 mm from flat to flat, 60 mm long along x; a flat looks down. That of scenes/objects/hex_prism.obj.
+Mesh hexPrism();
 
 // The surface of Cylinder{radius, length} in `segments` flat strips.
 Mesh tessellatedCylinder(double radius, double length, int segments);

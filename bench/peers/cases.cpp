@@ -1,9 +1,13 @@
 #include "peers/cases.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <numbers>
 #include <optional>
 #include <random>
@@ -29,6 +33,20 @@ Mesh slab(double side, double height) {
   mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
                     {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
   return mesh;
+}
+
+// The mesh as loadMesh() gives it from a file, simplified within `max_depth_error` (m).
+Mesh asLoaded(const Mesh& mesh, double max_depth_error) {
+  const std::filesystem::path file = std::filesystem::temp_directory_path() / ("taxelsim_bench_" + std::to_string(getpid()) + ".obj");
+  {
+    std::ofstream out(file);
+    out.precision(9);
+    for (const auto& [x, y, z] : mesh.vertices) out << "v " << x << ' ' << y << ' ' << z << '\n';
+    for (const auto& [a, b, c] : mesh.triangles) out << "f " << a + 1 << ' ' << b + 1 << ' ' << c + 1 << '\n';
+  }
+  Mesh loaded = loadMesh(file, {.max_depth_error = max_depth_error});
+  std::filesystem::remove(file);
+  return loaded;
 }
 
 double halfDiagonal(const Sensor& sensor) {
