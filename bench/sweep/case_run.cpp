@@ -149,7 +149,7 @@ CaseResult runCase(const Device& device, const SweepCase& work, const CaseOption
     result.gain = deviceSeconds(result.chosen_time) / deviceSeconds(result.best_time);
     progress("no room for two batches: the gain is from the descent, not from turns");
   }
-  if (result.gain <= 1) {
+  if (result.gain < 1 + options.descent.least_gain) {
     progress("in turns no faster than as chosen: " + differenceText(result.best, result.chosen));
     result.best = result.chosen;
     result.best_time = result.chosen_time;
