@@ -46,14 +46,18 @@ void flushDirectory(const std::filesystem::path& directory) {
   if (descriptor.get() < 0 || (::fsync(descriptor.get()) != 0 && errno != EINVAL)) throwIo("flush directory", directory, errno);
 }
 
-void writeAndFlush(const std::filesystem::path& file, std::span<const std::byte> bytes) {
+void writeAndFlush(const std::filesystem::path& file, const FileContent& content) {
   Descriptor descriptor(::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
   if (descriptor.get() < 0) throwIo("create", file, errno);
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(descriptor.get(), bytes.data(), std::min(bytes.size(), kLargestWrite));
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) throwIo("write", file, errno);
-    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  if (::ftruncate(descriptor.get(), static_cast<off_t>(content.size)) != 0) throwIo("write", file, errno);
+  for (auto [offset, bytes] : content.pieces) {
+    while (!bytes.empty()) {
+      const ssize_t written = ::pwrite(descriptor.get(), bytes.data(), std::min(bytes.size(), kLargestWrite), static_cast<off_t>(offset));
+      if (written < 0 && errno == EINTR) continue;
+      if (written < 0) throwIo("write", file, errno);
+      offset += static_cast<std::uint64_t>(written);
+      bytes = bytes.subspan(static_cast<std::size_t>(written));
+    }
   }
   if (::fsync(descriptor.get()) != 0) throwIo("flush", file, errno);
   if (descriptor.close() != 0) throwIo("close", file, errno);
@@ -62,10 +66,14 @@ void writeAndFlush(const std::filesystem::path& file, std::span<const std::byte>
 }  // namespace
 
 void writeFileAtomically(const std::filesystem::path& file, std::span<const std::byte> bytes) {
+  writeFileAtomically(file, FileContent{.size = bytes.size(), .pieces = {{.offset = 0, .bytes = bytes}}, .made = {}});
+}
+
+void writeFileAtomically(const std::filesystem::path& file, const FileContent& content) {
   const std::filesystem::path temporary =
       file.parent_path() / (std::string(".").append(file.filename().string()).append(kTemporaryMark).append(std::to_string(::getpid())));
   try {
-    writeAndFlush(temporary, bytes);
+    writeAndFlush(temporary, content);
     if (::rename(temporary.c_str(), file.c_str()) != 0) throwIo("rename to", file, errno);
   } catch (...) {
     ::unlink(temporary.c_str());

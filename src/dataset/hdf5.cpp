@@ -10,7 +10,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "rows are hashed as they lie in memory");
 
-constexpr std::size_t kImageIncrement = std::size_t{4} << 20;  // bytes by which a file in memory grows
+constexpr std::size_t kImageIncrement = std::size_t{256} << 10;  // bytes by which a file in memory grows
 
 constexpr std::size_t kSuperblockVersionOffset = 8;  // bytes
 constexpr std::size_t kEndOfFileOffset = 28;
@@ -56,6 +56,11 @@ std::string hdf5Problem() {
 }
 
 Handle::Handle(hid_t id, Closer closer) : id_(checked(id)), closer_(closer) {}
+
+void Handle::close() {
+  checked(closer_(id_));
+  id_ = -1;
+}
 
 hid_t memoryType(ScalarType type) {
   switch (type) {
@@ -149,10 +154,12 @@ struct ImageCallbacks {
   static herr_t forget(void*) { return 0; }
 };
 
-FileImage::FileImage(H5F_libver_t format) {
+FileImage::FileImage(H5F_libver_t format, std::size_t metadata_bytes) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   checked(H5Pset_fapl_core(access, kImageIncrement, false));
   checked(H5Pset_libver_bounds(access, format, format));
+  // In one block at the start, so that the image ends there when rows are placed.
+  checked(H5Pset_meta_block_size(access, metadata_bytes));
   H5FD_file_image_callbacks_t callbacks{ImageCallbacks::allocate,
                                         ImageCallbacks::copy,
                                         ImageCallbacks::reallocate,
@@ -191,17 +198,39 @@ Handle FileImage::createDataset(const std::string& name, ScalarType type, std::s
   return Handle(H5Dcreate2(*file_, name.c_str(), fileType(type), space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose);
 }
 
-std::vector<std::byte> FileImage::close() {
-  checked(H5Fflush(*file_, H5F_SCOPE_GLOBAL));
+void FileImage::placeRows(hid_t data, std::span<const std::byte> rows) {
+  const haddr_t offset = H5Dget_offset(data);
+  if (offset == HADDR_UNDEF || H5Dget_storage_size(data) != rows.size()) throw Hdf5Error("a data set has no room for its rows");
+  placed_.push_back({.offset = offset, .bytes = rows});
+}
+
+FileContent FileImage::close() {
+  file_->close();
   file_.reset();
-  // The buffer grows in steps; the file's own size is in its superblock (HDF5 File Format Specification, "Superblock (Version 2 and 3)").
-  const auto* data = static_cast<const std::byte*>(buffer_.data);
-  std::uint64_t size = 0;
-  if (data == nullptr || buffer_.size < kSuperblockSize || data[kSuperblockVersionOffset] < std::byte{2})
-    throw Hdf5Error("a file in memory did not close");
-  std::memcpy(&size, data + kEndOfFileOffset, sizeof(size));
-  if (size > buffer_.size) throw Hdf5Error("a file in memory did not close whole");
-  return {data, data + size};
+  FileContent content;
+  content.made.reset(std::exchange(buffer_.data, nullptr));
+  // The buffer grows in steps, and ends where nothing but placed rows comes after it; the file's own size is in its superblock (HDF5 File
+  // Format Specification, "Superblock (Version 2 and 3)").
+  const std::span image(static_cast<const std::byte*>(content.made.get()), content.made ? buffer_.size : 0);
+  if (image.size() < kSuperblockSize || image[kSuperblockVersionOffset] < std::byte{2}) throw Hdf5Error("a file in memory did not close");
+  std::memcpy(&content.size, image.data() + kEndOfFileOffset, sizeof(content.size));
+
+  std::sort(placed_.begin(), placed_.end(), [](const FilePiece& a, const FilePiece& b) { return a.offset < b.offset; });
+  std::uint64_t written = 0;  // up to here
+  const auto made_until = [&](std::uint64_t end) {
+    end = std::min<std::uint64_t>(end, image.size());
+    if (written < end) content.pieces.push_back({.offset = written, .bytes = image.subspan(written, end - written)});
+  };
+  for (const FilePiece& rows : placed_) {
+    if (rows.offset < written) throw Hdf5Error("rows overlap in a file in memory");
+    made_until(rows.offset);
+    content.pieces.push_back(rows);
+    written = rows.offset + rows.bytes.size();
+  }
+  made_until(content.size);
+  const FilePiece& last = content.pieces.back();
+  if (last.offset + last.bytes.size() > content.size) throw Hdf5Error("a file in memory did not close whole");
+  return content;
 }
 
 Handle openForReading(const std::filesystem::path& file) {

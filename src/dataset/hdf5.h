@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "dataset/files.h"
 #include "taxelsim/dataset.h"
 
 namespace taxelsim::dataset {
@@ -53,6 +54,8 @@ class Handle {
   Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), closer_(other.closer_) {}
   Handle& operator=(Handle&&) = delete;
   operator hid_t() const { return id_; }  // NOLINT(google-explicit-constructor): passed to C functions only
+  // Closes it now; throws Hdf5Error when that fails.
+  void close();
 
  private:
   hid_t id_;
@@ -78,8 +81,9 @@ std::uint64_t readNumberAttribute(hid_t object, const char* name);
 // A file being made in memory, so that HDF5 never meets a full disk (it cannot close a file that it fails to flush).
 class FileImage {
  public:
-  // `format` is that of the oldest HDF5 that shall read the file.
-  explicit FileImage(H5F_libver_t format);
+  // `format` is that of the oldest HDF5 that shall read the file. `metadata_bytes`: of everything but rows, as a guess; what is more is
+  // put between the rows.
+  FileImage(H5F_libver_t format, std::size_t metadata_bytes);
   ~FileImage();
   FileImage(const FileImage&) = delete;
   FileImage& operator=(const FileImage&) = delete;
@@ -89,8 +93,11 @@ class FileImage {
   Handle datasetProperties() const;
   // Creates a data set, with groups on the way.
   Handle createDataset(const std::string& name, ScalarType type, std::span<const hsize_t> shape, hid_t properties);
-  // Closes the file and gives its bytes, once. Every handle into it must be gone.
-  std::vector<std::byte> close();
+  // Gives the data set its rows without copying them: they are written to the file from where they lie, so they must outlive its content.
+  // The data set is in one piece, its space allocated early, its type in the file that in memory.
+  void placeRows(hid_t data, std::span<const std::byte> rows);
+  // Closes the file and gives its content, once. Every handle into it must be gone.
+  FileContent close();
 
  private:
   struct Buffer {
@@ -100,6 +107,7 @@ class FileImage {
   friend struct ImageCallbacks;
 
   Buffer buffer_;
+  std::vector<FilePiece> placed_;
   std::optional<Handle> file_;
 };
 

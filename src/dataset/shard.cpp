@@ -4,6 +4,7 @@
 #include <span>
 
 #include "base/sha256.h"
+#include "dataset/compressor.h"
 #include "dataset/hdf5.h"
 #include "dataset/manifest.h"
 #include "taxelsim/error.h"
@@ -12,7 +13,13 @@ namespace taxelsim::dataset {
 namespace {
 
 constexpr std::size_t kChunkBytes = std::size_t{256} << 10;  // of a compressed column: small enough for HDF5's chunk cache of 1 MiB
+constexpr std::size_t kMetadataBytes = 4096, kColumnMetadataBytes = 1024;  // of a shard and of each of its columns: headers, attributes
 constexpr const char* kHashAttribute = "sha256";
+
+// Compressed columns have indices of chunks among the rows, whatever is set aside.
+std::size_t metadataBytes(const Manifest& manifest) {
+  return kMetadataBytes + (manifest.compression > 0 ? 0 : manifest.columns.size() * kColumnMetadataBytes);
+}
 
 Column episodeEndsColumn() {
   return {.name = kEpisodeEnds,
@@ -29,21 +36,62 @@ std::vector<hsize_t> shapeOf(const Column& column, std::uint64_t num_rows) {
   return shape;
 }
 
-void writeColumn(FileImage& image, const Column& column, std::uint64_t num_rows, int compression, std::span<const std::byte> rows) {
-  const std::vector<hsize_t> shape = shapeOf(column, num_rows);
-  const Handle properties = image.datasetProperties();
-  if (compression > 0) {
-    std::vector<hsize_t> chunk = shape;
-    chunk[0] = std::clamp<hsize_t>(kChunkBytes / rowBytes(column), 1, num_rows);
-    checked(H5Pset_chunk(properties, static_cast<int>(chunk.size()), chunk.data()));
-    checked(H5Pset_shuffle(properties));
-    checked(H5Pset_deflate(properties, static_cast<unsigned>(compression)));
-  }
-  const Handle data = image.createDataset(column.name, column.type, shape, properties);
+// Rows of a chunk of a compressed column.
+std::uint64_t chunkRows(const Column& column, std::uint64_t num_rows) {
+  return std::clamp<std::uint64_t>(kChunkBytes / rowBytes(column), 1, num_rows);
+}
+
+void describe(hid_t data, const Column& column, std::span<const std::byte> rows) {
   writeAttribute(data, "unit", column.unit);
   writeAttribute(data, "description", column.description);
   writeAttribute(data, kHashAttribute, sha256Hex(rows));
-  checked(H5Dwrite(data, memoryType(column.type), H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data()));
+}
+
+// HDF5 sees no row: they go to the file from where they lie.
+void placeColumn(FileImage& image, const Column& column, std::uint64_t num_rows, std::span<const std::byte> rows) {
+  const Handle properties = image.datasetProperties();
+  checked(H5Pset_alloc_time(properties, H5D_ALLOC_TIME_EARLY));
+  const Handle data = image.createDataset(column.name, column.type, shapeOf(column, num_rows), properties);
+  describe(data, column, rows);
+  image.placeRows(data, rows);
+}
+
+// HDF5 gets chunks that have been through its filters.
+void writeChunks(FileImage& image, const Column& column, std::uint64_t num_rows, int level, std::span<const std::byte> rows,
+                 std::span<const StoredChunk> chunks) {
+  const std::vector<hsize_t> shape = shapeOf(column, num_rows);
+  std::vector<hsize_t> chunk = shape;
+  chunk[0] = chunkRows(column, num_rows);
+  const Handle properties = image.datasetProperties();
+  checked(H5Pset_chunk(properties, static_cast<int>(chunk.size()), chunk.data()));
+  checked(H5Pset_shuffle(properties));
+  checked(H5Pset_deflate(properties, static_cast<unsigned>(level)));
+  const Handle data = image.createDataset(column.name, column.type, shape, properties);
+  describe(data, column, rows);
+  std::vector<hsize_t> start(shape.size(), 0);
+  for (const StoredChunk& stored : chunks) {
+    checked(H5Dwrite_chunk(data, H5P_DEFAULT, stored.skipped_filters, start.data(), stored.bytes.size(), stored.bytes.data()));
+    start[0] += chunk[0];
+  }
+}
+
+std::vector<std::vector<StoredChunk>> compressed(const Manifest& manifest, const ShardData& data, std::uint64_t num_episodes,
+                                                 std::uint64_t num_frames, Compressor& compressor) {
+  std::vector<Compressor::Rows> columns;
+  for (std::size_t i = 0; i < data.columns.size(); ++i) {
+    const Column& column = manifest.columns[i];
+    const std::uint64_t num_rows = column.per_episode ? num_episodes : num_frames;
+    columns.push_back(
+        {.bytes = data.columns[i], .chunk_bytes = chunkRows(column, num_rows) * rowBytes(column), .scalar_bytes = scalarSize(column.type)});
+  }
+  return compressor.compress(columns);
+}
+
+void writeEnds(FileImage& image, std::span<const std::uint64_t> ends) {
+  const Column column = episodeEndsColumn();
+  const Handle data = image.createDataset(column.name, column.type, shapeOf(column, ends.size()), image.datasetProperties());
+  describe(data, column, std::as_bytes(ends));
+  checked(H5Dwrite(data, memoryType(column.type), H5S_ALL, H5S_ALL, H5P_DEFAULT, ends.data()));
 }
 
 std::vector<std::uint64_t> endsOf(const Manifest& manifest, std::uint64_t shard, const ShardData& data) {
@@ -138,11 +186,13 @@ auto namingFile(const std::filesystem::path& file, Function function) {
 
 }  // namespace
 
-std::vector<std::byte> shardImage(const Manifest& manifest, std::uint64_t shard, const ShardData& data) {
+FileContent shardImage(const Manifest& manifest, std::uint64_t shard, const ShardData& data, Compressor* compressor) {
   const std::vector<std::uint64_t> ends = endsOf(manifest, shard, data);
+  std::vector<std::vector<StoredChunk>> chunks;
+  if (manifest.compression > 0) chunks = compressed(manifest, data, ends.size(), ends.back(), *compressor);
   try {
     const Hdf5Session session;
-    FileImage image(H5F_LIBVER_V18);
+    FileImage image(H5F_LIBVER_V18, metadataBytes(manifest));
     writeAttribute(image.file(), "format_version", kFormatVersion);
     writeAttribute(image.file(), "shard", shard);
     writeAttribute(image.file(), "first_episode", firstEpisode(manifest, shard));
@@ -151,10 +201,15 @@ std::vector<std::byte> shardImage(const Manifest& manifest, std::uint64_t shard,
     writeAttribute(image.file(), "scene_sha256", sceneHash(manifest));
     writeAttribute(image.file(), "program_version", manifest.program_version);
     writeAttribute(image.file(), "device", manifest.device);
-    writeColumn(image, episodeEndsColumn(), ends.size(), 0, std::as_bytes(std::span(ends)));
+    writeEnds(image, ends);
     for (std::size_t i = 0; i < data.columns.size(); ++i) {
       const Column& column = manifest.columns[i];
-      writeColumn(image, column, column.per_episode ? ends.size() : ends.back(), manifest.compression, data.columns[i]);
+      const std::uint64_t num_rows = column.per_episode ? ends.size() : ends.back();
+      if (manifest.compression > 0) {
+        writeChunks(image, column, num_rows, manifest.compression, data.columns[i], chunks[i]);
+      } else {
+        placeColumn(image, column, num_rows, data.columns[i]);
+      }
     }
     return image.close();
   } catch (const Hdf5Error& error) {

@@ -6,12 +6,16 @@
 #include <string>
 #include <vector>
 
+#include "dataset/files.h"
 #include "taxelsim/dataset.h"
 
 namespace taxelsim::dataset {
 
-// The file's bytes; they depend on the arguments only. Throws Error(kInput) when `data` does not fit the manifest.
-std::vector<std::byte> shardImage(const Manifest& manifest, std::uint64_t shard, const ShardData& data);
+class Compressor;
+
+// The file's content, which depends on manifest, shard and data only; it points into `data`. `compressor`: of the manifest's level, null
+// where that is 0. Throws Error(kInput) when `data` does not fit the manifest, Error(kIo) when the file cannot be made.
+FileContent shardImage(const Manifest& manifest, std::uint64_t shard, const ShardData& data, Compressor* compressor);
 
 // Frames up to the end of each episode, counted from the shard's first. Throws Error(kInput), naming the file and what is wrong, unless it
 // is that shard of that data set with every column in place. With `contents` all rows are read and held against their SHA-256.

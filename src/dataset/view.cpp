@@ -9,6 +9,8 @@
 namespace taxelsim::dataset {
 namespace {
 
+constexpr std::size_t kMetadataBytes = 2048;  // HDF5's default
+
 void writeVirtualColumn(FileImage& image, const Column& column, const std::vector<std::vector<std::uint64_t>>& shard_ends) {
   std::vector<hsize_t> shape{0};
   shape.insert(shape.end(), column.shape.begin(), column.shape.end());
@@ -32,7 +34,7 @@ void writeVirtualColumn(FileImage& image, const Column& column, const std::vecto
 
 }  // namespace
 
-std::vector<std::byte> viewImage(const Manifest& manifest, const std::vector<std::vector<std::uint64_t>>& shard_ends) {
+FileContent viewImage(const Manifest& manifest, const std::vector<std::vector<std::uint64_t>>& shard_ends) {
   std::vector<std::uint64_t> ends;
   std::uint64_t first_frame = 0;
   for (const std::vector<std::uint64_t>& shard : shard_ends) {
@@ -41,7 +43,7 @@ std::vector<std::byte> viewImage(const Manifest& manifest, const std::vector<std
   }
   try {
     const Hdf5Session session;
-    FileImage image(H5F_LIBVER_V110);  // the first that knows virtual data sets
+    FileImage image(H5F_LIBVER_V110, kMetadataBytes);  // the first that knows virtual data sets
     writeAttribute(image.file(), "format_version", kFormatVersion);
     writeAttribute(image.file(), "num_shards", shard_ends.size());
     writeAttribute(image.file(), "num_episodes", ends.size());

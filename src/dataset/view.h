@@ -1,16 +1,16 @@
 // dataset.h5: every column of every shard as one, by HDF5 virtual data sets. Holds no frames itself.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "dataset/files.h"
 #include "taxelsim/dataset.h"
 
 namespace taxelsim::dataset {
 
-// The file's bytes. `shard_ends` are the ends of episodes in each shard, counted from the shard's first frame. Shards are named relative to
-// the view, so that the directory can be moved.
-std::vector<std::byte> viewImage(const Manifest& manifest, const std::vector<std::vector<std::uint64_t>>& shard_ends);
+// The file's content. `shard_ends` are the ends of episodes in each shard, counted from the shard's first frame. Shards are named relative
+// to the view, so that the directory can be moved.
+FileContent viewImage(const Manifest& manifest, const std::vector<std::vector<std::uint64_t>>& shard_ends);
 
 }  // namespace taxelsim::dataset

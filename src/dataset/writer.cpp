@@ -2,7 +2,9 @@
 #include <optional>
 #include <span>
 #include <system_error>
+#include <thread>
 
+#include "dataset/compressor.h"
 #include "dataset/files.h"
 #include "dataset/manifest.h"
 #include "dataset/shard.h"
@@ -46,6 +48,7 @@ struct DatasetWriter::Impl {
   fs::path directory;
   Manifest manifest;
   std::optional<DirectoryLock> lock;
+  std::optional<Compressor> compressor;                // of a compressed data set
   std::vector<std::vector<std::uint64_t>> shard_ends;  // (num_shards), empty where the shard is not on disk
 
   fs::path shardFile(std::uint64_t shard) const { return directory / shardName(shard); }
@@ -91,8 +94,12 @@ DatasetWriter::DatasetWriter(fs::path directory, Manifest manifest) : impl_(std:
     for (std::uint64_t shard = 0; shard < impl_->manifest.numShards(); ++shard)
       if (fs::exists(impl_->shardFile(shard)))
         impl_->shard_ends[shard] = checkShard(impl_->shardFile(shard), impl_->manifest, shard, /*contents=*/true);
+    if (impl_->manifest.compression > 0)
+      impl_->compressor.emplace(impl_->manifest.compression, std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
   } catch (const fs::filesystem_error& error) {
     throw Error(ErrorKind::kIo, impl_->directory.string() + ": " + error.code().message());
+  } catch (const std::system_error& error) {
+    throw Error(ErrorKind::kIo, impl_->directory.string() + ": no threads to compress it: " + error.code().message());
   }
 }
 
@@ -107,7 +114,8 @@ void DatasetWriter::writeShard(std::uint64_t shard, const ShardData& data) {
     throw Error(ErrorKind::kInput,
                 "data set: there is no shard " + std::to_string(shard) + ": it has " + std::to_string(impl_->shard_ends.size()));
   if (isComplete(shard)) throw Error(ErrorKind::kInput, impl_->shardFile(shard).string() + ": is complete and is not written again");
-  writeFileAtomically(impl_->shardFile(shard), shardImage(impl_->manifest, shard, data));
+  Compressor* const compressor = impl_->compressor ? &*impl_->compressor : nullptr;
+  writeFileAtomically(impl_->shardFile(shard), shardImage(impl_->manifest, shard, data, compressor));
   std::uint64_t end = 0;
   for (const std::uint64_t length : data.episode_lengths) impl_->shard_ends[shard].push_back(end += length);
 }

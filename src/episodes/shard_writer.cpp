@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "base/background.h"
+
 namespace taxelsim {
 
 ShardWriter::ShardWriter(DatasetWriter& writer, std::size_t max_waiting) : writer_(writer), max_waiting_(max_waiting) {
@@ -13,6 +15,7 @@ ShardWriter::~ShardWriter() {
 }
 
 void ShardWriter::run() {
+  goToBackground();
   std::unique_lock lock(mutex_);
   for (;;) {
     changed_.wait(lock, [this] { return closing_ || !waiting_.empty(); });

@@ -52,10 +52,11 @@ vk::AccessFlags used(Access access) {
 }  // namespace
 
 struct Commands::Vulkan {
-  Vulkan(Context& of, std::string with_name) : context(of), name(std::move(with_name)) {}
+  Vulkan(Context& of, std::string with_name) : context(of), name(std::move(with_name)), submitting("submitting " + name) {}
 
   Context& context;
   std::string name;
+  std::string submitting;  // for errors; put together here, as submit() takes no memory
   vk::raii::DescriptorPool descriptors = nullptr;
   std::vector<vk::raii::DescriptorSet> sets;
   vk::raii::CommandPool pool = nullptr;
@@ -82,6 +83,7 @@ Commands::Commands(Context& context, std::string name, std::uint32_t num_timesta
     if (num_timestamps > 0 && vk_context.timestamp_bits > 0) {
       vulkan_->num_timestamps = num_timestamps;
       vulkan_->queries = vk_context.device.createQueryPool({{}, vk::QueryType::eTimestamp, num_timestamps});
+      vulkan_->ticks.reserve(num_timestamps);
       vulkan_->commands.resetQueryPool(*vulkan_->queries, 0, num_timestamps);
     }
   });
@@ -148,7 +150,7 @@ void Commands::end() {
 void Commands::submit() {
   if (vulkan_->submitted) throw std::logic_error(vulkan_->name + ": submitted twice without wait()");
   Context::Vulkan& vk_context = vulkan_->context.vulkan();
-  checked("submitting " + vulkan_->name, "", [&] {
+  checked(vulkan_->submitting, "", [&] {
     const std::lock_guard lock(vk_context.queue_mutex);
     vk_context.queue.submit(vk::SubmitInfo({}, {}, *vulkan_->commands), *vulkan_->fence);
   });
@@ -163,11 +165,14 @@ void Commands::wait() {
     const vk::Result result = vk_context.device.waitForFences(*vulkan_->fence, true, std::numeric_limits<std::uint64_t>::max());
     if (result != vk::Result::eSuccess) vk::throwResultException(result, "waitForFences");
     vk_context.device.resetFences(*vulkan_->fence);
-    if (vulkan_->num_timestamps > 0) {
-      vulkan_->ticks = vulkan_->queries
-                           .getResults<std::uint64_t>(0, vulkan_->num_timestamps, vulkan_->num_timestamps * sizeof(std::uint64_t),
-                                                      sizeof(std::uint64_t), vk::QueryResultFlagBits::e64)
-                           .second;
+    if (const std::uint32_t count = vulkan_->num_timestamps; count > 0) {
+      vulkan_->ticks.resize(count);
+      // Not vk::raii's, which gives a new vector every time.
+      const vk::Result read =
+          (*vk_context.device)
+              .getQueryPoolResults(*vulkan_->queries, 0, count, count * sizeof(std::uint64_t), vulkan_->ticks.data(), sizeof(std::uint64_t),
+                                   vk::QueryResultFlagBits::e64, *vk_context.device.getDispatcher());
+      if (read != vk::Result::eSuccess) vk::throwResultException(read, "getQueryPoolResults");
     }
   });
   vulkan_->context.throwOnValidationMessage();

@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <random>
+#include <span>
 
 #include "base/sha256.h"
 #include "dataset/example.h"
@@ -11,10 +13,10 @@
 namespace taxelsim::testing {
 namespace {
 
-// What tests/dataset/read_back.py says of a directory; it reads with another working directory than the data set's.
-nlohmann::json readBack(const std::filesystem::path& directory) {
+// What a script of this folder prints about a file or directory; it runs with another working directory than the data set's.
+nlohmann::json said(const char* script, const std::filesystem::path& of) {
   const std::string command =
-      "cd / && " TAXELSIM_TEST_PYTHON " " TAXELSIM_SOURCE_DIR "/tests/dataset/read_back.py '" + directory.string() + "'";
+      std::string("cd / && " TAXELSIM_TEST_PYTHON " " TAXELSIM_SOURCE_DIR "/tests/dataset/") + script + " '" + of.string() + "'";
   FILE* pipe = popen(command.c_str(), "r");
   EXPECT_NE(pipe, nullptr);
   std::string text;
@@ -32,7 +34,7 @@ TEST_P(H5py, ReadsViewAndShards) {
   manifest.compression = GetParam();
   writeExample(directory / "first", manifest);
   std::filesystem::rename(directory / "first", directory / "moved");
-  const nlohmann::json found = readBack(directory / "moved");
+  const nlohmann::json found = said("read_back.py", directory / "moved");
   ASSERT_TRUE(found.is_object());
 
   EXPECT_EQ(found["attributes"]["format_version"], 1);
@@ -64,6 +66,48 @@ TEST_P(H5py, ReadsViewAndShards) {
   EXPECT_EQ(found["columns"]["data/tactile_image"]["type"], "uint16");
   EXPECT_EQ(found["columns"]["data/pose"]["type"], "float64");
   EXPECT_EQ(found["columns"]["data/tactile_image"]["compressed"], GetParam() > 0);
+}
+
+// Columns of several chunks, the last not full, one of them of noise that deflate cannot shrink; then the same through HDF5's own filters,
+// as data sets of earlier versions are: all are read, by everybody.
+TEST(H5pyChunks, AreThoseOfHdf5sFilters) {
+  const TemporaryDirectory directory;
+  Manifest manifest = exampleManifest();
+  manifest.compression = 4;
+  manifest.num_episodes = manifest.episodes_per_shard = 1;
+  manifest.columns = {{"data/smooth", ScalarType::kFloat64, {50}, "N", "Shrinks.", false},
+                      {"data/noise", ScalarType::kUint16, {40}, "counts", "Does not.", false}};
+  constexpr std::uint64_t kNumFrames = 10000;
+  std::vector<double> smooth(50 * kNumFrames);
+  for (std::size_t i = 0; i < smooth.size(); ++i) smooth[i] = static_cast<double>(i / 50);
+  std::vector<std::uint16_t> noise(40 * kNumFrames);
+  std::mt19937 random(3);
+  for (std::uint16_t& value : noise) value = static_cast<std::uint16_t>(random());
+  const auto bytes_of = [](const auto& values) {
+    const std::span bytes = std::as_bytes(std::span(values));
+    return std::vector<std::byte>(bytes.begin(), bytes.end());
+  };
+  const ShardData data{.episode_lengths = {kNumFrames}, .columns = {bytes_of(smooth), bytes_of(noise)}};
+  {
+    DatasetWriter writer(directory / "d", manifest);
+    writer.writeShard(0, data);
+    writer.finish();
+  }
+  const auto check = [&](const char* filters) {
+    SCOPED_TRACE(filters);
+    EXPECT_EQ(checkShards(directory / "d", true)[0].problem, "");
+    const DatasetReader reader(directory / "d");
+    for (std::size_t c = 0; c < 2; ++c) EXPECT_EQ(reader.read(manifest.columns[c].name, 0, kNumFrames), data.columns[c]);
+    const nlohmann::json columns = said("read_back.py", directory / "d")["columns"];
+    for (const Column& column : manifest.columns) {
+      EXPECT_TRUE(columns[column.name]["hashes_hold"]) << column.name;
+      EXPECT_TRUE(columns[column.name]["compressed"]) << column.name;
+    }
+  };
+  check("ours");
+  EXPECT_EQ(said("filter_again.py", directory / "d/shard-000000.h5"), 3) << "chunks full of noise that are not deflated";
+  check("HDF5's");
+  EXPECT_NO_THROW(DatasetWriter(directory / "d", manifest)) << "resumed";
 }
 
 INSTANTIATE_TEST_SUITE_P(Compression, H5py, ::testing::Values(0, 6));

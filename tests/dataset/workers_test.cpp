@@ -1,0 +1,51 @@
+#include "dataset/workers.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <stdexcept>
+#include <string>
+
+namespace taxelsim::dataset {
+namespace {
+
+TEST(Workers, DoEveryJobOnce) {
+  for (const int num_threads : {1, 2, 7}) {
+    Workers workers(num_threads);
+    EXPECT_EQ(workers.numThreads(), num_threads);
+    for (const std::size_t num_jobs : {0u, 1u, 2u, 1000u}) {
+      std::vector<std::atomic<int>> times(num_jobs);
+      std::atomic<bool> foreign = false;
+      workers.run(num_jobs, [&](int worker, std::size_t index) {
+        ++times[index];
+        if (worker < 0 || worker >= num_threads) foreign = true;
+      });
+      for (std::size_t i = 0; i < num_jobs; ++i) EXPECT_EQ(times[i], 1) << "job " << i << " of " << num_jobs;
+      EXPECT_FALSE(foreign);
+    }
+  }
+}
+
+TEST(Workers, PassOnWhatAJobThrows) {
+  for (const int num_threads : {1, 3}) {
+    Workers workers(num_threads);
+    std::atomic<int> num_done = 0;
+    try {
+      workers.run(1000, [&](int, std::size_t index) {
+        if (index == 5) throw std::runtime_error("five");
+        ++num_done;
+      });
+      ADD_FAILURE() << "nothing thrown";
+    } catch (const std::runtime_error& error) {
+      EXPECT_EQ(error.what(), std::string("five"));
+    }
+    EXPECT_GE(num_done, 5);
+    EXPECT_LT(num_done, 999) << "jobs were begun after one had failed";
+    num_done = 0;
+    workers.run(20, [&](int, std::size_t) { ++num_done; });
+    EXPECT_EQ(num_done, 20) << "they go on after an error";
+  }
+}
+
+}  // namespace
+}  // namespace taxelsim::dataset
