@@ -1,6 +1,6 @@
-// How much of the device's own rate `generate` keeps: frames per second of a whole scene onto disk, beside the time that the device alone
-// needs for the same frames, replayed from the poses that a first run records. And how long a fresh process takes to its first frame, with
-// an empty and with a filled cache of compiled shaders.
+// How much of the device's own rate `generate` keeps, uncompressed and compressed, and who waits for whom: frames per second of a whole
+// scene onto disk, beside the time that the device alone needs for the same frames, replayed from the poses that a first run records. And
+// how long a fresh process takes to its first frame, with an empty and with a filled cache of compiled shaders.
 #include <fcntl.h>
 #include <spawn.h>
 #include <stdlib.h>
@@ -13,6 +13,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,7 +34,8 @@ struct Options {
   std::string program = TAXELSIM_PROGRAM;
   std::string json, device;
   std::string directory = fs::temp_directory_path().string();
-  std::uint64_t num_episodes = 1024;
+  std::optional<std::uint64_t> num_episodes;
+  std::vector<int> compression{0, 4};
   int batch_size = 1024;
   int repetitions = 3;
 };
@@ -147,6 +149,64 @@ double firstFrameSeconds(const Options& options, const fs::path& cache) {
   return seconds;
 }
 
+// generate() at one level of compression, run after run.
+struct Level {
+  int compression = 0;
+  std::uint64_t num_bytes = 0;  // of the data set
+  // (repetitions) each; of the seconds while simulating, where nothing else is said.
+  std::vector<double> seconds, end_to_end, fraction_of_device;
+  std::vector<double> host_waits_for_device, host_waits_for_writer, device_rests, writing_last;  // shares of the seconds
+};
+
+std::uint64_t bytesIn(const fs::path& directory) {
+  std::uint64_t bytes = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator(directory)) bytes += entry.file_size();
+  return bytes;
+}
+
+void generateOnce(const Device& device, Scene scene, const fs::path& directory, const GenerateOptions& options, double device_seconds,
+                  std::uint64_t num_frames, Level& level) {
+  scene.compression = level.compression;
+  const auto start = std::chrono::steady_clock::now();
+  const GenerateResult result = generate(device, scene, directory, options);
+  level.end_to_end.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  if (!result.complete || result.progress.frames_done != num_frames) throw Error(ErrorKind::kIo, directory.string() + ": not complete");
+  const double seconds = result.progress.seconds;
+  level.seconds.push_back(seconds);
+  level.fraction_of_device.push_back(device_seconds / seconds);
+  level.host_waits_for_device.push_back(result.times.device_wait / seconds);
+  level.host_waits_for_writer.push_back(result.times.writer_wait / seconds);
+  level.device_rests.push_back(1 - result.times.device_busy / seconds);
+  level.writing_last.push_back(result.times.writing_last / seconds);
+  level.num_bytes = bytesIn(directory);
+  fs::remove_all(directory);
+}
+
+nlohmann::ordered_json levelJson(const Level& level, double num_frames) {
+  return {{"compression", level.compression},
+          {"bytes_per_frame", static_cast<double>(level.num_bytes) / num_frames},
+          {"seconds", toJson(level.seconds)},
+          {"seconds_end_to_end", toJson(level.end_to_end)},
+          {"frames_per_second", num_frames / summarise(level.seconds).median},
+          {"fraction_of_device", toJson(level.fraction_of_device)},
+          {"host_waits_for_device", toJson(level.host_waits_for_device)},
+          {"host_waits_for_writer", toJson(level.host_waits_for_writer)},
+          {"device_rests", toJson(level.device_rests)},
+          {"writing_last", toJson(level.writing_last)}};
+}
+
+void print(const Level& level, double num_frames) {
+  std::printf(
+      "  generate, compression %d   %9.1f thousand frames/s, %.0f %% of the device's (%.1f from start to end), %.0f bytes a frame\n",
+      level.compression, num_frames / summarise(level.seconds).median / 1e3, 100 * summarise(level.fraction_of_device).median,
+      num_frames / summarise(level.end_to_end).median / 1e3, static_cast<double>(level.num_bytes) / num_frames);
+  std::printf(
+      "    of the time: host waits for device %.1f %%, for writer %.1f %%; device rests %.1f %%, of that while the last shards are "
+      "written %.1f %%\n",
+      100 * summarise(level.host_waits_for_device).median, 100 * summarise(level.host_waits_for_writer).median,
+      100 * summarise(level.device_rests).median, 100 * summarise(level.writing_last).median);
+}
+
 int run(const Options& options) {
   const ScratchDirectory scratch(options.directory);
   std::vector<double> cold, warm;
@@ -172,43 +232,36 @@ int run(const Options& options) {
   fs::remove_all(scratch.path() / "poses");
   const auto num_frames = static_cast<double>(replay.X_SO.size());
 
-  std::vector<double> on_device, generated, end_to_end, fractions;
+  std::vector<double> on_device;
+  std::vector<Level> levels;
+  for (const int compression : options.compression) levels.emplace_back().compression = compression;
   for (int r = 0; r < options.repetitions; ++r) {
     on_device.push_back(deviceSeconds(model, scene, replay, std::max(1, options.batch_size / generate_options.num_slices)));
-    const fs::path directory = scratch.path() / ("run_" + std::to_string(r));
-    const auto start = std::chrono::steady_clock::now();
-    const GenerateResult result = generate(device, scene, directory, generate_options);
-    end_to_end.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-    if (!result.complete || static_cast<double>(result.progress.frames_done) != num_frames) {
-      throw Error(ErrorKind::kIo, directory.string() + ": not complete");
+    for (Level& level : levels) {
+      const fs::path directory = scratch.path() / ("run_" + std::to_string(r));
+      generateOnce(device, scene, directory, generate_options, on_device.back(), replay.X_SO.size(), level);
     }
-    generated.push_back(result.progress.seconds);
-    fractions.push_back(on_device.back() / generated.back());
-    fs::remove_all(directory);
   }
 
-  const auto rate = [&](const std::vector<double>& seconds) { return num_frames / summarise(seconds).median; };
   std::printf("%s, %s; %s, %.0f frames, batch of %d\n", device.info().name.c_str(), device.info().driver.c_str(), scene.name.c_str(),
               num_frames, options.batch_size);
-  std::printf("  device alone              %9.1f thousand frames/s\n", rate(on_device) / 1e3);
-  std::printf("  generate, simulating      %9.1f thousand frames/s, %.0f %% of the device's\n", rate(generated) / 1e3,
-              100 * summarise(fractions).median);
-  std::printf("  generate, start to end    %9.1f thousand frames/s\n", rate(end_to_end) / 1e3);
+  const double device_rate = num_frames / summarise(on_device).median;
+  std::printf("  device alone              %9.1f thousand frames/s\n", device_rate / 1e3);
+  for (const Level& level : levels) print(level, num_frames);
   std::printf("  first frame of a process  %9.3f s, shaders compiled; %.3f s from the cache\n", summarise(cold).median,
               summarise(warm).median);
   if (!options.json.empty()) {
+    nlohmann::ordered_json generated = nlohmann::ordered_json::array();
+    for (const Level& level : levels) generated.push_back(levelJson(level, num_frames));
     writeJson(options.json, {{"bench", "generate_rate"},
                              {"machine", machine(device.info())},
                              {"scene", scene.name},
-                             {"num_episodes", options.num_episodes},
+                             {"num_episodes", scene.num_episodes},
                              {"num_frames", replay.X_SO.size()},
                              {"batch_size", options.batch_size},
                              {"seconds_device", toJson(on_device)},
-                             {"seconds_generate", toJson(generated)},
-                             {"seconds_generate_end_to_end", toJson(end_to_end)},
-                             {"frames_per_second_device", rate(on_device)},
-                             {"frames_per_second_generate", rate(generated)},
-                             {"fraction_of_device", toJson(fractions)},
+                             {"frames_per_second_device", device_rate},
+                             {"generate", generated},
                              {"first_frame_seconds_cold", toJson(cold)},
                              {"first_frame_seconds_warm", toJson(warm)}});
   }
@@ -223,7 +276,11 @@ int main(int argc, char** argv) {
   CLI::App app("What `generate` keeps of the device's own rate, and the time to a fresh process's first frame");
   app.add_option("scene", options.scene, "Scene")->capture_default_str();
   app.add_option("--json", options.json, "Write the results into this file");
-  app.add_option("--episodes", options.num_episodes, "Episodes of a run")->check(CLI::Range(1, 1 << 20))->capture_default_str();
+  app.add_option("--episodes", options.num_episodes, "Episodes of a run; without it those of the scene")->check(CLI::Range(1, 1 << 20));
+  app.add_option("--compression", options.compression, "Levels of compression, one run each")
+      ->delimiter(',')
+      ->check(CLI::Range(0, 9))
+      ->capture_default_str();
   app.add_option("--batch-size", options.batch_size, "Sensors simulated at once")->check(CLI::Range(1, 1 << 20))->capture_default_str();
   app.add_option("--repetitions", options.repetitions, "Runs")->check(CLI::Range(1, 1000))->capture_default_str();
   app.add_option("--directory", options.directory, "Where data sets are written, and removed again")->capture_default_str();

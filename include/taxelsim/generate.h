@@ -29,8 +29,17 @@ struct GenerateOptions {
   const std::atomic<bool>* stop = nullptr;
 };
 
+// Where Progress::seconds went.
+struct GenerateTimes {
+  double device_busy = 0;   // s the device computed, by its own clock, which may be missing: NaN
+  double device_wait = 0;   // s the caller's thread, which has scheduler and controllers, waited for the device
+  double writer_wait = 0;   // s it waited for the writer's: shards under way filled the memory set aside for them
+  double writing_last = 0;  // s from the last frame until the last shard was on disk
+};
+
 struct GenerateResult {
   Progress progress;
+  GenerateTimes times;
   bool complete = false;              // false when stopped
   std::uint64_t num_load_misses = 0;  // contacts whose load was out of reach (also a column of the data set)
 };

@@ -126,9 +126,14 @@ void Run::simulate(const Model& model, const EpisodePlan& plan, ShardQueue& queu
     progress().frames_done += tally.num_frames;
     progress().episodes_done += tally.num_episodes;
     result_.num_load_misses += tally.num_load_misses;
+    result_.times.device_busy += tally.device_seconds;
+    result_.times.device_wait += tally.wait_seconds;
     report(Clock::now());
   });
+  const Clock::time_point last_frame = Clock::now();
   shard_writer.close();
+  result_.times.writing_last = std::chrono::duration<double>(Clock::now() - last_frame).count();
+  result_.times.writer_wait = shard_writer.secondsWaited();
   progress().episodes_done = progress().episodes_resumed + shard_writer.numEpisodesWritten();
   progress().seconds = std::chrono::duration<double>(Clock::now() - start_).count();
 }

@@ -1,5 +1,6 @@
 #include "episodes/shard_writer.h"
 
+#include <chrono>
 #include <utility>
 
 #include "base/background.h"
@@ -44,8 +45,10 @@ void ShardWriter::run() {
 }
 
 void ShardWriter::submit(std::unique_ptr<ShardBuffer> buffer) {
+  const auto start = std::chrono::steady_clock::now();
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return error_ || waiting_.size() < max_waiting_; });
+  seconds_waited_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (error_) std::rethrow_exception(error_);
   waiting_.push_back(std::move(buffer));
   changed_.notify_all();

@@ -35,6 +35,9 @@ class ShardWriter {
 
   std::uint64_t numEpisodesWritten() const;
 
+  // That submit() has waited so far; of the thread that calls it.
+  double secondsWaited() const { return seconds_waited_; }
+
  private:
   void run();
   void stopThread();
@@ -46,6 +49,7 @@ class ShardWriter {
   std::deque<std::unique_ptr<ShardBuffer>> waiting_;
   std::vector<std::unique_ptr<ShardBuffer>> written_;
   std::uint64_t num_episodes_written_ = 0;
+  double seconds_waited_ = 0;
   std::exception_ptr error_;
   bool closing_ = false;
   std::thread thread_;

@@ -239,7 +239,7 @@ Slice::Tally Slice::collect() {
   Stopwatch stopwatch;
   const FrameView frame = simulator_.read();
   const int num_instances = robots_.numInstances();
-  Tally tally{.control_seconds = submit_seconds_, .wait_seconds = stopwatch.lap()};
+  Tally tally{.control_seconds = submit_seconds_, .wait_seconds = stopwatch.lap(), .device_seconds = simulator_.timing().total};
 
   for (int i = 0; i < num_instances; ++i) {
     if (!busy_[i]) continue;

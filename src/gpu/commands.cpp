@@ -64,7 +64,8 @@ struct Commands::Vulkan {
   vk::raii::Fence fence = nullptr;
   vk::raii::QueryPool queries = nullptr;
   std::uint32_t num_timestamps = 0;
-  std::vector<std::uint64_t> ticks;
+  Buffer ticks;  // (num_timestamps) std::uint64_t, filled by the commands themselves
+  bool ran = false;
   bool submitted = false;
 };
 
@@ -83,7 +84,7 @@ Commands::Commands(Context& context, std::string name, std::uint32_t num_timesta
     if (num_timestamps > 0 && vk_context.timestamp_bits > 0) {
       vulkan_->num_timestamps = num_timestamps;
       vulkan_->queries = vk_context.device.createQueryPool({{}, vk::QueryType::eTimestamp, num_timestamps});
-      vulkan_->ticks.reserve(num_timestamps);
+      vulkan_->ticks = Buffer(context, vulkan_->name + " timestamps", num_timestamps * sizeof(std::uint64_t), Domain::kReadback);
       vulkan_->commands.resetQueryPool(*vulkan_->queries, 0, num_timestamps);
     }
   });
@@ -144,6 +145,12 @@ void Commands::timestamp(std::uint32_t mark) {
 }
 
 void Commands::end() {
+  if (const std::uint32_t count = vulkan_->num_timestamps; count > 0) {
+    // Asked for by the host, they would have it wait on software Vulkan until the whole queue is empty, and so the device for the host.
+    constexpr auto kFlags = vk::QueryResultFlagBits::e64 | vk::QueryResultFlagBits::eWait;
+    vulkan_->commands.copyQueryPoolResults(*vulkan_->queries, 0, count, *vulkan_->ticks.vulkan().buffer, 0, sizeof(std::uint64_t), kFlags);
+    barrier(Access::kCopy, Access::kHostRead);
+  }
   checked("recording " + vulkan_->name, "", [&] { vulkan_->commands.end(); });
 }
 
@@ -165,22 +172,15 @@ void Commands::wait() {
     const vk::Result result = vk_context.device.waitForFences(*vulkan_->fence, true, std::numeric_limits<std::uint64_t>::max());
     if (result != vk::Result::eSuccess) vk::throwResultException(result, "waitForFences");
     vk_context.device.resetFences(*vulkan_->fence);
-    if (const std::uint32_t count = vulkan_->num_timestamps; count > 0) {
-      vulkan_->ticks.resize(count);
-      // Not vk::raii's, which gives a new vector every time.
-      const vk::Result read =
-          (*vk_context.device)
-              .getQueryPoolResults(*vulkan_->queries, 0, count, count * sizeof(std::uint64_t), vulkan_->ticks.data(), sizeof(std::uint64_t),
-                                   vk::QueryResultFlagBits::e64, *vk_context.device.getDispatcher());
-      if (read != vk::Result::eSuccess) vk::throwResultException(read, "getQueryPoolResults");
-    }
+    vulkan_->ran = true;
   });
   vulkan_->context.throwOnValidationMessage();
 }
 
 double Commands::seconds(std::uint32_t from, std::uint32_t to) const {
-  if (vulkan_->ticks.empty()) return std::numeric_limits<double>::quiet_NaN();
-  return static_cast<double>(vulkan_->ticks[to] - vulkan_->ticks[from]) * vulkan_->context.vulkan().timestamp_period;
+  if (vulkan_->num_timestamps == 0 || !vulkan_->ran) return std::numeric_limits<double>::quiet_NaN();
+  const std::span<const std::uint64_t> ticks = vulkan_->ticks.mappedAs<std::uint64_t>();
+  return static_cast<double>(ticks[to] - ticks[from]) * vulkan_->context.vulkan().timestamp_period;
 }
 
 }  // namespace taxelsim::gpu

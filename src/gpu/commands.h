@@ -18,7 +18,7 @@ enum class Access { kHostWrite, kKernel, kCopy, kHostRead };
 
 class Commands {
  public:
-  // Begins recording. `num_timestamps` marks can be set.
+  // Begins recording. `num_timestamps` marks are to be set, each once.
   Commands(Context& context, std::string name, std::uint32_t num_timestamps = 0);
   ~Commands();
   Commands(Commands&&) noexcept;
@@ -37,7 +37,7 @@ class Commands {
   void submit();
   // Waits for the last submit(), if any. Throws Error(kDevice) when the device was lost or validation complained.
   void wait();
-  // Seconds from mark `from` to mark `to` of the last run waited for; NaN where the device has no clock.
+  // Seconds from mark `from` to mark `to` of the last run waited for, until it is submitted again; NaN where the device has no clock.
   double seconds(std::uint32_t from, std::uint32_t to) const;
 
  private:

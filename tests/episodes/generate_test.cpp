@@ -117,6 +117,17 @@ TEST(Generate, MakesAgainWhatIsMissing) {
   expectSame(before, filesOf(directory.path()), "mended");
 }
 
+// What the shares of a benchmark are made of.
+TEST(Generate, TellsWhereTheTimeWent) {
+  const TestDirectory directory;
+  const auto [progress, times, complete, num_load_misses] = generateWith(exampleScene(), directory.path(), 8, 2);
+  EXPECT_GT(times.device_busy, 0);
+  EXPECT_GT(times.device_wait, 0);
+  EXPECT_GT(times.writing_last, 0);
+  EXPECT_GE(times.writer_wait, 0);
+  EXPECT_LT(times.device_wait + times.writer_wait + times.writing_last, progress.seconds) << "each is another part of the thread's time";
+}
+
 TEST(Generate, StoppedBeforeItBeganLeavesSomethingToResume) {
   const TestDirectory directory;
   const std::atomic<bool> stop = true;

@@ -42,7 +42,7 @@ TEST_P(SteadyFrame, TakesNoMemory) {
   scene.num_episodes = scene.episodes_per_shard = kNumInstances;
   GetParam().change(scene);
   const EpisodePlan plan(scene, outputsOf(scene));
-  const Device device = Device::open();
+  const Device device = support::openUnvalidated();
   const Model model(device, modelOptionsOf(scene));
   const TestDirectory directory;
   Manifest manifest;

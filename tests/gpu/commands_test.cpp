@@ -1,6 +1,7 @@
 // Recorded work: copies, clearing, time stamps, and mistakes in their use. Under the validation layers.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <numeric>
 
@@ -39,6 +40,34 @@ TEST(Commands, BuffersStartAtZeroAndCopiesArrive) {
     EXPECT_TRUE(std::isnan(seconds) || (seconds >= 0 && seconds < 10)) << seconds;
     std::fill(copied.begin(), copied.end(), 0u);
   }
+}
+
+// Two slices of a batch take turns: who waits for the first, its clock included, must not wait for the second.
+TEST(CommandsInTurn, WaitingForOneDoesNotWaitForTheNext) {
+  gpu::Context& context = device().context();
+  const gpu::Buffer buffer(context, "buffer", std::size_t{64} << 20, gpu::Domain::kDevice);
+  const auto fills = [&](int num_fills) {
+    gpu::Commands commands(context, "fills", 2);
+    commands.timestamp(0);
+    for (int k = 0; k < num_fills; ++k) {
+      commands.fillZero(buffer);
+      commands.barrier(gpu::Access::kCopy, gpu::Access::kCopy);
+    }
+    commands.timestamp(1);
+    commands.end();
+    return commands;
+  };
+  constexpr int kShort = 1, kLong = 40;
+  gpu::Commands first = fills(kShort), second = fills(kLong);
+  first.submit();
+  second.submit();
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point start = Clock::now();
+  first.wait();
+  const Clock::time_point between = Clock::now();
+  second.wait();
+  EXPECT_LT(between - start, (Clock::now() - start) / 2);
+  EXPECT_GT(second.seconds(0, 1), first.seconds(0, 1));
 }
 
 TEST(Commands, FillClears) {

@@ -4,7 +4,12 @@
 
 #include <cstdint>
 
+#include "taxelsim/device.h"
+
 namespace taxelsim::support {
+
+// A device without the validation layer, whatever TAXELSIM_VALIDATION says: the layer takes memory for every call.
+Device openUnvalidated();
 
 // Since the thread began.
 std::uint64_t numAllocations();
