@@ -51,6 +51,8 @@ layout(constant_id = 37) const uint GROUPS_PER_BATCH = 32;  // groups are culled
 layout(constant_id = 38) const bool BLOCKS = false;  // some mesh has more groups than that, and blocks of them are culled first
 layout(constant_id = 39) const bool OUTPUT_JACOBIAN = false;  // contact_cells and tile_changes are wanted, lib/cell_fluxes.glsl
 
+layout(constant_id = 40) const bool LEAVE_UNTOUCHED = true;  // where nothing is near, kLeavesUntouched and kFindsNear
+
 // A software driver computes both sides of every branch and a loop's body at least once, so what a model, sensor or batch does not need is left
 // out by constants.
 const uint kNoSearch = 0u;         // no instance is driven by load
@@ -92,7 +94,7 @@ const uint kEmpty = 0x7F7FFFFFu;  // the largest finite float, as bits: no surfa
 // steeper one may see the slope of an object that is still above.
 const float kLooksUp = 0.7;
 // Of many small tiles objects reach few. Which, is found by one invocation for each, before all of them go to those.
-const bool kFindsNear = NUM_ROWS == 0 && NUM_TILES > 1 && RELAXATION == 0;  // a skin that relaxes moves on where nothing is near
+const bool kFindsNear = LEAVE_UNTOUCHED && NUM_ROWS == 0 && NUM_TILES > 1 && RELAXATION == 0;  // a skin that relaxes moves on where nothing is near
 const uint kClustersPerBatch = GROUPS_PER_BATCH * kClustersPerGroup;
 const uint kBlocksPerBatch = 64;
 
@@ -143,7 +145,7 @@ bool cut_short = false;
 
 const bool kShears = FRICTION && !kLawSolvedApart;  // else the pass that solves has the shear, and needs the slots
 // Of a large grid most tiles are untouched: their workgroups leave early.
-const bool kLeavesUntouched = NUM_ROWS > 0 && NUM_TILES > 1 && RELAXATION == 0 && !kLawSolvedApart && !OUTPUT_JACOBIAN;
+const bool kLeavesUntouched = LEAVE_UNTOUCHED && NUM_ROWS > 0 && NUM_TILES > 1 && RELAXATION == 0 && !kLawSolvedApart && !OUTPUT_JACOBIAN;
 
 Affine X_PS;         // patch from sensor
 vec2 spacing;        // of samples, m

@@ -228,6 +228,9 @@ void clearOutside(Instance of, uint lane) {
   cut_short = cut_short || t < NUM_TAXELS;
 }
 
+// A tile left untouched has no forces, one that came to nothing has -0: the sum is 0 either way. In bits, since drivers leave out what is added to 0.
+float unsignedZero(float x) { return (floatBitsToUint(x) << 1) == 0 ? 0.0 : x; }
+
 // Features that the contact pass has computed: wrench, over-penetration, load.
 void writeContact(Instance of, uint num_instances) {
   vec4 force = vec4(0), torque = vec4(0);
@@ -238,12 +241,12 @@ void writeContact(Instance of, uint num_instances) {
   vec4 bracket = vec4(0, 0, 0, kLoadCarried);
   if ((of.keys.w & kFlagLoadDriven) != 0) bracket = loads[of.number].bracket;
   uint wrench = kFeatureContactWrench * num_instances + 6 * of.number;
-  features[wrench] = force.x;
-  features[wrench + 1] = force.y;
-  features[wrench + 2] = force.z;
-  features[wrench + 3] = torque.x;
-  features[wrench + 4] = torque.y;
-  features[wrench + 5] = torque.z;
+  features[wrench] = unsignedZero(force.x);
+  features[wrench + 1] = unsignedZero(force.y);
+  features[wrench + 2] = unsignedZero(force.z);
+  features[wrench + 3] = unsignedZero(torque.x);
+  features[wrench + 4] = unsignedZero(torque.y);
+  features[wrench + 5] = unsignedZero(torque.z);
   features[kFeatureOverPenetration * num_instances + of.number] = force.w / float(NUM_TAXELS * SAMPLES * SAMPLES);
   features[kFeatureLoadOffset * num_instances + of.number] = bracket.x;
   features[kFeatureLoadReached * num_instances + of.number] = bracket.w == kLoadCarried ? 1.0 : 0.0;

@@ -4,6 +4,7 @@
 #include <limits>
 #include <span>
 
+#include "base/mesa_version.h"
 #include "contacts.spv.h"
 #include "elastic_layer.spv.h"
 #include "elastic_layer_pairs.spv.h"
@@ -98,7 +99,7 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
   image_workgroup_wanted = options.image_workgroup;
   image_workgroup = chooseWorkgroup(options.image_workgroup, info, 64, image_work, "image_workgroup");
   // On a software driver every invocation has an instance of its own, unless that would be too many turns for it.
-  const bool alone = info.type == DeviceType::kCpu && options.image_workgroup == 0 && image_work <= kMaxTurns;
+  const bool alone = faster.alone && info.type == DeviceType::kCpu && options.image_workgroup == 0 && image_work <= kMaxTurns;
   const Tuning& tuning = options.tuning;
   image_team =
       tunedSize(tuning.image_team, alone ? 1 : std::min(image_workgroup, packed.image_lanes), 1, image_workgroup, "tuning.image_team");
@@ -119,7 +120,7 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
     }
     return buffer;
   };
-  const PackedObjects packed_objects = packObjects(objects, sampleGrid(contact_sensor, contact_packed));
+  const PackedObjects packed_objects = packObjects(objects, sampleGrid(contact_sensor, contact_packed), faster.polyhedra);
   object_records = upload("objects", packed_objects.objects);
   groups = upload("groups", packed_objects.groups);
   clusters = upload("clusters", packed_objects.clusters);
@@ -148,7 +149,7 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
   if (options.tuning.groups_per_batch != 0 || options.tuning.contact_repeat != 0) {
     checkContactFits(info, most_samples, groups_per_batch, contact_repeat);
   }
-  has_blocks = most_groups > groups_per_batch;
+  has_blocks = faster.blocks && most_groups > groups_per_batch;
 }
 
 const gpu::Kernel& Model::Impl::contactKernel(const ContactVariant& variant) const {
@@ -214,8 +215,10 @@ std::vector<gpu::Constant> Model::Impl::constants(const Sensor& sensor, const Pa
 gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const {
   const bool taxels_follow = std::any_of(law.taxel_passes.begin(), law.taxel_passes.end(),
                                          [](const TaxelPass& pass) { return pass.owner != TaxelPass::Owner::kTile; });
-  // Measured on a software driver; GPUs fetch two words at once without it.
-  const bool pairs = device.info().type == DeviceType::kCpu && device.context().hasInt64();
+  // Measured on software drivers: Mesa 25 takes longer to put 64-bit words together than it saves, GPUs fetch two words at once without it.
+  constexpr int kMesaWithoutPairs = 25;
+  const bool pairs = faster.pairs && device.info().type == DeviceType::kCpu && device.context().hasInt64() &&
+                     majorOfMesa(device.info().driver) < kMesaWithoutPairs;
   // Under friction or relaxation a search over tiles leaves the state of the samples alone: one more evaluation ends it.
   const Friction& skin_friction = sensor.skin.friction;
   const bool only_searches = hasFriction() && variant.search == kSearchOverTiles;
@@ -237,7 +240,7 @@ gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const 
                                          friction && variant.with_shear, friction && law.has_bristles});
   for (const float parameter : law.bristles) of_the_pass.push_back(bits(parameter));
   of_the_pass.push_back(layer ? 0 : static_cast<std::uint32_t>(sensor.skin.relaxation.size()));
-  of_the_pass.insert(of_the_pass.end(), {groups_per_batch, has_blocks, variant.with_jacobian});
+  of_the_pass.insert(of_the_pass.end(), {groups_per_batch, has_blocks, variant.with_jacobian, faster.untouched});
   return {device.context(),
           {.name = law.kernel,
            .spirv = pairs ? law.spirv_pairs : law.spirv,
@@ -331,7 +334,7 @@ gpu::Kernel Model::Impl::makeLoadKernel() const {
 }
 
 gpu::Kernel Model::Impl::makeLayerKernel(const LayerVariant& variant) const {
-  const bool pairs = device.info().type == DeviceType::kCpu && device.context().hasInt64();
+  const bool pairs = faster.pairs && device.info().type == DeviceType::kCpu && device.context().hasInt64();
   const auto& elastic = std::get<ElasticLayer>(sensor.skin.law);
   const Friction& friction = sensor.skin.friction;
   const LayerNodes& nodes = layer->nodes;

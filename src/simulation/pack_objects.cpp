@@ -102,9 +102,9 @@ struct PackSolid {
 
 }  // namespace
 
-PackedObjects packObjects(std::span<const Object> objects, const SampleGrid& grid) {
+PackedObjects packObjects(std::span<const Object> objects, const SampleGrid& grid, bool with_polyhedra) {
   PackedObjects packed;
-  const std::vector<std::vector<Face>> faces = polyhedra(objects);
+  const std::vector<std::vector<Face>> faces = with_polyhedra ? polyhedra(objects) : std::vector<std::vector<Face>>{};
   for (const std::vector<Face>& of_one : faces) packed.num_faces = std::max(packed.num_faces, static_cast<std::uint32_t>(of_one.size()));
   std::size_t num_meshes = 0;
   for (const Object& object : objects) {

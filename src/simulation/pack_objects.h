@@ -20,7 +20,7 @@ struct PackedObjects {
   std::uint32_t num_faces = 1;       // of each polyhedron; those of one with fewer are repeated
 };
 
-// Where every mesh is convex and has few faces, they become polyhedra.
-PackedObjects packObjects(std::span<const Object> objects, const SampleGrid& grid);
+// Where every mesh is convex and has few faces, they become polyhedra if `with_polyhedra`.
+PackedObjects packObjects(std::span<const Object> objects, const SampleGrid& grid, bool with_polyhedra);
 
 }  // namespace taxelsim

@@ -1,0 +1,110 @@
+// Each faster way to a frame against the plain one: the same bits, or the twin's frame where another formula finds the same surface.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "simulation/comparison.h"
+#include "support/random_scene.h"
+#include "taxelsim/error.h"
+
+namespace taxelsim {
+namespace {
+
+using support::Random;
+using support::Touch;
+
+// The variable as it was, at the end.
+class Plain {
+ public:
+  explicit Plain(const std::string& names) {
+    if (const char* value = std::getenv(kName)) before_ = value;
+    ::setenv(kName, names.c_str(), 1);
+  }
+  ~Plain() { ::setenv(kName, before_.c_str(), 1); }
+  Plain(const Plain&) = delete;
+  Plain& operator=(const Plain&) = delete;
+
+ private:
+  static constexpr const char* kName = "TAXELSIM_PLAIN";
+  std::string before_;
+};
+
+struct Scene {
+  Sensor sensor;
+  std::vector<Object> objects;
+  std::vector<Touch> touches;
+};
+
+// Many tiles, most of them untouched, and a mesh of more groups than are culled at once.
+Scene wideScene(int num_patches) {
+  Random random(31);
+  Scene scene;
+  scene.sensor = support::gridSensor({.num_rows = 48, .num_cols = 48, .samples_per_taxel = 4});
+  if (num_patches > 1) {
+    scene.sensor = support::gridSensor({.num_rows = 8, .num_cols = 8, .samples_per_taxel = 4});
+    for (int n = 1; n < num_patches; ++n) {
+      GridPatch patch = scene.sensor.patches[0];
+      patch.name = "patch " + std::to_string(n);
+      patch.X_SP.position = {0.04 * n, 0, 0};
+      scene.sensor.patches.push_back(patch);
+    }
+  }
+  constexpr int kSubdivisions = 6;  // 81,920 triangles: 320 groups
+  scene.objects.emplace_back("bumpy sphere", support::icosphere(0.02, kSubdivisions, 0.01, random));
+  scene.objects.push_back(support::randomMeshObject(random, 0.02));
+  for (int i = 0; i < 5; ++i) scene.touches.push_back({{i % 2}, {support::randomContact(random, scene.sensor, scene.objects[i % 2])}});
+  return scene;
+}
+
+std::vector<std::vector<std::uint32_t>> bitsOf(const Scene& scene, const std::string& plain) {
+  const Plain without(plain);
+  const Model model(support::sharedDevice(), {.sensor = scene.sensor, .objects = scene.objects});
+  const int n = static_cast<int>(scene.touches.size());
+  Simulator simulator(model, {.num_instances = n});
+  support::setTouches(simulator, scene.touches);
+  simulator.step(1e-3);
+  const FrameView frame = simulator.read();
+  std::vector<std::vector<std::uint32_t>> bits;
+  for (int i = 0; i < n; ++i) bits.push_back(support::bitsOf(frame, i, n));
+  return bits;
+}
+
+TEST(FasterPaths, DoNotShow) {
+  for (const int num_patches : {1, 4}) {
+    const Scene scene = wideScene(num_patches);
+    const auto expected = bitsOf(scene, "");
+    for (const char* name : {"pairs", "blocks", "untouched", "alone", "pairs,blocks,untouched,alone"}) {
+      EXPECT_EQ(bitsOf(scene, name), expected) << name << ", " << num_patches << " patches";
+    }
+  }
+}
+
+TEST(FasterPaths, APolyhedronAsTrianglesIsTheTwins) {
+  const Plain without("polyhedra");
+  Random random(7);
+  const Sensor sensor = support::gridSensor();
+  const std::vector<Object> objects{support::randomPolyhedron(random, 0.02)};
+  const Touch touch{{0}, {support::randomContact(random, sensor, objects[0])}};
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+  Simulator simulator(model, {});
+  support::setTouches(simulator, {touch});
+  simulator.step(1e-3);
+  const auto placed = touch.placed(objects);
+  support::expectMatches(simulator.read(), 0, sensor, support::frameEnvelope(sensor, placed, support::roundingFor(sensor, placed)));
+}
+
+TEST(FasterPaths, AnUnknownNameIsRefused) {
+  const Plain without("pairs,pears");
+  try {
+    const Model model(support::sharedDevice(), {.sensor = support::gridSensor()});
+    FAIL() << "taken";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kInput);
+    EXPECT_STREQ(error.what(), "TAXELSIM_PLAIN: \"pears\" is not allowed: pairs, polyhedra, blocks, untouched, alone, all");
+  }
+}
+
+}  // namespace
+}  // namespace taxelsim
