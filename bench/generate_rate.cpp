@@ -217,7 +217,7 @@ int run(const Options& options) {
     warm.push_back(firstFrameSeconds(options, cache));
   }
 
-  const Device device = Device::open({.device = options.device});
+  const Device device = Device::open({.device = options.device, .busy_host = true});
   const Scene scene = loadScene(options.scene, {.num_episodes = options.num_episodes, .seed = {}});
   ModelOptions model_options{.sensor = scene.sensor};
   for (const SceneObject& entry : scene.objects) model_options.objects.push_back(entry.object);

@@ -200,7 +200,7 @@ void drawChart(const std::string& file, const Scene& scene, const std::vector<Ev
 
 int runEvaluate(const Arguments& arguments) {
   const Scene scene = loadScene(arguments.scene, arguments.overrides);
-  const Device device = Device::open({.device = arguments.device, .validation = arguments.validation});
+  const Device device = Device::open({.device = arguments.device, .validation = arguments.validation, .busy_host = true});
   ProgressPrinter printer;
   EvaluateOptions options;
   options.batch_size = arguments.batch_size;

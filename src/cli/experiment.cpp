@@ -165,7 +165,7 @@ void report(const Arguments& arguments, const Device& device, const ServoExperim
 
 int runExperiment(const Arguments& arguments) {
   const Experiment experiment = loadExperiment(arguments.file);
-  const Device device = Device::open({.device = arguments.device, .validation = arguments.validation});
+  const Device device = Device::open({.device = arguments.device, .validation = arguments.validation, .busy_host = true});
   std::visit([&](const auto& of_its_kind) { report(arguments, device, of_its_kind); }, experiment);
   return kExitOk;
 }

@@ -21,7 +21,7 @@ struct Arguments : SceneOptions {
 
 int runGenerate(const Arguments& arguments) {
   const Scene scene = loadScene(arguments.scene, arguments.overrides);
-  const Device device = Device::open({.device = arguments.device, .validation = arguments.validation});
+  const Device device = Device::open({.device = arguments.device, .validation = arguments.validation, .busy_host = true});
   spdlog::info("{}: {} episodes on {} ({})", scene.name, countText(scene.num_episodes), device.info().name, device.info().driver);
 
   ProgressPrinter printer;
