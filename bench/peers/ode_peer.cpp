@@ -17,6 +17,7 @@
 
 #include "peers/taxel_stage.h"
 #include "peers/threads.h"
+#include "reference/skin_mesh.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim::bench {
@@ -61,23 +62,6 @@ struct OdeShape {
   OdeShape(const OdeShape&) = delete;
   OdeShape& operator=(const OdeShape&) = delete;
 };
-
-// The skin's surface, two triangles per cell.
-Mesh sensorMesh(int rows, int cols, double pitch_x, double pitch_y) {
-  Mesh mesh;
-  for (int i = 0; i <= rows; ++i) {
-    for (int j = 0; j <= cols; ++j)
-      mesh.vertices.push_back({static_cast<float>((i - rows / 2.0) * pitch_x), static_cast<float>((j - cols / 2.0) * pitch_y), 0});
-  }
-  const auto vertex = [&](int i, int j) { return static_cast<std::uint32_t>(i * (cols + 1) + j); };
-  for (int i = 0; i < rows; ++i) {
-    for (int j = 0; j < cols; ++j) {
-      mesh.triangles.push_back({vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1)});
-      mesh.triangles.push_back({vertex(i, j), vertex(i + 1, j + 1), vertex(i, j + 1)});
-    }
-  }
-  return mesh;
-}
 
 std::unique_ptr<OdeShape> shapeOf(const Object& object) {
   if (const auto* cylinder = std::get_if<Cylinder>(&object.shape)) return std::make_unique<OdeShape>(*cylinder);
@@ -233,9 +217,7 @@ OdePeer::OdePeer(const Sensor& sensor, const std::vector<Object>& objects, OdeCe
     : impl_(std::make_unique<Impl>(sensor, cells, max_instances, num_workers)) {
   startEngine();
   Impl& impl = *impl_;
-  const int n = impl.per_side;
-  impl.skin = std::make_unique<OdeShape>(
-      sensorMesh(impl.stage.numRows() * n, impl.stage.numCols() * n, sensor.patches[0].pitch[0] / n, sensor.patches[0].pitch[1] / n));
+  impl.skin = std::make_unique<OdeShape>(reference::skinMesh(sensor.patches[0], impl.per_side));
   for (const Object& object : objects) impl.objects.push_back(shapeOf(object));
   for (int t = 0; t < impl.num_workers; ++t) impl.scratches.push_back(impl.stage.scratch());
   impl.share();

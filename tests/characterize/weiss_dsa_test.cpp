@@ -7,15 +7,13 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <map>
-#include <sstream>
 
 #include "characterize/creep.h"
 #include "characterize/least_squares.h"
 #include "reference/frame.h"
 #include "reference/lag.h"
 #include "reference/readout.h"
+#include "scene/number_table.h"
 #include "taxelsim/characterize.h"
 #include "taxelsim/object.h"
 
@@ -43,17 +41,13 @@ Recording readRecording(const std::filesystem::path& file, const Sensor& sensor)
   recording.letter = name[name.size() - 2];
   StampImages stamp{.indenter = kStamp, .load = (recording.letter - 'A' + 2) * 0.1 * kGravity, .images = {}};
   stamp.images.num_taxels = static_cast<std::size_t>(numTaxels(sensor));
-  std::ifstream in(file);
-  std::string line, cell;
-  std::getline(in, line);
-  while (std::getline(in, line)) {
-    std::istringstream cells(line);
-    std::getline(cells, cell, ',');
-    stamp.images.time.push_back(std::stod(cell));
+  const NumberTable table(file);  // time, then the taxels in storage order
+  for (std::size_t row = 0; row < table.numRows(); ++row) {
+    stamp.images.time.push_back(table.at(row, 0));
     double total = 0;
-    for (int taxel = 0; std::getline(cells, cell, ','); ++taxel) {
+    for (int taxel = 0; taxel + 1 < static_cast<int>(table.columns().size()); ++taxel) {
       if (isMasked(taxel / 6, taxel % 6)) continue;
-      stamp.images.counts.push_back(std::stof(cell));
+      stamp.images.counts.push_back(static_cast<float>(table.at(row, static_cast<std::size_t>(taxel) + 1)));
       total += stamp.images.counts.back();
     }
     recording.sum.time.push_back(stamp.images.time.back());

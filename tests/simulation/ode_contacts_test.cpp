@@ -9,6 +9,7 @@
 #include <numbers>
 #include <string>
 
+#include "reference/skin_mesh.h"
 #include "simulation/comparison.h"
 #include "support/ode_contacts.h"
 #include "support/random_scene.h"
@@ -50,7 +51,7 @@ class Rig {
   Rig(const Sensor& sensor, const Object& object, int cells_per_taxel)
       : patch_(sensor.patches.front()),
         cells_(cells_per_taxel),
-        ode_sensor_(cells_per_taxel > 0 ? Object(support::sensorMesh(patch_, cells_per_taxel)) : Object(support::sensorBox(patch_))),
+        ode_sensor_(cells_per_taxel > 0 ? Object(reference::skinMesh(patch_, cells_per_taxel)) : Object(support::sensorBox(patch_))),
         ode_object_(object),
         model_(support::sharedDevice(), {.sensor = sensor, .objects = {object}}),
         foundation_(model_, {}),

@@ -73,25 +73,6 @@ OdeShape::OdeShape(const Object& object) : impl_(std::make_unique<Impl>()) {
 OdeShape::~OdeShape() = default;
 OdeShape::OdeShape(OdeShape&&) noexcept = default;
 
-Mesh sensorMesh(const GridPatch& patch, int cells_per_taxel) {
-  const int rows = patch.num_rows * cells_per_taxel, cols = patch.num_cols * cells_per_taxel;
-  Mesh mesh;
-  for (int i = 0; i <= rows; ++i) {
-    for (int j = 0; j <= cols; ++j) {
-      mesh.vertices.push_back({static_cast<float>((i - rows / 2.0) * patch.pitch[0] / cells_per_taxel),
-                               static_cast<float>((j - cols / 2.0) * patch.pitch[1] / cells_per_taxel), 0});
-    }
-  }
-  const auto vertex = [&](int i, int j) { return static_cast<std::uint32_t>(i * (cols + 1) + j); };
-  for (int i = 0; i < rows; ++i) {
-    for (int j = 0; j < cols; ++j) {
-      mesh.triangles.push_back({vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1)});
-      mesh.triangles.push_back({vertex(i, j), vertex(i + 1, j + 1), vertex(i, j + 1)});
-    }
-  }
-  return mesh;
-}
-
 namespace {
 constexpr double kBoxHeight = 0.01;  // m; deeper than anything is pressed
 }

@@ -27,9 +27,7 @@ class OdeShape {
   std::unique_ptr<Impl> impl_;
 };
 
-// The sensor as the paper gives it to the engine, over a patch whose frame is S: its top as a mesh of cells, two triangles each; or one box
-// under the skin's surface, whose pose is boxPose().
-Mesh sensorMesh(const GridPatch& patch, int cells_per_taxel);
+// The sensor as one box under the skin's surface, over a patch whose frame is S; its pose is boxPose(). As a mesh: reference/skin_mesh.h.
 Box sensorBox(const GridPatch& patch);
 Pose boxPose(const GridPatch& patch);
 

@@ -1,0 +1,30 @@
+// Contact features of the device against the twin's of the same forces, within tolerances derived here.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "simulation/comparison.h"
+
+namespace taxelsim::support {
+
+// Sums of up to 16384 terms in up to 64 partial sums of 256: rounding of the terms' own size, 256 + 64 at worst, a tenth of that by chance.
+inline constexpr double kSum = 64 * kUlp;
+
+// What the device gives of one row.
+struct Row {
+  Row(const ContactFeatureView& of, int instance, int number) : view(of), at(static_cast<std::size_t>(instance * of.num_rows + number)) {}
+  double operator()(std::span<const float> values, std::size_t width = 1, std::size_t component = 0) const {
+    return values[width * at + component];
+  }
+  const ContactFeatureView& view;
+  std::size_t at;
+};
+
+// The farthest that a taxel is from the origin, or the longest side of a patch, m.
+double extentOf(const Sensor& sensor);
+
+// Both sets of one frame, from the device's own forces and counts.
+void expectFrame(const FrameView& frame, const Sensor& sensor, int num_instances);
+
+}  // namespace taxelsim::support
