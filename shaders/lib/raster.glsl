@@ -128,6 +128,7 @@ void rasterBySpans(Vertex p, Vertex q, Vertex r) {
 
   ivec2 first = firstSample(ivec2(top.at.x, min(top.at.y, min(middle.at.y, bottom.at.y))));
   ivec2 last = lastSample(ivec2(bottom.at.x, max(top.at.y, max(middle.at.y, bottom.at.y))));
+  if (last.x << subpixel_bits == bottom.at.x) --last.x;  // the rows, too, are half-open
   if (first.x > last.x || first.y > last.y) return;
 
   // Plane z = z0 + gradient . (u - u0, v - v0), in samples.
@@ -142,7 +143,6 @@ void rasterBySpans(Vertex p, Vertex q, Vertex r) {
   int a = first.x;
   for (; a <= last.x; ++a) {
     int row = a << subpixel_bits;
-    if (row == bottom.at.x) break;  // the rows, too, are half-open
     int b_long = crossing(top.at, bottom.at, row);
     bool upper = row < middle.at.x;
     int b_short = crossing(upper ? top.at : middle.at, upper ? middle.at : bottom.at, row);
@@ -160,5 +160,5 @@ void rasterBySpans(Vertex p, Vertex q, Vertex r) {
     }
     cut_short = cut_short || b < b_end;
   }
-  cut_short = cut_short || a < last.x;
+  cut_short = cut_short || a <= last.x;
 }

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <string>
 
+#include "base/vector3.h"
 #include "reference/features.h"
 #include "reference/readout.h"
 #include "simulation/raster.h"
@@ -67,8 +68,8 @@ void expectInside(std::span<const float> values, const Bounded& bounds, double r
                              << bounds.high[first] << "]";
 }
 
-// Farthest taxel centre from S's origin, and the array's own size, m: what moments are rounded relative to.
-double extentOf(const Sensor& sensor) {
+// Largest coordinate of a taxel's centre, and half the array's own size, m: what moments are rounded relative to.
+double largestCoordinateOf(const Sensor& sensor) {
   double extent = 0;
   for (const Vector3& p : taxelPositions(sensor)) {
     extent = std::max({extent, std::abs(p[0]), std::abs(p[1]), std::abs(p[2])});
@@ -82,7 +83,7 @@ double extentOf(const Sensor& sensor) {
 void expectFeatures(const FeatureView& view, int instance, const Sensor& sensor, const reference::Features& expected, double relative,
                     double area_slack, const char* which) {
   SCOPED_TRACE(which);
-  const double extent = extentOf(sensor);
+  const double extent = largestCoordinateOf(sensor);
   const double force = expected.total_force;
   EXPECT_NEAR(view.total_force[instance], force, relative * force + kAbsoluteForce);
   EXPECT_NEAR(view.peak_force[instance], expected.peak_force, relative * expected.peak_force);
@@ -125,6 +126,15 @@ void expectFeatures(const FeatureView& view, int instance, const Sensor& sensor,
 }
 
 }  // namespace
+
+double extentOf(const Sensor& sensor) {
+  double extent = 0;
+  for (const Vector3& p : taxelPositions(sensor)) extent = std::max(extent, length(p));
+  for (const GridPatch& patch : sensor.patches) {
+    extent = std::max({extent, patch.pitch[0] * patch.num_rows, patch.pitch[1] * patch.num_cols});
+  }
+  return extent;
+}
 
 Rounding roundingFor(const Sensor& sensor, std::span<const reference::PlacedObject> objects) {
   double finest = std::numeric_limits<double>::infinity(), coarsest = 0;
@@ -220,7 +230,7 @@ void expectMatches(const FrameView& frame, int instance, const Sensor& sensor, c
   expectInside(sliceOf(truth.penetration_depth, instance, num_instances), envelope.mean_penetration, 64 * kUlp, 0, "penetration_depth");
   // The PSF sums up to 81 products with weights rounded once, on top of the envelope's own rounding.
   expectInside(force, envelope.spread_force, 100 * kUlp, 0, "tactile_normal_force");
-  const double lever = extentOf(sensor);
+  const double lever = largestCoordinateOf(sensor);
   const double absolute = kRelativeMoment * envelope.total_high + kAbsoluteForce;
   const auto wrench = sliceOf(truth.contact_wrench, instance, num_instances);
   expectInside(

@@ -38,6 +38,9 @@ inline constexpr Rounding kRounding{kShift, kMarginZ, kRelativeForce, kAbsoluteF
 // With the torus's and, of meshes, that of their vertices to fractions of the sample spacing.
 Rounding roundingFor(const Sensor& sensor, std::span<const reference::PlacedObject> objects);
 
+// The farthest that a taxel's centre is from the origin of S, and the array's own sides, m: the largest of these.
+double extentOf(const Sensor& sensor);
+
 // The one device of this process, with validation on: any message makes the next wait throw.
 const Device& sharedDevice();
 

@@ -197,15 +197,6 @@ void expectRows(const ContactFeatureView& view, int instance, const Sensor& sens
 
 }  // namespace
 
-double extentOf(const Sensor& sensor) {
-  double extent = 0;
-  for (const Vector3& p : taxelPositions(sensor)) extent = std::max(extent, length(p));
-  for (const GridPatch& patch : sensor.patches) {
-    extent = std::max({extent, patch.pitch[0] * patch.num_rows, patch.pitch[1] * patch.num_cols});
-  }
-  return extent;
-}
-
 void expectFrame(const FrameView& frame, const Sensor& sensor, int num_instances) {
   const auto n = static_cast<std::size_t>(numTaxels(sensor));
   for (int i = 0; i < num_instances; ++i) {

@@ -21,9 +21,6 @@ struct Row {
   std::size_t at;
 };
 
-// The farthest that a taxel is from the origin, or the longest side of a patch, m.
-double extentOf(const Sensor& sensor);
-
 // Both sets of one frame, from the device's own forces and counts.
 void expectFrame(const FrameView& frame, const Sensor& sensor, int num_instances);
 

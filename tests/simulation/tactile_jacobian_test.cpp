@@ -4,13 +4,12 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numbers>
 
 #include "base/vector3.h"
 #include "reference/imperfections.h"
 #include "reference/psf.h"
-#include "reference/tactile_jacobian.h"
 #include "simulation/comparison.h"
+#include "simulation/tactile_jacobian_rows.h"
 #include "support/curved_sensor.h"
 #include "support/jacobian_cases.h"
 #include "support/random_scene.h"
@@ -19,168 +18,15 @@
 namespace taxelsim {
 namespace {
 
-using reference::ByTwist;
-using reference::FeatureJacobian;
-using reference::Frame;
-using reference::TactileJacobian;
+using support::expectJacobian;
 using support::JacobianCase;
 using support::JacobianErrors;
 using support::JacobianKind;
-using support::kUlp;
 using support::Random;
 using support::Touch;
 
 constexpr double kDt = 0.01;  // s
 constexpr OutputOptions kAll{.tactile_jacobian = true, .clean_tactile_jacobian = true};
-
-// Rounding of what a taxel's derivatives are summed from, relative to their gross size: pressures as in kRelativeForce, and as much again
-// for sums and transforms.
-constexpr double kRelative = 2 * support::kRelativeForce;
-// Corners of what float32 makes of a place: the twin's values there say how much a value hangs on it. Between corners there may be a little
-// more.
-constexpr double kBetweenCorners = 3;
-
-// The part of a frame that the twin's Jacobian is made from, with the samples moved and the surface lifted.
-Frame frameAt(const Sensor& sensor, std::span<const reference::PlacedObject> objects, const std::array<double, 2>& shift, double lift) {
-  Frame frame;
-  frame.heights = reference::surfaceHeights(sensor, objects, shift);
-  for (double& height : frame.heights) height += lift;
-  frame.penetration = reference::penetrations(frame.heights, sensor.skin.thickness);
-  frame.contact = reference::contactOf(sensor, frame.penetration, {}, 0);
-  std::vector<reference::TaxelState> none;
-  frame.taxel_force = reference::taxelResponse(sensor, frame.contact.taxel_force, 0, none);
-  frame.spread_force = reference::spread(sensor, frame.taxel_force);
-  return frame;
-}
-
-// A row, or the wrench, as one list of numbers.
-std::vector<double> flat(const FeatureJacobian& row) {
-  std::vector<double> values;
-  for (const ByTwist& axis : row.center_of_pressure) values.insert(values.end(), axis.begin(), axis.end());
-  values.insert(values.end(), row.total_force_by_twist.begin(), row.total_force_by_twist.end());
-  values.insert(values.end(), row.edge_angle.begin(), row.edge_angle.end());
-  return values;
-}
-
-std::vector<double> flat(const std::array<ByTwist, 6>& wrench) {
-  std::vector<double> values;
-  for (const ByTwist& row : wrench) values.insert(values.end(), row.begin(), row.end());
-  return values;
-}
-
-std::vector<double> flat(const TactileJacobianView& view, std::size_t row) {
-  std::vector<double> values;
-  for (const auto& [block, width] : {std::pair{view.center_of_pressure, 18}, {view.total_force, 6}, {view.edge_angle, 6}}) {
-    const auto part = block.subspan(row * static_cast<std::size_t>(width), static_cast<std::size_t>(width));
-    values.insert(values.end(), part.begin(), part.end());
-  }
-  return values;
-}
-
-double extentOf(const Sensor& sensor) {
-  double extent = 0;
-  for (const Vector3& p : taxelPositions(sensor)) extent = std::max(extent, length(p));
-  for (const GridPatch& patch : sensor.patches) {
-    extent = std::max({extent, patch.pitch[0] * patch.num_rows, patch.pitch[1] * patch.num_cols});
-  }
-  return extent;
-}
-
-// Gross size of what is summed for each coordinate of the twist, N/m or N/rad.
-ByTwist grossOf(const TactileJacobian& twin, double extent) {
-  double by_v = 0;
-  for (const ByTwist& taxel : twin.taxel_force) by_v += std::abs(taxel[0]) + std::abs(taxel[1]) + std::abs(taxel[2]);
-  ByTwist gross{by_v, by_v, by_v, extent * by_v, extent * by_v, extent * by_v};
-  for (const ByTwist& taxel : twin.taxel_force) {
-    for (std::size_t k = 3; k < 6; ++k) gross[k] += std::abs(taxel[k]);
-  }
-  return gross;
-}
-
-struct Corners {
-  Corners(const Sensor& sensor, std::span<const reference::PlacedObject> objects, const reference::ReadoutDraw& draw) {
-    const support::Rounding rounding = support::roundingFor(sensor, objects);
-    const auto at = [&](double x, double y, double z) {
-      return reference::tactileJacobian(sensor, frameAt(sensor, objects, {x * rounding.shift, y * rounding.shift}, z * rounding.margin_z),
-                                        draw);
-    };
-    middle = at(0, 0, 0);
-    for (const double x : {-1, 1}) {
-      for (const double y : {-1, 1}) corners.push_back(at(x, y, x * y));
-    }
-  }
-  TactileJacobian middle;
-  std::vector<TactileJacobian> corners;
-};
-
-// `pick` gives a row's numbers, `gross` the size of what each is summed from.
-template <typename Pick>
-void expectNear(const std::vector<double>& found, const Corners& twin, const std::vector<double>& gross, Pick pick, const char* what) {
-  const std::vector<double> expected = pick(twin.middle);
-  std::size_t num_off = 0, first = 0;
-  double first_slack = 0;
-  for (std::size_t n = found.size(); n-- > 0;) {
-    double spread = 0;
-    for (const TactileJacobian& corner : twin.corners) spread = std::max(spread, std::abs(pick(corner)[n] - expected[n]));
-    const double slack = kBetweenCorners * spread + kRelative * (gross[n] + std::abs(expected[n]));
-    if (std::abs(found[n] - expected[n]) <= slack) continue;
-    ++num_off, first = n, first_slack = slack;
-  }
-  EXPECT_EQ(num_off, 0u) << what << "[" << first << "]: " << found[first] << ", expected " << expected[first] << " within " << first_slack;
-}
-
-template <typename Pick>
-void expectRow(const std::vector<double>& found, const Corners& twin, const Sensor& sensor, Pick pick, const char* what) {
-  const FeatureJacobian& row = pick(twin.middle);
-  const double extent = extentOf(sensor);
-  const ByTwist by_twist = grossOf(twin.middle, extent);
-  double gain = 1;
-  for (const double taxel_gain : sensor.readout.taxel_gain) gain = std::max(gain, taxel_gain);
-  std::vector<double> gross;
-  for (std::size_t block = 0; block < 5; ++block) {
-    for (const double size : by_twist) {
-      double value = 2 * gain * size;
-      const double difference = row.edge_confidence * row.trace;
-      if (block < 3) value *= extent / row.total_force;
-      if (block == 4) value *= difference > 1e-12 ? extent * extent / (row.total_force * difference) : 0;
-      gross.push_back(row.total_force > 0 ? value : 0);
-    }
-  }
-  // A whisper, on one taxel or just at its trigger, has no moments to speak of.
-  if (row.total_force < 1e-5) return;
-  expectNear(
-      found, twin, gross, [&](const TactileJacobian& of) { return flat(pick(of)); }, what);
-}
-
-void expectMatches(const FrameView& frame, int instance, const Sensor& sensor, std::span<const reference::PlacedObject> objects,
-                   const reference::ReadoutDraw& draw = {}) {
-  SCOPED_TRACE("instance " + std::to_string(instance));
-  const Corners twin(sensor, objects, draw);
-  const auto rows = static_cast<std::size_t>(frame.jacobian.num_rows);
-  ASSERT_EQ(rows, 1 + twin.middle.clean_patches.size());
-  const std::size_t row = static_cast<std::size_t>(instance) * rows;
-  expectRow(
-      flat(frame.ground_truth.jacobian, row), twin, sensor, [](const TactileJacobian& of) -> const FeatureJacobian& { return of.clean; },
-      "clean");
-  expectRow(
-      flat(frame.jacobian, row), twin, sensor, [](const TactileJacobian& of) -> const FeatureJacobian& { return of.measured; }, "measured");
-  for (std::size_t p = 0; p + 1 < rows; ++p) {
-    expectRow(
-        flat(frame.ground_truth.jacobian, row + 1 + p), twin, sensor,
-        [&](const TactileJacobian& of) -> const FeatureJacobian& { return of.clean_patches[p]; }, "clean patch");
-    expectRow(
-        flat(frame.jacobian, row + 1 + p), twin, sensor,
-        [&](const TactileJacobian& of) -> const FeatureJacobian& { return of.measured_patches[p]; }, "measured patch");
-  }
-  const ByTwist by_twist = grossOf(twin.middle, extentOf(sensor));
-  std::vector<double> gross;
-  for (std::size_t c = 0; c < 6; ++c) {
-    for (const double size : by_twist) gross.push_back(size * (c < 3 ? 1 : extentOf(sensor)));
-  }
-  const auto wrench = frame.ground_truth.jacobian.contact_wrench.subspan(36 * static_cast<std::size_t>(instance), 36);
-  expectNear(
-      {wrench.begin(), wrench.end()}, twin, gross, [](const TactileJacobian& of) { return flat(of.contact_wrench); }, "wrench");
-}
 
 void expectFinite(const FrameView& frame) {
   const CleanTactileJacobianView& clean = frame.ground_truth.jacobian;
@@ -223,7 +69,7 @@ void runScene(const SceneKind& kind, int seed) {
   simulator.step(kDt);
   const FrameView frame = simulator.read();
   expectFinite(frame);
-  for (int i = 0; i < num_instances; ++i) expectMatches(frame, i, sensor, touches[static_cast<std::size_t>(i)].placed(objects));
+  for (int i = 0; i < num_instances; ++i) expectJacobian(frame, i, sensor, touches[static_cast<std::size_t>(i)].placed(objects));
 }
 
 class JacobianSeeds : public ::testing::TestWithParam<int> {};
@@ -310,7 +156,7 @@ TEST(TactileJacobianOnDevice, EveryLaw) {
     const Touch touch{{0}, {{{1e-3, 0.5e-3, 8e-3 - 1.3e-3}, axisAngle({0.1, 1, 0.2}, 1.5)}}};
     Simulator simulator(Model(support::sharedDevice(), {.sensor = sensor, .objects = objects}), {.outputs = kAll});
     SCOPED_TRACE(law.index());
-    expectMatches(pressOnce(simulator, {touch}), 0, sensor, touch.placed(objects));
+    expectJacobian(pressOnce(simulator, {touch}), 0, sensor, touch.placed(objects));
   }
 }
 
@@ -334,7 +180,7 @@ TEST(TactileJacobianOnDevice, OfALoadItIsWhereTheLoadPutTheObjects) {
       EXPECT_EQ(frame.ground_truth.load_reached[i], 1);
       const Touch& touch = touches[static_cast<std::size_t>(i)];
       // The load is met to 2e-6 of itself.
-      expectMatches(frame, i, sensor, touch.placed(objects, frame.ground_truth.load_offset[i]));
+      expectJacobian(frame, i, sensor, touch.placed(objects, frame.ground_truth.load_offset[i]));
     }
   }
 }
@@ -355,7 +201,7 @@ TEST(TactileJacobianOnDevice, MeasuredByDrawnGainsAndDeadTaxels) {
   for (int i = 0; i < 2; ++i) {
     const reference::EpisodeKey key{.seed = 5, .episode = static_cast<std::uint64_t>(i), .gain = 1.1f, .gain_spread = 0.1f};
     reference::Imperfections imperfections(sensor.readout, static_cast<std::size_t>(numTaxels(sensor)), key);
-    expectMatches(frame, i, sensor, touches[0].placed(objects), imperfections.draw(0));
+    expectJacobian(frame, i, sensor, touches[0].placed(objects), imperfections.draw(0));
   }
 }
 
@@ -393,7 +239,7 @@ TEST(TactileJacobianOnDevice, OfAListOfTaxels) {
     const FrameView frame = pressOnce(simulator, {touch});
     EXPECT_EQ(frame.jacobian.num_rows, 1);
     SCOPED_TRACE(kind);
-    expectMatches(frame, 0, sensor, touch.placed(objects));
+    expectJacobian(frame, 0, sensor, touch.placed(objects));
   }
 }
 
@@ -445,7 +291,7 @@ TEST(TactileJacobianOnDevice, LargestArrayOverSeveralTiles) {
   const Touch touch{{0}, {{{3e-3, -2e-3, 0.2994}}}};
   Simulator simulator(Model(support::sharedDevice(), {.sensor = sensor, .objects = objects}), {.outputs = kAll});
   const FrameView frame = pressOnce(simulator, {touch});
-  expectMatches(frame, 0, sensor, touch.placed(objects));
+  expectJacobian(frame, 0, sensor, touch.placed(objects));
   EXPECT_NEAR(frame.ground_truth.jacobian.center_of_pressure[0], -1, 0.01);
 }
 
