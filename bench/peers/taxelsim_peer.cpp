@@ -35,16 +35,11 @@ std::string TaxelsimPeer::what() const {
 
 void TaxelsimPeer::run(std::span<const int> ids, std::span<const Pose> X_SO, PeerFrame& frame) {
   simulator_.setObjects(ids, X_SO);
-  simulator_.step(kDt);
-  const FrameView view = simulator_.read();
-  if (with_forces_) copy(view, frame);
-}
-
-double TaxelsimPeer::submitToRead() {
   const auto start = std::chrono::steady_clock::now();
   simulator_.step(kDt);
-  simulator_.read();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const FrameView view = simulator_.read();
+  submit_to_read_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (with_forces_) copy(view, frame);
 }
 
 void TaxelsimPeer::copy(const FrameView& view, PeerFrame& frame) const {

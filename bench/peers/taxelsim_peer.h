@@ -19,9 +19,8 @@ class TaxelsimPeer : public Peer {
   // Copies the frame where forces were asked for; else it stays where read() shows it, as a caller would use it, and `frame` is untouched.
   void run(std::span<const int> ids, std::span<const Pose> X_SO, PeerFrame& frame) override;
 
-  // The poses of the last run() once more: seconds from step() to the end of read().
-  double submitToRead();
-
+  // Of the last run(): seconds from step() to the end of read().
+  double submitToRead() const { return submit_to_read_; }
   StepTiming timing() const { return simulator_.timing(); }
 
  private:
@@ -29,6 +28,7 @@ class TaxelsimPeer : public Peer {
 
   bool with_forces_;
   Simulator simulator_;
+  double submit_to_read_ = 0;
 };
 
 }  // namespace taxelsim::bench

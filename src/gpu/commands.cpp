@@ -18,6 +18,8 @@ vk::PipelineStageFlags stageOf(Access access) {
       return vk::PipelineStageFlagBits::eComputeShader;
     case Access::kCopy:
       return vk::PipelineStageFlagBits::eTransfer;
+    case Access::kIndirect:
+      return vk::PipelineStageFlagBits::eDrawIndirect;
     default:
       return vk::PipelineStageFlagBits::eHost;
   }
@@ -44,6 +46,8 @@ vk::AccessFlags used(Access access) {
       return vk::AccessFlagBits::eTransferRead | vk::AccessFlagBits::eTransferWrite;
     case Access::kHostRead:
       return vk::AccessFlagBits::eHostRead;
+    case Access::kIndirect:
+      return vk::AccessFlagBits::eIndirectCommandRead;
     default:
       return {};
   }
@@ -101,28 +105,39 @@ Commands::~Commands() {
 Commands::Commands(Commands&&) noexcept = default;
 Commands& Commands::operator=(Commands&&) noexcept = default;
 
-void Commands::dispatch(const Kernel& kernel, std::uint32_t num_groups, std::initializer_list<const Buffer*> buffers) {
+void Commands::bind(const Kernel& kernel, std::initializer_list<const Buffer*> buffers) {
   if (buffers.size() != kernel.numBuffers()) throw std::logic_error("kernel \"" + kernel.name() + "\": wrong number of buffers bound");
-  if (num_groups == 0) return;
   Context::Vulkan& vk_context = vulkan_->context.vulkan();
+  const Kernel::Vulkan& vk_kernel = kernel.vulkan();
+  vk::raii::DescriptorSet set =
+      std::move(vk::raii::DescriptorSets(vk_context.device, {*vulkan_->descriptors, *vk_kernel.set_layout}).front());
+  std::vector<vk::DescriptorBufferInfo> infos;
+  infos.reserve(buffers.size());
+  std::vector<vk::WriteDescriptorSet> writes;
+  for (const Buffer* buffer : buffers) {
+    infos.emplace_back(*buffer->vulkan().buffer, 0, VK_WHOLE_SIZE);
+    writes.emplace_back(*set, static_cast<std::uint32_t>(writes.size()), 0, 1, vk::DescriptorType::eStorageBuffer, nullptr, &infos.back());
+  }
+  vk_context.device.updateDescriptorSets(writes, {});
+  vulkan_->commands.bindPipeline(vk::PipelineBindPoint::eCompute, *vk_kernel.pipeline);
+  vulkan_->commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *vk_kernel.layout, 0, *set, {});
+  vulkan_->sets.push_back(std::move(set));
+}
+
+void Commands::dispatch(const Kernel& kernel, std::uint32_t num_groups, std::initializer_list<const Buffer*> buffers) {
+  if (num_groups == 0) return;
   checked("recording " + kernel.name(), "", [&] {
-    const Kernel::Vulkan& vk_kernel = kernel.vulkan();
-    vk::raii::DescriptorSet set =
-        std::move(vk::raii::DescriptorSets(vk_context.device, {*vulkan_->descriptors, *vk_kernel.set_layout}).front());
-    std::vector<vk::DescriptorBufferInfo> infos;
-    infos.reserve(buffers.size());
-    std::vector<vk::WriteDescriptorSet> writes;
-    for (const Buffer* buffer : buffers) {
-      infos.emplace_back(*buffer->vulkan().buffer, 0, VK_WHOLE_SIZE);
-      writes.emplace_back(*set, static_cast<std::uint32_t>(writes.size()), 0, 1, vk::DescriptorType::eStorageBuffer, nullptr,
-                          &infos.back());
-    }
-    vk_context.device.updateDescriptorSets(writes, {});
-    vulkan_->commands.bindPipeline(vk::PipelineBindPoint::eCompute, *vk_kernel.pipeline);
-    vulkan_->commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *vk_kernel.layout, 0, *set, {});
+    bind(kernel, buffers);
     const std::uint32_t columns = std::min(num_groups, kMaxGroupsPerDimension);
     vulkan_->commands.dispatch(columns, (num_groups + columns - 1) / columns, 1);
-    vulkan_->sets.push_back(std::move(set));
+  });
+}
+
+void Commands::dispatchIndirect(const Kernel& kernel, const Buffer& counts, std::size_t offset,
+                                std::initializer_list<const Buffer*> buffers) {
+  checked("recording " + kernel.name(), "", [&] {
+    bind(kernel, buffers);
+    vulkan_->commands.dispatchIndirect(*counts.vulkan().buffer, offset);
   });
 }
 

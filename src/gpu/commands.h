@@ -14,7 +14,7 @@
 namespace taxelsim::gpu {
 
 // What was done before a barrier must be visible to what is done after it.
-enum class Access { kHostWrite, kKernel, kCopy, kHostRead };
+enum class Access { kHostWrite, kKernel, kCopy, kHostRead, kIndirect };
 
 class Commands {
  public:
@@ -27,6 +27,9 @@ class Commands {
   // One workgroup per unit of work: `num_groups` of them, folded into two dimensions where one holds too few; kernels find their number
   // with workgroupNumber() of shaders/lib/workgroup.glsl. Buffers by binding.
   void dispatch(const Kernel& kernel, std::uint32_t num_groups, std::initializer_list<const Buffer*> buffers);
+  // As many workgroups as a kernel has left in `counts`, three words from byte `offset` on: columns, rows, 1; a barrier to kIndirect
+  // between.
+  void dispatchIndirect(const Kernel& kernel, const Buffer& counts, std::size_t offset, std::initializer_list<const Buffer*> buffers);
   void barrier(Access before, Access after);
   void copy(const Buffer& from, const Buffer& to, std::size_t bytes);
   void fillZero(const Buffer& buffer);
@@ -41,6 +44,8 @@ class Commands {
   double seconds(std::uint32_t from, std::uint32_t to) const;
 
  private:
+  void bind(const Kernel& kernel, std::initializer_list<const Buffer*> buffers);
+
   struct Vulkan;
   std::unique_ptr<Vulkan> vulkan_;
 };
