@@ -13,7 +13,7 @@
 //      taxels' place, with the slot in its lowest bits where lib/slots.glsl keeps it; kMiss where there is none.
 // State: of every sample, between steps: its depth where the law needs it, its strain and overstresses where the skin relaxes; where there is
 //        friction its shear traction, or how far its bristles are bent.
-// Shared memory: 4 TILE_SAMPLES + 16 LANES + 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 4 REPEAT + 48 bytes, with friction 8 LANES and 512 more,
+// Shared memory: 4 TILE_SAMPLES + 16 LANES + 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 4 REPEAT + 64 bytes, with friction 8 LANES and 512 more,
 //      with blocks 4 kBlocksPerBatch.
 // Deterministic: the tile is a minimum; sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
 // Twins: src/reference/depth.cpp, contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp, load.cpp.
@@ -53,6 +53,9 @@ layout(constant_id = 39) const bool OUTPUT_JACOBIAN = false;  // contact_cells a
 
 layout(constant_id = 40) const bool LEAVE_UNTOUCHED = true;  // where nothing is near, kLeavesUntouched and kFindsNear
 
+layout(constant_id = 41) const float REACH = 0.0;       // up to which height over the skin surfaces matter to the law, m
+layout(constant_id = 42) const uint LIST = kNumLists;    // of instances that this pass goes through: kListWithout, kListWith; all
+
 // A software driver computes both sides of every branch and a loop's body at least once, so what a model, sensor or batch does not need is left
 // out by constants.
 const uint kNoSearch = 0u;         // no instance is driven by load
@@ -87,6 +90,10 @@ layout(std430, set = 0, binding = 18) buffer FrictionState { Pair friction_state
 layout(std430, set = 0, binding = 19) writeonly buffer ContactShear { float contact_shear[]; };
 layout(std430, set = 0, binding = 20) writeonly buffer ContactCells { CellRecord contact_cells[]; };
 layout(std430, set = 0, binding = 21) writeonly buffer TileChanges { float tile_changes[]; };
+layout(std430, set = 0, binding = 22) readonly buffer Candidates { CandidateRecord candidates[]; };
+layout(std430, set = 0, binding = 23) readonly buffer CandidateQuads { uint candidate_quads[]; };
+layout(std430, set = 0, binding = 24) buffer Work { uvec4 work[]; };
+layout(std430, set = 0, binding = 25) buffer WorkInstances { uint work_instances[]; };
 
 const float kMiss = kNoHeight;  // height where there is no surface
 const uint kEmpty = 0x7F7FFFFFu;  // the largest finite float, as bits: no surface over the sample
@@ -95,32 +102,21 @@ const uint kEmpty = 0x7F7FFFFFu;  // the largest finite float, as bits: no surfa
 const float kLooksUp = 0.7;
 // Of many small tiles objects reach few. Which, is found by one invocation for each, before all of them go to those.
 const bool kFindsNear = LEAVE_UNTOUCHED && NUM_ROWS == 0 && NUM_TILES > 1 && RELAXATION == 0;  // a skin that relaxes moves on where nothing is near
-const uint kClustersPerBatch = GROUPS_PER_BATCH * kClustersPerGroup;
-const uint kBlocksPerBatch = 64;
-
 shared uint tile[TILE_SAMPLES];
 shared vec4 partial[LANES];
-shared uint block_list[BLOCKS ? kBlocksPerBatch : 1u];  // first group | (how many - 1) << kFirstBits
-shared uint num_listed_blocks;
-shared uint group_list[GROUPS_PER_BATCH];      // first cluster | (how many - 1) << kFirstBits
-shared uint cluster_list[kClustersPerBatch];
-shared uint num_listed_groups;
-shared uint num_listed_clusters;
-shared int active_box[4];    // in samples of the tile: first row, last row, first col, last col
+shared int boxes[2][4];      // kCleared, kActive; in samples of the tile: first row, last row, first col, last col
 shared uint num_deep;
 shared uint any_behind;
 shared uint tile_list[REPEAT];
 shared uint num_listed_tiles;
 shared uint lowest_bits;
 
-// The window of samples that this workgroup rasters, in samples of the patch, and how a height becomes the tile's number.
-vec2 tile_first, tile_end;  // half-open
-uvec2 tile_size;  // in taxels
-uint tile_stride;
-float z_limit;  // m: surfaces at or above cannot touch
+#include "lib/whole.glsl"
+#include "lib/transform.glsl"
+#include "lib/window.glsl"
+
 float z_base;   // m: what the tile's numbers count from
 uint raster_slot = 0;  // of the body on its way into the tile
-float z_floor;  // m: surfaces below are at the far side of the body, and not seen
 
 // This invocation has met a surface below z_floor.
 bool met_behind = false;
@@ -135,28 +131,32 @@ bool isSeen(float z) {
 bool cut_short = false;
 
 #include "lib/workgroup.glsl"
-#include "lib/whole.glsl"
-#include "lib/transform.glsl"
 #include "lib/slots.glsl"
 #include "lib/polyhedron.glsl"
 #include "lib/analytic.glsl"
-#include "lib/raster.glsl"
 #include "lib/laws/registry.glsl"
 
 const bool kShears = FRICTION && !kLawSolvedApart;  // else the pass that solves has the shear, and needs the slots
 // Of a large grid most tiles are untouched: their workgroups leave early.
 const bool kLeavesUntouched = LEAVE_UNTOUCHED && NUM_ROWS > 0 && NUM_TILES > 1 && RELAXATION == 0 && !kLawSolvedApart && !OUTPUT_JACOBIAN;
 
-Affine X_PS;         // patch from sensor
-vec2 spacing;        // of samples, m
-float sample_area;   // m^2
-vec2 patch_corner;   // of sample (0, 0), in P, m
-uvec4 grid;          // of the patch, PatchRecord
-uvec2 tile_taxel;    // first one of the tile
-float offset_z;      // by which a load search over several tiles has moved the objects along z of S, m
+// Of the tile what a single mesh clears, and where there is a surface.
+const uint kCleared = 0u, kActive = 1u;
+
+void addToBox(uint which, Box box) {
+  if (!isAny(box)) return;
+  atomicMin(boxes[which][0], box.first.x);
+  atomicMax(boxes[which][1], box.last.x);
+  atomicMin(boxes[which][2], box.first.y);
+  atomicMax(boxes[which][3], box.last.y);
+}
+
+Box boxNumbered(uint which) { return Box(ivec2(boxes[which][0], boxes[which][2]), ivec2(boxes[which][1], boxes[which][3])); }
 
 #include "lib/bodies.glsl"
+#include "lib/subpixels.glsl"
 #include "lib/mesh.glsl"
+#include "lib/raster.glsl"
 
 void writeShear(uint taxel, vec2 shear) {
   contact_shear[2 * taxel] = shear.x;
@@ -214,6 +214,7 @@ vec2 tractionAfter(inout vec2 held, vec2 u, float share, float pressure) {
 
 #include "lib/cell_fluxes.glsl"
 #include "lib/tiles.glsl"
+#include "lib/work_lists.glsl"
 
 void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   uint lane = gl_LocalInvocationIndex;
@@ -225,8 +226,10 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   met_behind = false;
 
   if (lane == 0) {
-    active_box[0] = active_box[2] = 0x7FFFFFFF;
-    active_box[1] = active_box[3] = -1;
+    for (uint box = 0; box < 2; ++box) {
+      boxes[box][0] = boxes[box][2] = 0x7FFFFFFF;
+      boxes[box][1] = boxes[box][3] = -1;
+    }
     num_deep = 0;
     if (NUM_ROWS == 0) any_behind = 0;
     lowest_bits = kEmpty;
@@ -254,11 +257,11 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   if (search_here) z_base = clamp(lowest_bound, -1.0, 1.0);
   barrier();
 
-  // Then their heights. The active part of the window is where clusters and solids reach.
+  // Then their heights. The active part of the window is where triangles are seen and solids reach.
   Box active_part = noSamples();
   if (usesTile()) {
     bool one_batch = !MANY_SLOTS && body.kind_groups.x == kKindMesh && body.kind_groups.z <= GROUPS_PER_BATCH;
-    if (!one_batch) clearTile(reached);
+    if (!one_batch && LIST != kListWith) clearSamples(reached);
     barrier();
     for (uint slot = 0; slot < num_slots; ++slot) {
       if (MANY_SLOTS) {  // a single slot's body is at hand
@@ -270,7 +273,11 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
       raster_slot = slot;
       bool is_mesh = body.kind_groups.x == kKindMesh;
       subpixel_bits = int(body.kind_groups.w & kSubpixelMask);
-      if (kHasMesh && (!kHasAnalytic || is_mesh)) rasterMesh(body, fromLattice(body, id), active_part, one_batch);
+      if (LIST == kListWith) {
+        visitCandidates(instance, body, fromLattice(body, id), active_part);
+      } else if (kHasMesh && (!kHasAnalytic || is_mesh)) {
+        visitMesh(body, fromLattice(body, id), active_part, one_batch);
+      }
       if (kHasAnalytic && (!kHasMesh || !is_mesh)) {
         if (isKind(body.kind_groups.x, kKindPolyhedron)) loadFaces(body.kind_groups.y, body.X_PO);
         rasterAnalytic(body, objects[id].parameters);
@@ -281,12 +288,12 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
     active_part = reached;
     if (isKind(body.kind_groups.x, kKindPolyhedron)) loadFaces(body.kind_groups.y, body.X_PO);
   }
-  addToActive(active_part);
+  addToBox(kActive, active_part);
   barrier();
 
   // The rectangle of taxels that can carry force, in taxels of this tile, half-open.
   uvec2 active_first = uvec2(0), active_count = uvec2(0);
-  Box active_samples = activeBox();
+  Box active_samples = boxNumbered(kActive);
   if (isAny(active_samples)) {
     active_first = uvec2(active_samples.first) / SAMPLES;
     active_count = uvec2(active_samples.last) / SAMPLES + 1u - active_first;
@@ -457,7 +464,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
 void main() {
   uvec4 batch = step_record.batch;
   uint first = workgroupNumber() * REPEAT;
-  uint end = min(first + REPEAT, batch.x * NUM_TILES);
+  uint end = min(first + REPEAT, LIST < kNumLists ? work[LIST].w : batch.x * NUM_TILES);
   uint count = end - first;
   if (kFindsNear) {
     if (gl_LocalInvocationIndex == 0) num_listed_tiles = 0;
@@ -477,6 +484,7 @@ void main() {
   uint k = 0;
   for (; k < count; ++k) {
     uint number = kFindsNear ? tile_list[k] : first + k;
+    if (LIST < kNumLists) number = work_instances[placeInList(LIST, number)];  // of sensors of one tile
     uint instance = number / NUM_TILES;
     contactOnTile(instance, number - instance * NUM_TILES, batch.y);
     barrier();

@@ -24,6 +24,11 @@ constexpr Vector3 kEllipsoid{0.020, 0.014, 0.012};  // m
 constexpr Cylinder kCylinder{.radius = 0.008, .length = 0.04};
 constexpr int kStrips = 1024;  // of the cylinder for Embree
 constexpr double kPi = std::numbers::pi;
+constexpr const char* kSliding = "_sliding";
+constexpr int kSlidingFrames = 8;     // of a turn
+constexpr double kSlide = 20e-6;      // m per frame: 20 mm/s at 1 kHz
+constexpr double kTurning = 0.5e-3;   // rad per frame about z
+constexpr double kGoldenAngle = 2.4;  // rad: instances slide in all directions
 constexpr PoseSpread kAnySide{.rolls = true};
 
 Mesh slab(double side, double height) {
@@ -96,9 +101,17 @@ void placeInTurn(Case& work, int num_instances) {
     poses.push_back(randomPoses(object, spreadOf(object),
                                 static_cast<int>((static_cast<std::size_t>(num_instances) + num_objects - 1) / num_objects), kPoseSeed));
   for (std::size_t i = 0; i < static_cast<std::size_t>(num_instances); ++i) {
-    work.ids.push_back(static_cast<int>(i % num_objects));
-    work.X_SO.push_back(poses[i % num_objects][i / num_objects]);
+    work.poses.ids.push_back(static_cast<int>(i % num_objects));
+    work.poses.X_SO.push_back(poses[i % num_objects][i / num_objects]);
   }
+}
+
+// After so many frames, about the point of the skin over which the object is.
+Pose slid(const Pose& X_SO, std::size_t instance, int frame) {
+  const double direction = kGoldenAngle * static_cast<double>(instance), way = kSlide * frame;
+  const Vector3& p = X_SO.position;
+  return {{p[0] + way * std::cos(direction), p[1] + way * std::sin(direction), p[2]},
+          axisAngle({0, 0, 1}, kTurning * frame) * X_SO.rotation};
 }
 
 }  // namespace
@@ -113,7 +126,28 @@ std::vector<std::string> caseNames() {
           "ellipsoid_1310720_10um",
           "ellipsoid_1310720_10um_full",
           "full_pad",
-          "mixed"};
+          "mixed",
+          "ellipsoid_5120_sliding",
+          "ellipsoid_81920_sliding",
+          "ellipsoid_81920_10um_sliding",
+          "ellipsoid_1310720_10um_sliding"};
+}
+
+std::vector<Poses> framesOf(const Case& work, int turn) {
+  const std::size_t n = work.numInstances();
+  std::vector<Poses> frames(work.slides ? kSlidingFrames : 1);
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    Poses& frame = frames[f];
+    frame.ids.reserve(n);
+    frame.X_SO.reserve(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t from = work.slides ? i : (i + static_cast<std::size_t>(turn)) % n;
+      const Pose& X_SO = work.poses.X_SO[from];
+      frame.ids.push_back(work.poses.ids[from]);
+      frame.X_SO.push_back(work.slides ? slid(X_SO, i, turn * kSlidingFrames + static_cast<int>(f)) : X_SO);
+    }
+  }
+  return frames;
 }
 
 Sensor withArray(const Sensor& sensor, const std::string& array) {
@@ -157,9 +191,11 @@ const CaseMaker::Kept& CaseMaker::simplified(int levels) {
   return kept;
 }
 
-Case CaseMaker::make(const std::string& name, const Sensor& sensor, int num_instances) {
+Case CaseMaker::make(const std::string& full_name, const Sensor& sensor, int num_instances) {
   Case work;
-  work.name = name;
+  work.name = full_name;
+  work.slides = full_name.ends_with(kSliding);
+  const std::string name = work.slides ? full_name.substr(0, full_name.size() - std::string_view(kSliding).size()) : full_name;
   const auto simple = [&](int levels, bool full_for_embree) {
     const Kept& kept = simplified(levels);
     const std::size_t before = ellipsoid(levels).mesh->triangles.size();
@@ -188,8 +224,8 @@ Case CaseMaker::make(const std::string& name, const Sensor& sensor, int num_inst
     constexpr double kHeight = 0.02;  // m
     const auto mesh = std::make_shared<Mesh>(slab(3 * halfDiagonal(sensor), kHeight));
     append(work, Object("slab", *mesh), mesh);
-    work.ids.assign(static_cast<std::size_t>(num_instances), 0);
-    work.X_SO = slabPoses(sensor, kHeight, num_instances);
+    work.poses.ids.assign(static_cast<std::size_t>(num_instances), 0);
+    work.poses.X_SO = slabPoses(sensor, kHeight, num_instances);
     return work;
   } else if (name == "mixed") {
     appendCylinder(work);
@@ -202,7 +238,7 @@ Case CaseMaker::make(const std::string& name, const Sensor& sensor, int num_inst
   } else {
     std::string known;
     for (const std::string& other : caseNames()) known += (known.empty() ? "" : ", ") + other;
-    throw Error(ErrorKind::kInput, "--case " + name + ": not one of " + known);
+    throw Error(ErrorKind::kInput, "--case " + full_name + ": not one of " + known);
   }
   placeInTurn(work, num_instances);
   return work;

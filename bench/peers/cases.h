@@ -11,6 +11,11 @@
 
 namespace taxelsim::bench {
 
+struct Poses {
+  std::vector<int> ids;    // (num_instances), indices into objects
+  std::vector<Pose> X_SO;  // (num_instances)
+};
+
 struct Case {
   std::string name;
   std::string note;                                 // what differs from one peer to another; empty: nothing
@@ -20,9 +25,15 @@ struct Case {
   double depth_tolerance = 0;                       // m: by how much Embree's surface may lie off the others'
   bool embree_only = false;                         // the other peers would do the case of the same name without "_full" again
   double load_seconds = 0;                          // of meshes that were read as loadMesh() does, simplifying them
-  std::vector<int> ids;                             // (num_instances), indices into objects
-  std::vector<Pose> X_SO;                           // (num_instances)
+  bool slides = false;                              // frames follow each other in small steps; else each has other poses
+  Poses poses;
+
+  std::size_t numInstances() const { return poses.ids.size(); }
 };
+
+// The frames of one turn: of objects that slide several, which go on from those of the turn before; else one, with the poses handed to
+// other instances than in the turn before.
+std::vector<Poses> framesOf(const Case& work, int turn);
 
 // In the order in which they run, and those that run unless others are asked for.
 std::vector<std::string> caseNames();
@@ -37,7 +48,7 @@ class CaseMaker {
   explicit CaseMaker(std::string prism) : prism_(std::move(prism)) {}
 
   // Throws Error(kInput) for an unknown name.
-  Case make(const std::string& name, const Sensor& sensor, int num_instances);
+  Case make(const std::string& full_name, const Sensor& sensor, int num_instances);
 
  private:
   struct Kept {

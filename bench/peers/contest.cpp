@@ -34,11 +34,12 @@ double secondsOf(const std::function<void()>& work) {
 std::unique_ptr<Peer> makePeer(const std::string& name, const Sensor& sensor, const Case& work, int threads) {
   std::vector<const Mesh*> meshes;
   for (const auto& mesh : work.meshes) meshes.push_back(mesh.get());
-  const int num_instances = static_cast<int>(work.X_SO.size());
+  const int num_instances = static_cast<int>(work.numInstances());
   if (name == "embree") return std::make_unique<EmbreePeer>(sensor, meshes, Rays::kAll, threads);
   if (name == "embree_box") return std::make_unique<EmbreePeer>(sensor, meshes, Rays::kUnderBox, threads);
   if (work.embree_only) return nullptr;
   if (name == "vector") return std::make_unique<VectorPeer>(sensor, work.objects, threads);
+  if (work.slides) return nullptr;
   if (name == "twin") return std::make_unique<TwinPeer>(sensor, work.objects, threads);
   if (name == "ode_samples") return std::make_unique<OdePeer>(sensor, work.objects, OdeCells::kSamples, num_instances, threads);
   if (name == "ode_taxels") return std::make_unique<OdePeer>(sensor, work.objects, OdeCells::kTaxels, num_instances, threads);
@@ -55,7 +56,9 @@ struct Entrant {
   PeerResult result;
   PeerFrame frame;
 
-  void run(const Case& work, std::size_t count) { peer->run(std::span(work.ids).first(count), std::span(work.X_SO).first(count), frame); }
+  void run(const Poses& poses, std::size_t count) {
+    peer->run(std::span(poses.ids).first(count), std::span(poses.X_SO).first(count), frame);
+  }
 };
 
 // How many instances take about kLongestRun at this rate.
@@ -67,20 +70,20 @@ std::size_t fewEnough(double frames_per_second, std::size_t num_instances) {
 }
 
 // Verifies on few, then, if that tells that there is time, on all.
-void verify(Entrant& entrant, const Sensor& sensor, const Case& work, const PeerFrame& ours) {
+void verify(Entrant& entrant, const Sensor& sensor, const Case& work, const Poses& poses, const PeerFrame& ours) {
   entrant.frame.with_forces = true;
-  std::size_t count = std::min(kFirstLook, work.X_SO.size());
-  double seconds = secondsOf([&] { entrant.run(work, count); });
+  std::size_t count = std::min(kFirstLook, work.numInstances());
+  double seconds = secondsOf([&] { entrant.run(poses, count); });
   const double rate = static_cast<double>(count) / seconds;
-  if (const std::size_t more = fewEnough(rate, work.X_SO.size()); more > count) {
+  if (const std::size_t more = fewEnough(rate, work.numInstances()); more > count) {
     count = more;
-    entrant.run(work, count);
+    entrant.run(poses, count);
   }
   entrant.result.agreement = compare(sensor, ours, entrant.frame, entrant.peer->trust(), work.depth_tolerance);
   entrant.frame = {.with_forces = false, .spread_force = {}, .tactile_image = {}, .measured = {}, .clean = {}};
-  entrant.run(work, count);
-  seconds = secondsOf([&] { entrant.run(work, count); });
-  entrant.result.num_instances = fewEnough(static_cast<double>(count) / seconds, work.X_SO.size());
+  entrant.run(poses, count);
+  seconds = secondsOf([&] { entrant.run(poses, count); });
+  entrant.result.num_instances = fewEnough(static_cast<double>(count) / seconds, work.numInstances());
 }
 
 double touchedFraction(const PeerFrame& frame) {
@@ -107,7 +110,7 @@ CaseResult runCase(const Device& device, const Sensor& sensor, const Case& work,
   CaseResult result{.name = work.name,
                     .note = work.note,
                     .array = std::to_string(patch.num_rows) + "x" + std::to_string(patch.num_cols),
-                    .num_instances = work.X_SO.size(),
+                    .num_instances = work.numInstances(),
                     .num_triangles = work.num_triangles,
                     .load_seconds = work.load_seconds,
                     .peers = {},
@@ -115,9 +118,12 @@ CaseResult runCase(const Device& device, const Sensor& sensor, const Case& work,
                     .device = {},
                     .contact_pass = {}};
   const Model model(device, {.sensor = sensor, .objects = work.objects});
-  const int num_instances = static_cast<int>(work.X_SO.size());
+  const int num_instances = static_cast<int>(work.numInstances());
   PeerFrame ours;
-  TaxelsimPeer(model, num_instances, true).run(work.ids, work.X_SO, ours);
+  // The last frame of the first turn is what everybody must agree on: objects have slid there.
+  const std::vector<Poses> first_turn = framesOf(work, 0);
+  TaxelsimPeer first(model, num_instances, true);
+  for (const Poses& poses : first_turn) first.run(poses.ids, poses.X_SO, ours);
   result.touched = touchedFraction(ours);
 
   std::vector<Entrant> entrants;
@@ -127,28 +133,39 @@ CaseResult runCase(const Device& device, const Sensor& sensor, const Case& work,
     if (!entrant.peer) continue;
     entrant.result.name = entrant.peer->name();
     entrant.result.what = entrant.peer->what();
-    verify(entrant, sensor, work, ours);
+    verify(entrant, sensor, work, first_turn.back(), ours);
     result.complete &= entrant.result.agreement->agrees || entrant.peer->trust() == Trust::kOtherModel;
     entrants.push_back(std::move(entrant));
   }
   ours = {};
 
   TaxelsimPeer simulator(model, num_instances, false);
-  PeerResult own{.name = simulator.name(), .what = simulator.what(), .num_instances = work.X_SO.size()};
+  PeerResult own{.name = simulator.name(), .what = simulator.what(), .num_instances = work.numInstances()};
   PeerFrame none;
+  // Times are per frame of the batch.
+  int turns = 0;
   const auto turn = [&](bool counts) {
-    const double seconds = secondsOf([&] { simulator.run(work.ids, work.X_SO, none); });
+    const std::vector<Poses> frames = framesOf(work, turns++);
+    const double per_frame = 1 / static_cast<double>(frames.size());
+    double seconds = 0, device_time = 0, contact_time = 0, submit_to_read = 0;
+    for (const Poses& poses : frames) {
+      seconds += per_frame * secondsOf([&] { simulator.run(poses.ids, poses.X_SO, none); });
+      device_time += per_frame * simulator.timing().total;
+      contact_time += per_frame * simulator.timing().contact;
+      submit_to_read += per_frame * simulator.submitToRead();
+    }
     if (counts) {
       own.seconds.push_back(seconds);
       own.ratios.push_back(1);
-      result.device.push_back(simulator.timing().total);
-      result.contact_pass.push_back(simulator.timing().contact);
-      result.submit_to_read.push_back(simulator.submitToRead());
+      result.device.push_back(device_time);
+      result.contact_pass.push_back(contact_time);
+      result.submit_to_read.push_back(submit_to_read);
     }
     for (Entrant& entrant : entrants) {
       if (!entrant.result.agreement->agrees) continue;
       const std::size_t count = entrant.result.num_instances;
-      const double theirs = secondsOf([&] { entrant.run(work, count); });
+      double theirs = 0;
+      for (const Poses& poses : frames) theirs += per_frame * secondsOf([&] { entrant.run(poses, count); });
       if (!counts) continue;
       entrant.result.seconds.push_back(theirs);
       entrant.result.ratios.push_back(theirs / static_cast<double>(count) / (seconds / static_cast<double>(num_instances)));

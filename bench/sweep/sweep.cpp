@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -50,10 +51,18 @@ CaseOptions caseOptions(const Options& options) {
   return of;
 }
 
+// Objects stand still, but their meshes are to be culled in every frame.
+void cullAlways() {
+  constexpr const char* kName = "TAXELSIM_PLAIN";
+  const char* before = std::getenv(kName);
+  ::setenv(kName, (std::string("candidates,") + (before == nullptr ? "" : before)).c_str(), 1);
+}
+
 // Whether every setting of every case gave the same bits.
 bool run(const Options& options) {
   const std::vector<SweepCase> cases = casesNamed(options.quick && options.cases.empty() ? kQuickCases : options.cases);
   const CaseOptions case_options = caseOptions(options);
+  cullAlways();
   nlohmann::ordered_json other;
   if (!options.compare.empty()) other = loadResults(options.compare);
   const Device device = Device::open({.device = options.device, .keep_kernels = false});

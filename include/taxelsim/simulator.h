@@ -153,16 +153,19 @@ struct FrameView : FeatureView {
 
 // Bytes that a simulator takes on the device, for planning.
 struct MemoryPlan {
-  std::uint64_t bytes_per_instance = 0;
+  std::uint64_t bytes_per_instance = 0;  // of a batch of as many instances as were asked for; where one of more has no room for what makes
+                                         // slow contacts faster, it takes less
   std::uint64_t bytes_fixed = 0;
   std::uint64_t max_instances = 0;  // that fit into this device's memory and buffer limits
 };
 
-// Seconds of the last frame, from the device's own clock; NaN where it has none.
+// Of the last frame. Seconds from the device's own clock; NaN where it has none.
 struct StepTiming {
   double contact = 0;
   double image = 0;  // with the contact features and the tactile Jacobian
   double total = 0;
+  // Instances that moved so little since a step before that only those triangles were looked at which had been near then.
+  int num_coherent = 0;
 };
 
 class Simulator {

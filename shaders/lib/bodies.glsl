@@ -34,31 +34,8 @@ Body bodyInSlot(uint slot_index, int id) {
   return body;
 }
 
-// Samples of the tile, first and last row and column; none where a last is before its first.
-struct Box {
-  ivec2 first, last;
-};
-
-bool isAny(Box box) { return box.first.x <= box.last.x && box.first.y <= box.last.y; }
-Box noSamples() { return Box(ivec2(0x7FFFFFFF), ivec2(-1)); }
-
-void grow(inout Box box, Box other) {
-  box.first = min(box.first, other.first);
-  box.last = max(box.last, other.last);
-}
-
 // Samples of the tile that a body's bounds may cover, and those next to them: boxes of its clusters are a little larger.
 Box samplesUnder(Body body) {
   vec2 low = floor(body.center.xy - body.half_size.xy - 1e-3), high = ceil(body.center.xy + body.half_size.xy + 1e-3);
   return Box(wholeNumbers(clamp(low, tile_first, tile_end) - tile_first), wholeNumbers(clamp(high, tile_first - 1.0, tile_end - 1.0) - tile_first));
 }
-
-void addToActive(Box box) {
-  if (!isAny(box)) return;
-  atomicMin(active_box[0], box.first.x);
-  atomicMax(active_box[1], box.last.x);
-  atomicMin(active_box[2], box.first.y);
-  atomicMax(active_box[3], box.last.y);
-}
-
-Box activeBox() { return Box(ivec2(active_box[0], active_box[2]), ivec2(active_box[1], active_box[3])); }

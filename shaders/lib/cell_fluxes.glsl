@@ -19,9 +19,6 @@ struct Cell {
 
 Cell noCell() { return Cell(vec3[4](vec3(0), vec3(0), vec3(0), vec3(0)), vec3(0)); }
 
-// How far over the skin surfaces tell the slope of depth, m.
-float cellReach() { return SAMPLES > 1 ? max(spacing.x, spacing.y) : 0.0; }
-
 // The smaller step of depth from a sample, the `k`th of its taxel along an axis, to its neighbours in the taxel, m: the larger may be a wall, and one of more
 // than 63 degrees is. `surface`: depth where the tile's height is 0.
 float stepOfDepth(float d, uint k, uint address, uint stride, float surface) {

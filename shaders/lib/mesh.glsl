@@ -1,6 +1,23 @@
-// Stage 1 for meshes: culling of blocks, groups and clusters, and their triangles into the tile. Included by contact.comp, whose names it uses.
+// A mesh seen from the window: culling of its blocks, groups and clusters. What is done with quads of triangles that are left is the including pass's own:
 
-// To (u, v, z) as shaders/lib/raster.glsl has them.
+// `seen`: grows by where the quad is seen.
+void visitQuad(Affine from_lattice, uint quad, bool large, inout Box seen);
+// Before the first is visited, where the pass asks for it: clusters of this invocation reach `reached`; all invocations meet afterwards.
+void clearUnder(Box reached);
+
+// How far boxes and quads may yet move along u and v, in units.
+ivec2 motion_low = ivec2(0), motion_high = ivec2(0);
+
+const uint kClustersPerBatch = GROUPS_PER_BATCH * kClustersPerGroup;
+const uint kBlocksPerBatch = 64;
+shared uint block_list[BLOCKS ? kBlocksPerBatch : 1u];  // first group | (how many - 1) << kFirstBits
+shared uint num_listed_blocks;
+shared uint group_list[GROUPS_PER_BATCH];      // first cluster | (how many - 1) << kFirstBits
+shared uint cluster_list[kClustersPerBatch];
+shared uint num_listed_groups;
+shared uint num_listed_clusters;
+
+// To (u, v, z) as shaders/lib/subpixels.glsl has them.
 Affine fromLattice(Body body, int id) {
   vec4 lattice = objects[id].lattice;
   vec4 middle = vec4(lattice.xyz, 1);
@@ -15,7 +32,7 @@ Affine fromLattice(Body body, int id) {
 // Mesa's software driver does arithmetic from before a barrier anew wherever its result is used behind it, in the midst of loops, too. What is multiplied
 // by a 1 that it cannot foresee is at hand.
 Affine atHand(Affine X) {
-  float one = num_deep == 0xFFFFFFFFu ? 0.0 : 1.0;
+  float one = num_listed_clusters == 0xFFFFFFFFu ? 0.0 : 1.0;
   return Affine(X.row0 * one, X.row1 * one, X.row2 * one);
 }
 
@@ -30,7 +47,8 @@ bool boxReaches(Affine from_lattice, uvec2 box_xy, uint box_z, out Box reached) 
   boundsOfImage(from_lattice, (low + high) * (0.5 * kUnit) - float(kLatticeMiddle), (high - low) * (0.5 * kUnit), center, half_size);
   // A hair larger: what is rounded differently than the vertices never cuts off a triangle.
   int hair = 2 + ((1 << subpixel_bits) >> 10);
-  reached = Box(firstSample(wholeNumbers(center.xy - half_size.xy) - hair), lastSample(wholeNumbers(center.xy + half_size.xy) + hair));
+  reached = Box(firstSample(wholeNumbers(center.xy - half_size.xy) - hair + motion_low),
+                lastSample(wholeNumbers(center.xy + half_size.xy) + hair + motion_high));
   return center.z - half_size.z * (1.0 + 1e-6) - 1e-8 < z_limit && isAny(reached);
 }
 
@@ -46,26 +64,6 @@ Vertex vertexOf(Affine from_lattice, uint number) {
   return Vertex(wholeNumbers(image.xy), image.z);
 }
 
-void rasterNumbered(Affine from_lattice, uint quad, bool large) {
-  Vertex p = vertexOf(from_lattice, 4 * quad), q = vertexOf(from_lattice, 4 * quad + 1);
-  Vertex r = vertexOf(from_lattice, 4 * quad + 2), s = vertexOf(from_lattice, 4 * quad + 3);
-  if (TRIANGLES == 1 || (TRIANGLES == 3 && !large)) rasterBySamples(p, q, r, s);
-  if (TRIANGLES == 2 || (TRIANGLES == 3 && large)) {
-    rasterBySpans(p, q, r);
-    rasterBySpans(r, q, s);
-  }
-}
-
-// Samples of the box, whole taxels of them, are without a surface.
-void clearTile(Box box) {
-  if (!isAny(box)) return;
-  uvec2 first = uvec2(box.first) / SAMPLES * SAMPLES;
-  uvec2 end = (uvec2(box.last) / SAMPLES + 1u) * SAMPLES;
-  for (uint row = first.x + gl_LocalInvocationIndex; row < end.x; row += WORKGROUP) {
-    for (uint address = row * tile_stride + first.y; address < row * tile_stride + end.y; ++address) tile[address] = kEmpty;
-  }
-}
-
 // The box of a group or block; `items` is what it holds.
 bool groupReaches(Affine from_lattice, uint group, out uint items) {
   uvec2 box_xy = wordsOf(groups[2 * group]), box_z_items = wordsOf(groups[2 * group + 1]);
@@ -74,11 +72,11 @@ bool groupReaches(Affine from_lattice, uint group, out uint items) {
   return boxReaches(from_lattice, box_xy, box_z_items.x, reached);
 }
 
-// Of the listed groups those clusters that reach into the window, of these all quads. `active_part` grows by the bounds of these clusters; with `clear` the
-// tile is cleared there first. Before and after, all invocations have met.
-void rasterListedGroups(Body body, Affine from_lattice, inout Box active_part, bool clear) {
+// Of the listed groups those clusters that reach into the window, of these all quads. With `clear` samples are cleared first where clusters reach. Before
+// and after, all invocations have met.
+void visitListedGroups(Body body, Affine from_lattice, inout Box seen, bool clear) {
   uint lane = gl_LocalInvocationIndex;
-  Box reached;
+  Box reached, reaching_part = noSamples();
   Affine X = atHand(from_lattice);
   for (uint g = 0; g < num_listed_groups; ++g) {
     uint group = group_list[g];
@@ -88,32 +86,28 @@ void rasterListedGroups(Body body, Affine from_lattice, inout Box active_part, b
     for (uint c = first, bit = 1u; c < end; c += WORKGROUP, bit <<= 1) {
       if (boxReaches(X, wordsOf(clusters[2 * c]), wordsOf(clusters[2 * c + 1]).x, reached)) {
         reaching |= bit;
-        grow(active_part, reached);
+        if (clear) grow(reaching_part, reached);
       }
     }
     if (reaching == 0) continue;
     uint at = atomicAdd(num_listed_clusters, uint(bitCount(reaching)));
     for (; reaching != 0; reaching &= reaching - 1u) cluster_list[at++] = first + uint(findLSB(reaching)) * WORKGROUP;
   }
-  if (clear) {
-    addToActive(active_part);
-    barrier();
-    clearTile(activeBox());
-  }
+  if (clear) clearUnder(reaching_part);
   barrier();
   X = atHand(from_lattice);
   uint items = num_listed_clusters * kQuadsPerCluster;
   uint i = lane;
   for (; i < items; i += WORKGROUP) {
     uint quad = cluster_list[i / kQuadsPerCluster] * kQuadsPerCluster + i % kQuadsPerCluster;
-    rasterNumbered(X, quad, (body.kind_groups.w & kLargeTriangles) != 0);
+    visitQuad(X, quad, (body.kind_groups.w & kLargeTriangles) != 0, seen);
   }
   cut_short = cut_short || i < items;
   barrier();
 }
 
-// Triangles of a mesh into the tile: a batch of groups at a time those that reach into the window. `clear` needs the mesh to be one batch.
-void rasterGroups(Body body, Affine from_lattice, inout Box active_part, bool clear) {
+// A batch of groups at a time. `clear` needs the mesh to be one batch.
+void visitGroups(Body body, Affine from_lattice, inout Box seen, bool clear) {
   uint end_group = body.kind_groups.y + body.kind_groups.z;
   uint items;
   uint start = body.kind_groups.y;
@@ -124,13 +118,13 @@ void rasterGroups(Body body, Affine from_lattice, inout Box active_part, bool cl
       if (groupReaches(from_lattice, g, items)) group_list[atomicAdd(num_listed_groups, 1u)] = items;
     }
     barrier();
-    rasterListedGroups(body, from_lattice, active_part, clear);
+    visitListedGroups(body, from_lattice, seen, clear);
   }
   cut_short = cut_short || start < end_group;
 }
 
 // The same for a mesh of many groups: only those of blocks that reach into the window are looked at.
-void rasterBlocks(Body body, Affine from_lattice, inout Box active_part, bool clear) {
+void visitBlocks(Body body, Affine from_lattice, inout Box seen, bool clear) {
   const uint kListedBlocksPerBatch = GROUPS_PER_BATCH / kGroupsPerBlock;
   uint lane = gl_LocalInvocationIndex;
   uint end_block = body.kind_groups.y + body.kind_groups.z + (body.kind_groups.z + kGroupsPerBlock - 1u) / kGroupsPerBlock;
@@ -153,7 +147,7 @@ void rasterBlocks(Body body, Affine from_lattice, inout Box active_part, bool cl
         }
       }
       barrier();
-      rasterListedGroups(body, from_lattice, active_part, clear);
+      visitListedGroups(body, from_lattice, seen, clear);
       if (lane == 0) num_listed_groups = num_listed_clusters = 0;
       barrier();
     }
@@ -162,10 +156,11 @@ void rasterBlocks(Body body, Affine from_lattice, inout Box active_part, bool cl
   cut_short = cut_short || start < end_block;
 }
 
-void rasterMesh(Body body, Affine from_lattice, inout Box active_part, bool clear) {
+// All quads that may lie over a sample of the window below z_limit, and others.
+void visitMesh(Body body, Affine from_lattice, inout Box seen, bool clear) {
   if (BLOCKS) {
-    rasterBlocks(body, from_lattice, active_part, clear);
+    visitBlocks(body, from_lattice, seen, clear);
   } else {
-    rasterGroups(body, from_lattice, active_part, clear);
+    visitGroups(body, from_lattice, seen, clear);
   }
 }

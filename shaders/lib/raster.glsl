@@ -1,25 +1,13 @@
-// Triangles into the depth tile, by one invocation each, or two at a time. Twin: src/reference/depth.cpp (rays).
+// Stage 1 of the contact pass for meshes: triangles into the depth tile, by one invocation each, or two at a time. Twin: src/reference/depth.cpp (rays).
 //
-// Which samples a triangle covers is found in integers, exactly: a vertex is at (u, v) in units of 2^-subpixel_bits of the samples' spacing, from the
-// tile's first sample; sample (a, b) is at (a, b) << subpixel_bits. Rows run along u. Heights z are floats, in m, in P. The tile keeps the lowest
-// surface: atomicMin on the bits of a float that is never negative orders like the float itself, and the order of triangles does not show.
-
-int subpixel_bits;  // of the mesh on its way into the tile, ObjectRecord
-
-struct Vertex {
-  ivec2 at;
-  float z;
-};
+// Which samples a triangle covers is found in integers, exactly. Rows run along u. Heights z are floats, in m, in P. The tile keeps the lowest surface:
+// atomicMin on the bits of a float that is never negative orders like the float itself, and the order of triangles does not show.
 
 // As integers, a negative float is a negative number.
 void lowerTile(uint address, float z) {
   int height = max(floatBitsToInt(z - z_base), 0);
   atomicMin(tile[address], withSlot(intBitsToFloat(height), raster_slot));
 }
-
-// First and last sample of the tile from `low` to `high`; none where one is greater.
-ivec2 firstSample(ivec2 low) { return max((low + ((1 << subpixel_bits) - 1)) >> subpixel_bits, 0); }
-ivec2 lastSample(ivec2 high) { return min(high >> subpixel_bits, ivec2(tile_size * SAMPLES) - 1); }
 
 // Twice the area of the origin, q and r: the edge function of q and r at the origin, positive on one side of the edge.
 int edge(ivec2 q, ivec2 r) { return q.x * r.y - q.y * r.x; }
@@ -32,7 +20,7 @@ int edge(ivec2 q, ivec2 r) { return q.x * r.y - q.y * r.x; }
 //    |    /   |      where -e is. What is left of three of these is or-ed: the sample is covered unless its sign is set.
 //    |  /     |
 //    q ------ s
-void rasterBySamples(Vertex p, Vertex q, Vertex r, Vertex s) {
+void rasterBySamples(Vertex p, Vertex q, Vertex r, Vertex s, inout Box seen) {
   if (p.z >= z_limit && q.z >= z_limit && r.z >= z_limit && s.z >= z_limit) return;
   ivec2 first = firstSample(min(min(p.at, q.at), min(r.at, s.at)));
   ivec2 last = lastSample(max(max(p.at, q.at), max(r.at, s.at)));
@@ -64,6 +52,7 @@ void rasterBySamples(Vertex p, Vertex q, Vertex r, Vertex s) {
   uint address = uint(first.x) * tile_stride + uint(first.y);
   uint wrap_address = tile_stride - uint(steps.y);
   int count = (steps.x + 1) * (steps.y + 1), next_wrap = steps.y;
+  bool any_seen = false;
   int k = 0;
   for (; k < count; ++k) {
     bool outside_p = ((((qr + mask_p) ^ mask_p) | ((rp + mask_p) ^ mask_p) | ((pq + mask_p) ^ mask_p)) < 0);
@@ -73,6 +62,7 @@ void rasterBySamples(Vertex p, Vertex q, Vertex r, Vertex s) {
     float z = kMiss;
     if (!outside_p && isSeen(z_p)) z = z_p;
     if (!outside_s && isSeen(z_s)) z = z_s < z ? z_s : z;
+    any_seen = any_seen || z < kMiss;
     if (z < kMiss) lowerTile(address, z);
     bool wraps = k == next_wrap;
     qr += wraps ? wrap_qr : along_qr.x;
@@ -83,6 +73,7 @@ void rasterBySamples(Vertex p, Vertex q, Vertex r, Vertex s) {
     address += wraps ? wrap_address : 1u;
     next_wrap += wraps ? steps.y + 1 : 0;
   }
+  if (any_seen) grow(seen, Box(first, last));
   cut_short = cut_short || k < count;
 }
 
@@ -115,7 +106,7 @@ int crossing(ivec2 upper, ivec2 lower, int row) {
   return b;
 }
 
-void rasterBySpans(Vertex p, Vertex q, Vertex r) {
+void rasterBySpans(Vertex p, Vertex q, Vertex r, inout Box seen) {
   float z_low = min(p.z, min(q.z, r.z));
   if (z_low >= z_limit) return;
   float z_high = max(p.z, max(q.z, r.z));
@@ -140,6 +131,7 @@ void rasterBySpans(Vertex p, Vertex q, Vertex r) {
   vec2 gradient = vec2(rise_middle * to_bottom.y - rise_bottom * to_middle.y, to_middle.x * rise_bottom - to_bottom.x * rise_middle) * per_sample;
   vec2 top_sample = vec2(top.at) / float(1 << subpixel_bits);
 
+  bool any_seen = false;
   int a = first.x;
   for (; a <= last.x; ++a) {
     int row = a << subpixel_bits;
@@ -156,9 +148,52 @@ void rasterBySpans(Vertex p, Vertex q, Vertex r) {
     int b = b_first;
     for (; b < b_end; ++b, ++address) {
       float z = clamp(z_row + gradient.y * (float(b) - top_sample.y), z_low, z_high);
-      if (isSeen(z)) lowerTile(address, z);
+      if (!isSeen(z)) continue;
+      lowerTile(address, z);
+      any_seen = true;
     }
     cut_short = cut_short || b < b_end;
   }
+  if (any_seen) grow(seen, Box(first, last));
   cut_short = cut_short || a <= last.x;
+}
+
+// Triangles of a mesh, for lib/mesh.glsl.
+void visitQuad(Affine from_lattice, uint quad, bool large, inout Box seen) {
+  Vertex p = vertexOf(from_lattice, 4 * quad), q = vertexOf(from_lattice, 4 * quad + 1);
+  Vertex r = vertexOf(from_lattice, 4 * quad + 2), s = vertexOf(from_lattice, 4 * quad + 3);
+  if (TRIANGLES == 1 || (TRIANGLES == 3 && !large)) rasterBySamples(p, q, r, s, seen);
+  if (TRIANGLES == 2 || (TRIANGLES == 3 && large)) {
+    rasterBySpans(p, q, r, seen);
+    rasterBySpans(r, q, s, seen);
+  }
+}
+
+// Samples of the box, whole taxels of them, are without a surface.
+void clearSamples(Box box) {
+  if (!isAny(box)) return;
+  uvec2 first = uvec2(box.first) / SAMPLES * SAMPLES;
+  uvec2 end = (uvec2(box.last) / SAMPLES + 1u) * SAMPLES;
+  for (uint row = first.x + gl_LocalInvocationIndex; row < end.x; row += WORKGROUP) {
+    for (uint address = row * tile_stride + first.y; address < row * tile_stride + end.y; ++address) tile[address] = kEmpty;
+  }
+}
+
+void clearUnder(Box reached) {
+  addToBox(kCleared, reached);
+  barrier();
+  clearSamples(boxNumbered(kCleared));
+}
+
+// Instead of visitMesh(): the quads that find_candidates.comp has found.
+void visitCandidates(uint instance, Body body, Affine from_lattice, inout Box seen) {
+  uvec4 list = candidates[instance].list;
+  clearSamples(Box(ivec2(list.zw & 0xFFFFu), ivec2(list.zw >> 16)));
+  barrier();
+  Affine X = atHand(from_lattice);
+  uint first = instance * kMostCandidates;
+  uint i = gl_LocalInvocationIndex;
+  for (; i < list.y; i += WORKGROUP) visitQuad(X, candidate_quads[first + i], (body.kind_groups.w & kLargeTriangles) != 0, seen);
+  cut_short = cut_short || i < list.y;
+  barrier();
 }

@@ -1,31 +1,9 @@
 // Where a workgroup of the contact pass goes, and what it leaves where nothing is near. Included by contact.comp, whose names it uses.
 
-// Goes to a tile: the whole patch, or a part of one. False when the load search of its instance has ended: the results of the evaluation that ended it
+// Goes to a tile. False when the load search of its instance has ended: the results of the evaluation that ended it
 // stay as they are.
 bool enterTile(uint instance, uint tile_number) {
-  uvec4 place = uvec4(0), size = uvec4(NUM_ROWS, NUM_COLS, 0, 0);
-  if (NUM_TILES > 1 || NUM_ROWS == 0) {
-    place = tiles[tile_number].place;
-    size = tiles[tile_number].size;
-  }
-  grid = uvec4(NUM_ROWS, NUM_COLS, 0, 0);
-  spacing = vec2(PITCH_X, PITCH_Y) / float(SAMPLES);
-  if (NUM_ROWS == 0) {
-    grid = patches[place.x].grid;
-    spacing = patches[place.x].spacing.xy;
-    z_floor = -patches[place.x].spacing.w;
-  }
-  sample_area = spacing.x * spacing.y;
-  X_PS = Affine(vec4(1, 0, 0, 0), vec4(0, 1, 0, 0), vec4(0, 0, 1, 0));
-  if (!FLAT) X_PS = Affine(patches[place.x].row0, patches[place.x].row1, patches[place.x].row2);
-  patch_corner = -0.5 * vec2(grid.xy * SAMPLES - 1u) * spacing;
-  tile_taxel = place.yz;
-  tile_size = size.xy;
-  tile_first = vec2(tile_taxel * SAMPLES);
-  tile_end = tile_first + vec2(tile_size * SAMPLES);
-  tile_stride = tile_size.y * SAMPLES;
-  offset_z = 0.0;
-  z_limit = OUTPUT_JACOBIAN ? cellReach() : lawReach();
+  enterWindow(tile_number);
   if (SEARCH == kSearchInTile && (instances[instance].keys.w & kFlagLoadDriven) != 0) z_limit = kMiss;
   if (SEARCH == kSearchOverTiles) {
     vec4 bracket = loads[instance].bracket;

@@ -121,6 +121,28 @@ TAXELSIM_CONSTANT kFlagNewFrame = 1u;   // the sensor delivers a frame in this s
 TAXELSIM_CONSTANT kFlagFirstStep = 2u;  // the first step since reset
 TAXELSIM_CONSTANT kFlagLoadDriven = 4u;
 
+// What the contact pass need look at of an instance's mesh, kept from step to step: shaders/keep_candidates.comp. The quads' numbers are in
+// a buffer of their own, kMostCandidates of an instance.
+TAXELSIM_CONSTANT kMostCandidates = 640u;
+TAXELSIM_CONSTANT kNoCandidates = 0xFFFFFFFFu;
+struct CandidateRecord {
+  vec4 row0, row1, row2;  // X_PO when they were found; where there are none, in the step before
+  vec4 center;            // of the part of the window that the object's bounds reached, in P, m; steps since; where there are none, steps
+                          // until they are looked for again
+  vec4 half_size;         // of that part, m; share of the steps ahead that is looked, where all were too many candidates
+  vec4 low, high;         // how far points of the object may move along x, y, z of P, m; 0
+  uvec4 list;  // object + 1, 0 for none; number of candidates or kNoCandidates; samples that they may reach, first | last << 16 of
+               // rows and of columns
+};
+
+// Lists of instances that passes go through, with as many workgroups as they need: columns, rows, 1 (VkDispatchIndirectCommand), entries.
+// After these a row whose first word counts the instances that have candidates.
+TAXELSIM_CONSTANT kListToFind = 0u;   // candidates are to be found
+TAXELSIM_CONSTANT kListWithout = 1u;  // the contact pass looks at the whole mesh
+TAXELSIM_CONSTANT kListWith = 2u;     // it looks at candidates
+TAXELSIM_CONSTANT kNumLists = 3u;
+TAXELSIM_CONSTANT kMostColumns = 65535u;  // of workgroups
+
 struct InstanceRecord {
   vec4 drive;   // load (N), gain, spread of log gain, extra noise (counts)
   uvec4 keys;   // episode (low, high word), frame, flags
@@ -128,12 +150,13 @@ struct InstanceRecord {
 };
 
 struct StepRecord {
-  uvec4 batch;    // instances; slots, or in a batch of contacts the room for contacts of an instance; seed (low, high word)
-  vec4 time;      // dt (s), 1/dt, share of the low-pass, standard deviation of the random walk's step (counts)
-  vec4 creep;     // share of the way to its end that each term goes in dt
-  uvec4 delay;    // slot of this step in the ring of forces, steps back to the force that a frame shows, 0, 0
-  vec4 law;       // of a law with taxels that move: what a step does to them
-  vec4 contacts;  // contact_band (m), 0, 0, 0
+  uvec4 batch;       // instances; slots, or in a batch of contacts the room for contacts of an instance; seed (low, high word)
+  vec4 time;         // dt (s), 1/dt, share of the low-pass, standard deviation of the random walk's step (counts)
+  vec4 creep;        // share of the way to its end that each term goes in dt
+  uvec4 delay;       // slot of this step in the ring of forces, steps back to the force that a frame shows, 0, 0
+  uvec4 candidates;  // 1: instances that have candidates are done apart; 0, 0, 0
+  vec4 law;          // of a law with taxels that move: what a step does to them
+  vec4 contacts;     // contact_band (m), 0, 0, 0
   // Of a skin that relaxes; stiffnesses as shares of the instantaneous.
   vec4 relaxation;            // what stays for ever, that of strain added in this step, 0, 0
   vec4 relaxation_fade;       // what of each term's overstress is left after dt

@@ -9,7 +9,7 @@ namespace {
 
 // Bytes of one instance in every array.
 struct InstanceBytes {
-  InstanceBytes(const Model::Impl& model, const SimulatorOptions& options) {
+  InstanceBytes(const Model::Impl& model, const SimulatorOptions& options, bool keeps_candidates) {
     const std::uint64_t taxels = model.num_taxels;
     const std::uint64_t num_tiles = model.packed.tiles.size();
     const bool takes_contacts = options.max_contacts > 0;
@@ -32,6 +32,11 @@ struct InstanceBytes {
           model.layer ? static_cast<std::uint64_t>(numTaxels(model.contact_sensor)) : num_tiles * model.packed.max_tile_samples;
       friction = 8 * (num_tiles * layout::kFrictionHeader + samples);
       contact_shear = shear;
+    }
+    if (keeps_candidates) {
+      candidates = sizeof(layout::CandidateRecord);
+      candidate_quads = 4ull * layout::kMostCandidates;
+      work_instances = 4 * layout::kNumLists;
     }
     tiles = sizeof(layout::TileResult) * num_tiles;
     if (options.outputs.contact_features || options.outputs.clean_contact_features) {
@@ -60,6 +65,7 @@ struct InstanceBytes {
   }
 
   std::uint64_t poses, contacts, num_contacts, state, taxel_scalar, law_state, taxel_states, depth, shear, tiles;
+  std::uint64_t candidates = 0, candidate_quads = 0, work_instances = 0;
   std::uint64_t motions = 0, friction = 0, contact_shear = 0;
   std::uint64_t heights = 0, windows = 0, layer = 0;
   std::uint64_t forces = 0, taxel_regions = 0, region_sums = 0, regions = 0, contact_features = 0, clean_contact_features = 0;
@@ -71,16 +77,17 @@ struct InstanceBytes {
 
   // contact_normal, spread_normal and the image have a scalar per taxel.
   std::uint64_t total() const {
-    return poses + motions + contacts + num_contacts + state + friction + law_state + taxel_states + 3 * taxel_scalar + depth + shear +
-           contact_shear + tiles + heights + windows + layer + instances + loads + features + forces + taxel_regions + region_sums +
-           regions + contact_features + clean_contact_features + contact_cells + tile_changes + taxel_jacobian + masked_jacobian +
-           wrench_jacobian + jacobian + clean_jacobian;
+    return poses + candidates + candidate_quads + work_instances + motions + contacts + num_contacts + state + friction + law_state +
+           taxel_states + 3 * taxel_scalar + depth + shear + contact_shear + tiles + heights + windows + layer + instances + loads +
+           features + forces + taxel_regions + region_sums + regions + contact_features + clean_contact_features + contact_cells +
+           tile_changes + taxel_jacobian + masked_jacobian + wrench_jacobian + jacobian + clean_jacobian;
   }
   std::uint64_t readBack() const {
     return 2 * taxel_scalar + depth + shear + features + contact_features + clean_contact_features + jacobian + clean_jacobian;
   }
   std::uint64_t largest() const {
     return std::max({poses,
+                     candidate_quads,
                      motions,
                      contacts,
                      state,
@@ -108,6 +115,21 @@ struct InstanceBytes {
 
 // Part of the device's memory that a batch may take; the rest is the driver's and other programs'.
 constexpr double kMemoryShare = 0.9;
+
+std::uint64_t bytesPerInstance(const Model::Impl& model, const InstanceBytes& bytes) {
+  return bytes.total() + (model.device.info().type == DeviceType::kDiscrete ? bytes.readBack() : 0);
+}
+
+// Instances of so many bytes that the device holds.
+std::uint64_t roomFor(const Model::Impl& model, const InstanceBytes& bytes) {
+  const DeviceInfo& info = model.device.info();
+  const auto memory = static_cast<std::uint64_t>(static_cast<double>(info.memory) * kMemoryShare);
+  const std::uint64_t fixed = model.static_bytes + sizeof(layout::StepRecord);
+  const std::uint64_t by_memory = memory > fixed ? (memory - fixed) / bytesPerInstance(model, bytes) : 0;
+  // Workgroup numbers are 32-bit.
+  const std::uint64_t by_number = 0xFFFFFFFFu / std::max<std::uint64_t>(1, model.contact_packed.tiles.size());
+  return std::min({by_memory, info.max_buffer / bytes.largest(), by_number, std::uint64_t{0x7FFFFFFF}});
+}
 
 void checkRegions(const SimulatorOptions& options) {
   const auto refuse = [&](const std::string& allowed) {
@@ -146,18 +168,16 @@ void checkSource(const Model::Impl& model, const SimulatorOptions& options) {
 
 }  // namespace
 
+bool keepsCandidates(const Model::Impl& model, const SimulatorOptions& options) {
+  return model.keeps_candidates && options.num_slots == 1 && options.max_contacts == 0 &&
+         static_cast<std::uint64_t>(options.num_instances) <= roomFor(model, InstanceBytes(model, options, true));
+}
+
 MemoryPlan planBatch(const Model::Impl& model, const SimulatorOptions& options) {
-  const InstanceBytes bytes(model, options);
-  const DeviceInfo& info = model.device.info();
   MemoryPlan plan;
-  plan.bytes_per_instance = bytes.total() + (info.type == DeviceType::kDiscrete ? bytes.readBack() : 0);
+  plan.bytes_per_instance = bytesPerInstance(model, InstanceBytes(model, options, keepsCandidates(model, options)));
   plan.bytes_fixed = model.static_bytes + sizeof(layout::StepRecord);
-  const auto memory = static_cast<std::uint64_t>(static_cast<double>(info.memory) * kMemoryShare);
-  const std::uint64_t by_memory = memory > plan.bytes_fixed ? (memory - plan.bytes_fixed) / plan.bytes_per_instance : 0;
-  const std::uint64_t by_buffer = info.max_buffer / bytes.largest();
-  // Workgroup numbers are 32-bit.
-  const std::uint64_t by_number = 0xFFFFFFFFu / std::max<std::uint64_t>(1, model.contact_packed.tiles.size());
-  plan.max_instances = std::min({by_memory, by_buffer, by_number, std::uint64_t{0x7FFFFFFF}});
+  plan.max_instances = roomFor(model, InstanceBytes(model, options, false));
   return plan;
 }
 
@@ -180,7 +200,7 @@ void checkBatchFits(const Model::Impl& model, const SimulatorOptions& options) {
 }
 
 BatchBuffers::BatchBuffers(const Model::Impl& model, const SimulatorOptions& options) {
-  const InstanceBytes bytes(model, options);
+  const InstanceBytes bytes(model, options, keepsCandidates(model, options));
   gpu::Context& context = model.device.context();
   const auto n = static_cast<std::uint64_t>(options.num_instances);
   const auto make = [&](const char* name, std::uint64_t per_instance, gpu::Domain domain) {
@@ -198,6 +218,9 @@ BatchBuffers::BatchBuffers(const Model::Impl& model, const SimulatorOptions& opt
   contacts = make("contacts", bytes.contacts, gpu::Domain::kUpload);
   num_contacts = make("num_contacts", bytes.num_contacts, gpu::Domain::kUpload);
   step = gpu::Buffer(context, "step", sizeof(layout::StepRecord), gpu::Domain::kUpload);
+  candidates = make("candidates", bytes.candidates, gpu::Domain::kDevice);
+  candidate_quads = make("candidate quads", bytes.candidate_quads, gpu::Domain::kDevice);
+  work_instances = make("work lists", bytes.work_instances, gpu::Domain::kDevice);
   state = make("contact state", bytes.state, gpu::Domain::kDevice);
   law_state = make("law state", bytes.law_state, gpu::Domain::kDevice);
   friction_state = make("friction state", bytes.friction, gpu::Domain::kDevice);
@@ -226,12 +249,17 @@ BatchBuffers::BatchBuffers(const Model::Impl& model, const SimulatorOptions& opt
   clean_contact_features = make_readable("clean_contact_features", bytes.clean_contact_features);
   jacobian = make_readable("tactile_jacobian", bytes.jacobian);
   clean_jacobian = make_readable("clean_tactile_jacobian", bytes.clean_jacobian);
-  problems = ReadableBuffer{gpu::Buffer(context, "problems", 4, gpu::Domain::kDevice), {}};
-  if (problems.copied()) problems.readback = gpu::Buffer(context, "problems readback", 4, gpu::Domain::kReadback);
+  const auto make_fixed = [&](const std::string& name, std::uint64_t size) {
+    ReadableBuffer buffer{gpu::Buffer(context, name, size, gpu::Domain::kDevice), {}};
+    if (buffer.copied()) buffer.readback = gpu::Buffer(context, name + " readback", size, gpu::Domain::kReadback);
+    return buffer;
+  };
+  problems = make_fixed("problems", 4);
+  work = make_fixed("work", sizeof(glm::uvec4) * (layout::kNumLists + 1));
 }
 
 std::vector<ReadableBuffer*> BatchBuffers::readable(const OutputOptions& outputs) {
-  std::vector<ReadableBuffer*> list{&image, &features, &problems};
+  std::vector<ReadableBuffer*> list{&image, &features, &problems, &work};
   if (outputs.tactile_normal_force) list.push_back(&spread_normal);
   if (outputs.tactile_shear_force) list.push_back(&spread_shear);
   if (outputs.penetration_depth) list.push_back(&contact_depth);

@@ -11,10 +11,11 @@
 namespace taxelsim {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, bool FasterPaths::*>, 5> kNames{{{"pairs", &FasterPaths::pairs},
+constexpr std::array<std::pair<std::string_view, bool FasterPaths::*>, 6> kNames{{{"pairs", &FasterPaths::pairs},
                                                                                   {"polyhedra", &FasterPaths::polyhedra},
                                                                                   {"blocks", &FasterPaths::blocks},
                                                                                   {"untouched", &FasterPaths::untouched},
+                                                                                  {"candidates", &FasterPaths::candidates},
                                                                                   {"alone", &FasterPaths::alone}}};
 
 void switchOff(FasterPaths& paths, std::string_view name) {

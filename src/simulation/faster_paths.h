@@ -4,11 +4,12 @@
 namespace taxelsim {
 
 struct FasterPaths {
-  bool pairs = true;      // words fetched two at a time
-  bool polyhedra = true;  // convex meshes of few faces as planes instead of triangles: the same surface, not the same bits
-  bool blocks = true;     // groups of clusters culled many at a time
-  bool untouched = true;  // tiles that nothing is near left early
-  bool alone = true;      // an instance per invocation in the image pass
+  bool pairs = true;       // words fetched two at a time
+  bool polyhedra = true;   // convex meshes of few faces as planes instead of triangles: the same surface, not the same bits
+  bool blocks = true;      // groups of clusters culled many at a time
+  bool untouched = true;   // tiles that nothing is near left early
+  bool candidates = true;  // quads of a mesh that moves slowly are looked for once in some steps
+  bool alone = true;       // an instance per invocation in the image pass
 };
 
 // All, but for those that TAXELSIM_PLAIN names: names with commas between them, or "all". Throws Error(kInput) for another name.

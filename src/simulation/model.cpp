@@ -8,7 +8,9 @@
 #include "contacts.spv.h"
 #include "elastic_layer.spv.h"
 #include "elastic_layer_pairs.spv.h"
+#include "find_candidates.spv.h"
 #include "image.spv.h"
+#include "keep_candidates.spv.h"
 #include "load.spv.h"
 #include "sensor/curve.h"
 #include "simulation/model_impl.h"
@@ -150,6 +152,13 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
     checkContactFits(info, most_samples, groups_per_batch, contact_repeat);
   }
   has_blocks = faster.blocks && most_groups > groups_per_batch;
+  constexpr std::uint32_t kFewestGroups = 2;  // the same in shaders/keep_candidates.comp
+  keeps_candidates = faster.candidates && most_groups >= kFewestGroups && contact_packed.one_grid && contact_packed.tiles.size() == 1;
+  if (keeps_candidates) {
+    std::vector<glm::uvec4> start(layout::kNumLists + 1, glm::uvec4(0, 1, 1, 0));
+    start.back() = glm::uvec4(0);
+    no_work = upload("no work", start);
+  }
 }
 
 const gpu::Kernel& Model::Impl::contactKernel(const ContactVariant& variant) const {
@@ -157,6 +166,13 @@ const gpu::Kernel& Model::Impl::contactKernel(const ContactVariant& variant) con
   const auto found = contact_.find(variant);
   if (found != contact_.end()) return found->second;
   return contact_.emplace(variant, makeContactKernel(variant)).first->second;
+}
+
+const Model::Impl::CandidatePasses& Model::Impl::candidatePasses(bool with_jacobian) const {
+  const std::lock_guard lock(kernels_mutex_);
+  const auto found = candidates_.find(with_jacobian);
+  if (found != candidates_.end()) return found->second;
+  return candidates_.emplace(with_jacobian, makeCandidatePasses(with_jacobian)).first->second;
 }
 
 const gpu::Kernel& Model::Impl::imageKernel(const ImageVariant& variant) const {
@@ -231,7 +247,7 @@ gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const 
                                          bits(sensor.skin.thickness),
                                          packed.scalesSpread() && !taxels_follow && !layer,
                                          variant.many_slots,
-                                         kinds,
+                                         variant.list == layout::kListWith ? 1u << layout::kKindMesh : kinds,
                                          triangles_of,
                                          variant.with_depth,
                                          num_faces};
@@ -240,15 +256,37 @@ gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const 
                                          friction && variant.with_shear, friction && law.has_bristles});
   for (const float parameter : law.bristles) of_the_pass.push_back(bits(parameter));
   of_the_pass.push_back(layer ? 0 : static_cast<std::uint32_t>(sensor.skin.relaxation.size()));
-  of_the_pass.insert(of_the_pass.end(), {groups_per_batch, has_blocks, variant.with_jacobian, faster.untouched});
+  of_the_pass.insert(of_the_pass.end(),
+                     {groups_per_batch, has_blocks, variant.with_jacobian, faster.untouched, bits(law.reach), variant.list});
   return {device.context(),
           {.name = law.kernel,
            .spirv = pairs ? law.spirv_pairs : law.spirv,
-           .buffers = {"Poses", "Instances",   "Step",          "Objects",       "Groups",       "Clusters",    "Quads", "Patches",
-                       "Tiles", "SpreadScale", "State",         "ContactNormal", "ContactDepth", "TileResults", "Loads", "Problems",
-                       "Faces", "Motions",     "FrictionState", "ContactShear",  "ContactCells", "TileChanges"},
+           .buffers = {"Poses",       "Instances",  "Step",           "Objects", "Groups",        "Clusters",     "Quads",
+                       "Patches",     "Tiles",      "SpreadScale",    "State",   "ContactNormal", "ContactDepth", "TileResults",
+                       "Loads",       "Problems",   "Faces",          "Motions", "FrictionState", "ContactShear", "ContactCells",
+                       "TileChanges", "Candidates", "CandidateQuads", "Work",    "WorkInstances"},
            .constants = constants(contact_sensor, contact_packed, {contact_workgroup, contact_packed.contact_lanes, contactRepeat(variant)},
                                   of_the_pass)}};
+}
+
+Model::Impl::CandidatePasses Model::Impl::makeCandidatePasses(bool with_jacobian) const {
+  const auto made = [&](const char* name, std::span<const std::uint32_t> spirv, const std::vector<std::string>& buffers,
+                        std::uint32_t workgroup, const std::vector<std::uint32_t>& more) {
+    std::vector<std::uint32_t> of_the_pass{contact_packed.flat, with_jacobian, bits(law.reach)};
+    of_the_pass.insert(of_the_pass.end(), more.begin(), more.end());
+    return gpu::Kernel(device.context(), {.name = name,
+                                          .spirv = spirv,
+                                          .buffers = buffers,
+                                          .constants = constants(contact_sensor, contact_packed,
+                                                                 {workgroup, contact_packed.contact_lanes, contact_repeat}, of_the_pass)});
+  };
+  return {.keep = made("keep_candidates", k_keep_candidates_spirv,
+                       {"Poses", "Step", "Objects", "Patches", "Tiles", "Candidates", "Work", "WorkInstances"}, kTaxelWorkgroup,
+                       {contact_repeat}),
+          .find = made("find_candidates", k_find_candidates_spirv,
+                       {"Poses", "Step", "Objects", "Groups", "Clusters", "Quads", "Patches", "Tiles", "Candidates", "CandidateQuads",
+                        "Work", "WorkInstances", "Problems"},
+                       contact_workgroup, {groups_per_batch, has_blocks})};
 }
 
 gpu::Kernel Model::Impl::makeContactsKernel(std::uint32_t repeat) const {

@@ -64,11 +64,19 @@ struct Model::Impl {
     bool with_depth = false;                                  // penetration_depth is wanted
     bool with_shear = false;                                  // tactile_shear_force is wanted, of a sensor with friction
     bool with_jacobian = false;                               // what a tactile Jacobian is made from is wanted
+    std::uint32_t list = layout::kNumLists;                   // of instances that it goes through; all
     auto operator<=>(const ContactVariant&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 misreads it
   };
   const gpu::Kernel& contactKernel(const ContactVariant& variant) const;
   // Tiles that a workgroup of it does one after another; a load search in a tile has turns enough for one.
   std::uint32_t contactRepeat(const ContactVariant& variant) const { return variant.search == kSearchInTile ? 1 : contact_repeat; }
+  // Whether batches of one slot keep candidates while no instance is driven by load: shaders/keep_candidates.comp.
+  bool keeps_candidates = false;
+  struct CandidatePasses {
+    gpu::Kernel keep, find;
+  };
+  const CandidatePasses& candidatePasses(bool with_jacobian) const;
+  gpu::Buffer no_work;  // what the lists of work start from
   struct ImageVariant {
     bool random = false;                                    // some instance draws noise or gains
     bool whole_array = false;                               // taxels that nothing reaches may have a force
@@ -128,6 +136,7 @@ struct Model::Impl {
   static std::vector<gpu::Constant> constants(const Sensor& sensor, const PackedSensor& packed, const Sizes& sizes,
                                               const std::vector<std::uint32_t>& of_the_pass);
   gpu::Kernel makeContactKernel(const ContactVariant& variant) const;
+  CandidatePasses makeCandidatePasses(bool with_jacobian) const;
   gpu::Kernel makeImageKernel(const ImageVariant& variant) const;
   gpu::Kernel makeLoadKernel() const;
   gpu::Kernel makeTaxelKernel(const TaxelPass& pass, bool with_shear) const;
@@ -138,6 +147,7 @@ struct Model::Impl {
 
   mutable std::mutex kernels_mutex_;
   mutable std::map<ContactVariant, gpu::Kernel> contact_;
+  mutable std::map<bool, CandidatePasses> candidates_;  // by with_jacobian
   mutable std::map<ImageVariant, gpu::Kernel> image_;
   mutable std::optional<gpu::Kernel> load_;
   mutable std::array<std::vector<gpu::Kernel>, 2> taxel_;  // without shear, with it

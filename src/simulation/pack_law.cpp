@@ -19,7 +19,7 @@ namespace {
 // One a law: what it adds to its foundation.
 struct Add {
   PackedLaw& packed;
-  float reach;
+  float reach;  // m
 
   void operator()(const Winkler&) const {}
   void operator()(const MassSpringDamper&) const {
@@ -36,7 +36,7 @@ struct Add {
     packed = {.kernel = "contact_elastic_layer",
               .spirv = k_contact_elastic_layer_spirv,
               .spirv_pairs = k_contact_elastic_layer_pairs_spirv,
-              .parameters = {reach}};
+              .reach = reach};
   }
   void operator()(const LuGre& law) const {
     packed.has_bristles = true;
@@ -56,7 +56,7 @@ PackedLaw packLaw(const Skin& skin, float reach) {
                    .parameters = {static_cast<float>(foundation.normal_contact_stiffness), static_cast<float>(foundation.normal_exponent),
                                   static_cast<float>(foundation.normal_damping)},
                    .has_state = foundation.normal_damping > 0};
-  std::visit(Add{packed, reach}, skin.law);
+  std::visit(Add{packed, reach * static_cast<float>(skin.thickness)}, skin.law);
   return packed;
 }
 

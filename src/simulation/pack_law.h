@@ -26,6 +26,7 @@ struct PackedLaw {
   std::string kernel;  // of the contact pass
   std::span<const std::uint32_t> spirv;
   std::span<const std::uint32_t> spirv_pairs;  // the same with words of 64 bits, shaders/lib/pairs.glsl
+  float reach = 0;                             // up to which height over the skin surfaces matter, m
   std::array<float, 3> parameters{};           // LAW_0 .. LAW_2 of shaders/contact.comp
   bool has_state = false;                      // the law needs every sample's depth of the step before
   bool has_bristles = false;                   // shear is the law's own, shaders/lib/laws/lugre.glsl

@@ -4,7 +4,7 @@
 namespace taxelsim {
 
 // The one place where the passes are put in order.
-gpu::Commands Simulator::Impl::record(bool with_loads, bool random) {
+gpu::Commands Simulator::Impl::record(const FrameKind& kind) {
   const Model::Impl& m = *model.impl();
   const auto n = static_cast<std::uint32_t>(options.num_instances);
   const BatchBuffers& b = buffers;
@@ -14,13 +14,13 @@ gpu::Commands Simulator::Impl::record(bool with_loads, bool random) {
   if (takesContacts()) {
     recordContacts(commands);
   } else {
-    recordObjects(commands, with_loads);
+    recordObjects(commands, kind);
     recordTaxels(commands);
   }
   commands.timestamp(1);
   commands.dispatch(
       m.imageKernel(
-          {.random = random,
+          {.random = kind.random,
            .whole_array = m.law.whole_array && !takesContacts(),
            .with_normal = options.outputs.tactile_normal_force || options.outputs.clean_contact_features || wantsJacobian(options.outputs),
            .with_shear = withShear()}),
@@ -29,7 +29,7 @@ gpu::Commands Simulator::Impl::record(bool with_loads, bool random) {
        &b.image.device, &b.spread_normal.device, &b.spread_shear.device, &b.features.device, &b.problems.device, &b.taxel_states});
   if (options.outputs.contact_features) recordContactFeatures(commands, false);
   if (options.outputs.clean_contact_features) recordContactFeatures(commands, true);
-  if (wantsJacobian(options.outputs)) recordJacobian(commands, random);
+  if (wantsJacobian(options.outputs)) recordJacobian(commands, kind.random);
   commands.timestamp(2);
   commands.barrier(gpu::Access::kKernel, gpu::Access::kCopy);
   for (ReadableBuffer* buffer : buffers.readable(options.outputs)) {
@@ -42,50 +42,67 @@ gpu::Commands Simulator::Impl::record(bool with_loads, bool random) {
 }
 
 // Stages 1 and 2 from poses of objects.
-void Simulator::Impl::recordObjects(gpu::Commands& commands, bool with_loads) const {
+void Simulator::Impl::recordObjects(gpu::Commands& commands, const FrameKind& kind) const {
   const Model::Impl& m = *model.impl();
+  const bool with_loads = kind.loads;
   const auto n = static_cast<std::uint32_t>(options.num_instances);
   const auto num_tiles = static_cast<std::uint32_t>(m.contact_packed.tiles.size());
   const bool over_tiles = with_loads && !m.layer && !m.packed.searches_in_tile;
   const bool with_jacobian = wantsJacobian(options.outputs) && !m.layer;
+  const bool with_candidates = !with_loads && keepsCandidates(m, options);
   const Model::Impl::ContactVariant variant{.search = over_tiles   ? kSearchOverTiles
                                                       : with_loads ? kSearchInTile
                                                                    : kNoSearch,
                                             .many_slots = options.num_slots > 1,
                                             .with_depth = !m.layer && options.outputs.penetration_depth,
                                             .with_shear = !m.layer && withShear(),
-                                            .with_jacobian = with_jacobian && !over_tiles};  // a search over tiles only searches
+                                            .with_jacobian = with_jacobian && !over_tiles,  // a search over tiles only searches
+                                            .list = with_candidates ? layout::kListWithout : layout::kNumLists};
   const BatchBuffers& b = buffers;
   // Of a law that is solved apart, the contact pass leaves heights and where they are.
   const gpu::Buffer* contact_out = m.layer ? &b.heights : &b.contact_normal;
   const gpu::Buffer* results_out = m.layer ? &b.windows : &b.tile_results;
   const auto contact_pass = [&](const Model::Impl::ContactVariant& of) {
+    const std::initializer_list<const gpu::Buffer*> bound = {&b.poses,
+                                                             &b.instances,
+                                                             &b.step,
+                                                             &m.object_records,
+                                                             &m.groups,
+                                                             &m.clusters,
+                                                             &m.quads,
+                                                             &m.patches,
+                                                             &m.tiles,
+                                                             &m.spread_scale,
+                                                             &b.state,
+                                                             contact_out,
+                                                             &b.contact_depth.device,
+                                                             results_out,
+                                                             &b.loads,
+                                                             &b.problems.device,
+                                                             &m.faces,
+                                                             &b.motions,
+                                                             &b.friction_state,
+                                                             &b.contact_shear,
+                                                             &b.contact_cells,
+                                                             &b.tile_changes,
+                                                             &b.candidates,
+                                                             &b.candidate_quads,
+                                                             &b.work.device,
+                                                             &b.work_instances};
     const std::uint32_t repeat = m.contactRepeat(of);
-    commands.dispatch(m.contactKernel(of), (n * num_tiles + repeat - 1) / repeat,
-                      {&b.poses,
-                       &b.instances,
-                       &b.step,
-                       &m.object_records,
-                       &m.groups,
-                       &m.clusters,
-                       &m.quads,
-                       &m.patches,
-                       &m.tiles,
-                       &m.spread_scale,
-                       &b.state,
-                       contact_out,
-                       &b.contact_depth.device,
-                       results_out,
-                       &b.loads,
-                       &b.problems.device,
-                       &m.faces,
-                       &b.motions,
-                       &b.friction_state,
-                       &b.contact_shear,
-                       &b.contact_cells,
-                       &b.tile_changes});
+    if (of.list == layout::kNumLists) {
+      commands.dispatch(m.contactKernel(of), (n * num_tiles + repeat - 1) / repeat, bound);
+    } else {
+      commands.dispatchIndirect(m.contactKernel(of), b.work.device, of.list * sizeof(glm::uvec4), bound);
+    }
     commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
   };
+  if (with_candidates) recordCandidates(commands, with_jacobian);
+  if (kind.candidates) {
+    Model::Impl::ContactVariant with = variant;
+    with.list = layout::kListWith;
+    contact_pass(with);
+  }
   const std::uint32_t evaluations = over_tiles ? kLoadEvaluations + 2 : 1;  // two more: one closes the search, one is told
   for (std::uint32_t evaluation = 0; evaluation < evaluations; ++evaluation) {
     contact_pass(variant);
@@ -111,6 +128,27 @@ void Simulator::Impl::recordObjects(gpu::Commands& commands, bool with_loads) co
                        &b.motions, &b.friction_state, &b.contact_shear, &b.taxel_jacobian, &b.wrench_jacobian});
     commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
   }
+}
+
+// Before the contact pass of an object that touches slowly: shaders/keep_candidates.comp.
+void Simulator::Impl::recordCandidates(gpu::Commands& commands, bool with_jacobian) const {
+  const Model::Impl& m = *model.impl();
+  const auto n = static_cast<std::uint32_t>(options.num_instances);
+  const Model::Impl::CandidatePasses& passes = m.candidatePasses(with_jacobian);
+  const BatchBuffers& b = buffers;
+  commands.copy(m.no_work, b.work.device, m.no_work.size());
+  commands.barrier(gpu::Access::kCopy, gpu::Access::kKernel);
+  commands.dispatch(passes.keep, (n + kTaxelWorkgroup - 1) / kTaxelWorkgroup,
+                    {&b.poses, &b.step, &m.object_records, &m.patches, &m.tiles, &b.candidates, &b.work.device, &b.work_instances});
+  const auto lists_are_done = [&] {
+    commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
+    commands.barrier(gpu::Access::kKernel, gpu::Access::kIndirect);
+  };
+  lists_are_done();
+  commands.dispatchIndirect(passes.find, b.work.device, layout::kListToFind * sizeof(glm::uvec4),
+                            {&b.poses, &b.step, &m.object_records, &m.groups, &m.clusters, &m.quads, &m.patches, &m.tiles, &b.candidates,
+                             &b.candidate_quads, &b.work.device, &b.work_instances, &b.problems.device});
+  lists_are_done();
 }
 
 // What the law's taxels make of the force of contact.

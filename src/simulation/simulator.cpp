@@ -75,8 +75,7 @@ Simulator::Impl::Impl(const Model& of, const SimulatorOptions& with)
     setVariation(instance, 0, {});
   }
   if (of.impl()->hasFriction() && !takesContacts()) motions.emplace(clocks.size(), static_cast<std::size_t>(with.num_slots));
-  commands(false, of.sensor().readout.noise > 0 || of.sensor().readout.gain_spread > 0);
-  of.device().context().savePipelineCache();
+  commands({.random = of.sensor().readout.noise > 0 || of.sensor().readout.gain_spread > 0});
 }
 
 void Simulator::Impl::checkInstance(int instance) const {
@@ -97,9 +96,12 @@ void Simulator::Impl::place(std::size_t slot_index, int id, const Pose& X_SO) {
   if (motions) motions->place(slot_index, id, X_SO);
 }
 
-gpu::Commands& Simulator::Impl::commands(bool loads, bool random) {
-  std::optional<gpu::Commands>& list = recorded[(loads ? 1u : 0u) + (random ? 2u : 0u)];
-  if (!list) list = record(loads, random);
+gpu::Commands& Simulator::Impl::commands(const FrameKind& kind) {
+  std::optional<gpu::Commands>& list = recorded[(kind.loads ? 1u : 0u) + (kind.random ? 2u : 0u) + (kind.candidates ? 4u : 0u)];
+  if (!list) {
+    list = record(kind);
+    model.device().context().savePipelineCache();
+  }
   return *list;
 }
 
@@ -302,7 +304,9 @@ void Simulator::step(double dt) {
                        impl.buffers.motions.mappedAs<layout::MotionRecord>());
   }
   if (any_load && !m.layer && !m.packed.searches_in_tile) impl.startSearch();
-  impl.running = &impl.commands(any_load, any_random);
+  const bool apart = impl.any_candidates && !any_load;
+  impl.buffers.step.mappedAs<layout::StepRecord>()[0].candidates.x = apart;
+  impl.running = &impl.commands({.loads = any_load, .random = any_random, .candidates = apart});
   impl.running->submit();
 }
 
@@ -310,8 +314,11 @@ FrameView Simulator::read() {
   Impl& impl = *impl_;
   if (impl.running != nullptr) {
     impl.running->wait();
-    impl.timing = {impl.running->seconds(0, 1), impl.running->seconds(1, 2), impl.running->seconds(0, 2)};
+    const std::span<const glm::uvec4> work = impl.buffers.work.read<glm::uvec4>();
+    impl.timing = {impl.running->seconds(0, 1), impl.running->seconds(1, 2), impl.running->seconds(0, 2),
+                   static_cast<int>(work[layout::kListWith].w)};
     impl.running = nullptr;
+    impl.any_candidates = work[layout::kNumLists].x > 0;
     if (impl.buffers.problems.read<std::uint32_t>()[0] != 0) {
       throw Error(ErrorKind::kDevice,
                   "the driver cut loops of a kernel short (software Vulkan stops after 65,535 turns), so this frame is incomplete; "

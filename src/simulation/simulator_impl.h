@@ -36,11 +36,17 @@ struct Simulator::Impl {
   // The record of a step of dt. Throws Error(kInput) when the delay is longer than the device keeps.
   layout::StepRecord stepRecord(double dt);
 
-  // The commands of one frame, recorded when first wanted. `loads`: some instance is driven by load; `random`: some instance draws noise or
-  // gains.
-  gpu::Commands& commands(bool loads, bool random);
-  gpu::Commands record(bool loads, bool random);
-  void recordObjects(gpu::Commands& commands, bool with_loads) const;
+  // What the commands of a frame differ in.
+  struct FrameKind {
+    bool loads = false;       // some instance is driven by load
+    bool random = false;      // some instance draws noise or gains
+    bool candidates = false;  // some instance may have candidates
+  };
+  // Recorded when first wanted.
+  gpu::Commands& commands(const FrameKind& kind);
+  gpu::Commands record(const FrameKind& kind);
+  void recordObjects(gpu::Commands& commands, const FrameKind& kind) const;
+  void recordCandidates(gpu::Commands& commands, bool with_jacobian) const;
   void recordTaxels(gpu::Commands& commands) const;
   void recordContacts(gpu::Commands& commands) const;
   void recordContactFeatures(gpu::Commands& commands, bool clean) const;
@@ -53,8 +59,9 @@ struct Simulator::Impl {
   std::vector<Clock> clocks;
   StepHistory history;
   std::uint32_t num_steps = 0;     // taken so far, by all instances together
+  bool any_candidates = false;     // after the last frame
   std::optional<Motions> motions;  // of a sensor with friction
-  std::array<std::optional<gpu::Commands>, 4> recorded;
+  std::array<std::optional<gpu::Commands>, 8> recorded;
   gpu::Commands* running = nullptr;
   StepTiming timing;
 };

@@ -1,35 +1,20 @@
 // Each faster way to a frame against the plain one: the same bits, or the twin's frame where another formula finds the same surface.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <string>
 #include <vector>
 
 #include "simulation/comparison.h"
+#include "support/plain.h"
 #include "support/random_scene.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
 namespace {
 
+using support::Plain;
 using support::Random;
 using support::Touch;
-
-// The variable as it was, at the end.
-class Plain {
- public:
-  explicit Plain(const std::string& names) {
-    if (const char* value = std::getenv(kName)) before_ = value;
-    ::setenv(kName, names.c_str(), 1);
-  }
-  ~Plain() { ::setenv(kName, before_.c_str(), 1); }
-  Plain(const Plain&) = delete;
-  Plain& operator=(const Plain&) = delete;
-
- private:
-  static constexpr const char* kName = "TAXELSIM_PLAIN";
-  std::string before_;
-};
 
 struct Scene {
   Sensor sensor;
@@ -102,7 +87,7 @@ TEST(FasterPaths, AnUnknownNameIsRefused) {
     FAIL() << "taken";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    EXPECT_STREQ(error.what(), "TAXELSIM_PLAIN: \"pears\" is not allowed: pairs, polyhedra, blocks, untouched, alone, all");
+    EXPECT_STREQ(error.what(), "TAXELSIM_PLAIN: \"pears\" is not allowed: pairs, polyhedra, blocks, untouched, candidates, alone, all");
   }
 }
 

@@ -1,8 +1,7 @@
 // The skin as an elastic solid: include/taxelsim/sensor.h, ElasticLayer. Its pressures depend on all heights at once, so the contact pass leaves heights and
-// elastic_layer.comp solves. LAW_0: gaps that matter, in thicknesses.
+// elastic_layer.comp solves.
 
 const bool kLawSolvedApart = true;
-float lawReach() { return LAW_0 * THICKNESS; }
 
 float lawPressure(float d, float d_rate) { return 0.0; }
 float lawSlope(float d) { return 0.0; }

@@ -1,5 +1,5 @@
-// The contact law that this variant of the contact pass is compiled with; one line a law. Each defines lawPressure() and lawSlope(), kLawSolvedApart, and
-// lawReach(): up to which height over the skin (m) surfaces matter to it.
+// The contact law that this variant of the contact pass is compiled with; one line a law. Each defines lawPressure(), lawSlope() and
+// kLawSolvedApart.
 #if defined(LAW_WINKLER)
 #include "lib/laws/winkler.glsl"
 #elif defined(LAW_ELASTIC_LAYER)

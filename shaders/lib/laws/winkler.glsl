@@ -15,4 +15,3 @@ float lawSlope(float d) {
 }
 
 const bool kLawSolvedApart = false;
-float lawReach() { return 0.0; }

@@ -1,0 +1,115 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Finding candidates: all quads of its mesh that a sample may see while an instance's object stays within the bounds that keep_candidates.comp has set.
+//
+// A workgroup owns REPEAT instances of a list, one after another; an invocation owns boxes, then quads.
+// In:  poses, objects, groups, clusters, quads of triangles, the sensor's patch, a work list.
+// Out: candidates (num_instances), candidate_quads (num_instances x kMostCandidates), work lists.
+// Shared memory: 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 32 bytes, with blocks 4 kBlocksPerBatch.
+
+#include "lib/pairs.glsl"
+#include "shared/layout.h"
+#include "lib/specialization.glsl"
+layout(constant_id = 11) const bool FLAT = true;  // these as in contact.comp
+layout(constant_id = 12) const bool OUTPUT_JACOBIAN = false;
+layout(constant_id = 13) const float REACH = 0.0;
+layout(constant_id = 14) const uint GROUPS_PER_BATCH = 32;
+layout(constant_id = 15) const bool BLOCKS = false;
+
+layout(std430, set = 0, binding = 0) readonly buffer Poses { PoseRecord poses[]; };
+layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
+layout(std430, set = 0, binding = 2) readonly buffer Objects { ObjectRecord objects[]; };
+layout(std430, set = 0, binding = 3) readonly buffer Groups { Pair groups[]; };
+layout(std430, set = 0, binding = 4) readonly buffer Clusters { Pair clusters[]; };
+layout(std430, set = 0, binding = 5) readonly buffer Quads { Pair quads[]; };
+layout(std430, set = 0, binding = 6) readonly buffer Patches { PatchRecord patches[]; };
+layout(std430, set = 0, binding = 7) readonly buffer Tiles { TileRecord tiles[]; };
+layout(std430, set = 0, binding = 8) buffer Candidates { CandidateRecord candidates[]; };
+layout(std430, set = 0, binding = 9) writeonly buffer CandidateQuads { uint candidate_quads[]; };
+layout(std430, set = 0, binding = 10) buffer Work { uvec4 work[]; };
+layout(std430, set = 0, binding = 11) buffer WorkInstances { uint work_instances[]; };
+layout(std430, set = 0, binding = 12) writeonly buffer Problems { uint problems[]; };
+
+const float kLeastShare = 0.25;    // of the steps ahead, where more of them are too many candidates
+const float kStepsWithout = 32.0;  // where these are, too
+
+shared uint num_found;
+shared int found_box[4];  // samples: first row, last row, first col, last col
+
+uint first_candidate;  // of the instance
+bool cut_short = false;
+
+#include "lib/workgroup.glsl"
+#include "lib/whole.glsl"
+#include "lib/transform.glsl"
+#include "lib/window.glsl"
+#include "lib/bodies.glsl"
+#include "lib/subpixels.glsl"
+#include "lib/mesh.glsl"
+#include "lib/work_lists.glsl"
+
+void clearUnder(Box reached) {}
+
+void visitQuad(Affine from_lattice, uint quad, bool large, inout Box seen) {
+  Vertex p = vertexOf(from_lattice, 4 * quad), q = vertexOf(from_lattice, 4 * quad + 1);
+  Vertex r = vertexOf(from_lattice, 4 * quad + 2), s = vertexOf(from_lattice, 4 * quad + 3);
+  const ivec2 kRounding = ivec2(2);  // of vertices to units, and to be sure
+  Box reached = Box(firstSample(min(min(p.at, q.at), min(r.at, s.at)) + motion_low - kRounding),
+                    lastSample(max(max(p.at, q.at), max(r.at, s.at)) + motion_high + kRounding));
+  if (min(min(p.z, q.z), min(r.z, s.z)) >= z_limit || !isAny(reached)) return;
+  grow(seen, reached);
+  uint at = atomicAdd(num_found, 1u);
+  if (at < kMostCandidates) candidate_quads[first_candidate + at] = quad;
+}
+
+void findCandidates(uint instance) {
+  uint lane = gl_LocalInvocationIndex;
+  if (lane == 0) {
+    num_found = 0;
+    found_box[0] = found_box[2] = 0x7FFFFFFF;
+    found_box[1] = found_box[3] = -1;
+  }
+  barrier();
+  int id = objectInSlot(instance);
+  Body body = bodyInSlot(instance, id);
+  subpixel_bits = int(body.kind_groups.w & kSubpixelMask);
+  vec3 low = candidates[instance].low.xyz, high = candidates[instance].high.xyz;
+  vec2 units = float(1 << subpixel_bits) / spacing;
+  motion_low = ivec2(floor(low.xy * units));
+  motion_high = ivec2(ceil(high.xy * units));
+  z_limit -= low.z;
+  first_candidate = instance * kMostCandidates;
+  Box seen = noSamples();
+  visitMesh(body, fromLattice(body, id), seen, false);
+  z_limit += low.z;
+  if (isAny(seen)) {
+    atomicMin(found_box[0], seen.first.x);
+    atomicMax(found_box[1], seen.last.x);
+    atomicMin(found_box[2], seen.first.y);
+    atomicMax(found_box[3], seen.last.y);
+  }
+  barrier();
+  if (lane == 0) {
+    bool fits = num_found <= kMostCandidates;
+    uvec2 first = uvec2(found_box[0], found_box[2]), last = uvec2(found_box[1], found_box[3]);
+    if (num_found == 0) first = uvec2(1), last = uvec2(0);
+    candidates[instance].list = uvec4(uint(id + 1), fits ? num_found : kNoCandidates, first | last << 16);
+    float share = candidates[instance].half_size.w;
+    bool gives_up = !fits && share <= kLeastShare;
+    candidates[instance].center.w = gives_up ? kStepsWithout : 0.0;
+    if (gives_up || num_found < kMostCandidates / 4) candidates[instance].half_size.w = min(2.0 * share, 1.0);
+    if (!fits && !gives_up) candidates[instance].half_size.w = 0.5 * share;
+    if (fits) atomicAdd(work[kNumLists].x, 1u);
+    enlist(fits && step_record.candidates.x != 0 ? kListWith : kListWithout, instance, REPEAT);
+  }
+  barrier();
+}
+
+void main() {
+  enterWindow(0);
+  uint first = workgroupNumber() * REPEAT;
+  uint end = min(first + REPEAT, work[kListToFind].w);
+  uint k = first;
+  for (; k < end; ++k) findCandidates(work_instances[placeInList(kListToFind, k)]);
+  if (cut_short || k < end) problems[0] = 1;
+}

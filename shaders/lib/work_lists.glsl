@@ -1,0 +1,15 @@
+// Lists of instances for passes to come; layout.h. Which order they get is chance, and does not show.
+
+uint placeInList(uint list, uint instance) { return list * step_record.batch.x + instance; }
+
+void enlist(uint list, uint instance, uint per_workgroup) {
+  uint at = atomicAdd(work[list].w, 1u);
+  work_instances[placeInList(list, at)] = instance;
+  if (at % per_workgroup != 0) return;
+  uint workgroup = at / per_workgroup;
+  if (workgroup < kMostColumns) {
+    atomicAdd(work[list].x, 1u);
+  } else if (workgroup % kMostColumns == 0) {
+    atomicAdd(work[list].y, 1u);
+  }
+}

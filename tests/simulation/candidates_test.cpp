@@ -1,0 +1,167 @@
+// Candidates: which way an instance's mesh is looked at, all of it or what was near some steps before, shows in no bit.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "simulation/comparison.h"
+#include "support/plain.h"
+#include "support/random_scene.h"
+
+namespace taxelsim {
+namespace {
+
+using support::Random;
+using support::Touch;
+
+constexpr double kDt = 1e-3;  // s
+constexpr int kInstances = 24;
+constexpr int kSteps = 24;
+
+// A body's motion, the same every step but for what befalls it.
+struct Motion {
+  Vector3 velocity;  // m per step
+  Vector3 axis;
+  double angle = 0;  // rad per step
+};
+
+struct Scene {
+  Sensor sensor;
+  std::vector<Object> objects;
+  OutputOptions outputs;
+};
+
+std::vector<std::vector<Touch>> slowPaths(const Scene& scene, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<Touch> touches;
+  std::vector<Motion> motions;
+  const auto num_objects = static_cast<int>(scene.objects.size());
+  Sensor foundation = scene.sensor;  // under which the depth of a first touch is found
+  foundation.skin.law = Winkler{.normal_contact_stiffness = 1e8};
+  const auto placed = [&](int id) -> Touch { return {{id}, {support::randomContact(random, foundation, scene.objects[id])}}; };
+  for (int i = 0; i < kInstances; ++i) {
+    touches.push_back(placed(i % num_objects));
+    // From standing still to faster than candidates last.
+    const double speed = i % 6 == 0 ? 0 : std::pow(10, random.uniform(-6.5, -3.7));
+    const auto direction = [&] { return rotate(random.rotation(), {1, 0, 0}); };
+    Motion motion{direction(), direction(), random.uniform(0, 50) * speed};
+    for (double& component : motion.velocity) component *= speed;
+    motions.push_back(motion);
+  }
+  std::vector<std::vector<Touch>> steps;
+  for (int step = 0; step < kSteps; ++step) {
+    steps.push_back(touches);
+    for (int i = 0; i < kInstances; ++i) {
+      if (random.chance(0.02)) {
+        touches[i] = placed(random.integer(0, num_objects - 1));
+        continue;
+      }
+      if (random.chance(0.05)) {  // turns back
+        for (double& component : motions[i].velocity) component = -component;
+      }
+      Pose& X_SO = touches[i].X_SO[0];
+      for (std::size_t axis = 0; axis < 3; ++axis) X_SO.position[axis] += motions[i].velocity[axis];
+      X_SO.rotation = axisAngle(motions[i].axis, motions[i].angle) * X_SO.rotation;
+    }
+  }
+  return steps;
+}
+
+struct Run {
+  std::vector<std::vector<std::uint32_t>> bits;  // (kSteps x kInstances)
+  int num_coherent = 0;                          // of all steps
+};
+
+Run run(const Scene& scene, const std::vector<std::vector<Touch>>& steps, const std::string& plain) {
+  const support::Plain without(plain);
+  const Model model(support::sharedDevice(), {.sensor = scene.sensor, .objects = scene.objects});
+  Simulator simulator(model, {.num_instances = kInstances, .outputs = scene.outputs});
+  Run run;
+  for (std::size_t step = 0; step < steps.size(); ++step) {
+    support::setTouches(simulator, steps[step]);
+    // A load search looks at surfaces of any height, and comes between.
+    simulator.setLoad(3, step == steps.size() / 2 && !std::holds_alternative<Proximity>(scene.sensor.skin.law) ? 1.0f : kPoseDriven);
+    simulator.step(kDt);
+    const FrameView frame = simulator.read();
+    for (int i = 0; i < kInstances; ++i) run.bits.push_back(support::bitsOf(frame, i, kInstances));
+    run.num_coherent += simulator.timing().num_coherent;
+  }
+  return run;
+}
+
+// At least so many of all frames must have had candidates, or nothing is tested.
+void expectNoneShows(const Scene& scene, double coherent) {
+  const auto steps = slowPaths(scene, 11);
+  const Run plain = run(scene, steps, "candidates");
+  const Run faster = run(scene, steps, "");
+  EXPECT_EQ(plain.num_coherent, 0);
+  EXPECT_GT(faster.num_coherent, coherent * kInstances * kSteps);
+  for (int step = 0; step < kSteps; ++step) {
+    for (int i = 0; i < kInstances; ++i) {
+      const std::size_t at = static_cast<std::size_t>(step * kInstances + i);
+      ASSERT_EQ(faster.bits[at], plain.bits[at]) << "step " << step << ", instance " << i;
+    }
+  }
+}
+
+Scene sceneOf(Sensor sensor) {
+  Random random(5);
+  Scene scene{.sensor = std::move(sensor), .objects = {}, .outputs = {.penetration_depth = true}};
+  scene.objects.emplace_back("bumpy", support::icosphere(0.01, 4, 0.05, random));
+  scene.objects.emplace_back("sheet", support::sheetWithHoles(30, 0.03, 0.3, 0.1, random));
+  scene.objects.emplace_back("fine", support::icosphere(0.012, 5, 0.002, random));
+  return scene;
+}
+
+TEST(Candidates, DoNotShow) {
+  expectNoneShows(sceneOf(support::gridSensor()), 0.3);
+}
+
+TEST(Candidates, OfAMeshOfBlocks) {
+  Scene scene = sceneOf(support::gridSensor());
+  Random random(6);
+  scene.objects.emplace_back("finest", support::icosphere(0.012, 6, 0.002, random));
+  expectNoneShows(scene, 0.3);
+}
+
+TEST(Candidates, OfLargeTriangles) {
+  Scene scene = sceneOf(support::gridSensor({.num_rows = 8, .num_cols = 8, .pitch_x = 0.5e-3, .pitch_y = 0.4e-3, .samples_per_taxel = 4}));
+  Random random(7);
+  scene.objects = {Object("coarse", support::icosphere(0.03, 3, 0.01, random)), scene.objects[0], Object("ball", Sphere{0.01})};
+  expectNoneShows(scene, 0.3);
+}
+
+TEST(Candidates, OfAPatchThatIsTilted) {
+  Sensor sensor = support::gridSensor();
+  sensor.patches[0].X_SP = {{0.01, -0.02, 0.005}, axisAngle({0, 1, 0}, 0.4) * axisAngle({1, 0, 0}, 0.3)};
+  Scene scene = sceneOf(sensor);
+  scene.objects.resize(1);
+  expectNoneShows(scene, 0.3);
+}
+
+TEST(Candidates, UnderFrictionDampingAndRelaxation) {
+  Sensor sensor = support::gridSensor();
+  sensor.skin.friction = {.tangential_stiffness = 5e7, .friction_coefficient = 0.8};
+  sensor.skin.relaxation = {{.fraction = 0.4, .time = 0.01}};
+  Scene scene = sceneOf(sensor);
+  scene.outputs.tactile_shear_force = true;
+  expectNoneShows(scene, 0.3);
+  expectNoneShows(sceneOf(support::gridSensor({.law = {1.73e8, 1, 1e5}})), 0.3);
+}
+
+// Surfaces a little over the skin matter.
+TEST(Candidates, OfATactileJacobian) {
+  Scene scene = sceneOf(support::gridSensor());
+  scene.outputs.tactile_jacobian = true;
+  expectNoneShows(scene, 0.3);
+}
+
+TEST(Candidates, OfAnElasticLayer) {
+  Sensor sensor = support::gridSensor({.num_rows = 5, .num_cols = 6, .samples_per_taxel = 2});
+  sensor.skin.law = ElasticLayer{.elastic_modulus = 1e6, .poisson_ratio = 0.49};
+  expectNoneShows(sceneOf(sensor), 0.3);
+}
+
+}  // namespace
+}  // namespace taxelsim

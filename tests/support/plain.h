@@ -1,0 +1,25 @@
+// TAXELSIM_PLAIN for the life of an object.
+#pragma once
+
+#include <cstdlib>
+#include <string>
+
+namespace taxelsim::support {
+
+// The variable as it was, at the end.
+class Plain {
+ public:
+  explicit Plain(const std::string& names) {
+    if (const char* value = std::getenv(kName)) before_ = value;
+    ::setenv(kName, names.c_str(), 1);
+  }
+  ~Plain() { ::setenv(kName, before_.c_str(), 1); }
+  Plain(const Plain&) = delete;
+  Plain& operator=(const Plain&) = delete;
+
+ private:
+  static constexpr const char* kName = "TAXELSIM_PLAIN";
+  std::string before_;
+};
+
+}  // namespace taxelsim::support
