@@ -34,7 +34,6 @@ const float kMostStepsAhead = 32.0;
 const float kMostMotion = 0.4;        // of the samples' spacing, in all these steps
 const float kLeastMotion = 1.0 / 64;  // the same: any object may tremble by so much
 const float kFewestStepsAhead = 3.0;  // else nothing is won
-const uint kFewestGroups = 2;         // of a mesh: a smaller one is culled at once
 
 const float kMiss = kNoHeight;
 

@@ -125,6 +125,7 @@ TAXELSIM_CONSTANT kFlagLoadDriven = 4u;
 // a buffer of their own, kMostCandidates of an instance.
 TAXELSIM_CONSTANT kMostCandidates = 640u;
 TAXELSIM_CONSTANT kNoCandidates = 0xFFFFFFFFu;
+TAXELSIM_CONSTANT kFewestGroups = 2u;  // of a mesh that has candidates: a smaller one is culled at once
 struct CandidateRecord {
   vec4 row0, row1, row2;  // X_PO when they were found; where there are none, in the step before
   vec4 center;            // of the part of the window that the object's bounds reached, in P, m; steps since; where there are none, steps

@@ -152,8 +152,8 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
     checkContactFits(info, most_samples, groups_per_batch, contact_repeat);
   }
   has_blocks = faster.blocks && most_groups > groups_per_batch;
-  constexpr std::uint32_t kFewestGroups = 2;  // the same in shaders/keep_candidates.comp
-  keeps_candidates = faster.candidates && most_groups >= kFewestGroups && contact_packed.one_grid && contact_packed.tiles.size() == 1;
+  keeps_candidates =
+      faster.candidates && most_groups >= layout::kFewestGroups && contact_packed.one_grid && contact_packed.tiles.size() == 1;
   if (keeps_candidates) {
     std::vector<glm::uvec4> start(layout::kNumLists + 1, glm::uvec4(0, 1, 1, 0));
     start.back() = glm::uvec4(0);

@@ -163,5 +163,15 @@ TEST(Candidates, OfAnElasticLayer) {
   expectNoneShows(sceneOf(sensor), 0.3);
 }
 
+// The largest batch that a device holds has no room for them, and is not refused for it.
+TEST(Candidates, LeaveRoomForInstances) {
+  const Scene scene = sceneOf(support::gridSensor());
+  const Model model(support::sharedDevice(), {.sensor = scene.sensor, .objects = scene.objects});
+  const MemoryPlan one = Simulator::plan(model, {.num_instances = 1});
+  const MemoryPlan most = Simulator::plan(model, {.num_instances = static_cast<int>(one.max_instances)});
+  EXPECT_LT(most.bytes_per_instance, one.bytes_per_instance);
+  EXPECT_EQ(most.max_instances, one.max_instances);
+}
+
 }  // namespace
 }  // namespace taxelsim
