@@ -333,10 +333,11 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
       uvec2 in_tile = active_first + uvec2(k / active_count.y, k % active_count.y);
       uvec2 base = in_tile * SAMPLES;
       uvec2 in_patch = in_tile + tile_taxel;
-      float force = 0.0, depth_sum = 0.0;
-      vec2 moment = vec2(0);
-      vec2 shear = vec2(0);
-      vec3 shear_moment = vec3(0);
+      float depth_sum = 0.0;
+      // Added as written: a driver may take out a common factor, in one variant of this pass and not in another.
+      precise float force = 0.0;
+      precise vec2 moment = vec2(0), shear = vec2(0);
+      precise vec3 shear_moment = vec3(0);
       bool is_reached = RELAXATION > 0 && isReached(in_tile);
       bool is_kept = kShears && isKept(in_patch, kept);
       Cell cell = noCell();

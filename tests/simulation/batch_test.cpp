@@ -166,6 +166,56 @@ TEST(Batch, NoiseIsKeyedByEpisodeAndSeedNotBySlot) {
   EXPECT_NE(a[0], c[0]);
 }
 
+// Instances of a batch that touch one of the objects each, of which nothing is kept between steps: their heights are computed where they
+// are summed as long as no instance has another slot or is driven by load, and go through the tile otherwise. No bit may show it.
+void expectTheSameBesideAnEmptySlotAndBesideALoad(const std::vector<Object>& objects, const OutputOptions& outputs = {}) {
+  constexpr int kNumInstances = 48;
+  const Sensor sensor = support::gridSensor();
+  Random random(3);
+  std::vector<Touch> touches;
+  for (int i = 0; i < kNumInstances; ++i) {
+    const int id = i % static_cast<int>(objects.size());
+    touches.push_back({{id}, {support::randomContact(random, sensor, objects[id])}});
+  }
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+  const auto bits = [&](int num_slots, float load_of_the_first) {
+    Simulator simulator(model, {.num_instances = kNumInstances, .num_slots = num_slots, .outputs = outputs});
+    std::vector<Touch> padded = touches;
+    for (Touch& touch : padded) {
+      touch.ids.resize(num_slots, kNoObject);
+      touch.X_SO.resize(num_slots);
+    }
+    std::vector<float> loads(kNumInstances, kPoseDriven);
+    loads[0] = load_of_the_first;
+    simulator.setLoads(loads);
+    support::setTouches(simulator, padded);
+    simulator.step(kDt);
+    const FrameView frame = simulator.read();
+    std::vector<std::vector<std::uint32_t>> others;
+    for (int i = 1; i < kNumInstances; ++i) {
+      others.push_back(support::bitsOf(frame, i, kNumInstances));
+    }
+    return others;
+  };
+  const auto without = bits(1, kPoseDriven);
+  EXPECT_EQ(bits(2, kPoseDriven), without) << "with an empty slot";
+  EXPECT_EQ(bits(1, 1.0f), without) << "beside a load";
+}
+
+TEST(Batch, APolyhedronIsTheSameBesideAnEmptySlotAndBesideALoad) {
+  Random random(3);
+  const Object polyhedron = support::randomPolyhedron(random, 0.02);
+  expectTheSameBesideAnEmptySlotAndBesideALoad({polyhedron});
+  expectTheSameBesideAnEmptySlotAndBesideALoad({polyhedron}, {.tactile_jacobian = true, .clean_tactile_jacobian = true});
+}
+
+TEST(Batch, SolidsAreTheSameBesideAnEmptySlotAndBesideALoad) {
+  expectTheSameBesideAnEmptySlotAndBesideALoad({Object("sphere", Sphere{0.008})});
+  expectTheSameBesideAnEmptySlotAndBesideALoad({Object("cylinder", Cylinder{0.006, 0.02}), Object("capsule", Capsule{0.005, 0.01}),
+                                                Object("box", Box{{0.008, 0.006, 0.01}}), Object("cone", Cone{0.008, 0.012}),
+                                                Object("half_space", HalfSpace{})});
+}
+
 TEST(Batch, EmptySlotsAndFarObjectsAreNothing) {
   const Sensor sensor = support::gridSensor();
   Random random(2);

@@ -36,6 +36,20 @@ void appendFeatureBits(const FeatureView& view, int instance, int num_instances,
   }
 }
 
+void appendBits(const ContactFeatureView& view, int instance, int num_instances, std::vector<std::uint32_t>& bits) {
+  appendFeatureBits(view, instance, num_instances, bits);
+  for (const std::span<const float> array : {view.windowed_edge_angle, view.windowed_edge_confidence, view.tilt, view.tilt_confidence,
+                                             view.contact_type, view.patch, view.num_regions}) {
+    appendBits(array, instance, num_instances, bits);
+  }
+}
+
+void appendBits(const TactileJacobianView& view, int instance, int num_instances, std::vector<std::uint32_t>& bits) {
+  for (const std::span<const float> array : {view.center_of_pressure, view.total_force, view.edge_angle}) {
+    appendBits(array, instance, num_instances, bits);
+  }
+}
+
 void expectFinite(std::span<const float> values, std::size_t size, const char* name) {
   EXPECT_EQ(values.size(), size) << name;
   EXPECT_TRUE(std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); })) << name;
@@ -189,6 +203,8 @@ std::vector<std::uint32_t> measuredBitsOf(const FrameView& frame, int instance, 
   std::vector<std::uint32_t> bits(counts.begin(), counts.end());
   appendBits(frame.saturated, instance, num_instances, bits);
   appendFeatureBits(frame, instance, num_instances, bits);
+  appendBits(frame.contact, instance, num_instances, bits);
+  appendBits(frame.jacobian, instance, num_instances, bits);
   return bits;
 }
 
@@ -196,8 +212,12 @@ std::vector<std::uint32_t> bitsOf(const FrameView& frame, int instance, int num_
   std::vector<std::uint32_t> bits = measuredBitsOf(frame, instance, num_instances);
   const GroundTruthView& truth = frame.ground_truth;
   appendFeatureBits(truth, instance, num_instances, bits);
-  for (const std::span<const float> array : {truth.tactile_normal_force, truth.tactile_shear_force, truth.penetration_depth,
-                                             truth.contact_wrench, truth.over_penetration, truth.load_offset, truth.load_reached}) {
+  appendBits(truth.contact, instance, num_instances, bits);
+  appendBits(truth.jacobian, instance, num_instances, bits);
+  for (const std::span<const float> array :
+       {truth.tactile_normal_force, truth.tactile_shear_force, truth.penetration_depth, truth.contact_wrench, truth.over_penetration,
+        truth.load_offset, truth.load_reached, truth.off_array_load, truth.off_array_contacts, truth.contact_residual,
+        truth.contact_iterations, truth.jacobian.contact_wrench}) {
     appendBits(array, instance, num_instances, bits);
   }
   return bits;
