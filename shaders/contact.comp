@@ -19,8 +19,8 @@
 // Twins: src/reference/depth.cpp, contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp, load.cpp.
 
 #include "lib/pairs.glsl"
+#include "lib/barrier.glsl"
 #include "shared/layout.h"
-#include "lib/specialization.glsl"
 layout(constant_id = 11) const uint TILE_SAMPLES = 1344;  // most samples of a tile
 layout(constant_id = 12) const bool FLAT = true;          // the one patch's frame is the sensor's
 layout(constant_id = 13) const bool HAS_STATE = false;    // the law needs the depth of the step before
@@ -174,7 +174,7 @@ void rasterAnalytic(Body body, vec4 parameters) {
   uvec2 count = uvec2(end) - first;
   uint i = gl_LocalInvocationIndex;
   for (; i < count.x * count.y; i += WORKGROUP) {
-    uvec2 at = first + uvec2(i / count.y, i % count.y);
+    uvec2 at = first + cellNumbered(i, count.y);
     float z = analyticHeight(body.kind_groups.x, parameters, body.X_PO, samplePosition(at));
     if (isSeen(z)) lowerTile((at.x - uint(tile_first.x)) * tile_stride + at.y - uint(tile_first.y), z);
   }
@@ -193,10 +193,10 @@ float lowestCorner(Body body) {
 
 // Total of partial[] in a fixed order; every invocation gets it.
 vec4 sumOfPartials() {
-  barrier();
+  workgroupBarrier();
   vec4 total = vec4(0);
   for (uint v = 0; v < LANES; ++v) total += partial[v];
-  barrier();
+  workgroupBarrier();
   return total;
 }
 
@@ -214,6 +214,7 @@ vec2 tractionAfter(inout vec2 held, vec2 u, float share, float pressure) {
 
 #include "lib/cell_fluxes.glsl"
 #include "lib/tiles.glsl"
+#include "lib/touched.glsl"
 #include "lib/work_lists.glsl"
 
 void contactOnTile(uint instance, uint tile_number, uint num_slots) {
@@ -255,14 +256,14 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
     return;
   }
   if (search_here) z_base = clamp(lowest_bound, -1.0, 1.0);
-  barrier();
+  workgroupBarrier();
 
   // Then their heights. The active part of the window is where triangles are seen and solids reach.
   Box active_part = noSamples();
   if (usesTile()) {
     bool one_batch = !MANY_SLOTS && body.kind_groups.x == kKindMesh && body.kind_groups.z <= GROUPS_PER_BATCH;
     if (!one_batch && LIST != kListWith) clearSamples(reached);
-    barrier();
+    workgroupBarrier();
     for (uint slot = 0; slot < num_slots; ++slot) {
       if (MANY_SLOTS) {  // a single slot's body is at hand
         id = objectInSlot(instance * num_slots + slot);
@@ -284,19 +285,19 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
         grow(active_part, samplesUnder(body));
       }
     }
+    addToBox(kActive, active_part);
+    workgroupBarrier();
+    active_part = boxNumbered(kActive);
   } else {
     active_part = reached;
     if (isKind(body.kind_groups.x, kKindPolyhedron)) loadFaces(body.kind_groups.y, body.X_PO);
   }
-  addToBox(kActive, active_part);
-  barrier();
 
   // The rectangle of taxels that can carry force, in taxels of this tile, half-open.
   uvec2 active_first = uvec2(0), active_count = uvec2(0);
-  Box active_samples = boxNumbered(kActive);
-  if (isAny(active_samples)) {
-    active_first = uvec2(active_samples.first) / SAMPLES;
-    active_count = uvec2(active_samples.last) / SAMPLES + 1u - active_first;
+  if (isAny(active_part)) {
+    active_first = uvec2(active_part.first) / SAMPLES;
+    active_count = uvec2(active_part.last) / SAMPLES + 1u - active_first;
   }
   uint num_active = active_count.x * active_count.y;
 
@@ -328,9 +329,10 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
     vec4 wrench = vec4(0);  // normal force, torque about x, y and z of P
     vec2 lane_shear = vec2(0);
     vec3 change[6] = vec3[6](vec3(0), vec3(0), vec3(0), vec3(0), vec3(0), vec3(0));
-    uint k = v;
-    for (; k < num_active; k += LANES) {
-      uvec2 in_tile = active_first + uvec2(k / active_count.y, k % active_count.y);
+    uint touched = kPassesOver ? touchedTaxels(v, active_first, active_count, first_taxel) : 0;
+    uint k = kPassesOver ? nextTouched(touched, v) : v;
+    while (k < num_active) {
+      uvec2 in_tile = active_first + cellNumbered(k, active_count.y);
       uvec2 base = in_tile * SAMPLES;
       uvec2 in_patch = in_tile + tile_taxel;
       float depth_sum = 0.0;
@@ -404,6 +406,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
         wrench.yzw += shear_moment * sample_area;
         lane_shear += shear;
       }
+      k = kPassesOver ? nextTouched(touched, v) : k + LANES;
     }
     cut_short = cut_short || k < num_active;
     partial[v] = wrench;
@@ -416,7 +419,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   // Taxels that nothing reaches. Of a sensor of one tile nobody reads their force, but for a spread by lists.
   if (OUTPUT_JACOBIAN || NUM_TILES > 1 || NUM_ROWS == 0 || OUTPUT_DEPTH || HAS_STATE) {
     for (uint k = lane; k < tile_size.x * tile_size.y; k += WORKGROUP) {
-      uvec2 in_tile = uvec2(k / tile_size.y, k % tile_size.y);
+      uvec2 in_tile = cellNumbered(k, tile_size.y);
       if (all(greaterThanEqual(in_tile, active_first)) && all(lessThan(in_tile, active_first + active_count))) continue;
       uvec2 in_patch = in_tile + tile_taxel;
       uint taxel = first_taxel + in_patch.x * grid.y + in_patch.y;
@@ -469,7 +472,7 @@ void main() {
   uint count = end - first;
   if (kFindsNear) {
     if (gl_LocalInvocationIndex == 0) num_listed_tiles = 0;
-    barrier();
+    workgroupBarrier();
     for (uint number = first + gl_LocalInvocationIndex; number < end; number += WORKGROUP) {
       uint instance = number / NUM_TILES, tile_number = number - instance * NUM_TILES;
       if (!enterTile(instance, tile_number)) continue;
@@ -479,7 +482,7 @@ void main() {
         leaveUntouched(instance, tile_number, 0, 1);
       }
     }
-    barrier();
+    workgroupBarrier();
     count = num_listed_tiles;
   }
   uint k = 0;
@@ -488,7 +491,7 @@ void main() {
     if (LIST < kNumLists) number = work_instances[placeInList(LIST, number)];  // of sensors of one tile
     uint instance = number / NUM_TILES;
     contactOnTile(instance, number - instance * NUM_TILES, batch.y);
-    barrier();
+    workgroupBarrier();
   }
   if (cut_short || k < count) problems[0] = 1;
 }

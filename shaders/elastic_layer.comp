@@ -23,8 +23,8 @@
 // Twins: src/reference/elastic_layer.cpp, relaxation.cpp, friction.cpp.
 
 #include "lib/pairs.glsl"
+#include "lib/barrier.glsl"
 #include "shared/layout.h"
-#include "lib/specialization.glsl"
 layout(constant_id = 11) const uint NODE_ROWS = 12;
 layout(constant_id = 12) const uint NODE_COLS = 28;
 layout(constant_id = 13) const uint MARGIN_ROWS = 0;  // nodes of the margin on either side
@@ -83,6 +83,7 @@ shared uint num_deep;
 
 bool cut_short = false;  // see contact.comp
 
+#include "lib/whole.glsl"
 #include "lib/workgroup.glsl"
 #include "lib/transform.glsl"
 #include "lib/slots.glsl"

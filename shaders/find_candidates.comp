@@ -8,8 +8,8 @@
 // Shared memory: 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 32 bytes, with blocks 4 kBlocksPerBatch.
 
 #include "lib/pairs.glsl"
+#include "lib/barrier.glsl"
 #include "shared/layout.h"
-#include "lib/specialization.glsl"
 layout(constant_id = 11) const bool FLAT = true;  // these as in contact.comp
 layout(constant_id = 12) const bool OUTPUT_JACOBIAN = false;
 layout(constant_id = 13) const float REACH = 0.0;
@@ -69,7 +69,7 @@ void findCandidates(uint instance) {
     found_box[0] = found_box[2] = 0x7FFFFFFF;
     found_box[1] = found_box[3] = -1;
   }
-  barrier();
+  workgroupBarrier();
   int id = objectInSlot(instance);
   Body body = bodyInSlot(instance, id);
   subpixel_bits = int(body.kind_groups.w & kSubpixelMask);
@@ -88,7 +88,7 @@ void findCandidates(uint instance) {
     atomicMin(found_box[2], seen.first.y);
     atomicMax(found_box[3], seen.last.y);
   }
-  barrier();
+  workgroupBarrier();
   if (lane == 0) {
     bool fits = num_found <= kMostCandidates;
     uvec2 first = uvec2(found_box[0], found_box[2]), last = uvec2(found_box[1], found_box[3]);
@@ -102,7 +102,7 @@ void findCandidates(uint instance) {
     if (fits) atomicAdd(work[kNumLists].x, 1u);
     enlist(fits && step_record.candidates.x != 0 ? kListWith : kListWithout, instance, REPEAT);
   }
-  barrier();
+  workgroupBarrier();
 }
 
 void main() {

@@ -65,7 +65,7 @@ void loadMotions(uint instance, uint num_slots, float moved_z) {
     slot_motions[kSlotRows * slot + 2] = motion.displacement.row2;
     slot_motions[kSlotRows * slot + 3].x = motion.known ? 1.0 : 0.0;
   }
-  barrier();
+  workgroupBarrier();
 }
 
 Motion motionOf(uint slot) {

@@ -42,7 +42,7 @@ Shear shearNodes(uint instance, uint num_slots, Surface surface, uvec4 pressed, 
     vec3 torque = vec3(0);
     uint k = v;
     for (; k < count.x * count.y; k += LANES) {
-      uvec2 node = first + uvec2(k / count.y, k % count.y);
+      uvec2 node = first + cellNumbered(k, count.y);
       float pressure = valueAt(kLayerPressure, node) * (node_force / nodeArea());
       uint slot = slotOf(heights[surface.first_height + node.x * NODE_COLS + node.y]);
       vec3 p = vec3(nodePosition(node), -(overlapAt(surface, node) + shift) * THICKNESS);

@@ -38,9 +38,7 @@ Strip whereAbove(Strip s, float limit) { return Strip(vec4(greaterThan(s.low, ve
 
 // What every invocation wrote into the layer and into shared memory is there for all.
 void meet() {
-  memoryBarrierBuffer();
-  memoryBarrierShared();
-  barrier();
+  workgroupBarrierWithBuffers();
 }
 
 // Totals of partial[] over `count` of them in a fixed order; every invocation gets them.
@@ -48,7 +46,7 @@ vec4 sumOfPartials(uint count) {
   meet();
   vec4 total = vec4(0);
   for (uint v = 0; v < count; ++v) total += partial[v];
-  barrier();
+  workgroupBarrier();
   return total;
 }
 
@@ -56,7 +54,7 @@ float largestOfPartials(uint count) {
   meet();
   float largest = kNever;
   for (uint v = 0; v < count; ++v) largest = max(largest, partial[v].x);
-  barrier();
+  workgroupBarrier();
   return largest;
 }
 

@@ -7,6 +7,8 @@ struct Search {
   float status;  // kLoadCarried or kLoadOutOfReach
 };
 
+uint addressOf(uvec2 at) { return at.x * tile_stride + at.y; }
+
 // Depth of the lowest sample at which the samples of the window carry `load`: Newton's method from full depth down. Only z moves, so the gaps
 // between the samples are those of the tile.
 Search searchLoad(float load, uvec2 first, uvec2 count) {
@@ -15,10 +17,10 @@ Search searchLoad(float load, uvec2 first, uvec2 count) {
   uint total = count.x * count.y;
   uint lane_lowest = kEmpty;
   for (uint i = gl_LocalInvocationIndex; i < total; i += WORKGROUP) {
-    lane_lowest = min(lane_lowest, tile[(first.x + i / count.y) * tile_stride + first.y + i % count.y]);
+    lane_lowest = min(lane_lowest, tile[addressOf(first + cellNumbered(i, count.y))]);
   }
   atomicMin(lowest_bits, lane_lowest);
-  barrier();
+  workgroupBarrier();
   Search found = Search(0.0, 0.0, 0.0, kLoadOutOfReach);
   uint lowest = lowest_bits;
   if (lowest == kEmpty) return found;
@@ -29,11 +31,12 @@ Search searchLoad(float load, uvec2 first, uvec2 count) {
       float force = 0.0, slope = 0.0;
       uint i = v;
       for (; i < total; i += LANES) {
-        uint address = (first.x + i / count.y) * tile_stride + first.y + i % count.y;
+        uvec2 at = first + cellNumbered(i, count.y);
+        uint address = addressOf(at);
         float d = found.depth - (withoutSlot(tile[address]) - found.lowest);
         float f = lawPressure(d, 0.0), f_slope = lawSlope(d);
         if (RELAXATION > 0) {
-          bool reached = isReached((first + uvec2(i / count.y, i % count.y)) / SAMPLES);
+          bool reached = isReached(at / SAMPLES);
           f = relaxedPressure(skinAt(address, reached), f);
           f_slope = f > 0.0 ? skin_gain * f_slope : 0.0;
         }

@@ -94,7 +94,7 @@ void visitListedGroups(Body body, Affine from_lattice, inout Box seen, bool clea
     for (; reaching != 0; reaching &= reaching - 1u) cluster_list[at++] = first + uint(findLSB(reaching)) * WORKGROUP;
   }
   if (clear) clearUnder(reaching_part);
-  barrier();
+  workgroupBarrier();
   X = atHand(from_lattice);
   uint items = num_listed_clusters * kQuadsPerCluster;
   uint i = lane;
@@ -103,7 +103,7 @@ void visitListedGroups(Body body, Affine from_lattice, inout Box seen, bool clea
     visitQuad(X, quad, (body.kind_groups.w & kLargeTriangles) != 0, seen);
   }
   cut_short = cut_short || i < items;
-  barrier();
+  workgroupBarrier();
 }
 
 // A batch of groups at a time. `clear` needs the mesh to be one batch.
@@ -113,11 +113,11 @@ void visitGroups(Body body, Affine from_lattice, inout Box seen, bool clear) {
   uint start = body.kind_groups.y;
   for (; start < end_group; start += GROUPS_PER_BATCH) {
     if (gl_LocalInvocationIndex == 0) num_listed_groups = num_listed_clusters = 0;
-    barrier();
+    workgroupBarrier();
     for (uint g = start + gl_LocalInvocationIndex; g < min(start + GROUPS_PER_BATCH, end_group); g += WORKGROUP) {
       if (groupReaches(from_lattice, g, items)) group_list[atomicAdd(num_listed_groups, 1u)] = items;
     }
-    barrier();
+    workgroupBarrier();
     visitListedGroups(body, from_lattice, seen, clear);
   }
   cut_short = cut_short || start < end_group;
@@ -132,11 +132,11 @@ void visitBlocks(Body body, Affine from_lattice, inout Box seen, bool clear) {
   uint start = body.kind_groups.y + body.kind_groups.z;
   for (; start < end_block; start += kBlocksPerBatch) {
     if (lane == 0) num_listed_blocks = num_listed_groups = num_listed_clusters = 0;
-    barrier();
+    workgroupBarrier();
     for (uint b = start + lane; b < min(start + kBlocksPerBatch, end_block); b += WORKGROUP) {
       if (groupReaches(from_lattice, b, items)) block_list[atomicAdd(num_listed_blocks, 1u)] = items;
     }
-    barrier();
+    workgroupBarrier();
     uint listed = 0;
     for (; listed < num_listed_blocks; listed += kListedBlocksPerBatch) {
       uint candidates = min(kListedBlocksPerBatch, num_listed_blocks - listed) * kGroupsPerBlock;
@@ -146,10 +146,10 @@ void visitBlocks(Body body, Affine from_lattice, inout Box seen, bool clear) {
           group_list[atomicAdd(num_listed_groups, 1u)] = items;
         }
       }
-      barrier();
+      workgroupBarrier();
       visitListedGroups(body, from_lattice, seen, clear);
       if (lane == 0) num_listed_groups = num_listed_clusters = 0;
-      barrier();
+      workgroupBarrier();
     }
     cut_short = cut_short || listed < num_listed_blocks;
   }

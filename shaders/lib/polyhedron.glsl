@@ -1,9 +1,10 @@
 // Height of a convex polyhedron over a sample: a ray is inside from where it has passed all faces that look down to where it meets the first that looks up.
 // The faces' planes over the patch are computed once per body and stay in registers. Twin: src/reference/depth.cpp, which knows the triangles only.
 
-// A plane over P as value = (x, y, 1) . plane. Of a face that looks down it is the height z, of one that looks up -z, so that both bounds are maxima.
-vec3 face_planes[FACES];
-bool face_looks_down[FACES];
+// Planes over P: the slope of z of a face that looks down, of -z of one that looks up, so that both bounds are maxima; and where each is at (0, 0), far below
+// for a face that looks the other way.
+vec2 face_slopes[FACES];
+float face_lows[FACES], face_highs[FACES];
 
 // A face steeper than this shows its flank over less than a float resolves: it only cuts.
 const float kSteepest = 1e-6;  // cosine to z
@@ -14,17 +15,20 @@ void loadFaces(uint first, Affine X_PO) {
     vec3 n_O = vec3(w0, w1.x);
     vec3 n = vec3(dot(X_PO.row0.xyz, n_O), dot(X_PO.row1.xyz, n_O), dot(X_PO.row2.xyz, n_O));
     float offset = w1.y + n.x * X_PO.row0.w + n.y * X_PO.row1.w + n.z * X_PO.row2.w;
-    face_looks_down[f] = n.z < 0.0;
-    face_planes[f] = vec3(n.xy, -offset) / max(abs(n.z), kSteepest);
+    vec3 plane = vec3(n.xy, -offset) / max(abs(n.z), kSteepest);
+    face_slopes[f] = plane.xy;
+    face_lows[f] = n.z < 0.0 ? plane.z : -kMiss;
+    face_highs[f] = n.z < 0.0 ? -kMiss : plane.z;
   }
 }
 
 float polyhedronHeight(vec2 xy) {
   float low = -kMiss, minus_high = -kMiss;
   for (uint f = 0; f < FACES; ++f) {
-    float value = face_planes[f].x * xy.x + face_planes[f].y * xy.y + face_planes[f].z;
-    low = face_looks_down[f] && value > low ? value : low;
-    minus_high = !face_looks_down[f] && value > minus_high ? value : minus_high;
+    float rise = face_slopes[f].x * xy.x + face_slopes[f].y * xy.y;
+    float down = rise + face_lows[f], up = rise + face_highs[f];
+    low = max(low, down);
+    minus_high = max(minus_high, up);
   }
   bool hit = low <= -minus_high;
   // As triangles have it: where the side that looks down is too deep to be seen, the other one is next.

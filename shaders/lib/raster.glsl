@@ -181,7 +181,7 @@ void clearSamples(Box box) {
 
 void clearUnder(Box reached) {
   addToBox(kCleared, reached);
-  barrier();
+  workgroupBarrier();
   clearSamples(boxNumbered(kCleared));
 }
 
@@ -189,11 +189,11 @@ void clearUnder(Box reached) {
 void visitCandidates(uint instance, Body body, Affine from_lattice, inout Box seen) {
   uvec4 list = candidates[instance].list;
   clearSamples(Box(ivec2(list.zw & 0xFFFFu), ivec2(list.zw >> 16)));
-  barrier();
+  workgroupBarrier();
   Affine X = atHand(from_lattice);
   uint first = instance * kMostCandidates;
   uint i = gl_LocalInvocationIndex;
   for (; i < list.y; i += WORKGROUP) visitQuad(X, candidate_quads[first + i], (body.kind_groups.w & kLargeTriangles) != 0, seen);
   cut_short = cut_short || i < list.y;
-  barrier();
+  workgroupBarrier();
 }

@@ -76,7 +76,7 @@ void keepRestOfSkin(uvec2 first, uvec2 count) {
   uvec2 size = (reached.yw - reached.xz) * SAMPLES;
   uint k = gl_LocalInvocationIndex;
   for (; k < size.x * size.y; k += WORKGROUP) {
-    uvec2 at = reached.xz * SAMPLES + uvec2(k / size.y, k % size.y);
+    uvec2 at = reached.xz * SAMPLES + cellNumbered(k, size.y);
     uvec2 taxel = at / SAMPLES;
     if (all(greaterThanEqual(taxel, first)) && all(lessThan(taxel, first + count))) continue;
     uint address = at.x * tile_stride + at.y;

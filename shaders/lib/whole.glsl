@@ -6,3 +6,10 @@ int wholeNumber(float v) {
   return floatBitsToInt(sum) - 0x4B400000;
 }
 ivec2 wholeNumbers(vec2 v) { return ivec2(wholeNumber(v.x), wholeNumber(v.y)); }
+
+// Row and column of cell `i` of rows of so many cells. Without an integer division, which Mesa's software driver does lane by lane: (i + 1/2) / num_cols is at
+// least 1 / (2 num_cols) from a whole number, more than it is rounded by as long as there are fewer than 2^20 cells.
+uvec2 cellNumbered(uint i, uint num_cols) {
+  uint row = uint(wholeNumber((float(int(i)) + 0.5) / float(int(num_cols)) - 0.5));
+  return uvec2(row, i - row * num_cols);
+}

@@ -9,6 +9,7 @@ struct FasterPaths {
   bool blocks = true;      // groups of clusters culled many at a time
   bool untouched = true;   // tiles that nothing is near left early
   bool candidates = true;  // quads of a mesh that moves slowly are looked for once in some steps
+  bool lockstep = true;    // workgroups that are one vector of a software driver go without barriers
   bool alone = true;       // an instance per invocation in the image pass
 };
 

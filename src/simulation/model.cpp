@@ -207,24 +207,26 @@ const gpu::Kernel& Model::Impl::layerKernel(const LayerVariant& variant) const {
   return layer_.emplace(variant, makeLayerKernel(variant)).first->second;
 }
 
-// The constants of shaders/lib/specialization.glsl, then those of one pass, numbered in order.
-std::vector<gpu::Constant> Model::Impl::constants(const Sensor& sensor, const PackedSensor& packed, const Sizes& sizes,
-                                                  const std::vector<std::uint32_t>& of_the_pass) {
-  const GridPatch& patch = sensor.patches.front();
+// The constants of shaders/lib/specialization.glsl, then those of one pass, numbered in order, and whether the pass goes in lockstep.
+std::vector<gpu::Constant> Model::Impl::constants(const Sensor& array, const PackedSensor& pack, const Sizes& sizes,
+                                                  const std::vector<std::uint32_t>& of_the_pass) const {
+  constexpr std::uint32_t kLockstepConstant = 99;
+  const GridPatch& patch = array.patches.front();
   std::vector<std::uint32_t> values{sizes.workgroup,
                                     sizes.lanes,
-                                    static_cast<std::uint32_t>(numTaxels(sensor)),
-                                    static_cast<std::uint32_t>(packed.tiles.size()),
-                                    static_cast<std::uint32_t>(sensor.samples_per_taxel),
-                                    packed.one_grid ? static_cast<std::uint32_t>(patch.num_rows) : 0u,
-                                    packed.one_grid ? static_cast<std::uint32_t>(patch.num_cols) : 1u,
+                                    static_cast<std::uint32_t>(numTaxels(array)),
+                                    static_cast<std::uint32_t>(pack.tiles.size()),
+                                    static_cast<std::uint32_t>(array.samples_per_taxel),
+                                    pack.one_grid ? static_cast<std::uint32_t>(patch.num_rows) : 0u,
+                                    pack.one_grid ? static_cast<std::uint32_t>(patch.num_cols) : 1u,
                                     sizes.repeats,
-                                    static_cast<std::uint32_t>(sensor.psf.size),
+                                    static_cast<std::uint32_t>(array.psf.size),
                                     bits(patch.pitch[0]),
                                     bits(patch.pitch[1])};
   values.insert(values.end(), of_the_pass.begin(), of_the_pass.end());
   std::vector<gpu::Constant> numbered;
   for (const std::uint32_t value : values) numbered.push_back({static_cast<std::uint32_t>(numbered.size()), value});
+  numbered.push_back({kLockstepConstant, faster.lockstep && isOneVector(device.info(), sizes.workgroup)});
   return numbered;
 }
 

@@ -41,6 +41,10 @@ std::uint32_t tunedSize(int wanted, std::uint32_t chosen, std::uint32_t least, s
   return number;
 }
 
+bool isOneVector(const DeviceInfo& info, std::uint32_t workgroup) {
+  return info.driver.starts_with("llvmpipe ") && workgroup <= info.subgroup_size;
+}
+
 std::uint32_t chooseRepeat(const DeviceInfo& info, std::uint64_t turns, std::uint32_t most) {
   if (info.type != DeviceType::kCpu) return 1;
   return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(kMaxTurns / std::max<std::uint64_t>(turns, 1), 1, most));

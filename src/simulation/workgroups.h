@@ -22,6 +22,10 @@ inline constexpr std::uint32_t kMostGroupsPerBatch = 128;
 // `wanted`: by the caller, 0 for none. `work`: turns that one invocation alone would take, at the most usual. Throws Error(kInput).
 std::uint32_t chooseWorkgroup(int wanted, const DeviceInfo& info, std::uint32_t on_gpu, std::uint64_t work, const char* name);
 
+// Whether a workgroup's invocations are one vector that goes step by step: Mesa's software driver computes a subgroup's lanes by the same
+// instructions.
+bool isOneVector(const DeviceInfo& info, std::uint32_t workgroup);
+
 // How many pieces of work, of so many turns for an invocation, are done one after another.
 std::uint32_t chooseRepeat(const DeviceInfo& info, std::uint64_t turns, std::uint32_t most = kMaxRepeat);
 

@@ -60,10 +60,60 @@ TEST(FasterPaths, DoNotShow) {
   for (const int num_patches : {1, 4}) {
     const Scene scene = wideScene(num_patches);
     const auto expected = bitsOf(scene, "");
-    for (const char* name : {"pairs", "blocks", "untouched", "alone", "pairs,blocks,untouched,alone"}) {
+    for (const char* name : {"pairs", "blocks", "untouched", "lockstep", "alone", "pairs,blocks,untouched,lockstep,alone"}) {
       EXPECT_EQ(bitsOf(scene, name), expected) << name << ", " << num_patches << " patches";
     }
   }
+}
+
+// Every pass whose invocations wait for each other, two steps, of which a software driver computes each workgroup as one vector.
+void expectLockstepDoesNotShow(const Sensor& sensor) {
+  constexpr int kNumInstances = 6;
+  Sensor springs = sensor;  // whose contacts can be drawn
+  springs.skin.law = Winkler{1.73e8, 1, 0};
+  Random random(5);
+  const std::vector<Object> objects{support::randomMeshObject(random, 0.02), support::randomSolid(random, 0.02),
+                                    Object("sphere", support::icosphere(0.02, 4, 0.01, random))};
+  std::vector<std::vector<Touch>> steps(2);
+  std::vector<float> loads;
+  for (int i = 0; i < kNumInstances; ++i) {
+    Touch touch{{i % 3, (i + 1) % 3}, {}};
+    for (const int id : touch.ids) touch.X_SO.push_back(support::randomContact(random, springs, objects[id]));
+    steps[0].push_back(touch);
+    for (Pose& X_SO : touch.X_SO) X_SO.position[0] += 0.1e-3;
+    steps[1].push_back(touch);
+    loads.push_back(i % 2 == 1 ? 1.5f : kPoseDriven);
+  }
+  const auto bits = [&](const char* plain) {
+    const Plain without(plain);
+    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects, .contact_workgroup = 8, .image_workgroup = 8});
+    Simulator simulator(
+        model,
+        {.num_instances = kNumInstances,
+         .num_slots = 2,
+         .outputs = {.contact_features = true, .clean_contact_features = true, .tactile_jacobian = true, .clean_tactile_jacobian = true},
+         .max_regions = 3});
+    simulator.setLoads(loads);
+    std::vector<std::vector<std::uint32_t>> all;
+    for (const std::vector<Touch>& touches : steps) {
+      support::setTouches(simulator, touches);
+      simulator.step(1e-3);
+      const FrameView frame = simulator.read();
+      for (int i = 0; i < kNumInstances; ++i) all.push_back(support::bitsOf(frame, i, kNumInstances));
+    }
+    return all;
+  };
+  EXPECT_EQ(bits(""), bits("lockstep"));
+}
+
+TEST(FasterPaths, LockstepDoesNotShow) {
+  Sensor sensor = support::gridSensor();
+  sensor.skin.friction = {.tangential_stiffness = 5e7, .friction_coefficient = 0.8};
+  sensor.skin.relaxation = {{.fraction = 0.4, .time = 0.01}};
+  expectLockstepDoesNotShow(sensor);
+  Sensor layer = support::gridSensor({.num_rows = 5, .num_cols = 6, .samples_per_taxel = 2});
+  layer.skin.law = ElasticLayer{.elastic_modulus = 1e6, .poisson_ratio = 0.49};
+  expectLockstepDoesNotShow(layer);
 }
 
 TEST(FasterPaths, APolyhedronAsTrianglesIsTheTwins) {
@@ -87,7 +137,8 @@ TEST(FasterPaths, AnUnknownNameIsRefused) {
     FAIL() << "taken";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    EXPECT_STREQ(error.what(), "TAXELSIM_PLAIN: \"pears\" is not allowed: pairs, polyhedra, blocks, untouched, candidates, alone, all");
+    EXPECT_STREQ(error.what(),
+                 "TAXELSIM_PLAIN: \"pears\" is not allowed: pairs, polyhedra, blocks, untouched, candidates, lockstep, alone, all");
   }
 }
 
