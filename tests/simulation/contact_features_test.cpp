@@ -465,7 +465,9 @@ TEST(ContactFeaturesOnDevice, NothingComesUnlessAskedFor) {
   EXPECT_EQ(b.contact.num_rows, 2);
   EXPECT_EQ(b.contact.num_patches, 1);
   EXPECT_TRUE(b.ground_truth.contact.total_force.empty());
-  EXPECT_EQ(support::bitsOf(a, 0, 1), support::bitsOf(b, 0, 1));
+  FrameView rest = b;
+  rest.contact = {};
+  EXPECT_EQ(support::bitsOf(a, 0, 1), support::bitsOf(rest, 0, 1));
   EXPECT_GT(Simulator::plan(model, {.outputs = {.contact_features = true}}).bytes_per_instance,
             Simulator::plan(model, {}).bytes_per_instance);
 }
