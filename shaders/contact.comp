@@ -21,6 +21,7 @@
 #include "lib/pairs.glsl"
 #include "lib/barrier.glsl"
 #include "shared/layout.h"
+#include "lib/specialization.glsl"
 layout(constant_id = 11) const uint TILE_SAMPLES = 1344;  // most samples of a tile
 layout(constant_id = 12) const bool FLAT = true;          // the one patch's frame is the sensor's
 layout(constant_id = 13) const bool HAS_STATE = false;    // the law needs the depth of the step before

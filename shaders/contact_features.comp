@@ -11,8 +11,8 @@
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of team and workgroup.
 // Twin: src/reference/contact_features.cpp.
 
-#include "lib/barrier.glsl"
 #include "shared/layout.h"
+#include "lib/specialization.glsl"
 layout(constant_id = 11) const bool CLEAN = false;
 layout(constant_id = 12) const uint TEAM = 1;         // invocations of a part
 layout(constant_id = 13) const uint REGIONS = 0;      // rows of regions
@@ -188,13 +188,13 @@ Sums sumsOf(uint scan, Part part, vec3 middle, float force) {
     }
   }
   if (TEAM > 1) {
-    workgroupBarrier();
+    barrier();
     for (uint v = 0; v < LANES; ++v) {
       Sums sums = noSums();
       for (uint k = 0; k < numSums(scan); ++k) sums.s[k] = partial[first_partial + k * LANES + v];
       addSums(scan, total, sums);
     }
-    workgroupBarrier();
+    barrier();
   }
   return total;
 }

@@ -11,8 +11,8 @@
 // Deterministic: a region is named by its lowest taxel, whichever order taxels are united in; forces are summed as integers.
 // Twin: src/reference/contact_features.cpp.
 
-#include "lib/barrier.glsl"
 #include "shared/layout.h"
+#include "lib/specialization.glsl"
 layout(constant_id = 11) const bool CLEAN = false;
 layout(constant_id = 12) const uint TEAM = 1;            // invocations of an instance
 layout(constant_id = 13) const uint REGIONS = 0;         // that are wanted
@@ -59,7 +59,9 @@ bool cut_short = false;
 // What a team has written is there for all of it.
 void together() {
   if (TEAM == 1) return;
-  workgroupBarrierWithBuffers();
+  memoryBarrierBuffer();
+  memoryBarrierShared();
+  barrier();
 }
 
 // One instance, as its team sees it.

@@ -25,6 +25,7 @@
 #include "lib/pairs.glsl"
 #include "lib/barrier.glsl"
 #include "shared/layout.h"
+#include "lib/specialization.glsl"
 layout(constant_id = 11) const uint NODE_ROWS = 12;
 layout(constant_id = 12) const uint NODE_COLS = 28;
 layout(constant_id = 13) const uint MARGIN_ROWS = 0;  // nodes of the margin on either side

@@ -10,6 +10,7 @@
 #include "lib/pairs.glsl"
 #include "lib/barrier.glsl"
 #include "shared/layout.h"
+#include "lib/specialization.glsl"
 layout(constant_id = 11) const bool FLAT = true;  // these as in contact.comp
 layout(constant_id = 12) const bool OUTPUT_JACOBIAN = false;
 layout(constant_id = 13) const float REACH = 0.0;

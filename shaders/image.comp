@@ -12,8 +12,8 @@
 // Deterministic: sums run over at most LANES partial sums in a fixed order, whatever the size of team and workgroup.
 // Twins: src/reference/psf.cpp, lag.cpp, imperfections.cpp, readout.cpp, features.cpp.
 
-#include "lib/barrier.glsl"
 #include "shared/layout.h"
+#include "lib/specialization.glsl"
 layout(constant_id = 11) const bool SHEAR = false;        // spread shear as well
 layout(constant_id = 12) const uint NUM_ENTRIES = 9;      // of a taxel's list of sources, where the sensor is not one grid patch
 layout(constant_id = 13) const bool OUTPUT_NORMAL = true;  // spread_normal is wanted, outside contact too
@@ -293,7 +293,7 @@ void imageOf(uint number, bool is_there, uint num_instances, uvec2 seed) {
     }
   }
   if (TEAM > 1) {
-    workgroupBarrier();
+    barrier();
     for (uint v = 0; v < num_parts; ++v) {
       Sums part;
       for (uint s = 0; s < kSumsPerImage; ++s) {
@@ -303,7 +303,7 @@ void imageOf(uint number, bool is_there, uint num_instances, uvec2 seed) {
       part.num_saturated = partial[first_partial + 2 * kSumsPerImage * LANES + v];
       addSums(total, part);
     }
-    workgroupBarrier();
+    barrier();
   }
   if (!is_there || lane > 0) return;
   if (of.new_frame) {

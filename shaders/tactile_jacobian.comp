@@ -11,8 +11,8 @@
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of team and workgroup.
 // Twin: src/reference/tactile_jacobian.cpp.
 
-#include "lib/barrier.glsl"
 #include "shared/layout.h"
+#include "lib/specialization.glsl"
 layout(constant_id = 11) const bool CLEAN = false;
 layout(constant_id = 12) const uint TEAM = 1;         // invocations of a part
 layout(constant_id = 13) const uint PATCHES = 1;      // rows of patches
@@ -185,11 +185,11 @@ Sums sumsOf(uint scan, Part part, vec3 middle, uint k) {
     }
   }
   if (TEAM > 1) {
-    workgroupBarrier();
+    barrier();
     for (uint v = 0; v < LANES; ++v) {
       for (uint s = 0; s < kMostSums; ++s) total.s[s] += partial[first_partial + s * LANES + v];
     }
-    workgroupBarrier();
+    barrier();
   }
   return total;
 }

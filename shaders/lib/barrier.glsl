@@ -1,25 +1,18 @@
 // Where the invocations of a workgroup wait for each other. Included before anything but lib/pairs.glsl, for its extension.
+//
+// With LOCKSTEP, for workgroups that are one vector of a software driver, whose lanes go step by step together, there is nothing to wait for; the barriers
+// that are left only keep a compiler from remembering what was in memory before. Compiled apart: SwiftShader takes minutes over a constant in its place.
+
+// All are here, and what they wrote to shared memory is there for all; the second: and what they wrote to buffers.
+#ifdef LOCKSTEP
 #extension GL_KHR_shader_subgroup_basic : require
-#include "lib/specialization.glsl"
-
-// In lockstep there is nothing to wait for; the barriers that are left only keep a compiler from remembering what was in memory before.
-
-// All are here, and what they wrote to shared memory is there for all.
-void workgroupBarrier() {
-  if (LOCKSTEP) {
-    subgroupMemoryBarrierShared();
-  } else {
-    barrier();
-  }
-}
-
-// The same of buffers, too.
+void workgroupBarrier() { subgroupMemoryBarrierShared(); }
+void workgroupBarrierWithBuffers() { subgroupMemoryBarrier(); }
+#else
+void workgroupBarrier() { barrier(); }
 void workgroupBarrierWithBuffers() {
-  if (LOCKSTEP) {
-    subgroupMemoryBarrier();
-  } else {
-    memoryBarrierBuffer();
-    memoryBarrierShared();
-    barrier();
-  }
+  memoryBarrierBuffer();
+  memoryBarrierShared();
+  barrier();
 }
+#endif

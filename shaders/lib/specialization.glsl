@@ -12,5 +12,3 @@ layout(constant_id = 7) const uint REPEAT = 1;           // units of work that a
 layout(constant_id = 8) const uint KERNEL = 3;           // of the spread, taxels per side
 layout(constant_id = 9) const float PITCH_X = 0.0034;    // m, of the sensor's one patch
 layout(constant_id = 10) const float PITCH_Y = 0.0034;
-// The workgroup is one vector of a software driver, whose lanes go step by step together: what one has written, all see at the next instruction.
-layout(constant_id = 99) const bool LOCKSTEP = false;

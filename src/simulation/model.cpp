@@ -7,8 +7,11 @@
 #include "base/mesa_version.h"
 #include "contacts.spv.h"
 #include "elastic_layer.spv.h"
+#include "elastic_layer_lockstep.spv.h"
 #include "elastic_layer_pairs.spv.h"
+#include "elastic_layer_pairs_lockstep.spv.h"
 #include "find_candidates.spv.h"
+#include "find_candidates_lockstep.spv.h"
 #include "image.spv.h"
 #include "keep_candidates.spv.h"
 #include "load.spv.h"
@@ -207,27 +210,29 @@ const gpu::Kernel& Model::Impl::layerKernel(const LayerVariant& variant) const {
   return layer_.emplace(variant, makeLayerKernel(variant)).first->second;
 }
 
-// The constants of shaders/lib/specialization.glsl, then those of one pass, numbered in order, and whether the pass goes in lockstep.
-std::vector<gpu::Constant> Model::Impl::constants(const Sensor& array, const PackedSensor& pack, const Sizes& sizes,
-                                                  const std::vector<std::uint32_t>& of_the_pass) const {
-  constexpr std::uint32_t kLockstepConstant = 99;
-  const GridPatch& patch = array.patches.front();
+// The constants of shaders/lib/specialization.glsl, then those of one pass, numbered in order.
+std::vector<gpu::Constant> Model::Impl::constants(const Sensor& sensor, const PackedSensor& packed, const Sizes& sizes,
+                                                  const std::vector<std::uint32_t>& of_the_pass) {
+  const GridPatch& patch = sensor.patches.front();
   std::vector<std::uint32_t> values{sizes.workgroup,
                                     sizes.lanes,
-                                    static_cast<std::uint32_t>(numTaxels(array)),
-                                    static_cast<std::uint32_t>(pack.tiles.size()),
-                                    static_cast<std::uint32_t>(array.samples_per_taxel),
-                                    pack.one_grid ? static_cast<std::uint32_t>(patch.num_rows) : 0u,
-                                    pack.one_grid ? static_cast<std::uint32_t>(patch.num_cols) : 1u,
+                                    static_cast<std::uint32_t>(numTaxels(sensor)),
+                                    static_cast<std::uint32_t>(packed.tiles.size()),
+                                    static_cast<std::uint32_t>(sensor.samples_per_taxel),
+                                    packed.one_grid ? static_cast<std::uint32_t>(patch.num_rows) : 0u,
+                                    packed.one_grid ? static_cast<std::uint32_t>(patch.num_cols) : 1u,
                                     sizes.repeats,
-                                    static_cast<std::uint32_t>(array.psf.size),
+                                    static_cast<std::uint32_t>(sensor.psf.size),
                                     bits(patch.pitch[0]),
                                     bits(patch.pitch[1])};
   values.insert(values.end(), of_the_pass.begin(), of_the_pass.end());
   std::vector<gpu::Constant> numbered;
   for (const std::uint32_t value : values) numbered.push_back({static_cast<std::uint32_t>(numbered.size()), value});
-  numbered.push_back({kLockstepConstant, faster.lockstep && isOneVector(device.info(), sizes.workgroup)});
   return numbered;
+}
+
+std::span<const std::uint32_t> Model::Impl::spirvFor(const Spirv& spirv, std::uint32_t workgroup) const {
+  return faster.lockstep && isOneVector(device.info(), workgroup) ? spirv.lockstep : spirv.any;
 }
 
 gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const {
@@ -262,7 +267,7 @@ gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const 
                      {groups_per_batch, has_blocks, variant.with_jacobian, faster.untouched, bits(law.reach), variant.list});
   return {device.context(),
           {.name = law.kernel,
-           .spirv = pairs ? law.spirv_pairs : law.spirv,
+           .spirv = spirvFor(pairs ? law.spirv_pairs : law.spirv, contact_workgroup),
            .buffers = {"Poses",       "Instances",  "Step",           "Objects", "Groups",        "Clusters",     "Quads",
                        "Patches",     "Tiles",      "SpreadScale",    "State",   "ContactNormal", "ContactDepth", "TileResults",
                        "Loads",       "Problems",   "Faces",          "Motions", "FrictionState", "ContactShear", "ContactCells",
@@ -285,7 +290,7 @@ Model::Impl::CandidatePasses Model::Impl::makeCandidatePasses(bool with_jacobian
   return {.keep = made("keep_candidates", k_keep_candidates_spirv,
                        {"Poses", "Step", "Objects", "Patches", "Tiles", "Candidates", "Work", "WorkInstances"}, kTaxelWorkgroup,
                        {contact_repeat}),
-          .find = made("find_candidates", k_find_candidates_spirv,
+          .find = made("find_candidates", spirvFor({k_find_candidates_spirv, k_find_candidates_lockstep_spirv}, contact_workgroup),
                        {"Poses", "Step", "Objects", "Groups", "Clusters", "Quads", "Patches", "Tiles", "Candidates", "CandidateQuads",
                         "Work", "WorkInstances", "Problems"},
                        contact_workgroup, {groups_per_batch, has_blocks})};
@@ -381,7 +386,9 @@ gpu::Kernel Model::Impl::makeLayerKernel(const LayerVariant& variant) const {
   const auto count = [](int number) { return static_cast<std::uint32_t>(number); };
   return {device.context(),
           {.name = "elastic_layer",
-           .spirv = pairs ? std::span<const std::uint32_t>(k_elastic_layer_pairs_spirv) : k_elastic_layer_spirv,
+           .spirv = spirvFor(pairs ? Spirv{k_elastic_layer_pairs_spirv, k_elastic_layer_pairs_lockstep_spirv}
+                                   : Spirv{k_elastic_layer_spirv, k_elastic_layer_lockstep_spirv},
+                             layer_workgroup),
            .buffers = {"Instances", "Step", "SensorBlock", "Heights", "Windows", "Influence", "SpreadScale", "Layer", "ContactNormal",
                        "ContactDepth", "TileResults", "Loads", "Features", "Problems", "Motions", "FrictionState", "ContactShear",
                        "TaxelJacobian", "WrenchJacobian"},

@@ -133,8 +133,9 @@ struct Model::Impl {
   struct Sizes {
     std::uint32_t workgroup, lanes, repeats;
   };
-  std::vector<gpu::Constant> constants(const Sensor& array, const PackedSensor& pack, const Sizes& sizes,
-                                       const std::vector<std::uint32_t>& of_the_pass) const;
+  static std::vector<gpu::Constant> constants(const Sensor& sensor, const PackedSensor& packed, const Sizes& sizes,
+                                              const std::vector<std::uint32_t>& of_the_pass);
+  std::span<const std::uint32_t> spirvFor(const Spirv& spirv, std::uint32_t workgroup) const;
   gpu::Kernel makeContactKernel(const ContactVariant& variant) const;
   CandidatePasses makeCandidatePasses(bool with_jacobian) const;
   gpu::Kernel makeImageKernel(const ImageVariant& variant) const;

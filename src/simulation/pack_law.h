@@ -22,18 +22,23 @@ struct TaxelPass {
   Owner owner = Owner::kTaxel;  // of an invocation
 };
 
+// A pass, and the same for workgroups that are one vector, shaders/lib/barrier.glsl.
+struct Spirv {
+  std::span<const std::uint32_t> any, lockstep;
+};
+
 struct PackedLaw {
   std::string kernel;  // of the contact pass
-  std::span<const std::uint32_t> spirv;
-  std::span<const std::uint32_t> spirv_pairs;  // the same with words of 64 bits, shaders/lib/pairs.glsl
-  float reach = 0;                             // up to which height over the skin surfaces matter, m
-  std::array<float, 3> parameters{};           // LAW_0 .. LAW_2 of shaders/contact.comp
-  bool has_state = false;                      // the law needs every sample's depth of the step before
-  bool has_bristles = false;                   // shear is the law's own, shaders/lib/laws/lugre.glsl
-  std::array<float, 6> bristles{};             // BRISTLE_STIFFNESS .. STRIBECK_VELOCITY of shaders/contact.comp
-  std::vector<TaxelPass> taxel_passes{};       // in order
-  std::array<float, 2> taxel_parameters{};     // LAW_0, LAW_1 of shaders/lib/taxel_pass.glsl
-  bool whole_array = false;                    // taxels that nothing reaches may have a force
+  Spirv spirv;
+  Spirv spirv_pairs;                        // the same with words of 64 bits, shaders/lib/pairs.glsl
+  float reach = 0;                          // up to which height over the skin surfaces matter, m
+  std::array<float, 3> parameters{};        // LAW_0 .. LAW_2 of shaders/contact.comp
+  bool has_state = false;                   // the law needs every sample's depth of the step before
+  bool has_bristles = false;                // shear is the law's own, shaders/lib/laws/lugre.glsl
+  std::array<float, 6> bristles{};          // BRISTLE_STIFFNESS .. STRIBECK_VELOCITY of shaders/contact.comp
+  std::vector<TaxelPass> taxel_passes{};    // in order
+  std::array<float, 2> taxel_parameters{};  // LAW_0, LAW_1 of shaders/lib/taxel_pass.glsl
+  bool whole_array = false;                 // taxels that nothing reaches may have a force
 };
 
 // `reach`: of an elastic layer, gaps that matter in thicknesses.

@@ -86,13 +86,9 @@ void expectLockstepDoesNotShow(const Sensor& sensor) {
   }
   const auto bits = [&](const char* plain) {
     const Plain without(plain);
-    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects, .contact_workgroup = 8, .image_workgroup = 8});
+    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects, .contact_workgroup = 8});
     Simulator simulator(
-        model,
-        {.num_instances = kNumInstances,
-         .num_slots = 2,
-         .outputs = {.contact_features = true, .clean_contact_features = true, .tactile_jacobian = true, .clean_tactile_jacobian = true},
-         .max_regions = 3});
+        model, {.num_instances = kNumInstances, .num_slots = 2, .outputs = {.tactile_jacobian = true, .clean_tactile_jacobian = true}});
     simulator.setLoads(loads);
     std::vector<std::vector<std::uint32_t>> all;
     for (const std::vector<Touch>& touches : steps) {
