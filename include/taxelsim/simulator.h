@@ -210,6 +210,11 @@ class Simulator {
   // Puts one instance at the start of an episode: clock at 0, state of the skin and held frame gone; `episode` keys its noise.
   void reset(int instance, std::uint64_t episode, const ReadoutVariation& variation = {});
 
+  // Has the driver compile all that steps will need, so that none of them waits for it: with `loads`, also those in which some instance is
+  // driven by load. Called after reset(), as noise and gains that are drawn need more. Without it a step compiles what is wanted first
+  // there. Waits. Throws Error(kDevice) when the driver refuses.
+  void prepare(bool loads = false);
+
   // Advances every instance by dt (s, > 0) and computes its frame. Submits, does not wait. An instance whose sensor has no new frame due
   // keeps its measured values; ground truth is always new.
   void step(double dt);

@@ -51,7 +51,6 @@ std::vector<int> cutBatch(const Model& model, const EpisodePlan& plan, int batch
 void playEpisodes(std::span<const std::unique_ptr<Slice>> slices, const std::atomic<bool>* stop,
                   const std::function<void(const Slice::Tally&)>& after_turn) {
   for (const auto& slice : slices) {
-    slice->begin();
     if (slice->busy()) slice->submit();
   }
   bool any_busy = true;

@@ -79,10 +79,8 @@ Slice::Slice(const Model& model, const EpisodePlan& plan, int num_instances, Epi
     for (const SceneController& controller : plan.scene.controllers) servos.push_back(controller.servo);
     controller_.emplace(servos, plan.scene.sensor, num_instances);
   }
-}
-
-void Slice::begin() {
-  for (int i = 0; i < robots_.numInstances(); ++i) startEpisode(i);
+  for (int i = 0; i < num_instances; ++i) startEpisode(i);
+  simulator_.prepare(plan.scene.randomisation.load.has_value());
 }
 
 void Slice::startEpisode(int i) {

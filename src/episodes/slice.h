@@ -55,11 +55,9 @@ class Slice {
     double device_seconds = 0;   // that the device took for the frame, by its own clock; NaN where it has none
   };
 
-  // Throws what Simulator throws. `plan` and `sink` must outlive this.
+  // Every instance takes its first episode from the sink; what the device will run is compiled. Throws what Simulator throws. `plan` and
+  // `sink` must outlive this.
   Slice(const Model& model, const EpisodePlan& plan, int num_instances, EpisodeSink& sink);
-
-  // Gives every instance its first episode.
-  void begin();
 
   // Whether any instance plays an episode.
   bool busy() const { return num_busy_ > 0; }

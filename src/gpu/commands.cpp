@@ -1,5 +1,6 @@
 #include "gpu/commands.h"
 
+#include <functional>
 #include <limits>
 #include <stdexcept>
 
@@ -63,12 +64,15 @@ struct Commands::Vulkan {
   std::string submitting;  // for errors; put together here, as submit() takes no memory
   vk::raii::DescriptorPool descriptors = nullptr;
   std::vector<vk::raii::DescriptorSet> sets;
+  std::vector<std::function<void(const vk::raii::CommandBuffer&)>> recorded;  // what finish() hands to the driver
+  std::vector<const Kernel*> kernels;                                         // those in it
   vk::raii::CommandPool pool = nullptr;
   vk::raii::CommandBuffer commands = nullptr;
   vk::raii::Fence fence = nullptr;
   vk::raii::QueryPool queries = nullptr;
   std::uint32_t num_timestamps = 0;
   Buffer ticks;  // (num_timestamps) std::uint64_t, filled by the commands themselves
+  bool finished = false;
   bool ran = false;
   bool submitted = false;
 };
@@ -84,12 +88,13 @@ Commands::Commands(Context& context, std::string name, std::uint32_t num_timesta
         std::move(vk::raii::CommandBuffers(vk_context.device, {*vulkan_->pool, vk::CommandBufferLevel::ePrimary, 1}).front());
     vulkan_->fence = vk_context.device.createFence({});
     vk_context.name(vulkan_->commands, vulkan_->name);
-    vulkan_->commands.begin(vk::CommandBufferBeginInfo());
     if (num_timestamps > 0 && vk_context.timestamp_bits > 0) {
       vulkan_->num_timestamps = num_timestamps;
       vulkan_->queries = vk_context.device.createQueryPool({{}, vk::QueryType::eTimestamp, num_timestamps});
       vulkan_->ticks = Buffer(context, vulkan_->name + " timestamps", num_timestamps * sizeof(std::uint64_t), Domain::kReadback);
-      vulkan_->commands.resetQueryPool(*vulkan_->queries, 0, num_timestamps);
+      vulkan_->recorded.emplace_back([queries = *vulkan_->queries, num_timestamps](const vk::raii::CommandBuffer& commands) {
+        commands.resetQueryPool(queries, 0, num_timestamps);
+      });
     }
   });
 }
@@ -119,8 +124,11 @@ void Commands::bind(const Kernel& kernel, std::initializer_list<const Buffer*> b
     writes.emplace_back(*set, static_cast<std::uint32_t>(writes.size()), 0, 1, vk::DescriptorType::eStorageBuffer, nullptr, &infos.back());
   }
   vk_context.device.updateDescriptorSets(writes, {});
-  vulkan_->commands.bindPipeline(vk::PipelineBindPoint::eCompute, *vk_kernel.pipeline);
-  vulkan_->commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *vk_kernel.layout, 0, *set, {});
+  vulkan_->kernels.push_back(&kernel);
+  vulkan_->recorded.emplace_back([&vk_kernel, set = *set](const vk::raii::CommandBuffer& commands) {
+    commands.bindPipeline(vk::PipelineBindPoint::eCompute, *vk_kernel.pipeline.get());
+    commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *vk_kernel.layout, 0, set, {});
+  });
   vulkan_->sets.push_back(std::move(set));
 }
 
@@ -129,7 +137,8 @@ void Commands::dispatch(const Kernel& kernel, std::uint32_t num_groups, std::ini
   checked("recording " + kernel.name(), "", [&] {
     bind(kernel, buffers);
     const std::uint32_t columns = std::min(num_groups, kMaxGroupsPerDimension);
-    vulkan_->commands.dispatch(columns, (num_groups + columns - 1) / columns, 1);
+    const std::uint32_t rows = (num_groups + columns - 1) / columns;
+    vulkan_->recorded.emplace_back([columns, rows](const vk::raii::CommandBuffer& commands) { commands.dispatch(columns, rows, 1); });
   });
 }
 
@@ -137,40 +146,65 @@ void Commands::dispatchIndirect(const Kernel& kernel, const Buffer& counts, std:
                                 std::initializer_list<const Buffer*> buffers) {
   checked("recording " + kernel.name(), "", [&] {
     bind(kernel, buffers);
-    vulkan_->commands.dispatchIndirect(*counts.vulkan().buffer, offset);
+    vulkan_->recorded.emplace_back(
+        [from = *counts.vulkan().buffer, offset](const vk::raii::CommandBuffer& commands) { commands.dispatchIndirect(from, offset); });
   });
 }
 
 void Commands::barrier(Access before, Access after) {
   const vk::MemoryBarrier memory(written(before), used(after));
-  vulkan_->commands.pipelineBarrier(stageOf(before), stageOf(after), {}, memory, {}, {});
+  vulkan_->recorded.emplace_back([before, after, memory](const vk::raii::CommandBuffer& commands) {
+    commands.pipelineBarrier(stageOf(before), stageOf(after), {}, memory, {}, {});
+  });
 }
 
 void Commands::copy(const Buffer& from, const Buffer& to, std::size_t bytes) {
-  vulkan_->commands.copyBuffer(*from.vulkan().buffer, *to.vulkan().buffer, vk::BufferCopy(0, 0, bytes));
+  vulkan_->recorded.emplace_back([from = *from.vulkan().buffer, to = *to.vulkan().buffer, bytes](const vk::raii::CommandBuffer& commands) {
+    commands.copyBuffer(from, to, vk::BufferCopy(0, 0, bytes));
+  });
 }
 
 void Commands::fillZero(const Buffer& buffer) {
-  vulkan_->commands.fillBuffer(*buffer.vulkan().buffer, 0, VK_WHOLE_SIZE, 0);
+  vulkan_->recorded.emplace_back(
+      [to = *buffer.vulkan().buffer](const vk::raii::CommandBuffer& commands) { commands.fillBuffer(to, 0, VK_WHOLE_SIZE, 0); });
 }
 
 void Commands::timestamp(std::uint32_t mark) {
   if (vulkan_->num_timestamps == 0) return;
-  vulkan_->commands.writeTimestamp(vk::PipelineStageFlagBits::eBottomOfPipe, *vulkan_->queries, mark);
+  vulkan_->recorded.emplace_back([queries = *vulkan_->queries, mark](const vk::raii::CommandBuffer& commands) {
+    commands.writeTimestamp(vk::PipelineStageFlagBits::eBottomOfPipe, queries, mark);
+  });
 }
 
 void Commands::end() {
   if (const std::uint32_t count = vulkan_->num_timestamps; count > 0) {
     // Asked for by the host, they would have it wait on software Vulkan until the whole queue is empty, and so the device for the host.
     constexpr auto kFlags = vk::QueryResultFlagBits::e64 | vk::QueryResultFlagBits::eWait;
-    vulkan_->commands.copyQueryPoolResults(*vulkan_->queries, 0, count, *vulkan_->ticks.vulkan().buffer, 0, sizeof(std::uint64_t), kFlags);
+    vulkan_->recorded.emplace_back(
+        [queries = *vulkan_->queries, count, ticks = *vulkan_->ticks.vulkan().buffer](const vk::raii::CommandBuffer& commands) {
+          commands.copyQueryPoolResults(queries, 0, count, ticks, 0, sizeof(std::uint64_t), kFlags);
+        });
     barrier(Access::kCopy, Access::kHostRead);
   }
-  checked("recording " + vulkan_->name, "", [&] { vulkan_->commands.end(); });
+}
+
+void Commands::finish() {
+  if (vulkan_->finished) return;
+  for (const Kernel* kernel : vulkan_->kernels) kernel->wait();
+  checked("recording " + vulkan_->name, "", [&] {
+    vulkan_->commands.begin(vk::CommandBufferBeginInfo());
+    for (const auto& command : vulkan_->recorded) command(vulkan_->commands);
+    vulkan_->commands.end();
+  });
+  vulkan_->finished = true;
+  vulkan_->recorded = {};
+  vulkan_->kernels = {};
+  vulkan_->context.savePipelineCache();
 }
 
 void Commands::submit() {
   if (vulkan_->submitted) throw std::logic_error(vulkan_->name + ": submitted twice without wait()");
+  finish();
   Context::Vulkan& vk_context = vulkan_->context.vulkan();
   checked(vulkan_->submitting, "", [&] {
     const std::lock_guard lock(vk_context.queue_mutex);

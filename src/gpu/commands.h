@@ -1,4 +1,5 @@
-// A list of device commands, recorded once and submitted as often as wanted.
+// A list of device commands, recorded once and submitted as often as wanted. It is handed to the driver when all is recorded, so that the
+// kernels of a list, and of all lists recorded before one is finished, are compiled at once.
 #pragma once
 
 #include <array>
@@ -36,7 +37,9 @@ class Commands {
   void timestamp(std::uint32_t mark);
   void end();
 
-  // Starts them on the device; does not wait. The same list must not be submitted again before wait().
+  // Waits for the kernels and hands the list to the driver, once. Throws Error(kDevice) when the driver refuses a kernel.
+  void finish();
+  // Starts them on the device, finished first; does not wait for the device. The same list must not be submitted again before wait().
   void submit();
   // Waits for the last submit(), if any. Throws Error(kDevice) when the device was lost or validation complained.
   void wait();

@@ -1,6 +1,8 @@
 #include "gpu/kernel.h"
 
 #include <algorithm>
+#include <functional>
+#include <future>
 #include <stdexcept>
 
 #include "gpu/reflection.h"
@@ -31,6 +33,25 @@ void checkInterface(const KernelOptions& options, const Reflection& reflection) 
   if (ids != reflection.constants) throw std::logic_error(where + "specialization constants differ from the shader's");
 }
 
+vk::raii::Pipeline compiled(Context::Vulkan& context, const KernelOptions& options, vk::PipelineLayout layout) {
+  return checked("building kernel " + options.name, "", [&] {
+    const vk::raii::ShaderModule module = context.device.createShaderModule({{}, options.spirv.size_bytes(), options.spirv.data()});
+    std::vector<vk::SpecializationMapEntry> entries;
+    std::vector<std::uint32_t> values;
+    for (const Constant& constant : options.constants) {
+      entries.emplace_back(constant.id, static_cast<std::uint32_t>(values.size() * sizeof(std::uint32_t)), sizeof(std::uint32_t));
+      values.push_back(constant.value);
+    }
+    const vk::SpecializationInfo specialization(static_cast<std::uint32_t>(entries.size()), entries.data(),
+                                                values.size() * sizeof(std::uint32_t), values.data());
+    const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main", &specialization);
+    vk::raii::Pipeline pipeline = context.device.createComputePipeline(context.pipeline_cache, {{}, stage, layout});
+    context.name(pipeline, options.name);
+    context.pipelines_changed = true;
+    return pipeline;
+  });
+}
+
 }  // namespace
 
 Kernel::Kernel(Context& context, const KernelOptions& options)
@@ -44,21 +65,12 @@ Kernel::Kernel(Context& context, const KernelOptions& options)
     }
     vulkan_->set_layout = vk_context.device.createDescriptorSetLayout({{}, bindings});
     vulkan_->layout = vk_context.device.createPipelineLayout({{}, *vulkan_->set_layout});
-    const vk::raii::ShaderModule module = vk_context.device.createShaderModule({{}, options.spirv.size_bytes(), options.spirv.data()});
-
-    std::vector<vk::SpecializationMapEntry> entries;
-    std::vector<std::uint32_t> values;
-    for (const Constant& constant : options.constants) {
-      entries.emplace_back(constant.id, static_cast<std::uint32_t>(values.size() * sizeof(std::uint32_t)), sizeof(std::uint32_t));
-      values.push_back(constant.value);
-    }
-    const vk::SpecializationInfo specialization(static_cast<std::uint32_t>(entries.size()), entries.data(),
-                                                values.size() * sizeof(std::uint32_t), values.data());
-    const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main", &specialization);
-    vulkan_->pipeline = vk_context.device.createComputePipeline(vk_context.pipeline_cache, {{}, stage, *vulkan_->layout});
-    vk_context.name(vulkan_->pipeline, name_);
   });
-  vk_context.pipelines_changed = true;
+  vulkan_->pipeline = std::async(std::launch::async, compiled, std::ref(vk_context), options, *vulkan_->layout).share();
+}
+
+void Kernel::wait() const {
+  vulkan_->pipeline.get();
 }
 
 Kernel::Kernel() = default;

@@ -20,7 +20,7 @@ struct Constant {
 
 struct KernelOptions {
   std::string name;
-  std::span<const std::uint32_t> spirv;
+  std::span<const std::uint32_t> spirv;  // must stay as long as the kernel
   // Block names of the storage buffers by binding, 0, 1, ...; all in set 0. Must be exactly those of the shader.
   std::vector<std::string> buffers;
   std::vector<Constant> constants;
@@ -29,7 +29,7 @@ struct KernelOptions {
 class Kernel {
  public:
   Kernel();
-  // Compiles. Throws std::logic_error when shader and declaration differ, Error(kDevice) when the driver refuses.
+  // Has the driver compile it on a thread of its own. Throws std::logic_error when shader and declaration differ.
   Kernel(Context& context, const KernelOptions& options);
   ~Kernel();
   Kernel(Kernel&&) noexcept;
@@ -37,6 +37,8 @@ class Kernel {
 
   const std::string& name() const { return name_; }
   std::size_t numBuffers() const { return num_buffers_; }
+  // Waits until it is compiled. Throws Error(kDevice) when the driver refuses.
+  void wait() const;
 
   struct Vulkan;
   Vulkan& vulkan() const { return *vulkan_; }

@@ -1,6 +1,8 @@
 // Vulkan parts of Buffer and Kernel; included by this folder's sources only.
 #pragma once
 
+#include <future>
+
 #include "gpu/buffer.h"
 #include "gpu/kernel.h"
 #include "gpu/vulkan.h"
@@ -15,7 +17,7 @@ struct Buffer::Vulkan {
 struct Kernel::Vulkan {
   vk::raii::DescriptorSetLayout set_layout = nullptr;
   vk::raii::PipelineLayout layout = nullptr;
-  vk::raii::Pipeline pipeline = nullptr;
+  std::shared_future<vk::raii::Pipeline> pipeline;  // after the layout, so that it is built before that goes
 };
 
 }  // namespace taxelsim::gpu

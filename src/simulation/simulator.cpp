@@ -1,5 +1,6 @@
 #include "taxelsim/simulator.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -75,7 +76,6 @@ Simulator::Impl::Impl(const Model& of, const SimulatorOptions& with)
     setVariation(instance, 0, {});
   }
   if (of.impl()->hasFriction() && !takesContacts()) motions.emplace(clocks.size(), static_cast<std::size_t>(with.num_slots));
-  commands({.random = of.sensor().readout.noise > 0 || of.sensor().readout.gain_spread > 0});
 }
 
 void Simulator::Impl::checkInstance(int instance) const {
@@ -98,11 +98,15 @@ void Simulator::Impl::place(std::size_t slot_index, int id, const Pose& X_SO) {
 
 gpu::Commands& Simulator::Impl::commands(const FrameKind& kind) {
   std::optional<gpu::Commands>& list = recorded[(kind.loads ? 1u : 0u) + (kind.random ? 2u : 0u) + (kind.candidates ? 4u : 0u)];
-  if (!list) {
-    list = record(kind);
-    model.device().context().savePipelineCache();
-  }
+  if (!list) list = record(kind);
   return *list;
+}
+
+bool Simulator::Impl::anyRandom() const {
+  const std::span<const layout::InstanceRecord> of_batch = records();
+  return model.sensor().readout.noise > 0 || std::any_of(of_batch.begin(), of_batch.end(), [](const layout::InstanceRecord& record) {
+           return record.drive.z > 0 || record.drive.w > 0;
+         });
 }
 
 void Simulator::Impl::setVariation(layout::InstanceRecord& record, std::uint64_t episode, const ReadoutVariation& variation) const {
@@ -272,6 +276,15 @@ void Simulator::reset(int instance, std::uint64_t episode, const ReadoutVariatio
   if (impl_->motions) impl_->motions->forget(static_cast<std::size_t>(instance));
 }
 
+void Simulator::prepare(bool loads) {
+  const bool random = impl_->anyRandom();
+  std::vector<Impl::FrameKind> kinds{{.random = random}};
+  if (loads) kinds.push_back({.loads = true, .random = random});
+  if (keepsCandidates(*impl_->model.impl(), impl_->options)) kinds.push_back({.random = random, .candidates = true});
+  for (const Impl::FrameKind& kind : kinds) impl_->commands(kind);  // the kernels of all are compiled at once
+  for (const Impl::FrameKind& kind : kinds) impl_->commands(kind).finish();
+}
+
 void Simulator::step(double dt) {
   if (!(dt > 0) || std::isinf(dt)) refuse("dt: " + std::to_string(dt) + " is not allowed: s, > 0");
   Impl& impl = *impl_;
@@ -279,7 +292,6 @@ void Simulator::step(double dt) {
   impl.buffers.step.mappedAs<layout::StepRecord>()[0] = impl.stepRecord(dt);
   const Sensor& sensor = m.sensor;
   bool any_load = false;
-  bool any_random = sensor.readout.noise > 0;
   const FrameTiming timing{.rate = sensor.frame_rate, .jitter = sensor.readout.jitter, .seed = impl.options.seed};
   const std::span<layout::InstanceRecord> records = impl.records();
   for (std::size_t i = 0; i < impl.clocks.size(); ++i) {
@@ -288,7 +300,6 @@ void Simulator::step(double dt) {
     if (clock.steps == 0) flags |= layout::kFlagFirstStep;
     if (!std::isnan(records[i].drive.x)) flags |= layout::kFlagLoadDriven;
     any_load = any_load || (flags & layout::kFlagLoadDriven) != 0;
-    any_random = any_random || records[i].drive.z > 0 || records[i].drive.w > 0;
     records[i].keys.z = clock.frames;
     if (clock.frameDue(timing.rate)) {
       flags |= layout::kFlagNewFrame;
@@ -306,7 +317,7 @@ void Simulator::step(double dt) {
   if (any_load && !m.layer && !m.packed.searches_in_tile) impl.startSearch();
   const bool apart = impl.any_candidates && !any_load;
   impl.buffers.step.mappedAs<layout::StepRecord>()[0].candidates.x = apart;
-  impl.running = &impl.commands({.loads = any_load, .random = any_random, .candidates = apart});
+  impl.running = &impl.commands({.loads = any_load, .random = impl.anyRandom(), .candidates = apart});
   impl.running->submit();
 }
 

@@ -31,6 +31,8 @@ struct Simulator::Impl {
 
   std::span<layout::InstanceRecord> records() const { return buffers.instances.mappedAs<layout::InstanceRecord>(); }
 
+  // Whether some instance draws noise or gains.
+  bool anyRandom() const;
   // Draws what is common to all taxels, and hands the device what it needs to draw the rest.
   void setVariation(layout::InstanceRecord& record, std::uint64_t episode, const ReadoutVariation& variation) const;
   // The record of a step of dt. Throws Error(kInput) when the delay is longer than the device keeps.
@@ -42,7 +44,7 @@ struct Simulator::Impl {
     bool random = false;      // some instance draws noise or gains
     bool candidates = false;  // some instance may have candidates
   };
-  // Recorded when first wanted.
+  // Recorded when first wanted; not finished.
   gpu::Commands& commands(const FrameKind& kind);
   gpu::Commands record(const FrameKind& kind);
   void recordObjects(gpu::Commands& commands, const FrameKind& kind) const;

@@ -58,7 +58,6 @@ TEST_P(SteadyFrame, TakesNoMemory) {
   ShardSink sink(recorder, queue, writer, plan.num_frames, kNumInstances);
   Slice slice(model, plan, kNumInstances, sink);
 
-  slice.begin();
   slice.submit();
   for (int frame = 0; frame < kWarmUps; ++frame) {
     slice.collect();

@@ -99,6 +99,8 @@ TEST(Commands, ValidationIsNotDeaf) {
   const gpu::Buffer large(context, "large", 64, gpu::Domain::kDevice);
   gpu::Commands commands(context, "a copy past the end");
   commands.copy(large, small, 64);
+  commands.end();
+  commands.finish();
   EXPECT_THROW(context.throwOnValidationMessage(), Error);
 }
 
@@ -109,6 +111,8 @@ TEST(Commands, SynchronisationValidationIsNotDeaf) {
   gpu::Commands commands(context, "a copy of what is still being copied");
   commands.copy(first, second, 64);
   commands.copy(second, first, 64);  // no barrier between
+  commands.end();
+  commands.finish();
   EXPECT_THROW(context.throwOnValidationMessage(), Error);
 }
 

@@ -47,7 +47,9 @@ TEST(Kernel, IsReflected) {
 
 TEST(Kernel, AsDeclaredIsBuilt) {
   const Device device = Device::open({});
-  EXPECT_EQ(gpu::Kernel(device.context(), loadKernel()).numBuffers(), 4u);
+  const gpu::Kernel kernel(device.context(), loadKernel());
+  kernel.wait();
+  EXPECT_EQ(kernel.numBuffers(), 4u);
 }
 
 // A process of its own reads the environment: that of this one is left as it was.
@@ -58,6 +60,7 @@ TEST(Kernel, IsKeptForTheNextProcessOnlyIfWanted) {
       setenv("XDG_CACHE_HOME", cache.path().c_str(), 1);
       const Device device = Device::open({.keep_kernels = keep});
       const gpu::Kernel kernel(device.context(), loadKernel());
+      kernel.wait();
       device.context().savePipelineCache();
       std::_Exit(std::filesystem::exists(cache / "taxelsim") == keep ? 0 : 1);
     };
