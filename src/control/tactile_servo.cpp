@@ -62,6 +62,7 @@ double forceReference(const TactileServo& servo, double start_force) {
 
 // The representative in (-pi/2, pi/2] of an angle between lines.
 double wrapLineAngle(double angle) {
+  if (std::abs(angle) < std::numbers::pi / 2) return angle;
   const double wrapped = std::remainder(angle, std::numbers::pi);
   return wrapped <= -std::numbers::pi / 2 ? wrapped + std::numbers::pi : wrapped;
 }
@@ -176,8 +177,7 @@ TactileServoController::Features TactileServoController::errorsOf(const TactileS
     set(ServoFeature::kTiltY, 0, felt.tilt[1]);
   }
   if (felt.confidence < servo.min_confidence) return error;
-  const double along = directionOf(servo, felt.angle), n[2] = {-std::sin(along), std::cos(along)};
-  set(ServoFeature::kCenterAcross, 0, (felt.center[0] - middle_[0]) * n[0] + (felt.center[1] - middle_[1]) * n[1]);
+  set(ServoFeature::kCenterAcross, 0, (felt.center[1] - middle_[1]) * felt.edge[0] - (felt.center[0] - middle_[0]) * felt.edge[1]);
   set(ServoFeature::kEdgeAngle, 0, felt.angle);
   error[at(ServoFeature::kEdgeAngle)] = wrapLineAngle(error[at(ServoFeature::kEdgeAngle)]);
   return error;
@@ -197,9 +197,9 @@ Twist TactileServoController::nominalTwist(const TactileServo& servo, const Felt
     }
   }
   if (felt.confidence >= servo.min_confidence) {
-    const double along = directionOf(servo, felt.angle), across = rate[at(ServoFeature::kCenterAcross)];
-    slide[0] += across * std::sin(along);
-    slide[1] -= across * std::cos(along);
+    const double across = rate[at(ServoFeature::kCenterAcross)];
+    slide[0] += across * felt.edge[1];
+    slide[1] -= across * felt.edge[0];
   } else if (servo[ServoFeature::kCenterAcross].selected) {
     // No edge to go along: every direction is across it.
     const double kp = servo[ServoFeature::kCenterAcross].kp;
@@ -242,8 +242,7 @@ Twist TactileServoController::measuredTwist(const TactileServo& servo, const Fel
   if (servo[ServoFeature::kCenterAcross].selected) {
     unit[0] = unit[1] = 1;
     if (felt.confidence >= servo.min_confidence) {
-      const double along = directionOf(servo, felt.angle);
-      take(ServoFeature::kCenterAcross, -std::sin(along) * center[0] + std::cos(along) * center[1], kUnitLength);
+      take(ServoFeature::kCenterAcross, -felt.edge[1] * center[0] + felt.edge[0] * center[1], kUnitLength);
     }
   }
   if (servo[ServoFeature::kTotalForce].selected) {
@@ -279,8 +278,8 @@ Twist TactileServoController::measuredTwist(const TactileServo& servo, const Fel
 // Along the edge, or turned from it; none where the edge is not known.
 Twist TactileServoController::exploration(const TactileServo& servo, const Felt& felt, double velocity) const {
   if (felt.confidence < servo.min_confidence) return {};
-  const double way = directionOf(servo, felt.angle) + servo.exploration_direction;
-  return {{velocity * std::cos(way), velocity * std::sin(way), 0}, {}};
+  const double c = std::cos(servo.exploration_direction), s = std::sin(servo.exploration_direction);
+  return {{velocity * (c * felt.edge[0] - s * felt.edge[1]), velocity * (s * felt.edge[0] + c * felt.edge[1]), 0}, {}};
 }
 
 Twist TactileServoController::commandOne(const TactileServo& servo, const Felt& felt, double dt, Memory& memory) const {
@@ -340,6 +339,7 @@ TactileServoController::Felt TactileServoController::feltBy(const TactileServo& 
             .tilt = {0, 0},
             .tilt_confidence = 0,
             .start_force = input.start_force[i],
+            .edge = {0, 0},
             .center_jacobian = nullptr,
             .force_jacobian = nullptr,
             .angle_jacobian = nullptr};
@@ -361,6 +361,11 @@ TactileServoController::Felt TactileServoController::feltBy(const TactileServo& 
     const bool known = !std::isnan(input.exact_edge_angle[i]);
     felt.angle = known ? input.exact_edge_angle[i] : 0;
     felt.confidence = known ? 1 : 0;
+  }
+  if (felt.confidence >= servo.min_confidence) {
+    const double along = directionOf(servo, felt.angle);
+    felt.edge[0] = std::cos(along);
+    felt.edge[1] = std::sin(along);
   }
   return felt;
 }

@@ -80,6 +80,7 @@ class TactileServoController {
   // What one instance feels.
   struct Felt {
     double angle, confidence, force, area, center[2], tilt[2], tilt_confidence, start_force;
+    double edge[2];                                                  // the way along it, of length 1; 0 where the edge is not known
     const float *center_jacobian, *force_jacobian, *angle_jacobian;  // null where it is not looked at
   };
   // What a PID knows of an instance's past.
