@@ -36,7 +36,8 @@ struct Options {
   std::string directory = fs::temp_directory_path().string();
   std::optional<std::uint64_t> num_episodes;
   std::vector<int> compression{0, 4};
-  int batch_size = 1024;
+  int batch_size = GenerateOptions().batch_size;
+  int num_slices = GenerateOptions().num_slices;
   int repetitions = 3;
 };
 
@@ -227,6 +228,7 @@ int run(const Options& options) {
   with_poses.record.push_back("poses");
   GenerateOptions generate_options;
   generate_options.batch_size = options.batch_size;
+  generate_options.num_slices = options.num_slices;
   generate(device, with_poses, scratch.path() / "poses", generate_options);
   const Replay replay = replayOf(scratch.path() / "poses", scene);
   fs::remove_all(scratch.path() / "poses");
@@ -282,6 +284,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0, 9))
       ->capture_default_str();
   app.add_option("--batch-size", options.batch_size, "Sensors simulated at once")->check(CLI::Range(1, 1 << 20))->capture_default_str();
+  app.add_option("--slices", options.num_slices, "Parts of a batch that take turns")->check(CLI::Range(1, 1024))->capture_default_str();
   app.add_option("--repetitions", options.repetitions, "Runs")->check(CLI::Range(1, 1000))->capture_default_str();
   app.add_option("--directory", options.directory, "Where data sets are written, and removed again")->capture_default_str();
   app.add_option("--program", options.program, "The command line, for the first frame")->capture_default_str();

@@ -65,7 +65,7 @@ struct Evaluation {
 };
 
 struct EvaluateOptions {
-  int batch_size = 1024;  // instances over all slices, >= 1; does not change a verdict
+  int batch_size = 2048;  // instances over all slices, >= 1; does not change a verdict
   int num_slices = 2;
   // As in GenerateOptions; num_episodes counts those of all controllers.
   std::function<void(const Progress&)> on_progress;

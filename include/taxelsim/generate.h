@@ -21,7 +21,7 @@ struct Progress {
 };
 
 struct GenerateOptions {
-  int batch_size = 1024;  // instances over all slices, >= 1; does not change a byte of the data set
+  int batch_size = 2048;  // instances over all slices, >= 1; does not change a byte of the data set
   int num_slices = 2;     // slices of the batch in flight, >= 1; the same
   // Called on the caller's thread a few times a second and at the end.
   std::function<void(const Progress&)> on_progress;
