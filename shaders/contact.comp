@@ -52,10 +52,11 @@ layout(constant_id = 37) const uint GROUPS_PER_BATCH = 32;  // groups are culled
 layout(constant_id = 38) const bool BLOCKS = false;  // some mesh has more groups than that, and blocks of them are culled first
 layout(constant_id = 39) const bool OUTPUT_JACOBIAN = false;  // contact_cells and tile_changes are wanted, lib/cell_fluxes.glsl
 
-layout(constant_id = 40) const bool LEAVE_UNTOUCHED = true;  // where nothing is near, kLeavesUntouched and kFindsNear
+layout(constant_id = 40) const bool LEAVE_UNTOUCHED = true;  // where nothing is near, kLeavesUntouched and kManySmallTiles
 
 layout(constant_id = 41) const float REACH = 0.0;       // up to which height over the skin surfaces matter to the law, m
 layout(constant_id = 42) const uint LIST = kNumLists;    // of instances that this pass goes through: kListWithout, kListWith; all
+layout(constant_id = 43) const bool IS_LAST = true;      // to write contact_normal and tile_results; of some laws, passes over taxels do
 
 // A software driver computes both sides of every branch and a loop's body at least once, so what a model, sensor or batch does not need is left
 // out by constants.
@@ -82,7 +83,7 @@ layout(std430, set = 0, binding = 9) readonly buffer SpreadScale { float spread_
 layout(std430, set = 0, binding = 10) buffer State { float state[]; };
 layout(std430, set = 0, binding = 11) writeonly buffer ContactNormal { float contact_normal[]; };
 layout(std430, set = 0, binding = 12) writeonly buffer ContactDepth { float contact_depth[]; };
-layout(std430, set = 0, binding = 13) writeonly buffer TileResults { TileResult tile_results[]; };
+layout(std430, set = 0, binding = 13) buffer TileResults { TileResult tile_results[]; };
 layout(std430, set = 0, binding = 14) buffer Loads { LoadRecord loads[]; };
 layout(std430, set = 0, binding = 15) writeonly buffer Problems { uint problems[]; };
 layout(std430, set = 0, binding = 16) readonly buffer Faces { Pair faces[]; };
@@ -101,8 +102,6 @@ const uint kEmpty = 0x7F7FFFFFu;  // the largest finite float, as bits: no surfa
 // Cosine to z of S. Under a patch that looks up more than this, a surface too deep to be seen means that a load search has gone through the body; a
 // steeper one may see the slope of an object that is still above.
 const float kLooksUp = 0.7;
-// Of many small tiles objects reach few. Which, is found by one invocation for each, before all of them go to those.
-const bool kFindsNear = LEAVE_UNTOUCHED && NUM_ROWS == 0 && NUM_TILES > 1 && RELAXATION == 0;  // a skin that relaxes moves on where nothing is near
 shared uint tile[TILE_SAMPLES];
 shared vec4 partial[LANES];
 shared int boxes[2][4];      // kCleared, kActive; in samples of the tile: first row, last row, first col, last col
@@ -138,6 +137,8 @@ bool cut_short = false;
 #include "lib/laws/registry.glsl"
 
 const bool kShears = FRICTION && !kLawSolvedApart;  // else the pass that solves has the shear, and needs the slots
+// Of many small tiles objects reach few; a skin that relaxes moves on where nothing is near.
+const bool kManySmallTiles = LEAVE_UNTOUCHED && NUM_ROWS == 0 && NUM_TILES > 1 && RELAXATION == 0;
 // Of a large grid most tiles are untouched: their workgroups leave early.
 const bool kLeavesUntouched = LEAVE_UNTOUCHED && NUM_ROWS > 0 && NUM_TILES > 1 && RELAXATION == 0 && !kLawSolvedApart && !OUTPUT_JACOBIAN;
 
@@ -153,6 +154,10 @@ void addToBox(uint which, Box box) {
 }
 
 Box boxNumbered(uint which) { return Box(ivec2(boxes[which][0], boxes[which][2]), ivec2(boxes[which][1], boxes[which][3])); }
+
+// Which tiles objects reach is found by one invocation for each, before all of them go to those. Where it would have to clear a large tile every
+// time, it is not.
+bool findsNear() { return kManySmallTiles || kLeavesUntouched && IS_LAST && REPEAT > 1; }
 
 #include "lib/bodies.glsl"
 #include "lib/subpixels.glsl"
@@ -471,7 +476,7 @@ void main() {
   uint first = workgroupNumber() * REPEAT;
   uint end = min(first + REPEAT, LIST < kNumLists ? work[LIST].w : batch.x * NUM_TILES);
   uint count = end - first;
-  if (kFindsNear) {
+  if (findsNear()) {
     if (gl_LocalInvocationIndex == 0) num_listed_tiles = 0;
     workgroupBarrier();
     for (uint number = first + gl_LocalInvocationIndex; number < end; number += WORKGROUP) {
@@ -488,7 +493,7 @@ void main() {
   }
   uint k = 0;
   for (; k < count; ++k) {
-    uint number = kFindsNear ? tile_list[k] : first + k;
+    uint number = findsNear() ? tile_list[k] : first + k;
     if (LIST < kNumLists) number = work_instances[placeInList(LIST, number)];  // of sensors of one tile
     uint instance = number / NUM_TILES;
     contactOnTile(instance, number - instance * NUM_TILES, batch.y);

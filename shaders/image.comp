@@ -7,7 +7,7 @@
 // the features, is then done for as many instances at a time as a vector has lanes.
 // In:  contact_normal (num_instances x num_taxels), N; contact_shear; tile_results; the spread's kernel or lists.
 // Out: image (num_instances x num_taxels), counts; spread_normal, N, and spread_shear alike; features (block after block, layout.h).
-// Kept between steps: taxel_states (num_instances x states x num_taxels), lib/lag.glsl.
+// Kept between steps: taxel_states (num_instances x states x num_taxels), lib/lag.glsl; image_windows.
 // Shared memory: 4 PARTIALS bytes.
 // Deterministic: sums run over at most LANES partial sums in a fixed order, whatever the size of team and workgroup.
 // Twins: src/reference/psf.cpp, lag.cpp, imperfections.cpp, readout.cpp, features.cpp.
@@ -38,6 +38,7 @@ layout(constant_id = 31) const bool WHOLE_ARRAY = false;  // taxels that no obje
 layout(constant_id = 32) const bool TURNS_SHEAR = false;  // on its way along the skin, lib/spread.glsl
 layout(constant_id = 33) const float CURVE_LIMIT = 0.0;   // counts; 0: none
 layout(constant_id = 34) const int CURVE_PIECES = 0;      // 0: a polynomial
+layout(constant_id = 35) const bool KEEPS_WINDOW = true;  // every step has a frame, so outside of the window of the step before all is 0
 
 layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceRecord instances[]; };
 layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
@@ -54,6 +55,7 @@ layout(std430, set = 0, binding = 11) writeonly buffer SpreadShear { float sprea
 layout(std430, set = 0, binding = 12) writeonly buffer Features { float features[]; };
 layout(std430, set = 0, binding = 13) writeonly buffer Problems { uint problems[]; };
 layout(std430, set = 0, binding = 14) buffer TaxelStates { float taxel_states[]; };
+layout(std430, set = 0, binding = 15) buffer ImageWindows { uvec4 image_windows[]; };  // of the step before: first row and column, their numbers
 
 // Sums per image: force, first moments (3), second moments (3), area, peak; first the measured image's, then the clean one's, then the number of
 // saturated taxels.
@@ -217,15 +219,25 @@ void readRow(Instance of, uint i, uvec2 seed, inout Sums sums) {
 
 // Outside the window everything is 0.
 void clearOutside(Instance of, uint lane) {
-  uint t = lane;
-  for (; t < NUM_TAXELS; t += TEAM) {
-    uvec2 in_window = uvec2(t / kCols, t % kCols) - window_first;
-    if (all(lessThan(in_window, window_count))) continue;
-    if (OUTPUT_NORMAL) spread_normal[of.first_taxel + t] = 0.0;
-    if (SHEAR) spread_shear[2 * (of.first_taxel + t)] = spread_shear[2 * (of.first_taxel + t) + 1] = 0.0;
-    if (of.new_frame) image[of.first_taxel + t] = 0;
+  if (!kOnePatch) return;
+  uvec4 before = KEEPS_WINDOW ? image_windows[of.number] : uvec4(0, 0, kRows, kCols);
+  uvec2 first = before.xy, count = before.zw;
+  bool covered = all(greaterThanEqual(first, window_first)) && all(lessThanEqual(first + count, window_first + window_count));
+  uint num_rows = covered ? 0 : count.x;
+  uint i = lane;
+  for (; i < num_rows; i += TEAM) {
+    uint j = 0;
+    for (; j < count.y; ++j) {
+      uvec2 at = first + uvec2(i, j);
+      if (all(lessThan(at - window_first, window_count))) continue;
+      uint t = of.first_taxel + at.x * kCols + at.y;
+      if (OUTPUT_NORMAL) spread_normal[t] = 0.0;
+      if (SHEAR) spread_shear[2 * t] = spread_shear[2 * t + 1] = 0.0;
+      if (of.new_frame) image[t] = 0;
+    }
+    cut_short = cut_short || j < count.y;
   }
-  cut_short = cut_short || t < NUM_TAXELS;
+  cut_short = cut_short || i < num_rows;
 }
 
 // A tile left untouched has no forces, one that came to nothing has -0: the sum is 0 either way. In bits, since drivers leave out what is added to 0.
@@ -306,6 +318,7 @@ void imageOf(uint number, bool is_there, uint num_instances, uvec2 seed) {
     barrier();
   }
   if (!is_there || lane > 0) return;
+  if (kOnePatch && KEEPS_WINDOW) image_windows[number] = uvec4(window_first, window_count);
   if (of.new_frame) {
     writeImageFeatures(0, of, num_instances, total.measured);
     features[kFeatureSaturated * num_instances + number] = total.num_saturated / float(NUM_TAXELS);

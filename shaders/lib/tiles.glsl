@@ -26,6 +26,12 @@ bool anyObjectNear(uint instance, uint num_slots) {
 // What remains of the tile entered when no object is near: by one invocation alone (first 0, step 1), or by all of a workgroup.
 void leaveUntouched(uint instance, uint tile_number, uint first, uint step) {
   uint result = instance * NUM_TILES + tile_number;
+  if (IS_LAST && NUM_ROWS > 0) {
+    // Outside the window that the step before has left all is 0.
+    bool is_clear = all(equal(tile_results[result].window, uvec4(0)));
+    if (step > 1) workgroupBarrier();
+    if (is_clear) return;
+  }
   for (uint row = 0; row < tile_size.x; ++row) {
     uint begin = instance * NUM_TAXELS + grid.z + (row + tile_taxel.x) * grid.y + tile_taxel.y;
     for (uint taxel = begin + first; taxel < begin + tile_size.y; taxel += step) {

@@ -23,6 +23,7 @@ struct InstanceBytes {
     }
     taxel_scalar = 4 * taxels;
     law_state = model.law.taxel_passes.empty() ? 0 : 8 * taxels;
+    if (model.packed.one_grid && model.sensor.frame_rate == 0) image_windows = sizeof(glm::uvec4);
     taxel_states = model.packed.num_states * taxel_scalar;
     depth = options.outputs.penetration_depth ? 4 * taxels : 0;
     shear = options.outputs.tactile_shear_force ? 8 * taxels : 0;
@@ -67,7 +68,7 @@ struct InstanceBytes {
   std::uint64_t poses, contacts, num_contacts, state, taxel_scalar, law_state, taxel_states, depth, shear, tiles;
   std::uint64_t candidates = 0, candidate_quads = 0, work_instances = 0;
   std::uint64_t motions = 0, friction = 0, contact_shear = 0;
-  std::uint64_t heights = 0, windows = 0, layer = 0;
+  std::uint64_t image_windows = 0, heights = 0, windows = 0, layer = 0;
   std::uint64_t forces = 0, taxel_regions = 0, region_sums = 0, regions = 0, contact_features = 0, clean_contact_features = 0;
   std::uint64_t contact_cells = 0, tile_changes = 0, taxel_jacobian = 0, masked_jacobian = 0, wrench_jacobian = 0;
   std::uint64_t jacobian = 0, clean_jacobian = 0;
@@ -78,8 +79,8 @@ struct InstanceBytes {
   // contact_normal, spread_normal and the image have a scalar per taxel.
   std::uint64_t total() const {
     return poses + candidates + candidate_quads + work_instances + motions + contacts + num_contacts + state + friction + law_state +
-           taxel_states + 3 * taxel_scalar + depth + shear + contact_shear + tiles + heights + windows + layer + instances + loads +
-           features + forces + taxel_regions + region_sums + regions + contact_features + clean_contact_features + contact_cells +
+           taxel_states + 3 * taxel_scalar + depth + shear + contact_shear + tiles + image_windows + heights + windows + layer + instances +
+           loads + features + forces + taxel_regions + region_sums + regions + contact_features + clean_contact_features + contact_cells +
            tile_changes + taxel_jacobian + masked_jacobian + wrench_jacobian + jacobian + clean_jacobian;
   }
   std::uint64_t readBack() const {
@@ -98,6 +99,7 @@ struct InstanceBytes {
                      shear,
                      tiles,
                      heights,
+                     image_windows,
                      windows,
                      layer,
                      instances,
@@ -229,6 +231,7 @@ BatchBuffers::BatchBuffers(const Model::Impl& model, const SimulatorOptions& opt
   taxel_states = make("taxel states", bytes.taxel_states, gpu::Domain::kDevice);
   tile_results = make("tile_results", bytes.tiles, gpu::Domain::kDevice);
   heights = make("heights", bytes.heights, gpu::Domain::kDevice);
+  image_windows = make("image windows", bytes.image_windows, gpu::Domain::kDevice);
   windows = make("windows", bytes.windows, gpu::Domain::kDevice);
   layer = make("layer", bytes.layer, gpu::Domain::kDevice);
   forces = make("forces", bytes.forces, gpu::Domain::kDevice);

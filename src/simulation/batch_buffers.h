@@ -36,6 +36,7 @@ struct BatchBuffers {
   // stay on the device
   gpu::Buffer candidates, candidate_quads, work_instances;
   gpu::Buffer state, friction_state, law_state, contact_normal, contact_shear, tile_results, taxel_states;
+  gpu::Buffer image_windows;            // of one grid patch with a frame at every step: what of it was written a step before
   gpu::Buffer heights, windows, layer;  // of an elastic layer: per node, per tile of the contact pass, arrays over strips of nodes
   gpu::Buffer forces, taxel_regions, region_sums, regions;                                    // of contact features
   gpu::Buffer contact_cells, tile_changes, taxel_jacobian, masked_jacobian, wrench_jacobian;  // of the tactile Jacobian

@@ -263,8 +263,8 @@ gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const 
                                          friction && variant.with_shear, friction && law.has_bristles});
   for (const float parameter : law.bristles) of_the_pass.push_back(bits(parameter));
   of_the_pass.push_back(layer ? 0 : static_cast<std::uint32_t>(sensor.skin.relaxation.size()));
-  of_the_pass.insert(of_the_pass.end(),
-                     {groups_per_batch, has_blocks, variant.with_jacobian, faster.untouched, bits(law.reach), variant.list});
+  of_the_pass.insert(of_the_pass.end(), {groups_per_batch, has_blocks, variant.with_jacobian, faster.untouched, bits(law.reach),
+                                         variant.list, law.taxel_passes.empty()});
   return {device.context(),
           {.name = law.kernel,
            .spirv = spirvFor(pairs ? law.spirv_pairs : law.spirv, contact_workgroup),
@@ -316,7 +316,7 @@ gpu::Kernel Model::Impl::makeImageKernel(const ImageVariant& variant) const {
           {.name = "image",
            .spirv = k_image_spirv,
            .buffers = {"Instances", "Step", "SensorBlock", "Taxels", "SpreadRows", "ContactNormal", "ContactShear", "TileResults", "Loads",
-                       "Image", "SpreadNormal", "SpreadShear", "Features", "Problems", "TaxelStates"},
+                       "Image", "SpreadNormal", "SpreadShear", "Features", "Problems", "TaxelStates", "ImageWindows"},
            .constants = constants(sensor, packed, {image_workgroup, packed.image_lanes, image_repeat},
                                   {variant.with_shear,
                                    packed.num_entries,
@@ -341,7 +341,8 @@ gpu::Kernel Model::Impl::makeImageKernel(const ImageVariant& variant) const {
                                    variant.whole_array,
                                    packed.turns_shear,
                                    bits(readout.curve_limit),
-                                   static_cast<std::uint32_t>(readout.curve_points.size())})}};
+                                   static_cast<std::uint32_t>(readout.curve_points.size()),
+                                   faster.untouched && sensor.frame_rate == 0})}};
 }
 
 const std::vector<gpu::Kernel>& Model::Impl::taxelKernels(bool with_shear) const {

@@ -18,15 +18,15 @@ gpu::Commands Simulator::Impl::record(const FrameKind& kind) {
     recordTaxels(commands);
   }
   commands.timestamp(1);
-  commands.dispatch(
-      m.imageKernel(
-          {.random = kind.random,
-           .whole_array = m.law.whole_array && !takesContacts(),
-           .with_normal = options.outputs.tactile_normal_force || options.outputs.clean_contact_features || wantsJacobian(options.outputs),
-           .with_shear = withShear()}),
-      (n + m.imagesPerWorkgroup() - 1) / m.imagesPerWorkgroup(),
-      {&b.instances, &b.step, &m.sensor_record, &m.taxels, &m.spread_rows, &b.contact_normal, &b.contact_shear, &b.tile_results, &b.loads,
-       &b.image.device, &b.spread_normal.device, &b.spread_shear.device, &b.features.device, &b.problems.device, &b.taxel_states});
+  commands.dispatch(m.imageKernel({.random = kind.random,
+                                   .whole_array = m.law.whole_array && !takesContacts(),
+                                   .with_normal = options.outputs.tactile_normal_force || options.outputs.clean_contact_features ||
+                                                  wantsJacobian(options.outputs),
+                                   .with_shear = withShear()}),
+                    (n + m.imagesPerWorkgroup() - 1) / m.imagesPerWorkgroup(),
+                    {&b.instances, &b.step, &m.sensor_record, &m.taxels, &m.spread_rows, &b.contact_normal, &b.contact_shear,
+                     &b.tile_results, &b.loads, &b.image.device, &b.spread_normal.device, &b.spread_shear.device, &b.features.device,
+                     &b.problems.device, &b.taxel_states, &b.image_windows});
   if (options.outputs.contact_features) recordContactFeatures(commands, false);
   if (options.outputs.clean_contact_features) recordContactFeatures(commands, true);
   if (wantsJacobian(options.outputs)) recordJacobian(commands, kind.random);

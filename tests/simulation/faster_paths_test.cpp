@@ -112,6 +112,54 @@ TEST(FasterPaths, LockstepDoesNotShow) {
   expectLockstepDoesNotShow(layer);
 }
 
+// Objects that jump, and go, after every reset: what the steps before have left in the buffers shows in no bit.
+void expectNothingIsLeft(const Sensor& sensor, bool with_loads) {
+  constexpr int kNumInstances = 4, kNumSteps = 6;
+  Sensor springs = sensor;  // whose contacts can be drawn
+  springs.skin = {.thickness = sensor.skin.thickness, .law = Winkler{1.73e8, 1, 0}};
+  Random random(11);
+  const std::vector<Object> objects{Object("ball", Sphere{.radius = 6e-3}), Object("bumps", support::icosphere(8e-3, 2, 0.02, random))};
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+  Simulator kept(model, {.num_instances = kNumInstances});
+  const auto bitsAfter = [&](Simulator& simulator, const std::vector<Touch>& touches) {
+    support::setTouches(simulator, touches);
+    for (int i = 0; i < kNumInstances; ++i) {
+      simulator.reset(i, 0);
+      if (with_loads && i % 2 == 1) simulator.setLoad(i, 0.7f);
+    }
+    simulator.step(1e-3);
+    const FrameView frame = simulator.read();
+    std::vector<std::vector<std::uint32_t>> bits;
+    for (int i = 0; i < kNumInstances; ++i) bits.push_back(support::bitsOf(frame, i, kNumInstances));
+    return bits;
+  };
+  for (int step = 0; step < kNumSteps; ++step) {
+    std::vector<Touch> touches;
+    for (int i = 0; i < kNumInstances; ++i) {
+      const int id = (i + step) % 2;
+      const Pose X_SO = support::randomContact(random, springs, objects[id]);
+      touches.push_back({{(i + step) % 5 == 4 ? kNoObject : id}, {X_SO}});
+    }
+    Simulator fresh(model, {.num_instances = kNumInstances});
+    EXPECT_EQ(bitsAfter(kept, touches), bitsAfter(fresh, touches)) << "step " << step;
+  }
+}
+
+TEST(FasterPaths, NothingIsLeft) {
+  Sensor sensor = support::gridSensor({.num_rows = 9, .num_cols = 9});
+  expectNothingIsLeft(sensor, true);
+  sensor.frame_rate = 1000;
+  expectNothingIsLeft(sensor, false);
+}
+
+TEST(FasterPaths, NothingIsLeftOnManyTiles) {
+  Sensor sensor = support::gridSensor({.num_rows = 48, .num_cols = 48, .samples_per_taxel = 4, .law = {1.73e8, 1, 1e5}});
+  sensor.skin.friction = {.tangential_stiffness = 5e7, .friction_coefficient = 0.8};
+  expectNothingIsLeft(sensor, true);
+  sensor.skin = {.thickness = sensor.skin.thickness, .law = DeformationMask{}};
+  expectNothingIsLeft(sensor, false);
+}
+
 TEST(FasterPaths, APolyhedronAsTrianglesIsTheTwins) {
   const Plain without("polyhedra");
   Random random(7);
