@@ -137,10 +137,6 @@ bool cut_short = false;
 #include "lib/laws/registry.glsl"
 
 const bool kShears = FRICTION && !kLawSolvedApart;  // else the pass that solves has the shear, and needs the slots
-// Of many small tiles objects reach few; a skin that relaxes moves on where nothing is near.
-const bool kManySmallTiles = LEAVE_UNTOUCHED && NUM_ROWS == 0 && NUM_TILES > 1 && RELAXATION == 0;
-// Of a large grid most tiles are untouched: their workgroups leave early.
-const bool kLeavesUntouched = LEAVE_UNTOUCHED && NUM_ROWS > 0 && NUM_TILES > 1 && RELAXATION == 0 && !kLawSolvedApart && !OUTPUT_JACOBIAN;
 
 // Of the tile what a single mesh clears, and where there is a surface.
 const uint kCleared = 0u, kActive = 1u;
@@ -154,10 +150,6 @@ void addToBox(uint which, Box box) {
 }
 
 Box boxNumbered(uint which) { return Box(ivec2(boxes[which][0], boxes[which][2]), ivec2(boxes[which][1], boxes[which][3])); }
-
-// Which tiles objects reach is found by one invocation for each, before all of them go to those. Where it would have to clear a large tile every
-// time, it is not.
-bool findsNear() { return kManySmallTiles || kLeavesUntouched && IS_LAST && REPEAT > 1; }
 
 #include "lib/bodies.glsl"
 #include "lib/subpixels.glsl"
