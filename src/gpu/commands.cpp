@@ -179,9 +179,9 @@ void Commands::timestamp(std::uint32_t mark) {
 void Commands::end() {
   if (const std::uint32_t count = vulkan_->num_timestamps; count > 0) {
     // Asked for by the host, they would have it wait on software Vulkan until the whole queue is empty, and so the device for the host.
-    constexpr auto kFlags = vk::QueryResultFlagBits::e64 | vk::QueryResultFlagBits::eWait;
     vulkan_->recorded.emplace_back(
         [queries = *vulkan_->queries, count, ticks = *vulkan_->ticks.vulkan().buffer](const vk::raii::CommandBuffer& commands) {
+          constexpr auto kFlags = vk::QueryResultFlagBits::e64 | vk::QueryResultFlagBits::eWait;
           commands.copyQueryPoolResults(queries, 0, count, ticks, 0, sizeof(std::uint64_t), kFlags);
         });
     barrier(Access::kCopy, Access::kHostRead);
