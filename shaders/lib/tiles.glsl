@@ -5,7 +5,7 @@ const bool kManySmallTiles = LEAVE_UNTOUCHED && NUM_ROWS == 0 && NUM_TILES > 1 &
 // Of a large grid most tiles are untouched: their workgroups leave early.
 const bool kLeavesUntouched = LEAVE_UNTOUCHED && NUM_ROWS > 0 && NUM_TILES > 1 && RELAXATION == 0 && !kLawSolvedApart && !OUTPUT_JACOBIAN;
 // Which tiles objects reach is found by one invocation for each, before all of them go to those. Where it would have to clear a large tile every
-// time, it is not.
+// time, or there is but one tile for all of them, it is not.
 bool findsNear() { return kManySmallTiles || kLeavesUntouched && IS_LAST && REPEAT > 1; }
 
 // Goes to a tile. False when the load search of its instance has ended: the results of the evaluation that ended it
