@@ -73,6 +73,10 @@ uvec2 window_first, window_count;
 // A loop ended before its work was done; see contact.comp.
 bool cut_short = false;
 
+const bool kOnePatch = NUM_ROWS > 0;
+const bool kSliding = kOnePatch && KERNEL == 3;
+const uint kRowsAtOnce = kSliding && TEAM == 1 && LANES > 1 ? 2 : 1;
+
 #include "lib/workgroup.glsl"
 #include "lib/whole.glsl"
 #include "lib/philox.glsl"
@@ -82,8 +86,6 @@ bool cut_short = false;
 #include "lib/readout.glsl"
 #include "lib/moments.glsl"
 
-const bool kOnePatch = NUM_ROWS > 0;
-const bool kSliding = kOnePatch && KERNEL == 3;
 // Scalars: Mesa 22.3 picks the wrong components where a specialization constant chooses between two vectors.
 const uint kCols = kOnePatch ? NUM_COLS : kListCols;
 const uint kRows = kOnePatch ? NUM_ROWS : (NUM_TAXELS + kCols - 1) / kCols;
@@ -194,27 +196,30 @@ void readTaxel(Instance of, uint t, uvec2 at, Spread spread, uvec2 seed, inout S
   if (float(counts) >= SATURATION) sums.num_saturated += 1.0;
 }
 
-// Stages 3 to 6 of row `i` of the window.
-void readRow(Instance of, uint i, uvec2 seed, inout Sums sums) {
-  Sums row = noSums();
+// Stages 3 to 6 of row `i` of the window and, where rows are taken in twos, of the next if there is one.
+void readRows(Instance of, uint i, uvec2 seed, inout Sums sums, inout Sums next_sums) {
+  Sums row = noSums(), next_row = noSums();
   uvec2 at = uvec2(window_first.x + i, window_first.y);
-  if (kSliding) startRow(of.first_taxel, ivec2(at));
+  if (kSliding) startColumns(of.first_taxel, ivec2(at));
   uint j = 0;
   for (; j < window_count.y; ++j, ++at.y) {
     uint t = at.x * kCols + at.y;
     if (!kOnePatch && t >= NUM_TAXELS) continue;
     Spread spread;
     if (kSliding) {
-      spread = spreadSliding(of.first_taxel, ivec2(at));
+      nextColumn(of.first_taxel, ivec2(at));
+      spread = spreadSliding(0);
     } else if (kOnePatch) {
       spread = spreadOnGrid(of.first_taxel, ivec2(at));
     } else {
       spread = spreadByList(of.first_taxel, t);
     }
     readTaxel(of, t, at, spread, seed, row);
+    if (kRowsAtOnce > 1 && i + 1 < window_count.x) readTaxel(of, t + kCols, at + uvec2(1, 0), spreadSliding(1), seed, next_row);
   }
   cut_short = cut_short || j < window_count.y;
   addSums(sums, row);
+  addSums(next_sums, next_row);
 }
 
 // Outside the window everything is 0.
@@ -289,13 +294,14 @@ void imageOf(uint number, bool is_there, uint num_instances, uvec2 seed) {
   uint num_parts = is_there ? min(LANES, window_count.x) : 0;
   Sums total = noSums();
   uint first_partial = gl_LocalInvocationIndex / TEAM * kNumSums * LANES;
-  for (uint v = lane; v < num_parts; v += TEAM) {
-    Sums part = noSums();
+  for (uint v = lane * kRowsAtOnce; v < num_parts; v += TEAM * kRowsAtOnce) {
+    Sums part = noSums(), next_part = noSums();
     uint i = v;
-    for (; i < window_count.x; i += LANES) readRow(of, i, seed, part);
+    for (; i < window_count.x; i += LANES) readRows(of, i, seed, part, next_part);
     cut_short = cut_short || i < window_count.x;
     if (TEAM == 1) {
       addSums(total, part);
+      addSums(total, next_part);
     } else {
       for (uint s = 0; s < kSumsPerImage; ++s) {
         partial[first_partial + s * LANES + v] = part.measured[s];

@@ -11,19 +11,20 @@ void addSource(inout Spread sum, uint source, float weight) {
   if (SHEAR) sum.shear += weight * vec2(contact_shear[2 * source], contact_shear[2 * source + 1]);
 }
 
-// On one grid patch with a kernel of 3 x 3: along a row, so that a step fetches three sources and not nine. Outside of what contact reaches
-// there is no source, and a window begins with a column that has none before it.
+// On one grid patch with a kernel of 3 x 3: along a row, so that a step fetches three sources and not nine; along two neighbouring rows four and not
+// eighteen. Outside of what contact reaches there is no source, and a window begins with a column that has none before it.
 //
 //   column:   before  here  after          weights_...[d]: of the source in row i - 1 + d of that column, for the taxel at (i, j)
 //   row i-1      x      x      x
 //   row i        x    (i,j)    x
 //   row i+1      x      x      x
+//   row i+2      x      x      x           with two rows at once
 vec3 weights_before, weights_here, weights_after;
 
 struct Column {
-  vec3 normal, shear_x, shear_y;
+  vec4 normal, shear_x, shear_y;
 };
-Column column_before, column_here;
+Column column_before, column_here, column_after;
 
 void loadKernel() {
   if (NUM_ROWS == 0 || KERNEL != 3) return;
@@ -34,8 +35,8 @@ void loadKernel() {
 }
 
 Column columnAt(uint first_taxel, ivec2 at) {
-  Column column = Column(vec3(0), vec3(0), vec3(0));
-  for (int d = 0; d < 3; ++d) {
+  Column column = Column(vec4(0), vec4(0), vec4(0));
+  for (int d = 0; d < 2 + int(kRowsAtOnce); ++d) {
     uvec2 source = uvec2(at + ivec2(d - 1, 0));  // wraps to large numbers outside
     if (any(greaterThanEqual(source - contact_first, contact_count))) continue;
     uint taxel = first_taxel + source.x * NUM_COLS + source.y;
@@ -48,25 +49,30 @@ Column columnAt(uint first_taxel, ivec2 at) {
   return column;
 }
 
-void startRow(uint first_taxel, ivec2 at) {
-  column_before = Column(vec3(0), vec3(0), vec3(0));
-  column_here = columnAt(first_taxel, at);
+// Before the taxels of column `at` and, as nextColumn(), of each after it.
+void startColumns(uint first_taxel, ivec2 at) {
+  column_here = Column(vec4(0), vec4(0), vec4(0));
+  column_after = columnAt(first_taxel, at);
 }
 
-float weighted(vec3 before, vec3 here, vec3 after) {
-  return dot(weights_before, before) + dot(weights_here, here) + dot(weights_after, after);
-}
-
-// At taxel `at`, the next of its row.
-Spread spreadSliding(uint first_taxel, ivec2 at) {
-  Column after = columnAt(first_taxel, at + ivec2(0, 1));
-  Spread sum = Spread(weighted(column_before.normal, column_here.normal, after.normal), vec2(0));
-  if (SHEAR) {
-    sum.shear.x = weighted(column_before.shear_x, column_here.shear_x, after.shear_x);
-    sum.shear.y = weighted(column_before.shear_y, column_here.shear_y, after.shear_y);
-  }
+void nextColumn(uint first_taxel, ivec2 at) {
   column_before = column_here;
-  column_here = after;
+  column_here = column_after;
+  column_after = columnAt(first_taxel, at + ivec2(0, 1));
+}
+
+float weighted(uint row, vec4 before, vec4 here, vec4 after) {
+  if (row == 0) return dot(weights_before, before.xyz) + dot(weights_here, here.xyz) + dot(weights_after, after.xyz);
+  return dot(weights_before, before.yzw) + dot(weights_here, here.yzw) + dot(weights_after, after.yzw);
+}
+
+// At the taxel of the column in the first or second row.
+Spread spreadSliding(uint row) {
+  Spread sum = Spread(weighted(row, column_before.normal, column_here.normal, column_after.normal), vec2(0));
+  if (SHEAR) {
+    sum.shear.x = weighted(row, column_before.shear_x, column_here.shear_x, column_after.shear_x);
+    sum.shear.y = weighted(row, column_before.shear_y, column_here.shear_y, column_after.shear_y);
+  }
   return sum;
 }
 
