@@ -14,7 +14,7 @@
 // State: of every sample, between steps: its depth where the law needs it, its strain and overstresses where the skin relaxes; where there is
 //        friction its shear traction, or how far its bristles are bent.
 // Shared memory: 4 TILE_SAMPLES + 16 LANES + 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 4 REPEAT + 64 bytes, with friction 8 LANES and 512 more,
-//      with blocks 4 kBlocksPerBatch.
+//      with blocks 4 kBlocksPerBatch; in lockstep 16 FACES more.
 // Deterministic: the tile is a minimum; sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
 // Twins: src/reference/depth.cpp, contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp, load.cpp.
 
@@ -74,9 +74,9 @@ layout(std430, set = 0, binding = 0) readonly buffer Poses { PoseRecord poses[];
 layout(std430, set = 0, binding = 1) readonly buffer Instances { InstanceRecord instances[]; };
 layout(std430, set = 0, binding = 2) readonly buffer Step { StepRecord step_record; };
 layout(std430, set = 0, binding = 3) readonly buffer Objects { ObjectRecord objects[]; };
-layout(std430, set = 0, binding = 4) readonly buffer Groups { Pair groups[]; };
-layout(std430, set = 0, binding = 5) readonly buffer Clusters { Pair clusters[]; };
-layout(std430, set = 0, binding = 6) readonly buffer Quads { Pair quads[]; };
+layout(std430, set = 0, binding = 4) readonly buffer Groups { Four groups[]; };
+layout(std430, set = 0, binding = 5) readonly buffer Clusters { Four clusters[]; };
+layout(std430, set = 0, binding = 6) readonly buffer Quads { Four quads[]; };
 layout(std430, set = 0, binding = 7) readonly buffer Patches { PatchRecord patches[]; };
 layout(std430, set = 0, binding = 8) readonly buffer Tiles { TileRecord tiles[]; };
 layout(std430, set = 0, binding = 9) readonly buffer SpreadScale { float spread_scale[]; };
@@ -86,7 +86,7 @@ layout(std430, set = 0, binding = 12) writeonly buffer ContactDepth { float cont
 layout(std430, set = 0, binding = 13) buffer TileResults { TileResult tile_results[]; };
 layout(std430, set = 0, binding = 14) buffer Loads { LoadRecord loads[]; };
 layout(std430, set = 0, binding = 15) writeonly buffer Problems { uint problems[]; };
-layout(std430, set = 0, binding = 16) readonly buffer Faces { Pair faces[]; };
+layout(std430, set = 0, binding = 16) readonly buffer Faces { Four faces[]; };
 layout(std430, set = 0, binding = 17) readonly buffer Motions { MotionRecord motions[]; };
 layout(std430, set = 0, binding = 18) buffer FrictionState { Pair friction_state[]; };
 layout(std430, set = 0, binding = 19) writeonly buffer ContactShear { float contact_shear[]; };
@@ -98,13 +98,10 @@ layout(std430, set = 0, binding = 24) buffer Work { uvec4 work[]; };
 layout(std430, set = 0, binding = 25) buffer WorkInstances { uint work_instances[]; };
 
 const float kMiss = kNoHeight;  // height where there is no surface
-const uint kEmpty = 0x7F7FFFFFu;  // the largest finite float, as bits: no surface over the sample
 // Cosine to z of S. Under a patch that looks up more than this, a surface too deep to be seen means that a load search has gone through the body; a
 // steeper one may see the slope of an object that is still above.
 const float kLooksUp = 0.7;
-shared uint tile[TILE_SAMPLES];
 shared vec4 partial[LANES];
-shared int boxes[2][4];      // kCleared, kActive; in samples of the tile: first row, last row, first col, last col
 shared uint num_deep;
 shared uint any_behind;
 shared uint tile_list[REPEAT];
@@ -132,24 +129,12 @@ bool cut_short = false;
 
 #include "lib/workgroup.glsl"
 #include "lib/slots.glsl"
+#include "lib/depth_tile.glsl"
 #include "lib/polyhedron.glsl"
 #include "lib/analytic.glsl"
 #include "lib/laws/registry.glsl"
 
 const bool kShears = FRICTION && !kLawSolvedApart;  // else the pass that solves has the shear, and needs the slots
-
-// Of the tile what a single mesh clears, and where there is a surface.
-const uint kCleared = 0u, kActive = 1u;
-
-void addToBox(uint which, Box box) {
-  if (!isAny(box)) return;
-  atomicMin(boxes[which][0], box.first.x);
-  atomicMax(boxes[which][1], box.last.x);
-  atomicMin(boxes[which][2], box.first.y);
-  atomicMax(boxes[which][3], box.last.y);
-}
-
-Box boxNumbered(uint which) { return Box(ivec2(boxes[which][0], boxes[which][2]), ivec2(boxes[which][1], boxes[which][3])); }
 
 #include "lib/bodies.glsl"
 #include "lib/subpixels.glsl"
@@ -225,10 +210,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   met_behind = false;
 
   if (lane == 0) {
-    for (uint box = 0; box < 2; ++box) {
-      boxes[box][0] = boxes[box][2] = 0x7FFFFFFF;
-      boxes[box][1] = boxes[box][3] = -1;
-    }
+    startBoxes();
     num_deep = 0;
     if (NUM_ROWS == 0) any_behind = 0;
     lowest_bits = kEmpty;
@@ -257,11 +239,9 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   workgroupBarrier();
 
   // Then their heights. The active part of the window is where triangles are seen and solids reach.
-  Box active_part = noSamples();
+  Box active_part = reached;
   if (usesTile()) {
-    bool one_batch = !MANY_SLOTS && body.kind_groups.x == kKindMesh && body.kind_groups.z <= GROUPS_PER_BATCH;
-    if (!one_batch && LIST != kListWith) clearSamples(reached);
-    workgroupBarrier();
+    seen = noSamples();
     for (uint slot = 0; slot < num_slots; ++slot) {
       if (MANY_SLOTS) {  // a single slot's body is at hand
         id = objectInSlot(instance * num_slots + slot);
@@ -273,21 +253,18 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
       bool is_mesh = body.kind_groups.x == kKindMesh;
       subpixel_bits = int(body.kind_groups.w & kSubpixelMask);
       if (LIST == kListWith) {
-        visitCandidates(instance, body, fromLattice(body, id), active_part);
+        visitCandidates(instance, body, fromLattice(body, id));
       } else if (kHasMesh && (!kHasAnalytic || is_mesh)) {
-        visitMesh(body, fromLattice(body, id), active_part, one_batch);
+        visitMesh(body, fromLattice(body, id));
       }
       if (kHasAnalytic && (!kHasMesh || !is_mesh)) {
         if (isKind(body.kind_groups.x, kKindPolyhedron)) loadFaces(body.kind_groups.y, body.X_PO);
         rasterAnalytic(body, objects[id].parameters);
-        grow(active_part, samplesUnder(body));
+        grow(seen, samplesUnder(body));
       }
     }
-    addToBox(kActive, active_part);
-    workgroupBarrier();
-    active_part = boxNumbered(kActive);
+    active_part = boxAround(seen);
   } else {
-    active_part = reached;
     if (isKind(body.kind_groups.x, kKindPolyhedron)) loadFaces(body.kind_groups.y, body.X_PO);
   }
 
@@ -435,6 +412,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   }
 
   vec4 total = sumOfPartials();
+  if (usesTile() && REPEAT > 1) clearSamples(active_part);
   if (RELAXATION > 0 && kAdvances) keepRestOfSkin(active_first, active_count);
   vec3 force = -total.x * X_PS.row2.xyz;  // rows of R_PS are the axes of P in S
   vec3 torque = total.y * X_PS.row0.xyz + total.z * X_PS.row1.xyz;
@@ -482,6 +460,10 @@ void main() {
     }
     workgroupBarrier();
     count = num_listed_tiles;
+  }
+  if (usesTile() && count > 0) {
+    clearTile();
+    workgroupBarrier();
   }
   uint k = 0;
   for (; k < count; ++k) {

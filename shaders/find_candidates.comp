@@ -5,7 +5,7 @@
 // A workgroup owns REPEAT instances of a list, one after another; an invocation owns boxes, then quads.
 // In:  poses, objects, groups, clusters, quads of triangles, the sensor's patch, a work list.
 // Out: candidates (num_instances), candidate_quads (num_instances x kMostCandidates), work lists.
-// Shared memory: 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 32 bytes, with blocks 4 kBlocksPerBatch.
+// Shared memory: 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 16 bytes, with blocks 4 kBlocksPerBatch.
 
 #include "lib/pairs.glsl"
 #include "lib/barrier.glsl"
@@ -20,9 +20,9 @@ layout(constant_id = 15) const bool BLOCKS = false;
 layout(std430, set = 0, binding = 0) readonly buffer Poses { PoseRecord poses[]; };
 layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
 layout(std430, set = 0, binding = 2) readonly buffer Objects { ObjectRecord objects[]; };
-layout(std430, set = 0, binding = 3) readonly buffer Groups { Pair groups[]; };
-layout(std430, set = 0, binding = 4) readonly buffer Clusters { Pair clusters[]; };
-layout(std430, set = 0, binding = 5) readonly buffer Quads { Pair quads[]; };
+layout(std430, set = 0, binding = 3) readonly buffer Groups { Four groups[]; };
+layout(std430, set = 0, binding = 4) readonly buffer Clusters { Four clusters[]; };
+layout(std430, set = 0, binding = 5) readonly buffer Quads { Four quads[]; };
 layout(std430, set = 0, binding = 6) readonly buffer Patches { PatchRecord patches[]; };
 layout(std430, set = 0, binding = 7) readonly buffer Tiles { TileRecord tiles[]; };
 layout(std430, set = 0, binding = 8) buffer Candidates { CandidateRecord candidates[]; };
@@ -35,7 +35,6 @@ const float kLeastShare = 0.25;    // of the steps ahead, where more of them are
 const float kStepsWithout = 32.0;  // where these are, too
 
 shared uint num_found;
-shared int found_box[4];  // samples: first row, last row, first col, last col
 
 uint first_candidate;  // of the instance
 bool cut_short = false;
@@ -49,27 +48,21 @@ bool cut_short = false;
 #include "lib/mesh.glsl"
 #include "lib/work_lists.glsl"
 
-void clearUnder(Box reached) {}
-
-void visitQuad(Affine from_lattice, uint quad, bool large, inout Box seen) {
-  Vertex p = vertexOf(from_lattice, 4 * quad), q = vertexOf(from_lattice, 4 * quad + 1);
-  Vertex r = vertexOf(from_lattice, 4 * quad + 2), s = vertexOf(from_lattice, 4 * quad + 3);
+void visitQuad(Affine from_lattice, uint quad, bool large) {
+  uvec4 pq = wordsOfFour(quads[2 * quad]), rs = wordsOfFour(quads[2 * quad + 1]);
+  Vertex p = vertexOf(from_lattice, pq.xy), q = vertexOf(from_lattice, pq.zw);
+  Vertex r = vertexOf(from_lattice, rs.xy), s = vertexOf(from_lattice, rs.zw);
   const ivec2 kRounding = ivec2(2);  // of vertices to units, and to be sure
   Box reached = Box(firstSample(min(min(p.at, q.at), min(r.at, s.at)) + motion_low - kRounding),
                     lastSample(max(max(p.at, q.at), max(r.at, s.at)) + motion_high + kRounding));
   if (min(min(p.z, q.z), min(r.z, s.z)) >= z_limit || !isAny(reached)) return;
-  grow(seen, reached);
   uint at = atomicAdd(num_found, 1u);
   if (at < kMostCandidates) candidate_quads[first_candidate + at] = quad;
 }
 
 void findCandidates(uint instance) {
   uint lane = gl_LocalInvocationIndex;
-  if (lane == 0) {
-    num_found = 0;
-    found_box[0] = found_box[2] = 0x7FFFFFFF;
-    found_box[1] = found_box[3] = -1;
-  }
+  if (lane == 0) num_found = 0;
   workgroupBarrier();
   int id = objectInSlot(instance);
   Body body = bodyInSlot(instance, id);
@@ -80,21 +73,12 @@ void findCandidates(uint instance) {
   motion_high = ivec2(ceil(high.xy * units));
   z_limit -= low.z;
   first_candidate = instance * kMostCandidates;
-  Box seen = noSamples();
-  visitMesh(body, fromLattice(body, id), seen, false);
+  visitMesh(body, fromLattice(body, id));
   z_limit += low.z;
-  if (isAny(seen)) {
-    atomicMin(found_box[0], seen.first.x);
-    atomicMax(found_box[1], seen.last.x);
-    atomicMin(found_box[2], seen.first.y);
-    atomicMax(found_box[3], seen.last.y);
-  }
   workgroupBarrier();
   if (lane == 0) {
     bool fits = num_found <= kMostCandidates;
-    uvec2 first = uvec2(found_box[0], found_box[2]), last = uvec2(found_box[1], found_box[3]);
-    if (num_found == 0) first = uvec2(1), last = uvec2(0);
-    candidates[instance].list = uvec4(uint(id + 1), fits ? num_found : kNoCandidates, first | last << 16);
+    candidates[instance].list = uvec4(uint(id + 1), fits ? num_found : kNoCandidates, 0, 0);
     float share = candidates[instance].half_size.w;
     bool gives_up = !fits && share <= kLeastShare;
     candidates[instance].center.w = gives_up ? kStepsWithout : 0.0;

@@ -1,9 +1,6 @@
 // A mesh seen from the window: culling of its blocks, groups and clusters. What is done with quads of triangles that are left is the including pass's own:
 
-// `seen`: grows by where the quad is seen.
-void visitQuad(Affine from_lattice, uint quad, bool large, inout Box seen);
-// Before the first is visited, where the pass asks for it: clusters of this invocation reach `reached`; all invocations meet afterwards.
-void clearUnder(Box reached);
+void visitQuad(Affine from_lattice, uint quad, bool large);
 
 // How far boxes and quads may yet move along u and v, in units.
 ivec2 motion_low = ivec2(0), motion_high = ivec2(0);
@@ -39,44 +36,39 @@ Affine atHand(Affine X) {
 const int kLatticeMiddle = 1 << (kLatticeBits - 1);
 const uint kFirstMask = (1u << kFirstBits) - 1u;
 
-// Whether the box of a group or cluster is low enough and over any sample; which of the tile's, at most.
-bool boxReaches(Affine from_lattice, uvec2 box_xy, uint box_z, out Box reached) {
-  uvec3 box = uvec3(box_xy, box_z);
+// Whether the box of a group or cluster is low enough and over any sample.
+bool boxReaches(Affine from_lattice, uvec3 box) {
   vec3 low = vec3(box & 0xFFFFu), high = vec3(box >> 16), center, half_size;
   const float kUnit = float(1u << kBoxShift);
   boundsOfImage(from_lattice, (low + high) * (0.5 * kUnit) - float(kLatticeMiddle), (high - low) * (0.5 * kUnit), center, half_size);
   // A hair larger: what is rounded differently than the vertices never cuts off a triangle.
   int hair = 2 + ((1 << subpixel_bits) >> 10);
-  reached = Box(firstSample(wholeNumbers(center.xy - half_size.xy) - hair + motion_low),
-                lastSample(wholeNumbers(center.xy + half_size.xy) + hair + motion_high));
+  Box reached = Box(firstSample(wholeNumbers(center.xy - half_size.xy) - hair + motion_low),
+                    lastSample(wholeNumbers(center.xy + half_size.xy) + hair + motion_high));
   return center.z - half_size.z * (1.0 + 1e-6) - 1e-8 < z_limit && isAny(reached);
 }
 
-vec3 unpackVertex(uint vertex) {
-  uvec2 words = wordsOf(quads[vertex]);
+vec3 unpackVertex(uvec2 words) {
   const uint kMask = (1u << kLatticeBits) - 1u;
   uvec3 q = uvec3(words.x & kMask, (words.x >> kLatticeBits) | ((words.y & 0x3FFu) << 11), (words.y >> 10) & kMask);
   return vec3(ivec3(q) - kLatticeMiddle);
 }
 
-Vertex vertexOf(Affine from_lattice, uint number) {
-  vec3 image = apply(from_lattice, unpackVertex(number));
+Vertex vertexOf(Affine from_lattice, uvec2 words) {
+  vec3 image = apply(from_lattice, unpackVertex(words));
   return Vertex(wholeNumbers(image.xy), image.z);
 }
 
 // The box of a group or block; `items` is what it holds.
 bool groupReaches(Affine from_lattice, uint group, out uint items) {
-  uvec2 box_xy = wordsOf(groups[2 * group]), box_z_items = wordsOf(groups[2 * group + 1]);
-  Box reached;
-  items = box_z_items.y;
-  return boxReaches(from_lattice, box_xy, box_z_items.x, reached);
+  uvec4 words = wordsOfFour(groups[group]);
+  items = words.w;
+  return boxReaches(from_lattice, words.xyz);
 }
 
-// Of the listed groups those clusters that reach into the window, of these all quads. With `clear` samples are cleared first where clusters reach. Before
-// and after, all invocations have met.
-void visitListedGroups(Body body, Affine from_lattice, inout Box seen, bool clear) {
+// Of the listed groups those clusters that reach into the window, of these all quads. Before and after, all invocations have met.
+void visitListedGroups(Body body, Affine from_lattice) {
   uint lane = gl_LocalInvocationIndex;
-  Box reached, reaching_part = noSamples();
   Affine X = atHand(from_lattice);
   for (uint g = 0; g < num_listed_groups; ++g) {
     uint group = group_list[g];
@@ -84,30 +76,26 @@ void visitListedGroups(Body body, Affine from_lattice, inout Box seen, bool clea
     // As bits first: the list is asked for room once for all that this invocation finds.
     uint reaching = 0;
     for (uint c = first, bit = 1u; c < end; c += WORKGROUP, bit <<= 1) {
-      if (boxReaches(X, wordsOf(clusters[2 * c]), wordsOf(clusters[2 * c + 1]).x, reached)) {
-        reaching |= bit;
-        if (clear) grow(reaching_part, reached);
-      }
+      if (boxReaches(X, wordsOfFour(clusters[c]).xyz)) reaching |= bit;
     }
     if (reaching == 0) continue;
     uint at = atomicAdd(num_listed_clusters, uint(bitCount(reaching)));
     for (; reaching != 0; reaching &= reaching - 1u) cluster_list[at++] = first + uint(findLSB(reaching)) * WORKGROUP;
   }
-  if (clear) clearUnder(reaching_part);
   workgroupBarrier();
   X = atHand(from_lattice);
   uint items = num_listed_clusters * kQuadsPerCluster;
   uint i = lane;
   for (; i < items; i += WORKGROUP) {
     uint quad = cluster_list[i / kQuadsPerCluster] * kQuadsPerCluster + i % kQuadsPerCluster;
-    visitQuad(X, quad, (body.kind_groups.w & kLargeTriangles) != 0, seen);
+    visitQuad(X, quad, (body.kind_groups.w & kLargeTriangles) != 0);
   }
   cut_short = cut_short || i < items;
   workgroupBarrier();
 }
 
-// A batch of groups at a time. `clear` needs the mesh to be one batch.
-void visitGroups(Body body, Affine from_lattice, inout Box seen, bool clear) {
+// A batch of groups at a time.
+void visitGroups(Body body, Affine from_lattice) {
   uint end_group = body.kind_groups.y + body.kind_groups.z;
   uint items;
   uint start = body.kind_groups.y;
@@ -118,13 +106,13 @@ void visitGroups(Body body, Affine from_lattice, inout Box seen, bool clear) {
       if (groupReaches(from_lattice, g, items)) group_list[atomicAdd(num_listed_groups, 1u)] = items;
     }
     workgroupBarrier();
-    visitListedGroups(body, from_lattice, seen, clear);
+    visitListedGroups(body, from_lattice);
   }
   cut_short = cut_short || start < end_group;
 }
 
 // The same for a mesh of many groups: only those of blocks that reach into the window are looked at.
-void visitBlocks(Body body, Affine from_lattice, inout Box seen, bool clear) {
+void visitBlocks(Body body, Affine from_lattice) {
   const uint kListedBlocksPerBatch = GROUPS_PER_BATCH / kGroupsPerBlock;
   uint lane = gl_LocalInvocationIndex;
   uint end_block = body.kind_groups.y + body.kind_groups.z + (body.kind_groups.z + kGroupsPerBlock - 1u) / kGroupsPerBlock;
@@ -147,7 +135,7 @@ void visitBlocks(Body body, Affine from_lattice, inout Box seen, bool clear) {
         }
       }
       workgroupBarrier();
-      visitListedGroups(body, from_lattice, seen, clear);
+      visitListedGroups(body, from_lattice);
       if (lane == 0) num_listed_groups = num_listed_clusters = 0;
       workgroupBarrier();
     }
@@ -157,10 +145,10 @@ void visitBlocks(Body body, Affine from_lattice, inout Box seen, bool clear) {
 }
 
 // All quads that may lie over a sample of the window below z_limit, and others.
-void visitMesh(Body body, Affine from_lattice, inout Box seen, bool clear) {
+void visitMesh(Body body, Affine from_lattice) {
   if (BLOCKS) {
-    visitBlocks(body, from_lattice, seen, clear);
+    visitBlocks(body, from_lattice);
   } else {
-    visitGroups(body, from_lattice, seen, clear);
+    visitGroups(body, from_lattice);
   }
 }

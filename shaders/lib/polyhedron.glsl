@@ -9,18 +9,38 @@ float face_lows[FACES], face_highs[FACES];
 // A face steeper than this shows its flank over less than a float resolves: it only cuts.
 const float kSteepest = 1e-6;  // cosine to z
 
+// The plane over P of one of a body's faces: slopes, low, high.
+vec4 planeOf(uint face, Affine X_PO) {
+  vec4 face_O = uintBitsToFloat(wordsOfFour(faces[face]));
+  vec3 n = vec3(dot(X_PO.row0.xyz, face_O.xyz), dot(X_PO.row1.xyz, face_O.xyz), dot(X_PO.row2.xyz, face_O.xyz));
+  float offset = face_O.w + n.x * X_PO.row0.w + n.y * X_PO.row1.w + n.z * X_PO.row2.w;
+  vec3 plane = vec3(n.xy, -offset) / max(abs(n.z), kSteepest);
+  return vec4(plane.xy, n.z < 0.0 ? plane.z : -kMiss, n.z < 0.0 ? -kMiss : plane.z);
+}
+
+// All invocations of a workgroup have the same body.
+#ifdef LOCKSTEP
+shared vec4 planes[FACES];
+void loadFaces(uint first, Affine X_PO) {
+  for (uint f = gl_LocalInvocationIndex; f < FACES; f += WORKGROUP) planes[f] = planeOf(first + f, X_PO);
+  workgroupBarrier();
+  for (uint f = 0; f < FACES; ++f) {
+    face_slopes[f] = planes[f].xy;
+    face_lows[f] = planes[f].z;
+    face_highs[f] = planes[f].w;
+  }
+  workgroupBarrier();
+}
+#else
 void loadFaces(uint first, Affine X_PO) {
   for (uint f = 0; f < FACES; ++f) {
-    vec2 w0 = uintBitsToFloat(wordsOf(faces[2 * (first + f)])), w1 = uintBitsToFloat(wordsOf(faces[2 * (first + f) + 1]));
-    vec3 n_O = vec3(w0, w1.x);
-    vec3 n = vec3(dot(X_PO.row0.xyz, n_O), dot(X_PO.row1.xyz, n_O), dot(X_PO.row2.xyz, n_O));
-    float offset = w1.y + n.x * X_PO.row0.w + n.y * X_PO.row1.w + n.z * X_PO.row2.w;
-    vec3 plane = vec3(n.xy, -offset) / max(abs(n.z), kSteepest);
+    vec4 plane = planeOf(first + f, X_PO);
     face_slopes[f] = plane.xy;
-    face_lows[f] = n.z < 0.0 ? plane.z : -kMiss;
-    face_highs[f] = n.z < 0.0 ? -kMiss : plane.z;
+    face_lows[f] = plane.z;
+    face_highs[f] = plane.w;
   }
 }
+#endif
 
 float polyhedronHeight(vec2 xy) {
   float low = -kMiss, minus_high = -kMiss;

@@ -1,16 +1,18 @@
 // Stage 1 of the contact pass for meshes: triangles into the depth tile, by one invocation each, or two at a time. Twin: src/reference/depth.cpp (rays).
 //
-// Which samples a triangle covers is found in integers, exactly. Rows run along u. Heights z are floats, in m, in P. The tile keeps the lowest surface:
-// atomicMin on the bits of a float that is never negative orders like the float itself, and the order of triangles does not show.
+// Which samples a triangle covers is found in integers, exactly. Rows run along u. Heights z are floats, in m, in P.
 
-// As integers, a negative float is a negative number.
-void lowerTile(uint address, float z) {
-  int height = max(floatBitsToInt(z - z_base), 0);
-  atomicMin(tile[address], withSlot(intBitsToFloat(height), raster_slot));
-}
+// Where this invocation has seen triangles.
+Box seen;
 
 // Twice the area of the origin, q and r: the edge function of q and r at the origin, positive on one side of the edge.
 int edge(ivec2 q, ivec2 r) { return q.x * r.y - q.y * r.x; }
+
+// Of a surface over a sample, if the sample is not outside of it.
+float heightSeen(bool outside, float z) {
+  if (NUM_ROWS > 0) return outside ? kMiss : z;
+  return !outside && isSeen(z) ? z : kMiss;
+}
 
 // For triangles of about the size of the samples' spacing, two that share the edge from q to r, (p, q, r) and (r, q, s): every sample of the bounding
 // box is tested against the five edges. No edge is longer than kSmallEdge units, so 32 bits hold the products. A sample on an edge belongs to both.
@@ -19,8 +21,8 @@ int edge(ivec2 q, ivec2 r) { return q.x * r.y - q.y * r.x; }
 //    |      / |      start of the next. Of a triangle seen from behind all signs are turned: its mask is ~0, and (e + mask) ^ mask is negative
 //    |    /   |      where -e is. What is left of three of these is or-ed: the sample is covered unless its sign is set.
 //    |  /     |
-//    q ------ s
-void rasterBySamples(Vertex p, Vertex q, Vertex r, Vertex s, inout Box seen) {
+//    q ------ s      The three add up to twice the triangle's area everywhere, so that one of them need not be followed.
+void rasterBySamples(Vertex p, Vertex q, Vertex r, Vertex s) {
   if (p.z >= z_limit && q.z >= z_limit && r.z >= z_limit && s.z >= z_limit) return;
   ivec2 first = firstSample(min(min(p.at, q.at), min(r.at, s.at)));
   ivec2 last = lastSample(max(max(p.at, q.at), max(r.at, s.at)));
@@ -33,48 +35,43 @@ void rasterBySamples(Vertex p, Vertex q, Vertex r, Vertex s, inout Box seen) {
   q.at -= origin;
   r.at -= origin;
   s.at -= origin;
-  int qr = edge(q.at, r.at);
-  int rp = edge(r.at, p.at), pq = edge(p.at, q.at);
-  int qs = edge(q.at, s.at), sr = edge(s.at, r.at);
-  int area_p = qr + rp + pq, area_s = qs + sr - qr;
+  int qr = edge(q.at, r.at), rp = edge(r.at, p.at), qs = edge(q.at, s.at);
+  int area_p = qr + rp + edge(p.at, q.at), area_s = qs + edge(s.at, r.at) - qr;
   int mask_p = area_p >> 31, mask_s = area_s >> 31;
 
-  // Heights as p's or s's and what the others add. Seen edge-on there is none.
+  // Heights as p's or s's and what the others add.
   vec2 slope_p = vec2(q.z - p.z, r.z - p.z) * (1.0 / float(area_p)), slope_s = vec2(r.z - s.z, q.z - s.z) * (1.0 / float(area_s));
-  if (area_p == 0) p.z = kMiss, slope_p = vec2(0);
-  if (area_s == 0) s.z = kMiss, slope_s = vec2(0);
+  // Seen edge-on there is none: with a sum of -1 one of three is negative.
+  if (area_p == 0) area_p = -1;
+  if (area_s == 0) area_s = -1;
 
-  ivec2 along_qr = (r.at - q.at) << subpixel_bits, along_rp = (p.at - r.at) << subpixel_bits, along_pq = (q.at - p.at) << subpixel_bits;
-  ivec2 along_qs = (s.at - q.at) << subpixel_bits, along_sr = (r.at - s.at) << subpixel_bits;
-  int wrap_qr = -along_qr.y - steps.y * along_qr.x, wrap_rp = -along_rp.y - steps.y * along_rp.x, wrap_pq = -along_pq.y - steps.y * along_pq.x;
-  int wrap_qs = -along_qs.y - steps.y * along_qs.x, wrap_sr = -along_sr.y - steps.y * along_sr.x;
+  ivec2 along_qr = (r.at - q.at) << subpixel_bits, along_rp = (p.at - r.at) << subpixel_bits, along_qs = (s.at - q.at) << subpixel_bits;
+  int wrap_qr = -along_qr.y - steps.y * along_qr.x, wrap_rp = -along_rp.y - steps.y * along_rp.x, wrap_qs = -along_qs.y - steps.y * along_qs.x;
 
-  uint address = uint(first.x) * tile_stride + uint(first.y);
-  uint wrap_address = tile_stride - uint(steps.y);
-  int count = (steps.x + 1) * (steps.y + 1), next_wrap = steps.y;
+  int stride = int(tile_stride);
+  int address = first.x * stride + first.y, row_end = address + steps.y, last_address = last.x * stride + last.y;
+  int wrap_address = stride - steps.y;
   bool any_seen = false;
-  int k = 0;
-  for (; k < count; ++k) {
+  while (address <= last_address) {
+    int pq = area_p - qr - rp, sr = area_s - qs + qr;
     bool outside_p = ((((qr + mask_p) ^ mask_p) | ((rp + mask_p) ^ mask_p) | ((pq + mask_p) ^ mask_p)) < 0);
     bool outside_s = ((((mask_s - qr) ^ mask_s) | ((qs + mask_s) ^ mask_s) | ((sr + mask_s) ^ mask_s)) < 0);
     float z_p = p.z + float(rp) * slope_p.x + float(pq) * slope_p.y;
     float z_s = s.z + float(qs) * slope_s.x + float(sr) * slope_s.y;
-    float z = kMiss;
-    if (!outside_p && isSeen(z_p)) z = z_p;
-    if (!outside_s && isSeen(z_s)) z = z_s < z ? z_s : z;
-    any_seen = any_seen || z < kMiss;
-    if (z < kMiss) lowerTile(address, z);
-    bool wraps = k == next_wrap;
+    float z = min(heightSeen(outside_p, z_p), heightSeen(outside_s, z_s));
+    if (z < z_limit) {
+      lowerTile(uint(address), z);
+      any_seen = true;
+    }
+    bool wraps = address == row_end;
     qr += wraps ? wrap_qr : along_qr.x;
     rp += wraps ? wrap_rp : along_rp.x;
-    pq += wraps ? wrap_pq : along_pq.x;
     qs += wraps ? wrap_qs : along_qs.x;
-    sr += wraps ? wrap_sr : along_sr.x;
-    address += wraps ? wrap_address : 1u;
-    next_wrap += wraps ? steps.y + 1 : 0;
+    row_end += wraps ? stride : 0;
+    address += wraps ? wrap_address : 1;
   }
   if (any_seen) grow(seen, Box(first, last));
-  cut_short = cut_short || k < count;
+  cut_short = cut_short || address <= last_address;
 }
 
 // For larger triangles: row by row.
@@ -106,7 +103,7 @@ int crossing(ivec2 upper, ivec2 lower, int row) {
   return b;
 }
 
-void rasterBySpans(Vertex p, Vertex q, Vertex r, inout Box seen) {
+void rasterBySpans(Vertex p, Vertex q, Vertex r) {
   float z_low = min(p.z, min(q.z, r.z));
   if (z_low >= z_limit) return;
   float z_high = max(p.z, max(q.z, r.z));
@@ -159,41 +156,23 @@ void rasterBySpans(Vertex p, Vertex q, Vertex r, inout Box seen) {
 }
 
 // Triangles of a mesh, for lib/mesh.glsl.
-void visitQuad(Affine from_lattice, uint quad, bool large, inout Box seen) {
-  Vertex p = vertexOf(from_lattice, 4 * quad), q = vertexOf(from_lattice, 4 * quad + 1);
-  Vertex r = vertexOf(from_lattice, 4 * quad + 2), s = vertexOf(from_lattice, 4 * quad + 3);
-  if (TRIANGLES == 1 || (TRIANGLES == 3 && !large)) rasterBySamples(p, q, r, s, seen);
+void visitQuad(Affine from_lattice, uint quad, bool large) {
+  uvec4 pq = wordsOfFour(quads[2 * quad]), rs = wordsOfFour(quads[2 * quad + 1]);
+  Vertex p = vertexOf(from_lattice, pq.xy), q = vertexOf(from_lattice, pq.zw);
+  Vertex r = vertexOf(from_lattice, rs.xy), s = vertexOf(from_lattice, rs.zw);
+  if (TRIANGLES == 1 || (TRIANGLES == 3 && !large)) rasterBySamples(p, q, r, s);
   if (TRIANGLES == 2 || (TRIANGLES == 3 && large)) {
-    rasterBySpans(p, q, r, seen);
-    rasterBySpans(r, q, s, seen);
+    rasterBySpans(p, q, r);
+    rasterBySpans(r, q, s);
   }
-}
-
-// Samples of the box, whole taxels of them, are without a surface.
-void clearSamples(Box box) {
-  if (!isAny(box)) return;
-  uvec2 first = uvec2(box.first) / SAMPLES * SAMPLES;
-  uvec2 end = (uvec2(box.last) / SAMPLES + 1u) * SAMPLES;
-  for (uint row = first.x + gl_LocalInvocationIndex; row < end.x; row += WORKGROUP) {
-    for (uint address = row * tile_stride + first.y; address < row * tile_stride + end.y; ++address) tile[address] = kEmpty;
-  }
-}
-
-void clearUnder(Box reached) {
-  addToBox(kCleared, reached);
-  workgroupBarrier();
-  clearSamples(boxNumbered(kCleared));
 }
 
 // Instead of visitMesh(): the quads that find_candidates.comp has found.
-void visitCandidates(uint instance, Body body, Affine from_lattice, inout Box seen) {
-  uvec4 list = candidates[instance].list;
-  clearSamples(Box(ivec2(list.zw & 0xFFFFu), ivec2(list.zw >> 16)));
-  workgroupBarrier();
+void visitCandidates(uint instance, Body body, Affine from_lattice) {
   Affine X = atHand(from_lattice);
-  uint first = instance * kMostCandidates;
+  uint first = instance * kMostCandidates, count = candidates[instance].list.y;
   uint i = gl_LocalInvocationIndex;
-  for (; i < list.y; i += WORKGROUP) visitQuad(X, candidate_quads[first + i], (body.kind_groups.w & kLargeTriangles) != 0, seen);
-  cut_short = cut_short || i < list.y;
+  for (; i < count; i += WORKGROUP) visitQuad(X, candidate_quads[first + i], (body.kind_groups.w & kLargeTriangles) != 0);
+  cut_short = cut_short || i < count;
   workgroupBarrier();
 }

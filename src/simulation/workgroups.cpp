@@ -11,9 +11,9 @@ namespace {
 
 // Most samples of a tile, whatever the shared memory: more would leave a GPU's core too few workgroups.
 constexpr std::uint32_t kMaxTileSamples = 6144;
-// Shared memory of the contact pass beside the tile, at most: partial sums and lists, of clusters of kGroupsPerBatch groups, of kMaxRepeat
-// tiles.
-constexpr std::uint32_t kTileOverhead = 6656;
+// Shared memory of the contact pass beside the tile, at most: partial sums, planes and lists, of clusters of kGroupsPerBatch groups, of
+// kMaxRepeat tiles.
+constexpr std::uint32_t kTileOverhead = 6912;
 constexpr std::uint32_t kGroupsPerBatch = 32;
 
 std::uint32_t contactBytes(std::uint32_t tile_samples, std::uint32_t groups, std::uint32_t repeat) {

@@ -187,6 +187,36 @@ TEST_P(Coverage, OfASheetHasNoGap) {
   EXPECT_EQ(std::count(depths.begin(), depths.end(), 0.0f), 0);
 }
 
+// A triangle has the samples on its edges, whichever of them it would share with a partner that it has not.
+TEST(LoneTriangle, ReachesTheSamplesOnItsEdges) {
+  constexpr int kSide = 2;
+  constexpr double kDepth = 0.5 * kThickness;
+  std::vector<std::vector<Triangle>> drawn;
+  for (const bool turned : {false, true}) {
+    for (std::size_t first = 0; first < 3; ++first) {
+      std::vector<Triangle>& triangles = drawn.emplace_back();
+      for (int row = 0; row + kSide < kRows; row += kSide + 2) {
+        for (int col = 0; col + kSide < kCols; col += kSide + 2) {
+          const Triangle corners{Point{row * kUnit, col * kUnit, -kDepth}, Point{(row + kSide) * kUnit, col * kUnit, -kDepth},
+                                 Point{row * kUnit, (col + kSide) * kUnit, -kDepth}};
+          Triangle triangle{corners[first], corners[(first + 1) % 3], corners[(first + 2) % 3]};
+          if (turned) std::swap(triangle[0], triangle[1]);
+          triangles.push_back(triangle);
+        }
+      }
+      ASSERT_FALSE(chooseRaster(meshOf(triangles), {kSpacing, kCols}).large);
+    }
+  }
+  const std::vector<float> depths = depthsOf(sensorOfSamples(), drawn);
+  for (std::size_t k = 0; k < depths.size(); ++k) {
+    const int sample = static_cast<int>(k) % (kRows * kCols), row = sample / kCols, col = sample % kCols;
+    const int in_row = row % (kSide + 2), in_col = col % (kSide + 2);
+    const bool there = row - in_row + kSide < kRows && col - in_col + kSide < kCols;
+    ASSERT_NEAR(depths[k], there && in_row + in_col <= kSide ? kDepth : 0, kHeightRounding)
+        << "mesh " << k / (kRows * kCols) << ", sample " << sample;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Triangles, Coverage,
                          ::testing::Values(Kind{"Small", 400, 2.5, false}, Kind{"Tiny", 3000, 0.7, false}, Kind{"Large", 30, 40, true}),
                          [](const auto& of) { return std::string(of.param.name); });
