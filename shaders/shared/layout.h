@@ -132,7 +132,7 @@ struct CandidateRecord {
                           // until they are looked for again
   vec4 half_size;         // of that part, m; share of the steps ahead that is looked, where all were too many candidates
   vec4 low, high;         // how far points of the object may move along x, y, z of P, m; 0
-  uvec4 list;  // object + 1, 0 for none; number of candidates or kNoCandidates; 0, 0
+  uvec4 list;             // object + 1, 0 for none; number of candidates or kNoCandidates; 0, 0
 };
 
 // Lists of instances that passes go through, with as many workgroups as they need: columns, rows, 1 (VkDispatchIndirectCommand), entries.
