@@ -1,5 +1,5 @@
-// Two or four words of a buffer, fetched together. Mesa's older software driver fetches lane by lane and component by component, so that a word of 64 bits costs
-// it hardly more than one of 32; the newer one finds a lane's address once for all components. A GPU fetches a uvec4 in one go.
+// Two or four words of a buffer, fetched together. Mesa's older software driver fetches lane by lane and component by component, so that a word of 64 bits
+// costs it hardly more than one of 32; the newer one finds a lane's address once for all components. A GPU fetches a uvec4 in one go.
 #ifdef PAIRS_OF_64_BITS
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #define Pair uint64_t
