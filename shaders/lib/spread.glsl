@@ -49,7 +49,7 @@ Column columnAt(uint first_taxel, ivec2 at) {
   return column;
 }
 
-// Before the taxels of column `at` and, as nextColumn(), of each after it.
+// Once at the start of a row (or two), at its first taxel; then nextColumn() before each taxel, that one included.
 void startColumns(uint first_taxel, ivec2 at) {
   column_here = Column(vec4(0), vec4(0), vec4(0));
   column_after = columnAt(first_taxel, at);
