@@ -20,6 +20,7 @@
 
 #include "lib/pairs.glsl"
 #include "lib/barrier.glsl"
+#include "lib/texels.glsl"
 #include "shared/layout.h"
 #include "lib/specialization.glsl"
 layout(constant_id = 11) const uint TILE_SAMPLES = 1344;  // most samples of a tile
@@ -74,9 +75,9 @@ layout(std430, set = 0, binding = 0) readonly buffer Poses { PoseRecord poses[];
 layout(std430, set = 0, binding = 1) readonly buffer Instances { InstanceRecord instances[]; };
 layout(std430, set = 0, binding = 2) readonly buffer Step { StepRecord step_record; };
 layout(std430, set = 0, binding = 3) readonly buffer Objects { ObjectRecord objects[]; };
-layout(std430, set = 0, binding = 4) readonly buffer Groups { Four groups[]; };
-layout(std430, set = 0, binding = 5) readonly buffer Clusters { Four clusters[]; };
-layout(std430, set = 0, binding = 6) readonly buffer Quads { Four quads[]; };
+FOURS(4, Groups);
+FOURS(5, Clusters);
+FOURS(6, Quads);
 layout(std430, set = 0, binding = 7) readonly buffer Patches { PatchRecord patches[]; };
 layout(std430, set = 0, binding = 8) readonly buffer Tiles { TileRecord tiles[]; };
 layout(std430, set = 0, binding = 9) readonly buffer SpreadScale { float spread_scale[]; };
@@ -86,7 +87,7 @@ layout(std430, set = 0, binding = 12) writeonly buffer ContactDepth { float cont
 layout(std430, set = 0, binding = 13) buffer TileResults { TileResult tile_results[]; };
 layout(std430, set = 0, binding = 14) buffer Loads { LoadRecord loads[]; };
 layout(std430, set = 0, binding = 15) writeonly buffer Problems { uint problems[]; };
-layout(std430, set = 0, binding = 16) readonly buffer Faces { Four faces[]; };
+FOURS(16, Faces);
 layout(std430, set = 0, binding = 17) readonly buffer Motions { MotionRecord motions[]; };
 layout(std430, set = 0, binding = 18) buffer FrictionState { Pair friction_state[]; };
 layout(std430, set = 0, binding = 19) writeonly buffer ContactShear { float contact_shear[]; };

@@ -24,6 +24,7 @@
 
 #include "lib/pairs.glsl"
 #include "lib/barrier.glsl"
+#include "lib/texels.glsl"
 #include "shared/layout.h"
 #include "lib/specialization.glsl"
 layout(constant_id = 11) const uint NODE_ROWS = 12;
@@ -51,7 +52,7 @@ layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_reco
 layout(std430, set = 0, binding = 2) readonly buffer SensorBlock { SensorRecord sensor; };
 layout(std430, set = 0, binding = 3) readonly buffer Heights { uint heights[]; };
 layout(std430, set = 0, binding = 4) readonly buffer Windows { TileResult windows[]; };
-layout(std430, set = 0, binding = 5) readonly buffer Influence { Pair influence[]; };
+FOURS(5, Influence);
 layout(std430, set = 0, binding = 6) readonly buffer SpreadScale { float spread_scale[]; };
 layout(std430, set = 0, binding = 7) coherent buffer Layer { Pair layer[]; };
 layout(std430, set = 0, binding = 8) writeonly buffer ContactNormal { float contact_normal[]; };

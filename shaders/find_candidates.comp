@@ -7,8 +7,8 @@
 // Out: candidates (num_instances), candidate_quads (num_instances x kMostCandidates), work lists.
 // Shared memory: 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 16 bytes, with blocks 4 kBlocksPerBatch.
 
-#include "lib/pairs.glsl"
 #include "lib/barrier.glsl"
+#include "lib/texels.glsl"
 #include "shared/layout.h"
 #include "lib/specialization.glsl"
 layout(constant_id = 11) const bool FLAT = true;  // these as in contact.comp
@@ -20,9 +20,9 @@ layout(constant_id = 15) const bool BLOCKS = false;
 layout(std430, set = 0, binding = 0) readonly buffer Poses { PoseRecord poses[]; };
 layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
 layout(std430, set = 0, binding = 2) readonly buffer Objects { ObjectRecord objects[]; };
-layout(std430, set = 0, binding = 3) readonly buffer Groups { Four groups[]; };
-layout(std430, set = 0, binding = 4) readonly buffer Clusters { Four clusters[]; };
-layout(std430, set = 0, binding = 5) readonly buffer Quads { Four quads[]; };
+FOURS(3, Groups);
+FOURS(4, Clusters);
+FOURS(5, Quads);
 layout(std430, set = 0, binding = 6) readonly buffer Patches { PatchRecord patches[]; };
 layout(std430, set = 0, binding = 7) readonly buffer Tiles { TileRecord tiles[]; };
 layout(std430, set = 0, binding = 8) buffer Candidates { CandidateRecord candidates[]; };
@@ -49,7 +49,7 @@ bool cut_short = false;
 #include "lib/work_lists.glsl"
 
 void visitQuad(Affine from_lattice, uint quad, bool large) {
-  uvec4 pq = wordsOfFour(quads[2 * quad]), rs = wordsOfFour(quads[2 * quad + 1]);
+  uvec4 pq = fourOf(Quads, 2 * quad), rs = fourOf(Quads, 2 * quad + 1);
   Vertex p = vertexOf(from_lattice, pq.xy), q = vertexOf(from_lattice, pq.zw);
   Vertex r = vertexOf(from_lattice, rs.xy), s = vertexOf(from_lattice, rs.zw);
   const ivec2 kRounding = ivec2(2);  // of vertices to units, and to be sure

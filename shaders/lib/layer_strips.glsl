@@ -106,8 +106,9 @@ vec4 before1(vec4 a, vec4 b) { return vec4(a.w, b.xyz); }
 vec4 before2(vec4 a, vec4 b) { return vec4(a.zw, b.xy); }
 vec4 before3(vec4 a, vec4 b) { return vec4(a.yzw, b.x); }
 
-Strip readInfluence(uint pair) {
-  return Strip(floatsOf(influence[pair], influence[pair + 1]), floatsOf(influence[pair + 2], influence[pair + 3]));
+// Of a strip of the table.
+Strip readInfluence(uint number) {
+  return Strip(uintBitsToFloat(fourOf(Influence, 2 * number)), uintBitsToFloat(fourOf(Influence, 2 * number + 1)));
 }
 
 // Displacement of the nodes of strip `at` under array `kind`, over its sources.
@@ -121,12 +122,11 @@ Strip displacementAt(uvec2 at, uint kind) {
     uint distance = at.x > row ? at.x - row : row - at.x;
     uint k = source_first[row], end = source_end[row];
     // A row of the table has the distances from -kRowStrips strips up.
-    uint entry = (distance * 2 * kRowStrips + kRowStrips + at.y - k) * kStripPairs;
+    uint entry = distance * 2 * kRowStrips + kRowStrips + at.y - k;
     uint source = stripAddress(kind, uvec2(row, k));
     Strip next = readInfluence(entry);
     for (; k < end; ++k) {
-      entry -= kStripPairs;
-      Strip past = readInfluence(entry);
+      Strip past = readInfluence(--entry);
       vec4 x = floatsOf(layer[source], layer[source + 1]), y = floatsOf(layer[source + 2], layer[source + 3]);
       source += kStripPairs;
       vec4 middle1 = before1(past.high, next.low), middle2 = before2(past.high, next.low), middle3 = before3(past.high, next.low);

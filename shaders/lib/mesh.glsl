@@ -61,7 +61,7 @@ Vertex vertexOf(Affine from_lattice, uvec2 words) {
 
 // The box of a group or block; `items` is what it holds.
 bool groupReaches(Affine from_lattice, uint group, out uint items) {
-  uvec4 words = wordsOfFour(groups[group]);
+  uvec4 words = fourOf(Groups, group);
   items = words.w;
   return boxReaches(from_lattice, words.xyz);
 }
@@ -76,7 +76,7 @@ void visitListedGroups(Body body, Affine from_lattice) {
     // As bits first: the list is asked for room once for all that this invocation finds.
     uint reaching = 0;
     for (uint c = first, bit = 1u; c < end; c += WORKGROUP, bit <<= 1) {
-      if (boxReaches(X, wordsOfFour(clusters[c]).xyz)) reaching |= bit;
+      if (boxReaches(X, fourOf(Clusters, c).xyz)) reaching |= bit;
     }
     if (reaching == 0) continue;
     uint at = atomicAdd(num_listed_clusters, uint(bitCount(reaching)));

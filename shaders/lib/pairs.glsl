@@ -1,16 +1,12 @@
-// Two or four words of a buffer, fetched together. Mesa's older software driver fetches lane by lane and component by component, so that a word of 64 bits
-// costs it hardly more than one of 32; the newer one finds a lane's address once for all components. A GPU fetches a uvec4 in one go.
+// Two words of a buffer, fetched together. Mesa's older software driver fetches lane by lane and component by component, so that a word of 64 bits costs it
+// hardly more than one of 32; the newer one finds a lane's address once for all components.
 #ifdef PAIRS_OF_64_BITS
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #define Pair uint64_t
 #define wordsOf unpackUint2x32
 #define pairOf packUint2x32
-#define Four u64vec2
-uvec4 wordsOfFour(u64vec2 four) { return uvec4(unpackUint2x32(four.x), unpackUint2x32(four.y)); }
 #else
 #define Pair uvec2
 #define wordsOf
 #define pairOf
-#define Four uvec4
-#define wordsOfFour
 #endif

@@ -11,7 +11,7 @@ const float kSteepest = 1e-6;  // cosine to z
 
 // The plane over P of one of a body's faces: slopes, low, high.
 vec4 planeOf(uint face, Affine X_PO) {
-  vec4 face_O = uintBitsToFloat(wordsOfFour(faces[face]));
+  vec4 face_O = uintBitsToFloat(fourOf(Faces, face));
   vec3 n = vec3(dot(X_PO.row0.xyz, face_O.xyz), dot(X_PO.row1.xyz, face_O.xyz), dot(X_PO.row2.xyz, face_O.xyz));
   float offset = face_O.w + n.x * X_PO.row0.w + n.y * X_PO.row1.w + n.z * X_PO.row2.w;
   vec3 plane = vec3(n.xy, -offset) / max(abs(n.z), kSteepest);

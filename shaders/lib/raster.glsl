@@ -157,7 +157,7 @@ void rasterBySpans(Vertex p, Vertex q, Vertex r) {
 
 // Triangles of a mesh, for lib/mesh.glsl.
 void visitQuad(Affine from_lattice, uint quad, bool large) {
-  uvec4 pq = wordsOfFour(quads[2 * quad]), rs = wordsOfFour(quads[2 * quad + 1]);
+  uvec4 pq = fourOf(Quads, 2 * quad), rs = fourOf(Quads, 2 * quad + 1);
   Vertex p = vertexOf(from_lattice, pq.xy), q = vertexOf(from_lattice, pq.zw);
   Vertex r = vertexOf(from_lattice, rs.xy), s = vertexOf(from_lattice, rs.zw);
   if (TRIANGLES == 1 || (TRIANGLES == 3 && !large)) rasterBySamples(p, q, r, s);

@@ -1,12 +1,24 @@
 #include "cli/driver_advice.h"
 
-#include "base/mesa_version.h"
+#include <charconv>
+#include <string_view>
 
 namespace taxelsim::cli {
 namespace {
 
 // The oldest lavapipe whose shared memory and buffer loads are not taken apart lane by lane, of those that were measured.
 constexpr int kFastMesa = 25;
+
+// Major version of Mesa in what a driver says of itself; 0 where there is none.
+int majorOfMesa(std::string_view driver) {
+  constexpr std::string_view kMesa = "Mesa ";
+  const std::size_t at = driver.find(kMesa);
+  if (at == std::string_view::npos) return 0;
+  const std::string_view version = driver.substr(at + kMesa.size());
+  int major = 0;
+  std::from_chars(version.data(), version.data() + version.size(), major);
+  return major;
+}
 
 }  // namespace
 

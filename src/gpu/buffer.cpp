@@ -12,6 +12,8 @@ namespace {
 
 using Property = vk::MemoryPropertyFlagBits;
 
+constexpr std::size_t kTexelBytes = 16;  // and the least that a buffer has
+
 // First memory type that has all of the flags of the earliest entry of `wishes` that any type satisfies.
 std::optional<std::uint32_t> findMemoryType(const vk::PhysicalDeviceMemoryProperties& memory, std::uint32_t allowed,
                                             std::initializer_list<vk::MemoryPropertyFlags> wishes) {
@@ -46,14 +48,15 @@ std::string sizeText(std::size_t bytes) {
 }  // namespace
 
 Buffer::Buffer(Context& context, std::string name, std::size_t bytes, Domain domain)
-    : vulkan_(std::make_unique<Vulkan>()), name_(std::move(name)), bytes_(std::max<std::size_t>(bytes, 4)) {
+    : vulkan_(std::make_unique<Vulkan>()), name_(std::move(name)), bytes_(std::max(bytes, kTexelBytes)) {
   Context::Vulkan& vk_context = context.vulkan();
   using Usage = vk::BufferUsageFlagBits;
   checked("buffer \"" + name_ + "\" of " + sizeText(bytes_), "use a smaller batch size or another device", [&] {
     vulkan_->buffer =
         vk_context.device.createBuffer({{},
                                         bytes_,
-                                        Usage::eStorageBuffer | Usage::eIndirectBuffer | Usage::eTransferSrc | Usage::eTransferDst,
+                                        Usage::eStorageBuffer | Usage::eUniformTexelBuffer | Usage::eIndirectBuffer | Usage::eTransferSrc |
+                                            Usage::eTransferDst,
                                         vk::SharingMode::eExclusive});
     const vk::MemoryRequirements needs = vulkan_->buffer.getMemoryRequirements();
     const vk::PhysicalDeviceMemoryProperties memory = vk_context.physical.getMemoryProperties();
@@ -75,6 +78,20 @@ Buffer::Buffer(Context& context, std::string name, std::size_t bytes, Domain dom
     clear.submit();
     clear.wait();
   }
+}
+
+void Buffer::viewAsTexels(Context& context) const {
+  std::call_once(vulkan_->viewed, [&] {
+    Context::Vulkan& vk_context = context.vulkan();
+    const std::size_t most = vk_context.physical.getProperties().limits.maxTexelBufferElements;
+    if (bytes_ / kTexelBytes > most) {
+      throw Error(ErrorKind::kDevice, "buffer \"" + name_ + "\" of " + sizeText(bytes_) + ": the device reads at most " +
+                                          sizeText(most * kTexelBytes) + " as texels");
+    }
+    checked("texels of buffer \"" + name_ + "\"", "", [&] {
+      vulkan_->texels = vk_context.device.createBufferView({{}, *vulkan_->buffer, vk::Format::eR32G32B32A32Uint, 0, VK_WHOLE_SIZE});
+    });
+  });
 }
 
 Buffer::Buffer() = default;

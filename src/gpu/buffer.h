@@ -37,6 +37,9 @@ class Buffer {
     return {reinterpret_cast<T*>(mapped_.data()), mapped_.size() / sizeof(T)};
   }
 
+  // Makes it readable as texels of four words, once; any thread may. Throws Error(kDevice) where it has more of them than the device takes.
+  void viewAsTexels(Context& context) const;
+
   struct Vulkan;
   Vulkan& vulkan() const { return *vulkan_; }
 

@@ -1,5 +1,6 @@
 #include "gpu/commands.h"
 
+#include <array>
 #include <functional>
 #include <limits>
 #include <stdexcept>
@@ -81,8 +82,9 @@ Commands::Commands(Context& context, std::string name, std::uint32_t num_timesta
     : vulkan_(std::make_unique<Vulkan>(context, std::move(name))) {
   Context::Vulkan& vk_context = context.vulkan();
   checked("recording " + vulkan_->name, "", [&] {
-    const vk::DescriptorPoolSize size(vk::DescriptorType::eStorageBuffer, kMaxSets * 16);
-    vulkan_->descriptors = vk_context.device.createDescriptorPool({vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, kMaxSets, size});
+    const std::array<vk::DescriptorPoolSize, 2> sizes{{{vk::DescriptorType::eStorageBuffer, kMaxSets * 16},
+                                                       {vk::DescriptorType::eUniformTexelBuffer, kMaxSets * 4}}};
+    vulkan_->descriptors = vk_context.device.createDescriptorPool({vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, kMaxSets, sizes});
     vulkan_->pool = vk_context.device.createCommandPool({{}, vk_context.queue_family});
     vulkan_->commands =
         std::move(vk::raii::CommandBuffers(vk_context.device, {*vulkan_->pool, vk::CommandBufferLevel::ePrimary, 1}).front());
@@ -120,8 +122,12 @@ void Commands::bind(const Kernel& kernel, std::initializer_list<const Buffer*> b
   infos.reserve(buffers.size());
   std::vector<vk::WriteDescriptorSet> writes;
   for (const Buffer* buffer : buffers) {
+    const vk::DescriptorType type = vk_kernel.types[writes.size()];
+    const bool as_texels = type == vk::DescriptorType::eUniformTexelBuffer;
+    if (as_texels) buffer->viewAsTexels(vulkan_->context);
     infos.emplace_back(*buffer->vulkan().buffer, 0, VK_WHOLE_SIZE);
-    writes.emplace_back(*set, static_cast<std::uint32_t>(writes.size()), 0, 1, vk::DescriptorType::eStorageBuffer, nullptr, &infos.back());
+    writes.emplace_back(*set, static_cast<std::uint32_t>(writes.size()), 0, 1, type, nullptr, &infos.back(),
+                        as_texels ? &*buffer->vulkan().texels : nullptr);
   }
   vk_context.device.updateDescriptorSets(writes, {});
   vulkan_->kernels.push_back(&kernel);

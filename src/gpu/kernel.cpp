@@ -14,7 +14,7 @@ namespace {
 void checkInterface(const KernelOptions& options, const Reflection& reflection) {
   const std::string where = "kernel \"" + options.name + "\": ";
   if (!reflection.others.empty())
-    throw std::logic_error(where + "resource \"" + reflection.others.front() + "\" is no storage buffer of set 0");
+    throw std::logic_error(where + "resource \"" + reflection.others.front() + "\" is no storage or texel buffer of set 0");
   for (std::size_t i = 0; i < options.buffers.size(); ++i) {
     const auto found = reflection.buffers.find(static_cast<std::uint32_t>(i));
     const std::string shader_name = found == reflection.buffers.end() ? "nothing" : "\"" + found->second + "\"";
@@ -56,12 +56,15 @@ vk::raii::Pipeline compiled(Context::Vulkan& context, const KernelOptions& optio
 
 Kernel::Kernel(Context& context, const KernelOptions& options)
     : vulkan_(std::make_unique<Vulkan>()), name_(options.name), num_buffers_(options.buffers.size()) {
-  checkInterface(options, reflect(options.spirv));
+  const Reflection reflection = reflect(options.spirv);
+  checkInterface(options, reflection);
   Context::Vulkan& vk_context = context.vulkan();
   checked("building kernel " + name_, "", [&] {
     std::vector<vk::DescriptorSetLayoutBinding> bindings;
     for (std::uint32_t i = 0; i < num_buffers_; ++i) {
-      bindings.emplace_back(i, vk::DescriptorType::eStorageBuffer, 1, vk::ShaderStageFlagBits::eCompute);
+      vulkan_->types.push_back(reflection.texel_buffers.contains(i) ? vk::DescriptorType::eUniformTexelBuffer
+                                                                    : vk::DescriptorType::eStorageBuffer);
+      bindings.emplace_back(i, vulkan_->types.back(), 1, vk::ShaderStageFlagBits::eCompute);
     }
     vulkan_->set_layout = vk_context.device.createDescriptorSetLayout({{}, bindings});
     vulkan_->layout = vk_context.device.createPipelineLayout({{}, *vulkan_->set_layout});

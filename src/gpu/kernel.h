@@ -21,7 +21,8 @@ struct Constant {
 struct KernelOptions {
   std::string name;
   std::span<const std::uint32_t> spirv;  // must stay as long as the kernel
-  // Block names of the storage buffers by binding, 0, 1, ...; all in set 0. Must be exactly those of the shader.
+  // Block names of the storage buffers, names of the texel buffers, by binding, 0, 1, ...; all in set 0. Must be exactly those of the
+  // shader.
   std::vector<std::string> buffers;
   std::vector<Constant> constants;
 };

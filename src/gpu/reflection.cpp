@@ -13,6 +13,13 @@ void expect(spvc_result result, spvc_context context) {
   if (result != SPVC_SUCCESS) throw std::logic_error(std::string("shader reflection: ") + spvc_context_get_last_error_string(context));
 }
 
+bool isTexelBuffer(spvc_compiler compiler, const spvc_reflected_resource& resource) {
+  const spvc_type type = spvc_compiler_get_type_handle(compiler, resource.base_type_id);
+  const spvc_basetype base = spvc_type_get_basetype(type);
+  const bool is_image = base == SPVC_BASETYPE_IMAGE || base == SPVC_BASETYPE_SAMPLED_IMAGE;
+  return is_image && spvc_type_get_image_dimension(type) == SpvDimBuffer && !spvc_type_get_image_is_storage(type);
+}
+
 }  // namespace
 
 Reflection reflect(std::span<const std::uint32_t> spirv) {
@@ -37,6 +44,9 @@ Reflection reflect(std::span<const std::uint32_t> spirv) {
       const std::string name = spvc_compiler_get_name(compiler, list[i].base_type_id);
       if (type == SPVC_RESOURCE_TYPE_STORAGE_BUFFER && set == 0) {
         reflection.buffers[binding] = name;
+      } else if (isTexelBuffer(compiler, list[i]) && set == 0) {
+        reflection.buffers[binding] = list[i].name;
+        reflection.texel_buffers.insert(binding);
       } else {
         reflection.others.push_back(name);
       }

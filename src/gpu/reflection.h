@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,7 +11,8 @@
 namespace taxelsim::gpu {
 
 struct Reflection {
-  std::map<std::uint32_t, std::string> buffers;  // storage buffers of set 0, by binding; the name of the block
+  std::map<std::uint32_t, std::string> buffers;  // of set 0, by binding: the name of a storage buffer's block, or of a texel buffer
+  std::set<std::uint32_t> texel_buffers;         // which of these are read as texels
   std::vector<std::uint32_t> constants;          // ids of specialization constants, ascending
   std::vector<std::string> others;               // resources of a kind or set that kernels may not have
 };

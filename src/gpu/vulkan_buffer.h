@@ -2,6 +2,8 @@
 #pragma once
 
 #include <future>
+#include <mutex>
+#include <vector>
 
 #include "gpu/buffer.h"
 #include "gpu/kernel.h"
@@ -12,9 +14,12 @@ namespace taxelsim::gpu {
 struct Buffer::Vulkan {
   vk::raii::DeviceMemory memory = nullptr;  // before the buffer, so that it outlives it
   vk::raii::Buffer buffer = nullptr;
+  std::once_flag viewed;
+  vk::raii::BufferView texels = nullptr;  // once viewAsTexels() has been called
 };
 
 struct Kernel::Vulkan {
+  std::vector<vk::DescriptorType> types;  // of its buffers
   vk::raii::DescriptorSetLayout set_layout = nullptr;
   vk::raii::PipelineLayout layout = nullptr;
   std::shared_future<vk::raii::Pipeline> pipeline;  // after the layout, so that it is built before that goes

@@ -4,7 +4,6 @@
 #include <limits>
 #include <span>
 
-#include "base/mesa_version.h"
 #include "contacts.spv.h"
 #include "elastic_layer.spv.h"
 #include "elastic_layer_lockstep.spv.h"
@@ -238,10 +237,6 @@ std::span<const std::uint32_t> Model::Impl::spirvFor(const Spirv& spirv, std::ui
 gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const {
   const bool taxels_follow = std::any_of(law.taxel_passes.begin(), law.taxel_passes.end(),
                                          [](const TaxelPass& pass) { return pass.owner != TaxelPass::Owner::kTile; });
-  // Measured on software drivers: Mesa 25 takes longer to put 64-bit words together than it saves, GPUs fetch two words at once without it.
-  constexpr int kMesaWithoutPairs = 25;
-  const bool pairs = faster.pairs && device.info().type == DeviceType::kCpu && device.context().hasInt64() &&
-                     majorOfMesa(device.info().driver) < kMesaWithoutPairs;
   // Under friction or relaxation a search over tiles leaves the state of the samples alone: one more evaluation ends it.
   const Friction& skin_friction = sensor.skin.friction;
   const bool only_searches = hasFriction() && variant.search == kSearchOverTiles;
@@ -267,7 +262,7 @@ gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const 
                                          variant.list, law.taxel_passes.empty()});
   return {device.context(),
           {.name = law.kernel,
-           .spirv = spirvFor(pairs ? law.spirv_pairs : law.spirv, contact_workgroup),
+           .spirv = spirvFor(law.spirv, contact_workgroup),
            .buffers = {"Poses",       "Instances",  "Step",           "Objects", "Groups",        "Clusters",     "Quads",
                        "Patches",     "Tiles",      "SpreadScale",    "State",   "ContactNormal", "ContactDepth", "TileResults",
                        "Loads",       "Problems",   "Faces",          "Motions", "FrictionState", "ContactShear", "ContactCells",

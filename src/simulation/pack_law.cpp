@@ -6,12 +6,8 @@
 
 #include "contact_elastic_layer.spv.h"
 #include "contact_elastic_layer_lockstep.spv.h"
-#include "contact_elastic_layer_pairs.spv.h"
-#include "contact_elastic_layer_pairs_lockstep.spv.h"
 #include "contact_winkler.spv.h"
 #include "contact_winkler_lockstep.spv.h"
-#include "contact_winkler_pairs.spv.h"
-#include "contact_winkler_pairs_lockstep.spv.h"
 #include "deformation_mask.spv.h"
 #include "mass_spring_damper.spv.h"
 #include "proximity.spv.h"
@@ -39,7 +35,6 @@ struct Add {
   void operator()(const ElasticLayer&) const {
     packed = {.kernel = "contact_elastic_layer",
               .spirv = {k_contact_elastic_layer_spirv, k_contact_elastic_layer_lockstep_spirv},
-              .spirv_pairs = {k_contact_elastic_layer_pairs_spirv, k_contact_elastic_layer_pairs_lockstep_spirv},
               .reach = reach};
   }
   void operator()(const LuGre& law) const {
@@ -56,7 +51,6 @@ PackedLaw packLaw(const Skin& skin, float reach) {
   const Winkler foundation = foundationOf(skin);
   PackedLaw packed{.kernel = "contact_winkler",
                    .spirv = {k_contact_winkler_spirv, k_contact_winkler_lockstep_spirv},
-                   .spirv_pairs = {k_contact_winkler_pairs_spirv, k_contact_winkler_pairs_lockstep_spirv},
                    .parameters = {static_cast<float>(foundation.normal_contact_stiffness), static_cast<float>(foundation.normal_exponent),
                                   static_cast<float>(foundation.normal_damping)},
                    .has_state = foundation.normal_damping > 0};

@@ -30,7 +30,6 @@ struct Spirv {
 struct PackedLaw {
   std::string kernel;  // of the contact pass
   Spirv spirv;
-  Spirv spirv_pairs;                        // the same with words of 64 bits, shaders/lib/pairs.glsl
   float reach = 0;                          // up to which height over the skin surfaces matter, m
   std::array<float, 3> parameters{};        // LAW_0 .. LAW_2 of shaders/contact.comp
   bool has_state = false;                   // the law needs every sample's depth of the step before

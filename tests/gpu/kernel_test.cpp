@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "find_candidates.spv.h"
+#include "find_candidates_lockstep.spv.h"
 #include "gpu/kernel.h"
 #include "gpu/reflection.h"
 #include "load.spv.h"
@@ -18,6 +20,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using ::testing::Pair;
 
 gpu::KernelOptions loadKernel() {
@@ -42,7 +45,16 @@ TEST(Kernel, IsReflected) {
   const gpu::Reflection reflection = gpu::reflect(k_load_spirv);
   EXPECT_THAT(reflection.buffers, ElementsAre(Pair(0, "Instances"), Pair(1, "Step"), Pair(2, "TileResults"), Pair(3, "Loads")));
   EXPECT_THAT(reflection.constants, ElementsAre(0, 1, 2, 3));
+  EXPECT_TRUE(reflection.texel_buffers.empty());
   EXPECT_TRUE(reflection.others.empty());
+}
+
+TEST(Kernel, TexelBuffersAreReflectedByTheirOwnNames) {
+  const gpu::Reflection any = gpu::reflect(k_find_candidates_spirv), lockstep = gpu::reflect(k_find_candidates_lockstep_spirv);
+  EXPECT_EQ(lockstep.buffers, any.buffers);
+  EXPECT_THAT(any.texel_buffers, IsEmpty());
+  EXPECT_THAT(lockstep.texel_buffers, ElementsAre(3, 4, 5)) << "groups, clusters, quads";
+  EXPECT_THAT(lockstep.others, IsEmpty());
 }
 
 TEST(Kernel, AsDeclaredIsBuilt) {
