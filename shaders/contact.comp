@@ -67,14 +67,15 @@ const uint kSearchOverTiles = 2u;  // by load.comp, over all tiles
 const uint kSearchEnded = 3u;      // the frame of a sensor with friction or relaxation at the offsets that this search has found
 const bool kHasMesh = (KINDS & 1u) != 0;
 const bool kHasAnalytic = (KINDS & ~1u) != 0;
+const bool kOnlyPolyhedra = KINDS == (1u << kKindPolyhedron);
 // Heights go through the tile, but for a single analytic solid, whose heights are computed where they are summed; not a torus's, which take long, nor where
 // a sample's neighbours are asked for.
 bool usesTile() { return OUTPUT_JACOBIAN || kHasMesh || MANY_SLOTS || SEARCH == kSearchInTile || (KINDS & (1u << kKindTorus)) != 0; }
 
-layout(std430, set = 0, binding = 0) readonly buffer Poses { PoseRecord poses[]; };
+FOURS(0, Poses);
 layout(std430, set = 0, binding = 1) readonly buffer Instances { InstanceRecord instances[]; };
 layout(std430, set = 0, binding = 2) readonly buffer Step { StepRecord step_record; };
-layout(std430, set = 0, binding = 3) readonly buffer Objects { ObjectRecord objects[]; };
+FOURS(3, Objects);
 FOURS(4, Groups);
 FOURS(5, Clusters);
 FOURS(6, Quads);
@@ -147,7 +148,7 @@ void writeShear(uint taxel, vec2 shear) {
   contact_shear[2 * taxel + 1] = shear.y;
 }
 
-vec2 samplePosition(uvec2 sample_index) { return patch_corner + vec2(sample_index) * spacing; }
+vec2 samplePosition(vec2 sample_index) { return patch_corner + sample_index * spacing; }
 
 // An analytic solid into the tile, sample by sample over its bounds.
 void rasterAnalytic(Body body, vec4 parameters) {
@@ -260,7 +261,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
       }
       if (kHasAnalytic && (!kHasMesh || !is_mesh)) {
         if (isKind(body.kind_groups.x, kKindPolyhedron)) loadFaces(body.kind_groups.y, body.X_PO);
-        rasterAnalytic(body, objects[id].parameters);
+        rasterAnalytic(body, objectOf(id).parameters);
         grow(seen, samplesUnder(body));
       }
     }
@@ -294,7 +295,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
 
   // Stage 2, taxel by taxel; LANES partial sums of the wrench.
   vec4 parameters = vec4(0);
-  if (!usesTile()) parameters = objects[max(id, 0)].parameters;
+  if (!usesTile()) parameters = objectOf(max(id, 0)).parameters;
   uint first_taxel = instance * NUM_TAXELS + grid.z;
   const float kPerSample = 1.0 / float(SAMPLES * SAMPLES);
   bool at_rest = is_first || load_driven;
@@ -320,10 +321,13 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
       bool is_kept = kShears && isKept(in_patch, kept);
       Cell cell = noCell();
       bvec4 rim = bvec4(equal(in_patch, uvec2(0)), equal(in_patch + 1u, grid.xy)).xzyw;
+      vec2 first_sample = vec2(base + tile_taxel * SAMPLES);
       for (uint a = 0; a < SAMPLES; ++a) {
+        float x = samplePosition(first_sample + vec2(a, 0)).x;
+        if (!usesTile() && kOnlyPolyhedra) startRow(x);
         for (uint b = 0; b < SAMPLES; ++b) {
           uint address = (base.x + a) * tile_stride + base.y + b;
-          vec2 position = samplePosition(base + tile_taxel * SAMPLES + uvec2(a, b));
+          vec2 position = vec2(x, samplePosition(first_sample + vec2(0, b)).y);
           // Over z_base, with or without a tile: a batch may change between the two, and no bit may show it.
           float height;
           uint word = 0;
@@ -331,7 +335,7 @@ void contactOnTile(uint instance, uint tile_number, uint num_slots) {
             word = tile[address];
             height = withoutSlot(word);
           } else {
-            float z = analyticHeight(body.kind_groups.x, parameters, body.X_PO, position);
+            float z = kOnlyPolyhedra ? heightInRow(position.y) : analyticHeight(body.kind_groups.x, parameters, body.X_PO, position);
             height = NUM_ROWS > 0 || isSeen(z) ? max(z - z_base, 0.0) : kMiss;
           }
           if (kLawSolvedApart) {

@@ -17,9 +17,9 @@ layout(constant_id = 13) const float REACH = 0.0;
 layout(constant_id = 14) const uint GROUPS_PER_BATCH = 32;
 layout(constant_id = 15) const bool BLOCKS = false;
 
-layout(std430, set = 0, binding = 0) readonly buffer Poses { PoseRecord poses[]; };
+FOURS(0, Poses);
 layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
-layout(std430, set = 0, binding = 2) readonly buffer Objects { ObjectRecord objects[]; };
+FOURS(2, Objects);
 FOURS(3, Groups);
 FOURS(4, Clusters);
 FOURS(5, Quads);

@@ -11,6 +11,7 @@
 // In:  poses, objects, the sensor's patch.
 // Out: candidates (num_instances), work lists.
 
+#include "lib/texels.glsl"
 #include "shared/layout.h"
 #include "lib/specialization.glsl"
 layout(constant_id = 11) const bool FLAT = true;  // these as in contact.comp
@@ -18,9 +19,9 @@ layout(constant_id = 12) const bool OUTPUT_JACOBIAN = false;
 layout(constant_id = 13) const float REACH = 0.0;
 layout(constant_id = 14) const uint LISTED_PER_WORKGROUP = 16;
 
-layout(std430, set = 0, binding = 0) readonly buffer Poses { PoseRecord poses[]; };
+FOURS(0, Poses);
 layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
-layout(std430, set = 0, binding = 2) readonly buffer Objects { ObjectRecord objects[]; };
+FOURS(2, Objects);
 layout(std430, set = 0, binding = 3) readonly buffer Patches { PatchRecord patches[]; };
 layout(std430, set = 0, binding = 4) readonly buffer Tiles { TileRecord tiles[]; };
 layout(std430, set = 0, binding = 5) buffer Candidates { CandidateRecord candidates[]; };

@@ -16,12 +16,26 @@ bool outsideTile(vec3 center, vec3 half_size) {
          center.y + reach.y < tile_first.y || center.y - reach.y > tile_end.y - 1.0;
 }
 
-int objectInSlot(uint slot_index) { return wholeNumber(poses[slot_index].object.x); }
+// Rows that nobody asks for are not fetched.
+PoseRecord poseOf(uint slot_index) {
+  uint row = 4 * slot_index;
+  return PoseRecord(floatsOfFour(Poses, row), floatsOfFour(Poses, row + 1), floatsOfFour(Poses, row + 2), floatsOfFour(Poses, row + 3));
+}
+
+ObjectRecord objectOf(int id) {
+  uint row = 5 * uint(id);
+  return ObjectRecord(fourOf(Objects, row), floatsOfFour(Objects, row + 1), floatsOfFour(Objects, row + 2), floatsOfFour(Objects, row + 3),
+                      floatsOfFour(Objects, row + 4));
+}
+
+int objectInSlot(uint slot_index) { return wholeNumber(poseOf(slot_index).object.x); }
 
 Body bodyInSlot(uint slot_index, int id) {
+  PoseRecord pose = poseOf(slot_index);
+  ObjectRecord object = objectOf(id);
   Body body;
-  body.kind_groups = objects[id].kind_groups;
-  body.X_PO = Affine(poses[slot_index].row0, poses[slot_index].row1, poses[slot_index].row2);
+  body.kind_groups = object.kind_groups;
+  body.X_PO = Affine(pose.row0, pose.row1, pose.row2);
   body.X_PO.row2.w += offset_z;
   if (!FLAT) body.X_PO = compose(X_PS, body.X_PO);
   body.to_samples = body.X_PO;
@@ -29,7 +43,7 @@ Body bodyInSlot(uint slot_index, int id) {
   body.to_samples.row1.w -= patch_corner.y;
   body.to_samples.row0 /= spacing.x;
   body.to_samples.row1 /= spacing.y;
-  boundsOfImage(body.to_samples, objects[id].center.xyz, objects[id].half_size.xyz, body.center, body.half_size);
+  boundsOfImage(body.to_samples, object.center.xyz, object.half_size.xyz, body.center, body.half_size);
   body.near = !outsideTile(body.center, body.half_size);
   return body;
 }

@@ -108,7 +108,7 @@ vec4 before3(vec4 a, vec4 b) { return vec4(a.yzw, b.x); }
 
 // Of a strip of the table.
 Strip readInfluence(uint number) {
-  return Strip(uintBitsToFloat(fourOf(Influence, 2 * number)), uintBitsToFloat(fourOf(Influence, 2 * number + 1)));
+  return Strip(floatsOfFour(Influence, 2 * number), floatsOfFour(Influence, 2 * number + 1));
 }
 
 // Displacement of the nodes of strip `at` under array `kind`, over its sources.

@@ -16,7 +16,7 @@ shared uint num_listed_clusters;
 
 // To (u, v, z) as shaders/lib/subpixels.glsl has them.
 Affine fromLattice(Body body, int id) {
-  vec4 lattice = objects[id].lattice;
+  vec4 lattice = objectOf(id).lattice;
   vec4 middle = vec4(lattice.xyz, 1);
   float units = float(1 << subpixel_bits);
   Affine X;

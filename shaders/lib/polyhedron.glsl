@@ -11,7 +11,7 @@ const float kSteepest = 1e-6;  // cosine to z
 
 // The plane over P of one of a body's faces: slopes, low, high.
 vec4 planeOf(uint face, Affine X_PO) {
-  vec4 face_O = uintBitsToFloat(fourOf(Faces, face));
+  vec4 face_O = floatsOfFour(Faces, face);
   vec3 n = vec3(dot(X_PO.row0.xyz, face_O.xyz), dot(X_PO.row1.xyz, face_O.xyz), dot(X_PO.row2.xyz, face_O.xyz));
   float offset = face_O.w + n.x * X_PO.row0.w + n.y * X_PO.row1.w + n.z * X_PO.row2.w;
   vec3 plane = vec3(n.xy, -offset) / max(abs(n.z), kSteepest);
@@ -42,14 +42,16 @@ void loadFaces(uint first, Affine X_PO) {
 }
 #endif
 
-float polyhedronHeight(vec2 xy) {
-  float low = -kMiss, minus_high = -kMiss;
-  for (uint f = 0; f < FACES; ++f) {
-    float rise = face_slopes[f].x * xy.x + face_slopes[f].y * xy.y;
-    float down = rise + face_lows[f], up = rise + face_highs[f];
-    low = max(low, down);
-    minus_high = max(minus_high, up);
-  }
+// Rays of a row share x: where the planes of the faces are there at y = 0.
+vec2 row_planes[FACES];
+void startRow(float x) {
+  for (uint f = 0; f < FACES; ++f) row_planes[f] = face_slopes[f].x * x + vec2(face_lows[f], face_highs[f]);
+}
+
+float heightInRow(float y) {
+  vec2 inside = vec2(-kMiss);  // from the first to minus the second
+  for (uint f = 0; f < FACES; ++f) inside = max(inside, row_planes[f] + face_slopes[f].y * y);
+  float low = inside.x, minus_high = inside.y;
   bool hit = low <= -minus_high;
   // As triangles have it: where the side that looks down is too deep to be seen, the other one is next.
   if (NUM_ROWS == 0 && hit && low < z_floor) {
@@ -57,4 +59,9 @@ float polyhedronHeight(vec2 xy) {
     low = -minus_high;
   }
   return hit ? low : kMiss;
+}
+
+float polyhedronHeight(vec2 xy) {
+  startRow(xy.x);
+  return heightInRow(xy.y);
 }

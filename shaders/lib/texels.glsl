@@ -9,3 +9,4 @@
 #define FOURS(number, Name) layout(std430, set = 0, binding = number) readonly buffer Name { uvec4 fours_of_##Name[]; }
 #define fourOf(Name, index) fours_of_##Name[index]
 #endif
+#define floatsOfFour(Name, index) uintBitsToFloat(fourOf(Name, index))

@@ -3,7 +3,7 @@
 
 const uint kRounds = (NUM_ROWS * NUM_COLS + LANES - 1u) / LANES;
 // No "||": Mesa 22.3 builds no pipeline with one in a constant expression.
-const bool kPassesOver = LEAVE_UNTOUCHED && KINDS == (1u << kKindPolyhedron) && NUM_ROWS > 0 && NUM_TILES == 1 && kRounds <= 32 && !OUTPUT_JACOBIAN &&
+const bool kPassesOver = LEAVE_UNTOUCHED && kOnlyPolyhedra && NUM_ROWS > 0 && NUM_TILES == 1 && kRounds <= 32 && !OUTPUT_JACOBIAN &&
                          !MANY_SLOTS && SEARCH != kSearchInTile && RELAXATION == 0 && !HAS_STATE && !kShears && !kLawSolvedApart;
 
 // Those of `lane` in a rectangle of taxels, by lower bounds of both sides' heights over a taxel's samples, less what a sample's own height is rounded by;
