@@ -82,8 +82,8 @@ Commands::Commands(Context& context, std::string name, std::uint32_t num_timesta
     : vulkan_(std::make_unique<Vulkan>(context, std::move(name))) {
   Context::Vulkan& vk_context = context.vulkan();
   checked("recording " + vulkan_->name, "", [&] {
-    const std::array<vk::DescriptorPoolSize, 2> sizes{{{vk::DescriptorType::eStorageBuffer, kMaxSets * 16},
-                                                       {vk::DescriptorType::eUniformTexelBuffer, kMaxSets * 4}}};
+    const std::array<vk::DescriptorPoolSize, 2> sizes{
+        {{vk::DescriptorType::eStorageBuffer, kMaxSets * 16}, {vk::DescriptorType::eUniformTexelBuffer, kMaxSets * 4}}};
     vulkan_->descriptors = vk_context.device.createDescriptorPool({vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, kMaxSets, sizes});
     vulkan_->pool = vk_context.device.createCommandPool({{}, vk_context.queue_family});
     vulkan_->commands =
