@@ -1,4 +1,4 @@
-// Four words of a buffer that no kernel writes, fetched together. Included after lib/barrier.glsl.
+// Four words of a buffer that no kernel writes, fetched together.
 //
 // With LOCKSTEP as texels: a software driver checks bounds and loads word by word and lane by lane where it reads a storage buffer, but a lane's texel
 // of 128 bits with one check and one load. A GPU fetches a uvec4 in one go.

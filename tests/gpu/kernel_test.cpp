@@ -53,7 +53,7 @@ TEST(Kernel, TexelBuffersAreReflectedByTheirOwnNames) {
   const gpu::Reflection any = gpu::reflect(k_find_candidates_spirv), lockstep = gpu::reflect(k_find_candidates_lockstep_spirv);
   EXPECT_EQ(lockstep.buffers, any.buffers);
   EXPECT_THAT(any.texel_buffers, IsEmpty());
-  EXPECT_THAT(lockstep.texel_buffers, ElementsAre(3, 4, 5)) << "groups, clusters, quads";
+  EXPECT_THAT(lockstep.texel_buffers, ElementsAre(0, 2, 3, 4, 5)) << "poses, objects, groups, clusters, quads";
   EXPECT_THAT(lockstep.others, IsEmpty());
 }
 
