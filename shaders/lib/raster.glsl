@@ -56,12 +56,14 @@ void rasterBySamples(Vertex p, Vertex q, Vertex r, Vertex s) {
     int pq = area_p - qr - rp, sr = area_s - qs + qr;
     bool outside_p = ((((qr + mask_p) ^ mask_p) | ((rp + mask_p) ^ mask_p) | ((pq + mask_p) ^ mask_p)) < 0);
     bool outside_s = ((((mask_s - qr) ^ mask_s) | ((qs + mask_s) ^ mask_s) | ((sr + mask_s) ^ mask_s)) < 0);
-    float z_p = p.z + float(rp) * slope_p.x + float(pq) * slope_p.y;
-    float z_s = s.z + float(qs) * slope_s.x + float(sr) * slope_s.y;
-    float z = min(heightSeen(outside_p, z_p), heightSeen(outside_s, z_s));
-    if (z < z_limit) {
-      lowerTile(uint(address), z);
-      any_seen = true;
+    if (!outside_p || !outside_s) {
+      float z_p = p.z + float(rp) * slope_p.x + float(pq) * slope_p.y;
+      float z_s = s.z + float(qs) * slope_s.x + float(sr) * slope_s.y;
+      float z = min(heightSeen(outside_p, z_p), heightSeen(outside_s, z_s));
+      if (z < z_limit) {
+        lowerTile(uint(address), z);
+        any_seen = true;
+      }
     }
     bool wraps = address == row_end;
     qr += wraps ? wrap_qr : along_qr.x;
