@@ -101,7 +101,8 @@ double deviceSeconds(const Model& model, const Scene& scene, const Replay& repla
     const int size = std::min(slice_size, num_episodes - first);
     Simulator simulator(model, {.num_instances = size,
                                 .seed = scene.seed,
-                                .outputs = {.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false}});
+                                .outputs = {.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false},
+                                .device_clock = true});
     std::vector<Pose> X_SO(size);
     const auto step = [&](int frame) {
       for (int i = 0; i < size; ++i) X_SO[i] = replay.X_SO[static_cast<std::size_t>(first + i) * replay.num_steps + frame];
@@ -229,6 +230,7 @@ int run(const Options& options) {
   GenerateOptions generate_options;
   generate_options.batch_size = options.batch_size;
   generate_options.num_slices = options.num_slices;
+  generate_options.device_clock = true;
   generate(device, with_poses, scratch.path() / "poses", generate_options);
   const Replay replay = replayOf(scratch.path() / "poses", scene);
   fs::remove_all(scratch.path() / "poses");

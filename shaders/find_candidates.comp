@@ -49,9 +49,8 @@ bool cut_short = false;
 #include "lib/work_lists.glsl"
 
 void visitQuad(Affine from_lattice, uint quad, bool large) {
-  uvec4 pq = fourOf(Quads, 2 * quad), rs = fourOf(Quads, 2 * quad + 1);
-  Vertex p = vertexOf(from_lattice, pq.xy), q = vertexOf(from_lattice, pq.zw);
-  Vertex r = vertexOf(from_lattice, rs.xy), s = vertexOf(from_lattice, rs.zw);
+  Vertex p, q, r, s;
+  fetchQuad(from_lattice, quad, p, q, r, s);
   const ivec2 kRounding = ivec2(2);  // of vertices to units, and to be sure
   Box reached = Box(firstSample(min(min(p.at, q.at), min(r.at, s.at)) + motion_low - kRounding),
                     lastSample(max(max(p.at, q.at), max(r.at, s.at)) + motion_high + kRounding));

@@ -122,7 +122,7 @@ CaseResult runCase(const Device& device, const Sensor& sensor, const Case& work,
   PeerFrame ours;
   // The last frame of the first turn is what everybody must agree on: objects have slid there.
   const std::vector<Poses> first_turn = framesOf(work, 0);
-  TaxelsimPeer first(model, num_instances, true);
+  TaxelsimPeer first(model, num_instances, true, false);
   for (const Poses& poses : first_turn) first.run(poses.ids, poses.X_SO, ours);
   result.touched = touchedFraction(ours);
 
@@ -139,7 +139,7 @@ CaseResult runCase(const Device& device, const Sensor& sensor, const Case& work,
   }
   ours = {};
 
-  TaxelsimPeer simulator(model, num_instances, false);
+  TaxelsimPeer simulator(model, num_instances, false, true);
   PeerResult own{.name = simulator.name(), .what = simulator.what(), .num_instances = work.numInstances()};
   PeerFrame none;
   // Times are per frame of the batch.

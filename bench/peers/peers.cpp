@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "peers/bar_chart.h"
+#include "peers/batch_sizes.h"
 #include "peers/cases.h"
 #include "peers/contest.h"
 #include "taxelsim/error.h"
@@ -25,7 +26,7 @@ struct Options {
   std::string json, plot, device;
   std::vector<std::string> arrays, cases, peers;
   std::vector<int> instances;
-  bool sweep = false;
+  bool sweep = false, batches = false;
   ContestOptions contest;
 };
 
@@ -39,6 +40,10 @@ Options completed(Options options) {
     byDefault(options.arrays, std::vector<std::string>{"6x14", "10x10", "100x100"});
     byDefault(options.instances, std::vector<int>{64, 256, 1024, 4096, 16384, 65536});
     byDefault(options.peers, std::vector<std::string>{"embree", "embree_box"});
+  }
+  if (options.batches) {
+    byDefault(options.cases, std::vector<std::string>{"ellipsoid_5120"});
+    byDefault(options.instances, std::vector<int>{64, 512, 1024, 2048, 4096, 16384, 65536});
   }
   byDefault(options.cases, caseNames());
   byDefault(options.arrays, std::vector<std::string>{"6x14"});
@@ -68,6 +73,21 @@ void checkFolder(const char* option, const std::string& file) {
     throw Error(ErrorKind::kInput, std::string(option) + " " + file + ": there is no such folder");
 }
 
+// Of every case and array the batch sizes against each other.
+nlohmann::ordered_json runBatchSizes(const Device& device, CaseMaker& maker, const std::vector<Sensor>& sensors, const Options& options) {
+  nlohmann::ordered_json results = nlohmann::ordered_json::array();
+  const int largest = *std::max_element(options.instances.begin(), options.instances.end());
+  for (const std::string& name : options.cases) {
+    for (const Sensor& sensor : sensors) {
+      const BatchSizes result =
+          timeBatchSizes(device, sensor, maker.make(name, sensor, largest), options.instances, options.contest.repetitions);
+      print(result);
+      results.push_back(toJson(result));
+    }
+  }
+  return results;
+}
+
 int run(const Options& given) {
   Options options = completed(given);
   checkNames(options);
@@ -91,6 +111,16 @@ int run(const Options& given) {
   std::printf("%s\n%s, %d repetitions\n\n", heading.c_str(), sensor.name.c_str(), options.contest.repetitions);
 
   CaseMaker maker(options.prism);
+  if (options.batches) {
+    const nlohmann::ordered_json cases = runBatchSizes(device, maker, sensors, options);
+    if (!options.json.empty())
+      writeJson(options.json, {{"bench", "peers --batches"},
+                               {"machine", where},
+                               {"sensor", sensor.name},
+                               {"repetitions", options.contest.repetitions},
+                               {"cases", cases}});
+    return 0;
+  }
   std::vector<CaseResult> results;
   bool complete = true;
   for (const std::string& name : options.cases) {
@@ -148,6 +178,10 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 1 << 20));
   app.add_flag("--sweep", options.sweep,
                "Batches of 64 to 65,536, arrays of 6x14, 10x10 and 100x100, one case, Embree alone beside taxelsim");
+  app.add_flag("--batches", options.batches, "The same frames in batches of 64 to 65,536, in turns: is time linear in instances? No peers")
+      ->excludes("--sweep")
+      ->excludes("--peers")
+      ->excludes("--plot");
   app.add_option("--repetitions", options.contest.repetitions, "Timed turns")->check(CLI::Range(1, 10000))->capture_default_str();
   app.add_option("--threads", options.contest.threads, "Threads of every peer on the CPU; 0 for one per core")
       ->check(CLI::Range(0, 1024))

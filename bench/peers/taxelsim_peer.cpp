@@ -8,9 +8,10 @@ namespace {
 
 constexpr double kDt = 1e-3;  // s
 
-SimulatorOptions optionsOf(int num_instances, bool with_forces) {
+SimulatorOptions optionsOf(int num_instances, bool with_forces, bool device_clock) {
   return {.num_instances = num_instances,
-          .outputs = {.tactile_normal_force = with_forces, .tactile_shear_force = false, .penetration_depth = false}};
+          .outputs = {.tactile_normal_force = with_forces, .tactile_shear_force = false, .penetration_depth = false},
+          .device_clock = device_clock};
 }
 
 PeerFeatures featuresOf(const FeatureView& view, std::size_t i) {
@@ -26,8 +27,8 @@ PeerFeatures featuresOf(const FeatureView& view, std::size_t i) {
 
 }  // namespace
 
-TaxelsimPeer::TaxelsimPeer(const Model& model, int num_instances, bool with_forces)
-    : with_forces_(with_forces), simulator_(model, optionsOf(num_instances, with_forces)) {}
+TaxelsimPeer::TaxelsimPeer(const Model& model, int num_instances, bool with_forces, bool device_clock)
+    : with_forces_(with_forces), simulator_(model, optionsOf(num_instances, with_forces, device_clock)) {}
 
 std::string TaxelsimPeer::what() const {
   return "taxelsim on " + simulator_.model().device().info().name;

@@ -10,8 +10,8 @@ namespace taxelsim::bench {
 
 class TaxelsimPeer : public Peer {
  public:
-  // `with_forces`: taxels' forces come back, too. A frame asks for what the peer was made for.
-  TaxelsimPeer(const Model& model, int num_instances, bool with_forces);
+  // `with_forces`: taxels' forces come back, too. A frame asks for what the peer was made for. `device_clock`: for timing().
+  TaxelsimPeer(const Model& model, int num_instances, bool with_forces, bool device_clock);
 
   std::string name() const override { return "taxelsim"; }
   std::string what() const override;

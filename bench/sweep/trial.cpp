@@ -26,7 +26,8 @@ Model modelOf(const Device& device, const SweepCase& work, const std::optional<S
 // Counts and features, as bench/peers times them; with forces the checked batch.
 SimulatorOptions optionsOf(int num_instances, bool with_forces) {
   return {.num_instances = num_instances,
-          .outputs = {.tactile_normal_force = with_forces, .tactile_shear_force = false, .penetration_depth = false}};
+          .outputs = {.tactile_normal_force = with_forces, .tactile_shear_force = false, .penetration_depth = false},
+          .device_clock = !with_forces};
 }
 
 void place(Simulator& simulator, const Batch& batch) {

@@ -21,17 +21,18 @@ struct Progress {
 };
 
 struct GenerateOptions {
-  int batch_size = 2048;  // instances over all slices, >= 1; does not change a byte of the data set
-  int num_slices = 2;     // slices of the batch in flight, >= 1; the same
+  int batch_size = 2048;      // instances over all slices, >= 1; does not change a byte of the data set
+  int num_slices = 2;         // slices of the batch in flight, >= 1; the same
+  bool device_clock = false;  // whether GenerateTimes::device_busy is measured; SimulatorOptions::device_clock
   // Called on the caller's thread a few times a second and at the end.
-  std::function<void(const Progress&)> on_progress;
+  std::function<void(const Progress&)> on_progress{};
   // When it becomes true, shards under way are given up (complete ones stay) and generate() returns.
   const std::atomic<bool>* stop = nullptr;
 };
 
 // Where Progress::seconds went.
 struct GenerateTimes {
-  double device_busy = 0;   // s the device computed, by its own clock, which may be missing: NaN
+  double device_busy = 0;   // s the device computed, by its own clock, which may be missing or not asked for: NaN
   double device_wait = 0;   // s the caller's thread, which has scheduler and controllers, waited for the device
   double writer_wait = 0;   // s it waited for the writer's: shards under way filled the memory set aside for them
   double writing_last = 0;  // s from the last frame until the last shard was on disk

@@ -43,6 +43,8 @@ struct SimulatorOptions {
   int max_contacts = 0;
   int max_regions = 0;         // rows of contact features for connected taxels, 0 to 8; 0 where no such features are asked for
   double contact_band = 1e-4;  // m, 0 to 1: how far over the undeformed skin a contact still counts; below, it is the skin's thickness
+  // Whether timing() tells seconds. Software Vulkan wakes its threads for every time stamp, some 0.2 ms a step.
+  bool device_clock = false;
 };
 
 // How one instance's readout differs from the sensor's nominal one.
@@ -159,7 +161,7 @@ struct MemoryPlan {
   std::uint64_t max_instances = 0;  // that fit into this device's memory and buffer limits
 };
 
-// Of the last frame. Seconds from the device's own clock; NaN where it has none.
+// Of the last frame. Seconds from the device's own clock; NaN where it has none, or was not asked for (SimulatorOptions::device_clock).
 struct StepTiming {
   double contact = 0;
   double image = 0;  // with the contact features and the tactile Jacobian

@@ -59,6 +59,14 @@ Vertex vertexOf(Affine from_lattice, uvec2 words) {
   return Vertex(wholeNumbers(image.xy), image.z);
 }
 
+void fetchQuad(Affine from_lattice, uint quad, out Vertex p, out Vertex q, out Vertex r, out Vertex s) {
+  uvec4 pq = fourOf(Quads, 2 * quad), rs = fourOf(Quads, 2 * quad + 1);
+  p = vertexOf(from_lattice, pq.xy);
+  q = vertexOf(from_lattice, pq.zw);
+  r = vertexOf(from_lattice, rs.xy);
+  s = vertexOf(from_lattice, rs.zw);
+}
+
 // The box of a group or block; `items` is what it holds.
 bool groupReaches(Affine from_lattice, uint group, out uint items) {
   uvec4 words = fourOf(Groups, group);

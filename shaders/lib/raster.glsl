@@ -159,9 +159,8 @@ void rasterBySpans(Vertex p, Vertex q, Vertex r) {
 
 // Triangles of a mesh, for lib/mesh.glsl.
 void visitQuad(Affine from_lattice, uint quad, bool large) {
-  uvec4 pq = fourOf(Quads, 2 * quad), rs = fourOf(Quads, 2 * quad + 1);
-  Vertex p = vertexOf(from_lattice, pq.xy), q = vertexOf(from_lattice, pq.zw);
-  Vertex r = vertexOf(from_lattice, rs.xy), s = vertexOf(from_lattice, rs.zw);
+  Vertex p, q, r, s;
+  fetchQuad(from_lattice, quad, p, q, r, s);
   if (TRIANGLES == 1 || (TRIANGLES == 3 && !large)) rasterBySamples(p, q, r, s);
   if (TRIANGLES == 2 || (TRIANGLES == 3 && large)) {
     rasterBySpans(p, q, r);

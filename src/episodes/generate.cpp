@@ -143,7 +143,8 @@ void Run::simulate(const Model& model, const EpisodePlan& plan, ShardQueue& queu
 GenerateResult generate(const Device& device, const Scene& scene, const std::filesystem::path& directory, const GenerateOptions& options) {
   checkRun(scene, options);
   checkHostMemory(scene, options);
-  const EpisodePlan plan(scene, outputsOf(scene));
+  EpisodePlan plan(scene, outputsOf(scene));
+  plan.device_clock = options.device_clock;
   const Manifest manifest = manifestOf(scene, device);
   // What cannot run leaves no directory behind.
   const Model model(device, modelOptionsOf(scene));

@@ -53,7 +53,8 @@ SimulatorOptions EpisodePlan::simulatorOptions(int num_instances) const {
           .num_slots = 1,
           .seed = scene.seed,
           .outputs = outputs,
-          .max_regions = outputs.contact_features || outputs.clean_contact_features ? numRegions(scene) : 0};
+          .max_regions = outputs.contact_features || outputs.clean_contact_features ? numRegions(scene) : 0,
+          .device_clock = device_clock};
 }
 
 Slice::Slice(const Model& model, const EpisodePlan& plan, int num_instances, EpisodeSink& sink)

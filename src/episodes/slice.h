@@ -39,6 +39,7 @@ struct EpisodePlan {
   bool wants_jacobian = false;     // at the tactile Jacobian,
   bool wants_exact_angle = false;  // or at the true angle
   std::vector<TrueEdge> edges;     // of the objects
+  bool device_clock = false;       // Tally::device_seconds is wanted
 
   SimulatorOptions simulatorOptions(int num_instances) const;
 };
@@ -52,7 +53,8 @@ class Slice {
     std::uint64_t num_load_misses = 0;
     double control_seconds = 0;  // what controllers, robots and objects took on the host, from this frame to the next
     double wait_seconds = 0;     // for the device
-    double device_seconds = 0;   // that the device took for the frame, by its own clock; NaN where it has none
+    double device_seconds =
+        0;  // that the device took for the frame, by its own clock; NaN where it has none, or the plan does not ask for it
   };
 
   // Every instance takes its first episode from the sink; what the device will run is compiled. Throws what Simulator throws. `plan` and

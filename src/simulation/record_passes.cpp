@@ -8,7 +8,7 @@ gpu::Commands Simulator::Impl::record(const FrameKind& kind) {
   const Model::Impl& m = *model.impl();
   const auto n = static_cast<std::uint32_t>(options.num_instances);
   const BatchBuffers& b = buffers;
-  gpu::Commands commands(m.device.context(), "a frame", 3);
+  gpu::Commands commands(m.device.context(), "a frame", options.device_clock ? 3 : 0);
   commands.barrier(gpu::Access::kHostWrite, gpu::Access::kKernel);
   commands.timestamp(0);
   if (takesContacts()) {

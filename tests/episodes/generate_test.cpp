@@ -120,7 +120,8 @@ TEST(Generate, MakesAgainWhatIsMissing) {
 // What the shares of a benchmark are made of.
 TEST(Generate, TellsWhereTheTimeWent) {
   const TestDirectory directory;
-  const auto [progress, times, complete, num_load_misses] = generateWith(exampleScene(), directory.path(), 8, 2);
+  const auto [progress, times, complete, num_load_misses] =
+      generate(device(), exampleScene(), directory.path(), {.batch_size = 8, .num_slices = 2, .device_clock = true});
   EXPECT_GT(times.device_busy, 0);
   EXPECT_GT(times.device_wait, 0);
   EXPECT_GT(times.writing_last, 0);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "simulation/comparison.h"
 #include "support/random_scene.h"
@@ -301,6 +302,22 @@ TEST(Batch, OutputsNotAskedForAreEmpty) {
   EXPECT_TRUE(a.ground_truth.penetration_depth.empty());
   EXPECT_EQ(support::measuredBitsOf(a, 0, 1), support::measuredBitsOf(b, 0, 1));
   EXPECT_EQ(a.ground_truth.total_force[0], b.ground_truth.total_force[0]);
+}
+
+TEST(Batch, TheDeviceClockRunsWhereAskedForAndDoesNotShow) {
+  const Sensor sensor = support::gridSensor();
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.005})}});
+  Simulator unasked(model, {}), asked(model, {.device_clock = true});
+  for (Simulator* simulator : {&unasked, &asked}) {
+    support::setTouches(*simulator, {{{0}, {{.position = {0, 0, 0.0045}}}}});
+    simulator->step(kDt);
+  }
+  EXPECT_EQ(support::bitsOf(unasked.read(), 0, 1), support::bitsOf(asked.read(), 0, 1));
+  EXPECT_TRUE(std::isnan(unasked.timing().total));
+  const StepTiming timing = asked.timing();
+  EXPECT_GT(timing.contact, 0);
+  EXPECT_GT(timing.image, 0);
+  EXPECT_NEAR(timing.contact + timing.image, timing.total, 1e-9);
 }
 
 }  // namespace

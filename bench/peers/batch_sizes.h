@@ -1,0 +1,32 @@
+// Whether time is linear in instances: the same frames in batches of several sizes, all in turns.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "peers/cases.h"
+#include "taxelsim/device.h"
+
+namespace taxelsim::bench {
+
+struct BatchSizes {
+  struct Size {
+    int num_instances = 0;
+    std::vector<double> seconds{};  // (repetitions): of all frames, in batches of num_instances, poses in to features out
+    std::vector<double> ratios{};   // (repetitions): frames/s over those of the largest batch in the same turn
+  };
+
+  std::string name, array;
+  std::size_t num_frames = 0;  // of a turn: the largest batch
+  std::vector<Size> sizes;     // ascending
+};
+
+// `work` has the instances of the largest batch, of which each size is a divisor. Throws what Model and Simulator throw, and Error(kInput)
+// for sizes that divide nothing.
+BatchSizes timeBatchSizes(const Device& device, const Sensor& sensor, const Case& work, std::vector<int> sizes, int repetitions);
+
+void print(const BatchSizes& result);
+nlohmann::ordered_json toJson(const BatchSizes& result);
+
+}  // namespace taxelsim::bench
