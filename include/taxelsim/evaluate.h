@@ -67,8 +67,9 @@ struct Evaluation {
 struct EvaluateOptions {
   int batch_size = 2048;  // instances over all slices, >= 1; does not change a verdict
   int num_slices = 2;
-  // As in GenerateOptions; num_episodes counts those of all controllers.
-  std::function<void(const Progress&)> on_progress;
+  // Called after every turn of a slice by a thread of evaluate()'s own; num_episodes counts those of all controllers. What it throws
+  // evaluate() throws.
+  std::function<void(const Progress&)> on_progress{};
   const std::atomic<bool>* stop = nullptr;  // evaluate() then returns the controllers that are done
 };
 

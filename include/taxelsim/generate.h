@@ -24,7 +24,7 @@ struct GenerateOptions {
   int batch_size = 2048;      // instances over all slices, >= 1; does not change a byte of the data set
   int num_slices = 2;         // slices of the batch in flight, >= 1; the same
   bool device_clock = false;  // whether GenerateTimes::device_busy is measured; SimulatorOptions::device_clock
-  // Called on the caller's thread a few times a second and at the end.
+  // Called a few times a second, by a thread of generate()'s own, and at the end, by the caller's. What it throws generate() throws.
   std::function<void(const Progress&)> on_progress{};
   // When it becomes true, shards under way are given up (complete ones stay) and generate() returns.
   const std::atomic<bool>* stop = nullptr;
@@ -33,7 +33,7 @@ struct GenerateOptions {
 // Where Progress::seconds went.
 struct GenerateTimes {
   double device_busy = 0;   // s the device computed, by its own clock, which may be missing or not asked for: NaN
-  double device_wait = 0;   // s the caller's thread, which has scheduler and controllers, waited for the device
+  double device_wait = 0;   // s the thread with scheduler and controllers waited for the device
   double writer_wait = 0;   // s it waited for the writer's: shards under way filled the memory set aside for them
   double writing_last = 0;  // s from the last frame until the last shard was on disk
 };

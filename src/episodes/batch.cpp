@@ -1,8 +1,10 @@
 #include "episodes/batch.h"
 
 #include <algorithm>
+#include <future>
 #include <string>
 
+#include "base/background.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -48,30 +50,34 @@ std::vector<int> cutBatch(const Model& model, const EpisodePlan& plan, int batch
   return sizes;
 }
 
-void playEpisodes(std::span<const std::unique_ptr<Slice>> slices, const std::atomic<bool>* stop,
+void playEpisodes(const Device& device, std::span<const std::unique_ptr<Slice>> slices, const std::atomic<bool>* stop,
                   const std::function<void(const Slice::Tally&)>& after_turn) {
-  for (const auto& slice : slices) {
-    if (slice->busy()) slice->submit();
-  }
-  bool any_busy = true;
-  while (any_busy) {
-    any_busy = false;
+  const auto turns = [&] {
+    if (device.info().type == DeviceType::kCpu) goToBackground();
     for (const auto& slice : slices) {
-      if (!slice->busy()) continue;
-      if (stop && stop->load(std::memory_order_relaxed)) {
-        for (const auto& other : slices) {
-          if (other->busy()) other->abandon();
-        }
-        return;
-      }
-      const Slice::Tally tally = slice->collect();
-      if (slice->busy()) {
-        slice->submit();
-        any_busy = true;
-      }
-      after_turn(tally);
+      if (slice->busy()) slice->submit();
     }
-  }
+    bool any_busy = true;
+    while (any_busy) {
+      any_busy = false;
+      for (const auto& slice : slices) {
+        if (!slice->busy()) continue;
+        if (stop && stop->load(std::memory_order_relaxed)) {
+          for (const auto& other : slices) {
+            if (other->busy()) other->abandon();
+          }
+          return;
+        }
+        const Slice::Tally tally = slice->collect();
+        if (slice->busy()) {
+          slice->submit();
+          any_busy = true;
+        }
+        after_turn(tally);
+      }
+    }
+  };
+  std::async(std::launch::async, turns).get();
 }
 
 }  // namespace taxelsim

@@ -25,8 +25,9 @@ ModelOptions modelOptionsOf(const Scene& scene);
 std::vector<int> cutBatch(const Model& model, const EpisodePlan& plan, int batch_size, int num_slices);
 
 // Plays all episodes. Slices take turns: when a slice's turn comes its frame is read and its next one started; meanwhile the others' frames
-// are computed. `after_turn` hears what each turn brought. When *stop (or null) becomes true, what is under way is given up.
-void playEpisodes(std::span<const std::unique_ptr<Slice>> slices, const std::atomic<bool>* stop,
+// are computed. `after_turn` hears what each turn brought. When *stop (or null) becomes true, what is under way is given up. All of this
+// happens on a thread of its own, in the background where `device` is the processor; returns when it has ended, and throws what was thrown.
+void playEpisodes(const Device& device, std::span<const std::unique_ptr<Slice>> slices, const std::atomic<bool>* stop,
                   const std::function<void(const Slice::Tally&)>& after_turn);
 
 }  // namespace taxelsim

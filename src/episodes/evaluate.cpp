@@ -172,7 +172,7 @@ std::vector<Evaluation> evaluate(const Device& device, const Scene& scene, const
       judges.push_back(std::make_unique<Judge>(plan, next, verdicts, size));
       slices.push_back(std::make_unique<Slice>(model, plan, size, *judges.back()));
     }
-    playEpisodes(slices, options.stop, [&](const Slice::Tally& tally) {
+    playEpisodes(device, slices, options.stop, [&](const Slice::Tally& tally) {
       progress.frames_done += tally.num_frames;
       progress.episodes_done += tally.num_episodes;
       progress.seconds = std::chrono::duration<double>(Clock::now() - start).count();

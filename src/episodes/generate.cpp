@@ -122,7 +122,7 @@ void Run::simulate(const Model& model, const EpisodePlan& plan, ShardQueue& queu
     slices.push_back(std::make_unique<Slice>(model, plan, size, *sinks.back()));
   }
   start_ = last_report_ = Clock::now();
-  playEpisodes(slices, options_.stop, [&](const Slice::Tally& tally) {
+  playEpisodes(model.device(), slices, options_.stop, [&](const Slice::Tally& tally) {
     progress().frames_done += tally.num_frames;
     progress().episodes_done += tally.num_episodes;
     result_.num_load_misses += tally.num_load_misses;

@@ -2,11 +2,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <numbers>
+#include <stdexcept>
 
 #include "example_scene.h"
 #include "taxelsim/error.h"
@@ -96,6 +98,25 @@ TEST(Evaluate, VerdictsDependOnNeitherBatchNorSlices) {
   const std::vector<Evaluation> whole = evaluate(device, scene, {}, {.batch_size = 24, .num_slices = 1, .on_progress = {}});
   const std::vector<Evaluation> cut = evaluate(device, scene, {}, {.batch_size = 7, .num_slices = 3, .on_progress = {}});
   for (std::size_t e = 0; e < scene.num_episodes; ++e) EXPECT_TRUE(sameBytes(whole[0].verdicts[e], cut[0].verdicts[e])) << e;
+}
+
+// The caller's own thread keeps its share of the processor, and hears of what went wrong on the other.
+TEST(Evaluate, EpisodesArePlayedInTheBackground) {
+  const int before = ::getpriority(PRIO_PROCESS, 0);
+  const Device device = Device::open();
+  int there = 0;
+  const auto listen = [&](const Progress&) {
+    there = ::getpriority(PRIO_PROCESS, 0);
+    throw std::runtime_error("enough");
+  };
+  try {
+    evaluate(device, alignScene(), {}, {.on_progress = listen});
+    FAIL() << "no error";
+  } catch (const std::runtime_error& error) {
+    EXPECT_STREQ(error.what(), "enough");
+  }
+  EXPECT_EQ(::getpriority(PRIO_PROCESS, 0), before);
+  EXPECT_EQ(there, device.info().type == DeviceType::kCpu ? std::min(before + 10, 19) : before);
 }
 
 TEST(Evaluate, WhatLeavesIsLost) {
