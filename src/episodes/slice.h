@@ -53,8 +53,7 @@ class Slice {
     std::uint64_t num_load_misses = 0;
     double control_seconds = 0;  // what controllers, robots and objects took on the host, from this frame to the next
     double wait_seconds = 0;     // for the device
-    double device_seconds =
-        0;  // that the device took for the frame, by its own clock; NaN where it has none, or the plan does not ask for it
+    double device_seconds = 0;   // of the device for the frame, by its own clock; NaN where it has none or was not asked for
   };
 
   // Every instance takes its first episode from the sink; what the device will run is compiled. Throws what Simulator throws. `plan` and
