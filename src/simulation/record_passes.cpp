@@ -49,7 +49,6 @@ void Simulator::Impl::recordObjects(gpu::Commands& commands, const FrameKind& ki
   const auto num_tiles = static_cast<std::uint32_t>(m.contact_packed.tiles.size());
   const bool over_tiles = with_loads && !m.layer && !m.packed.searches_in_tile;
   const bool with_jacobian = wantsJacobian(options.outputs) && !m.layer;
-  const bool with_candidates = !with_loads && keepsCandidates(m, options);
   const Model::Impl::ContactVariant variant{.search = over_tiles   ? kSearchOverTiles
                                                       : with_loads ? kSearchInTile
                                                                    : kNoSearch,
@@ -57,7 +56,7 @@ void Simulator::Impl::recordObjects(gpu::Commands& commands, const FrameKind& ki
                                             .with_depth = !m.layer && options.outputs.penetration_depth,
                                             .with_shear = !m.layer && withShear(),
                                             .with_jacobian = with_jacobian && !over_tiles,  // a search over tiles only searches
-                                            .list = with_candidates ? layout::kListWithout : layout::kNumLists};
+                                            .list = keeps_candidates && !with_loads ? layout::kListWithout : layout::kNumLists};
   const BatchBuffers& b = buffers;
   // Of a law that is solved apart, the contact pass leaves heights and where they are.
   const gpu::Buffer* contact_out = m.layer ? &b.heights : &b.contact_normal;
@@ -97,8 +96,8 @@ void Simulator::Impl::recordObjects(gpu::Commands& commands, const FrameKind& ki
     }
     commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
   };
-  if (with_candidates) recordCandidates(commands, with_jacobian);
-  if (kind.candidates) {
+  if (kind.candidates != Candidates::kLeft) recordCandidates(commands, with_jacobian);
+  if (kind.candidates == Candidates::kUsed) {
     Model::Impl::ContactVariant with = variant;
     with.list = layout::kListWith;
     contact_pass(with);

@@ -67,7 +67,10 @@ float shareOfTheWay(double dt, double time) {
 }  // namespace
 
 Simulator::Impl::Impl(const Model& of, const SimulatorOptions& with)
-    : model(of), options(with), buffers((checkBatchFits(*of.impl(), with), *of.impl()), with) {
+    : model(of),
+      options(with),
+      buffers((checkBatchFits(*of.impl(), with), *of.impl()), with),
+      keeps_candidates(keepsCandidates(*of.impl(), with)) {
   clocks.resize(static_cast<std::size_t>(with.num_instances));
   const std::span<layout::PoseRecord> poses = buffers.poses.mappedAs<layout::PoseRecord>();
   for (layout::PoseRecord& pose : poses) pose = packPose(kNoObject, {});
@@ -97,7 +100,8 @@ void Simulator::Impl::place(std::size_t slot_index, int id, const Pose& X_SO) {
 }
 
 gpu::Commands& Simulator::Impl::commands(const FrameKind& kind) {
-  std::optional<gpu::Commands>& list = recorded[(kind.loads ? 1u : 0u) + (kind.random ? 2u : 0u) + (kind.candidates ? 4u : 0u)];
+  std::optional<gpu::Commands>& list =
+      recorded[(kind.loads ? 1u : 0u) + (kind.random ? 2u : 0u) + 4u * static_cast<unsigned>(kind.candidates)];
   if (!list) list = record(kind);
   return *list;
 }
@@ -280,7 +284,10 @@ void Simulator::prepare(bool loads) {
   const bool random = impl_->anyRandom();
   std::vector<Impl::FrameKind> kinds{{.random = random}};
   if (loads) kinds.push_back({.loads = true, .random = random});
-  if (keepsCandidates(*impl_->model.impl(), impl_->options)) kinds.push_back({.random = random, .candidates = true});
+  if (impl_->keeps_candidates) {
+    for (const auto candidates : {Impl::Candidates::kKept, Impl::Candidates::kUsed})
+      kinds.push_back({.random = random, .candidates = candidates});
+  }
   for (const Impl::FrameKind& kind : kinds) impl_->commands(kind);  // the kernels of all are compiled at once
   for (const Impl::FrameKind& kind : kinds) impl_->commands(kind).finish();
 }
@@ -315,9 +322,12 @@ void Simulator::step(double dt) {
                        impl.buffers.motions.mappedAs<layout::MotionRecord>());
   }
   if (any_load && !m.layer && !m.packed.searches_in_tile) impl.startSearch();
-  const bool apart = impl.any_candidates && !any_load;
+  impl.keeping = impl.keeps_candidates && !any_load && impl.candidate_schedule.keeps();
+  const bool apart = impl.keeping && impl.any_candidates;
   impl.buffers.step.mappedAs<layout::StepRecord>()[0].candidates.x = apart;
-  impl.running = &impl.commands({.loads = any_load, .random = impl.anyRandom(), .candidates = apart});
+  using Candidates = Impl::Candidates;
+  const Candidates candidates = !impl.keeping ? Candidates::kLeft : apart ? Candidates::kUsed : Candidates::kKept;
+  impl.running = &impl.commands({.loads = any_load, .random = impl.anyRandom(), .candidates = candidates});
   impl.running->submit();
 }
 
@@ -330,6 +340,7 @@ FrameView Simulator::read() {
                    static_cast<int>(work[layout::kListWith].w)};
     impl.running = nullptr;
     impl.any_candidates = work[layout::kNumLists].x > 0;
+    if (impl.keeping) impl.candidate_schedule.found(impl.any_candidates);
     if (impl.buffers.problems.read<std::uint32_t>()[0] != 0) {
       throw Error(ErrorKind::kDevice,
                   "the driver cut loops of a kernel short (software Vulkan stops after 65,535 turns), so this frame is incomplete; "

@@ -9,6 +9,7 @@
 
 #include "gpu/commands.h"
 #include "simulation/batch_buffers.h"
+#include "simulation/candidate_schedule.h"
 #include "simulation/clock.h"
 #include "simulation/motions.h"
 #include "taxelsim/simulator.h"
@@ -38,11 +39,17 @@ struct Simulator::Impl {
   // The record of a step of dt. Throws Error(kInput) when the delay is longer than the device keeps.
   layout::StepRecord stepRecord(double dt);
 
+  // What becomes of candidates in a frame.
+  enum class Candidates {
+    kLeft,  // nothing: no instance has any, and lists of work stand as the frame that found this out has left them
+    kKept,  // they are kept and found
+    kUsed,  // the same, and some instance may have some before
+  };
   // What the commands of a frame differ in.
   struct FrameKind {
-    bool loads = false;       // some instance is driven by load
-    bool random = false;      // some instance draws noise or gains
-    bool candidates = false;  // some instance may have candidates
+    bool loads = false;   // some instance is driven by load
+    bool random = false;  // some instance draws noise or gains
+    Candidates candidates = Candidates::kLeft;
   };
   // Recorded when first wanted; not finished.
   gpu::Commands& commands(const FrameKind& kind);
@@ -60,10 +67,13 @@ struct Simulator::Impl {
   BatchBuffers buffers;
   std::vector<Clock> clocks;
   StepHistory history;
-  std::uint32_t num_steps = 0;     // taken so far, by all instances together
-  bool any_candidates = false;     // after the last frame
+  std::uint32_t num_steps = 0;  // taken so far, by all instances together
+  bool keeps_candidates;        // of instances that no load drives
+  bool any_candidates = false;  // after the last frame
+  bool keeping = false;         // the frame that is running keeps them
+  CandidateSchedule candidate_schedule;
   std::optional<Motions> motions;  // of a sensor with friction
-  std::array<std::optional<gpu::Commands>, 8> recorded;
+  std::array<std::optional<gpu::Commands>, 12> recorded;
   gpu::Commands* running = nullptr;
   StepTiming timing;
 };

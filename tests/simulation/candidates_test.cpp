@@ -1,10 +1,12 @@
 // Candidates: which way an instance's mesh is looked at, all of it or what was near some steps before, shows in no bit.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
 
+#include "simulation/candidate_schedule.h"
 #include "simulation/comparison.h"
 #include "support/plain.h"
 #include "support/random_scene.h"
@@ -91,18 +93,17 @@ Run run(const Scene& scene, const std::vector<std::vector<Touch>>& steps, const 
 }
 
 // At least so many of all frames must have had candidates, or nothing is tested.
-void expectNoneShows(const Scene& scene, double coherent) {
-  const auto steps = slowPaths(scene, 11);
+void expectNoneShows(const Scene& scene, const std::vector<std::vector<Touch>>& steps, double coherent) {
   const Run plain = run(scene, steps, "candidates");
   const Run faster = run(scene, steps, "");
   EXPECT_EQ(plain.num_coherent, 0);
-  EXPECT_GT(faster.num_coherent, coherent * kInstances * kSteps);
-  for (int step = 0; step < kSteps; ++step) {
-    for (int i = 0; i < kInstances; ++i) {
-      const std::size_t at = static_cast<std::size_t>(step * kInstances + i);
-      ASSERT_EQ(faster.bits[at], plain.bits[at]) << "step " << step << ", instance " << i;
-    }
-  }
+  EXPECT_GT(faster.num_coherent, coherent * static_cast<double>(plain.bits.size()));
+  for (std::size_t at = 0; at < plain.bits.size(); ++at)
+    ASSERT_EQ(faster.bits[at], plain.bits[at]) << "step " << at / kInstances << ", instance " << at % kInstances;
+}
+
+void expectNoneShows(const Scene& scene, double coherent) {
+  expectNoneShows(scene, slowPaths(scene, 11), coherent);
 }
 
 Scene sceneOf(Sensor sensor) {
@@ -116,6 +117,37 @@ Scene sceneOf(Sensor sensor) {
 
 TEST(Candidates, DoNotShow) {
   expectNoneShows(sceneOf(support::gridSensor()), 0.3);
+}
+
+// Objects that go from sensor to sensor for so long that candidates are no longer looked after, and slow ones again.
+TEST(Candidates, OfObjectsThatBecomeSlow) {
+  constexpr int kFast = 10;
+  const Scene scene = sceneOf(support::gridSensor());
+  std::vector<std::vector<Touch>> steps = slowPaths(scene, 11);
+  for (int k = 0; k < kFast; ++k) {
+    std::vector<Touch> handed_on = steps.front();
+    std::rotate(handed_on.begin(), handed_on.begin() + 1, handed_on.end());
+    steps.insert(steps.begin(), handed_on);
+  }
+  expectNoneShows(scene, steps, 0.1);
+}
+
+TEST(CandidateSchedule, PausesForEverLongerWhereThereAreNone) {
+  CandidateSchedule schedule;
+  std::string frames;
+  const auto run = [&](int num_frames, bool any) {
+    for (frames.clear(); num_frames > 0; --num_frames) {
+      const bool keeps = schedule.keeps();
+      frames += keeps ? 'k' : '-';
+      if (keeps) schedule.found(any);
+    }
+    return frames;
+  };
+  EXPECT_EQ(run(6, true), "kkkkkk");
+  EXPECT_EQ(run(30, false), "kk----kk--------kk------------");
+  EXPECT_EQ(run(100, false), "----kk" + std::string(32, '-') + "kk" + std::string(32, '-') + "kk" + std::string(26, '-'));
+  EXPECT_EQ(run(12, true), "------kkkkkk");
+  EXPECT_EQ(run(8, false), "kk----kk");  // as if there had never been none
 }
 
 TEST(Candidates, OfAMeshOfBlocks) {
