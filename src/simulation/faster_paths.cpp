@@ -11,13 +11,14 @@
 namespace taxelsim {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, bool FasterPaths::*>, 7> kNames{{{"pairs", &FasterPaths::pairs},
+constexpr std::array<std::pair<std::string_view, bool FasterPaths::*>, 8> kNames{{{"pairs", &FasterPaths::pairs},
                                                                                   {"polyhedra", &FasterPaths::polyhedra},
                                                                                   {"blocks", &FasterPaths::blocks},
                                                                                   {"untouched", &FasterPaths::untouched},
                                                                                   {"candidates", &FasterPaths::candidates},
                                                                                   {"lockstep", &FasterPaths::lockstep},
-                                                                                  {"alone", &FasterPaths::alone}}};
+                                                                                  {"alone", &FasterPaths::alone},
+                                                                                  {"awake", &FasterPaths::awake}}};
 
 void switchOff(FasterPaths& paths, std::string_view name) {
   bool is_known = false;

@@ -11,6 +11,7 @@ struct FasterPaths {
   bool candidates = true;  // quads of a mesh that moves slowly are looked for once in some steps
   bool lockstep = true;    // workgroups that are one vector of a software driver go without barriers and read texels
   bool alone = true;       // an instance per invocation in the image pass
+  bool awake = true;       // cores that do not halt between short steps on software Vulkan
 };
 
 // All, but for those that TAXELSIM_PLAIN names: names with commas between them, or "all". Throws Error(kInput) for another name.

@@ -74,6 +74,7 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
     checkObject(object);
     bounds.push_back(std::holds_alternative<Mesh>(object.shape) ? boundsOf(object) : cutBounds(object));
   }
+  if (faster.awake) device.context().keepCoresAwake();
   const DeviceInfo& info = device.info();
   num_taxels = static_cast<std::uint32_t>(numTaxels(sensor));
   const std::uint32_t tile_samples = mostTileSamples(info);

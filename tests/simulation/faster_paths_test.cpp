@@ -182,7 +182,7 @@ TEST(FasterPaths, AnUnknownNameIsRefused) {
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kInput);
     EXPECT_STREQ(error.what(),
-                 "TAXELSIM_PLAIN: \"pears\" is not allowed: pairs, polyhedra, blocks, untouched, candidates, lockstep, alone, all");
+                 "TAXELSIM_PLAIN: \"pears\" is not allowed: pairs, polyhedra, blocks, untouched, candidates, lockstep, alone, awake, all");
   }
 }
 

@@ -1,0 +1,97 @@
+#include "base/awake_cores.h"
+
+#include <pthread.h>
+#include <sched.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <string>
+#include <system_error>
+
+namespace taxelsim {
+namespace {
+
+// Of a larger machine, small batches do not reach all cores.
+constexpr int kMostThreads = 16;
+
+// Whether a control group of this process, or one above it, has a quota of processor time.
+bool hasQuota() {
+  std::ifstream groups("/proc/self/cgroup");
+  const auto limits = [](const std::filesystem::path& file, const std::string& none) {
+    std::ifstream in(file);
+    std::string quota;
+    return static_cast<bool>(in >> quota) && quota != none;
+  };
+  const std::filesystem::path root = "/sys/fs/cgroup";
+  // In a container, its own group is the root.
+  if (limits(root / "cpu.max", "max") || limits(root / "cpu/cpu.cfs_quota_us", "-1")) return true;
+  for (std::string line; std::getline(groups, line);) {  // hierarchy:controllers:/path
+    const std::size_t at = line.find(":/");
+    if (at == std::string::npos) continue;
+    for (std::filesystem::path path = line.substr(at + 2); !path.empty(); path = path.parent_path()) {
+      if (limits(root / path / "cpu.max", "max") || limits(root / "cpu" / path / "cpu.cfs_quota_us", "-1")) return true;
+    }
+  }
+  return false;
+}
+
+int numCores() {
+  cpu_set_t cores;
+  return sched_getaffinity(0, sizeof(cores), &cores) == 0 ? CPU_COUNT(&cores) : 1;
+}
+
+}  // namespace
+
+void AwakeCores::start() {
+  std::call_once(started_, [this] {
+    if (hasQuota()) return;
+    try {
+      for (int n = std::min(numCores(), kMostThreads); n > 0; --n) {
+        threads_.emplace_back([this] { keepAwake(); });
+        ++num_threads_;
+      }
+    } catch (const std::system_error&) {  // NOLINT(bugprone-empty-catch): no more threads may be started; fewer do
+    }
+  });
+}
+
+AwakeCores::~AwakeCores() {
+  calls_ = kEnd;
+  calls_.notify_all();
+  for (std::thread& thread : threads_) {
+    // On a busy machine it would hardly come to see that.
+    const sched_param parameters{};
+    pthread_setschedparam(thread.native_handle(), SCHED_OTHER, &parameters);
+    thread.join();
+  }
+}
+
+void AwakeCores::stayAwake() {
+  // Never kEnd. Of calls at the same time one may be lost, and another counts.
+  calls_ = (calls_ + 1) & std::numeric_limits<int>::max();
+  if (num_awake_ < num_threads_) calls_.notify_all();
+}
+
+void AwakeCores::keepAwake() {
+  const sched_param parameters{};
+  if (pthread_setschedparam(pthread_self(), SCHED_IDLE, &parameters) != 0) {
+    --num_threads_;
+    return;
+  }
+  using Clock = std::chrono::steady_clock;
+  for (int seen = 0; seen != kEnd;) {
+    calls_.wait(seen);
+    ++num_awake_;
+    seen = calls_;
+    for (Clock::time_point last = Clock::now(); seen != kEnd && Clock::now() - last < kAwake;) {
+      const int now = calls_;
+      if (now != seen) last = Clock::now();
+      seen = now;
+    }
+    --num_awake_;
+  }
+}
+
+}  // namespace taxelsim
