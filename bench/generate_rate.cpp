@@ -9,7 +9,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -140,12 +139,12 @@ double firstFrameSeconds(const Options& options, const fs::path& cache) {
   posix_spawn_file_actions_t actions;
   ::posix_spawn_file_actions_init(&actions);
   ::posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   pid_t child = 0;
   int status = -1;
   const int refused = ::posix_spawn(&child, options.program.c_str(), &actions, nullptr, arguments.data(), environ);
   if (!refused) ::waitpid(child, &status, 0);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double seconds = watch.seconds();
   ::posix_spawn_file_actions_destroy(&actions);
   if (refused || status != 0) throw Error(ErrorKind::kIo, options.program + ": did not compute a frame");
   return seconds;
@@ -169,9 +168,9 @@ std::uint64_t bytesIn(const fs::path& directory) {
 void generateOnce(const Device& device, Scene scene, const fs::path& directory, const GenerateOptions& options, double device_seconds,
                   std::uint64_t num_frames, Level& level) {
   scene.compression = level.compression;
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const GenerateResult result = generate(device, scene, directory, options);
-  level.end_to_end.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  level.end_to_end.push_back(watch.seconds());
   if (!result.complete || result.progress.frames_done != num_frames) throw Error(ErrorKind::kIo, directory.string() + ": not complete");
   const double seconds = result.progress.seconds;
   level.seconds.push_back(seconds);

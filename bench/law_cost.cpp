@@ -2,7 +2,6 @@
 // poses: in one process, in turns, so that what else the machine does meets all of them.
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <functional>
@@ -124,11 +123,11 @@ class Run {
     if (cold_) {
       for (std::size_t i = 0; i < ids_.size(); ++i) simulator_->reset(static_cast<int>(i), i);
     }
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     simulator_->setObjects(ids_, here_);
     simulator_->step(kDt);
     const FrameView frame = simulator_->read();
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double seconds = watch.seconds();
     for (const float force : frame.ground_truth.total_force) blank_ += !(force > 0);
     for (const float residual : frame.ground_truth.contact_residual) {
       largest_residual_ = std::max(largest_residual_, static_cast<double>(residual));

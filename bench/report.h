@@ -1,6 +1,7 @@
 // Repeated measurements, and what a results file says about the machine they were taken on.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -8,6 +9,15 @@
 #include "taxelsim/device.h"
 
 namespace taxelsim::bench {
+
+// Runs from its making on.
+class Stopwatch {
+ public:
+  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
 
 struct Summary {
   double median = 0, min = 0, max = 0;

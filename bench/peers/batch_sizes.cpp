@@ -1,13 +1,11 @@
 #include "peers/batch_sizes.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <memory>
 #include <span>
 
 #include "peers/taxelsim_peer.h"
-#include "report.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim::bench {
@@ -16,10 +14,10 @@ namespace {
 // All frames of the case, a batch after another.
 double secondsOfAll(TaxelsimPeer& simulator, const Poses& poses, std::size_t num_instances) {
   PeerFrame none;
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   for (std::size_t first = 0; first < poses.ids.size(); first += num_instances)
     simulator.run(std::span(poses.ids).subspan(first, num_instances), std::span(poses.X_SO).subspan(first, num_instances), none);
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return watch.seconds();
 }
 
 }  // namespace
@@ -39,7 +37,7 @@ BatchSizes timeBatchSizes(const Device& device, const Sensor& sensor, const Case
     if (work.numInstances() % static_cast<std::size_t>(size) != 0)
       throw Error(ErrorKind::kInput,
                   "--instances " + std::to_string(size) + ": does not divide the largest, " + std::to_string(sizes.back()));
-    simulators.push_back(std::make_unique<TaxelsimPeer>(model, size, false, false));
+    simulators.push_back(std::make_unique<TaxelsimPeer>(model, size));
     result.sizes.push_back({.num_instances = size});
     secondsOfAll(*simulators.back(), work.poses, static_cast<std::size_t>(size));  // a warm-up
   }
@@ -57,8 +55,8 @@ void print(const BatchSizes& result) {
   std::printf("  %10s %14s  %s\n", "instances", "frames/s", "over the largest batch");
   for (const BatchSizes::Size& size : result.sizes) {
     const Summary ratio = summarise(size.ratios);
-    std::printf("  %10d %14.0f  %.3f (%.3f to %.3f)\n", size.num_instances,
-                static_cast<double>(result.num_frames) / summarise(size.seconds).median, ratio.median, ratio.min, ratio.max);
+    std::printf("  %10d %14.0f  %.3f (%.3f to %.3f)\n", size.num_instances, result.framesPerSecond(size), ratio.median, ratio.min,
+                ratio.max);
   }
   std::printf("\n");
   std::fflush(stdout);
@@ -68,7 +66,7 @@ nlohmann::ordered_json toJson(const BatchSizes& result) {
   nlohmann::ordered_json sizes = nlohmann::ordered_json::array();
   for (const BatchSizes::Size& size : result.sizes)
     sizes.push_back({{"num_instances", size.num_instances},
-                     {"frames_per_second", static_cast<double>(result.num_frames) / summarise(size.seconds).median},
+                     {"frames_per_second", result.framesPerSecond(size)},
                      {"seconds", toJson(size.seconds)},
                      {"ratio", toJson(size.ratios)}});
   return {{"case", result.name}, {"array", result.array}, {"num_frames", result.num_frames}, {"batch_sizes", sizes}};

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "peers/cases.h"
+#include "report.h"
 #include "taxelsim/device.h"
 
 namespace taxelsim::bench {
@@ -20,6 +21,8 @@ struct BatchSizes {
   std::string name, array;
   std::size_t num_frames = 0;  // of a turn: the largest batch
   std::vector<Size> sizes;     // ascending
+
+  double framesPerSecond(const Size& size) const { return static_cast<double>(num_frames) / summarise(size.seconds).median; }
 };
 
 // `work` has the instances of the largest batch, of which each size is a divisor. Throws what Model and Simulator throw, and Error(kInput)

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -13,6 +12,7 @@
 #include <random>
 
 #include "bench_objects.h"
+#include "report.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim::bench {
@@ -184,9 +184,9 @@ const CaseMaker::Kept& CaseMaker::simplified(int levels) {
   Kept& kept = kept_["simplified " + std::to_string(levels)];
   if (!kept.mesh) {
     const Mesh& full = *ellipsoid(levels).mesh;
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     kept.mesh = std::make_shared<Mesh>(asLoaded(full, kMaxDepthError));
-    kept.load_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    kept.load_seconds = watch.seconds();
   }
   return kept;
 }

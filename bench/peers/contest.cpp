@@ -1,7 +1,6 @@
 #include "peers/contest.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <functional>
 #include <memory>
@@ -26,9 +25,9 @@ constexpr double kLongestTurn = 3;  // s; where a turn takes longer there are kF
 constexpr int kFewRepetitions = 3;
 
 double secondsOf(const std::function<void()>& work) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return watch.seconds();
 }
 
 std::unique_ptr<Peer> makePeer(const std::string& name, const Sensor& sensor, const Case& work, int threads) {
@@ -122,7 +121,7 @@ CaseResult runCase(const Device& device, const Sensor& sensor, const Case& work,
   PeerFrame ours;
   // The last frame of the first turn is what everybody must agree on: objects have slid there.
   const std::vector<Poses> first_turn = framesOf(work, 0);
-  TaxelsimPeer first(model, num_instances, true, false);
+  TaxelsimPeer first(model, num_instances, {.with_forces = true});
   for (const Poses& poses : first_turn) first.run(poses.ids, poses.X_SO, ours);
   result.touched = touchedFraction(ours);
 
@@ -139,7 +138,7 @@ CaseResult runCase(const Device& device, const Sensor& sensor, const Case& work,
   }
   ours = {};
 
-  TaxelsimPeer simulator(model, num_instances, false, true);
+  TaxelsimPeer simulator(model, num_instances, {.device_clock = true});
   PeerResult own{.name = simulator.name(), .what = simulator.what(), .num_instances = work.numInstances()};
   PeerFrame none;
   // Times are per frame of the batch.

@@ -1,17 +1,18 @@
 #include "peers/taxelsim_peer.h"
 
 #include <algorithm>
-#include <chrono>
+
+#include "report.h"
 
 namespace taxelsim::bench {
 namespace {
 
 constexpr double kDt = 1e-3;  // s
 
-SimulatorOptions optionsOf(int num_instances, bool with_forces, bool device_clock) {
+SimulatorOptions optionsOf(int num_instances, const TaxelsimPeer::Options& options) {
   return {.num_instances = num_instances,
-          .outputs = {.tactile_normal_force = with_forces, .tactile_shear_force = false, .penetration_depth = false},
-          .device_clock = device_clock};
+          .outputs = {.tactile_normal_force = options.with_forces, .tactile_shear_force = false, .penetration_depth = false},
+          .device_clock = options.device_clock};
 }
 
 PeerFeatures featuresOf(const FeatureView& view, std::size_t i) {
@@ -27,8 +28,8 @@ PeerFeatures featuresOf(const FeatureView& view, std::size_t i) {
 
 }  // namespace
 
-TaxelsimPeer::TaxelsimPeer(const Model& model, int num_instances, bool with_forces, bool device_clock)
-    : with_forces_(with_forces), simulator_(model, optionsOf(num_instances, with_forces, device_clock)) {}
+TaxelsimPeer::TaxelsimPeer(const Model& model, int num_instances, const Options& options)
+    : with_forces_(options.with_forces), simulator_(model, optionsOf(num_instances, options)) {}
 
 std::string TaxelsimPeer::what() const {
   return "taxelsim on " + simulator_.model().device().info().name;
@@ -36,10 +37,10 @@ std::string TaxelsimPeer::what() const {
 
 void TaxelsimPeer::run(std::span<const int> ids, std::span<const Pose> X_SO, PeerFrame& frame) {
   simulator_.setObjects(ids, X_SO);
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   simulator_.step(kDt);
   const FrameView view = simulator_.read();
-  submit_to_read_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  submit_to_read_ = watch.seconds();
   if (with_forces_) copy(view, frame);
 }
 

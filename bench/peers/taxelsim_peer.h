@@ -10,8 +10,12 @@ namespace taxelsim::bench {
 
 class TaxelsimPeer : public Peer {
  public:
-  // `with_forces`: taxels' forces come back, too. A frame asks for what the peer was made for. `device_clock`: for timing().
-  TaxelsimPeer(const Model& model, int num_instances, bool with_forces, bool device_clock);
+  struct Options {
+    bool with_forces = false;   // taxels' forces come back, too; a frame asks for what the peer was made for
+    bool device_clock = false;  // for timing()
+  };
+  TaxelsimPeer(const Model& model, int num_instances, const Options& options);
+  TaxelsimPeer(const Model& model, int num_instances) : TaxelsimPeer(model, num_instances, Options()) {}
 
   std::string name() const override { return "taxelsim"; }
   std::string what() const override;
