@@ -28,7 +28,7 @@ class AwakeCores {
 
   // From now on for kAwake, which takes less than a microsecond where cores are awake, and does not wait.
   void stayAwake();
-  static constexpr std::chrono::milliseconds kAwake{10};  // a step of a thousand instances
+  static constexpr std::chrono::milliseconds kAwake{50};  // longer than a step of some thousand instances
 
   int numThreads() const { return num_threads_; }
   int numAwake() const { return num_awake_; }  // of these threads
