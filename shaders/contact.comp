@@ -450,7 +450,7 @@ void main() {
   uvec4 batch = step_record.batch;
   uint first = workgroupNumber() * REPEAT;
   uint end = min(first + REPEAT, LIST < kNumLists ? work[LIST].w : batch.x * NUM_TILES);
-  uint count = end - first;
+  uint count = max(first, end) - first;  // of two dimensions of workgroups some are left over
   if (findsNear()) {
     if (gl_LocalInvocationIndex == 0) num_listed_tiles = 0;
     workgroupBarrier();

@@ -139,6 +139,26 @@ TEST(Batch, TheTuningDoesNotShow) {
   EXPECT_EQ(bits({.contact_repeat = 4, .image_team = 16, .image_repeat = 2, .groups_per_batch = 64}), expected);
 }
 
+// Where one dimension of a dispatch holds too few workgroups there are two, with some left over.
+TEST(Batch, MoreWorkgroupsThanADimensionHolds) {
+  constexpr int kMany = 65'535 + 10, kFew = 16;
+  const Sensor sensor = support::gridSensor({.num_rows = 2, .num_cols = 2, .samples_per_taxel = 1});
+  const Model model(support::sharedDevice(),
+                    {.sensor = sensor, .objects = {Object("ball", Sphere{0.01})}, .tuning = {.contact_repeat = 1}});
+  const auto features = [&](int num_instances) {
+    Simulator simulator(model, {.num_instances = num_instances});
+    std::vector<Pose> X_SO;
+    for (int i = 0; i < num_instances; ++i) X_SO.push_back({.position = {0, 0, 0.01 - 1e-4 * (i % kFew)}});
+    simulator.setObjects(std::vector<int>(X_SO.size(), 0), X_SO);
+    simulator.step(kDt);
+    const std::span<const float> forces = simulator.read().ground_truth.total_force;
+    return std::vector<float>(forces.begin(), forces.end());
+  };
+  const std::vector<float> few = features(kFew), many = features(kMany);
+  EXPECT_GT(few.back(), 0);
+  for (std::size_t i = 0; i < many.size(); ++i) ASSERT_EQ(many[i], few[i % kFew]) << "instance " << i;
+}
+
 TEST(Batch, NoiseIsKeyedByEpisodeAndSeedNotBySlot) {
   const Sensor sensor = busySensor();
   const std::vector<Object> objects{Object(Sphere{0.01})};
