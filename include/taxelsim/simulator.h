@@ -218,7 +218,7 @@ class Simulator {
   void prepare(bool loads = false);
 
   // Advances every instance by dt (s, > 0) and computes its frame. Submits, does not wait. An instance whose sensor has no new frame due
-  // keeps its measured values; ground truth is always new.
+  // keeps its measured values; ground truth is always new. Throws std::logic_error before read() of the last one.
   void step(double dt);
 
   // Waits for the last step(). Throws Error(kDevice) when the device was lost.

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <stdexcept>
+#include <utility>
 
 #include "base/philox.h"
 #include "base/text.h"
@@ -295,6 +297,7 @@ void Simulator::prepare(bool loads) {
 void Simulator::step(double dt) {
   if (!(dt > 0) || std::isinf(dt)) refuse("dt: " + std::to_string(dt) + " is not allowed: s, > 0");
   Impl& impl = *impl_;
+  if (impl.running != nullptr) throw std::logic_error("a step was taken before read() of the last one");
   const Model::Impl& m = *impl.model.impl();
   impl.buffers.step.mappedAs<layout::StepRecord>()[0] = impl.stepRecord(dt);
   const Sensor& sensor = m.sensor;
@@ -327,18 +330,18 @@ void Simulator::step(double dt) {
   impl.buffers.step.mappedAs<layout::StepRecord>()[0].candidates.x = apart;
   using Candidates = Impl::Candidates;
   const Candidates candidates = !impl.keeping ? Candidates::kLeft : apart ? Candidates::kUsed : Candidates::kKept;
-  impl.running = &impl.commands({.loads = any_load, .random = impl.anyRandom(), .candidates = candidates});
-  impl.running->submit();
+  gpu::Commands& frame = impl.commands({.loads = any_load, .random = impl.anyRandom(), .candidates = candidates});
+  frame.submit();
+  impl.running = &frame;
 }
 
 FrameView Simulator::read() {
   Impl& impl = *impl_;
   if (impl.running != nullptr) {
-    impl.running->wait();
+    gpu::Commands& frame = *std::exchange(impl.running, nullptr);
+    frame.wait();
     const std::span<const glm::uvec4> work = impl.buffers.work.read<glm::uvec4>();
-    impl.timing = {impl.running->seconds(0, 1), impl.running->seconds(1, 2), impl.running->seconds(0, 2),
-                   static_cast<int>(work[layout::kListWith].w)};
-    impl.running = nullptr;
+    impl.timing = {frame.seconds(0, 1), frame.seconds(1, 2), frame.seconds(0, 2), static_cast<int>(work[layout::kListWith].w)};
     impl.any_candidates = work[layout::kNumLists].x > 0;
     if (impl.keeping) impl.candidate_schedule.found(impl.any_candidates);
     if (impl.buffers.problems.read<std::uint32_t>()[0] != 0) {

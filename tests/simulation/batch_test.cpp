@@ -273,6 +273,18 @@ TEST(Batch, NothingIsTouchedBeforeObjectsAreSet) {
   EXPECT_EQ(*std::max_element(frame.tactile_image.begin(), frame.tactile_image.end()), 0u);
 }
 
+// Even where the second would be of another kind, whose commands are its own.
+TEST(Batch, AStepWaitsForReadOfTheLast) {
+  const Model model(support::sharedDevice(), {.sensor = support::gridSensor(), .objects = {Object(Sphere{0.01})}});
+  Simulator simulator(model, {});
+  simulator.step(kDt);
+  simulator.setLoad(0, 1.0f);
+  EXPECT_THROW(simulator.step(kDt), std::logic_error);
+  simulator.read();
+  simulator.step(kDt);
+  simulator.read();
+}
+
 TEST(Batch, OneInstanceCanBeSetAlone) {
   const Sensor sensor = support::gridSensor();
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.005}), Object(Sphere{0.008})}});
