@@ -3,7 +3,6 @@
 #include <pthread.h>
 #include <sched.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -14,7 +13,7 @@ namespace taxelsim {
 namespace {
 
 // Of a larger machine, small batches do not reach all cores.
-constexpr int kMostThreads = 16;
+constexpr std::size_t kMostThreads = 16;
 
 // Whether a control group of this process, or one above it, has a quota of processor time.
 bool hasQuota() {
@@ -37,9 +36,22 @@ bool hasQuota() {
   return false;
 }
 
-int numCores() {
-  cpu_set_t cores;
-  return sched_getaffinity(0, sizeof(cores), &cores) == 0 ? CPU_COUNT(&cores) : 1;
+// The cores that the calling thread may use, at most kMostThreads.
+std::vector<int> ownCores() {
+  std::vector<int> cores;
+  cpu_set_t set;
+  if (sched_getaffinity(0, sizeof(set), &set) != 0) return cores;
+  for (int core = 0; core < CPU_SETSIZE && cores.size() < kMostThreads; ++core)
+    if (CPU_ISSET(core, &set)) cores.push_back(core);
+  return cores;
+}
+
+// Without it the scheduler puts two of the threads on one core, and the other halts. False where the thread may not be there any more.
+bool stayOn(int core) {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  CPU_SET(core, &set);
+  return sched_setaffinity(0, sizeof(set), &set) == 0;
 }
 
 }  // namespace
@@ -48,8 +60,8 @@ void AwakeCores::start() {
   std::call_once(started_, [this] {
     if (hasQuota()) return;
     try {
-      for (int n = std::min(numCores(), kMostThreads); n > 0; --n) {
-        threads_.emplace_back([this] { keepAwake(); });
+      for (const int core : ownCores()) {
+        threads_.emplace_back([this, core] { keepAwake(core); });
         ++num_threads_;
       }
     } catch (const std::system_error&) {  // NOLINT(bugprone-empty-catch): no more threads may be started; fewer do
@@ -74,9 +86,9 @@ void AwakeCores::stayAwake() {
   if (num_awake_ < num_threads_) calls_.notify_all();
 }
 
-void AwakeCores::keepAwake() {
+void AwakeCores::keepAwake(int core) {
   const sched_param parameters{};
-  if (pthread_setschedparam(pthread_self(), SCHED_IDLE, &parameters) != 0) {
+  if (!stayOn(core) || pthread_setschedparam(pthread_self(), SCHED_IDLE, &parameters) != 0) {
     --num_threads_;
     return;
   }
@@ -86,6 +98,7 @@ void AwakeCores::keepAwake() {
     ++num_awake_;
     seen = calls_;
     for (Clock::time_point last = Clock::now(); seen != kEnd && Clock::now() - last < kAwake;) {
+      sched_yield();  // or it would give way only at the scheduler's next tick, up to 4 ms later
       const int now = calls_;
       if (now != seen) last = Clock::now();
       seen = now;

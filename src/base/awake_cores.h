@@ -34,7 +34,7 @@ class AwakeCores {
   int numAwake() const { return num_awake_; }  // of these threads
 
  private:
-  void keepAwake();
+  void keepAwake(int core);
 
   static constexpr int kEnd = -1;
   std::atomic<int> calls_ = 0;  // of stayAwake(), or kEnd

@@ -36,17 +36,18 @@ double lengthOf(const Quaternion& q) {
 // Refuses what one slot of an instance may not hold.
 void checkSlot(int id, const Pose& X_SO, std::size_t instance, int num_objects) {
   if (id == kNoObject) return;
-  const std::string where = " of instance " + std::to_string(instance);
+  // Called for every pose of every step: words only where it refuses.
+  const auto where = [instance] { return " of instance " + std::to_string(instance); };
   if (id < 0 || id >= num_objects) {
-    refuse("object " + std::to_string(id) + where + " is not allowed: 0 to " + std::to_string(num_objects - 1) + ", or -1 for none");
+    refuse("object " + std::to_string(id) + where() + " is not allowed: 0 to " + std::to_string(num_objects - 1) + ", or -1 for none");
   }
   const double length = lengthOf(X_SO.rotation);
   // Written so that NaN fails.
   if (!(std::abs(length - 1) <= kQuaternionTolerance)) {
-    refuse("rotation" + where + ": a quaternion of length " + std::to_string(length) + " is not allowed: 1");
+    refuse("rotation" + where() + ": a quaternion of length " + std::to_string(length) + " is not allowed: 1");
   }
   for (const double coordinate : X_SO.position) {
-    if (!std::isfinite(coordinate)) refuse("position" + where + " is not finite");
+    if (!std::isfinite(coordinate)) refuse("position" + where() + " is not finite");
   }
 }
 

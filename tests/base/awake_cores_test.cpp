@@ -41,10 +41,14 @@ TEST(AwakeCores, RestBeforeTheyStart) {
 }
 
 TEST(AwakeCores, LeaveTheCallerAsItWas) {
+  cpu_set_t before, after;
+  ASSERT_EQ(sched_getaffinity(0, sizeof(before), &before), 0);
   AwakeCores cores;
   cores.start();
   cores.stayAwake();
   EXPECT_EQ(sched_getscheduler(0), SCHED_OTHER);
+  ASSERT_EQ(sched_getaffinity(0, sizeof(after), &after), 0);
+  EXPECT_TRUE(CPU_EQUAL(&before, &after));
 }
 
 }  // namespace
