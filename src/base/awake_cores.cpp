@@ -8,12 +8,16 @@
 #include <limits>
 #include <string>
 #include <system_error>
+#include <utility>
 
 namespace taxelsim {
 namespace {
 
 // Of a larger machine, small batches do not reach all cores.
 constexpr std::size_t kMostThreads = 16;
+
+// A turn of the loop that took longer had somebody else run.
+constexpr std::chrono::microseconds kTurn(20);
 
 // Whether a control group of this process, or one above it, has a quota of processor time.
 bool hasQuota() {
@@ -46,7 +50,7 @@ std::vector<int> ownCores() {
   return cores;
 }
 
-// Without it the scheduler puts two of the threads on one core, and the other halts. False where the thread may not be there any more.
+// Left alone, two of the threads come to be on one core while another halts. False where the thread may not be there any more.
 bool stayOn(int core) {
   cpu_set_t set;
   CPU_ZERO(&set);
@@ -96,12 +100,13 @@ void AwakeCores::keepAwake(int core) {
   for (int seen = 0; seen != kEnd;) {
     calls_.wait(seen);
     ++num_awake_;
-    seen = calls_;
-    for (Clock::time_point last = Clock::now(); seen != kEnd && Clock::now() - last < kAwake;) {
+    Clock::time_point now = Clock::now(), alone_since = now;
+    while (now - alone_since < kAwake) {
       sched_yield();  // or it would give way only at the scheduler's next tick, up to 4 ms later
-      const int now = calls_;
-      if (now != seen) last = Clock::now();
-      seen = now;
+      const Clock::time_point before = std::exchange(now, Clock::now());
+      const int calls = std::exchange(seen, calls_);
+      if (seen == kEnd) break;
+      if (calls != seen || now - before > kTurn) alone_since = now;
     }
     --num_awake_;
   }

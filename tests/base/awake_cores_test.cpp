@@ -19,7 +19,7 @@ bool comesTo(AwakeCores& cores, int num_awake, bool calls) {
   while (cores.numAwake() != num_awake) {
     if (std::chrono::steady_clock::now() > end) return false;
     if (calls) cores.stayAwake();
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    std::this_thread::sleep_for(AwakeCores::kAwake / 10);
   }
   return true;
 }
