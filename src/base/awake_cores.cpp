@@ -16,6 +16,9 @@ namespace {
 // Of a larger machine, small batches do not reach all cores.
 constexpr std::size_t kMostThreads = 16;
 
+// Linux moves a thread that waits for its core only to one that has nothing to do, not even work of this policy. So a core that nobody else
+// wanted for this long, which is longer than the gap between two kernels of a step, is left alone until the next call.
+constexpr std::chrono::microseconds kAlone(500);
 // A turn of the loop that took longer had somebody else run.
 constexpr std::chrono::microseconds kTurn(20);
 
@@ -100,13 +103,12 @@ void AwakeCores::keepAwake(int core) {
   for (int seen = 0; seen != kEnd;) {
     calls_.wait(seen);
     ++num_awake_;
-    Clock::time_point now = Clock::now(), alone_since = now;
-    while (now - alone_since < kAwake) {
+    Clock::time_point now = Clock::now(), last_call = now, alone_since = now;
+    while (seen != kEnd && now - last_call < kAwake && now - alone_since < kAlone) {
       sched_yield();  // or it would give way only at the scheduler's next tick, up to 4 ms later
       const Clock::time_point before = std::exchange(now, Clock::now());
-      const int calls = std::exchange(seen, calls_);
-      if (seen == kEnd) break;
-      if (calls != seen || now - before > kTurn) alone_since = now;
+      if (const int calls = std::exchange(seen, calls_); calls != seen) last_call = alone_since = now;
+      if (now - before > kTurn) alone_since = now;
     }
     --num_awake_;
   }

@@ -10,10 +10,9 @@
 namespace taxelsim {
 
 // A driver on the processor hands every kernel to threads that sleep between two of them, and a core that has nothing else to do halts. To
-// wake it again takes a virtual machine 40 to 50 us, and a kernel over a small batch lasts little longer. After a call of stayAwake() each
-// of these threads keeps its core from halting, under Linux's policy SCHED_IDLE: it runs where nobody else would, gives way at once, and
-// sleeps until the next call where nobody else came for kAwake. For Linux moves a thread that waits for its core only to one that has
-// nothing to do, not even work of this policy.
+// wake it again takes a virtual machine 40 to 50 us, and a kernel over a small batch lasts little longer. For a while after each call of
+// stayAwake(), these threads keep a core each from halting in such gaps, under Linux's policy SCHED_IDLE: they run where nobody else would,
+// and give way at once.
 //
 // Safe to use from several threads. Where the policy is refused, or the process may only use so much time of the processor (a quota of its
 // control group), which this would use up, nothing is kept awake.
@@ -27,9 +26,10 @@ class AwakeCores {
   // Starts the threads, one for each core that the process may use; before, nothing is kept awake.
   void start();
 
-  // From now on, which takes less than a microsecond where cores are awake, and does not wait.
+  // From now on for kAwake, and in a gap for half a millisecond at most. Takes less than a microsecond where cores are awake, and does not
+  // wait.
   void stayAwake();
-  static constexpr std::chrono::microseconds kAwake{500};  // longer than the gap between two kernels of a step
+  static constexpr std::chrono::milliseconds kAwake{50};  // longer than a step of some thousand instances
 
   int numThreads() const { return num_threads_; }
   int numAwake() const { return num_awake_; }  // of these threads

@@ -12,6 +12,8 @@ namespace {
 
 // Threads that give way to everybody may wait long on a busy machine.
 constexpr std::chrono::seconds kPatience(60);
+// Less than the gap over which they stay awake.
+constexpr std::chrono::microseconds kPause(50);
 
 // Whether that many come to be awake.
 bool comesTo(AwakeCores& cores, int num_awake, bool calls) {
@@ -19,7 +21,7 @@ bool comesTo(AwakeCores& cores, int num_awake, bool calls) {
   while (cores.numAwake() != num_awake) {
     if (std::chrono::steady_clock::now() > end) return false;
     if (calls) cores.stayAwake();
-    std::this_thread::sleep_for(AwakeCores::kAwake / 10);
+    std::this_thread::sleep_for(kPause);
   }
   return true;
 }
