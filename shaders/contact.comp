@@ -8,9 +8,9 @@
 // Out: contact_normal (num_instances x num_taxels), N, over the part of the spread's kernel that stays on the sensor; of a sensor of one tile only
 //      inside the window of its result; contact_shear (num_instances x num_taxels x 2), N, the same;
 //      contact_depth (num_instances x num_taxels), m; tile_results (num_instances x num_tiles); loads (num_instances): what the search found;
-//      contact_cells (num_instances x num_taxels), tile_changes (num_instances x num_tiles x LANES), lib/cell_fluxes.glsl.
+//      contact_cells (num_instances x num_taxels), tile_changes (num_instances x num_tiles x LANES), skin/cell_fluxes.glsl.
 //      Of a law that is solved apart, instead of forces and depths, the height of the lowest surface (m, in P) over each of its nodes, which take the
-//      taxels' place, with the slot in its lowest bits where lib/slots.glsl keeps it; kMiss where there is none.
+//      taxels' place, with the slot in its lowest bits where depth/slots.glsl keeps it; kMiss where there is none.
 // State: of every sample, between steps: its depth where the law needs it, its strain and overstresses where the skin relaxes; where there is
 //        friction its shear traction, or how far its bristles are bent.
 // Shared memory: 4 TILE_SAMPLES + 16 LANES + 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 4 REPEAT + 64 bytes, with friction 8 LANES and 512 more,
@@ -18,40 +18,40 @@
 // Deterministic: the tile is a minimum; sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
 // Twins: src/reference/depth.cpp, contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp, load.cpp.
 
-#include "lib/pairs.glsl"
-#include "lib/barrier.glsl"
-#include "lib/texels.glsl"
+#include "driver/pairs.glsl"
+#include "driver/barrier.glsl"
+#include "driver/texels.glsl"
 #include "shared/layout.h"
-#include "lib/specialization.glsl"
+#include "common/specialization.glsl"
 layout(constant_id = 11) const uint TILE_SAMPLES = 1344;  // most samples of a tile
 layout(constant_id = 12) const bool FLAT = true;          // the one patch's frame is the sensor's
 layout(constant_id = 13) const bool HAS_STATE = false;    // the law needs the depth of the step before
 layout(constant_id = 14) const uint SEARCH = 0;          // load search: kNoSearch, kSearchInTile, kSearchOverTiles
 layout(constant_id = 15) const float THICKNESS = 0.002;  // m
-layout(constant_id = 16) const bool SCALED = true;       // sources near a border give more to the taxels that are there, lib/spread.glsl
+layout(constant_id = 16) const bool SCALED = true;       // sources near a border give more to the taxels that are there, readout/spread.glsl
 layout(constant_id = 17) const bool MANY_SLOTS = false;  // an instance may touch several objects
 layout(constant_id = 18) const uint KINDS = 1;           // bit per kind of object in the model
 layout(constant_id = 19) const uint TRIANGLES = 3;       // bit 0: meshes of small triangles, bit 1: of large ones
 layout(constant_id = 20) const bool OUTPUT_DEPTH = false;  // contact_depth is wanted
 layout(constant_id = 21) const uint FACES = 1;           // of each polyhedron, some perhaps listed twice
-layout(constant_id = 22) const float LAW_0 = 1.73e8;     // parameters of the contact law, lib/laws/
+layout(constant_id = 22) const float LAW_0 = 1.73e8;     // parameters of the contact law, skin/laws/
 layout(constant_id = 23) const float LAW_1 = 1.0;
 layout(constant_id = 24) const float LAW_2 = 0.0;
-layout(constant_id = 25) const bool FRICTION = false;     // shear with memory, lib/friction.glsl
+layout(constant_id = 25) const bool FRICTION = false;     // shear with memory, skin/friction.glsl
 layout(constant_id = 26) const float TANGENTIAL_STIFFNESS = 1e8;  // N/m^3
 layout(constant_id = 27) const float FRICTION_COEFFICIENT = 1.0;
 layout(constant_id = 28) const bool OUTPUT_SHEAR = false;  // contact_shear is wanted
-layout(constant_id = 29) const bool BRISTLES = false;     // that shear is of the law lugre, lib/laws/lugre.glsl; its parameters
+layout(constant_id = 29) const bool BRISTLES = false;     // that shear is of the law lugre, skin/laws/lugre.glsl; its parameters
 layout(constant_id = 30) const float BRISTLE_STIFFNESS = 1e5;  // 1/m
 layout(constant_id = 31) const float BRISTLE_DAMPING = 316.0;  // s/m
 layout(constant_id = 32) const float VISCOUS_FRICTION = 0.4;   // s/m
 layout(constant_id = 33) const float STATIC_FRICTION = 1.5;
 layout(constant_id = 34) const float COULOMB_FRICTION = 1.0;
 layout(constant_id = 35) const float STRIBECK_VELOCITY = 1e-3;  // m/s
-layout(constant_id = 36) const uint RELAXATION = 0;  // terms of the skin's relaxation, lib/relaxation.glsl
+layout(constant_id = 36) const uint RELAXATION = 0;  // terms of the skin's relaxation, skin/relaxation.glsl
 layout(constant_id = 37) const uint GROUPS_PER_BATCH = 32;  // groups are culled a batch at a time, so that the list of clusters has room for all of theirs
 layout(constant_id = 38) const bool BLOCKS = false;  // some mesh has more groups than that, and blocks of them are culled first
-layout(constant_id = 39) const bool OUTPUT_JACOBIAN = false;  // contact_cells and tile_changes are wanted, lib/cell_fluxes.glsl
+layout(constant_id = 39) const bool OUTPUT_JACOBIAN = false;  // contact_cells and tile_changes are wanted, skin/cell_fluxes.glsl
 
 layout(constant_id = 40) const bool LEAVE_UNTOUCHED = true;  // where nothing is near, kLeavesUntouched and kManySmallTiles
 
@@ -110,9 +110,9 @@ shared uint tile_list[REPEAT];
 shared uint num_listed_tiles;
 shared uint lowest_bits;
 
-#include "lib/whole.glsl"
-#include "lib/transform.glsl"
-#include "lib/window.glsl"
+#include "common/whole.glsl"
+#include "common/transform.glsl"
+#include "depth/window.glsl"
 
 float z_base;   // m: what the tile's numbers count from
 uint raster_slot = 0;  // of the body on its way into the tile
@@ -129,19 +129,19 @@ bool isSeen(float z) {
 // A loop ended before its work was done. Mesa's software driver ends all loops of an invocation after 65,535 turns together, without a word.
 bool cut_short = false;
 
-#include "lib/workgroup.glsl"
-#include "lib/slots.glsl"
-#include "lib/depth_tile.glsl"
-#include "lib/polyhedron.glsl"
-#include "lib/analytic.glsl"
-#include "lib/laws/registry.glsl"
+#include "common/workgroup.glsl"
+#include "depth/slots.glsl"
+#include "depth/depth_tile.glsl"
+#include "depth/polyhedron.glsl"
+#include "depth/analytic.glsl"
+#include "skin/laws/registry.glsl"
 
 const bool kShears = FRICTION && !kLawSolvedApart;  // else the pass that solves has the shear, and needs the slots
 
-#include "lib/bodies.glsl"
-#include "lib/subpixels.glsl"
-#include "lib/mesh.glsl"
-#include "lib/raster.glsl"
+#include "depth/bodies.glsl"
+#include "depth/subpixels.glsl"
+#include "depth/mesh.glsl"
+#include "depth/raster.glsl"
 
 void writeShear(uint taxel, vec2 shear) {
   contact_shear[2 * taxel] = shear.x;
@@ -185,10 +185,10 @@ vec4 sumOfPartials() {
   return total;
 }
 
-#include "lib/relaxation.glsl"
-#include "lib/load_search.glsl"
-#include "lib/friction.glsl"
-#include "lib/laws/lugre.glsl"
+#include "skin/relaxation.glsl"
+#include "skin/load_search.glsl"
+#include "skin/friction.glsl"
+#include "skin/laws/lugre.glsl"
 
 float per_dt;  // 1 / the step's time, 1/s, for laws that ask
 
@@ -197,10 +197,10 @@ vec2 tractionAfter(inout vec2 held, vec2 u, float share, float pressure) {
   return held = springTraction(held, u, share, pressure);
 }
 
-#include "lib/cell_fluxes.glsl"
-#include "lib/tiles.glsl"
-#include "lib/touched.glsl"
-#include "lib/work_lists.glsl"
+#include "skin/cell_fluxes.glsl"
+#include "depth/tiles.glsl"
+#include "depth/touched.glsl"
+#include "common/work_lists.glsl"
 
 void contactOnTile(uint instance, uint tile_number, uint num_slots) {
   uint lane = gl_LocalInvocationIndex;

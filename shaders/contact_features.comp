@@ -12,7 +12,7 @@
 // Twin: src/reference/contact_features.cpp.
 
 #include "shared/layout.h"
-#include "lib/specialization.glsl"
+#include "common/specialization.glsl"
 layout(constant_id = 11) const bool CLEAN = false;
 layout(constant_id = 12) const uint TEAM = 1;         // invocations of a part
 layout(constant_id = 13) const uint REGIONS = 0;      // rows of regions
@@ -65,8 +65,8 @@ shared float partial[PARTIALS];
 // A loop ended before its work was done; see contact.comp.
 bool cut_short = false;
 
-#include "lib/workgroup.glsl"
-#include "lib/moments.glsl"
+#include "common/workgroup.glsl"
+#include "common/moments.glsl"
 
 // A row of an instance, as its team sees it.
 struct Part {

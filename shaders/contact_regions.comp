@@ -12,7 +12,7 @@
 // Twin: src/reference/contact_features.cpp.
 
 #include "shared/layout.h"
-#include "lib/specialization.glsl"
+#include "common/specialization.glsl"
 layout(constant_id = 11) const bool CLEAN = false;
 layout(constant_id = 12) const uint TEAM = 1;            // invocations of an instance
 layout(constant_id = 13) const uint REGIONS = 0;         // that are wanted
@@ -52,9 +52,9 @@ shared uint peak_bits[kTeams], num_regions[kTeams], picked_sum[kTeams], picked[k
 // A loop ended before its work was done; see contact.comp.
 bool cut_short = false;
 
-#include "lib/workgroup.glsl"
-#include "lib/whole.glsl"
-#include "lib/readout.glsl"
+#include "common/workgroup.glsl"
+#include "common/whole.glsl"
+#include "readout/readout.glsl"
 
 // What a team has written is there for all of it.
 void together() {

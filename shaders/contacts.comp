@@ -14,11 +14,11 @@
 // Twin: src/reference/contact_points.cpp.
 
 #include "shared/layout.h"
-#include "lib/specialization.glsl"
+#include "common/specialization.glsl"
 layout(constant_id = 11) const uint NUM_PATCHES = 1;
 layout(constant_id = 12) const bool FLAT = true;          // the one patch's frame is the sensor's
 layout(constant_id = 13) const float THICKNESS = 0.002;  // m
-layout(constant_id = 14) const bool SCALED = true;       // sources near a border give more to the taxels that are there, lib/spread.glsl
+layout(constant_id = 14) const bool SCALED = true;       // sources near a border give more to the taxels that are there, readout/spread.glsl
 layout(constant_id = 15) const uint TEAM = 1;            // invocations of an instance
 
 layout(std430, set = 0, binding = 0) readonly buffer Step { StepRecord step_record; };
@@ -38,8 +38,8 @@ const bool kTaxelList = NUM_PATCHES > 1 && NUM_PATCHES == NUM_TAXELS;  // places
 // A loop ended before its work was done; see contact.comp.
 bool cut_short = false;
 
-#include "lib/workgroup.glsl"
-#include "lib/transform.glsl"
+#include "common/workgroup.glsl"
+#include "common/transform.glsl"
 
 struct Patch {
   Affine X_PS;

@@ -7,7 +7,7 @@
 // Out: law_state (num_instances x num_taxels), .x: force before it is rescaled, N. LAW_0: saturation pressure, Pa.
 // Twin: src/reference/taxel_laws.cpp.
 
-#include "lib/taxel_pass.glsl"
+#include "common/taxel_pass.glsl"
 
 void main() {
   uint number = invocationNumber();

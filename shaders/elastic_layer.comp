@@ -12,21 +12,21 @@
 // A workgroup owns an instance. Nodes come in strips of kStrip along a row; only those of the window are touched, where there is something to
 // follow. An invocation owns strips. What costs is A t: a strip of sources and a strip of results need kStrip^2 products, but only 2 kStrip - 1
 // coefficients, since A depends on the distance alone, and half of them are at hand from the strip before.
-// In:  heights (num_instances x num_nodes), m, with slots in their lowest bits where lib/slots.glsl keeps them, and windows (num_instances x
+// In:  heights (num_instances x num_nodes), m, with slots in their lowest bits where depth/slots.glsl keeps them, and windows (num_instances x
 //      NUM_HEIGHT_TILES) from the contact pass; influence (rows x 2 rows of strips); with friction what the objects did (num_instances x num_slots).
 // Out: contact_normal (num_instances x num_taxels), N; contact_shear (num_instances x num_taxels x 2), N; contact_depth; tile_results (num_instances); loads;
 //      features of the solution; where asked for how forces change with the sensor's twist: taxel_jacobian (num_instances x 6 x num_taxels), N/m and
 //      N/rad, and wrench_jacobian (num_instances x 6 x 6); and the pressures, from which the next frame starts.
-// State: where the skin relaxes strain and overstresses of every node, lib/layer_relaxation.glsl; where there is friction its shear traction.
+// State: where the skin relaxes strain and overstresses of every node, elastic_layer/relaxation.glsl; where there is friction its shear traction.
 // Shared memory: 16 LANES + 12 NODE_ROWS + 16 bytes, with friction 8 LANES and 512 more.
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
 // Twins: src/reference/elastic_layer.cpp, relaxation.cpp, friction.cpp.
 
-#include "lib/pairs.glsl"
-#include "lib/barrier.glsl"
-#include "lib/texels.glsl"
+#include "driver/pairs.glsl"
+#include "driver/barrier.glsl"
+#include "driver/texels.glsl"
 #include "shared/layout.h"
-#include "lib/specialization.glsl"
+#include "common/specialization.glsl"
 layout(constant_id = 11) const uint NODE_ROWS = 12;
 layout(constant_id = 12) const uint NODE_COLS = 28;
 layout(constant_id = 13) const uint MARGIN_ROWS = 0;  // nodes of the margin on either side
@@ -40,12 +40,12 @@ layout(constant_id = 20) const uint NUM_HEIGHT_TILES = 1;  // of the contact pas
 layout(constant_id = 21) const bool LOADS = false;         // some instance is driven by load
 layout(constant_id = 22) const bool OUTPUT_DEPTH = false;  // contact_depth is wanted
 layout(constant_id = 23) const bool MANY_SLOTS = false;    // an instance may touch several objects
-layout(constant_id = 24) const bool FRICTION = false;      // shear with memory, lib/friction.glsl
+layout(constant_id = 24) const bool FRICTION = false;      // shear with memory, skin/friction.glsl
 layout(constant_id = 25) const float TANGENTIAL_STIFFNESS = 1e8;  // N/m^3
 layout(constant_id = 26) const float FRICTION_COEFFICIENT = 1.0;
 layout(constant_id = 27) const bool OUTPUT_SHEAR = false;  // contact_shear is wanted
 layout(constant_id = 28) const uint RELAXATION = 0;        // terms of the skin's relaxation
-layout(constant_id = 29) const bool OUTPUT_JACOBIAN = false;  // taxel_jacobian and wrench_jacobian are wanted, lib/layer_jacobian.glsl
+layout(constant_id = 29) const bool OUTPUT_JACOBIAN = false;  // taxel_jacobian and wrench_jacobian are wanted, elastic_layer/jacobian.glsl
 
 layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceRecord instances[]; };
 layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
@@ -85,22 +85,22 @@ shared uint num_deep;
 
 bool cut_short = false;  // see contact.comp
 
-#include "lib/whole.glsl"
-#include "lib/workgroup.glsl"
-#include "lib/transform.glsl"
-#include "lib/slots.glsl"
+#include "common/whole.glsl"
+#include "common/workgroup.glsl"
+#include "common/transform.glsl"
+#include "depth/slots.glsl"
 
 const bool FLAT = false;  // the patch's frame may be any
 Affine X_PS;              // patch from sensor
 
-#include "lib/friction.glsl"
+#include "skin/friction.glsl"
 
 vec2 tractionAfter(inout vec2 held, vec2 u, float share, float pressure) { return held = springTraction(held, u, share, pressure); }
 
-#include "lib/layer_strips.glsl"
-#include "lib/layer_solver.glsl"
-#include "lib/skin_step.glsl"
-#include "lib/layer_relaxation.glsl"
+#include "elastic_layer/strips.glsl"
+#include "elastic_layer/solver.glsl"
+#include "skin/skin_step.glsl"
+#include "elastic_layer/relaxation.glsl"
 
 float node_force;  // of a node under the pressure 1 of the solution, N
 
@@ -316,8 +316,8 @@ float valueAt(uint kind, uvec2 node) {
   return uintBitsToFloat((node.y & 1u) == 0 ? words.x : words.y);
 }
 
-#include "lib/layer_shear.glsl"
-#include "lib/layer_jacobian.glsl"
+#include "elastic_layer/shear.glsl"
+#include "elastic_layer/jacobian.glsl"
 
 // Forces of the taxels that were reached, N, and the mean depth of their samples, m; returns the rectangle of these taxels. `pressed`: the nodes that shear.
 uvec4 writeTaxels(uint instance, Surface surface, uvec4 pressed, float shift) {

@@ -7,10 +7,10 @@
 // Out: candidates (num_instances), candidate_quads (num_instances x kMostCandidates), work lists.
 // Shared memory: 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 16 bytes, with blocks 4 kBlocksPerBatch.
 
-#include "lib/barrier.glsl"
-#include "lib/texels.glsl"
+#include "driver/barrier.glsl"
+#include "driver/texels.glsl"
 #include "shared/layout.h"
-#include "lib/specialization.glsl"
+#include "common/specialization.glsl"
 layout(constant_id = 11) const bool FLAT = true;  // these as in contact.comp
 layout(constant_id = 12) const bool OUTPUT_JACOBIAN = false;
 layout(constant_id = 13) const float REACH = 0.0;
@@ -39,14 +39,14 @@ shared uint num_found;
 uint first_candidate;  // of the instance
 bool cut_short = false;
 
-#include "lib/workgroup.glsl"
-#include "lib/whole.glsl"
-#include "lib/transform.glsl"
-#include "lib/window.glsl"
-#include "lib/bodies.glsl"
-#include "lib/subpixels.glsl"
-#include "lib/mesh.glsl"
-#include "lib/work_lists.glsl"
+#include "common/workgroup.glsl"
+#include "common/whole.glsl"
+#include "common/transform.glsl"
+#include "depth/window.glsl"
+#include "depth/bodies.glsl"
+#include "depth/subpixels.glsl"
+#include "depth/mesh.glsl"
+#include "common/work_lists.glsl"
 
 void visitQuad(Affine from_lattice, uint quad, bool large) {
   Vertex p, q, r, s;

@@ -7,13 +7,13 @@
 // the features, is then done for as many instances at a time as a vector has lanes.
 // In:  contact_normal (num_instances x num_taxels), N; contact_shear; tile_results; the spread's kernel or lists.
 // Out: image (num_instances x num_taxels), counts; spread_normal, N, and spread_shear alike; features (block after block, layout.h).
-// Kept between steps: taxel_states (num_instances x states x num_taxels), lib/lag.glsl; image_windows.
+// Kept between steps: taxel_states (num_instances x states x num_taxels), readout/lag.glsl; image_windows.
 // Shared memory: 4 PARTIALS bytes.
 // Deterministic: sums run over at most LANES partial sums in a fixed order, whatever the size of team and workgroup.
 // Twins: src/reference/psf.cpp, lag.cpp, imperfections.cpp, readout.cpp, features.cpp.
 
 #include "shared/layout.h"
-#include "lib/specialization.glsl"
+#include "common/specialization.glsl"
 layout(constant_id = 11) const bool SHEAR = false;        // spread shear as well
 layout(constant_id = 12) const uint NUM_ENTRIES = 9;      // of a taxel's list of sources, where the sensor is not one grid patch
 layout(constant_id = 13) const bool OUTPUT_NORMAL = true;  // spread_normal is wanted, outside contact too
@@ -35,7 +35,7 @@ layout(constant_id = 28) const bool RANDOM_WALK = false;
 layout(constant_id = 29) const float BIAS = 0.0;         // counts
 layout(constant_id = 30) const float DEAD_TAXELS = 0.0;  // probability
 layout(constant_id = 31) const bool WHOLE_ARRAY = false;  // taxels that no object reaches may have a force
-layout(constant_id = 32) const bool TURNS_SHEAR = false;  // on its way along the skin, lib/spread.glsl
+layout(constant_id = 32) const bool TURNS_SHEAR = false;  // on its way along the skin, readout/spread.glsl
 layout(constant_id = 33) const float CURVE_LIMIT = 0.0;   // counts; 0: none
 layout(constant_id = 34) const int CURVE_PIECES = 0;      // 0: a polynomial
 layout(constant_id = 35) const bool KEEPS_WINDOW = true;  // every step has a frame, so outside of the window of the step before all is 0
@@ -77,14 +77,14 @@ const bool kOnePatch = NUM_ROWS > 0;
 const bool kSliding = kOnePatch && KERNEL == 3;
 const uint kRowsAtOnce = kSliding && TEAM == 1 && LANES > 1 ? 2 : 1;
 
-#include "lib/workgroup.glsl"
-#include "lib/whole.glsl"
-#include "lib/philox.glsl"
-#include "lib/spread.glsl"
-#include "lib/lag.glsl"
-#include "lib/imperfections.glsl"
-#include "lib/readout.glsl"
-#include "lib/moments.glsl"
+#include "common/workgroup.glsl"
+#include "common/whole.glsl"
+#include "common/philox.glsl"
+#include "readout/spread.glsl"
+#include "readout/lag.glsl"
+#include "readout/imperfections.glsl"
+#include "readout/readout.glsl"
+#include "common/moments.glsl"
 
 // Scalars: Mesa 22.3 picks the wrong components where a specialization constant chooses between two vectors.
 const uint kCols = kOnePatch ? NUM_COLS : kListCols;

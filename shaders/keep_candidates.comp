@@ -11,9 +11,9 @@
 // In:  poses, objects, the sensor's patch.
 // Out: candidates (num_instances), work lists.
 
-#include "lib/texels.glsl"
+#include "driver/texels.glsl"
 #include "shared/layout.h"
-#include "lib/specialization.glsl"
+#include "common/specialization.glsl"
 layout(constant_id = 11) const bool FLAT = true;  // these as in contact.comp
 layout(constant_id = 12) const bool OUTPUT_JACOBIAN = false;
 layout(constant_id = 13) const float REACH = 0.0;
@@ -38,12 +38,12 @@ const float kFewestStepsAhead = 3.0;  // else nothing is won
 
 const float kMiss = kNoHeight;
 
-#include "lib/workgroup.glsl"
-#include "lib/whole.glsl"
-#include "lib/transform.glsl"
-#include "lib/window.glsl"
-#include "lib/bodies.glsl"
-#include "lib/work_lists.glsl"
+#include "common/workgroup.glsl"
+#include "common/whole.glsl"
+#include "common/transform.glsl"
+#include "depth/window.glsl"
+#include "depth/bodies.glsl"
+#include "common/work_lists.glsl"
 
 float greatestOf(vec3 v) { return max(v.x, max(v.y, v.z)); }
 

@@ -25,7 +25,7 @@ const float kTolerance = 1e-5;         // of the load; a float's offset at 0.1 m
 const float kAccepted = 1e-3;          // of the load: what a bracket as narrow as floats allow must reach
 const float kDeeper = 1e30;     // force at an offset at which a sample is deeper than the skin
 
-#include "lib/workgroup.glsl"
+#include "common/workgroup.glsl"
 
 void main() {
   uint instance = workgroupNumber() * WORKGROUP + gl_LocalInvocationIndex;

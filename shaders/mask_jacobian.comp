@@ -8,7 +8,7 @@
 // Twin: src/reference/tactile_jacobian.cpp.
 
 #include "shared/layout.h"
-#include "lib/specialization.glsl"
+#include "common/specialization.glsl"
 layout(constant_id = 11) const float LAW_0 = 0.0;
 
 layout(std430, set = 0, binding = 0) readonly buffer Step { StepRecord step_record; };
@@ -18,7 +18,7 @@ layout(std430, set = 0, binding = 3) readonly buffer LawState { vec2 law_state[]
 layout(std430, set = 0, binding = 4) readonly buffer TaxelJacobian { float taxel_jacobian[]; };
 layout(std430, set = 0, binding = 5) writeonly buffer MaskedJacobian { float masked_jacobian[]; };
 
-#include "lib/workgroup.glsl"
+#include "common/workgroup.glsl"
 
 void main() {
   uint number = workgroupNumber() * WORKGROUP + gl_LocalInvocationIndex;

@@ -8,8 +8,8 @@
 // Out: contact_normal, contact_shear, for the spread; law_state: force in the spring (N) and its rate (N/s).
 // Twin: src/reference/taxel_laws.cpp.
 
-#include "lib/taxel_pass.glsl"
-#include "lib/cone.glsl"
+#include "common/taxel_pass.glsl"
+#include "skin/cone.glsl"
 
 void main() {
   uint number = invocationNumber();

@@ -4,7 +4,7 @@
 //
 // In, out: tile_results: no force, no torque. Twin: src/reference/taxel_laws.cpp.
 
-#include "lib/taxel_pass.glsl"
+#include "common/taxel_pass.glsl"
 
 void main() {
   uint number = invocationNumber();

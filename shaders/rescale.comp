@@ -6,7 +6,7 @@
 // In:  law_state (num_instances x num_taxels), .x, N; tile_results: the force of contact. Out: contact_normal, for the spread.
 // Twin: src/reference/taxel_laws.cpp.
 
-#include "lib/taxel_pass.glsl"
+#include "common/taxel_pass.glsl"
 
 void main() {
   uint instance = invocationNumber();

@@ -7,7 +7,7 @@
 // Twin: src/reference/tactile_jacobian.cpp.
 
 #include "shared/layout.h"
-#include "lib/specialization.glsl"
+#include "common/specialization.glsl"
 layout(constant_id = 11) const bool SCALED = true;
 
 layout(std430, set = 0, binding = 0) readonly buffer Step { StepRecord step_record; };
@@ -18,7 +18,7 @@ layout(std430, set = 0, binding = 4) readonly buffer MaskedJacobian { float mask
 layout(std430, set = 0, binding = 5) buffer TaxelJacobian { float taxel_jacobian[]; };
 layout(std430, set = 0, binding = 6) writeonly buffer Problems { uint problems[]; };
 
-#include "lib/workgroup.glsl"
+#include "common/workgroup.glsl"
 
 void main() {
   uint number = workgroupNumber() * WORKGROUP + gl_LocalInvocationIndex;

@@ -12,7 +12,7 @@
 // Twin: src/reference/tactile_jacobian.cpp.
 
 #include "shared/layout.h"
-#include "lib/specialization.glsl"
+#include "common/specialization.glsl"
 layout(constant_id = 11) const bool CLEAN = false;
 layout(constant_id = 12) const uint TEAM = 1;         // invocations of a part
 layout(constant_id = 13) const uint PATCHES = 1;      // rows of patches
@@ -47,10 +47,10 @@ shared float partial[PARTIALS];
 // A loop ended before its work was done; see contact.comp.
 bool cut_short = false;
 
-#include "lib/workgroup.glsl"
-#include "lib/philox.glsl"
-#include "lib/imperfections.glsl"
-#include "lib/axes.glsl"
+#include "common/workgroup.glsl"
+#include "common/philox.glsl"
+#include "readout/imperfections.glsl"
+#include "common/axes.glsl"
 
 float kernel_of_nine[9];  // of 3 x 3, at hand
 

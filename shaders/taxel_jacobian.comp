@@ -4,14 +4,14 @@
 // the origin of S and w, in S) while the objects stay. The sensor's twist is minus the objects' seen from S. An invocation owns a taxel of one instance, and
 // the tile of the same number.
 //
-// In:  contact_cells (num_instances x num_taxels), tile_changes (num_instances x num_tiles x LANES), as lib/cell_fluxes.glsl leaves them.
+// In:  contact_cells (num_instances x num_taxels), tile_changes (num_instances x num_tiles x LANES), as skin/cell_fluxes.glsl leaves them.
 // Out: taxel_jacobian (num_instances x 6 x num_taxels), N/m and N/rad, over the part of the spread's kernel that stays on the sensor where SCALED;
 //      wrench_jacobian (num_instances x num_tiles x 6 x 6), by force and torque, then by twist: N/m, N/rad, N m/m, N m/rad.
 // Deterministic: LANES partial sums are added in their order.
 // Twin: src/reference/tactile_jacobian.cpp.
 
 #include "shared/layout.h"
-#include "lib/specialization.glsl"
+#include "common/specialization.glsl"
 layout(constant_id = 11) const bool SCALED = true;
 layout(constant_id = 12) const bool PRESSES = true;  // else the law has no forces, and no wrench
 
@@ -25,8 +25,8 @@ layout(std430, set = 0, binding = 6) readonly buffer TileChanges { float tile_ch
 layout(std430, set = 0, binding = 7) writeonly buffer TaxelJacobian { float taxel_jacobian[]; };
 layout(std430, set = 0, binding = 8) writeonly buffer WrenchJacobian { float wrench_jacobian[]; };
 
-#include "lib/workgroup.glsl"
-#include "lib/transform.glsl"
+#include "common/workgroup.glsl"
+#include "common/transform.glsl"
 
 bool isTouched(uint taxel) { return contact_cells[taxel].high_y.w != 0.0; }
 

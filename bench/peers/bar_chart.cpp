@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "cli/canvas.h"
-#include "cli/line_chart.h"
+#include "figures/canvas.h"
+#include "figures/line_chart.h"
 
 namespace taxelsim::bench {
 namespace {

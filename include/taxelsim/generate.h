@@ -8,17 +8,10 @@
 
 #include "taxelsim/dataset.h"
 #include "taxelsim/device.h"
+#include "taxelsim/progress.h"
 #include "taxelsim/scene.h"
 
 namespace taxelsim {
-
-struct Progress {
-  std::uint64_t episodes_done = 0;
-  std::uint64_t num_episodes = 0;
-  std::uint64_t frames_done = 0;       // in this run
-  std::uint64_t episodes_resumed = 0;  // found on disk
-  double seconds = 0;                  // since this run began simulating
-};
 
 struct GenerateOptions {
   int batch_size = 2048;      // instances over all slices, >= 1; does not change a byte of the data set

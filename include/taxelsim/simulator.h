@@ -100,7 +100,7 @@ struct ContactFeatureView : FeatureView {
 // patches (of a list of taxels none), as in ContactFeatureView; N stands for num_instances x num_rows. What is undefined is 0: without
 // contact all, of an edge angle whose confidence is 0 its row; never NaN.
 //
-// From the samples of this frame by the balance of force over each taxel (Reynolds' transport theorem; shaders/lib/cell_fluxes.glsl): what
+// From the samples of this frame by the balance of force over each taxel (Reynolds' transport theorem; shaders/skin/cell_fluxes.glsl): what
 // moves sideways flows through the taxel's sides, what moves up or down gives by the law's stiffness. So they are derivatives of the
 // feature over this array: where a wall passes a taxel they are those of that taxel, not of an array without taxels. They hold for a sensor
 // at rest: a taxel of MassSpringDamper gives the force of contact at once; of a skin that relaxes every sample keeps its present share of

@@ -251,7 +251,7 @@ TAXELSIM_CONSTANT kJacobianEdgeAngle = 24u;        // 6
 TAXELSIM_CONSTANT kNumJacobian = 30u;
 TAXELSIM_CONSTANT kNumWrenchJacobian = 36u;
 
-// What the contact pass leaves for it of a taxel: lib/cell_fluxes.glsl.
+// What the contact pass leaves for it of a taxel: skin/cell_fluxes.glsl.
 struct CellRecord {
   vec4 low_x, high_x, low_y, high_y;  // along each side: integrals of f (N/m), of G (N), of f times the coordinate along it (N). Last:
                                       // integrals of f' over the cell times 1, x, y (N/m, N, N); 1 where all this was written, else 0

@@ -1,5 +1,5 @@
 // Counter-based random numbers: Philox4x32-10 (Salmon, Moraes, Dror, Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC 2011).
-// A draw is a pure function of its key and counter, so order, batch size and threads never show. shaders/lib/philox.glsl is the same
+// A draw is a pure function of its key and counter, so order, batch size and threads never show. shaders/common/philox.glsl is the same
 // function.
 #pragma once
 

@@ -11,7 +11,7 @@
 #include <span>
 
 #include "cli/commands.h"
-#include "cli/text.h"
+#include "figures/text.h"
 #include "dataset/files.h"
 #include "scene/number_table.h"
 #include "taxelsim/error.h"

@@ -8,9 +8,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "cli/characterize_report.h"
+#include "figures/characterize_report.h"
 #include "cli/commands.h"
-#include "cli/text.h"
+#include "figures/text.h"
 #include "dataset/files.h"
 #include "taxelsim/version.h"
 

@@ -14,9 +14,9 @@
 #include <optional>
 
 #include "cli/commands.h"
-#include "cli/comparison_figure.h"
+#include "figures/comparison_figure.h"
 #include "cli/image_source.h"
-#include "cli/text.h"
+#include "figures/text.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim::cli {

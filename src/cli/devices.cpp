@@ -9,7 +9,7 @@
 
 #include "cli/commands.h"
 #include "cli/driver_advice.h"
-#include "cli/text.h"
+#include "figures/text.h"
 #include "taxelsim/device.h"
 #include "taxelsim/generate.h"
 #include "taxelsim/model.h"

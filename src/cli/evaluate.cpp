@@ -13,10 +13,10 @@
 
 #include "cli/commands.h"
 #include "cli/interrupt.h"
-#include "cli/line_chart.h"
+#include "figures/line_chart.h"
 #include "cli/progress.h"
 #include "cli/scene_options.h"
-#include "cli/text.h"
+#include "figures/text.h"
 
 namespace taxelsim::cli {
 namespace {

@@ -9,9 +9,9 @@
 #include <numbers>
 
 #include "cli/commands.h"
-#include "cli/servo_report.h"
-#include "cli/tactile_figure.h"
-#include "cli/taxel_chart.h"
+#include "figures/servo_report.h"
+#include "figures/tactile_figure.h"
+#include "figures/taxel_chart.h"
 #include "taxelsim/device.h"
 #include "taxelsim/error.h"
 #include "taxelsim/experiment.h"

@@ -13,8 +13,8 @@
 
 #include "cli/commands.h"
 #include "cli/contacts_file.h"
-#include "cli/tactile_figure.h"
-#include "cli/taxel_chart.h"
+#include "figures/tactile_figure.h"
+#include "figures/taxel_chart.h"
 #include "taxelsim/device.h"
 #include "taxelsim/error.h"
 #include "taxelsim/model.h"

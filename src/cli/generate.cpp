@@ -10,7 +10,7 @@
 #include "cli/interrupt.h"
 #include "cli/progress.h"
 #include "cli/scene_options.h"
-#include "cli/text.h"
+#include "figures/text.h"
 
 namespace taxelsim::cli {
 namespace {

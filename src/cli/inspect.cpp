@@ -12,7 +12,7 @@
 
 #include "cli/commands.h"
 #include "cli/scene_name.h"
-#include "cli/text.h"
+#include "figures/text.h"
 #include "taxelsim/dataset.h"
 #include "taxelsim/error.h"
 

@@ -9,7 +9,7 @@
 #include <cstdio>
 #include <limits>
 
-#include "cli/text.h"
+#include "figures/text.h"
 
 namespace taxelsim::cli {
 namespace {

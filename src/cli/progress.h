@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "taxelsim/generate.h"
+#include "taxelsim/progress.h"
 
 namespace taxelsim::cli {
 

@@ -12,9 +12,9 @@
 
 #include "cli/commands.h"
 #include "cli/scene_name.h"
-#include "cli/tactile_figure.h"
-#include "cli/taxel_chart.h"
-#include "cli/text.h"
+#include "figures/tactile_figure.h"
+#include "figures/taxel_chart.h"
+#include "figures/text.h"
 #include "taxelsim/dataset.h"
 #include "taxelsim/error.h"
 

@@ -6,7 +6,7 @@
 
 #include "episodes/episode_sink.h"
 #include "episodes/slice.h"
-#include "taxelsim/evaluate.h"
+#include "taxelsim/verdict.h"
 
 namespace taxelsim {
 

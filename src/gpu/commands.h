@@ -26,7 +26,7 @@ class Commands {
   Commands& operator=(Commands&&) noexcept;
 
   // One workgroup per unit of work: `num_groups` of them, folded into two dimensions where one holds too few; kernels find their number
-  // with workgroupNumber() of shaders/lib/workgroup.glsl. Buffers by binding.
+  // with workgroupNumber() of shaders/common/workgroup.glsl. Buffers by binding.
   void dispatch(const Kernel& kernel, std::uint32_t num_groups, std::initializer_list<const Buffer*> buffers);
   // As many workgroups as a kernel has left in `counts`, three words from byte `offset` on: columns, rows, 1; a barrier to kIndirect
   // between.

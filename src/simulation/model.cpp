@@ -16,7 +16,7 @@
 #include "load.spv.h"
 #include "sensor/curve.h"
 #include "simulation/model_impl.h"
-#include "simulation/pack_objects.h"
+#include "simulation/pack/pack_objects.h"
 #include "simulation/workgroups.h"
 #include "taxelsim/error.h"
 
@@ -210,7 +210,7 @@ const gpu::Kernel& Model::Impl::layerKernel(const LayerVariant& variant) const {
   return layer_.emplace(variant, makeLayerKernel(variant)).first->second;
 }
 
-// The constants of shaders/lib/specialization.glsl, then those of one pass, numbered in order.
+// The constants of shaders/common/specialization.glsl, then those of one pass, numbered in order.
 std::vector<gpu::Constant> Model::Impl::constants(const Sensor& sensor, const PackedSensor& packed, const Sizes& sizes,
                                                   const std::vector<std::uint32_t>& of_the_pass) {
   const GridPatch& patch = sensor.patches.front();

@@ -10,10 +10,10 @@
 #include "gpu/buffer.h"
 #include "gpu/kernel.h"
 #include "simulation/faster_paths.h"
-#include "simulation/pack_contact_features.h"
-#include "simulation/pack_law.h"
-#include "simulation/pack_layer.h"
-#include "simulation/pack_sensor.h"
+#include "simulation/pack/pack_contact_features.h"
+#include "simulation/pack/pack_law.h"
+#include "simulation/pack/pack_layer.h"
+#include "simulation/pack/pack_sensor.h"
 #include "taxelsim/model.h"
 
 namespace taxelsim {

@@ -1,4 +1,4 @@
-// How finely triangles are seen by the samples of a sensor; shaders/lib/raster.glsl.
+// How finely triangles are seen by the samples of a sensor; shaders/depth/raster.glsl.
 #pragma once
 
 #include <cstdint>

@@ -10,7 +10,7 @@
 #include "base/philox.h"
 #include "base/text.h"
 #include "simulation/frame_view.h"
-#include "simulation/pack_contacts.h"
+#include "simulation/pack/pack_contacts.h"
 #include "simulation/rows.h"
 #include "simulation/simulator_impl.h"
 #include "taxelsim/error.h"

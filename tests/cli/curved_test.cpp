@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command_line.h"
-#include "cli/taxel_chart.h"
+#include "figures/taxel_chart.h"
 #include "support/curved_sensor.h"
 
 namespace taxelsim::testing {

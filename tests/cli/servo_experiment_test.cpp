@@ -1,4 +1,4 @@
-// `experiment` on servo files: a short loop of each kind of output, and what is refused. Numbers against theory: tests/episodes/.
+// `experiment` on servo files: a short loop of each kind of output, and what is refused. Numbers against theory: tests/experiments/.
 #include <gtest/gtest.h>
 
 #include <cmath>

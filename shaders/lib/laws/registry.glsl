@@ -1,7 +1,0 @@
-// The contact law that this variant of the contact pass is compiled with; one line a law. Each defines lawPressure(), lawSlope() and
-// kLawSolvedApart.
-#if defined(LAW_WINKLER)
-#include "lib/laws/winkler.glsl"
-#elif defined(LAW_ELASTIC_LAYER)
-#include "lib/laws/elastic_layer.glsl"
-#endif

@@ -1,0 +1,159 @@
+#include "taxelsim/generate.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "episodes/batch.h"
+#include "generation/shard_sink.h"
+#include "taxelsim/error.h"
+#include "taxelsim/version.h"
+
+namespace taxelsim {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kProgressPeriod = std::chrono::milliseconds(250);
+
+void checkRun(const Scene& scene, const GenerateOptions& options) {
+  checkCount("batch size", options.batch_size);
+  checkCount("slices", options.num_slices);
+  checkCount("episodes_per_shard", static_cast<std::int64_t>(scene.episodes_per_shard));
+  checkScene(scene);
+}
+
+// Shards that one batch keeps in memory: those its episodes span, with a part of one at either end.
+std::uint64_t numShardsUnderWay(const Scene& scene, const GenerateOptions& options) {
+  const std::uint64_t batch_size = std::min<std::uint64_t>(options.batch_size, scene.num_episodes);
+  return std::min(batch_size / scene.episodes_per_shard + 2, (scene.num_episodes - 1) / scene.episodes_per_shard + 1);
+}
+
+// Linux promises more memory than there is and kills who takes it, so it is asked beforehand. In double: the product may pass 2^64.
+void checkHostMemory(const Scene& scene, const GenerateOptions& options) {
+  double episode_bytes = 0;
+  for (const Column& column : columnsOf(scene)) {
+    episode_bytes += static_cast<double>(rowBytes(column)) * (column.per_episode ? 1 : numFrames(scene));
+  }
+  const double episodes = static_cast<double>(std::min(scene.episodes_per_shard, scene.num_episodes));
+  const double need = static_cast<double>(numShardsUnderWay(scene, options)) * episodes * episode_bytes;
+  const double have = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+  if (need <= have) return;
+  const auto mebibytes = [](double bytes) { return std::to_string(static_cast<long long>(std::min(bytes / 0x1p20, 9e18))) + " MiB"; };
+  throw Error(ErrorKind::kInput, "shards under way of " + std::to_string(scene.episodes_per_shard) + " episodes of " +
+                                     std::to_string(numFrames(scene)) + " frames take " + mebibytes(need) + " of memory, " +
+                                     mebibytes(have) + " there are; make episodes_per_shard, num_steps or the batch smaller");
+}
+
+Manifest manifestOf(const Scene& scene, const Device& device) {
+  const bool one_grid = scene.sensor.patches.size() == 1;
+  return {.scene = scene.resolved,
+          .sensor_name = scene.sensor.name,
+          .num_rows = one_grid ? scene.sensor.patches[0].num_rows : 0,
+          .num_cols = one_grid ? scene.sensor.patches[0].num_cols : 0,
+          .pitch = one_grid ? scene.sensor.patches[0].pitch : std::array<double, 2>{0, 0},
+          .seed = scene.seed,
+          .num_episodes = scene.num_episodes,
+          .episodes_per_shard = scene.episodes_per_shard,
+          .compression = scene.compression,
+          .program_version = kVersion,
+          .device = device.info().name + ", " + device.info().driver,
+          .columns = columnsOf(scene)};
+}
+
+// The state of one generate() call.
+class Run {
+ public:
+  Run(const GenerateOptions& options, DatasetWriter& writer, const Manifest& manifest) : options_(options), writer_(writer) {
+    complete_.resize(manifest.numShards());
+    progress().num_episodes = manifest.num_episodes;
+    for (std::uint64_t shard = 0; shard < manifest.numShards(); ++shard) {
+      complete_[shard] = writer.isComplete(shard);
+      if (!complete_[shard]) continue;
+      const std::uint64_t first = shard * manifest.episodes_per_shard;
+      progress().episodes_resumed += std::min(manifest.episodes_per_shard, manifest.num_episodes - first);
+    }
+    progress().episodes_done = progress().episodes_resumed;
+  }
+
+  const std::vector<bool>& complete() const { return complete_; }
+  Progress& progress() { return result_.progress; }
+
+  void simulate(const Model& model, const EpisodePlan& plan, ShardQueue& queue);
+
+  GenerateResult end() {
+    result_.complete = progress().episodes_done == progress().num_episodes;
+    if (result_.complete) writer_.finish();
+    if (options_.on_progress) options_.on_progress(progress());
+    return result_;
+  }
+
+ private:
+  void report(Clock::time_point now);
+
+  const GenerateOptions& options_;
+  DatasetWriter& writer_;
+  std::vector<bool> complete_;
+  GenerateResult result_;
+  Clock::time_point start_;
+  Clock::time_point last_report_;
+};
+
+void Run::report(Clock::time_point now) {
+  progress().seconds = std::chrono::duration<double>(now - start_).count();
+  if (!options_.on_progress || now - last_report_ < kProgressPeriod) return;
+  last_report_ = now;
+  options_.on_progress(progress());
+}
+
+void Run::simulate(const Model& model, const EpisodePlan& plan, ShardQueue& queue) {
+  const int batch_size = static_cast<int>(std::min<std::uint64_t>(options_.batch_size, queue.numEpisodesLeft()));
+  const Recorder recorder(planColumns(plan.scene));
+  // Episodes of a batch end together, so as many shards can come at once as the batch spans; the device need not wait for them.
+  ShardWriter shard_writer(writer_, numShardsUnderWay(plan.scene, options_));
+  std::vector<std::unique_ptr<ShardSink>> sinks;
+  std::vector<std::unique_ptr<Slice>> slices;
+  for (const int size : cutBatch(model, plan, batch_size, options_.num_slices)) {
+    sinks.push_back(std::make_unique<ShardSink>(recorder, queue, shard_writer, plan.num_frames, size));
+    slices.push_back(std::make_unique<Slice>(model, plan, size, *sinks.back()));
+  }
+  start_ = last_report_ = Clock::now();
+  playEpisodes(model.device(), slices, options_.stop, [&](const Slice::Tally& tally) {
+    progress().frames_done += tally.num_frames;
+    progress().episodes_done += tally.num_episodes;
+    result_.num_load_misses += tally.num_load_misses;
+    result_.times.device_busy += tally.device_seconds;
+    result_.times.device_wait += tally.wait_seconds;
+    report(Clock::now());
+  });
+  const Clock::time_point last_frame = Clock::now();
+  shard_writer.close();
+  result_.times.writing_last = std::chrono::duration<double>(Clock::now() - last_frame).count();
+  result_.times.writer_wait = shard_writer.secondsWaited();
+  progress().episodes_done = progress().episodes_resumed + shard_writer.numEpisodesWritten();
+  progress().seconds = std::chrono::duration<double>(Clock::now() - start_).count();
+}
+
+}  // namespace
+
+GenerateResult generate(const Device& device, const Scene& scene, const std::filesystem::path& directory, const GenerateOptions& options) {
+  checkRun(scene, options);
+  checkHostMemory(scene, options);
+  EpisodePlan plan(scene, outputsOf(scene));
+  plan.device_clock = options.device_clock;
+  const Manifest manifest = manifestOf(scene, device);
+  // What cannot run leaves no directory behind.
+  const Model model(device, modelOptionsOf(scene));
+  cutBatch(model, plan, static_cast<int>(std::min<std::uint64_t>(options.batch_size, scene.num_episodes)), options.num_slices);
+  DatasetWriter writer(directory, manifest);
+  Run run(options, writer, manifest);
+  ShardQueue queue(manifest, run.complete(), plan.num_frames);
+  if (queue.numEpisodesLeft() > 0) run.simulate(model, plan, queue);
+  return run.end();
+}
+
+}  // namespace taxelsim

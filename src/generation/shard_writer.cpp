@@ -1,0 +1,85 @@
+#include "generation/shard_writer.h"
+
+#include <chrono>
+#include <utility>
+
+#include "base/background.h"
+
+namespace taxelsim {
+
+ShardWriter::ShardWriter(DatasetWriter& writer, std::size_t max_waiting) : writer_(writer), max_waiting_(max_waiting) {
+  thread_ = std::thread([this] { run(); });
+}
+
+ShardWriter::~ShardWriter() {
+  stopThread();
+}
+
+void ShardWriter::run() {
+  goToBackground();
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    changed_.wait(lock, [this] { return closing_ || !waiting_.empty(); });
+    if (waiting_.empty()) return;
+    std::unique_ptr<ShardBuffer> buffer = std::move(waiting_.front());
+    waiting_.pop_front();
+    // After a failed write the rest is dropped: the disk is full or gone, and a shard that is missing is made again by the next run.
+    if (!error_) {
+      lock.unlock();
+      std::exception_ptr error;
+      try {
+        writer_.writeShard(buffer->shard, buffer->data);
+      } catch (...) {
+        error = std::current_exception();
+      }
+      lock.lock();
+      if (error) {
+        error_ = error;
+      } else {
+        num_episodes_written_ += buffer->data.episode_lengths.size();
+      }
+    }
+    written_.push_back(std::move(buffer));
+    changed_.notify_all();
+  }
+}
+
+void ShardWriter::submit(std::unique_ptr<ShardBuffer> buffer) {
+  const auto start = std::chrono::steady_clock::now();
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return error_ || waiting_.size() < max_waiting_; });
+  seconds_waited_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (error_) std::rethrow_exception(error_);
+  waiting_.push_back(std::move(buffer));
+  changed_.notify_all();
+}
+
+std::unique_ptr<ShardBuffer> ShardWriter::reclaim() {
+  const std::lock_guard lock(mutex_);
+  if (written_.empty()) return nullptr;
+  std::unique_ptr<ShardBuffer> buffer = std::move(written_.back());
+  written_.pop_back();
+  return buffer;
+}
+
+std::uint64_t ShardWriter::numEpisodesWritten() const {
+  const std::lock_guard lock(mutex_);
+  return num_episodes_written_;
+}
+
+void ShardWriter::stopThread() {
+  if (!thread_.joinable()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    closing_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void ShardWriter::close() {
+  stopThread();
+  if (error_) std::rethrow_exception(error_);
+}
+
+}  // namespace taxelsim

@@ -1,0 +1,97 @@
+// The picture's geometry by numbers: axes of an image, and where colours land.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "cli/picture.h"
+#include "figures/tactile_figure.h"
+#include "taxelsim/error.h"
+
+namespace taxelsim::cli {
+namespace {
+
+constexpr double kRounding = 1e-12;  // a dozen operations in double on values of order 1
+
+TEST(AxesOfImage, OfALineOfTaxels) {
+  TactilePanel panel;
+  panel.num_rows = 3;
+  panel.num_cols = 3;
+  panel.pitch = {2, 2};
+  panel.values = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  const auto diagonal = axesOfImage(panel);
+  ASSERT_TRUE(diagonal);
+  EXPECT_NEAR(diagonal->angle, std::atan(1.0), kRounding) << "x and y grow together";
+  EXPECT_NEAR(diagonal->eigenvalues[0], 2 * (4.0 + 0 + 4.0) / 3, kRounding);
+  EXPECT_NEAR(diagonal->eigenvalues[1], 0, kRounding);
+  panel.values = {0, 0, 0, 0, 0, 0, 0, 3, 1};
+  const auto row = axesOfImage(panel);
+  EXPECT_NEAR(row->centre[0], 2, kRounding);
+  EXPECT_NEAR(row->centre[1], 0.5, kRounding);
+  EXPECT_NEAR(std::abs(row->angle), std::acos(0.0), kRounding) << "along y";
+  panel.values.assign(9, 0);
+  EXPECT_FALSE(axesOfImage(panel));
+}
+
+TEST(Figure, ShowsTheContactWhereItIs) {
+  TactilePanel panel;
+  panel.num_rows = 2;
+  panel.num_cols = 4;
+  panel.values = {0, 0, 0, 9, 0, 0, 0, 0};
+  const std::filesystem::path file = std::filesystem::temp_directory_path() / "taxelsim-figure-test.png";
+  writeTactileFigure(file, {panel}, {.title = "one taxel", .subtitle = "", .unit = "counts"});
+  const testing::Picture picture(file);
+  const auto dark = picture.of(0x440154), bright = picture.of(0xfde725);
+  EXPECT_GT(dark.count, 5 * bright.count) << "seven taxels against one";
+  EXPECT_GT(bright.x, dark.x) << "column 3 lies to the right";
+  EXPECT_LT(bright.y, dark.y) << "row 0 lies at the top";
+  EXPECT_GT(picture.of(0xe5322d).count, 100) << "a red outline";
+  std::filesystem::remove(file);
+}
+
+// x runs down the page and y to the right: a line along y lies level, one along x stands; both in a grid and among outlines.
+TEST(Figure, LinesLieAsTheyShould) {
+  TactilePanel grid;
+  grid.num_rows = grid.num_cols = 3;
+  grid.values.assign(9, 1);
+  grid.numbers = false;
+  TactilePanel outlines = grid;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      const double x = i - 1.5, y = j - 1.5;
+      outlines.outlines.push_back({{{x, y}, {x, y + 1}, {x + 1, y + 1}, {x + 1, y}}});
+    }
+  }
+  grid.neighbours = outlines.neighbours = false;
+  const std::filesystem::path file = std::filesystem::temp_directory_path() / "taxelsim-lines-test.png";
+  for (const TactilePanel& panel : {grid, outlines}) {
+    for (const double angle : {0.0, std::acos(0.0)}) {
+      TactilePanel drawn = panel;
+      drawn.lines = {{.through = {-1, 1}, .angle = angle, .colour = rgb(0x123456), .name = ""}};
+      writeTactileFigure(file, {drawn}, {.title = "", .subtitle = "", .unit = ""});
+      const testing::Picture picture(file);
+      // The legend shows a piece of the line too, at the left foot of the page; the image's is the long one.
+      const testing::Picture::Spot line = picture.of(0x123456), cells = picture.of(0xfde725);
+      if (angle == 0) {
+        EXPECT_GT(line.right, (cells.left + cells.right) / 2) << "y is 1: in the last column";
+        EXPECT_LE(line.top, cells.top + 4) << "from the first row on";
+      } else {
+        EXPECT_NEAR(line.right, cells.right, 4) << "right across";
+        EXPECT_NEAR(line.top, cells.top + (cells.bottom - cells.top) / 6, 8) << "x is -1: in the first row";
+      }
+    }
+  }
+  std::filesystem::remove(file);
+}
+
+TEST(Figure, RefusesWhatItCannotDraw) {
+  EXPECT_THROW(writeTactileFigure("/tmp/x.png", {}, {}), Error);
+  TactilePanel panel;
+  panel.num_rows = panel.num_cols = 1;
+  panel.values = {1};
+  EXPECT_THROW(writeTactileFigure("/nowhere/x.png", {panel}, {}), Error);
+  EXPECT_THROW(writeTactileFigure("/tmp/x.png", std::vector<TactilePanel>(20000, panel), {}), Error);
+}
+
+}  // namespace
+}  // namespace taxelsim::cli

@@ -1,0 +1,114 @@
+#include "generation/shard_queue.h"
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <set>
+
+#include "taxelsim/error.h"
+
+namespace taxelsim {
+namespace {
+
+Manifest manifestOf(std::uint64_t num_episodes, std::uint64_t episodes_per_shard) {
+  Manifest manifest;
+  manifest.num_episodes = num_episodes;
+  manifest.episodes_per_shard = episodes_per_shard;
+  manifest.columns = {{"data/a", ScalarType::kFloat32, {3}, "N", "A.", false}, {"meta/b", ScalarType::kInt32, {}, "1", "B.", true}};
+  return manifest;
+}
+
+TEST(ShardQueue, HandsOutEpisodesOfIncompleteShardsInOrder) {
+  ShardQueue queue(manifestOf(7, 3), {false, true, false}, 4);
+  EXPECT_EQ(queue.numEpisodesLeft(), 4u);
+  std::vector<EpisodePlace> places;
+  while (const auto place = queue.next()) places.push_back(*place);
+  ASSERT_EQ(places.size(), 4u);
+  const std::uint64_t episodes[] = {0, 1, 2, 6}, rows[] = {0, 1, 2, 0}, shards[] = {0, 0, 0, 2};
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_EQ(places[i].episode, episodes[i]);
+    EXPECT_EQ(places[i].row, rows[i]);
+    EXPECT_EQ(places[i].buffer->shard, shards[i]);
+  }
+  EXPECT_EQ(queue.numEpisodesLeft(), 0u);
+  // The last shard has one episode: sizes follow.
+  const ShardBuffer& last = *places[3].buffer;
+  EXPECT_EQ(last.data.episode_lengths, (std::vector<std::uint64_t>{4}));
+  EXPECT_EQ(last.data.columns[0].size(), 4u * 3 * sizeof(float));
+  EXPECT_EQ(last.data.columns[1].size(), sizeof(std::int32_t));
+  EXPECT_EQ(last.columns[0], last.data.columns[0].data());
+}
+
+TEST(ShardQueue, NothingLeftWhenAllIsComplete) {
+  ShardQueue queue(manifestOf(6, 3), {true, true}, 4);
+  EXPECT_EQ(queue.numEpisodesLeft(), 0u);
+  EXPECT_FALSE(queue.next());
+}
+
+TEST(ShardQueue, RecycledMemoryFitsTheNextShard) {
+  ShardQueue queue(manifestOf(7, 3), {false, false, false}, 4);
+  std::unique_ptr<ShardBuffer> done;
+  for (int i = 0; i < 3; ++i) done = queue.finish(*queue.next());
+  ASSERT_TRUE(done);
+  ShardBuffer* memory = done.get();
+  queue.recycle(std::move(done));
+  for (int i = 0; i < 3; ++i) done = queue.finish(*queue.next());
+  EXPECT_EQ(done.get(), memory);
+  EXPECT_EQ(done->shard, 1u);
+  queue.recycle(std::move(done));
+  const EpisodePlace last = *queue.next();
+  EXPECT_EQ(last.buffer, memory);
+  EXPECT_EQ(last.buffer->data.columns[0].size(), 4u * 3 * sizeof(float));
+  EXPECT_EQ(last.buffer->data.episode_lengths.size(), 1u);
+}
+
+TEST(ShardQueue, RefusesAShardThatMemoryCannotHold) {
+  constexpr std::uint64_t kTooMany = std::uint64_t{1} << 62;  // more than a vector can hold, so nothing is asked of the system
+  ShardQueue queue(manifestOf(kTooMany, kTooMany), {false}, 1);
+  try {
+    queue.next();
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kInput);
+    EXPECT_NE(std::string(error.what()).find("episodes_per_shard"), std::string::npos) << error.what();
+  }
+}
+
+// Whatever the order in which episodes end: every one is handed out once, every incomplete shard comes back once, when its last one ends.
+RC_GTEST_PROP(ShardQueueProperty, EveryShardComesBackOnce, ()) {
+  const std::uint64_t num_episodes = *rc::gen::inRange(1, 60);
+  const std::uint64_t per_shard = *rc::gen::inRange(1, 20);
+  const std::size_t num_slots = *rc::gen::inRange(1, 30);
+  const Manifest manifest = manifestOf(num_episodes, per_shard);
+  const auto complete = *rc::gen::container<std::vector<bool>>(manifest.numShards(), rc::gen::arbitrary<bool>());
+  ShardQueue queue(manifest, complete, 2);
+
+  std::vector<EpisodePlace> playing;
+  std::set<std::uint64_t> episodes, shards;
+  for (;;) {
+    while (playing.size() < num_slots) {
+      const auto place = queue.next();
+      if (!place) break;
+      RC_ASSERT(episodes.insert(place->episode).second);
+      RC_ASSERT(place->episode == place->buffer->shard * per_shard + place->row);
+      playing.push_back(*place);
+    }
+    if (playing.empty()) break;
+    const std::size_t which = *rc::gen::inRange<std::size_t>(0, playing.size());
+    const EpisodePlace place = playing[which];
+    playing.erase(playing.begin() + static_cast<std::ptrdiff_t>(which));
+    if (auto done = queue.finish(place)) {
+      RC_ASSERT(shards.insert(done->shard).second);
+      for (const EpisodePlace& other : playing) RC_ASSERT(other.buffer != done.get());
+      queue.recycle(std::move(done));
+    }
+  }
+  RC_ASSERT(queue.numOpen() == 0u);
+  for (std::uint64_t episode = 0; episode < num_episodes; ++episode) {
+    RC_ASSERT(episodes.contains(episode) == !complete[episode / per_shard]);
+  }
+  for (std::uint64_t shard = 0; shard < manifest.numShards(); ++shard) RC_ASSERT(shards.contains(shard) == !complete[shard]);
+}
+
+}  // namespace
+}  // namespace taxelsim

@@ -1,0 +1,79 @@
+#include "generation/shard_writer.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <filesystem>
+
+#include "example_scene.h"
+#include "taxelsim/error.h"
+
+namespace taxelsim {
+namespace {
+
+constexpr std::uint64_t kNumShards = 6;
+
+Manifest smallManifest() {
+  Manifest manifest;
+  manifest.scene = "name: writer\n";
+  manifest.sensor_name = "array";
+  manifest.num_episodes = kNumShards;
+  manifest.episodes_per_shard = 1;
+  manifest.program_version = "0";
+  manifest.device = "none";
+  manifest.columns = {{"data/a", ScalarType::kFloat32, {}, "N", "A.", false}};
+  return manifest;
+}
+
+std::unique_ptr<ShardBuffer> bufferOf(std::uint64_t shard) {
+  auto buffer = std::make_unique<ShardBuffer>();
+  buffer->shard = shard;
+  buffer->data.episode_lengths = {1};
+  const float value = static_cast<float>(shard);
+  buffer->data.columns.assign(1, std::vector<std::byte>(sizeof value));
+  std::memcpy(buffer->data.columns[0].data(), &value, sizeof value);
+  return buffer;
+}
+
+TEST(ShardWriter, WritesEverythingAndGivesMemoryBack) {
+  const TestDirectory directory;
+  DatasetWriter dataset(directory.path(), smallManifest());
+  ShardWriter writer(dataset, 2);
+  for (std::uint64_t shard = 0; shard < kNumShards; ++shard) writer.submit(bufferOf(shard));
+  writer.close();
+  EXPECT_EQ(writer.numEpisodesWritten(), kNumShards);
+  int num_buffers = 0;
+  while (writer.reclaim()) ++num_buffers;
+  EXPECT_EQ(num_buffers, static_cast<int>(kNumShards));
+  dataset.finish();
+  const DatasetReader reader(directory.path());
+  EXPECT_EQ(reader.readAsDouble("data/a", 0, kNumShards), (std::vector<double>{0, 1, 2, 3, 4, 5}));
+}
+
+TEST(ShardWriter, WritesWhatWaitsWhenItGoesAway) {
+  const TestDirectory directory;
+  DatasetWriter dataset(directory.path(), smallManifest());
+  {
+    ShardWriter writer(dataset, kNumShards);
+    for (std::uint64_t shard = 0; shard < kNumShards; ++shard) writer.submit(bufferOf(shard));
+  }
+  for (std::uint64_t shard = 0; shard < kNumShards; ++shard) EXPECT_TRUE(dataset.isComplete(shard)) << shard;
+}
+
+// The directory vanishes under the writer: whoever hands over the next shard hears of it, and is not left waiting.
+TEST(ShardWriter, PassesErrorsOnToTheCaller) {
+  const TestDirectory directory;
+  DatasetWriter dataset(directory.path(), smallManifest());
+  std::filesystem::remove_all(directory.path());
+  ShardWriter writer(dataset, 1);
+  EXPECT_THROW(
+      {
+        for (std::uint64_t shard = 0; shard < kNumShards; ++shard) writer.submit(bufferOf(shard));
+      },
+      Error);
+  EXPECT_THROW(writer.close(), Error);
+  EXPECT_EQ(writer.numEpisodesWritten(), 0u);
+}
+
+}  // namespace
+}  // namespace taxelsim
