@@ -26,13 +26,6 @@ Affine fromLattice(Body body, int id) {
   return X;
 }
 
-// Mesa's software driver does arithmetic from before a barrier anew wherever its result is used behind it, in the midst of loops, too. What is multiplied
-// by a 1 that it cannot foresee is at hand.
-Affine atHand(Affine X) {
-  float one = num_listed_clusters == 0xFFFFFFFFu ? 0.0 : 1.0;
-  return Affine(X.row0 * one, X.row1 * one, X.row2 * one);
-}
-
 const int kLatticeMiddle = 1 << (kLatticeBits - 1);
 const uint kFirstMask = (1u << kFirstBits) - 1u;
 
@@ -77,26 +70,24 @@ bool groupReaches(Affine from_lattice, uint group, out uint items) {
 // Of the listed groups those clusters that reach into the window, of these all quads. Before and after, all invocations have met.
 void visitListedGroups(Body body, Affine from_lattice) {
   uint lane = gl_LocalInvocationIndex;
-  Affine X = atHand(from_lattice);
   for (uint g = 0; g < num_listed_groups; ++g) {
     uint group = group_list[g];
     uint first = (group & kFirstMask) + lane, end = (group & kFirstMask) + (group >> kFirstBits) + 1u;
     // As bits first: the list is asked for room once for all that this invocation finds.
     uint reaching = 0;
     for (uint c = first, bit = 1u; c < end; c += WORKGROUP, bit <<= 1) {
-      if (boxReaches(X, fourOf(Clusters, c).xyz)) reaching |= bit;
+      if (boxReaches(from_lattice, fourOf(Clusters, c).xyz)) reaching |= bit;
     }
     if (reaching == 0) continue;
     uint at = atomicAdd(num_listed_clusters, uint(bitCount(reaching)));
     for (; reaching != 0; reaching &= reaching - 1u) cluster_list[at++] = first + uint(findLSB(reaching)) * WORKGROUP;
   }
   workgroupBarrier();
-  X = atHand(from_lattice);
   uint items = num_listed_clusters * kQuadsPerCluster;
   uint i = lane;
   for (; i < items; i += WORKGROUP) {
     uint quad = cluster_list[i / kQuadsPerCluster] * kQuadsPerCluster + i % kQuadsPerCluster;
-    visitQuad(X, quad, (body.kind_groups.w & kLargeTriangles) != 0);
+    visitQuad(from_lattice, quad, (body.kind_groups.w & kLargeTriangles) != 0);
   }
   cut_short = cut_short || i < items;
   workgroupBarrier();

@@ -64,6 +64,16 @@ SOURCE = {".h", ".cpp", ".comp", ".glsl", ".in"}
 TEXT = SOURCE | {".txt", ".cmake", ".py", ".md", ".yaml", ".json", ""}
 PATH_CHECKED = ["src", "include", "shaders", "cmake", "scripts", "tests", "bench", "docs", "scenes", ".ci"]
 
+# Lengths; a reason in the file excuses a longer file or function.
+MEASURED = ["src", "include", "shaders", "tests", "bench"]
+MEASURED_SUFFIXES = {".h", ".cpp", ".comp", ".glsl", ".py"}
+MAX_FILE_LINES = 400
+MAX_SHADER_LINES = 150  # of a .comp file: main() and calls
+MAX_FUNCTION_LINES = 70
+LONG_FILE = "Long file:"
+LONG_FUNCTION = "Long function:"
+NO_FUNCTION = re.compile(r"(inline )?namespace\b|extern \"C\"|(typedef |static |inline |constexpr |const )*(struct|class|enum|union)\b|layout\(|.*=\s*\{$")
+
 
 def floor_of(layer):
     for number, rooms in enumerate(FLOORS):
@@ -176,8 +186,52 @@ def check_machine_paths(root):
     return faults
 
 
+def source_files(root):
+    for top in MEASURED:
+        for path in sorted((root / top).rglob("*")):
+            if path.suffix in MEASURED_SUFFIXES and "__pycache__" not in path.parts:
+                yield path
+
+
+def long_functions(lines):
+    """First line, last line and name of each function of more than MAX_FUNCTION_LINES lines, in code as clang-format lays it out: a definition
+    at namespace level starts in the first column and ends with a brace there."""
+    start = None
+    for number, line in enumerate(lines, 1):
+        if start is None:
+            if line.endswith("{") and line[0] not in " #/}" and not NO_FUNCTION.match(line):
+                start = number
+            elif line.endswith("(") or line.endswith(","):
+                # The parameters of a definition may take several lines.
+                if line[:1] not in ("", " ", "#", "/", "}") and "(" in line and not NO_FUNCTION.match(line):
+                    start = number
+        elif line.startswith("}"):
+            if number - start + 1 > MAX_FUNCTION_LINES:
+                yield start, number, lines[start - 1].partition("(")[0].split(" ")[-1]
+            start = None
+        elif line.endswith(";") and not line.startswith(" "):
+            start = None
+
+
+def check_lengths(root):
+    faults = []
+    for path in source_files(root):
+        where = path.relative_to(root)
+        lines = lines_of(path)
+        limit = MAX_SHADER_LINES if path.suffix == ".comp" else MAX_FILE_LINES
+        if len(lines) > limit and not any(LONG_FILE in line for line in lines[:12]):
+            faults.append(f"{where}: {len(lines)} lines, at most {limit}; or say why near the top: \"{LONG_FILE} ...\"")
+        if path.suffix == ".py":
+            continue
+        for start, end, name in long_functions(lines):
+            above = lines[max(0, start - 6) : start]
+            if not any(LONG_FUNCTION in line for line in above):
+                faults.append(f"{where}:{start}: {name} has {end - start + 1} lines, at most {MAX_FUNCTION_LINES}; or say why above it: \"{LONG_FUNCTION} ...\"")
+    return faults
+
+
 def check(root):
-    return check_layers(root) + check_public_headers(root) + check_shader_comments(root) + check_machine_paths(root)
+    return check_layers(root) + check_public_headers(root) + check_shader_comments(root) + check_machine_paths(root) + check_lengths(root)
 
 
 def main():
