@@ -14,7 +14,7 @@
 // State: of every sample, between steps: its depth where the law needs it, its strain and overstresses where the skin relaxes; where there is
 //        friction its shear traction, or how far its bristles are bent.
 // Shared memory: 4 TILE_SAMPLES + 16 LANES + 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 4 REPEAT + 64 bytes, with friction 8 LANES and 512 more,
-//      with blocks 4 kBlocksPerBatch; in lockstep 16 FACES more.
+//      in lockstep 16 FACES more.
 // Deterministic: the tile is a minimum; sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
 // Twins: src/reference/depth.cpp, contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp, load.cpp.
 
@@ -50,14 +50,13 @@ layout(constant_id = 34) const float COULOMB_FRICTION = 1.0;
 layout(constant_id = 35) const float STRIBECK_VELOCITY = 1e-3;  // m/s
 layout(constant_id = 36) const uint RELAXATION = 0;  // terms of the skin's relaxation, skin/relaxation.glsl
 layout(constant_id = 37) const uint GROUPS_PER_BATCH = 32;  // groups are culled a batch at a time, so that the list of clusters has room for all of theirs
-layout(constant_id = 38) const bool BLOCKS = false;  // some mesh has more groups than that, and blocks of them are culled first
-layout(constant_id = 39) const bool OUTPUT_JACOBIAN = false;  // contact_cells and tile_changes are wanted, skin/cell_fluxes.glsl
+layout(constant_id = 38) const bool OUTPUT_JACOBIAN = false;  // contact_cells and tile_changes are wanted, skin/cell_fluxes.glsl
 
-layout(constant_id = 40) const bool LEAVE_UNTOUCHED = true;  // where nothing is near, kLeavesUntouched and kManySmallTiles
+layout(constant_id = 39) const bool LEAVE_UNTOUCHED = true;  // where nothing is near, kLeavesUntouched and kManySmallTiles
 
-layout(constant_id = 41) const float REACH = 0.0;       // up to which height over the skin surfaces matter to the law, m
-layout(constant_id = 42) const uint LIST = kNumLists;    // of instances that this pass goes through: kListWithout, kListWith; all
-layout(constant_id = 43) const bool IS_LAST = true;      // to write contact_normal and tile_results; of some laws, passes over taxels do
+layout(constant_id = 40) const float REACH = 0.0;       // up to which height over the skin surfaces matter to the law, m
+layout(constant_id = 41) const uint LIST = kNumLists;    // of instances that this pass goes through: kListWithout, kListWith; all
+layout(constant_id = 42) const bool IS_LAST = true;      // to write contact_normal and tile_results; of some laws, passes over taxels do
 
 // A software driver computes both sides of every branch and a loop's body at least once, so what a model, sensor or batch does not need is left
 // out by constants.

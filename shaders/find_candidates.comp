@@ -5,7 +5,7 @@
 // A workgroup owns REPEAT instances of a list, one after another; an invocation owns boxes, then quads.
 // In:  poses, objects, groups, clusters, quads of triangles, the sensor's patch, a work list.
 // Out: candidates (num_instances), candidate_quads (num_instances x kMostCandidates), work lists.
-// Shared memory: 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 16 bytes, with blocks 4 kBlocksPerBatch.
+// Shared memory: 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 16 bytes.
 
 #include "driver/barrier.glsl"
 #include "driver/texels.glsl"
@@ -15,7 +15,6 @@ layout(constant_id = 11) const bool FLAT = true;  // these as in contact.comp
 layout(constant_id = 12) const bool OUTPUT_JACOBIAN = false;
 layout(constant_id = 13) const float REACH = 0.0;
 layout(constant_id = 14) const uint GROUPS_PER_BATCH = 32;
-layout(constant_id = 15) const bool BLOCKS = false;
 
 FOURS(0, Poses);
 layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };

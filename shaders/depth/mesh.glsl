@@ -1,4 +1,4 @@
-// A mesh seen from the window: culling of its blocks, groups and clusters. What is done with quads of triangles that are left is the including pass's own:
+// A mesh seen from the window: culling of its groups and clusters. What is done with quads of triangles that are left is the including pass's own:
 
 void visitQuad(Affine from_lattice, uint quad, bool large);
 
@@ -6,9 +6,6 @@ void visitQuad(Affine from_lattice, uint quad, bool large);
 ivec2 motion_low = ivec2(0), motion_high = ivec2(0);
 
 const uint kClustersPerBatch = GROUPS_PER_BATCH * kClustersPerGroup;
-const uint kBlocksPerBatch = 64;
-shared uint block_list[BLOCKS ? kBlocksPerBatch : 1u];  // first group | (how many - 1) << kFirstBits
-shared uint num_listed_blocks;
 shared uint group_list[GROUPS_PER_BATCH];      // first cluster | (how many - 1) << kFirstBits
 shared uint cluster_list[kClustersPerBatch];
 shared uint num_listed_groups;
@@ -60,7 +57,7 @@ void fetchQuad(Affine from_lattice, uint quad, out Vertex p, out Vertex q, out V
   s = vertexOf(from_lattice, rs.zw);
 }
 
-// The box of a group or block; `items` is what it holds.
+// The box of a group; `items`: its clusters, packed as in layout.h.
 bool groupReaches(Affine from_lattice, uint group, out uint items) {
   uvec4 words = fourOf(Groups, group);
   items = words.w;
@@ -93,8 +90,8 @@ void visitListedGroups(Body body, Affine from_lattice) {
   workgroupBarrier();
 }
 
-// A batch of groups at a time.
-void visitGroups(Body body, Affine from_lattice) {
+// Visits all quads that may lie over a sample of the window below z_limit, and others: a batch of groups at a time.
+void visitMesh(Body body, Affine from_lattice) {
   uint end_group = body.kind_groups.y + body.kind_groups.z;
   uint items;
   uint start = body.kind_groups.y;
@@ -108,46 +105,4 @@ void visitGroups(Body body, Affine from_lattice) {
     visitListedGroups(body, from_lattice);
   }
   cut_short = cut_short || start < end_group;
-}
-
-// The same for a mesh of many groups: only those of blocks that reach into the window are looked at.
-void visitBlocks(Body body, Affine from_lattice) {
-  const uint kListedBlocksPerBatch = GROUPS_PER_BATCH / kGroupsPerBlock;
-  uint lane = gl_LocalInvocationIndex;
-  uint end_block = body.kind_groups.y + body.kind_groups.z + (body.kind_groups.z + kGroupsPerBlock - 1u) / kGroupsPerBlock;
-  uint items;
-  uint start = body.kind_groups.y + body.kind_groups.z;
-  for (; start < end_block; start += kBlocksPerBatch) {
-    if (lane == 0) num_listed_blocks = num_listed_groups = num_listed_clusters = 0;
-    workgroupBarrier();
-    for (uint b = start + lane; b < min(start + kBlocksPerBatch, end_block); b += WORKGROUP) {
-      if (groupReaches(from_lattice, b, items)) block_list[atomicAdd(num_listed_blocks, 1u)] = items;
-    }
-    workgroupBarrier();
-    uint listed = 0;
-    for (; listed < num_listed_blocks; listed += kListedBlocksPerBatch) {
-      uint candidates = min(kListedBlocksPerBatch, num_listed_blocks - listed) * kGroupsPerBlock;
-      for (uint k = lane; k < candidates; k += WORKGROUP) {
-        uint block = block_list[listed + k / kGroupsPerBlock], within = k % kGroupsPerBlock;
-        if (within <= block >> kFirstBits && groupReaches(from_lattice, (block & kFirstMask) + within, items)) {
-          group_list[atomicAdd(num_listed_groups, 1u)] = items;
-        }
-      }
-      workgroupBarrier();
-      visitListedGroups(body, from_lattice);
-      if (lane == 0) num_listed_groups = num_listed_clusters = 0;
-      workgroupBarrier();
-    }
-    cut_short = cut_short || listed < num_listed_blocks;
-  }
-  cut_short = cut_short || start < end_block;
-}
-
-// All quads that may lie over a sample of the window below z_limit, and others.
-void visitMesh(Body body, Affine from_lattice) {
-  if (BLOCKS) {
-    visitBlocks(body, from_lattice);
-  } else {
-    visitGroups(body, from_lattice);
-  }
 }

@@ -35,7 +35,6 @@ TAXELSIM_CONSTANT kLatticeBits = 21u;
 TAXELSIM_CONSTANT kQuadWords = 8u;  // four vertices of two words: x | y << 21, y >> 11 | z << 10
 TAXELSIM_CONSTANT kQuadsPerCluster = 4u;
 TAXELSIM_CONSTANT kClustersPerGroup = 32u;
-TAXELSIM_CONSTANT kGroupsPerBlock = 16u;  // boxes of a mesh's blocks follow those of its groups
 // Seen by a sensor, vertices are rounded to 2^-subpixel_bits of the samples' spacing, and quads are either all small, no edge longer than
 // 2^kSmallEdgeBits of these units, or rastered row by row.
 TAXELSIM_CONSTANT kSubpixelMask = 0xFFu;
@@ -50,8 +49,8 @@ struct ObjectRecord {
   vec4 half_size;     // of the bounding box, m
 };
 
-// An axis-aligned box around quads (cluster), clusters (group) or groups (block), three words of low | high << 16 per axis in units of
-// 2^kBoxShift lattice steps, rounded outwards; then what a group or block holds: number of the first | (how many - 1) << kFirstBits. A
+// An axis-aligned box around the quads of a cluster or the clusters of a group: three words of low | high << 16 per axis in units of
+// 2^kBoxShift lattice steps, rounded outwards. The fourth word of a group is first cluster | (number of clusters - 1) << kFirstBits. A
 // cluster holds the kQuadsPerCluster quads of its own number; where it has fewer, the rest are points.
 TAXELSIM_CONSTANT kBoxShift = 5u;
 TAXELSIM_CONSTANT kFirstBits = 27u;

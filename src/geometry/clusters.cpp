@@ -187,30 +187,23 @@ ClusteredMesh clusterMesh(const Mesh& mesh) {
   }
   std::vector<std::uint32_t> order(quads.size());
   std::iota(order.begin(), order.end(), 0u);
-  // Runs of a block first, then runs of a group within each and of a cluster within these, so that each level holds whole ones of the next.
+  // Runs of a group first, then runs of a cluster within each, so that a group holds whole clusters.
   constexpr std::size_t kQuadsPerGroup = std::size_t{kQuadsPerCluster} * kClustersPerGroup;
-  constexpr std::size_t kQuadsPerBlock = kQuadsPerGroup * kGroupsPerBlock;
-  sortIntoRuns(order, centroids, kQuadsPerBlock);
-  for (const std::span<std::uint32_t> block : runsOf(order, kQuadsPerBlock)) {
-    sortIntoRuns(block, centroids, kQuadsPerGroup);
-    ClusterBox block_box = emptyBox(result.groups.size());
-    for (const std::span<std::uint32_t> group : runsOf(block, kQuadsPerGroup)) {
-      sortIntoRuns(group, centroids, kQuadsPerCluster);
-      ClusterBox group_box = emptyBox(result.clusters.size());
-      for (const std::span<std::uint32_t> cluster : runsOf(group, kQuadsPerCluster)) {
-        ClusterBox box = emptyBox(result.quads.size());
-        for (const std::uint32_t quad : cluster) {
-          result.quads.push_back(quads[quad]);
-          for (const LatticePoint& point : quads[quad]) addToBox(point, box);
-        }
-        box.count = static_cast<std::uint32_t>(cluster.size());
-        result.clusters.push_back(box);
-        addToBox(box, group_box);
+  sortIntoRuns(order, centroids, kQuadsPerGroup);
+  for (const std::span<std::uint32_t> group : runsOf(order, kQuadsPerGroup)) {
+    sortIntoRuns(group, centroids, kQuadsPerCluster);
+    ClusterBox group_box = emptyBox(result.clusters.size());
+    for (const std::span<std::uint32_t> cluster : runsOf(group, kQuadsPerCluster)) {
+      ClusterBox box = emptyBox(result.quads.size());
+      for (const std::uint32_t quad : cluster) {
+        result.quads.push_back(quads[quad]);
+        for (const LatticePoint& point : quads[quad]) addToBox(point, box);
       }
-      result.groups.push_back(group_box);
-      addToBox(group_box, block_box);
+      box.count = static_cast<std::uint32_t>(cluster.size());
+      result.clusters.push_back(box);
+      addToBox(box, group_box);
     }
-    result.blocks.push_back(block_box);
+    result.groups.push_back(group_box);
   }
   return result;
 }

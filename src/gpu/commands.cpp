@@ -217,7 +217,6 @@ void Commands::submit() {
     vk_context.queue.submit(vk::SubmitInfo({}, {}, *vulkan_->commands), *vulkan_->fence);
   });
   vulkan_->submitted = true;
-  vulkan_->context.awakeCores().stayAwake();
 }
 
 void Commands::wait() {
@@ -226,7 +225,6 @@ void Commands::wait() {
   vulkan_->submitted = false;
   checked(vulkan_->name, "", [&] {
     const vk::Result result = vk_context.device.waitForFences(*vulkan_->fence, true, std::numeric_limits<std::uint64_t>::max());
-    vulkan_->context.awakeCores().stayAwake();
     if (result != vk::Result::eSuccess) vk::throwResultException(result, "waitForFences");
     vk_context.device.resetFences(*vulkan_->fence);
     vulkan_->ran = true;

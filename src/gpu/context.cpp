@@ -174,10 +174,6 @@ Context::~Context() {
   savePipelineCache();
 }
 
-void Context::keepCoresAwake() {
-  if (info_.type == DeviceType::kCpu) awake_cores_.start();
-}
-
 void Context::savePipelineCache() {
   if (!vulkan_->pipelines_changed.exchange(false) || !keeps_kernels_) return;
   const std::filesystem::path file = cacheFile(info_);

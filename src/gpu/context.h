@@ -4,7 +4,6 @@
 
 #include <memory>
 
-#include "base/awake_cores.h"
 #include "taxelsim/device.h"
 
 namespace taxelsim::gpu {
@@ -28,10 +27,6 @@ class Context {
   // Throws Error(kDevice) with the first validation message since the last call, if there was any.
   void throwOnValidationMessage();
 
-  // From now on, where the device is the processor: its cores stay awake between one submit() or wait() and the next, if that is soon.
-  void keepCoresAwake();
-  AwakeCores& awakeCores() { return awake_cores_; }
-
   struct Vulkan;  // gpu/vulkan.h, for this folder alone
   Vulkan& vulkan() { return *vulkan_; }
 
@@ -40,7 +35,6 @@ class Context {
   DeviceInfo info_;
   bool has_int64_ = false;
   bool keeps_kernels_ = true;
-  AwakeCores awake_cores_;
 };
 
 }  // namespace taxelsim::gpu

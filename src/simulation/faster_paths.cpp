@@ -11,14 +11,12 @@
 namespace taxelsim {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, bool FasterPaths::*>, 8> kNames{{{"pairs", &FasterPaths::pairs},
+constexpr std::array<std::pair<std::string_view, bool FasterPaths::*>, 6> kNames{{{"pairs", &FasterPaths::pairs},
                                                                                   {"polyhedra", &FasterPaths::polyhedra},
-                                                                                  {"blocks", &FasterPaths::blocks},
                                                                                   {"untouched", &FasterPaths::untouched},
                                                                                   {"candidates", &FasterPaths::candidates},
                                                                                   {"lockstep", &FasterPaths::lockstep},
-                                                                                  {"alone", &FasterPaths::alone},
-                                                                                  {"awake", &FasterPaths::awake}}};
+                                                                                  {"alone", &FasterPaths::alone}}};
 
 void switchOff(FasterPaths& paths, std::string_view name) {
   bool is_known = false;

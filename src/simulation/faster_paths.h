@@ -6,12 +6,10 @@ namespace taxelsim {
 struct FasterPaths {
   bool pairs = true;       // words of an elastic layer fetched two at a time
   bool polyhedra = true;   // convex meshes of few faces as planes instead of triangles: the same surface, not the same bits
-  bool blocks = true;      // groups of clusters culled many at a time
   bool untouched = true;   // what nothing is near left early, what is 0 already not cleared again
   bool candidates = true;  // quads of a mesh that moves slowly are looked for once in some steps
   bool lockstep = true;    // workgroups that are one vector of a software driver go without barriers and read texels
   bool alone = true;       // an instance per invocation in the image pass
-  bool awake = true;       // cores that do not halt between short steps on software Vulkan
 };
 
 // All, but for those that TAXELSIM_PLAIN names: names with commas between them, or "all". Throws Error(kInput) for another name.

@@ -74,7 +74,6 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
     checkObject(object);
     bounds.push_back(std::holds_alternative<Mesh>(object.shape) ? boundsOf(object) : cutBounds(object));
   }
-  if (faster.awake) device.context().keepCoresAwake();
   const DeviceInfo& info = device.info();
   num_taxels = static_cast<std::uint32_t>(numTaxels(sensor));
   const std::uint32_t tile_samples = mostTileSamples(info);
@@ -150,11 +149,10 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
   }
   const std::uint32_t most_samples = contact_packed.max_tile_samples;
   groups_per_batch = tunedSize(options.tuning.groups_per_batch, chooseGroupsPerBatch(info, most_samples, most_groups),
-                               layout::kGroupsPerBlock, kMostGroupsPerBatch, "tuning.groups_per_batch");
+                               kFewestGroupsPerBatch, kMostGroupsPerBatch, "tuning.groups_per_batch");
   if (options.tuning.groups_per_batch != 0 || options.tuning.contact_repeat != 0) {
     checkContactFits(info, most_samples, groups_per_batch, contact_repeat);
   }
-  has_blocks = faster.blocks && most_groups > groups_per_batch;
   keeps_candidates =
       faster.candidates && most_groups >= layout::kFewestGroups && contact_packed.one_grid && contact_packed.tiles.size() == 1;
   if (keeps_candidates) {
@@ -259,8 +257,8 @@ gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const 
                                          friction && variant.with_shear, friction && law.has_bristles});
   for (const float parameter : law.bristles) of_the_pass.push_back(bits(parameter));
   of_the_pass.push_back(layer ? 0 : static_cast<std::uint32_t>(sensor.skin.relaxation.size()));
-  of_the_pass.insert(of_the_pass.end(), {groups_per_batch, has_blocks, variant.with_jacobian, faster.untouched, bits(law.reach),
-                                         variant.list, law.taxel_passes.empty()});
+  of_the_pass.insert(of_the_pass.end(),
+                     {groups_per_batch, variant.with_jacobian, faster.untouched, bits(law.reach), variant.list, law.taxel_passes.empty()});
   return {device.context(),
           {.name = law.kernel,
            .spirv = spirvFor(law.spirv, contact_workgroup),
@@ -289,7 +287,7 @@ Model::Impl::CandidatePasses Model::Impl::makeCandidatePasses(bool with_jacobian
           .find = made("find_candidates", spirvFor({k_find_candidates_spirv, k_find_candidates_lockstep_spirv}, contact_workgroup),
                        {"Poses", "Step", "Objects", "Groups", "Clusters", "Quads", "Patches", "Tiles", "Candidates", "CandidateQuads",
                         "Work", "WorkInstances", "Problems"},
-                       contact_workgroup, {groups_per_batch, has_blocks})};
+                       contact_workgroup, {groups_per_batch})};
 }
 
 gpu::Kernel Model::Impl::makeContactsKernel(std::uint32_t repeat) const {

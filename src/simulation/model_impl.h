@@ -52,7 +52,6 @@ struct Model::Impl {
   std::uint32_t num_faces = 1;         // of each polyhedron
   std::uint32_t groups_per_batch = 0;  // of clusters, in the contact pass
   FasterPaths faster = fasterPaths();
-  bool has_blocks = false;  // some mesh has more groups, so that blocks of them are culled first
   gpu::Buffer object_records, groups, clusters, quads, faces;
   gpu::Buffer sensor_record, patches, tiles, taxels, spread_rows, spread_scale, mask, influence, planes, neighbours;
   std::uint64_t static_bytes = 0;

@@ -16,7 +16,8 @@ inline constexpr std::uint64_t kMaxTurns = 20000;
 inline constexpr std::uint32_t kMaxRepeat = 16;
 // Of tiles of several patches, most of which objects do not reach.
 inline constexpr std::uint32_t kMaxTileRepeat = 64;
-// Of clusters' groups that the contact pass culls between two barriers; fewer than a block has would leave a block no room.
+// Groups of clusters that the contact pass culls between two barriers.
+inline constexpr std::uint32_t kFewestGroupsPerBatch = 16;
 inline constexpr std::uint32_t kMostGroupsPerBatch = 128;
 
 // `wanted`: by the caller, 0 for none. `work`: turns that one invocation alone would take, at the most usual. Throws Error(kInput).

@@ -70,6 +70,8 @@ MEASURED_SUFFIXES = {".h", ".cpp", ".comp", ".glsl", ".py"}
 MAX_FILE_LINES = 400
 MAX_SHADER_LINES = 150  # of a .comp file: main() and calls
 MAX_FUNCTION_LINES = 70
+# Files and functions that are still to be cut, one a line with its length; none may grow. An entry goes when its file is short enough.
+STILL_LONG = "still_long.txt"
 LONG_FILE = "Long file:"
 LONG_FUNCTION = "Long function:"
 NO_FUNCTION = re.compile(r"(inline )?namespace\b|extern \"C\"|(typedef |static |inline |constexpr |const )*(struct|class|enum|union)\b|layout\(|.*=\s*\{$")
@@ -213,19 +215,25 @@ def long_functions(lines):
             start = None
 
 
+def still_long(root):
+    file = root / "tests" / "architecture" / STILL_LONG
+    return {name: int(count) for name, count in (line.rsplit(" ", 1) for line in (lines_of(file) if file.exists() else []))}
+
+
 def check_lengths(root):
     faults = []
+    allowed = still_long(root)
     for path in source_files(root):
         where = path.relative_to(root)
         lines = lines_of(path)
         limit = MAX_SHADER_LINES if path.suffix == ".comp" else MAX_FILE_LINES
-        if len(lines) > limit and not any(LONG_FILE in line for line in lines[:12]):
+        if len(lines) > max(limit, allowed.get(str(where), 0)) and not any(LONG_FILE in line for line in lines[:12]):
             faults.append(f"{where}: {len(lines)} lines, at most {limit}; or say why near the top: \"{LONG_FILE} ...\"")
         if path.suffix == ".py":
             continue
         for start, end, name in long_functions(lines):
             above = lines[max(0, start - 6) : start]
-            if not any(LONG_FUNCTION in line for line in above):
+            if end - start + 1 > allowed.get(f"{where}:{name}", 0) and not any(LONG_FUNCTION in line for line in above):
                 faults.append(f"{where}:{start}: {name} has {end - start + 1} lines, at most {MAX_FUNCTION_LINES}; or say why above it: \"{LONG_FUNCTION} ...\"")
     return faults
 

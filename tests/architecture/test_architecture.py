@@ -78,6 +78,20 @@ class ArchitectureTest(unittest.TestCase):
     def test_machine_path(self):
         self.assert_one({"src/base/a.h": HEADER + "// see " + "/ho" + "me/somebody/notes\n"}, "a path of one machine")
 
+    def test_long_file(self):
+        self.assert_one({"src/base/a.cpp": "int a;\n" * 401}, "src/base/a.cpp: 401 lines")
+        self.assertEqual(self.faults({"src/base/a.cpp": "// Long file: one table.\n" + "int a;\n" * 401}), [])
+
+    def test_long_function(self):
+        function = "int sum(int a) {\n" + "  ++a;\n" * 69 + "}\n"
+        self.assert_one({"src/base/a.cpp": "\n" + function}, "src/base/a.cpp:2: sum has 71 lines")
+        self.assertEqual(self.faults({"src/base/a.cpp": "// Long function: one formula a line.\n" + function}), [])
+
+    def test_a_known_long_file_may_not_grow(self):
+        known = {"tests/architecture/still_long.txt": "src/base/a.cpp 410\n"}
+        self.assertEqual(self.faults({**known, "src/base/a.cpp": "int a;\n" * 410}), [])
+        self.assert_one({**known, "src/base/a.cpp": "int a;\n" * 411}, "411 lines")
+
 
 if __name__ == "__main__":
     unittest.main()

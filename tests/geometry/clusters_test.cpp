@@ -48,31 +48,23 @@ TEST(Clusters, HoldEveryTriangleOnceInsideTheirBoxes) {
     const Mesh mesh = shipped(name);
     const ClusteredMesh clustered = clusterMesh(mesh);
     EXPECT_EQ(cornersOf(latticeMesh(clustered), clustered), cornersOf(mesh, clustered)) << name;
-    std::uint32_t next_group = 0, next_cluster = 0, next_quad = 0;
-    for (const ClusterBox& block : clustered.blocks) {
-      ASSERT_EQ(block.first, next_group);
-      ASSERT_LE(block.count, kGroupsPerBlock);
-      next_group += block.count;
-      for (std::uint32_t g = block.first; g < next_group; ++g) {
-        const ClusterBox& group = clustered.groups[g];
-        ASSERT_EQ(group.first, next_cluster);
-        ASSERT_LE(group.count, kClustersPerGroup);
-        next_cluster += group.count;
-        for (std::uint32_t c = group.first; c < next_cluster; ++c) {
-          const ClusterBox& cluster = clustered.clusters[c];
-          ASSERT_EQ(cluster.first, next_quad);
-          ASSERT_GE(cluster.count, 1u);
-          ASSERT_LE(cluster.count, kQuadsPerCluster);
-          next_quad += cluster.count;
-          for (std::uint32_t t = cluster.first; t < next_quad; ++t) {
-            for (const LatticePoint& point : clustered.quads[t]) {
-              ASSERT_TRUE(inside(cluster, point) && inside(group, point) && inside(block, point)) << name;
-            }
-          }
+    std::uint32_t next_cluster = 0, next_quad = 0;
+    for (const ClusterBox& group : clustered.groups) {
+      ASSERT_EQ(group.first, next_cluster);
+      ASSERT_GE(group.count, 1u);
+      ASSERT_LE(group.count, kClustersPerGroup);
+      next_cluster += group.count;
+      for (std::uint32_t c = group.first; c < next_cluster; ++c) {
+        const ClusterBox& cluster = clustered.clusters[c];
+        ASSERT_EQ(cluster.first, next_quad);
+        ASSERT_GE(cluster.count, 1u);
+        ASSERT_LE(cluster.count, kQuadsPerCluster);
+        next_quad += cluster.count;
+        for (std::uint32_t t = cluster.first; t < next_quad; ++t) {
+          for (const LatticePoint& point : clustered.quads[t]) ASSERT_TRUE(inside(cluster, point) && inside(group, point)) << name;
         }
       }
     }
-    EXPECT_EQ(next_group, clustered.groups.size());
     EXPECT_EQ(next_cluster, clustered.clusters.size());
     EXPECT_EQ(next_quad, clustered.quads.size());
   }
@@ -122,7 +114,6 @@ TEST(Clusters, AreTheSameEveryTime) {
 TEST(Clusters, OfOneFlatTriangleAreFine) {
   const Mesh mesh{{{0, 0, 0}, {0.01f, 0, 0}, {0, 0.01f, 0}}, {{0, 1, 2}}};
   const ClusteredMesh clustered = clusterMesh(mesh);
-  EXPECT_EQ(clustered.blocks.size(), 1u);
   EXPECT_EQ(clustered.groups.size(), 1u);
   EXPECT_EQ(clustered.clusters.size(), 1u);
 }

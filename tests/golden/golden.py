@@ -118,6 +118,7 @@ def main():
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--renew", action="store_true")
     arguments = parser.parse_args()
+    arguments.program = str(pathlib.Path(arguments.program).resolve())
 
     key = machine_key(arguments.program, arguments.compiler)
     hashes_file, values_file = HERE / "hashes.json", HERE / "values.npz"

@@ -150,7 +150,7 @@ TEST(CandidateSchedule, PausesForEverLongerWhereThereAreNone) {
   EXPECT_EQ(run(8, false), "kk----kk");  // as if there had never been none
 }
 
-TEST(Candidates, OfAMeshOfBlocks) {
+TEST(Candidates, OfAFineMesh) {
   Scene scene = sceneOf(support::gridSensor());
   Random random(6);
   scene.objects.emplace_back("finest", support::icosphere(0.012, 6, 0.002, random));

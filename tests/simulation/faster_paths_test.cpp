@@ -60,7 +60,7 @@ TEST(FasterPaths, DoNotShow) {
   for (const int num_patches : {1, 4}) {
     const Scene scene = wideScene(num_patches);
     const auto expected = bitsOf(scene, "");
-    for (const char* name : {"pairs", "blocks", "untouched", "lockstep", "alone", "pairs,blocks,untouched,lockstep,alone"}) {
+    for (const char* name : {"pairs", "untouched", "lockstep", "alone", "pairs,untouched,lockstep,alone"}) {
       EXPECT_EQ(bitsOf(scene, name), expected) << name << ", " << num_patches << " patches";
     }
   }
@@ -181,8 +181,7 @@ TEST(FasterPaths, AnUnknownNameIsRefused) {
     FAIL() << "taken";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    EXPECT_STREQ(error.what(),
-                 "TAXELSIM_PLAIN: \"pears\" is not allowed: pairs, polyhedra, blocks, untouched, candidates, lockstep, alone, awake, all");
+    EXPECT_STREQ(error.what(), "TAXELSIM_PLAIN: \"pears\" is not allowed: pairs, polyhedra, untouched, candidates, lockstep, alone, all");
   }
 }
 

@@ -11,7 +11,7 @@ namespace taxelsim {
 namespace {
 
 static_assert(layout::kLatticeBits == kLatticeBits && layout::kQuadsPerCluster == kQuadsPerCluster &&
-              layout::kClustersPerGroup == kClustersPerGroup && layout::kGroupsPerBlock == kGroupsPerBlock);
+              layout::kClustersPerGroup == kClustersPerGroup);
 
 // So that the number of a quad is one of GLSL's.
 constexpr std::uint32_t kMaxClusters = 1u << (layout::kFirstBits - 2);
@@ -52,7 +52,6 @@ void packMesh(const Mesh& mesh, const SampleGrid& grid, PackedObjects& packed, l
   record.lattice = {static_cast<float>(clustered.middle[0]), static_cast<float>(clustered.middle[1]),
                     static_cast<float>(clustered.middle[2]), static_cast<float>(clustered.step)};
   for (const ClusterBox& group : clustered.groups) packed.groups.push_back(packBox(group, first_cluster));
-  for (const ClusterBox& block : clustered.blocks) packed.groups.push_back(packBox(block, first_group));
   for (const ClusterBox& cluster : clustered.clusters) {
     packed.clusters.push_back(packBox(cluster, 0));
     for (std::uint32_t q = 0; q < cluster.count; ++q) packQuad(clustered.quads[cluster.first + q], packed);
