@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "example_scene.h"
+#include "episodes/example_scene.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

@@ -1,4 +1,4 @@
-#include "example_scene.h"
+#include "episodes/example_scene.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "example_scene.h"
+#include "episodes/example_scene.h"
 #include "taxelsim/generate.h"
 
 namespace taxelsim {

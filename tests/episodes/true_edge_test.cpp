@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "episodes/draw.h"
-#include "example_scene.h"
+#include "episodes/example_scene.h"
 
 namespace taxelsim {
 namespace {

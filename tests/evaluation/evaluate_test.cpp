@@ -10,8 +10,9 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "example_scene.h"
+#include "episodes/example_scene.h"
 #include "taxelsim/error.h"
+#include "taxelsim/generate.h"
 
 namespace taxelsim {
 namespace {

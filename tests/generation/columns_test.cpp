@@ -7,7 +7,7 @@
 #include <string>
 
 #include "episodes/draw.h"
-#include "example_scene.h"
+#include "episodes/example_scene.h"
 #include "taxelsim/error.h"
 #include "taxelsim/generate.h"
 

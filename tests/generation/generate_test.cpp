@@ -14,7 +14,7 @@
 
 #include "control/twist.h"
 #include "episodes/draw.h"
-#include "example_scene.h"
+#include "episodes/example_scene.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

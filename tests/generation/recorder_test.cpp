@@ -6,7 +6,7 @@
 #include <map>
 #include <numeric>
 
-#include "example_scene.h"
+#include "episodes/example_scene.h"
 
 namespace taxelsim {
 namespace {

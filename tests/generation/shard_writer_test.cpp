@@ -5,7 +5,7 @@
 #include <cstring>
 #include <filesystem>
 
-#include "example_scene.h"
+#include "episodes/example_scene.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

@@ -3,7 +3,7 @@
 
 #include "episodes/batch.h"
 #include "generation/shard_sink.h"
-#include "example_scene.h"
+#include "episodes/example_scene.h"
 #include "support/allocations.h"
 #include "taxelsim/generate.h"
 
