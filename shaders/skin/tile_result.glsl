@@ -1,0 +1,32 @@
+// The result of one tile: force and torque in S from the lanes' partial sums, and the window of its active taxels. Included by contact.comp.
+// Out: tile_results; the state that friction and relaxation keep of the tile.
+
+void writeTileResult(TileStep step, ActiveTaxels taxels, Box samples) {
+  vec4 total = sumOfPartials();
+  if (usesTile() && REPEAT > 1) clearSamples(samples);
+  if (RELAXATION > 0 && kAdvances) keepRestOfSkin(taxels.first, taxels.count);
+  vec3 force = -total.x * X_PS.row2.xyz;  // rows of R_PS are the axes of P in S
+  vec3 torque = total.y * X_PS.row0.xyz + total.z * X_PS.row1.xyz;
+  if (kShears) {
+    vec2 shear = vec2(0);
+    for (uint v = 0; v < LANES; ++v) shear += partial_shear[v];
+    force += shear.x * X_PS.row0.xyz + shear.y * X_PS.row1.xyz;
+    torque += total.w * X_PS.row2.xyz;
+  }
+  if (!FLAT) {
+    vec3 origin = -(X_PS.row0.xyz * X_PS.row0.w + X_PS.row1.xyz * X_PS.row1.w + X_PS.row2.xyz * X_PS.row2.w);  // of P in S
+    torque += cross(origin, force);
+  }
+  uvec2 first = tile_taxel + taxels.first;
+  bool none = taxels.count.x * taxels.count.y == 0;
+  uvec4 window = none ? uvec4(0) : uvec4(first.x, first.x + taxels.count.x, first.y, first.y + taxels.count.y);
+  if (kShears && gl_LocalInvocationIndex == 0) keepWindow(step.friction_state, window);
+  if (NUM_ROWS == 0) window = uvec4(any_behind, 0, 0, 0);
+  vec4 force_row = vec4(force, float(num_deep));
+  vec4 torque_row = vec4(torque, total.x);
+  for (uint k = gl_LocalInvocationIndex; k < 4; k += WORKGROUP) {  // one word per invocation
+    tile_results[step.result].force[k] = force_row[k];
+    tile_results[step.result].torque[k] = torque_row[k];
+    tile_results[step.result].window[k] = window[k];
+  }
+}
