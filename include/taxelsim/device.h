@@ -10,7 +10,8 @@ namespace taxelsim {
 
 namespace gpu {
 class Context;
-}
+struct DeviceAccess;
+}  // namespace gpu
 
 enum class DeviceType { kDiscrete, kIntegrated, kVirtual, kCpu, kOther };
 
@@ -52,9 +53,9 @@ class Device {
   static Device open(const DeviceOptions& options = {});
 
   const DeviceInfo& info() const;
-  gpu::Context& context() const { return *context_; }
 
  private:
+  friend struct gpu::DeviceAccess;
   explicit Device(std::shared_ptr<gpu::Context> context) : context_(std::move(context)) {}
   std::shared_ptr<gpu::Context> context_;
 };

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "taxelsim/device.h"
@@ -12,14 +13,7 @@
 
 namespace taxelsim {
 
-// How the passes are cut into workgroups, for who measures a device (bench/sweep); nobody needs it to simulate. 0 everywhere takes what was
-// measured best for the kind of device. Results do not depend on it, bit for bit. What a device has no room for is refused.
-struct Tuning {
-  int contact_repeat = 0;    // tiles that a workgroup of the contact pass does one after another, 1 to 64
-  int image_team = 0;        // invocations that share an instance in the image pass: a power of two, 1 to its workgroup
-  int image_repeat = 0;      // instances that such a team does one after another, 1 to 64
-  int groups_per_batch = 0;  // groups of a mesh's clusters that the contact pass culls between two barriers: a power of two, 16 to 128
-};
+struct ModelAccess;
 
 struct ModelOptions {
   Sensor sensor;
@@ -27,13 +21,12 @@ struct ModelOptions {
   // Workgroup sizes; 0 takes what was measured best for the kind of device. Powers of two, 4 to 256.
   int contact_workgroup = 0;
   int image_workgroup = 0;
-  Tuning tuning{};
 };
 
 class Model {
  public:
   // Uploads objects, builds pipelines; waits. Throws Error(kInput) for a sensor or object that checkSensor() or checkObject()
-  // refuses and for workgroups or a tuning out of their range, Error(kDevice) when memory runs out.
+  // refuses and for workgroups out of their range, Error(kDevice) when memory runs out.
   Model(const Device& device, const ModelOptions& options);
 
   const Sensor& sensor() const;
@@ -41,9 +34,10 @@ class Model {
   const Device& device() const;
 
   struct Impl;
-  const std::shared_ptr<const Impl>& impl() const { return impl_; }
 
  private:
+  friend struct ModelAccess;
+  explicit Model(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
   std::shared_ptr<const Impl> impl_;
 };
 
