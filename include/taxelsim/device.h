@@ -37,10 +37,6 @@ struct DeviceOptions {
   bool validation = false;
   // Compiled kernels are kept for the next process, in a file of the user's cache folder. Not for who makes hundreds of variants once.
   bool keep_kernels = true;
-  // The host has work of its own while frames are computed. Mesa's software driver, on the same processor, then gets two threads per core,
-  // so that a core that the host holds does not hold a frame up: LP_NUM_THREADS is set for this process, unless it is already. No bit shows
-  // it.
-  bool busy_host = false;
 };
 
 // Every device that can run taxelsim (Vulkan 1.2, compute queue), best first. Throws Error(kDevice) when there is no Vulkan at all.
