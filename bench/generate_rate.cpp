@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "report.h"
@@ -218,7 +219,9 @@ int run(const Options& options) {
     warm.push_back(firstFrameSeconds(options, cache));
   }
 
-  const Device device = Device::open({.device = options.device, .busy_host = true});
+  // As `taxelsim generate` does (src/cli/driver_threads.h).
+  ::setenv("LP_NUM_THREADS", std::to_string(2 * std::max(std::thread::hardware_concurrency(), 1u)).c_str(), 0);
+  const Device device = Device::open({.device = options.device});
   const Scene scene = loadScene(options.scene, {.num_episodes = options.num_episodes, .seed = {}});
   ModelOptions model_options{.sensor = scene.sensor};
   for (const SceneObject& entry : scene.objects) model_options.objects.push_back(entry.object);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "simulation/model_access.h"
 #include "simulation/model_impl.h"
 #include "taxelsim/error.h"
 
@@ -35,7 +36,7 @@ std::vector<std::size_t> axesNamed(const std::vector<std::string>& names) {
 }
 
 Setting settingOf(const Model& model) {
-  const Model::Impl& impl = *model.impl();
+  const Model::Impl& impl = implOf(model);
   Setting setting{};
   setting[kContactWorkgroup] = static_cast<int>(impl.contact_workgroup);
   setting[kContactRepeat] = static_cast<int>(impl.contact_repeat);
@@ -46,14 +47,14 @@ Setting settingOf(const Model& model) {
   return setting;
 }
 
-ModelOptions withSetting(ModelOptions options, const Setting& setting) {
+Model modelWith(const Device& device, ModelOptions options, const Setting& setting) {
   options.contact_workgroup = setting[kContactWorkgroup];
   options.image_workgroup = setting[kImageWorkgroup];
-  options.tuning = {.contact_repeat = setting[kContactRepeat],
-                    .image_team = setting[kImageTeam],
-                    .image_repeat = setting[kImageRepeat],
-                    .groups_per_batch = setting[kGroupsPerBatch]};
-  return options;
+  return ModelAccess::make(device, options,
+                           {.contact_repeat = setting[kContactRepeat],
+                            .image_team = setting[kImageTeam],
+                            .image_repeat = setting[kImageRepeat],
+                            .groups_per_batch = setting[kGroupsPerBatch]});
 }
 
 Setting moved(Setting setting, std::size_t axis, int value) {

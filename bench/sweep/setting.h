@@ -14,7 +14,7 @@ namespace taxelsim::bench {
 enum class Pass { kContact, kImage };
 
 struct Axis {
-  const char* name;  // as ModelOptions and its Tuning call it
+  const char* name;  // as ModelOptions and Tuning call it
   Pass pass;
   std::vector<int> values;  // rising
 };
@@ -32,8 +32,8 @@ std::vector<std::size_t> axesNamed(const std::vector<std::string>& names);
 // What the model works with.
 Setting settingOf(const Model& model);
 
-// The same options with all of it.
-ModelOptions withSetting(ModelOptions options, const Setting& setting);
+// A model of `options` with all sizes as in `setting`. Throws as Model does, and Error(kInput) for a setting out of range.
+Model modelWith(const Device& device, ModelOptions options, const Setting& setting);
 
 // The setting with another value on one axis. A team is a part of its workgroup: where it would be larger than that, it becomes as large.
 Setting moved(Setting setting, std::size_t axis, int value);

@@ -20,7 +20,7 @@ double secondsSince(Clock::time_point start) {
 
 Model modelOf(const Device& device, const SweepCase& work, const std::optional<Setting>& setting) {
   const ModelOptions options{.sensor = work.sensor, .objects = {work.object}};
-  return {device, setting ? withSetting(options, *setting) : options};
+  return setting ? modelWith(device, options, *setting) : Model(device, options);
 }
 
 // Counts and features, as bench/peers times them; with forces the checked batch.

@@ -1,15 +1,18 @@
-// What kind of contact an image shows.
+/// @file
+/// The type of contact that an image shows.
 #pragma once
 
 namespace taxelsim {
 
-// From the length and width of the patch of even pressure that has the image's second moments, less those of the spread and of the taxels
-// themselves. A taxel is the pitch along the length; of taxels of several patches, or of a list, the side of a square of their mean area.
+/// Type of a contact, from the length and width of an equivalent patch of uniform pressure.
+///
+/// That patch has the second moments of the image, less those of the point spread and of the taxels themselves. The unit of length is the
+/// pitch along the patch's length. For taxels of several patches, or of a list, it is the side of a square of their mean area.
 enum class ContactType {
-  kNone,   // no more force than 5 standard deviations of the noise of all taxels together
-  kPoint,  // no longer than 2.5 taxels
-  kEdge,   // no wider than half its length
-  kArea,
+  kNone,   ///< Total force at most 5 standard deviations of the noise of all taxels together.
+  kPoint,  ///< Length at most 2.5 taxels.
+  kEdge,   ///< Width at most half the length.
+  kArea,   ///< Any other contact.
 };
 
 }  // namespace taxelsim

@@ -1,60 +1,82 @@
-// A Vulkan device, opened for compute. Not a wrapper for Vulkan: no Vulkan type shows here.
+/// @file
+/// A Vulkan device, opened for compute. Not a wrapper for Vulkan: no Vulkan type is visible here.
 #pragma once
 
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace taxelsim {
 
+/// @cond
 namespace gpu {
 class Context;
-}
+struct DeviceAccess;
+}  // namespace gpu
+/// @endcond
 
-enum class DeviceType { kDiscrete, kIntegrated, kVirtual, kCpu, kOther };
+/// Type of a device, as its driver reports it.
+enum class DeviceType {
+  kDiscrete,    ///< GPU with its own memory.
+  kIntegrated,  ///< GPU that shares the host's memory.
+  kVirtual,     ///< Virtual GPU.
+  kCpu,         ///< Software Vulkan on the processor.
+  kOther,       ///< None of these.
+};
 
+/// Description of a device.
 struct DeviceInfo {
-  int index = 0;  // place in listDevices()
-  std::string name;
-  DeviceType type = DeviceType::kOther;
-  std::string driver;            // name and version, as the driver gives them
-  std::string api_version;       // "1.3.230"
-  std::string uuid;              // of the device, hexadecimal
-  std::uint64_t memory = 0;      // bytes of the largest device-local heap
-  std::uint64_t max_buffer = 0;  // bytes that one storage buffer can hold
-  std::uint32_t subgroup_size = 0;
-  std::uint32_t shared_memory = 0;  // bytes per workgroup
+  int index = 0;                         ///< Position in listDevices(), from 0.
+  std::string name;                      ///< Name that the driver gives the device.
+  DeviceType type = DeviceType::kOther;  ///< Type that the driver reports.
+  std::string driver;                    ///< Name and version of the driver, as it reports them.
+  std::string api_version;               ///< Vulkan version, "1.3.230".
+  std::string uuid;                      ///< UUID of the device, hexadecimal.
+  std::uint64_t memory = 0;              ///< Bytes of the largest device-local heap.
+  std::uint64_t max_buffer = 0;          ///< Bytes that one storage buffer can hold.
+  std::uint32_t subgroup_size = 0;       ///< Invocations of a subgroup.
+  std::uint32_t shared_memory = 0;       ///< Bytes of shared memory per workgroup.
 };
 
+/// Options of Device::open().
 struct DeviceOptions {
-  // "discrete", "integrated", "cpu", an index into listDevices(), or part of a device's name. Empty: TAXELSIM_DEVICE if set, else the
-  // best there is (discrete before integrated before virtual before CPU).
+  /// "discrete", "integrated", "cpu", an index into listDevices(), or part of a device's name. Empty (default): the value of the
+  /// environment variable TAXELSIM_DEVICE if set, else the first of listDevices().
   std::string device{};
-  // Core and synchronisation validation; also switched on by TAXELSIM_VALIDATION=1. Any message makes the next wait throw. Throws when
-  // the layers are not installed.
+  /// Enables core and synchronisation validation; TAXELSIM_VALIDATION=1 enables it too. After a validation message, the next wait throws
+  /// Error(kDevice). Default false.
   bool validation = false;
-  // Compiled kernels are kept for the next process, in a file of the user's cache folder. Not for who makes hundreds of variants once.
+  /// Stores compiled kernels in the user's cache folder for later processes. Default true. Disable it when creating hundreds of models
+  /// once, as a benchmark does.
   bool keep_kernels = true;
-  // The host has work of its own while frames are computed. Mesa's software driver, on the same processor, then gets two threads per core,
-  // so that a core that the host holds does not hold a frame up: LP_NUM_THREADS is set for this process, unless it is already. No bit shows
-  // it.
-  bool busy_host = false;
 };
 
-// Every device that can run taxelsim (Vulkan 1.2, compute queue), best first. Throws Error(kDevice) when there is no Vulkan at all.
+/// Lists all devices that can run taxelsim: Vulkan 1.2 with a compute queue.
+///
+/// The best comes first: discrete, integrated, virtual, CPU. Throws Error(kDevice) when there is no Vulkan at all.
 std::vector<DeviceInfo> listDevices();
 
-// Shared ownership of an open device; copies are handles to the same one. Safe to use from several threads.
+/// An open device. A copy is a handle to the same device, which closes with its last handle; a Model holds one.
+///
+/// Threads: may be used from several threads at once. Submissions are serialised by a lock. Do not fork() while a device is open.
+///
+/// The library does not change the environment of its process. With Mesa's software driver, a program that calls generate() or evaluate()
+/// gains speed by setting LP_NUM_THREADS to twice the number of cores before it opens a device (docs/drivers.md).
 class Device {
  public:
-  // Throws Error(kDevice) when no device matches, naming what there is.
+  /// Opens a device. Waits.
+  ///
+  /// Throws Error(kDevice) when no device matches, with a list of those that exist, and when validation is requested but its layers are not
+  /// installed.
   static Device open(const DeviceOptions& options = {});
 
+  /// Description of the device; valid as long as any handle.
   const DeviceInfo& info() const;
-  gpu::Context& context() const { return *context_; }
 
  private:
+  friend struct gpu::DeviceAccess;
   explicit Device(std::shared_ptr<gpu::Context> context) : context_(std::move(context)) {}
   std::shared_ptr<gpu::Context> context_;
 };

@@ -1,4 +1,5 @@
-// What goes wrong, as one exception type. Not for programmer errors: those abort through assertions.
+/// @file
+/// The exception of the library. Not for programmer errors: those throw std::logic_error or abort through assertions.
 #pragma once
 
 #include <stdexcept>
@@ -6,17 +7,23 @@
 
 namespace taxelsim {
 
+/// Who can act on an error.
 enum class ErrorKind {
-  kInput,   // a file, argument or value the caller can mend; the CLI exits with 2
-  kDevice,  // no device, out of device memory, device lost; the CLI exits with 1
-  kIo,      // the file system refused; the CLI exits with 1
+  kInput,   ///< A file, argument or value that the caller can correct; the command line exits with 2.
+  kDevice,  ///< No device, out of device memory, or device lost; the command line exits with 1.
+  kIo,      ///< The file system refused; the command line exits with 1.
 };
 
-// The message is one line that is complete on its own: for input, file, line, column, key, the value found and what is
-// allowed; for the device, the buffer or call, its size and what to do.
+/// An error with a message of one complete line.
+///
+/// For input the line names file, line, column, key, the value found and what is allowed; for the device, the buffer or call, its size and
+/// a remedy.
 class Error : public std::runtime_error {
  public:
+  /// `message`: one line, without a newline at its end.
   Error(ErrorKind kind, const std::string& message) : std::runtime_error(message), kind_(kind) {}
+
+  /// Who can act on it.
   ErrorKind kind() const { return kind_; }
 
  private:

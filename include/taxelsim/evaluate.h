@@ -1,4 +1,5 @@
-// How well controllers do what a scene's task asks: the same episodes for every controller, judged one by one, then counted.
+/// @file
+/// How well controllers perform the task of a scene: the same episodes for every controller, judged one by one, then counted.
 #pragma once
 
 #include <array>
@@ -17,52 +18,62 @@
 
 namespace taxelsim {
 
+/// Quantiles of a sample. All NaN if the sample is empty.
 struct Quantiles {
-  double median = std::numeric_limits<double>::quiet_NaN();  // all NaN of nothing
-  double p95 = std::numeric_limits<double>::quiet_NaN();
-  double max = std::numeric_limits<double>::quiet_NaN();
+  double median = std::numeric_limits<double>::quiet_NaN();  ///< 50 %.
+  double p95 = std::numeric_limits<double>::quiet_NaN();     ///< 95 %.
+  double max = std::numeric_limits<double>::quiet_NaN();     ///< Largest value.
 };
 
-// Verdicts, counted.
+/// Statistics of a set of verdicts.
 struct Score {
-  std::string name;
-  std::array<double, 2> start_error{0, 0};  // of a score by start: from, to
-  std::uint64_t num_episodes = 0;
-  std::uint64_t num_successes = 0;
-  // Of the success rate: Wilson's interval at 95 % (E. B. Wilson, J. Am. Stat. Assoc. 22, 1927).
-  double success_rate = 0, success_low = 0, success_high = 1;
-  Quantiles settling_time;                               // s, of those that settle
-  std::array<Quantiles, kNumTaskMeasures> steady_error;  // of all that are in contact to the end
-  Quantiles peak_force;                                  // N
-  std::uint64_t num_lost = 0;                            // episodes that lost contact at least once
-  std::uint64_t num_saturated = 0;                       // in which a taxel was at its upper end
-  std::array<std::uint64_t, 4> num_robot{};              // in which each bit of Verdict::robot came up
+  std::string name;                                      ///< Name of the set: a controller, object or range of start errors.
+  std::array<double, 2> start_error{0, 0};               ///< Range of start errors of a set in Evaluation::by_start, else 0.
+  std::uint64_t num_episodes = 0;                        ///< Number of verdicts.
+  std::uint64_t num_successes = 0;                       ///< Verdicts that are a success.
+  double success_rate = 0;                               ///< num_successes / num_episodes; 0 of none.
+  double success_low = 0;                                ///< Lower end of Wilson's interval at 95 % (J. Am. Stat. Assoc. 22, 1927).
+  double success_high = 1;                               ///< Upper end of that interval.
+  Quantiles settling_time;                               ///< s, over the episodes that settle.
+  std::array<Quantiles, kNumTaskMeasures> steady_error;  ///< By TaskMeasure, over the episodes in contact to the end.
+  Quantiles peak_force;                                  ///< N, largest clean total force of each episode.
+  std::uint64_t num_lost = 0;                            ///< Episodes that lost contact at least once.
+  std::uint64_t num_saturated = 0;                       ///< Episodes in which a taxel was at its upper end.
+  std::array<std::uint64_t, 4> num_robot{};              ///< Episodes in which each bit of Verdict::robot occurred.
 };
 
+/// Evaluation of one controller.
 struct Evaluation {
-  std::string controller;
-  std::vector<Verdict> verdicts;  // (num_episodes), in order
-  Score total;
-  std::vector<Score> by_object;  // (objects)
-  int start_measure = 0;         // the TaskMeasure whose errors at the start differ most for their tolerance
-  std::vector<Score> by_start;   // five equal parts of their range; none if all start alike
+  std::string controller;         ///< Name in the scene.
+  std::vector<Verdict> verdicts;  ///< (num_episodes), in order of episodes.
+  Score total;                    ///< Over all episodes.
+  std::vector<Score> by_object;   ///< (num_objects), in the order of the scene.
+  int start_measure = 0;          ///< TaskMeasure whose start errors vary most relative to its tolerance.
+  std::vector<Score> by_start;    ///< Over five equal parts of the range of its start errors; empty if all start alike.
 };
 
+/// Options of evaluate(). None of them changes a verdict.
 struct EvaluateOptions {
-  int batch_size = 2048;  // instances over all slices, >= 1; does not change a verdict
-  int num_slices = 2;
-  // Called after every turn of a slice by a thread of evaluate()'s own; num_episodes counts those of all controllers. What it throws
-  // evaluate() throws.
+  int batch_size = 2048;  ///< Instances over all slices, >= 1. Default 2048.
+  int num_slices = 2;     ///< Slices of the batch in flight at once, >= 1. Default 2.
+  /// Called after every step of a slice from the thread of evaluate()'s scheduler; Progress::num_episodes counts the episodes of all
+  /// controllers. An exception that it throws ends evaluate() and is thrown by it. Default: none.
   std::function<void(const Progress&)> on_progress{};
-  const std::atomic<bool>* stop = nullptr;  // evaluate() then returns the controllers that are done
+  /// Graceful stop: when *stop becomes true, evaluate() returns the controllers that are complete. May be set from any thread. Not owned;
+  /// must outlive the call. Default: none.
+  const std::atomic<bool>* stop = nullptr;
 };
 
-// Plays episodes 0 to num_episodes - 1 (at most 2^24) of the scene with each of the controllers, which are named as in the scene; none: all
-// of them. Waits. Throws Error(kInput) for a scene without a task and for a name that it does not have, and what Model and Simulator throw.
+/// Plays episodes 0 to num_episodes - 1 of the scene with each of the controllers. Blocks until all are judged or *stop is true.
+///
+/// `controllers`: names as in the scene; empty for all. At most 2^24 episodes. Throws Error(kInput) for a scene without a task, an unknown
+/// name and options out of range, and what Model and Simulator throw.
+///
+/// Threads: may be called from several threads at once. It simulates in one thread of its own.
 std::vector<Evaluation> evaluate(const Device& device, const Scene& scene, const std::vector<std::string>& controllers = {},
                                  const EvaluateOptions& options = {});
 
-// Counts verdicts.
+/// Statistics of verdicts, under a name.
 Score scoreOf(const std::string& name, const std::vector<Verdict>& verdicts);
 
 }  // namespace taxelsim

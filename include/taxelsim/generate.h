@@ -1,10 +1,12 @@
-// From a scene to a data set on disk: the batch scheduler behind `taxelsim generate`.
+/// @file
+/// From a scene to a data set on disk: the batch scheduler behind `taxelsim generate`.
 #pragma once
 
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <vector>
 
 #include "taxelsim/dataset.h"
 #include "taxelsim/device.h"
@@ -13,36 +15,45 @@
 
 namespace taxelsim {
 
+/// Options of generate(). None of them changes a byte of the data set.
 struct GenerateOptions {
-  int batch_size = 2048;      // instances over all slices, >= 1; does not change a byte of the data set
-  int num_slices = 2;         // slices of the batch in flight, >= 1; the same
-  bool device_clock = false;  // whether GenerateTimes::device_busy is measured; SimulatorOptions::device_clock
-  // Called a few times a second, by a thread of generate()'s own, and at the end, by the caller's. What it throws generate() throws.
+  int batch_size = 2048;      ///< Instances over all slices, >= 1. Default 2048.
+  int num_slices = 2;         ///< Slices of the batch in flight at once, >= 1. Default 2.
+  bool device_clock = false;  ///< Whether to measure GenerateTimes::device_busy; see SimulatorOptions::device_clock. Default false.
+  /// Called a few times a second from the thread of generate()'s scheduler, and once at the end from the caller's thread. An exception that
+  /// it throws ends generate() and is thrown by it. Default: none.
   std::function<void(const Progress&)> on_progress{};
-  // When it becomes true, shards under way are given up (complete ones stay) and generate() returns.
+  /// Graceful stop: when *stop becomes true, generate() abandons unfinished shards, keeps complete ones, and returns. May be set from any
+  /// thread. Not owned; must outlive the call. Default: none.
   const std::atomic<bool>* stop = nullptr;
 };
 
-// Where Progress::seconds went.
+/// Where the time of a run went.
 struct GenerateTimes {
-  double device_busy = 0;   // s the device computed, by its own clock, which may be missing or not asked for: NaN
-  double device_wait = 0;   // s the thread with scheduler and controllers waited for the device
-  double writer_wait = 0;   // s it waited for the writer's: shards under way filled the memory set aside for them
-  double writing_last = 0;  // s from the last frame until the last shard was on disk
+  double device_busy = 0;   ///< s that the device computed, by its own clock; NaN if it has none or it was not requested.
+  double device_wait = 0;   ///< s that the scheduler's thread waited for the device.
+  double writer_wait = 0;   ///< s that it waited for the writer's thread because unfinished shards filled their memory.
+  double writing_last = 0;  ///< s from the last frame until the last shard was on disk.
 };
 
+/// Result of generate().
 struct GenerateResult {
-  Progress progress;
-  GenerateTimes times;
-  bool complete = false;              // false when stopped
-  std::uint64_t num_load_misses = 0;  // contacts whose load was out of reach (also a column of the data set)
+  Progress progress;                  ///< Progress at the end.
+  GenerateTimes times;                ///< Where the time went.
+  bool complete = false;              ///< Whether the data set is complete; false after a stop.
+  std::uint64_t num_load_misses = 0;  ///< Contacts whose load was out of reach; also a column of the data set.
 };
 
-// The columns that a scene records, in file order.
+/// The columns that a scene records, in file order.
 std::vector<Column> columnsOf(const Scene& scene);
 
-// Simulates all episodes of the scene that the directory lacks and writes them. Waits. Throws what Model, Simulator and
-// DatasetWriter throw.
+/// Simulates and writes all episodes of the scene that `directory` lacks. Blocks until they are on disk or *stop is true.
+///
+/// Resumes or extends a data set that is already there. The bytes depend on the scene, the seed and the device only. Throws what Model,
+/// Simulator and DatasetWriter throw, and Error(kInput) for options out of range or a batch that does not fit into memory.
+///
+/// Threads: may be called from several threads at once with different directories. It simulates in one thread of its own and writes in
+/// others.
 GenerateResult generate(const Device& device, const Scene& scene, const std::filesystem::path& directory,
                         const GenerateOptions& options = {});
 

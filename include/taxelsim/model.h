@@ -1,9 +1,10 @@
-// What does not change while it is simulated: one sensor, the objects it may touch, the compiled passes. Immutable once made, so that
-// many simulators share one.
+/// @file
+/// The immutable part of a simulation: one sensor, the objects that it may touch, and the compiled passes. Not the state of a batch: that
+/// belongs to Simulator.
 #pragma once
 
-#include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "taxelsim/device.h"
@@ -12,38 +13,45 @@
 
 namespace taxelsim {
 
-// How the passes are cut into workgroups, for who measures a device (bench/sweep); nobody needs it to simulate. 0 everywhere takes what was
-// measured best for the kind of device. Results do not depend on it, bit for bit. What a device has no room for is refused.
-struct Tuning {
-  int contact_repeat = 0;    // tiles that a workgroup of the contact pass does one after another, 1 to 64
-  int image_team = 0;        // invocations that share an instance in the image pass: a power of two, 1 to its workgroup
-  int image_repeat = 0;      // instances that such a team does one after another, 1 to 64
-  int groups_per_batch = 0;  // groups of a mesh's clusters that the contact pass culls between two barriers: a power of two, 16 to 128
-};
+/// @cond
+struct ModelAccess;
+/// @endcond
 
+/// Options of a Model.
 struct ModelOptions {
-  Sensor sensor;
-  std::vector<Object> objects{};  // an instance refers to them by index; empty where all simulators take contacts
-  // Workgroup sizes; 0 takes what was measured best for the kind of device. Powers of two, 4 to 256.
+  Sensor sensor;                  ///< The sensor; must pass checkSensor().
+  std::vector<Object> objects{};  ///< Objects, referred to by index; may be empty if all simulators take contact points.
+  /// Invocations per workgroup of the contact pass, a power of two, 4 to 256. 0 (default): the value measured best for the kind of device.
+  /// Results do not depend on it.
   int contact_workgroup = 0;
-  int image_workgroup = 0;
-  Tuning tuning{};
+  int image_workgroup = 0;  ///< The same for the image pass and the feature passes.
 };
 
+/// A sensor and objects on a device, shared by any number of simulators.
+///
+/// A copy is a handle to the same model, whose device memory is released with its last handle; a Simulator holds one.
+///
+/// Threads: immutable; may be used from several threads at once.
 class Model {
  public:
-  // Uploads objects, builds pipelines; waits. Throws Error(kInput) for a sensor or object that checkSensor() or checkObject()
-  // refuses and for workgroups or a tuning out of their range, Error(kDevice) when memory runs out.
+  /// Uploads the objects and prepares the passes. Waits.
+  ///
+  /// Kernels are compiled when a simulator first needs them, in threads of their own; see Simulator::prepare(). Throws Error(kInput) for a
+  /// sensor or object that checkSensor() or checkObject() refuses and for workgroup sizes out of range; Error(kDevice) when memory runs
+  /// out.
   Model(const Device& device, const ModelOptions& options);
 
-  const Sensor& sensor() const;
-  const std::vector<Object>& objects() const;
-  const Device& device() const;
+  const Sensor& sensor() const;                ///< The sensor; valid as long as any handle.
+  const std::vector<Object>& objects() const;  ///< The objects; valid as long as any handle.
+  const Device& device() const;                ///< The device; valid as long as any handle.
 
+  /// @cond
   struct Impl;
-  const std::shared_ptr<const Impl>& impl() const { return impl_; }
+  /// @endcond
 
  private:
+  friend struct ModelAccess;
+  explicit Model(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
   std::shared_ptr<const Impl> impl_;
 };
 

@@ -1,4 +1,5 @@
-// The verdict on one episode of a task.
+/// @file
+/// The verdict on one episode of a task.
 #pragma once
 
 #include <array>
@@ -8,21 +9,21 @@
 
 namespace taxelsim {
 
-// What became of one episode. Errors are NaN where the task has no criterion for them.
+/// Outcome of one episode. Errors are NaN for measures without a criterion in the task.
 struct Verdict {
-  std::uint64_t episode = 0;
-  int object = 0;  // of the scene
-  bool success = false;
-  std::array<float, kNumTaskMeasures> start_error{};   // in the first frame
-  std::array<float, kNumTaskMeasures> steady_error{};  // median over the last `hold` seconds; infinite where the contact was lost meanwhile
-  float settling_time = 0;                             // s, until all errors stay within their tolerances for good; NaN where they do not
-  float travel = 0;                                    // m, of the sensor's origin over the object
-  float laps = 0;                                      // of the contour, either way round
-  float peak_force = 0;                                // N, largest clean total force
-  float saturated = 0;                                 // part of the frames with a taxel at its upper end
-  int num_losses = 0;                                  // times that contact was lost
-  std::uint8_t robot = 0;    // every RobotStatus that came up: 1 joint limit, 2 velocity limit, 4 singular, 8 lost
-  bool load_reached = true;  // else the episode began with the deepest contact
+  std::uint64_t episode = 0;                           ///< Number of the episode.
+  int object = 0;                                      ///< Index of the object in the scene.
+  bool success = false;                                ///< Whether the episode met the task; see Task.
+  std::array<float, kNumTaskMeasures> start_error{};   ///< Errors in the first frame, in the units of TaskMeasure.
+  std::array<float, kNumTaskMeasures> steady_error{};  ///< Medians over the last Task::hold seconds; infinite if contact was lost in them.
+  float settling_time = 0;                             ///< s until all errors stay within their tolerances to the end; NaN if they do not.
+  float travel = 0;                                    ///< m, path length of the sensor's origin over the object.
+  float laps = 0;                                      ///< Turns around the object's contour, in either direction.
+  float peak_force = 0;                                ///< N, largest clean total force.
+  float saturated = 0;                                 ///< Fraction of the frames with a taxel at its upper end.
+  int num_losses = 0;                                  ///< Times that contact was lost.
+  std::uint8_t robot = 0;    ///< All robot status bits that occurred: 1 joint limit, 2 velocity limit, 4 singular, 8 lost.
+  bool load_reached = true;  ///< False if the skin could not carry the load, so that the episode began with the deepest contact.
 };
 
 }  // namespace taxelsim

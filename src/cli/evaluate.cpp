@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "cli/commands.h"
+#include "cli/driver_threads.h"
 #include "cli/interrupt.h"
 #include "figures/line_chart.h"
 #include "cli/progress.h"
@@ -200,7 +201,8 @@ void drawChart(const std::string& file, const Scene& scene, const std::vector<Ev
 
 int runEvaluate(const Arguments& arguments) {
   const Scene scene = loadScene(arguments.scene, arguments.overrides);
-  const Device device = Device::open({.device = arguments.device, .validation = arguments.validation, .busy_host = true});
+  useTwoDriverThreadsPerCore();
+  const Device device = Device::open({.device = arguments.device, .validation = arguments.validation});
   ProgressPrinter printer;
   EvaluateOptions options;
   options.batch_size = arguments.batch_size;

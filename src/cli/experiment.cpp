@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "cli/commands.h"
+#include "cli/driver_threads.h"
 #include "figures/servo_report.h"
 #include "figures/tactile_figure.h"
 #include "figures/taxel_chart.h"
@@ -165,7 +166,8 @@ void report(const Arguments& arguments, const Device& device, const ServoExperim
 
 int runExperiment(const Arguments& arguments) {
   const Experiment experiment = loadExperiment(arguments.file);
-  const Device device = Device::open({.device = arguments.device, .validation = arguments.validation, .busy_host = true});
+  useTwoDriverThreadsPerCore();
+  const Device device = Device::open({.device = arguments.device, .validation = arguments.validation});
   std::visit([&](const auto& of_its_kind) { report(arguments, device, of_its_kind); }, experiment);
   return kExitOk;
 }

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/driver_threads.h"
 #include "cli/interrupt.h"
 #include "cli/progress.h"
 #include "cli/scene_options.h"
@@ -21,7 +22,8 @@ struct Arguments : SceneOptions {
 
 int runGenerate(const Arguments& arguments) {
   const Scene scene = loadScene(arguments.scene, arguments.overrides);
-  const Device device = Device::open({.device = arguments.device, .validation = arguments.validation, .busy_host = true});
+  useTwoDriverThreadsPerCore();
+  const Device device = Device::open({.device = arguments.device, .validation = arguments.validation});
   spdlog::info("{}: {} episodes on {} ({})", scene.name, countText(scene.num_episodes), device.info().name, device.info().driver);
 
   ProgressPrinter printer;

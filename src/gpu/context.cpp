@@ -6,7 +6,6 @@
 #include <fstream>
 #include <string>
 #include <string_view>
-#include <thread>
 
 #include "base/log.h"
 #include "gpu/vulkan.h"
@@ -110,7 +109,6 @@ void throwDeviceError(const vk::SystemError& error, const std::string& what, con
 }
 
 Context::Context(const DeviceOptions& options) : vulkan_(std::make_unique<Vulkan>()), keeps_kernels_(options.keep_kernels) {
-  if (options.busy_host) ::setenv("LP_NUM_THREADS", std::to_string(2 * std::max(std::thread::hardware_concurrency(), 1u)).c_str(), 0);
   const bool validation = options.validation || environmentFlag("TAXELSIM_VALIDATION");
   Vulkan& vulkan = *vulkan_;
   checked("opening Vulkan", "", [&] { vulkan.instance = makeInstance(vulkan.loader, validation); });

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "gpu/device_access.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -203,7 +204,7 @@ void checkBatchFits(const Model::Impl& model, const SimulatorOptions& options) {
 
 BatchBuffers::BatchBuffers(const Model::Impl& model, const SimulatorOptions& options) {
   const InstanceBytes bytes(model, options, keepsCandidates(model, options));
-  gpu::Context& context = model.device.context();
+  gpu::Context& context = gpu::contextOf(model.device);
   const auto n = static_cast<std::uint64_t>(options.num_instances);
   const auto make = [&](const char* name, std::uint64_t per_instance, gpu::Domain domain) {
     return gpu::Buffer(context, name, n * per_instance, domain);

@@ -5,6 +5,7 @@
 
 #include "contact_features.spv.h"
 #include "contact_regions.spv.h"
+#include "gpu/device_access.h"
 #include "sensor/curve.h"
 #include "simulation/model_impl.h"
 #include "simulation/workgroups.h"
@@ -62,7 +63,7 @@ Model::Impl::ContactFeaturePasses Model::Impl::makeContactFeatures(const Contact
   const std::uint32_t num_partials = parts_team == 1 ? 1 : parts_workgroup / parts_team * kMostSums * packed_contact.lanes;
   const std::uint32_t first_count = layout::kNumContactFeatures * numContactRows(packed_contact, variant.max_regions);
   return {
-      {device.context(),
+      {gpu::contextOf(device),
        {.name = "contact_regions",
         .spirv = k_contact_regions_spirv,
         .buffers = {"Instances", "Step", "SensorBlock", "Taxels", "Planes", "Neighbours", "Image", "SpreadNormal", "Forces", "TaxelRegions",
@@ -72,7 +73,7 @@ Model::Impl::ContactFeaturePasses Model::Impl::makeContactFeatures(const Contact
                                 first_count, sensor.patches.size() == 1, static_cast<std::uint32_t>(readout.curve.size()),
                                 bits(slopeAtZero(readout)), bits(readout.output_scale), bits(readout.trigger), bits(readout.saturation),
                                 bits(readout.curve_limit), static_cast<std::uint32_t>(readout.curve_points.size())})}},
-      {device.context(),
+      {gpu::contextOf(device),
        {.name = "contact_features",
         .spirv = k_contact_features_spirv,
         .buffers = {"Instances", "Step", "Taxels", "Planes", "Forces", "TaxelRegions", "Regions", "Features", "Problems"},

@@ -11,10 +11,12 @@
 #include "elastic_layer_pairs_lockstep.spv.h"
 #include "find_candidates.spv.h"
 #include "find_candidates_lockstep.spv.h"
+#include "gpu/device_access.h"
 #include "image.spv.h"
 #include "keep_candidates.spv.h"
 #include "load.spv.h"
 #include "sensor/curve.h"
+#include "simulation/model_access.h"
 #include "simulation/model_impl.h"
 #include "simulation/pack/pack_objects.h"
 #include "simulation/workgroups.h"
@@ -68,7 +70,8 @@ Bounds cutBounds(const Object& object) {
 
 }  // namespace
 
-Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), sensor(options.sensor), objects(options.objects) {
+Model::Impl::Impl(const Device& of, const ModelOptions& options, const Tuning& tuning)
+    : device(of), sensor(options.sensor), objects(options.objects) {
   checkSensor(sensor);
   for (const Object& object : objects) {
     checkObject(object);
@@ -104,7 +107,6 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
   image_workgroup = chooseWorkgroup(options.image_workgroup, info, 64, image_work, "image_workgroup");
   // On a software driver every invocation has an instance of its own, unless that would be too many turns for it.
   const bool alone = faster.alone && info.type == DeviceType::kCpu && options.image_workgroup == 0 && image_work <= kMaxTurns;
-  const Tuning& tuning = options.tuning;
   image_team =
       tunedSize(tuning.image_team, alone ? 1 : std::min(image_workgroup, packed.image_lanes), 1, image_workgroup, "tuning.image_team");
   image_partials = imagePartials(image_workgroup, image_team, packed.image_lanes);
@@ -114,7 +116,7 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
       tunedRepeat(tuning.contact_repeat, chooseRepeat(info, contact_work / contact_workgroup, most_repeat), "tuning.contact_repeat");
   image_repeat = tunedRepeat(tuning.image_repeat, chooseRepeat(info, image_work / image_team), "tuning.image_repeat");
 
-  gpu::Context& context = device.context();
+  gpu::Context& context = gpu::contextOf(device);
   const auto upload = [&]<typename T>(const char* name, const std::vector<T>& values) {
     gpu::Buffer buffer = gpu::makeStaticBuffer(context, name, std::span<const T>(values));
     static_bytes += buffer.size();
@@ -148,9 +150,9 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options) : device(of), s
     if (record.kind_groups.x == layout::kKindMesh) triangles_of |= (record.kind_groups.w & layout::kLargeTriangles) == 0 ? 1u : 2u;
   }
   const std::uint32_t most_samples = contact_packed.max_tile_samples;
-  groups_per_batch = tunedSize(options.tuning.groups_per_batch, chooseGroupsPerBatch(info, most_samples, most_groups),
-                               kFewestGroupsPerBatch, kMostGroupsPerBatch, "tuning.groups_per_batch");
-  if (options.tuning.groups_per_batch != 0 || options.tuning.contact_repeat != 0) {
+  groups_per_batch = tunedSize(tuning.groups_per_batch, chooseGroupsPerBatch(info, most_samples, most_groups), kFewestGroupsPerBatch,
+                               kMostGroupsPerBatch, "tuning.groups_per_batch");
+  if (tuning.groups_per_batch != 0 || tuning.contact_repeat != 0) {
     checkContactFits(info, most_samples, groups_per_batch, contact_repeat);
   }
   keeps_candidates =
@@ -259,7 +261,7 @@ gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const 
   of_the_pass.push_back(layer ? 0 : static_cast<std::uint32_t>(sensor.skin.relaxation.size()));
   of_the_pass.insert(of_the_pass.end(),
                      {groups_per_batch, variant.with_jacobian, faster.untouched, bits(law.reach), variant.list, law.taxel_passes.empty()});
-  return {device.context(),
+  return {gpu::contextOf(device),
           {.name = law.kernel,
            .spirv = spirvFor(law.spirv, contact_workgroup),
            .buffers = {"Poses",       "Instances",  "Step",           "Objects", "Groups",        "Clusters",     "Quads",
@@ -275,11 +277,12 @@ Model::Impl::CandidatePasses Model::Impl::makeCandidatePasses(bool with_jacobian
                         std::uint32_t workgroup, const std::vector<std::uint32_t>& more) {
     std::vector<std::uint32_t> of_the_pass{contact_packed.flat, with_jacobian, bits(law.reach)};
     of_the_pass.insert(of_the_pass.end(), more.begin(), more.end());
-    return gpu::Kernel(device.context(), {.name = name,
-                                          .spirv = spirv,
-                                          .buffers = buffers,
-                                          .constants = constants(contact_sensor, contact_packed,
-                                                                 {workgroup, contact_packed.contact_lanes, contact_repeat}, of_the_pass)});
+    return gpu::Kernel(
+        gpu::contextOf(device),
+        {.name = name,
+         .spirv = spirv,
+         .buffers = buffers,
+         .constants = constants(contact_sensor, contact_packed, {workgroup, contact_packed.contact_lanes, contact_repeat}, of_the_pass)});
   };
   return {.keep = made("keep_candidates", k_keep_candidates_spirv,
                        {"Poses", "Step", "Objects", "Patches", "Tiles", "Candidates", "Work", "WorkInstances"}, kTaxelWorkgroup,
@@ -292,7 +295,7 @@ Model::Impl::CandidatePasses Model::Impl::makeCandidatePasses(bool with_jacobian
 
 gpu::Kernel Model::Impl::makeContactsKernel(std::uint32_t repeat) const {
   constexpr std::uint32_t kNoLanes = 1;  // its sums are of one invocation each
-  return {device.context(),
+  return {gpu::contextOf(device),
           {.name = "contacts",
            .spirv = k_contacts_spirv,
            .buffers = {"Step", "Contacts", "NumContacts", "Patches", "SpreadScale", "ContactNormal", "TileResults", "Features", "Problems"},
@@ -306,7 +309,7 @@ gpu::Kernel Model::Impl::makeImageKernel(const ImageVariant& variant) const {
   const bool alike = std::all_of(packed.taxels.begin(), packed.taxels.end(), [&](const layout::TaxelRecord& taxel) {
     return taxel.readout.x == 1.0f && taxel.readout.y == static_cast<float>(readout.trigger);
   });
-  return {device.context(),
+  return {gpu::contextOf(device),
           {.name = "image",
            .spirv = k_image_spirv,
            .buffers = {"Instances", "Step", "SensorBlock", "Taxels", "SpreadRows", "ContactNormal", "ContactShear", "TileResults", "Loads",
@@ -354,7 +357,7 @@ std::uint32_t Model::Impl::taxelGroups(const TaxelPass& pass, std::uint32_t num_
 }
 
 gpu::Kernel Model::Impl::makeTaxelKernel(const TaxelPass& pass, bool with_shear) const {
-  return {device.context(),
+  return {gpu::contextOf(device),
           {.name = pass.kernel,
            .spirv = pass.spirv,
            .buffers = {"Instances", "Step", "SpreadScale", "Neighbours", "ContactNormal", "LawState", "TileResults", "Taxels", "Problems",
@@ -365,7 +368,7 @@ gpu::Kernel Model::Impl::makeTaxelKernel(const TaxelPass& pass, bool with_shear)
 }
 
 gpu::Kernel Model::Impl::makeLoadKernel() const {
-  return {device.context(),
+  return {gpu::contextOf(device),
           {.name = "load",
            .spirv = k_load_spirv,
            .buffers = {"Instances", "Step", "TileResults", "Loads"},
@@ -374,12 +377,12 @@ gpu::Kernel Model::Impl::makeLoadKernel() const {
 }
 
 gpu::Kernel Model::Impl::makeLayerKernel(const LayerVariant& variant) const {
-  const bool pairs = faster.pairs && device.info().type == DeviceType::kCpu && device.context().hasInt64();
+  const bool pairs = faster.pairs && device.info().type == DeviceType::kCpu && gpu::contextOf(device).hasInt64();
   const auto& elastic = std::get<ElasticLayer>(sensor.skin.law);
   const Friction& friction = sensor.skin.friction;
   const LayerNodes& nodes = layer->nodes;
   const auto count = [](int number) { return static_cast<std::uint32_t>(number); };
-  return {device.context(),
+  return {gpu::contextOf(device),
           {.name = "elastic_layer",
            .spirv = spirvFor(pairs ? Spirv{k_elastic_layer_pairs_spirv, k_elastic_layer_pairs_lockstep_spirv}
                                    : Spirv{k_elastic_layer_spirv, k_elastic_layer_lockstep_spirv},
@@ -396,7 +399,11 @@ gpu::Kernel Model::Impl::makeLayerKernel(const LayerVariant& variant) const {
                           variant.with_shear, count(static_cast<int>(sensor.skin.relaxation.size())), variant.with_jacobian})}};
 }
 
-Model::Model(const Device& device, const ModelOptions& options) : impl_(std::make_shared<Impl>(device, options)) {}
+Model::Model(const Device& device, const ModelOptions& options) : impl_(std::make_shared<Impl>(device, options, Tuning{})) {}
+
+Model ModelAccess::make(const Device& device, const ModelOptions& options, const Tuning& tuning) {
+  return Model(std::make_shared<Model::Impl>(device, options, tuning));
+}
 
 const Sensor& Model::sensor() const {
   return impl_->sensor;

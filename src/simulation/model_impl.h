@@ -14,6 +14,7 @@
 #include "simulation/pack/pack_law.h"
 #include "simulation/pack/pack_layer.h"
 #include "simulation/pack/pack_sensor.h"
+#include "simulation/tuning.h"
 #include "taxelsim/model.h"
 
 namespace taxelsim {
@@ -24,7 +25,7 @@ inline constexpr std::uint32_t kSearchOverTiles = 2;
 inline constexpr std::uint32_t kSearchEnded = 3;
 
 struct Model::Impl {
-  Impl(const Device& of, const ModelOptions& options);
+  Impl(const Device& of, const ModelOptions& options, const Tuning& tuning);
 
   Device device;
   Sensor sensor;

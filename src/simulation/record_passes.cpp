@@ -1,14 +1,16 @@
 // The passes of a frame, in order: docs/architecture.md, "The way of a frame".
+#include "gpu/device_access.h"
+#include "simulation/model_access.h"
 #include "simulation/simulator_impl.h"
 
 namespace taxelsim {
 
 // The one place where the passes are put in order.
 gpu::Commands Simulator::Impl::record(const FrameKind& kind) {
-  const Model::Impl& m = *model.impl();
+  const Model::Impl& m = implOf(model);
   const auto n = static_cast<std::uint32_t>(options.num_instances);
   const BatchBuffers& b = buffers;
-  gpu::Commands commands(m.device.context(), "a frame", options.device_clock ? 3 : 0);
+  gpu::Commands commands(gpu::contextOf(m.device), "a frame", options.device_clock ? 3 : 0);
   commands.barrier(gpu::Access::kHostWrite, gpu::Access::kKernel);
   commands.timestamp(0);
   if (takesContacts()) {
@@ -43,7 +45,7 @@ gpu::Commands Simulator::Impl::record(const FrameKind& kind) {
 
 // Stages 1 and 2 from poses of objects.
 void Simulator::Impl::recordObjects(gpu::Commands& commands, const FrameKind& kind) const {
-  const Model::Impl& m = *model.impl();
+  const Model::Impl& m = implOf(model);
   const bool with_loads = kind.loads;
   const auto n = static_cast<std::uint32_t>(options.num_instances);
   const auto num_tiles = static_cast<std::uint32_t>(m.contact_packed.tiles.size());
@@ -131,7 +133,7 @@ void Simulator::Impl::recordObjects(gpu::Commands& commands, const FrameKind& ki
 
 // Before the contact pass of an object that touches slowly: shaders/keep_candidates.comp.
 void Simulator::Impl::recordCandidates(gpu::Commands& commands, bool with_jacobian) const {
-  const Model::Impl& m = *model.impl();
+  const Model::Impl& m = implOf(model);
   const auto n = static_cast<std::uint32_t>(options.num_instances);
   const Model::Impl::CandidatePasses& passes = m.candidatePasses(with_jacobian);
   const BatchBuffers& b = buffers;
@@ -152,7 +154,7 @@ void Simulator::Impl::recordCandidates(gpu::Commands& commands, bool with_jacobi
 
 // What the law's taxels make of the force of contact.
 void Simulator::Impl::recordTaxels(gpu::Commands& commands) const {
-  const Model::Impl& m = *model.impl();
+  const Model::Impl& m = implOf(model);
   const BatchBuffers& b = buffers;
   for (std::size_t pass = 0; pass < m.law.taxel_passes.size(); ++pass) {
     commands.dispatch(m.taxelKernels(withShear())[pass],
@@ -165,7 +167,7 @@ void Simulator::Impl::recordTaxels(gpu::Commands& commands) const {
 
 // Stages 1 and 2 from contacts; no law is asked.
 void Simulator::Impl::recordContacts(gpu::Commands& commands) const {
-  const Model::Impl& m = *model.impl();
+  const Model::Impl& m = implOf(model);
   const std::uint32_t repeat = m.contactsRepeat(options.max_contacts);
   const std::uint32_t per_workgroup = m.image_workgroup / m.image_team * repeat;
   const BatchBuffers& b = buffers;
@@ -177,7 +179,7 @@ void Simulator::Impl::recordContacts(gpu::Commands& commands) const {
 
 // After the image pass.
 void Simulator::Impl::recordContactFeatures(gpu::Commands& commands, bool clean) const {
-  const Model::Impl& m = *model.impl();
+  const Model::Impl& m = implOf(model);
   const BatchBuffers& b = buffers;
   const auto n = static_cast<std::uint64_t>(options.num_instances);
   const Model::Impl::ContactFeaturePasses& passes = m.contactFeatures({.clean = clean, .max_regions = options.max_regions});
@@ -197,7 +199,7 @@ void Simulator::Impl::recordContactFeatures(gpu::Commands& commands, bool clean)
 
 // After the image pass.
 void Simulator::Impl::recordJacobian(gpu::Commands& commands, bool random) const {
-  const Model::Impl& m = *model.impl();
+  const Model::Impl& m = implOf(model);
   const BatchBuffers& b = buffers;
   const auto n = static_cast<std::uint32_t>(options.num_instances);
   const auto num_groups = [](std::uint64_t work, std::uint32_t per_workgroup) {

@@ -10,6 +10,7 @@
 #include "base/philox.h"
 #include "base/text.h"
 #include "simulation/frame_view.h"
+#include "simulation/model_access.h"
 #include "simulation/pack/pack_contacts.h"
 #include "simulation/rows.h"
 #include "simulation/simulator_impl.h"
@@ -72,8 +73,8 @@ float shareOfTheWay(double dt, double time) {
 Simulator::Impl::Impl(const Model& of, const SimulatorOptions& with)
     : model(of),
       options(with),
-      buffers((checkBatchFits(*of.impl(), with), *of.impl()), with),
-      keeps_candidates(keepsCandidates(*of.impl(), with)) {
+      buffers((checkBatchFits(implOf(of), with), implOf(of)), with),
+      keeps_candidates(keepsCandidates(implOf(of), with)) {
   clocks.resize(static_cast<std::size_t>(with.num_instances));
   const std::span<layout::PoseRecord> poses = buffers.poses.mappedAs<layout::PoseRecord>();
   for (layout::PoseRecord& pose : poses) pose = packPose(kNoObject, {});
@@ -81,7 +82,7 @@ Simulator::Impl::Impl(const Model& of, const SimulatorOptions& with)
     instance.drive.x = kPoseDriven;
     setVariation(instance, 0, {});
   }
-  if (of.impl()->hasFriction() && !takesContacts()) motions.emplace(clocks.size(), static_cast<std::size_t>(with.num_slots));
+  if (implOf(of).hasFriction() && !takesContacts()) motions.emplace(clocks.size(), static_cast<std::size_t>(with.num_slots));
 }
 
 void Simulator::Impl::checkInstance(int instance) const {
@@ -154,7 +155,7 @@ layout::StepRecord Simulator::Impl::stepRecord(double dt) {
 
 // Brackets of the load search: between all objects just clear of the sensor and all of them past its skin.
 void Simulator::Impl::startSearch() {
-  const Model::Impl& m = *model.impl();
+  const Model::Impl& m = implOf(model);
   constexpr float kClearance = 1e-6f;  // m
   const std::span<const layout::PoseRecord> poses = buffers.poses.mappedAs<layout::PoseRecord>();
   const std::span<layout::LoadRecord> loads = buffers.loads.mappedAs<layout::LoadRecord>();
@@ -191,7 +192,7 @@ Simulator::Simulator(Simulator&&) noexcept = default;
 Simulator& Simulator::operator=(Simulator&&) noexcept = default;
 
 MemoryPlan Simulator::plan(const Model& model, const SimulatorOptions& options) {
-  return planBatch(*model.impl(), options);
+  return planBatch(implOf(model), options);
 }
 
 int Simulator::numInstances() const {
@@ -238,7 +239,7 @@ void Simulator::setLoad(int instance, float load) {
   }
   if (load < 0 || std::isinf(load))
     refuse("load of instance " + std::to_string(instance) + ": " + std::to_string(load) + " is not allowed: N, >= 0");
-  if (impl_->model.impl()->layer && !std::isnan(load) && !impl_->model.impl()->packed.searches_in_tile) {
+  if (implOf(impl_->model).layer && !std::isnan(load) && !implOf(impl_->model).packed.searches_in_tile) {
     refuse("load of instance " + std::to_string(instance) + ": " + std::to_string(load) +
            " is not allowed: none, where an elastic_layer does not face along z of the sensor frame");
   }
@@ -299,7 +300,7 @@ void Simulator::step(double dt) {
   if (!(dt > 0) || std::isinf(dt)) refuse("dt: " + std::to_string(dt) + " is not allowed: s, > 0");
   Impl& impl = *impl_;
   if (impl.running != nullptr) throw std::logic_error("a step was taken before read() of the last one");
-  const Model::Impl& m = *impl.model.impl();
+  const Model::Impl& m = implOf(impl.model);
   impl.buffers.step.mappedAs<layout::StepRecord>()[0] = impl.stepRecord(dt);
   const Sensor& sensor = m.sensor;
   bool any_load = false;
@@ -351,7 +352,7 @@ FrameView Simulator::read() {
                   "use simpler meshes, fewer samples or contacts, or a larger contact_workgroup or image_workgroup");
     }
   }
-  return viewOf(*impl.model.impl(), impl.options, impl.buffers);
+  return viewOf(implOf(impl.model), impl.options, impl.buffers);
 }
 
 StepTiming Simulator::timing() const {

@@ -11,6 +11,7 @@
 #include "simulation/batch_buffers.h"
 #include "simulation/candidate_schedule.h"
 #include "simulation/clock.h"
+#include "simulation/model_access.h"
 #include "simulation/motions.h"
 #include "taxelsim/simulator.h"
 
@@ -25,7 +26,7 @@ struct Simulator::Impl {
   void checkTakesContacts() const;
 
   bool takesContacts() const { return options.max_contacts > 0; }
-  bool withShear() const { return model.impl()->hasFriction() && !takesContacts() && options.outputs.tactile_shear_force; }
+  bool withShear() const { return implOf(model).hasFriction() && !takesContacts() && options.outputs.tactile_shear_force; }
   void takeContacts(std::size_t instance, std::span<const ContactPoint> contacts) const;
   // What a slot (of num_instances x num_slots) holds from now on.
   void place(std::size_t slot_index, int id, const Pose& X_SO);

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "gpu/device_access.h"
 #include "mask_jacobian.spv.h"
 #include "rescale_jacobian.spv.h"
 #include "simulation/model_impl.h"
@@ -27,23 +28,23 @@ std::uint64_t partWork(const Sensor& sensor, const PackedSensor& packed, std::ui
 const std::vector<gpu::Kernel>& Model::Impl::taxelJacobian() const {
   const std::lock_guard lock(kernels_mutex_);
   if (!taxel_jacobian_.empty()) return taxel_jacobian_;
-  taxel_jacobian_.emplace_back(
-      device.context(), gpu::KernelOptions{.name = "taxel_jacobian",
-                                           .spirv = k_taxel_jacobian_spirv,
-                                           .buffers = {"Step", "Patches", "Tiles", "Taxels", "SpreadScale", "ContactCells", "TileChanges",
-                                                       "TaxelJacobian", "WrenchJacobian"},
-                                           .constants = constants(sensor, packed, {kTaxelWorkgroup, packed.contact_lanes, 1},
-                                                                  {packed.scalesSpread() && !masksForces(),
-                                                                   !std::holds_alternative<Proximity>(sensor.skin.law)})});
+  taxel_jacobian_.emplace_back(gpu::contextOf(device),
+                               gpu::KernelOptions{.name = "taxel_jacobian",
+                                                  .spirv = k_taxel_jacobian_spirv,
+                                                  .buffers = {"Step", "Patches", "Tiles", "Taxels", "SpreadScale", "ContactCells",
+                                                              "TileChanges", "TaxelJacobian", "WrenchJacobian"},
+                                                  .constants = constants(sensor, packed, {kTaxelWorkgroup, packed.contact_lanes, 1},
+                                                                         {packed.scalesSpread() && !masksForces(),
+                                                                          !std::holds_alternative<Proximity>(sensor.skin.law)})});
   if (!masksForces()) return taxel_jacobian_;
   taxel_jacobian_.emplace_back(
-      device.context(),
+      gpu::contextOf(device),
       gpu::KernelOptions{.name = "mask_jacobian",
                          .spirv = k_mask_jacobian_spirv,
                          .buffers = {"Step", "Neighbours", "Taxels", "LawState", "TaxelJacobian", "MaskedJacobian"},
                          .constants = constants(sensor, packed, {kTaxelWorkgroup, 1, 1}, {bits(law.taxel_parameters[0])})});
   taxel_jacobian_.emplace_back(
-      device.context(),
+      gpu::contextOf(device),
       gpu::KernelOptions{.name = "rescale_jacobian",
                          .spirv = k_rescale_jacobian_spirv,
                          .buffers = {"Step", "SpreadScale", "LawState", "TileResults", "MaskedJacobian", "TaxelJacobian", "Problems"},
@@ -70,7 +71,7 @@ Model::Impl::JacobianPass Model::Impl::makeTactileJacobian(const JacobianVariant
   const std::uint32_t repeat = chooseRepeat(info, work / team);
   const std::uint32_t num_partials = team == 1 ? 1 : workgroup / team * kMostSums * lanes;
   const double most = nominalForce(readout, readout.saturation) - readout.trigger;
-  return {{device.context(),
+  return {{gpu::contextOf(device),
            {.name = "tactile_jacobian",
             .spirv = k_tactile_jacobian_spirv,
             .buffers = {"Instances", "Step", "Taxels", "Planes", "SpreadRows", "SpreadNormal", "TaxelJacobian", "WrenchJacobian",

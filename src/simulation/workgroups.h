@@ -30,7 +30,7 @@ bool isOneVector(const DeviceInfo& info, std::uint32_t workgroup);
 // How many pieces of work, of so many turns for an invocation, are done one after another.
 std::uint32_t chooseRepeat(const DeviceInfo& info, std::uint64_t turns, std::uint32_t most = kMaxRepeat);
 
-// Sizes of ModelOptions and its Tuning: `chosen` where the caller wants none. Throws Error(kInput) for one that is no power of two from
+// Sizes of ModelOptions and of Tuning: `chosen` where the caller wants none. Throws Error(kInput) for one that is no power of two from
 // `least` to `most`.
 std::uint32_t tunedSize(int wanted, std::uint32_t chosen, std::uint32_t least, std::uint32_t most, const char* name);
 

@@ -68,9 +68,9 @@ TEST(SweepSetting, AModelWorksWithWhatItIsGiven) {
   const SweepCase work = casesNamed({"wts0614_ellipsoid_5120"}).front();
   const ModelOptions options{.sensor = work.sensor, .objects = {work.object}};
   const Setting setting{32, 3, 64, 16, 4, 5};
-  EXPECT_EQ(settingOf(Model(Device::open(), withSetting(options, setting))), setting);
+  EXPECT_EQ(settingOf(modelWith(Device::open(), options, setting)), setting);
   const Setting chosen = settingOf(Model(Device::open(), options));
-  EXPECT_EQ(settingOf(Model(Device::open(), withSetting(options, chosen))), chosen);
+  EXPECT_EQ(settingOf(modelWith(Device::open(), options, chosen)), chosen);
 }
 
 TEST(SweepSetting, MovesAndTexts) {

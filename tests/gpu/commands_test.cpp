@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "gpu/commands.h"
+#include "gpu/device_access.h"
 #include "taxelsim/device.h"
 #include "taxelsim/error.h"
 
@@ -18,7 +19,7 @@ const Device& device() {
 }
 
 TEST(Commands, BuffersStartAtZeroAndCopiesArrive) {
-  gpu::Context& context = device().context();
+  gpu::Context& context = gpu::contextOf(device());
   std::vector<std::uint32_t> values(1000);
   std::iota(values.begin(), values.end(), 7u);
   const gpu::Buffer source = gpu::makeStaticBuffer(context, "source", std::span<const std::uint32_t>(values));
@@ -44,7 +45,7 @@ TEST(Commands, BuffersStartAtZeroAndCopiesArrive) {
 
 // Two slices of a batch take turns: who waits for the first, its clock included, must not wait for the second.
 TEST(CommandsInTurn, WaitingForOneDoesNotWaitForTheNext) {
-  gpu::Context& context = device().context();
+  gpu::Context& context = gpu::contextOf(device());
   const gpu::Buffer buffer(context, "buffer", std::size_t{64} << 20, gpu::Domain::kDevice);
   const auto fills = [&](int num_fills) {
     gpu::Commands commands(context, "fills", 2);
@@ -71,7 +72,7 @@ TEST(CommandsInTurn, WaitingForOneDoesNotWaitForTheNext) {
 }
 
 TEST(Commands, FillClears) {
-  gpu::Context& context = device().context();
+  gpu::Context& context = gpu::contextOf(device());
   const gpu::Buffer buffer(context, "buffer", 64, gpu::Domain::kReadback);
   for (std::uint32_t& word : buffer.mappedAs<std::uint32_t>()) word = 1;
   gpu::Commands commands(context, "fill");
@@ -85,7 +86,7 @@ TEST(Commands, FillClears) {
 }
 
 TEST(Commands, SubmittedTwiceWithoutAWaitIsAMistake) {
-  gpu::Commands commands(device().context(), "empty");
+  gpu::Commands commands(gpu::contextOf(device()), "empty");
   commands.end();
   commands.submit();
   EXPECT_THROW(commands.submit(), std::logic_error);
@@ -94,7 +95,7 @@ TEST(Commands, SubmittedTwiceWithoutAWaitIsAMistake) {
 }
 
 TEST(Commands, ValidationIsNotDeaf) {
-  gpu::Context& context = device().context();
+  gpu::Context& context = gpu::contextOf(device());
   const gpu::Buffer small(context, "small", 16, gpu::Domain::kDevice);
   const gpu::Buffer large(context, "large", 64, gpu::Domain::kDevice);
   gpu::Commands commands(context, "a copy past the end");
@@ -105,7 +106,7 @@ TEST(Commands, ValidationIsNotDeaf) {
 }
 
 TEST(Commands, SynchronisationValidationIsNotDeaf) {
-  gpu::Context& context = device().context();
+  gpu::Context& context = gpu::contextOf(device());
   const gpu::Buffer first(context, "first", 64, gpu::Domain::kDevice);
   const gpu::Buffer second(context, "second", 64, gpu::Domain::kDevice);
   gpu::Commands commands(context, "a copy of what is still being copied");

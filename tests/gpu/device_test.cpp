@@ -6,6 +6,7 @@
 #include <set>
 
 #include "gpu/buffer.h"
+#include "gpu/device_access.h"
 #include "gpu/vulkan.h"
 #include "taxelsim/device.h"
 #include "taxelsim/error.h"
@@ -68,7 +69,7 @@ TEST(Devices, OutOfMemoryNamesBufferAndSize) {
   const Device device = Device::open({});
   // More than any device has. The validation layers would complain of it first, so they are not on here.
   const std::size_t bytes = std::size_t{1} << 46;
-  const std::string message = deviceError([&] { gpu::Buffer(device.context(), "tactile_image", bytes, gpu::Domain::kDevice); });
+  const std::string message = deviceError([&] { gpu::Buffer(gpu::contextOf(device), "tactile_image", bytes, gpu::Domain::kDevice); });
   EXPECT_THAT(message, AllOf(HasSubstr("\"tactile_image\""), HasSubstr("67108864.0 MiB")));
 }
 

@@ -9,6 +9,7 @@
 
 #include "find_candidates.spv.h"
 #include "find_candidates_lockstep.spv.h"
+#include "gpu/device_access.h"
 #include "gpu/kernel.h"
 #include "gpu/reflection.h"
 #include "load.spv.h"
@@ -33,7 +34,7 @@ gpu::KernelOptions loadKernel() {
 std::string refusal(const gpu::KernelOptions& options) {
   const Device device = Device::open({});
   try {
-    gpu::Kernel(device.context(), options);
+    gpu::Kernel(gpu::contextOf(device), options);
   } catch (const std::logic_error& error) {
     return error.what();
   }
@@ -59,7 +60,7 @@ TEST(Kernel, TexelBuffersAreReflectedByTheirOwnNames) {
 
 TEST(Kernel, AsDeclaredIsBuilt) {
   const Device device = Device::open({});
-  const gpu::Kernel kernel(device.context(), loadKernel());
+  const gpu::Kernel kernel(gpu::contextOf(device), loadKernel());
   kernel.wait();
   EXPECT_EQ(kernel.numBuffers(), 4u);
 }
@@ -71,9 +72,9 @@ TEST(Kernel, IsKeptForTheNextProcessOnlyIfWanted) {
     const auto run = [&] {
       setenv("XDG_CACHE_HOME", cache.path().c_str(), 1);
       const Device device = Device::open({.keep_kernels = keep});
-      const gpu::Kernel kernel(device.context(), loadKernel());
+      const gpu::Kernel kernel(gpu::contextOf(device), loadKernel());
       kernel.wait();
-      device.context().savePipelineCache();
+      gpu::contextOf(device).savePipelineCache();
       std::_Exit(std::filesystem::exists(cache / "taxelsim") == keep ? 0 : 1);
     };
     EXPECT_EXIT(run(), ::testing::ExitedWithCode(0), "") << keep;

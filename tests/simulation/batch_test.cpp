@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "simulation/comparison.h"
+#include "simulation/model_access.h"
 #include "support/random_scene.h"
 
 namespace taxelsim {
@@ -131,7 +132,8 @@ TEST(Batch, TheTuningDoesNotShow) {
   const Batch batch = randomBatch(sensor, 9);
   const std::vector<int> all{0, 1, 2, 3, 4, 5, 6, 7, 8};
   const auto bits = [&](const Tuning& tuning) {
-    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = batch.objects, .image_workgroup = 16, .tuning = tuning});
+    const Model model =
+        ModelAccess::make(support::sharedDevice(), {.sensor = sensor, .objects = batch.objects, .image_workgroup = 16}, tuning);
     return runBatch(model, batch, all);
   };
   const auto expected = bits({});
@@ -143,8 +145,8 @@ TEST(Batch, TheTuningDoesNotShow) {
 TEST(Batch, MoreWorkgroupsThanADimensionHolds) {
   constexpr int kMany = 65'535 + 10, kFew = 16;
   const Sensor sensor = support::gridSensor({.num_rows = 2, .num_cols = 2, .samples_per_taxel = 1});
-  const Model model(support::sharedDevice(),
-                    {.sensor = sensor, .objects = {Object("ball", Sphere{0.01})}, .tuning = {.contact_repeat = 1}});
+  const Model model =
+      ModelAccess::make(support::sharedDevice(), {.sensor = sensor, .objects = {Object("ball", Sphere{0.01})}}, {.contact_repeat = 1});
   const auto features = [&](int num_instances) {
     Simulator simulator(model, {.num_instances = num_instances});
     std::vector<Pose> X_SO;

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "simulation/comparison.h"
+#include "simulation/model_access.h"
 #include "support/random_scene.h"
 #include "taxelsim/error.h"
 
@@ -160,8 +161,8 @@ TEST(ModelErrors, RefusedTunings) {
   const Sensor sensor = support::gridSensor();
   const auto refused = [&](const Tuning& tuning, int image_workgroup = 0) {
     return inputError([&] {
-      Model(support::sharedDevice(),
-            {.sensor = sensor, .objects = {Object(Sphere{0.005})}, .image_workgroup = image_workgroup, .tuning = tuning});
+      ModelAccess::make(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.005})}, .image_workgroup = image_workgroup},
+                        tuning);
     });
   };
   for (const int number : {-1, 65, 1 << 30}) {
@@ -182,8 +183,8 @@ TEST(ModelErrors, ATuningThatTheDeviceHasNoRoomFor) {
   Sensor sensor = support::gridSensor();
   sensor.patches[0].num_rows = 64;
   const std::string message = inputError([&] {
-    Model(support::sharedDevice(),
-          {.sensor = sensor, .objects = {Object(Sphere{0.005})}, .image_workgroup = 256, .tuning = {.image_team = 2}});
+    ModelAccess::make(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.005})}, .image_workgroup = 256},
+                      {.image_team = 2});
   });
   EXPECT_THAT(message, ::testing::HasSubstr(std::to_string(4 * 128 * 19 * 64) + " bytes"));
   EXPECT_THAT(message, ::testing::HasSubstr(std::to_string(support::sharedDevice().info().shared_memory)));

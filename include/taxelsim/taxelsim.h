@@ -1,0 +1,39 @@
+/// @file
+/// All of libtaxelsim in one include. The headers of libtaxelsim_characterize (characterize.h, compare.h, readings.h) are not part of it,
+/// since they need that second library.
+#pragma once
+
+/// Batched simulation of tactile sensing arrays on Vulkan devices.
+///
+/// Units are SI throughout: m, N, Pa, s, rad. Electrical output is in counts. `X_AB` is the pose of frame B in frame A; S is the frame of a
+/// sensor, P of a patch, O of an object, W the world (docs/conventions.md). A shape such as `(N x 3)` behind an array is row-major.
+///
+/// Errors: bad input, device failures and file system failures throw taxelsim::Error. Wrong use of an object throws std::logic_error.
+///
+/// Threads: free functions without a Device may be called from several threads at once, unless they write the same files. Device and Model
+/// may be shared between threads. A Simulator, DatasetWriter or DatasetReader is for one thread at a time; several of them may be used in
+/// different threads at once. generate(), evaluate() and the experiments block their caller and use threads of their own.
+namespace taxelsim {}
+
+#include "taxelsim/contact_point.h"
+#include "taxelsim/contact_type.h"
+#include "taxelsim/control.h"
+#include "taxelsim/dataset.h"
+#include "taxelsim/device.h"
+#include "taxelsim/error.h"
+#include "taxelsim/evaluate.h"
+#include "taxelsim/experiment.h"
+#include "taxelsim/generate.h"
+#include "taxelsim/measurement.h"
+#include "taxelsim/model.h"
+#include "taxelsim/object.h"
+#include "taxelsim/pose.h"
+#include "taxelsim/progress.h"
+#include "taxelsim/robot.h"
+#include "taxelsim/scene.h"
+#include "taxelsim/sensor.h"
+#include "taxelsim/simulator.h"
+#include "taxelsim/task.h"
+#include "taxelsim/trajectory.h"
+#include "taxelsim/verdict.h"
+#include "taxelsim/version.h"
