@@ -11,8 +11,8 @@
 #include <span>
 
 #include "cli/commands.h"
-#include "figures/text.h"
 #include "dataset/files.h"
+#include "figures/text.h"
 #include "scene/number_table.h"
 #include "taxelsim/error.h"
 #include "taxelsim/readings.h"

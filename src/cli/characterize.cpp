@@ -8,10 +8,10 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "figures/characterize_report.h"
 #include "cli/commands.h"
-#include "figures/text.h"
 #include "dataset/files.h"
+#include "figures/characterize_report.h"
+#include "figures/text.h"
 #include "taxelsim/version.h"
 
 namespace taxelsim::cli {

@@ -14,8 +14,8 @@
 #include <optional>
 
 #include "cli/commands.h"
-#include "figures/comparison_figure.h"
 #include "cli/image_source.h"
+#include "figures/comparison_figure.h"
 #include "figures/text.h"
 #include "taxelsim/error.h"
 

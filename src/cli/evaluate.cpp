@@ -14,9 +14,9 @@
 #include "cli/commands.h"
 #include "cli/driver_threads.h"
 #include "cli/interrupt.h"
-#include "figures/line_chart.h"
 #include "cli/progress.h"
 #include "cli/scene_options.h"
+#include "figures/line_chart.h"
 #include "figures/text.h"
 
 namespace taxelsim::cli {

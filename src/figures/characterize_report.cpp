@@ -7,10 +7,10 @@
 #include <cmath>
 #include <numeric>
 
+#include "dataset/files.h"
 #include "figures/line_chart.h"
 #include "figures/tactile_figure.h"
 #include "figures/text.h"
-#include "dataset/files.h"
 #include "taxelsim/version.h"
 
 namespace taxelsim::cli {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <span>
 
-#include "generation/columns.h"
 #include "episodes/episode_sink.h"
+#include "generation/columns.h"
 #include "generation/shard_queue.h"
 
 namespace taxelsim {

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "episodes/batch.h"
-#include "generation/shard_sink.h"
 #include "episodes/example_scene.h"
+#include "generation/shard_sink.h"
 #include "support/allocations.h"
 #include "taxelsim/generate.h"
 
