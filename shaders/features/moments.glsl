@@ -1,6 +1,6 @@
 // Stage 6: from sums over taxels to features (paper section II.C and eq. 3, with the quadrant kept). Twin: src/reference/features.cpp.
 
-#include "common/axes.glsl"
+#include "features/axes.glsl"
 
 struct Moments {
   float force;  // N
