@@ -12,7 +12,10 @@
 // Out: candidates (num_instances), work lists.
 
 #include "driver/texels.glsl"
-#include "shared/layout.h"
+#include "shared/batch.h"
+#include "shared/candidates.h"
+#include "shared/objects.h"
+#include "shared/sensor.h"
 #include "common/specialization.glsl"
 layout(constant_id = 11) const bool FLAT = true;  // these as in contact.comp
 layout(constant_id = 12) const bool OUTPUT_JACOBIAN = false;

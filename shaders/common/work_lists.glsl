@@ -1,4 +1,4 @@
-// Lists of instances for passes to come; layout.h. Which order they get is chance, and does not show.
+// Lists of instances for passes to come; shared/candidates.h. Which order they get is chance, and does not show.
 
 uint placeInList(uint list, uint instance) { return list * step_record.batch.x + instance; }
 

@@ -1,5 +1,10 @@
 // Constants and buffers of the contact pass. makeContactKernel() in src/simulation/model.cpp lists the constants in the same order.
 
+#include "shared/batch.h"
+#include "shared/candidates.h"
+#include "shared/objects.h"
+#include "shared/sensor.h"
+
 layout(constant_id = 11) const uint TILE_SAMPLES = 1344;  // most samples of a tile
 layout(constant_id = 12) const bool FLAT = true;          // the one patch's frame is the sensor's
 layout(constant_id = 13) const bool HAS_STATE = false;    // the law needs the depth of the step before

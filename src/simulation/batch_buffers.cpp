@@ -3,6 +3,10 @@
 #include <algorithm>
 
 #include "gpu/device_access.h"
+#include "shared/batch.h"
+#include "shared/candidates.h"
+#include "shared/elastic_layer.h"
+#include "shared/features.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

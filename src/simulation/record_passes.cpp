@@ -1,5 +1,6 @@
 // The passes of a frame, in order: docs/architecture.md, "The way of a frame".
 #include "gpu/device_access.h"
+#include "shared/candidates.h"
 #include "simulation/model_access.h"
 #include "simulation/simulator_impl.h"
 

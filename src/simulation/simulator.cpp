@@ -9,6 +9,9 @@
 
 #include "base/philox.h"
 #include "base/text.h"
+#include "shared/batch.h"
+#include "shared/candidates.h"
+#include "shared/features.h"
 #include "simulation/frame_view.h"
 #include "simulation/model_access.h"
 #include "simulation/pack/pack_contacts.h"
