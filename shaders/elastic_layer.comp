@@ -286,7 +286,7 @@ void begin(Solution found, Goal goal) {
     for (; k < num_strips; k += LANES) {
       uvec2 at = stripAt(k);
       Strip p = readStrip(kLayerPressure, at), moved = displacementAt(at, kLayerPressure);
-      writeStrip(kLayerAnswer, at, moved);
+      writeStrip(kLayerProduct, at, moved);
       sums += vec4(workOf(p, readStrip(kLayerTarget, at)), dotOf(p, moved), sumOf(p), 0);
     }
     cut_short = cut_short || k < num_strips;
@@ -298,7 +298,7 @@ void begin(Solution found, Goal goal) {
   for (; k < num_strips; k += WORKGROUP) {
     uvec2 at = stripAt(k);
     writeStrip(kLayerPressure, at, scaled(readStrip(kLayerPressure, at), factor));
-    writeStrip(kLayerExcess, at, minus(scaled(readStrip(kLayerAnswer, at), factor), readStrip(kLayerTarget, at)));
+    writeStrip(kLayerResidual, at, minus(scaled(readStrip(kLayerProduct, at), factor), readStrip(kLayerTarget, at)));
   }
   cut_short = cut_short || k < num_strips;
   meet();

@@ -62,9 +62,9 @@ TAXELSIM_CONSTANT kMaxDelaySteps = 32u;  // forces in the ring of a delay, one p
 
 // Friction state of a tile: kFrictionHeader pairs of words with the rectangle of taxels that have state (first row, end row, first col, end
 // col, of the patch), then a pair per sample, along x and y of P: the traction (Pa), or for the law lugre the bristle deflection in units
-// of friction. A sample without contact has kApart. An elastic layer is one tile, and its nodes are the taxels and the samples.
+// of friction. A sample without contact has kNoFrictionState. An elastic layer is one tile, and its nodes are the taxels and the samples.
 TAXELSIM_CONSTANT kFrictionHeader = 2u;
-TAXELSIM_CONSTANT kApart = 0x7F7FFFF8u;  // bits of x: larger than any value, with kSlotBits free bits
+TAXELSIM_CONSTANT kNoFrictionState = 0x7F7FFFF8u;  // bits of x: larger than any value, with kSlotBits free bits
 
 // Relaxation state of a tile: this many words with the rectangle of taxels that have been reached, then the words of the samples.
 TAXELSIM_CONSTANT kRelaxationHeader = 4u;

@@ -7,9 +7,9 @@
 
 TAXELSIM_LAYOUT_BEGIN
 
-TAXELSIM_CONSTANT kMostCandidates = 640u;       // of an instance; the size of its part of the buffer of quad numbers
+TAXELSIM_CONSTANT kMaxCandidates = 640u;        // of an instance; the size of its part of the buffer of quad numbers
 TAXELSIM_CONSTANT kNoCandidates = 0xFFFFFFFFu;  // instead of the number of candidates
-TAXELSIM_CONSTANT kFewestGroups = 2u;           // a mesh with fewer groups is culled in the contact pass
+TAXELSIM_CONSTANT kMinGroups = 2u;              // a mesh with fewer groups is culled in the contact pass
 
 // Candidates of one instance. Frame P.
 struct CandidateRecord {
@@ -23,11 +23,11 @@ struct CandidateRecord {
 
 // Lists of instances. Each has a row: columns, rows and layers of workgroups (VkDispatchIndirectCommand), then the number of entries. The
 // first word of row kNumLists counts the instances with candidates.
-TAXELSIM_CONSTANT kListToFind = 0u;   // instances whose candidates are to be found
-TAXELSIM_CONSTANT kListWithout = 1u;  // instances for which the contact pass culls the whole mesh
-TAXELSIM_CONSTANT kListWith = 2u;     // instances for which the contact pass tests candidates
+TAXELSIM_CONSTANT kListFindCandidates = 0u;  // instances whose candidates are to be found
+TAXELSIM_CONSTANT kListWholeMesh = 1u;       // instances for which the contact pass culls the whole mesh
+TAXELSIM_CONSTANT kListCandidates = 2u;      // instances for which the contact pass tests candidates
 TAXELSIM_CONSTANT kNumLists = 3u;
-TAXELSIM_CONSTANT kMostColumns = 65535u;  // columns of workgroups, the smallest limit that Vulkan permits
+TAXELSIM_CONSTANT kMaxColumns = 65535u;  // columns of workgroups, the smallest limit that Vulkan permits
 
 TAXELSIM_LAYOUT_END
 

@@ -238,11 +238,11 @@ std::vector<double> layerHeights(const Sensor& sensor, const LayerNodes& nodes, 
 PressedSkin pressedNodes(const Sensor& sensor, std::span<const PlacedObject> objects, const LayerContact& contact) {
   const LayerNodes nodes = layerNodes(sensor);
   const std::vector<double>& pressure = contact.solution.pressure;
-  PressedSkin skin{layerSamples(sensor, nodes), std::vector<int>(pressure.size(), kApart), contact.overlap, pressure};
+  PressedSkin skin{layerSamples(sensor, nodes), std::vector<int>(pressure.size(), kNoFrictionState), contact.overlap, pressure};
   if (!hasFriction(sensor.skin) || objects.empty()) return skin;
   const auto heightsUnder = [&](std::span<const PlacedObject> one) { return layerHeights(sensor, nodes, one); };
   const std::vector<int> lowest = lowestObjects(objects, sensor.skin.thickness, heightsUnder);
-  for (std::size_t n = 0; n < pressure.size(); ++n) skin.touching[n] = pressure[n] > 0 ? lowest[n] : kApart;
+  for (std::size_t n = 0; n < pressure.size(); ++n) skin.touching[n] = pressure[n] > 0 ? lowest[n] : kNoFrictionState;
   return skin;
 }
 

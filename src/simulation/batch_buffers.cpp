@@ -41,7 +41,7 @@ struct InstanceBytes {
     }
     if (keeps_candidates) {
       candidates = sizeof(layout::CandidateRecord);
-      candidate_quads = 4ull * layout::kMostCandidates;
+      candidate_quads = 4ull * layout::kMaxCandidates;
       work_instances = 4 * layout::kNumLists;
     }
     tiles = sizeof(layout::TileResult) * num_tiles;
