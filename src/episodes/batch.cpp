@@ -4,7 +4,7 @@
 #include <future>
 #include <string>
 
-#include "base/background.h"
+#include "base/thread_priority.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -53,7 +53,7 @@ std::vector<int> cutBatch(const Model& model, const EpisodePlan& plan, int batch
 void playEpisodes(const Device& device, std::span<const std::unique_ptr<Slice>> slices, const std::atomic<bool>* stop,
                   const std::function<void(const Slice::Tally&)>& after_turn) {
   const auto turns = [&] {
-    if (device.info().type == DeviceType::kCpu) goToBackground();
+    if (device.info().type == DeviceType::kCpu) lowerThreadPriority();
     for (const auto& slice : slices) {
       if (slice->busy()) slice->submit();
     }
