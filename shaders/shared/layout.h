@@ -176,9 +176,9 @@ TAXELSIM_FLOAT kNoHeight = 1.2676506e30f;
 TAXELSIM_CONSTANT kMaxDelaySteps = 32u;
 // Per tile the state of friction is kFrictionHeader pairs of words, the rectangle of taxels whose samples have one (first row, end row,
 // first col, end col, of the patch), then a pair per sample: along x and y of P the traction (Pa), or of the law lugre how far the bristles
-// are bent, in units of friction; kApart where nothing touched. An elastic layer is one tile, its nodes are the taxels and samples.
+// are bent, in units of friction; kNoContact where nothing touched. An elastic layer is one tile, its nodes are the taxels and samples.
 TAXELSIM_CONSTANT kFrictionHeader = 2u;
-TAXELSIM_CONSTANT kApart = 0x7F7FFFF8u;  // as the bits of x: larger than any of them, and free for a slot's number
+TAXELSIM_CONSTANT kNoContact = 0x7F7FFFF8u;  // as the bits of x: larger than any of them, and free for a slot's number
 
 // Words per tile that precede those of the samples in the state of a skin that relaxes: the rectangle of taxels that has been reached.
 TAXELSIM_CONSTANT kRelaxationHeader = 4u;
