@@ -1,31 +1,33 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Elastic layer: stage 2 (contact law) of one frame for the law `elastic_layer`, its load search, its shear and its relaxation.
+// Elastic layer pass: stage 2 (contact law) of one frame for the law `elastic_layer`, with its load search, shear and relaxation.
 //
-//   w = A p;   w = d where p > 0,   w >= d where p = 0;      d = target + shift
+//   A p = d where p > 0,   A p >= d where p = 0;      d = target + shift
 //
-// by conjugate gradients over the nodes in contact, which are found along the way: a step that would pull a node lets go of it, a node that would be
-// penetrated is pressed (Polonsky and Keer, Wear 231 (1999) 206). An instance that is driven by its pose has shift 0 and the signed overlap as target; of one
-// that is driven by load the target is the shape of the surface below its lowest point, the shift its depth, and pressures are scaled so that their sum is
-// the load in every iteration. Displacements are in thicknesses; pressures are what they would move their own cell by, so that A has ones on its diagonal.
+// solved by conjugate gradients with an active set (elastic_layer/solver.glsl). An instance that is driven by its pose has shift 0, and its target is the signed
+// overlap. For an instance that is driven by load, the target is the shape of the surface below its lowest point, the shift is the depth of that point, and
+// pressures are scaled so that their sum is the load in every iteration. Displacements are in thicknesses; a pressure is given as the displacement that it
+// causes at its own node, so that A has ones on its diagonal.
 //
-// A workgroup owns an instance. Nodes come in strips of kStrip along a row; only those of the window are touched, where there is something to
-// follow. An invocation owns strips. What costs is A t: a strip of sources and a strip of results need kStrip^2 products, but only 2 kStrip - 1
-// coefficients, since A depends on the distance alone, and half of them are at hand from the strip before.
-// In:  heights (num_instances x num_nodes), m, with slots in their lowest bits where depth/slots.glsl keeps them, and windows (num_instances x
-//      NUM_HEIGHT_TILES) from the contact pass; influence (rows x 2 rows of strips); with friction what the objects did (num_instances x num_slots).
-// Out: contact_normal (num_instances x num_taxels), N; contact_shear (num_instances x num_taxels x 2), N; contact_depth; tile_results (num_instances); loads;
-//      features of the solution; where asked for how forces change with the sensor's twist: taxel_jacobian (num_instances x 6 x num_taxels), N/m and
-//      N/rad, and wrench_jacobian (num_instances x 6 x 6); and the pressures, from which the next frame starts.
-// State: where the skin relaxes strain and overstresses of every node, elastic_layer/relaxation.glsl; where there is friction its shear traction.
-// Shared memory: 16 LANES + 12 NODE_ROWS + 16 bytes, with friction 8 LANES and 512 more.
+// A workgroup owns an instance; an invocation owns strips of kStrip nodes along a row. Only strips in a window around the contact are visited.
+// In:  heights (num_instances x num_nodes), m, with slots in their lowest bits (depth/slots.glsl), and windows (num_instances x NUM_HEIGHT_TILES), from the
+//      contact pass; influence (node rows x 2 strips of a row, elastic_layer/influence.glsl); with friction motions (num_instances x num_slots).
+// Out: contact_normal (num_instances x num_taxels), N; contact_shear (num_instances x num_taxels x 2), N; contact_depth (num_instances x num_taxels), m;
+//      tile_results (num_instances); loads (num_instances); features of the solution; with OUTPUT_JACOBIAN taxel_jacobian (num_instances x 6 x num_taxels), N/m
+//      and N/rad, and wrench_jacobian (num_instances x 6 x 6).
+// State: pressures, from which the next frame starts; with relaxation strain and overstresses of every node; with friction their shear traction.
+// Shared memory: 16 LANES + 12 NODE_ROWS + 16 bytes; with friction 8 LANES + 512 bytes more.
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
+// Mutable globals: any_unfinished_loop (driver/loop_limit.glsl).
 // Twins: src/reference/elastic_layer.cpp, relaxation.cpp, friction.cpp.
 
 #include "driver/pairs.glsl"
 #include "driver/barrier.glsl"
 #include "driver/texels.glsl"
-#include "shared/layout.h"
+#include "shared/batch.h"
+#include "shared/elastic_layer.h"
+#include "shared/features.h"
+#include "shared/sensor.h"
 #include "common/specialization.glsl"
 layout(constant_id = 11) const uint NODE_ROWS = 12;
 layout(constant_id = 12) const uint NODE_COLS = 28;

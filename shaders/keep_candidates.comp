@@ -12,7 +12,10 @@
 // Out: candidates (num_instances), work lists.
 
 #include "driver/texels.glsl"
-#include "shared/layout.h"
+#include "shared/batch.h"
+#include "shared/candidates.h"
+#include "shared/objects.h"
+#include "shared/sensor.h"
 #include "common/specialization.glsl"
 layout(constant_id = 11) const bool FLAT = true;  // these as in contact.comp
 layout(constant_id = 12) const bool OUTPUT_JACOBIAN = false;
@@ -41,24 +44,24 @@ const float kMiss = kNoHeight;
 #include "common/workgroup.glsl"
 #include "common/whole.glsl"
 #include "common/transform.glsl"
-#include "depth/window.glsl"
+#include "depth/tile.glsl"
 #include "depth/bodies.glsl"
 #include "common/work_lists.glsl"
 
 float greatestOf(vec3 v) { return max(v.x, max(v.y, v.z)); }
 
 // The part of the window that a body's bounds reach, in P, m.
-void reachedPart(Body body, out vec3 center, out vec3 half_size) {
-  vec3 low = max(body.center - body.half_size, vec3(tile_first, -1e9));
-  vec3 high = min(body.center + body.half_size, vec3(tile_end - 1.0, z_limit));
-  center = 0.5 * (low + high) * vec3(spacing, 1) + vec3(patch_corner, 0);
-  half_size = 0.5 * max(high - low, 0.0) * vec3(spacing, 1);
+void reachedPart(Tile tile, Body body, out vec3 center, out vec3 half_size) {
+  vec3 low = max(body.center - body.half_size, vec3(tile.first, -1e9));
+  vec3 high = min(body.center + body.half_size, vec3(tile.end - 1.0, tile.z_limit));
+  center = 0.5 * (low + high) * vec3(tile.spacing, 1) + vec3(tile.corner, 0);
+  half_size = 0.5 * max(high - low, 0.0) * vec3(tile.spacing, 1);
 }
 
 // Between which bounds a point of the object that is in the window, or comes into it, has moved along x, y, z of P, m. A point outside the part of the
 // window by r in the maximum norm moves by at most a r more than one in it, a being the rotation's largest sum of a row; since it comes in, r is at most
 // its motion.
-void motionOf(CandidateRecord before, Affine X_PO, out vec3 low, out vec3 high) {
+void motionBounds(Tile tile, CandidateRecord before, Affine X_PO, out vec3 low, out vec3 high) {
   mat3 R = transpose(mat3(X_PO.row0.xyz, X_PO.row1.xyz, X_PO.row2.xyz)) * mat3(before.row0.xyz, before.row1.xyz, before.row2.xyz);  // R_new R_old^T
   vec3 p_old = vec3(before.row0.w, before.row1.w, before.row2.w), p_new = vec3(X_PO.row0.w, X_PO.row1.w, X_PO.row2.w);
   mat3 turn = R - mat3(1);
@@ -67,7 +70,7 @@ void motionOf(CandidateRecord before, Affine X_PO, out vec3 low, out vec3 high) 
   vec3 half_size = size * before.half_size.xyz;
   float a = greatestOf(size * vec3(1));
   const float kRounding = 1e-6;  // of floats of these coordinates, several times
-  float more = a / (1.0 - a) * greatestOf(abs(middle) + half_size) + kRounding * (greatestOf(abs(p_old)) + spacing.x);
+  float more = a / (1.0 - a) * greatestOf(abs(middle) + half_size) + kRounding * (greatestOf(abs(p_old)) + tile.spacing.x);
   low = middle - half_size - more;
   high = middle + half_size + more;
   if (a < 0.5) return;
@@ -76,38 +79,38 @@ void motionOf(CandidateRecord before, Affine X_PO, out vec3 low, out vec3 high) 
 }
 
 // To which list the instance goes. Leaves what the next step needs to know.
-uint listOf(uint instance) {
+uint listOf(Tile tile, uint instance) {
   int id = objectInSlot(instance);
-  Body body = bodyInSlot(instance, max(id, 0));
+  Body body = bodyInSlot(tile, instance, max(id, 0));
   CandidateRecord before = candidates[instance];
-  bool suits = id >= 0 && body.near && body.kind_groups.x == kKindMesh && body.kind_groups.z >= kFewestGroups;
+  bool suits = id >= 0 && body.near && body.kind_groups.x == kKindMesh && body.kind_groups.z >= kMinGroups;
   bool known = suits && before.list.x == uint(id + 1);
   bool listed = known && before.list.y != kNoCandidates;
   vec3 low, high;
-  motionOf(before, body.X_PO, low, high);
+  motionBounds(tile, before, body.X_PO, low, high);
   if (listed && all(greaterThanEqual(low, before.low.xyz)) && all(lessThanEqual(high, before.high.xyz))) {
     candidates[instance].center.w = before.center.w + 1.0;
     atomicAdd(work[kNumLists].x, 1u);
-    return step_record.candidates.x != 0 ? kListWith : kListWithout;
+    return step_record.candidates.x != 0 ? kListCandidates : kListWholeMesh;
   }
   float wait = listed || !known ? 0.0 : max(before.center.w - 1.0, 0.0);
   float share = known && before.half_size.w > 0.0 ? before.half_size.w : 1.0;
   // As fast as so far, and a little otherwise.
-  float per_step = 1.0 / (listed ? before.center.w + 1.0 : 1.0), unit = min(spacing.x, spacing.y);
+  float per_step = 1.0 / (listed ? before.center.w + 1.0 : 1.0), unit = min(tile.spacing.x, tile.spacing.y);
   float speed = max(greatestOf(max(high, -low)) * per_step, 1e-6 * unit), relative = speed / unit;
   float steps = min(min(kStepsAhead * inversesqrt(relative), kMostMotion / relative), kMostStepsAhead);
   float otherwise = max(kLeastMotion * unit, 0.5 * speed);
   low = min(share * steps * per_step * low, 0.0) - otherwise;
   high = max(share * steps * per_step * high, 0.0) + otherwise;
   vec3 center, half_size;
-  reachedPart(body, center, half_size);
+  reachedPart(tile, body, center, half_size);
   candidates[instance] = CandidateRecord(body.X_PO.row0, body.X_PO.row1, body.X_PO.row2, vec4(center, wait), vec4(half_size, share), vec4(low, 0),
                                          vec4(high, 0), uvec4(suits ? uint(id + 1) : 0u, kNoCandidates, 0, 0));
-  return known && wait == 0.0 && steps >= kFewestStepsAhead ? kListToFind : kListWithout;
+  return known && wait == 0.0 && steps >= kFewestStepsAhead ? kListFindCandidates : kListWholeMesh;
 }
 
 void main() {
-  enterWindow(0);
+  Tile tile = loadTile(0);
   uint instance = workgroupNumber() * WORKGROUP + gl_LocalInvocationIndex;
-  if (instance < step_record.batch.x) enlist(listOf(instance), instance, LISTED_PER_WORKGROUP);
+  if (instance < step_record.batch.x) enlist(listOf(tile, instance), instance, LISTED_PER_WORKGROUP);
 }

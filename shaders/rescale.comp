@@ -16,8 +16,9 @@ void main() {
   uint first = instance * NUM_TAXELS;
   uint t = 0;
   for (; t < NUM_TAXELS; ++t) carried += law_state[first + t].x;
-  bool cut_short = t < NUM_TAXELS;
+  checkLoop(t < NUM_TAXELS);
   float scale = carried > 0.0 ? pressed / carried : 0.0;
   for (t = 0; t < NUM_TAXELS; ++t) giveToSpread(instance, t, scale * law_state[first + t].x);
-  if (cut_short || t < NUM_TAXELS) problems[0] = 1;
+  checkLoop(t < NUM_TAXELS);
+  reportUnfinishedLoops();
 }

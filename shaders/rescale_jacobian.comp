@@ -6,7 +6,7 @@
 // In:  masked_jacobian (num_instances x 6 x num_taxels): r'; law_state: r, N; tile_results: what is pressed. In, out: taxel_jacobian, for the spread.
 // Twin: src/reference/tactile_jacobian.cpp.
 
-#include "shared/layout.h"
+#include "shared/batch.h"
 #include "common/specialization.glsl"
 layout(constant_id = 11) const bool SCALED = true;
 
@@ -19,6 +19,7 @@ layout(std430, set = 0, binding = 5) buffer TaxelJacobian { float taxel_jacobian
 layout(std430, set = 0, binding = 6) writeonly buffer Problems { uint problems[]; };
 
 #include "common/workgroup.glsl"
+#include "driver/loop_limit.glsl"
 
 void main() {
   uint number = workgroupNumber() * WORKGROUP + gl_LocalInvocationIndex;
@@ -33,12 +34,13 @@ void main() {
     pressed_change += taxel_jacobian[first + t];
     carried_change += masked_jacobian[first + t];
   }
-  bool cut_short = t < NUM_TAXELS;
+  checkLoop(t < NUM_TAXELS);
   float scale = carried > 0.0 ? pressed / carried : 0.0;
   float scale_change = carried > 0.0 ? (pressed_change - scale * carried_change) / carried : 0.0;
   for (t = 0; t < NUM_TAXELS; ++t) {
     float change = scale * masked_jacobian[first + t] + scale_change * law_state[first_taxel + t].x;
     taxel_jacobian[first + t] = SCALED ? change * spread_scale[t] : change;
   }
-  if (cut_short || t < NUM_TAXELS) problems[0] = 1;
+  checkLoop(t < NUM_TAXELS);
+  reportUnfinishedLoops();
 }

@@ -1,6 +1,7 @@
 // What the passes share that some laws run over the taxels, between contact and image. An invocation owns a taxel, an instance or a tile of an instance.
 
-#include "shared/layout.h"
+#include "shared/batch.h"
+#include "shared/sensor.h"
 #include "common/specialization.glsl"
 layout(constant_id = 11) const bool SCALED = true;  // as in contact.comp, which leaves the scale to these passes
 layout(constant_id = 12) const float LAW_0 = 0.0;   // parameters of the law
@@ -20,6 +21,7 @@ layout(std430, set = 0, binding = 8) writeonly buffer Problems { uint problems[]
 layout(std430, set = 0, binding = 9) buffer ContactShear { float contact_shear[]; };  // (num_instances x num_taxels x 2)
 
 #include "common/workgroup.glsl"
+#include "driver/loop_limit.glsl"
 
 // Number of this invocation over the whole batch.
 uint invocationNumber() { return workgroupNumber() * WORKGROUP + gl_LocalInvocationIndex; }

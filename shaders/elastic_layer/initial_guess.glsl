@@ -50,7 +50,7 @@ bool previousPressuresFit(Window window, float shift, Drive drive) {
   return work.y > 0.0 && work.x + shift * work.y > kFitting * (drive.deepest + shift) * work.y;
 }
 
-// Computes the displacements (kLayerAnswer) under the pressures; returns the sums over the window of pressure times target, pressure times displacement,
+// Computes the displacements (kLayerProduct) under the pressures; returns the sums over the window of pressure times target, pressure times displacement,
 // and pressure.
 vec4 displaceByPressures(Window window) {
   for (uint v = gl_LocalInvocationIndex; v < window.num_parts; v += WORKGROUP) {
@@ -59,7 +59,7 @@ vec4 displaceByPressures(Window window) {
     for (; k < window.num_strips; k += LANES) {
       uvec2 at = stripAt(window, k);
       Strip p = readStrip(window, kLayerPressure, at), displacement = displacementAt(window, at, kLayerPressure);
-      writeStrip(window, kLayerAnswer, at, displacement);
+      writeStrip(window, kLayerProduct, at, displacement);
       sums += vec4(workOf(p, readStrip(window, kLayerTarget, at)), dotOf(p, displacement), sumOf(p), 0);
     }
     checkLoop(k < window.num_strips);
@@ -93,7 +93,7 @@ void initializePressures(Window window, float shift, Drive drive) {
   for (; k < window.num_strips; k += WORKGROUP) {
     uvec2 at = stripAt(window, k);
     writeStrip(window, kLayerPressure, at, scaled(readStrip(window, kLayerPressure, at), factor));
-    writeStrip(window, kLayerExcess, at, minus(scaled(readStrip(window, kLayerAnswer, at), factor), readStrip(window, kLayerTarget, at)));
+    writeStrip(window, kLayerResidual, at, minus(scaled(readStrip(window, kLayerProduct, at), factor), readStrip(window, kLayerTarget, at)));
   }
   checkLoop(k < window.num_strips);
   workgroupBarrierWithBuffers();

@@ -5,7 +5,7 @@
 // contact carry no force at that moment. The object's surface lies at z = -d(x, y) of P; its point p = (x, y, -d) moves with u = v + w x p, so that d changes by
 // -u_z - u_x d_x - u_y d_y. For a skin that relaxes these are the instantaneous changes.
 //
-// kLayerTarget holds the changes of pressure dp, kLayerExcess the residual dd - A dp; the solver no longer needs either.
+// kLayerTarget holds the changes of pressure dp, kLayerResidual the residual dd - A dp; the solver no longer needs either.
 
 const uint kMaxJacobianIterations = 48;  // of conjugate gradients; a few thousand nodes in contact take half as many
 const float kJacobianTolerance = 1e-8;   // squared residual, as a share of the first one
@@ -63,7 +63,7 @@ float beginRates(Surface surface, Window window, float shift, vec3 v, vec3 w) {
         if (c < 4) rate.low[c] = value; else rate.high[c - 4] = value;
       }
       writeStrip(window, kLayerTarget, at, strip(0.0));
-      writeStrip(window, kLayerExcess, at, rate);
+      writeStrip(window, kLayerResidual, at, rate);
       writeStrip(window, kLayerDirection, at, rate);
       squares += dotOf(rate, rate);
     }
@@ -81,7 +81,7 @@ float applyToRates(Window window) {
     for (; k < window.num_strips; k += LANES) {
       uvec2 at = stripAt(window, k);
       Strip q = productOf(displacementAt(window, at, kLayerDirection), pressedOver(window, at));
-      writeStrip(window, kLayerAnswer, at, q);
+      writeStrip(window, kLayerProduct, at, q);
       curvature += dotOf(q, readStrip(window, kLayerDirection, at));
     }
     checkLoop(k < window.num_strips);
@@ -99,9 +99,9 @@ float stepRates(Window window, float squared_residual) {
     uint k = part;
     for (; k < window.num_strips; k += LANES) {
       uvec2 at = stripAt(window, k);
-      Strip residual = minus(readStrip(window, kLayerExcess, at), scaled(readStrip(window, kLayerAnswer, at), step_length));
+      Strip residual = minus(readStrip(window, kLayerResidual, at), scaled(readStrip(window, kLayerProduct, at), step_length));
       writeStrip(window, kLayerTarget, at, sumOf(readStrip(window, kLayerTarget, at), scaled(readStrip(window, kLayerDirection, at), step_length)));
-      writeStrip(window, kLayerExcess, at, residual);
+      writeStrip(window, kLayerResidual, at, residual);
       squares += dotOf(residual, residual);
     }
     checkLoop(k < window.num_strips);
@@ -111,7 +111,7 @@ float stepRates(Window window, float squared_residual) {
   uint k = gl_LocalInvocationIndex;
   for (; k < window.num_strips; k += WORKGROUP) {
     uvec2 at = stripAt(window, k);
-    Strip direction = sumOf(readStrip(window, kLayerExcess, at), scaled(readStrip(window, kLayerDirection, at), squares / squared_residual));
+    Strip direction = sumOf(readStrip(window, kLayerResidual, at), scaled(readStrip(window, kLayerDirection, at), squares / squared_residual));
     writeStrip(window, kLayerDirection, at, direction);
   }
   checkLoop(k < window.num_strips);

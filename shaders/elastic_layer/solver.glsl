@@ -1,9 +1,9 @@
 // Conjugate gradients for the pressures of an elastic layer in contact: A p = d where p > 0, A p >= d where p = 0 (Polonsky and Keer, Wear 231 (1999) 206).
 // The active set, the nodes in contact, changes in every step. Units are thicknesses: A has ones on its diagonal. Twin: src/reference/elastic_layer.cpp.
 //
-//   r = A p - target - shift   kLayerExcess holds A p - target
+//   r = A p - target - shift   kLayerResidual holds A p - target
 //   t                          kLayerDirection
-//   q = A t                    kLayerAnswer
+//   q = A t                    kLayerProduct
 //
 // With a load the shift is an unknown: the mean of r over the nodes in contact goes into it, and pressures are scaled to the load after every step.
 
@@ -21,7 +21,7 @@ struct Drive {
   float pressure_sum;  // that a load asks for, if by_load
 };
 
-// Updates the residual by the displacements of kLayerAnswer over the sources. With a load, multiplies pressures and displacements by `factor` and updates the
+// Updates the residual by the displacements of kLayerProduct over the sources. With a load, multiplies pressures and displacements by `factor` and updates the
 // shift. Updates all of `found`.
 void updateResidual(Window window, Drive drive, float factor, inout Solution found) {
   for (uint v = gl_LocalInvocationIndex; v < window.num_parts; v += WORKGROUP) {
@@ -30,7 +30,7 @@ void updateResidual(Window window, Drive drive, float factor, inout Solution fou
     for (; k < window.num_strips; k += LANES) {
       uvec2 at = stripAt(window, k);
       Strip p = readStrip(window, kLayerPressure, at);
-      Strip residual = sumOf(readStrip(window, kLayerExcess, at), displacementAt(window, at, kLayerAnswer));
+      Strip residual = sumOf(readStrip(window, kLayerResidual, at), displacementAt(window, at, kLayerProduct));
       if (LOADS) {
         Strip target = readStrip(window, kLayerTarget, at);
         p = scaled(p, factor);
@@ -38,7 +38,7 @@ void updateResidual(Window window, Drive drive, float factor, inout Solution fou
         if (factor != 1.0) residual = minus(scaled(sumOf(residual, target), factor), target);
         writeStrip(window, kLayerPressure, at, p);
       }
-      writeStrip(window, kLayerExcess, at, residual);
+      writeStrip(window, kLayerResidual, at, residual);
       residual = minus(residual, found.shift);
       Strip pressed = whereAbove(p, 0.0);
       Strip inside = productOf(residual, pressed);
@@ -66,7 +66,7 @@ void updateDirection(Window window, float shift, float beta) {
       uvec2 at = stripAt(window, k);
       Strip pressed = whereAbove(readStrip(window, kLayerPressure, at), 0.0);
       if (sumOf(pressed) > 0.0) addSource(at);
-      Strip residual = productOf(pressed, minus(readStrip(window, kLayerExcess, at), shift));
+      Strip residual = productOf(pressed, minus(readStrip(window, kLayerResidual, at), shift));
       Strip t = sumOf(residual, productOf(pressed, scaled(readStrip(window, kLayerDirection, at), beta)));
       writeStrip(window, kLayerDirection, at, t);
       descent += dotOf(residual, t);
@@ -84,7 +84,7 @@ float applyToDirection(Window window, Drive drive, float num_pressed) {
     for (; k < window.num_strips; k += LANES) {
       uvec2 at = stripAt(window, k);
       Strip q = displacementAt(window, at, kLayerDirection);
-      writeStrip(window, kLayerAnswer, at, q);
+      writeStrip(window, kLayerProduct, at, q);
       Strip t = readStrip(window, kLayerDirection, at);
       sums.y += dotOf(q, t);
       if (LOADS && drive.by_load) {
@@ -101,7 +101,7 @@ float applyToDirection(Window window, Drive drive, float num_pressed) {
   return curvature > 0.0 ? max(sums.x / curvature, 0.0) : 0.0;
 }
 
-// Takes the step p - step_length t, releases nodes that it would pull, and presses nodes that are penetrated. Leaves in kLayerAnswer the difference of the
+// Takes the step p - step_length t, releases nodes that it would pull, and presses nodes that are penetrated. Leaves in kLayerProduct the difference of the
 // pressures from the plain step; the strips where it is positive become sources. Returns the sum of pressures, and a positive number if a node was pressed.
 vec2 takeStep(Window window, float shift, float step_length) {
   // The first node in contact has no step length; its own compliance, 1, is the scale.
@@ -111,7 +111,7 @@ vec2 takeStep(Window window, float shift, float step_length) {
     uint k = v;
     for (; k < window.num_strips; k += LANES) {
       uvec2 at = stripAt(window, k);
-      Strip unshifted = readStrip(window, kLayerExcess, at), residual = minus(unshifted, shift);
+      Strip unshifted = readStrip(window, kLayerResidual, at), residual = minus(unshifted, shift);
       Strip plain = minus(readStrip(window, kLayerPressure, at), scaled(readStrip(window, kLayerDirection, at), step_length));
       Strip entering = Strip((1.0 - vec4(greaterThan(plain.low, vec4(0)))) * max(-residual.low, 0.0),
                              (1.0 - vec4(greaterThan(plain.high, vec4(0)))) * max(-residual.high, 0.0));
@@ -119,8 +119,8 @@ vec2 takeStep(Window window, float shift, float step_length) {
       Strip change = minus(p, plain);
       if (largestOf(change) > 0.0) addSource(at);
       writeStrip(window, kLayerPressure, at, p);
-      writeStrip(window, kLayerExcess, at, minus(unshifted, scaled(readStrip(window, kLayerAnswer, at), step_length)));
-      writeStrip(window, kLayerAnswer, at, change);
+      writeStrip(window, kLayerResidual, at, minus(unshifted, scaled(readStrip(window, kLayerProduct, at), step_length)));
+      writeStrip(window, kLayerProduct, at, change);
       sums += vec2(sumOf(p), sumOf(entering));
     }
     checkLoop(k < window.num_strips);

@@ -82,17 +82,17 @@ Motion motionOf(uint slot, Motion only_motion) {
 // State of a sample, 0 where nothing touched it.
 vec2 sampleState(uint state_index) {
   uvec2 words = wordsOf(friction_state[state_index]);
-  return (words.x & ~kSlotMask) == kApart ? vec2(0) : vec2(withoutSlot(words.x), uintBitsToFloat(words.y));
+  return (words.x & ~kSlotMask) == kNoFrictionState ? vec2(0) : vec2(withoutSlot(words.x), uintBitsToFloat(words.y));
 }
 
 // Shear traction (Pa) at the sample p of P under `pressure` (Pa), if the object in `slot` touches it; stores the sample's state for the next step.
 // `has_state`: the step before has stored a state of the sample. `only_motion`: as loadMotions() returned it.
 vec2 shearTraction(uint state_index, bool has_state, bool touches, uint slot, Motion only_motion, vec3 p, float pressure, float per_dt) {
-  uvec2 before = uvec2(kApart, 0u), after = before;
+  uvec2 before = uvec2(kNoFrictionState, 0u), after = before;
   vec2 q = vec2(0), sample_state = vec2(0);
   if (touches) {
     if (has_state) before = wordsOf(friction_state[state_index]);
-    bool touched = (before.x & ~kSlotMask) != kApart && slotOf(before.x) == slot;
+    bool touched = (before.x & ~kSlotMask) != kNoFrictionState && slotOf(before.x) == slot;
     Motion motion = motionOf(slot, only_motion);
     if (motion.known) {
       vec3 u = apply(motion.displacement, p);
