@@ -20,7 +20,8 @@
 #include "driver/barrier.glsl"
 #include "driver/texels.glsl"
 #include "shared/layout.h"
-#include "common/specialization.glsl"
+#include "passes/declare.glsl"
+#include "passes/contact.h"
 #include "passes/contact.glsl"
 
 const float kMiss = kNoHeight;  // height where there is no surface
