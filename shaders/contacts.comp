@@ -13,7 +13,9 @@
 // Deterministic: forces are added in the order in which the contacts were given.
 // Twin: src/reference/contact_points.cpp.
 
-#include "shared/layout.h"
+#include "shared/batch.h"
+#include "shared/features.h"
+#include "shared/sensor.h"
 #include "passes/declare.glsl"
 #include "passes/contacts.h"
 

@@ -25,7 +25,10 @@
 #include "driver/pairs.glsl"
 #include "driver/barrier.glsl"
 #include "driver/texels.glsl"
-#include "shared/layout.h"
+#include "shared/batch.h"
+#include "shared/elastic_layer.h"
+#include "shared/features.h"
+#include "shared/sensor.h"
 #include "passes/declare.glsl"
 #include "passes/elastic_layer.h"
 
@@ -245,7 +248,7 @@ void begin(Solution found, Goal goal) {
     for (; k < num_strips; k += LANES) {
       uvec2 at = stripAt(k);
       Strip p = readStrip(kLayerPressure, at), moved = displacementAt(at, kLayerPressure);
-      writeStrip(kLayerAnswer, at, moved);
+      writeStrip(kLayerProduct, at, moved);
       sums += vec4(workOf(p, readStrip(kLayerTarget, at)), dotOf(p, moved), sumOf(p), 0);
     }
     cut_short = cut_short || k < num_strips;
@@ -257,7 +260,7 @@ void begin(Solution found, Goal goal) {
   for (; k < num_strips; k += WORKGROUP) {
     uvec2 at = stripAt(k);
     writeStrip(kLayerPressure, at, scaled(readStrip(kLayerPressure, at), factor));
-    writeStrip(kLayerExcess, at, minus(scaled(readStrip(kLayerAnswer, at), factor), readStrip(kLayerTarget, at)));
+    writeStrip(kLayerResidual, at, minus(scaled(readStrip(kLayerProduct, at), factor), readStrip(kLayerTarget, at)));
   }
   cut_short = cut_short || k < num_strips;
   meet();

@@ -7,7 +7,8 @@
 // Out: masked_jacobian, alike.
 // Twin: src/reference/tactile_jacobian.cpp.
 
-#include "shared/layout.h"
+#include "shared/batch.h"
+#include "shared/sensor.h"
 #include "passes/declare.glsl"
 #include "passes/mask_jacobian.h"
 

@@ -10,7 +10,9 @@
 // Deterministic: LANES partial sums are added in their order.
 // Twin: src/reference/tactile_jacobian.cpp.
 
-#include "shared/layout.h"
+#include "shared/batch.h"
+#include "shared/features.h"
+#include "shared/sensor.h"
 #include "passes/declare.glsl"
 #include "passes/taxel_jacobian.h"
 

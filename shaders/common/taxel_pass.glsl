@@ -1,6 +1,7 @@
 // What the passes share that some laws run over the taxels, between contact and image. An invocation owns a taxel, an instance or a tile of an instance.
 
-#include "shared/layout.h"
+#include "shared/batch.h"
+#include "shared/sensor.h"
 #include "passes/declare.glsl"
 #include "passes/taxel_law.h"
 

@@ -31,7 +31,7 @@
 
 // ---- a batch: between steps and between passes ----
 #define BLOCK_Candidates BLOCK(Candidates, CandidateRecord, candidates[])
-#define BLOCK_CandidateQuads BLOCK(CandidateQuads, uint, candidate_quads[])  // (n x kMostCandidates)
+#define BLOCK_CandidateQuads BLOCK(CandidateQuads, uint, candidate_quads[])  // (n x kMaxCandidates)
 #define BLOCK_Work BLOCK(Work, uvec4, work[])                                // (kNumLists + 1)
 #define BLOCK_WorkInstances BLOCK(WorkInstances, uint, work_instances[])     // (kNumLists x n)
 #define BLOCK_State BLOCK(State, float, state[])                             // of every sample: depth, or strain and overstresses

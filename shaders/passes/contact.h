@@ -35,7 +35,7 @@ CONSTANT(37, uint, GROUPS_PER_BATCH)    // groups of clusters culled between two
 CONSTANT(38, bool, OUTPUT_JACOBIAN)     // writes contact_cells and tile_changes, skin/cell_fluxes.glsl
 CONSTANT(39, bool, LEAVE_UNTOUCHED)     // early exit where no object is near, kLeavesUntouched and kManySmallTiles
 CONSTANT(40, float, REACH)              // up to which height over the skin surfaces matter to the law, m
-CONSTANT(41, uint, LIST)                // of instances that are processed: kListWithout, kListWith; kNumLists: all
+CONSTANT(41, uint, LIST)                // of instances that are processed: kListWholeMesh, kListCandidates; kNumLists: all
 CONSTANT(42, bool, IS_LAST)             // writes contact_normal and tile_results for the spread; no taxel pass follows
 
 TEXELS(0, Poses)

@@ -26,7 +26,8 @@ using ::testing::Pair;
 
 gpu::KernelOptions loadKernel() {
   constexpr std::uint32_t kNumConstants = 12;
-  gpu::KernelOptions options{.name = "load", .spirv = k_load_spirv, .buffers = {"Instances", "Step", "TileResults", "Loads"}};
+  gpu::KernelOptions options{
+      .name = "load", .spirv = k_load_spirv, .buffers = {"Instances", "Step", "TileResults", "Loads"}, .constants = {}};
   for (std::uint32_t id = 0; id < kNumConstants; ++id) options.constants.push_back({id, 1});
   return options;
 }
