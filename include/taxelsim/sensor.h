@@ -110,8 +110,7 @@ struct Proximity {
 /// Contact law of OpenGrasp: elastic foundation with LuGre friction.
 ///
 /// C. Canudas de Wit, H. Olsson, K. J. Astrom, P. Lischinsky, "A new model for control of systems with friction", IEEE Trans. Automatic
-/// Control 40(3), 1995. At every sample bristles of deflection z (m) move over the object at the slip velocity v. Per newton of normal
-/// force,
+/// Control 40(3), 1995. Bristles of deflection z (m) at every sample move over the object at the slip velocity v. Per newton of force,
 ///
 ///     z' = v - bristle_stiffness |v| z / g
 ///     g = coulomb_friction + (static_friction - coulomb_friction) exp(-(|v| / stribeck_velocity)^2)
