@@ -60,7 +60,7 @@ nlohmann::ordered_json runRobot(const Model& model, Scene scene, const std::stri
   slices.push_back(std::make_unique<Slice>(model, plan, options.num_instances, sink));
   std::vector<double> control, share, tick;
   int number = 0;
-  playEpisodes(model.device(), slices, nullptr, [&](const Slice::Tally& tally) {
+  runEpisodes(model.device(), slices, nullptr, [&](const Slice::Stats& tally) {
     if (++number <= kWarmUps || tally.num_episodes > 0) return;
     control.push_back(tally.control_seconds);
     tick.push_back(tally.control_seconds + tally.wait_seconds);

@@ -19,7 +19,6 @@
 #include "driver/pairs.glsl"
 #include "driver/barrier.glsl"
 #include "driver/texels.glsl"
-#include "shared/layout.h"
 #include "common/specialization.glsl"
 #include "passes/contact.glsl"
 

@@ -5,13 +5,15 @@
 //
 // TEAM invocations share a part (a row of an instance); a workgroup has WORKGROUP / TEAM teams, and each does REPEAT parts one after another. The parts of one
 // kind of all instances follow each other.
-// In:  forces (num_instances x num_taxels), N; taxel_regions alike, layout.h; regions (num_instances x REGIONS).
-// Out: features (block after block, each num_instances x num_rows x components, layout.h).
+// In:  forces (num_instances x num_taxels), N; taxel_regions alike, shared/features.h; regions (num_instances x REGIONS).
+// Out: features (block after block, each num_instances x num_rows x components, shared/features.h).
 // Shared memory: 4 PARTIALS bytes.
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of team and workgroup.
 // Twin: src/reference/contact_features.cpp.
 
-#include "shared/layout.h"
+#include "shared/batch.h"
+#include "shared/features.h"
+#include "shared/sensor.h"
 #include "common/specialization.glsl"
 layout(constant_id = 11) const bool CLEAN = false;
 layout(constant_id = 12) const uint TEAM = 1;         // invocations of a part

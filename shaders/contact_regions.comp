@@ -5,13 +5,15 @@
 // TEAM invocations share an instance, an invocation owns every TEAM-th taxel; a workgroup has WORKGROUP / TEAM teams, and each does REPEAT instances one
 // after another.
 // In:  image (num_instances x num_taxels), counts; where CLEAN spread_normal alike, N.
-// Out: forces (num_instances x num_taxels), N; taxel_regions alike, layout.h; regions (num_instances x REGIONS), largest first; the number of all regions
+// Out: forces (num_instances x num_taxels), N; taxel_regions alike, shared/features.h; regions (num_instances x REGIONS), largest first; the number of all regions
 //      (features, num_instances). region_sums (num_instances x num_taxels) is scratch.
 // Shared memory: 16 WORKGROUP / TEAM bytes.
 // Deterministic: a region is named by its lowest taxel, whichever order taxels are united in; forces are summed as integers.
 // Twin: src/reference/contact_features.cpp.
 
-#include "shared/layout.h"
+#include "shared/batch.h"
+#include "shared/features.h"
+#include "shared/sensor.h"
 #include "common/specialization.glsl"
 layout(constant_id = 11) const bool CLEAN = false;
 layout(constant_id = 12) const uint TEAM = 1;            // invocations of an instance

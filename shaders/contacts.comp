@@ -13,7 +13,9 @@
 // Deterministic: forces are added in the order in which the contacts were given.
 // Twin: src/reference/contact_points.cpp.
 
-#include "shared/layout.h"
+#include "shared/batch.h"
+#include "shared/features.h"
+#include "shared/sensor.h"
 #include "common/specialization.glsl"
 layout(constant_id = 11) const uint NUM_PATCHES = 1;
 layout(constant_id = 12) const bool FLAT = true;          // the one patch's frame is the sensor's

@@ -25,7 +25,10 @@
 #include "driver/pairs.glsl"
 #include "driver/barrier.glsl"
 #include "driver/texels.glsl"
-#include "shared/layout.h"
+#include "shared/batch.h"
+#include "shared/elastic_layer.h"
+#include "shared/features.h"
+#include "shared/sensor.h"
 #include "common/specialization.glsl"
 layout(constant_id = 11) const uint NODE_ROWS = 12;
 layout(constant_id = 12) const uint NODE_COLS = 28;
@@ -283,7 +286,7 @@ void begin(Solution found, Goal goal) {
     for (; k < num_strips; k += LANES) {
       uvec2 at = stripAt(k);
       Strip p = readStrip(kLayerPressure, at), moved = displacementAt(at, kLayerPressure);
-      writeStrip(kLayerAnswer, at, moved);
+      writeStrip(kLayerProduct, at, moved);
       sums += vec4(workOf(p, readStrip(kLayerTarget, at)), dotOf(p, moved), sumOf(p), 0);
     }
     cut_short = cut_short || k < num_strips;
@@ -295,7 +298,7 @@ void begin(Solution found, Goal goal) {
   for (; k < num_strips; k += WORKGROUP) {
     uvec2 at = stripAt(k);
     writeStrip(kLayerPressure, at, scaled(readStrip(kLayerPressure, at), factor));
-    writeStrip(kLayerExcess, at, minus(scaled(readStrip(kLayerAnswer, at), factor), readStrip(kLayerTarget, at)));
+    writeStrip(kLayerResidual, at, minus(scaled(readStrip(kLayerProduct, at), factor), readStrip(kLayerTarget, at)));
   }
   cut_short = cut_short || k < num_strips;
   meet();

@@ -6,13 +6,16 @@
 // taxels, so that of a row's sources each is fetched once. On a software driver a team is one invocation: what is done once per instance, above all
 // the features, is then done for as many instances at a time as a vector has lanes.
 // In:  contact_normal (num_instances x num_taxels), N; contact_shear; tile_results; the spread's kernel or lists.
-// Out: image (num_instances x num_taxels), counts; spread_normal, N, and spread_shear alike; features (block after block, layout.h).
+// Out: image (num_instances x num_taxels), counts; spread_normal, N, and spread_shear alike; features (block after block, shared/features.h).
 // Kept between steps: taxel_states (num_instances x states x num_taxels), readout/lag.glsl; image_windows.
 // Shared memory: 4 PARTIALS bytes.
 // Deterministic: sums run over at most LANES partial sums in a fixed order, whatever the size of team and workgroup.
 // Twins: src/reference/psf.cpp, lag.cpp, imperfections.cpp, readout.cpp, features.cpp.
 
-#include "shared/layout.h"
+#include "shared/batch.h"
+#include "shared/features.h"
+#include "shared/random.h"
+#include "shared/sensor.h"
 #include "common/specialization.glsl"
 layout(constant_id = 11) const bool SHEAR = false;        // spread shear as well
 layout(constant_id = 12) const uint NUM_ENTRIES = 9;      // of a taxel's list of sources, where the sensor is not one grid patch

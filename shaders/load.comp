@@ -8,7 +8,7 @@
 // Force falls as the offset grows: the bracket's lower bound carries too much (or sinks deeper than the skin), its upper bound too little.
 // Regula falsi and bisection in turn. Twin: src/reference/load.cpp.
 
-#include "shared/layout.h"
+#include "shared/batch.h"
 
 layout(local_size_x_id = 0) in;
 layout(constant_id = 0) const uint WORKGROUP = 8;

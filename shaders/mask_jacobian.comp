@@ -7,7 +7,8 @@
 // Out: masked_jacobian, alike.
 // Twin: src/reference/tactile_jacobian.cpp.
 
-#include "shared/layout.h"
+#include "shared/batch.h"
+#include "shared/sensor.h"
 #include "common/specialization.glsl"
 layout(constant_id = 11) const float LAW_0 = 0.0;
 

@@ -6,7 +6,7 @@
 // In:  masked_jacobian (num_instances x 6 x num_taxels): r'; law_state: r, N; tile_results: what is pressed. In, out: taxel_jacobian, for the spread.
 // Twin: src/reference/tactile_jacobian.cpp.
 
-#include "shared/layout.h"
+#include "shared/batch.h"
 #include "common/specialization.glsl"
 layout(constant_id = 11) const bool SCALED = true;
 

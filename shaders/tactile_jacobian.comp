@@ -6,12 +6,15 @@
 // TEAM invocations share a part (a row of an instance); a workgroup has WORKGROUP / TEAM teams, and each does REPEAT parts one after another. The parts of one
 // kind of all instances follow each other.
 // In:  spread_normal (num_instances x num_taxels), N; taxel_jacobian (num_instances x 6 x num_taxels); wrench_jacobian (num_instances x num_tiles x 6 x 6).
-// Out: features (block after block, each num_instances x num_rows x components x 6, then the wrench's, layout.h).
+// Out: features (block after block, each num_instances x num_rows x components x 6, then the wrench's, shared/features.h).
 // Shared memory: 4 PARTIALS bytes.
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of team and workgroup.
 // Twin: src/reference/tactile_jacobian.cpp.
 
-#include "shared/layout.h"
+#include "shared/batch.h"
+#include "shared/features.h"
+#include "shared/random.h"
+#include "shared/sensor.h"
 #include "common/specialization.glsl"
 layout(constant_id = 11) const bool CLEAN = false;
 layout(constant_id = 12) const uint TEAM = 1;         // invocations of a part

@@ -10,7 +10,9 @@
 // Deterministic: LANES partial sums are added in their order.
 // Twin: src/reference/tactile_jacobian.cpp.
 
-#include "shared/layout.h"
+#include "shared/batch.h"
+#include "shared/features.h"
+#include "shared/sensor.h"
 #include "common/specialization.glsl"
 layout(constant_id = 11) const bool SCALED = true;
 layout(constant_id = 12) const bool PRESSES = true;  // else the law has no forces, and no wrench

@@ -1,6 +1,7 @@
 // What the passes share that some laws run over the taxels, between contact and image. An invocation owns a taxel, an instance or a tile of an instance.
 
-#include "shared/layout.h"
+#include "shared/batch.h"
+#include "shared/sensor.h"
 #include "common/specialization.glsl"
 layout(constant_id = 11) const bool SCALED = true;  // as in contact.comp, which leaves the scale to these passes
 layout(constant_id = 12) const float LAW_0 = 0.0;   // parameters of the law

@@ -1,5 +1,10 @@
 // Constants and buffers of the contact pass. makeContactKernel() in src/simulation/model.cpp lists the constants in the same order.
 
+#include "shared/batch.h"
+#include "shared/candidates.h"
+#include "shared/objects.h"
+#include "shared/sensor.h"
+
 layout(constant_id = 11) const uint TILE_SAMPLES = 1344;  // most samples of a tile
 layout(constant_id = 12) const bool FLAT = true;          // the one patch's frame is the sensor's
 layout(constant_id = 13) const bool HAS_STATE = false;    // the law needs the depth of the step before
@@ -32,7 +37,7 @@ layout(constant_id = 38) const bool OUTPUT_JACOBIAN = false;  // contact_cells a
 layout(constant_id = 39) const bool LEAVE_UNTOUCHED = true;  // where nothing is near, kLeavesUntouched and kManySmallTiles
 
 layout(constant_id = 40) const float REACH = 0.0;       // up to which height over the skin surfaces matter to the law, m
-layout(constant_id = 41) const uint LIST = kNumLists;    // of instances that this pass goes through: kListWithout, kListWith; all
+layout(constant_id = 41) const uint LIST = kNumLists;    // of instances that this pass goes through: kListWholeMesh, kListCandidates; all
 layout(constant_id = 42) const bool IS_LAST = true;      // to write contact_normal and tile_results; of some laws, passes over taxels do
 
 // A software driver computes both sides of every branch and a loop's body at least once, so what a model, sensor or batch does not need is left

@@ -4,7 +4,7 @@
 #include <future>
 #include <string>
 
-#include "base/background.h"
+#include "base/thread_priority.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -32,7 +32,7 @@ ModelOptions modelOptionsOf(const Scene& scene) {
   return options;
 }
 
-std::vector<int> cutBatch(const Model& model, const EpisodePlan& plan, int batch_size, int num_slices) {
+std::vector<int> splitBatch(const Model& model, const EpisodePlan& plan, int batch_size, int num_slices) {
   num_slices = std::min(num_slices, batch_size);
   const MemoryPlan memory = Simulator::plan(model, plan.simulatorOptions(batch_size));
   const std::uint64_t bytes_per_instance = memory.bytes_per_instance * static_cast<std::uint64_t>(plan.num_sensors);
@@ -50,10 +50,10 @@ std::vector<int> cutBatch(const Model& model, const EpisodePlan& plan, int batch
   return sizes;
 }
 
-void playEpisodes(const Device& device, std::span<const std::unique_ptr<Slice>> slices, const std::atomic<bool>* stop,
-                  const std::function<void(const Slice::Tally&)>& after_turn) {
+void runEpisodes(const Device& device, std::span<const std::unique_ptr<Slice>> slices, const std::atomic<bool>* stop,
+                 const std::function<void(const Slice::Stats&)>& after_turn) {
   const auto turns = [&] {
-    if (device.info().type == DeviceType::kCpu) goToBackground();
+    if (device.info().type == DeviceType::kCpu) lowerThreadPriority();
     for (const auto& slice : slices) {
       if (slice->busy()) slice->submit();
     }
@@ -68,7 +68,7 @@ void playEpisodes(const Device& device, std::span<const std::unique_ptr<Slice>> 
           }
           return;
         }
-        const Slice::Tally tally = slice->collect();
+        const Slice::Stats tally = slice->collect();
         if (slice->busy()) {
           slice->submit();
           any_busy = true;

@@ -27,10 +27,10 @@ struct EpisodeRecord {
 
 // What a frame holds beside the simulator's outputs, which have a row for each sensor of each instance; (N) where nothing else is said.
 struct FrameContext {
-  std::span<const std::uint8_t> playing;  // 0: the instance is idle, and has no frame
-  std::span<const double> times;          // s
-  int num_sensors = 1;                    // of an instance; the first is the one that is controlled
-  std::span<const Pose> X_SO;             // (N x num_sensors)
+  std::span<const std::uint8_t> active;  // 0: the instance is idle, and has no frame
+  std::span<const double> times;         // s
+  int num_sensors = 1;                   // of an instance; the first is the one that is controlled
+  std::span<const Pose> X_SO;            // (N x num_sensors)
   std::span<const Pose> X_WO;
   std::span<const Twist> actions;             // twists of the sensor frame that the robot is commanded after this frame
   std::span<const Twist> controller_actions;  // the same before noise

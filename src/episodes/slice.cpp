@@ -199,7 +199,7 @@ void Slice::control(const FrameView& frame) {
     for (std::size_t i = 0; i < slots_.size(); ++i) {
       if (due_[i]) {
         exact_angles_[i] =
-            static_cast<float>(plan_.edges[static_cast<std::size_t>(slots_[i].draw.object)].see(X_SO_[i * plan_.num_sensors]).angle);
+            static_cast<float>(plan_.edges[static_cast<std::size_t>(slots_[i].draw.object)].project(X_SO_[i * plan_.num_sensors]).angle);
       }
     }
   }
@@ -234,11 +234,11 @@ void Slice::control(const FrameView& frame) {
   }
 }
 
-Slice::Tally Slice::collect() {
+Slice::Stats Slice::collect() {
   Stopwatch stopwatch;
   const FrameView frame = simulator_.read();
   const int num_instances = robots_.numInstances();
-  Tally tally{.control_seconds = submit_seconds_, .wait_seconds = stopwatch.lap(), .device_seconds = simulator_.timing().total};
+  Stats tally{.control_seconds = submit_seconds_, .wait_seconds = stopwatch.lap(), .device_seconds = simulator_.timing().total};
 
   for (int i = 0; i < num_instances; ++i) {
     if (!busy_[i]) continue;
@@ -255,7 +255,7 @@ Slice::Tally Slice::collect() {
   }
   if (controller_) control(frame);
   tally.control_seconds += stopwatch.lap();
-  sink_.frame(frame, {.playing = shown_,
+  sink_.frame(frame, {.active = shown_,
                       .times = times_,
                       .num_sensors = plan_.num_sensors,
                       .X_SO = X_SO_,

@@ -39,7 +39,7 @@ struct EpisodePlan {
   bool wants_jacobian = false;     // at the tactile Jacobian,
   bool wants_exact_angle = false;  // or at the true angle
   std::vector<TrueEdge> edges;     // of the objects
-  bool device_clock = false;       // Tally::device_seconds is wanted
+  bool device_clock = false;       // Stats::device_seconds is wanted
 
   SimulatorOptions simulatorOptions(int num_instances) const;
 };
@@ -47,7 +47,7 @@ struct EpisodePlan {
 class Slice {
  public:
   // What one collect() brought.
-  struct Tally {
+  struct Stats {
     std::uint64_t num_frames = 0;
     std::uint64_t num_episodes = 0;  // ended
     std::uint64_t num_load_misses = 0;
@@ -67,7 +67,7 @@ class Slice {
   void submit();
 
   // Waits for it, shows it to the sink, moves the sensors on; takes new episodes from the sink where one has ended.
-  Tally collect();
+  Stats collect();
 
   // Waits for a frame that nobody will use.
   void abandon() { simulator_.read(); }

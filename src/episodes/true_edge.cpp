@@ -28,12 +28,12 @@ TrueEdge::TrueEdge(const SceneObject& object) : direction_(object.edge), contour
   for (std::size_t k = 1; k < contour_.size(); ++k) arc_.push_back(arc_.back() + length(subtract(contour_[k], contour_[k - 1])));
 }
 
-EdgeSight TrueEdge::see(const Pose& X_SO) const {
+ProjectedEdge TrueEdge::project(const Pose& X_SO) const {
   if (direction_) {
     const Vector3 along = rotate(X_SO.rotation, *direction_);
     return {lineAngle(along[0], along[1]), kUnknown, kUnknown};
   }
-  EdgeSight sight{kUnknown, kUnknown, kUnknown};
+  ProjectedEdge sight{kUnknown, kUnknown, kUnknown};
   // The plane's axes in O.
   const Quaternion R_OS = inverse(X_SO).rotation;
   const Vector3 x_axis = rotate(R_OS, {1, 0, 0}), y_axis = rotate(R_OS, {0, 1, 0});

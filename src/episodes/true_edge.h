@@ -8,7 +8,7 @@
 namespace taxelsim {
 
 // The edge as the sensor would see it along z of S.
-struct EdgeSight {
+struct ProjectedEdge {
   double angle = 0;     // rad in (-pi/2, pi/2], in the xy plane of S; NaN where the object has no edge, or it stands on that plane
   double distance = 0;  // m, in the xy plane of S, from the origin to the contour; NaN without contour
   double arc = 0;       // m, along the contour to the point next to the origin, from its first point; NaN without contour
@@ -18,7 +18,7 @@ class TrueEdge {
  public:
   explicit TrueEdge(const SceneObject& object);
 
-  EdgeSight see(const Pose& X_SO) const;
+  ProjectedEdge project(const Pose& X_SO) const;
   // At `arc` (m, 0 to contourLength()) along the contour: a point in O, and the direction there.
   struct Place {
     Vector3 point, direction;

@@ -117,12 +117,12 @@ void Run::simulate(const Model& model, const EpisodePlan& plan, ShardQueue& queu
   ShardWriter shard_writer(writer_, numShardsUnderWay(plan.scene, options_));
   std::vector<std::unique_ptr<ShardSink>> sinks;
   std::vector<std::unique_ptr<Slice>> slices;
-  for (const int size : cutBatch(model, plan, batch_size, options_.num_slices)) {
+  for (const int size : splitBatch(model, plan, batch_size, options_.num_slices)) {
     sinks.push_back(std::make_unique<ShardSink>(recorder, queue, shard_writer, plan.num_frames, size));
     slices.push_back(std::make_unique<Slice>(model, plan, size, *sinks.back()));
   }
   start_ = last_report_ = Clock::now();
-  playEpisodes(model.device(), slices, options_.stop, [&](const Slice::Tally& tally) {
+  runEpisodes(model.device(), slices, options_.stop, [&](const Slice::Stats& tally) {
     progress().frames_done += tally.num_frames;
     progress().episodes_done += tally.num_episodes;
     result_.num_load_misses += tally.num_load_misses;
@@ -148,7 +148,7 @@ GenerateResult generate(const Device& device, const Scene& scene, const std::fil
   const Manifest manifest = manifestOf(scene, device);
   // What cannot run leaves no directory behind.
   const Model model(device, modelOptionsOf(scene));
-  cutBatch(model, plan, static_cast<int>(std::min<std::uint64_t>(options.batch_size, scene.num_episodes)), options.num_slices);
+  splitBatch(model, plan, static_cast<int>(std::min<std::uint64_t>(options.batch_size, scene.num_episodes)), options.num_slices);
   DatasetWriter writer(directory, manifest);
   Run run(options, writer, manifest);
   ShardQueue queue(manifest, run.complete(), plan.num_frames);

@@ -27,11 +27,11 @@ struct Pressure {
 
 }  // namespace
 
-double pressureOf(const ContactLaw& law, double d, double rate) {
+double contactPressure(const ContactLaw& law, double d, double rate) {
   return d <= 0 ? 0 : std::visit(Pressure{d, rate}, law);
 }
 
-Contact contactOf(const Sensor& sensor, std::span<const double> d, std::span<const double> previous, double dt, const SkinStep& skin) {
+Contact computeContact(const Sensor& sensor, std::span<const double> d, std::span<const double> previous, double dt, const SkinStep& skin) {
   const std::vector<Sample> samples = samplesOf(sensor);
   Contact contact;
   contact.taxel_force.assign(samples.size() / samplesPerTaxel(sensor), 0);
@@ -41,7 +41,7 @@ Contact contactOf(const Sensor& sensor, std::span<const double> d, std::span<con
   for (std::size_t n = 0; n < samples.size(); ++n) {
     const Sample& sample = samples[n];
     const double rate = previous.empty() || dt == 0 ? 0 : (d[n] - previous[n]) / dt;
-    const auto [pressure, strain] = skin.press(n, pressureOf(sensor.skin.law, d[n], rate));
+    const auto [pressure, strain] = skin.press(n, contactPressure(sensor.skin.law, d[n], rate));
     contact.pressure.push_back(pressure);
     contact.strain.push_back(strain);
     contact.taxel_force[sample.taxel] += pressure * sample.area;

@@ -22,10 +22,11 @@ struct Contact {
 
 // By the sensor's law, which must not be ElasticLayer (reference/elastic_layer.h). Penetration d and that of the frame before, (num_taxels
 // x s x s), m; an empty `previous`, or dt = 0, is a contact at rest. `skin`: of a skin that relaxes; none: of one that was never pressed.
-Contact contactOf(const Sensor& sensor, std::span<const double> d, std::span<const double> previous, double dt, const SkinStep& skin = {});
+Contact computeContact(const Sensor& sensor, std::span<const double> d, std::span<const double> previous, double dt,
+                       const SkinStep& skin = {});
 
 // Pressure (Pa) of one sample, d' in m/s, of a skin that has not relaxed: not negative, and zero where d <= 0; a damper never pulls. Not
 // of ElasticLayer.
-double pressureOf(const ContactLaw& law, double d, double rate);
+double contactPressure(const ContactLaw& law, double d, double rate);
 
 }  // namespace taxelsim::reference

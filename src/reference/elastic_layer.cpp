@@ -160,7 +160,7 @@ std::vector<Sample> layerSamples(const Sensor& sensor, const LayerNodes& nodes) 
   return samples;
 }
 
-Layer layerOf(const Sensor& sensor) {
+Layer makeLayer(const Sensor& sensor) {
   Layer layer{layerNodes(sensor), {}};
   layer.influence = layerInfluence(std::get<ElasticLayer>(sensor.skin.law), sensor.skin.thickness, layer.nodes.spacing,
                                    layer.nodes.num_rows, layer.nodes.num_cols);
@@ -238,21 +238,21 @@ std::vector<double> layerHeights(const Sensor& sensor, const LayerNodes& nodes, 
 PressedSkin pressedNodes(const Sensor& sensor, std::span<const PlacedObject> objects, const LayerContact& contact) {
   const LayerNodes nodes = layerNodes(sensor);
   const std::vector<double>& pressure = contact.solution.pressure;
-  PressedSkin skin{layerSamples(sensor, nodes), std::vector<int>(pressure.size(), kApart), contact.overlap, pressure};
+  PressedSkin skin{layerSamples(sensor, nodes), std::vector<int>(pressure.size(), kNoContact), contact.overlap, pressure};
   if (!hasFriction(sensor.skin) || objects.empty()) return skin;
   const auto heightsUnder = [&](std::span<const PlacedObject> one) { return layerHeights(sensor, nodes, one); };
   const std::vector<int> lowest = lowestObjects(objects, sensor.skin.thickness, heightsUnder);
-  for (std::size_t n = 0; n < pressure.size(); ++n) skin.touching[n] = pressure[n] > 0 ? lowest[n] : kApart;
+  for (std::size_t n = 0; n < pressure.size(); ++n) skin.touching[n] = pressure[n] > 0 ? lowest[n] : kNoContact;
   return skin;
 }
 
 LayerContact layerContact(const Sensor& sensor, std::span<const PlacedObject> objects, const SkinStep& skin) {
-  const Layer layer = layerOf(sensor);
+  const Layer layer = makeLayer(sensor);
   return contactAt(sensor, layer, layerHeights(sensor, layer.nodes, objects), dentsOf(layer, skin));
 }
 
 LayerContact loadedLayerContact(const Sensor& sensor, std::span<const PlacedObject> objects, double load, const SkinStep& skin) {
-  const Layer layer = layerOf(sensor);
+  const Layer layer = makeLayer(sensor);
   const Dents dents = dentsOf(layer, skin);
   const std::vector<double> heights = layerHeights(sensor, layer.nodes, objects);
   const double lowest = *std::min_element(heights.begin(), heights.end());

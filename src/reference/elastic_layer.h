@@ -22,7 +22,7 @@ struct Layer {
   std::vector<double> influence;  // (num_rows x num_cols), m/Pa
 };
 
-Layer layerOf(const Sensor& sensor);
+Layer makeLayer(const Sensor& sensor);
 
 struct LayerSolution {
   std::vector<double> pressure;  // (num_rows x num_cols), Pa
@@ -37,7 +37,7 @@ LayerSolution pressLayer(const Layer& layer, std::span<const double> overlap, do
 // Sum of p dA over all nodes, N.
 double forceOn(const Layer& layer, std::span<const double> pressure);
 
-// One frame of the contact: forces as of contactOf(), over the taxels, and what the margin carries.
+// One frame of the contact: forces as of computeContact(), over the taxels, and what the margin carries.
 struct LayerContact {
   LayerSolution solution;                // of a skin that relaxes: of the problem of its dents, but for the pressure
   std::vector<double> strain;            // (num_rows x num_cols), Pa, of a skin that relaxes: pressures of an instantaneous press

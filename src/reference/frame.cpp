@@ -40,7 +40,7 @@ Frame simulateFrame(const Sensor& sensor, const FrameInput& input) {
   frame.penetration = penetrations(frame.heights, sensor.skin.thickness);
   if (!solved) {
     const std::span<const double> previous = input.previous_penetration;
-    frame.contact = contactOf(sensor, frame.penetration, input.load ? std::span<const double>{} : previous, input.dt, skin);
+    frame.contact = computeContact(sensor, frame.penetration, input.load ? std::span<const double>{} : previous, input.dt, skin);
     if (input.skin) input.skin->advance(input.dt, frame.contact.strain);
     const PressedSkin pressed = pressedSamples(sensor, placed, frame.penetration, frame.contact.pressure);
     frame.shear = contactShear(sensor, placed, pressed, input.previous_friction, input.dt);

@@ -32,7 +32,7 @@ std::vector<int> lowestObjects(std::span<const PlacedObject> objects, double thi
   std::vector<double> heights;
   for (std::size_t number = 0; number < objects.size(); ++number) {
     const std::vector<double> own = heightsUnder(objects.subspan(number, 1));
-    lowest.resize(own.size(), kApart);
+    lowest.resize(own.size(), kNoContact);
     heights.resize(own.size(), std::numeric_limits<double>::infinity());
     for (std::size_t n = 0; n < own.size(); ++n) {
       const double height = std::max(own[n], -thickness);
@@ -48,10 +48,10 @@ std::vector<int> lowestObjects(std::span<const PlacedObject> objects, double thi
 PressedSkin pressedSamples(const Sensor& sensor, std::span<const PlacedObject> objects, std::span<const double> d,
                            std::span<const double> pressure) {
   const auto heightsUnder = [&](std::span<const PlacedObject> one) { return surfaceHeights(sensor, one); };
-  PressedSkin skin{samplesOf(sensor), std::vector<int>(d.size(), kApart), {d.begin(), d.end()}, {pressure.begin(), pressure.end()}};
+  PressedSkin skin{samplesOf(sensor), std::vector<int>(d.size(), kNoContact), {d.begin(), d.end()}, {pressure.begin(), pressure.end()}};
   if (!hasFriction(sensor.skin) || objects.empty()) return skin;
   const std::vector<int> lowest = lowestObjects(objects, sensor.skin.thickness, heightsUnder);
-  for (std::size_t n = 0; n < d.size(); ++n) skin.touching[n] = d[n] > 0 ? lowest[n] : kApart;
+  for (std::size_t n = 0; n < d.size(); ++n) skin.touching[n] = d[n] > 0 ? lowest[n] : kNoContact;
   return skin;
 }
 
@@ -66,7 +66,7 @@ ContactShear contactShear(const Sensor& sensor, std::span<const PlacedObject> ob
   Vector3 force{0, 0, 0}, torque{0, 0, 0};
   for (std::size_t n = 0; n < skin.points.size(); ++n) {
     const int number = skin.touching[n];
-    if (number == kApart) continue;
+    if (number == kNoContact) continue;
     const auto slot = static_cast<std::size_t>(number);
     const bool is_known = slot < before.objects.size() && before.objects[slot].object == objects[slot].object;
     if (!is_known) continue;

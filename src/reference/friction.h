@@ -15,20 +15,20 @@
 
 namespace taxelsim::reference {
 
-inline constexpr int kApart = -1;    // number of the object where nothing touches
-inline constexpr int kNoTaxel = -1;  // of a point in the skin's margin
+inline constexpr int kNoContact = -1;  // number of the object where nothing touches
+inline constexpr int kNoTaxel = -1;    // of a point in the skin's margin
 
 // What lasts from one frame to the next. Made by contactShear(); without objects it is the state before the first frame.
 struct FrictionState {
   std::vector<PlacedObject> objects{};  // where they were
-  std::vector<int> touching{};          // (points), number of the object there, or kApart
+  std::vector<int> touching{};          // (points), number of the object there, or kNoContact
   std::vector<Shear> held{};            // (points): traction, Pa; of the law lugre the bristles' deflection, m
 };
 
 // The skin under objects, point by point: samples, or the nodes of an elastic layer.
 struct PressedSkin {
   std::vector<Sample> points;    // those of a margin with taxel kNoTaxel
-  std::vector<int> touching;     // (points), number of the object that touches, or kApart
+  std::vector<int> touching;     // (points), number of the object that touches, or kNoContact
   std::vector<double> d;         // (points), m: penetration, below 0 where skin has bulged to meet the object
   std::vector<double> pressure;  // (points), Pa
 };
@@ -38,7 +38,7 @@ PressedSkin pressedSamples(const Sensor& sensor, std::span<const PlacedObject> o
                            std::span<const double> pressure);
 
 // Number of the object whose surface is lowest over each point, of heights as `heightsUnder` tells them; the first of equals, as all are
-// that lie deeper than the skin is thick; kApart where there is none.
+// that lie deeper than the skin is thick; kNoContact where there is none.
 std::vector<int> lowestObjects(std::span<const PlacedObject> objects, double thickness,
                                const std::function<std::vector<double>(std::span<const PlacedObject>)>& heightsUnder);
 

@@ -100,7 +100,7 @@ LoadResult findLoad(const Sensor& sensor, std::span<const PlacedObject> objects,
     const std::vector<double> d = penetrationsAt(offset);
     return *std::max_element(d.begin(), d.end());
   };
-  const auto forceAt = [&](double offset) { return contactOf(sensor, penetrationsAt(offset), {}, 0, skin).total_force; };
+  const auto forceAt = [&](double offset) { return computeContact(sensor, penetrationsAt(offset), {}, 0, skin).total_force; };
 
   if (!level) {
     // Seen along its own normal, a tilted patch may be touched earlier, by a wall that moves in from the side.

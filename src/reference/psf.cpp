@@ -94,7 +94,7 @@ std::vector<Shear> spreadShearAlongSkin(const Sensor& sensor, std::span<const Sh
 
 }  // namespace
 
-std::vector<Share> sharesOf(const Sensor& sensor) {
+std::vector<Share> spreadMatrix(const Sensor& sensor) {
   std::vector<Share> shares;
   forWeights(sensor, [&](std::size_t source, std::size_t taxel, double weight, double divisor) {
     shares.push_back({source, taxel, weight / divisor});

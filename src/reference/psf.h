@@ -20,7 +20,7 @@ struct Share {
   std::size_t taxel = 0;
   double share = 0;
 };
-std::vector<Share> sharesOf(const Sensor& sensor);
+std::vector<Share> spreadMatrix(const Sensor& sensor);
 
 // spread() of shear, (num_taxels), N along x and y of each taxel: with the weights of the normal force, component by component, since the
 // taxels of a patch have one frame. Along the skin a force turns with it: by the shortest turn that takes the source's normal to the

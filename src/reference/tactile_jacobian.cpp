@@ -188,7 +188,7 @@ Vector3 momentRates(const Field& field, const Motion& m) {
 class LayerField {
  public:
   LayerField(const Sensor& sensor, const LayerContact& contact)
-      : layer_(layerOf(sensor)), contact_(contact), samples_(layerSamples(sensor, layer_.nodes)), thickness_(sensor.skin.thickness) {}
+      : layer_(makeLayer(sensor)), contact_(contact), samples_(layerSamples(sensor, layer_.nodes)), thickness_(sensor.skin.thickness) {}
 
   // Of the pressures, Pa, as an object moves.
   std::vector<double> pressureRates(const Motion& m) const {

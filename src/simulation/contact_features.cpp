@@ -7,6 +7,8 @@
 #include "contact_regions.spv.h"
 #include "gpu/device_access.h"
 #include "sensor/curve.h"
+#include "shared/features.h"
+#include "shared/sensor.h"
 #include "simulation/model_impl.h"
 #include "simulation/workgroups.h"
 

@@ -40,13 +40,13 @@ TEST(TrueEdge, OfADirection) {
   // Laid along -y, then turned: the angle is of a line.
   const Quaternion laid = axisAngle({1, 0, 0}, kPi / 2);
   for (const double yaw : {-1.2, 0.0, 0.3, 1.5}) {
-    const EdgeSight sight = edge.see({{1, 2, 3}, axisAngle({0, 0, 1}, yaw) * laid});
+    const ProjectedEdge sight = edge.project({{1, 2, 3}, axisAngle({0, 0, 1}, yaw) * laid});
     EXPECT_NEAR(lineDifference(sight.angle, yaw + kPi / 2), 0, kRounding);
     EXPECT_GT(sight.angle, -kPi / 2);
     EXPECT_LE(sight.angle, kPi / 2);
     EXPECT_TRUE(std::isnan(sight.distance));
   }
-  EXPECT_TRUE(std::isnan(edge.see({}).angle));  // it stands
+  EXPECT_TRUE(std::isnan(edge.project({}).angle));  // it stands
 }
 
 TEST(TrueEdge, OfARing) {
@@ -58,7 +58,7 @@ TEST(TrueEdge, OfARing) {
       // The ring stands so that the sensor's origin lies at that angle and distance; a turn of the sensor turns the angle.
       constexpr double kYaw = 0.4;
       const Pose X_OS{{(kRadius + distance) * std::cos(angle), (kRadius + distance) * std::sin(angle), 0.02}, axisAngle({0, 0, 1}, kYaw)};
-      const EdgeSight sight = edge.see(inverse(X_OS));
+      const ProjectedEdge sight = edge.project(inverse(X_OS));
       EXPECT_NEAR(sight.distance, std::abs(distance), kSagitta + kRounding);
       EXPECT_LE(lineDifference(sight.angle, angle + kPi / 2 - kYaw), kTurn);
       EXPECT_NEAR(sight.arc, angle * kRadius, lap / kNumPoints);
@@ -83,7 +83,7 @@ TEST(TrueEdge, EpisodesBeginOnTheContour) {
   for (std::uint64_t episode = 0; episode < 200; ++episode) {
     const EpisodeDraw draw = drawer.draw(episode);
     // Where the contour was set down it is no farther than the random offset, whatever its yaw.
-    const EdgeSight sight = edge.see(draw.X_SO);
+    const ProjectedEdge sight = edge.project(draw.X_SO);
     EXPECT_LE(sight.distance, std::hypot(scene.randomisation.x.max, scene.randomisation.y.max) + kRounding);
     EXPECT_NEAR(draw.X_SO.position[2], -0.002, kRounding);  // its points at the height of the skin
     arcs.push_back(sight.arc / edge.contourLength());

@@ -118,7 +118,7 @@ TEST(Recorder, PutsEveryValueInItsPlace) {
   Robots robots(scene.robot, 3);
   robots.command(twists, 0.01);
   recorder.recordFrames(frame.view,
-                        {.playing = {},
+                        {.active = {},
                          .times = times,
                          .num_sensors = 1,
                          .X_SO = X_SO,

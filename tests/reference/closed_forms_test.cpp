@@ -40,7 +40,7 @@ Sensor sensorWithStep(double step) {
 double forceOf(const Sensor& sensor, const Object& object, const Pose& X_SO) {
   const PlacedObject placed{&object, X_SO};
   const std::vector<double> d = reference::penetrations(reference::surfaceHeights(sensor, {&placed, 1}), sensor.skin.thickness);
-  return reference::contactOf(sensor, d, {}, 0).total_force;
+  return reference::computeContact(sensor, d, {}, 0).total_force;
 }
 
 // Largest relative error over random offsets of less than a taxel.
@@ -136,7 +136,7 @@ TEST(ClosedForm, TiltedFlatInFullContact) {
   const Object half_space(HalfSpace{});
   const PlacedObject placed{&half_space, {{0, 0, -depth}, axisAngle({0, 1, 0}, phi)}};
   const auto d = reference::penetrations(reference::surfaceHeights(sensor, {&placed, 1}), kThickness);
-  const reference::Contact contact = reference::contactOf(sensor, d, {}, 0);
+  const reference::Contact contact = reference::computeContact(sensor, d, {}, 0);
   EXPECT_NEAR(contact.total_force / (kStiffness * side * side * depth), 1, kDoubleRounding);
   // d = depth + x tan(phi); the midpoint rule over 48 samples sums x^2 to a^3/12 (1 - 1/48^2).
   const double moment = kStiffness * std::tan(phi) * side * side * side * side / 12 * (1 - 1.0 / (48 * 48));
@@ -175,7 +175,7 @@ TEST(ClosedForm, DampingAddsItsRateAndNeverPulls) {
   const double area = 3.4e-3 * 3.4e-3, dt = 1e-3;
   const std::vector<double> shallow{0.2e-3}, deep{0.3e-3}, none{0.0};
   const auto force = [&](const std::vector<double>& d, const std::vector<double>& previous) {
-    return reference::contactOf(sensor, d, previous, dt).total_force;
+    return reference::computeContact(sensor, d, previous, dt).total_force;
   };
   EXPECT_NEAR(force(deep, {}), 1e8 * 0.3e-3 * area, 1e-12);
   EXPECT_NEAR(force(deep, shallow), (1e8 * 0.3e-3 + 2e5 * 0.1) * area, 1e-12);
@@ -191,7 +191,7 @@ TEST(ClosedForm, OverPenetrationCountsSamplesAsDeepAsTheSkin) {
   const auto fraction = [&](double depth) {
     const PlacedObject placed{&box, {{0, 0.5e-3, 5e-3 - depth}}};
     const auto d = reference::penetrations(reference::surfaceHeights(sensor, {&placed, 1}), sensor.skin.thickness);
-    return reference::contactOf(sensor, d, {}, 0).over_penetration;
+    return reference::computeContact(sensor, d, {}, 0).over_penetration;
   };
   EXPECT_EQ(fraction(0.9e-3), 0);
   EXPECT_DOUBLE_EQ(fraction(1.5e-3), 6.0 / 24);

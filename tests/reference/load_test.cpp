@@ -22,7 +22,7 @@ constexpr double kBisected = 1e-12;  // m: bisection goes to the last bit of off
 
 double forceAt(const Sensor& sensor, const std::vector<PlacedObject>& objects, double offset) {
   const auto d = reference::penetrations(reference::surfaceHeights(sensor, reference::movedAlongZ(objects, offset)), sensor.skin.thickness);
-  return reference::contactOf(sensor, d, {}, 0).total_force;
+  return reference::computeContact(sensor, d, {}, 0).total_force;
 }
 
 TEST(Load, FlatPunch) {

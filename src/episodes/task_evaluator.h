@@ -10,10 +10,10 @@
 
 namespace taxelsim {
 
-class Judge : public EpisodeSink {
+class TaskEvaluator : public EpisodeSink {
  public:
   // The slices of a batch share `next` and `verdicts` (num_episodes); all must outlive this.
-  Judge(const EpisodePlan& plan, std::uint64_t& next, std::vector<Verdict>& verdicts, int num_instances);
+  TaskEvaluator(const EpisodePlan& plan, std::uint64_t& next, std::vector<Verdict>& verdicts, int num_instances);
 
   std::optional<std::uint64_t> next(int instance) override;
   void begin(int instance, const EpisodeRecord& record) override;
@@ -35,7 +35,7 @@ class Judge : public EpisodeSink {
     std::array<std::vector<float>, kNumTaskMeasures> held;  // errors of the last frames, (frames that the task holds)
   };
 
-  Errors errorsOf(const FrameView& view, std::size_t row, const EdgeSight& edge, const Slot& slot) const;
+  Errors errorsOf(const FrameView& view, std::size_t row, const ProjectedEdge& edge, const Slot& slot) const;
   void look(const FrameView& view, const FrameContext& context, std::size_t i);
 
   const EpisodePlan& plan_;

@@ -1,4 +1,4 @@
-#include "episodes/judge.h"
+#include "episodes/task_evaluator.h"
 
 #include <algorithm>
 #include <cmath>
@@ -30,7 +30,7 @@ int heldFrames(const EpisodePlan& plan) {
 
 }  // namespace
 
-Judge::Judge(const EpisodePlan& plan, std::uint64_t& next, std::vector<Verdict>& verdicts, int num_instances)
+TaskEvaluator::TaskEvaluator(const EpisodePlan& plan, std::uint64_t& next, std::vector<Verdict>& verdicts, int num_instances)
     : plan_(plan),
       task_(*plan.scene.task),
       next_(next),
@@ -40,12 +40,12 @@ Judge::Judge(const EpisodePlan& plan, std::uint64_t& next, std::vector<Verdict>&
       middle_(arrayMiddle(plan.scene.sensor)),
       slots_(num_instances) {}
 
-std::optional<std::uint64_t> Judge::next(int) {
+std::optional<std::uint64_t> TaskEvaluator::next(int) {
   if (next_ == verdicts_.size()) return {};
   return next_++;
 }
 
-void Judge::begin(int instance, const EpisodeRecord& record) {
+void TaskEvaluator::begin(int instance, const EpisodeRecord& record) {
   Slot& slot = slots_[instance];
   slot.verdict = {.episode = record.episode, .object = record.object, .load_reached = record.load_reached != 0};
   slot.start_force = record.start_force;
@@ -58,7 +58,7 @@ void Judge::begin(int instance, const EpisodeRecord& record) {
 }
 
 // Infinite where they are not known, NaN where the task does not ask for them.
-Judge::Errors Judge::errorsOf(const FrameView& view, std::size_t row, const EdgeSight& edge, const Slot& slot) const {
+TaskEvaluator::Errors TaskEvaluator::errorsOf(const FrameView& view, std::size_t row, const ProjectedEdge& edge, const Slot& slot) const {
   Errors errors;
   errors.fill(kUnknown);
   const auto set = [&](TaskMeasure measure, double error) {
@@ -75,7 +75,7 @@ Judge::Errors Judge::errorsOf(const FrameView& view, std::size_t row, const Edge
   return errors;
 }
 
-void Judge::look(const FrameView& view, const FrameContext& context, std::size_t i) {
+void TaskEvaluator::look(const FrameView& view, const FrameContext& context, std::size_t i) {
   Slot& slot = slots_[i];
   Verdict& verdict = slot.verdict;
   const std::size_t row = i * static_cast<std::size_t>(context.num_sensors);  // the first sensor
@@ -88,7 +88,7 @@ void Judge::look(const FrameView& view, const FrameContext& context, std::size_t
   verdict.robot |= context.robots->status()[i];
 
   const TrueEdge& true_edge = plan_.edges[static_cast<std::size_t>(verdict.object)];
-  const EdgeSight edge = needs_edge_ ? true_edge.see(context.X_SO[row]) : EdgeSight{kUnknown, kUnknown, kUnknown};
+  const ProjectedEdge edge = needs_edge_ ? true_edge.project(context.X_SO[row]) : ProjectedEdge{kUnknown, kUnknown, kUnknown};
   const Vector3 origin = inverse(context.X_SO[row]).position;
   if (slot.frame > 0) {
     verdict.travel += static_cast<float>(length(subtract(origin, slot.origin)));
@@ -115,13 +115,13 @@ void Judge::look(const FrameView& view, const FrameContext& context, std::size_t
   ++slot.frame;
 }
 
-void Judge::frame(const FrameView& view, const FrameContext& context) {
+void TaskEvaluator::frame(const FrameView& view, const FrameContext& context) {
   for (std::size_t i = 0; i < slots_.size(); ++i) {
-    if (context.playing[i]) look(view, context, i);
+    if (context.active[i]) look(view, context, i);
   }
 }
 
-void Judge::end(int instance) {
+void TaskEvaluator::end(int instance) {
   Slot& slot = slots_[instance];
   Verdict& verdict = slot.verdict;
   for (std::size_t m = 0; m < slot.held.size(); ++m) verdict.steady_error[m] = medianOf(slot.held[m]);
