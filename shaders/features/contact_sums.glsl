@@ -5,7 +5,6 @@ const float kWindow = 1.15;  // standard deviation of the Gaussian window, pitch
 
 const float kTaxelNumbers = 16777216.0;  // 2^24: floats hold all numbers of taxels below it
 
-const uint kMostSums = 16u;  // of any kind
 
 shared float partial[PARTIALS];
 

@@ -1,10 +1,7 @@
 // Sums over the taxels of an image, from which stage 6 computes features; and their total over a team in a fixed order. Forces in N, lengths in m.
 // Shared memory: 4 PARTIALS bytes, PARTIALS = kNumSums LANES per team of more than one invocation.
 
-// Of one image: force, first moments (3), second moments (3), area, largest force.
-const uint kSumsPerImage = 9u;
-const uint kPeak = 8u;
-const uint kNumSums = 19u;  // of the measured image, of the clean one, the number of saturated taxels
+const uint kPeak = 8u;  // index of the largest force among the kSumsPerImage sums of an image (passes/image.h)
 
 shared float partial[PARTIALS];
 

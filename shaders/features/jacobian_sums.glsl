@@ -2,7 +2,6 @@
 // coordinate of the sensor's twist. Twin: src/reference/tactile_jacobian.cpp.
 // Shared memory: 4 PARTIALS bytes, PARTIALS = kMostSums LANES per team of more than one invocation.
 
-const uint kMostSums = 7u;  // of any kind
 
 shared float partial[PARTIALS];
 
