@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Contact pass: stages 1 (depth) and 2 (contact law) of one frame, and the load search over one tile. Interface: passes/contact.glsl.
+// Contact pass: stages 1 (depth) and 2 (contact law) of one frame, and the load search over one tile. Interface: passes/contact.h.
 //
 // A workgroup owns REPEAT tiles in sequence; tile number = instance NUM_TILES + tile of the sensor. An invocation owns boxes, then quads of
 // triangles, then taxels.
@@ -14,6 +14,7 @@
 // Shared memory: 4 TILE_SAMPLES + 16 LANES + 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 4 REPEAT + 64 bytes; friction adds 8 LANES + 512, lockstep
 //      16 FACES.
 // Deterministic: the tile is a minimum; LANES partial sums are added in a fixed order, whatever the size of the workgroup.
+// Mutable globals: any_unfinished_loop (driver/loop_limit.glsl); the planes of a polyhedron (depth/polyhedron.glsl).
 // Twins: src/reference/depth.cpp, contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp, load.cpp.
 
 #include "driver/pairs.glsl"

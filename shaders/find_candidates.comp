@@ -1,11 +1,13 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Finding candidates: all quads of its mesh that a sample may see while an instance's object stays within the bounds that keep_candidates.comp has set.
+// Pass that finds candidates: the quads of a mesh that may cover a sample while the instance's object stays within the bounds that keep_candidates.comp has set.
 //
-// A workgroup owns REPEAT instances of a list, one after another; an invocation owns boxes, then quads.
+// A workgroup owns REPEAT instances of a list in sequence; an invocation owns boxes, then quads.
 // In:  poses, objects, groups, clusters, quads of triangles, the sensor's patch, a work list.
 // Out: candidates (num_instances), candidate_quads (num_instances x kMaxCandidates), work lists.
-// Shared memory: 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 16 bytes.
+// Shared memory: 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 12 bytes.
+// Deterministic: the order of candidates varies, which does not affect heights.
+// Mutable globals: any_unfinished_loop (driver/loop_limit.glsl).
 
 #include "driver/barrier.glsl"
 #include "driver/texels.glsl"
@@ -74,7 +76,7 @@ void findCandidates(Tile tile, uint instance) {
     if (gives_up || num_found < kMaxCandidates / 4) candidates[instance].half_size.w = min(2.0 * share, 1.0);
     if (!fits && !gives_up) candidates[instance].half_size.w = 0.5 * share;
     if (fits) atomicAdd(work[kNumLists].x, 1u);
-    enlist(fits && step_record.candidates.x != 0 ? kListCandidates : kListWholeMesh, instance, REPEAT);
+    appendToList(fits && step_record.candidates.x != 0 ? kListCandidates : kListWholeMesh, instance, REPEAT);
   }
   workgroupBarrier();
 }

@@ -1,9 +1,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Tactile Jacobian under the law deformation_mask, as rescale.comp has the forces: scale r, scale = pressed / carried, becomes scale r' + scale' r. An
-// invocation owns one coordinate of the twist of one instance.
+// Tactile Jacobian of the law deformation_mask, second half: differentiates rescale.comp. The derivative of scale r, with scale = pressed / carried, is
+// scale r' + scale' r.
 //
-// In:  masked_jacobian (num_instances x 6 x num_taxels): r'; law_state: r, N; tile_results: what is pressed. In, out: taxel_jacobian, for the spread.
+// An invocation owns one coordinate of the twist of one instance.
+// In:  masked_jacobian (num_instances x 6 x num_taxels): r'; law_state (num_instances x num_taxels): r, N; tile_results (num_instances x num_tiles): pressed, N.
+// In, out: taxel_jacobian (num_instances x 6 x num_taxels), for the spread.
+// Shared memory: none. Deterministic: taxels are summed in order.
 // Twin: src/reference/tactile_jacobian.cpp.
 
 #include "shared/batch.h"

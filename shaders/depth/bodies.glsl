@@ -48,7 +48,7 @@ Body bodyInSlot(Tile tile, uint slot_index, int id) {
   return body;
 }
 
-// Samples of the tile that a body's bounds may cover, and those next to them: boxes of its clusters are a little larger.
+// Samples of the tile that a body's bounds may cover, with a margin of one sample, since the boxes of its clusters are slightly larger.
 Box samplesUnder(Tile tile, Body body) {
   vec2 low = floor(body.center.xy - body.half_size.xy - 1e-3), high = ceil(body.center.xy + body.half_size.xy + 1e-3);
   return Box(wholeNumbers(clamp(low, tile.first, tile.end) - tile.first), wholeNumbers(clamp(high, tile.first - 1.0, tile.end - 1.0) - tile.first));
