@@ -44,8 +44,8 @@ void teamBarrier() {
 #include "features/core_taxels.glsl"
 #include "features/region_selection.glsl"
 
-// All teams execute the same barriers; a team without an instance of its own (`is_valid` false) writes nothing. Between the sensor's own frames the values of the
-// measured image stay.
+// All teams execute the same barriers; a team without an instance of its own (`is_valid` false) writes nothing. Between the sensor's own frames the values of
+// the measured image stay.
 void findRegions(uint number, bool is_valid, uint num_instances) {
   uint lane = gl_LocalInvocationIndex % TEAM, team = gl_LocalInvocationIndex / TEAM;
   bool is_due = is_valid && (CLEAN || (instances[number].keys.w & kFlagNewFrame) != 0);

@@ -4,9 +4,9 @@
 //
 //   A p = d where p > 0,   A p >= d where p = 0;      d = target + shift
 //
-// solved by conjugate gradients with an active set (elastic_layer/solver.glsl). An instance that is driven by its pose has shift 0, and its target is the signed
-// overlap. For an instance that is driven by load, the target is the shape of the surface below its lowest point, the shift is the depth of that point, and
-// pressures are scaled so that their sum is the load in every iteration. Displacements are in thicknesses; a pressure is given as the displacement that it
+// solved by conjugate gradients with an active set (elastic_layer/solver.glsl). An instance that is driven by its pose has shift 0, and its target is the
+// signed overlap. For an instance that is driven by load, the target is the shape of the surface below its lowest point, the shift is the depth of that point,
+// and pressures are scaled so that their sum is the load in every iteration. Displacements are in thicknesses; a pressure is given as the displacement that it
 // causes at its own node, so that A has ones on its diagonal.
 //
 // A workgroup owns an instance; an invocation owns strips of kStrip nodes along a row. Only strips in a window around the contact are visited.

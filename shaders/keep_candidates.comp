@@ -1,11 +1,11 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Pass that keeps candidates: decides for which instances the quads that find_candidates.comp has found still suffice for the contact pass (temporal coherence). First
-// pass of a frame of a batch with meshes.
+// Pass that keeps candidates: decides for which instances the quads that find_candidates.comp has found still suffice for the contact pass (temporal
+// coherence). First pass of a frame of a batch with meshes.
 //
-// A quad that covers no sample now, nor after any motion of its object within the bounds, is no candidate until the object leaves the bounds. The bounds are some
-// steps of the motion so far, so that the cost of finding candidates is shared by the steps that use them. An object that moves too fast has no candidates, and the
-// contact pass culls its mesh. Candidates are tested exactly, so that results do not depend on which path an instance takes.
+// A quad that covers no sample now, nor after any motion of its object within the bounds, is no candidate until the object leaves the bounds. The bounds are
+// some steps of the motion so far, so that the cost of finding candidates is shared by the steps that use them. An object that moves too fast has no
+// candidates, and the contact pass culls its mesh. Candidates are tested exactly, so that results do not depend on which path an instance takes.
 //
 // An invocation owns an instance.
 // In:  poses, objects, the sensor's patch.
@@ -21,8 +21,8 @@
 #include "passes/declare.glsl"
 #include "passes/keep_candidates.h"
 
-// Measured on software drivers. Finding costs once per so many steps, larger bounds cost in each of them; the total is least when the number of steps is inversely
-// proportional to the square root of the speed.
+// Measured on software drivers. Finding costs once per so many steps, larger bounds cost in each of them; the total is least when the number of steps is
+// inversely proportional to the square root of the speed.
 const float kStepsAhead = 2.0;       // at a speed of one sample spacing per step
 const float kMaxStepsAhead = 32.0;
 const float kMaxMotion = 0.4;        // of the sample spacing, over all these steps
@@ -48,8 +48,8 @@ void reachedPart(Tile tile, Body body, out vec3 center, out vec3 half_size) {
   half_size = 0.5 * max(high - low, 0.0) * vec3(tile.spacing, 1);
 }
 
-// Bounds of the motion along x, y, z of P (m) of any point of the object that is or comes into the part of the tile. A point outside that part by r in the maximum
-// norm moves by at most a r more than a point inside, where a is the rotation's largest row sum; since it comes in, r is at most its motion.
+// Bounds of the motion along x, y, z of P (m) of any point of the object that is or comes into the part of the tile. A point outside that part by r in the
+// maximum norm moves by at most a r more than a point inside, where a is the rotation's largest row sum; since it comes in, r is at most its motion.
 void motionBounds(Tile tile, CandidateRecord before, Affine X_PO, out vec3 low, out vec3 high) {
   mat3 R = transpose(mat3(X_PO.row0.xyz, X_PO.row1.xyz, X_PO.row2.xyz)) * mat3(before.row0.xyz, before.row1.xyz, before.row2.xyz);  // R_new R_old^T
   vec3 p_old = vec3(before.row0.w, before.row1.w, before.row2.w), p_new = vec3(X_PO.row0.w, X_PO.row1.w, X_PO.row2.w);

@@ -1,10 +1,10 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Load search pass, over all tiles of a sensor: computes the next offset after each evaluation by the contact pass. For sensors that are not one tile in a plane
-// z = const of S; on those contact.comp searches by itself.
+// Load search pass, over all tiles of a sensor: computes the next offset after each evaluation by the contact pass. For sensors that are not one tile in a
+// plane z = const of S; on those contact.comp searches by itself.
 //
-// Force falls as the offset grows: the bracket's lower bound carries too much (or sinks deeper than the skin), its upper bound too little. Regula falsi alternates
-// with bisection.
+// Force falls as the offset grows: the bracket's lower bound carries too much (or sinks deeper than the skin), its upper bound too little. Regula falsi
+// alternates with bisection.
 // An invocation owns one instance.
 // In:  tile_results (num_instances x num_tiles): the forces at the offset that was tried.
 // Out: loads (num_instances): the next offset, or that the search has ended.

@@ -4,7 +4,8 @@
 // scale r' + scale' r.
 //
 // An invocation owns one coordinate of the twist of one instance.
-// In:  masked_jacobian (num_instances x 6 x num_taxels): r'; law_state (num_instances x num_taxels): r, N; tile_results (num_instances x num_tiles): pressed, N.
+// In:  masked_jacobian (num_instances x 6 x num_taxels): r'; law_state (num_instances x num_taxels): r, N; tile_results (num_instances x num_tiles): pressed,
+//      N.
 // In, out: taxel_jacobian (num_instances x 6 x num_taxels), for the spread.
 // Shared memory: none. Deterministic: taxels are summed in order.
 // Twin: src/reference/tactile_jacobian.cpp.

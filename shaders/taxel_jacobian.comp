@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Tactile Jacobian pass, first step, after the contact pass: derivatives of every taxel's contact force and of every tile's wrench by the sensor's twist (v at the
-// origin of S and w, in S) while the objects stay. The sensor's twist is minus the objects' twist seen from S.
+// Tactile Jacobian pass, first step, after the contact pass: derivatives of every taxel's contact force and of every tile's wrench by the sensor's twist (v at
+// the origin of S and w, in S) while the objects stay. The sensor's twist is minus the objects' twist seen from S.
 //
 // An invocation owns a taxel of one instance, and the tile of the same number.
 // In:  contact_cells (num_instances x num_taxels), tile_changes (num_instances x num_tiles x LANES), as skin/cell_fluxes.glsl leaves them.

@@ -8,8 +8,8 @@ int wholeNumber(float v) {
 }
 ivec2 wholeNumbers(vec2 v) { return ivec2(wholeNumber(v.x), wholeNumber(v.y)); }
 
-// Row and column of cell `i` in rows of num_cols cells, without an integer division: (i + 1/2) / num_cols is at least 1 / (2 num_cols) from an integer, more than
-// rounding as long as there are fewer than 2^20 cells.
+// Row and column of cell `i` in rows of num_cols cells, without an integer division: (i + 1/2) / num_cols is at least 1 / (2 num_cols) from an integer, more
+// than rounding as long as there are fewer than 2^20 cells.
 uvec2 cellNumbered(uint i, uint num_cols) {
   uint row = uint(wholeNumber((float(int(i)) + 0.5) / float(int(num_cols)) - 0.5));
   return uvec2(row, i - row * num_cols);

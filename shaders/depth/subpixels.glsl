@@ -1,5 +1,5 @@
-// Vertices of a mesh seen from a tile: (u, v) in units of 2^-subpixel_bits of the samples' spacing, from the tile's first sample; z in m, in P. Sample (a, b) is
-// at (a, b) << subpixel_bits.
+// Vertices of a mesh seen from a tile: (u, v) in units of 2^-subpixel_bits of the samples' spacing, from the tile's first sample; z in m, in P. Sample (a, b)
+// is at (a, b) << subpixel_bits.
 
 struct Vertex {
   ivec2 at;

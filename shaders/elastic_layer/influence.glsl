@@ -1,8 +1,8 @@
 // Product of the influence matrix A with an array of a layer: the displacement (thicknesses) that it causes at a strip of nodes.
 //
-// A depends on the distance of two nodes only. The table Influence holds its coefficients as (NODE_ROWS x 2 kRowStrips) strips: by distance of the rows, then by
-// distance of the strips from -kRowStrips up; the host computes it (src/sensor/elastic_layer.cpp). A strip of sources and a strip of results need kStrip^2 products
-// but only 2 kStrip - 1 coefficients, of which half are kept from the strip before.
+// A depends on the distance of two nodes only. The table Influence holds its coefficients as (NODE_ROWS x 2 kRowStrips) strips: by distance of the rows, then
+// by distance of the strips from -kRowStrips up; the host computes it (src/sensor/elastic_layer.cpp). A strip of sources and a strip of results need kStrip^2
+// products but only 2 kStrip - 1 coefficients, of which half are kept from the strip before.
 
 // Four consecutive values that begin 1, 2 or 3 before those of b; a holds the four before b.
 vec4 before1(vec4 a, vec4 b) { return vec4(a.w, b.xyz); }

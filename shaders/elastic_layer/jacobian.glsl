@@ -1,9 +1,9 @@
 // The tactile Jacobian of an elastic layer: how its forces change as the sensor moves and the objects stay. Twin: src/reference/tactile_jacobian.cpp.
 // Out: taxel_jacobian (num_instances x 6 x num_taxels), N/m and N/rad; wrench_jacobian (num_instances x 6 x 6).
 //
-// Over the nodes in contact A p = d, so that A dp = dd: conjugate gradients with a known active set, once per coordinate of the twist. Nodes that enter or leave
-// contact carry no force at that moment. The object's surface lies at z = -d(x, y) of P; its point p = (x, y, -d) moves with u = v + w x p, so that d changes by
-// -u_z - u_x d_x - u_y d_y. For a skin that relaxes these are the instantaneous changes.
+// Over the nodes in contact A p = d, so that A dp = dd: conjugate gradients with a known active set, once per coordinate of the twist. Nodes that enter or
+// leave contact carry no force at that moment. The object's surface lies at z = -d(x, y) of P; its point p = (x, y, -d) moves with u = v + w x p, so that d
+// changes by -u_z - u_x d_x - u_y d_y. For a skin that relaxes these are the instantaneous changes.
 //
 // kLayerTarget holds the changes of pressure dp, kLayerResidual the residual dd - A dp; the solver no longer needs either.
 

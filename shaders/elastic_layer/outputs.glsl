@@ -11,8 +11,8 @@ Strip onTaxels(uvec2 at) {
                vec4(greaterThanEqual(col + 4.0, vec4(range.x))) * vec4(lessThan(col + 4.0, vec4(range.y))));
 }
 
-// Writes force (N), shear (N) and mean depth (m) of the taxels that were reached; returns their rectangle: first row, end row, first col, end col. `pressed`: the
-// nodes that have a shear traction.
+// Writes force (N), shear (N) and mean depth (m) of the taxels that were reached; returns their rectangle: first row, end row, first col, end col. `pressed`:
+// the nodes that have a shear traction.
 uvec4 writeTaxels(uint instance, Surface surface, Window window, uvec4 pressed, float shift, float node_force) {
   uvec2 margin = uvec2(MARGIN_ROWS, MARGIN_COLS);
   uvec4 reached = surface.reached;

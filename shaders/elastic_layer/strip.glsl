@@ -1,7 +1,7 @@
 // Strips of kStrip nodes along a row of an elastic layer: their storage in layer[] and their arithmetic. Layout: shared/elastic_layer.h.
 //
-// layer[] holds kLayerArrays arrays per instance, each (NODE_ROWS x kRowStrips x kStrip) floats in pairs of words. A strip is addressed by `at`, its row and its
-// number in the row. Nodes past NODE_COLS pad the last strip of a row.
+// layer[] holds kLayerArrays arrays per instance, each (NODE_ROWS x kRowStrips x kStrip) floats in pairs of words. A strip is addressed by `at`, its row and
+// its number in the row. Nodes past NODE_COLS pad the last strip of a row.
 
 const uint kStripPairs = kStrip / 2;
 const uint kRowStrips = (NODE_COLS + kStrip - 1) / kStrip;

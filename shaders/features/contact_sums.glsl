@@ -19,8 +19,8 @@ uint numSums(uint kind) { return kind == kSumsForce ? 7u : kind == kSumsPeak ? 1
 // Whether the first value is the largest one instead of a sum.
 bool hasLargest(uint kind) { return kind <= kSumsPeak; }
 
-// With kSumsSecond, the sums over core taxels begin here: their number, first (2) and second (3) moments of their positions (pitches), forces less `force`, first
-// moments (2) and squares of these.
+// With kSumsSecond, the sums over core taxels begin here: their number, first (2) and second (3) moments of their positions (pitches), forces less `force`,
+// first moments (2) and squares of these.
 const uint kCore = 6u;
 
 struct PartSums {

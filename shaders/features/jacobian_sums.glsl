@@ -1,5 +1,5 @@
-// Sums over the taxels of a part (features/jacobian_parts.glsl) or the tiles of its instance, in a fixed order. `middle`: the point of the moments, in C, m; `k`: a
-// coordinate of the sensor's twist. Twin: src/reference/tactile_jacobian.cpp.
+// Sums over the taxels of a part (features/jacobian_parts.glsl) or the tiles of its instance, in a fixed order. `middle`: the point of the moments, in C, m;
+// `k`: a coordinate of the sensor's twist. Twin: src/reference/tactile_jacobian.cpp.
 // Shared memory: 4 PARTIALS bytes, PARTIALS = kMostSums LANES per team of more than one invocation.
 
 

@@ -1,4 +1,5 @@
-// One taxel of the tactile Jacobian: its reading (the clean force, or what the readout makes of it before noise) and the derivative of its spread force. Forces in N.
+// One taxel of the tactile Jacobian: its reading (the clean force, or what the readout makes of it before noise) and the derivative of its spread force. Forces
+// in N.
 // Twin: src/reference/tactile_jacobian.cpp.
 //
 // Mutable global, because an array passed as an argument would be copied per taxel: small_kernel, set once by loadKernel().

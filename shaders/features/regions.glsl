@@ -1,5 +1,5 @@
-// Connected regions of taxels that report, by union-find over taxel_regions[] (shared/features.h): a region is named by its lowest taxel, whatever order taxels are
-// united in. Twin: src/reference/contact_features.cpp.
+// Connected regions of taxels that report, by union-find over taxel_regions[] (shared/features.h): a region is named by its lowest taxel, whatever order taxels
+// are united in. Twin: src/reference/contact_features.cpp.
 
 // Root of taxel `t`: the taxel that names its region so far. Path halving.
 uint findRoot(uint first_taxel, uint t) {
@@ -14,7 +14,8 @@ uint findRoot(uint first_taxel, uint t) {
   return t;
 }
 
-// Unites the regions of two taxels under the lower of their names. If another invocation has changed the higher root meanwhile, its new parent is united as well.
+// Unites the regions of two taxels under the lower of their names. If another invocation has changed the higher root meanwhile, its new parent is united as
+// well.
 void unite(uint first_taxel, uint a, uint b) {
   bool done = false;
   while (!done) {

@@ -1,8 +1,8 @@
-// Tilt of a flat face against the plane of its taxels, from a least-squares plane p + g . x through the forces of the core taxels. The slope is g over the skin's
-// stiffness, d pressure / d depth = STIFFNESS pressure^(1 - 1 / EXPONENT). Twin: src/reference/contact_features.cpp.
+// Tilt of a flat face against the plane of its taxels, from a least-squares plane p + g . x through the forces of the core taxels. The slope is g over the
+// skin's stiffness, d pressure / d depth = STIFFNESS pressure^(1 - 1 / EXPONENT). Twin: src/reference/contact_features.cpp.
 
-// Core taxels in one row or column have no second moment across it, any others at least 3/4 of a pitch squared. The determinant is 0 but for rounding for taxels
-// on a diagonal line, and 1.8e-4 times the product of the diagonal for two rows of 128.
+// Core taxels in one row or column have no second moment across it, any others at least 3/4 of a pitch squared. The determinant is 0 but for rounding for
+// taxels on a diagonal line, and 1.8e-4 times the product of the diagonal for two rows of 128.
 const float kMinSpread = 3e-5;
 
 struct Tilt {

@@ -7,7 +7,8 @@
 //   f' d_t = -d(f v_x)/dx - d(f v_y)/dy - f' v_z - (f' y + dG/dy) w_x + (f' x + dG/dx) w_y + (d(f y)/dx - d(f x)/dy) w_z,
 //
 // a flux through the cell's sides except for the terms in f'. Unlike a sum of f' d_t over samples, it includes vertical walls, where d jumps between two
-// samples, and the flux out of one cell enters the next. f at a side is the mean of the samples on both sides of it; at the patch's rim f is extrapolated linearly.
+// samples, and the flux out of one cell enters the next. f at a side is the mean of the samples on both sides of it; at the patch's rim f is extrapolated
+// linearly.
 //
 // f' jumps at the border of the contact and at the skin's full thickness. Its mean over a sample's cell is used, with depths uniform about d over a width that
 // follows from the slope and the cell's size. This needs surfaces up to cellReach() over the skin.
@@ -57,9 +58,9 @@ void addThroughRim(inout vec3 change[6], uint axis, float flux, float f, float G
   change[5] += (axis == 0 ? flux * phi.z : -flux * phi.y) * f * phi;
 }
 
-// Adds sample `at` of a taxel, at `position`, of depth d (m, < 0 over the skin), which changes by `width` (m) over the sample's cell, under the pressure f (Pa).
-// `rim`: which sides of the taxel are at the patch's rim. `change`: derivatives of force and first moments of the tile by the object's twist, without the factor
-// of a sample's area.
+// Adds sample `at` of a taxel, at `position`, of depth d (m, < 0 over the skin), which changes by `width` (m) over the sample's cell, under the pressure f
+// (Pa). `rim`: which sides of the taxel are at the patch's rim. `change`: derivatives of force and first moments of the tile by the object's twist, without the
+// factor of a sample's area.
 void addToCell(Tile tile, inout Cell cell, inout vec3 change[6], uvec2 at, bvec4 rim, vec2 position, float d, float width, float f) {
   float pressed = clamp(d, 0.0, THICKNESS);
   float elastic = lawPressure(pressed, 0.0);
