@@ -13,25 +13,8 @@
 #include "shared/candidates.h"
 #include "shared/objects.h"
 #include "shared/sensor.h"
-#include "common/specialization.glsl"
-layout(constant_id = 11) const bool FLAT = true;  // these as in contact.comp
-layout(constant_id = 12) const bool OUTPUT_JACOBIAN = false;
-layout(constant_id = 13) const float REACH = 0.0;
-layout(constant_id = 14) const uint GROUPS_PER_BATCH = 32;
-
-FOURS(0, Poses);
-layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
-FOURS(2, Objects);
-FOURS(3, Groups);
-FOURS(4, Clusters);
-FOURS(5, Quads);
-layout(std430, set = 0, binding = 6) readonly buffer Patches { PatchRecord patches[]; };
-layout(std430, set = 0, binding = 7) readonly buffer Tiles { TileRecord tiles[]; };
-layout(std430, set = 0, binding = 8) buffer Candidates { CandidateRecord candidates[]; };
-layout(std430, set = 0, binding = 9) writeonly buffer CandidateQuads { uint candidate_quads[]; };
-layout(std430, set = 0, binding = 10) buffer Work { uvec4 work[]; };
-layout(std430, set = 0, binding = 11) buffer WorkInstances { uint work_instances[]; };
-layout(std430, set = 0, binding = 12) writeonly buffer Problems { uint problems[]; };
+#include "passes/declare.glsl"
+#include "passes/find_candidates.h"
 
 const float kLeastShare = 0.25;    // of the steps ahead, where more of them are too many candidates
 const float kStepsWithout = 32.0;  // where these are, too

@@ -16,20 +16,8 @@
 #include "shared/candidates.h"
 #include "shared/objects.h"
 #include "shared/sensor.h"
-#include "common/specialization.glsl"
-layout(constant_id = 11) const bool FLAT = true;  // these as in contact.comp
-layout(constant_id = 12) const bool OUTPUT_JACOBIAN = false;
-layout(constant_id = 13) const float REACH = 0.0;
-layout(constant_id = 14) const uint LISTED_PER_WORKGROUP = 16;
-
-FOURS(0, Poses);
-layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
-FOURS(2, Objects);
-layout(std430, set = 0, binding = 3) readonly buffer Patches { PatchRecord patches[]; };
-layout(std430, set = 0, binding = 4) readonly buffer Tiles { TileRecord tiles[]; };
-layout(std430, set = 0, binding = 5) buffer Candidates { CandidateRecord candidates[]; };
-layout(std430, set = 0, binding = 6) buffer Work { uvec4 work[]; };
-layout(std430, set = 0, binding = 7) writeonly buffer WorkInstances { uint work_instances[]; };
+#include "passes/declare.glsl"
+#include "passes/keep_candidates.h"
 
 // Measured on software drivers. Finding costs once in so many steps, the room for so many in each of them: together least where their number goes with
 // the root of the speed.

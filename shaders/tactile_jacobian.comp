@@ -15,35 +15,14 @@
 #include "shared/features.h"
 #include "shared/random.h"
 #include "shared/sensor.h"
-#include "common/specialization.glsl"
-layout(constant_id = 11) const bool CLEAN = false;
-layout(constant_id = 12) const uint TEAM = 1;         // invocations of a part
-layout(constant_id = 13) const uint PATCHES = 1;      // rows of patches
-layout(constant_id = 14) const uint LAST_PLANE = 1;   // that of S
-layout(constant_id = 15) const uint PARTIALS = 1;     // kMostSums LANES for every team of more than one invocation
-layout(constant_id = 16) const uint NUM_ENTRIES = 9;  // of a taxel's list of sources, where the sensor is not one grid patch
-layout(constant_id = 17) const float TRIGGER = 0.02;  // N, of the nominal curve
-layout(constant_id = 18) const float MOST = 2.0;      // N over its trigger at which a taxel saturates
-layout(constant_id = 19) const bool RANDOM = false;   // some instance draws gains
-layout(constant_id = 20) const float DEAD_TAXELS = 0.0;  // probability
+#include "passes/declare.glsl"
+#include "passes/tactile_jacobian.h"
 const float BIAS = 0.0;  // of counts, which have no part in this
-
-layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceRecord instances[]; };
-layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
-layout(std430, set = 0, binding = 2) readonly buffer Taxels { TaxelRecord taxels[]; };
-layout(std430, set = 0, binding = 3) readonly buffer Planes { PlaneRecord planes[]; };
-layout(std430, set = 0, binding = 4) readonly buffer SpreadRows { vec4 spread_rows[]; };
-layout(std430, set = 0, binding = 5) readonly buffer SpreadNormal { float spread_normal[]; };
-layout(std430, set = 0, binding = 6) readonly buffer TaxelJacobian { float taxel_jacobian[]; };
-layout(std430, set = 0, binding = 7) readonly buffer WrenchJacobian { float wrench_jacobian[]; };
-layout(std430, set = 0, binding = 8) writeonly buffer Features { float features[]; };
-layout(std430, set = 0, binding = 9) writeonly buffer Problems { uint problems[]; };
 
 const uint kTeams = WORKGROUP / TEAM;
 const bool kOnePatch = PATCHES == 1;  // whose row is the sensor's
 const uint kRows = 1 + PATCHES;
 const uint kParts = kOnePatch ? 1u : kRows;
-const uint kMostSums = 7u;  // of any scan
 
 shared float partial[PARTIALS];
 
