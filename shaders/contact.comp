@@ -19,8 +19,12 @@
 #include "driver/pairs.glsl"
 #include "driver/barrier.glsl"
 #include "driver/texels.glsl"
-#include "shared/layout.h"
-#include "common/specialization.glsl"
+#include "shared/batch.h"
+#include "shared/candidates.h"
+#include "shared/objects.h"
+#include "shared/sensor.h"
+#include "passes/declare.glsl"
+#include "passes/contact.h"
 #include "passes/contact.glsl"
 
 const float kMiss = kNoHeight;  // height where there is no surface

@@ -5,34 +5,17 @@
 //
 // TEAM invocations share a part (a row of an instance); a workgroup has WORKGROUP / TEAM teams, and each does REPEAT parts one after another. The parts of one
 // kind of all instances follow each other.
-// In:  forces (num_instances x num_taxels), N; taxel_regions alike, layout.h; regions (num_instances x REGIONS).
-// Out: features (block after block, each num_instances x num_rows x components, layout.h).
+// In:  forces (num_instances x num_taxels), N; taxel_regions alike, shared/features.h; regions (num_instances x REGIONS).
+// Out: features (block after block, each num_instances x num_rows x components, shared/features.h).
 // Shared memory: 4 PARTIALS bytes.
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of team and workgroup.
 // Twin: src/reference/contact_features.cpp.
 
-#include "shared/layout.h"
-#include "common/specialization.glsl"
-layout(constant_id = 11) const bool CLEAN = false;
-layout(constant_id = 12) const uint TEAM = 1;         // invocations of a part
-layout(constant_id = 13) const uint REGIONS = 0;      // rows of regions
-layout(constant_id = 14) const uint PATCHES = 1;      // rows of patches
-layout(constant_id = 15) const uint LAST_PLANE = 1;   // that of S
-layout(constant_id = 16) const uint PARTIALS = 1;     // kMostSums LANES for every team of more than one invocation
-layout(constant_id = 17) const float NOISE = 0.0;     // counts
-layout(constant_id = 18) const float SLOPE = 2400.0;  // counts/N
-layout(constant_id = 19) const float STIFFNESS = 1.73e8;  // d pressure / d depth = STIFFNESS pressure^(1 - 1 / EXPONENT), N, m
-layout(constant_id = 20) const float EXPONENT = 1.0;
-
-layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceRecord instances[]; };
-layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
-layout(std430, set = 0, binding = 2) readonly buffer Taxels { TaxelRecord taxels[]; };
-layout(std430, set = 0, binding = 3) readonly buffer Planes { PlaneRecord planes[]; };
-layout(std430, set = 0, binding = 4) readonly buffer Forces { float forces[]; };
-layout(std430, set = 0, binding = 5) readonly buffer TaxelRegions { uint taxel_regions[]; };
-layout(std430, set = 0, binding = 6) readonly buffer Regions { uint regions[]; };
-layout(std430, set = 0, binding = 7) writeonly buffer Features { float features[]; };
-layout(std430, set = 0, binding = 8) writeonly buffer Problems { uint problems[]; };
+#include "shared/batch.h"
+#include "shared/features.h"
+#include "shared/sensor.h"
+#include "passes/declare.glsl"
+#include "passes/contact_features.h"
 
 const uint kTeams = WORKGROUP / TEAM;
 const bool kList = PATCHES == 0;      // of taxels with places of their own
@@ -57,8 +40,6 @@ const float kLeastSpread = 3e-5;
 
 // Largest taxel number plus 1 that a float holds among others.
 const float kTaxelNumbers = 16777216.0;
-
-const uint kMostSums = 16u;  // of any scan
 
 shared float partial[PARTIALS];
 

@@ -5,43 +5,17 @@
 // TEAM invocations share an instance, an invocation owns every TEAM-th taxel; a workgroup has WORKGROUP / TEAM teams, and each does REPEAT instances one
 // after another.
 // In:  image (num_instances x num_taxels), counts; where CLEAN spread_normal alike, N.
-// Out: forces (num_instances x num_taxels), N; taxel_regions alike, layout.h; regions (num_instances x REGIONS), largest first; the number of all regions
+// Out: forces (num_instances x num_taxels), N; taxel_regions alike, shared/features.h; regions (num_instances x REGIONS), largest first; the number of all regions
 //      (features, num_instances). region_sums (num_instances x num_taxels) is scratch.
 // Shared memory: 16 WORKGROUP / TEAM bytes.
 // Deterministic: a region is named by its lowest taxel, whichever order taxels are united in; forces are summed as integers.
 // Twin: src/reference/contact_features.cpp.
 
-#include "shared/layout.h"
-#include "common/specialization.glsl"
-layout(constant_id = 11) const bool CLEAN = false;
-layout(constant_id = 12) const uint TEAM = 1;            // invocations of an instance
-layout(constant_id = 13) const uint REGIONS = 0;         // that are wanted
-layout(constant_id = 14) const uint NUM_NEIGHBOURS = 0;  // in the list of each taxel; 0: patches are grids
-layout(constant_id = 15) const uint FORCE_STEPS = 1;     // of the largest force of an image: the sum over all taxels fits into 31 bits
-layout(constant_id = 16) const uint FIRST_COUNT = 0;     // of the numbers of regions, features per instance before it
-layout(constant_id = 17) const bool ONE_PATCH = true;    // a grid
-layout(constant_id = 18) const int CURVE_DEGREE = 1;
-layout(constant_id = 19) const float CURVE_SLOPE = 2400.0;  // at 0, counts/N
-layout(constant_id = 20) const float OUTPUT_SCALE = 1.0;
-layout(constant_id = 21) const float TRIGGER = 0.02;      // N
-layout(constant_id = 22) const float SATURATION = 4095.0;  // counts
-layout(constant_id = 23) const float CURVE_LIMIT = 0.0;    // counts; 0: none
-layout(constant_id = 24) const int CURVE_PIECES = 0;       // 0: a polynomial
-
-layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceRecord instances[]; };
-layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
-layout(std430, set = 0, binding = 2) readonly buffer SensorBlock { SensorRecord sensor; };
-layout(std430, set = 0, binding = 3) readonly buffer Taxels { TaxelRecord taxels[]; };
-layout(std430, set = 0, binding = 4) readonly buffer Planes { PlaneRecord planes[]; };
-layout(std430, set = 0, binding = 5) readonly buffer Neighbours { uint neighbours[]; };  // (NUM_NEIGHBOURS x num_taxels), of lower number
-layout(std430, set = 0, binding = 6) readonly buffer Image { uint image[]; };
-layout(std430, set = 0, binding = 7) readonly buffer SpreadNormal { float spread_normal[]; };
-layout(std430, set = 0, binding = 8) buffer Forces { float forces[]; };
-layout(std430, set = 0, binding = 9) coherent buffer TaxelRegions { uint taxel_regions[]; };
-layout(std430, set = 0, binding = 10) coherent buffer RegionSums { uint region_sums[]; };
-layout(std430, set = 0, binding = 11) writeonly buffer Regions { uint regions[]; };
-layout(std430, set = 0, binding = 12) writeonly buffer Features { float features[]; };
-layout(std430, set = 0, binding = 13) writeonly buffer Problems { uint problems[]; };
+#include "shared/batch.h"
+#include "shared/features.h"
+#include "shared/sensor.h"
+#include "passes/declare.glsl"
+#include "passes/contact_regions.h"
 
 const uint kTeams = WORKGROUP / TEAM;
 const bool kGrids = NUM_NEIGHBOURS == 0;

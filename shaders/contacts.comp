@@ -13,23 +13,11 @@
 // Deterministic: forces are added in the order in which the contacts were given.
 // Twin: src/reference/contact_points.cpp.
 
-#include "shared/layout.h"
-#include "common/specialization.glsl"
-layout(constant_id = 11) const uint NUM_PATCHES = 1;
-layout(constant_id = 12) const bool FLAT = true;          // the one patch's frame is the sensor's
-layout(constant_id = 13) const float THICKNESS = 0.002;  // m
-layout(constant_id = 14) const bool SCALED = true;       // sources near a border give more to the taxels that are there, readout/spread.glsl
-layout(constant_id = 15) const uint TEAM = 1;            // invocations of an instance
-
-layout(std430, set = 0, binding = 0) readonly buffer Step { StepRecord step_record; };
-layout(std430, set = 0, binding = 1) readonly buffer Contacts { ContactRecord contacts[]; };
-layout(std430, set = 0, binding = 2) readonly buffer NumContacts { uint num_contacts[]; };
-layout(std430, set = 0, binding = 3) readonly buffer Patches { PatchRecord patches[]; };
-layout(std430, set = 0, binding = 4) readonly buffer SpreadScale { float spread_scale[]; };
-layout(std430, set = 0, binding = 5) buffer ContactNormal { float contact_normal[]; };
-layout(std430, set = 0, binding = 6) writeonly buffer TileResults { TileResult tile_results[]; };
-layout(std430, set = 0, binding = 7) writeonly buffer Features { float features[]; };
-layout(std430, set = 0, binding = 8) writeonly buffer Problems { uint problems[]; };
+#include "shared/batch.h"
+#include "shared/features.h"
+#include "shared/sensor.h"
+#include "passes/declare.glsl"
+#include "passes/contacts.h"
 
 const float kRimTolerance = 1e-6;  // m, include/taxelsim/contact_point.h
 const uint kNoCell = 0xFFFFFFFFu;

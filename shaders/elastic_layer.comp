@@ -25,47 +25,12 @@
 #include "driver/pairs.glsl"
 #include "driver/barrier.glsl"
 #include "driver/texels.glsl"
-#include "shared/layout.h"
-#include "common/specialization.glsl"
-layout(constant_id = 11) const uint NODE_ROWS = 12;
-layout(constant_id = 12) const uint NODE_COLS = 28;
-layout(constant_id = 13) const uint MARGIN_ROWS = 0;  // nodes of the margin on either side
-layout(constant_id = 14) const uint MARGIN_COLS = 0;
-layout(constant_id = 15) const float THICKNESS = 0.002;  // m
-layout(constant_id = 16) const float REACH = 2.0;        // gaps that matter, in depths of the deepest node
-layout(constant_id = 17) const float NODE_FORCE = 1.0;   // of a node under a pressure that moves its own cell by a thickness, N
-layout(constant_id = 18) const uint ITERATIONS = 10;
-layout(constant_id = 19) const float TOLERANCE = 1e-3;
-layout(constant_id = 20) const uint NUM_HEIGHT_TILES = 1;  // of the contact pass
-layout(constant_id = 21) const bool LOADS = false;         // some instance is driven by load
-layout(constant_id = 22) const bool OUTPUT_DEPTH = false;  // contact_depth is wanted
-layout(constant_id = 23) const bool MANY_SLOTS = false;    // an instance may touch several objects
-layout(constant_id = 24) const bool FRICTION = false;      // shear with memory, skin/friction.glsl
-layout(constant_id = 25) const float TANGENTIAL_STIFFNESS = 1e8;  // N/m^3
-layout(constant_id = 26) const float FRICTION_COEFFICIENT = 1.0;
-layout(constant_id = 27) const bool OUTPUT_SHEAR = false;  // contact_shear is wanted
-layout(constant_id = 28) const uint RELAXATION = 0;        // terms of the skin's relaxation
-layout(constant_id = 29) const bool OUTPUT_JACOBIAN = false;  // taxel_jacobian and wrench_jacobian are wanted, elastic_layer/jacobian.glsl
-
-layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceRecord instances[]; };
-layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
-layout(std430, set = 0, binding = 2) readonly buffer SensorBlock { SensorRecord sensor; };
-layout(std430, set = 0, binding = 3) readonly buffer Heights { uint heights[]; };
-layout(std430, set = 0, binding = 4) readonly buffer Windows { TileResult windows[]; };
-FOURS(5, Influence);
-layout(std430, set = 0, binding = 6) readonly buffer SpreadScale { float spread_scale[]; };
-layout(std430, set = 0, binding = 7) coherent buffer Layer { Pair layer[]; };
-layout(std430, set = 0, binding = 8) writeonly buffer ContactNormal { float contact_normal[]; };
-layout(std430, set = 0, binding = 9) writeonly buffer ContactDepth { float contact_depth[]; };
-layout(std430, set = 0, binding = 10) writeonly buffer TileResults { TileResult tile_results[]; };
-layout(std430, set = 0, binding = 11) buffer Loads { LoadRecord loads[]; };
-layout(std430, set = 0, binding = 12) writeonly buffer Features { float features[]; };
-layout(std430, set = 0, binding = 13) writeonly buffer Problems { uint problems[]; };
-layout(std430, set = 0, binding = 14) readonly buffer Motions { MotionRecord motions[]; };
-layout(std430, set = 0, binding = 15) coherent buffer FrictionState { Pair friction_state[]; };
-layout(std430, set = 0, binding = 16) writeonly buffer ContactShear { float contact_shear[]; };
-layout(std430, set = 0, binding = 17) writeonly buffer TaxelJacobian { float taxel_jacobian[]; };
-layout(std430, set = 0, binding = 18) writeonly buffer WrenchJacobian { float wrench_jacobian[]; };
+#include "shared/batch.h"
+#include "shared/elastic_layer.h"
+#include "shared/features.h"
+#include "shared/sensor.h"
+#include "passes/declare.glsl"
+#include "passes/elastic_layer.h"
 
 const uint kStripPairs = kStrip / 2;
 const uint kRowStrips = (NODE_COLS + kStrip - 1) / kStrip;
@@ -283,7 +248,7 @@ void begin(Solution found, Goal goal) {
     for (; k < num_strips; k += LANES) {
       uvec2 at = stripAt(k);
       Strip p = readStrip(kLayerPressure, at), moved = displacementAt(at, kLayerPressure);
-      writeStrip(kLayerAnswer, at, moved);
+      writeStrip(kLayerProduct, at, moved);
       sums += vec4(workOf(p, readStrip(kLayerTarget, at)), dotOf(p, moved), sumOf(p), 0);
     }
     cut_short = cut_short || k < num_strips;
@@ -295,7 +260,7 @@ void begin(Solution found, Goal goal) {
   for (; k < num_strips; k += WORKGROUP) {
     uvec2 at = stripAt(k);
     writeStrip(kLayerPressure, at, scaled(readStrip(kLayerPressure, at), factor));
-    writeStrip(kLayerExcess, at, minus(scaled(readStrip(kLayerAnswer, at), factor), readStrip(kLayerTarget, at)));
+    writeStrip(kLayerResidual, at, minus(scaled(readStrip(kLayerProduct, at), factor), readStrip(kLayerTarget, at)));
   }
   cut_short = cut_short || k < num_strips;
   meet();

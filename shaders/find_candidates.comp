@@ -4,31 +4,17 @@
 //
 // A workgroup owns REPEAT instances of a list, one after another; an invocation owns boxes, then quads.
 // In:  poses, objects, groups, clusters, quads of triangles, the sensor's patch, a work list.
-// Out: candidates (num_instances), candidate_quads (num_instances x kMostCandidates), work lists.
+// Out: candidates (num_instances), candidate_quads (num_instances x kMaxCandidates), work lists.
 // Shared memory: 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 16 bytes.
 
 #include "driver/barrier.glsl"
 #include "driver/texels.glsl"
-#include "shared/layout.h"
-#include "common/specialization.glsl"
-layout(constant_id = 11) const bool FLAT = true;  // these as in contact.comp
-layout(constant_id = 12) const bool OUTPUT_JACOBIAN = false;
-layout(constant_id = 13) const float REACH = 0.0;
-layout(constant_id = 14) const uint GROUPS_PER_BATCH = 32;
-
-FOURS(0, Poses);
-layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
-FOURS(2, Objects);
-FOURS(3, Groups);
-FOURS(4, Clusters);
-FOURS(5, Quads);
-layout(std430, set = 0, binding = 6) readonly buffer Patches { PatchRecord patches[]; };
-layout(std430, set = 0, binding = 7) readonly buffer Tiles { TileRecord tiles[]; };
-layout(std430, set = 0, binding = 8) buffer Candidates { CandidateRecord candidates[]; };
-layout(std430, set = 0, binding = 9) writeonly buffer CandidateQuads { uint candidate_quads[]; };
-layout(std430, set = 0, binding = 10) buffer Work { uvec4 work[]; };
-layout(std430, set = 0, binding = 11) buffer WorkInstances { uint work_instances[]; };
-layout(std430, set = 0, binding = 12) writeonly buffer Problems { uint problems[]; };
+#include "shared/batch.h"
+#include "shared/candidates.h"
+#include "shared/objects.h"
+#include "shared/sensor.h"
+#include "passes/declare.glsl"
+#include "passes/find_candidates.h"
 
 const float kLeastShare = 0.25;    // of the steps ahead, where more of them are too many candidates
 const float kStepsWithout = 32.0;  // where these are, too
@@ -55,7 +41,7 @@ void visitQuad(Affine from_lattice, uint quad, bool large) {
                     lastSample(max(max(p.at, q.at), max(r.at, s.at)) + motion_high + kRounding));
   if (min(min(p.z, q.z), min(r.z, s.z)) >= z_limit || !isAny(reached)) return;
   uint at = atomicAdd(num_found, 1u);
-  if (at < kMostCandidates) candidate_quads[first_candidate + at] = quad;
+  if (at < kMaxCandidates) candidate_quads[first_candidate + at] = quad;
 }
 
 void findCandidates(uint instance) {
@@ -70,20 +56,20 @@ void findCandidates(uint instance) {
   motion_low = ivec2(floor(low.xy * units));
   motion_high = ivec2(ceil(high.xy * units));
   z_limit -= low.z;
-  first_candidate = instance * kMostCandidates;
+  first_candidate = instance * kMaxCandidates;
   visitMesh(body, fromLattice(body, id));
   z_limit += low.z;
   workgroupBarrier();
   if (lane == 0) {
-    bool fits = num_found <= kMostCandidates;
+    bool fits = num_found <= kMaxCandidates;
     candidates[instance].list = uvec4(uint(id + 1), fits ? num_found : kNoCandidates, 0, 0);
     float share = candidates[instance].half_size.w;
     bool gives_up = !fits && share <= kLeastShare;
     candidates[instance].center.w = gives_up ? kStepsWithout : 0.0;
-    if (gives_up || num_found < kMostCandidates / 4) candidates[instance].half_size.w = min(2.0 * share, 1.0);
+    if (gives_up || num_found < kMaxCandidates / 4) candidates[instance].half_size.w = min(2.0 * share, 1.0);
     if (!fits && !gives_up) candidates[instance].half_size.w = 0.5 * share;
     if (fits) atomicAdd(work[kNumLists].x, 1u);
-    enlist(fits && step_record.candidates.x != 0 ? kListWith : kListWithout, instance, REPEAT);
+    enlist(fits && step_record.candidates.x != 0 ? kListCandidates : kListWholeMesh, instance, REPEAT);
   }
   workgroupBarrier();
 }
@@ -91,8 +77,8 @@ void findCandidates(uint instance) {
 void main() {
   enterWindow(0);
   uint first = workgroupNumber() * REPEAT;
-  uint end = min(first + REPEAT, work[kListToFind].w);
+  uint end = min(first + REPEAT, work[kListFindCandidates].w);
   uint k = first;
-  for (; k < end; ++k) findCandidates(work_instances[placeInList(kListToFind, k)]);
+  for (; k < end; ++k) findCandidates(work_instances[placeInList(kListFindCandidates, k)]);
   if (cut_short || k < end) problems[0] = 1;
 }

@@ -6,62 +6,20 @@
 // taxels, so that of a row's sources each is fetched once. On a software driver a team is one invocation: what is done once per instance, above all
 // the features, is then done for as many instances at a time as a vector has lanes.
 // In:  contact_normal (num_instances x num_taxels), N; contact_shear; tile_results; the spread's kernel or lists.
-// Out: image (num_instances x num_taxels), counts; spread_normal, N, and spread_shear alike; features (block after block, layout.h).
+// Out: image (num_instances x num_taxels), counts; spread_normal, N, and spread_shear alike; features (block after block, shared/features.h).
 // Kept between steps: taxel_states (num_instances x states x num_taxels), readout/lag.glsl; image_windows.
 // Shared memory: 4 PARTIALS bytes.
 // Deterministic: sums run over at most LANES partial sums in a fixed order, whatever the size of team and workgroup.
 // Twins: src/reference/psf.cpp, lag.cpp, imperfections.cpp, readout.cpp, features.cpp.
 
-#include "shared/layout.h"
-#include "common/specialization.glsl"
-layout(constant_id = 11) const bool SHEAR = false;        // spread shear as well
-layout(constant_id = 12) const uint NUM_ENTRIES = 9;      // of a taxel's list of sources, where the sensor is not one grid patch
-layout(constant_id = 13) const bool OUTPUT_NORMAL = true;  // spread_normal is wanted, outside contact too
-layout(constant_id = 14) const bool TAXELS_ALIKE = true;  // gain 1 and the sensor's trigger everywhere
-layout(constant_id = 15) const int CURVE_DEGREE = 1;
-layout(constant_id = 16) const float CURVE_SLOPE = 2400.0;  // at 0, counts/N
-layout(constant_id = 17) const float OUTPUT_SCALE = 1.0;
-layout(constant_id = 18) const float TRIGGER = 0.02;      // N
-layout(constant_id = 19) const float SATURATION = 4095.0;  // counts
-layout(constant_id = 20) const float NOISE = 0.0;         // counts
-layout(constant_id = 21) const bool RANDOM = false;      // some instance draws noise or gains
-layout(constant_id = 22) const uint TEAM = 1;            // invocations of an instance
-layout(constant_id = 23) const uint PARTIALS = 1;        // kNumSums LANES for every team of more than one invocation
-layout(constant_id = 24) const uint NUM_HYSTERESIS = 0;  // elements
-layout(constant_id = 25) const uint NUM_CREEP = 0;       // terms
-layout(constant_id = 26) const bool LOW_PASS = false;
-layout(constant_id = 27) const bool DELAY = false;
-layout(constant_id = 28) const bool RANDOM_WALK = false;
-layout(constant_id = 29) const float BIAS = 0.0;         // counts
-layout(constant_id = 30) const float DEAD_TAXELS = 0.0;  // probability
-layout(constant_id = 31) const bool WHOLE_ARRAY = false;  // taxels that no object reaches may have a force
-layout(constant_id = 32) const bool TURNS_SHEAR = false;  // on its way along the skin, readout/spread.glsl
-layout(constant_id = 33) const float CURVE_LIMIT = 0.0;   // counts; 0: none
-layout(constant_id = 34) const int CURVE_PIECES = 0;      // 0: a polynomial
-layout(constant_id = 35) const bool KEEPS_WINDOW = true;  // every step has a frame, so outside of the window of the step before all is 0
+#include "shared/batch.h"
+#include "shared/features.h"
+#include "shared/random.h"
+#include "shared/sensor.h"
+#include "passes/declare.glsl"
+#include "passes/image.h"
 
-layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceRecord instances[]; };
-layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
-layout(std430, set = 0, binding = 2) readonly buffer SensorBlock { SensorRecord sensor; };
-layout(std430, set = 0, binding = 3) readonly buffer Taxels { TaxelRecord taxels[]; };
-layout(std430, set = 0, binding = 4) readonly buffer SpreadRows { vec4 spread_rows[]; };
-layout(std430, set = 0, binding = 5) readonly buffer ContactNormal { float contact_normal[]; };
-layout(std430, set = 0, binding = 6) readonly buffer ContactShear { float contact_shear[]; };
-layout(std430, set = 0, binding = 7) readonly buffer TileResults { TileResult tile_results[]; };
-layout(std430, set = 0, binding = 8) readonly buffer Loads { LoadRecord loads[]; };
-layout(std430, set = 0, binding = 9) writeonly buffer Image { uint image[]; };
-layout(std430, set = 0, binding = 10) writeonly buffer SpreadNormal { float spread_normal[]; };
-layout(std430, set = 0, binding = 11) writeonly buffer SpreadShear { float spread_shear[]; };
-layout(std430, set = 0, binding = 12) writeonly buffer Features { float features[]; };
-layout(std430, set = 0, binding = 13) writeonly buffer Problems { uint problems[]; };
-layout(std430, set = 0, binding = 14) buffer TaxelStates { float taxel_states[]; };
-layout(std430, set = 0, binding = 15) buffer ImageWindows { uvec4 image_windows[]; };  // of the step before: first row and column, their numbers
-
-// Sums per image: force, first moments (3), second moments (3), area, peak; first the measured image's, then the clean one's, then the number of
-// saturated taxels.
-const uint kSumsPerImage = 9u;
-const uint kNumSums = 19u;
-const uint kPeak = 8u;
+const uint kPeak = 8u;  // of the sums of an image
 
 shared float partial[PARTIALS];
 

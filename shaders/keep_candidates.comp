@@ -12,21 +12,12 @@
 // Out: candidates (num_instances), work lists.
 
 #include "driver/texels.glsl"
-#include "shared/layout.h"
-#include "common/specialization.glsl"
-layout(constant_id = 11) const bool FLAT = true;  // these as in contact.comp
-layout(constant_id = 12) const bool OUTPUT_JACOBIAN = false;
-layout(constant_id = 13) const float REACH = 0.0;
-layout(constant_id = 14) const uint LISTED_PER_WORKGROUP = 16;
-
-FOURS(0, Poses);
-layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
-FOURS(2, Objects);
-layout(std430, set = 0, binding = 3) readonly buffer Patches { PatchRecord patches[]; };
-layout(std430, set = 0, binding = 4) readonly buffer Tiles { TileRecord tiles[]; };
-layout(std430, set = 0, binding = 5) buffer Candidates { CandidateRecord candidates[]; };
-layout(std430, set = 0, binding = 6) buffer Work { uvec4 work[]; };
-layout(std430, set = 0, binding = 7) writeonly buffer WorkInstances { uint work_instances[]; };
+#include "shared/batch.h"
+#include "shared/candidates.h"
+#include "shared/objects.h"
+#include "shared/sensor.h"
+#include "passes/declare.glsl"
+#include "passes/keep_candidates.h"
 
 // Measured on software drivers. Finding costs once in so many steps, the room for so many in each of them: together least where their number goes with
 // the root of the speed.
@@ -80,7 +71,7 @@ uint listOf(uint instance) {
   int id = objectInSlot(instance);
   Body body = bodyInSlot(instance, max(id, 0));
   CandidateRecord before = candidates[instance];
-  bool suits = id >= 0 && body.near && body.kind_groups.x == kKindMesh && body.kind_groups.z >= kFewestGroups;
+  bool suits = id >= 0 && body.near && body.kind_groups.x == kKindMesh && body.kind_groups.z >= kMinGroups;
   bool known = suits && before.list.x == uint(id + 1);
   bool listed = known && before.list.y != kNoCandidates;
   vec3 low, high;
@@ -88,7 +79,7 @@ uint listOf(uint instance) {
   if (listed && all(greaterThanEqual(low, before.low.xyz)) && all(lessThanEqual(high, before.high.xyz))) {
     candidates[instance].center.w = before.center.w + 1.0;
     atomicAdd(work[kNumLists].x, 1u);
-    return step_record.candidates.x != 0 ? kListWith : kListWithout;
+    return step_record.candidates.x != 0 ? kListCandidates : kListWholeMesh;
   }
   float wait = listed || !known ? 0.0 : max(before.center.w - 1.0, 0.0);
   float share = known && before.half_size.w > 0.0 ? before.half_size.w : 1.0;
@@ -103,7 +94,7 @@ uint listOf(uint instance) {
   reachedPart(body, center, half_size);
   candidates[instance] = CandidateRecord(body.X_PO.row0, body.X_PO.row1, body.X_PO.row2, vec4(center, wait), vec4(half_size, share), vec4(low, 0),
                                          vec4(high, 0), uvec4(suits ? uint(id + 1) : 0u, kNoCandidates, 0, 0));
-  return known && wait == 0.0 && steps >= kFewestStepsAhead ? kListToFind : kListWithout;
+  return known && wait == 0.0 && steps >= kFewestStepsAhead ? kListFindCandidates : kListWholeMesh;
 }
 
 void main() {

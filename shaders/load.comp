@@ -8,18 +8,9 @@
 // Force falls as the offset grows: the bracket's lower bound carries too much (or sinks deeper than the skin), its upper bound too little.
 // Regula falsi and bisection in turn. Twin: src/reference/load.cpp.
 
-#include "shared/layout.h"
-
-layout(local_size_x_id = 0) in;
-layout(constant_id = 0) const uint WORKGROUP = 8;
-layout(constant_id = 1) const uint NUM_TILES = 1;
-layout(constant_id = 2) const uint EVALUATIONS = 48;  // after which the search closes with the best it has
-layout(constant_id = 3) const bool ONE_GRID = false;   // windows are rectangles
-
-layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceRecord instances[]; };
-layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
-layout(std430, set = 0, binding = 2) readonly buffer TileResults { TileResult tile_results[]; };
-layout(std430, set = 0, binding = 3) buffer Loads { LoadRecord loads[]; };
+#include "shared/batch.h"
+#include "passes/declare.glsl"
+#include "passes/load.h"
 
 const float kTolerance = 1e-5;         // of the load; a float's offset at 0.1 m is 4e-9 m, 4e-5 of a depth of 0.1 mm
 const float kAccepted = 1e-3;          // of the load: what a bracket as narrow as floats allow must reach
@@ -48,7 +39,7 @@ void main() {
   for (uint t = 0; t < NUM_TILES; ++t) {
     force += tile_results[instance * NUM_TILES + t].torque.w;
     deep += tile_results[instance * NUM_TILES + t].force.w;
-    if (!ONE_GRID) behind |= tile_results[instance * NUM_TILES + t].window.x;
+    if (NUM_ROWS == 0) behind |= tile_results[instance * NUM_TILES + t].window.x;
   }
   float load = instances[instance].drive.x;
   float offset = record.bracket.x;

@@ -6,17 +6,9 @@
 // In:  masked_jacobian (num_instances x 6 x num_taxels): r'; law_state: r, N; tile_results: what is pressed. In, out: taxel_jacobian, for the spread.
 // Twin: src/reference/tactile_jacobian.cpp.
 
-#include "shared/layout.h"
-#include "common/specialization.glsl"
-layout(constant_id = 11) const bool SCALED = true;
-
-layout(std430, set = 0, binding = 0) readonly buffer Step { StepRecord step_record; };
-layout(std430, set = 0, binding = 1) readonly buffer SpreadScale { float spread_scale[]; };
-layout(std430, set = 0, binding = 2) readonly buffer LawState { vec2 law_state[]; };
-layout(std430, set = 0, binding = 3) readonly buffer TileResults { TileResult tile_results[]; };
-layout(std430, set = 0, binding = 4) readonly buffer MaskedJacobian { float masked_jacobian[]; };
-layout(std430, set = 0, binding = 5) buffer TaxelJacobian { float taxel_jacobian[]; };
-layout(std430, set = 0, binding = 6) writeonly buffer Problems { uint problems[]; };
+#include "shared/batch.h"
+#include "passes/declare.glsl"
+#include "passes/rescale_jacobian.h"
 
 #include "common/workgroup.glsl"
 

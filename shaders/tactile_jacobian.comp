@@ -6,41 +6,23 @@
 // TEAM invocations share a part (a row of an instance); a workgroup has WORKGROUP / TEAM teams, and each does REPEAT parts one after another. The parts of one
 // kind of all instances follow each other.
 // In:  spread_normal (num_instances x num_taxels), N; taxel_jacobian (num_instances x 6 x num_taxels); wrench_jacobian (num_instances x num_tiles x 6 x 6).
-// Out: features (block after block, each num_instances x num_rows x components x 6, then the wrench's, layout.h).
+// Out: features (block after block, each num_instances x num_rows x components x 6, then the wrench's, shared/features.h).
 // Shared memory: 4 PARTIALS bytes.
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of team and workgroup.
 // Twin: src/reference/tactile_jacobian.cpp.
 
-#include "shared/layout.h"
-#include "common/specialization.glsl"
-layout(constant_id = 11) const bool CLEAN = false;
-layout(constant_id = 12) const uint TEAM = 1;         // invocations of a part
-layout(constant_id = 13) const uint PATCHES = 1;      // rows of patches
-layout(constant_id = 14) const uint LAST_PLANE = 1;   // that of S
-layout(constant_id = 15) const uint PARTIALS = 1;     // kMostSums LANES for every team of more than one invocation
-layout(constant_id = 16) const uint NUM_ENTRIES = 9;  // of a taxel's list of sources, where the sensor is not one grid patch
-layout(constant_id = 17) const float TRIGGER = 0.02;  // N, of the nominal curve
-layout(constant_id = 18) const float MOST = 2.0;      // N over its trigger at which a taxel saturates
-layout(constant_id = 19) const bool RANDOM = false;   // some instance draws gains
-layout(constant_id = 20) const float DEAD_TAXELS = 0.0;  // probability
+#include "shared/batch.h"
+#include "shared/features.h"
+#include "shared/random.h"
+#include "shared/sensor.h"
+#include "passes/declare.glsl"
+#include "passes/tactile_jacobian.h"
 const float BIAS = 0.0;  // of counts, which have no part in this
-
-layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceRecord instances[]; };
-layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
-layout(std430, set = 0, binding = 2) readonly buffer Taxels { TaxelRecord taxels[]; };
-layout(std430, set = 0, binding = 3) readonly buffer Planes { PlaneRecord planes[]; };
-layout(std430, set = 0, binding = 4) readonly buffer SpreadRows { vec4 spread_rows[]; };
-layout(std430, set = 0, binding = 5) readonly buffer SpreadNormal { float spread_normal[]; };
-layout(std430, set = 0, binding = 6) readonly buffer TaxelJacobian { float taxel_jacobian[]; };
-layout(std430, set = 0, binding = 7) readonly buffer WrenchJacobian { float wrench_jacobian[]; };
-layout(std430, set = 0, binding = 8) writeonly buffer Features { float features[]; };
-layout(std430, set = 0, binding = 9) writeonly buffer Problems { uint problems[]; };
 
 const uint kTeams = WORKGROUP / TEAM;
 const bool kOnePatch = PATCHES == 1;  // whose row is the sensor's
 const uint kRows = 1 + PATCHES;
 const uint kParts = kOnePatch ? 1u : kRows;
-const uint kMostSums = 7u;  // of any scan
 
 shared float partial[PARTIALS];
 

@@ -10,20 +10,11 @@
 // Deterministic: LANES partial sums are added in their order.
 // Twin: src/reference/tactile_jacobian.cpp.
 
-#include "shared/layout.h"
-#include "common/specialization.glsl"
-layout(constant_id = 11) const bool SCALED = true;
-layout(constant_id = 12) const bool PRESSES = true;  // else the law has no forces, and no wrench
-
-layout(std430, set = 0, binding = 0) readonly buffer Step { StepRecord step_record; };
-layout(std430, set = 0, binding = 1) readonly buffer Patches { PatchRecord patches[]; };
-layout(std430, set = 0, binding = 2) readonly buffer Tiles { TileRecord tiles[]; };
-layout(std430, set = 0, binding = 3) readonly buffer Taxels { TaxelRecord taxels[]; };
-layout(std430, set = 0, binding = 4) readonly buffer SpreadScale { float spread_scale[]; };
-layout(std430, set = 0, binding = 5) readonly buffer ContactCells { CellRecord contact_cells[]; };
-layout(std430, set = 0, binding = 6) readonly buffer TileChanges { float tile_changes[]; };
-layout(std430, set = 0, binding = 7) writeonly buffer TaxelJacobian { float taxel_jacobian[]; };
-layout(std430, set = 0, binding = 8) writeonly buffer WrenchJacobian { float wrench_jacobian[]; };
+#include "shared/batch.h"
+#include "shared/features.h"
+#include "shared/sensor.h"
+#include "passes/declare.glsl"
+#include "passes/taxel_jacobian.h"
 
 #include "common/workgroup.glsl"
 #include "common/transform.glsl"

@@ -1,23 +1,9 @@
 // What the passes share that some laws run over the taxels, between contact and image. An invocation owns a taxel, an instance or a tile of an instance.
 
-#include "shared/layout.h"
-#include "common/specialization.glsl"
-layout(constant_id = 11) const bool SCALED = true;  // as in contact.comp, which leaves the scale to these passes
-layout(constant_id = 12) const float LAW_0 = 0.0;   // parameters of the law
-layout(constant_id = 13) const float LAW_1 = 0.0;
-layout(constant_id = 14) const bool SHEAR = false;  // contact_shear is wanted
-layout(constant_id = 15) const float FRICTION_COEFFICIENT = 0.0;
-
-layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceRecord instances[]; };
-layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
-layout(std430, set = 0, binding = 2) readonly buffer SpreadScale { float spread_scale[]; };
-layout(std430, set = 0, binding = 3) readonly buffer Neighbours { vec2 neighbours[]; };  // (9 x num_taxels): taxel (as bits), weight
-layout(std430, set = 0, binding = 4) buffer ContactNormal { float contact_normal[]; };
-layout(std430, set = 0, binding = 5) buffer LawState { vec2 law_state[]; };  // (num_instances x num_taxels)
-layout(std430, set = 0, binding = 6) buffer TileResults { TileResult tile_results[]; };
-layout(std430, set = 0, binding = 7) readonly buffer Taxels { TaxelRecord taxels[]; };
-layout(std430, set = 0, binding = 8) writeonly buffer Problems { uint problems[]; };
-layout(std430, set = 0, binding = 9) buffer ContactShear { float contact_shear[]; };  // (num_instances x num_taxels x 2)
+#include "shared/batch.h"
+#include "shared/sensor.h"
+#include "passes/declare.glsl"
+#include "passes/taxel_law.h"
 
 #include "common/workgroup.glsl"
 

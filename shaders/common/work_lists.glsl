@@ -1,4 +1,4 @@
-// Lists of instances for passes to come; layout.h. Which order they get is chance, and does not show.
+// Lists of instances for passes to come; shared/candidates.h. Which order they get is chance, and does not show.
 
 uint placeInList(uint list, uint instance) { return list * step_record.batch.x + instance; }
 
@@ -7,9 +7,9 @@ void enlist(uint list, uint instance, uint per_workgroup) {
   work_instances[placeInList(list, at)] = instance;
   if (at % per_workgroup != 0) return;
   uint workgroup = at / per_workgroup;
-  if (workgroup < kMostColumns) {
+  if (workgroup < kMaxColumns) {
     atomicAdd(work[list].x, 1u);
-  } else if (workgroup % kMostColumns == 0) {
+  } else if (workgroup % kMaxColumns == 0) {
     atomicAdd(work[list].y, 1u);
   }
 }

@@ -69,7 +69,7 @@ void rasterBody(uint instance, uint slot, Body body, int id) {
   raster_slot = slot;
   bool is_mesh = body.kind_groups.x == kKindMesh;
   subpixel_bits = int(body.kind_groups.w & kSubpixelMask);
-  if (LIST == kListWith) {
+  if (LIST == kListCandidates) {
     visitCandidates(instance, body, fromLattice(body, id));
   } else if (kHasMesh && (!kHasAnalytic || is_mesh)) {
     visitMesh(body, fromLattice(body, id));

@@ -57,7 +57,7 @@ void fetchQuad(Affine from_lattice, uint quad, out Vertex p, out Vertex q, out V
   s = vertexOf(from_lattice, rs.zw);
 }
 
-// The box of a group; `items`: its clusters, packed as in layout.h.
+// The box of a group; `items`: its clusters, packed as in shared/objects.h.
 bool groupReaches(Affine from_lattice, uint group, out uint items) {
   uvec4 words = fourOf(Groups, group);
   items = words.w;

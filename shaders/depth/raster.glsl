@@ -170,7 +170,7 @@ void visitQuad(Affine from_lattice, uint quad, bool large) {
 
 // Instead of visitMesh(): the quads that find_candidates.comp has found.
 void visitCandidates(uint instance, Body body, Affine from_lattice) {
-  uint first = instance * kMostCandidates, count = candidates[instance].list.y;
+  uint first = instance * kMaxCandidates, count = candidates[instance].list.y;
   uint i = gl_LocalInvocationIndex;
   for (; i < count; i += WORKGROUP) visitQuad(from_lattice, candidate_quads[first + i], (body.kind_groups.w & kLargeTriangles) != 0);
   cut_short = cut_short || i < count;

@@ -5,7 +5,7 @@
 // Nodes that come or go carry nothing at that moment. The object's surface lies at z = -d(x, y) of P; its point p = (x, y, -d) moves with u = v + w x p, so
 // that d changes by -u_z - u_x d_x - u_y d_y. Of a skin that relaxes these are the changes at once.
 //
-// kLayerTarget takes the changes of pressure dp, kLayerExcess what they miss; the two are free once all else is told.
+// kLayerTarget takes the changes of pressure dp, kLayerResidual what they miss; the two are free once all else is told.
 
 const uint kMostRounds = 48;         // of conjugate gradients; of a few thousand nodes in contact half as many suffice
 const float kRoundsEnd = 1e-8;       // squares that are left, of those at the beginning
@@ -52,7 +52,7 @@ float beginRates(Surface surface, float shift, vec3 v, vec3 w) {
         if (c < 4) rate.low[c] = value; else rate.high[c - 4] = value;
       }
       writeStrip(kLayerTarget, at, strip(0.0));
-      writeStrip(kLayerExcess, at, rate);
+      writeStrip(kLayerResidual, at, rate);
       writeStrip(kLayerDirection, at, rate);
       squares += dotOf(rate, rate);
     }
@@ -70,7 +70,7 @@ float stepRates(float squares) {
     for (; k < num_strips; k += LANES) {
       uvec2 at = stripAt(k);
       Strip q = productOf(displacementAt(at, kLayerDirection), pressedOver(at));
-      writeStrip(kLayerAnswer, at, q);
+      writeStrip(kLayerProduct, at, q);
       curvature += dotOf(q, readStrip(kLayerDirection, at));
     }
     cut_short = cut_short || k < num_strips;
@@ -83,9 +83,9 @@ float stepRates(float squares) {
     uint k = part;
     for (; k < num_strips; k += LANES) {
       uvec2 at = stripAt(k);
-      Strip missed = minus(readStrip(kLayerExcess, at), scaled(readStrip(kLayerAnswer, at), step_length));
+      Strip missed = minus(readStrip(kLayerResidual, at), scaled(readStrip(kLayerProduct, at), step_length));
       writeStrip(kLayerTarget, at, sumOf(readStrip(kLayerTarget, at), scaled(readStrip(kLayerDirection, at), step_length)));
-      writeStrip(kLayerExcess, at, missed);
+      writeStrip(kLayerResidual, at, missed);
       left += dotOf(missed, missed);
     }
     cut_short = cut_short || k < num_strips;
@@ -95,7 +95,7 @@ float stepRates(float squares) {
   uint k = gl_LocalInvocationIndex;
   for (; k < num_strips; k += WORKGROUP) {
     uvec2 at = stripAt(k);
-    writeStrip(kLayerDirection, at, sumOf(readStrip(kLayerExcess, at), scaled(readStrip(kLayerDirection, at), left / squares)));
+    writeStrip(kLayerDirection, at, sumOf(readStrip(kLayerResidual, at), scaled(readStrip(kLayerDirection, at), left / squares)));
   }
   cut_short = cut_short || k < num_strips;
   meet();

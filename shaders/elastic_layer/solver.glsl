@@ -22,7 +22,7 @@ Strip productOf(Strip a, Strip b) { return Strip(a.low * b.low, a.high * b.high)
 Strip minus(Strip a, Strip b) { return Strip(a.low - b.low, a.high - b.high); }
 Strip minus(Strip a, float b) { return Strip(a.low - b, a.high - b); }
 
-// The excess goes on by the displacements of array kLayerAnswer over the sources. In load-driven mode pressures and displacements are then multiplied by
+// The excess goes on by the displacements of array kLayerProduct over the sources. In load-driven mode pressures and displacements are then multiplied by
 // `factor`, and the shift follows. How far the solution is now.
 void settle(inout Solution found, Goal goal, float factor) {
   for (uint v = gl_LocalInvocationIndex; v < num_parts; v += WORKGROUP) {
@@ -31,7 +31,7 @@ void settle(inout Solution found, Goal goal, float factor) {
     for (; k < num_strips; k += LANES) {
       uvec2 at = stripAt(k);
       Strip p = readStrip(kLayerPressure, at);
-      Strip excess = sumOf(readStrip(kLayerExcess, at), displacementAt(at, kLayerAnswer));
+      Strip excess = sumOf(readStrip(kLayerResidual, at), displacementAt(at, kLayerProduct));
       if (LOADS) {
         Strip target = readStrip(kLayerTarget, at);
         p = scaled(p, factor);
@@ -39,7 +39,7 @@ void settle(inout Solution found, Goal goal, float factor) {
         if (factor != 1.0) excess = minus(scaled(sumOf(excess, target), factor), target);
         writeStrip(kLayerPressure, at, p);
       }
-      writeStrip(kLayerExcess, at, excess);
+      writeStrip(kLayerResidual, at, excess);
       excess = minus(excess, found.shift);
       Strip pressed = whereAbove(p, 0.0);
       Strip inside = productOf(excess, pressed);
@@ -68,7 +68,7 @@ void direct(Solution found, float share) {
       uvec2 at = stripAt(k);
       Strip pressed = whereAbove(readStrip(kLayerPressure, at), 0.0);
       if (sumOf(pressed) > 0.0) addSource(at);
-      Strip excess = productOf(pressed, minus(readStrip(kLayerExcess, at), found.shift));
+      Strip excess = productOf(pressed, minus(readStrip(kLayerResidual, at), found.shift));
       Strip t = sumOf(excess, productOf(pressed, scaled(readStrip(kLayerDirection, at), share)));
       writeStrip(kLayerDirection, at, t);
       along += dotOf(excess, t);
@@ -86,7 +86,7 @@ float answer(Solution found, Goal goal) {
     for (; k < num_strips; k += LANES) {
       uvec2 at = stripAt(k);
       Strip q = displacementAt(at, kLayerDirection);
-      writeStrip(kLayerAnswer, at, q);
+      writeStrip(kLayerProduct, at, q);
       Strip t = readStrip(kLayerDirection, at);
       sums.y += dotOf(q, t);
       if (LOADS && goal.by_load) {
@@ -103,7 +103,7 @@ float answer(Solution found, Goal goal) {
   return curvature > 0.0 ? max(sums.x / curvature, 0.0) : 0.0;
 }
 
-// Goes the step, lets go of nodes that it would pull, presses those that are penetrated. Leaves in kLayerAnswer by how much the pressures differ from the
+// Goes the step, lets go of nodes that it would pull, presses those that are penetrated. Leaves in kLayerProduct by how much the pressures differ from the
 // plain step, where they do are the sources; returns the sum of pressures, and whether a node was pressed.
 vec2 advance(Solution found, float step_length) {
   // The first node has no step to go by; its own compliance, 1, is the scale.
@@ -113,7 +113,7 @@ vec2 advance(Solution found, float step_length) {
     uint k = v;
     for (; k < num_strips; k += LANES) {
       uvec2 at = stripAt(k);
-      Strip unshifted = readStrip(kLayerExcess, at), excess = minus(unshifted, found.shift);
+      Strip unshifted = readStrip(kLayerResidual, at), excess = minus(unshifted, found.shift);
       Strip plain = minus(readStrip(kLayerPressure, at), scaled(readStrip(kLayerDirection, at), step_length));
       Strip entering = Strip((1.0 - vec4(greaterThan(plain.low, vec4(0)))) * max(-excess.low, 0.0),
                              (1.0 - vec4(greaterThan(plain.high, vec4(0)))) * max(-excess.high, 0.0));
@@ -121,8 +121,8 @@ vec2 advance(Solution found, float step_length) {
       Strip change = minus(p, plain);
       if (largestOf(change) > 0.0) addSource(at);
       writeStrip(kLayerPressure, at, p);
-      writeStrip(kLayerExcess, at, minus(unshifted, scaled(readStrip(kLayerAnswer, at), step_length)));
-      writeStrip(kLayerAnswer, at, change);
+      writeStrip(kLayerResidual, at, minus(unshifted, scaled(readStrip(kLayerProduct, at), step_length)));
+      writeStrip(kLayerProduct, at, change);
       sums += vec2(sumOf(p), sumOf(entering));
     }
     cut_short = cut_short || k < num_strips;

@@ -77,17 +77,17 @@ Motion motionOf(uint slot) {
 // What a sample keeps, 0 where nothing touched.
 vec2 heldAt(uint state_index) {
   uvec2 words = wordsOf(friction_state[state_index]);
-  return (words.x & ~kSlotMask) == kNoContact ? vec2(0) : vec2(withoutSlot(words.x), uintBitsToFloat(words.y));
+  return (words.x & ~kSlotMask) == kNoFrictionState ? vec2(0) : vec2(withoutSlot(words.x), uintBitsToFloat(words.y));
 }
 
 // Shear traction (Pa) at the sample p of P under `pressure` (Pa), if the object in `slot` touches there; leaves the sample's state for the next step.
 // `kept`: the sample has a state of the step before.
 vec2 shearTraction(uint state_index, bool kept, bool touches, uint slot, vec3 p, float pressure) {
-  uvec2 before = uvec2(kNoContact, 0u), after = before;
+  uvec2 before = uvec2(kNoFrictionState, 0u), after = before;
   vec2 q = vec2(0), held = vec2(0);
   if (touches) {
     if (kept) before = wordsOf(friction_state[state_index]);
-    bool touched = (before.x & ~kSlotMask) != kNoContact && slotOf(before.x) == slot;
+    bool touched = (before.x & ~kSlotMask) != kNoFrictionState && slotOf(before.x) == slot;
     Motion motion = motionOf(slot);
     if (motion.known) {
       vec3 u = apply(motion.displacement, p);

@@ -4,7 +4,7 @@
 #include <future>
 #include <string>
 
-#include "base/background.h"
+#include "base/thread_priority.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -53,7 +53,7 @@ std::vector<int> splitBatch(const Model& model, const EpisodePlan& plan, int bat
 void runEpisodes(const Device& device, std::span<const std::unique_ptr<Slice>> slices, const std::atomic<bool>* stop,
                  const std::function<void(const Slice::Stats&)>& after_frame) {
   const auto run_slices = [&] {
-    if (device.info().type == DeviceType::kCpu) goToBackground();
+    if (device.info().type == DeviceType::kCpu) lowerThreadPriority();
     for (const auto& slice : slices) {
       if (slice->busy()) slice->submit();
     }

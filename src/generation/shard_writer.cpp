@@ -3,7 +3,7 @@
 #include <chrono>
 #include <utility>
 
-#include "base/background.h"
+#include "base/thread_priority.h"
 
 namespace taxelsim {
 
@@ -16,7 +16,7 @@ ShardWriter::~ShardWriter() {
 }
 
 void ShardWriter::run() {
-  goToBackground();
+  lowerThreadPriority();
   std::unique_lock lock(mutex_);
   for (;;) {
     changed_.wait(lock, [this] { return closing_ || !waiting_.empty(); });
