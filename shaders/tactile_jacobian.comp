@@ -9,7 +9,7 @@
 // Out: features (block after block, each num_instances x num_rows x components x 6, then the wrench's, shared/features.h).
 // Shared memory: 4 PARTIALS bytes.
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of team and workgroup.
-// Twin: src/reference/tactile_jacobian.cpp.
+// Twin: src/reference/feature_jacobian.cpp.
 
 #include "shared/batch.h"
 #include "shared/features.h"

@@ -1,5 +1,5 @@
 // The tactile Jacobian of an elastic layer: how its forces change as the sensor moves and the objects stay. Included by elastic_layer.comp, whose names it
-// uses. Twin: src/reference/tactile_jacobian.cpp.
+// uses. Twin: src/reference/layer_rates.cpp.
 //
 // Over the nodes in contact A p = d, so that A dp = dd: conjugate gradients again, over nodes that are known by now, once for each coordinate of the twist.
 // Nodes that come or go carry nothing at that moment. The object's surface lies at z = -d(x, y) of P; its point p = (x, y, -d) moves with u = v + w x p, so

@@ -15,13 +15,13 @@ class Stopwatch {
  public:
   // Seconds since construction or the preceding lap().
   double lap() {
-    const Clock::time_point now = Clock::now();
+    const SteadyClock::time_point now = SteadyClock::now();
     return std::chrono::duration<double>(now - std::exchange(last_, now)).count();
   }
 
  private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point last_ = Clock::now();
+  using SteadyClock = std::chrono::steady_clock;
+  SteadyClock::time_point last_ = SteadyClock::now();
 };
 
 }  // namespace

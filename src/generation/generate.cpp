@@ -16,7 +16,7 @@
 namespace taxelsim {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using SteadyClock = std::chrono::steady_clock;
 
 constexpr auto kProgressPeriod = std::chrono::milliseconds(250);
 
@@ -93,17 +93,17 @@ class Run {
   }
 
  private:
-  void report(Clock::time_point now);
+  void report(SteadyClock::time_point now);
 
   const GenerateOptions& options_;
   DatasetWriter& writer_;
   std::vector<bool> complete_;
   GenerateResult result_;
-  Clock::time_point start_;
-  Clock::time_point last_report_;
+  SteadyClock::time_point start_;
+  SteadyClock::time_point last_report_;
 };
 
-void Run::report(Clock::time_point now) {
+void Run::report(SteadyClock::time_point now) {
   progress().seconds = std::chrono::duration<double>(now - start_).count();
   if (!options_.on_progress || now - last_report_ < kProgressPeriod) return;
   last_report_ = now;
@@ -121,21 +121,21 @@ void Run::simulate(const Model& model, const EpisodePlan& plan, ShardQueue& queu
     sinks.push_back(std::make_unique<ShardSink>(recorder, queue, shard_writer, plan.num_frames, size));
     slices.push_back(std::make_unique<Slice>(model, plan, size, *sinks.back()));
   }
-  start_ = last_report_ = Clock::now();
+  start_ = last_report_ = SteadyClock::now();
   runEpisodes(model.device(), slices, options_.stop, [&](const Slice::Stats& stats) {
     progress().frames_done += stats.num_frames;
     progress().episodes_done += stats.num_episodes;
     result_.num_load_misses += stats.num_load_misses;
     result_.times.device_busy += stats.device_seconds;
     result_.times.device_wait += stats.wait_seconds;
-    report(Clock::now());
+    report(SteadyClock::now());
   });
-  const Clock::time_point last_frame = Clock::now();
+  const SteadyClock::time_point last_frame = SteadyClock::now();
   shard_writer.close();
-  result_.times.writing_last = std::chrono::duration<double>(Clock::now() - last_frame).count();
+  result_.times.writing_last = std::chrono::duration<double>(SteadyClock::now() - last_frame).count();
   result_.times.writer_wait = shard_writer.secondsWaited();
   progress().episodes_done = progress().episodes_resumed + shard_writer.numEpisodesWritten();
-  progress().seconds = std::chrono::duration<double>(Clock::now() - start_).count();
+  progress().seconds = std::chrono::duration<double>(SteadyClock::now() - start_).count();
 }
 
 }  // namespace

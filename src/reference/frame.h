@@ -38,7 +38,7 @@ struct FrameInput {
   Lag* lag = nullptr;  // stage 4, advanced by dt; null: no dynamics
 };
 
-// All intermediate values, in order of computation. Fields for law ElasticLayer only say so.
+// All intermediate values, in order of computation. Fields marked "ElasticLayer only" are empty or 0 for other laws.
 struct Frame {
   LoadResult load;                  // pose-driven: offset 0, reached. ElasticLayer: only offset and reached are set
   std::vector<double> heights;      // (num_taxels x s x s), m

@@ -117,8 +117,8 @@ TEST(MassSpringDamperTwin, FrameSpreadsTheLaggingShear) {
   Sensor lagging = sensor;
   lagging.skin.law = MassSpringDamper{.normal_contact_stiffness = 1.73e8};
   const Object ball(Sphere{0.01});
-  reference::Frame at_once, late;
-  double least = 1;
+  reference::Frame undelayed, lagged;
+  double smallest_ratio = 1;
   for (int n = 0; n < 40; ++n) {
     const Pose X_SO{.position = {n < 2 ? 0.0 : 0.2e-3, 0, n == 0 ? 0.03 : 0.0092}};
     const double dt = n < 5 ? 2e-3 : 0.05;
@@ -126,21 +126,21 @@ TEST(MassSpringDamperTwin, FrameSpreadsTheLaggingShear) {
       return reference::simulateFrame(
           tested, {.objects = {{&ball, X_SO}}, .taxel_state = before.taxel_state, .previous_friction = before.shear.state, .dt = dt});
     };
-    at_once = next(sensor, at_once);
-    late = next(lagging, late);
-    EXPECT_EQ(late.wrench, at_once.wrench);
-    double shear = 0, held = 0;
-    for (std::size_t t = 0; t < late.spread_force.size(); ++t) {
-      EXPECT_LE(std::hypot(late.spread_shear[t][0], late.spread_shear[t][1]), 0.6 * late.spread_force[t] + kExact);
-      shear += late.spread_shear[t][0];
-      held += at_once.spread_shear[t][0];
+    undelayed = next(sensor, undelayed);
+    lagged = next(lagging, lagged);
+    EXPECT_EQ(lagged.wrench, undelayed.wrench);
+    double shear = 0, undelayed_shear = 0;
+    for (std::size_t t = 0; t < lagged.spread_force.size(); ++t) {
+      EXPECT_LE(std::hypot(lagged.spread_shear[t][0], lagged.spread_shear[t][1]), 0.6 * lagged.spread_force[t] + kExact);
+      shear += lagged.spread_shear[t][0];
+      undelayed_shear += undelayed.spread_shear[t][0];
     }
-    if (held > 0) least = std::min(least, shear / held);
+    if (undelayed_shear > 0) smallest_ratio = std::min(smallest_ratio, shear / undelayed_shear);
     if (n == 39) {
-      EXPECT_NEAR(shear, held, 1e-9 + 1e-9 * held);
+      EXPECT_NEAR(shear, undelayed_shear, 1e-9 + 1e-9 * undelayed_shear);
     }
   }
-  EXPECT_LT(least, 0.5) << "the mass lags";
+  EXPECT_LT(smallest_ratio, 0.5) << "the mass lags";
 }
 
 TEST(DeformationMaskTwin, WeightsMatchRobWorkSim) {
