@@ -58,7 +58,8 @@ vk::AccessFlags used(Access access) {
 }  // namespace
 
 struct Commands::Vulkan {
-  Vulkan(Context& of, std::string with_name) : context(of), name(std::move(with_name)), submitting("submitting " + name) {}
+  Vulkan(Context& device_context, std::string list_name)
+      : context(device_context), name(std::move(list_name)), submitting("submitting " + name) {}
 
   Context& context;
   std::string name;
@@ -105,14 +106,14 @@ Commands::~Commands() {
   if (vulkan_ == nullptr || !vulkan_->submitted) return;
   try {
     wait();
-  } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): a destructor has nobody to tell
+  } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): a destructor cannot report
   }
 }
 
 Commands::Commands(Commands&&) noexcept = default;
 Commands& Commands::operator=(Commands&&) noexcept = default;
 
-void Commands::bind(const Kernel& kernel, std::initializer_list<const Buffer*> buffers) {
+void Commands::bind(const Kernel& kernel, std::span<const Buffer* const> buffers) {
   if (buffers.size() != kernel.numBuffers()) throw std::logic_error("kernel \"" + kernel.name() + "\": wrong number of buffers bound");
   Context::Vulkan& vk_context = vulkan_->context.vulkan();
   const Kernel::Vulkan& vk_kernel = kernel.vulkan();
@@ -138,7 +139,7 @@ void Commands::bind(const Kernel& kernel, std::initializer_list<const Buffer*> b
   vulkan_->sets.push_back(std::move(set));
 }
 
-void Commands::dispatch(const Kernel& kernel, std::uint32_t num_groups, std::initializer_list<const Buffer*> buffers) {
+void Commands::dispatch(const Kernel& kernel, std::uint32_t num_groups, std::span<const Buffer* const> buffers) {
   if (num_groups == 0) return;
   checked("recording " + kernel.name(), "", [&] {
     bind(kernel, buffers);
@@ -148,8 +149,7 @@ void Commands::dispatch(const Kernel& kernel, std::uint32_t num_groups, std::ini
   });
 }
 
-void Commands::dispatchIndirect(const Kernel& kernel, const Buffer& counts, std::size_t offset,
-                                std::initializer_list<const Buffer*> buffers) {
+void Commands::dispatchIndirect(const Kernel& kernel, const Buffer& counts, std::size_t offset, std::span<const Buffer* const> buffers) {
   checked("recording " + kernel.name(), "", [&] {
     bind(kernel, buffers);
     vulkan_->recorded.emplace_back(

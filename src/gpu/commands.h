@@ -4,13 +4,14 @@
 
 #include <array>
 #include <cstdint>
-#include <initializer_list>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "gpu/buffer.h"
 #include "gpu/kernel.h"
+#include "gpu/pass.h"
 
 namespace taxelsim::gpu {
 
@@ -25,12 +26,18 @@ class Commands {
   Commands(Commands&&) noexcept;
   Commands& operator=(Commands&&) noexcept;
 
-  // One workgroup per unit of work: `num_groups` of them, folded into two dimensions where one holds too few; kernels find their number
-  // with workgroupNumber() of shaders/common/workgroup.glsl. Buffers by binding.
-  void dispatch(const Kernel& kernel, std::uint32_t num_groups, std::initializer_list<const Buffer*> buffers);
-  // As many workgroups as a kernel has left in `counts`, three words from byte `offset` on: columns, rows, 1; a barrier to kIndirect
-  // between.
-  void dispatchIndirect(const Kernel& kernel, const Buffer& counts, std::size_t offset, std::initializer_list<const Buffer*> buffers);
+  // `num_groups` workgroups, folded into two dimensions where one holds too few; kernels find their number with workgroupNumber() of
+  // shaders/common/workgroup.glsl.
+  template <typename Pass>
+  void dispatch(const PassKernel<Pass>& kernel, std::uint32_t num_groups, const Bindings& bindings) {
+    dispatch(static_cast<const Kernel&>(kernel), num_groups, bindings.of<Pass>());
+  }
+  // As many workgroups as an earlier kernel has written to `counts`: three words from byte `offset` on, columns, rows, 1. Needs a barrier
+  // to kIndirect in between.
+  template <typename Pass>
+  void dispatchIndirect(const PassKernel<Pass>& kernel, const Buffer& counts, std::size_t offset, const Bindings& bindings) {
+    dispatchIndirect(static_cast<const Kernel&>(kernel), counts, offset, bindings.of<Pass>());
+  }
   void barrier(Access before, Access after);
   void copy(const Buffer& from, const Buffer& to, std::size_t bytes);
   void fillZero(const Buffer& buffer);
@@ -47,7 +54,10 @@ class Commands {
   double seconds(std::uint32_t from, std::uint32_t to) const;
 
  private:
-  void bind(const Kernel& kernel, std::initializer_list<const Buffer*> buffers);
+  // `buffers` by binding.
+  void dispatch(const Kernel& kernel, std::uint32_t num_groups, std::span<const Buffer* const> buffers);
+  void dispatchIndirect(const Kernel& kernel, const Buffer& counts, std::size_t offset, std::span<const Buffer* const> buffers);
+  void bind(const Kernel& kernel, std::span<const Buffer* const> buffers);
 
   struct Vulkan;
   std::unique_ptr<Vulkan> vulkan_;

@@ -7,7 +7,6 @@
 
 #include "shared/objects.h"
 
-
 namespace taxelsim {
 namespace {
 

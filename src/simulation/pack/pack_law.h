@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "gpu/driver_profile.h"
 #include "shared/batch.h"
 #include "taxelsim/sensor.h"
 
@@ -22,14 +23,9 @@ struct TaxelPass {
   Owner owner = Owner::kTaxel;  // of an invocation
 };
 
-// A pass, and the same for workgroups that are one vector, shaders/driver/barrier.glsl.
-struct Spirv {
-  std::span<const std::uint32_t> any, lockstep;
-};
-
 struct PackedLaw {
   std::string kernel;  // of the contact pass
-  Spirv spirv;
+  gpu::ShaderVariants spirv;
   float reach = 0;                          // up to which height over the skin surfaces matter, m
   std::array<float, 3> parameters{};        // LAW_0 .. LAW_2 of shaders/contact.comp
   bool has_state = false;                   // the law needs every sample's depth of the step before
