@@ -63,11 +63,11 @@ struct Commands::Vulkan {
 
   Context& context;
   std::string name;
-  std::string submitting;  // for errors; put together here, as submit() takes no memory
+  std::string submitting;  // for errors; made in advance, since submit() does not allocate
   vk::raii::DescriptorPool descriptors = nullptr;
   std::vector<vk::raii::DescriptorSet> sets;
-  std::vector<std::function<void(const vk::raii::CommandBuffer&)>> recorded;  // what finish() hands to the driver
-  std::vector<const Kernel*> kernels;                                         // those in it
+  std::vector<std::function<void(const vk::raii::CommandBuffer&)>> recorded;  // what finish() records
+  std::vector<const Kernel*> kernels;                                         // that these use
   vk::raii::CommandPool pool = nullptr;
   vk::raii::CommandBuffer commands = nullptr;
   vk::raii::Fence fence = nullptr;
@@ -184,7 +184,7 @@ void Commands::timestamp(std::uint32_t mark) {
 
 void Commands::end() {
   if (const std::uint32_t count = vulkan_->num_timestamps; count > 0) {
-    // Asked for by the host, they would have it wait on software Vulkan until the whole queue is empty, and so the device for the host.
+    // Copied on the device: on software Vulkan vkGetQueryPoolResults() waits until the whole queue is empty.
     vulkan_->recorded.emplace_back(
         [queries = *vulkan_->queries, count, ticks = *vulkan_->ticks.vulkan().buffer](const vk::raii::CommandBuffer& commands) {
           constexpr auto kFlags = vk::QueryResultFlagBits::e64 | vk::QueryResultFlagBits::eWait;

@@ -1,5 +1,5 @@
-// A list of device commands, recorded once and submitted as often as wanted. It is handed to the driver when all is recorded, so that the
-// kernels of a list, and of all lists recorded before one is finished, are compiled at once.
+// A list of device commands, recorded once and submitted any number of times. The driver gets it in finish(), so that the kernels of all
+// lists recorded until then are compiled in parallel.
 #pragma once
 
 #include <array>
@@ -15,12 +15,12 @@
 
 namespace taxelsim::gpu {
 
-// What was done before a barrier must be visible to what is done after it.
+// Kinds of access that a barrier separates.
 enum class Access { kHostWrite, kKernel, kCopy, kHostRead, kIndirect };
 
 class Commands {
  public:
-  // Begins recording. `num_timestamps` marks are to be set, each once.
+  // Begins recording. `num_timestamps`: marks, each of which must be set once.
   Commands(Context& context, std::string name, std::uint32_t num_timestamps = 0);
   ~Commands();
   Commands(Commands&&) noexcept;
@@ -44,13 +44,13 @@ class Commands {
   void timestamp(std::uint32_t mark);
   void end();
 
-  // Waits for the kernels and hands the list to the driver, once. Throws Error(kDevice) when the driver refuses a kernel.
+  // Waits for the kernels and gives the list to the driver; later calls do nothing. Throws Error(kDevice) when the driver refuses a kernel.
   void finish();
-  // Starts them on the device, finished first; does not wait for the device. The same list must not be submitted again before wait().
+  // Submits the list, finished if necessary. Does not wait for the device. Must not be called again before wait().
   void submit();
-  // Waits for the last submit(), if any. Throws Error(kDevice) when the device was lost or validation complained.
+  // Waits for the last submit(), if any. Throws Error(kDevice) when the device was lost or there was a validation message.
   void wait();
-  // Seconds from mark `from` to mark `to` of the last run waited for, until it is submitted again; NaN where the device has no clock.
+  // Seconds from mark `from` to mark `to` in the last run that has ended, until the next submit(); NaN if the device has no clock.
   double seconds(std::uint32_t from, std::uint32_t to) const;
 
  private:

@@ -20,7 +20,7 @@ constexpr std::array<std::pair<std::string_view, bool FastPaths::*>, 6> kNames{{
                                                                                 {"lockstep", &FastPaths::lockstep},
                                                                                 {"alone", &FastPaths::alone}}};
 
-// On a GPU every invocation is wanted: two subgroups of 32 lanes, one of 64.
+// Two subgroups of 32 lanes, or one of 64.
 constexpr std::uint32_t kGpuWorkgroup = 64;
 
 // On a software driver small workgroups win as long as no invocation exceeds kMaxIterations.

@@ -52,18 +52,19 @@ void checkRegions(const SimulatorOptions& options) {
   };
   if (options.max_regions < 0 || options.max_regions > kMaxRegions) refuse("0 to " + std::to_string(kMaxRegions));
   const bool with_features = options.outputs.contact_features || options.outputs.clean_contact_features;
-  if (options.max_regions > 0 && !with_features) refuse("0 where no outputs.contact_features or clean_contact_features are asked for");
+  if (options.max_regions > 0 && !with_features) refuse("0 without outputs.contact_features or outputs.clean_contact_features");
 }
 
 void checkJacobian(const SimulatorOptions& options) {
   const bool any = options.outputs.tactile_jacobian || options.outputs.clean_tactile_jacobian;
   if (!any || options.max_contacts == 0) return;
   const char* name = options.outputs.tactile_jacobian ? "outputs.tactile_jacobian" : "outputs.clean_tactile_jacobian";
-  throw Error(ErrorKind::kInput,
-              std::string(name) + ": true is not allowed where max_contacts > 0: contacts do not tell how forces follow a motion");
+  throw Error(
+      ErrorKind::kInput,
+      std::string(name) + ": true is not allowed where max_contacts > 0: contacts do not determine how forces change with a motion");
 }
 
-// Objects or contacts: where the forces of the batch come from.
+// Objects or contacts.
 void checkSource(const ModelData& model, const SimulatorOptions& options) {
   constexpr double kMaxContactBand = 1;  // m
   const auto refuse = [](const std::string& what) { throw Error(ErrorKind::kInput, what); };
@@ -78,7 +79,7 @@ void checkSource(const ModelData& model, const SimulatorOptions& options) {
     refuse("objects: none given; a model needs at least one, unless its simulators take contacts (max_contacts)");
   }
   if (options.max_contacts > 0 && options.outputs.penetration_depth) {
-    refuse("outputs.penetration_depth: true is not allowed where max_contacts > 0: contacts do not tell it");
+    refuse("outputs.penetration_depth: true is not allowed where max_contacts > 0: contacts do not determine it");
   }
 }
 

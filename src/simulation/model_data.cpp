@@ -88,12 +88,12 @@ void ModelBuffers::bindTo(gpu::Bindings& bindings) const {
   }
 }
 
-ModelData::ModelData(const Device& on_device, const ModelOptions& options)
-    : device(on_device),
-      profile(on_device.info(), gpu::contextOf(on_device).hasInt64(), gpu::fastPaths()),
+ModelData::ModelData(const Device& opened, const ModelOptions& options)
+    : device(opened),
+      profile(opened.info(), gpu::contextOf(opened).hasInt64(), gpu::fastPaths()),
       sensor((checkSensor(options.sensor), options.sensor)),
       objects(options.objects),
-      buffers(on_device) {
+      buffers(opened) {
   for (const Object& object : objects) {
     checkObject(object);
     bounds.push_back(finiteBounds(object));

@@ -38,10 +38,10 @@ double lengthOf(const Quaternion& q) {
   return std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
 }
 
-// Refuses what one slot of an instance may not hold.
+// Throws Error(kInput) for an object or a pose that a slot may not have.
 void checkSlot(int id, const Pose& X_SO, std::size_t instance, int num_objects) {
   if (id == kNoObject) return;
-  // Called for every pose of every step: words only where it refuses.
+  // Called for every pose of every step, so text is made only for errors.
   const auto where = [instance] { return " of instance " + std::to_string(instance); };
   if (id < 0 || id >= num_objects) {
     refuse("object " + std::to_string(id) + where() + " is not allowed: 0 to " + std::to_string(num_objects - 1) + ", or -1 for none");
@@ -67,8 +67,8 @@ layout::PoseRecord packPose(int id, const Pose& X_SO) {
           {static_cast<float>(id), 0.0f, 0.0f, 0.0f}};
 }
 
-// The share of the way to its end that a first-order system goes in dt.
-float shareOfTheWay(double dt, double time) {
+// 1 - exp(-dt / time): the step of a first-order system towards its input.
+float firstOrderStep(double dt, double time) {
   return time > 0 ? static_cast<float>(-std::expm1(-dt / time)) : 1.0f;
 }
 
@@ -114,10 +114,9 @@ gpu::Commands& Simulator::Impl::commands(const FrameKind& kind) {
 }
 
 bool Simulator::Impl::anyRandom() const {
-  const std::span<const layout::InstanceRecord> of_batch = records();
-  return model.sensor().readout.noise > 0 || std::any_of(of_batch.begin(), of_batch.end(), [](const layout::InstanceRecord& record) {
-           return record.drive.z > 0 || record.drive.w > 0;
-         });
+  const std::span<const layout::InstanceRecord> all = records();
+  return model.sensor().readout.noise > 0 ||
+         std::any_of(all.begin(), all.end(), [](const layout::InstanceRecord& record) { return record.drive.z > 0 || record.drive.w > 0; });
 }
 
 void Simulator::Impl::setVariation(layout::InstanceRecord& record, std::uint64_t episode, const ReadoutVariation& variation) const {
@@ -136,7 +135,7 @@ void Simulator::Impl::setVariation(layout::InstanceRecord& record, std::uint64_t
 
 layout::StepRecord Simulator::Impl::stepRecord(double dt) {
   const Readout& readout = model.sensor().readout;
-  constexpr double kRounding = 5e-10;  // of a delay of just so many steps; less than StepHistory forgives
+  constexpr double kRounding = 5e-10;  // for a delay of exactly kMaxDelaySteps steps; less than the tolerance of StepHistory
   if (readout.delay > kMaxDelaySteps * dt * (1 + kRounding)) {
     refuse("readout.delay: " + numberText(readout.delay) + " is not allowed: s, at most " + std::to_string(kMaxDelaySteps) + " steps of " +
            numberText(dt) + " s (" + numberText(kMaxDelaySteps * dt) + " s); shorten it or take longer steps");
@@ -145,9 +144,9 @@ layout::StepRecord Simulator::Impl::stepRecord(double dt) {
   record.batch = {static_cast<std::uint32_t>(options.num_instances),
                   static_cast<std::uint32_t>(takesContacts() ? options.max_contacts : options.num_slots),
                   static_cast<std::uint32_t>(options.seed), static_cast<std::uint32_t>(options.seed >> 32)};
-  record.time = {static_cast<float>(dt), static_cast<float>(1 / dt), shareOfTheWay(dt, readout.low_pass_time),
+  record.time = {static_cast<float>(dt), static_cast<float>(1 / dt), firstOrderStep(dt, readout.low_pass_time),
                  static_cast<float>(readout.random_walk * std::sqrt(dt))};
-  for (std::size_t m = 0; m < readout.creep.size(); ++m) record.creep[static_cast<int>(m)] = shareOfTheWay(dt, readout.creep[m].time);
+  for (std::size_t m = 0; m < readout.creep.size(); ++m) record.creep[static_cast<int>(m)] = firstOrderStep(dt, readout.creep[m].time);
   const std::array<float, 4> law = transitionOf(model.sensor().skin.law, dt);
   record.law = {law[0], law[1], law[2], law[3]};
   record.contacts.x = static_cast<float>(options.contact_band);
@@ -178,7 +177,7 @@ void Simulator::setObjects(std::span<const int> ids, std::span<const Pose> X_SO)
   const auto n = static_cast<std::size_t>(impl_->options.num_instances);
   checkLength("ids", ids.size(), n * slots);
   checkLength("X_SO", X_SO.size(), n * slots);
-  // All are checked before any is taken, so that a refusal changes nothing.
+  // All are checked before any is written, so that an error changes nothing.
   const auto num_objects = static_cast<int>(impl_->model.objects().size());
   for (std::size_t i = 0; i < ids.size(); ++i) checkSlot(ids[i], X_SO[i], i / slots, num_objects);
   for (std::size_t i = 0; i < ids.size(); ++i) impl_->place(i, ids[i], X_SO[i]);

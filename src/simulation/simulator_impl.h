@@ -30,14 +30,14 @@ struct Simulator::Impl {
   bool takesContacts() const { return options.max_contacts > 0; }
   const ModelData& data() const { return implOf(model).data; }
   void takeContacts(std::size_t instance, std::span<const ContactPoint> contacts) const;
-  // What a slot (of num_instances x num_slots) holds from now on.
+  // Sets a slot of (num_instances x num_slots).
   void place(std::size_t slot_index, int id, const Pose& X_SO);
 
   std::span<layout::InstanceRecord> records() const { return buffers.input<block::Instances>(); }
 
   // Whether some instance draws noise or gains.
   bool anyRandom() const;
-  // Draws what is common to all taxels, and hands the device what it needs to draw the rest.
+  // Draws what all taxels have in common; the device draws the rest from what the record holds.
   void setVariation(layout::InstanceRecord& record, std::uint64_t episode, const ReadoutVariation& variation) const;
   // The record of a step of dt. Throws Error(kInput) when the delay is longer than the device keeps.
   layout::StepRecord stepRecord(double dt);
@@ -50,7 +50,7 @@ struct Simulator::Impl {
   BatchBuffers buffers;
   std::vector<Clock> clocks;
   StepHistory history;
-  std::uint32_t num_steps = 0;  // taken so far, by all instances together
+  std::uint32_t num_steps = 0;  // of the batch so far
   bool keeps_candidates;        // while no instance is driven by load
   bool any_candidates = false;  // after the last frame
   bool keeping = false;         // in the frame that is running

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kEndless = 1e30;  // m, for a float
 
-// Cuts a patch into near-square tiles of whole taxels, as even as they come.
+// Cuts a patch into near-square tiles of whole taxels, of sizes as equal as possible.
 void addTiles(const GridPatch& patch, std::uint32_t patch_number, std::uint32_t max_taxels, std::vector<layout::TileRecord>& tiles) {
   const auto rows = static_cast<std::uint32_t>(patch.num_rows);
   const auto cols = static_cast<std::uint32_t>(patch.num_cols);
@@ -57,7 +57,7 @@ void packTaxels(const Sensor& sensor, bool one_patch, std::vector<layout::TaxelR
 
 static_assert(layout::kMaxDelaySteps == kMaxDelaySteps && layout::kMaxCurvePieces == kMaxCurvePoints);
 
-// What stage 4 keeps per taxel, and its parameters.
+// States per taxel and parameters of stage 4.
 void packLag(const Readout& readout, PackedSensor& packed) {
   for (std::size_t e = 0; e < readout.hysteresis_strength.size(); ++e) {
     packed.sensor.hysteresis_strength[static_cast<int>(e)] = static_cast<float>(readout.hysteresis_strength[e]);

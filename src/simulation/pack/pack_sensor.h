@@ -1,4 +1,4 @@
-// A sensor -> the records that the passes read, and how its taxels are cut into tiles.
+// A sensor -> the records that the passes read, and the tiles of its taxels.
 #pragma once
 
 #include <algorithm>
