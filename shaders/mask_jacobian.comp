@@ -1,10 +1,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Tactile Jacobian under the law deformation_mask, as deformation_mask.comp has the forces: what the mask makes of the taxels' derivatives; a saturated cell
-// has none. An invocation owns one taxel of one instance.
+// Tactile Jacobian of the law deformation_mask, first half: differentiates deformation_mask.comp. The derivative of a saturated taxel is 0.
 //
-// In:  taxel_jacobian (num_instances x 6 x num_taxels); mask; law_state: forces after the mask, N. LAW_0: saturation pressure, Pa.
-// Out: masked_jacobian, alike.
+// An invocation owns one taxel of one instance.
+// In:  taxel_jacobian (num_instances x 6 x num_taxels); mask (9 x num_taxels): sources of every taxel; law_state (num_instances x num_taxels): forces after the
+//      mask, N. LAW_0: saturation pressure, Pa.
+// Out: masked_jacobian (num_instances x 6 x num_taxels).
+// Shared memory: none.
 // Twin: src/reference/tactile_jacobian.cpp.
 
 #include "shared/batch.h"
