@@ -22,7 +22,7 @@ std::uint64_t regionIterations(const ModelData& model, int max_regions) {
   for (const layout::PlaneRecord& plane : packed.planes) core = std::max<std::uint64_t>(core, 2 * plane.grid.w + 1);
   const std::uint64_t unite = kUnite + kUnitePerNeighbour * packed.num_neighbours;
   return model.num_taxels *
-         (2 * core + unite + static_cast<std::uint64_t>(max_regions) + (isStraight(model.sensor.readout) ? 0 : kInvertCurve));
+         (2 * core + unite + static_cast<std::uint64_t>(max_regions) + (isLinear(model.sensor.readout) ? 0 : kInvertCurve));
 }
 
 // The same for a part.

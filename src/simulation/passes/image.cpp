@@ -23,7 +23,7 @@ std::uint64_t iterationsOf(const ModelData& model) {
   const Sensor& sensor = model.sensor;
   const std::uint64_t sources =
       model.packed.one_grid ? static_cast<std::uint64_t>(sensor.psf.size * sensor.psf.size) : model.packed.num_entries;
-  return model.num_taxels * (sources + (isStraight(sensor.readout) ? kLinearCurve : kCurve) + iterationsOfTime(sensor.readout));
+  return model.num_taxels * (sources + (isLinear(sensor.readout) ? kLinearCurve : kCurve) + iterationsOfTime(sensor.readout));
 }
 
 std::uint32_t numPartials(const TeamSizes& sizes) {
