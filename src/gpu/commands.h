@@ -9,9 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "gpu/bindings.h"
 #include "gpu/buffer.h"
 #include "gpu/kernel.h"
-#include "gpu/pass.h"
+#include "gpu/pass_kernel.h"
 
 namespace taxelsim::gpu {
 

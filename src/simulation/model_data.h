@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "gpu/bindings.h"
 #include "gpu/buffer.h"
 #include "gpu/driver_profile.h"
-#include "gpu/pass.h"
 #include "simulation/pack/pack_contact_features.h"
 #include "simulation/pack/pack_law.h"
 #include "simulation/pack/pack_layer.h"

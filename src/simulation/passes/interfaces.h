@@ -1,8 +1,8 @@
-// Specialization constants and buffers of every pass, from the lists in shaders/passes/ that the shaders read too; gpu/pass.h says how they
-// are used. Constants have the names and types that they have in the shader; values that both languages need are members.
+// Specialization constants and buffers of every pass, from the lists in shaders/passes/ that the shaders read too; gpu/pass_interface.h
+// says how they are used. Constants have the names and types that they have in the shader; values that both languages need are members.
 #pragma once
 
-#include "gpu/pass.h"
+#include "gpu/pass_interface.h"
 #include "simulation/passes/blocks.h"
 
 namespace taxelsim {

@@ -11,14 +11,11 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
-#include "gpu/buffer.h"
 #include "gpu/kernel.h"
 
 namespace taxelsim::gpu {
@@ -83,75 +80,5 @@ consteval std::uint32_t countBuffers() {
 
 template <typename Pass, std::uint32_t kBinding>
 using BlockAt = decltype(Pass::blockAt(At<kBinding>{}));
-
-// The buffer that each block is bound to.
-class Bindings {
- public:
-  template <typename Block>
-  void bind(const Buffer& buffer) {
-    bind(Block::kIndex, buffer);
-  }
-  void bind(std::size_t block_index, const Buffer& buffer) {
-    if (buffers_.size() <= block_index) buffers_.resize(block_index + 1, nullptr);
-    buffers_[block_index] = &buffer;
-  }
-
-  // `Block` gets the buffer of another block, for a pass that serves both.
-  template <typename Block, typename Other>
-  void redirect() {
-    bind<Block>(buffer<Other>());
-  }
-
-  // Throws std::logic_error for a block without a buffer.
-  template <typename Block>
-  const Buffer& buffer() const {
-    if (Block::kIndex >= buffers_.size() || buffers_[Block::kIndex] == nullptr) {
-      throw std::logic_error(std::string("no buffer is bound to block ") + Block::kName);
-    }
-    return *buffers_[Block::kIndex];
-  }
-
-  // The buffers of a pass by binding. Throws std::logic_error for a block without a buffer.
-  template <typename Pass>
-  auto of() const {
-    return select<Pass>(std::make_integer_sequence<std::uint32_t, countBuffers<Pass>()>());
-  }
-
- private:
-  template <typename Pass, std::uint32_t... kBindings>
-  std::array<const Buffer*, sizeof...(kBindings)> select(std::integer_sequence<std::uint32_t, kBindings...>) const {
-    return {&buffer<BlockAt<Pass, kBindings>>()...};
-  }
-
-  std::vector<const Buffer*> buffers_;  // by the index of the block
-};
-
-// A kernel that implements Pass.
-template <typename Pass>
-class PassKernel : public Kernel {
- public:
-  PassKernel() = default;
-  // `common`: a pass type without buffers, whose constants have the ids 0, 1, ...; those of `constants` follow.
-  template <typename Common>
-  PassKernel(Context& context, std::string name, std::span<const std::uint32_t> spirv, const Common& common, const Pass& constants)
-      : Kernel(context, {.name = std::move(name), .spirv = spirv, .buffers = blockNames(), .constants = listOf(common, constants)}) {}
-
- private:
-  static std::vector<std::string> blockNames() {
-    return []<std::uint32_t... kBindings>(std::integer_sequence<std::uint32_t, kBindings...>) {
-      return std::vector<std::string>{BlockAt<Pass, kBindings>::kName...};
-    }
-    (std::make_integer_sequence<std::uint32_t, countBuffers<Pass>()>());
-  }
-
-  template <typename Common>
-  static std::vector<Constant> listOf(const Common& common, const Pass& constants) {
-    const auto first = constantsOf<0>(common);
-    const auto rest = constantsOf<static_cast<std::uint32_t>(first.size())>(constants);
-    std::vector<Constant> list(first.begin(), first.end());
-    list.insert(list.end(), rest.begin(), rest.end());
-    return list;
-  }
-};
 
 }  // namespace taxelsim::gpu
