@@ -45,11 +45,11 @@ static_assert(!std::is_assignable_v<gpu::SpecConstant<2, float>&, gpu::SpecConst
 static_assert(!std::is_default_constructible_v<TaxelJacobianInterface>);
 template <typename Interface>
 concept TakesAFloatForABool = requires {
-  Interface{.SCALED = 1.0f, .PRESSES = true};
+  Interface{.SCALED = 1.0f, .HAS_FORCES = true};
 };
 template <typename Interface>
 concept TakesBools = requires {
-  Interface{.SCALED = false, .PRESSES = true};
+  Interface{.SCALED = false, .HAS_FORCES = true};
 };
 template <typename Interface>
 concept TakesTooFew = requires {

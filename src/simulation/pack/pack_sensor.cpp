@@ -147,7 +147,7 @@ PackedSensor packSensor(const Sensor& sensor, std::uint32_t tile_samples) {
   PackedSensor packed;
   packed.one_patch = sensor.patches.size() == 1;
   packed.one_grid = packed.one_patch && sensor.psf.sigma == 0;
-  packed.turns_shear = sensor.psf.sigma > 0 && hasFriction(sensor.skin);
+  packed.rotates_shear = sensor.psf.sigma > 0 && hasFriction(sensor.skin);
   packed.flat = packed.one_patch && sensor.patches.front().X_SP == Pose{};
   packPatches(sensor, packed);
   packTiles(sensor, tile_samples, packed);

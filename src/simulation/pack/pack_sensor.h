@@ -26,7 +26,7 @@ struct PackedSensor {
   std::uint32_t num_states = 0;        // of stage 4 per taxel, shaders/readout/lag.glsl
   bool one_patch = false;
   bool one_grid = false;          // one patch whose spread is a kernel
-  bool turns_shear = false;       // spread by distance, of a skin with friction
+  bool rotates_shear = false;     // spread by distance, of a skin with friction
   bool flat = false;              // the one patch's frame is the sensor's
   float highest = 0, lowest = 0;  // z in S of the corners of patches, m
   // One tile that faces along z of S: a load search moves its heights instead of its objects.

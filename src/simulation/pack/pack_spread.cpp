@@ -31,7 +31,7 @@ void packSources(const Sensor& sensor, const Sources& sources, PackedSensor& pac
       pairs.push_back(entry.y);
     }
   }
-  if (packed.turns_shear) {
+  if (packed.rotates_shear) {
     std::vector<const Quaternion*> R_SP;
     for (const GridPatch& patch : sensor.patches) {
       R_SP.insert(R_SP.end(), static_cast<std::size_t>(patch.num_rows * patch.num_cols), &patch.X_SP.rotation);

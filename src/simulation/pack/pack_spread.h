@@ -6,7 +6,7 @@
 
 namespace taxelsim {
 
-// Fills spread_rows, spread_scale and num_entries; needs one_grid and turns_shear.
+// Fills spread_rows, spread_scale and num_entries; needs one_grid and rotates_shear.
 void packSpread(const Sensor& sensor, PackedSensor& packed);
 
 }  // namespace taxelsim

@@ -83,9 +83,9 @@ ImagePass::Kernel ImagePass::makeKernel(const Variant& variant) const {
                          .DELAY = readout.delay > 0,
                          .RANDOM_WALK = readout.random_walk > 0,
                          .BIAS = readout.bias,
-                         .DEAD_TAXELS = readout.dead_taxel_probability,
+                         .DEAD_TAXEL_PROBABILITY = readout.dead_taxel_probability,
                          .WHOLE_ARRAY = variant.whole_array,
-                         .TURNS_SHEAR = packed.turns_shear,
+                         .ROTATES_SHEAR = packed.rotates_shear,
                          .CURVE_LIMIT = readout.curve_limit,
                          .CURVE_PIECES = readout.curve_points.size(),
                          .KEEPS_WINDOW = model_.profile.paths().untouched && model_.sensor.frame_rate == 0}};

@@ -46,9 +46,9 @@ TactileJacobianPasses::TaxelKernels TactileJacobianPasses::makeTaxelKernels() co
   const bool scaled = model_.packed.scalesSpread();
   TaxelKernels kernels;
   if (!model_.layer) {
-    const bool presses = !std::holds_alternative<Proximity>(model_.sensor.skin.law);
+    const bool has_forces = !std::holds_alternative<Proximity>(model_.sensor.skin.law);
     kernels.taxels.emplace(model_.context(), "taxel_jacobian", k_taxel_jacobian_spirv, common(model_.packed.contact_lanes),
-                           TaxelJacobianInterface{.SCALED = scaled && !model_.hasMask(), .PRESSES = presses});
+                           TaxelJacobianInterface{.SCALED = scaled && !model_.hasMask(), .HAS_FORCES = has_forces});
   }
   if (model_.hasMask()) {
     kernels.mask.emplace(model_.context(), "mask_jacobian", k_mask_jacobian_spirv, common(1),
@@ -71,9 +71,9 @@ TactileJacobianPasses::FeatureKernel TactileJacobianPasses::makeFeatureKernel(co
                                     .PARTIALS = sizes.numPartials(kMostSums),
                                     .NUM_ENTRIES = model_.packed.num_entries,
                                     .TRIGGER = readout.trigger,
-                                    .MOST = nominalForce(readout, readout.saturation) - readout.trigger,
+                                    .SATURATION_FORCE = nominalForce(readout, readout.saturation) - readout.trigger,
                                     .RANDOM = variant.random,
-                                    .DEAD_TAXELS = readout.dead_taxel_probability}},
+                                    .DEAD_TAXEL_PROBABILITY = readout.dead_taxel_probability}},
           sizes.itemsPerWorkgroup()};
 }
 
