@@ -12,6 +12,7 @@
 #include "simulation/batch_buffers.h"
 #include "simulation/candidate_schedule.h"
 #include "simulation/clock.h"
+#include "simulation/frame_view.h"
 #include "simulation/model_access.h"
 #include "simulation/motions.h"
 #include "taxelsim/simulator.h"
@@ -67,6 +68,7 @@ struct Simulator::Impl {
   Model model;
   SimulatorOptions options;
   BatchBuffers buffers;
+  IntegerFeatures integer_features;
   std::vector<Clock> clocks;
   StepHistory history;
   std::uint32_t num_steps = 0;  // taken so far, by all instances together

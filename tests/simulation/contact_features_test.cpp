@@ -256,7 +256,7 @@ TEST(ContactFeaturesOnDevice, RegionsAreThoseOfAFlood) {
       if (sum > 0) sums.push_back(sum);
     }
     std::stable_sort(sums.begin(), sums.end(), std::greater<>());
-    EXPECT_EQ(frame.contact.num_regions[image], static_cast<float>(sums.size()));
+    EXPECT_EQ(frame.contact.num_regions[image], static_cast<int>(sums.size()));
     for (int r = 0; r < 8; ++r) {
       const double expected = r < static_cast<int>(sums.size()) ? sums[r] : 0;
       EXPECT_EQ(Row(frame.contact, image, 2 + r)(frame.contact.total_force), expected) << image << " region " << r;
@@ -299,7 +299,7 @@ TEST(ContactFeaturesOnDevice, TwoObjectsAreToldApart) {
   EXPECT_NEAR(edge(frame.contact.center_of_pressure, 3, 1), -15e-3, 0.3e-3);
   EXPECT_NEAR(ball(frame.contact.center_of_pressure, 3, 0), -1e-3, 0.3e-3);
   EXPECT_NEAR(ball(frame.contact.center_of_pressure, 3, 1), 14e-3, 0.3e-3);
-  EXPECT_EQ(ball(frame.contact.contact_type), static_cast<double>(ContactType::kPoint));
+  EXPECT_EQ(ball(frame.contact.contact_type), ContactType::kPoint);
   EXPECT_NEAR(edge(frame.contact.edge_angle), 0, 0.05);
   EXPECT_NEAR(edge(frame.contact.total_force) + ball(frame.contact.total_force), frame.total_force[0], kSum * frame.total_force[0]);
 }
@@ -347,7 +347,7 @@ TEST(ContactFeaturesOnDevice, TypesOfRandomContacts) {
                       {.num_instances = n, .outputs = {.contact_features = true, .clean_contact_features = true}, .max_regions = 1});
   const FrameView frame = runCases(simulator, cases);
   for (int i = 0; i < n; ++i) {
-    const auto expected = static_cast<double>(cases[i].type);
+    const ContactType expected = cases[i].type;
     EXPECT_EQ(Row(frame.contact, i, 2)(frame.contact.contact_type), expected) << cases[i].object.name;
     EXPECT_EQ(Row(frame.ground_truth.contact, i, 0)(frame.ground_truth.contact.contact_type), expected) << cases[i].object.name;
   }
@@ -383,7 +383,7 @@ TEST(ContactFeaturesOnDevice, TiltOfAPunch) {
 // ---- what a batch promises ----
 
 std::vector<std::uint32_t> bitsOf(const ContactFeatureView& view, int instance) {
-  std::vector<std::uint32_t> bits{std::bit_cast<std::uint32_t>(view.num_regions[instance])};
+  std::vector<std::uint32_t> bits{static_cast<std::uint32_t>(view.num_regions[instance])};
   for (const auto& [values, width] : std::vector<std::pair<std::span<const float>, std::size_t>>{{view.total_force, 1},
                                                                                                  {view.peak_force, 1},
                                                                                                  {view.center_of_pressure, 3},
@@ -395,14 +395,15 @@ std::vector<std::uint32_t> bitsOf(const ContactFeatureView& view, int instance) 
                                                                                                  {view.windowed_edge_angle, 1},
                                                                                                  {view.windowed_edge_confidence, 1},
                                                                                                  {view.tilt, 2},
-                                                                                                 {view.tilt_confidence, 1},
-                                                                                                 {view.contact_type, 1},
-                                                                                                 {view.patch, 1}}) {
+                                                                                                 {view.tilt_confidence, 1}}) {
     const std::size_t per_instance = static_cast<std::size_t>(view.num_rows) * width;
     for (const float value : values.subspan(static_cast<std::size_t>(instance) * per_instance, per_instance)) {
       bits.push_back(std::bit_cast<std::uint32_t>(value));
     }
   }
+  const auto first = static_cast<std::size_t>(instance * view.num_rows), num_rows = static_cast<std::size_t>(view.num_rows);
+  for (const ContactType type : view.contact_type.subspan(first, num_rows)) bits.push_back(static_cast<std::uint32_t>(type));
+  for (const std::int32_t patch : view.patch.subspan(first, num_rows)) bits.push_back(static_cast<std::uint32_t>(patch));
   return bits;
 }
 
