@@ -107,10 +107,10 @@ struct Proximity {
   bool operator==(const Proximity&) const = default;  ///< Exact comparison.
 };
 
-/// Contact law of OpenGrasp: elastic foundation with LuGre friction (C. Canudas de Wit, H. Olsson, K. J. Astrom, P. Lischinsky, "A new
-/// model for control of systems with friction", IEEE Trans. Automatic Control 40(3), 1995).
+/// Contact law of OpenGrasp: elastic foundation with LuGre friction.
 ///
-/// Every sample has bristles of deflection z (m) that move over the object at the slip velocity v. Per newton of normal force,
+/// C. Canudas de Wit, H. Olsson, K. J. Astrom, P. Lischinsky, "A new model for control of systems with friction", IEEE Trans. Automatic
+/// Control 40(3), 1995. Bristles of deflection z (m) at every sample move over the object at the slip velocity v. Per newton of force,
 ///
 ///     z' = v - bristle_stiffness |v| z / g
 ///     g = coulomb_friction + (static_friction - coulomb_friction) exp(-(|v| / stribeck_velocity)^2)
@@ -204,8 +204,8 @@ Winkler foundationOf(const Skin& skin);
 /// Whether the skin has shear, by `friction` or by a law with friction of its own.
 bool hasFriction(const Skin& skin);
 
-/// Point spread function (paper, eq. (1)): a kernel over the taxels of each patch, or a Gaussian of the distance along the skin over all
-/// taxels of the sensor.
+/// Point spread function (paper, equation (1)): a kernel over the taxels of each patch, or a Gaussian of the distance along the skin over
+/// all taxels of the sensor.
 struct Psf {
   /// Normalisation of the spread image.
   enum class Normalization {

@@ -363,7 +363,7 @@ gpu::Kernel Model::Impl::makeTaxelKernel(const TaxelPass& pass, bool with_shear)
   return {gpu::contextOf(device),
           {.name = pass.kernel,
            .spirv = pass.spirv,
-           .buffers = {"Instances", "Step", "SpreadScale", "Neighbours", "ContactNormal", "LawState", "TileResults", "Taxels", "Problems",
+           .buffers = {"Instances", "Step", "SpreadScale", "Mask", "ContactNormal", "LawState", "TileResults", "Taxels", "Problems",
                        "ContactShear"},
            .constants = constants(sensor, packed, {kTaxelWorkgroup, 1, 1},
                                   {packed.scalesSpread(), bits(law.taxel_parameters[0]), bits(law.taxel_parameters[1]), with_shear,
@@ -375,8 +375,7 @@ gpu::Kernel Model::Impl::makeLoadKernel() const {
           {.name = "load",
            .spirv = k_load_spirv,
            .buffers = {"Instances", "Step", "TileResults", "Loads"},
-           .constants = {
-               {0, image_workgroup}, {1, static_cast<std::uint32_t>(packed.tiles.size())}, {2, kLoadEvaluations}, {3, packed.one_grid}}}};
+           .constants = constants(sensor, packed, {image_workgroup, 1, 1}, {kLoadEvaluations})}};
 }
 
 gpu::Kernel Model::Impl::makeLayerKernel(const LayerVariant& variant) const {

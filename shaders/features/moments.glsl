@@ -1,6 +1,6 @@
-// Stage 6: from sums over taxels to features (paper section II.C and eq. 3, with the quadrant kept). Twin: src/reference/features.cpp.
+// Stage 6: features from sums over taxels (paper section II.C and eq. 3, with the quadrant kept). Twin: src/reference/features.cpp.
 
-#include "common/axes.glsl"
+#include "features/axes.glsl"
 
 struct Moments {
   float force;  // N
@@ -10,7 +10,7 @@ struct Moments {
   float area;   // m^2
 };
 
-// About their own mean, m^2.
+// Second moments about the mean, divided by the force, m^2.
 vec3 centralMoments(float weight, vec2 first, vec3 second) {
   vec2 mean = first / weight;
   vec3 central = second / weight - vec3(mean.x * mean.x, mean.x * mean.y, mean.y * mean.y);
@@ -19,8 +19,8 @@ vec3 centralMoments(float weight, vec2 first, vec3 second) {
   return central;
 }
 
-// The 13 image features of one row of `num_rows`: an instance, or a part of one. Those of a block of components lie side by side, the blocks of all rows one
-// after another.
+// Writes the 13 image features of one of `num_rows` rows, an instance or a part of one. Layout: shared/features.h; `start`: features before this block.
+// `origin`: of the sums, in C, m.
 void writeMoments(uint start, uint row, uint num_rows, Moments m, vec3 origin, vec4 X_SC_row0, vec4 X_SC_row1, vec4 X_SC_row2) {
   vec3 center = vec3(0), second = vec3(0);
   Axes axes = Axes(0.0, 0.0, 0.0, 0.0);

@@ -1,10 +1,10 @@
-// Axes of second moments: directions and sizes (paper eq. 3, with the quadrant kept). Twin: src/reference/features.cpp.
+// Principal axes of second moments (paper eq. 3, with the quadrant kept). Twin: src/reference/features.cpp.
 
 const float kPi = 3.14159265358979;
-// m^2: where the eigenvalues differ by less than (1 um)^2 the image has no direction.
+// m^2; an image whose eigenvalues differ by less than (1 um)^2 has no direction.
 const float kNoDirection = 1e-12;
 
-// atan2 to 2e-7 rad by a series of our own, since drivers only promise 4096 units in the last place. 0 for (0, 0); pi, not -pi, for y = +-0, x < 0.
+// atan2 to 2e-7 rad, by a series, since Vulkan permits errors of 4096 units in the last place. 0 for (0, 0); pi, not -pi, for y = +-0, x < 0.
 float angleOf(float y, float x) {
   float large = max(abs(x), abs(y));
   if (large == 0.0) return 0.0;
@@ -20,13 +20,14 @@ float angleOf(float y, float x) {
   return y < 0.0 ? -angle : angle;
 }
 
-// Eigenvalues of second moments (xx, xy, yy), larger first, and the direction of the larger one; where they are alike angle and confidence are 0.
+// Eigenvalues, larger first, and direction of the larger one; angle and confidence are 0 where the eigenvalues are equal (kNoDirection).
 struct Axes {
   float large, small;
   float angle;       // rad in (-pi/2, pi/2]
   float confidence;  // 0 to 1
 };
 
+// `second`: xx, xy, yy, m^2.
 Axes axesOf(vec3 second) {
   float middle = 0.5 * (second.x + second.z);
   float radius = length(vec2(0.5 * (second.x - second.z), second.y));
