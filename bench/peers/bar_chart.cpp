@@ -10,9 +10,9 @@
 namespace taxelsim::bench {
 namespace {
 
-constexpr std::size_t kColours = 7;  // of seriesColour(); a second round of them is paler
+constexpr std::size_t kColours = 7;  // of seriesColour(); further series repeat them paler
 constexpr double kPale = 0.45;
-// Points.
+// Sizes in points.
 constexpr double kLabels = 190, kAxis = 560, kNumbers = 70, kBar = 11, kGap = 12, kLegendRow = 16;
 
 std::string shortNumber(double value) {
@@ -31,7 +31,7 @@ void useColour(const cli::Canvas& canvas, std::size_t entry) {
   canvas.colour(cli::seriesColour(entry), entry < kColours ? 1 : kPale);
 }
 
-// Peers that were timed anywhere, in the order of the first case that has them.
+// All timed peers, in order of first appearance.
 std::vector<PeerResult> legendOf(const std::vector<CaseResult>& results) {
   std::vector<PeerResult> legend;
   for (const CaseResult& result : results) {

@@ -1,4 +1,5 @@
-// Where the library logs, line by line: to the logger "taxelsim" of spdlog, on stderr unless the program has registered one of that name.
+// The library's log. Lines go to the spdlog logger named "taxelsim". Where the program has registered none of that name, one that writes to
+// stderr is created at the first line. Thread-safe.
 #pragma once
 
 #include <string_view>

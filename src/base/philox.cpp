@@ -12,7 +12,7 @@ constexpr std::uint32_t kWeyl0 = 0x9E3779B9u;
 constexpr std::uint32_t kWeyl1 = 0xBB67AE85u;
 constexpr int kRounds = 10;
 
-std::array<std::uint32_t, 4> wordsOf(const DrawKey& key) {
+std::array<std::uint32_t, 4> randomWords(const DrawKey& key) {
   return philox({static_cast<std::uint32_t>(key.episode), static_cast<std::uint32_t>(key.episode >> 32), key.frame,
                  key.taxel | static_cast<std::uint32_t>(key.purpose) << 24},
                 {static_cast<std::uint32_t>(key.seed), static_cast<std::uint32_t>(key.seed >> 32)});
@@ -33,11 +33,11 @@ std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> counter, std::a
 }
 
 double uniformNumber(const DrawKey& key) {
-  return static_cast<double>(wordsOf(key)[0] >> 8) * 0x1p-24;
+  return static_cast<double>(randomWords(key)[0] >> 8) * 0x1p-24;
 }
 
 double gaussian(const DrawKey& key) {
-  const std::array<std::uint32_t, 4> words = wordsOf(key);
+  const std::array<std::uint32_t, 4> words = randomWords(key);
   const double u = (static_cast<double>(words[0] >> 8) + 0.5) * 0x1p-24;
   const double angle = static_cast<double>(words[1] >> 8) * 0x1p-24 * 2 * std::numbers::pi;
   return std::sqrt(-2 * std::log(u)) * std::cos(angle);

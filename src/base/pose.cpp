@@ -2,10 +2,13 @@
 
 #include <cmath>
 
+#include "base/quaternion.h"
+#include "base/vector3.h"
+
 namespace taxelsim {
 namespace {
 
-Quaternion normalised(const Quaternion& q) {
+Quaternion normalized(const Quaternion& q) {
   const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
   return {q[0] / norm, q[1] / norm, q[2] / norm, q[3] / norm};
 }
@@ -13,10 +16,7 @@ Quaternion normalised(const Quaternion& q) {
 }  // namespace
 
 Quaternion operator*(const Quaternion& a, const Quaternion& b) {
-  return normalised({a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],  //
-                     a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],  //
-                     a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],  //
-                     a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0]});
+  return normalized(product(a, b));
 }
 
 std::array<double, 9> rotationMatrix(const Quaternion& q) {
@@ -33,8 +33,7 @@ Vector3 rotate(const Quaternion& R_AB, const Vector3& v_B) {
 }
 
 Vector3 operator*(const Pose& X_AB, const Vector3& p_B) {
-  const Vector3 turned = rotate(X_AB.rotation, p_B);
-  return {X_AB.position[0] + turned[0], X_AB.position[1] + turned[1], X_AB.position[2] + turned[2]};
+  return add(X_AB.position, rotate(X_AB.rotation, p_B));
 }
 
 Pose operator*(const Pose& X_AB, const Pose& X_BC) {
@@ -42,16 +41,14 @@ Pose operator*(const Pose& X_AB, const Pose& X_BC) {
 }
 
 Pose inverse(const Pose& X_AB) {
-  const auto [w, x, y, z] = X_AB.rotation;
-  const Quaternion R_BA{w, -x, -y, -z};
+  const Quaternion R_BA = conjugate(X_AB.rotation);
   const Vector3 p = rotate(R_BA, X_AB.position);
   return {{-p[0], -p[1], -p[2]}, R_BA};
 }
 
 Quaternion axisAngle(const Vector3& axis, double angle) {
-  const double norm = std::sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]);
-  const double scale = std::sin(angle / 2) / norm;
-  return {std::cos(angle / 2), axis[0] * scale, axis[1] * scale, axis[2] * scale};
+  const double factor = std::sin(angle / 2) / length(axis);
+  return {std::cos(angle / 2), axis[0] * factor, axis[1] * factor, axis[2] * factor};
 }
 
 }  // namespace taxelsim

@@ -13,7 +13,7 @@
 namespace taxelsim {
 namespace {
 
-constexpr std::size_t kPieceBytes = std::size_t{1} << 20;
+constexpr std::size_t kBlockBytes = std::size_t{1} << 20;  // read at once
 
 class Digest {
  public:
@@ -22,14 +22,14 @@ class Digest {
   }
 
   void add(const void* bytes, std::size_t size) {
-    if (EVP_DigestUpdate(context_.get(), bytes, size) != 1) throw std::runtime_error("OpenSSL refused SHA-256");
+    if (EVP_DigestUpdate(context_.get(), bytes, size) != 1) throw std::runtime_error("OpenSSL failed to compute SHA-256");
   }
 
   std::string finish() {
     static constexpr char kDigits[] = "0123456789abcdef";
     std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
     unsigned int length = 0;
-    if (EVP_DigestFinal_ex(context_.get(), digest.data(), &length) != 1) throw std::runtime_error("OpenSSL refused SHA-256");
+    if (EVP_DigestFinal_ex(context_.get(), digest.data(), &length) != 1) throw std::runtime_error("OpenSSL failed to compute SHA-256");
     std::string text;
     for (unsigned int i = 0; i < length; ++i) {
       text += kDigits[digest[i] >> 4];
@@ -52,16 +52,17 @@ std::string sha256Hex(std::span<const std::byte> bytes) {
 
 std::string sha256File(const std::filesystem::path& file) {
   std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error)) throw Error(ErrorKind::kInput, file.string() + ": not there, or not a file");
+  if (!std::filesystem::is_regular_file(file, error))
+    throw Error(ErrorKind::kInput, file.string() + ": no such file, or not a regular file");
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw Error(ErrorKind::kIo, file.string() + ": cannot be opened");
   Digest digest;
-  std::vector<char> piece(kPieceBytes);
+  std::vector<char> block(kBlockBytes);
   do {
-    stream.read(piece.data(), static_cast<std::streamsize>(piece.size()));
-    digest.add(piece.data(), static_cast<std::size_t>(stream.gcount()));
+    stream.read(block.data(), static_cast<std::streamsize>(block.size()));
+    digest.add(block.data(), static_cast<std::size_t>(stream.gcount()));
   } while (stream);
-  if (stream.bad()) throw Error(ErrorKind::kIo, file.string() + ": reading failed");
+  if (stream.bad()) throw Error(ErrorKind::kIo, file.string() + ": read error");
   return digest.finish();
 }
 

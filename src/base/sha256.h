@@ -1,4 +1,4 @@
-// SHA-256 of bytes and files, for naming content. Not for secrets.
+// SHA-256 digests that identify content and detect damage.
 #pragma once
 
 #include <cstddef>
@@ -8,10 +8,11 @@
 
 namespace taxelsim {
 
-// 64 lower-case hexadecimal digits.
+// The digest as 64 lower-case hexadecimal digits.
 std::string sha256Hex(std::span<const std::byte> bytes);
 
-// The same of a regular file's bytes, read in pieces. Throws Error(kInput) when there is no such file, Error(kIo) when it cannot be read.
+// The digest of a regular file, read in blocks of 1 MiB. Throws Error(kInput) when there is no regular file of that name, Error(kIo) when
+// it cannot be read.
 std::string sha256File(const std::filesystem::path& file);
 
 }  // namespace taxelsim

@@ -1,4 +1,4 @@
-// Values as they appear in error lines: short, exact, the same in every locale. Not for file formats.
+// Text for messages and logs, independent of the locale.
 #pragma once
 
 #include <string>
@@ -6,13 +6,13 @@
 
 namespace taxelsim {
 
-// Shortest decimal text that reads back as the same double; "nan", "inf", "-inf" otherwise.
+// Shortest decimal text that parses to the same double; "nan", "inf" or "-inf" for a value that is not finite.
 std::string numberText(double value);
 
-// The text with every control character replaced by a blank, so that it fits into one line.
+// Replaces every control character with a space, so that the text stays on one line and cannot control a terminal.
 std::string oneLine(std::string_view text);
 
-// Reads all of `text` as one finite decimal number ("0.005", "5e-3"). False when it is anything else.
+// Parses `text`, all of it, as one finite decimal number ("0.005", "5e-3"). Returns false, with `value` unspecified, for any other text.
 bool parseNumber(std::string_view text, double& value);
 
 }  // namespace taxelsim

@@ -1,4 +1,4 @@
-// Arithmetic on Vector3 for plain loops. Not a linear algebra library.
+// Arithmetic on Vector3 without a linear algebra library.
 #pragma once
 
 #include <cmath>
@@ -25,6 +25,7 @@ inline Vector3 cross(const Vector3& a, const Vector3& b) {
 inline double length(const Vector3& a) {
   return std::sqrt(dot(a, a));
 }
+// The direction of a vector that is not zero.
 inline Vector3 unit(const Vector3& a) {
   return scale(1 / length(a), a);
 }

@@ -18,7 +18,7 @@ constexpr int kBlockTries = 3;       // changes of all sides at once while the n
 Unspread::Unspread(const Sensor& sensor) : free_(static_cast<std::size_t>(numTaxels(sensor)), true) {
   const auto count = static_cast<Eigen::Index>(free_.size());
   std::vector<Eigen::Triplet<double>> entries;
-  for (const reference::Share& share : reference::sharesOf(sensor)) {
+  for (const reference::Share& share : reference::spreadMatrix(sensor)) {
     entries.emplace_back(static_cast<int>(share.taxel), static_cast<int>(share.source), share.share);
   }
   spread_.resize(count, count);

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "base/background.h"
+#include "base/thread_priority.h"
 
 namespace taxelsim::dataset {
 
@@ -29,7 +29,7 @@ void Workers::stop() {
 }
 
 void Workers::work(int worker) {
-  goToBackground();
+  lowerThreadPriority();
   std::unique_lock lock(mutex_);
   for (;;) {
     changed_.wait(lock, [this] { return closing_ || next_ < num_jobs_; });

@@ -13,7 +13,7 @@ namespace taxelsim::dataset {
 
 class Workers {
  public:
-  // num_threads: >= 1. They run in the background (base/background.h). Throws std::system_error when there is no thread to be had.
+  // num_threads: >= 1. They run in the background (base/thread_priority.h). Throws std::system_error when there is no thread to be had.
   explicit Workers(int num_threads);
   ~Workers();
   Workers(const Workers&) = delete;

@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "episodes/batch.h"
-#include "episodes/judge.h"
+#include "episodes/task_evaluator.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -166,13 +166,13 @@ std::vector<Evaluation> evaluate(const Device& device, const Scene& scene, const
     const EpisodePlan plan(scene, none, number);
     std::vector<Verdict> verdicts(scene.num_episodes);
     std::uint64_t next = 0;
-    std::vector<std::unique_ptr<Judge>> judges;
+    std::vector<std::unique_ptr<TaskEvaluator>> evaluators;
     std::vector<std::unique_ptr<Slice>> slices;
-    for (const int size : cutBatch(model, plan, batch_size, options.num_slices)) {
-      judges.push_back(std::make_unique<Judge>(plan, next, verdicts, size));
-      slices.push_back(std::make_unique<Slice>(model, plan, size, *judges.back()));
+    for (const int size : splitBatch(model, plan, batch_size, options.num_slices)) {
+      evaluators.push_back(std::make_unique<TaskEvaluator>(plan, next, verdicts, size));
+      slices.push_back(std::make_unique<Slice>(model, plan, size, *evaluators.back()));
     }
-    playEpisodes(device, slices, options.stop, [&](const Slice::Tally& tally) {
+    runEpisodes(device, slices, options.stop, [&](const Slice::Stats& tally) {
       progress.frames_done += tally.num_frames;
       progress.episodes_done += tally.num_episodes;
       progress.seconds = std::chrono::duration<double>(Clock::now() - start).count();

@@ -39,7 +39,7 @@ Played play(const Model& model, const Scene& scene) {
   TraceSink sink(scene);
   std::vector<std::unique_ptr<Slice>> slices;
   slices.push_back(std::make_unique<Slice>(model, plan, 1, sink));
-  playEpisodes(model.device(), slices, nullptr, [](const Slice::Tally&) {});
+  runEpisodes(model.device(), slices, nullptr, [](const Slice::Stats&) {});
   if (sink.record().load_reached == 0) {
     throw Error(ErrorKind::kInput, scene.file.generic_string() + ": " + std::to_string(sink.record().load) + " N on " +
                                        scene.objects.front().object.name + " are out of reach");

@@ -3,6 +3,10 @@
 #include <algorithm>
 
 #include "gpu/device_access.h"
+#include "shared/batch.h"
+#include "shared/candidates.h"
+#include "shared/elastic_layer.h"
+#include "shared/features.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -37,7 +41,7 @@ struct InstanceBytes {
     }
     if (keeps_candidates) {
       candidates = sizeof(layout::CandidateRecord);
-      candidate_quads = 4ull * layout::kMostCandidates;
+      candidate_quads = 4ull * layout::kMaxCandidates;
       work_instances = 4 * layout::kNumLists;
     }
     tiles = sizeof(layout::TileResult) * num_tiles;

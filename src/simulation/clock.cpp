@@ -19,7 +19,7 @@ void Clock::deliver(const FrameTiming& timing, std::uint64_t episode) {
     return frame + spread * gaussian({.seed = timing.seed, .episode = episode, .frame = frame, .purpose = Purpose::kJitter});
   };
   // Those that no jitter can hold up, then one by one.
-  const double surely = std::floor(now - spread * kLargestGaussian) + 1;
+  const double surely = std::floor(now - spread * kMaxGaussian) + 1;
   frames = std::max(frames + 1, static_cast<std::uint32_t>(std::max(surely, 0.0)));
   for (due = due_of(frames); due <= now; due = due_of(frames)) ++frames;
 }

@@ -7,6 +7,8 @@
 #include "contact_regions.spv.h"
 #include "gpu/device_access.h"
 #include "sensor/curve.h"
+#include "shared/features.h"
+#include "shared/sensor.h"
 #include "simulation/model_impl.h"
 #include "simulation/workgroups.h"
 
@@ -67,7 +69,7 @@ Model::Impl::ContactFeaturePasses Model::Impl::makeContactFeatures(const Contact
        {.name = "contact_regions",
         .spirv = k_contact_regions_spirv,
         .buffers = {"Instances", "Step", "SensorBlock", "Taxels", "Planes", "Neighbours", "Image", "SpreadNormal", "Forces", "TaxelRegions",
-                    "RegionSums", "Regions", "Features", "Problems"},
+                    "RegionSums", "Regions", "ContactFeatures", "Problems"},
         .constants = constants(sensor, packed, {regions_workgroup, 1, regions_repeat},
                                {variant.clean, regions_team, regions, packed_contact.num_neighbours, packed_contact.force_steps,
                                 first_count, sensor.patches.size() == 1, static_cast<std::uint32_t>(readout.curve.size()),
@@ -76,7 +78,7 @@ Model::Impl::ContactFeaturePasses Model::Impl::makeContactFeatures(const Contact
       {gpu::contextOf(device),
        {.name = "contact_features",
         .spirv = k_contact_features_spirv,
-        .buffers = {"Instances", "Step", "Taxels", "Planes", "Forces", "TaxelRegions", "Regions", "Features", "Problems"},
+        .buffers = {"Instances", "Step", "Taxels", "Planes", "Forces", "TaxelRegions", "Regions", "ContactFeatures", "Problems"},
         .constants =
             constants(sensor, packed, {parts_workgroup, packed_contact.lanes, parts_repeat},
                       {variant.clean, parts_team, regions, packed_contact.num_patches, static_cast<std::uint32_t>(sensor.patches.size()),

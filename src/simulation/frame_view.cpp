@@ -1,5 +1,7 @@
 #include "simulation/frame_view.h"
 
+#include "shared/features.h"
+
 namespace taxelsim {
 namespace {
 

@@ -16,6 +16,10 @@
 #include "keep_candidates.spv.h"
 #include "load.spv.h"
 #include "sensor/curve.h"
+#include "shared/candidates.h"
+#include "shared/elastic_layer.h"
+#include "shared/objects.h"
+#include "shared/sensor.h"
 #include "simulation/model_access.h"
 #include "simulation/model_impl.h"
 #include "simulation/pack/pack_objects.h"
@@ -155,8 +159,7 @@ Model::Impl::Impl(const Device& of, const ModelOptions& options, const Tuning& t
   if (tuning.groups_per_batch != 0 || tuning.contact_repeat != 0) {
     checkContactFits(info, most_samples, groups_per_batch, contact_repeat);
   }
-  keeps_candidates =
-      faster.candidates && most_groups >= layout::kFewestGroups && contact_packed.one_grid && contact_packed.tiles.size() == 1;
+  keeps_candidates = faster.candidates && most_groups >= layout::kMinGroups && contact_packed.one_grid && contact_packed.tiles.size() == 1;
   if (keeps_candidates) {
     std::vector<glm::uvec4> start(layout::kNumLists + 1, glm::uvec4(0, 1, 1, 0));
     start.back() = glm::uvec4(0);
@@ -250,7 +253,7 @@ gpu::Kernel Model::Impl::makeContactKernel(const ContactVariant& variant) const 
                                          bits(sensor.skin.thickness),
                                          packed.scalesSpread() && !taxels_follow && !layer,
                                          variant.many_slots,
-                                         variant.list == layout::kListWith ? 1u << layout::kKindMesh : kinds,
+                                         variant.list == layout::kListCandidates ? 1u << layout::kKindMesh : kinds,
                                          triangles_of,
                                          variant.with_depth,
                                          num_faces};
@@ -360,7 +363,7 @@ gpu::Kernel Model::Impl::makeTaxelKernel(const TaxelPass& pass, bool with_shear)
   return {gpu::contextOf(device),
           {.name = pass.kernel,
            .spirv = pass.spirv,
-           .buffers = {"Instances", "Step", "SpreadScale", "Neighbours", "ContactNormal", "LawState", "TileResults", "Taxels", "Problems",
+           .buffers = {"Instances", "Step", "SpreadScale", "Mask", "ContactNormal", "LawState", "TileResults", "Taxels", "Problems",
                        "ContactShear"},
            .constants = constants(sensor, packed, {kTaxelWorkgroup, 1, 1},
                                   {packed.scalesSpread(), bits(law.taxel_parameters[0]), bits(law.taxel_parameters[1]), with_shear,
@@ -372,8 +375,7 @@ gpu::Kernel Model::Impl::makeLoadKernel() const {
           {.name = "load",
            .spirv = k_load_spirv,
            .buffers = {"Instances", "Step", "TileResults", "Loads"},
-           .constants = {
-               {0, image_workgroup}, {1, static_cast<std::uint32_t>(packed.tiles.size())}, {2, kLoadEvaluations}, {3, packed.one_grid}}}};
+           .constants = constants(sensor, packed, {image_workgroup, 1, 1}, {kLoadEvaluations})}};
 }
 
 gpu::Kernel Model::Impl::makeLayerKernel(const LayerVariant& variant) const {

@@ -9,6 +9,7 @@
 
 #include "gpu/buffer.h"
 #include "gpu/kernel.h"
+#include "shared/candidates.h"
 #include "simulation/faster_paths.h"
 #include "simulation/pack/pack_contact_features.h"
 #include "simulation/pack/pack_law.h"

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "shared/layout.h"
+#include "shared/batch.h"
 #include "taxelsim/pose.h"
 
 namespace taxelsim {

@@ -5,7 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include "shared/layout.h"
+#include "shared/objects.h"
+
 
 namespace taxelsim {
 namespace {

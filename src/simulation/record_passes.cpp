@@ -1,5 +1,6 @@
 // The passes of a frame, in order: docs/architecture.md, "The way of a frame".
 #include "gpu/device_access.h"
+#include "shared/candidates.h"
 #include "simulation/model_access.h"
 #include "simulation/simulator_impl.h"
 
@@ -58,7 +59,7 @@ void Simulator::Impl::recordObjects(gpu::Commands& commands, const FrameKind& ki
                                             .with_depth = !m.layer && options.outputs.penetration_depth,
                                             .with_shear = !m.layer && withShear(),
                                             .with_jacobian = with_jacobian && !over_tiles,  // a search over tiles only searches
-                                            .list = keeps_candidates && !with_loads ? layout::kListWithout : layout::kNumLists};
+                                            .list = keeps_candidates && !with_loads ? layout::kListWholeMesh : layout::kNumLists};
   const BatchBuffers& b = buffers;
   // Of a law that is solved apart, the contact pass leaves heights and where they are.
   const gpu::Buffer* contact_out = m.layer ? &b.heights : &b.contact_normal;
@@ -101,7 +102,7 @@ void Simulator::Impl::recordObjects(gpu::Commands& commands, const FrameKind& ki
   if (kind.candidates != Candidates::kLeft) recordCandidates(commands, with_jacobian);
   if (kind.candidates == Candidates::kUsed) {
     Model::Impl::ContactVariant with = variant;
-    with.list = layout::kListWith;
+    with.list = layout::kListCandidates;
     contact_pass(with);
   }
   const std::uint32_t evaluations = over_tiles ? kLoadEvaluations + 2 : 1;  // two more: one closes the search, one is told
@@ -146,7 +147,7 @@ void Simulator::Impl::recordCandidates(gpu::Commands& commands, bool with_jacobi
     commands.barrier(gpu::Access::kKernel, gpu::Access::kIndirect);
   };
   lists_are_done();
-  commands.dispatchIndirect(passes.find, b.work.device, layout::kListToFind * sizeof(glm::uvec4),
+  commands.dispatchIndirect(passes.find, b.work.device, layout::kListFindCandidates * sizeof(glm::uvec4),
                             {&b.poses, &b.step, &m.object_records, &m.groups, &m.clusters, &m.quads, &m.patches, &m.tiles, &b.candidates,
                              &b.candidate_quads, &b.work.device, &b.work_instances, &b.problems.device});
   lists_are_done();

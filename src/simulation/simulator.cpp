@@ -9,6 +9,9 @@
 
 #include "base/philox.h"
 #include "base/text.h"
+#include "shared/batch.h"
+#include "shared/candidates.h"
+#include "shared/features.h"
 #include "simulation/frame_view.h"
 #include "simulation/model_access.h"
 #include "simulation/pack/pack_contacts.h"
@@ -343,7 +346,7 @@ FrameView Simulator::read() {
     gpu::Commands& frame = *std::exchange(impl.running, nullptr);
     frame.wait();
     const std::span<const glm::uvec4> work = impl.buffers.work.read<glm::uvec4>();
-    impl.timing = {frame.seconds(0, 1), frame.seconds(1, 2), frame.seconds(0, 2), static_cast<int>(work[layout::kListWith].w)};
+    impl.timing = {frame.seconds(0, 1), frame.seconds(1, 2), frame.seconds(0, 2), static_cast<int>(work[layout::kListCandidates].w)};
     impl.any_candidates = work[layout::kNumLists].x > 0;
     if (impl.keeping) impl.candidate_schedule.found(impl.any_candidates);
     if (impl.buffers.problems.read<std::uint32_t>()[0] != 0) {

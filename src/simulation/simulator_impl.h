@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "gpu/commands.h"
+#include "shared/batch.h"
 #include "simulation/batch_buffers.h"
 #include "simulation/candidate_schedule.h"
 #include "simulation/clock.h"

@@ -41,7 +41,7 @@ const std::vector<gpu::Kernel>& Model::Impl::taxelJacobian() const {
       gpu::contextOf(device),
       gpu::KernelOptions{.name = "mask_jacobian",
                          .spirv = k_mask_jacobian_spirv,
-                         .buffers = {"Step", "Neighbours", "Taxels", "LawState", "TaxelJacobian", "MaskedJacobian"},
+                         .buffers = {"Step", "Mask", "Taxels", "LawState", "TaxelJacobian", "MaskedJacobian"},
                          .constants = constants(sensor, packed, {kTaxelWorkgroup, 1, 1}, {bits(law.taxel_parameters[0])})});
   taxel_jacobian_.emplace_back(
       gpu::contextOf(device),
@@ -75,7 +75,7 @@ Model::Impl::JacobianPass Model::Impl::makeTactileJacobian(const JacobianVariant
            {.name = "tactile_jacobian",
             .spirv = k_tactile_jacobian_spirv,
             .buffers = {"Instances", "Step", "Taxels", "Planes", "SpreadRows", "SpreadNormal", "TaxelJacobian", "WrenchJacobian",
-                        "Features", "Problems"},
+                        "TactileJacobian", "Problems"},
             .constants =
                 constants(sensor, packed, {workgroup, lanes, repeat},
                           {variant.clean, team, packed_contact.num_patches, static_cast<std::uint32_t>(sensor.patches.size()), num_partials,

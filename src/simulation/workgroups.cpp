@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "shared/layout.h"
+#include "shared/objects.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

@@ -10,7 +10,7 @@ namespace taxelsim {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-// Unit quaternions and positions of a few metres: some rounding errors of 10.
+// About ten rounding errors of a coordinate of at most 10 m.
 constexpr double kRounding = 1e-14;
 
 void expectNear(const Vector3& a, const Vector3& b) {
@@ -34,19 +34,19 @@ rc::Gen<Pose> pose() {
       vector(), vector(), rc::gen::inRange(-6283, 6284));
 }
 
-TEST(Pose, QuarterTurnsFollowTheRightHand) {
+TEST(Pose, AxisAngleIsRightHanded) {
   expectNear(rotate(axisAngle({0, 0, 1}, kPi / 2), {1, 0, 0}), {0, 1, 0});
   expectNear(rotate(axisAngle({1, 0, 0}, kPi / 2), {0, 1, 0}), {0, 0, 1});
   expectNear(rotate(axisAngle({0, 1, 0}, kPi / 2), {0, 0, 1}), {1, 0, 0});
   expectNear(rotate(axisAngle({0, 0, 5}, kPi), {1, 2, 3}), {-1, -2, 3});
 }
 
-TEST(Pose, TurnsBeforeItMoves) {
+TEST(Pose, RotatesBeforeItTranslates) {
   const Pose X_AB{{1, 2, 3}, axisAngle({0, 0, 1}, kPi / 2)};
   expectNear(X_AB * Vector3{1, 0, 0}, {1, 3, 3});
 }
 
-TEST(Pose, MatrixHasTheTurnedAxesAsColumns) {
+TEST(Pose, RotationMatrixColumnsAreTheRotatedAxes) {
   const Quaternion R_AB = axisAngle({1, 2, 3}, 0.7);
   const auto m = rotationMatrix(R_AB);
   expectNear({m[0], m[3], m[6]}, rotate(R_AB, {1, 0, 0}));
@@ -54,7 +54,7 @@ TEST(Pose, MatrixHasTheTurnedAxesAsColumns) {
   expectNear({m[2], m[5], m[8]}, rotate(R_AB, {0, 0, 1}));
 }
 
-TEST(Pose, ProductIsOneAfterTheOther) {
+TEST(Pose, ProductAppliesTheRightFactorFirst) {
   EXPECT_TRUE(rc::check([] {
     const Pose X_AB = *pose();
     const Pose X_BC = *pose();
@@ -63,7 +63,7 @@ TEST(Pose, ProductIsOneAfterTheOther) {
   }));
 }
 
-TEST(Pose, InverseUndoes) {
+TEST(Pose, InverseTimesPoseIsTheIdentity) {
   EXPECT_TRUE(rc::check([] {
     const Pose X_AB = *pose();
     const Vector3 p_B = *vector();
@@ -72,19 +72,19 @@ TEST(Pose, InverseUndoes) {
   }));
 }
 
-TEST(Pose, RotationKeepsLengthsAndHandedness) {
+TEST(Pose, RotationPreservesLengthAndOrientation) {
   EXPECT_TRUE(rc::check([] {
     const Quaternion R_AB = (*pose()).rotation;
     const auto m = rotationMatrix(R_AB);
     const double determinant = m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) + m[2] * (m[3] * m[7] - m[4] * m[6]);
     RC_ASSERT(std::abs(determinant - 1) <= kRounding);
     const Vector3 v = *vector();
-    const Vector3 turned = rotate(R_AB, v);
-    RC_ASSERT(std::abs(std::hypot(turned[0], turned[1], turned[2]) - std::hypot(v[0], v[1], v[2])) <= kRounding);
+    const Vector3 rotated = rotate(R_AB, v);
+    RC_ASSERT(std::abs(std::hypot(rotated[0], rotated[1], rotated[2]) - std::hypot(v[0], v[1], v[2])) <= kRounding);
   }));
 }
 
-TEST(Pose, LongChainsDoNotDrift) {
+TEST(Pose, ProductOfManyRotationsStaysNormalized) {
   Quaternion q{1, 0, 0, 0};
   const Quaternion step = axisAngle({1, 2, 3}, 0.01);
   for (int i = 0; i < 100000; ++i) q = q * step;

@@ -1,9 +1,9 @@
-// The device's shear against the twin's on random sensors, objects and paths, within bounds carried along each path.
+// The device's shear against the twin's on random sensors, objects and paths, within bounds that are updated along each path.
 //
-// Sample by sample, beside the twin's traction q runs a bound e of what float32 may add. The cone is convex, so that a step keeps |q - q'|
-// <= e but for what it adds itself: the stiffness times the displacement's rounding, the share of a step before touch where the depth is
-// not sure, and mu times the pressure's width. Where it is not sure that, or which, object touched before, anything inside the cones is
-// possible. For the law lugre the bound is one of its bristles' bend, in units of friction, which a step carries on as it carries the bend.
+// Each sample has a bound e of the float32 error of the twin's traction q. The friction cone is convex, so a step keeps |q - q'| <= e
+// except for the error of the step itself: the stiffness times the rounding of the displacement, the unsure share of a step before touch,
+// and mu times the width of the pressure. Where it is unsure whether, or which, object touched before, any traction inside the cones is
+// allowed. For the law lugre e bounds the bend of a bristle, in units of friction.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -41,7 +41,7 @@ constexpr double kWhisper = 1e-2;  // N, of the cone
 // A dozen operations of a step of bristles, exp() with its 3 + 2 |x| units in the last place among them.
 constexpr double kBristleRounding = 32 * support::kUlp;
 
-// What is known of one instance after a step.
+// State of one instance after a step, with bounds.
 struct Tracked {
   reference::FrictionState state;
   std::vector<double> error;        // (samples), of what the state holds: Pa; bristles: of the pressure
@@ -78,7 +78,7 @@ std::vector<bool> surelyLowest(const Sensor& sensor, const std::vector<PlacedObj
   return result;
 }
 
-// A step of bristles, as the test needs it to bound what float32 may add.
+// Inputs of bristleError().
 struct BristleStep {
   reference::Shear bend, u;     // before the step, m; m
   double share, dt;             // of u after touch; s
@@ -152,7 +152,8 @@ Tracked advance(const Sensor& sensor, const std::vector<PlacedObject>& placed, c
   now.taxel_error.assign(now.frame.spread_force.size(), 0);
   for (std::size_t n = 0; n < samples.size(); ++n) {
     const double d_low = envelope.penetration.low[n], d_high = envelope.penetration.high[n];
-    const double p_low = reference::pressureOf(sensor.skin.law, d_low, 0), p_high = reference::pressureOf(sensor.skin.law, d_high, 0);
+    const double p_low = reference::contactPressure(sensor.skin.law, d_low, 0),
+                 p_high = reference::contactPressure(sensor.skin.law, d_high, 0);
     now.touched.push_back(d_low > 0 && sure[n]);
     now.may_touch.push_back(d_high > 0);
     now.cone[n] = mu * p_high * (1 + rounding.relative_force);
@@ -225,7 +226,7 @@ Sensor randomFrictionSensor(Random& random, const PathKind& kind) {
       kind.curved >= 0 && kind.curved < 3 ? support::curvedSensor(random, kind.curved) : support::randomSensor(random, kind.sensor);
   if (kind.curved == 3) sensor.psf = {.sigma = 0.7 * sensor.patches[0].pitch[0]};
   sensor.samples_per_taxel = random.integer(1, 5);
-  const double stiffness = reference::pressureOf(sensor.skin.law, sensor.skin.thickness, 0) / sensor.skin.thickness;
+  const double stiffness = reference::contactPressure(sensor.skin.law, sensor.skin.thickness, 0) / sensor.skin.thickness;
   if (kind.shears == Shears::kSprings) {
     sensor.skin.friction = {stiffness * std::pow(10, random.uniform(-1.5, 1.5)), random.uniform(0.1, 1.5)};
   } else {

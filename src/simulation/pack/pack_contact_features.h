@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "shared/layout.h"
+#include "shared/sensor.h"
 #include "taxelsim/sensor.h"
 
 namespace taxelsim {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "shared/layout.h"
+#include "shared/batch.h"
 #include "taxelsim/sensor.h"
 
 namespace taxelsim {

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "sensor/skin.h"
+#include "shared/batch.h"
 #include "simulation/rows.h"
 
 namespace taxelsim {

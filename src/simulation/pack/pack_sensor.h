@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "shared/layout.h"
+#include "shared/sensor.h"
 #include "taxelsim/sensor.h"
 
 namespace taxelsim {
