@@ -18,7 +18,7 @@ using support::Random;
 using support::randomImage;
 
 std::vector<std::uint32_t> bitsOf(const ContactFeatureView& view, int instance) {
-  std::vector<std::uint32_t> bits{std::bit_cast<std::uint32_t>(view.num_regions[instance])};
+  std::vector<std::uint32_t> bits{static_cast<std::uint32_t>(view.num_regions[instance])};
   for (const auto& [values, width] : std::vector<std::pair<std::span<const float>, std::size_t>>{{view.total_force, 1},
                                                                                                  {view.peak_force, 1},
                                                                                                  {view.center_of_pressure, 3},
@@ -30,14 +30,15 @@ std::vector<std::uint32_t> bitsOf(const ContactFeatureView& view, int instance) 
                                                                                                  {view.windowed_edge_angle, 1},
                                                                                                  {view.windowed_edge_confidence, 1},
                                                                                                  {view.tilt, 2},
-                                                                                                 {view.tilt_confidence, 1},
-                                                                                                 {view.contact_type, 1},
-                                                                                                 {view.patch, 1}}) {
+                                                                                                 {view.tilt_confidence, 1}}) {
     const std::size_t per_instance = static_cast<std::size_t>(view.num_rows) * width;
     for (const float value : values.subspan(static_cast<std::size_t>(instance) * per_instance, per_instance)) {
       bits.push_back(std::bit_cast<std::uint32_t>(value));
     }
   }
+  const auto first = static_cast<std::size_t>(instance * view.num_rows), num_rows = static_cast<std::size_t>(view.num_rows);
+  for (const ContactType type : view.contact_type.subspan(first, num_rows)) bits.push_back(static_cast<std::uint32_t>(type));
+  for (const std::int32_t patch : view.patch.subspan(first, num_rows)) bits.push_back(static_cast<std::uint32_t>(patch));
   return bits;
 }
 

@@ -38,7 +38,7 @@ TEST(ContactFeaturesOnEveryDriver, SeparatesTwoObjects) {
   EXPECT_NEAR(edge(frame.contact.center_of_pressure, 3, 1), -15e-3, 0.3e-3);
   EXPECT_NEAR(ball(frame.contact.center_of_pressure, 3, 0), -1e-3, 0.3e-3);
   EXPECT_NEAR(ball(frame.contact.center_of_pressure, 3, 1), 14e-3, 0.3e-3);
-  EXPECT_EQ(ball(frame.contact.contact_type), static_cast<double>(ContactType::kPoint));
+  EXPECT_EQ(ball(frame.contact.contact_type), ContactType::kPoint);
   EXPECT_NEAR(edge(frame.contact.edge_angle), 0, 0.05);
   EXPECT_NEAR(edge(frame.contact.total_force) + ball(frame.contact.total_force), frame.total_force[0], kSum * frame.total_force[0]);
 }
@@ -86,7 +86,7 @@ TEST(ContactFeaturesOnEveryDriver, ClassifiesRandomContacts) {
                       {.num_instances = n, .outputs = {.contact_features = true, .clean_contact_features = true}, .max_regions = 1});
   const FrameView frame = runCases(simulator, cases);
   for (int i = 0; i < n; ++i) {
-    const auto expected = static_cast<double>(cases[i].type);
+    const ContactType expected = cases[i].type;
     EXPECT_EQ(Row(frame.contact, i, 2)(frame.contact.contact_type), expected) << cases[i].object.name;
     EXPECT_EQ(Row(frame.ground_truth.contact, i, 0)(frame.ground_truth.contact.contact_type), expected) << cases[i].object.name;
   }

@@ -207,7 +207,7 @@ TEST(ContactFeaturesOnEveryDriver, RegionsMatchAFloodFill) {
       if (sum > 0) sums.push_back(sum);
     }
     std::stable_sort(sums.begin(), sums.end(), std::greater<>());
-    EXPECT_EQ(frame.contact.num_regions[image], static_cast<float>(sums.size()));
+    EXPECT_EQ(frame.contact.num_regions[image], static_cast<int>(sums.size()));
     for (int r = 0; r < 8; ++r) {
       const double expected = r < static_cast<int>(sums.size()) ? sums[r] : 0;
       EXPECT_EQ(Row(frame.contact, image, 2 + r)(frame.contact.total_force), expected) << image << " region " << r;

@@ -172,7 +172,7 @@ Tracked advance(const Sensor& sensor, const std::vector<PlacedObject>& placed, c
       error = mu * (p_high - p_low) + 2 * rounding.relative_force * now.cone[n];
       const bool is_held = before.touched[n] && before.state.touching[n] == number;
       if (bristles != nullptr && (is_held || !before.may_touch[n] || before.touched[n])) {
-        const BristleError step = bristleError(*bristles, {.bend = is_held ? before.state.held[n] : reference::Shear{0, 0},
+        const BristleError step = bristleError(*bristles, {.bend = is_held ? before.state.history[n] : reference::Shear{0, 0},
                                                            .u = {u[0], u[1]},
                                                            .share = is_held ? 1 : share(now.frame.penetration[n], -u[2]),
                                                            .dt = dt,
