@@ -10,7 +10,7 @@
 // Shared memory: 4 PARTIALS bytes.
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of team and workgroup.
 // Mutable globals: any_unfinished_loop (driver/loop_limit.glsl), small_kernel (features/jacobian_taxels.glsl).
-// Twin: src/reference/tactile_jacobian.cpp.
+// Twin: src/reference/feature_jacobian.cpp.
 
 #include "shared/batch.h"
 #include "shared/features.h"

@@ -1,4 +1,4 @@
-// The tactile Jacobian of an elastic layer: how its forces change as the sensor moves and the objects stay. Twin: src/reference/tactile_jacobian.cpp.
+// The tactile Jacobian of an elastic layer: how its forces change as the sensor moves and the objects stay. Twin: src/reference/layer_rates.cpp.
 // Out: taxel_jacobian (num_instances x 6 x num_taxels), N/m and N/rad; wrench_jacobian (num_instances x 6 x 6).
 //
 // Over the nodes in contact A p = d, so that A dp = dd: conjugate gradients with a known active set, once per coordinate of the twist. Nodes that enter or

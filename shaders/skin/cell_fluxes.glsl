@@ -1,5 +1,5 @@
 // Derivatives of a taxel's force and of a tile's wrench by the motion of the object, summed over samples for the tactile Jacobian. Twin:
-// src/reference/tactile_jacobian.cpp.
+// src/reference/pressure_transport.cpp.
 //
 // The object's surface lies at z = -d(x, y) of P. Its point p = (x, y, -d) moves with u = v + w x p, so that d_t = -u_z - u_x d_x - u_y d_y, and the force
 // of a cell is the integral of the pressure f(d) over it. With f' = df/dd and G = d f - (integral of f from 0 to d), so that dG/dd = d f',

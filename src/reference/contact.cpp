@@ -11,7 +11,7 @@ namespace taxelsim::reference {
 
 namespace {
 
-// One a law.
+// Pressure at penetration d > 0, one overload per law.
 struct Pressure {
   double d, rate;
 
@@ -21,7 +21,9 @@ struct Pressure {
   double operator()(const MassSpringDamper& law) const { return law.normal_contact_stiffness * d; }
   double operator()(const DeformationMask& law) const { return law.normal_contact_stiffness * d; }
   double operator()(const Proximity& law) const { return law.sensitivity * d; }
-  double operator()(const ElasticLayer&) const { throw std::logic_error("an elastic layer's pressures are solved together"); }
+  double operator()(const ElasticLayer&) const {
+    throw std::logic_error("elastic_layer has no pressure per sample: its pressures are coupled");
+  }
   double operator()(const LuGre& law) const { return law.normal_contact_stiffness * d; }
 };
 
@@ -55,7 +57,7 @@ Contact computeContact(const Sensor& sensor, std::span<const double> d, std::spa
   for (const double taxel_force : contact.taxel_force) {
     contact.total_force += taxel_force;
   }
-  if (std::holds_alternative<Proximity>(sensor.skin.law)) force = torque = {0, 0, 0};  // nothing presses
+  if (std::holds_alternative<Proximity>(sensor.skin.law)) force = torque = {0, 0, 0};  // exerts no force
   contact.wrench = {force[0], force[1], force[2], torque[0], torque[1], torque[2]};
   contact.over_penetration = static_cast<double>(num_over) / static_cast<double>(samples.size());
   return contact;
