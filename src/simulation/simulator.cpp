@@ -324,7 +324,7 @@ FrameView Simulator::read() {
                   "use simpler meshes, fewer samples or contacts, or a larger contact_workgroup or image_workgroup");
     }
   }
-  return viewOf(impl.data(), impl.options, impl.buffers);
+  return viewOf(impl.data(), impl.options, impl.buffers, impl.integer_features);
 }
 
 StepTiming Simulator::timing() const {

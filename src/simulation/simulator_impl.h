@@ -12,6 +12,7 @@
 #include "simulation/candidate_schedule.h"
 #include "simulation/clock.h"
 #include "simulation/frame_graph.h"
+#include "simulation/frame_view.h"
 #include "simulation/model_access.h"
 #include "simulation/motions.h"
 #include "taxelsim/simulator.h"
@@ -48,6 +49,7 @@ struct Simulator::Impl {
   Model model;
   SimulatorOptions options;
   BatchBuffers buffers;
+  IntegerFeatures integer_features;
   std::vector<Clock> clocks;
   StepHistory history;
   std::uint32_t num_steps = 0;  // of the batch so far
