@@ -1,4 +1,4 @@
-// `frame`: values against closed forms, every output, and what is refused.
+// `frame`: values against closed forms, outputs, and refusals.
 #include <gtest/gtest.h>
 
 #include <cmath>
