@@ -133,7 +133,7 @@ class Run {
       largest_residual_ = std::max(largest_residual_, static_cast<double>(residual));
     }
     double iterations = 0;
-    for (const float count : frame.ground_truth.contact_iterations) iterations += count;
+    for (const std::int32_t count : frame.ground_truth.contact_iterations) iterations += count;
     iterations_ = iterations / static_cast<double>(ids_.size());
     return seconds;
   }

@@ -1,4 +1,4 @@
-// `taxelsim frame`: one sensor, one moment, everything it reports.
+// `taxelsim frame`: presses objects on one sensor and prints one frame.
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/fmt/ranges.h>
 
@@ -15,6 +15,7 @@
 #include "cli/contacts_file.h"
 #include "figures/tactile_figure.h"
 #include "figures/taxel_chart.h"
+#include "simulation/feature_table.h"
 #include "taxelsim/device.h"
 #include "taxelsim/error.h"
 #include "taxelsim/model.h"
@@ -26,8 +27,8 @@ using namespace figures;
 
 namespace {
 
-constexpr double kQuaternionTolerance = 1e-3;  // as Simulator::setObjects() has it
-constexpr double kDefaultStep = 0.01;          // s, for sensors that give a frame at every step
+constexpr double kQuaternionTolerance = 1e-3;  // as in Simulator::setObjects()
+constexpr double kDefaultStep = 0.01;          // s, for sensors with a frame at every step
 
 struct Arguments {
   std::string sensor, contacts, picture, device;
@@ -37,7 +38,7 @@ struct Arguments {
   bool validation = false;
 };
 
-// Seven numbers between blanks or commas, whatever the locale.
+// Seven numbers separated by blanks or commas. Independent of the locale.
 Pose parsePose(const std::string& text) {
   const auto refuse = [&](const std::string& why) -> Error {
     return Error(ErrorKind::kInput, "--pose \"" + text + "\": " + why + "; a pose is \"x y z qw qx qy qz\", m and a unit quaternion");
@@ -68,7 +69,7 @@ nlohmann::ordered_json arrayOf(std::span<const T> values) {
   return nlohmann::ordered_json(std::vector<T>(values.begin(), values.end()));
 }
 
-// Per-taxel values, `width` to a taxel: rows of rows for one grid, else a plain list.
+// Values per taxel, `width` of each: a list of rows for one grid patch, else a list of taxels.
 template <typename T>
 nlohmann::ordered_json taxelsOf(const Sensor& sensor, std::span<const T> values, std::size_t width = 1) {
   const auto taxel = [&](std::size_t t) -> nlohmann::ordered_json {
@@ -89,38 +90,44 @@ nlohmann::ordered_json taxelsOf(const Sensor& sensor, std::span<const T> values,
   return list;
 }
 
-// Those of one row.
-void addFeatures(nlohmann::ordered_json& json, const FeatureView& features, std::size_t row = 0) {
-  json["total_force"] = features.total_force[row];
-  json["peak_force"] = features.peak_force[row];
-  json["center_of_pressure"] = arrayOf(features.center_of_pressure.subspan(3 * row, 3));
-  json["second_moments"] = arrayOf(features.second_moments.subspan(3 * row, 3));
-  json["eigenvalues"] = arrayOf(features.eigenvalues.subspan(2 * row, 2));
-  json["edge_angle"] = features.edge_angle[row];
-  json["edge_confidence"] = features.edge_confidence[row];
-  json["contact_area"] = features.contact_area[row];
-}
-
 constexpr const char* kContactTypes[] = {"none", "point", "edge", "area"};
 
-const char* contactTypeOf(const ContactFeatureView& contact, std::size_t row) {
-  return kContactTypes[static_cast<std::size_t>(contact.contact_type[row])];
+nlohmann::ordered_json jsonOf(ContactType type) {
+  return kContactTypes[static_cast<std::size_t>(type)];
+}
+template <typename T>
+nlohmann::ordered_json jsonOf(T value) {
+  return value;
 }
 
-// The regions that have rows; the last rows may be empty.
+// One row of a feature: a value, or an array of `width` values.
+nlohmann::ordered_json rowOf(const FeatureValues& values, std::size_t width, std::size_t row) {
+  return std::visit(
+      [&](const auto& all) {
+        if (width == 1) return jsonOf(all[row]);
+        nlohmann::ordered_json list = nlohmann::ordered_json::array();
+        for (const auto value : all.subspan(width * row, width)) list.push_back(jsonOf(value));
+        return list;
+      },
+      values);
+}
+
+template <typename Field, typename View>
+void addFeatures(nlohmann::ordered_json& json, std::span<const Field> table, const View& view, std::size_t row = 0) {
+  for (const Field& field : table) json[std::string(field.name)] = rowOf(field.values(view), field.width, row);
+}
+
+// Number of regions that have rows; the view may have more rows.
 std::size_t numRegionRows(const ContactFeatureView& contact) {
-  return std::min(static_cast<std::size_t>(contact.num_regions[0]), static_cast<std::size_t>(kMaxRegions));
+  return static_cast<std::size_t>(std::min(contact.num_regions[0], static_cast<std::int32_t>(kMaxRegions)));
 }
 
 nlohmann::ordered_json contactRow(const ContactFeatureView& contact, std::size_t row) {
   nlohmann::ordered_json json;
-  json["contact_type"] = contactTypeOf(contact, row);
-  json["patch"] = static_cast<int>(contact.patch[row]);
-  addFeatures(json, contact, row);
-  json["windowed_edge_angle"] = contact.windowed_edge_angle[row];
-  json["windowed_edge_confidence"] = contact.windowed_edge_confidence[row];
-  json["tilt"] = arrayOf(contact.tilt.subspan(2 * row, 2));
-  json["tilt_confidence"] = contact.tilt_confidence[row];
+  json["contact_type"] = nullptr;  // these two are first
+  json["patch"] = nullptr;
+  addFeatures(json, imageFeatures(), contact, row);
+  addFeatures(json, contactFeatures(), contact, row);
   return json;
 }
 
@@ -130,36 +137,41 @@ nlohmann::ordered_json contactJson(const ContactFeatureView& contact) {
   json["patches"] = nlohmann::ordered_json::array();
   const auto num_patches = static_cast<std::size_t>(contact.num_patches);
   for (std::size_t p = 0; p < num_patches; ++p) json["patches"].push_back(contactRow(contact, 1 + p));
-  json["num_regions"] = static_cast<int>(contact.num_regions[0]);
+  addFeatures(json, regionFeatures(), contact);
   json["regions"] = nlohmann::ordered_json::array();
   for (std::size_t r = 0; r < numRegionRows(contact); ++r) json["regions"].push_back(contactRow(contact, 1 + num_patches + r));
   return json;
 }
 
-nlohmann::ordered_json asJson(const Sensor& sensor, const FrameView& frame) {
+// Integers and flags among these features are written as floats, 1.0: the form of the first version.
+void addTruth(nlohmann::ordered_json& json, const GroundTruthView& truth) {
+  for (const FeatureField<GroundTruthView>& field : truthFeatures()) {
+    std::visit(
+        [&](const auto& values) {
+          if (values.empty()) return;
+          std::vector<float> numbers;
+          for (const auto value : values) numbers.push_back(static_cast<float>(value));
+          json[std::string(field.name)] = rowOf(FeatureValues(std::span<const float>(numbers)), field.width, 0);
+        },
+        field.values(truth));
+  }
+}
+
+nlohmann::ordered_json frameJson(const Sensor& sensor, const FrameView& frame) {
   nlohmann::ordered_json json;
   json["sensor"] = sensor.name;
   json["tactile_image"] = taxelsOf(sensor, frame.tactile_image);
-  addFeatures(json, frame);
-  json["saturated"] = frame.saturated[0];
+  addFeatures(json, imageFeatures(), frame);
+  addFeatures(json, readoutFeatures(), frame);
   json["contact"] = contactJson(frame.contact);
   const GroundTruthView& truth = frame.ground_truth;
   nlohmann::ordered_json& clean = json["ground_truth"];
   clean["tactile_normal_force"] = taxelsOf(sensor, truth.tactile_normal_force);
   clean["tactile_shear_force"] = taxelsOf(sensor, truth.tactile_shear_force, 2);
   if (!truth.penetration_depth.empty()) clean["penetration_depth"] = taxelsOf(sensor, truth.penetration_depth);
-  addFeatures(clean, truth);
+  addFeatures(clean, imageFeatures(), truth);
   clean["contact"] = contactJson(truth.contact);
-  clean["contact_wrench"] = arrayOf(truth.contact_wrench);
-  clean["over_penetration"] = truth.over_penetration[0];
-  clean["load_offset"] = truth.load_offset[0];
-  clean["load_reached"] = truth.load_reached[0];
-  clean["off_array_load"] = truth.off_array_load[0];
-  clean["off_array_contacts"] = truth.off_array_contacts[0];
-  if (!truth.contact_residual.empty()) {
-    clean["contact_residual"] = truth.contact_residual[0];
-    clean["contact_iterations"] = truth.contact_iterations[0];
-  }
+  addTruth(clean, truth);
   return json;
 }
 
@@ -185,50 +197,61 @@ void printImage(const Sensor& sensor, std::span<const std::uint32_t> image) {
   }
 }
 
-std::string numbersText(std::span<const float> values) {
-  std::string text;
-  for (const float value : values) text += fmt::format("{}{:.6g}", text.empty() ? "" : "  ", value == 0 ? 0 : value);  // no "-0"
-  return text;
+std::string valueText(float value) {
+  return fmt::format("{:.6g}", value == 0 ? 0 : value);
+}  // no "-0"
+std::string valueText(ContactType type) {
+  return kContactTypes[static_cast<std::size_t>(type)];
+}
+
+// The first row of a feature.
+std::string rowText(const FeatureValues& values, std::size_t width) {
+  return std::visit(
+      [&](const auto& all) {
+        std::string text;
+        for (const auto value : all.first(std::min(width, all.size()))) {
+          if (!text.empty()) text += "  ";
+          if constexpr (std::is_same_v<decltype(value), const ContactType>) {
+            text += valueText(value);
+          } else {
+            text += valueText(static_cast<float>(value));
+          }
+        }
+        return text;
+      },
+      values);
+}
+
+void printRow(std::string_view name, std::string_view unit, const std::string& measured, const std::string& clean) {
+  fmt::print("{:<24} {:<7} {:<40} {}\n", name, unit, measured, clean);
+}
+
+// Measured beside clean values of the features that both views have.
+template <typename Field, typename View>
+void printBoth(std::span<const Field> table, const View& measured, const View& clean) {
+  for (const Field& field : table) {
+    printRow(field.name, field.unit, rowText(field.values(measured), field.width), rowText(field.values(clean), field.width));
+  }
 }
 
 void printText(const Sensor& sensor, const FrameView& frame) {
   printImage(sensor, frame.tactile_image);
   const GroundTruthView& truth = frame.ground_truth;
-  const auto line = [](const char* name, const char* unit, std::span<const float> measured, std::span<const float> clean) {
-    fmt::print("{:<20} {:<7} {:<40} {}\n", name, unit, numbersText(measured), numbersText(clean));
-  };
-  fmt::print("\n{:<20} {:<7} {:<40} {}\n", "feature", "unit", "measured", "ground truth");
-  line("total_force", "N", frame.total_force, truth.total_force);
-  line("peak_force", "N", frame.peak_force, truth.peak_force);
-  line("center_of_pressure", "m", frame.center_of_pressure, truth.center_of_pressure);
-  line("second_moments", "m^2", frame.second_moments, truth.second_moments);
-  line("eigenvalues", "m^2", frame.eigenvalues, truth.eigenvalues);
-  line("edge_angle", "rad", frame.edge_angle, truth.edge_angle);
-  line("edge_confidence", "1", frame.edge_confidence, truth.edge_confidence);
-  line("contact_area", "m^2", frame.contact_area, truth.contact_area);
-  const ContactFeatureView &measured = frame.contact, &true_contact = truth.contact;
-  line("windowed_edge_angle", "rad", measured.windowed_edge_angle.first(1), true_contact.windowed_edge_angle.first(1));
-  line("tilt", "rad", measured.tilt.first(2), true_contact.tilt.first(2));
-  line("tilt_confidence", "1", measured.tilt_confidence.first(1), true_contact.tilt_confidence.first(1));
-  fmt::print("{:<20} {:<7} {:<40} {}\n", "contact_type", "", contactTypeOf(measured, 0), contactTypeOf(true_contact, 0));
-  line("num_regions", "1", measured.num_regions, true_contact.num_regions);
-  line("saturated", "1", frame.saturated, {});
-  const auto clean = [&](const char* name, const char* unit, std::span<const float> values) {
-    fmt::print("{:<20} {:<7} {:<40} {}\n", name, unit, "", numbersText(values));
-  };
-  clean("contact_wrench", "N, N m", truth.contact_wrench);
-  clean("over_penetration", "1", truth.over_penetration);
-  clean("load_offset", "m", truth.load_offset);
-  const bool of_layer = !truth.contact_residual.empty();
-  const bool of_contacts = truth.penetration_depth.empty();
-  if (of_layer || of_contacts) clean("off_array_load", "N", truth.off_array_load);
-  if (of_contacts) clean("off_array_contacts", "1", truth.off_array_contacts);
-  if (!of_layer) return;
-  clean("contact_residual", "1", truth.contact_residual);
-  clean("contact_iterations", "1", truth.contact_iterations);
+  fmt::print("\n");
+  printRow("feature", "unit", "measured", "ground truth");
+  printBoth<FeatureField<FeatureView>, FeatureView>(imageFeatures(), frame, truth);
+  printBoth(contactFeatures(), frame.contact, truth.contact);
+  printBoth(regionFeatures(), frame.contact, truth.contact);
+  for (const FeatureField<FrameView>& field : readoutFeatures()) {
+    printRow(field.name, field.unit, rowText(field.values(frame), field.width), "");
+  }
+  for (const FeatureField<GroundTruthView>& field : truthFeatures()) {
+    const std::string text = rowText(field.values(truth), field.width);
+    if (!text.empty()) printRow(field.name, field.unit, "", text);
+  }
 }
 
-// One panel a patch, or all taxels of a list together.
+// One panel per patch; one panel for a list of taxels.
 std::vector<TactilePanel> panelsOf(const Sensor& sensor, const FrameView& frame) {
   std::vector<TactilePanel> panels;
   if (isTaxelList(sensor)) {
@@ -272,7 +295,7 @@ void drawFrame(const std::string& file, const Sensor& sensor, const FrameView& f
 
 void show(const Arguments& arguments, const Sensor& sensor, const FrameView& frame, const std::string& what) {
   if (arguments.json)
-    fmt::print("{}\n", asJson(sensor, frame).dump(2));
+    fmt::print("{}\n", frameJson(sensor, frame).dump(2));
   else
     printText(sensor, frame);
   if (!arguments.picture.empty()) drawFrame(arguments.picture, sensor, frame, what);
@@ -313,7 +336,7 @@ int runObjects(const Arguments& arguments, bool load_driven) {
   std::vector<Pose> X_SO;
   for (const std::string& text : arguments.poses) X_SO.push_back(parsePose(text));
   Sensor sensor = loadSensor(arguments.sensor);
-  sensor.readout.delay = sensor.readout.low_pass_time = 0;  // the one frame shows what they would settle to
+  sensor.readout.delay = sensor.readout.low_pass_time = 0;  // the single frame shows the steady state
   ModelOptions options{.sensor = sensor, .objects = {}};
   std::vector<int> ids;
   for (const std::string& text : arguments.objects) {
@@ -330,8 +353,8 @@ int runObjects(const Arguments& arguments, bool load_driven) {
   simulator.setLoad(0, load_driven ? static_cast<float>(arguments.load) : kPoseDriven);
   simulator.step(stepOf(sensor));
   const FrameView frame = simulator.read();
-  if (load_driven && frame.ground_truth.load_reached[0] == 0) {
-    // The search ends at the deepest contact that the skin allows; what that carries is the most there is.
+  if (load_driven && !frame.ground_truth.load_reached[0]) {
+    // The search ended at the deepest contact that the skin allows, whose force is the largest possible.
     const float carried = isTaxelList(sensor) ? frame.ground_truth.total_force[0] : -frame.ground_truth.contact_wrench[2];
     throw Error(ErrorKind::kInput, carried > 0
                                        ? fmt::format("--load {} N is out of reach: pressed through the skin, the objects carry {:.4g} N",

@@ -1,12 +1,13 @@
-// The columns of a data set and where each one's values come from: the one table that the schema and the recorder share.
+// The columns of a data set and the sources of their values, for schema and recorder.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
+#include <functional>
 #include <vector>
 
 #include "episodes/episode_sink.h"
+#include "simulation/feature_table.h"
 #include "taxelsim/dataset.h"
 #include "taxelsim/scene.h"
 #include "taxelsim/simulator.h"
@@ -18,7 +19,7 @@ struct FrameColumn {
   enum class Source {
     kTime,
     kImage,
-    kFloats,
+    kFeature,
     kPose,
     kSensorPose,
     kAction,
@@ -29,8 +30,8 @@ struct FrameColumn {
   };
 
   Column column;
-  Source source = Source::kFloats;
-  std::span<const float> (*floats)(const FrameView&) = nullptr;  // of kFloats: (N x row)
+  Source source = Source::kFeature;
+  std::function<FeatureValues(const FrameView&)> values{};  // kFeature only: (N x row)
 };
 
 // One value per episode, at `offset` of EpisodeRecord.
@@ -44,13 +45,13 @@ struct ColumnPlan {
   std::vector<EpisodeColumn> episode;  // then these
 };
 
-// Throws Error(kInput) for a name in scene.record that is none of the groups.
+// Throws Error(kInput) if scene.record has a name that is not a group of columns.
 ColumnPlan planColumns(const Scene& scene);
 
 // Bytes of one row.
 std::size_t rowBytes(const Column& column);
 
-// What a simulator must give back for them.
+// The simulator outputs that the columns need.
 OutputOptions outputsOf(const Scene& scene);
 
 }  // namespace taxelsim

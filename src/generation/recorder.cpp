@@ -40,6 +40,18 @@ void copyRows(std::span<const float> values, std::size_t num_floats, std::span<c
   }
 }
 
+// Integers, flags and enums are float32 columns.
+template <typename T>
+void copyRows(std::span<const T> values, std::size_t width, std::span<const FramePlace> places, std::size_t column) {
+  forRows(places, column, width * sizeof(float), [&](std::size_t i, std::byte* to) {
+    for (const T value : values.subspan(i * width, width)) {
+      const auto number = static_cast<float>(value);
+      std::memcpy(to, &number, sizeof number);
+      to += sizeof number;
+    }
+  });
+}
+
 void copyImages(std::span<const std::uint32_t> counts, std::size_t num_taxels, std::span<const FramePlace> places, std::size_t column) {
   forEachRow(places, column, num_taxels * sizeof(std::uint16_t), [&](std::size_t i, std::byte* to) {
     const std::uint32_t* from = &counts[i * num_taxels];
@@ -92,8 +104,8 @@ void Recorder::recordFrames(const FrameView& frame, const FrameContext& context,
       case FrameColumn::Source::kImage:
         copyImages(frame.tactile_image, row_bytes / sizeof(std::uint16_t), places, c);
         break;
-      case FrameColumn::Source::kFloats:
-        copyRows(entry.floats(frame), row_bytes / sizeof(float), places, c);
+      case FrameColumn::Source::kFeature:
+        std::visit([&](const auto& values) { copyRows(values, row_bytes / sizeof(float), places, c); }, entry.values(frame));
         break;
       case FrameColumn::Source::kPose:
         copyPoses(context.X_SO, static_cast<std::size_t>(context.num_sensors), places, c);

@@ -1,94 +1,110 @@
 #include "simulation/frame_view.h"
 
 #include "shared/features.h"
+#include "simulation/feature_table.h"
 
 namespace taxelsim {
+
+template <typename T>
+std::span<const T> IntegerFeatures::convert(std::span<const float> values) {
+  static_assert(alignof(T) <= alignof(std::max_align_t));
+  if (num_used_ == arrays_.size()) arrays_.emplace_back();
+  std::vector<std::byte>& bytes = arrays_[num_used_++];
+  bytes.resize(values.size() * sizeof(T));
+  T* const first = reinterpret_cast<T*>(bytes.data());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    new (first + i) T(static_cast<T>(static_cast<std::int32_t>(values[i])));
+  }
+  return {first, values.size()};
+}
+
 namespace {
 
-// The image features of `num_rows` rows, of the blocks that begin with number `start`.
-void fillFeatures(std::span<const float> features, std::size_t num_rows, std::uint32_t start, FeatureView& view) {
-  const auto block = [&](std::uint32_t first, std::size_t components = 1) {
-    return features.subspan((start + first) * num_rows, components * num_rows);
-  };
-  view.total_force = block(layout::kFeatureTotalForce);
-  view.peak_force = block(layout::kFeaturePeakForce);
-  view.center_of_pressure = block(layout::kFeatureCenterOfPressure, 3);
-  view.second_moments = block(layout::kFeatureSecondMoments, 3);
-  view.eigenvalues = block(layout::kFeatureEigenvalues, 2);
-  view.edge_angle = block(layout::kFeatureEdgeAngle);
-  view.edge_confidence = block(layout::kFeatureEdgeConfidence);
-  view.contact_area = block(layout::kFeatureContactArea);
-}
+// A feature buffer: block after block, each (num_rows x width).
+struct Blocks {
+  std::span<const float> values;
+  std::size_t num_rows;
+  IntegerFeatures& integers;
 
-ContactFeatureView contactView(const Model::Impl& model, const SimulatorOptions& options, const ReadableBuffer& buffer) {
-  const PackedContactFeatures& packed = model.packed_contact;
-  const auto n = static_cast<std::size_t>(options.num_instances);
-  const std::size_t num_rows = n * numContactRows(packed, options.max_regions);
-  const std::span<const float> features = buffer.read<float>();
-  const auto block = [&](std::uint32_t first, std::size_t components = 1) {
-    return features.subspan(first * num_rows, components * num_rows);
-  };
-  ContactFeatureView view;
-  view.num_rows = static_cast<int>(num_rows / n);
-  view.num_patches = static_cast<int>(packed.num_patches);
-  fillFeatures(features, num_rows, 0, view);
-  view.windowed_edge_angle = block(layout::kContactWindowedEdgeAngle);
-  view.windowed_edge_confidence = block(layout::kContactWindowedEdgeConfidence);
-  view.tilt = block(layout::kContactTilt, 2);
-  view.tilt_confidence = block(layout::kContactTiltConfidence);
-  view.contact_type = block(layout::kContactType);
-  view.patch = block(layout::kContactPatch);
-  view.num_regions = features.subspan(layout::kNumContactFeatures * num_rows, n);
-  return view;
-}
+  // Sets the fields of `view` that the table names; `start` is added to the table's offsets.
+  template <typename View, typename Target>
+  void fill(std::span<const FeatureField<View>> table, Target& view, std::size_t start = 0) const {
+    for (const FeatureField<View>& field : table) set(field, view, (start + field.offset) * num_rows, num_rows);
+  }
+  // The same for blocks of one row per instance that follow the others.
+  template <typename View, typename Target>
+  void fillLast(std::span<const FeatureField<View>> table, Target& view, std::size_t num_instances) const {
+    for (const FeatureField<View>& field : table) set(field, view, field.offset * num_rows, num_instances);
+  }
 
-template <typename View>
-void fillJacobian(const Model::Impl& model, const SimulatorOptions& options, const ReadableBuffer& buffer, View& view) {
+ private:
+  template <typename View, typename Target>
+  void set(const FeatureField<View>& field, Target& view, std::size_t first, std::size_t rows) const {
+    const std::span<const float> block = values.subspan(first, field.width * rows);
+    std::visit([&](auto member) { assign(view.*member, block); }, field.member);
+  }
+  void assign(std::span<const float>& target, std::span<const float> block) const { target = block; }
+  template <typename T>
+  void assign(std::span<const T>& target, std::span<const float> block) const {
+    target = integers.convert<T>(block);
+  }
+};
+
+void fillContact(const ModelData& model, const SimulatorOptions& options, std::span<const float> values, IntegerFeatures& integers,
+                 ContactFeatureView& view) {
   const auto n = static_cast<std::size_t>(options.num_instances);
-  const std::size_t num_rows = n * numContactRows(model.packed_contact, 0);
-  const std::span<const float> values = buffer.read<float>();
-  const auto block = [&](std::uint32_t first, std::size_t components) { return values.subspan(first * num_rows, components * num_rows); };
-  view.num_rows = static_cast<int>(num_rows / n);
+  const std::size_t num_rows = numContactRows(model.packed_contact, options.max_regions);
+  view.num_rows = static_cast<int>(num_rows);
   view.num_patches = static_cast<int>(model.packed_contact.num_patches);
-  view.center_of_pressure = block(layout::kJacobianCenterOfPressure, 18);
-  view.total_force = block(layout::kJacobianTotalForce, 6);
-  view.edge_angle = block(layout::kJacobianEdgeAngle, 6);
+  const Blocks blocks{values, n * num_rows, integers};
+  blocks.fill(imageFeatures(), view);
+  blocks.fill(contactFeatures(), view);
+  blocks.fillLast(regionFeatures(), view, n);
+}
+
+Blocks fillJacobian(const ModelData& model, const SimulatorOptions& options, std::span<const float> values, IntegerFeatures& integers,
+                    TactileJacobianView& view) {
+  const std::size_t num_rows = numContactRows(model.packed_contact, 0);
+  view.num_rows = static_cast<int>(num_rows);
+  view.num_patches = static_cast<int>(model.packed_contact.num_patches);
+  const Blocks blocks{values, static_cast<std::size_t>(options.num_instances) * num_rows, integers};
+  blocks.fill(jacobianFeatures(), view);
+  return blocks;
+}
+
+void fillTaxels(const OutputOptions& outputs, const BatchBuffers& buffers, std::size_t num_taxels, FrameView& frame) {
+  GroundTruthView& truth = frame.ground_truth;
+  frame.tactile_image = buffers.output<block::Image>().first(num_taxels);
+  if (outputs.tactile_normal_force) truth.tactile_normal_force = buffers.output<block::SpreadNormal>().first(num_taxels);
+  if (outputs.tactile_shear_force) truth.tactile_shear_force = buffers.output<block::SpreadShear>().first(2 * num_taxels);
+  if (outputs.penetration_depth) truth.penetration_depth = buffers.output<block::ContactDepth>().first(num_taxels);
 }
 
 }  // namespace
 
-FrameView viewOf(const Model::Impl& model, const SimulatorOptions& options, const BatchBuffers& buffers) {
+FrameView viewOf(const ModelData& model, const SimulatorOptions& options, const BatchBuffers& buffers, IntegerFeatures& integers) {
+  integers.clear();
   const auto n = static_cast<std::size_t>(options.num_instances);
-  const std::span<const float> features = buffers.features.read<float>();
-  const auto block = [&](std::uint32_t first, std::size_t components = 1) { return features.subspan(first * n, components * n); };
+  const OutputOptions& outputs = options.outputs;
   FrameView frame;
-  fillFeatures(features, n, 0, frame);
-  fillFeatures(features, n, layout::kNumImageFeatures, frame.ground_truth);
-  if (options.outputs.contact_features) frame.contact = contactView(model, options, buffers.contact_features);
-  if (options.outputs.clean_contact_features) frame.ground_truth.contact = contactView(model, options, buffers.clean_contact_features);
-  if (options.outputs.tactile_jacobian) fillJacobian(model, options, buffers.jacobian, frame.jacobian);
-  if (options.outputs.clean_tactile_jacobian) {
-    CleanTactileJacobianView& view = frame.ground_truth.jacobian;
-    fillJacobian(model, options, buffers.clean_jacobian, view);
-    view.contact_wrench = buffers.clean_jacobian.read<float>().subspan(layout::kNumJacobian * n * static_cast<std::size_t>(view.num_rows),
-                                                                       layout::kNumWrenchJacobian * n);
-  }
-  const std::size_t taxels = model.num_taxels;
-  frame.tactile_image = buffers.image.read<std::uint32_t>().first(n * taxels);
-  frame.saturated = block(layout::kFeatureSaturated);
   GroundTruthView& truth = frame.ground_truth;
-  if (options.outputs.tactile_normal_force) truth.tactile_normal_force = buffers.spread_normal.read<float>().first(n * taxels);
-  if (options.outputs.tactile_shear_force) truth.tactile_shear_force = buffers.spread_shear.read<float>().first(2 * n * taxels);
-  if (options.outputs.penetration_depth) truth.penetration_depth = buffers.contact_depth.read<float>().first(n * taxels);
-  truth.contact_wrench = block(layout::kFeatureContactWrench, 6);
-  truth.over_penetration = block(layout::kFeatureOverPenetration);
-  truth.load_offset = block(layout::kFeatureLoadOffset);
-  truth.load_reached = block(layout::kFeatureLoadReached);
-  truth.off_array_load = block(layout::kFeatureOffArrayLoad);
-  truth.off_array_contacts = block(layout::kFeatureOffArrayContacts);
-  if (model.layer && options.max_contacts == 0) {
-    truth.contact_residual = block(layout::kFeatureContactResidual);
-    truth.contact_iterations = block(layout::kFeatureContactIterations);
+  fillTaxels(outputs, buffers, n * model.num_taxels, frame);
+  const Blocks blocks{buffers.output<block::Features>(), n, integers};
+  blocks.fill(imageFeatures(), frame);
+  blocks.fill(imageFeatures(), truth, layout::kNumImageFeatures);
+  blocks.fill(readoutFeatures(), frame);
+  blocks.fill(truthFeatures(), truth);
+  const bool is_solved = model.layer && options.max_contacts == 0;
+  if (!is_solved) {
+    truth.contact_residual = {};
+    truth.contact_iterations = {};
+  }
+  if (outputs.contact_features) fillContact(model, options, buffers.output<block::ContactFeatures>(), integers, frame.contact);
+  if (outputs.clean_contact_features) fillContact(model, options, buffers.output<block::CleanContactFeatures>(), integers, truth.contact);
+  if (outputs.tactile_jacobian) fillJacobian(model, options, buffers.output<block::TactileJacobian>(), integers, frame.jacobian);
+  if (outputs.clean_tactile_jacobian) {
+    fillJacobian(model, options, buffers.output<block::CleanTactileJacobian>(), integers, truth.jacobian)
+        .fillLast(wrenchJacobian(), truth.jacobian, n);
   }
   return frame;
 }

@@ -22,6 +22,8 @@ constexpr std::size_t kNumInstances = 3, kNumTaxels = 84;
 // A frame whose arrays hold distinct numbers.
 struct ExampleFrame {
   std::vector<std::vector<float>> arrays;
+  std::vector<std::vector<std::int32_t>> integers;
+  std::vector<ContactType> types;
   std::vector<std::uint32_t> counts;
   FrameView view;
 
@@ -30,6 +32,13 @@ struct ExampleFrame {
     std::iota(values.begin(), values.end(), static_cast<float>(1000 * arrays.size()));
     arrays.push_back(std::move(values));
     return arrays.back();
+  }
+
+  std::span<const std::int32_t> nextIntegers(std::size_t width) {
+    std::vector<std::int32_t> values(kNumInstances * width);
+    std::iota(values.begin(), values.end(), -1);
+    integers.push_back(std::move(values));
+    return integers.back();
   }
 
   void fill(FeatureView& features) {
@@ -48,14 +57,18 @@ struct ExampleFrame {
     constexpr std::size_t kRows = 4;
     contact.num_rows = kRows;
     contact.num_patches = 1;
-    for (std::span<const float>* values : {&contact.total_force, &contact.peak_force, &contact.edge_angle, &contact.edge_confidence,
-                                           &contact.contact_area, &contact.windowed_edge_angle, &contact.windowed_edge_confidence,
-                                           &contact.tilt_confidence, &contact.contact_type, &contact.patch}) {
+    for (std::span<const float>* values :
+         {&contact.total_force, &contact.peak_force, &contact.edge_angle, &contact.edge_confidence, &contact.contact_area,
+          &contact.windowed_edge_angle, &contact.windowed_edge_confidence, &contact.tilt_confidence}) {
       *values = next(kRows);
     }
     for (std::span<const float>* values : {&contact.center_of_pressure, &contact.second_moments}) *values = next(3 * kRows);
     for (std::span<const float>* values : {&contact.eigenvalues, &contact.tilt}) *values = next(2 * kRows);
-    contact.num_regions = next(1);
+    types.assign(kNumInstances * kRows, ContactType::kEdge);
+    for (std::size_t i = 0; i < types.size(); i += 2) types[i] = ContactType::kPoint;
+    contact.contact_type = types;
+    contact.patch = nextIntegers(kRows);
+    contact.num_regions = nextIntegers(1);
   }
 
   ExampleFrame() : counts(kNumInstances * kNumTaxels) {
@@ -161,10 +174,15 @@ TEST_F(RecorderTest, WritesOutputsOfTheSimulator) {
   for (const std::size_t instance : {std::size_t{0}, std::size_t{2}}) {
     for (std::size_t c = 0; c < plan_.frame.size(); ++c) {
       const FrameColumn& entry = plan_.frame[c];
-      if (entry.source != FrameColumn::Source::kFloats) continue;
+      if (entry.source != FrameColumn::Source::kFeature) continue;
       const std::size_t width = rowBytes(entry.column) / sizeof(float);
-      EXPECT_EQ(rowOf<float>(bufferOf(instance), c, places_[instance].row, width), part<float>(entry.floats(frame_.view), instance, width))
-          << entry.column.name;
+      std::visit(
+          [&](const auto& values) {
+            std::vector<float> expected;
+            for (const auto value : values.subspan(instance * width, width)) expected.push_back(static_cast<float>(value));
+            EXPECT_EQ(rowOf<float>(bufferOf(instance), c, places_[instance].row, width), expected) << entry.column.name;
+          },
+          entry.values(frame_.view));
     }
     EXPECT_EQ(frameRow<std::uint16_t>(instance, "data/tactile_image", kNumTaxels),
               part<std::uint16_t>(frame_.counts, instance, kNumTaxels));

@@ -17,6 +17,8 @@ struct Row {
   double operator()(std::span<const float> values, std::size_t width = 1, std::size_t component = 0) const {
     return values[width * at + component];
   }
+  std::int32_t operator()(std::span<const std::int32_t> values) const { return values[at]; }
+  ContactType operator()(std::span<const ContactType> values) const { return values[at]; }
   const ContactFeatureView& view;
   std::size_t at;
 };
