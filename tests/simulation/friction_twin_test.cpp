@@ -1,9 +1,9 @@
 // The device's shear against the twin's on random sensors, objects and paths, within bounds carried along each path.
 //
-// Sample by sample, beside the twin's traction q runs a bound e of what float32 may add. The cone is convex, so that a step keeps |q - q'|
-// <= e but for what it adds itself: the stiffness times the displacement's rounding, the share of a step before touch where the depth is
-// not sure, and mu times the pressure's width. Where it is not sure that, or which, object touched before, anything inside the cones is
-// possible. For the law lugre the bound is one of its bristles' bend, in units of friction, which a step carries on as it carries the bend.
+// Per sample, a bound e on the difference between device and twin traction is carried along the path. The cone is convex, so a step adds
+// only: stiffness times the rounding of the displacement, the uncertainty of the fraction after touch, and mu times the width of the
+// pressure. If it is uncertain whether or which object touched before, anything inside the cones is possible. For law lugre e bounds the
+// bristle deflection, in units of friction.
 #include <gtest/gtest.h>
 
 #include <algorithm>

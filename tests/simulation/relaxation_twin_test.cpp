@@ -75,7 +75,7 @@ float randomLoad(Random& random, const Sensor& sensor, const std::vector<referen
   const auto deepest = reference::findLoad(sensor, placed, 1e9, skin);
   const auto d =
       reference::penetrations(reference::surfaceHeights(sensor, reference::movedAlongZ(placed, deepest.full_depth)), sensor.skin.thickness);
-  const double full = reference::contactOf(sensor, d, {}, dt, skin).total_force;
+  const double full = reference::computeContact(sensor, d, {}, dt, skin).total_force;
   return static_cast<float>(full > 1e-3 ? full * random.uniform(0.02, 0.95) : 0.1);
 }
 
@@ -107,7 +107,7 @@ std::optional<double> expectLikeTwin(const FrameView& frame, int i, const Sensor
   const auto envelope = support::frameEnvelope(sensor, placed, roundingOf(sensor, placed, is_loaded), {}, dt, &twin.bounds);
   support::expectMatches(frame, i, sensor, envelope);
   const auto d = reference::penetrations(reference::surfaceHeights(sensor, placed), sensor.skin.thickness);
-  twin.skin.advance(dt, reference::contactOf(sensor, d, {}, dt, twin.skin.step(dt)).strain);
+  twin.skin.advance(dt, reference::computeContact(sensor, d, {}, dt, twin.skin.step(dt)).strain);
   if (envelope.total_high <= kWhisper) return std::nullopt;
   return (envelope.total_high - envelope.total_low) / envelope.total_high;
 }
