@@ -1,9 +1,8 @@
 // The device's shear against the twin's on random sensors, objects and paths, within bounds carried along each path.
 //
-// Per sample, a bound e on the difference between device and twin traction is carried along the path. The cone is convex, so a step adds
-// only: stiffness times the rounding of the displacement, the uncertainty of the fraction after touch, and mu times the width of the
-// pressure. If it is uncertain whether or which object touched before, anything inside the cones is possible. For law lugre e bounds the
-// bristle deflection, in units of friction.
+// A bound e on the difference of tractions is carried along the path per sample (law lugre: of bristle deflections). The cone is convex, so
+// a step adds only: stiffness times rounding of the displacement, uncertainty of the fraction after touch, mu times the width of the
+// pressure. If it is uncertain whether or which object touched before, anything inside the cones is possible.
 #include <gtest/gtest.h>
 
 #include <algorithm>
