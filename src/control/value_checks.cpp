@@ -1,4 +1,4 @@
-#include "control/values.h"
+#include "control/value_checks.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -6,8 +6,8 @@
 
 namespace taxelsim {
 
-void requireValue(bool holds, const char* what, const char* field, double value, const char* allowed) {
-  if (!holds) throw Error(ErrorKind::kInput, fmt::format("{}: {}: {} is not allowed: {}", what, field, value, allowed));
+void requireValue(bool is_valid, const char* object, const char* field, double value, const char* allowed) {
+  if (!is_valid) throw Error(ErrorKind::kInput, fmt::format("{}: {}: {} is not allowed: {}", object, field, value, allowed));
 }
 
 }  // namespace taxelsim

@@ -1,4 +1,4 @@
-// Checks of settings that come from callers. Not of what a running controller computes.
+// Range checks for settings.
 #pragma once
 
 #include <cmath>
@@ -12,7 +12,7 @@ inline bool isPositive(double value) {
   return std::isfinite(value) && value > 0;
 }
 
-// Throws Error(kInput), "what: field: value is not allowed: allowed", unless `holds`.
-void requireValue(bool holds, const char* what, const char* field, double value, const char* allowed);
+// Throws Error(kInput) with the message "object: field: value is not allowed: allowed" unless `is_valid`.
+void requireValue(bool is_valid, const char* object, const char* field, double value, const char* allowed);
 
 }  // namespace taxelsim
