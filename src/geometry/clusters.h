@@ -7,11 +7,9 @@
 //   1. Quantize the vertices to a lattice over the mesh's bounding box: 2^21 steps along its longest side (0.1 um for 0.2 m). A vertex then
 //      takes two 32-bit words, and triangles that share a vertex get it bitwise equal.
 //   2. Pair adjacent triangles into quads by greedy matching (Karp-Sipser). A quad needs four vertices instead of six, and one box instead
-//   of
-//      two. A triangle without a partner becomes a quad whose last two vertices are equal.
+//      of two. A triangle without a partner becomes a quad whose last two vertices are equal.
 //   3. Sort the quads by recursive median splits along the longest side of their centroids' bounding box, at multiples of the group size,
-//   then
-//      within each group at multiples of the cluster size. Groups and clusters are runs of consecutive quads.
+//      then within each group at multiples of the cluster size. Groups and clusters are runs of consecutive quads.
 //
 // The result is deterministic: ties are broken by index.
 #pragma once

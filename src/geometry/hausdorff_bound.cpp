@@ -11,16 +11,16 @@ namespace {
 // Largest number of cuts in a row. A mesh of a million triangles over a flat face of two triangles takes fewer than half of it.
 constexpr int kMaxDepth = 128;
 
-// Margin for rounding, as a fraction of the largest coordinate; subtracted from the bound. Each cut moves a corner by the rounding of
-// three operations, 2^-53 of a coordinate each along three axes. A distance takes about ten more: (128 x 3 + 10) x sqrt(3) x 2^-53
-// = 7.6e-14.
+// Margin for rounding, as a fraction of the largest coordinate; subtracted from the bound. Each cut moves a corner by the rounding
+// of three operations, 2^-53 of a coordinate each along three axes. A distance takes about ten more: (128 x 3 + 10) x sqrt(3) x
+// 2^-53 = 7.6e-14.
 constexpr double kRounding = 1e-13;
 
 // Polygons of a smaller radius, in multiples of the bound, are not cut further.
 constexpr double kMinRadius = 1e-6;
 
-// Polygons of a larger radius, in multiples of the longest edge of the nearest triangle, are bisected: cuts along the triangle would leave
-// slivers.
+// Polygons of a larger radius, in multiples of the longest edge of the nearest triangle, are bisected: cuts along the triangle
+// would leave slivers.
 constexpr double kMaxRadius = 4;
 
 // Smallest distance from the plane to the farthest corner, in multiples of the bound, at which the cut is made.

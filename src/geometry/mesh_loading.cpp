@@ -137,8 +137,8 @@ class SceneFlattener {
   SceneFlattener(const std::filesystem::path& file, const MeshOptions& options)
       : file_(file), scale_(options.scale), order_(axisOrder(options.up_axis)) {}
 
-  // All meshes, once per node that uses them, in the root frame of the file. Vertices are scaled and their axes permuted as the options
-  // say.
+  // All meshes, once per node that uses them, in the root frame of the file. Vertices are scaled and their axes permuted as
+  // the options say.
   Mesh flatten(const aiScene& scene) {
     std::vector<std::pair<const aiNode*, Matrix>> pending{{scene.mRootNode, matrixOf(scene.mRootNode->mTransformation)}};
     while (!pending.empty()) {

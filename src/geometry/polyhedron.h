@@ -22,9 +22,9 @@ struct Face {
   double offset = 0;        // m
 };
 
-// Returns the faces of a closed convex mesh; coplanar triangles form one face. Returns nothing for any other mesh, for one with more than
-// `max_faces` faces, and for one with inconsistent winding. No vertex lies outside a face by more than four rounding errors of a float32
-// coordinate.
+// Returns the faces of a closed convex mesh; coplanar triangles form one face. Returns nothing for any other mesh, for one with more
+// than `max_faces` faces, and for one with inconsistent winding. No vertex lies outside a face by more than four rounding errors of
+// a float32 coordinate.
 std::optional<std::vector<Face>> convexFaces(const Mesh& mesh, std::size_t max_faces);
 
 }  // namespace taxelsim

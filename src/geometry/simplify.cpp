@@ -19,9 +19,9 @@ using Triangle = SimplificationRepair::Triangle;
 constexpr std::size_t kMinTriangles = 64;
 constexpr double kMaxRemaining = 0.9;  // fraction of the triangles; a result with more is discarded
 
-// Target error of the edge collapse, as a multiple of max_error. The collapse measures a mean error, so a target above 1 violates the bound
-// in places; repairing those takes fewer vertices than a smaller target leaves everywhere. On ellipsoids 1.0 to 1.5 leave the fewest
-// triangles.
+// Target error of the edge collapse, as a multiple of max_error. The collapse measures a mean error, so a target above 1 violates
+// the bound in places; repairing those takes fewer vertices than a smaller target leaves everywhere. On ellipsoids 1.0 to 1.5 leave
+// the fewest triangles.
 constexpr double kFirstTarget = 1.2;
 constexpr double kTargetFactor = 0.7;  // after a failed repair
 constexpr int kMaxTargets = 8;

@@ -93,8 +93,8 @@ TEST(Clusters, QuantizeVerticesToTheNearestLatticePoint) {
   }
 }
 
-// In a closed mesh, where each triangle has three neighbors, a perfect matching exists (Petersen's theorem). The greedy matching is not
-// perfect.
+// In a closed mesh, where each triangle has three neighbors, a perfect matching exists (Petersen's theorem). The greedy matching
+// is not perfect.
 TEST(Clusters, LeaveFewTrianglesUnmatched) {
   constexpr double kMaxUnmatched = 0.05;  // fraction of the quads; measured: 0.6 % and 1.8 %
   for (const char* name : {"knob_5k.obj", "bunny.obj"}) {

@@ -108,9 +108,9 @@ TEST(HausdorffBound, OfConcentricSpheres) {
   // The nearest point to a corner of the outer sphere is the same corner of the inner one. All other points are nearer.
   expectHausdorffDistance(outer, inner, 0.0625 * 0.01);
   EXPECT_TRUE(isWithin(inner, outer, 0.0625 * 0.01));
-  // Corners of the finer mesh lie on the sphere, at most one sagitta above the triangles of the coarser mesh: r - sqrt(r^2 - c^2) with c
-  // the circumradius of the largest triangle. Edges of a level-2 icosphere are at most 0.325 r, and its triangles nearly regular: c < 0.19
-  // r.
+  // Corners of the finer mesh lie on the sphere, at most one sagitta above the triangles of the coarser mesh: r - sqrt(r^2 - c^2) with
+  // c the circumradius of the largest triangle. Edges of a level-2 icosphere are at most 0.325 r, and its triangles nearly regular: c
+  // < 0.19 r.
   const Mesh coarse = support::icosphere(0.01, 2, 0, random), fine = support::icosphere(0.01, 4, 0, random);
   EXPECT_TRUE(isWithin(fine, coarse, 0.01 * (1 - std::sqrt(1 - 0.19 * 0.19))));
   EXPECT_FALSE(isWithin(fine, coarse, 0.01 * (1 - std::sqrt(1 - 0.15 * 0.15))));

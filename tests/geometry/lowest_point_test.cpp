@@ -76,8 +76,8 @@ rc::Gen<double> length() {
   return rc::gen::map(rc::gen::inRange(1, 1001), [](int thousandths) { return thousandths * 1e-3; });
 }
 
-// In half of the cases a multiple of 15 degrees about an axis with small integer coordinates, so that ties occur; an arbitrary rotation
-// otherwise.
+// In half of the cases a multiple of 15 degrees about an axis with small integer coordinates, so that ties occur; an
+// arbitrary rotation otherwise.
 rc::Gen<Quaternion> rotation() {
   return rc::gen::exec([] {
     Vector3 axis{static_cast<double>(*rc::gen::inRange(-2, 3)), static_cast<double>(*rc::gen::inRange(-2, 3)),

@@ -48,8 +48,8 @@ inline Mesh brick() {
   return mesh;
 }
 
-// The triangles by position, each starting at its smallest corner, sorted. Equal for meshes that differ only in the order of vertices or
-// triangles.
+// The triangles by position, each starting at its smallest corner, sorted. Equal for meshes that differ only in the order of
+// vertices or triangles.
 using Corner = std::array<float, 3>;
 inline std::vector<std::array<Corner, 3>> canonical(const Mesh& mesh) {
   std::vector<std::array<Corner, 3>> triangles;

@@ -119,8 +119,8 @@ TEST(LoadMesh, DoesNotOpenMaterialFiles) {
 TEST(LoadMesh, MaxDepthErrorIsInMetresAfterScaling) {
   const MeshDirectory directory;
   support::Random random(1);
-  // A sphere of radius 10 mm, in millimetres. Edges are at most 0.83 mm; vertices of adjacent triangles are 9 to 34 um off a triangle's
-  // plane.
+  // A sphere of radius 10 mm, in millimetres. Edges are at most 0.83 mm; vertices of adjacent triangles are 9 to 34 um off
+  // a triangle's plane.
   const Mesh sphere = support::icosphere(10, 4, 0, random);
   const std::filesystem::path file = directory.write("sphere.stl", stlBytes(sphere));
   EXPECT_EQ(loadMesh(file, {.scale = 1e-3, .max_depth_error = 0}).triangles.size(), 5120u);
