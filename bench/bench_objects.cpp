@@ -82,7 +82,7 @@ Mesh hexPrism() {
           {static_cast<float>(x), static_cast<float>(radius * std::cos(angle)), static_cast<float>(radius * std::sin(angle))});
     }
   }
-  const auto middle = static_cast<std::uint32_t>(mesh.vertices.size());  // of the end at -x; that at +x follows
+  const auto middle = static_cast<std::uint32_t>(mesh.vertices.size());  // of the end at -x; the one at +x follows
   for (const double x : {-kLength / 2, kLength / 2}) mesh.vertices.push_back({static_cast<float>(x), 0, 0});
   for (std::uint32_t a = 0; a < kSides; ++a) {
     const std::uint32_t b = (a + 1) % kSides;
@@ -115,7 +115,7 @@ Mesh tessellatedCylinder(double radius, double length, int segments) {
 }
 
 std::vector<Pose> randomPoses(const Object& object, const PoseSpread& spread, int count, std::uint64_t seed) {
-  // The engine's words are fixed by the standard, its distributions are not.
+  // The standard fixes the output of the engine, not that of distributions.
   std::mt19937_64 engine(seed);
   const auto uniform = [&](double low, double high) { return low + (high - low) * static_cast<double>(engine() >> 11) * 0x1p-53; };
   std::vector<Pose> poses;

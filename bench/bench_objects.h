@@ -8,20 +8,20 @@
 
 namespace taxelsim::bench {
 
-// A closed ellipsoid with full lengths `size` (m), from an icosahedron whose triangles are split in four `levels` times: 20 x 4^levels of
-// them.
+// A closed ellipsoid with full lengths `size` (m): an icosahedron, subdivided `levels` times into 20 x 4^levels triangles.
 Mesh ellipsoid(const Vector3& size, int levels);
 
-// A hexagonal prism of 24 triangles, 12 mm from flat to flat, 60 mm long along x; a flat looks down. That of scenes/objects/hex_prism.obj.
+// A hexagonal prism of 24 triangles, 12 mm from flat to flat, 60 mm long along x; a flat faces down. The same as
+// scenes/objects/hex_prism.obj.
 Mesh hexPrism();
 
-// The surface of Cylinder{radius, length} in `segments` flat strips.
+// Cylinder{radius, length} as a mesh of `segments` flat strips.
 Mesh tessellatedCylinder(double radius, double length, int segments);
 
-// How the poses of a run are spread.
+// Distribution of the poses of a run.
 struct PoseSpread {
-  Quaternion laid{1, 0, 0, 0};  // R_SO before anything random: the side that looks at the skin
-  bool rolls = false;           // turned about x of S by any angle first, after `laid`
+  Quaternion laid{1, 0, 0, 0};  // R_SO before any random rotation: selects the side that faces the skin
+  bool rolls = false;           // whether to rotate about x of S by a random angle, after `laid`
 };
 
 // `count` poses X_SO: any yaw, up to 1 degree of tilt, lowest point 0.3 to 1.5 mm deep and within +-5 mm, +-15 mm of the middle along x, y.

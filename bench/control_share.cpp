@@ -1,5 +1,5 @@
-// What part of a tick the host's control work takes with thousands of loops at once: controllers, robots and objects, beside the device's
-// frame. One slice, so that nothing hides behind anything.
+// Fraction of a control period that the host spends on controllers, robots and objects, with thousands of servo loops at once. One slice,
+// so that host and device do not overlap.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <string>
@@ -12,16 +12,16 @@
 namespace taxelsim::bench {
 namespace {
 
-constexpr int kWarmUps = 5;  // ticks: the first one searches for loads
+constexpr int kWarmUps = 5;  // control periods; the first one searches for loads
 
 struct Options {
-  std::string scene = TAXELSIM_SCENES "/edge_servo_5k.yaml";
+  std::string scene = TAXELSIM_BENCH "/scenes/edge_servo_5k.yaml";
   std::string json, device;
   int num_instances = 4096;
   int num_ticks = 100;
 };
 
-// Plays one episode in each instance and looks at nothing.
+// Runs one episode in each instance; discards the frames.
 class NoSink : public EpisodeSink {
  public:
   explicit NoSink(int num_instances) : num_left_(num_instances) {}
@@ -60,16 +60,16 @@ nlohmann::ordered_json runRobot(const Model& model, Scene scene, const std::stri
   slices.push_back(std::make_unique<Slice>(model, plan, options.num_instances, sink));
   std::vector<double> control, share, tick;
   int number = 0;
-  playEpisodes(model.device(), slices, nullptr, [&](const Slice::Tally& tally) {
+  runEpisodes(model.device(), slices, nullptr, [&](const Slice::Stats& tally) {
     if (++number <= kWarmUps || tally.num_episodes > 0) return;
     control.push_back(tally.control_seconds);
     tick.push_back(tally.control_seconds + tally.wait_seconds);
     share.push_back(control.back() / tick.back());
   });
-  // A loop that has lost its object has nothing to do.
+  // A loop without contact computes nothing, which would falsify the time.
   if (sink.numTouching() < options.num_instances / 2) throw Error(ErrorKind::kDevice, name + ": most instances have lost contact");
   std::printf(
-      "%-12s %7.2f ms a tick, of them control %6.2f ms, %5.1f %% (median; %.1f to %.1f); %d touch at the end, %.1f %% of ticks held back\n",
+      "%-12s control period %7.2f ms, control %6.2f ms, %5.1f %% (median; %.1f to %.1f); %d in contact at the end, %.1f %% limited\n",
       name.c_str(), 1e3 * summarise(tick).median, 1e3 * summarise(control).median, 100 * summarise(share).median,
       100 * summarise(share).min, 100 * summarise(share).max, sink.numTouching(),
       100.0 * static_cast<double>(sink.numHeldBack()) / number / options.num_instances);
@@ -84,7 +84,7 @@ void run(const Options& options) {
   const Model model(device, modelOptionsOf(scene));
   UrdfOptions palm{.base_link = "", .sensors = {{"palm", {}}}};
   Manipulator arm = loadUrdf(TAXELSIM_SCENES "/robots/lwr_palm.urdf", palm);
-  // Bent, away from singular poses, as in lwr_palm.yaml.
+  // Bent away from singular poses, as in lwr_palm.yaml.
   constexpr double kDegree = 0.017453292519943295;
   for (const auto& [joint, position] : {std::pair{1, 30 * kDegree}, {3, -90 * kDegree}, {5, 60 * kDegree}}) {
     arm.joints[static_cast<std::size_t>(joint)].initial_position = position;
@@ -108,12 +108,12 @@ void run(const Options& options) {
 
 int main(int argc, char** argv) {
   taxelsim::bench::Options options;
-  CLI::App app("What part of a tick controllers, robots and objects take on the host");
-  app.add_option("--json", options.json, "Write the results into this file");
+  CLI::App app("Fraction of a control period that controllers, robots and objects take on the host");
+  app.add_option("--json", options.json, "Write the results to this JSON file");
   app.add_option("--scene", options.scene, "Scene file of kind servo")->capture_default_str();
-  app.add_option("--instances", options.num_instances, "Loops at once")->check(CLI::Range(1, 1 << 20))->capture_default_str();
-  app.add_option("--ticks", options.num_ticks, "Timed ticks of each")->check(CLI::Range(1, 100000))->capture_default_str();
-  app.add_option("--device", options.device, "Device, as of `taxelsim frame --device`");
+  app.add_option("--instances", options.num_instances, "Servo loops at once")->check(CLI::Range(1, 1 << 20))->capture_default_str();
+  app.add_option("--ticks", options.num_ticks, "Timed control periods per robot")->check(CLI::Range(1, 100000))->capture_default_str();
+  app.add_option("--device", options.device, "Device, as for `taxelsim frame --device`");
   CLI11_PARSE(app, argc, argv);
   try {
     taxelsim::bench::run(options);

@@ -1,6 +1,5 @@
-// How much of the device's own rate `generate` keeps, uncompressed and compressed, and who waits for whom: frames per second of a whole
-// scene onto disk, beside the time that the device alone needs for the same frames, replayed from the poses that a first run records. And
-// how long a fresh process takes to its first frame, with an empty and with a filled cache of compiled shaders.
+// Throughput of `generate` to disk, uncompressed and compressed, as a fraction of the device alone on the same frames, which replays the
+// poses of a first run; and where the time goes. Also the time of a new process to its first frame, with a cold and a warm shader cache.
 #include <fcntl.h>
 #include <spawn.h>
 #include <stdlib.h>
@@ -30,7 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string scene = TAXELSIM_SCENES "/edge_servo_5k.yaml";
+  std::string scene = TAXELSIM_BENCH "/scenes/edge_servo_5k.yaml";
   std::string program = TAXELSIM_PROGRAM;
   std::string json, device;
   std::string directory = fs::temp_directory_path().string();
@@ -41,12 +40,12 @@ struct Options {
   int repetitions = 3;
 };
 
-// A folder that is gone at the end, whatever happens.
+// Temporary directory, removed by the destructor.
 class ScratchDirectory {
  public:
   explicit ScratchDirectory(const std::string& parent) {
     std::string pattern = parent + "/taxelsim_bench_XXXXXX";
-    if (!::mkdtemp(pattern.data())) throw Error(ErrorKind::kIo, parent + ": cannot make a folder there");
+    if (!::mkdtemp(pattern.data())) throw Error(ErrorKind::kIo, parent + ": cannot create a directory there");
     path_ = pattern;
   }
   ~ScratchDirectory() {
@@ -61,7 +60,7 @@ class ScratchDirectory {
   fs::path path_;
 };
 
-// All frames of a data set with poses, as (num_steps) batches of (num_episodes).
+// Poses of all frames of a data set.
 struct Replay {
   std::vector<int> ids;
   std::vector<Pose> X_SO;    // (num_frames), episode by episode
@@ -92,8 +91,8 @@ Replay replayOf(const fs::path& directory, const Scene& scene) {
   return replay;
 }
 
-// Device seconds of every frame, in batches of one slice as generate() makes them: the first frame of an episode finds its load, the
-// others are driven by their pose.
+// Sum of the device's time over all frames, in batches of one slice as in generate(): the first frame of an episode is driven by its load,
+// the others by their poses.
 double deviceSeconds(const Model& model, const Scene& scene, const Replay& replay, int slice_size) {
   const int num_episodes = static_cast<int>(replay.ids.size());
   double seconds = 0;
@@ -121,13 +120,12 @@ double deviceSeconds(const Model& model, const Scene& scene, const Replay& repla
   return seconds;
 }
 
-// Seconds from the start of `program` to its end after one frame.
+// Run time (s) of `program` for one frame.
 double firstFrameSeconds(const Options& options, const fs::path& cache) {
-  const std::string scenes = TAXELSIM_SCENES;
   std::vector<std::string> words{options.program, "--log-level",
                                  "error",         "frame",
-                                 "--sensor",      scenes + "/sensors/wts0614.yaml",
-                                 "--object",      scenes + "/objects/knob_5k.obj",
+                                 "--sensor",      TAXELSIM_BENCH "/sensors/wts0614.yaml",
+                                 "--object",      TAXELSIM_SCENES "/objects/knob_5k.obj",
                                  "--pose",        "0 0 0 1 0 0 0",
                                  "--load",        "1"};
   if (!options.device.empty()) words.insert(words.end(), {"--device", options.device});
@@ -147,17 +145,17 @@ double firstFrameSeconds(const Options& options, const fs::path& cache) {
   if (!refused) ::waitpid(child, &status, 0);
   const double seconds = watch.seconds();
   ::posix_spawn_file_actions_destroy(&actions);
-  if (refused || status != 0) throw Error(ErrorKind::kIo, options.program + ": did not compute a frame");
+  if (refused || status != 0) throw Error(ErrorKind::kIo, options.program + ": computed no frame");
   return seconds;
 }
 
-// generate() at one level of compression, run after run.
+// Results of generate() at one compression level.
 struct Level {
   int compression = 0;
-  std::uint64_t num_bytes = 0;  // of the data set
-  // (repetitions) each; of the seconds while simulating, where nothing else is said.
+  std::uint64_t num_bytes = 0;  // size of the data set
+  // (repetitions), s of simulation, unless stated otherwise.
   std::vector<double> seconds, end_to_end, fraction_of_device;
-  std::vector<double> host_waits_for_device, host_waits_for_writer, device_rests, writing_last;  // shares of the seconds
+  std::vector<double> host_waits_for_device, host_waits_for_writer, device_rests, writing_last;  // fractions of `seconds`
 };
 
 std::uint64_t bytesIn(const fs::path& directory) {
@@ -198,12 +196,11 @@ nlohmann::ordered_json levelJson(const Level& level, double num_frames) {
 }
 
 void print(const Level& level, double num_frames) {
+  std::printf("  generate, compression %d   %9.1f thousand frames/s, %.0f %% of the device's (%.1f end to end), %.0f bytes a frame\n",
+              level.compression, num_frames / summarise(level.seconds).median / 1e3, 100 * summarise(level.fraction_of_device).median,
+              num_frames / summarise(level.end_to_end).median / 1e3, static_cast<double>(level.num_bytes) / num_frames);
   std::printf(
-      "  generate, compression %d   %9.1f thousand frames/s, %.0f %% of the device's (%.1f from start to end), %.0f bytes a frame\n",
-      level.compression, num_frames / summarise(level.seconds).median / 1e3, 100 * summarise(level.fraction_of_device).median,
-      num_frames / summarise(level.end_to_end).median / 1e3, static_cast<double>(level.num_bytes) / num_frames);
-  std::printf(
-      "    of the time: host waits for device %.1f %%, for writer %.1f %%; device rests %.1f %%, of that while the last shards are "
+      "    of the time: host waits for device %.1f %%, for writer %.1f %%; device idle %.1f %%, of that while the last shards are "
       "written %.1f %%\n",
       100 * summarise(level.host_waits_for_device).median, 100 * summarise(level.host_waits_for_writer).median,
       100 * summarise(level.device_rests).median, 100 * summarise(level.writing_last).median);
@@ -254,7 +251,7 @@ int run(const Options& options) {
   const double device_rate = num_frames / summarise(on_device).median;
   std::printf("  device alone              %9.1f thousand frames/s\n", device_rate / 1e3);
   for (const Level& level : levels) print(level, num_frames);
-  std::printf("  first frame of a process  %9.3f s, shaders compiled; %.3f s from the cache\n", summarise(cold).median,
+  std::printf("  first frame of a process  %9.3f s, cold shader cache; %.3f s with a warm one\n", summarise(cold).median,
               summarise(warm).median);
   if (!options.json.empty()) {
     nlohmann::ordered_json generated = nlohmann::ordered_json::array();
@@ -279,20 +276,22 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   taxelsim::bench::Options options;
-  CLI::App app("What `generate` keeps of the device's own rate, and the time to a fresh process's first frame");
+  CLI::App app("Throughput of `generate` relative to the device alone, and the time to the first frame of a new process");
   app.add_option("scene", options.scene, "Scene")->capture_default_str();
-  app.add_option("--json", options.json, "Write the results into this file");
-  app.add_option("--episodes", options.num_episodes, "Episodes of a run; without it those of the scene")->check(CLI::Range(1, 1 << 20));
-  app.add_option("--compression", options.compression, "Levels of compression, one run each")
+  app.add_option("--json", options.json, "Write the results to this JSON file");
+  app.add_option("--episodes", options.num_episodes, "Episodes of a run; default: those of the scene")->check(CLI::Range(1, 1 << 20));
+  app.add_option("--compression", options.compression, "Compression levels, separated by commas; one run each")
       ->delimiter(',')
       ->check(CLI::Range(0, 9))
       ->capture_default_str();
-  app.add_option("--batch-size", options.batch_size, "Sensors simulated at once")->check(CLI::Range(1, 1 << 20))->capture_default_str();
-  app.add_option("--slices", options.num_slices, "Parts of a batch that take turns")->check(CLI::Range(1, 1024))->capture_default_str();
-  app.add_option("--repetitions", options.repetitions, "Runs")->check(CLI::Range(1, 1000))->capture_default_str();
-  app.add_option("--directory", options.directory, "Where data sets are written, and removed again")->capture_default_str();
-  app.add_option("--program", options.program, "The command line, for the first frame")->capture_default_str();
-  app.add_option("--device", options.device, "Device, as of `taxelsim generate --device`");
+  app.add_option("--batch-size", options.batch_size, "Instances over all slices")->check(CLI::Range(1, 1 << 20))->capture_default_str();
+  app.add_option("--slices", options.num_slices, "Slices of the batch in flight at once")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  app.add_option("--repetitions", options.repetitions, "Timed repetitions")->check(CLI::Range(1, 1000))->capture_default_str();
+  app.add_option("--directory", options.directory, "Folder for temporary data sets")->capture_default_str();
+  app.add_option("--program", options.program, "The program taxelsim, for the first frame")->capture_default_str();
+  app.add_option("--device", options.device, "Device, as for `taxelsim generate --device`");
   CLI11_PARSE(app, argc, argv);
   try {
     return taxelsim::bench::run(options);

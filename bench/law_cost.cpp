@@ -1,5 +1,5 @@
-// What a frame costs under each contact law, with shear, and with what readout and contact features add, beside `winkler` on the same
-// poses: in one process, in turns, so that what else the machine does meets all of them.
+// Cost of a frame by contact law, with shear, readout stages, contact features and the tactile Jacobian, relative to `winkler` on the same
+// poses. One process, in turns, so that other load on the machine affects all cases.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -20,10 +20,10 @@ namespace {
 constexpr double kDt = 1e-3;  // s
 constexpr std::uint64_t kPoseSeed = 1;
 constexpr int kWarmUps = 2;
-constexpr double kStride = 1e-5;  // m, along x from frame to frame, to and fro: a slow slide, so that states have something to follow
+constexpr double kStride = 1e-5;  // m, along x, back and forth between frames: a slow slide that exercises the states
 
 struct Options {
-  std::string sensor = TAXELSIM_SCENES "/sensors/wts0614.yaml";
+  std::string sensor = TAXELSIM_BENCH "/sensors/wts0614.yaml";
   std::string json, device;
   int num_instances = 1024;
   int repetitions = 11;
@@ -31,10 +31,10 @@ struct Options {
 
 struct Case {
   std::string name;
-  std::function<void(Sensor&)> change;  // of the sensor whose law is winkler
-  bool cold = false;                    // every frame from nothing, as the first of an episode
-  int max_regions = -1;                 // of measured contact features; -1: none of these features
-  bool jacobian = false;                // the measured tactile Jacobian is asked for
+  std::function<void(Sensor&)> change;  // applied to the sensor with law winkler
+  bool cold = false;                    // whether to reset before every frame
+  int max_regions = -1;                 // of the measured contact features; -1: no such features
+  bool jacobian = false;                // whether to compute the measured tactile Jacobian
 };
 
 Skin elasticSkin(const Skin& skin, ElasticLayer::Base base, double margin) {
@@ -100,7 +100,7 @@ std::vector<Case> allCases() {
   };
 }
 
-// One law's batch, held ready.
+// A batch under one law.
 class Run {
  public:
   Run(const Device& device, const Case& work, Sensor sensor, const Object& object, const std::vector<Pose>& X_SO)
@@ -117,7 +117,7 @@ class Run {
                                                .max_regions = std::max(work.max_regions, 0)});
   }
 
-  // Seconds from poses to features.
+  // Computes a frame; returns the seconds from poses to features.
   double frame() {
     std::swap(here_, there_);
     if (cold_) {
@@ -149,7 +149,7 @@ class Run {
   std::vector<int> ids_;
   std::vector<Pose> here_, there_;
   std::optional<Simulator> simulator_;
-  std::size_t blank_ = 0;  // frames without force: nothing was simulated
+  std::size_t blank_ = 0;  // frames without force: an error
   double largest_residual_ = 0, iterations_ = 0;
 };
 
@@ -211,12 +211,12 @@ void run(const Options& options) {
 
 int main(int argc, char** argv) {
   taxelsim::bench::Options options;
-  CLI::App app("What a frame costs under each contact law and with what readout adds, beside winkler on the same poses");
-  app.add_option("--json", options.json, "Write the results into this file");
-  app.add_option("--instances", options.num_instances, "Sensors in the batch")->check(CLI::Range(1, 1 << 20))->capture_default_str();
-  app.add_option("--repetitions", options.repetitions, "Timed frames of each")->check(CLI::Range(1, 10000))->capture_default_str();
-  app.add_option("--sensor", options.sensor, "Sensor file, of law winkler on one grid")->capture_default_str();
-  app.add_option("--device", options.device, "Device, as of `taxelsim frame --device`");
+  CLI::App app("Cost of a frame by contact law, readout and output, relative to winkler on the same poses");
+  app.add_option("--json", options.json, "Write the results to this JSON file");
+  app.add_option("--instances", options.num_instances, "Instances of the batch")->check(CLI::Range(1, 1 << 20))->capture_default_str();
+  app.add_option("--repetitions", options.repetitions, "Timed frames per case")->check(CLI::Range(1, 10000))->capture_default_str();
+  app.add_option("--sensor", options.sensor, "Sensor file, with law winkler on one grid")->capture_default_str();
+  app.add_option("--device", options.device, "Device, as for `taxelsim frame --device`");
   CLI11_PARSE(app, argc, argv);
   try {
     taxelsim::bench::run(options);

@@ -37,7 +37,7 @@ nlohmann::ordered_json toJson(const std::vector<double>& values) {
 nlohmann::ordered_json machine(const DeviceInfo& device) {
   nlohmann::ordered_json environment = nlohmann::ordered_json::object();
   for (const char* name : {"LP_NATIVE_VECTOR_WIDTH", "LP_NUM_THREADS", "VK_ICD_FILENAMES", "TAXELSIM_PLAIN", "TAXELSIM_VALIDATION"}) {
-    // Of paths their last name: where a machine keeps its files says nothing.
+    // File names only: paths of a machine are irrelevant.
     if (const char* value = std::getenv(name)) environment[name] = std::filesystem::path(value).filename();
   }
   return {{"device", device.name},

@@ -1,4 +1,4 @@
-// Repeated measurements, and what a results file says about the machine they were taken on.
+// Statistics of repeated measurements, and the description of the machine in result files.
 #pragma once
 
 #include <chrono>
@@ -10,7 +10,7 @@
 
 namespace taxelsim::bench {
 
-// Runs from its making on.
+// Starts when constructed.
 class Stopwatch {
  public:
   double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }

@@ -1,6 +1,6 @@
-// How often the intervals of `characterize` hold the truth: benches that are not there, simulated by the double-precision twin with known
-// parameters and noise, one a seed: every quantity measured by itself; loops of a sensor with a bent curve and hysteresis; images under
-// stamps alone. Nothing is timed.
+// Coverage of the confidence intervals of `characterize`: how often they contain the true value. Simulates measurements by the
+// double-precision twin with known parameters and noise, one sensor per seed. Three benches: every quantity measured separately; force
+// curves with hysteresis and a nonlinear curve; images of stamps only. Nothing is timed.
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
@@ -40,15 +40,15 @@ double gaussian(Random& random) {
   return std::normal_distribution<double>()(random);
 }
 
-// `num_cols` of a WTS 0614: fewer taxels, more runs.
+// A WTS 0614 with fewer taxels.
 Sensor nominalSensor(int num_rows, int num_cols) {
-  Sensor nominal = loadSensor(TAXELSIM_SCENES "/sensors/wts0614.yaml");
+  Sensor nominal = loadSensor(TAXELSIM_BENCH "/sensors/wts0614.yaml");
   nominal.patches.front().num_rows = num_rows;
   nominal.patches.front().num_cols = num_cols;
   return nominal;
 }
 
-// A sensor as it is, gains relative to their mean.
+// The true sensor; gains are relative to their mean.
 Sensor trueSensor(const Sensor& nominal, Random& random) {
   Sensor sensor = nominal;
   Readout& readout = sensor.readout;
@@ -57,7 +57,7 @@ Sensor trueSensor(const Sensor& nominal, Random& random) {
   readout.saturation = 3840;
   readout.noise = 6;
   readout.creep = {{.fraction = 0.10, .time = 1}, {.fraction = 0.08, .time = 9}};
-  sensor.psf = gaussianPsf(kSigma, 5);  // the size that leaves out no more than 0.5 %
+  sensor.psf = gaussianPsf(kSigma, 5);  // truncates at most 0.5 %
   std::get<Winkler>(sensor.skin.law).normal_contact_stiffness = 1.61e8;
   double sum = 0;
   for (int t = 0; t < numTaxels(sensor); ++t) sum += readout.taxel_gain.emplace_back(std::exp(0.06 * gaussian(random)));
@@ -78,7 +78,7 @@ std::vector<double> spreadOf(const Sensor& sensor, std::size_t taxel, double for
   return reference::spread(sensor, forces);
 }
 
-// Every taxel pressed up to 3.2 N and let go, slowly enough for nothing but hysteresis to lag.
+// Loads every taxel up to 3.2 N and unloads it, quasi-statically: only hysteresis lags.
 ForceCurve forceCurve(const Sensor& sensor, int num_rows, Random& random) {
   Readout loops = sensor.readout;
   loops.creep.clear();
@@ -134,7 +134,7 @@ StepResponse stepResponse(const Sensor& sensor, Random& random) {
   return step;
 }
 
-// As a flat stamp under a dead weight is seen for 10 s, laid on after one.
+// 10 s of images of a flat stamp under a dead weight, which is placed after 1 s.
 StampImages stampImages(const Sensor& sensor, Random& random, std::array<double, 3>& place) {
   constexpr double kStampFrame = 0.1;  // s
   const auto uniform = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
@@ -156,7 +156,7 @@ StampImages stampImages(const Sensor& sensor, Random& random, std::array<double,
   reference::Lag lag(sensor.readout, forces.size());
   for (int k = 1; k <= 110; ++k) {
     stamp.images.time.push_back(kStampFrame * k);
-    lag.step(k <= 10 ? none : spread, kStampFrame / 2);  // it touches between two frames
+    lag.step(k <= 10 ? none : spread, kStampFrame / 2);  // touch between two frames
     const std::vector<float> counts = readOut(sensor, lag.step(k < 10 ? none : spread, kStampFrame / 2), random);
     stamp.images.counts.insert(stamp.images.counts.end(), counts.begin(), counts.end());
   }
@@ -167,7 +167,7 @@ Measurement measurementOf(const char* name, const Sensor& nominal, decltype(Meas
   return {.file = std::string(name) + ".yaml", .name = name, .sensor = nominal, .resolved_sensor = {}, .data = std::move(data)};
 }
 
-// True values by the names of estimates.
+// True values by parameter name.
 using Truth = std::map<std::string, double>;
 
 std::string gainName(std::size_t taxel) {
@@ -199,22 +199,22 @@ Truth truthOf(const Sensor& sensor) {
   return truth;
 }
 
-// Gains are told relative to the mean of the taxels that are: what the mean is not 1 goes to the scale.
+// Estimated gains are relative to the mean over the estimated taxels: moves that mean from the true gains to the scale.
 void makeRelative(const std::vector<Estimate>& estimates, Truth& truth) {
   double sum = 0, count = 0;
-  std::vector<std::string> told;
+  std::vector<std::string> estimated;
   for (const Estimate& estimate : estimates) {
     if (!estimate.parameter.starts_with("readout.taxel_gain[")) continue;
-    told.push_back(estimate.parameter);
+    estimated.push_back(estimate.parameter);
     sum += truth.at(estimate.parameter), ++count;
   }
   if (count == 0) return;
-  for (const std::string& name : told) truth[name] *= count / sum;
+  for (const std::string& name : estimated) truth[name] *= count / sum;
   truth["readout.curve.counts_per_newton"] *= sum / count;
   truth["readout.trigger"] *= count / sum;
 }
 
-// What is done with one sensor on a bench.
+// A bench: simulates the measurements of one sensor and returns the truth.
 struct Bench {
   const char* name;
   Truth (*measure)(Random& random, std::vector<Measurement>& measurements);
@@ -266,7 +266,7 @@ struct Tally {
   std::vector<double> relative_half_widths;
 };
 
-// Gains are one parameter, told by every taxel, and so are places, by every stamp.
+// Counts the gains of all taxels as one parameter, and so the places of all stamps.
 std::string tallied(const std::string& parameter) {
   if (parameter.starts_with("readout.taxel_gain[")) return "readout.taxel_gain";
   return parameter.starts_with("stamp") ? "STAMP" + parameter.substr(parameter.find('.')) : parameter;
@@ -322,10 +322,10 @@ void run(const Options& options) {
 
 int main(int argc, char** argv) {
   taxelsim::bench::Options options;
-  CLI::App app("How often the 95 % intervals of `taxelsim characterize` hold the truth");
-  app.add_option("--json", options.json, "Write the results into this file");
-  app.add_option("--bench", options.bench, "This one alone: 'by itself', 'loops', 'under stamps'");
-  app.add_option("--runs", options.num_runs, "Simulated benches")->check(CLI::Range(1, 100000))->capture_default_str();
+  CLI::App app("Coverage of the 95 % confidence intervals of `taxelsim characterize`");
+  app.add_option("--json", options.json, "Write the results to this JSON file");
+  app.add_option("--bench", options.bench, "Only this bench: 'by itself', 'loops' or 'under stamps'");
+  app.add_option("--runs", options.num_runs, "Simulated sensors per bench")->check(CLI::Range(1, 100000))->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   try {
     taxelsim::bench::run(options);

@@ -1,98 +1,93 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Finding candidates: all quads of its mesh that a sample may see while an instance's object stays within the bounds that keep_candidates.comp has set.
+// Pass that finds candidates: the quads of a mesh that may cover a sample while the instance's object stays within the bounds that keep_candidates.comp has
+// set.
 //
-// A workgroup owns REPEAT instances of a list, one after another; an invocation owns boxes, then quads.
+// A workgroup owns REPEAT instances of a list in sequence; an invocation owns boxes, then quads.
 // In:  poses, objects, groups, clusters, quads of triangles, the sensor's patch, a work list.
-// Out: candidates (num_instances), candidate_quads (num_instances x kMostCandidates), work lists.
-// Shared memory: 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 16 bytes.
+// Out: candidates (num_instances), candidate_quads (num_instances x kMaxCandidates), work lists.
+// Shared memory: 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 12 bytes.
+// Deterministic: the order of candidates varies, which does not affect heights.
+// Mutable globals: any_unfinished_loop (driver/loop_limit.glsl).
 
 #include "driver/barrier.glsl"
 #include "driver/texels.glsl"
-#include "shared/layout.h"
-#include "common/specialization.glsl"
-layout(constant_id = 11) const bool FLAT = true;  // these as in contact.comp
-layout(constant_id = 12) const bool OUTPUT_JACOBIAN = false;
-layout(constant_id = 13) const float REACH = 0.0;
-layout(constant_id = 14) const uint GROUPS_PER_BATCH = 32;
+#include "shared/batch.h"
+#include "shared/candidates.h"
+#include "shared/objects.h"
+#include "shared/sensor.h"
+#include "passes/declare.glsl"
+#include "passes/find_candidates.h"
 
-FOURS(0, Poses);
-layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
-FOURS(2, Objects);
-FOURS(3, Groups);
-FOURS(4, Clusters);
-FOURS(5, Quads);
-layout(std430, set = 0, binding = 6) readonly buffer Patches { PatchRecord patches[]; };
-layout(std430, set = 0, binding = 7) readonly buffer Tiles { TileRecord tiles[]; };
-layout(std430, set = 0, binding = 8) buffer Candidates { CandidateRecord candidates[]; };
-layout(std430, set = 0, binding = 9) writeonly buffer CandidateQuads { uint candidate_quads[]; };
-layout(std430, set = 0, binding = 10) buffer Work { uvec4 work[]; };
-layout(std430, set = 0, binding = 11) buffer WorkInstances { uint work_instances[]; };
-layout(std430, set = 0, binding = 12) writeonly buffer Problems { uint problems[]; };
+const float kMinShare = 0.25;      // of the planned steps; with a smaller share the instance gives up
+const float kStepsWithout = 32.0;  // steps until an instance that has given up tries again
 
-const float kLeastShare = 0.25;    // of the steps ahead, where more of them are too many candidates
-const float kStepsWithout = 32.0;  // where these are, too
+const float kMiss = kNoHeight;
 
 shared uint num_found;
-
-uint first_candidate;  // of the instance
-bool cut_short = false;
 
 #include "common/workgroup.glsl"
 #include "common/whole.glsl"
 #include "common/transform.glsl"
-#include "depth/window.glsl"
+#include "common/work_lists.glsl"
+#include "driver/loop_limit.glsl"
+#include "depth/tile.glsl"
 #include "depth/bodies.glsl"
 #include "depth/subpixels.glsl"
-#include "depth/mesh.glsl"
-#include "common/work_lists.glsl"
 
-void visitQuad(Affine from_lattice, uint quad, bool large) {
+struct Found {
+  uint first_candidate;  // of the instance, in candidate_quads
+};
+
+#include "depth/mesh.glsl"
+
+// Lists the quad if a sample may see it after any motion within the bounds.
+void visitQuad(Tile tile, MeshView view, uint quad, inout Found found) {
   Vertex p, q, r, s;
-  fetchQuad(from_lattice, quad, p, q, r, s);
-  const ivec2 kRounding = ivec2(2);  // of vertices to units, and to be sure
-  Box reached = Box(firstSample(min(min(p.at, q.at), min(r.at, s.at)) + motion_low - kRounding),
-                    lastSample(max(max(p.at, q.at), max(r.at, s.at)) + motion_high + kRounding));
-  if (min(min(p.z, q.z), min(r.z, s.z)) >= z_limit || !isAny(reached)) return;
+  fetchQuad(view, quad, p, q, r, s);
+  const ivec2 kRounding = ivec2(2);  // of vertices to units, with a margin
+  Box reached = Box(firstSample(view, min(min(p.at, q.at), min(r.at, s.at)) + view.motion_low - kRounding),
+                    lastSample(tile, view, max(max(p.at, q.at), max(r.at, s.at)) + view.motion_high + kRounding));
+  if (min(min(p.z, q.z), min(r.z, s.z)) >= tile.z_limit || !isAny(reached)) return;
   uint at = atomicAdd(num_found, 1u);
-  if (at < kMostCandidates) candidate_quads[first_candidate + at] = quad;
+  if (at < kMaxCandidates) candidate_quads[found.first_candidate + at] = quad;
 }
 
-void findCandidates(uint instance) {
+void findCandidates(Tile tile, uint instance) {
   uint lane = gl_LocalInvocationIndex;
   if (lane == 0) num_found = 0;
   workgroupBarrier();
   int id = objectInSlot(instance);
-  Body body = bodyInSlot(instance, id);
-  subpixel_bits = int(body.kind_groups.w & kSubpixelMask);
+  Body body = bodyInSlot(tile, instance, id);
+  MeshView view = meshView(tile, body, id, 0);
   vec3 low = candidates[instance].low.xyz, high = candidates[instance].high.xyz;
-  vec2 units = float(1 << subpixel_bits) / spacing;
-  motion_low = ivec2(floor(low.xy * units));
-  motion_high = ivec2(ceil(high.xy * units));
-  z_limit -= low.z;
-  first_candidate = instance * kMostCandidates;
-  visitMesh(body, fromLattice(body, id));
-  z_limit += low.z;
+  vec2 units = float(1 << view.subpixel_bits) / tile.spacing;
+  view.motion_low = ivec2(floor(low.xy * units));
+  view.motion_high = ivec2(ceil(high.xy * units));
+  tile.z_limit -= low.z;
+  Found found = Found(instance * kMaxCandidates);
+  visitMesh(tile, body, view, found);
   workgroupBarrier();
   if (lane == 0) {
-    bool fits = num_found <= kMostCandidates;
+    bool fits = num_found <= kMaxCandidates;
     candidates[instance].list = uvec4(uint(id + 1), fits ? num_found : kNoCandidates, 0, 0);
     float share = candidates[instance].half_size.w;
-    bool gives_up = !fits && share <= kLeastShare;
+    bool gives_up = !fits && share <= kMinShare;
     candidates[instance].center.w = gives_up ? kStepsWithout : 0.0;
-    if (gives_up || num_found < kMostCandidates / 4) candidates[instance].half_size.w = min(2.0 * share, 1.0);
+    if (gives_up || num_found < kMaxCandidates / 4) candidates[instance].half_size.w = min(2.0 * share, 1.0);
     if (!fits && !gives_up) candidates[instance].half_size.w = 0.5 * share;
     if (fits) atomicAdd(work[kNumLists].x, 1u);
-    enlist(fits && step_record.candidates.x != 0 ? kListWith : kListWithout, instance, REPEAT);
+    appendToList(fits && step_record.candidates.x != 0 ? kListCandidates : kListWholeMesh, instance, REPEAT);
   }
   workgroupBarrier();
 }
 
 void main() {
-  enterWindow(0);
+  Tile tile = loadTile(0);
   uint first = workgroupNumber() * REPEAT;
-  uint end = min(first + REPEAT, work[kListToFind].w);
+  uint end = min(first + REPEAT, work[kListFindCandidates].w);
   uint k = first;
-  for (; k < end; ++k) findCandidates(work_instances[placeInList(kListToFind, k)]);
-  if (cut_short || k < end) problems[0] = 1;
+  for (; k < end; ++k) findCandidates(tile, work_instances[placeInList(kListFindCandidates, k)]);
+  checkLoop(k < end);
+  reportUnfinishedLoops();
 }

@@ -1,29 +1,24 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Load search over all tiles of a sensor: after each evaluation by the contact pass, the next offset to try. For sensors that are not one tile in a plane
-// z = const of S, where contact.comp cannot search by itself.
+// Load search pass, over all tiles of a sensor: computes the next offset after each evaluation by the contact pass. For sensors that are not one tile in a
+// plane z = const of S; on those contact.comp searches by itself.
 //
-// An invocation owns one instance; no shared memory.
-// In:  tile_results (num_instances x num_tiles): the forces at the offset tried. Out: loads (num_instances): the next one, or that the search has ended.
-// Force falls as the offset grows: the bracket's lower bound carries too much (or sinks deeper than the skin), its upper bound too little.
-// Regula falsi and bisection in turn. Twin: src/reference/load.cpp.
+// Force falls as the offset grows: the bracket's lower bound carries too much (or sinks deeper than the skin), its upper bound too little. Regula falsi
+// alternates with bisection.
+// An invocation owns one instance.
+// In:  tile_results (num_instances x num_tiles): the forces at the offset that was tried.
+// Out: loads (num_instances): the next offset, or that the search has ended.
+// Shared memory: none.
+// Deterministic: tiles are summed in order.
+// Twin: src/reference/load.cpp.
 
-#include "shared/layout.h"
+#include "shared/batch.h"
+#include "passes/declare.glsl"
+#include "passes/load.h"
 
-layout(local_size_x_id = 0) in;
-layout(constant_id = 0) const uint WORKGROUP = 8;
-layout(constant_id = 1) const uint NUM_TILES = 1;
-layout(constant_id = 2) const uint EVALUATIONS = 48;  // after which the search closes with the best it has
-layout(constant_id = 3) const bool ONE_GRID = false;   // windows are rectangles
-
-layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceRecord instances[]; };
-layout(std430, set = 0, binding = 1) readonly buffer Step { StepRecord step_record; };
-layout(std430, set = 0, binding = 2) readonly buffer TileResults { TileResult tile_results[]; };
-layout(std430, set = 0, binding = 3) buffer Loads { LoadRecord loads[]; };
-
-const float kTolerance = 1e-5;         // of the load; a float's offset at 0.1 m is 4e-9 m, 4e-5 of a depth of 0.1 mm
-const float kAccepted = 1e-3;          // of the load: what a bracket as narrow as floats allow must reach
-const float kDeeper = 1e30;     // force at an offset at which a sample is deeper than the skin
+const float kTolerance = 1e-5;  // of the load; a float's resolution at an offset of 0.1 m is 4e-9 m, 4e-5 of a depth of 0.1 mm
+const float kAccepted = 1e-3;   // of the load, when the bracket is as narrow as floats allow
+const float kDeeper = 1e30;     // stands for the force at an offset at which a sample is deeper than the skin
 
 #include "common/workgroup.glsl"
 
@@ -33,7 +28,7 @@ void main() {
   LoadRecord record = loads[instance];
   float status = record.bracket.w;
   if ((instances[instance].keys.w & kFlagLoadDriven) == 0) {
-    loads[instance].bracket.w = kLoadCarried;  // driven by its pose: one evaluation is all
+    loads[instance].bracket.w = kLoadCarried;  // driven by its pose: one evaluation suffices
     return;
   }
   if (status == kLoadCarried || status == kLoadOutOfReach) return;
@@ -48,13 +43,13 @@ void main() {
   for (uint t = 0; t < NUM_TILES; ++t) {
     force += tile_results[instance * NUM_TILES + t].torque.w;
     deep += tile_results[instance * NUM_TILES + t].force.w;
-    if (!ONE_GRID) behind |= tile_results[instance * NUM_TILES + t].window.x;
+    if (NUM_ROWS == 0) behind |= tile_results[instance * NUM_TILES + t].window.x;
   }
   float load = instances[instance].drive.x;
   float offset = record.bracket.x;
   float evaluations = record.forces.w + 1.0;
   record.forces.w = evaluations;
-  // Without a force, an object below the far side of the body has gone through it.
+  // Surfaces below the floor and no force: the search has passed through the body.
   bool too_deep = deep > 0.0 || (force == 0.0 && behind > 0);
   if (!too_deep && load > 0.0 && abs(force - load) <= kTolerance * load) {
     loads[instance].bracket.w = kLoadCarried;
@@ -74,7 +69,7 @@ void main() {
     next = clamp(low + (high - low) * (f_low - load) / (f_low - f_high), low, high);
   }
   if (evaluations + 1.0 >= float(EVALUATIONS) || next == low || next == high) {
-    // As narrow as floats allow. Just above the bracket the skin carries a little less than the load, or far less because more would sink
+    // The bracket is as narrow as floats allow. At its upper bound the skin carries slightly less than the load, or far less if the load would need a sample
     // deeper than the skin.
     next = high;
     record.bracket.w = f_high >= load * (1.0 - kAccepted) ? kLoadClosingCarried : kLoadClosingOutOfReach;

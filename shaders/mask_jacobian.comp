@@ -1,22 +1,18 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Tactile Jacobian under the law deformation_mask, as deformation_mask.comp has the forces: what the mask makes of the taxels' derivatives; a saturated cell
-// has none. An invocation owns one taxel of one instance.
+// Tactile Jacobian of the law deformation_mask, first half: differentiates deformation_mask.comp. The derivative of a saturated taxel is 0.
 //
-// In:  taxel_jacobian (num_instances x 6 x num_taxels); neighbours: the mask; law_state: forces after the mask, N. LAW_0: saturation pressure, Pa.
-// Out: masked_jacobian, alike.
+// An invocation owns one taxel of one instance.
+// In:  taxel_jacobian (num_instances x 6 x num_taxels); mask (9 x num_taxels): sources of every taxel; law_state (num_instances x num_taxels): forces after the
+//      mask, N. LAW_0: saturation pressure, Pa.
+// Out: masked_jacobian (num_instances x 6 x num_taxels).
+// Shared memory: none.
 // Twin: src/reference/tactile_jacobian.cpp.
 
-#include "shared/layout.h"
-#include "common/specialization.glsl"
-layout(constant_id = 11) const float LAW_0 = 0.0;
-
-layout(std430, set = 0, binding = 0) readonly buffer Step { StepRecord step_record; };
-layout(std430, set = 0, binding = 1) readonly buffer Neighbours { vec2 neighbours[]; };
-layout(std430, set = 0, binding = 2) readonly buffer Taxels { TaxelRecord taxels[]; };
-layout(std430, set = 0, binding = 3) readonly buffer LawState { vec2 law_state[]; };
-layout(std430, set = 0, binding = 4) readonly buffer TaxelJacobian { float taxel_jacobian[]; };
-layout(std430, set = 0, binding = 5) writeonly buffer MaskedJacobian { float masked_jacobian[]; };
+#include "shared/batch.h"
+#include "shared/sensor.h"
+#include "passes/declare.glsl"
+#include "passes/mask_jacobian.h"
 
 #include "common/workgroup.glsl"
 
@@ -30,7 +26,7 @@ void main() {
     uint first = (instance * 6 + k) * NUM_TAXELS;
     float sum = 0.0;
     for (uint e = 0; e < 9; ++e) {
-      vec2 source = neighbours[e * NUM_TAXELS + taxel];
+      vec2 source = mask[e * NUM_TAXELS + taxel];
       sum += source.y * taxel_jacobian[first + floatBitsToUint(source.x)];
     }
     masked_jacobian[first + taxel] = is_saturated ? 0.0 : sum;

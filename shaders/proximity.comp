@@ -1,8 +1,11 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Law proximity, after the contact pass: taxels answer to depth alone, nothing presses on the sensor. An invocation owns one tile of one instance.
+// Pass of the law proximity, after the contact pass: readings follow from depth, and the sensor feels no force.
 //
-// In, out: tile_results: no force, no torque. Twin: src/reference/taxel_laws.cpp.
+// An invocation owns one tile of one instance.
+// In, out: tile_results (num_instances x num_tiles): clears force and torque.
+// Shared memory: none.
+// Twin: src/reference/taxel_laws.cpp.
 
 #include "common/taxel_pass.glsl"
 

@@ -1,9 +1,11 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Law deformation_mask, second half: what saturation has cut off is given to all taxels in proportion, so that they carry what contact presses. An
-// invocation owns one instance.
+// Pass of the law deformation_mask, second half: scales the forces of all taxels so that their sum, reduced by saturation, is the contact force again.
 //
-// In:  law_state (num_instances x num_taxels), .x, N; tile_results: the force of contact. Out: contact_normal, for the spread.
+// An invocation owns one instance.
+// In:  law_state (num_instances x num_taxels), .x, N; tile_results (num_instances x num_tiles): the contact force.
+// Out: contact_normal (num_instances x num_taxels), N, for the spread.
+// Shared memory: none. Deterministic: taxels are summed in order.
 // Twin: src/reference/taxel_laws.cpp.
 
 #include "common/taxel_pass.glsl"
@@ -16,8 +18,9 @@ void main() {
   uint first = instance * NUM_TAXELS;
   uint t = 0;
   for (; t < NUM_TAXELS; ++t) carried += law_state[first + t].x;
-  bool cut_short = t < NUM_TAXELS;
+  checkLoop(t < NUM_TAXELS);
   float scale = carried > 0.0 ? pressed / carried : 0.0;
-  for (t = 0; t < NUM_TAXELS; ++t) giveToSpread(instance, t, scale * law_state[first + t].x);
-  if (cut_short || t < NUM_TAXELS) problems[0] = 1;
+  for (t = 0; t < NUM_TAXELS; ++t) writeForce(instance, t, scale * law_state[first + t].x);
+  checkLoop(t < NUM_TAXELS);
+  reportUnfinishedLoops();
 }

@@ -1,24 +1,21 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Tactile Jacobian under the law deformation_mask, as rescale.comp has the forces: scale r, scale = pressed / carried, becomes scale r' + scale' r. An
-// invocation owns one coordinate of the twist of one instance.
+// Tactile Jacobian of the law deformation_mask, second half: differentiates rescale.comp. The derivative of scale r, with scale = pressed / carried, is
+// scale r' + scale' r.
 //
-// In:  masked_jacobian (num_instances x 6 x num_taxels): r'; law_state: r, N; tile_results: what is pressed. In, out: taxel_jacobian, for the spread.
+// An invocation owns one coordinate of the twist of one instance.
+// In:  masked_jacobian (num_instances x 6 x num_taxels): r'; law_state (num_instances x num_taxels): r, N; tile_results (num_instances x num_tiles): pressed,
+//      N.
+// In, out: taxel_jacobian (num_instances x 6 x num_taxels), for the spread.
+// Shared memory: none. Deterministic: taxels are summed in order.
 // Twin: src/reference/tactile_jacobian.cpp.
 
-#include "shared/layout.h"
-#include "common/specialization.glsl"
-layout(constant_id = 11) const bool SCALED = true;
-
-layout(std430, set = 0, binding = 0) readonly buffer Step { StepRecord step_record; };
-layout(std430, set = 0, binding = 1) readonly buffer SpreadScale { float spread_scale[]; };
-layout(std430, set = 0, binding = 2) readonly buffer LawState { vec2 law_state[]; };
-layout(std430, set = 0, binding = 3) readonly buffer TileResults { TileResult tile_results[]; };
-layout(std430, set = 0, binding = 4) readonly buffer MaskedJacobian { float masked_jacobian[]; };
-layout(std430, set = 0, binding = 5) buffer TaxelJacobian { float taxel_jacobian[]; };
-layout(std430, set = 0, binding = 6) writeonly buffer Problems { uint problems[]; };
+#include "shared/batch.h"
+#include "passes/declare.glsl"
+#include "passes/rescale_jacobian.h"
 
 #include "common/workgroup.glsl"
+#include "driver/loop_limit.glsl"
 
 void main() {
   uint number = workgroupNumber() * WORKGROUP + gl_LocalInvocationIndex;
@@ -33,12 +30,13 @@ void main() {
     pressed_change += taxel_jacobian[first + t];
     carried_change += masked_jacobian[first + t];
   }
-  bool cut_short = t < NUM_TAXELS;
+  checkLoop(t < NUM_TAXELS);
   float scale = carried > 0.0 ? pressed / carried : 0.0;
   float scale_change = carried > 0.0 ? (pressed_change - scale * carried_change) / carried : 0.0;
   for (t = 0; t < NUM_TAXELS; ++t) {
     float change = scale * masked_jacobian[first + t] + scale_change * law_state[first_taxel + t].x;
     taxel_jacobian[first + t] = SCALED ? change * spread_scale[t] : change;
   }
-  if (cut_short || t < NUM_TAXELS) problems[0] = 1;
+  checkLoop(t < NUM_TAXELS);
+  reportUnfinishedLoops();
 }

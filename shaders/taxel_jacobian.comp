@@ -1,29 +1,21 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Tactile Jacobian, after the contact pass, first step: how every taxel's force of contact, and the wrench of every tile, change with the sensor's twist (v at
-// the origin of S and w, in S) while the objects stay. The sensor's twist is minus the objects' seen from S. An invocation owns a taxel of one instance, and
-// the tile of the same number.
+// Tactile Jacobian pass, first step, after the contact pass: derivatives of every taxel's contact force and of every tile's wrench by the sensor's twist (v at
+// the origin of S and w, in S) while the objects stay. The sensor's twist is minus the objects' twist seen from S.
 //
+// An invocation owns a taxel of one instance, and the tile of the same number.
 // In:  contact_cells (num_instances x num_taxels), tile_changes (num_instances x num_tiles x LANES), as skin/cell_fluxes.glsl leaves them.
 // Out: taxel_jacobian (num_instances x 6 x num_taxels), N/m and N/rad, over the part of the spread's kernel that stays on the sensor where SCALED;
 //      wrench_jacobian (num_instances x num_tiles x 6 x 6), by force and torque, then by twist: N/m, N/rad, N m/m, N m/rad.
+// Shared memory: none.
 // Deterministic: LANES partial sums are added in their order.
 // Twin: src/reference/tactile_jacobian.cpp.
 
-#include "shared/layout.h"
-#include "common/specialization.glsl"
-layout(constant_id = 11) const bool SCALED = true;
-layout(constant_id = 12) const bool PRESSES = true;  // else the law has no forces, and no wrench
-
-layout(std430, set = 0, binding = 0) readonly buffer Step { StepRecord step_record; };
-layout(std430, set = 0, binding = 1) readonly buffer Patches { PatchRecord patches[]; };
-layout(std430, set = 0, binding = 2) readonly buffer Tiles { TileRecord tiles[]; };
-layout(std430, set = 0, binding = 3) readonly buffer Taxels { TaxelRecord taxels[]; };
-layout(std430, set = 0, binding = 4) readonly buffer SpreadScale { float spread_scale[]; };
-layout(std430, set = 0, binding = 5) readonly buffer ContactCells { CellRecord contact_cells[]; };
-layout(std430, set = 0, binding = 6) readonly buffer TileChanges { float tile_changes[]; };
-layout(std430, set = 0, binding = 7) writeonly buffer TaxelJacobian { float taxel_jacobian[]; };
-layout(std430, set = 0, binding = 8) writeonly buffer WrenchJacobian { float wrench_jacobian[]; };
+#include "shared/batch.h"
+#include "shared/features.h"
+#include "shared/sensor.h"
+#include "passes/declare.glsl"
+#include "passes/taxel_jacobian.h"
 
 #include "common/workgroup.glsl"
 #include "common/transform.glsl"
@@ -32,11 +24,11 @@ bool isTouched(uint taxel) { return contact_cells[taxel].high_y.w != 0.0; }
 
 Affine patchPose(uint patch_number) { return Affine(patches[patch_number].row0, patches[patch_number].row1, patches[patch_number].row2); }
 
-// A vector in P, and the place of P, in S.
+// A vector in P, and the origin of P, in S.
 vec3 toSensor(Affine X_PS, vec3 v) { return X_PS.row0.xyz * v.x + X_PS.row1.xyz * v.y + X_PS.row2.xyz * v.z; }
 vec3 originInSensor(Affine X_PS) { return -toSensor(X_PS, vec3(X_PS.row0.w, X_PS.row1.w, X_PS.row2.w)); }
 
-// What a taxel's force is worth by the object's twist in P: v, then w.
+// Derivatives of a taxel's force by the object's twist in P: v, then w.
 void taxelChange(uint first_taxel, uint in_sensor, uvec4 grid, out vec3 by_v, out vec3 by_w) {
   vec3 side[4] = vec3[4](vec3(0), vec3(0), vec3(0), vec3(0));
   vec3 slope = vec3(0);
@@ -71,11 +63,11 @@ void writeTaxel(uint instance, uint in_sensor) {
   }
 }
 
-void writeTile(uint instance, uint tile_number) {
+void writeWrench(uint instance, uint tile_number) {
   uint tile = instance * NUM_TILES + tile_number;
-  // Of P by P: row k is what force, x times force and y times force are worth by coordinate k of the object's twist.
+  // In P: row k holds the derivatives of force, x times force and y times force by coordinate k of the object's twist.
   vec3 change[6] = vec3[6](vec3(0), vec3(0), vec3(0), vec3(0), vec3(0), vec3(0));
-  if (PRESSES && tile_changes[tile * LANES * kTileChanges] < kNoHeight) {
+  if (HAS_FORCES && tile_changes[tile * LANES * kTileChanges] < kNoHeight) {
     for (uint v = 0; v < LANES; ++v) {
       uint first = (tile * LANES + v) * kTileChanges;
       for (uint k = 0; k < 6; ++k) change[k] += vec3(tile_changes[first + 3 * k], tile_changes[first + 3 * k + 1], tile_changes[first + 3 * k + 2]);
@@ -111,5 +103,5 @@ void main() {
   if (instance >= step_record.batch.x) return;
   uint taxel = number - instance * NUM_TAXELS;
   writeTaxel(instance, taxel);
-  if (taxel < NUM_TILES) writeTile(instance, taxel);
+  if (taxel < NUM_TILES) writeWrench(instance, taxel);
 }

@@ -10,26 +10,25 @@
 namespace taxelsim::bench {
 namespace {
 
-// A surface that lies this much off moves the force of a taxel by as much more: a column of skin one taxel wide carries 2000 N/m, and where
-// the surface is steep the depth differs by more than the distance.
+// Force error of a taxel per distance of the surface: a column of skin one taxel wide carries 2000 N/m, and on a slope the depth error
+// exceeds the distance.
 constexpr double kForcePerDepth = 3 * 2000;  // N/m
-// A taxel agrees when its spread force is within this. Heights of objects 60 mm long agree in float32 to about 1e-7 m, so to 2e-4 N; the
-// peers' cylinder of 1024 strips lies up to 4e-8 m inside the true one.
+// Tolerance of a taxel's spread force. float32 heights of objects 60 mm long agree to about 1e-7 m, which is 2e-4 N; the peers' cylinder of
+// 1024 strips lies up to 4e-8 m inside the true one.
 constexpr double kForceTolerance = 5e-4;  // N
-// A line through a silhouette or between two triangles may fall to either side, which moves the force of one sample: these taxels are
-// counted.
+// Outliers: a line through a silhouette or between two triangles may fall on either side, which moves the force of one sample.
 constexpr double kMaxOutliers = 2e-3;  // of all taxels under contact
-// No instance may be off by more than a few samples, whatever its taxels say.
+// Tolerance of an instance's total force: a few samples.
 constexpr double kTotalForceTolerance = 0.01;  // of the total force
-constexpr double kTotalForceFloor = 0.4;       // N: two samples at the deepest
-constexpr double kMostTouched = 40;            // taxels under the larger contacts
+constexpr double kTotalForceFloor = 0.4;       // N: two samples at full depth
+constexpr double kMostTouched = 40;            // taxels under large contacts
 constexpr double kCountsPerNewton = 2400;
 
-// Other models: they touch where we touch, and their centre of pressure is within a taxel of ours. Their force is told, not judged: ODE's
-// depths are those of triangles that cross, so that its total depends on the meshes; MuJoCo's are distances to the nearest surface.
+// Other models must touch the same taxels, with the centre of pressure within one taxel. Their force is reported only: ODE's depths are
+// those of intersecting triangles and depend on the meshes; MuJoCo's are distances to the nearest surface.
 constexpr double kMinTouched = 0.9;
-constexpr double kStrong = 0.1;     // of the instance's peak: a taxel well inside the contact, not spread from beside it
-constexpr double kConfident = 0.3;  // edge_confidence from which an angle means something
+constexpr double kStrong = 0.1;     // of the instance's peak: a taxel inside the contact, not one reached by the spread alone
+constexpr double kConfident = 0.3;  // smallest edge_confidence for comparing angles
 
 constexpr double kPi = std::numbers::pi;
 

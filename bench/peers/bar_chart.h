@@ -1,4 +1,4 @@
-// The run as a picture: frames per second of every peer, case by case, on a logarithmic axis.
+// Bar chart of a run: frames per second of every peer, by case, on a logarithmic axis.
 #pragma once
 
 #include <filesystem>

@@ -11,7 +11,7 @@
 namespace taxelsim::bench {
 namespace {
 
-// All frames of the case, a batch after another.
+// Computes all frames of the case, batch by batch.
 double secondsOfAll(TaxelsimPeer& simulator, const Poses& poses, std::size_t num_instances) {
   PeerFrame none;
   const Stopwatch watch;
@@ -39,7 +39,7 @@ BatchSizes timeBatchSizes(const Device& device, const Sensor& sensor, const Case
                   "--instances " + std::to_string(size) + ": does not divide the largest, " + std::to_string(sizes.back()));
     simulators.push_back(std::make_unique<TaxelsimPeer>(model, size));
     result.sizes.push_back({.num_instances = size});
-    secondsOfAll(*simulators.back(), work.poses, static_cast<std::size_t>(size));  // a warm-up
+    secondsOfAll(*simulators.back(), work.poses, static_cast<std::size_t>(size));  // warm-up
   }
   for (int r = 0; r < repetitions; ++r) {
     const Poses poses = framesOf(work, r + 1)[0];

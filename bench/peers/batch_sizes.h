@@ -1,4 +1,4 @@
-// Whether time is linear in instances: the same frames in batches of several sizes, all in turns.
+// Scaling with the number of instances: the same frames in batches of several sizes, in turns.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -14,19 +14,19 @@ namespace taxelsim::bench {
 struct BatchSizes {
   struct Size {
     int num_instances = 0;
-    std::vector<double> seconds{};  // (repetitions): of all frames, in batches of num_instances, poses in to features out
-    std::vector<double> ratios{};   // (repetitions): frames/s over those of the largest batch in the same turn
+    std::vector<double> seconds{};  // (repetitions), s for all frames in batches of num_instances, from poses to features
+    std::vector<double> ratios{};   // (repetitions), frames/s relative to the largest batch in the same turn
   };
 
   std::string name, array;
-  std::size_t num_frames = 0;  // of a turn: the largest batch
+  std::size_t num_frames = 0;  // per turn: size of the largest batch
   std::vector<Size> sizes;     // ascending
 
   double framesPerSecond(const Size& size) const { return static_cast<double>(num_frames) / summarise(size.seconds).median; }
 };
 
-// `work` has the instances of the largest batch, of which each size is a divisor. Throws what Model and Simulator throw, and Error(kInput)
-// for sizes that divide nothing.
+// `work` has the instances of the largest batch; every size must divide it. Throws what Model and Simulator throw, and Error(kInput) for a
+// size that does not.
 BatchSizes timeBatchSizes(const Device& device, const Sensor& sensor, const Case& work, std::vector<int> sizes, int repetitions);
 
 void print(const BatchSizes& result);

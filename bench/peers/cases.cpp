@@ -22,14 +22,25 @@ constexpr std::uint64_t kPoseSeed = 1;
 constexpr double kMaxDepthError = MeshOptions{}.max_depth_error;
 constexpr Vector3 kEllipsoid{0.020, 0.014, 0.012};  // m
 constexpr Cylinder kCylinder{.radius = 0.008, .length = 0.04};
-constexpr int kStrips = 1024;  // of the cylinder for Embree
+constexpr int kStrips = 1024;  // of the cylinder's mesh for Embree
 constexpr double kPi = std::numbers::pi;
 constexpr const char* kSliding = "_sliding";
-constexpr int kSlidingFrames = 8;     // of a turn
+constexpr int kSlidingFrames = 8;     // per turn
 constexpr double kSlide = 20e-6;      // m per frame: 20 mm/s at 1 kHz
 constexpr double kTurning = 0.5e-3;   // rad per frame about z
 constexpr double kGoldenAngle = 2.4;  // rad: instances slide in all directions
 constexpr PoseSpread kAnySide{.rolls = true};
+
+// A mesh in scenes/objects/; THIRD_PARTY.md has its source and licence.
+struct ShippedMesh {
+  const char* name;  // of the case
+  const char* file;
+  double scale;  // m per unit of the file
+  UpAxis up_axis;
+};
+constexpr ShippedMesh kShipped[] = {
+    {"drill", "YcbPowerDrill.obj", 1, UpAxis::kZ}, {"banana", "YcbBanana.obj", 1, UpAxis::kZ}, {"bunny", "bunny.obj", 0.005, UpAxis::kY}};
+constexpr ShippedMesh kPrism{"prism", "hex_prism.obj", 1, UpAxis::kZ};
 
 Mesh slab(double side, double height) {
   const auto a = static_cast<float>(side / 2), h = static_cast<float>(height / 2);
@@ -40,7 +51,7 @@ Mesh slab(double side, double height) {
   return mesh;
 }
 
-// The mesh as loadMesh() gives it from a file, simplified within `max_depth_error` (m).
+// The mesh after a round trip through a file: simplified within `max_depth_error` (m).
 Mesh asLoaded(const Mesh& mesh, double max_depth_error) {
   const std::filesystem::path file = std::filesystem::temp_directory_path() / ("taxelsim_bench_" + std::to_string(getpid()) + ".obj");
   {
@@ -59,8 +70,7 @@ double halfDiagonal(const Sensor& sensor) {
   return std::hypot(patch.num_rows * patch.pitch[0], patch.num_cols * patch.pitch[1]) / 2;
 }
 
-// The slab's lower face on the whole array: 0.5 to 1.5 mm deep in the middle, so little tilted that no sample is less than 0.3 or more than
-// 1.7 mm deep.
+// The slab covers the whole array: 0.5 to 1.5 mm deep in the middle. Its tilt keeps every sample between 0.3 and 1.7 mm.
 std::vector<Pose> slabPoses(const Sensor& sensor, double height, int count) {
   constexpr double kMinDepth = 0.5e-3, kMaxDepth = 1.5e-3, kMaxRise = 0.2e-3;  // m
   const double max_tilt = std::atan(kMaxRise / halfDiagonal(sensor));
@@ -93,7 +103,7 @@ PoseSpread spreadOf(const Object& object) {
   return object.name == "cylinder" ? PoseSpread{.laid = axisAngle({0, 1, 0}, kPi / 2)} : kAnySide;
 }
 
-// Instances take the objects in turn.
+// Instance i gets object i modulo the number of objects.
 void placeInTurn(Case& work, int num_instances) {
   const std::size_t num_objects = work.objects.size();
   std::vector<std::vector<Pose>> poses;
@@ -106,7 +116,7 @@ void placeInTurn(Case& work, int num_instances) {
   }
 }
 
-// After so many frames, about the point of the skin over which the object is.
+// The pose after `frame` frames of sliding and turning about the point of the skin below the object.
 Pose slid(const Pose& X_SO, std::size_t instance, int frame) {
   const double direction = kGoldenAngle * static_cast<double>(instance), way = kSlide * frame;
   const Vector3& p = X_SO.position;
@@ -125,6 +135,9 @@ std::vector<std::string> caseNames() {
           "ellipsoid_81920_10um_full",
           "ellipsoid_1310720_10um",
           "ellipsoid_1310720_10um_full",
+          "drill",
+          "banana",
+          "bunny",
           "full_pad",
           "mixed",
           "ellipsoid_5120_sliding",
@@ -168,9 +181,13 @@ Sensor withArray(const Sensor& sensor, const std::string& array) {
   return made;
 }
 
-const CaseMaker::Kept& CaseMaker::prism() {
-  Kept& kept = kept_["prism"];
-  if (!kept.mesh) kept.mesh = std::make_shared<Mesh>(loadMesh(prism_));
+const CaseMaker::Kept& CaseMaker::shipped(const std::string& file, const MeshOptions& options) {
+  Kept& kept = kept_[file];
+  if (!kept.mesh) {
+    const Stopwatch watch;
+    kept.mesh = std::make_shared<Mesh>(loadMesh(objects_ + "/" + file, options));
+    kept.load_seconds = watch.seconds();
+  }
   return kept;
 }
 
@@ -191,55 +208,79 @@ const CaseMaker::Kept& CaseMaker::simplified(int levels) {
   return kept;
 }
 
+void CaseMaker::addPrism(Case& work) {
+  const Kept& kept = shipped(kPrism.file, {});
+  append(work, Object(kPrism.name, *kept.mesh), kept.mesh);
+}
+
+void CaseMaker::addEllipsoid(Case& work, const char* name, int levels) {
+  const Kept& kept = ellipsoid(levels);
+  append(work, Object(name, *kept.mesh), kept.mesh);
+}
+
+void CaseMaker::addSimplified(Case& work, int levels, bool full_for_embree) {
+  const Kept& kept = simplified(levels);
+  const std::size_t before = ellipsoid(levels).mesh->triangles.size();
+  append(work, Object("simplified_ellipsoid", *kept.mesh), kept.mesh);
+  work.load_seconds = kept.load_seconds;
+  work.note += (work.note.empty() ? "" : "; the finest object: ") + std::to_string(kept.mesh->triangles.size()) +
+               " triangles, as loadMesh() leaves of " + std::to_string(before);
+  if (!full_for_embree) return;
+  work.meshes.back() = ellipsoid(levels).mesh;
+  work.note += "; Embree has all of them";
+  work.depth_tolerance = kMaxDepthError;
+  work.embree_only = true;
+}
+
+bool CaseMaker::addShipped(Case& work, const std::string& name) {
+  const auto* mesh =
+      std::find_if(std::begin(kShipped), std::end(kShipped), [&](const ShippedMesh& shipped) { return shipped.name == name; });
+  if (mesh == std::end(kShipped)) return false;
+  const Kept& kept = shipped(mesh->file, {.scale = mesh->scale, .up_axis = mesh->up_axis});
+  append(work, Object(name, *kept.mesh), kept.mesh);
+  work.load_seconds = kept.load_seconds;
+  return true;
+}
+
+void CaseMaker::addObjects(Case& work, const std::string& name) {
+  if (name == "cylinder_analytic") {
+    appendCylinder(work);
+  } else if (name == "prism_24") {
+    addPrism(work);
+  } else if (name == "ellipsoid_5120") {
+    addEllipsoid(work, "ellipsoid", 4);
+  } else if (name == "ellipsoid_81920") {
+    addEllipsoid(work, "fine_ellipsoid", 6);
+  } else if (name == "ellipsoid_81920_10um" || name == "ellipsoid_81920_10um_full") {
+    addSimplified(work, 6, name.ends_with("_full"));
+  } else if (name == "ellipsoid_1310720_10um" || name == "ellipsoid_1310720_10um_full") {
+    addSimplified(work, 8, name.ends_with("_full"));
+  } else if (name == "mixed") {
+    appendCylinder(work);
+    addPrism(work);
+    addEllipsoid(work, "ellipsoid", 4);
+    addEllipsoid(work, "fine_ellipsoid", 6);
+    addSimplified(work, 8, false);
+  } else if (!addShipped(work, name)) {
+    std::string known;
+    for (const std::string& other : caseNames()) known += (known.empty() ? "" : ", ") + other;
+    throw Error(ErrorKind::kInput, "--case " + work.name + ": not one of " + known);
+  }
+}
+
 Case CaseMaker::make(const std::string& full_name, const Sensor& sensor, int num_instances) {
   Case work;
   work.name = full_name;
   work.slides = full_name.ends_with(kSliding);
-  const std::string name = work.slides ? full_name.substr(0, full_name.size() - std::string_view(kSliding).size()) : full_name;
-  const auto simple = [&](int levels, bool full_for_embree) {
-    const Kept& kept = simplified(levels);
-    const std::size_t before = ellipsoid(levels).mesh->triangles.size();
-    append(work, Object("simplified_ellipsoid", *kept.mesh), kept.mesh);
-    work.load_seconds = kept.load_seconds;
-    work.note = std::to_string(kept.mesh->triangles.size()) + " triangles, as loadMesh() leaves of " + std::to_string(before);
-    if (!full_for_embree) return;
-    work.meshes.back() = ellipsoid(levels).mesh;
-    work.note += "; Embree has all of them";
-    work.depth_tolerance = kMaxDepthError;
-    work.embree_only = true;
-  };
-  if (name == "cylinder_analytic") {
-    appendCylinder(work);
-  } else if (name == "prism_24") {
-    append(work, Object("prism", *prism().mesh), prism().mesh);
-  } else if (name == "ellipsoid_5120") {
-    append(work, Object("ellipsoid", *ellipsoid(4).mesh), ellipsoid(4).mesh);
-  } else if (name == "ellipsoid_81920") {
-    append(work, Object("fine_ellipsoid", *ellipsoid(6).mesh), ellipsoid(6).mesh);
-  } else if (name == "ellipsoid_81920_10um" || name == "ellipsoid_81920_10um_full") {
-    simple(6, name.ends_with("_full"));
-  } else if (name == "ellipsoid_1310720_10um" || name == "ellipsoid_1310720_10um_full") {
-    simple(8, name.ends_with("_full"));
-  } else if (name == "full_pad") {
+  if (full_name == "full_pad") {
     constexpr double kHeight = 0.02;  // m
     const auto mesh = std::make_shared<Mesh>(slab(3 * halfDiagonal(sensor), kHeight));
     append(work, Object("slab", *mesh), mesh);
     work.poses.ids.assign(static_cast<std::size_t>(num_instances), 0);
     work.poses.X_SO = slabPoses(sensor, kHeight, num_instances);
     return work;
-  } else if (name == "mixed") {
-    appendCylinder(work);
-    append(work, Object("prism", *prism().mesh), prism().mesh);
-    append(work, Object("ellipsoid", *ellipsoid(4).mesh), ellipsoid(4).mesh);
-    append(work, Object("fine_ellipsoid", *ellipsoid(6).mesh), ellipsoid(6).mesh);
-    const std::string cylinder_note = work.note;
-    simple(8, false);
-    work.note = cylinder_note + "; the finest object: " + work.note;
-  } else {
-    std::string known;
-    for (const std::string& other : caseNames()) known += (known.empty() ? "" : ", ") + other;
-    throw Error(ErrorKind::kInput, "--case " + full_name + ": not one of " + known);
   }
+  addObjects(work, work.slides ? full_name.substr(0, full_name.size() - std::string_view(kSliding).size()) : full_name);
   placeInTurn(work, num_instances);
   return work;
 }

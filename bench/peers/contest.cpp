@@ -10,6 +10,7 @@
 #include "peers/taxelsim_peer.h"
 #include "peers/twin_peer.h"
 #include "peers/vector_peer.h"
+#include "taxelsim/error.h"
 #ifdef TAXELSIM_HAS_MUJOCO
 #include "peers/mujoco_peer.h"
 #endif
@@ -18,10 +19,12 @@ namespace taxelsim::bench {
 namespace {
 
 constexpr int kWarmUps = 2;
-constexpr std::size_t kFirstLook = 256;  // instances that everybody is verified on; who is fast enough, on all
-constexpr double kLongestRun = 0.5;      // s, about: whoever needs longer for all instances gets fewer, a power of two, but no fewer than
+constexpr std::size_t kFirstLook = 256;  // instances of the first verification; fast peers are verified on all
+// s, about: a slower peer runs on fewer instances, a power of two, at least kFewest.
+constexpr double kLongestRun = 0.5;
 constexpr std::size_t kFewest = 64;
-constexpr double kLongestTurn = 3;  // s; where a turn takes longer there are kFewRepetitions
+// s: where a turn takes longer, there are at most kFewRepetitions.
+constexpr double kLongestTurn = 3;
 constexpr int kFewRepetitions = 3;
 
 double secondsOf(const std::function<void()>& work) {
@@ -49,7 +52,7 @@ std::unique_ptr<Peer> makePeer(const std::string& name, const Sensor& sensor, co
   return nullptr;
 }
 
-// A peer at work on the first instances of a case.
+// A peer and its results. It runs on the first instances of a case.
 struct Entrant {
   std::unique_ptr<Peer> peer;
   PeerResult result;
@@ -60,7 +63,7 @@ struct Entrant {
   }
 };
 
-// How many instances take about kLongestRun at this rate.
+// Number of instances that take about kLongestRun at this rate.
 std::size_t fewEnough(double frames_per_second, std::size_t num_instances) {
   if (static_cast<double>(num_instances) <= frames_per_second * kLongestRun) return num_instances;
   std::size_t count = kFewest;
@@ -68,7 +71,7 @@ std::size_t fewEnough(double frames_per_second, std::size_t num_instances) {
   return std::min(count, num_instances);
 }
 
-// Verifies on few, then, if that tells that there is time, on all.
+// Verifies on few instances, then on as many as its speed allows.
 void verify(Entrant& entrant, const Sensor& sensor, const Case& work, const Poses& poses, const PeerFrame& ours) {
   entrant.frame.with_forces = true;
   std::size_t count = std::min(kFirstLook, work.numInstances());
@@ -90,6 +93,109 @@ double touchedFraction(const PeerFrame& frame) {
   return static_cast<double>(touched) / static_cast<double>(frame.spread_force.size());
 }
 
+CaseResult headerOf(const Sensor& sensor, const Case& work) {
+  const GridPatch& patch = sensor.patches[0];
+  return {.name = work.name,
+          .note = work.note,
+          .array = std::to_string(patch.num_rows) + "x" + std::to_string(patch.num_cols),
+          .num_instances = work.numInstances(),
+          .num_triangles = work.num_triangles,
+          .load_seconds = work.load_seconds,
+          .peers = {},
+          .submit_to_read = {},
+          .device = {},
+          .contact_pass = {}};
+}
+
+// Makes the peers and verifies them on the last frame of the first turn: sliding objects have moved by then.
+std::vector<Entrant> verifiedPeers(const Model& model, const Sensor& sensor, const Case& work, const ContestOptions& options,
+                                   CaseResult& result) {
+  PeerFrame ours;
+  const std::vector<Poses> first_turn = framesOf(work, 0);
+  TaxelsimPeer simulator(model, static_cast<int>(work.numInstances()), {.with_forces = true});
+  for (const Poses& poses : first_turn) simulator.run(poses.ids, poses.X_SO, ours);
+  result.touched = touchedFraction(ours);
+
+  std::vector<Entrant> entrants;
+  for (const std::string& name : options.peers) {
+    Entrant entrant;
+    try {
+      entrant.peer = makePeer(name, sensor, work, options.threads);
+    } catch (const Error& error) {
+      result.note += (result.note.empty() ? "" : "; ") + name + " is left out: " + error.what();
+    }
+    if (!entrant.peer) continue;
+    entrant.result.name = entrant.peer->name();
+    entrant.result.what = entrant.peer->what();
+    verify(entrant, sensor, work, first_turn.back(), ours);
+    result.complete &= entrant.result.agreement->agrees || entrant.peer->trust() == Trust::kOtherModel;
+    entrants.push_back(std::move(entrant));
+  }
+  return entrants;
+}
+
+// Times taxelsim and its peers in turns. Times are per frame of the batch.
+class Turns {
+ public:
+  Turns(const Model& model, const Case& work, std::vector<Entrant>& entrants, CaseResult& result)
+      : work_(work),
+        simulator_(model, static_cast<int>(work.numInstances()), {.device_clock = true}),
+        entrants_(entrants),
+        result_(result) {}
+
+  // `timed`: whether to keep the times; otherwise it is a warm-up.
+  void run(bool timed) {
+    const std::vector<Poses> frames = framesOf(work_, turn_++);
+    const double seconds = runSimulator(frames, timed);
+    const double per_frame = 1 / static_cast<double>(frames.size()), per_instance = seconds / static_cast<double>(work_.numInstances());
+    for (Entrant& entrant : entrants_) {
+      if (!entrant.result.agreement->agrees) continue;
+      const std::size_t count = entrant.result.num_instances;
+      double theirs = 0;
+      for (const Poses& poses : frames) theirs += per_frame * secondsOf([&] { entrant.run(poses, count); });
+      if (!timed) continue;
+      entrant.result.seconds.push_back(theirs);
+      entrant.result.ratios.push_back(theirs / static_cast<double>(count) / per_instance);
+    }
+  }
+
+  // The times of taxelsim.
+  PeerResult own() {
+    return {.name = simulator_.name(),
+            .what = simulator_.what(),
+            .num_instances = work_.numInstances(),
+            .seconds = seconds_,
+            .ratios = std::vector<double>(seconds_.size(), 1.0)};
+  }
+
+ private:
+  double runSimulator(const std::vector<Poses>& frames, bool timed) {
+    const double per_frame = 1 / static_cast<double>(frames.size());
+    double seconds = 0, device_time = 0, contact_time = 0, submit_to_read = 0;
+    for (const Poses& poses : frames) {
+      seconds += per_frame * secondsOf([&] { simulator_.run(poses.ids, poses.X_SO, frame_); });
+      device_time += per_frame * simulator_.timing().total;
+      contact_time += per_frame * simulator_.timing().contact;
+      submit_to_read += per_frame * simulator_.submitToRead();
+    }
+    if (timed) {
+      seconds_.push_back(seconds);
+      result_.device.push_back(device_time);
+      result_.contact_pass.push_back(contact_time);
+      result_.submit_to_read.push_back(submit_to_read);
+    }
+    return seconds;
+  }
+
+  const Case& work_;
+  TaxelsimPeer simulator_;
+  PeerFrame frame_;
+  std::vector<Entrant>& entrants_;
+  CaseResult& result_;
+  std::vector<double> seconds_;
+  int turn_ = 0;
+};
+
 }  // namespace
 
 std::vector<std::string> peerNames() {
@@ -105,77 +211,16 @@ std::string missingPeer([[maybe_unused]] const std::string& name) {
 }
 
 CaseResult runCase(const Device& device, const Sensor& sensor, const Case& work, const ContestOptions& options) {
-  const GridPatch& patch = sensor.patches[0];
-  CaseResult result{.name = work.name,
-                    .note = work.note,
-                    .array = std::to_string(patch.num_rows) + "x" + std::to_string(patch.num_cols),
-                    .num_instances = work.numInstances(),
-                    .num_triangles = work.num_triangles,
-                    .load_seconds = work.load_seconds,
-                    .peers = {},
-                    .submit_to_read = {},
-                    .device = {},
-                    .contact_pass = {}};
+  CaseResult result = headerOf(sensor, work);
   const Model model(device, {.sensor = sensor, .objects = work.objects});
-  const int num_instances = static_cast<int>(work.numInstances());
-  PeerFrame ours;
-  // The last frame of the first turn is what everybody must agree on: objects have slid there.
-  const std::vector<Poses> first_turn = framesOf(work, 0);
-  TaxelsimPeer first(model, num_instances, {.with_forces = true});
-  for (const Poses& poses : first_turn) first.run(poses.ids, poses.X_SO, ours);
-  result.touched = touchedFraction(ours);
+  std::vector<Entrant> entrants = verifiedPeers(model, sensor, work, options, result);
+  Turns turns(model, work, entrants, result);
+  double last = 0;  // s
+  for (int w = 0; w < kWarmUps; ++w) last = secondsOf([&] { turns.run(false); });
+  const int repetitions = last > kLongestTurn ? std::min(kFewRepetitions, options.repetitions) : options.repetitions;
+  for (int r = 0; r < repetitions; ++r) turns.run(true);
 
-  std::vector<Entrant> entrants;
-  for (const std::string& name : options.peers) {
-    Entrant entrant;
-    entrant.peer = makePeer(name, sensor, work, options.threads);
-    if (!entrant.peer) continue;
-    entrant.result.name = entrant.peer->name();
-    entrant.result.what = entrant.peer->what();
-    verify(entrant, sensor, work, first_turn.back(), ours);
-    result.complete &= entrant.result.agreement->agrees || entrant.peer->trust() == Trust::kOtherModel;
-    entrants.push_back(std::move(entrant));
-  }
-  ours = {};
-
-  TaxelsimPeer simulator(model, num_instances, {.device_clock = true});
-  PeerResult own{.name = simulator.name(), .what = simulator.what(), .num_instances = work.numInstances()};
-  PeerFrame none;
-  // Times are per frame of the batch.
-  int turns = 0;
-  const auto turn = [&](bool counts) {
-    const std::vector<Poses> frames = framesOf(work, turns++);
-    const double per_frame = 1 / static_cast<double>(frames.size());
-    double seconds = 0, device_time = 0, contact_time = 0, submit_to_read = 0;
-    for (const Poses& poses : frames) {
-      seconds += per_frame * secondsOf([&] { simulator.run(poses.ids, poses.X_SO, none); });
-      device_time += per_frame * simulator.timing().total;
-      contact_time += per_frame * simulator.timing().contact;
-      submit_to_read += per_frame * simulator.submitToRead();
-    }
-    if (counts) {
-      own.seconds.push_back(seconds);
-      own.ratios.push_back(1);
-      result.device.push_back(device_time);
-      result.contact_pass.push_back(contact_time);
-      result.submit_to_read.push_back(submit_to_read);
-    }
-    for (Entrant& entrant : entrants) {
-      if (!entrant.result.agreement->agrees) continue;
-      const std::size_t count = entrant.result.num_instances;
-      double theirs = 0;
-      for (const Poses& poses : frames) theirs += per_frame * secondsOf([&] { entrant.run(poses, count); });
-      if (!counts) continue;
-      entrant.result.seconds.push_back(theirs);
-      entrant.result.ratios.push_back(theirs / static_cast<double>(count) / (seconds / static_cast<double>(num_instances)));
-    }
-  };
-  double longest = 0;
-  for (int w = 0; w < kWarmUps; ++w) longest = secondsOf([&] { turn(false); });
-  const int repetitions = longest > kLongestTurn ? std::min(kFewRepetitions, options.repetitions) : options.repetitions;
-  for (int r = 0; r < repetitions; ++r) turn(true);
-
-  result.peers.push_back(std::move(own));
+  result.peers.push_back(turns.own());
   for (Entrant& entrant : entrants) result.peers.push_back(std::move(entrant.result));
   return result;
 }

@@ -1,4 +1,4 @@
-// One case: the peers are made, verified against taxelsim, warmed up, timed in turns.
+// Runs one case: makes the peers, verifies them against taxelsim, warms up, times all in turns.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -15,16 +15,16 @@ namespace taxelsim::bench {
 
 struct ContestOptions {
   int repetitions = 7;
-  int threads = 0;                 // of every peer; 0: one per core
-  std::vector<std::string> peers;  // by name; taxelsim always runs
+  int threads = 0;                 // of every peer; 0 (default): one per core
+  std::vector<std::string> peers;  // names, in addition to taxelsim
 };
 
 struct PeerResult {
   std::string name, what;
-  std::size_t num_instances = 0;         // timed; fewer than the case has where more would take long
-  std::optional<Agreement> agreement{};  // with taxelsim; of itself none
-  std::vector<double> seconds{};         // (repetitions); empty: it did not agree, and was not timed
-  std::vector<double> ratios{};          // (repetitions): seconds per frame over taxelsim's in the same turn
+  std::size_t num_instances = 0;         // timed; fewer than those of the case if the peer is slow
+  std::optional<Agreement> agreement{};  // with taxelsim; none for taxelsim
+  std::vector<double> seconds{};         // s, (repetitions), per frame of the batch; empty if the peer disagrees and was not timed
+  std::vector<double> ratios{};          // (repetitions): its seconds per instance over those of taxelsim in the same turn
 
   double framesPerSecond() const { return static_cast<double>(num_instances) / summarise(seconds).median; }
 };
@@ -32,18 +32,18 @@ struct PeerResult {
 struct CaseResult {
   std::string name, note, array;
   std::size_t num_instances = 0, num_triangles = 0;
-  double load_seconds = 0, touched = 0;                      // fraction of the taxels under contact
+  double load_seconds = 0, touched = 0;                      // s; fraction of the taxels under contact
   std::vector<PeerResult> peers;                             // taxelsim first
   std::vector<double> submit_to_read, device, contact_pass;  // s, of taxelsim
-  bool complete = true;                                      // everybody who computes the same frame agreed
+  bool complete = true;                                      // whether all peers that compute the same frame agree
 };
 
-// All names that ContestOptions::peers may have, taxelsim's apart, in the order of the table.
+// Names of all peers, without taxelsim, in the order of the table.
 std::vector<std::string> peerNames();
-// Why a peer of this name is not in the program; empty when it is.
+// Why the program was built without this peer; empty if it has it.
 std::string missingPeer(const std::string& name);
 
-// Throws what Model and Simulator throw.
+// A peer that cannot take the case is left out; the note says why. Throws what Model and Simulator throw.
 CaseResult runCase(const Device& device, const Sensor& sensor, const Case& work, const ContestOptions& options);
 
 void print(const CaseResult& result);

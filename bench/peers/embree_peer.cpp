@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kSide = 4;     // samples per taxel, per side
 constexpr int kPacket = 16;  // rays of one taxel
-constexpr int kBlock = 16;   // instances that a thread takes at a time
+constexpr int kBlock = 16;   // instances per work item of a thread
 
 struct Vec3f {
   float x, y, z;
@@ -78,7 +78,7 @@ struct EmbreePeer::Impl {
   std::vector<std::unique_ptr<Scratch>> scratches;  // (num_threads)
 };
 
-// Taxels under the box of the object, turned.
+// Taxels under the object's rotated box.
 TaxelRect EmbreePeer::Impl::rectUnder(const MeshScene& object, const std::array<double, 9>& R, const Vec3f& p) const {
   const auto r = [&](int row, int column) { return static_cast<float>(R[3 * row + column]); };
   const TaxelRect none{0, -1, 0, -1};
@@ -99,7 +99,7 @@ TaxelRect EmbreePeer::Impl::rectUnder(const MeshScene& object, const std::array<
           std::min(stage.numCols() - 1, taxel(high.y, stage.pitchY(), stage.numCols()))};
 }
 
-// Stages 1 and 2. A ray starts at the bottom of the skin and ends at its surface, so what is left of it is the penetration.
+// Stages 1 and 2. A ray runs from the bottom of the skin to its surface; the part beyond the hit is the penetration.
 TaxelRect EmbreePeer::Impl::castRays(const MeshScene& object, const Pose& X_SO, Scratch& scratch) const {
   const std::array<double, 9> R = rotationMatrix(X_SO.rotation);
   const auto r = [&](int row, int column) { return static_cast<float>(R[3 * row + column]); };

@@ -1,5 +1,5 @@
-// Embree 3 for the depth, our taxel stage for the rest; given every advantage that we know of: packets of one taxel, rays no longer than
-// the skin, taxels beside the object skipped where asked, no allocation per frame.
+// Embree 3 for the depth, then our taxel stage. Tuned as well as we know: one packet per taxel, rays as short as the skin is thick, an
+// option to skip taxels outside the object's box, no allocation per frame.
 #pragma once
 
 #include <memory>
@@ -11,12 +11,12 @@
 
 namespace taxelsim::bench {
 
-// Which samples get a ray: every one, or those of taxels under the box of the turned object.
+// Samples that get a ray: all, or those of taxels under the object's rotated box.
 enum class Rays { kAll, kUnderBox };
 
 class EmbreePeer : public Peer {
  public:
-  // Builds a scene per mesh. Throws Error(kInput) for a sensor that the taxel stage cannot do.
+  // Builds a scene per mesh. Throws Error(kInput) for a sensor that TaxelStage does not support.
   EmbreePeer(const Sensor& sensor, const std::vector<const Mesh*>& meshes, Rays rays, int num_threads);
   ~EmbreePeer() override;
 

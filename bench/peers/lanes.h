@@ -1,4 +1,4 @@
-// Sixteen values at once: one register with AVX-512, two with AVX2, by the compiler's vector extensions. Not a library: what the peers
+// Vectors of sixteen values: one register with AVX-512, two with AVX2, by the compiler's vector extensions. Holds only what the peers
 // need.
 #pragma once
 
@@ -20,7 +20,7 @@ using Four = float __attribute__((vector_size(16)));
 #if defined(__AVX512F__)
 
 using Floats = float __attribute__((vector_size(64)));
-using Ints = std::int32_t __attribute__((vector_size(64)));  // as a mask: all bits or none
+using Ints = std::int32_t __attribute__((vector_size(64)));  // masks have all bits of a lane set or none
 
 inline Floats all(float value) {
   return value - Floats{};
@@ -28,7 +28,7 @@ inline Floats all(float value) {
 inline Ints all(std::int32_t value) {
   return value - Ints{};
 }
-// Lane by lane a where the mask is set, else b.
+// Per lane: a where the mask is set, else b.
 inline Floats select(Ints mask, Floats a, Floats b) {
   return mask ? a : b;
 }
@@ -41,7 +41,7 @@ inline void setLane(Floats& v, std::size_t lane, float value) {
 inline Floats toFloats(Ints v) {
   return __builtin_convertvector(v, Floats);
 }
-// Towards 0; |v| < 2^31.
+// Truncates towards 0; |v| < 2^31.
 inline Ints toInts(Floats v) {
   return __builtin_convertvector(v, Ints);
 }
@@ -94,7 +94,7 @@ inline Floats sumsOf(const Floats (&v)[kLanes]) {
 
 #else
 
-// Two halves that behave as one vector of the compiler's.
+// Two halves with the operators of a compiler vector.
 template <typename Half, typename Value>
 struct alignas(64) Halves {
   Half low{}, high{};
@@ -112,7 +112,7 @@ struct alignas(64) Halves {
   Halves operator>>(int count) const { return {low >> count, high >> count}; }
 };
 using Floats = Halves<lanes::Eight, float>;
-using Ints = Halves<lanes::EightInts, std::int32_t>;  // as a mask: all bits or none
+using Ints = Halves<lanes::EightInts, std::int32_t>;  // masks have all bits of a lane set or none
 
 #define TAXELSIM_LANES(operation, Result, Vector, Value)               \
   inline Result operator operation(const Vector& a, const Vector& b) { \

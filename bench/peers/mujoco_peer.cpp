@@ -23,10 +23,10 @@ struct DataRelease {
 using ModelPointer = std::unique_ptr<mjModel, ModelRelease>;
 using DataPointer = std::unique_ptr<mjData, DataRelease>;
 
-static_assert(mjVERSION_HEADER >= 3009000, "before MuJoCo 3.9 the tactile sensor tells no depth");
+static_assert(mjVERSION_HEADER >= 3009000, "MuJoCo before 3.9: the tactile sensor reports no depth");
 
 constexpr int kSide = 4;             // samples per taxel, per side
-constexpr double kPadHeight = 0.01;  // m; deeper than anything is pressed
+constexpr double kPadHeight = 0.01;  // m; more than any penetration
 
 std::string objText(const Mesh& mesh) {
   std::ostringstream out;
@@ -55,8 +55,8 @@ Mesh skinMesh(const GridPatch& patch, int per_side) {
   return mesh;
 }
 
-// The pad is a box, whose contact tells the sensor whom to ask; the skin lies on it and collides with nobody. A mesh collides as the convex
-// body that all of ours are; a second geom that collides with nobody gives it the distance field.
+// The pad is a box: its contacts select the objects that the sensor evaluates. The skin on it does not collide. A mesh collides by its
+// convex hull; a second geom without collision gives it the distance field.
 std::string modelText(const GridPatch& patch, const Object& object) {
   std::ostringstream out;
   out.precision(9);
@@ -122,7 +122,7 @@ void MujocoPeer::Impl::press(const mjModel& model, mjData& data, const Pose& X_S
   mj_kinematics(&model, &data);
   mj_comPos(&model, &data);
   mj_collision(&model, &data);
-  // The stage that the sensor belongs to has changed from version to version.
+  // The stage of the sensor differs between MuJoCo versions.
   switch (model.sensor_needstage[0]) {
     case mjSTAGE_POS:
       mj_sensorPos(&model, &data);

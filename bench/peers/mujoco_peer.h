@@ -1,5 +1,5 @@
-// MuJoCo's `tactile` sensor: at the middle of every taxel, how deep it lies inside the object, from the object's signed distance field;
-// then our taxel stage. Nothing is stepped: poses go in, positions, collision and sensor are computed.
+// MuJoCo's `tactile` sensor, then our taxel stage. The sensor evaluates the object's signed distance field at points of the skin. No time
+// step: kinematics, collision and sensor only.
 #pragma once
 
 #include <memory>
@@ -11,13 +11,13 @@
 
 namespace taxelsim::bench {
 
-// Where the sensor's mesh has its vertices: in the middle of every taxel, or at every sample.
+// Vertices of the sensor's mesh: the middle of every taxel, or every sample.
 enum class MujocoPoints { kTaxels, kSamples };
 
 class MujocoPeer : public Peer {
  public:
-  // Meshes and cylinders. Throws Error(kInput) for other objects, for one that MuJoCo refuses, and for a sensor that the taxel stage cannot
-  // do.
+  // Takes meshes and cylinders. Throws Error(kInput) for other objects, an object that MuJoCo rejects, and a sensor that TaxelStage does
+  // not support.
   MujocoPeer(const Sensor& sensor, const std::vector<Object>& objects, MujocoPoints points, int num_threads);
   ~MujocoPeer() override;
 

@@ -23,10 +23,10 @@
 namespace taxelsim::bench {
 namespace {
 
-constexpr int kMaxContacts = 65535;  // as many as ODE can be asked for
+constexpr int kMaxContacts = 65535;  // ODE's own limit
 constexpr int kSide = 4;             // samples per taxel, per side
 
-// ODE complains of full tables, once a collision; that is its affair.
+// Drops ODE's message about full tables, which it prints at every collision.
 void ignoreMessage(int, const char*, va_list) {}
 
 void startEngine() {
@@ -39,7 +39,7 @@ void startEngine() {
   static_cast<void>(started);
 }
 
-// A mesh as ODE keeps it: pointers into these arrays.
+// A mesh for ODE, which keeps pointers into these arrays.
 struct OdeShape {
   std::vector<double> vertices;
   std::vector<dTriIndex> corners;
@@ -69,7 +69,7 @@ std::unique_ptr<OdeShape> shapeOf(const Object& object) {
   throw Error(ErrorKind::kInput, object.name + ": the ODE peer does meshes and cylinders only");
 }
 
-// What the workers share with us, followed by ids, poses and forces.
+// Head of the memory shared with the workers; ids, poses and forces follow.
 struct Board {
   std::atomic<int> next;
   int num_instances;
@@ -107,11 +107,11 @@ struct OdePeer::Impl {
 
   struct Worker {
     pid_t process;
-    int ask, answer;  // pipes: to it, from it
+    int ask, answer;  // pipes to and from the worker
   };
   std::vector<Worker> workers;
 
-  // Of a worker.
+  // Used by the workers.
   std::vector<dContactGeom> contacts;
   std::vector<float> depth_sum, depth_count;  // (num_taxels)
   std::vector<std::size_t> touched;           // taxels
@@ -125,7 +125,7 @@ OdePeer::Impl::~Impl() {
     close(worker.answer);
   }
   for (const Worker& worker : workers) {
-    // Another worker may hold the writing end of its pipe.
+    // Another worker may hold the write end of its pipe open.
     kill(worker.process, SIGTERM);
     waitpid(worker.process, nullptr, 0);
   }
@@ -172,7 +172,7 @@ void OdePeer::Impl::startWorkers() {
   }
 }
 
-// A worker's life: a byte comes, instances are taken until there are none, a byte goes.
+// Main loop of a worker: waits for a byte, processes instances until none is left, answers with a byte.
 void OdePeer::Impl::work(int asked, int done) {
   char word = 0;
   while (read(asked, &word, 1) == 1) {

@@ -1,6 +1,6 @@
-// The paper's way: the Open Dynamics Engine's contacts between a mesh of the sensor and one of the object, uncapped, clustered into taxels,
-// whose force is their stiffness times the mean depth of their contacts along z; then our taxel stage. Debian's ODE meets meshes in one
-// thread at a time, so its workers are processes, started when the peer is made.
+// The paper's method: contacts of the Open Dynamics Engine between a mesh of the sensor and the object, without a limit, clustered into
+// taxels; the force of a taxel is its stiffness times the mean depth of its contacts along z. Then our taxel stage. Debian's ODE collides
+// meshes in one thread only, so the workers are processes, started by the constructor.
 #pragma once
 
 #include <memory>
@@ -12,13 +12,13 @@
 
 namespace taxelsim::bench {
 
-// What two triangles of the sensor's mesh cover.
+// Cell of the sensor's mesh, two triangles each.
 enum class OdeCells { kSamples, kTaxels };
 
 class OdePeer : public Peer {
  public:
-  // Meshes and cylinders. At most `max_instances` a run. Throws Error(kInput) for other objects, and for a sensor that the taxel stage
-  // cannot do.
+  // Takes meshes and cylinders. `max_instances`: largest batch of run(). Throws Error(kInput) for other objects, and a sensor that
+  // TaxelStage does not support.
   OdePeer(const Sensor& sensor, const std::vector<Object>& objects, OdeCells cells, int max_instances, int num_workers);
   ~OdePeer() override;
 

@@ -1,5 +1,4 @@
-// What stands beside whom: everything that turns poses of objects into frames of a tactile array, behind one interface, so that one loop
-// verifies and times them all.
+// Interface of the compared programs: poses of objects in, frames of a tactile array out. One loop verifies and times all of them.
 #pragma once
 
 #include <cstddef>
@@ -24,12 +23,12 @@ struct PeerFeatures {
 
 // A frame of every instance.
 struct PeerFrame {
-  bool with_forces = true;                    // asked for: to verify; nobody is timed with it
-  std::vector<float> spread_force;            // (num_instances x num_taxels), N, after the PSF; untouched unless asked for
+  bool with_forces = true;                    // whether to fill spread_force: for verification, not while timing
+  std::vector<float> spread_force;            // (num_instances x num_taxels), N, after the PSF; unchanged without with_forces
   std::vector<std::uint32_t> tactile_image;   // (num_instances x num_taxels), counts
   std::vector<PeerFeatures> measured, clean;  // (num_instances)
 
-  // Makes room; what is there stays.
+  // Resizes; keeps values.
   void resize(std::size_t num_instances, std::size_t num_taxels) {
     if (with_forces) spread_force.resize(num_instances * num_taxels);
     tactile_image.resize(num_instances * num_taxels);
@@ -38,24 +37,24 @@ struct PeerFrame {
   }
 };
 
-// How a peer's frame must compare with taxelsim's.
+// Relation of a peer's frame to taxelsim's.
 enum class Trust {
-  kSameModel,   // the same frame by other means: taxel by taxel within rounding
-  kOtherModel,  // another idea of contact: touches where we touch, forces alike
+  kSameModel,   // the same frame: equal within rounding for every taxel
+  kOtherModel,  // another contact model: the same taxels touch, forces are similar
 };
 
 class Peer {
  public:
   virtual ~Peer() = default;
 
-  // One word, as `--peers` takes it.
+  // Name for `--peers`, one word.
   virtual std::string name() const = 0;
-  // What it computes, for the reader of a table.
+  // What it computes, for tables.
   virtual std::string what() const = 0;
   virtual Trust trust() const { return Trust::kSameModel; }
 
-  // Computes a frame of every pose X_SO (num_instances) of the objects `ids` (num_instances), indices into those that the peer was made
-  // with. Poses in to features out: threads are started and joined in here.
+  // Computes the frames of the objects `ids` (num_instances), indices into those of the constructor, at poses X_SO (num_instances). Starts
+  // and joins its threads: the time includes that.
   virtual void run(std::span<const int> ids, std::span<const Pose> X_SO, PeerFrame& frame) = 0;
 };
 

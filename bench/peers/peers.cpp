@@ -1,5 +1,5 @@
-// Frames per second of taxelsim beside everybody whom we could put beside it, on the same poses and taxels, in one process: verified
-// against each other first, then timed in turns, so that what else the machine does meets all. The ratio is what is to be quoted.
+// Compares the frame rate of taxelsim with that of other programs on the same poses and taxels, in one process. All are verified against
+// each other first, then timed in turns, so that other load on the machine affects all of them. Quote the ratios.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -21,8 +21,7 @@ namespace {
 constexpr std::size_t kMostTaxels = std::size_t{4096} * 10000;
 
 struct Options {
-  std::string sensor = TAXELSIM_SCENES "/sensors/wts0614.yaml";
-  std::string prism = TAXELSIM_SCENES "/objects/hex_prism.obj";
+  std::string sensor = TAXELSIM_BENCH "/sensors/wts0614.yaml";
   std::string json, plot, device;
   std::vector<std::string> arrays, cases, peers;
   std::vector<int> instances;
@@ -30,8 +29,8 @@ struct Options {
   ContestOptions contest;
 };
 
-// What is not given, by kind of run.
-Options completed(Options options) {
+// Fills in the defaults of the kind of run.
+Options withDefaults(Options options) {
   const auto byDefault = [](auto& values, auto defaults) {
     if (values.empty()) values = std::move(defaults);
   };
@@ -65,7 +64,7 @@ void checkNames(const Options& options) {
   check("--peers", options.peers, peerNames());
 }
 
-// Before the run rather than after it.
+// Throws before the run if the folder of an output file is missing.
 void checkFolder(const char* option, const std::string& file) {
   if (file.empty()) return;
   const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
@@ -73,7 +72,7 @@ void checkFolder(const char* option, const std::string& file) {
     throw Error(ErrorKind::kInput, std::string(option) + " " + file + ": there is no such folder");
 }
 
-// Of every case and array the batch sizes against each other.
+// Compares batch sizes on every case and array.
 nlohmann::ordered_json runBatchSizes(const Device& device, CaseMaker& maker, const std::vector<Sensor>& sensors, const Options& options) {
   nlohmann::ordered_json results = nlohmann::ordered_json::array();
   const int largest = *std::max_element(options.instances.begin(), options.instances.end());
@@ -88,18 +87,51 @@ nlohmann::ordered_json runBatchSizes(const Device& device, CaseMaker& maker, con
   return results;
 }
 
-int run(const Options& given) {
-  Options options = completed(given);
-  checkNames(options);
-  checkFolder("--json", options.json);
-  checkFolder("--plot", options.plot);
-  nlohmann::ordered_json left_out = nlohmann::ordered_json::array();
-  for (const std::string& name : options.peers) {
+// Runs all cases, arrays and batches; prints each result.
+std::vector<CaseResult> runCases(const Device& device, CaseMaker& maker, const std::vector<Sensor>& sensors, const Options& options) {
+  std::vector<CaseResult> results;
+  for (const std::string& name : options.cases) {
+    for (std::size_t a = 0; a < sensors.size(); ++a) {
+      for (const int num_instances : options.instances) {
+        const std::string where = name + ", " + options.arrays[a] + " taxels, " + std::to_string(num_instances) + " instances";
+        if (static_cast<std::size_t>(num_instances) * static_cast<std::size_t>(numTaxels(sensors[a])) > kMostTaxels) {
+          std::printf("%s: left out, larger than %zu taxels\n\n", where.c_str(), kMostTaxels);
+          continue;
+        }
+        const Case work = maker.make(name, sensors[a], num_instances);
+        try {
+          results.push_back(runCase(device, sensors[a], work, options.contest));
+        } catch (const Error& error) {
+          // A sweep continues after a batch that does not fit on the device.
+          if (!options.sweep) throw;
+          std::printf("%s: left out, %s\n\n", where.c_str(), error.what());
+          continue;
+        }
+        print(results.back());
+      }
+    }
+  }
+  return results;
+}
+
+// Prints why peers are missing from this build.
+nlohmann::ordered_json missingPeers(const std::vector<std::string>& names) {
+  nlohmann::ordered_json reasons = nlohmann::ordered_json::array();
+  for (const std::string& name : names) {
     const std::string reason = missingPeer(name);
     if (reason.empty()) continue;
     std::printf("%s\n", reason.c_str());
-    left_out.push_back(reason);
+    reasons.push_back(reason);
   }
+  return reasons;
+}
+
+int run(const Options& given) {
+  Options options = withDefaults(given);
+  checkNames(options);
+  checkFolder("--json", options.json);
+  checkFolder("--plot", options.plot);
+  const nlohmann::ordered_json left_out = missingPeers(options.peers);
   options.contest.peers = options.peers;
   const Sensor sensor = loadSensor(options.sensor);
   std::vector<Sensor> sensors;
@@ -110,53 +142,28 @@ int run(const Options& given) {
                               std::to_string(where["cores"].get<unsigned>()) + " cores";
   std::printf("%s\n%s, %d repetitions\n\n", heading.c_str(), sensor.name.c_str(), options.contest.repetitions);
 
-  CaseMaker maker(options.prism);
+  CaseMaker maker(TAXELSIM_SCENES "/objects");
+  nlohmann::ordered_json json{{"bench", options.batches ? "peers --batches"
+                                        : options.sweep ? "peers --sweep"
+                                                        : "peers"},
+                              {"machine", where},
+                              {"sensor", sensor.name},
+                              {"repetitions", options.contest.repetitions}};
   if (options.batches) {
-    const nlohmann::ordered_json cases = runBatchSizes(device, maker, sensors, options);
-    if (!options.json.empty())
-      writeJson(options.json, {{"bench", "peers --batches"},
-                               {"machine", where},
-                               {"sensor", sensor.name},
-                               {"repetitions", options.contest.repetitions},
-                               {"cases", cases}});
+    json["cases"] = runBatchSizes(device, maker, sensors, options);
+    if (!options.json.empty()) writeJson(options.json, json);
     return 0;
   }
-  std::vector<CaseResult> results;
+  const std::vector<CaseResult> results = runCases(device, maker, sensors, options);
+  json["threads"] = options.contest.threads;
+  json["left_out"] = left_out;
+  json["cases"] = nlohmann::ordered_json::array();
   bool complete = true;
-  for (const std::string& name : options.cases) {
-    for (std::size_t a = 0; a < sensors.size(); ++a) {
-      for (const int num_instances : options.instances) {
-        if (static_cast<std::size_t>(num_instances) * static_cast<std::size_t>(numTaxels(sensors[a])) > kMostTaxels) {
-          std::printf("%s, %s taxels, %d instances: left out, larger than %zu taxels\n\n", name.c_str(), options.arrays[a].c_str(),
-                      num_instances, kMostTaxels);
-          continue;
-        }
-        const Case work = maker.make(name, sensors[a], num_instances);
-        try {
-          results.push_back(runCase(device, sensors[a], work, options.contest));
-        } catch (const Error& error) {
-          // A sweep goes on past a batch that the device has no room for.
-          if (!options.sweep) throw;
-          std::printf("%s, %s taxels, %d instances: left out, %s\n\n", name.c_str(), options.arrays[a].c_str(), num_instances,
-                      error.what());
-          continue;
-        }
-        complete &= results.back().complete;
-        print(results.back());
-      }
-    }
+  for (const CaseResult& result : results) {
+    json["cases"].push_back(toJson(result));
+    complete &= result.complete;
   }
-  if (!options.json.empty()) {
-    nlohmann::ordered_json cases = nlohmann::ordered_json::array();
-    for (const CaseResult& result : results) cases.push_back(toJson(result));
-    writeJson(options.json, {{"bench", options.sweep ? "peers --sweep" : "peers"},
-                             {"machine", where},
-                             {"sensor", sensor.name},
-                             {"threads", options.contest.threads},
-                             {"repetitions", options.contest.repetitions},
-                             {"left_out", left_out},
-                             {"cases", cases}});
-  }
+  if (!options.json.empty()) writeJson(options.json, json);
   if (!options.plot.empty()) writeBarChart(options.plot, heading, results);
   return complete ? 0 : 1;
 }
@@ -167,27 +174,27 @@ int run(const Options& given) {
 int main(int argc, char** argv) {
   using namespace taxelsim;
   bench::Options options;
-  CLI::App app("Frames per second of taxelsim beside other ways to the same frame: same poses, same taxels, verified, timed in turns");
-  app.add_option("--json", options.json, "Write the results into this file");
-  app.add_option("--plot", options.plot, "Draw the results into this file, a PNG");
-  app.add_option("--case", options.cases, "Names of cases, with commas or spaces between them; all if not given")->delimiter(',');
-  app.add_option("--peers", options.peers, "Names of peers beside taxelsim; all if not given")->delimiter(',');
-  app.add_option("--array", options.arrays, "Rows and columns, as in 6x14; several are run one by one")->delimiter(',');
-  app.add_option("--instances", options.instances, "Sensors in the batch, 4096 if not given; several are run one by one")
+  CLI::App app("Compares the frame rate of taxelsim with other programs: same poses and taxels, verified, timed in turns");
+  app.add_option("--json", options.json, "Write the results to this JSON file");
+  app.add_option("--plot", options.plot, "Plot the results to this PNG file");
+  app.add_option("--case", options.cases, "Cases, separated by commas; default all")->delimiter(',');
+  app.add_option("--peers", options.peers, "Peers, separated by commas; default all")->delimiter(',');
+  app.add_option("--array", options.arrays, "Arrays, rows x columns as in 6x14, separated by commas")->delimiter(',');
+  app.add_option("--instances", options.instances, "Batch sizes, separated by commas; default 4096")
       ->delimiter(',')
       ->check(CLI::Range(1, 1 << 20));
   app.add_flag("--sweep", options.sweep,
-               "Batches of 64 to 65,536, arrays of 6x14, 10x10 and 100x100, one case, Embree alone beside taxelsim");
-  app.add_flag("--batches", options.batches, "The same frames in batches of 64 to 65,536, in turns: is time linear in instances? No peers")
+               "Batches of 64 to 65,536, arrays of 6x14, 10x10 and 100x100, one case, peers embree and embree_box");
+  app.add_flag("--batches", options.batches, "Scaling: the same frames in batches of 64 to 65,536, in turns; no peers")
       ->excludes("--sweep")
       ->excludes("--peers")
       ->excludes("--plot");
-  app.add_option("--repetitions", options.contest.repetitions, "Timed turns")->check(CLI::Range(1, 10000))->capture_default_str();
-  app.add_option("--threads", options.contest.threads, "Threads of every peer on the CPU; 0 for one per core")
+  app.add_option("--repetitions", options.contest.repetitions, "Timed repetitions")->check(CLI::Range(1, 10000))->capture_default_str();
+  app.add_option("--threads", options.contest.threads, "Threads of every peer on the CPU; 0: one per core")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   app.add_option("--sensor", options.sensor, "Sensor file")->capture_default_str();
-  app.add_option("--device", options.device, "Device, as of `taxelsim frame --device`");
+  app.add_option("--device", options.device, "Device, as for `taxelsim frame --device`");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

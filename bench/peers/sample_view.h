@@ -1,5 +1,5 @@
-// A pose as the hand-written frame sees it, in samples: u counts those along x of the array, v those along y, whole numbers being samples;
-// z stays in metres. And sixteen taxels' sums at once.
+// Sample coordinates of the hand-written peer: u and v count samples along x and y of the array, integers being samples; z is in metres.
+// Also the sums of sixteen taxels at once.
 #pragma once
 
 #include <array>
@@ -51,12 +51,12 @@ inline SampleView viewOf(const Pose& X_SO, const TaxelStage& stage) {
   return view;
 }
 
-// Rows and columns of taxels, last included; empty where first > last.
+// Inclusive range of rows and columns of taxels; empty if first > last.
 struct TaxelRange {
   int first_row = 0, last_row = -1, first_col = 0, last_col = -1;
 };
 
-// Depths of samples -> forces of taxels, sixteen taxels at a time.
+// Sums sample depths to taxel forces, sixteen taxels at once.
 class TaxelSums {
  public:
   TaxelSums(const TaxelStage& stage, TaxelStage::Scratch& scratch) : stage_(stage), scratch_(scratch) {}
@@ -64,7 +64,7 @@ class TaxelSums {
   TaxelSums(const TaxelSums&) = delete;
   TaxelSums& operator=(const TaxelSums&) = delete;
 
-  // The lowest surface over each sample of a taxel, m.
+  // `height`: m, lowest surface above each sample of the taxel.
   void add(int row, int col, Floats height) {
     depth_[count_] = smaller(larger(-height, Floats{}), all(stage_.thickness()));
     place_[count_] = &stage_.force(scratch_, row, col);

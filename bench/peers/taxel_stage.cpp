@@ -11,7 +11,7 @@ namespace taxelsim::bench {
 namespace {
 
 constexpr int kSide = 4;   // samples per taxel, per side
-constexpr int kReach = 1;  // of the 3 x 3 PSF, taxels
+constexpr int kReach = 1;  // taxels, of the 3 x 3 PSF
 constexpr float kPi = std::numbers::pi_v<float>;
 
 // Sums over an image of forces.
@@ -81,7 +81,7 @@ TaxelStage::TaxelStage(const Sensor& sensor) {
   num_rows_ = patch.num_rows;
   num_cols_ = patch.num_cols;
   num_chunks_ = (num_cols_ + kLanes - 1) / kLanes;
-  // A row begins with a border of zeros, which is the one past the end of the row before, too.
+  // The border of zeros at the start of a row also ends the previous row.
   row_length_ = (num_chunks_ + 1) * kLanes;
   pitch_x_ = static_cast<float>(patch.pitch[0]);
   pitch_y_ = static_cast<float>(patch.pitch[1]);
@@ -127,7 +127,7 @@ void TaxelStage::finish(Scratch& scratch, int first_row, int last_row, std::size
     return;
   }
 
-  // Sources over their divisors; rows beside them stay zero.
+  // Normalises the sources; the rows next to them stay 0.
   for (int i = first_row; i <= last_row; ++i) {
     const std::size_t row = placeOf(i, 0);
     for (int c = 0; c < num_chunks_; ++c) {
@@ -155,7 +155,7 @@ void TaxelStage::finish(Scratch& scratch, int first_row, int last_row, std::size
       const int count = std::min(kLanes, num_cols_ - c * kLanes);
       const Floats y = load(&col_y_[static_cast<std::size_t>(c * kLanes)]);
       if (count < kLanes) f = select(Floats{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15} < static_cast<float>(count), f, Floats{});
-      // Rounded half away from zero.
+      // Rounds half away from zero.
       const Ints counts = toInts(smaller(larger((f - trigger_) * gain_, Floats{}), all(saturation_)) + 0.5f);
       const Ints reads = counts > 0;
       const Floats felt = select(reads, toFloats(counts) * inverse_gain_ + trigger_, Floats{});

@@ -1,6 +1,6 @@
-// From force per taxel to image and features, as fast as we can write it: the half of a frame that all peers on the CPU share, so that none
-// is slow for want of it. Spread, readout and both sets of moments in one pass over the rows that have force. Not general: one grid
-// patch at the sensor's origin, a 3 x 3 PSF per source, a straight curve, no noise, no memory.
+// From forces per taxel to image and features: the optimised second half of a frame, shared by all CPU peers, so that none is slow because
+// of it. One pass over the rows with force computes spread, readout and both sets of moments. Supports one grid patch at the sensor's
+// origin, a 3 x 3 per-source PSF and a linear curve; no noise and no state.
 #pragma once
 
 #include <vector>
@@ -13,7 +13,7 @@ namespace taxelsim::bench {
 
 class TaxelStage {
  public:
-  // Throws Error(kInput) for a sensor that it cannot do.
+  // Throws Error(kInput) for any other sensor.
   explicit TaxelStage(const Sensor& sensor);
 
   int numRows() const { return num_rows_; }
@@ -22,19 +22,19 @@ class TaxelStage {
   float pitchX() const { return pitch_x_; }
   float pitchY() const { return pitch_y_; }
   float thickness() const { return thickness_; }
-  // N per m of penetration of one of the taxel's 4 x 4 samples; of the whole taxel.
+  // N/m, force per penetration of one of the 4 x 4 samples of a taxel, and of the taxel.
   float sampleForce() const { return sample_force_; }
   float taxelStiffness() const { return 16 * sample_force_; }
 
-  // Forces of one instance on a grid with borders; all zero between frames.
+  // Forces of one instance on a padded grid; all 0 between frames.
   struct Scratch {
     std::vector<float> force, scaled;
   };
   Scratch scratch() const;
-  // Where the force of a taxel goes, N.
+  // N, force of a taxel.
   float& force(Scratch& scratch, int row, int col) const { return scratch.force[placeOf(row, col)]; }
 
-  // Turns the forces, none of them outside rows first to last, into frame number `instance`, and clears them.
+  // Computes frame `instance` from the forces in rows `first` to `last`, and clears them.
   void finish(Scratch& scratch, int first_row, int last_row, std::size_t instance, PeerFrame& frame) const;
 
  private:
@@ -44,8 +44,8 @@ class TaxelStage {
   float pitch_x_, pitch_y_, thickness_, sample_force_;
   float gain_, inverse_gain_, trigger_, saturation_, taxel_area_;
   float kernel_[9];
-  std::vector<float> inverse_divisor_;  // on the grid with borders: 1 / what of the kernel lies inside, seen from a source; 0 outside
-  std::vector<float> row_x_, col_y_;    // m; columns past the last: 0
+  std::vector<float> inverse_divisor_;  // on the padded grid: 1 / sum of the kernel inside the array, by source; 0 outside
+  std::vector<float> row_x_, col_y_;    // m; 0 beyond the last column
 };
 
 }  // namespace taxelsim::bench

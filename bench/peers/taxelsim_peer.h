@@ -11,7 +11,7 @@ namespace taxelsim::bench {
 class TaxelsimPeer : public Peer {
  public:
   struct Options {
-    bool with_forces = false;   // taxels' forces come back, too; a frame asks for what the peer was made for
+    bool with_forces = false;   // whether to read back the taxels' forces
     bool device_clock = false;  // for timing()
   };
   TaxelsimPeer(const Model& model, int num_instances, const Options& options);
@@ -20,10 +20,10 @@ class TaxelsimPeer : public Peer {
   std::string name() const override { return "taxelsim"; }
   std::string what() const override;
 
-  // Copies the frame where forces were asked for; else it stays where read() shows it, as a caller would use it, and `frame` is untouched.
+  // With forces: copies the frame. Otherwise leaves `frame` unchanged: a caller would use the spans of read().
   void run(std::span<const int> ids, std::span<const Pose> X_SO, PeerFrame& frame) override;
 
-  // Of the last run(): seconds from step() to the end of read().
+  // s from step() to the end of read() in the last run().
   double submitToRead() const { return submit_to_read_; }
   StepTiming timing() const { return simulator_.timing(); }
 

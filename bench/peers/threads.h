@@ -1,4 +1,4 @@
-// The threads of the peers that run on the CPU.
+// Threads of the CPU peers.
 #pragma once
 
 #include <immintrin.h>
@@ -10,17 +10,17 @@
 
 namespace taxelsim::bench {
 
-// One per core where 0 are asked for.
-inline int threadsOf(int asked) {
-  return asked > 0 ? asked : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+// 0: one per core.
+inline int threadsOf(int requested) {
+  return requested > 0 ? requested : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-// Starts `num_threads` threads, hands them blocks of instances by a shared counter, joins them. `work(thread, instance)`.
+// Calls `work(thread, instance)` in `num_threads` threads, which take blocks of instances from a shared counter; joins them.
 template <typename Work>
 void inThreads(int num_threads, int num_instances, int block, const Work& work) {
   std::atomic<int> next{0};
   const auto loop = [&](int thread) {
-    // As Embree's manual asks; good for everybody.
+    // Recommended by Embree's manual; applied to all peers.
     _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
     _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
     for (int begin; (begin = next.fetch_add(block)) < num_instances;) {

@@ -8,7 +8,7 @@
 namespace taxelsim::bench {
 namespace {
 
-constexpr double kDt = 1e-3;  // s; nothing in the peers' sensors depends on it
+constexpr double kDt = 1e-3;  // s; the peers' sensors do not depend on it
 
 PeerFeatures rounded(const reference::Features& features) {
   const auto f = [](double value) { return static_cast<float>(value); };

@@ -1,5 +1,4 @@
-// Our own reference on the CPU: every stage in double precision, plain loops, no culling. What the device is tested against, not what is
-// fast.
+// taxelsim's CPU reference: every stage in double precision, plain loops, no culling. The oracle of the tests, not optimised.
 #pragma once
 
 #include <vector>

@@ -8,13 +8,13 @@
 namespace taxelsim::bench {
 namespace {
 
-using Box = std::array<float, 6>;  // min x, y, z, max x, y, z; m
+using Box = std::array<float, 6>;  // m: min x, y, z, max x, y, z
 
-constexpr std::size_t kTopBoxes = 4 * kLanes;  // at most so many boxes, and no further level
-constexpr int kMostInLanes = 16;               // samples in a triangle's box; one with more is done by itself
-// Samples so little beside a triangle count as inside, so that none falls between two; in sample distances, some roundings of a float.
+constexpr std::size_t kTopBoxes = 4 * kLanes;  // largest number of boxes of the top level
+constexpr int kMostInLanes = 16;               // largest number of samples in the box of a small triangle
+// In sample spacings, a few roundings of a float: a sample this close to a triangle counts as inside, so that none falls between two.
 constexpr float kRim = 1e-5f;
-constexpr float kFlat = 1e-9f;  // twice the area, in sample distances squared, under which a triangle is an edge seen from below
+constexpr float kFlat = 1e-9f;  // in sample spacings squared: smaller triangles are seen edge-on
 constexpr float kFar = 1e30f;
 constexpr Box kNothing{kFar, kFar, kFar, -kFar, -kFar, -kFar};
 
@@ -25,7 +25,7 @@ void extend(Box& box, const Box& other) {
   }
 }
 
-// Orders triangles so that every run of 16, 256, ... that starts at a multiple of its length lies close together: halves at whole runs.
+// Sorts triangles so that every aligned run of 16, 256, ... of them is compact.
 struct Order {
   const std::vector<std::array<float, 3>>& middles;
   std::vector<std::uint32_t>& triangles;
@@ -52,9 +52,41 @@ struct Order {
   }
 };
 
-// All samples of one large triangle, taxel by taxel.
-void drawLarge(const std::array<float, 3>& u, const std::array<float, 3>& v, const std::array<float, 3>& z, int num_cols, int first_u,
-               int last_u, int first_v, int last_v, Floats* tile) {
+// Sixteen triangles in sample coordinates.
+struct Triangles {
+  Floats u[3], v[3], z[3];  // corners
+  Floats low_u, high_u, low_v, high_v, low_z;
+  Floats area;                            // twice the signed area
+  Ints first_u, last_u, first_v, last_v;  // samples in each triangle's box
+  Ints active;                            // mask of the triangles that may cover a sample under the skin's surface
+};
+
+// False if no triangle of the pack may cover a sample.
+bool project(const Floats (&x)[3], const Floats (&y)[3], const Floats (&z)[3], const SampleView& view, Triangles& t) {
+  for (int c = 0; c < 3; ++c) t.z[c] = x[c] * view.z[0] + y[c] * view.z[1] + z[c] * view.z[2] + view.z[3];
+  t.low_z = smaller(t.z[0], smaller(t.z[1], t.z[2]));
+  const Ints under = t.low_z < Floats{};
+  if (bitsOf(under) == 0) return false;
+  for (int c = 0; c < 3; ++c) {
+    t.u[c] = x[c] * view.u[0] + y[c] * view.u[1] + z[c] * view.u[2] + view.u[3];
+    t.v[c] = x[c] * view.v[0] + y[c] * view.v[1] + z[c] * view.v[2] + view.v[3];
+  }
+  t.low_u = smaller(t.u[0], smaller(t.u[1], t.u[2])), t.high_u = larger(t.u[0], larger(t.u[1], t.u[2]));
+  t.low_v = smaller(t.v[0], smaller(t.v[1], t.v[2])), t.high_v = larger(t.v[0], larger(t.v[1], t.v[2]));
+  t.first_u = larger(ceilOf(t.low_u - kRim), Ints{}), t.last_u = smaller(floorOf(t.high_u + kRim), all(view.num_u - 1));
+  t.first_v = larger(ceilOf(t.low_v - kRim), Ints{}), t.last_v = smaller(floorOf(t.high_v + kRim), all(view.num_v - 1));
+  t.active = under & (t.first_u <= t.last_u) & (t.first_v <= t.last_v);
+  if (bitsOf(t.active) == 0) return false;
+  t.area = (t.u[1] - t.u[0]) * (t.v[2] - t.v[0]) - (t.v[1] - t.v[0]) * (t.u[2] - t.u[0]);
+  t.active &= (t.area > kFlat) | (t.area < -kFlat);
+  return true;
+}
+
+// Rasters one large triangle: sixteen samples of a taxel at once.
+void drawLarge(const Triangles& t, std::size_t lane, int num_cols, Floats* tile) {
+  const std::array<float, 3> u{t.u[0][lane], t.u[1][lane], t.u[2][lane]}, v{t.v[0][lane], t.v[1][lane], t.v[2][lane]};
+  const std::array<float, 3> z{t.z[0][lane], t.z[1][lane], t.z[2][lane]};
+  const int first_u = t.first_u[lane], last_u = t.last_u[lane], first_v = t.first_v[lane], last_v = t.last_v[lane];
   const float sign = (u[1] - u[0]) * (v[2] - v[0]) - (v[1] - v[0]) * (u[2] - u[0]) < 0 ? -1.0f : 1.0f;
   const auto [low, high] = std::minmax({z[0], z[1], z[2]});
   const float size = *std::max_element(u.begin(), u.end()) - *std::min_element(u.begin(), u.end()) + *std::max_element(v.begin(), v.end()) -
@@ -70,6 +102,40 @@ void drawLarge(const std::array<float, 3>& u, const std::array<float, 3>& v, con
       Floats& taxel = tile[row * num_cols + col];
       taxel = smaller(taxel, select(inside, height, taxel));
     }
+  }
+}
+
+// Rasters the active triangles, all small: sixteen triangles at once, sample by sample of their boxes.
+void drawSmall(const Triangles& t, int num_cols, Floats* tile) {
+  const Floats high_z = larger(t.z[0], larger(t.z[1], t.z[2]));
+  const Floats sign = select(t.area < Floats{}, all(-1.0f), all(1.0f));
+  const Floats rim = (t.high_u - t.low_u + t.high_v - t.low_v) * -kRim;
+  const Floats inverse_area = sign / t.area;
+  Ints active = t.active, pu = t.first_u, pv = t.first_v;
+  for (unsigned todo = bitsOf(active); todo; todo = bitsOf(active)) {
+    const Floats fu = toFloats(pu), fv = toFloats(pv);
+    const Floats u0 = t.u[0] - fu, u1 = t.u[1] - fu, u2 = t.u[2] - fu, v0 = t.v[0] - fv, v1 = t.v[1] - fv, v2 = t.v[2] - fv;
+    const Floats w0 = (u1 * v2 - v1 * u2) * sign, w1 = (u2 * v0 - v2 * u0) * sign, w2 = (u0 * v1 - v0 * u1) * sign;
+    const Ints inside = active & (smaller(w0, smaller(w1, w2)) >= rim);
+    unsigned bits = bitsOf(inside);
+    if (bits) {
+      const Floats height = smaller(larger((w0 * t.z[0] + w1 * t.z[1] + w2 * t.z[2]) * inverse_area, t.low_z), high_z);
+      const Ints place = (((pu >> 2) * num_cols + (pv >> 2)) << 4) + ((pu & 3) << 2) + (pv & 3);
+      alignas(64) float heights[kLanes];
+      alignas(64) std::int32_t places[kLanes];
+      store(heights, height);
+      std::memcpy(places, &place, sizeof place);
+      float* samples = reinterpret_cast<float*>(tile);
+      for (; bits; bits &= bits - 1) {
+        const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
+        float& sample = samples[places[lane]];
+        sample = std::min(sample, heights[lane]);
+      }
+    }
+    const Ints ends = pv >= t.last_v;
+    pu -= ends;
+    pv = select(ends, t.first_v, pv + 1);
+    active &= pu <= t.last_u;
   }
 }
 
@@ -89,7 +155,7 @@ VectorMesh::VectorMesh(const Mesh& mesh) {
   packs_.resize(num_packs);
   std::vector<Box> boxes(num_packs, kNothing);
   for (std::size_t k = 0; k < num_packs * kLanes; ++k) {
-    // The last pack is filled up with its last triangle.
+    // Pads the last pack with its last triangle.
     const auto& corners = mesh.triangles[order[std::min(k, num_triangles - 1)]];
     Pack& pack = packs_[k / kLanes];
     for (std::size_t c = 0; c < 3; ++c) {
@@ -114,12 +180,12 @@ void VectorMesh::addBoxes(std::vector<Boxes>& level, const std::vector<Box>& box
   for (std::size_t k = 0; k < level.size() * kLanes; ++k) {
     Boxes& sixteen = level[k / kLanes];
     const std::size_t lane = k % kLanes;
-    // Past the last, a box that is inside out and touches nothing.
+    // Pads with an inverted box, which overlaps nothing.
     const Box& box = k < boxes.size() ? boxes[k] : Box{1, 1, 1, -1, -1, -1};
     setLane(sixteen.x, lane, (box[0] + box[3]) / 2);
     setLane(sixteen.y, lane, (box[1] + box[4]) / 2);
     setLane(sixteen.z, lane, (box[2] + box[5]) / 2);
-    // A rounding more, so that no corner is outside.
+    // Covers the rounding of the middle.
     constexpr float kMore = 1 + 1e-6f;
     setLane(sixteen.half_x, lane, k < boxes.size() ? (box[3] - box[0]) / 2 * kMore + 1e-9f : -kFar);
     setLane(sixteen.half_y, lane, k < boxes.size() ? (box[4] - box[1]) / 2 * kMore + 1e-9f : -kFar);
@@ -135,8 +201,8 @@ VectorMesh::Scratch VectorMesh::scratch(const TaxelStage& stage) const {
   return scratch;
 }
 
-// Packs whose boxes reach under the skin's surface and over a sample: left in scratch.packs, their number in groups[0]. Returns the taxels
-// under these boxes.
+// Lists in scratch.packs the packs whose boxes lie partly below the skin's surface and over a sample, and their number in
+// scratch.groups[0]. Returns the taxels under these boxes.
 TaxelRange VectorMesh::cull(const SampleView& view, Scratch& scratch) const {
   const auto magnitude = [](float value) { return value < 0 ? -value : value; };
   const Ints last_sample_u = all(view.num_u - 1), last_sample_v = all(view.num_v - 1);
@@ -187,66 +253,15 @@ TaxelRange VectorMesh::press(const SampleView& view, const TaxelStage& stage, Sc
   for (int row = range.first_row; row <= range.last_row; ++row)
     for (int col = range.first_col; col <= range.last_col; ++col) tile[row * num_cols + col] = Floats{};
 
-  const Ints last_sample_u = all(view.num_u - 1), last_sample_v = all(view.num_v - 1);
   for (std::uint32_t k = 0; k < num_packs; ++k) {
     const Pack& pack = packs_[scratch.packs[k]];
-    Floats u[3], v[3], z[3];
-    for (int c = 0; c < 3; ++c) z[c] = pack.x[c] * view.z[0] + pack.y[c] * view.z[1] + pack.z[c] * view.z[2] + view.z[3];
-    const Floats low_z = smaller(z[0], smaller(z[1], z[2]));
-    const Ints under = low_z < Floats{};
-    if (bitsOf(under) == 0) continue;
-    for (int c = 0; c < 3; ++c) {
-      u[c] = pack.x[c] * view.u[0] + pack.y[c] * view.u[1] + pack.z[c] * view.u[2] + view.u[3];
-      v[c] = pack.x[c] * view.v[0] + pack.y[c] * view.v[1] + pack.z[c] * view.v[2] + view.v[3];
-    }
-    const Floats low_u = smaller(u[0], smaller(u[1], u[2])), high_u = larger(u[0], larger(u[1], u[2]));
-    const Floats low_v = smaller(v[0], smaller(v[1], v[2])), high_v = larger(v[0], larger(v[1], v[2]));
-    const Ints first_u = larger(ceilOf(low_u - kRim), Ints{}), last_u = smaller(floorOf(high_u + kRim), last_sample_u);
-    const Ints first_v = larger(ceilOf(low_v - kRim), Ints{}), last_v = smaller(floorOf(high_v + kRim), last_sample_v);
-    Ints active = under & (first_u <= last_u) & (first_v <= last_v);
-    if (bitsOf(active) == 0) continue;
-
-    const Floats area = (u[1] - u[0]) * (v[2] - v[0]) - (v[1] - v[0]) * (u[2] - u[0]);
-    active &= (area > kFlat) | (area < -kFlat);
-    const Ints large = active & ((last_u - first_u + 1) * (last_v - first_v + 1) > kMostInLanes);
-    for (unsigned bits = bitsOf(large); bits; bits &= bits - 1) {
-      const auto t = static_cast<std::size_t>(std::countr_zero(bits));
-      drawLarge({u[0][t], u[1][t], u[2][t]}, {v[0][t], v[1][t], v[2][t]}, {z[0][t], z[1][t], z[2][t]}, num_cols, first_u[t], last_u[t],
-                first_v[t], last_v[t], tile);
-    }
-    active &= ~large;
-
-    // Sample by sample of every triangle's box, sixteen triangles in step.
-    const Floats high_z = larger(z[0], larger(z[1], z[2]));
-    const Floats sign = select(area < Floats{}, all(-1.0f), all(1.0f));
-    const Floats rim = (high_u - low_u + high_v - low_v) * -kRim;
-    const Floats inverse_area = sign / area;
-    Ints pu = first_u, pv = first_v;
-    for (unsigned todo = bitsOf(active); todo; todo = bitsOf(active)) {
-      const Floats fu = toFloats(pu), fv = toFloats(pv);
-      const Floats u0 = u[0] - fu, u1 = u[1] - fu, u2 = u[2] - fu, v0 = v[0] - fv, v1 = v[1] - fv, v2 = v[2] - fv;
-      const Floats w0 = (u1 * v2 - v1 * u2) * sign, w1 = (u2 * v0 - v2 * u0) * sign, w2 = (u0 * v1 - v0 * u1) * sign;
-      const Ints inside = active & (smaller(w0, smaller(w1, w2)) >= rim);
-      unsigned bits = bitsOf(inside);
-      if (bits) {
-        const Floats height = smaller(larger((w0 * z[0] + w1 * z[1] + w2 * z[2]) * inverse_area, low_z), high_z);
-        const Ints place = (((pu >> 2) * num_cols + (pv >> 2)) << 4) + ((pu & 3) << 2) + (pv & 3);
-        alignas(64) float heights[kLanes];
-        alignas(64) std::int32_t places[kLanes];
-        store(heights, height);
-        std::memcpy(places, &place, sizeof place);
-        float* samples = reinterpret_cast<float*>(tile);
-        for (; bits; bits &= bits - 1) {
-          const auto t = static_cast<std::size_t>(std::countr_zero(bits));
-          float& sample = samples[places[t]];
-          sample = std::min(sample, heights[t]);
-        }
-      }
-      const Ints ends = pv >= last_v;
-      pu -= ends;
-      pv = select(ends, first_v, pv + 1);
-      active &= pu <= last_u;
-    }
+    Triangles t;
+    if (!project(pack.x, pack.y, pack.z, view, t)) continue;
+    const Ints large = t.active & ((t.last_u - t.first_u + 1) * (t.last_v - t.first_v + 1) > kMostInLanes);
+    for (unsigned bits = bitsOf(large); bits; bits &= bits - 1)
+      drawLarge(t, static_cast<std::size_t>(std::countr_zero(bits)), num_cols, tile);
+    t.active &= ~large;
+    drawSmall(t, num_cols, tile);
   }
 
   TaxelSums sums(stage, taxels);

@@ -1,6 +1,5 @@
-// A triangle mesh in packs of sixteen triangles, and the skin's samples under it: packs that neither reach the skin nor hold a sample are
-// left out by their boxes, sixteen boxes at once and level by level; of the others sixteen triangles are set up at once, and their samples
-// written into a tile of depths.
+// A triangle mesh in packs of sixteen triangles. A hierarchy of boxes, sixteen at once, culls packs that do not reach the skin or hold no
+// sample. The triangles of the remaining packs are set up sixteen at once and rastered into a tile of depths.
 #pragma once
 
 #include <cstdint>
@@ -16,20 +15,20 @@ class VectorMesh {
   explicit VectorMesh(const Mesh& mesh);
 
   struct Scratch {
-    std::vector<Floats> tile;           // (num_taxels): height of the lowest surface under the skin's, m
-    std::vector<std::uint32_t> packs;   // that may touch
-    std::vector<std::uint32_t> groups;  // of a level above
+    std::vector<Floats> tile;           // m, (num_taxels x 16): height of the lowest surface below the skin's
+    std::vector<std::uint32_t> packs;   // packs that may touch
+    std::vector<std::uint32_t> groups;  // boxes of the level above
   };
   Scratch scratch(const TaxelStage& stage) const;
 
-  // Stages 1 and 2: forces of all taxels that are touched; the rows in which they lie.
+  // Stages 1 and 2: writes the forces of all touched taxels and returns their range.
   TaxelRange press(const SampleView& view, const TaxelStage& stage, Scratch& scratch, TaxelStage::Scratch& taxels) const;
 
  private:
   struct Pack {
     Floats x[3], y[3], z[3];  // corners in O, m
   };
-  // Sixteen boxes: middles and half lengths.
+  // Sixteen boxes: centres and half lengths.
   struct Boxes {
     Floats x, y, z, half_x, half_y, half_z;
   };
@@ -38,7 +37,7 @@ class VectorMesh {
   TaxelRange cull(const SampleView& view, Scratch& scratch) const;
 
   std::vector<Pack> packs_;
-  std::vector<std::vector<Boxes>> levels_;  // of packs first; each level's boxes are sixteen of the one before
+  std::vector<std::vector<Boxes>> levels_;  // level 0: boxes of packs; each box of a level covers sixteen of the level below
 };
 
 }  // namespace taxelsim::bench

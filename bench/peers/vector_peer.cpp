@@ -11,7 +11,7 @@
 namespace taxelsim::bench {
 namespace {
 
-constexpr int kBlock = 16;  // instances that a thread takes at a time
+constexpr int kBlock = 16;  // instances per work item of a thread
 
 using VectorShape = std::variant<VectorMesh, VectorPolyhedron, VectorCylinder>;
 

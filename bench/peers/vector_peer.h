@@ -1,5 +1,5 @@
-// The machine's limit: the frame as fast as this CPU does it when one writes it by hand, sixteen values at once, for the three kinds of
-// object that the comparison has. Not a simulator and no part of one.
+// Upper bound for this CPU: a hand-vectorised frame, sixteen values at once, for the three kinds of object of the comparison. Not part of
+// the simulator.
 #pragma once
 
 #include <memory>
@@ -13,8 +13,8 @@ namespace taxelsim::bench {
 
 class VectorPeer : public Peer {
  public:
-  // Meshes and cylinders; a convex mesh of few faces is met as the polyhedron that it is, as taxelsim does. Throws Error(kInput) for other
-  // objects, and for a sensor that the taxel stage cannot do.
+  // Takes meshes and cylinders; a convex mesh of few faces is treated as a polyhedron, as in taxelsim. Throws Error(kInput) for other
+  // objects, and a sensor that TaxelStage does not support.
   VectorPeer(const Sensor& sensor, const std::vector<Object>& objects, int num_threads);
   ~VectorPeer() override;
 

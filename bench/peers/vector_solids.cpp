@@ -8,10 +8,10 @@
 namespace taxelsim::bench {
 namespace {
 
-constexpr float kUpright = 1e-7f;  // a face, or an axis, closer to the vertical than this counts as that far from it
+constexpr float kUpright = 1e-7f;  // smallest deviation of a face or an axis from the vertical
 constexpr float kFar = 1e30f;
 
-// Taxels under a box of O; none where it lies over the skin.
+// Taxels under a box of O; none if the box lies above the skin.
 TaxelRange taxelsUnder(const Bounds& box, const SampleView& view, const TaxelStage& stage) {
   const auto rangeOf = [&](const std::array<float, 4>& row) {
     float middle = row[3], half = 0;
@@ -32,7 +32,7 @@ TaxelRange taxelsUnder(const Bounds& box, const SampleView& view, const TaxelSta
           std::min(last(high_v, view.num_v), stage.numCols() - 1)};
 }
 
-// Calls `sixteen(u, v)` for the middles of sixteen taxels of a row, and `one(row, col)` for each that it keeps. The rows that had any.
+// Calls `sixteen(u, v)` for the middles of sixteen taxels of a row, then `one(row, col)` for each taxel of its mask. Returns the range.
 template <typename Sixteen, typename One>
 TaxelRange forTaxels(const TaxelRange& range, const Sixteen& sixteen, const One& one) {
   TaxelRange touched{range.last_row + 1, range.first_row - 1, range.first_col, range.last_col};
@@ -67,8 +67,8 @@ TaxelRange VectorPolyhedron::press(const SampleView& view, const TaxelStage& sta
   const TaxelRange range = taxelsUnder(bounds_, view, stage);
   if (range.first_row > range.last_row || range.first_col > range.last_col) return {};
 
-  // Height of every face's plane, a u + b v + c: lines enter the body at the highest of those that look down, leave it at the lowest of the
-  // others.
+  // Height of every face's plane: a u + b v + c. A line enters the body at the highest downward face and leaves it at the lowest upward
+  // face.
   const std::array<float, 9>& R = view.R;
   const Floats nx = normal_x_ * R[0] + normal_y_ * R[1] + normal_z_ * R[2];
   const Floats ny = normal_x_ * R[3] + normal_y_ * R[4] + normal_z_ * R[5];
@@ -121,7 +121,7 @@ TaxelRange VectorCylinder::press(const SampleView& view, const TaxelStage& stage
   const TaxelRange range = taxelsUnder(bounds_, view, stage);
   if (range.first_row > range.last_row || range.first_col > range.last_col) return {};
 
-  // A sample's line in O: where it starts, affine in u and v, and its direction, z of S.
+  // A sample's line in O: start, affine in u and v, and direction, z of S.
   const std::array<float, 9>& R = view.R;
   const float x = view.first_x - view.p[0], y = view.first_y - view.p[1], z = -view.p[2];
   std::array<float, 3> start, along_u, along_v, direction;
@@ -144,7 +144,7 @@ TaxelRange VectorCylinder::press(const SampleView& view, const TaxelStage& stage
     const Floats leave = smaller((root - middle) * per_square, end + half_end);
     return select((inside >= Floats{}) & (enter <= leave), enter, all(kFar));
   };
-  // A taxel's samples touch only if its middle does under a cylinder that is larger by half the taxel's diagonal.
+  // Culls a taxel if its middle misses a cylinder enlarged by half the taxel's diagonal.
   const float more = kHalfTaxel * std::hypot(view.pitch_u, view.pitch_v);
   const auto sixteen = [&](float u, Floats v) {
     return height(v * along_v[0] + (start[0] + along_u[0] * u), v * along_v[1] + (start[1] + along_u[1] * u),

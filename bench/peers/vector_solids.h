@@ -1,5 +1,5 @@
-// Bodies that a sample's line meets in closed form, sixteen samples of a taxel at once: convex polyhedra by the planes of their faces, and
-// cylinders. Taxels that no sample of which can touch are left out first, sixteen taxels at once.
+// Line intersections in closed form, sixteen samples of a taxel at once: convex polyhedra by the planes of their faces, and cylinders.
+// Taxels without a touching sample are culled first, sixteen taxels at once.
 #pragma once
 
 #include <vector>
@@ -16,7 +16,7 @@ class VectorPolyhedron {
 
   VectorPolyhedron(const std::vector<Face>& faces, const Bounds& bounds);
 
-  // Stages 1 and 2: forces of all taxels that are touched; the rows in which they lie.
+  // Stages 1 and 2: writes the forces of all touched taxels and returns their range.
   TaxelRange press(const SampleView& view, const TaxelStage& stage, TaxelStage::Scratch& taxels) const;
 
  private:

@@ -21,7 +21,7 @@ double deviceSeconds(const FrameTime& time) {
   return std::isnan(time.device) ? time.wall : time.device;
 }
 
-// A trial of the largest batch, of those up to the wanted one, that plan and driver have room for.
+// A trial with the largest batch, up to the requested one, that fits on the device.
 std::unique_ptr<Trial> largestTrial(const Device& device, const SweepCase& work, const Batch& batch, CaseResult& result) {
   for (;; result.num_instances /= 2) {
     try {
@@ -67,7 +67,7 @@ std::string timeText(const CaseResult& result, const FrameTime& time) {
   return text;
 }
 
-// Both ends of the descent in turns, so that a device that slows down as it warms up slows both.
+// Times both ends of the descent in turns, so that thermal throttling affects both.
 void runTurns(Trial& chosen, Trial& best, int repetitions, CaseResult& result) {
   std::vector<FrameTime> chosen_times, best_times;
   std::vector<double> gains;
@@ -117,7 +117,7 @@ CaseResult runCase(const Device& device, const SweepCase& work, const CaseOption
   const auto measure = [&](const Setting& setting) -> std::optional<FrameTime> {
     Tried tried{.setting = setting, .time = {}, .refused = {}, .difference = {}};
     try {
-      trial.reset();  // the memory of one batch at a time
+      trial.reset();  // frees the memory of the previous batch
       trial = std::make_unique<Trial>(device, work, batch, result.num_instances, setting);
       tried.difference = firstDifference(expected_checked, trial->checked());
       tried.time = timeOf(*trial, options.repetitions, 0);
@@ -133,7 +133,7 @@ CaseResult runCase(const Device& device, const SweepCase& work, const CaseOption
     return tried.refused.empty() && tried.difference.empty() ? std::optional(tried.time) : std::nullopt;
   };
   Descent descent = options.descent;
-  // Only clusters come in groups.
+  // Groups exist for clusters only.
   if (!work.has_clusters) std::erase(descent.over, static_cast<std::size_t>(kGroupsPerBatch));
   result.best = descend(result.chosen, result.chosen_time, descent, measure);
   if (result.best == result.chosen) return result;

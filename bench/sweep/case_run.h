@@ -1,4 +1,4 @@
-// One case of a sweep from beginning to end: the batch that fits, what the device gets by itself, the descent, and both ends once more in
+// Runs one case of a sweep: finds the batch that fits, times the default setting, runs the descent, then times default and best setting in
 // turns.
 #pragma once
 
@@ -17,38 +17,38 @@ struct CaseOptions {
   Descent descent;
   int most_instances = 0;  // 0: those of the case
   int repetitions = 15;
-  double warm_up = 0.5;  // s, before anything is timed
+  double warm_up = 0.5;  // s, before timing
 };
 
 // A setting that was tried.
 struct Tried {
   Setting setting{};
-  FrameTime time;          // where it was timed
-  std::string refused;     // why it was not; empty: it was
-  std::string difference;  // the first output that is not bit-equal to that of the setting chosen by the device; empty: none
+  FrameTime time;          // if timed
+  std::string refused;     // why the device refused it; empty: timed
+  std::string difference;  // first output that differs bitwise from that of the default setting; empty: none
 };
 
 struct CaseResult {
   int num_instances = 0;  // timed
-  std::string cut;        // why fewer than the case has; empty: as many
-  int without_force = 0;  // of the timed instances: the object lies between the samples
+  std::string cut;        // why the batch is smaller than that of the case; empty: it is not
+  int without_force = 0;  // timed instances without force: the object lies between samples
   Setting chosen{}, best{};
   FrameTime chosen_time, best_time;
-  double gain = 1;  // times faster by `best` than by `chosen`, median over turns; where it is not, `best` is `chosen`
+  double gain = 1;  // speed of `best` over `chosen`, median over turns; 1 if `best` is `chosen`
   std::vector<Tried> tried;
   OutputHashes hashes;
 };
 
-// Called with a line for each setting.
+// Receives one line per setting.
 using Progress = std::function<void(const std::string&)>;
 
-// Throws Error where not even the chosen setting works, where most frames have no force, and where the device is lost.
+// Throws Error if the default setting fails, most frames have no force, or the device is lost.
 CaseResult runCase(const Device& device, const SweepCase& work, const CaseOptions& options, const Progress& progress);
 
-// Taxels that the device computes in a second.
+// Taxels per second of the device.
 double taxelsPerSecond(const SweepCase& work, const CaseResult& result, const FrameTime& time);
 
-// Microseconds of the device for one instance's frame; of the wall clock where the device has no clock.
+// us of the device per instance and frame; wall clock if the device has no clock.
 double microsecondsPerFrame(const CaseResult& result, const FrameTime& time);
 
 }  // namespace taxelsim::bench

@@ -1,4 +1,4 @@
-// What a sweep runs on: sensors, objects and batches, all made in code, so that the program needs no files.
+// Cases of a sweep: sensors, objects and batches, all defined in code, so that the program needs no files.
 #pragma once
 
 #include <string>
@@ -15,18 +15,18 @@ struct SweepCase {
   Sensor sensor;
   Object object;
   PoseSpread spread;
-  int num_instances = 0;      // wanted; a device may hold fewer
-  bool has_clusters = false;  // the object is a mesh whose clusters are culled
-  std::string published{};    // what others report of such a case; empty: nothing
+  int num_instances = 0;      // requested; a device may hold fewer
+  bool has_clusters = false;  // whether the object is a mesh with clusters
+  std::string published{};    // published figure for a similar case; empty: none
 };
 
-// scenes/sensors/wts0614.yaml.
+// The sensor of bench/sensors/wts0614.yaml.
 Sensor wts0614();
 
-// In the order in which they run.
+// All cases, in running order.
 std::vector<SweepCase> sweepCases();
 
-// Those of `names`, in the same order; empty: all. Throws Error(kInput) for an unknown name.
+// The cases of `names`, in running order; empty: all. Throws Error(kInput) for an unknown name.
 std::vector<SweepCase> casesNamed(const std::vector<std::string>& names);
 
 }  // namespace taxelsim::bench

@@ -25,7 +25,7 @@ Setting descend(const Setting& start, const FrameTime& start_time, const Descent
       const Setting from = best;
       for (const int value : values) {
         const Setting candidate = moved(from, axis, value);
-        if (axis == kImageTeam && candidate[axis] != value) continue;  // larger than its workgroup
+        if (axis == kImageTeam && candidate[axis] != value) continue;  // a team larger than its workgroup
         const std::optional<FrameTime> time = timeOf(candidate);
         if (time && secondsOf(*time, pass) < (1 - how.least_gain) * secondsOf(*timeOf(best), pass)) best = candidate;
       }

@@ -1,5 +1,5 @@
-// Coordinate descent over settings: one axis at a time, all its values, the fastest stays; then the next axis from there. Finds what single
-// axes can give, not what only a change of two at once would.
+// Coordinate descent over settings: tries all values of one axis, keeps the fastest, continues with the next axis. Does not find gains that
+// need two changes at once.
 #pragma once
 
 #include <functional>
@@ -10,26 +10,26 @@
 
 namespace taxelsim::bench {
 
-// Seconds of a frame, medians.
+// Medians, s per frame of the batch.
 struct FrameTime {
-  double contact = 0, image = 0, device = 0;  // by the device's clock; NaN where it has none
-  double wall = 0;                            // from step() to the frame in hand
+  double contact = 0, image = 0, device = 0;  // by the device's clock; NaN without one
+  double wall = 0;                            // from step() to the end of read()
 };
 
-// What an axis of this pass is judged by: the pass's time, the wall clock where the device has no clock.
+// Objective for an axis of this pass: the time of the pass; the wall clock if the device has no clock.
 double secondsOf(const FrameTime& time, Pass pass);
 
-// Times a setting; nothing where the device refuses it. Never called twice with the same.
+// Times a setting; empty if the device refuses it. Called once per setting.
 using Measure = std::function<std::optional<FrameTime>(const Setting&)>;
 
 struct Descent {
-  int rounds = 2;                      // over all axes; ends early where one changes nothing
-  double least_gain = 0.01;            // by less a setting is not better: timings scatter
+  int rounds = 2;                      // over all axes; stops early after a round without a change
+  double least_gain = 0.01;            // smallest relative gain that counts: timings scatter
   std::vector<std::size_t> over;       // axes
-  std::vector<std::vector<int>> only;  // (kNumAxes): values to try instead of all of the axis; empty: all
+  std::vector<std::vector<int>> only;  // (kNumAxes): values to try; empty: all of the axis
 };
 
-// From `start`, which has taken `start_time`, to the fastest setting found.
+// Returns the fastest setting found from `start`, whose time is `start_time`.
 Setting descend(const Setting& start, const FrameTime& start_time, const Descent& how, const Measure& measure);
 
 }  // namespace taxelsim::bench

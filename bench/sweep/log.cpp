@@ -1,4 +1,4 @@
-// Instead of src/base/log.cpp: errors to stderr, the rest nowhere, so that the program carries no logging library.
+// Replaces src/base/log.cpp: errors to stderr, other levels dropped, so that the program needs no logging library.
 #include "base/log.h"
 
 #include <cstdio>

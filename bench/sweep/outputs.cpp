@@ -7,7 +7,7 @@
 namespace taxelsim::bench {
 namespace {
 
-// Calls `visit(name, values)` for every output of a frame but tactile_image that was asked for.
+// Calls `visit(name, values)` for every non-empty output of a frame except tactile_image.
 template <typename Visit>
 void forEachFloat(const FrameView& frame, const Visit& visit) {
   const auto features = [&](const std::string& of, const FeatureView& view) {
@@ -30,7 +30,7 @@ void forEachFloat(const FrameView& frame, const Visit& visit) {
   visit("over_penetration", truth.over_penetration);
 }
 
-// Number of the first instance whose row differs; num_instances: none.
+// Index of the first instance whose row differs; num_instances: none.
 template <typename T>
 std::size_t firstInstance(std::span<const T> a, std::span<const T> b, std::size_t num_instances) {
   if (a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0) return num_instances;
@@ -72,7 +72,7 @@ std::string hashOf(std::span<const std::uint32_t> values) {
 }
 
 std::vector<std::string> hashesOfImages(const Outputs& outputs) {
-  constexpr std::size_t kDigits = 16;  // enough to tell a handful of images apart
+  constexpr std::size_t kDigits = 16;  // enough to distinguish a few images
   const auto n = static_cast<std::size_t>(outputs.num_instances);
   const std::span<const std::uint32_t> all = outputs.tactile_image;
   std::vector<std::string> hashes;

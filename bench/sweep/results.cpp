@@ -20,7 +20,7 @@ Json toJson(const Setting& setting) {
   return json;
 }
 
-// A device without a clock has null for what it would tell.
+// Times of a device without a clock are null.
 Json toJson(const FrameTime& time) {
   return {{"contact", time.contact}, {"image", time.image}, {"device", time.device}, {"wall", time.wall}};
 }

@@ -1,4 +1,4 @@
-// What a sweep writes and prints.
+// Output of a sweep: table and JSON.
 #pragma once
 
 #include <filesystem>
@@ -17,20 +17,20 @@ struct CaseReport {
 
 nlohmann::ordered_json toJson(const CaseReport& report);
 
-// One row a case: batch, time as the device chooses and at best, what both give.
+// One row per case: batch, default and best time, gain.
 void printTable(const std::vector<CaseReport>& reports);
 
-// "sweep-<device>-<driver>", of letters, digits and dashes.
+// "sweep-<device>-<driver>", with letters, digits and dashes only.
 std::string slugOf(const DeviceInfo& info);
 
-// The results of another sweep. Throws Error(kInput) for a file that is not there or holds none.
+// Reads the results of another sweep. Throws Error(kInput) for a file that is missing or not one.
 nlohmann::ordered_json loadResults(const std::filesystem::path& file);
 
-// Which of the case's hashes agree with those of another sweep: {inputs, tactile_image, floats}, each true or false, and of how many
-// instances the images differ; empty where the other has no such case.
+// Compares the case's hashes with those of another sweep: {inputs, tactile_image, floats}, each true or false, and the number of instances
+// whose images differ; empty if the other sweep lacks the case.
 nlohmann::ordered_json agreement(const CaseReport& report, const nlohmann::ordered_json& other);
 
-// The same in words, a line.
+// The same as one line of text.
 std::string agreementText(const nlohmann::ordered_json& agreement);
 
 }  // namespace taxelsim::bench

@@ -1,4 +1,4 @@
-// The numbers that a sweep turns: how the passes are cut into workgroups.
+// Parameters of a sweep: how the passes are divided into workgroups.
 #pragma once
 
 #include <array>
@@ -10,13 +10,13 @@
 
 namespace taxelsim::bench {
 
-// Which pass an axis is for, so that the time of the other does not hide what it does.
+// The pass that an axis affects; its time is the objective.
 enum class Pass { kContact, kImage };
 
 struct Axis {
-  const char* name;  // as ModelOptions and Tuning call it
+  const char* name;  // name in ModelOptions or Tuning
   Pass pass;
-  std::vector<int> values;  // rising
+  std::vector<int> values;  // ascending
 };
 
 enum AxisNumber : std::size_t { kContactWorkgroup, kContactRepeat, kGroupsPerBatch, kImageWorkgroup, kImageTeam, kImageRepeat, kNumAxes };
@@ -26,19 +26,19 @@ using Setting = std::array<int, kNumAxes>;
 
 const std::array<Axis, kNumAxes>& axes();
 
-// Numbers of the axes of these names; empty: all. Throws Error(kInput) for an unknown name.
+// Indices of the named axes; empty: all. Throws Error(kInput) for an unknown name.
 std::vector<std::size_t> axesNamed(const std::vector<std::string>& names);
 
-// What the model works with.
+// The setting of a model.
 Setting settingOf(const Model& model);
 
 // A model of `options` with all sizes as in `setting`. Throws as Model does, and Error(kInput) for a setting out of range.
 Model modelWith(const Device& device, ModelOptions options, const Setting& setting);
 
-// The setting with another value on one axis. A team is a part of its workgroup: where it would be larger than that, it becomes as large.
+// The setting with another value on one axis. A team is at most as large as its workgroup.
 Setting moved(Setting setting, std::size_t axis, int value);
 
-// "contact_workgroup 128, image_team 4": where `setting` differs from `from`; "as chosen" where nowhere.
+// Differences from `from`: "contact_workgroup 128, image_team 4"; "as chosen" without any.
 std::string differenceText(const Setting& setting, const Setting& from);
 
 }  // namespace taxelsim::bench

@@ -1,5 +1,5 @@
-// How fast a device is under other workgroups, teams and repeats than those it gets by itself, and whether its bits stay the same. Needs
-// nothing at run time but the Vulkan loader and the C++ runtime, so that it can be copied to a machine that has a GPU and little else.
+// Measures a device under other workgroup sizes, teams and repeats than its defaults, and checks that the output bits stay the same. Needs
+// only the Vulkan loader and the C++ runtime, so that it can be copied to a machine with a GPU and little else.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -22,7 +22,7 @@ struct Options {
   bool quick = false;
 };
 
-// On two cores of software Vulkan a minute: small batches, every fourth size, one round.
+// A minute on two cores of software Vulkan: small batches, every fourth size, one round.
 constexpr int kQuickInstances = 64;
 constexpr int kQuickRepetitions = 5;
 const std::vector<std::string> kQuickCases{"wts0614_cylinder", "wts0614_ellipsoid_5120", "10x10"};
@@ -51,14 +51,14 @@ CaseOptions caseOptions(const Options& options) {
   return of;
 }
 
-// Objects stand still, but their meshes are to be culled in every frame.
+// Objects rest, but their meshes must be culled in every frame.
 void cullAlways() {
   constexpr const char* kName = "TAXELSIM_PLAIN";
   const char* before = std::getenv(kName);
   ::setenv(kName, (std::string("candidates,") + (before == nullptr ? "" : before)).c_str(), 1);
 }
 
-// Whether every setting of every case gave the same bits.
+// Returns whether all settings of every case gave the same bits.
 bool run(const Options& options) {
   const std::vector<SweepCase> cases = casesNamed(options.quick && options.cases.empty() ? kQuickCases : options.cases);
   const CaseOptions case_options = caseOptions(options);
@@ -81,7 +81,7 @@ bool run(const Options& options) {
   const auto write = [&] {
     if (!file.empty()) writeJson(file, json);
   };
-  write();  // what cannot be written is told before anything is measured
+  write();  // fails before the measurement if the file cannot be written
   std::vector<CaseReport> reports;
   bool all_equal = true;
   for (const SweepCase& work : cases) {
@@ -91,7 +91,7 @@ bool run(const Options& options) {
     for (const Tried& tried : report.result.tried) all_equal = all_equal && tried.difference.empty();
     json["cases"].push_back(toJson(report));
     if (!options.compare.empty()) json["cases"].back()["agreement"] = agreement(report, other);
-    write();  // after each case: a sweep that is ended early keeps what it has
+    write();  // after each case, so that an aborted sweep keeps its results
   }
   printTable(reports);
   for (const CaseReport& report : reports) {
@@ -114,18 +114,18 @@ bool run(const Options& options) {
 
 int main(int argc, char** argv) {
   taxelsim::bench::Options options;
-  CLI::App app("How fast a device is under other workgroups, teams and repeats, and whether its bits stay the same");
-  app.add_option("--cases", options.cases, "Cases to run, with commas; all unless told")->delimiter(',');
+  CLI::App app("Measures a device under other workgroup sizes, teams and repeats, and checks that the output bits stay the same");
+  app.add_option("--cases", options.cases, "Cases, separated by commas; default all")->delimiter(',');
   app.add_option("--axes", options.axes,
                  "What to turn: contact_workgroup, contact_repeat, groups_per_batch, image_workgroup, image_team, image_repeat")
       ->delimiter(',');
-  app.add_option("--instances", options.most_instances, "Sensors in a batch at most")->check(CLI::Range(1, 1 << 20));
-  app.add_option("--repetitions", options.repetitions, "Timed frames of each setting")->check(CLI::Range(1, 10000))->capture_default_str();
+  app.add_option("--instances", options.most_instances, "Largest batch")->check(CLI::Range(1, 1 << 20));
+  app.add_option("--repetitions", options.repetitions, "Timed frames per setting")->check(CLI::Range(1, 10000))->capture_default_str();
   app.add_flag("--quick", options.quick, "A minute on two CPU cores: three small cases, every second value, one round");
-  app.add_option("--device", options.device, "Device, as of `taxelsim frame --device`");
-  app.add_option("--compare", options.compare, "Results of another sweep: which hashes of outputs agree");
-  CLI::Option* json = app.add_option("--json", options.json, "Write the results into this file");
-  app.add_option("--results", options.results, "Write the results into this folder, named by device and driver")
+  app.add_option("--device", options.device, "Device, as for `taxelsim frame --device`");
+  app.add_option("--compare", options.compare, "JSON file of another sweep: reports which output hashes agree");
+  CLI::Option* json = app.add_option("--json", options.json, "Write the results to this JSON file");
+  app.add_option("--results", options.results, "Write the results to this folder, in a file named after device and driver")
       ->check(CLI::ExistingDirectory)
       ->excludes(json);
   try {

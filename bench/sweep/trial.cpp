@@ -23,7 +23,7 @@ Model modelOf(const Device& device, const SweepCase& work, const std::optional<S
   return setting ? modelWith(device, options, *setting) : Model(device, options);
 }
 
-// Counts and features, as bench/peers times them; with forces the checked batch.
+// Counts and features, as in bench/peers; with forces for the checked batch.
 SimulatorOptions optionsOf(int num_instances, bool with_forces) {
   return {.num_instances = num_instances,
           .outputs = {.tactile_normal_force = with_forces, .tactile_shear_force = false, .penetration_depth = false},

@@ -1,4 +1,4 @@
-// A case under one setting, made ready: the batch that is timed, and beside it a small one that gives every output.
+// A case under one setting: the timed batch, and a small one with all outputs for checking.
 #pragma once
 
 #include <optional>
@@ -11,37 +11,37 @@
 
 namespace taxelsim::bench {
 
-// Instances whose outputs are checked in full, and hashed: as many in every run, so that hashes of two runs can be compared.
+// Instances whose outputs are checked in full and hashed. The number is fixed, so that hashes of two runs can be compared.
 inline constexpr int kChecked = 64;
 
-// What all trials of a case have in common.
+// Input shared by all trials of a case.
 struct Batch {
   std::vector<int> ids;    // (num_instances)
-  std::vector<Pose> X_SO;  // (num_instances), of which a smaller batch has the first
+  std::vector<Pose> X_SO;  // (num_instances); a smaller batch takes the first
 };
 
 Batch batchOf(const SweepCase& work, int num_instances);
 
 class Trial {
  public:
-  // `setting`: none for what the device gets by itself. `batch` has at least kChecked instances, of which the first `num_instances` are
-  // timed. Throws Error where the device refuses.
+  // `setting`: empty for the device's default. `batch` has at least kChecked instances; the first `num_instances` are timed. Throws Error
+  // if the device refuses.
   Trial(const Device& device, const SweepCase& work, const Batch& batch, int num_instances, const std::optional<Setting>& setting);
 
-  // Instances that the device holds.
+  // Largest number of instances that fit on the device.
   static std::uint64_t mostInstances(const Device& device, const SweepCase& work);
 
   const Setting& setting() const { return setting_; }
-  FrameTime frame();                            // of the timed batch
+  FrameTime frame();                            // computes and times the timed batch
   FrameView timed() { return timed_->read(); }  // the outputs of the last frame()
-  FrameView checked();                          // the small batch, one frame
+  FrameView checked();                          // computes the checked batch
 
  private:
   std::optional<Simulator> timed_, checked_;
   Setting setting_{};
 };
 
-// Medians of `repetitions` frames, after some that are not counted, for `warm_up` seconds or two of them.
+// Medians of `repetitions` frames, after warm-up frames for `warm_up` seconds, at least two.
 FrameTime timeOf(Trial& trial, int repetitions, double warm_up);
 
 FrameTime medianOf(const std::vector<FrameTime>& times);

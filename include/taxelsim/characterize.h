@@ -1,5 +1,5 @@
-// From measurements of a real sensor to the sensor that the simulator runs, with an interval for every number that was found; paper,
-// section III. Part of the library taxelsim_characterize.
+/// @file
+/// Fits the parameters of a sensor model to bench measurements (paper, section III). Part of the library libtaxelsim_characterize.
 #pragma once
 
 #include <cstddef>
@@ -12,53 +12,59 @@
 
 namespace taxelsim {
 
-// One number of a sensor file, or of a measurement.
+/// Estimate of one parameter of the sensor file or of a measurement.
 struct Estimate {
-  std::string parameter;    // key of the sensor file, "skin.normal_contact_stiffness"; or MEASUREMENT.contact_offset
-  std::string unit;         // SI; "" for none
-  bool determined = false;  // false: the measurements do not tell; the sensor keeps what it had, and `remark` says why
-  double value = 0;
-  double low = 0;  // 95 % interval
-  double high = 0;
-  std::string remark;
+  std::string parameter;  ///< Key in the sensor file, "skin.normal_contact_stiffness", or MEASUREMENT.contact_offset.
+  std::string unit;       ///< SI unit of `value`, `low` and `high`; "" if dimensionless.
+  /// Whether the measurements identify the parameter. If false, the sensor keeps its previous value and `remark` gives the reason.
+  bool determined = false;
+  double value = 0;    ///< Best fit.
+  double low = 0;      ///< Lower end of the 95 % confidence interval.
+  double high = 0;     ///< Upper end of the 95 % confidence interval.
+  std::string remark;  ///< One line; empty if there is nothing to say.
 };
 
-// How well one measurement is met.
+/// Goodness of fit for one measurement.
 struct FitQuality {
-  std::string measurement;
-  std::string unit;  // of `rms`
-  double rms = 0;    // of the residuals that are no outliers
-  std::size_t num_rows = 0;
-  std::size_t num_outliers = 0;
+  std::string measurement;       ///< Name of the measurement.
+  std::string unit;              ///< Unit of `rms`.
+  double rms = 0;                ///< Root mean square of the residuals, without outliers.
+  std::size_t num_rows = 0;      ///< Rows of the measurement.
+  std::size_t num_outliers = 0;  ///< Rows that the fit excludes as outliers.
 };
 
-// What was measured beside what the fit says, to be drawn.
+/// Measured data and the fitted curve, ready to plot.
 struct FitFigure {
+  /// One data series.
   struct Curve {
-    std::string name;
-    bool measured = false;  // dots, else a line
-    std::vector<double> x;
-    std::vector<double> y;
+    std::string name;       ///< Legend entry.
+    bool measured = false;  ///< Measured data, plotted as dots; otherwise the fit, plotted as a line.
+    std::vector<double> x;  ///< (num_points), unit as in FitFigure::x_label.
+    std::vector<double> y;  ///< (num_points), unit as in FitFigure::y_label.
   };
 
-  std::string title;
-  std::string x_label;
-  std::string y_label;
-  std::vector<Curve> curves;
+  std::string title;          ///< Title.
+  std::string x_label;        ///< Label and unit of the x axis.
+  std::string y_label;        ///< Label and unit of the y axis.
+  std::vector<Curve> curves;  ///< Data series, in drawing order.
 };
 
+/// Result of characterize().
 struct Characterization {
-  Sensor sensor;
-  std::vector<Estimate> estimates;
-  std::vector<FitQuality> fits;
-  std::vector<FitFigure> figures;
-  std::vector<int> dead_taxels;      // that did not answer to a force; indices in storage order
-  std::vector<std::string> remarks;  // one line each
+  Sensor sensor;                     ///< The sensor of the measurements with the fitted parameters.
+  std::vector<Estimate> estimates;   ///< One entry per fitted parameter.
+  std::vector<FitQuality> fits;      ///< One entry per measurement.
+  std::vector<FitFigure> figures;    ///< Figures for a report.
+  std::vector<int> dead_taxels;      ///< Taxels that did not respond to force, by index in storage order.
+  std::vector<std::string> remarks;  ///< Warnings, one line each.
 };
 
-// Fits all that the measurements tell: readout from force curves, stiffness from force against depth, the point spread function from images
-// under points and stamps, creep from step responses and from stamps. All must name the same sensor, which gives what they do not tell.
-// Throws Error(kInput), one line that begins with a measurement's file, when one cannot be used. Same measurements, same result.
+/// Fits every parameter that the measurements identify.
+///
+/// The readout is fitted to force curves, the stiffness to force against depth, the point spread function to images of pins and stamps, and
+/// the creep to step responses and stamps. All measurements must name the same sensor; it supplies every parameter that they do not
+/// identify. Same measurements, same result. Throws Error(kInput), one line that begins with the measurement's file, if a measurement
+/// cannot be used.
 Characterization characterize(std::span<const Measurement> measurements);
 
 }  // namespace taxelsim

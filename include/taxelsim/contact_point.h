@@ -6,7 +6,7 @@
 
 namespace taxelsim {
 
-/// A point of contact with its normal force. Paper eq. (2) assigns the force to the one taxel whose volume contains the point.
+/// A point of contact with its normal force. Equation (2) of the paper assigns the force to the one taxel whose volume contains the point.
 ///
 /// With the contact at (x, y, z) in P, taxel i takes it if
 ///

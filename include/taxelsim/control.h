@@ -1,4 +1,6 @@
-// Gains, references and limits of the controller that moves a sensor by what it feels. Not the controller: that belongs to the scheduler.
+/// @file
+/// Parameters of the tactile servo that moves a sensor by its readings: gains, references, limits. The controller itself runs inside
+/// generate(), evaluate() and the experiments.
 #pragma once
 
 #include <array>
@@ -8,78 +10,83 @@
 
 namespace taxelsim {
 
-// What the servo can hold at a reference, in the order of its arrays. All in the sensor frame S.
+/// Features that the servo can regulate, in the order of its arrays. All in the sensor frame S.
 enum class ServoFeature {
-  kCenterX,       // centre of pressure along x, m
-  kCenterY,       // along y, m
-  kCenterAcross,  // across the edge from the array's middle, along y where the edge lies along x, m; instead of x and y
-  kTotalForce,    // N
-  kEdgeAngle,     // rad, known up to pi
-  kTiltX,         // rad, how a flat face is turned about x
-  kTiltY,         // about y
+  kCenterX,       ///< m, centre of pressure along x.
+  kCenterY,       ///< m, centre of pressure along y.
+  kCenterAcross,  ///< m, distance of the edge from the array's middle, along y if the edge lies along x. Excludes kCenterX and kCenterY.
+  kTotalForce,    ///< N.
+  kEdgeAngle,     ///< rad, modulo pi.
+  kTiltX,         ///< rad, rotation of a flat face about x.
+  kTiltY,         ///< rad, rotation of a flat face about y.
 };
-inline constexpr int kNumServoFeatures = 7;
+inline constexpr int kNumServoFeatures = 7;  ///< Number of ServoFeature values.
 
-// Where the edge's angle is taken from.
+/// Source of the edge angle.
 enum class EdgeAngleSource {
-  kPrincipalAxis,  // of all forces, edge_angle of the features (paper, eq. (3))
-  kWindow,         // of the forces under a window, windowed_edge_angle of the contact features: hardly bent by the array's border
-  kExact,          // the object's pose and the edge that its scene gives it: what no sensor knows, to be compared with
+  kPrincipalAxis,  ///< Principal axis of all forces: FeatureView::edge_angle (paper, equation (3)).
+  kWindow,         ///< Principal axis under a window: ContactFeatureView::windowed_edge_angle. Little biased by the border of the array.
+  kExact,          ///< Pose of the object and the edge that the scene gives it. Not measurable; a reference for comparisons.
 };
 
-// What the features are of.
+/// Part of the image that the features describe.
 enum class ServoContact {
-  kWhole,          // all that touches the sensor
-  kLargestRegion,  // the connected taxels that carry most; its angles are in the plane of its patch
+  kWhole,          ///< All taxels.
+  kLargestRegion,  ///< The connected region with the largest force. Its angles lie in the plane of its patch.
 };
 
-// How rates of features become a twist of the sensor.
+/// Map from feature rates to a twist of the sensor.
 enum class TactileJacobianSource {
-  kNominal,   // a point contact on the skin's stiffness at the contact's area: moves and turns with the sensor
-  kMeasured,  // the tactile Jacobian of the frame, inverted by damped least squares over the motions that the selected features take
+  kNominal,   ///< Model of a point contact with the skin's stiffness over the contact area.
+  kMeasured,  ///< Tactile Jacobian of the frame, inverted by damped least squares over the motions of the selected features.
 };
 
-// One feature's PID. Its error is reference - value, its output how fast the feature shall move to the reference.
+/// PID loop of one feature. The error is reference - value; the output is the rate at which the feature should approach the reference.
 struct FeatureLoop {
-  bool selected = false;              // an entry of the selection matrix; the rest counts only where true
-  std::optional<double> reference{};  // without one: the array's middle, the force that an episode starts with, angle 0
-  double kp = 0;                      // 1/s, >= 0
-  double ki = 0;                      // 1/s^2, >= 0
-  double kd = 0;                      // >= 0, < 1: the error's own rate times kd
-  // Largest sizes, > 0: of the error that kp and ki see (the feature's unit), of its integral (unit s), of its rate (unit/s).
-  double error_limit = std::numeric_limits<double>::infinity();
-  double integral_limit = std::numeric_limits<double>::infinity();
-  double derivative_limit = std::numeric_limits<double>::infinity();
-  // Of a centre: 0, the sensor slides to bring it back. Above, it turns: how far (m) the contact moves on the sensor per radian, the radius
-  // of a rounded object; the sensor comes to lie along the surface under it.
-  double rolling_radius = 0;  // m, >= 0
+  bool selected = false;  ///< Entry of the selection matrix; if false, the loop is inactive. Default false.
+  /// Reference in the feature's unit. Default: the array's middle, the force at the start of the episode, angle 0.
+  std::optional<double> reference{};
+  double kp = 0;                                                      ///< 1/s, >= 0.
+  double ki = 0;                                                      ///< 1/s^2, >= 0.
+  double kd = 0;                                                      ///< >= 0, < 1; multiplies the rate of the error.
+  double error_limit = std::numeric_limits<double>::infinity();       ///< > 0, clips the error before kp and ki, in its unit.
+  double integral_limit = std::numeric_limits<double>::infinity();    ///< > 0, clips the integral, in its unit times s.
+  double derivative_limit = std::numeric_limits<double>::infinity();  ///< > 0, clips the rate, in its unit per s.
+  /// m, >= 0, for a centre. 0 (default): the sensor translates to recentre the contact. Above 0 it rotates instead: the value is the
+  /// distance that the contact moves on the sensor per radian, the radius of a rounded object.
+  double rolling_radius = 0;
 };
 
-// Tactile servoing: feature error -> PID -> selection -> inverse tactile Jacobian -> twist of the sensor frame, and an exploration velocity
-// beside it (Q. Li et al., "A control framework for tactile servoing", RSS 2013; paper, section IV). Clipped terms as of N. F. Lepora and
-// J. Lloyd, "Pose-based tactile servoing", IEEE Robotics & Automation Magazine 28(4), 2021.
+/// Tactile servo: feature errors -> PID -> selection -> inverse tactile Jacobian -> twist of the sensor frame, plus an exploration
+/// velocity.
+///
+/// After Q. Li et al., "A control framework for tactile servoing", RSS 2013, and section IV of the paper. Clipping after N. F. Lepora and
+/// J. Lloyd, "Pose-based tactile servoing", IEEE Robotics & Automation Magazine 28(4), 2021.
 struct TactileServo {
-  std::array<FeatureLoop, kNumServoFeatures> loops{};
-  EdgeAngleSource edge_angle_source = EdgeAngleSource::kPrincipalAxis;
-  ServoContact contact = ServoContact::kWhole;
-  TactileJacobianSource jacobian = TactileJacobianSource::kNominal;  // kMeasured is of kWhole
-  double exploration_velocity = 0;                                   // m/s
-  double exploration_direction = 0;   // rad, of that velocity from the edge's direction: 0 along the edge, pi/2 across it
-  double max_angular_velocity = 1;    // rad/s, > 0
-  double max_linear_velocity = 0.02;  // m/s, > 0
-  double min_confidence = 0.2;        // 0 to 1: below it edge angle and tilt are left alone
+  std::array<FeatureLoop, kNumServoFeatures> loops{};                   ///< Loops by ServoFeature.
+  EdgeAngleSource edge_angle_source = EdgeAngleSource::kPrincipalAxis;  ///< Source of the edge angle.
+  ServoContact contact = ServoContact::kWhole;                          ///< Part of the image that is regulated.
+  TactileJacobianSource jacobian = TactileJacobianSource::kNominal;     ///< kMeasured requires ServoContact::kWhole.
+  double exploration_velocity = 0;                                      ///< m/s.
+  double exploration_direction = 0;                                     ///< rad from the edge: 0 along it, pi/2 across it.
+  double max_angular_velocity = 1;                                      ///< rad/s, > 0.
+  double max_linear_velocity = 0.02;                                    ///< m/s, > 0.
+  double min_confidence = 0.2;                                          ///< 0 to 1; below it edge angle and tilt are not regulated.
 
+  /// Loop of one feature.
   FeatureLoop& operator[](ServoFeature feature) { return loops[static_cast<std::size_t>(feature)]; }
+  /// Loop of one feature.
   const FeatureLoop& operator[](ServoFeature feature) const { return loops[static_cast<std::size_t>(feature)]; }
 };
 
-// Whether a servo looks at contact features, which a simulator computes only where they are asked for; and at those of regions.
+/// Whether the servo reads contact features or those of regions, which a simulator computes only on request (OutputOptions).
 bool needsContactFeatures(const TactileServo& servo);
 
-// The same for the measured tactile Jacobian.
+/// Whether the servo reads the measured tactile Jacobian, which a simulator computes only on request (OutputOptions).
 bool needsTactileJacobian(const TactileServo& servo);
 
-// Follows an edge: holds its angle, the force, and the contact in the array's middle across the edge. 0.78 / s is the paper's 5 s.
+/// A servo that follows an edge: regulates its angle, the force, and its distance from the array's middle. Gain 0.78 / s: the settling time
+/// of 5 s in the paper.
 TactileServo edgeServo();
 
 }  // namespace taxelsim

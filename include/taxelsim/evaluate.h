@@ -32,7 +32,7 @@ struct Score {
   std::uint64_t num_episodes = 0;                        ///< Number of verdicts.
   std::uint64_t num_successes = 0;                       ///< Verdicts that are a success.
   double success_rate = 0;                               ///< num_successes / num_episodes; 0 of none.
-  double success_low = 0;                                ///< Lower end of Wilson's interval at 95 % (J. Am. Stat. Assoc. 22, 1927).
+  double success_low = 0;                                ///< Lower end of the 95 % Wilson interval (E. B. Wilson 1927).
   double success_high = 1;                               ///< Upper end of that interval.
   Quantiles settling_time;                               ///< s, over the episodes that settle.
   std::array<Quantiles, kNumTaskMeasures> steady_error;  ///< By TaskMeasure, over the episodes in contact to the end.

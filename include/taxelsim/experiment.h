@@ -1,5 +1,6 @@
-// The experiments of the paper. Static (section V.A): indenters pressed on a sensor by dead weights, the images of several sensor models
-// beside those of one that they are judged by. Dynamic (sections V.B and V.C): a robot turns the sensor until an edge lies as it should.
+/// @file
+/// The paper's experiments. Static (section V.A): indenters on a sensor under dead weights; images of several sensor models are compared
+/// with those of a reference model. Dynamic (sections V.B and V.C): a robot servos the sensor until the edge reaches a reference angle.
 #pragma once
 
 #include <array>
@@ -18,156 +19,174 @@ namespace taxelsim {
 
 class Device;
 
+/// A static experiment.
 struct StaticExperiment {
+  /// A sensor model that is compared with the reference.
   struct Entry {
-    Sensor sensor;
-    bool fitted = false;  // normal_contact_stiffness and the width of a Gaussian PSF are sought so that its images come closest to the
-                          // reference's; law winkler on grids only
+    Sensor sensor;  ///< The model.
+    /// Whether to fit normal_contact_stiffness and the width of a Gaussian PSF to the images of the reference; grids with law winkler only.
+    bool fitted = false;
   };
 
-  std::string name;
-  Sensor reference;  // its images are the ground truth
-  std::vector<Entry> sensors;
-  std::vector<SceneObject> objects;
-  std::vector<double> yaw;    // rad, about z of S
-  std::vector<double> loads;  // N
+  std::string name;                  ///< Name in reports.
+  Sensor reference;                  ///< Model whose images are the ground truth.
+  std::vector<Entry> sensors;        ///< Models to compare.
+  std::vector<SceneObject> objects;  ///< Indenters.
+  std::vector<double> yaw;           ///< rad, rotations of each indenter about z of S.
+  std::vector<double> loads;         ///< N, dead weights.
 };
 
-// Reads an experiment (docs/file_formats.md). Throws Error(kInput) with file, line, column and key.
+/// Reads a static experiment (docs/file_formats.md). Throws Error(kInput) with file, line, column and key.
 StaticExperiment loadStaticExperiment(const std::filesystem::path& file);
 
-// How far an image is from the reference's. Of the taxels that carry more than a count's worth of force in either.
+/// Distance of an image I from the reference's R. Active taxels are those with a force above one count in either image.
 struct ImageDistance {
-  double median_difference = 0;  // median |I - R| over these taxels, as a fraction of the reference's full scale (M1)
-  double relative_l1 = 0;        // sum |I - R| / sum |R| over all taxels (M4)
+  double median_difference = 0;  ///< M1: median of `|I - R|` over the active taxels, as a fraction of the reference's full scale.
+  double relative_l1 = 0;        ///< M4: sum of `|I - R|` / sum of `|R|`, over all taxels.
 };
 
+/// Images of one sensor model.
 struct StaticImages {
-  std::string name;                        // of the sensor; a fitted one's ends in "_fitted"
-  Sensor sensor;                           // as used: of a fitted one with what was found
-  double fitted_sigma = 0;                 // taxels; of a fitted one
-  std::vector<std::vector<float>> images;  // (num_contacts x num_taxels), N: tactile_normal_force
-  std::vector<ImageDistance> distances;    // (num_contacts); of the reference all 0
+  std::string name;                        ///< Name of the sensor; that of a fitted one ends in "_fitted".
+  Sensor sensor;                           ///< The sensor that was simulated, with fitted parameters.
+  double fitted_sigma = 0;                 ///< Taxels, width of the fitted PSF; 0 if not fitted.
+  std::vector<std::vector<float>> images;  ///< (num_contacts x num_taxels), N: tactile_normal_force.
+  std::vector<ImageDistance> distances;    ///< (num_contacts), to the reference; 0 for the reference itself.
 };
 
-// Contacts are numbered (object x yaw + yaw number) x loads + load number.
+/// Result of a static experiment. Number of a contact: (object number x number of yaws + yaw number) x number of loads + load number.
 struct StaticResult {
-  StaticImages reference;
-  std::vector<StaticImages> sensors;
+  StaticImages reference;             ///< Images of the reference.
+  std::vector<StaticImages> sensors;  ///< Images of the other models.
 };
 
-// Each object is turned, laid with its lowest point over the sensor's origin and pressed with the load. A sensor of law proximity, which
-// carries none, is pressed as deep as the reference was and its images are scaled to the load. Submits and waits. Throws Error(kInput)
-// where a load is out of reach.
+/// Runs a static experiment. Submits and waits.
+///
+/// Each object is rotated, placed with its lowest point over the sensor's origin, and pressed with the load. A sensor with law proximity
+/// cannot carry a load: it is pressed as deep as the reference, and its images are scaled to the load. Throws Error(kInput) if a load is
+/// out of reach.
 StaticResult runStaticExperiment(const Device& device, const StaticExperiment& experiment);
 
-// Medians over all contacts of one load (its number), each measure by itself.
+/// Medians over all contacts of one load, separately for each metric. `load`: index into StaticExperiment::loads.
 ImageDistance medianDistance(const StaticExperiment& experiment, const StaticImages& images, std::size_t load);
 
-// The distance of one image from another of the same length. `least` (N): a count's worth; `full_scale`, N.
+/// Distance between two images of the same length. `least` (N): force of one count. `full_scale`: N.
 ImageDistance imageDistance(const std::vector<float>& image, const std::vector<float>& reference, double least, double full_scale);
 
-// One episode of a scene, beside what theory says of it.
+/// One episode of a scene, compared with theory.
 struct ServoRun {
-  // Which theory the angle's error e is held against, of a controller that holds the edge angle alone, by kp alone.
+  /// Theory of the error e of the edge angle, for a controller that regulates the edge angle alone, by kp alone. T is the control period.
   enum class Theory {
-    kNone,
-    kClosedForm,      // of the exact angle: e decays by z = 1 - kp T per control period T, one period late by z^2 = z - kp T
-    kCharacteristic,  // of a measured angle: e goes on by -kp T f(e), with f as the sensor reads an object that is laid down at angle e
+    kNone,        ///< No theory.
+    kClosedForm,  ///< For the exact angle: e decays by z = 1 - kp T per period; with a delay of one period, z^2 = z - kp T.
+    /// For a measured angle: e changes by -kp T f(e) per period. f is the angle that the sensor reads of an object at rest at angle e.
+    kCharacteristic,
   };
 
-  std::string name;
-  std::string group;  // runs of one group share a panel of the figures
-  Scene scene;        // of kind servo, with one object and one controller; its episode 0 is played
-  Theory theory = Theory::kNone;
+  std::string name;               ///< Name in reports.
+  std::string group;              ///< Runs of one group share a panel of the figures.
+  Scene scene;                    ///< Servo scene with one object and one controller; its episode 0 is run.
+  Theory theory = Theory::kNone;  ///< Theory to compare with. Default kNone.
 };
 
-// Gains around the one from which on the loop diverges. The controller holds the exact edge angle by kp alone.
+/// Gains around the stability limit. The controller regulates the exact edge angle by kp alone.
 struct ServoSweep {
-  std::string name;
-  Scene scene;                // as a run's
-  std::vector<double> gains;  // (num_gains): kp times the control period, > 0, ascending
+  std::string name;           ///< Name in reports.
+  Scene scene;                ///< As ServoRun::scene.
+  std::vector<double> gains;  ///< (num_gains), kp times the control period, > 0, ascending.
 };
 
+/// A dynamic experiment.
 struct ServoExperiment {
-  std::string name;
-  double band = 0.02;  // of the first error: within it for good, a quantity has settled
-  double steady = 1;   // s at the end of a run: what errors are left is judged there
-  std::vector<ServoRun> runs;
-  std::vector<ServoSweep> sweeps;
+  std::string name;                ///< Name in reports.
+  double band = 0.02;              ///< Settling band, as a fraction of the first error. Default 0.02.
+  double steady = 1;               ///< s, window at the end of a run for the steady errors. Default 1.
+  std::vector<ServoRun> runs;      ///< Episodes.
+  std::vector<ServoSweep> sweeps;  ///< Gain sweeps.
 };
 
-// Reads an experiment and its scene (docs/file_formats.md). Throws Error(kInput) with file, line, column and key.
+/// Reads a dynamic experiment and its scene (docs/file_formats.md). Throws Error(kInput) with file, line, column and key.
 ServoExperiment loadServoExperiment(const std::filesystem::path& file);
 
-// Either kind, as the key `experiment` of the file says.
+/// An experiment of either kind.
 using Experiment = std::variant<StaticExperiment, ServoExperiment>;
+
+/// Reads an experiment of the kind that the file's key `experiment` names. Throws Error(kInput) with file, line, column and key.
 Experiment loadExperiment(const std::filesystem::path& file);
 
-// Everything about an episode, frame by frame, of the robot's first sensor. N = num_frames.
+/// Time series of one episode, of the robot's first sensor. N = num_frames.
 struct ServoTrace {
-  std::vector<double> time;                  // (N), s
-  std::vector<double> true_angle;            // (N), rad in (-pi/2, pi/2]: the object's edge seen along z of S; NaN without edge
-  std::vector<double> edge_angle;            // (N), rad, as the controller's source has it
-  std::vector<double> total_force;           // (N), N, clean
-  std::vector<Vector3> center_of_pressure;   // (N), m, clean, in S
-  std::vector<std::uint32_t> tactile_image;  // (N x num_taxels), counts
-  std::vector<Pose> X_WS, X_WO;              // (N); the world is where the sensor was in the first frame
-  std::vector<double> joint_positions;       // (N x num_joints), rad or m
-  std::vector<std::uint8_t> robot_status;    // (N): what held the robot back on the way to the frame: 1 joint limit, 2 velocity limit,
-                                             // 4 singular, 8 lost
+  std::vector<double> time;                  ///< (N), s.
+  std::vector<double> true_angle;            ///< (N), rad in (-pi/2, pi/2], the object's edge seen along z of S; NaN without an edge.
+  std::vector<double> edge_angle;            ///< (N), rad, as the controller's source reports it.
+  std::vector<double> total_force;           ///< (N), N, clean.
+  std::vector<Vector3> center_of_pressure;   ///< (N), m, clean, in S.
+  std::vector<std::uint32_t> tactile_image;  ///< (N x num_taxels), counts.
+  std::vector<Pose> X_WS;                    ///< (N), pose of the sensor; W is S in the first frame.
+  std::vector<Pose> X_WO;                    ///< (N), pose of the object.
+  std::vector<double> joint_positions;       ///< (N x num_joints), rad or m.
+  /// (N), limits that the robot met on its way to the frame, as bits: 1 joint limit, 2 velocity limit, 4 singular, 8 lost.
+  std::vector<std::uint8_t> robot_status;
 };
 
-// How one of the features that the controller holds came to its reference. Errors are value - reference, in the feature's unit; of the
-// edge angle by the true one, else by clean features; NaN of a centre without contact, which the steady ones leave out. What began within
-// `band` of its largest error came from nowhere: it has no settling time and no overshoot.
+/// Convergence of one regulated feature. Errors are value - reference in the feature's unit.
+///
+/// The error of the edge angle is that of the true angle; all others are of clean features. The error of a centre is NaN without contact;
+/// the steady errors skip such frames. A feature whose first error is within `band` of its largest error has no settling time and no
+/// overshoot.
 struct ServoConvergence {
-  ServoFeature feature{};
-  std::vector<double> error{};                             // (N)
-  double settling_time = 0;                                // s, between frames too; NaN where there is none
-  double overshoot = 0;                                    // farthest past the reference, of the first error; NaN where there is none
-  double steady_mean = 0, steady_rms = 0, steady_max = 0;  // of the error over the last `steady` seconds; max of its size
+  ServoFeature feature{};       ///< The feature.
+  std::vector<double> error{};  ///< (N).
+  double settling_time = 0;     ///< s, interpolated between frames; NaN if undefined.
+  double overshoot = 0;         ///< Largest error past the reference, as a fraction of the first error; NaN if undefined.
+  double steady_mean = 0;       ///< Mean error over the last ServoExperiment::steady seconds.
+  double steady_rms = 0;        ///< Root mean square error over that window.
+  double steady_max = 0;        ///< Largest absolute error over that window.
 };
 
-// How the robot fared.
+/// How close the robot came to its limits.
 struct ServoRobotUse {
-  double limit_margin = 0;             // rad or m, least distance of a joint from a limit; infinite without joints that have one
-  double smallest_singular_value = 0;  // least of the Jacobian's selected rows, m/s and rad/s as they are; NaN of a flying sensor
-  double path_length = 0;              // m, that the sensor's origin went in W
-  std::array<int, 4> num_frames{};     // with each bit of robot_status
+  double limit_margin = 0;             ///< rad or m, smallest distance of a joint from a limit; infinite without limits.
+  double smallest_singular_value = 0;  ///< Smallest over the run, of the selected Jacobian rows in m/s and rad/s; NaN if free-flying.
+  double path_length = 0;              ///< m, path of the sensor's origin in W.
+  std::array<int, 4> num_frames{};     ///< Frames with each bit of ServoTrace::robot_status.
 };
 
-// What a sensor reads of an object that is laid down, turned about its contact as the loop turns it: no loop, no motion.
+/// Static characteristic of the measured angle: an object at rest, rotated about its contact as the loop would rotate it.
 struct StaticCharacteristic {
-  std::vector<double> error;     // rad, true angle - reference, ascending in equal steps
-  std::vector<double> measured;  // the same of the angle read
+  std::vector<double> error;     ///< rad, true angle - reference, ascending in equal steps.
+  std::vector<double> measured;  ///< rad, measured angle - reference.
 
-  double at(double true_error) const;  // between its points on straight lines
+  /// Measured error at a true error (rad), interpolated linearly.
+  double at(double true_error) const;
 };
 
+/// Result of one ServoRun.
 struct ServoRunResult {
-  ServoTrace trace;
-  std::vector<ServoConvergence> convergence;  // of each feature held but tilts, in the order of ServoFeature
-  ServoRobotUse robot;
-  // Of runs with a theory.
-  std::vector<double> expected_error;     // (N), rad, of the true angle; empty without theory
-  double expected_settling_time = 0;      // s; NaN where the theory has none
-  double largest_deviation = 0;           // rad, of the true angle from what is expected
-  StaticCharacteristic characteristic{};  // of Theory::kCharacteristic
+  ServoTrace trace;                           ///< Time series.
+  std::vector<ServoConvergence> convergence;  ///< One entry per regulated feature except tilts, in the order of ServoFeature.
+  ServoRobotUse robot;                        ///< Use of the robot's limits.
+  std::vector<double> expected_error;         ///< (N), rad, error of the true angle in theory; empty without theory.
+  double expected_settling_time = 0;          ///< s, in theory; NaN if undefined.
+  double largest_deviation = 0;               ///< rad, largest difference of the true angle from theory.
+  StaticCharacteristic characteristic{};      ///< Filled for Theory::kCharacteristic.
 };
 
+/// Result of one ServoSweep.
 struct ServoSweepResult {
-  std::vector<double> growth, expected_growth;  // (num_gains), of the error per control period: below 1 the loop is stable
-  double limit = 0;                             // the gain at which growth passes 1, between gains on straight lines; NaN where it does not
-  double expected_limit = 0;
+  std::vector<double> growth;           ///< (num_gains), factor of the error per control period; stable below 1.
+  std::vector<double> expected_growth;  ///< (num_gains), the same in theory.
+  double limit = 0;                     ///< Gain at which growth passes 1, interpolated linearly; NaN if it does not.
+  double expected_limit = 0;            ///< The same in theory.
 };
 
+/// Result of a dynamic experiment.
 struct ServoResult {
-  std::vector<ServoRunResult> runs;      // as in the experiment
-  std::vector<ServoSweepResult> sweeps;  // as in the experiment
+  std::vector<ServoRunResult> runs;      ///< In the order of ServoExperiment::runs.
+  std::vector<ServoSweepResult> sweeps;  ///< In the order of ServoExperiment::sweeps.
 };
 
-// Plays all runs and sweeps. Submits and waits. Throws Error(kInput) where a scene cannot be played or its load is out of reach.
+/// Runs all episodes and sweeps. Submits and waits. Throws Error(kInput) if a scene cannot be run or its load is out of reach.
 ServoResult runServoExperiment(const Device& device, const ServoExperiment& experiment);
 
 }  // namespace taxelsim

@@ -1,5 +1,6 @@
-// Measurements of a real sensor on a bench, as files that people write: a table (CSV) and a small YAML file that says what the table
-// cannot (docs/measurements.md). What they are good for: characterize.h, compare.h.
+/// @file
+/// Measurements of a real sensor on a test bench: a table (CSV) and a small YAML file with its metadata (docs/measurements.md).
+/// characterize.h and compare.h use them.
 #pragma once
 
 #include <array>
@@ -13,88 +14,89 @@
 
 namespace taxelsim {
 
-// What presses on the skin, its lowest point downwards and its axis along the skin's normal.
+/// Indenter that presses on the skin: its lowest point faces down, its axis is the normal of the skin.
 struct Indenter {
+  /// Kind of indenter.
   enum class Shape {
-    kFlatPin,   // a circle of `radius`
-    kStamp,     // a rectangle of `size`
-    kSphere,    // of `radius`
-    kCylinder,  // lying: of `radius` and `length`
-    kCone,      // of `half_angle` between axis and side
+    kFlatPin,   ///< Flat disc of `radius`.
+    kStamp,     ///< Flat rectangle of `size`.
+    kSphere,    ///< Sphere of `radius`.
+    kCylinder,  ///< Lying cylinder of `radius` and `length`.
+    kCone,      ///< Cone with `half_angle` between axis and side.
   };
 
-  Shape shape = Shape::kFlatPin;
-  double radius = 0;                 // m, > 0 where the shape has one
-  double length = 0;                 // m, > 0
-  double half_angle = 0;             // rad, > 0, < pi/2
-  std::array<double, 2> size{0, 0};  // m, > 0: along x, along y of the sensor
+  Shape shape = Shape::kFlatPin;     ///< Kind; selects which of the dimensions apply.
+  double radius = 0;                 ///< m, > 0.
+  double length = 0;                 ///< m, > 0.
+  double half_angle = 0;             ///< rad, > 0, < pi/2.
+  std::array<double, 2> size{0, 0};  ///< m, > 0, along x and y of the sensor.
 
-  // Area (m^2) of the indenter's section `height` (m, >= 0) over its lowest point; of what a sphere or a cylinder is above its middle the
-  // middle's.
+  /// Cross-section (m^2) at `height` (m, >= 0) above the lowest point. Above the middle of a sphere or cylinder: the section at the middle.
   double sectionAt(double height) const;
 };
 
-// Images one after another. A row is a reading of all taxels, counts as recorded.
+/// A sequence of tactile images. A row is one reading of all taxels, in counts as recorded.
 struct Images {
-  std::size_t num_taxels = 0;
-  std::vector<double> time;   // (rows), s, rising; empty where none was recorded
-  std::vector<float> counts;  // (rows x num_taxels), storage order
+  std::size_t num_taxels = 0;  ///< Taxels of one image.
+  std::vector<double> time;    ///< (rows), s, rising; empty if not recorded.
+  std::vector<float> counts;   ///< (rows x num_taxels), storage order.
 };
 
-// (a) Force on single taxels against their output, as the force goes up and down; paper, section III.B and figure 5.
+/// (a) Force on single taxels and their output, loading and unloading (paper, section III.B and figure 5).
 struct ForceCurve {
-  int curve_degree = 1;        // of the polynomial to fit, 1 to kMaxCurveDegree
-  bool divider = false;        // whether Readout::curve_limit is fitted, too
-  int curve_segments = 0;      // 2 to kMaxCurvePoints: instead of both, straight pieces (Readout::curve_points); 0: none
-  std::vector<int> taxel;      // (rows), index in storage order
-  std::vector<double> force;   // (rows), N
-  std::vector<double> counts;  // (rows)
-  std::vector<double> time;    // (rows), s; empty where none was recorded
+  int curve_degree = 1;        ///< Degree of the fitted polynomial, 1 to kMaxCurveDegree. Default 1.
+  bool divider = false;        ///< Whether to fit Readout::curve_limit, too. Default false.
+  int curve_segments = 0;      ///< Number of line segments (Readout::curve_points), 2 to kMaxCurvePoints; 0 (default): a polynomial.
+  std::vector<int> taxel;      ///< (rows), index of the taxel in storage order.
+  std::vector<double> force;   ///< (rows), N.
+  std::vector<double> counts;  ///< (rows).
+  std::vector<double> time;    ///< (rows), s; empty if not recorded.
 };
 
-// (b) Force against penetration depth; paper, section III.C and figure 6.
+/// (b) Force and penetration depth (paper, section III.C and figure 6).
 struct ForceDepth {
-  Indenter indenter;
-  std::vector<double> depth;  // (rows), m, from wherever the stage's zero is: contact is found
-  std::vector<double> force;  // (rows), N
+  Indenter indenter;          ///< What presses.
+  std::vector<double> depth;  ///< (rows), m, from any zero: the fit finds the first contact.
+  std::vector<double> force;  ///< (rows), N.
 };
 
-// (c) Images under an indenter at known places.
+/// (c) Images of an indenter at known positions.
 struct PointImages {
-  Indenter indenter;
-  std::vector<std::array<double, 2>> position;  // (rows), m, x and y in the frame of the sensor's first patch
-  std::vector<double> force;                    // (rows), N; empty where none was measured
-  Images images;
+  Indenter indenter;                            ///< What presses.
+  std::vector<std::array<double, 2>> position;  ///< (rows), m, x and y in the frame of the sensor's first patch.
+  std::vector<double> force;                    ///< (rows), N; empty if not measured.
+  Images images;                                ///< One image per row.
 };
 
-// (d) Output over time under a constant load that is put on once.
+/// (d) Output over time after one step of the load.
 struct StepResponse {
-  double load = 0;             // N
-  std::vector<double> time;    // (rows), s, rising
-  std::vector<double> counts;  // (rows): of one taxel, or the sum of all
+  double load = 0;             ///< N, constant after the step.
+  std::vector<double> time;    ///< (rows), s, rising.
+  std::vector<double> counts;  ///< (rows), of one taxel, or the sum of all.
 };
 
-// (e) Images over time under a flat stamp with a dead weight, which lies where it lies.
+/// (e) Images over time under a flat stamp with a dead weight, at an unknown pose.
 struct StampImages {
-  Indenter indenter;
-  double load = 0;  // N
-  Images images;
+  Indenter indenter;  ///< The stamp.
+  double load = 0;    ///< N, weight.
+  Images images;      ///< Images over time.
 };
 
-// Images to hold others against: no claim about what touched.
+/// Images for comparison only, of an unknown contact.
 struct ImageSequence {
-  Images images;
+  Images images;  ///< Images over time.
 };
 
+/// One measurement.
 struct Measurement {
-  std::filesystem::path file;
-  std::string name;             // of the file, without its ending
-  Sensor sensor;                // as known before: where its taxels are, and all that the measurements do not tell
-  std::string resolved_sensor;  // the same as text: every setting, in one spelling
-  std::variant<ForceCurve, ForceDepth, PointImages, StepResponse, StampImages, ImageSequence> data;
+  std::filesystem::path file;   ///< YAML file.
+  std::string name;             ///< File name without extension.
+  Sensor sensor;                ///< Prior: the layout, and all parameters that the measurements do not identify.
+  std::string resolved_sensor;  ///< The sensor as canonical YAML text with all settings.
+  std::variant<ForceCurve, ForceDepth, PointImages, StepResponse, StampImages, ImageSequence> data;  ///< The data, by kind.
 };
 
-// Reads a measurement. Throws Error(kInput), one line with file, line, column, key or column of the table, value, and what is allowed.
+/// Reads a measurement. Throws Error(kInput), one line with file, line, column, key or column of the table, the value and what is allowed.
 Measurement loadMeasurement(const std::filesystem::path& file);
 
 }  // namespace taxelsim

@@ -1,5 +1,6 @@
-// Counts that a sensor reported, back in newtons: the stages of sensor.h undone in reverse, readout, creep, point spread function. Part of
-// the library taxelsim_characterize. Hysteresis, low-pass, delay and imperfections that are drawn stay in.
+/// @file
+/// Converts recorded counts back to newtons: inverts the readout, the creep and the point spread function of sensor.h, in this order. Part
+/// of the library libtaxelsim_characterize. Hysteresis, low-pass, delay and random imperfections are not inverted.
 #pragma once
 
 #include <cstddef>
@@ -10,24 +11,27 @@
 
 namespace taxelsim {
 
+/// Options of readingsInNewtons().
 struct ReadingsOptions {
-  // The exact inverse of Readout::creep, each force held from the row before to its own, the first one having begun at its row. A force
-  // that comes out below 0, where a trigger hid what the creep still showed, is 0. An error there fades like the creep itself: the inverse
-  // has its poles between 0 and exp(-dt / time) of the slowest term.
+  /// Inverts Readout::creep exactly. Each force is assumed constant from the previous row to its own; the first force starts at its row. A
+  /// negative result, where the trigger hid a creep that was still decaying, is set to 0. An error decays like the creep itself: the poles
+  /// of the inverse lie between 0 and exp(-dt / time) of the slowest term. Default false.
   bool remove_creep = false;
-  // The forces F >= 0 whose spread G F is nearest to the image, in the sense of least squares, row by row.
+  /// Inverts the point spread function row by row: non-negative least squares of G F against the image. Default false.
   bool remove_spread = false;
 };
 
+/// Result of readingsInNewtons().
 struct Readings {
-  std::vector<double> force;      // (rows x num_taxels), N
-  std::vector<int> dead_taxels;   // with a gain of 0, indices in storage order: their forces are 0 before the spread is undone
-  std::size_t num_saturated = 0;  // readings at saturation or above: their force is the one there, and may have been more
+  std::vector<double> force;      ///< (rows x num_taxels), N.
+  std::vector<int> dead_taxels;   ///< Taxels with gain 0, in storage order; their force is 0 before the spread is inverted.
+  std::size_t num_saturated = 0;  ///< Readings at saturation; their force is the one at saturation, a lower bound.
 };
 
-// Force (N) on each taxel that reads images.counts without noise: 0 for 0 counts, else (root of the curve + trigger) / gain of the taxel.
-// Throws Error(kInput) when images and sensor differ in their number of taxels, creep is to be removed without times, or the point spread
-// function has no inverse.
+/// Force (N) on each taxel that produces `images.counts` without noise.
+///
+/// 0 for 0 counts, else (root of the curve + trigger) / gain of the taxel. Throws Error(kInput) if images and sensor differ in their number
+/// of taxels, if creep is to be removed from images without times, or if the point spread function is singular.
 Readings readingsInNewtons(const Sensor& sensor, const Images& images, const ReadingsOptions& options = {});
 
 }  // namespace taxelsim

@@ -1,5 +1,6 @@
-// Robots that carry sensors, as data: kinematics, limits, what drives the joints. Not dynamics, and not running robots: those belong to the
-// scheduler. B is a robot's base, L a link, S a sensor.
+/// @file
+/// Robots that carry sensors: kinematics, limits and drives as data. No dynamics. B is the frame of a robot's base, L of a link, S of a
+/// sensor.
 #pragma once
 
 #include <array>
@@ -14,104 +15,119 @@
 
 namespace taxelsim {
 
-inline constexpr int kMaxJoints = 32;        // of a robot
-inline constexpr int kMaxRobotSensors = 64;  // of a robot
-inline constexpr int kMaxChainJoints = 64;   // on the way to a sensor, mimic joints among them
-inline constexpr int kMaxDelayTicks = 1000;
+inline constexpr int kMaxJoints = 32;        ///< Largest number of degrees of freedom of a robot.
+inline constexpr int kMaxRobotSensors = 64;  ///< Largest number of sensors of a robot.
+inline constexpr int kMaxChainJoints = 64;   ///< Largest number of joints between base and sensor, mimic joints included.
+inline constexpr int kMaxDelayTicks = 1000;  ///< Largest JointDrive::delay.
 
-// The sensor goes wherever its twist takes it.
+/// No robot: the sensor moves by its commanded twist.
 struct FreeFlying {};
 
-enum class JointType { kRevolute, kPrismatic };
+/// Kind of joint.
+enum class JointType {
+  kRevolute,   ///< Rotates about z of its frame; rad and rad/s.
+  kPrismatic,  ///< Translates along z of its frame; m and m/s.
+};
 
-// A degree of freedom. Units: rad and rad/s, or m and m/s of a prismatic joint.
+/// A degree of freedom. Units follow its type.
 struct Joint {
-  std::string name;
-  JointType type = JointType::kRevolute;
-  double lower = -std::numeric_limits<double>::infinity();
-  double upper = std::numeric_limits<double>::infinity();
-  double max_velocity = std::numeric_limits<double>::infinity();  // > 0
-  double initial_position = 0;                                    // lower to upper
+  std::string name;                                               ///< Name in URDF files and data sets.
+  JointType type = JointType::kRevolute;                          ///< Kind of joint.
+  double lower = -std::numeric_limits<double>::infinity();        ///< Lower position limit.
+  double upper = std::numeric_limits<double>::infinity();         ///< Upper position limit.
+  double max_velocity = std::numeric_limits<double>::infinity();  ///< Velocity limit, > 0.
+  double initial_position = 0;                                    ///< Position at the start of an episode, lower to upper.
 };
 
-// A joint on the way from the base to a sensor: about or along z of its own frame J, which at position 0 has the pose X_PJ in the frame
-// that moves with the joint before (of the first: in B).
+/// A joint of the chain from the base to a sensor. Its position is multiplier q + offset, with q the position of a degree of freedom.
 struct ChainJoint {
-  Pose X_PJ = {};
-  JointType type = JointType::kRevolute;
-  int joint = 0;          // the index of the degree of freedom q that moves it,
-  double multiplier = 1;  // to the position multiplier q + offset: 1 and 0 but for mimic joints
-  double offset = 0;
+  Pose X_PJ = {};                         ///< Pose of the joint at position 0, in the moving frame of the previous joint; the first in B.
+  JointType type = JointType::kRevolute;  ///< Kind of joint.
+  int joint = 0;                          ///< Index into Manipulator::joints of the degree of freedom q.
+  double multiplier = 1;                  ///< 1 except for mimic joints.
+  double offset = 0;                      ///< 0 except for mimic joints.
 };
 
+/// A sensor on a robot.
 struct MountedSensor {
-  std::string link;
-  std::vector<ChainJoint> chain = {};
-  Pose X_JS = {};  // in the frame that moves with the last joint; in B where the chain is empty
+  std::string link;                    ///< Name of the link that carries it.
+  std::vector<ChainJoint> chain = {};  ///< Joints from the base to the link.
+  Pose X_JS = {};                      ///< Pose in the moving frame of the last joint, or in B if the chain is empty.
 };
 
-// What stands between a joint's command and the joint. The command itself is never rounded: increments below a step add up.
+/// Quantisation and delay between the command of a joint and its position. The command itself is not rounded, so increments below a step
+/// add up.
 struct JointDrive {
-  double position_step = 0;  // rad or m, >= 0: the joint goes to the multiple of it next to the command; 0: to the command
-  int delay = 0;             // ticks from a command to the joint, 0 to kMaxDelayTicks
+  double position_step = 0;  ///< rad or m, >= 0: the joint moves to the multiple of it nearest to the command; 0 (default): to the command.
+  int delay = 0;             ///< Control periods from a command to the joint, 0 to kMaxDelayTicks. Default 0.
 };
 
-// A robot with joints. Twists become joint velocities by damped least squares (Y. Nakamura, H. Hanafusa, "Inverse kinematic solutions with
-// singularity robustness for robot manipulator control", J. Dyn. Sys. Meas. Control 108, 1986; A. A. Maciejewski, C. A. Klein, "Numerical
-// filtering for the operation of robotic manipulators through kinematically singular configurations", J. Robotic Systems 5, 1988): with
-// sigma the smallest singular value of the selected rows of the Jacobian (m/s and rad/s per rad/s or m/s, in S),
-//
-//   minimise |J q' - twist|^2 + lambda^2 |q'|^2,  lambda^2 = max_damping^2 (1 - (sigma / singular_threshold)^2) where sigma is below the
-//                                                 threshold, else 0
-//
-// the damping of S. Chiaverini, B. Siciliano, O. Egeland, IEEE Trans. Control Systems Technology 2, 1994.
+/// A robot with joints. Twists become joint velocities by damped least squares.
+///
+/// With J the selected rows of the Jacobian (m/s and rad/s per rad/s or m/s, in S) and sigma its smallest singular value,
+///
+///     minimise |J q' - twist|^2 + lambda^2 |q'|^2
+///     lambda^2 = max_damping^2 (1 - (sigma / singular_threshold)^2) if sigma < singular_threshold, else 0
+///
+/// after Y. Nakamura, H. Hanafusa, "Inverse kinematic solutions with singularity robustness for robot manipulator control", J. Dyn. Sys.
+/// Meas. Control 108, 1986; A. A. Maciejewski, C. A. Klein, "Numerical filtering for the operation of robotic manipulators through
+/// kinematically singular configurations", J. Robotic Systems 5, 1988. The damping is that of S. Chiaverini, B. Siciliano, O. Egeland, IEEE
+/// Trans. Control Systems Technology 2, 1994.
 struct Manipulator {
-  std::string name;
-  std::vector<Joint> joints;           // 1 to kMaxJoints
-  std::vector<MountedSensor> sensors;  // 1 to kMaxRobotSensors; the twists are those of the first
-  Pose X_WB = {};
-  std::array<bool, 6> selection{true, true, true, true, true, true};  // of v along x, y, z and w about x, y, z of S: what is followed
-  double max_damping = 0.05;                                          // > 0
-  double singular_threshold = 0.05;                                   // > 0 to 1
-  JointDrive drive = {};
+  std::string name;                                                   ///< Name in messages.
+  std::vector<Joint> joints;                                          ///< Degrees of freedom, 1 to kMaxJoints.
+  std::vector<MountedSensor> sensors;                                 ///< 1 to kMaxRobotSensors; twists are those of the first.
+  Pose X_WB = {};                                                     ///< Pose of the base in the world.
+  std::array<bool, 6> selection{true, true, true, true, true, true};  ///< Controlled components: v along x, y, z, w about x, y, z of S.
+  double max_damping = 0.05;                                          ///< > 0.
+  double singular_threshold = 0.05;                                   ///< > 0 to 1.
+  JointDrive drive = {};                                              ///< Drive of all joints.
 };
 
+/// Any robot.
 using Robot = std::variant<FreeFlying, Manipulator>;
 
-// Throws Error(kInput): the field, the value found and what is allowed.
+/// Throws Error(kInput) with the field, the value found and what is allowed.
 void checkRobot(const Robot& robot);
 
-// A sensor's place: on a link, by name, with its pose X_LS there.
+/// Place of a sensor on a robot.
 struct SensorMount {
-  std::string link;
-  Pose X_LS = {};
+  std::string link;  ///< Name of the link.
+  Pose X_LS = {};    ///< Pose on the link.
 };
 
-// Two Dynamixel AX-12 under a plate, as the platform of Kappassov, Corrales and Perdereau (AIM 2020) section V.B: `pan` about z of B, and
-// on it `tilt` about y, at `tilt_height` above the base. Links: base, pan, tilt; at rest all have the axes of B. Servo data: ROBOTIS
-// e-manual, AX-12A. Its lengths are not published; the defaults are assumptions.
+/// Pan-tilt platform: two Dynamixel AX-12 under a plate, as in section V.B of the paper.
+///
+/// `pan` rotates about z of B; on it `tilt` rotates about y, `tilt_height` above the base. Links: base, pan, tilt; at position 0 all have
+/// the axes of B. Servo data: ROBOTIS e-manual, AX-12A. The lengths are not published; their defaults are assumptions.
 struct PanTilt {
-  double tilt_height = 0.05;  // m
-  std::vector<SensorMount> sensors{{"tilt", {{0, 0, 0.03}, {1, 0, 0, 0}}}};
-  std::array<double, 2> position_limits{-150 * std::numbers::pi / 180, 150 * std::numbers::pi / 180};  // rad; 300 deg of range
-  double max_velocity = 59 * std::numbers::pi / 30;                                                    // rad/s; 59 rpm without load at 12 V
-  JointDrive drive{.position_step = 0.29 * std::numbers::pi / 180, .delay = 0};                        // 0.29 deg
+  double tilt_height = 0.05;                                                 ///< m, from the base to the tilt axis.
+  std::vector<SensorMount> sensors{{"tilt", {{0, 0, 0.03}, {1, 0, 0, 0}}}};  ///< Sensors, at least one.
+  /// rad, lower and upper limit of both joints: 300 deg of range.
+  std::array<double, 2> position_limits{-150 * std::numbers::pi / 180, 150 * std::numbers::pi / 180};
+  double max_velocity = 59 * std::numbers::pi / 30;                              ///< rad/s: 59 rpm without load at 12 V.
+  JointDrive drive{.position_step = 0.29 * std::numbers::pi / 180, .delay = 0};  ///< 0.29 deg.
 };
 
-// Follows w about y and z of S: tilt and pan. Throws Error(kInput) as checkRobot() does, and for an unknown link.
+/// The pan-tilt platform as a robot that follows w about y (tilt) and z (pan) of S. Throws what checkRobot() throws, and Error(kInput) for
+/// an unknown link.
 Manipulator panTilt(const PanTilt& platform);
 
+/// Bytes of the largest URDF file that is read.
 inline constexpr std::uintmax_t kMaxRobotFileBytes = std::uintmax_t{16} << 20;
 
+/// Options of loadUrdf().
 struct UrdfOptions {
-  std::string base_link;             // stands at X_WB; the root when empty
-  std::vector<SensorMount> sensors;  // at least one
-  double velocity_limit_scale = 1;   // > 0 to 1, times the velocity limits of the file
+  std::string base_link;             ///< Link at X_WB; empty (default): the root.
+  std::vector<SensorMount> sensors;  ///< Sensors, at least one.
+  double velocity_limit_scale = 1;   ///< > 0 to 1, multiplies the velocity limits of the file. Default 1.
 };
 
-// The chains of a URDF file from a base to the links with sensors: revolute, continuous, prismatic and fixed joints; mimic joints follow
-// theirs, with their own limits mapped to it. Masses and shapes are not read. Joints stand at 0, or at the limit next to it. Throws
-// Error(kInput), the file and one line, for a file that is missing, malformed, no tree, or wrong on the way to a sensor.
+/// Reads the kinematic chains from a base to the links with sensors of a URDF file.
+///
+/// Supports revolute, continuous, prismatic and fixed joints. Mimic joints follow their source; their own limits are mapped to it. Masses
+/// and shapes are ignored. Initial positions are 0 or the nearest limit. Throws Error(kInput), one line that names the file, if it is
+/// missing, malformed, not a tree, or invalid on a chain to a sensor.
 Manipulator loadUrdf(const std::filesystem::path& file, const UrdfOptions& options);
 
 }  // namespace taxelsim

@@ -1,4 +1,5 @@
-// A scene: everything a data set is made from, read from YAML and checked. Not a running simulation.
+/// @file
+/// A scene: everything that determines a data set, read from YAML and checked. Not a running simulation.
 #pragma once
 
 #include <array>
@@ -18,49 +19,52 @@
 
 namespace taxelsim {
 
-// Uniform on [min, max]; min == max is that value.
+/// Uniform distribution on [min, max]; a constant if min == max.
 struct Range {
-  double min = 0;
-  double max = 0;
+  double min = 0;  ///< Lowest value.
+  double max = 0;  ///< Highest value.
 };
 
+/// An object of a scene.
 struct SceneObject {
-  Object object;
-  double weight = 1;                   // of being chosen, >= 0; not all zero
-  Quaternion orientation{1, 0, 0, 0};  // R_WO before the random yaw and tilt: which side looks at the sensor
-  std::optional<Motion> motion = {};   // from where it was set down; at rest without
-  std::optional<Vector3> edge = {};    // direction in O, of length 1, of what the true edge angle is of
-  // A closed line of points in O, m, at least 3: the edge that runs around the object; the true edge angle is of the part next to the
-  // sensor. Instead of `edge`.
+  Object object;                       ///< Geometry.
+  double weight = 1;                   ///< Relative frequency, >= 0; not all zero. Default 1.
+  Quaternion orientation{1, 0, 0, 0};  ///< R_WO before the random yaw and tilt: selects the side that faces the sensor.
+  std::optional<Motion> motion = {};   ///< Motion from the initial pose. Default: at rest.
+  std::optional<Vector3> edge = {};    ///< Unit direction in O of the edge, the reference of the true edge angle. Default: none.
+  /// Closed polyline in O, m, at least 3 points: an edge around the object. The true edge angle is that of the part next to the sensor.
+  /// Excludes `edge`. Default: none.
   std::vector<Vector3> contour = {};
-  // The point in O that is set down, m; without one the lowest point. With a contour it is a random point of that, and the yaw is that of
-  // the contour there.
+  /// m, in O: the point that is placed on the skin. Default: the lowest point. With a contour it is a random point of the contour, and the
+  /// yaw is relative to the contour there.
   std::optional<Vector3> anchor = {};
 };
 
+/// A controller of a scene.
 struct SceneController {
-  std::string name = "tactile_servo";
-  double weight = 1;  // of being chosen for an episode, >= 0; not all zero
-  TactileServo servo = edgeServo();
+  std::string name = "tactile_servo";  ///< Name in data sets and on the command line.
+  double weight = 1;                   ///< Relative frequency, >= 0; not all zero. Default 1.
+  TactileServo servo = edgeServo();    ///< Parameters.
 };
 
-// What is drawn anew for each episode, from (seed, episode) alone.
+/// Random variables of an episode, functions of (seed, episode) alone.
 struct Randomisation {
-  Range x, y;                  // m, in S: where the object first touches the skin, or its anchor lies
-  Range yaw;                   // rad, about z of S
-  Range tilt;                  // rad, >= 0, about a random axis in the xy plane of S
-  std::optional<Range> load;   // N, >= 0; or
-  std::optional<Range> depth;  // m, >= 0, of the object's lowest point, or its anchor, below the skin. Exactly one of the two.
-  Range gain{1, 1};            // factor, > 0, on every taxel
-  Range gain_spread{0, 0};     // standard deviation of log gain per taxel, >= 0
-  Range noise{0, 0};           // counts, >= 0, beside the sensor's own
-  // Of a servo scene.
-  std::optional<Range> exploration_velocity{};  // m/s, instead of the controller's
-  // Standard deviations, >= 0, of white noise on every component of the twists that the robot is commanded: m/s, rad/s.
-  Range linear_action_noise{0, 0}, angular_action_noise{0, 0};
+  Range x;                     ///< m, in S: where the object first touches the skin, or where its anchor lies.
+  Range y;                     ///< m, the same along y.
+  Range yaw;                   ///< rad, about z of S.
+  Range tilt;                  ///< rad, >= 0, about a random axis in the xy plane of S.
+  std::optional<Range> load;   ///< N, >= 0. Exactly one of `load` and `depth` is set.
+  std::optional<Range> depth;  ///< m, >= 0, of the object's lowest point, or its anchor, below the skin.
+  Range gain{1, 1};            ///< Factor on every taxel's gain, > 0.
+  Range gain_spread{0, 0};     ///< Standard deviation of log gain per taxel, >= 0.
+  Range noise{0, 0};           ///< Counts, >= 0, in addition to the sensor's own noise.
+  /// m/s, replaces the controller's exploration velocity; servo scenes only. Default: the controller's.
+  std::optional<Range> exploration_velocity{};
+  Range linear_action_noise{0, 0};   ///< m/s, >= 0, standard deviation of white noise on commanded linear velocities; servo scenes only.
+  Range angular_action_noise{0, 0};  ///< rad/s, >= 0, the same for angular velocities.
 };
 
-// The words of Scene::record, in their order. The last two need a controller.
+/// Allowed values of Scene::record, in file order. The last two need a controller.
 inline constexpr std::array<std::string_view, 13> kRecordWords = {"tactile_image",
                                                                   "features",
                                                                   "ground_truth",
@@ -75,49 +79,53 @@ inline constexpr std::array<std::string_view, 13> kRecordWords = {"tactile_image
                                                                   "actions",
                                                                   "robot"};
 
+/// A scene.
 struct Scene {
+  /// Kind of scene.
   enum class Kind {
-    kServo,     // episodes of num_steps frames under a controller
-    kContacts,  // episodes of one frame each: labelled contact images
+    kServo,     ///< Episodes of num_steps frames under a controller.
+    kContacts,  ///< Episodes of one frame each: labelled contact images.
   };
 
-  std::filesystem::path file;
-  std::string name;
-  Kind kind = Kind::kServo;
-  Sensor sensor;
-  Robot robot;  // what moves the sensor
-  std::vector<SceneObject> objects;
-  int num_steps = 1;             // frames per episode, 1 for kContacts
-  double simulation_rate = 100;  // Hz
-  double control_rate = 100;     // Hz, simulation_rate divided by a whole number
-  Randomisation randomisation;
-  std::vector<SceneController> controllers{1};  // of kServo; at least one
-  std::optional<Task> task;                     // of kServo: what `evaluate` judges by
-  std::vector<std::string> record;              // what is written: some of kRecordWords, in their order
-  int max_regions = 0;                          // rows for connected taxels in recorded contact features, 0 to 8; 0 where none are recorded
-  std::uint64_t num_episodes = 1000;
-  std::uint64_t seed = 0;
-  std::uint64_t episodes_per_shard = 256;
-  int compression = 0;  // gzip level of the data set, 0 (none) to 9
+  std::filesystem::path file;                   ///< File that it was read from.
+  std::string name;                             ///< Name in data sets.
+  Kind kind = Kind::kServo;                     ///< Kind of scene.
+  Sensor sensor;                                ///< The sensor.
+  Robot robot;                                  ///< The robot that carries the sensor.
+  std::vector<SceneObject> objects;             ///< Objects, at least one.
+  int num_steps = 1;                            ///< Frames per episode; 1 for kContacts.
+  double simulation_rate = 100;                 ///< Hz. Default 100.
+  double control_rate = 100;                    ///< Hz, an integer fraction of simulation_rate. Default 100.
+  Randomisation randomisation;                  ///< Random variables of an episode.
+  std::vector<SceneController> controllers{1};  ///< Controllers of a kServo scene, at least one.
+  std::optional<Task> task;                     ///< Task of a kServo scene, required by evaluate().
+  std::vector<std::string> record;              ///< Recorded outputs: a subset of kRecordWords in the same order.
+  int max_regions = 0;                          ///< Regions in recorded contact features, 0 to kMaxRegions; 0 if none are recorded.
+  std::uint64_t num_episodes = 1000;            ///< Episodes of the data set. Default 1000.
+  std::uint64_t seed = 0;                       ///< Seed of all random numbers. Default 0.
+  std::uint64_t episodes_per_shard = 256;       ///< Episodes per file. Default 256.
+  int compression = 0;                          ///< gzip level of the data set, 0 (none) to 9. Default 0.
 
-  // The scene as YAML with every default written out, the sensor in place and file contents replaced by their SHA-256; the same scene gives
-  // the same text on every machine. Episodes, seed, and everything else that decides the data set's bytes is in it; batch size is not.
+  /// The scene as canonical YAML with every default, the sensor inlined, and file contents replaced by their SHA-256. The same scene gives
+  /// the same text on every machine. Contains everything that determines the bytes of the data set, so neither batch size nor threads.
   std::string resolved;
 };
 
-// Values on the command line that stand above the file's.
+/// Values that override those of the scene file.
 struct SceneOverrides {
-  std::optional<std::uint64_t> num_episodes;
-  std::optional<std::uint64_t> seed;
+  std::optional<std::uint64_t> num_episodes;  ///< Replaces Scene::num_episodes.
+  std::optional<std::uint64_t> seed;          ///< Replaces Scene::seed.
 };
 
-// Waypoints from a CSV file (docs/file_formats.md). Throws Error(kInput): file, line, column, the value found and what is allowed.
+/// Reads waypoints from a CSV file (docs/file_formats.md). Throws Error(kInput) with file, line, column, the value found and what is
+/// allowed.
 std::vector<Waypoint> loadWaypoints(const std::filesystem::path& file);
 
-// A closed line from a CSV file (docs/file_formats.md). Throws as loadWaypoints() does.
+/// Reads a closed polyline (m) from a CSV file (docs/file_formats.md). Throws what loadWaypoints() throws.
 std::vector<Vector3> loadContour(const std::filesystem::path& file);
 
-// Reads and checks a scene and all files it names. Throws Error(kInput): file, line, column, key, value found, what is allowed.
+/// Reads and checks a scene and all files that it names. Throws Error(kInput) with file, line, column, key, the value found and what is
+/// allowed.
 Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrides = {});
 
 }  // namespace taxelsim

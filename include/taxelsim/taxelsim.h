@@ -10,9 +10,15 @@
 ///
 /// Errors: bad input, device failures and file system failures throw taxelsim::Error. Wrong use of an object throws std::logic_error.
 ///
-/// Threads: free functions without a Device may be called from several threads at once, unless they write the same files. Device and Model
-/// may be shared between threads. A Simulator, DatasetWriter or DatasetReader is for one thread at a time; several of them may be used in
-/// different threads at once. generate(), evaluate() and the experiments block their caller and use threads of their own.
+/// Threads:
+/// - Device, Model: immutable handles. Several threads may use the same one at once.
+/// - Simulator, DatasetWriter, DatasetReader: one thread at a time. Different objects may be used in different threads at once, also those
+/// of
+///   one Model. The spans of a FrameView may be read from any thread until the next step() of their simulator.
+/// - Trajectory, and all plain structs (Sensor, Scene, Object, ...): several threads may read the same one at once.
+/// - Free functions: several threads may call them at once, unless they write the same files. generate(), evaluate() and the experiments
+///   block their caller and start threads of their own.
+/// - fork(): not while a Device is open.
 namespace taxelsim {}
 
 #include "taxelsim/contact_point.h"

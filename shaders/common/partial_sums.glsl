@@ -1,6 +1,8 @@
-// Reduction over the lanes of a workgroup in a fixed order, so that sums do not depend on the workgroup's size. Needs `shared vec4 partial[LANES]`.
+// Reduction over LANES partial sums in a fixed order, so that a sum does not depend on the size of the workgroup. Shared memory: 16 LANES bytes.
 
-// Total of partial[] in a fixed order; every invocation gets it.
+shared vec4 partial[LANES];
+
+// Sum of partial[] in a fixed order; every invocation gets it.
 vec4 sumOfPartials() {
   workgroupBarrier();
   vec4 total = vec4(0);

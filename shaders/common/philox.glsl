@@ -1,4 +1,4 @@
-// Philox4x32-10, as src/base/philox.h.
+// Philox4x32-10 (J. K. Salmon et al., SC 2011), bit-equal to src/base/philox.h; and the draws of a taxel.
 uvec4 philox(uvec4 counter, uvec2 key) {
   for (int round = 0; round < 10; ++round) {
     uint high0, low0, high1, low1;

@@ -1,4 +1,4 @@
-// Rigid and affine maps as three rows (A | b): image of p is A p + b.
+// Rigid and affine maps as three rows (A | b): the image of p is A p + b.
 struct Affine {
   vec4 row0, row1, row2;
 };
@@ -27,7 +27,7 @@ Affine inverseOf(Affine X_AB) {
                 vec4(X_AB.row0.z, X_AB.row1.z, X_AB.row2.z, b.z));
 }
 
-// Middle and half size, per axis, of the image of the box (center, half_size): the exact bounds of the turned box.
+// Center and half size of the exact bounds, per axis, of the image of the box (center, half_size).
 void boundsOfImage(Affine X, vec3 center, vec3 half_size, out vec3 image_center, out vec3 image_half) {
   image_center = apply(X, center);
   image_half = vec3(dot(abs(X.row0.xyz), half_size), dot(abs(X.row1.xyz), half_size), dot(abs(X.row2.xyz), half_size));

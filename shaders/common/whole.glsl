@@ -1,5 +1,6 @@
-// The whole number nearest to a float within +-2^22. The sum with 1.5 x 2^23 has it in its last bits; int() is one conversion for each lane on Mesa's
-// newer software driver, ten times as dear.
+// Rounds floats to integers, and divides small integers, without the operations that Mesa's software driver does lane by lane.
+
+// The integer nearest to a float within +-2^22, from the last bits of the sum with 1.5 x 2^23. On Mesa's newer software driver int() costs ten times as much.
 const float kMostWhole = 4194304.0;
 int wholeNumber(float v) {
   precise float sum = v + 12582912.0;
@@ -7,8 +8,8 @@ int wholeNumber(float v) {
 }
 ivec2 wholeNumbers(vec2 v) { return ivec2(wholeNumber(v.x), wholeNumber(v.y)); }
 
-// Row and column of cell `i` of rows of so many cells. Without an integer division, which Mesa's software driver does lane by lane: (i + 1/2) / num_cols is at
-// least 1 / (2 num_cols) from a whole number, more than it is rounded by as long as there are fewer than 2^20 cells.
+// Row and column of cell `i` in rows of num_cols cells, without an integer division: (i + 1/2) / num_cols is at least 1 / (2 num_cols) from an integer, more
+// than rounding as long as there are fewer than 2^20 cells.
 uvec2 cellNumbered(uint i, uint num_cols) {
   uint row = uint(wholeNumber((float(int(i)) + 0.5) / float(int(num_cols)) - 0.5));
   return uvec2(row, i - row * num_cols);

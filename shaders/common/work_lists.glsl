@@ -1,15 +1,17 @@
-// Lists of instances for passes to come; layout.h. Which order they get is chance, and does not show.
+// Lists of instances for later passes, shared/candidates.h. Their order varies from run to run and does not affect results.
+// In, out: work, work_instances.
 
 uint placeInList(uint list, uint instance) { return list * step_record.batch.x + instance; }
 
-void enlist(uint list, uint instance, uint per_workgroup) {
+// Appends an instance, and counts a workgroup for every `per_workgroup` instances of the list.
+void appendToList(uint list, uint instance, uint per_workgroup) {
   uint at = atomicAdd(work[list].w, 1u);
   work_instances[placeInList(list, at)] = instance;
   if (at % per_workgroup != 0) return;
   uint workgroup = at / per_workgroup;
-  if (workgroup < kMostColumns) {
+  if (workgroup < kMaxColumns) {
     atomicAdd(work[list].x, 1u);
-  } else if (workgroup % kMostColumns == 0) {
+  } else if (workgroup % kMaxColumns == 0) {
     atomicAdd(work[list].y, 1u);
   }
 }

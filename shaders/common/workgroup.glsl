@@ -1,2 +1,2 @@
-// The number of this workgroup, over the two dimensions that Commands::dispatch() folds the work into.
+// Number of this workgroup: Commands::dispatch() folds large numbers of workgroups into two dimensions.
 uint workgroupNumber() { return gl_WorkGroupID.x + gl_WorkGroupID.y * gl_NumWorkGroups.x; }

@@ -1,8 +1,8 @@
-// Height of analytic solids over a sample: the lowest z in P at which the ray p = (x, y, z), z rising, is inside the solid. kMiss where it
-// never is, kBottomless where the solid goes down for ever. Solids as in include/taxelsim/object.h. Twin: src/reference/analytic.cpp.
+// Height of analytic solids over a sample: the lowest z in P (m) at which the ray p = (x, y, z), z rising, is inside the solid; kMiss where it never is,
+// kBottomless where the solid extends down to infinity. Solids as in include/taxelsim/object.h. Twin: src/reference/analytic.cpp.
 
-// By the constant KINDS, solids that the model does not have are left out, and one that is alone is not asked for.
-bool isKind(uint kind, uint wanted) { return KINDS == (1u << wanted) || ((KINDS & (1u << wanted)) != 0 && kind == wanted); }
+// The constant OBJECT_KINDS removes the code of solids that the model does not have, and the test of a solid that is the only one.
+bool isKind(uint kind, uint wanted) { return OBJECT_KINDS == (1u << wanted) || ((OBJECT_KINDS & (1u << wanted)) != 0 && kind == wanted); }
 
 const float kBottomless = -1e30;
 
@@ -82,7 +82,7 @@ float torusDistance(vec3 p, float major_radius, float minor_radius) {
 
 // Sphere tracing on the exact distance, from the near side of the torus's bounding sphere.
 float torusHeight(vec3 o, vec3 d, float major_radius, float minor_radius) {
-  // A ray that grazes takes many, and what it grazes must not be taken for a surface too deep to be seen.
+  // A grazing ray takes many steps, and its end must not be mistaken for a surface below the floor.
   const int kSteps = NUM_ROWS > 0 ? 96 : 256;
   const float kTouch = 2e-8;  // m; a ray that stays farther away all along misses
   vec2 span = insideSphere(o, d, major_radius + minor_radius);
@@ -97,9 +97,9 @@ float torusHeight(vec3 o, vec3 d, float major_radius, float minor_radius) {
   return t;
 }
 
-// Height over the sample at (x, y) of P. X_PO: pose of the solid in P; of a polyhedron the faces have been loaded.
-float analyticHeight(uint kind, vec4 parameters, Affine X_PO, vec2 xy) {
-  if (isKind(kind, kKindPolyhedron)) return polyhedronHeight(xy);
+// Height over the sample at `xy` of P. `X_PO`: pose of the solid in P; the faces of a polyhedron have been loaded (loadFaces()). `z_floor`: Tile.
+float analyticHeight(uint kind, vec4 parameters, Affine X_PO, vec2 xy, float z_floor, inout Found found) {
+  if (isKind(kind, kKindPolyhedron)) return polyhedronHeight(xy, z_floor, found);
   vec3 r0 = X_PO.row0.xyz, r1 = X_PO.row1.xyz, r2 = X_PO.row2.xyz;
   vec3 from = vec3(xy.x - X_PO.row0.w, xy.y - X_PO.row1.w, -X_PO.row2.w);
   vec3 o = r0 * from.x + r1 * from.y + r2 * from.z;

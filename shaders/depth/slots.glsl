@@ -1,5 +1,5 @@
-// The slot that a surface belongs to, in the lowest bits of a float: of a height in the tile, where atomicMin then still finds the lowest surface, and of
-// the state of friction. Only where a sensor with friction may touch several objects; elsewhere a word is the float's own.
+// Packs the slot that a surface belongs to into the lowest bits of a float: of a height in the tile, so that atomicMin still finds the lowest surface, and of
+// the state of friction. Only for sensors with friction that may touch several objects; otherwise a word holds the float unchanged.
 //
 // The float keeps 20 of its 23 bits, rounded to nearest: a height within the skin is off by at most 2^-21 of the skin's thickness, 1 nm of 2 mm.
 

@@ -1,13 +1,20 @@
-// Where a mesh's vertices are, seen by the window's samples: (u, v) in units of 2^-subpixel_bits of their spacing, from the tile's first one. Sample (a, b)
+// Vertices of a mesh seen from a tile: (u, v) in units of 2^-subpixel_bits of the samples' spacing, from the tile's first sample; z in m, in P. Sample (a, b)
 // is at (a, b) << subpixel_bits.
-
-int subpixel_bits;  // of the mesh on its way into the tile, ObjectRecord
 
 struct Vertex {
   ivec2 at;
   float z;
 };
 
-// First and last sample of the tile from `low` to `high`; none where one is greater.
-ivec2 firstSample(ivec2 low) { return max((low + ((1 << subpixel_bits) - 1)) >> subpixel_bits, 0); }
-ivec2 lastSample(ivec2 high) { return min(high >> subpixel_bits, ivec2(tile_size * SAMPLES) - 1); }
+// How the mesh in one slot is seen from a tile.
+struct MeshView {
+  Affine from_lattice;            // from the mesh's lattice to (u, v, z)
+  int subpixel_bits;              // ObjectRecord
+  bool large;                     // the mesh has large triangles, ObjectRecord
+  uint slot;
+  ivec2 motion_low, motion_high;  // by how much the mesh may still move along u and v, in units; 0 in the contact pass
+};
+
+// First and last sample of the tile between `low` and `high`, in units; none where one is greater.
+ivec2 firstSample(MeshView view, ivec2 low) { return max((low + ((1 << view.subpixel_bits) - 1)) >> view.subpixel_bits, 0); }
+ivec2 lastSample(Tile tile, MeshView view, ivec2 high) { return min(high >> view.subpixel_bits, ivec2(tile.size * SAMPLES) - 1); }

@@ -1,9 +1,9 @@
-// Where the invocations of a workgroup wait for each other. Included before anything but driver/pairs.glsl, for its extension.
+// Barriers of a workgroup. Included before anything but driver/pairs.glsl, because of its extension.
 //
-// With LOCKSTEP, for workgroups that are one vector of a software driver, whose lanes go step by step together, there is nothing to wait for; the barriers
-// that are left only keep a compiler from remembering what was in memory before. Compiled apart: SwiftShader takes minutes over a constant in its place.
+// With LOCKSTEP a workgroup is one vector of a software driver, whose lanes run in lockstep and need not wait; the remaining memory barriers only keep the
+// compiler from reusing old values. LOCKSTEP is a macro: SwiftShader takes minutes to compile a specialization constant in its place.
 
-// All are here, and what they wrote to shared memory is there for all; the second: and what they wrote to buffers.
+// After the barrier, all writes of the workgroup to shared memory are visible to all of it; after the second one, its writes to buffers as well.
 #ifdef LOCKSTEP
 #extension GL_KHR_shader_subgroup_basic : require
 void workgroupBarrier() { subgroupMemoryBarrierShared(); }

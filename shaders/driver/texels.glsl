@@ -1,7 +1,7 @@
-// Four words of a buffer that no kernel writes, fetched together.
+// Four words of a read-only buffer, fetched together.
 //
-// With LOCKSTEP as texels: a software driver checks bounds and loads word by word and lane by lane where it reads a storage buffer, but a lane's texel
-// of 128 bits with one check and one load. A GPU fetches a uvec4 in one go.
+// With LOCKSTEP the buffer is a texel buffer: software drivers check bounds and load per word and lane for a storage buffer, but once per lane for a texel of
+// 128 bits. A GPU loads a uvec4 at once.
 #ifdef LOCKSTEP
 #define FOURS(number, Name) layout(set = 0, binding = number) uniform usamplerBuffer Name
 #define fourOf(Name, index) texelFetch(Name, int(index))

@@ -1,41 +1,41 @@
-// Shear of an elastic layer, by skin/friction.glsl at every node under pressure, of taxels and margin alike. Included by elastic_layer.comp, whose names it
-// uses. Twin: src/reference/friction.cpp.
+// Shear of an elastic layer: skin/friction.glsl at every node under pressure, of taxels and margin alike. Forces in N, in P. Twin: src/reference/friction.cpp.
 
 struct Shear {
   vec2 force;   // on the sensor along x and y of P, N
   vec3 torque;  // about P's origin, in P, N m
 };
 
-vec2 nodeSpacing() { return vec2(PITCH_X, PITCH_Y) / float(SAMPLES); }
-float nodeArea() { return nodeSpacing().x * nodeSpacing().y; }
-vec2 nodePosition(uvec2 node) { return (vec2(node) - 0.5 * vec2(NODE_ROWS - 1u, NODE_COLS - 1u)) * nodeSpacing(); }
+vec2 tractionAfter(inout vec2 traction, vec2 u, float share, float pressure, float per_dt) {
+  return traction = springTraction(traction, u, share, pressure);
+}
 
 uint frictionStart(uint instance) { return instance * (kFrictionHeader + NODE_ROWS * NODE_COLS); }
 uint shearState(uint instance, uvec2 node) { return frictionStart(instance) + kFrictionHeader + node.x * NODE_COLS + node.y; }
 
 // The rectangle of nodes outside which there is no pressure: first row, end row, first col, end col.
-uvec4 pressedNodes() {
+uvec4 pressedNodes(Window window) {
   clearSources();
   uint k = gl_LocalInvocationIndex;
-  for (; k < num_strips; k += WORKGROUP) {
-    uvec2 at = stripAt(k);
-    if (largestOf(readStrip(kLayerPressure, at)) > 0.0) addSource(at);
+  for (; k < window.num_strips; k += WORKGROUP) {
+    uvec2 at = stripAt(window, k);
+    if (largestOf(readStrip(window, kLayerPressure, at)) > 0.0) addSource(at);
   }
-  cut_short = cut_short || k < num_strips;
-  meet();
+  checkLoop(k < window.num_strips);
+  workgroupBarrierWithBuffers();
   uint row = source_rows[0], end = source_rows[1];
   uvec4 pressed = uvec4(row, end, NODE_COLS, 0);
   for (; row < end; ++row) pressed.zw = uvec2(min(pressed.z, source_first[row] * kStrip), max(pressed.w, source_end[row] * kStrip));
-  cut_short = cut_short || row < end;
+  checkLoop(row < end);
   pressed.w = min(pressed.w, NODE_COLS);
   return pressed.x < pressed.y ? pressed : uvec4(0);
 }
 
-// `shift`: as of the solution; `moved_z`: how far a load search has moved the objects along z of S in this step, m.
-Shear shearNodes(uint instance, uint num_slots, Surface surface, uvec4 pressed, float shift, float moved_z) {
-  uvec4 kept = keptWindow(frictionStart(instance));
-  X_PS = inverseOf(Affine(sensor.X_SC_row0, sensor.X_SC_row1, sensor.X_SC_row2));
-  loadMotions(instance, num_slots, moved_z);
+// `pressed`: as pressedNodes() returns it. `shift`: of the solution, thicknesses. `moved_z`: by how much a load search has moved the objects along z of S in
+// this step, m. `node_force`: of a node under the pressure 1, N.
+Shear shearNodes(uint instance, uint num_slots, Surface surface, uint layer_start, uvec4 pressed, float shift, float moved_z, float node_force) {
+  uvec4 state_window = readStateWindow(frictionStart(instance));
+  Affine X_PS = inverseOf(Affine(sensor.X_SC_row0, sensor.X_SC_row1, sensor.X_SC_row2));
+  Motion only_motion = loadMotions(instance, num_slots, moved_z, X_PS);
   uvec2 first = pressed.xz, count = pressed.yw - first;
   for (uint v = gl_LocalInvocationIndex; v < LANES; v += WORKGROUP) {
     vec2 force = vec2(0);
@@ -43,14 +43,14 @@ Shear shearNodes(uint instance, uint num_slots, Surface surface, uvec4 pressed, 
     uint k = v;
     for (; k < count.x * count.y; k += LANES) {
       uvec2 node = first + cellNumbered(k, count.y);
-      float pressure = valueAt(kLayerPressure, node) * (node_force / nodeArea());
+      float pressure = valueAt(layer_start, kLayerPressure, node) * (node_force / nodeArea());
       uint slot = slotOf(heights[surface.first_height + node.x * NODE_COLS + node.y]);
       vec3 p = vec3(nodePosition(node), -(overlapAt(surface, node) + shift) * THICKNESS);
-      vec2 q = shearTraction(shearState(instance, node), isKept(node, kept), pressure > 0.0, slot, p, pressure);
+      vec2 q = shearTraction(shearState(instance, node), isInWindow(node, state_window), pressure > 0.0, slot, only_motion, p, pressure, 0.0);
       force += q;
       torque += cross(p, vec3(q, 0));
     }
-    cut_short = cut_short || k < count.x * count.y;
+    checkLoop(k < count.x * count.y);
     partial[v] = vec4(torque, 0);
     partial_shear[v] = force;
   }
@@ -59,6 +59,6 @@ Shear shearNodes(uint instance, uint num_slots, Surface surface, uvec4 pressed, 
   shear.force = vec2(0);
   for (uint v = 0; v < LANES; ++v) shear.force += partial_shear[v];
   shear.force *= nodeArea();
-  if (gl_LocalInvocationIndex == 0) keepWindow(frictionStart(instance), pressed);
+  if (gl_LocalInvocationIndex == 0) writeStateWindow(frictionStart(instance), pressed);
   return shear;
 }

@@ -1,153 +1,151 @@
-// The conjugate gradients of an elastic layer. Included by elastic_layer.comp, whose names it uses, after layer_strips.glsl. Twin:
-// src/reference/elastic_layer.cpp.
+// Conjugate gradients for the pressures of an elastic layer in contact: A p = d where p > 0, A p >= d where p = 0 (Polonsky and Keer, Wear 231 (1999) 206).
+// The active set, the nodes in contact, changes in every step. Units are thicknesses: A has ones on its diagonal. Twin: src/reference/elastic_layer.cpp.
+//
+//   r = A p - target - shift   kLayerResidual holds A p - target
+//   t                          kLayerDirection
+//   q = A t                    kLayerProduct
+//
+// With a load the shift is an unknown: the mean of r over the nodes in contact goes into it, and pressures are scaled to the load after every step.
 
-// What all invocations know of it.
 struct Solution {
-  float shift;        // thicknesses
-  float squares;      // of the excess w - d over the nodes in contact
-  float num_pressed;  // nodes in contact
-  float residual;     // root of the mean square, over the nodes in contact, of the excess there and of penetrations elsewhere; in depths
+  float shift;             // thicknesses
+  float squared_residual;  // sum of r^2 over the nodes in contact
+  float num_pressed;       // nodes in contact
+  float error;             // root mean square over the nodes in contact of r there and of penetrations elsewhere; as a share of the deepest overlap
 };
 
-// What is asked for.
-struct Goal {
-  float deepest;  // target of the deepest node
+// How an instance is driven.
+struct Drive {
+  float deepest;       // target of the deepest node, thicknesses
   bool by_load;
-  float sum;      // of pressures, if by load
+  float pressure_sum;  // that a load asks for, if by_load
 };
 
-Strip scaled(Strip s, float factor) { return Strip(s.low * factor, s.high * factor); }
-Strip sumOf(Strip a, Strip b) { return Strip(a.low + b.low, a.high + b.high); }
-Strip productOf(Strip a, Strip b) { return Strip(a.low * b.low, a.high * b.high); }
-Strip minus(Strip a, Strip b) { return Strip(a.low - b.low, a.high - b.high); }
-Strip minus(Strip a, float b) { return Strip(a.low - b, a.high - b); }
-
-// The excess goes on by the displacements of array kLayerAnswer over the sources. In load-driven mode pressures and displacements are then multiplied by
-// `factor`, and the shift follows. How far the solution is now.
-void settle(inout Solution found, Goal goal, float factor) {
-  for (uint v = gl_LocalInvocationIndex; v < num_parts; v += WORKGROUP) {
-    vec4 sums = vec4(0);  // over the nodes in contact: excess, its square, their number; squares of penetrations elsewhere
+// Updates the residual by the displacements of kLayerProduct over the sources. With a load, multiplies pressures and displacements by `factor` and updates the
+// shift. Updates all of `found`.
+void updateResidual(Window window, Drive drive, float factor, inout Solution found) {
+  for (uint v = gl_LocalInvocationIndex; v < window.num_parts; v += WORKGROUP) {
+    vec4 sums = vec4(0);  // over the nodes in contact: r, its square, their number; squares of penetrations elsewhere
     uint k = v;
-    for (; k < num_strips; k += LANES) {
-      uvec2 at = stripAt(k);
-      Strip p = readStrip(kLayerPressure, at);
-      Strip excess = sumOf(readStrip(kLayerExcess, at), displacementAt(at, kLayerAnswer));
+    for (; k < window.num_strips; k += LANES) {
+      uvec2 at = stripAt(window, k);
+      Strip p = readStrip(window, kLayerPressure, at);
+      Strip residual = sumOf(readStrip(window, kLayerResidual, at), displacementAt(window, at, kLayerProduct));
       if (LOADS) {
-        Strip target = readStrip(kLayerTarget, at);
+        Strip target = readStrip(window, kLayerTarget, at);
         p = scaled(p, factor);
-        // As it is where the factor is 1: an instance that is driven by its pose must not feel that another is not.
-        if (factor != 1.0) excess = minus(scaled(sumOf(excess, target), factor), target);
-        writeStrip(kLayerPressure, at, p);
+        // Unchanged for a factor of 1: an instance that is driven by its pose must not depend on others of the batch that are driven by load.
+        if (factor != 1.0) residual = minus(scaled(sumOf(residual, target), factor), target);
+        writeStrip(window, kLayerPressure, at, p);
       }
-      writeStrip(kLayerExcess, at, excess);
-      excess = minus(excess, found.shift);
+      writeStrip(window, kLayerResidual, at, residual);
+      residual = minus(residual, found.shift);
       Strip pressed = whereAbove(p, 0.0);
-      Strip inside = productOf(excess, pressed);
-      Strip outside = Strip(min(excess.low, 0.0) * (1.0 - pressed.low), min(excess.high, 0.0) * (1.0 - pressed.high));
+      Strip inside = productOf(residual, pressed);
+      Strip outside = Strip(min(residual.low, 0.0) * (1.0 - pressed.low), min(residual.high, 0.0) * (1.0 - pressed.high));
       sums += vec4(sumOf(inside), dotOf(inside, inside), sumOf(pressed), dotOf(outside, outside));
     }
-    cut_short = cut_short || k < num_strips;
+    checkLoop(k < window.num_strips);
     partial[v] = sums;
   }
-  vec4 sums = sumOfPartials(num_parts);
+  vec4 sums = sumOfPartials(window.num_parts);
   float number = max(sums.z, 1.0);
-  float mean = LOADS && goal.by_load ? sums.x / number : 0.0;
+  float mean = LOADS && drive.by_load ? sums.x / number : 0.0;
   found.num_pressed = sums.z;
-  found.residual = sqrt((sums.y + sums.w) / number) / max(goal.deepest + found.shift, 1e-30);
-  found.squares = max(sums.y - mean * sums.x, 0.0);
+  found.error = sqrt((sums.y + sums.w) / number) / max(drive.deepest + found.shift, 1e-30);
+  found.squared_residual = max(sums.y - mean * sums.x, 0.0);
   found.shift += mean;
 }
 
-// The direction t of the next step: the excess over the nodes in contact, conjugate to the step before by `share` of its direction. Leaves the sum of excess
-// times direction in partial[].x; the nodes in contact are the sources.
-void direct(Solution found, float share) {
-  for (uint v = gl_LocalInvocationIndex; v < num_parts; v += WORKGROUP) {
-    float along = 0.0;
+// Search direction t = r + beta t over the nodes in contact, which become the sources. Leaves the sum of r times t in partial[].x.
+void updateDirection(Window window, float shift, float beta) {
+  for (uint v = gl_LocalInvocationIndex; v < window.num_parts; v += WORKGROUP) {
+    float descent = 0.0;
     uint k = v;
-    for (; k < num_strips; k += LANES) {
-      uvec2 at = stripAt(k);
-      Strip pressed = whereAbove(readStrip(kLayerPressure, at), 0.0);
+    for (; k < window.num_strips; k += LANES) {
+      uvec2 at = stripAt(window, k);
+      Strip pressed = whereAbove(readStrip(window, kLayerPressure, at), 0.0);
       if (sumOf(pressed) > 0.0) addSource(at);
-      Strip excess = productOf(pressed, minus(readStrip(kLayerExcess, at), found.shift));
-      Strip t = sumOf(excess, productOf(pressed, scaled(readStrip(kLayerDirection, at), share)));
-      writeStrip(kLayerDirection, at, t);
-      along += dotOf(excess, t);
+      Strip residual = productOf(pressed, minus(readStrip(window, kLayerResidual, at), shift));
+      Strip t = sumOf(residual, productOf(pressed, scaled(readStrip(window, kLayerDirection, at), beta)));
+      writeStrip(window, kLayerDirection, at, t);
+      descent += dotOf(residual, t);
     }
-    cut_short = cut_short || k < num_strips;
-    partial[v] = vec4(along, 0, 0, 0);
+    checkLoop(k < window.num_strips);
+    partial[v] = vec4(descent, 0, 0, 0);
   }
 }
 
-// q = A t over the window; returns the length of the step.
-float answer(Solution found, Goal goal) {
-  for (uint v = gl_LocalInvocationIndex; v < num_parts; v += WORKGROUP) {
-    vec4 sums = vec4(partial[v].x, 0, 0, 0);  // excess times t; then over the nodes in contact q times t, q, t
+// Applies A to the direction: q = A t over the window. Returns the step length (r t) / (t q), from the sums that updateDirection() left.
+float applyToDirection(Window window, Drive drive, float num_pressed) {
+  for (uint v = gl_LocalInvocationIndex; v < window.num_parts; v += WORKGROUP) {
+    vec4 sums = vec4(partial[v].x, 0, 0, 0);  // r times t; then over the nodes in contact q times t, q, t
     uint k = v;
-    for (; k < num_strips; k += LANES) {
-      uvec2 at = stripAt(k);
-      Strip q = displacementAt(at, kLayerDirection);
-      writeStrip(kLayerAnswer, at, q);
-      Strip t = readStrip(kLayerDirection, at);
+    for (; k < window.num_strips; k += LANES) {
+      uvec2 at = stripAt(window, k);
+      Strip q = displacementAt(window, at, kLayerDirection);
+      writeStrip(window, kLayerProduct, at, q);
+      Strip t = readStrip(window, kLayerDirection, at);
       sums.y += dotOf(q, t);
-      if (LOADS && goal.by_load) {
-        sums.z += sumOf(productOf(q, whereAbove(readStrip(kLayerPressure, at), 0.0)));
+      if (LOADS && drive.by_load) {
+        sums.z += sumOf(productOf(q, whereAbove(readStrip(window, kLayerPressure, at), 0.0)));
         sums.w += sumOf(t);
       }
     }
-    cut_short = cut_short || k < num_strips;
+    checkLoop(k < window.num_strips);
     partial[v] = sums;
   }
-  vec4 sums = sumOfPartials(num_parts);
-  // Where the shift is free, only what q has beside its mean counts.
-  float curvature = LOADS && goal.by_load ? sums.y - sums.z * sums.w / max(found.num_pressed, 1.0) : sums.y;
+  vec4 sums = sumOfPartials(window.num_parts);
+  // With a free shift, the mean of q does not count.
+  float curvature = LOADS && drive.by_load ? sums.y - sums.z * sums.w / max(num_pressed, 1.0) : sums.y;
   return curvature > 0.0 ? max(sums.x / curvature, 0.0) : 0.0;
 }
 
-// Goes the step, lets go of nodes that it would pull, presses those that are penetrated. Leaves in kLayerAnswer by how much the pressures differ from the
-// plain step, where they do are the sources; returns the sum of pressures, and whether a node was pressed.
-vec2 advance(Solution found, float step_length) {
-  // The first node has no step to go by; its own compliance, 1, is the scale.
+// Takes the step p - step_length t, releases nodes that it would pull, and presses nodes that are penetrated. Leaves in kLayerProduct the difference of the
+// pressures from the plain step; the strips where it is positive become sources. Returns the sum of pressures, and a positive number if a node was pressed.
+vec2 takeStep(Window window, float shift, float step_length) {
+  // The first node in contact has no step length; its own compliance, 1, is the scale.
   float press = step_length > 0.0 ? step_length : 1.0;
-  for (uint v = gl_LocalInvocationIndex; v < num_parts; v += WORKGROUP) {
+  for (uint v = gl_LocalInvocationIndex; v < window.num_parts; v += WORKGROUP) {
     vec2 sums = vec2(0);
     uint k = v;
-    for (; k < num_strips; k += LANES) {
-      uvec2 at = stripAt(k);
-      Strip unshifted = readStrip(kLayerExcess, at), excess = minus(unshifted, found.shift);
-      Strip plain = minus(readStrip(kLayerPressure, at), scaled(readStrip(kLayerDirection, at), step_length));
-      Strip entering = Strip((1.0 - vec4(greaterThan(plain.low, vec4(0)))) * max(-excess.low, 0.0),
-                             (1.0 - vec4(greaterThan(plain.high, vec4(0)))) * max(-excess.high, 0.0));
+    for (; k < window.num_strips; k += LANES) {
+      uvec2 at = stripAt(window, k);
+      Strip unshifted = readStrip(window, kLayerResidual, at), residual = minus(unshifted, shift);
+      Strip plain = minus(readStrip(window, kLayerPressure, at), scaled(readStrip(window, kLayerDirection, at), step_length));
+      Strip entering = Strip((1.0 - vec4(greaterThan(plain.low, vec4(0)))) * max(-residual.low, 0.0),
+                             (1.0 - vec4(greaterThan(plain.high, vec4(0)))) * max(-residual.high, 0.0));
       Strip p = Strip(max(plain.low, 0.0) + press * entering.low, max(plain.high, 0.0) + press * entering.high);
       Strip change = minus(p, plain);
       if (largestOf(change) > 0.0) addSource(at);
-      writeStrip(kLayerPressure, at, p);
-      writeStrip(kLayerExcess, at, minus(unshifted, scaled(readStrip(kLayerAnswer, at), step_length)));
-      writeStrip(kLayerAnswer, at, change);
+      writeStrip(window, kLayerPressure, at, p);
+      writeStrip(window, kLayerResidual, at, minus(unshifted, scaled(readStrip(window, kLayerProduct, at), step_length)));
+      writeStrip(window, kLayerProduct, at, change);
       sums += vec2(sumOf(p), sumOf(entering));
     }
-    cut_short = cut_short || k < num_strips;
+    checkLoop(k < window.num_strips);
     partial[v] = vec4(sums, 0, 0);
   }
-  return sumOfPartials(num_parts).xy;
+  return sumOfPartials(window.num_parts).xy;
 }
 
-// Iterates from the pressures that begin() left until the residual is small enough; returns how many times. A load beyond full depth ends as full depth,
-// `goal.by_load` false.
-uint solve(inout Solution found, inout Goal goal) {
+// Iterates from the pressures of initializePressures() until the error is at most TOLERANCE; returns the number of iterations. A load that even full depth
+// does not carry ends as full depth, with drive.by_load false.
+uint solve(Window window, inout Solution found, inout Drive drive) {
   uint iteration = 0, end = ITERATIONS;
   float factor = 1.0;
-  float before = 0.0;  // squares before the step; 0 starts the directions anew
+  float before = 0.0;  // squared residual before the step; 0 restarts the directions
   bool ended = false;
   clearSources();
   while (true) {
-    settle(found, goal, factor);
+    updateResidual(window, drive, factor, found);
     factor = 1.0;
-    if (iteration >= end || found.residual <= TOLERANCE) {
-      if (!LOADS || !goal.by_load || found.shift <= 1.0) {
+    if (iteration >= end || found.error <= TOLERANCE) {
+      if (!LOADS || !drive.by_load || found.shift <= 1.0) {
         ended = true;
         break;
       }
-      goal.by_load = false;
+      drive.by_load = false;
       found.shift = 1.0;
       end = iteration + ITERATIONS;
       before = 0.0;
@@ -155,17 +153,17 @@ uint solve(inout Solution found, inout Goal goal) {
       continue;
     }
     ++iteration;
-    float share = before > 0.0 ? found.squares / before : 0.0;
-    before = found.squares;
+    float beta = before > 0.0 ? found.squared_residual / before : 0.0;
+    before = found.squared_residual;
     clearSources();
-    direct(found, share);
-    meet();
-    float step_length = answer(found, goal);
+    updateDirection(window, found.shift, beta);
+    workgroupBarrierWithBuffers();
+    float step_length = applyToDirection(window, drive, found.num_pressed);
     clearSources();
-    vec2 sums = advance(found, step_length);
-    if (LOADS && goal.by_load && sums.x > 0.0) factor = goal.sum / sums.x;
+    vec2 sums = takeStep(window, found.shift, step_length);
+    if (LOADS && drive.by_load && sums.x > 0.0) factor = drive.pressure_sum / sums.x;
     if (sums.y > 0.0) before = 0.0;
   }
-  cut_short = cut_short || !ended;
+  checkLoop(!ended);
   return iteration;
 }

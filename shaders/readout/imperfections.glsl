@@ -1,7 +1,7 @@
-// Imperfections of stage 5, drawn anew by each reset: functions of seed, episode and taxel. What is common to all taxels is drawn on the host
-// (src/simulation/simulator.cpp). include/taxelsim/sensor.h, Readout. Twin: src/reference/imperfections.cpp.
+// Imperfections of stage 5, counts: noise, bias and dead taxels, as functions of seed, episode and taxel (common/philox.glsl). What all taxels share is drawn
+// on the host. include/taxelsim/sensor.h, Readout. Twin: src/reference/imperfections.cpp.
 
-// Counts beside the nominal output, but for the drift: noise of this frame, bias.
+// Offset from the nominal output without the random walk: noise of this frame, bias. `noise_level`: standard deviation, counts.
 float offsetOf(uvec2 seed, uvec2 episode, uint frame, uint t, float noise_level) {
   float offset = 0.0;
   if (RANDOM && noise_level > 0.0) offset = noise_level * gaussian(seed, episode, frame, t, kPurposeReadoutNoise);
@@ -10,5 +10,5 @@ float offsetOf(uvec2 seed, uvec2 episode, uint frame, uint t, float noise_level)
 }
 
 bool isDead(uvec2 seed, uvec2 episode, uint t) {
-  return DEAD_TAXELS > 0.0 && uniformNumber(seed, episode, 0, t, kPurposeDeadTaxel) < DEAD_TAXELS;
+  return DEAD_TAXEL_PROBABILITY > 0.0 && uniformNumber(seed, episode, 0, t, kPurposeDeadTaxel) < DEAD_TAXEL_PROBABILITY;
 }

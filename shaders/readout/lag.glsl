@@ -1,12 +1,15 @@
-// Stage 4: what the readout makes of a taxel's force over time. include/taxelsim/sensor.h, Readout. Twin: src/reference/lag.cpp.
+// Stage 4: how the readout changes a taxel's force (N) over time. include/taxelsim/sensor.h, Readout. Twin: src/reference/lag.cpp.
 //
-// States of a taxel, NUM_TAXELS apart: one of each hysteresis element and creep term, of the low-pass and of the random walk where there are such, then
-// the ring of forces of the delay. In the first step since reset they count as 0: a sensor long unloaded.
+//   spread force -> hysteresis -> creep -> low-pass -> delay ring -> force that a frame shows
 //
-//   spread force -> hysteresis -> creep -> low-pass -> ring -> force that a frame shows
+// States of a taxel in taxel_states, NUM_TAXELS apart: one per hysteresis element and creep term, one of the low-pass and one of the random walk if they are
+// on, then the ring of forces of the delay. In the first step since reset all count as 0: a sensor long unloaded.
 
-// Parameters, fetched once.
-vec4 hysteresis_strength, hysteresis_width, creep_fraction, creep_share;
+struct Lag {
+  vec4 hysteresis_strength, hysteresis_width;  // of each element; width in N
+  vec4 creep_fraction;                         // of each term
+  vec4 creep_share;                            // of each term: share of the way to its end in this step
+};
 
 // A function: glslang 12 orders long constant expressions so that the module is invalid.
 uint numStates() {
@@ -15,75 +18,78 @@ uint numStates() {
 
 bool hasState() { return numStates() > 0; }
 
-void loadLag() {
+Lag loadLag() {
+  Lag lag = Lag(vec4(0), vec4(0), vec4(0), vec4(0));
   if (NUM_HYSTERESIS > 0) {
-    hysteresis_strength = sensor.hysteresis_strength;
-    hysteresis_width = sensor.hysteresis_width;
+    lag.hysteresis_strength = sensor.hysteresis_strength;
+    lag.hysteresis_width = sensor.hysteresis_width;
   }
   if (NUM_CREEP > 0) {
-    creep_fraction = sensor.creep_fraction;
-    creep_share = step_record.creep;
+    lag.creep_fraction = sensor.creep_fraction;
+    lag.creep_share = step_record.creep;
   }
+  return lag;
 }
 
-// Where a taxel's states are, and how long they have been.
-struct TaxelTime {
-  uint first;  // in taxel_states
+struct LagState {
+  uint first;  // index in taxel_states
   uint step;   // since reset
 };
 
-uint stateAt(TaxelTime of, uint number) { return of.first + number * NUM_TAXELS; }
+LagState statesOf(uint instance, uint t, uint step) { return LagState(instance * numStates() * NUM_TAXELS + t, step); }
 
-float stateBefore(TaxelTime of, uint number) { return of.step == 0 ? 0.0 : taxel_states[stateAt(of, number)]; }
+uint stateIndex(LagState states, uint number) { return states.first + number * NUM_TAXELS; }
 
-// Moves a first-order state towards x, which is held over the step, by the exact share of the way.
-float approach(TaxelTime of, uint number, float x, float share) {
-  float before = stateBefore(of, number);
+float stateBefore(LagState states, uint number) { return states.step == 0 ? 0.0 : taxel_states[stateIndex(states, number)]; }
+
+// Moves a first-order state towards x, constant over the step, by the exact share of the way.
+float approach(LagState states, uint number, float x, float share) {
+  float before = stateBefore(states, number);
   float after = before + share * (x - before);
-  taxel_states[stateAt(of, number)] = after;
+  taxel_states[stateIndex(states, number)] = after;
   return after;
 }
 
-// Prandtl and Ishlinskii: a play element follows x at a distance of at most its width.
-float hysteresis(TaxelTime of, float x) {
+// Prandtl-Ishlinskii model: a play element follows x at a distance of at most its width.
+float hysteresis(Lag lag, LagState states, float x) {
   float y = x;
   for (uint e = 0; e < NUM_HYSTERESIS; ++e) {
-    float width = hysteresis_width[e];
-    float play = max(x - width, min(x + width, stateBefore(of, e)));
-    taxel_states[stateAt(of, e)] = play;
-    y += hysteresis_strength[e] * (play - x);
+    float width = lag.hysteresis_width[e];
+    float play = max(x - width, min(x + width, stateBefore(states, e)));
+    taxel_states[stateIndex(states, e)] = play;
+    y += lag.hysteresis_strength[e] * (play - x);
   }
   return y;
 }
 
-float creep(TaxelTime of, float x) {
+float creep(Lag lag, LagState states, float x) {
   float y = x;
-  for (uint m = 0; m < NUM_CREEP; ++m) y += creep_fraction[m] * approach(of, NUM_HYSTERESIS + m, x, creep_share[m]);
+  for (uint m = 0; m < NUM_CREEP; ++m) y += lag.creep_fraction[m] * approach(states, NUM_HYSTERESIS + m, x, lag.creep_share[m]);
   return y;
 }
 
-// The oldest force leaves the ring as the newest enters, so the read comes first.
-float delayed(TaxelTime of, float x) {
+// The newest force takes the place of the oldest in the ring, so the read comes first.
+float delayed(LagState states, float x) {
   const uint kRing = numStates() - kMaxDelaySteps;
   uint slot = step_record.delay.x, back = step_record.delay.y;
   float then = x;
-  if (back > 0) then = of.step < back ? 0.0 : taxel_states[stateAt(of, kRing + (slot - back) % kMaxDelaySteps)];
-  taxel_states[stateAt(of, kRing + slot)] = x;
+  if (back > 0) then = states.step < back ? 0.0 : taxel_states[stateIndex(states, kRing + (slot - back) % kMaxDelaySteps)];
+  taxel_states[stateIndex(states, kRing + slot)] = x;
   return then;
 }
 
-// The force that a frame of this step shows.
-float lagged(TaxelTime of, float spread_force) {
-  float force = creep(of, hysteresis(of, spread_force));
-  if (LOW_PASS) force = approach(of, NUM_HYSTERESIS + NUM_CREEP, force, step_record.time.z);
-  if (DELAY) force = delayed(of, force);
+// The force that a frame of this step shows, N.
+float laggedForce(Lag lag, LagState states, float spread_force) {
+  float force = creep(lag, states, hysteresis(lag, states, spread_force));
+  if (LOW_PASS) force = approach(states, NUM_HYSTERESIS + NUM_CREEP, force, step_record.time.z);
+  if (DELAY) force = delayed(states, force);
   return force;
 }
 
-// Counts that a taxel's offset has drifted by since reset.
-float drifted(TaxelTime of, float increment) {
+// Adds `increment` to the random walk of a taxel's offset; returns the offset, counts.
+float updateRandomWalk(LagState states, float increment) {
   const uint kWalk = NUM_HYSTERESIS + NUM_CREEP + uint(LOW_PASS);
-  float offset = stateBefore(of, kWalk) + increment;
-  taxel_states[stateAt(of, kWalk)] = offset;
+  float offset = stateBefore(states, kWalk) + increment;
+  taxel_states[stateIndex(states, kWalk)] = offset;
   return offset;
 }

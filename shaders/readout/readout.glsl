@@ -1,13 +1,12 @@
-// Stage 5: force after the spread -> counts, and back by the nominal curve; include/taxelsim/sensor.h, Readout. Twin:
-// src/reference/readout.cpp.
+// Stage 5: force after spread and lag (N) to counts, and back by the nominal curve; include/taxelsim/sensor.h, Readout. Twin: src/reference/readout.cpp.
 
-// Coefficient of x^power; a straight line's is a constant of the pipeline.
+// Coefficient of x^power; that of a straight line is a specialization constant.
 float curveCoefficient(int power) {
   if (CURVE_DEGREE == 1) return CURVE_SLOPE;
   return power <= 4 ? sensor.curve0[power - 1] : sensor.curve1[power - 5];
 }
 
-// The piece of a curve of points that holds x = gain F - trigger (axis 0) or the counts y (axis 1); what lies outside is of the first or last.
+// The piece of a piecewise linear curve for x = gain F - trigger (axis 0) or for the counts y (axis 1); the first and last piece extend beyond the curve.
 vec4 curvePiece(float value, int axis) {
   vec4 piece = sensor.curve_pieces[0];
   for (int k = 1; k < CURVE_PIECES; ++k) {
@@ -17,7 +16,7 @@ vec4 curvePiece(float value, int axis) {
   return piece;
 }
 
-// Counts before limit and output scale, for x = gain F - trigger; a straight line below 0.
+// Counts before limit and output scale, for x = gain F - trigger; linear below 0.
 float curveAt(float x) {
   if (CURVE_PIECES > 0) {
     vec4 piece = curvePiece(x, 0);
@@ -29,25 +28,25 @@ float curveAt(float x) {
   return y;
 }
 
-// What a voltage divider makes of it; and back.
-float limited(float y) {
+// Saturation of a voltage divider, and its inverse.
+float limitCounts(float y) {
   return CURVE_LIMIT > 0.0 && y > 0.0 ? y * CURVE_LIMIT / (CURVE_LIMIT + y) : y;
 }
 
-float unlimited(float y) {
+float unlimitCounts(float y) {
   return CURVE_LIMIT > 0.0 ? y * CURVE_LIMIT / (CURVE_LIMIT - y) : y;
 }
 
 uint countsOf(float force, float gain, float trigger, float noise) {
-  float counts = OUTPUT_SCALE * limited(curveAt(gain * force - trigger)) + noise;
+  float counts = OUTPUT_SCALE * limitCounts(curveAt(gain * force - trigger)) + noise;
   float whole = clamp(floor(counts + 0.5), 0.0, SATURATION);
   return SATURATION < kMostWhole ? uint(wholeNumber(whole)) : uint(whole);
 }
 
-// Newton's method on the rising curve, from its own tangent at 0; straight lines are done at once.
+// Force that the nominal curve gives for `counts`, N. Newton's method on the rising curve, from its tangent at 0; exact for straight lines.
 float nominalForce(uint counts) {
   if (counts == 0) return 0.0;
-  float y = unlimited(float(counts) / OUTPUT_SCALE);
+  float y = unlimitCounts(float(counts) / OUTPUT_SCALE);
   if (CURVE_PIECES > 0) {
     vec4 piece = curvePiece(y, 1);
     return piece.x + piece.w * (y - piece.y) + TRIGGER;

@@ -1,16 +1,17 @@
-// What the tactile Jacobian takes from a taxel's samples: how the taxel's force changes as the object moves. Included by contact.comp, whose names it uses.
-// Twin: src/reference/tactile_jacobian.cpp.
+// Derivatives of a taxel's force and of a tile's wrench by the motion of the object, summed over samples for the tactile Jacobian. Twin:
+// src/reference/pressure_transport.cpp.
 //
 // The object's surface lies at z = -d(x, y) of P. Its point p = (x, y, -d) moves with u = v + w x p, so that d_t = -u_z - u_x d_x - u_y d_y, and the force
 // of a cell is the integral of the pressure f(d) over it. With f' = df/dd and G = d f - (integral of f from 0 to d), so that dG/dd = d f',
 //
 //   f' d_t = -d(f v_x)/dx - d(f v_y)/dy - f' v_z - (f' y + dG/dy) w_x + (f' x + dG/dx) w_y + (d(f y)/dx - d(f x)/dy) w_z,
 //
-// a flux through the cell's sides but for f'. Unlike a sum of f' d_t over samples it sees vertical walls, where d jumps between two samples, and what leaves
-// one cell enters the next. f at a side is the mean of the samples on both sides of it; at the patch's rim it goes on from inside as a straight line.
+// a flux through the cell's sides except for the terms in f'. Unlike a sum of f' d_t over samples, it includes vertical walls, where d jumps between two
+// samples, and the flux out of one cell enters the next. f at a side is the mean of the samples on both sides of it; at the patch's rim f is extrapolated
+// linearly.
 //
-// f' jumps where contact ends, and where the skin does. So its mean over a sample's cell is taken, over which the depth is even about d and as wide as its
-// slope and the cell's size make it. That asks for surfaces a little over the skin.
+// f' jumps at the border of the contact and at the skin's full thickness. Its mean over a sample's cell is used, with depths uniform about d over a width that
+// follows from the slope and the cell's size. This needs surfaces up to cellReach() over the skin.
 
 struct Cell {
   vec3 side[4];  // at the lower and upper end along x, along y: sums of f, G, f times the coordinate along the side, Pa, Pa m, Pa m
@@ -19,22 +20,22 @@ struct Cell {
 
 Cell noCell() { return Cell(vec3[4](vec3(0), vec3(0), vec3(0), vec3(0)), vec3(0)); }
 
-// The smaller step of depth from a sample, the `k`th of its taxel along an axis, to its neighbours in the taxel, m: the larger may be a wall, and one of more
-// than 63 degrees is. `surface`: depth where the tile's height is 0.
-float stepOfDepth(float d, uint k, uint address, uint stride, float surface) {
+// The smaller step of depth from a sample, the `k`th of its taxel along an axis, to its neighbours in the taxel, m; 0 for a wall, a step of more than 63
+// degrees. `surface`: depth where the tile's height is 0, m.
+float stepOfDepth(Tile tile, float d, uint k, uint address, uint stride, float surface) {
   float least = kMiss;
   if (k > 0) {
-    float before = surface - withoutSlot(tile[address - stride]);
-    if (before > -cellReach()) least = abs(d - before);
+    float before = surface - withoutSlot(tile_heights[address - stride]);
+    if (before > -cellReach(tile)) least = abs(d - before);
   }
   if (k + 1 < SAMPLES) {
-    float after = surface - withoutSlot(tile[address + stride]);
-    if (after > -cellReach()) least = min(least, abs(d - after));
+    float after = surface - withoutSlot(tile_heights[address + stride]);
+    if (after > -cellReach(tile)) least = min(least, abs(d - after));
   }
-  return least < 2.0 * cellReach() ? least : 0.0;
+  return least < 2.0 * cellReach(tile) ? least : 0.0;
 }
 
-// Mean of f' at rest over depths within half of `width` of d, as far as the skin is there.
+// Mean of f' at rest over depths within half of `width` of d, 0 outside the skin.
 float meanSlope(float d, float width) {
   const float kFlat = 1e-9;  // m
   float low = d - 0.5 * width, high = d + 0.5 * width;
@@ -57,15 +58,16 @@ void addThroughRim(inout vec3 change[6], uint axis, float flux, float f, float G
   change[5] += (axis == 0 ? flux * phi.z : -flux * phi.y) * f * phi;
 }
 
-// A sample (a, b) of a taxel at `position`, whose sides at the rim `rim` tells: of depth d (m, < 0 over the skin), which changes by `width` over the sample's
-// cell, under the pressure f. `change`: of force and first moments of the tile by the object's twist, all over the area of a sample.
-void addToCell(inout Cell cell, inout vec3 change[6], uvec2 at, bvec4 rim, vec2 position, float d, float width, float f) {
+// Adds sample `at` of a taxel, at `position`, of depth d (m, < 0 over the skin), which changes by `width` (m) over the sample's cell, under the pressure f
+// (Pa). `rim`: which sides of the taxel are at the patch's rim. `change`: derivatives of force and first moments of the tile by the object's twist, without the
+// factor of a sample's area.
+void addToCell(Tile tile, inout Cell cell, inout vec3 change[6], uvec2 at, bvec4 rim, vec2 position, float d, float width, float f) {
   float pressed = clamp(d, 0.0, THICKNESS);
   float elastic = lawPressure(pressed, 0.0);
-  // A skin that relaxes has a share of its stiffness left, sample by sample, and no way to tell that of samples which nothing presses.
+  // A skin that relaxes keeps a share of its stiffness, sample by sample; that of samples without pressure is unknown.
   float share = RELAXATION > 0 && elastic > 0.0 ? f / elastic : 1.0;
-  bool lifted = pressed > 0.0 && f <= 0.0;  // by a damper, or a dent
-  float slope = lifted || d <= (RELAXATION > 0 ? 0.0 : -cellReach()) ? 0.0 : share * meanSlope(d, RELAXATION > 0 ? 0.0 : width);
+  bool lifted = pressed > 0.0 && f <= 0.0;  // no pressure because of a damper or a dent
+  float slope = lifted || d <= (RELAXATION > 0 ? 0.0 : -cellReach(tile)) ? 0.0 : share * meanSlope(d, RELAXATION > 0 ? 0.0 : width);
   float G = lifted ? 0.0 : share * elastic * pressed * (LAW_1 / (LAW_1 + 1.0));
   float x = position.x, y = position.y;
   vec3 phi = vec3(1, x, y);
@@ -87,27 +89,27 @@ void addToCell(inout Cell cell, inout vec3 change[6], uvec2 at, bvec4 rim, vec2 
     uint axis = side / 2;
     float outward = (side & 1u) == 0 ? -1.0 : 1.0;
     vec3 there = phi;
-    there[axis + 1] += outward * (float(rows[side]) + 0.5) * spacing[axis];
-    if (rim[side]) addThroughRim(change, axis, outward * sideWeight(true, rows[side]) / spacing[axis], f, G, there);
+    there[axis + 1] += outward * (float(rows[side]) + 0.5) * tile.spacing[axis];
+    if (rim[side]) addThroughRim(change, axis, outward * sideWeight(true, rows[side]) / tile.spacing[axis], f, G, there);
   }
 }
 
-void keepCell(uint taxel, Cell cell) {
-  vec3 slope = cell.slope * sample_area;
-  contact_cells[taxel].low_x = vec4(cell.side[0] * spacing.y, slope.x);
-  contact_cells[taxel].high_x = vec4(cell.side[1] * spacing.y, slope.y);
-  contact_cells[taxel].low_y = vec4(cell.side[2] * spacing.x, slope.z);
-  contact_cells[taxel].high_y = vec4(cell.side[3] * spacing.x, 1);
+void writeCell(Tile tile, uint taxel, Cell cell) {
+  vec3 slope = cell.slope * tile.sample_area;
+  contact_cells[taxel].low_x = vec4(cell.side[0] * tile.spacing.y, slope.x);
+  contact_cells[taxel].high_x = vec4(cell.side[1] * tile.spacing.y, slope.y);
+  contact_cells[taxel].low_y = vec4(cell.side[2] * tile.spacing.x, slope.z);
+  contact_cells[taxel].high_y = vec4(cell.side[3] * tile.spacing.x, 1);
 }
 
-// Nothing is near a taxel; a tile.
-void leaveCell(uint taxel) { contact_cells[taxel].high_y.w = 0.0; }
-void leaveChange(uint tile) { tile_changes[tile * LANES * kTileChanges] = kNoHeight; }
+// Outputs of a taxel that nothing is near; of such a tile.
+void clearCell(uint taxel) { contact_cells[taxel].high_y.w = 0.0; }
+void clearChange(uint tile_index) { tile_changes[tile_index * LANES * kTileChanges] = kNoHeight; }
 
-void keepChange(uint sum, vec3 change[6]) {
+void writeChange(Tile tile, uint sum, vec3 change[6]) {
   for (uint k = 0; k < 6; ++k) {
-    tile_changes[sum * kTileChanges + 3 * k] = change[k].x * sample_area;
-    tile_changes[sum * kTileChanges + 3 * k + 1] = change[k].y * sample_area;
-    tile_changes[sum * kTileChanges + 3 * k + 2] = change[k].z * sample_area;
+    tile_changes[sum * kTileChanges + 3 * k] = change[k].x * tile.sample_area;
+    tile_changes[sum * kTileChanges + 3 * k + 1] = change[k].y * tile.sample_area;
+    tile_changes[sum * kTileChanges + 3 * k + 2] = change[k].z * tile.sample_area;
   }
 }

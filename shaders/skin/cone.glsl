@@ -1,6 +1,4 @@
-// Coulomb's cone.
-
-// q, no longer than `cap`; without squares, which overflow.
+// Coulomb's cone: q, shortened to the length `cap` where it is longer. Computed without squares, which may overflow.
 vec2 onCone(vec2 q, float cap) {
   float largest = max(abs(q.x), abs(q.y));
   if (largest <= 0.0) return q;

@@ -1,112 +1,117 @@
-// Shear with memory: a tangential spring at every sample of the skin, held by the object that touches it, capped by Coulomb's cone;
-// include/taxelsim/sensor.h, Friction. Included by contact.comp and elastic_layer.comp, whose names it uses. Twin: src/reference/friction.cpp.
+// Shear with memory: every sample of the skin has a tangential spring that the object in contact stretches, capped by Coulomb's cone;
+// include/taxelsim/sensor.h, Friction. Used by the contact pass and the elastic layer. Twin: src/reference/friction.cpp.
 //
 // At a sample p = (x, y, -d) of P an object that moves by u in this step drags the end of the spring along by the tangential part of u, so that the
-// traction q, which acts on the skin along the object's motion, becomes
+// traction q (Pa), which acts on the skin along the object's motion, becomes
 //   q + k_t (u_x, u_y),  shortened to mu p where it is longer: the backward Euler step of elastic-perfectly plastic slip (radial return).
-// Where contact began within the step only the part of u after touch counts; a sample that nothing touches forgets.
-// The law lugre has another rule for the traction, skin/laws/lugre.glsl, and shares the rest.
+// Where contact began within the step only the part of u after touch counts; the state of a sample that nothing touches is cleared.
+// The law lugre has its own rule for the traction (skin/laws/lugre.glsl) and shares the rest.
+//
+// The includer defines kShears (shear is computed) and FLAT (the patch's frame is the sensor's).
+// Shared memory: 64 bytes per slot where an instance may touch several objects, and 8 LANES bytes.
 
 #include "skin/cone.glsl"
 
-// The rule, which the includer has: shear traction (Pa) under `pressure` (Pa) after the object has moved by `u` (m, along x and y of P), `share` of that in
-// touch. `held` is what the sample keeps between steps.
-vec2 tractionAfter(inout vec2 held, vec2 u, float share, float pressure);
+// The rule, which the includer defines: shear traction (Pa) under `pressure` (Pa) after the object has moved by `u` (m, along x and y of P) while a `share` of
+// the step in contact. `sample_state` is kept between steps. `per_dt`: 1 / the step's time, 1/s.
+vec2 tractionAfter(inout vec2 sample_state, vec2 u, float share, float pressure, float per_dt);
 
-// That of springs, which keep their traction.
-vec2 springTraction(vec2 held, vec2 u, float share, float pressure) {
-  return onCone(held + TANGENTIAL_STIFFNESS * share * u, FRICTION_COEFFICIENT * pressure);
+// Rule of the springs; their state is their traction, Pa.
+vec2 springTraction(vec2 traction, vec2 u, float share, float pressure) {
+  return onCone(traction + TANGENTIAL_STIFFNESS * share * u, FRICTION_COEFFICIENT * pressure);
 }
 
-// Motion of the object in a slot, from p in P to its displacement in P, m; kSlotRows rows a slot.
-const uint kSlotRows = 4u;
-shared vec4 slot_motions[kKeepsSlots ? kSlotRows << kSlotBits : 1u];
-shared vec2 partial_shear[kShears ? LANES : 1u];
+// ---- motion of the objects ----
 
+// Motion of the object in a slot: from p in P to its displacement in P, m.
 struct Motion {
   Affine displacement;
   bool known;
 };
-Motion only_motion;  // where an instance has one slot
+
+const uint kSlotRows = 4u;  // rows of a slot in slot_motions[]
+shared vec4 slot_motions[kKeepsSlots ? kSlotRows << kSlotBits : 1u];
+shared vec2 partial_shear[kShears ? LANES : 1u];
 
 // In the frame of the patch: R_PS D X_SP for the displacement D in S.
-Affine motionInPatch(Affine motion) {
+Affine motionInPatch(Affine motion, Affine X_PS) {
   vec3 b = vec3(X_PS.row0.w, X_PS.row1.w, X_PS.row2.w);
-  Affine turned;  // D X_SP: a row a of D becomes (a R_SP | t - a R_SP b)
+  Affine rotated;  // D X_SP: a row a of D becomes (a R_SP | t - a R_SP b)
   vec3 a0 = vec3(dot(motion.row0.xyz, X_PS.row0.xyz), dot(motion.row0.xyz, X_PS.row1.xyz), dot(motion.row0.xyz, X_PS.row2.xyz));
   vec3 a1 = vec3(dot(motion.row1.xyz, X_PS.row0.xyz), dot(motion.row1.xyz, X_PS.row1.xyz), dot(motion.row1.xyz, X_PS.row2.xyz));
   vec3 a2 = vec3(dot(motion.row2.xyz, X_PS.row0.xyz), dot(motion.row2.xyz, X_PS.row1.xyz), dot(motion.row2.xyz, X_PS.row2.xyz));
-  turned.row0 = vec4(a0, motion.row0.w - dot(a0, b));
-  turned.row1 = vec4(a1, motion.row1.w - dot(a1, b));
-  turned.row2 = vec4(a2, motion.row2.w - dot(a2, b));
+  rotated.row0 = vec4(a0, motion.row0.w - dot(a0, b));
+  rotated.row1 = vec4(a1, motion.row1.w - dot(a1, b));
+  rotated.row2 = vec4(a2, motion.row2.w - dot(a2, b));
   Affine rotation = X_PS;
   rotation.row0.w = rotation.row1.w = rotation.row2.w = 0.0;
-  return compose(rotation, turned);
+  return compose(rotation, rotated);
 }
 
-// `moved_z`: how far a load search moves the objects along z of S in this step, m.
-Motion motionInSlot(uint slot_index, float moved_z) {
+// `moved_z`: by how much a load search moves the objects along z of S in this step, m.
+Motion motionInSlot(uint slot_index, float moved_z, Affine X_PS) {
   Affine motion = Affine(motions[slot_index].row0, motions[slot_index].row1, motions[slot_index].row2);
   bool known = motions[slot_index].known.x > 0.0;
   if (known) motion.row2.w += moved_z;
-  if (!FLAT) motion = motionInPatch(motion);
+  if (!FLAT) motion = motionInPatch(motion, X_PS);
   return Motion(motion, known);
 }
 
-void loadMotions(uint instance, uint num_slots, float moved_z) {
-  if (!kKeepsSlots) {
-    only_motion = motionInSlot(instance, moved_z);
-    return;
-  }
+// Loads the motions of an instance into shared memory; returns that of an instance with one slot.
+Motion loadMotions(uint instance, uint num_slots, float moved_z, Affine X_PS) {
+  if (!kKeepsSlots) return motionInSlot(instance, moved_z, X_PS);
   for (uint slot = gl_LocalInvocationIndex; slot < num_slots; slot += WORKGROUP) {
-    Motion motion = motionInSlot(instance * num_slots + slot, moved_z);
+    Motion motion = motionInSlot(instance * num_slots + slot, moved_z, X_PS);
     slot_motions[kSlotRows * slot] = motion.displacement.row0;
     slot_motions[kSlotRows * slot + 1] = motion.displacement.row1;
     slot_motions[kSlotRows * slot + 2] = motion.displacement.row2;
     slot_motions[kSlotRows * slot + 3].x = motion.known ? 1.0 : 0.0;
   }
   workgroupBarrier();
+  return Motion(Affine(vec4(0), vec4(0), vec4(0)), false);
 }
 
-Motion motionOf(uint slot) {
+Motion motionOf(uint slot, Motion only_motion) {
   if (!kKeepsSlots) return only_motion;
   return Motion(Affine(slot_motions[kSlotRows * slot], slot_motions[kSlotRows * slot + 1], slot_motions[kSlotRows * slot + 2]),
                 slot_motions[kSlotRows * slot + 3].x > 0.0);
 }
 
-// What a sample keeps, 0 where nothing touched.
-vec2 heldAt(uint state_index) {
+// ---- state of the samples ----
+
+// State of a sample, 0 where nothing touched it.
+vec2 sampleState(uint state_index) {
   uvec2 words = wordsOf(friction_state[state_index]);
-  return (words.x & ~kSlotMask) == kApart ? vec2(0) : vec2(withoutSlot(words.x), uintBitsToFloat(words.y));
+  return (words.x & ~kSlotMask) == kNoFrictionState ? vec2(0) : vec2(withoutSlot(words.x), uintBitsToFloat(words.y));
 }
 
-// Shear traction (Pa) at the sample p of P under `pressure` (Pa), if the object in `slot` touches there; leaves the sample's state for the next step.
-// `kept`: the sample has a state of the step before.
-vec2 shearTraction(uint state_index, bool kept, bool touches, uint slot, vec3 p, float pressure) {
-  uvec2 before = uvec2(kApart, 0u), after = before;
-  vec2 q = vec2(0), held = vec2(0);
+// Shear traction (Pa) at the sample p of P under `pressure` (Pa), if the object in `slot` touches it; stores the sample's state for the next step.
+// `has_state`: the step before has stored a state of the sample. `only_motion`: as loadMotions() returned it.
+vec2 shearTraction(uint state_index, bool has_state, bool touches, uint slot, Motion only_motion, vec3 p, float pressure, float per_dt) {
+  uvec2 before = uvec2(kNoFrictionState, 0u), after = before;
+  vec2 q = vec2(0), sample_state = vec2(0);
   if (touches) {
-    if (kept) before = wordsOf(friction_state[state_index]);
-    bool touched = (before.x & ~kSlotMask) != kApart && slotOf(before.x) == slot;
-    Motion motion = motionOf(slot);
+    if (has_state) before = wordsOf(friction_state[state_index]);
+    bool touched = (before.x & ~kSlotMask) != kNoFrictionState && slotOf(before.x) == slot;
+    Motion motion = motionOf(slot, only_motion);
     if (motion.known) {
       vec3 u = apply(motion.displacement, p);
-      float share = !touched && u.z < 0.0 ? clamp(p.z / u.z, 0.0, 1.0) : 1.0;  // skin that bulges meets objects at p.z > 0
-      if (touched) held = vec2(withoutSlot(before.x), uintBitsToFloat(before.y));
-      q = tractionAfter(held, u.xy, share, pressure);
+      float share = !touched && u.z < 0.0 ? clamp(p.z / u.z, 0.0, 1.0) : 1.0;  // skin that bulges touches objects at p.z > 0
+      if (touched) sample_state = vec2(withoutSlot(before.x), uintBitsToFloat(before.y));
+      q = tractionAfter(sample_state, u.xy, share, pressure, per_dt);
     }
-    after = uvec2(withSlot(held.x, slot), floatBitsToUint(held.y));
+    after = uvec2(withSlot(sample_state.x, slot), floatBitsToUint(sample_state.y));
   }
   friction_state[state_index] = pairOf(after);
   return q;
 }
 
-// The taxels of the patch whose samples have a state, or the nodes of a layer that have one: first row, end row, first col, end col.
-uvec4 keptWindow(uint tile_state) { return uvec4(wordsOf(friction_state[tile_state]), wordsOf(friction_state[tile_state + 1])); }
+// The rectangle of taxels whose samples have a state, or of nodes of an elastic layer: first row, end row, first col, end col.
+uvec4 readStateWindow(uint tile_state) { return uvec4(wordsOf(friction_state[tile_state]), wordsOf(friction_state[tile_state + 1])); }
 
-void keepWindow(uint tile_state, uvec4 window) {
+void writeStateWindow(uint tile_state, uvec4 window) {
   friction_state[tile_state] = pairOf(window.xy);
   friction_state[tile_state + 1] = pairOf(window.zw);
 }
 
-bool isKept(uvec2 at, uvec4 window) { return all(greaterThanEqual(at, window.xz)) && all(lessThan(at, window.yw)); }
+bool isInWindow(uvec2 at, uvec4 window) { return all(greaterThanEqual(at, window.xz)) && all(lessThan(at, window.yw)); }

@@ -1,52 +1,66 @@
-// The load search over one tile. Included by contact.comp, whose names it uses. Twin: src/reference/load.cpp.
+// Load search over one tile: the depth of the lowest sample at which the tile carries a load, by Newton's method from full depth down. Twin:
+// src/reference/load.cpp.
+// Shared memory: 4 bytes.
+
+shared uint lowest_bits;  // height of the lowest sample; kEmpty at the start of a tile
 
 struct Search {
   float depth;   // of the lowest sample, m
-  float lowest;  // height of the lowest sample before the move, as the tile counts it: over z_base, m
-  float offset;  // by which the objects move, m
+  float lowest;  // height of the lowest sample before the move, over Tile::z_base, m
+  float offset;  // by which the objects move along z, m
   float status;  // kLoadCarried or kLoadOutOfReach
 };
 
-uint addressOf(uvec2 at) { return at.x * tile_stride + at.y; }
+uint addressOf(Tile tile, uvec2 at) { return at.x * tile.stride + at.y; }
 
-// Depth of the lowest sample at which the samples of the window carry `load`: Newton's method from full depth down. Only z moves, so the gaps
-// between the samples are those of the tile.
-Search searchLoad(float load, uvec2 first, uvec2 count) {
-  const int kMaxIterations = 32;
-  const float kTolerance = 2e-6;  // of the load; some ten roundings of a float
+// Finds the lowest of the `count` samples from `first` on; kEmpty without any. All invocations call it.
+uint lowestSample(Tile tile, uvec2 first, uvec2 count) {
   uint total = count.x * count.y;
   uint lane_lowest = kEmpty;
   for (uint i = gl_LocalInvocationIndex; i < total; i += WORKGROUP) {
-    lane_lowest = min(lane_lowest, tile[addressOf(first + cellNumbered(i, count.y))]);
+    lane_lowest = min(lane_lowest, tile_heights[addressOf(tile, first + cellNumbered(i, count.y))]);
   }
   atomicMin(lowest_bits, lane_lowest);
   workgroupBarrier();
+  return lowest_bits;
+}
+
+// Force (N) of the samples, and its derivative by the depth (N/m), when the lowest sample is at `depth`. Only z moves: the gaps between the samples stay.
+vec2 forceAtDepth(Tile tile, TileSkin tile_skin, float depth, float lowest, uvec2 first, uvec2 count) {
+  uint total = count.x * count.y;
+  for (uint v = gl_LocalInvocationIndex; v < LANES; v += WORKGROUP) {
+    float force = 0.0, slope = 0.0;
+    uint i = v;
+    for (; i < total; i += LANES) {
+      uvec2 at = first + cellNumbered(i, count.y);
+      uint address = addressOf(tile, at);
+      float d = depth - (withoutSlot(tile_heights[address]) - lowest);
+      float f = lawPressure(d, 0.0), f_slope = lawSlope(d);
+      if (RELAXATION > 0) {
+        bool reached = isReached(tile_skin, at / SAMPLES);
+        f = relaxedPressure(tile_skin, skinAt(tile_skin, address, reached), f);
+        f_slope = f > 0.0 ? tile_skin.step.gain * f_slope : 0.0;
+      }
+      force += f;
+      slope += f_slope;
+    }
+    checkLoop(i < total);
+    partial[v] = vec4(force, slope, 0, 0) * tile.sample_area;
+  }
+  return sumOfPartials().xy;
+}
+
+// `load`: N. The samples are `count` from `first` on.
+Search searchLoad(Tile tile, TileSkin tile_skin, float load, uvec2 first, uvec2 count) {
+  const int kMaxIterations = 32;
+  const float kTolerance = 2e-6;  // of the load; some ten roundings of a float
   Search found = Search(0.0, 0.0, 0.0, kLoadOutOfReach);
-  uint lowest = lowest_bits;
+  uint lowest = lowestSample(tile, first, count);
   if (lowest == kEmpty) return found;
   found.lowest = withoutSlot(lowest);
   found.depth = THICKNESS;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
-    for (uint v = gl_LocalInvocationIndex; v < LANES; v += WORKGROUP) {
-      float force = 0.0, slope = 0.0;
-      uint i = v;
-      for (; i < total; i += LANES) {
-        uvec2 at = first + cellNumbered(i, count.y);
-        uint address = addressOf(at);
-        float d = found.depth - (withoutSlot(tile[address]) - found.lowest);
-        float f = lawPressure(d, 0.0), f_slope = lawSlope(d);
-        if (RELAXATION > 0) {
-          bool reached = isReached(at / SAMPLES);
-          f = relaxedPressure(skinAt(address, reached), f);
-          f_slope = f > 0.0 ? skin_gain * f_slope : 0.0;
-        }
-        force += f;
-        slope += f_slope;
-      }
-      cut_short = cut_short || i < total;
-      partial[v] = vec4(force, slope, 0, 0) * sample_area;
-    }
-    vec4 sums = sumOfPartials();
+    vec2 sums = forceAtDepth(tile, tile_skin, found.depth, found.lowest, first, count);
     float excess = sums.x - load;
     if (iteration == 0 && excess < -kTolerance * load) break;  // even full depth carries less
     found.status = kLoadCarried;
@@ -54,7 +68,7 @@ Search searchLoad(float load, uvec2 first, uvec2 count) {
     if (abs(excess) <= kTolerance * load || sums.y <= 0.0) break;
     found.depth = clamp(found.depth - excess / sums.y, 0.0, THICKNESS);
   }
-  if (RELAXATION == 0 && load == 0.0) found.depth = 0.0;  // else at the bottom of a dent
-  found.offset = -found.depth - (z_base + found.lowest);
+  if (RELAXATION == 0 && load == 0.0) found.depth = 0.0;  // with relaxation: at the bottom of a dent
+  found.offset = -found.depth - (tile.z_base + found.lowest);
   return found;
 }

@@ -1,14 +1,23 @@
-// What a step does to a skin that relaxes; its formulas are in relaxation.glsl.
+// Coefficients of one time step of a skin that relaxes, from StepRecord; the formulas are in skin/relaxation.glsl. Dimensionless.
 
-float skin_settled, skin_gain;
-vec4 skin_fade, skin_fade_rest;  // e in two floats: 1 - e is what matters where steps are short
-vec4 skin_growth;                // c
+struct SkinStep {
+  float settled;    // equilibrium stiffness
+  float gain;       // stiffness against strain that is added in this step
+  vec4 fade;        // e of each term in two floats, since 1 - e is what matters in short steps
+  vec4 fade_rest;
+  vec4 growth;      // c of each term
+  bool is_new;      // the first step: the skin was never pressed
+};
 
-// `is_new`: the skin was never pressed.
-void loadSkinStep(bool is_new) {
-  skin_settled = step_record.relaxation.x;
-  skin_gain = is_new ? 1.0 : step_record.relaxation.y;
-  skin_fade = step_record.relaxation_fade;
-  skin_fade_rest = step_record.relaxation_fade_rest;
-  skin_growth = is_new ? step_record.relaxation_fraction : step_record.relaxation_growth;
+SkinStep skinStep(bool is_new) {
+  SkinStep step;
+  step.settled = step_record.relaxation.x;
+  step.gain = is_new ? 1.0 : step_record.relaxation.y;
+  step.fade = step_record.relaxation_fade;
+  step.fade_rest = step_record.relaxation_fade_rest;
+  step.growth = is_new ? step_record.relaxation_fraction : step_record.relaxation_growth;
+  step.is_new = is_new;
+  return step;
 }
+
+SkinStep noSkinStep() { return SkinStep(1.0, 1.0, vec4(0), vec4(0), vec4(0), true); }

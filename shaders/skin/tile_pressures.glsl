@@ -1,8 +1,22 @@
-// Stage 2 of the contact pass: heights over the samples of a tile to one force per taxel and a wrench. Included by contact.comp.
+// Stage 2 of the contact pass: from the heights over the samples of a tile to one force per taxel (N) and a wrench, by the law (skin/laws/), relaxation and
+// friction.
 //
-// In:  heights of the tile or of one solid (depth/heights.glsl), the law (skin/laws/), relaxation and friction.
-// Out: contact_normal, contact_depth, contact_shear, contact_cells, tile_changes; partial sums of the wrench in partial[] and partial_shear[].
+// In:  heights of the tile or of one solid (depth/heights.glsl).
+// Out: contact_normal, contact_depth, contact_shear, contact_cells, tile_changes; partial sums of the wrench in partial[] and partial_shear[]; num_deep and
+//      any_behind.
+// Shared memory: 8 bytes.
 // Twins: src/reference/contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp.
+
+// Cosine to z of S. On a patch flatter than this, a surface below Tile::z_floor means that a load search has passed through the body.
+const float kLooksUp = 0.7;
+
+shared uint num_deep;    // samples at the skin's full thickness
+shared uint any_behind;  // 1: a surface below Tile::z_floor, on a patch that looks along z of S
+
+void writeShear(uint taxel, vec2 shear) {
+  contact_shear[2 * taxel] = shear.x;
+  contact_shear[2 * taxel + 1] = shear.y;
+}
 
 // Taxels of a tile that can carry force: a rectangle, in taxels of the tile, half-open.
 struct ActiveTaxels {
@@ -21,16 +35,19 @@ ActiveTaxels activeTaxels(Box samples) {
 // What all taxels of a tile have in common while their samples are summed.
 struct TileStep {
   uint instance;
-  uint result;        // index of the tile over all instances
-  uint first_taxel;   // of the patch, over all instances
-  bool load_driven;   // the load search has ended in this pass
-  bool at_rest;       // no depth rate: the first step, or an instance driven by its load
-  Search found;       // what that search found
-  float surface;      // depth where the tile's height is 0, m
+  uint result;          // index of the tile over all instances
+  uint first_taxel;     // of the patch, over all instances
+  bool load_driven;     // the load search has ended in this pass
+  bool at_rest;         // no depth rate: the first step, or an instance driven by its load
+  float per_dt;         // 1 / the step's time, 1/s, for laws that need it
+  Search found;         // result of that search
+  float surface;        // depth where the tile's height is 0, m
+  TileSkin skin;        // state of relaxation
   uint friction_state;  // index of the tile's header in friction_state
-  uvec4 kept;         // window of taxels that friction_state holds
-  Body body;          // the one solid of a pass without a tile
-  vec4 parameters;    // of that solid
+  uvec4 state_window;   // window of taxels that friction_state holds
+  Motion only_motion;   // of the object in the only slot
+  Body body;            // the one solid of a pass without a tile
+  vec4 parameters;      // of that solid
 };
 
 // Sums over the samples of a taxel.
@@ -43,80 +60,81 @@ struct TaxelSums {
   uint deep;           // samples at the skin's full thickness
 };
 
-// The load search in this tile, and the state that relaxation and friction keep of it.
-TileStep beginPressures(uint instance, uint tile_number, uint num_slots, Reach reach, ActiveTaxels taxels, bool load_driven, bool search_here) {
+// Runs the load search of this tile and loads the states of relaxation and friction.
+TileStep beginPressures(Tile tile, uint instance, uint tile_number, uint num_slots, Reach reach, ActiveTaxels taxels, bool load_driven, bool search_here) {
   TileStep step;
   step.instance = instance;
   step.result = instance * NUM_TILES + tile_number;
-  step.first_taxel = instance * NUM_TAXELS + grid.z;
+  step.first_taxel = instance * NUM_TAXELS + tile.grid.z;
   step.load_driven = search_here;
   bool is_first = (instances[instance].keys.w & kFlagFirstStep) != 0;
   step.at_rest = is_first || load_driven;
-  if (RELAXATION > 0) loadRelaxation(step.result, is_first);
+  if (RELAXATION > 0) step.skin = loadTileSkin(step.result, is_first);
   step.found = Search(0.0, 0.0, 0.0, kLoadOutOfReach);
-  if (!kLawSolvedApart && SEARCH == kSearchInTile && search_here) {
+  if (!kGlobalSolve && SEARCH == kSearchInTile && search_here) {
     if (taxels.count.x * taxels.count.y > 0) {
-      step.found = searchLoad(instances[instance].drive.x, taxels.first * SAMPLES, taxels.count * SAMPLES);
+      step.found = searchLoad(tile, step.skin, instances[instance].drive.x, taxels.first * SAMPLES, taxels.count * SAMPLES);
     }
     if (gl_LocalInvocationIndex == 0) loads[instance].bracket = vec4(step.found.offset, 0, 0, step.found.status);
   }
   step.surface = search_here ? step.found.depth + step.found.lowest : THICKNESS;
   step.friction_state = step.result * (kFrictionHeader + TILE_SAMPLES);
-  step.kept = uvec4(0);
+  step.state_window = uvec4(0);
   if (kShears) {
-    step.kept = keptWindow(step.friction_state);
-    loadMotions(instance, num_slots, search_here ? step.found.offset : offset_z);
+    step.state_window = readStateWindow(step.friction_state);
+    step.only_motion = loadMotions(instance, num_slots, search_here ? step.found.offset : tile.offset_z, tile.X_PS);
   }
   step.body = reach.body;
   step.parameters = vec4(0);
   if (!usesTile()) step.parameters = objectOf(max(reach.id, 0)).parameters;
-  per_dt = HAS_STATE || BRISTLES ? step_record.time.y : 0.0;
+  step.per_dt = HAS_STATE || BRISTLES ? step_record.time.y : 0.0;
   return step;
 }
 
-// Height over z_base, m, with or without a tile: a batch may change between the two, and no bit may show it. `word`: what the tile holds.
-float heightOver(TileStep step, uint address, vec2 position, out uint word) {
+// Height of a sample over Tile::z_base, m, with or without a tile: a batch may change between the two, and both give the same bits. `word`: the tile's word.
+float sampleHeight(Tile tile, TileStep step, uint address, vec2 position, inout Found found, out uint word) {
   word = 0;
   if (usesTile()) {
-    word = tile[address];
+    word = tile_heights[address];
     return withoutSlot(word);
   }
-  float z = kOnlyPolyhedra ? heightInRow(position.y) : analyticHeight(step.body.kind_groups.x, step.parameters, step.body.X_PO, position);
-  return NUM_ROWS > 0 || isSeen(z) ? max(z - z_base, 0.0) : kMiss;
+  float z = kOnlyPolyhedra ? heightInRow(position.y, tile.z_floor, found)
+                           : analyticHeight(step.body.kind_groups.x, step.parameters, step.body.X_PO, position, tile.z_floor, found);
+  return NUM_ROWS > 0 || isVisible(tile, z, found) ? max(z - tile.z_base, 0.0) : kMiss;
 }
 
-// Rate of the depth since the step before, m/s; keeps the depth.
+// Rate of the depth since the step before, m/s; stores the depth.
 float depthRate(TileStep step, uint address, float d) {
   uint where = step.result * TILE_SAMPLES + address;
-  float rate = step.at_rest ? 0.0 : (d - state[where]) * per_dt;
+  float rate = step.at_rest ? 0.0 : (d - state[where]) * step.per_dt;
   state[where] = d;
   return rate;
 }
 
 // Sums over the samples of the taxel at `in_tile`; `cell` and `change` are those of the tactile Jacobian.
-TaxelSums pressTaxel(TileStep step, uvec2 in_tile, inout Cell cell, inout vec3 change[6]) {
+TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found, inout Cell cell, inout vec3 change[6]) {
   uvec2 base = in_tile * SAMPLES;
-  uvec2 in_patch = in_tile + tile_taxel;
+  uvec2 in_patch = in_tile + tile.first_taxel;
   float depth_sum = 0.0;
-  // Added as written: a driver may take out a common factor, in one variant of this pass and not in another.
+  // `precise`: a driver may take out a common factor in one variant of this pass and not in another.
   precise float force = 0.0;
   precise vec2 moment = vec2(0), shear = vec2(0);
   precise vec3 shear_moment = vec3(0);
   uint deep = 0;
-  bool is_reached = RELAXATION > 0 && isReached(in_tile);
-  bool is_kept = kShears && isKept(in_patch, step.kept);
-  bvec4 rim = bvec4(equal(in_patch, uvec2(0)), equal(in_patch + 1u, grid.xy)).xzyw;
-  vec2 first_sample = vec2(base + tile_taxel * SAMPLES);
+  bool is_reached = RELAXATION > 0 && isReached(step.skin, in_tile);
+  bool has_state = kShears && isInWindow(in_patch, step.state_window);
+  bvec4 rim = bvec4(equal(in_patch, uvec2(0)), equal(in_patch + 1u, tile.grid.xy)).xzyw;
+  vec2 first_sample = vec2(base + tile.first_taxel * SAMPLES);
   for (uint a = 0; a < SAMPLES; ++a) {
-    float x = samplePosition(first_sample + vec2(a, 0)).x;
+    float x = samplePosition(tile, first_sample + vec2(a, 0)).x;
     if (!usesTile() && kOnlyPolyhedra) startRow(x);
     for (uint b = 0; b < SAMPLES; ++b) {
-      uint address = (base.x + a) * tile_stride + base.y + b;
-      vec2 position = vec2(x, samplePosition(first_sample + vec2(0, b)).y);
+      uint address = (base.x + a) * tile.stride + base.y + b;
+      vec2 position = vec2(x, samplePosition(tile, first_sample + vec2(0, b)).y);
       uint word;
-      float height = heightOver(step, address, position, word);
-      if (kLawSolvedApart) {
-        force = height >= kMiss ? kMiss : uintBitsToFloat(withSlot(z_base + height, slotOf(word)));
+      float height = sampleHeight(tile, step, address, position, found, word);
+      if (kGlobalSolve) {
+        force = height >= kMiss ? kMiss : uintBitsToFloat(withSlot(tile.z_base + height, slotOf(word)));
         continue;
       }
       float d = clamp(step.load_driven ? step.found.depth - (height - step.found.lowest) : THICKNESS - height, 0.0, THICKNESS);
@@ -124,20 +142,21 @@ TaxelSums pressTaxel(TileStep step, uvec2 in_tile, inout Cell cell, inout vec3 c
       deep += d >= THICKNESS ? 1u : 0u;
       float f = lawPressure(d, d_rate);
       if (RELAXATION > 0) {
-        SkinState skin = skinAt(address, is_reached);
-        if (kAdvances) keepSkin(address, skin, f);
-        f = relaxedPressure(skin, f);
+        SkinState skin = skinAt(step.skin, address, is_reached);
+        if (kUpdatesSkin) updateSkin(step.skin, address, skin, f);
+        f = relaxedPressure(step.skin, skin, f);
       }
       force += f;
       moment += f * position;
       depth_sum += d;
       if (OUTPUT_JACOBIAN) {
         float signed_d = step.surface - height;
-        vec2 steps = vec2(stepOfDepth(signed_d, a, address, tile_stride, step.surface), stepOfDepth(signed_d, b, address, 1, step.surface));
-        addToCell(cell, change, uvec2(a, b), rim, position, signed_d, length(steps), f);
+        vec2 steps = vec2(stepOfDepth(tile, signed_d, a, address, tile.stride, step.surface), stepOfDepth(tile, signed_d, b, address, 1, step.surface));
+        addToCell(tile, cell, change, uvec2(a, b), rim, position, signed_d, length(steps), f);
       }
       if (kShears) {
-        vec2 q = shearTraction(step.friction_state + kFrictionHeader + address, is_kept, d > 0.0, slotOf(word), vec3(position, -d), f);
+        uint state_index = step.friction_state + kFrictionHeader + address;
+        vec2 q = shearTraction(state_index, has_state, d > 0.0, slotOf(word), step.only_motion, vec3(position, -d), f, step.per_dt);
         shear += q;
         shear_moment += cross(vec3(position, -d), vec3(q, 0));
       }
@@ -147,67 +166,67 @@ TaxelSums pressTaxel(TileStep step, uvec2 in_tile, inout Cell cell, inout vec3 c
 }
 
 // Writes one taxel and adds to the wrench (normal force, torque about x, y and z of P) and shear of its lane.
-void writeTaxel(uint instance, uvec2 in_patch, TaxelSums sums, Cell cell, inout vec4 wrench, inout vec2 lane_shear) {
+void writeTaxel(Tile tile, uint instance, uvec2 in_patch, TaxelSums sums, Cell cell, inout vec4 wrench, inout vec2 lane_shear) {
   const float kPerSample = 1.0 / float(SAMPLES * SAMPLES);
-  float force = kLawSolvedApart ? sums.force : sums.force * sample_area;
-  vec2 moment = sums.moment * sample_area;
-  uint in_sensor = grid.z + in_patch.x * grid.y + in_patch.y;
+  float force = kGlobalSolve ? sums.force : sums.force * tile.sample_area;
+  vec2 moment = sums.moment * tile.sample_area;
+  uint in_sensor = tile.grid.z + in_patch.x * tile.grid.y + in_patch.y;
   uint taxel = instance * NUM_TAXELS + in_sensor;
   contact_normal[taxel] = SCALED ? force * spread_scale[in_sensor] : force;
   if (OUTPUT_DEPTH) contact_depth[taxel] = sums.depth * kPerSample;
-  if (OUTPUT_JACOBIAN) keepCell(taxel, cell);
+  if (OUTPUT_JACOBIAN) writeCell(tile, taxel, cell);
   // The skin is pressed along -z: torque (x, y, 0) x (0, 0, -f).
   wrench += vec4(force, -moment.y, moment.x, 0);
   if (!kShears) return;
-  vec2 shear = sums.shear * sample_area;
+  vec2 shear = sums.shear * tile.sample_area;
   if (OUTPUT_SHEAR) writeShear(taxel, SCALED ? shear * spread_scale[in_sensor] : shear);
-  wrench.yzw += sums.shear_moment * sample_area;
+  wrench.yzw += sums.shear_moment * tile.sample_area;
   lane_shear += shear;
 }
 
-// All active taxels, each by one of LANES lanes, which leave partial sums of the wrench.
-void pressTaxels(TileStep step, ActiveTaxels taxels) {
+// Computes all active taxels, each by one of LANES lanes, which leave partial sums of the wrench.
+void pressTaxels(Tile tile, TileStep step, ActiveTaxels taxels, inout Found found) {
   uint num_active = taxels.count.x * taxels.count.y;
   uint deep = 0;
   for (uint v = gl_LocalInvocationIndex; v < LANES; v += WORKGROUP) {
     vec4 wrench = vec4(0);
     vec2 lane_shear = vec2(0);
     vec3 change[6] = vec3[6](vec3(0), vec3(0), vec3(0), vec3(0), vec3(0), vec3(0));
-    uint touched = kPassesOver ? touchedTaxels(v, taxels.first, taxels.count, step.first_taxel) : 0;
-    uint k = kPassesOver ? nextTouched(touched, v) : v;
+    uint touched = kSkipsTaxels ? touchedTaxels(tile, v, taxels.first, taxels.count, step.first_taxel) : 0;
+    uint k = kSkipsTaxels ? nextTouched(touched, v) : v;
     while (k < num_active) {
       uvec2 in_tile = taxels.first + cellNumbered(k, taxels.count.y);
       Cell cell = noCell();
-      TaxelSums sums = pressTaxel(step, in_tile, cell, change);
+      TaxelSums sums = pressTaxel(tile, step, in_tile, found, cell, change);
       deep += sums.deep;
-      writeTaxel(step.instance, in_tile + tile_taxel, sums, cell, wrench, lane_shear);
-      k = kPassesOver ? nextTouched(touched, v) : k + LANES;
+      writeTaxel(tile, step.instance, in_tile + tile.first_taxel, sums, cell, wrench, lane_shear);
+      k = kSkipsTaxels ? nextTouched(touched, v) : k + LANES;
     }
-    cut_short = cut_short || k < num_active;
+    checkLoop(k < num_active);
     partial[v] = wrench;
     if (kShears) partial_shear[v] = lane_shear;
-    if (OUTPUT_JACOBIAN) keepChange(step.result * LANES + v, change);
+    if (OUTPUT_JACOBIAN) writeChange(tile, step.result * LANES + v, change);
   }
   if (deep > 0) atomicAdd(num_deep, deep);
-  if (NUM_ROWS == 0 && met_behind && X_PS.row2.z > kLooksUp) atomicOr(any_behind, 1u);
+  if (NUM_ROWS == 0 && found.below_floor && tile.X_PS.row2.z > kLooksUp) atomicOr(any_behind, 1u);
 }
 
-// Clears the taxels that nothing reaches. A sensor of one tile needs it only for spread by lists: the image pass reads nothing outside the window.
-void clearUntouched(TileStep step, ActiveTaxels taxels) {
+// Clears the taxels that nothing reaches. The image pass reads nothing outside the window of a sensor of one tile with a kernel.
+void clearUntouched(Tile tile, TileStep step, ActiveTaxels taxels) {
   if (!(OUTPUT_JACOBIAN || NUM_TILES > 1 || NUM_ROWS == 0 || OUTPUT_DEPTH || HAS_STATE)) return;
-  for (uint k = gl_LocalInvocationIndex; k < tile_size.x * tile_size.y; k += WORKGROUP) {
-    uvec2 in_tile = cellNumbered(k, tile_size.y);
+  for (uint k = gl_LocalInvocationIndex; k < tile.size.x * tile.size.y; k += WORKGROUP) {
+    uvec2 in_tile = cellNumbered(k, tile.size.y);
     if (all(greaterThanEqual(in_tile, taxels.first)) && all(lessThan(in_tile, taxels.first + taxels.count))) continue;
-    uvec2 in_patch = in_tile + tile_taxel;
-    uint taxel = step.first_taxel + in_patch.x * grid.y + in_patch.y;
-    contact_normal[taxel] = kLawSolvedApart ? kMiss : 0.0;
+    uvec2 in_patch = in_tile + tile.first_taxel;
+    uint taxel = step.first_taxel + in_patch.x * tile.grid.y + in_patch.y;
+    contact_normal[taxel] = kGlobalSolve ? kMiss : 0.0;
     if (OUTPUT_SHEAR) writeShear(taxel, vec2(0));
     if (OUTPUT_DEPTH) contact_depth[taxel] = 0.0;
-    if (OUTPUT_JACOBIAN) leaveCell(taxel);
+    if (OUTPUT_JACOBIAN) clearCell(taxel);
     if (HAS_STATE) {
       for (uint a = 0; a < SAMPLES * SAMPLES; ++a) {
         uvec2 at = in_tile * SAMPLES + uvec2(a / SAMPLES, a % SAMPLES);
-        state[step.result * TILE_SAMPLES + at.x * tile_stride + at.y] = 0.0;
+        state[step.result * TILE_SAMPLES + at.x * tile.stride + at.y] = 0.0;
       }
     }
   }

@@ -32,27 +32,27 @@ ModelOptions modelOptionsOf(const Scene& scene) {
   return options;
 }
 
-std::vector<int> cutBatch(const Model& model, const EpisodePlan& plan, int batch_size, int num_slices) {
+std::vector<int> splitBatch(const Model& model, const EpisodePlan& plan, int batch_size, int num_slices) {
   num_slices = std::min(num_slices, batch_size);
   const MemoryPlan memory = Simulator::plan(model, plan.simulatorOptions(batch_size));
   const std::uint64_t bytes_per_instance = memory.bytes_per_instance * static_cast<std::uint64_t>(plan.num_sensors);
-  const std::uint64_t have = model.device().info().memory;
+  const std::uint64_t available = model.device().info().memory;
   const std::uint64_t fixed = memory.bytes_fixed * static_cast<std::uint64_t>(num_slices);
-  const std::uint64_t need = fixed + bytes_per_instance * static_cast<std::uint64_t>(batch_size);
-  if (need > have) {
-    const std::uint64_t fits = have > fixed ? (have - fixed) / std::max<std::uint64_t>(bytes_per_instance, 1) : 0;
+  const std::uint64_t needed = fixed + bytes_per_instance * static_cast<std::uint64_t>(batch_size);
+  if (needed > available) {
+    const std::uint64_t num_fitting = available > fixed ? (available - fixed) / std::max<std::uint64_t>(bytes_per_instance, 1) : 0;
     throw Error(ErrorKind::kInput, "batch size: " + std::to_string(batch_size) + " instances in " + std::to_string(num_slices) +
-                                       " slices take " + std::to_string(need) + " bytes of device memory, " + std::to_string(have) +
-                                       " there are; at most " + std::to_string(fits) + " fit");
+                                       " slices need " + std::to_string(needed) + " bytes of device memory, " + std::to_string(available) +
+                                       " are available; at most " + std::to_string(num_fitting) + " instances fit");
   }
   std::vector<int> sizes;
   for (int s = 0; s < num_slices; ++s) sizes.push_back(batch_size / num_slices + (s < batch_size % num_slices ? 1 : 0));
   return sizes;
 }
 
-void playEpisodes(const Device& device, std::span<const std::unique_ptr<Slice>> slices, const std::atomic<bool>* stop,
-                  const std::function<void(const Slice::Tally&)>& after_turn) {
-  const auto turns = [&] {
+void runEpisodes(const Device& device, std::span<const std::unique_ptr<Slice>> slices, const std::atomic<bool>* stop,
+                 const std::function<void(const Slice::Stats&)>& after_frame) {
+  const auto run_slices = [&] {
     if (device.info().type == DeviceType::kCpu) lowerThreadPriority();
     for (const auto& slice : slices) {
       if (slice->busy()) slice->submit();
@@ -64,20 +64,20 @@ void playEpisodes(const Device& device, std::span<const std::unique_ptr<Slice>> 
         if (!slice->busy()) continue;
         if (stop && stop->load(std::memory_order_relaxed)) {
           for (const auto& other : slices) {
-            if (other->busy()) other->abandon();
+            if (other->busy()) other->discard();
           }
           return;
         }
-        const Slice::Tally tally = slice->collect();
+        const Slice::Stats stats = slice->collect();
         if (slice->busy()) {
           slice->submit();
           any_busy = true;
         }
-        after_turn(tally);
+        after_frame(stats);
       }
     }
   };
-  std::async(std::launch::async, turns).get();
+  std::async(std::launch::async, run_slices).get();
 }
 
 }  // namespace taxelsim

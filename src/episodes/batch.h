@@ -1,4 +1,16 @@
-// A batch of instances, cut into slices that take turns.
+// Runs the episodes of a scene in a batch of instances, split into slices.
+//
+// Each slice has a simulator of its own. With two slices in flight the device computes the frame of one while the host handles the frame of
+// the other:
+//
+//   device   | frame 1 of A | frame 1 of B | frame 2 of A | frame 2 of B | ...
+//   host     |              | A: read 1,   | B: read 1,   | A: read 2,   |
+//            |              | control,     | control,     | control,     |
+//            |              | record,      | record,      | record,      |
+//            |              | submit 2     | submit 2     | submit 3     |
+//
+// The results do not depend on the batch size or on the number of slices: an episode is a function of scene, seed and episode number
+// (draw.h).
 #pragma once
 
 #include <atomic>
@@ -11,23 +23,25 @@
 
 namespace taxelsim {
 
-// A scene need not come from loadScene(). Throws Error(kInput).
+// Validates a scene, which need not come from loadScene(). Throws Error(kInput).
 void checkScene(const Scene& scene);
 
-// Throws Error(kInput) unless value is at least 1.
+// Throws Error(kInput) unless value >= 1; `name` names the value in the message.
 void checkCount(const char* name, std::int64_t value);
 
-// The scene's sensor and objects, for a Model.
+// Model options with the sensor and the objects of the scene.
 ModelOptions modelOptionsOf(const Scene& scene);
 
-// Instances of each slice; none is empty. Each simulator checks its own part against the device; together they must fit as well: throws
-// Error(kInput).
-std::vector<int> cutBatch(const Model& model, const EpisodePlan& plan, int batch_size, int num_slices);
+// Splits batch_size (>= 1) instances into at most num_slices (>= 1) slices; returns their sizes, which differ by at most 1. Throws
+// Error(kInput) if all slices together do not fit into device memory.
+std::vector<int> splitBatch(const Model& model, const EpisodePlan& plan, int batch_size, int num_slices);
 
-// Plays all episodes. Slices take turns: when a slice's turn comes its frame is read and its next one started; meanwhile the others' frames
-// are computed. `after_turn` hears what each turn brought. When *stop (or null) becomes true, what is under way is given up. All of this
-// happens on a thread of its own, in the background where `device` is the processor; returns when it has ended, and throws what was thrown.
-void playEpisodes(const Device& device, std::span<const std::unique_ptr<Slice>> slices, const std::atomic<bool>* stop,
-                  const std::function<void(const Slice::Tally&)>& after_turn);
+// Runs the slices until no instance has an episode left. Calls after_frame with the statistics of each collected frame. When *stop (may be
+// null) becomes true, unfinished episodes are abandoned.
+//
+// Threads: runs in a thread of its own, in which after_frame and the sinks are called; at background priority if `device` is a CPU. Blocks
+// until that thread ends, and rethrows its exception.
+void runEpisodes(const Device& device, std::span<const std::unique_ptr<Slice>> slices, const std::atomic<bool>* stop,
+                 const std::function<void(const Slice::Stats&)>& after_frame);
 
 }  // namespace taxelsim

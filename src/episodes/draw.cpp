@@ -15,13 +15,13 @@ double drawRange(EpisodeRandom& random, const Range& range) {
   return random.uniform(range.min, range.max);
 }
 
-// An index, chosen by weight.
+// Index drawn with probability proportional to its weight.
 template <typename T>
 int drawWeighted(EpisodeRandom& random, const std::vector<T>& choices) {
   double sum = 0;
   for (const T& choice : choices) sum += choice.weight;
   double left = random.uniform() * sum;
-  int last = 0;  // rounding may leave a little over: it belongs to the last one that can be chosen
+  int last = 0;  // the last index with a positive weight takes what rounding leaves over
   for (int i = 0; i < static_cast<int>(choices.size()); ++i) {
     if (choices[i].weight <= 0) continue;
     last = i;
@@ -43,11 +43,11 @@ int numSensors(const Scene& scene) {
 }
 
 int numRegions(const Scene& scene) {
-  const bool looked_at = scene.kind == Scene::Kind::kServo &&
-                         std::any_of(scene.controllers.begin(), scene.controllers.end(), [](const SceneController& controller) {
-                           return controller.servo.contact == ServoContact::kLargestRegion;
-                         });
-  return std::max(scene.max_regions, looked_at ? 1 : 0);
+  const bool is_controlled = scene.kind == Scene::Kind::kServo &&
+                             std::any_of(scene.controllers.begin(), scene.controllers.end(), [](const SceneController& controller) {
+                               return controller.servo.contact == ServoContact::kLargestRegion;
+                             });
+  return std::max(scene.max_regions, is_controlled ? 1 : 0);
 }
 
 EpisodeDrawer::EpisodeDrawer(const Scene& scene) : scene_(scene) {
@@ -58,7 +58,7 @@ EpisodeDrawer::EpisodeDrawer(const Scene& scene) : scene_(scene) {
   }
 }
 
-// The point in O that is set down.
+// Point in O that is placed at (x, y).
 Vector3 EpisodeDrawer::anchorOf(int object, const Quaternion& R_SO, std::uint64_t episode) const {
   if (scene_.objects[object].anchor) return *scene_.objects[object].anchor;
   try {
@@ -99,21 +99,21 @@ EpisodeDraw EpisodeDrawer::draw(std::uint64_t episode) const {
   const double along_contour = random.uniform();
 
   const Vector3 tilt_axis{std::cos(tilt_direction), std::sin(tilt_direction), 0};
-  const Quaternion laid = axisAngle(tilt_axis, tilt) * scene_.objects[drawn.object].orientation;
+  const Quaternion R_before_yaw = axisAngle(tilt_axis, tilt) * scene_.objects[drawn.object].orientation;
   const TrueEdge& edge = edges_[drawn.object];
   Vector3 anchor;
   if (edge.contourLength() > 0) {
-    // The contour runs along x there before the yaw.
-    const TrueEdge::Place place = edge.at(along_contour * edge.contourLength());
-    const Vector3 direction = rotate(laid, place.direction);
-    drawn.X_SO.rotation = axisAngle({0, 0, 1}, yaw - std::atan2(direction[1], direction[0])) * laid;
-    anchor = place.point;
+    // At zero yaw the contour is parallel to x at the drawn position.
+    const TrueEdge::ContourPoint position = edge.at(along_contour * edge.contourLength());
+    const Vector3 direction = rotate(R_before_yaw, position.direction);
+    drawn.X_SO.rotation = axisAngle({0, 0, 1}, yaw - std::atan2(direction[1], direction[0])) * R_before_yaw;
+    anchor = position.point;
   } else {
-    drawn.X_SO.rotation = axisAngle({0, 0, 1}, yaw) * laid;
+    drawn.X_SO.rotation = axisAngle({0, 0, 1}, yaw) * R_before_yaw;
     anchor = anchorOf(drawn.object, drawn.X_SO.rotation, episode);
   }
-  const Vector3 set_down = rotate(drawn.X_SO.rotation, anchor);
-  drawn.X_SO.position = {x - set_down[0], y - set_down[1], -drawn.depth - set_down[2]};
+  const Vector3 anchor_S = rotate(drawn.X_SO.rotation, anchor);
+  drawn.X_SO.position = {x - anchor_S[0], y - anchor_S[1], -drawn.depth - anchor_S[2]};
   return drawn;
 }
 

@@ -1,4 +1,8 @@
-// What is random about an episode: drawn from (seed, episode) alone, so that batch, slot and order never show.
+// Episode draw: the random initial conditions of an episode.
+//
+// Random numbers are counter-based (base/philox.h: Salmon, Moraes, Dror and Shaw, SC 2011). The n-th number of an episode is a pure
+// function of (seed, episode, n), so a draw does not depend on batch size, slice, instance, thread or on which episodes were drawn before.
+// The order of the draws is part of the data set format: see EpisodeDrawer::draw().
 #pragma once
 
 #include <cstdint>
@@ -12,44 +16,44 @@
 
 namespace taxelsim {
 
-// Frames of every episode.
+// Frames per episode.
 int numFrames(const Scene& scene);
 
-// Sensors of every robot, all of the scene's kind.
+// Sensors per robot. All have the sensor model of the scene.
 int numSensors(const Scene& scene);
 
-// Rows for regions in the contact features: what is recorded, or what a controller looks at.
+// Region rows of the contact features: as many as the scene records, at least 1 if a controller uses the largest region.
 int numRegions(const Scene& scene);
 
 struct EpisodeDraw {
   int object = 0;  // index into the scene's objects
-  Pose X_SO;       // at the start: the object's anchor or lowest point at (x, y, 0), or at (x, y, -depth) when depth-driven
+  Pose X_SO;       // initial pose: the object's anchor or lowest point is at (x, y, 0), or at (x, y, -depth) if depth-driven
   bool load_driven = false;
-  float load = 0;    // N, when load-driven
-  double depth = 0;  // m, of the lowest point; 0 when load-driven
+  float load = 0;    // N; 0 if depth-driven
+  double depth = 0;  // m, of the lowest point; 0 if load-driven
   ReadoutVariation variation;
-  int controller = 0;  // index into the scene's controllers
-  std::optional<double> exploration_velocity;
-  double linear_action_noise = 0, angular_action_noise = 0;
+  int controller = 0;                                        // index into the scene's controllers
+  std::optional<double> exploration_velocity;                // m/s; empty: the controller's own
+  double linear_action_noise = 0, angular_action_noise = 0;  // m/s and rad/s, standard deviation per component
 };
 
+// Thread-safe: draw() is const and has no state.
 class EpisodeDrawer {
  public:
   // `scene` must outlive this.
   explicit EpisodeDrawer(const Scene& scene);
 
-  // Draws, in this order: object, x, y, yaw, direction of the tilt axis, tilt, load or depth, gain, gain spread, noise,
-  // controller, exploration velocity, linear and angular action noise, place on the contour. A new draw goes to
-  // the end, so that old data sets can be made again. Throws Error(kInput) when the object has no lowest point in the orientation drawn.
+  // Draws in this order: object, x, y, yaw, direction of the tilt axis, tilt, load or depth, gain, gain spread, noise, controller,
+  // exploration velocity, linear and angular action noise, position on the contour. New draws are appended, so that existing data sets can
+  // be reproduced. Throws Error(kInput) if the object has no lowest point in its orientation.
   EpisodeDraw draw(std::uint64_t episode) const;
 
  private:
   Vector3 anchorOf(int object, const Quaternion& R_SO, std::uint64_t episode) const;
 
   const Scene& scene_;
-  // Of each object.
-  std::vector<LowestVertex> lowest_;
-  std::vector<TrueEdge> edges_;
+  std::vector<LowestVertex> lowest_;  // (num_objects)
+  std::vector<TrueEdge> edges_;       // (num_objects)
 };
 
 }  // namespace taxelsim

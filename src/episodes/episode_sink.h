@@ -1,4 +1,4 @@
-// What becomes of the frames of a slice: a data set, a verdict, a trace.
+// Consumer of the frames of a slice: writes a data set, evaluates a task, or records a trace.
 #pragma once
 
 #include <cstdint>
@@ -11,44 +11,45 @@
 
 namespace taxelsim {
 
-// What is known of an episode once its first frame has been read.
+// Constants of an episode, known once its first frame has been read. Units as the data set columns meta/*.
 struct EpisodeRecord {
   std::uint64_t episode = 0;
   std::int32_t object = 0;
-  float load = 0;
+  float load = 0;  // N
   std::int32_t load_driven = 0;
-  float depth = 0;
+  float depth = 0;  // m, after the load search
   std::int32_t load_reached = 0;
   float gain = 1, gain_spread = 0, noise = 0;
   std::int32_t controller = 0;
-  float exploration_velocity = 0, linear_action_noise = 0, angular_action_noise = 0;
-  float start_force = 0;
+  float exploration_velocity = 0, linear_action_noise = 0, angular_action_noise = 0;  // m/s, m/s, rad/s
+  float start_force = 0;                                                              // N: the force that a controller holds by default
 };
 
-// What a frame holds beside the simulator's outputs, which have a row for each sensor of each instance; (N) where nothing else is said.
+// State beside the simulator's outputs. Arrays have shape (num_instances) unless noted; the simulator's outputs have num_sensors rows per
+// instance.
 struct FrameContext {
-  std::span<const std::uint8_t> playing;  // 0: the instance is idle, and has no frame
-  std::span<const double> times;          // s
-  int num_sensors = 1;                    // of an instance; the first is the one that is controlled
-  std::span<const Pose> X_SO;             // (N x num_sensors)
+  std::span<const std::uint8_t> active;  // 0: the instance is idle, and its rows are undefined
+  std::span<const double> times;         // s, since the start of the episode
+  int num_sensors = 1;                   // per instance; sensor 0 is the one in the control loop
+  std::span<const Pose> X_SO;            // (num_instances x num_sensors)
   std::span<const Pose> X_WO;
-  std::span<const Twist> actions;             // twists of the sensor frame that the robot is commanded after this frame
-  std::span<const Twist> controller_actions;  // the same before noise
+  std::span<const Twist> actions;             // twist of the sensor frame commanded to the robot after this frame
+  std::span<const Twist> controller_actions;  // the same before action noise
   const Robots* robots = nullptr;
 };
 
-// One of each slice; called by the slice's thread.
+// One sink per slice. Called by the thread that runs the slice. Per episode: next(), begin(), frame() for each frame, end().
 class EpisodeSink {
  public:
   virtual ~EpisodeSink() = default;
 
-  // The number of the episode that an idle instance plays next; nothing when there are no more.
+  // Number of the next episode for an idle instance; empty if none are left.
   virtual std::optional<std::uint64_t> next(int instance) = 0;
-  // The first frame of its episode has been computed, and frame() is about to come.
+  // The first frame of the episode is about to be passed to frame().
   virtual void begin(int instance, const EpisodeRecord& record) = 0;
-  // One frame of every instance that plays.
+  // One frame of all active instances. `view` is valid during the call.
   virtual void frame(const FrameView& view, const FrameContext& context) = 0;
-  // The frame just seen was the episode's last.
+  // The last frame() was the final one of the instance's episode.
   virtual void end(int instance) = 0;
 };
 

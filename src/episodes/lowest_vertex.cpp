@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::uint32_t kLeafSize = 16;
 
-// How far above the lowest vertex another one still counts as level with it; as lowestPoint() has it, which the tests hold this to.
-constexpr double kLevel = 1e-6;  // rad
+// Tolerances of a level face; must equal those of lowestPoint(), which the tests verify.
+constexpr double kLevelTolerance = 1e-6;  // rad
 constexpr double kVertexRounding = 4 * static_cast<double>(std::numeric_limits<float>::epsilon());
 
 double height(const std::array<float, 3>& vertex, const Vector3& u) {
@@ -42,7 +42,7 @@ LowestVertex::LowestVertex(const Object& object) : object_(object) {
     size = std::hypot(size, high - low);
     largest = std::max({largest, std::abs(low), std::abs(high)});
   }
-  slack_ = kLevel * size + kVertexRounding * largest;
+  slack_ = kLevelTolerance * size + kVertexRounding * largest;
 }
 
 void LowestVertex::build(std::uint32_t first, std::uint32_t end) {
@@ -61,7 +61,7 @@ void LowestVertex::build(std::uint32_t first, std::uint32_t end) {
   for (std::size_t axis = 1; axis < 3; ++axis) {
     if (node.max[axis] - node.min[axis] > node.max[longest] - node.min[longest]) longest = axis;
   }
-  // The whole vertex breaks ties, so that the order, and with it the order of sums, is the same with every standard library.
+  // Ties are broken by the whole vertex, so that the order of the sums is the same with every standard library.
   const std::uint32_t middle = first + (end - first) / 2;
   std::sort(vertices_.begin() + first, vertices_.begin() + end,
             [longest](const Vertex& a, const Vertex& b) { return a[longest] != b[longest] ? a[longest] < b[longest] : a < b; });
@@ -70,8 +70,9 @@ void LowestVertex::build(std::uint32_t first, std::uint32_t end) {
   build(middle, end);
 }
 
-// No vertex of the node is lower. Exactly so: rounding is monotone, and the corner is summed in the order of height().
-double LowestVertex::bound(const Node& node, const Vector3& u) const {
+// Lower lowerBound on the height of the node's vertices. Exact in floating point: rounding is monotone, and the corner is summed in the
+// order of height().
+double LowestVertex::lowerBound(const Node& node, const Vector3& u) const {
   return height({u[0] > 0 ? node.min[0] : node.max[0], u[1] > 0 ? node.min[1] : node.max[1], u[2] > 0 ? node.min[2] : node.max[2]}, u);
 }
 
@@ -82,7 +83,7 @@ void LowestVertex::findLowest(std::uint32_t index, const Vector3& u, double& low
     return;
   }
   std::uint32_t near = index + 1, far = node.right;
-  double near_bound = bound(nodes_[near], u), far_bound = bound(nodes_[far], u);
+  double near_bound = lowerBound(nodes_[near], u), far_bound = lowerBound(nodes_[far], u);
   if (far_bound < near_bound) {
     std::swap(near, far);
     std::swap(near_bound, far_bound);
@@ -93,7 +94,7 @@ void LowestVertex::findLowest(std::uint32_t index, const Vector3& u, double& low
 
 void LowestVertex::sumBelow(std::uint32_t index, const Vector3& u, double level, Vector3& sum, double& count) const {
   const Node& node = nodes_[index];
-  if (bound(node, u) > level) return;
+  if (lowerBound(node, u) > level) return;
   if (node.right != 0) {
     sumBelow(index + 1, u, level, sum, count);
     sumBelow(node.right, u, level, sum, count);

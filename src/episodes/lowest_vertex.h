@@ -1,5 +1,7 @@
-// lowestPoint() of object.h for one object and many orientations: a mesh is sorted into a tree of boxes once, so that an orientation costs
-// a walk down the tree instead of a look at every triangle. Scenes that draw an orientation for every frame need that.
+// Lowest point of an object for many orientations: lowestPoint() of object.h, accelerated for meshes by a bounding volume hierarchy.
+//
+// A hierarchy of axis-aligned boxes over the vertices is built once by median splits. A query descends into the box with the lower bound
+// first and prunes boxes that cannot contain a lower vertex, instead of visiting all triangles. Scenes need one query per episode.
 #pragma once
 
 #include <array>
@@ -12,30 +14,30 @@ namespace taxelsim {
 
 class LowestVertex {
  public:
-  // Keeps a reference: `object` must outlive this.
+  // `object` must outlive this.
   explicit LowestVertex(const Object& object);
 
-  // What lowestPoint(object, R_SO) gives, up to the order in which the vertices of a level face are summed. Throws what it throws.
+  // Equals lowestPoint(object, R_SO) up to the summation order of the vertices of a level face. Throws what lowestPoint() throws.
   Vector3 find(const Quaternion& R_SO) const;
 
  private:
   using Vertex = std::array<float, 3>;
 
-  // A box around vertices [first, end). Nodes lie in depth-first order: the left child follows its parent; a leaf has right == 0.
+  // Box around vertices [first, end). Nodes are in depth-first order: the left child follows its parent. Leaves have right == 0.
   struct Node {
     Vertex min, max;
     std::uint32_t first, end, right;
   };
 
   void build(std::uint32_t first, std::uint32_t end);
-  double bound(const Node& node, const Vector3& u) const;
+  double lowerBound(const Node& node, const Vector3& u) const;
   void findLowest(std::uint32_t index, const Vector3& u, double& lowest) const;
   void sumBelow(std::uint32_t index, const Vector3& u, double level, Vector3& sum, double& count) const;
 
   const Object& object_;
-  std::vector<Vertex> vertices_;  // those that a triangle uses, in the tree's order; empty for solids
+  std::vector<Vertex> vertices_;  // vertices used by a triangle, in tree order; empty for solids
   std::vector<Node> nodes_;
-  double slack_ = 0;  // m
+  double slack_ = 0;  // m: vertices up to this far above the lowest one count as level with it
 };
 
 }  // namespace taxelsim

@@ -1,10 +1,16 @@
-// A part of the batch with its own simulator: every instance plays one episode after another until none are left. While one slice computes,
-// the host works on another. What an episode holds does not depend on which instance plays it, or when.
+// A slice of the batch: instances with a simulator of their own. Each instance runs one episode after another until the sink has none left.
 //
-//   frame 0            the object is set down on the robot's first sensor: by its load (the device finds the depth) or at its depth. Where
-//                      the robot has more sensors, those must wait to see where it came to rest: then a frame that nobody sees goes before
-//   frames 1, 2, ...   the object rests in the world or goes its way, the sensors move; the controller looks at a frame of the first sensor
-//                      and commands the way to the next
+// An episode on an instance:
+//
+//   frame 0           The object is placed on the robot's sensor 0: load-driven (the device searches the depth) or at a given depth. If the
+//                     robot has more sensors and the start is load-driven, a warm-up frame (-1) runs first: the other sensors need the pose
+//                     at which the object came to rest. Warm-up frames are not passed to the sink.
+//   frames 1, 2, ...  The object rests in the world or follows its trajectory; the robot moves the sensors. At its own rate, the
+//                     controller reads the frame of sensor 0 and commands the twist until its next tick.
+//
+//   startEpisode -> submit -> collect: initialContact (first frame only) -> control -> sink -> robots move -> updatePoses -> submit -> ...
+//
+// The content of an episode does not depend on the instance that runs it, nor on when.
 #pragma once
 
 #include <cstdint>
@@ -21,102 +27,105 @@
 
 namespace taxelsim {
 
-// What all slices of a run share.
+// Constants shared by all slices of a run.
 struct EpisodePlan {
-  // `outputs`: what the sinks read; what the controllers look at is added. `controller`: its number, for all episodes instead of what they
-  // draw. Everything else in them is the same whoever controls.
-  EpisodePlan(const Scene& scene, const OutputOptions& outputs, std::optional<int> controller = {});
+  // sink_outputs: outputs that the sinks read; those that the controllers read are added. fixed_controller: index of the controller for all
+  // episodes, instead of the drawn one; everything else about the episodes is the same. `scene_to_run` must outlive this.
+  EpisodePlan(const Scene& scene_to_run, const OutputOptions& sink_outputs, std::optional<int> fixed_controller = {});
 
   const Scene& scene;
   EpisodeDrawer drawer;
   OutputOptions outputs;
-  int num_sensors;     // of a robot; the simulator has that many instances for one of ours
-  int num_frames;      // of an episode
-  double dt;           // s, from frame to frame
+  int num_sensors;     // per robot, and simulator instances per instance of the batch
+  int num_frames;      // per episode
+  double dt;           // s, between frames
   int control_period;  // frames
   std::optional<int> controller;
-  bool wants_contact = false;      // a controller looks at contact features,
-  bool wants_jacobian = false;     // at the tactile Jacobian,
-  bool wants_exact_angle = false;  // or at the true angle
-  std::vector<TrueEdge> edges;     // of the objects
-  bool device_clock = false;       // Tally::device_seconds is wanted
+  bool needs_contact_features = false;  // by a controller
+  bool needs_jacobian = false;          // by a controller
+  bool needs_true_angle = false;        // by a controller
+  std::vector<TrueEdge> edges;          // (num_objects)
+  bool device_clock = false;            // whether to measure Slice::Stats::device_seconds
 
   SimulatorOptions simulatorOptions(int num_instances) const;
 };
 
+// Not thread-safe: all calls from one thread at a time.
 class Slice {
  public:
-  // What one collect() brought.
-  struct Tally {
-    std::uint64_t num_frames = 0;
+  // Statistics of one collect().
+  struct Stats {
+    std::uint64_t num_frames = 0;    // without warm-up frames
     std::uint64_t num_episodes = 0;  // ended
     std::uint64_t num_load_misses = 0;
-    double control_seconds = 0;  // what controllers, robots and objects took on the host, from this frame to the next
-    double wait_seconds = 0;     // for the device
-    double device_seconds = 0;   // of the device for the frame, by its own clock; NaN where it has none or was not asked for
+    double control_seconds = 0;  // host time of controllers, robots and objects from this frame to the next
+    double wait_seconds = 0;     // host time spent waiting for the device
+    double device_seconds = 0;   // device time of the frame, by the device's clock; NaN if not measured
   };
 
-  // Every instance takes its first episode from the sink; what the device will run is compiled. Throws what Simulator throws. `plan` and
-  // `sink` must outlive this.
+  // Takes the first episode of every instance from the sink and compiles the pipelines. Throws what Simulator throws. `plan` and `sink`
+  // must outlive this.
   Slice(const Model& model, const EpisodePlan& plan, int num_instances, EpisodeSink& sink);
 
-  // Whether any instance plays an episode.
+  // Whether any instance has an episode.
   bool busy() const { return num_busy_ > 0; }
 
-  // Starts the next frame; does not wait.
+  // Submits the next frame to the device; does not wait.
   void submit();
 
-  // Waits for it, shows it to the sink, moves the sensors on; takes new episodes from the sink where one has ended.
-  Tally collect();
+  // Waits for the submitted frame, passes it to the sink, and advances controllers, robots and objects. Instances whose episode ended take
+  // their next one from the sink.
+  Stats collect();
 
-  // Waits for a frame that nobody will use.
-  void abandon() { simulator_.read(); }
+  // Waits for the submitted frame and ignores it.
+  void discard() { simulator_.read(); }
 
  private:
-  struct Slot {
+  // State of the episode that an instance runs.
+  struct EpisodeState {
     EpisodeDraw draw;
     std::uint64_t episode = 0;
     int controller = 0;
-    int first_frame = 0;  // 0, or -1: the object is set down while nobody looks
+    int first_frame = 0;  // 0, or -1 with a warm-up frame
     int frame = 0;
-    double load_offset = 0;
+    double load_offset = 0;  // m
     bool load_reached = true;
-    std::optional<Trajectory> trajectory;  // of an object that moves on from where it was set down
+    std::optional<Trajectory> trajectory;  // of a moving object, from its initial contact
   };
 
   void startEpisode(int i);
   void resetSensors(int i);
-  void settle(int i, const FrameView& frame);
-  void announce(int i, const FrameView& frame);
+  void initialContact(int i, const FrameView& frame);
+  void beginRecord(int i, const FrameView& frame);
   void control(const FrameView& frame);
   Twist actionNoise(int i) const;
-  void follow(int i);
+  void updatePoses(int i);
 
   const EpisodePlan& plan_;
   EpisodeSink& sink_;
   Simulator simulator_;
-  std::optional<TactileServoController> controller_;  // of a servo scene
+  std::optional<TactileServoController> controller_;  // servo scenes only
   Robots robots_;
   int num_busy_ = 0;
   bool loads_changed_ = false;
   double submit_seconds_ = 0;
 
-  // (num_instances x num_sensors) each.
+  // (num_instances x num_sensors)
   std::vector<int> ids_;
   std::vector<Pose> X_SO_;
   std::vector<float> loads_;
 
-  // (num_instances) each.
-  std::vector<Slot> slots_;
+  // (num_instances)
+  std::vector<EpisodeState> episodes_;
   std::vector<std::uint8_t> busy_;
-  std::vector<std::uint8_t> shown_;  // busy, and its frame is one of an episode
-  std::vector<Pose> X_WO_;           // the world is where the robot's base was at the start
+  std::vector<std::uint8_t> recorded_;  // busy, and not in a warm-up frame
+  std::vector<Pose> X_WO_;              // W: the frame of sensor 0 at the start of the episode
   std::vector<double> times_;
-  std::vector<Twist> twists_;   // as the controllers want them
-  std::vector<Twist> actions_;  // with noise
-  std::vector<float> exact_angles_;
+  std::vector<Twist> twists_;   // commanded by the controllers
+  std::vector<Twist> actions_;  // with action noise
+  std::vector<float> true_angles_;
   std::vector<float> start_forces_;
-  std::vector<std::uint8_t> due_;
+  std::vector<std::uint8_t> control_due_;
 };
 
 }  // namespace taxelsim

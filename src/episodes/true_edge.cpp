@@ -11,10 +11,10 @@ namespace taxelsim {
 namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-constexpr double kStanding = 1e-9;  // length of a direction's part in the plane that has no angle
+constexpr double kMinProjection = 1e-9;  // length of a projected unit direction below which the angle is undefined
 
 double lineAngle(double x, double y) {
-  if (std::hypot(x, y) < kStanding) return kUnknown;
+  if (std::hypot(x, y) < kMinProjection) return kUnknown;
   const double angle = std::remainder(std::atan2(y, x), std::numbers::pi);
   return angle <= -std::numbers::pi / 2 ? angle + std::numbers::pi : angle;
 }
@@ -28,13 +28,13 @@ TrueEdge::TrueEdge(const SceneObject& object) : direction_(object.edge), contour
   for (std::size_t k = 1; k < contour_.size(); ++k) arc_.push_back(arc_.back() + length(subtract(contour_[k], contour_[k - 1])));
 }
 
-EdgeSight TrueEdge::see(const Pose& X_SO) const {
+ProjectedEdge TrueEdge::project(const Pose& X_SO) const {
   if (direction_) {
     const Vector3 along = rotate(X_SO.rotation, *direction_);
     return {lineAngle(along[0], along[1]), kUnknown, kUnknown};
   }
-  EdgeSight sight{kUnknown, kUnknown, kUnknown};
-  // The plane's axes in O.
+  ProjectedEdge edge{kUnknown, kUnknown, kUnknown};
+  // Axes of the plane in O.
   const Quaternion R_OS = inverse(X_SO).rotation;
   const Vector3 x_axis = rotate(R_OS, {1, 0, 0}), y_axis = rotate(R_OS, {0, 1, 0});
   double nearest = std::numeric_limits<double>::infinity();
@@ -48,16 +48,16 @@ EdgeSight TrueEdge::see(const Pose& X_SO) const {
       const double distance = std::hypot(from[0] + part * along[0], from[1] + part * along[1]);
       if (distance < nearest) {
         nearest = distance;
-        sight = {lineAngle(along[0], along[1]), distance, arc_[k - 1] + part * (arc_[k] - arc_[k - 1])};
+        edge = {lineAngle(along[0], along[1]), distance, arc_[k - 1] + part * (arc_[k] - arc_[k - 1])};
       }
     }
     from[0] = to[0];
     from[1] = to[1];
   }
-  return sight;
+  return edge;
 }
 
-TrueEdge::Place TrueEdge::at(double arc) const {
+TrueEdge::ContourPoint TrueEdge::at(double arc) const {
   const auto after = std::upper_bound(arc_.begin() + 1, arc_.end() - 1, arc);
   const auto k = static_cast<std::size_t>(after - arc_.begin());
   const Vector3 along = subtract(contour_[k], contour_[k - 1]);

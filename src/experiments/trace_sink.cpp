@@ -23,8 +23,8 @@ void TraceSink::begin(int, const EpisodeRecord& record) {
 }
 
 void TraceSink::frame(const FrameView& view, const FrameContext& context) {
-  if (!context.playing[0]) return;
-  const double angle = edge_.see(context.X_SO[0]).angle;
+  if (!context.active[0]) return;
+  const double angle = edge_.project(context.X_SO[0]).angle;
   trace_.time.push_back(context.times[0]);
   trace_.true_angle.push_back(angle);
   trace_.edge_angle.push_back(feltAngle(scene_.controllers.front().servo, view, 0).value_or(angle));

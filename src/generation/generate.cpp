@@ -16,7 +16,7 @@
 namespace taxelsim {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using SteadyClock = std::chrono::steady_clock;
 
 constexpr auto kProgressPeriod = std::chrono::milliseconds(250);
 
@@ -27,26 +27,26 @@ void checkRun(const Scene& scene, const GenerateOptions& options) {
   checkScene(scene);
 }
 
-// Shards that one batch keeps in memory: those its episodes span, with a part of one at either end.
-std::uint64_t numShardsUnderWay(const Scene& scene, const GenerateOptions& options) {
+// Largest number of shards in memory: those that the episodes of one batch span, with a partial one at either end.
+std::uint64_t maxOpenShards(const Scene& scene, const GenerateOptions& options) {
   const std::uint64_t batch_size = std::min<std::uint64_t>(options.batch_size, scene.num_episodes);
   return std::min(batch_size / scene.episodes_per_shard + 2, (scene.num_episodes - 1) / scene.episodes_per_shard + 1);
 }
 
-// Linux promises more memory than there is and kills who takes it, so it is asked beforehand. In double: the product may pass 2^64.
+// Checked in advance, because Linux overcommits memory and kills the process later. In double: the product may exceed 2^64.
 void checkHostMemory(const Scene& scene, const GenerateOptions& options) {
   double episode_bytes = 0;
   for (const Column& column : columnsOf(scene)) {
     episode_bytes += static_cast<double>(rowBytes(column)) * (column.per_episode ? 1 : numFrames(scene));
   }
   const double episodes = static_cast<double>(std::min(scene.episodes_per_shard, scene.num_episodes));
-  const double need = static_cast<double>(numShardsUnderWay(scene, options)) * episodes * episode_bytes;
-  const double have = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
-  if (need <= have) return;
+  const double needed = static_cast<double>(maxOpenShards(scene, options)) * episodes * episode_bytes;
+  const double available = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+  if (needed <= available) return;
   const auto mebibytes = [](double bytes) { return std::to_string(static_cast<long long>(std::min(bytes / 0x1p20, 9e18))) + " MiB"; };
-  throw Error(ErrorKind::kInput, "shards under way of " + std::to_string(scene.episodes_per_shard) + " episodes of " +
-                                     std::to_string(numFrames(scene)) + " frames take " + mebibytes(need) + " of memory, " +
-                                     mebibytes(have) + " there are; make episodes_per_shard, num_steps or the batch smaller");
+  throw Error(ErrorKind::kInput, "open shards of " + std::to_string(scene.episodes_per_shard) + " episodes with " +
+                                     std::to_string(numFrames(scene)) + " frames need " + mebibytes(needed) + " of memory, " +
+                                     mebibytes(available) + " are available; reduce episodes_per_shard, num_steps or the batch size");
 }
 
 Manifest manifestOf(const Scene& scene, const Device& device) {
@@ -93,17 +93,17 @@ class Run {
   }
 
  private:
-  void report(Clock::time_point now);
+  void report(SteadyClock::time_point now);
 
   const GenerateOptions& options_;
   DatasetWriter& writer_;
   std::vector<bool> complete_;
   GenerateResult result_;
-  Clock::time_point start_;
-  Clock::time_point last_report_;
+  SteadyClock::time_point start_;
+  SteadyClock::time_point last_report_;
 };
 
-void Run::report(Clock::time_point now) {
+void Run::report(SteadyClock::time_point now) {
   progress().seconds = std::chrono::duration<double>(now - start_).count();
   if (!options_.on_progress || now - last_report_ < kProgressPeriod) return;
   last_report_ = now;
@@ -113,29 +113,29 @@ void Run::report(Clock::time_point now) {
 void Run::simulate(const Model& model, const EpisodePlan& plan, ShardQueue& queue) {
   const int batch_size = static_cast<int>(std::min<std::uint64_t>(options_.batch_size, queue.numEpisodesLeft()));
   const Recorder recorder(planColumns(plan.scene));
-  // Episodes of a batch end together, so as many shards can come at once as the batch spans; the device need not wait for them.
-  ShardWriter shard_writer(writer_, numShardsUnderWay(plan.scene, options_));
+  // All episodes of a batch end at the same time, and with them up to maxOpenShards() shards: the queue takes them without blocking.
+  ShardWriter shard_writer(writer_, maxOpenShards(plan.scene, options_));
   std::vector<std::unique_ptr<ShardSink>> sinks;
   std::vector<std::unique_ptr<Slice>> slices;
-  for (const int size : cutBatch(model, plan, batch_size, options_.num_slices)) {
+  for (const int size : splitBatch(model, plan, batch_size, options_.num_slices)) {
     sinks.push_back(std::make_unique<ShardSink>(recorder, queue, shard_writer, plan.num_frames, size));
     slices.push_back(std::make_unique<Slice>(model, plan, size, *sinks.back()));
   }
-  start_ = last_report_ = Clock::now();
-  playEpisodes(model.device(), slices, options_.stop, [&](const Slice::Tally& tally) {
-    progress().frames_done += tally.num_frames;
-    progress().episodes_done += tally.num_episodes;
-    result_.num_load_misses += tally.num_load_misses;
-    result_.times.device_busy += tally.device_seconds;
-    result_.times.device_wait += tally.wait_seconds;
-    report(Clock::now());
+  start_ = last_report_ = SteadyClock::now();
+  runEpisodes(model.device(), slices, options_.stop, [&](const Slice::Stats& stats) {
+    progress().frames_done += stats.num_frames;
+    progress().episodes_done += stats.num_episodes;
+    result_.num_load_misses += stats.num_load_misses;
+    result_.times.device_busy += stats.device_seconds;
+    result_.times.device_wait += stats.wait_seconds;
+    report(SteadyClock::now());
   });
-  const Clock::time_point last_frame = Clock::now();
+  const SteadyClock::time_point last_frame = SteadyClock::now();
   shard_writer.close();
-  result_.times.writing_last = std::chrono::duration<double>(Clock::now() - last_frame).count();
+  result_.times.writing_last = std::chrono::duration<double>(SteadyClock::now() - last_frame).count();
   result_.times.writer_wait = shard_writer.secondsWaited();
   progress().episodes_done = progress().episodes_resumed + shard_writer.numEpisodesWritten();
-  progress().seconds = std::chrono::duration<double>(Clock::now() - start_).count();
+  progress().seconds = std::chrono::duration<double>(SteadyClock::now() - start_).count();
 }
 
 }  // namespace
@@ -146,9 +146,9 @@ GenerateResult generate(const Device& device, const Scene& scene, const std::fil
   EpisodePlan plan(scene, outputsOf(scene));
   plan.device_clock = options.device_clock;
   const Manifest manifest = manifestOf(scene, device);
-  // What cannot run leaves no directory behind.
+  // Model and batch are checked before the directory is created.
   const Model model(device, modelOptionsOf(scene));
-  cutBatch(model, plan, static_cast<int>(std::min<std::uint64_t>(options.batch_size, scene.num_episodes)), options.num_slices);
+  splitBatch(model, plan, static_cast<int>(std::min<std::uint64_t>(options.batch_size, scene.num_episodes)), options.num_slices);
   DatasetWriter writer(directory, manifest);
   Run run(options, writer, manifest);
   ShardQueue queue(manifest, run.complete(), plan.num_frames);

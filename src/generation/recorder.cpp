@@ -6,24 +6,24 @@
 namespace taxelsim {
 namespace {
 
-// Rows of different instances lie apart, so the processor cannot guess where the next one goes.
-constexpr std::size_t kRowsAhead = 12;
+// Prefetch distance, rows. Rows of different instances are scattered, which defeats the hardware prefetcher.
+constexpr std::size_t kPrefetchRows = 12;
 
-// Calls write(instance, first byte of its row) for every instance that is not idle.
+// Calls write(instance, first byte of its row) for every active instance.
 template <typename Write>
-void forRows(std::span<const FramePlace> places, std::size_t column, std::size_t row_bytes, Write write) {
+void forEachRow(std::span<const FramePlace> places, std::size_t column, std::size_t row_bytes, Write write) {
   const auto row_of = [&](const FramePlace& place) { return place.columns[column] + place.row * row_bytes; };
   for (std::size_t i = 0; i < places.size(); ++i) {
-    if (i + kRowsAhead < places.size() && places[i + kRowsAhead].columns) __builtin_prefetch(row_of(places[i + kRowsAhead]), 1);
+    if (i + kPrefetchRows < places.size() && places[i + kPrefetchRows].columns) __builtin_prefetch(row_of(places[i + kPrefetchRows]), 1);
     if (places[i].columns) write(i, row_of(places[i]));
   }
 }
 
-// num_floats as a constant turns the copies of short rows into single moves.
+// With a constant num_floats the compiler turns memcpy into single moves.
 template <std::size_t num_floats>
 void copyShortRows(std::span<const float> values, std::span<const FramePlace> places, std::size_t column) {
-  forRows(places, column, num_floats * sizeof(float),
-          [&](std::size_t i, std::byte* to) { std::memcpy(to, &values[i * num_floats], num_floats * sizeof(float)); });
+  forEachRow(places, column, num_floats * sizeof(float),
+             [&](std::size_t i, std::byte* to) { std::memcpy(to, &values[i * num_floats], num_floats * sizeof(float)); });
 }
 
 void copyRows(std::span<const float> values, std::size_t num_floats, std::span<const FramePlace> places, std::size_t column) {
@@ -35,13 +35,13 @@ void copyRows(std::span<const float> values, std::size_t num_floats, std::span<c
     case 3:
       return copyShortRows<3>(values, places, column);
     default:
-      forRows(places, column, num_floats * sizeof(float),
-              [&](std::size_t i, std::byte* to) { std::memcpy(to, &values[i * num_floats], num_floats * sizeof(float)); });
+      forEachRow(places, column, num_floats * sizeof(float),
+                 [&](std::size_t i, std::byte* to) { std::memcpy(to, &values[i * num_floats], num_floats * sizeof(float)); });
   }
 }
 
 void copyImages(std::span<const std::uint32_t> counts, std::size_t num_taxels, std::span<const FramePlace> places, std::size_t column) {
-  forRows(places, column, num_taxels * sizeof(std::uint16_t), [&](std::size_t i, std::byte* to) {
+  forEachRow(places, column, num_taxels * sizeof(std::uint16_t), [&](std::size_t i, std::byte* to) {
     const std::uint32_t* from = &counts[i * num_taxels];
     for (std::size_t t = 0; t < num_taxels; ++t) {
       const std::uint16_t value = static_cast<std::uint16_t>(from[t]);
@@ -50,13 +50,13 @@ void copyImages(std::span<const std::uint32_t> counts, std::size_t num_taxels, s
   });
 }
 
-// (num_instances x num_sensors)
+// poses (num_instances x num_sensors)
 void copyPoses(std::span<const Pose> poses, std::size_t num_sensors, std::span<const FramePlace> places, std::size_t column) {
-  constexpr std::size_t kNumbers = 7;
-  forRows(places, column, num_sensors * kNumbers * sizeof(double), [&](std::size_t i, std::byte* to) {
+  constexpr std::size_t kPoseSize = 7;
+  forEachRow(places, column, num_sensors * kPoseSize * sizeof(double), [&](std::size_t i, std::byte* to) {
     for (const Pose& pose : poses.subspan(i * num_sensors, num_sensors)) {
       const auto& [p, q] = pose;
-      const std::array<double, kNumbers> row{p[0], p[1], p[2], q[0], q[1], q[2], q[3]};
+      const std::array<double, kPoseSize> row{p[0], p[1], p[2], q[0], q[1], q[2], q[3]};
       std::memcpy(to, row.data(), sizeof row);
       to += sizeof row;
     }
@@ -64,12 +64,12 @@ void copyPoses(std::span<const Pose> poses, std::size_t num_sensors, std::span<c
 }
 
 void copyDoubles(std::span<const double> values, std::size_t row_bytes, std::span<const FramePlace> places, std::size_t column) {
-  forRows(places, column, row_bytes,
-          [&](std::size_t i, std::byte* to) { std::memcpy(to, &values[i * (row_bytes / sizeof(double))], row_bytes); });
+  forEachRow(places, column, row_bytes,
+             [&](std::size_t i, std::byte* to) { std::memcpy(to, &values[i * (row_bytes / sizeof(double))], row_bytes); });
 }
 
 void copyTwists(std::span<const Twist> twists, std::span<const FramePlace> places, std::size_t column) {
-  forRows(places, column, 6 * sizeof(float), [&](std::size_t i, std::byte* to) {
+  forEachRow(places, column, 6 * sizeof(float), [&](std::size_t i, std::byte* to) {
     std::array<float, 6> row;
     for (int k = 0; k < 3; ++k) {
       row[k] = static_cast<float>(twists[i].v[k]);
@@ -87,7 +87,7 @@ void Recorder::recordFrames(const FrameView& frame, const FrameContext& context,
     const std::size_t row_bytes = rowBytes(entry.column);
     switch (entry.source) {
       case FrameColumn::Source::kTime:
-        forRows(places, c, sizeof(double), [&](std::size_t i, std::byte* to) { std::memcpy(to, &context.times[i], sizeof(double)); });
+        forEachRow(places, c, sizeof(double), [&](std::size_t i, std::byte* to) { std::memcpy(to, &context.times[i], sizeof(double)); });
         break;
       case FrameColumn::Source::kImage:
         copyImages(frame.tactile_image, row_bytes / sizeof(std::uint16_t), places, c);
@@ -114,7 +114,7 @@ void Recorder::recordFrames(const FrameView& frame, const FrameContext& context,
         copyDoubles(context.robots->jointVelocities(), row_bytes, places, c);
         break;
       case FrameColumn::Source::kRobotStatus:
-        forRows(places, c, sizeof(std::int32_t), [&](std::size_t i, std::byte* to) {
+        forEachRow(places, c, sizeof(std::int32_t), [&](std::size_t i, std::byte* to) {
           const std::int32_t status = context.robots->status()[i];
           std::memcpy(to, &status, sizeof status);
         });

@@ -1,4 +1,4 @@
-// Copies one frame of a slice into the shards' columns: every value straight to its final place, without allocation.
+// Copies the frames of a slice into the columns of shards: each value directly to its final place, without allocation.
 #pragma once
 
 #include <cstdint>
@@ -10,18 +10,20 @@
 
 namespace taxelsim {
 
-// Where the frame of one instance goes.
+// Destination of a frame of one instance.
 struct FramePlace {
-  std::byte* const* columns = nullptr;  // of its shard; null when the instance is idle
-  std::uint64_t row = 0;                // of the frame in its shard
+  std::byte* const* columns = nullptr;  // ShardBuffer::columns; null if the instance is idle
+  std::uint64_t row = 0;                // frame row in the shard
 };
 
+// Thread-safe for disjoint places: stateless after construction.
 class Recorder {
  public:
   explicit Recorder(const ColumnPlan& plan) : plan_(plan) {}
 
-  // `places` (N).
+  // Frame of all instances; places (num_instances).
   void recordFrames(const FrameView& frame, const FrameContext& context, std::span<const FramePlace> places) const;
+  // Constants of an episode.
   void recordEpisode(const EpisodeRecord& record, const EpisodePlace& place) const;
 
  private:

@@ -15,7 +15,7 @@ ShardQueue::ShardQueue(const Manifest& manifest, const std::vector<bool>& comple
       num_episodes_(manifest.num_episodes),
       episodes_per_shard_(manifest.episodes_per_shard),
       num_frames_(static_cast<std::uint64_t>(num_frames)) {
-  for (const taxelsim::Column& column : manifest.columns) columns_.push_back({rowBytes(column), column.per_episode});
+  for (const Column& column : manifest.columns) columns_.push_back({rowBytes(column), column.per_episode});
   for (std::uint64_t shard = 0; shard < complete_.size(); ++shard) {
     if (!complete_[shard]) num_left_ += episodesOf(shard);
   }
@@ -51,9 +51,9 @@ std::unique_ptr<ShardBuffer> ShardQueue::openShard(std::uint64_t shard) {
       buffer->columns[i] = buffer->data.columns[i].data();
     }
   } catch (const std::exception&) {  // std::bad_alloc or std::length_error
-    throw Error(ErrorKind::kInput, "a shard of " + std::to_string(num_episodes) + " episodes of " + std::to_string(num_frames_) +
+    throw Error(ErrorKind::kInput, "a shard of " + std::to_string(num_episodes) + " episodes with " + std::to_string(num_frames_) +
                                        " frames does not fit into memory beside " + std::to_string(open_.size()) +
-                                       " others under way; make episodes_per_shard or the batch smaller");
+                                       " other open shards; reduce episodes_per_shard or the batch size");
   }
   return buffer;
 }

@@ -1,4 +1,7 @@
-// Which episode is simulated next, and the memory its rows go to: shards under way, opened in order, whole columns at a time.
+// Work queue of a run: hands out the episodes of incomplete shards in order, with the memory that their rows are written to.
+//
+// A shard is buffered as whole columns. All episodes have the same number of frames, so the place of each row is known in advance, and
+// episodes may end in any order.
 #pragma once
 
 #include <cstddef>
@@ -11,42 +14,42 @@
 
 namespace taxelsim {
 
-// One shard under way. Every episode has the same number of frames, so each row's place is known from the start.
+// An unfinished shard in memory.
 struct ShardBuffer {
   std::uint64_t shard = 0;
-  std::uint64_t episodes_left = 0;  // to be simulated
+  std::uint64_t episodes_left = 0;  // not finished yet
   ShardData data;
-  std::vector<std::byte*> columns;  // first byte of each of data's columns
+  std::vector<std::byte*> columns;  // first byte of each column of `data`
 };
 
-// Where the rows of one episode go. Valid until its shard is taken.
+// Destination of the rows of an episode. Valid until finish() returns its shard.
 struct EpisodePlace {
   std::uint64_t episode = 0;
-  std::uint64_t row = 0;  // of the episode in its shard; its frames begin at row * num_frames
+  std::uint64_t row = 0;  // episode row in the shard; its frame rows start at row * num_frames
   ShardBuffer* buffer = nullptr;
 };
 
+// Not thread-safe.
 class ShardQueue {
  public:
-  // complete (num_shards): shards to leave out.
+  // complete (num_shards): shards to skip. num_frames: per episode.
   ShardQueue(const Manifest& manifest, const std::vector<bool>& complete, int num_frames);
 
   std::uint64_t numEpisodesLeft() const { return num_left_; }  // not handed out yet
 
-  // The next episode, in order; nothing when all are handed out. Opens a shard's buffer with its first one; throws Error(kInput) when
-  // memory cannot hold it.
+  // The next episode; empty if none are left. The first episode of a shard allocates its buffer; throws Error(kInput) if that fails.
   std::optional<EpisodePlace> next();
 
-  // Says that all rows of an episode are written. Gives back the shard when that was its last one, else null.
+  // Marks an episode as finished: all its rows are written. Returns the shard if that was its last episode, else null.
   std::unique_ptr<ShardBuffer> finish(const EpisodePlace& place);
 
-  // Takes the memory of a buffer that is written, for the shards to come. Null is ignored.
+  // Returns a written buffer for reuse. Null is ignored.
   void recycle(std::unique_ptr<ShardBuffer> buffer);
 
-  std::size_t numOpen() const { return open_.size(); }
+  std::size_t numOpen() const { return open_.size(); }  // shards in memory that are not finished
 
  private:
-  struct Column {
+  struct ColumnLayout {
     std::size_t row_bytes;
     bool per_episode;
   };
@@ -55,14 +58,14 @@ class ShardQueue {
   std::unique_ptr<ShardBuffer> openShard(std::uint64_t shard);
   void skipComplete();
 
-  std::vector<Column> columns_;
+  std::vector<ColumnLayout> columns_;
   std::vector<bool> complete_;
   std::uint64_t num_episodes_;
   std::uint64_t episodes_per_shard_;
   std::uint64_t num_frames_;
   std::uint64_t num_left_ = 0;
-  std::uint64_t next_shard_ = 0;  // the shard that the next episode belongs to
-  std::uint64_t next_row_ = 0;
+  std::uint64_t next_shard_ = 0;  // shard of the next episode
+  std::uint64_t next_row_ = 0;    // its row in that shard
   std::vector<std::unique_ptr<ShardBuffer>> open_;
   std::vector<std::unique_ptr<ShardBuffer>> spare_;
 };

@@ -1,4 +1,4 @@
-// Frames of a slice on their way into the shards of a data set.
+// Episode sink that records the frames of a slice into the shards of a data set.
 #pragma once
 
 #include <cstdint>
@@ -14,13 +14,13 @@ namespace taxelsim {
 
 class ShardSink : public EpisodeSink {
  public:
-  // All must outlive this; `queue` is of one thread. num_frames: of an episode.
+  // All references must outlive this. The sinks of all slices share the queue, and must be used by one thread. num_frames: per episode.
   ShardSink(const Recorder& recorder, ShardQueue& queue, ShardWriter& writer, int num_frames, int num_instances);
 
   std::optional<std::uint64_t> next(int instance) override;
   void begin(int instance, const EpisodeRecord& record) override;
   void frame(const FrameView& view, const FrameContext& context) override;
-  // Hands a shard that is complete to the writer.
+  // Submits a complete shard to the writer.
   void end(int instance) override;
 
  private:
@@ -29,7 +29,7 @@ class ShardSink : public EpisodeSink {
   ShardWriter& writer_;
   std::uint64_t num_frames_;
 
-  // (num_instances) each.
+  // (num_instances)
   std::vector<EpisodePlace> episodes_;
   std::vector<FramePlace> frames_;
 };

@@ -23,7 +23,7 @@ void ShardWriter::run() {
     if (waiting_.empty()) return;
     std::unique_ptr<ShardBuffer> buffer = std::move(waiting_.front());
     waiting_.pop_front();
-    // After a failed write the rest is dropped: the disk is full or gone, and a shard that is missing is made again by the next run.
+    // After a failed write (disk full or gone) the remaining shards are dropped; the next run generates missing shards again.
     if (!error_) {
       lock.unlock();
       std::exception_ptr error;

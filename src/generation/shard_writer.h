@@ -1,4 +1,4 @@
-// Writes finished shards on a thread of its own, so that the disk and the device work at once.
+// Writes complete shards in a background thread, so that disk and device work concurrently. Bounded queue: submit() blocks when it is full.
 #pragma once
 
 #include <condition_variable>
@@ -14,28 +14,28 @@
 
 namespace taxelsim {
 
+// submit(), reclaim() and close() must be called by one thread; numEpisodesWritten() by any.
 class ShardWriter {
  public:
-  // max_waiting: shards that may wait for the disk, >= 1. `writer` must outlive this and is used by its thread alone from now on until
-  // close() has returned.
+  // max_waiting (>= 1): capacity of the queue. `writer` must outlive this, and must not be used by others until close() has returned.
   ShardWriter(DatasetWriter& writer, std::size_t max_waiting);
-  // Writes what waits, whatever becomes of it.
+  // Writes the queued shards; errors are ignored.
   ~ShardWriter();
   ShardWriter(const ShardWriter&) = delete;
   ShardWriter& operator=(const ShardWriter&) = delete;
 
-  // Hands a shard over; waits while max_waiting are there already. Throws what a write before threw.
+  // Queues a shard; blocks while the queue is full. Rethrows the error of an earlier write.
   void submit(std::unique_ptr<ShardBuffer> buffer);
 
-  // A buffer that has been written, or null. Does not wait.
+  // A written buffer, for reuse; null if there is none. Does not block.
   std::unique_ptr<ShardBuffer> reclaim();
 
-  // Waits until all is written and ends the thread. Throws what a write threw.
+  // Waits until all queued shards are written and ends the thread. Rethrows the error of a write.
   void close();
 
   std::uint64_t numEpisodesWritten() const;
 
-  // That submit() has waited so far; of the thread that calls it.
+  // Time (s) that submit() has blocked so far.
   double secondsWaited() const { return seconds_waited_; }
 
  private:

@@ -11,7 +11,7 @@ namespace taxelsim::reference {
 
 namespace {
 
-// One a law.
+// Pressure at penetration d > 0, one overload per law.
 struct Pressure {
   double d, rate;
 
@@ -21,17 +21,19 @@ struct Pressure {
   double operator()(const MassSpringDamper& law) const { return law.normal_contact_stiffness * d; }
   double operator()(const DeformationMask& law) const { return law.normal_contact_stiffness * d; }
   double operator()(const Proximity& law) const { return law.sensitivity * d; }
-  double operator()(const ElasticLayer&) const { throw std::logic_error("an elastic layer's pressures are solved together"); }
+  double operator()(const ElasticLayer&) const {
+    throw std::logic_error("elastic_layer has no pressure per sample: its pressures are coupled");
+  }
   double operator()(const LuGre& law) const { return law.normal_contact_stiffness * d; }
 };
 
 }  // namespace
 
-double pressureOf(const ContactLaw& law, double d, double rate) {
+double contactPressure(const ContactLaw& law, double d, double rate) {
   return d <= 0 ? 0 : std::visit(Pressure{d, rate}, law);
 }
 
-Contact contactOf(const Sensor& sensor, std::span<const double> d, std::span<const double> previous, double dt, const SkinStep& skin) {
+Contact computeContact(const Sensor& sensor, std::span<const double> d, std::span<const double> previous, double dt, const SkinStep& skin) {
   const std::vector<Sample> samples = samplesOf(sensor);
   Contact contact;
   contact.taxel_force.assign(samples.size() / samplesPerTaxel(sensor), 0);
@@ -41,7 +43,7 @@ Contact contactOf(const Sensor& sensor, std::span<const double> d, std::span<con
   for (std::size_t n = 0; n < samples.size(); ++n) {
     const Sample& sample = samples[n];
     const double rate = previous.empty() || dt == 0 ? 0 : (d[n] - previous[n]) / dt;
-    const auto [pressure, strain] = skin.press(n, pressureOf(sensor.skin.law, d[n], rate));
+    const auto [pressure, strain] = skin.press(n, contactPressure(sensor.skin.law, d[n], rate));
     contact.pressure.push_back(pressure);
     contact.strain.push_back(strain);
     contact.taxel_force[sample.taxel] += pressure * sample.area;
@@ -55,7 +57,7 @@ Contact contactOf(const Sensor& sensor, std::span<const double> d, std::span<con
   for (const double taxel_force : contact.taxel_force) {
     contact.total_force += taxel_force;
   }
-  if (std::holds_alternative<Proximity>(sensor.skin.law)) force = torque = {0, 0, 0};  // nothing presses
+  if (std::holds_alternative<Proximity>(sensor.skin.law)) force = torque = {0, 0, 0};  // exerts no force
   contact.wrench = {force[0], force[1], force[2], torque[0], torque[1], torque[2]};
   contact.over_penetration = static_cast<double>(num_over) / static_cast<double>(samples.size());
   return contact;

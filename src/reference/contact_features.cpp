@@ -12,29 +12,30 @@
 namespace taxelsim::reference {
 namespace {
 
-constexpr double kWindow = 1.15;  // larger pitches
-constexpr int kWindowRounds = 4;
-constexpr double kLeastUnderWindow = 1e-3;  // of the force
-constexpr double kLeastSpread = 3e-5;       // of the core, off a diagonal
-constexpr double kNoiseFactor = 5;
-constexpr double kLongestPoint = 2.5;  // pitches
-constexpr double kWidestEdge = 0.5;    // of its length
+constexpr double kWindowWidth = 1.15;  // standard deviation of the Gaussian window, in units of the larger pitch
+constexpr int kMeanShiftIterations = 4;
+constexpr double kMinWindowShare = 1e-3;  // of the total force: less under the window leaves the angle undefined
+constexpr double kMinCoreSpread = 3e-5;   // det / (xx yy) of the core's positions: below it they lie on a diagonal line
+constexpr double kNoiseFactor = 5;        // standard deviations
+constexpr double kLongestPoint = 2.5;     // pitches
+constexpr double kWidestEdge = 0.5;       // of its length
 
-// A taxel of the sensor: patch, row, column.
+// Location of a taxel in the sensor: patch, row, column.
 struct TaxelOnPatch {
   int patch, i, j;
 };
 
-struct Skinned {
-  explicit Skinned(const Sensor& of) : sensor(of), positions(taxelPositions(of)) {
-    for (int p = 0; p < static_cast<int>(of.patches.size()); ++p) {
+// Positions and adjacency of the taxels.
+struct TaxelLayout {
+  explicit TaxelLayout(const Sensor& described_sensor) : sensor(described_sensor), positions(taxelPositions(sensor)) {
+    for (int p = 0; p < static_cast<int>(sensor.patches.size()); ++p) {
       first.push_back(static_cast<int>(at.size()));
-      for (int i = 0; i < of.patches[p].num_rows; ++i) {
-        for (int j = 0; j < of.patches[p].num_cols; ++j) at.push_back({p, i, j});
+      for (int i = 0; i < sensor.patches[p].num_rows; ++i) {
+        for (int j = 0; j < sensor.patches[p].num_cols; ++j) at.push_back({p, i, j});
       }
     }
-    if (!isTaxelList(of)) return;
-    const std::vector<std::vector<int>> lower = listNeighbours(of);
+    if (!isTaxelList(sensor)) return;
+    const std::vector<std::vector<int>> lower = listNeighbours(sensor);
     neighbours.resize(at.size());
     for (int t = 0; t < static_cast<int>(lower.size()); ++t) {
       for (const int s : lower[t]) {
@@ -46,27 +47,27 @@ struct Skinned {
 
   const Sensor& sensor;
   std::vector<Vector3> positions;
-  std::vector<int> first;                    // taxel of each patch
+  std::vector<int> first;                    // (num_patches): index of the first taxel
   std::vector<TaxelOnPatch> at;              // (num_taxels)
-  std::vector<std::vector<int>> neighbours;  // of a list of taxels
+  std::vector<std::vector<int>> neighbours;  // (num_taxels x any); only for a list of taxels
 };
 
-// Of a list its neighbours, on a grid those around the taxel and itself.
-std::vector<int> neighboursOf(const Skinned& skin, int t) {
-  if (!skin.neighbours.empty()) return skin.neighbours[t];
-  const TaxelOnPatch& a = skin.at[t];
-  const GridPatch& patch = skin.sensor.patches[a.patch];
+// Neighbours of taxel t; on a grid the 3 x 3 block around it, itself included.
+std::vector<int> neighboursOf(const TaxelLayout& layout, int t) {
+  if (!layout.neighbours.empty()) return layout.neighbours[t];
+  const TaxelOnPatch& a = layout.at[t];
+  const GridPatch& patch = layout.sensor.patches[a.patch];
   std::vector<int> around;
   for (int i = std::max(a.i - 1, 0); i <= std::min(a.i + 1, patch.num_rows - 1); ++i) {
     for (int j = std::max(a.j - 1, 0); j <= std::min(a.j + 1, patch.num_cols - 1); ++j) {
-      around.push_back(skin.first[a.patch] + i * patch.num_cols + j);
+      around.push_back(layout.first[a.patch] + i * patch.num_cols + j);
     }
   }
   return around;
 }
 
-// Floods from every taxel that reports and is in no region yet.
-std::vector<std::vector<int>> regionsOf(const Skinned& skin, const std::vector<bool>& reports) {
+// Connected components of the reporting taxels, by breadth-first search.
+std::vector<std::vector<int>> connectedRegions(const TaxelLayout& layout, const std::vector<bool>& reports) {
   std::vector<std::vector<int>> regions;
   std::vector<bool> seen(reports.size(), false);
   for (int start = 0; start < static_cast<int>(reports.size()); ++start) {
@@ -74,7 +75,7 @@ std::vector<std::vector<int>> regionsOf(const Skinned& skin, const std::vector<b
     std::vector<int> region{start};
     seen[start] = true;
     for (std::size_t next = 0; next < region.size(); ++next) {
-      for (const int neighbour : neighboursOf(skin, region[next])) {
+      for (const int neighbour : neighboursOf(layout, region[next])) {
         if (!reports[neighbour] || seen[neighbour]) continue;
         seen[neighbour] = true;
         region.push_back(neighbour);
@@ -86,15 +87,15 @@ std::vector<std::vector<int>> regionsOf(const Skinned& skin, const std::vector<b
   return regions;
 }
 
-// Where moments are taken, and what blurs them there.
-struct Plane {
+// Plane of the second moments, and the blur that the PSF and the taxel size add to them.
+struct MomentPlane {
   int patch;  // -1: the xy plane of S
   bool is_grid;
   std::array<double, 2> pitch;
-  std::array<double, 3> blur;  // second moments of spread and taxels, m^2
+  std::array<double, 3> blur;  // m^2: second moments of the PSF and of a taxel, pitch^2 / 12
 };
 
-Plane planeOf(const Sensor& sensor, int patch) {
+MomentPlane planeOf(const Sensor& sensor, int patch) {
   if (patch >= 0 && !isTaxelList(sensor)) {
     const auto& [px, py] = sensor.patches[patch].pitch;
     const auto& [xx, xy, yy] = spreadShape(sensor.psf, sensor.patches[patch].pitch).moments;
@@ -106,24 +107,24 @@ Plane planeOf(const Sensor& sensor, int patch) {
   return {patch, false, {pitch, pitch}, {blur, 0, blur}};
 }
 
-std::vector<TaxelPlace> placesIn(const Skinned& skin, const Plane& plane, const std::vector<int>& taxels) {
+std::vector<TaxelPlace> placesIn(const TaxelLayout& layout, const MomentPlane& plane, const std::vector<int>& taxels) {
   std::vector<TaxelPlace> places;
   for (const int t : taxels) {
-    const auto& [pitch_x, pitch_y] = skin.sensor.patches[skin.at[t].patch].pitch;
-    const Vector3 p = plane.patch < 0 ? skin.positions[t] : inverse(skin.sensor.patches[plane.patch].X_SP) * skin.positions[t];
-    places.push_back({skin.positions[t], {p[0], p[1]}, pitch_x * pitch_y});
+    const auto& [pitch_x, pitch_y] = layout.sensor.patches[layout.at[t].patch].pitch;
+    const Vector3 p = plane.patch < 0 ? layout.positions[t] : inverse(layout.sensor.patches[plane.patch].X_SP) * layout.positions[t];
+    places.push_back({layout.positions[t], {p[0], p[1]}, pitch_x * pitch_y});
   }
   return places;
 }
 
-// Angle and confidence under a window that moves to where the forces under it are.
-void setWindowed(std::span<const TaxelPlace> places, std::span<const double> force, double pitch, ContactFeatures& features) {
-  const double width = kWindow * pitch;
+// Windowed edge angle and confidence: mean shift of a Gaussian window from the centre of pressure.
+void setWindowedEdge(std::span<const TaxelPlace> places, std::span<const double> force, double pitch, ContactFeatures& features) {
+  const double width = kWindowWidth * pitch;
   std::array<double, 2> middle{0, 0};
   for (std::size_t k = 0; k < force.size(); ++k) {
     for (int axis = 0; axis < 2; ++axis) middle[axis] += force[k] / features.total_force * places[k].in_plane[axis];
   }
-  for (int round = 0; round < kWindowRounds; ++round) {
+  for (int iteration = 0; iteration < kMeanShiftIterations; ++iteration) {
     double sum = 0;
     std::array<double, 2> mean{0, 0};
     std::vector<double> weight;
@@ -135,7 +136,7 @@ void setWindowed(std::span<const TaxelPlace> places, std::span<const double> for
       mean[1] += weight[k] * places[k].in_plane[1];
     }
     features.window_share = std::min(features.window_share, sum / features.total_force);
-    if (features.window_share < kLeastUnderWindow) {
+    if (features.window_share < kMinWindowShare) {
       features.windowed_edge_angle = features.windowed_edge_confidence = 0;
       return;
     }
@@ -149,38 +150,39 @@ void setWindowed(std::span<const TaxelPlace> places, std::span<const double> for
     }
     middle = mean;
     Features axes;
-    setAxes(moments, axes);
+    setPrincipalAxes(moments, axes);
     features.windowed_edge_angle = axes.edge_angle;
     features.windowed_edge_confidence = axes.edge_confidence;
     features.windowed_trace = moments[0] + moments[2];
-    // d mean / d middle is the covariance over width^2.
+    // Derivative of the mean by the window's centre: covariance / width^2.
     features.window_growth *= std::max(1.0, axes.eigenvalues[0] / (width * width));
   }
 }
 
-// Whether a taxel lies inside its patch, and all of the patch around it report. What touches may end beside the patch anywhere.
-bool isCore(const Skinned& skin, const std::vector<bool>& reports, int taxel, int margin) {
-  const TaxelOnPatch& a = skin.at[taxel];
-  const GridPatch& patch = skin.sensor.patches[a.patch];
+// Whether the taxel is not on the rim of its patch and all taxels within `margin` report. At the rim the contact may end anywhere beside
+// the patch.
+bool isCore(const TaxelLayout& layout, const std::vector<bool>& reports, int taxel, int margin) {
+  const TaxelOnPatch& a = layout.at[taxel];
+  const GridPatch& patch = layout.sensor.patches[a.patch];
   if (a.i == 0 || a.j == 0 || a.i == patch.num_rows - 1 || a.j == patch.num_cols - 1) return false;
   for (int i = std::max(a.i - margin, 0); i <= std::min(a.i + margin, patch.num_rows - 1); ++i) {
     for (int j = std::max(a.j - margin, 0); j <= std::min(a.j + margin, patch.num_cols - 1); ++j) {
-      if (!reports[skin.first[a.patch] + i * patch.num_cols + j]) return false;
+      if (!reports[layout.first[a.patch] + i * patch.num_cols + j]) return false;
     }
   }
   return true;
 }
 
-// The plane through the pressures of the core, by least squares, and its slope over the skin's stiffness.
-void setTilt(const Skinned& skin, const ContactImage& image, const Plane& plane, const std::vector<int>& taxels,
+// Tilt: slope of the least-squares plane through the pressures of the core, over the stiffness of the skin.
+void setTilt(const TaxelLayout& layout, const ContactImage& image, const MomentPlane& plane, const std::vector<int>& taxels,
              ContactFeatures& features) {
-  const SpreadShape spread = spreadShape(skin.sensor.psf, plane.pitch);
+  const SpreadShape spread = spreadShape(layout.sensor.psf, plane.pitch);
   std::vector<int> core;
   for (const int t : taxels) {
-    if (image.reports[t] && !image.saturated[t] && isCore(skin, image.reports, t, spread.radius + 1)) core.push_back(t);
+    if (image.reports[t] && !image.saturated[t] && isCore(layout, image.reports, t, spread.radius + 1)) core.push_back(t);
   }
   if (core.size() < 4) return;
-  const std::vector<TaxelPlace> places = placesIn(skin, plane, core);
+  const std::vector<TaxelPlace> places = placesIn(layout, plane, core);
   const auto n = static_cast<double>(core.size());
   std::vector<double> pressure;
   double mean_p = 0, mean_x = 0, mean_y = 0;
@@ -197,41 +199,42 @@ void setTilt(const Skinned& skin, const ContactImage& image, const Plane& plane,
   }
   const double determinant = xx * yy - xy * xy;
   const bool on_line = std::min(xx / (plane.pitch[0] * plane.pitch[0]), yy / (plane.pitch[1] * plane.pitch[1])) < 0.5;
-  if (on_line || determinant <= kLeastSpread * xx * yy || mean_p <= 0) return;
+  if (on_line || determinant <= kMinCoreSpread * xx * yy || mean_p <= 0) return;
   const double gx = (yy * px - xy * py) / determinant, gy = (xx * py - xy * px) / determinant;
-  double missed = 0;
+  double squared_residuals = 0;
   for (std::size_t k = 0; k < core.size(); ++k) {
     const double x = places[k].in_plane[0] - mean_x, y = places[k].in_plane[1] - mean_y;
-    const double rest = pressure[k] - mean_p - gx * x - gy * y;
-    missed += rest * rest;
+    const double residual = pressure[k] - mean_p - gx * x - gy * y;
+    squared_residuals += residual * residual;
   }
-  // p = K d^n: at this pressure the depth is (p / K)^(1 / n).
-  const Winkler foundation = foundationOf(skin.sensor.skin);
+  // Stiffness dp/dd of p = K d^n at the mean pressure.
+  const Winkler foundation = foundationOf(layout.sensor.skin);
   const double exponent = foundation.normal_exponent, factor = foundation.normal_contact_stiffness;
   const double depth = std::pow(mean_p / factor, 1 / exponent);
   const double stiffness = exponent * factor * std::pow(depth, exponent - 1);
   features.tilt = {-std::atan(gy / stiffness), std::atan(gx / stiffness)};
   features.core = core;
-  features.tilt_confidence = std::max(0.0, 1 - std::sqrt(missed / (n - 3)) / mean_p);
+  features.tilt_confidence = std::max(0.0, 1 - std::sqrt(squared_residuals / (n - 3)) / mean_p);
 }
 
-ContactType typeOf(const Plane& plane, ContactFeatures& features) {
-  Features touched;
+// Sets the size of the equivalent rectangle and returns the contact type.
+ContactType classifyContact(const MomentPlane& plane, ContactFeatures& features) {
+  Features unblurred;
   std::array<double, 3> moments = features.second_moments;
   for (int m = 0; m < 3; ++m) moments[m] -= plane.blur[m];
-  setAxes(moments, touched);
-  const double pitch = std::hypot(std::cos(touched.edge_angle) * plane.pitch[0], std::sin(touched.edge_angle) * plane.pitch[1]);
-  features.length = std::sqrt(12 * std::max(touched.eigenvalues[0], 0.0));
-  features.width = std::sqrt(12 * touched.eigenvalues[1]);
+  setPrincipalAxes(moments, unblurred);
+  const double pitch = std::hypot(std::cos(unblurred.edge_angle) * plane.pitch[0], std::sin(unblurred.edge_angle) * plane.pitch[1]);
+  features.length = std::sqrt(12 * std::max(unblurred.eigenvalues[0], 0.0));
+  features.width = std::sqrt(12 * unblurred.eigenvalues[1]);
   features.longest_point = kLongestPoint * pitch;
   if (features.total_force <= features.least_force) return ContactType::kNone;
   if (features.length <= features.longest_point) return ContactType::kPoint;
   return features.width <= kWidestEdge * features.length ? ContactType::kEdge : ContactType::kArea;
 }
 
-ContactFeatures featuresOf(const Skinned& skin, const ContactImage& image, const std::vector<int>& taxels, int patch) {
-  const Plane plane = planeOf(skin.sensor, patch);
-  const std::vector<TaxelPlace> places = placesIn(skin, plane, taxels);
+ContactFeatures featuresOf(const TaxelLayout& layout, const ContactImage& image, const std::vector<int>& taxels, int patch) {
+  const MomentPlane plane = planeOf(layout.sensor, patch);
+  const std::vector<TaxelPlace> places = placesIn(layout, plane, taxels);
   std::vector<double> force;
   std::vector<bool> reports;
   for (const int t : taxels) {
@@ -242,31 +245,31 @@ ContactFeatures featuresOf(const Skinned& skin, const ContactImage& image, const
   static_cast<Features&>(features) = reference::featuresOf(places, force, reports);
   features.patch = patch;
   if (features.total_force <= 0) return features;
-  setWindowed(places, force, std::max(plane.pitch[0], plane.pitch[1]), features);
-  if (plane.is_grid) setTilt(skin, image, plane, taxels, features);
+  setWindowedEdge(places, force, std::max(plane.pitch[0], plane.pitch[1]), features);
+  if (plane.is_grid) setTilt(layout, image, plane, taxels, features);
   features.least_force = kNoiseFactor * image.noise * std::sqrt(static_cast<double>(taxels.size()));
-  features.contact_type = typeOf(plane, features);
+  features.contact_type = classifyContact(plane, features);
   return features;
 }
 
 }  // namespace
 
 ContactRows contactFeatures(const Sensor& sensor, const ContactImage& image) {
-  const Skinned skin(sensor);
+  const TaxelLayout layout(sensor);
   const bool is_list = isTaxelList(sensor);
   std::vector<int> all;
-  for (int t = 0; t < static_cast<int>(skin.at.size()); ++t) all.push_back(t);
+  for (int t = 0; t < static_cast<int>(layout.at.size()); ++t) all.push_back(t);
   ContactRows rows;
-  rows.sensor = featuresOf(skin, image, all, sensor.patches.size() == 1 ? 0 : -1);
+  rows.sensor = featuresOf(layout, image, all, sensor.patches.size() == 1 ? 0 : -1);
   for (int p = 0; p < numFeaturePatches(sensor); ++p) {
     std::vector<int> taxels;
-    std::copy_if(all.begin(), all.end(), std::back_inserter(taxels), [&](int t) { return skin.at[t].patch == p; });
-    rows.patches.push_back(featuresOf(skin, image, taxels, p));
+    std::copy_if(all.begin(), all.end(), std::back_inserter(taxels), [&](int t) { return layout.at[t].patch == p; });
+    rows.patches.push_back(featuresOf(layout, image, taxels, p));
   }
-  for (const std::vector<int>& region : regionsOf(skin, image.reports)) {
+  for (const std::vector<int>& region : connectedRegions(layout, image.reports)) {
     const auto largest = [&](int s, int t) { return image.force[s] < image.force[t]; };
-    const int named = is_list ? *std::max_element(region.begin(), region.end(), largest) : region.front();
-    rows.regions.push_back(featuresOf(skin, image, region, skin.at[named].patch));
+    const int representative = is_list ? *std::max_element(region.begin(), region.end(), largest) : region.front();
+    rows.regions.push_back(featuresOf(layout, image, region, layout.at[representative].patch));
     rows.regions.back().taxels = region;
   }
   std::stable_sort(rows.regions.begin(), rows.regions.end(),

@@ -1,4 +1,13 @@
-// Features of what is in contact, of the reference: of the whole sensor, of its patches, and of regions, the connected taxels that report.
+// Contact features of the reference: windowed edge angle, tilt and contact type of the whole sensor, of each patch and of each contact
+// region.
+//
+//   region               connected component of the reporting taxels of a patch, 8-connected on a grid; found by breadth-first search
+//   windowed edge angle  principal axis under a Gaussian window of 1.15 pitches that converges on the contact by mean shift, 4 rounds
+//                        (D. Comaniciu and P. Meer, IEEE Trans. PAMI 24(5), 2002); less biased than plain moments on truncated edges
+//   tilt                 slope of the least-squares plane through the pressures of the core, over the stiffness of the skin. Core: the
+//                        taxels so far inside the contact that neither its rim nor saturation changes their force
+//   contact type         from length and width of the uniform rectangle with the same second moments, less those of the PSF and of a taxel
+//                        (include/taxelsim/contact_type.h)
 #pragma once
 
 #include <array>
@@ -11,43 +20,44 @@
 
 namespace taxelsim::reference {
 
-// Of one part, as ContactFeatureView has them.
+// Features of one row, as in ContactFeatureView, and the quantities they follow from, for tests.
 struct ContactFeatures : Features {
-  double windowed_edge_angle = 0;
-  double windowed_edge_confidence = 0;
-  std::array<double, 2> tilt{0, 0};
-  double tilt_confidence = 0;
+  double windowed_edge_angle = 0;       // rad in (-pi/2, pi/2]; 0 where undefined
+  double windowed_edge_confidence = 0;  // 0 to 1
+  std::array<double, 2> tilt{0, 0};     // rad, about x and y of the plane; 0 where undefined
+  double tilt_confidence = 0;           // 0 to 1
   ContactType contact_type = ContactType::kNone;
-  int patch = -1;  // in whose plane all this is; -1: the xy plane of S
+  int patch = -1;  // whose plane the features are in; -1: the xy plane of S
 
-  // What these follow from.
-  double window_share = 1;                          // the least part of the force that was under the window
-  double window_growth = 1;                         // by how much a small step of the window's first middle moves its last
-  double windowed_trace = 0;                        // m^2: sum of the second moments under the window
-  double length = 0, width = 0, longest_point = 0;  // m
-  double least_force = 0;                           // N: no more is no contact
-  std::vector<int> core{};                          // taxels from which the tilt is
-  std::vector<int> taxels{};                        // of a region
+  double window_share = 1;                          // smallest fraction of the force under the window in any round
+  double window_growth = 1;                         // bound on |d(final centre)/d(initial centre)| of the window
+  double windowed_trace = 0;                        // m^2: trace of the second moments under the window
+  double length = 0, width = 0, longest_point = 0;  // m: of the equivalent rectangle; longest length that is still a point
+  double least_force = 0;                           // N: total forces up to this are noise
+  std::vector<int> core{};                          // taxels that the tilt is fitted to
+  std::vector<int> taxels{};                        // regions only: its taxels, ascending
 };
 
 struct ContactRows {
   ContactFeatures sensor;
-  std::vector<ContactFeatures> patches;  // of a list of taxels none
-  std::vector<ContactFeatures> regions;  // all, by force, then by their lowest taxel
+  std::vector<ContactFeatures> patches;  // (num_patches); empty for a list of taxels
+  std::vector<ContactFeatures> regions;  // all, by descending force, ties by their lowest taxel
 };
 
-// What features are taken from, all (num_taxels).
+// Input of contactFeatures(); arrays have shape (num_taxels).
 struct ContactImage {
   std::vector<double> force{};    // N
-  std::vector<bool> reports{};    // anything
-  std::vector<bool> saturated{};  // at the upper end
+  std::vector<bool> reports{};    // whether the taxel reports contact
+  std::vector<bool> saturated{};  // whether the taxel is saturated
   double noise = 0;               // N: standard deviation at one taxel
 };
 
 ContactRows contactFeatures(const Sensor& sensor, const ContactImage& image);
 
-// From the clean forces, and from the measured ones of a sensor with `extra_noise` counts beside its own.
+// Image of the clean forces (num_taxels), N.
 ContactImage cleanContactImage(const Sensor& sensor, std::span<const double> spread_force);
+
+// Image of the measured forces. extra_noise (counts): noise of the episode, added in quadrature to the sensor's own.
 ContactImage measuredContactImage(const Sensor& sensor, std::span<const std::uint32_t> counts, double extra_noise = 0);
 
 }  // namespace taxelsim::reference

@@ -8,41 +8,41 @@
 namespace taxelsim::reference {
 namespace {
 
-// The cell of a row of cells in which x lies, m from the row's middle.
+// Index of the cell that contains x (m from the middle of the row of cells); empty outside.
 std::optional<int> cellAt(double x, int num_cells, double pitch) {
   if (std::abs(x) > num_cells * pitch / 2 + kRimTolerance) return std::nullopt;
   return std::clamp(static_cast<int>(std::floor(x / pitch + num_cells / 2.0)), 0, num_cells - 1);
 }
 
-struct Place {
+struct AssignedTaxel {
   int taxel;
   const GridPatch* patch;
 };
 
-// Of taxels with places of their own.
-std::optional<Place> placeInList(const Sensor& sensor, const Vector3& p_SQ_S, double contact_band) {
-  std::optional<Place> place;
-  double least = 0.5;  // the ellipse through the corners
+// Assignment in a list of taxels.
+std::optional<AssignedTaxel> assignInList(const Sensor& sensor, const Vector3& p_SQ_S, double contact_band) {
+  std::optional<AssignedTaxel> assigned;
+  double nearest = 0.5;  // normalised squared distance: the ellipse through the taxel's corners
   for (std::size_t t = 0; t < sensor.patches.size(); ++t) {
     const GridPatch& patch = sensor.patches[t];
     const Vector3 p_PQ_P = inverse(patch.X_SP) * p_SQ_S;
-    const double away = std::pow(p_PQ_P[0] / patch.pitch[0], 2) + std::pow(p_PQ_P[1] / patch.pitch[1], 2);
-    if (p_PQ_P[2] < -sensor.skin.thickness || p_PQ_P[2] > contact_band || !(away < least)) continue;
-    least = away;
-    place = Place{static_cast<int>(t), &patch};
+    const double distance = std::pow(p_PQ_P[0] / patch.pitch[0], 2) + std::pow(p_PQ_P[1] / patch.pitch[1], 2);
+    if (p_PQ_P[2] < -sensor.skin.thickness || p_PQ_P[2] > contact_band || !(distance < nearest)) continue;
+    nearest = distance;
+    assigned = AssignedTaxel{static_cast<int>(t), &patch};
   }
-  return place;
+  return assigned;
 }
 
-std::optional<Place> placeAt(const Sensor& sensor, const Vector3& p_SQ_S, double contact_band) {
-  if (isTaxelList(sensor)) return placeInList(sensor, p_SQ_S, contact_band);
+std::optional<AssignedTaxel> assignTaxel(const Sensor& sensor, const Vector3& p_SQ_S, double contact_band) {
+  if (isTaxelList(sensor)) return assignInList(sensor, p_SQ_S, contact_band);
   int first_taxel = 0;
   for (const GridPatch& patch : sensor.patches) {
     const Vector3 p_PQ_P = inverse(patch.X_SP) * p_SQ_S;
     const std::optional<int> i = cellAt(p_PQ_P[0], patch.num_rows, patch.pitch[0]);
     const std::optional<int> j = cellAt(p_PQ_P[1], patch.num_cols, patch.pitch[1]);
     if (i && j && p_PQ_P[2] >= -sensor.skin.thickness && p_PQ_P[2] <= contact_band) {
-      return Place{first_taxel + *i * patch.num_cols + *j, &patch};
+      return AssignedTaxel{first_taxel + *i * patch.num_cols + *j, &patch};
     }
     first_taxel += patch.num_rows * patch.num_cols;
   }
@@ -52,8 +52,8 @@ std::optional<Place> placeAt(const Sensor& sensor, const Vector3& p_SQ_S, double
 }  // namespace
 
 std::optional<int> taxelAt(const Sensor& sensor, const Vector3& p_SQ_S, double contact_band) {
-  const std::optional<Place> place = placeAt(sensor, p_SQ_S, contact_band);
-  return place ? std::optional(place->taxel) : std::nullopt;
+  const std::optional<AssignedTaxel> assigned = assignTaxel(sensor, p_SQ_S, contact_band);
+  return assigned ? std::optional(assigned->taxel) : std::nullopt;
 }
 
 ContactSums sumContacts(const Sensor& sensor, std::span<const ContactPoint> contacts, double contact_band) {
@@ -61,15 +61,15 @@ ContactSums sumContacts(const Sensor& sensor, std::span<const ContactPoint> cont
   sums.taxel_force.assign(static_cast<std::size_t>(numTaxels(sensor)), 0);
   Vector3 force{0, 0, 0}, torque{0, 0, 0};
   for (const ContactPoint& contact : contacts) {
-    const std::optional<Place> place = placeAt(sensor, contact.position, contact_band);
-    if (!place) {
+    const std::optional<AssignedTaxel> assigned = assignTaxel(sensor, contact.position, contact_band);
+    if (!assigned) {
       sums.off_array_load += contact.normal_force;
       ++sums.off_array_contacts;
       continue;
     }
-    sums.taxel_force[static_cast<std::size_t>(place->taxel)] += contact.normal_force;
+    sums.taxel_force[static_cast<std::size_t>(assigned->taxel)] += contact.normal_force;
     sums.total_force += contact.normal_force;
-    const Vector3 contact_force = rotate(place->patch->X_SP.rotation, {0, 0, -contact.normal_force});
+    const Vector3 contact_force = rotate(assigned->patch->X_SP.rotation, {0, 0, -contact.normal_force});
     force = add(force, contact_force);
     torque = add(torque, cross(contact.position, contact_force));
   }

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Fine grid of all samples of a patch: row u = i s + a along x, column v = j s + b along y.
+// All samples of a patch as one grid: row u = i s + a along x, column v = j s + b along y, for sample (a, b) of taxel (i, j).
 struct SampleGrid {
   int rows, cols, samples_per_taxel, num_cols;
   double step_x, step_y;
@@ -35,7 +35,7 @@ struct SampleGrid {
     const int s = samples_per_taxel;
     return ((static_cast<std::size_t>(u / s) * num_cols + v / s) * s + u % s) * s + v % s;
   }
-  // First and last sample that can lie in [min, max], one too many on either side so that rounding loses none.
+  // First and last sample that can lie in [min, max], widened by one on either side against rounding.
   static std::pair<int, int> range(double min, double max, double step, double shift, int count) {
     const double middle = (count - 1) / 2.0;
     const double first = std::floor((min - shift) / step + middle) - 1, last = std::ceil((max - shift) / step + middle) + 1;
@@ -49,11 +49,11 @@ double edgeFunction(const Vector3& a, const Vector3& b, double x, double y) {
   return (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0]);
 }
 
-// Lowers `heights` to the triangle where it covers samples and is not below `floor`; its corners are sheared so that rays run along z.
+// Lowers `heights` to the triangle where it covers samples and is not below `floor`. `t` is sheared so that the rays run along z.
 void lowerToTriangle(const std::array<Vector3, 3>& t, const SampleGrid& grid, double floor, std::span<double> heights) {
   const double area = edgeFunction(t[0], t[1], t[2][0], t[2][1]);
   if (area == 0) {
-    return;  // seen edge-on: covers nothing
+    return;  // degenerate in projection: covers no sample
   }
   const auto [min_x, max_x] = std::minmax({t[0][0], t[1][0], t[2][0]});
   const auto [min_y, max_y] = std::minmax({t[0][1], t[1][1], t[2][1]});

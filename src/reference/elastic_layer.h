@@ -1,8 +1,21 @@
-// The law `elastic_layer` of the reference: pressures under which an elastic skin follows an object, in double precision, converged.
+// Contact law `elastic_layer` of the reference: frictionless normal contact of an elastic skin, solved to convergence in double precision.
 //
-// Unknown are the pressures p >= 0 on the nodes of a patch and its margin, with displacements w = A p: w = d where p > 0, w >= d elsewhere.
-// They minimise p.A p / 2 - p.d. Conjugate gradients over the nodes in contact, which are found along the way: a step that would pull a
-// node lets go of it, a node that would be penetrated is pressed (Polonsky and Keer, Wear 231 (1999) 206).
+// Unknowns are the pressures p on the nodes of a patch and its margin. Surface displacements are w = A p, with A the influence matrix
+// (sensor/elastic_layer.h). With d the signed overlap of object and undeformed skin, the contact conditions
+//
+//     p >= 0,   w >= d,   p (w - d) = 0        (linear complementarity: the skin follows the object where it presses, bulges elsewhere)
+//
+// are those of the quadratic program  min p.A p / 2 - p.d  over p >= 0. Solved by non-negative conjugate gradients (I. A. Polonsky and L.
+// M. Keer, "A numerical method for solving rough contact problems based on the multi-level multi-summation and conjugate gradient
+// techniques", Wear 231 (1999) 206):
+//
+//     r = A p - d                                    residual
+//     t = r + (|r|^2 / |r_prev|^2) t on the active set {p > 0}, 0 elsewhere      search direction; restarted when the active set grew
+//     p = max(0, p - (r.t / t.A t) t)                step and projection
+//     nodes with p = 0 and r < 0 are penetrated:     they join the active set, p = -step r
+//
+// Under a given load the depth is the root of a monotone function of the force, found by bisection and then the Illinois method (M. Dowell
+// and P. Jarratt, BIT 11 (1971) 168).
 #pragma once
 
 #include <array>
@@ -16,65 +29,67 @@
 
 namespace taxelsim::reference {
 
-// The patch's nodes and how they give way: A_mn = influence[|u_m - u_n|][|v_m - v_n|].
+// Nodes and influence matrix of a patch. A is block Toeplitz: A_mn = influence[|row_m - row_n|][|column_m - column_n|].
 struct Layer {
   LayerNodes nodes;
   std::vector<double> influence;  // (num_rows x num_cols), m/Pa
 };
 
-Layer layerOf(const Sensor& sensor);
+// Layer of a sensor with law ElasticLayer.
+Layer makeLayer(const Sensor& sensor);
 
 struct LayerSolution {
   std::vector<double> pressure;  // (num_rows x num_cols), Pa
-  double residual = 0;           // largest |w - d| where p > 0 and d - w elsewhere, relative to the deepest overlap
+  double residual = 0;           // max of |w - d| where p > 0 and of d - w elsewhere, relative to the deepest overlap
   int iterations = 0;
 };
 
-// The signed overlap d (num_rows x num_cols), m; -infinity where there is no surface. Throws std::runtime_error where `tolerance` of the
-// residual is not reached.
-LayerSolution pressLayer(const Layer& layer, std::span<const double> overlap, double tolerance = 1e-10);
+// Solves for the pressures under the signed overlap d, (num_rows x num_cols), m; -infinity where there is no surface. Throws
+// std::runtime_error if the residual does not reach `tolerance`.
+LayerSolution solveLayer(const Layer& layer, std::span<const double> overlap, double tolerance = 1e-10);
 
 // Sum of p dA over all nodes, N.
-double forceOn(const Layer& layer, std::span<const double> pressure);
+double totalForce(const Layer& layer, std::span<const double> pressure);
 
-// One frame of the contact: forces as of contactOf(), over the taxels, and what the margin carries.
+// One frame of contact. Arrays over nodes have shape (num_rows x num_cols).
 struct LayerContact {
-  LayerSolution solution;                // of a skin that relaxes: of the problem of its dents, but for the pressure
-  std::vector<double> strain;            // (num_rows x num_cols), Pa, of a skin that relaxes: pressures of an instantaneous press
-  std::vector<double> overlap;           // (num_rows x num_cols), m: d, at most the thickness
+  LayerSolution solution;                // relaxing skin: residual and iterations are those of the problem with residual strains
+  std::vector<double> strain;            // (nodes), Pa: strain measure of a relaxing skin, see relaxation.h
+  std::vector<double> overlap;           // (nodes), m: d, at most the thickness
   std::vector<double> taxel_force;       // (num_taxels), N
   std::vector<double> mean_penetration;  // (num_taxels), m: mean of clamp(d, 0, thickness)
-  std::array<double, 6> wrench{};        // force (N) and torque (N m) on the sensor at S's origin, in S; margin included
+  std::array<double, 6> wrench{};        // force (N) and torque (N m) on the sensor at the origin of S, in S; margin included
   double total_force = 0;                // N: sum over the taxels
   double off_array_load = 0;             // N: sum over the margin
-  double over_penetration = 0;           // fraction of the taxels' samples at least as deep as the skin is thick
-  double offset = 0;                     // m: by how much the objects were moved along z of S
+  double over_penetration = 0;           // fraction of the taxels' samples with d >= thickness
+  double offset = 0;                     // m: translation of the objects along z of S
   bool load_reached = true;
-  double gain = 1;  // of a skin that relaxes: pressure by what an instantaneous press would need for its depth
+  double gain = 1;  // SkinStep::gain of a relaxing skin
 };
 
-// How the pressures (num_rows x num_cols), Pa, change when the overlap does (the same, m), at once: over the nodes with pressure, which
-// stay the same, the layer's own equations.
+// Linearisation of the solution: rates of the pressures, (nodes), Pa, for rates of the overlap, (nodes), m, both per unit of the same
+// parameter. The active set is held fixed: A p' = d' on the nodes with pressure. Instantaneous, also for a relaxing skin.
 std::vector<double> pressureRates(const Layer& layer, const LayerContact& contact, std::span<const double> overlap_rates);
 
-// The nodes as samples of one patch, in their order; those of the margin have no taxel.
+// The nodes as samples of the first patch; taxel kNoTaxel in the margin.
 std::vector<Sample> layerSamples(const Sensor& sensor, const LayerNodes& nodes);
 
-// Heights of the lowest surface over every node, (num_rows x num_cols), m along z of P; +infinity where there is none.
+// Height of the lowest surface over every node, (nodes), m along z of P; +infinity where there is none.
 std::vector<double> layerHeights(const Sensor& sensor, const LayerNodes& nodes, std::span<const PlacedObject> objects);
 
-// What shears of it: the nodes, each touched where it has pressure, by the lowest of the objects, which are where `contact` left them.
+// The nodes as input of contactShear(): touched where they have pressure, by the object with the lowest surface. `objects` have the poses
+// of `contact`.
 PressedSkin pressedNodes(const Sensor& sensor, std::span<const PlacedObject> objects, const LayerContact& contact);
 
-// Objects where they are. `skin`: of a skin that relaxes, over the nodes; none: of one that was never pressed.
+// Contact with the objects at their poses. `skin`: state of a relaxing skin over the nodes; default: never loaded.
 //
-// All moduli follow one g(t), so that the pressures p are the convolution of g with pressures P that would move the layer as far at once, A
-// P = w. A step that begins with `skin` has p = gain (P - q), q being the strains to which it recovers by itself, so that p / gain solves
-// the layer's problem for d - A q.
+// Relaxation: all moduli follow one kernel g(t), so p = g * dP/dt (convolution) with A P = w. A step that starts from `skin` gives p = gain
+// (P - q), q the recovered strains; p / gain solves the elastic problem with overlap d - A q.
 LayerContact layerContact(const Sensor& sensor, std::span<const PlacedObject> objects, const SkinStep& skin = {});
 
-// Objects moved along z of S until taxels and margin together carry `load` (N); at full depth, where its deepest sample is as deep as the
-// skin is thick, when that carries less. The patch must face along z of S.
+// Contact with the objects translated along z of S so that taxels and margin together carry `load` (N). If the skin carries less at full
+// depth (deepest sample at the skin thickness), load_reached is false and the objects are at full depth. Requires z of P parallel to z of
+// S. Throws std::runtime_error if the root is not found.
 LayerContact loadedLayerContact(const Sensor& sensor, std::span<const PlacedObject> objects, double load, const SkinStep& skin = {});
 
 }  // namespace taxelsim::reference

@@ -17,8 +17,8 @@ std::vector<TaxelPlace> placesOf(const Sensor& sensor) {
         const double x = (i - (patch.num_rows - 1) / 2.0) * patch.pitch[0];
         const double y = (j - (patch.num_cols - 1) / 2.0) * patch.pitch[1];
         const Vector3 p_S = patch.X_SP * Vector3{x, y, 0};
-        const bool alone = sensor.patches.size() == 1;
-        places.push_back({p_S, {alone ? x : p_S[0], alone ? y : p_S[1]}, patch.pitch[0] * patch.pitch[1]});
+        const bool single_patch = sensor.patches.size() == 1;
+        places.push_back({p_S, {single_patch ? x : p_S[0], single_patch ? y : p_S[1]}, patch.pitch[0] * patch.pitch[1]});
       }
     }
   }
@@ -27,7 +27,7 @@ std::vector<TaxelPlace> placesOf(const Sensor& sensor) {
 
 }  // namespace
 
-void setAxes(const std::array<double, 3>& second_moments, Features& features) {
+void setPrincipalAxes(const std::array<double, 3>& second_moments, Features& features) {
   const auto [xx, xy, yy] = second_moments;
   const double middle = (xx + yy) / 2, radius = std::hypot((xx - yy) / 2, xy);
   features.second_moments = second_moments;
@@ -36,7 +36,7 @@ void setAxes(const std::array<double, 3>& second_moments, Features& features) {
   if (radius > 0) {
     features.edge_angle = std::atan2(2 * xy, xx - yy) / 2;
     if (features.edge_angle <= -std::numbers::pi / 2) {
-      features.edge_angle += std::numbers::pi;  // atan2 gives -pi for a negative zero
+      features.edge_angle += std::numbers::pi;  // atan2 returns -pi for a negative zero
     }
     features.edge_confidence = (larger - smaller) / (larger + smaller);
   }
@@ -73,7 +73,7 @@ Features featuresOf(std::span<const TaxelPlace> places, std::span<const double> 
     xy += weight * x * y;
     yy += weight * y * y;
   }
-  setAxes(second_moments, features);
+  setPrincipalAxes(second_moments, features);
   return features;
 }
 

@@ -5,8 +5,8 @@
 namespace taxelsim::reference {
 namespace {
 
-// Stages 1 and 2 of a law that is solved over all samples at once.
-void pressElasticLayer(const Sensor& sensor, const FrameInput& input, const SkinStep& skin, Frame& frame) {
+// Stages 1 and 2 for law ElasticLayer.
+void solveElasticLayer(const Sensor& sensor, const FrameInput& input, const SkinStep& skin, Frame& frame) {
   LayerContact solved =
       input.load ? loadedLayerContact(sensor, input.objects, *input.load, skin) : layerContact(sensor, input.objects, skin);
   if (input.skin) input.skin->advance(input.dt, solved.strain);
@@ -29,18 +29,18 @@ Frame simulateFrame(const Sensor& sensor, const FrameInput& input) {
   Frame frame;
   frame.load.reached = true;
   const SkinStep skin = input.skin ? input.skin->step(input.dt) : SkinStep{};
-  const bool solved = std::holds_alternative<ElasticLayer>(sensor.skin.law);
-  if (solved) {
-    pressElasticLayer(sensor, input, skin, frame);
+  const bool is_layer = std::holds_alternative<ElasticLayer>(sensor.skin.law);
+  if (is_layer) {
+    solveElasticLayer(sensor, input, skin, frame);
   } else if (input.load) {
     frame.load = findLoad(sensor, input.objects, *input.load, skin);
   }
   const std::vector<PlacedObject> placed = movedAlongZ(input.objects, frame.load.offset);
   frame.heights = surfaceHeights(sensor, placed);
   frame.penetration = penetrations(frame.heights, sensor.skin.thickness);
-  if (!solved) {
+  if (!is_layer) {
     const std::span<const double> previous = input.previous_penetration;
-    frame.contact = contactOf(sensor, frame.penetration, input.load ? std::span<const double>{} : previous, input.dt, skin);
+    frame.contact = computeContact(sensor, frame.penetration, input.load ? std::span<const double>{} : previous, input.dt, skin);
     if (input.skin) input.skin->advance(input.dt, frame.contact.strain);
     const PressedSkin pressed = pressedSamples(sensor, placed, frame.penetration, frame.contact.pressure);
     frame.shear = contactShear(sensor, placed, pressed, input.previous_friction, input.dt);

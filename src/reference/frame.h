@@ -1,8 +1,11 @@
-// All stages of the reference in a row for one sensor instance: the double-precision twin of a Simulator's frame.
+// One frame of one sensor instance in double precision: all stages in sequence. The test oracle of Simulator.
 //
-//   poses -> heights -> penetration -> pressure, shear, taxel forces -> spread forces -> lagged force -> counts -> features
+//   poses -> heights -> penetration -> pressure, shear -> taxel forces -> spread forces -> lagged forces -> counts -> features
+//    (load search)       depth.h      contact.h,          taxel_laws.h     psf.h            lag.h            readout.h  features.h
+//      load.h                         elastic_layer.h,
+//                                     friction.h
 //
-// Not a simulator: the caller keeps what lasts from frame to frame (penetration and friction of the frame before, held frames).
+// simulateFrame() is stateless: the caller passes in what persists between frames and keeps it afterwards.
 #pragma once
 
 #include <cstdint>
@@ -23,36 +26,37 @@
 namespace taxelsim::reference {
 
 struct FrameInput {
-  std::vector<PlacedObject> objects{};         // empty slots left out
-  std::optional<double> load{};                // N; none when pose-driven
-  std::vector<double> previous_penetration{};  // of the frame before; empty in the first one. A load-driven frame is at rest and ignores it
-  std::vector<TaxelState> taxel_state{};       // the same
-  FrictionState previous_friction{};           // Frame::shear.state of the frame before
-  double dt = 0;                               // s since then
-  SkinHistory* skin = nullptr;                 // of a skin that relaxes, advanced by dt; none: it was never pressed
+  std::vector<PlacedObject> objects{};  // without empty slots
+  std::optional<double> load{};         // N; empty: pose-driven
+  std::vector<double>
+      previous_penetration{};             // of the preceding frame; empty in the first. Ignored when load-driven, which is a rest state
+  std::vector<TaxelState> taxel_state{};  // of the preceding frame; likewise
+  FrictionState previous_friction{};      // Frame::shear.state of the preceding frame
+  double dt = 0;                          // s since the preceding frame
+  SkinHistory* skin = nullptr;            // of a relaxing skin, advanced by dt; null: never loaded
   ReadoutDraw draw{};
-  Lag* lag = nullptr;  // stage 4, advanced by dt; none: a frame shows the spread force itself
+  Lag* lag = nullptr;  // stage 4, advanced by dt; null: no dynamics
 };
 
-// Every intermediate value, in the order in which it is computed.
+// All intermediate values, in order of computation. Fields marked "ElasticLayer only" are empty or 0 for other laws.
 struct Frame {
-  LoadResult load;                  // offset 0 and reached when pose-driven; of ElasticLayer offset and reached only
+  LoadResult load;                  // pose-driven: offset 0, reached. ElasticLayer: only offset and reached are set
   std::vector<double> heights;      // (num_taxels x s x s), m
   std::vector<double> penetration;  // (num_taxels x s x s), m, 0 to thickness
-  Contact contact;                  // its wrench is that of the pressures alone; of ElasticLayer without `pressure` and `strain`
+  Contact contact;                  // wrench: of the pressures alone. ElasticLayer: without `pressure` and `strain`
   ContactShear shear;
-  LayerContact layer;                   // of ElasticLayer
-  double off_array_load = 0;            // N: what the skin's margin carries
-  std::array<double, 6> wrench{};       // force (N) and torque (N m) on the sensor at S's origin, in S
-  std::vector<TaxelState> taxel_state;  // of laws with one
-  std::vector<double> taxel_force;      // (num_taxels), N: contact's, as the law's taxels read them
-  std::vector<Shear> taxel_shear;       // (num_taxels), N, the same
+  LayerContact layer;                   // ElasticLayer only
+  double off_array_load = 0;            // N, carried by the margin of the skin; ElasticLayer only
+  std::array<double, 6> wrench{};       // force (N) and torque (N m) on the sensor at the origin of S, in S
+  std::vector<TaxelState> taxel_state;  // for the next frame, of laws with a state
+  std::vector<double> taxel_force;      // (num_taxels), N: readings after taxel_laws.h
+  std::vector<Shear> taxel_shear;       // (num_taxels), N, likewise
   std::vector<double> spread_force;     // (num_taxels), N
   std::vector<Shear> spread_shear;      // (num_taxels), N
   std::vector<double> lagged_force;     // (num_taxels), N
   std::vector<std::uint32_t> counts;    // (num_taxels)
   std::vector<double> measured_force;   // (num_taxels), N
-  double saturated = 0;
+  double saturated = 0;                 // fraction of taxels at saturation
   Features clean;
   Features measured;
 };

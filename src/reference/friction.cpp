@@ -10,16 +10,17 @@
 namespace taxelsim::reference {
 namespace {
 
-// (X_to X_from^-1 - 1) p in S, without the difference of nearly equal positions: (R - 1) (p - p_from) + p_to - p_from, and with
-// R = 1 + 2 w [v] + 2 [v][v] for the quaternion (w, v) of the turn.
-Vector3 displacementOf(const Vector3& p_S, const Pose& from, const Pose& to) {
+// Displacement (X_to X_from^-1 - 1) p_S of the material point at p_S. Without cancellation: (R - 1) (p - p_from) + p_to - p_from, with
+// R - 1 = 2 w [v] + 2 [v][v] for the quaternion (w, v) of the relative rotation and [v] the cross-product matrix.
+Vector3 rigidDisplacement(const Vector3& p_S, const Pose& from, const Pose& to) {
   const auto& [fw, fx, fy, fz] = from.rotation;
   const auto [w, x, y, z] = to.rotation * Quaternion{fw, -fx, -fy, -fz};
-  const Vector3 v{x, y, z}, arm = subtract(p_S, from.position), once = cross(v, arm);
-  return add(scale(2, add(scale(w, once), cross(v, once))), subtract(to.position, from.position));
+  const Vector3 v{x, y, z}, arm = subtract(p_S, from.position), v_cross_arm = cross(v, arm);
+  return add(scale(2, add(scale(w, v_cross_arm), cross(v, v_cross_arm))), subtract(to.position, from.position));
 }
 
-Shear onCone(const Shear& q, double cap) {
+// Return mapping: q scaled back to the rim of Coulomb's cone.
+Shear returnToCone(const Shear& q, double cap) {
   const double size = std::hypot(q[0], q[1]);
   return size <= cap ? q : Shear{q[0] / size * cap, q[1] / size * cap};
 }
@@ -31,11 +32,11 @@ std::vector<int> lowestObjects(std::span<const PlacedObject> objects, double thi
   std::vector<int> lowest;
   std::vector<double> heights;
   for (std::size_t number = 0; number < objects.size(); ++number) {
-    const std::vector<double> own = heightsUnder(objects.subspan(number, 1));
-    lowest.resize(own.size(), kApart);
-    heights.resize(own.size(), std::numeric_limits<double>::infinity());
-    for (std::size_t n = 0; n < own.size(); ++n) {
-      const double height = std::max(own[n], -thickness);
+    const std::vector<double> object_heights = heightsUnder(objects.subspan(number, 1));
+    lowest.resize(object_heights.size(), kNoContact);
+    heights.resize(object_heights.size(), std::numeric_limits<double>::infinity());
+    for (std::size_t n = 0; n < object_heights.size(); ++n) {
+      const double height = std::max(object_heights[n], -thickness);
       if (height < heights[n]) {
         heights[n] = height;
         lowest[n] = static_cast<int>(number);
@@ -47,11 +48,11 @@ std::vector<int> lowestObjects(std::span<const PlacedObject> objects, double thi
 
 PressedSkin pressedSamples(const Sensor& sensor, std::span<const PlacedObject> objects, std::span<const double> d,
                            std::span<const double> pressure) {
-  const auto heightsUnder = [&](std::span<const PlacedObject> one) { return surfaceHeights(sensor, one); };
-  PressedSkin skin{samplesOf(sensor), std::vector<int>(d.size(), kApart), {d.begin(), d.end()}, {pressure.begin(), pressure.end()}};
+  const auto heightsUnder = [&](std::span<const PlacedObject> object) { return surfaceHeights(sensor, object); };
+  PressedSkin skin{samplesOf(sensor), std::vector<int>(d.size(), kNoContact), {d.begin(), d.end()}, {pressure.begin(), pressure.end()}};
   if (!hasFriction(sensor.skin) || objects.empty()) return skin;
   const std::vector<int> lowest = lowestObjects(objects, sensor.skin.thickness, heightsUnder);
-  for (std::size_t n = 0; n < d.size(); ++n) skin.touching[n] = d[n] > 0 ? lowest[n] : kApart;
+  for (std::size_t n = 0; n < d.size(); ++n) skin.touching[n] = d[n] > 0 ? lowest[n] : kNoContact;
   return skin;
 }
 
@@ -66,7 +67,7 @@ ContactShear contactShear(const Sensor& sensor, std::span<const PlacedObject> ob
   Vector3 force{0, 0, 0}, torque{0, 0, 0};
   for (std::size_t n = 0; n < skin.points.size(); ++n) {
     const int number = skin.touching[n];
-    if (number == kApart) continue;
+    if (number == kNoContact) continue;
     const auto slot = static_cast<std::size_t>(number);
     const bool is_known = slot < before.objects.size() && before.objects[slot].object == objects[slot].object;
     if (!is_known) continue;
@@ -74,19 +75,19 @@ ContactShear contactShear(const Sensor& sensor, std::span<const PlacedObject> ob
     const double d = skin.d[n], pressure = skin.pressure[n];
     const Pose& X_SP = sensor.patches[static_cast<std::size_t>(point.patch)].X_SP;
     const Vector3 p_P{point.position_P[0], point.position_P[1], -d}, p_S = X_SP * p_P;
-    const Vector3 u = rotate(inverse(X_SP).rotation, displacementOf(p_S, before.objects[slot].X_SO, objects[slot].X_SO));
+    const Vector3 u = rotate(inverse(X_SP).rotation, rigidDisplacement(p_S, before.objects[slot].X_SO, objects[slot].X_SO));
     const bool touched = before.touching[n] == number;
-    const double share = !touched && u[2] < 0 ? std::clamp(d / -u[2], 0.0, 1.0) : 1.0;  // of the displacement, after touch
-    const Shear held = touched ? before.held[n] : Shear{0, 0};
-    Shear q = held;
+    const double after_touch = !touched && u[2] < 0 ? std::clamp(d / -u[2], 0.0, 1.0) : 1.0;  // fraction of the displacement
+    const Shear history = touched ? before.history[n] : Shear{0, 0};
+    Shear q = history;
     if (bristles != nullptr) {
-      const Bristles after = moveBristles(*bristles, held, {u[0], u[1]}, share, dt);
-      shear.state.held[n] = after.bend;
-      q = {pressure * after.share[0], pressure * after.share[1]};
+      const Bristles after = updateBristles(*bristles, history, {u[0], u[1]}, after_touch, dt);
+      shear.state.history[n] = after.deflection;
+      q = {pressure * after.traction_ratio[0], pressure * after.traction_ratio[1]};
     } else {
-      for (std::size_t axis = 0; axis < 2; ++axis) q[axis] += friction.tangential_stiffness * share * u[axis];
-      q = onCone(q, friction.friction_coefficient * pressure);
-      shear.state.held[n] = q;
+      for (std::size_t axis = 0; axis < 2; ++axis) q[axis] += friction.tangential_stiffness * after_touch * u[axis];
+      q = returnToCone(q, friction.friction_coefficient * pressure);
+      shear.state.history[n] = q;
     }
     if (point.taxel != kNoTaxel) {
       for (std::size_t axis = 0; axis < 2; ++axis) shear.taxel_force[static_cast<std::size_t>(point.taxel)][axis] += q[axis] * point.area;

@@ -1,7 +1,18 @@
-// Shear of the reference: a tangential spring at every sample, held by the object that touches it and capped by Coulomb's cone
-// (include/taxelsim/sensor.h, Friction). The elastic-perfectly plastic slip that contact mechanics integrates along a path, by the
-// backward Euler step known as radial return (J. C. Simo and T. J. R. Hughes, Computational Inelasticity, Springer 1998, section 3.3).
-// Of the law lugre the bristles of lugre.h instead.
+// Shear of the reference: stick-slip friction with memory at every sample.
+//
+// A tangential spring of stiffness k_t joins each sample to the object that touches it. Its traction q is limited by Coulomb's cone,
+// |q| <= mu p: elastic-perfectly plastic slip, integrated by backward Euler with return mapping (J. C. Simo and T. J. R. Hughes,
+// Computational Inelasticity, Springer 1998, section 3.3, there called radial return).
+//
+//      q_y ^
+//          |        * trial      1. Trial traction q + k_t u, with u the tangential displacement of the object's material point in this
+//        . | .    /                 step (for new contact: its part after touch).
+//     .    |   o q'              2. Outside the cone: scaled back to its rim, q' = mu p trial / |trial|.
+//    .     +----.---> q_x        3. Loss of contact resets q to 0.
+//     .       .
+//        ' '  radius mu p        Rate-independent: the result depends on the path, not on dt.
+//
+// Law `lugre` replaces the spring by the bristles of lugre.h, which depend on velocity.
 #pragma once
 
 #include <array>
@@ -15,42 +26,42 @@
 
 namespace taxelsim::reference {
 
-inline constexpr int kApart = -1;    // number of the object where nothing touches
-inline constexpr int kNoTaxel = -1;  // of a point in the skin's margin
+inline constexpr int kNoContact = -1;  // object index of a point that nothing touches
+inline constexpr int kNoTaxel = -1;    // taxel index of a point in the margin of the skin
 
-// What lasts from one frame to the next. Made by contactShear(); without objects it is the state before the first frame.
+// Friction state between frames. contactShear() makes it; a default-constructed state precedes the first frame.
 struct FrictionState {
-  std::vector<PlacedObject> objects{};  // where they were
-  std::vector<int> touching{};          // (points), number of the object there, or kApart
-  std::vector<Shear> held{};            // (points): traction, Pa; of the law lugre the bristles' deflection, m
+  std::vector<PlacedObject> objects{};  // with the poses of that frame
+  std::vector<int> touching{};          // (num_points): index into objects, or kNoContact
+  std::vector<Shear> history{};         // (num_points), history variable: traction, Pa; with law lugre the bristle deflection, m
 };
 
-// The skin under objects, point by point: samples, or the nodes of an elastic layer.
+// Points at which shear is computed: the samples, or the nodes of an elastic layer.
 struct PressedSkin {
-  std::vector<Sample> points;    // those of a margin with taxel kNoTaxel
-  std::vector<int> touching;     // (points), number of the object that touches, or kApart
-  std::vector<double> d;         // (points), m: penetration, below 0 where skin has bulged to meet the object
-  std::vector<double> pressure;  // (points), Pa
+  std::vector<Sample> points;    // taxel kNoTaxel in the margin
+  std::vector<int> touching;     // (num_points): index of the touching object, or kNoContact
+  std::vector<double> d;         // (num_points), m: penetration; negative where the skin bulges to meet the object
+  std::vector<double> pressure;  // (num_points), Pa
 };
 
-// The samples, each touched where its d (m) is positive, by the lowest of the objects.
+// The samples with penetration d (m) and pressure (Pa), both (num_taxels x s x s). A sample is touched where d > 0, by the object with the
+// lowest surface there.
 PressedSkin pressedSamples(const Sensor& sensor, std::span<const PlacedObject> objects, std::span<const double> d,
                            std::span<const double> pressure);
 
-// Number of the object whose surface is lowest over each point, of heights as `heightsUnder` tells them; the first of equals, as all are
-// that lie deeper than the skin is thick; kApart where there is none.
+// Index of the object with the lowest surface over each point, kNoContact where there is none. Heights are clamped to -thickness (m) before
+// the comparison; ties go to the lower index. heightsUnder(objects) returns the heights (m) over all points.
 std::vector<int> lowestObjects(std::span<const PlacedObject> objects, double thickness,
                                const std::function<std::vector<double>(std::span<const PlacedObject>)>& heightsUnder);
 
 struct ContactShear {
-  std::vector<Shear> taxel_force;  // (num_taxels), N, on the sensor: an object that moves along +x pushes along +x
-  std::array<double, 6> wrench{};  // force (N) and torque (N m) on the sensor at S's origin, in S; margin included
+  std::vector<Shear> taxel_force;  // (num_taxels), N, on the sensor: positive along x for an object that slides along +x
+  std::array<double, 6> wrench{};  // force (N) and torque (N m) on the sensor at the origin of S, in S; margin included
   FrictionState state;             // for the next frame
 };
 
-// Shear after the objects have moved from where `before` saw them to `objects`. Number n of one list is number n of the other; another
-// object in its place is a new one, which sticks where it touches. No friction gives no shear. `dt` (s): how long they took, for the law
-// lugre; 0 is infinitely slow.
+// Shear after the objects have moved from their poses in `before` to those in `objects` in dt (s; used by law lugre only, 0 is infinitely
+// slow). Objects are matched by index; a different object at the same index counts as new contact. All zero for a skin without friction.
 ContactShear contactShear(const Sensor& sensor, std::span<const PlacedObject> objects, const PressedSkin& skin, const FrictionState& before,
                           double dt);
 

@@ -1,4 +1,7 @@
-// What stage 5 draws for one instance in one episode: the device's own random numbers, in double precision. Keeps the random walk.
+// Stage 5 of the reference, random part: gains, noise, bias, random walk and dead taxels of one instance in one episode.
+//
+// Random numbers are counter-based (base/philox.h), keyed by (seed, episode, frame, taxel, purpose): the device draws the same numbers, and
+// none of them depends on the batch or on what was drawn before.
 #pragma once
 
 #include <cstddef>
@@ -9,13 +12,13 @@
 
 namespace taxelsim::reference {
 
-// Of one episode; what a scene adds to the sensor's own.
+// Key and random variation of an episode; the spreads add to the sensor's own in quadrature.
 struct EpisodeKey {
   std::uint64_t seed = 0;
   std::uint64_t episode = 0;
-  double gain = 1;
-  double gain_spread = 0;
-  double noise = 0;  // counts
+  double gain = 1;         // factor common to all taxels
+  double gain_spread = 0;  // standard deviation of the logarithm of a taxel's gain
+  double noise = 0;        // counts, standard deviation
 };
 
 class Imperfections {
@@ -25,7 +28,7 @@ class Imperfections {
   // Advances the random walk by dt (s, > 0).
   void step(double dt);
 
-  // What frame number `frame` since reset is read with.
+  // Draw for frame number `frame` since the reset.
   ReadoutDraw draw(std::uint32_t frame) const;
 
  private:

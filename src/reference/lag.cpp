@@ -11,7 +11,7 @@ Lag::Lag(const Readout& readout, std::size_t num_taxels)
       creep_(readout.creep.size(), std::vector<double>(num_taxels, 0.0)),
       low_pass_(num_taxels, 0.0) {}
 
-double Lag::advanced(double x, std::size_t taxel, double dt) {
+double Lag::filter(double x, std::size_t taxel, double dt) {
   double y = x;
   for (std::size_t e = 0; e < play_.size(); ++e) {
     double& play = play_[e][taxel];
@@ -31,11 +31,11 @@ double Lag::advanced(double x, std::size_t taxel, double dt) {
 
 std::vector<double> Lag::step(std::span<const double> spread_force, double dt) {
   std::vector<double> force;
-  for (std::size_t t = 0; t < spread_force.size(); ++t) force.push_back(advanced(spread_force[t], t, dt));
+  for (std::size_t t = 0; t < spread_force.size(); ++t) force.push_back(filter(spread_force[t], t, dt));
   past_.push_front({dt, force});
-  constexpr double kRounding = 1e-9;  // of a delay of a whole number of steps
+  constexpr double kRounding = 1e-9;  // relative: a delay of a whole number of steps must not round up to one more
   double age = 0;
-  for (const Past& past : past_) {
+  for (const PastStep& past : past_) {
     if (age >= readout_.delay * (1 - kRounding)) return past.force;
     age += past.length;
   }

@@ -12,7 +12,7 @@
 namespace taxelsim::reference {
 namespace {
 
-// The neighbouring values in [low, high] between which `holds` turns from true (as at low) to false (as at high).
+// Bisection to the last bit: adjacent doubles in [low, high] between which `holds` changes from true (at low) to false (at high).
 std::pair<double, double> bisect(double low, double high, const std::function<bool(double)>& holds) {
   for (double middle = low + (high - low) / 2; middle > low && middle < high; middle = low + (high - low) / 2) {
     (holds(middle) ? low : high) = middle;
@@ -20,12 +20,12 @@ std::pair<double, double> bisect(double low, double high, const std::function<bo
   return {low, high};
 }
 
-// Offset at which a surface first meets a sample, seen along z of S; -infinity when no object lies over any sample.
+// Offset at which a surface first reaches a sample along z of S; -infinity if no object is over any sample.
 double firstTouch(const Sensor& sensor, std::span<const PlacedObject> objects) {
   std::vector<double> heights;
   for (const GridPatch& patch : sensor.patches) {
     const Vector3 direction_P = rotate(inverse(patch.X_SP).rotation, {0, 0, 1});
-    if (direction_P[2] > 0) {  // a patch that looks away from the motion is never touched first
+    if (direction_P[2] > 0) {  // a patch that faces away is not touched first
       appendHeights(patch, sensor.samples_per_taxel, objects, {.direction_P = direction_P}, heights);
     }
   }
@@ -43,18 +43,18 @@ bool allPatchesAreLevel(const Sensor& sensor) {
   });
 }
 
-// Going down from first touch, the first offset at which the deepest sample is as deep as the skin; over a tilted patch an object may slide
-// off before that: then the offset, of those looked at, at which it was deepest.
+// First offset, going down from first touch, at which the deepest sample reaches the skin thickness. Over a tilted patch an object may
+// slide off before: then the sampled offset with the largest depth.
 double fullDepth(double first_touch, double thickness, const std::function<double(double)>& deepestAt) {
   constexpr int kStepsPerThickness = 16;
-  constexpr int kTravelInThicknesses = 6;  // a patch tilted by 80 degrees is as deep as its skin within this travel
+  constexpr int kTravelInThicknesses = 6;  // reaches the thickness on patches tilted by up to 80 degrees
   const auto isFull = [&](double offset) { return deepestAt(offset) >= thickness; };
   double best = first_touch, deepest = 0;
   for (int n = 1; n <= kTravelInThicknesses * kStepsPerThickness; ++n) {
-    const double above = first_touch - (n - 1) * thickness / kStepsPerThickness, offset = first_touch - n * thickness / kStepsPerThickness;
+    const double upper = first_touch - (n - 1) * thickness / kStepsPerThickness, offset = first_touch - n * thickness / kStepsPerThickness;
     const double depth = deepestAt(offset);
     if (depth >= thickness) {
-      return bisect(offset, above, isFull).first;
+      return bisect(offset, upper, isFull).first;
     }
     if (depth > deepest) {
       deepest = depth;
@@ -83,7 +83,7 @@ LoadResult findLoad(const Sensor& sensor, std::span<const PlacedObject> objects,
     return result;
   }
 
-  // Level patches see the same surface at every offset; tilted ones see another one, because the object also moves across them.
+  // Level patches: the heights shift with the offset. Tilted patches: objects also move sideways, so heights are recomputed.
   const bool level = allPatchesAreLevel(sensor);
   const std::vector<double> heights = level ? surfaceHeights(sensor, objects) : std::vector<double>{};
   const auto penetrationsAt = [&](double offset) {
@@ -100,23 +100,23 @@ LoadResult findLoad(const Sensor& sensor, std::span<const PlacedObject> objects,
     const std::vector<double> d = penetrationsAt(offset);
     return *std::max_element(d.begin(), d.end());
   };
-  const auto forceAt = [&](double offset) { return contactOf(sensor, penetrationsAt(offset), {}, 0, skin).total_force; };
+  const auto forceAt = [&](double offset) { return computeContact(sensor, penetrationsAt(offset), {}, 0, skin).total_force; };
 
   if (!level) {
-    // Seen along its own normal, a tilted patch may be touched earlier, by a wall that moves in from the side.
+    // A side wall of an object may touch a tilted patch earlier than its lowest point does.
     const auto touches = [&](double offset) { return deepestAt(offset) > 0; };
-    constexpr double kFarthestWall = 0.2;  // m: also ends the search over a patch that looks down, which is touched at every offset
+    constexpr double kMaxWallHeight = 0.2;  // m: also ends the search if a patch that faces down is touched at every offset
     const double seen_along_z = result.first_touch;
-    double above = seen_along_z;
-    while (touches(above)) {
-      above += thickness / 8;
-      if (above > seen_along_z + kFarthestWall) {
+    double upper = seen_along_z;
+    while (touches(upper)) {
+      upper += thickness / 8;
+      if (upper > seen_along_z + kMaxWallHeight) {
         return result;
       }
     }
-    const double below = above > seen_along_z ? above - thickness / 8 : seen_along_z - thickness / 16;
-    if (touches(below)) {
-      result.first_touch = bisect(below, above, touches).second;
+    const double lower = upper > seen_along_z ? upper - thickness / 8 : seen_along_z - thickness / 16;
+    if (touches(lower)) {
+      result.first_touch = bisect(lower, upper, touches).second;
     }
   }
   result.full_depth = level ? result.first_touch - thickness : fullDepth(result.first_touch, thickness, deepestAt);
@@ -124,15 +124,15 @@ LoadResult findLoad(const Sensor& sensor, std::span<const PlacedObject> objects,
     result.offset = result.full_depth;
     return result;
   }
-  if (load <= 0) {  // at first touch, or at the bottom of a dent
+  if (load <= 0) {  // rests at first touch, or on the bottom of a residual dent
     result.offset = bisect(result.full_depth, result.first_touch, [&](double offset) { return forceAt(offset) > 0; }).second;
     result.reached = true;
     return result;
   }
   result.offset = bisect(result.full_depth, result.first_touch, [&](double offset) { return forceAt(offset) >= load; }).first;
-  // Where an edge slides onto a tilted patch the force jumps, and a load within the jump is carried nowhere.
-  constexpr double kCarried = 1e-6;
-  result.reached = forceAt(result.offset) <= load * (1 + kCarried);
+  // The force jumps where an edge of an object slides onto a tilted patch. No offset carries a load inside the jump.
+  constexpr double kLoadTolerance = 1e-6;  // relative
+  result.reached = forceAt(result.offset) <= load * (1 + kLoadTolerance);
   return result;
 }
 

@@ -1,4 +1,16 @@
-// The load search of the reference: how far along z of S the objects move until they rest on the skin with a given force.
+// Load search of the reference: the offset along z of S at which the objects press on the skin with a given force.
+//
+//   force ^                        *   full_depth: the deepest sample is compressed by the skin thickness
+//         |                   *
+//    load |- - - - - - - - *
+//         |             *  |
+//         |        *       |
+//         +----*-----------|---------> depth
+//       first_touch      offset
+//
+// The force at rest is monotone in the depth, so bisection between first_touch and full_depth finds the root to the last bit. Over level
+// patches the heights are computed once and shifted. Over tilted patches the objects also move sideways: every evaluation computes the
+// heights anew, and the force may jump where an edge reaches a sample. A load inside such a jump counts as not reached.
 #pragma once
 
 #include <span>
@@ -10,17 +22,17 @@
 namespace taxelsim::reference {
 
 struct LoadResult {
-  double offset = 0;     // m, added to z of every pose: at the load; at full depth when it is too large; 0 when nothing lies over the skin
-  bool reached = false;  // the skin carries the load between first touch and full depth
-  double first_touch = 0;  // m: offset at which the objects begin to touch
-  double full_depth = 0;   // m: offset at which the deepest sample is as deep as the skin is thick
+  double offset = 0;  // m, added to z of every pose: carries the load; full_depth if the load is too large; 0 if no object is over the skin
+  bool reached = false;    // whether the skin carries the load between first_touch and full_depth
+  double first_touch = 0;  // m: offset at which an object first touches a sample
+  double full_depth = 0;   // m: offset at which the deepest sample reaches the skin thickness
 };
 
-// Objects after moving by `offset` along z of S.
+// The objects, translated by `offset` (m) along z of S.
 std::vector<PlacedObject> movedAlongZ(std::span<const PlacedObject> objects, double offset);
 
-// Finds the offset by bisection: force is the sum over the taxels at rest, `load` (N) >= 0. `skin`: of a skin that relaxes, at the end of
-// the step. Not of ElasticLayer (reference/elastic_layer.h).
+// `load` (N, >= 0) is the sum of the taxel forces at rest. `skin`: state of a relaxing skin at the end of the step; default: never loaded.
+// Not for ElasticLayer: see loadedLayerContact() in elastic_layer.h.
 LoadResult findLoad(const Sensor& sensor, std::span<const PlacedObject> objects, double load, const SkinStep& skin = {});
 
 }  // namespace taxelsim::reference

@@ -1,4 +1,6 @@
-// Bristles of the reference: the friction of LuGre (include/taxelsim/sensor.h), one sample at a time.
+// LuGre friction at one sample (C. Canudas de Wit, H. Olsson, K. J. Astrom and P. Lischinsky, "A new model for control of systems with
+// friction", IEEE Trans. Automatic Control 40(3), 1995; equations in include/taxelsim/sensor.h, LuGre). The bristle deflection z is
+// integrated exactly for constant velocity over a step: explicit Euler would need dt < 2 g / (sigma_0 |v|).
 #pragma once
 
 #include <array>
@@ -7,19 +9,19 @@
 
 namespace taxelsim::reference {
 
-// Along x and y of a patch.
+// Components along x and y of a patch.
 using Shear = std::array<double, 2>;
 
 struct Bristles {
-  Shear bend{0, 0};   // their deflection z, m
-  Shear share{0, 0};  // shear traction over pressure
+  Shear deflection{0, 0};      // z, m
+  Shear traction_ratio{0, 0};  // shear traction over pressure
 };
 
-// Bristles bent by `bend` after the object has moved by `u` (m) in `dt` (s), the last part `touch` (0 to 1) of it in touch: the exact
-// solution for a constant velocity. dt = 0 is a motion so slow that only its way counts.
-Bristles moveBristles(const LuGre& law, const Shear& bend, const Shear& u, double touch, double dt);
+// State after the object has slid by u (m) in dt (s), starting from `deflection`. `touch` (0 to 1): fraction of the step, at its end,
+// during which the sample was in contact. dt = 0 means infinitely slow sliding. |traction_ratio| <= static_friction.
+Bristles updateBristles(const LuGre& law, const Shear& deflection, const Shear& u, double touch, double dt);
 
-// g(|v|) of LuGre: the friction of steady sliding at so many m/s but for the viscous part.
+// g(|v|): friction coefficient of steady sliding at `speed` (m/s) without the viscous term.
 double stribeckFriction(const LuGre& law, double speed);
 
 }  // namespace taxelsim::reference

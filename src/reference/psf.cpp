@@ -9,9 +9,9 @@
 namespace taxelsim::reference {
 namespace {
 
-// Calls give(source, taxel, weight, divisor) for every two taxels that are near along the skin.
+// Calls visit(source, taxel, weight, divisor) for all pairs within reach along the skin.
 template <typename Function>
-void forWeightsAlongSkin(const Sensor& sensor, Function give) {
+void forEachWeightAlongSkin(const Sensor& sensor, Function visit) {
   const std::vector<Vector3> positions = taxelPositions(sensor), normals = taxelNormals(sensor);
   std::vector<double> weights(positions.size());
   for (std::size_t source = 0; source < positions.size(); ++source) {
@@ -22,14 +22,14 @@ void forWeightsAlongSkin(const Sensor& sensor, Function give) {
     }
     const double divisor = sensor.psf.normalization == Psf::Normalization::kPerSource ? total_weight : 1;
     for (std::size_t t = 0; t < weights.size(); ++t) {
-      if (weights[t] > 0) give(source, t, weights[t], divisor);
+      if (weights[t] > 0) visit(source, t, weights[t], divisor);
     }
   }
 }
 
-// The same by the kernel, patch by patch.
+// Calls visit(source, taxel, weight, divisor) for all pairs under the kernel, patch by patch.
 template <typename Function>
-void forWeightsInPatches(const Sensor& sensor, Function give) {
+void forEachWeightInPatches(const Sensor& sensor, Function visit) {
   const Psf& psf = sensor.psf;
   const int half = psf.size / 2;
   std::size_t first_taxel = 0;
@@ -51,7 +51,7 @@ void forWeightsInPatches(const Sensor& sensor, Function give) {
         }
         for (int a = -half; a <= half; ++a) {
           for (int b = -half; b <= half; ++b) {
-            if (inside(i + a, j + b)) give(indexOf(i, j), indexOf(i + a, j + b), weight(a, b), divisor);
+            if (inside(i + a, j + b)) visit(indexOf(i, j), indexOf(i + a, j + b), weight(a, b), divisor);
           }
         }
       }
@@ -61,16 +61,16 @@ void forWeightsInPatches(const Sensor& sensor, Function give) {
 }
 
 template <typename Function>
-void forWeights(const Sensor& sensor, Function give) {
+void forEachWeight(const Sensor& sensor, Function visit) {
   if (sensor.psf.sigma > 0) {
-    forWeightsAlongSkin(sensor, give);
+    forEachWeightAlongSkin(sensor, visit);
   } else {
-    forWeightsInPatches(sensor, give);
+    forEachWeightInPatches(sensor, visit);
   }
 }
 
-// v_S, tangential to the skin where its normal is n, brought to where it is m by the shortest turn.
-Vector3 turnedWithSkin(const Vector3& v_S, const Vector3& n, const Vector3& m) {
+// Parallel transport of the tangential vector v_S from a point with normal n to one with normal m, by the shortest rotation.
+Vector3 parallelTransport(const Vector3& v_S, const Vector3& n, const Vector3& m) {
   const Vector3 axis = cross(n, m);
   const double sine = length(axis);
   return sine > 0 ? rotate(axisAngle(axis, std::atan2(sine, dot(n, m))), v_S) : v_S;
@@ -83,10 +83,10 @@ std::vector<Shear> spreadShearAlongSkin(const Sensor& sensor, std::span<const Sh
   }
   const std::vector<Vector3> normals = taxelNormals(sensor);
   std::vector<Shear> image(taxel_shear.size(), {0, 0});
-  forWeightsAlongSkin(sensor, [&](std::size_t source, std::size_t t, double weight, double divisor) {
+  forEachWeightAlongSkin(sensor, [&](std::size_t source, std::size_t t, double weight, double divisor) {
     const double share = weight / divisor;
     const Vector3 shear_S = rotate(R_SP[source], {taxel_shear[source][0], taxel_shear[source][1], 0});
-    const Vector3 shear_P = rotate(inverse({{0, 0, 0}, R_SP[t]}).rotation, turnedWithSkin(shear_S, normals[source], normals[t]));
+    const Vector3 shear_P = rotate(inverse({{0, 0, 0}, R_SP[t]}).rotation, parallelTransport(shear_S, normals[source], normals[t]));
     for (std::size_t axis = 0; axis < 2; ++axis) image[t][axis] += share * shear_P[axis];
   });
   return image;
@@ -94,9 +94,9 @@ std::vector<Shear> spreadShearAlongSkin(const Sensor& sensor, std::span<const Sh
 
 }  // namespace
 
-std::vector<Share> sharesOf(const Sensor& sensor) {
+std::vector<Share> spreadMatrix(const Sensor& sensor) {
   std::vector<Share> shares;
-  forWeights(sensor, [&](std::size_t source, std::size_t taxel, double weight, double divisor) {
+  forEachWeight(sensor, [&](std::size_t source, std::size_t taxel, double weight, double divisor) {
     shares.push_back({source, taxel, weight / divisor});
   });
   return shares;
@@ -104,7 +104,7 @@ std::vector<Share> sharesOf(const Sensor& sensor) {
 
 std::vector<double> spread(const Sensor& sensor, std::span<const double> taxel_force) {
   std::vector<double> image(taxel_force.size(), 0);
-  forWeights(sensor, [&](std::size_t source, std::size_t taxel, double weight, double divisor) {
+  forEachWeight(sensor, [&](std::size_t source, std::size_t taxel, double weight, double divisor) {
     image[taxel] += taxel_force[source] * weight / divisor;
   });
   return image;

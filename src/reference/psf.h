@@ -1,4 +1,10 @@
-// Stage 3 of the reference: the point spread function (paper eq. (1)), patch by patch or by distance along the skin.
+// Stage 3 of the reference, spread: the point spread function (PSF) of the skin, Kappassov, Corrales and Perdereau, AIM 2020, eq. (1).
+//
+//   I_t = sum_j F_j g_tj / sum_k g_kj    normalization per_source: the sum of forces is conserved, at borders too
+//   I_t = sum_j F_j g_tj                 normalization none: the paper's kernel
+//
+// g is either a kernel over the rows and columns of a grid (sensor.psf.kernel; does not cross patch borders), or a Gaussian of the distance
+// along the skin (sensor.psf.sigma > 0; any arrangement of taxels).
 #pragma once
 
 #include <cstddef>
@@ -10,21 +16,22 @@
 
 namespace taxelsim::reference {
 
-// Force per taxel -> spread force per taxel, (num_taxels), N. Per source, a taxel's force is shared among its neighbours inside the patch
-// in proportion to the kernel; a kernel with no weight inside the patch spreads nothing.
+// Spread force per taxel from force per taxel, both (num_taxels), N. With per_source, a source whose kernel has no weight inside its patch
+// spreads nothing.
 std::vector<double> spread(const Sensor& sensor, std::span<const double> taxel_force);
 
-// spread() as a sparse matrix: what `taxel` gets of the force on `source`; every pair stands at most once.
+// Non-zero entry of the matrix of spread(): `taxel` receives `share` of the force on `source`.
 struct Share {
   std::size_t source = 0;
   std::size_t taxel = 0;
   double share = 0;
 };
-std::vector<Share> sharesOf(const Sensor& sensor);
+// The matrix of spread(), sparse; every pair (source, taxel) at most once.
+std::vector<Share> spreadMatrix(const Sensor& sensor);
 
-// spread() of shear, (num_taxels), N along x and y of each taxel: with the weights of the normal force, component by component, since the
-// taxels of a patch have one frame. Along the skin a force turns with it: by the shortest turn that takes the source's normal to the
-// taxel's.
+// Spread shear per taxel, (num_taxels), N along x and y of each taxel, with the weights of spread(), so that Coulomb's bound is preserved.
+// On a grid the components spread separately. Along a curved skin the force is parallel-transported: rotated by the shortest rotation that
+// takes the source's normal to the taxel's.
 std::vector<Shear> spreadShear(const Sensor& sensor, std::span<const Shear> taxel_shear);
 
 }  // namespace taxelsim::reference

@@ -7,7 +7,7 @@ namespace taxelsim::reference {
 
 namespace {
 
-// Straight pieces through (0, 0) and the points, the outer ones going on.
+// Piecewise linear through (0, 0) and the points, extrapolated linearly.
 double interpolate(std::span<const CurvePoint> points, double x) {
   CurvePoint from, to = points.front();
   for (std::size_t k = 1; k < points.size() && x > to.force; ++k) {

@@ -5,13 +5,13 @@
 
 namespace taxelsim::reference {
 
-double SkinStep::recovered(std::size_t sample) const {
-  return strain.empty() ? 0 : std::max(0.0, strain[sample] - held[sample] / gain);
+double SkinStep::recoveredStrain(std::size_t sample) const {
+  return strain.empty() ? 0 : std::max(0.0, strain[sample] - held_pressure[sample] / gain);
 }
 
 SkinStep::Pressed SkinStep::press(std::size_t sample, double elastic) const {
-  const double least = recovered(sample);
-  return elastic > least ? Pressed{gain * (elastic - least), elastic} : Pressed{0, least};
+  const double recovered = recoveredStrain(sample);
+  return elastic > recovered ? Pressed{gain * (elastic - recovered), elastic} : Pressed{0, recovered};
 }
 
 double SkinHistory::meanKernel(double age, double span) const {
@@ -27,12 +27,13 @@ SkinStep SkinHistory::step(double dt) const {
   SkinStep step;
   if (strain_.empty()) return step;
   step.strain = strain_.back();
-  step.held.assign(step.strain.size(), 0);
+  step.held_pressure.assign(step.strain.size(), 0);
   step.gain = meanKernel(0, dt);
   double age = dt;
   for (std::size_t k = strain_.size(); k-- > 0;) {
     const double weight = meanKernel(age, k > 0 ? dt_[k] : 0);
-    for (std::size_t n = 0; n < step.held.size(); ++n) step.held[n] += weight * (strain_[k][n] - (k > 0 ? strain_[k - 1][n] : 0));
+    for (std::size_t n = 0; n < step.held_pressure.size(); ++n)
+      step.held_pressure[n] += weight * (strain_[k][n] - (k > 0 ? strain_[k - 1][n] : 0));
     age += dt_[k];
   }
   return step;

@@ -1,9 +1,11 @@
-// Relaxation of the reference: what every sample of the skin has been through, and the pressure that this leaves of a press.
+// Stress relaxation of the skin: linear viscoelasticity by the hereditary integral over the full loading history.
 //
-// The hereditary integral p(t) = int g(t - u) dP(u), g(t) = 1 - sum fraction (1 - e^(-t / time)), over the skin's whole past (R. M.
-// Christensen, Theory of Viscoelasticity, 2nd ed., Academic Press 1982, section 1.2). P, the pressure of an instantaneous press, measures
-// the strain; it jumps in the first step and runs straight through each later one. Skin that an object leaves behind is free: the strain at
-// which p = 0.
+//   p(t) = int g(t - u) dP(u),   g(t) = 1 - sum fraction (1 - exp(-t / time))   (Prony series)
+//
+// R. M. Christensen, Theory of Viscoelasticity, 2nd ed., Academic Press 1982, section 1.2. P, the pressure that the same indentation would
+// cause instantaneously, serves as the strain measure (Pa). It jumps in the first step and is linear in time over each later step. A sample
+// without contact recovers freely: its strain is the one at which p = 0. The reference stores the whole history; the device keeps one
+// internal variable per Prony term.
 #pragma once
 
 #include <cstddef>
@@ -14,38 +16,39 @@
 
 namespace taxelsim::reference {
 
-// The skin at the end of a step, whatever is going to press it.
+// Response of the samples at the end of a step: p = held_pressure + gain * (strain_after - strain). Default-constructed: skin never loaded.
 struct SkinStep {
-  std::vector<double> strain;  // (samples), Pa, before the step; empty for skin that was never pressed
-  std::vector<double> held;    // (samples), Pa: pressure at the end if the strain stays
-  double gain = 1;             // Pa of pressure per Pa of strain that the step adds
+  std::vector<double> strain;         // (num_samples), Pa, before the step; empty for a skin never loaded
+  std::vector<double> held_pressure;  // (num_samples), Pa: pressure at the end of the step if the strain does not change
+  double gain = 1;                    // Pa of pressure per Pa of strain added in the step
 
   struct Pressed {
     double pressure;  // Pa, >= 0
     double strain;    // Pa
   };
-  // Strain (Pa) to which a sample recovers that nothing presses.
-  double recovered(std::size_t sample) const;
-  // A sample that an object presses to the strain `elastic` (Pa), or not at all (0).
+  // Strain (Pa) to which a sample recovers without contact.
+  double recoveredStrain(std::size_t sample) const;
+  // Result for a sample pressed to the strain `elastic` (Pa); 0 means no contact.
   Pressed press(std::size_t sample, double elastic) const;
 };
 
+// Strain history of all samples.
 class SkinHistory {
  public:
   explicit SkinHistory(std::span<const RelaxationTerm> terms) : terms_(terms.begin(), terms.end()) {}
 
-  // What a step of dt (s, > 0) begins with.
+  // The response of a step of dt (s, > 0) that follows the history.
   SkinStep step(double dt) const;
-  // A step of dt has brought the samples to `strain` (Pa).
+  // Appends a step of dt (s, > 0) that ended at `strain` (num_samples), Pa.
   void advance(double dt, std::span<const double> strain);
 
  private:
-  // Mean of g over the ages from `age` to `age + span`.
+  // Mean of g over ages from `age` to `age + span` (s).
   double meanKernel(double age, double span) const;
 
   std::vector<RelaxationTerm> terms_;
   std::vector<double> dt_;                   // s, of each step
-  std::vector<std::vector<double>> strain_;  // (steps x samples), Pa
+  std::vector<std::vector<double>> strain_;  // (num_steps x num_samples), Pa
 };
 
 }  // namespace taxelsim::reference

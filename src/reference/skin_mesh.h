@@ -1,4 +1,5 @@
-// The skin's surface as the paper gives it to a physics engine: a mesh of cells over a patch.
+// Triangle mesh of a patch's undeformed skin surface: the form in which Kappassov, Corrales and Perdereau, AIM 2020, give the sensor to the
+// collision detection of a physics engine. Used by benchmarks and tests.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +9,7 @@
 
 namespace taxelsim::reference {
 
-// In P, at z = 0; cells_per_taxel cells along each side of a taxel, two triangles each.
+// Regular grid in the plane z = 0 of P: cells_per_taxel x cells_per_taxel cells per taxel (cells_per_taxel >= 1), two triangles per cell.
 inline Mesh skinMesh(const GridPatch& patch, int cells_per_taxel) {
   const int rows = patch.num_rows * cells_per_taxel, cols = patch.num_cols * cells_per_taxel;
   Mesh mesh;

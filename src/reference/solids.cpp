@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Part of a line inside a convex solid: [first, second], empty when first > second.
+// Parameter interval of a line inside a convex solid: [first, second]; empty if first > second.
 using Interval = std::pair<double, double>;
 constexpr Interval kEmpty{kInfinity, -kInfinity};
 constexpr Interval kWholeLine{-kInfinity, kInfinity};
@@ -24,7 +24,7 @@ double startOf(const Interval& interval) {
   return interval.first <= interval.second ? interval.first : kInfinity;
 }
 
-// Real roots, in order, of a t^2 + 2 b t + c without cancellation; empty when there are none.
+// Real roots of a t^2 + 2 b t + c in ascending order, without cancellation (W. Kahan's form).
 std::vector<double> quadraticRoots(double a, double b, double c) {
   const double discriminant = b * b - a * c;
   if (discriminant < 0) {
@@ -42,7 +42,7 @@ std::vector<double> quadraticRoots(double a, double b, double c) {
   return roots;
 }
 
-// |position + t velocity| <= radius in as many dimensions as the dot products were taken over.
+// Where |position + t velocity| <= radius, in the dimensions that the dot products were taken over: 2 for a tube, 3 for a ball.
 Interval insideRound(double velocity_squared, double position_velocity, double position_squared, double radius) {
   const double c = position_squared - radius * radius;
   if (velocity_squared == 0) {
@@ -77,23 +77,23 @@ double evaluate(const std::vector<double>& coefficients, double t) {
   return value;
 }
 
-// Real roots in [low, high] of the polynomial sum coefficients[m] t^m, in order: between two neighbouring roots of the derivative the
-// polynomial is monotone, so bisection finds the one root there may be. A root that only touches zero may be missed.
+// Real roots in [low, high] of the polynomial sum coefficients[m] t^m, in ascending order, by recursion on the derivative: between two
+// neighbouring roots of the derivative the polynomial is monotone, and bisection finds its root. Double roots may be missed.
 std::vector<double> rootsIn(const std::vector<double>& coefficients, double low, double high) {
   std::vector<double> derivative;
   for (std::size_t m = 1; m < coefficients.size(); ++m) {
     derivative.push_back(static_cast<double>(m) * coefficients[m]);
   }
-  std::vector<double> borders{low};
+  std::vector<double> bounds{low};
   if (derivative.size() > 1) {
     for (const double t : rootsIn(derivative, low, high)) {
-      borders.push_back(t);
+      bounds.push_back(t);
     }
   }
-  borders.push_back(high);
+  bounds.push_back(high);
   std::vector<double> roots;
-  for (std::size_t i = 0; i + 1 < borders.size(); ++i) {
-    double u = borders[i], v = borders[i + 1];
+  for (std::size_t i = 0; i + 1 < bounds.size(); ++i) {
+    double u = bounds[i], v = bounds[i + 1];
     const bool rising = evaluate(coefficients, u) < 0;
     if (evaluate(coefficients, u) == 0) {
       roots.push_back(u);
@@ -141,7 +141,7 @@ double firstHit(const HalfSpace&, const Vector3& origin, const Vector3& directio
 }
 
 double firstHit(const Cone& cone, const Vector3& origin, const Vector3& direction) {
-  // On the flank x^2 + y^2 = (slope z)^2 with 0 <= z <= height, or on the base. The rim belongs to both, within rounding.
+  // Flank x^2 + y^2 = (slope z)^2 with 0 <= z <= height, and base. Both include the rim, within rounding.
   const double slope = cone.radius / cone.height;
   const double rounding = 1e-13 * cone.height;
   const double a = direction[0] * direction[0] + direction[1] * direction[1] - slope * slope * direction[2] * direction[2];
@@ -165,7 +165,8 @@ double firstHit(const Cone& cone, const Vector3& origin, const Vector3& directio
 }
 
 double firstHit(const Torus& torus, const Vector3& origin, const Vector3& direction) {
-  // (|p|^2 + R^2 - r^2)^2 = 4 R^2 (x^2 + y^2), in units of R + r, with t counted from the point of the line nearest to the centre.
+  // (|p|^2 + R^2 - r^2)^2 = 4 R^2 (x^2 + y^2). For conditioning, lengths are scaled by R + r and t is measured from the point of the line
+  // that is closest to the centre.
   const double reach = torus.major_radius + torus.minor_radius;
   const double speed = length(direction);
   const double nearest = -dot(origin, direction) / (speed * speed);
@@ -178,10 +179,10 @@ double firstHit(const Torus& torus, const Vector3& origin, const Vector3& direct
   }
   const double k = distance_squared + R * R - r * r;
   const double flat_vv = v[0] * v[0] + v[1] * v[1], flat_pv = p[0] * v[0] + p[1] * v[1], flat_pp = p[0] * p[0] + p[1] * p[1];
-  // |p + t v|^2 = t^2 + |p|^2, because p and v are at right angles.
+  // |p + t v|^2 = t^2 + |p|^2, because p and v are perpendicular.
   const std::vector<double> quartic{k * k - 4 * R * R * flat_pp, -8 * R * R * flat_pv, 2 * k - 4 * R * R * flat_vv, 0, 1};
   const double half_chord = std::sqrt(1 - distance_squared);
-  const double outside = half_chord + 1e-3;  // the chord's own ends may be roots; start where the quartic is surely positive
+  const double outside = half_chord + 1e-3;  // the ends of the chord may be roots; start where the quartic is positive
   const std::vector<double> roots = rootsIn(quartic, -outside, outside);
   return roots.empty() ? kInfinity : nearest + roots.front() * reach / speed;
 }

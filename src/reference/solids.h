@@ -1,12 +1,13 @@
-// Where a straight line first meets an analytic solid, each by its own closed form, in double.
+// Line intersection with the analytic solids, in closed form: slabs for box and caps (T. L. Kay and J. T. Kajiya, SIGGRAPH 1986),
+// quadratics for sphere, cylinder, capsule and cone, a quartic for the torus. Double precision.
 #pragma once
 
 #include "taxelsim/object.h"
 
 namespace taxelsim::reference {
 
-// Smallest t for which origin + t direction (in O) lies in the closed solid: +infinity when the line misses it, -infinity when the line
-// comes from within (a half-space that opens downwards). The direction need not be of unit length, and must not be zero.
+// Smallest t for which origin + t direction (both in O, m) lies in the closed solid. +infinity if the line misses it; -infinity if it
+// comes from inside, which only a half-space allows. `direction` need not be of unit length, and must not be zero.
 double firstHit(const Sphere& sphere, const Vector3& origin, const Vector3& direction);
 double firstHit(const Cylinder& cylinder, const Vector3& origin, const Vector3& direction);
 double firstHit(const Capsule& capsule, const Vector3& origin, const Vector3& direction);

@@ -6,13 +6,13 @@
 namespace taxelsim::reference {
 namespace {
 
-using Matrix = std::array<double, 4>;  // by rows
+using Matrix = std::array<double, 4>;  // 2 x 2, row-major
 
 Matrix product(const Matrix& a, const Matrix& b) {
   return {a[0] * b[0] + a[1] * b[2], a[0] * b[1] + a[1] * b[3], a[2] * b[0] + a[3] * b[2], a[2] * b[1] + a[3] * b[3]};
 }
 
-// exp(A t) as a Taylor series of A t / 2^n, squared n times.
+// exp(A t) by scaling and squaring: Taylor series of A t / 2^n, squared n times.
 Matrix exponential(const Matrix& A, double t) {
   int halvings = 0;
   double scale = t;
@@ -30,7 +30,7 @@ Matrix exponential(const Matrix& A, double t) {
   return sum;
 }
 
-// One a law.
+// Readings of the taxels, one overload per law.
 struct Respond {
   const Sensor& sensor;
   std::span<const double> pressed;
@@ -42,8 +42,8 @@ struct Respond {
   std::vector<double> operator()(const ElasticLayer&) const { return {pressed.begin(), pressed.end()}; }
   std::vector<double> operator()(const LuGre&) const { return {pressed.begin(), pressed.end()}; }
 
-  // Force in the spring y = k x: y" = (k F - c y' - k y) / m. Time is counted in periods of the undamped mass, so that A's entries are
-  // alike.
+  // m x" + c x' + k x = F in terms of the spring force k x. Time is scaled by the undamped natural frequency, so that the entries of A are
+  // of order one.
   std::vector<double> operator()(const MassSpringDamper& law) const {
     const double rate = std::sqrt(law.stiffness / law.mass);
     const double damping = law.damping / (law.mass * rate);
@@ -53,9 +53,9 @@ struct Respond {
     } else {
       const Matrix step = exponential({0, 1, -1, -damping}, rate * dt);
       for (std::size_t t = 0; t < state.size(); ++t) {
-        const double off = state[t][0] - pressed[t];
-        const double speed = state[t][1] / rate;
-        state[t] = {pressed[t] + step[0] * off + step[1] * speed, rate * (step[2] * off + step[3] * speed)};
+        const double deviation = state[t][0] - pressed[t];
+        const double scaled_rate = state[t][1] / rate;
+        state[t] = {pressed[t] + step[0] * deviation + step[1] * scaled_rate, rate * (step[2] * deviation + step[3] * scaled_rate)};
       }
     }
     for (const TaxelState& taxel : state) response.push_back(std::max(taxel[0], 0.0));
@@ -89,11 +89,11 @@ struct Respond {
       }
       first += num_taxels;
     }
-    double all = 0;
-    double carried = 0;
-    for (const double force : pressed) all += force;
-    for (const double force : response) carried += force;
-    for (double& force : response) force *= carried > 0 ? all / carried : 0;
+    double pressed_sum = 0;
+    double response_sum = 0;
+    for (const double force : pressed) pressed_sum += force;
+    for (const double force : response) response_sum += force;
+    for (double& force : response) force *= response_sum > 0 ? pressed_sum / response_sum : 0;
     return response;
   }
 };
@@ -105,19 +105,19 @@ std::vector<double> taxelResponse(const Sensor& sensor, std::span<const double> 
 }
 
 std::vector<Shear> taxelShear(const Sensor& sensor, std::span<const Shear> shear, std::span<const double> response) {
-  std::vector<Shear> read(shear.begin(), shear.end());
-  if (!std::holds_alternative<MassSpringDamper>(sensor.skin.law)) return read;
-  for (std::size_t t = 0; t < read.size(); ++t) {
-    const double size = std::hypot(read[t][0], read[t][1]);
+  std::vector<Shear> shear_reading(shear.begin(), shear.end());
+  if (!std::holds_alternative<MassSpringDamper>(sensor.skin.law)) return shear_reading;
+  for (std::size_t t = 0; t < shear_reading.size(); ++t) {
+    const double size = std::hypot(shear_reading[t][0], shear_reading[t][1]);
     const double cap = sensor.skin.friction.friction_coefficient * response[t];
-    if (size > cap) read[t] = {read[t][0] * cap / size, read[t][1] * cap / size};
+    if (size > cap) shear_reading[t] = {shear_reading[t][0] * cap / size, shear_reading[t][1] * cap / size};
   }
-  return read;
+  return shear_reading;
 }
 
 std::array<double, 3> maskWeights() {
-  // TactileArraySensor of RobWorkSim: -0.34766355 + 1.22429907 / (1 + r^2), r = 4/3 of the distance in taxels, where that is positive. Sums
-  // of taxels 0, 1 and sqrt(2) away, by the midpoint rule.
+  // Mask function of TactileArraySensor in RobWorkSim: max(0, -0.34766355 + 1.22429907 / (1 + r^2)), r = 4/3 of the distance in taxel
+  // pitches. Integrated by the midpoint rule.
   constexpr int kCells = 400;
   std::array<double, 3> weights{};
   for (int a = 0; a <= 1; ++a) {
@@ -133,8 +133,8 @@ std::array<double, 3> maskWeights() {
       weights[static_cast<std::size_t>(a + b)] = sum;
     }
   }
-  const double all = weights[0] + 4 * weights[1] + 4 * weights[2];
-  for (double& weight : weights) weight /= all;
+  const double total = weights[0] + 4 * weights[1] + 4 * weights[2];
+  for (double& weight : weights) weight /= total;
   return weights;
 }
 

@@ -1,4 +1,10 @@
-// Stage 2 of the reference, second half: laws in which a taxel is more than the sum of its samples.
+// Stage 2 of the reference, response of whole taxels: contact laws whose taxel reads something other than the sum over its samples.
+//
+//   MassSpringDamper  m x" + c x' + k x = F per taxel (SkinSim: Habib et al., CASE 2014). The reading is the spring force k x. Integrated
+//                     exactly for F constant over a step: matrix exponential of the 2 x 2 system by scaling and squaring.
+//   DeformationMask   3 x 3 mask over the neighbouring taxels, saturation, then rescaling to the total force (class TactileArraySensor of
+//                     RobWorkSim: Jorgensen, Ellekilde and Petersen, ISR 2010).
+//   all others        the reading is the contact force.
 #pragma once
 
 #include <array>
@@ -10,18 +16,19 @@
 
 namespace taxelsim::reference {
 
-// Of one taxel, MassSpringDamper: force in its spring (N), and its rate (N/s).
+// State of a MassSpringDamper taxel: spring force (N) and its rate (N/s).
 using TaxelState = std::array<double, 2>;
 
-// What taxels read of the force (N) that contact presses on them, (num_taxels), by the sensor's law. `state` (num_taxels, or empty for a
-// sensor at rest) moves on by dt, the force held; it is left empty by laws without one.
+// Readings (N) of the taxels under the contact forces `pressed` (N), both (num_taxels). `state`, (num_taxels) or empty for a sensor at
+// rest, is advanced by dt (s) with the forces held constant. Laws without state ignore it.
 std::vector<double> taxelResponse(const Sensor& sensor, std::span<const double> pressed, double dt, std::vector<TaxelState>& state);
 
-// What they read of its shear: where a mass lags, no more than friction holds by the force that the taxel reads.
+// Shear readings (N) for the contact shear `shear` (N) and the normal readings `response` (N), all (num_taxels). MassSpringDamper: shear is
+// clamped to the friction cone of the lagging normal reading.
 std::vector<Shear> taxelShear(const Sensor& sensor, std::span<const Shear> shear, std::span<const double> response);
 
-// Weights of DeformationMask for a taxel itself, a neighbour across an edge, and one across a corner: RobWorkSim's function integrated over
-// taxels.
+// Weights of DeformationMask for the taxel itself, an edge neighbour and a corner neighbour: RobWorkSim's mask function integrated over
+// each taxel, normalised to a sum of 1 over the 3 x 3 taxels.
 std::array<double, 3> maskWeights();
 
 }  // namespace taxelsim::reference

@@ -1,5 +1,7 @@
 #include "simulation/frame_view.h"
 
+#include "shared/features.h"
+
 namespace taxelsim {
 namespace {
 
@@ -18,11 +20,10 @@ void fillFeatures(std::span<const float> features, std::size_t num_rows, std::ui
   view.contact_area = block(layout::kFeatureContactArea);
 }
 
-ContactFeatureView contactView(const Model::Impl& model, const SimulatorOptions& options, const ReadableBuffer& buffer) {
+ContactFeatureView contactView(const ModelData& model, const SimulatorOptions& options, std::span<const float> features) {
   const PackedContactFeatures& packed = model.packed_contact;
   const auto n = static_cast<std::size_t>(options.num_instances);
   const std::size_t num_rows = n * numContactRows(packed, options.max_regions);
-  const std::span<const float> features = buffer.read<float>();
   const auto block = [&](std::uint32_t first, std::size_t components = 1) {
     return features.subspan(first * num_rows, components * num_rows);
   };
@@ -41,10 +42,9 @@ ContactFeatureView contactView(const Model::Impl& model, const SimulatorOptions&
 }
 
 template <typename View>
-void fillJacobian(const Model::Impl& model, const SimulatorOptions& options, const ReadableBuffer& buffer, View& view) {
+void fillJacobian(const ModelData& model, const SimulatorOptions& options, std::span<const float> values, View& view) {
   const auto n = static_cast<std::size_t>(options.num_instances);
   const std::size_t num_rows = n * numContactRows(model.packed_contact, 0);
-  const std::span<const float> values = buffer.read<float>();
   const auto block = [&](std::uint32_t first, std::size_t components) { return values.subspan(first * num_rows, components * num_rows); };
   view.num_rows = static_cast<int>(num_rows / n);
   view.num_patches = static_cast<int>(model.packed_contact.num_patches);
@@ -55,29 +55,30 @@ void fillJacobian(const Model::Impl& model, const SimulatorOptions& options, con
 
 }  // namespace
 
-FrameView viewOf(const Model::Impl& model, const SimulatorOptions& options, const BatchBuffers& buffers) {
+FrameView viewOf(const ModelData& model, const SimulatorOptions& options, const BatchBuffers& buffers) {
   const auto n = static_cast<std::size_t>(options.num_instances);
-  const std::span<const float> features = buffers.features.read<float>();
+  const std::span<const float> features = buffers.output<block::Features>();
   const auto block = [&](std::uint32_t first, std::size_t components = 1) { return features.subspan(first * n, components * n); };
   FrameView frame;
   fillFeatures(features, n, 0, frame);
   fillFeatures(features, n, layout::kNumImageFeatures, frame.ground_truth);
-  if (options.outputs.contact_features) frame.contact = contactView(model, options, buffers.contact_features);
-  if (options.outputs.clean_contact_features) frame.ground_truth.contact = contactView(model, options, buffers.clean_contact_features);
-  if (options.outputs.tactile_jacobian) fillJacobian(model, options, buffers.jacobian, frame.jacobian);
+  if (options.outputs.contact_features) frame.contact = contactView(model, options, buffers.output<block::ContactFeatures>());
+  if (options.outputs.clean_contact_features)
+    frame.ground_truth.contact = contactView(model, options, buffers.output<block::CleanContactFeatures>());
+  if (options.outputs.tactile_jacobian) fillJacobian(model, options, buffers.output<block::TactileJacobian>(), frame.jacobian);
   if (options.outputs.clean_tactile_jacobian) {
     CleanTactileJacobianView& view = frame.ground_truth.jacobian;
-    fillJacobian(model, options, buffers.clean_jacobian, view);
-    view.contact_wrench = buffers.clean_jacobian.read<float>().subspan(layout::kNumJacobian * n * static_cast<std::size_t>(view.num_rows),
-                                                                       layout::kNumWrenchJacobian * n);
+    fillJacobian(model, options, buffers.output<block::CleanTactileJacobian>(), view);
+    view.contact_wrench = buffers.output<block::CleanTactileJacobian>().subspan(
+        layout::kNumJacobian * n * static_cast<std::size_t>(view.num_rows), layout::kNumWrenchJacobian * n);
   }
   const std::size_t taxels = model.num_taxels;
-  frame.tactile_image = buffers.image.read<std::uint32_t>().first(n * taxels);
+  frame.tactile_image = buffers.output<block::Image>().first(n * taxels);
   frame.saturated = block(layout::kFeatureSaturated);
   GroundTruthView& truth = frame.ground_truth;
-  if (options.outputs.tactile_normal_force) truth.tactile_normal_force = buffers.spread_normal.read<float>().first(n * taxels);
-  if (options.outputs.tactile_shear_force) truth.tactile_shear_force = buffers.spread_shear.read<float>().first(2 * n * taxels);
-  if (options.outputs.penetration_depth) truth.penetration_depth = buffers.contact_depth.read<float>().first(n * taxels);
+  if (options.outputs.tactile_normal_force) truth.tactile_normal_force = buffers.output<block::SpreadNormal>().first(n * taxels);
+  if (options.outputs.tactile_shear_force) truth.tactile_shear_force = buffers.output<block::SpreadShear>().first(2 * n * taxels);
+  if (options.outputs.penetration_depth) truth.penetration_depth = buffers.output<block::ContactDepth>().first(n * taxels);
   truth.contact_wrench = block(layout::kFeatureContactWrench, 6);
   truth.over_penetration = block(layout::kFeatureOverPenetration);
   truth.load_offset = block(layout::kFeatureLoadOffset);

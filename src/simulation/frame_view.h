@@ -6,6 +6,6 @@
 
 namespace taxelsim {
 
-FrameView viewOf(const Model::Impl& model, const SimulatorOptions& options, const BatchBuffers& buffers);
+FrameView viewOf(const ModelData& model, const SimulatorOptions& options, const BatchBuffers& buffers);
 
 }  // namespace taxelsim

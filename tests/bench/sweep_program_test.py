@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The program bench/sweep: what it refuses, what it writes, and what it needs at run time.
+"""The program bench/sweep: rejected input, results, and libraries that it needs.
 
     sweep_program_test.py PROGRAM READELF [TEST ...]
 """
@@ -13,7 +13,7 @@ import unittest
 from pathlib import Path
 
 PROGRAM = READELF = None
-# The Vulkan loader and the runtimes of C and C++. Anything else would have to be copied along.
+# The Vulkan loader and the C and C++ runtimes. Any other library would have to be copied along.
 ALLOWED = re.compile(r"(libvulkan\.so\.1|libstdc\+\+\.so\.6|libgcc_s\.so\.1|lib(c|m)\.so\.6|libpthread\.so\.0|libdl\.so\.2|ld-linux-[\w-]+\.so\.\d)")
 SMALL = ["--quick", "--cases", "wts0614_cylinder", "--instances", "4", "--repetitions", "1", "--axes", "contact_repeat,image_team"]
 
@@ -24,37 +24,37 @@ def run(*arguments):
 
 class Libraries(unittest.TestCase):
     def test_needs_only_the_loader_and_runtimes(self):
-        told = subprocess.run([READELF, "--dynamic", PROGRAM], capture_output=True, text=True, check=True).stdout
-        needed = re.findall(r"\(NEEDED\).*\[(.*)\]", told)
+        output = subprocess.run([READELF, "--dynamic", PROGRAM], capture_output=True, text=True, check=True).stdout
+        needed = re.findall(r"\(NEEDED\).*\[(.*)\]", output)
         self.assertIn("libc.so.6", needed)
         self.assertEqual([name for name in needed if not ALLOWED.fullmatch(name)], [])
-        self.assertNotIn("RUNPATH", told)
-        self.assertNotIn("RPATH", told)
+        self.assertNotIn("RUNPATH", output)
+        self.assertNotIn("RPATH", output)
 
 
 class BadInput(unittest.TestCase):
-    def refused(self, part, *arguments):
+    def assert_rejected(self, part, *arguments):
         done = run(*arguments)
         self.assertEqual(done.returncode, 2, done)
         self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
         self.assertTrue(done.stderr.startswith("sweep: "), done.stderr)
         self.assertIn(part, done.stderr)
 
-    def test_refused(self):
+    def test_rejected(self):
         with tempfile.TemporaryDirectory() as folder:
             other = Path(folder) / "other.json"
-            self.refused("wts0614_cylinder", "--cases", "wts0614_cylinder,nothing")
-            self.refused("image_team", "--axes", "nothing")
-            self.refused("--instances", "--instances", "0")
-            self.refused("--repetitions", "--repetitions", "many")
-            self.refused("--nothing", "--nothing")
-            self.refused("nowhere", "--results", Path(folder) / "nowhere")
-            self.refused("excludes", "--results", folder, "--json", other)
-            self.refused("cannot be read", "--compare", other)
-            # What a file of another shape says is no crash.
+            self.assert_rejected("wts0614_cylinder", "--cases", "wts0614_cylinder,nothing")
+            self.assert_rejected("image_team", "--axes", "nothing")
+            self.assert_rejected("--instances", "--instances", "0")
+            self.assert_rejected("--repetitions", "--repetitions", "many")
+            self.assert_rejected("--nothing", "--nothing")
+            self.assert_rejected("nowhere", "--results", Path(folder) / "nowhere")
+            self.assert_rejected("excludes", "--results", folder, "--json", other)
+            self.assert_rejected("cannot be read", "--compare", other)
+            # A file with other content is an error, not a crash.
             for text in ["", "{", "[]", '{"bench": "peers", "cases": []}', '{"bench": "sweep", "cases": {}}', '{"bench": 1}']:
                 other.write_text(text)
-                self.refused("not the results of a sweep", "--compare", other)
+                self.assert_rejected("not the results of a sweep", "--compare", other)
 
     def test_no_such_device(self):
         done = run("--device", "none of that name")
@@ -81,7 +81,7 @@ class Run(unittest.TestCase):
                 self.assertNotIn("differs_in", tried)
             self.assertEqual(set(case["hashes"]), {"num_instances", "inputs", "tactile_image", "floats", "instances"})
 
-            # Again, beside itself; then beside a run whose images were others.
+            # Compared with the first run; then with a run whose images differ.
             done = run(*SMALL, "--results", folder, "--compare", first)
             self.assertEqual(done.returncode, 0, done)
             self.assertIn("inputs agree, tactile_image agree, floats agree", done.stdout)

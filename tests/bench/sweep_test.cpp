@@ -1,4 +1,4 @@
-// The parts of bench/sweep: what it runs on is what ships, and the descent finds the fastest setting along its axes.
+// Parts of bench/sweep: its sensor and prism equal the shipped ones, and the descent finds the fastest setting along its axes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 const Setting kStart{64, 1, 32, 64, 8, 1};
 
-// A frame that is the slower the farther it is from `fastest`, in doublings of any number.
+// Frame time that grows with the distance from `fastest`, in doublings of any parameter.
 FrameTime timeNear(const Setting& setting, const Setting& fastest) {
   FrameTime time{.contact = 1, .image = 1, .device = 0, .wall = 0};
   for (std::size_t axis = 0; axis < kNumAxes; ++axis) {
@@ -35,9 +35,9 @@ Descent everywhere() {
   return {.over = axesNamed({}), .only = {}};
 }
 
-TEST(SweepCases, TheSensorAndThePrismAreThoseThatShip) {
+TEST(SweepCases, SensorAndPrismEqualTheFiles) {
   EXPECT_EQ(sensorText([] {
-              Sensor sensor = loadSensor(TAXELSIM_SOURCE_DIR "/scenes/sensors/wts0614.yaml");
+              Sensor sensor = loadSensor(TAXELSIM_SOURCE_DIR "/bench/sensors/wts0614.yaml");
               sensor.patches[0].name = wts0614().patches[0].name;
               return sensor;
             }()),
@@ -53,7 +53,7 @@ TEST(SweepCases, TheSensorAndThePrismAreThoseThatShip) {
   EXPECT_EQ(faces->size(), 8u);
 }
 
-TEST(SweepCases, EveryCaseIsOneThatAModelTakes) {
+TEST(SweepCases, EveryCaseIsValid) {
   std::set<std::string> names;
   for (const SweepCase& work : sweepCases()) {
     EXPECT_TRUE(names.insert(work.name).second) << work.name;
@@ -64,7 +64,7 @@ TEST(SweepCases, EveryCaseIsOneThatAModelTakes) {
   EXPECT_THROW(casesNamed({"10x10", "10x11"}), Error);
 }
 
-TEST(SweepSetting, AModelWorksWithWhatItIsGiven) {
+TEST(SweepSetting, ModelUsesTheSetting) {
   const SweepCase work = casesNamed({"wts0614_ellipsoid_5120"}).front();
   const ModelOptions options{.sensor = work.sensor, .objects = {work.object}};
   const Setting setting{32, 3, 64, 16, 4, 5};
@@ -73,26 +73,26 @@ TEST(SweepSetting, AModelWorksWithWhatItIsGiven) {
   EXPECT_EQ(settingOf(modelWith(Device::open(), options, chosen)), chosen);
 }
 
-TEST(SweepSetting, MovesAndTexts) {
+TEST(SweepSetting, MovesOneAxisAndDescribesDifferences) {
   EXPECT_EQ(moved(kStart, kContactRepeat, 4), (Setting{64, 4, 32, 64, 8, 1}));
-  EXPECT_EQ(moved(kStart, kImageWorkgroup, 4), (Setting{64, 1, 32, 4, 4, 1}));  // the team with it
+  EXPECT_EQ(moved(kStart, kImageWorkgroup, 4), (Setting{64, 1, 32, 4, 4, 1}));  // the team follows
   EXPECT_EQ(differenceText(kStart, kStart), "as chosen");
   EXPECT_EQ(differenceText(moved(kStart, kImageWorkgroup, 4), kStart), "image_workgroup 4, image_team 4");
   EXPECT_THROW(axesNamed({"image_teams"}), Error);
 }
 
-TEST(SweepDescent, FindsTheFastestAndAsksOnce) {
+TEST(SweepDescent, FindsTheFastestAndTimesEachSettingOnce) {
   const Setting fastest{128, 4, 16, 256, 128, 2};
-  std::set<Setting> asked{kStart};
+  std::set<Setting> timed{kStart};
   const auto measure = [&](const Setting& setting) -> std::optional<FrameTime> {
-    EXPECT_TRUE(asked.insert(setting).second) << "asked twice";
+    EXPECT_TRUE(timed.insert(setting).second) << "timed twice";
     EXPECT_LE(setting[kImageTeam], setting[kImageWorkgroup]);
     return timeNear(setting, fastest);
   };
   EXPECT_EQ(descend(kStart, timeNear(kStart, fastest), everywhere(), measure), fastest);
 }
 
-TEST(SweepDescent, WhatIsRefusedIsPassedOver) {
+TEST(SweepDescent, SkipsRefusedSettings) {
   const Setting fastest{256, 1, 32, 64, 8, 1};
   const auto measure = [&](const Setting& setting) -> std::optional<FrameTime> {
     if (setting[kContactWorkgroup] == 256) return std::nullopt;
@@ -101,8 +101,8 @@ TEST(SweepDescent, WhatIsRefusedIsPassedOver) {
   EXPECT_EQ(descend(kStart, timeNear(kStart, fastest), everywhere(), measure), moved(kStart, kContactWorkgroup, 128));
 }
 
-// The scatter of timings is no reason to move, and without a clock on the device the wall clock decides.
-TEST(SweepDescent, SmallGainsAndNoClock) {
+// Scatter of timings is ignored; without a device clock the wall clock is the objective.
+TEST(SweepDescent, IgnoresSmallGainsAndUsesTheWallClock) {
   const auto scattered = [](const Setting& setting) -> std::optional<FrameTime> {
     const double seconds = 1 - 1e-3 * setting[kContactRepeat] / 64.0;
     return FrameTime{.contact = seconds, .image = seconds, .device = seconds, .wall = seconds};

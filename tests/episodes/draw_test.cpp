@@ -12,7 +12,7 @@
 namespace taxelsim {
 namespace {
 
-// Positions are sums of numbers below 1 m: a few roundings of 1e-16.
+// m: a few roundings of positions below 1 m.
 constexpr double kRounding = 1e-15;
 
 EpisodeDraw drawEpisode(const Scene& scene, std::uint64_t episode) {
@@ -27,7 +27,7 @@ bool within(double value, const Range& range) {
   return value >= range.min - kRounding && value <= range.max + kRounding;
 }
 
-TEST(DrawEpisode, TouchesTheSkinWhereItWasDrawn) {
+TEST(DrawEpisode, LowestPointIsAtTheDrawnPosition) {
   const Scene scene = exampleScene();
   for (std::uint64_t episode = 0; episode < 200; ++episode) {
     const EpisodeDraw draw = drawEpisode(scene, episode);
@@ -38,14 +38,14 @@ TEST(DrawEpisode, TouchesTheSkinWhereItWasDrawn) {
     EXPECT_TRUE(draw.load_driven);
     EXPECT_EQ(draw.depth, 0);
     EXPECT_TRUE(within(draw.load, *scene.randomisation.load)) << episode;
-    // Factors are kept as float32.
+    // float32.
     EXPECT_NEAR(draw.variation.gain, 1, 0.1 + 1e-7);
     EXPECT_NEAR(draw.variation.gain_spread, 0.025, 0.025 + 1e-7);
     EXPECT_NEAR(draw.variation.noise, 2.5, 2.5 + 1e-6);
   }
 }
 
-TEST(DrawEpisode, DepthDrivenLiesBelowTheSkin) {
+TEST(DrawEpisode, DepthDrivenObjectIsAtTheDrawnDepth) {
   Scene scene = exampleScene();
   scene.randomisation.load.reset();
   scene.randomisation.depth = Range{0.4e-3, 0.8e-3};
@@ -58,7 +58,7 @@ TEST(DrawEpisode, DepthDrivenLiesBelowTheSkin) {
   }
 }
 
-TEST(DrawEpisode, FixedRangesGiveExactlyTheirValues) {
+TEST(DrawEpisode, DegenerateRangesGiveExactValues) {
   Scene scene = exampleScene();
   scene.randomisation = {.x = {0.001, 0.001}, .y = {-0.002, -0.002}, .yaw = {0, 0}, .tilt = {0, 0}, .load = Range{2, 2}, .depth = {}};
   scene.objects.erase(scene.objects.begin());
@@ -70,9 +70,9 @@ TEST(DrawEpisode, FixedRangesGiveExactlyTheirValues) {
   EXPECT_EQ(draw.variation.noise, 0);
 }
 
-// R_SO = Rz(yaw) tilt orientation: without tilt the bar's axis lies in the skin's plane, at the yaw from y; with tilt it rises by the tilt
-// at most.
-TEST(DrawEpisode, TurnsByYawAndTilt) {
+// R_SO = Rz(yaw) R_tilt R_orientation. Without tilt the axis of the bar is in the plane of the skin, at the yaw angle from y; with tilt its
+// slope is at most the tilt.
+TEST(DrawEpisode, OrientationHasTheDrawnYawAndTilt) {
   Scene scene = exampleScene();
   scene.objects.resize(1);
   scene.randomisation.tilt = {0, 0};
@@ -91,13 +91,13 @@ TEST(DrawEpisode, TurnsByYawAndTilt) {
   EXPECT_GT(steepest, 0.9 * std::sin(0.2));
 }
 
-TEST(DrawEpisode, DependsOnSeedAndEpisodeAlone) {
+TEST(DrawEpisode, DependsOnSeedAndEpisodeOnly) {
   Scene scene = exampleScene();
   const EpisodeDraw first = drawEpisode(scene, 3);
   drawEpisode(scene, 100);
   EXPECT_EQ(drawEpisode(scene, 3).X_SO, first.X_SO);
   EXPECT_NE(drawEpisode(scene, 4).X_SO, first.X_SO);
-  // More episodes, other shards or rates are not part of the draw.
+  // Independent of the number of episodes and the rates.
   scene.num_episodes = 1000;
   scene.simulation_rate = 7;
   EXPECT_EQ(drawEpisode(scene, 3).X_SO, first.X_SO);
@@ -110,7 +110,7 @@ TEST(DrawEpisode, ChoosesObjectsByWeight) {
   constexpr int kDraws = 4000;
   int bars = 0;
   for (int episode = 0; episode < kDraws; ++episode) bars += drawEpisode(scene, episode).object == 0;
-  // 3 : 1. Five standard deviations of a binomial count: 5 sqrt(0.75 0.25 / 4000) = 0.034.
+  // Weights 3 : 1. Five standard deviations of a binomial proportion: 5 sqrt(0.75 0.25 / 4000) = 0.034.
   EXPECT_NEAR(bars / double{kDraws}, 0.75, 0.034);
 }
 
@@ -123,8 +123,8 @@ TEST(DrawEpisode, NeverChoosesWeightZero) {
   for (int episode = 0; episode < 200; ++episode) EXPECT_EQ(drawEpisode(scene, episode).object, 1);
 }
 
-// The order of the draws is a promise to old data sets: these numbers change only with a new major version.
-TEST(DrawEpisode, Golden) {
+// The order of the draws is part of the data set format: these values change only with a new major version.
+TEST(DrawEpisode, MatchesStoredValues) {
   const EpisodeDraw draw = drawEpisode(exampleScene(), 5);
   EXPECT_EQ(draw.object, 0);
   EXPECT_NEAR(draw.X_SO.position[0], 0.045720666936503729, 1e-12);
@@ -137,7 +137,7 @@ TEST(DrawEpisode, Golden) {
   EXPECT_FLOAT_EQ(draw.variation.noise, 2.1429491f);
 }
 
-TEST(DrawEpisode, NamesFileAndEpisodeWhenThereIsNoLowestPoint) {
+TEST(DrawEpisode, ErrorWithoutLowestPointNamesFileAndEpisode) {
   Scene scene = exampleScene();
   scene.objects = {{Object(HalfSpace{}), 1, axisAngle({1, 0, 0}, 3.0)}};
   try {

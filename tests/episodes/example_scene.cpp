@@ -18,7 +18,7 @@ Scene exampleScene() {
   scene.sensor.skin = {.thickness = 2e-3, .law = Winkler{.normal_contact_stiffness = 1.73e8}};
   scene.sensor.psf = {.size = 3, .kernel = {0, 0.1, 0, 0.1, 0.6, 0.1, 0, 0.1, 0}};
   scene.sensor.readout = {.curve = {1000}, .trigger = 0.02, .noise = 2, .taxel_gain = {}, .taxel_trigger = {}};
-  // The cylinder lies: its axis along y before the yaw.
+  // A lying cylinder: axis along y at zero yaw.
   scene.objects.push_back({Object("bar", Cylinder{.radius = 8e-3, .length = 0.1}), 3, axisAngle({1, 0, 0}, kPi / 2)});
   scene.objects.push_back({Object("ball", Sphere{.radius = 0.01}), 1, {1, 0, 0, 0}});
   scene.num_steps = 7;

@@ -1,4 +1,4 @@
-// A small scene for tests, built without a file: a 6 x 14 array, a cylinder lying on it and a sphere.
+// Scene for tests, built without a file: a 6 x 14 array with a lying cylinder and a sphere.
 #pragma once
 
 #include <filesystem>
@@ -7,13 +7,13 @@
 
 namespace taxelsim {
 
-// A servo scene of 23 episodes of 7 frames, in shards of 5; everything is recorded and everything is random.
+// Servo scene of 23 episodes with 7 frames each, in shards of 5 episodes. Records all groups of columns and randomizes all parameters.
 Scene exampleScene();
 
-// The same as labelled contacts: one frame per episode.
+// The same scene with kind `contacts`: one frame per episode.
 Scene exampleContacts();
 
-// A directory under the system's temporary one, named after the running test; removed when this goes.
+// Path in the system's temporary directory, named after the running test and not created. Removed by the destructor.
 class TestDirectory {
  public:
   TestDirectory();

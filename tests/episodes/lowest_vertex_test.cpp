@@ -8,8 +8,7 @@
 namespace taxelsim {
 namespace {
 
-// Sums of at most some hundred vertices below 1 m, in another order.
-constexpr double kSummation = 1e-13;  // m
+constexpr double kSummation = 1e-13;  // m: sums of some hundred vertices below 1 m in different orders
 
 double drawBetween(double min, double max) {
   return min + (max - min) * (*rc::gen::inRange(0, 1 << 20)) / static_cast<double>(1 << 20);
@@ -25,14 +24,14 @@ void assertSame(const Object& object, const Quaternion& R_SO) {
   for (int k = 0; k < 3; ++k) RC_ASSERT(std::abs(found[k] - expected[k]) <= kSummation);
 }
 
-RC_GTEST_PROP(LowestVertexProperty, IsLowestPointOnSoups, ()) {
+RC_GTEST_PROP(LowestVertexProperty, MatchesLowestPointOnTriangleSoups, ()) {
   Mesh mesh;
   const std::uint32_t num_vertices = *rc::gen::inRange(3, 300);
   for (std::uint32_t i = 0; i < num_vertices; ++i) {
     mesh.vertices.push_back(
         {static_cast<float>(drawBetween(-1, 1)), static_cast<float>(drawBetween(-1, 1)), static_cast<float>(drawBetween(-1, 1))});
   }
-  // Not all vertices are used; those that are not must not count.
+  // Some vertices are used by no triangle and must be ignored.
   const int num_triangles = *rc::gen::inRange(1, 150);
   for (int i = 0; i < num_triangles; ++i) {
     mesh.triangles.push_back(
@@ -41,8 +40,8 @@ RC_GTEST_PROP(LowestVertexProperty, IsLowestPointOnSoups, ()) {
   assertSame(Object(mesh), drawRotation());
 }
 
-// A grid of points on a cube: whole faces, edges and corners are lowest when it is turned by right angles.
-RC_GTEST_PROP(LowestVertexProperty, IsTheMiddleOfLevelFaces, ()) {
+// Rotations of a cubic grid by multiples of 45 degrees: a face, an edge or a corner is lowest.
+RC_GTEST_PROP(LowestVertexProperty, MatchesLowestPointOnLevelFaces, ()) {
   Mesh mesh;
   constexpr int kSide = 7;
   for (int x = 0; x < kSide; ++x) {
@@ -58,7 +57,7 @@ RC_GTEST_PROP(LowestVertexProperty, IsTheMiddleOfLevelFaces, ()) {
   assertSame(Object(mesh), R_SO);
 }
 
-TEST(LowestVertex, PassesSolidsOn) {
+TEST(LowestVertex, DelegatesSolidsToLowestPoint) {
   const Object cone(Cone{.radius = 0.01, .height = 0.02});
   const Quaternion R_SO = axisAngle({1, 0.2, 0}, 2.5);
   EXPECT_EQ(LowestVertex(cone).find(R_SO), lowestPoint(cone, R_SO));

@@ -43,7 +43,7 @@ const std::set<std::string> kAlways = {"data/time",
 const std::set<std::string> kFeatures = {"total_force", "peak_force", "center_of_pressure", "second_moments",
                                          "eigenvalues", "edge_angle", "edge_confidence",    "contact_area"};
 
-TEST(Columns, EveryGroupBringsItsOwn) {
+TEST(Columns, EveryGroupHasItsColumns) {
   Scene scene = exampleScene();
   scene.record.clear();
   EXPECT_EQ(namesOf(scene), kAlways);
@@ -89,7 +89,7 @@ TEST(Columns, EveryGroupBringsItsOwn) {
   }
 }
 
-TEST(Columns, EveryOneIsNamedOnceWithUnitAndOneSentence) {
+TEST(Columns, NamesAreUniqueWithUnitAndDescription) {
   const std::vector<Column> columns = columnsOf(exampleScene());
   EXPECT_EQ(namesOf(exampleScene()).size(), columns.size());
   for (const Column& column : columns) {
@@ -99,7 +99,7 @@ TEST(Columns, EveryOneIsNamedOnceWithUnitAndOneSentence) {
   }
 }
 
-TEST(Columns, ImagesHaveTheShapeOfOneGridAndAreAListForSeveral) {
+TEST(Columns, ImageShapeIsTheGridOrAListForSeveralPatches) {
   Scene scene = exampleScene();
   std::vector<Column> columns = columnsOf(scene);
   EXPECT_EQ(columnNamed(columns, "data/tactile_image").shape, (std::vector<std::size_t>{6, 14}));
@@ -111,7 +111,7 @@ TEST(Columns, ImagesHaveTheShapeOfOneGridAndAreAListForSeveral) {
   EXPECT_EQ(columnNamed(columns, "data/ground_truth/tactile_shear_force").shape, (std::vector<std::size_t>{168, 2}));
 }
 
-TEST(Columns, ContactFeaturesHaveARowForSensorPatchesAndRegions) {
+TEST(Columns, ContactFeatureRowsAreSensorPatchesAndRegions) {
   Scene scene = exampleScene();
   const auto shape = [&](const char* name) { return columnNamed(columnsOf(scene), std::string("data/contact/") + name).shape; };
   EXPECT_EQ(shape("total_force"), (std::vector<std::size_t>{4}));
@@ -125,7 +125,7 @@ TEST(Columns, ContactFeaturesHaveARowForSensorPatchesAndRegions) {
   EXPECT_EQ(shape("total_force"), (std::vector<std::size_t>{1}));
 }
 
-TEST(Columns, TactileJacobiansHaveARowForSensorAndPatches) {
+TEST(Columns, TactileJacobianRowsAreSensorAndPatches) {
   Scene scene = exampleScene();
   scene.record = {"tactile_jacobian", "clean_tactile_jacobian"};
   std::set<std::string> expected = kAlways;
@@ -145,7 +145,7 @@ TEST(Columns, TactileJacobiansHaveARowForSensorAndPatches) {
   EXPECT_TRUE(outputsOf(scene).clean_tactile_jacobian);
 }
 
-TEST(Columns, AskTheSimulatorForNoMoreThanIsRecorded) {
+TEST(Columns, RequestOnlyRecordedOutputs) {
   Scene scene = exampleScene();
   EXPECT_TRUE(outputsOf(scene).tactile_shear_force);
   scene.record = {"penetration_depth"};
@@ -161,7 +161,7 @@ TEST(Columns, AskTheSimulatorForNoMoreThanIsRecorded) {
   EXPECT_EQ(numRegions(exampleScene()), 2);
 }
 
-TEST(Columns, RefusesUnknownNames) {
+TEST(Columns, RejectsUnknownGroups) {
   Scene scene = exampleScene();
   scene.record = {"tactile_images"};
   EXPECT_THROW(columnsOf(scene), Error);

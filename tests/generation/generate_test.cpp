@@ -1,4 +1,4 @@
-// The promise of DESIGN: what a data set holds depends on scene and seed, and on nothing about how it was made.
+// The bytes of a data set depend on scene and seed only: not on batch size, slices, interruptions or threads.
 #include "taxelsim/generate.h"
 
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ const Device& device() {
 
 using Files = std::map<std::string, std::string>;
 
-// Name and bytes of all that a reader of the data set sees.
+// Names and contents of the files of a data set.
 Files filesOf(const std::filesystem::path& directory) {
   Files files;
   for (const auto& entry : std::filesystem::directory_iterator(directory)) {
@@ -57,7 +57,7 @@ void expectIndependentOfBatch(const Scene& scene) {
   EXPECT_EQ(result.progress.episodes_done, scene.num_episodes);
   EXPECT_EQ(result.progress.frames_done, scene.num_episodes * static_cast<std::uint64_t>(scene.num_steps));
   const Files reference = filesOf(directory.path() / "reference");
-  EXPECT_EQ(reference.size(), 5u + 2u);  // shards, manifest, view
+  EXPECT_EQ(reference.size(), 5u + 2u);  // shards, manifest, virtual view
   for (const auto& [batch_size, num_slices] : {std::pair{1, 3}, {7, 1}, {7, 2}, {7, 3}, {256, 1}, {256, 2}, {256, 3}}) {
     const std::string name = std::to_string(batch_size) + "_" + std::to_string(num_slices);
     EXPECT_TRUE(generateWith(scene, directory.path() / name, batch_size, num_slices).complete);
@@ -73,7 +73,7 @@ TEST(Generate, ContactsDoNotDependOnBatchOrSlices) {
   expectIndependentOfBatch(exampleContacts());
 }
 
-TEST(Generate, StopAndResumeGiveTheSameBytes) {
+TEST(Generate, InterruptedAndResumedRunGivesTheSameBytes) {
   Scene scene = exampleScene();
   scene.num_episodes = 400;
   const TestDirectory directory;
@@ -105,7 +105,7 @@ TEST(Generate, StopAndResumeGiveTheSameBytes) {
   expectSame(filesOf(whole), filesOf(parts), "nothing to do");
 }
 
-TEST(Generate, MakesAgainWhatIsMissing) {
+TEST(Generate, RegeneratesMissingShards) {
   const Scene scene = exampleScene();
   const TestDirectory directory;
   generateWith(scene, directory.path(), 4, 2);
@@ -114,11 +114,10 @@ TEST(Generate, MakesAgainWhatIsMissing) {
   const GenerateResult result = generateWith(scene, directory.path(), 256, 1);
   EXPECT_TRUE(result.complete);
   EXPECT_EQ(result.progress.frames_done, 8u * 7u);  // shard 4 holds episodes 20 to 22
-  expectSame(before, filesOf(directory.path()), "mended");
+  expectSame(before, filesOf(directory.path()), "regenerated");
 }
 
-// What the shares of a benchmark are made of.
-TEST(Generate, TellsWhereTheTimeWent) {
+TEST(Generate, ReportsTimesOfDeviceAndWriter) {
   const TestDirectory directory;
   const auto [progress, times, complete, num_load_misses] =
       generate(device(), exampleScene(), directory.path(), {.batch_size = 8, .num_slices = 2, .device_clock = true});
@@ -126,10 +125,10 @@ TEST(Generate, TellsWhereTheTimeWent) {
   EXPECT_GT(times.device_wait, 0);
   EXPECT_GT(times.writing_last, 0);
   EXPECT_GE(times.writer_wait, 0);
-  EXPECT_LT(times.device_wait + times.writer_wait + times.writing_last, progress.seconds) << "each is another part of the thread's time";
+  EXPECT_LT(times.device_wait + times.writer_wait + times.writing_last, progress.seconds) << "disjoint parts of the scheduler's time";
 }
 
-TEST(Generate, StoppedBeforeItBeganLeavesSomethingToResume) {
+TEST(Generate, RunStoppedAtOnceCanBeResumed) {
   const TestDirectory directory;
   const std::atomic<bool> stop = true;
   const GenerateResult result = generate(device(), exampleScene(), directory.path(), {.on_progress = {}, .stop = &stop});
@@ -155,7 +154,7 @@ TEST(Generate, ReportsProgressUpToTheEnd) {
   EXPECT_EQ(last.frames_done, 23u * 7u);
 }
 
-TEST(Generate, RefusesCountsOutOfRange) {
+TEST(Generate, RejectsCountsOutOfRange) {
   const TestDirectory directory;
   EXPECT_THROW(generateWith(exampleScene(), directory.path(), 0, 2), Error);
   EXPECT_THROW(generateWith(exampleScene(), directory.path(), 16, 0), Error);
@@ -168,7 +167,7 @@ TEST(Generate, RefusesCountsOutOfRange) {
   EXPECT_FALSE(std::filesystem::exists(directory.path()));
 }
 
-TEST(Generate, RefusesABatchThatDoesNotFit) {
+TEST(Generate, RejectsABatchThatExceedsDeviceMemory) {
   const TestDirectory directory;
   Scene scene = exampleScene();
   scene.record = {};
@@ -183,7 +182,7 @@ TEST(Generate, RefusesABatchThatDoesNotFit) {
   }
 }
 
-TEST(Generate, RefusesShardsThatMemoryCannotHold) {
+TEST(Generate, RejectsShardsThatExceedHostMemory) {
   const TestDirectory directory;
   Scene scene = exampleScene();
   scene.num_steps = 1 << 30;
@@ -214,12 +213,12 @@ TEST(Generate, RobotsDoNotDependOnBatchOrSlices) {
   expectIndependentOfBatch(scene);
 }
 
-// Two arrays on one plate, 40 mm apart along y.
-constexpr double kApart = 0.04;  // m
+// With two sensors: arrays on the same link, kSensorSpacing apart along y.
+constexpr double kSensorSpacing = 0.04;  // m
 
 Robot robotWith(int num_sensors) {
   PanTilt platform;
-  if (num_sensors > 1) platform.sensors.push_back({"tilt", {{0, kApart, 0.03}, {1, 0, 0, 0}}});
+  if (num_sensors > 1) platform.sensors.push_back({"tilt", {{0, kSensorSpacing, 0.03}, {1, 0, 0, 0}}});
   return panTilt(platform);
 }
 
@@ -229,8 +228,7 @@ TEST(Generate, SeveralSensorsOfARobotDoNotDependOnBatchOrSlices) {
   expectIndependentOfBatch(scene);
 }
 
-// What the first sensor sees does not depend on whether there is a second one.
-TEST(Generate, TheFirstOfSeveralSensorsIsAsItWereAlone) {
+TEST(Generate, FirstSensorIsIndependentOfOtherSensors) {
   Scene scene = exampleScene();
   scene.sensor.readout.noise = 0;
   scene.randomisation.gain_spread = scene.randomisation.noise = {0, 0};
@@ -246,19 +244,19 @@ TEST(Generate, TheFirstOfSeveralSensorsIsAsItWereAlone) {
     const DatasetReader reader(path);
     for (const char* name : {"data/tactile_image", "data/total_force", "data/pose", "data/sensor_pose"}) {
       const std::vector<double> values = reader.readAsDouble(name, 0, reader.numFrames());
-      const std::size_t row = values.size() / reader.numFrames(), of_one = row / static_cast<std::size_t>(num_sensors);
+      const std::size_t row = values.size() / reader.numFrames(), sensor_row = row / static_cast<std::size_t>(num_sensors);
       for (std::size_t at = 0; at < values.size(); at += row) {
         std::vector<double>& first = columns[static_cast<std::size_t>(num_sensors - 1)][name];
         first.insert(first.end(), values.begin() + static_cast<std::ptrdiff_t>(at),
-                     values.begin() + static_cast<std::ptrdiff_t>(at + of_one));
+                     values.begin() + static_cast<std::ptrdiff_t>(at + sensor_row));
       }
     }
   }
   EXPECT_EQ(columns[0], columns[1]);
 }
 
-// A plate over both: under the load that the first sensor carries the second one reads the same, where it is.
-TEST(Generate, EverySensorOfARobotSeesWhereTheObjectCameToRest) {
+// A plate over both sensors: when sensor 0 carries the load, sensor 1 reads the same force.
+TEST(Generate, AllSensorsSeeTheObjectAtItsInitialContact) {
   Scene scene = exampleScene();
   scene.robot = robotWith(2);
   scene.sensor.readout.noise = 0;
@@ -275,17 +273,18 @@ TEST(Generate, EverySensorOfARobotSeesWhereTheObjectCameToRest) {
   const std::vector<double> load = reader.readAsDouble("meta/load", 0, scene.num_episodes);
   const auto num_steps = static_cast<std::size_t>(scene.num_steps);
   ASSERT_EQ(force.size(), 2 * num_steps * scene.num_episodes);
-  // The load search ends within 1e-3 of the load; float32 heights of some 1e-5 m have 2^-21 m / 2e-3 m of their depth.
-  constexpr double kLoad = 2e-3;
+  // Relative: tolerance of the load search, 1e-3, and rounding of heights to float32.
+  constexpr double kLoadTolerance = 2e-3;
   for (std::size_t e = 0; e < scene.num_episodes; ++e) {
     const std::size_t row = e * num_steps;
-    for (const std::size_t s : {std::size_t{0}, std::size_t{1}}) EXPECT_NEAR(force[2 * row + s], load[e], kLoad * load[e]) << e << " " << s;
-    // Apart by what the mounts are, at first along y of the world, which is the first sensor's.
-    EXPECT_NEAR(sensor_pose[7 * (2 * row + 1) + 1] - sensor_pose[7 * (2 * row) + 1], kApart, 1e-12);
+    for (const std::size_t s : {std::size_t{0}, std::size_t{1}})
+      EXPECT_NEAR(force[2 * row + s], load[e], kLoadTolerance * load[e]) << e << " " << s;
+    // At frame 0 the axes of W are those of sensor 0.
+    EXPECT_NEAR(sensor_pose[7 * (2 * row + 1) + 1] - sensor_pose[7 * (2 * row) + 1], kSensorSpacing, 1e-12);
   }
 }
 
-TEST(Generate, RefusesAMotionThatIsNone) {
+TEST(Generate, RejectsInvalidMotion) {
   const TestDirectory directory;
   Scene scene = exampleScene();
   scene.objects[0].motion = Sinusoid{.frequency = 0};
@@ -293,9 +292,9 @@ TEST(Generate, RefusesAMotionThatIsNone) {
   EXPECT_FALSE(std::filesystem::exists(directory.path()));
 }
 
-// The columns tell one story: the object rests in the world, and the sensor goes where the actions say.
-TEST(Generate, ActionsMoveTheSensorAndTheObjectRests) {
-  // Actions are float32, at most 1 rad/s and 0.02 m/s over 0.01 s; poses are double, and some roundings apart.
+// Consistency of columns: integrating the actions gives the sensor poses, and the object rests in the world.
+TEST(Generate, ActionsIntegrateToSensorPosesAndTheObjectRests) {
+  // Actions are float32, up to 1 rad/s and 0.02 m/s over 0.01 s; poses are double.
   constexpr double kActionRounding = 2 * 0x1p-24 * 0.01, kPoseRounding = 1e-14;
   const Scene scene = exampleScene();
   const TestDirectory directory;
@@ -324,7 +323,7 @@ TEST(Generate, ActionsMoveTheSensorAndTheObjectRests) {
       continue;
     }
     const double* a = &action[6 * (frame - 1)];
-    if (step % 2 == 0) {  // 50 Hz control in a 100 Hz simulation: every command is held for two frames
+    if (step % 2 == 0) {  // 50 Hz control in a 100 Hz simulation: zero-order hold of each command over two frames
       for (int k = 0; k < 6; ++k) EXPECT_EQ(a[k], a[k - 6]) << frame;
     }
     for (int k = 0; k < 6; ++k) any_motion = any_motion || a[k] != 0;
@@ -335,7 +334,7 @@ TEST(Generate, ActionsMoveTheSensorAndTheObjectRests) {
   EXPECT_TRUE(any_motion);
 }
 
-TEST(Generate, EpisodeColumnsSayWhatWasDrawn) {
+TEST(Generate, EpisodeColumnsContainTheDraw) {
   const Scene scene = exampleContacts();
   const TestDirectory directory;
   generateWith(scene, directory.path(), 8, 2);
@@ -358,7 +357,7 @@ TEST(Generate, EpisodeColumnsSayWhatWasDrawn) {
     EXPECT_EQ(noise[i], draw.variation.noise);
     EXPECT_GT(depth[i], 0);
     EXPECT_LT(depth[i], scene.sensor.skin.thickness);
-    // The pose is the one that carries the load: lower than touching by the depth, which comes as float32.
+    // The pose after the load search: below first touch by the depth, a float32 column.
     EXPECT_NEAR(pose[7 * i + 2], draw.X_SO.position[2] - depth[i], scene.sensor.skin.thickness * 0x1p-24);
   }
 }
@@ -375,7 +374,7 @@ TEST(Generate, FlagsLoadsOutOfReach) {
   }
 }
 
-TEST(Generate, RecordsDepthDrivenEpisodesWithoutALoad) {
+TEST(Generate, DepthDrivenEpisodesHaveNoLoad) {
   Scene scene = exampleContacts();
   scene.randomisation.load.reset();
   scene.randomisation.depth = Range{0.5e-3, 0.5e-3};

@@ -1,10 +1,16 @@
+// Every value of a frame and of an episode must land in its column and row. Columns are found by name, so that the column table is tested,
+// too.
 #include "generation/recorder.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <cstring>
 #include <map>
 #include <numeric>
+#include <optional>
+#include <string>
 
 #include "episodes/example_scene.h"
 
@@ -13,7 +19,7 @@ namespace {
 
 constexpr std::size_t kNumInstances = 3, kNumTaxels = 84;
 
-// Every array of a frame, filled with numbers that are all different.
+// A frame whose arrays hold distinct numbers.
 struct ExampleFrame {
   std::vector<std::vector<float>> arrays;
   std::vector<std::uint32_t> counts;
@@ -37,7 +43,7 @@ struct ExampleFrame {
     features.contact_area = next(1);
   }
 
-  // The sensor, its patch and two regions.
+  // Rows: the sensor, its patch and two regions.
   void fill(ContactFeatureView& contact) {
     constexpr std::size_t kRows = 4;
     contact.num_rows = kRows;
@@ -82,97 +88,132 @@ std::vector<T> part(const V& values, std::size_t instance, std::size_t width) {
           values.begin() + static_cast<std::ptrdiff_t>((instance + 1) * width)};
 }
 
-TEST(Recorder, PutsEveryValueInItsPlace) {
-  Scene scene = exampleScene();
-  scene.robot = panTilt({});
-  scene.record.emplace_back("robot");
-  const ColumnPlan plan = planColumns(scene);
-  Manifest manifest;
-  manifest.num_episodes = 4;
-  manifest.episodes_per_shard = 2;
-  std::map<std::string, std::size_t> index;
-  for (const FrameColumn& entry : plan.frame) {
-    index[entry.column.name] = manifest.columns.size();
-    manifest.columns.push_back(entry.column);
-  }
-  for (const EpisodeColumn& entry : plan.episode) {
-    index[entry.column.name] = manifest.columns.size();
-    manifest.columns.push_back(entry.column);
-  }
-  constexpr int kNumFrames = 3;
-  ShardQueue queue(manifest, {false, false}, kNumFrames);
-  // Instance 0 plays episode 2 (second shard, first row) at its frame 1, instance 1 idles, instance 2 plays episode 1 at frame 2.
-  queue.next();
-  const EpisodePlace second = *queue.next();
-  const EpisodePlace third = *queue.next();
-  for (const EpisodePlace& place : {second, third}) {
-    for (std::vector<std::byte>& column : place.buffer->data.columns) std::fill(column.begin(), column.end(), std::byte{0xee});
+// Two instances record into two shards: instance 0 runs episode 2 (second shard, episode row 0) and is at its frame 1, instance 2 runs
+// episode 1 (first shard, episode row 1) and is at its frame 2. Instance 1 is idle.
+class RecorderTest : public ::testing::Test {
+ protected:
+  static constexpr int kNumFrames = 3;
+  static constexpr std::byte kUnwritten{0xee};
+
+  RecorderTest() {
+    scene_.robot = panTilt({});
+    scene_.record.emplace_back("robot");
+    plan_ = planColumns(scene_);
+    manifest_.num_episodes = 4;
+    manifest_.episodes_per_shard = 2;
+    for (const FrameColumn& entry : plan_.frame) addColumn(entry.column);
+    for (const EpisodeColumn& entry : plan_.episode) addColumn(entry.column);
+    queue_.emplace(manifest_, std::vector<bool>{false, false}, kNumFrames);
+    queue_->next();
+    episode_1_ = *queue_->next();
+    episode_2_ = *queue_->next();
+    for (const EpisodePlace& place : {episode_1_, episode_2_}) {
+      for (std::vector<std::byte>& column : place.buffer->data.columns) std::fill(column.begin(), column.end(), kUnwritten);
+    }
+    places_ = {{episode_2_.buffer->columns.data(), 1}, {}, {episode_1_.buffer->columns.data(), kNumFrames + 2}};
   }
 
-  const ExampleFrame frame;
-  const std::vector<FramePlace> places{{third.buffer->columns.data(), 1}, {}, {second.buffer->columns.data(), kNumFrames + 2}};
-  const std::vector<double> times{0.1, 0, 0.2};
-  const std::vector<Pose> X_SO{{{1, 2, 3}, {0.5, 0.5, 0.5, 0.5}}, {}, {{4, 5, 6}, {1, 0, 0, 0}}};
-  const std::vector<Twist> twists{{{1, 2, 3}, {4, 5, 6}}, {}, {{-1, -2, -3}, {-4, -5, -6}}};
-  const Recorder recorder(plan);
-  Robots robots(scene.robot, 3);
-  robots.command(twists, 0.01);
-  recorder.recordFrames(frame.view,
-                        {.playing = {},
-                         .times = times,
-                         .num_sensors = 1,
-                         .X_SO = X_SO,
-                         .X_WO = {},
-                         .actions = twists,
-                         .controller_actions = {},
-                         .robots = &robots},
-                        places);
+  void recordFrame() {
+    robots_.emplace(scene_.robot, static_cast<int>(kNumInstances));
+    robots_->command(twists_, 0.01);
+    Recorder(plan_).recordFrames(frame_.view,
+                                 {.active = {},
+                                  .times = times_,
+                                  .num_sensors = 1,
+                                  .X_SO = X_SO_,
+                                  .X_WO = {},
+                                  .actions = twists_,
+                                  .controller_actions = {},
+                                  .robots = &*robots_},
+                                 places_);
+  }
 
+  const ShardBuffer& bufferOf(std::size_t instance) const { return instance == 0 ? *episode_2_.buffer : *episode_1_.buffer; }
+
+  // `width` values of the recorded frame row of an instance.
+  template <typename T>
+  std::vector<T> frameRow(std::size_t instance, const char* column, std::size_t width) const {
+    return rowOf<T>(bufferOf(instance), index_.at(column), places_[instance].row, width);
+  }
+
+  Scene scene_ = exampleScene();
+  ColumnPlan plan_;
+  Manifest manifest_;
+  std::map<std::string, std::size_t> index_;
+  std::optional<ShardQueue> queue_;
+  EpisodePlace episode_1_, episode_2_;
+  std::vector<FramePlace> places_;
+  const ExampleFrame frame_;
+  const std::vector<double> times_{0.1, 0, 0.2};
+  const std::vector<Pose> X_SO_{{{1, 2, 3}, {0.5, 0.5, 0.5, 0.5}}, {}, {{4, 5, 6}, {1, 0, 0, 0}}};
+  const std::vector<Twist> twists_{{{1, 2, 3}, {4, 5, 6}}, {}, {{-1, -2, -3}, {-4, -5, -6}}};
+  std::optional<Robots> robots_;
+
+ private:
+  void addColumn(const Column& column) {
+    index_[column.name] = manifest_.columns.size();
+    manifest_.columns.push_back(column);
+  }
+};
+
+TEST_F(RecorderTest, WritesOutputsOfTheSimulator) {
+  recordFrame();
   for (const std::size_t instance : {std::size_t{0}, std::size_t{2}}) {
-    const ShardBuffer& buffer = instance == 0 ? *third.buffer : *second.buffer;
-    const std::uint64_t row = places[instance].row;
-    for (std::size_t c = 0; c < plan.frame.size(); ++c) {
-      const FrameColumn& entry = plan.frame[c];
+    for (std::size_t c = 0; c < plan_.frame.size(); ++c) {
+      const FrameColumn& entry = plan_.frame[c];
       if (entry.source != FrameColumn::Source::kFloats) continue;
       const std::size_t width = rowBytes(entry.column) / sizeof(float);
-      EXPECT_EQ(rowOf<float>(buffer, c, row, width), part<float>(entry.floats(frame.view), instance, width)) << entry.column.name;
+      EXPECT_EQ(rowOf<float>(bufferOf(instance), c, places_[instance].row, width), part<float>(entry.floats(frame_.view), instance, width))
+          << entry.column.name;
     }
-    EXPECT_EQ(rowOf<std::uint16_t>(buffer, index.at("data/tactile_image"), row, kNumTaxels),
-              part<std::uint16_t>(frame.counts, instance, kNumTaxels));
-    EXPECT_EQ(rowOf<double>(buffer, index.at("data/time"), row, 1)[0], times[instance]);
+    EXPECT_EQ(frameRow<std::uint16_t>(instance, "data/tactile_image", kNumTaxels),
+              part<std::uint16_t>(frame_.counts, instance, kNumTaxels));
+    EXPECT_EQ(frameRow<double>(instance, "data/time", 1)[0], times_[instance]);
   }
-  EXPECT_EQ(rowOf<double>(*third.buffer, index.at("data/pose"), 1, 7), (std::vector<double>{1, 2, 3, 0.5, 0.5, 0.5, 0.5}));
-  const auto& [p, q] = robots.X_WS()[0];
-  EXPECT_EQ(rowOf<double>(*third.buffer, index.at("data/sensor_pose"), 1, 7),
-            (std::vector<double>{p[0], p[1], p[2], q[0], q[1], q[2], q[3]}));
-  EXPECT_NE(robots.jointPositions()[0], robots.jointPositions()[4]);
-  EXPECT_EQ(rowOf<double>(*third.buffer, index.at("data/robot/joint_position"), 1, 2), part<double>(robots.jointPositions(), 0, 2));
-  EXPECT_EQ(rowOf<double>(*second.buffer, index.at("data/robot/joint_velocity"), kNumFrames + 2, 2),
-            part<double>(robots.jointVelocities(), 2, 2));
-  EXPECT_EQ(rowOf<std::int32_t>(*third.buffer, index.at("data/robot/status"), 1, 1)[0], robots.status()[0]);
-  EXPECT_EQ(rowOf<float>(*third.buffer, index.at("data/action"), 1, 6), (std::vector<float>{1, 2, 3, 4, 5, 6}));
-  // Features by name, so that the table itself is checked and not only what it says.
-  EXPECT_EQ(rowOf<float>(*third.buffer, index.at("data/edge_angle"), 1, 1)[0], frame.view.edge_angle[0]);
-  EXPECT_EQ(rowOf<float>(*third.buffer, index.at("data/ground_truth/edge_angle"), 1, 1)[0], frame.view.ground_truth.edge_angle[0]);
-  EXPECT_EQ(rowOf<float>(*third.buffer, index.at("data/contact_area"), 1, 1)[0], frame.view.contact_area[0]);
-  EXPECT_EQ(rowOf<float>(*third.buffer, index.at("data/saturated"), 1, 1)[0], frame.view.saturated[0]);
+}
 
-  // Other rows are untouched.
-  EXPECT_EQ(rowOf<std::uint8_t>(*third.buffer, index.at("data/total_force"), 0, 4), (std::vector<std::uint8_t>(4, 0xee)));
-  EXPECT_EQ(rowOf<std::uint8_t>(*third.buffer, index.at("data/total_force"), 2, 4), (std::vector<std::uint8_t>(4, 0xee)));
+TEST_F(RecorderTest, WritesFeaturesToTheColumnsOfTheirNames) {
+  recordFrame();
+  EXPECT_EQ(frameRow<float>(0, "data/edge_angle", 1)[0], frame_.view.edge_angle[0]);
+  EXPECT_EQ(frameRow<float>(0, "data/ground_truth/edge_angle", 1)[0], frame_.view.ground_truth.edge_angle[0]);
+  EXPECT_EQ(frameRow<float>(0, "data/contact_area", 1)[0], frame_.view.contact_area[0]);
+  EXPECT_EQ(frameRow<float>(0, "data/saturated", 1)[0], frame_.view.saturated[0]);
+}
 
-  recorder.recordEpisode(
+TEST_F(RecorderTest, WritesPosesActionsAndRobotState) {
+  recordFrame();
+  EXPECT_EQ(frameRow<double>(0, "data/pose", 7), (std::vector<double>{1, 2, 3, 0.5, 0.5, 0.5, 0.5}));
+  const auto& [p, q] = robots_->X_WS()[0];
+  EXPECT_EQ(frameRow<double>(0, "data/sensor_pose", 7), (std::vector<double>{p[0], p[1], p[2], q[0], q[1], q[2], q[3]}));
+  EXPECT_NE(robots_->jointPositions()[0], robots_->jointPositions()[4]);
+  EXPECT_EQ(frameRow<double>(0, "data/robot/joint_position", 2), part<double>(robots_->jointPositions(), 0, 2));
+  EXPECT_EQ(frameRow<double>(2, "data/robot/joint_velocity", 2), part<double>(robots_->jointVelocities(), 2, 2));
+  EXPECT_EQ(frameRow<std::int32_t>(0, "data/robot/status", 1)[0], robots_->status()[0]);
+  EXPECT_EQ(frameRow<float>(0, "data/action", 6), (std::vector<float>{1, 2, 3, 4, 5, 6}));
+}
+
+TEST_F(RecorderTest, LeavesOtherRowsUnwritten) {
+  recordFrame();
+  const std::size_t column = index_.at("data/total_force");
+  for (const std::uint64_t row : {std::uint64_t{0}, std::uint64_t{2}}) {
+    EXPECT_EQ(rowOf<std::byte>(*episode_2_.buffer, column, row, sizeof(float)), std::vector<std::byte>(sizeof(float), kUnwritten)) << row;
+  }
+}
+
+TEST_F(RecorderTest, WritesConstantsOfAnEpisode) {
+  Recorder(plan_).recordEpisode(
       {.episode = 1, .object = 2, .load = 3, .load_driven = 1, .depth = 5, .load_reached = 1, .gain = 7, .gain_spread = 8, .noise = 9},
-      second);
-  EXPECT_EQ(rowOf<std::uint64_t>(*second.buffer, index.at("meta/episode"), 1, 1)[0], 1u);
-  EXPECT_EQ(rowOf<std::int32_t>(*second.buffer, index.at("meta/object"), 1, 1)[0], 2);
-  EXPECT_EQ(rowOf<float>(*second.buffer, index.at("meta/load"), 1, 1)[0], 3);
-  EXPECT_EQ(rowOf<std::int32_t>(*second.buffer, index.at("meta/load_driven"), 1, 1)[0], 1);
-  EXPECT_EQ(rowOf<float>(*second.buffer, index.at("meta/depth"), 1, 1)[0], 5);
-  EXPECT_EQ(rowOf<std::int32_t>(*second.buffer, index.at("meta/load_reached"), 1, 1)[0], 1);
-  EXPECT_EQ(rowOf<float>(*second.buffer, index.at("meta/gain"), 1, 1)[0], 7);
-  EXPECT_EQ(rowOf<float>(*second.buffer, index.at("meta/gain_spread"), 1, 1)[0], 8);
-  EXPECT_EQ(rowOf<float>(*second.buffer, index.at("meta/noise"), 1, 1)[0], 9);
+      episode_1_);
+  const auto value = [&]<typename T>(const char* column, T) { return rowOf<T>(*episode_1_.buffer, index_.at(column), 1, 1)[0]; };
+  EXPECT_EQ(value("meta/episode", std::uint64_t{}), 1u);
+  EXPECT_EQ(value("meta/object", std::int32_t{}), 2);
+  EXPECT_EQ(value("meta/load", float{}), 3);
+  EXPECT_EQ(value("meta/load_driven", std::int32_t{}), 1);
+  EXPECT_EQ(value("meta/depth", float{}), 5);
+  EXPECT_EQ(value("meta/load_reached", std::int32_t{}), 1);
+  EXPECT_EQ(value("meta/gain", float{}), 7);
+  EXPECT_EQ(value("meta/gain_spread", float{}), 8);
+  EXPECT_EQ(value("meta/noise", float{}), 9);
 }
 
 }  // namespace

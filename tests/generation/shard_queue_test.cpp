@@ -31,7 +31,7 @@ TEST(ShardQueue, HandsOutEpisodesOfIncompleteShardsInOrder) {
     EXPECT_EQ(places[i].buffer->shard, shards[i]);
   }
   EXPECT_EQ(queue.numEpisodesLeft(), 0u);
-  // The last shard has one episode: sizes follow.
+  // The last shard has one episode.
   const ShardBuffer& last = *places[3].buffer;
   EXPECT_EQ(last.data.episode_lengths, (std::vector<std::uint64_t>{4}));
   EXPECT_EQ(last.data.columns[0].size(), 4u * 3 * sizeof(float));
@@ -39,13 +39,13 @@ TEST(ShardQueue, HandsOutEpisodesOfIncompleteShardsInOrder) {
   EXPECT_EQ(last.columns[0], last.data.columns[0].data());
 }
 
-TEST(ShardQueue, NothingLeftWhenAllIsComplete) {
+TEST(ShardQueue, HasNoEpisodesWhenAllShardsAreComplete) {
   ShardQueue queue(manifestOf(6, 3), {true, true}, 4);
   EXPECT_EQ(queue.numEpisodesLeft(), 0u);
   EXPECT_FALSE(queue.next());
 }
 
-TEST(ShardQueue, RecycledMemoryFitsTheNextShard) {
+TEST(ShardQueue, ReusesRecycledBuffers) {
   ShardQueue queue(manifestOf(7, 3), {false, false, false}, 4);
   std::unique_ptr<ShardBuffer> done;
   for (int i = 0; i < 3; ++i) done = queue.finish(*queue.next());
@@ -62,8 +62,8 @@ TEST(ShardQueue, RecycledMemoryFitsTheNextShard) {
   EXPECT_EQ(last.buffer->data.episode_lengths.size(), 1u);
 }
 
-TEST(ShardQueue, RefusesAShardThatMemoryCannotHold) {
-  constexpr std::uint64_t kTooMany = std::uint64_t{1} << 62;  // more than a vector can hold, so nothing is asked of the system
+TEST(ShardQueue, RejectsAShardThatExceedsMemory) {
+  constexpr std::uint64_t kTooMany = std::uint64_t{1} << 62;  // exceeds std::vector::max_size(), so no memory is requested
   ShardQueue queue(manifestOf(kTooMany, kTooMany), {false}, 1);
   try {
     queue.next();
@@ -74,32 +74,32 @@ TEST(ShardQueue, RefusesAShardThatMemoryCannotHold) {
   }
 }
 
-// Whatever the order in which episodes end: every one is handed out once, every incomplete shard comes back once, when its last one ends.
-RC_GTEST_PROP(ShardQueueProperty, EveryShardComesBackOnce, ()) {
+// For any order in which episodes end: each episode is handed out once, and each incomplete shard is returned once, with its last episode.
+RC_GTEST_PROP(ShardQueueProperty, ReturnsEveryShardOnce, ()) {
   const std::uint64_t num_episodes = *rc::gen::inRange(1, 60);
   const std::uint64_t per_shard = *rc::gen::inRange(1, 20);
-  const std::size_t num_slots = *rc::gen::inRange(1, 30);
+  const std::size_t num_instances = *rc::gen::inRange(1, 30);
   const Manifest manifest = manifestOf(num_episodes, per_shard);
   const auto complete = *rc::gen::container<std::vector<bool>>(manifest.numShards(), rc::gen::arbitrary<bool>());
   ShardQueue queue(manifest, complete, 2);
 
-  std::vector<EpisodePlace> playing;
+  std::vector<EpisodePlace> running;
   std::set<std::uint64_t> episodes, shards;
   for (;;) {
-    while (playing.size() < num_slots) {
+    while (running.size() < num_instances) {
       const auto place = queue.next();
       if (!place) break;
       RC_ASSERT(episodes.insert(place->episode).second);
       RC_ASSERT(place->episode == place->buffer->shard * per_shard + place->row);
-      playing.push_back(*place);
+      running.push_back(*place);
     }
-    if (playing.empty()) break;
-    const std::size_t which = *rc::gen::inRange<std::size_t>(0, playing.size());
-    const EpisodePlace place = playing[which];
-    playing.erase(playing.begin() + static_cast<std::ptrdiff_t>(which));
+    if (running.empty()) break;
+    const std::size_t which = *rc::gen::inRange<std::size_t>(0, running.size());
+    const EpisodePlace place = running[which];
+    running.erase(running.begin() + static_cast<std::ptrdiff_t>(which));
     if (auto done = queue.finish(place)) {
       RC_ASSERT(shards.insert(done->shard).second);
-      for (const EpisodePlace& other : playing) RC_ASSERT(other.buffer != done.get());
+      for (const EpisodePlace& other : running) RC_ASSERT(other.buffer != done.get());
       queue.recycle(std::move(done));
     }
   }

@@ -35,7 +35,7 @@ std::unique_ptr<ShardBuffer> bufferOf(std::uint64_t shard) {
   return buffer;
 }
 
-TEST(ShardWriter, WritesEverythingAndGivesMemoryBack) {
+TEST(ShardWriter, WritesAllShardsAndReturnsBuffers) {
   const TestDirectory directory;
   DatasetWriter dataset(directory.path(), smallManifest());
   ShardWriter writer(dataset, 2);
@@ -50,7 +50,7 @@ TEST(ShardWriter, WritesEverythingAndGivesMemoryBack) {
   EXPECT_EQ(reader.readAsDouble("data/a", 0, kNumShards), (std::vector<double>{0, 1, 2, 3, 4, 5}));
 }
 
-TEST(ShardWriter, WritesWhatWaitsWhenItGoesAway) {
+TEST(ShardWriter, DestructorWritesQueuedShards) {
   const TestDirectory directory;
   DatasetWriter dataset(directory.path(), smallManifest());
   {
@@ -60,8 +60,8 @@ TEST(ShardWriter, WritesWhatWaitsWhenItGoesAway) {
   for (std::uint64_t shard = 0; shard < kNumShards; ++shard) EXPECT_TRUE(dataset.isComplete(shard)) << shard;
 }
 
-// The directory vanishes under the writer: whoever hands over the next shard hears of it, and is not left waiting.
-TEST(ShardWriter, PassesErrorsOnToTheCaller) {
+// The directory is removed: submit() must throw instead of blocking.
+TEST(ShardWriter, RethrowsWriteErrors) {
   const TestDirectory directory;
   DatasetWriter dataset(directory.path(), smallManifest());
   std::filesystem::remove_all(directory.path());

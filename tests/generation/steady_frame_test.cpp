@@ -1,4 +1,4 @@
-// From frame to frame of running episodes a slice takes no memory: controllers, robots, moving objects and recording included.
+// A slice allocates no memory between frames of running episodes, with controllers, robots, moving objects and recording.
 #include <gtest/gtest.h>
 
 #include "episodes/batch.h"
@@ -11,24 +11,24 @@ namespace taxelsim {
 namespace {
 
 constexpr int kNumInstances = 6;
-constexpr int kWarmUps = 4;  // frames: loads are searched for in the first
+constexpr int kWarmUps = 4;  // frames; the first includes the load search
 
 struct Kind {
   const char* name;
   void (*change)(Scene&);
 };
 
-// The columns of the joints are wanted, too.
-void onPanTilt(Scene& scene) {
+// Also records the joint columns.
+void usePanTilt(Scene& scene) {
   scene.robot = panTilt({});
   scene.record.push_back("robot");
 }
 
-void byJacobian(Scene& scene) {
+void useJacobian(Scene& scene) {
   scene.controllers[0].servo.jacobian = TactileJacobianSource::kMeasured;
 }
 
-void ofMovingObjects(Scene& scene) {
+void moveObjects(Scene& scene) {
   for (SceneObject& object : scene.objects) {
     object.motion = Sinusoid{.amplitude = 1e-4};
   }
@@ -36,7 +36,7 @@ void ofMovingObjects(Scene& scene) {
 
 class SteadyFrame : public ::testing::TestWithParam<Kind> {};
 
-TEST_P(SteadyFrame, TakesNoMemory) {
+TEST_P(SteadyFrame, AllocatesNoMemory) {
   Scene scene = exampleScene();
   scene.num_steps = 30;
   scene.num_episodes = scene.episodes_per_shard = kNumInstances;
@@ -71,13 +71,13 @@ TEST_P(SteadyFrame, TakesNoMemory) {
     slice.submit();
   }
   EXPECT_EQ(watch.count(), 0u) << "in " << num_frames << " frames";
-  EXPECT_EQ(num_seen, static_cast<std::uint64_t>(num_frames) * kNumInstances) << "all played all the time";
+  EXPECT_EQ(num_seen, static_cast<std::uint64_t>(num_frames) * kNumInstances) << "every instance active in every frame";
   EXPECT_EQ(slice.collect().num_episodes, static_cast<std::uint64_t>(kNumInstances));
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, SteadyFrame,
-                         ::testing::Values(Kind{"flying", [](Scene&) {}}, Kind{"pan_tilt", onPanTilt}, Kind{"jacobian", byJacobian},
-                                           Kind{"moving", ofMovingObjects}),
+                         ::testing::Values(Kind{"flying", [](Scene&) {}}, Kind{"pan_tilt", usePanTilt}, Kind{"jacobian", useJacobian},
+                                           Kind{"moving", moveObjects}),
                          [](const auto& param) { return std::string(param.param.name); });
 
 }  // namespace

@@ -25,10 +25,11 @@ using ::testing::IsEmpty;
 using ::testing::Pair;
 
 gpu::KernelOptions loadKernel() {
-  return {.name = "load",
-          .spirv = k_load_spirv,
-          .buffers = {"Instances", "Step", "TileResults", "Loads"},
-          .constants = {{0, 8}, {1, 1}, {2, 48}, {3, 1}}};
+  constexpr std::uint32_t kNumConstants = 12;
+  gpu::KernelOptions options{
+      .name = "load", .spirv = k_load_spirv, .buffers = {"Instances", "Step", "TileResults", "Loads"}, .constants = {}};
+  for (std::uint32_t id = 0; id < kNumConstants; ++id) options.constants.push_back({id, 1});
+  return options;
 }
 
 std::string refusal(const gpu::KernelOptions& options) {
@@ -45,7 +46,7 @@ std::string refusal(const gpu::KernelOptions& options) {
 TEST(Kernel, IsReflected) {
   const gpu::Reflection reflection = gpu::reflect(k_load_spirv);
   EXPECT_THAT(reflection.buffers, ElementsAre(Pair(0, "Instances"), Pair(1, "Step"), Pair(2, "TileResults"), Pair(3, "Loads")));
-  EXPECT_THAT(reflection.constants, ElementsAre(0, 1, 2, 3));
+  EXPECT_THAT(reflection.constants, ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11));
   EXPECT_TRUE(reflection.texel_buffers.empty());
   EXPECT_TRUE(reflection.others.empty());
 }
@@ -92,7 +93,7 @@ TEST(Kernel, WrongNamesAndNumbersAreRefused) {
   more.buffers.emplace_back("State");
   EXPECT_THAT(refusal(more), HasSubstr("\"State\", the shader has nothing"));
   gpu::KernelOptions unknown = loadKernel();
-  unknown.constants[2].id = 7;
+  unknown.constants[2].id = 70;
   EXPECT_THAT(refusal(unknown), HasSubstr("specialization constants"));
 }
 

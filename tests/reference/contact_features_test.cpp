@@ -1,4 +1,4 @@
-// Regions, windowed edge angle, tilt and contact type: patterns by hand, closed forms, and statistics over seeded contacts.
+// Regions, windowed edge angle, tilt and contact type: hand-made images, closed forms, and statistics over seeded random contacts.
 #include "reference/contact_features.h"
 
 #include <gtest/gtest.h>
@@ -33,8 +33,8 @@ Sensor square(int rows, int cols) {
   return gridSensor({.num_rows = rows, .num_cols = cols, .pitch_x = kPitch, .pitch_y = kPitch});
 }
 
-// A picture of digits: newtons.
-std::vector<double> picture(const char* text) {
+// Force image from a string of digits, one taxel each, N.
+std::vector<double> imageOf(const char* text) {
   std::vector<double> force;
   for (; *text; ++text) {
     if (*text != '\n') force.push_back(*text - '0');
@@ -48,8 +48,8 @@ std::vector<std::vector<int>> taxelsOf(const ContactRows& rows) {
   return regions;
 }
 
-TEST(ContactFeatures, RegionsTouchAtCornersAndComeByForce) {
-  const ContactRows rows = cleanRows(square(4, 5), picture("10002"
+TEST(ContactFeatures, RegionsAreEightConnectedAndSortedByForce) {
+  const ContactRows rows = cleanRows(square(4, 5), imageOf("10002"
                                                            "01000"
                                                            "00003"
                                                            "90000"));
@@ -62,18 +62,18 @@ TEST(ContactFeatures, RegionsTouchAtCornersAndComeByForce) {
   EXPECT_NEAR(rows.sensor.total_force, 16, kRounding);
 }
 
-TEST(ContactFeatures, OfEqualRegionsTheOneWithTheLowestTaxelIsFirst) {
-  const ContactRows rows = cleanRows(square(3, 5), picture("00202"
+TEST(ContactFeatures, RegionsOfEqualForceAreSortedByLowestTaxel) {
+  const ContactRows rows = cleanRows(square(3, 5), imageOf("00202"
                                                            "10000"
                                                            "10202"));
   EXPECT_EQ(taxelsOf(rows), (std::vector<std::vector<int>>{{2}, {4}, {5, 10}, {12}, {14}}));
 }
 
-TEST(ContactFeatures, RegionsEndWithTheirPatch) {
+TEST(ContactFeatures, RegionsDoNotCrossPatches) {
   Sensor sensor = square(2, 2);
   sensor.patches.push_back(sensor.patches[0]);
   sensor.patches[1].X_SP.position = {2 * kPitch, 0, 0};
-  const ContactRows rows = cleanRows(sensor, picture("0011"
+  const ContactRows rows = cleanRows(sensor, imageOf("0011"
                                                      "1100"));
   ASSERT_EQ(taxelsOf(rows), (std::vector<std::vector<int>>{{2, 3}, {4, 5}}));
   EXPECT_EQ(rows.regions[1].patch, 1);
@@ -82,7 +82,7 @@ TEST(ContactFeatures, RegionsEndWithTheirPatch) {
   EXPECT_NEAR(rows.patches[1].center_of_pressure[0], 1.5 * kPitch, kRounding);
 }
 
-TEST(ContactFeatures, AListOfTaxelsIsConnectedAsItsGrid) {
+TEST(ContactFeatures, TaxelListHasRegionsOfTheEquivalentGrid) {
   const Sensor grid = square(5, 6);
   Sensor list = grid;
   list.patches.clear();
@@ -96,7 +96,7 @@ TEST(ContactFeatures, AListOfTaxelsIsConnectedAsItsGrid) {
   EXPECT_TRUE(cleanRows(list, std::vector<double>(30, 1)).patches.empty());
 }
 
-TEST(ContactFeatures, NothingIsNone) {
+TEST(ContactFeatures, EmptyImageHasNoContact) {
   const ContactRows rows = cleanRows(square(3, 3), std::vector<double>(9, 0));
   EXPECT_TRUE(rows.regions.empty());
   EXPECT_EQ(rows.sensor.contact_type, ContactType::kNone);
@@ -104,8 +104,8 @@ TEST(ContactFeatures, NothingIsNone) {
   EXPECT_EQ(rows.sensor.tilt_confidence, 0);
 }
 
-// The sampled, normalised kernel has a variance of its own, not sigma^2.
-TEST(ContactFeatures, SpreadHasTheVarianceOfItsKernel) {
+// The variance of the sampled, truncated kernel, which differs from sigma^2.
+TEST(ContactFeatures, SpreadShapeHasVarianceOfTheKernel) {
   const SpreadShape shape = spreadShape(gaussianPsf(0.5, 3), {2.0, 3.0});
   const double w = std::exp(-2.0), variance = 2 * w / (1 + 2 * w);
   EXPECT_NEAR(variance, 0.21301, 1e-5);
@@ -118,8 +118,8 @@ TEST(ContactFeatures, SpreadHasTheVarianceOfItsKernel) {
   EXPECT_EQ(spreadShape({}, {2.0, 3.0}).radius, 0);
 }
 
-// Two far contacts leave nothing under a window between them.
-TEST(ContactFeatures, AWindowOverNothingHasNoAngle) {
+// The window starts halfway between two distant contacts, where there is no force.
+TEST(ContactFeatures, WindowWithoutForceHasNoAngle) {
   std::vector<double> force(40, 0);
   force[0] = force[1] = force[38] = force[39] = 1;
   const ContactRows rows = cleanRows(square(1, 40), force);
@@ -128,7 +128,7 @@ TEST(ContactFeatures, AWindowOverNothingHasNoAngle) {
   EXPECT_NEAR(rows.regions[0].windowed_edge_angle, kPi / 2, kRounding);
 }
 
-// The noise of a taxel, counts.
+// Gaussian noise per taxel, counts (Box-Muller).
 std::vector<double> whiteNoise(Random& random, int num_taxels, double deviation) {
   std::vector<double> noise;
   for (int t = 0; t < num_taxels; ++t) {
@@ -144,7 +144,7 @@ ContactRows measuredRows(const Sensor& sensor, const ContactCase& contact, doubl
   return reference::contactFeatures(sensor, reference::measuredContactImage(sensor, frame.counts, noise));
 }
 
-TEST(ContactFeatures, TheWindowFindsTheAngleOfAnEdgeThatTheArrayCutsOff) {
+TEST(ContactFeatures, WindowedAngleIsMoreAccurateOnTruncatedEdges) {
   const Sensor sensor = support::wts0614();
   Random random(1);
   support::AngleErrors plain, windowed;
@@ -157,14 +157,14 @@ TEST(ContactFeatures, TheWindowFindsTheAngleOfAnEdgeThatTheArrayCutsOff) {
   support::expectWindowHelps(plain, windowed);
 }
 
-TEST(ContactFeatures, TypesOfRandomContacts) {
+TEST(ContactFeatures, ClassifiesRandomContacts) {
   const Sensor sensor = support::wts0614();
   Random random(2);
   int num_wrong = 0;
   constexpr int kNumDraws = 200;
   for (int draw = 0; draw < kNumDraws; ++draw) {
     for (const ContactCase& contact : {support::randomSphere(random), support::randomEdge(random), support::randomPlate(random)}) {
-      // Noise shows at a taxel now and then, far from the contact: of the whole image it moves the moments, of the region it does not.
+      // With noise a distant taxel may report. That changes the moments of the whole image, not those of the contact region.
       const ContactFeatures whole = measuredRows(sensor, contact, 0, random).sensor;
       const ContactFeatures region = measuredRows(sensor, contact, support::kWtsNoise, random).regions[0];
       for (const ContactFeatures& row : {whole, region}) {
@@ -185,8 +185,8 @@ TEST(ContactFeatures, TypesOfRandomContacts) {
   EXPECT_EQ(reference::contactFeatures(without_trigger, image).sensor.contact_type, ContactType::kNone);
 }
 
-// Without spread every taxel of the core lies wholly under the face, where depth is linear and so is the mean over its samples.
-TEST(ContactFeatures, TiltOfAPunchIsExactWithoutSpread) {
+// Without a PSF all taxels of the core are fully covered by the face, so their mean depth is linear in position.
+TEST(ContactFeatures, TiltOfPunchIsExactWithoutSpread) {
   Random random(4);
   for (const double exponent : {1.0, 2.0}) {
     Sensor sensor = gridSensor({.num_rows = 14, .num_cols = 16, .pitch_x = 1.5e-3, .pitch_y = 2e-3, .thickness = 2e-3});
@@ -196,8 +196,8 @@ TEST(ContactFeatures, TiltOfAPunchIsExactWithoutSpread) {
       const reference::Frame frame = reference::simulateFrame(sensor, {.objects = {{&punch.object, punch.X_SO}}});
       const ContactRows rows = cleanRows(sensor, frame.spread_force);
       ASSERT_GE(rows.sensor.core.size(), 12u);
-      // Of an exponent above 1 the slope is that at the mean pressure, while pressure is a parabola: its part of even order does not lean,
-      // and the mean of depth^2 is the squared mean times 1 + v, v the relative variance of depth, at most 0.25 here.
+      // Exponent 2: pressure is quadratic in position, and the slope is taken at the mean pressure. The even part has no slope; the mean of
+      // depth^2 is the squared mean depth times 1 + v, with v <= 0.25 the relative variance of the depth.
       const double slack = exponent == 1 ? 1e-9 : 0.3;
       for (int axis = 0; axis < 2; ++axis) {
         EXPECT_NEAR(rows.sensor.tilt[axis], punch.tilt[axis], slack * std::hypot(punch.tilt[0], punch.tilt[1])) << axis;
@@ -208,9 +208,9 @@ TEST(ContactFeatures, TiltOfAPunchIsExactWithoutSpread) {
   }
 }
 
-// With spread a taxel on the rim of the core may have neighbours that are partly covered: what they fall short of reaches it by the
-// kernel's outer row.
-TEST(ContactFeatures, TiltOfAPunchUnderThePaper) {
+// With a PSF, taxels on the rim of the core receive less force through the outer row of the kernel, from neighbours that are partly
+// covered.
+TEST(ContactFeatures, TiltOfPunchIsAccurateWithSpread) {
   const Sensor sensor = support::wts0614();
   Random random(5);
   for (int draw = 0; draw < 60; ++draw) {
@@ -225,7 +225,7 @@ TEST(ContactFeatures, TiltOfAPunchUnderThePaper) {
   }
 }
 
-TEST(ContactFeatures, TiltHasTheSignOfTheFacesTurn) {
+TEST(ContactFeatures, TiltIsRightHanded) {
   const Sensor sensor = gridSensor({.num_rows = 8, .num_cols = 8});
   const Object face{HalfSpace{}};
   for (int axis = 0; axis < 2; ++axis) {
@@ -237,7 +237,7 @@ TEST(ContactFeatures, TiltHasTheSignOfTheFacesTurn) {
   }
 }
 
-TEST(ContactFeatures, WhatIsRoundOrThinHasNoTiltToTrust) {
+TEST(ContactFeatures, RoundAndThinContactsHaveLowTiltConfidence) {
   const Sensor sensor = gridSensor({.num_rows = 12, .num_cols = 12, .pitch_x = 1e-3, .pitch_y = 1e-3});
   const Object sphere{Sphere{10e-3}}, edge{Cylinder{2e-3, 60e-3}};
   const auto confidence = [&](const Object& object, const Pose& X_SO) {
@@ -247,7 +247,7 @@ TEST(ContactFeatures, WhatIsRoundOrThinHasNoTiltToTrust) {
   EXPECT_EQ(confidence(edge, {{0, 0, 2e-3 - 0.2e-3}, axisAngle({1, 0, 0}, kPi / 2)}), 0);
 }
 
-TEST(ContactFeatures, SaturatedTaxelsHaveNoPartInTheTilt) {
+TEST(ContactFeatures, TiltIgnoresSaturatedTaxels) {
   Sensor sensor = gridSensor({.num_rows = 10, .num_cols = 10});
   sensor.readout = support::paperReadout();
   sensor.readout.trigger = 0;

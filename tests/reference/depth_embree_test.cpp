@@ -1,4 +1,4 @@
-// The twin's depth over random meshes against Embree's rays: an independent code, trusted to float32.
+// Reference depth of random meshes against ray casting with Embree, an independent implementation in float32.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,13 +13,12 @@ namespace {
 
 using reference::PlacedObject;
 
-// Embree sees vertices and ray origins rounded to float32: half a unit in the last place of coordinates up to 62.5 mm is 1.9e-9 m each, and
-// its intersection works on differences of those with products of a few roundings (2^-24 each of 62.5 mm: 3.7e-9 m): 2e-8 m covers five of
-// them.
+// m, lateral: Embree rounds vertices and ray origins to float32 (half an ulp of coordinates up to 62.5 mm: 1.9e-9 m each) and intersects
+// with a few rounded products (2^-24 of 62.5 mm: 3.7e-9 m each). Covers five of these.
 constexpr double kShift = 2e-8;
-// The same along the ray, which starts up to 0.1 m below: t is a quotient with about ten roundings of 6e-9 m.
+// m, along the ray, which starts up to 0.1 m below: t is a quotient with about ten roundings of 6e-9 m.
 constexpr double kMarginZ = 6e-8;
-// A sliver thinner than the shift, or a vertex on a sample, may still fall between the nine places that the envelope looks at.
+// Fraction of samples outside the envelope: slivers thinner than kShift, or vertices on a sample, may lie between its nine probes.
 constexpr double kTieFraction = 1e-4;
 
 class EmbreeSeeds : public ::testing::TestWithParam<int> {};
@@ -52,7 +51,7 @@ TEST_P(EmbreeSeeds, HeightsAgree) {
 
 INSTANTIATE_TEST_SUITE_P(Random, EmbreeSeeds, ::testing::Range(0, 25));
 
-// The envelope itself must be tight where the surface is smooth, or the comparison above would prove nothing.
+// A loose envelope would make the comparison above meaningless.
 TEST(Envelope, IsTightAwayFromSilhouettes) {
   support::Random random(3);
   const Sensor sensor = support::gridSensor();

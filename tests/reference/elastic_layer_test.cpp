@@ -1,5 +1,5 @@
-// The twin's elastic layer against contact mechanics: influence of one cell, Sneddon's sphere and punch, Hertz's line, layers bonded to a
-// rigid base.
+// Elastic layer of the reference against contact mechanics: influence coefficients, Sneddon's sphere and punch, Hertzian line contact, and
+// layers bonded to a rigid base.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ double planeModulus(double poisson_ratio) {
   return kModulus / (1 - poisson_ratio * poisson_ratio);
 }
 
-// `num` x `num` nodes, `spacing` (m) apart.
+// num x num nodes with the given spacing (m).
 Layer squareLayer(int num, double spacing, double poisson_ratio, ElasticLayer::Base base, double thickness) {
   Layer layer{{.num_rows = num, .num_cols = num, .spacing = {spacing, spacing}}, {}};
   layer.influence =
@@ -37,7 +37,7 @@ Layer halfSpace(int num, double spacing, double poisson_ratio = 0.49) {
   return squareLayer(num, spacing, poisson_ratio, ElasticLayer::Base::kHalfSpace, 1);
 }
 
-// Overlap with a surface height(x, y) over the middle of the nodes.
+// Overlap with the surface height(x, y), origin in the middle of the nodes, m.
 template <typename Height>
 std::vector<double> overlapWith(const Layer& layer, Height&& height) {
   std::vector<double> overlap;
@@ -54,10 +54,10 @@ double peakOf(const LayerSolution& solution) {
   return *std::max_element(solution.pressure.begin(), solution.pressure.end());
 }
 
-// ---- influence ----
+// Influence coefficients.
 
-// Love's closed form for a unit square, to the digits of a quadrature by another program.
-TEST(LayerInfluence, OfAUnitSquareOnAHalfSpace) {
+// A. E. H. Love (1929), unit square; digits from an independent quadrature.
+TEST(LayerInfluence, UnitSquareOnHalfSpaceMatchesLove) {
   const std::vector<double> influence =
       layerInfluence({.elastic_modulus = 1, .poisson_ratio = 0, .base = ElasticLayer::Base::kHalfSpace}, 1, {1, 1}, 3, 3);
   EXPECT_NEAR(influence[0], 4 * std::asinh(1.0) / kPi, 1e-14);
@@ -68,20 +68,20 @@ TEST(LayerInfluence, OfAUnitSquareOnAHalfSpace) {
   EXPECT_NEAR(influence[6], 0.16077577, 5e-9);
 }
 
-// Far away a cell is a point, in cells of any shape: 1 / (pi E* r) within the second moment over r^2.
-TEST(LayerInfluence, FarAwayIsBoussinesqs) {
+// Far away a cell acts as a point load, 1 / (pi E* r), with a relative error of its second moment over r^2.
+TEST(LayerInfluence, FarFieldMatchesBoussinesq) {
   const std::vector<double> influence =
       layerInfluence({.elastic_modulus = 2, .poisson_ratio = 0.3, .base = ElasticLayer::Base::kHalfSpace}, 1, {0.5, 2}, 100, 100);
   const double r = std::hypot(99 * 0.5, 99 * 2);
   EXPECT_NEAR(influence.back() * kPi * 2 / (1 - 0.09) * r, 1, 2 * 2 * 2 / (r * r));
 }
 
-// Deep, the half-space; shallow, h / M, or (2/3) x^3 where the layer is incompressible.
-TEST(LayerInfluence, KernelHasItsLimits) {
+// Thick limit: half-space. Thin limit: h / M, or (2/3) x^3 for an incompressible layer.
+TEST(LayerInfluence, KernelHasThickAndThinLimits) {
   for (const double nu : {0.0, 0.3, 0.45, 0.49, 0.5}) {
     EXPECT_NEAR(layerKernel(30, nu), 1, 1e-12);
     EXPECT_NEAR(layerKernel(1000, nu), 1, 1e-12);
-    // The formula for large x takes over at 20.
+    // The asymptotic formula is used above x = 20.
     EXPECT_NEAR(layerKernel(std::nextafter(20.0, 21.0), nu), layerKernel(20, nu), 1e-13);
     constexpr double kSmall = 1e-4;
     const double expected = nu == 0.5 ? 2.0 / 3 * kSmall * kSmall * kSmall : kSmall * (1 - 2 * nu) / (2 * (1 - nu) * (1 - nu));
@@ -90,8 +90,8 @@ TEST(LayerInfluence, KernelHasItsLimits) {
   }
 }
 
-// A load over many thicknesses moves the surface by p h / M: all coefficients sum to it.
-TEST(LayerInfluence, OfAWideLoadIsTheConfinedModulus) {
+// Under a uniform load the displacement is p h / M, M the confined modulus: the sum of all coefficients.
+TEST(LayerInfluence, SumIsThicknessOverConfinedModulus) {
   for (const double nu : {0.0, 0.3, 0.45}) {
     for (const double spacing : {0.1, 0.5, 3.0, 8.0}) {
       const auto num = static_cast<int>(30 / spacing) + 2;
@@ -101,31 +101,31 @@ TEST(LayerInfluence, OfAWideLoadIsTheConfinedModulus) {
         for (int v = 1 - num; v < num; ++v) sum += layer.influence[static_cast<std::size_t>(std::abs(u) * num + std::abs(v))];
       }
       const double confined = kModulus * (1 - nu) / ((1 + nu) * (1 - 2 * nu));
-      // Cells' corners between the range of the layer (25 thicknesses) and its square, quadrature of the correction.
+      // Tolerance: truncation of the layer's influence at 25 thicknesses, and quadrature of the correction.
       EXPECT_NEAR(sum * confined, 1, 2e-4) << nu << " " << spacing;
     }
   }
 }
 
-// A layer many cells thick is a half-space near the load.
-TEST(LayerInfluence, OfAThickLayerIsAHalfSpaces) {
+// A layer much thicker than a cell acts as a half-space near the load.
+TEST(LayerInfluence, ThickLayerMatchesHalfSpace) {
   constexpr double kThick = 1e5;
   const Layer thick = squareLayer(8, 1, 0.3, ElasticLayer::Base::kBonded, kThick), deep = halfSpace(8, 1, 0.3);
   for (std::size_t n = 0; n < deep.influence.size(); ++n) EXPECT_NEAR(thick.influence[n] / deep.influence[n], 1, 20 / kThick);
 }
 
-// ---- solution ----
+// Contact solution.
 
-// What the solver promises, checked with a matrix product of its own.
-TEST(LayerSolution, FollowsTheObjectWhereItPresses) {
+// Complementarity conditions, checked with an independent matrix product.
+TEST(LayerSolution, SatisfiesContactConditions) {
   Random random(3);
   for (int n = 0; n < 10; ++n) {
     const auto base = n % 2 == 0 ? ElasticLayer::Base::kHalfSpace : ElasticLayer::Base::kBonded;
     const Layer layer = squareLayer(14, 1, n % 3 == 0 ? 0.5 : 0.3, base, random.uniform(0.5, 4));
-    // Humps, and holes without any surface.
+    // A rough surface with holes.
     std::vector<double> overlap = overlapWith(layer, [&](double x, double y) { return (x * x + y * y) / 30 - random.uniform(0.5, 1); });
     for (double& d : overlap) d = random.chance(0.1) ? kNoSurface : d;
-    const LayerSolution solution = pressLayer(layer, overlap);
+    const LayerSolution solution = solveLayer(layer, overlap);
     for (int m = 0; m < 14 * 14; ++m) {
       double w = 0;
       for (int k = 0; k < 14 * 14; ++k) {
@@ -142,16 +142,16 @@ TEST(LayerSolution, FollowsTheObjectWhereItPresses) {
   }
 }
 
-TEST(LayerSolution, OfNothingIsNothing) {
+TEST(LayerSolution, NoOverlapGivesNoForce) {
   const Layer layer = halfSpace(5, 1);
-  for (const double d : {kNoSurface, -1.0, 0.0}) EXPECT_EQ(forceOn(layer, pressLayer(layer, std::vector<double>(25, d)).pressure), 0);
+  for (const double d : {kNoSurface, -1.0, 0.0}) EXPECT_EQ(totalForce(layer, solveLayer(layer, std::vector<double>(25, d)).pressure), 0);
 }
 
-// ---- half-space ----
+// Half-space.
 
-// Sneddon's sphere: delta = (a/2) ln((R+a)/(R-a)), F = (E*/2) [(a^2+R^2) ln((R+a)/(R-a)) - 2 a R]. Hertz's peak p0 = 2 E* a / (pi R) holds
-// within O(a^2/R^2), 1 % at a/R = 0.2.
-TEST(HalfSpace, SphereCarriesSneddonsForce) {
+// I. N. Sneddon (1965), rigid sphere: delta = (a/2) ln((R+a)/(R-a)), F = (E*/2) [(a^2+R^2) ln((R+a)/(R-a)) - 2 a R]. Hertz's peak p0 = 2 E*
+// a / (pi R) holds within O(a^2/R^2), 1 % at a/R = 0.2.
+TEST(HalfSpace, SphereMatchesSneddon) {
   constexpr double kForceError = 0.02, kPeakError = 0.03;
   Random random(1);
   for (const double a : {0.05, 0.1, 0.2}) {
@@ -160,19 +160,19 @@ TEST(HalfSpace, SphereCarriesSneddonsForce) {
     const Layer layer = halfSpace(14, a / 4);
     for (int n = 0; n < 20; ++n) {
       const double x0 = random.uniform(-0.5, 0.5) * a / 4, y0 = random.uniform(-0.5, 0.5) * a / 4;
-      const LayerSolution solution = pressLayer(layer, overlapWith(layer, [&](double x, double y) {
+      const LayerSolution solution = solveLayer(layer, overlapWith(layer, [&](double x, double y) {
                                                   return 1 - depth - std::sqrt(1 - (x - x0) * (x - x0) - (y - y0) * (y - y0));
                                                 }));
-      EXPECT_NEAR(forceOn(layer, solution.pressure) / force, 1, kForceError) << a;
+      EXPECT_NEAR(totalForce(layer, solution.pressure) / force, 1, kForceError) << a;
       EXPECT_NEAR(peakOf(solution) / (2 * planeModulus(0.49) * a / kPi), 1, kPeakError) << a;
     }
   }
 }
 
-// Depth under a long cylinder is no property of the contact, the pressure over its middle section is: with P' the load per length there,
-// p0^2 = E* P' / (pi R), a^2 = 4 P' R / (pi E*).
-TEST(HalfSpace, CylinderHasHertzsMiddleSection) {
-  // The flanks of an ellipse on samples a quarter of its half-width apart, and the ends twelve half-widths away.
+// Hertzian line contact in the middle section of a long cylinder, whose depth is undefined in plane strain. With P' the load per length
+// there: p0^2 = E* P' / (pi R), a^2 = 4 P' R / (pi E*).
+TEST(HalfSpace, MiddleSectionOfCylinderMatchesHertz) {
+  // Discretisation with a quarter of the half-width; the ends are twelve half-widths away.
   constexpr double kPeakError = 0.02;
   constexpr double kDepth = 0.02;
   constexpr int kRows = 24, kCols = 96;
@@ -180,7 +180,7 @@ TEST(HalfSpace, CylinderHasHertzsMiddleSection) {
   Layer layer{{.num_rows = kRows, .num_cols = kCols, .spacing = {spacing, spacing}}, {}};
   layer.influence = layerInfluence({.elastic_modulus = kModulus, .poisson_ratio = 0.3, .base = ElasticLayer::Base::kHalfSpace}, 1,
                                    layer.nodes.spacing, kRows, kCols);
-  const LayerSolution solution = pressLayer(layer, overlapWith(layer, [](double x, double) { return 1 - kDepth - std::sqrt(1 - x * x); }));
+  const LayerSolution solution = solveLayer(layer, overlapWith(layer, [](double x, double) { return 1 - kDepth - std::sqrt(1 - x * x); }));
   double per_length = 0, peak = 0;
   for (int u = 0; u < kRows; ++u) {
     const double p = solution.pressure[static_cast<std::size_t>(u * kCols + kCols / 2)];
@@ -192,8 +192,8 @@ TEST(HalfSpace, CylinderHasHertzsMiddleSection) {
   EXPECT_NEAR(peak / std::sqrt(planeModulus(0.3) * per_length / kPi), 1, kPeakError);
 }
 
-// Flat punch of radius a: F = 2 a E* delta, p = F / (2 pi a^2) / sqrt(1 - r^2/a^2). The rim is a staircase of cells and p endless there.
-TEST(HalfSpace, FlatPunchCarriesItsForce) {
+// Flat punch of radius a: F = 2 a E* delta, p = F / (2 pi a^2) / sqrt(1 - r^2/a^2). The discrete rim is a staircase, where p is singular.
+TEST(HalfSpace, FlatPunchMatchesClosedForm) {
   constexpr double kForceError = 0.025, kPressureError = 0.08, kInside = 0.7;
   constexpr double kDepth = 1e-3;
   Random random(2);
@@ -203,12 +203,12 @@ TEST(HalfSpace, FlatPunchCarriesItsForce) {
     const double x0 = random.uniform(-0.5, 0.5) * spacing, y0 = random.uniform(-0.5, 0.5) * spacing;
     const auto radius = [&](double x, double y) { return std::hypot(x - x0, y - y0); };
     const LayerSolution solution =
-        pressLayer(layer, overlapWith(layer, [&](double x, double y) { return radius(x, y) <= 1 ? -kDepth : -kNoSurface; }));
+        solveLayer(layer, overlapWith(layer, [&](double x, double y) { return radius(x, y) <= 1 ? -kDepth : -kNoSurface; }));
     const std::vector<double> r = overlapWith(layer, [&](double x, double y) { return -radius(x, y); });
-    // The staircase stands for a disc of the same area.
-    const auto num_covered = static_cast<double>(std::count_if(r.begin(), r.end(), [](double at) { return at <= 1; }));
+    // Compare with the disc of the same area.
+    const auto num_covered = static_cast<double>(std::count_if(r.begin(), r.end(), [](double radius_at) { return radius_at <= 1; }));
     const double force = 2 * std::sqrt(num_covered * layer.nodes.area() / kPi) * planeModulus(0.49) * kDepth;
-    EXPECT_NEAR(forceOn(layer, solution.pressure) / force, 1, kForceError);
+    EXPECT_NEAR(totalForce(layer, solution.pressure) / force, 1, kForceError);
     for (std::size_t m = 0; m < r.size(); ++m) {
       if (r[m] > kInside) continue;
       EXPECT_NEAR(solution.pressure[m] / (force / (2 * kPi) / std::sqrt(1 - r[m] * r[m])), 1, kPressureError) << r[m];
@@ -216,12 +216,12 @@ TEST(HalfSpace, FlatPunchCarriesItsForce) {
   }
 }
 
-// ---- bonded layer ----
+// Bonded layer.
 
-// Sphere (as a parabola) of radius R on a layer of thickness h, contact radius a: force over Hertz's at the same depth, and over that of
-// springs M/h, M the confined modulus. From a Fredholm equation for the layer's kernel, 80 Gauss points, by another program. Of nu = 0.5 M
-// is endless, and chi = sqrt(R delta)/h stands instead of the second ratio; of others it follows from the two ratios, whose three digits
-// leave it 0.2 %.
+// Parabolic sphere of radius R on a layer of thickness h, contact radius a / h: force relative to Hertz at the same depth, and relative to
+// a Winkler foundation of stiffness M / h, M the confined modulus. From an independent solution of the Fredholm equation with 80 Gauss
+// points. For nu = 0.5, where M is infinite, the third number is chi = sqrt(R delta) / h; otherwise chi follows from the two ratios, to 0.2
+// %.
 struct SphereOnLayer {
   double poisson_ratio, contact_radius, force, springs_or_chi;
 
@@ -238,20 +238,20 @@ void PrintTo(const SphereOnLayer& c, std::ostream* out) {
 
 class BondedSphere : public ::testing::TestWithParam<SphereOnLayer> {};
 
-TEST_P(BondedSphere, CarriesTheTablesForce) {
+TEST_P(BondedSphere, ForceMatchesFredholmSolution) {
   const SphereOnLayer& row = GetParam();
   constexpr double kForceError = 0.02;
   constexpr double kRadius = 1000;  // thicknesses
   const double depth = row.chi() * row.chi() / kRadius;
-  // Ten samples per contact radius, the contact's middle on none of them, half the radius more on either side.
+  // Ten nodes per contact radius, centre between nodes, half a radius of margin.
   const double spacing = row.contact_radius / 10;
   const Layer layer = squareLayer(30, spacing, row.poisson_ratio, ElasticLayer::Base::kBonded, 1);
-  const LayerSolution solution = pressLayer(layer, overlapWith(layer, [&](double x, double y) {
+  const LayerSolution solution = solveLayer(layer, overlapWith(layer, [&](double x, double y) {
                                               const double dx = x - 0.2 * spacing, dy = y + 0.3 * spacing;
                                               return (dx * dx + dy * dy) / (2 * kRadius) - depth;
                                             }));
   const double hertz = 4.0 / 3 * planeModulus(row.poisson_ratio) * std::sqrt(kRadius) * std::pow(depth, 1.5);
-  EXPECT_NEAR(forceOn(layer, solution.pressure) / hertz / row.force, 1, kForceError);
+  EXPECT_NEAR(totalForce(layer, solution.pressure) / hertz / row.force, 1, kForceError);
 }
 
 INSTANTIATE_TEST_SUITE_P(Table, BondedSphere,
@@ -268,7 +268,7 @@ INSTANTIATE_TEST_SUITE_P(Table, BondedSphere,
                                            SphereOnLayer{0.3, 0.5, 1.5909, 1.266}, SphereOnLayer{0.3, 1, 2.4156, 1.040},
                                            SphereOnLayer{0.3, 3, 6.3405, 0.990}, SphereOnLayer{0.3, 8, 16.541, 0.997}));
 
-// The same for a flat punch of radius a: F / (2 E* a delta).
+// Flat punch of radius a / h on the same layer: F / (2 E* a delta).
 struct PunchOnLayer {
   double poisson_ratio, contact_radius, force;
 };
@@ -279,17 +279,17 @@ void PrintTo(const PunchOnLayer& c, std::ostream* out) {
 
 class BondedPunch : public ::testing::TestWithParam<PunchOnLayer> {};
 
-TEST_P(BondedPunch, CarriesTheTablesForce) {
+TEST_P(BondedPunch, ForceMatchesFredholmSolution) {
   const auto [nu, a, expected] = GetParam();
   constexpr double kForceError = 0.02;
   constexpr double kDepth = 1e-3;
-  constexpr double kCells = 20;  // in the punch's radius
+  constexpr double kCells = 20;  // per punch radius
   const auto disc = [](double x, double y) { return std::hypot(x, y) <= kCells ? -kDepth : -kNoSurface; };
-  // The staircase stands for a disc of the same area, which shall have the radius a.
+  // Scale the spacing so that the disc of the same area has radius a.
   const std::vector<double> covered = overlapWith(squareLayer(41, 1, nu, ElasticLayer::Base::kHalfSpace, 1), disc);
   const auto num_covered = static_cast<double>(std::count(covered.begin(), covered.end(), kDepth));
   const Layer layer = squareLayer(41, a / std::sqrt(num_covered / kPi), nu, ElasticLayer::Base::kBonded, 1);
-  EXPECT_NEAR(forceOn(layer, pressLayer(layer, covered).pressure) / (2 * planeModulus(nu) * a * kDepth) / expected, 1, kForceError);
+  EXPECT_NEAR(totalForce(layer, solveLayer(layer, covered).pressure) / (2 * planeModulus(nu) * a * kDepth) / expected, 1, kForceError);
 }
 
 INSTANTIATE_TEST_SUITE_P(Table, BondedPunch,

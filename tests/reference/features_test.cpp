@@ -1,4 +1,4 @@
-// Moments, edge angle and area of images whose values are known.
+// Moments, edge angle and area of images with known values.
 #include "reference/features.h"
 
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ TEST(Features, EmptyImageIsAllZero) {
   EXPECT_EQ(features.contact_area, 0);
 }
 
-TEST(Features, OneTaxelIsAPoint) {
+TEST(Features, OneLoadedTaxelHasZeroSecondMoments) {
   std::vector<double> force(25, 0);
   force[1 * 5 + 4] = 3;
   const Features features = featuresOf(square(5), force);
@@ -76,7 +76,7 @@ TEST(Features, AngleRangeIsHalfOpen) {
   std::vector<double> force(9, 0);
   force[3] = force[4] = force[5] = 1;
   EXPECT_NEAR(featuresOf(square(3), force).edge_angle, kPi / 2, kRounding);
-  force[2] = 1e-19;  // xy is negative by a hair: atan2 alone would give -pi/2
+  force[2] = 1e-19;  // makes xy slightly negative: atan2 alone would return -pi/2
   EXPECT_NEAR(featuresOf(square(3), force).edge_angle, kPi / 2, kRounding);
 }
 
@@ -87,7 +87,7 @@ TEST(Features, RoundImageHasNoAngle) {
   EXPECT_NEAR(features.second_moments[2], 2 * kPitch * kPitch, kRounding);
 }
 
-TEST(Features, MomentsFollowThePatchAndTheCentreFollowsS) {
+TEST(Features, MomentsAreInPatchFrameAndCentreInSensorFrame) {
   Sensor sensor = square(5);
   sensor.patches[0].X_SP = {{0.01, 0.02, 0.03}, axisAngle({0, 0, 1}, kPi / 2)};
   std::vector<double> force(25, 0);
@@ -99,7 +99,7 @@ TEST(Features, MomentsFollowThePatchAndTheCentreFollowsS) {
   EXPECT_NEAR(features.edge_angle, 0, kRounding);  // along x of the patch
 }
 
-TEST(Features, SeveralPatchesShareTheAxesOfS) {
+TEST(Features, MomentsOfSeveralPatchesAreInSensorFrame) {
   Sensor sensor = square(1);
   sensor.patches.push_back(sensor.patches[0]);
   sensor.patches[0].X_SP.position = {-3e-3, -3e-3, 0};
@@ -111,7 +111,7 @@ TEST(Features, SeveralPatchesShareTheAxesOfS) {
   EXPECT_NEAR(features.center_of_pressure[2], 0.75e-3, kRounding);
 }
 
-TEST(Features, AreaCountsTaxelsAboveTheirOwnTrigger) {
+TEST(Features, ContactAreaCountsTaxelsAboveTheirTrigger) {
   Sensor sensor = square(2);
   sensor.readout.trigger = 0.5;
   sensor.readout.curve = {100};
@@ -122,7 +122,7 @@ TEST(Features, AreaCountsTaxelsAboveTheirOwnTrigger) {
   EXPECT_NEAR(featuresOf(sensor, {0.5, 0.6, 0.4, 9}).contact_area, 2 * kPitch * kPitch, kRounding);
 }
 
-TEST(Features, MeasuredForcesComeFromTheNominalCurve) {
+TEST(Features, MeasuredFeaturesUseTheNominalCurve) {
   Sensor sensor = square(2);
   sensor.readout = support::paperReadout();
   const Features features = reference::measuredFeatures(sensor, std::vector<std::uint32_t>{1000, 0, 0, 2000});
@@ -131,10 +131,10 @@ TEST(Features, MeasuredForcesComeFromTheNominalCurve) {
   EXPECT_NEAR(features.edge_angle, kPi / 4, 1e-9);
 }
 
-// Sheppard: binning into taxels adds pitch^2 / 12 to the second moment about the load's true centre, on average over sub-cell offsets. Here
-// samples sit in the middles of s cells, which takes pitch^2 / (12 s^2) off, and the average runs over K offsets of pitch / K, which takes
-// another (pitch / K)^2 / 12 off the load itself: with a length of a whole number of both, the sum is exact.
-TEST(Features, SheppardsCorrection) {
+// Sheppard's correction: binning into taxels adds pitch^2 / 12 to the second moment about the true centre, averaged over sub-cell offsets.
+// Sampling at the centres of s cells subtracts pitch^2 / (12 s^2); averaging over K offsets of pitch / K subtracts (pitch / K)^2 / 12.
+// Exact for a length that is a whole number of both.
+TEST(Features, BinningAddsSheppardsCorrection) {
   constexpr int kNumOffsets = 12, kSamples = 4;
   const Sensor sensor = gridSensor({.num_rows = 16, .num_cols = 3, .pitch_x = kPitch, .pitch_y = kPitch, .samples_per_taxel = kSamples});
   const double length = 7.25 * kPitch;  // 87 offsets, 29 samples
@@ -149,10 +149,10 @@ TEST(Features, SheppardsCorrection) {
   }
   const double load = length * length / 12, cell = kPitch * kPitch / 12;
   const double expected = load - cell / (kNumOffsets * kNumOffsets) + cell * (1 - 1.0 / (kSamples * kSamples));
-  // The 1e-3 pitch that keeps samples off edges moves the grid of offsets, not the load.
+  // The shift of 1e-3 pitch that keeps samples off edges biases the offsets.
   EXPECT_NEAR(mean_moment / expected, 1, 1e-5);
   EXPECT_NEAR(mean_centre, 0, 2e-3 * kPitch);
-  EXPECT_GT(std::abs(mean_moment - load) / load, 100e-5);  // the correction is seen
+  EXPECT_GT(std::abs(mean_moment - load) / load, 100e-5);  // the correction is significant
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The twin's shear against closed forms.
+// Shear of the reference against closed forms (support/friction_cases.h).
 #include <gtest/gtest.h>
 
 #include "reference/frame.h"
@@ -11,7 +11,7 @@ using reference::Frame;
 using support::FrictionCases;
 using support::Push;
 
-std::vector<std::vector<Push>> simulateByTwin(const Sensor& sensor, const Object& object, const std::vector<support::Path>& paths) {
+std::vector<std::vector<Push>> simulateWithReference(const Sensor& sensor, const Object& object, const std::vector<support::Path>& paths) {
   std::vector<std::vector<Push>> result;
   for (const support::Path& path : paths) {
     reference::FrictionState state;
@@ -25,8 +25,8 @@ std::vector<std::vector<Push>> simulateByTwin(const Sensor& sensor, const Object
   return result;
 }
 
-// Sums of a few thousand products; displacements of 1e-6 m are differences of positions of 1e-2 m.
-const FrictionCases kTwin{simulateByTwin, 1e-9};
+// Relative: sums of a few thousand products; displacements of 1e-6 m as differences of positions of 1e-2 m.
+const FrictionCases kTwin{simulateWithReference, 1e-9};
 
 TEST(FrictionClosedForm, DiscTwist) {
   kTwin.discTwist();

@@ -1,4 +1,4 @@
-// Distributions of what stage 5 draws; the device is held against these draws in tests/simulation/imperfections_test.cpp.
+// Distributions of the random part of stage 5. tests/simulation/imperfections_test.cpp compares the device with these draws.
 #include "reference/imperfections.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ using reference::EpisodeKey;
 using reference::Imperfections;
 using reference::ReadoutDraw;
 
-// Seeds are fixed, so these never fail by chance once they pass; five standard errors are what a right program stays within.
+// Tolerance in standard errors. Seeds are fixed, so the tests are deterministic.
 constexpr double kErrors = 5;
 constexpr std::uint64_t kSeed = 12;
 
@@ -31,7 +31,7 @@ Moments momentsOf(const std::vector<double>& values) {
   return m;
 }
 
-// Of a normal distribution: standard error of the mean s / sqrt(n), of the standard deviation s / sqrt(2 n).
+// Standard errors of a normal sample: s / sqrt(n) for the mean, s / sqrt(2 n) for the standard deviation.
 void expectNormalMoments(const std::vector<double>& values, double mean, double deviation) {
   const auto n = static_cast<double>(values.size());
   const Moments m = momentsOf(values);
@@ -66,7 +66,7 @@ double correlation(const std::vector<double>& a, const std::vector<double>& b) {
   return sum / static_cast<double>(a.size()) / ma.deviation / mb.deviation;
 }
 
-TEST(Imperfections, BiasIsNormalAndLastsForAnEpisode) {
+TEST(Imperfections, BiasIsNormalAndConstantWithinAnEpisode) {
   Readout readout;
   readout.bias = 7;
   const std::vector<double> first = offsets(readout, 10'000, 3), second = offsets(readout, 10'000, 4);
@@ -76,7 +76,7 @@ TEST(Imperfections, BiasIsNormalAndLastsForAnEpisode) {
   EXPECT_LT(std::abs(correlation(first, second)), kErrors / 100);  // 1 / sqrt(10,000)
 }
 
-TEST(Imperfections, NoiseIsNormalAndNewInEveryFrame) {
+TEST(Imperfections, NoiseIsNormalAndIndependentBetweenFrames) {
   Readout readout;
   readout.noise = 3;
   const std::vector<double> first = offsets(readout, 10'000, 3, 0), second = offsets(readout, 10'000, 3, 1);
@@ -85,13 +85,13 @@ TEST(Imperfections, NoiseIsNormalAndNewInEveryFrame) {
   EXPECT_LT(std::abs(correlation(first, second)), kErrors / 100);
 }
 
-TEST(Imperfections, PurposesShareNoNumbers) {
+TEST(Imperfections, NoiseAndBiasAreUncorrelated) {
   Readout noisy, biased;
   noisy.noise = biased.bias = 1;
   EXPECT_LT(std::abs(correlation(offsets(noisy, 10'000, 3), offsets(biased, 10'000, 3))), kErrors / 100);
 }
 
-TEST(Imperfections, RandomWalkSpreadsWithTheSquareRootOfTime) {
+TEST(Imperfections, RandomWalkDeviationGrowsWithSquareRootOfTime) {
   Readout readout;
   readout.random_walk = 2;
   Imperfections walk(readout, 10'000, {.seed = kSeed});
@@ -112,7 +112,7 @@ TEST(Imperfections, RandomWalkSpreadsWithTheSquareRootOfTime) {
   }
 }
 
-TEST(Imperfections, DeadTaxelsComeAsOftenAsTheirProbability) {
+TEST(Imperfections, DeadTaxelsOccurWithTheirProbability) {
   for (const double probability : {0.001, 0.05, 0.5}) {
     Readout readout;
     readout.dead_taxel_probability = probability;
@@ -127,7 +127,7 @@ TEST(Imperfections, DeadTaxelsComeAsOftenAsTheirProbability) {
   EXPECT_EQ(std::count(none.begin(), none.end(), true), 0);
 }
 
-TEST(Imperfections, GainsOfTaxelsAreLogNormalAndJoinTheScenes) {
+TEST(Imperfections, TaxelGainsAreLogNormalWithSpreadsAddedInQuadrature) {
   Readout readout;
   readout.gain_spread = 0.03;
   const ReadoutDraw draw = Imperfections(readout, 10'000, {.seed = kSeed, .gain = 2, .gain_spread = 0.04}).draw(0);
@@ -136,7 +136,7 @@ TEST(Imperfections, GainsOfTaxelsAreLogNormalAndJoinTheScenes) {
   expectNormalMoments(logs, std::log(2.0), 0.05);
 }
 
-// E[e^(s R)], R the range of n standard normal numbers, by its density n (n-1) int phi(x) phi(x+r) [Phi(x+r) - Phi(x)]^(n-2) dx.
+// E[e^(s R)], R the range of n standard normal numbers, from the density of R, n (n-1) int phi(x) phi(x+r) [Phi(x+r) - Phi(x)]^(n-2) dx.
 double expectedRatio(double s, int n) {
   const auto phi = [](double x) { return std::exp(-x * x / 2) / std::sqrt(2 * std::numbers::pi); };
   constexpr double kStep = 0.02;
@@ -150,10 +150,10 @@ double expectedRatio(double s, int n) {
 }
 
 // Repeatability of Kappassov et al., AIM 2020, figure 6a: repeated presses of 1.5 N scatter by up to 1.5 times.
-TEST(Imperfections, LargestOfFivePressesIsHalfAsLargeAgainAsTheSmallest) {
+TEST(Imperfections, RepeatabilityOfFivePressesMatchesThePaper) {
   constexpr double kSpread = 0.174;
   constexpr int kNumPresses = 5, kNumSets = 4000;
-  constexpr double kMeanRange = 2.3259, kRangeDeviation = 0.8641;  // d2 and d3 of five, the constants of control charts
+  constexpr double kMeanRange = 2.3259, kRangeDeviation = 0.8641;  // d2 and d3 for n = 5, control chart constants
   Readout readout;
   readout.press_gain_spread = kSpread;
   std::vector<double> logs, ratios;

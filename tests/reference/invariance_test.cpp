@@ -1,4 +1,4 @@
-// What must hold whatever the shape: monotone in depth, equivariant under shifts and turns of the grid, force carried as it comes.
+// Properties for any shape: monotone in depth, equivariant under translation and rotation of the grid, conservation of force.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -17,10 +17,10 @@ using support::Random;
 
 constexpr int kSide = 13;
 constexpr double kPitch = 2e-3;  // m
-// Depth moves by rounding of positions of 0.1 m in double, over gradients that solids have at sample positions.
+// Relative: rounding of positions of 0.1 m in double, times the surface slopes at the samples.
 constexpr double kRelative = 1e-7;
-// N: a thin triangle may slip between all samples, or touch one by a hair; such a contact has no shape to compare.
-constexpr double kWhisper = 1e-3;
+// N: below this a contact may consist of a sliver between samples, and is not compared.
+constexpr double kMinForce = 1e-3;
 
 Sensor squareSensor() {
   Sensor sensor = support::gridSensor({.num_rows = kSide, .num_cols = kSide, .pitch_x = kPitch, .pitch_y = kPitch, .samples_per_taxel = 3});
@@ -28,12 +28,12 @@ Sensor squareSensor() {
   return sensor;
 }
 
-// An object whose contact stays clear of the border by more than a taxel and half the kernel.
-struct Touch {
+// An object in contact farther from the border than a taxel and half the kernel.
+struct InnerContact {
   Object object;
   Pose X_SO;
 };
-Touch smallTouch(Random& random, const Sensor& sensor) {
+InnerContact randomInnerContact(Random& random, const Sensor& sensor) {
   Object object = random.chance(0.5) ? support::randomMeshObject(random, 3e-3) : Object(Sphere{random.uniform(1e-3, 2e-3)});
   const Quaternion R_SO = random.rotation();
   const Pose X_SO =
@@ -41,16 +41,16 @@ Touch smallTouch(Random& random, const Sensor& sensor) {
   return {std::move(object), X_SO};
 }
 
-RC_GTEST_PROP(Invariance, ShiftByATaxelShiftsTheImage, (std::uint32_t seed)) {
+RC_GTEST_PROP(Invariance, TranslationByWholeTaxelsTranslatesTheImage, (std::uint32_t seed)) {
   Random random(seed);
   const Sensor sensor = squareSensor();
-  const Touch touch = smallTouch(random, sensor);
-  Pose moved = touch.X_SO;
+  const InnerContact contact = randomInnerContact(random, sensor);
+  Pose moved = contact.X_SO;
   moved.position[0] += kPitch;
   moved.position[1] -= 2 * kPitch;
-  const Frame a = simulateFrame(sensor, {.objects = {{&touch.object, touch.X_SO}}});
-  const Frame b = simulateFrame(sensor, {.objects = {{&touch.object, moved}}});
-  RC_PRE(a.clean.total_force > kWhisper);
+  const Frame a = simulateFrame(sensor, {.objects = {{&contact.object, contact.X_SO}}});
+  const Frame b = simulateFrame(sensor, {.objects = {{&contact.object, moved}}});
+  RC_PRE(a.clean.total_force > kMinForce);
   for (int i = 0; i + 1 < kSide; ++i) {
     for (int j = 2; j < kSide; ++j) {
       RC_ASSERT(std::abs(a.spread_force[i * kSide + j] - b.spread_force[(i + 1) * kSide + j - 2]) <= kRelative * a.clean.total_force);
@@ -59,17 +59,17 @@ RC_GTEST_PROP(Invariance, ShiftByATaxelShiftsTheImage, (std::uint32_t seed)) {
   RC_ASSERT(std::abs(b.clean.center_of_pressure[0] - a.clean.center_of_pressure[0] - kPitch) <= kRelative);
 }
 
-RC_GTEST_PROP(Invariance, QuarterTurnTurnsTheImageAndTheAngle, (std::uint32_t seed)) {
+RC_GTEST_PROP(Invariance, QuarterTurnRotatesImageAndEdgeAngle, (std::uint32_t seed)) {
   Random random(seed);
   const Sensor sensor = squareSensor();
-  const Touch touch = smallTouch(random, sensor);
-  const Pose turned = Pose{{0, 0, 0}, axisAngle({0, 0, 1}, std::numbers::pi / 2)} * touch.X_SO;
-  const Frame a = simulateFrame(sensor, {.objects = {{&touch.object, touch.X_SO}}});
-  const Frame b = simulateFrame(sensor, {.objects = {{&touch.object, turned}}});
-  RC_PRE(a.clean.total_force > kWhisper);
+  const InnerContact contact = randomInnerContact(random, sensor);
+  const Pose turned = Pose{{0, 0, 0}, axisAngle({0, 0, 1}, std::numbers::pi / 2)} * contact.X_SO;
+  const Frame a = simulateFrame(sensor, {.objects = {{&contact.object, contact.X_SO}}});
+  const Frame b = simulateFrame(sensor, {.objects = {{&contact.object, turned}}});
+  RC_PRE(a.clean.total_force > kMinForce);
   for (int i = 0; i < kSide; ++i) {
     for (int j = 0; j < kSide; ++j) {
-      // (x, y) goes to (-y, x).
+      // (x, y) -> (-y, x).
       RC_ASSERT(std::abs(a.spread_force[i * kSide + j] - b.spread_force[(kSide - 1 - j) * kSide + i]) <= kRelative * a.clean.total_force);
     }
   }
@@ -88,12 +88,12 @@ RC_GTEST_PROP(Invariance, ForceGrowsWithDepth, (std::uint32_t seed)) {
   X_SO.position[2] -= random.uniform(0, 1e-3);
   const Frame deep = simulateFrame(sensor, {.objects = {{&object, X_SO}}});
   for (std::size_t t = 0; t < shallow.spread_force.size(); ++t) {
-    // Sample positions in the object's frame round anew after the move.
+    // Sample positions in O are rounded differently after the move.
     RC_ASSERT(deep.contact.taxel_force[t] >= shallow.contact.taxel_force[t] * (1 - 1e-9) - 1e-12);
   }
 }
 
-RC_GTEST_PROP(Invariance, WrenchCarriesTheForceAndItsCentre, (std::uint32_t seed)) {
+RC_GTEST_PROP(Invariance, WrenchIsConsistentWithTotalForce, (std::uint32_t seed)) {
   Random random(seed);
   const Sensor sensor = support::randomSensor(random);
   const Object object = support::randomMeshObject(random, 0.02);
@@ -106,16 +106,16 @@ RC_GTEST_PROP(Invariance, WrenchCarriesTheForceAndItsCentre, (std::uint32_t seed
   }
 }
 
-RC_GTEST_PROP(Invariance, PatchPoseIsOnlyAFrame, (std::uint32_t seed)) {
-  // Moving the patch and the object together changes nothing on the taxels.
+RC_GTEST_PROP(Invariance, ImageIsInvariantUnderPatchPose, (std::uint32_t seed)) {
+  // Patch and object move together.
   Random random(seed);
   Sensor sensor = squareSensor();
-  const Touch touch = smallTouch(random, sensor);
-  const Frame a = simulateFrame(sensor, {.objects = {{&touch.object, touch.X_SO}}});
-  RC_PRE(a.clean.total_force > kWhisper);
+  const InnerContact contact = randomInnerContact(random, sensor);
+  const Frame a = simulateFrame(sensor, {.objects = {{&contact.object, contact.X_SO}}});
+  RC_PRE(a.clean.total_force > kMinForce);
   const Pose X_SP{{0.02, -0.01, 0.03}, random.rotation()};
   sensor.patches[0].X_SP = X_SP;
-  const Frame b = simulateFrame(sensor, {.objects = {{&touch.object, X_SP * touch.X_SO}}});
+  const Frame b = simulateFrame(sensor, {.objects = {{&contact.object, X_SP * contact.X_SO}}});
   for (std::size_t t = 0; t < a.spread_force.size(); ++t) {
     RC_ASSERT(std::abs(a.spread_force[t] - b.spread_force[t]) <= kRelative * a.clean.total_force);
   }

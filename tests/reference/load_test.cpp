@@ -1,4 +1,4 @@
-// The load search against the inverses of closed forms, and what it promises for any scene.
+// Load search against inverted closed forms, and properties for random scenes.
 #include "reference/load.h"
 
 #include <gtest/gtest.h>
@@ -18,14 +18,14 @@ using reference::PlacedObject;
 using support::gridSensor;
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kBisected = 1e-12;  // m: bisection goes to the last bit of offsets of up to 1 m
+constexpr double kBisected = 1e-12;  // m: bisection to the last bit of offsets up to 1 m
 
 double forceAt(const Sensor& sensor, const std::vector<PlacedObject>& objects, double offset) {
   const auto d = reference::penetrations(reference::surfaceHeights(sensor, reference::movedAlongZ(objects, offset)), sensor.skin.thickness);
-  return reference::contactOf(sensor, d, {}, 0).total_force;
+  return reference::computeContact(sensor, d, {}, 0).total_force;
 }
 
-TEST(Load, FlatPunch) {
+TEST(Load, FlatPunchMatchesClosedForm) {
   const Sensor sensor = gridSensor();
   const Object box(Box{{10.2e-3, 20.4e-3, 5e-3}});  // 3 x 6 taxels
   const double area = 18 * 3.4e-3 * 3.4e-3, load = 9.81 * 0.5;
@@ -39,29 +39,29 @@ TEST(Load, FlatPunch) {
   }
 }
 
-TEST(Load, SphereFollowsItsClosedForm) {
+TEST(Load, SphereMatchesClosedForm) {
   const double R = 10e-3, depth = 0.8e-3;
   const Sensor sensor = gridSensor({.num_rows = 16, .num_cols = 16, .pitch_x = 1e-3, .pitch_y = 1e-3, .samples_per_taxel = 8});
   const Object sphere(Sphere{R});
   const PlacedObject placed{&sphere, {{0.2e-3, -0.3e-3, 0}}};
   const LoadResult result = findLoad(sensor, {&placed, 1}, kPi * 1.73e8 * depth * depth * (R - depth / 3));
-  // 32 samples per contact radius: 0.15 % of force at 8 (worst over offsets, by an independent program), and dF/F = 2 d(depth)/depth.
+  // Force error at 8 samples per contact radius: 0.15 % (independent program; here there are 32). dF/F = 2 d(depth)/depth.
   EXPECT_NEAR(result.offset, R - depth, 0.0015 / 2 * depth);
 }
 
-TEST(Load, OutOfReach) {
+TEST(Load, UnreachableLoadIsReported) {
   const Sensor sensor = gridSensor();
   const Object sphere(Sphere{2e-3});
-  const PlacedObject beside{&sphere, {{0.1, 0, 0}}}, over{&sphere, {{0, 0, 0}}};
+  const PlacedObject beside{&sphere, {{0.1, 0, 0}}}, above{&sphere, {{0, 0, 0}}};
   EXPECT_FALSE(findLoad(sensor, {&beside, 1}, 0.1).reached);
   EXPECT_EQ(findLoad(sensor, {&beside, 1}, 0.1).offset, 0);
-  const LoadResult too_heavy = findLoad(sensor, {&over, 1}, 1000);
+  const LoadResult too_heavy = findLoad(sensor, {&above, 1}, 1000);
   EXPECT_FALSE(too_heavy.reached);
   EXPECT_EQ(too_heavy.offset, too_heavy.full_depth);
   EXPECT_FALSE(findLoad(sensor, {}, 1).reached);
 }
 
-TEST(Load, NoLoadRestsAtFirstTouch) {
+TEST(Load, ZeroLoadRestsAtFirstTouch) {
   const Sensor sensor = gridSensor();
   const Object box(Box{{0.01, 0.01, 0.01}});
   const PlacedObject placed{&box, {{0, 0, 0.02}}};
@@ -70,8 +70,8 @@ TEST(Load, NoLoadRestsAtFirstTouch) {
   EXPECT_NEAR(result.offset, -0.015, kBisected);
 }
 
-// A box comes down onto a tilted taxel from the side: its edge reaches the sample when it is already 1.2 mm deep, and the force jumps.
-TEST(Load, InsideAJumpIsCarriedNowhere) {
+// A box approaches a tilted taxel from the side. Its edge reaches the sample at a depth of 1.2 mm, where the force jumps.
+TEST(Load, LoadInsideAForceJumpIsNotReached) {
   const double tilt = 0.5, gap = 1e-3, edge = 1.2e-3, depth_at_jump = edge / std::tan(tilt) - gap;
   Sensor sensor = gridSensor({.num_rows = 1, .num_cols = 1, .samples_per_taxel = 1});
   sensor.patches[0].X_SP.rotation = axisAngle({0, 1, 0}, tilt);
@@ -89,7 +89,7 @@ TEST(Load, InsideAJumpIsCarriedNowhere) {
 
 class LoadSeeds : public ::testing::TestWithParam<int> {};
 
-TEST_P(LoadSeeds, CarriesTheLoadWhateverTheScene) {
+TEST_P(LoadSeeds, ForceAtOffsetEqualsLoad) {
   support::Random random(GetParam());
   const bool level = random.chance(0.6);
   const Sensor sensor = support::randomSensor(random, {.max_rows = 6, .max_cols = 6, .max_patches = 3, .max_patch_tilt = level ? 0 : 0.3});
@@ -103,7 +103,7 @@ TEST_P(LoadSeeds, CarriesTheLoadWhateverTheScene) {
   }
   const double load = random.uniform(0.05, 0.95) * forceAt(sensor, placed, findLoad(sensor, placed, 1e9).full_depth);
   const LoadResult result = findLoad(sensor, placed, load);
-  // Over level patches force is continuous and every load up to full depth is carried; over tilted ones it may jump at edges.
+  // Over level patches the force is continuous, so all loads up to full depth are reached. Over tilted patches it may jump at edges.
   if (level && load > 0) {
     ASSERT_TRUE(result.reached);
   }

@@ -1,4 +1,4 @@
-// The point spread function's sums and taps, worked out by an independent program.
+// Sums and taps of the point spread function; numbers from an independent program.
 #include "reference/psf.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ namespace {
 using support::gridSensor;
 using support::Random;
 
-constexpr double kTenDigits = 1e-10;  // of the quoted numbers
+constexpr double kTenDigits = 1e-10;  // absolute, of the quoted numbers
 constexpr double kFourDigits = 5e-5;
 constexpr double kSixDigits = 5e-7;
 constexpr double kRounding = 1e-14;
@@ -47,7 +47,7 @@ TEST(PaperKernel, LosesForceAtBorders) {
   EXPECT_NEAR(sum(spreadOfOne(sensor, psf, 0, 0)), 0.8206, kFourDigits);
 }
 
-TEST(PaperKernel, OtherSigmas) {
+TEST(PaperKernel, SumForOtherSigmas) {
   const Sensor sensor = gridSensor({.num_rows = 3, .num_cols = 3});
   const std::vector<std::pair<double, double>> sums{{.3, 1.795840}, {.4, 1.177219}, {.6, 0.993001}, {.7, 0.961907},
                                                     {.8, 0.912599}, {.9, 0.849116}, {1.0, 0.779484}};
@@ -56,16 +56,17 @@ TEST(PaperKernel, OtherSigmas) {
   }
 }
 
-TEST(NormalisedKernel, TapsAndBorders) {
+TEST(NormalizedKernel, TapsAndBorders) {
   const Sensor sensor = gridSensor({.num_rows = 5, .num_cols = 5});
   const Psf psf = gaussianPsf(0.5, 3);
   const std::vector<double> image = spreadOfOne(sensor, psf, 2, 2);
   EXPECT_NEAR(image[12], 0.6193470306, kTenDigits);
   EXPECT_NEAR(image[11], 0.0838195058, kTenDigits);
   EXPECT_NEAR(image[6], 0.0113437366, kTenDigits);
-  EXPECT_NEAR(image[10] + image[11] + image[12] + image[13] + image[14], 0.7869860422, kTenDigits);  // one-dimensional middle tap
+  EXPECT_NEAR(image[10] + image[11] + image[12] + image[13] + image[14], 0.7869860422,
+              kTenDigits);  // centre tap of the one-dimensional kernel
 
-  // What a normalised kernel would lose to zero padding is what the per-source division puts back.
+  // Per-source normalization restores the force that zero padding would lose at the border.
   EXPECT_NEAR(spreadOfOne(sensor, psf, 0, 2)[2], 0.6193470306 / 0.893493, 1e-6);
   EXPECT_NEAR(spreadOfOne(sensor, psf, 0, 0)[0], 0.6193470306 / 0.798330, 1e-6);
   for (const auto& [i, j] : {std::pair{0, 0}, {0, 2}, {4, 1}, {2, 2}}) {
@@ -73,7 +74,7 @@ TEST(NormalisedKernel, TapsAndBorders) {
   }
 }
 
-TEST(AnyKernel, KeepsTheSumPerSource) {
+TEST(AnyKernel, PerSourceNormalizationConservesForce) {
   for (int seed = 0; seed < 100; ++seed) {
     Random random(seed);
     Sensor sensor = support::randomSensor(random, {.max_patches = 3});
@@ -86,7 +87,7 @@ TEST(AnyKernel, KeepsTheSumPerSource) {
   }
 }
 
-TEST(AnyKernel, EntryAbCarriesForceByAb) {
+TEST(AnyKernel, EntryMovesForceByItsOffset) {
   Psf psf;
   psf.size = 5;
   psf.kernel.assign(25, 0);
@@ -96,7 +97,7 @@ TEST(AnyKernel, EntryAbCarriesForceByAb) {
   EXPECT_DOUBLE_EQ(sum(image), 1);
 }
 
-TEST(AnyKernel, StaysOnItsPatch) {
+TEST(AnyKernel, DoesNotCrossPatches) {
   Sensor sensor = gridSensor({.num_rows = 2, .num_cols = 2});
   sensor.patches.push_back(sensor.patches[0]);
   sensor.psf = gaussianPsf(1, 9);

@@ -1,4 +1,4 @@
-// The readout stage: the paper's numbers, curves, the line below the trigger, rounding and saturation.
+// Readout of the reference: the paper's calibration, curves, behaviour below the trigger, rounding and saturation.
 #include "reference/readout.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ Sensor sensorWith(const Readout& readout, int num_taxels = 1) {
   return sensor;
 }
 
-TEST(Readout, PaperSensor) {
+TEST(Readout, MatchesThePapersCalibration) {
   const Sensor sensor = sensorWith(support::paperReadout());
   const auto counts = [&](double force) { return readOut(sensor, std::vector<double>{force})[0]; };
   EXPECT_EQ(counts(0), 0u);
@@ -39,7 +39,7 @@ TEST(Readout, HalvesRoundAwayFromZero) {
   EXPECT_EQ(counts(2.4999999), 2u);
 }
 
-TEST(Readout, CurveIsAPolynomialAboveAndALineBelowItsTrigger) {
+TEST(Readout, CurveIsPolynomialAboveAndLinearBelowTheTrigger) {
   Readout readout;
   readout.curve = {100, 20, 3};
   readout.trigger = 1;
@@ -48,13 +48,13 @@ TEST(Readout, CurveIsAPolynomialAboveAndALineBelowItsTrigger) {
   EXPECT_DOUBLE_EQ(analogue(3), 2 * (100 * 2 + 20 * 4 + 3 * 8));
   EXPECT_DOUBLE_EQ(analogue(1), 0);
   EXPECT_DOUBLE_EQ(analogue(0.5), -100);
-  // Noise lifts a force under its trigger over zero only where it outweighs the line.
+  // Noise lifts a force below the trigger above zero only if it exceeds the linear part.
   const Sensor sensor = sensorWith(readout, 2);
   EXPECT_EQ(readOut(sensor, std::vector<double>{0.9, 0.9}, {.noise = {19, 25}}), (std::vector<std::uint32_t>{0, 5}));
 }
 
 // 0 to 800 counts over the first 0.5 N, to 1900 at 1 N, to 2000 at 2 N: slopes 1600, 2200 and 100 counts/N.
-TEST(Readout, StraightPiecesGoThroughTheirPointsAndOnPastThem) {
+TEST(Readout, PiecewiseLinearCurveInterpolatesAndExtrapolates) {
   Readout readout;
   readout.curve_points = {{0.5, 800}, {1, 1900}, {2, 2000}};
   const auto analogue = [&](double x) { return reference::analogueOutput(readout, x, 1, 0, 0); };
@@ -65,8 +65,8 @@ TEST(Readout, StraightPiecesGoThroughTheirPointsAndOnPastThem) {
   EXPECT_DOUBLE_EQ(analogue(1), 1900);
   EXPECT_DOUBLE_EQ(analogue(1.5), 1950);
   EXPECT_DOUBLE_EQ(analogue(2), 2000);
-  EXPECT_DOUBLE_EQ(analogue(7), 2500) << "the last slope";
-  EXPECT_DOUBLE_EQ(analogue(-0.1), -160) << "the first slope";
+  EXPECT_DOUBLE_EQ(analogue(7), 2500) << "last slope";
+  EXPECT_DOUBLE_EQ(analogue(-0.1), -160) << "first slope";
   readout.output_scale = 2;
   EXPECT_DOUBLE_EQ(reference::analogueOutput(readout, 1, 0.5, -0.25, 7), 2 * 1350 + 7) << "x = 0.5 x 1 + 0.25";
   readout.trigger = 0.25;
@@ -74,11 +74,11 @@ TEST(Readout, StraightPiecesGoThroughTheirPointsAndOnPastThem) {
   const Sensor sensor = sensorWith(readout, 4);
   EXPECT_EQ(readOut(sensor, std::vector<double>{0.2, 0.5, 1.0, 1.1}, {.noise = {159, 0, 0, 0}}),
             (std::vector<std::uint32_t>{0, 800, 2700, 2705}))
-      << "2 x 1600 x -0.05 + 159 < 0; at x = 0.25, 0.75 and 0.85 twice 400, 1350 and 1570";
+      << "2 x 1600 x -0.05 + 159 < 0; twice 400, 1350 and 1570 at x = 0.25, 0.75 and 0.85";
   EXPECT_EQ(readOut(sensor, std::vector<double>{0.2, 0, 0, 0}, {.noise = {165, 0, 0, 0}})[0], 5u);
 }
 
-TEST(Readout, GainAndTriggerArePerTaxel) {
+TEST(Readout, UsesGainAndTriggerOfEachTaxel) {
   Readout readout;
   readout.curve = {1000};
   readout.trigger = 0.5;
@@ -89,7 +89,7 @@ TEST(Readout, GainAndTriggerArePerTaxel) {
   EXPECT_EQ(readOut(sensor, std::vector<double>{1, 1, 1}, {.gain = {0.5, 1.5, 9}}), (std::vector<std::uint32_t>{400, 2800, 0}));
 }
 
-TEST(Readout, SaturationIsCountedFromTheUpperEnd) {
+TEST(Readout, ClipsAtSaturationAndReportsTheFraction) {
   Readout readout;
   readout.curve = {100};
   readout.saturation = 255;
@@ -100,7 +100,7 @@ TEST(Readout, SaturationIsCountedFromTheUpperEnd) {
   EXPECT_DOUBLE_EQ(reference::saturatedFraction(sensor, counts), 0.5);
 }
 
-TEST(Readout, NominalForceInvertsRisingCurves) {
+TEST(Readout, NominalForceInvertsTheCurve) {
   for (int seed = 0; seed < 200; ++seed) {
     support::Random random(seed);
     const Sensor sensor = support::randomSensor(random);

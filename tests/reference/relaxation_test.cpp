@@ -1,4 +1,4 @@
-// The twin's relaxation against closed forms.
+// Relaxation of the reference against closed forms (support/relaxation_cases.h).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@ using support::Press;
 using support::Pressed;
 using support::RelaxationCases;
 
-std::vector<Pressed> simulateByTwin(const Sensor& sensor, const Object& object, const std::vector<Press>& steps) {
+std::vector<Pressed> simulateWithReference(const Sensor& sensor, const Object& object, const std::vector<Press>& steps) {
   reference::SkinHistory skin(sensor.skin.relaxation);
   std::vector<Pressed> result;
   for (const Press& step : steps) {
@@ -25,7 +25,7 @@ std::vector<Pressed> simulateByTwin(const Sensor& sensor, const Object& object, 
   return result;
 }
 
-const RelaxationCases kTwin{simulateByTwin, 1e-12};
+const RelaxationCases kTwin{simulateWithReference, 1e-12};
 
 TEST(RelaxationClosedForm, StepOfDepth) {
   kTwin.stepOfDepth();

@@ -1,4 +1,4 @@
-// The spread by distance along the skin: against the formula written out, sums kept, and a grid's own kernel where both weigh alike.
+// PSF by distance along the skin: against the explicit formula, conservation of force, and agreement with the kernel on a grid.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -25,7 +25,7 @@ double sum(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-TEST(SkinPsf, OnASphereIsTheGaussianOfTheGreatCircle) {
+TEST(SkinPsf, OnASphereIsAGaussianOfTheGreatCircleDistance) {
   constexpr double kRadius = 8e-3;
   Random random(1);
   Sensor sensor = support::sphereFingertip(kRadius, 2, 1.3);
@@ -40,12 +40,12 @@ TEST(SkinPsf, OnASphereIsTheGaussianOfTheGreatCircle) {
       const double s = kRadius * std::acos(std::min(cosine, 1.0));
       expected += s <= 5e-3 ? forces[source] * std::exp(-s * s / (2 * 2e-3 * 2e-3)) : 0;
     }
-    // acos near 1 is known to the root of a double's last place: s to 1e-10 m, and the weight to s ds / sigma^2.
+    // acos near 1 is accurate to the square root of machine epsilon: s to 1e-10 m, the weight to s ds / sigma^2.
     EXPECT_NEAR(image[t], expected, 1e-6) << t;
   }
 }
 
-TEST(SkinPsf, KeepsTheSumOfForcesAtBordersToo) {
+TEST(SkinPsf, ConservesForce) {
   for (int seed = 0; seed < 20; ++seed) {
     Random random(static_cast<std::uint64_t>(seed));
     Sensor sensor = support::randomTaxels(random, random.integer(1, 80));
@@ -55,18 +55,18 @@ TEST(SkinPsf, KeepsTheSumOfForcesAtBordersToo) {
   }
 }
 
-TEST(SkinPsf, OnAGridIsItsKernelWhereWeightsAgree) {
+TEST(SkinPsf, MatchesTheKernelOnAGrid) {
   Random random(2);
   Sensor by_kernel = support::gridSensor({.num_rows = 6, .num_cols = 9, .pitch_x = 2e-3, .pitch_y = 2e-3});
   for (const auto normalization : {Psf::Normalization::kPerSource, Psf::Normalization::kNone}) {
-    // 9 x 9 taxels of a Gaussian of 0.7 taxels, of which 4 taxels away, e^-16, nothing is left but rounding.
+    // A kernel of 9 x 9 taxels with sigma = 0.7 taxels: e^-16 at 4 taxels.
     by_kernel.psf = gaussianPsf(0.7, 9, normalization);
     for (double& weight : by_kernel.psf.kernel) weight *= 2 * std::acos(-1.0) * 0.7 * 0.7;  // 1 in the middle
     Sensor by_distance = by_kernel;
     by_distance.psf = {.normalization = normalization, .sigma = 0.7 * 2e-3, .reach = 4.1 * 2e-3};
     const std::vector<double> forces = randomForces(random, by_kernel);
     const std::vector<double> one = spread(by_kernel, forces), other = spread(by_distance, forces);
-    // The kernel's corners lie beyond the reach: e^(-17 / 0.98) and less, at 32 places or fewer, of forces up to 2 N.
+    // The corners of the kernel are beyond the reach: at most e^(-17 / 0.98) in at most 32 entries, times forces up to 2 N.
     constexpr double kCorners = 64 * 3e-8;
     for (std::size_t t = 0; t < one.size(); ++t) EXPECT_NEAR(one[t], other[t], kCorners);
   }
@@ -83,17 +83,17 @@ Sensor withRandomAxes(Random& random, Sensor sensor) {
   return sensor;
 }
 
-// Around a cylinder the skin turns about its axis alone: what shear does along the axis, and around it, is kept, each by itself.
-TEST(SkinPsf, ShearTurnsWithACylinder) {
+// On a cylinder, parallel transport conserves the axial and the circumferential component separately.
+TEST(SkinPsf, ShearIsConservedAlongAndAroundACylinder) {
   Random random(4);
   Sensor sensor = withRandomAxes(random, support::cylinderFingertip(8e-3, 1.4, 9, 5, 2.4e-3));
   sensor.psf = {.sigma = 2e-3};
   const std::vector<Shear> shear = randomShear(random, sensor), image = spreadShear(sensor, shear);
   const std::vector<Vector3> normals = taxelNormals(sensor);
-  const auto sums = [&](const std::vector<Shear>& of) {
+  const auto sums = [&](const std::vector<Shear>& taxel_shear) {
     double along = 0, around = 0;
-    for (std::size_t t = 0; t < of.size(); ++t) {
-      const Vector3 force = rotate(sensor.patches[t].X_SP.rotation, {of[t][0], of[t][1], 0});
+    for (std::size_t t = 0; t < taxel_shear.size(); ++t) {
+      const Vector3 force = rotate(sensor.patches[t].X_SP.rotation, {taxel_shear[t][0], taxel_shear[t][1], 0});
       along += force[1];
       around += dot(force, cross({0, 1, 0}, normals[t]));
     }
@@ -102,18 +102,18 @@ TEST(SkinPsf, ShearTurnsWithACylinder) {
   for (std::size_t k = 0; k < 2; ++k) EXPECT_NEAR(sums(image)[k], sums(shear)[k], 45 * kRounding);
 }
 
-// The axes that a taxel is given do not matter, and nobody feels more shear than Coulomb's share of what presses there.
-TEST(SkinPsf, ShearDoesNotDependOnAxesAndStaysInItsCone) {
+// Invariant under the choice of taxel axes; the spread shear stays within the spread friction cone.
+TEST(SkinPsf, ShearIsIndependentOfTaxelAxesAndStaysInTheCone) {
   Random random(6);
   for (int kind = 0; kind < 6; ++kind) {
     const Sensor sensor = support::curvedSensor(random, kind), turned = withRandomAxes(random, sensor);
-    std::vector<Shear> shear = randomShear(random, sensor), of_turned;
-    const auto inFrame = [](const Sensor& of, const Sensor& from, std::size_t t, const Shear& q) {
-      const Vector3 q_P = rotate(inverse(of.patches[t].X_SP).rotation, rotate(from.patches[t].X_SP.rotation, {q[0], q[1], 0}));
+    std::vector<Shear> shear = randomShear(random, sensor), shear_turned;
+    const auto inFrame = [](const Sensor& to, const Sensor& from, std::size_t t, const Shear& q) {
+      const Vector3 q_P = rotate(inverse(to.patches[t].X_SP).rotation, rotate(from.patches[t].X_SP.rotation, {q[0], q[1], 0}));
       return Shear{q_P[0], q_P[1]};
     };
-    for (std::size_t t = 0; t < shear.size(); ++t) of_turned.push_back(inFrame(turned, sensor, t, shear[t]));
-    const std::vector<Shear> image = spreadShear(sensor, shear), image_turned = spreadShear(turned, of_turned);
+    for (std::size_t t = 0; t < shear.size(); ++t) shear_turned.push_back(inFrame(turned, sensor, t, shear[t]));
+    const std::vector<Shear> image = spreadShear(sensor, shear), image_turned = spreadShear(turned, shear_turned);
     std::vector<double> cone;
     for (const Shear& q : shear) cone.push_back(std::hypot(q[0], q[1]));
     const std::vector<double> largest = spread(sensor, cone);
@@ -126,7 +126,7 @@ TEST(SkinPsf, ShearDoesNotDependOnAxesAndStaysInItsCone) {
   }
 }
 
-TEST(SkinPsf, CrossesBordersOfPatches) {
+TEST(SkinPsf, CrossesPatchBorders) {
   Random random(3);
   Sensor whole = support::gridSensor({.num_rows = 4, .num_cols = 5, .pitch_x = 2e-3, .pitch_y = 3e-3});
   whole.psf = {.sigma = 2e-3};

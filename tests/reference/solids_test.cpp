@@ -1,4 +1,4 @@
-// First hits on the analytic solids against the solids' own inequalities, evaluated densely along random lines.
+// Line intersections with the analytic solids against their implicit functions, evaluated densely along random lines.
 #include "reference/solids.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace {
 using reference::firstHit;
 using support::Random;
 
-// Less than 0 inside, 0 on the surface, in m (distance to the nearest of the surfaces that bound it, up to a factor).
+// Implicit function, m: negative inside, 0 on the surface; distance to the surface up to a factor.
 double levelOf(const Sphere& s, const Vector3& p) {
   return length(p) - s.radius;
 }
@@ -48,13 +48,13 @@ double firstHit(const Mesh&, const Vector3&, const Vector3&) {
 // Lines start within 0.1 m of the origin and are followed over +-kReach (m).
 constexpr double kReach = 0.3;
 constexpr int kNumSteps = 3000;
-// A quartic in double leaves about 1e-16 of the fourth power of the size at a root; near tangents that is its square root of depth, which
-// the level sees squared again.
+// m. A quartic in double has a residual of about 1e-16 of the fourth power of the size at a root. Near tangency the error of t is its
+// square root, but the implicit function is quadratic in t there.
 constexpr double kOnSurface = 1e-11;
 
 class SolidSeeds : public ::testing::TestWithParam<int> {};
 
-TEST_P(SolidSeeds, FirstHitIsOnTheSurfaceAndNothingIsInsideBeforeIt) {
+TEST_P(SolidSeeds, FirstHitIsTheFirstSurfacePoint) {
   Random random(GetParam());
   const Object object = support::randomSolid(random, 0.03);
   int num_hits = 0;
@@ -62,14 +62,14 @@ TEST_P(SolidSeeds, FirstHitIsOnTheSurfaceAndNothingIsInsideBeforeIt) {
     Vector3 origin{random.uniform(-0.02, 0.02), random.uniform(-0.02, 0.02), random.uniform(-0.02, 0.02)};
     Vector3 direction = rotate(random.rotation(), {0, 0, 1});
     if (random.chance(0.3)) {
-      direction = {0, 0, 1};  // along the axis, where quadratics degenerate
+      direction = {0, 0, 1};  // along the axis: the quadratics degenerate
     } else if (random.chance(0.2)) {
       direction = {1, 0, 0};
     }
     std::visit(
         [&](const auto& shape) {
           const double t = firstHit(shape, origin, direction);
-          const auto level = [&](double at) { return levelOf(shape, add(origin, scale(at, direction))); };
+          const auto level = [&](double s) { return levelOf(shape, add(origin, scale(s, direction))); };
           if (std::isfinite(t)) {
             ++num_hits;
             EXPECT_NEAR(level(t), 0, kOnSurface) << object.name;
@@ -77,7 +77,7 @@ TEST_P(SolidSeeds, FirstHitIsOnTheSurfaceAndNothingIsInsideBeforeIt) {
           for (int step = 0; step <= kNumSteps; ++step) {
             const double at = -kReach + 2 * kReach * step / kNumSteps;
             if (at < t) {
-              EXPECT_GT(level(at), -kOnSurface) << object.name << " is entered before its first hit";
+              EXPECT_GT(level(at), -kOnSurface) << object.name << ": inside before the first hit";
             }
           }
           if (t == -std::numeric_limits<double>::infinity()) {
@@ -91,9 +91,9 @@ TEST_P(SolidSeeds, FirstHitIsOnTheSurfaceAndNothingIsInsideBeforeIt) {
 
 INSTANTIATE_TEST_SUITE_P(Random, SolidSeeds, ::testing::Range(0, 60));
 
-// Solids and meshes share no code after the pose: the same box both ways, at random poses.
-TEST(Solids, BoxAgreesWithItsMesh) {
-  // Vertices are float32: 2^-25 of 10 mm, and a silhouette may move by as much, so samples beside one are counted instead.
+// The same box as a solid and as a mesh, at random poses. The two share no intersection code.
+TEST(Solids, BoxMatchesItsMesh) {
+  // m: vertices are float32, 2^-25 of 10 mm. Samples beside a silhouette may differ and are counted.
   constexpr double kVertexRounding = 2e-9;
   Random random(7);
   const Sensor sensor = support::gridSensor({});
@@ -114,7 +114,7 @@ TEST(Solids, BoxAgreesWithItsMesh) {
   EXPECT_EQ(num_beside, 0u) << "of " << num_samples;
 }
 
-TEST(Solids, HalfSpaceThatOpensDownwardsReachesToMinusInfinity) {
+TEST(Solids, HalfSpaceOpenDownwardsIsHitAtMinusInfinity) {
   const double infinity = std::numeric_limits<double>::infinity();
   EXPECT_EQ(reference::firstHit(HalfSpace{}, {0, 0, 5}, {0, 0, -1}), -infinity);
   EXPECT_EQ(reference::firstHit(HalfSpace{}, {0, 0, 5}, {1, 0, 0}), -infinity);

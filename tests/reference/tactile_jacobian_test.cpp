@@ -1,4 +1,4 @@
-// The tactile Jacobian of the twin against closed forms and against features of moved sensors.
+// Tactile Jacobian of the reference against closed forms and against central differences of the features.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -27,7 +27,7 @@ using support::Random;
 constexpr double kStiffness = 1e8;  // N/m^3
 constexpr double kRounding = 1e-9;
 
-// By coordinates of the twist.
+// Coordinates of the twist.
 enum By { kVx, kVy, kVz, kWx, kWy, kWz };
 
 struct Pressed {
@@ -56,8 +56,8 @@ void expectRow(const reference::ByTwist& found, const std::array<double, 6>& exp
   for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(found[k], expected[k], slack) << k;
 }
 
-// A level face over the whole array: force grows by k times the area; turned, it presses more on one side.
-TEST(TactileJacobian, FaceOverTheWholeArray) {
+// A level face over the whole array: dF/dz = stiffness times area; a rotation shifts the pressure to one side.
+TEST(TactileJacobian, FaceOverTheWholeArrayMatchesClosedForm) {
   constexpr double kDepth = 1e-3, kPitchX = 2e-3, kPitchY = 3e-3, kRows = 7, kCols = 5;
   for (const int samples : {1, 2, 4, 8}) {
     const Sensor sensor = support::gridSensor({.num_rows = 7,
@@ -69,22 +69,22 @@ TEST(TactileJacobian, FaceOverTheWholeArray) {
                                                .law = {kStiffness, 1, 0}});
     const auto [frame, jacobian] = press(sensor, Object(HalfSpace{}), {{0, 0, -kDepth}});
     const double area = kRows * kCols * kPitchX * kPitchY;
-    // Second moments of taxel centres: moments of the image know no place within a taxel.
+    // Second moments of the taxel centres: the image does not resolve positions within a taxel.
     const double xx = kPitchX * kPitchX * (kRows * kRows - 1) / 12, yy = kPitchY * kPitchY * (kCols * kCols - 1) / 12;
     expectRow(jacobian.clean.total_force_by_twist, {0, 0, kStiffness * area, 0, 0, 0}, kRounding * kStiffness * area);
     expectRow(jacobian.clean.center_of_pressure[0], {0, 0, 0, 0, -xx / kDepth, 0}, kRounding);
     expectRow(jacobian.clean.center_of_pressure[1], {0, 0, 0, yy / kDepth, 0, 0}, kRounding);
     expectRow(jacobian.clean.center_of_pressure[2], {0, 0, 0, 0, 0, 0}, 0);
-    // The wrench does know them, to the samples.
+    // The wrench resolves the samples.
     const double wrench_xx = kPitchX * kPitchX * (kRows * kRows - 1.0 / (samples * samples)) / 12;
     EXPECT_NEAR(jacobian.contact_wrench[4][kWy], -kStiffness * area * wrench_xx, kRounding * kStiffness * area);
     EXPECT_NEAR(jacobian.contact_wrench[2][kVz], -kStiffness * area, kRounding * kStiffness * area);
   }
 }
 
-// A box's vertical walls: all of its force moves along, which no sum over samples of f' times the rate of depth would show. A box three
-// taxels wide has as many sides of taxels below it wherever it is.
-TEST(TactileJacobian, PunchWithVerticalWalls) {
+// Vertical walls: the force moves with the box, which a sum of f' d_t over samples would miss. A box three taxels wide covers the same
+// number of taxel sides at every position.
+TEST(TactileJacobian, PunchWithVerticalWallsMovesWithTheObject) {
   constexpr double kPitch = 3.4e-3, kDepth = 0.8e-3;
   Random random(1);
   for (int draw = 0; draw < 50; ++draw) {
@@ -95,8 +95,7 @@ TEST(TactileJacobian, PunchWithVerticalWalls) {
     const double area = 4 * side * side;
     expectRow(jacobian.clean.total_force_by_twist,
               {0, 0, kStiffness * area, kStiffness * area * center[1], -kStiffness * area * center[0], 0}, 1e-9 * kStiffness * area);
-    // The sensor moves, the box stays: in S it goes the other way. Turned about S, its face rises on one side; the second moment of its
-    // force is over taxel centres.
+    // The box is fixed in the world, so in S its contact moves opposite to the sensor.
     EXPECT_NEAR(jacobian.clean.center_of_pressure[0][kVx], -1, 1e-9);
     EXPECT_NEAR(jacobian.clean.center_of_pressure[0][kVy], 0, 1e-9);
     EXPECT_NEAR(jacobian.clean.center_of_pressure[0][kVz], 0, 1e-9);
@@ -106,11 +105,10 @@ TEST(TactileJacobian, PunchWithVerticalWalls) {
   }
 }
 
-// A sphere stays what it is when it turns about its middle: all columns follow from where that middle goes.
-TEST(TactileJacobian, Sphere) {
+// A sphere is invariant under rotation about its centre, so all columns follow from the motion of the centre.
+TEST(TactileJacobian, SphereMatchesClosedForm) {
   constexpr double kRadius = 10e-3, kDepth = 0.8e-3;
-  // Some 30 samples in its radius of contact of 4 mm, 4 taxels: what a sum over taxel centres misses of a centre falls with the fourth
-  // power.
+  // Contact radius 4 mm: 4 taxels, about 30 samples. The discretisation error of the centre falls with the fourth power.
   constexpr double kSlack = 0.01;
   const Vector3 middle{1.3e-3, -2.1e-3, kRadius - kDepth};
   const Sensor sensor = fineGrid(1e-3, 20, 8);
@@ -129,8 +127,8 @@ TEST(TactileJacobian, Sphere) {
   }
 }
 
-// A cone's tip down: pi k depth^3 / (3 tan^2 flank).
-TEST(TactileJacobian, Cone) {
+// Cone with the tip down: F = pi k depth^3 / (3 tan^2 flank).
+TEST(TactileJacobian, ConeMatchesClosedForm) {
   constexpr double kRadius = 8e-3, kHeight = 4e-3, kDepth = 1.5e-3, kSlack = 0.005;
   const Sensor sensor = fineGrid(1e-3, 16, 8);
   const Object cone(Cone{kRadius, kHeight});
@@ -141,8 +139,8 @@ TEST(TactileJacobian, Cone) {
   EXPECT_NEAR(jacobian.clean.center_of_pressure[0][kVx], -1, kSlack);
 }
 
-// Without contact, and where an image has no direction, all is 0.
-TEST(TactileJacobian, UndefinedIsZero) {
+// Without contact all derivatives are 0; for a round image that of the edge angle is.
+TEST(TactileJacobian, UndefinedDerivativesAreZero) {
   const Sensor sensor = fineGrid(2e-3, 4, 4);
   const TactileJacobian nothing = press(sensor, Object(Sphere{5e-3}), {{0, 0, 6e-3}}).jacobian;
   for (const auto& row : nothing.clean.center_of_pressure) expectRow(row, {}, 0);
@@ -152,11 +150,11 @@ TEST(TactileJacobian, UndefinedIsZero) {
   EXPECT_GT(round.clean.total_force_by_twist[kVz], 0);
 }
 
-// ---- against features of moved sensors ----
+// Against central differences of the features. Tolerances, relative, at 4 x 4 and 8 x 8 samples per taxel.
 
 constexpr double kFourSamples = 0.05, kEightSamples = 0.02;
-// A wall may be half a sample's spacing from where it is seen: where it runs along a side of a taxel of 3 mm, in a contact of 8 to 14 mm,
-// half of what flows through that side at 4 x 4, at most 3 / 8 / 2 of a centre's way. Walls turned as by chance do so but for a short way.
+// Vertical walls are located to half the sample spacing. A wall along a taxel side of 3 mm, in a contact of 8 to 14 mm, affects half of the
+// flux through that side at 4 x 4: at most 3 / 8 / 2 of the centre's motion. Randomly rotated walls follow a side for a short length only.
 constexpr double kWalls = 0.12;
 
 support::FeatureChanges changesOf(const FeatureJacobian& row) {
@@ -181,19 +179,19 @@ Errors errorsOf(JacobianKind kind, int num_contacts) {
     JacobianCase contact = support::randomJacobianCase(random, kind);
     const JacobianChanges expected = support::centralDifferences(contact);
     for (const int samples : {4, 8}) {
-      JacobianErrors& of = samples == 4 ? errors.four : errors.eight;
+      JacobianErrors& error = samples == 4 ? errors.four : errors.eight;
       contact.sensor.samples_per_taxel = samples;
       const Frame frame = reference::simulateFrame(contact.sensor, {.objects = contact.placed()});
       const TactileJacobian found = reference::tactileJacobian(contact.sensor, frame);
-      of.add(changesOf(found.clean), expected.sensor, scaleOf(found.clean, found.clean_patches.size() > 1));
+      error.add(changesOf(found.clean), expected.sensor, scaleOf(found.clean, found.clean_patches.size() > 1));
       if (!contact.has_walls && expected.triggers_hold &&
           support::reportingTaxels(contact.sensor, frame.spread_force) == expected.reports) {
         ++num_measured;
-        of.add(changesOf(found.measured), expected.measured, scaleOf(found.measured, found.clean_patches.size() > 1));
+        error.add(changesOf(found.measured), expected.measured, scaleOf(found.measured, found.clean_patches.size() > 1));
       }
-      of.addWrench(found.contact_wrench, expected.contact_wrench, scaleOf(found.clean));
+      error.addWrench(found.contact_wrench, expected.contact_wrench, scaleOf(found.clean));
       for (std::size_t p = 0; p < found.clean_patches.size(); ++p) {
-        of.add(changesOf(found.clean_patches[p]), expected.patches[p], scaleOf(found.clean_patches[p]));
+        error.add(changesOf(found.clean_patches[p]), expected.patches[p], scaleOf(found.clean_patches[p]));
       }
     }
   }
@@ -205,7 +203,7 @@ Errors errorsOf(JacobianKind kind, int num_contacts) {
   return errors;
 }
 
-TEST(TactileJacobianDifferences, RoundSolids) {
+TEST(TactileJacobianDifferences, MatchOnRoundSolids) {
   const Errors errors = errorsOf(JacobianKind::kRound, 20);
   EXPECT_LT(errors.four.worst(), kFourSamples);
   EXPECT_LT(errors.four.worstAngle(), kFourSamples);
@@ -213,7 +211,7 @@ TEST(TactileJacobianDifferences, RoundSolids) {
   EXPECT_LT(errors.eight.worstAngle(), kEightSamples);
 }
 
-TEST(TactileJacobianDifferences, Patches) {
+TEST(TactileJacobianDifferences, MatchOnSeveralPatches) {
   const Errors errors = errorsOf(JacobianKind::kPatches, 10);
   EXPECT_LT(errors.four.worst(), kFourSamples);
   EXPECT_LT(errors.four.worstAngle(), kFourSamples);
@@ -221,8 +219,7 @@ TEST(TactileJacobianDifferences, Patches) {
   EXPECT_LT(errors.eight.worstAngle(), kEightSamples);
 }
 
-// A vertical wall is seen to half a sample's spacing; where it runs along a side of taxels, that is all of what flows through the side.
-TEST(TactileJacobianDifferences, Walls) {
+TEST(TactileJacobianDifferences, MatchOnVerticalWalls) {
   const Errors errors = errorsOf(JacobianKind::kWalls, 20);
   EXPECT_LT(errors.four.worst(), kWalls);
   EXPECT_LT(errors.four.worstAngle(), kWalls);

@@ -1,4 +1,4 @@
-// Laws whose taxels are more than the sum of their samples, against closed forms and published numbers.
+// Laws with a response of the whole taxel, against closed forms and published numbers.
 #include "reference/taxel_laws.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ namespace {
 using reference::taxelResponse;
 using reference::TaxelState;
 
-// Of squarings and a Taylor series in double, generously.
+// Scaling and squaring of a Taylor series in double, with a generous margin.
 constexpr double kExact = 1e-10;
 
 Sensor oneTaxel(const ContactLaw& law) {
@@ -26,7 +26,7 @@ Sensor oneTaxel(const ContactLaw& law) {
   return sensor;
 }
 
-// The force in a taxel's spring after each of `num_steps` of dt under a force that sets in at once.
+// Spring force of a taxel after each of num_steps steps of dt (s) under a step of `force` (N).
 std::vector<double> stepResponse(const MassSpringDamper& law, double force, double dt, int num_steps) {
   const Sensor sensor = oneTaxel(law);
   std::vector<TaxelState> state{{0, 0}};
@@ -38,7 +38,7 @@ std::vector<double> stepResponse(const MassSpringDamper& law, double force, doub
   return response;
 }
 
-TEST(MassSpringDamperTwin, FollowsTheClosedFormOfAStep) {
+TEST(MassSpringDamperTwin, UnderdampedStepResponseMatchesClosedForm) {
   for (const double damping : {0.0, 0.02, 0.130, 0.25}) {
     const MassSpringDamper law{.normal_contact_stiffness = 1, .damping = damping};
     const double wn = std::sqrt(law.stiffness / law.mass), zeta = damping / (2 * law.mass * wn), wd = wn * std::sqrt(1 - zeta * zeta);
@@ -51,7 +51,7 @@ TEST(MassSpringDamperTwin, FollowsTheClosedFormOfAStep) {
   }
 }
 
-TEST(MassSpringDamperTwin, OverdampedFollowsItsTwoExponentials) {
+TEST(MassSpringDamperTwin, OverdampedStepResponseMatchesClosedForm) {
   const MassSpringDamper law{.normal_contact_stiffness = 1, .damping = 1};
   const double a = law.damping / (2 * law.mass), root = std::sqrt(a * a - law.stiffness / law.mass), fast = a + root, slow = a - root;
   const std::vector<double> response = stepResponse(law, 1, 1e-3, 300);
@@ -61,8 +61,8 @@ TEST(MassSpringDamperTwin, OverdampedFollowsItsTwoExponentials) {
   }
 }
 
-// SkinSim's taxel: 20.4 Hz, damping ratio 0.508; overshoot exp(-pi zeta / sqrt(1 - zeta^2)) = 15.7 %, within 2 % for good after 62.4 ms.
-TEST(MassSpringDamperTwin, SkinSimsTaxelOvershootsAndSettlesAsItShould) {
+// Parameters of SkinSim: 20.4 Hz, damping ratio 0.508. Overshoot exp(-pi zeta / sqrt(1 - zeta^2)) = 15.7 %, settling time to 2 %: 62.4 ms.
+TEST(MassSpringDamperTwin, SkinSimTaxelHasOvershootAndSettlingTime) {
   const double dt = 1e-4;
   const std::vector<double> response = stepResponse({.normal_contact_stiffness = 1}, 1, dt, 2000);
   EXPECT_NEAR(*std::max_element(response.begin(), response.end()), 1.157, 5e-4);
@@ -71,8 +71,8 @@ TEST(MassSpringDamperTwin, SkinSimsTaxelOvershootsAndSettlesAsItShould) {
   EXPECT_NEAR(static_cast<double>(settled) * dt, 62.4e-3, 1e-4);
 }
 
-// The response to a sine held over short steps: |H| = 1 / sqrt((1 - r^2)^2 + (2 zeta r)^2).
-TEST(MassSpringDamperTwin, AnswersASineAsTheTransferFunctionSays) {
+// Sine input held over short steps: |H| = 1 / sqrt((1 - r^2)^2 + (2 zeta r)^2).
+TEST(MassSpringDamperTwin, SineResponseMatchesTransferFunction) {
   const MassSpringDamper law{.normal_contact_stiffness = 1};
   const double wn = std::sqrt(law.stiffness / law.mass), zeta = law.damping / (2 * law.mass * wn);
   const Sensor sensor = oneTaxel(law);
@@ -80,7 +80,7 @@ TEST(MassSpringDamperTwin, AnswersASineAsTheTransferFunctionSays) {
     const double period = 2 * std::numbers::pi / (r * wn), dt = period / 2000;
     std::vector<TaxelState> state{{0, 0}};
     double largest = 0;
-    const int num_steps = 2000 * 12;  // transients are e^-12 and less in the last two periods
+    const int num_steps = 2000 * 12;  // transients have decayed to e^-12 in the last two periods
     for (int n = 0; n < num_steps; ++n) {
       taxelResponse(sensor, std::vector{std::sin(r * wn * (n + 0.5) * dt)}, dt, state);
       if (n > num_steps - 4000) largest = std::max(largest, std::abs(state[0][0]));
@@ -89,14 +89,14 @@ TEST(MassSpringDamperTwin, AnswersASineAsTheTransferFunctionSays) {
   }
 }
 
-TEST(MassSpringDamperTwin, RestsUnderAHeldForceAndStartsAtRest) {
+TEST(MassSpringDamperTwin, StartsInEquilibriumWithTheFirstForce) {
   const Sensor sensor = oneTaxel(MassSpringDamper{.normal_contact_stiffness = 1});
   std::vector<TaxelState> state;
   for (int n = 0; n < 5; ++n) EXPECT_EQ(taxelResponse(sensor, std::vector{0.7}, 0.01, state)[0], 0.7);
 }
 
-// Its shear is contact's, shortened to what friction holds by the force in the spring: none by a spring that carries none.
-TEST(MassSpringDamperTwin, ShearsNoMoreThanFrictionHoldsByItsSpring) {
+// The shear reading is clamped to the friction cone of the spring force.
+TEST(MassSpringDamperTwin, ShearStaysInTheConeOfTheSpringForce) {
   Sensor sensor = oneTaxel(MassSpringDamper{.normal_contact_stiffness = 1});
   sensor.skin.friction = {1e8, 0.5};
   const auto shear = [&](double force) {
@@ -109,52 +109,51 @@ TEST(MassSpringDamperTwin, ShearsNoMoreThanFrictionHoldsByItsSpring) {
   EXPECT_EQ(shear(0), (reference::Shear{0, 0}));
 }
 
-// In a frame the PSF spreads what taxels show, while the wrench is contact's; after a while both are those of a winkler skin.
-TEST(MassSpringDamperTwin, AFrameShearsAsItsTaxelsShow) {
+// The PSF spreads the lagging readings; the wrench is that of the contact. In equilibrium both equal those of law `winkler`.
+TEST(MassSpringDamperTwin, FrameSpreadsTheLaggingShear) {
   Sensor sensor = support::gridSensor();
   sensor.skin.friction = {1e8, 0.6};
   sensor.psf = gaussianPsf(0.5, 3);
   Sensor lagging = sensor;
   lagging.skin.law = MassSpringDamper{.normal_contact_stiffness = 1.73e8};
   const Object ball(Sphere{0.01});
-  reference::Frame at_once, late;
-  double least = 1;
+  reference::Frame undelayed, lagged;
+  double smallest_ratio = 1;
   for (int n = 0; n < 40; ++n) {
     const Pose X_SO{.position = {n < 2 ? 0.0 : 0.2e-3, 0, n == 0 ? 0.03 : 0.0092}};
     const double dt = n < 5 ? 2e-3 : 0.05;
-    const auto next = [&](const Sensor& of, const reference::Frame& before) {
+    const auto next = [&](const Sensor& tested, const reference::Frame& before) {
       return reference::simulateFrame(
-          of, {.objects = {{&ball, X_SO}}, .taxel_state = before.taxel_state, .previous_friction = before.shear.state, .dt = dt});
+          tested, {.objects = {{&ball, X_SO}}, .taxel_state = before.taxel_state, .previous_friction = before.shear.state, .dt = dt});
     };
-    at_once = next(sensor, at_once);
-    late = next(lagging, late);
-    EXPECT_EQ(late.wrench, at_once.wrench);
-    double shear = 0, held = 0;
-    for (std::size_t t = 0; t < late.spread_force.size(); ++t) {
-      EXPECT_LE(std::hypot(late.spread_shear[t][0], late.spread_shear[t][1]), 0.6 * late.spread_force[t] + kExact);
-      shear += late.spread_shear[t][0];
-      held += at_once.spread_shear[t][0];
+    undelayed = next(sensor, undelayed);
+    lagged = next(lagging, lagged);
+    EXPECT_EQ(lagged.wrench, undelayed.wrench);
+    double shear = 0, undelayed_shear = 0;
+    for (std::size_t t = 0; t < lagged.spread_force.size(); ++t) {
+      EXPECT_LE(std::hypot(lagged.spread_shear[t][0], lagged.spread_shear[t][1]), 0.6 * lagged.spread_force[t] + kExact);
+      shear += lagged.spread_shear[t][0];
+      undelayed_shear += undelayed.spread_shear[t][0];
     }
-    if (held > 0) least = std::min(least, shear / held);
+    if (undelayed_shear > 0) smallest_ratio = std::min(smallest_ratio, shear / undelayed_shear);
     if (n == 39) {
-      EXPECT_NEAR(shear, held, 1e-9 + 1e-9 * held);
+      EXPECT_NEAR(shear, undelayed_shear, 1e-9 + 1e-9 * undelayed_shear);
     }
   }
-  EXPECT_LT(least, 0.5) << "the mass lags";
+  EXPECT_LT(smallest_ratio, 0.5) << "the mass lags";
 }
 
-// Continuous taxel weights of RobWorkSim's mask, and that it sums to 1.
-TEST(DeformationMaskTwin, WeightsAreThePublishedFunctionsOverTaxels) {
+TEST(DeformationMaskTwin, WeightsMatchRobWorkSim) {
   const std::array<double, 3> weights = reference::maskWeights();
   EXPECT_NEAR(weights[0], 0.52464, 5e-6);
   EXPECT_NEAR(weights[1], 0.10387, 5e-6);
   EXPECT_NEAR(weights[2], 0.01497, 5e-6);
   EXPECT_NEAR(weights[0] + 4 * weights[1] + 4 * weights[2], 1, kExact);
-  // Zero from 1.19095 taxels on, so it never leaves the neighbours: from a taxel's corner that is over 1.5 taxels away along an axis.
+  // The mask is zero from 1.19095 taxels on, so the 3 x 3 neighbourhood contains it.
   EXPECT_NEAR(-0.34766355 + 1.22429907 / (1 + std::pow(4.0 / 3 * 1.19095, 2)), 0, 1e-5);
 }
 
-TEST(DeformationMaskTwin, KeepsTheForceAndSaturatesCells) {
+TEST(DeformationMaskTwin, ConservesForceAndSaturatesTaxels) {
   Sensor sensor = support::gridSensor({.num_rows = 3, .num_cols = 4});
   const double area = sensor.patches[0].pitch[0] * sensor.patches[0].pitch[1];
   sensor.skin.law = DeformationMask{};

@@ -150,7 +150,8 @@ Tracked advance(const Sensor& sensor, const std::vector<PlacedObject>& placed, c
   now.taxel_error.assign(now.frame.spread_force.size(), 0);
   for (std::size_t n = 0; n < samples.size(); ++n) {
     const double d_low = envelope.penetration.low[n], d_high = envelope.penetration.high[n];
-    const double p_low = reference::pressureOf(sensor.skin.law, d_low, 0), p_high = reference::pressureOf(sensor.skin.law, d_high, 0);
+    const double p_low = reference::contactPressure(sensor.skin.law, d_low, 0),
+                 p_high = reference::contactPressure(sensor.skin.law, d_high, 0);
     now.touched.push_back(d_low > 0 && sure[n]);
     now.may_touch.push_back(d_high > 0);
     now.cone[n] = mu * p_high * (1 + rounding.relative_force);
@@ -171,7 +172,7 @@ Tracked advance(const Sensor& sensor, const std::vector<PlacedObject>& placed, c
       error = mu * (p_high - p_low) + 2 * rounding.relative_force * now.cone[n];
       const bool is_held = before.touched[n] && before.state.touching[n] == number;
       if (bristles != nullptr && (is_held || !before.may_touch[n] || before.touched[n])) {
-        const BristleError step = bristleError(*bristles, {.bend = is_held ? before.state.held[n] : reference::Shear{0, 0},
+        const BristleError step = bristleError(*bristles, {.bend = is_held ? before.state.history[n] : reference::Shear{0, 0},
                                                            .u = {u[0], u[1]},
                                                            .share = is_held ? 1 : share(now.frame.penetration[n], -u[2]),
                                                            .dt = dt,
@@ -223,7 +224,7 @@ Sensor randomFrictionSensor(Random& random, const PathKind& kind) {
       kind.curved >= 0 && kind.curved < 3 ? support::curvedSensor(random, kind.curved) : support::randomSensor(random, kind.sensor);
   if (kind.curved == 3) sensor.psf = {.sigma = 0.7 * sensor.patches[0].pitch[0]};
   sensor.samples_per_taxel = random.integer(1, 5);
-  const double stiffness = reference::pressureOf(sensor.skin.law, sensor.skin.thickness, 0) / sensor.skin.thickness;
+  const double stiffness = reference::contactPressure(sensor.skin.law, sensor.skin.thickness, 0) / sensor.skin.thickness;
   if (kind.shears == Shears::kSprings) {
     sensor.skin.friction = {stiffness * std::pow(10, random.uniform(-1.5, 1.5)), random.uniform(0.1, 1.5)};
   } else {

@@ -82,7 +82,7 @@ class LayerRelaxationTwinSeeds : public ::testing::TestWithParam<int> {
     const Model model(support::sharedDevice(),
                       {.sensor = sensor, .objects = objects, .contact_workgroup = workgroups[random.integer(0, 3)]});
     Simulator simulator(model, {.num_instances = kNumInstances, .num_slots = kind.num_slots});
-    const reference::Layer layer = reference::layerOf(sensor);
+    const reference::Layer layer = reference::makeLayer(sensor);
     std::vector<reference::SkinHistory> skins(kNumInstances, reference::SkinHistory(terms));
     double slack_seen = 0, force_seen = 0;
     for (int step = 0; step < kNumSteps; ++step) {

@@ -83,7 +83,7 @@ reference::ContactShear advance(const Sensor& sensor, const std::vector<PlacedOb
     if (skin.pressure[n] <= pressure_error) now.sure[n] = false;
     if (is_first) continue;
     const int number = skin.touching[n];
-    const bool was_sure = number != reference::kApart && (tracked.sure[n] || (pressure_error == 0 && tracked.state.touching[n] < 0));
+    const bool was_sure = number != reference::kNoContact && (tracked.sure[n] || (pressure_error == 0 && tracked.state.touching[n] < 0));
     if (!now.sure[n] || !was_sure) {
       now.error[n] = 2 * cone * (skin.pressure[n] + pressure_error > 0 ? 1 : 0);
       continue;

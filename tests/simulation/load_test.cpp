@@ -29,7 +29,7 @@ double offsetSlack(const Sensor& sensor) {
 
 double forceAt(const Sensor& sensor, const std::vector<reference::PlacedObject>& objects, double offset) {
   const auto d = reference::penetrations(reference::surfaceHeights(sensor, reference::movedAlongZ(objects, offset)), sensor.skin.thickness);
-  return reference::contactOf(sensor, d, {}, 0).total_force;
+  return reference::computeContact(sensor, d, {}, 0).total_force;
 }
 
 struct LoadedInstance {

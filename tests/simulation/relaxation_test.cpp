@@ -159,7 +159,7 @@ void runPath(const PathKind& kind, int seed) {
       const auto all_of_it = reference::findLoad(sensor, placed, 1e9, skin);
       const auto d = reference::penetrations(reference::surfaceHeights(sensor, reference::movedAlongZ(placed, all_of_it.full_depth)),
                                              sensor.skin.thickness);
-      const double full = reference::contactOf(sensor, d, {}, dt, skin).total_force;
+      const double full = reference::computeContact(sensor, d, {}, dt, skin).total_force;
       loads[i] = static_cast<float>(full > 1e-3 ? full * random.uniform(0.02, 0.95) : 0.1);
       expected[i] = reference::findLoad(sensor, placed, loads[i], skin);
     }
@@ -182,7 +182,7 @@ void runPath(const PathKind& kind, int seed) {
       support::expectMatches(frame, i, sensor, envelope);
       if (envelope.total_high > kWhisper) looseness.push_back((envelope.total_high - envelope.total_low) / envelope.total_high);
       const auto d = reference::penetrations(reference::surfaceHeights(sensor, placed), sensor.skin.thickness);
-      tracked[i].skin.advance(dt, reference::contactOf(sensor, d, {}, dt, tracked[i].skin.step(dt)).strain);
+      tracked[i].skin.advance(dt, reference::computeContact(sensor, d, {}, dt, tracked[i].skin.step(dt)).strain);
       if (!driven || !kind.is_level) continue;
       EXPECT_EQ(frame.ground_truth.load_reached[i], expected[i].reached ? 1 : 0);
       if (!expected[i].reached) continue;

@@ -33,7 +33,7 @@ Frame frameAt(const Sensor& sensor, std::span<const reference::PlacedObject> obj
   frame.heights = reference::surfaceHeights(sensor, objects, shift);
   for (double& height : frame.heights) height += lift;
   frame.penetration = reference::penetrations(frame.heights, sensor.skin.thickness);
-  frame.contact = reference::contactOf(sensor, frame.penetration, {}, 0);
+  frame.contact = reference::computeContact(sensor, frame.penetration, {}, 0);
   std::vector<reference::TaxelState> none;
   frame.taxel_force = reference::taxelResponse(sensor, frame.contact.taxel_force, 0, none);
   frame.spread_force = reference::spread(sensor, frame.taxel_force);

@@ -65,7 +65,8 @@ FrameEnvelope frameEnvelope(const Sensor& sensor, std::span<const reference::Pla
     const reference::Sample& sample = samples[n];
     const double d_low = frame.penetration.low[n], d_high = frame.penetration.high[n];
     const double slowest = previous ? (d_low - previous->high[n]) / dt : 0, fastest = previous ? (d_high - previous->low[n]) / dt : 0;
-    const double elastic_low = reference::pressureOf(law, d_low, slowest), elastic_high = reference::pressureOf(law, d_high, fastest);
+    const double elastic_low = reference::contactPressure(law, d_low, slowest),
+                 elastic_high = reference::contactPressure(law, d_high, fastest);
     const auto low = skin_high.press(n, elastic_low), high = skin_low.press(n, elastic_high);  // crosswise
     strain.low.push_back(skin_low.press(n, elastic_low).strain);
     strain.high.push_back(skin_high.press(n, elastic_high).strain);

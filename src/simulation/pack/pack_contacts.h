@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <span>
 
-#include "shared/layout.h"
+#include "shared/batch.h"
 #include "taxelsim/contact_point.h"
 
 namespace taxelsim {

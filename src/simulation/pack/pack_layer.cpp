@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdlib>
 
-#include "shared/layout.h"
+#include "shared/elastic_layer.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

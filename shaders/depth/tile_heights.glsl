@@ -1,0 +1,78 @@
+// The lowest surface over each sample of a tile: height over Tile::z_base, m, with the slot in its lowest bits (depth/slots.glsl).
+//
+// The bits of a non-negative float order like the float itself, so atomicMin keeps minima and the order of triangles does not matter. The array is empty
+// between two tiles: every tile clears the samples that it has written.
+// Shared memory: 4 TILE_SAMPLES + 16 bytes; with LOCKSTEP 4 TILE_SAMPLES + 4 WORKGROUP.
+
+const uint kEmpty = 0x7F7FFFFFu;  // the largest finite float, as bits: no surface over the sample
+shared uint tile_heights[TILE_SAMPLES];
+#ifdef LOCKSTEP
+shared int lane_words[WORKGROUP];
+#else
+shared int active_box[4];  // first row, last row, first col, last col
+#endif
+
+// Surfaces that an invocation has found over the samples of a tile.
+struct Found {
+  Box samples;       // that surfaces may cover
+  bool below_floor;  // a surface below Tile::z_floor, on sensors with several patches
+};
+
+bool isVisible(Tile tile, float z, inout Found found) {
+  if (NUM_ROWS > 0) return z < tile.z_limit;
+  // Locals, because glslang turns && and || with a member of a struct on the right into branches.
+  float z_limit = tile.z_limit, z_floor = tile.z_floor;
+  found.below_floor = found.below_floor || z < z_floor;
+  return z < z_limit && z >= z_floor;
+}
+
+void lowerHeight(Tile tile, uint address, float z, uint slot) {
+  int height = max(floatBitsToInt(z - tile.z_base), 0);  // the bits of a negative float are a negative integer
+  atomicMin(tile_heights[address], withSlot(intBitsToFloat(height), slot));
+}
+
+void clearHeights() {
+  for (uint address = gl_LocalInvocationIndex; address < TILE_SAMPLES; address += WORKGROUP) tile_heights[address] = kEmpty;
+}
+
+void clearSamples(Tile tile, Box box) {
+  if (!isAny(box)) return;
+  for (int row = box.first.x + int(gl_LocalInvocationIndex); row <= box.last.x; row += int(WORKGROUP)) {
+    uint first = uint(row) * tile.stride + uint(box.first.y), last = first + uint(box.last.y - box.first.y);
+    for (uint address = first; address <= last; ++address) tile_heights[address] = kEmpty;
+  }
+}
+
+// The box around the boxes of all invocations, which all call boxAround(). One of them calls startBoxes() before, with a barrier in between.
+#ifdef LOCKSTEP
+void startBoxes() {}
+
+int leastOfAll(int mine) {
+  lane_words[gl_LocalInvocationIndex] = mine;
+  workgroupBarrier();
+  int least = mine;
+  for (uint v = 0; v < WORKGROUP; ++v) least = min(least, lane_words[v]);
+  workgroupBarrier();
+  return least;
+}
+
+Box boxAround(Box part) {
+  return Box(ivec2(leastOfAll(part.first.x), leastOfAll(part.first.y)), -ivec2(leastOfAll(-part.last.x), leastOfAll(-part.last.y)));
+}
+#else
+void startBoxes() {
+  active_box[0] = active_box[2] = 0x7FFFFFFF;
+  active_box[1] = active_box[3] = -1;
+}
+
+Box boxAround(Box part) {
+  if (isAny(part)) {
+    atomicMin(active_box[0], part.first.x);
+    atomicMax(active_box[1], part.last.x);
+    atomicMin(active_box[2], part.first.y);
+    atomicMax(active_box[3], part.last.y);
+  }
+  workgroupBarrier();
+  return Box(ivec2(active_box[0], active_box[2]), ivec2(active_box[1], active_box[3]));
+}
+#endif

@@ -1,0 +1,45 @@
+// Tiles that no object is near: how they are found, and their outputs.
+
+// Sensors with many small tiles: objects reach few of them. Relaxation advances the state of every tile.
+const bool kManySmallTiles = EARLY_EXIT && NUM_ROWS == 0 && NUM_TILES > 1 && RELAXATION == 0;
+// Large grids: most tiles are untouched, and their workgroups leave early.
+const bool kLeavesUntouched = EARLY_EXIT && NUM_ROWS > 0 && NUM_TILES > 1 && RELAXATION == 0 && !kGlobalSolve && !OUTPUT_JACOBIAN;
+// One invocation per tile first finds the tiles that objects reach; then all invocations process these one after another. This does not pay where a large tile
+// would be cleared every time, or where the workgroup has only one tile.
+bool findsNear() { return kManySmallTiles || kLeavesUntouched && IS_LAST && REPEAT > 1; }
+
+bool anyObjectNear(Tile tile, uint instance, uint num_slots) {
+  bool near = false;
+  for (uint slot = 0; slot < num_slots; ++slot) {
+    int id = objectInSlot(instance * num_slots + slot);
+    near = near || (id >= 0 && bodyInSlot(tile, instance * num_slots + slot, max(id, 0)).near);
+  }
+  return near;
+}
+
+// Writes the outputs of a tile that no object is near: by one invocation alone (`first` 0, `step` 1), or by all invocations of a workgroup.
+void clearTile(Tile tile, uint instance, uint tile_number, uint first, uint step) {
+  uint result = instance * NUM_TILES + tile_number;
+  if (IS_LAST && NUM_ROWS > 0) {
+    // Outside the window of the step before, all outputs are already 0.
+    bool is_clear = all(equal(tile_results[result].window, uvec4(0)));
+    if (step > 1) workgroupBarrier();
+    if (is_clear) return;
+  }
+  for (uint row = 0; row < tile.size.x; ++row) {
+    uint begin = instance * NUM_TAXELS + tile.grid.z + (row + tile.first_taxel.x) * tile.grid.y + tile.first_taxel.y;
+    for (uint taxel = begin + first; taxel < begin + tile.size.y; taxel += step) {
+      contact_normal[taxel] = 0.0;
+      if (OUTPUT_SHEAR) writeShear(taxel, vec2(0));
+      if (OUTPUT_DEPTH) contact_depth[taxel] = 0.0;
+      if (OUTPUT_JACOBIAN) clearCell(taxel);
+    }
+  }
+  if (HAS_STATE) {
+    for (uint k = first; k < tile.size.x * tile.stride * SAMPLES; k += step) state[result * TILE_SAMPLES + k] = 0.0;
+  }
+  if (first > 0) return;
+  if (kShears) writeStateWindow(result * (kFrictionHeader + TILE_SAMPLES), uvec4(0));
+  if (OUTPUT_JACOBIAN) clearChange(result);
+  tile_results[result] = TileResult(vec4(0), vec4(0), uvec4(0));
+}

@@ -1,0 +1,100 @@
+// Initial shift and pressures of an elastic layer's solver (elastic_layer/solver.glsl): the pressures of the frame before where they still fit, else pressures
+// in proportion to the overlap.
+
+const float kLeastShift = 1e-6;  // thicknesses past first touch that a load needs at least
+
+// First guess of the shift (thicknesses) of an instance that is driven by load: the shift at which independent springs, as soft as kSoftness cells, carry
+// the load. Newton's method from full depth.
+float initialShift(Window window, Drive drive) {
+  const float kSoftness = 4.0;
+  const uint kNewtonIterations = 6;
+  float shift = 1.0;
+  for (uint iteration = 0; iteration < kNewtonIterations; ++iteration) {
+    for (uint v = gl_LocalInvocationIndex; v < window.num_parts; v += WORKGROUP) {
+      vec2 sums = vec2(0);
+      uint k = v;
+      for (; k < window.num_strips; k += LANES) {
+        Strip target = readStrip(window, kLayerTarget, stripAt(window, k));
+        Strip pressed = whereAbove(target, -shift);
+        sums += vec2(sumOf(productOf(pressed, Strip(target.low + shift, target.high + shift))), sumOf(pressed));
+      }
+      checkLoop(k < window.num_strips);
+      partial[v] = vec4(sums, 0, 0);
+    }
+    vec2 sums = sumOfPartials(window.num_parts).xy;
+    shift = clamp(shift - (sums.x - kSoftness * drive.pressure_sum) / max(sums.y, 1.0), kLeastShift - drive.deepest, 1.0);
+  }
+  return shift;
+}
+
+// Work of the pressures `p` along the targets, without the nodes that cannot be touched.
+float workOf(Strip p, Strip target) { return dotOf(p, Strip(max(target.low, -2.0 - REACH), max(target.high, -2.0 - REACH))); }
+
+// Whether the pressures of the frame before fit the new targets. Clears those at nodes that cannot be touched.
+bool previousPressuresFit(Window window, float shift, Drive drive) {
+  for (uint v = gl_LocalInvocationIndex; v < window.num_parts; v += WORKGROUP) {
+    vec2 sums = vec2(0);
+    uint k = v;
+    for (; k < window.num_strips; k += LANES) {
+      uvec2 at = stripAt(window, k);
+      Strip target = readStrip(window, kLayerTarget, at);
+      Strip p = productOf(readStrip(window, kLayerPressure, at), whereAbove(target, kNoTarget));
+      writeStrip(window, kLayerPressure, at, p);
+      sums += vec2(workOf(p, target), sumOf(p));
+    }
+    checkLoop(k < window.num_strips);
+    partial[v] = vec4(sums, 0, 0);
+  }
+  vec2 work = sumOfPartials(window.num_parts).xy;
+  const float kFitting = 0.25;  // mean overlap under the old pressures, as a share of the deepest node's
+  return work.y > 0.0 && work.x + shift * work.y > kFitting * (drive.deepest + shift) * work.y;
+}
+
+// Computes the displacements (kLayerProduct) under the pressures; returns the sums over the window of pressure times target, pressure times displacement,
+// and pressure.
+vec4 displaceByPressures(Window window) {
+  for (uint v = gl_LocalInvocationIndex; v < window.num_parts; v += WORKGROUP) {
+    vec4 sums = vec4(0);
+    uint k = v;
+    for (; k < window.num_strips; k += LANES) {
+      uvec2 at = stripAt(window, k);
+      Strip p = readStrip(window, kLayerPressure, at), displacement = displacementAt(window, at, kLayerPressure);
+      writeStrip(window, kLayerProduct, at, displacement);
+      sums += vec4(workOf(p, readStrip(window, kLayerTarget, at)), dotOf(p, displacement), sumOf(p), 0);
+    }
+    checkLoop(k < window.num_strips);
+    partial[v] = sums;
+  }
+  return sumOfPartials(window.num_parts);
+}
+
+// Sets the pressures and the residual that the solver starts from. Pressures are scaled so that they carry the load, or, without a load, so that the
+// quadratic energy along them is least.
+void initializePressures(Window window, float shift, Drive drive) {
+  bool warm = previousPressuresFit(window, shift, drive);
+  clearSources();
+  for (uint v = gl_LocalInvocationIndex; v < window.num_parts; v += WORKGROUP) {
+    uint k = v;
+    for (; k < window.num_strips; k += LANES) {
+      uvec2 at = stripAt(window, k);
+      Strip target = readStrip(window, kLayerTarget, at);
+      Strip p = readStrip(window, kLayerPressure, at);
+      if (!warm) p = Strip(max(target.low + shift, 0.0), max(target.high + shift, 0.0));
+      writeStrip(window, kLayerPressure, at, p);
+      writeStrip(window, kLayerDirection, at, strip(0.0));
+      if (largestOf(p) > 0.0) addSource(at);
+    }
+    checkLoop(k < window.num_strips);
+  }
+  workgroupBarrierWithBuffers();
+  vec4 sums = displaceByPressures(window);
+  float factor = LOADS && drive.by_load ? drive.pressure_sum / max(sums.z, 1e-30) : max(sums.x, 0.0) / max(sums.y, 1e-30);
+  uint k = gl_LocalInvocationIndex;
+  for (; k < window.num_strips; k += WORKGROUP) {
+    uvec2 at = stripAt(window, k);
+    writeStrip(window, kLayerPressure, at, scaled(readStrip(window, kLayerPressure, at), factor));
+    writeStrip(window, kLayerResidual, at, minus(scaled(readStrip(window, kLayerProduct, at), factor), readStrip(window, kLayerTarget, at)));
+  }
+  checkLoop(k < window.num_strips);
+  workgroupBarrierWithBuffers();
+}

@@ -1,0 +1,74 @@
+// The surface over the nodes of an elastic layer, from the heights that the contact pass leaves, and its overlap with the undeformed skin.
+//
+// Heights are in m, in P, with the slot in their lowest bits (depth/slots.glsl); kMiss without a surface. Overlaps are in thicknesses, positive below
+// Surface::origin.
+
+struct Surface {
+  uint first_height;  // of the instance in heights[]
+  uvec4 reached;      // nodes that the contact pass has reached: first row, end row, first col, end col; all 0 without any
+  float origin;       // height at which the overlap is 0, m
+};
+
+// ---- geometry of the nodes ----
+
+vec2 nodeSpacing() { return vec2(PITCH_X, PITCH_Y) / float(SAMPLES); }
+float nodeArea() { return nodeSpacing().x * nodeSpacing().y; }
+vec2 nodePosition(uvec2 node) { return (vec2(node) - 0.5 * vec2(NODE_ROWS - 1u, NODE_COLS - 1u)) * nodeSpacing(); }
+
+// y coordinates of the nodes of a strip, m.
+Strip columnPositions(uvec2 at) {
+  float spacing = nodeSpacing().y, first = nodePosition(uvec2(at.x, at.y * kStrip)).y;
+  return Strip(first + vec4(0, 1, 2, 3) * spacing, first + vec4(4, 5, 6, 7) * spacing);
+}
+
+// ---- heights ----
+
+float heightAt(Surface surface, uvec2 node) { return withoutSlot(heights[surface.first_height + node.x * NODE_COLS + node.y]); }
+
+// Heights over a strip; kMiss outside the nodes that were reached.
+Strip heightsOver(Surface surface, uvec2 at) {
+  Strip h = strip(kMiss);
+  if (at.x < surface.reached.x || at.x >= surface.reached.y) return h;
+  for (uint c = 0; c < kStrip; ++c) {
+    uint col = at.y * kStrip + c;
+    float height = kMiss;
+    if (col >= surface.reached.z && col < surface.reached.w) height = heightAt(surface, uvec2(at.x, col));
+    if (c < 4) h.low[c] = height; else h.high[c - 4] = height;
+  }
+  return h;
+}
+
+// Bounding rectangle of the windows of an instance's tiles, as Surface::reached.
+uvec4 reachedNodes(uint instance) {
+  uvec4 reached = uvec4(NODE_ROWS, 0, NODE_COLS, 0);
+  for (uint t = 0; t < NUM_HEIGHT_TILES; ++t) {
+    uvec4 tile = windows[instance * NUM_HEIGHT_TILES + t].window;
+    if (tile.x >= tile.y) continue;
+    reached = uvec4(min(reached.x, tile.x), max(reached.y, tile.y), min(reached.z, tile.z), max(reached.w, tile.w));
+  }
+  return reached.x < reached.y ? reached : uvec4(0);
+}
+
+// The lowest height over the window, m; kMiss without any.
+float lowestHeight(Surface surface, Window window) {
+  for (uint v = gl_LocalInvocationIndex; v < window.num_parts; v += WORKGROUP) {
+    float highest = -kMiss;
+    uint k = v;
+    for (; k < window.num_strips; k += LANES) highest = max(highest, largestOf(scaled(heightsOver(surface, stripAt(window, k)), -1.0)));
+    checkLoop(k < window.num_strips);
+    partial[v] = vec4(highest);
+  }
+  return -largestOfPartials(window.num_parts);
+}
+
+// ---- overlaps ----
+
+// At most 1: the skin is not pressed deeper than its thickness.
+vec4 overlapOf(Surface surface, vec4 height) { return min((surface.origin - height) / THICKNESS, 1.0); }
+
+Strip overlapsOver(Surface surface, uvec2 at) {
+  Strip h = heightsOver(surface, at);
+  return Strip(overlapOf(surface, h.low), overlapOf(surface, h.high));
+}
+
+float overlapAt(Surface surface, uvec2 node) { return overlapOf(surface, vec4(heightAt(surface, node))).x; }

@@ -1,0 +1,54 @@
+// Parts of an instance, of which contact_features.comp computes one row of features each: the sensor, its patches (none of a list of taxels), its regions. The
+// planes of their moments are in shared/sensor.h. Lengths in m.
+
+const bool kList = PATCHES == 0;      // taxels with positions of their own
+const bool kOnePatch = PATCHES == 1;  // its row equals the sensor's, and is not computed apart
+const uint kRows = 1 + PATCHES + REGIONS;
+const uint kFirstRegion = kOnePatch ? 1u : 1u + PATCHES;  // among the parts that are computed
+const uint kParts = kFirstRegion + REGIONS;
+
+// The taxels of one row of an instance: the sensor's, a patch's or a region's.
+struct Part {
+  uint first_taxel;  // of the instance
+  uint first, end;   // range that holds its taxels
+  uint region;       // its taxels are those of this region; kNoRegion: all in the range
+  uint plane;
+  bool is_grid;      // the taxels are those of the plane's grid; else their positions are in S
+  vec4 pitch;        // of the plane
+  vec2 size;         // of the grid, rows and columns
+};
+
+// Part `number` (< kParts) of an instance; empty if it is not due or its region does not exist.
+Part loadPart(uint instance, uint number, bool is_due) {
+  uint plane = kOnePatch ? 0 : LAST_PLANE;
+  uint first = 0, end = NUM_TAXELS, region = kNoRegion;
+  bool is_grid = kOnePatch;
+  if (number >= kFirstRegion) {
+    if (is_due) region = regions[instance * REGIONS + number - kFirstRegion];
+    if (region == kNoRegion) end = 0;
+  }
+  if (!kOnePatch && !kList && number > 0 && end > 0) {
+    plane = number < kFirstRegion ? number - 1 : uint(taxels[region].readout.z);
+    uvec4 grid = planes[plane].grid;
+    first = grid.z;
+    end = grid.z + grid.x * grid.y;
+    is_grid = true;
+  }
+  if (!is_due) end = 0;
+  return Part(instance * NUM_TAXELS, first, end, region, plane, is_grid, planes[plane].pitch, vec2(planes[plane].grid.xy));
+}
+
+// Position of a taxel in C, m.
+vec3 positionOf(Part part, uint t) {
+  if (kOnePatch || part.is_grid) {
+    // The row by a float division: integer divisions are slow on software drivers. It is half a taxel from the next row, far more than rounding.
+    float number = float(t - part.first);
+    float i = floor((number + 0.5) / part.size.y);
+    return vec3((vec2(i, number - i * part.size.y) - 0.5 * (part.size - 1.0)) * part.pitch.xy, 0);
+  }
+  vec3 p_S = taxels[t].chart.xyz;
+  if (!kList || part.plane == LAST_PLANE) return p_S;
+  PlaneRecord plane = planes[part.plane];
+  vec3 d = p_S - vec3(plane.X_SC_row0.w, plane.X_SC_row1.w, plane.X_SC_row2.w);
+  return plane.X_SC_row0.xyz * d.x + plane.X_SC_row1.xyz * d.y + plane.X_SC_row2.xyz * d.z;
+}

@@ -1,0 +1,37 @@
+// Parts of an instance, of which tactile_jacobian.comp computes one row of derivatives each: the sensor and its patches (none of a list of taxels). The planes
+// of their moments are in shared/sensor.h. Lengths in m.
+
+const bool kOnePatch = PATCHES == 1;  // its row equals the sensor's, and is not computed apart
+const uint kRows = 1 + PATCHES;
+const uint kParts = kOnePatch ? 1u : kRows;
+
+// The taxels of one row of an instance: the sensor's or a patch's.
+struct Part {
+  uint instance;
+  uint first, end;  // range of its taxels
+  uint plane;
+  bool is_grid;     // the taxels are those of the plane's grid; else their positions are in S
+  vec2 pitch;       // of the plane
+  vec2 size;        // of the grid, rows and columns
+};
+
+// Part `number` (< kParts) of an instance; empty if it is not due.
+Part loadPart(uint instance, uint number, bool is_due) {
+  uint plane = kOnePatch ? 0 : number == 0 ? LAST_PLANE : number - 1;
+  uvec4 grid = planes[plane].grid;
+  bool is_grid = kOnePatch || number > 0;
+  uint first = number > 0 ? grid.z : 0;
+  uint end = number > 0 ? grid.z + grid.x * grid.y : NUM_TAXELS;
+  return Part(instance, first, is_due ? end : first, plane, is_grid, planes[plane].pitch.xy, vec2(grid.xy));
+}
+
+// Position of a taxel in C, m.
+vec3 positionOf(Part part, uint t) {
+  if (kOnePatch || part.is_grid) {
+    // As in features/contact_parts.glsl.
+    float number = float(t - part.first);
+    float i = floor((number + 0.5) / part.size.y);
+    return vec3((vec2(i, number - i * part.size.y) - 0.5 * (part.size - 1.0)) * part.pitch, 0);
+  }
+  return taxels[t].chart.xyz;
+}

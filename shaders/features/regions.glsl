@@ -1,0 +1,73 @@
+// Connected regions of taxels that report, by union-find over taxel_regions[] (shared/features.h): a region is named by its lowest taxel, whatever order taxels
+// are united in. Twin: src/reference/contact_features.cpp.
+
+// Root of taxel `t`: the taxel that names its region so far. Path halving.
+uint findRoot(uint first_taxel, uint t) {
+  uint next = taxel_regions[first_taxel + t];
+  while (next != t) {
+    uint after = taxel_regions[first_taxel + next];
+    taxel_regions[first_taxel + t] = after;
+    t = next;
+    next = after;
+  }
+  checkLoop(next != t);
+  return t;
+}
+
+// Unites the regions of two taxels under the lower of their names. If another invocation has changed the higher root meanwhile, its new parent is united as
+// well.
+void unite(uint first_taxel, uint a, uint b) {
+  bool done = false;
+  while (!done) {
+    a = findRoot(first_taxel, a);
+    b = findRoot(first_taxel, b);
+    uint high = max(a, b);
+    b = min(a, b);
+    if (high == b) {
+      done = true;
+    } else if (TEAM == 1) {
+      taxel_regions[first_taxel + high] = b;
+      done = true;
+    } else {
+      a = atomicMin(taxel_regions[first_taxel + high], b);
+      done = a == high;
+    }
+  }
+  checkLoop(!done);
+}
+
+// Patch of a taxel, and its row and column there.
+struct Place {
+  uvec4 grid;  // of the patch
+  uvec2 at;
+};
+
+Place placeOf(uint t) {
+  uvec4 grid = planes[ONE_PATCH ? 0 : uint(taxels[t].readout.z)].grid;
+  uint cols = ONE_PATCH && NUM_ROWS > 0 ? NUM_COLS : grid.y;
+  return Place(grid, uvec2((t - grid.z) / cols, (t - grid.z) % cols));
+}
+
+bool reportsAt(uint first_taxel, uint t) { return reports(taxel_regions[first_taxel + t]); }
+
+// Unites the region of a taxel with those of its neighbours of lower number.
+void uniteNeighbours(uint first_taxel, uint t) {
+  for (uint e = 0; e < NUM_NEIGHBOURS; ++e) {
+    uint other = neighbours[e * NUM_TAXELS + t];
+    if (reportsAt(first_taxel, other)) unite(first_taxel, t, other);
+  }
+  if (!kGrids) return;
+  // The taxel above is a neighbour of the left one and of the two beside it, so that at most two regions are left to unite with.
+  Place place = placeOf(t);
+  uint before = t, after = t, above = t - place.grid.y;
+  bool has_left = place.at.y > 0, has_row = place.at.x > 0;
+  if (has_row && has_left && reportsAt(first_taxel, above - 1)) before = above - 1;
+  if (has_left && reportsAt(first_taxel, t - 1)) before = t - 1;
+  if (has_row && place.at.y + 1 < place.grid.y && reportsAt(first_taxel, above + 1)) after = above + 1;
+  if (has_row && reportsAt(first_taxel, above)) {
+    before = above;
+    after = t;
+  }
+  if (before != t) unite(first_taxel, t, before);
+  if (after != t) unite(first_taxel, t, after);
+}

@@ -1,0 +1,88 @@
+// Every array that passes bind: the name of its block, the type of an element, the name that shaders give it. A host buffer belongs to
+// exactly one block, so it cannot be bound in place of another.
+//
+// n = num_instances, t = num_taxels; (a x b) is row-major.
+
+// ---- the model ----
+#define BLOCK_Objects BLOCK(Objects, ObjectRecord, objects[])
+#define BLOCK_Groups BLOCK(Groups, uvec4, groups[])        // boxes of groups of clusters
+#define BLOCK_Clusters BLOCK(Clusters, uvec4, clusters[])  // boxes of clusters of quads
+#define BLOCK_Quads BLOCK(Quads, uint, quads[])            // of triangles, kQuadWords each
+#define BLOCK_Faces BLOCK(Faces, vec4, faces[])            // of polyhedra: normal and offset (m), in O
+#define BLOCK_SensorBlock BLOCK(SensorBlock, SensorRecord, sensor)
+#define BLOCK_Patches BLOCK(Patches, PatchRecord, patches[])
+#define BLOCK_Tiles BLOCK(Tiles, TileRecord, tiles[])
+#define BLOCK_Taxels BLOCK(Taxels, TaxelRecord, taxels[])
+#define BLOCK_SpreadRows BLOCK(SpreadRows, vec4, spread_rows[])
+#define BLOCK_SpreadScale BLOCK(SpreadScale, float, spread_scale[])  // (t)
+#define BLOCK_Mask BLOCK(Mask, vec2, mask[])                         // of deformation_mask (9 x t): source taxel (as bits), weight
+#define BLOCK_Influence BLOCK(Influence, float, influence[])         // of an elastic layer (node rows x 2 rows of strips)
+#define BLOCK_Planes BLOCK(Planes, PlaneRecord, planes[])
+#define BLOCK_Neighbours BLOCK(Neighbours, uint, neighbours[])  // (NUM_NEIGHBOURS x t), of lower number
+
+// ---- a batch: inputs ----
+#define BLOCK_Poses BLOCK(Poses, PoseRecord, poses[])          // (n x num_slots)
+#define BLOCK_Motions BLOCK(Motions, MotionRecord, motions[])  // (n x num_slots)
+#define BLOCK_Instances BLOCK(Instances, InstanceRecord, instances[])
+#define BLOCK_Step BLOCK(Step, StepRecord, step_record)
+#define BLOCK_Loads BLOCK(Loads, LoadRecord, loads[])
+#define BLOCK_Contacts BLOCK(Contacts, ContactRecord, contacts[])  // (n x max_contacts)
+#define BLOCK_NumContacts BLOCK(NumContacts, uint, num_contacts[])
+
+// ---- a batch: between steps and between passes ----
+#define BLOCK_Candidates BLOCK(Candidates, CandidateRecord, candidates[])
+#define BLOCK_CandidateQuads BLOCK(CandidateQuads, uint, candidate_quads[])  // (n x kMaxCandidates)
+#define BLOCK_Work BLOCK(Work, uvec4, work[])                                // (kNumLists + 1)
+#define BLOCK_WorkInstances BLOCK(WorkInstances, uint, work_instances[])     // (kNumLists x n)
+#define BLOCK_State BLOCK(State, float, state[])                             // of every sample: depth, or strain and overstresses
+#define BLOCK_FrictionState BLOCK(FrictionState, Pair, friction_state[])     // of every tile: kFrictionHeader, then one of every sample
+#define BLOCK_LawState BLOCK(LawState, vec2, law_state[])                    // (n x t), of laws with taxel passes
+#define BLOCK_ContactNormal BLOCK(ContactNormal, float, contact_normal[])    // (n x t), N
+#define BLOCK_ContactShear BLOCK(ContactShear, float, contact_shear[])       // (n x t x 2), N
+#define BLOCK_ContactDepth BLOCK(ContactDepth, float, contact_depth[])       // (n x t), m
+#define BLOCK_TileResults BLOCK(TileResults, TileResult, tile_results[])     // (n x num_tiles)
+#define BLOCK_Heights BLOCK(Heights, uint, heights[])                   // of an elastic layer (n x num_nodes): m as bits, depth/slots.glsl
+#define BLOCK_Windows BLOCK(Windows, TileResult, windows[])             // of an elastic layer (n x tiles of its heights)
+#define BLOCK_Layer BLOCK(Layer, Pair, layer[])                         // arrays over strips of nodes, kLayer...
+#define BLOCK_TaxelStates BLOCK(TaxelStates, float, taxel_states[])     // (n x num_states x t), readout/lag.glsl
+#define BLOCK_ImageWindows BLOCK(ImageWindows, uvec4, image_windows[])  // of the step before: first row and column, their numbers
+#define BLOCK_Forces BLOCK(Forces, float, forces[])                     // (n x t), N, that contact features are computed from
+#define BLOCK_TaxelRegions BLOCK(TaxelRegions, uint, taxel_regions[])   // (n x t)
+#define BLOCK_RegionSums BLOCK(RegionSums, uint, region_sums[])         // (n x t)
+#define BLOCK_Regions BLOCK(Regions, uint, regions[])                   // (n x max_regions)
+#define BLOCK_ContactCells BLOCK(ContactCells, CellRecord, contact_cells[])  // (n x t)
+#define BLOCK_TileChanges BLOCK(TileChanges, float, tile_changes[])          // (n x num_tiles x LANES x kTileChanges)
+#define BLOCK_TaxelJacobian BLOCK(TaxelJacobian, float, taxel_jacobian[])    // (n x 6 x t), N/m and N/rad
+#define BLOCK_MaskedJacobian BLOCK(MaskedJacobian, float, masked_jacobian[])
+#define BLOCK_WrenchJacobian BLOCK(WrenchJacobian, float, wrench_jacobian[])  // (n x num_tiles x 6 x 6)
+
+// ---- a batch: results ----
+#define BLOCK_Image BLOCK(Image, uint, image[])                         // (n x t), counts
+#define BLOCK_SpreadNormal BLOCK(SpreadNormal, float, spread_normal[])  // (n x t), N
+#define BLOCK_SpreadShear BLOCK(SpreadShear, float, spread_shear[])     // (n x t x 2), N
+#define BLOCK_Features BLOCK(Features, float, features[])               // kFeature..., block after block
+#define BLOCK_ContactFeatures BLOCK(ContactFeatures, float, features[])
+#define BLOCK_TactileJacobian BLOCK(TactileJacobian, float, features[])  // kJacobian..., block after block
+#define BLOCK_Problems BLOCK(Problems, uint, problems[])                 // (1): 1 where a driver ended a loop early
+
+// ---- host only: copied from, or bound in place of another block ----
+#define BLOCK_EmptyWork BLOCK(EmptyWork, uvec4, empty_work[])  // what Work starts from in every frame
+#define BLOCK_CleanContactFeatures BLOCK(CleanContactFeatures, float, features[])
+#define BLOCK_CleanTactileJacobian BLOCK(CleanTactileJacobian, float, features[])  // with the wrench's after that of the features
+
+// All of them, for the host.
+// clang-format off
+#define ALL_BLOCKS                                                                                              \
+  BLOCK_Objects BLOCK_Groups BLOCK_Clusters BLOCK_Quads BLOCK_Faces                                             \
+  BLOCK_SensorBlock BLOCK_Patches BLOCK_Tiles BLOCK_Taxels BLOCK_SpreadRows BLOCK_SpreadScale BLOCK_Mask         \
+  BLOCK_Influence BLOCK_Planes BLOCK_Neighbours                                                                 \
+  BLOCK_Poses BLOCK_Motions BLOCK_Instances BLOCK_Step BLOCK_Loads BLOCK_Contacts BLOCK_NumContacts              \
+  BLOCK_Candidates BLOCK_CandidateQuads BLOCK_Work BLOCK_WorkInstances                                          \
+  BLOCK_State BLOCK_FrictionState BLOCK_LawState BLOCK_ContactNormal BLOCK_ContactShear BLOCK_ContactDepth       \
+  BLOCK_TileResults BLOCK_Heights BLOCK_Windows BLOCK_Layer BLOCK_TaxelStates BLOCK_ImageWindows                 \
+  BLOCK_Forces BLOCK_TaxelRegions BLOCK_RegionSums BLOCK_Regions                                                \
+  BLOCK_ContactCells BLOCK_TileChanges BLOCK_TaxelJacobian BLOCK_MaskedJacobian BLOCK_WrenchJacobian             \
+  BLOCK_Image BLOCK_SpreadNormal BLOCK_SpreadShear BLOCK_Features BLOCK_ContactFeatures BLOCK_TactileJacobian    \
+  BLOCK_Problems                                                                                                \
+  BLOCK_EmptyWork BLOCK_CleanContactFeatures BLOCK_CleanTactileJacobian
+// clang-format on

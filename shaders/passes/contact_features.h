@@ -1,0 +1,24 @@
+// Features of the sensor, its patches and regions, contact_features.comp.
+
+VALUE(kMostSums, 16)  // of any scan
+
+CONSTANT(11, bool, CLEAN)
+CONSTANT(12, uint, TEAM)        // invocations that share a part
+CONSTANT(13, uint, REGIONS)     // rows of regions
+CONSTANT(14, uint, PATCHES)     // rows of patches
+CONSTANT(15, uint, LAST_PLANE)  // that of S
+CONSTANT(16, uint, PARTIALS)    // kMostSums x LANES for every team of more than one invocation
+CONSTANT(17, float, NOISE)      // counts
+CONSTANT(18, float, SLOPE)      // counts/N
+CONSTANT(19, float, STIFFNESS)  // d pressure / d depth = STIFFNESS pressure^(1 - 1 / EXPONENT), N, m
+CONSTANT(20, float, EXPONENT)
+
+BUFFER(0, readonly, Instances)
+BUFFER(1, readonly, Step)
+BUFFER(2, readonly, Taxels)
+BUFFER(3, readonly, Planes)
+BUFFER(4, readonly, Forces)
+BUFFER(5, readonly, TaxelRegions)
+BUFFER(6, readonly, Regions)
+BUFFER(7, writeonly, ContactFeatures)
+BUFFER(8, writeonly, Problems)

@@ -1,0 +1,41 @@
+// Elastic layer, elastic_layer.comp.
+
+CONSTANT(11, uint, NODE_ROWS)
+CONSTANT(12, uint, NODE_COLS)
+CONSTANT(13, uint, MARGIN_ROWS)  // nodes of the margin on either side
+CONSTANT(14, uint, MARGIN_COLS)
+CONSTANT(15, float, THICKNESS)   // m
+CONSTANT(16, float, REACH)       // gaps that matter, in depths of the deepest node
+CONSTANT(17, float, NODE_FORCE)  // of a node under a pressure that moves its own cell by a thickness, N
+CONSTANT(18, uint, ITERATIONS)
+CONSTANT(19, float, TOLERANCE)             // the solver ends when contact_residual is no larger
+CONSTANT(20, uint, NUM_HEIGHT_TILES)       // of the contact pass
+CONSTANT(21, bool, LOADS)                  // some instance is driven by load
+CONSTANT(22, bool, OUTPUT_DEPTH)           // writes contact_depth
+CONSTANT(23, bool, MANY_SLOTS)             // an instance may touch several objects
+CONSTANT(24, bool, FRICTION)               // shear with memory, skin/friction.glsl
+CONSTANT(25, float, TANGENTIAL_STIFFNESS)  // N/m^3
+CONSTANT(26, float, FRICTION_COEFFICIENT)
+CONSTANT(27, bool, OUTPUT_SHEAR)     // writes contact_shear
+CONSTANT(28, uint, RELAXATION)       // terms of the skin's relaxation
+CONSTANT(29, bool, OUTPUT_JACOBIAN)  // writes taxel_jacobian and wrench_jacobian, elastic_layer/jacobian.glsl
+
+BUFFER(0, readonly, Instances)
+BUFFER(1, readonly, Step)
+BUFFER(2, readonly, SensorBlock)
+BUFFER(3, readonly, Heights)
+BUFFER(4, readonly, Windows)
+TEXELS(5, Influence)
+BUFFER(6, readonly, SpreadScale)
+BUFFER(7, coherent, Layer)
+BUFFER(8, writeonly, ContactNormal)
+BUFFER(9, writeonly, ContactDepth)
+BUFFER(10, writeonly, TileResults)
+BUFFER(11, readwrite, Loads)
+BUFFER(12, writeonly, Features)
+BUFFER(13, writeonly, Problems)
+BUFFER(14, readonly, Motions)
+BUFFER(15, coherent, FrictionState)
+BUFFER(16, writeonly, ContactShear)
+BUFFER(17, writeonly, TaxelJacobian)
+BUFFER(18, writeonly, WrenchJacobian)

@@ -1,0 +1,15 @@
+// Lists of instances by what is to be done about their candidates, keep_candidates.comp. FLAT, OUTPUT_JACOBIAN and REACH as in contact.h.
+
+CONSTANT(11, bool, FLAT)
+CONSTANT(12, bool, OUTPUT_JACOBIAN)
+CONSTANT(13, float, REACH)
+CONSTANT(14, uint, LISTED_PER_WORKGROUP)  // instances of a list that one workgroup of the contact pass processes
+
+TEXELS(0, Poses)
+BUFFER(1, readonly, Step)
+TEXELS(2, Objects)
+BUFFER(3, readonly, Patches)
+BUFFER(4, readonly, Tiles)
+BUFFER(5, readwrite, Candidates)
+BUFFER(6, readwrite, Work)
+BUFFER(7, writeonly, WorkInstances)

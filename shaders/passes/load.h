@@ -1,0 +1,8 @@
+// Load search over all tiles of a sensor, load.comp.
+
+CONSTANT(11, uint, EVALUATIONS)  // after which the search closes with the best it has
+
+BUFFER(0, readonly, Instances)
+BUFFER(1, readonly, Step)
+BUFFER(2, readonly, TileResults)
+BUFFER(3, readwrite, Loads)

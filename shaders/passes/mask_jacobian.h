@@ -1,0 +1,10 @@
+// Tactile Jacobian of the law deformation_mask, through its mask, mask_jacobian.comp.
+
+CONSTANT(11, float, LAW_0)  // saturation pressure, Pa
+
+BUFFER(0, readonly, Step)
+BUFFER(1, readonly, Mask)
+BUFFER(2, readonly, Taxels)
+BUFFER(3, readonly, LawState)
+BUFFER(4, readonly, TaxelJacobian)
+BUFFER(5, writeonly, MaskedJacobian)

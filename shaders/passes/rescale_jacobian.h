@@ -1,0 +1,11 @@
+// Tactile Jacobian of the law deformation_mask, through its rescaling, rescale_jacobian.comp.
+
+CONSTANT(11, bool, SCALED)  // as in contact.h
+
+BUFFER(0, readonly, Step)
+BUFFER(1, readonly, SpreadScale)
+BUFFER(2, readonly, LawState)
+BUFFER(3, readonly, TileResults)
+BUFFER(4, readonly, MaskedJacobian)
+BUFFER(5, readwrite, TaxelJacobian)
+BUFFER(6, writeonly, Problems)

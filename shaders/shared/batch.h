@@ -1,0 +1,109 @@
+// A batch: inputs and state per instance, and what the contact pass outputs.
+#ifndef TAXELSIM_SHADERS_SHARED_BATCH_H
+#define TAXELSIM_SHADERS_SHARED_BATCH_H
+
+#include "shared/types.h"
+
+TAXELSIM_LAYOUT_BEGIN
+
+// ---- inputs ----
+
+// Pose of the object in a slot.
+struct PoseRecord {
+  vec4 row0, row1, row2;  // X_SO: rows of (R_SO | p), m
+  vec4 object;            // index, or -1 for an empty slot; 0, 0, 0
+};
+
+// Motion of the object in a slot since the previous step, without what a load search adds: a point p of the object (in S, m) was displaced
+// by A p + t. Computed in double on the host, because the difference of two float32 poses would make a resting object creep.
+struct MotionRecord {
+  vec4 row0, row1, row2;  // rows of (A | t), t in m
+  vec4 known;             // 1; or 0 with A = t = 0 if the slot's object has changed or the instance was reset; 0, 0, 0
+};
+
+TAXELSIM_CONSTANT kSlotBits = 3u;  // bits of a slot's number
+
+TAXELSIM_CONSTANT kFlagNewFrame = 1u;   // the sensor outputs a frame in this step
+TAXELSIM_CONSTANT kFlagFirstStep = 2u;  // first step since reset
+TAXELSIM_CONSTANT kFlagLoadDriven = 4u;
+
+// One instance.
+struct InstanceRecord {
+  vec4 drive;   // load, N; gain; standard deviation of log gain; extra noise, counts
+  uvec4 keys;   // episode (low word, high word), frame, flags
+  uvec4 clock;  // steps since reset, 0, 0, 0
+};
+
+// One step of the whole batch.
+struct StepRecord {
+  uvec4 batch;       // instances; slots, or capacity for contacts of an instance; seed (low word, high word)
+  vec4 time;         // dt, s; 1/dt, 1/s; low-pass coefficient; standard deviation of the random walk's step, counts
+  vec4 creep;        // relaxation of each creep term towards its end value in dt, as a fraction
+  uvec4 delay;       // slot of this step in the ring of forces; steps back to the force that a frame shows; 0, 0
+  uvec4 candidates;  // 1 if instances with candidates have their own dispatch; 0, 0, 0
+  vec4 law;          // parameters of one step of a law whose taxels move
+  vec4 contacts;     // contact_band, m; 0, 0, 0
+  // A skin that relaxes. Stiffnesses are fractions of the instantaneous stiffness.
+  vec4 relaxation;            // equilibrium stiffness, stiffness for the strain added in this step, 0, 0
+  vec4 relaxation_fade;       // decay factor of each term's overstress in dt, rounded to float32
+  vec4 relaxation_fade_rest;  // the rounding error of relaxation_fade
+  vec4 relaxation_growth;     // stiffness of each term for the strain added in this step
+  vec4 relaxation_fraction;   // stiffness of each term in a first press
+};
+
+// A contact from another physics engine.
+struct ContactRecord {
+  vec4 point;  // position in S, m; normal force, N
+};
+
+// ---- state ----
+
+TAXELSIM_CONSTANT kMaxDelaySteps = 32u;  // forces in the ring of a delay, one per step
+
+// Friction state of a tile: kFrictionHeader pairs of words with the rectangle of taxels that have state (first row, end row, first col, end
+// col, of the patch), then a pair per sample, along x and y of P: the traction (Pa), or for the law lugre the bristle deflection in units
+// of friction. A sample without contact has kNoFrictionState. An elastic layer is one tile, and its nodes are the taxels and the samples.
+TAXELSIM_CONSTANT kFrictionHeader = 2u;
+TAXELSIM_CONSTANT kNoFrictionState = 0x7F7FFFF8u;  // bits of x: larger than any value, with kSlotBits free bits
+
+// Relaxation state of a tile: this many words with the rectangle of taxels that have been reached, then the words of the samples.
+TAXELSIM_CONSTANT kRelaxationHeader = 4u;
+
+// Status of a load search. In the closing states the contact is evaluated once more, at the upper bound.
+TAXELSIM_FLOAT kLoadSearching = 0.0f;
+TAXELSIM_FLOAT kLoadCarried = 1.0f;
+TAXELSIM_FLOAT kLoadOutOfReach = 2.0f;
+TAXELSIM_FLOAT kLoadClosingCarried = 3.0f;
+TAXELSIM_FLOAT kLoadClosingOutOfReach = 4.0f;
+
+// Load search of one instance: a bracket of the offset along z of S.
+struct LoadRecord {
+  vec4 bracket;  // offset, lower bound, upper bound, m; status
+  vec4 forces;   // force at the lower bound, at the upper bound, at the offset, N; number of evaluations
+};
+
+// ---- outputs of the contact pass ----
+
+TAXELSIM_FLOAT kNoHeight = 1.2676506e30f;  // height without a surface, m: 2^100, whose lowest kSlotBits bits are free
+
+// Result of one tile of an instance. Frame S.
+struct TileResult {
+  vec4 force;    // force on the sensor, N; number of samples at least as deep as the skin's thickness
+  vec4 torque;   // torque about the origin of S, N m; sum of the taxels' normal forces, N
+  uvec4 window;  // one grid patch: rectangle of taxels that may have force (first row, end row, first col, end col), empty if none.
+                 // Else: 1 if a patch that looks along z of S met a surface too deep to be seen; 0, 0, 0
+};
+
+// What the tactile Jacobian needs of one taxel: skin/cell_fluxes.glsl. f is the pressure, G its integral over depth; f' is df/d(depth).
+struct CellRecord {
+  vec4 low_x, high_x, low_y, high_y;  // integrals along each side of the cell: of f (N/m), of G (N), of f times the coordinate along the
+                                      // side (N). Last components: integrals of f' over the cell times 1, x, y (N/m, N, N); 1 if the
+                                      // record was written, else 0
+};
+// And of one tile, for each partial sum: changes of force and of its first moments about the origin of P by the object's twist in P. A tile
+// without a near surface has only kNoHeight as its first word.
+TAXELSIM_CONSTANT kTileChanges = 18u;  // 6 x 3
+
+TAXELSIM_LAYOUT_END
+
+#endif
