@@ -19,7 +19,7 @@
 
 namespace taxelsim::dataset {
 
-// Global lock that must be held during every use of HDF5: the library has global state, and Debian's build is not thread-safe. Suppresses
+// Global lock that must be held during every use of HDF5: the library has global state and may be built without thread safety. Suppresses
 // HDF5's printing of errors for its lifetime.
 class Hdf5Session {
  public:

@@ -21,7 +21,7 @@ namespace {
 // stay within it.
 constexpr double kParallelAngle = 1e-6;
 
-// Tolerance for equal heights of mesh vertices, as a fraction of the largest coordinate: four rounding errors of float32.
+// Tolerance for equal heights of mesh vertices, as a fraction of the largest coordinate. Coordinates are float32.
 constexpr double kVertexRounding = 4 * static_cast<double>(std::numeric_limits<float>::epsilon());
 
 // -1, 0 or 1: minus the sign of `component`, with a tolerance around 0.

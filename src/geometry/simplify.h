@@ -1,15 +1,12 @@
 // Mesh simplification with a proven error bound.
 //
-//     +--> meshopt_simplify: quadric edge collapse to a target error (M. Garland, P. S. Heckbert, "Surface simplification using
-//     |      |                 quadric error metrics", SIGGRAPH 1997); its error is a mean, so it bounds nothing
-//     |      v
-//     |    HausdorffBound: is every point of either surface within max_error of the other one?  --- yes --> done
-//     |      | no: the triangles where it fails                                       ^
-//     |      v                                                                        |
-//     |    SimplificationRepair: insert a vertex of the original or flip an edge -----+
-//     |      |
-//     |      v  too many triangles or rounds
-//     +--- target error x 0.7
+//   for target error = 1.2, 0.84, 0.59, ... x max_error, at most 8 times:
+//     collapse edges by quadric error metrics until the target error is reached (meshopt_simplify; M. Garland, P. S. Heckbert, "Surface
+//       simplification using quadric error metrics", SIGGRAPH 1997). The metric measures a mean error, which bounds nothing.
+//     at most 20 times (SimplificationRepair):
+//       find the triangles of both surfaces with a point farther than max_error from the other surface (HausdorffBound)
+//       if there are none: done, the bound is proven
+//       at each of them, insert a vertex of the original or flip an edge
 //
 // The result is deterministic: one thread, ties broken by index, and a limit on the number of operations rather than on time.
 #pragma once
