@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/text.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
