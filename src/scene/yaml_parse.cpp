@@ -10,6 +10,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "base/text.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -173,13 +174,6 @@ class TreeBuilder : public YAML::EventHandler {
 };
 
 }  // namespace
-
-std::string oneLine(std::string message) {
-  for (char& c : message) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
-  }
-  return message;
-}
 
 std::string readYamlFile(const std::filesystem::path& file) {
   const auto fail = [&](ErrorKind kind, const std::string& message) -> void { throw Error(kind, oneLine(file.string() + ": " + message)); };

@@ -38,7 +38,4 @@ std::string readYamlFile(const std::filesystem::path& file);
 // plain YAML in UTF-8 with different keys, at most kMaxYamlDepth deep and kMaxYamlNodes large.
 YamlTree parseYaml(std::string text, const std::string& file);
 
-// The message on one line: control characters become '?'.
-std::string oneLine(std::string message);
-
 }  // namespace taxelsim
