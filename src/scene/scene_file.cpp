@@ -81,13 +81,13 @@ void checkDelay(const YamlMap& map, const Scene& scene) {
   }
 }
 
-Randomisation readRandomisation(const YamlMap& parent, const Scene& scene) {
+Randomization readRandomization(const YamlMap& parent, const Scene& scene) {
   YamlMap::Keys keys{"x[_mm]", "y[_mm]", "yaw[_deg]", "tilt[_deg]", "load", "depth[_mm]", "gain", "gain_spread", "noise"};
   const bool moves = scene.kind == Scene::Kind::kServo;
   if (moves) keys.insert(keys.end(), {"exploration_velocity[_mm]", "linear_action_noise[_mm]", "angular_action_noise[_deg]"});
-  const YamlMap map(parent, "randomisation", keys);
+  const YamlMap map(parent, "randomization", keys);
   const Allowed offset = Allowed::within(-kMaxOffset, kMaxOffset, "m");
-  Randomisation random;
+  Randomization random;
   random.x = readRange(map, "x", offset, Range{});
   random.y = readRange(map, "y", offset, Range{});
   random.yaw = readRange(map, "yaw", Allowed::within(-2 * kPi, 2 * kPi, "rad"), Range{});
@@ -197,8 +197,8 @@ Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrid
 
   Canonical canonical;
   const YamlMap map(root,
-                    {"format_version", "name", "kind", "sensor", "robot", "objects", "episode", "randomisation", "controller",
-                     "controllers", "task", "record", "max_regions", "data_set"},
+                    {"format_version", "name", "kind", "sensor", "robot", "objects", "episode", "randomization(randomisation)",
+                     "controller", "controllers", "task", "record", "max_regions", "data_set"},
                     canonical);
   Scene scene;
   scene.file = file;
@@ -214,7 +214,7 @@ Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrid
   if (scene.kind == Scene::Kind::kContacts) refuseMotions(map, "a scene of kind contacts has one frame, in which nothing moves");
   readEpisode(map, scene);
   checkDelay(map, scene);
-  scene.randomisation = readRandomisation(map, scene);
+  scene.randomization = readRandomization(map, scene);
   if (scene.kind == Scene::Kind::kServo) {
     scene.controllers = readControllers(map);
     checkExactAngles(map, scene);

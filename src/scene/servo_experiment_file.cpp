@@ -71,7 +71,7 @@ Scene readOverrides(const YamlMap& map, Scene scene, const std::filesystem::path
     map.require("object", "the object to be felt, one of " + namesOf(scene.objects, objectName));
   }
   if (map.has("robot")) scene.robot = readRobotBlock(map, directory);
-  Randomisation& start = scene.randomisation;
+  Randomization& start = scene.randomization;
   const auto fix = [&](std::string_view key, Range& range, const Allowed& allowed) {
     if (map.has(key)) range.min = range.max = map.number(key, allowed);
   };
@@ -97,7 +97,7 @@ void checkLoop(const YamlNode& node, const std::string& what, const Scene& scene
   const FeatureLoop& angle = servo[ServoFeature::kEdgeAngle];
   const auto selected = std::count_if(servo.loops.begin(), servo.loops.end(), [](const FeatureLoop& loop) { return loop.selected; });
   if (!angle.selected || selected != 1 || angle.ki != 0 || angle.kd != 0 || std::isfinite(angle.error_limit) ||
-      servo.exploration_velocity != 0 || scene.randomisation.exploration_velocity) {
+      servo.exploration_velocity != 0 || scene.randomization.exploration_velocity) {
     fail("a controller that holds edge_angle alone, by kp alone");
   }
   if (!(angle.kp > 0)) fail("a controller whose kp is above 0");

@@ -200,7 +200,7 @@ kind: servo
 sensor: sensors/x.yaml
 objects: [{half_space: {}}, {sphere: {radius: 1}}, {sphere: {radius: 1}}]
 episode: {num_steps: 3}
-randomisation: {depth_mm: 1}
+randomization: {depth_mm: 1}
 controller: {tactile_servo: {edge_angle: {kp: 1}}}
 )"));
   const Scene expected;
@@ -225,12 +225,12 @@ controller: {tactile_servo: {edge_angle: {kp: 1}}}
   EXPECT_EQ(scene.num_episodes, expected.num_episodes);
   EXPECT_EQ(scene.episodes_per_shard, expected.episodes_per_shard);
   EXPECT_EQ(scene.compression, expected.compression);
-  EXPECT_EQ(scene.randomisation.gain.min, 1);
-  EXPECT_EQ(scene.randomisation.noise.max, 0);
-  ASSERT_TRUE(scene.randomisation.depth.has_value());
-  EXPECT_FALSE(scene.randomisation.load.has_value());
-  EXPECT_EQ(scene.randomisation.depth->min, 0.001);
-  EXPECT_EQ(scene.randomisation.depth->max, 0.001);
+  EXPECT_EQ(scene.randomization.gain.min, 1);
+  EXPECT_EQ(scene.randomization.noise.max, 0);
+  ASSERT_TRUE(scene.randomization.depth.has_value());
+  EXPECT_FALSE(scene.randomization.load.has_value());
+  EXPECT_EQ(scene.randomization.depth->min, 0.001);
+  EXPECT_EQ(scene.randomization.depth->max, 0.001);
   EXPECT_EQ(scene.record, (std::vector<std::string>{"tactile_image", "features", "ground_truth", "poses", "actions"}));
   EXPECT_EQ(scene.max_regions, 0);
 }
@@ -281,7 +281,7 @@ TEST(SceneFile, EverySettingArrives) {
   EXPECT_EQ(scene.controllers[0].servo.max_angular_velocity, 5);
   EXPECT_EQ(scene.controllers[0].servo.max_linear_velocity, 0.006);
   EXPECT_EQ(scene.controllers[0].servo.min_confidence, 0.7);
-  const Randomisation& random = scene.randomisation;
+  const Randomization& random = scene.randomization;
   EXPECT_EQ(random.x.min, -0.002);
   EXPECT_EQ(random.x.max, 0.002);
   EXPECT_EQ(random.y.max, 0.002);

@@ -55,9 +55,9 @@ TEST(TaskFile, EverySettingArrives) {
   constexpr Vector3 kEdge{0, 0.6, 0.8};
   for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR((*scene.objects[1].edge)[k], kEdge[k], kRounding);
   EXPECT_EQ(*scene.objects[1].anchor, (Vector3{0.001, 0.002, 0.003}));
-  EXPECT_EQ(scene.randomisation.exploration_velocity->max, 0.002);
-  EXPECT_EQ(scene.randomisation.linear_action_noise.min, 0.003);
-  EXPECT_NEAR(scene.randomisation.angular_action_noise.max, std::numbers::pi, kRounding);
+  EXPECT_EQ(scene.randomization.exploration_velocity->max, 0.002);
+  EXPECT_EQ(scene.randomization.linear_action_noise.min, 0.003);
+  EXPECT_NEAR(scene.randomization.angular_action_noise.max, std::numbers::pi, kRounding);
 }
 
 TEST(TaskFile, ControllersHaveNamesAndWeights) {

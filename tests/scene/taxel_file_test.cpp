@@ -205,8 +205,8 @@ TEST(BadTaxels, Lists) {
                          Bad{"0.001}", "0}", ":4:52: taxels[0].size: 0 is not allowed: a number > 0 m"},
                          Bad{"0.001}", "[1, 2, 3]}", ":4:52: taxels[0].size: a list of 3 is not allowed: a list of 2 numbers"},
                          Bad{"0.001}", "0.001, pitch: 1}", ":4:59: taxels[0].pitch: unknown key"},
-                         Bad{"taxels:", "patches: []\ntaxels:", ":4:1: taxels: stands beside `patches`: one of the two"},
-                         Bad{"taxels:", "num_rows: 1\ntaxels:", ":3:11: num_rows: stands beside `taxels`"}}) {
+                         Bad{"taxels:", "patches: []\ntaxels:", ":4:1: taxels: given beside `patches`: one of the two"},
+                         Bad{"taxels:", "num_rows: 1\ntaxels:", ":3:11: num_rows: given beside `taxels`"}}) {
     const std::string message = refusalOf(edited(good, bad.from, bad.to));
     if (bad.from == "taxels:") {
       EXPECT_THAT(message, testing::HasSubstr(bad.message.substr(bad.message.find(' ')))) << bad.to;

@@ -401,9 +401,10 @@ std::vector<std::uint32_t> bitsOf(const ContactFeatureView& view, int instance) 
       bits.push_back(std::bit_cast<std::uint32_t>(value));
     }
   }
-  const auto first = static_cast<std::size_t>(instance * view.num_rows), num_rows = static_cast<std::size_t>(view.num_rows);
-  for (const ContactType type : view.contact_type.subspan(first, num_rows)) bits.push_back(static_cast<std::uint32_t>(type));
-  for (const std::int32_t patch : view.patch.subspan(first, num_rows)) bits.push_back(static_cast<std::uint32_t>(patch));
+  for (std::size_t r = 0, row = static_cast<std::size_t>(instance * view.num_rows); r < static_cast<std::size_t>(view.num_rows);
+       ++r, ++row) {
+    bits.insert(bits.end(), {static_cast<std::uint32_t>(view.contact_type[row]), static_cast<std::uint32_t>(view.patch[row])});
+  }
   return bits;
 }
 
