@@ -12,7 +12,7 @@
 //      surface height (m, in P) at each solver node, with the slot in its lowest bits (depth/slots.glsl); kMiss without a surface.
 // State per sample, between steps: depth, strain and overstresses of a skin that relaxes, shear traction or bristle deflection.
 // Shared memory: 4 TILE_SAMPLES + 16 LANES + 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 4 REPEAT + 64 bytes; friction adds 8 LANES + 512, lockstep
-//      16 FACES.
+//      16 NUM_FACES.
 // Deterministic: the tile is a minimum; LANES partial sums are added in a fixed order, whatever the size of the workgroup.
 // Mutable globals: any_unfinished_loop (driver/loop_limit.glsl); the planes of a polyhedron (depth/polyhedron.glsl).
 // Twins: src/reference/depth.cpp, contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp, load.cpp.
@@ -20,10 +20,6 @@
 #include "driver/pairs.glsl"
 #include "driver/barrier.glsl"
 #include "driver/texels.glsl"
-#include "shared/batch.h"
-#include "shared/candidates.h"
-#include "shared/objects.h"
-#include "shared/sensor.h"
 #include "passes/declare.glsl"
 #include "passes/contact.h"
 #include "passes/contact.glsl"

@@ -67,7 +67,7 @@ void writeWrench(uint instance, uint tile_number) {
   uint tile = instance * NUM_TILES + tile_number;
   // In P: row k holds the derivatives of force, x times force and y times force by coordinate k of the object's twist.
   vec3 change[6] = vec3[6](vec3(0), vec3(0), vec3(0), vec3(0), vec3(0), vec3(0));
-  if (PRESSES && tile_changes[tile * LANES * kTileChanges] < kNoHeight) {
+  if (HAS_FORCES && tile_changes[tile * LANES * kTileChanges] < kNoHeight) {
     for (uint v = 0; v < LANES; ++v) {
       uint first = (tile * LANES + v) * kTileChanges;
       for (uint k = 0; k < 6; ++k) change[k] += vec3(tile_changes[first + 3 * k], tile_changes[first + 3 * k + 1], tile_changes[first + 3 * k + 2]);

@@ -27,8 +27,8 @@ std::string shortNumber(double value) {
   return text;
 }
 
-void useColour(const cli::Canvas& canvas, std::size_t entry) {
-  canvas.colour(cli::seriesColour(entry), entry < kColours ? 1 : kPale);
+void useColour(const figures::Canvas& canvas, std::size_t entry) {
+  canvas.colour(figures::seriesColour(entry), entry < kColours ? 1 : kPale);
 }
 
 // All timed peers, in order of first appearance.
@@ -58,28 +58,28 @@ void writeBarChart(const std::filesystem::path& file, const std::string& subtitl
   }
   if (bars == 0) return;
   const double first = std::floor(std::log10(low)), last = std::max(first + 1, std::ceil(std::log10(high)));
-  const double top = cli::headingRoom(subtitle) + kLegendRow * static_cast<double>(legend.size()) + 16;
+  const double top = figures::headingRoom(subtitle) + kLegendRow * static_cast<double>(legend.size()) + 16;
   const double bottom = top + bars * kBar + static_cast<double>(results.size()) * kGap;
-  const double left = cli::kMargin + kLabels, width = left + kAxis + kNumbers + cli::kMargin;
+  const double left = figures::kMargin + kLabels, width = left + kAxis + kNumbers + figures::kMargin;
   const auto x = [&](double value) { return left + kAxis * (std::log10(value) - first) / (last - first); };
 
-  const cli::Canvas canvas(width, bottom + 40);
+  const figures::Canvas canvas(width, bottom + 40);
   canvas.heading("Frames per second, poses to features", subtitle, width);
-  canvas.font(cli::kSmall);
-  double y = cli::headingRoom(subtitle);
+  canvas.font(figures::kSmall);
+  double y = figures::headingRoom(subtitle);
   for (std::size_t k = 0; k < legend.size(); ++k, y += kLegendRow) {
     useColour(canvas, k);
     cairo_rectangle(canvas, left, y, 10, 10);
     cairo_fill(canvas);
-    canvas.colour(cli::kInk);
+    canvas.colour(figures::kInk);
     canvas.text(left + 16, y + 9, legend[k].name + ": " + legend[k].what, 0, kAxis);
   }
   for (double power = first; power <= last; ++power) {
     const double at = x(std::pow(10, power));
-    canvas.colour(cli::kGap);
+    canvas.colour(figures::kGap);
     cairo_rectangle(canvas, at, top - 4, 0.8, bottom - top + 4);
     cairo_fill(canvas);
-    canvas.colour(cli::kGrey);
+    canvas.colour(figures::kGrey);
     canvas.text(at, bottom + 14, shortNumber(std::pow(10, power)), 0.5);
   }
   canvas.text(left + kAxis / 2, bottom + 30, "frames per second, logarithmic", 0.5);
@@ -94,13 +94,13 @@ void writeBarChart(const std::filesystem::path& file, const std::string& subtitl
       const double end = x(peer.framesPerSecond());
       cairo_rectangle(canvas, left, y + 1, std::max(1.0, end - left), kBar - 2);
       cairo_fill(canvas);
-      canvas.colour(cli::kInk);
+      canvas.colour(figures::kInk);
       canvas.text(end + 4, y + kBar - 2, shortNumber(peer.framesPerSecond()));
       y += kBar;
     }
-    canvas.colour(cli::kInk);
+    canvas.colour(figures::kInk);
     canvas.text(left - 8, (begin + y) / 2 + 1, result.name, 1, kLabels);
-    canvas.colour(cli::kGrey);
+    canvas.colour(figures::kGrey);
     canvas.text(left - 8, (begin + y) / 2 + 13, result.array + ", " + std::to_string(result.num_instances) + " instances", 1, kLabels);
     y += kGap;
   }

@@ -1,8 +1,8 @@
 // Height of analytic solids over a sample: the lowest z in P (m) at which the ray p = (x, y, z), z rising, is inside the solid; kMiss where it never is,
 // kBottomless where the solid extends down to infinity. Solids as in include/taxelsim/object.h. Twin: src/reference/analytic.cpp.
 
-// The constant KINDS removes the code of solids that the model does not have, and the test of a solid that is the only one.
-bool isKind(uint kind, uint wanted) { return KINDS == (1u << wanted) || ((KINDS & (1u << wanted)) != 0 && kind == wanted); }
+// The constant OBJECT_KINDS removes the code of solids that the model does not have, and the test of a solid that is the only one.
+bool isKind(uint kind, uint wanted) { return OBJECT_KINDS == (1u << wanted) || ((OBJECT_KINDS & (1u << wanted)) != 0 && kind == wanted); }
 
 const float kBottomless = -1e30;
 

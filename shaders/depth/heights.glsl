@@ -54,7 +54,7 @@ Reach objectsNear(Tile tile, uint instance, uint num_slots) {
     if (!reach.body.near) continue;
     grow(reach.samples, samplesUnder(tile, reach.body));
     float lowest = reach.body.center.z - reach.body.half_size.z;
-    if (SEARCH == kSearchInTile && (KINDS & (1u << kKindHalfSpace)) != 0 && reach.body.kind_groups.x == kKindHalfSpace) {
+    if (SEARCH == kSearchInTile && (OBJECT_KINDS & (1u << kKindHalfSpace)) != 0 && reach.body.kind_groups.x == kKindHalfSpace) {
       lowest = lowestCorner(tile, reach.body);
     }
     reach.lowest_bound = min(reach.lowest_bound, lowest);

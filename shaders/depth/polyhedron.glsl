@@ -3,12 +3,12 @@
 //
 // The faces' planes over the patch are computed once per body.
 // Mutable globals, because arrays passed as arguments would be copied per sample: face_slopes, face_lows, face_highs, row_planes.
-// Shared memory: with LOCKSTEP 16 FACES bytes.
+// Shared memory: with LOCKSTEP 16 NUM_FACES bytes.
 
 // Planes over P: the slope of z for a face that looks down, of -z for one that looks up, so that both bounds are maxima; and the value of each bound at (0, 0),
 // -kMiss for a face that looks the other way.
-vec2 face_slopes[FACES];
-float face_lows[FACES], face_highs[FACES];
+vec2 face_slopes[NUM_FACES];
+float face_lows[NUM_FACES], face_highs[NUM_FACES];
 
 // Steeper faces span less than a float resolves and only bound the others.
 const float kSteepest = 1e-6;  // cosine to z
@@ -24,11 +24,11 @@ vec4 planeOf(uint face, Affine X_PO) {
 
 // Loads the planes of a body, the same for all invocations of a workgroup.
 #ifdef LOCKSTEP
-shared vec4 planes[FACES];
+shared vec4 planes[NUM_FACES];
 void loadFaces(uint first, Affine X_PO) {
-  for (uint f = gl_LocalInvocationIndex; f < FACES; f += WORKGROUP) planes[f] = planeOf(first + f, X_PO);
+  for (uint f = gl_LocalInvocationIndex; f < NUM_FACES; f += WORKGROUP) planes[f] = planeOf(first + f, X_PO);
   workgroupBarrier();
-  for (uint f = 0; f < FACES; ++f) {
+  for (uint f = 0; f < NUM_FACES; ++f) {
     face_slopes[f] = planes[f].xy;
     face_lows[f] = planes[f].z;
     face_highs[f] = planes[f].w;
@@ -37,7 +37,7 @@ void loadFaces(uint first, Affine X_PO) {
 }
 #else
 void loadFaces(uint first, Affine X_PO) {
-  for (uint f = 0; f < FACES; ++f) {
+  for (uint f = 0; f < NUM_FACES; ++f) {
     vec4 plane = planeOf(first + f, X_PO);
     face_slopes[f] = plane.xy;
     face_lows[f] = plane.z;
@@ -47,14 +47,14 @@ void loadFaces(uint first, Affine X_PO) {
 #endif
 
 // Rays of a row share x: values of the bounds at y = 0.
-vec2 row_planes[FACES];
+vec2 row_planes[NUM_FACES];
 void startRow(float x) {
-  for (uint f = 0; f < FACES; ++f) row_planes[f] = face_slopes[f].x * x + vec2(face_lows[f], face_highs[f]);
+  for (uint f = 0; f < NUM_FACES; ++f) row_planes[f] = face_slopes[f].x * x + vec2(face_lows[f], face_highs[f]);
 }
 
 float heightInRow(float y, float z_floor, inout Found found) {
   vec2 inside = vec2(-kMiss);  // from the first to minus the second
-  for (uint f = 0; f < FACES; ++f) inside = max(inside, row_planes[f] + face_slopes[f].y * y);
+  for (uint f = 0; f < NUM_FACES; ++f) inside = max(inside, row_planes[f] + face_slopes[f].y * y);
   float low = inside.x, minus_high = inside.y;
   bool hit = low <= -minus_high;
   // As with triangles: where the side that looks down is below the floor, the other side is next.

@@ -159,8 +159,8 @@ void visitQuad(Tile tile, MeshView view, uint quad, inout Found found) {
   Vertex p, q, r, s;
   fetchQuad(view, quad, p, q, r, s);
   bool large = view.large;  // see isVisible()
-  if (TRIANGLES == 1 || (TRIANGLES == 3 && !large)) rasterBySamples(tile, view, p, q, r, s, found);
-  if (TRIANGLES == 2 || (TRIANGLES == 3 && large)) {
+  if (TRIANGLE_SIZES == 1 || (TRIANGLE_SIZES == 3 && !large)) rasterBySamples(tile, view, p, q, r, s, found);
+  if (TRIANGLE_SIZES == 2 || (TRIANGLE_SIZES == 3 && large)) {
     rasterBySpans(tile, view, p, q, r, found);
     rasterBySpans(tile, view, r, q, s, found);
   }

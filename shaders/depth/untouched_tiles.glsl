@@ -1,9 +1,9 @@
 // Tiles that no object is near: how they are found, and their outputs.
 
 // Sensors with many small tiles: objects reach few of them. Relaxation advances the state of every tile.
-const bool kManySmallTiles = LEAVE_UNTOUCHED && NUM_ROWS == 0 && NUM_TILES > 1 && RELAXATION == 0;
+const bool kManySmallTiles = EARLY_EXIT && NUM_ROWS == 0 && NUM_TILES > 1 && RELAXATION == 0;
 // Large grids: most tiles are untouched, and their workgroups leave early.
-const bool kLeavesUntouched = LEAVE_UNTOUCHED && NUM_ROWS > 0 && NUM_TILES > 1 && RELAXATION == 0 && !kGlobalSolve && !OUTPUT_JACOBIAN;
+const bool kLeavesUntouched = EARLY_EXIT && NUM_ROWS > 0 && NUM_TILES > 1 && RELAXATION == 0 && !kGlobalSolve && !OUTPUT_JACOBIAN;
 // One invocation per tile first finds the tiles that objects reach; then all invocations process these one after another. This does not pay where a large tile
 // would be cleared every time, or where the workgroup has only one tile.
 bool findsNear() { return kManySmallTiles || kLeavesUntouched && IS_LAST && REPEAT > 1; }

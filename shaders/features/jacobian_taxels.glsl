@@ -24,8 +24,8 @@ vec2 readingOf(Part part, uint t) {
   float trigger = taxels[t].readout.y, x = gain * force - trigger;
   if (isDead(seed, keys.xy, t)) return vec2(0);
   // Without a trigger, forces of 0 change too: a contact may be about to cross the taxel's side.
-  bool follows = (x > 0.0 || trigger <= 0.0) && x < MOST;
-  return vec2(x > 0.0 ? min(x, MOST) + TRIGGER : 0.0, follows ? gain : 0.0);
+  bool follows = (x > 0.0 || trigger <= 0.0) && x < SATURATION_FORCE;
+  return vec2(x > 0.0 ? min(x, SATURATION_FORCE) + TRIGGER : 0.0, follows ? gain : 0.0);
 }
 
 // Derivative of a taxel's spread force by coordinate `k` of the twist, N/m or N/rad.

@@ -65,13 +65,24 @@
 #define BLOCK_TactileJacobian BLOCK(TactileJacobian, float, features[])  // kJacobian..., block after block
 #define BLOCK_Problems BLOCK(Problems, uint, problems[])                 // (1): 1 where a driver ended a loop early
 
+// ---- host only: copied from, or bound in place of another block ----
+#define BLOCK_EmptyWork BLOCK(EmptyWork, uvec4, empty_work[])  // what Work starts from in every frame
+#define BLOCK_CleanContactFeatures BLOCK(CleanContactFeatures, float, features[])
+#define BLOCK_CleanTactileJacobian BLOCK(CleanTactileJacobian, float, features[])  // with the wrench's after that of the features
+
 // All of them, for the host.
-#define ALL_BLOCKS                                                                                                                       \
-  BLOCK_Objects BLOCK_Groups BLOCK_Clusters BLOCK_Quads BLOCK_Faces BLOCK_SensorBlock BLOCK_Patches BLOCK_Tiles BLOCK_Taxels             \
-  BLOCK_SpreadRows BLOCK_SpreadScale BLOCK_Mask BLOCK_Influence BLOCK_Planes BLOCK_Neighbours                                            \
-  BLOCK_Poses BLOCK_Motions BLOCK_Instances BLOCK_Step BLOCK_Loads BLOCK_Contacts BLOCK_NumContacts                                      \
-  BLOCK_Candidates BLOCK_CandidateQuads BLOCK_Work BLOCK_WorkInstances BLOCK_State BLOCK_FrictionState BLOCK_LawState                    \
-  BLOCK_ContactNormal BLOCK_ContactShear BLOCK_ContactDepth BLOCK_TileResults BLOCK_Heights BLOCK_Windows BLOCK_Layer BLOCK_TaxelStates  \
-  BLOCK_ImageWindows BLOCK_Forces BLOCK_TaxelRegions BLOCK_RegionSums BLOCK_Regions BLOCK_ContactCells BLOCK_TileChanges                 \
-  BLOCK_TaxelJacobian BLOCK_MaskedJacobian BLOCK_WrenchJacobian BLOCK_Image BLOCK_SpreadNormal BLOCK_SpreadShear BLOCK_Features          \
-  BLOCK_ContactFeatures BLOCK_TactileJacobian BLOCK_Problems
+// clang-format off
+#define ALL_BLOCKS                                                                                              \
+  BLOCK_Objects BLOCK_Groups BLOCK_Clusters BLOCK_Quads BLOCK_Faces                                             \
+  BLOCK_SensorBlock BLOCK_Patches BLOCK_Tiles BLOCK_Taxels BLOCK_SpreadRows BLOCK_SpreadScale BLOCK_Mask         \
+  BLOCK_Influence BLOCK_Planes BLOCK_Neighbours                                                                 \
+  BLOCK_Poses BLOCK_Motions BLOCK_Instances BLOCK_Step BLOCK_Loads BLOCK_Contacts BLOCK_NumContacts              \
+  BLOCK_Candidates BLOCK_CandidateQuads BLOCK_Work BLOCK_WorkInstances                                          \
+  BLOCK_State BLOCK_FrictionState BLOCK_LawState BLOCK_ContactNormal BLOCK_ContactShear BLOCK_ContactDepth       \
+  BLOCK_TileResults BLOCK_Heights BLOCK_Windows BLOCK_Layer BLOCK_TaxelStates BLOCK_ImageWindows                 \
+  BLOCK_Forces BLOCK_TaxelRegions BLOCK_RegionSums BLOCK_Regions                                                \
+  BLOCK_ContactCells BLOCK_TileChanges BLOCK_TaxelJacobian BLOCK_MaskedJacobian BLOCK_WrenchJacobian             \
+  BLOCK_Image BLOCK_SpreadNormal BLOCK_SpreadShear BLOCK_Features BLOCK_ContactFeatures BLOCK_TactileJacobian    \
+  BLOCK_Problems                                                                                                \
+  BLOCK_EmptyWork BLOCK_CleanContactFeatures BLOCK_CleanTactileJacobian
+// clang-format on

@@ -1,9 +1,9 @@
 // Constants of the contact pass that follow from those of contact.h. A software driver computes both sides of every branch and a loop's body at
 // least once, so what a model, sensor or batch does not need is left out by constants.
 
-const bool kHasMesh = (KINDS & 1u) != 0;
-const bool kHasAnalytic = (KINDS & ~1u) != 0;
-const bool kOnlyPolyhedra = KINDS == (1u << kKindPolyhedron);
+const bool kHasMesh = (OBJECT_KINDS & 1u) != 0;
+const bool kHasAnalytic = (OBJECT_KINDS & ~1u) != 0;
+const bool kOnlyPolyhedra = OBJECT_KINDS == (1u << kKindPolyhedron);
 // Heights go through the tile, except for a single analytic solid, whose heights are computed where they are summed. A torus needs the tile since its heights
 // are expensive; the Jacobian needs it since it reads a sample's neighbours.
-bool usesTile() { return OUTPUT_JACOBIAN || kHasMesh || MANY_SLOTS || SEARCH == kSearchInTile || (KINDS & (1u << kKindTorus)) != 0; }
+bool usesTile() { return OUTPUT_JACOBIAN || kHasMesh || MANY_SLOTS || SEARCH == kSearchInTile || (OBJECT_KINDS & (1u << kKindTorus)) != 0; }

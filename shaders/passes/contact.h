@@ -5,18 +5,18 @@ VALUE(kSearchInTile, 1)     // the pass searches over its one tile
 VALUE(kSearchOverTiles, 2)  // load.comp searches over all tiles
 VALUE(kSearchEnded, 3)      // the frame of a sensor with friction or relaxation, at the offsets that this search has found
 
-CONSTANT(11, uint, TILE_SAMPLES)  // most samples of a tile
-CONSTANT(12, bool, FLAT)          // the frame of the one patch is S
-CONSTANT(13, bool, HAS_STATE)     // the law needs the depth of the step before
-CONSTANT(14, uint, SEARCH)        // kNoSearch, kSearchInTile ...
-CONSTANT(15, float, THICKNESS)    // m
-CONSTANT(16, bool, SCALED)        // sources near a border give more to the taxels that are there, readout/spread.glsl
-CONSTANT(17, bool, MANY_SLOTS)    // an instance may touch several objects
-CONSTANT(18, uint, KINDS)         // bit per kind of object in the model
-CONSTANT(19, uint, TRIANGLES)     // bit 0: meshes of small triangles, bit 1: of large ones
-CONSTANT(20, bool, OUTPUT_DEPTH)  // writes contact_depth
-CONSTANT(21, uint, FACES)         // of each polyhedron; shorter ones repeat some
-CONSTANT(22, float, LAW_0)        // parameters of the contact law, skin/laws/
+CONSTANT(11, uint, TILE_SAMPLES)    // most samples of a tile
+CONSTANT(12, bool, FLAT)            // the frame of the one patch is S
+CONSTANT(13, bool, HAS_STATE)       // the law needs the depth of the step before
+CONSTANT(14, uint, SEARCH)          // kNoSearch, kSearchInTile ...
+CONSTANT(15, float, THICKNESS)      // m
+CONSTANT(16, bool, SCALED)          // sources near a border give more to the taxels that are there, readout/spread.glsl
+CONSTANT(17, bool, MANY_SLOTS)      // an instance may touch several objects
+CONSTANT(18, uint, OBJECT_KINDS)    // bit per kind of object in the model
+CONSTANT(19, uint, TRIANGLE_SIZES)  // bit 0: meshes of small triangles, bit 1: of large ones
+CONSTANT(20, bool, OUTPUT_DEPTH)    // writes contact_depth
+CONSTANT(21, uint, NUM_FACES)       // of each polyhedron; shorter ones repeat some
+CONSTANT(22, float, LAW_0)          // parameters of the contact law, skin/laws/
 CONSTANT(23, float, LAW_1)
 CONSTANT(24, float, LAW_2)
 CONSTANT(25, bool, FRICTION)               // shear with memory, skin/friction.glsl
@@ -33,7 +33,7 @@ CONSTANT(35, float, STRIBECK_VELOCITY)  // m/s
 CONSTANT(36, uint, RELAXATION)          // terms of the skin's relaxation, skin/relaxation.glsl
 CONSTANT(37, uint, GROUPS_PER_BATCH)    // groups of clusters culled between two barriers; the list of clusters has room for all of theirs
 CONSTANT(38, bool, OUTPUT_JACOBIAN)     // writes contact_cells and tile_changes, skin/cell_fluxes.glsl
-CONSTANT(39, bool, LEAVE_UNTOUCHED)     // early exit where no object is near, kLeavesUntouched and kManySmallTiles
+CONSTANT(39, bool, EARLY_EXIT)          // where no object is near: kLeavesUntouched, kManySmallTiles
 CONSTANT(40, float, REACH)              // up to which height over the skin surfaces matter to the law, m
 CONSTANT(41, uint, LIST)                // of instances that are processed: kListWholeMesh, kListCandidates; kNumLists: all
 CONSTANT(42, bool, IS_LAST)             // writes contact_normal and tile_results for the spread; no taxel pass follows

@@ -1,4 +1,4 @@
-// Turns the lists of this folder into GLSL. Included after shared/layout.h and driver/, before the list of a pass.
+// Turns the lists of this folder into GLSL. Included after driver/, before the list of a pass.
 //
 // A list declares what a pass takes from the host, once for both languages:
 //   CONSTANT(id, type, NAME)         specialization constant; the host gives every one a value, so there are no defaults
@@ -7,6 +7,10 @@
 //   TEXELS(binding, Block)           read-only array that is fetched four words at a time by fourOf(), driver/texels.glsl
 // src/simulation/passes/interfaces.h reads the same lists.
 
+#include "shared/batch.h"
+#include "shared/candidates.h"
+#include "shared/objects.h"
+#include "shared/sensor.h"
 #include "passes/blocks.h"
 
 #define BLOCK(Name, Element, declarator) Element declarator;

@@ -23,13 +23,13 @@ CONSTANT(25, uint, NUM_CREEP)       // terms
 CONSTANT(26, bool, LOW_PASS)
 CONSTANT(27, bool, DELAY)
 CONSTANT(28, bool, RANDOM_WALK)
-CONSTANT(29, float, BIAS)         // counts
-CONSTANT(30, float, DEAD_TAXELS)  // probability
-CONSTANT(31, bool, WHOLE_ARRAY)   // taxels that no object reaches may have a force
-CONSTANT(32, bool, TURNS_SHEAR)   // shear turns along a curved skin, readout/spread.glsl
-CONSTANT(33, float, CURVE_LIMIT)  // counts; 0: none
-CONSTANT(34, int, CURVE_PIECES)   // 0: a polynomial
-CONSTANT(35, bool, KEEPS_WINDOW)  // every step has a frame, so outside of the window of the step before all is 0
+CONSTANT(29, float, BIAS)                    // counts
+CONSTANT(30, float, DEAD_TAXEL_PROBABILITY)  // probability
+CONSTANT(31, bool, WHOLE_ARRAY)              // taxels that no object reaches may have a force
+CONSTANT(32, bool, ROTATES_SHEAR)            // shear rotates along a curved skin, readout/spread.glsl
+CONSTANT(33, float, CURVE_LIMIT)             // counts; 0: none
+CONSTANT(34, int, CURVE_PIECES)              // 0: a polynomial
+CONSTANT(35, bool, KEEPS_WINDOW)             // every step has a frame, so outside of the window of the step before all is 0
 
 BUFFER(0, readonly, Instances)
 BUFFER(1, readonly, Step)

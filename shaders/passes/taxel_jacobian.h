@@ -1,7 +1,7 @@
 // Tactile Jacobian, forces of taxels and wrenches of tiles, taxel_jacobian.comp.
 
-CONSTANT(11, bool, SCALED)   // as in contact.h
-CONSTANT(12, bool, PRESSES)  // the law has forces, and a wrench
+CONSTANT(11, bool, SCALED)      // as in contact.h
+CONSTANT(12, bool, HAS_FORCES)  // the law has forces, and a wrench
 
 BUFFER(0, readonly, Step)
 BUFFER(1, readonly, Patches)

@@ -10,5 +10,5 @@ float offsetOf(uvec2 seed, uvec2 episode, uint frame, uint t, float noise_level)
 }
 
 bool isDead(uvec2 seed, uvec2 episode, uint t) {
-  return DEAD_TAXELS > 0.0 && uniformNumber(seed, episode, 0, t, kPurposeDeadTaxel) < DEAD_TAXELS;
+  return DEAD_TAXEL_PROBABILITY > 0.0 && uniformNumber(seed, episode, 0, t, kPurposeDeadTaxel) < DEAD_TAXEL_PROBABILITY;
 }

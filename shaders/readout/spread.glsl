@@ -114,7 +114,7 @@ Spread spreadByList(uint first_taxel, uint t) {
     uint number = e * NUM_TAXELS + t;
     vec2 entry = pairOfRows(number);
     uint source = first_taxel + floatBitsToUint(entry.x);
-    if (!SHEAR || !TURNS_SHEAR) {
+    if (!SHEAR || !ROTATES_SHEAR) {
       addSource(sum, source, entry.y);
       continue;
     }

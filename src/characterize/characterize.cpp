@@ -15,7 +15,7 @@ namespace taxelsim {
 namespace {
 
 constexpr int kMaxRounds = 10;
-constexpr double kSettled = 1e-4;  // of a force: a tenth of what good measurements tell of a share
+constexpr double kConverged = 1e-4;  // change of a share of force; good measurements have an error of 1e-3
 
 template <typename Data>
 std::vector<const Measurement*> ofKind(std::span<const Measurement> measurements) {
@@ -32,7 +32,7 @@ void fitKind(std::span<const Measurement> measurements, Characterization& result
   if (!chosen.empty()) fit(chosen, result);
 }
 
-// Largest difference between two kernels' shares.
+// Largest difference between the normalised weights of two kernels; 1 if their sizes differ.
 double differenceOf(const Psf& a, const Psf& b) {
   if (a.size != b.size) return 1;
   const double sum_a = std::accumulate(a.kernel.begin(), a.kernel.end(), 0.0),
@@ -42,7 +42,7 @@ double differenceOf(const Psf& a, const Psf& b) {
   return largest;
 }
 
-// Of a Gaussian; of a free kernel nothing is said.
+// For a Gaussian only; a free kernel has no range.
 std::optional<PsfRange> rangeOf(const Characterization& result) {
   for (const Estimate& estimate : result.estimates) {
     if (estimate.parameter != "psf.gaussian.sigma" || !estimate.determined || !(estimate.low > 0)) continue;
@@ -55,36 +55,37 @@ std::optional<PsfRange> rangeOf(const Characterization& result) {
 void checkSameSensor(std::span<const Measurement> measurements) {
   for (const Measurement& measurement : measurements) {
     if (measurement.resolved_sensor != measurements.front().resolved_sensor) {
-      throw Error(ErrorKind::kInput, measurement.file.generic_string() + ": another sensor than that of " +
+      throw Error(ErrorKind::kInput, measurement.file.generic_string() + ": names another sensor than " +
                                          measurements.front().file.generic_string() + ": all measurements must name the same one");
     }
     if (std::holds_alternative<ImageSequence>(measurement.data)) {
-      throw Error(ErrorKind::kInput, measurement.file.generic_string() +
-                                         ": images of nothing known cannot be fitted: give what touches (point_images, stamp_images)");
+      throw Error(ErrorKind::kInput,
+                  measurement.file.generic_string() +
+                      ": kind images cannot be fitted, because the indenter is unknown: use point_images or stamp_images");
     }
   }
 }
 
-bool isTold(const Characterization& result, std::string_view block) {
+bool isDetermined(const Characterization& result, std::string_view block) {
   return std::any_of(result.estimates.begin(), result.estimates.end(),
                      [&](const Estimate& estimate) { return estimate.determined && estimate.parameter.starts_with(block); });
 }
 
-// What was measured by itself stays; what the stamps say of it is a remark.
-void fitStampsBeside(Measured stamps, Characterization& result) {
+// Parameters that another measurement has determined are kept; what the stamps give for them becomes a remark.
+void fitStamps(Measured stamps, Characterization& result) {
   Characterization with = result;
   fitStampImages(stamps, with);
   std::vector<Estimate> added(with.estimates.begin() + static_cast<std::ptrdiff_t>(result.estimates.size()), with.estimates.end());
   with.estimates.resize(result.estimates.size());
   const Readout& before = result.sensor.readout;
   Readout& after = with.sensor.readout;
-  std::vector<std::string_view> told;
-  if (isTold(result, "psf.")) {
-    told.push_back("psf.");
+  std::vector<std::string_view> kept;
+  if (isDetermined(result, "psf.")) {
+    kept.push_back("psf.");
     with.sensor.psf = result.sensor.psf;
   }
-  if (isTold(result, "readout.curve.")) {
-    told.insert(told.end(), {"readout.curve.", "readout.trigger", "readout.taxel_gain"});
+  if (isDetermined(result, "readout.curve.")) {
+    kept.insert(kept.end(), {"readout.curve.", "readout.trigger", "readout.taxel_gain"});
     after.curve = before.curve;
     after.curve_points = before.curve_points;
     after.output_scale = before.output_scale;
@@ -92,23 +93,24 @@ void fitStampsBeside(Measured stamps, Characterization& result) {
     after.taxel_trigger = before.taxel_trigger;
     after.taxel_gain = before.taxel_gain;
   }
-  if (isTold(result, "readout.creep")) {
-    told.push_back("readout.creep");
+  if (isDetermined(result, "readout.creep")) {
+    kept.push_back("readout.creep");
     after.creep = before.creep;
   }
-  if (isTold(result, "skin.normal_contact_stiffness")) {
-    told.push_back("skin.normal_contact_stiffness");
+  if (isDetermined(result, "skin.normal_contact_stiffness")) {
+    kept.push_back("skin.normal_contact_stiffness");
     with.sensor.skin.law = result.sensor.skin.law;
   }
   for (Estimate& estimate : added) {
-    const bool is_told =
-        std::any_of(told.begin(), told.end(), [&](std::string_view block) { return estimate.parameter.starts_with(block); });
-    if (!is_told) {
+    const bool is_kept =
+        std::any_of(kept.begin(), kept.end(), [&](std::string_view block) { return estimate.parameter.starts_with(block); });
+    if (!is_kept) {
       with.estimates.push_back(std::move(estimate));
     } else if (estimate.determined) {
       std::array<char, 120> interval{};
       std::snprintf(interval.data(), interval.size(), "%.4g (%.4g to %.4g)", estimate.value, estimate.low, estimate.high);
-      with.remarks.push_back("by the stamps " + estimate.parameter + " is " + interval.data() + ": not taken, it was measured by itself");
+      with.remarks.push_back("the stamps give " + estimate.parameter + " " + interval.data() +
+                             ": not used, another measurement determines it");
     }
   }
   result = std::move(with);
@@ -117,30 +119,30 @@ void fitStampsBeside(Measured stamps, Characterization& result) {
 }  // namespace
 
 Characterization characterize(std::span<const Measurement> measurements) {
-  if (measurements.empty()) throw Error(ErrorKind::kInput, "no measurement to fit to");
+  if (measurements.empty()) throw Error(ErrorKind::kInput, "no measurements");
   checkSameSensor(measurements);
   Characterization result;
   result.sensor = measurements.front().sensor;
   const std::vector<const Measurement*> curves = ofKind<ForceCurve>(measurements);
   std::optional<PsfRange> psf_range;
-  // The point spread function is seen through the readout, and of a force on one taxel it leaves a share to others: in turn, until neither
-  // moves the other.
+  // Readout and point spread function depend on each other: images are read through the readout, and the point spread function moves a
+  // share of the force on a taxel to others. Alternates until the point spread function converges.
   const std::vector<const Measurement*> points = ofKind<PointImages>(measurements);
   for (int round = 0; round < kMaxRounds && !points.empty(); ++round) {
     Characterization draft = result;
-    ReadoutDoubt doubt;
-    if (!curves.empty()) doubt = fitReadout(curves, {}, draft);
-    fitPointSpread(points, doubt, draft);
-    const bool settled = differenceOf(std::exchange(result.sensor.psf, draft.sensor.psf), draft.sensor.psf) < kSettled;
+    ReadoutCovariance covariance;
+    if (!curves.empty()) covariance = fitReadout(curves, {}, draft);
+    fitPointSpread(points, covariance, draft);
+    const bool converged = differenceOf(std::exchange(result.sensor.psf, draft.sensor.psf), draft.sensor.psf) < kConverged;
     psf_range = rangeOf(draft);
-    if (settled || curves.empty()) break;
+    if (converged || curves.empty()) break;
   }
-  ReadoutDoubt doubt;
-  if (!curves.empty()) doubt = fitReadout(curves, psf_range, result);
-  if (!points.empty()) fitPointSpread(points, doubt, result);
+  ReadoutCovariance covariance;
+  if (!curves.empty()) covariance = fitReadout(curves, psf_range, result);
+  if (!points.empty()) fitPointSpread(points, covariance, result);
   fitKind<ForceDepth>(measurements, result, fitStiffness);
   fitKind<StepResponse>(measurements, result, fitCreep);
-  if (const std::vector<const Measurement*> stamps = ofKind<StampImages>(measurements); !stamps.empty()) fitStampsBeside(stamps, result);
+  if (const std::vector<const Measurement*> stamps = ofKind<StampImages>(measurements); !stamps.empty()) fitStamps(stamps, result);
   checkSensor(result.sensor);
   return result;
 }

@@ -1,4 +1,4 @@
-// What readings average to where the converter's ends cut their noise off.
+// Expected readings of a converter that clips noise at the ends of its range.
 #pragma once
 
 #include <cmath>
@@ -6,10 +6,10 @@
 
 namespace taxelsim {
 
-inline constexpr double kLeastNoise = 0.288675;  // counts: what rounding alone makes, 1 / sqrt(12)
-inline constexpr double kFarNoise = 4;           // standard deviations past an end, where a reading tells no more than that it is past it
+inline constexpr double kLeastNoise = 0.288675;  // counts: standard deviation of rounding, 1 / sqrt(12)
+inline constexpr double kFarNoise = 4;           // standard deviations beyond an end of the range
 
-// What a reading of `mean` counts with Gaussian noise (counts, > 0) is on average after it was clipped to [0, top].
+// Mean of a Gaussian with this mean and standard deviation `noise` > 0 after clipping to [0, top]; all in counts.
 inline double clippedMean(double mean, double noise, double top) {
   constexpr double kNotClipped = 6;  // standard deviations from both ends
   if (mean > kNotClipped * noise && mean < top - kNotClipped * noise) return mean;
@@ -20,7 +20,7 @@ inline double clippedMean(double mean, double noise, double top) {
   return mean * (below(b) - below(a)) - noise * (density(b) - density(a)) + top * (1 - below(b));
 }
 
-// Whether a reading at an end tells nothing more of its mean.
+// True for a reading at an end of the range that is uninformative, because its mean is far beyond that end.
 inline bool isFarPastEnd(double mean, double counts, double noise, double top) {
   return (mean < -kFarNoise * noise && counts <= 0) || (mean > top + kFarNoise * noise && counts >= top);
 }

@@ -8,16 +8,16 @@
 #include <string>
 #include <vector>
 
+#include "base/median.h"
 #include "base/text.h"
 #include "base/vector3.h"
-#include "characterize/least_squares.h"
 #include "reference/features.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
 namespace {
 
-constexpr double kTouch = 0.05;  // of the largest sum of counts
+constexpr double kTouch = 0.05;  // of the largest sum of counts: contact
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 ImageContact contactOf(const Sensor& sensor, std::span<const float> counts) {
@@ -49,7 +49,7 @@ bool haveSameTaxels(const Sensor& a, const Sensor& b) {
 
 ImageComparison compareImages(const Sensor& real_sensor, std::span<const float> real, const Sensor& simulated_sensor,
                               std::span<const float> simulated) {
-  if (!haveSameTaxels(real_sensor, simulated_sensor)) throw Error(ErrorKind::kInput, "images of different arrays cannot be compared");
+  if (!haveSameTaxels(real_sensor, simulated_sensor)) throw Error(ErrorKind::kInput, "only images of the same array can be compared");
   checkSize(real_sensor, real, "real");
   checkSize(simulated_sensor, simulated, "simulated");
 
@@ -93,7 +93,7 @@ ValueRange rangeOf(std::span<const double> values) {
 }
 
 std::size_t rowAfterTouch(const Images& images, double seconds) {
-  if (images.time.empty()) throw Error(ErrorKind::kInput, "images without times: what lies some seconds after touch is not known");
+  if (images.time.empty()) throw Error(ErrorKind::kInput, "the images have no times: cannot select one by its time after contact");
   std::vector<double> sums;
   for (std::size_t row = 0; row < images.time.size(); ++row) {
     const auto first = images.counts.begin() + static_cast<std::ptrdiff_t>(row * images.num_taxels);
@@ -101,11 +101,11 @@ std::size_t rowAfterTouch(const Images& images, double seconds) {
   }
   const double least = kTouch * *std::max_element(sums.begin(), sums.end());
   const auto touch = std::find_if(sums.begin(), sums.end(), [&](double sum) { return sum > least; });
-  if (touch == sums.end()) throw Error(ErrorKind::kInput, "nothing touches in any image");
+  if (touch == sums.end()) throw Error(ErrorKind::kInput, "no contact in any image");
   const double touched = images.time[static_cast<std::size_t>(touch - sums.begin())], wanted = touched + seconds;
   if (!(seconds >= 0) || wanted > images.time.back()) {
-    throw Error(ErrorKind::kInput, numberText(seconds) + " s after touch is not there: the images go from touch, at " +
-                                       numberText(touched) + " s, to " + numberText(images.time.back()) + " s");
+    throw Error(ErrorKind::kInput, numberText(seconds) + " s after contact is out of range: contact is at " + numberText(touched) +
+                                       " s, the last image at " + numberText(images.time.back()) + " s");
   }
   const auto nearer = [&](double a, double b) { return std::abs(a - wanted) < std::abs(b - wanted); };
   return static_cast<std::size_t>(std::min_element(images.time.begin(), images.time.end(), nearer) - images.time.begin());

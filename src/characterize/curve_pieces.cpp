@@ -11,18 +11,18 @@
 namespace taxelsim {
 namespace {
 
-constexpr double kLeastRise = 1e-3;  // of the piece that rises most: a curve must rise
-constexpr double kNearEnd = 0.85;    // of the largest force
-constexpr double kTold = 0.5;        // of the range: an output that is known no better is not told
-constexpr double kBeforeTop = 0.95;  // of the end of the range: a knot past it could be anywhere
-constexpr double kGross = 0.25;      // of the range, and
-constexpr double kGrossNoise = 20;   // standard deviations: outliers that a fit is not even shown
-constexpr double kNotLightly = 2;    // a fit with first forces below 0 must be so much better, in squares
-constexpr double kBentOver = 0.8;    // of the output: where half of the force makes more of it, pieces become longer with force
-// Of where a straight line would begin: a curve that bends up begins before it, and a fit finds no way from far off.
+constexpr double kLeastRise = 1e-3;     // of the largest rise: lower bound
+constexpr double kNearEnd = 0.85;       // of the largest force
+constexpr double kMostHalfWidth = 0.5;  // of the range: a knot with a wider interval is removed
+constexpr double kBeforeTop = 0.95;     // of the end of the range: the last knot
+constexpr double kGross = 0.25;         // of the range, or
+constexpr double kGrossNoise = 20;      // standard deviations, if larger: gross outliers, removed before the fit
+constexpr double kNegativePenalty = 2;  // factor on the sum of squares of a fit with first forces below 0
+constexpr double kBentOver = 0.8;       // of the output at half of the force: above it, pieces get longer with force
+// Start values of the first force, relative to that of the straight line: a curve that bends up begins earlier, and the fit is local.
 constexpr std::array<double, 3> kBegins{1, 0.5, 0};
 
-// How far the median output rises from knot to knot, counts, > 0.
+// Rise of the median output from knot to knot, counts, > 0.
 std::vector<double> startingRises(const ReadoutModel& model, const std::vector<PressedTaxel>& taxels, const std::vector<FitResult>& lines) {
   const std::vector<double>& knots = model.knots;
   std::vector<double> rises;
@@ -38,7 +38,7 @@ std::vector<double> startingRises(const ReadoutModel& model, const std::vector<P
       }
     }
     const double here = counts.size() >= kLeastReadings ? medianOf(std::move(counts)) : before + width;
-    // Far from the bound: a fit leaves it slowly.
+    // Away from the lower bound, near which convergence is slow.
     rises.push_back(std::max(here - before, 0.05 * width));
     before = std::max(before, here);
   }
@@ -49,8 +49,8 @@ bool isSparse(std::size_t num_rows) {
   return num_rows < kLeastReadings;
 }
 
-// A knot between two pieces that both have too few rows, or that the first or last piece has none of its own to tell. A single piece
-// without rows is told by those beside it: it goes straight from one to the other.
+// A knot to remove: between two sparse pieces, or at a sparse first or last piece. A single sparse piece in between is determined by its
+// neighbours.
 std::optional<std::size_t> knotOfFewRows(const ReadoutModel& model, const std::vector<std::size_t>& num_rows) {
   const std::size_t num_pieces = num_rows.size(), pinned = model.pinned_knot;
   if (num_pieces < 2) return {};
@@ -63,7 +63,7 @@ std::optional<std::size_t> knotOfFewRows(const ReadoutModel& model, const std::v
   return {};
 }
 
-// Rows on each piece: those past the last knot are of the last piece.
+// Counts the rows of each piece; rows beyond the last knot belong to the last piece.
 class RowsOfPieces {
  public:
   explicit RowsOfPieces(const ReadoutModel& model) : model_(model), count_(model.knots.size()) {}
@@ -80,7 +80,7 @@ class RowsOfPieces {
   std::vector<std::size_t> count_;
 };
 
-// The taxels being straight lines.
+// By the straight-line fits of the taxels.
 std::vector<std::size_t> rowsOfPieces(const ReadoutModel& model, const std::vector<PressedTaxel>& taxels,
                                       const std::vector<FitResult>& lines) {
   RowsOfPieces rows(model);
@@ -90,7 +90,7 @@ std::vector<std::size_t> rowsOfPieces(const ReadoutModel& model, const std::vect
   return rows.count();
 }
 
-// By a fit, without its outliers.
+// By a fit, without outliers.
 std::vector<std::size_t> rowsOfPieces(const ReadoutModel& model, const std::vector<PressedTaxel>& taxels, const GroupedFit& fit) {
   RowsOfPieces rows(model);
   for (std::size_t t = 0; t < taxels.size(); ++t) {
@@ -101,17 +101,17 @@ std::vector<std::size_t> rowsOfPieces(const ReadoutModel& model, const std::vect
   return rows.count();
 }
 
-// A knot whose output a fit does not tell.
-std::optional<std::size_t> untoldKnot(const ReadoutModel& model, std::size_t num_taxels, const GroupedFit& fit) {
+// A knot whose output has too wide an interval.
+std::optional<std::size_t> undeterminedKnot(const ReadoutModel& model, std::size_t num_taxels, const GroupedFit& fit) {
   const std::vector<Eigen::VectorXd> no_own(num_taxels, Eigen::Vector3d::Zero());
   for (std::size_t knot = 0; knot < model.knots.size(); ++knot) {
-    if (knot != model.pinned_knot && !(fit.meanHalfWidth(no_own, outputAt(knot, model, fit.shared).gradient) < kTold * model.top))
+    if (knot != model.pinned_knot && !(fit.meanHalfWidth(no_own, outputAt(knot, model, fit.shared).gradient) < kMostHalfWidth * model.top))
       return knot;
   }
   return {};
 }
 
-// What the outputs come to at the largest forces, or near a share of them.
+// Largest median output of the taxels at forces near `share` times their largest force.
 double outputNear(const std::vector<PressedTaxel>& taxels, double share) {
   double output = 0;
   for (const PressedTaxel& taxel : taxels) {
@@ -125,7 +125,7 @@ double outputNear(const std::vector<PressedTaxel>& taxels, double share) {
   return output;
 }
 
-// Cuts the range into pieces, see the head of curve_pieces.h; returns the share of the largest force that the pinned knot is for.
+// Places the knots (see curve_pieces.h). Returns the share of the largest force at which the pinned knot lies.
 double cutIntoPieces(const std::vector<PressedTaxel>& taxels, std::size_t num_pieces, ReadoutModel& model) {
   double end = outputNear(taxels, 1), share = 1;
   std::size_t num_longer = 0;
@@ -150,7 +150,7 @@ double cutIntoPieces(const std::vector<PressedTaxel>& taxels, std::size_t num_pi
   return share;
 }
 
-// Noise (counts) by how far readings lie from the line between their neighbours in force, which no bend of the curve makes much of.
+// Noise (counts) from the distance of readings to the line between their neighbours in force; insensitive to the shape of the curve.
 double noiseOfNeighbours(const std::vector<PressedTaxel>& taxels, double top) {
   std::vector<double> apart;
   for (const PressedTaxel& taxel : taxels) {
@@ -165,11 +165,9 @@ double noiseOfNeighbours(const std::vector<PressedTaxel>& taxels, double top) {
       apart.push_back(std::abs(here.counts - line) / std::sqrt(1 + (1 - share) * (1 - share) + share * share));
     }
   }
-  constexpr double kMedianToDeviation = 1.482602;  // of a Gaussian
   return std::max(kLeastNoise, kMedianToDeviation * medianOf(std::move(apart)));
 }
 
-// A fit on its way.
 struct Attempt {
   ReadoutModel model;
   std::vector<FitResult> lines;
@@ -182,8 +180,8 @@ void fit(const std::vector<PressedTaxel>& taxels, Attempt& attempt) {
   attempt.found.fit = fitReadoutModel(taxels, attempt.lines, attempt.model, 0);
 }
 
-// Leaves out what is far from its neighbours in force: until the curve is about known, outliers would lead it astray.
-void leaveOutGross(std::vector<PressedTaxel>& taxels, double least) {
+// Removes readings more than `least` from the median of their neighbours in force: the fit is not robust before the curve is roughly known.
+void removeGrossOutliers(std::vector<PressedTaxel>& taxels, double least) {
   constexpr std::size_t kNeighbours = 5;  // on either side
   for (PressedTaxel& taxel : taxels) {
     std::vector<std::size_t> order = taxel.used;
@@ -201,7 +199,7 @@ void leaveOutGross(std::vector<PressedTaxel>& taxels, double least) {
   }
 }
 
-// Those that tell by a fit, but for what it is far from.
+// Selects the informative rows of a fit, without gross outliers.
 void chooseRows(Attempt& attempt, std::vector<PressedTaxel>& taxels, double least) {
   const ReadoutModel& model = attempt.model;
   const GroupedFit& fit = attempt.found.fit;
@@ -239,13 +237,13 @@ PiecesFit fitPieces(std::vector<PressedTaxel>& taxels, std::size_t num_pieces, s
     if (std::optional<FitResult> line = straightLine(low, model.top)) lines[t] = std::move(*line);
   }
   const double gross = std::max(kGrossNoise * model.noise, kGross * model.top);
-  leaveOutGross(taxels, gross);
+  removeGrossOutliers(taxels, gross);
   double deviation = model.top;
   const auto attemptFrom = [&](double begin, bool shows_below_zero) {
     Attempt attempt{.model = model, .lines = lines, .found = {}};
     attempt.model.shows_below_zero = shows_below_zero;
     for (FitResult& line : attempt.lines) {
-      // Through the same point at the end.
+      // Keeps the point at the end of the line.
       const double at_end = line.values[1] + end / std::max(line.values[0], 1e-30);
       const double first = shows_below_zero ? std::min(0.0, line.values[1]) : begin * std::max(0.0, line.values[1]);
       line.values = {end / (at_end - first), first};
@@ -258,7 +256,9 @@ PiecesFit fitPieces(std::vector<PressedTaxel>& taxels, std::size_t num_pieces, s
   std::vector<Attempt> attempts;
   for (const double begin : kBegins) attempts.push_back(attemptFrom(begin, false));
   attempts.push_back(attemptFrom(1, true));
-  const auto misfit = [&](const Attempt& a) { return cutSquares(a.found.fit, deviation) * (a.model.shows_below_zero ? kNotLightly : 1); };
+  const auto misfit = [&](const Attempt& a) {
+    return cutSquares(a.found.fit, deviation) * (a.model.shows_below_zero ? kNegativePenalty : 1);
+  };
   Attempt& best =
       *std::min_element(attempts.begin(), attempts.end(), [&](const Attempt& a, const Attempt& b) { return misfit(a) < misfit(b); });
   chooseRows(best, taxels, gross);
@@ -268,7 +268,7 @@ PiecesFit fitPieces(std::vector<PressedTaxel>& taxels, std::size_t num_pieces, s
     fit(taxels, best);
     num_rows = rowsOfPieces(best.model, taxels, best.found.fit);
     std::optional<std::size_t> knot = knotOfFewRows(best.model, num_rows);
-    if (!knot) knot = untoldKnot(best.model, taxels.size(), best.found.fit);
+    if (!knot) knot = undeterminedKnot(best.model, taxels.size(), best.found.fit);
     if (!knot) break;
     drop(*knot, best);
   }

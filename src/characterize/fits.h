@@ -1,5 +1,5 @@
-// What characterize() is made of: one function a kind of measurement. Each puts what it finds into `result`: sensor, estimates, quality and
-// figures. They run in the order in which they stand here, each with the sensor that those before have found.
+// The steps of characterize(), one function per kind of measurement. Each adds to the sensor, estimates, fit qualities and figures of
+// `result`, and uses the sensor as the steps before left it. characterize() calls them in this order.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,27 +11,31 @@
 
 namespace taxelsim {
 
-// One measurement of a kind; the kind's data are in it.
+// Measurements of one kind.
 using Measured = std::span<const Measurement* const>;
 
-// How far the point spread function may be off: at the ends of its 95 % interval. Without value where it was not measured.
+// The point spread function at the ends of its 95 % interval.
 struct PsfRange {
   Psf low;
   Psf high;
 };
 
-// (num_taxels): covariance of a taxel's gain and trigger (N), 0 where they are taken for known. Empty where all are.
-using ReadoutDoubt = std::vector<Eigen::Matrix2d>;
+// (num_taxels): covariance of each taxel's gain and trigger (N); 0 if they are known. Empty if all are known.
+using ReadoutCovariance = std::vector<Eigen::Matrix2d>;
 
-// curve, trigger, saturation, hysteresis, noise, taxel_gain, taxel_trigger, dead taxels. What a force leaves to its taxel is known as well
-// as the point spread function is.
-ReadoutDoubt fitReadout(Measured force_curves, const std::optional<PsfRange>& psf_range, Characterization& result);
-void fitPointSpread(Measured point_images, const ReadoutDoubt& doubt, Characterization& result);  // psf
-void fitStiffness(Measured force_depths, Characterization& result);                               // skin.normal_contact_stiffness
-void fitCreep(Measured step_responses, Characterization& result);                                 // readout.creep
-void fitStampImages(Measured stamp_images, Characterization& result);  // psf, readout's scale and creep, with the stamp's pose unknown
+// Fits curve, trigger, saturation, hysteresis, noise, taxel_gain, taxel_trigger and dead taxels. `psf_range` is the uncertainty of the
+// point spread function, if it was measured.
+ReadoutCovariance fitReadout(Measured force_curves, const std::optional<PsfRange>& psf_range, Characterization& result);
+// Fits psf.
+void fitPointSpread(Measured point_images, const ReadoutCovariance& covariance, Characterization& result);
+// Fits skin.normal_contact_stiffness.
+void fitStiffness(Measured force_depths, Characterization& result);
+// Fits readout.creep.
+void fitCreep(Measured step_responses, Characterization& result);
+// Fits psf, and the curve, gains and creep of the readout. The poses of the stamps are unknown.
+void fitStampImages(Measured stamp_images, Characterization& result);
 
-// The smallest kernel (taxels per side), not below `least`, that leaves out no more than 0.5 % of a sampled Gaussian of `sigma` (taxels).
+// Smallest kernel (taxels per side, at least `least`) that holds 99.5 % of a sampled Gaussian of `sigma` (taxels).
 int gaussianKernelSize(double sigma, int least);
 
 }  // namespace taxelsim

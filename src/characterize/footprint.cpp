@@ -30,7 +30,7 @@ Polygon rectangleOf(double length_x, double length_y) {
   return {{-x, -y}, {x, -y}, {x, y}, {-x, y}};
 }
 
-// What lies at side * (coordinate - bound) <= 0; I. Sutherland and G. Hodgman, Reentrant polygon clipping, 1974.
+// Keeps the half plane side * (coordinate - bound) <= 0; I. Sutherland and G. Hodgman, Reentrant polygon clipping, 1974.
 void clip(Polygon& polygon, std::size_t axis, double bound, double side, Polygon& scratch) {
   scratch.clear();
   for (std::size_t k = 0; k < polygon.size(); ++k) {
@@ -65,7 +65,7 @@ Polygon moved(Polygon polygon, const std::array<double, 2>& to, double yaw) {
 }
 
 double overlap(const Polygon& polygon, const std::array<double, 2>& low, const std::array<double, 2>& high) {
-  // A rectangle within the polygon, as most are: every corner left of every edge.
+  // Early exit for a rectangle inside the polygon: every corner is left of every edge.
   const auto isLeft = [&](double x, double y) {
     for (std::size_t k = 0; k < polygon.size(); ++k) {
       const std::array<double, 2>&a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
@@ -76,7 +76,7 @@ double overlap(const Polygon& polygon, const std::array<double, 2>& low, const s
   if (isLeft(low[0], low[1]) && isLeft(high[0], low[1]) && isLeft(high[0], high[1]) && isLeft(low[0], high[1])) {
     return (high[0] - low[0]) * (high[1] - low[1]);
   }
-  thread_local Polygon inside, scratch;  // kept, since there are many
+  thread_local Polygon inside, scratch;  // avoids allocations in the inner loop
   inside = polygon;
   for (std::size_t axis = 0; axis < 2; ++axis) {
     clip(inside, axis, low[axis], -1, scratch);
@@ -90,7 +90,7 @@ double overlap(const Polygon& polygon, const std::array<double, 2>& low, const s
   return std::max(0.0, twice / 2);
 }
 
-// Substituted h = depth u^2, which a lying cylinder's section, as sqrt(h), needs.
+// Gauss-Legendre quadrature in u with h = depth u^2, because the section of a cylinder grows as sqrt(h).
 std::vector<PressedSection> pressedSections(const Indenter& indenter, double exponent, double depth) {
   std::vector<PressedSection> sections;
   if (depth <= 0) return sections;

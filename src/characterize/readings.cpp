@@ -23,14 +23,14 @@ void undoReadout(const Sensor& sensor, const Images& images, Readings& readings)
     const double counts = std::min<double>(images.counts[k], readout.saturation);
     const double gain = reference::gainOf(readout, taxel);
     readings.num_saturated += counts == readout.saturation ? 1 : 0;
-    // nominalForce() is of the sensor's own trigger and gain 1.
+    // nominalForce() assumes the sensor's trigger and a gain of 1.
     const double at_curve = nominalForce(readout, counts) - readout.trigger;
     readings.force.push_back(counts > 0 && gain > 0 ? (at_curve + reference::triggerOf(readout, taxel)) / gain : 0);
   }
 }
 
-// What reads y after a step dt is x (1 + sum fraction (1 - d)) + sum fraction d state, d = exp(-dt / time), for a state of each term that x
-// then moves to x (1 - d) + state d.
+// Inverts the recursion of creep. After a step dt with d = exp(-dt / time) for each term, a force x reads
+// x (1 + sum fraction (1 - d)) + sum fraction d state, and the term's state becomes x (1 - d) + state d.
 void undoCreep(const Sensor& sensor, const Images& images, std::vector<double>& force) {
   const std::vector<CreepTerm>& terms = sensor.readout.creep;
   std::vector<double> states(images.num_taxels * terms.size(), 0.0);  // N
@@ -68,8 +68,7 @@ Readings readingsInNewtons(const Sensor& sensor, const Images& images, const Rea
     throw Error(ErrorKind::kInput,
                 "images of " + std::to_string(images.num_taxels) + " taxels, the sensor has " + std::to_string(numTaxels(sensor)));
   }
-  if (options.remove_creep && images.time.empty())
-    throw Error(ErrorKind::kInput, "creep cannot be removed without the times of the images");
+  if (options.remove_creep && images.time.empty()) throw Error(ErrorKind::kInput, "removing creep needs the times of the images");
   Readings readings;
   undoReadout(sensor, images, readings);
   if (options.remove_creep && !sensor.readout.creep.empty()) undoCreep(sensor, images, readings.force);

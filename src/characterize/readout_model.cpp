@@ -11,12 +11,12 @@
 namespace taxelsim {
 namespace {
 
-constexpr double kFarRange = 0.1;                           // of the range
-constexpr double kMostOfLimit = 0.999;                      // of the divider's limit: where the range may end
-constexpr double kWayBack = 0.2;                            // of the largest force: a fall that is a way back
-constexpr std::array<double, 3> kWidths{0.02, 0.06, 0.15};  // of the largest force, to look for the play's from
+constexpr double kFarRange = 0.1;                           // of the range: distance beyond its ends at which rows are uninformative
+constexpr double kMostOfLimit = 0.999;                      // upper bound of (end of the range) / (limit of the divider)
+constexpr double kUnloading = 0.2;                          // fall of the force that counts as unloading, of the largest force
+constexpr std::array<double, 3> kWidths{0.02, 0.06, 0.15};  // of the largest force: start values of the play's width
 
-// What is left of each row's force by the play of its taxel.
+// Effective force of each row after hysteresis.
 std::vector<double> playedForces(const PressedTaxel& taxel, double strength, double width) {
   std::vector<double> forces;
   forces.reserve(taxel.rows.size());
@@ -51,8 +51,8 @@ bool isBetter(const GroupedFit& fit, const GroupedFit& with_more, double more) {
   return isBetterFit(squaresOf(fit), squaresOf(with_more), more, static_cast<double>(with_more.degrees_of_freedom));
 }
 
-// Whether both intervals leave 0 out.
-bool hysteresisIsTold(const ReadoutModel& model, const GroupedFit& fit) {
+// True if both intervals exclude 0.
+bool isHysteresisIdentified(const ReadoutModel& model, const GroupedFit& fit) {
   const std::size_t s = model.lag();
   return fit.shared[s] > fit.halfWidth(s) && fit.shared[s + 1] > fit.halfWidth(s + 1);
 }
@@ -98,7 +98,7 @@ std::optional<FitResult> straightLine(const std::vector<Reading>& rows, double t
                  [&](std::size_t r, const double* p) { return p[0] * (inside[r].force - p[1]) - inside[r].counts; });
 }
 
-std::vector<std::size_t> rowsThatTell(const std::vector<Reading>& rows, const FitResult& line, double top, double noise) {
+std::vector<std::size_t> informativeRows(const std::vector<Reading>& rows, const FitResult& line, double top, double noise) {
   const double far = std::max(kFarNoise * noise, kFarRange * top);
   std::vector<std::size_t> used;
   for (std::size_t r = 0; r < rows.size(); ++r) {
@@ -123,7 +123,7 @@ GroupedFit fitReadoutModel(const std::vector<PressedTaxel>& taxels, const std::v
   for (std::size_t t = 0; t < taxels.size(); ++t) {
     const double force = largestForce(taxels[t].rows);
     const std::vector<double>& start = lines[t].values;
-    // Pieces would use a trigger below 0, which no readout has, to shift their knots.
+    // A negative trigger is unphysical and would let pieces shift their knots.
     const double least = model.knots.empty() || model.shows_below_zero ? -force : 0;
     problem.own.push_back({{.start = start[0], .scale = std::max(start[0], 1e-9), .low = 0},
                            {.start = start[1], .scale = force, .low = least, .high = force},
@@ -140,13 +140,13 @@ GroupedFit fitReadoutModel(const std::vector<PressedTaxel>& taxels, const std::v
   return fitGroups(problem);
 }
 
-bool hasWayBack(const std::vector<Reading>& rows) {
+bool hasUnloading(const std::vector<Reading>& rows) {
   double highest = rows.front().force, fall = 0;
   for (const Reading& row : rows) {
     highest = std::max(highest, row.force);
     fall = std::max(fall, highest - row.force);
   }
-  return fall > kWayBack * largestForce(rows);
+  return fall > kUnloading * largestForce(rows);
 }
 
 GroupedFit withHysteresisAndDrift(const std::vector<PressedTaxel>& taxels, const std::vector<FitResult>& lines, ReadoutModel& model,
@@ -154,17 +154,17 @@ GroupedFit withHysteresisAndDrift(const std::vector<PressedTaxel>& taxels, const
   double most = 0;
   for (const PressedTaxel& taxel : taxels) most = std::max(most, largestForce(taxel.rows) * taxel.share);
   const auto widthOf = [&] { return model.hysteresis ? fit.shared[model.lag() + 1] / most : 0; };
-  if (std::any_of(taxels.begin(), taxels.end(), [](const PressedTaxel& taxel) { return hasWayBack(taxel.rows); })) {
+  if (std::any_of(taxels.begin(), taxels.end(), [](const PressedTaxel& taxel) { return hasUnloading(taxel.rows); })) {
     ReadoutModel with = model;
     with.hysteresis = true;
     for (const double width : kWidths) {
       GroupedFit other = fitReadoutModel(taxels, lines, with, width);
       const bool better = model.hysteresis ? squaresOf(other) < squaresOf(fit) : isBetter(fit, other, 2);
-      if (!hysteresisIsTold(with, other) || !better) continue;
+      if (!isHysteresisIdentified(with, other) || !better) continue;
       fit = std::move(other);
       model = with;
     }
-    // A drift looks like hysteresis in part: with both at hand, what is not needed goes.
+    // Drift and hysteresis are partly confounded: after adding drift, tests whether hysteresis is still needed.
     with = model;
     with.drifts = true;
     GroupedFit drifting = fitReadoutModel(taxels, lines, with, widthOf());
@@ -173,17 +173,17 @@ GroupedFit withHysteresisAndDrift(const std::vector<PressedTaxel>& taxels, const
       model = with;
       with.hysteresis = false;
       drifting = model.hysteresis ? fitReadoutModel(taxels, lines, with, 0) : fit;
-      if (model.hysteresis && !(hysteresisIsTold(model, fit) && isBetter(drifting, fit, 2))) {
+      if (model.hysteresis && !(isHysteresisIdentified(model, fit) && isBetter(drifting, fit, 2))) {
         fit = std::move(drifting);
         model = with;
       }
     }
   }
-  // The noise that bends the model where it is clipped was a guess; now it is known. What hysteresis it made up goes.
+  // Refits with the estimated noise, which determines the means of clipped readings, and drops hysteresis that is no longer significant.
   if (const ReadingNoise noise = noiseOf(taxels, model, fit); noise.deviation > kLeastNoise) {
     model.noise = noise.deviation;
     fit = fitReadoutModel(taxels, lines, model, widthOf());
-    if (model.hysteresis && !hysteresisIsTold(model, fit)) {
+    if (model.hysteresis && !isHysteresisIdentified(model, fit)) {
       model.hysteresis = false;
       fit = fitReadoutModel(taxels, lines, model, 0);
     }

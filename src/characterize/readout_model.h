@@ -1,11 +1,13 @@
-// The model of force on single taxels against output; paper, section III.B and figure 5. Of a taxel that is pressed by F, of which the
-// point spread function leaves the share w to it,
-//   x = w [(1 - s) F + s play(F)],  y = P(gain x - trigger),  counts = clip(y / (1 + y / L)),
-// s and play being the readout's hysteresis, P a polynomial that begins with S counts/N, L the limit of a voltage divider. What is fitted
-// to a taxel is its slope a = S gain w (counts/N) and the first force f that shows (N): with z = a (F - f) and K the end of the range,
-// y = z (1 + b2 z/K + b3 (z/K)^2 + ...). Where its zero drifts, f moves by d (N) from the first row to the last. Or y goes straight from
-// (0, 0) from knot to knot and at one of them, of z = Z, is Z: S is then the slope of the chord up to there, and shared are the rises of
-// the pieces relative to that of the one that rises most. The b or rises, K/L, s and the play's width are common to all taxels.
+// Model of the output of single taxels as a function of force; paper, section III.B and figure 5. For a force F on a taxel,
+//   x = w [(1 - s) F + s play(F)],  y = P(gain x - trigger),  counts = clip(y / (1 + y / L)).
+// w: share of the force that the point spread function leaves on the taxel. s, play: hysteresis. P: polynomial with slope S counts/N at 0.
+// L: limit of a voltage divider.
+//
+// Parameters of each taxel: slope a = S gain w (counts/N), first force with an output f (N), and the drift of f over the measurement d (N).
+// With z = a (F - f) and the end of the range K, a polynomial is y = z (1 + b2 z/K + b3 (z/K)^2 + ...).
+// A piecewise linear curve starts at (0, 0) and passes (Z, Z) at one knot, the pinned one: S is the slope of the chord up to it. Its
+// parameters are the rises of the pieces relative to the largest rise.
+// Shared by all taxels: b2, b3, ... or the rises; K/L; s; the width of the play.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +18,7 @@
 
 namespace taxelsim {
 
-// Of a taxel, between trigger and saturation: two parameters, and something to judge them by. Of a straight piece of the curve as many.
+// Rows that a taxel needs between trigger and saturation, and that a piece of the curve needs.
 inline constexpr std::size_t kLeastReadings = 4;
 
 struct Reading {
@@ -27,9 +29,9 @@ struct Reading {
 struct PressedTaxel {
   int taxel = 0;
   double share = 1;               // w
-  double share_half_width = 0;    // of its 95 % interval, with a sign: all taxels' shares rise or fall together
-  std::vector<Reading> rows;      // in the order in which they were taken
-  std::vector<std::size_t> used;  // rows that tell anything
+  double share_half_width = 0;    // of its 95 % interval, with a sign: the shares of all taxels are correlated
+  std::vector<Reading> rows;      // in order of time
+  std::vector<std::size_t> used;  // informative rows
 };
 
 struct ReadoutModel {
@@ -40,11 +42,11 @@ struct ReadoutModel {
   double top = 0;             // counts
   double noise = 1;           // counts
 
-  std::vector<double> knots{};     // where straight pieces end, counts of z, > 0 and rising; none: a polynomial
-  std::size_t pinned_knot = 0;     // that of Z
-  std::size_t steepest_piece = 0;  // whose rise is 1; those of the others are the shared values, before K/L
+  std::vector<double> knots{};     // ends of straight pieces, in z (counts), > 0 and rising; empty: a polynomial
+  std::size_t pinned_knot = 0;     // the knot of Z
+  std::size_t steepest_piece = 0;  // has a relative rise of 1; the rises of the others are shared values, before K/L
 
-  bool shows_below_zero = false;  // pieces only: first forces may be < 0, as of a load cell whose zero is off
+  bool shows_below_zero = false;  // pieces only: first forces may be < 0, for a load cell with a zero offset
 
   // Counts before noise and clipping.
   double output(double z, const double* shared) const {
@@ -54,11 +56,11 @@ struct ReadoutModel {
     const double y = z * factor;
     return divider && y > 0 ? y / (1 + y * shared[num_bends] / top) : y;
   }
-  // Whether the output rises from 0 on to `last`, or to the end of the range, as a readout's must.
+  // True if the output rises strictly from z = 0 to `last` or to the end of the range.
   bool rises(double last, const double* shared) const;
-  std::size_t lag() const { return (knots.empty() ? num_bends : knots.size() - 1) + (divider ? 1 : 0); }  // where s stands
+  std::size_t lag() const { return (knots.empty() ? num_bends : knots.size() - 1) + (divider ? 1 : 0); }  // index of s
 
-  // Relative to that of the piece that rises most.
+  // Relative to the largest rise.
   double rise(std::size_t piece, const double* shared) const {
     return piece == steepest_piece ? 1 : shared[piece < steepest_piece ? piece : piece - 1];
   }
@@ -74,27 +76,27 @@ struct ReadingNoise {
 
 double largestForce(const std::vector<Reading>& rows);
 
-// Slope and first force by a straight line through the rows inside the range, robustly: to begin with. None where there are too few.
+// Robust straight-line fit to the unclipped rows: slope and first force, as start values. None if there are fewer than kLeastReadings.
 std::optional<FitResult> straightLine(const std::vector<Reading>& rows, double top);
 
-// Deep under the trigger and far over the end every slope reads the same.
-std::vector<std::size_t> rowsThatTell(const std::vector<Reading>& rows, const FitResult& line, double top, double noise);
+// Rows that are not deep below the trigger or far above the end of the range, where the output does not depend on the parameters.
+std::vector<std::size_t> informativeRows(const std::vector<Reading>& rows, const FitResult& line, double top, double noise);
 
 GroupedFit fitReadoutModel(const std::vector<PressedTaxel>& taxels, const std::vector<FitResult>& lines, const ReadoutModel& model,
                            double width);
 
-// The fit with hysteresis and with drift, `model` saying which, where they are better than chance; both need a force that goes up and
-// down. What is noise beside the ends of the range is found on the way.
+// Adds hysteresis and drift to the model if they improve the fit significantly; both need loading and unloading. Also updates the noise and
+// refits.
 GroupedFit withHysteresisAndDrift(const std::vector<PressedTaxel>& taxels, const std::vector<FitResult>& lines, ReadoutModel& model,
                                   GroupedFit fit);
 
-// Whether the force comes back far enough to tell the ways apart.
-bool hasWayBack(const std::vector<Reading>& rows);
+// True if the force falls by more than 20 % of the largest force.
+bool hasUnloading(const std::vector<Reading>& rows);
 
-// Whether the polynomial rises over the range, as a readout must.
+// True if the fitted curve rises over the range.
 bool rises(const ReadoutModel& model, const GroupedFit& fit, const std::vector<PressedTaxel>& taxels);
 
-// Pooled over the rows that nothing clips.
+// Pooled over unclipped rows.
 ReadingNoise noiseOf(const std::vector<PressedTaxel>& taxels, const ReadoutModel& model, const GroupedFit& fit);
 
 }  // namespace taxelsim

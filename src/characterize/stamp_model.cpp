@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "characterize/clipped_mean.h"
-#include "characterize/footprint.h"
+#include "characterize/stamp_press.h"
 #include "reference/readout.h"
 
 namespace taxelsim {
@@ -15,14 +15,13 @@ namespace {
 using namespace stamp_own;
 using namespace stamp_shared;
 
-constexpr double kLeastSlope = 0.3;     // cosine between stamp and taxel below which it is not touched
 constexpr double kMostTilt = 0.05;      // rad
-constexpr double kPlane = 1e-6;         // m and rad: a skin more even than that is plane
-constexpr double kMostOfLimit = 0.999;  // of the divider's limit: where the range may end
-constexpr double kMostBend = 100;       // at the end of the range, of the straight line
+constexpr double kPlane = 1e-6;         // m and rad: deviation up to which a skin counts as plane
+constexpr double kMostOfLimit = 0.999;  // upper bound of (end of the range) / (limit of the divider)
+constexpr double kMostBend = 100;       // upper bound of the quadratic term at the end of the range, relative to the linear one
 constexpr int kMaxKernelReach = kMaxKernelSize / 2;
 
-// Between taxels of one grid in taxels, without those that no kernel reaches; between taxels of a list along the skin.
+// In taxels within a grid, infinite beyond the largest kernel; in metres along the skin for a list of taxels.
 Eigen::MatrixXd squaredDistances(const Sensor& sensor) {
   const auto count = static_cast<Eigen::Index>(numTaxels(sensor));
   Eigen::MatrixXd squares = Eigen::MatrixXd::Constant(count, count, std::numeric_limits<double>::infinity());
@@ -59,94 +58,18 @@ bool isPlane(const Sensor& sensor) {
   });
 }
 
-// Force on each taxel, N, under a stamp that is pressed as deep as carries its load; all 0 where it meets no taxel.
-std::vector<double> forcesUnder(const StampModel& model, const Stamp& stamp, const double* own, double stiffness) {
-  const Vector3 n_S{-own[kSlopeX], -own[kSlopeY], 1};
-  const Polygon outline = moved(sectionOf(stamp.data->indenter, 0), {own[kX], own[kY]}, own[kYaw]);
-  const std::size_t num_patches = model.X_PS.size();
-  std::vector<Polygon> outline_P(num_patches);
-  std::vector<Vector3> n_P(num_patches), middle_P(num_patches);
-  std::vector<std::array<double, 2>> low_P(num_patches, {1e300, 1e300}), high_P(num_patches, {-1e300, -1e300});
-  for (std::size_t p = 0; p < num_patches; ++p) {
-    n_P[p] = rotate(model.X_PS[p].rotation, n_S);
-    middle_P[p] = model.X_PS[p] * Vector3{own[kX], own[kY], 0};
-    if (n_P[p][2] < kLeastSlope) continue;
-    for (const auto& corner : outline) {
-      const double z = own[kSlopeX] * (corner[0] - own[kX]) + own[kSlopeY] * (corner[1] - own[kY]);
-      const Vector3 corner_P = model.X_PS[p] * Vector3{corner[0], corner[1], z};
-      outline_P[p].push_back({corner_P[0], corner_P[1]});
-      for (std::size_t axis = 0; axis < 2; ++axis) {
-        low_P[p][axis] = std::min(low_P[p][axis], corner_P[axis]);
-        high_P[p][axis] = std::max(high_P[p][axis], corner_P[axis]);
-      }
-    }
-  }
-  struct Cell {
-    int taxel;
-    double area;    // m^2, covered
-    double height;  // m, of the face over the skin along the taxel's normal, before the stamp is let down
-    double rate;    // m of height per m down
-  };
-  std::vector<Cell> cells;
-  double deepest = -1e300;
-  for (const reference::Sample& sample : model.samples) {
-    const auto p = static_cast<std::size_t>(sample.patch);
-    if (outline_P[p].empty()) continue;
-    const double x = sample.position_P[0], y = sample.position_P[1];
-    const auto& half = model.half_cell[p];
-    if (x + half[0] <= low_P[p][0] || x - half[0] >= high_P[p][0] || y + half[1] <= low_P[p][1] || y - half[1] >= high_P[p][1]) continue;
-    const double area = overlap(outline_P[p], {x - half[0], y - half[1]}, {x + half[0], y + half[1]});
-    if (area <= 0) continue;
-    const Vector3& n = n_P[p];
-    const double height = middle_P[p][2] - (n[0] * (x - middle_P[p][0]) + n[1] * (y - middle_P[p][1])) / n[2];
-    cells.push_back({sample.taxel, area, height, 1 / n[2]});
-    deepest = std::max(deepest, -height * n[2]);
-  }
-  std::vector<double> force(model.gain.size(), 0.0);
-  if (cells.empty()) return force;
-  const double exponent = model.foundation.normal_exponent;
-  // Force and its growth per m down: convex, so that Newton's steps from a depth that is too large never pass the right one.
-  const auto press = [&](double down) {
-    std::array<double, 2> sum{0, 0};
-    for (const Cell& cell : cells) {
-      const double depth = down * cell.rate - cell.height;
-      if (depth <= 0) continue;
-      const double below = exponent == 1 ? 1 : std::pow(depth, exponent - 1);
-      sum[0] += cell.area * stiffness * below * depth;
-      sum[1] += cell.area * stiffness * exponent * below * cell.rate;
-    }
-    return sum;
-  };
-  double high = -deepest + 1e-4;
-  while (press(high)[0] < stamp.data->load && high < 1) high = -deepest + 2 * (high + deepest);
-  for (int round = 0; round < 30; ++round) {
-    const auto [sum, growth] = press(high);
-    const double step = (sum - stamp.data->load) / growth;
-    if (!(step > 1e-13)) break;
-    high -= step;
-  }
-  for (const Cell& cell : cells) {
-    const double depth = high * cell.rate - cell.height;
-    if (depth > 0) force[static_cast<std::size_t>(cell.taxel)] += cell.area * stiffness * std::pow(depth, exponent);
-  }
-  const double off = stamp.data->load / std::max(press(high)[0], 1e-300);
-  for (double& value : force) value *= off;
-  return force;
-}
-
-// What the derivatives ask for again and again: weights per source, columns of sum 1, of the sigmas asked for last, and forces under each
-// stamp where it lay last.
-class Memory {
+// Caches the last forces under each stamp and the kernel weights of the last sigmas: numerical derivatives change one parameter at a time.
+class ForceCache {
  public:
-  explicit Memory(const StampModel& model) : model_(model), pressed_(model.stamps.size()) {}
+  explicit ForceCache(const StampModel& model) : model_(model), pressed_(model.stamps.size()) {}
 
   // Force on each taxel after the spread, N.
   const std::vector<double>& spread(std::size_t stamp, const double* own, double stiffness, double sigma) {
     const std::array<double, 6> at{own[kX], own[kY], own[kYaw], own[kSlopeX], own[kSlopeY], stiffness};
     Pressed& pressed = pressed_[stamp];
-    const bool lies_there = !pressed.force.empty() && pressed.at == at;
-    if (lies_there && pressed.sigma == sigma) return pressed.spread;
-    if (!lies_there) pressed.force = forcesUnder(model_, model_.stamps[stamp], own, stiffness);
+    const bool is_same_pose = !pressed.force.empty() && pressed.at == at;
+    if (is_same_pose && pressed.sigma == sigma) return pressed.spread;
+    if (!is_same_pose) pressed.force = forcesUnder(model_, model_.stamps[stamp], own, stiffness);
     pressed.at = at;
     pressed.sigma = sigma;
     pressed.spread.assign(pressed.force.size(), 0);
@@ -165,6 +88,7 @@ class Memory {
     std::vector<double> force{}, spread{};  // (num_taxels), N
   };
 
+  // (taxels x sources); columns sum to 1.
   const Eigen::MatrixXd& weightsOf(double sigma) {
     for (const auto& [known, matrix] : last_) {
       if (known == sigma) return matrix;
@@ -182,7 +106,7 @@ class Memory {
   std::vector<std::pair<double, Eigen::MatrixXd>> last_;
 };
 
-// A parameter that stays is one whose bounds are its value.
+// Equal bounds make a parameter constant.
 FitParameter fixedAt(double value) {
   return {.start = value, .scale = 1, .low = value, .high = value};
 }
@@ -197,7 +121,7 @@ std::vector<FitParameter> sharedParameters(const StampModel& model, const std::v
       freeFrom(start[kSigma], 0.1 * unit, 0.15 * unit, 4 * unit), freeFrom(start[kScale], start[kScale], 0, 1e12),
       freeFrom(start[kTrigger], 10, 0, 1e6),
       model.is_plane ? fixedAt(start[kStiffness]) : freeFrom(start[kStiffness], 1, start[kStiffness] - 5, start[kStiffness] + 5)};
-  // Presses that differ explain what the curve leaves: beside them it stays.
+  // Press gains and curve parameters are confounded: the curve is constant while press gains are fitted.
   const auto curveParameter = [&](double high) {
     const double value = parameters.size() < start.size() ? start[parameters.size()] : 0;
     parameters.push_back(model.press_spread > 0 ? fixedAt(value) : freeFrom(value, 1, 0, high));
@@ -267,16 +191,16 @@ StampFit fitStampModel(const StampModel& model, const std::vector<double>& share
     problem.own.emplace_back();
     problem.num_rows.push_back(loaded.size());
   }
-  Memory memory(model);
+  ForceCache forces(model);
   const double noise = std::max(kLeastNoise, model.curve.noise);
   problem.residuals = [&](std::size_t g, const double* values, const double* own, double* residuals) {
     const double* const gains = values + gains_at;
     if (g == model.stamps.size()) {
-      // What is known before: gains are 1, give or take.
+      // Prior: gains are close to their known values.
       for (const std::size_t t : loaded) *residuals++ = noise * (gains[t] - model.gain[t]) / kGainDeviation;
       return;
     }
-    const std::vector<double>& force = memory.spread(g, own, std::exp(values[kStiffness]), values[kSigma]);
+    const std::vector<double>& force = forces.spread(g, own, std::exp(values[kStiffness]), values[kSigma]);
     for (const std::size_t t : model.stamps[g].taxels) {
       const double z = gains[t] * own[kPress] * values[kScale] * force[t] - values[kTrigger];
       *residuals++ = clippedMean(model.curve.output(z, values + kCurve), noise, model.curve.top) - model.stamps[g].image[t];
@@ -286,7 +210,7 @@ StampFit fitStampModel(const StampModel& model, const std::vector<double>& share
   StampFit result{.fit = fitGroups(problem), .force = {}};
   for (std::size_t g = 0; g < model.stamps.size(); ++g) {
     const std::vector<double>& own = result.fit.own[g];
-    result.force.push_back(memory.spread(g, own.data(), std::exp(result.fit.shared[kStiffness]), result.fit.shared[kSigma]));
+    result.force.push_back(forces.spread(g, own.data(), std::exp(result.fit.shared[kStiffness]), result.fit.shared[kSigma]));
     for (double& force : result.force.back()) force *= own[kPress];
   }
   return result;

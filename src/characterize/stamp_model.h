@@ -1,8 +1,8 @@
-// The model of images under flat stamps with dead weights, which lie where they lie. A stamp presses an elastic foundation (Skin) as deep
-// as carries the weight; of a taxel's cells, samples_per_taxel per side, counts what the stamp covers. The forces spread as a Gaussian, and
-// of what a taxel gets, F, it reads
-//   counts = clip(ReadoutModel::output(gain press scale F - trigger)),
-// its gain, about 1, being common to all images and `press`, about 1, to all taxels of an image.
+// Model of images under flat stamps with dead weights at unknown poses. A stamp sinks into an elastic foundation (Skin) until it carries
+// the weight; a taxel's force is summed over its cells (samples_per_taxel per side) that the stamp covers. A Gaussian spreads the forces,
+// and a taxel with force F reads
+//   counts = clip(ReadoutModel::output(gain press scale F - trigger)).
+// `gain`, about 1, is the same in all images; `press`, about 1, is the same for all taxels of an image.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,13 +20,13 @@
 
 namespace taxelsim {
 
-// A stamp's own parameters: x, y (m), yaw (rad), slopes of its face along x and y of S, gain of this press.
+// Indices of a stamp's own parameters: x, y (m), yaw (rad), slopes of its face along x and y of S, gain of this press.
 namespace stamp_own {
 inline constexpr std::size_t kX = 0, kY = 1, kYaw = 2, kSlopeX = 3, kSlopeY = 4, kPress = 5;
 }  // namespace stamp_own
 
-// Parameters that all stamps share: sigma (taxels; m of a list), scale (counts/N), trigger (counts), logarithm of the stiffness, then what
-// ReadoutModel has for its curve, then the gains of all taxels.
+// Indices of the shared parameters: sigma (taxels; m for a list), scale (counts/N), trigger (counts), log(stiffness), curve parameters of
+// ReadoutModel, gains of all taxels.
 namespace stamp_shared {
 inline constexpr std::size_t kSigma = 0, kScale = 1, kTrigger = 2, kStiffness = 3, kCurve = 4;
 }  // namespace stamp_shared
@@ -36,20 +36,20 @@ struct Stamp {
   const StampImages* data = nullptr;
   CreepSeries sum{};                  // of counts
   std::vector<double> image{};        // (num_taxels), counts
-  std::vector<std::size_t> taxels{};  // that are fitted
+  std::vector<std::size_t> taxels{};  // fitted taxels
 };
 
 struct StampModel {
   explicit StampModel(const Sensor& sensor);
 
-  std::size_t gainsAt() const { return stamp_shared::kCurve + curve.lag(); }  // where the gains begin
+  std::size_t gainsAt() const { return stamp_shared::kCurve + curve.lag(); }  // index of the first gain
   bool isListOfTaxels() const { return isTaxelList(*sensor); }
-  // Standard size of sigma: 1 taxel, or a taxel's length.
+  // Unit of sigma: 1 taxel, or the length of a taxel (m).
   double sigmaUnit() const { return isListOfTaxels() ? sensor->patches[0].pitch[0] : 1; }
 
-  // Which readings are fitted: all of live taxels, or those between the ends.
+  // Selects the readings to fit: those of all live taxels, or unclipped ones only.
   void chooseTaxels(bool all);
-  // Whether a taxel reads anything in any image.
+  // True if a live taxel reads more than 0 in any image.
   bool isLoaded(std::size_t taxel) const;
 
   const Sensor* sensor;
@@ -57,28 +57,28 @@ struct StampModel {
   std::vector<reference::Sample> samples;
   std::vector<std::array<double, 2>> half_cell;  // (patches), m
   std::vector<Pose> X_PS;                        // (patches)
-  Eigen::MatrixXd squared_distance;              // (num_taxels x num_taxels), taxels^2 or m^2; infinite beyond the reach
-  std::vector<double> gain;                      // (num_taxels), as far as known; 0: dead
+  Eigen::MatrixXd squared_distance;              // (num_taxels x num_taxels), taxels^2 or m^2; infinite beyond the largest kernel
+  std::vector<double> gain;                      // (num_taxels), prior values; 0: dead
   std::vector<Stamp> stamps;
-  ReadoutModel curve;  // its bends and divider, the end of the range and the noise
+  ReadoutModel curve;  // curve, end of the range and noise
   bool is_plane;
   bool with_gains = false;
   bool with_tilt = false;
-  double press_spread = 0;  // of the gain of a press; 0: not fitted
+  double press_spread = 0;  // prior standard deviation of press gains; 0: not fitted
 };
 
-inline constexpr double kGainDeviation = 0.1;  // of taxels' gains about 1, before anything was measured
+inline constexpr double kGainDeviation = 0.1;  // prior standard deviation of taxel gains
 
 struct StampFit {
-  GroupedFit fit;                          // groups: stamps; with gains one more, of what was known of these
-  std::vector<std::vector<double>> force;  // (stamps, num_taxels): after the spread, N, with the gain of the press
-  std::optional<GroupedFit> curve{};       // that the curve's bends were found by: with presses alike
+  GroupedFit fit;                          // groups: stamps, and with gains one more for their prior
+  std::vector<std::vector<double>> force;  // (stamps, num_taxels), N: after the spread, times the press gain
+  std::optional<GroupedFit> curve{};       // fit that determined the curve, with equal press gains
 };
 
-// A fit of the model, begun at these values; shared ones that it lacks begin at none.
+// Fits the model from these start values; missing shared values get defaults.
 StampFit fitStampModel(const StampModel& model, const std::vector<double>& shared_start, const std::vector<std::vector<double>>& own_start);
 
-// What a taxel counts, before noise and clipping, of a force after the spread (N) times a gain.
+// Output (counts) before noise and clipping for a force (N) after the spread, times the gains.
 double outputOf(const StampModel& model, const std::vector<double>& shared_values, double force);
 
 }  // namespace taxelsim

@@ -1,4 +1,5 @@
-// Force against penetration depth: F = k integral of (depth - offset - h)^n over the indenter's section; paper, section III.C and figure 6.
+// Fits the stiffness of an elastic foundation to force against penetration depth: F = k integral of (depth - offset - h)^n over the
+// indenter's cross section; paper, section III.C and figure 6.
 #include <algorithm>
 #include <cmath>
 
@@ -12,7 +13,7 @@ namespace taxelsim {
 namespace {
 
 constexpr std::size_t kLeastRows = 4;
-constexpr std::size_t kMaxRows = 20000;  // more are thinned evenly
+constexpr std::size_t kMaxRows = 20000;  // of a measurement; longer ones are subsampled evenly
 constexpr std::size_t kMaxDots = 2000;
 
 struct Row {
@@ -61,20 +62,17 @@ FitFigure figureOf(Measured measurements, const std::vector<Row>& rows, const Fi
   return figure;
 }
 
-}  // namespace
+// Start values and bounds: stiffness, then the contact offset of each measurement. The offset starts at the first depth with more than 1 %
+// of the largest force; the stiffness then follows from the largest force.
+struct Start {
+  std::vector<FitParameter> parameters = std::vector<FitParameter>(1);
+  double deepest = 0;  // m, after contact
+};
 
-void fitStiffness(Measured measurements, Characterization& result) {
-  const std::string file = measurements.front()->file.generic_string();
-  auto* const law = std::get_if<Winkler>(&result.sensor.skin.law);
-  if (law == nullptr) throw Error(ErrorKind::kInput, file + ": only skins of law winkler can be fitted to force against depth");
-  const std::vector<Row> rows = rowsOf(measurements);
-  double most_force = 0;
-  for (const Row& row : rows) most_force = std::max(most_force, row.force);
-
-  // Where contact may begin: from the start of the travel to where a tenth of the force is reached. The stiffness to begin with is that
-  // which carries the largest force over the travel from the first depth that carries a hundredth of it.
-  std::vector<FitParameter> parameters(1);
-  double deepest = 0;
+Start startOf(Measured measurements, const std::vector<Row>& rows, const Winkler& law) {
+  Start start;
+  FitParameter& stiffness = start.parameters[0];
+  std::vector<FitParameter> offsets;
   for (std::size_t m = 0; m < measurements.size(); ++m) {
     double first = 1e300, last = -1e300, touch = 1e300, force = 0;
     for (const Row& row : rows) {
@@ -85,49 +83,67 @@ void fitStiffness(Measured measurements, Characterization& result) {
       if (row.measurement == m && row.force > 0.01 * force) touch = std::min(touch, row.depth);
     }
     const double travel = last - first;
-    if (!(force > 0) || !(travel > 0))
+    if (!(force > 0) || !(travel > 0)) {
       throw Error(ErrorKind::kInput,
-                  measurements[m]->file.generic_string() + ": nothing is pressed: the force or the depth is the same in all rows");
-    parameters.push_back({.start = touch, .scale = travel, .low = first - 10 * travel, .high = last});
-    deepest = std::max(deepest, last - touch);
-    const double volume = volumeUnder(std::get<ForceDepth>(measurements[m]->data).indenter, law->normal_exponent, last - touch);
-    parameters[0].start = volume > 0 ? force / volume : law->normal_contact_stiffness;
+                  measurements[m]->file.generic_string() + ": no press: the force or the depth is constant, or no force is above 0");
+    }
+    offsets.push_back({.start = touch, .scale = travel, .low = first - 10 * travel, .high = last});
+    start.deepest = std::max(start.deepest, last - touch);
+    const double volume = volumeUnder(std::get<ForceDepth>(measurements[m]->data).indenter, law.normal_exponent, last - touch);
+    stiffness.start = volume > 0 ? force / volume : law.normal_contact_stiffness;
   }
-  parameters[0].scale = parameters[0].start;
-  parameters[0].low = 0;
+  stiffness.scale = stiffness.start;
+  stiffness.low = 0;
+  start.parameters.insert(start.parameters.end(), offsets.begin(), offsets.end());
+  return start;
+}
+
+// False if the value is not identifiable.
+bool report(const FitResult& fit, std::size_t p, std::string parameter, std::string unit, Characterization& result) {
+  const double half = fit.halfWidth(p);
+  const bool determined = std::isfinite(half);
+  result.estimates.push_back({.parameter = std::move(parameter),
+                              .unit = std::move(unit),
+                              .determined = determined,
+                              .value = fit.values[p],
+                              .low = fit.values[p] - half,
+                              .high = fit.values[p] + half,
+                              .remark = determined ? "" : "stiffness and contact offset cannot be separated"});
+  return determined;
+}
+
+// A skin is at least as thick as it was pressed deep.
+void reportThickness(double deepest, Characterization& result) {
+  double& thickness = result.sensor.skin.thickness;
+  const std::string pressed = "pressed " + numberText(std::round(deepest * 1e6) / 1e3) + " mm deep";
+  const bool is_thicker = deepest > thickness;
+  result.estimates.push_back(
+      {.parameter = "skin.thickness",
+       .unit = "m",
+       .remark = is_thicker ? pressed + ", more than the thickness in the sensor file: thickness raised to this depth"
+                            : pressed + " without reaching the base: keeps the sensor file's " + numberText(thickness * 1e3) + " mm"});
+  if (is_thicker) thickness = deepest;
+}
+
+}  // namespace
+
+void fitStiffness(Measured measurements, Characterization& result) {
+  const std::string file = measurements.front()->file.generic_string();
+  auto* const law = std::get_if<Winkler>(&result.sensor.skin.law);
+  if (law == nullptr) throw Error(ErrorKind::kInput, file + ": force_depth needs a sensor with skin.law winkler");
+  const std::vector<Row> rows = rowsOf(measurements);
+  const Start start = startOf(measurements, rows, *law);
   if (rows.size() < kLeastRows + measurements.size()) {
-    throw Error(ErrorKind::kInput, file + ": " + std::to_string(rows.size()) + " rows are not enough: at least " +
-                                       std::to_string(kLeastRows + measurements.size()));
+    throw Error(ErrorKind::kInput, file + ": " + std::to_string(rows.size()) + " rows found, at least " +
+                                       std::to_string(kLeastRows + measurements.size()) + " needed");
   }
-  const FitResult fit = fitRows(rows.size(), parameters, [&](std::size_t r, const double* p) {
+  const FitResult fit = fitRows(rows.size(), start.parameters, [&](std::size_t r, const double* p) {
     return p[0] * volumeUnder(*rows[r].indenter, law->normal_exponent, rows[r].depth - p[1 + rows[r].measurement]) - rows[r].force;
   });
-
-  const auto add = [&](std::string parameter, std::string unit, std::size_t p) {
-    const double half = fit.halfWidth(p);
-    const bool determined = std::isfinite(half);
-    result.estimates.push_back({.parameter = std::move(parameter),
-                                .unit = std::move(unit),
-                                .determined = determined,
-                                .value = fit.values[p],
-                                .low = fit.values[p] - half,
-                                .high = fit.values[p] + half,
-                                .remark = determined ? "" : "the rows do not tell stiffness and contact apart"});
-    return determined;
-  };
   const std::string unit = law->normal_exponent == 1 ? "N/m^3" : "Pa/m^" + numberText(law->normal_exponent);
-  if (add("skin.normal_contact_stiffness", unit, 0)) law->normal_contact_stiffness = fit.values[0];
-  for (std::size_t m = 0; m < measurements.size(); ++m) add(measurements[m]->name + ".contact_offset", "m", 1 + m);
-  result.estimates.push_back({.parameter = "skin.thickness",
-                              .unit = "m",
-                              .remark = "pressed " + numberText(std::round(deepest * 1e6) / 1e3) +
-                                        " mm deep without meeting its end: the sensor file's " +
-                                        numberText(result.sensor.skin.thickness * 1e3) + " mm stay"});
-  if (deepest > result.sensor.skin.thickness) {
-    result.sensor.skin.thickness = deepest;
-    result.estimates.back().remark =
-        "pressed " + numberText(std::round(deepest * 1e6) / 1e3) + " mm deep, more than the sensor file's thickness: raised to that";
-  }
+  if (report(fit, 0, "skin.normal_contact_stiffness", unit, result)) law->normal_contact_stiffness = fit.values[0];
+  for (std::size_t m = 0; m < measurements.size(); ++m) report(fit, 1 + m, measurements[m]->name + ".contact_offset", "m", result);
+  reportThickness(start.deepest, result);
   result.fits.push_back({.measurement = measurements.front()->name,
                          .unit = "N",
                          .rms = fit.residual_sd,

@@ -8,10 +8,10 @@
 namespace taxelsim {
 namespace {
 
-// Of the pivots of G^T G to its largest entry: below it rounding is all that a force would be found by.
+// Smallest pivot / largest entry of G^T G; below it, forces would be rounding noise.
 constexpr double kLeastPivot = 1e-12;
-constexpr double kRounding = 1e-12;  // of the largest force or slope: a wrong sign that is none
-constexpr int kBlockTries = 3;       // changes of all sides at once while the number of wrong signs does not fall
+constexpr double kRounding = 1e-12;  // of the largest force or gradient: smaller values count as 0
+constexpr int kBlockTries = 3;       // block swaps without progress before single swaps
 
 }  // namespace
 
@@ -26,7 +26,7 @@ Unspread::Unspread(const Sensor& sensor) : free_(static_cast<std::size_t>(numTax
   normal_ = spread_.transpose() * spread_;
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors(normal_);
   if (factors.info() != Eigen::Success || factors.vectorD().minCoeff() < kLeastPivot * normal_.coeffs().maxCoeff()) {
-    throw Error(ErrorKind::kInput, "psf: cannot be undone: different loads spread to the same image");
+    throw Error(ErrorKind::kInput, "psf: cannot be inverted: different loads give the same image");
   }
 }
 
@@ -84,7 +84,7 @@ std::vector<double> Unspread::forceOf(std::span<const double> image) {
     }
     for (const std::size_t t : wrong) free_[t] = !free_[t];
   }
-  throw Error(ErrorKind::kInput, "psf: cannot be undone: no forces found in " + std::to_string(kMaxPivots) + " steps");
+  throw Error(ErrorKind::kInput, "psf: cannot be inverted: no convergence in " + std::to_string(kMaxPivots) + " steps");
 }
 
 }  // namespace taxelsim

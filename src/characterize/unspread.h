@@ -1,4 +1,4 @@
-// The point spread function undone.
+// Deconvolution: forces from an image blurred by the point spread function.
 #pragma once
 
 #include <Eigen/Sparse>
@@ -10,23 +10,23 @@
 
 namespace taxelsim {
 
-// F >= 0 that makes ||G F - image||_2 least, G being the spread: by block principal pivoting (L. Portugal, J. Judice and L. Vicente, A
-// comparison of block pivoting and interior-point algorithms for linear least squares problems with nonnegative variables, Math. Comp. 63,
-// 1994). Taxels are either held at 0 or free; the free ones are solved for exactly, those of a wrong sign change sides, all at once while
-// their number falls, else the last one alone, which ends in finitely many steps. Exact but for rounding.
+// Non-negative least squares: minimises ||G F - image||_2 over F >= 0, where G is the point spread matrix, by block principal pivoting
+// (L. Portugal, J. Judice and L. Vicente, A comparison of block pivoting and interior-point algorithms for linear least squares problems
+// with nonnegative variables, Math. Comp. 63, 1994). Taxels are in the active set (F = 0) or free. Each step solves for the free ones and
+// swaps those of wrong sign: all at once while their number falls, else the last one only, which terminates. Exact up to rounding.
 class Unspread {
  public:
-  // Throws Error(kInput) when two different loads spread to one image.
+  // Throws Error(kInput) if G is singular.
   explicit Unspread(const Sensor& sensor);
 
-  // (num_taxels), N. Begins with the free taxels of the image before, which of images in turn are nearly the same. Throws Error(kInput)
-  // after kMaxPivots changes of sides.
+  // (num_taxels), N. Starts from the active set of the previous image, because successive images are similar. Throws Error(kInput) after
+  // kMaxPivots steps.
   std::vector<double> forceOf(std::span<const double> image);
 
   static constexpr int kMaxPivots = 10000;
 
  private:
-  // Least squares with the free taxels alone; 0 for the others.
+  // Least squares over the free taxels; 0 for the others.
   Eigen::VectorXd solveFree(const Eigen::VectorXd& right) const;
 
   Eigen::SparseMatrix<double> spread_;  // G, (taxels x sources)

@@ -1,4 +1,4 @@
-// `taxelsim calibrate-readings`: a table of counts, as recorded, in newtons.
+// `taxelsim calibrate-readings`: converts a recorded table of counts into newtons.
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/fmt/ranges.h>
 #include <spdlog/spdlog.h>
@@ -18,6 +18,9 @@
 #include "taxelsim/readings.h"
 
 namespace taxelsim::cli {
+
+using namespace figures;
+
 namespace {
 
 constexpr const char* kCreep = "creep";
@@ -33,7 +36,7 @@ void refuseToOverwrite(const Arguments& arguments) {
   for (const std::string& input : {arguments.table, arguments.sensor}) {
     std::error_code error;
     if (std::filesystem::equivalent(input, arguments.output, error)) {
-      throw Error(ErrorKind::kInput, "-o " + arguments.output + ": is not allowed: it would overwrite " + input);
+      throw Error(ErrorKind::kInput, "-o " + arguments.output + ": not allowed, it would overwrite " + input);
     }
   }
 }
@@ -46,14 +49,14 @@ Images imagesOf(const NumberTable& table, const Sensor& sensor, const std::vecto
     for (const std::size_t column : columns) {
       const double counts = table.at(row, column);
       if (counts < 0 || counts > full_scale) {
-        table.failAtRow(row, fmt::format("{}: {} is not allowed: from 0 to {} counts, as the sensor's adc_bits have it",
-                                         table.columns()[column], counts, full_scale));
+        table.failAtValue(row, column, fmt::format("{} is not allowed: 0 to {} counts, by the sensor's adc_bits", counts, full_scale));
       }
       images.counts.push_back(static_cast<float>(counts));
     }
     if (row > 0 && !images.time.empty() && !(images.time[row] > images.time[row - 1])) {
-      table.failAtRow(row,
-                      fmt::format("time: {} s is not allowed: later than the row before ({} s)", images.time[row], images.time[row - 1]));
+      table.failAtValue(
+          row, table.columnOf(kTime),
+          fmt::format("{} s is not allowed: must be later than the previous row ({} s)", images.time[row], images.time[row - 1]));
     }
   }
   return images;
@@ -84,7 +87,7 @@ int runCalibrateReadings(const Arguments& arguments) {
   const Sensor sensor = loadSensor(arguments.sensor);
   const NumberTable table(arguments.table);
   if (arguments.taxel_columns.empty() && sensor.patches.size() != 1) {
-    throw Error(ErrorKind::kInput, "--taxel-columns is needed: " + arguments.sensor + " is not one grid");
+    throw Error(ErrorKind::kInput, "missing --taxel-columns: " + arguments.sensor + " has more than one grid");
   }
   const std::vector<std::size_t> columns =
       table.taxelColumns(sensor, arguments.taxel_columns.empty() ? std::string(kGridColumns) : arguments.taxel_columns);
@@ -93,12 +96,12 @@ int runCalibrateReadings(const Arguments& arguments) {
   const Readings readings = readingsInNewtons(sensor, images, {.remove_creep = removes(kCreep), .remove_spread = removes(kPsf)});
 
   if (!readings.dead_taxels.empty()) {
-    spdlog::warn("taxel_gain is 0 at taxels {}: they are given 0 N", fmt::join(readings.dead_taxels, ", "));
+    spdlog::warn("taxel_gain of taxels {} is 0: their force is set to 0 N", fmt::join(readings.dead_taxels, ", "));
   }
   if (readings.num_saturated > 0) {
-    spdlog::warn("{} readings are at saturation: their forces may have been larger", countText(readings.num_saturated));
+    spdlog::warn("{} readings are saturated: their forces may be larger", countText(readings.num_saturated));
   }
-  if (removes(kCreep) && sensor.readout.creep.empty()) spdlog::warn("{}: has no creep to remove", arguments.sensor);
+  if (removes(kCreep) && sensor.readout.creep.empty()) spdlog::warn("{}: the sensor has no creep to remove", arguments.sensor);
   const std::string text = forceTable(table, columns, images, readings);
   dataset::writeFileAtomically(arguments.output, std::as_bytes(std::span(text)));
   fmt::print("{}: {} rows of {} taxels\n", arguments.output, countText(table.numRows()), columns.size());
@@ -108,20 +111,20 @@ int runCalibrateReadings(const Arguments& arguments) {
 }  // namespace
 
 void addCalibrateReadings(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("calibrate-readings", "Turn recorded counts into newtons");
+  CLI::App* command = app.add_subcommand("calibrate-readings", "Convert recorded counts into newtons");
   command->footer(
-      "Example:\n  taxelsim calibrate-readings raw.csv --sensor calibrated.yaml -o forces.csv --remove creep --remove psf\nThe table's "
-      "first "
-      "line names its columns; taxels are found by --taxel-columns, in which {row}, {col}, {patch} and {taxel} stand for a taxel's "
-      "numbers.");
+      "Example:\n  taxelsim calibrate-readings raw.csv --sensor calibrated.yaml -o forces.csv --remove creep --remove psf\n"
+      "The first line of the table must name its columns. In --taxel-columns, {row}, {col}, {patch} and {taxel} stand for the numbers\n"
+      "or the patch of a taxel.");
   const auto arguments = std::make_shared<Arguments>();
   command->add_option("table", arguments->table, "Table of counts (CSV)")->required()->type_name("RAW");
   command->add_option("--sensor", arguments->sensor, "Sensor file with the calibrated readout")->required()->type_name("SENSOR");
   command->add_option("-o,--output", arguments->output, "Table of forces to write (CSV)")->required()->type_name("FILE");
   command
-      ->add_option("--taxel-columns", arguments->taxel_columns, fmt::format("Names of the taxels' columns; of one grid {}", kGridColumns))
+      ->add_option("--taxel-columns", arguments->taxel_columns,
+                   fmt::format("Pattern of the names of taxel columns; default for one grid: {}", kGridColumns))
       ->type_name("PATTERN");
-  command->add_option("--remove", arguments->remove, "Undo the readout's creep, too, or the point spread function; may be given twice")
+  command->add_option("--remove", arguments->remove, "Also invert the readout's creep or the point spread function; may be given twice")
       ->allow_extra_args(false)
       ->check(CLI::IsMember({kCreep, kPsf}))
       ->type_name("creep|psf");

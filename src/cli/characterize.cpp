@@ -1,4 +1,4 @@
-// `taxelsim characterize`: measurements of a real sensor become a sensor file.
+// `taxelsim characterize`: fits a sensor file to measurements of a real sensor.
 #include "taxelsim/characterize.h"
 
 #include <spdlog/spdlog.h>
@@ -15,6 +15,9 @@
 #include "taxelsim/version.h"
 
 namespace taxelsim::cli {
+
+using namespace figures;
+
 namespace {
 
 struct Arguments {
@@ -25,20 +28,20 @@ struct Arguments {
   bool json = false;
 };
 
-// The key of the sensor file that tells of an estimate.
+// Key of the sensor file that an estimate belongs to.
 std::string keyOf(const std::string& parameter) {
   if (parameter.starts_with("psf.")) return "psf.kernel";
   return parameter.starts_with("readout.curve.") ? parameter.substr(0, parameter.find('[')) : parameter;
 }
 
-// Where each number comes from, beside it in the file.
+// Comments of the sensor file: the origin of each number.
 std::map<std::string, std::string> notesOf(const Characterization& result, const std::vector<Measurement>& measurements) {
   std::map<std::string, std::string> notes;
   std::string files;
   for (const Measurement& measurement : measurements) files += (files.empty() ? "" : ", ") + measurement.file.filename().string();
   notes[""] = fmt::format(
-      "Found by taxelsim {} from {}. Numbers with an interval were measured; all others are those of the sensor file "
-      "that the measurements name.",
+      "Fitted by taxelsim {} to {}. Numbers with an interval are fitted; all others are those of the sensor file that the "
+      "measurements name.",
       kVersion, files);
   for (const Estimate& estimate : result.estimates) {
     std::string text = estimate.determined && estimate.parameter.starts_with("psf.") ? estimate.parameter.substr(4) + " " : "";
@@ -57,7 +60,7 @@ void printTable(const Characterization& result) {
     if (estimate.parameter.starts_with("readout.taxel_gain[")) {
       ++num_gains;
     } else if (estimate.determined) {
-      rows.push_back({estimate.parameter, numberText(estimate.value), numberText(estimate.low), numberText(estimate.high), estimate.unit,
+      rows.push_back({estimate.parameter, roundedText(estimate.value), roundedText(estimate.low), roundedText(estimate.high), estimate.unit,
                       estimate.remark});
     } else {
       rows.push_back({estimate.parameter, "", "", "", estimate.unit, "not determined: " + estimate.remark});
@@ -66,11 +69,11 @@ void printTable(const Characterization& result) {
   fmt::print("95 % intervals\n\n{}\n", tableText(rows));
   std::vector<std::vector<std::string>> fits{{"measurement", "rms", "rows", "outliers"}};
   for (const FitQuality& fit : result.fits) {
-    fits.push_back({fit.measurement, numberText(fit.rms) + " " + fit.unit, countText(fit.num_rows), countText(fit.num_outliers)});
+    fits.push_back({fit.measurement, roundedText(fit.rms) + " " + fit.unit, countText(fit.num_rows), countText(fit.num_outliers)});
   }
   fmt::print("{}\n", tableText(fits));
-  if (num_gains > 0) fmt::print("gains of {} taxels: in the sensor file\n", num_gains);
-  if (!result.dead_taxels.empty()) fmt::print("taxels that did not answer: {}\n", fmt::join(result.dead_taxels, ", "));
+  if (num_gains > 0) fmt::print("the gains of {} taxels are in the sensor file\n", num_gains);
+  if (!result.dead_taxels.empty()) fmt::print("taxels without a response: {}\n", fmt::join(result.dead_taxels, ", "));
   for (const std::string& remark : result.remarks) fmt::print("{}\n", remark);
 }
 
@@ -103,7 +106,7 @@ int runCharacterize(const Arguments& arguments) {
   std::vector<Measurement> measurements;
   for (const std::string& file : arguments.measurements) {
     measurements.push_back(loadMeasurement(file));
-    spdlog::debug("{} is read", file);
+    spdlog::debug("read {}", file);
   }
   Characterization result = characterize(measurements);
   if (!arguments.name.empty()) result.sensor.name = arguments.name;
@@ -123,20 +126,20 @@ int runCharacterize(const Arguments& arguments) {
 }  // namespace
 
 void addCharacterize(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("characterize", "Measurements of a real sensor become a sensor file, with intervals");
+  CLI::App* command = app.add_subcommand("characterize", "Fit a sensor file to measurements of a real sensor, with confidence intervals");
   command->footer(
       "Example:\n  taxelsim characterize scenes/measurements/*.yaml -o my_sensor.yaml --report my_sensor.html\n"
-      "Measurements are CSV tables with a small YAML file each: docs/measurements.md says which.");
+      "A measurement is a CSV table and a small YAML file that describes it: see docs/measurements.md.");
   const auto arguments = std::make_shared<Arguments>();
   command->add_option("measurements", arguments->measurements, "Measurement files (YAML), all of one sensor")
       ->required()
       ->type_name("MEASUREMENT");
   command->add_option("-o,--output", arguments->sensor, "Sensor file to write")->required()->type_name("SENSOR");
-  command->add_option("--name", arguments->name, "Name of the sensor, instead of that of the file that the measurements name")
+  command->add_option("--name", arguments->name, "Name of the sensor; default: that of the sensor file which the measurements name")
       ->type_name("NAME");
-  command->add_option("--report", arguments->report, "Write a page with all figures (HTML), and the figures beside it (PNG)")
+  command->add_option("--report", arguments->report, "Write a report (HTML) with all figures, and the figures beside it (PNG)")
       ->type_name("HTML");
-  command->add_flag("--json", arguments->json, "Print JSON, not a table");
+  command->add_flag("--json", arguments->json, "Print JSON instead of tables");
   command->callback([=, &action] { action = [=] { return runCharacterize(*arguments); }; });
 }
 

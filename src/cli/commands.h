@@ -1,4 +1,4 @@
-// The subcommands of `taxelsim`, one file each. Not a library: nothing here is for other programs.
+// The subcommands of `taxelsim`, one file each.
 #pragma once
 
 #include <CLI/App.hpp>
@@ -10,17 +10,17 @@ namespace taxelsim::cli {
 inline constexpr int kExitOk = 0;
 inline constexpr int kExitDevice = 1;         // device or file system
 inline constexpr int kExitInput = 2;          // bad arguments or files
-inline constexpr int kExitInterrupted = 130;  // Ctrl-C, as shells count it
+inline constexpr int kExitInterrupted = 130;  // SIGINT: 128 + 2
 
-// What the chosen subcommand does once all arguments are parsed; gives the exit status. May throw Error.
+// Runs the chosen subcommand after parsing; returns the exit status. May throw Error.
 using Action = std::function<int()>;
 
-// A check for options that hold an unsigned number: CLI11 lets "-1" wrap around.
+// Check for unsigned options: CLI11 would let "-1" wrap around.
 inline std::string refuseNegative(const std::string& text) {
   return text.starts_with('-') ? text + " is not 0 or more" : "";
 }
 
-// Each adds its subcommand to `app`; choosing it sets `action`, which outlives the call.
+// Each adds its subcommand to `app`. The chosen subcommand sets `action`, which must outlive parsing.
 void addCalibrateReadings(CLI::App& app, Action& action);
 void addCharacterize(CLI::App& app, Action& action);
 void addCompare(CLI::App& app, Action& action);

@@ -1,4 +1,4 @@
-// `taxelsim compare`: how far simulated images are from real ones.
+// `taxelsim compare`: compares simulated images with real ones.
 #include "taxelsim/compare.h"
 
 #include <spdlog/fmt/fmt.h>
@@ -20,6 +20,9 @@
 #include "taxelsim/error.h"
 
 namespace taxelsim::cli {
+
+using namespace figures;
+
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -33,11 +36,11 @@ struct Arguments {
   bool json = false;
 };
 
-// What is told of every pair, and of all of them.
+// A metric of a pair of images.
 struct Measure {
   const char* key;      // in JSON, in SI units or fractions
   const char* heading;  // in the table
-  double per_si;        // of the heading's unit
+  double per_si;        // heading's units per SI unit
   std::function<double(const ImageComparison&)> of;
 };
 
@@ -63,7 +66,7 @@ const std::vector<Measure>& contactDifferences() {
   return all;
 }
 
-// Rows of both sides that are held against each other.
+// Rows of both sides that are compared.
 struct Pair {
   std::size_t real_row, simulated_row;
   ImageComparison comparison;
@@ -77,7 +80,7 @@ std::span<const float> imageAt(const ImageSource& source, std::size_t row) {
   return std::span(source.images.counts).subspan(row * source.images.num_taxels, source.images.num_taxels);
 }
 
-// Leaves the one row that lies `seconds` after touch.
+// Keeps only the row `seconds` after contact.
 void keepAfterTouch(ImageSource& source, double seconds) {
   try {
     const std::size_t row = rowAfterTouch(source.images, seconds);
@@ -95,11 +98,12 @@ std::string taxelsText(const ImageSource& source) {
   return fmt::format("{} x {} taxels", source.sensor->patches[0].num_rows, source.sensor->patches[0].num_cols);
 }
 
-// Gives both sides a sensor and checks that it is the same array.
+// Gives both sides a sensor and checks that both have the same array.
 void matchSensors(ImageSource& real, ImageSource& simulated) {
   if (!real.sensor && !simulated.sensor) {
     throw Error(ErrorKind::kInput,
-                fmt::format("{}, {}: neither says which sensor it is of: compare with a measurement", real.file, simulated.file));
+                fmt::format("{}, {}: neither names its sensor; one of the two must be a measurement or a data set with its sensor",
+                            real.file, simulated.file));
   }
   if (real.images.num_taxels != simulated.images.num_taxels ||
       (real.sensor && simulated.sensor && !haveSameTaxels(*real.sensor, *simulated.sensor))) {
@@ -113,9 +117,10 @@ void matchSensors(ImageSource& real, ImageSource& simulated) {
 std::vector<Pair> comparePairs(const ImageSource& real, const ImageSource& simulated) {
   const std::size_t num_real = numRows(real), num_simulated = numRows(simulated);
   if (num_real != num_simulated && num_real != 1 && num_simulated != 1) {
-    throw Error(ErrorKind::kInput,
-                fmt::format("{} has {} images, {} has {}: as many, or one on either side, are asked for (--at takes one of a recording)",
-                            real.file, num_real, simulated.file, num_simulated));
+    throw Error(
+        ErrorKind::kInput,
+        fmt::format("{} has {} images, {} has {}: give equal numbers, or one image on either side (--at selects one of a recording)",
+                    real.file, num_real, simulated.file, num_simulated));
   }
   std::vector<Pair> pairs;
   for (std::size_t row = 0; row < std::max(num_real, num_simulated); ++row) {
@@ -133,9 +138,9 @@ ValueRange rangeOver(const std::vector<Pair>& pairs, const std::function<double(
   return rangeOf(values);
 }
 
-// Median, lowest, highest and number of pairs; of a single pair its value.
+// Median, lowest, highest and number of pairs; for a single pair its value.
 std::vector<std::string> rangeCells(const ValueRange& range, double per_si, std::size_t num_pairs) {
-  const auto text = [&](double value) { return range.count > 0 ? numberText(per_si * value) : "-"; };
+  const auto text = [&](double value) { return range.count > 0 ? roundedText(per_si * value) : "-"; };
   if (num_pairs == 1) return {text(range.median)};
   return {text(range.median), text(range.low), text(range.high), countText(range.count)};
 }
@@ -149,7 +154,7 @@ std::string angleText(const ImageContact& contact) {
   return std::isfinite(contact.edge_angle) ? fmt::format("{:.2f}", contact.edge_angle * kDegrees) : "-";
 }
 
-// One line a measure: its name, `others`, its range.
+// A row: name of the metric, `others`, range.
 void addRow(std::vector<std::vector<std::string>>& rows, const Measure& measure, const std::vector<Pair>& pairs,
             std::vector<std::string> others) {
   const std::vector<std::string> cells = rangeCells(rangeOver(pairs, measure.of), measure.per_si, pairs.size());
@@ -168,7 +173,7 @@ void printTable(const ImageSource& real, const ImageSource& simulated, const std
   for (const auto& [side, source] : {std::pair("real     ", &real), std::pair("simulated", &simulated)}) {
     fmt::print("{}  {}: {} of {}\n", side, source->file, single ? "1 image" : countText(numRows(*source)) + " images", taxelsText(*source));
   }
-  fmt::print("full scale {} counts; M1 and M2 are over the taxels at which either image is above 0\n\n",
+  fmt::print("full scale {} counts; M1 and M2 are over taxels with a reading above 0 in either image\n\n",
              (1 << real.sensor->readout.adc_bits) - 1);
 
   std::vector<std::vector<std::string>> rows{heading({""}, single ? "value" : "median")};
@@ -179,7 +184,7 @@ void printTable(const ImageSource& real, const ImageSource& simulated, const std
   const ValueRange simulated_force = rangeOver(pairs, [](const ImageComparison& c) { return c.simulated.total_force; });
   const ImageComparison& first = pairs.front().comparison;
   rows = {heading({single ? "" : "medians", "real", "simulated"}, "difference")};
-  addRow(rows, contactDifferences()[0], pairs, {numberText(real_force.median), numberText(simulated_force.median)});
+  addRow(rows, contactDifferences()[0], pairs, {roundedText(real_force.median), roundedText(simulated_force.median)});
   addRow(rows, contactDifferences()[1], pairs,
          single ? std::vector{centerText(first.real), centerText(first.simulated)} : std::vector<std::string>{"", ""});
   addRow(rows, contactDifferences()[2], pairs,
@@ -187,7 +192,7 @@ void printTable(const ImageSource& real, const ImageSource& simulated, const std
   fmt::print("{}", tableText(rows));
 }
 
-// JSON has no number for what is not finite.
+// null for values that are not finite, which JSON cannot represent.
 Json numberOrNull(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
@@ -242,7 +247,7 @@ void drawFigure(const std::string& file, const ImageSource& real, const ImageSou
   std::vector<ShownPair> shown;
   const std::size_t count = std::min(pairs.size(), kMaxShownPairs);
   for (std::size_t k = 0; k < count; ++k) {
-    // Evenly over the pairs, the first and the last among them.
+    // Evenly spaced, with the first and the last pair.
     const Pair& pair = pairs[count == 1 ? 0 : k * (pairs.size() - 1) / (count - 1)];
     shown.push_back({.real = {titleOf("real", real, pair.real_row), imageAt(real, pair.real_row)},
                      .simulated = {titleOf("simulated", simulated, pair.simulated_row), imageAt(simulated, pair.simulated_row)},
@@ -283,16 +288,17 @@ int runCompare(const Arguments& arguments) {
 }  // namespace
 
 void addCompare(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("compare", "Say how far simulated images are from real ones of the same array");
+  CLI::App* command = app.add_subcommand("compare", "Compare simulated images with real ones of the same array, by five metrics");
   command->footer(
-      "Example:\n  taxelsim compare stamp.yaml out/ --at 5 -o stamp.png\nEach side is a measurement with images or the directory of a data "
-      "set. Images are compared row by row; a side with one image is held against all of the other's.");
+      "Example:\n  taxelsim compare stamp.yaml out/ --at 5 -o stamp.png\n"
+      "Each side is a measurement with images or the directory of a data set. Images are compared row by row; a single image is\n"
+      "compared with all images of the other side.");
   const auto arguments = std::make_shared<Arguments>();
   command->add_option("real", arguments->real, "Measurement (YAML) or data set")->required()->type_name("REAL");
   command->add_option("simulated", arguments->simulated, "Measurement (YAML) or data set")->required()->type_name("SIM");
-  command->add_option("--at", arguments->seconds_after_touch, "Of a recording over time, take the image so long after touch")
+  command->add_option("--at", arguments->seconds_after_touch, "For recordings over time: use the image this long after contact")
       ->type_name("SECONDS");
-  command->add_option("-o,--output", arguments->picture, "Picture to write (PNG): both images and their difference")->type_name("FILE");
+  command->add_option("-o,--output", arguments->picture, "Figure to write (PNG): both images and their difference")->type_name("FILE");
   command->add_flag("--json", arguments->json, "Print JSON");
   command->callback([=, &action] { action = [=] { return runCompare(*arguments); }; });
 }

@@ -8,8 +8,8 @@
 
 namespace taxelsim::cli {
 
-// A line a contact: x, y, z in m in S and the normal force in N, with commas between; blank lines and what follows a '#' do not count.
-// Throws Error(kInput) with file, line and value for anything else, and for more contacts than one sensor takes.
+// Reads one contact per line: x, y, z (m, in S) and normal force (N), separated by commas; `#` begins a comment. Throws Error(kInput) with
+// file, line and column for a value that is not allowed, and for more than kMaxContacts contacts.
 std::vector<ContactPoint> readContacts(const std::filesystem::path& file);
 
 }  // namespace taxelsim::cli

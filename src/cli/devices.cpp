@@ -1,4 +1,4 @@
-// `taxelsim devices`: what taxelsim can run on, and what a scene would take there.
+// `taxelsim devices`: lists Vulkan devices, and the memory that a scene needs on each.
 #include <spdlog/fmt/fmt.h>
 
 #include <CLI/CLI.hpp>
@@ -9,14 +9,18 @@
 
 #include "cli/commands.h"
 #include "cli/driver_advice.h"
+#include "episodes/batch.h"
 #include "figures/text.h"
+#include "generation/columns.h"
 #include "taxelsim/device.h"
-#include "taxelsim/generate.h"
 #include "taxelsim/model.h"
 #include "taxelsim/scene.h"
 #include "taxelsim/simulator.h"
 
 namespace taxelsim::cli {
+
+using namespace figures;
+
 namespace {
 
 constexpr std::uint64_t kPlannedMemory = std::uint64_t{1} << 30;  // bytes
@@ -42,22 +46,18 @@ const char* nameOf(DeviceType type) {
   return "other";
 }
 
+// Memory of a batch of the scene's episodes, by the simulator options of a run (generate); an instance may have several sensors.
 MemoryPlan planFor(const DeviceInfo& info, const Scene& scene) {
-  ModelOptions options{.sensor = scene.sensor, .objects = {}};
-  for (const SceneObject& object : scene.objects) options.objects.push_back(object.object);
-  const Model model(Device::open({.device = std::to_string(info.index)}), options);
-  const auto records = [&](const char* name) { return std::find(scene.record.begin(), scene.record.end(), name) != scene.record.end(); };
-  return Simulator::plan(model, {.outputs = {.tactile_normal_force = records("tactile_normal_force"),
-                                             .tactile_shear_force = records("tactile_shear_force"),
-                                             .penetration_depth = records("penetration_depth"),
-                                             .contact_features = records("contact_features"),
-                                             .clean_contact_features = records("clean_contact_features"),
-                                             .tactile_jacobian = records("tactile_jacobian"),
-                                             .clean_tactile_jacobian = records("clean_tactile_jacobian")},
-                                 .max_regions = scene.max_regions});
+  const Model model(Device::open({.device = std::to_string(info.index)}), modelOptionsOf(scene));
+  const EpisodePlan run(scene, outputsOf(scene));
+  MemoryPlan plan = Simulator::plan(model, run.simulatorOptions(1));
+  const auto num_sensors = static_cast<std::uint64_t>(run.num_sensors);
+  plan.bytes_per_instance *= num_sensors;
+  plan.max_instances /= num_sensors;
+  return plan;
 }
 
-// Instances that 1 GiB of the device would hold.
+// Number of instances that fit into 1 GiB.
 std::uint64_t instancesInPlannedMemory(const MemoryPlan& plan) {
   if (plan.bytes_per_instance == 0 || plan.bytes_fixed >= kPlannedMemory) return 0;
   return std::min((kPlannedMemory - plan.bytes_fixed) / plan.bytes_per_instance, plan.max_instances);
@@ -118,10 +118,10 @@ int runDevices(const Arguments& arguments) {
 }  // namespace
 
 void addDevices(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("devices", "List the devices that taxelsim can run on, best first");
+  CLI::App* command = app.add_subcommand("devices", "List the Vulkan devices, best first");
   command->footer("Example:\n  taxelsim devices --plan scenes/edge_servo.yaml");
   const auto arguments = std::make_shared<Arguments>();
-  command->add_option("--plan", arguments->scene, "Say what a batch of this scene takes on each device")->type_name("SCENE");
+  command->add_option("--plan", arguments->scene, "Print the memory that a batch of this scene needs on each device")->type_name("SCENE");
   command->add_flag("--json", arguments->json, "Print JSON, sizes in bytes");
   command->callback([arguments, &action] { action = [arguments] { return runDevices(*arguments); }; });
 }

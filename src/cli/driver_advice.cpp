@@ -6,10 +6,10 @@
 namespace taxelsim::cli {
 namespace {
 
-// The oldest lavapipe whose shared memory and buffer loads are not taken apart lane by lane, of those that were measured.
+// Oldest measured lavapipe that does not split shared memory and buffer loads into lanes.
 constexpr int kFastMesa = 25;
 
-// Major version of Mesa in what a driver says of itself; 0 where there is none.
+// Major version of Mesa in the driver's description; 0 if there is none.
 int majorOfMesa(std::string_view driver) {
   constexpr std::string_view kMesa = "Mesa ";
   const std::size_t at = driver.find(kMesa);
@@ -27,7 +27,7 @@ std::string driverAdvice(const DeviceInfo& device) {
   const int major = majorOfMesa(device.driver);
   if (major == 0 || major >= kFastMesa) return {};
   return "device " + std::to_string(device.index) + ": lavapipe of Mesa " + std::to_string(kFastMesa) +
-         " is faster than this one; docs/drivers.md says by how much and how to get it";
+         " is faster than this driver; see docs/drivers.md";
 }
 
 }  // namespace taxelsim::cli

@@ -1,4 +1,4 @@
-// Whether a faster driver than a device's is known.
+// Advice on faster drivers.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace taxelsim::cli {
 
-// One line of advice, or nothing: docs/drivers.md has the measurements.
+// One line of advice, or empty. Measurements: docs/drivers.md.
 std::string driverAdvice(const DeviceInfo& device);
 
 }  // namespace taxelsim::cli

@@ -1,4 +1,4 @@
-// `taxelsim evaluate`: how well controllers do what a scene's task asks.
+// `taxelsim evaluate`: evaluates controllers on a scene's task.
 #include "taxelsim/evaluate.h"
 
 #include <spdlog/fmt/fmt.h>
@@ -20,6 +20,9 @@
 #include "figures/text.h"
 
 namespace taxelsim::cli {
+
+using namespace figures;
+
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -53,7 +56,7 @@ std::vector<std::string> rowOf(const Task& task, const std::string& controller, 
 }
 
 void printTable(const Scene& scene, const std::vector<Evaluation>& evaluations) {
-  std::vector<std::string> heading{"controller", "of", "episodes", "success (95 %)", "settling s"};
+  std::vector<std::string> heading{"controller", "episodes of", "episodes", "success (95 %)", "settling s"};
   for (std::size_t m = 0; m < scene.task->criteria.size(); ++m) {
     if (scene.task->criteria[m]) heading.push_back(fmt::format("{} {}", kTaskMeasureNames[m], kTaskMeasureUnits[m].name));
   }
@@ -66,8 +69,8 @@ void printTable(const Scene& scene, const std::vector<Evaluation>& evaluations) 
     }
     for (const Score& score : evaluation.by_start) rows.push_back(rowOf(*scene.task, "", score));
   }
-  fmt::print("{}: steady errors are medians over the last {:.3g} s; columns show median / 95th percentile over episodes\n\n{}", scene.name,
-             scene.task->hold, tableText(rows));
+  fmt::print("{}: steady error = median over the last {:.3g} s of an episode; columns show median / 95th percentile over episodes\n\n{}",
+             scene.name, scene.task->hold, tableText(rows));
   for (const Evaluation& evaluation : evaluations) {
     for (std::size_t bit = 0; bit < kRobotBits.size(); ++bit) {
       if (evaluation.total.num_robot[bit] == 0) continue;
@@ -77,7 +80,7 @@ void printTable(const Scene& scene, const std::vector<Evaluation>& evaluations) 
   fmt::print("\n");
 }
 
-// JSON has no number for what is not finite.
+// null for values that are not finite, which JSON cannot represent.
 Json numberOrNull(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
@@ -136,7 +139,7 @@ void printJson(const Scene& scene, const Device& device, const std::vector<Evalu
   fmt::print("{}\n", json.dump(2));
 }
 
-// What part of all episodes has a value of at most x, against x; values that are not finite never do.
+// Cumulative share of episodes (%) over their values; values that are not finite count in the total only.
 LineSeries cumulative(const std::string& name, std::vector<double> values) {
   const double all = static_cast<double>(values.size());
   std::erase_if(values, [](double value) { return !std::isfinite(value); });
@@ -158,7 +161,7 @@ void drawChart(const std::string& file, const Scene& scene, const std::vector<Ev
     return values;
   };
   constexpr std::array<double, 2> kPercent{0, 100};
-  LinePanel settled{.title = "Settled", .x_label = "time, s", .y_label = "episodes, %", .y_range = kPercent};
+  LinePanel settled{.title = "Settled episodes over time", .x_label = "time, s", .y_label = "episodes, %", .y_range = kPercent};
   for (const Evaluation& evaluation : evaluations) {
     settled.series.push_back(cumulative(evaluation.controller, collect(evaluation, [](const Verdict& v) { return v.settling_time; })));
   }
@@ -167,7 +170,7 @@ void drawChart(const std::string& file, const Scene& scene, const std::vector<Ev
     if (!scene.task->criteria[m]) continue;
     const auto& [unit, per_si] = kTaskMeasureUnits[m];
     LinePanel panel{.title = fmt::format("Steady {}", kTaskMeasureNames[m]),
-                    .x_label = fmt::format("at most, {}", unit),
+                    .x_label = fmt::format("error at most, {}", unit),
                     .y_label = "episodes, %",
                     .marks = {{scene.task->criteria[m]->tolerance * per_si, "tolerance"}},
                     .y_range = kPercent};
@@ -177,7 +180,7 @@ void drawChart(const std::string& file, const Scene& scene, const std::vector<Ev
     }
     panels.push_back(std::move(panel));
   }
-  LinePanel by_start{.title = "Success by start", .y_label = "episodes, %", .y_range = kPercent};
+  LinePanel by_start{.title = "Success by start error", .y_label = "episodes, %", .y_range = kPercent};
   for (const Evaluation& evaluation : evaluations) {
     const auto measure = static_cast<std::size_t>(evaluation.start_measure);
     const auto& [unit, per_si] = kTaskMeasureUnits[measure];
@@ -195,7 +198,7 @@ void drawChart(const std::string& file, const Scene& scene, const std::vector<Ev
   if (!by_start.series.empty()) panels.push_back(std::move(by_start));
   writeLineChart(file, panels,
                  {.title = scene.name,
-                  .subtitle = fmt::format("{} episodes a controller; intervals at 95 %", countText(scene.num_episodes)),
+                  .subtitle = fmt::format("{} episodes per controller; 95 % intervals", countText(scene.num_episodes)),
                   .num_columns = panels.size() > 3 ? 3 : static_cast<int>(panels.size())});
 }
 
@@ -207,10 +210,10 @@ int runEvaluate(const Arguments& arguments) {
   EvaluateOptions options;
   options.batch_size = arguments.batch_size;
   options.stop = &stopOnSignals();
-  bool told = false;
+  bool announced = false;
   options.on_progress = [&](const Progress& progress) {
-    if (!std::exchange(told, true)) {
-      spdlog::info("{}: {} episodes a controller on {} ({})", scene.name, countText(scene.num_episodes), device.info().name,
+    if (!std::exchange(announced, true)) {
+      spdlog::info("{}: {} episodes per controller on {} ({})", scene.name, countText(scene.num_episodes), device.info().name,
                    device.info().driver);
     }
     printer.show(progress);
@@ -218,7 +221,7 @@ int runEvaluate(const Arguments& arguments) {
   const std::vector<Evaluation> evaluations = evaluate(device, scene, arguments.controllers, options);
   printer.clear();
   if (*options.stop) {
-    spdlog::warn("stopped; controllers that were done: {}", evaluations.size());
+    spdlog::warn("stopped; completed controllers: {}", evaluations.size());
     return kExitInterrupted;
   }
   if (!arguments.png.empty()) drawChart(arguments.png, scene, evaluations);
@@ -233,15 +236,15 @@ int runEvaluate(const Arguments& arguments) {
 }  // namespace
 
 void addEvaluate(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("evaluate", "How well controllers do what a scene's task asks: the same episodes for each");
+  CLI::App* command = app.add_subcommand("evaluate", "Evaluate controllers on a scene's task, same episodes for each");
   command->footer(
       "Example:\n  taxelsim evaluate scenes/tasks/align_edge.yaml --episodes 10000\n"
-      "Judged by what is true, not by what the sensor reports; the batch size does not change a verdict.");
+      "Scored on ground truth, not on sensor readings. Results do not depend on the batch size.");
   const auto arguments = std::make_shared<Arguments>();
   addSceneOptions(*command, *arguments, EvaluateOptions{}.batch_size);
-  command->add_option("--controller", arguments->controllers, "Name of a controller of the scene; may be given again. Without: all")
+  command->add_option("--controller", arguments->controllers, "Name of a controller of the scene; may be repeated. Default: all")
       ->type_name("NAME");
-  command->add_option("--png", arguments->png, "Draw settling, errors and success by start into this file")->type_name("FILE");
+  command->add_option("--png", arguments->png, "Figure to write (PNG): settling, errors and success by start error")->type_name("FILE");
   command->add_flag("--json", arguments->json, "Print JSON with every episode");
   command->callback([=, &action] { action = [=] { return runEvaluate(*arguments); }; });
 }

@@ -1,4 +1,4 @@
-// `taxelsim experiment`: sensor models beside each other on the paper's static experiments, and its servo experiments beside theory.
+// `taxelsim experiment`: the paper's experiments. Compares sensor models under static loads, and servo loops with theory.
 #include <spdlog/fmt/fmt.h>
 
 #include <CLI/CLI.hpp>
@@ -18,6 +18,9 @@
 #include "taxelsim/experiment.h"
 
 namespace taxelsim::cli {
+
+using namespace figures;
+
 namespace {
 
 struct Arguments {
@@ -37,10 +40,11 @@ std::string fitText(const StaticImages& images) {
 }
 
 void printTable(const StaticExperiment& experiment, const StaticResult& result) {
-  fmt::print("{}: {} indenters x {} angles, judged by {}\n", experiment.name, experiment.objects.size(), experiment.yaw.size(),
-             result.reference.name);
+  fmt::print("{}: {} indenters x {} angles, compared with the simulated reference {}\n", experiment.name, experiment.objects.size(),
+             experiment.yaw.size(), result.reference.name);
   fmt::print(
-      "M1: median |difference| over taxels that carry force, % of full scale; M4: sum |difference| / sum, %; medians over contacts\n\n");
+      "M1: median |difference| over taxels with force, % of full scale; M4: sum |difference| / sum of reference, %; medians over "
+      "contacts\n\n");
   std::string heading = fmt::format("{:<32}", "sensor");
   for (const double load : experiment.loads)
     heading += fmt::format("  {:>8}  {:>8}", fmt::format("M1 {:.3g}N", load), fmt::format("M4 {:.3g}N", load));
@@ -98,19 +102,19 @@ TactilePanel panelOf(const StaticImages& images, std::size_t contact) {
     panel.neighbours = false;
   }
   panel.values.assign(images.images[contact].begin(), images.images[contact].end());
-  for (double& value : panel.values) value = std::round(value * 1000) / 1000;  // mN are what a cell has room for
+  for (double& value : panel.values) value = std::round(value * 1000) / 1000;  // mN: a cell has no room for more digits
   if (panel.outlines.empty()) panel.axes = axesOfImage(panel);
   return panel;
 }
 
-// Figures 8 and 9 of the paper, for every load: an indenter's images, a row an angle, the reference first.
+// Figures 8 and 9 of the paper: one figure per indenter and load, one row per angle, the reference first.
 void drawFigures(const std::string& directory, const StaticExperiment& experiment, const StaticResult& result) {
   std::error_code error;
   std::filesystem::create_directories(directory, error);
   std::vector<const StaticImages*> all{&result.reference};
   for (const StaticImages& images : result.sensors) all.push_back(&images);
   for (const StaticImages* images : all) {
-    if (images->sensor.patches.size() != 1 && !isTaxelList(images->sensor)) return;  // several grids have no picture
+    if (images->sensor.patches.size() != 1 && !isTaxelList(images->sensor)) return;  // no figures for sensors with several grids
   }
   for (std::size_t object = 0; object < experiment.objects.size(); ++object) {
     for (std::size_t load = 0; load < experiment.loads.size(); ++load) {
@@ -122,7 +126,7 @@ void drawFigures(const std::string& directory, const StaticExperiment& experimen
           panel.title = fmt::format("{}, {:.0f}°", images->name, experiment.yaw[yaw] * 180 / std::numbers::pi);
           const ImageDistance& distance = images->distances[contact];
           panel.caption = images == &result.reference
-                              ? "judged by this"
+                              ? "reference"
                               : fmt::format("M1 {:.2f} %   M4 {:.1f} %", 100 * distance.median_difference, 100 * distance.relative_l1);
           panels.push_back(std::move(panel));
         }
@@ -130,7 +134,7 @@ void drawFigures(const std::string& directory, const StaticExperiment& experimen
       const std::string& name = experiment.objects[object].object.name;
       writeTactileFigure(std::filesystem::path(directory) / fmt::format("{}_{:.3g}N.png", name, experiment.loads[load]), panels,
                          {.title = fmt::format("{} under {:.3g} N", name, experiment.loads[load]),
-                          .subtitle = "tactile_normal_force, clean, no trigger",
+                          .subtitle = "tactile_normal_force, before readout and noise",
                           .unit = "N",
                           .num_columns = static_cast<int>(all.size())});
     }
@@ -175,20 +179,22 @@ int runExperiment(const Arguments& arguments) {
 }  // namespace
 
 void addExperiment(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("experiment", "The paper's experiments: indenters under dead weights, edges held by a robot");
+  CLI::App* command =
+      app.add_subcommand("experiment", "Run an experiment of the paper: indenters under dead weights, or a robot that aligns with an edge");
   command->footer(
       "Example:\n  taxelsim experiment scenes/experiments/paper/static_indenters.yaml -o figures/\n"
       "  taxelsim experiment scenes/experiments/paper/pan_tilt.yaml -o figures/\n"
-      "Of indenters, every model's images, in newtons, are judged by those of the experiment's reference. Of servo loops, every run is "
-      "held\n"
-      "against theory where there is one.");
+      "Static experiments compare the images of each sensor model, in newtons, with those of the experiment's reference, which is\n"
+      "simulated, too. Servo experiments compare each run with theory where there is one.");
   const auto arguments = std::make_shared<Arguments>();
   command->add_option("experiment", arguments->file, "Experiment file (YAML)")->required()->type_name("FILE");
   command->add_option("-o,--output", arguments->directory, "Draw figures into this directory")->type_name("DIR");
-  command->add_flag("--json", arguments->json, "Print JSON with everything, not a table");
-  command->add_option("--device", arguments->device, "discrete, integrated, cpu, a number of `taxelsim devices` or part of a name")
+  command->add_flag("--json", arguments->json, "Print JSON with all results instead of tables");
+  command
+      ->add_option("--device", arguments->device,
+                   "Device: discrete, integrated, cpu, a number from `taxelsim devices`, or part of its name")
       ->type_name("D");
-  command->add_flag("--validation", arguments->validation, "Run with Vulkan's validation layers; slow");
+  command->add_flag("--validation", arguments->validation, "Enable the Vulkan validation layers; slow");
   command->callback([=, &action] { action = [=] { return runExperiment(*arguments); }; });
 }
 

@@ -21,6 +21,9 @@
 #include "taxelsim/simulator.h"
 
 namespace taxelsim::cli {
+
+using namespace figures;
+
 namespace {
 
 constexpr double kQuaternionTolerance = 1e-3;  // as in Simulator::setObjects()

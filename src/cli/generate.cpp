@@ -1,4 +1,4 @@
-// `taxelsim generate`: a scene becomes a data set.
+// `taxelsim generate`: simulates a scene and writes a data set.
 #include "taxelsim/generate.h"
 
 #include <spdlog/spdlog.h>
@@ -14,6 +14,9 @@
 #include "figures/text.h"
 
 namespace taxelsim::cli {
+
+using namespace figures;
+
 namespace {
 
 struct Arguments : SceneOptions {
@@ -27,16 +30,16 @@ int runGenerate(const Arguments& arguments) {
   spdlog::info("{}: {} episodes on {} ({})", scene.name, countText(scene.num_episodes), device.info().name, device.info().driver);
 
   ProgressPrinter printer;
-  bool told = false;
+  bool announced = false;
   GenerateOptions options;
   options.batch_size = arguments.batch_size;
   options.stop = &stopOnSignals();
   options.on_progress = [&](const Progress& progress) {
-    if (!told && progress.episodes_resumed > 0) {
+    if (!announced && progress.episodes_resumed > 0) {
       printer.clear();
       spdlog::info("{} episodes found on disk", countText(progress.episodes_resumed));
     }
-    told = true;
+    announced = true;
     printer.show(progress);
   };
   const GenerateResult result = generate(device, scene, arguments.directory, options);
@@ -44,12 +47,12 @@ int runGenerate(const Arguments& arguments) {
 
   const Progress& progress = result.progress;
   if (!result.complete) {
-    spdlog::warn("stopped: {} of {} episodes are in {}; the same command goes on from there", countText(progress.episodes_done),
+    spdlog::warn("stopped: {} of {} episodes are in {}; run the same command again to resume", countText(progress.episodes_done),
                  countText(progress.num_episodes), arguments.directory);
     return kExitInterrupted;
   }
   const double rate = progress.seconds > 0 ? static_cast<double>(progress.frames_done) / progress.seconds : 0;
-  fmt::print("{}: {} episodes ({} found on disk), {} frames made in {} at {} frames/s, {} loads out of reach\n", arguments.directory,
+  fmt::print("{}: {} episodes ({} found on disk), {} frames simulated in {} at {} frames/s, {} loads out of reach\n", arguments.directory,
              countText(progress.num_episodes), countText(progress.episodes_resumed), countText(progress.frames_done),
              durationText(progress.seconds), countText(static_cast<std::uint64_t>(rate)), countText(result.num_load_misses));
   return kExitOk;
@@ -58,16 +61,13 @@ int runGenerate(const Arguments& arguments) {
 }  // namespace
 
 void addGenerate(CLI::App& app, Action& action) {
-  CLI::App* command =
-      app.add_subcommand("generate", "Simulate a scene into a data set; the same command again goes on where it was stopped");
+  CLI::App* command = app.add_subcommand("generate", "Simulate a scene and write a data set; run the same command again to resume");
   command->footer(
       "Example:\n  taxelsim generate scenes/edge_servo.yaml -o out/ --episodes 100000\n"
-      "Ctrl-C keeps what is complete. Batch size and device memory do not change a byte of the data set.");
+      "Ctrl-C stops and keeps complete shards. The bytes of the data set do not depend on batch size or device memory.");
   const auto arguments = std::make_shared<Arguments>();
   addSceneOptions(*command, *arguments, GenerateOptions{}.batch_size);
-  command->add_option("-o,--output", arguments->directory, "Directory of the data set; made if it is not there")
-      ->required()
-      ->type_name("DIR");
+  command->add_option("-o,--output", arguments->directory, "Directory of the data set; created if missing")->required()->type_name("DIR");
   command->callback([=, &action] { action = [=] { return runGenerate(*arguments); }; });
 }
 

@@ -15,7 +15,7 @@ namespace {
 constexpr const char* kImage = "data/tactile_image";
 constexpr std::uint64_t kFramesAtOnce = 4096;
 
-// The sensor stands in the scene with all its settings; only files that give its taxels (a mesh, a URDF) are not kept in a data set.
+// The scene of a data set holds the whole sensor, except files with its taxels (a mesh, a URDF).
 std::optional<Sensor> sensorOf(const Manifest& manifest) {
   const std::string name = "scene of the data set";
   try {
@@ -34,12 +34,12 @@ ImageSource loadDataSet(const std::filesystem::path& directory) {
   const DatasetReader reader(directory);
   const Manifest& manifest = reader.manifest();
   const auto column = std::find_if(manifest.columns.begin(), manifest.columns.end(), [](const Column& c) { return c.name == kImage; });
-  if (column == manifest.columns.end()) throw Error(ErrorKind::kInput, directory.string() + ": has no column " + kImage);
-  if (reader.numFrames() == 0) throw Error(ErrorKind::kInput, directory.string() + ": has no frames");
+  if (column == manifest.columns.end()) throw Error(ErrorKind::kInput, directory.string() + ": no column " + kImage);
+  if (reader.numFrames() == 0) throw Error(ErrorKind::kInput, directory.string() + ": no frames");
   ImageSource source{.file = directory.string(), .name = sceneName(manifest), .sensor = sensorOf(manifest), .images = {}};
   source.images.num_taxels = std::accumulate(column->shape.begin(), column->shape.end(), std::size_t{1}, std::multiplies<>());
   if (source.sensor && source.images.num_taxels != static_cast<std::size_t>(numTaxels(*source.sensor))) {
-    throw Error(ErrorKind::kInput, directory.string() + ": images of several sensors at once cannot be compared");
+    throw Error(ErrorKind::kInput, directory.string() + ": has several sensors per instance, whose images cannot be compared");
   }
   for (std::uint64_t first = 0; first < reader.numFrames(); first += kFramesAtOnce) {
     for (const double counts : reader.readAsDouble(kImage, first, std::min(kFramesAtOnce, reader.numFrames() - first))) {
@@ -59,7 +59,7 @@ ImageSource loadFile(const std::filesystem::path& file) {
   } else if (auto* sequence = std::get_if<ImageSequence>(&measurement.data)) {
     source.images = std::move(sequence->images);
   } else {
-    throw Error(ErrorKind::kInput, file.generic_string() + ": has no images: images, point_images or stamp_images is asked for");
+    throw Error(ErrorKind::kInput, file.generic_string() + ": a measurement without images; use images, point_images or stamp_images");
   }
   return source;
 }

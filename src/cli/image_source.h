@@ -1,4 +1,4 @@
-// Tactile images from either of two places: a measurement with images, or a data set.
+// Tactile images from a measurement or a data set.
 #pragma once
 
 #include <filesystem>
@@ -12,12 +12,12 @@ namespace taxelsim::cli {
 
 struct ImageSource {
   std::string file;              // as given
-  std::string name;              // for pictures
-  std::optional<Sensor> sensor;  // none of a data set whose scene names a file that gives the taxels
-  Images images;                 // of a data set without times: they begin anew with every episode
+  std::string name;              // for figures
+  std::optional<Sensor> sensor;  // none for a data set whose taxels come from a file that the scene names
+  Images images;                 // no times for a data set, because times restart with every episode
 };
 
-// A directory is a data set, a file a measurement. Throws Error(kInput) for one without images, or of several sensors.
+// A directory is read as a data set, a file as a measurement. Throws Error(kInput) if it has no images or several sensors.
 ImageSource loadImages(const std::filesystem::path& path);
 
 }  // namespace taxelsim::cli

@@ -1,4 +1,4 @@
-// `taxelsim inspect`: what a data set holds and whether it is whole.
+// `taxelsim inspect`: prints the contents of a data set and verifies its checksums.
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/fmt/ranges.h>
 #include <yaml-cpp/yaml.h>
@@ -17,6 +17,9 @@
 #include "taxelsim/error.h"
 
 namespace taxelsim::cli {
+
+using namespace figures;
+
 namespace {
 
 constexpr std::size_t kValuesAtOnce = std::size_t{1} << 20;
@@ -71,6 +74,14 @@ std::string listText(std::vector<std::uint64_t> shards) {
   return fmt::format(" ({}{})", fmt::join(shards, ", "), more ? ", ..." : "");
 }
 
+// "shard 5" or "shards 1, 2, 5".
+std::string shardsText(const std::vector<std::uint64_t>& shards) {
+  static constexpr std::size_t kMost = 8;
+  const auto end = shards.begin() + static_cast<std::ptrdiff_t>(std::min(shards.size(), kMost));
+  return fmt::format("{} {}{}", shards.size() == 1 ? "shard" : "shards", fmt::join(shards.begin(), end, ", "),
+                     shards.size() > kMost ? ", ..." : "");
+}
+
 struct Shards {
   std::vector<std::uint64_t> missing, broken;
   std::string problem;  // of the first broken one
@@ -111,10 +122,11 @@ int runInspect(const Arguments& arguments) {
       {"sensor", manifest.sensor_name},
       {"seed", std::to_string(manifest.seed)},
       {"device", manifest.device},
-      {"made by", "taxelsim " + manifest.program_version},
-      {"shards", fmt::format("{} of {} whole, {} missing{}, {} broken{}", shards.whole, manifest.numShards(), shards.missing.size(),
+      {"program", "taxelsim " + manifest.program_version},
+      {"shards", fmt::format("{} of {} complete, {} missing{}, {} broken{}", shards.whole, manifest.numShards(), shards.missing.size(),
                              listText(shards.missing), shards.broken.size(), listText(shards.broken))},
-      {"SHA-256", fmt::format("scene and {} of every shard on disk {}", checked, shards.broken.empty() ? "hold" : "do not hold")}};
+      {"SHA-256", shards.broken.empty() ? fmt::format("scene and {} of all shards on disk verified", checked)
+                                        : fmt::format("checksum mismatch in {}", shardsText(shards.broken))}};
   const auto printHeading = [&] {
     for (const auto& row : heading) fmt::print("{:<9} {}\n", row[0], row[1]);
   };
@@ -143,8 +155,8 @@ int runInspect(const Arguments& arguments) {
     entry["max"] = some ? nlohmann::ordered_json(statistics.max) : nullptr;
     entry["non_finite"] = statistics.num_non_finite;
     json["columns"].push_back(entry);
-    table.push_back({column.name, nameOf(column.type), shapeText(column), column.unit, some ? numberText(statistics.min) : "-",
-                     some ? numberText(statistics.mean()) : "-", some ? numberText(statistics.max) : "-",
+    table.push_back({column.name, nameOf(column.type), shapeText(column), column.unit, some ? roundedText(statistics.min) : "-",
+                     some ? roundedText(statistics.mean()) : "-", some ? roundedText(statistics.max) : "-",
                      countText(statistics.num_non_finite)});
   }
   if (arguments.json) {
@@ -163,20 +175,20 @@ std::string sceneName(const Manifest& manifest) {
     const YAML::Node name = YAML::Load(manifest.scene)["name"];
     if (name && name.IsScalar()) return name.as<std::string>();
   } catch (const YAML::Exception&) {
-    return "-";  // whatever the scene is, its hash held; only its name is not known
+    return "-";  // the checksum was right; only the name is unknown
   }
   return "-";
 }
 
 void addInspect(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("inspect", "Say what a data set holds, and check that it is whole");
+  CLI::App* command = app.add_subcommand("inspect", "Print the contents of a data set and verify its checksums");
   command->footer(
       "Example:\n  taxelsim inspect out/\n"
-      "Reads every value and holds it against its SHA-256. Exits with 2 when a shard is broken; missing shards are listed.");
+      "Reads every value and verifies its SHA-256. Exit status 2 if a shard is broken; lists missing shards.");
   const auto arguments = std::make_shared<Arguments>();
   command->add_option("directory", arguments->directory, "Directory of the data set")->required()->type_name("DIR");
   command->add_flag("--json", arguments->json, "Print JSON");
-  command->add_flag("--quick", arguments->quick, "Check the shards' headers only, not their values");
+  command->add_flag("--quick", arguments->quick, "Verify the headers of shards only, not their values");
   command->callback([arguments, &action] { action = [arguments] { return runInspect(*arguments); }; });
 }
 

@@ -1,11 +1,11 @@
-// Ctrl-C as a wish, not an end.
+// Graceful shutdown on SIGINT and SIGTERM.
 #pragma once
 
 #include <atomic>
 
 namespace taxelsim::cli {
 
-// From now on the first SIGINT or SIGTERM sets what is returned; the next one ends the process, as it would without us.
+// Installs handlers: the first SIGINT or SIGTERM sets the returned flag, the second one ends the process.
 const std::atomic<bool>& stopOnSignals();
 
 }  // namespace taxelsim::cli

@@ -1,4 +1,4 @@
-// The command line: parses, runs one subcommand, turns errors into one line and an exit status.
+// The command line: parses arguments, runs one subcommand, and reports an error as one line and an exit status.
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
@@ -22,7 +22,7 @@ const std::map<std::string, spdlog::level::level_enum> kLogLevels{{"trace", spdl
                                                                   {"info", spdlog::level::info},   {"warning", spdlog::level::warn},
                                                                   {"error", spdlog::level::err},   {"off", spdlog::level::off}};
 
-// Prints the line and leaves at once: HDF5 1.10 complains on stderr when a process that met a broken file ends in the ordinary way.
+// Prints the line and exits without cleanup: HDF5 1.10 prints its own errors at exit after it has read a broken file.
 [[noreturn]] void fail(int status, std::string message) {
   std::replace(message.begin(), message.end(), '\n', ' ');
   std::fflush(stdout);
@@ -38,9 +38,9 @@ int run(int argc, char** argv) {
   app.fallthrough();
   app.footer(
       "Examples:\n  taxelsim devices\n  taxelsim generate scenes/edge_servo.yaml -o out/ --episodes 1000\n"
-      "`taxelsim SUBCOMMAND --help` says more. Exit status: 0 done, 1 device or disk, 2 bad input, 130 interrupted.");
+      "See `taxelsim SUBCOMMAND --help`. Exit status: 0 success, 1 device or disk error, 2 bad input, 130 interrupted.");
   std::string log_level = "info";
-  app.add_option("--log-level", log_level, "What is logged to stderr: trace, debug, info, warning, error or off")
+  app.add_option("--log-level", log_level, "Level of log messages on stderr: trace, debug, info, warning, error or off")
       ->check(CLI::IsMember(kLogLevels))
       ->capture_default_str()
       ->type_name("LEVEL");
@@ -77,7 +77,7 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   using namespace taxelsim;
   using namespace taxelsim::cli;
-  std::signal(SIGXFSZ, SIG_IGN);  // a file-size limit shall be an error of write(), not a kill
+  std::signal(SIGXFSZ, SIG_IGN);  // a file-size limit becomes an error of write() instead of a signal
   try {
     const int status = run(argc, argv);
     if (std::fflush(stdout) != 0) fail(kExitDevice, "cannot write to standard output");

@@ -12,6 +12,9 @@
 #include "figures/text.h"
 
 namespace taxelsim::cli {
+
+using namespace figures;
+
 namespace {
 
 constexpr double kLineInterval = 5;  // s between lines in a log

@@ -1,4 +1,4 @@
-// How far a data set is: a bar on a terminal, a line now and then in a log. Not who counts.
+// Prints progress: a bar on a terminal, or a line every few seconds in a log.
 #pragma once
 
 #include <string>
@@ -9,14 +9,14 @@ namespace taxelsim::cli {
 
 class ProgressPrinter {
  public:
-  // A bar is drawn where stderr is a terminal.
+  // Draws a bar if stderr is a terminal.
   ProgressPrinter();
   ~ProgressPrinter();
   ProgressPrinter(const ProgressPrinter&) = delete;
   ProgressPrinter& operator=(const ProgressPrinter&) = delete;
 
   void show(const Progress& progress);
-  // Removes the bar, so that what follows starts on a clean line.
+  // Removes the bar.
   void clear();
 
  private:

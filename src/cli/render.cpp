@@ -1,4 +1,4 @@
-// `taxelsim render`: frames of a data set as a picture.
+// `taxelsim render`: draws frames of a data set.
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/fmt/ranges.h>
 #include <spdlog/spdlog.h>
@@ -19,11 +19,14 @@
 #include "taxelsim/error.h"
 
 namespace taxelsim::cli {
+
+using namespace figures;
+
 namespace {
 
 constexpr const char* kImage = "data/tactile_image";
 constexpr int kMaxFrames = 400;
-constexpr std::size_t kTaxelsPerLine = 16;  // of sensors that are not one grid
+constexpr std::size_t kTaxelsPerLine = 16;  // for sensors without a single grid
 
 struct Arguments {
   std::string directory, picture;
@@ -36,7 +39,7 @@ const Column* find(const Manifest& manifest, const std::string& name) {
   return column == manifest.columns.end() ? nullptr : &*column;
 }
 
-// One row of a column that may not be there, or not have the length expected.
+// One row of a column; empty if the column is missing or has another length.
 std::vector<double> row(const DatasetReader& reader, const std::string& name, std::uint64_t frame, std::size_t length) {
   const Column* column = find(reader.manifest(), name);
   if (column == nullptr || column->per_episode) return {};
@@ -44,8 +47,8 @@ std::vector<double> row(const DatasetReader& reader, const std::string& name, st
   return values.size() == length ? values : std::vector<double>{};
 }
 
-// A grid as it is, a list of taxels by their outlines if these are known; any other shape as lines of taxels in storage order. Of a robot
-// with several sensors the first one's.
+// A grid as an image, a list of taxels by their outlines if known, any other sensor as rows of taxels in storage order. For several
+// sensors, the first one.
 TactilePanel imageOf(const DatasetReader& reader, const std::vector<TaxelOutline>& outlines, std::uint64_t frame) {
   const Manifest& manifest = reader.manifest();
   TactilePanel panel;
@@ -71,7 +74,7 @@ TactilePanel imageOf(const DatasetReader& reader, const std::vector<TaxelOutline
   return panel;
 }
 
-// The recorded features where they are in metres on this grid, else the moments of the image itself.
+// Recorded features if they are in metres on this grid, otherwise moments of the image.
 std::optional<ContactAxes> axesOf(const DatasetReader& reader, const TactilePanel& panel, std::uint64_t frame) {
   if (!panel.neighbours) return std::nullopt;
   std::optional<ContactAxes> axes = axesOfImage(panel);
@@ -100,8 +103,8 @@ std::string captionOf(const DatasetReader& reader, const TactilePanel& panel, st
 int runRender(const Arguments& arguments, bool one_episode) {
   const DatasetReader reader(arguments.directory, /*allow_incomplete=*/true);
   const Manifest& manifest = reader.manifest();
-  if (find(manifest, kImage) == nullptr) throw Error(ErrorKind::kInput, arguments.directory + ": has no column " + kImage + " to draw");
-  if (reader.numFrames() == 0) throw Error(ErrorKind::kInput, arguments.directory + ": has no frames yet");
+  if (find(manifest, kImage) == nullptr) throw Error(ErrorKind::kInput, arguments.directory + ": no column " + kImage + " to draw");
+  if (reader.numFrames() == 0) throw Error(ErrorKind::kInput, arguments.directory + ": no frames yet");
   if (!reader.missingShards().empty()) spdlog::warn("{}: {} shards are missing", arguments.directory, reader.missingShards().size());
 
   const std::vector<std::uint64_t>& ends = reader.episodeEnds();
@@ -116,7 +119,7 @@ int runRender(const Arguments& arguments, bool one_episode) {
   const std::vector<TaxelOutline> outlines = listed ? unrolled(*listed) : std::vector<TaxelOutline>{};
   std::vector<TactilePanel> panels;
   for (std::uint64_t k = 0; k < count; ++k) {
-    // Evenly over the frames, the first and the last among them.
+    // Evenly spaced, with the first and the last frame.
     const std::uint64_t frame = count == 1 ? begin : begin + k * (end - begin - 1) / (count - 1);
     const auto episode = static_cast<std::uint64_t>(std::upper_bound(ends.begin(), ends.end(), frame) - ends.begin());
     TactilePanel panel = imageOf(reader, outlines, frame);
@@ -138,19 +141,19 @@ int runRender(const Arguments& arguments, bool one_episode) {
 }  // namespace
 
 void addRender(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("render", "Draw frames of a data set into a PNG picture");
+  CLI::App* command = app.add_subcommand("render", "Draw frames of a data set (PNG)");
   command->footer(
-      "Example:\n  taxelsim render out/ -o out.png --episode 3 --frames 20\nFrames are taken evenly over the episode, or over all "
-      "episodes.");
+      "Example:\n  taxelsim render out/ -o out.png --episode 3 --frames 20\n"
+      "Draws evenly spaced frames of one episode, or of all episodes.");
   const auto arguments = std::make_shared<Arguments>();
   command->add_option("directory", arguments->directory, "Directory of the data set")->required()->type_name("DIR");
-  command->add_option("-o,--output", arguments->picture, "Picture to write (PNG)")->required()->type_name("FILE");
-  command->add_option("--frames", arguments->num_frames, "Number of frames drawn")
+  command->add_option("-o,--output", arguments->picture, "Figure to write (PNG)")->required()->type_name("FILE");
+  command->add_option("--frames", arguments->num_frames, "Number of frames to draw")
       ->check(CLI::Range(1, kMaxFrames))
       ->capture_default_str()
       ->type_name("N");
   CLI::Option* episode =
-      command->add_option("--episode", arguments->episode, "Draw this episode only")->check(refuseNegative)->type_name("E");
+      command->add_option("--episode", arguments->episode, "Draw frames of this episode only")->check(refuseNegative)->type_name("E");
   command->callback([=, &action] { action = [=] { return runRender(*arguments, episode->count() > 0); }; });
 }
 

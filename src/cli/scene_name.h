@@ -1,4 +1,4 @@
-// What a data set's scene calls itself.
+// Name of a data set's scene.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace taxelsim::cli {
 
-// "-" when the scene has no name.
+// "-" if the scene has no name.
 std::string sceneName(const Manifest& manifest);
 
 }  // namespace taxelsim::cli

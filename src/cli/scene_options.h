@@ -1,4 +1,4 @@
-// What commands that play a scene's episodes have in common.
+// Options of all commands that simulate the episodes of a scene.
 #pragma once
 
 #include <CLI/App.hpp>

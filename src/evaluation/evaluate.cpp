@@ -13,18 +13,16 @@
 namespace taxelsim {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-constexpr std::uint64_t kMaxEpisodes = std::uint64_t{1} << 24;  // verdicts are held in memory
+constexpr std::uint64_t kMaxEpisodes = std::uint64_t{1} << 24;  // all verdicts are kept in memory
 constexpr int kNumStarts = 5;
-constexpr double kLeastRange = 0.1;              // tolerances, over which errors start, for a start to make a difference
+constexpr double kLeastRange = 0.1;              // smallest range of start errors, in tolerances, for scores by start
 constexpr double kNormal95 = 1.959963984540054;  // quantile 0.975 of the standard normal
 
 Quantiles quantilesOf(std::vector<double> values) {
   std::erase_if(values, [](double value) { return !std::isfinite(value); });
   if (values.empty()) return {};
   std::sort(values.begin(), values.end());
-  // The value that at least this part does not exceed.
+  // Smallest value that at least this share of the values does not exceed.
   const auto at = [&](double part) {
     const double rank = std::ceil(part * static_cast<double>(values.size()));
     return values[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
@@ -32,7 +30,7 @@ Quantiles quantilesOf(std::vector<double> values) {
   return {at(0.5), at(0.95), values.back()};
 }
 
-// Where the judged error that starts most unequally starts, in its tolerances.
+// Range of the start errors of the measure with the widest range, relative to its tolerance.
 struct Starts {
   std::size_t measure = 0;
   double lowest = 0, highest = 0;
@@ -86,7 +84,7 @@ std::vector<int> numbersOf(const Scene& scene, const std::vector<std::string>& n
     const auto found = std::find_if(scene.controllers.begin(), scene.controllers.end(),
                                     [&](const SceneController& controller) { return controller.name == name; });
     if (found == scene.controllers.end()) {
-      throw Error(ErrorKind::kInput, scene.file.generic_string() + ": controller: \"" + name + "\" found, one of " + known + " allowed");
+      throw Error(ErrorKind::kInput, scene.file.generic_string() + ": --controller " + name + ": not in this scene; it has " + known);
     }
     numbers.push_back(static_cast<int>(found - scene.controllers.begin()));
   }
@@ -147,10 +145,10 @@ std::vector<Evaluation> evaluate(const Device& device, const Scene& scene, const
   checkCount("batch size", options.batch_size);
   checkCount("slices", options.num_slices);
   checkScene(scene);
-  if (!scene.task) throw Error(ErrorKind::kInput, scene.file.generic_string() + ": task is missing: what the controllers are judged by");
+  if (!scene.task) throw Error(ErrorKind::kInput, scene.file.generic_string() + ": this scene has no `task`, which `evaluate` needs");
   if (scene.num_episodes > kMaxEpisodes) {
     throw Error(ErrorKind::kInput, "episodes: " + std::to_string(scene.num_episodes) + " found, at most " + std::to_string(kMaxEpisodes) +
-                                       " are judged at once");
+                                       " allowed in one evaluation");
   }
   const std::vector<int> numbers = numbersOf(scene, controllers);
   const Model model(device, modelOptionsOf(scene));
@@ -159,7 +157,7 @@ std::vector<Evaluation> evaluate(const Device& device, const Scene& scene, const
 
   Progress progress;
   progress.num_episodes = scene.num_episodes * numbers.size();
-  const Clock::time_point start = Clock::now();
+  const auto start = std::chrono::steady_clock::now();
   std::vector<Evaluation> evaluations;
   for (const int number : numbers) {
     const OutputOptions none{.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false};
@@ -175,7 +173,7 @@ std::vector<Evaluation> evaluate(const Device& device, const Scene& scene, const
     runEpisodes(device, slices, options.stop, [&](const Slice::Stats& tally) {
       progress.frames_done += tally.num_frames;
       progress.episodes_done += tally.num_episodes;
-      progress.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+      progress.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       if (options.on_progress) options.on_progress(progress);
     });
     if (stopped()) break;

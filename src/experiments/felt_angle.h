@@ -1,4 +1,4 @@
-// The edge angle that a controller looks at.
+// The edge angle that a controller uses.
 #pragma once
 
 #include <optional>
@@ -8,7 +8,7 @@
 
 namespace taxelsim {
 
-// Of one instance, rad; none where it is the exact one, which no frame holds.
+// Edge angle of one instance, rad; none for the exact angle, which is not in the frame.
 inline std::optional<double> feltAngle(const TactileServo& servo, const FrameView& view, std::size_t instance) {
   if (servo.edge_angle_source == EdgeAngleSource::kExact) return {};
   if (!needsContactFeatures(servo)) return view.edge_angle[instance];

@@ -19,7 +19,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNever = std::numeric_limits<double>::quiet_NaN();
-constexpr int kCharacteristicSteps = 360;  // of a right angle, a quarter of a degree each
+constexpr int kCharacteristicSteps = 360;  // steps per right angle: a quarter of a degree each
 
 double lineError(double angle, double reference) {
   return std::remainder(angle - reference, kPi);
@@ -29,12 +29,12 @@ double angleReference(const TactileServo& servo) {
   return servo[ServoFeature::kEdgeAngle].reference.value_or(0);
 }
 
-struct Played {
+struct Episode {
   ServoTrace trace;
-  double start_force = 0;  // N: reference of a force loop that has none
+  double start_force = 0;  // N: default reference of a force loop
 };
 
-Played play(const Model& model, const Scene& scene) {
+Episode simulate(const Model& model, const Scene& scene) {
   const EpisodePlan plan(scene, {.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false});
   TraceSink sink(scene);
   std::vector<std::unique_ptr<Slice>> slices;
@@ -42,7 +42,7 @@ Played play(const Model& model, const Scene& scene) {
   runEpisodes(model.device(), slices, nullptr, [](const Slice::Stats&) {});
   if (sink.record().load_reached == 0) {
     throw Error(ErrorKind::kInput, scene.file.generic_string() + ": " + std::to_string(sink.record().load) + " N on " +
-                                       scene.objects.front().object.name + " are out of reach");
+                                       scene.objects.front().object.name + " is out of reach");
   }
   return {std::move(sink.trace()), sink.record().start_force};
 }
@@ -57,26 +57,26 @@ std::vector<double> angleErrors(const Scene& scene, const ServoTrace& trace) {
 }
 
 // Value - reference of one feature in every frame.
-std::vector<double> errorsOf(const Scene& scene, const Played& played, ServoFeature feature) {
-  if (feature == ServoFeature::kEdgeAngle) return angleErrors(scene, played.trace);
+std::vector<double> errorsOf(const Scene& scene, const Episode& episode, ServoFeature feature) {
+  if (feature == ServoFeature::kEdgeAngle) return angleErrors(scene, episode.trace);
   const TactileServo& servo = scene.controllers.front().servo;
   const Vector3 middle = arrayMiddle(scene.sensor);
-  const auto otherwise = feature == ServoFeature::kTotalForce ? played.start_force
+  const auto otherwise = feature == ServoFeature::kTotalForce ? episode.start_force
                          : feature == ServoFeature::kCenterX  ? middle[0]
                          : feature == ServoFeature::kCenterY  ? middle[1]
                                                               : 0;
   const double reference = servo[feature].reference.value_or(otherwise);
-  const std::vector<double> angles = angleErrors(scene, played.trace);
+  const std::vector<double> angles = angleErrors(scene, episode.trace);
   std::vector<double> errors;
-  for (std::size_t n = 0; n < played.trace.time.size(); ++n) {
-    const Vector3& center = played.trace.center_of_pressure[n];
+  for (std::size_t n = 0; n < episode.trace.time.size(); ++n) {
+    const Vector3& center = episode.trace.center_of_pressure[n];
     const double along = angleReference(servo) + angles[n];
     const double across = (center[1] - middle[1]) * std::cos(along) - (center[0] - middle[0]) * std::sin(along);
-    const double value = feature == ServoFeature::kTotalForce ? played.trace.total_force[n]
+    const double value = feature == ServoFeature::kTotalForce ? episode.trace.total_force[n]
                          : feature == ServoFeature::kCenterX  ? center[0]
                          : feature == ServoFeature::kCenterY  ? center[1]
                                                               : across;
-    const bool known = feature == ServoFeature::kTotalForce || played.trace.total_force[n] > 0;
+    const bool known = feature == ServoFeature::kTotalForce || episode.trace.total_force[n] > 0;
     errors.push_back(known ? value - reference : kNever);
   }
   return errors;
@@ -90,7 +90,7 @@ ServoConvergence convergenceOf(ServoFeature feature, std::vector<double> errors,
     largest = std::max(largest, std::abs(error));
     result.overshoot = std::max(result.overshoot, -error / start);
   }
-  // What began at its reference came from nowhere.
+  // Settling and overshoot are undefined for an error that starts near 0.
   const bool began_away = std::abs(start) > band * largest;
   result.settling_time = began_away ? settlingTime(errors, dt, band) : kNever;
   if (!began_away) result.overshoot = kNever;
@@ -131,7 +131,7 @@ ServoRobotUse robotUse(const Scene& scene, const ServoTrace& trace) {
   return use;
 }
 
-// The object as it lay in the first frame, turned about its contact.
+// Static characteristic: the edge angle read with the object of the first frame at rest, rotated about its contact.
 StaticCharacteristic characteristicOf(const Model& model, const Scene& scene, const ServoTrace& trace) {
   const TactileServo& servo = scene.controllers.front().servo;
   const double reference = angleReference(servo), start = lineError(trace.true_angle.front(), reference);
@@ -168,20 +168,20 @@ AngleLoop angleLoop(const Scene& scene, double start_error) {
 
 ServoRunResult runOne(const Model& model, const ServoExperiment& experiment, const ServoRun& run) {
   const Scene& scene = run.scene;
-  Played played = play(model, scene);
+  Episode episode = simulate(model, scene);
   ServoRunResult result;
   const double dt = 1 / scene.simulation_rate;
   for (int f = 0; f <= static_cast<int>(ServoFeature::kEdgeAngle); ++f) {
     const auto feature = static_cast<ServoFeature>(f);
     if (!scene.controllers.front().servo[feature].selected) continue;
-    result.convergence.push_back(convergenceOf(feature, errorsOf(scene, played, feature), dt, experiment.band, experiment.steady));
+    result.convergence.push_back(convergenceOf(feature, errorsOf(scene, episode, feature), dt, experiment.band, experiment.steady));
   }
-  result.robot = robotUse(scene, played.trace);
+  result.robot = robotUse(scene, episode.trace);
   if (run.theory != ServoRun::Theory::kNone) {
     const AngleLoop loop = angleLoop(scene, result.convergence.back().error.front());
-    const int num_frames = static_cast<int>(played.trace.time.size());
+    const int num_frames = static_cast<int>(episode.trace.time.size());
     if (run.theory == ServoRun::Theory::kCharacteristic) {
-      result.characteristic = characteristicOf(model, scene, played.trace);
+      result.characteristic = characteristicOf(model, scene, episode.trace);
       result.expected_error = expectedErrors(loop, num_frames, [&](double error) { return result.characteristic.at(error); });
       result.expected_settling_time = settlingTime(result.expected_error, dt, experiment.band);
     } else {
@@ -193,11 +193,11 @@ ServoRunResult runOne(const Model& model, const ServoExperiment& experiment, con
       result.largest_deviation = std::max(result.largest_deviation, std::abs(errors[n] - result.expected_error[n]));
     }
   }
-  result.trace = std::move(played.trace);
+  result.trace = std::move(episode.trace);
   return result;
 }
 
-// Where growth passes 1 for good.
+// Gain at which the growth crosses 1 for the last time.
 double limitOf(const std::vector<double>& gains, const std::vector<double>& growth) {
   for (std::size_t k = gains.size(); k > 1; --k) {
     const double below = growth[k - 2], above = growth[k - 1];
@@ -213,7 +213,7 @@ ServoSweepResult sweepOne(const Model& model, const ServoSweep& sweep) {
   const bool late = loop.delay > 0;
   for (const double gain : sweep.gains) {
     scene.controllers.front().servo[ServoFeature::kEdgeAngle].kp = gain / (loop.dt * loop.period);
-    const std::vector<double> errors = angleErrors(scene, play(model, scene).trace);
+    const std::vector<double> errors = angleErrors(scene, simulate(model, scene).trace);
     std::vector<double> by_period;
     for (std::size_t n = 0; n < errors.size(); n += static_cast<std::size_t>(loop.period)) by_period.push_back(errors[n]);
     result.growth.push_back(measuredGrowth(by_period));
@@ -224,15 +224,15 @@ ServoSweepResult sweepOne(const Model& model, const ServoSweep& sweep) {
   return result;
 }
 
-// An experiment need not come from loadServoExperiment().
-void checkPlayed(const std::string& name, const Scene& scene, bool has_theory) {
+// For experiments that were not read by loadServoExperiment().
+void checkRun(const std::string& name, const Scene& scene, bool has_theory) {
   checkScene(scene);
   if (scene.kind != Scene::Kind::kServo || scene.objects.size() != 1 || scene.controllers.size() != 1) {
     throw Error(ErrorKind::kInput, name + ": a scene of kind servo with " + std::to_string(scene.objects.size()) + " objects and " +
-                                       std::to_string(scene.controllers.size()) + " controllers found, 1 each allowed");
+                                       std::to_string(scene.controllers.size()) + " controllers found, allowed is 1 of each");
   }
   if (has_theory && !(scene.objects[0].edge && scene.controllers[0].servo[ServoFeature::kEdgeAngle].selected)) {
-    throw Error(ErrorKind::kInput, name + ": no edge whose angle is held found, theory is of one");
+    throw Error(ErrorKind::kInput, name + ": theory needs an object with an edge and a controller of edge_angle");
   }
 }
 
@@ -247,8 +247,8 @@ double StaticCharacteristic::at(double true_error) const {
 }
 
 ServoResult runServoExperiment(const Device& device, const ServoExperiment& experiment) {
-  for (const ServoRun& run : experiment.runs) checkPlayed(run.name, run.scene, run.theory != ServoRun::Theory::kNone);
-  for (const ServoSweep& sweep : experiment.sweeps) checkPlayed(sweep.name, sweep.scene, true);
+  for (const ServoRun& run : experiment.runs) checkRun(run.name, run.scene, run.theory != ServoRun::Theory::kNone);
+  for (const ServoSweep& sweep : experiment.sweeps) checkRun(sweep.name, sweep.scene, true);
   ServoResult result;
   for (const ServoRun& run : experiment.runs) result.runs.push_back(runOne(Model(device, modelOptionsOf(run.scene)), experiment, run));
   for (const ServoSweep& sweep : experiment.sweeps) {

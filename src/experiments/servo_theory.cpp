@@ -12,7 +12,7 @@ constexpr double kNever = std::numeric_limits<double>::quiet_NaN();
 }  // namespace
 
 std::vector<double> expectedErrors(const AngleLoop& loop, int num_frames, const std::function<double(double)>& read) {
-  // As errors would be if the joint were where each command sends it; the joint comes `delay` frames later.
+  // Errors of an ideal joint; the real joint follows `delay` frames later.
   std::vector<double> commanded{loop.start_error};
   std::vector<double> errors;
   double rate = 0;
@@ -52,7 +52,7 @@ double measuredGrowth(const std::vector<double>& errors) {
 double settlingTime(const std::vector<double>& errors, double dt, double band) {
   if (errors.empty()) return kNever;
   const double limit = band * std::abs(errors.front());
-  std::size_t outside = errors.size();  // the last one that is
+  std::size_t outside = errors.size();  // last error outside the band
   for (std::size_t n = errors.size(); n > 0 && outside == errors.size(); --n) {
     if (!(std::abs(errors[n - 1]) <= limit)) outside = n - 1;
   }

@@ -4,6 +4,8 @@
 #include <limits>
 #include <numeric>
 
+#include "base/median.h"
+#include "experiments/nelder_mead.h"
 #include "taxelsim/error.h"
 #include "taxelsim/experiment.h"
 #include "taxelsim/model.h"
@@ -12,7 +14,7 @@
 namespace taxelsim {
 namespace {
 
-constexpr double kDt = 1;  // s; nothing of a first step at rest depends on it
+constexpr double kDt = 1;  // s; results of a first step at rest do not depend on it
 
 struct Contact {
   std::size_t object = 0;
@@ -39,7 +41,7 @@ struct Pressed {
   std::vector<double> offsets;             // (num_contacts), m, along z
 };
 
-// All contacts as one batch; by load, or `offsets` deep.
+// Simulates all contacts as one batch, under their loads or at `offsets`.
 Pressed press(const Device& device, const StaticExperiment& experiment, const Sensor& sensor, const std::vector<Contact>& contacts,
               const std::vector<double>* offsets) {
   std::vector<Object> objects;
@@ -66,7 +68,7 @@ Pressed press(const Device& device, const StaticExperiment& experiment, const Se
   for (std::size_t c = 0; c < contacts.size(); ++c) {
     if (frame.ground_truth.load_reached[c] == 0) {
       throw Error(ErrorKind::kInput, sensor.name + ": " + std::to_string(contacts[c].load) + " N on " + objects[contacts[c].object].name +
-                                         " are out of reach: pressed through the skin it carries " +
+                                         " is out of reach: at full indentation the skin carries " +
                                          std::to_string(-frame.ground_truth.contact_wrench[6 * c + 2]) + " N");
     }
     const auto image = frame.ground_truth.tactile_normal_force.subspan(c * num_taxels, num_taxels);
@@ -76,18 +78,10 @@ Pressed press(const Device& device, const StaticExperiment& experiment, const Se
   return pressed;
 }
 
-double medianOf(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return (*middle + *std::max_element(values.begin(), middle)) / 2;
-}
-
-// What judges the images of one experiment.
-class Judge {
+// Simulates sensors in the contacts of an experiment and compares their images with the reference.
+class ReferenceComparison {
  public:
-  Judge(const Device& device, const StaticExperiment& experiment)
+  ReferenceComparison(const Device& device, const StaticExperiment& experiment)
       : device_(device),
         experiment_(experiment),
         contacts_(contactsOf(experiment)),
@@ -110,7 +104,7 @@ class Judge {
     return result;
   }
 
-  // Stiffness and width of the PSF by the simplex method of Nelder and Mead on their logarithms.
+  // Fits stiffness and PSF width to the reference, on their logarithms.
   StaticImages fitted(const Sensor& nominal) const;
 
  private:
@@ -126,70 +120,40 @@ class Judge {
   Pressed reference_;
 };
 
-constexpr int kFitEvaluations = 60;
-constexpr double kFitStep = 0.3;     // of the logarithms, at first
-constexpr double kFitEnough = 5e-3;  // of the logarithms: the corners are this close together
+// Steps and tolerance are of the logarithms.
+constexpr NelderMeadOptions kFitOptions{.step = 0.3, .tolerance = 5e-3, .max_evaluations = 60};
 
-StaticImages Judge::fitted(const Sensor& nominal) const {
-  using Point = std::array<double, 2>;  // logarithms of stiffness (N/m^3) and sigma (taxels)
-  struct Corner {
-    Point at{};
-    double cost = std::numeric_limits<double>::infinity();
-    StaticImages images;
-  };
+StaticImages ReferenceComparison::fitted(const Sensor& nominal) const {
   const int size = std::max(nominal.psf.size, 3);
-  const auto evaluate = [&](const Point& at) {
-    Corner corner{at, std::numeric_limits<double>::infinity(), {}};
+  StaticImages best;
+  double least = std::numeric_limits<double>::infinity();
+  // Parameters: logarithms of stiffness (N/m^3) and sigma (taxels).
+  const auto cost = [&](const std::vector<double>& at) {
     Sensor sensor = nominal;
     const double sigma = std::exp(at[1]);
     std::get<Winkler>(sensor.skin.law).normal_contact_stiffness = std::exp(at[0]);
     sensor.psf = gaussianPsf(sigma, size, Psf::Normalization::kPerSource);
+    StaticImages images;
     try {
-      corner.images = imagesOf(sensor);
+      images = imagesOf(sensor);
     } catch (const Error&) {
-      return corner;  // too soft for the largest load: infinitely bad
+      return std::numeric_limits<double>::infinity();  // too soft for the largest load
     }
-    corner.images.fitted_sigma = sigma;
-    // The mean, since a median would not see the contacts that tell two sensors apart.
-    corner.cost = 0;
-    for (const ImageDistance& distance : corner.images.distances) corner.cost += distance.relative_l1;
-    return corner;
+    // A sum: a median would ignore the few contacts that distinguish two sensors.
+    double sum = 0;
+    for (const ImageDistance& distance : images.distances) sum += distance.relative_l1;
+    if (sum < least) {
+      least = sum;
+      best = std::move(images);
+      best.fitted_sigma = sigma;
+    }
+    return sum;
   };
-  const Point start{std::log(std::get<Winkler>(nominal.skin.law).normal_contact_stiffness), std::log(0.5)};
-  std::array<Corner, 3> simplex{evaluate(start), evaluate({start[0] + kFitStep, start[1]}), evaluate({start[0], start[1] + kFitStep})};
-  for (int used = 3; used < kFitEvaluations;) {
-    std::sort(simplex.begin(), simplex.end(), [](const Corner& a, const Corner& b) { return a.cost < b.cost; });
-    const auto apart = [&](std::size_t k) {
-      return std::max(std::abs(simplex[k].at[0] - simplex[0].at[0]), std::abs(simplex[k].at[1] - simplex[0].at[1]));
-    };
-    if (std::max(apart(1), apart(2)) < kFitEnough) break;
-    const Point middle{(simplex[0].at[0] + simplex[1].at[0]) / 2, (simplex[0].at[1] + simplex[1].at[1]) / 2};
-    const auto along = [&](double t) {
-      ++used;
-      return evaluate({middle[0] + t * (middle[0] - simplex[2].at[0]), middle[1] + t * (middle[1] - simplex[2].at[1])});
-    };
-    Corner next = along(1);
-    if (next.cost < simplex[0].cost) {
-      Corner farther = along(2);
-      simplex[2] = farther.cost < next.cost ? std::move(farther) : std::move(next);
-    } else if (next.cost < simplex[1].cost) {
-      simplex[2] = std::move(next);
-    } else {
-      Corner nearer = along(next.cost < simplex[2].cost ? 0.5 : -0.5);
-      if (nearer.cost < std::min(next.cost, simplex[2].cost)) {
-        simplex[2] = std::move(nearer);
-      } else {
-        for (std::size_t k : {1u, 2u}) {
-          ++used;
-          simplex[k] = evaluate({(simplex[k].at[0] + simplex[0].at[0]) / 2, (simplex[k].at[1] + simplex[0].at[1]) / 2});
-        }
-      }
-    }
-  }
-  StaticImages& best =
-      std::min_element(simplex.begin(), simplex.end(), [](const Corner& a, const Corner& b) { return a.cost < b.cost; })->images;
+  minimizeNelderMead({std::log(std::get<Winkler>(nominal.skin.law).normal_contact_stiffness), std::log(0.5)}, kFitOptions, cost);
+  if (!std::isfinite(least))
+    throw Error(ErrorKind::kInput, nominal.name + ": no fit: every stiffness tried is too soft for the largest load");
   best.name = nominal.name + "_fitted";
-  return std::move(best);
+  return best;
 }
 
 }  // namespace
@@ -218,10 +182,10 @@ ImageDistance medianDistance(const StaticExperiment& experiment, const StaticIma
 }
 
 StaticResult runStaticExperiment(const Device& device, const StaticExperiment& experiment) {
-  const Judge judge(device, experiment);
-  StaticResult result{judge.reference(), {}};
+  const ReferenceComparison comparison(device, experiment);
+  StaticResult result{comparison.reference(), {}};
   for (const StaticExperiment::Entry& entry : experiment.sensors) {
-    result.sensors.push_back(entry.fitted ? judge.fitted(entry.sensor) : judge.imagesOf(entry.sensor));
+    result.sensors.push_back(entry.fitted ? comparison.fitted(entry.sensor) : comparison.imagesOf(entry.sensor));
   }
   return result;
 }

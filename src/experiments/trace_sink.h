@@ -1,4 +1,4 @@
-// Keeps all of one episode in memory, for experiments.
+// Records one episode in memory, for experiments.
 #pragma once
 
 #include "episodes/episode_sink.h"
@@ -7,7 +7,7 @@
 
 namespace taxelsim {
 
-// Of a slice of one instance, which plays episode 0; of its first sensor.
+// For a slice with one instance, which simulates episode 0. Records its first sensor.
 class TraceSink : public EpisodeSink {
  public:
   // `scene`, with one object and one controller, must outlive this.

@@ -6,7 +6,7 @@
 
 #include "taxelsim/error.h"
 
-namespace taxelsim::cli {
+namespace taxelsim::figures {
 namespace {
 
 constexpr const char* kFont = "DejaVu Sans";
@@ -86,4 +86,4 @@ std::vector<double> ticksOf(double low, double high) {
   return ticks;
 }
 
-}  // namespace taxelsim::cli
+}  // namespace taxelsim::figures

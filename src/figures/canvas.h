@@ -1,5 +1,5 @@
-// What all pictures share: a page to draw on with Cairo, its colours and sizes of type, ticks of axes. Not a plotting library; the pictures
-// are tactile_figure.h and line_chart.h.
+// A page to draw on with Cairo, with the colours, type sizes and axis ticks that all figures share. The figures are in tactile_figure.h and
+// line_chart.h.
 #pragma once
 
 #include <cairo.h>
@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace taxelsim::cli {
+namespace taxelsim::figures {
 
 struct Colour {
   double red = 0, green = 0, blue = 0;
@@ -23,15 +23,15 @@ constexpr Colour rgb(unsigned code) {
 inline constexpr Colour kInk = rgb(0x1f2430), kGrey = rgb(0x6b7280), kPaper = rgb(0xffffff), kGap = rgb(0xe8eaee);
 inline constexpr Colour kRed = rgb(0xe5322d), kBlue = rgb(0x2f7de1), kGreen = rgb(0x18a35a);
 
-// Lengths in points; a picture has kPixelsPerPoint pixels a point.
+// Lengths in points, of kPixelsPerPoint pixels each.
 inline constexpr double kPixelsPerPoint = 2;
 inline constexpr double kMargin = 24, kGutter = 26;
 inline constexpr double kHeading = 17, kBody = 11, kSmall = 9.5;  // sizes of type
-inline constexpr double kLargestSide = 30000;                     // pixels; Cairo's image surfaces end at 32767
+inline constexpr double kLargestSide = 30000;                     // pixels; the limit of Cairo's image surfaces is 32767
 
 class Canvas {
  public:
-  // Throws Error(kInput) when the page is larger than Cairo can make.
+  // Throws Error(kInput) if the page is larger than Cairo supports.
   Canvas(double width, double height);
 
   operator cairo_t*() const { return cairo_.get(); }  // NOLINT(google-explicit-constructor): passed to C functions only
@@ -40,13 +40,14 @@ class Canvas {
   void font(double size, bool bold = false) const;
   double widthOf(const std::string& text) const;
 
-  // `anchor` 0 puts the left end at x, 1/2 the middle, 1 the right end; y is the baseline. Text longer than `room` is set smaller.
+  // Draws text with its left end (`anchor` 0), middle (1/2) or right end (1) at x and its baseline at y. Text wider than `room` is scaled
+  // down.
   void text(double x, double y, const std::string& text, double anchor = 0, double room = 0) const;
 
-  // Title and subtitle at the page's head.
+  // Draws title and subtitle at the top of the page.
   void heading(const std::string& title, const std::string& subtitle, double width) const;
 
-  // Writes the page as a PNG. Throws Error(kIo) when the file cannot be written.
+  // Writes a PNG. Throws Error(kIo) if the file cannot be written.
   void save(const std::filesystem::path& file) const;
 
  private:
@@ -54,13 +55,13 @@ class Canvas {
   std::unique_ptr<cairo_t, decltype(&cairo_destroy)> cairo_;
 };
 
-// Room that heading() takes, with what lies between it and the rest.
+// Height of heading(), including the gap below it.
 double headingRoom(const std::string& subtitle);
 
-// A step of 1, 2 or 5 times a power of ten that gives about five ticks over `range` > 0.
+// 1, 2 or 5 times a power of ten, for about five ticks over `range` > 0.
 double tickStep(double range);
 
-// Multiples of tickStep() from low to high, which is above low.
+// Multiples of tickStep() from `low` to `high` > `low`.
 std::vector<double> ticksOf(double low, double high);
 
-}  // namespace taxelsim::cli
+}  // namespace taxelsim::figures

@@ -13,7 +13,7 @@
 #include "figures/text.h"
 #include "taxelsim/version.h"
 
-namespace taxelsim::cli {
+namespace taxelsim::figures {
 namespace {
 
 constexpr const char* kStyle =
@@ -38,7 +38,7 @@ std::string escaped(const std::string& text) {
 }
 
 std::string base64(const std::string& bytes) {
-  std::string text(4 * ((bytes.size() + 2) / 3) + 1, '\0');  // and the 0 that OpenSSL puts at the end
+  std::string text(4 * ((bytes.size() + 2) / 3) + 1, '\0');  // OpenSSL appends a 0
   const int length = EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), reinterpret_cast<const unsigned char*>(bytes.data()),
                                      static_cast<int>(bytes.size()));
   text.resize(static_cast<std::size_t>(length));
@@ -70,7 +70,7 @@ TactilePanel gridPanel(const GridPatch& patch, std::vector<double> values, std::
   panel.num_rows = patch.num_rows;
   panel.num_cols = patch.num_cols;
   panel.pitch = patch.pitch;
-  for (double& value : values) value = std::round(value * 100) / 100;  // what a cell has room for
+  for (double& value : values) value = std::round(value * 100) / 100;  // more digits do not fit into a cell
   panel.values = std::move(values);
   panel.title = std::move(title);
   panel.neighbours = false;
@@ -95,8 +95,8 @@ std::string pictureHtml(const std::filesystem::path& file) {
 std::string estimateText(const Estimate& estimate) {
   if (!estimate.determined) return "not determined: " + estimate.remark;
   const std::string unit = estimate.unit.empty() ? "" : " " + estimate.unit;
-  if (estimate.low == estimate.high) return numberText(estimate.value) + unit;
-  return fmt::format("{} ({} to {}){}", numberText(estimate.value), numberText(estimate.low), numberText(estimate.high), unit);
+  if (estimate.low == estimate.high) return roundedText(estimate.value) + unit;
+  return fmt::format("{} ({} to {}){}", roundedText(estimate.value), roundedText(estimate.low), roundedText(estimate.high), unit);
 }
 
 std::vector<std::filesystem::path> drawCharacterization(const std::filesystem::path& report, const Characterization& result) {
@@ -134,24 +134,24 @@ void writeReport(const std::filesystem::path& report, std::span<const Measuremen
   const std::string title = "Characterisation of " + escaped(result.sensor.name);
   std::string page = fmt::format(
       "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>{}</title><style>{}</style>\n<h1>{}</h1>\n", title, kStyle, title);
-  page += fmt::format("<p>By taxelsim {} from:</p>\n<ul>\n", kVersion);
+  page += fmt::format("<p>Fitted by taxelsim {} to these measurements:</p>\n<ul>\n", kVersion);
   for (const Measurement& measurement : measurements) page += "<li>" + escaped(measurement.file.filename().string()) + "</li>\n";
-  page += "</ul>\n<h2>What was found</h2>\n<table><tr><th>parameter</th><th>value (95 % interval)</th><th></th></tr>\n";
+  page += "</ul>\n<h2>Parameters</h2>\n<table><tr><th>parameter</th><th>value (95 % interval)</th><th>remark</th></tr>\n";
   for (const Estimate& estimate : result.estimates) {
     page += fmt::format("<tr{}><td>{}</td><td>{}</td><td>{}</td></tr>\n", estimate.determined ? "" : " class=\"undetermined\"",
                         escaped(estimate.parameter), escaped(estimateText(estimate)), estimate.determined ? escaped(estimate.remark) : "");
   }
-  page += "</table>\n<h2>How well it is met</h2>\n<table><tr><th>measurement</th><th>rms</th><th>rows</th><th>outliers</th></tr>\n";
+  page += "</table>\n<h2>Residuals</h2>\n<table><tr><th>measurement</th><th>rms</th><th>rows</th><th>outliers</th></tr>\n";
   for (const FitQuality& fit : result.fits) {
-    page += fmt::format("<tr><td>{}</td><td>{} {}</td><td>{}</td><td>{}</td></tr>\n", escaped(fit.measurement), numberText(fit.rms),
+    page += fmt::format("<tr><td>{}</td><td>{} {}</td><td>{}</td><td>{}</td></tr>\n", escaped(fit.measurement), roundedText(fit.rms),
                         escaped(fit.unit), fit.num_rows, fit.num_outliers);
   }
   page += "</table>\n";
-  if (!result.dead_taxels.empty()) page += fmt::format("<p>Taxels that did not answer: {}</p>\n", fmt::join(result.dead_taxels, ", "));
+  if (!result.dead_taxels.empty()) page += fmt::format("<p>Taxels without a response: {}</p>\n", fmt::join(result.dead_taxels, ", "));
   for (const std::string& remark : result.remarks) page += "<p>" + escaped(remark) + "</p>\n";
   for (const std::filesystem::path& figure : figures) page += pictureHtml(figure);
   page += "</html>\n";
   dataset::writeFileAtomically(report, std::as_bytes(std::span(page)));
 }
 
-}  // namespace taxelsim::cli
+}  // namespace taxelsim::figures

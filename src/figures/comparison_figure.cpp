@@ -8,7 +8,7 @@
 #include "figures/tactile_figure.h"
 #include "figures/taxel_chart.h"
 
-namespace taxelsim::cli {
+namespace taxelsim::figures {
 namespace {
 
 TactilePanel emptyPanel(const Sensor& sensor) {
@@ -60,4 +60,4 @@ void writeComparisonFigure(const std::filesystem::path& file, const Sensor& real
   writeTactileFigure(file, panels, {.title = titles.title, .subtitle = titles.subtitle, .unit = "counts", .num_columns = 3});
 }
 
-}  // namespace taxelsim::cli
+}  // namespace taxelsim::figures

@@ -1,4 +1,4 @@
-// Real images, simulated images and their differences beside each other, in the manner of figures 8 and 9 of the paper.
+// Figure of real images, simulated images and their differences, like figures 8 and 9 of the paper.
 #pragma once
 
 #include <filesystem>
@@ -9,9 +9,9 @@
 #include "taxelsim/compare.h"
 #include "taxelsim/sensor.h"
 
-namespace taxelsim::cli {
+namespace taxelsim::figures {
 
-// An image of one side and what stands over it.
+// An image and its title.
 struct ShownImage {
   std::string title;
   std::span<const float> counts;  // (num_taxels)
@@ -26,11 +26,11 @@ struct ComparisonTitles {
   std::string title, subtitle;
 };
 
-// One row a pair, the taxels laid out as those of the real sensor. Throws what writeTactileFigure() throws.
+// One row per pair; taxels are placed as on the real sensor. Throws as writeTactileFigure().
 void writeComparisonFigure(const std::filesystem::path& file, const Sensor& real_sensor, const Sensor& simulated_sensor,
                            const std::vector<ShownPair>& pairs, const ComparisonTitles& titles);
 
-// "12.3 %"; "-" for what is not defined.
+// "12.3 %"; "-" for NaN.
 std::string percentText(double fraction);
 
-}  // namespace taxelsim::cli
+}  // namespace taxelsim::figures

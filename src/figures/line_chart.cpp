@@ -9,7 +9,7 @@
 
 #include "taxelsim/error.h"
 
-namespace taxelsim::cli {
+namespace taxelsim::figures {
 namespace {
 
 // Lengths in points.
@@ -21,11 +21,11 @@ constexpr double kColumnGap = 30, kRowGap = 24;
 constexpr double kStroke = 1.8, kThin = 0.8, kDot = 2.4;  // widths of lines, radius of a point
 constexpr double kSample = 18;                            // length of a line in the legend
 constexpr double kEntryGap = 16;
-constexpr double kLeastRange = 1e-12;  // relative to the values: below, they are one value
+constexpr double kLeastRange = 1e-12;  // relative to the values: smaller ranges count as a single value
 
-// Okabe and Ito's palette (2008) without its yellow, which is faint on white; its green, which references look like, late.
+// Palette of Okabe and Ito (2008) without yellow, which is faint on white. Green comes late, because references are green.
 constexpr std::array<Colour, 7> kSeries{rgb(0x0072b2), rgb(0xd55e00), rgb(0xcc79a7), rgb(0xe69f00), rgb(0x56b4e9), rgb(0x009e73), kInk};
-constexpr const char* kMarkFont = "DejaVu Serif";  // Roman numerals without serifs look like lines
+constexpr const char* kMarkFont = "DejaVu Serif";  // Roman numerals need serifs
 
 struct Interval {
   double low = std::numeric_limits<double>::infinity();
@@ -42,7 +42,7 @@ struct Interval {
   double length() const { return high - low; }
 };
 
-// Of nothing, 0 to 1; one value lies in the middle.
+// Widens an empty interval to [0, 1], and a single value symmetrically.
 Interval widened(Interval interval) {
   if (!(interval.high >= interval.low)) return {0, 1};
   const double size = std::max(std::abs(interval.low), std::abs(interval.high));
@@ -80,7 +80,7 @@ Interval yRange(const LinePanel& panel) {
   return {std::floor(y.low / step) * step, std::ceil(y.high / step) * step};
 }
 
-// From values to points; y grows upwards.
+// Maps values to points; y points up.
 struct Axes {
   Interval x, y;
 
@@ -99,7 +99,7 @@ Axes axesOf(const LinePanel& panel) {
   return {grown(axes.x, unit * kPlotWidth), grown(axes.y, unit * kPlotHeight)};
 }
 
-// What the legend shows: a piece of the line, a dot or a patch, and its name.
+// A legend entry: symbol and name.
 struct Entry {
   enum class Kind { kLine, kDashed, kPoints, kBand } kind;
   Colour colour;
@@ -108,7 +108,7 @@ struct Entry {
 
 constexpr double kBandAlpha = 0.13, kIntervalAlpha = 0.18;
 
-// The panel's series with their colours.
+// Colours of the panel's series.
 std::vector<Colour> coloursOf(const LinePanel& panel) {
   std::vector<Colour> colours;
   std::size_t next = 0;
@@ -132,7 +132,7 @@ std::vector<Entry> entriesOf(const LinePanel& panel) {
   return entries;
 }
 
-// The legend's lines, each as many entries as fit over a plot.
+// Lines of the legend, each with as many entries as fit above a plot.
 std::vector<std::vector<Entry>> legendOf(const Canvas& canvas, const LinePanel& panel) {
   canvas.font(kSmall);
   std::vector<std::vector<Entry>> lines;
@@ -192,7 +192,7 @@ void drawLegend(const Canvas& canvas, const std::vector<std::vector<Entry>>& lin
   }
 }
 
-// Grid, ticks and what they say; the origin is the plot's upper left corner.
+// Grid, ticks and labels; the origin is the plot's upper left corner.
 void drawAxes(const Canvas& canvas, const LinePanel& panel, const Axes& axes) {
   canvas.font(kSmall);
   cairo_set_line_width(canvas, kThin);
@@ -221,7 +221,7 @@ void drawAxes(const Canvas& canvas, const LinePanel& panel, const Axes& axes) {
   canvas.text(kPlotWidth / 2, kPlotHeight + kFoot - 2, panel.x_label, 0.5, kPlotWidth);
 }
 
-// All stretches of points whose values are finite.
+// Calls function(begin, end) for each run of points with finite values.
 template <typename Function>
 void eachStretch(const LineSeries& series, const std::vector<double>& y, Function function) {
   std::size_t begin = 0;
@@ -335,8 +335,7 @@ void writeLineChart(const std::filesystem::path& file, const std::vector<LinePan
   const int num_cols = std::clamp(options.num_columns > 0 ? options.num_columns : 2, 1, count);
   const int num_rows = (count + num_cols - 1) / num_cols;
 
-  // Panels of a row have room for the longest legend among them, so that their plots stand on one line. Sizes of type are known to a
-  // canvas.
+  // All panels of a row reserve the height of the longest legend, so that their plots are aligned. Measuring text needs a canvas.
   const Canvas ruler(1, 1);
   std::vector<std::vector<std::vector<Entry>>> legends;
   std::vector<double> heads(static_cast<std::size_t>(num_rows), 0);
@@ -352,7 +351,7 @@ void writeLineChart(const std::filesystem::path& file, const std::vector<LinePan
   double height = heading + kMargin - kRowGap;
   for (const double head : heads) height += head + kPlotHeight + kFoot + kRowGap;
   if (std::max(width, height) * kPixelsPerPoint > kLargestSide)
-    throw Error(ErrorKind::kInput, fmt::format("{} panels do not fit into one picture: ask for fewer", count));
+    throw Error(ErrorKind::kInput, fmt::format("{} panels do not fit into one picture: reduce their number", count));
 
   const Canvas canvas(width, height);
   canvas.heading(options.title, options.subtitle, width);
@@ -382,4 +381,4 @@ void writeLineChart(const std::filesystem::path& file, const std::vector<LinePan
   canvas.save(file);
 }
 
-}  // namespace taxelsim::cli
+}  // namespace taxelsim::figures

@@ -1,5 +1,4 @@
-// Curves in a picture: panels with axes, beside each other. Not a plotting library: linear axes and what our own figures need, and nothing
-// here knows where the values come from.
+// Charts of curves: panels with linear axes.
 #pragma once
 
 #include <array>
@@ -10,32 +9,32 @@
 
 #include "figures/canvas.h"
 
-namespace taxelsim::cli {
+namespace taxelsim::figures {
 
 enum class LineStyle { kLine, kDashed, kPoints };
 
-// A curve through (x, y). A value that is not finite breaks it.
+// A curve through (x, y), interrupted at values that are not finite.
 struct LineSeries {
-  std::string name;       // in the legend; empty: not there
+  std::string name;       // in the legend; empty: no entry
   std::vector<double> x;  // (num_points)
   std::vector<double> y;  // (num_points)
   LineStyle style = LineStyle::kLine;
-  std::optional<Colour> colour{};  // by default the next of seriesColour()
-  // Shaded between them, an interval around the curve; both empty or both (num_points).
+  std::optional<Colour> colour{};  // default: the next of seriesColour()
+  // Bounds of a shaded interval around the curve; both empty or both (num_points).
   std::vector<double> low{}, high{};
 };
 
-// A level of y all along x, or what lies between two of them.
+// A horizontal line, or a shaded band between two levels.
 struct LineLevel {
   double y = 0;
-  std::string name{};  // in the legend; empty: not there
+  std::string name{};  // in the legend; empty: no entry
 };
 struct LineBand {
   double low = 0, high = 0;
   std::string name{};
 };
 
-// A place on x, as a thin line with a word at its head.
+// A thin vertical line with a label at the top.
 struct LineMark {
   double x = 0;
   std::string name{};
@@ -48,22 +47,22 @@ struct LinePanel {
   std::optional<LineLevel> reference{};
   std::optional<LineBand> band{};
   std::vector<LineMark> marks{};
-  // From and to. By default x goes as far as the values, y to the ticks around them, reference and band included.
+  // Default: x covers the values; y covers values, reference and band, rounded outwards to ticks.
   std::optional<std::array<double, 2>> x_range{}, y_range{};
-  bool equal_axes = false;  // a unit of x is as long as one of y
+  bool equal_axes = false;  // x and y have the same scale
 };
 
 struct LineChartOptions {
   std::string title{};
   std::string subtitle{};
-  int num_columns = 0;  // of panels; 0: two, or one of a single panel
+  int num_columns = 0;  // of panels; 0: two, or one for a single panel
 };
 
-// The colours that series take in turn: told apart by the colour-blind, and in this order on paper too.
+// Colours of successive series, distinguishable with colour vision deficiency.
 Colour seriesColour(std::size_t number);
 
-// Writes a PNG of all panels. Throws Error(kIo) when the file cannot be written, Error(kInput) when there is no panel, a series' arrays
-// differ in length, a range is empty, or the picture would be larger than Cairo can make.
+// Writes a PNG of all panels. Throws Error(kIo) if the file cannot be written; Error(kInput) if there is no panel, the arrays of a series
+// differ in length, a range is empty, or the picture is larger than Cairo supports.
 void writeLineChart(const std::filesystem::path& file, const std::vector<LinePanel>& panels, const LineChartOptions& options);
 
-}  // namespace taxelsim::cli
+}  // namespace taxelsim::figures

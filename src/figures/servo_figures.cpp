@@ -11,12 +11,12 @@
 #include "figures/taxel_chart.h"
 #include "taxelsim/error.h"
 
-namespace taxelsim::cli {
+namespace taxelsim::figures {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kMilli = 1e-3;
-constexpr double kNear = 2.5;  // half of what is shown around a reference, in bands
+constexpr double kNear = 2.5;  // half height of the plots near the reference, in bands
 constexpr const char* kTime = "time, s";
 
 std::vector<double> scaled(const std::vector<double>& values, double unit, double offset = 0) {
@@ -35,7 +35,7 @@ double angleReference(const ServoRun& run) {
   return run.scene.controllers.front().servo[ServoFeature::kEdgeAngle].reference.value_or(0);
 }
 
-// The paper's phases: I the start, II midway, III the end, as frame numbers.
+// Frame numbers of the paper's phases: I start, II half of the start error, III end.
 std::array<std::size_t, 3> phasesOf(const ServoRunResult& run) {
   const std::size_t last = run.trace.time.size() - 1;
   const ServoConvergence* angle = find(run, ServoFeature::kEdgeAngle);
@@ -56,7 +56,7 @@ std::string fileName(const std::string& run) {
   return name + ".png";
 }
 
-// Runs of one group, in order.
+// Calls function(group, indices of its runs) for each group, in order of appearance.
 template <typename Function>
 void eachGroup(const ServoExperiment& experiment, Function function) {
   std::vector<std::string> done;
@@ -84,7 +84,7 @@ void drawAngles(const std::filesystem::path& file, const ServoExperiment& experi
       panel.reference = LineLevel{.y = reference, .name = "reference"};
       panel.series.push_back({.name = experiment.runs[r].name, .x = run.trace.time, .y = scaled(angle->error, kDegree, reference)});
     }
-    // Theory lies over the curves, in ink, so that both can be seen where they agree.
+    // Theory is dashed on top of the curves, so that both are visible where they agree.
     for (const std::size_t r : members) {
       const ServoRunResult& run = result.runs[r];
       if (run.expected_error.empty()) continue;
@@ -107,14 +107,14 @@ void drawAngles(const std::filesystem::path& file, const ServoExperiment& experi
     const double start = std::abs(find(result.runs[members.front()], ServoFeature::kEdgeAngle)->error.front()) / kDegree;
     const double reference = near.reference->y, half = experiment.band * start;
     near.title += ", near the reference";
-    near.band = LineBand{reference - half, reference + half, fmt::format("{:g} % of the first error", 100 * experiment.band)};
+    near.band = LineBand{reference - half, reference + half, fmt::format("{:g} % of the start error", 100 * experiment.band)};
     const auto is_near = [&](double angle) { return std::abs(angle - reference) < kNear * half; };
     const bool any_near = std::any_of(near.series.begin(), near.series.end(),
                                       [&](const LineSeries& series) { return std::any_of(series.y.begin(), series.y.end(), is_near); });
     near.y_range = {reference - kNear * half, reference + kNear * half};
     if (any_near) panels.push_back(std::move(near));
   });
-  writeLineChart(file, panels, {.title = experiment.name + ": edge angle", .subtitle = "true angle of the edge in the sensor's plane"});
+  writeLineChart(file, panels, {.title = experiment.name + ": edge angle", .subtitle = "true edge angle in the plane of the sensor"});
 }
 
 void drawFeatures(const std::filesystem::path& file, const ServoExperiment& experiment, const ServoResult& result) {
@@ -139,7 +139,8 @@ void drawFeatures(const std::filesystem::path& file, const ServoExperiment& expe
     if (!panel.series.empty()) panels.push_back(std::move(panel));
   }
   if (panels.empty()) return;
-  writeLineChart(file, panels, {.title = experiment.name + ": force and centre", .subtitle = "clean features, before readout and noise"});
+  writeLineChart(file, panels,
+                 {.title = experiment.name + ": force and centre", .subtitle = "features of ground truth, before readout and noise"});
 }
 
 LinePanel jointPanel(const ServoRun& run, const ServoTrace& trace, const Manipulator& robot) {
@@ -174,7 +175,7 @@ void drawRobots(const std::filesystem::path& file, const ServoExperiment& experi
     const auto* manipulator = std::get_if<Manipulator>(&run.scene.robot);
     if (manipulator == nullptr) continue;
     panels.push_back(jointPanel(run, trace, *manipulator));
-    // A platform only turns its sensor; an arm takes it along.
+    // No path for a platform that only rotates its sensor.
     constexpr double kLeastPath = 1e-4;  // m
     if (result.runs[r].robot.path_length < kLeastPath) continue;
     any_path = true;
@@ -188,9 +189,8 @@ void drawRobots(const std::filesystem::path& file, const ServoExperiment& experi
     panels.push_back(std::move(path));
   }
   if (panels.empty()) return;
-  writeLineChart(
-      file, panels,
-      {.title = experiment.name + ": robot", .subtitle = any_path ? "paths in the plane that the skin lies in at the start" : ""});
+  writeLineChart(file, panels,
+                 {.title = experiment.name + ": robot", .subtitle = any_path ? "paths in the plane of the skin at the start" : ""});
 }
 
 void drawTheory(const std::filesystem::path& file, const ServoExperiment& experiment, const ServoResult& result) {
@@ -202,7 +202,7 @@ void drawTheory(const std::filesystem::path& file, const ServoExperiment& experi
     for (std::size_t k = 0; k < read.error.size(); ++k) {
       off.push_back(std::remainder(read.measured[k] - read.error[k], std::numbers::pi) / kDegree);
     }
-    panels.push_back({.title = experiment.runs[r].name + ": how the sensor reads an edge at rest",
+    panels.push_back({.title = experiment.runs[r].name + ": static characteristic of the edge angle",
                       .x_label = "true angle - reference, degrees",
                       .y_label = "measured - true angle, degrees",
                       .series = {{.name = "", .x = scaled(read.error, kDegree), .y = std::move(off)}},
@@ -213,19 +213,19 @@ void drawTheory(const std::filesystem::path& file, const ServoExperiment& experi
     panels.push_back(
         {.title = fmt::format("{}: stable up to {:.3f}, theory {:g}", sweep.name, result.sweeps[s].limit, result.sweeps[s].expected_limit),
          .x_label = "gain x control period",
-         .y_label = "growth of the error a period",
+         .y_label = "growth of the error per period",
          .series =
              {{.name = "theory", .x = sweep.gains, .y = result.sweeps[s].expected_growth, .style = LineStyle::kDashed, .colour = kInk},
               {.name = "measured", .x = sweep.gains, .y = result.sweeps[s].growth, .style = LineStyle::kPoints}},
-         .reference = LineLevel{.y = 1, .name = "below, the loop is stable"}});
+         .reference = LineLevel{.y = 1, .name = "stable below"}});
   }
   if (panels.empty()) return;
-  writeLineChart(
-      file, panels,
-      {.title = experiment.name + ": theory", .subtitle = "what the sensor reads without a loop, and gains around the one that diverges"});
+  writeLineChart(file, panels,
+                 {.title = experiment.name + ": theory",
+                  .subtitle = "static characteristic of the sensor, and growth of the error near the stability limit"});
 }
 
-// Figures 11 b and 12 b of the paper: the edge as it is and as it should be, over the image.
+// Figures 11 b and 12 b of the paper: true and reference edge on the tactile image.
 void drawImages(const std::filesystem::path& file, const ServoRun& run, const ServoRunResult& result) {
   const Sensor& sensor = run.scene.sensor;
   const auto num_taxels = static_cast<std::size_t>(numTaxels(sensor));
@@ -236,15 +236,15 @@ void drawImages(const std::filesystem::path& file, const ServoRun& run, const Se
     TactilePanel panel;
     panel.outlines = outlinesOf(sensor);
     panel.neighbours = false;
-    panel.numbers = false;  // they would hide the lines
+    panel.numbers = false;  // would hide the lines
     const auto first = result.trace.tactile_image.begin() + static_cast<std::ptrdiff_t>(n * num_taxels);
     panel.values.assign(first, first + static_cast<std::ptrdiff_t>(num_taxels));
     panel.title = fmt::format("{}: {:.2f} s", kPhases[k], result.trace.time[n]);
     const Vector3& center = result.trace.center_of_pressure[n];
     if (const ServoConvergence* angle = find(result, ServoFeature::kEdgeAngle)) {
       const double reference = angleReference(run);
-      panel.lines = {{.through = {center[0], center[1]}, .angle = reference, .colour = kGreen, .name = "edge as it should lie"},
-                     {.through = {center[0], center[1]}, .angle = reference + angle->error[n], .colour = kRed, .name = "edge as it lies"}};
+      panel.lines = {{.through = {center[0], center[1]}, .angle = reference, .colour = kGreen, .name = "reference edge"},
+                     {.through = {center[0], center[1]}, .angle = reference + angle->error[n], .colour = kRed, .name = "true edge"}};
       panel.caption = fmt::format("{:.1f}° from the reference, {:.2f} N", angle->error[n] / kDegree, result.trace.total_force[n]);
     }
     panels.push_back(std::move(panel));
@@ -266,4 +266,4 @@ void drawServoFigures(const std::filesystem::path& directory, const ServoExperim
   }
 }
 
-}  // namespace taxelsim::cli
+}  // namespace taxelsim::figures

@@ -8,12 +8,12 @@
 
 #include "figures/text.h"
 
-namespace taxelsim::cli {
+namespace taxelsim::figures {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-// How a feature is written for people.
+// Name and unit of a feature in tables.
 struct FeatureText {
   const char* name;
   const char* unit;
@@ -53,13 +53,13 @@ const ServoConvergence* find(const ServoRunResult& run, ServoFeature feature) {
   return found == run.convergence.end() ? nullptr : &*found;
 }
 
-// Empty when no run holds the feature.
+// Empty if no run controls the feature.
 std::string featureTable(const ServoExperiment& experiment, const ServoResult& result, ServoFeature feature) {
   const FeatureText text = textOf(feature);
   const bool is_angle = feature == ServoFeature::kEdgeAngle;
-  std::vector<std::string> heading{text.name, "start", "settles"};
-  if (is_angle) heading.insert(heading.end(), {"theory", "from theory"});
-  heading.insert(heading.end(), {"overshoot", "mean", "rms", "max"});
+  std::vector<std::string> heading{text.name, "start", "settling s"};
+  if (is_angle) heading.insert(heading.end(), {"theory s", "deviation"});
+  heading.insert(heading.end(), {"overshoot %", "mean", "rms", "max"});
   std::vector<std::vector<std::string>> rows{heading};
   for (std::size_t r = 0; r < result.runs.size(); ++r) {
     const ServoRunResult& run = result.runs[r];
@@ -83,7 +83,7 @@ std::string featureTable(const ServoExperiment& experiment, const ServoResult& r
 
 std::string robotTable(const ServoExperiment& experiment, const ServoResult& result) {
   std::vector<std::vector<std::string>> rows{
-      {"robot", "from a limit, deg", "singular value", "at a limit", "too fast", "damped", "lost", "path, mm"}};
+      {"robot", "limit margin, deg", "smallest singular value", "frames at limit", "too fast", "damped", "lost", "path, mm"}};
   for (std::size_t r = 0; r < result.runs.size(); ++r) {
     const ServoRobotUse& robot = result.runs[r].robot;
     std::vector<std::string> row{experiment.runs[r].name, fixed(robot.limit_margin / kDegree, 1), fixed(robot.smallest_singular_value, 3)};
@@ -95,9 +95,9 @@ std::string robotTable(const ServoExperiment& experiment, const ServoResult& res
 }
 
 std::string sweepTable(const ServoSweep& sweep, const ServoSweepResult& result) {
-  std::vector<std::vector<std::string>> rows{{"gain x period", "growth a period", "theory", ""}};
+  std::vector<std::vector<std::string>> rows{{"gain x period", "growth per period", "theory", ""}};
   for (std::size_t k = 0; k < sweep.gains.size(); ++k) {
-    rows.push_back({numberText(sweep.gains[k]), fixed(result.growth[k], 4), fixed(result.expected_growth[k], 4),
+    rows.push_back({roundedText(sweep.gains[k]), fixed(result.growth[k], 4), fixed(result.expected_growth[k], 4),
                     result.growth[k] < 1 ? "stable" : "diverges"});
   }
   return fmt::format("{}: stable up to {}, theory {}\n{}\n", sweep.name, fixed(result.limit, 4), fixed(result.expected_limit, 0),
@@ -171,7 +171,7 @@ nlohmann::ordered_json asJson(const ServoRun& run, const ServoRunResult& result)
 
 std::string servoTables(const ServoExperiment& experiment, const ServoResult& result) {
   std::string text = fmt::format(
-      "{}: settles: s, within {:g} % of the first error for good; overshoot: % of it; mean, rms and max: of the last {:g} s\n\n",
+      "{}: settling = stays within {:g} % of the start error; overshoot in % of the start error; mean, rms and max of the last {:g} s\n\n",
       experiment.name, 100 * experiment.band, experiment.steady);
   for (const ServoFeature feature :
        {ServoFeature::kEdgeAngle, ServoFeature::kTotalForce, ServoFeature::kCenterAcross, ServoFeature::kCenterX, ServoFeature::kCenterY}) {
@@ -198,4 +198,4 @@ nlohmann::ordered_json servoJson(const ServoExperiment& experiment, const ServoR
   return json;
 }
 
-}  // namespace taxelsim::cli
+}  // namespace taxelsim::figures

@@ -1,4 +1,4 @@
-// What `taxelsim experiment` says and draws of the paper's dynamic experiments.
+// Tables, JSON and figures of the paper's servo experiments.
 #pragma once
 
 #include <filesystem>
@@ -7,17 +7,17 @@
 
 #include "taxelsim/experiment.h"
 
-namespace taxelsim::cli {
+namespace taxelsim::figures {
 
-// A table for each feature that is held, one of robots and one of each sweep.
+// A table for each controlled feature, one of the robots, and one for each sweep.
 std::string servoTables(const ServoExperiment& experiment, const ServoResult& result);
 
-// Everything, every frame of every run included but for images; SI units. What is not known is null.
+// All results with every frame of every run, without images; SI units. Undefined values are null.
 nlohmann::ordered_json servoJson(const ServoExperiment& experiment, const ServoResult& result);
 
-// angle.png: the edge's angle over time, a panel a group; features.png: the other features that are held; robot.png: joints and the
-// sensor's path; theory.png: what theories rest on; <run>.png: tactile images at the start, midway and at the end (paper, figures 11 and
-// 12). Makes the directory. Throws Error(kIo) when it cannot be written to.
+// angle.png: edge angle over time, one panel per group. features.png: other controlled features. robot.png: joints and the path of the
+// sensor. theory.png: static characteristics and stability sweeps. <run>.png: tactile images at the start, midway and at the end (paper,
+// figures 11 and 12). Creates the directory. Throws Error(kIo) if it cannot be written to.
 void drawServoFigures(const std::filesystem::path& directory, const ServoExperiment& experiment, const ServoResult& result);
 
-}  // namespace taxelsim::cli
+}  // namespace taxelsim::figures

@@ -9,15 +9,15 @@
 #include "base/vector3.h"
 #include "taxelsim/error.h"
 
-namespace taxelsim::cli {
+namespace taxelsim::figures {
 namespace {
 
-constexpr double kLevel = 1e-9;      // sine of a lean that is none
-constexpr double kLeastSine = 0.05;  // beyond, at the far pole, every direction is out
+constexpr double kLevel = 1e-9;      // sine: smaller leans count as 0
+constexpr double kLeastSine = 0.05;  // smaller near the far pole, where the direction is undefined
 
 using Point = std::array<double, 2>;
 
-// The frame of the chart in S: z along the mean normal, its origin in the middle of the taxels that look that way.
+// Pose of the chart in S: z along the mean normal, origin in the middle of the taxels that face this way.
 Pose chartFrame(const std::vector<Vector3>& positions, const std::vector<Vector3>& normals) {
   Vector3 mean{0, 0, 0};
   for (const Vector3& n : normals) mean = add(mean, n);
@@ -36,7 +36,7 @@ Pose chartFrame(const std::vector<Vector3>& positions, const std::vector<Vector3
   return {scale(1 / count, middle), turned.rotation};
 }
 
-// Corners of a taxel with pose X_CP in the chart's frame.
+// Corners of a taxel with pose X_CP in the chart.
 TaxelOutline outlineOf(const Pose& X_CP, const std::array<double, 2>& size) {
   const Vector3 n = rotate(X_CP.rotation, {0, 0, 1});
   const double sine = std::hypot(n[0], n[1]), lean = std::atan2(sine, n[2]);
@@ -44,7 +44,7 @@ TaxelOutline outlineOf(const Pose& X_CP, const std::array<double, 2>& size) {
   const Point p{X_CP.position[0], X_CP.position[1]};
   const double stretch = (sine > kLevel ? lean / std::max(sine, kLeastSine) : 1) - 1, along = p[0] * out[0] + p[1] * out[1];
   const Point middle{p[0] + out[0] * along * stretch, p[1] + out[1] * along * stretch};
-  // A direction in the taxel's plane, laid flat.
+  // Maps a direction in the plane of the taxel to the chart.
   const auto flat = [&](const Vector3& direction_P, double length) -> Point {
     const Vector3 v = scale(length, rotate(X_CP.rotation, direction_P));
     const double outwards = std::cos(lean) * (v[0] * out[0] + v[1] * out[1]) - std::sin(lean) * v[2];
@@ -107,7 +107,7 @@ std::optional<Sensor> listedTaxels(const Manifest& manifest) {
       sensor.patches.push_back(taxelPatch("", vectorOf(taxel["position"]), vectorOf(taxel["normal"]), size, x_axis));
     }
   } catch (const YAML::Exception&) {
-    return std::nullopt;  // whatever the scene is, its hash held; only the places are not known
+    return std::nullopt;  // the checksum was right; only the positions are unknown
   } catch (const Error&) {
     return std::nullopt;
   }
@@ -115,4 +115,4 @@ std::optional<Sensor> listedTaxels(const Manifest& manifest) {
   return sensor;
 }
 
-}  // namespace taxelsim::cli
+}  // namespace taxelsim::figures

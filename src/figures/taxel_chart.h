@@ -1,4 +1,4 @@
-// Where the taxels of a curved or irregular sensor go in a picture. Not a projection to measure in.
+// Flat layout of the taxels of a curved or irregular sensor, for figures only.
 #pragma once
 
 #include <optional>
@@ -7,19 +7,18 @@
 #include "taxelsim/dataset.h"
 #include "taxelsim/sensor.h"
 
-namespace taxelsim::cli {
+namespace taxelsim::figures {
 
-// Outlines of the taxels of a list (isTaxelList()), (num_taxels), the skin unrolled from where it looks along its mean normal: a taxel
-// whose normal leans by an angle a in some direction moves out that way by a / sin(a), so that a cylinder becomes a rectangle and a sphere
-// keeps its distances from the middle.
+// Outlines of the taxels of a list (isTaxelList()), (num_taxels). The skin is unrolled around its mean normal: a taxel whose normal leans
+// by an angle a moves outwards in this direction by a / sin(a). A cylinder becomes a rectangle; a sphere keeps distances from the centre.
 std::vector<TaxelOutline> unrolled(const Sensor& sensor);
 
-// Outlines of all taxels of a sensor, (num_taxels): of a list unrolled(), of grids where they lie in the xy plane of S.
+// Outlines of all taxels of a sensor, (num_taxels): unrolled() for a list, positions in the xy plane of S for grids.
 std::vector<TaxelOutline> outlinesOf(const Sensor& sensor);
 
-// The taxels that a data set's scene lists in place; none where the sensor is something else or came from a mesh or URDF.
+// The taxels that the scene of a data set lists; none for other sensors, or for taxels from a mesh or URDF.
 std::optional<Sensor> listedTaxels(const Manifest& manifest);
 
-inline constexpr const char* kUnrolled = "unrolled along the skin; x runs down, y to the right";
+inline constexpr const char* kUnrolled = "unrolled along the skin; x points down, y to the right";
 
-}  // namespace taxelsim::cli
+}  // namespace taxelsim::figures

@@ -6,10 +6,10 @@
 #include <array>
 #include <cmath>
 
-namespace taxelsim::cli {
+namespace taxelsim::figures {
 namespace {
 
-// Width on a terminal: code points of UTF-8.
+// Width on a terminal: number of UTF-8 code points.
 std::size_t widthOf(const std::string& text) {
   return static_cast<std::size_t>(
       std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
@@ -44,7 +44,7 @@ std::string durationText(double seconds) {
   return hours > 0 ? fmt::format("{}:{:02}:{:02}", hours, whole / 60 % 60, whole % 60) : fmt::format("{}:{:02}", whole / 60, whole % 60);
 }
 
-std::string numberText(double value) {
+std::string roundedText(double value) {
   return fmt::format("{:.4g}", value);
 }
 
@@ -60,7 +60,7 @@ std::string tableText(const std::vector<std::vector<std::string>>& rows) {
     for (std::size_t i = 0; i < rows[r].size(); ++i) {
       const std::string& cell = rows[r][i];
       const std::string padding(widths[i] - widthOf(cell), ' ');
-      // A heading stands over its column: right where the values are numbers.
+      // A heading is aligned like the values below it.
       const bool right = isNumber(r == 0 && rows.size() > 1 && i < rows[1].size() ? rows[1][i] : cell);
       line += (i > 0 ? "  " : "") + (right ? padding + cell : cell + padding);
     }
@@ -70,4 +70,4 @@ std::string tableText(const std::vector<std::vector<std::string>>& rows) {
   return text;
 }
 
-}  // namespace taxelsim::cli
+}  // namespace taxelsim::figures

@@ -1,4 +1,4 @@
-// One buffer with memory of its own.
+// A device buffer and its memory.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace taxelsim::gpu {
 
-// Where the bytes live and who touches them.
+// Kind of memory, by use.
 enum class Domain {
   kDevice,    // written and read by kernels; mapped where device memory is host-cached (CPU devices, many integrated ones)
   kUpload,    // written by the host, read by kernels or copied from; always mapped
@@ -20,7 +20,7 @@ enum class Domain {
 class Buffer {
  public:
   Buffer();
-  // Contents are zero. Throws Error(kDevice), naming buffer and size, when memory runs out.
+  // Filled with zeros. Throws Error(kDevice), naming buffer and size, when memory runs out.
   Buffer(Context& context, std::string name, std::size_t bytes, Domain domain);
   ~Buffer();
   Buffer(Buffer&&) noexcept;
@@ -29,7 +29,7 @@ class Buffer {
   const std::string& name() const { return name_; }
   std::size_t size() const { return bytes_; }
 
-  // The bytes on the host, coherent with the device once a fence has been waited for; empty where the memory is not mapped.
+  // The memory as the host sees it, coherent with the device after Commands::wait(); empty if it is not mapped.
   std::span<std::byte> mapped() const { return mapped_; }
 
   template <typename T>
@@ -37,7 +37,8 @@ class Buffer {
     return {reinterpret_cast<T*>(mapped_.data()), mapped_.size() / sizeof(T)};
   }
 
-  // Makes it readable as texels of four words, once; any thread may. Throws Error(kDevice) where it has more of them than the device takes.
+  // Makes it readable as texels of four words; safe to call again and from several threads. Throws Error(kDevice) for more texels than the
+  // device allows.
   void viewAsTexels(Context& context) const;
 
   struct Vulkan;
@@ -50,7 +51,7 @@ class Buffer {
   std::span<std::byte> mapped_;
 };
 
-// A device buffer filled once from the host; waits.
+// A device buffer with these contents. Waits for the upload.
 Buffer makeStaticBuffer(Context& context, std::string name, std::span<const std::byte> bytes);
 
 template <typename T>

@@ -58,15 +58,16 @@ vk::AccessFlags used(Access access) {
 }  // namespace
 
 struct Commands::Vulkan {
-  Vulkan(Context& of, std::string with_name) : context(of), name(std::move(with_name)), submitting("submitting " + name) {}
+  Vulkan(Context& device_context, std::string list_name)
+      : context(device_context), name(std::move(list_name)), submitting("submitting " + name) {}
 
   Context& context;
   std::string name;
-  std::string submitting;  // for errors; put together here, as submit() takes no memory
+  std::string submitting;  // for errors; made in advance, since submit() does not allocate
   vk::raii::DescriptorPool descriptors = nullptr;
   std::vector<vk::raii::DescriptorSet> sets;
-  std::vector<std::function<void(const vk::raii::CommandBuffer&)>> recorded;  // what finish() hands to the driver
-  std::vector<const Kernel*> kernels;                                         // those in it
+  std::vector<std::function<void(const vk::raii::CommandBuffer&)>> recorded;  // what finish() records
+  std::vector<const Kernel*> kernels;                                         // that these use
   vk::raii::CommandPool pool = nullptr;
   vk::raii::CommandBuffer commands = nullptr;
   vk::raii::Fence fence = nullptr;
@@ -105,14 +106,14 @@ Commands::~Commands() {
   if (vulkan_ == nullptr || !vulkan_->submitted) return;
   try {
     wait();
-  } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): a destructor has nobody to tell
+  } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): a destructor cannot report
   }
 }
 
 Commands::Commands(Commands&&) noexcept = default;
 Commands& Commands::operator=(Commands&&) noexcept = default;
 
-void Commands::bind(const Kernel& kernel, std::initializer_list<const Buffer*> buffers) {
+void Commands::bind(const Kernel& kernel, std::span<const Buffer* const> buffers) {
   if (buffers.size() != kernel.numBuffers()) throw std::logic_error("kernel \"" + kernel.name() + "\": wrong number of buffers bound");
   Context::Vulkan& vk_context = vulkan_->context.vulkan();
   const Kernel::Vulkan& vk_kernel = kernel.vulkan();
@@ -138,7 +139,7 @@ void Commands::bind(const Kernel& kernel, std::initializer_list<const Buffer*> b
   vulkan_->sets.push_back(std::move(set));
 }
 
-void Commands::dispatch(const Kernel& kernel, std::uint32_t num_groups, std::initializer_list<const Buffer*> buffers) {
+void Commands::dispatch(const Kernel& kernel, std::uint32_t num_groups, std::span<const Buffer* const> buffers) {
   if (num_groups == 0) return;
   checked("recording " + kernel.name(), "", [&] {
     bind(kernel, buffers);
@@ -148,8 +149,7 @@ void Commands::dispatch(const Kernel& kernel, std::uint32_t num_groups, std::ini
   });
 }
 
-void Commands::dispatchIndirect(const Kernel& kernel, const Buffer& counts, std::size_t offset,
-                                std::initializer_list<const Buffer*> buffers) {
+void Commands::dispatchIndirect(const Kernel& kernel, const Buffer& counts, std::size_t offset, std::span<const Buffer* const> buffers) {
   checked("recording " + kernel.name(), "", [&] {
     bind(kernel, buffers);
     vulkan_->recorded.emplace_back(
@@ -184,7 +184,7 @@ void Commands::timestamp(std::uint32_t mark) {
 
 void Commands::end() {
   if (const std::uint32_t count = vulkan_->num_timestamps; count > 0) {
-    // Asked for by the host, they would have it wait on software Vulkan until the whole queue is empty, and so the device for the host.
+    // Copied on the device: on software Vulkan vkGetQueryPoolResults() waits until the whole queue is empty.
     vulkan_->recorded.emplace_back(
         [queries = *vulkan_->queries, count, ticks = *vulkan_->ticks.vulkan().buffer](const vk::raii::CommandBuffer& commands) {
           constexpr auto kFlags = vk::QueryResultFlagBits::e64 | vk::QueryResultFlagBits::eWait;

@@ -1,53 +1,64 @@
-// A list of device commands, recorded once and submitted as often as wanted. It is handed to the driver when all is recorded, so that the
-// kernels of a list, and of all lists recorded before one is finished, are compiled at once.
+// A list of device commands, recorded once and submitted any number of times. The driver gets it in finish(), so that the kernels of all
+// lists recorded until then are compiled in parallel.
 #pragma once
 
 #include <array>
 #include <cstdint>
-#include <initializer_list>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "gpu/bindings.h"
 #include "gpu/buffer.h"
 #include "gpu/kernel.h"
+#include "gpu/pass_kernel.h"
 
 namespace taxelsim::gpu {
 
-// What was done before a barrier must be visible to what is done after it.
+// Kinds of access that a barrier separates.
 enum class Access { kHostWrite, kKernel, kCopy, kHostRead, kIndirect };
 
 class Commands {
  public:
-  // Begins recording. `num_timestamps` marks are to be set, each once.
+  // Begins recording. `num_timestamps`: marks, each of which must be set once.
   Commands(Context& context, std::string name, std::uint32_t num_timestamps = 0);
   ~Commands();
   Commands(Commands&&) noexcept;
   Commands& operator=(Commands&&) noexcept;
 
-  // One workgroup per unit of work: `num_groups` of them, folded into two dimensions where one holds too few; kernels find their number
-  // with workgroupNumber() of shaders/common/workgroup.glsl. Buffers by binding.
-  void dispatch(const Kernel& kernel, std::uint32_t num_groups, std::initializer_list<const Buffer*> buffers);
-  // As many workgroups as a kernel has left in `counts`, three words from byte `offset` on: columns, rows, 1; a barrier to kIndirect
-  // between.
-  void dispatchIndirect(const Kernel& kernel, const Buffer& counts, std::size_t offset, std::initializer_list<const Buffer*> buffers);
+  // `num_groups` workgroups, folded into two dimensions where one holds too few; kernels find their number with workgroupNumber() of
+  // shaders/common/workgroup.glsl.
+  template <typename Pass>
+  void dispatch(const PassKernel<Pass>& kernel, std::uint32_t num_groups, const Bindings& bindings) {
+    dispatch(static_cast<const Kernel&>(kernel), num_groups, bindings.of<Pass>());
+  }
+  // As many workgroups as an earlier kernel has written to `counts`: three words from byte `offset` on, columns, rows, 1. Needs a barrier
+  // to kIndirect in between.
+  template <typename Pass>
+  void dispatchIndirect(const PassKernel<Pass>& kernel, const Buffer& counts, std::size_t offset, const Bindings& bindings) {
+    dispatchIndirect(static_cast<const Kernel&>(kernel), counts, offset, bindings.of<Pass>());
+  }
   void barrier(Access before, Access after);
   void copy(const Buffer& from, const Buffer& to, std::size_t bytes);
   void fillZero(const Buffer& buffer);
   void timestamp(std::uint32_t mark);
   void end();
 
-  // Waits for the kernels and hands the list to the driver, once. Throws Error(kDevice) when the driver refuses a kernel.
+  // Waits for the kernels and gives the list to the driver; later calls do nothing. Throws Error(kDevice) when the driver refuses a kernel.
   void finish();
-  // Starts them on the device, finished first; does not wait for the device. The same list must not be submitted again before wait().
+  // Submits the list, finished if necessary. Does not wait for the device. Must not be called again before wait().
   void submit();
-  // Waits for the last submit(), if any. Throws Error(kDevice) when the device was lost or validation complained.
+  // Waits for the last submit(), if any. Throws Error(kDevice) when the device was lost or there was a validation message.
   void wait();
-  // Seconds from mark `from` to mark `to` of the last run waited for, until it is submitted again; NaN where the device has no clock.
+  // Seconds from mark `from` to mark `to` in the last run that has ended, until the next submit(); NaN if the device has no clock.
   double seconds(std::uint32_t from, std::uint32_t to) const;
 
  private:
-  void bind(const Kernel& kernel, std::initializer_list<const Buffer*> buffers);
+  // `buffers` by binding.
+  void dispatch(const Kernel& kernel, std::uint32_t num_groups, std::span<const Buffer* const> buffers);
+  void dispatchIndirect(const Kernel& kernel, const Buffer& counts, std::size_t offset, std::span<const Buffer* const> buffers);
+  void bind(const Kernel& kernel, std::span<const Buffer* const> buffers);
 
   struct Vulkan;
   std::unique_ptr<Vulkan> vulkan_;

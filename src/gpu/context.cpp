@@ -64,7 +64,7 @@ vk::raii::Instance makeInstance(const vk::raii::Context& loader, bool validation
     for (const vk::LayerProperties& layer : loader.enumerateInstanceLayerProperties()) {
       found = found || std::string_view(layer.layerName) == kValidationLayer;
     }
-    if (!found) throw Error(ErrorKind::kDevice, "validation was asked for, but the Khronos validation layer is not installed");
+    if (!found) throw Error(ErrorKind::kDevice, "validation is on, but the Khronos validation layer is not installed");
     layers.push_back(kValidationLayer);
     extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
     create.pNext = &features;
@@ -141,7 +141,7 @@ Context::Context(const DeviceOptions& options) : vulkan_(std::make_unique<Vulkan
   vulkan.physical = handles[static_cast<std::size_t>(chosen - infos.data())];
 
   const std::vector<vk::QueueFamilyProperties> families = vulkan.physical.getQueueFamilyProperties();
-  // A family for compute alone, where there is one, does not wait behind a desktop's graphics.
+  // A family without graphics does not wait for the desktop.
   for (const bool dedicated : {false, true}) {
     for (std::uint32_t i = 0; i < families.size(); ++i) {
       const bool graphics = static_cast<bool>(families[i].queueFlags & vk::QueueFlagBits::eGraphics);
@@ -179,7 +179,7 @@ void Context::savePipelineCache() {
   try {
     const std::vector<std::uint8_t> bytes = vulkan_->pipeline_cache.getData();
     std::filesystem::create_directories(file.parent_path());
-    // Renamed into place, so that two processes never see each other's half.
+    // Renamed into place, so that no process reads a partial file.
     const std::filesystem::path temporary = file.string() + "." + std::to_string(std::hash<const void*>()(this)) + ".tmp";
     std::ofstream(temporary, std::ios::binary)
         .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));

@@ -1,5 +1,5 @@
-// An open Vulkan device with one compute queue: the root of everything in this folder. Knows nothing of tactile sensing, and its headers
-// show no Vulkan type, so that the layers above compile without it.
+// An open Vulkan device with one compute queue, which everything in this folder belongs to. The headers that other folders include show no
+// Vulkan type.
 #pragma once
 
 #include <memory>
@@ -17,17 +17,16 @@ class Context {
 
   const DeviceInfo& info() const { return info_; }
 
-  // Whether kernels may use integers of 64 bits; switched on where the device has them.
+  // Whether kernels may use 64-bit integers.
   bool hasInt64() const { return has_int64_; }
 
-  // Writes the pipeline cache to disk if new pipelines were made and are to be kept; called by the owner of the last pipeline of a batch of
-  // them. Errors are logged only: a cache is never worth a failure.
+  // Writes the pipeline cache to disk if there are new pipelines and DeviceOptions::keep_kernels. Errors are logged only.
   void savePipelineCache();
 
   // Throws Error(kDevice) with the first validation message since the last call, if there was any.
   void throwOnValidationMessage();
 
-  struct Vulkan;  // gpu/vulkan.h, for this folder alone
+  struct Vulkan;  // gpu/vulkan.h
   Vulkan& vulkan() { return *vulkan_; }
 
  private:

@@ -1,4 +1,4 @@
-// The library's own way from a public Device to the open Vulkan device behind it.
+// Access of the library to the open Vulkan device of a Device.
 #pragma once
 
 #include "taxelsim/device.h"
@@ -11,7 +11,7 @@ struct DeviceAccess {
   static Context& context(const Device& device) { return *device.context_; }
 };
 
-// The context of an open device; lives as long as any Device that shares it.
+// Valid as long as any Device that shares it.
 inline Context& contextOf(const Device& device) {
   return DeviceAccess::context(device);
 }

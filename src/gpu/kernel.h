@@ -1,5 +1,4 @@
-// A compute shader with its interface: what it expects is reflected from the SPIR-V and compared with what the caller declares, at
-// creation.
+// A compiled compute shader. Its interface is reflected from the SPIR-V and must be the declared one.
 #pragma once
 
 #include <cstdint>
@@ -20,17 +19,15 @@ struct Constant {
 
 struct KernelOptions {
   std::string name;
-  std::span<const std::uint32_t> spirv;  // must stay as long as the kernel
-  // Block names of the storage buffers, names of the texel buffers, by binding, 0, 1, ...; all in set 0. Must be exactly those of the
-  // shader.
-  std::vector<std::string> buffers;
-  std::vector<Constant> constants;
+  std::span<const std::uint32_t> spirv;  // must outlive the kernel
+  std::vector<std::string> buffers;      // of set 0 by binding: names of storage blocks and texel buffers; must be all that the shader has
+  std::vector<Constant> constants;       // must be all that the shader has
 };
 
 class Kernel {
  public:
   Kernel();
-  // Has the driver compile it on a thread of its own. Throws std::logic_error when shader and declaration differ.
+  // Starts the compilation in another thread. Throws std::logic_error when shader and declaration differ.
   Kernel(Context& context, const KernelOptions& options);
   ~Kernel();
   Kernel(Kernel&&) noexcept;
@@ -38,7 +35,7 @@ class Kernel {
 
   const std::string& name() const { return name_; }
   std::size_t numBuffers() const { return num_buffers_; }
-  // Waits until it is compiled. Throws Error(kDevice) when the driver refuses.
+  // Waits until it is compiled. Throws Error(kDevice) when the driver refuses it.
   void wait() const;
 
   struct Vulkan;

@@ -1,4 +1,4 @@
-// What a SPIR-V module says of its interface.
+// The interface of a SPIR-V module.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,10 @@
 namespace taxelsim::gpu {
 
 struct Reflection {
-  std::map<std::uint32_t, std::string> buffers;  // of set 0, by binding: the name of a storage buffer's block, or of a texel buffer
-  std::set<std::uint32_t> texel_buffers;         // which of these are read as texels
+  std::map<std::uint32_t, std::string> buffers;  // of set 0 by binding: names of storage blocks and texel buffers
+  std::set<std::uint32_t> texel_buffers;         // bindings of texel buffers
   std::vector<std::uint32_t> constants;          // ids of specialization constants, ascending
-  std::vector<std::string> others;               // resources of a kind or set that kernels may not have
+  std::vector<std::string> others;               // resources that kernels must not have
 };
 
 // Throws std::logic_error when the words are no valid module.

@@ -36,8 +36,8 @@ struct Context::Vulkan {
   }
 };
 
-// Runs `call` and turns what Vulkan throws into Error(kDevice): `what` names the thing being made or done, with its size; `advice` says
-// what to do when memory ran out.
+// Runs `call` and converts exceptions of Vulkan to Error(kDevice). `what`: the object or action, with its size, for the message; `advice`:
+// what to do when memory runs out.
 [[noreturn]] void throwDeviceError(const vk::SystemError& error, const std::string& what, const std::string& advice);
 
 template <typename Call>

@@ -22,7 +22,7 @@ struct Kernel::Vulkan {
   std::vector<vk::DescriptorType> types;  // of its buffers
   vk::raii::DescriptorSetLayout set_layout = nullptr;
   vk::raii::PipelineLayout layout = nullptr;
-  std::shared_future<vk::raii::Pipeline> pipeline;  // after the layout, so that it is built before that goes
+  std::shared_future<vk::raii::Pipeline> pipeline;  // declared after the layout, so that it is complete before the layout is destroyed
 };
 
 }  // namespace taxelsim::gpu

@@ -12,8 +12,8 @@
 namespace taxelsim::reference {
 namespace {
 
-constexpr double kWindowWidth = 1.15;     // standard deviation of the Gaussian window, in units of the larger pitch
-constexpr int kWindowRounds = 4;          // mean-shift iterations
+constexpr double kWindowWidth = 1.15;  // standard deviation of the Gaussian window, in units of the larger pitch
+constexpr int kMeanShiftIterations = 4;
 constexpr double kMinWindowShare = 1e-3;  // of the total force: less under the window leaves the angle undefined
 constexpr double kMinCoreSpread = 3e-5;   // det / (xx yy) of the core's positions: below it they lie on a diagonal line
 constexpr double kNoiseFactor = 5;        // standard deviations
@@ -87,7 +87,7 @@ std::vector<std::vector<int>> connectedRegions(const TaxelLayout& layout, const 
   return regions;
 }
 
-// MomentPlane of the second moments, and the blur that the PSF and the taxel size add to them.
+// Plane of the second moments, and the blur that the PSF and the taxel size add to them.
 struct MomentPlane {
   int patch;  // -1: the xy plane of S
   bool is_grid;
@@ -124,7 +124,7 @@ void setWindowedEdge(std::span<const TaxelPlace> places, std::span<const double>
   for (std::size_t k = 0; k < force.size(); ++k) {
     for (int axis = 0; axis < 2; ++axis) middle[axis] += force[k] / features.total_force * places[k].in_plane[axis];
   }
-  for (int round = 0; round < kWindowRounds; ++round) {
+  for (int iteration = 0; iteration < kMeanShiftIterations; ++iteration) {
     double sum = 0;
     std::array<double, 2> mean{0, 0};
     std::vector<double> weight;

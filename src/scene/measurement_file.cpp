@@ -27,7 +27,7 @@ Indenter readIndenter(const YamlMap& measurement) {
   int given = 0;
   const auto shape = [&](std::string_view key, Indenter::Shape value, YamlMap::Keys keys, const auto& read) {
     if (!map.has(key)) return;
-    if (++given > 1) map.require(key, "").fail("a second shape: one of " + std::string(kWhat));
+    if (++given > 1) map.require(key, "").fail("a second shape is given: allowed is one of " + std::string(kWhat));
     indenter.shape = value;
     read(YamlMap(map, key, std::move(keys)));
   };
@@ -48,12 +48,11 @@ Indenter readIndenter(const YamlMap& measurement) {
   return indenter;
 }
 
-// Counts as an array of the sensor gives them, at (row, column) of the table.
 double countsAt(const NumberTable& table, std::size_t row, std::size_t column, double full_scale) {
   const double counts = table.at(row, column);
   if (counts < 0 || counts > full_scale) {
-    table.failAtRow(row, table.columns()[column] + ": " + numberText(counts) + " is not allowed: from 0 to " + numberText(full_scale) +
-                             " counts, as the sensor's adc_bits have it");
+    table.failAtValue(row, column,
+                      numberText(counts) + " is not allowed: 0 to " + numberText(full_scale) + " counts, by the sensor's adc_bits");
   }
   return counts;
 }
@@ -61,13 +60,14 @@ double countsAt(const NumberTable& table, std::size_t row, std::size_t column, d
 void checkRising(const NumberTable& table, const std::vector<double>& time) {
   for (std::size_t row = 1; row < time.size(); ++row) {
     if (!(time[row] > time[row - 1])) {
-      table.failAtRow(
-          row, "time: " + numberText(time[row]) + " s is not allowed: later than the row before (" + numberText(time[row - 1]) + " s)");
+      table.failAtValue(
+          row, table.columnOf(kTime),
+          numberText(time[row]) + " s is not allowed: must be later than the previous row (" + numberText(time[row - 1]) + " s)");
     }
   }
 }
 
-// A table beside its measurement, and what is needed to read it.
+// What a reader of one kind of measurement needs.
 struct Source {
   const YamlMap& map;
   const NumberTable& table;
@@ -95,8 +95,7 @@ Images readImages(const Source& source) {
 
 std::vector<double> readCounts(const Source& source, double most) {
   const std::vector<double> counts = source.table.require(kCounts);
-  const auto& columns = source.table.columns();
-  const auto column = static_cast<std::size_t>(std::find(columns.begin(), columns.end(), kCounts.units[0].column) - columns.begin());
+  const std::size_t column = source.table.columnOf(kCounts);
   for (std::size_t row = 0; row < counts.size(); ++row) countsAt(source.table, row, column, most);
   return counts;
 }
@@ -108,15 +107,15 @@ ForceCurve readForceCurve(const Source& source) {
   if (source.map.has("curve_segments")) {
     curve.curve_segments = static_cast<int>(source.map.integer("curve_segments", 2, kMaxCurvePoints));
     for (const char* const key : {"curve_degree", "divider"}) {
-      if (const std::optional<YamlNode> both = source.map.find(key)) both->fail("given beside `curve_segments`: either, not both");
+      if (const std::optional<YamlNode> both = source.map.find(key)) both->fail("not allowed together with `curve_segments`");
     }
   }
   const std::vector<double> taxel = source.table.require(kTaxel);
   const double num_taxels = numTaxels(source.sensor);
   for (std::size_t row = 0; row < taxel.size(); ++row) {
     if (taxel[row] < 0 || taxel[row] >= num_taxels || taxel[row] != std::floor(taxel[row])) {
-      source.table.failAtRow(
-          row, "taxel: " + numberText(taxel[row]) + " is not allowed: a whole number from 0 to " + numberText(num_taxels - 1));
+      source.table.failAtValue(row, source.table.columnOf(kTaxel),
+                               numberText(taxel[row]) + " is not allowed: a whole number from 0 to " + numberText(num_taxels - 1));
     }
     curve.taxel.push_back(static_cast<int>(taxel[row]));
   }
@@ -152,13 +151,13 @@ StampImages readStampImages(const Source& source) {
   StampImages stamp{
       .indenter = readIndenter(source.map), .load = source.map.number("load", Allowed::above(0, "N")), .images = readImages(source)};
   if (stamp.indenter.shape != Indenter::Shape::kStamp && stamp.indenter.shape != Indenter::Shape::kFlatPin) {
-    source.map.require("indenter", "").fail("what lies flat is asked for: stamp or flat_pin");
+    source.map.require("indenter", "").fail("stamp_images need a flat indenter: stamp or flat_pin");
   }
-  if (stamp.images.time.empty()) source.table.fail("no column has a time: time_s or time_ms");
+  if (stamp.images.time.empty()) source.table.fail("missing column of the time: time_s or time_ms");
   return stamp;
 }
 
-// Kinds of measurements, their keys, and how they are read.
+// A kind of measurement: its keys and its reader.
 struct Kind {
   std::string_view name;
   YamlMap::Keys keys;

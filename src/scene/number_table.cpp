@@ -27,20 +27,20 @@ std::string namesOf(const Quantity& quantity) {
 
 std::vector<std::string> headingOf(const CsvReader& reader) {
   std::vector<std::string> names;
-  for (const CsvReader::Word& word : reader.words()) {
+  for (const CsvReader::Field& field : reader.fields()) {
     double number = 0;
-    if (word.text.empty() || parseNumber(word.text, number)) {
-      reader.fail(word.column, shown(word.text) + " is not allowed: the first line names the columns, each name ending in its unit");
+    if (field.text.empty() || parseNumber(field.text, number)) {
+      reader.fail(field.column, shown(field.text) + " is not allowed: the first line must name the columns, with units, such as force_N");
     }
-    if (std::find(names.begin(), names.end(), word.text) != names.end()) reader.fail(word.column, shown(word.text) + " stands twice");
-    names.emplace_back(word.text);
+    if (std::find(names.begin(), names.end(), field.text) != names.end()) reader.fail(field.column, shown(field.text) + " is given twice");
+    names.emplace_back(field.text);
   }
   if (names.size() > kMaxColumns)
-    reader.fail(1, std::to_string(names.size()) + " columns are not allowed: at most " + std::to_string(kMaxColumns));
+    reader.fail(1, std::to_string(names.size()) + " columns found, at most " + std::to_string(kMaxColumns) + " allowed");
   return names;
 }
 
-// Whether `name` is `pattern` with this taxel's numbers in place of {row}, {col}, {taxel} and its patch's name in place of {patch}.
+// True if `name` is `pattern` with {row}, {col}, {taxel} and {patch} replaced by those of this taxel.
 bool matches(std::string_view name, std::string_view pattern, const GridPatch& patch, int row, int col, int taxel) {
   while (!pattern.empty()) {
     const std::size_t close = pattern.front() == '{' ? pattern.find('}') : std::string_view::npos;
@@ -70,34 +70,33 @@ bool matches(std::string_view name, std::string_view pattern, const GridPatch& p
 NumberTable::NumberTable(const std::filesystem::path& file) {
   CsvReader reader(file);
   name_ = reader.file();
-  std::size_t expected_line = 0;
   while (reader.next()) {
     if (columns_.empty()) {
       columns_ = headingOf(reader);
       heading_line_ = reader.line();
-      expected_line = heading_line_ + 1;
       continue;
     }
-    if (reader.words().size() < columns_.size()) {
-      reader.fail(reader.end(),
-                  std::to_string(reader.words().size()) + " values found, the heading names " + std::to_string(columns_.size()));
+    if (reader.fields().size() < columns_.size()) {
+      reader.fail(reader.fields().back().column,
+                  std::to_string(reader.fields().size()) + " values found, the heading has " + std::to_string(columns_.size()) + " names");
     }
-    if (reader.words().size() > columns_.size()) {
-      reader.fail(reader.words()[columns_.size()].column, "a value more than the heading's " + std::to_string(columns_.size()) + " names");
+    if (reader.fields().size() > columns_.size()) {
+      reader.fail(reader.fields()[columns_.size()].column,
+                  "one value too many: the heading has " + std::to_string(columns_.size()) + " names");
     }
     if (numbers_.size() + columns_.size() > kMaxTableNumbers) {
-      reader.fail(1, "more than " + std::to_string(kMaxTableNumbers) + " numbers: give every second or tenth row, or fewer columns");
+      reader.fail(1, "more than " + std::to_string(kMaxTableNumbers) + " numbers: subsample the rows or remove columns");
     }
-    for (; expected_line < reader.line(); ++expected_line) gaps_.push_back(numRows());
-    ++expected_line;
-    for (std::size_t c = 0; c < columns_.size(); ++c) numbers_.push_back(reader.number(c, columns_[c], kMaxTableNumber));
+    for (std::size_t c = 0; c < columns_.size(); ++c)
+      numbers_.push_back(reader.number(c, {columns_[c], -kMaxTableNumber, kMaxTableNumber}));
   }
-  if (numbers_.empty()) reader.fail(1, "no row: a line that names the columns, then at least one line of numbers");
+  if (numbers_.empty())
+    reader.fail(1, "no row found: the table needs a heading with the names of the columns and at least one line of numbers");
 }
 
 std::vector<double> NumberTable::require(const Quantity& quantity) const {
   std::vector<double> values = find(quantity);
-  if (values.empty()) fail("no column has " + std::string(quantity.what) + ": " + namesOf(quantity));
+  if (values.empty()) fail("missing column of " + std::string(quantity.what) + ": " + namesOf(quantity));
   return values;
 }
 
@@ -107,13 +106,20 @@ std::vector<double> NumberTable::find(const Quantity& quantity) const {
   for (const Quantity::Unit& unit : quantity.units) {
     const auto column = unit.column.empty() ? columns_.end() : std::find(columns_.begin(), columns_.end(), unit.column);
     if (column == columns_.end()) continue;
-    if (!taken.empty()) fail(std::string(taken) + " and " + *column + " both stand here: one of the two");
+    if (!taken.empty()) fail(std::string(taken) + " and " + *column + " are both given: only one is allowed");
     taken = *column;
     const auto c = static_cast<std::size_t>(column - columns_.begin());
     values.reserve(numRows());
     for (std::size_t row = 0; row < numRows(); ++row) values.push_back(at(row, c) * unit.per_si);
   }
   return values;
+}
+
+std::size_t NumberTable::columnOf(const Quantity& quantity) const {
+  const auto column = std::find_if(columns_.begin(), columns_.end(), [&](const std::string& name) {
+    return std::any_of(quantity.units.begin(), quantity.units.end(), [&](const Quantity::Unit& unit) { return unit.column == name; });
+  });
+  return static_cast<std::size_t>(column - columns_.begin());
 }
 
 std::vector<std::size_t> NumberTable::taxelColumns(const Sensor& sensor, const std::string& pattern) const {
@@ -126,13 +132,13 @@ std::vector<std::size_t> NumberTable::taxelColumns(const Sensor& sensor, const s
         for (std::size_t c = 0; c < columns_.size(); ++c) {
           if (!matches(columns_[c], pattern, patch, row, col, taxel)) continue;
           if (found != columns_.size()) {
-            fail(shown(columns_[found]) + " and " + shown(columns_[c]) + " both are taxel " + std::to_string(taxel) + " by the pattern " +
+            fail(shown(columns_[found]) + " and " + shown(columns_[c]) + " both match taxel " + std::to_string(taxel) + " by the pattern " +
                  shown(pattern));
           }
           found = c;
         }
         if (found == columns_.size()) {
-          fail("no column is taxel " + std::to_string(taxel) + " (row " + std::to_string(row) + ", col " + std::to_string(col) +
+          fail("missing column of taxel " + std::to_string(taxel) + " (row " + std::to_string(row) + ", col " + std::to_string(col) +
                " of patch " + shown(patch.name) + ") by the pattern " + shown(pattern));
         }
         result.push_back(found);
@@ -142,13 +148,14 @@ std::vector<std::size_t> NumberTable::taxelColumns(const Sensor& sensor, const s
   return result;
 }
 
-void NumberTable::failAtRow(std::size_t row, const std::string& what) const {
-  const auto skipped = std::upper_bound(gaps_.begin(), gaps_.end(), row) - gaps_.begin();
-  failAt(name_ + ":" + std::to_string(heading_line_ + 1 + row + static_cast<std::size_t>(skipped)), what);
+void NumberTable::failAtValue(std::size_t row, std::size_t column, const std::string& what) const {
+  CsvReader reader(name_);
+  for (std::size_t r = 0; r <= row + 1; ++r) reader.next();  // the heading is the first
+  reader.fail(reader.fields()[column].column, columns_[column] + ": " + what);
 }
 
 void NumberTable::fail(const std::string& what) const {
-  failAt(name_ + ":" + std::to_string(heading_line_), what);
+  failAt(name_ + ":" + std::to_string(heading_line_) + ":1", what);
 }
 
 }  // namespace taxelsim

@@ -128,7 +128,7 @@ double slopeAtZero(const Readout& readout) {
   return readout.curve_points.empty() ? readout.curve.front() : readout.curve_points.front().counts / readout.curve_points.front().force;
 }
 
-bool isStraight(const Readout& readout) {
+bool isLinear(const Readout& readout) {
   return readout.curve.size() == 1 && readout.curve_points.size() < 2;
 }
 

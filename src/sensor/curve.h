@@ -23,7 +23,7 @@ double invertPoints(std::span<const CurvePoint> points, double value);
 double slopeAtZero(const Readout& readout);
 
 // Whether counts are a multiple of force over the trigger, but for a limit.
-bool isStraight(const Readout& readout);
+bool isLinear(const Readout& readout);
 
 // y of y / (1 + y / limit) = value; of limit 0 the value itself. 0 <= value < limit.
 double withoutLimit(double value, double limit);

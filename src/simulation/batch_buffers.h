@@ -1,54 +1,45 @@
-// The device memory of one batch: every array that has a row per instance.
+// The device memory of one batch: every array of simulation/batch_arrays.h.
 #pragma once
 
-#include <cstdint>
-#include <vector>
+#include <array>
+#include <span>
 
 #include "gpu/buffer.h"
-#include "simulation/model_impl.h"
-#include "taxelsim/simulator.h"
+#include "gpu/commands.h"
+#include "simulation/batch_arrays.h"
 
 namespace taxelsim {
 
-// A device array and, where its memory cannot be seen by the host, the place it is copied to.
-struct ReadableBuffer {
-  gpu::Buffer device;
-  gpu::Buffer readback;
+class BatchBuffers {
+ public:
+  explicit BatchBuffers(const BatchShape& shape);
 
-  bool copied() const { return device.mapped().empty(); }
-  template <typename T>
-  std::span<const T> read() const {
-    return copied() ? readback.mappedAs<T>() : device.mappedAs<T>();
+  // An input, for the host to write.
+  template <typename Block>
+  std::span<typename Block::Element> input() const {
+    return arrays_[Block::kIndex].device.template mappedAs<typename Block::Element>();
   }
+
+  // An output as the last frame left it; perhaps with some elements more than the batch has.
+  template <typename Block>
+  std::span<const typename Block::Element> output() const {
+    return arrays_[Block::kIndex].host().template mappedAs<typename Block::Element>();
+  }
+
+  void bindTo(gpu::Bindings& bindings) const;
+
+  // Copies to where the host reads them, as far as the host cannot read device memory.
+  void recordReadback(gpu::Commands& commands, const OutputOptions& outputs) const;
+
+ private:
+  struct Array {
+    gpu::Buffer device;
+    gpu::Buffer readback;  // empty where device memory is mapped
+
+    bool isCopied() const { return readback.size() > 0; }
+    const gpu::Buffer& host() const { return isCopied() ? readback : device; }
+  };
+  std::array<Array, block::kNumBlocks> arrays_;  // by index of the block; those of a model are empty
 };
-
-inline bool wantsJacobian(const OutputOptions& outputs) {
-  return outputs.tactile_jacobian || outputs.clean_tactile_jacobian;
-}
-
-// Whether a batch keeps what the contact pass need look at from step to step: where it can, and there is room.
-bool keepsCandidates(const Model::Impl& model, const SimulatorOptions& options);
-
-struct BatchBuffers {
-  BatchBuffers(const Model::Impl& model, const SimulatorOptions& options);
-
-  gpu::Buffer poses, motions, instances, step, loads, contacts, num_contacts;  // from the host
-  // stay on the device
-  gpu::Buffer candidates, candidate_quads, work_instances;
-  gpu::Buffer state, friction_state, law_state, contact_normal, contact_shear, tile_results, taxel_states;
-  gpu::Buffer image_windows;            // of one grid patch with a frame at every step: what of it was written a step before
-  gpu::Buffer heights, windows, layer;  // of an elastic layer: per node, per tile of the contact pass, arrays over strips of nodes
-  gpu::Buffer forces, taxel_regions, region_sums, regions;                                    // of contact features
-  gpu::Buffer contact_cells, tile_changes, taxel_jacobian, masked_jacobian, wrench_jacobian;  // of the tactile Jacobian
-  // come back
-  ReadableBuffer contact_depth, image, spread_normal, spread_shear, features, contact_features, clean_contact_features, jacobian,
-      clean_jacobian, problems, work;
-  std::vector<ReadableBuffer*> readable(const OutputOptions& outputs);
-};
-
-MemoryPlan planBatch(const Model::Impl& model, const SimulatorOptions& options);
-
-// Throws Error(kInput) when an option is out of its range or the batch does not fit, with the size that does.
-void checkBatchFits(const Model::Impl& model, const SimulatorOptions& options);
 
 }  // namespace taxelsim

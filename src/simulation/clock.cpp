@@ -18,9 +18,9 @@ void Clock::deliver(const FrameTiming& timing, std::uint64_t episode) {
     if (spread == 0) return static_cast<double>(frame);
     return frame + spread * gaussian({.seed = timing.seed, .episode = episode, .frame = frame, .purpose = Purpose::kJitter});
   };
-  // Those that no jitter can hold up, then one by one.
-  const double surely = std::floor(now - spread * kMaxGaussian) + 1;
-  frames = std::max(frames + 1, static_cast<std::uint32_t>(std::max(surely, 0.0)));
+  // Skips the frames that are due whatever their jitter, then tests one by one.
+  const double certain = std::floor(now - spread * kMaxGaussian) + 1;
+  frames = std::max(frames + 1, static_cast<std::uint32_t>(std::max(certain, 0.0)));
   for (due = due_of(frames); due <= now; due = due_of(frames)) ++frames;
 }
 

@@ -50,46 +50,46 @@ struct Blocks {
   }
 };
 
-void fillContact(const Model::Impl& model, const SimulatorOptions& options, const ReadableBuffer& buffer, IntegerFeatures& integers,
+void fillContact(const ModelData& model, const SimulatorOptions& options, std::span<const float> values, IntegerFeatures& integers,
                  ContactFeatureView& view) {
   const auto n = static_cast<std::size_t>(options.num_instances);
   const std::size_t num_rows = numContactRows(model.packed_contact, options.max_regions);
   view.num_rows = static_cast<int>(num_rows);
   view.num_patches = static_cast<int>(model.packed_contact.num_patches);
-  const Blocks blocks{buffer.read<float>(), n * num_rows, integers};
+  const Blocks blocks{values, n * num_rows, integers};
   blocks.fill(imageFeatures(), view);
   blocks.fill(contactFeatures(), view);
   blocks.fillLast(regionFeatures(), view, n);
 }
 
-Blocks fillJacobian(const Model::Impl& model, const SimulatorOptions& options, const ReadableBuffer& buffer, IntegerFeatures& integers,
+Blocks fillJacobian(const ModelData& model, const SimulatorOptions& options, std::span<const float> values, IntegerFeatures& integers,
                     TactileJacobianView& view) {
   const std::size_t num_rows = numContactRows(model.packed_contact, 0);
   view.num_rows = static_cast<int>(num_rows);
   view.num_patches = static_cast<int>(model.packed_contact.num_patches);
-  const Blocks blocks{buffer.read<float>(), static_cast<std::size_t>(options.num_instances) * num_rows, integers};
+  const Blocks blocks{values, static_cast<std::size_t>(options.num_instances) * num_rows, integers};
   blocks.fill(jacobianFeatures(), view);
   return blocks;
 }
 
 void fillTaxels(const OutputOptions& outputs, const BatchBuffers& buffers, std::size_t num_taxels, FrameView& frame) {
   GroundTruthView& truth = frame.ground_truth;
-  frame.tactile_image = buffers.image.read<std::uint32_t>().first(num_taxels);
-  if (outputs.tactile_normal_force) truth.tactile_normal_force = buffers.spread_normal.read<float>().first(num_taxels);
-  if (outputs.tactile_shear_force) truth.tactile_shear_force = buffers.spread_shear.read<float>().first(2 * num_taxels);
-  if (outputs.penetration_depth) truth.penetration_depth = buffers.contact_depth.read<float>().first(num_taxels);
+  frame.tactile_image = buffers.output<block::Image>().first(num_taxels);
+  if (outputs.tactile_normal_force) truth.tactile_normal_force = buffers.output<block::SpreadNormal>().first(num_taxels);
+  if (outputs.tactile_shear_force) truth.tactile_shear_force = buffers.output<block::SpreadShear>().first(2 * num_taxels);
+  if (outputs.penetration_depth) truth.penetration_depth = buffers.output<block::ContactDepth>().first(num_taxels);
 }
 
 }  // namespace
 
-FrameView viewOf(const Model::Impl& model, const SimulatorOptions& options, const BatchBuffers& buffers, IntegerFeatures& integers) {
+FrameView viewOf(const ModelData& model, const SimulatorOptions& options, const BatchBuffers& buffers, IntegerFeatures& integers) {
   integers.clear();
   const auto n = static_cast<std::size_t>(options.num_instances);
   const OutputOptions& outputs = options.outputs;
   FrameView frame;
   GroundTruthView& truth = frame.ground_truth;
   fillTaxels(outputs, buffers, n * model.num_taxels, frame);
-  const Blocks blocks{buffers.features.read<float>(), n, integers};
+  const Blocks blocks{buffers.output<block::Features>(), n, integers};
   blocks.fill(imageFeatures(), frame);
   blocks.fill(imageFeatures(), truth, layout::kNumImageFeatures);
   blocks.fill(readoutFeatures(), frame);
@@ -99,11 +99,12 @@ FrameView viewOf(const Model::Impl& model, const SimulatorOptions& options, cons
     truth.contact_residual = {};
     truth.contact_iterations = {};
   }
-  if (outputs.contact_features) fillContact(model, options, buffers.contact_features, integers, frame.contact);
-  if (outputs.clean_contact_features) fillContact(model, options, buffers.clean_contact_features, integers, truth.contact);
-  if (outputs.tactile_jacobian) fillJacobian(model, options, buffers.jacobian, integers, frame.jacobian);
+  if (outputs.contact_features) fillContact(model, options, buffers.output<block::ContactFeatures>(), integers, frame.contact);
+  if (outputs.clean_contact_features) fillContact(model, options, buffers.output<block::CleanContactFeatures>(), integers, truth.contact);
+  if (outputs.tactile_jacobian) fillJacobian(model, options, buffers.output<block::TactileJacobian>(), integers, frame.jacobian);
   if (outputs.clean_tactile_jacobian) {
-    fillJacobian(model, options, buffers.clean_jacobian, integers, truth.jacobian).fillLast(wrenchJacobian(), truth.jacobian, n);
+    fillJacobian(model, options, buffers.output<block::CleanTactileJacobian>(), integers, truth.jacobian)
+        .fillLast(wrenchJacobian(), truth.jacobian, n);
   }
   return frame;
 }

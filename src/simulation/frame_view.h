@@ -26,6 +26,6 @@ class IntegerFeatures {
 };
 
 // The frame in `buffers`; its spans are valid as long as the buffers and `integers` are unchanged.
-FrameView viewOf(const Model::Impl& model, const SimulatorOptions& options, const BatchBuffers& buffers, IntegerFeatures& integers);
+FrameView viewOf(const ModelData& model, const SimulatorOptions& options, const BatchBuffers& buffers, IntegerFeatures& integers);
 
 }  // namespace taxelsim

@@ -1,4 +1,4 @@
-// The library's own way from a public Model to its implementation, and to models with a Tuning.
+// Access of the library to the implementation of a Model, and models with a Tuning.
 #pragma once
 
 #include "simulation/tuning.h"
@@ -9,8 +9,8 @@ namespace taxelsim {
 struct ModelAccess {
   static const Model::Impl& impl(const Model& model) { return *model.impl_; }
 
-  // A Model with chosen sizes of workgroups. Throws as the constructor of Model, and Error(kInput) for a tuning out of its range or one
-  // that needs more shared memory than the device has.
+  // Throws as the constructor of Model, and Error(kInput) for a tuning that is out of range or needs more shared memory than the device
+  // has.
   static Model make(const Device& device, const ModelOptions& options, const Tuning& tuning);
 };
 

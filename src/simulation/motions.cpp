@@ -10,36 +10,37 @@ namespace {
 
 static_assert(kMaxSlots <= 1 << layout::kSlotBits);
 
-// What turns `from` into `to`: to from^-1, in pairs that cancel, so that an object at rest turns by exactly nothing.
-Quaternion turnBetween(const Quaternion& from, const Quaternion& to) {
+// to from^-1. Terms are paired so that they cancel exactly for an object at rest.
+Quaternion rotationBetween(const Quaternion& from, const Quaternion& to) {
   const auto& [w, x, y, z] = from;
   const auto& [tw, tx, ty, tz] = to;
   return {tw * w + tx * x + ty * y + tz * z, (tx * w - tw * x) + (tz * y - ty * z), (ty * w - tw * y) + (tx * z - tz * x),
           (tz * w - tw * z) + (ty * x - tx * y)};
 }
 
-// (R - 1) as rows. From the quaternion, so that a small turn keeps all its digits.
-std::array<double, 9> turnOf(const Quaternion& q) {
+// R - 1, row-major. Computed from the quaternion, so that a small rotation keeps all its digits.
+std::array<double, 9> rotationMinusIdentity(const Quaternion& q) {
   const auto [w, x, y, z] = q;
   return {-2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y), 2 * (x * y + w * z), -2 * (x * x + z * z),
           2 * (y * z - w * x),  2 * (x * z - w * y), 2 * (y * z + w * x), -2 * (x * x + y * y)};
 }
 
-// An object that jumps farther slips anyway; the product with the stiffness stays inside float32.
-float bounded(double displacement) {
-  constexpr double kFarthest = 1e6;  // m
-  return static_cast<float>(std::clamp(displacement, -kFarthest, kFarthest));
+// Keeps the product with the stiffness inside float32. An object that jumps farther slips in any case.
+float clamped(double displacement) {
+  constexpr double kMax = 1e6;  // m
+  return static_cast<float>(std::clamp(displacement, -kMax, kMax));
 }
 
 // D = X_to X_from^-1 - 1: p -> (R - 1) p + t with t = (p_to - p_from) - (R - 1) p_from.
 layout::MotionRecord motionBetween(const Pose& from, const Pose& to) {
-  const std::array<double, 9> turn = turnOf(turnBetween(from.rotation, to.rotation));
+  const std::array<double, 9> R_minus_1 = rotationMinusIdentity(rotationBetween(from.rotation, to.rotation));
   layout::MotionRecord record{};
   for (std::size_t i = 0; i < 3; ++i) {
     double t = to.position[i] - from.position[i];
-    for (std::size_t j = 0; j < 3; ++j) t -= turn[3 * i + j] * from.position[j];
+    for (std::size_t j = 0; j < 3; ++j) t -= R_minus_1[3 * i + j] * from.position[j];
     glm::vec4& row = i == 0 ? record.row0 : i == 1 ? record.row1 : record.row2;
-    row = {static_cast<float>(turn[3 * i]), static_cast<float>(turn[3 * i + 1]), static_cast<float>(turn[3 * i + 2]), bounded(t)};
+    row = {static_cast<float>(R_minus_1[3 * i]), static_cast<float>(R_minus_1[3 * i + 1]), static_cast<float>(R_minus_1[3 * i + 2]),
+           clamped(t)};
   }
   record.known.x = 1;
   return record;

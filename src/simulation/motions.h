@@ -1,4 +1,4 @@
-// What the objects of a batch do from step to step: poses in, displacements out, as friction needs them.
+// Displacements of the objects of a batch from step to step, which friction needs.
 #pragma once
 
 #include <cstddef>
@@ -14,13 +14,13 @@ class Motions {
  public:
   Motions(std::size_t num_instances, std::size_t num_slots);
 
-  // For the next pack(): what slot `index` of (num_instances x num_slots) holds, and where. The rotation need not be quite of unit length.
+  // Object and pose of slot `index` of (num_instances x num_slots), for the next pack(). The rotation is normalised here.
   void place(std::size_t index, int id, const Pose& X_SO);
-  // The instance's next step is its first.
+  // Discards the poses of the step before: the instance's next step is its first.
   void forget(std::size_t instance);
 
-  // Records of all slots, (num_instances x num_slots), from the poses of the call before, moved by the `load_offsets` (num_instances), m
-  // along z of S, that a load search found for them, to those of now.
+  // Writes the displacements since the last call, (num_instances x num_slots). `load_offsets` (num_instances): how far a load search has
+  // moved the objects of the last step, m along z of S.
   void pack(std::span<const float> load_offsets, std::span<layout::MotionRecord> records);
 
  private:

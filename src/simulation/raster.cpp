@@ -7,15 +7,14 @@
 
 #include "shared/objects.h"
 
-
 namespace taxelsim {
 namespace {
 
 // Triangles whose root mean area is this many sample spacings are rastered row by row, smaller ones sample by sample.
 constexpr double kLargeTriangle = 6;
-// Where triangles are small, vertices are rounded to at least this many bits of the spacing.
-constexpr int kFewestSubpixelBits = 10;
-// Bits of rounded coordinates, as far as an object goes that reaches into a tile: a float's, less those that a transform loses.
+// Small triangles need at least this many bits.
+constexpr int kMinSubpixelBits = 10;
+// Bits of the rounded coordinates of an object that reaches into a tile: those of a float, less those that a transform loses.
 constexpr int kExtentBits = 22;
 
 struct TriangleSizes {
@@ -35,7 +34,7 @@ TriangleSizes triangleSizes(const Mesh& mesh) {
   return {std::sqrt(twice_area / 2 / static_cast<double>(mesh.triangles.size())), longest, box.diagonal().norm()};
 }
 
-// Bits before the point of a number of samples.
+// Integer bits of a number of samples.
 int bitsOf(double samples) {
   return std::max(0, static_cast<int>(std::ceil(std::log2(samples * (1 + 1e-3)))));
 }
@@ -46,7 +45,7 @@ Raster chooseRaster(const Mesh& mesh, const SampleGrid& grid) {
   const TriangleSizes sizes = triangleSizes(mesh);
   const int extent_bits = std::max(0, kExtentBits - bitsOf(sizes.extent / grid.spacing + grid.tile_side));
   const int small_bits = std::min(extent_bits, static_cast<int>(layout::kSmallEdgeBits) - bitsOf(sizes.longest_edge / grid.spacing));
-  if (sizes.root_mean_area <= kLargeTriangle * grid.spacing && small_bits >= kFewestSubpixelBits) return {small_bits, false};
+  if (sizes.root_mean_area <= kLargeTriangle * grid.spacing && small_bits >= kMinSubpixelBits) return {small_bits, false};
   return {extent_bits, true};
 }
 

@@ -1,4 +1,4 @@
-// How finely triangles are seen by the samples of a sensor; shaders/depth/raster.glsl.
+// How a mesh is rastered to the samples of a sensor; shaders/depth/raster.glsl.
 #pragma once
 
 #include <cstdint>
@@ -7,17 +7,15 @@
 
 namespace taxelsim {
 
-// The samples that meshes are rastered to.
+// The samples of a sensor, as far as rounding needs them.
 struct SampleGrid {
   double spacing;           // the finest, m
   std::uint32_t tile_side;  // the most samples along a side of a tile
 };
 
-// How a mesh is: vertices are rounded to 2^-subpixel_bits of the spacing, 14 bits at best where triangles are small, and large ones go row
-// by row.
 struct Raster {
-  int subpixel_bits;  // 0 to 22
-  bool large;
+  int subpixel_bits;  // vertices are rounded to 2^-subpixel_bits of the spacing; 0 to 22, at most 14 for small triangles
+  bool large;         // triangles are rastered row by row, else sample by sample
 };
 Raster chooseRaster(const Mesh& mesh, const SampleGrid& grid);
 

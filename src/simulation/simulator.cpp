@@ -12,6 +12,7 @@
 #include "shared/batch.h"
 #include "shared/candidates.h"
 #include "shared/features.h"
+#include "simulation/batch_plan.h"
 #include "simulation/frame_view.h"
 #include "simulation/model_access.h"
 #include "simulation/pack/pack_contacts.h"
@@ -37,10 +38,10 @@ double lengthOf(const Quaternion& q) {
   return std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
 }
 
-// Refuses what one slot of an instance may not hold.
+// Throws Error(kInput) for an object or a pose that a slot may not have.
 void checkSlot(int id, const Pose& X_SO, std::size_t instance, int num_objects) {
   if (id == kNoObject) return;
-  // Called for every pose of every step: words only where it refuses.
+  // Called for every pose of every step, so text is made only for errors.
   const auto where = [instance] { return " of instance " + std::to_string(instance); };
   if (id < 0 || id >= num_objects) {
     refuse("object " + std::to_string(id) + where() + " is not allowed: 0 to " + std::to_string(num_objects - 1) + ", or -1 for none");
@@ -66,26 +67,25 @@ layout::PoseRecord packPose(int id, const Pose& X_SO) {
           {static_cast<float>(id), 0.0f, 0.0f, 0.0f}};
 }
 
-// The share of the way to its end that a first-order system goes in dt.
-float shareOfTheWay(double dt, double time) {
+// 1 - exp(-dt / time): the step of a first-order system towards its input.
+float firstOrderStep(double dt, double time) {
   return time > 0 ? static_cast<float>(-std::expm1(-dt / time)) : 1.0f;
 }
 
 }  // namespace
 
-Simulator::Impl::Impl(const Model& of, const SimulatorOptions& with)
-    : model(of),
-      options(with),
-      buffers((checkBatchFits(implOf(of), with), implOf(of)), with),
-      keeps_candidates(keepsCandidates(implOf(of), with)) {
-  clocks.resize(static_cast<std::size_t>(with.num_instances));
-  const std::span<layout::PoseRecord> poses = buffers.poses.mappedAs<layout::PoseRecord>();
-  for (layout::PoseRecord& pose : poses) pose = packPose(kNoObject, {});
+Simulator::Impl::Impl(const Model& shared_model, const SimulatorOptions& simulator_options)
+    : model(shared_model),
+      options((checkBatchFits(implOf(shared_model).data, simulator_options), simulator_options)),
+      buffers(shapeOf(data(), options)),
+      keeps_candidates(shapeOf(data(), options).keeps_candidates) {
+  clocks.resize(static_cast<std::size_t>(options.num_instances));
+  for (layout::PoseRecord& pose : buffers.input<block::Poses>()) pose = packPose(kNoObject, {});
   for (layout::InstanceRecord& instance : records()) {
     instance.drive.x = kPoseDriven;
     setVariation(instance, 0, {});
   }
-  if (implOf(of).hasFriction() && !takesContacts()) motions.emplace(clocks.size(), static_cast<std::size_t>(with.num_slots));
+  if (data().hasFriction() && !takesContacts()) motions.emplace(clocks.size(), static_cast<std::size_t>(options.num_slots));
 }
 
 void Simulator::Impl::checkInstance(int instance) const {
@@ -102,22 +102,21 @@ void Simulator::Impl::checkTakesContacts() const {
 }
 
 void Simulator::Impl::place(std::size_t slot_index, int id, const Pose& X_SO) {
-  buffers.poses.mappedAs<layout::PoseRecord>()[slot_index] = packPose(id, X_SO);
+  buffers.input<block::Poses>()[slot_index] = packPose(id, X_SO);
   if (motions) motions->place(slot_index, id, X_SO);
 }
 
 gpu::Commands& Simulator::Impl::commands(const FrameKind& kind) {
   std::optional<gpu::Commands>& list =
       recorded[(kind.loads ? 1u : 0u) + (kind.random ? 2u : 0u) + 4u * static_cast<unsigned>(kind.candidates)];
-  if (!list) list = record(kind);
+  if (!list) list = recordFrame(implOf(model), {data(), options, keeps_candidates}, buffers, kind);
   return *list;
 }
 
 bool Simulator::Impl::anyRandom() const {
-  const std::span<const layout::InstanceRecord> of_batch = records();
-  return model.sensor().readout.noise > 0 || std::any_of(of_batch.begin(), of_batch.end(), [](const layout::InstanceRecord& record) {
-           return record.drive.z > 0 || record.drive.w > 0;
-         });
+  const std::span<const layout::InstanceRecord> all = records();
+  return model.sensor().readout.noise > 0 ||
+         std::any_of(all.begin(), all.end(), [](const layout::InstanceRecord& record) { return record.drive.z > 0 || record.drive.w > 0; });
 }
 
 void Simulator::Impl::setVariation(layout::InstanceRecord& record, std::uint64_t episode, const ReadoutVariation& variation) const {
@@ -136,7 +135,7 @@ void Simulator::Impl::setVariation(layout::InstanceRecord& record, std::uint64_t
 
 layout::StepRecord Simulator::Impl::stepRecord(double dt) {
   const Readout& readout = model.sensor().readout;
-  constexpr double kRounding = 5e-10;  // of a delay of just so many steps; less than StepHistory forgives
+  constexpr double kRounding = 5e-10;  // for a delay of exactly kMaxDelaySteps steps; less than the tolerance of StepHistory
   if (readout.delay > kMaxDelaySteps * dt * (1 + kRounding)) {
     refuse("readout.delay: " + numberText(readout.delay) + " is not allowed: s, at most " + std::to_string(kMaxDelaySteps) + " steps of " +
            numberText(dt) + " s (" + numberText(kMaxDelaySteps * dt) + " s); shorten it or take longer steps");
@@ -145,9 +144,9 @@ layout::StepRecord Simulator::Impl::stepRecord(double dt) {
   record.batch = {static_cast<std::uint32_t>(options.num_instances),
                   static_cast<std::uint32_t>(takesContacts() ? options.max_contacts : options.num_slots),
                   static_cast<std::uint32_t>(options.seed), static_cast<std::uint32_t>(options.seed >> 32)};
-  record.time = {static_cast<float>(dt), static_cast<float>(1 / dt), shareOfTheWay(dt, readout.low_pass_time),
+  record.time = {static_cast<float>(dt), static_cast<float>(1 / dt), firstOrderStep(dt, readout.low_pass_time),
                  static_cast<float>(readout.random_walk * std::sqrt(dt))};
-  for (std::size_t m = 0; m < readout.creep.size(); ++m) record.creep[static_cast<int>(m)] = shareOfTheWay(dt, readout.creep[m].time);
+  for (std::size_t m = 0; m < readout.creep.size(); ++m) record.creep[static_cast<int>(m)] = firstOrderStep(dt, readout.creep[m].time);
   const std::array<float, 4> law = transitionOf(model.sensor().skin.law, dt);
   record.law = {law[0], law[1], law[2], law[3]};
   record.contacts.x = static_cast<float>(options.contact_band);
@@ -156,46 +155,13 @@ layout::StepRecord Simulator::Impl::stepRecord(double dt) {
   return record;
 }
 
-// Brackets of the load search: between all objects just clear of the sensor and all of them past its skin.
-void Simulator::Impl::startSearch() {
-  const Model::Impl& m = implOf(model);
-  constexpr float kClearance = 1e-6f;  // m
-  const std::span<const layout::PoseRecord> poses = buffers.poses.mappedAs<layout::PoseRecord>();
-  const std::span<layout::LoadRecord> loads = buffers.loads.mappedAs<layout::LoadRecord>();
-  const auto slots = static_cast<std::size_t>(options.num_slots);
-  for (std::size_t i = 0; i < loads.size(); ++i) {
-    loads[i] = {{0.0f, 0.0f, 0.0f, layout::kLoadSearching}, {0.0f, 0.0f, 0.0f, 0.0f}};
-    if ((records()[i].keys.w & layout::kFlagLoadDriven) == 0) continue;
-    float low = std::numeric_limits<float>::infinity();
-    float high = -low;
-    for (std::size_t slot = 0; slot < slots; ++slot) {
-      const layout::PoseRecord& pose = poses[i * slots + slot];
-      if (pose.object.x < 0) continue;
-      const Bounds& bounds = m.bounds[static_cast<std::size_t>(pose.object.x)];
-      float center = pose.row2.w;
-      float half = 0;
-      for (int axis = 0; axis < 3; ++axis) {
-        center += pose.row2[axis] * static_cast<float>(bounds.min[axis] + bounds.max[axis]) / 2;
-        half += std::abs(pose.row2[axis]) * static_cast<float>(bounds.max[axis] - bounds.min[axis]) / 2;
-      }
-      low = std::min(low, center - half);
-      high = std::max(high, center + half);
-    }
-    if (low > high) continue;  // nothing to press with: the first evaluation finds no force at any offset
-    const float up = m.packed.highest - low + kClearance;
-    const float down = m.packed.lowest - static_cast<float>(m.sensor.skin.thickness) * 2 - high;
-    loads[i].bracket = {0.5f * (up + down), down, up, layout::kLoadSearching};
-    loads[i].forces.x = std::numeric_limits<float>::max();
-  }
-}
-
 Simulator::Simulator(const Model& model, const SimulatorOptions& options) : impl_(std::make_unique<Impl>(model, options)) {}
 Simulator::~Simulator() = default;
 Simulator::Simulator(Simulator&&) noexcept = default;
 Simulator& Simulator::operator=(Simulator&&) noexcept = default;
 
 MemoryPlan Simulator::plan(const Model& model, const SimulatorOptions& options) {
-  return planBatch(implOf(model), options);
+  return planBatch(implOf(model).data, options);
 }
 
 int Simulator::numInstances() const {
@@ -211,7 +177,7 @@ void Simulator::setObjects(std::span<const int> ids, std::span<const Pose> X_SO)
   const auto n = static_cast<std::size_t>(impl_->options.num_instances);
   checkLength("ids", ids.size(), n * slots);
   checkLength("X_SO", X_SO.size(), n * slots);
-  // All are checked before any is taken, so that a refusal changes nothing.
+  // All are checked before any is written, so that an error changes nothing.
   const auto num_objects = static_cast<int>(impl_->model.objects().size());
   for (std::size_t i = 0; i < ids.size(); ++i) checkSlot(ids[i], X_SO[i], i / slots, num_objects);
   for (std::size_t i = 0; i < ids.size(); ++i) impl_->place(i, ids[i], X_SO[i]);
@@ -242,7 +208,7 @@ void Simulator::setLoad(int instance, float load) {
   }
   if (load < 0 || std::isinf(load))
     refuse("load of instance " + std::to_string(instance) + ": " + std::to_string(load) + " is not allowed: N, >= 0");
-  if (implOf(impl_->model).layer && !std::isnan(load) && !implOf(impl_->model).packed.searches_in_tile) {
+  if (impl_->data().layer && !std::isnan(load) && !impl_->data().packed.searches_in_tile) {
     refuse("load of instance " + std::to_string(instance) + ": " + std::to_string(load) +
            " is not allowed: none, where an elastic_layer does not face along z of the sensor frame");
   }
@@ -251,9 +217,9 @@ void Simulator::setLoad(int instance, float load) {
 
 void Simulator::Impl::takeContacts(std::size_t instance, std::span<const ContactPoint> contacts) const {
   const auto room = static_cast<std::size_t>(options.max_contacts);
-  layout::ContactRecord* records_of_it = buffers.contacts.mappedAs<layout::ContactRecord>().data() + instance * room;
-  for (std::size_t k = 0; k < contacts.size(); ++k) records_of_it[k] = packContact(contacts[k]);
-  buffers.num_contacts.mappedAs<std::uint32_t>()[instance] = static_cast<std::uint32_t>(contacts.size());
+  const std::span<layout::ContactRecord> packed = buffers.input<block::Contacts>().subspan(instance * room, room);
+  for (std::size_t k = 0; k < contacts.size(); ++k) packed[k] = packContact(contacts[k]);
+  buffers.input<block::NumContacts>()[instance] = static_cast<std::uint32_t>(contacts.size());
 }
 
 void Simulator::setContacts(std::span<const ContactPoint> contacts, std::span<const int> offsets) {
@@ -289,23 +255,24 @@ void Simulator::reset(int instance, std::uint64_t episode, const ReadoutVariatio
 
 void Simulator::prepare(bool loads) {
   const bool random = impl_->anyRandom();
-  std::vector<Impl::FrameKind> kinds{{.random = random}};
+  std::vector<FrameKind> kinds{{.random = random}};
   if (loads) kinds.push_back({.loads = true, .random = random});
   if (impl_->keeps_candidates) {
-    for (const auto candidates : {Impl::Candidates::kKept, Impl::Candidates::kUsed})
+    for (const auto candidates : {FrameKind::Candidates::kKept, FrameKind::Candidates::kUsed})
       kinds.push_back({.random = random, .candidates = candidates});
   }
-  for (const Impl::FrameKind& kind : kinds) impl_->commands(kind);  // the kernels of all are compiled at once
-  for (const Impl::FrameKind& kind : kinds) impl_->commands(kind).finish();
+  for (const FrameKind& kind : kinds) impl_->commands(kind);  // the kernels of all are compiled at once
+  for (const FrameKind& kind : kinds) impl_->commands(kind).finish();
 }
 
 void Simulator::step(double dt) {
   if (!(dt > 0) || std::isinf(dt)) refuse("dt: " + std::to_string(dt) + " is not allowed: s, > 0");
   Impl& impl = *impl_;
   if (impl.running != nullptr) throw std::logic_error("a step was taken before read() of the last one");
-  const Model::Impl& m = implOf(impl.model);
-  impl.buffers.step.mappedAs<layout::StepRecord>()[0] = impl.stepRecord(dt);
-  const Sensor& sensor = m.sensor;
+  const ModelData& data = impl.data();
+  layout::StepRecord& step_record = impl.buffers.input<block::Step>()[0];
+  step_record = impl.stepRecord(dt);
+  const Sensor& sensor = data.sensor;
   bool any_load = false;
   const FrameTiming timing{.rate = sensor.frame_rate, .jitter = sensor.readout.jitter, .seed = impl.options.seed};
   const std::span<layout::InstanceRecord> records = impl.records();
@@ -325,16 +292,18 @@ void Simulator::step(double dt) {
     clock.time += dt;
   }
   if (impl.motions) {
-    const auto features = impl.buffers.features.read<float>();
+    const std::span<const float> features = impl.buffers.output<block::Features>();
     impl.motions->pack(features.subspan(layout::kFeatureLoadOffset * impl.clocks.size(), impl.clocks.size()),
-                       impl.buffers.motions.mappedAs<layout::MotionRecord>());
+                       impl.buffers.input<block::Motions>());
   }
-  if (any_load && !m.layer && !m.packed.searches_in_tile) impl.startSearch();
+  if (any_load && !data.layer && !data.packed.searches_in_tile) {
+    startLoadSearch(data, records, impl.buffers.input<block::Poses>(), impl.buffers.input<block::Loads>());
+  }
   impl.keeping = impl.keeps_candidates && !any_load && impl.candidate_schedule.keeps();
-  const bool apart = impl.keeping && impl.any_candidates;
-  impl.buffers.step.mappedAs<layout::StepRecord>()[0].candidates.x = apart;
-  using Candidates = Impl::Candidates;
-  const Candidates candidates = !impl.keeping ? Candidates::kLeft : apart ? Candidates::kUsed : Candidates::kKept;
+  const bool uses_candidates = impl.keeping && impl.any_candidates;
+  step_record.candidates.x = uses_candidates;
+  using Candidates = FrameKind::Candidates;
+  const Candidates candidates = !impl.keeping ? Candidates::kSkipped : uses_candidates ? Candidates::kUsed : Candidates::kKept;
   gpu::Commands& frame = impl.commands({.loads = any_load, .random = impl.anyRandom(), .candidates = candidates});
   frame.submit();
   impl.running = &frame;
@@ -345,17 +314,17 @@ FrameView Simulator::read() {
   if (impl.running != nullptr) {
     gpu::Commands& frame = *std::exchange(impl.running, nullptr);
     frame.wait();
-    const std::span<const glm::uvec4> work = impl.buffers.work.read<glm::uvec4>();
+    const std::span<const glm::uvec4> work = impl.buffers.output<block::Work>();
     impl.timing = {frame.seconds(0, 1), frame.seconds(1, 2), frame.seconds(0, 2), static_cast<int>(work[layout::kListCandidates].w)};
     impl.any_candidates = work[layout::kNumLists].x > 0;
     if (impl.keeping) impl.candidate_schedule.found(impl.any_candidates);
-    if (impl.buffers.problems.read<std::uint32_t>()[0] != 0) {
+    if (impl.buffers.output<block::Problems>()[0] != 0) {
       throw Error(ErrorKind::kDevice,
-                  "the driver cut loops of a kernel short (software Vulkan stops after 65,535 turns), so this frame is incomplete; "
+                  "the driver cut loops of a kernel short (software Vulkan stops after 65,535 iterations), so this frame is incomplete; "
                   "use simpler meshes, fewer samples or contacts, or a larger contact_workgroup or image_workgroup");
     }
   }
-  return viewOf(implOf(impl.model), impl.options, impl.buffers, impl.integer_features);
+  return viewOf(impl.data(), impl.options, impl.buffers, impl.integer_features);
 }
 
 StepTiming Simulator::timing() const {

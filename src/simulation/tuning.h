@@ -1,4 +1,4 @@
-// How the passes are cut into workgroups: what bench/sweep varies. Not part of the public API.
+// Sizes of workgroups that bench/sweep varies. Not part of the public API.
 #pragma once
 
 namespace taxelsim {

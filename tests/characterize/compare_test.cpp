@@ -40,12 +40,12 @@ TEST(CompareImages, ByHand) {
   EXPECT_NEAR(comparison.cosine, 273000 / std::sqrt(290100 * 360100.0), kRounding);
 }
 
-TEST(CompareImages, TheMedianOfEvenlyManyIsBetweenTheMiddleTwo) {
+TEST(CompareImages, MedianOfAnEvenNumberIsTheMeanOfTheMiddleTwo) {
   const Image real{100, 200, 300, 400, 0, 0}, simulated{90, 180, 270, 360, 0, 0};
   EXPECT_NEAR(compareImages(twoByThree(), real, twoByThree(), simulated).median_difference, 25 / 1023.0, kRounding);
 }
 
-TEST(CompareImages, WhatTouchesByNominalForces) {
+TEST(CompareImages, ContactUsesNominalForces) {
   // Taxels (0, 0) and (0, 2) with 0.3 and 0.1 N: x = -1 mm, y = (-0.3 + 0.1) / 0.4 pitch; the axis along y. Simulated: along x.
   const Image real{300, 0, 100, 0, 0, 0}, simulated{0, 200, 0, 0, 200, 0};
   const ImageComparison comparison = compareImages(twoByThree(), real, twoByThree(), simulated);
@@ -59,7 +59,7 @@ TEST(CompareImages, WhatTouchesByNominalForces) {
 }
 
 // Axes at 80 and -80 degrees are 20 degrees apart.
-TEST(CompareImages, AnAxisHasNoDirection) {
+TEST(CompareImages, EdgeAnglesAreEqualModuloPi) {
   const Sensor sensor = exampleSensor();
   const auto line = [](double slope) {
     Image image(84, 0);
@@ -73,7 +73,7 @@ TEST(CompareImages, AnAxisHasNoDirection) {
 }
 
 // Each image by its own readout: the same force, in other counts.
-TEST(CompareImages, EachByItsOwnCurve) {
+TEST(CompareImages, UsesTheCurveOfEachSensor) {
   Sensor other = twoByThree();
   other.readout.curve = {500};
   const ImageComparison comparison = compareImages(twoByThree(), Image(6, 100), other, Image(6, 50));
@@ -120,7 +120,7 @@ TEST(CompareImages, RefusesOtherArrays) {
   EXPECT_THROW(compareImages(twoByThree(), Image(7, 0), twoByThree(), kSimulated), Error);
 }
 
-TEST(RangeOf, LeavesOutWhatIsNotDefined) {
+TEST(RangeOf, IgnoresUndefinedValues) {
   const ValueRange range = rangeOf(std::vector<double>{3, std::nan(""), 1, 8, 2});
   EXPECT_EQ(range.count, 4u);
   EXPECT_EQ(range.median, 2.5);

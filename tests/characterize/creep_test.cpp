@@ -90,7 +90,7 @@ std::string refusal(const Sensor& sensor, StepResponse step) {
   return "";
 }
 
-TEST(Creep, OfTwoTermsIsFoundWithHonestIntervals) {
+TEST(Creep, FindsTwoTermsWithRightIntervals) {
   const Sensor truth = oneTaxel({{.fraction = 0.15, .time = 0.5}, {.fraction = 0.2, .time = 5}});
   int inside[4] = {0, 0, 0, 0};
   for (int run = 0; run < support::kRuns; ++run) {
@@ -105,7 +105,7 @@ TEST(Creep, OfTwoTermsIsFoundWithHonestIntervals) {
   for (const int count : inside) EXPECT_GE(count, support::kLeastInside);
 }
 
-TEST(Creep, IntervalsHoldUnderNoiseThatRemembers) {
+TEST(Creep, IntervalsHoldForAutocorrelatedNoise) {
   const Sensor truth = oneTaxel({{.fraction = 0.3, .time = 2}});
   int inside[2] = {0, 0}, more = 0;
   for (int run = 0; run < support::kRuns; ++run) {
@@ -119,7 +119,7 @@ TEST(Creep, IntervalsHoldUnderNoiseThatRemembers) {
   EXPECT_LE(more, 2);
 }
 
-TEST(Creep, OfOneTermIsNotTakenForMore) {
+TEST(Creep, DoesNotSplitASingleTerm) {
   const Sensor truth = oneTaxel({{.fraction = 0.3, .time = 2}});
   int more = 0;
   for (int run = 0; run < support::kRuns; ++run) {
@@ -132,7 +132,7 @@ TEST(Creep, OfOneTermIsNotTakenForMore) {
   EXPECT_LE(more, 1);
 }
 
-TEST(Creep, RiseOfSeveralFramesIsNotTakenForCreep) {
+TEST(Creep, SlowRiseIsNotFittedAsCreep) {
   const Sensor still = oneTaxel({});
   const Characterization none = fitted(still, {{.rise = 0.4, .seed = 5}});
   EXPECT_TRUE(none.sensor.readout.creep.empty());
@@ -150,7 +150,7 @@ TEST(Creep, TriggerOfOneTaxelDoesNotBiasFractions) {
   EXPECT_TRUE(holds(fitted(truth, {{.seed = 3}}), "readout.creep[0].fraction", 0.3));
 }
 
-TEST(Creep, SumOverTaxelsSaysWhatItLeavesOut) {
+TEST(Creep, SumOverTaxelsRemarksOnTriggers) {
   Sensor truth = oneTaxel({{.fraction = 0.3, .time = 2}});
   truth.readout.trigger = 0.02;
   StepResponse step = recorded(truth, {.load = 1, .noise = 1, .seed = 3});
@@ -161,11 +161,11 @@ TEST(Creep, SumOverTaxelsSaysWhatItLeavesOut) {
   const Characterization result = characterize(std::span(&measurement, 1));
   const Estimate* const fraction = findEstimate(result, "readout.creep[0].fraction");
   ASSERT_NE(fraction, nullptr);
-  EXPECT_THAT(fraction->remark, HasSubstr("every taxel that shows"));
+  EXPECT_THAT(fraction->remark, HasSubstr("each active taxel"));
   EXPECT_NEAR(fraction->value, 0.3 * 1 / (1 - 0.02), 0.005);
 }
 
-TEST(Creep, OutliersAndALoadTakenOffDoNotShow) {
+TEST(Creep, IgnoresOutliersAndUnloading) {
   const Sensor truth = oneTaxel({{.fraction = 0.3, .time = 2}});
   StepResponse step = recorded(truth, {.seconds = 14, .lift_after = 11, .seed = 9});
   for (std::size_t r = 60; r < step.counts.size(); r += 23) step.counts[r] = r % 2 == 0 ? 4000 : 1200;
@@ -179,17 +179,17 @@ TEST(Creep, OutliersAndALoadTakenOffDoNotShow) {
   EXPECT_GE(result.fits.front().num_outliers, 10u);
 }
 
-TEST(Creep, SlowerThanTheRecordingIsNotDetermined) {
+TEST(Creep, DoesNotDetermineTermsSlowerThanTheRecording) {
   const Sensor truth = oneTaxel({{.fraction = 2, .time = 100}});
   const Characterization result = fitted(truth, {{.load = 0.5, .seed = 4}});
   const Estimate* const term = findEstimate(result, "readout.creep[0]");
   ASSERT_NE(term, nullptr);
   EXPECT_FALSE(term->determined);
-  EXPECT_THAT(term->remark, HasSubstr("slower than the"));
+  EXPECT_THAT(term->remark, HasSubstr("time constant longer than the"));
   EXPECT_TRUE(result.sensor.readout.creep.empty());
 }
 
-TEST(Creep, BadRecordingsAreRefusedInOneLine) {
+TEST(Creep, RejectsBadRecordings) {
   const Sensor sensor = oneTaxel({{.fraction = 0.3, .time = 2}});
   const StepResponse good = recorded(sensor, {});
   const auto cut = [&](std::size_t first, std::size_t end) {
@@ -198,17 +198,17 @@ TEST(Creep, BadRecordingsAreRefusedInOneLine) {
     part.counts.assign(good.counts.begin() + static_cast<std::ptrdiff_t>(first), good.counts.begin() + static_cast<std::ptrdiff_t>(end));
     return part;
   };
-  EXPECT_THAT(refusal(sensor, cut(0, 20)), HasSubstr("step.yaml: nothing touches"));
-  EXPECT_THAT(refusal(sensor, cut(0, 1)), HasSubstr("step.yaml: nothing touches"));
+  EXPECT_THAT(refusal(sensor, cut(0, 20)), HasSubstr("step.yaml: no contact"));
+  EXPECT_THAT(refusal(sensor, cut(0, 1)), HasSubstr("step.yaml: no contact"));
   EXPECT_THAT(refusal(sensor, cut(60, 300)), HasSubstr("begins under load"));
   EXPECT_THAT(refusal(sensor, cut(60, 61)), HasSubstr("step.yaml: "));
-  EXPECT_THAT(refusal(sensor, cut(0, 37)), HasSubstr("are not enough"));
+  EXPECT_THAT(refusal(sensor, cut(0, 37)), HasSubstr("full load found, at least"));
   StepResponse twice = good;
   for (std::size_t r = 100; r < 200; ++r) twice.counts[r] = 0;
   EXPECT_THAT(refusal(sensor, twice), HasSubstr("does not rise once"));
   StepResponse clipped = good;
   for (double& counts : clipped.counts) counts = counts > 100 ? 4095 : 0;
-  EXPECT_THAT(refusal(sensor, clipped), HasSubstr("saturation"));
+  EXPECT_THAT(refusal(sensor, clipped), HasSubstr("most rows are saturated"));
   for (const std::string& line : {refusal(sensor, twice), refusal(sensor, clipped)}) EXPECT_EQ(line.find('\n'), std::string::npos);
 }
 

@@ -31,7 +31,7 @@ GroupedFit parabolas(unsigned seed) {
   return fitGroups(problem);
 }
 
-TEST(LeastSquares, ALineHasTheTextbooksIntervals) {
+TEST(LeastSquares, LineFitHasTextbookIntervals) {
   constexpr std::size_t kRows = 30;
   std::mt19937 random(1);
   std::normal_distribution<double> gaussian;
@@ -57,13 +57,13 @@ TEST(LeastSquares, ALineHasTheTextbooksIntervals) {
   EXPECT_NEAR(fit.halfWidth(1), kStudent28 * sd / std::sqrt(squares), 1e-4 * fit.halfWidth(1));
 }
 
-TEST(LeastSquares, WhatRowsDoNotTellHasNoInterval) {
+TEST(LeastSquares, UnidentifiableParametersHaveInfiniteIntervals) {
   const FitResult fit = fitRows(10, {{.start = 1, .scale = 1}, {.start = 1, .scale = 1}},
                                 [](std::size_t r, const double* p) { return (p[0] + p[1]) * static_cast<double>(r) - 2; });
   EXPECT_TRUE(std::isinf(fit.halfWidth(0)));
 }
 
-TEST(LeastSquares, TheSameBitsWhateverTheHeapHolds) {
+TEST(LeastSquares, ResultDoesNotDependOnTheHeap) {
   const GroupedFit first = parabolas(7);
   EXPECT_NEAR(first.shared[0], 0.5, 1e-3);
   std::vector<std::unique_ptr<char[]>> holes;
@@ -77,7 +77,7 @@ TEST(LeastSquares, TheSameBitsWhateverTheHeapHolds) {
 }
 
 // Standard deviation of a mean of groups, against many drawn benches.
-TEST(LeastSquares, MeansOverGroupsHaveTheSpreadThatIsTold) {
+TEST(LeastSquares, IntervalsOfMeansOverGroupsAreRight) {
   std::vector<double> means;
   double told = 0;
   for (unsigned seed = 0; seed < 200; ++seed) {

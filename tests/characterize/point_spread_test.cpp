@@ -138,7 +138,7 @@ TEST(Footprint, DepthCarriesTheVolume) {
   EXPECT_NEAR(std::numbers::pi * depth * depth * (5e-3 - depth / 3), 1e-9, 1e-14);
 }
 
-TEST(PointSpread, SigmaIsFoundWithHonestIntervals) {
+TEST(PointSpread, FindsSigmaWithRightIntervals) {
   {
     constexpr double sigma = 0.6;
     const Sensor truth = gridOf(gaussianPsf(sigma, 5));
@@ -154,7 +154,7 @@ TEST(PointSpread, SigmaIsFoundWithHonestIntervals) {
   }
 }
 
-TEST(PointSpread, OfSpheresAndStampsToo) {
+TEST(PointSpread, FindsSigmaUnderSpheresAndStamps) {
   const Sensor truth = gridOf(gaussianPsf(0.6, 5));
   for (const Indenter& indenter :
        {Indenter{.shape = Indenter::Shape::kSphere, .radius = 8e-3}, Indenter{.shape = Indenter::Shape::kStamp, .size = {4e-3, 2e-3}}}) {
@@ -165,7 +165,7 @@ TEST(PointSpread, OfSpheresAndStampsToo) {
   }
 }
 
-TEST(PointSpread, KernelThatIsNoGaussianIsTakenAsItIs) {
+TEST(PointSpread, FindsAKernelThatIsNotGaussian) {
   Psf psf{.size = 3, .kernel = {0.03, 0.10, 0.03, 0.05, 0.51, 0.12, 0.03, 0.10, 0.03}};
   Sensor truth = gridOf(psf);
   truth.readout.trigger = 0.005;
@@ -185,7 +185,7 @@ TEST(PointSpread, KernelThatIsNoGaussianIsTakenAsItIs) {
   EXPECT_GE(total, 77);
 }
 
-TEST(PointSpread, OutliersDoNotMoveIt) {
+TEST(PointSpread, IsRobustToOutliers) {
   const Sensor truth = gridOf(gaussianPsf(0.6, 5));
   PointImages points = imagesOf(truth, {.num_images = 30, .seed = 8});
   for (std::size_t k = 5; k < points.images.counts.size(); k += 37) points.images.counts[k] = k % 2 == 0 ? 2500 : 0;
@@ -195,7 +195,7 @@ TEST(PointSpread, OutliersDoNotMoveIt) {
   EXPECT_EQ(findEstimate(result, "psf.kernel[0][0]"), nullptr);
 }
 
-TEST(PointSpread, ReadingsAtTheEndsDoNotBiasIt) {
+TEST(PointSpread, ClippedReadingsDoNotBiasIt) {
   Sensor truth = gridOf(gaussianPsf(0.6, 5));
   truth.readout.saturation = 700;  // of about 1000 under the pin
   double mean = 0, half = 0;
@@ -210,7 +210,7 @@ TEST(PointSpread, ReadingsAtTheEndsDoNotBiasIt) {
   EXPECT_NEAR(mean, 0.6, 0.41 * half);
 }
 
-TEST(PointSpread, NoneIsSaidToBeNone) {
+TEST(PointSpread, FindsNoSpreadWhereThereIsNone) {
   const Sensor truth = gridOf({});
   const Characterization result = fitted(truth, imagesOf(truth, {.seed = 4}));
   const Estimate* const sigma = findEstimate(result, "psf.gaussian.sigma");
@@ -220,7 +220,7 @@ TEST(PointSpread, NoneIsSaidToBeNone) {
   EXPECT_THAT(sigma->remark, HasSubstr("no spread"));
 }
 
-TEST(PointSpread, OneImageIsEnoughAndOneTaxelIsNot) {
+TEST(PointSpread, NeedsOneImageWithSeveralTaxels) {
   const Sensor truth = gridOf(gaussianPsf(0.6, 5));
   PointImages one = imagesOf(truth, {.num_images = 1, .noise = 1, .seed = 5});
   EXPECT_NEAR(findEstimate(fitted(truth, one), "psf.gaussian.sigma")->value, 0.6, 0.02);
@@ -236,17 +236,17 @@ TEST(PointSpread, OneImageIsEnoughAndOneTaxelIsNot) {
   EXPECT_EQ(result.sensor.psf.size, 1);
 }
 
-TEST(PointSpread, BadImagesAreRefusedInOneLine) {
+TEST(PointSpread, RejectsBadImages) {
   const Sensor truth = gridOf(gaussianPsf(0.6, 5));
   PointImages blank = imagesOf(truth, {.num_images = 3});
   std::fill(blank.images.counts.begin(), blank.images.counts.end(), 0.0f);
-  EXPECT_THAT(refusal(truth, blank), HasSubstr("points.yaml: nothing touches"));
+  EXPECT_THAT(refusal(truth, blank), HasSubstr("points.yaml: no contact"));
   PointImages off = imagesOf(truth, {.num_images = 3});
   for (auto& position : off.position) position[0] += 1;
-  EXPECT_THAT(refusal(truth, off), HasSubstr("points.yaml: the indenter lies off the array"));
+  EXPECT_THAT(refusal(truth, off), HasSubstr("points.yaml: the indenter is off the array"));
   Sensor two = truth;
   two.patches.push_back({.name = "q", .num_rows = 1, .num_cols = 1, .pitch = {kPitch, kPitch}, .X_SP = {.position = {0.1, 0, 0}}});
-  EXPECT_THAT(refusal(two, off), HasSubstr("points.yaml: images under points need a sensor of one grid"));
+  EXPECT_THAT(refusal(two, off), HasSubstr("points.yaml: point_images need a sensor with one grid"));
   Sensor shallow = truth;
   shallow.readout.saturation = 30;  // of 1000: what touches reads 30, all else nearly nothing
   const Characterization clipped = fitted(shallow, imagesOf(shallow, {.num_images = 3}));

@@ -203,7 +203,7 @@ void expectNearest(const Sensor& sensor, unsigned seed) {
   }
 }
 
-TEST(Readings, NearestForcesThatDoNotPull) {
+TEST(Readings, ForcesAreNonNegativeLeastSquares) {
   Sensor sensor = linearSensor();
   sensor.psf = gaussianPsf(0.5, 3);
   expectNearest(sensor, 4);
@@ -218,7 +218,7 @@ TEST(Readings, AlongACurvedSkin) {
   expectNearest(sensor, 6);
 }
 
-TEST(Readings, RefusesWhatCannotBeUndone) {
+TEST(Readings, RejectsSingularSpread) {
   Sensor sensor = strip(2);
   const Images images{.num_taxels = 2, .time = {}, .counts = {10, 20}};
   EXPECT_THROW(readingsInNewtons(strip(3), images), Error);

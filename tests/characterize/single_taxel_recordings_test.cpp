@@ -22,7 +22,7 @@ struct Recording {
 constexpr std::array<Recording, 4> kRecordings{
     {{"tams_nosil", 0.025}, {"tams_thinsil", 0.025}, {"pike1_force_10", 0.055}, {"pike1_force_40", 0.055}}};
 
-TEST(SingleTaxelRecordings, AreMetWithinAFewPercent) {
+TEST(SingleTaxelRecordings, AreFittedWithinAFewPercent) {
   const TemporaryDirectory directory;
   const std::string command =
       "python3 -B " TAXELSIM_SOURCE_DIR "/scripts/convert_recordings.py " TAXELSIM_REAL_DATA " " + directory.path().string();

@@ -160,7 +160,7 @@ std::vector<StampImages> recordedAll(const Sensor& sensor, const std::vector<Pre
   return stamps;
 }
 
-TEST(StampImages, AllIsFoundWithHonestIntervals) {
+TEST(StampImages, FindsAllParametersWithRightIntervals) {
   const Sensor truth = baseSensor();
   int sigma = 0, scale = 0, trigger = 0, fraction = 0, place = 0;
   for (int run = 0; run < 20; ++run) {
@@ -181,7 +181,7 @@ TEST(StampImages, AllIsFoundWithHonestIntervals) {
   EXPECT_GE(place, 52);
 }
 
-TEST(StampImages, GainsAreFoundWhereThereWasALoad) {
+TEST(StampImages, FindsGainsOfLoadedTaxels) {
   Sensor truth = baseSensor();
   EpisodeRandom random(5, 0);
   for (int t = 0; t < 48; ++t) truth.readout.taxel_gain.push_back(random.uniform(0.85, 1.15));
@@ -208,10 +208,10 @@ TEST(StampImages, GainsAreFoundWhereThereWasALoad) {
   EXPECT_LT(after, before / 20);
   // P(X <= n - 6) of a binomial (n, .95) is below .01 for n of 25 to 48; neighbours' errors go together, and all hang on one mean.
   EXPECT_GE(held, static_cast<int>(told.size()) - 5);
-  EXPECT_THAT(result.remarks, ::testing::Contains(HasSubstr("taxels never carried a load that shows")));
+  EXPECT_THAT(result.remarks, ::testing::Contains(HasSubstr("taxels were never loaded")));
 }
 
-TEST(StampImages, PressesThatDifferAreToldFromNoise) {
+TEST(StampImages, SeparatesPressGainsFromNoise) {
   const Sensor truth = baseSensor();
   std::vector<Press> presses = drawn(3, 8);
   for (std::size_t n = 0; n < presses.size(); ++n) presses[n].gain = n % 2 == 0 ? 1.08 : 0.92;
@@ -223,7 +223,7 @@ TEST(StampImages, PressesThatDifferAreToldFromNoise) {
   EXPECT_EQ(findEstimate(fitted(truth, recordedAll(truth, drawn(3, 8))), "readout.press_gain_spread"), nullptr);
 }
 
-TEST(StampImages, ACurveThatBendsIsFound) {
+TEST(StampImages, FindsACurveThatBends) {
   Sensor truth = baseSensor();
   truth.readout.curve_limit = 6000;
   const Characterization result = fitted(truth, recordedAll(truth, drawn(6, 8)));
@@ -233,7 +233,7 @@ TEST(StampImages, ACurveThatBendsIsFound) {
   EXPECT_EQ(findEstimate(fitted(baseSensor(), recordedAll(baseSensor(), drawn(6, 8))), "readout.curve.limit"), nullptr);
 }
 
-TEST(StampImages, CurvedSkinTellsItsStiffness) {
+TEST(StampImages, FindsTheStiffnessOfACurvedSkin) {
   const Sensor truth = curvedSensor(30e-3);
   std::vector<Press> presses = drawn(9, 4);
   for (Press& press : presses) press.y /= 2, press.x /= 3;
@@ -244,7 +244,7 @@ TEST(StampImages, CurvedSkinTellsItsStiffness) {
   EXPECT_NEAR(findEstimate(result, "skin.normal_contact_stiffness")->value, 1.73e8, 0.2e8);
 }
 
-TEST(StampImages, OutliersDoNotMoveIt) {
+TEST(StampImages, IsRobustToOutliers) {
   const Sensor truth = baseSensor();
   std::vector<StampImages> stamps = recordedAll(truth, drawn(4, 4));
   for (StampImages& stamp : stamps) {
@@ -256,12 +256,12 @@ TEST(StampImages, OutliersDoNotMoveIt) {
   EXPECT_NEAR(findEstimate(result, "readout.curve.counts_per_newton")->value, 2000, 40);
 }
 
-TEST(StampImages, BadRecordingsAreRefusedInOneLine) {
+TEST(StampImages, RejectsBadRecordings) {
   const Sensor truth = baseSensor();
   const StampImages good = recorded(truth, {});
   StampImages blank = good;
   std::fill(blank.images.counts.begin(), blank.images.counts.end(), 0.0f);
-  EXPECT_THAT(refusal(truth, blank), HasSubstr("stamp0.yaml: nothing touches"));
+  EXPECT_THAT(refusal(truth, blank), HasSubstr("stamp0.yaml: no contact"));
   StampImages brief = good;
   brief.images.time.resize(40), brief.images.counts.resize(40 * 48);
   EXPECT_THAT(refusal(truth, brief), HasSubstr("stamp0.yaml: no frame under load from 4.5 to 5.5 s"));

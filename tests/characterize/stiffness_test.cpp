@@ -56,7 +56,7 @@ Characterization characterized(ForceDepth data) {
 }
 
 // Without noise what is left is the quadrature and the solver's end, at 1e-10 of a parameter.
-TEST(StiffnessFit, FindsWhatClosedFormsWereMadeWith) {
+TEST(StiffnessFit, FindsTheStiffnessOfClosedForms) {
   constexpr double kExact = 1e-6;
   for (const Case& with : kCases) {
     SCOPED_TRACE(with.name);
@@ -68,7 +68,7 @@ TEST(StiffnessFit, FindsWhatClosedFormsWereMadeWith) {
   }
 }
 
-TEST(StiffnessFit, IntervalsHoldTheTruthAsOftenAsTheySay) {
+TEST(StiffnessFit, IntervalsCoverTheTruthAtTheirLevel) {
   constexpr int kRuns = 60;
   for (const Case& with : kCases) {
     SCOPED_TRACE(with.name);
@@ -87,7 +87,7 @@ TEST(StiffnessFit, IntervalsHoldTheTruthAsOftenAsTheySay) {
   }
 }
 
-TEST(StiffnessFit, DepthsMayGoBackAndOutliersStayOut) {
+TEST(StiffnessFit, AcceptsDecreasingDepthsAndOutliers) {
   std::mt19937 random(2);
   ForceDepth data = pressed(kCases[2], 0.001, random);
   for (int k = 49; k >= 0; --k) {
@@ -100,7 +100,7 @@ TEST(StiffnessFit, DepthsMayGoBackAndOutliersStayOut) {
   EXPECT_NEAR(std::get<Winkler>(result.sensor.skin.law).normal_contact_stiffness / kStiffness, 1, 0.01);
 }
 
-TEST(StiffnessFit, WhatTellsNothingIsRefused) {
+TEST(StiffnessFit, RejectsUninformativeMeasurements) {
   const auto refused = [](ForceDepth data, Sensor sensor = benchSensor(1, 1)) -> std::string {
     try {
       const std::vector<Measurement> measurements{measurementOf("press", std::move(sensor), std::move(data))};
@@ -113,13 +113,12 @@ TEST(StiffnessFit, WhatTellsNothingIsRefused) {
   };
   std::mt19937 random(3);
   const Indenter pin = kCases[0].indenter;
-  EXPECT_THAT(refused({.indenter = pin, .depth = {1e-3}, .force = {1}}), HasSubstr("press.yaml: nothing is pressed"));
-  EXPECT_THAT(refused({.indenter = pin, .depth = {1e-3, 2e-3}, .force = {1, 2}}),
-              HasSubstr("press.yaml: 2 rows are not enough: at least 5"));
-  EXPECT_THAT(refused({.indenter = pin, .depth = {1e-3, 2e-3, 3e-3}, .force = {0, 0, 0}}), HasSubstr("press.yaml: nothing is pressed"));
+  EXPECT_THAT(refused({.indenter = pin, .depth = {1e-3}, .force = {1}}), HasSubstr("press.yaml: no press"));
+  EXPECT_THAT(refused({.indenter = pin, .depth = {1e-3, 2e-3}, .force = {1, 2}}), HasSubstr("press.yaml: 2 rows found, at least 5 needed"));
+  EXPECT_THAT(refused({.indenter = pin, .depth = {1e-3, 2e-3, 3e-3}, .force = {0, 0, 0}}), HasSubstr("press.yaml: no press"));
   Sensor layer = benchSensor(1, 1);
   layer.skin.law = ElasticLayer{.elastic_modulus = 1e6};
-  EXPECT_THAT(refused(pressed(kCases[0], 0, random), layer), HasSubstr("press.yaml: only skins of law winkler"));
+  EXPECT_THAT(refused(pressed(kCases[0], 0, random), layer), HasSubstr("press.yaml: force_depth needs a sensor with skin.law winkler"));
 }
 
 }  // namespace

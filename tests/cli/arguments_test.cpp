@@ -7,7 +7,7 @@
 namespace taxelsim::testing {
 namespace {
 
-TEST(Help, EverySubcommandTeachesByExample) {
+TEST(Help, EverySubcommandHasAnExample) {
   for (const std::string command : {"devices", "generate", "frame", "inspect", "render"}) {
     const Outcome outcome = runTaxelsim({command, "--help"});
     EXPECT_EQ(outcome.status, 0) << outcome.err;

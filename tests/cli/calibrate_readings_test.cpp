@@ -57,8 +57,8 @@ TEST_F(CalibrateReadings, ByHand) {
   ASSERT_EQ(forces().size(), 2u);
   for (std::size_t k = 0; k < expected.size(); ++k) EXPECT_NEAR(forces()[0][k], expected[k], kWritten) << k;
   EXPECT_EQ(forces()[1], (std::vector<double>{0.75, 0, 0, 0, 0, 0, 0, 0}));
-  EXPECT_NE(outcome.err.find("taxel_gain is 0 at taxels 4"), std::string::npos) << outcome.err;
-  EXPECT_NE(outcome.err.find("1 readings are at saturation"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("taxel_gain of taxels 4 is 0"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("1 readings are saturated"), std::string::npos) << outcome.err;
 }
 
 TEST_F(CalibrateReadings, PatternOfColumns) {
@@ -97,18 +97,17 @@ TEST_F(CalibrateReadings, RefusesBadTables) {
     expectRefused(run(write("raw.csv", text), at("pad.yaml"), more), part);
     EXPECT_FALSE(std::filesystem::exists(at("forces.csv")));
   };
-  refused("r0_c0,r0_c1,r0_c2\n1,2,3\n", "no column is taxel 3");
+  refused("r0_c0,r0_c1,r0_c2\n1,2,3\n", "missing column of taxel 3");
   refused(kSmallPadColumns + "1,2,3,4,5,nan\n", "raw.csv:2:11");
-  refused(kSmallPadColumns + "1,2,3,4,5,6\n1,2,3,4,5,1024\n", "raw.csv:3: r1_c2: 1024 is not allowed");
-  refused(kSmallPadColumns + "1,2,3,4,5,-1\n", "from 0 to 1023 counts");
+  refused(kSmallPadColumns + "1,2,3,4,5,6\n1,2,3,4,5,1024\n", "raw.csv:3:11: r1_c2: 1024 is not allowed");
+  refused(kSmallPadColumns + "1,2,3,4,5,-1\n", "0 to 1023 counts");
   refused(kSmallPadColumns + "1,2,3,4,5\n", "5 values found");
-  refused(kSmallPadColumns + "1,2,3,4,5,6\n", "no column has a time", {"--remove", "creep"});
+  refused(kSmallPadColumns + "1,2,3,4,5,6\n", "missing column of the time", {"--remove", "creep"});
   refused(kSmallPadColumns + "1,2,3,4,5,6\n", "--remove", {"--remove", "noise"});
-  refused("time_s," + kSmallPadColumns + "1,1,2,3,4,5,6\n1,1,2,3,4,5,6\n", "raw.csv:3: time");
+  refused("time_s," + kSmallPadColumns + "1,1,2,3,4,5,6\n1,1,2,3,4,5,6\n", "raw.csv:3:1: time_s");
   expectRefused(run(at("none.csv"), at("pad.yaml")), "none.csv");
   expectRefused(run(write("raw.csv", kSmallPadColumns + "1,2,3,4,5,6\n"), at("none.yaml")), "none.yaml");
-  expectRefused(run(at("raw.csv"), std::string(TAXELSIM_SOURCE_DIR) + "/scenes/sensors/fingertip_sphere.yaml"),
-                "--taxel-columns is needed");
+  expectRefused(run(at("raw.csv"), std::string(TAXELSIM_SOURCE_DIR) + "/scenes/sensors/fingertip_sphere.yaml"), "missing --taxel-columns");
 }
 
 TEST_F(CalibrateReadings, WritesAllOrNothing) {

@@ -31,7 +31,7 @@ const Json& estimateOf(const Json& json, const std::string& parameter) {
 }
 
 // TRUTH of scripts/make_measurements.py.
-TEST(Characterize, FindsWhatTheShippedMeasurementsWereMadeWith) {
+TEST(Characterize, RecoversTheParametersOfTheShippedMeasurements) {
   const TemporaryDirectory directory;
   std::vector<std::string> arguments =
       characterized({"force_curve", "force_depth", "point_images", "step_response", "stamp_3N", "stamp_6N"}, directory / "s.yaml");
@@ -60,17 +60,17 @@ TEST(Characterize, FindsWhatTheShippedMeasurementsWereMadeWith) {
   EXPECT_EQ(sensor.readout.taxel_gain[40], 0);
   EXPECT_EQ(sensor.readout.creep.size(), 2u) << "of the step response, not of the stamps";
   EXPECT_GT(Picture(directory / "r_output_over_time_under_a_constant_load_2.png").width(), 100) << "of the stamps";
-  EXPECT_THAT(contentOf(directory / "s.yaml"), HasSubstr("saturation: 3840  # 3840 counts, seen as a plateau"));
+  EXPECT_THAT(contentOf(directory / "s.yaml"), HasSubstr("saturation: 3840  # 3840 counts, plateau in the output"));
 }
 
-TEST(Characterize, WritesAReportThatNeedsNothingElse) {
+TEST(Characterize, ReportIsSelfContained) {
   const TemporaryDirectory directory;
   std::vector<std::string> arguments = characterized({"force_curve", "force_depth"}, directory / "s.yaml");
   arguments.insert(arguments.end(), {"--name", "mine", "--report", directory / "r.html"});
   const Outcome outcome = runTaxelsim(arguments);
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("skin.normal_contact_stiffness"));
-  EXPECT_THAT(outcome.out, HasSubstr("taxels that did not answer: 40"));
+  EXPECT_THAT(outcome.out, HasSubstr("taxels without a response: 40"));
   EXPECT_EQ(loadSensor(directory / "s.yaml").name, "mine");
   const std::string page = contentOf(directory / "r.html");
   EXPECT_THAT(page, HasSubstr("Characterisation of mine"));
@@ -99,13 +99,13 @@ TEST(Characterize, WritesACurveOfStraightPieces) {
   EXPECT_THAT(contentOf(directory / "s.yaml"), ::testing::ContainsRegex("points: .*  # [0-9.]+ .*, at 0.*; .*, at 1"));
 }
 
-TEST(Characterize, TwiceTheSameBytes) {
+TEST(Characterize, IsReproducible) {
   const TemporaryDirectory directory;
   for (const char* name : {"a.yaml", "b.yaml"}) ASSERT_EQ(runTaxelsim(characterized({"force_depth"}, directory / name)).status, 0);
   EXPECT_EQ(contentOf(directory / "a.yaml"), contentOf(directory / "b.yaml"));
 }
 
-TEST(Characterize, RefusesInOneLineAndWritesNothing) {
+TEST(Characterize, RejectsBadInputWithoutWriting) {
   const TemporaryDirectory directory;
   const std::string sensor = directory / "s.yaml";
   const auto write = [&](const std::string& name, const std::string& text) { std::ofstream(directory / name) << text; };
@@ -118,7 +118,7 @@ TEST(Characterize, RefusesInOneLineAndWritesNothing) {
                   "/scenes/sensors/cea_list.yaml\ntable: t.csv\nindenter: {flat_pin: {radius_mm: 0.5}}\n");
   std::vector<std::string> arguments = characterized({"force_depth"}, sensor);
   arguments.push_back(directory / "m.yaml");
-  expectRefused(runTaxelsim(arguments), "m.yaml: another sensor than that of");
+  expectRefused(runTaxelsim(arguments), "m.yaml: names another sensor than");
   write("n.csv", "depth_mm,force_N\n0,0\n1,nan\n");
   write("n.yaml", "format_version: 1\nmeasurement: force_depth\nsensor: " TAXELSIM_SOURCE_DIR
                   "/scenes/sensors/wts0614.yaml\ntable: n.csv\nindenter: {flat_pin: {radius_mm: 0.5}}\n");

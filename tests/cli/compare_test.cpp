@@ -85,7 +85,7 @@ TEST_F(Compare, OneImageAgainstSeveral) {
   }
 }
 
-TEST_F(Compare, WhatIsNotDefinedIsNull) {
+TEST_F(Compare, UndefinedValuesAreNull) {
   const std::string empty = images("empty", kSmallPadColumns + "0,0,0,0,0,0\n");
   const Json json = jsonOf({"compare", empty, images("sim", kSimulated), "--json"});
   const Json& pair = json["pairs"][0];
@@ -101,7 +101,7 @@ TEST_F(Compare, WhatIsNotDefinedIsNull) {
   EXPECT_EQ(table.out.find("nan"), std::string::npos) << table.out;
 }
 
-TEST_F(Compare, AtSomeTimeAfterTouch) {
+TEST_F(Compare, AtSelectsATimeAfterContact) {
   const std::string recorded =
       "time_s," + kSmallPadColumns + "0,0,0,0,0,0,0\n1,0,0,0,0,0,10\n2,0,0,0,0,0,900\n4.1,400,300,0,0,10,200\n6,0,0,0,0,0,0\n";
   const std::string real = images("recorded", recorded), sim = images("sim", kReal);
@@ -109,7 +109,7 @@ TEST_F(Compare, AtSomeTimeAfterTouch) {
   ASSERT_EQ(json["pairs"].size(), 1u);
   EXPECT_EQ(json["pairs"][0]["real_time"], 4.1) << "touch is at 2 s: 10 counts are less than 5 % of 910";
   EXPECT_EQ(json["pairs"][0]["M4_relative_l1"], 0);
-  expectRefused(runTaxelsim({"compare", real, sim, "--at", "9"}), "recorded.yaml: 9 s after touch is not there");
+  expectRefused(runTaxelsim({"compare", real, sim, "--at", "9"}), "recorded.yaml: 9 s after contact is out of range");
   expectRefused(runTaxelsim({"compare", sim, sim, "--at", "2"}), "--at: neither");
 }
 
@@ -126,7 +126,7 @@ TEST_F(Compare, DataSetWithoutASensor) {
   ASSERT_EQ(json["pairs"].size(), reader.numFrames());
   EXPECT_EQ(json["pairs"][2]["M1_median_difference"], 0);
   EXPECT_GT(json["pairs"][1]["M1_median_difference"], 0);
-  expectRefused(runTaxelsim({"compare", at("data"), at("data")}), "neither says which sensor");
+  expectRefused(runTaxelsim({"compare", at("data"), at("data")}), "neither names its sensor");
   expectRefused(runTaxelsim({"compare", at("data"), images("sim", kReal)}), "has 84 taxels");
 }
 
@@ -158,7 +158,7 @@ TEST_F(Compare, Picture) {
   EXPECT_EQ(std::count(refused.err.begin(), refused.err.end(), '\n'), 1);
 }
 
-TEST_F(Compare, RefusesWhatCannotBeCompared) {
+TEST_F(Compare, RejectsDifferentArrays) {
   const std::string real = images("real", kReal);
   const std::string two = images("two", kReal + "1,2,3,4,5,6\n"), three = images("three", kReal + "1,2,3,4,5,6\n1,2,3,4,5,6\n");
   expectRefused(runTaxelsim({"compare", two, three}), "two.yaml has 2 images");
@@ -168,11 +168,11 @@ TEST_F(Compare, RefusesWhatCannotBeCompared) {
   const std::string other = images("other", "r0_c0,r0_c1,r1_c0,r1_c1,r2_c0,r2_c1\n0,0,0,0,0,0\n", "turned.yaml");
   expectRefused(runTaxelsim({"compare", real, other}), "real.yaml has 2 x 3 taxels");
   expectRefused(runTaxelsim({"compare", real, images("nan", kSmallPadColumns + "nan,0,0,0,0,0\n")}), "nan.csv:2:1");
-  expectRefused(runTaxelsim({"compare", real, images("few", "r0_c0,r0_c1\n0,0\n")}), "no column is taxel 2");
+  expectRefused(runTaxelsim({"compare", real, images("few", "r0_c0,r0_c1\n0,0\n")}), "missing column of taxel 2");
   expectRefused(runTaxelsim({"compare", real, at("none.yaml")}), "none.yaml");
   write("curve.csv", "taxel,force_N,counts\n0,1,100\n");
   write("curve.yaml", "format_version: 1\nmeasurement: force_curve\nsensor: pad.yaml\ntable: curve.csv\n");
-  expectRefused(runTaxelsim({"compare", real, at("curve.yaml")}), "has no images");
+  expectRefused(runTaxelsim({"compare", real, at("curve.yaml")}), "a measurement without images");
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 namespace taxelsim::testing {
 namespace {
 
-using cli::TaxelOutline;
+using figures::TaxelOutline;
 
 const std::string kSensors = std::string(TAXELSIM_SOURCE_DIR) + "/scenes/sensors/";
 constexpr double kRounding = 1e-9;  // m: vertices of an icosphere are float32
@@ -27,7 +27,7 @@ double along(const TaxelOutline& outline, std::size_t axis) {
 TEST(Unrolled, ACylinderIsARectangle) {
   constexpr double kRadius = 8e-3, kHalfAngle = 1.4, kPitch = 2e-3;
   const Sensor sensor = support::cylinderFingertip(kRadius, kHalfAngle, 9, 4, kPitch);
-  const std::vector<TaxelOutline> outlines = cli::unrolled(sensor);
+  const std::vector<TaxelOutline> outlines = figures::unrolled(sensor);
   ASSERT_EQ(outlines.size(), 36u);
   const double step = 2 * kHalfAngle / 8 * kRadius;
   for (int t = 0; t < 36; ++t) {
@@ -38,7 +38,7 @@ TEST(Unrolled, ACylinderIsARectangle) {
   }
 }
 
-TEST(Unrolled, ASphereKeepsDistancesFromItsMiddleHoweverItLies) {
+TEST(Unrolled, ASphereKeepsDistancesFromItsCentre) {
   Sensor sensor = support::sphereFingertip(8e-3, 2, 1.2);
   const std::vector<Vector3> normals = taxelNormals(sensor);
   const Pose X_turned{{0.1, -0.2, 0.3}, axisAngle({1, 0, 0}, 2)};
@@ -46,7 +46,7 @@ TEST(Unrolled, ASphereKeepsDistancesFromItsMiddleHoweverItLies) {
     if (turned) {
       for (GridPatch& patch : sensor.patches) patch.X_SP = X_turned * patch.X_SP;
     }
-    const std::vector<TaxelOutline> outlines = cli::unrolled(sensor);
+    const std::vector<TaxelOutline> outlines = figures::unrolled(sensor);
     double x = 0, y = 0;
     for (std::size_t t = 0; t < outlines.size(); ++t) {
       if (normals[t][2] > 0.9999) x = along(outlines[t], 0), y = along(outlines[t], 1);
@@ -58,9 +58,9 @@ TEST(Unrolled, ASphereKeepsDistancesFromItsMiddleHoweverItLies) {
   }
 }
 
-TEST(Unrolled, TaxelsThatLookAllWaysStillHaveAPlace) {
+TEST(Unrolled, TaxelsFacingAllDirectionsHaveOutlines) {
   const Sensor ball = support::sphereFingertip(8e-3, 1, 3.2);
-  for (const TaxelOutline& outline : cli::unrolled(ball)) {
+  for (const TaxelOutline& outline : figures::unrolled(ball)) {
     for (const auto& corner : outline) EXPECT_TRUE(std::isfinite(corner[0]) && std::isfinite(corner[1]));
   }
 }
@@ -121,24 +121,24 @@ TEST(CurvedDataSet, TaxelsAreFoundInTheResolvedScene) {
   manifest.scene =
       "sensor:\n  taxels:\n    - {position: [0, 0, 1], normal: [0, 0, 1], size: [1, 2]}\n"
       "    - {position: [3, 0, 1], normal: [0, 1, 0], size: [1, 2], x_axis: [1, 0, 0]}\n";
-  const auto found = cli::listedTaxels(manifest);
+  const auto found = figures::listedTaxels(manifest);
   ASSERT_TRUE(found);
   EXPECT_EQ(taxelPositions(*found)[1], (Vector3{3, 0, 1}));
   for (const char* other :
        {"", "sensor: {num_rows: 3}", "sensor: {taxels: [1]}", "sensor: {taxels: [{position: [0, 0, 0]}]}", "{", "taxels"}) {
     manifest.scene = other;
-    EXPECT_FALSE(cli::listedTaxels(manifest)) << other;
+    EXPECT_FALSE(figures::listedTaxels(manifest)) << other;
   }
 }
 
 // Two taxels as outlines, one of them turned by 45 degrees.
 TEST(CurvedFigure, OutlinesLieWhereTheySay) {
   const TemporaryDirectory root;
-  cli::TactilePanel panel;
+  figures::TactilePanel panel;
   panel.values = {0, 9};
   panel.outlines = {{{{0, 0}, {0, 1}, {1, 1}, {1, 0}}}, {{{3, 3}, {4, 4}, {5, 3}, {4, 2}}}};
   panel.neighbours = false;
-  cli::writeTactileFigure(root / "x.png", {panel}, {.title = "two", .subtitle = "", .unit = "counts"});
+  figures::writeTactileFigure(root / "x.png", {panel}, {.title = "two", .subtitle = "", .unit = "counts"});
   cairo_surface_t* picture = cairo_image_surface_create_from_png((root / "x.png").c_str());
   ASSERT_EQ(cairo_surface_status(picture), CAIRO_STATUS_SUCCESS);
   const auto middle = [&](unsigned code) {

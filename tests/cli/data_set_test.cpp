@@ -28,11 +28,11 @@ class DataSet : public ::testing::Test {
   TemporaryDirectory root_;
 };
 
-TEST_F(DataSet, InspectSaysWhatIsThere) {
+TEST_F(DataSet, InspectPrintsTheContents) {
   writePressedPad(at("d"));
   const Outcome text = runTaxelsim({"inspect", at("d")});
   EXPECT_EQ(text.status, 0) << text.err;
-  for (const char* part : {"turning bar", "made-up pad", "3 of 3 whole", "data/tactile_image", "6 x 14", "counts", "meta/load"})
+  for (const char* part : {"turning bar", "made-up pad", "3 of 3 complete", "data/tactile_image", "6 x 14", "counts", "meta/load"})
     EXPECT_NE(text.out.find(part), std::string::npos) << part << " in\n" << text.out;
 
   const Outcome outcome = runTaxelsim({"inspect", at("d"), "--json"});
@@ -100,7 +100,7 @@ TEST_F(DataSet, RenderDrawsAPicture) {
   EXPECT_EQ(refused.status, 1) << refused.err;
 }
 
-TEST_F(DataSet, RenderCopesWithoutFeaturesAndWithoutGrid) {
+TEST_F(DataSet, RenderWorksWithoutFeaturesAndWithoutGrid) {
   writePressedPad(at("bare"), {.features = false});
   EXPECT_EQ(runTaxelsim({"render", at("bare"), "-o", at("a.png")}).status, 0);
   writePressedPad(at("list"), {.one_grid = false});

@@ -47,7 +47,7 @@ TEST_F(Evaluate, JsonAndPicture) {
   EXPECT_GT(picture.width(), picture.height());
 }
 
-TEST_F(Evaluate, TheBatchDoesNotShow) {
+TEST_F(Evaluate, DoesNotDependOnTheBatchSize) {
   const Outcome whole = runTaxelsim({"evaluate", scene_, "--json"});
   const Outcome cut = runTaxelsim({"evaluate", scene_, "--json", "--batch-size", "7"});
   EXPECT_EQ(whole.out, cut.out);
@@ -61,11 +61,12 @@ TEST_F(Evaluate, TableOfOneController) {
   EXPECT_NE(outcome.out.find("success (95 %)"), std::string::npos);
 }
 
-TEST_F(Evaluate, WhatCannotBeJudgedIsRefused) {
-  expectRefused(runTaxelsim({"evaluate", scene_, "--controller", "slow"}), "controller: \"slow\" found, one of fast, none allowed");
-  expectRefused(runTaxelsim({"evaluate", std::string(TAXELSIM_SOURCE_DIR) + "/scenes/edge_servo.yaml"}), "task is missing");
+TEST_F(Evaluate, RejectsUnknownControllersAndScenesWithoutTask) {
+  expectRefused(runTaxelsim({"evaluate", scene_, "--controller", "slow"}), "--controller slow: not in this scene; it has fast, none");
+  expectRefused(runTaxelsim({"evaluate", std::string(TAXELSIM_SOURCE_DIR) + "/scenes/edge_servo.yaml"}),
+                "this scene has no `task`, which `evaluate` needs");
   expectRefused(runTaxelsim({"evaluate", scene_, "--episodes", "0"}), "--episodes");
-  expectRefused(runTaxelsim({"evaluate", scene_, "--episodes", "1000000000"}), "at most 16777216 are judged at once");
+  expectRefused(runTaxelsim({"evaluate", scene_, "--episodes", "1000000000"}), "at most 16777216 allowed in one evaluation");
 }
 
 }  // namespace

@@ -41,7 +41,7 @@ TEST(ImageDistance, ByHand) {
   EXPECT_DOUBLE_EQ(imageDistance({1, 1}, {2, 4}, 0.5, 1).median_difference, 2);
 }
 
-TEST(Experiment, AFitFindsTheSensorItIsJudgedBy) {
+TEST(Experiment, FitRecoversTheReferenceSensor) {
   const TemporaryDirectory root;
   // A softer skin of another spread than the shipped one that the fit starts from.
   std::ifstream source(shipped("wts0614"));
@@ -55,7 +55,7 @@ TEST(Experiment, AFitFindsTheSensorItIsJudgedBy) {
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const nlohmann::json json = nlohmann::json::parse(outcome.out);
   const nlohmann::json& fitted = json["sensors"][0];
-  constexpr double kFound = 0.02;  // the simplex's size after its evaluations, in the logarithm
+  constexpr double kFound = 0.02;  // size of the simplex after its evaluations, of the logarithms
   EXPECT_EQ(fitted["sensor"], "wts0614_fitted");
   EXPECT_NEAR(std::log(fitted["normal_contact_stiffness"].get<double>() / 0.7e8), 0, kFound);
   EXPECT_NEAR(std::log(fitted["psf_sigma"].get<double>() / 0.7), 0, kFound);

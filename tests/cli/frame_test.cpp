@@ -120,13 +120,13 @@ TEST_F(FrameOfContacts, ForcesGoToTheirTaxels) {
   EXPECT_TRUE(contentOf(root_ / "frame.png").starts_with("\x89PNG"));
 }
 
-TEST_F(FrameOfContacts, NoneIsNoContact) {
+TEST_F(FrameOfContacts, EmptyFileIsNoContact) {
   const Outcome outcome = run("# none\n", {"--json"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(nlohmann::json::parse(outcome.out)["total_force"], 0);
 }
 
-TEST_F(FrameOfContacts, BadFilesAreRefusedByLine) {
+TEST_F(FrameOfContacts, RejectsBadFilesByLine) {
   for (const std::string line : {"0,0,0", "0,0,0,1,2", "0 0 0 1", "x,y,z,normal_force", "0,0,0,", "0,0,0,1x", "0,0,0,-1", "0,0,0,nan",
                                  "0,inf,0,1", "0,0,1e9,1", "0,0,0,1e300", "0,0,0,1e999"}) {
     const Outcome outcome = run("0,0,0,1\n\n" + line + "\n");

@@ -102,7 +102,7 @@ TEST(Evaluate, VerdictsDependOnNeitherBatchNorSlices) {
 }
 
 // The caller's own thread keeps its share of the processor, and hears of what went wrong on the other.
-TEST(Evaluate, EpisodesArePlayedInTheBackground) {
+TEST(Evaluate, EpisodesRunInTheBackground) {
   const int before = ::getpriority(PRIO_PROCESS, 0);
   const Device device = Device::open();
   int there = 0;
@@ -120,7 +120,7 @@ TEST(Evaluate, EpisodesArePlayedInTheBackground) {
   EXPECT_EQ(there, device.info().type == DeviceType::kCpu ? std::min(before + 10, 19) : before);
 }
 
-TEST(Evaluate, WhatLeavesIsLost) {
+TEST(Evaluate, ReportsLostContact) {
   Scene scene = alignScene();
   scene.controllers.erase(scene.controllers.begin());
   scene.objects[0].motion = ConstantTwist{.twist = {.v = {0, 0, 0.02}, .w = {}}};  // off the skin, 2 mm deep at most, within 0.1 s
@@ -154,7 +154,7 @@ TEST(Evaluate, IntervalsOfTheSuccessRate) {
   EXPECT_EQ(scoreOf("", {}).num_episodes, 0u);
 }
 
-TEST(Evaluate, QuantilesAreOfWhatIsKnown) {
+TEST(Evaluate, QuantilesIgnoreUndefinedValues) {
   std::vector<Verdict> verdicts(20);
   for (std::size_t k = 0; k < verdicts.size(); ++k) {
     verdicts[k].settling_time = k < 10 ? static_cast<float>(k + 1) : std::numeric_limits<float>::quiet_NaN();
@@ -165,7 +165,7 @@ TEST(Evaluate, QuantilesAreOfWhatIsKnown) {
   EXPECT_EQ(quantiles.max, 10);
 }
 
-TEST(Evaluate, RefusesWhatItCannotJudge) {
+TEST(Evaluate, RejectsUnknownControllersAndScenesWithoutTask) {
   const Device device = Device::open();
   const auto refusal = [&](const Scene& scene, const std::vector<std::string>& controllers) {
     try {
@@ -176,14 +176,14 @@ TEST(Evaluate, RefusesWhatItCannotJudge) {
     }
     return std::string("no refusal");
   };
-  EXPECT_THAT(refusal(alignScene(), {"none"}), testing::HasSubstr("\"none\" found, one of exact, idle allowed"));
+  EXPECT_THAT(refusal(alignScene(), {"none"}), testing::HasSubstr("--controller none: not in this scene; it has exact, idle"));
   Scene scene = alignScene();
   scene.task.reset();
-  EXPECT_THAT(refusal(scene, {}), testing::HasSubstr("task is missing"));
+  EXPECT_THAT(refusal(scene, {}), testing::HasSubstr("this scene has no `task`"));
 }
 
 // One bad episode does not touch another: gains beyond bounds make no number or run away, their neighbours go on.
-TEST(Evaluate, AWildControllerStaysInItsEpisodes) {
+TEST(Evaluate, DivergingControllerDoesNotAffectOtherEpisodes) {
   Scene scene = alignScene();
   scene.num_steps = 40;
   scene.record = {"features", "poses", "actions"};

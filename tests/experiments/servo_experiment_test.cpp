@@ -68,7 +68,7 @@ constexpr Ideal kIdeal[] = {{"loop, 100 Hz", 0.01, 1, 0, 4.980},
                             {"loop, 100 Hz, late", 0.01, 1, 1, 4.941},
                             {"loop, 31 Hz, late", 1.0 / 93, 3, 3, 4.807}};
 
-TEST(PanTilt, TheLoopAloneDecaysAsItsClosedForm) {
+TEST(PanTilt, ExactLoopDecaysAsInTheory) {
   // The angle reaches the controller in float32: 2^-24 of a right angle, summed up by a loop that forgets at its own gain.
   constexpr double kRounding = 4 * 1.6 * 0x1p-24;
   // Held for a frame, the error runs straight between frames: K T of it per frame, an eighth of its bend, over the slope K.
@@ -88,7 +88,7 @@ TEST(PanTilt, TheLoopAloneDecaysAsItsClosedForm) {
   }
 }
 
-TEST(PanTilt, StabilityEndsWhereTheoryHasIt) {
+TEST(PanTilt, StabilityLimitIsThatOfTheory) {
   ServoExperiment sweeps = shipped("pan_tilt.yaml");
   sweeps.runs.clear();
   const ServoResult results = runServoExperiment(Device::open(), sweeps);
@@ -131,7 +131,7 @@ double characteristicTolerance(const StaticCharacteristic& read) {
   return on_the_way + bend_near / slope_near;
 }
 
-TEST(PanTilt, TheSensorInTheLoopFollowsItsOwnCharacteristic) {
+TEST(PanTilt, MeasuredLoopFollowsTheStaticCharacteristic) {
   const AngleLoop loop{.gain = kGain, .dt = 0.01, .start_error = -kStart};
   for (const char* name : {"principal axis", "window"}) {
     const ServoRunResult& run = panTiltRuns().run(name);
@@ -183,7 +183,7 @@ TEST(PanTilt, EveryFrameIsKept) {
   EXPECT_NEAR(trace.total_force.front(), 5, 1e-3) << "set down with 5 N";
 }
 
-TEST(Hand, AnEdgeAtRestComesToItsPlace) {
+TEST(Hand, AlignsWithAnEdgeAtRest) {
   const double rim = 84 * 0.02;  // N: what taxels below their trigger carry and do not report
   for (const char* name : {"at rest, the paper's gain", "at rest, compliant"}) {
     const ServoConvergence& angle = handRuns().angle(name);
@@ -210,7 +210,7 @@ TEST(Hand, ALimitIsReported) {
   EXPECT_TRUE(std::isnan(handRuns().angle("into a limit").settling_time));
 }
 
-TEST(Hand, FollowsAnObjectThatIsGivenByAHand) {
+TEST(Hand, FollowsAHandHeldObject) {
   const std::string name = "given by a hand";
   const ServoTrace& trace = handRuns().run(name).trace;
   double moved = 0;
@@ -264,7 +264,7 @@ void expectRefused(const ServoExperiment& experiment, const std::string& part) {
   }
 }
 
-TEST(ServoExperiment, RefusesWhatCannotBePlayed) {
+TEST(ServoExperiment, RejectsInvalidRuns) {
   ServoExperiment experiment = shipped("pan_tilt.yaml");
   experiment.sweeps.clear();
   experiment.runs.resize(1);
@@ -276,7 +276,7 @@ TEST(ServoExperiment, RefusesWhatCannotBePlayed) {
   expectRefused(experiment, "1 objects and 2 controllers found");
   experiment.runs[0] = good;
   experiment.runs[0].scene.objects[0].edge.reset();
-  expectRefused(experiment, "no edge whose angle is held");
+  expectRefused(experiment, "theory needs an object with an edge");
 }
 
 }  // namespace

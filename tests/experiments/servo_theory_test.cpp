@@ -79,7 +79,7 @@ TEST(ServoTheory, GrowthIsThatOfTheRoots) {
   EXPECT_EQ(closedFormGrowth(0.25, true), 0.5) << "both roots meet";
 }
 
-TEST(ServoTheory, CharacteristicRunsStraightBetweenItsPoints) {
+TEST(ServoTheory, CharacteristicIsPiecewiseLinear) {
   const StaticCharacteristic read{.error = {-1, 0, 1}, .measured = {-2, 0, 4}};
   EXPECT_EQ(read.at(0.25), 1);
   EXPECT_EQ(read.at(-0.5), -1);

@@ -8,7 +8,7 @@
 #include "figures/tactile_figure.h"
 #include "taxelsim/error.h"
 
-namespace taxelsim::cli {
+namespace taxelsim::figures {
 namespace {
 
 constexpr double kRounding = 1e-12;  // a dozen operations in double on values of order 1
@@ -50,7 +50,7 @@ TEST(Figure, ShowsTheContactWhereItIs) {
 }
 
 // x runs down the page and y to the right: a line along y lies level, one along x stands; both in a grid and among outlines.
-TEST(Figure, LinesLieAsTheyShould) {
+TEST(Figure, DrawsLinesAtTheirPlace) {
   TactilePanel grid;
   grid.num_rows = grid.num_cols = 3;
   grid.values.assign(9, 1);
@@ -84,7 +84,7 @@ TEST(Figure, LinesLieAsTheyShould) {
   std::filesystem::remove(file);
 }
 
-TEST(Figure, RefusesWhatItCannotDraw) {
+TEST(Figure, RejectsWhatItCannotDraw) {
   EXPECT_THROW(writeTactileFigure("/tmp/x.png", {}, {}), Error);
   TactilePanel panel;
   panel.num_rows = panel.num_cols = 1;
@@ -94,4 +94,4 @@ TEST(Figure, RefusesWhatItCannotDraw) {
 }
 
 }  // namespace
-}  // namespace taxelsim::cli
+}  // namespace taxelsim::figures

@@ -10,7 +10,7 @@
 #include "support/temporary_directory.h"
 #include "taxelsim/error.h"
 
-namespace taxelsim::cli {
+namespace taxelsim::figures {
 namespace {
 
 using testing::Picture;
@@ -24,7 +24,7 @@ LinePanel panelWith(std::vector<LineSeries> series) {
   return {.title = "panel", .x_label = "time, s", .y_label = "angle, deg", .series = std::move(series)};
 }
 
-TEST(LineChart, ValuesLieWhereTheirAxesSay) {
+TEST(LineChart, DrawsValuesAtTheirPlaceOnTheAxes) {
   const TemporaryDirectory root;
   const std::filesystem::path file = root / "chart.png";
   LinePanel panel = panelWith({{.name = "", .x = {0, 10}, .y = {0, 1}, .colour = rgb(kRising)},
@@ -80,7 +80,7 @@ TEST(LineChart, AnIntervalIsShadedAroundItsCurve) {
   EXPECT_EQ(interval.of(kRising).count, line.count);
 }
 
-TEST(LineChart, PanelsStandInColumns) {
+TEST(LineChart, PanelsAreInColumns) {
   const TemporaryDirectory root;
   const LinePanel panel = panelWith({{.name = "a", .x = {0, 1}, .y = {0, 1}}});
   const auto sizeOf = [&](std::size_t count, int num_columns) {
@@ -117,7 +117,7 @@ TEST(LineChart, OfNothingAndOfOneValue) {
   EXPECT_GT(Picture(root / "chart.png").width(), 0);
 }
 
-TEST(LineChart, RefusesWhatItCannotDraw) {
+TEST(LineChart, RejectsWhatItCannotDraw) {
   const TemporaryDirectory root;
   const LinePanel good = panelWith({{.name = "a", .x = {0, 1}, .y = {0, 1}}});
   EXPECT_THROW(writeLineChart(root / "x.png", {}, {}), Error);
@@ -145,4 +145,4 @@ TEST(Ticks, AreRoundNumbersWithinTheRange) {
 }
 
 }  // namespace
-}  // namespace taxelsim::cli
+}  // namespace taxelsim::figures

@@ -18,7 +18,7 @@ const Device& device() {
   return opened;
 }
 
-TEST(Commands, BuffersStartAtZeroAndCopiesArrive) {
+TEST(CommandsOnEveryDriver, BuffersStartAtZeroAndCopiesArrive) {
   gpu::Context& context = gpu::contextOf(device());
   std::vector<std::uint32_t> values(1000);
   std::iota(values.begin(), values.end(), 7u);
@@ -71,7 +71,7 @@ TEST(CommandsInTurn, WaitingForOneDoesNotWaitForTheNext) {
   EXPECT_GT(second.seconds(0, 1), first.seconds(0, 1));
 }
 
-TEST(Commands, FillClears) {
+TEST(CommandsOnEveryDriver, FillClears) {
   gpu::Context& context = gpu::contextOf(device());
   const gpu::Buffer buffer(context, "buffer", 64, gpu::Domain::kReadback);
   for (std::uint32_t& word : buffer.mappedAs<std::uint32_t>()) word = 1;
@@ -85,7 +85,7 @@ TEST(Commands, FillClears) {
   for (const std::uint32_t word : buffer.mappedAs<std::uint32_t>()) EXPECT_EQ(word, 0u);
 }
 
-TEST(Commands, SubmittedTwiceWithoutAWaitIsAMistake) {
+TEST(CommandsOnEveryDriver, SubmittedTwiceWithoutAWaitIsAMistake) {
   gpu::Commands commands(gpu::contextOf(device()), "empty");
   commands.end();
   commands.submit();
@@ -94,7 +94,7 @@ TEST(Commands, SubmittedTwiceWithoutAWaitIsAMistake) {
   commands.wait();  // nothing under way: nothing to wait for
 }
 
-TEST(Commands, ValidationIsNotDeaf) {
+TEST(CommandsOnEveryDriver, ValidationIsNotDeaf) {
   gpu::Context& context = gpu::contextOf(device());
   const gpu::Buffer small(context, "small", 16, gpu::Domain::kDevice);
   const gpu::Buffer large(context, "large", 64, gpu::Domain::kDevice);
@@ -105,7 +105,7 @@ TEST(Commands, ValidationIsNotDeaf) {
   EXPECT_THROW(context.throwOnValidationMessage(), Error);
 }
 
-TEST(Commands, SynchronisationValidationIsNotDeaf) {
+TEST(CommandsOnEveryDriver, SynchronisationValidationIsNotDeaf) {
   gpu::Context& context = gpu::contextOf(device());
   const gpu::Buffer first(context, "first", 64, gpu::Domain::kDevice);
   const gpu::Buffer second(context, "second", 64, gpu::Domain::kDevice);

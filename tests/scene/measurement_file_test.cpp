@@ -40,7 +40,7 @@ class Bench {
   std::filesystem::path file_;
 };
 
-TEST(MeasurementFile, EveryKindArrives) {
+TEST(MeasurementFile, ReadsEveryKind) {
   const Measurement curve = Bench("measurement: force_curve\n", "taxel,force_N,counts\n0,0.5,100\n1,1,200\n").load();
   EXPECT_EQ(curve.name, "bench");
   EXPECT_EQ(curve.sensor.name, "small");
@@ -79,7 +79,7 @@ TEST(MeasurementFile, EveryKindArrives) {
   EXPECT_THAT(std::get<ImageSequence>(all.data).images.counts, ElementsAre(1, 2));
 }
 
-TEST(MeasurementFile, WrongOnesAreRefused) {
+TEST(MeasurementFile, RejectsBadMeasurements) {
   const std::string step = "measurement: step_response\nload: 2\n", point = "measurement: point_images\n";
   const std::string pin = "indenter: {flat_pin: {radius_mm: 0.5}}\n";
   const std::vector<std::tuple<std::string, std::string, std::string>> table = {
@@ -87,17 +87,17 @@ TEST(MeasurementFile, WrongOnesAreRefused) {
       {"measurement: step_response\n", "time_s,counts\n0,1\n", "load is missing"},
       {"measurement: step_response\nload: -2\n", "time_s,counts\n0,1\n", "load: -2 is not allowed"},
       {step + pin, "time_s,counts\n0,1\n", "indenter: not a key of step_response"},
-      {step, "time_s\n0\n", "table.csv:1: no column has an output: counts"},
-      {step, "time_s,counts\n0,1\n0,2\n", "table.csv:3: time: 0 s is not allowed: later than the row before (0 s)"},
-      {step, "time_s,counts\n0,8191\n", "table.csv:2: counts: 8191 is not allowed: from 0 to 8190 counts"},
-      {step, "time_s,counts\n0,-1\n", "table.csv:2: counts: -1 is not allowed"},
-      {"measurement: force_curve\n", "taxel,force_N,counts\n2,1,1\n", "table.csv:2: taxel: 2 is not allowed: a whole number from 0 to 1"},
-      {"measurement: force_curve\n", "taxel,force_N,counts\n0.5,1,1\n", "table.csv:2: taxel: 0.5 is not allowed"},
+      {step, "time_s\n0\n", "table.csv:1:1: missing column of the output: counts"},
+      {step, "time_s,counts\n0,1\n0,2\n", "table.csv:3:1: time_s: 0 s is not allowed: must be later than the previous row (0 s)"},
+      {step, "time_s,counts\n0,8191\n", "table.csv:2:3: counts: 8191 is not allowed: 0 to 8190 counts"},
+      {step, "time_s,counts\n0,-1\n", "table.csv:2:3: counts: -1 is not allowed"},
+      {"measurement: force_curve\n", "taxel,force_N,counts\n2,1,1\n", "table.csv:2:1: taxel: 2 is not allowed: a whole number from 0 to 1"},
+      {"measurement: force_curve\n", "taxel,force_N,counts\n0.5,1,1\n", "table.csv:2:1: taxel: 0.5 is not allowed"},
       {"measurement: force_curve\ncurve_segments: 1\n", "taxel,force_N,counts\n0,1,1\n",
        ":5:17: curve_segments: 1 is not allowed: a whole number from 2 to 16"},
       {"measurement: force_curve\ncurve_segments: 17\n", "taxel,force_N,counts\n0,1,1\n", "curve_segments: 17 is not allowed"},
       {"measurement: force_curve\ncurve_segments: 4\ncurve_degree: 2\n", "taxel,force_N,counts\n0,1,1\n",
-       ":6:15: curve_degree: given beside `curve_segments`: either, not both"},
+       ":6:15: curve_degree: not allowed together with `curve_segments`"},
       {"measurement: force_curve\ndivider: true\ncurve_segments: 4\n", "taxel,force_N,counts\n0,1,1\n",
        ":5:10: divider: given beside `curve_segments`: either, not both"},
       {step + "curve_segments: 4\n", "time_s,counts\n0,1\n", "curve_segments: not a key of step_response"},
@@ -105,14 +105,14 @@ TEST(MeasurementFile, WrongOnesAreRefused) {
       {"measurement: force_depth\n", "depth_mm,force_N\n0,1\n", "indenter is missing"},
       {"measurement: force_depth\nindenter: {}\n", "depth_mm,force_N\n0,1\n", "flat_pin, stamp, sphere, cylinder or cone"},
       {"measurement: force_depth\nindenter: {sphere: {radius_mm: 1}, cone: {half_angle_deg: 30}}\n", "depth_mm,force_N\n0,1\n",
-       "a second shape"},
+       "a second shape is given"},
       {"measurement: force_depth\nindenter: {sphere: {radius_mm: 0}}\n", "depth_mm,force_N\n0,1\n", "radius_mm: 0 is not allowed"},
       {"measurement: force_depth\nindenter: {sphere: {radius: 1, length: 1}}\n", "depth_mm,force_N\n0,1\n", "length"},
-      {point + pin, "x_mm,y_mm,r0_c0\n0,0,1\n", "no column is taxel 1"},
-      {point + pin, "x_mm,r0_c0,r0_c1\n0,0,1\n", "no column has a place along y"},
+      {point + pin, "x_mm,y_mm,r0_c0\n0,0,1\n", "missing column of taxel 1"},
+      {point + pin, "x_mm,r0_c0,r0_c1\n0,0,1\n", "missing column of the position along y"},
       {"measurement: stamp_images\nload: 1\nindenter: {sphere: {radius_mm: 1}}\n", "time_s,r0_c0,r0_c1\n0,0,1\n",
-       "what lies flat is asked for"},
-      {"measurement: stamp_images\nload: 1\n" + pin, "r0_c0,r0_c1\n0,1\n", "no column has a time"},
+       "stamp_images need a flat indenter"},
+      {"measurement: stamp_images\nload: 1\n" + pin, "r0_c0,r0_c1\n0,1\n", "missing column of the time"},
   };
   for (const auto& [keys, text, message] : table) {
     EXPECT_THAT(Bench(keys, text).refused(), HasSubstr(message)) << keys << text;

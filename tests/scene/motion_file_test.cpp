@@ -153,22 +153,23 @@ TEST(WaypointFile, BadFilesAreRefused) {
   const ScratchDirectory directory;
   const std::string heading = "time_s,x_m,y_m,z_m,qw,qx,qy,qz\n";
   const std::vector<std::pair<std::string, std::string>> table = {
-      {"", ":1:1: no waypoint: time_s,x_m,y_m,z_m,qw,qx,qy,qz, then at least one line"},
+      {"", ":1:1: no waypoint found: the file needs the heading time_s,x_m,y_m,z_m,qw,qx,qy,qz and at least one line"},
       {heading, ":2:1: no waypoint"},
-      {"0,0,0,0,1,0,0,0\n", ":1:1: the heading is missing: time_s,x_m,y_m,z_m,qw,qx,qy,qz"},
-      {"time_s,x_mm,y_m,z_m,qw,qx,qy,qz\n", ":1:1: the heading is missing"},
-      {heading + "0,0,0,0,1,0,0\n", ":2:14: qz is missing: time_s,x_m,y_m,z_m,qw,qx,qy,qz"},
-      {heading + "0,0,0,0,1,0,0,0,7\n", ":2:17: a value more than time_s,x_m,y_m,z_m,qw,qx,qy,qz"},
+      {"0,0,0,0,1,0,0,0\n", ":1:1: missing heading: the first line must be time_s,x_m,y_m,z_m,qw,qx,qy,qz"},
+      {"time_s,x_mm,y_m,z_m,qw,qx,qy,qz\n", ":1:1: missing heading"},
+      {heading + "0,0,0,0,1,0,0\n", ":2:14: missing value of qz: a line is time_s,x_m,y_m,z_m,qw,qx,qy,qz"},
+      {heading + "0,0,0,0,1,0,0,0,7\n", ":2:17: one value too many: a line is time_s,x_m,y_m,z_m,qw,qx,qy,qz"},
       {heading + "0,0,0,0,1,0,0,\n", ":2:15: qz: \"\" is not allowed: a number from -1.001 to 1.001"},
       {heading + "0,0,nan,0,1,0,0,0\n", ":2:5: y_m: \"nan\" is not allowed: a number from -1e+06 to 1e+06"},
       {heading + "0,0,inf,0,1,0,0,0\n", ":2:5: y_m: \"inf\" is not allowed"},
       {heading + "0,0,1e7,0,1,0,0,0\n", ":2:5: y_m: \"1e7\" is not allowed"},
       {heading + "0,0,0,0x1,1,0,0,0\n", ":2:7: z_m: \"0x1\" is not allowed"},
       {heading + "0;0;0;0;1;0;0;0\n", ":2:1: time_s: \"0;0;0;0;1;0;0;0\" is not allowed"},
-      {heading + "0,0,0,0,1,0,0,0\n0,0,0,0,1,0,0,0\n", ":3:1: time_s: 0 is not allowed: later than the line before (0)"},
-      {heading + "1,0,0,0,1,0,0,0\n\n0.5,0,0,0,1,0,0,0\n", ":4:1: time_s: 0.5 is not allowed: later than the line before (1)"},
-      {heading + "0,0,0,0,1,0,0,0.5\n", ":2:1: qw,qx,qy,qz: length 1.118033988749895 is not allowed: a unit quaternion"},
-      {heading + "0,0,0,0,0,0,0,0\n", ":2:1: qw,qx,qy,qz: length 0 is not allowed"},
+      {heading + "0,0,0,0,1,0,0,0\n0,0,0,0,1,0,0,0\n", ":3:1: time_s: 0 is not allowed: must be later than the previous waypoint (0 s)"},
+      {heading + "1,0,0,0,1,0,0,0\n\n0.5,0,0,0,1,0,0,0\n",
+       ":4:1: time_s: 0.5 is not allowed: must be later than the previous waypoint (1 s)"},
+      {heading + "0,0,0,0,1,0,0,0.5\n", ":2:9: qw,qx,qy,qz: length 1.118033988749895 is not allowed: a unit quaternion"},
+      {heading + "0,0,0,0,0,0,0,0\n", ":2:9: qw,qx,qy,qz: length 0 is not allowed"},
       {heading + "0,0,0,\"\x01\",0,0,0,0\n", ":2:7: z_m: \"\" \"\" is not allowed"},
   };
   for (const auto& [text, message] : table) {

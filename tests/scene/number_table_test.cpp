@@ -17,7 +17,7 @@ Sensor grid(int num_rows, int num_cols, std::string name = "pad") {
   return sensor;
 }
 
-TEST(NumberTable, ColumnsAreFoundByNameAndComeInSiUnits) {
+TEST(NumberTable, FindsColumnsByNameInSiUnits) {
   const ScratchDirectory directory;
   const NumberTable table(directory.write("t.csv", "# a bench\r\nforce_mN , counts,depth_um\r\n\r\n500,7,250 # a row\n-1,8,0\n"));
   EXPECT_EQ(table.numRows(), 2u);
@@ -27,7 +27,7 @@ TEST(NumberTable, ColumnsAreFoundByNameAndComeInSiUnits) {
   EXPECT_TRUE(table.find(kTime).empty());
 }
 
-TEST(NumberTable, TaxelsAreFoundByAPattern) {
+TEST(NumberTable, FindsTaxelsByPattern) {
   const ScratchDirectory directory;
   const NumberTable table(directory.write("t.csv", "t,m_r01_c0,m_r00_c0,m_r00_c1,m_r01_c1\n0,1,2,3,4\n"));
   EXPECT_THAT(table.taxelColumns(grid(2, 2), "m_r{row}_c{col}"), ElementsAre(2, 3, 1, 4));
@@ -38,49 +38,50 @@ TEST(NumberTable, TaxelsAreFoundByAPattern) {
   EXPECT_THAT(table.taxelColumns(list, "{patch}"), ElementsAre(1, 0));
 }
 
-TEST(NumberTable, AMessageNamesTheLineOfARow) {
+TEST(NumberTable, MessageNamesLineAndColumn) {
   const ScratchDirectory directory;
-  const std::filesystem::path file = directory.write("t.csv", "# one\n\nforce_N\n1\n# two\n2\n\n\n3\n");
+  const std::filesystem::path file = directory.write("t.csv", "# one\n\nforce_N,counts\n1,4\n# two\n2,5\n\n\n3,6\n");
   const NumberTable table(file);
-  EXPECT_EQ(refusal(file, [&] { table.failAtRow(0, "x"); }), ":4: x");
-  EXPECT_EQ(refusal(file, [&] { table.failAtRow(1, "x"); }), ":6: x");
-  EXPECT_EQ(refusal(file, [&] { table.failAtRow(2, "x"); }), ":9: x");
+  EXPECT_EQ(refusal(file, [&] { table.failAtValue(0, 0, "x"); }), ":4:1: force_N: x");
+  EXPECT_EQ(refusal(file, [&] { table.failAtValue(1, 0, "x"); }), ":6:1: force_N: x");
+  EXPECT_EQ(refusal(file, [&] { table.failAtValue(2, 1, "x"); }), ":9:3: counts: x");
 }
 
-TEST(NumberTable, BadFilesAreRefused) {
+TEST(NumberTable, RejectsBadFiles) {
   const ScratchDirectory directory;
   const std::vector<std::pair<std::string, std::string>> table = {
-      {"", ":1:1: no row"},
-      {"force_N\n", ":2:1: no row: a line that names the columns, then at least one line of numbers"},
-      {"1,2\n3,4\n", ":1:1: \"1\" is not allowed: the first line names the columns"},
-      {"force_N,\n", ":1:9: \"\" is not allowed: the first line names the columns"},
-      {"force_N,counts,force_N\n1,2,3\n", ":1:16: \"force_N\" stands twice"},
-      {"force_N,counts\n1\n", ":2:2: 1 values found, the heading names 2"},
-      {"force_N,counts\n1,2,3\n", ":2:5: a value more than the heading's 2 names"},
+      {"", ":1:1: no row found"},
+      {"force_N\n", ":2:1: no row found: the table needs a heading"},
+      {"1,2\n3,4\n", ":1:1: \"1\" is not allowed: the first line must name the columns"},
+      {"force_N,\n", ":1:9: \"\" is not allowed: the first line must name the columns"},
+      {"force_N,counts,force_N\n1,2,3\n", ":1:16: \"force_N\" is given twice"},
+      {"force_N,counts\n1\n", ":2:1: 1 values found, the heading has 2 names"},
+      {"force_N,counts\n1,2,3\n", ":2:5: one value too many: the heading has 2 names"},
       {"force_N,counts\n1,nan\n", ":2:3: counts: \"nan\" is not allowed: a number from -1e+15 to 1e+15"},
       {"force_N,counts\n1,\n", ":2:3: counts: \"\" is not allowed"},
       {"force_N,counts\n1,1e16\n", ":2:3: counts: \"1e16\" is not allowed"},
+      {std::string(std::size_t{5} << 20, '1'), ":1:1: a line longer than 4 MiB"},
       {"force_N;counts\n1;2\n", ":2:1: force_N;counts: \"1;2\" is not allowed"},
   };
   for (const auto& [text, message] : table) {
     const std::filesystem::path file = directory.write("t.csv", text);
     EXPECT_THAT(refusal(file, [&] { NumberTable{file}; }), testing::StartsWith(message)) << text;
   }
-  EXPECT_THAT(refusal(directory.path(), [&] { NumberTable{directory.path()}; }), testing::StartsWith(": is not there, or not a file"));
+  EXPECT_THAT(refusal(directory.path(), [&] { NumberTable{directory.path()}; }), testing::StartsWith(": no such file"));
 }
 
-TEST(NumberTable, MissingAndMixedColumnsAreRefused) {
+TEST(NumberTable, RejectsMissingAndAmbiguousColumns) {
   const ScratchDirectory directory;
   const std::filesystem::path file = directory.write("t.csv", "# bench\nforce_N,force_mN,r0_c0,r00_c0\n1,2,3,4\n");
   const NumberTable table(file);
-  EXPECT_EQ(refusal(file, [&] { table.require(kDepth); }), ":2: no column has a depth: depth_m or depth_mm or depth_um");
-  EXPECT_EQ(refusal(file, [&] { table.require(kForce); }), ":2: force_N and force_mN both stand here: one of the two");
+  EXPECT_EQ(refusal(file, [&] { table.require(kDepth); }), ":2:1: missing column of the depth: depth_m or depth_mm or depth_um");
+  EXPECT_EQ(refusal(file, [&] { table.require(kForce); }), ":2:1: force_N and force_mN are both given: only one is allowed");
   EXPECT_EQ(refusal(file, [&] { table.taxelColumns(grid(1, 1), "r{row}_c{col}"); }),
-            ":2: \"r0_c0\" and \"r00_c0\" both are taxel 0 by the pattern \"r{row}_c{col}\"");
+            ":2:1: \"r0_c0\" and \"r00_c0\" both match taxel 0 by the pattern \"r{row}_c{col}\"");
   EXPECT_EQ(refusal(file, [&] { table.taxelColumns(grid(1, 2), "r{row}_c{taxel}"); }),
-            ":2: \"r0_c0\" and \"r00_c0\" both are taxel 0 by the pattern \"r{row}_c{taxel}\"");
+            ":2:1: \"r0_c0\" and \"r00_c0\" both match taxel 0 by the pattern \"r{row}_c{taxel}\"");
   EXPECT_THAT(refusal(file, [&] { table.taxelColumns(grid(1, 1), "x{row}"); }),
-              HasSubstr("no column is taxel 0 (row 0, col 0 of patch \"pad\") by the pattern \"x{row}\""));
+              HasSubstr("missing column of taxel 0 (row 0, col 0 of patch \"pad\") by the pattern \"x{row}\""));
 }
 
 }  // namespace

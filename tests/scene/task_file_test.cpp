@@ -106,8 +106,8 @@ TEST(TaskFile, WrongOnesAreRefused) {
          "which edge_angle_source exact needs");
   expect(edited(sceneText(""), "edge: [0, 3, 4]", "edge: [0, 0, 0]"), "edge: [0, 0, 0] is not allowed: a direction");
   expect(edited(sceneText(""), "anchor_mm: [1, 2, 3]", "contour: {file: ring.csv}"), "contour: given beside edge: one of the two");
-  expect(sceneText(""), "ring.csv: 2 points found, at least 3 make a closed line", "x_m,y_m,z_m\n0,0,0\n1,0,0\n");
-  expect(sceneText(""), "ring.csv:4:1: a point of the line before or of the first one", "x_m,y_m,z_m\n0,0,0\n1,0,0\n1,0,0\n0,1,0\n");
+  expect(sceneText(""), "ring.csv: 2 points found, a closed contour needs at least 3", "x_m,y_m,z_m\n0,0,0\n1,0,0\n");
+  expect(sceneText(""), "ring.csv:4:1: repeats the previous or the first point", "x_m,y_m,z_m\n0,0,0\n1,0,0\n1,0,0\n0,1,0\n");
   expect(sceneText(""), "ring.csv:3:3: y_m: \"nan\" is not allowed", "x_m,y_m,z_m\n0,0,0\n1,nan,0\n");
   const auto controllers = [](const std::string& list) { return edited(sceneText(""), kController, "controllers: " + list + "\n"); };
   expect(controllers("[]"), "controllers: a list of 0 is not allowed: a list of at least one controller");

@@ -85,7 +85,7 @@ std::vector<std::vector<std::uint32_t>> runBatch(const Model& model, const Batch
   return bits;
 }
 
-TEST(Batch, InstanceInABatchEqualsItAlone) {
+TEST(BatchOnEveryDriver, InstanceInABatchEqualsItAlone) {
   constexpr int kNumInstances = 37;
   const Sensor sensor = busySensor();
   const Batch batch = randomBatch(sensor, kNumInstances);
@@ -104,7 +104,7 @@ TEST(Batch, InstanceInABatchEqualsItAlone) {
   EXPECT_NE(together[0], together[1]);
 }
 
-TEST(Batch, RunsAreRepeatable) {
+TEST(BatchOnEveryDriver, RunsAreRepeatable) {
   const Sensor sensor = busySensor();
   const Batch batch = randomBatch(sensor, 9);
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = batch.objects});
@@ -112,7 +112,7 @@ TEST(Batch, RunsAreRepeatable) {
   EXPECT_EQ(runBatch(model, batch, all), runBatch(model, batch, all));
 }
 
-TEST(Batch, TheSizeOfWorkgroupsDoesNotShow) {
+TEST(BatchOnEveryDriver, TheSizeOfWorkgroupsDoesNotShow) {
   const Sensor sensor = busySensor();
   const Batch batch = randomBatch(sensor, 9);
   const std::vector<int> all{0, 1, 2, 3, 4, 5, 6, 7, 8};
@@ -127,7 +127,7 @@ TEST(Batch, TheSizeOfWorkgroupsDoesNotShow) {
   EXPECT_EQ(bits(128, 16), expected);
 }
 
-TEST(Batch, TheTuningDoesNotShow) {
+TEST(BatchOnEveryDriver, TheTuningDoesNotShow) {
   const Sensor sensor = busySensor();
   const Batch batch = randomBatch(sensor, 9);
   const std::vector<int> all{0, 1, 2, 3, 4, 5, 6, 7, 8};
@@ -142,7 +142,7 @@ TEST(Batch, TheTuningDoesNotShow) {
 }
 
 // Where one dimension of a dispatch holds too few workgroups there are two, with some left over.
-TEST(Batch, MoreWorkgroupsThanADimensionHolds) {
+TEST(BatchOnEveryDriver, MoreWorkgroupsThanADimensionHolds) {
   constexpr int kMany = 65'535 + 10, kFew = 16;
   const Sensor sensor = support::gridSensor({.num_rows = 2, .num_cols = 2, .samples_per_taxel = 1});
   const Model model =
@@ -161,7 +161,7 @@ TEST(Batch, MoreWorkgroupsThanADimensionHolds) {
   for (std::size_t i = 0; i < many.size(); ++i) ASSERT_EQ(many[i], few[i % kFew]) << "instance " << i;
 }
 
-TEST(Batch, NoiseIsKeyedByEpisodeAndSeedNotBySlot) {
+TEST(BatchOnEveryDriver, NoiseIsKeyedByEpisodeAndSeedNotBySlot) {
   const Sensor sensor = busySensor();
   const std::vector<Object> objects{Object(Sphere{0.01})};
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
@@ -225,21 +225,21 @@ void expectTheSameBesideAnEmptySlotAndBesideALoad(const std::vector<Object>& obj
   EXPECT_EQ(bits(1, 1.0f), without) << "beside a load";
 }
 
-TEST(Batch, APolyhedronIsTheSameBesideAnEmptySlotAndBesideALoad) {
+TEST(BatchOnEveryDriver, APolyhedronIsTheSameBesideAnEmptySlotAndBesideALoad) {
   Random random(3);
   const Object polyhedron = support::randomPolyhedron(random, 0.02);
   expectTheSameBesideAnEmptySlotAndBesideALoad({polyhedron});
   expectTheSameBesideAnEmptySlotAndBesideALoad({polyhedron}, {.tactile_jacobian = true, .clean_tactile_jacobian = true});
 }
 
-TEST(Batch, SolidsAreTheSameBesideAnEmptySlotAndBesideALoad) {
+TEST(BatchOnEveryDriver, SolidsAreTheSameBesideAnEmptySlotAndBesideALoad) {
   expectTheSameBesideAnEmptySlotAndBesideALoad({Object("sphere", Sphere{0.008})});
   expectTheSameBesideAnEmptySlotAndBesideALoad({Object("cylinder", Cylinder{0.006, 0.02}), Object("capsule", Capsule{0.005, 0.01}),
                                                 Object("box", Box{{0.008, 0.006, 0.01}}), Object("cone", Cone{0.008, 0.012}),
                                                 Object("half_space", HalfSpace{})});
 }
 
-TEST(Batch, EmptySlotsAndFarObjectsAreNothing) {
+TEST(BatchOnEveryDriver, EmptySlotsAndFarObjectsAreNothing) {
   const Sensor sensor = support::gridSensor();
   Random random(2);
   const std::vector<Object> objects{Object(Sphere{0.005}), Object("soup", support::triangleSoup(40, 0.01, random)), Object(HalfSpace{})};
@@ -264,7 +264,7 @@ TEST(Batch, EmptySlotsAndFarObjectsAreNothing) {
   EXPECT_EQ(support::bitsOf(frame, 5, 7), support::bitsOf(frame, 0, 7));
 }
 
-TEST(Batch, NothingIsTouchedBeforeObjectsAreSet) {
+TEST(BatchOnEveryDriver, NothingIsTouchedBeforeObjectsAreSet) {
   const Sensor sensor = support::gridSensor();
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(HalfSpace{})}});
   Simulator simulator(model, {.num_instances = 2});
@@ -276,7 +276,7 @@ TEST(Batch, NothingIsTouchedBeforeObjectsAreSet) {
 }
 
 // Even where the second would be of another kind, whose commands are its own.
-TEST(Batch, AStepWaitsForReadOfTheLast) {
+TEST(BatchOnEveryDriver, AStepWaitsForReadOfTheLast) {
   const Model model(support::sharedDevice(), {.sensor = support::gridSensor(), .objects = {Object(Sphere{0.01})}});
   Simulator simulator(model, {});
   simulator.step(kDt);
@@ -287,7 +287,7 @@ TEST(Batch, AStepWaitsForReadOfTheLast) {
   simulator.read();
 }
 
-TEST(Batch, OneInstanceCanBeSetAlone) {
+TEST(BatchOnEveryDriver, OneInstanceCanBeSetAlone) {
   const Sensor sensor = support::gridSensor();
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.005}), Object(Sphere{0.008})}});
   const Touch a{{0}, {{.position = {0, 0, 0.0045}}}}, b{{1}, {{.position = {1e-3, 0, 0.0075}}}};
@@ -303,7 +303,7 @@ TEST(Batch, OneInstanceCanBeSetAlone) {
   }
 }
 
-TEST(Batch, OverPenetrationIsReportedNotHidden) {
+TEST(BatchOnEveryDriver, OverPenetrationIsReportedNotHidden) {
   const Sensor sensor =
       support::gridSensor({.num_rows = 4, .num_cols = 6, .pitch_x = 1e-3, .pitch_y = 1e-3, .samples_per_taxel = 2, .thickness = 1e-3});
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Box{{2e-3, 3e-3, 10e-3}})}});
@@ -321,7 +321,7 @@ TEST(Batch, OverPenetrationIsReportedNotHidden) {
   }
 }
 
-TEST(Batch, OutputsNotAskedForAreEmpty) {
+TEST(BatchOnEveryDriver, OutputsNotAskedForAreEmpty) {
   const Sensor sensor = support::gridSensor();
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.005})}});
   Simulator lean(model, {.outputs = {.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false}}),
@@ -338,7 +338,7 @@ TEST(Batch, OutputsNotAskedForAreEmpty) {
   EXPECT_EQ(a.ground_truth.total_force[0], b.ground_truth.total_force[0]);
 }
 
-TEST(Batch, TheDeviceClockRunsWhereAskedForAndDoesNotShow) {
+TEST(BatchOnEveryDriver, TheDeviceClockRunsWhereAskedForAndDoesNotShow) {
   const Sensor sensor = support::gridSensor();
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.005})}});
   Simulator unasked(model, {}), asked(model, {.device_clock = true});

@@ -115,7 +115,7 @@ Scene sceneOf(Sensor sensor) {
   return scene;
 }
 
-TEST(Candidates, DoNotShow) {
+TEST(CandidatesOnEveryDriver, DoNotShow) {
   expectNoneShows(sceneOf(support::gridSensor()), 0.3);
 }
 
@@ -183,7 +183,7 @@ TEST(Candidates, UnderFrictionDampingAndRelaxation) {
 }
 
 // Surfaces a little over the skin matter.
-TEST(Candidates, OfATactileJacobian) {
+TEST(CandidatesOnEveryDriver, OfATactileJacobian) {
   Scene scene = sceneOf(support::gridSensor());
   scene.outputs.tactile_jacobian = scene.outputs.clean_tactile_jacobian = true;
   expectNoneShows(scene, 0.3);

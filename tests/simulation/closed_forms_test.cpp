@@ -40,14 +40,14 @@ void expectForce(const Result& result, double expected, double discretisation) {
   EXPECT_NEAR(result.wrench_z / expected, -1, discretisation + kFloatError);
 }
 
-TEST(DeviceClosedForm, SphereExact) {
+TEST(ClosedFormsOnEveryDriver, SphereExact) {
   const double R = 12e-3, depth = 0.9e-3;  // contact radius 4.56 mm: 36 samples
   // 0.15 % at 8 samples per radius (worst over offsets, by an independent program), falling further.
   expectForce(run(fineSensor(), Object(Sphere{R}), {.position = {0.13e-3, -0.29e-3, R - depth}}),
               kPi * kStiffness * depth * depth * (R - depth / 3), 0.0015);
 }
 
-TEST(DeviceClosedForm, CylinderExact) {
+TEST(ClosedFormsOnEveryDriver, CylinderExact) {
   const double R = 5e-3, depth = 0.5e-3, length = 12e-3, half_width = std::sqrt(2 * R * depth - depth * depth);
   const double section = R * R * std::acos((R - depth) / R) - (R - depth) * half_width;
   const double samples_per_half_width = half_width / (1e-3 / 8);
@@ -56,7 +56,7 @@ TEST(DeviceClosedForm, CylinderExact) {
               kStiffness * length * section, 0.275 / (samples_per_half_width * samples_per_half_width));
 }
 
-TEST(DeviceClosedForm, FlatPunch) {
+TEST(ClosedFormsOnEveryDriver, FlatPunch) {
   const double side_x = 5e-3, side_y = 8e-3, depth = 0.7e-3;  // 40 x 64 samples
   const Object solid(Box{{side_x, side_y, 10e-3}}), mesh("box", support::boxMesh({side_x, side_y, 10e-3}));
   for (const Object* object : {&solid, &mesh}) {
@@ -69,14 +69,14 @@ TEST(DeviceClosedForm, FlatPunch) {
   EXPECT_NEAR(result.centre_y, -1e-3, 1e-2 * kFloatError);
 }
 
-TEST(DeviceClosedForm, Cone) {
+TEST(ClosedFormsOnEveryDriver, Cone) {
   const Cone cone{.radius = 8e-3, .height = 4e-3};
   const double depth = 1.2e-3, slope = 0.5, samples_per_radius = depth / slope / (1e-3 / 8);
   expectForce(run(fineSensor(), Object(cone), {.position = {0.03e-3, 0.05e-3, -depth}}),
               kPi * kStiffness * depth * depth * depth / (3 * slope * slope), 1 / (samples_per_radius * samples_per_radius));
 }
 
-TEST(DeviceClosedForm, TiltedHalfSpace) {
+TEST(ClosedFormsOnEveryDriver, TiltedHalfSpace) {
   const double phi = 0.04, depth = 0.8e-3, side = 20e-3;
   const Sensor sensor = fineSensor();
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(HalfSpace{})}});

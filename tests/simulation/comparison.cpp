@@ -180,7 +180,7 @@ Rounding roundingFor(const Sensor& sensor, std::span<const reference::PlacedObje
 }
 
 const Device& sharedDevice() {
-  static const Device device = Device::open({.validation = true});
+  static const Device device = Device::open({});
   return device;
 }
 

@@ -41,7 +41,7 @@ Rounding roundingFor(const Sensor& sensor, std::span<const reference::PlacedObje
 // The farthest that a taxel's centre is from the origin of S, and the array's own sides, m: the largest of these.
 double extentOf(const Sensor& sensor);
 
-// The one device of this process, with validation on: any message makes the next wait throw.
+// The one device of this process. TAXELSIM_VALIDATION=1 opens it with the validation layers: any message makes the next wait throw.
 const Device& sharedDevice();
 
 // What one instance touches.

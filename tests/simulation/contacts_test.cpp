@@ -1,17 +1,15 @@
-// Contacts from another engine: the device against the twin, the partition of paper eq. (2), and that nothing of the batch shows.
+// Contacts from another engine: the device against the twin, and independence of the batch.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numeric>
 
 #include "reference/contact_points.h"
 #include "reference/psf.h"
 #include "simulation/comparison.h"
+#include "support/cases.h"
 #include "support/curved_sensor.h"
 #include "support/random_scene.h"
-#include "taxelsim/error.h"
 
 namespace taxelsim {
 namespace {
@@ -121,7 +119,7 @@ TEST_P(ContactSeeds, MatchTheTwinWithASpreadAlongTheSkin) {
   expectRandomContactsMatchTheTwin(random, sensor);
 }
 
-INSTANTIATE_TEST_SUITE_P(Random, ContactSeeds, ::testing::Range(0, 12));
+INSTANTIATE_TEST_SUITE_P(OnEveryDriver, ContactSeeds, support::seeds(4, 12));
 
 // A flat list parts contacts as the grid that it copies; a sphere's go to the taxel nearest along the skin, and none is lost between two.
 TEST(ContactsOnTaxels, GoWhereASkinHasThem) {
@@ -155,7 +153,7 @@ TEST(ContactsOnTaxels, GoWhereASkinHasThem) {
 }
 
 // 128 x 128 taxels, many tiles: all of the result is in the first.
-TEST(ContactsOnDevice, LargestSensor) {
+TEST(ContactsOnEveryDriver, LargestSensor) {
   Random random(3);
   const Sensor sensor =
       support::gridSensor({.num_rows = 128, .num_cols = 128, .pitch_x = 0.5e-3, .pitch_y = 0.5e-3, .samples_per_taxel = 8});
@@ -167,77 +165,6 @@ TEST(ContactsOnDevice, LargestSensor) {
   simulator.step(kDt);
   const FrameView frame = simulator.read();
   for (int i = 0; i < 3; ++i) expectSameAsTwin(frame, i, sensor, batch[i], 1e-4);
-}
-
-// A pitch of 2^-8 m, so that borders are floats. Forces are powers of two, so that their sums tell which taxel took which.
-class Borders : public ::testing::Test {
- protected:
-  static constexpr double kPitch = 0x1p-8;  // m
-  Sensor sensor_ = support::gridSensor({.num_rows = 3, .num_cols = 4, .pitch_x = kPitch, .pitch_y = kPitch, .thickness = 0x1p-9});
-  Model model_{support::sharedDevice(), {.sensor = sensor_}};
-  Simulator simulator_{model_, {.outputs = kNoDepth, .max_contacts = 64, .contact_band = 0x1p-13}};
-
-  // Force on each taxel; the sum of what is off the array comes last.
-  std::vector<double> forcesOf(const Contacts& contacts) {
-    simulator_.setContacts(0, contacts);
-    simulator_.step(kDt);
-    const FrameView frame = simulator_.read();
-    std::vector<double> forces(frame.ground_truth.tactile_normal_force.begin(), frame.ground_truth.tactile_normal_force.end());
-    forces.push_back(frame.ground_truth.off_array_load[0]);
-    return forces;
-  }
-  // All of one contact's force is where it belongs; -1: off the array.
-  void expectTaxel(double x, double y, double z, int taxel) {
-    std::vector<double> expected(13, 0);
-    expected[taxel < 0 ? 12 : static_cast<std::size_t>(taxel)] = 1;
-    EXPECT_EQ(forcesOf({{{x, y, z}, 1}}), expected) << x / kPitch << " " << y / kPitch << " " << z / kPitch;
-    const std::optional<int> by_twin = reference::taxelAt(sensor_, {x, y, z}, 0x1p-13);
-    EXPECT_EQ(by_twin.value_or(-1), taxel);
-  }
-};
-
-TEST_F(Borders, BetweenTaxelsTheHigherIndexTakesIt) {
-  // Borders along x at -1/2 and 1/2 pitches, along y at -1, 0 and 1.
-  expectTaxel(-kPitch / 2, 0.5 * kPitch, 0, 1 * 4 + 2);
-  expectTaxel(kPitch / 2, 0.5 * kPitch, 0, 2 * 4 + 2);
-  expectTaxel(0, -kPitch, 0, 1 * 4 + 1);
-  expectTaxel(0, 0, 0, 1 * 4 + 2);
-  expectTaxel(-kPitch / 2, -kPitch, 0, 1 * 4 + 1);
-  // A float less, and it is the other's.
-  const double less = 1 - 0x1p-23;
-  expectTaxel(kPitch / 2 * less, kPitch * less, 0, 1 * 4 + 2);
-  expectTaxel(kPitch / 2, kPitch * less, 0, 2 * 4 + 2);
-}
-
-TEST_F(Borders, TheRimBelongsToTheArray) {
-  expectTaxel(-1.5 * kPitch, -2 * kPitch, 0, 0);
-  expectTaxel(1.5 * kPitch, 2 * kPitch, 0, 11);
-  expectTaxel(1.5 * kPitch + kRimTolerance / 2, -2 * kPitch - kRimTolerance / 2, 0, 8);
-  expectTaxel(1.5 * kPitch + 2 * kRimTolerance, 0, 0, -1);
-  expectTaxel(0, -2 * kPitch - 2 * kRimTolerance, 0, -1);
-}
-
-TEST_F(Borders, HeightsFromTheThicknessToTheBand) {
-  expectTaxel(0, 0, 0x1p-13, 6);
-  expectTaxel(0, 0, -0x1p-9, 6);
-  expectTaxel(0, 0, 0x1p-13 * (1 + 0x1p-22), -1);
-  expectTaxel(0, 0, -0x1p-9 * (1 + 0x1p-22), -1);
-}
-
-// 63 contacts, on all corners, middles of edges and centres of cells: exactly one taxel takes each.
-TEST_F(Borders, TaxelsPartitionTheForce) {
-  Contacts contacts;
-  for (int a = 0; a <= 6; ++a) {
-    for (int b = 0; b <= 8; ++b) contacts.push_back({{(a - 3) * kPitch / 2, (b - 4) * kPitch / 2, 0}, 1});
-  }
-  const std::vector<double> forces = forcesOf(contacts);
-  EXPECT_EQ(std::accumulate(forces.begin(), forces.end() - 1, 0.0), 63);
-  EXPECT_EQ(forces.back(), 0);
-  // Half-open: four in each cell, and two more along the rim that closes it.
-  EXPECT_EQ(forces[0], 4);
-  EXPECT_EQ(forces[3], 6);
-  EXPECT_EQ(forces[8], 6);
-  EXPECT_EQ(forces[11], 9);
 }
 
 // What comes after is the same, bit by bit, as for objects that press with the same force on every taxel.
@@ -290,7 +217,7 @@ std::vector<std::vector<std::uint32_t>> bitsOfBatch(const Model& model, const st
   return bits;
 }
 
-TEST(ContactsOnDevice, NothingOfTheBatchShows) {
+TEST(ContactsOnEveryDriver, NothingOfTheBatchShows) {
   Random random(31);
   // Of taxels enough that several subgroups share an instance.
   Sensor sensor = support::gridSensor({.num_rows = 40, .num_cols = 12, .pitch_x = 1e-3, .pitch_y = 2e-3});
@@ -328,76 +255,6 @@ TEST(ContactsOnDevice, StayUntilTheyAreSetAgain) {
   simulator.setContacts(1, {});
   simulator.step(kDt);
   EXPECT_EQ(simulator.read().ground_truth.total_force[1], 0);
-}
-
-template <typename Call>
-std::string inputError(Call call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kInput) << error.what();
-    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
-    return error.what();
-  }
-  ADD_FAILURE() << "nothing was thrown";
-  return {};
-}
-
-class ContactErrors : public ::testing::Test {
- protected:
-  Model model_{support::sharedDevice(), {.sensor = support::gridSensor(), .objects = {Object(Sphere{0.005})}}};
-  Simulator simulator_{model_, {.num_instances = 2, .outputs = kNoDepth, .max_contacts = 3}};
-};
-
-TEST_F(ContactErrors, BadContacts) {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
-  for (const ContactPoint& bad :
-       {ContactPoint{{0, 0, 0}, -1}, ContactPoint{{0, 0, 0}, kNan}, ContactPoint{{0, 0, 0}, kInfinity}, ContactPoint{{0, 0, 0}, 1e300},
-        ContactPoint{{kNan, 0, 0}, 1}, ContactPoint{{0, -kInfinity, 0}, 1}, ContactPoint{{0, 0, 1e7}, 1}}) {
-    const Contacts contacts{{{0, 0, 0}, 1}, bad};
-    EXPECT_NE(inputError([&] { simulator_.setContacts(1, contacts); }).find("contact 1 of instance 1"), std::string::npos);
-    inputError([&] { simulator_.setContacts(contacts, std::vector<int>{0, 0, 2}); });
-  }
-}
-
-TEST_F(ContactErrors, BadCounts) {
-  const Contacts four(4);
-  EXPECT_NE(inputError([&] { simulator_.setContacts(0, four); }).find("max_contacts is 3"), std::string::npos);
-  inputError([&] { simulator_.setContacts(four, std::vector<int>{0, 0, 4}); });
-  inputError([&] { simulator_.setContacts(four, std::vector<int>{0, 4}); });
-  inputError([&] { simulator_.setContacts(four, std::vector<int>{1, 2, 4}); });
-  inputError([&] { simulator_.setContacts(four, std::vector<int>{0, 2, 3}); });
-  inputError([&] { simulator_.setContacts(four, std::vector<int>{0, 3, 2}); });
-  inputError([&] { simulator_.setContacts(four, std::vector<int>{0, -1, 4}); });
-  EXPECT_NO_THROW(simulator_.setContacts(four, std::vector<int>{0, 2, 4}));
-  inputError([&] { simulator_.setContacts(2, {}); });
-  inputError([&] { simulator_.setContacts(-1, {}); });
-}
-
-TEST_F(ContactErrors, RefusedInputLeavesTheOldInPlace) {
-  simulator_.setContacts(0, Contacts{{{0, 0, 0}, 1}});
-  inputError([&] { simulator_.setContacts(Contacts{{{0, 0, 0}, 2}, {{0, 0, 0}, -2}}, std::vector<int>{0, 1, 2}); });
-  simulator_.step(kDt);
-  EXPECT_EQ(simulator_.read().ground_truth.total_force[0], 1);
-}
-
-TEST_F(ContactErrors, OneSourceForABatch) {
-  inputError([&] { simulator_.setObjects(std::vector<int>{0, 0}, std::vector<Pose>(2)); });
-  inputError([&] { simulator_.setObjects(0, std::vector<int>{0}, std::vector<Pose>(1)); });
-  inputError([&] { simulator_.setLoad(0, 1); });
-  inputError([&] { simulator_.setLoads(std::vector<float>{1, 1}); });
-  Simulator with_objects(model_, {});
-  inputError([&] { with_objects.setContacts(0, {}); });
-  inputError([&] { with_objects.setContacts({}, std::vector<int>{0, 0}); });
-}
-
-TEST_F(ContactErrors, BadOptions) {
-  inputError([&] { Simulator(model_, {.outputs = kNoDepth, .max_contacts = -1}); });
-  inputError([&] { Simulator(model_, {.outputs = kNoDepth, .max_contacts = kMaxContacts + 1}); });
-  EXPECT_NE(inputError([&] { Simulator(model_, {.max_contacts = 1}); }).find("penetration_depth"), std::string::npos);
-  for (const double band : {-1e-3, 2.0, std::numeric_limits<double>::quiet_NaN()}) {
-    inputError([&] { Simulator(model_, {.outputs = kNoDepth, .max_contacts = 1, .contact_band = band}); });
-  }
 }
 
 }  // namespace

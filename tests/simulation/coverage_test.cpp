@@ -217,7 +217,7 @@ TEST(LoneTriangle, ReachesTheSamplesOnItsEdges) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Triangles, Coverage,
+INSTANTIATE_TEST_SUITE_P(OnEveryDriver, Coverage,
                          ::testing::Values(Kind{"Small", 400, 2.5, false}, Kind{"Tiny", 3000, 0.7, false}, Kind{"Large", 30, 40, true}),
                          [](const auto& of) { return std::string(of.param.name); });
 

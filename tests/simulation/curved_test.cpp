@@ -7,6 +7,7 @@
 #include "reference/contact.h"
 #include "reference/load.h"
 #include "simulation/comparison.h"
+#include "support/cases.h"
 #include "support/curved_sensor.h"
 
 namespace taxelsim {
@@ -77,7 +78,7 @@ TEST_P(CurvedSeeds, SeveralObjectsMatchTheTwin) {
   comparePoses(random, sensor, {support::randomSolid(random, kObjectSize), support::randomMeshObject(random, kObjectSize)}, 3);
 }
 
-INSTANTIATE_TEST_SUITE_P(Random, CurvedSeeds, ::testing::Range(0, 9));
+INSTANTIATE_TEST_SUITE_P(OnEveryDriver, CurvedSeeds, support::seeds(3, 9));
 
 // One frame of objects at rest.
 FrameView step(Simulator& simulator, const std::vector<Touch>& touches) {
@@ -86,7 +87,7 @@ FrameView step(Simulator& simulator, const std::vector<Touch>& touches) {
   return simulator.read();
 }
 
-TEST(Curved, AHalfSpaceOnASphereInClosedForm) {
+TEST(CurvedOnEveryDriver, AHalfSpaceOnASphereInClosedForm) {
   constexpr double kRadius = 8e-3, kDepth = 1e-3;
   Sensor sensor = support::sphereFingertip(kRadius, 3, 1.2);
   sensor.samples_per_taxel = 1;
@@ -106,7 +107,7 @@ TEST(Curved, AHalfSpaceOnASphereInClosedForm) {
 }
 
 // What touches one side of a finger is met by the lines of the other side, too: far below their skin.
-TEST(Curved, TheFarSideOfAFingerFeelsNothing) {
+TEST(CurvedOnEveryDriver, TheFarSideOfAFingerFeelsNothing) {
   const Sensor sensor = support::cylinderFingertip(8e-3, 1.5, 11, 5, 2.5e-3);
   Random random(1);
   const std::vector<Object> objects{Object(Box{{4e-3, 30e-3, 10e-3}}), Object("box", support::boxMesh({4e-3, 30e-3, 10e-3})),
@@ -133,7 +134,7 @@ TEST(Curved, TheFarSideOfAFingerFeelsNothing) {
   }
 }
 
-TEST(Curved, AFlatListIsTheGridThatItCopies) {
+TEST(CurvedOnEveryDriver, AFlatListIsTheGridThatItCopies) {
   Random random(7);
   Sensor grid = support::gridSensor({.num_rows = 5, .num_cols = 7, .pitch_x = 2e-3, .pitch_y = 3e-3});
   grid.readout = support::paperReadout();
@@ -217,7 +218,7 @@ TEST(Curved, TaxelsCarryTheLoad) {
 }
 
 // An object that has been away begins anew, on taxels that nothing was near meanwhile, too.
-TEST(Curved, ALiftedObjectIsForgotten) {
+TEST(CurvedOnEveryDriver, ALiftedObjectIsForgotten) {
   Sensor sensor = support::cylinderFingertip(8e-3, 1.4, 9, 5, 2.4e-3);
   sensor.skin.friction = {3e8, 0.7};
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{6e-3})}});
@@ -249,7 +250,7 @@ std::vector<std::uint32_t> bitsWith(const Sensor& sensor, const std::vector<Obje
   return support::bitsOf(step(simulator, chosen), wanted, n);
 }
 
-TEST(Curved, AnInstanceIsTheSameInAnyBatchAndWorkgroup) {
+TEST(CurvedOnEveryDriver, AnInstanceIsTheSameInAnyBatchAndWorkgroup) {
   Random random(11);
   Sensor sensor = curvedSensor(random, 1);
   const std::vector<Object> objects{support::randomMeshObject(random, kObjectSize), support::randomSolid(random, kObjectSize)};

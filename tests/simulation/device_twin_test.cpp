@@ -2,8 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numeric>
+#include <vector>
 
 #include "simulation/comparison.h"
+#include "support/cases.h"
 #include "support/random_scene.h"
 
 namespace taxelsim {
@@ -102,7 +105,7 @@ TEST_P(TwinSeeds, SeveralTiltedPatches) {
            3000 + GetParam());
 }
 
-INSTANTIATE_TEST_SUITE_P(Random, TwinSeeds, ::testing::Range(0, 16));
+INSTANTIATE_TEST_SUITE_P(OnEveryDriver, TwinSeeds, support::seeds(5, 16));
 
 // One sensor and one bumpy sphere, compared as above; for sizes and settings that random scenes seldom reach.
 void runSensor(const Sensor& sensor, double radius, int num_subdivisions = 3, int num_instances = 2) {
@@ -124,43 +127,54 @@ void runSensor(const Sensor& sensor, double radius, int num_subdivisions = 3, in
 }
 
 // More groups of clusters than are culled at once, whatever the driver's memory: 20,480 and 81,920 triangles.
-TEST(SensorSize, MeshesOfManyGroups) {
+TEST(SensorSizeOnEveryDriver, MeshesOfManyGroups) {
   for (const int num_subdivisions : {5, 6}) {
     constexpr int kAllOver = 16;  // contacts, by chance on all sides
     runSensor(support::gridSensor({.num_rows = 4, .num_cols = 4, .samples_per_taxel = 2}), 0.01, num_subdivisions, kAllOver);
   }
 }
 
+// 1, 3 and all samples a side by default; every number has a pipeline of its own.
+std::vector<int> sampleCounts() {
+  if (!support::runsAllCases()) return {1, 3, kMaxSamplesPerTaxel};
+  std::vector<int> counts(kMaxSamplesPerTaxel);
+  std::iota(counts.begin(), counts.end(), 1);
+  return counts;
+}
+
 TEST(SensorSize, OneTaxel) {
-  for (int s = 1; s <= kMaxSamplesPerTaxel; ++s) {
+  for (const int s : sampleCounts()) {
     runSensor(support::gridSensor({.num_rows = 1, .num_cols = 1, .samples_per_taxel = s}), 0.01);
   }
 }
 
 TEST(SensorSize, EverySampleCount) {
-  for (int s = 1; s <= kMaxSamplesPerTaxel; ++s) {
+  for (const int s : sampleCounts()) {
     runSensor(support::gridSensor({.samples_per_taxel = s}), 0.01);
   }
 }
 
-TEST(SensorSize, LongAndThin) {
+TEST(SensorSizeOnEveryDriver, LongAndThin) {
   runSensor(support::gridSensor({.num_rows = 1, .num_cols = 128, .pitch_x = 1e-3, .pitch_y = 0.5e-3}), 0.02);
   runSensor(support::gridSensor({.num_rows = 128, .num_cols = 1, .pitch_x = 0.5e-3, .pitch_y = 1e-3}), 0.02);
 }
 
-TEST(SensorSize, Largest) {
+TEST(SensorSizeOnEveryDriver, Largest) {
   runSensor(support::gridSensor({.num_rows = 128, .num_cols = 128, .pitch_x = 0.5e-3, .pitch_y = 0.5e-3, .samples_per_taxel = 1}), 0.03);
 }
 
 // 1024 x 1024 samples: 4 MiB of depth, more than any workgroup can share.
-TEST(SensorSize, LargestWithAllSamples) {
+TEST(SensorSizeOnEveryDriver, LargestWithAllSamples) {
   runSensor(support::gridSensor({.num_rows = 128, .num_cols = 128, .pitch_x = 0.5e-3, .pitch_y = 0.5e-3, .samples_per_taxel = 8}), 0.03);
 }
 
+// By default every kernel size on one grid with one normalization.
 TEST(PsfOnDevice, EveryKernelSizeAndNormalization) {
+  int number = 0;
   for (int size = 1; size <= kMaxKernelSize; size += 2) {
     for (const auto normalization : {Psf::Normalization::kPerSource, Psf::Normalization::kNone}) {
       for (const auto& [rows, cols] : {std::pair{6, 14}, {2, 3}, {17, 33}}) {
+        if (!support::runsAllCases() && number++ % 7 != 0) continue;
         Sensor sensor = support::gridSensor({.num_rows = rows, .num_cols = cols});
         sensor.psf = gaussianPsf(0.3 + 0.2 * size, size, normalization);
         runSensor(sensor, 0.015);
@@ -169,8 +183,8 @@ TEST(PsfOnDevice, EveryKernelSizeAndNormalization) {
   }
 }
 
-TEST(ReadoutOnDevice, PolynomialsGainsTriggersAndBits) {
-  for (int seed = 0; seed < 12; ++seed) {
+TEST(ReadoutOnEveryDriver, PolynomialsGainsTriggersAndBits) {
+  for (int seed = 0; seed < 12; seed += support::runsAllCases() ? 1 : 3) {
     Random random(static_cast<std::uint64_t>(seed));
     Sensor sensor = support::gridSensor({.samples_per_taxel = 2});
     Readout& readout = sensor.readout;
@@ -190,8 +204,8 @@ TEST(ReadoutOnDevice, PolynomialsGainsTriggersAndBits) {
 }
 
 // 1 to 16 points, saturation before and past the last one, forces below the first.
-TEST(ReadoutOnDevice, StraightPieces) {
-  for (int seed = 0; seed < 12; ++seed) {
+TEST(ReadoutOnEveryDriver, StraightPieces) {
+  for (int seed = support::runsAllCases() ? 0 : 2; seed < 12; seed += support::runsAllCases() ? 1 : 3) {
     Random random(static_cast<std::uint64_t>(seed));
     Sensor sensor = support::gridSensor({.samples_per_taxel = 2});
     Readout& readout = sensor.readout;

@@ -56,7 +56,7 @@ std::vector<std::vector<std::uint32_t>> bitsOf(const Scene& scene, const std::st
   return bits;
 }
 
-TEST(FasterPaths, DoNotShow) {
+TEST(FasterPathsOnEveryDriver, DoNotShow) {
   for (const int num_patches : {1, 4}) {
     const Scene scene = wideScene(num_patches);
     const auto expected = bitsOf(scene, "");
@@ -102,7 +102,7 @@ void expectLockstepDoesNotShow(const Sensor& sensor) {
   EXPECT_EQ(bits(""), bits("lockstep"));
 }
 
-TEST(FasterPaths, LockstepDoesNotShow) {
+TEST(FasterPathsOnEveryDriver, LockstepDoesNotShow) {
   Sensor sensor = support::gridSensor();
   sensor.skin.friction = {.tangential_stiffness = 5e7, .friction_coefficient = 0.8};
   sensor.skin.relaxation = {{.fraction = 0.4, .time = 0.01}};
@@ -145,14 +145,14 @@ void expectNothingIsLeft(const Sensor& sensor, bool with_loads) {
   }
 }
 
-TEST(FasterPaths, NothingIsLeft) {
+TEST(FasterPathsOnEveryDriver, NothingIsLeft) {
   Sensor sensor = support::gridSensor({.num_rows = 9, .num_cols = 9});
   expectNothingIsLeft(sensor, true);
   sensor.frame_rate = 1000;
   expectNothingIsLeft(sensor, false);
 }
 
-TEST(FasterPaths, NothingIsLeftOnManyTiles) {
+TEST(FasterPathsOnEveryDriver, NothingIsLeftOnManyTiles) {
   Sensor sensor = support::gridSensor({.num_rows = 48, .num_cols = 48, .samples_per_taxel = 4, .law = {1.73e8, 1, 1e5}});
   sensor.skin.friction = {.tangential_stiffness = 5e7, .friction_coefficient = 0.8};
   expectNothingIsLeft(sensor, true);
@@ -160,7 +160,7 @@ TEST(FasterPaths, NothingIsLeftOnManyTiles) {
   expectNothingIsLeft(sensor, false);
 }
 
-TEST(FasterPaths, APolyhedronAsTrianglesIsTheTwins) {
+TEST(FasterPathsOnEveryDriver, APolyhedronAsTrianglesIsTheTwins) {
   const Plain without("polyhedra");
   Random random(7);
   const Sensor sensor = support::gridSensor();
@@ -174,7 +174,7 @@ TEST(FasterPaths, APolyhedronAsTrianglesIsTheTwins) {
   support::expectMatches(simulator.read(), 0, sensor, support::frameEnvelope(sensor, placed, support::roundingFor(sensor, placed)));
 }
 
-TEST(FasterPaths, AnUnknownNameIsRefused) {
+TEST(FasterPathsOnEveryDriver, AnUnknownNameIsRefused) {
   const Plain without("pairs,pears");
   try {
     const Model model(support::sharedDevice(), {.sensor = support::gridSensor()});

@@ -1,4 +1,4 @@
-// Shear with memory on the device: closed forms, and what must hold on any path.
+// Shear with memory on the device: closed forms, spread, separation and loads.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +14,6 @@ namespace {
 
 using support::FrictionCases;
 using support::Push;
-using support::Random;
 using support::Touch;
 
 constexpr double kDt = 1e-3;  // s
@@ -73,7 +72,7 @@ TEST(FrictionOnDevice, RollingCylinder) {
 TEST(FrictionOnDevice, RollingSphere) {
   kDevice.rollingSphere();
 }
-TEST(FrictionOnDevice, SlideStopSlideBack) {
+TEST(FrictionOnEveryDriver, SlideStopSlideBack) {
   kDevice.slideStopSlideBack();
 }
 TEST(FrictionOnDevice, SlipTurnsTowardsTheMotion) {
@@ -81,192 +80,6 @@ TEST(FrictionOnDevice, SlipTurnsTowardsTheMotion) {
 }
 TEST(FrictionOnDevice, ElasticLayerSticksAndSlips) {
   kDevice.elasticLayerSticksAndSlips();
-}
-
-// A sensor with friction and everything that takes another way through the passes: two patches, one tilted, a PSF of its own.
-Sensor busySensor() {
-  Sensor sensor = support::gridSensor({.num_rows = 5, .num_cols = 7, .samples_per_taxel = 3, .law = {1.73e8, 1, 1e4}});
-  sensor.patches.push_back(sensor.patches[0]);
-  sensor.patches[1].name = "second";
-  sensor.patches[1].X_SP = {{0.02, 0, 0}, axisAngle({0, 1, 0}, 0.1)};
-  sensor.psf = gaussianPsf(0.8, 5);
-  sensor.skin.friction = {0.4e8, 0.7};
-  return sensor;
-}
-
-// The same with the bristles of LuGre instead of springs, which creep and slip by how fast an object goes.
-Sensor bristlySensor() {
-  Sensor sensor = busySensor();
-  sensor.skin.friction = {};
-  sensor.skin.law = LuGre{.normal_contact_stiffness = 1.73e8};
-  return sensor;
-}
-
-// Instances that roll and slide about, lift off and touch again, some of them under a load.
-struct Paths {
-  std::vector<Object> objects;
-  std::vector<std::vector<Touch>> touches;  // (steps x instances)
-  std::vector<float> loads;
-};
-
-Pose nudged(Random& random, const Pose& X_SO, double size) {
-  const Vector3 axis{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1) + 1e-3};
-  Pose moved{X_SO.position, axisAngle(axis, random.uniform(-1, 1) * size / 0.01) * X_SO.rotation};
-  for (double& coordinate : moved.position) coordinate += random.uniform(-1, 1) * size;
-  return moved;
-}
-
-Paths randomPaths(const Sensor& sensor, int num_instances, int num_slots, bool with_loads, double step_size = 0.2e-3) {
-  constexpr int kNumSteps = 6;
-  Random random(8);
-  Paths paths;
-  for (int n = 0; n < 4; ++n) paths.objects.push_back(n % 2 ? support::randomSolid(random, 0.02) : support::randomMeshObject(random, 0.02));
-  paths.touches.resize(kNumSteps);
-  for (int i = 0; i < num_instances; ++i) {
-    Touch touch;
-    for (int slot = 0; slot < num_slots; ++slot) {
-      touch.ids.push_back(random.integer(0, 3));
-      touch.X_SO.push_back(support::randomContact(random, sensor, paths.objects[touch.ids.back()]));
-    }
-    for (std::vector<Touch>& step : paths.touches) {
-      step.push_back(touch);
-      for (Pose& X_SO : touch.X_SO) X_SO = nudged(random, X_SO, step_size);
-    }
-    paths.loads.push_back(with_loads && i % 3 == 2 ? static_cast<float>(random.uniform(0.1, 2)) : kPoseDriven);
-  }
-  return paths;
-}
-
-// The instances given, in that order, along their paths; bits of each after every step.
-std::vector<std::vector<std::uint32_t>> runPaths(const Model& model, const Paths& paths, const std::vector<int>& instances,
-                                                 const std::vector<double>& dt = {kDt}) {
-  const int n = static_cast<int>(instances.size());
-  Simulator simulator(model, {.num_instances = n, .num_slots = static_cast<int>(paths.touches[0][0].ids.size())});
-  std::vector<std::vector<std::uint32_t>> bits(instances.size());
-  for (int i = 0; i < n; ++i) simulator.setLoad(i, paths.loads[instances[i]]);
-  for (std::size_t step = 0; step < paths.touches.size(); ++step) {
-    std::vector<Touch> touches;
-    for (const int instance : instances) touches.push_back(paths.touches[step][instance]);
-    support::setTouches(simulator, touches);
-    simulator.step(dt[step % dt.size()]);
-    const FrameView frame = simulator.read();
-    support::expectWellFormed(frame, model.sensor(), n);
-    for (int i = 0; i < n; ++i) {
-      const std::vector<std::uint32_t> now = support::bitsOf(frame, i, n);
-      bits[i].insert(bits[i].end(), now.begin(), now.end());
-    }
-  }
-  return bits;
-}
-
-std::vector<int> upTo(int count) {
-  std::vector<int> numbers;
-  for (int n = 0; n < count; ++n) numbers.push_back(n);
-  return numbers;
-}
-
-struct StateKind {
-  int num_slots = 1;
-  int num_patches = 2;
-  bool has_friction = true;
-  bool relaxes = false;
-  bool bristles = false;
-};
-
-class StateBatch : public ::testing::TestWithParam<StateKind> {};
-
-TEST_P(StateBatch, AnInstanceIsTheSameInAnyBatchAndWorkgroup) {
-  const StateKind kind = GetParam();
-  Sensor sensor = kind.bristles ? bristlySensor() : busySensor();
-  sensor.patches.resize(static_cast<std::size_t>(kind.num_patches));
-  if (!kind.has_friction) sensor.skin.friction = {};
-  if (kind.relaxes) {
-    if (Winkler* law = std::get_if<Winkler>(&sensor.skin.law)) law->normal_damping = 0;
-    sensor.skin.relaxation = {{0.3, 1e-3}, {0.4, 0.01}, {0.1, 1}};
-  }
-  constexpr int kNumInstances = 13;
-  const Paths paths = randomPaths(sensor, kNumInstances, kind.num_slots, true);
-  const auto model = [&](int contact_workgroup, int image_workgroup) {
-    return Model(support::sharedDevice(),
-                 {.sensor = sensor, .objects = paths.objects, .contact_workgroup = contact_workgroup, .image_workgroup = image_workgroup});
-  };
-  const Model usual = model(0, 0);
-  const auto together = runPaths(usual, paths, upTo(kNumInstances));
-  std::vector<int> backwards = upTo(kNumInstances);
-  std::reverse(backwards.begin(), backwards.end());
-  const auto reversed = runPaths(usual, paths, backwards);
-  for (int i = 0; i < kNumInstances; ++i) EXPECT_EQ(together[i], reversed[kNumInstances - 1 - i]) << "instance " << i;
-  for (const int i : {0, 2, 7}) EXPECT_EQ(together[i], runPaths(usual, paths, {i})[0]) << "instance " << i;
-  EXPECT_EQ(runPaths(model(32, 64), paths, upTo(kNumInstances)), together);
-  EXPECT_EQ(runPaths(model(128, 16), paths, upTo(kNumInstances)), together);
-}
-
-INSTANTIATE_TEST_SUITE_P(Kinds, StateBatch,
-                         ::testing::Values(StateKind{}, StateKind{.num_slots = 2}, StateKind{.has_friction = false, .relaxes = true},
-                                           StateKind{.num_patches = 1, .has_friction = false, .relaxes = true},
-                                           StateKind{.num_slots = 2, .num_patches = 1, .relaxes = true}, StateKind{.relaxes = true},
-                                           StateKind{.bristles = true}, StateKind{.num_slots = 2, .relaxes = true, .bristles = true}));
-
-// Without a damper nothing knows how long a step takes.
-TEST(FrictionOnDevice, SpeedDoesNotShow) {
-  Sensor sensor = busySensor();
-  sensor.skin.law = Winkler{1.73e8, 1, 0};
-  const Paths paths = randomPaths(sensor, 5, 1, false);
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = paths.objects});
-  const auto slow = runPaths(model, paths, upTo(5), {0.5, 2});
-  EXPECT_EQ(runPaths(model, paths, upTo(5), {1e-4}), slow);
-}
-
-TEST(FrictionOnDevice, AnObjectAtRestDoesNotCreep) {
-  const Sensor sensor = support::gridSensor();
-  Sensor with_friction = sensor;
-  with_friction.skin.friction = {1e8, 0.6};
-  const Model model(support::sharedDevice(), {.sensor = with_friction, .objects = {Object(Sphere{0.01})}});
-  Simulator simulator(model, {.num_instances = 2});
-  // Far from S's origin and turned, where float32 poses would differ from themselves by rounding.
-  const Pose start{{4e-3, 17e-3, 0.0094}, axisAngle({1, 2, 3}, 1.1)};
-  Pose slid = start;
-  slid.position[0] += 0.05e-3;
-  const auto stepTo = [&](const Pose& X_SO) {
-    support::setTouches(simulator, {{{0}, {X_SO}}, {{0}, {X_SO}}});
-    simulator.step(kDt);
-    return support::bitsOf(simulator.read(), 1, 2);
-  };
-  simulator.setLoad(1, 2.0f);
-  stepTo(start);
-  const auto bits = stepTo(slid);
-  for (int n = 0; n < 100; ++n) ASSERT_EQ(stepTo(slid), bits) << "step " << n;
-  EXPECT_GT(simulator.read().ground_truth.contact_wrench[6], 0.1f);
-}
-
-// |sum of shear| <= mu (sum of normal force), per taxel too, after the PSF as before it: both spread with the same weights.
-TEST(FrictionOnDevice, ShearStaysInsideTheConeAtAnyStiffness) {
-  // Products with four factors and sums of up to 64 samples and 81 neighbours, each rounded.
-  constexpr double kRounding = 300 * support::kUlp;
-  for (const double stiffness : {1e-6, 1.0, 1e6}) {
-    for (const double mu : {1e-3, 10.0}) {
-      for (const double step_size : {1e-6, 0.3e-3, 0.02}) {
-        Sensor sensor = busySensor();
-        sensor.skin.friction = {stiffness * 0.4e8, mu};
-        const Paths paths = randomPaths(sensor, 4, 1, true, step_size);
-        const Model model(support::sharedDevice(), {.sensor = sensor, .objects = paths.objects});
-        Simulator simulator(model, {.num_instances = 4});
-        simulator.setLoads(paths.loads);
-        for (const std::vector<Touch>& touches : paths.touches) {
-          support::setTouches(simulator, touches);
-          simulator.step(kDt);
-          const FrameView frame = simulator.read();
-          support::expectWellFormed(frame, sensor, 4);
-          const auto normal = frame.ground_truth.tactile_normal_force, shear = frame.ground_truth.tactile_shear_force;
-          std::size_t num_outside = 0;
-          for (std::size_t t = 0; t < normal.size(); ++t) {
-            num_outside += std::hypot(shear[2 * t], shear[2 * t + 1]) > mu * normal[t] * (1 + kRounding) ? 1 : 0;
-          }
-          EXPECT_EQ(num_outside, 0u) << stiffness << " " << mu << " " << step_size;
-        }
-      }
-    }
-  }
 }
 
 // A flat on whole samples at the ends of the range: nothing slips under a spring a million times too soft, everything under one a million
@@ -320,61 +133,6 @@ TEST(FrictionOnDevice, SpreadKeepsTheSumAndTheWeights) {
   }
 }
 
-// Shear along x after a slide of 0.1 mm, N; `between` may meddle before the slide.
-template <typename Meddle>
-double shearAfterSlide(const Model& model, int num_slots, Meddle&& meddle) {
-  Simulator simulator(model, {.num_slots = num_slots});
-  Touch touch{{0}, {{.position = {0, 0, 0.0095}}}};
-  touch.ids.resize(static_cast<std::size_t>(num_slots), kNoObject);
-  touch.X_SO.resize(static_cast<std::size_t>(num_slots));
-  support::setTouches(simulator, {touch});
-  simulator.step(kDt);
-  simulator.read();
-  touch.X_SO[0].position[0] += 0.1e-3;
-  meddle(simulator, touch);
-  support::setTouches(simulator, {touch});
-  simulator.step(kDt);
-  return simulator.read().ground_truth.contact_wrench[0];
-}
-
-void expectNewObjectsBeginWithoutShear(const Sensor& sensor) {
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.01}), Object(Sphere{0.01})}});
-  for (const int num_slots : {1, 2}) {
-    EXPECT_GT(shearAfterSlide(model, num_slots, [](Simulator&, Touch&) {}), 0.1);
-    EXPECT_EQ(shearAfterSlide(model, num_slots, [](Simulator& simulator, Touch&) { simulator.reset(0, 1); }), 0);
-    EXPECT_EQ(shearAfterSlide(model, num_slots, [](Simulator&, Touch& touch) { touch.ids[0] = 1; }), 0);
-  }
-  // The same object in another slot is a new one there.
-  EXPECT_EQ(shearAfterSlide(
-                model, 2, [](Simulator&, Touch& touch) { std::swap(touch.ids[0], touch.ids[1]), std::swap(touch.X_SO[0], touch.X_SO[1]); }),
-            0);
-}
-
-TEST(FrictionOnDevice, NewObjectsAndEpisodesBeginWithoutShear) {
-  Sensor sensor = support::gridSensor();
-  sensor.skin.friction = {1e8, 0.6};
-  expectNewObjectsBeginWithoutShear(sensor);
-  sensor.skin = {sensor.skin.thickness, LuGre{.normal_contact_stiffness = 1.73e8}, {}};
-  expectNewObjectsBeginWithoutShear(sensor);
-}
-
-// One object is drawn along and lifted while another comes down in its place: its springs are new, though the samples have not been free.
-TEST(FrictionOnDevice, AnObjectDoesNotInheritAnothersShear) {
-  Sensor sensor = support::gridSensor();
-  sensor.skin.friction = {1e8, 0.6};
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Box{{8e-3, 8e-3, 0.01}})}});
-  Simulator simulator(model, {.num_slots = 2});
-  const auto shearAt = [&](const Vector3& first, const Vector3& second) {
-    support::setTouches(simulator, {{{0, 0}, {{.position = first}, {.position = second}}}});
-    simulator.step(kDt);
-    return simulator.read().ground_truth.contact_wrench[0];
-  };
-  EXPECT_EQ(shearAt({0, 0, 4.5e-3}, {0, 0, 0.03}), 0);
-  EXPECT_GT(shearAt({0.1e-3, 0, 4.5e-3}, {0, 0, 0.03}), 0.1);
-  EXPECT_EQ(shearAt({0.1e-3, 0, 0.03}, {0, 0, 4.5e-3}), 0);
-  EXPECT_GT(shearAt({0.1e-3, 0, 0.03}, {0.1e-3, 0, 4.5e-3}), 0.1);
-}
-
 // Out of contact and back: the spring has been let go.
 TEST(FrictionOnDevice, SeparationForgets) {
   Sensor sensor = support::gridSensor();
@@ -390,7 +148,7 @@ TEST(FrictionOnDevice, SeparationForgets) {
 }
 
 // Dragged far under a load, along S's x over level patches: the whole of it at the cone, in one tile and over several.
-TEST(FrictionOnDevice, ALoadThatSlidesShearsWithMuTimesTheLoad) {
+TEST(FrictionOnEveryDriver, ALoadThatSlidesShearsWithMuTimesTheLoad) {
   for (const int num_patches : {1, 2}) {
     Sensor sensor = support::gridSensor();
     for (int p = 1; p < num_patches; ++p) {

@@ -85,7 +85,7 @@ constexpr double kDraw = 3e-3;
 // What float32 does to the rest.
 constexpr double kRounded = 1e-5;
 
-TEST(ImperfectionsOnDevice, CountsAreTheTwins) {
+TEST(ImperfectionsOnEveryDriver, CountsAreTheTwins) {
   for (const int num_patches : {1, 2, 60}) {  // 60 and more: taxels with places of their own
     Sensor sensor = busySensor(num_patches < 60 ? num_patches : 1);
     if (num_patches == 60) {
@@ -137,7 +137,7 @@ TEST(ImperfectionsOnDevice, CountsAreTheTwins) {
   }
 }
 
-TEST(ImperfectionsOnDevice, AnEpisodeIsTheSameInAnyBatchAndSlot) {
+TEST(ImperfectionsOnEveryDriver, AnEpisodeIsTheSameInAnyBatchAndSlot) {
   constexpr int kNumSteps = 5;
   const Model model(support::sharedDevice(), {.sensor = busySensor(1), .objects = objects()});
   const std::vector<std::uint64_t> episodes{3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13}, backwards(episodes.rbegin(), episodes.rend());
@@ -153,7 +153,7 @@ TEST(ImperfectionsOnDevice, AnEpisodeIsTheSameInAnyBatchAndSlot) {
   EXPECT_NE(expected[0], expected[2]);
 }
 
-TEST(ImperfectionsOnDevice, TheSizeOfWorkgroupsDoesNotShow) {
+TEST(ImperfectionsOnEveryDriver, TheSizeOfWorkgroupsDoesNotShow) {
   const auto bits = [&](int image_workgroup, int num_patches) {
     const Model model(support::sharedDevice(),
                       {.sensor = busySensor(num_patches), .objects = objects(), .image_workgroup = image_workgroup});
@@ -167,7 +167,7 @@ TEST(ImperfectionsOnDevice, TheSizeOfWorkgroupsDoesNotShow) {
 }
 
 // Reset of one instance leaves the state of the others.
-TEST(ImperfectionsOnDevice, ResetIsOfOneInstance) {
+TEST(ImperfectionsOnEveryDriver, ResetIsOfOneInstance) {
   const Model model(support::sharedDevice(), {.sensor = busySensor(1), .objects = objects()});
   Simulator undisturbed(model, {.num_instances = 2, .seed = kSeed}), disturbed(model, {.num_instances = 2, .seed = kSeed});
   for (int n = 0; n < 6; ++n) {
@@ -210,7 +210,7 @@ void expectOffsetsEverywhere(double bias, double random_walk) {
   }
 }
 
-TEST(ImperfectionsOnDevice, BiasAndWalkReachTaxelsThatNothingTouches) {
+TEST(ImperfectionsOnEveryDriver, BiasAndWalkReachTaxelsThatNothingTouches) {
   expectOffsetsEverywhere(300, 0);
   expectOffsetsEverywhere(0, 4000);
   expectOffsetsEverywhere(300, 4000);
@@ -226,7 +226,7 @@ std::vector<std::uint32_t> arraysOf(const FrameView& frame) {
 }
 
 // Each setting as near to none as it can be while it is still computed leaves the image's bits alone.
-TEST(ImperfectionsOnDevice, NextToNothingIsNothing) {
+TEST(ImperfectionsOnEveryDriver, NextToNothingIsNothing) {
   Sensor plain = support::gridSensor();
   plain.psf = gaussianPsf(0.5, 3);
   plain.readout.curve = {1000};
@@ -262,7 +262,7 @@ TEST(ImperfectionsOnDevice, NextToNothingIsNothing) {
 }
 
 // With everything on, ground truth is what a sensor without any of it has.
-TEST(ImperfectionsOnDevice, GroundTruthStaysClean) {
+TEST(ImperfectionsOnEveryDriver, GroundTruthStaysClean) {
   Sensor busy = busySensor(1), plain = busy;
   plain.readout = {};
   plain.readout.trigger = busy.readout.trigger;

@@ -188,7 +188,7 @@ TEST(ElasticLayerShear, TheWrenchIsTheSumOverTheTaxelsAndTheSpreadKeepsIt) {
 }
 
 // Dragged far under a load along the border: the whole of it at the cone. What the margin carries slips, too.
-TEST(ElasticLayerShear, ALoadThatSlidesShearsWithMuTimesTheLoad) {
+TEST(ElasticLayerShearOnEveryDriver, ALoadThatSlidesShearsWithMuTimesTheLoad) {
   constexpr double kLoad = 3, kMu = 0.6;
   const Sensor sensor = slippingSensor();
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.02})}});

@@ -7,6 +7,7 @@
 #include "base/vector3.h"
 #include "reference/elastic_layer.h"
 #include "simulation/layer_scene.h"
+#include "support/cases.h"
 
 namespace taxelsim {
 namespace {
@@ -245,7 +246,7 @@ TEST_P(LayerShearTwinSeeds, BesideAMargin) {
   run({.skin = {.margin = 7e-3, .iterations = 10, .tolerance = 1e-3}, .with_loads = GetParam() % 2 == 1}, 500 + GetParam());
 }
 
-INSTANTIATE_TEST_SUITE_P(Random, LayerShearTwinSeeds, ::testing::Range(0, 4));
+INSTANTIATE_TEST_SUITE_P(OnEveryDriver, LayerShearTwinSeeds, support::seeds(2, 4));
 
 // The whole way from poses, solved to the end, with four nodes a taxel and a margin. A step adds to what a sum of tractions is off at most
 // mu times what that sum of pressures is off (forceSlack()), and where nodes at the rim touch in one and not in the other as much again.

@@ -8,6 +8,7 @@
 #include "reference/contact.h"
 #include "reference/load.h"
 #include "simulation/comparison.h"
+#include "support/cases.h"
 #include "support/curved_sensor.h"
 #include "support/random_scene.h"
 
@@ -79,7 +80,7 @@ void runLoads(const Sensor& sensor, const std::vector<Object>& objects, const st
   }
 }
 
-class LoadOnDevice : public ::testing::TestWithParam<int> {};
+class LoadSeeds : public ::testing::TestWithParam<int> {};
 
 // Over the middle, over the border, with one or two objects, solids and meshes (with holes): loads from 2 to 95 % of what full depth
 // carries.
@@ -119,19 +120,19 @@ void runRandomLoads(int seed, const support::SensorRange& range, bool is_level,
   runRandomLoads(random, sensor, is_level, randomMesh);
 }
 
-TEST_P(LoadOnDevice, OnePatch) {
+TEST_P(LoadSeeds, OnePatch) {
   runRandomLoads(GetParam(), {}, true);
 }
 
-TEST_P(LoadOnDevice, Polyhedra) {
+TEST_P(LoadSeeds, Polyhedra) {
   runRandomLoads(3000 + GetParam(), {.max_patches = 1 + GetParam() % 2}, true, support::randomPolyhedron);
 }
 
-TEST_P(LoadOnDevice, SeveralLevelPatches) {
+TEST_P(LoadSeeds, SeveralLevelPatches) {
   runRandomLoads(1000 + GetParam(), {.max_rows = 6, .max_cols = 6, .max_patches = 4}, true);
 }
 
-TEST_P(LoadOnDevice, SeveralTiltedPatches) {
+TEST_P(LoadSeeds, SeveralTiltedPatches) {
   runRandomLoads(2000 + GetParam(), {.max_rows = 5, .max_cols = 5, .max_patches = 3, .max_patch_tilt = 0.2}, false);
 }
 
@@ -142,7 +143,7 @@ Object closedMesh(Random& random, double size) {
                             : Object("bumpy sphere", support::icosphere(size / 2, random.integer(0, 3), random.uniform(0, 0.1), random));
 }
 
-TEST_P(LoadOnDevice, Fingertips) {
+TEST_P(LoadSeeds, Fingertips) {
   Random random(static_cast<std::uint64_t>(4000 + GetParam()));
   Sensor sensor = GetParam() % 3 == 0   ? support::cylinderFingertip(8e-3, 1.4 + 0.1 * GetParam() / 3, 9, 4, 2.4e-3)
                   : GetParam() % 3 == 1 ? support::sphereFingertip(8e-3, 2, 1.3)
@@ -151,9 +152,9 @@ TEST_P(LoadOnDevice, Fingertips) {
   runRandomLoads(random, sensor, false, closedMesh);
 }
 
-INSTANTIATE_TEST_SUITE_P(Random, LoadOnDevice, ::testing::Range(0, 8));
+INSTANTIATE_TEST_SUITE_P(OnEveryDriver, LoadSeeds, support::seeds(4, 8));
 
-TEST(LoadOnDevice, FlatPunchInClosedForm) {
+TEST(LoadOnEveryDriver, FlatPunchInClosedForm) {
   const Sensor sensor = support::gridSensor();
   const Object punch(Box{{4 * 3.4e-3, 6 * 3.4e-3, 0.01}});
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {punch}});
@@ -170,7 +171,7 @@ TEST(LoadOnDevice, FlatPunchInClosedForm) {
   }
 }
 
-TEST(LoadOnDevice, SphereInClosedForm) {
+TEST(LoadOnEveryDriver, SphereInClosedForm) {
   const double R = 10e-3, depth = 0.8e-3, load = std::numbers::pi * 1.73e8 * depth * depth * (R - depth / 3);
   const Sensor sensor = support::gridSensor({.num_rows = 16, .num_cols = 16, .pitch_x = 1e-3, .pitch_y = 1e-3, .samples_per_taxel = 8});
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{R})}});
@@ -184,7 +185,7 @@ TEST(LoadOnDevice, SphereInClosedForm) {
   EXPECT_NEAR(frame.ground_truth.total_force[0], load, kCarried * load);
 }
 
-TEST(LoadOnDevice, OverTheBorderAndAcrossPatches) {
+TEST(LoadOnEveryDriver, OverTheBorderAndAcrossPatches) {
   Sensor sensor = support::gridSensor({.num_rows = 4, .num_cols = 4, .pitch_x = 2e-3, .pitch_y = 2e-3});
   sensor.patches.push_back(sensor.patches[0]);
   sensor.patches[1].name = "second";
@@ -200,7 +201,7 @@ TEST(LoadOnDevice, OverTheBorderAndAcrossPatches) {
            true);
 }
 
-TEST(LoadOnDevice, MeshWithHoles) {
+TEST(LoadOnEveryDriver, MeshWithHoles) {
   Random random(9);
   const Sensor sensor = support::gridSensor({.pitch_x = 1.5e-3, .pitch_y = 1.5e-3});
   const std::vector<Object> objects{Object("sheet", support::sheetWithHoles(24, 0.03, 0.1e-3, 0.4, random))};
@@ -208,7 +209,7 @@ TEST(LoadOnDevice, MeshWithHoles) {
            {{{{0}, {{.position = {0.4e-3, 0.1e-3, 0.003}}}}, 1.0f}, {{{0}, {{{0, 0, 0}, axisAngle({1, 1, 0}, 0.05)}}}, 3.0f}}, true);
 }
 
-TEST(LoadOnDevice, OutOfReachIsReportedAndHarmsNobody) {
+TEST(LoadOnEveryDriver, OutOfReachIsReportedAndHarmsNobody) {
   const Sensor sensor = support::gridSensor();
   const std::vector<Object> objects{Object(Sphere{3e-3})};
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
@@ -230,7 +231,7 @@ TEST(LoadOnDevice, OutOfReachIsReportedAndHarmsNobody) {
 }
 
 // One grid whose spread goes by lists, level and tilted: the search stays in its tile, or goes over tiles that are one.
-TEST(LoadOnDevice, OneGridWithASpreadAlongTheSkin) {
+TEST(LoadOnEveryDriver, OneGridWithASpreadAlongTheSkin) {
   Sensor sensor = support::gridSensor({.num_rows = 5, .num_cols = 6});
   sensor.psf.sigma = 3e-3;
   const std::vector<Object> objects{Object(Sphere{8e-3})};
@@ -241,7 +242,7 @@ TEST(LoadOnDevice, OneGridWithASpreadAlongTheSkin) {
   }
 }
 
-TEST(LoadOnDevice, PoseDrivenNeighboursStayWhereTheyAre) {
+TEST(LoadOnEveryDriver, PoseDrivenNeighboursStayWhereTheyAre) {
   const std::vector<Object> objects{Object(Sphere{8e-3})};
   const Sensor sensor = support::gridSensor();
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});

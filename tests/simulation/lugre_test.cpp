@@ -96,7 +96,7 @@ TEST(LuGreOnDevice, LandingBendsByTheWayAfterTouch) {
 }
 
 // The uncapped force after a jump from rest to 0.1 m/s is 31.7 times the load.
-TEST(LuGreOnDevice, AJumpOfVelocityKeepsCoulombsBound) {
+TEST(LuGreOnEveryDriver, AJumpOfVelocityKeepsCoulombsBound) {
   const std::vector<double> shares = slide(kLuGre, {1e-7, 1e-7, -1e-7, 0}, {1e-6, 1e-6, 1e-6, 1e-6});
   EXPECT_NEAR(shares[0], 1.5, kRounding);
   EXPECT_NEAR(shares[1], 1.5, kRounding);
@@ -123,7 +123,7 @@ TEST(LuGreOnDevice, AnObjectAtRestDoesNotCreep) {
 }
 
 // In one tile and over several, where the search is done before the bristles move, once.
-TEST(LuGreOnDevice, ALoadThatSlidesShearsByTheCurve) {
+TEST(LuGreOnEveryDriver, ALoadThatSlidesShearsByTheCurve) {
   for (const int num_patches : {1, 2}) {
     Sensor sensor = sensorWith(kLuGre);
     for (int p = 1; p < num_patches; ++p) {

@@ -9,6 +9,7 @@
 #include "reference/psf.h"
 #include "reference/taxel_laws.h"
 #include "simulation/comparison.h"
+#include "support/cases.h"
 #include "support/curved_sensor.h"
 #include "support/random_scene.h"
 #include "taxelsim/error.h"
@@ -227,7 +228,7 @@ TEST_P(TaxelLaws, ProximityReadsDepthAndPressesNothing) {
   EXPECT_EQ(device.wrench[0][2], 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Random, TaxelLaws, ::testing::Range(0, 6));
+INSTANTIATE_TEST_SUITE_P(OnEveryDriver, TaxelLaws, support::seeds(4, 6));
 
 // Under every law whose taxels carry force; the elastic layer's, with its margin, in elastic_layer_test.cpp.
 TEST(TaxelLawsUnderLoad, TaxelsCarryTheLoad) {
@@ -279,7 +280,7 @@ TEST(TaxelLawsUnderLoad, ProximityHasNone) {
 }
 
 // A mass that has just been pushed holds little yet; after a while, or under a load, the shear is that of a winkler skin.
-TEST(TaxelLawsShear, FollowsTheMassAndRestsAsContactDoes) {
+TEST(TaxelLawsShearOnEveryDriver, FollowsTheMassAndRestsAsContactDoes) {
   Sensor sensor = support::gridSensor();
   sensor.skin.friction = {1e8, 0.6};
   sensor.psf = gaussianPsf(0.5, 3);
@@ -310,7 +311,7 @@ TEST(TaxelLawsShear, FollowsTheMassAndRestsAsContactDoes) {
   }
 }
 
-TEST(TaxelLawsShear, NeedNotBeAskedFor) {
+TEST(TaxelLawsShearOnEveryDriver, NeedNotBeAskedFor) {
   Sensor sensor = support::gridSensor();
   sensor.skin = {2e-3, MassSpringDamper{.normal_contact_stiffness = 1.73e8}, {1e8, 0.6}};
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.01})}});

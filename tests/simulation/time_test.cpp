@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "simulation/comparison.h"
+#include "support/cases.h"
 #include "support/random_scene.h"
 
 namespace taxelsim {
@@ -15,8 +16,8 @@ using support::Bounded;
 using support::Random;
 using support::Touch;
 
-TEST(Damping, FollowsTheTwinAcrossSteps) {
-  for (int seed = 0; seed < 8; ++seed) {
+TEST(DampingOnEveryDriver, FollowsTheTwinAcrossSteps) {
+  for (int seed = 0; seed < support::numCases(3, 8); ++seed) {
     Random random(static_cast<std::uint64_t>(seed));
     Sensor sensor = support::randomSensor(random, {.max_patches = 2});
     const double stiffness = 1e5 / sensor.skin.thickness;
@@ -45,7 +46,7 @@ TEST(Damping, FollowsTheTwinAcrossSteps) {
   }
 }
 
-TEST(Damping, ClosedFormOnAFlatPunch) {
+TEST(DampingOnEveryDriver, ClosedFormOnAFlatPunch) {
   const double damping = 2e5, dt = 0.01, area = 3.4e-3 * 3.4e-3;
   const Sensor sensor = support::gridSensor({.num_rows = 1, .num_cols = 1, .law = {1e8, 1, damping}});
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(HalfSpace{})}});
@@ -64,7 +65,7 @@ TEST(Damping, ClosedFormOnAFlatPunch) {
   }
 }
 
-TEST(FrameRate, HoldsMeasuredValuesBetweenFrames) {
+TEST(FrameRateOnEveryDriver, HoldsMeasuredValuesBetweenFrames) {
   constexpr int kStepsPerFrame = 10, kNumSteps = 100;
   Sensor sensor = support::gridSensor();
   sensor.readout.curve = {1000};
@@ -96,7 +97,7 @@ TEST(FrameRate, HoldsMeasuredValuesBetweenFrames) {
   }
 }
 
-TEST(FrameRate, NewFrameEqualsOneWithoutHold) {
+TEST(FrameRateOnEveryDriver, NewFrameEqualsOneWithoutHold) {
   Sensor held = support::gridSensor(), free = support::gridSensor();
   held.readout.curve = free.readout.curve = {1000};
   held.frame_rate = 50;
@@ -111,7 +112,7 @@ TEST(FrameRate, NewFrameEqualsOneWithoutHold) {
   EXPECT_EQ(support::bitsOf(a.read(), 0, 1), support::bitsOf(b.read(), 0, 1));
 }
 
-TEST(FrameRate, ResetForgetsTheHeldFrameOfItsInstanceOnly) {
+TEST(FrameRateOnEveryDriver, ResetForgetsTheHeldFrameOfItsInstanceOnly) {
   Sensor sensor = support::gridSensor();
   sensor.readout.curve = {1000};
   sensor.frame_rate = 10;
@@ -133,7 +134,7 @@ TEST(FrameRate, ResetForgetsTheHeldFrameOfItsInstanceOnly) {
   EXPECT_EQ(support::measuredBitsOf(frame, 1, 2), first);
 }
 
-TEST(Variation, GainScalesTheReadoutUntilTheNextReset) {
+TEST(VariationOnEveryDriver, GainScalesTheReadoutUntilTheNextReset) {
   Sensor sensor = support::gridSensor({.num_rows = 1, .num_cols = 1});
   sensor.readout.curve = {1000};
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(HalfSpace{})}});
@@ -151,7 +152,7 @@ TEST(Variation, GainScalesTheReadoutUntilTheNextReset) {
   EXPECT_NEAR(simulator.read().tactile_image[0], 1000 * force, slack);
 }
 
-TEST(Variation, NoiseAndGainSpreadHaveTheirStandardDeviations) {
+TEST(VariationOnEveryDriver, NoiseAndGainSpreadHaveTheirStandardDeviations) {
   constexpr int kSide = 64, kNumTaxels = kSide * kSide;
   Sensor sensor = support::gridSensor({.num_rows = kSide, .num_cols = kSide, .pitch_x = 1e-3, .pitch_y = 1e-3, .samples_per_taxel = 1});
   sensor.readout.adc_bits = 16;
@@ -186,7 +187,7 @@ TEST(Variation, NoiseAndGainSpreadHaveTheirStandardDeviations) {
   EXPECT_NEAR(std::sqrt(variance[1]), 0.1, 5 * 0.1 / 90.5);
 }
 
-TEST(Variation, NoiseIsNewInEveryFrameAndSilentWhenOff) {
+TEST(VariationOnEveryDriver, NoiseIsNewInEveryFrameAndSilentWhenOff) {
   Sensor sensor = support::gridSensor();
   sensor.readout.curve = {1000};
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(HalfSpace{})}});

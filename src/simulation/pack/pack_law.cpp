@@ -16,8 +16,8 @@
 namespace taxelsim {
 namespace {
 
-// One a law: what it adds to its foundation.
-struct Add {
+// What each law adds to its foundation.
+struct AddLaw {
   PackedLaw& packed;
   float reach;  // m
 
@@ -54,7 +54,7 @@ PackedLaw packLaw(const Skin& skin, float reach) {
                    .parameters = {static_cast<float>(foundation.normal_contact_stiffness), static_cast<float>(foundation.normal_exponent),
                                   static_cast<float>(foundation.normal_damping)},
                    .has_state = foundation.normal_damping > 0};
-  std::visit(Add{packed, reach * static_cast<float>(skin.thickness)}, skin.law);
+  std::visit(AddLaw{packed, reach * static_cast<float>(skin.thickness)}, skin.law);
   return packed;
 }
 

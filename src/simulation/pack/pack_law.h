@@ -1,4 +1,4 @@
-// Contact law -> its variant of the contact pass and the numbers that it is compiled with.
+// Contact law -> its variant of the contact pass, its passes over taxels and their parameters.
 #pragma once
 
 #include <array>
@@ -8,49 +8,45 @@
 #include <string>
 #include <vector>
 
+#include "gpu/driver_profile.h"
 #include "shared/batch.h"
 #include "taxelsim/sensor.h"
 
 namespace taxelsim {
 
-// A pass over the taxels between contact and image.
+// A pass between contact and image, shaders/passes/taxel_law.h.
 struct TaxelPass {
   enum class Owner { kTaxel, kInstance, kTile };
 
   std::string kernel;
   std::span<const std::uint32_t> spirv;
-  Owner owner = Owner::kTaxel;  // of an invocation
-};
-
-// A pass, and the same for workgroups that are one vector, shaders/driver/barrier.glsl.
-struct Spirv {
-  std::span<const std::uint32_t> any, lockstep;
+  Owner owner = Owner::kTaxel;  // what an invocation owns
 };
 
 struct PackedLaw {
   std::string kernel;  // of the contact pass
-  Spirv spirv;
-  float reach = 0;                          // up to which height over the skin surfaces matter, m
-  std::array<float, 3> parameters{};        // LAW_0 .. LAW_2 of shaders/contact.comp
-  bool has_state = false;                   // the law needs every sample's depth of the step before
-  bool has_bristles = false;                // shear is the law's own, shaders/skin/laws/lugre.glsl
-  std::array<float, 6> bristles{};          // BRISTLE_STIFFNESS .. STRIBECK_VELOCITY of shaders/contact.comp
+  gpu::ShaderVariants spirv;
+  float reach = 0;                          // surfaces matter up to this height over the skin, m
+  std::array<float, 3> parameters{};        // LAW_0 to LAW_2 of shaders/passes/contact.h
+  bool has_state = false;                   // the law needs the depth of every sample in the step before
+  bool has_bristles = false;                // shear by shaders/skin/laws/lugre.glsl
+  std::array<float, 6> bristles{};          // BRISTLE_STIFFNESS to STRIBECK_VELOCITY of shaders/passes/contact.h
   std::vector<TaxelPass> taxel_passes{};    // in order
-  std::array<float, 2> taxel_parameters{};  // LAW_0, LAW_1 of shaders/common/taxel_pass.glsl
-  bool whole_array = false;                 // taxels that nothing reaches may have a force
+  std::array<float, 2> taxel_parameters{};  // LAW_0, LAW_1 of shaders/passes/taxel_law.h
+  bool whole_array = false;                 // taxels that no object reaches may have a force
 };
 
 // `reach`: of an elastic layer, gaps that matter in thicknesses.
 PackedLaw packLaw(const Skin& skin, float reach);
 
-// What a step of `dt` s does to the force in a taxel's spring (N) and its rate (N/s), about rest: exp(A dt) of MassSpringDamper, by rows;
-// of other laws zeros.
+// exp(A dt), row-major, of MassSpringDamper: the transition of the force in a taxel's spring (N) and its rate (N/s) about rest over a step
+// of `dt` s. Zeros for other laws.
 std::array<float, 4> transitionOf(const ContactLaw& law, double dt);
 
-// What a step of `dt` s does to a skin that relaxes, into the record's rows for that.
+// Writes the coefficients of relaxation over a step of `dt` s.
 void packRelaxation(std::span<const RelaxationTerm> terms, double dt, layout::StepRecord& record);
 
-// The mask of DeformationMask on this sensor: (9 x num_taxels) pairs of source (as bits) and weight.
+// The mask of DeformationMask: (9 x num_taxels) pairs of source (as bits) and weight.
 std::vector<glm::vec2> packMask(const Sensor& sensor);
 
 }  // namespace taxelsim

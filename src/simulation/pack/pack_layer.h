@@ -1,4 +1,4 @@
-// An elastic layer -> what its two passes read: a sensor of its nodes for the contact pass, the table of influence for elastic_layer.comp.
+// An elastic layer -> a sensor of its solver nodes for the contact pass, and the table of influence for elastic_layer.comp.
 #pragma once
 
 #include <vector>
@@ -11,8 +11,8 @@ namespace taxelsim {
 struct PackedLayer {
   LayerNodes nodes;
   Sensor node_sensor;            // the nodes as taxels of one sample
-  std::vector<float> influence;  // (num_rows x 2 rows of strips), relative to that on a cell itself, by distance in rows and columns; 0 in
-                                 // the middle of a row
+  std::vector<float> influence;  // (num_rows x 2 rows of strips) by distance in rows and columns, relative to the influence of a cell on
+                                 // itself; distance 0 is in the middle of a row
   float reach = 0;               // gaps that matter, in depths of the deepest node
   float node_force = 0;          // N: of a node under the pressure that moves its own cell by the skin's thickness
 };

@@ -13,7 +13,7 @@ namespace {
 static_assert(layout::kLatticeBits == kLatticeBits && layout::kQuadsPerCluster == kQuadsPerCluster &&
               layout::kClustersPerGroup == kClustersPerGroup);
 
-// So that the number of a quad is one of GLSL's.
+// Numbers of quads are 32-bit in GLSL.
 constexpr std::uint32_t kMaxClusters = 1u << (layout::kFirstBits - 2);
 
 // Stands for infinity in bounds; squares of it are finite floats.
@@ -60,7 +60,7 @@ void packMesh(const Mesh& mesh, const SampleGrid& grid, PackedObjects& packed, l
   }
 }
 
-// The faces of all meshes, if each of them is a polyhedron; else nothing: a model that has to raster one mesh had better raster all.
+// The faces of all meshes if each of them is a polyhedron, else nothing: rastering all meshes is faster than both paths in one model.
 std::vector<std::vector<Face>> polyhedra(std::span<const Object> objects) {
   std::vector<std::vector<Face>> all;
   for (const Object& object : objects) {

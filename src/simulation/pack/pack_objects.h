@@ -16,11 +16,11 @@ struct PackedObjects {
   std::vector<glm::uvec4> groups;  // boxes of the meshes' groups, shared/objects.h
   std::vector<glm::uvec4> clusters;
   std::vector<std::uint32_t> quads;  // of triangles
-  std::vector<glm::vec4> faces;      // of polyhedra: normal and offset, m, in O
-  std::uint32_t num_faces = 1;       // of each polyhedron; those of one with fewer are repeated
+  std::vector<glm::vec4> faces;      // of polyhedra: normal and offset (m), in O
+  std::uint32_t num_faces = 1;       // of each polyhedron; shorter ones repeat some
 };
 
-// Where every mesh is convex and has few faces, they become polyhedra if `with_polyhedra`.
+// `with_polyhedra`: meshes become polyhedra if all of them are convex and have few faces.
 PackedObjects packObjects(std::span<const Object> objects, const SampleGrid& grid, bool with_polyhedra);
 
 }  // namespace taxelsim

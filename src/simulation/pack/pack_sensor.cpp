@@ -7,6 +7,7 @@
 
 #include "sensor/skin.h"
 #include "shared/batch.h"
+#include "simulation/pack/pack_spread.h"
 #include "simulation/rows.h"
 
 namespace taxelsim {
@@ -14,7 +15,7 @@ namespace {
 
 constexpr double kEndless = 1e30;  // m, for a float
 
-// Cuts a patch into near-square tiles of whole taxels, as even as they come.
+// Cuts a patch into near-square tiles of whole taxels, of sizes as equal as possible.
 void addTiles(const GridPatch& patch, std::uint32_t patch_number, std::uint32_t max_taxels, std::vector<layout::TileRecord>& tiles) {
   const auto rows = static_cast<std::uint32_t>(patch.num_rows);
   const auto cols = static_cast<std::uint32_t>(patch.num_cols);
@@ -33,96 +34,6 @@ void addTiles(const GridPatch& patch, std::uint32_t patch_number, std::uint32_t 
       const std::uint32_t col0 = cols * j / across;
       tiles.push_back({{patch_number, row0, col0, 0u}, {rows * (i + 1) / down - row0, cols * (j + 1) / across - col0, 0u, 0u}});
     }
-  }
-}
-
-// Rows of four numbers, the last one filled up with zeros.
-std::vector<glm::vec4> inRows(const std::vector<float>& numbers) {
-  std::vector<glm::vec4> rows((numbers.size() + 3) / 4, glm::vec4(0));
-  for (std::size_t i = 0; i < numbers.size(); ++i) rows[i / 4][static_cast<int>(i % 4)] = numbers[i];
-  return rows;
-}
-
-using Sources = std::vector<std::vector<glm::vec2>>;  // (num_taxels): pairs of source (as bits) and weight
-
-// Lists of one length, filled up with the taxel itself at weight 0; after them, of a sensor whose shear turns along the skin, the turns.
-void packSources(const Sensor& sensor, const Sources& sources, PackedSensor& packed) {
-  for (const std::vector<glm::vec2>& list : sources)
-    packed.num_entries = std::max(packed.num_entries, static_cast<std::uint32_t>(list.size()));
-  std::vector<float> pairs;
-  for (std::size_t e = 0; e < packed.num_entries; ++e) {
-    for (std::size_t t = 0; t < sources.size(); ++t) {
-      const glm::vec2 entry = e < sources[t].size() ? sources[t][e] : glm::vec2(std::bit_cast<float>(static_cast<std::uint32_t>(t)), 0);
-      pairs.push_back(entry.x);
-      pairs.push_back(entry.y);
-    }
-  }
-  if (packed.turns_shear) {
-    std::vector<const Quaternion*> R_SP;
-    for (const GridPatch& patch : sensor.patches) {
-      R_SP.insert(R_SP.end(), static_cast<std::size_t>(patch.num_rows * patch.num_cols), &patch.X_SP.rotation);
-    }
-    for (std::size_t e = 0; e < packed.num_entries; ++e) {
-      for (std::size_t t = 0; t < sources.size(); ++t) {
-        const std::size_t source = e < sources[t].size() ? std::bit_cast<std::uint32_t>(sources[t][e].x) : t;
-        for (const double part : turnAlongSkin(*R_SP[source], *R_SP[t])) pairs.push_back(static_cast<float>(part));
-      }
-    }
-  }
-  packed.spread_rows = inRows(pairs);
-}
-
-// The spread by distance along the skin; neighbours are so mutually, and weigh as much either way.
-void packSkinSpread(const Sensor& sensor, PackedSensor& packed) {
-  Sources sources;
-  for (const std::vector<SkinNeighbour>& neighbours : skinNeighbours(sensor)) {
-    std::vector<glm::vec2>& list = sources.emplace_back();
-    double arriving = 0;
-    for (const SkinNeighbour& neighbour : neighbours) {
-      arriving += neighbour.weight;
-      list.emplace_back(std::bit_cast<float>(neighbour.taxel), static_cast<float>(neighbour.weight));
-    }
-    const bool per_source = sensor.psf.normalization == Psf::Normalization::kPerSource;
-    packed.spread_scale.push_back(per_source ? static_cast<float>(1 / arriving) : 1.0f);
-  }
-  packSources(sensor, sources, packed);
-}
-
-// Paper eq. (1): what each source gives, per newton, so that it arrives whole; and for every taxel its sources. One patch keeps its kernel
-// as it is.
-void packSpread(const Sensor& sensor, PackedSensor& packed) {
-  const int radius = sensor.psf.size / 2;
-  const auto kernel = [&](int a, int b) {
-    return sensor.psf.kernel[static_cast<std::size_t>((a + radius) * sensor.psf.size + b + radius)];
-  };
-  const auto num_taxels = static_cast<std::size_t>(numTaxels(sensor));
-  Sources sources(num_taxels);
-  packed.spread_scale.assign(num_taxels, 1.0f);
-  int first = 0;
-  for (const GridPatch& patch : sensor.patches) {
-    for (int i = 0; i < patch.num_rows; ++i) {
-      for (int j = 0; j < patch.num_cols; ++j) {
-        const int source = first + i * patch.num_cols + j;
-        double arriving = 0;
-        for (int a = std::max(-radius, -i); a <= std::min(radius, patch.num_rows - 1 - i); ++a) {
-          for (int b = std::max(-radius, -j); b <= std::min(radius, patch.num_cols - 1 - j); ++b) {
-            if (kernel(a, b) == 0) continue;
-            arriving += kernel(a, b);
-            sources[static_cast<std::size_t>(source + a * patch.num_cols + b)].emplace_back(std::bit_cast<float>(source),
-                                                                                            static_cast<float>(kernel(a, b)));
-          }
-        }
-        if (sensor.psf.normalization == Psf::Normalization::kPerSource) {
-          packed.spread_scale[static_cast<std::size_t>(source)] = arriving > 0 ? static_cast<float>(1 / arriving) : 0.0f;
-        }
-      }
-    }
-    first += patch.num_rows * patch.num_cols;
-  }
-  if (packed.one_grid) {
-    packed.spread_rows = inRows({sensor.psf.kernel.begin(), sensor.psf.kernel.end()});
-  } else {
-    packSources(sensor, sources, packed);
   }
 }
 
@@ -146,7 +57,7 @@ void packTaxels(const Sensor& sensor, bool one_patch, std::vector<layout::TaxelR
 
 static_assert(layout::kMaxDelaySteps == kMaxDelaySteps && layout::kMaxCurvePieces == kMaxCurvePoints);
 
-// What stage 4 keeps per taxel, and its parameters.
+// States per taxel and parameters of stage 4.
 void packLag(const Readout& readout, PackedSensor& packed) {
   for (std::size_t e = 0; e < readout.hysteresis_strength.size(); ++e) {
     packed.sensor.hysteresis_strength[static_cast<int>(e)] = static_cast<float>(readout.hysteresis_strength[e]);
@@ -160,15 +71,8 @@ void packLag(const Readout& readout, PackedSensor& packed) {
   packed.num_states = static_cast<std::uint32_t>(num_states);
 }
 
-}  // namespace
-
-PackedSensor packSensor(const Sensor& sensor, std::uint32_t tile_samples) {
-  PackedSensor packed;
-  const auto samples = static_cast<std::uint32_t>(sensor.samples_per_taxel);
-  const auto num_taxels = static_cast<std::uint32_t>(numTaxels(sensor));
-  packed.one_patch = sensor.patches.size() == 1;
-  packed.one_grid = packed.one_patch && sensor.psf.sigma == 0;
-  packed.turns_shear = sensor.psf.sigma > 0 && hasFriction(sensor.skin);
+// Patches, and how high and low their corners lie in S.
+void packPatches(const Sensor& sensor, PackedSensor& packed) {
   const std::vector<double> view_depths = viewDepths(sensor);
   std::uint32_t first_taxel = 0;
   double highest = -std::numeric_limits<double>::infinity();
@@ -176,15 +80,14 @@ PackedSensor packSensor(const Sensor& sensor, std::uint32_t tile_samples) {
   for (const GridPatch& patch : sensor.patches) {
     const Pose X_PS = inverse(patch.X_SP);
     const std::array<double, 9> rotation = rotationMatrix(X_PS.rotation);
-    const double dx = patch.pitch[0] / samples;
-    const double dy = patch.pitch[1] / samples;
+    const double dx = patch.pitch[0] / sensor.samples_per_taxel;
+    const double dy = patch.pitch[1] / sensor.samples_per_taxel;
     packed.patches.push_back({row(rotation, X_PS.position, 0),
                               row(rotation, X_PS.position, 1),
                               row(rotation, X_PS.position, 2),
                               {static_cast<std::uint32_t>(patch.num_rows), static_cast<std::uint32_t>(patch.num_cols), first_taxel, 0u},
                               {static_cast<float>(dx), static_cast<float>(dy), static_cast<float>(dx * dy),
                                static_cast<float>(std::min(view_depths[packed.patches.size()], kEndless))}});
-    addTiles(patch, static_cast<std::uint32_t>(packed.patches.size()) - 1, std::max(1u, tile_samples / (samples * samples)), packed.tiles);
     first_taxel += static_cast<std::uint32_t>(patch.num_rows * patch.num_cols);
     for (const double sx : {-0.5, 0.5}) {
       for (const double sy : {-0.5, 0.5}) {
@@ -194,26 +97,30 @@ PackedSensor packSensor(const Sensor& sensor, std::uint32_t tile_samples) {
       }
     }
   }
+  packed.highest = static_cast<float>(highest);
+  packed.lowest = static_cast<float>(lowest);
+}
+
+// Tiles of all patches, and the partial sums of passes, which follow from the sensor alone so that no other choice changes a sum.
+void packTiles(const Sensor& sensor, std::uint32_t tile_samples, PackedSensor& packed) {
+  const auto num_taxels = static_cast<std::uint32_t>(numTaxels(sensor));
+  const auto per_side = static_cast<std::uint32_t>(sensor.samples_per_taxel);
+  const std::uint32_t per_taxel = per_side * per_side;
+  std::uint32_t patch_number = 0;
+  for (const GridPatch& patch : sensor.patches) addTiles(patch, patch_number++, std::max(1u, tile_samples / per_taxel), packed.tiles);
   for (const layout::TileRecord& tile : packed.tiles) {
-    packed.max_tile_samples = std::max(packed.max_tile_samples, tile.size.x * tile.size.y * samples * samples);
+    packed.max_tile_samples = std::max(packed.max_tile_samples, tile.size.x * tile.size.y * per_taxel);
   }
-  // Some sixteen taxels a lane, so that a lane has work and a large sensor's lanes are many.
-  constexpr std::uint32_t kTaxelsPerLane = 16;
-  constexpr std::uint32_t kMaxLanes = 64;
-  const std::uint32_t most_taxels = packed.one_patch ? num_taxels : packed.max_tile_samples / (samples * samples);
-  packed.contact_lanes = std::clamp(std::bit_ceil(most_taxels / kTaxelsPerLane), 8u, kMaxLanes);
+  // A lane sums some sixteen taxels: enough work for a lane, and enough lanes for a large sensor.
+  constexpr std::uint32_t kTaxelsPerLane = 16, kMinLanes = 8, kMaxLanes = 64;
+  const std::uint32_t max_taxels = packed.one_patch ? num_taxels : packed.max_tile_samples / per_taxel;
+  packed.contact_lanes = std::clamp(std::bit_ceil(max_taxels / kTaxelsPerLane), kMinLanes, kMaxLanes);
   const std::uint32_t rows = packed.one_grid ? static_cast<std::uint32_t>(sensor.patches.front().num_rows)
                                              : (num_taxels + layout::kListCols - 1) / layout::kListCols;
   packed.image_lanes = std::min(std::bit_ceil(rows), kMaxLanes);
-  packed.flat = packed.one_patch && sensor.patches.front().X_SP == Pose{};
-  packed.searches_in_tile = packed.tiles.size() == 1 && packed.patches.front().row2.z == 1.0f;
-  packTaxels(sensor, packed.one_patch, packed.taxels);
+}
 
-  sensor.psf.sigma > 0 ? packSkinSpread(sensor, packed) : packSpread(sensor, packed);
-  packLag(sensor.readout, packed);
-
-  layout::SensorRecord& record = packed.sensor;
-  const Readout& readout = sensor.readout;
+void packCurve(const Readout& readout, layout::SensorRecord& record) {
   for (std::size_t m = 0; m < readout.curve.size(); ++m) {
     (m < 4 ? record.curve0[static_cast<int>(m)] : record.curve1.x) = static_cast<float>(readout.curve[m]);
   }
@@ -224,13 +131,32 @@ PackedSensor packSensor(const Sensor& sensor, std::uint32_t tile_samples) {
     record.curve_pieces[k] = glm::dvec4(begin.force, begin.counts, slope, 1 / slope);
     begin = end;
   }
-  const Pose X_SC = packed.one_patch ? sensor.patches.front().X_SP : Pose{};
+}
+
+// The frame of moments.
+void packChart(const Pose& X_SC, layout::SensorRecord& record) {
   const std::array<double, 9> rotation = rotationMatrix(X_SC.rotation);
   record.X_SC_row0 = row(rotation, X_SC.position, 0);
   record.X_SC_row1 = row(rotation, X_SC.position, 1);
   record.X_SC_row2 = row(rotation, X_SC.position, 2);
-  packed.highest = static_cast<float>(highest);
-  packed.lowest = static_cast<float>(lowest);
+}
+
+}  // namespace
+
+PackedSensor packSensor(const Sensor& sensor, std::uint32_t tile_samples) {
+  PackedSensor packed;
+  packed.one_patch = sensor.patches.size() == 1;
+  packed.one_grid = packed.one_patch && sensor.psf.sigma == 0;
+  packed.rotates_shear = sensor.psf.sigma > 0 && hasFriction(sensor.skin);
+  packed.flat = packed.one_patch && sensor.patches.front().X_SP == Pose{};
+  packPatches(sensor, packed);
+  packTiles(sensor, tile_samples, packed);
+  packed.searches_in_tile = packed.tiles.size() == 1 && packed.patches.front().row2.z == 1.0f;
+  packTaxels(sensor, packed.one_patch, packed.taxels);
+  packSpread(sensor, packed);
+  packLag(sensor.readout, packed);
+  packCurve(sensor.readout, packed.sensor);
+  packChart(packed.one_patch ? sensor.patches.front().X_SP : Pose{}, packed.sensor);
   return packed;
 }
 

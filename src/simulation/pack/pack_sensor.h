@@ -1,4 +1,4 @@
-// A sensor -> the records that the passes read, and how its taxels are cut into tiles.
+// A sensor -> the records that the passes read, and the tiles of its taxels.
 #pragma once
 
 #include <algorithm>
@@ -15,8 +15,8 @@ struct PackedSensor {
   std::vector<layout::PatchRecord> patches;
   std::vector<layout::TileRecord> tiles;
   std::vector<layout::TaxelRecord> taxels;
-  // The kernel of one patch, or pairs (entries x num_taxels) of source (as bits) and weight, then as many of cosine and sine
-  // (turnAlongSkin()) where shear turns.
+  // The kernel of one patch, or pairs (num_entries x num_taxels) of source (as bits) and weight; where shear turns, then as many pairs of
+  // cosine and sine (turnAlongSkin()).
   std::vector<glm::vec4> spread_rows;
   std::uint32_t num_entries = 0;       // per taxel
   std::vector<float> spread_scale;     // (num_taxels): what a source gives to the spread per newton
@@ -26,13 +26,13 @@ struct PackedSensor {
   std::uint32_t num_states = 0;        // of stage 4 per taxel, shaders/readout/lag.glsl
   bool one_patch = false;
   bool one_grid = false;          // one patch whose spread is a kernel
-  bool turns_shear = false;       // spread by distance, of a skin with friction
+  bool rotates_shear = false;     // spread by distance, of a skin with friction
   bool flat = false;              // the one patch's frame is the sensor's
   float highest = 0, lowest = 0;  // z in S of the corners of patches, m
-  // The load search can move a tile's heights instead of its objects: one tile, facing along z of S.
+  // One tile that faces along z of S: a load search moves its heights instead of its objects.
   bool searches_in_tile = false;
 
-  // Some source near a border gives more to the taxels that are there.
+  // Whether some source near a border gives more to the taxels inside.
   bool scalesSpread() const {
     return std::any_of(spread_scale.begin(), spread_scale.end(), [](float scale) { return scale != 1; });
   }

@@ -1,0 +1,191 @@
+#include "characterize/stamp_selection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "characterize/clipped_mean.h"
+
+namespace taxelsim {
+namespace {
+
+using namespace stamp_own;
+using namespace stamp_shared;
+
+constexpr std::size_t kLeastImagesForGains = 6;
+
+// Standard deviation (counts) of unclipped readings.
+double noiseOf(const StampModel& model, const StampFit& found) {
+  double squares = 0, count = 0;
+  for (std::size_t g = 0; g < model.stamps.size(); ++g) {
+    for (std::size_t k = 0; k < model.stamps[g].taxels.size(); ++k) {
+      const double counts = model.stamps[g].image[model.stamps[g].taxels[k]];
+      if (found.fit.outlier[g][k] || counts <= 0 || counts >= model.curve.top) continue;
+      squares += found.fit.residual[g][k] * found.fit.residual[g][k];
+      ++count;
+    }
+  }
+  const double used = static_cast<double>(found.fit.num_rows - found.fit.num_outliers);
+  const double freedom = std::max(1.0, count - (used - static_cast<double>(found.fit.degrees_of_freedom)));
+  return std::max(kLeastNoise, std::sqrt(squares / freedom));
+}
+
+// Standard deviation of the press gain, from the best scale of each image; 0 if noise alone explains the scatter (chi-squared test).
+double pressSpread(const StampModel& model, const StampFit& found) {
+  constexpr double kStep = 1e-4;  // relative
+  double squares = 0, expected = 0, chi = 0;
+  const auto count = static_cast<double>(model.stamps.size());
+  for (std::size_t g = 0; g < model.stamps.size(); ++g) {
+    double product = 0, power = 0;
+    for (const std::size_t t : model.stamps[g].taxels) {
+      const double counts = model.stamps[g].image[t], force = gainOf(model, found, t) * found.force[g][t];
+      if (counts <= 0 || counts >= model.curve.top) continue;
+      const auto output = [&](double press) { return outputOf(model, found.fit.shared, press * force); };
+      const double growth = (output(1 + kStep) - output(1 - kStep)) / (2 * kStep);
+      product += (counts - output(1)) * growth;
+      power += growth * growth;
+    }
+    if (!(power > 0)) continue;
+    const double off = product / power, variance = model.curve.noise * model.curve.noise / power;
+    squares += off * off, expected += variance, chi += off * off / variance;
+  }
+  const bool significant = model.stamps.size() >= 3 && chi > count + 4 * std::sqrt(2 * count);
+  return significant ? std::sqrt(std::max(0.0, squares - expected) / (count - 1)) : 0;
+}
+
+// Start values: position at the centroid of the image, yaw 0, no tilt.
+std::vector<std::vector<double>> startOf(const StampModel& model) {
+  const std::vector<Vector3> positions = taxelPositions(*model.sensor);
+  std::vector<std::vector<double>> own;
+  for (const Stamp& stamp : model.stamps) {
+    double x = 0, y = 0, sum = 0;
+    for (std::size_t t = 0; t < stamp.image.size(); ++t) {
+      x += stamp.image[t] * positions[t][0], y += stamp.image[t] * positions[t][1], sum += stamp.image[t];
+    }
+    own.push_back({x / sum, y / sum, 0, 0, 0, 1});
+  }
+  return own;
+}
+
+class Selection {
+ public:
+  explicit Selection(StampModel& model) : model_(model) {}
+
+  StampFit run(std::vector<std::string>& remarks);
+
+ private:
+  StampFit fitted(const StampModel& model, const StampFit& from) const {
+    StampFit result = fitStampModel(model, from.fit.shared, from.fit.own);
+    result.curve = from.curve;
+    return result;
+  }
+  // Updates the noise, refits, and updates the noise again.
+  void refit(StampModel& model, StampFit& found) const {
+    model.curve.noise = noiseOf(model, found);
+    found = fitted(model, found);
+    model.curve.noise = noiseOf(model, found);
+  }
+  // Accepts the larger model, with `more` additional parameters, if an F test rejects the current one.
+  bool acceptIfBetter(const StampModel& larger, StampFit other, double more, StampFit& found) const {
+    const double noise = noiseOf(larger, other), freedom = static_cast<double>(other.fit.degrees_of_freedom);
+    if (!isBetterFit(cutSquares(found.fit, noise), cutSquares(other.fit, noise), more, freedom)) return false;
+    model_ = larger;
+    model_.curve.noise = noise;
+    found = std::move(other);
+    return true;
+  }
+  // Tries a curve with a limit (voltage divider), and one with a limit and a quadratic term x + b x^2, b >= 0.
+  void bendCurve(StampFit& found) const;
+  // Fits gains of presses if they differ significantly. Their prior's width is estimated from the gains themselves (empirical Bayes).
+  void fitPressGains(StampModel& model, StampFit& found) const;
+  void chooseCurveOrPresses(StampFit& found);
+
+  StampModel& model_;
+};
+
+void Selection::fitPressGains(StampModel& model, StampFit& found) const {
+  // More rounds would let press gains absorb the misfit of the rest of the model.
+  constexpr int kRounds = 2;
+  model.press_spread = pressSpread(model, found);
+  const auto count = static_cast<double>(model.stamps.size());
+  for (int round = 0; model.press_spread > 0 && round < kRounds; ++round) {
+    refit(model, found);
+    double squares = 0;
+    for (std::size_t g = 0; g < model.stamps.size(); ++g) {
+      squares += (found.fit.own[g][kPress] - 1) * (found.fit.own[g][kPress] - 1) + found.fit.own_variance[g][kPress];
+    }
+    const double before = std::exchange(model.press_spread, std::sqrt(squares / count));
+    if (std::abs(model.press_spread - before) < 0.02 * before) break;
+  }
+}
+
+void Selection::bendCurve(StampFit& found) const {
+  StampModel limited = model_, bent = model_;
+  limited.curve.divider = bent.curve.divider = true;
+  bent.curve.num_bends = 1;
+  // New parameters are inserted before the gains and start at 0.
+  const auto start = [&](std::size_t count) {
+    std::vector<double> shared = found.fit.shared;
+    shared.insert(shared.begin() + kCurve, count, 0.0);
+    return shared;
+  };
+  StampFit with_limit = fitStampModel(limited, start(1), found.fit.own), with_both = fitStampModel(bent, start(2), found.fit.own);
+  const bool taken = acceptIfBetter(limited, std::move(with_limit), 1, found);
+  if (acceptIfBetter(bent, std::move(with_both), taken ? 1 : 2, found) || taken) refit(model_, found);
+}
+
+// Press gains and a bent curve explain the same residuals. Keeps the curve if it reduces the spread of press gains significantly, at a
+// level of 0.05 because presses are few.
+void Selection::chooseCurveOrPresses(StampFit& found) {
+  StampModel straight = model_;
+  StampFit straight_fit = found;
+  bendCurve(found);
+  const std::size_t num_curve_numbers = model_.curve.lag();
+  if (num_curve_numbers > 0) found.curve = found.fit;
+  fitPressGains(straight, straight_fit);
+  if (!(straight.press_spread > 0)) return;
+  fitPressGains(model_, found);
+  const auto presses = static_cast<double>(model_.stamps.size() - 1), more = static_cast<double>(num_curve_numbers);
+  if (num_curve_numbers > 0 && !isBetterFit(presses * straight.press_spread * straight.press_spread,
+                                            presses * model_.press_spread * model_.press_spread, more, presses - more, kOneInTwenty)) {
+    model_ = std::move(straight);
+    found = std::move(straight_fit);
+  }
+}
+
+StampFit Selection::run(std::vector<std::string>& remarks) {
+  double counts = 0, load = 0;
+  for (const Stamp& stamp : model_.stamps) {
+    for (const double value : stamp.image) counts += value;
+    load += stamp.data->load;
+  }
+  model_.chooseTaxels(false);
+  StampFit found = fitStampModel(model_, {0.6 * model_.sigmaUnit(), counts / load, 0, std::log(model_.foundation.normal_contact_stiffness)},
+                                 startOf(model_));
+  model_.curve.noise = noiseOf(model_, found);
+  model_.chooseTaxels(true);
+  found = fitted(model_, found);
+  model_.curve.noise = noiseOf(model_, found);
+  model_.with_gains = model_.stamps.size() >= kLeastImagesForGains;
+  if (model_.with_gains) refit(model_, found);
+  chooseCurveOrPresses(found);
+
+  StampModel tilted = model_;
+  tilted.with_tilt = true;
+  if (acceptIfBetter(tilted, fitted(tilted, found), 2.0 * static_cast<double>(model_.stamps.size()), found)) {
+    remarks.emplace_back("stamps are tilted significantly: their slopes are fitted");
+  }
+  return found;
+}
+
+}  // namespace
+
+double gainOf(const StampModel& model, const StampFit& found, std::size_t taxel) {
+  return found.fit.shared[model.gainsAt() + taxel];
+}
+
+StampFit selectStampModel(StampModel& model, std::vector<std::string>& remarks) {
+  return Selection(model).run(remarks);
+}
+
+}  // namespace taxelsim

@@ -1,0 +1,275 @@
+#include "figures/tactile_panel.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace taxelsim::figures {
+namespace {
+
+// Viridis (Smith, van der Walt and Firing, 2015) at eleven equidistant places: perceptually uniform, readable in grey and with colour
+// vision deficiency.
+constexpr std::array<Colour, 11> kViridis{rgb(0x440154), rgb(0x482475), rgb(0x414487), rgb(0x355f8d), rgb(0x2a788e), rgb(0x21918c),
+                                          rgb(0x22a884), rgb(0x44bf70), rgb(0x7ad151), rgb(0xbddf26), rgb(0xfde725)};
+// For differences: equal lightness on both sides of 0.
+constexpr std::array<Colour, 5> kBlueToRed{rgb(0x2b5fa8), rgb(0x8fb3dd), rgb(0xeeeff1), rgb(0xe8a58f), rgb(0xb5372b)};
+constexpr double kDarkTextFrom = 0.52;  // luminance of a cell above which dark text has more contrast than white
+
+// Lengths in points.
+constexpr double kSmallestValue = 5.5, kLargestValue = 12;  // type sizes in cells
+constexpr double kPanelLength = 300;                        // longer side of a panel
+constexpr double kSmallestPanel = 90;                       // shorter side, for the captions
+
+// Interpolates equidistant colours at t, 0 to 1.
+Colour along(std::span<const Colour> colours, double t) {
+  const double place = std::clamp(t, 0.0, 1.0) * static_cast<double>(colours.size() - 1);
+  const std::size_t i = std::min(static_cast<std::size_t>(place), colours.size() - 2);
+  const double f = place - static_cast<double>(i);
+  const auto mix = [f](double from, double to) { return from + f * (to - from); };
+  return {mix(colours[i].red, colours[i + 1].red), mix(colours[i].green, colours[i + 1].green), mix(colours[i].blue, colours[i + 1].blue)};
+}
+
+double luminance(const Colour& c) {
+  return 0.2126 * c.red + 0.7152 * c.green + 0.0722 * c.blue;
+}
+
+std::string valueText(double value) {
+  return value == std::round(value) && std::abs(value) < 1e6 ? fmt::format("{:.0f}", value) : fmt::format("{:.3g}", value);
+}
+
+// Bounding box of all outlines, m.
+struct Extent {
+  std::array<double, 2> low, high;
+};
+
+Extent extentOf(const std::vector<TaxelOutline>& outlines) {
+  Extent extent{outlines.front().front(), outlines.front().front()};
+  for (const TaxelOutline& outline : outlines) {
+    for (const auto& corner : outline) {
+      for (std::size_t axis = 0; axis < 2; ++axis) {
+        extent.low[axis] = std::min(extent.low[axis], corner[axis]);
+        extent.high[axis] = std::max(extent.high[axis], corner[axis]);
+      }
+    }
+  }
+  return extent;
+}
+
+// The cell size is that of the smallest outline, so that values fit into all.
+PanelSize sizeOfOutlines(const std::vector<TaxelOutline>& outlines) {
+  const Extent extent = extentOf(outlines);
+  const double along_x = extent.high[0] - extent.low[0], along_y = extent.high[1] - extent.low[1];
+  double scale = kPanelLength / std::max(along_x, along_y);
+  scale *= std::clamp(kSmallestPanel / (scale * std::min(along_x, along_y)), 1.0, 2.0);
+  double side = std::max(along_x, along_y);
+  for (const TaxelOutline& o : outlines) {
+    side = std::min({side, std::hypot(o[1][0] - o[0][0], o[1][1] - o[0][1]), std::hypot(o[3][0] - o[0][0], o[3][1] - o[0][1])});
+  }
+  return {side * scale, side * scale, along_y * scale, along_x * scale};
+}
+
+// Calls function(row, column, value, colour) for every cell that has a value.
+template <typename Function>
+void eachCell(const TactilePanel& panel, const ColourScale& scale, Function function) {
+  for (int i = 0; i < panel.num_rows; ++i) {
+    for (int j = 0; j < panel.num_cols; ++j) {
+      const double value = panel.values[static_cast<std::size_t>(i) * panel.num_cols + j];
+      if (std::isfinite(value)) function(i, j, value, scale.at(value));
+    }
+  }
+}
+
+// Calls function(corners in points, value, colour) for every outline that has a value.
+template <typename Function>
+void eachOutline(const TactilePanel& panel, const PanelSize& size, const ColourScale& colours, Function function) {
+  const Extent extent = extentOf(panel.outlines);
+  const double scale = size.height / (extent.high[0] - extent.low[0]);
+  for (std::size_t t = 0; t < panel.outlines.size(); ++t) {
+    if (!std::isfinite(panel.values[t])) continue;
+    TaxelOutline corners = panel.outlines[t];
+    for (auto& [x, y] : corners) {
+      const double down = (x - extent.low[0]) * scale;
+      x = (y - extent.low[1]) * scale;
+      y = down;
+    }
+    function(corners, panel.values[t], colours.at(panel.values[t]));
+  }
+}
+
+void drawOutlines(const Canvas& canvas, const TactilePanel& panel, const PanelSize& size, const ColourScale& scale) {
+  eachOutline(panel, size, scale, [&](const TaxelOutline& corners, double, const Colour& colour) {
+    for (const auto& [x, y] : corners) cairo_line_to(canvas, x, y);
+    cairo_close_path(canvas);
+    canvas.colour(colour);
+    cairo_fill_preserve(canvas);
+    canvas.colour(kPaper);
+    cairo_set_line_width(canvas, 0.7);
+    cairo_stroke(canvas);
+  });
+}
+
+void drawCells(const Canvas& canvas, const TactilePanel& panel, const PanelSize& size, const ColourScale& scale) {
+  if (!panel.outlines.empty()) return drawOutlines(canvas, panel, size, scale);
+  canvas.colour(kGap);
+  cairo_rectangle(canvas, 0, 0, size.width, size.height);
+  cairo_fill(canvas);
+  const double gap = std::min(0.5, 0.03 * size.cell_width);
+  eachCell(panel, scale, [&](int i, int j, double, const Colour& colour) {
+    canvas.colour(colour);
+    cairo_rectangle(canvas, j * size.cell_width + gap, i * size.cell_height + gap, size.cell_width - 2 * gap, size.cell_height - 2 * gap);
+    cairo_fill(canvas);
+  });
+}
+
+// Writes values with a halo of the cell's colour, if the widest value fits into a cell.
+void drawValues(const Canvas& canvas, const TactilePanel& panel, const PanelSize& size, const ColourScale& scale) {
+  canvas.font(kLargestValue);
+  const double fit = std::min(0.8 * size.cell_width / canvas.widthOf(valueText(scale.is_signed ? -scale.max : scale.max)),
+                              0.5 * size.cell_height / kLargestValue);
+  const double type = std::min(kLargestValue * fit, kLargestValue);
+  if (type < kSmallestValue) return;
+  canvas.font(type);
+  const auto write = [&](double x, double y, double value, const Colour& colour) {
+    if (value == 0) return;
+    const std::string text = valueText(value);
+    cairo_move_to(canvas, x - canvas.widthOf(text) / 2, y + 0.36 * type);
+    cairo_text_path(canvas, text.c_str());
+    canvas.colour(colour);
+    cairo_set_line_width(canvas, 0.22 * type);
+    cairo_stroke_preserve(canvas);
+    canvas.colour(luminance(colour) > kDarkTextFrom ? kInk : kPaper);
+    cairo_fill(canvas);
+  };
+  if (!panel.outlines.empty()) {
+    eachOutline(panel, size, scale, [&](const TaxelOutline& c, double value, const Colour& colour) {
+      write((c[0][0] + c[2][0]) / 2, (c[0][1] + c[2][1]) / 2, value, colour);
+    });
+    return;
+  }
+  eachCell(panel, scale, [&](int i, int j, double value, const Colour& colour) {
+    write((j + 0.5) * size.cell_width, (i + 0.5) * size.cell_height, value, colour);
+  });
+}
+
+// Boundary between taxels above 0 and the others.
+void drawContour(const Canvas& canvas, const TactilePanel& panel, const PanelSize& size) {
+  const auto touched = [&](int i, int j) {
+    return i >= 0 && j >= 0 && i < panel.num_rows && j < panel.num_cols &&
+           panel.values[static_cast<std::size_t>(i) * panel.num_cols + j] > 0;
+  };
+  for (int i = 0; i <= panel.num_rows; ++i) {
+    for (int j = 0; j <= panel.num_cols; ++j) {
+      const double x = j * size.cell_width, y = i * size.cell_height;
+      if (touched(i, j) != touched(i - 1, j)) {
+        cairo_move_to(canvas, x, y);
+        cairo_line_to(canvas, x + size.cell_width, y);
+      }
+      if (touched(i, j) != touched(i, j - 1)) {
+        cairo_move_to(canvas, x, y);
+        cairo_line_to(canvas, x, y + size.cell_height);
+      }
+    }
+  }
+  canvas.colour(kContour);
+  cairo_set_line_width(canvas, 2.2);
+  cairo_stroke(canvas);
+}
+
+// Principal axes of the contact, two standard deviations to each side, and a dot at its centre.
+void drawAxes(const Canvas& canvas, const TactilePanel& panel, const PanelSize& size) {
+  if (!panel.axes) return;
+  const ContactAxes& axes = *panel.axes;
+  const auto place = [&](double x, double y) {
+    return std::array{(y / panel.pitch[1] + 0.5 * panel.num_cols) * size.cell_width,
+                      (x / panel.pitch[0] + 0.5 * panel.num_rows) * size.cell_height};
+  };
+  cairo_save(canvas);
+  cairo_rectangle(canvas, 0, 0, size.width, size.height);
+  cairo_clip(canvas);
+  for (int k = 0; k < 2; ++k) {
+    const double half = 2 * std::sqrt(std::max(axes.eigenvalues[k], 0.0));
+    const double angle = axes.angle + k * std::numbers::pi / 2;
+    const auto from = place(axes.centre[0] - half * std::cos(angle), axes.centre[1] - half * std::sin(angle));
+    const auto to = place(axes.centre[0] + half * std::cos(angle), axes.centre[1] + half * std::sin(angle));
+    for (const auto& [colour, halo] : {std::pair{kPaper, 1.4}, std::pair{kAxis, 0.0}}) {
+      cairo_move_to(canvas, from[0], from[1]);
+      cairo_line_to(canvas, to[0], to[1]);
+      canvas.colour(colour);
+      cairo_set_line_width(canvas, (k == 0 ? 2.8 : 1.6) + halo);
+      cairo_stroke(canvas);
+    }
+  }
+  const auto centre = place(axes.centre[0], axes.centre[1]);
+  cairo_arc(canvas, centre[0], centre[1], 3.4, 0, 2 * std::numbers::pi);
+  canvas.colour(kPaper);
+  cairo_fill_preserve(canvas);
+  canvas.colour(kAxis);
+  cairo_set_line_width(canvas, 1.8);
+  cairo_stroke(canvas);
+  cairo_restore(canvas);
+}
+
+// Lines across the whole image.
+void drawLines(const Canvas& canvas, const TactilePanel& panel, const PanelSize& size) {
+  cairo_save(canvas);
+  cairo_rectangle(canvas, 0, 0, size.width, size.height);
+  cairo_clip(canvas);
+  std::array<double, 2> low{-0.5 * panel.num_rows * panel.pitch[0], -0.5 * panel.num_cols * panel.pitch[1]};
+  std::array<double, 2> scale{size.cell_height / panel.pitch[0], size.cell_width / panel.pitch[1]};
+  if (!panel.outlines.empty()) {
+    const Extent extent = extentOf(panel.outlines);
+    low = extent.low;
+    scale.fill(size.height / (extent.high[0] - extent.low[0]));
+  }
+  const double half = size.width + size.height;  // points: beyond every corner
+  for (const TactileLine& line : panel.lines) {
+    const double x = (line.through[1] - low[1]) * scale[1], y = (line.through[0] - low[0]) * scale[0];
+    const double dx = half * std::sin(line.angle), dy = half * std::cos(line.angle);
+    for (const auto& [colour, halo] : {std::pair{kPaper, 1.6}, std::pair{line.colour, 0.0}}) {
+      cairo_move_to(canvas, x - dx, y - dy);
+      cairo_line_to(canvas, x + dx, y + dy);
+      canvas.colour(colour);
+      cairo_set_line_width(canvas, 2.4 + halo);
+      cairo_stroke(canvas);
+    }
+  }
+  cairo_restore(canvas);
+}
+
+}  // namespace
+
+Colour ColourScale::at(double value) const {
+  return along(colours, (value - low()) / (top() - low()));
+}
+
+ColourScale valueScale() {
+  return {.colours = kViridis, .max = 0, .is_signed = false};
+}
+
+ColourScale differenceScale() {
+  return {.colours = kBlueToRed, .max = 0, .is_signed = true};
+}
+
+PanelSize sizeOf(const TactilePanel& panel) {
+  if (!panel.outlines.empty()) return sizeOfOutlines(panel.outlines);
+  const double along_y = panel.num_cols * panel.pitch[1], along_x = panel.num_rows * panel.pitch[0];
+  double scale = kPanelLength / std::max(along_x, along_y);
+  // Enlarges a narrow strip, up to twice, so that captions fit.
+  scale *= std::clamp(kSmallestPanel / (scale * std::min(along_x, along_y)), 1.0, 2.0);
+  return {panel.pitch[1] * scale, panel.pitch[0] * scale, along_y * scale, along_x * scale};
+}
+
+void drawPanel(const Canvas& canvas, const TactilePanel& panel, const PanelSize& size, const ColourScale& scale) {
+  drawCells(canvas, panel, size, scale);
+  if (panel.neighbours) {
+    drawAxes(canvas, panel, size);
+    drawContour(canvas, panel, size);
+  }
+  drawLines(canvas, panel, size);
+  if (panel.numbers) drawValues(canvas, panel, size, scale);
+}
+
+}  // namespace taxelsim::figures

@@ -1,0 +1,165 @@
+#include "simulation/batch_arrays.h"
+
+#include "shared/elastic_layer.h"
+#include "shared/features.h"
+
+namespace taxelsim {
+namespace {
+
+using Shape = const BatchShape&;
+using Count = std::uint64_t (*)(Shape);
+using IsRead = bool (*)(const OutputOptions&);
+
+template <typename Block>
+constexpr BatchArray input(const char* name, Count count) {
+  return {Block::kIndex, name, sizeof(typename Block::Element), count, gpu::Domain::kUpload};
+}
+
+template <typename Block>
+constexpr BatchArray internal(const char* name, Count count) {
+  return {Block::kIndex, name, sizeof(typename Block::Element), count, gpu::Domain::kDevice};
+}
+
+template <typename Block>
+constexpr BatchArray output(const char* name, Count count, IsRead is_read) {
+  return {Block::kIndex, name, sizeof(typename Block::Element), count, gpu::Domain::kDevice, is_read};
+}
+
+constexpr BatchArray perBatch(BatchArray array) {
+  array.per_instance = false;
+  return array;
+}
+
+constexpr bool always(const OutputOptions&) {
+  return true;
+}
+
+std::uint64_t countIf(bool condition, std::uint64_t count) {
+  return condition ? count : 0;
+}
+
+std::uint64_t taxels(Shape s) {
+  return s.model.num_taxels;
+}
+std::uint64_t tiles(Shape s) {
+  return s.model.packed.tiles.size();
+}
+std::uint64_t tileSamples(Shape s) {
+  return tiles(s) * s.model.packed.max_tile_samples;
+}
+std::uint64_t nodes(Shape s) {
+  return static_cast<std::uint64_t>(numTaxels(s.model.contact_sensor));
+}
+std::uint64_t slots(Shape s) {
+  return static_cast<std::uint64_t>(s.options.num_slots);
+}
+
+// Strain and overstresses of a sample of a skin that relaxes.
+std::uint64_t relaxationStates(Shape s) {
+  return s.model.relaxes() ? 1 + s.model.sensor.skin.relaxation.size() : 0;
+}
+
+std::uint64_t contactStates(Shape s) {
+  if (s.takesContacts()) return 0;
+  if (s.model.relaxes() && !s.model.layer) return tiles(s) * layout::kRelaxationHeader + relaxationStates(s) * tileSamples(s);
+  return countIf(s.model.law.has_state, tileSamples(s));
+}
+
+std::uint64_t frictionStates(Shape s) {
+  return countIf(s.hasFriction(), tiles(s) * layout::kFrictionHeader + (s.model.layer ? nodes(s) : tileSamples(s)));
+}
+
+// Pairs of words of all arrays over strips of nodes.
+std::uint64_t layerPairs(Shape s) {
+  if (!s.hasLayer()) return 0;
+  const std::uint64_t padded_nodes = s.model.layer->influence.size() / 2;
+  return (layout::kNumLayerArrays + relaxationStates(s)) * padded_nodes / 2;
+}
+
+std::uint64_t contactFeatures(Shape s) {
+  return 1 + std::uint64_t{layout::kNumContactFeatures} * numContactRows(s.model.packed_contact, s.options.max_regions);
+}
+std::uint64_t jacobianFeatures(Shape s) {
+  return std::uint64_t{layout::kNumJacobian} * numContactRows(s.model.packed_contact, 0);
+}
+
+constexpr BatchArray kArrays[] = {
+    input<block::Poses>("poses", [](Shape s) { return countIf(!s.takesContacts(), slots(s)); }),
+    input<block::Motions>("motions", [](Shape s) { return countIf(s.hasFriction(), slots(s)); }),
+    input<block::Instances>("instances", [](Shape) { return std::uint64_t{1}; }),
+    input<block::Loads>("loads", [](Shape) { return std::uint64_t{1}; }),
+    input<block::Contacts>("contacts", [](Shape s) { return static_cast<std::uint64_t>(s.options.max_contacts); }),
+    input<block::NumContacts>("num_contacts", [](Shape s) { return countIf(s.takesContacts(), 1); }),
+    perBatch(input<block::Step>("step", [](Shape) { return std::uint64_t{1}; })),
+
+    internal<block::Candidates>("candidates", [](Shape s) { return countIf(s.keeps_candidates, 1); }),
+    internal<block::CandidateQuads>("candidate quads", [](Shape s) { return countIf(s.keeps_candidates, layout::kMaxCandidates); }),
+    internal<block::WorkInstances>("work lists", [](Shape s) { return countIf(s.keeps_candidates, layout::kNumLists); }),
+    internal<block::State>("contact state", contactStates),
+    internal<block::LawState>("law state", [](Shape s) { return countIf(!s.model.law.taxel_passes.empty(), taxels(s)); }),
+    internal<block::FrictionState>("friction state", frictionStates),
+    internal<block::ContactNormal>("contact_normal", taxels),
+    internal<block::ContactShear>("contact_shear", [](Shape s) { return countIf(s.outputsShear(), 2 * taxels(s)); }),
+    internal<block::TaxelStates>("taxel states", [](Shape s) { return s.model.packed.num_states * taxels(s); }),
+    internal<block::TileResults>("tile_results", tiles),
+    internal<block::ImageWindows>("image windows",
+                                  [](Shape s) { return countIf(s.model.packed.one_grid && s.model.sensor.frame_rate == 0, 1); }),
+    internal<block::Heights>("heights", [](Shape s) { return countIf(s.hasLayer(), nodes(s)); }),
+    internal<block::Windows>("windows", [](Shape s) { return countIf(s.hasLayer(), s.model.contact_packed.tiles.size()); }),
+    internal<block::Layer>("layer", layerPairs),
+
+    internal<block::Forces>("forces", [](Shape s) { return countIf(s.outputsContactFeatures(), taxels(s)); }),
+    internal<block::TaxelRegions>("taxel regions", [](Shape s) { return countIf(s.outputsContactFeatures(), taxels(s)); }),
+    internal<block::RegionSums>("region sums",
+                                [](Shape s) { return countIf(s.outputsContactFeatures() && s.options.max_regions > 0, taxels(s)); }),
+    internal<block::Regions>(
+        "regions", [](Shape s) { return countIf(s.outputsContactFeatures(), static_cast<std::uint64_t>(s.options.max_regions)); }),
+
+    internal<block::ContactCells>("contact cells", [](Shape s) { return countIf(s.outputsJacobian() && !s.model.layer, taxels(s)); }),
+    internal<block::TileChanges>("tile changes",
+                                 [](Shape s) {
+                                   return countIf(s.outputsJacobian() && !s.model.layer,
+                                                  tiles(s) * s.model.packed.contact_lanes * layout::kTileChanges);
+                                 }),
+    internal<block::TaxelJacobian>("taxel Jacobian", [](Shape s) { return countIf(s.outputsJacobian(), 6 * taxels(s)); }),
+    internal<block::MaskedJacobian>("masked Jacobian",
+                                    [](Shape s) { return countIf(s.outputsJacobian() && s.model.hasMask(), 6 * taxels(s)); }),
+    internal<block::WrenchJacobian>("wrench Jacobian",
+                                    [](Shape s) { return countIf(s.outputsJacobian(), tiles(s) * layout::kNumWrenchJacobian); }),
+
+    output<block::ContactDepth>(
+        "penetration_depth", [](Shape s) { return countIf(s.options.outputs.penetration_depth, taxels(s)); },
+        [](const OutputOptions& o) { return o.penetration_depth; }),
+    output<block::Image>("tactile_image", taxels, always),
+    output<block::SpreadNormal>("tactile_normal_force", taxels, [](const OutputOptions& o) { return o.tactile_normal_force; }),
+    output<block::SpreadShear>(
+        "tactile_shear_force", [](Shape s) { return countIf(s.options.outputs.tactile_shear_force, 2 * taxels(s)); },
+        [](const OutputOptions& o) { return o.tactile_shear_force; }),
+    output<block::Features>(
+        "features", [](Shape) { return std::uint64_t{layout::kNumFeatures}; }, always),
+    output<block::ContactFeatures>(
+        "contact_features", [](Shape s) { return countIf(s.options.outputs.contact_features, contactFeatures(s)); },
+        [](const OutputOptions& o) { return o.contact_features; }),
+    output<block::CleanContactFeatures>(
+        "clean_contact_features", [](Shape s) { return countIf(s.options.outputs.clean_contact_features, contactFeatures(s)); },
+        [](const OutputOptions& o) { return o.clean_contact_features; }),
+    output<block::TactileJacobian>(
+        "tactile_jacobian", [](Shape s) { return countIf(s.options.outputs.tactile_jacobian, jacobianFeatures(s)); },
+        [](const OutputOptions& o) { return o.tactile_jacobian; }),
+    output<block::CleanTactileJacobian>(
+        "clean_tactile_jacobian",
+        [](Shape s) { return countIf(s.options.outputs.clean_tactile_jacobian, jacobianFeatures(s) + layout::kNumWrenchJacobian); },
+        [](const OutputOptions& o) { return o.clean_tactile_jacobian; }),
+    perBatch(output<block::Problems>(
+        "problems", [](Shape) { return std::uint64_t{1}; }, always)),
+    perBatch(output<block::Work>(
+        "work", [](Shape) { return std::uint64_t{layout::kNumLists + 1}; }, always)),
+};
+
+}  // namespace
+
+std::span<const BatchArray> batchArrays() {
+  return kArrays;
+}
+
+}  // namespace taxelsim

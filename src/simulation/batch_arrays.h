@@ -1,0 +1,43 @@
+// Every array of a batch in one table: its block, its size per instance, where it lives and whether it is read back.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "gpu/buffer.h"
+#include "simulation/model_data.h"
+#include "taxelsim/simulator.h"
+
+namespace taxelsim {
+
+// What the sizes depend on.
+struct BatchShape {
+  const ModelData& model;
+  const SimulatorOptions& options;
+  bool keeps_candidates = false;  // between steps
+
+  bool takesContacts() const { return options.max_contacts > 0; }
+  bool hasFriction() const { return model.hasFriction() && !takesContacts(); }
+  bool hasLayer() const { return model.layer.has_value() && !takesContacts(); }
+  bool outputsShear() const { return hasFriction() && options.outputs.tactile_shear_force; }
+  bool outputsContactFeatures() const { return options.outputs.contact_features || options.outputs.clean_contact_features; }
+  bool outputsJacobian() const { return options.outputs.tactile_jacobian || options.outputs.clean_tactile_jacobian; }
+};
+
+struct BatchArray {
+  std::size_t block_index;  // block::...::kIndex
+  const char* name;         // in messages and debuggers
+  std::size_t element_bytes;
+  std::uint64_t (*count)(const BatchShape&);  // elements per instance, or in all
+  gpu::Domain domain;
+  bool (*is_read)(const OutputOptions&) = nullptr;  // whether the host reads it; nullptr: it stays on the device
+  bool per_instance = true;
+
+  std::uint64_t bytes(const BatchShape& shape) const { return count(shape) * element_bytes; }
+  bool isReadable() const { return is_read != nullptr; }
+};
+
+std::span<const BatchArray> batchArrays();
+
+}  // namespace taxelsim

@@ -1,0 +1,102 @@
+#include "simulation/frame_graph.h"
+
+namespace taxelsim {
+namespace {
+
+using Candidates = FrameKind::Candidates;
+
+// Sensors that are not one tile facing along z of S search for loads with a pass of their own.
+bool searchesOverTiles(const ModelData& data, const FrameKind& kind) {
+  return kind.loads && !data.layer && !data.packed.searches_in_tile;
+}
+
+// Evaluates the contact pass at the offsets of the search until it has ended.
+void recordSearchOverTiles(const Model::Impl& model, Recorder& recorder, ContactPass::Variant variant) {
+  const bool with_jacobian = variant.with_jacobian;
+  variant.search = ContactInterface::kSearchOverTiles;
+  variant.with_jacobian = false;
+  for (std::uint32_t evaluation = 0; evaluation < LoadSearchPass::kNumFrameEvaluations; ++evaluation) {
+    model.contact.record(recorder, variant);
+    model.load_search.record(recorder);
+  }
+  // What the search leaves alone: the state of the samples and the Jacobian.
+  if (model.data.hasFriction() || model.data.relaxes() || with_jacobian) {
+    variant.search = ContactInterface::kSearchEnded;
+    variant.with_jacobian = with_jacobian;
+    model.contact.record(recorder, variant);
+  }
+}
+
+// Stages 1 and 2 from poses of objects.
+void recordObjects(const Model::Impl& model, const BatchShape& shape, Recorder& recorder, const FrameKind& kind) {
+  const bool coupled = model.data.layer.has_value();
+  // A globally coupled law needs heights only; its own pass writes the outputs.
+  ContactPass::Variant variant{.search = kind.loads ? ContactInterface::kSearchInTile : ContactInterface::kNoSearch,
+                               .many_slots = shape.options.num_slots > 1,
+                               .with_depth = !coupled && shape.options.outputs.penetration_depth,
+                               .with_shear = !coupled && shape.outputsShear(),
+                               .with_jacobian = !coupled && shape.outputsJacobian()};
+  if (kind.candidates != Candidates::kSkipped) model.candidates.record(recorder, variant.with_jacobian);
+  if (kind.candidates == Candidates::kUsed) {
+    variant.list = layout::kListCandidates;
+    model.contact.record(recorder, variant);
+  }
+  variant.list = shape.keeps_candidates && !kind.loads ? layout::kListWholeMesh : layout::kNumLists;
+  if (searchesOverTiles(model.data, kind)) {
+    recordSearchOverTiles(model, recorder, variant);
+  } else {
+    model.contact.record(recorder, variant);
+  }
+  if (coupled) {
+    model.elastic_layer->record(recorder, {.loads = kind.loads,
+                                           .many_slots = variant.many_slots,
+                                           .with_depth = shape.options.outputs.penetration_depth,
+                                           .with_shear = shape.outputsShear(),
+                                           .with_jacobian = shape.outputsJacobian()});
+  }
+  model.taxel_laws.record(recorder, shape.outputsShear());
+}
+
+// Stages 3 to 6.
+void recordImage(const Model::Impl& model, const BatchShape& shape, Recorder& recorder, const FrameKind& kind) {
+  const OutputOptions& outputs = shape.options.outputs;
+  model.image.record(recorder, {.random = kind.random,
+                                .whole_array = model.data.law.whole_array && !shape.takesContacts(),
+                                .with_normal = outputs.tactile_normal_force || outputs.clean_contact_features || shape.outputsJacobian(),
+                                .with_shear = shape.outputsShear()});
+  for (const bool clean : {false, true}) {
+    if (!(clean ? outputs.clean_contact_features : outputs.contact_features)) continue;
+    model.contact_features.record(recorder, {.clean = clean, .max_regions = shape.options.max_regions});
+  }
+  if (shape.outputsJacobian()) model.tactile_jacobian.recordTaxels(recorder);
+  for (const bool clean : {false, true}) {
+    if (!(clean ? outputs.clean_tactile_jacobian : outputs.tactile_jacobian)) continue;
+    model.tactile_jacobian.recordFeatures(recorder, {.clean = clean, .random = kind.random && !clean});
+  }
+}
+
+}  // namespace
+
+gpu::Commands recordFrame(const Model::Impl& model, const BatchShape& shape, const BatchBuffers& buffers, const FrameKind& kind) {
+  constexpr std::uint32_t kNumTimestamps = 3;
+  gpu::Commands commands(model.data.context(), "a frame", shape.options.device_clock ? kNumTimestamps : 0);
+  Recorder recorder{commands, {}, static_cast<std::uint64_t>(shape.options.num_instances)};
+  model.data.buffers.bindTo(recorder.bindings);
+  buffers.bindTo(recorder.bindings);
+
+  commands.barrier(gpu::Access::kHostWrite, gpu::Access::kKernel);
+  commands.timestamp(0);
+  if (shape.takesContacts()) {
+    model.contacts.record(recorder, shape.options.max_contacts);
+  } else {
+    recordObjects(model, shape, recorder, kind);
+  }
+  commands.timestamp(1);
+  recordImage(model, shape, recorder, kind);
+  commands.timestamp(2);
+  buffers.recordReadback(commands, shape.options.outputs);
+  commands.end();
+  return commands;
+}
+
+}  // namespace taxelsim

@@ -1,0 +1,28 @@
+// The order of the passes of a frame.
+#pragma once
+
+#include "gpu/commands.h"
+#include "simulation/batch_buffers.h"
+#include "simulation/model_impl.h"
+
+namespace taxelsim {
+
+// What the command lists of a batch differ in.
+struct FrameKind {
+  // Candidates of the contact pass, of batches that keep some.
+  enum class Candidates {
+    kSkipped,  // both passes are skipped: no instance has candidates, and the lists of block Work stay as they were
+    kKept,     // the passes run, and no instance has candidates from the step before
+    kUsed,     // the passes run, and some instance may have candidates from the step before
+  };
+
+  bool loads = false;   // some instance is driven by load
+  bool random = false;  // some instance draws noise or gains
+  Candidates candidates = Candidates::kSkipped;
+};
+
+// Commands of one frame, not finished; they may be submitted any number of times. Timestamps 0, 1, 2: before, between and after stages 1 to
+// 2 and 3 to 6. `shape` must be that of `buffers`.
+gpu::Commands recordFrame(const Model::Impl& model, const BatchShape& shape, const BatchBuffers& buffers, const FrameKind& kind);
+
+}  // namespace taxelsim

@@ -1,0 +1,128 @@
+#include "simulation/model_data.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "gpu/device_access.h"
+#include "shared/candidates.h"
+#include "simulation/passes/contact.h"
+#include "taxelsim/error.h"
+
+namespace taxelsim {
+namespace {
+
+SampleGrid sampleGrid(const Sensor& sensor, const PackedSensor& packed) {
+  double finest = std::numeric_limits<double>::infinity();
+  for (const GridPatch& patch : sensor.patches) finest = std::min({finest, patch.pitch[0], patch.pitch[1]});
+  std::uint32_t longest = 0;
+  for (const layout::TileRecord& tile : packed.tiles) longest = std::max({longest, tile.size.x, tile.size.y});
+  const auto per_taxel = static_cast<std::uint32_t>(sensor.samples_per_taxel);
+  return {finest / per_taxel, longest * per_taxel};
+}
+
+// An object's bounds in O with infinite ones cut, for the bracket of the load search.
+Bounds finiteBounds(const Object& object) {
+  constexpr double kReach = 1;  // m
+  Bounds bounds = boundsOf(object);
+  if (std::holds_alternative<Mesh>(object.shape)) return bounds;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    bounds.min[axis] = std::max(bounds.min[axis], -kReach);
+    bounds.max[axis] = std::min(bounds.max[axis], kReach);
+  }
+  return bounds;
+}
+
+ObjectKinds kindsOf(const std::vector<Object>& objects, const PackedObjects& packed) {
+  ObjectKinds kinds{.num_faces = packed.num_faces};
+  for (const Object& object : objects) {
+    if (const Mesh* mesh = std::get_if<Mesh>(&object.shape))
+      kinds.max_triangles = std::max<std::uint64_t>(kinds.max_triangles, mesh->triangles.size());
+  }
+  for (const layout::ObjectRecord& record : packed.objects) {
+    kinds.kinds |= 1u << record.kind_groups.x;
+    if (record.kind_groups.x != layout::kKindMesh) continue;
+    kinds.max_groups = std::max(kinds.max_groups, record.kind_groups.z);
+    kinds.triangle_sizes |= (record.kind_groups.w & layout::kLargeTriangles) == 0 ? 1u : 2u;
+  }
+  return kinds;
+}
+
+void uploadObjects(const PackedObjects& packed, ModelBuffers& buffers) {
+  buffers.upload<block::Objects>("objects", packed.objects);
+  buffers.upload<block::Groups>("groups", packed.groups);
+  buffers.upload<block::Clusters>("clusters", packed.clusters);
+  buffers.upload<block::Quads>("triangles", packed.quads);
+  buffers.upload<block::Faces>("faces", packed.faces);
+}
+
+void uploadSensor(const ModelData& model, ModelBuffers& buffers) {
+  const PackedSensor& packed = model.packed;
+  buffers.upload<block::SensorBlock>("sensor", {packed.sensor});
+  buffers.upload<block::Patches>("patches", model.contact_packed.patches);
+  buffers.upload<block::Tiles>("tiles", model.contact_packed.tiles);
+  buffers.upload<block::Taxels>("taxels", packed.taxels);
+  buffers.upload<block::SpreadRows>("spread rows", packed.spread_rows);
+  buffers.upload<block::SpreadScale>("spread scale", packed.spread_scale);
+  buffers.upload<block::Mask>("mask", model.hasMask() ? packMask(model.sensor) : std::vector<glm::vec2>(1));
+  buffers.upload<block::Planes>("planes", model.packed_contact.planes);
+  buffers.upload<block::Neighbours>("neighbours", model.packed_contact.neighbours);
+  if (model.layer) buffers.upload<block::Influence>("influence", model.layer->influence);
+}
+
+}  // namespace
+
+void ModelBuffers::upload(std::size_t block_index, const char* name, std::span<const std::byte> bytes) {
+  gpu::Buffer buffer = gpu::makeStaticBuffer(gpu::contextOf(device_), name, bytes);
+  const std::uint64_t max_buffer = device_.info().max_buffer;
+  if (buffer.size() > max_buffer) {
+    throw Error(ErrorKind::kInput, std::string(name) + " take " + std::to_string(buffer.size()) + " bytes, the device's buffers hold " +
+                                       std::to_string(max_buffer) + "; use simpler meshes or another device");
+  }
+  bytes_ += buffer.size();
+  buffers_[block_index] = std::move(buffer);
+}
+
+void ModelBuffers::bindTo(gpu::Bindings& bindings) const {
+  for (std::size_t index = 0; index < buffers_.size(); ++index) {
+    if (buffers_[index].size() > 0) bindings.bind(index, buffers_[index]);
+  }
+}
+
+ModelData::ModelData(const Device& opened, const ModelOptions& options)
+    : device(opened),
+      profile(opened.info(), gpu::contextOf(opened).hasInt64(), gpu::fastPaths()),
+      sensor((checkSensor(options.sensor), options.sensor)),
+      objects(options.objects),
+      buffers(opened) {
+  for (const Object& object : objects) {
+    checkObject(object);
+    bounds.push_back(finiteBounds(object));
+  }
+  const std::uint32_t tile_samples = maxTileSamples(device.info());
+  if (std::holds_alternative<ElasticLayer>(sensor.skin.law)) layer = packLayer(sensor);
+  // An elastic layer is cut into tiles only where its heights are found.
+  packed = packSensor(sensor, layer ? std::numeric_limits<std::uint32_t>::max() : tile_samples);
+  contact_sensor = layer ? layer->node_sensor : sensor;
+  contact_packed = layer ? packSensor(contact_sensor, tile_samples) : packed;
+  law = packLaw(sensor.skin, layer ? layer->reach : 0);
+  packed_contact = packContactFeatures(sensor);
+  num_taxels = static_cast<std::uint32_t>(numTaxels(sensor));
+
+  const PackedObjects packed_objects = packObjects(objects, sampleGrid(contact_sensor, contact_packed), profile.paths().polyhedra);
+  object_kinds = kindsOf(objects, packed_objects);
+  uploadObjects(packed_objects, buffers);
+  uploadSensor(*this, buffers);
+  keeps_candidates = profile.paths().candidates && object_kinds.max_groups >= layout::kMinGroups && contact_packed.one_grid &&
+                     contact_packed.tiles.size() == 1;
+  if (keeps_candidates) {
+    std::vector<glm::uvec4> empty(layout::kNumLists + 1, glm::uvec4(0, 1, 1, 0));
+    empty.back() = glm::uvec4(0);
+    buffers.upload<block::EmptyWork>("empty work lists", empty);
+  }
+}
+
+gpu::Context& ModelData::context() const {
+  return gpu::contextOf(device);
+}
+
+}  // namespace taxelsim

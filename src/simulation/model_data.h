@@ -1,0 +1,83 @@
+// What the passes of a model read: sensor and objects, packed and on the device, and what is known about the driver.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gpu/bindings.h"
+#include "gpu/buffer.h"
+#include "gpu/driver_profile.h"
+#include "simulation/pack/pack_contact_features.h"
+#include "simulation/pack/pack_law.h"
+#include "simulation/pack/pack_layer.h"
+#include "simulation/pack/pack_objects.h"
+#include "simulation/pack/pack_sensor.h"
+#include "simulation/passes/blocks.h"
+#include "simulation/tuning.h"
+#include "taxelsim/model.h"
+
+namespace taxelsim {
+
+// Device buffers that never change, by block.
+class ModelBuffers {
+ public:
+  explicit ModelBuffers(const Device& device) : device_(device) {}
+
+  // Throws Error(kInput) where the device's buffers are too small, Error(kDevice) where its memory is.
+  template <typename Block>
+  void upload(const char* name, const std::vector<typename Block::Element>& values) {
+    upload(Block::kIndex, name, std::as_bytes(std::span(values)));
+  }
+
+  std::uint64_t bytes() const { return bytes_; }
+  void bindTo(gpu::Bindings& bindings) const;
+
+ private:
+  void upload(std::size_t block_index, const char* name, std::span<const std::byte> bytes);
+
+  Device device_;
+  std::array<gpu::Buffer, block::kNumBlocks> buffers_;
+  std::uint64_t bytes_ = 0;
+};
+
+// What the contact pass is compiled for.
+struct ObjectKinds {
+  std::uint32_t kinds = 0;           // bit per kind of object
+  std::uint32_t triangle_sizes = 0;  // bit 0: meshes of small triangles, bit 1: of large ones
+  std::uint32_t num_faces = 1;       // of each polyhedron
+  std::uint32_t max_groups = 0;      // of clusters, of any mesh
+  std::uint64_t max_triangles = 0;   // of any mesh
+};
+
+struct ModelData {
+  // Throws as the constructor of Model.
+  ModelData(const Device& device, const ModelOptions& options);
+
+  gpu::Context& context() const;
+  bool hasFriction() const { return taxelsim::hasFriction(sensor.skin); }
+  bool relaxes() const { return !sensor.skin.relaxation.empty(); }
+  bool hasMask() const { return std::holds_alternative<DeformationMask>(sensor.skin.law); }
+
+  Device device;
+  gpu::DriverProfile profile;
+  Sensor sensor;
+  std::vector<Object> objects;
+  std::vector<Bounds> bounds;        // of the objects, in O; infinite ones cut at 1 m
+  std::optional<PackedLayer> layer;  // for the globally coupled law
+  PackedSensor packed;
+  // What the contact pass works on: the sensor, or the solver nodes of its layer as taxels.
+  Sensor contact_sensor;
+  PackedSensor contact_packed;
+  PackedLaw law;
+  PackedContactFeatures packed_contact;
+  std::uint32_t num_taxels = 0;
+  ObjectKinds object_kinds;
+  // Whether batches of one slot may keep candidates: shaders/keep_candidates.comp.
+  bool keeps_candidates = false;
+  ModelBuffers buffers;
+};
+
+}  // namespace taxelsim

@@ -1,0 +1,37 @@
+// Every array that passes bind, as a type: shaders/passes/blocks.h.
+#pragma once
+
+#include <cstddef>
+#include <glm/glm.hpp>
+
+#include "passes/blocks.h"
+#include "shared/batch.h"
+#include "shared/candidates.h"
+#include "shared/objects.h"
+#include "shared/sensor.h"
+
+namespace taxelsim::block {
+
+using namespace layout;  // NOLINT(google-build-using-namespace): names of records
+using glm::vec2;
+using Pair = glm::uvec2;  // shaders/driver/pairs.glsl
+
+enum class Number : std::size_t {
+#define BLOCK(Name, ElementType, declarator) k##Name,
+  ALL_BLOCKS
+#undef BLOCK
+      kCount
+};
+
+inline constexpr auto kNumBlocks = static_cast<std::size_t>(Number::kCount);
+
+#define BLOCK(Name, ElementType, declarator)                                  \
+  struct Name {                                                               \
+    using Element = ElementType;                                              \
+    static constexpr const char* kName = #Name;                               \
+    static constexpr auto kIndex = static_cast<std::size_t>(Number::k##Name); \
+  };
+ALL_BLOCKS
+#undef BLOCK
+
+}  // namespace taxelsim::block

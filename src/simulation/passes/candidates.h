@@ -1,0 +1,31 @@
+// Candidates, shaders/keep_candidates.comp and find_candidates.comp: which triangles the contact pass tests for an object that moves
+// slowly. They precede the contact pass.
+#pragma once
+
+#include "simulation/model_data.h"
+#include "simulation/passes/contact.h"
+#include "simulation/passes/kernel_cache.h"
+#include "simulation/passes/recorder.h"
+
+namespace taxelsim {
+
+class CandidatePasses {
+ public:
+  CandidatePasses(const ModelData& model, const ContactPass& contact) : model_(model), contact_(contact) {}
+
+  // Afterwards the lists of block Work say which instances the contact pass processes with candidates and which without.
+  void record(Recorder& recorder, bool with_jacobian) const;
+
+ private:
+  struct Kernels {
+    gpu::PassKernel<KeepCandidatesInterface> keep;
+    gpu::PassKernel<FindCandidatesInterface> find;
+  };
+  Kernels makeKernels(bool with_jacobian) const;
+
+  const ModelData& model_;
+  const ContactPass& contact_;
+  KernelCache<bool, Kernels> kernels_;  // by with_jacobian
+};
+
+}  // namespace taxelsim

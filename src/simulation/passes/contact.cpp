@@ -1,0 +1,138 @@
+#include "simulation/passes/contact.h"
+
+#include <algorithm>
+#include <string>
+
+#include "taxelsim/error.h"
+
+namespace taxelsim {
+namespace {
+
+// Samples of a tile: more would leave a GPU's core too few workgroups.
+constexpr std::uint32_t kMaxTileSamples = 6144;
+// Shared memory of the pass beside the tile, at most, in bytes: partial sums, planes and lists, for clusters of kGroupsPerBatch groups and
+// kMaxRepeat tiles.
+constexpr std::uint32_t kTileOverhead = 6912;
+constexpr std::uint32_t kGroupsPerBatch = 32;
+constexpr std::uint32_t kMinGroupsPerBatch = 16;
+constexpr std::uint32_t kMaxGroupsPerBatch = 128;
+
+std::uint32_t sharedBytes(std::uint32_t tile_samples, std::uint32_t groups, std::uint32_t repeat) {
+  const std::uint32_t more_groups = std::max(groups, kGroupsPerBatch) - kGroupsPerBatch;
+  const std::uint32_t more_tiles = std::max(repeat, kMaxRepeat) - kMaxRepeat;
+  return 4 * tile_samples + kTileOverhead + 4 * more_groups * (layout::kClustersPerGroup + 1) + 4 * more_tiles;
+}
+
+void checkFits(const DeviceInfo& info, std::uint32_t tile_samples, std::uint32_t groups, std::uint32_t repeat) {
+  const std::uint32_t bytes = sharedBytes(tile_samples, groups, repeat);
+  if (bytes <= info.shared_memory) return;
+  throw Error(ErrorKind::kInput, "tuning: groups_per_batch " + std::to_string(groups) + " with contact_repeat " + std::to_string(repeat) +
+                                     " is not allowed: takes up to " + std::to_string(bytes) + " bytes of shared memory, the device has " +
+                                     std::to_string(info.shared_memory));
+}
+
+std::uint32_t chooseGroupsPerBatch(const ModelData& model) {
+  std::uint32_t groups = kGroupsPerBatch;
+  if (!model.profile.prefersFewBarriers()) return groups;
+  // As many as a mesh has, if their lists fit beside the tile.
+  while (groups < std::min(kMaxGroupsPerBatch, model.object_kinds.max_groups) &&
+         sharedBytes(model.contact_packed.max_tile_samples, 2 * groups, 1) <= model.device.info().shared_memory) {
+    groups *= 2;
+  }
+  return groups;
+}
+
+// Loop iterations that one invocation alone would take for a tile.
+std::uint64_t iterationsOf(const ModelData& model) {
+  constexpr std::uint64_t kPerSample = 3, kPerSampleOfTorus = 48;  // of at most 96
+  const bool has_torus = (model.object_kinds.kinds & (1u << layout::kKindTorus)) != 0;
+  return 2 * model.object_kinds.max_triangles + model.contact_packed.max_tile_samples * (has_torus ? kPerSampleOfTorus : kPerSample);
+}
+
+}  // namespace
+
+std::uint32_t maxTileSamples(const DeviceInfo& info) {
+  return std::min(kMaxTileSamples, (info.shared_memory - kTileOverhead) / 4);
+}
+
+ContactPass::ContactPass(const ModelData& model, const ModelOptions& options, const Tuning& tuning) : model_(model) {
+  const std::uint64_t iterations = iterationsOf(model);
+  sizes_.workgroup = tunedWorkgroup(options.contact_workgroup, model.profile, iterations, "contact_workgroup");
+  sizes_.lanes = model.contact_packed.contact_lanes;
+  const std::uint32_t max_repeat = model.packed.tiles.size() > 1 ? kMaxTileRepeat : kMaxRepeat;
+  sizes_.repeat =
+      tunedRepeat(tuning.contact_repeat, model.profile.itemsInSequence(iterations / sizes_.workgroup, max_repeat), "tuning.contact_repeat");
+  groups_per_batch_ =
+      tunedSize(tuning.groups_per_batch, chooseGroupsPerBatch(model), kMinGroupsPerBatch, kMaxGroupsPerBatch, "tuning.groups_per_batch");
+  if (tuning.groups_per_batch != 0 || tuning.contact_repeat != 0) {
+    checkFits(model.device.info(), model.contact_packed.max_tile_samples, groups_per_batch_, sizes_.repeat);
+  }
+}
+
+// A load search in a tile takes all the iterations that a workgroup may.
+std::uint32_t ContactPass::repeatOf(const Variant& variant) const {
+  return variant.search == ContactInterface::kSearchInTile ? 1 : sizes_.repeat;
+}
+
+void ContactPass::record(Recorder recorder, const Variant& variant) const {
+  if (model_.layer) {
+    recorder.bindings.redirect<block::ContactNormal, block::Heights>();
+    recorder.bindings.redirect<block::TileResults, block::Windows>();
+  }
+  const Kernel& kernel = kernels_.get(variant, [&] { return makeKernel(variant); });
+  if (variant.list == layout::kNumLists) {
+    recorder.dispatch(kernel, numWorkgroups(recorder.num_instances * model_.contact_packed.tiles.size(), repeatOf(variant)));
+  } else {
+    recorder.dispatchOverList(kernel, variant.list);
+  }
+}
+
+ContactPass::Kernel ContactPass::makeKernel(const Variant& variant) const {
+  const Skin& skin = model_.sensor.skin;
+  const PackedLaw& law = model_.law;
+  // Taxel passes that compute forces apply the scale of the spread themselves.
+  const bool taxels_follow = std::any_of(law.taxel_passes.begin(), law.taxel_passes.end(),
+                                         [](const TaxelPass& pass) { return pass.owner != TaxelPass::Owner::kTile; });
+  // A search over tiles leaves the state of the samples alone under friction or relaxation; its last evaluation, kSearchEnded, updates it.
+  const bool only_searches = model_.hasFriction() && variant.search == ContactInterface::kSearchOverTiles;
+  const bool friction = model_.hasFriction() && !only_searches;
+  const ContactInterface constants{
+      .TILE_SAMPLES = model_.contact_packed.max_tile_samples,
+      .FLAT = model_.contact_packed.flat,
+      .HAS_STATE = law.has_state && !only_searches,
+      .SEARCH = variant.search,
+      .THICKNESS = skin.thickness,
+      .SCALED = model_.packed.scalesSpread() && !taxels_follow && !model_.layer,
+      .MANY_SLOTS = variant.many_slots,
+      .OBJECT_KINDS = variant.list == layout::kListCandidates ? 1u << layout::kKindMesh : model_.object_kinds.kinds,
+      .TRIANGLE_SIZES = model_.object_kinds.triangle_sizes,
+      .OUTPUT_DEPTH = variant.with_depth,
+      .NUM_FACES = model_.object_kinds.num_faces,
+      .LAW_0 = law.parameters[0],
+      .LAW_1 = law.parameters[1],
+      .LAW_2 = law.parameters[2],
+      .FRICTION = friction,
+      .TANGENTIAL_STIFFNESS = skin.friction.tangential_stiffness,
+      .FRICTION_COEFFICIENT = skin.friction.friction_coefficient,
+      .OUTPUT_SHEAR = friction && variant.with_shear,
+      .BRISTLES = friction && law.has_bristles,
+      .BRISTLE_STIFFNESS = law.bristles[0],
+      .BRISTLE_DAMPING = law.bristles[1],
+      .VISCOUS_FRICTION = law.bristles[2],
+      .STATIC_FRICTION = law.bristles[3],
+      .COULOMB_FRICTION = law.bristles[4],
+      .STRIBECK_VELOCITY = law.bristles[5],
+      .RELAXATION = model_.layer ? 0 : skin.relaxation.size(),
+      .GROUPS_PER_BATCH = groups_per_batch_,
+      .OUTPUT_JACOBIAN = variant.with_jacobian,
+      .EARLY_EXIT = model_.profile.paths().untouched,
+      .REACH = law.reach,
+      .LIST = variant.list,
+      .IS_LAST = law.taxel_passes.empty(),
+  };
+  const PassSizes sizes{sizes_.workgroup, sizes_.lanes, repeatOf(variant)};
+  return {model_.context(), law.kernel, model_.profile.select(law.spirv, sizes.workgroup),
+          commonConstants(model_.contact_sensor, model_.contact_packed, sizes), constants};
+}
+
+}  // namespace taxelsim

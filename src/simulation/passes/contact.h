@@ -1,0 +1,49 @@
+// Contact pass, shaders/contact.comp: stages 1 (depth) and 2 (contact law) from poses of objects.
+#pragma once
+
+#include <cstdint>
+
+#include "simulation/model_data.h"
+#include "simulation/passes/kernel_cache.h"
+#include "simulation/passes/recorder.h"
+#include "simulation/passes/sizes.h"
+
+namespace taxelsim {
+
+// Samples that a tile may have on this device.
+std::uint32_t maxTileSamples(const DeviceInfo& info);
+
+class ContactPass {
+ public:
+  struct Variant {
+    std::uint32_t search = ContactInterface::kNoSearch;
+    bool many_slots = false;
+    bool with_depth = false;                           // outputs penetration_depth
+    bool with_shear = false;                           // outputs tactile_shear_force of a sensor with friction
+    bool with_jacobian = false;                        // outputs what a tactile Jacobian is computed from
+    std::uint32_t list = layout::kNumLists;            // instances that it processes, kList...; kNumLists: all
+    auto operator<=>(const Variant&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 misreads it
+  };
+
+  // Throws Error(kInput) for sizes that are not allowed or need more shared memory than the device has.
+  ContactPass(const ModelData& model, const ModelOptions& options, const Tuning& tuning);
+
+  const PassSizes& sizes() const { return sizes_; }
+  // Groups of a mesh's clusters that are culled between two barriers.
+  std::uint32_t groupsPerBatch() const { return groups_per_batch_; }
+
+  // For a globally coupled law writes heights and windows instead of forces.
+  void record(Recorder recorder, const Variant& variant) const;
+
+ private:
+  using Kernel = gpu::PassKernel<ContactInterface>;
+  Kernel makeKernel(const Variant& variant) const;
+  std::uint32_t repeatOf(const Variant& variant) const;
+
+  const ModelData& model_;
+  PassSizes sizes_;
+  std::uint32_t groups_per_batch_ = 0;
+  KernelCache<Variant, Kernel> kernels_;
+};
+
+}  // namespace taxelsim

@@ -1,0 +1,63 @@
+#include "simulation/passes/elastic_layer.h"
+
+#include "elastic_layer.spv.h"
+#include "elastic_layer_lockstep.spv.h"
+#include "elastic_layer_pairs.spv.h"
+#include "elastic_layer_pairs_lockstep.spv.h"
+#include "shared/elastic_layer.h"
+
+namespace taxelsim {
+namespace {
+
+// Loop iterations that one invocation alone would take: two products of all strips with all others in some of the iterations, the window
+// being a part of them, and, for a skin that relaxes, one product of the strains.
+std::uint64_t iterationsOf(const Sensor& sensor, const PackedLayer& layer) {
+  const std::uint64_t strips = layer.influence.size() / (2 * layout::kStrip);
+  const auto solver_iterations = static_cast<std::uint64_t>(std::get<ElasticLayer>(sensor.skin.law).iterations);
+  return strips * strips * ((sensor.skin.relaxation.empty() ? 10 : 20) + solver_iterations) / 10;
+}
+
+}  // namespace
+
+ElasticLayerPass::ElasticLayerPass(const ModelData& model, const ModelOptions& options) : model_(model) {
+  const std::uint64_t iterations = iterationsOf(model.sensor, *model.layer);
+  sizes_.workgroup = tunedWorkgroup(options.contact_workgroup, model.profile, iterations, "contact_workgroup");
+  sizes_.lanes = model.profile.partialSumsFor(iterations);
+}
+
+void ElasticLayerPass::record(Recorder& recorder, const Variant& variant) const {
+  recorder.dispatch(kernels_.get(variant, [&] { return makeKernel(variant); }), static_cast<std::uint32_t>(recorder.num_instances));
+}
+
+ElasticLayerPass::Kernel ElasticLayerPass::makeKernel(const Variant& variant) const {
+  const gpu::DriverProfile& profile = model_.profile;
+  const gpu::ShaderVariants shaders = profile.prefers64BitLoads()
+                                          ? gpu::ShaderVariants{k_elastic_layer_pairs_spirv, k_elastic_layer_pairs_lockstep_spirv}
+                                          : gpu::ShaderVariants{k_elastic_layer_spirv, k_elastic_layer_lockstep_spirv};
+  const auto& law = std::get<ElasticLayer>(model_.sensor.skin.law);
+  const Skin& skin = model_.sensor.skin;
+  const LayerNodes& nodes = model_.layer->nodes;
+  return {model_.context(), "elastic_layer", profile.select(shaders, sizes_.workgroup),
+          commonConstants(model_.sensor, model_.packed, sizes_),
+          ElasticLayerInterface{.NODE_ROWS = nodes.num_rows,
+                                .NODE_COLS = nodes.num_cols,
+                                .MARGIN_ROWS = nodes.margin_rows,
+                                .MARGIN_COLS = nodes.margin_cols,
+                                .THICKNESS = skin.thickness,
+                                .REACH = model_.layer->reach,
+                                .NODE_FORCE = model_.layer->node_force,
+                                .ITERATIONS = law.iterations,
+                                .TOLERANCE = law.tolerance,
+                                .NUM_HEIGHT_TILES = model_.contact_packed.tiles.size(),
+                                .LOADS = variant.loads,
+                                .OUTPUT_DEPTH = variant.with_depth,
+                                .MANY_SLOTS = variant.many_slots,
+                                .FRICTION = model_.hasFriction(),
+                                .TANGENTIAL_STIFFNESS = skin.friction.tangential_stiffness,
+                                .FRICTION_COEFFICIENT = skin.friction.friction_coefficient,
+                                .OUTPUT_SHEAR = variant.with_shear,
+                                .RELAXATION = skin.relaxation.size(),
+                                .OUTPUT_JACOBIAN = variant.with_jacobian}};
+}
+
+}  // namespace taxelsim

@@ -1,0 +1,84 @@
+// Specialization constants and buffers of every pass, from the lists in shaders/passes/ that the shaders read too; gpu/pass_interface.h
+// says how they are used. Constants have the names and types that they have in the shader; values that both languages need are members.
+#pragma once
+
+#include "gpu/pass_interface.h"
+#include "simulation/passes/blocks.h"
+
+namespace taxelsim {
+
+#define CONSTANT(id, type, NAME)    \
+  gpu::SpecConstant<id, type> NAME; \
+  static gpu::SpecConstant<id, type> constantAt(gpu::At<id>);
+#define VALUE(kName, value) static constexpr uint kName = value;
+#define BUFFER(binding, access, Block) static block::Block blockAt(gpu::At<binding>);
+#define TEXELS(binding, Block) static block::Block blockAt(gpu::At<binding>);
+
+using layout::uint;
+
+struct CommonConstants {
+#include "passes/common.h"
+};
+
+struct ContactInterface {
+#include "passes/contact.h"
+};
+
+struct KeepCandidatesInterface {
+#include "passes/keep_candidates.h"
+};
+
+struct FindCandidatesInterface {
+#include "passes/find_candidates.h"
+};
+
+struct LoadInterface {
+#include "passes/load.h"
+};
+
+struct ElasticLayerInterface {
+#include "passes/elastic_layer.h"
+};
+
+struct TaxelLawInterface {
+#include "passes/taxel_law.h"
+};
+
+struct ContactsInterface {
+#include "passes/contacts.h"
+};
+
+struct ImageInterface {
+#include "passes/image.h"
+};
+
+struct ContactRegionsInterface {
+#include "passes/contact_regions.h"
+};
+
+struct ContactFeaturesInterface {
+#include "passes/contact_features.h"
+};
+
+struct TaxelJacobianInterface {
+#include "passes/taxel_jacobian.h"
+};
+
+struct MaskJacobianInterface {
+#include "passes/mask_jacobian.h"
+};
+
+struct RescaleJacobianInterface {
+#include "passes/rescale_jacobian.h"
+};
+
+struct TactileJacobianInterface {
+#include "passes/tactile_jacobian.h"
+};
+
+#undef CONSTANT
+#undef VALUE
+#undef BUFFER
+#undef TEXELS
+
+}  // namespace taxelsim

@@ -1,0 +1,49 @@
+#include "simulation/passes/load_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "load.spv.h"
+
+namespace taxelsim {
+
+void LoadSearchPass::record(Recorder& recorder) const {
+  recorder.dispatch(kernel_.get({}, [&] { return makeKernel(); }), numWorkgroups(recorder.num_instances, workgroup_));
+}
+
+gpu::PassKernel<LoadInterface> LoadSearchPass::makeKernel() const {
+  return {model_.context(), "load", k_load_spirv, commonConstants(model_.sensor, model_.packed, {.workgroup = workgroup_}),
+          LoadInterface{.EVALUATIONS = kMaxEvaluations}};
+}
+
+void startLoadSearch(const ModelData& model, std::span<const layout::InstanceRecord> instances, std::span<const layout::PoseRecord> poses,
+                     std::span<layout::LoadRecord> loads) {
+  constexpr float kClearance = 1e-6f;  // m
+  const std::size_t num_slots = poses.size() / loads.size();
+  for (std::size_t i = 0; i < loads.size(); ++i) {
+    loads[i] = {{0.0f, 0.0f, 0.0f, layout::kLoadSearching}, {0.0f, 0.0f, 0.0f, 0.0f}};
+    if ((instances[i].keys.w & layout::kFlagLoadDriven) == 0) continue;
+    float low = std::numeric_limits<float>::infinity();
+    float high = -low;
+    for (const layout::PoseRecord& pose : poses.subspan(i * num_slots, num_slots)) {
+      if (pose.object.x < 0) continue;
+      const Bounds& bounds = model.bounds[static_cast<std::size_t>(pose.object.x)];
+      float center = pose.row2.w;
+      float half = 0;
+      for (int axis = 0; axis < 3; ++axis) {
+        center += pose.row2[axis] * static_cast<float>(bounds.min[axis] + bounds.max[axis]) / 2;
+        half += std::abs(pose.row2[axis]) * static_cast<float>(bounds.max[axis] - bounds.min[axis]) / 2;
+      }
+      low = std::min(low, center - half);
+      high = std::max(high, center + half);
+    }
+    if (low > high) continue;  // no object: the first evaluation finds no force at any offset
+    const float up = model.packed.highest - low + kClearance;
+    const float down = model.packed.lowest - static_cast<float>(model.sensor.skin.thickness) * 2 - high;
+    loads[i].bracket = {0.5f * (up + down), down, up, layout::kLoadSearching};
+    loads[i].forces.x = std::numeric_limits<float>::max();
+  }
+}
+
+}  // namespace taxelsim

@@ -1,0 +1,36 @@
+// Load search over all tiles of a sensor, shaders/load.comp: after each evaluation by the contact pass, the next offset of every instance.
+#pragma once
+
+#include <span>
+
+#include "simulation/model_data.h"
+#include "simulation/passes/kernel_cache.h"
+#include "simulation/passes/recorder.h"
+#include "simulation/passes/sizes.h"
+
+namespace taxelsim {
+
+class LoadSearchPass {
+ public:
+  // Evaluations after which a search ends: at most kMaxEvaluations of the search, one that closes it, and one at the offset found.
+  static constexpr std::uint32_t kMaxEvaluations = 48;
+  static constexpr std::uint32_t kNumFrameEvaluations = kMaxEvaluations + 2;
+
+  LoadSearchPass(const ModelData& model, std::uint32_t workgroup) : model_(model), workgroup_(workgroup) {}
+
+  void record(Recorder& recorder) const;
+
+ private:
+  gpu::PassKernel<LoadInterface> makeKernel() const;
+
+  const ModelData& model_;
+  std::uint32_t workgroup_;
+  KernelCache<OnlyVariant, gpu::PassKernel<LoadInterface>> kernel_;
+};
+
+// Brackets of a search over tiles, from all objects just clear of the sensor to all of them past its skin. `poses`: (num_instances x
+// num_slots).
+void startLoadSearch(const ModelData& model, std::span<const layout::InstanceRecord> instances, std::span<const layout::PoseRecord> poses,
+                     std::span<layout::LoadRecord> loads);
+
+}  // namespace taxelsim

@@ -1,0 +1,80 @@
+#include "simulation/passes/tactile_jacobian.h"
+
+#include "mask_jacobian.spv.h"
+#include "rescale_jacobian.spv.h"
+#include "sensor/curve.h"
+#include "tactile_jacobian.spv.h"
+#include "taxel_jacobian.spv.h"
+
+namespace taxelsim {
+namespace {
+
+constexpr std::uint32_t kWorkgroup = gpu::DriverProfile::kIndependentWorkgroup;  // of the passes over taxels
+constexpr std::uint32_t kMostSums = TactileJacobianInterface::kMostSums;
+constexpr std::uint64_t kNumTwist = 6;  // coordinates
+
+// Loop iterations that one invocation alone would take for a part.
+std::uint64_t partIterations(const ModelData& model) {
+  constexpr std::uint64_t kNumScans = 14;  // over the taxels of a part, or tiles, at most
+  const int kernel = model.sensor.psf.size;
+  const std::uint64_t sources = model.packed.one_grid ? static_cast<std::uint64_t>(kernel * kernel) : model.packed.num_entries;
+  return model.num_taxels * (kNumScans + kNumTwist * sources) + kNumScans * kMostSums * model.packed_contact.lanes;
+}
+
+}  // namespace
+
+void TactileJacobianPasses::recordTaxels(Recorder& recorder) const {
+  const TaxelKernels& kernels = taxel_kernels_.get({}, [&] { return makeTaxelKernels(); });
+  const std::uint64_t num_taxels = recorder.num_instances * model_.num_taxels;
+  if (kernels.taxels) recorder.dispatch(*kernels.taxels, numWorkgroups(num_taxels, kWorkgroup));
+  if (kernels.mask) recorder.dispatch(*kernels.mask, numWorkgroups(num_taxels, kWorkgroup));
+  if (kernels.rescale) recorder.dispatch(*kernels.rescale, numWorkgroups(kNumTwist * recorder.num_instances, kWorkgroup));
+}
+
+void TactileJacobianPasses::recordFeatures(Recorder recorder, const Variant& variant) const {
+  if (variant.clean) recorder.bindings.redirect<block::TactileJacobian, block::CleanTactileJacobian>();
+  const FeatureKernel& features = feature_kernels_.get(variant, [&] { return makeFeatureKernel(variant); });
+  // The row of a single patch is the sensor's.
+  const std::uint64_t num_parts = model_.packed_contact.num_patches == 1 ? 1 : numContactRows(model_.packed_contact, 0);
+  recorder.dispatch(features.kernel, numWorkgroups(recorder.num_instances * num_parts, features.parts_per_workgroup));
+}
+
+TactileJacobianPasses::TaxelKernels TactileJacobianPasses::makeTaxelKernels() const {
+  const auto common = [&](std::uint32_t lanes) {
+    return commonConstants(model_.sensor, model_.packed, {.workgroup = kWorkgroup, .lanes = lanes});
+  };
+  const bool scaled = model_.packed.scalesSpread();
+  TaxelKernels kernels;
+  if (!model_.layer) {
+    const bool has_forces = !std::holds_alternative<Proximity>(model_.sensor.skin.law);
+    kernels.taxels.emplace(model_.context(), "taxel_jacobian", k_taxel_jacobian_spirv, common(model_.packed.contact_lanes),
+                           TaxelJacobianInterface{.SCALED = scaled && !model_.hasMask(), .HAS_FORCES = has_forces});
+  }
+  if (model_.hasMask()) {
+    kernels.mask.emplace(model_.context(), "mask_jacobian", k_mask_jacobian_spirv, common(1),
+                         MaskJacobianInterface{.LAW_0 = model_.law.taxel_parameters[0]});
+    kernels.rescale.emplace(model_.context(), "rescale_jacobian", k_rescale_jacobian_spirv, common(1),
+                            RescaleJacobianInterface{.SCALED = scaled});
+  }
+  return kernels;
+}
+
+TactileJacobianPasses::FeatureKernel TactileJacobianPasses::makeFeatureKernel(const Variant& variant) const {
+  const Readout& readout = model_.sensor.readout;
+  const std::uint32_t lanes = model_.packed_contact.lanes;
+  const TeamSizes sizes = teamSizes(wanted_workgroup_, model_.profile, partIterations(model_), lanes, lanes);
+  return {{model_.context(), "tactile_jacobian", k_tactile_jacobian_spirv, commonConstants(model_.sensor, model_.packed, sizes.pass),
+           TactileJacobianInterface{.CLEAN = variant.clean,
+                                    .TEAM = sizes.team,
+                                    .PATCHES = model_.packed_contact.num_patches,
+                                    .LAST_PLANE = model_.sensor.patches.size(),
+                                    .PARTIALS = sizes.numPartials(kMostSums),
+                                    .NUM_ENTRIES = model_.packed.num_entries,
+                                    .TRIGGER = readout.trigger,
+                                    .SATURATION_FORCE = nominalForce(readout, readout.saturation) - readout.trigger,
+                                    .RANDOM = variant.random,
+                                    .DEAD_TAXEL_PROBABILITY = readout.dead_taxel_probability}},
+          sizes.itemsPerWorkgroup()};
+}
+
+}  // namespace taxelsim

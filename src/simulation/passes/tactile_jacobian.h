@@ -1,0 +1,49 @@
+// Tactile Jacobian, shaders/taxel_jacobian.comp, mask_jacobian.comp, rescale_jacobian.comp, tactile_jacobian.comp: how forces, then
+// features change with the sensor's twist. They follow the image pass.
+#pragma once
+
+#include <optional>
+
+#include "simulation/model_data.h"
+#include "simulation/passes/kernel_cache.h"
+#include "simulation/passes/recorder.h"
+#include "simulation/passes/sizes.h"
+
+namespace taxelsim {
+
+class TactileJacobianPasses {
+ public:
+  struct Variant {
+    bool clean = false;                                // of the clean forces, into CleanTactileJacobian; else of the readout
+    bool random = false;                               // some instance draws gains
+    auto operator<=>(const Variant&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 misreads it
+  };
+
+  TactileJacobianPasses(const ModelData& model, const ModelOptions& options) : model_(model), wanted_workgroup_(options.image_workgroup) {}
+
+  // Changes of the forces of all taxels and of the wrenches of all tiles.
+  void recordTaxels(Recorder& recorder) const;
+  // Changes of the features; after recordTaxels().
+  void recordFeatures(Recorder recorder, const Variant& variant) const;
+
+ private:
+  struct TaxelKernels {
+    std::optional<gpu::PassKernel<TaxelJacobianInterface>> taxels;  // none for a globally coupled law, whose pass writes the result
+    // Of a law with a mask.
+    std::optional<gpu::PassKernel<MaskJacobianInterface>> mask;
+    std::optional<gpu::PassKernel<RescaleJacobianInterface>> rescale;
+  };
+  struct FeatureKernel {
+    gpu::PassKernel<TactileJacobianInterface> kernel;
+    std::uint32_t parts_per_workgroup = 1;
+  };
+  TaxelKernels makeTaxelKernels() const;
+  FeatureKernel makeFeatureKernel(const Variant& variant) const;
+
+  const ModelData& model_;
+  int wanted_workgroup_;  // 0: chosen here
+  KernelCache<OnlyVariant, TaxelKernels> taxel_kernels_;
+  KernelCache<Variant, FeatureKernel> feature_kernels_;
+};
+
+}  // namespace taxelsim

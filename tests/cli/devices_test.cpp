@@ -1,0 +1,46 @@
+// `devices --plan`: memory by the options of a run.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "cli/command_line.h"
+#include "taxelsim/device.h"
+#include "taxelsim/model.h"
+#include "taxelsim/scene.h"
+#include "taxelsim/simulator.h"
+
+namespace taxelsim::testing {
+namespace {
+
+// One servo loop by the measured Jacobian; records nothing that needs further outputs.
+const std::string kScene = "format_version: 1\nname: jacobian\nkind: servo\nsensor: " TAXELSIM_SOURCE_DIR
+                           "/scenes/sensors/wts0614.yaml\n"
+                           "objects: [{name: rod, cylinder: {radius_mm: 2, length_mm: 120}, edge: [0, 0, 1]}]\n"
+                           "episode: {num_steps: 10, simulation_rate: 100}\nrandomization: {load: [1, 4]}\n"
+                           "controllers: [{name: j, tactile_servo: {jacobian: measured, total_force: {kp: 2}}}]\n"
+                           "record: [tactile_image]\ndata_set: {episodes: 10, seed: 1}\n";
+
+TEST(DevicesPlan, CountsTheJacobianThatAControllerNeeds) {
+  const TemporaryDirectory root;
+  const std::string file = root / "scene.yaml";
+  std::ofstream(file) << kScene;
+  const Scene scene = loadScene(file);
+  const Outcome outcome = runTaxelsim({"devices", "--plan", file, "--json"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  ModelOptions options{.sensor = scene.sensor, .objects = {}};
+  for (const SceneObject& object : scene.objects) options.objects.push_back(object.object);
+  for (const nlohmann::json& device : nlohmann::json::parse(outcome.out)) {
+    const Model model(Device::open({.device = std::to_string(device["index"].get<int>())}), options);
+    OutputOptions outputs{.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false};
+    const std::uint64_t without = Simulator::plan(model, {.outputs = outputs}).bytes_per_instance;
+    outputs.tactile_jacobian = true;
+    const MemoryPlan with = Simulator::plan(model, {.outputs = outputs});
+    EXPECT_EQ(device["plan"]["bytes_per_instance"], with.bytes_per_instance);
+    EXPECT_EQ(device["plan"]["bytes_fixed"], with.bytes_fixed);
+    EXPECT_GT(with.bytes_per_instance, without);
+  }
+}
+
+}  // namespace
+}  // namespace taxelsim::testing

@@ -1,0 +1,135 @@
+// Interfaces of passes: the lists in shaders/passes/ as C++ types against the compiled shaders, and what the types refuse.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "contact_features.spv.h"
+#include "contact_regions.spv.h"
+#include "contact_winkler.spv.h"
+#include "contacts.spv.h"
+#include "elastic_layer.spv.h"
+#include "find_candidates.spv.h"
+#include "gpu/bindings.h"
+#include "gpu/pass_kernel.h"
+#include "gpu/reflection.h"
+#include "image.spv.h"
+#include "keep_candidates.spv.h"
+#include "load.spv.h"
+#include "mask_jacobian.spv.h"
+#include "mass_spring_damper.spv.h"
+#include "rescale_jacobian.spv.h"
+#include "simulation/passes/interfaces.h"
+#include "tactile_jacobian.spv.h"
+#include "taxel_jacobian.spv.h"
+
+namespace taxelsim {
+namespace {
+
+using ::testing::HasSubstr;
+
+// ---- what cannot compile ----
+
+using BoolConstant = gpu::SpecConstant<0, bool>;
+using UintConstant = gpu::SpecConstant<1, std::uint32_t>;
+using FloatConstant = gpu::SpecConstant<2, float>;
+static_assert(std::is_constructible_v<BoolConstant, bool> && !std::is_constructible_v<BoolConstant, int>);
+static_assert(!std::is_constructible_v<BoolConstant, float> && !std::is_constructible_v<BoolConstant, const void*>);
+static_assert(std::is_constructible_v<UintConstant, int> && std::is_constructible_v<UintConstant, std::size_t>);
+static_assert(!std::is_constructible_v<UintConstant, bool> && !std::is_constructible_v<UintConstant, double>);
+static_assert(std::is_constructible_v<FloatConstant, double> && std::is_constructible_v<FloatConstant, float>);
+static_assert(!std::is_constructible_v<FloatConstant, bool> && !std::is_constructible_v<FloatConstant, std::uint32_t>);
+
+// A constant takes no other constant's place, and none may be left out.
+static_assert(!std::is_assignable_v<gpu::SpecConstant<2, float>&, gpu::SpecConstant<3, float>>);
+static_assert(!std::is_default_constructible_v<TaxelJacobianInterface>);
+template <typename Interface>
+concept TakesAFloatForABool = requires {
+  Interface{.SCALED = 1.0f, .HAS_FORCES = true};
+};
+template <typename Interface>
+concept TakesBools = requires {
+  Interface{.SCALED = false, .HAS_FORCES = true};
+};
+template <typename Interface>
+concept TakesTooFew = requires {
+  Interface{.SCALED = true};
+};
+static_assert(TakesBools<TaxelJacobianInterface> && !TakesAFloatForABool<TaxelJacobianInterface> && !TakesTooFew<TaxelJacobianInterface>);
+
+// A kernel is bound by the blocks of its own pass, each of a type of its own.
+static_assert(!std::is_convertible_v<gpu::PassKernel<LoadInterface>, gpu::PassKernel<ImageInterface>>);
+static_assert(std::is_same_v<gpu::BlockAt<LoadInterface, 3>, block::Loads> && !std::is_same_v<block::Loads, block::TileResults>);
+static_assert(std::is_same_v<block::Loads::Element, layout::LoadRecord>);
+
+// ---- the lists against the shaders ----
+
+template <typename Interface, std::uint32_t... kBindings>
+std::map<std::uint32_t, std::string> blocksOf(std::integer_sequence<std::uint32_t, kBindings...>) {
+  return {{kBindings, gpu::BlockAt<Interface, kBindings>::kName}...};
+}
+
+template <typename Interface>
+void expectMatches(std::span<const std::uint32_t> spirv, const char* name) {
+  SCOPED_TRACE(name);
+  constexpr std::uint32_t kNumCommon = gpu::countConstantsFrom<CommonConstants, 0>();
+  std::vector<std::uint32_t> ids(kNumCommon + gpu::countConstantsFrom<Interface, kNumCommon>());
+  std::iota(ids.begin(), ids.end(), 0u);
+  const gpu::Reflection reflection = gpu::reflect(spirv);
+  EXPECT_EQ(reflection.constants, ids);
+  EXPECT_EQ(reflection.buffers, blocksOf<Interface>(std::make_integer_sequence<std::uint32_t, gpu::countBuffers<Interface>()>()));
+}
+
+// Ids and bindings are contiguous, and no list has more or fewer than its shader.
+TEST(PassInterfaces, MatchTheShaders) {
+  expectMatches<ContactInterface>(k_contact_winkler_spirv, "contact");
+  expectMatches<KeepCandidatesInterface>(k_keep_candidates_spirv, "keep_candidates");
+  expectMatches<FindCandidatesInterface>(k_find_candidates_spirv, "find_candidates");
+  expectMatches<LoadInterface>(k_load_spirv, "load");
+  expectMatches<ElasticLayerInterface>(k_elastic_layer_spirv, "elastic_layer");
+  expectMatches<TaxelLawInterface>(k_mass_spring_damper_spirv, "taxel_law");
+  expectMatches<ContactsInterface>(k_contacts_spirv, "contacts");
+  expectMatches<ImageInterface>(k_image_spirv, "image");
+  expectMatches<ContactRegionsInterface>(k_contact_regions_spirv, "contact_regions");
+  expectMatches<ContactFeaturesInterface>(k_contact_features_spirv, "contact_features");
+  expectMatches<TaxelJacobianInterface>(k_taxel_jacobian_spirv, "taxel_jacobian");
+  expectMatches<MaskJacobianInterface>(k_mask_jacobian_spirv, "mask_jacobian");
+  expectMatches<RescaleJacobianInterface>(k_rescale_jacobian_spirv, "rescale_jacobian");
+  expectMatches<TactileJacobianInterface>(k_tactile_jacobian_spirv, "tactile_jacobian");
+}
+
+TEST(PassInterfaces, ConstantsKeepIdAndBits) {
+  const auto list =
+      gpu::constantsOf<11>(TaxelLawInterface{.SCALED = true, .LAW_0 = 0.5, .LAW_1 = 2.0f, .SHEAR = false, .FRICTION_COEFFICIENT = -1.0});
+  ASSERT_EQ(list.size(), 5u);
+  const std::array<std::uint32_t, 5> bits{1, 0x3F000000u, 0x40000000u, 0, 0xBF800000u};
+  for (std::uint32_t k = 0; k < 5; ++k) {
+    EXPECT_EQ(list[k].id, 11 + k);
+    EXPECT_EQ(list[k].value, bits[k]) << k;
+  }
+}
+
+TEST(PassInterfaces, RejectIntegersOutOfRange) {
+  EXPECT_THROW(LoadInterface{.EVALUATIONS = -1}, std::logic_error);
+  EXPECT_THROW(LoadInterface{.EVALUATIONS = std::uint64_t{1} << 32}, std::logic_error);
+}
+
+TEST(Bindings, RejectBlocksWithoutABuffer) {
+  const gpu::Buffer buffer, other;
+  gpu::Bindings bindings;
+  bindings.bind<block::Instances>(buffer);
+  bindings.bind<block::Step>(buffer);
+  bindings.bind<block::Loads>(buffer);
+  try {
+    bindings.of<LoadInterface>();
+    FAIL() << "nothing thrown";
+  } catch (const std::logic_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("TileResults"));
+  }
+  bindings.bind<block::Windows>(other);
+  bindings.redirect<block::TileResults, block::Windows>();
+  EXPECT_EQ(bindings.of<LoadInterface>(), (std::array<const gpu::Buffer*, 4>{&buffer, &buffer, &other, &buffer}));
+}
+
+}  // namespace
+}  // namespace taxelsim

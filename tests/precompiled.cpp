@@ -1,0 +1,1 @@
+// Empty: taxelsim_test_headers needs a source.
