@@ -9,7 +9,7 @@
 
 namespace taxelsim {
 
-// `map`: the sensor. Files lie relative to `directory`.
+// `map`: the sensor. Files are relative to `directory`.
 std::vector<GridPatch> readPatches(const YamlMap& map, const std::filesystem::path& directory);
 
 }  // namespace taxelsim

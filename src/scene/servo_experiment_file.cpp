@@ -13,7 +13,7 @@ constexpr double kTurn = 2 * std::numbers::pi;
 constexpr std::uint64_t kMaxSteps = 1'000'000;
 constexpr double kMaxRate = 1e6;         // Hz
 constexpr double kRateTolerance = 1e-9;  // relative; rates are decimal fractions
-constexpr double kMaxGain = 1000;        // kp times the control period: far past any limit
+constexpr double kMaxGain = 1000;        // kp times the control period; far above the stability limit
 constexpr std::size_t kMaxRuns = 100;
 constexpr const char* kRuns = "a list of 1 to 100 {name, controller, ...}";
 constexpr const char* kSweeps = "a list of {name, controller, gains, ...}";
@@ -36,7 +36,7 @@ const std::string& objectName(const SceneObject& object) {
   return object.object.name;
 }
 
-// The one item with that name, alone in its list.
+// The item with that name, as a list of one.
 template <typename T>
 void choose(const YamlMap& map, std::string_view key, std::vector<T>& items, const std::string& (*name)(const T&)) {
   const std::string allowed = namesOf(items, name);
@@ -62,7 +62,7 @@ void readRates(const YamlMap& map, Scene& scene) {
   }
 }
 
-// What a run or sweep says instead of its scene.
+// Settings of a run or sweep that replace those of its scene.
 Scene readOverrides(const YamlMap& map, Scene scene, const std::filesystem::path& directory) {
   choose(map, "controller", scene.controllers, controllerName);
   if (map.has("object")) {
@@ -90,7 +90,7 @@ Scene readOverrides(const YamlMap& map, Scene scene, const std::filesystem::path
   return scene;
 }
 
-// Fails at `node` unless the loop is one that theory knows: the edge angle by kp, and nothing else.
+// Fails at `node` unless the controller controls the edge angle alone, by kp alone, as the theory assumes.
 void checkLoop(const YamlNode& node, const std::string& what, const Scene& scene, bool exact) {
   const auto fail = [&](const std::string& of) { node.fail(what + " is of " + of); };
   const TactileServo& servo = scene.controllers.front().servo;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kLargest = 1e30;
 constexpr double kSmallest = 1e-30;
-constexpr std::size_t kMaxShown = 40;  // bytes of a value that a message repeats
+constexpr std::size_t kMaxShown = 40;  // bytes of a value in a message
 constexpr std::size_t kMaxText = 200;  // bytes of a name or file name
 constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
 
@@ -54,7 +54,7 @@ std::string shown(const YamlTree& tree) {
   return text.empty() ? "an empty text" : text;
 }
 
-// A bound as the file's unit has it; rounding takes the last bits of pi / 180 away, so that 90 deg is 90.
+// A bound in the unit of the file. Rounding removes the last bits of pi / 180, so that 90 deg is 90.
 double inUnit(double bound, YamlNode::Unit unit) {
   switch (unit) {
     case YamlNode::Unit::kMilli:
@@ -202,7 +202,7 @@ double YamlNode::number(const Allowed& allowed) const {
   if (value < min || value > max || (allowed.above_min && value == min)) refuse(describe(allowed, unit_));
   if (unit_ == Unit::kMilli) value = thousandth(text, value);
   if (unit_ == Unit::kDegree) value = value * std::numbers::pi / 180;
-  return std::clamp(value, allowed.min, allowed.max) + 0.0;  // + 0.0 takes the sign off -0
+  return std::clamp(value, allowed.min, allowed.max) + 0.0;  // + 0.0 turns -0 into 0
 }
 
 std::vector<double> YamlNode::numbers(const Allowed& allowed, std::size_t count) const {
@@ -276,13 +276,13 @@ void YamlMap::checkKeys() const {
   for (const YamlTree::Key& key : node_.tree_->keys) {
     bool known = false;
     std::string nearest;
-    std::size_t nearest_distance = 1 + key.text.size() / 4;  // farther words are no slip of the finger
+    std::size_t nearest_distance = 1 + key.text.size() / 4;  // more distant words are no typing errors
     for (const std::string_view allowed : allowed_) {
       const auto [name, suffix, former] = formsOf(allowed);
       known = known || (!former.empty() && key.text == former);
       for (const std::string& form : {std::string(name), std::string(name) + std::string(suffix)}) {
         known = known || key.text == form;
-        // Keys are short; a long one is not worth a table as long as itself.
+        // Long keys are not compared: the table of distances would be as long.
         if (key.text.size() > 2 * kMaxShown) continue;
         const std::size_t distance = editDistance(key.text, form);
         if (distance <= nearest_distance && (nearest.empty() || distance < nearest_distance)) {

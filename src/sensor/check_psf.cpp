@@ -15,7 +15,7 @@ double kernelSum(const Psf& psf) {
 
 namespace {
 
-// Every taxel must send some of its force to a taxel of its own patch, or normalising per source divides by zero.
+// Every taxel must send some of its force to a taxel of its own patch, or the normalization per source divides by zero.
 void checkReach(const Psf& psf, const GridPatch& patch) {
   const int reach = psf.size / 2;
   for (int i = 0; i < patch.num_rows; ++i) {

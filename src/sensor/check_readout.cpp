@@ -9,7 +9,7 @@
 namespace taxelsim {
 namespace {
 
-// What a force on every taxel sums to in one of them, relative to it, where nothing is normalised.
+// Largest spread force of a taxel under a force of 1 on every taxel, without normalization.
 double largestGain(const Sensor& sensor) {
   if (sensor.psf.sigma == 0) return kernelSum(sensor.psf);
   double largest = 0;
@@ -21,7 +21,7 @@ double largestGain(const Sensor& sensor) {
   return largest;
 }
 
-// The largest force that a taxel can bring to its curve: its whole area at the skin's full depth, times what gain, creep and kernel add.
+// The largest input of the curve, N: the force on a whole taxel at full depth, times gain, creep and kernel gain.
 double largestForce(const Sensor& sensor) {
   double area = 0;
   for (const GridPatch& patch : sensor.patches) area = std::max(area, patch.pitch[0] * patch.pitch[1]);
@@ -31,9 +31,9 @@ double largestForce(const Sensor& sensor) {
   for (const CreepTerm& term : sensor.readout.creep) creep += term.fraction;
   gain *= creep;
   if (sensor.psf.normalization == Psf::Normalization::kNone) gain *= std::max(1.0, largestGain(sensor));
-  // An undamped mass swings to twice its rest.
+  // An undamped mass overshoots to twice its equilibrium.
   if (std::holds_alternative<MassSpringDamper>(sensor.skin.law)) gain *= 2;
-  // An incompressible layer bears any pressure: the curve must rise until it saturates.
+  // The pressure on an incompressible layer is unbounded: the curve must rise until it saturates.
   constexpr double kAnyPressure = 1e18;
   if (std::holds_alternative<ElasticLayer>(sensor.skin.law)) return kAnyPressure * area * gain;
   const Winkler law = foundationOf(sensor.skin);
@@ -66,7 +66,7 @@ void checkCurvePoints(const Readout& readout) {
     check("force", points[k].force, before.force, "N");
     check("counts", points[k].counts, before.counts, "counts");
     const double slope = (points[k].counts - before.counts) / (points[k].force - before.force);
-    constexpr double kLeastSlope = 1e-30, kLargestSlope = 1e30;  // what float32 holds with its inverse
+    constexpr double kLeastSlope = 1e-30, kLargestSlope = 1e30;  // float32 holds these and their inverses
     if (!(slope >= kLeastSlope && slope <= kLargestSlope)) {
       failField(field, "a slope of " + numberText(slope) + " counts/N before it",
                 numberText(kLeastSlope) + " to " + numberText(kLargestSlope));

@@ -79,12 +79,12 @@ void checkLayer(const Sensor& sensor) {
   constexpr double kThickest = 0.1;  // m: heights are counted from the base, in float32
   if (sensor.skin.thickness > kThickest)
     failField("skin.thickness", numberText(sensor.skin.thickness), "at most 0.1 m with the law elastic_layer");
-  constexpr double kMaxSpacing = 8;  // thicknesses: wider cells hide what the base does
+  constexpr double kMaxSpacing = 8;  // thicknesses; wider cells do not resolve the effect of the base
   if (law->base == ElasticLayer::Base::kBonded && largest > kMaxSpacing * sensor.skin.thickness) {
     failField("skin.thickness", numberText(sensor.skin.thickness),
               "at least an eighth of the spacing of samples (" + numberText(largest) + " m) where a layer is bonded");
   }
-  constexpr double kMaxSlender = 16;  // of a cell: its influence is that of a line
+  constexpr double kMaxSlender = 16;  // of a cell: beyond, its influence is that of a line
   if (largest > kMaxSlender * smallest)
     failField("patches[0].pitch", numberText(largest / smallest) + " to 1", "1 to 16 with the law elastic_layer");
   const double num_nodes = (sensor.patches.front().num_rows + 2 * sensor.skin.margin / pitch[0]) *

@@ -13,7 +13,7 @@
 namespace taxelsim {
 namespace {
 
-// The reach is often a whole number of pitches: rounding must not decide whether the taxels there belong to it.
+// Tolerance: the reach is often a whole number of pitches, and rounding must not exclude the taxels there.
 constexpr double kReachRounding = 1e-9;
 
 double reachOf(const Psf& psf) {
