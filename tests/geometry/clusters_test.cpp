@@ -4,12 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 namespace taxelsim {
 namespace {
 
 Mesh sceneObject(const char* name) {
-  return loadMesh(std::string(TAXELSIM_SOURCE_DIR) + "/scenes/objects/" + name);
+  return loadMesh(std::filesystem::path(TAXELSIM_SOURCE_DIR) / "scenes/objects" / name);
 }
 
 // Positions of the corners of all triangles.
