@@ -73,16 +73,16 @@ bool isDetermined(const Characterization& result, std::string_view block) {
 
 // Parameters that another measurement has determined are kept; what the stamps give for them becomes a remark.
 void fitStamps(Measured stamps, Characterization& result) {
-  Characterization with = result;
-  fitStampImages(stamps, with);
-  std::vector<Estimate> added(with.estimates.begin() + static_cast<std::ptrdiff_t>(result.estimates.size()), with.estimates.end());
-  with.estimates.resize(result.estimates.size());
+  Characterization fitted = result;
+  fitStampImages(stamps, fitted);
+  std::vector<Estimate> added(fitted.estimates.begin() + static_cast<std::ptrdiff_t>(result.estimates.size()), fitted.estimates.end());
+  fitted.estimates.resize(result.estimates.size());
   const Readout& before = result.sensor.readout;
-  Readout& after = with.sensor.readout;
+  Readout& after = fitted.sensor.readout;
   std::vector<std::string_view> kept;
   if (isDetermined(result, "psf.")) {
     kept.push_back("psf.");
-    with.sensor.psf = result.sensor.psf;
+    fitted.sensor.psf = result.sensor.psf;
   }
   if (isDetermined(result, "readout.curve.")) {
     kept.insert(kept.end(), {"readout.curve.", "readout.trigger", "readout.taxel_gain"});
@@ -99,21 +99,21 @@ void fitStamps(Measured stamps, Characterization& result) {
   }
   if (isDetermined(result, "skin.normal_contact_stiffness")) {
     kept.push_back("skin.normal_contact_stiffness");
-    with.sensor.skin.law = result.sensor.skin.law;
+    fitted.sensor.skin.law = result.sensor.skin.law;
   }
   for (Estimate& estimate : added) {
     const bool is_kept =
         std::any_of(kept.begin(), kept.end(), [&](std::string_view block) { return estimate.parameter.starts_with(block); });
     if (!is_kept) {
-      with.estimates.push_back(std::move(estimate));
+      fitted.estimates.push_back(std::move(estimate));
     } else if (estimate.determined) {
       std::array<char, 120> interval{};
       std::snprintf(interval.data(), interval.size(), "%.4g (%.4g to %.4g)", estimate.value, estimate.low, estimate.high);
-      with.remarks.push_back("the stamps give " + estimate.parameter + " " + interval.data() +
-                             ": not used, another measurement determines it");
+      fitted.remarks.push_back("the stamps give " + estimate.parameter + " " + interval.data() +
+                               ": not used, another measurement determines it");
     }
   }
-  result = std::move(with);
+  result = std::move(fitted);
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ FitFigure figureOf(const CreepFit& fit, const std::vector<CreepSeries>& series) 
     }
     figure.curves.push_back(std::move(dots));
   }
-  FitFigure::Curve line{.name = "fitted", .x = {}, .y = {}};
+  FitFigure::Curve line{.name = "fit", .x = {}, .y = {}};
   for (int k = 0; k <= 100; ++k) {
     line.x.push_back(longest * k / 100);
     line.y.push_back(creepFactor(fit.terms, line.x.back()));

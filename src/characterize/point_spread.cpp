@@ -45,8 +45,8 @@ void addKernelEstimates(const PsfFit& found, Characterization& result) {
 }
 
 FitFigure figureOf(const PointSpreadModel& model, const PsfFit& found) {
-  FitFigure figure{.title = "Readings under points", .x_label = "as fitted, counts", .y_label = "counts", .curves = {}};
-  FitFigure::Curve dots{.name = "taxels", .measured = true, .x = {}, .y = {}}, line{.name = "equal", .x = {0, 0}, .y = {0, 0}};
+  FitFigure figure{.title = "Readings under points", .x_label = "fitted, counts", .y_label = "measured, counts", .curves = {}};
+  FitFigure::Curve dots{.name = "taxels", .measured = true, .x = {}, .y = {}}, line{.name = "fitted = measured", .x = {0, 0}, .y = {0, 0}};
   for (std::size_t g = 0; g < model.images.size(); ++g) {
     for (std::size_t k = 0; k < model.images[g].taxels.size(); ++k) {
       const double counts = model.images[g].counts[model.images[g].taxels[k]];

@@ -155,27 +155,27 @@ GroupedFit withHysteresisAndDrift(const std::vector<PressedTaxel>& taxels, const
   for (const PressedTaxel& taxel : taxels) most = std::max(most, largestForce(taxel.rows) * taxel.share);
   const auto widthOf = [&] { return model.hysteresis ? fit.shared[model.lag() + 1] / most : 0; };
   if (std::any_of(taxels.begin(), taxels.end(), [](const PressedTaxel& taxel) { return hasUnloading(taxel.rows); })) {
-    ReadoutModel with = model;
-    with.hysteresis = true;
+    ReadoutModel candidate = model;
+    candidate.hysteresis = true;
     for (const double width : kWidths) {
-      GroupedFit other = fitReadoutModel(taxels, lines, with, width);
+      GroupedFit other = fitReadoutModel(taxels, lines, candidate, width);
       const bool better = model.hysteresis ? squaresOf(other) < squaresOf(fit) : isBetter(fit, other, 2);
-      if (!isHysteresisIdentified(with, other) || !better) continue;
+      if (!isHysteresisIdentified(candidate, other) || !better) continue;
       fit = std::move(other);
-      model = with;
+      model = candidate;
     }
     // Drift and hysteresis are partly confounded: after adding drift, tests whether hysteresis is still needed.
-    with = model;
-    with.drifts = true;
-    GroupedFit drifting = fitReadoutModel(taxels, lines, with, widthOf());
+    candidate = model;
+    candidate.drifts = true;
+    GroupedFit drifting = fitReadoutModel(taxels, lines, candidate, widthOf());
     if (isBetter(fit, drifting, static_cast<double>(taxels.size()))) {
       fit = std::move(drifting);
-      model = with;
-      with.hysteresis = false;
-      drifting = model.hysteresis ? fitReadoutModel(taxels, lines, with, 0) : fit;
+      model = candidate;
+      candidate.hysteresis = false;
+      drifting = model.hysteresis ? fitReadoutModel(taxels, lines, candidate, 0) : fit;
       if (model.hysteresis && !(isHysteresisIdentified(model, fit) && isBetter(drifting, fit, 2))) {
         fit = std::move(drifting);
-        model = with;
+        model = candidate;
       }
     }
   }

@@ -190,7 +190,7 @@ void ReadoutReport::reportSaturation(const Plateau& plateau) {
                                .high = plateau.counts,
                                .remark = seen
                                              ? "plateau in the output"
-                                             : "no plateau in the output: keeps the sensor file's " + std::to_string(readout_.saturation)});
+                                             : "no plateau in the output; keeps the sensor file's " + std::to_string(readout_.saturation)});
 }
 
 void ReadoutReport::reportHysteresis() {

@@ -54,7 +54,7 @@ Stamp stampOf(const Measurement& measurement) {
 }
 
 FitFigure figureOf(const StampModel& model, const StampFit& found) {
-  FitFigure figure{.title = "Readings under stamps", .x_label = "as fitted, counts", .y_label = "counts", .curves = {}};
+  FitFigure figure{.title = "Readings under stamps", .x_label = "fitted, counts", .y_label = "measured, counts", .curves = {}};
   double most = 0;
   for (std::size_t g = 0; g < model.stamps.size(); ++g) {
     FitFigure::Curve dots{.name = model.stamps[g].measurement->name, .measured = true, .x = {}, .y = {}};
@@ -66,7 +66,7 @@ FitFigure figureOf(const StampModel& model, const StampFit& found) {
     }
     figure.curves.push_back(std::move(dots));
   }
-  figure.curves.push_back({.name = "equal", .x = {0, most}, .y = {0, most}});
+  figure.curves.push_back({.name = "fitted = measured", .x = {0, most}, .y = {0, most}});
   return figure;
 }
 

@@ -40,7 +40,7 @@ FitFigure figureOf(Measured measurements, const std::vector<Row>& rows, const Fi
   FitFigure figure{.title = "Force against penetration depth", .x_label = "depth, mm", .y_label = "force, N", .curves = {}};
   for (std::size_t m = 0; m < measurements.size(); ++m) {
     const auto& data = std::get<ForceDepth>(measurements[m]->data);
-    FitFigure::Curve dots{.name = measurements[m]->name, .measured = true, .x = {}, .y = {}}, line{.name = "fitted", .x = {}, .y = {}};
+    FitFigure::Curve dots{.name = measurements[m]->name, .measured = true, .x = {}, .y = {}}, line{.name = "fit", .x = {}, .y = {}};
     const std::size_t every = rows.size() / kMaxDots + 1;
     double deepest = 0;
     for (std::size_t r = 0; r < rows.size(); ++r) {
@@ -120,8 +120,8 @@ void reportThickness(double deepest, Characterization& result) {
   result.estimates.push_back(
       {.parameter = "skin.thickness",
        .unit = "m",
-       .remark = is_thicker ? pressed + ", more than the thickness in the sensor file: thickness raised to this depth"
-                            : pressed + " without reaching the base: keeps the sensor file's " + numberText(thickness * 1e3) + " mm"});
+       .remark = is_thicker ? pressed + ", more than the thickness in the sensor file; thickness raised to this depth"
+                            : pressed + " without reaching the base; keeps the sensor file's " + numberText(thickness * 1e3) + " mm"});
   if (is_thicker) thickness = deepest;
 }
 

@@ -172,7 +172,7 @@ int runExperiment(const Arguments& arguments) {
   const Experiment experiment = loadExperiment(arguments.file);
   useTwoDriverThreadsPerCore();
   const Device device = Device::open({.device = arguments.device, .validation = arguments.validation});
-  std::visit([&](const auto& of_its_kind) { report(arguments, device, of_its_kind); }, experiment);
+  std::visit([&](const auto& loaded) { report(arguments, device, loaded); }, experiment);
   return kExitOk;
 }
 

@@ -7,6 +7,7 @@
 
 #include "base/log.h"
 #include "base/text.h"
+#include "taxelsim/error.h"
 
 namespace taxelsim {
 namespace {

@@ -1,5 +1,4 @@
-// A bench that is not there: a sensor with known parameters, and noisy readings of it by the formulas themselves, without any of the
-// simulator's code.
+// A simulated bench: a sensor with known parameters and noisy readings by the formulas, independent of the simulator's code.
 #pragma once
 
 #include <algorithm>
@@ -30,16 +29,16 @@ inline Sensor benchSensor(int num_rows, int num_cols) {
 
 struct TrueTaxel {
   double slope;    // counts/N
-  double trigger;  // N that shows first
+  double trigger;  // N
 };
 
-// One reading of a taxel that ends at `top` counts.
+// One reading of a taxel that saturates at `top` counts.
 inline double reading(const TrueTaxel& taxel, double force, double noise, double top, std::mt19937& random) {
   const double counts = taxel.slope * (force - taxel.trigger) + std::normal_distribution<double>(0, 1)(random) * noise;
   return std::clamp(std::round(counts), 0.0, top);
 }
 
-// Fewest hits of `runs` that 95 % intervals leave to chance once in 30,000 times: four standard deviations of the binomial distribution.
+// Smallest number of hits of 95 % intervals in `runs`: four standard deviations of the binomial distribution, probability 1 in 30,000.
 inline double leastHits(double runs) {
   return 0.95 * runs - 4 * std::sqrt(runs * 0.95 * 0.05);
 }

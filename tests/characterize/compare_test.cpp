@@ -1,4 +1,4 @@
-// Distances between images against values worked out by hand, and what is not defined.
+// Distances between images against values computed by hand, and undefined values.
 #include "taxelsim/compare.h"
 
 #include <gtest/gtest.h>
@@ -72,7 +72,7 @@ TEST(CompareImages, EdgeAnglesAreEqualModuloPi) {
   EXPECT_LT(comparison.angle_difference, 0.8);
 }
 
-// Each image by its own readout: the same force, in other counts.
+// Each image is read by its own readout: equal forces, different counts.
 TEST(CompareImages, UsesTheCurveOfEachSensor) {
   Sensor other = twoByThree();
   other.readout.curve = {500};
@@ -130,7 +130,7 @@ TEST(RangeOf, IgnoresUndefinedValues) {
   EXPECT_TRUE(std::isnan(rangeOf({}).median));
 }
 
-// Largest sum 200: touch is the first above 10, at 0.7 s.
+// The largest sum is 200: contact is the first sum above 10, at 0.7 s.
 TEST(RowAfterTouch, CountsFromFivePercentOfTheLargest) {
   const Images images{.num_taxels = 2, .time = {0, 0.5, 0.7, 1.0, 1.6, 2.0}, .counts = {0, 0, 5, 5, 5, 6, 90, 90, 100, 100, 60, 60}};
   EXPECT_EQ(rowAfterTouch(images, 0), 2u);

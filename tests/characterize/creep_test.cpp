@@ -1,4 +1,4 @@
-// Step responses made by the reference's readout over time, and the creep that is found in them.
+// Creep fitted to step responses that the reference's readout simulates.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -34,7 +34,7 @@ Sensor oneTaxel(std::vector<CreepTerm> creep) {
 
 struct Recording {
   double load = 1;          // N
-  double seconds = 12;      // in all
+  double seconds = 12;      // duration
   double rise = 0;          // s
   double noise = 5;         // counts
   double noise_memory = 0;  // correlation from row to row
@@ -42,7 +42,7 @@ struct Recording {
   std::uint64_t seed = 1;
 };
 
-// The onset lies 1 s after the beginning, somewhere between two frames.
+// The onset is 1 s after the start, between two frames.
 StepResponse recorded(const Sensor& sensor, const Recording& how) {
   StepResponse step{.load = how.load, .time = {}, .counts = {}};
   reference::Lag lag(sensor.readout, 1);
@@ -128,7 +128,7 @@ TEST(Creep, DoesNotSplitASingleTerm) {
     const Estimate* const further = findEstimate(result, "readout.creep[1]");
     EXPECT_TRUE(further == nullptr || !further->determined);
   }
-  // One case of a thousand by the criterion.
+  // False positives have a probability of 0.001.
   EXPECT_LE(more, 1);
 }
 
@@ -146,7 +146,7 @@ TEST(Creep, SlowRiseIsNotFittedAsCreep) {
 
 TEST(Creep, TriggerOfOneTaxelDoesNotBiasFractions) {
   Sensor truth = oneTaxel({{.fraction = 0.3, .time = 2}});
-  truth.readout.trigger = 0.3;  // of 1 N: left out, the fraction would read 0.43
+  truth.readout.trigger = 0.3;  // of 1 N: without correction the fraction would be 0.43
   EXPECT_TRUE(holds(fitted(truth, {{.seed = 3}}), "readout.creep[0].fraction", 0.3));
 }
 

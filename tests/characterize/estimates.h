@@ -1,4 +1,4 @@
-// Looking at what characterize() found.
+// Access to the estimates of characterize().
 #pragma once
 
 #include <algorithm>
@@ -10,21 +10,21 @@
 
 namespace taxelsim::support {
 
-// The estimate of that name; nullptr where there is none.
+// The estimate of this name; nullptr if there is none.
 inline const Estimate* findEstimate(const Characterization& result, const std::string& parameter) {
   const auto found = std::find_if(result.estimates.begin(), result.estimates.end(),
                                   [&](const Estimate& estimate) { return estimate.parameter == parameter; });
   return found == result.estimates.end() ? nullptr : &*found;
 }
 
-// The same where it must be there; throws where it is not.
+// The same; throws if there is none.
 inline const Estimate& estimateOf(const Characterization& result, const std::string& parameter) {
   const Estimate* const estimate = findEstimate(result, parameter);
   if (estimate == nullptr) throw std::runtime_error("no estimate of " + parameter);
   return *estimate;
 }
 
-// Whether it was determined and its interval holds `truth`.
+// True if the estimate is determined and its interval contains `truth`.
 inline bool holds(const Estimate& estimate, double truth) {
   return estimate.determined && estimate.low <= truth && truth <= estimate.high;
 }
@@ -33,8 +33,8 @@ inline bool holds(const Characterization& result, const std::string& parameter, 
   return estimate != nullptr && holds(*estimate, truth);
 }
 
-// Of 40 runs a 95 % interval holds the truth in at least 34 with probability .997: P(X <= 33) of a binomial (40, .95) is .0034. That it
-// does so in all 40 has probability .13, so that intervals far too wide show only over many parameters.
+// A 95 % interval contains the truth in at least 34 of 40 runs with probability .997: P(X <= 33) of a binomial (40, .95) is .0034. All 40
+// have probability .13, so that too wide intervals are detected over many parameters only.
 inline constexpr int kRuns = 40;
 inline constexpr int kLeastInside = 34;
 

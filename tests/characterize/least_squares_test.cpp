@@ -1,4 +1,4 @@
-// Least squares over groups: a straight line by its textbook intervals, and the same bits whatever else a process did before.
+// Least squares over groups: textbook intervals of a line, and results that do not depend on the history of the process.
 #include "characterize/least_squares.h"
 
 #include <gtest/gtest.h>
@@ -76,21 +76,21 @@ TEST(LeastSquares, ResultDoesNotDependOnTheHeap) {
   EXPECT_EQ(first.residual_sd, again.residual_sd);
 }
 
-// Standard deviation of a mean of groups, against many drawn benches.
+// Standard deviation of a mean over groups, against many random draws.
 TEST(LeastSquares, IntervalsOfMeansOverGroupsAreRight) {
   std::vector<double> means;
-  double told = 0;
+  double reported = 0;
   for (unsigned seed = 0; seed < 200; ++seed) {
     const GroupedFit fit = parabolas(seed);
     double mean = 0;
     for (const std::vector<double>& own : fit.own) mean += own[0] / static_cast<double>(fit.own.size());
     means.push_back(mean);
-    told += fit.meanHalfWidth(std::vector<Eigen::VectorXd>(fit.own.size(), Eigen::VectorXd::Ones(1)), Eigen::VectorXd::Zero(1)) / 200;
+    reported += fit.meanHalfWidth(std::vector<Eigen::VectorXd>(fit.own.size(), Eigen::VectorXd::Ones(1)), Eigen::VectorXd::Zero(1)) / 200;
   }
   double squares = 0;
   for (const double mean : means) squares += std::pow(mean - 5.5, 2);
   const double seen = 1.96 * std::sqrt(squares / static_cast<double>(means.size()));
-  EXPECT_NEAR(told / seen, 1, 0.2) << "a deviation from 200 draws is known to 5 %, four of these";
+  EXPECT_NEAR(reported / seen, 1, 0.2) << "four standard errors of a deviation from 200 draws";
 }
 
 }  // namespace

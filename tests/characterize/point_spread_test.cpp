@@ -1,4 +1,4 @@
-// Images under an indenter at known places, made by the reference's stages, and the spread that is found in them.
+// Point spread functions fitted to images under an indenter at known positions, which the reference's stages simulate.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -38,12 +38,12 @@ Sensor gridOf(const Psf& psf) {
 struct Series {
   Indenter indenter{.shape = Indenter::Shape::kFlatPin, .radius = 0.5e-3};
   int num_images = 8;
-  double force = 1;  // N, at most; not below half of it
+  double force = 1;  // N: maximum; the minimum is half of it
   double noise = 5;  // counts
   std::uint64_t seed = 1;
 };
 
-// Force per taxel. Of spheres by 400 x 400 points pressed into independent springs, not as the fit has it.
+// Force per taxel; for spheres by 400 x 400 points on independent springs, unlike the fit.
 std::vector<double> forcesUnder(const Sensor& sensor, const Indenter& indenter, double x, double y, double force) {
   const GridPatch& patch = sensor.patches[0];
   std::vector<double> forces(static_cast<std::size_t>(numTaxels(sensor)));
@@ -125,7 +125,7 @@ TEST(Footprint, OverlapsAddUpToTheSection) {
     for (int j = -2; j < 2; ++j) sum += overlap(disc, {i * 2e-3, j * 2e-3}, {(i + 1) * 2e-3, (j + 1) * 2e-3});
   }
   EXPECT_NEAR(sum, pin.sectionAt(0), 1e-12);
-  // A unit square turned by 45 degrees over a quadrant: a quarter of it.
+  // A unit square rotated by 45 degrees has a quarter of its area in a quadrant.
   const Indenter stamp{.shape = Indenter::Shape::kStamp, .size = {1, 1}};
   EXPECT_NEAR(overlap(moved(sectionOf(stamp, 0), {0, 0}, std::numbers::pi / 4), {0, 0}, {2, 2}), 0.25, 1e-12);
   EXPECT_EQ(overlap(disc, {1, 1}, {2, 2}), 0);
@@ -134,7 +134,7 @@ TEST(Footprint, OverlapsAddUpToTheSection) {
 TEST(Footprint, DepthCarriesTheVolume) {
   const Indenter sphere{.shape = Indenter::Shape::kSphere, .radius = 5e-3};
   const double depth = depthOfVolume(sphere, 1, 1e-9);
-  // Of a cap: pi d^2 (R - d / 3).
+  // Volume of a cap: pi d^2 (R - d / 3).
   EXPECT_NEAR(std::numbers::pi * depth * depth * (5e-3 - depth / 3), 1e-9, 1e-14);
 }
 
@@ -148,7 +148,7 @@ TEST(PointSpread, FindsSigmaWithRightIntervals) {
       inside += holds(result, "psf.gaussian.sigma", sigma);
       other_size += result.sensor.psf.size != truth.psf.size;
     }
-    // A kernel instead, in one case of a thousand.
+    // A free kernel is accepted with a probability of 0.001.
     EXPECT_LE(other_size, 1) << sigma;
     EXPECT_GE(inside, support::kLeastInside) << sigma;
   }
@@ -206,7 +206,7 @@ TEST(PointSpread, ClippedReadingsDoNotBiasIt) {
     mean += sigma->value / kSeeds;
     half += (sigma->high - sigma->low) / 2 / kSeeds;
   }
-  // The mean of six is known to 0.41 of one's interval.
+  // The interval of a mean of six is 0.41 of a single one.
   EXPECT_NEAR(mean, 0.6, 0.41 * half);
 }
 
@@ -225,7 +225,7 @@ TEST(PointSpread, NeedsOneImageWithSeveralTaxels) {
   PointImages one = imagesOf(truth, {.num_images = 1, .noise = 1, .seed = 5});
   EXPECT_NEAR(findEstimate(fitted(truth, one), "psf.gaussian.sigma")->value, 0.6, 0.02);
 
-  // All but the brightest taxel dead: amplitude and spread cannot be told apart.
+  // All taxels but the brightest are dead: amplitude and spread are confounded.
   Sensor dead = truth;
   const auto brightest =
       static_cast<std::size_t>(std::max_element(one.images.counts.begin(), one.images.counts.end()) - one.images.counts.begin());
@@ -248,7 +248,7 @@ TEST(PointSpread, RejectsBadImages) {
   two.patches.push_back({.name = "q", .num_rows = 1, .num_cols = 1, .pitch = {kPitch, kPitch}, .X_SP = {.position = {0.1, 0, 0}}});
   EXPECT_THAT(refusal(two, off), HasSubstr("points.yaml: point_images need a sensor with one grid"));
   Sensor shallow = truth;
-  shallow.readout.saturation = 30;  // of 1000: what touches reads 30, all else nearly nothing
+  shallow.readout.saturation = 30;  // of 1000: loaded taxels read 30, others almost 0
   const Characterization clipped = fitted(shallow, imagesOf(shallow, {.num_images = 3}));
   const Estimate* const sigma = findEstimate(clipped, "psf.gaussian.sigma");
   EXPECT_TRUE(!sigma->determined || (sigma->low < 0.6 && 0.6 < sigma->high)) << sigma->low << ' ' << sigma->high;

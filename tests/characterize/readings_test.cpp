@@ -1,4 +1,4 @@
-// Counts back to newtons: closed forms, and round trips through the reference's own stages.
+// Counts converted to newtons: closed forms, and round trips through the reference's stages.
 #include "taxelsim/readings.h"
 
 #include <gtest/gtest.h>
@@ -17,8 +17,8 @@ namespace taxelsim {
 namespace {
 
 constexpr double kCountsPerNewton = 20000;
-constexpr double kHalfCount = 0.5 / kCountsPerNewton;  // N: what rounding to counts may hide
-constexpr double kFloat32 = 1e-6;                      // relative, of counts that need not be whole
+constexpr double kHalfCount = 0.5 / kCountsPerNewton;  // N: error of rounding to counts
+constexpr double kFloat32 = 1e-6;                      // relative, for counts that are not rounded
 
 Sensor linearSensor() {
   Sensor sensor = exampleSensor();
@@ -69,7 +69,7 @@ TEST(Readings, UndoTheReadout) {
   }
 }
 
-// A force that begins with the first row and stays reads F [1 + sum fraction (1 - e^(-t / time))], at whatever times it is looked at.
+// A constant force from the first row on reads F [1 + sum fraction (1 - e^(-t / time))], for any sampling times.
 TEST(Readings, CreepOfAStep) {
   Sensor sensor = strip(1);
   sensor.readout.creep = {{.fraction = 0.15, .time = 1}, {.fraction = 0.3, .time = 9}};
@@ -86,7 +86,8 @@ TEST(Readings, CreepOfAStep) {
   EXPECT_NEAR(left.force.back(), 1.45 * kForce, kFloat32);
 }
 
-// Its impulse response has one positive value of at most 1, then negative ones that sum to less: rounding at most doubles.
+// The impulse response of the inverse has one positive value of at most 1, then negative ones with a smaller sum: rounding errors at most
+// double.
 constexpr double kInverseOfCreep = 2;
 
 Images recorded(const Sensor& sensor, const std::vector<std::vector<double>>& forces, const std::vector<double>& time) {
@@ -101,7 +102,7 @@ Images recorded(const Sensor& sensor, const std::vector<std::vector<double>>& fo
   return images;
 }
 
-// Presses that come and go on a few taxels, none at first, looked at unevenly.
+// Changing presses on a few taxels, none at first, with uneven sampling.
 struct Presses {
   std::vector<double> time;
   std::vector<std::vector<double>> force;  // (rows), (num_taxels)
@@ -129,7 +130,7 @@ TEST(Readings, UndoCreep) {
   }
 }
 
-// Released after a long press, the creep still shows 0.3 N, and the trigger hides it: nothing presses, and nothing pulls.
+// After a long press the remaining creep of 0.3 N is below the trigger: the result is no force, and no negative force.
 TEST(Readings, CreepUnderTheTrigger) {
   Sensor sensor = strip(1);
   sensor.readout.creep = {{.fraction = 0.3, .time = 9}};
@@ -143,8 +144,8 @@ TEST(Readings, CreepUnderTheTrigger) {
   EXPECT_EQ(force[3], 0);
 }
 
-// The sampled kernel of sigma 0.5, normalised, is the product of (0.1065, 0.787, 0.1065) with itself; over an endless grid it shrinks no
-// pattern below 0.787 - 2 x 0.1065 = 0.574 a direction. Ends only cut pieces out of that grid and divide by less.
+// The sampled kernel of sigma 0.5, normalised, is the product of (0.1065, 0.787, 0.1065) with itself; on an infinite grid its
+// smallest gain is 0.787 - 2 x 0.1065 = 0.574 per direction. Borders only restrict that grid and normalise by less.
 constexpr double kLeastSpread = 0.574 * 0.574;
 
 double distanceOf(const std::vector<double>& a, const std::vector<double>& b) {
@@ -169,7 +170,7 @@ TEST(Readings, UndoSpreadAndCreepAndReadout) {
   }
 }
 
-// What no load would spread to: then slopes of ||G F - image||^2 are 0 where there is force and lead out of F >= 0 elsewhere.
+// Images outside the range of G: by the optimality conditions, the gradient of ||G F - image||^2 is 0 for F > 0 and >= 0 for F = 0.
 void expectNearest(const Sensor& sensor, unsigned seed) {
   const auto num_taxels = static_cast<std::size_t>(numTaxels(sensor));
   std::mt19937 random(seed);
@@ -199,7 +200,7 @@ void expectNearest(const Sensor& sensor, unsigned seed) {
       }
       num_at_zero += force[source] == 0 ? 1 : 0;
     }
-    EXPECT_GT(num_at_zero, 0) << "a case without bounds shows nothing";
+    EXPECT_GT(num_at_zero, 0) << "a case without active bounds tests nothing";
   }
 }
 
@@ -224,7 +225,7 @@ TEST(Readings, RejectsSingularSpread) {
   EXPECT_THROW(readingsInNewtons(strip(3), images), Error);
   EXPECT_THROW(readingsInNewtons(sensor, images, {.remove_creep = true}), Error);
   EXPECT_NO_THROW(readingsInNewtons(sensor, images, {.remove_spread = true}));
-  // Three in a row sum to nothing where (1, -1, 0, 1, -1) presses; of two taxels, where (1, -1) does.
+  // Singular kernels: three in a row give 0 for (1, -1, 0, 1, -1); two taxels give 0 for (1, -1).
   for (const int num_taxels : {2, 5}) {
     Sensor even = strip(num_taxels);
     even.psf = {.size = 3, .kernel = std::vector<double>(9, 0.3), .normalization = Psf::Normalization::kNone};

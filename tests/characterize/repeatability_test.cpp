@@ -1,5 +1,5 @@
-// Presses of one load, recorded again: as far as a real sensor is from itself, no simulator can be judged. Recordings of a Weiss matrix
-// (SCHUNK SDH-2 finger, P. Kiechle, tactile-sensors): a stamp of 10.5 mm under 200 to 900 g, one letter a load.
+// Repeated presses of one load: repeatability of a real sensor, the lower limit for a simulator. Recordings of a Weiss matrix
+// (SCHUNK SDH-2 finger, P. Kiechle, tactile-sensors): a stamp of 10.5 mm under 200 to 900 g, one letter per load.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,14 +22,14 @@ constexpr double kAfterTouch = 5;  // s
 constexpr double kNoise = 17.0 / 4095;  // of full scale
 constexpr double kPairNoise = 1.4 * kNoise;
 
-// The finger's 13 rows run along y of our frame, its columns along x.
+// The 13 rows of the finger are along y of our frame, its columns along x.
 Sensor weissMatrix() {
   Sensor sensor = exampleSensor();
   sensor.patches = {{.name = "distal", .num_rows = 6, .num_cols = 13, .pitch = {0.0034, 0.0034}, .X_SP = {}}};
   return sensor;
 }
 
-// By load, in the order of their numbers: the image 5 s after touch of each press.
+// The image 5 s after contact of each press, by load and number.
 std::map<char, std::vector<std::vector<float>>> presses() {
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(TAXELSIM_REAL_DATA) / "weiss_dsa")) {
@@ -51,14 +51,14 @@ std::map<char, std::vector<std::vector<float>>> presses() {
   return result;
 }
 
-// What was found in these recordings before, fractions; the later press is the real one. Which frame is 5 s after touch moves every measure
-// by as much as the noise of two frames does.
+// Expected ranges, fractions; the later press is the real one. The choice of the frame at 5 s changes every metric by the noise of two
+// frames.
 TEST(Repeatability, PressesOfOneLoad) {
   struct Bounds {
     double ImageComparison::*measure;
     double low, high, noise;
   };
-  // At 200 g, where noise does most: the largest taxel has 450 counts, all sum to 2500, their squares to 1000^2.
+  // At 200 g, where noise matters most: the largest taxel has 450 counts, all sum to 2500, their squares to 1000^2.
   const std::vector<Bounds> all_bounds{
       {&ImageComparison::median_difference, 0.0040, 0.0204, kPairNoise},
       {&ImageComparison::mean_difference, 0.0071, 0.0207, kPairNoise / 4},  // of 16 taxels
@@ -83,7 +83,7 @@ TEST(Repeatability, PressesOfOneLoad) {
   EXPECT_EQ(num_pairs, 10);
 }
 
-// A simulator that shows nothing at all: what M1 alone would let pass.
+// A simulator without output, which M1 alone would accept.
 TEST(Repeatability, AnAllZeroImage) {
   const std::map<char, std::array<double, 2>> all_bounds{{'A', {0.029, 0.039}}, {'B', {0.05, 0.08}}, {'C', {0.116, 0.116}}};
   const auto all = presses();

@@ -1,4 +1,4 @@
-// Readouts fitted to recordings of real single taxels, made into measurements by scripts/convert_recordings.py: resistive foil under a 6 mm
+// Readouts fitted to recordings of real single taxels, converted by scripts/convert_recordings.py: resistive foil under a 6 mm
 // tip (TAMS), Velostat under a robot.
 #include <gtest/gtest.h>
 
@@ -15,10 +15,10 @@ namespace {
 
 struct Recording {
   const char* name;
-  double most_rms;  // of the largest output: what the readout's model misses, measured and rounded up; docs/validation.md
+  double most_rms;  // of the largest output: misfit of the readout model, measured and rounded up (docs/validation.md)
 };
 
-// pike1_force_1 is not here: its baseline wanders by more than its taxel answers.
+// Without pike1_force_1, whose baseline drifts by more than the response.
 constexpr std::array<Recording, 4> kRecordings{
     {{"tams_nosil", 0.025}, {"tams_thinsil", 0.025}, {"pike1_force_10", 0.055}, {"pike1_force_40", 0.055}}};
 

@@ -1,4 +1,4 @@
-// Recordings under a flat stamp made by the reference's stages, and what is found in them.
+// Parameters fitted to recordings under a flat stamp, which the reference's stages simulate.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -188,16 +188,16 @@ TEST(StampImages, FindsGainsOfLoadedTaxels) {
   std::vector<Press> presses = drawn(7, 16);
   for (Press& press : presses) press.y = -std::abs(press.y);
   const Characterization result = fitted(truth, recordedAll(truth, presses));
-  std::vector<std::size_t> told;
+  std::vector<std::size_t> fitted;
   double mean = 0;
   for (std::size_t t = 0; t < 48; ++t) {
-    if (findEstimate(result, "readout.taxel_gain[" + std::to_string(t) + "]") != nullptr) told.push_back(t);
+    if (findEstimate(result, "readout.taxel_gain[" + std::to_string(t) + "]") != nullptr) fitted.push_back(t);
   }
-  ASSERT_GE(told.size(), 25u);
-  for (const std::size_t t : told) mean += truth.readout.taxel_gain[t] / static_cast<double>(told.size());
+  ASSERT_GE(fitted.size(), 25u);
+  for (const std::size_t t : fitted) mean += truth.readout.taxel_gain[t] / static_cast<double>(fitted.size());
   double before = 0, after = 0;
   int held = 0;
-  for (const std::size_t t : told) {
+  for (const std::size_t t : fitted) {
     const double gain = truth.readout.taxel_gain[t] / mean;
     const Estimate& estimate = support::estimateOf(result, "readout.taxel_gain[" + std::to_string(t) + "]");
     held += holds(estimate, gain);
@@ -206,8 +206,8 @@ TEST(StampImages, FindsGainsOfLoadedTaxels) {
     after += std::pow(estimate.value - gain, 2);
   }
   EXPECT_LT(after, before / 20);
-  // P(X <= n - 6) of a binomial (n, .95) is below .01 for n of 25 to 48; neighbours' errors go together, and all hang on one mean.
-  EXPECT_GE(held, static_cast<int>(told.size()) - 5);
+  // P(X <= n - 6) of a binomial (n, .95) is below .01 for n of 25 to 48; errors of neighbours are correlated, and all depend on one mean.
+  EXPECT_GE(held, static_cast<int>(fitted.size()) - 5);
   EXPECT_THAT(result.remarks, ::testing::Contains(HasSubstr("taxels were never loaded")));
 }
 
@@ -238,7 +238,7 @@ TEST(StampImages, FindsTheStiffnessOfACurvedSkin) {
   std::vector<Press> presses = drawn(9, 4);
   for (Press& press : presses) press.y /= 2, press.x /= 3;
   const Characterization result = fitted(truth, recordedAll(truth, presses));
-  // The box is seen by 8 x 8 samples a taxel, the fit's stamp by its area: a few per cent at its edges.
+  // The box is sampled 8 x 8 times per taxel, the fit uses covered areas: a few per cent at edges.
   EXPECT_NEAR(findEstimate(result, "psf.skin_gaussian.sigma")->value, 0.6 * kPitch, 0.03 * kPitch);
   EXPECT_NEAR(findEstimate(result, "readout.curve.counts_per_newton")->value, 2000, 40);
   EXPECT_NEAR(findEstimate(result, "skin.normal_contact_stiffness")->value, 1.73e8, 0.2e8);
@@ -249,7 +249,7 @@ TEST(StampImages, IsRobustToOutliers) {
   std::vector<StampImages> stamps = recordedAll(truth, drawn(4, 4));
   for (StampImages& stamp : stamps) {
     for (std::size_t row = 0; row < 100; ++row) stamp.images.counts[row * 48 + 7] = row > 12 ? 3000 : 0;
-    stamp.images.counts[60 * 48 + 20] = 0;  // one frame's
+    stamp.images.counts[60 * 48 + 20] = 0;  // one frame
   }
   const Characterization result = fitted(truth, stamps);
   EXPECT_NEAR(findEstimate(result, "psf.gaussian.sigma")->value, 0.6, 0.02);

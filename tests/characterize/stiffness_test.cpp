@@ -1,4 +1,4 @@
-// Stiffness found from force against depth, against closed forms of indenters on an elastic foundation.
+// Stiffness fitted to closed forms of indenters on an elastic foundation.
 #include <gmock/gmock.h>
 
 #include <numbers>
@@ -22,7 +22,7 @@ constexpr double kPi = std::numbers::pi;
 struct Case {
   const char* name;
   Indenter indenter;
-  double (*volume)(double);  // m^3 that the indenter displaces, pressed so deep (m)
+  double (*volume)(double);  // m^3 displaced by the indenter at this depth (m)
 };
 
 // Volumes of the solids' caps, from textbooks.
@@ -55,7 +55,7 @@ Characterization characterized(ForceDepth data) {
   return characterize(measurements);
 }
 
-// Without noise what is left is the quadrature and the solver's end, at 1e-10 of a parameter.
+// Without noise the errors are those of the quadrature and of the solver's tolerance, 1e-10 of a parameter.
 TEST(StiffnessFit, FindsTheStiffnessOfClosedForms) {
   constexpr double kExact = 1e-6;
   for (const Case& with : kCases) {

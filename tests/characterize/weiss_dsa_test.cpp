@@ -1,4 +1,4 @@
-// Recordings of a real matrix under dead weights of 200 to 900 g: the sensor is fitted to all loads but one and predicts the one left out.
+// Recordings of a real matrix under dead weights of 200 to 900 g: the sensor is fitted to all loads but one and predicts the left-out load.
 // Two loads of eight; all of them with TAXELSIM_LEFT_OUT=ABCDEFGH in the environment, in four minutes.
 #include <gtest/gtest.h>
 
@@ -32,7 +32,7 @@ struct Recording {
   Measurement measurement;
   CreepSeries sum;
   Onset onset;
-  std::vector<double> image;  // at 5 s after the touch
+  std::vector<double> image;  // 5 s after contact
 };
 
 Recording readRecording(const std::filesystem::path& file, const Sensor& sensor) {
@@ -90,8 +90,7 @@ double meanOf(const Characterization& result, const std::string& ending) {
   return count > 0 ? sum / count : 0;
 }
 
-// Counts of the twin `after` seconds past the touch of a stamp that lies at (x, y), turned as the recordings that were fitted are on
-// average.
+// Counts of the twin `after` seconds after contact of a stamp at (x, y), with the mean orientation of the fitted recordings.
 reference::Frame predicted(const Sensor& sensor, double load, double x, double y, const Turn& turn, double after) {
   const Object box("box", Box{{kStamp.size[0], kStamp.size[1], 5e-3}});
   const Quaternion tilt = axisAngle({0, 1, 0}, -std::atan(turn.slope_x)) * axisAngle({1, 0, 0}, std::atan(turn.slope_y));
@@ -122,7 +121,7 @@ Score scoreOf(const std::vector<double>& simulated, const std::vector<double>& r
   return {100 * medianOf(active) / 4095, difference / sum, total / sum};
 }
 
-TEST(WeissDsa, PredictsLoadsThatWereLeftOut) {
+TEST(WeissDsaStudy, PredictsLoadsThatWereLeftOut) {
   Sensor known = loadSensor(std::filesystem::path(TAXELSIM_SOURCE_DIR) / "scenes/sensors/weiss_dsa_distal.yaml");
   const std::vector<Recording> recordings = readAll(known);
   ASSERT_EQ(recordings.size(), 17u);
@@ -140,7 +139,7 @@ TEST(WeissDsa, PredictsLoadsThatWereLeftOut) {
     for (const Recording& recording : recordings) {
       if (recording.letter != letter) continue;
       const double load = std::get<StampImages>(recording.measurement.data).load, rise = recording.onset.time - recording.onset.start;
-      // The place alone is fitted to the image left out, by a pattern search.
+      // Only the position is fitted to the left-out image, by a pattern search.
       double x = meanOf(result, ".x"), y = meanOf(result, ".y"), best = 1e300;
       std::vector<double> image, force;
       for (double step = 1e-3; step > 0.05e-3;) {

@@ -1,4 +1,4 @@
-// Help, version and everything a user can type wrong: one line, exit status 2.
+// Help, version and wrong arguments: one line, exit status 2.
 #include <gtest/gtest.h>
 
 #include "cli/command_line.h"
@@ -45,7 +45,7 @@ TEST(Arguments, AreRefusedInOneLine) {
   expectRefused(runTaxelsim({"render", "out", "-o", "a.png", "--episode", "-1"}), "--episode");
 }
 
-// Poses are checked before any file is opened or device is looked for.
+// Poses are checked before files are opened or devices listed.
 TEST(Arguments, PosesAreRefusedInOneLine) {
   const auto frame = [](const std::string& pose) {
     return runTaxelsim({"frame", "--sensor", "no.yaml", "--object", "sphere:0.01", "--pose", pose});

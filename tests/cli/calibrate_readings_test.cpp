@@ -1,4 +1,4 @@
-// `calibrate-readings`: a table of counts becomes one of newtons, whole or not at all.
+// `calibrate-readings`: converts a table of counts to newtons, atomically.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,7 +20,7 @@ class CalibrateReadings : public ::testing::Test {
     std::ofstream(at(name)) << text;
     return at(name);
   }
-  // Of the small pad, with more keys of its readout.
+  // The small pad with additional keys of its readout.
   std::string padWith(const std::string& readout) const { return write("with.yaml", kSmallPad + readout); }
 
   Outcome run(const std::string& table, const std::string& sensor, std::vector<std::string> more = {}) const {
@@ -68,9 +68,9 @@ TEST_F(CalibrateReadings, PatternOfColumns) {
   EXPECT_NEAR(forces()[0][0], 0.6, kWritten);
 }
 
-// A force of 0.4 N on one taxel: 1000 x 0.4 x share counts on each, growing by half with a time of 1 s.
+// A force of 0.4 N on one taxel: 1000 x 0.4 x share counts on each, growing by half with a time constant of 1 s.
 TEST_F(CalibrateReadings, RemovesCreepAndSpread) {
-  // What the kernel (e^-2, 1, e^-2) x (e^-2, 1, e^-2) leaves of a force on taxel (0, 0) inside the pad, in storage order.
+  // Shares of a force on taxel (0, 0) by the kernel (e^-2, 1, e^-2) x (e^-2, 1, e^-2), in storage order.
   const double q = std::exp(-2.0), all = (1 + q) * (1 + q);
   const std::vector<double> shares{1 / all, q / all, 0, q / all, q * q / all, 0};
   std::ostringstream text;
@@ -82,7 +82,7 @@ TEST_F(CalibrateReadings, RemovesCreepAndSpread) {
   }
   const std::string table = write("raw.csv", text.str()), sensor = padWith("  creep: [{fraction: 0.5, time: 1}]\n");
   ASSERT_EQ(run(table, sensor, {"--remove", "creep", "--remove", "psf"}).status, 0);
-  // Half a count on each of six taxels, doubled by the creep's inverse at most; the spread shrinks by no more than (0.787 - 0.213)^2.
+  // Half a count on each of six taxels, at most doubled by the inverse of creep; the smallest gain of the spread is (0.787 - 0.213)^2.
   constexpr double kTolerance = 2.45 * 2 * 0.0005 / 0.329;
   for (const std::vector<double>& row : forces()) {
     EXPECT_NEAR(row[1], 0.4, kTolerance);

@@ -1,4 +1,4 @@
-// `characterize` on the measurements that ship, which were simulated with known parameters, and what it writes.
+// `characterize` on the shipped measurements, which were simulated with known parameters.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -58,8 +58,8 @@ TEST(Characterize, RecoversTheParametersOfTheShippedMeasurements) {
   const Sensor sensor = loadSensor(directory / "s.yaml");
   EXPECT_EQ(sensor.readout.saturation, 3840);
   EXPECT_EQ(sensor.readout.taxel_gain[40], 0);
-  EXPECT_EQ(sensor.readout.creep.size(), 2u) << "of the step response, not of the stamps";
-  EXPECT_GT(Picture(directory / "r_output_over_time_under_a_constant_load_2.png").width(), 100) << "of the stamps";
+  EXPECT_EQ(sensor.readout.creep.size(), 2u) << "from the step response, not from the stamps";
+  EXPECT_GT(Picture(directory / "r_output_over_time_under_a_constant_load_2.png").width(), 100) << "from the stamps";
   EXPECT_THAT(contentOf(directory / "s.yaml"), HasSubstr("saturation: 3840  # 3840 counts, plateau in the output"));
 }
 
@@ -74,7 +74,7 @@ TEST(Characterize, ReportIsSelfContained) {
   EXPECT_EQ(loadSensor(directory / "s.yaml").name, "mine");
   const std::string page = contentOf(directory / "r.html");
   EXPECT_THAT(page, HasSubstr("Characterisation of mine"));
-  EXPECT_THAT(page, HasSubstr("data:image/png;base64,iVBORw0KGgo")) << "how every PNG begins";
+  EXPECT_THAT(page, HasSubstr("data:image/png;base64,iVBORw0KGgo")) << "signature of a PNG";
   EXPECT_EQ(page.find("http"), std::string::npos);
   EXPECT_EQ(page.find(" nan"), std::string::npos);
   for (const char* picture : {"r_output_against_force_all_taxels.png", "r_force_against_penetration_depth.png", "r_gain_map.png"}) {
@@ -82,7 +82,7 @@ TEST(Characterize, ReportIsSelfContained) {
   }
 }
 
-// The shipped force curves are straight: so are the pieces.
+// The shipped force curves are straight, and so are the pieces.
 TEST(Characterize, WritesACurveOfStraightPieces) {
   const TemporaryDirectory directory;
   std::ofstream(directory / "pieces.yaml") << "format_version: 1\nmeasurement: force_curve\nsensor: " TAXELSIM_SOURCE_DIR

@@ -15,18 +15,18 @@ struct Outcome {
 };
 
 struct RunOptions {
-  // Sends this signal once as many seconds have passed; 0 for none.
+  // Signal sent after `signal_after` seconds; 0 for none.
   int signal = 0;
   double signal_after = 0;
-  std::vector<std::string> environment{};  // "NAME=value", beside the test's own
+  std::vector<std::string> environment{};  // "NAME=value", added to the test's environment
 };
 
-// The program sees its arguments as given, without a shell.
+// Runs the program without a shell.
 Outcome runTaxelsim(const std::vector<std::string>& arguments, const RunOptions& options = {});
 
 std::string contentOf(const std::filesystem::path& file);
 
-// One complete line on stderr, and exit status 2.
+// Expects one line with `part` on stderr and exit status 2.
 void expectRefused(const Outcome& outcome, const std::string& part);
 
 }  // namespace taxelsim::testing

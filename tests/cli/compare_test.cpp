@@ -1,4 +1,4 @@
-// `compare`: measurements and data sets against each other, as table, JSON and picture, and what is refused.
+// `compare`: measurements and data sets, with table, JSON, figure and refusals.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -107,13 +107,13 @@ TEST_F(Compare, AtSelectsATimeAfterContact) {
   const std::string real = images("recorded", recorded), sim = images("sim", kReal);
   const Json json = jsonOf({"compare", real, sim, "--at", "2", "--json"});
   ASSERT_EQ(json["pairs"].size(), 1u);
-  EXPECT_EQ(json["pairs"][0]["real_time"], 4.1) << "touch is at 2 s: 10 counts are less than 5 % of 910";
+  EXPECT_EQ(json["pairs"][0]["real_time"], 4.1) << "contact is at 2 s: 10 counts are less than 5 % of 910";
   EXPECT_EQ(json["pairs"][0]["M4_relative_l1"], 0);
   expectRefused(runTaxelsim({"compare", real, sim, "--at", "9"}), "recorded.yaml: 9 s after contact is out of range");
   expectRefused(runTaxelsim({"compare", sim, sim, "--at", "2"}), "--at: neither");
 }
 
-// A data set whose scene says nothing of its sensor, read with that of the measurement.
+// A data set whose scene has no sensor uses that of the measurement.
 TEST_F(Compare, DataSetWithoutASensor) {
   writePressedPad(at("data"));
   const DatasetReader reader(at("data"));

@@ -1,4 +1,4 @@
-// Curved sensors from the command line: values, pictures, and where taxels go in them.
+// Curved sensors on the command line: values, figures, and the layout of taxels in them.
 #include <cairo.h>
 #include <gtest/gtest.h>
 
@@ -131,7 +131,7 @@ TEST(CurvedDataSet, TaxelsAreFoundInTheResolvedScene) {
   }
 }
 
-// Two taxels as outlines, one of them turned by 45 degrees.
+// Two taxels as outlines, one rotated by 45 degrees.
 TEST(CurvedFigure, OutlinesLieWhereTheySay) {
   const TemporaryDirectory root;
   figures::TactilePanel panel;
@@ -155,8 +155,8 @@ TEST(CurvedFigure, OutlinesLieWhereTheySay) {
   };
   const auto dark = middle(0x440154), bright = middle(0xfde725);
   EXPECT_GT(dark[2], 1000);
-  EXPECT_GT(bright[0], dark[0]) << "y runs to the right";
-  EXPECT_GT(bright[1], dark[1]) << "x runs down";
+  EXPECT_GT(bright[0], dark[0]) << "y points right";
+  EXPECT_GT(bright[1], dark[1]) << "x points down";
   EXPECT_GT(bright[2], 1.5 * dark[2]) << "a square of side root 2";
   cairo_surface_destroy(picture);
 }

@@ -1,4 +1,4 @@
-// `inspect` and `render` on a small data set, whole and damaged.
+// `inspect` and `render` on a small data set, complete and damaged.
 #include <gtest/gtest.h>
 
 #include <fstream>

@@ -13,7 +13,7 @@
 namespace taxelsim::testing {
 namespace {
 
-// One servo loop by the measured Jacobian; records nothing that needs further outputs.
+// One servo loop with the measured Jacobian; the recorded columns need no further outputs.
 const std::string kScene = "format_version: 1\nname: jacobian\nkind: servo\nsensor: " TAXELSIM_SOURCE_DIR
                            "/scenes/sensors/wts0614.yaml\n"
                            "objects: [{name: rod, cylinder: {radius_mm: 2, length_mm: 120}, edge: [0, 0, 1]}]\n"

@@ -1,4 +1,4 @@
-// Which drivers are told that a faster one is known.
+// Drivers for which a faster one is recommended.
 #include "cli/driver_advice.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// `evaluate`: table, JSON and picture of a small task, the same verdicts whatever the batch, and what is refused.
+// `evaluate`: table, JSON and figure of a small task, independence of the batch size, and refusals.
 #include <gtest/gtest.h>
 
 #include <fstream>

@@ -1,4 +1,4 @@
-// `experiment`: distances by hand, a fit that finds what it was made from, every output, and what is refused.
+// `experiment`: distances computed by hand, a fit that recovers its reference, outputs, and refusals.
 #include "taxelsim/experiment.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ namespace {
 
 const std::string kScenes = std::string(TAXELSIM_SOURCE_DIR) + "/scenes";
 
-// A file with one bar and one ball on the shipped array; `reference` and `sensors` are inserted as given.
+// An experiment with a bar and a ball; `reference` and `sensors` are inserted as given.
 std::string experimentText(const std::string& reference, const std::string& sensors,
                            const std::string& rest = "yaw_deg: [0, 45]\nloads: [1, 4]\n") {
   return "format_version: 1\nname: small\nexperiment: static\nreference: " + reference + "\nsensors: " + sensors +
@@ -31,19 +31,19 @@ std::string shipped(const std::string& name) {
 }
 
 TEST(ImageDistance, ByHand) {
-  // Taxel 0 carries nothing in either and does not count for the median; differences 1, 2, 3 of the others.
+  // Taxel 0 has no force in either image and is ignored by the median; the others differ by 1, 2, 3.
   const ImageDistance distance = imageDistance({0, 1, 4, 3}, {0, 2, 2, 6}, 0.5, 10);
   EXPECT_DOUBLE_EQ(distance.median_difference, 0.2);
   EXPECT_DOUBLE_EQ(distance.relative_l1, 0.6);
   EXPECT_EQ(imageDistance({0, 0}, {0, 0}, 0.5, 10).median_difference, 0);
   EXPECT_EQ(imageDistance({1, 2}, {1, 2}, 0.5, 10).relative_l1, 0);
-  // Of an even number the mean of the two in the middle.
+  // The median of an even number is the mean of the middle two.
   EXPECT_DOUBLE_EQ(imageDistance({1, 1}, {2, 4}, 0.5, 1).median_difference, 2);
 }
 
-TEST(Experiment, FitRecoversTheReferenceSensor) {
+TEST(ExperimentStudy, FitRecoversTheReferenceSensor) {
   const TemporaryDirectory root;
-  // A softer skin of another spread than the shipped one that the fit starts from.
+  // A softer skin with another spread than the shipped sensor, from which the fit starts.
   std::ifstream source(shipped("wts0614"));
   std::string text((std::istreambuf_iterator<char>(source)), {});
   text.replace(text.find("1.73e8"), 6, "0.70e8");
@@ -97,7 +97,7 @@ TEST(Experiment, OfFingertips) {
   expectRefused(runTaxelsim({"experiment", file}), "only sensors whose point spread function is a kernel over grids can be fitted");
 }
 
-TEST(Experiment, EveryImageOfTheShippedOneHasActiveTaxels) {
+TEST(ExperimentStudy, EveryImageOfTheShippedOneHasActiveTaxels) {
   const Outcome outcome = runTaxelsim({"experiment", kScenes + "/experiments/paper/static_indenters.yaml", "--json"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const nlohmann::json json = nlohmann::json::parse(outcome.out);

@@ -1,4 +1,4 @@
-// `frame`: values against closed forms, every output, and what is refused.
+// `frame`: values against closed forms, outputs, and refusals.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -130,7 +130,7 @@ TEST_F(FrameOfContacts, RejectsBadFilesByLine) {
   for (const std::string line : {"0,0,0", "0,0,0,1,2", "0 0 0 1", "x,y,z,normal_force", "0,0,0,", "0,0,0,1x", "0,0,0,-1", "0,0,0,nan",
                                  "0,inf,0,1", "0,0,1e9,1", "0,0,0,1e300", "0,0,0,1e999"}) {
     const Outcome outcome = run("0,0,0,1\n\n" + line + "\n");
-    expectRefused(outcome, file_ + ":3: ");
+    expectRefused(outcome, file_ + ":3:");
   }
   std::string many;
   for (int n = 0; n <= 4096; ++n) many += "0,0,0,1\n";

@@ -1,4 +1,4 @@
-// `generate`: the same bytes whatever the batch size and however often it was interrupted; what is refused.
+// `generate`: bytes that depend neither on the batch size nor on interruptions; refusals.
 #include <gtest/gtest.h>
 
 #include <csignal>
@@ -14,7 +14,7 @@ namespace {
 const std::string kSensor = std::string(TAXELSIM_SOURCE_DIR) + "/scenes/sensors/wts0614.yaml";
 const std::string kObjects = std::string(TAXELSIM_SOURCE_DIR) + "/scenes/objects/";
 
-// Servo episodes on a mesh and a solid with everything that is drawn at random, in five shards.
+// Servo episodes with meshes and a solid and all random draws, in five shards.
 std::string writeScene(const std::string& file, int num_steps = 12) {
   std::ofstream(file)
       << "format_version: 1\nname: small\nkind: servo\nsensor: " << kSensor << "\nobjects:\n  - mesh: " << kObjects
@@ -29,7 +29,7 @@ std::string writeScene(const std::string& file, int num_steps = 12) {
   return file;
 }
 
-// Every file of a data set by name; the lock is none of it.
+// All files of a data set by name, without the lock.
 std::map<std::string, std::string> filesOf(const std::string& directory) {
   std::map<std::string, std::string> files;
   for (const auto& entry : std::filesystem::directory_iterator(directory)) {
@@ -84,7 +84,7 @@ TEST(Generate, SameBytesAfterBeingKilledTenTimes) {
     }
     if (status == 128 + SIGKILL) {
       ++num_killed;
-    } else {  // finished before the kill: whole, and the next one starts anew
+    } else {  // finished before the kill: complete, and the next run starts anew
       expectSame(filesOf(root / "killed"), filesOf(root / "whole"), "after " + std::to_string(num_killed) + " kills");
       std::filesystem::remove_all(root / "killed");
     }

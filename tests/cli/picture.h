@@ -1,4 +1,4 @@
-// A PNG by its pixels: how many have a colour, and where they lie.
+// Pixels of a PNG by colour: their number and position.
 #pragma once
 
 #include <cairo.h>
@@ -15,7 +15,7 @@ class Picture {
  public:
   struct Spot {
     int count = 0;
-    double x = 0, y = 0;  // pixels from the upper left corner, mean; NaN of none
+    double x = 0, y = 0;  // pixels from the upper left corner, mean; NaN for none
     int left = 0, right = 0, top = 0, bottom = 0;
   };
 

@@ -1,4 +1,4 @@
-// A data set of a bar turning on a 6 x 14 pad, made up by a formula: something for inspect and render to look at.
+// A synthetic data set of a bar that rotates on a 6 x 14 pad, for inspect and render.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +13,7 @@ struct PadOptions {
   std::uint64_t num_episodes = 5;
 };
 
-// Three frames an episode, two episodes a shard.
+// Three frames per episode, two episodes per shard.
 void writePressedPad(const std::filesystem::path& directory, const PadOptions& options = {});
 
 }  // namespace taxelsim::testing

@@ -1,4 +1,4 @@
-// `experiment` on servo files: a short loop of each kind of output, and what is refused. Numbers against theory: tests/experiments/.
+// `experiment` on servo files: outputs of short loops, and refusals. Numbers against theory: tests/experiments/.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -73,7 +73,7 @@ TEST_F(ServoExperimentCommand, JsonHasEveryNumber) {
   EXPECT_NEAR(alone["theory"]["settling_time"].get<double>(), 0.01 * std::log(50) / -std::log(0.95), 1e-9);
   EXPECT_EQ(alone["theory"]["error"].size(), 60u);
   EXPECT_LT(alone["theory"]["largest_deviation"].get<double>(), 1e-6);
-  EXPECT_TRUE(alone["robot"]["limit_margin"].is_null()) << "it flies";
+  EXPECT_TRUE(alone["robot"]["limit_margin"].is_null()) << "free-flying";
   EXPECT_FALSE(alone.contains("characteristic"));
   EXPECT_EQ(json["runs"][1]["characteristic"]["measured"].size(), json["runs"][1]["characteristic"]["error"].size());
 
@@ -101,17 +101,17 @@ TEST_F(ServoExperimentCommand, TableAndFigures) {
   const Outcome outcome = runTaxelsim({"experiment", written("x.yaml", experimentText(kRuns, kSweeps)), "-o", figures});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   for (const char* part :
-       {"small: settles", "edge_angle", "total_force", "center_across", "on a platform, all", "diverges", "stable up to 2."})
+       {"small: settling", "edge_angle", "total_force", "center_across", "on a platform, all", "diverges", "stable up to 2."})
     EXPECT_NE(outcome.out.find(part), std::string::npos) << part << "\n" << outcome.out;
   // Three groups, each whole and near its reference, in two columns; two other features beside each other; three images in a row.
   const Picture angle(figures / "angle.png"), features(figures / "features.png"), robot(figures / "robot.png"),
       theory(figures / "theory.png"), images(figures / "alone.png");
   EXPECT_GT(angle.height(), 2.4 * features.height());
   EXPECT_EQ(angle.width(), features.width());
-  EXPECT_LT(robot.width(), angle.width()) << "joints, and no path: a platform only turns";
+  EXPECT_LT(robot.width(), angle.width()) << "joints, and no path: a platform only rotates";
   EXPECT_EQ(theory.width(), angle.width());
   EXPECT_GT(images.width(), 3 * images.height());
-  // Edge and reference over each image, and both in the legend.
+  // Edge and reference on each image, and in the legend.
   EXPECT_GT(images.of(0xe5322d).count, 1000);
   EXPECT_GT(images.of(0x18a35a).count, 1000);
   EXPECT_TRUE(std::filesystem::exists(figures / "on_a_platform_all.png"));

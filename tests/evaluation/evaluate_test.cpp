@@ -21,7 +21,7 @@ constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kGain = 6;  // 1/s
 constexpr double kTolerance = 5 * kDegree;
 
-// A cylinder along y is turned to where it lies along the array; one controller knows the angle, one does nothing to it.
+// Aligns a cylinder with the array; one controller knows the exact angle, one ignores it.
 Scene alignScene() {
   Scene scene = exampleScene();
   scene.objects.resize(1);
@@ -53,7 +53,7 @@ bool sameBytes(const Verdict& a, const Verdict& b) {
          std::memcmp(&a.settling_time, &b.settling_time, sizeof(float)) == 0 && a.travel == b.travel && a.peak_force == b.peak_force;
 }
 
-// An exact angle decays by 1 - K T in every frame, so that the time to settle has a closed form.
+// An exact angle decays by 1 - K T per frame, which gives a closed form of the settling time.
 TEST(Evaluate, SettlesWhenTheClosedFormDoes) {
   const Scene scene = alignScene();
   const double dt = 1 / scene.simulation_rate, decay = 1 - kGain * dt;
@@ -75,7 +75,7 @@ TEST(Evaluate, SettlesWhenTheClosedFormDoes) {
     EXPECT_LE(exact.steady_error[0], first_held * 1.01 + 1e-7);
     EXPECT_EQ(idle.success, start <= kTolerance);
     EXPECT_NEAR(idle.steady_error[0], start, 1e-6);
-    EXPECT_TRUE(std::isnan(exact.steady_error[1]));  // nobody asked
+    EXPECT_TRUE(std::isnan(exact.steady_error[1]));  // not part of the task
     EXPECT_GT(exact.peak_force, 0);
     num_far += start > kTolerance ? 1 : 0;
   }
@@ -101,7 +101,7 @@ TEST(Evaluate, VerdictsDependOnNeitherBatchNorSlices) {
   for (std::size_t e = 0; e < scene.num_episodes; ++e) EXPECT_TRUE(sameBytes(whole[0].verdicts[e], cut[0].verdicts[e])) << e;
 }
 
-// The caller's own thread keeps its share of the processor, and hears of what went wrong on the other.
+// The caller's thread keeps its priority and receives exceptions of the other thread.
 TEST(Evaluate, EpisodesRunInTheBackground) {
   const int before = ::getpriority(PRIO_PROCESS, 0);
   const Device device = Device::open();
@@ -182,7 +182,7 @@ TEST(Evaluate, RejectsUnknownControllersAndScenesWithoutTask) {
   EXPECT_THAT(refusal(scene, {}), testing::HasSubstr("this scene has no `task`"));
 }
 
-// One bad episode does not touch another: gains beyond bounds make no number or run away, their neighbours go on.
+// Episodes are independent: extreme gains give NaN or diverge without effect on other episodes.
 TEST(Evaluate, DivergingControllerDoesNotAffectOtherEpisodes) {
   Scene scene = alignScene();
   scene.num_steps = 40;
@@ -217,7 +217,7 @@ TEST(Evaluate, DivergingControllerDoesNotAffectOtherEpisodes) {
   }
 }
 
-// What the robot was commanded less what the controller wanted is white noise of the size that the episode drew.
+// Commanded - requested twist is white noise with the standard deviation drawn for the episode.
 TEST(Evaluate, ActionNoiseHasItsStandardDeviation) {
   Scene scene = alignScene();
   scene.num_steps = 200;

@@ -1,4 +1,4 @@
-// The paper's dynamic experiments as they ship, against closed forms and against what the sensor reads of an edge at rest.
+// The shipped servo experiments of the paper, against closed forms and the static characteristic of the sensor.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,14 +16,14 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kGain = 0.7824;          // 1/s, the paper's 5 s
-constexpr double kStart = 45 * kDegree;   // rad, the first error
+constexpr double kStart = 45 * kDegree;   // rad: start error
 constexpr double kStep = 0.29 * kDegree;  // rad, of an AX-12
 
 ServoExperiment shipped(const std::string& name) {
   return loadServoExperiment(TAXELSIM_SOURCE_DIR "/scenes/experiments/paper/" + name);
 }
 
-// An experiment that ships; every run is played when it is first asked for.
+// A shipped experiment; every run is simulated on first use.
 class Played {
  public:
   explicit Played(const std::string& name) : experiment_(shipped(name)) {}
@@ -69,9 +69,9 @@ constexpr Ideal kIdeal[] = {{"loop, 100 Hz", 0.01, 1, 0, 4.980},
                             {"loop, 31 Hz, late", 1.0 / 93, 3, 3, 4.807}};
 
 TEST(PanTilt, ExactLoopDecaysAsInTheory) {
-  // The angle reaches the controller in float32: 2^-24 of a right angle, summed up by a loop that forgets at its own gain.
+  // The angle reaches the controller in float32: 2^-24 of a right angle, accumulated by a loop that decays at its gain.
   constexpr double kRounding = 4 * 1.6 * 0x1p-24;
-  // Held for a frame, the error runs straight between frames: K T of it per frame, an eighth of its bend, over the slope K.
+  // Linear interpolation between frames: an error of K T per frame, an eighth of its curvature, over the slope K.
   constexpr double kBend = kGain / 31 / 8 / 31;
   for (const Ideal& ideal : kIdeal) {
     const ServoRunResult& run = panTiltRuns().run(ideal.name);
@@ -80,7 +80,7 @@ TEST(PanTilt, ExactLoopDecaysAsInTheory) {
     EXPECT_LT(run.largest_deviation, kRounding) << ideal.name;
     EXPECT_NEAR(angle.settling_time, ideal.settling_time, 0.02 * ideal.settling_time) << ideal.name;
     EXPECT_NEAR(run.expected_settling_time, ideal.settling_time, 0.0005) << ideal.name;
-    // The closed form is of the slower mode; late, it begins larger than the error, by z1 / (z1 - z2).
+    // The closed form is the slower mode; with a delay its start value exceeds the error by z1 / (z1 - z2).
     const double step = ideal.dt * ideal.period, root = std::sqrt(1 - 4 * kGain * step);
     const double shift = ideal.delay > 0 ? std::log((1 + root) / (2 * root)) / -std::log((1 + root) / 2) * step : 0;
     EXPECT_NEAR(angle.settling_time, run.expected_settling_time + shift, kBend) << ideal.name;
@@ -98,7 +98,7 @@ TEST(PanTilt, StabilityLimitIsThatOfTheory) {
     const ServoSweepResult& result = results.sweeps[s];
     const double limit = s == 0 ? 2 : 1;
     EXPECT_EQ(result.expected_limit, limit);
-    // Gains stand 1 % and 2 % to either side of it. What a swing leaves of a window's mean square: servo_theory_test.cpp.
+    // Gains are 1 % and 2 % to either side of the limit. Effect of an oscillation on the mean square: servo_theory_test.cpp.
     EXPECT_NEAR(result.limit, limit, 0.002);
     ASSERT_GE(sweep.gains.size(), 6u);
     int num_stable = 0;
@@ -111,9 +111,8 @@ TEST(PanTilt, StabilityLimitIsThatOfTheory) {
   }
 }
 
-// What the straight lines between the points of a characteristic f may do to an error that runs along them: f is off by up to half of its
-// bend b there, which takes the error off by b / 2 over every de / f(e) of its way. Within a degree of the reference, where f is small, the
-// loop forgets as fast as it learns: b / 2 over the slope of f.
+// Bound on the effect of linear interpolation of a characteristic f: f is wrong by up to half of its second difference b, which changes the
+// error by b / 2 over each de / f(e). Within a degree of the reference, where f is small, the loop decays: b / 2 over the slope of f.
 double characteristicTolerance(const StaticCharacteristic& read) {
   double on_the_way = 0, bend_near = 0;
   const double step = read.error[1] - read.error[0];
@@ -140,7 +139,7 @@ TEST(PanTilt, MeasuredLoopFollowsTheStaticCharacteristic) {
     EXPECT_GT(tolerance, 0) << name;
     EXPECT_LT(tolerance, 0.3 * kDegree) << name;
     EXPECT_LT(run.largest_deviation, tolerance) << name;
-    // A sensor without bias would have gone another way.
+    // A sensor without bias would have a different trajectory.
     const std::vector<double> unbiased = expectedErrors(loop, static_cast<int>(errors.size()), [](double error) { return error; });
     double apart = 0;
     for (std::size_t n = 0; n < errors.size(); ++n) apart = std::max(apart, std::abs(errors[n] - unbiased[n]));
@@ -153,12 +152,12 @@ TEST(PanTilt, MotorsAddTheirStepsAndNoMore) {
   const std::string name = "AX-12, the paper's gain";
   const ServoConvergence& motors = panTiltRuns().angle(name);
   const ServoConvergence& sensor = panTiltRuns().angle("principal axis");
-  // A step is taken up to half of it early or late, at K times the band's edge; and a tick of delay.
+  // A step comes up to half a step early or late, at K times the edge of the band; plus one tick of delay.
   EXPECT_NEAR(motors.settling_time, sensor.settling_time, kStep / (2 * kGain * 0.02 * kStart) + 0.02);
-  // The command is at the reference on the mean; the joint stands on either side of it.
+  // The mean command is at the reference; the joint is on either side of it.
   EXPECT_LE(motors.steady_max, kStep);
   EXPECT_LT(std::abs(motors.steady_mean), kStep / 2);
-  EXPECT_GT(motors.steady_max, 0.01 * kDegree) << "the reference is no multiple of a step";
+  EXPECT_GT(motors.steady_max, 0.01 * kDegree) << "the reference is not a multiple of a step";
   const ServoTrace& trace = panTiltRuns().run(name).trace;
   ASSERT_EQ(trace.joint_positions.size(), 2 * trace.time.size());
   for (const double q : trace.joint_positions) EXPECT_NEAR(q / kStep, std::round(q / kStep), 1e-9);
@@ -180,11 +179,11 @@ TEST(PanTilt, EveryFrameIsKept) {
   EXPECT_EQ(trace.tactile_image.size(), 72 * num_frames);
   EXPECT_EQ(trace.X_WS.size(), num_frames);
   EXPECT_GT(*std::max_element(trace.tactile_image.begin(), trace.tactile_image.end()), 100u);
-  EXPECT_NEAR(trace.total_force.front(), 5, 1e-3) << "set down with 5 N";
+  EXPECT_NEAR(trace.total_force.front(), 5, 1e-3) << "placed with 5 N";
 }
 
 TEST(Hand, AlignsWithAnEdgeAtRest) {
-  const double rim = 84 * 0.02;  // N: what taxels below their trigger carry and do not report
+  const double rim = 84 * 0.02;  // N: force on taxels below their trigger
   for (const char* name : {"at rest, the paper's gain", "at rest, compliant"}) {
     const ServoConvergence& angle = handRuns().angle(name);
     EXPECT_NEAR(angle.error.front(), -40 * kDegree, 1e-6) << name;
@@ -197,7 +196,7 @@ TEST(Hand, AlignsWithAnEdgeAtRest) {
     EXPECT_GT(robot.limit_margin, 10 * kDegree) << name;
     EXPECT_GT(robot.smallest_singular_value, 0.05) << name << ": the threshold of damping";
     EXPECT_EQ(robot.num_frames, (std::array<int, 4>{})) << name;
-    EXPECT_GT(robot.path_length, 1e-3) << name << ": it goes to the edge, 3 mm aside";
+    EXPECT_GT(robot.path_length, 1e-3) << name << ": it moves to the edge, 3 mm away";
   }
   EXPECT_LT(handRuns().feature("at rest, the paper's gain", ServoFeature::kCenterAcross).steady_max, 1e-4);
   EXPECT_LT(handRuns().angle("at rest, compliant").settling_time, handRuns().angle("at rest, the paper's gain").settling_time / 4);
@@ -221,7 +220,7 @@ TEST(Hand, FollowsAHandHeldObject) {
   EXPECT_GT(moved, 1e-3);
   const ServoConvergence& angle = handRuns().angle(name);
   EXPECT_LT(angle.settling_time, 2);
-  // The hand turns by a degree, root mean square, at 0.3 Hz at most: 1.9 degrees a second, three times that at worst, over the gain of 6;
+  // The hand rotates by a degree rms, at 0.3 Hz at most: 1.9 degrees a second, three times that at worst, over the gain of 6;
   // and the window's bias around the reference.
   EXPECT_LT(angle.steady_max, 3 * 1.9 / 6 * kDegree);
   EXPECT_LT(handRuns().feature(name, ServoFeature::kCenterX).steady_rms, 1e-3);
@@ -229,7 +228,7 @@ TEST(Hand, FollowsAHandHeldObject) {
   EXPECT_EQ(handRuns().run(name).robot.num_frames[0], 0);
 }
 
-// A second sensor that touches nothing changes nothing.
+// A second sensor without contact has no effect.
 TEST(ServoExperiment, OfSeveralSensorsTheFirstIsTraced) {
   ServoExperiment experiment = shipped("pan_tilt.yaml");
   experiment.sweeps.clear();

@@ -1,4 +1,4 @@
-// The picture's geometry by numbers: axes of an image, and where colours land.
+// Geometry of figures: axes of an image, and positions of colours.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -49,7 +49,7 @@ TEST(Figure, ShowsTheContactWhereItIs) {
   std::filesystem::remove(file);
 }
 
-// x runs down the page and y to the right: a line along y lies level, one along x stands; both in a grid and among outlines.
+// x points down and y right: a line along y is horizontal, one along x vertical; in grids and in outlines.
 TEST(Figure, DrawsLinesAtTheirPlace) {
   TactilePanel grid;
   grid.num_rows = grid.num_cols = 3;
@@ -70,13 +70,13 @@ TEST(Figure, DrawsLinesAtTheirPlace) {
       drawn.lines = {{.through = {-1, 1}, .angle = angle, .colour = rgb(0x123456), .name = ""}};
       writeTactileFigure(file, {drawn}, {.title = "", .subtitle = "", .unit = ""});
       const testing::Picture picture(file);
-      // The legend shows a piece of the line too, at the left foot of the page; the image's is the long one.
+      // The legend has a short line of this colour, too; the long one is in the image.
       const testing::Picture::Spot line = picture.of(0x123456), cells = picture.of(0xfde725);
       if (angle == 0) {
         EXPECT_GT(line.right, (cells.left + cells.right) / 2) << "y is 1: in the last column";
         EXPECT_LE(line.top, cells.top + 4) << "from the first row on";
       } else {
-        EXPECT_NEAR(line.right, cells.right, 4) << "right across";
+        EXPECT_NEAR(line.right, cells.right, 4) << "across the image";
         EXPECT_NEAR(line.top, cells.top + (cells.bottom - cells.top) / 6, 8) << "x is -1: in the first row";
       }
     }

@@ -1,4 +1,4 @@
-// Charts by their pixels: what is drawn where its values say, what names take no room, and what cannot be drawn.
+// Charts checked by pixels: positions of values, room for names, and refusals.
 #include "figures/line_chart.h"
 
 #include <gtest/gtest.h>
@@ -16,9 +16,9 @@ namespace {
 using testing::Picture;
 using testing::TemporaryDirectory;
 
-// Colours that nothing else of a chart has.
+// Colours that occur nowhere else in a chart.
 constexpr unsigned kRising = 0x123456, kFalling = 0x654321;
-constexpr double kBlur = 4;  // pixels: half a line's width and its smoothed rim, a dot's rim
+constexpr double kBlur = 4;  // pixels: half a line width and its antialiased edge
 
 LinePanel panelWith(std::vector<LineSeries> series) {
   return {.title = "panel", .x_label = "time, s", .y_label = "angle, deg", .series = std::move(series)};
@@ -95,7 +95,7 @@ TEST(LineChart, PanelsAreInColumns) {
   EXPECT_GT(row, one[1] / 2);
   EXPECT_EQ(two[1], one[1]);
   EXPECT_EQ(three, four) << "the last row is not full";
-  EXPECT_EQ(sizeOf(3, 0), three) << "two columns unless told";
+  EXPECT_EQ(sizeOf(3, 0), three) << "two columns by default";
 }
 
 TEST(LineChart, EqualAxesKeepShapes) {

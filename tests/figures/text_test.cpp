@@ -1,4 +1,4 @@
-// Numbers for people.
+// Formatting of numbers, tables and progress.
 #include "figures/text.h"
 
 #include <gtest/gtest.h>

@@ -176,7 +176,7 @@ TEST(WaypointFile, BadFilesAreRefused) {
     const std::filesystem::path file = directory.write("way.csv", text);
     EXPECT_THAT(refusal(file, [&] { loadWaypoints(file); }), testing::StartsWith(message)) << text;
   }
-  EXPECT_THAT(refusal(directory.path(), [&] { loadWaypoints(directory.path()); }), testing::StartsWith(": is not there, or not a file"));
+  EXPECT_THAT(refusal(directory.path(), [&] { loadWaypoints(directory.path()); }), testing::StartsWith(": no such file"));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "geometry/gltf_checks.h"
+#include "geometry/gltf_validation.h"
 
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/text.h"
-#include "geometry/raw_file.h"
+#include "geometry/binary_file.h"
 #include "taxelsim/object.h"
 
 namespace taxelsim {
@@ -37,8 +37,8 @@ bool nestsTooDeep(std::string_view json) {
   return false;
 }
 
-// Longest chain of children, by walking level by level; a level that does not run dry is a cycle or an absurd chain.
-bool nodesNestTooDeep(const Json& nodes) {
+// Breadth-first search over the node tree. Also returns true for an invalid child index, a node with two parents, or a cycle.
+bool isNodeTreeInvalid(const Json& nodes) {
   std::vector<std::size_t> num_parents(nodes.size(), 0);
   std::vector<std::vector<std::size_t>> children(nodes.size());
   for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -53,30 +53,30 @@ bool nodesNestTooDeep(const Json& nodes) {
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (num_parents[i] == 0) level.push_back(i);
   }
-  std::size_t num_seen = level.size();
+  std::size_t num_visited = level.size();
   for (std::size_t depth = 0; !level.empty(); ++depth) {
     if (depth > kMaxNodeDepth) return true;
     std::vector<std::size_t> next;
     for (const std::size_t node : level) next.insert(next.end(), children[node].begin(), children[node].end());
-    num_seen += next.size();
+    num_visited += next.size();
     level = std::move(next);
   }
-  return num_seen != nodes.size();
+  return num_visited != nodes.size();
 }
 
 struct GltfText {
-  std::string fault;
+  std::string problem;
   Json json;
 };
 
 GltfText readJson(const std::filesystem::path& file, bool is_binary) {
-  const std::string bytes = readBytes(file, static_cast<std::size_t>(kMaxMeshFileBytes));
+  const std::string bytes = readStart(file, static_cast<std::size_t>(kMaxMeshFileBytes));
   std::string_view text = bytes;
   if (is_binary) {
     constexpr std::size_t kHeader = 20;  // magic, version, length; length and type of the first chunk
     if (bytes.size() < kHeader || text.substr(0, 4) != "glTF") return {"it is not binary glTF", {}};
-    const std::uint32_t chunk = littleEndian32(text.substr(12));
-    if (chunk > bytes.size() - kHeader) return {"its first chunk claims more bytes than the file has", {}};
+    const std::uint32_t chunk = readLittleEndian32(text.substr(12));
+    if (chunk > bytes.size() - kHeader) return {"its first chunk is longer than the file", {}};
     text = text.substr(kHeader, chunk);
   }
   if (nestsTooDeep(text)) return {"its JSON nests deeper than " + std::to_string(kMaxJsonDepth) + " levels", {}};
@@ -85,21 +85,21 @@ GltfText readJson(const std::filesystem::path& file, bool is_binary) {
   return {{}, std::move(json)};
 }
 
-// The entry `key` names in `list`: json[list][from[key]].
+// json[list][from[key]]
 const Json& entry(const Json& json, const char* list, const Json& from, const char* key) {
   return json.at(list).at(from.at(key).get<std::size_t>());
 }
 
 std::optional<std::uint64_t> countTriangles(const Json& json) {
   const Json& scene = json.at("scenes").at(json.value("scene", std::size_t{0}));
-  std::vector<std::size_t> waiting = scene.at("nodes").get<std::vector<std::size_t>>();
+  std::vector<std::size_t> pending = scene.at("nodes").get<std::vector<std::size_t>>();
   std::vector<bool> is_used(json.at("meshes").size(), false);
-  while (!waiting.empty()) {
-    const Json& node = json.at("nodes").at(waiting.back());
-    waiting.pop_back();
+  while (!pending.empty()) {
+    const Json& node = json.at("nodes").at(pending.back());
+    pending.pop_back();
     if (node.contains("mesh")) is_used.at(node["mesh"].get<std::size_t>()) = true;
     if (!node.contains("children")) continue;
-    for (const Json& child : node["children"]) waiting.push_back(child.get<std::size_t>());
+    for (const Json& child : node["children"]) pending.push_back(child.get<std::size_t>());
   }
   std::uint64_t count = 0;
   for (std::size_t i = 0; i < is_used.size(); ++i) {
@@ -117,17 +117,17 @@ std::optional<std::uint64_t> countTriangles(const Json& json) {
 
 }  // namespace
 
-std::string gltfFault(const std::filesystem::path& file, bool is_binary) {
+std::string validateGltf(const std::filesystem::path& file, bool is_binary) {
   const GltfText text = readJson(file, is_binary);
-  if (!text.fault.empty()) return text.fault;
+  if (!text.problem.empty()) return text.problem;
   const Json& json = text.json;
-  if (json.contains("nodes") && json["nodes"].is_array() && nodesNestTooDeep(json["nodes"])) {
-    return "its nodes are no tree, or deeper than " + std::to_string(kMaxNodeDepth) + " levels";
+  if (json.contains("nodes") && json["nodes"].is_array() && isNodeTreeInvalid(json["nodes"])) {
+    return "its nodes are not a tree, or nest deeper than " + std::to_string(kMaxNodeDepth) + " levels";
   }
   for (const char* list : {"accessors", "buffers", "bufferViews"}) {
     if (!json.contains(list) || !json[list].is_array()) continue;
     for (const Json& item : json[list]) {
-      if (!item.is_object()) return std::string("it has a bad entry in ") + list;
+      if (!item.is_object()) return std::string("it has an entry that is not an object in ") + list;
       for (const char* key : {"count", "byteLength", "byteOffset", "byteStride"}) {
         if (!item.contains(key)) continue;
         if (!item[key].is_number_unsigned() || item[key].get<std::uint64_t>() > kMaxMeshFileBytes) {
@@ -139,7 +139,7 @@ std::string gltfFault(const std::filesystem::path& file, bool is_binary) {
   return {};
 }
 
-std::optional<std::uint64_t> gltfTriangles(const std::filesystem::path& file, bool is_binary) {
+std::optional<std::uint64_t> countGltfTriangles(const std::filesystem::path& file, bool is_binary) {
   try {
     return countTriangles(readJson(file, is_binary).json);
   } catch (const Json::exception&) {

@@ -26,7 +26,7 @@ inline Pose drawPose(double size) {
   return {drawVector(size), drawRotation()};
 }
 
-// Largest difference of coordinates; q and -q are the same rotation.
+// Largest absolute difference of the coordinates. Quaternions q and -q are equal.
 inline double distance(const Pose& a, const Pose& b) {
   double sign = 0, largest = 0;
   for (int i = 0; i < 4; ++i) sign += a.rotation[i] * b.rotation[i];
@@ -38,20 +38,20 @@ inline double distance(const Vector3& a, const Vector3& b) {
   return std::max({std::abs(a[0] - b[0]), std::abs(a[1] - b[1]), std::abs(a[2] - b[2])});
 }
 
-// `num_joints` free joints and up to four joints more on the way that follow one of them; links of at most `size` m.
+// A chain with `num_joints` degrees of freedom and up to four mimic joints. Links are at most `size` m along each axis.
 inline Manipulator drawManipulator(int num_joints, double size) {
   Manipulator robot{.name = "random", .joints = {}, .sensors = {}, .X_WB = drawPose(size)};
   MountedSensor sensor{.link = "tip", .chain = {}, .X_JS = drawPose(size)};
   const int length = num_joints + *rc::gen::inRange(0, 5);
   for (int k = 0; k < length; ++k) {
     const auto type = *rc::gen::inRange(0, 4) == 0 ? JointType::kPrismatic : JointType::kRevolute;
-    const bool follows = k >= num_joints;
+    const bool is_mimic = k >= num_joints;
     sensor.chain.push_back({.X_PJ = drawPose(size),
                             .type = type,
-                            .joint = follows ? *rc::gen::inRange(0, num_joints) : k,
-                            .multiplier = follows ? drawBetween(-2, 2) : 1,
-                            .offset = follows ? drawBetween(-1, 1) : 0});
-    if (!follows) robot.joints.push_back({.name = "q" + std::to_string(k), .type = type});
+                            .joint = is_mimic ? *rc::gen::inRange(0, num_joints) : k,
+                            .multiplier = is_mimic ? drawBetween(-2, 2) : 1,
+                            .offset = is_mimic ? drawBetween(-1, 1) : 0});
+    if (!is_mimic) robot.joints.push_back({.name = "q" + std::to_string(k), .type = type});
   }
   robot.sensors.push_back(std::move(sensor));
   return robot;

@@ -1,5 +1,5 @@
-"""Writes all compressed data sets of a shard anew through HDF5's own filters, as shards were written before chunks were compressed by
-threads, and says how many chunks of the shard as it was had a filter left out. Used by h5py_test.cpp."""
+"""Rewrites all compressed data sets of a shard with HDF5's own filters, as earlier versions wrote them. Prints the number of chunks of the
+original that skipped a filter. Used by h5py_test.cpp."""
 
 import os
 import sys
@@ -19,7 +19,7 @@ def main(name):
                 return
             if node.chunks:
                 num_skipped += sum(node.id.get_chunk_info(k).filter_mask != 0 for k in range(node.id.get_num_chunks()))
-            made = new.create_dataset(
+            created = new.create_dataset(
                 path,
                 data=node[...],
                 chunks=node.chunks,
@@ -28,7 +28,7 @@ def main(name):
                 compression_opts=node.compression_opts,
             )
             for key, value in node.attrs.items():
-                made.attrs[key] = value
+                created.attrs[key] = value
 
         old.visititems(copy)
     os.rename(name + ".new", name)

@@ -8,7 +8,7 @@
 namespace taxelsim {
 namespace {
 
-struct Checker {
+struct ShapeChecker {
   const std::string& name;
 
   [[noreturn]] void fail(const std::string& field, double value, const char* allowed) const {
@@ -72,7 +72,7 @@ struct Checker {
 }  // namespace
 
 void checkObject(const Object& object) {
-  std::visit(Checker{object.name}, object.shape);
+  std::visit(ShapeChecker{object.name}, object.shape);
 }
 
 }  // namespace taxelsim

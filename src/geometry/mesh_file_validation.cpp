@@ -1,4 +1,4 @@
-#include "geometry/mesh_file_checks.h"
+#include "geometry/mesh_file_validation.h"
 
 #include <algorithm>
 #include <charconv>
@@ -12,18 +12,18 @@
 #include <vector>
 
 #include "base/text.h"
-#include "geometry/gltf_checks.h"
-#include "geometry/raw_file.h"
+#include "geometry/binary_file.h"
+#include "geometry/gltf_validation.h"
 #include "taxelsim/object.h"
 
 namespace taxelsim {
 namespace {
 
-constexpr std::size_t kStlHeader = 84;    // bytes: 80 of text, 4 of count
+constexpr std::size_t kStlHeader = 84;    // bytes: 80 of text, then the number of triangles in 4
 constexpr std::size_t kStlTriangle = 50;  // bytes
 
-// The importer takes "1,5" for 1.5 and "1.5.5" for 1.5, so the numbers of vertex lines are read here too, strictly.
-std::string objFault(const std::filesystem::path& file) {
+// Parses the coordinates of vertex lines strictly: Assimp reads "1,5" and "1.5.5" as 1.5.
+std::string validateObj(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::string line;
   std::size_t num_vertices = 0;
@@ -45,25 +45,26 @@ std::string objFault(const std::filesystem::path& file) {
   return {};
 }
 
-// A binary file is exactly as long as its count says; everything else must be text, from "solid" to "endsolid".
-std::string stlFault(const std::filesystem::path& file) {
-  const std::string head = readBytes(file, kStlHeader).substr(0, kStlHeader);
+// A binary file must have exactly the size that its number of triangles implies. Any other file must be text that starts with "solid" and
+// ends with "endsolid".
+std::string validateStl(const std::filesystem::path& file) {
+  const std::string head = readStart(file, kStlHeader).substr(0, kStlHeader);
   const std::uintmax_t size = std::filesystem::file_size(file);
   const std::size_t start = head.find_first_not_of(" \t\r\n");
   const bool is_text = start != std::string::npos && head.compare(start, 5, "solid") == 0;
   if (head.size() >= kStlHeader) {
-    const std::uintmax_t count = littleEndian32(std::string_view(head).substr(80));
+    const std::uintmax_t count = readLittleEndian32(std::string_view(head).substr(80));
     const std::uintmax_t expected = kStlHeader + count * kStlTriangle;
     if (size == expected) return {};
     const bool is_binary_in_32_bits = static_cast<std::uint32_t>(size) == static_cast<std::uint32_t>(expected);
     if (is_binary_in_32_bits || !is_text) {
-      return "its header claims " + std::to_string(count) + " triangles, which take " + std::to_string(expected) + " bytes; it has " +
+      return "its header claims " + std::to_string(count) + " triangles, which take " + std::to_string(expected) + " bytes, but it has " +
              std::to_string(size);
     }
   }
   if (!is_text) return "it starts neither with solid nor with a binary STL header";
 
-  constexpr std::uintmax_t kTail = 4096;  // more than any sensible name after endsolid
+  constexpr std::uintmax_t kTail = 4096;  // bytes; longer than any plausible name after endsolid
   std::ifstream stream(file, std::ios::binary);
   stream.seekg(static_cast<std::streamoff>(size > kTail ? size - kTail : 0));
   const std::string tail{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
@@ -72,9 +73,8 @@ std::string stlFault(const std::filesystem::path& file) {
 }
 
 struct PlyProperty {
-  std::size_t bytes = 0;       // of a value
-  std::size_t list_bytes = 0;  // of a list's count; 0 for a scalar
-  bool list_signed = false;
+  std::size_t bytes = 0;       // of one value
+  std::size_t list_bytes = 0;  // of the length of a list; 0 for a scalar
 };
 
 struct PlyElement {
@@ -101,8 +101,8 @@ std::size_t plyTypeBytes(std::string_view type) {
 
 enum class PlyEncoding { kAscii, kLittle, kBig };
 
-// Walks over the lists of a binary body; false when the file ends first.
-bool plyBinaryFits(std::string_view body, const std::vector<PlyElement>& elements, PlyEncoding encoding) {
+// Skips through all elements of a binary body. Returns false if the body ends before the last one.
+bool isPlyBinaryComplete(std::string_view body, const std::vector<PlyElement>& elements, PlyEncoding encoding) {
   std::size_t at = 0;
   for (const PlyElement& element : elements) {
     for (std::uint64_t row = 0; row < element.count; ++row) {
@@ -125,8 +125,8 @@ bool plyBinaryFits(std::string_view body, const std::vector<PlyElement>& element
   return true;
 }
 
-// The same over the words of a text body.
-bool plyAsciiFits(std::string_view body, const std::vector<PlyElement>& elements) {
+// Skips through all elements of a text body. Returns false if the body ends before the last one.
+bool isPlyAsciiComplete(std::string_view body, const std::vector<PlyElement>& elements) {
   std::size_t at = 0;
   const auto nextWord = [&] {
     constexpr const char* kBlanks = " \t\r\n\v\f";
@@ -152,8 +152,8 @@ bool plyAsciiFits(std::string_view body, const std::vector<PlyElement>& elements
   return true;
 }
 
-std::string plyFault(const std::filesystem::path& file) {
-  const std::string bytes = readBytes(file, static_cast<std::size_t>(kMaxMeshFileBytes));
+std::string validatePly(const std::filesystem::path& file) {
+  const std::string bytes = readStart(file, static_cast<std::size_t>(kMaxMeshFileBytes));
   std::vector<PlyElement> elements;
   PlyEncoding encoding = PlyEncoding::kAscii;
   std::size_t at = 0;
@@ -197,26 +197,27 @@ std::string plyFault(const std::filesystem::path& file) {
     }
   }
   for (const PlyElement& element : elements) {
-    if (element.properties.empty() && element.count > 0) return "its PLY header gives " + oneLine(element.name) + " no property";
+    if (element.properties.empty() && element.count > 0) return "its PLY header has no property for element " + oneLine(element.name);
   }
   const std::string_view body = std::string_view(bytes).substr(at);
-  const bool fits = encoding == PlyEncoding::kAscii ? plyAsciiFits(body, elements) : plyBinaryFits(body, elements, encoding);
-  return fits ? std::string() : "it ends before all that its header or a list in it claims";
+  const bool is_complete =
+      encoding == PlyEncoding::kAscii ? isPlyAsciiComplete(body, elements) : isPlyBinaryComplete(body, elements, encoding);
+  return is_complete ? std::string() : "it ends before the last element that its header or a list claims";
 }
 
 }  // namespace
 
-std::string findFault(const std::filesystem::path& file, MeshFormat format) {
+std::string validateMeshFile(const std::filesystem::path& file, MeshFormat format) {
   switch (format) {
     case MeshFormat::kObj:
-      return objFault(file);
+      return validateObj(file);
     case MeshFormat::kStl:
-      return stlFault(file);
+      return validateStl(file);
     case MeshFormat::kPly:
-      return plyFault(file);
+      return validatePly(file);
     case MeshFormat::kGltf:
     case MeshFormat::kGlb:
-      return gltfFault(file, format == MeshFormat::kGlb);
+      return validateGltf(file, format == MeshFormat::kGlb);
   }
   return {};
 }

@@ -9,12 +9,12 @@
 namespace taxelsim {
 namespace {
 
-// As the files have them.
+// Without simplification.
 constexpr MeshOptions kFull{.max_depth_error = 0};
 
-const std::filesystem::path kFolder = std::filesystem::path(TAXELSIM_SOURCE_DIR) / "scenes" / "objects";
+const std::filesystem::path kDirectory = std::filesystem::path(TAXELSIM_SOURCE_DIR) / "scenes" / "objects";
 
-// Six times the volume inside, by the divergence theorem; positive when all triangles wind outwards.
+// Six times the enclosed volume (divergence theorem); positive if triangles are counter-clockwise seen from outside.
 double sixVolumes(const Mesh& mesh) {
   double sum = 0;
   for (const auto& t : mesh.triangles) {
@@ -24,7 +24,7 @@ double sixVolumes(const Mesh& mesh) {
   return sum;
 }
 
-// Every directed edge once, and its opposite once.
+// Every directed edge occurs once, and so does its reverse.
 bool isClosed(const Mesh& mesh) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
   for (const auto& t : mesh.triangles) {
@@ -36,11 +36,11 @@ bool isClosed(const Mesh& mesh) {
   });
 }
 
-// Coordinates are written with 9 decimals and held in float32.
+// m. The files have 9 decimals; coordinates are float32.
 constexpr double kTolerance = 4e-9;
 
-TEST(ShippedObjects, HexPrism) {
-  const Mesh mesh = loadMesh(kFolder / "hex_prism.obj");
+TEST(SceneObjects, HexPrism) {
+  const Mesh mesh = loadMesh(kDirectory / "hex_prism.obj");
   EXPECT_EQ(mesh.triangles.size(), 24u);
   EXPECT_TRUE(isClosed(mesh));
   // Area of a hexagon 12 mm across its flats: 2 sqrt(3) 6^2 mm^2. The sum is in float32, over 24 terms.
@@ -52,8 +52,8 @@ TEST(ShippedObjects, HexPrism) {
   EXPECT_NEAR(edge, -0.006 / std::cos(std::numbers::pi / 6), kTolerance);
 }
 
-TEST(ShippedObjects, EdgeBar) {
-  const Mesh mesh = loadMesh(kFolder / "edge_bar.obj");
+TEST(SceneObjects, EdgeBar) {
+  const Mesh mesh = loadMesh(kDirectory / "edge_bar.obj");
   EXPECT_EQ(mesh.triangles.size(), 16u);
   EXPECT_TRUE(isClosed(mesh));
   EXPECT_NEAR(sixVolumes(mesh) / 6, 0.012 * 0.012 * 0.06, 1e-5 * 8.64e-6);
@@ -62,27 +62,27 @@ TEST(ShippedObjects, EdgeBar) {
   EXPECT_NEAR(edge[2], -0.012 / std::sqrt(2.0), kTolerance);
 }
 
-TEST(ShippedObjects, Knob) {
-  const Mesh mesh = loadMesh(kFolder / "knob_5k.obj", kFull);
+TEST(SceneObjects, Knob) {
+  const Mesh mesh = loadMesh(kDirectory / "knob_5k.obj", kFull);
   EXPECT_EQ(mesh.triangles.size(), 5120u);
   EXPECT_EQ(mesh.vertices.size(), 2562u);
   EXPECT_TRUE(isClosed(mesh));
   EXPECT_GT(sixVolumes(mesh), 0);
   const Bounds bounds = boundsOf(mesh);
-  // The octahedral directions are vertices of the subdivided icosahedron, so the half-axes are met.
+  // The subdivided icosahedron has vertices on all axes, so the bounds are the half-axes.
   EXPECT_NEAR(bounds.max[0], 0.022, kTolerance);
   EXPECT_NEAR(bounds.max[1], 0.010, kTolerance);
   EXPECT_NEAR(bounds.max[2], 0.009, kTolerance);
 }
 
-TEST(ShippedObjects, ScansAndBunny) {
+TEST(SceneObjects, ScansAndBunny) {
   for (const char* name : {"YcbBanana.obj", "YcbMustardBottle.obj", "YcbPowerDrill.obj"}) {
-    const Mesh mesh = loadMesh(kFolder / name, kFull);
+    const Mesh mesh = loadMesh(kDirectory / name, kFull);
     EXPECT_GT(mesh.triangles.size(), 15000u) << name;
     EXPECT_LT(boundsOf(mesh).max[2], 0.3) << name;
     EXPECT_NO_THROW(checkObject(mesh));
   }
-  EXPECT_EQ(loadMesh(kFolder / "bunny.obj", kFull).vertices.size(), 1839u);
+  EXPECT_EQ(loadMesh(kDirectory / "bunny.obj", kFull).vertices.size(), 1839u);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-"""Reads a data set with plain h5py and says what it saw, as JSON. Used by h5py_test.cpp."""
+"""Reads a data set with h5py and prints its content as JSON. Used by h5py_test.cpp."""
 
 import glob
 import hashlib
@@ -34,7 +34,7 @@ def main(directory):
             "description": view[name].attrs["description"],
             "view": digest(values),
             "concatenated": digest(np.concatenate(parts)),
-            "hashes_hold": all(digest(part) == shard[name].attrs["sha256"] for shard, part in zip(shards, parts)),
+            "hashes_match": all(digest(part) == shard[name].attrs["sha256"] for shard, part in zip(shards, parts)),
             "compressed": shards[0][name].compression == "gzip",
             "sum": float(np.sum(values, dtype=np.float64)),
         }
