@@ -83,7 +83,7 @@ Replay replayOf(const fs::path& directory, const Scene& scene) {
   replay.num_steps = static_cast<int>(reader.numFrames() / num_episodes);
   replay.ids = column<int>(reader, "meta/object", num_episodes);
   replay.loads = column<float>(reader, "meta/load", num_episodes);
-  if (!scene.randomisation.load) std::fill(replay.loads.begin(), replay.loads.end(), kPoseDriven);
+  if (!scene.randomization.load) std::fill(replay.loads.begin(), replay.loads.end(), kPoseDriven);
   const std::vector<double> poses = column<double>(reader, "data/pose", reader.numFrames());
   for (std::size_t i = 0; i < poses.size(); i += 7) {
     replay.X_SO.push_back({{poses[i], poses[i + 1], poses[i + 2]}, {poses[i + 3], poses[i + 4], poses[i + 5], poses[i + 6]}});

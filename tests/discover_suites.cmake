@@ -17,6 +17,9 @@ foreach(suite ${suites})
   if(suite MATCHES "OnEveryDriver")
     list(APPEND labels portability)
   endif()
+  if(suite MATCHES "Study$")
+    list(APPEND labels study)
+  endif()
   # RapidCheck's cases are the same in every run: its seed is fixed here.
   string(APPEND text "add_test([=[${FOLDER}.${suite}]=] [=[${PROGRAM}]=] [=[--gtest_filter=${suite}.*]=] --gtest_brief=1)\n"
     "set_tests_properties([=[${FOLDER}.${suite}]=] PROPERTIES LABELS [=[${labels}]=] TIMEOUT 1800 "

@@ -21,13 +21,25 @@ enum class ErrorKind {
 class Error : public std::runtime_error {
  public:
   /// `message`: one line, without a newline at its end.
-  Error(ErrorKind kind, const std::string& message) : std::runtime_error(message), kind_(kind) {}
+  Error(ErrorKind kind, const std::string& message) : std::runtime_error(message), kind_(kind), reason_(message) {}
+
+  /// An input error of one field of a settings struct, such as "readout.taxel_gain[3]". what() is "field: reason".
+  Error(const std::string& field, const std::string& reason)
+      : std::runtime_error(field + ": " + reason), kind_(ErrorKind::kInput), field_(field), reason_(reason) {}
 
   /// Who can act on it.
   ErrorKind kind() const { return kind_; }
 
+  /// Path of the field, from the struct that was checked; empty if the error is not of one field.
+  const std::string& field() const { return field_; }
+
+  /// The message without the field.
+  const std::string& reason() const { return reason_; }
+
  private:
   ErrorKind kind_;
+  std::string field_;
+  std::string reason_;
 };
 
 }  // namespace taxelsim

@@ -48,7 +48,7 @@ struct SceneController {
 };
 
 /// Random variables of an episode, functions of (seed, episode) alone.
-struct Randomisation {
+struct Randomization {
   Range x;                     ///< m, in S: where the object first touches the skin, or where its anchor lies.
   Range y;                     ///< m, the same along y.
   Range yaw;                   ///< rad, about z of S.
@@ -96,7 +96,7 @@ struct Scene {
   int num_steps = 1;                            ///< Frames per episode; 1 for kContacts.
   double simulation_rate = 100;                 ///< Hz. Default 100.
   double control_rate = 100;                    ///< Hz, an integer fraction of simulation_rate. Default 100.
-  Randomisation randomisation;                  ///< Random variables of an episode.
+  Randomization randomization;                  ///< Random variables of an episode.
   std::vector<SceneController> controllers{1};  ///< Controllers of a kServo scene, at least one.
   std::optional<Task> task;                     ///< Task of a kServo scene, required by evaluate().
   std::vector<std::string> record;              ///< Recorded outputs: a subset of kRecordWords in the same order.

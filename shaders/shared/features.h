@@ -44,10 +44,10 @@ TAXELSIM_CONSTANT kNumImageFeatures = 13u;
   X(kFeatureLoadReached, load_reached, 35u, 1u, "1", "-", "never",                                                    \
     "1 when pose-driven or the load is carried, 0 when it is out of reach.")                                          \
   X(kFeatureOffArrayLoad, off_array_load, 36u, 1u, "N", "-", "elastic_layer",                                         \
-    "Normal force that the skin's margin carries, beside the taxels.")                                                \
+    "Normal force on the margin of the skin, outside the taxels.")                                                    \
   X(kFeatureOffArrayContacts, off_array_contacts, 37u, 1u, "1", "-", "never", "Contact points that lie on no taxel.") \
   X(kFeatureContactResidual, contact_residual, 38u, 1u, "1", "-", "elastic_layer",                                    \
-    "Root mean square of what the displacements of the skin miss, relative to the deepest one.")                      \
+    "Root mean square error of the surface displacements, relative to the deepest one.")                              \
   X(kFeatureContactIterations, contact_iterations, 39u, 1u, "1", "-", "elastic_layer", "Iterations of the contact solver.")
 TAXELSIM_CONSTANT kNumFeatures = 40u;
 

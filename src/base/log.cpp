@@ -21,6 +21,10 @@ void logDebug(std::string_view line) {
   logger().debug(line);
 }
 
+void logWarning(std::string_view line) {
+  logger().warn(line);
+}
+
 void logError(std::string_view line) {
   logger().error(line);
 }

@@ -7,6 +7,7 @@
 namespace taxelsim {
 
 void logDebug(std::string_view line);
+void logWarning(std::string_view line);
 void logError(std::string_view line);
 
 }  // namespace taxelsim

@@ -6,15 +6,14 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "cli/commands.h"
 #include "cli/contacts_file.h"
+#include "cli/frame_output.h"
 #include "cli/pose_argument.h"
 #include "figures/tactile_figure.h"
 #include "figures/taxel_chart.h"
-#include "simulation/feature_table.h"
 #include "taxelsim/device.h"
 #include "taxelsim/error.h"
 #include "taxelsim/model.h"
@@ -35,193 +34,6 @@ struct Arguments {
   bool json = false;
   bool validation = false;
 };
-
-template <typename T>
-nlohmann::ordered_json arrayOf(std::span<const T> values) {
-  return nlohmann::ordered_json(std::vector<T>(values.begin(), values.end()));
-}
-
-// Values per taxel, `width` of each: a list of rows for one grid patch, else a list of taxels.
-template <typename T>
-nlohmann::ordered_json taxelsOf(const Sensor& sensor, std::span<const T> values, std::size_t width = 1) {
-  const auto taxel = [&](std::size_t t) -> nlohmann::ordered_json {
-    if (width == 1) return values[t];
-    return arrayOf(values.subspan(t * width, width));
-  };
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  const std::size_t num_taxels = values.size() / width;
-  const std::size_t num_cols = sensor.patches.size() == 1 ? static_cast<std::size_t>(sensor.patches[0].num_cols) : 0;
-  for (std::size_t t = 0; t < num_taxels; ++t) {
-    if (num_cols == 0) {
-      list.push_back(taxel(t));
-      continue;
-    }
-    if (t % num_cols == 0) list.push_back(nlohmann::ordered_json::array());
-    list.back().push_back(taxel(t));
-  }
-  return list;
-}
-
-constexpr const char* kContactTypes[] = {"none", "point", "edge", "area"};
-
-nlohmann::ordered_json jsonOf(ContactType type) {
-  return kContactTypes[static_cast<std::size_t>(type)];
-}
-template <typename T>
-nlohmann::ordered_json jsonOf(T value) {
-  return value;
-}
-
-// One row of a feature: a value, or an array of `width` values.
-nlohmann::ordered_json rowOf(const FeatureValues& values, std::size_t width, std::size_t row) {
-  return std::visit(
-      [&](const auto& all) {
-        if (width == 1) return jsonOf(all[row]);
-        nlohmann::ordered_json list = nlohmann::ordered_json::array();
-        for (const auto value : all.subspan(width * row, width)) list.push_back(jsonOf(value));
-        return list;
-      },
-      values);
-}
-
-template <typename Field, typename View>
-void addFeatures(nlohmann::ordered_json& json, std::span<const Field> table, const View& view, std::size_t row = 0) {
-  for (const Field& field : table) json[std::string(field.name)] = rowOf(field.values(view), field.width, row);
-}
-
-// Number of regions that have rows; the view may have more rows.
-std::size_t numRegionRows(const ContactFeatureView& contact) {
-  return static_cast<std::size_t>(std::min(contact.num_regions[0], static_cast<std::int32_t>(kMaxRegions)));
-}
-
-nlohmann::ordered_json contactRow(const ContactFeatureView& contact, std::size_t row) {
-  nlohmann::ordered_json json;
-  json["contact_type"] = nullptr;  // these two are first
-  json["patch"] = nullptr;
-  addFeatures(json, imageFeatures(), contact, row);
-  addFeatures(json, contactFeatures(), contact, row);
-  return json;
-}
-
-nlohmann::ordered_json contactJson(const ContactFeatureView& contact) {
-  nlohmann::ordered_json json;
-  json["sensor"] = contactRow(contact, 0);
-  json["patches"] = nlohmann::ordered_json::array();
-  const auto num_patches = static_cast<std::size_t>(contact.num_patches);
-  for (std::size_t p = 0; p < num_patches; ++p) json["patches"].push_back(contactRow(contact, 1 + p));
-  addFeatures(json, regionFeatures(), contact);
-  json["regions"] = nlohmann::ordered_json::array();
-  for (std::size_t r = 0; r < numRegionRows(contact); ++r) json["regions"].push_back(contactRow(contact, 1 + num_patches + r));
-  return json;
-}
-
-// Integers and flags among these features are written as floats, 1.0: the form of the first version.
-void addTruth(nlohmann::ordered_json& json, const GroundTruthView& truth) {
-  for (const FeatureField<GroundTruthView>& field : truthFeatures()) {
-    std::visit(
-        [&](const auto& values) {
-          if (values.empty()) return;
-          std::vector<float> numbers;
-          for (const auto value : values) numbers.push_back(static_cast<float>(value));
-          json[std::string(field.name)] = rowOf(FeatureValues(std::span<const float>(numbers)), field.width, 0);
-        },
-        field.values(truth));
-  }
-}
-
-nlohmann::ordered_json frameJson(const Sensor& sensor, const FrameView& frame) {
-  nlohmann::ordered_json json;
-  json["sensor"] = sensor.name;
-  json["tactile_image"] = taxelsOf(sensor, frame.tactile_image);
-  addFeatures(json, imageFeatures(), frame);
-  addFeatures(json, readoutFeatures(), frame);
-  json["contact"] = contactJson(frame.contact);
-  const GroundTruthView& truth = frame.ground_truth;
-  nlohmann::ordered_json& clean = json["ground_truth"];
-  clean["tactile_normal_force"] = taxelsOf(sensor, truth.tactile_normal_force);
-  clean["tactile_shear_force"] = taxelsOf(sensor, truth.tactile_shear_force, 2);
-  if (!truth.penetration_depth.empty()) clean["penetration_depth"] = taxelsOf(sensor, truth.penetration_depth);
-  addFeatures(clean, imageFeatures(), truth);
-  clean["contact"] = contactJson(truth.contact);
-  addTruth(clean, truth);
-  return json;
-}
-
-void printImage(const Sensor& sensor, std::span<const std::uint32_t> image) {
-  const auto width = std::to_string(*std::max_element(image.begin(), image.end())).size();
-  std::size_t taxel = 0;
-  if (isTaxelList(sensor)) {
-    constexpr std::size_t kTaxelsPerLine = 16;
-    fmt::print("tactile_image, counts ({} taxels, {} a line)\n", image.size(), kTaxelsPerLine);
-    for (; taxel < image.size(); ++taxel)
-      fmt::print("{} {:>{}}{}", taxel % kTaxelsPerLine == 0 ? " " : "", image[taxel], width,
-                 (taxel + 1) % kTaxelsPerLine == 0 || taxel + 1 == image.size() ? "\n" : "");
-    return;
-  }
-  for (const GridPatch& patch : sensor.patches) {
-    fmt::print("tactile_image{}{}, counts ({} rows along x, {} columns along y)\n", patch.name.empty() ? "" : " of ", patch.name,
-               patch.num_rows, patch.num_cols);
-    for (int i = 0; i < patch.num_rows; ++i) {
-      std::string line = " ";
-      for (int j = 0; j < patch.num_cols; ++j) line += fmt::format(" {:>{}}", image[taxel++], width);
-      fmt::print("{}\n", line);
-    }
-  }
-}
-
-std::string valueText(float value) {
-  return fmt::format("{:.6g}", value == 0 ? 0 : value);
-}  // no "-0"
-std::string valueText(ContactType type) {
-  return kContactTypes[static_cast<std::size_t>(type)];
-}
-
-// The first row of a feature.
-std::string rowText(const FeatureValues& values, std::size_t width) {
-  return std::visit(
-      [&](const auto& all) {
-        std::string text;
-        for (const auto value : all.first(std::min(width, all.size()))) {
-          if (!text.empty()) text += "  ";
-          if constexpr (std::is_same_v<decltype(value), const ContactType>) {
-            text += valueText(value);
-          } else {
-            text += valueText(static_cast<float>(value));
-          }
-        }
-        return text;
-      },
-      values);
-}
-
-void printRow(std::string_view name, std::string_view unit, const std::string& measured, const std::string& clean) {
-  fmt::print("{:<24} {:<7} {:<40} {}\n", name, unit, measured, clean);
-}
-
-// Measured beside clean values of the features that both views have.
-template <typename Field, typename View>
-void printBoth(std::span<const Field> table, const View& measured, const View& clean) {
-  for (const Field& field : table) {
-    printRow(field.name, field.unit, rowText(field.values(measured), field.width), rowText(field.values(clean), field.width));
-  }
-}
-
-void printText(const Sensor& sensor, const FrameView& frame) {
-  printImage(sensor, frame.tactile_image);
-  const GroundTruthView& truth = frame.ground_truth;
-  fmt::print("\n");
-  printRow("feature", "unit", "measured", "ground truth");
-  printBoth<FeatureField<FeatureView>, FeatureView>(imageFeatures(), frame, truth);
-  printBoth(contactFeatures(), frame.contact, truth.contact);
-  printBoth(regionFeatures(), frame.contact, truth.contact);
-  for (const FeatureField<FrameView>& field : readoutFeatures()) {
-    printRow(field.name, field.unit, rowText(field.values(frame), field.width), "");
-  }
-  for (const FeatureField<GroundTruthView>& field : truthFeatures()) {
-    const std::string text = rowText(field.values(truth), field.width);
-    if (!text.empty()) printRow(field.name, field.unit, "", text);
-  }
-}
 
 // One panel per patch; one panel for a list of taxels.
 std::vector<TactilePanel> panelsOf(const Sensor& sensor, const FrameView& frame) {
@@ -267,9 +79,9 @@ void drawFrame(const std::string& file, const Sensor& sensor, const FrameView& f
 
 void show(const Arguments& arguments, const Sensor& sensor, const FrameView& frame, const std::string& what) {
   if (arguments.json)
-    fmt::print("{}\n", frameJson(sensor, frame).dump(2));
+    fmt::print("{}\n", frameJson(sensor, frame));
   else
-    printText(sensor, frame);
+    printFrame(sensor, frame);
   if (!arguments.picture.empty()) drawFrame(arguments.picture, sensor, frame, what);
 }
 

@@ -1,5 +1,7 @@
-// Forward kinematics and Jacobian of one sensor's chain, for one instance at a time: some hundreds of nanoseconds, no allocation. Plain
-// arithmetic and the C library's sine and cosine, so that an instance's bits do not depend on its neighbours.
+// Forward kinematics and geometric Jacobian of the kinematic chain from a robot's base to one sensor.
+//
+// Evaluates one instance at a time, without allocation and without vectorised sine and cosine, whose last bit may depend on the position in
+// the vector: results are bitwise independent of the batch. KDL is used for loading only (urdf_model.h).
 #pragma once
 
 #include <vector>
@@ -10,13 +12,13 @@ namespace taxelsim {
 
 class Chain {
  public:
-  // `num_joints` of the robot. The sensor has passed checkRobot().
+  // `num_joints`: degrees of freedom of the robot. `sensor` must pass checkRobot().
   Chain(const MountedSensor& sensor, int num_joints);
 
-  // X_BS at joint positions q (num_joints).
+  // X_BS at joint positions q (num_joints), rad or m.
   Pose poseAt(const double* q) const;
 
-  // The same, and the Jacobian (num_joints x 6): row j is the twist of S in its own axes, v then w, when joint j moves at 1.
+  // X_BS, and the transposed Jacobian (num_joints x 6): row j is the twist (v, w) of S in the axes of S per unit velocity of joint j.
   Pose poseAt(const double* q, double* jacobian) const;
 
  private:

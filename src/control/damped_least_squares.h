@@ -1,5 +1,10 @@
-// From a twist to joint velocities, for one instance: damped least squares over the joints that are free to move. Not the limits; robots.h
-// has those. No allocation.
+// Inverse velocity kinematics by damped least squares (Levenberg-Marquardt damping): joint velocities q' that follow a twist t,
+//
+//   minimise |A q' - t|^2 + lambda^2 |q'|^2,    q' = A^T (A A^T + lambda^2 I)^-1 t
+//
+// where A has the selected rows and the free columns of the Jacobian. lambda is 0 unless the smallest singular value of A is below
+// the robot's threshold (see Manipulator in taxelsim/robot.h for the formula and sources). Joint limits are handled by robots.h.
+// Does not allocate.
 #pragma once
 
 #include <array>
@@ -12,15 +17,14 @@ class DampedLeastSquares {
  public:
   explicit DampedLeastSquares(const Manipulator& robot);
 
-  // Velocities (num_joints) that minimise |J q' - twist|^2 + lambda^2 |q'|^2 over the selected coordinates, 0 for joints that are not
-  // `free` (num_joints); without damping and with more joints than coordinates, the smallest of all that follow the twist. `jacobian`
-  // (num_joints x 6) and `twist` (6) as Chain has them. Returns whether the Jacobian was so near a singularity that it was damped.
-  bool solve(const double* jacobian, const std::array<double, 6>& twist, const bool* free, double* velocities) const;
+  // Writes `velocities` (num_joints); 0 for joints that are not free (`is_free`, num_joints). In a redundant robot the solution without
+  // damping is that of minimum norm. `jacobian` (num_joints x 6) and `twist` (v, w) as in chain.h. Returns true if damping was applied.
+  bool solve(const double* jacobian, const std::array<double, 6>& twist, const bool* is_free, double* velocities) const;
 
  private:
   int num_joints_;
   int num_rows_ = 0;
-  std::array<int, 6> rows_{};  // selected
+  std::array<int, 6> rows_{};  // indices of the selected coordinates of the twist
   double max_damping_;
   double threshold_;
 };

@@ -1,14 +1,14 @@
 #include <cmath>
 
-#include "control/values.h"
+#include "control/value_checks.h"
 #include "taxelsim/error.h"
 #include "taxelsim/robot.h"
 
 namespace taxelsim {
 namespace {
 
-// Takes y to z: the joint turns about z of its own frame.
-const Quaternion kYAsAxis{std::sqrt(0.5), -std::sqrt(0.5), 0, 0};
+// Rotates z of the joint frame, which is the axis of the joint, to y of the link.
+const Quaternion kRotationZToY{std::sqrt(0.5), -std::sqrt(0.5), 0, 0};
 
 }  // namespace
 
@@ -26,8 +26,8 @@ Manipulator panTilt(const PanTilt& platform) {
                             .max_velocity = platform.max_velocity});
   }
   const ChainJoint pan{.X_PJ = {}, .type = JointType::kRevolute, .joint = 0};
-  const ChainJoint tilt{.X_PJ = {{0, 0, platform.tilt_height}, kYAsAxis}, .type = JointType::kRevolute, .joint = 1};
-  const Pose X_JL = inverse({{0, 0, 0}, kYAsAxis});  // of the tilt link behind its joint
+  const ChainJoint tilt{.X_PJ = {{0, 0, platform.tilt_height}, kRotationZToY}, .type = JointType::kRevolute, .joint = 1};
+  const Pose X_JL = inverse({{0, 0, 0}, kRotationZToY});  // the tilt link in the frame of its joint
   for (const SensorMount& mount : platform.sensors) {
     if (mount.link == "base") {
       robot.sensors.push_back({mount.link, {}, mount.X_LS});
@@ -36,7 +36,7 @@ Manipulator panTilt(const PanTilt& platform) {
     } else if (mount.link == "tilt") {
       robot.sensors.push_back({mount.link, {pan, tilt}, X_JL * mount.X_LS});
     } else {
-      throw Error(ErrorKind::kInput, "robot: no link " + mount.link + ": base, pan or tilt");
+      throw Error(ErrorKind::kInput, "robot: no link " + mount.link + ": allowed are base, pan and tilt");
     }
   }
   checkRobot(robot);

@@ -1,16 +1,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "control/values.h"
+#include "control/value_checks.h"
 #include "taxelsim/robot.h"
 
 namespace taxelsim {
 namespace {
 
-constexpr double kUnitTolerance = 1e-9;  // of a quaternion's square
+constexpr double kUnitTolerance = 1e-9;  // of the squared norm of a quaternion
 
-void require(bool holds, const char* field, double value, const char* allowed) {
-  requireValue(holds, "robot", field, value, allowed);
+void require(bool is_valid, const char* field, double value, const char* allowed) {
+  requireValue(is_valid, "robot", field, value, allowed);
 }
 
 void checkPose(const Pose& X, const char* field) {
@@ -28,7 +28,7 @@ void checkJoint(const Joint& joint, const JointDrive& drive) {
   require(is_within, "joint.initial_position", joint.initial_position, "within the joint's limits");
   const bool has_step =
       drive.position_step == 0 || std::ceil(joint.lower / drive.position_step) <= std::floor(joint.upper / drive.position_step);
-  require(has_step, "drive.position_step", drive.position_step, "small enough for one multiple of it within each joint's limits");
+  require(has_step, "drive.position_step", drive.position_step, "a step that has a multiple within the limits of each joint");
 }
 
 void checkSensor(const MountedSensor& sensor, std::size_t num_joints) {
@@ -49,10 +49,9 @@ void checkRobot(const Robot& robot) {
   const auto* const manipulator = std::get_if<Manipulator>(&robot);
   if (manipulator == nullptr) return;
   const auto [num_joints, num_sensors] = std::pair(manipulator->joints.size(), manipulator->sensors.size());
-  require(num_joints >= 1 && num_joints <= static_cast<std::size_t>(kMaxJoints), "joints", static_cast<double>(num_joints),
-          "1 to 32 of them");
+  require(num_joints >= 1 && num_joints <= static_cast<std::size_t>(kMaxJoints), "joints", static_cast<double>(num_joints), "1 to 32");
   require(num_sensors >= 1 && num_sensors <= static_cast<std::size_t>(kMaxRobotSensors), "sensors", static_cast<double>(num_sensors),
-          "1 to 64 of them");
+          "1 to 64");
   const JointDrive& drive = manipulator->drive;
   require(isAtLeastZero(drive.position_step), "drive.position_step", drive.position_step, "a number >= 0");
   require(drive.delay >= 0 && drive.delay <= kMaxDelayTicks, "drive.delay", drive.delay, "0 to 1000 ticks");

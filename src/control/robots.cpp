@@ -7,7 +7,7 @@
 #include <string>
 
 #include "control/twist.h"
-#include "control/values.h"
+#include "control/value_checks.h"
 
 namespace taxelsim {
 namespace {
@@ -53,7 +53,7 @@ void Robots::reset(int i) {
   if (chains_.empty()) {
     reset(i, Pose{});
   } else {
-    stand(i, initial_, X_WB_initial_);
+    setAtRest(i, initial_, X_WB_initial_);
   }
 }
 
@@ -63,8 +63,8 @@ void Robots::reset(int i, const Pose& X_WS) {
     status_[i] = 0;
   } else {
     std::array<double, kMaxJoints> positions;
-    for (int j = 0; j < num_joints_; ++j) positions[j] = goalOf(j, initial_[j]);
-    stand(i, initial_, X_WS * inverse(chains_[0].poseAt(positions.data())));
+    for (int j = 0; j < num_joints_; ++j) positions[j] = quantized(j, initial_[j]);
+    setAtRest(i, initial_, X_WS * inverse(chains_[0].poseAt(positions.data())));
   }
 }
 
@@ -74,117 +74,117 @@ void Robots::reset(int i, std::span<const double> positions) {
     const bool is_within = positions[j] >= limits_[j].lower && positions[j] <= limits_[j].upper && std::isfinite(positions[j]);
     requireValue(is_within, "robot", "joint position", positions[j], "within the joint's limits");
   }
-  stand(i, positions, X_WB_initial_);
+  setAtRest(i, positions, X_WB_initial_);
 }
 
-void Robots::stand(int i, std::span<const double> positions, const Pose& X_WB) {
+void Robots::setAtRest(int i, std::span<const double> positions, const Pose& X_WB) {
   X_WB_[i] = X_WB;
   status_[i] = 0;
-  std::copy(positions.begin(), positions.end(), jointsOf(commands_, i));
-  std::fill_n(jointsOf(velocities_, i), num_joints_, 0.0);
-  double* const at = jointsOf(positions_, i);
-  for (int j = 0; j < num_joints_; ++j) at[j] = goalOf(j, positions[j]);
-  for (int slot = 0; slot < joint_drive_.delay; ++slot) std::copy_n(at, num_joints_, jointsOf(delayed_, slot * num_instances_ + i));
-  placeSensors(i);
+  std::copy(positions.begin(), positions.end(), instanceRow(commands_, i));
+  std::fill_n(instanceRow(velocities_, i), num_joints_, 0.0);
+  double* const joints = instanceRow(positions_, i);
+  for (int j = 0; j < num_joints_; ++j) joints[j] = quantized(j, positions[j]);
+  for (int k = 0; k < joint_drive_.delay; ++k) std::copy_n(joints, num_joints_, instanceRow(delayed_, k * num_instances_ + i));
+  updateSensors(i);
 }
 
 void Robots::command(std::span<const Twist> twists, double dt) {
   assert(static_cast<int>(twists.size()) == num_instances_ && dt > 0);
   for (int i = 0; i < num_instances_; ++i) {
     if (chains_.empty()) {
-      fly(i, twists[i], dt);
+      stepFreeFlying(i, twists[i], dt);
     } else {
-      drive(i, twists[i], dt);
+      stepManipulator(i, twists[i], dt);
     }
   }
-  if (joint_drive_.delay > 0) tick_ = (tick_ + 1) % joint_drive_.delay;
+  if (joint_drive_.delay > 0) delay_index_ = (delay_index_ + 1) % joint_drive_.delay;
 }
 
-void Robots::fly(int i, const Twist& twist, double dt) {
+void Robots::stepFreeFlying(int i, const Twist& twist, double dt) {
   const Pose X_WS = isFinite(twist) ? integrate(X_WS_[i], twist, dt) : X_WS_[i];
   status_[i] = isFinite(twist) && isFinite(X_WS) ? 0 : kLost;
   if (status_[i] == 0) X_WS_[i] = X_WS;
 }
 
-// The velocities (num_joints) with which the joints' commands follow the twist. False when there are no finite ones.
-bool Robots::follow(int i, const Twist& twist, double dt, double* velocities) {
-  const double* const jacobian = jacobianOf(i);
-  const double* const commands = jointsOf(commands_, i);
-  std::array<double, 6> wanted{twist.v[0], twist.v[1], twist.v[2], twist.w[0], twist.w[1], twist.w[2]};
-  std::array<bool, kMaxJoints> free;
-  std::array<double, kMaxJoints> stopping{};  // velocities of joints that go to a limit, and stay there
-  free.fill(true);
+// Steps 1 to 3 of robots.h: joint velocities (num_joints) that respect all limits. Returns false if they are not finite.
+bool Robots::solveVelocities(int i, const Twist& twist, double dt, double* velocities) {
+  const double* const jacobian = instanceJacobian(i);
+  const double* const commands = instanceRow(commands_, i);
+  std::array<double, 6> target{twist.v[0], twist.v[1], twist.v[2], twist.w[0], twist.w[1], twist.w[2]};
+  std::array<bool, kMaxJoints> is_free;
+  std::array<double, kMaxJoints> limited{};  // velocities of joints that are not free: they reach their limit in this tick
+  is_free.fill(true);
   for (;;) {
-    std::array<double, 6> rest = wanted;
+    std::array<double, 6> rest = target;
     for (int j = 0; j < num_joints_; ++j) {
-      for (int k = 0; k < 6; ++k) rest[k] -= jacobian[6 * j + k] * stopping[j];
+      for (int k = 0; k < 6; ++k) rest[k] -= jacobian[6 * j + k] * limited[j];
     }
-    if (solver_[0].solve(jacobian, rest, free.data(), velocities)) status_[i] |= kSingular;
+    if (solver_[0].solve(jacobian, rest, is_free.data(), velocities)) status_[i] |= kSingular;
 
-    double part = 1;
+    double factor = 1;
     for (int j = 0; j < num_joints_; ++j) {
-      velocities[j] += stopping[j];
+      velocities[j] += limited[j];
       if (!std::isfinite(velocities[j])) return false;
-      if (std::abs(velocities[j]) > limits_[j].max_velocity) part = std::min(part, limits_[j].max_velocity / std::abs(velocities[j]));
+      if (std::abs(velocities[j]) > limits_[j].max_velocity) factor = std::min(factor, limits_[j].max_velocity / std::abs(velocities[j]));
     }
-    if (part < 1) {
+    if (factor < 1) {
       status_[i] |= kVelocityLimit;
-      for (double& component : wanted) component *= part;
-      for (int j = 0; j < num_joints_; ++j) velocities[j] *= part, stopping[j] *= part;
+      for (double& component : target) component *= factor;
+      for (int j = 0; j < num_joints_; ++j) velocities[j] *= factor, limited[j] *= factor;
     }
 
-    bool any_stops = false;
+    bool any_limited = false;
     for (int j = 0; j < num_joints_; ++j) {
       const double next = commands[j] + velocities[j] * dt;
-      if (!free[j] || (next >= limits_[j].lower && next <= limits_[j].upper)) continue;
-      stopping[j] = ((next < limits_[j].lower ? limits_[j].lower : limits_[j].upper) - commands[j]) / dt;
-      free[j] = false;
-      any_stops = true;
+      if (!is_free[j] || (next >= limits_[j].lower && next <= limits_[j].upper)) continue;
+      limited[j] = ((next < limits_[j].lower ? limits_[j].lower : limits_[j].upper) - commands[j]) / dt;
+      is_free[j] = false;
+      any_limited = true;
     }
-    if (!any_stops) return true;
+    if (!any_limited) return true;
     status_[i] |= kJointLimit;
   }
 }
 
-// Where the drive sends a joint.
-double Robots::goalOf(int joint, double command) const {
+// The drive's target for a command: the nearest multiple of position_step within the limits.
+double Robots::quantized(int joint, double command) const {
   const double step = joint_drive_.position_step;
   if (step == 0) return command;
   return std::clamp(std::round(command / step), std::ceil(limits_[joint].lower / step), std::floor(limits_[joint].upper / step)) * step;
 }
 
-void Robots::drive(int i, const Twist& twist, double dt) {
+void Robots::stepManipulator(int i, const Twist& twist, double dt) {
   status_[i] = 0;
-  std::array<double, kMaxJoints> wanted{};
-  if (!isFinite(twist) || !follow(i, twist, dt, wanted.data())) {
+  std::array<double, kMaxJoints> solution{};
+  if (!isFinite(twist) || !solveVelocities(i, twist, dt, solution.data())) {
     status_[i] = kLost;
-    wanted.fill(0);
+    solution.fill(0);
   }
-  double* const commands = jointsOf(commands_, i);
-  double* const positions = jointsOf(positions_, i);
-  double* const velocities = jointsOf(velocities_, i);
+  double* const commands = instanceRow(commands_, i);
+  double* const positions = instanceRow(positions_, i);
+  double* const velocities = instanceRow(velocities_, i);
   for (int j = 0; j < num_joints_; ++j) {
     const Limits& limits = limits_[j];
-    commands[j] = std::clamp(commands[j] + wanted[j] * dt, limits.lower, limits.upper);
-    double goal = goalOf(j, commands[j]);
-    if (joint_drive_.delay > 0) std::swap(goal, jointsOf(delayed_, tick_ * num_instances_ + i)[j]);
+    commands[j] = std::clamp(commands[j] + solution[j] * dt, limits.lower, limits.upper);
+    double target = quantized(j, commands[j]);
+    if (joint_drive_.delay > 0) std::swap(target, instanceRow(delayed_, delay_index_ * num_instances_ + i)[j]);
     const double before = positions[j];
-    const double reach = limits.max_velocity * dt;
-    if (std::abs(goal - before) <= reach) {
-      positions[j] = goal;
+    const double max_change = limits.max_velocity * dt;
+    if (std::abs(target - before) <= max_change) {
+      positions[j] = target;
     } else {
-      positions[j] = before + std::copysign(reach, goal - before);
+      positions[j] = before + std::copysign(max_change, target - before);
       status_[i] |= kVelocityLimit;
     }
     velocities[j] = (positions[j] - before) / dt;
   }
-  placeSensors(i);
+  updateSensors(i);
 }
 
-void Robots::placeSensors(int i) {
-  const double* const q = jointsOf(positions_, i);
+void Robots::updateSensors(int i) {
+  const double* const q = instanceRow(positions_, i);
   Pose* const X_WS = X_WS_.data() + static_cast<std::ptrdiff_t>(i) * num_sensors_;
-  X_WS[0] = X_WB_[i] * chains_[0].poseAt(q, jacobianOf(i));
+  X_WS[0] = X_WB_[i] * chains_[0].poseAt(q, instanceJacobian(i));
   for (int sensor = 1; sensor < num_sensors_; ++sensor) X_WS[sensor] = X_WB_[i] * chains_[sensor].poseAt(q);
 }
 

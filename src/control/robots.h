@@ -1,12 +1,14 @@
-// A batch of robots of one kind: twists of their sensors in, poses of the sensors out, a control tick at a time. Instances do not know each
-// other: what one does is the same, to the bit, alone and in any batch. Allocates nothing after construction.
+// Kinematic simulation of a batch of equal robots: commanded twists of their sensors in, poses of the sensors out, one control tick at a
+// time. Joints reach commanded velocities immediately; there are no dynamics. Instances are independent: the results of an instance are
+// bitwise equal in any batch. Not thread-safe. Allocates only in the constructor.
 //
-// What a manipulator does in a tick:
-//   1. the Jacobian where the joints are, damped least squares: joint velocities
-//   2. faster than a joint may: all are scaled, so that the sensor keeps its direction
-//   3. a joint whose command would pass a limit goes to that limit, and the others follow what is left of the twist; 2 and 3 again until no
-//      further joint does. A joint at a limit may leave it at any time.
-//   4. the command, which is never rounded, moves by velocity times dt; the joint follows it through its drive
+// A tick of a manipulator (resolved-rate control with joint limits):
+//   1. Compute joint velocities by damped least squares with the Jacobian at the current joint positions.
+//   2. If a joint exceeds its velocity limit, scale all velocities by the same factor, so that the direction of the twist is kept.
+//   3. If the command of a joint would exceed its position limit, set its velocity such that it reaches the limit, remove it from the free
+//      joints, and repeat from 1 with the remaining twist. All joints are free again at the start of the next tick.
+//   4. Integrate the commands, which are never rounded. Each joint follows its command through its drive: quantization, delay and
+//      velocity limit.
 #pragma once
 
 #include <cstdint>
@@ -19,71 +21,71 @@
 
 namespace taxelsim {
 
-// Of an instance, what held it back in its last tick: any sum of these, 0 for nothing.
+// Bit flags: what limited the motion of an instance in its last tick; 0 if nothing did.
 enum RobotStatus : std::uint8_t {
-  kJointLimit = 1,     // a joint was stopped at its position limit
-  kVelocityLimit = 2,  // the twist was too fast, or the drive lags behind its command
-  kSingular = 4,       // the Jacobian was damped: part of the twist may be missing
-  kLost = 8,           // the twist was not finite, or led to no finite pose; the robot stood still
+  kJointLimit = 1,     // a joint reached its position limit
+  kVelocityLimit = 2,  // the twist exceeded a velocity limit, or a drive lags behind its command
+  kSingular = 4,       // damping was applied near a singularity; the twist is followed in part only
+  kLost = 8,           // the twist or the resulting pose was not finite; the robot did not move
 };
 
 class Robots {
  public:
-  // Every instance as reset(i) leaves it. Throws Error(kInput) as checkRobot() does.
+  // All instances start as after reset(i). Throws Error(kInput) like checkRobot().
   Robots(const Robot& robot, int num_instances);
 
   int numInstances() const { return num_instances_; }
-  int numJoints() const { return num_joints_; }    // 0 where the sensor flies
+  int numJoints() const { return num_joints_; }    // 0 for FreeFlying
   int numSensors() const { return num_sensors_; }  // per instance
 
-  // Instance i at rest with its joints where the robot's description has them and its base at X_WB; a flying sensor at the origin.
+  // Sets instance i to rest at the joints' initial positions with the base at the robot's X_WB; FreeFlying: the sensor at the origin of W.
   void reset(int i);
-  // The same with the base placed so that its first sensor is at X_WS.
+  // As above, but with the base placed such that the first sensor is at X_WS.
   void reset(int i, const Pose& X_WS);
-  // At rest with the base at X_WB and joints at `positions` (num_joints), which lie within their limits: throws Error(kInput) otherwise.
+  // Sets instance i to rest at `positions` (num_joints) with the base at the robot's X_WB. Throws Error(kInput) if one is out of limits.
   void reset(int i, std::span<const double> positions);
 
-  // All robots move for one tick of dt seconds, > 0, the first sensor of instance i at twists[i] (num_instances) in its own axes.
+  // Advances all robots by one tick of dt (s, > 0). twists (num_instances): commanded twists of the first sensor of each instance, in S.
   void command(std::span<const Twist> twists, double dt);
 
   std::span<const Pose> X_WS() const { return X_WS_; }                     // (num_instances x num_sensors)
   std::span<const double> jointPositions() const { return positions_; }    // (num_instances x num_joints), rad or m
-  std::span<const double> jointVelocities() const { return velocities_; }  // the same, rad/s or m/s: of the joints, not of the commands
-  std::span<const std::uint8_t> status() const { return status_; }         // (num_instances), of RobotStatus
+  std::span<const double> jointVelocities() const { return velocities_; }  // the same of the joints, not of their commands; rad/s or m/s
+  std::span<const std::uint8_t> status() const { return status_; }         // (num_instances), flags of RobotStatus
 
  private:
   struct Limits {
     double lower, upper, max_velocity;
   };
 
-  void fly(int i, const Twist& twist, double dt);
-  void drive(int i, const Twist& twist, double dt);
-  bool follow(int i, const Twist& twist, double dt, double* velocities);
-  void stand(int i, std::span<const double> positions, const Pose& X_WB);
-  double goalOf(int joint, double command) const;
-  void placeSensors(int i);
-  double* jointsOf(std::vector<double>& values, int i) { return values.data() + static_cast<std::ptrdiff_t>(i) * num_joints_; }
-  double* jacobianOf(int i) { return jacobians_.data() + static_cast<std::ptrdiff_t>(i) * num_joints_ * 6; }
+  void stepFreeFlying(int i, const Twist& twist, double dt);
+  void stepManipulator(int i, const Twist& twist, double dt);
+  bool solveVelocities(int i, const Twist& twist, double dt, double* velocities);
+  void setAtRest(int i, std::span<const double> positions, const Pose& X_WB);
+  double quantized(int joint, double command) const;
+  void updateSensors(int i);
+  double* instanceRow(std::vector<double>& values, int i) { return values.data() + static_cast<std::ptrdiff_t>(i) * num_joints_; }
+  double* instanceJacobian(int i) { return jacobians_.data() + static_cast<std::ptrdiff_t>(i) * num_joints_ * 6; }
 
   int num_instances_;
   int num_joints_ = 0;
   int num_sensors_ = 1;
-  std::vector<Chain> chains_;               // (num_sensors); none where the sensor flies
-  std::vector<DampedLeastSquares> solver_;  // one, or none where the sensor flies
+  std::vector<Chain> chains_;               // (num_sensors); empty for FreeFlying
+  std::vector<DampedLeastSquares> solver_;  // one; empty for FreeFlying
   std::vector<Limits> limits_;              // (num_joints)
   std::vector<double> initial_;             // (num_joints)
   JointDrive joint_drive_;
   Pose X_WB_initial_;
-  int tick_ = 0;  // the slot of delayed_ that this tick reads and fills; the same for all instances
+  int delay_index_ = 0;  // row of the ring buffer delayed_ that the current tick reads and then overwrites
 
-  // (num_instances) each, times what is said.
+  // Arrays (num_instances x ...):
   std::vector<Pose> X_WB_;
   std::vector<Pose> X_WS_;          // num_sensors
   std::vector<double> positions_;   // num_joints
   std::vector<double> velocities_;  // num_joints
   std::vector<double> commands_;    // num_joints
-  std::vector<double> delayed_;     // delay x num_joints: goals on their way
-  std::vector<double> jacobians_;   // num_joints x 6, of the first sensor at positions_
+  std::vector<double> delayed_;     // num_joints; (delay x num_instances x num_joints): ring buffer of drive targets
+  std::vector<double> jacobians_;   // num_joints x 6; of the first sensor, at positions_
   std::vector<std::uint8_t> status_;
 };
 

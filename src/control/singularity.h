@@ -1,4 +1,4 @@
-// How near a robot stands to a singular pose.
+// Distance of a robot from a kinematic singularity.
 #pragma once
 
 #include <span>
@@ -7,8 +7,8 @@
 
 namespace taxelsim {
 
-// The smallest singular value of the selected rows of the first sensor's Jacobian at joint positions q (num_joints), m/s and rad/s as they
-// are. Of fewer joints than rows, that of the joints.
+// The smallest singular value of the selected rows of the first sensor's Jacobian at joint positions q (num_joints). Lengths are in m and
+// angles in rad, without scaling. With fewer joints than selected rows, there are as many singular values as joints.
 double smallestSingularValue(const Manipulator& robot, std::span<const double> q);
 
 }  // namespace taxelsim

@@ -6,61 +6,59 @@
 #include <numbers>
 
 #include "base/philox.h"
+#include "base/quaternion.h"
 #include "base/vector3.h"
 #include "control/twist.h"
-#include "control/values.h"
+#include "control/value_checks.h"
 
 namespace taxelsim {
 namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
 
-Quaternion conjugate(const Quaternion& q) {
-  return {q[0], -q[1], -q[2], -q[3]};
-}
-
-// The twist with which a screw takes a rotation by the shortest way to another one in unit time, in the axes of either.
+// Logarithm of the rotation from `from` to `to`, by the smaller angle: axis times angle (rad), in the axes of either.
 Vector3 rotationVector(const Quaternion& from, const Quaternion& to) {
-  Quaternion turn = conjugate(from) * to;
-  if (turn[0] < 0) turn = {-turn[0], -turn[1], -turn[2], -turn[3]};
-  const Vector3 imaginary{turn[1], turn[2], turn[3]};
+  Quaternion rotation = conjugate(from) * to;
+  if (rotation[0] < 0) rotation = {-rotation[0], -rotation[1], -rotation[2], -rotation[3]};
+  const Vector3 imaginary{rotation[1], rotation[2], rotation[3]};
   const double sine = length(imaginary);
   if (sine == 0) return {0, 0, 0};
-  return scale(2 * std::atan2(sine, turn[0]) / sine, imaginary);
+  return scale(2 * std::atan2(sine, rotation[0]) / sine, imaginary);
 }
 
-// The interval that holds `t`, counted from the first waypoint, and how far through it t is.
-struct Place {
-  std::size_t from;  // the next waypoint ends the interval
-  double part;       // 0 to 1
+// A position between two waypoints.
+struct Interval {
+  std::size_t start;  // index of the waypoint at its start
+  double fraction;    // 0 to 1
 };
 
-bool isAtRest(const Waypoints& way, double t) {
-  return way.points.size() < 2 || t < 0 || t >= way.points.back().time - way.points.front().time;
+bool isAtRest(const Waypoints& waypoints, double t) {
+  return waypoints.points.size() < 2 || t < 0 || t >= waypoints.points.back().time - waypoints.points.front().time;
 }
 
-// Of a way that is not at rest at t.
-Place placeOf(const Waypoints& way, double t) {
-  const double time = way.points.front().time + t;
+// The interval at `t` (s after the first waypoint); not at rest at t.
+Interval intervalAt(const Waypoints& waypoints, double t) {
+  const double time = waypoints.points.front().time + t;
   const auto later = [](double value, const Waypoint& point) { return value < point.time; };
-  const auto after = std::upper_bound(way.points.begin() + 1, way.points.end() - 1, time, later);
-  const auto from = static_cast<std::size_t>(after - way.points.begin()) - 1;
-  return {from, (time - way.points[from].time) / (way.points[from + 1].time - way.points[from].time)};
+  const auto after = std::upper_bound(waypoints.points.begin() + 1, waypoints.points.end() - 1, time, later);
+  const auto start = static_cast<std::size_t>(after - waypoints.points.begin()) - 1;
+  return {start, (time - waypoints.points[start].time) / (waypoints.points[start + 1].time - waypoints.points[start].time)};
 }
 
-Vector3 slopeBefore(const Waypoints& way, std::size_t k) {
-  return scale(1 / (way.points[k].time - way.points[k - 1].time), subtract(way.points[k].pose.position, way.points[k - 1].pose.position));
+Vector3 slopeBefore(const Waypoints& waypoints, std::size_t k) {
+  return scale(1 / (waypoints.points[k].time - waypoints.points[k - 1].time),
+               subtract(waypoints.points[k].pose.position, waypoints.points[k - 1].pose.position));
 }
 
-// m/s at a waypoint, of the cubic.
-Vector3 slopeAt(const Waypoints& way, std::size_t k) {
-  if (k == 0 || k + 1 == way.points.size()) return {0, 0, 0};
-  const double before = way.points[k].time - way.points[k - 1].time;
-  const double behind = way.points[k + 1].time - way.points[k].time;
-  return scale(1 / (before + behind), add(scale(behind, slopeBefore(way, k)), scale(before, slopeBefore(way, k + 1))));
+// Velocity (m/s) of the cubic at a waypoint: that of the parabola through it and its neighbors; 0 at both ends.
+Vector3 slopeAt(const Waypoints& waypoints, std::size_t k) {
+  if (k == 0 || k + 1 == waypoints.points.size()) return {0, 0, 0};
+  const double before = waypoints.points[k].time - waypoints.points[k - 1].time;
+  const double after = waypoints.points[k + 1].time - waypoints.points[k].time;
+  return scale(1 / (before + after), add(scale(after, slopeBefore(waypoints, k)), scale(before, slopeBefore(waypoints, k + 1))));
 }
 
-// The coefficients of p0, p1, m0 h, m1 h at u.
+// Cubic Hermite basis at u: coefficients of p0, p1, m0 h, m1 h.
 std::array<double, 4> hermite(double u) {
   const double u2 = u * u, u3 = u2 * u;
   return {2 * u3 - 3 * u2 + 1, 3 * u2 - 2 * u3, u3 - 2 * u2 + u, u3 - u2};
@@ -70,41 +68,42 @@ std::array<double, 4> hermiteSlope(double u) {
   return {6 * u2 - 6 * u, 6 * u - 6 * u2, 3 * u2 - 4 * u + 1, 3 * u2 - 2 * u};
 }
 
-Vector3 combine(const Waypoints& way, std::size_t k, const std::array<double, 4>& c) {
-  const double h = way.points[k + 1].time - way.points[k].time;
-  // As a difference to the first waypoint, so that a way far from its frame's origin loses no digits.
-  const Vector3& origin = way.points.front().pose.position;
-  Vector3 sum =
-      add(scale(c[0], subtract(way.points[k].pose.position, origin)), scale(c[1], subtract(way.points[k + 1].pose.position, origin)));
-  if (way.interpolation == Waypoints::Interpolation::kLinear) return sum;
-  sum = add(sum, scale(c[2] * h, slopeAt(way, k)));
-  return add(sum, scale(c[3] * h, slopeAt(way, k + 1)));
+Vector3 combine(const Waypoints& waypoints, std::size_t k, const std::array<double, 4>& c) {
+  const double h = waypoints.points[k + 1].time - waypoints.points[k].time;
+  // Relative to the first waypoint, to avoid cancellation for waypoints far from the origin of their frame.
+  const Vector3& origin = waypoints.points.front().pose.position;
+  Vector3 sum = add(scale(c[0], subtract(waypoints.points[k].pose.position, origin)),
+                    scale(c[1], subtract(waypoints.points[k + 1].pose.position, origin)));
+  if (waypoints.interpolation == Waypoints::Interpolation::kLinear) return sum;
+  sum = add(sum, scale(c[2] * h, slopeAt(waypoints, k)));
+  return add(sum, scale(c[3] * h, slopeAt(waypoints, k + 1)));
 }
 
-Pose displacement(const Waypoints& way, double t) {
-  const Waypoint& first = way.points.front();
+Pose displacement(const Waypoints& waypoints, double t) {
+  const Waypoint& first = waypoints.points.front();
   const auto relative = [&](const Vector3& p, const Quaternion& R) { return Pose{p, R * conjugate(first.pose.rotation)}; };
-  if (isAtRest(way, t)) {
+  if (isAtRest(waypoints, t)) {
     if (t <= 0) return {};
-    return relative(subtract(way.points.back().pose.position, first.pose.position), way.points.back().pose.rotation);
+    return relative(subtract(waypoints.points.back().pose.position, first.pose.position), waypoints.points.back().pose.rotation);
   }
-  const auto [k, u] = placeOf(way, t);
-  const bool is_linear = way.interpolation == Waypoints::Interpolation::kLinear;
-  const Vector3 position = combine(way, k, is_linear ? std::array{1 - u, u, 0.0, 0.0} : hermite(u));
-  const Vector3 turn = rotationVector(way.points[k].pose.rotation, way.points[k + 1].pose.rotation);
-  return relative(position, way.points[k].pose.rotation * exponential({{0, 0, 0}, turn}, u).rotation);
+  const auto [k, u] = intervalAt(waypoints, t);
+  const bool is_linear = waypoints.interpolation == Waypoints::Interpolation::kLinear;
+  const Vector3 position = combine(waypoints, k, is_linear ? std::array{1 - u, u, 0.0, 0.0} : hermite(u));
+  const Vector3 rotation = rotationVector(waypoints.points[k].pose.rotation, waypoints.points[k + 1].pose.rotation);
+  return relative(position, waypoints.points[k].pose.rotation * exponential({{0, 0, 0}, rotation}, u).rotation);
 }
 
-// Of M, in M.
-Twist velocity(const Waypoints& way, double t) {
-  if (isAtRest(way, t)) return {};
-  const auto [k, u] = placeOf(way, t);
-  const double h = way.points[k + 1].time - way.points[k].time;
-  const bool is_linear = way.interpolation == Waypoints::Interpolation::kLinear;
-  const Vector3 v_W = scale(1 / h, combine(way, k, is_linear ? std::array{-1.0, 1.0, 0.0, 0.0} : hermiteSlope(u)));
-  const Vector3 turn = rotationVector(way.points[k].pose.rotation, way.points[k + 1].pose.rotation);
-  // `turn` has the axes of a frame whose rotation in M is that of the first waypoint.
-  return {rotate(conjugate(displacement(way, t).rotation), v_W), scale(1 / h, rotate(way.points.front().pose.rotation, turn))};
+// Twist of M, in M.
+Twist velocity(const Waypoints& waypoints, double t) {
+  if (isAtRest(waypoints, t)) return {};
+  const auto [k, u] = intervalAt(waypoints, t);
+  const double h = waypoints.points[k + 1].time - waypoints.points[k].time;
+  const bool is_linear = waypoints.interpolation == Waypoints::Interpolation::kLinear;
+  const Vector3 v_W = scale(1 / h, combine(waypoints, k, is_linear ? std::array{-1.0, 1.0, 0.0, 0.0} : hermiteSlope(u)));
+  const Vector3 rotation = rotationVector(waypoints.points[k].pose.rotation, waypoints.points[k + 1].pose.rotation);
+  // `rotation` is in the axes of a frame whose rotation relative to M is that of the first waypoint.
+  return {rotate(conjugate(displacement(waypoints, t).rotation), v_W),
+          scale(1 / h, rotate(waypoints.points.front().pose.rotation, rotation))};
 }
 
 double sinusoidAt(const Sinusoid& s, double t) {
@@ -134,7 +133,7 @@ void check(const Waypoints& motion) {
   for (std::size_t k = 0; k < motion.points.size(); ++k) {
     const Waypoint& point = motion.points[k];
     requireValue(std::isfinite(point.time), "motion", "time", point.time, "a finite time");
-    requireValue(k == 0 || point.time > motion.points[k - 1].time, "motion", "time", point.time, "later than the waypoint before");
+    requireValue(k == 0 || point.time > motion.points[k - 1].time, "motion", "time", point.time, "later than the previous waypoint");
     for (const double p : point.pose.position) requireValue(std::isfinite(p), "motion", "position", p, "a finite length");
     for (const double q : point.pose.rotation) requireValue(std::isfinite(q), "motion", "rotation", q, "a unit quaternion");
   }
@@ -160,7 +159,8 @@ Trajectory::Trajectory(const Motion& motion, const Pose& X_WO, const MotionKey& 
   if (const auto* hand = std::get_if<HandHeld>(&motion)) drawWaves(*hand, key);
 }
 
-// The k-th of n waves lies in the k-th n-th of its band, so that no two coincide: their squares then add up.
+// Stratified frequencies: wave k of n lies in the k-th of n equal parts of its band. No two frequencies coincide, so the mean
+// squares add up.
 void Trajectory::drawWaves(const HandHeld& hand, const MotionKey& key) {
   constexpr int kPerBand = kNumWaves / 2;
   DrawKey draw{.seed = key.seed, .episode = key.episode, .frame = 0, .taxel = key.slot, .purpose = Purpose::kMotion};
@@ -175,9 +175,9 @@ void Trajectory::drawWaves(const HandHeld& hand, const MotionKey& key) {
       const bool is_tremor = wave >= kPerBand;
       const std::array<double, 2>& band = is_tremor ? hand.tremor_band : hand.drift_band;
       const double rms = is_tremor ? (is_angle ? hand.tremor_angle : hand.tremor) : (is_angle ? hand.drift_angle : hand.drift);
-      const double part = (wave % kPerBand + uniform()) / kPerBand;
+      const double fraction = (wave % kPerBand + uniform()) / kPerBand;
       const double phase = kTwoPi * uniform();
-      waves_[axis][wave] = {rms * std::sqrt(2.0 / kPerBand), kTwoPi * (band[0] + part * (band[1] - band[0])), phase};
+      waves_[axis][wave] = {rms * std::sqrt(2.0 / kPerBand), kTwoPi * (band[0] + fraction * (band[1] - band[0])), phase};
     }
   }
   start_ = waveSums(0);
@@ -201,15 +201,15 @@ std::array<double, Trajectory::kNumAxes> Trajectory::waveSlopes(double t) const 
 
 // X_M0M.
 Pose Trajectory::displacementAt(double t) const {
-  if (const auto* screw = std::get_if<ConstantTwist>(motion_)) return exponential(screw->twist, t);
+  if (const auto* constant = std::get_if<ConstantTwist>(motion_)) return exponential(constant->twist, t);
   if (const auto* wave = std::get_if<Sinusoid>(motion_)) {
     const double s = sinusoidAt(*wave, t);
     return {scale(wave->amplitude * s, unit(wave->axis)), axisAngle(wave->axis, wave->angle * s)};
   }
-  if (const auto* way = std::get_if<Waypoints>(motion_)) return displacement(*way, t);
+  if (const auto* waypoints = std::get_if<Waypoints>(motion_)) return displacement(*waypoints, t);
   const std::array<double, kNumAxes> sums = waveSums(t);
-  const Vector3 turn{sums[3] - start_[3], sums[4] - start_[4], sums[5] - start_[5]};
-  return {{sums[0] - start_[0], sums[1] - start_[1], sums[2] - start_[2]}, exponential({{0, 0, 0}, turn}, 1).rotation};
+  const Vector3 rotation_vector{sums[3] - start_[3], sums[4] - start_[4], sums[5] - start_[5]};
+  return {{sums[0] - start_[0], sums[1] - start_[1], sums[2] - start_[2]}, exponential({{0, 0, 0}, rotation_vector}, 1).rotation};
 }
 
 Pose Trajectory::at(double t) const {
@@ -218,18 +218,19 @@ Pose Trajectory::at(double t) const {
 
 Twist Trajectory::twistAt(double t) const {
   Twist twist_M;
-  if (const auto* screw = std::get_if<ConstantTwist>(motion_)) {
-    twist_M = screw->twist;
+  if (const auto* constant = std::get_if<ConstantTwist>(motion_)) {
+    twist_M = constant->twist;
   } else if (const auto* wave = std::get_if<Sinusoid>(motion_)) {
     const double rate = kTwoPi * wave->frequency * std::cos(kTwoPi * wave->frequency * t + wave->phase);
     twist_M = {scale(wave->amplitude * rate, unit(wave->axis)), scale(wave->angle * rate, unit(wave->axis))};
-  } else if (const auto* way = std::get_if<Waypoints>(motion_)) {
-    twist_M = velocity(*way, t);
+  } else if (const auto* waypoints = std::get_if<Waypoints>(motion_)) {
+    twist_M = velocity(*waypoints, t);
   } else {
     const std::array<double, kNumAxes> sums = waveSums(t), slopes = waveSlopes(t);
-    const Vector3 turn{sums[3] - start_[3], sums[4] - start_[4], sums[5] - start_[5]};
-    // The exponential's position is its left Jacobian times v: the angular velocity when the rotation vector changes by v.
-    const Pose rotation = exponential({{slopes[3], slopes[4], slopes[5]}, turn}, 1);
+    const Vector3 rotation_vector{sums[3] - start_[3], sums[4] - start_[4], sums[5] - start_[5]};
+    // The position part of exponential() is the left Jacobian of SO(3) times v, here the angular velocity for the rate v of
+    // the rotation vector.
+    const Pose rotation = exponential({{slopes[3], slopes[4], slopes[5]}, rotation_vector}, 1);
     const Quaternion R_MM0 = conjugate(rotation.rotation);
     twist_M = {rotate(R_MM0, {slopes[0], slopes[1], slopes[2]}), rotate(R_MM0, rotation.position)};
   }

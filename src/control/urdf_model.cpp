@@ -1,10 +1,12 @@
 #include "control/urdf_model.h"
 
 #include <console_bridge/console.h>
+#include <urdf_model/model.h>
 #include <urdf_parser/urdf_parser.h>
 
 #include <algorithm>
 #include <array>
+#include <kdl/tree.hpp>
 #include <map>
 #include <mutex>
 #include <vector>
@@ -19,33 +21,33 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-constexpr std::size_t kMaxLinks = 4096;  // links hold their children, which are let go of one within the other
-constexpr std::size_t kMaxShown = 80;    // bytes of a name that a message repeats
+constexpr std::size_t kMaxLinks = 4096;     // urdfdom destroys the tree of links recursively: limits the depth of the stack
+constexpr std::size_t kMaxNameLength = 80;  // bytes of a name in a message
 constexpr const char* kJointTypes[] = {"revolute", "continuous", "prismatic", "fixed", "floating", "planar"};
 
 std::string textOf(const XMLElement& element, const char* attribute) {
   const char* const text = element.Attribute(attribute);
-  return text == nullptr ? std::string() : std::string(text).substr(0, kMaxShown);
+  return text == nullptr ? std::string() : std::string(text).substr(0, kMaxNameLength);
 }
 
-// Takes what urdfdom would print, for as long as it lives. console_bridge has one handler for the whole program, so one thread at a time.
-class CaughtMessages : public console_bridge::OutputHandler {
+// Captures the messages that urdfdom logs through console_bridge. Its handler is global, so a mutex allows one thread at a time.
+class ConsoleCapture : public console_bridge::OutputHandler {
  public:
-  CaughtMessages() : lock_(mutex()), level_(console_bridge::getLogLevel()) {
+  ConsoleCapture() : lock_(mutex()), level_(console_bridge::getLogLevel()) {
     console_bridge::useOutputHandler(this);
     console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_ERROR);
   }
-  ~CaughtMessages() override {
+  ~ConsoleCapture() override {
     console_bridge::setLogLevel(level_);
     console_bridge::restorePreviousOutputHandler();
   }
-  CaughtMessages(const CaughtMessages&) = delete;
-  CaughtMessages& operator=(const CaughtMessages&) = delete;
+  ConsoleCapture(const ConsoleCapture&) = delete;
+  ConsoleCapture& operator=(const ConsoleCapture&) = delete;
 
   void log(const std::string& text, console_bridge::LogLevel, const char*, int) override {
     if (first_.empty()) first_ = text;
   }
-  // What went wrong first: what follows are its consequences.
+  // The first message; later ones are consequences of it.
   const std::string& first() const { return first_; }
 
  private:
@@ -59,16 +61,15 @@ class CaughtMessages : public console_bridge::OutputHandler {
   std::string first_;
 };
 
-// The file while it is XML: is it well-formed, and a tree? urdfdom finds neither loops nor links with two parents, and reads XML by
-// recursion.
-class UrdfText {
+// Checks the XML before urdfdom parses it. urdfdom does not detect loops or links with two parents, and parses nested elements recursively.
+class UrdfDocument {
  public:
-  explicit UrdfText(const std::filesystem::path& file) : file_(file, kMaxRobotFileBytes), robot_(file_.root()) {
+  explicit UrdfDocument(const std::filesystem::path& file) : file_(file, kMaxRobotFileBytes), robot_(file_.root()) {
     if (robot_ == nullptr || std::string_view(robot_->Name()) != "robot") fail(1, "is not a URDF: no <robot>");
     check();
   }
 
-  // Links and joints alone: what a robot looks like and weighs does not matter here, and need not be right.
+  // The XML reduced to links and joints. Visuals, collision geometry and inertias are dropped and may be invalid.
   std::string kinematics() const;
 
  private:
@@ -77,7 +78,7 @@ class UrdfText {
     std::string link;
   };
 
-  [[noreturn]] void fail(int line, const std::string& what) const { file_.fail(line, what); }
+  [[noreturn]] void fail(int line, const std::string& message) const { file_.fail(line, message); }
   void check() const;
   void checkLoops(const std::map<std::string, Parent>& parents) const;
 
@@ -85,7 +86,7 @@ class UrdfText {
   const XMLElement* robot_;
 };
 
-std::string UrdfText::kinematics() const {
+std::string UrdfDocument::kinematics() const {
   tinyxml2::XMLDocument copy;
   XMLElement* const robot = copy.NewElement("robot");
   copy.InsertEndChild(robot);
@@ -103,7 +104,7 @@ std::string UrdfText::kinematics() const {
   return printer.CStr();
 }
 
-void UrdfText::check() const {
+void UrdfDocument::check() const {
   std::size_t num_links = 0;
   for (const XMLElement* link = robot_->FirstChildElement("link"); link != nullptr; link = link->NextSiblingElement("link")) ++num_links;
   if (num_links > kMaxLinks) fail(1, "has " + std::to_string(num_links) + " links: at most " + std::to_string(kMaxLinks) + " are allowed");
@@ -125,24 +126,24 @@ void UrdfText::check() const {
       fail(joint->GetLineNum(), joint_name + ": a <parent link> or <child link> is missing");
     const auto [place, is_new] = parents.emplace(child_link, Parent{joint, parent_link});
     if (!is_new) {
-      fail(joint->GetLineNum(), joint_name + ": its child " + std::string(child_link).substr(0, kMaxShown) + " already hangs on joint " +
-                                    textOf(*place->second.joint, "name") + ": one parent a link");
+      fail(joint->GetLineNum(), joint_name + ": its child " + std::string(child_link).substr(0, kMaxNameLength) +
+                                    " is already the child of joint " + textOf(*place->second.joint, "name") + ": a link has one parent");
     }
   }
   checkLoops(parents);
 }
 
-void UrdfText::checkLoops(const std::map<std::string, Parent>& parents) const {
-  std::map<std::string, const XMLElement*> seen;  // by link: the joint whose way up came by
+void UrdfDocument::checkLoops(const std::map<std::string, Parent>& parents) const {
+  std::map<std::string, const XMLElement*> visited;  // link -> first joint of the path to the root that visited it
   for (const auto& [link, parent] : parents) {
-    const std::string* at = &link;
-    for (auto next = parents.find(*at); next != parents.end(); next = parents.find(*at)) {
-      const auto [place, is_new] = seen.emplace(*at, parent.joint);
+    const std::string* current = &link;
+    for (auto next = parents.find(*current); next != parents.end(); next = parents.find(*current)) {
+      const auto [place, is_new] = visited.emplace(*current, parent.joint);
       if (!is_new && place->second == parent.joint)
         fail(parent.joint->GetLineNum(),
-             "joint " + textOf(*parent.joint, "name") + " is part of, or hangs on, a loop of links: a tree is allowed");
+             "joint " + textOf(*parent.joint, "name") + " is in, or below, a loop of links: only trees are allowed");
       if (!is_new) break;
-      at = &next->second.link;
+      current = &next->second.link;
     }
   }
 }
@@ -166,13 +167,13 @@ KDL::Segment segmentOf(const urdf::Joint& joint) {
 
 KDL::Tree treeOf(const urdf::ModelInterface& model) {
   KDL::Tree tree(model.getRoot()->name);
-  std::vector<const urdf::Link*> open{model.getRoot().get()};
-  while (!open.empty()) {
-    const urdf::Link& link = *open.back();
-    open.pop_back();
+  std::vector<const urdf::Link*> pending{model.getRoot().get()};
+  while (!pending.empty()) {
+    const urdf::Link& link = *pending.back();
+    pending.pop_back();
     for (const urdf::LinkSharedPtr& child : link.child_links) {
       tree.addSegment(segmentOf(*child->parent_joint), link.name);
-      open.push_back(child.get());
+      pending.push_back(child.get());
     }
   }
   return tree;
@@ -181,23 +182,25 @@ KDL::Tree treeOf(const urdf::ModelInterface& model) {
 }  // namespace
 
 UrdfModel::UrdfModel(const std::filesystem::path& file) : name_(file.generic_string()) {
-  const std::string text = UrdfText(file).kinematics();
+  const std::string text = UrdfDocument(file).kinematics();
   std::string problem;
   {
-    const CaughtMessages messages;
+    const ConsoleCapture capture;
     try {
       model_ = urdf::parseURDF(text);
     } catch (const std::exception& error) {
       problem = error.what();
     }
-    if (problem.empty()) problem = messages.first();
+    if (problem.empty()) problem = capture.first();
   }
   if (!model_ || !model_->getRoot()) fail(problem.empty() ? "is not a URDF" : problem);
-  tree_ = treeOf(*model_);
+  tree_ = std::make_unique<KDL::Tree>(treeOf(*model_));
 }
 
-void UrdfModel::fail(const std::string& what) const {
-  throw Error(ErrorKind::kInput, oneLine(name_ + ": " + what));
+UrdfModel::~UrdfModel() = default;
+
+void UrdfModel::fail(const std::string& message) const {
+  throw Error(ErrorKind::kInput, oneLine(name_ + ": " + message));
 }
 
 }  // namespace taxelsim

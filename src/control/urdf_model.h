@@ -1,32 +1,42 @@
-// The kinematics of a URDF file: parsed by urdfdom, checked, and as a KDL tree. Not yet a robot; urdf_robot.cpp picks the chains.
+// Loads the kinematics of a URDF file: validated XML, parsed by urdfdom, converted to a KDL tree. urdf_robot.cpp builds a
+// Manipulator from it.
 #pragma once
 
-#include <urdf_model/model.h>
-#include <urdf_world/types.h>
-
 #include <filesystem>
-#include <kdl/tree.hpp>
+#include <memory>
 #include <string>
+
+namespace urdf {
+class ModelInterface;
+}
+namespace KDL {
+class Tree;
+}
 
 namespace taxelsim {
 
 class UrdfModel {
  public:
-  // Throws Error(kInput), one line with the file's name, for what is no tree of links. Only links and joints are read.
+  // Throws Error(kInput), one line that starts with the file's name, for a file that is missing, malformed, or not a tree of links. Reads
+  // links and joints only.
   explicit UrdfModel(const std::filesystem::path& file);
+  ~UrdfModel();
+  UrdfModel(const UrdfModel&) = delete;
+  UrdfModel& operator=(const UrdfModel&) = delete;
 
-  [[noreturn]] void fail(const std::string& what) const;
+  // Throws Error(kInput), "file: message".
+  [[noreturn]] void fail(const std::string& message) const;
 
   const urdf::ModelInterface& urdf() const { return *model_; }
 
-  // Every link but the root is a segment of its own name. Joints that KDL has not (floating, planar) are fixed in it; mimic joints are
-  // joints.
-  const KDL::Tree& tree() const { return tree_; }
+  // Each link except the root is a segment of the same name. Floating and planar joints, which KDL lacks, are fixed. Mimic
+  // joints are independent.
+  const KDL::Tree& tree() const { return *tree_; }
 
  private:
   std::string name_;
-  urdf::ModelInterfaceSharedPtr model_;
-  KDL::Tree tree_;
+  std::shared_ptr<urdf::ModelInterface> model_;
+  std::unique_ptr<KDL::Tree> tree_;
 };
 
 }  // namespace taxelsim

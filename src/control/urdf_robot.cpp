@@ -1,11 +1,14 @@
+#include <urdf_model/model.h>
+
 #include <algorithm>
 #include <cmath>
+#include <kdl/tree.hpp>
 #include <map>
 
 #include "base/text.h"
 #include "base/vector3.h"
 #include "control/urdf_model.h"
-#include "control/values.h"
+#include "control/value_checks.h"
 #include "taxelsim/robot.h"
 
 namespace taxelsim {
@@ -13,8 +16,8 @@ namespace {
 
 constexpr std::size_t kMaxNamesShown = 10;
 
-// A joint that follows another one, or itself: it stands at multiplier q + offset.
-struct Following {
+// Position of a joint as multiplier q + offset, q being the position of `leader`. A joint that mimics no other is its own leader.
+struct MimicRelation {
   const urdf::Joint* leader;
   double multiplier = 1;
   double offset = 0;
@@ -26,16 +29,16 @@ Pose poseOf(const KDL::Frame& frame) {
   return X;
 }
 
-// The shortest turn that takes z to `axis` (of unit length).
-Quaternion turnToAxis(const Vector3& axis) {
+// The rotation by the smallest angle that takes z to `axis` (of unit length).
+Quaternion rotationFromZTo(const Vector3& axis) {
   if (axis[2] < -0.5) {
-    // By way of -z, where the shortest turn is none in particular: half a turn about x, then the rest.
-    const Quaternion rest = turnToAxis({axis[0], -axis[1], -axis[2]});
-    return Quaternion{0, 1, 0, 0} * rest;
+    // The smallest rotation is ill-conditioned near -z: rotate by 180 degrees about x first.
+    const Quaternion remainder = rotationFromZTo({axis[0], -axis[1], -axis[2]});
+    return Quaternion{0, 1, 0, 0} * remainder;
   }
   const Vector3 z{0, 0, 1};
   const Vector3 across = cross(z, axis);
-  return Quaternion{1 + axis[2], across[0], across[1], across[2]} * Quaternion{1, 0, 0, 0};  // normalised
+  return Quaternion{1 + axis[2], across[0], across[1], across[2]} * Quaternion{1, 0, 0, 0};  // normalises
 }
 
 class UrdfRobot {
@@ -47,15 +50,15 @@ class UrdfRobot {
  private:
   void requireLink(const std::string& link) const;
   MountedSensor sensorOn(const std::string& base, const SensorMount& mount);
-  Following followingOf(const urdf::Joint& joint) const;
-  int indexOf(const urdf::Joint& joint);
-  void narrow(Joint& leader, const urdf::Joint& joint, const Following& following) const;
+  MimicRelation resolveMimic(const urdf::Joint& joint) const;
+  int jointIndex(const urdf::Joint& joint);
+  void applyLimits(Joint& leader, const urdf::Joint& joint, const MimicRelation& relation) const;
   void check(const urdf::Joint& joint) const;
 
   UrdfModel model_;
   const UrdfOptions& options_;
   Manipulator robot_;
-  std::map<std::string, int> indices_;  // of joints that lead
+  std::map<std::string, int> indices_;  // by name, of joints in robot_.joints
 };
 
 void UrdfRobot::requireLink(const std::string& link) const {
@@ -67,7 +70,7 @@ void UrdfRobot::requireLink(const std::string& link) const {
     names += (names.empty() ? "" : ", ") + name;
   }
   if (num_names > kMaxNamesShown) names += ", ...";
-  model_.fail("no link " + link + ": it has " + names);
+  model_.fail("no link " + link + ": the links are " + names);
 }
 
 void UrdfRobot::check(const urdf::Joint& joint) const {
@@ -76,7 +79,7 @@ void UrdfRobot::check(const urdf::Joint& joint) const {
   };
   if (joint.type == urdf::Joint::FLOATING || joint.type == urdf::Joint::PLANAR) {
     model_.fail("joint " + joint.name + " is " + (joint.type == urdf::Joint::PLANAR ? "planar" : "floating") +
-                ": revolute, continuous, prismatic or fixed is allowed on the way to a sensor");
+                ": revolute, continuous, prismatic or fixed is allowed on the path to a sensor");
   }
   const urdf::Vector3& p = joint.parent_to_joint_origin_transform.position;
   const urdf::Rotation& q = joint.parent_to_joint_origin_transform.rotation;
@@ -93,80 +96,81 @@ void UrdfRobot::check(const urdf::Joint& joint) const {
   }
 }
 
-Following UrdfRobot::followingOf(const urdf::Joint& joint) const {
-  Following following{&joint};
-  for (std::size_t steps = 0; following.leader->mimic; ++steps) {
-    const urdf::JointMimic& mimic = *following.leader->mimic;
-    if (steps > model_.urdf().joints_.size()) model_.fail("joint " + joint.name + ": mimic: it follows itself");
+MimicRelation UrdfRobot::resolveMimic(const urdf::Joint& joint) const {
+  MimicRelation relation{&joint};
+  for (std::size_t steps = 0; relation.leader->mimic; ++steps) {
+    const urdf::JointMimic& mimic = *relation.leader->mimic;
+    if (steps > model_.urdf().joints_.size()) model_.fail("joint " + joint.name + ": mimic: the joint mimics itself");
     if (!std::isfinite(mimic.multiplier) || !std::isfinite(mimic.offset)) {
-      model_.fail("joint " + joint.name + ": mimic: finite multiplier and offset are allowed");
+      model_.fail("joint " + joint.name + ": mimic: multiplier and offset must be finite");
     }
     const urdf::JointConstSharedPtr next = model_.urdf().getJoint(mimic.joint_name);
-    if (!next) model_.fail("joint " + following.leader->name + ": mimic: no joint " + mimic.joint_name + ", which it follows");
+    if (!next) model_.fail("joint " + relation.leader->name + ": mimic: no joint " + mimic.joint_name + "");
     if (next->type == urdf::Joint::FIXED)
-      model_.fail("joint " + following.leader->name + ": mimic: joint " + next->name + ", which it follows, is fixed");
-    following = {next.get(), following.multiplier * mimic.multiplier, following.multiplier * mimic.offset + following.offset};
+      model_.fail("joint " + relation.leader->name + ": mimic: joint " + next->name + " is fixed and cannot be mimicked");
+    relation = {next.get(), relation.multiplier * mimic.multiplier, relation.multiplier * mimic.offset + relation.offset};
     check(*next);
   }
-  return following;
+  return relation;
 }
 
-// Where the leader may be for `joint` to keep its own limits.
-void UrdfRobot::narrow(Joint& leader, const urdf::Joint& joint, const Following& following) const {
-  if (!joint.limits || following.multiplier == 0) return;
+// Narrows the limits of the leader such that `joint` stays within its own.
+void UrdfRobot::applyLimits(Joint& leader, const urdf::Joint& joint, const MimicRelation& relation) const {
+  if (!joint.limits || relation.multiplier == 0) return;
   leader.max_velocity =
-      std::min(leader.max_velocity, options_.velocity_limit_scale * joint.limits->velocity / std::abs(following.multiplier));
+      std::min(leader.max_velocity, options_.velocity_limit_scale * joint.limits->velocity / std::abs(relation.multiplier));
   if (joint.type == urdf::Joint::CONTINUOUS) return;
-  const double a = (joint.limits->lower - following.offset) / following.multiplier;
-  const double b = (joint.limits->upper - following.offset) / following.multiplier;
+  const double a = (joint.limits->lower - relation.offset) / relation.multiplier;
+  const double b = (joint.limits->upper - relation.offset) / relation.multiplier;
   leader.lower = std::max(leader.lower, std::min(a, b));
   leader.upper = std::min(leader.upper, std::max(a, b));
   if (leader.lower > leader.upper) {
-    model_.fail("joint " + joint.name + ": no position of joint " + leader.name + ", which it follows, is within the limits of both");
+    model_.fail("joint " + joint.name + ": no position of joint " + leader.name + ", which it mimics, is within the limits of both");
   }
   leader.initial_position = std::clamp(0.0, leader.lower, leader.upper);
 }
 
-int UrdfRobot::indexOf(const urdf::Joint& joint) {
-  const auto [place, is_new] = indices_.emplace(joint.name, static_cast<int>(robot_.joints.size()));
+int UrdfRobot::jointIndex(const urdf::Joint& joint) {
+  const auto [entry, is_new] = indices_.emplace(joint.name, static_cast<int>(robot_.joints.size()));
   if (is_new) {
-    if (place->second == kMaxJoints) model_.fail("more than " + std::to_string(kMaxJoints) + " joints move the sensors");
+    if (entry->second == kMaxJoints) model_.fail("more than " + std::to_string(kMaxJoints) + " joints on the paths to the sensors");
     robot_.joints.push_back(
         {.name = joint.name, .type = joint.type == urdf::Joint::PRISMATIC ? JointType::kPrismatic : JointType::kRevolute});
-    narrow(robot_.joints.back(), joint, {&joint});
+    applyLimits(robot_.joints.back(), joint, {&joint});
   }
-  return place->second;
+  return entry->second;
 }
 
-// Each joint's frame is turned so that its axis is z; what is fixed behind it belongs to the next one.
+// Builds the chain from `base` to the sensor. Joint frames J are rotated such that the joint's axis is z; fixed transforms are merged into
+// the next joint.
 MountedSensor UrdfRobot::sensorOn(const std::string& base, const SensorMount& mount) {
   requireLink(mount.link);
   KDL::Chain chain;
-  if (!model_.tree().getChain(base, mount.link, chain)) model_.fail("no way from link " + base + " to link " + mount.link);
+  if (!model_.tree().getChain(base, mount.link, chain)) model_.fail("no path from link " + base + " to link " + mount.link);
   MountedSensor sensor{.link = mount.link, .chain = {}, .X_JS = {}};
-  Pose X_PL;  // the link so far, behind the last joint
+  Pose X_PL;  // current link in the frame that moves with the previous joint
   for (const KDL::Segment& segment : chain.segments) {
     const KDL::Joint& joint = segment.getJoint();
     const urdf::JointConstSharedPtr urdf_joint = model_.urdf().getJoint(joint.getName());
     check(*urdf_joint);
-    const Pose X_LN = poseOf(segment.pose(0));  // the next link
+    const Pose X_LN = poseOf(segment.pose(0));  // next link in the current one
     if (urdf_joint->type == urdf::Joint::FIXED) {
       X_PL = X_PL * X_LN;
       continue;
     }
     if (sensor.chain.size() == static_cast<std::size_t>(kMaxChainJoints)) {
-      model_.fail("more than " + std::to_string(kMaxChainJoints) + " joints on the way to link " + mount.link);
+      model_.fail("more than " + std::to_string(kMaxChainJoints) + " joints on the path to link " + mount.link);
     }
-    const Following following = followingOf(*urdf_joint);
-    const int index = indexOf(*following.leader);
-    narrow(robot_.joints[index], *urdf_joint, following);
+    const MimicRelation relation = resolveMimic(*urdf_joint);
+    const int index = jointIndex(*relation.leader);
+    applyLimits(robot_.joints[index], *urdf_joint, relation);
     const KDL::Vector origin = joint.JointOrigin(), axis = joint.JointAxis();
-    const Pose X_LJ{{origin.x(), origin.y(), origin.z()}, turnToAxis(unit({axis.x(), axis.y(), axis.z()}))};
+    const Pose X_LJ{{origin.x(), origin.y(), origin.z()}, rotationFromZTo(unit({axis.x(), axis.y(), axis.z()}))};
     sensor.chain.push_back({.X_PJ = X_PL * X_LJ,
                             .type = urdf_joint->type == urdf::Joint::PRISMATIC ? JointType::kPrismatic : JointType::kRevolute,
                             .joint = index,
-                            .multiplier = following.multiplier,
-                            .offset = following.offset});
+                            .multiplier = relation.multiplier,
+                            .offset = relation.offset});
     X_PL = inverse(X_LJ) * X_LN;
   }
   sensor.X_JS = X_PL * mount.X_LS;

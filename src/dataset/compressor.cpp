@@ -9,11 +9,11 @@
 namespace taxelsim::dataset {
 namespace {
 
-constexpr std::uint32_t kDeflateFilter = 1u << 1;  // of the filter mask
+constexpr std::uint32_t kDeflateFilter = 1u << 1;  // bit of the filter mask
 
-// The size as a constant turns the inner loop into shuffles of whole vectors.
+// With the size as a constant the compiler vectorises the inner loop.
 template <std::size_t scalar_bytes>
-void shuffleWhole(const std::byte* rows, std::size_t num_scalars, std::size_t num_in_chunk, std::byte* shuffled) {
+void shuffleScalars(const std::byte* rows, std::size_t num_scalars, std::size_t num_in_chunk, std::byte* shuffled) {
   for (std::size_t b = 0; b < scalar_bytes; ++b) {
     for (std::size_t i = 0; i < num_scalars; ++i) shuffled[b * num_in_chunk + i] = rows[i * scalar_bytes + b];
   }
@@ -25,13 +25,13 @@ void shuffle(std::span<const std::byte> rows, std::size_t scalar_bytes, std::spa
   const std::size_t num_scalars = rows.size() / scalar_bytes, num_in_chunk = shuffled.size() / scalar_bytes;
   switch (scalar_bytes) {
     case 2:
-      shuffleWhole<2>(rows.data(), num_scalars, num_in_chunk, shuffled.data());
+      shuffleScalars<2>(rows.data(), num_scalars, num_in_chunk, shuffled.data());
       break;
     case 4:
-      shuffleWhole<4>(rows.data(), num_scalars, num_in_chunk, shuffled.data());
+      shuffleScalars<4>(rows.data(), num_scalars, num_in_chunk, shuffled.data());
       break;
     default:
-      shuffleWhole<8>(rows.data(), num_scalars, num_in_chunk, shuffled.data());
+      shuffleScalars<8>(rows.data(), num_scalars, num_in_chunk, shuffled.data());
   }
   for (std::size_t b = 0; b < scalar_bytes; ++b) {
     std::fill(shuffled.begin() + static_cast<std::ptrdiff_t>(b * num_in_chunk + num_scalars),
@@ -39,7 +39,7 @@ void shuffle(std::span<const std::byte> rows, std::size_t scalar_bytes, std::spa
   }
 }
 
-// Owned by one thread.
+// Used by one thread.
 class Compressor::Deflater {
  public:
   explicit Deflater(int level) : compressor_(libdeflate_alloc_compressor(level), libdeflate_free_compressor) {
@@ -50,7 +50,7 @@ class Compressor::Deflater {
     shuffled_.resize(column.chunk_bytes);
     shuffle(rows, column.scalar_bytes, shuffled_);
     deflated_.resize(column.chunk_bytes);
-    // One byte less than it has, so that what fits has shrunk.
+    // With one byte less than the input, success means that the chunk has shrunk.
     const std::size_t size =
         libdeflate_zlib_compress(compressor_.get(), shuffled_.data(), shuffled_.size(), deflated_.data(), deflated_.size() - 1);
     if (size == 0) return {.bytes = shuffled_, .skipped_filters = kDeflateFilter};

@@ -1,4 +1,5 @@
-// Columns cut into chunks as HDF5's filters shuffle and deflate make them, several threads at once. Not how they come into a file.
+// Multithreaded compression of columns into HDF5 chunks. Produces the same bytes as HDF5's shuffle and deflate filters, which run on one
+// thread. Writing chunks to a file is shard.cpp's task.
 #pragma once
 
 #include <cstddef>
@@ -10,18 +11,19 @@
 
 namespace taxelsim::dataset {
 
-// One chunk as it lies in the file.
+// One chunk as stored in the file.
 struct StoredChunk {
   std::vector<std::byte> bytes;
-  std::uint32_t skipped_filters = 0;  // HDF5's filter mask: bit i for filter i, counted from 0: shuffle, deflate
+  std::uint32_t skipped_filters = 0;  // HDF5's filter mask: bit 0 for shuffle, bit 1 for deflate
 };
 
-// The bytes of `rows`, filled up with zeros to chunk_bytes, by their place in a scalar: all first ones, all second ones, ... (chunk_bytes).
+// HDF5's shuffle filter: the first bytes of all scalars, then all second bytes, and so on. `rows` is padded with zeros to the size of
+// `shuffled`. `scalar_bytes`: 2, 4 or 8.
 void shuffle(std::span<const std::byte> rows, std::size_t scalar_bytes, std::span<std::byte> shuffled);
 
 class Compressor {
  public:
-  // level: of gzip, 1 to 9. Throws std::bad_alloc, std::system_error.
+  // `level`: of deflate, 1 to 9. Throws std::bad_alloc, std::system_error.
   Compressor(int level, int num_threads);
   ~Compressor();
   Compressor(const Compressor&) = delete;
@@ -29,18 +31,18 @@ class Compressor {
 
   struct Rows {
     std::span<const std::byte> bytes;
-    std::size_t chunk_bytes = 0;   // of a whole chunk, >= 1; the last one is filled up
-    std::size_t scalar_bytes = 0;  // of chunk_bytes a divisor
+    std::size_t chunk_bytes = 0;   // size of a chunk, >= 1; the last one is padded
+    std::size_t scalar_bytes = 0;  // divides chunk_bytes
   };
 
-  // The chunks of each column, in order. What does not shrink is shuffled only, as HDF5 itself has it for a filter that may be left out.
-  // The result depends on level and columns only. Throws std::bad_alloc.
+  // Returns the chunks of each column, in order. Chunks that deflate does not shrink are only shuffled, as HDF5 does for optional filters.
+  // The result does not depend on the number of threads. Throws std::bad_alloc. Not thread-safe.
   std::vector<std::vector<StoredChunk>> compress(std::span<const Rows> columns);
 
  private:
   class Deflater;
 
-  std::vector<Deflater> deflaters_;  // one for each thread
+  std::vector<Deflater> deflaters_;  // (num_threads)
   Workers workers_;
 };
 

@@ -16,11 +16,11 @@
 namespace taxelsim::dataset {
 namespace {
 
-constexpr std::size_t kLargestWrite = std::size_t{1} << 30;  // bytes; Linux writes at most 2 GiB a call
+constexpr std::size_t kMaxWriteBytes = std::size_t{1} << 30;  // bytes; Linux writes at most 2 GiB per call
 constexpr const char* kTemporaryMark = ".tmp-";
 
-[[noreturn]] void throwIo(const std::string& doing, const std::filesystem::path& file, int code) {
-  throw Error(ErrorKind::kIo, "cannot " + doing + " " + file.string() + ": " + std::strerror(code));
+[[noreturn]] void throwIo(const std::string& action, const std::filesystem::path& file, int code) {
+  throw Error(ErrorKind::kIo, "cannot " + action + " " + file.string() + ": " + std::strerror(code));
 }
 
 class Descriptor {
@@ -42,7 +42,7 @@ class Descriptor {
 
 void flushDirectory(const std::filesystem::path& directory) {
   Descriptor descriptor(::open(directory.empty() ? "." : directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  // Some file systems cannot flush a directory and say EINVAL; they have no more to give.
+  // Some file systems do not support fsync of a directory and return EINVAL.
   if (descriptor.get() < 0 || (::fsync(descriptor.get()) != 0 && errno != EINVAL)) throwIo("flush directory", directory, errno);
 }
 
@@ -52,7 +52,7 @@ void writeAndFlush(const std::filesystem::path& file, const FileContent& content
   if (::ftruncate(descriptor.get(), static_cast<off_t>(content.size)) != 0) throwIo("write", file, errno);
   for (auto [offset, bytes] : content.pieces) {
     while (!bytes.empty()) {
-      const ssize_t written = ::pwrite(descriptor.get(), bytes.data(), std::min(bytes.size(), kLargestWrite), static_cast<off_t>(offset));
+      const ssize_t written = ::pwrite(descriptor.get(), bytes.data(), std::min(bytes.size(), kMaxWriteBytes), static_cast<off_t>(offset));
       if (written < 0 && errno == EINTR) continue;
       if (written < 0) throwIo("write", file, errno);
       offset += static_cast<std::uint64_t>(written);
@@ -66,7 +66,7 @@ void writeAndFlush(const std::filesystem::path& file, const FileContent& content
 }  // namespace
 
 void writeFileAtomically(const std::filesystem::path& file, std::span<const std::byte> bytes) {
-  writeFileAtomically(file, FileContent{.size = bytes.size(), .pieces = {{.offset = 0, .bytes = bytes}}, .made = {}});
+  writeFileAtomically(file, FileContent{.size = bytes.size(), .pieces = {{.offset = 0, .bytes = bytes}}, .buffer = {}});
 }
 
 void writeFileAtomically(const std::filesystem::path& file, const FileContent& content) {
@@ -109,11 +109,11 @@ DirectoryLock::DirectoryLock(const std::filesystem::path& directory) : file_(dir
       if (code == EWOULDBLOCK) throw Error(ErrorKind::kIo, directory.string() + ": another process is writing this data set");
       throwIo("lock", file_, code);
     }
-    // The holder before us may have removed the file between our open and our lock; then the lock is on a file nobody else can find.
-    struct stat ours {
-    }, there{};
-    if (::fstat(descriptor_, &ours) == 0 && ::stat(file_.c_str(), &there) == 0 && ours.st_ino == there.st_ino &&
-        ours.st_dev == there.st_dev)
+    // The previous holder may have removed the file between open() and flock(). The lock is then on an unlinked file, and must be retried.
+    struct stat locked {
+    }, current{};
+    if (::fstat(descriptor_, &locked) == 0 && ::stat(file_.c_str(), &current) == 0 && locked.st_ino == current.st_ino &&
+        locked.st_dev == current.st_dev)
       return;
     ::close(descriptor_);
   }

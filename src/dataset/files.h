@@ -1,4 +1,15 @@
-// Files that appear whole or not at all, and the lock of a directory with one writer. Nothing about their content.
+// Crash-safe file writing and directory locks.
+//
+// Protocol for every file of a data set:
+//
+//   open(".NAME.tmp-PID")  write  fsync  close  rename(NAME)  fsync(directory)
+//                                               |
+//   killed before rename: NAME is unchanged; the temporary file is removed by the next writer (isTemporaryName())
+//   killed after rename:  NAME has the complete new content
+//
+// rename() is atomic on POSIX file systems. fsync before it ensures that the new name never refers to data that is not on disk; fsync
+// of the directory makes the new name durable. A reader therefore finds each file with its complete old or complete new content, or
+// not at all.
 #pragma once
 
 #include <cstddef>
@@ -12,45 +23,45 @@
 
 namespace taxelsim::dataset {
 
-// Writes `bytes` to a hidden temporary file in the same directory, flushes it to disk, renames it to `file` and flushes the directory. The
-// temporary file is removed when anything fails. Throws Error(kIo).
+// Creates or replaces `file` with the protocol above. Removes the temporary file on failure. Throws Error(kIo).
 void writeFileAtomically(const std::filesystem::path& file, std::span<const std::byte> bytes);
 
-// A part of a file's content, wherever in memory it lies.
+// A range of a file, in memory that is owned elsewhere.
 struct FilePiece {
   std::uint64_t offset = 0;
   std::span<const std::byte> bytes;
 };
 
-// A whole file, partly made for it, partly lying elsewhere: that must outlive this.
+// The content of a file as pieces that point into `buffer` or into memory of the caller, which must outlive it. Avoids copying rows.
 struct FileContent {
   struct Free {
     void operator()(void* data) const { std::free(data); }
   };
 
-  std::uint64_t size = 0;         // bytes; those that no piece holds are zero
-  std::vector<FilePiece> pieces;  // none reaches past the end
-  std::unique_ptr<void, Free> made;
+  std::uint64_t size = 0;              // bytes; ranges without a piece are zero
+  std::vector<FilePiece> pieces;       // disjoint and in order, within size
+  std::unique_ptr<void, Free> buffer;  // allocated with malloc()
 };
 
-// The same, piece by piece.
+// As above, from pieces.
 void writeFileAtomically(const std::filesystem::path& file, const FileContent& content);
 
-// Whole file; throws Error(kIo) when it cannot be read.
+// Reads a whole file. Throws Error(kIo).
 std::string readTextFile(const std::filesystem::path& file);
 
-// True for names that writeFileAtomically() uses while it works, left over when the process was killed.
+// True for names of temporary files of writeFileAtomically(). They remain where a process was killed.
 bool isTemporaryName(const std::string& name);
 
-// Removes a file, if it is there, and flushes the directory. Throws Error(kIo).
+// Removes a file, if it exists, and flushes the directory. Throws Error(kIo).
 void removeFile(const std::filesystem::path& file);
 
 inline constexpr const char* kLockName = ".lock";
 
-// Holds the lock of a directory as long as it lives. The kernel frees the lock when the process ends, however it ends.
+// Exclusive advisory lock of a directory: flock() on a file in it, for the lifetime of the object. The kernel releases it when the process
+// ends for any reason.
 class DirectoryLock {
  public:
-  // Throws Error(kIo) when somebody else holds it.
+  // Does not wait. Throws Error(kIo) if another process or object holds the lock.
   explicit DirectoryLock(const std::filesystem::path& directory);
   ~DirectoryLock();
   DirectoryLock(const DirectoryLock&) = delete;

@@ -8,9 +8,9 @@
 namespace taxelsim::dataset {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "rows are hashed as they lie in memory");
+static_assert(std::endian::native == std::endian::little, "rows are hashed in memory order, and files are little-endian");
 
-constexpr std::size_t kImageIncrement = std::size_t{256} << 10;  // bytes by which a file in memory grows
+constexpr std::size_t kImageIncrement = std::size_t{256} << 10;  // bytes; step by which a file in memory grows
 
 constexpr std::size_t kSuperblockVersionOffset = 8;  // bytes
 constexpr std::size_t kEndOfFileOffset = 28;
@@ -133,8 +133,8 @@ std::uint64_t readNumberAttribute(hid_t object, const char* name) {
   return value;
 }
 
-// H5Fget_file_image() would clear the mark "open for writing" without mending the checksum over it; these keep the buffer of a file that
-// was closed in the ordinary way.
+// Callbacks that keep the buffer when HDF5 closes the file. H5Fget_file_image() is no alternative: it clears the flag "open for writing" in
+// the superblock without updating the superblock's checksum.
 struct ImageCallbacks {
   static void* allocate(size_t size, H5FD_file_image_op_t, void*) { return std::malloc(size); }
   static void* copy(void* to, const void* from, size_t size, H5FD_file_image_op_t, void*) { return std::memcpy(to, from, size); }
@@ -151,21 +151,21 @@ struct ImageCallbacks {
     return 0;
   }
   static void* share(void* user) { return user; }
-  static herr_t forget(void*) { return 0; }
+  static herr_t freeUserData(void*) { return 0; }
 };
 
 FileImage::FileImage(H5F_libver_t format, std::size_t metadata_bytes) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   checked(H5Pset_fapl_core(access, kImageIncrement, false));
   checked(H5Pset_libver_bounds(access, format, format));
-  // In one block at the start, so that the image ends there when rows are placed.
+  // All metadata in one block at the start, so that the buffer contains no space for rows.
   checked(H5Pset_meta_block_size(access, metadata_bytes));
   H5FD_file_image_callbacks_t callbacks{ImageCallbacks::allocate,
                                         ImageCallbacks::copy,
                                         ImageCallbacks::reallocate,
                                         ImageCallbacks::release,
                                         ImageCallbacks::share,
-                                        ImageCallbacks::forget,
+                                        ImageCallbacks::freeUserData,
                                         &buffer_};
   checked(H5Pset_file_image_callbacks(access, &callbacks));
   const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
@@ -186,13 +186,13 @@ Handle FileImage::datasetProperties() const {
 }
 
 Handle FileImage::createDataset(const std::string& name, ScalarType type, std::span<const hsize_t> shape, hid_t properties) {
-  // Groups made by HDF5 on the way would carry the clock.
+  // Groups that HDF5 creates implicitly would have time stamps.
   for (std::size_t slash = name.find('/'); slash != std::string::npos; slash = name.find('/', slash + 1)) {
     const std::string group = name.substr(0, slash);
     if (checked(H5Lexists(*file_, group.c_str(), H5P_DEFAULT)) > 0) continue;
     const Handle creation(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
     checked(H5Pset_obj_track_times(creation, false));
-    const Handle made(H5Gcreate2(*file_, group.c_str(), H5P_DEFAULT, creation, H5P_DEFAULT), H5Gclose);
+    const Handle created(H5Gcreate2(*file_, group.c_str(), H5P_DEFAULT, creation, H5P_DEFAULT), H5Gclose);
   }
   const Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose);
   return Handle(H5Dcreate2(*file_, name.c_str(), fileType(type), space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose);
@@ -200,7 +200,8 @@ Handle FileImage::createDataset(const std::string& name, ScalarType type, std::s
 
 void FileImage::placeRows(hid_t data, std::span<const std::byte> rows) {
   const haddr_t offset = H5Dget_offset(data);
-  if (offset == HADDR_UNDEF || H5Dget_storage_size(data) != rows.size()) throw Hdf5Error("a data set has no room for its rows");
+  if (offset == HADDR_UNDEF || H5Dget_storage_size(data) != rows.size())
+    throw Hdf5Error("the storage of a data set does not match its rows");
   placed_.push_back({.offset = offset, .bytes = rows});
 }
 
@@ -208,36 +209,38 @@ FileContent FileImage::close() {
   file_->close();
   file_.reset();
   FileContent content;
-  content.made.reset(std::exchange(buffer_.data, nullptr));
-  // The buffer grows in steps, and ends where nothing but placed rows comes after it; the file's own size is in its superblock (HDF5 File
-  // Format Specification, "Superblock (Version 2 and 3)").
-  const std::span image(static_cast<const std::byte*>(content.made.get()), content.made ? buffer_.size : 0);
-  if (image.size() < kSuperblockSize || image[kSuperblockVersionOffset] < std::byte{2}) throw Hdf5Error("a file in memory did not close");
+  content.buffer.reset(std::exchange(buffer_.data, nullptr));
+  // The buffer may be larger than the file, since it grows in steps, or smaller, since rows are not in it. The size of the file is in its
+  // superblock (HDF5 File Format Specification, "Superblock (Version 2 and 3)").
+  const std::span image(static_cast<const std::byte*>(content.buffer.get()), content.buffer ? buffer_.size : 0);
+  if (image.size() < kSuperblockSize || image[kSuperblockVersionOffset] < std::byte{2})
+    throw Hdf5Error("the superblock of the file in memory is invalid");
   std::memcpy(&content.size, image.data() + kEndOfFileOffset, sizeof(content.size));
 
   std::sort(placed_.begin(), placed_.end(), [](const FilePiece& a, const FilePiece& b) { return a.offset < b.offset; });
-  std::uint64_t written = 0;  // up to here
-  const auto made_until = [&](std::uint64_t end) {
+  std::uint64_t end_of_pieces = 0;
+  const auto addImageUntil = [&](std::uint64_t end) {
     end = std::min<std::uint64_t>(end, image.size());
-    if (written < end) content.pieces.push_back({.offset = written, .bytes = image.subspan(written, end - written)});
+    if (end_of_pieces < end)
+      content.pieces.push_back({.offset = end_of_pieces, .bytes = image.subspan(end_of_pieces, end - end_of_pieces)});
   };
   for (const FilePiece& rows : placed_) {
-    if (rows.offset < written) throw Hdf5Error("rows overlap in a file in memory");
-    made_until(rows.offset);
+    if (rows.offset < end_of_pieces) throw Hdf5Error("rows overlap in a file in memory");
+    addImageUntil(rows.offset);
     content.pieces.push_back(rows);
-    written = rows.offset + rows.bytes.size();
+    end_of_pieces = rows.offset + rows.bytes.size();
   }
-  made_until(content.size);
+  addImageUntil(content.size);
   const FilePiece& last = content.pieces.back();
-  if (last.offset + last.bytes.size() > content.size) throw Hdf5Error("a file in memory did not close whole");
+  if (last.offset + last.bytes.size() > content.size) throw Hdf5Error("the file in memory ends before its rows");
   return content;
 }
 
 Handle openForReading(const std::filesystem::path& file) {
-  // Complete shards never change, and some file systems cannot lock.
+  // Complete shards are immutable, and some file systems do not support locks.
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   checked(H5Pset_file_locking(access, false, true));
-  checked(H5Pset_fclose_degree(access, H5F_CLOSE_STRONG));  // HDF5 forgets objects that it failed to open half way
+  checked(H5Pset_fclose_degree(access, H5F_CLOSE_STRONG));  // also closes objects that HDF5 failed to open completely
   return Handle(H5Fopen(file.c_str(), H5F_ACC_RDONLY, access), H5Fclose);
 }
 

@@ -1,4 +1,4 @@
-// HDF5's C API with owners and exceptions. No knowledge of shards.
+// RAII wrappers and exceptions for HDF5's C API. Independent of the shard format.
 #pragma once
 
 #include <hdf5.h>
@@ -19,8 +19,8 @@
 
 namespace taxelsim::dataset {
 
-// Held around every use of HDF5: the library has global state and need not be built thread-safe. Its habit of printing errors is
-// switched off meanwhile and put back after.
+// Global lock that must be held during every use of HDF5: the library has global state and may be built without thread safety. Suppresses
+// HDF5's printing of errors for its lifetime.
 class Hdf5Session {
  public:
   Hdf5Session();
@@ -34,19 +34,19 @@ class Hdf5Session {
   void* printer_data_ = nullptr;
 };
 
-// HDF5's error stack as part of one line: the call that failed and the deepest reason.
+// HDF5's error stack as text without line breaks: the failed call and the deepest cause.
 std::string hdf5Problem();
 
-// An HDF5 failure while a file is read or made; the caller adds the file's name.
+// A failure of HDF5, or a file that is not as expected. Callers add the name of the file.
 class Hdf5Error : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Owner of one identifier.
+// Owns one HDF5 identifier.
 class Handle {
  public:
   using Closer = herr_t (*)(hid_t);
-  // Throws Hdf5Error when `id` is a failure.
+  // Throws Hdf5Error if `id` is negative.
   Handle(hid_t id, Closer closer);
   ~Handle() {
     if (id_ >= 0) closer_(id_);
@@ -54,7 +54,7 @@ class Handle {
   Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), closer_(other.closer_) {}
   Handle& operator=(Handle&&) = delete;
   operator hid_t() const { return id_; }  // NOLINT(google-explicit-constructor): passed to C functions only
-  // Closes it now; throws Hdf5Error when that fails.
+  // Closes the identifier. Throws Hdf5Error on failure, which the destructor ignores.
   void close();
 
  private:
@@ -62,7 +62,7 @@ class Handle {
   Closer closer_;
 };
 
-// Throws Hdf5Error for a negative return value, else gives it back.
+// Returns `value` unless it is negative, which is HDF5's error code; throws Hdf5Error then.
 template <typename T>
 T checked(T value) {
   if (value < 0) throw Hdf5Error(hdf5Problem());
@@ -72,36 +72,36 @@ T checked(T value) {
 hid_t memoryType(ScalarType type);
 hid_t fileType(ScalarType type);  // little-endian on every machine
 
-// Attributes of a file or data set.
+// Scalar attributes of a file or data set. Throw Hdf5Error.
 void writeAttribute(hid_t object, const char* name, const std::string& value);
 void writeAttribute(hid_t object, const char* name, std::uint64_t value);
 std::string readTextAttribute(hid_t object, const char* name);
 std::uint64_t readNumberAttribute(hid_t object, const char* name);
 
-// A file being made in memory, so that HDF5 never meets a full disk (it cannot close a file that it fails to flush).
+// An HDF5 file that is created in memory. HDF5 cannot close a file that it fails to flush, so it must not write to a disk that may be full.
 class FileImage {
  public:
-  // `format` is that of the oldest HDF5 that shall read the file. `metadata_bytes`: of everything but rows, as a guess; what is more is
-  // put between the rows.
+  // `format`: format version of the file, which is the oldest HDF5 that can read it. `metadata_bytes`: estimated size of everything except
+  // rows; larger metadata are placed between rows.
   FileImage(H5F_libver_t format, std::size_t metadata_bytes);
   ~FileImage();
   FileImage(const FileImage&) = delete;
   FileImage& operator=(const FileImage&) = delete;
 
   hid_t file() const { return *file_; }
-  // Property list for data sets: no time stamps, no fill values.
+  // Creation properties for data sets without time stamps and fill values.
   Handle datasetProperties() const;
-  // Creates a data set, with groups on the way.
+  // Creates a data set, and the groups in its path.
   Handle createDataset(const std::string& name, ScalarType type, std::span<const hsize_t> shape, hid_t properties);
-  // Gives the data set its rows without copying them: they are written to the file from where they lie, so they must outlive its content.
-  // The data set is in one piece, its space allocated early, its type in the file that in memory.
+  // Adds rows to a data set without copying them; they must outlive the FileContent. The data set must be contiguous with early allocation,
+  // and have the same type in file and memory.
   void placeRows(hid_t data, std::span<const std::byte> rows);
-  // Closes the file and gives its content, once. Every handle into it must be gone.
+  // Closes the file and returns its content. May be called once, after all handles into the file are closed.
   FileContent close();
 
  private:
   struct Buffer {
-    void* data = nullptr;  // as malloc() gave it, handed over by HDF5 when it closes the file
+    void* data = nullptr;  // allocated with malloc(); HDF5 passes it on when it closes the file
     std::size_t size = 0;
   };
   friend struct ImageCallbacks;

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <locale>
 #include <set>
 #include <sstream>
 
 #include "base/sha256.h"
+#include "base/text.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -49,12 +49,12 @@ namespace dataset {
 namespace {
 
 constexpr std::array kTypes{ScalarType::kUint16, ScalarType::kInt32, ScalarType::kUint64, ScalarType::kFloat32, ScalarType::kFloat64};
-constexpr std::size_t kLargestRow = std::size_t{1} << 30;  // bytes
+constexpr std::size_t kMaxRowBytes = std::size_t{1} << 30;
 constexpr std::size_t kMaxDimensions = 8;
 constexpr std::uint64_t kMaxEpisodes = std::uint64_t{1} << 48;
 constexpr int kMaxCompression = 9;
 
-[[noreturn]] void refuse(const std::string& message) {
+[[noreturn]] void fail(const std::string& message) {
   throw Error(ErrorKind::kInput, "data set: " + message);
 }
 
@@ -78,25 +78,19 @@ std::string quoted(const std::string& text) {
   return result + '"';
 }
 
-// A text as a YAML block where that keeps every byte, so that a person can read it; quoted otherwise.
+// A literal YAML block if that preserves every byte, since it is readable; a quoted scalar otherwise.
 std::string block(const std::string& text) {
-  const bool plain = text.size() > 1 && text.front() != ' ' && text.front() != '\n' && text.back() == '\n' &&
-                     text[text.size() - 2] != '\n' &&
-                     std::none_of(text.begin(), text.end(), [](unsigned char c) { return (c < 0x20 && c != '\n') || c == 0x7f; });
-  if (!plain) return quoted(text) + "\n";
+  const bool fits_block = text.size() > 1 && text.front() != ' ' && text.front() != '\n' && text.back() == '\n' &&
+                          text[text.size() - 2] != '\n' &&
+                          std::none_of(text.begin(), text.end(), [](unsigned char c) { return (c < 0x20 && c != '\n') || c == 0x7f; });
+  if (!fits_block) return quoted(text) + "\n";
   std::string result = "|\n";
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) result += line.empty() ? "\n" : "  " + line + "\n";
   return result;
 }
 
-// Shortest text that reads back as the same number.
-std::string number(double value) {
-  std::array<char, 32> text{};
-  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
-}
-
-bool isPathWord(const std::string& name) {
+bool isColumnName(const std::string& name) {
   if (name.empty() || name.front() == '/' || name.back() == '/' || name.find("//") != std::string::npos) return false;
   return std::all_of(name.begin(), name.end(), [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '/';
@@ -105,20 +99,20 @@ bool isPathWord(const std::string& name) {
 
 void checkColumn(const Column& column) {
   const std::string name = "column \"" + column.name + "\"";
-  if (!isPathWord(column.name)) refuse(name + ": a name is words of letters, digits and _ with / between them");
+  if (!isColumnName(column.name)) fail(name + ": a name consists of letters, digits and _, with / between its parts");
   if (!column.name.starts_with(column.per_episode ? "meta/" : "data/"))
-    refuse(name + ": columns of frames lie under data/, columns of episodes under meta/");
-  if (column.name == kEpisodeEnds) refuse(name + ": is written to every shard and must not be among the columns");
-  if (column.unit.empty() || column.description.empty()) refuse(name + ": needs a unit (\"1\" for none) and a description");
-  if (column.shape.size() > kMaxDimensions) refuse(name + ": has more than " + std::to_string(kMaxDimensions) + " dimensions");
+    fail(name + ": names of columns per frame start with data/, of columns per episode with meta/");
+  if (column.name == kEpisodeEnds) fail(name + ": is written to every shard and must not be listed");
+  if (column.unit.empty() || column.description.empty()) fail(name + ": unit (\"1\" for none) or description is missing");
+  if (column.shape.size() > kMaxDimensions) fail(name + ": has more than " + std::to_string(kMaxDimensions) + " dimensions");
   std::size_t bytes = scalarSize(column.type);
   for (const std::size_t length : column.shape) {
-    if (length == 0 || length > kLargestRow / bytes) refuse(name + ": every length of its shape must be 1 or more, a row at most 1 GiB");
+    if (length == 0 || length > kMaxRowBytes / bytes) fail(name + ": every length of its shape must be 1 or more, a row at most 1 GiB");
     bytes *= length;
   }
 }
 
-// Looks keys up in one mapping of the file.
+// Typed access to the keys of a YAML mapping.
 class Fields {
  public:
   Fields(const std::filesystem::path& file, const YAML::Node& node) : file_(file), node_(node) {
@@ -131,7 +125,7 @@ class Fields {
     try {
       return value.as<T>();
     } catch (const YAML::Exception&) {
-      fail(value, std::string("key ") + key + " has a value of the wrong kind");
+      fail(value, std::string("key ") + key + " has a value of the wrong type");
     }
   }
 
@@ -200,24 +194,24 @@ std::string sceneHash(const Manifest& manifest) {
 
 void checkManifest(const Manifest& manifest) {
   const auto inRange = [](std::uint64_t value) { return value >= 1 && value <= kMaxEpisodes; };
-  if (!inRange(manifest.num_episodes)) refuse("num_episodes is " + std::to_string(manifest.num_episodes) + ", not 1 to 2^48");
+  if (!inRange(manifest.num_episodes)) fail("num_episodes is " + std::to_string(manifest.num_episodes) + ", not 1 to 2^48");
   if (!inRange(manifest.episodes_per_shard))
-    refuse("episodes_per_shard is " + std::to_string(manifest.episodes_per_shard) + ", not 1 to 2^48");
+    fail("episodes_per_shard is " + std::to_string(manifest.episodes_per_shard) + ", not 1 to 2^48");
   if (manifest.compression < 0 || manifest.compression > kMaxCompression)
-    refuse("compression is " + std::to_string(manifest.compression) + ", not 0 to 9");
-  if (manifest.num_rows < 0 || manifest.num_cols < 0) refuse("num_rows and num_cols must not be negative");
+    fail("compression is " + std::to_string(manifest.compression) + ", not 0 to 9");
+  if (manifest.num_rows < 0 || manifest.num_cols < 0) fail("num_rows and num_cols must not be negative");
   for (const double pitch : manifest.pitch)
-    if (!std::isfinite(pitch) || pitch < 0) refuse("pitch must be finite and not negative");
-  if (manifest.columns.empty()) refuse("has no columns");
+    if (!std::isfinite(pitch) || pitch < 0) fail("pitch must be finite and not negative");
+  if (manifest.columns.empty()) fail("has no columns");
   std::set<std::string> names{kEpisodeEnds};
   for (const Column& column : manifest.columns) {
     checkColumn(column);
-    if (!names.insert(column.name).second) refuse("column \"" + column.name + "\" is there twice");
+    if (!names.insert(column.name).second) fail("column \"" + column.name + "\" is listed twice");
   }
   for (const std::string& name : names) {
     const auto below = names.lower_bound(name + "/");
     if (below != names.end() && below->starts_with(name + "/"))
-      refuse("column \"" + name + "\" cannot also be the folder of \"" + *below + "\"");
+      fail("column \"" + name + "\" cannot also be the group of \"" + *below + "\"");
   }
 }
 
@@ -234,7 +228,7 @@ std::string writeManifest(const Manifest& manifest) {
       << "compression: " << manifest.compression << "\n"
       << "device: " << quoted(manifest.device) << "\n"
       << "sensor: {name: " << quoted(manifest.sensor_name) << ", num_rows: " << manifest.num_rows << ", num_cols: " << manifest.num_cols
-      << ", pitch: [" << number(manifest.pitch[0]) << ", " << number(manifest.pitch[1]) << "]"
+      << ", pitch: [" << numberText(manifest.pitch[0]) << ", " << numberText(manifest.pitch[1]) << "]"
       << "}\n"
       << "columns:\n";
   for (const Column& column : manifest.columns) {
@@ -254,7 +248,7 @@ Manifest parseManifest(const std::filesystem::path& file, const std::string& tex
   try {
     root = YAML::Load(text);
   } catch (const YAML::Exception& error) {
-    throw Error(ErrorKind::kInput, file.string() + ":" + std::to_string(error.mark.line + 1) + ": not YAML: " + error.msg);
+    throw Error(ErrorKind::kInput, file.string() + ":" + std::to_string(error.mark.line + 1) + ": invalid YAML: " + error.msg);
   }
   const Fields fields(file, root);
   const auto version = fields.get<std::uint64_t>("format_version");
@@ -279,7 +273,7 @@ Manifest parseManifest(const std::filesystem::path& file, const std::string& tex
   for (const YAML::Node& column : columns) manifest.columns.push_back(parseColumn(file, column));
   manifest.scene = fields.get<std::string>("scene");
   if (sceneHash(manifest) != fields.get<std::string>("scene_sha256"))
-    fields.fail(fields.at("scene"), "the scene does not have the hash that scene_sha256 says: the file was changed");
+    fields.fail(fields.at("scene"), "the scene does not match scene_sha256: the file was changed");
   try {
     checkManifest(manifest);
   } catch (const Error& error) {
@@ -288,28 +282,29 @@ Manifest parseManifest(const std::filesystem::path& file, const std::string& tex
   return manifest;
 }
 
-void checkSame(const std::filesystem::path& directory, const Manifest& found, const Manifest& wanted) {
+void checkSame(const std::filesystem::path& directory, const Manifest& found, const Manifest& requested) {
   const auto compare = [&](const std::string& what, const auto& there, const auto& here) {
     if (there == here) return;
     std::ostringstream out;
     out.imbue(std::locale::classic());
-    out << directory.string() << ": holds a data set of another " << what << " (" << there << " there, " << here << " asked for)";
+    out << directory.string() << ": holds a data set with another " << what << " (" << there << " there, " << here << " requested)";
     throw Error(ErrorKind::kInput, out.str() + ": choose another directory");
   };
-  compare("seed", found.seed, wanted.seed);
-  compare("program version", found.program_version, wanted.program_version);
-  compare("device", found.device, wanted.device);
-  compare("number of episodes per shard", found.episodes_per_shard, wanted.episodes_per_shard);
-  compare("compression", found.compression, wanted.compression);
-  compare("sensor", found.sensor_name, wanted.sensor_name);
-  compare("number of rows", found.num_rows, wanted.num_rows);
-  compare("number of columns", found.num_cols, wanted.num_cols);
-  compare("pitch", number(found.pitch[0]) + " x " + number(found.pitch[1]), number(wanted.pitch[0]) + " x " + number(wanted.pitch[1]));
-  compare("scene", sceneHash(found), sceneHash(wanted));
-  compare("number of recorded columns", found.columns.size(), wanted.columns.size());
+  compare("seed", found.seed, requested.seed);
+  compare("program version", found.program_version, requested.program_version);
+  compare("device", found.device, requested.device);
+  compare("number of episodes per shard", found.episodes_per_shard, requested.episodes_per_shard);
+  compare("compression", found.compression, requested.compression);
+  compare("sensor", found.sensor_name, requested.sensor_name);
+  compare("number of rows", found.num_rows, requested.num_rows);
+  compare("number of columns", found.num_cols, requested.num_cols);
+  compare("pitch", numberText(found.pitch[0]) + " x " + numberText(found.pitch[1]),
+          numberText(requested.pitch[0]) + " x " + numberText(requested.pitch[1]));
+  compare("scene", sceneHash(found), sceneHash(requested));
+  compare("number of recorded columns", found.columns.size(), requested.columns.size());
   for (std::size_t i = 0; i < found.columns.size(); ++i) {
     const Column& a = found.columns[i];
-    const Column& b = wanted.columns[i];
+    const Column& b = requested.columns[i];
     compare("column", a.name, b.name);
     const auto detail = [](const Column& c) {
       return std::string(nameOf(c.type)) + shapeText(c.shape) + " " + c.unit + ", " + c.description;

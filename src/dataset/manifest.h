@@ -1,4 +1,4 @@
-// dataset.yaml: what decides a data set's content. Not the shards themselves.
+// The manifest of a data set, dataset.yaml: everything that determines its content. docs/file_formats.md has the format.
 #pragma once
 
 #include <cstdint>
@@ -20,23 +20,24 @@ std::string shardName(std::uint64_t shard);
 // Bytes of one row.
 std::size_t rowBytes(const Column& column);
 
+// First episode and number of episodes of a shard.
 std::uint64_t firstEpisode(const Manifest& manifest, std::uint64_t shard);
 std::uint64_t numEpisodes(const Manifest& manifest, std::uint64_t shard);
 
 // SHA-256 of the resolved scene, hexadecimal.
 std::string sceneHash(const Manifest& manifest);
 
-// Throws Error(kInput) for a manifest that no data set can have.
+// Throws Error(kInput) for values out of range and invalid columns.
 void checkManifest(const Manifest& manifest);
 
-// YAML text; the same manifest gives the same bytes.
+// YAML text. Deterministic.
 std::string writeManifest(const Manifest& manifest);
 
-// Throws Error(kInput), with file and line, for anything but a manifest of this format.
+// Throws Error(kInput), with file and line, for text that is not a valid manifest of this format version.
 Manifest parseManifest(const std::filesystem::path& file, const std::string& text);
 
-// Throws Error(kInput), naming the first difference, when `wanted` would give other bytes than the data set in `directory` that `found`
-// describes. The number of episodes may differ.
-void checkSame(const std::filesystem::path& directory, const Manifest& found, const Manifest& wanted);
+// Checks that the data set in `directory` with manifest `found` can be resumed with manifest `requested`, that is, that both give the same
+// bytes. The number of episodes may differ. Throws Error(kInput) with the first difference.
+void checkSame(const std::filesystem::path& directory, const Manifest& found, const Manifest& requested);
 
 }  // namespace taxelsim::dataset

@@ -32,7 +32,7 @@ std::vector<double> toDoubles(std::span<const std::byte> bytes) {
 Manifest readManifest(const fs::path& directory) {
   std::error_code error;
   const fs::path file = directory / kManifestName;
-  if (!fs::exists(file, error)) throw Error(ErrorKind::kInput, directory.string() + ": holds no data set: there is no " + kManifestName);
+  if (!fs::exists(file, error)) throw Error(ErrorKind::kInput, directory.string() + ": no data set: it has no " + kManifestName);
   return parseManifest(file, readTextFile(file));
 }
 
@@ -113,8 +113,8 @@ std::vector<std::byte> DatasetReader::read(const std::string& name, std::uint64_
   if (column == columns.end()) throw Error(ErrorKind::kInput, "data set: there is no column \"" + name + "\"");
   const std::uint64_t num_rows = column->per_episode ? numEpisodes() : numFrames();
   if (first > num_rows || count > num_rows - first)
-    throw Error(ErrorKind::kInput, "data set: column " + name + " has " + std::to_string(num_rows) + " rows, asked for " +
-                                       std::to_string(count) + " from " + std::to_string(first));
+    throw Error(ErrorKind::kInput, "data set: column " + name + " has " + std::to_string(num_rows) +
+                                       " rows; requested: " + std::to_string(count) + " from row " + std::to_string(first));
   const std::size_t row_bytes = rowBytes(*column);
   std::vector<std::byte> rows(row_bytes * count);
   for (const Impl::Shard& shard : impl_->shards) {

@@ -12,11 +12,12 @@
 namespace taxelsim::dataset {
 namespace {
 
-constexpr std::size_t kChunkBytes = std::size_t{256} << 10;  // of a compressed column: small enough for HDF5's chunk cache of 1 MiB
-constexpr std::size_t kMetadataBytes = 4096, kColumnMetadataBytes = 1024;  // of a shard and of each of its columns: headers, attributes
+constexpr std::size_t kChunkBytes = std::size_t{256} << 10;  // compressed columns; several fit HDF5's chunk cache of 1 MiB
+constexpr std::size_t kMetadataBytes = 4096;                 // headers and attributes of a shard, estimate
+constexpr std::size_t kColumnMetadataBytes = 1024;           // the same of each column
 constexpr const char* kHashAttribute = "sha256";
 
-// Compressed columns have indices of chunks among the rows, whatever is set aside.
+// For compressed columns HDF5 places chunk indices between the rows, regardless of the size of the metadata block.
 std::size_t metadataBytes(const Manifest& manifest) {
   return kMetadataBytes + (manifest.compression > 0 ? 0 : manifest.columns.size() * kColumnMetadataBytes);
 }
@@ -36,27 +37,27 @@ std::vector<hsize_t> shapeOf(const Column& column, std::uint64_t num_rows) {
   return shape;
 }
 
-// Rows of a chunk of a compressed column.
+// Number of rows per chunk of a compressed column.
 std::uint64_t chunkRows(const Column& column, std::uint64_t num_rows) {
   return std::clamp<std::uint64_t>(kChunkBytes / rowBytes(column), 1, num_rows);
 }
 
-void describe(hid_t data, const Column& column, std::span<const std::byte> rows) {
+void writeAttributes(hid_t data, const Column& column, std::span<const std::byte> rows) {
   writeAttribute(data, "unit", column.unit);
   writeAttribute(data, "description", column.description);
   writeAttribute(data, kHashAttribute, sha256Hex(rows));
 }
 
-// HDF5 sees no row: they go to the file from where they lie.
+// Uncompressed: HDF5 only allocates the space; the rows are written from their memory.
 void placeColumn(FileImage& image, const Column& column, std::uint64_t num_rows, std::span<const std::byte> rows) {
   const Handle properties = image.datasetProperties();
   checked(H5Pset_alloc_time(properties, H5D_ALLOC_TIME_EARLY));
   const Handle data = image.createDataset(column.name, column.type, shapeOf(column, num_rows), properties);
-  describe(data, column, rows);
+  writeAttributes(data, column, rows);
   image.placeRows(data, rows);
 }
 
-// HDF5 gets chunks that have been through its filters.
+// Compressed: writes chunks that are already filtered.
 void writeChunks(FileImage& image, const Column& column, std::uint64_t num_rows, int level, std::span<const std::byte> rows,
                  std::span<const StoredChunk> chunks) {
   const std::vector<hsize_t> shape = shapeOf(column, num_rows);
@@ -67,7 +68,7 @@ void writeChunks(FileImage& image, const Column& column, std::uint64_t num_rows,
   checked(H5Pset_shuffle(properties));
   checked(H5Pset_deflate(properties, static_cast<unsigned>(level)));
   const Handle data = image.createDataset(column.name, column.type, shape, properties);
-  describe(data, column, rows);
+  writeAttributes(data, column, rows);
   std::vector<hsize_t> start(shape.size(), 0);
   for (const StoredChunk& stored : chunks) {
     checked(H5Dwrite_chunk(data, H5P_DEFAULT, stored.skipped_filters, start.data(), stored.bytes.size(), stored.bytes.data()));
@@ -90,7 +91,7 @@ std::vector<std::vector<StoredChunk>> compressed(const Manifest& manifest, const
 void writeEnds(FileImage& image, std::span<const std::uint64_t> ends) {
   const Column column = episodeEndsColumn();
   const Handle data = image.createDataset(column.name, column.type, shapeOf(column, ends.size()), image.datasetProperties());
-  describe(data, column, std::as_bytes(ends));
+  writeAttributes(data, column, std::as_bytes(ends));
   checked(H5Dwrite(data, memoryType(column.type), H5S_ALL, H5S_ALL, H5P_DEFAULT, ends.data()));
 }
 
@@ -99,7 +100,7 @@ std::vector<std::uint64_t> endsOf(const Manifest& manifest, std::uint64_t shard,
   const std::uint64_t expected = numEpisodes(manifest, shard);
   if (data.episode_lengths.size() != expected)
     throw Error(ErrorKind::kInput,
-                name + std::to_string(data.episode_lengths.size()) + " episodes given, " + std::to_string(expected) + " belong into it");
+                name + std::to_string(data.episode_lengths.size()) + " episodes given, " + std::to_string(expected) + " expected");
   std::vector<std::uint64_t> ends;
   std::uint64_t end = 0;
   for (const std::uint64_t length : data.episode_lengths) {
@@ -107,8 +108,8 @@ std::vector<std::uint64_t> endsOf(const Manifest& manifest, std::uint64_t shard,
     ends.push_back(end += length);
   }
   if (data.columns.size() != manifest.columns.size())
-    throw Error(ErrorKind::kInput, name + std::to_string(data.columns.size()) + " columns given, " +
-                                       std::to_string(manifest.columns.size()) + " are in the manifest");
+    throw Error(ErrorKind::kInput,
+                name + std::to_string(data.columns.size()) + " columns given, " + std::to_string(manifest.columns.size()) + " expected");
   for (std::size_t i = 0; i < data.columns.size(); ++i) {
     const Column& column = manifest.columns[i];
     const std::uint64_t bytes = rowBytes(column) * (column.per_episode ? expected : end);
@@ -134,7 +135,7 @@ void expectText(hid_t file, const char* name, const std::string& expected) {
   expect(found == expected, std::string(name) + " is " + found + ", not " + expected + " as in the manifest");
 }
 
-// Opens a column and checks its type and shape.
+// Opens a column. Throws Hdf5Error if its type or shape is not as expected.
 Handle openColumn(hid_t file, const Column& column, std::uint64_t num_rows) {
   Handle data(H5Dopen2(file, column.name.c_str(), H5P_DEFAULT), H5Dclose);
   const Handle type(H5Dget_type(data), H5Tclose);
@@ -156,31 +157,31 @@ void readRows(hid_t data, const Column& column, std::uint64_t first, std::uint64
   checked(H5Dread(data, memoryType(column.type), memory, space, H5P_DEFAULT, rows));
 }
 
-// Reads a whole column and holds it against its hash.
-std::vector<std::byte> verified(hid_t data, const Column& column, std::uint64_t num_rows) {
+// Reads a whole column and checks its hash.
+std::vector<std::byte> readVerified(hid_t data, const Column& column, std::uint64_t num_rows) {
   std::vector<std::byte> rows(rowBytes(column) * num_rows);
   readRows(data, column, 0, num_rows, rows.data());
-  expect(sha256Hex(rows) == readTextAttribute(data, kHashAttribute), "the values of " + column.name + " do not have their SHA-256");
+  expect(sha256Hex(rows) == readTextAttribute(data, kHashAttribute), "SHA-256 mismatch of " + column.name);
   return rows;
 }
 
 std::vector<std::uint64_t> readEnds(hid_t file, std::uint64_t num_episodes) {
   const Column column = episodeEndsColumn();
   const Handle data = openColumn(file, column, num_episodes);
-  const std::vector<std::byte> bytes = verified(data, column, num_episodes);
+  const std::vector<std::byte> bytes = readVerified(data, column, num_episodes);
   std::vector<std::uint64_t> ends(num_episodes);
   std::copy(bytes.begin(), bytes.end(), std::as_writable_bytes(std::span(ends)).begin());
-  for (std::size_t i = 0; i < ends.size(); ++i) expect(ends[i] > (i > 0 ? ends[i - 1] : 0), "meta/episode_ends does not rise");
+  for (std::size_t i = 0; i < ends.size(); ++i) expect(ends[i] > (i > 0 ? ends[i - 1] : 0), "meta/episode_ends is not increasing");
   return ends;
 }
 
 template <typename Function>
-auto namingFile(const std::filesystem::path& file, Function function) {
+auto withFileName(const std::filesystem::path& file, Function function) {
   try {
     const Hdf5Session session;
     return function();
   } catch (const Hdf5Error& error) {
-    throw Error(ErrorKind::kInput, file.string() + ": broken or foreign shard: " + error.what() + "; move it away to have it made again");
+    throw Error(ErrorKind::kInput, file.string() + ": broken or foreign shard: " + error.what() + "; remove the file to generate it again");
   }
 }
 
@@ -213,12 +214,12 @@ FileContent shardImage(const Manifest& manifest, std::uint64_t shard, const Shar
     }
     return image.close();
   } catch (const Hdf5Error& error) {
-    throw Error(ErrorKind::kIo, "cannot make " + shardName(shard) + ": " + error.what());
+    throw Error(ErrorKind::kIo, "cannot create " + shardName(shard) + ": " + error.what());
   }
 }
 
 std::vector<std::uint64_t> checkShard(const std::filesystem::path& file, const Manifest& manifest, std::uint64_t shard, bool contents) {
-  return namingFile(file, [&] {
+  return withFileName(file, [&] {
     const Handle handle = openForReading(file);
     const std::uint64_t version = readNumberAttribute(handle, "format_version");
     expect(version == kFormatVersion,
@@ -234,14 +235,14 @@ std::vector<std::uint64_t> checkShard(const std::filesystem::path& file, const M
     for (const Column& column : manifest.columns) {
       const std::uint64_t num_rows = column.per_episode ? ends.size() : ends.back();
       const Handle data = openColumn(handle, column, num_rows);
-      if (contents) verified(data, column, num_rows);
+      if (contents) readVerified(data, column, num_rows);
     }
     return ends;
   });
 }
 
 void readShardRows(const std::filesystem::path& file, const Column& column, std::uint64_t first, std::uint64_t count, std::byte* rows) {
-  namingFile(file, [&] {
+  withFileName(file, [&] {
     const Handle handle = openForReading(file);
     const Handle data(H5Dopen2(handle, column.name.c_str(), H5P_DEFAULT), H5Dclose);
     readRows(data, column, first, count, rows);

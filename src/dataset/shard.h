@@ -1,4 +1,4 @@
-// One shard: a range of episodes in one HDF5 file. Not the directory around it.
+// Content of a shard: a contiguous range of episodes in one HDF5 file. writer.cpp and reader.cpp handle the directory.
 #pragma once
 
 #include <cstdint>
@@ -13,15 +13,16 @@ namespace taxelsim::dataset {
 
 class Compressor;
 
-// The file's content, which depends on manifest, shard and data only; it points into `data`. `compressor`: of the manifest's level, null
-// where that is 0. Throws Error(kInput) when `data` does not fit the manifest, Error(kIo) when the file cannot be made.
+// Returns the content of the file, a pure function of manifest, shard and data. It points into `data`. `compressor`: with the manifest's
+// level, null if that is 0. Throws Error(kInput) if `data` does not match the manifest, Error(kIo) if HDF5 fails.
 FileContent shardImage(const Manifest& manifest, std::uint64_t shard, const ShardData& data, Compressor* compressor);
 
-// Frames up to the end of each episode, counted from the shard's first. Throws Error(kInput), naming the file and what is wrong, unless it
-// is that shard of that data set with every column in place. With `contents` all rows are read and held against their SHA-256.
+// Checks that the file is that shard of that data set, with all columns in their types and shapes; with `contents` also that all rows match
+// their SHA-256. Returns the end of each episode in frames from the start of the shard (num_episodes). Throws Error(kInput) with the file
+// and the problem.
 std::vector<std::uint64_t> checkShard(const std::filesystem::path& file, const Manifest& manifest, std::uint64_t shard, bool contents);
 
-// Rows [first, first + count) of a column; they must be there. Throws Error(kInput) when HDF5 cannot read them.
+// Reads rows [first, first + count) of a column, which must be in range, to `rows`. Throws Error(kInput) if HDF5 fails.
 void readShardRows(const std::filesystem::path& file, const Column& column, std::uint64_t first, std::uint64_t count, std::byte* rows);
 
 }  // namespace taxelsim::dataset

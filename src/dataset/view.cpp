@@ -43,7 +43,7 @@ FileContent viewImage(const Manifest& manifest, const std::vector<std::vector<st
   }
   try {
     const Hdf5Session session;
-    FileImage image(H5F_LIBVER_V110, kMetadataBytes);  // the first that knows virtual data sets
+    FileImage image(H5F_LIBVER_V110, kMetadataBytes);  // the first version with virtual data sets
     writeAttribute(image.file(), "format_version", kFormatVersion);
     writeAttribute(image.file(), "num_shards", shard_ends.size());
     writeAttribute(image.file(), "num_episodes", ends.size());
@@ -51,7 +51,7 @@ FileContent viewImage(const Manifest& manifest, const std::vector<std::vector<st
     writeAttribute(image.file(), "seed", manifest.seed);
     writeAttribute(image.file(), "scene_sha256", sceneHash(manifest));
     {
-      // A view cannot add the frames of the shards before, so these are written out.
+      // A virtual data set cannot add the offset of each shard, so the values are stored.
       const hsize_t shape[] = {ends.size()};
       const Handle data = image.createDataset(kEpisodeEnds, ScalarType::kUint64, shape, image.datasetProperties());
       writeAttribute(data, "unit", std::string("1"));
@@ -62,7 +62,7 @@ FileContent viewImage(const Manifest& manifest, const std::vector<std::vector<st
     for (const Column& column : manifest.columns) writeVirtualColumn(image, column, shard_ends);
     return image.close();
   } catch (const Hdf5Error& error) {
-    throw Error(ErrorKind::kIo, std::string("cannot make ") + kViewName + ": " + error.what());
+    throw Error(ErrorKind::kIo, std::string("cannot create ") + kViewName + ": " + error.what());
   }
 }
 

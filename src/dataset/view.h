@@ -1,4 +1,4 @@
-// dataset.h5: every column of every shard as one, by HDF5 virtual data sets. Holds no frames itself.
+// dataset.h5: virtual HDF5 data sets that concatenate each column over all shards. Contains no rows, except meta/episode_ends.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 
 namespace taxelsim::dataset {
 
-// The file's content. `shard_ends` are the ends of episodes in each shard, counted from the shard's first frame. Shards are named relative
-// to the view, so that the directory can be moved.
+// Returns the content of the file. `shard_ends`: for each shard, the end of each episode in frames from the start of the shard. Shards are
+// referenced by relative names, so that the directory can be moved. Throws Error(kIo).
 FileContent viewImage(const Manifest& manifest, const std::vector<std::vector<std::uint64_t>>& shard_ends);
 
 }  // namespace taxelsim::dataset

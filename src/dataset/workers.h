@@ -1,4 +1,4 @@
-// Threads that share out jobs. Nothing about what the jobs do.
+// A fixed pool of threads that process the iterations of a loop.
 #pragma once
 
 #include <condition_variable>
@@ -13,7 +13,7 @@ namespace taxelsim::dataset {
 
 class Workers {
  public:
-  // num_threads: >= 1. They run in the background (base/thread_priority.h). Throws std::system_error when there is no thread to be had.
+  // `num_threads` >= 1, with lowered priority (base/thread_priority.h). Throws std::system_error if a thread cannot be created.
   explicit Workers(int num_threads);
   ~Workers();
   Workers(const Workers&) = delete;
@@ -21,8 +21,9 @@ class Workers {
 
   int numThreads() const { return static_cast<int>(threads_.size()); }
 
-  // Calls job(worker, index) once for every index below num_jobs, lowest first, on thread `worker` (below numThreads()), and waits. After a
-  // job has thrown none is begun any more, and what it threw is thrown here. From one thread at a time.
+  // Calls job(worker, index) once for every index < num_jobs, in ascending order of start, on thread `worker` < numThreads(). Waits
+  // for all. After a job has thrown no further job is started, and the first exception is rethrown here. Must be called from one
+  // thread at a time.
   void run(std::size_t num_jobs, const std::function<void(int worker, std::size_t index)>& job);
 
  private:
@@ -33,7 +34,7 @@ class Workers {
   std::condition_variable changed_;
   const std::function<void(int, std::size_t)>* job_ = nullptr;
   std::size_t num_jobs_ = 0;
-  std::size_t next_ = 0;  // job to be begun
+  std::size_t next_ = 0;  // index of the next job to start
   std::size_t num_running_ = 0;
   std::exception_ptr error_;
   bool closing_ = false;

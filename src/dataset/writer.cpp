@@ -31,15 +31,15 @@ void prepareDirectory(const fs::path& directory) {
     const std::string name = entry.path().filename().string();
     if (name != kLockName && !isTemporaryName(name))
       throw Error(ErrorKind::kInput,
-                  directory.string() + ": is not empty and holds no data set (it has " + name + "): choose another directory");
+                  directory.string() + ": is not empty and has no data set (it contains " + name + "): choose another directory");
   }
 }
 
 void removeTemporaryFiles(const fs::path& directory) {
-  std::vector<fs::path> left_over;
+  std::vector<fs::path> leftovers;
   for (const fs::directory_entry& entry : fs::directory_iterator(directory))
-    if (isTemporaryName(entry.path().filename().string())) left_over.push_back(entry.path());
-  for (const fs::path& file : left_over) removeFile(file);
+    if (isTemporaryName(entry.path().filename().string())) leftovers.push_back(entry.path());
+  for (const fs::path& file : leftovers) removeFile(file);
 }
 
 }  // namespace
@@ -48,8 +48,8 @@ struct DatasetWriter::Impl {
   fs::path directory;
   Manifest manifest;
   std::optional<DirectoryLock> lock;
-  std::optional<Compressor> compressor;                // of a compressed data set
-  std::vector<std::vector<std::uint64_t>> shard_ends;  // (num_shards), empty where the shard is not on disk
+  std::optional<Compressor> compressor;                // if the data set is compressed
+  std::vector<std::vector<std::uint64_t>> shard_ends;  // (num_shards), empty if the shard is missing
 
   fs::path shardFile(std::uint64_t shard) const { return directory / shardName(shard); }
 
@@ -58,7 +58,8 @@ struct DatasetWriter::Impl {
     writeFileAtomically(directory / kManifestName, std::as_bytes(std::span(text)));
   }
 
-  // Takes over what is there. A shard of the earlier, shorter data set that is not full would have to grow, so it must not be complete yet.
+  // Continues an existing data set, possibly with more episodes. The last shard of a shorter data set may be partly filled; it would have
+  // to grow, so it must not exist yet.
   void resume() {
     const fs::path file = directory / kManifestName;
     const Manifest found = parseManifest(file, readTextFile(file));
@@ -66,7 +67,7 @@ struct DatasetWriter::Impl {
     if (found.num_episodes == manifest.num_episodes) return;
     if (manifest.num_episodes < found.num_episodes)
       throw Error(ErrorKind::kInput, directory.string() + ": holds a data set of " + std::to_string(found.num_episodes) + " episodes, " +
-                                         std::to_string(manifest.num_episodes) + " asked for: it can grow but not shrink");
+                                         std::to_string(manifest.num_episodes) + " requested: it can grow but not shrink");
     const std::uint64_t last = found.numShards() - 1;
     if (numEpisodes(found, last) < numEpisodes(manifest, last) && fs::exists(shardFile(last)))
       throw Error(ErrorKind::kInput, directory.string() + ": cannot be extended from " + std::to_string(found.num_episodes) + " to " +
@@ -99,7 +100,7 @@ DatasetWriter::DatasetWriter(fs::path directory, Manifest manifest) : impl_(std:
   } catch (const fs::filesystem_error& error) {
     throw Error(ErrorKind::kIo, impl_->directory.string() + ": " + error.code().message());
   } catch (const std::system_error& error) {
-    throw Error(ErrorKind::kIo, impl_->directory.string() + ": no threads to compress it: " + error.code().message());
+    throw Error(ErrorKind::kIo, impl_->directory.string() + ": cannot create compression threads: " + error.code().message());
   }
 }
 
@@ -113,7 +114,7 @@ void DatasetWriter::writeShard(std::uint64_t shard, const ShardData& data) {
   if (shard >= impl_->shard_ends.size())
     throw Error(ErrorKind::kInput,
                 "data set: there is no shard " + std::to_string(shard) + ": it has " + std::to_string(impl_->shard_ends.size()));
-  if (isComplete(shard)) throw Error(ErrorKind::kInput, impl_->shardFile(shard).string() + ": is complete and is not written again");
+  if (isComplete(shard)) throw Error(ErrorKind::kInput, impl_->shardFile(shard).string() + ": is complete already");
   Compressor* const compressor = impl_->compressor ? &*impl_->compressor : nullptr;
   writeFileAtomically(impl_->shardFile(shard), shardImage(impl_->manifest, shard, data, compressor));
   std::uint64_t end = 0;
@@ -123,7 +124,7 @@ void DatasetWriter::writeShard(std::uint64_t shard, const ShardData& data) {
 void DatasetWriter::finish() {
   for (std::uint64_t shard = 0; shard < impl_->shard_ends.size(); ++shard)
     if (!isComplete(shard) || !fs::exists(impl_->shardFile(shard)))
-      throw Error(ErrorKind::kIo, impl_->shardFile(shard).string() + ": is missing, the data set cannot be finished");
+      throw Error(ErrorKind::kIo, impl_->shardFile(shard).string() + ": is missing; the data set is incomplete");
   writeFileAtomically(impl_->directory / kViewName, viewImage(impl_->manifest, impl_->shard_ends));
 }
 

@@ -69,7 +69,7 @@ Vector3 EpisodeDrawer::anchorOf(int object, const Quaternion& R_SO, std::uint64_
 }
 
 EpisodeDraw EpisodeDrawer::draw(std::uint64_t episode) const {
-  const Randomisation& ranges = scene_.randomisation;
+  const Randomization& ranges = scene_.randomization;
   EpisodeRandom random(scene_.seed, episode);
   EpisodeDraw drawn;
 

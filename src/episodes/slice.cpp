@@ -81,7 +81,7 @@ Slice::Slice(const Model& model, const EpisodePlan& plan, int num_instances, Epi
     controller_.emplace(servos, plan.scene.sensor, num_instances);
   }
   for (int i = 0; i < num_instances; ++i) startEpisode(i);
-  simulator_.prepare(plan.scene.randomisation.load.has_value());
+  simulator_.prepare(plan.scene.randomization.load.has_value());
 }
 
 void Slice::startEpisode(int i) {

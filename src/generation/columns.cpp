@@ -143,7 +143,7 @@ void addPoses(std::vector<FrameColumn>& columns) {
 }
 
 bool hasActionNoise(const Scene& scene) {
-  return scene.randomisation.linear_action_noise.max > 0 || scene.randomisation.angular_action_noise.max > 0;
+  return scene.randomization.linear_action_noise.max > 0 || scene.randomization.angular_action_noise.max > 0;
 }
 
 void addActions(const Scene& scene, std::vector<FrameColumn>& columns) {

@@ -43,7 +43,7 @@ void copyRows(std::span<const float> values, std::size_t num_floats, std::span<c
 // Integers, flags and enums are float32 columns.
 template <typename T>
 void copyRows(std::span<const T> values, std::size_t width, std::span<const FramePlace> places, std::size_t column) {
-  forRows(places, column, width * sizeof(float), [&](std::size_t i, std::byte* to) {
+  forEachRow(places, column, width * sizeof(float), [&](std::size_t i, std::byte* to) {
     for (const T value : values.subspan(i * width, width)) {
       const auto number = static_cast<float>(value);
       std::memcpy(to, &number, sizeof number);

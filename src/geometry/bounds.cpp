@@ -10,20 +10,20 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-Bounds centred(double x, double y, double z) {
+Bounds centered(double x, double y, double z) {
   return {{-x, -y, -z}, {x, y, z}};
 }
 
 struct BoundsVisitor {
-  Bounds operator()(const Sphere& s) const { return centred(s.radius, s.radius, s.radius); }
-  Bounds operator()(const Cylinder& c) const { return centred(c.radius, c.radius, c.length / 2); }
-  Bounds operator()(const Capsule& c) const { return centred(c.radius, c.radius, c.length / 2 + c.radius); }
-  Bounds operator()(const Box& b) const { return centred(b.size[0] / 2, b.size[1] / 2, b.size[2] / 2); }
+  Bounds operator()(const Sphere& s) const { return centered(s.radius, s.radius, s.radius); }
+  Bounds operator()(const Cylinder& c) const { return centered(c.radius, c.radius, c.length / 2); }
+  Bounds operator()(const Capsule& c) const { return centered(c.radius, c.radius, c.length / 2 + c.radius); }
+  Bounds operator()(const Box& b) const { return centered(b.size[0] / 2, b.size[1] / 2, b.size[2] / 2); }
   Bounds operator()(const HalfSpace&) const { return {{-kInfinity, -kInfinity, 0}, {kInfinity, kInfinity, kInfinity}}; }
   Bounds operator()(const Cone& c) const { return {{-c.radius, -c.radius, 0}, {c.radius, c.radius, c.height}}; }
   Bounds operator()(const Torus& t) const {
     const double outer = t.major_radius + t.minor_radius;
-    return centred(outer, outer, t.minor_radius);
+    return centered(outer, outer, t.minor_radius);
   }
   Bounds operator()(const Mesh& mesh) const { return meshBounds(mesh); }
 };

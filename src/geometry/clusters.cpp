@@ -2,23 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <span>
 #include <tuple>
 
+#include "geometry/mesh_bounds.h"
+
 namespace taxelsim {
 namespace {
 
-// Steps left free around the mesh, so that boxes can be rounded outwards to coarser units.
-constexpr std::uint32_t kLatticeRim = 128;
+// Unused steps around the mesh, so that boxes can be rounded outwards to a coarser unit without overflow.
+constexpr std::uint32_t kLatticeMargin = 128;
 
 constexpr std::uint32_t kLatticeMiddle = 1u << (kLatticeBits - 1);
 
-// Orders `items` so that every run of `leaf` consecutive ones lies close together: halves at a multiple of `leaf`, by the centroid along
-// the longest side, until a run is left. Ties keep the order of the indices, which makes the result unique.
-void sortIntoRuns(std::span<std::uint32_t> items, const std::vector<std::array<std::uint32_t, 3>>& centroids, std::size_t leaf) {
-  if (items.size() <= leaf) return;
+// Sorts `items` so that every run of `run_size` consecutive items is spatially compact: recursive median splits of the centroids along the
+// longest side of their bounding box, at multiples of `run_size`.
+void sortIntoRuns(std::span<std::uint32_t> items, const std::vector<std::array<std::uint32_t, 3>>& centroids, std::size_t run_size) {
+  if (items.size() <= run_size) return;
   std::array<std::uint32_t, 3> low{~0u, ~0u, ~0u};
   std::array<std::uint32_t, 3> high{0, 0, 0};
   for (const std::uint32_t item : items) {
@@ -31,16 +32,16 @@ void sortIntoRuns(std::span<std::uint32_t> items, const std::vector<std::array<s
   for (std::size_t other = 1; other < 3; ++other) {
     if (high[other] - low[other] > high[axis] - low[axis]) axis = other;
   }
-  const std::size_t runs = (items.size() + leaf - 1) / leaf;
-  const std::size_t middle = (runs + 1) / 2 * leaf;
+  const std::size_t num_runs = (items.size() + run_size - 1) / run_size;
+  const std::size_t middle = (num_runs + 1) / 2 * run_size;
   std::nth_element(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(middle), items.end(), [&](std::uint32_t a, std::uint32_t b) {
     return centroids[a][axis] != centroids[b][axis] ? centroids[a][axis] < centroids[b][axis] : a < b;
   });
-  sortIntoRuns(items.first(middle), centroids, leaf);
-  sortIntoRuns(items.subspan(middle), centroids, leaf);
+  sortIntoRuns(items.first(middle), centroids, run_size);
+  sortIntoRuns(items.subspan(middle), centroids, run_size);
 }
 
-void addToBox(const LatticePoint& point, ClusterBox& box) {
+void extend(ClusterBox& box, const LatticePoint& point) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     box.low[axis] = std::min(box.low[axis], point[axis]);
     box.high[axis] = std::max(box.high[axis], point[axis]);
@@ -51,10 +52,10 @@ ClusterBox emptyBox(std::size_t first) {
   return {{~0u, ~0u, ~0u}, {0, 0, 0}, static_cast<std::uint32_t>(first), 0};
 }
 
-// The next one that a box of the level above holds.
-void addToBox(const ClusterBox& part, ClusterBox& box) {
-  addToBox(part.low, box);
-  addToBox(part.high, box);
+// Adds a cluster to the box of its group.
+void extend(ClusterBox& box, const ClusterBox& cluster) {
+  extend(box, cluster.low);
+  extend(box, cluster.high);
   ++box.count;
 }
 
@@ -77,9 +78,10 @@ double squaredLength(const LatticePoint& a, const LatticePoint& b) {
   return sum;
 }
 
-// The triangles across the edges of each: neighbours[t][k] lies across the edge from corner k to the next.
-constexpr std::uint32_t kNobody = ~0u;
-std::vector<Triangle> neighboursOf(const std::vector<Triangle>& triangles) {
+constexpr std::uint32_t kNoNeighbor = ~0u;
+
+// Adjacency: result[t][k] is the triangle across the edge from corner k of triangle t to the next corner, or kNoNeighbor.
+std::vector<Triangle> neighborsOf(const std::vector<Triangle>& triangles) {
   struct Edge {
     std::uint32_t low, high, triangle, corner;
   };
@@ -93,58 +95,58 @@ std::vector<Triangle> neighboursOf(const std::vector<Triangle>& triangles) {
   std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
     return std::tie(a.low, a.high, a.triangle, a.corner) < std::tie(b.low, b.high, b.triangle, b.corner);
   });
-  std::vector<Triangle> neighbours(triangles.size(), {kNobody, kNobody, kNobody});
+  std::vector<Triangle> neighbors(triangles.size(), {kNoNeighbor, kNoNeighbor, kNoNeighbor});
   for (std::size_t e = 0; e + 1 < edges.size(); ++e) {
     const Edge &a = edges[e], &b = edges[e + 1];
     if (a.low != b.low || a.high != b.high || a.triangle == b.triangle) continue;
-    neighbours[a.triangle][a.corner] = b.triangle;
-    neighbours[b.triangle][b.corner] = a.triangle;
+    neighbors[a.triangle][a.corner] = b.triangle;
+    neighbors[b.triangle][b.corner] = a.triangle;
     ++e;
   }
-  return neighbours;
+  return neighbors;
 }
 
-// Corners of quads that hold every triangle once. A triangle with a single free neighbour goes first, which leaves few alone (Karp and
-// Sipser, "Maximum matchings in sparse random graphs", 1981); of several neighbours the one across the longest edge, since that
-// quad's box is the smallest.
+// Greedy matching of adjacent triangles; returns the corners of the quads. Triangles with a single unmatched neighbor are matched first,
+// which leaves few unmatched (R. M. Karp, M. Sipser, "Maximum matchings in sparse random graphs", FOCS 1981). Among several neighbors the
+// one across the longest edge is taken, since that quad has the smallest box.
 std::vector<std::array<std::uint32_t, 4>> pairTriangles(const std::vector<Triangle>& triangles, const std::vector<LatticePoint>& points) {
-  const std::vector<Triangle> neighbours = neighboursOf(triangles);
+  const std::vector<Triangle> neighbors = neighborsOf(triangles);
   std::vector<bool> taken(triangles.size(), false);
-  const auto isFree = [&](std::uint32_t t) { return t != kNobody && !taken[t]; };
-  const auto numFree = [&](std::uint32_t t) { return std::count_if(neighbours[t].begin(), neighbours[t].end(), isFree); };
+  const auto isFree = [&](std::uint32_t t) { return t != kNoNeighbor && !taken[t]; };
+  const auto numFree = [&](std::uint32_t t) { return std::count_if(neighbors[t].begin(), neighbors[t].end(), isFree); };
   std::vector<std::array<std::uint32_t, 4>> quads;
   std::vector<std::uint32_t> urgent;
-  const auto pair = [&](std::uint32_t t) {
+  const auto match = [&](std::uint32_t t) {
     const Triangle& corners = triangles[t];
     std::size_t across = 3;
     double longest = -1;
     for (std::size_t k = 0; k < 3; ++k) {
       const double length = squaredLength(points[corners[k]], points[corners[(k + 1) % 3]]);
-      if (isFree(neighbours[t][k]) && length > longest) across = k, longest = length;
+      if (isFree(neighbors[t][k]) && length > longest) across = k, longest = length;
     }
     taken[t] = true;
     if (across == 3) {
       quads.push_back({corners[0], corners[1], corners[2], corners[2]});
       return;
     }
-    const std::uint32_t other = neighbours[t][across];
+    const std::uint32_t other = neighbors[t][across];
     taken[other] = true;
     const std::uint32_t q = corners[across], r = corners[(across + 1) % 3];
     const std::uint32_t s =
         *std::find_if(triangles[other].begin(), triangles[other].end(), [&](std::uint32_t c) { return c != q && c != r; });
     quads.push_back({corners[(across + 2) % 3], q, r, s});
-    for (const std::uint32_t done : {t, other}) {
-      for (const std::uint32_t next : neighbours[done]) {
+    for (const std::uint32_t matched : {t, other}) {
+      for (const std::uint32_t next : neighbors[matched]) {
         if (isFree(next) && numFree(next) == 1) urgent.push_back(next);
       }
     }
   };
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    if (!taken[t]) pair(t);
+    if (!taken[t]) match(t);
     while (!urgent.empty()) {
       const std::uint32_t next = urgent.back();
       urgent.pop_back();
-      if (!taken[next]) pair(next);
+      if (!taken[next]) match(next);
     }
   }
   return quads;
@@ -154,18 +156,9 @@ std::vector<std::array<std::uint32_t, 4>> pairTriangles(const std::vector<Triang
 
 ClusteredMesh clusterMesh(const Mesh& mesh) {
   ClusteredMesh result;
-  Vector3 low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-  Vector3 high{-low[0], -low[1], -low[2]};
-  for (const std::array<std::uint32_t, 3>& triangle : mesh.triangles) {
-    for (const std::uint32_t index : triangle) {
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        low[axis] = std::min<double>(low[axis], mesh.vertices[index][axis]);
-        high[axis] = std::max<double>(high[axis], mesh.vertices[index][axis]);
-      }
-    }
-  }
+  const auto [low, high] = meshBounds(mesh);
   const double extent = std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2], 1e-9});
-  result.step = extent / ((1u << kLatticeBits) - kLatticeRim);
+  result.step = extent / ((1u << kLatticeBits) - kLatticeMargin);
   for (std::size_t axis = 0; axis < 3; ++axis) result.middle[axis] = (low[axis] + high[axis]) / 2;
 
   std::vector<LatticePoint> points(mesh.vertices.size());
@@ -187,7 +180,7 @@ ClusteredMesh clusterMesh(const Mesh& mesh) {
   }
   std::vector<std::uint32_t> order(quads.size());
   std::iota(order.begin(), order.end(), 0u);
-  // Runs of a group first, then runs of a cluster within each, so that a group holds whole clusters.
+  // Groups first, then clusters within each group, so that every cluster belongs to one group.
   constexpr std::size_t kQuadsPerGroup = std::size_t{kQuadsPerCluster} * kClustersPerGroup;
   sortIntoRuns(order, centroids, kQuadsPerGroup);
   for (const std::span<std::uint32_t> group : runsOf(order, kQuadsPerGroup)) {
@@ -197,11 +190,11 @@ ClusteredMesh clusterMesh(const Mesh& mesh) {
       ClusterBox box = emptyBox(result.quads.size());
       for (const std::uint32_t quad : cluster) {
         result.quads.push_back(quads[quad]);
-        for (const LatticePoint& point : quads[quad]) addToBox(point, box);
+        for (const LatticePoint& point : quads[quad]) extend(box, point);
       }
       box.count = static_cast<std::uint32_t>(cluster.size());
       result.clusters.push_back(box);
-      addToBox(box, group_box);
+      extend(group_box, box);
     }
     result.groups.push_back(group_box);
   }

@@ -1,7 +1,7 @@
-// Closed forms for the support point of each solid against the downward direction of S.
+// Support mapping of each shape for the direction -z of S, in closed form.
 //
-// With u the z axis of S seen from O (the third row of R_SO), the height of a point p of the object is u . p; the lowest point is where
-// that is smallest. Each solid's form follows from splitting u into its part along the solid's axis and the part across it.
+// Let u be the z axis of S in O (the third row of R_SO). The height of a point p of the object is u . p, and the lowest point minimises it.
+// For solids of revolution u is split into its components along and perpendicular to the axis of revolution.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,65 +16,66 @@
 namespace taxelsim {
 namespace {
 
-// An edge or face counts as lowest as a whole when it lies within this angle (rad) of the skin's plane. Its middle is then at most
-// 1e-6 times half its length above its true lowest corner: 50 nm for a face of 10 cm, while seven typed digits of a quaternion still count
-// as exact.
-constexpr double kLevel = 1e-6;
+// Edges and faces within this angle (rad) of the plane z = 0 of S are treated as parallel to it; the result is then their midpoint. The
+// midpoint is at most 1e-6 times half the length above the lowest corner: 50 nm for a face of 10 cm. Quaternions given with seven digits
+// stay within it.
+constexpr double kParallelAngle = 1e-6;
 
-// Coordinates of mesh vertices are float32: two that should lie at one height differ by some rounding errors of the largest coordinate.
+// Tolerance for equal heights of mesh vertices, as a fraction of the largest coordinate. Coordinates are float32.
 constexpr double kVertexRounding = 4 * static_cast<double>(std::numeric_limits<float>::epsilon());
 
-double opposite(double component) {
-  return component > kLevel ? -1.0 : component < -kLevel ? 1.0 : 0.0;
+// -1, 0 or 1: minus the sign of `component`, with a tolerance around 0.
+double oppositeSign(double component) {
+  return component > kParallelAngle ? -1.0 : component < -kParallelAngle ? 1.0 : 0.0;
 }
 
 struct LowestPoint {
-  Vector3 u;
+  Vector3 u;  // z axis of S, in O
 
-  // Unit vector in the xy plane of O that goes down most steeply; zero when the axis is upright, so that all directions are level.
-  std::array<double, 2> downAcross() const {
-    const double across = std::hypot(u[0], u[1]);
-    if (across <= kLevel) return {0, 0};
-    return {-u[0] / across, -u[1] / across};
+  // Unit vector in the xy plane of O along which the height falls most; zero if the z axis of O is vertical.
+  std::array<double, 2> steepestDescentXY() const {
+    const double norm = std::hypot(u[0], u[1]);
+    if (norm <= kParallelAngle) return {0, 0};
+    return {-u[0] / norm, -u[1] / norm};
   }
 
   Vector3 operator()(const Sphere& s) const { return {-s.radius * u[0], -s.radius * u[1], -s.radius * u[2]}; }
 
   Vector3 operator()(const Cylinder& c) const {
-    const auto [x, y] = downAcross();
-    return {c.radius * x, c.radius * y, opposite(u[2]) * c.length / 2};
+    const auto [x, y] = steepestDescentXY();
+    return {c.radius * x, c.radius * y, oppositeSign(u[2]) * c.length / 2};
   }
 
   Vector3 operator()(const Capsule& c) const {
-    return {-c.radius * u[0], -c.radius * u[1], opposite(u[2]) * c.length / 2 - c.radius * u[2]};
+    return {-c.radius * u[0], -c.radius * u[1], oppositeSign(u[2]) * c.length / 2 - c.radius * u[2]};
   }
 
   Vector3 operator()(const Box& b) const {
-    return {opposite(u[0]) * b.size[0] / 2, opposite(u[1]) * b.size[1] / 2, opposite(u[2]) * b.size[2] / 2};
+    return {oppositeSign(u[0]) * b.size[0] / 2, oppositeSign(u[1]) * b.size[1] / 2, oppositeSign(u[2]) * b.size[2] / 2};
   }
 
-  // A tilted half-space has no lowest point; its origin stands for it, since every sensor is finite.
+  // A tilted half-space has no lowest point. Its origin is used instead.
   Vector3 operator()(const HalfSpace&) const {
-    if (!(u[2] > kLevel)) {
-      throw Error(ErrorKind::kInput, "half_space: turned so that its surface does not face the skin, so it has no lowest point");
+    if (!(u[2] > kParallelAngle)) {
+      throw Error(ErrorKind::kInput, "half_space: its surface does not face the skin, so it has no lowest point");
     }
     return {0, 0, 0};
   }
 
-  // The apex at height 0 against the lowest point of the base's rim.
+  // The apex (height 0) or the lowest point of the base's rim; the midpoint between them if both are at the same height.
   Vector3 operator()(const Cone& c) const {
-    const auto [x, y] = downAcross();
+    const auto [x, y] = steepestDescentXY();
     const Vector3 rim{c.radius * x, c.radius * y, c.height};
     const double rim_height = u[0] * rim[0] + u[1] * rim[1] + u[2] * rim[2];
-    const double level = kLevel * std::hypot(c.radius, c.height);
-    if (rim_height > level) return {0, 0, 0};
-    if (rim_height < -level) return rim;
+    const double tolerance = kParallelAngle * std::hypot(c.radius, c.height);
+    if (rim_height > tolerance) return {0, 0, 0};
+    if (rim_height < -tolerance) return rim;
     return {rim[0] / 2, rim[1] / 2, rim[2] / 2};
   }
 
-  // Upright, a whole circle is lowest; its middle lies on the axis.
+  // With a vertical axis a whole circle is lowest; the result is its center.
   Vector3 operator()(const Torus& t) const {
-    const auto [x, y] = downAcross();
+    const auto [x, y] = steepestDescentXY();
     return {t.major_radius * x - t.minor_radius * u[0], t.major_radius * y - t.minor_radius * u[1], -t.minor_radius * u[2]};
   }
 
@@ -93,22 +94,22 @@ struct LowestPoint {
       size = std::hypot(size, high[axis] - low[axis]);
       largest = std::max({largest, std::abs(low[axis]), std::abs(high[axis])});
     }
-    const double level = lowest + kLevel * size + kVertexRounding * largest;
+    const double max_height = lowest + kParallelAngle * size + kVertexRounding * largest;
 
-    std::vector<std::uint32_t> level_vertices;
+    std::vector<std::uint32_t> lowest_vertices;
     for (const auto& triangle : mesh.triangles) {
       for (const std::uint32_t index : triangle) {
-        if (height(mesh.vertices[index]) <= level) level_vertices.push_back(index);
+        if (height(mesh.vertices[index]) <= max_height) lowest_vertices.push_back(index);
       }
     }
-    std::sort(level_vertices.begin(), level_vertices.end());
-    level_vertices.erase(std::unique(level_vertices.begin(), level_vertices.end()), level_vertices.end());
+    std::sort(lowest_vertices.begin(), lowest_vertices.end());
+    lowest_vertices.erase(std::unique(lowest_vertices.begin(), lowest_vertices.end()), lowest_vertices.end());
 
     Vector3 mean{0, 0, 0};
-    for (const std::uint32_t index : level_vertices) {
+    for (const std::uint32_t index : lowest_vertices) {
       for (std::size_t axis = 0; axis < 3; ++axis) mean[axis] += mesh.vertices[index][axis];
     }
-    for (double& coordinate : mean) coordinate /= static_cast<double>(level_vertices.size());
+    for (double& coordinate : mean) coordinate /= static_cast<double>(lowest_vertices.size());
     return mean;
   }
 };

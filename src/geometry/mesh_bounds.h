@@ -1,11 +1,11 @@
-// The box of a mesh alone, for code that has no Object around it.
+// Bounding box of a mesh.
 #pragma once
 
 #include "taxelsim/object.h"
 
 namespace taxelsim {
 
-// Of the vertices that triangles use: a stray one touches nothing.
+// Axis-aligned box in O, m, of the vertices that triangles use. Unused vertices are ignored.
 Bounds meshBounds(const Mesh& mesh);
 
 }  // namespace taxelsim

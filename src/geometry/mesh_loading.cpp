@@ -18,8 +18,8 @@
 
 #include "base/log.h"
 #include "base/text.h"
-#include "geometry/gltf_checks.h"
-#include "geometry/mesh_file_checks.h"
+#include "geometry/gltf_validation.h"
+#include "geometry/mesh_file_validation.h"
 #include "geometry/simplify.h"
 #include "geometry/weld.h"
 #include "taxelsim/error.h"
@@ -28,7 +28,7 @@
 namespace taxelsim {
 namespace {
 
-// Polygons are cut into triangles in time quadratic in their corners; nobody draws one with more.
+// Assimp triangulates a polygon in time quadratic in its number of corners. Limits the time for malicious files.
 constexpr unsigned int kMaxPolygonCorners = 1000;
 
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& reason) {
@@ -48,46 +48,46 @@ Extension extensionOf(const std::filesystem::path& file) {
   if (text == ".ply") return {"ply", MeshFormat::kPly};
   if (text == ".gltf") return {"gltf", MeshFormat::kGltf};
   if (text == ".glb") return {"glb", MeshFormat::kGlb};
-  fail(file, "not a mesh file that can be read: its name must end in .obj, .stl, .ply, .gltf or .glb");
+  fail(file, "unsupported mesh format: the name must end in .obj, .stl, .ply, .gltf or .glb");
 }
 
 void checkFile(const std::filesystem::path& file) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(file, error);
-  if (!std::filesystem::exists(status)) fail(file, "there is no such file");
+  if (!std::filesystem::exists(status)) fail(file, "no such file");
   if (std::filesystem::is_directory(status)) fail(file, "is a directory, not a mesh file");
   if (!std::filesystem::is_regular_file(status)) fail(file, "is not a regular file");
   const std::uintmax_t size = std::filesystem::file_size(file, error);
   if (error) fail(file, "cannot be read: " + error.message());
   if (size == 0) fail(file, "is empty");
   if (size > kMaxMeshFileBytes) {
-    fail(file, "has " + std::to_string(size) + " bytes; at most " + std::to_string(kMaxMeshFileBytes) + " are read");
+    fail(file, "has " + std::to_string(size) + " bytes; at most " + std::to_string(kMaxMeshFileBytes) + " are allowed");
   }
 }
 
-// What the importer may open: the file itself and, for glTF, the regular files it names for its buffers. Materials and textures stay
-// closed, and a name such as a pipe or an endless device never hangs the program.
-class MeshFiles : public Assimp::DefaultIOSystem {
+// Restricts the files that Assimp may open to the mesh itself and, for glTF, the regular files that it names for its buffers. Material and
+// texture files are not opened. A pipe or device cannot block the program.
+class RestrictedIOSystem : public Assimp::DefaultIOSystem {
  public:
-  MeshFiles(std::filesystem::path file, bool others) : file_(std::move(file)), others_(others) {}
+  RestrictedIOSystem(std::filesystem::path file, bool allow_buffers) : file_(std::move(file)), allow_buffers_(allow_buffers) {}
 
   Assimp::IOStream* Open(const char* name, const char* mode) override {
-    const std::filesystem::path wanted(name);
+    const std::filesystem::path requested(name);
     std::error_code error;
-    if (wanted != file_ && !others_) return nullptr;
-    if (!std::filesystem::is_regular_file(wanted, error)) return nullptr;
-    const std::uintmax_t size = std::filesystem::file_size(wanted, error);
+    if (requested != file_ && !allow_buffers_) return nullptr;
+    if (!std::filesystem::is_regular_file(requested, error)) return nullptr;
+    const std::uintmax_t size = std::filesystem::file_size(requested, error);
     if (error || size > kMaxMeshFileBytes) return nullptr;
     return DefaultIOSystem::Open(name, mode);
   }
 
  private:
   std::filesystem::path file_;
-  bool others_;
+  bool allow_buffers_;
 };
 
-// The importer guesses formats from contents when the one that the name asks for declines; we take the name at its word.
-void keepFormat(Assimp::Importer& importer, const std::string& extension) {
+// Removes all other importers. Without this, Assimp tries them on a file that the importer for its extension rejects.
+void keepOnlyImporterFor(Assimp::Importer& importer, const std::string& extension) {
   std::vector<Assimp::BaseImporter*> others;
   for (std::size_t i = 0; i < importer.GetImporterCount(); ++i) {
     std::set<std::string> extensions;
@@ -100,7 +100,7 @@ void keepFormat(Assimp::Importer& importer, const std::string& extension) {
   }
 }
 
-// The order in which coordinates of the file become x, y, z.
+// Index of the file's coordinate that becomes x, y, z.
 std::array<std::size_t, 3> axisOrder(UpAxis up_axis) {
   switch (up_axis) {
     case UpAxis::kX:
@@ -131,20 +131,22 @@ Matrix product(const Matrix& a, const Matrix& b) {
   return result;
 }
 
-class Gatherer {
+// Flattens the node tree of an imported scene into one mesh.
+class SceneFlattener {
  public:
-  Gatherer(const std::filesystem::path& file, const MeshOptions& options)
+  SceneFlattener(const std::filesystem::path& file, const MeshOptions& options)
       : file_(file), scale_(options.scale), order_(axisOrder(options.up_axis)) {}
 
-  // All meshes of the scene, each as often as a node uses it, in the frame of the file's root.
-  Mesh gather(const aiScene& scene) {
-    std::vector<std::pair<const aiNode*, Matrix>> waiting{{scene.mRootNode, matrixOf(scene.mRootNode->mTransformation)}};
-    while (!waiting.empty()) {
-      const auto [node, transform] = waiting.back();
-      waiting.pop_back();
+  // All meshes, once per node that uses them, in the root frame of the file. Vertices are scaled and their axes permuted as
+  // the options say.
+  Mesh flatten(const aiScene& scene) {
+    std::vector<std::pair<const aiNode*, Matrix>> pending{{scene.mRootNode, matrixOf(scene.mRootNode->mTransformation)}};
+    while (!pending.empty()) {
+      const auto [node, transform] = pending.back();
+      pending.pop_back();
       for (unsigned int i = 0; i < node->mNumMeshes; ++i) add(*scene.mMeshes[node->mMeshes[i]], transform);
       for (unsigned int i = node->mNumChildren; i-- > 0;) {
-        waiting.emplace_back(node->mChildren[i], product(transform, matrixOf(node->mChildren[i]->mTransformation)));
+        pending.emplace_back(node->mChildren[i], product(transform, matrixOf(node->mChildren[i]->mTransformation)));
       }
     }
     return std::move(mesh_);
@@ -190,7 +192,7 @@ class Gatherer {
   Mesh mesh_;
 };
 
-// Before polygons are cut: what the cutting could not digest.
+// Checks what the triangulation relies on: finite coordinates, indices in range, a limit on corners.
 void checkScene(const aiScene& scene, const std::filesystem::path& file) {
   for (unsigned int m = 0; m < scene.mNumMeshes; ++m) {
     const aiMesh& mesh = *scene.mMeshes[m];
@@ -217,27 +219,27 @@ void checkScene(const aiScene& scene, const std::filesystem::path& file) {
   }
 }
 
-void checkCount(const aiScene& scene, const std::filesystem::path& file, MeshFormat format) {
-  const std::optional<std::uint64_t> expected = gltfTriangles(file, format == MeshFormat::kGlb);
+void checkTriangleCount(const aiScene& scene, const std::filesystem::path& file, MeshFormat format) {
+  const std::optional<std::uint64_t> expected = countGltfTriangles(file, format == MeshFormat::kGlb);
   std::uint64_t found = 0;
   for (unsigned int m = 0; m < scene.mNumMeshes; ++m) found += scene.mMeshes[m]->mNumFaces;
   if (expected && found < *expected) {
-    fail(file, std::to_string(*expected - found) + " of its " + std::to_string(*expected) + " triangles use vertices that are not there");
+    fail(file, std::to_string(*expected - found) + " of its " + std::to_string(*expected) + " triangles use vertices out of range");
   }
 }
 
-Mesh import(const std::filesystem::path& file, const Extension& extension, const MeshOptions& options) {
+Mesh importMesh(const std::filesystem::path& file, const Extension& extension, const MeshOptions& options) {
   Assimp::Importer importer;
-  keepFormat(importer, extension.text);
-  const bool others = extension.format == MeshFormat::kGltf || extension.format == MeshFormat::kGlb;
-  importer.SetIOHandler(new MeshFiles(file, others));  // owned by the importer
+  keepOnlyImporterFor(importer, extension.text);
+  const bool is_gltf = extension.format == MeshFormat::kGltf || extension.format == MeshFormat::kGlb;
+  importer.SetIOHandler(new RestrictedIOSystem(file, is_gltf));  // owned by the importer
   const aiScene* scene = importer.ReadFile(file.string(), 0);
   if (scene == nullptr) fail(file, std::string("is not a mesh: ") + importer.GetErrorString());
   checkScene(*scene, file);
-  if (others) checkCount(*scene, file, extension.format);
+  if (is_gltf) checkTriangleCount(*scene, file, extension.format);
   scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
-  if (scene == nullptr || scene->mRootNode == nullptr) fail(file, "is not a mesh: its polygons cannot be cut into triangles");
-  return weld(Gatherer(file, options).gather(*scene));
+  if (scene == nullptr || scene->mRootNode == nullptr) fail(file, "is not a mesh: its polygons cannot be triangulated");
+  return weld(SceneFlattener(file, options).flatten(*scene));
 }
 
 }  // namespace
@@ -253,19 +255,19 @@ Mesh loadMesh(const std::filesystem::path& file, const MeshOptions& options) {
   const Extension extension = extensionOf(file);
   Mesh mesh;
   try {
-    if (const std::string fault = findFault(file, extension.format); !fault.empty()) fail(file, "is not a mesh: " + fault);
-    const Mesh full = import(file, extension, options);
-    mesh = simplified(full, options.max_depth_error);
+    if (const std::string problem = validateMeshFile(file, extension.format); !problem.empty()) fail(file, "is not a mesh: " + problem);
+    const Mesh full = importMesh(file, extension, options);
+    mesh = simplifyMesh(full, options.max_depth_error);
     if (mesh.triangles.size() < full.triangles.size()) {
       logDebug(oneLine(file.string()) + ": " + std::to_string(mesh.triangles.size()) + " of " + std::to_string(full.triangles.size()) +
-               " triangles stay, within " + numberText(options.max_depth_error) + " m");
+               " triangles after simplification to " + numberText(options.max_depth_error) + " m");
     }
   } catch (const std::bad_alloc&) {
-    fail(file, "takes more memory than there is");
+    fail(file, "not enough memory to load it");
   } catch (const std::length_error&) {
-    fail(file, "takes more memory than there is");
+    fail(file, "not enough memory to load it");
   }
-  if (mesh.triangles.empty()) fail(file, "holds no triangle with an area");
+  if (mesh.triangles.empty()) fail(file, "has no triangle with an area");
   return mesh;
 }
 

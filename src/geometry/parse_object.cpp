@@ -15,13 +15,13 @@ constexpr const char* kAllowed =
     "sphere:R, cylinder:R,L, capsule:R,L, box:X,Y,Z, half_space, cone:R,H, torus:MAJOR,MINOR (metres), or a mesh file (.obj, .stl, .ply, "
     ".gltf, .glb)";
 
-struct Kind {
-  std::string_view word;
+struct ShapeSyntax {
+  std::string_view keyword;
   std::size_t num_values;
   Shape (*make)(const std::vector<double>& values);
 };
 
-constexpr Kind kKinds[] = {
+constexpr ShapeSyntax kShapes[] = {
     {"sphere", 1, [](const std::vector<double>& v) -> Shape { return Sphere{v[0]}; }},
     {"cylinder", 2,
      [](const std::vector<double>& v) -> Shape {
@@ -67,14 +67,14 @@ std::vector<double> parseValues(std::string_view text, std::string_view values) 
 
 Object parseObject(std::string_view text) {
   const std::size_t colon = text.find(':');
-  const std::string_view word = text.substr(0, colon);
-  for (const Kind& kind : kKinds) {
-    if (word != kind.word) continue;
+  const std::string_view keyword = text.substr(0, colon);
+  for (const ShapeSyntax& syntax : kShapes) {
+    if (keyword != syntax.keyword) continue;
     const std::vector<double> values = colon == std::string_view::npos ? std::vector<double>() : parseValues(text, text.substr(colon + 1));
-    if (values.size() != kind.num_values) {
-      fail(text, std::string(word) + " takes " + std::to_string(kind.num_values) + " values, not " + std::to_string(values.size()));
+    if (values.size() != syntax.num_values) {
+      fail(text, std::string(keyword) + " takes " + std::to_string(syntax.num_values) + " values, not " + std::to_string(values.size()));
     }
-    Object object(std::string(text), kind.make(values));
+    Object object(std::string(text), syntax.make(values));
     checkObject(object);
     return object;
   }

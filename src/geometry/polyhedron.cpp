@@ -8,10 +8,10 @@
 namespace taxelsim {
 namespace {
 
-// Of the mesh's extent: four roundings of a float coordinate.
-constexpr double kFlatness = 4 * 0x1p-24;
+// Tolerance for coplanarity, as a fraction of the largest coordinate: four rounding errors of float32.
+constexpr double kCoplanarTolerance = 4 * 0x1p-24;
 
-// Every edge is used once in each direction: no rim, and neighbours are wound alike.
+// Watertight and consistently oriented: every directed edge occurs once, and so does its reverse.
 bool isClosed(const Mesh& mesh) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
   edges.reserve(3 * mesh.triangles.size());
@@ -29,14 +29,14 @@ std::optional<std::vector<Face>> convexFaces(const Mesh& mesh, std::size_t max_f
   points.reserve(mesh.vertices.size());
   for (const std::array<float, 3>& vertex : mesh.vertices) points.emplace_back(vertex[0], vertex[1], vertex[2]);
   Eigen::AlignedBox3d box;
-  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
   for (const std::array<std::uint32_t, 3>& triangle : mesh.triangles) {
     for (const std::uint32_t index : triangle) {
       box.extend(points[index]);
-      middle += points[index] / (3 * static_cast<double>(mesh.triangles.size()));
+      centroid += points[index] / (3 * static_cast<double>(mesh.triangles.size()));
     }
   }
-  const double tolerance = kFlatness * (box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs())).maxCoeff();
+  const double tolerance = kCoplanarTolerance * (box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs())).maxCoeff();
 
   std::vector<Face> faces;
   int winding = 0;
@@ -45,8 +45,8 @@ std::optional<std::vector<Face>> convexFaces(const Mesh& mesh, std::size_t max_f
     const Eigen::Vector3d cross = (b - a).cross(c - a);
     if (cross.norm() == 0) return std::nullopt;
     Eigen::Vector3d normal = cross.normalized();
-    // The middle of a convex body is inside, on the same side of all triangles.
-    const double height = normal.dot(a - middle);
+    // The centroid of a convex body is inside, on the same side of all triangles.
+    const double height = normal.dot(a - centroid);
     if (std::abs(height) <= tolerance) return std::nullopt;
     const int side = height > 0 ? 1 : -1;
     if (winding == 0) winding = side;

@@ -1,4 +1,4 @@
-// The word for each kind of shape: in names, on the command line and in scenes.
+// Keyword of each shape in scenes and on the command line.
 #pragma once
 
 #include <array>
@@ -9,9 +9,9 @@
 namespace taxelsim {
 
 inline const char* shapeKind(const Shape& shape) {
-  constexpr std::array<const char*, std::variant_size_v<Shape>> kWords{"mesh", "sphere",     "cylinder", "capsule",
-                                                                       "box",  "half_space", "cone",     "torus"};
-  return kWords.at(shape.index());
+  constexpr std::array<const char*, std::variant_size_v<Shape>> kKeywords{"mesh", "sphere",     "cylinder", "capsule",
+                                                                          "box",  "half_space", "cone",     "torus"};
+  return kKeywords.at(shape.index());
 }
 
 }  // namespace taxelsim

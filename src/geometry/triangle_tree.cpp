@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::uint32_t kLeafSize = 4;
 
-// Every level halves fewer than 2^32 triangles and leaves one child waiting.
-constexpr std::size_t kMaxWaiting = 34;
+// Capacity of the traversal stack: at most 32 levels for fewer than 2^32 triangles, one pending child per level.
+constexpr std::size_t kStackSize = 34;
 
 double squaredDistanceToBox(const Vector3& point, const std::array<float, 3>& low, const std::array<float, 3>& high) {
   double sum = 0;
@@ -36,14 +36,14 @@ TriangleCorners cornersOf(const Mesh& mesh, std::uint32_t triangle) {
   return corners;
 }
 
-// By the regions that are nearest to a corner, an edge and the face (Ericson, Real-Time Collision Detection, 2005, section 5.1.5). The
-// weights are clamped, so that the point that is measured to never leaves the triangle.
+// Closest point by Voronoi regions (C. Ericson, Real-Time Collision Detection, 2005, section 5.1.5). The barycentric coordinates are
+// clamped, so that rounding never moves the point out of the triangle.
 double squaredDistance(const Vector3& point, const TriangleCorners& triangle) {
   const auto& [a, b, c] = triangle;
   const Vector3 ab = subtract(b, a), ac = subtract(c, a), ap = subtract(point, a);
   const auto squaredTo = [&](double weight_b, double weight_c) {
-    const Vector3 rest = subtract(ap, add(scale(weight_b, ab), scale(weight_c, ac)));
-    return dot(rest, rest);
+    const Vector3 difference = subtract(ap, add(scale(weight_b, ab), scale(weight_c, ac)));
+    return dot(difference, difference);
   };
   const double ab_ap = dot(ab, ap), ac_ap = dot(ac, ap);
   if (ab_ap <= 0 && ac_ap <= 0) return squaredTo(0, 0);
@@ -54,19 +54,19 @@ double squaredDistance(const Vector3& point, const TriangleCorners& triangle) {
   const double ab_cp = dot(ab, cp), ac_cp = dot(ac, cp);
   if (ac_cp >= 0 && ab_cp <= ac_cp) return squaredTo(0, 1);
 
-  const auto share = [](double part, double whole) { return whole > 0 ? std::clamp(part / whole, 0.0, 1.0) : 0.0; };
+  const auto ratio = [](double part, double whole) { return whole > 0 ? std::clamp(part / whole, 0.0, 1.0) : 0.0; };
   const double area_c = ab_ap * ac_bp - ab_bp * ac_ap;
-  if (area_c <= 0 && ab_ap >= 0 && ab_bp <= 0) return squaredTo(share(ab_ap, ab_ap - ab_bp), 0);
+  if (area_c <= 0 && ab_ap >= 0 && ab_bp <= 0) return squaredTo(ratio(ab_ap, ab_ap - ab_bp), 0);
   const double area_b = ab_cp * ac_ap - ab_ap * ac_cp;
-  if (area_b <= 0 && ac_ap >= 0 && ac_cp <= 0) return squaredTo(0, share(ac_ap, ac_ap - ac_cp));
+  if (area_b <= 0 && ac_ap >= 0 && ac_cp <= 0) return squaredTo(0, ratio(ac_ap, ac_ap - ac_cp));
   const double area_a = ab_bp * ac_cp - ab_cp * ac_bp;
   if (area_a <= 0 && ac_bp >= ab_bp && ab_cp >= ac_cp) {
-    const double weight_c = share(ac_bp - ab_bp, (ac_bp - ab_bp) + (ab_cp - ac_cp));
+    const double weight_c = ratio(ac_bp - ab_bp, (ac_bp - ab_bp) + (ab_cp - ac_cp));
     return squaredTo(1 - weight_c, weight_c);
   }
   const double area = area_a + area_b + area_c;
-  const double weight_b = share(area_b, area);
-  return squaredTo(weight_b, std::min(share(area_c, area), 1 - weight_b));
+  const double weight_b = ratio(area_b, area);
+  return squaredTo(weight_b, std::min(ratio(area_c, area), 1 - weight_b));
 }
 
 TriangleTree::TriangleTree(const Mesh& mesh) {
@@ -78,8 +78,7 @@ TriangleTree::TriangleTree(const Mesh& mesh) {
   build(mesh, 0, static_cast<std::uint32_t>(order_.size()));
 }
 
-// Halves at the median along the longest side of the box around the triangles' middles; equal ones in the order of their indices, so that
-// the tree is unique.
+// Splits at the median along the longest side of the centroids' bounding box. Ties are broken by index, so that the tree is deterministic.
 void TriangleTree::build(const Mesh& mesh, std::uint32_t first, std::uint32_t end) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   const auto sumAlong = [&](std::uint32_t triangle, std::size_t axis) {
@@ -87,7 +86,7 @@ void TriangleTree::build(const Mesh& mesh, std::uint32_t first, std::uint32_t en
     return corners[0][axis] + corners[1][axis] + corners[2][axis];
   };
   Node node{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}, first, end - first};
-  Vector3 low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};  // of three times the middles
+  Vector3 low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};  // bounds of three times the centroids
   for (std::uint32_t i = first; i < end; ++i) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       low[axis] = std::min(low[axis], sumAlong(order_[i], axis));
@@ -117,35 +116,35 @@ void TriangleTree::build(const Mesh& mesh, std::uint32_t first, std::uint32_t en
   build(mesh, middle, end);
 }
 
-std::optional<TriangleTree::Nearest> TriangleTree::nearest(const Vector3& point, double limit, Effort& effort) const {
+std::optional<TriangleTree::Nearest> TriangleTree::nearest(const Vector3& point, double limit, SearchBudget& budget) const {
   if (nodes_.empty()) return {};
-  struct Waiting {
+  struct Entry {
     std::uint32_t node;
     double squared_distance;
   };
-  std::array<Waiting, kMaxWaiting> waiting;
-  std::size_t num_waiting = 0;
-  const auto wait = [&](std::uint32_t node) {
-    waiting[num_waiting++] = {node, squaredDistanceToBox(point, nodes_[node].low, nodes_[node].high)};
+  std::array<Entry, kStackSize> stack;
+  std::size_t stack_size = 0;
+  const auto push = [&](std::uint32_t node) {
+    stack[stack_size++] = {node, squaredDistanceToBox(point, nodes_[node].low, nodes_[node].high)};
   };
 
   double best = limit * limit;
   std::optional<std::uint32_t> found;
-  wait(0);
-  while (num_waiting > 0) {
-    const auto [index, squared_distance] = waiting[--num_waiting];
-    ++effort.spent;
+  push(0);
+  while (stack_size > 0) {
+    const auto [index, squared_distance] = stack[--stack_size];
+    ++budget.spent;
     if (squared_distance > best) continue;
     const Node& node = nodes_[index];
     if (node.count == 0) {
-      wait(node.first);
-      wait(index + 1);
-      if (waiting[num_waiting - 1].squared_distance > waiting[num_waiting - 2].squared_distance) {
-        std::swap(waiting[num_waiting - 1], waiting[num_waiting - 2]);
+      push(node.first);
+      push(index + 1);
+      if (stack[stack_size - 1].squared_distance > stack[stack_size - 2].squared_distance) {
+        std::swap(stack[stack_size - 1], stack[stack_size - 2]);
       }
       continue;
     }
-    effort.spent += node.count;
+    budget.spent += node.count;
     for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
       const double squared = squaredDistance(point, corners_[order_[i]]);
       if (squared < best || (squared == best && !found)) {

@@ -1,5 +1,5 @@
-// Which triangle of a mesh is nearest to a point: a binary tree of boxes. For checks at load, in double precision; the device has its own
-// structure (clusters.h).
+// Bounding volume hierarchy over the triangles of a mesh, for nearest-triangle queries in double precision on the host. The device culls
+// with clusters (clusters.h) instead.
 #pragma once
 
 #include <array>
@@ -14,16 +14,14 @@ namespace taxelsim {
 
 using TriangleCorners = std::array<Vector3, 3>;  // m
 
-// Corners of triangle number `triangle` of the mesh.
 TriangleCorners cornersOf(const Mesh& mesh, std::uint32_t triangle);
 
-// The square of the distance from `point` to the triangle. For a sliver it may be that to another point of it than the nearest, but never
-// to a point outside: it errs to the large side only, but for rounding.
+// Squared distance (m^2) from `point` to the triangle. For a needle-shaped triangle the result may be too large, since it then refers to
+// another point of the triangle than the nearest. It is never too small, except for rounding.
 double squaredDistance(const Vector3& point, const TriangleCorners& triangle);
 
-// Boxes and triangles that were looked at. An end to it bounds the time that a mesh can take which is made to take long, and the same on
-// every machine.
-struct Effort {
+// Limit on the number of boxes and triangles visited. Bounds the running time for malicious meshes independently of the machine.
+struct SearchBudget {
   std::uint64_t max = std::numeric_limits<std::uint64_t>::max();
   std::uint64_t spent = 0;
 
@@ -33,32 +31,32 @@ struct Effort {
 class TriangleTree {
  public:
   struct Nearest {
-    std::uint32_t triangle = 0;  // of the mesh
+    std::uint32_t triangle = 0;  // index in the mesh
     double distance = 0;         // m
   };
 
-  // Copies what it needs. Indices must be in range and coordinates finite; triangles may have any shape, overlap or have no area.
+  // Copies the triangles. Indices must be in range and coordinates finite. Triangles may overlap and may be degenerate.
   explicit TriangleTree(const Mesh& mesh);
 
-  // The nearest triangle, if there is one at most `limit` (m) away. Finds it also when the effort is exhausted.
-  std::optional<Nearest> nearest(const Vector3& point, double limit, Effort& effort) const;
+  // The nearest triangle at most `limit` (m) away, if any. Adds its cost to `budget`, but does not stop when that is exhausted.
+  std::optional<Nearest> nearest(const Vector3& point, double limit, SearchBudget& budget) const;
 
   const TriangleCorners& corners(std::uint32_t triangle) const { return corners_[triangle]; }
   std::size_t numTriangles() const { return corners_.size(); }
-  double largestCoordinate() const;  // m, of any vertex along any axis, without its sign
+  double largestCoordinate() const;  // m, largest absolute value of any coordinate
 
  private:
   struct Node {
     std::array<float, 3> low;
     std::array<float, 3> high;
-    std::uint32_t first;  // of a leaf: place in order_; of others: their second child, the first one comes right behind them
-    std::uint32_t count;  // of a leaf: triangles; of others: 0
+    std::uint32_t first;  // leaf: first entry in order_; inner node: its second child (the first child follows the node)
+    std::uint32_t count;  // leaf: number of triangles; inner node: 0
   };
 
   void build(const Mesh& mesh, std::uint32_t first, std::uint32_t end);
 
   std::vector<Node> nodes_;
-  std::vector<std::uint32_t> order_;  // triangles, those of a leaf one after another
+  std::vector<std::uint32_t> order_;  // triangles, grouped by leaf
   std::vector<TriangleCorners> corners_;
 };
 

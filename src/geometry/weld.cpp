@@ -10,7 +10,7 @@ namespace {
 using Triangle = std::array<std::uint32_t, 3>;
 using Vertex = std::array<float, 3>;
 
-Mesh dropUnusedVertices(const Mesh& mesh) {
+Mesh removeUnusedVertices(const Mesh& mesh) {
   constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> new_index(mesh.vertices.size(), kUnused);
   Mesh used;
@@ -29,7 +29,7 @@ Mesh dropUnusedVertices(const Mesh& mesh) {
 
 }  // namespace
 
-// Differences and products are formed in double, so that a sliver of float32 vertices does not vanish by rounding.
+// Computed in double, so that rounding does not turn the area of a sliver with float32 vertices into zero.
 bool hasArea(const Vertex& a, const Vertex& b, const Vertex& c) {
   const auto edge = [&](const Vertex& end, std::size_t axis) { return static_cast<double>(end[axis]) - static_cast<double>(a[axis]); };
   const double x = edge(b, 1) * edge(c, 2) - edge(b, 2) * edge(c, 1);
@@ -41,7 +41,7 @@ bool hasArea(const Vertex& a, const Vertex& b, const Vertex& c) {
 Mesh weld(const Mesh& mesh) {
   if (mesh.triangles.empty()) return {};
   std::vector<Vertex> vertices = mesh.vertices;
-  // The remap compares bytes; adding 0 turns -0 into 0.
+  // meshopt_generateVertexRemap compares bytes; adding 0 turns -0 into 0.
   for (Vertex& vertex : vertices) {
     for (float& coordinate : vertex) coordinate += 0.0f;
   }
@@ -56,10 +56,11 @@ Mesh weld(const Mesh& mesh) {
   welded.vertices.resize(num_unique);
   meshopt_remapVertexBuffer(welded.vertices.data(), vertices.data(), vertices.size(), sizeof(Vertex), remap.data());
   for (const Triangle& triangle : mesh.triangles) {
-    const Triangle joined{remap[triangle[0]], remap[triangle[1]], remap[triangle[2]]};
-    if (hasArea(welded.vertices[joined[0]], welded.vertices[joined[1]], welded.vertices[joined[2]])) welded.triangles.push_back(joined);
+    const Triangle remapped{remap[triangle[0]], remap[triangle[1]], remap[triangle[2]]};
+    if (hasArea(welded.vertices[remapped[0]], welded.vertices[remapped[1]], welded.vertices[remapped[2]]))
+      welded.triangles.push_back(remapped);
   }
-  return dropUnusedVertices(welded);
+  return removeUnusedVertices(welded);
 }
 
 }  // namespace taxelsim

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
-#include <charconv>
+
+#include "base/text.h"
 
 namespace taxelsim {
 namespace {
 
-// Words that YAML 1.1 or 1.2 readers take for something else than text.
+// Words that YAML 1.1 or 1.2 readers do not read as text.
 constexpr std::array<std::string_view, 10> kReserved = {"y", "n", "yes", "no", "on", "off", "true", "false", "null", "inf"};
 
 bool isPlain(std::string_view text) {
@@ -23,9 +23,7 @@ bool isPlain(std::string_view text) {
 }  // namespace
 
 std::string canonicalNumber(double value) {
-  std::array<char, 32> buffer{};  // the longest shortest form of a double has 24 characters
-  const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
-  return {buffer.data(), result.ptr};
+  return numberText(value);
 }
 
 std::string canonicalList(std::span<const double> values) {

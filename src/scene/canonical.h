@@ -1,5 +1,5 @@
-// Writes the canonical form of a scene: block YAML in which every setting stands once, in one order, in SI units, in one spelling. Not a
-// general YAML emitter.
+// Writes the canonical text of a scene: block YAML with every setting once, in a fixed order, in SI units, in one spelling. Not a general
+// YAML emitter.
 #pragma once
 
 #include <cstdint>
@@ -9,13 +9,13 @@
 
 namespace taxelsim {
 
-// The shortest text that reads back as the same double, whatever the locale.
+// The shortest text that parses to the same double; independent of the locale.
 std::string canonicalNumber(double value);
 
 // [1, 2.5, 3]
 std::string canonicalList(std::span<const double> values);
 
-// The text itself where every YAML reader takes it for text, else in double quotes.
+// The text itself if every YAML reader reads it as text, else in double quotes.
 std::string canonicalText(std::string_view text);
 
 class Canonical {
@@ -23,9 +23,9 @@ class Canonical {
   // "key: value", the value already in its canonical form.
   void line(std::string_view key, std::string_view value);
 
-  // "key:", and what follows stands below it until close().
+  // "key:"; following lines are below it until close().
   void open(std::string_view key);
-  // An item, which is a mapping, of the list just opened.
+  // An item, a mapping, of the list that was opened last.
   void openItem();
   void close();
 

@@ -8,7 +8,7 @@
 namespace taxelsim {
 namespace {
 
-// Both numbers of each point above those of the point before it, the first above 0.
+// Force and counts ascend strictly from point to point, from 0.
 std::vector<CurvePoint> readCurvePoints(const YamlNode& node, Canonical& canonical) {
   const std::string what = "a list of 1 to " + std::to_string(kMaxCurvePoints) + " points, [N, counts] each";
   const std::vector<YamlNode> items = node.items(what);

@@ -1,4 +1,4 @@
-// A readout's curve as our files write it: a straight line, a polynomial, either with a limit, or straight pieces.
+// The curve of a readout: a straight line or a polynomial, each with or without a limit, or straight pieces.
 #pragma once
 
 #include "scene/yaml_reader.h"
@@ -6,7 +6,7 @@
 
 namespace taxelsim {
 
-// The block `curve` of the readout `from`, which must be there.
+// The required block `curve` of the readout `from`.
 void readCurve(const YamlMap& from, Readout& readout);
 
 }  // namespace taxelsim

@@ -1,4 +1,4 @@
-// Experiment files (docs/file_formats.md), kind by kind.
+// Experiment files (docs/file_formats.md), one reader per kind.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,7 @@ namespace taxelsim {
 // The list of 1 to 1000 numbers `key` of `map`.
 std::vector<double> readList(const YamlMap& map, std::string_view key, const Allowed& allowed);
 
-// Files that they name lie relative to `directory`.
+// Files are relative to `directory`.
 StaticExperiment readStaticExperiment(const YamlNode& root, const std::filesystem::path& directory);
 ServoExperiment readServoExperiment(const YamlNode& root, const std::filesystem::path& directory);
 

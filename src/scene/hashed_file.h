@@ -1,4 +1,4 @@
-// Files that scenes and sensor files name: their bytes are part of what the data are made from, where they lie is not.
+// Files that scene and sensor files refer to. Their bytes are part of the resolved scene, their location is not.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,7 @@
 namespace taxelsim {
 
 // The file that `key` of `map` names, relative to `directory`. Writes its name without a path and the SHA-256 of its bytes to the canonical
-// text, and holds them against the key `sha256`, if given. Throws Error(kInput) at the key when there is no regular file or it has more
+// text, and compares it with the key `sha256`, if given. Throws Error(kInput) at the key when there is no regular file or it has more
 // than `max_bytes`.
 std::filesystem::path readHashedFile(const YamlMap& map, std::string_view key, std::string_view what,
                                      const std::filesystem::path& directory, std::uintmax_t max_bytes);

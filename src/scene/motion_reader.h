@@ -9,7 +9,7 @@
 
 namespace taxelsim {
 
-// None when the object has no such block. Files that it names lie relative to `directory`.
+// Empty if the object has no such block. Files are relative to `directory`.
 std::optional<Motion> readMotion(const YamlMap& object, const std::filesystem::path& directory);
 
 }  // namespace taxelsim

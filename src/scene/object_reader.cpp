@@ -71,7 +71,7 @@ Shape readSolid(const YamlMap& parent, std::string_view kind) {
   return Torus{.major_radius = major, .minor_radius = map.number("minor_radius", length)};
 }
 
-// Where the object's edge runs: a direction, or a closed line.
+// The object's edge: a direction, or a closed contour.
 void readEdge(const YamlMap& map, const std::filesystem::path& directory, SceneObject& object) {
   if (const std::optional<YamlNode> edge = map.find("edge")) {
     const Vector3 direction = map.numbers<3>("edge", Allowed::any(""));
@@ -91,7 +91,7 @@ void readEdge(const YamlMap& map, const std::filesystem::path& directory, SceneO
   }
 }
 
-// The one shape among the keys of an item.
+// The key of the shape of an item; exactly one.
 std::string_view shapeOf(const YamlMap& map) {
   std::string_view shape;
   for (std::size_t i = 0; i < kNumShapes; ++i) {
@@ -105,10 +105,10 @@ std::string_view shapeOf(const YamlMap& map) {
   return shape;
 }
 
-// Names for objects without one: the file's or shape's own word, from the second on with a number behind it.
+// Default names of objects: the name of the file or shape, with a number from the second on.
 class Names {
  public:
-  // False when an earlier object has it.
+  // False if an earlier object has this name.
   bool take(const std::string& name) { return taken_.insert(name).second; }
 
   std::string make(const YamlMap& map, std::string_view shape) {

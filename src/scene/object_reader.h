@@ -9,7 +9,7 @@
 
 namespace taxelsim {
 
-// Reads all objects of the scene `map`, loads their meshes (files relative to `directory`) and checks them with checkObject().
+// Reads the objects of the scene `map`, loads their meshes (relative to `directory`) and checks them with checkObject().
 std::vector<SceneObject> readObjects(const YamlMap& map, const std::filesystem::path& directory);
 
 // Fails at the first object that has a `motion`, with `reason`.

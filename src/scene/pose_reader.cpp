@@ -7,13 +7,13 @@
 namespace taxelsim {
 namespace {
 
-// A quaternion written with four digits is of unit length within this.
+// Tolerance of the length of a quaternion; four decimal digits suffice.
 constexpr double kUnitTolerance = 1e-3;
-// Already normalised: dividing by the length again would only move the last bit.
+// Already normalized; a second division would change the last bit.
 constexpr double kNormalised = 4 * std::numeric_limits<double>::epsilon();
 constexpr double kFullTurn = 2 * std::numbers::pi;
 
-// The canonical text keeps roll, pitch and yaw where they were given: sine and cosine may differ in the last bit between machines.
+// The canonical text keeps given roll, pitch and yaw, because sine and cosine may differ in the last bit between machines.
 Quaternion rotationOf(const YamlMap& map) {
   const std::optional<YamlNode> given = map.find("rotation");
   if (map.has("rpy")) {

@@ -1,4 +1,4 @@
-// Poses and rotations as our files write them: `position`, and `rotation` (w, x, y, z) or `rpy`.
+// Poses and rotations: `position`, and `rotation` (w, x, y, z) or `rpy`.
 #pragma once
 
 #include <string_view>
@@ -8,7 +8,7 @@
 
 namespace taxelsim {
 
-// The block `key` of `parent`: {position[_mm], rotation | rpy[_deg]}; the identity when it is not there.
+// The block `key` of `parent`: {position[_mm], rotation | rpy[_deg]}; the identity if missing.
 Pose readPose(const YamlMap& parent, std::string_view key);
 
 // The same without a position.

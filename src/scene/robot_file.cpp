@@ -15,7 +15,7 @@ constexpr std::string_view kKinds = "free_flying | pan_tilt | urdf";
 constexpr const char* kRobotBlock = "a robot file, or a robot's own settings";
 constexpr std::array<std::string_view, 6> kCoordinates = {"vx", "vy", "vz", "wx", "wy", "wz"};
 
-// Of all robots with joints.
+// Keys of all robots with joints.
 constexpr std::array<std::string_view, 8> kManipulatorKeys = {
     "base", "sensors", "selection", "max_damping", "singular_threshold", "position_step[_deg]", "delay", "initial_positions"};
 
@@ -117,7 +117,7 @@ JointDrive readDrive(const YamlMap& map, JointDrive drive) {
   return drive;
 }
 
-// What any robot with joints has, whatever says where they are; the drive is read before.
+// Settings of all robots with joints. The drive is read before.
 void readManipulator(const YamlMap& map, Manipulator& robot) {
   robot.X_WB = readPose(map, "base");
   robot.selection = readSelection(map, robot.selection);
@@ -183,7 +183,7 @@ Robot readRobotBlock(const YamlMap& scene, const std::filesystem::path& director
   } else {
     const std::filesystem::path file = directory / node->text(kRobotBlock);
     std::error_code error;
-    // What is wrong inside that file is reported with a position there.
+    // Errors inside that file have positions in that file.
     if (!std::filesystem::is_regular_file(file, error)) node->fail(file.generic_string() + " is not there, or not a file");
     const std::string name = file.generic_string();
     const YamlTree tree = parseYaml(readYamlFile(file), name);

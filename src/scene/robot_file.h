@@ -8,8 +8,8 @@
 
 namespace taxelsim {
 
-// The robot that the key `robot` of a scene names by a file, relative to `directory`, or gives in place; a free-flying sensor when it is
-// not there. Checked, and as the block `robot` of the canonical text.
+// The robot of a scene: a file, relative to `directory`, or settings in place; a free-flying sensor if missing. Checks it and writes the
+// block `robot` of the canonical text.
 Robot readRobotBlock(const YamlMap& scene, const std::filesystem::path& directory);
 
 }  // namespace taxelsim

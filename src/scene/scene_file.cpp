@@ -17,7 +17,7 @@ namespace taxelsim {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr std::uint64_t kMaxSteps = 1'000'000;  // frames an episode
+constexpr std::uint64_t kMaxSteps = 1'000'000;  // frames per episode
 constexpr std::uint64_t kMaxEpisodes = std::uint64_t{1} << 40;
 constexpr std::uint64_t kMaxEpisodesPerShard = 1'000'000;  // a shard is held in memory
 constexpr double kMaxRate = 1e6;                           // Hz
@@ -26,7 +26,7 @@ constexpr double kMaxLoad = 1e6;                           // N
 constexpr double kRateTolerance = 1e-9;                    // relative; rates are decimal fractions
 
 constexpr std::array<std::string_view, 2> kContactColumns = {"contact_features", "clean_contact_features"};
-constexpr std::uint64_t kMaxRegions = 8;  // as a simulator has it
+constexpr std::uint64_t kMaxRegions = 8;  // as in taxelsim/simulator.h
 constexpr std::uint64_t kDefaultRegions = 4;
 constexpr std::string_view kActions = "actions", kRobot = "robot";
 constexpr std::array<std::string_view, 5> kDefaultColumns = {"tactile_image", "features", "ground_truth", "poses", "actions"};
@@ -65,7 +65,7 @@ void readEpisode(const YamlMap& parent, Scene& scene) {
   }
 }
 
-// A delay must show what it delays, and fit into the ring of forces that a step fills.
+// The delay must be shorter than the episode and fit the ring of forces.
 void checkDelay(const YamlMap& map, const Scene& scene) {
   const double delay = scene.sensor.readout.delay;
   if (delay == 0) return;
@@ -81,13 +81,13 @@ void checkDelay(const YamlMap& map, const Scene& scene) {
   }
 }
 
-Randomisation readRandomisation(const YamlMap& parent, const Scene& scene) {
+Randomization readRandomization(const YamlMap& parent, const Scene& scene) {
   YamlMap::Keys keys{"x[_mm]", "y[_mm]", "yaw[_deg]", "tilt[_deg]", "load", "depth[_mm]", "gain", "gain_spread", "noise"};
   const bool moves = scene.kind == Scene::Kind::kServo;
   if (moves) keys.insert(keys.end(), {"exploration_velocity[_mm]", "linear_action_noise[_mm]", "angular_action_noise[_deg]"});
-  const YamlMap map(parent, "randomisation", keys);
+  const YamlMap map(parent, "randomization", keys);
   const Allowed offset = Allowed::within(-kMaxOffset, kMaxOffset, "m");
-  Randomisation random;
+  Randomization random;
   random.x = readRange(map, "x", offset, Range{});
   random.y = readRange(map, "y", offset, Range{});
   random.yaw = readRange(map, "yaw", Allowed::within(-2 * kPi, 2 * kPi, "rad"), Range{});
@@ -113,14 +113,14 @@ Randomisation readRandomisation(const YamlMap& parent, const Scene& scene) {
   return random;
 }
 
-// Exact angles are of an edge that the scene knows.
+// Exact edge angles need objects with an edge or a contour.
 void checkExactAngles(const YamlMap& map, const Scene& scene) {
   const bool wanted = std::any_of(scene.controllers.begin(), scene.controllers.end(), [](const SceneController& controller) {
     return controller.servo.edge_angle_source == EdgeAngleSource::kExact;
   });
   const bool known = std::all_of(scene.objects.begin(), scene.objects.end(),
                                  [](const SceneObject& object) { return object.edge || !object.contour.empty(); });
-  if (wanted && !known) map.require("objects", "").fail("an object has neither edge nor contour, which edge_angle_source exact needs");
+  if (wanted && !known) map.require("objects", "").fail("edge_angle_source exact needs an edge or a contour of every object");
 }
 
 std::vector<std::string> readRecord(const YamlMap& map, Scene::Kind kind) {
@@ -154,19 +154,19 @@ std::vector<std::string> readRecord(const YamlMap& map, Scene::Kind kind) {
   return record;
 }
 
-// Of contact features; a scene without them has no such key.
+// Only scenes with contact features have this key.
 int readMaxRegions(const YamlMap& map, const std::vector<std::string>& record) {
   const bool has_rows = std::any_of(kContactColumns.begin(), kContactColumns.end(), [&](std::string_view column) {
     return std::find(record.begin(), record.end(), column) != record.end();
   });
   if (has_rows) return static_cast<int>(map.integer("max_regions", 0, kMaxRegions, kDefaultRegions));
   if (const std::optional<YamlNode> node = map.find("max_regions")) {
-    node->fail("is of contact_features or clean_contact_features, and record has neither");
+    node->fail("needs contact_features or clean_contact_features in record");
   }
   return 0;
 }
 
-// What stands on the command line replaces the file's value before it is checked or written.
+// The command line's value replaces the file's before the check.
 std::uint64_t overridden(const YamlMap& map, std::string_view key, std::uint64_t min, std::uint64_t max, std::uint64_t otherwise,
                          const std::optional<std::uint64_t>& override_value) {
   if (!override_value) return map.integer(key, min, max, otherwise);
@@ -197,8 +197,8 @@ Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrid
 
   Canonical canonical;
   const YamlMap map(root,
-                    {"format_version", "name", "kind", "sensor", "robot", "objects", "episode", "randomisation", "controller",
-                     "controllers", "task", "record", "max_regions", "data_set"},
+                    {"format_version", "name", "kind", "sensor", "robot", "objects", "episode", "randomization(randomisation)",
+                     "controller", "controllers", "task", "record", "max_regions", "data_set"},
                     canonical);
   Scene scene;
   scene.file = file;
@@ -214,7 +214,7 @@ Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrid
   if (scene.kind == Scene::Kind::kContacts) refuseMotions(map, "a scene of kind contacts has one frame, in which nothing moves");
   readEpisode(map, scene);
   checkDelay(map, scene);
-  scene.randomisation = readRandomisation(map, scene);
+  scene.randomization = readRandomization(map, scene);
   if (scene.kind == Scene::Kind::kServo) {
     scene.controllers = readControllers(map);
     checkExactAngles(map, scene);

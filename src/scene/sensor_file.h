@@ -11,10 +11,10 @@ namespace taxelsim {
 
 inline constexpr std::uint64_t kFormatVersion = 1;  // of sensor and scene files
 
-// Refuses a file without `format_version` or with a newer one: before its other keys are looked at, since a newer file may have others.
+// Refuses a file without `format_version` or with a newer one. Called before the check of keys, since a newer file may have others.
 void checkFormatVersion(const YamlNode& root);
 
-// read(root, directory) of a file that has a `format_version`.
+// Parses the file, checks its `format_version` and returns read(root, directory).
 template <typename Function>
 auto readVersionedFile(const std::filesystem::path& file, Function read) {
   const std::string name = file.generic_string();
@@ -24,17 +24,17 @@ auto readVersionedFile(const std::filesystem::path& file, Function read) {
   return read(root, file.parent_path());
 }
 
-// Reads and checks a sensor, checkSensor() included, and writes every setting to `canonical`. Files that it names lie relative to
-// `directory`. Only a file of its own is `versioned`.
+// Reads a sensor, checks it with checkSensor() and writes every setting to `canonical`. Files are relative to `directory`. `versioned`: the
+// node is a file of its own, with a `format_version`.
 Sensor readSensor(const YamlNode& node, const std::filesystem::path& directory, Canonical& canonical, bool versioned);
 
-// The same from a file of its own.
+// The same for a sensor file.
 Sensor readSensorFile(const std::filesystem::path& file, Canonical& canonical);
 
-// What readSensorBlock() takes, for a message.
+// For messages: the values that readSensorBlock() accepts.
 inline constexpr const char* kSensorBlock = "a sensor file, or a sensor's own settings";
 
-// The sensor that `node` names by a file, relative to `directory`, or gives in place; as the block `sensor` of the canonical text.
+// The sensor of a scene: a file, relative to `directory`, or settings in place. Writes the block `sensor` of the canonical text.
 Sensor readSensorBlock(const YamlNode& node, const std::filesystem::path& directory, Canonical& canonical);
 
 }  // namespace taxelsim

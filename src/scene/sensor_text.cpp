@@ -1,4 +1,4 @@
-// A sensor as the text of a sensor file. Every setting that sensor_file.cpp reads is written here.
+// A sensor as the text of a sensor file, with every setting that readSensor() reads.
 #include <array>
 #include <set>
 #include <span>
@@ -8,12 +8,13 @@
 #include "base/text.h"
 #include "scene/canonical.h"
 #include "scene/sensor_file.h"
+#include "sensor/fields.h"
 #include "taxelsim/sensor.h"
 
 namespace taxelsim {
 namespace {
 
-// Lines of a file, each with what the notes say of its key.
+// Lines of a file, with the notes of their keys as comments.
 class Writer {
  public:
   explicit Writer(const std::map<std::string, std::string>& notes) : notes_(notes) {}
@@ -25,12 +26,12 @@ class Writer {
   void line(std::string_view key, double value) { line(key, canonicalNumber(value)); }
   void line(std::string_view key, int value) { line(key, std::to_string(value)); }
   void line(std::string_view key, std::span<const double> values) {
-    std::vector<double> unsigned_zeros(values.begin(), values.end());  // the reader makes 0 of -0 in a quaternion
+    std::vector<double> unsigned_zeros(values.begin(), values.end());  // the reader reads -0 as 0
     for (double& value : unsigned_zeros) value += 0.0;
     line(key, canonicalList(unsigned_zeros));
   }
 
-  // write() gives what stands below `key`.
+  // write() writes the lines below `key`.
   template <typename Function>
   void block(std::string_view key, Function write) {
     const std::string outer = path_;
@@ -55,6 +56,13 @@ class Writer {
   Canonical text_;
 };
 
+template <typename Settings, std::size_t N>
+void writeFields(const std::array<Field<Settings>, N>& table, const Settings& settings, Writer& out) {
+  for (const Field<Settings>& field : table) {
+    std::visit([&](auto member) { out.line(field.name(), settings.*member); }, field.member);
+  }
+}
+
 void writePatches(const Sensor& sensor, Writer& out) {
   std::set<std::string> names;
   for (const GridPatch& patch : sensor.patches) names.insert(patch.name);
@@ -63,8 +71,7 @@ void writePatches(const Sensor& sensor, Writer& out) {
     for (const GridPatch& patch : sensor.patches) {
       out.item([&] {
         if (named) out.line("name", canonicalText(patch.name));
-        out.line("num_rows", patch.num_rows);
-        out.line("num_cols", patch.num_cols);
+        writeFields(kGridPatchFields, patch, out);
         out.line("pitch", patch.pitch);
         out.block("pose", [&] {
           out.line("position", patch.X_SP.position);
@@ -75,66 +82,35 @@ void writePatches(const Sensor& sensor, Writer& out) {
   });
 }
 
-template <typename Term>
-void writeTerms(std::string_view key, const std::vector<Term>& terms, Writer& out) {
+template <typename Term, std::size_t N>
+void writeTerms(std::string_view key, const std::vector<Term>& terms, const std::array<Field<Term>, N>& table, Writer& out) {
   if (terms.empty()) return;
   out.block(key, [&] {
-    for (const Term& term : terms) {
-      out.item([&] {
-        out.line("fraction", term.fraction);
-        out.line("time", term.time);
-      });
-    }
+    for (const Term& term : terms) out.item([&] { writeFields(table, term, out); });
   });
 }
 
-void writeLaw(const ContactLaw& law, Writer& out) {
-  if (const auto* winkler = std::get_if<Winkler>(&law)) {
-    out.line("law", "winkler");
-    out.line("normal_contact_stiffness", winkler->normal_contact_stiffness);
-    out.line("normal_exponent", winkler->normal_exponent);
-    out.line("normal_damping", winkler->normal_damping);
-  } else if (const auto* mass = std::get_if<MassSpringDamper>(&law)) {
-    out.line("law", "mass_spring_damper");
-    out.line("normal_contact_stiffness", mass->normal_contact_stiffness);
-    out.line("mass", mass->mass);
-    out.line("stiffness", mass->stiffness);
-    out.line("damping", mass->damping);
-  } else if (const auto* mask = std::get_if<DeformationMask>(&law)) {
-    out.line("law", "deformation_mask");
-    out.line("normal_contact_stiffness", mask->normal_contact_stiffness);
-    out.line("saturation_pressure", mask->saturation_pressure);
-  } else if (const auto* proximity = std::get_if<Proximity>(&law)) {
-    out.line("law", "proximity");
-    out.line("sensitivity", proximity->sensitivity);
-  } else if (const auto* layer = std::get_if<ElasticLayer>(&law)) {
-    out.line("law", "elastic_layer");
-    out.line("elastic_modulus", layer->elastic_modulus);
-    out.line("poisson_ratio", layer->poisson_ratio);
-    out.line("base", layer->base == ElasticLayer::Base::kBonded ? "bonded" : "half_space");
-    out.line("iterations", layer->iterations);
-    out.line("tolerance", layer->tolerance);
-  } else if (const auto* lugre = std::get_if<LuGre>(&law)) {
-    out.line("law", "lugre");
-    out.line("normal_contact_stiffness", lugre->normal_contact_stiffness);
-    out.line("bristle_stiffness", lugre->bristle_stiffness);
-    out.line("bristle_damping", lugre->bristle_damping);
-    out.line("viscous_friction", lugre->viscous_friction);
-    out.line("static_friction", lugre->static_friction);
-    out.line("coulomb_friction", lugre->coulomb_friction);
-    out.line("stribeck_velocity", lugre->stribeck_velocity);
-  }
+template <typename Law>
+void writeLaw(const Law& law, Writer& out) {
+  visitFields(law, [&](const auto& table) { writeFields(table, law, out); });
+}
+
+void writeLaw(const ElasticLayer& law, Writer& out) {
+  writeFields(kElasticLayerFields, law, out);
+  out.line("base", law.base == ElasticLayer::Base::kBonded ? "bonded" : "half_space");
+  writeFields(kLayerSolverFields, law, out);
 }
 
 void writeSkin(const Skin& skin, Writer& out) {
-  out.line("thickness", skin.thickness);
-  writeLaw(skin.law, out);
-  if (std::holds_alternative<ElasticLayer>(skin.law)) out.line("margin", skin.margin);
+  writeFields(kSkinFields, skin, out);
+  out.line("law", std::string(kLawNames[skin.law.index()]));
+  std::visit([&](const auto& law) { writeLaw(law, out); }, skin.law);
+  if (std::holds_alternative<ElasticLayer>(skin.law)) writeFields(kMarginFields, skin, out);
   if (skin.friction.friction_coefficient > 0) {
     out.line("friction_coefficient", skin.friction.friction_coefficient);
     out.line("tangential_stiffness", skin.friction.tangential_stiffness);
   }
-  writeTerms("relaxation", skin.relaxation, out);
+  writeTerms("relaxation", skin.relaxation, kRelaxationFields, out);
 }
 
 void writePsf(const Psf& psf, Writer& out) {
@@ -169,26 +145,18 @@ void writeReadout(const Readout& readout, Writer& out) {
     }
     if (readout.curve_limit > 0) out.line("limit", readout.curve_limit);
   });
-  out.line("output_scale", readout.output_scale);
-  out.line("trigger", readout.trigger);
-  out.line("adc_bits", readout.adc_bits);
+  writeFields(kOutputFields, readout, out);
   out.line("saturation", readout.saturation);
-  out.line("noise", readout.noise);
+  writeFields(kNoiseFields, readout, out);
   if (!readout.taxel_gain.empty()) out.line("taxel_gain", readout.taxel_gain);
   if (!readout.taxel_trigger.empty()) out.line("taxel_trigger", readout.taxel_trigger);
   if (!readout.hysteresis_strength.empty()) {
     out.line("hysteresis_strength", readout.hysteresis_strength);
     out.line("hysteresis_width", readout.hysteresis_width);
   }
-  writeTerms("creep", readout.creep, out);
-  out.line("low_pass_time", readout.low_pass_time);
-  out.line("delay", readout.delay);
-  out.line("jitter", readout.jitter);
-  out.line("bias", readout.bias);
-  out.line("random_walk", readout.random_walk);
-  out.line("gain_spread", readout.gain_spread);
-  out.line("press_gain_spread", readout.press_gain_spread);
-  out.line("dead_taxel_probability", readout.dead_taxel_probability);
+  writeTerms("creep", readout.creep, kCreepFields, out);
+  writeFields(kTimeFields, readout, out);
+  writeFields(kImperfectionFields, readout, out);
 }
 
 }  // namespace
@@ -198,8 +166,8 @@ std::string sensorText(const Sensor& sensor, const std::map<std::string, std::st
   out.line("format_version", static_cast<int>(kFormatVersion));
   out.line("name", canonicalText(sensor.name));
   writePatches(sensor, out);
-  out.line("samples_per_taxel", sensor.samples_per_taxel);
-  out.line("frame_rate", sensor.frame_rate);
+  writeFields(kSensorFields, sensor, out);
+  writeFields(kFrameRateFields, sensor, out);
   out.block("skin", [&] { writeSkin(sensor.skin, out); });
   out.block("psf", [&] { writePsf(sensor.psf, out); });
   out.block("readout", [&] { writeReadout(sensor.readout, out); });

@@ -13,7 +13,7 @@ constexpr double kTurn = 2 * std::numbers::pi;
 constexpr std::uint64_t kMaxSteps = 1'000'000;
 constexpr double kMaxRate = 1e6;         // Hz
 constexpr double kRateTolerance = 1e-9;  // relative; rates are decimal fractions
-constexpr double kMaxGain = 1000;        // kp times the control period: far past any limit
+constexpr double kMaxGain = 1000;        // kp times the control period; far above the stability limit
 constexpr std::size_t kMaxRuns = 100;
 constexpr const char* kRuns = "a list of 1 to 100 {name, controller, ...}";
 constexpr const char* kSweeps = "a list of {name, controller, gains, ...}";
@@ -36,7 +36,7 @@ const std::string& objectName(const SceneObject& object) {
   return object.object.name;
 }
 
-// The one item with that name, alone in its list.
+// The item with that name, as a list of one.
 template <typename T>
 void choose(const YamlMap& map, std::string_view key, std::vector<T>& items, const std::string& (*name)(const T&)) {
   const std::string allowed = namesOf(items, name);
@@ -62,7 +62,7 @@ void readRates(const YamlMap& map, Scene& scene) {
   }
 }
 
-// What a run or sweep says instead of its scene.
+// Settings of a run or sweep that replace those of its scene.
 Scene readOverrides(const YamlMap& map, Scene scene, const std::filesystem::path& directory) {
   choose(map, "controller", scene.controllers, controllerName);
   if (map.has("object")) {
@@ -71,7 +71,7 @@ Scene readOverrides(const YamlMap& map, Scene scene, const std::filesystem::path
     map.require("object", "the object to be felt, one of " + namesOf(scene.objects, objectName));
   }
   if (map.has("robot")) scene.robot = readRobotBlock(map, directory);
-  Randomisation& start = scene.randomisation;
+  Randomization& start = scene.randomization;
   const auto fix = [&](std::string_view key, Range& range, const Allowed& allowed) {
     if (map.has(key)) range.min = range.max = map.number(key, allowed);
   };
@@ -90,14 +90,14 @@ Scene readOverrides(const YamlMap& map, Scene scene, const std::filesystem::path
   return scene;
 }
 
-// Fails at `node` unless the loop is one that theory knows: the edge angle by kp, and nothing else.
+// Fails at `node` unless the controller controls the edge angle alone, by kp alone, as the theory assumes.
 void checkLoop(const YamlNode& node, const std::string& what, const Scene& scene, bool exact) {
   const auto fail = [&](const std::string& of) { node.fail(what + " is of " + of); };
   const TactileServo& servo = scene.controllers.front().servo;
   const FeatureLoop& angle = servo[ServoFeature::kEdgeAngle];
   const auto selected = std::count_if(servo.loops.begin(), servo.loops.end(), [](const FeatureLoop& loop) { return loop.selected; });
   if (!angle.selected || selected != 1 || angle.ki != 0 || angle.kd != 0 || std::isfinite(angle.error_limit) ||
-      servo.exploration_velocity != 0 || scene.randomisation.exploration_velocity) {
+      servo.exploration_velocity != 0 || scene.randomization.exploration_velocity) {
     fail("a controller that holds edge_angle alone, by kp alone");
   }
   if (!(angle.kp > 0)) fail("a controller whose kp is above 0");

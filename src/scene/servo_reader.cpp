@@ -5,7 +5,7 @@
 namespace taxelsim {
 namespace {
 
-// Of each feature, in the order of ServoFeature: the unit of its values, and how a file may also give them.
+// Key, unit and alternative unit of each feature, in the order of ServoFeature.
 struct FeatureKeys {
   std::string_view name, unit, suffix;
   Allowed reference;
@@ -70,11 +70,11 @@ TactileServo readServo(const YamlMap& outer) {
     servo.loops[f] = readLoop(map, kFeatures[f]);
     any = true;
   }
-  if (!any) map.node().fail("nothing to hold: at least one of " + features);
+  if (!any) map.node().fail("no feature to control: at least one of " + features);
   for (const ServoFeature axis : {ServoFeature::kCenterX, ServoFeature::kCenterY}) {
     const std::string_view name = kFeatures[static_cast<std::size_t>(axis)].name;
     if (servo[axis].selected && servo[ServoFeature::kCenterAcross].selected) {
-      map.require(name, "").fail("given beside center_across, which holds the same contact");
+      map.require(name, "").fail("given beside center_across, which controls the same coordinate");
     }
   }
   const std::string source = map.choice("edge_angle_source", {"principal_axis", "window", "exact"}, "principal_axis");
@@ -85,7 +85,7 @@ TactileServo readServo(const YamlMap& outer) {
   servo.contact = whole ? ServoContact::kWhole : ServoContact::kLargestRegion;
   const bool nominal = map.choice("jacobian", {"nominal", "measured"}, "nominal") == "nominal";
   servo.jacobian = nominal ? TactileJacobianSource::kNominal : TactileJacobianSource::kMeasured;
-  if (!nominal && !whole) map.require("jacobian", "").fail("measured is of all that touches the sensor, and contact is largest_region");
+  if (!nominal && !whole) map.require("jacobian", "").fail("measured covers all contacts, but contact is largest_region");
   servo.exploration_velocity = map.number("exploration_velocity", Allowed::any("m/s"), servo.exploration_velocity);
   servo.exploration_direction =
       map.number("exploration_direction", Allowed::within(-2 * kHalfTurn, 2 * kHalfTurn, "rad"), servo.exploration_direction);

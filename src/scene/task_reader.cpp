@@ -50,7 +50,7 @@ std::optional<Task> readTask(const YamlMap& scene_map, const Scene& scene) {
     task.criteria[static_cast<std::size_t>(m)] = readCriterion(map, static_cast<TaskMeasure>(m));
   }
   if (std::none_of(task.criteria.begin(), task.criteria.end(), [](const auto& criterion) { return criterion.has_value(); })) {
-    node->fail("nothing to judge by: at least one of edge_angle, total_force, center, contour");
+    node->fail("no success criterion: at least one of edge_angle, total_force, center, contour");
   }
   const double duration = scene.num_steps / scene.simulation_rate;
   task.hold = map.number("hold", {.min = 0, .max = duration * (1 + kRounding), .above_min = true, .unit = "s"}, std::min(1.0, duration));
@@ -62,10 +62,10 @@ std::optional<Task> readTask(const YamlMap& scene_map, const Scene& scene) {
   const bool all_have_contours =
       std::all_of(scene.objects.begin(), scene.objects.end(), [](const SceneObject& object) { return !object.contour.empty(); });
   if (task[TaskMeasure::kEdgeAngle] && !all_have_edges) {
-    map.require("edge_angle", "").fail("is of an edge, and an object of the scene has neither edge nor contour");
+    map.require("edge_angle", "").fail("needs an edge or a contour of every object of the scene");
   }
   for (const std::string_view key : {"contour", "laps"}) {
-    if (map.has(key) && !all_have_contours) map.require(key, "").fail("is of a contour, and an object of the scene has none");
+    if (map.has(key) && !all_have_contours) map.require(key, "").fail("needs a contour of every object of the scene");
   }
   return task;
 }

@@ -8,7 +8,7 @@
 
 namespace taxelsim {
 
-// `scene`: with objects and length of episodes read. Nothing where the file has no task.
+// `scene`: its objects and episode length are read. Empty if the file has no task.
 std::optional<Task> readTask(const YamlMap& map, const Scene& scene);
 
 }  // namespace taxelsim

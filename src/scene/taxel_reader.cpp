@@ -10,7 +10,7 @@ namespace {
 
 const std::string kAtMost = "at most " + std::to_string(kMaxListTaxels) + " taxels";
 
-// A side, or [along x, along y].
+// The side of a square, or [along x, along y].
 std::array<double, 2> readSize(const YamlMap& map) {
   const Allowed allowed = Allowed::above(0, "m");
   const YamlNode node = map.require("size", "the side of a square in m, > 0, or [along x, along y]");
@@ -25,7 +25,7 @@ std::array<double, 2> readSize(const YamlMap& map) {
   return size;
 }
 
-// The canonical text keeps directions as given: the rotation computed from them may differ in the last bit between machines.
+// The canonical text keeps the directions, because the rotation from them may differ in the last bit between machines.
 GridPatch readTaxel(const YamlMap& map, std::string name) {
   const Vector3 position = map.numbers<3>("position", Allowed::any("m"));
   const Allowed component = Allowed::any("");

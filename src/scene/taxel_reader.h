@@ -1,4 +1,4 @@
-// The ways in which a sensor file gives taxels with places of their own: a list, a mesh, a URDF (docs/file_formats.md).
+// Taxels with individual poses: a list, a mesh, a URDF (docs/file_formats.md).
 #pragma once
 
 #include <filesystem>

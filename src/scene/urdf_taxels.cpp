@@ -17,10 +17,10 @@ namespace {
 using tinyxml2::XMLElement;
 
 constexpr std::size_t kMaxShown = 40;  // bytes of a value that a message repeats
-// Numbers as our own files have them: the device computes in float32.
+// Limits of numbers as in YAML files: the device computes in float32.
 constexpr double kLargest = 1e30;
 
-// A file while it is read; knows its name for messages.
+// The file being read; its name is in messages.
 class Urdf {
  public:
   Urdf(const std::filesystem::path& file, int max_taxels) : file_(file, kMaxUrdfBytes), max_taxels_(max_taxels) {}
@@ -38,7 +38,7 @@ class Urdf {
     fail(element, std::string(attribute) + ": \"" + value + "\" is not allowed: " + allowed);
   }
 
-  // `count` numbers between blanks; none when the attribute is not there.
+  // `count` numbers separated by blanks; none if the attribute is missing.
   std::optional<std::vector<double>> numbers(const XMLElement& element, const char* attribute, std::size_t count) const;
   int whole(const XMLElement& element, const char* attribute, int min, int max) const;
   const XMLElement& tactileOf(const std::string& sensor) const;

@@ -1,5 +1,5 @@
 // Tactile sensors in robot descriptions: the <sensor><tactile> element of Bielefeld University's extension of URDF (urdf_tactile,
-// github.com/ubi-agni/tactile_toolbox). Nothing else of a URDF is read.
+// github.com/ubi-agni/tactile_toolbox). Other elements are ignored.
 //
 //   <robot>
 //     <sensor name="...">
@@ -18,10 +18,10 @@ namespace taxelsim {
 
 inline constexpr std::uintmax_t kMaxUrdfBytes = std::uintmax_t{16} << 20;
 
-// The taxels of sensor `name` in its own frame, which is S (its <origin> in the parent link is not read), in the order of its data.
-// Of an array, the taxel in row i and column j lies at (i spacing[0] - offset[0], j spacing[1] - offset[1], 0); `spacing` is `size` and
+// The taxels of sensor `name` in its own frame, which is S (its <origin> in the parent link is ignored), in the order of its data. Taxel
+// (i, j) of an array is at (i spacing[0] - offset[0], j spacing[1] - offset[1], 0); `spacing` is `size` and
 // `offset` is 0 where they are not given, a negative spacing flips. Data run along the columns first in row-major order (the default),
-// along the rows in column-major (or col-major) order. A row-major array without gaps and flips is one grid patch; of all else each taxel
+// along the rows in column-major (or col-major) order. A row-major array without gaps and flips is one grid patch; otherwise each taxel
 // is a patch. A <taxel> is a box's x and y, or the square of the area of a cylinder's or sphere's disc; `idx` counts from 0. Throws
 // Error(kInput), "file:line: ...", for what is missing, malformed, or more than `max_taxels` (of one grid: 128 x 128).
 std::vector<GridPatch> loadUrdfTaxels(const std::filesystem::path& file, const std::string& name, int max_taxels);

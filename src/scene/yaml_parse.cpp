@@ -10,6 +10,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "base/text.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -19,7 +20,7 @@ namespace {
   throw Error(ErrorKind::kInput, oneLine(file + ":" + std::to_string(line) + ":" + std::to_string(column) + ": " + message));
 }
 
-// Bytes of the UTF-8 sequence that begins at `i`, or 0 when it is broken (overlong forms and surrogates are).
+// Bytes of the UTF-8 sequence that begins at `i`, or 0 if it is invalid (overlong forms and surrogates are invalid).
 std::size_t utf8Length(std::string_view text, std::size_t i) {
   const auto byte = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u; };
   const auto continues = [&](std::size_t k) { return (byte(k) & 0xC0u) == 0x80u; };
@@ -39,7 +40,7 @@ std::size_t utf8Length(std::string_view text, std::size_t i) {
   return 0;
 }
 
-// yaml-cpp takes control characters, broken UTF-8 and some tabs without a word; a person gets a clear line here.
+// Refuses control characters, invalid UTF-8 and tabs with a clear message; yaml-cpp accepts them.
 void checkCharacters(std::string_view text, const std::string& file) {
   int line = 1;
   int column = 1;
@@ -64,7 +65,7 @@ void checkCharacters(std::string_view text, const std::string& file) {
   }
 }
 
-// Builds the tree from yaml-cpp's events. It is asked before yaml-cpp descends, so its depth limit also bounds yaml-cpp's recursion.
+// Builds the tree from yaml-cpp's events. Events precede the recursion of yaml-cpp, so the depth limit also bounds that recursion.
 class TreeBuilder : public YAML::EventHandler {
  public:
   explicit TreeBuilder(const std::string& file) : file_(file) {}
@@ -143,7 +144,7 @@ class TreeBuilder : public YAML::EventHandler {
     } else {
       YamlTree& parent = open_.back();
       if (tree.kind == YamlTree::Kind::kNull && parent.kind == YamlTree::Kind::kMap) {
-        // yaml-cpp places a value that is not there at whatever comes next.
+        // yaml-cpp gives a missing value the position of the next token.
         tree.line = parent.keys.back().line;
         tree.column = parent.keys.back().column;
       }
@@ -173,13 +174,6 @@ class TreeBuilder : public YAML::EventHandler {
 };
 
 }  // namespace
-
-std::string oneLine(std::string message) {
-  for (char& c : message) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
-  }
-  return message;
-}
 
 std::string readYamlFile(const std::filesystem::path& file) {
   const auto fail = [&](ErrorKind kind, const std::string& message) -> void { throw Error(kind, oneLine(file.string() + ": " + message)); };

@@ -1,5 +1,5 @@
-// From the bytes of a YAML file to a plain tree that knows where everything stands. Takes the part of YAML that our files need and refuses
-// the rest (anchors, aliases, tags, several documents), so that no input can make it large, deep or slow. Knows no key; see yaml_reader.h.
+// Parses a YAML file into a tree of nodes with positions. Reads the part of YAML that scene and sensor files need and refuses the rest
+// (anchors, aliases, tags, several documents), so that no input makes it large, deep or slow. Keys are checked by yaml_reader.h.
 #pragma once
 
 #include <cstddef>
@@ -34,11 +34,8 @@ struct YamlTree {
 // The whole file. Throws Error(kInput) when it is missing, not a regular file, or larger than kMaxYamlBytes.
 std::string readYamlFile(const std::filesystem::path& file);
 
-// `file` is the name that messages begin with. Throws Error(kInput), "file:line:column: what", for anything that is not one document of
+// `file`: begin of messages. Throws Error(kInput), "file:line:column: what", for anything that is not one document of
 // plain YAML in UTF-8 with different keys, at most kMaxYamlDepth deep and kMaxYamlNodes large.
 YamlTree parseYaml(std::string text, const std::string& file);
-
-// The message on one line: control characters become '?'.
-std::string oneLine(std::string message);
 
 }  // namespace taxelsim

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/log.h"
+#include "base/text.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -12,7 +14,7 @@ namespace {
 
 constexpr double kLargest = 1e30;
 constexpr double kSmallest = 1e-30;
-constexpr std::size_t kMaxShown = 40;  // bytes of a value that a message repeats
+constexpr std::size_t kMaxShown = 40;  // bytes of a value in a message
 constexpr std::size_t kMaxText = 200;  // bytes of a name or file name
 constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
 
@@ -25,7 +27,7 @@ const YamlTree& emptyMap() {
   return tree;
 }
 
-// "randomisation" and "load" -> "randomisation.load"
+// "randomization" and "load" -> "randomization.load"
 std::string below(const std::string& path, std::string_view key) {
   std::string result = path;
   if (!path.empty()) result += '.';
@@ -53,7 +55,7 @@ std::string shown(const YamlTree& tree) {
   return text.empty() ? "an empty text" : text;
 }
 
-// A bound as the file's unit has it; rounding takes the last bits of pi / 180 away, so that 90 deg is 90.
+// A bound in the unit of the file. Rounding removes the last bits of pi / 180, so that 90 deg is 90.
 double inUnit(double bound, YamlNode::Unit unit) {
   switch (unit) {
     case YamlNode::Unit::kMilli:
@@ -73,18 +75,13 @@ std::string unitName(std::string_view si, YamlNode::Unit unit) {
   return name.empty() ? std::string(si) : name;
 }
 
-std::string describe(const Allowed& allowed, YamlNode::Unit unit) {
-  const double min = inUnit(allowed.min, unit);
-  const double max = inUnit(allowed.max, unit);
-  std::string text = "a number";
-  if (std::isfinite(min) && std::isfinite(max) && !allowed.above_min) {
-    text += " from " + canonicalNumber(min) + " to " + canonicalNumber(max);
-  } else {
-    if (std::isfinite(min)) text += (allowed.above_min ? " > " : " >= ") + canonicalNumber(min);
-    if (std::isfinite(max)) text += (std::isfinite(min) ? " and <= " : " <= ") + canonicalNumber(max);
-  }
+// The allowed numbers in the unit of a file.
+std::string describe(Allowed allowed, YamlNode::Unit unit) {
   const std::string name = unitName(allowed.unit, unit);
-  return name.empty() ? text : text + " " + name;
+  allowed.min = inUnit(allowed.min, unit);
+  allowed.max = inUnit(allowed.max, unit);
+  allowed.unit = name;
+  return describe(allowed);
 }
 
 // A thousandth of the decimal number `text` (which is `value`), rounded once: value / 1000 is rounded twice, and 3.4 mm must be the same
@@ -118,16 +115,19 @@ std::size_t editDistance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-// "pitch[_mm]" -> {"pitch", "_mm"}
+// "pitch[_mm]" -> {"pitch", "_mm", ""}, "randomization(randomisation)" -> {"randomization", "", "randomisation"}
 struct KeyForms {
   std::string_view name;
   std::string_view suffix;
+  std::string_view former;
 };
 
 KeyForms formsOf(std::string_view key) {
-  const std::size_t bracket = key.find('[');
-  if (bracket == std::string_view::npos) return {key, {}};
-  return {key.substr(0, bracket), key.substr(bracket + 1, key.size() - bracket - 2)};
+  const std::size_t bracket = key.find_first_of("[(");
+  if (bracket == std::string_view::npos) return {key, {}, {}};
+  const std::string_view inside = key.substr(bracket + 1, key.size() - bracket - 2);
+  if (key[bracket] == '[') return {key.substr(0, bracket), inside, {}};
+  return {key.substr(0, bracket), {}, inside};
 }
 
 }  // namespace
@@ -139,6 +139,31 @@ void YamlNode::fail(const std::string& message) const {
 
 void YamlNode::refuse(const std::string& allowed) const {
   fail(shown(*tree_) + " is not allowed: " + allowed);
+}
+
+void YamlNode::failAt(std::string_view field, const std::string& reason) const {
+  YamlNode place = *this;
+  std::string_view rest = field;
+  while (!rest.empty()) {
+    const bool is_index = rest.front() == '[';
+    const std::size_t end = is_index ? rest.find(']') : std::min(rest.find_first_of(".["), rest.size());
+    const std::string name(rest.substr(is_index ? 1 : 0, end - (is_index ? 1 : 0)));
+    std::optional<YamlNode> next;
+    if (is_index && place.isList()) {
+      const std::vector<YamlNode> list = place.items("");
+      const std::size_t index = std::stoul(name);
+      if (index < list.size()) next = list[index];
+    } else if (!is_index) {
+      for (const char* const suffix : {"", "_mm", "_deg"}) {
+        if (!next) next = place.child(name + suffix);
+      }
+    }
+    if (!next) break;
+    place = *next;
+    rest.remove_prefix(is_index ? end + 1 : end);
+    if (rest.starts_with('.')) rest.remove_prefix(1);
+  }
+  place.fail(rest.empty() ? reason : std::string(rest) + ": " + reason);
 }
 
 std::optional<YamlNode> YamlNode::child(std::string_view key) const {
@@ -178,7 +203,7 @@ double YamlNode::number(const Allowed& allowed) const {
   if (value < min || value > max || (allowed.above_min && value == min)) refuse(describe(allowed, unit_));
   if (unit_ == Unit::kMilli) value = thousandth(text, value);
   if (unit_ == Unit::kDegree) value = value * std::numbers::pi / 180;
-  return std::clamp(value, allowed.min, allowed.max) + 0.0;  // + 0.0 takes the sign off -0
+  return std::clamp(value, allowed.min, allowed.max) + 0.0;  // + 0.0 turns -0 into 0
 }
 
 std::vector<double> YamlNode::numbers(const Allowed& allowed, std::size_t count) const {
@@ -247,23 +272,31 @@ YamlNode YamlMap::blockOf(const YamlMap& parent, std::string_view key) {
 
 void YamlMap::checkKeys() const {
   std::string list;
-  for (const std::string_view key : allowed_) list += (list.empty() ? "" : ", ") + std::string(key);
+  for (const std::string_view key : allowed_) list += (list.empty() ? "" : ", ") + std::string(key.substr(0, key.find('(')));
   if (!node_.isMap()) node_.refuse("a mapping of " + (list.empty() ? "nothing: {}" : list));
   for (const YamlTree::Key& key : node_.tree_->keys) {
     bool known = false;
     std::string nearest;
-    std::size_t nearest_distance = 1 + key.text.size() / 4;  // farther words are no slip of the finger
+    std::size_t nearest_distance = 1 + key.text.size() / 4;  // more distant words are no typing errors
     for (const std::string_view allowed : allowed_) {
-      const auto [name, suffix] = formsOf(allowed);
+      const auto [name, suffix, former] = formsOf(allowed);
+      known = known || (!former.empty() && key.text == former);
       for (const std::string& form : {std::string(name), std::string(name) + std::string(suffix)}) {
         known = known || key.text == form;
-        // Keys are short; a long one is not worth a table as long as itself.
+        // Long keys are not compared: the table of distances would be as long.
         if (key.text.size() > 2 * kMaxShown) continue;
         const std::size_t distance = editDistance(key.text, form);
         if (distance <= nearest_distance && (nearest.empty() || distance < nearest_distance)) {
           nearest = form;
           nearest_distance = distance;
         }
+      }
+    }
+    for (const std::string_view allowed : allowed_) {
+      const auto [name, suffix, former] = formsOf(allowed);
+      if (!former.empty() && key.text == former) {
+        logWarning(oneLine(*node_.file_) + ":" + std::to_string(key.line) + ":" + std::to_string(key.column) + ": '" + key.text +
+                   "' is the former spelling of '" + std::string(name) + "'");
       }
     }
     if (known) continue;
@@ -278,11 +311,19 @@ void YamlMap::checkKeys() const {
 
 std::optional<YamlNode> YamlMap::find(std::string_view key) const {
   key = formsOf(key).name;
-  std::string_view suffix;
+  std::string_view suffix, former;
   for (const std::string_view allowed : allowed_) {
-    if (formsOf(allowed).name == key) suffix = formsOf(allowed).suffix;
+    if (formsOf(allowed).name != key) continue;
+    suffix = formsOf(allowed).suffix;
+    former = formsOf(allowed).former;
   }
   std::optional<YamlNode> found = node_.child(key);
+  if (!former.empty()) {
+    if (const std::optional<YamlNode> old = node_.child(former)) {
+      if (found) old->fail("given twice, as " + std::string(key) + " and " + std::string(former));
+      return old;
+    }
+  }
   if (suffix.empty()) return found;
   const std::string suffixed = std::string(key) + std::string(suffix);
   if (std::optional<YamlNode> other = node_.child(suffixed)) {

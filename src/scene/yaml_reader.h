@@ -1,9 +1,10 @@
-// Strict reading of our YAML files. A YamlMap states once which keys a block may have; each getter checks one value, puts its default in
-// place and writes it to the canonical text, so that no setting can be read and then forgotten there. Every message is one line:
-//   scenes/x.yaml:12:5: randomisation.load: -1 is not allowed: a number >= 0 N
+// Strict reading of YAML files. A YamlMap has the list of keys that a block may have. Each getter checks one value, or takes its default,
+// and writes it to the canonical text, so that no setting is missing there. Every message is one line:
+//   scenes/x.yaml:12:5: randomization.load: -1 is not allowed: a number from 0 to 1e+06 N
+// Numbers larger than 1e30, or nonzero and smaller than 1e-30, are refused: the device computes in float32.
 //
-// A key written "pitch[_mm]" may be given as `pitch` in SI units or as `pitch_mm` in the thousandth of the metre, "yaw[_deg]" as `yaw` or
-// `yaw_deg`; getters take the bare name and return SI units.
+// Keys: "pitch[_mm]" may be given as `pitch` in SI units or as `pitch_mm` in millimetres, "yaw[_deg]" as `yaw` or `yaw_deg`;
+// "randomization(randomisation)" may also be given by its former spelling, with a warning. Getters take the bare name and return SI units.
 #pragma once
 
 #include <algorithm>
@@ -19,24 +20,12 @@
 
 #include "scene/canonical.h"
 #include "scene/yaml_parse.h"
+#include "sensor/fields.h"
+#include "taxelsim/error.h"
 
 namespace taxelsim {
 
-// Numbers a key takes, in SI units. Anything larger than 1e30, or nonzero and smaller than 1e-30, is refused beside: the device
-// computes in float32.
-struct Allowed {
-  double min = -std::numeric_limits<double>::infinity();
-  double max = std::numeric_limits<double>::infinity();
-  bool above_min = false;  // min itself is not allowed
-  std::string_view unit = "";
-
-  static Allowed any(std::string_view unit) { return {.unit = unit}; }
-  static Allowed atLeast(double min, std::string_view unit) { return {.min = min, .unit = unit}; }
-  static Allowed above(double min, std::string_view unit) { return {.min = min, .above_min = true, .unit = unit}; }
-  static Allowed within(double min, double max, std::string_view unit) { return {.min = min, .max = max, .unit = unit}; }
-};
-
-// One value of a file: where it stands, how it is reached, in which unit its numbers are. Refers to a tree and a name that must outlive it.
+// One value of a file: its position, its path of keys, the unit of its numbers. Refers to a tree and a name that must outlive it.
 class YamlNode {
  public:
   enum class Unit { kSi, kMilli, kDegree };
@@ -45,15 +34,18 @@ class YamlNode {
 
   // Throws Error(kInput) with this node's position and path.
   [[noreturn]] void fail(const std::string& message) const;
-  // The same, for a value that is not among the allowed ones.
+  // The same: "value is not allowed: allowed".
   [[noreturn]] void refuse(const std::string& allowed) const;
+  // The same for an error of a field below this node ("readout.taxel_gain[3]"), at the position of that field, or of the nearest block
+  // that the file has.
+  [[noreturn]] void failAt(std::string_view field, const std::string& reason) const;
 
   bool isScalar() const { return tree_->kind == YamlTree::Kind::kScalar; }
   bool isList() const { return tree_->kind == YamlTree::Kind::kSequence; }
   bool isMap() const { return tree_->kind == YamlTree::Kind::kMap; }
 
   std::optional<YamlNode> child(std::string_view key) const;   // of a mapping
-  std::vector<YamlNode> items(const std::string& what) const;  // of a list; anything else is refused, "`what`" being allowed
+  std::vector<YamlNode> items(const std::string& what) const;  // of a list; refuses anything else, `what` being allowed
   double number(const Allowed& allowed) const;                 // SI
   std::vector<double> numbers(const Allowed& allowed, std::size_t count) const;
   std::uint64_t integer(std::uint64_t min, std::uint64_t max) const;
@@ -75,9 +67,9 @@ class YamlMap {
  public:
   using Keys = std::vector<std::string_view>;
 
-  // The mapping `node` itself; throws for one that is no mapping or has a key that is not allowed.
+  // The mapping `node` itself; throws if it is not a mapping or has a key that is not allowed.
   YamlMap(const YamlNode& node, Keys allowed, Canonical& canonical);
-  // The block `key` of `parent`; one that is not there is empty. What it holds stands below `key` in the canonical text.
+  // The block `key` of `parent`, empty if missing. Its values are below `key` in the canonical text.
   YamlMap(const YamlMap& parent, std::string_view key, Keys allowed);
   // An item of the list that was opened in `canonical`.
   static YamlMap item(const YamlNode& node, Keys allowed, Canonical& canonical);
@@ -88,7 +80,7 @@ class YamlMap {
   const YamlNode& node() const { return node_; }
   Canonical& canonical() const { return *canonical_; }
 
-  // The value of a key, if given, without writing it; `require` throws when it is missing, with what it should be.
+  // The value of a key, without writing it. `require` throws if it is missing: "key is missing: what".
   std::optional<YamlNode> find(std::string_view key) const;
   YamlNode require(std::string_view key, const std::string& what) const;
   bool has(std::string_view key) const { return find(key).has_value(); }
@@ -126,11 +118,38 @@ class YamlMap {
   bool closes_ = false;
 };
 
-// Runs `check` and throws what it throws as Error(kInput) at the position of `node`.
+// Keys of a table of fields.
+template <typename Settings, std::size_t N>
+void addKeys(const std::array<Field<Settings>, N>& table, YamlMap::Keys& keys) {
+  for (const Field<Settings>& field : table) {
+    if (std::find(keys.begin(), keys.end(), field.key) == keys.end()) keys.push_back(field.key);
+  }
+}
+
+// Reads the fields of a table into `settings`, whose values are the defaults of those that are not required.
+template <typename Settings, std::size_t N>
+void readFields(const YamlMap& map, const std::array<Field<Settings>, N>& table, Settings& settings) {
+  for (const Field<Settings>& field : table) {
+    if (const auto* whole = std::get_if<int Settings::*>(&field.member)) {
+      int& value = settings.**whole;
+      const std::optional<std::uint64_t> otherwise = field.required ? std::nullopt : std::optional(static_cast<std::uint64_t>(value));
+      value = static_cast<int>(map.integer(field.name(), static_cast<std::uint64_t>(field.allowed.min),
+                                           static_cast<std::uint64_t>(field.allowed.max), otherwise));
+    } else {
+      double& value = settings.*std::get<double Settings::*>(field.member);
+      value = map.number(field.name(), field.allowed, field.required ? std::nullopt : std::optional(value));
+    }
+  }
+}
+
+// Runs `check` and rethrows its exception as Error(kInput) at the position of `node`, or of the field of an Error that has one.
 template <typename Function>
 auto atNode(const YamlNode& node, Function&& check) {
   try {
     return check();
+  } catch (const Error& error) {
+    if (!error.field().empty()) node.failAt(error.field(), error.reason());
+    node.fail(error.what());
   } catch (const std::runtime_error& error) {
     node.fail(error.what());
   }

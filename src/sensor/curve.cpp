@@ -7,7 +7,7 @@
 namespace taxelsim {
 namespace {
 
-constexpr int kMaxIterations = 200;  // bisection of a double's range ends sooner
+constexpr int kMaxIterations = 200;  // bisection over the range of double needs fewer
 
 // Coefficients from the constant term up.
 using Polynomial = std::vector<double>;
@@ -24,8 +24,8 @@ Polynomial derivative(const Polynomial& p) {
   return result;
 }
 
-// The x in [low, high] where p crosses `value`, given p(low) and p(high) on its two sides and p monotone between: Newton's step while it
-// stays in the bracket, halving otherwise.
+// The x in [low, high] where p crosses `value`, given p(low) and p(high) on its two sides and p monotone between: Newton's method,
+// with bisection for steps that leave the bracket.
 double solve(const Polynomial& p, double value, double low, double high) {
   const Polynomial slope = derivative(p);
   const bool rising = evaluate(p, high) > evaluate(p, low);
@@ -42,7 +42,7 @@ double solve(const Polynomial& p, double value, double low, double high) {
   return x;
 }
 
-// Where p changes its sign in (low, high), ascending: between neighbouring extrema, which are the same question about its derivative.
+// Sign changes of p in (low, high), ascending. They lie between neighbouring extrema, which are the sign changes of its derivative.
 std::vector<double> signChanges(const Polynomial& p, double low, double high) {
   if (p.size() < 2) return {};
   std::vector<double> ends = signChanges(derivative(p), low, high);
@@ -69,7 +69,7 @@ Polynomial polynomialOf(std::span<const double> curve) {
   return p;
 }
 
-// Cauchy's bound: no root of p lies beyond it. Forces past 1e30 N are nobody's, and their fifth power still fits a double.
+// Cauchy's bound: no root of p lies beyond it. Limited to 1e30 N, whose fifth power fits a double.
 double rootBound(const Polynomial& p) {
   double largest = 0;
   for (std::size_t m = 0; m + 1 < p.size(); ++m) largest = std::max(largest, std::abs(p[m] / p.back()));

@@ -26,8 +26,8 @@ double sinhExcess(double y) {
   return sum;
 }
 
-// Love (1929): displacement times pi E* at (x, y) from the middle of a cell under 1 Pa. Each term is one corner's, by asinh, which does not
-// cancel where logarithms of differences do.
+// Love (1929): displacement times pi E* at (x, y) from the middle of a cell under 1 Pa. One term per corner, with asinh instead of
+// logarithms of differences, which cancel.
 double loveCorner(double x, double y) {
   return (x == 0 ? 0 : x * std::asinh(y / std::abs(x))) + (y == 0 ? 0 : y * std::asinh(x / std::abs(y)));
 }
@@ -37,8 +37,8 @@ double lovePatch(double x, double y, const std::array<double, 2>& spacing) {
   return loveCorner(x1, y1) - loveCorner(x1, y2) - loveCorner(x2, y1) + loveCorner(x2, y2);
 }
 
-// What the base changes under a point load: gamma(s) = int_0^inf (L(x) - 1) J0(x s) dx at s = r / h. L is odd, so that gamma(s) + 1/s
-// decays exponentially: from kFar on the layer stays where it is.
+// Effect of the base under a point load: gamma(s) = int_0^inf (L(x) - 1) J0(x s) dx at s = r / h. L is odd, so that gamma(s) + 1/s
+// decays exponentially: beyond kFar the displacement is 0.
 class BaseCorrection {
  public:
   static constexpr double kFar = 25;

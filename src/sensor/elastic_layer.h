@@ -1,5 +1,5 @@
-// An elastic layer in numbers: the nodes on which its contact is solved, and how far each gives way to pressure on another. Not the solver:
-// that is src/reference/elastic_layer.h in double precision, shaders/elastic_layer.comp on the device.
+// Discretization of an elastic layer: the nodes on which its contact is solved, and the influence of a pressure on each. The solver is in
+// src/reference/elastic_layer.h in double precision, shaders/elastic_layer.comp on the device.
 #pragma once
 
 #include <array>

@@ -14,12 +14,11 @@ constexpr double kPi = 3.14159265358979323846;
 
 Psf gaussianPsf(double sigma, int size, Psf::Normalization normalization) {
   if (size < 1 || size > kMaxKernelSize || size % 2 == 0) {
-    throw Error(ErrorKind::kInput,
-                "psf.size: " + std::to_string(size) + " is not allowed: taxels per side, odd, 1 to " + std::to_string(kMaxKernelSize));
+    throw Error("psf.size", std::to_string(size) + " is not allowed: taxels per side, odd, 1 to " + std::to_string(kMaxKernelSize));
   }
   const double density = 1 / (2 * kPi * sigma * sigma);
   if (!(std::isfinite(sigma) && sigma > 0 && std::isfinite(density) && density > 0)) {
-    throw Error(ErrorKind::kInput, "psf.sigma: " + numberText(sigma) + " is not allowed: taxels, > 0");
+    throw Error("psf.sigma", numberText(sigma) + " is not allowed: taxels, > 0");
   }
 
   Psf psf;

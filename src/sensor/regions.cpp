@@ -9,7 +9,7 @@
 namespace taxelsim {
 namespace {
 
-constexpr double kNeighbourDistance = 1.5;  // sizes: past the diagonal of a square grid, short of the next taxel but one
+constexpr double kNeighbourDistance = 1.5;  // sizes: more than the diagonal of a square grid, less than two pitches
 constexpr double kSpreadRadius = 2;         // standard deviations
 
 double sizeOf(const GridPatch& patch) {

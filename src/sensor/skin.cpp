@@ -13,7 +13,7 @@
 namespace taxelsim {
 namespace {
 
-// The reach is often a whole number of pitches: rounding must not decide whether the taxels there belong to it.
+// Tolerance: the reach is often a whole number of pitches, and rounding must not exclude the taxels there.
 constexpr double kReachRounding = 1e-9;
 
 double reachOf(const Psf& psf) {
@@ -21,9 +21,8 @@ double reachOf(const Psf& psf) {
 }
 
 [[noreturn]] void failReach(const Psf& psf, int taxel) {
-  throw Error(ErrorKind::kInput, "psf.reach: " + numberText(psf.reach > 0 ? psf.reach : 3 * psf.sigma) +
-                                     " is not allowed: m, within which taxel " + std::to_string(taxel) + " finds at most " +
-                                     std::to_string(kMaxSpreadTaxels) + " taxels");
+  throw Error("psf.reach", numberText(psf.reach > 0 ? psf.reach : 3 * psf.sigma) + " is not allowed: m, within which taxel " +
+                               std::to_string(taxel) + " finds at most " + std::to_string(kMaxSpreadTaxels) + " taxels");
 }
 
 }  // namespace

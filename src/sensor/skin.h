@@ -1,4 +1,4 @@
-// The skin as a surface in space, over all patches of a sensor: which taxels are neighbours, and how far a patch looks into the body.
+// The skin as a surface in space, over all patches of a sensor: neighbours of taxels, and how deep a patch sees into the body.
 #pragma once
 
 #include <array>
@@ -16,19 +16,19 @@ struct SkinNeighbour {
   double weight = 0;
 };
 
-// Of every taxel the taxels within psf.reach along the skin, itself among them, by number; psf.sigma > 0. The relation and the weights are
-// symmetric. Throws Error(kInput) when a taxel reaches more than kMaxSpreadTaxels.
+// For every taxel: the taxels within psf.reach along the skin, including itself, ascending; psf.sigma > 0. The relation and the weights
+// are symmetric. Throws Error(kInput) if a taxel has more than kMaxSpreadTaxels.
 std::vector<std::vector<SkinNeighbour>> skinNeighbours(const Sensor& sensor);
 
-// How shear is carried along the skin, by the shortest turn from the normal of the taxel with frame P to that of the one with frame Q:
-// cosine and sine of the angle from x of Q to x of P so turned. (1, 0) between opposite normals, where no turn is the shortest.
+// Parallel transport of shear along the skin, by the shortest rotation from the normal of frame P to that of frame Q: cosine and sine of
+// the angle from x of Q to the rotated x of P. (1, 0) for opposite normals, whose shortest rotation is not unique.
 std::array<double, 2> turnAlongSkin(const Quaternion& R_SP, const Quaternion& R_SQ);
 
-// How deep under its skin (m) each patch sees surfaces, (num_patches): an object at the far side of a finger is met by lines through the
-// finger, and is no contact of the near side. A point p - t n under a taxel at p with normal n is nearer to another part q of the skin once
+// Depth under the skin up to which each patch sees surfaces, m, (num_patches). It keeps an object at the far side of a finger from being a
+// contact of the near side. A point p - t n under a taxel at p with normal n is nearer to another part q of the skin once
 //   t > |p - q|^2 / (2 n . (p - q)),
-// the radius of the ball inside the body that touches the skin at p and q. The least of these over all q whose normals look the other way
-// (n . m < 0: only there can what touches q from outside meet the line), at least the skin's thickness; infinite where there is none.
+// the radius of the ball inside the body that touches the skin at p and q. The result is the minimum over all q with opposing normals
+// (n . m < 0, since only an object at such a q can meet the line), at least the skin's thickness; infinite without such a q.
 std::vector<double> viewDepths(const Sensor& sensor);
 
 }  // namespace taxelsim

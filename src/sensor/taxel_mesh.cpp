@@ -28,8 +28,7 @@ Vector3 vertex(const Mesh& mesh, std::uint32_t index) {
   return {v[0], v[1], v[2]};
 }
 
-// The corner at which the edge begins that two triangles share, each in its own direction; none when they share no edge, or one that both
-// run along the same way.
+// The start corner, in each triangle, of the edge that two triangles share in opposite directions; none if there is no such edge.
 std::optional<std::size_t> sharedEdge(const std::array<std::uint32_t, 3>& a, const std::array<std::uint32_t, 3>& b) {
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j) {

@@ -9,11 +9,11 @@
 namespace taxelsim {
 namespace {
 
-// Sine of the smallest angle between x_axis and normal: below it the direction in the plane is mostly rounding.
+// Sine of the smallest angle between x_axis and normal: below it, rounding dominates the direction in the plane.
 constexpr double kLeastAngle = 1e-3;
 
 Vector3 directionOf(const char* field, const Vector3& vector) {
-  // Divided by the largest component first, so that squares neither overflow nor vanish.
+  // Division by the largest component prevents overflow and underflow of squares.
   const double largest = std::max({std::abs(vector[0]), std::abs(vector[1]), std::abs(vector[2])});
   if (!(std::isfinite(vector[0]) && std::isfinite(vector[1]) && std::isfinite(vector[2]) && largest > 0)) {
     throw Error(ErrorKind::kInput, std::string(field) + ": no direction: three finite numbers, not all 0");
@@ -21,10 +21,10 @@ Vector3 directionOf(const char* field, const Vector3& vector) {
   return unit({vector[0] / largest, vector[1] / largest, vector[2] / largest});
 }
 
-// The shortest turn that takes z to n.
+// The shortest rotation from z to n.
 Quaternion turnFromZ(const Vector3& n) {
   const double w = 1 + n[2];
-  if (w < 1e-12) return {0, 0, 1, 0};  // half a turn about y; every axis in the plane is as short
+  if (w < 1e-12) return {0, 0, 1, 0};  // 180 deg about y; all axes in the plane are equivalent
   const double norm = std::sqrt(w * w + n[0] * n[0] + n[1] * n[1]);
   return {w / norm, -n[1] / norm, n[0] / norm, 0};
 }

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks that the folders of src/ still are the architecture: includes point down the floors only (docs/architecture.md).
+"""Checks the architecture of src/ (docs/architecture.md): includes point down the floors only. Checks the lengths of files and functions as well.
 
     architecture.py ROOT    prints one line per fault, exits with 1 if there is any
 """
@@ -8,7 +8,7 @@ import re
 import sys
 from pathlib import Path
 
-# Top to bottom. Rooms on one floor do not know each other, but for the pairs below.
+# Top to bottom. Rooms on one floor must not include each other, except for NEIGHBOURS.
 FLOORS = [
     ["cli"],
     ["figures"],
@@ -20,7 +20,7 @@ FLOORS = [
 ]
 NEIGHBOURS = {("sensor", "geometry")}
 
-# The floor that implements each public header; it and those above may include it. `None`: plain types, for everybody.
+# The floor that implements each public header; it and those above may include it. `None`: plain types, for all rooms.
 HEADERS = {
     "version.h": None,
     "error.h": None,
@@ -51,26 +51,26 @@ HEADERS = {
 }
 
 VULKAN_LAYERS = {"gpu", "simulation"}
-# Headers of what reads robots (urdfdom, Orocos KDL): for controllers alone.
+# Headers of urdfdom and Orocos KDL, for the room control only.
 ROBOT_PARTS = {"kdl", "urdf_model", "urdf_parser", "urdf_world", "console_bridge"}
-# Structs that C++ and GLSL share: for whoever fills device buffers.
+# Rooms that may include the structs that C++ and GLSL share.
 SHARED_LAYERS = {"gpu", "simulation", "reference", "geometry", "sensor"}
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 USES = re.compile(r"taxelsim_layer\s*\(\s*(\w+)(.*?)\)", re.DOTALL)
-# Written in pieces so that this file passes its own check.
+# Assembled at run time, so that this file passes its own check.
 MACHINE_PATH = re.compile("|".join("(?<![\\w.}])/" + name + "/" for name in ("work", "home", "root", "Users")))
 SOURCE = {".h", ".cpp", ".comp", ".glsl", ".in"}
 TEXT = SOURCE | {".txt", ".cmake", ".py", ".md", ".yaml", ".json", ""}
 PATH_CHECKED = ["src", "include", "shaders", "cmake", "scripts", "tests", "bench", "docs", "scenes", ".ci"]
 
-# Lengths; a reason in the file excuses a longer file or function.
+# Lengths. A longer file or function needs a reason in a comment: LONG_FILE, LONG_FUNCTION.
 MEASURED = ["src", "include", "shaders", "tests", "bench"]
 MEASURED_SUFFIXES = {".h", ".cpp", ".comp", ".glsl", ".py"}
 MAX_FILE_LINES = 400
 MAX_SHADER_LINES = 150  # of a .comp file: main() and calls
 MAX_FUNCTION_LINES = 70
-# Files and functions that are still to be cut, one a line with its length; none may grow. An entry goes when its file is short enough.
+# Lists files and functions that are too long, with their lengths. None may grow; remove an entry when its file is short enough.
 STILL_LONG = "still_long.txt"
 LONG_FILE = "Long file:"
 LONG_FUNCTION = "Long function:"
@@ -103,9 +103,9 @@ def check_include(root, layer, path, number, is_system, name):
     where = f"{path.relative_to(root)}:{number}"
     head, _, rest = name.partition("/")
     if head == "vulkan":
-        return [] if layer in VULKAN_LAYERS else [f"{where}: {layer} must not know Vulkan ({name})"]
+        return [] if layer in VULKAN_LAYERS else [f"{where}: {layer} must not include Vulkan ({name})"]
     if head in ROBOT_PARTS:
-        return [] if layer == "control" else [f"{where}: {layer} must not know {name}: robots are read in control"]
+        return [] if layer == "control" else [f"{where}: {layer} must not include {name}: only control reads robots"]
     if head == "taxelsim":
         if rest not in HEADERS:
             return [f"{where}: public header {name} is not in the table of tests/architecture/architecture.py"]
@@ -116,7 +116,7 @@ def check_include(root, layer, path, number, is_system, name):
     if is_system:
         return []
     if head == "shared":
-        return [] if layer in SHARED_LAYERS else [f"{where}: {layer} must not know the device's structs ({name})"]
+        return [] if layer in SHARED_LAYERS else [f"{where}: {layer} must not include the device's structs ({name})"]
     if not rest:
         # Without a folder only what the build generates; files of ours are named by their folder.
         exists = (path.parent / name).exists()
@@ -157,7 +157,7 @@ def check_public_headers(root):
         where = path.relative_to(root)
         lines = lines_of(path)
         if not lines or not lines[0].startswith("//"):
-            faults.append(f"{where}:1: a public header begins with what it is for")
+            faults.append(f"{where}:1: a public header begins with a comment on its purpose")
         if "#pragma once" not in lines:
             faults.append(f"{where}: no #pragma once")
         for number, is_system, name in includes_of(path):
@@ -172,7 +172,7 @@ def check_shader_comments(root):
         if path.suffix in (".comp", ".glsl"):
             lines = [line for line in lines_of(path) if line.strip() and not line.startswith(("#version", "#extension"))]
             if not lines or not lines[0].lstrip().startswith(("//", "/*")):
-                faults.append(f"{path.relative_to(root)}:1: a shader begins with what a workgroup and an invocation own")
+                faults.append(f"{path.relative_to(root)}:1: a shader begins with a comment on what a workgroup and an invocation own")
     return faults
 
 

@@ -51,10 +51,10 @@ class ArchitectureTest(unittest.TestCase):
         self.assert_one({"src/cli/a.cpp": '#include "taxelsim/new.h"\n'}, "not in the table")
 
     def test_vulkan_outside_its_layers(self):
-        self.assert_one({"src/sensor/a.cpp": "#include <vulkan/vulkan.h>\n"}, "must not know Vulkan")
+        self.assert_one({"src/sensor/a.cpp": "#include <vulkan/vulkan.h>\n"}, "must not include Vulkan")
 
     def test_robot_parts_outside_their_layer(self):
-        self.assert_one({"src/scene/a.cpp": "#include <kdl/chain.hpp>\n"}, "robots are read in control")
+        self.assert_one({"src/scene/a.cpp": "#include <kdl/chain.hpp>\n"}, "only control reads robots")
         self.assertEqual(self.faults({"src/control/a.cpp": "#include <kdl/chain.hpp>\n#include <urdf_parser/urdf_parser.h>\n"}), [])
 
     def test_vulkan_in_a_public_header(self):
@@ -70,7 +70,7 @@ class ArchitectureTest(unittest.TestCase):
         self.assert_one({"src/gpu/CMakeLists.txt": "taxelsim_layer(gpu SOURCES a.cpp\n  USES base simulation)\n"}, "gpu must not use simulation")
 
     def test_header_without_purpose(self):
-        self.assert_one({"include/taxelsim/a.h": "#pragma once\n"}, "begins with what it is for")
+        self.assert_one({"include/taxelsim/a.h": "#pragma once\n"}, "begins with a comment on its purpose")
 
     def test_shader_without_comment(self):
         self.assert_one({"shaders/lib/a.glsl": "float f() { return 1; }\n"}, "shaders/lib/a.glsl:1")

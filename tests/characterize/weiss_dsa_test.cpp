@@ -121,7 +121,7 @@ Score scoreOf(const std::vector<double>& simulated, const std::vector<double>& r
   return {100 * medianOf(active) / 4095, difference / sum, total / sum};
 }
 
-TEST(WeissDsa, PredictsLoadsThatWereLeftOut) {
+TEST(WeissDsaStudy, PredictsLoadsThatWereLeftOut) {
   Sensor known = loadSensor(std::filesystem::path(TAXELSIM_SOURCE_DIR) / "scenes/sensors/weiss_dsa_distal.yaml");
   const std::vector<Recording> recordings = readAll(known);
   ASSERT_EQ(recordings.size(), 17u);

@@ -132,7 +132,7 @@ TEST_F(Compare, DataSetWithoutASensor) {
 
 TEST_F(Compare, DataSetsOfOneScene) {
   write("scene.yaml", std::string("format_version: 1\nname: pressed\nkind: contacts\nsensor: ") + TAXELSIM_SOURCE_DIR +
-                          "/scenes/sensors/wts0614.yaml\nobjects: [{sphere: {radius_mm: 10}}]\nrandomisation: {load: [1, 3]}\n");
+                          "/scenes/sensors/wts0614.yaml\nobjects: [{sphere: {radius_mm: 10}}]\nrandomization: {load: [1, 3]}\n");
   for (const char* seed : {"1", "2"}) {
     const Outcome made = runTaxelsim({"generate", at("scene.yaml"), "-o", at(seed), "--episodes", "3", "--seed", seed});
     ASSERT_EQ(made.status, 0) << made.err;

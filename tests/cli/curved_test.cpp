@@ -107,7 +107,7 @@ TEST(CurvedDataSet, IsMadeAndDrawn) {
   const TemporaryDirectory root;
   std::ofstream(root / "scene.yaml") << "format_version: 1\nname: fingertip\nkind: contacts\nsensor: " << kSensors
                                      << "fingertip_sphere.yaml\n"
-                                     << "objects: [{sphere: {radius_mm: 6}}]\nrandomisation: {load: 1}\nepisode: {}\n"
+                                     << "objects: [{sphere: {radius_mm: 6}}]\nrandomization: {load: 1}\nepisode: {}\n"
                                      << "data_set: {episodes: 2}\n";
   const Outcome made = runTaxelsim({"generate", root / "scene.yaml", "-o", root / "out"});
   ASSERT_EQ(made.status, 0) << made.err;

@@ -17,7 +17,7 @@ namespace {
 const std::string kScene = "format_version: 1\nname: jacobian\nkind: servo\nsensor: " TAXELSIM_SOURCE_DIR
                            "/scenes/sensors/wts0614.yaml\n"
                            "objects: [{name: rod, cylinder: {radius_mm: 2, length_mm: 120}, edge: [0, 0, 1]}]\n"
-                           "episode: {num_steps: 10, simulation_rate: 100}\nrandomisation: {load: [1, 4]}\n"
+                           "episode: {num_steps: 10, simulation_rate: 100}\nrandomization: {load: [1, 4]}\n"
                            "controllers: [{name: j, tactile_servo: {jacobian: measured, total_force: {kp: 2}}}]\n"
                            "record: [tactile_image]\ndata_set: {episodes: 10, seed: 1}\n";
 

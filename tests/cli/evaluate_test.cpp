@@ -14,7 +14,7 @@ const std::string kText = std::string("format_version: 1\nname: small\nkind: ser
                           R"(/scenes/sensors/wts0614.yaml
 objects: [{cylinder: {radius_mm: 5, length_mm: 100}, orientation: {rpy_deg: [90, 0, 0]}, edge: [0, 0, 1]}]
 episode: {num_steps: 60}
-randomisation: {yaw_deg: [-40, 40], load: [1, 3]}
+randomization: {yaw_deg: [-40, 40], load: [1, 3]}
 controllers:
   - {name: fast, tactile_servo: {edge_angle: {reference_deg: 90, kp: 10}, max_angular_velocity: 20}}
   - {name: none, tactile_servo: {edge_angle: {reference_deg: 90, kp: 0}}}

@@ -41,7 +41,7 @@ TEST(ImageDistance, ByHand) {
   EXPECT_DOUBLE_EQ(imageDistance({1, 1}, {2, 4}, 0.5, 1).median_difference, 2);
 }
 
-TEST(Experiment, FitRecoversTheReferenceSensor) {
+TEST(ExperimentStudy, FitRecoversTheReferenceSensor) {
   const TemporaryDirectory root;
   // A softer skin with another spread than the shipped sensor, from which the fit starts.
   std::ifstream source(shipped("wts0614"));
@@ -97,7 +97,7 @@ TEST(Experiment, OfFingertips) {
   expectRefused(runTaxelsim({"experiment", file}), "only sensors whose point spread function is a kernel over grids can be fitted");
 }
 
-TEST(Experiment, EveryImageOfTheShippedOneHasActiveTaxels) {
+TEST(ExperimentStudy, EveryImageOfTheShippedOneHasActiveTaxels) {
   const Outcome outcome = runTaxelsim({"experiment", kScenes + "/experiments/paper/static_indenters.yaml", "--json"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const nlohmann::json json = nlohmann::json::parse(outcome.out);

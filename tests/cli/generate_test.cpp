@@ -21,7 +21,7 @@ std::string writeScene(const std::string& file, int num_steps = 12) {
       << "hex_prism.obj\n  - mesh: " << kObjects << "knob_5k.obj\n"
       << "  - cylinder: {radius_mm: 8, length_mm: 40}\n    orientation: {rpy_deg: [90, 0, 0]}\n"
       << "episode: {num_steps: " << num_steps << ", simulation_rate: 100, control_rate: 50}\n"
-      << "randomisation: {x_mm: [-3, 3], y_mm: [-6, 6], yaw_deg: [-60, 60], tilt_deg: [0, 3], load: [0.5, 3], gain: [0.9, 1.1], "
+      << "randomization: {x_mm: [-3, 3], y_mm: [-6, 6], yaw_deg: [-60, 60], tilt_deg: [0, 3], load: [0.5, 3], gain: [0.9, 1.1], "
          "gain_spread: 0.05, noise: [0, 17]}\n"
       << "controller: {tactile_servo: {edge_angle: {kp: 0.8}, total_force: {kp: 2}, center_across: {kp: 1}, exploration_velocity_mm: 5}}\n"
       << "record: [tactile_image, features, ground_truth, tactile_normal_force, penetration_depth, poses, actions]\n"

@@ -1,4 +1,4 @@
-// The servo against a plant that is small enough to read: a cylinder on an elastic foundation, features by sums over taxels.
+// Closed-loop tests of the servo with a minimal plant: a cylinder on an elastic foundation, features as sums over taxels.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,8 +24,8 @@ struct Features {
   std::array<float, 3> center{};
 };
 
-// A long cylinder along z of O; only poses X_SO that keep its axis parallel to the skin.
-Features feel(const Pose& X_SO) {
+// Features of a long cylinder along z of O, for poses X_SO with its axis parallel to the skin.
+Features featuresOf(const Pose& X_SO) {
   const Vector3 axis = rotate(X_SO.rotation, {0, 0, 1});
   double sum = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, area = 0;
   for (int i = 0; i < kNumRows; ++i) {
@@ -35,9 +35,9 @@ Features feel(const Pose& X_SO) {
         for (int b = 0; b < kSamples; ++b) {
           const double px = (i - (kNumRows - 1) / 2.0 + (a + 0.5) / kSamples - 0.5) * kPitch - X_SO.position[0];
           const double py = (j - (kNumCols - 1) / 2.0 + (b + 0.5) / kSamples - 0.5) * kPitch - X_SO.position[1];
-          const double across = px * axis[1] - py * axis[0];
-          if (std::abs(across) >= kRadius) continue;
-          const double depth = std::sqrt(kRadius * kRadius - across * across) - X_SO.position[2];
+          const double distance = px * axis[1] - py * axis[0];
+          if (std::abs(distance) >= kRadius) continue;
+          const double depth = std::sqrt(kRadius * kRadius - distance * distance) - X_SO.position[2];
           force += kStiffness * std::clamp(depth, 0.0, kThickness) * kPitch * kPitch / (kSamples * kSamples);
         }
       }
@@ -68,14 +68,14 @@ LoopEnd runLoop(const TactileServo& servo, double start_angle, double start_dept
   sensor.patches.push_back({.name = "grid", .num_rows = kNumRows, .num_cols = kNumCols, .pitch = {kPitch, kPitch}, .X_SP = {}});
   sensor.skin = {.thickness = kThickness, .law = Winkler{.normal_contact_stiffness = kStiffness}};
   TactileServoController controller(servo, sensor, 1);
-  // The cylinder's axis lies along y of S at yaw 0, so the line's angle is yaw + pi/2.
-  const Quaternion lying = axisAngle({1, 0, 0}, -std::numbers::pi / 2);
-  const Pose X_WO{{0.003, -0.004, kRadius - start_depth}, axisAngle({0, 0, 1}, start_angle - std::numbers::pi / 2) * lying};
+  // At yaw 0 the cylinder's axis is along y of S, so the angle of the line is yaw + pi/2.
+  const Quaternion horizontal = axisAngle({1, 0, 0}, -std::numbers::pi / 2);
+  const Pose X_WO{{0.003, -0.004, kRadius - start_depth}, axisAngle({0, 0, 1}, start_angle - std::numbers::pi / 2) * horizontal};
   Pose X_WS;
   LoopEnd end;
   for (int n = 0; n <= num_steps; ++n) {
     end.X_SO = inverse(X_WS) * X_WO;
-    end.features = feel(end.X_SO);
+    end.features = featuresOf(end.X_SO);
     const Features& f = end.features;
     Twist twist;
     const std::uint8_t due = 1;
@@ -103,15 +103,15 @@ double lineAngle(const Pose& X_SO) {
   return std::atan(axis[1] / axis[0]);
 }
 
-// 5 s at 100 Hz: the angle's e^{-K t} is 2 % at the paper's gain; the force loop's rate is 2 / s times the part of the measured area that
-// really carries, at least a half here: e^{-5} of the start. What is left is bias of the principal axis where the line leaves the array
-// obliquely.
+// After 5 s at 100 Hz the angle error is e^{-K t} = 2 % of the initial one at the paper's gain. The force loop has a rate of 2 / s times
+// the fraction of the measured area that is loaded, at least one half: e^{-5} of the initial error. The rest is the bias of the principal
+// axis where the line crosses the border of the array obliquely.
 constexpr double kAngleLimit = 5 * std::numbers::pi / 180;  // rad
 constexpr double kForceLimit = 0.1;                         // of the target
-constexpr double kCentreLimit = 0.3e-3;                     // m: the start is 3 mm off, and e^{-5} of that 0.02 mm
+constexpr double kCenterLimit = 0.3e-3;                     // m: e^{-5} of the initial 3 mm is 0.02 mm
 constexpr int kSteps = 500;
 
-TEST(ServoLoop, ConvergesToAngleForceAndMiddle) {
+TEST(ServoLoop, ConvergesInAngleForceAndCenter) {
   for (const double target_degrees : {90.0, 60.0, 0.0}) {
     for (const double start_degrees : {target_degrees - 40, target_degrees + 55}) {
       const double target = target_degrees * std::numbers::pi / 180;
@@ -120,25 +120,25 @@ TEST(ServoLoop, ConvergesToAngleForceAndMiddle) {
           << "from " << start_degrees << " to " << target_degrees;
       EXPECT_NEAR(end.features.force, 4.0, 4.0 * kForceLimit);
       const double across = -end.features.center[0] * std::sin(target) + end.features.center[1] * std::cos(target);
-      EXPECT_NEAR(across, 0, kCentreLimit);
+      EXPECT_NEAR(across, 0, kCenterLimit);
     }
   }
 }
 
-TEST(ServoLoop, FindsTheObjectFromAbove) {
+TEST(ServoLoop, ApproachesTheObjectFromAbove) {
   const double target = std::numbers::pi / 2;
   const LoopEnd end = runLoop(servoTo(target), target, -1e-3, 4.0f, kSteps);
   EXPECT_NEAR(end.features.force, 4.0, 4.0 * kForceLimit);
 }
 
-TEST(ServoLoop, ExplorationMovesAlongTheEdgeAndKeepsIt) {
+TEST(ServoLoop, ExplorationFollowsTheEdge) {
   const double target = std::numbers::pi / 2;
   TactileServo servo = servoTo(target);
   servo.exploration_velocity = 0.01;
   const LoopEnd end = runLoop(servo, target - 0.3, 0.5e-3, 4.0f, kSteps);
-  // 5 cm along +y in 5 s: the object's middle, which began at y = -4 mm, falls behind.
-  constexpr double kWay = 2e-3;  // m: the first second's detour while it turns by 0.3 rad, and the turn about a moving centre
-  EXPECT_NEAR(end.X_SO.position[1], -0.004 - 0.05, kWay);
+  // The sensor moves by 5 cm along +y in 5 s, so the object's center moves from y = -4 mm to -54 mm in S.
+  constexpr double kTolerance = 2e-3;  // m: deviation during the initial rotation by 0.3 rad, which is about a moving center
+  EXPECT_NEAR(end.X_SO.position[1], -0.004 - 0.05, kTolerance);
   EXPECT_NEAR(end.features.force, 4.0, 4.0 * kForceLimit);
   EXPECT_NEAR(std::remainder(end.features.angle - target, std::numbers::pi), 0, kAngleLimit);
 }

@@ -1,4 +1,4 @@
-// Robots from URDF: against Denavit and Hartenberg's closed form, against KDL's own solvers, and every way to break a file.
+// Robots from URDF: compared with Denavit-Hartenberg parameters and with KDL's solvers; invalid files; fuzzing.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 // After gtest.h, whose macros it uses.
@@ -6,6 +6,7 @@
 
 #include <kdl/chainfksolverpos_recursive.hpp>
 #include <kdl/chainjnttojacsolver.hpp>
+#include <kdl/tree.hpp>
 #include <limits>
 #include <numbers>
 #include <sstream>
@@ -13,7 +14,7 @@
 
 #include "control/chain.h"
 #include "control/urdf_model.h"
-#include "robot_draws.h"
+#include "random_robots.h"
 #include "taxelsim/error.h"
 #include "urdf_text.h"
 
@@ -21,24 +22,24 @@ namespace taxelsim {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kRounding = 1e-14;  // some tens of roundings on numbers of order 1
+constexpr double kRounding = 1e-14;  // tens of rounding errors of numbers of order 1
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 Manipulator load(const std::string& text, const std::string& link, const std::string& base = "") {
-  const UrdfFolder folder;
-  return loadUrdf(folder.write(text), {.base_link = base, .sensors = {{link, {}}}});
+  const UrdfDirectory directory;
+  return loadUrdf(directory.write(text), {.base_link = base, .sensors = {{link, {}}}});
 }
 
 Pose poseOf(const Manipulator& robot, const std::vector<double>& q) {
   return Chain(robot.sensors[0], static_cast<int>(robot.joints.size())).poseAt(q.data());
 }
 
-// One row of a table of Denavit and Hartenberg.
+// Transform of one row of Denavit-Hartenberg parameters.
 Pose dh(double theta, double d, double a, double alpha) {
   return Pose{{0, 0, d}, axisAngle({0, 0, 1}, theta)} * Pose{{a, 0, 0}, axisAngle({1, 0, 0}, alpha)};
 }
 
-RC_GTEST_PROP(Lwr, HasTheKinematicsOfItsTable, ()) {
+RC_GTEST_PROP(Lwr, MatchesItsDenavitHartenbergParameters, ()) {
   const Manipulator robot = loadUrdf(kRobots / "lwr_palm.urdf", {.base_link = "", .sensors = {{"flange", {}}}});
   std::vector<double> q(7);
   for (double& position : q) position = drawBetween(-2, 2);
@@ -49,7 +50,7 @@ RC_GTEST_PROP(Lwr, HasTheKinematicsOfItsTable, ()) {
   RC_ASSERT(distance(poseOf(robot, q), X) <= kRounding);
 }
 
-TEST(Lwr, HasItsLimits) {
+TEST(Lwr, HasTheLimitsOfTheDataSheet) {
   const Manipulator robot = loadUrdf(kRobots / "lwr_palm.urdf", {.base_link = "", .sensors = {{"palm", {}}}, .velocity_limit_scale = 0.5});
   ASSERT_EQ(robot.joints.size(), 7u);
   for (int j = 0; j < 7; ++j) {
@@ -80,7 +81,7 @@ std::string axisText(const Vector3& axis) {
   return text.str();
 }
 
-// A tree of links l0, l1, ...; each hangs on an earlier one.
+// A random tree of links l0, l1, ...; the parent of each is an earlier one.
 std::string drawTree(int num_links) {
   std::string text = "<link name='l0'/>\n";
   for (int k = 1; k < num_links; ++k) {
@@ -94,11 +95,11 @@ std::string drawTree(int num_links) {
   return robot(text);
 }
 
-// Both are asked for the way between any two links, up and down the tree.
-RC_GTEST_PROP(Urdf, AgreesWithTheSolversOfKdl, ()) {
-  const UrdfFolder folder;
+// Chains between any two links, up and down the tree.
+RC_GTEST_PROP(Urdf, MatchesKdlSolvers, ()) {
+  const UrdfDirectory directory;
   const int num_links = *rc::gen::inRange(3, 12);
-  const std::filesystem::path file = folder.write(drawTree(num_links));
+  const std::filesystem::path file = directory.write(drawTree(num_links));
   const std::string base = "l" + std::to_string(*rc::gen::inRange(0, num_links));
   const std::string tip = "l" + std::to_string(*rc::gen::inRange(0, num_links));
   const Pose X_LS = drawPose(0.2);
@@ -121,9 +122,9 @@ RC_GTEST_PROP(Urdf, AgreesWithTheSolversOfKdl, ()) {
   const Pose X_BS = Chain(robot.sensors[0], num_joints).poseAt(q.data.data(), jacobian.data());
   Pose X_BL{{frame.p.x(), frame.p.y(), frame.p.z()}, {}};
   frame.M.GetQuaternion(X_BL.rotation[1], X_BL.rotation[2], X_BL.rotation[3], X_BL.rotation[0]);
-  constexpr double kMatrixRounding = 1e-13;  // shifts up to 20 m, and quaternions from matrices
+  constexpr double kMatrixRounding = 1e-13;  // translations up to 20 m, and conversion of matrices to quaternions
   RC_ASSERT(distance(X_BS, X_BL * X_LS) <= kMatrixRounding);
-  // KDL's columns are those of L's origin, in the axes of the base.
+  // KDL's Jacobian is that of L's origin, in the axes of the base.
   const Vector3 lever = subtract(X_BS.position, X_BL.position);
   for (int j = 0; j < num_joints; ++j) {
     const KDL::Twist column = kdl_jacobian.getColumn(j);
@@ -136,7 +137,7 @@ RC_GTEST_PROP(Urdf, AgreesWithTheSolversOfKdl, ()) {
   }
 }
 
-TEST(Urdf, ContinuousJointsHaveNoEnds) {
+TEST(Urdf, ContinuousJointsHaveNoLimits) {
   const Manipulator robot = load(::taxelsim::robot(kLinks + joint("ab", "continuous", "a", "b") + joint("bc", "fixed", "b", "c")), "c");
   ASSERT_EQ(robot.joints.size(), 1u);
   EXPECT_EQ(robot.joints[0].lower, -kInfinity);
@@ -144,7 +145,7 @@ TEST(Urdf, ContinuousJointsHaveNoEnds) {
   EXPECT_EQ(robot.joints[0].max_velocity, kInfinity);
 }
 
-TEST(Urdf, PrismaticJointsShift) {
+TEST(Urdf, PrismaticJointsTranslate) {
   const std::string text = robot(
       kLinks +
       joint("ab", "prismatic", "a", "b", "<origin xyz='0 0 1'/><axis xyz='0 2 0'/><limit lower='0.1' upper='1' effort='1' velocity='2'/>") +
@@ -155,55 +156,57 @@ TEST(Urdf, PrismaticJointsShift) {
   EXPECT_LE(distance(poseOf(robot, {0.3}), Pose{{1, 0.3, 1}, {1, 0, 0, 0}}), kRounding);
 }
 
-// c follows the joint of b: q_c = -2 q_b + 0.5.
-TEST(Urdf, MimicJointsFollowAndNarrowTheirLeader) {
+// q_c = -2 q_b + 0.5.
+TEST(Urdf, MimicJointsNarrowTheLimitsOfTheirLeader) {
   const std::string z = "<axis xyz='0 0 1'/>", up = "<origin xyz='1 0 0'/>";
   const std::string mimic = "<mimic joint='ab' multiplier='-2' offset='0.5'/>";
-  const Manipulator follows =
+  const Manipulator robot_with_mimic =
       load(robot(kLinks + joint("ab", "revolute", "a", "b", z + kLimit) +
                  joint("bc", "revolute", "b", "c", z + up + "<limit lower='-1' upper='1' effort='1' velocity='3'/>" + mimic)),
            "c");
-  ASSERT_EQ(follows.joints.size(), 1u);
-  EXPECT_LE(distance(poseOf(follows, {0.2}), Pose{{std::cos(0.2), std::sin(0.2), 0}, axisAngle({0, 0, 1}, 0.2 - 2 * 0.2 + 0.5)}),
+  ASSERT_EQ(robot_with_mimic.joints.size(), 1u);
+  EXPECT_LE(distance(poseOf(robot_with_mimic, {0.2}), Pose{{std::cos(0.2), std::sin(0.2), 0}, axisAngle({0, 0, 1}, 0.2 - 2 * 0.2 + 0.5)}),
             kRounding);
   // -1 <= -2 q + 0.5 <= 1
-  EXPECT_NEAR(follows.joints[0].lower, -0.25, kRounding);
-  EXPECT_NEAR(follows.joints[0].upper, 0.75, kRounding);
-  EXPECT_NEAR(follows.joints[0].max_velocity, 1.5, kRounding);
+  EXPECT_NEAR(robot_with_mimic.joints[0].lower, -0.25, kRounding);
+  EXPECT_NEAR(robot_with_mimic.joints[0].upper, 0.75, kRounding);
+  EXPECT_NEAR(robot_with_mimic.joints[0].max_velocity, 1.5, kRounding);
 }
 
 // q_b = 3 q_a + 0.2, q_c = 2 q_b + 0.1.
-TEST(Urdf, MimicJointsMayFollowEachOther) {
+TEST(Urdf, MimicJointsMayMimicMimicJoints) {
   const std::string z = "<axis xyz='0 0 1'/>";
-  const Manipulator follows = load(robot(kLinks + "<link name='d'/>" + joint("ab", "continuous", "a", "b", z) +
-                                         joint("bc", "continuous", "b", "c", z + "<mimic joint='ab' multiplier='3' offset='0.2'/>") +
-                                         joint("cd", "continuous", "c", "d", z + "<mimic joint='bc' multiplier='2' offset='0.1'/>")),
-                                   "d");
-  ASSERT_EQ(follows.joints.size(), 1u);
-  EXPECT_LE(distance(poseOf(follows, {0.1}), Pose{{0, 0, 0}, axisAngle({0, 0, 1}, 0.1 + 0.5 + 1.1)}), kRounding);
+  const Manipulator robot_with_mimic =
+      load(robot(kLinks + "<link name='d'/>" + joint("ab", "continuous", "a", "b", z) +
+                 joint("bc", "continuous", "b", "c", z + "<mimic joint='ab' multiplier='3' offset='0.2'/>") +
+                 joint("cd", "continuous", "c", "d", z + "<mimic joint='bc' multiplier='2' offset='0.1'/>")),
+           "d");
+  ASSERT_EQ(robot_with_mimic.joints.size(), 1u);
+  EXPECT_LE(distance(poseOf(robot_with_mimic, {0.1}), Pose{{0, 0, 0}, axisAngle({0, 0, 1}, 0.1 + 0.5 + 1.1)}), kRounding);
 }
 
-// The leader need not be on the way to the sensor.
-TEST(Urdf, MimicJointsFollowAJointElsewhere) {
+// The leader need not be on the path to the sensor.
+TEST(Urdf, MimicJointsMayMimicAJointOffThePath) {
   const std::string z = "<axis xyz='0 0 1'/>";
-  const Manipulator follows = load(robot(kLinks + joint("ab", "revolute", "a", "b", z + kLimit) +
-                                         joint("ac", "revolute", "a", "c", z + kLimit + "<mimic joint='ab' multiplier='1' offset='0'/>")),
-                                   "c");
-  ASSERT_EQ(follows.joints.size(), 1u);
-  EXPECT_EQ(follows.joints[0].name, "ab");
-  EXPECT_LE(distance(poseOf(follows, {0.2}), Pose{{0, 0, 0}, axisAngle({0, 0, 1}, 0.2)}), kRounding);
+  const Manipulator robot_with_mimic =
+      load(robot(kLinks + joint("ab", "revolute", "a", "b", z + kLimit) +
+                 joint("ac", "revolute", "a", "c", z + kLimit + "<mimic joint='ab' multiplier='1' offset='0'/>")),
+           "c");
+  ASSERT_EQ(robot_with_mimic.joints.size(), 1u);
+  EXPECT_EQ(robot_with_mimic.joints[0].name, "ab");
+  EXPECT_LE(distance(poseOf(robot_with_mimic, {0.2}), Pose{{0, 0, 0}, axisAngle({0, 0, 1}, 0.2)}), kRounding);
 }
 
 TEST(Urdf, SensorsShareJoints) {
-  const UrdfFolder folder;
-  const auto file = folder.write(robot(kLinks + joint("ab", "revolute", "a", "b", kLimit) + joint("bc", "continuous", "b", "c")));
+  const UrdfDirectory directory;
+  const auto file = directory.write(robot(kLinks + joint("ab", "revolute", "a", "b", kLimit) + joint("bc", "continuous", "b", "c")));
   const Manipulator hand = loadUrdf(file, {.base_link = "", .sensors = {{"b", {}}, {"c", {}}}});
   EXPECT_EQ(hand.joints.size(), 2u);
   EXPECT_EQ(hand.sensors[0].chain.size(), 1u);
   EXPECT_EQ(hand.sensors[1].chain[0].joint, hand.sensors[0].chain[0].joint);
 }
 
-TEST(Urdf, LooksAndMassesNeedNotBeRight) {
+TEST(Urdf, IgnoresVisualsAndInertias) {
   const std::string text = robot(
       "<link name='a'><visual><geometry><dodecahedron/></geometry></visual><inertial><mass value='heavy'/></inertial></link><link "
       "name='b'/>"
@@ -214,13 +217,13 @@ TEST(Urdf, LooksAndMassesNeedNotBeRight) {
 
 struct BadUrdf {
   std::string text;
-  std::string message;  // how it begins, after the file's name
+  std::string message;  // start of the message, after the file's name
   std::string link = "c";
 };
 
-std::string refusalOf(const BadUrdf& bad, const std::string& base = "") {
-  const UrdfFolder folder;
-  const std::filesystem::path file = folder.write(bad.text);
+std::string errorFor(const BadUrdf& bad, const std::string& base = "") {
+  const UrdfDirectory directory;
+  const std::filesystem::path file = directory.write(bad.text);
   try {
     loadUrdf(file, {.base_link = base, .sensors = {{bad.link, {}}}});
   } catch (const Error& error) {
@@ -230,10 +233,10 @@ std::string refusalOf(const BadUrdf& bad, const std::string& base = "") {
     EXPECT_TRUE(message.starts_with(file.string() + ":")) << message;
     return message.substr(std::min(message.size(), file.string().size()));
   }
-  return "was accepted";
+  return "no error";
 }
 
-TEST(BadUrdfs, AreRefusedInOneLine) {
+TEST(BadUrdfs, AreRejectedWithOneLine) {
   const std::string ab = joint("ab", "revolute", "a", "b", kLimit), bc = joint("bc", "revolute", "b", "c", kLimit);
   const auto withLimit = [&](const std::string& limit) { return robot(kLinks + ab + joint("bc", "revolute", "b", "c", limit)); };
   const auto withMore = [&](const std::string& more) { return robot(kLinks + ab + joint("bc", "continuous", "b", "c", more)); };
@@ -243,14 +246,14 @@ TEST(BadUrdfs, AreRefusedInOneLine) {
       {"<robot name='x'>\n<link></joint>\n</robot>", ":2: is not XML: "},
       {"<sdf/>", ":1: is not a URDF: no <robot>"},
       {robot(""), ": "},
-      {robot(kLinks + ab + bc), ": no link d: it has a, b, c", "d"},
+      {robot(kLinks + ab + bc), ": no link d: the links are a, b, c", "d"},
       {robot(kLinks + ab), ": Failed to find root link: Two root links found: [a] and [c]"},
       {robot(kLinks + ab + joint("bc", "revolute", "x", "c", kLimit)), ": Failed to build tree: parent link [x] of joint [bc] not found."},
       {robot(kLinks + ab + bc + joint("bd", "fixed", "b", "d")), ": Failed to build tree: child link [d] of joint [bd] not found"},
-      {robot(kLinks + ab + bc + joint("ac", "fixed", "a", "c")), ":5: joint ac: its child c already hangs on joint bc: one parent a link"},
-      {robot(kLinks + ab + bc + joint("ca", "fixed", "c", "a")),
-       ":5: joint ca is part of, or hangs on, a loop of links: a tree is allowed"},
-      {robot(kLinks + ab + joint("cc", "fixed", "c", "c")), ":4: joint cc is part of, or hangs on, a loop of links"},
+      {robot(kLinks + ab + bc + joint("ac", "fixed", "a", "c")),
+       ":5: joint ac: its child c is already the child of joint bc: a link has one parent"},
+      {robot(kLinks + ab + bc + joint("ca", "fixed", "c", "a")), ":5: joint ca is in, or below, a loop of links: only trees are allowed"},
+      {robot(kLinks + ab + joint("cc", "fixed", "c", "c")), ":4: joint cc is in, or below, a loop of links"},
       {robot(kLinks + ab + joint("bc", "ball", "b", "c")),
        ":4: joint bc: type: \"ball\" is not allowed: revolute, continuous, prismatic or fixed"},
       {robot(kLinks + ab + joint("bc", "floating", "b", "c")),
@@ -258,7 +261,7 @@ TEST(BadUrdfs, AreRefusedInOneLine) {
       {robot(kLinks + ab + joint("bc", "planar", "b", "c", "<axis xyz='0 0 1'/>")), ": joint bc is planar: "},
       {robot(kLinks + ab + "<joint name='bc' type='fixed'><parent link='b'/></joint>"),
        ":4: joint bc: a <parent link> or <child link> is missing"},
-      {robot(kLinks + ab + ab), ":4: joint ab: its child b already hangs on joint ab"},
+      {robot(kLinks + ab + ab), ":4: joint ab: its child b is already the child of joint ab"},
       {robot(kLinks + joint("ab", "fixed", "a", "b") + joint("ab", "fixed", "b", "c")), ": joint 'ab' is not unique."},
       {robot("<link name='a'/><link name='a'/>"), ": link 'a' is not unique.", "a"},
       {robot("<link/>"), ": "},
@@ -278,44 +281,44 @@ TEST(BadUrdfs, AreRefusedInOneLine) {
       {withMore("<axis xyz='0 1'/>"), ": "},
       {withMore("<origin xyz='0 0 inf'/>"), ": "},
       {withMore("<origin xyz='0 0 0' rpy='nan 0 0'/>"), ": "},
-      {withMore("<mimic joint='zz'/>"), ": joint bc: mimic: no joint zz, which it follows"},
-      {withMore("<mimic joint='bc'/>"), ": joint bc: mimic: it follows itself"},
+      {withMore("<mimic joint='zz'/>"), ": joint bc: mimic: no joint zz"},
+      {withMore("<mimic joint='bc'/>"), ": joint bc: mimic: the joint mimics itself"},
       {withMore("<mimic/>"), ": "},
       {withMore("<mimic joint='ab' multiplier='nan'/>"), ": "},
       {robot(kLinks + joint("ab", "fixed", "a", "b") + joint("bc", "continuous", "b", "c", "<mimic joint='ab'/>")),
-       ": joint bc: mimic: joint ab, which it follows, is fixed"},
+       ": joint bc: mimic: joint ab is fixed and cannot be mimicked"},
       {robot(kLinks + ab + joint("bc", "revolute", "b", "c", "<limit lower='5' upper='6' effort='1' velocity='2'/><mimic joint='ab'/>")),
-       ": joint bc: no position of joint ab, which it follows, is within the limits of both"},
+       ": joint bc: no position of joint ab, which it mimics, is within the limits of both"},
   };
   for (const BadUrdf& bad : table) {
     ::testing::internal::CaptureStderr();
-    EXPECT_THAT(refusalOf(bad), ::testing::StartsWith(bad.message)) << bad.text;
+    EXPECT_THAT(errorFor(bad), ::testing::StartsWith(bad.message)) << bad.text;
     EXPECT_EQ(::testing::internal::GetCapturedStderr(), "") << bad.text;
   }
-  EXPECT_THAT(refusalOf({robot(kLinks + ab + bc), ""}, "z"), ::testing::StartsWith(": no link z: it has a, b, c"));
+  EXPECT_THAT(errorFor({robot(kLinks + ab + bc), ""}, "z"), ::testing::StartsWith(": no link z: the links are a, b, c"));
 }
 
-TEST(BadUrdfs, MissingAndHugeFilesAreRefused) {
+TEST(BadUrdfs, MissingAndLargeFilesAreRejected) {
   EXPECT_THROW(loadUrdf("no such file", {.base_link = "", .sensors = {{"a", {}}}}), Error);
   EXPECT_THROW(loadUrdf(kRobots, {.base_link = "", .sensors = {{"a", {}}}}), Error);
   std::string deep;
   for (int i = 0; i < 100'000; ++i) deep += "<a>";
-  EXPECT_THAT(refusalOf({robot(deep), ""}), ::testing::HasSubstr("is not XML: XML_ELEMENT_DEPTH_EXCEEDED"));
+  EXPECT_THAT(errorFor({robot(deep), ""}), ::testing::HasSubstr("is not XML: XML_ELEMENT_DEPTH_EXCEEDED"));
   std::string wide;
   for (int i = 0; i < 5000; ++i) wide += "<link name='l" + std::to_string(i) + "'/>";
-  EXPECT_THAT(refusalOf({robot(wide), ""}), ::testing::StartsWith(":1: has 5000 links: at most 4096 are allowed"));
+  EXPECT_THAT(errorFor({robot(wide), ""}), ::testing::StartsWith(":1: has 5000 links: at most 4096 are allowed"));
 }
 
-TEST(BadUrdfs, OptionsOutOfRangeAreRefused) {
+TEST(BadUrdfs, OptionsOutOfRangeAreRejected) {
   EXPECT_THROW(loadUrdf(kRobots / "lwr_palm.urdf", {.base_link = "", .sensors = {}}), Error);
   EXPECT_THROW(loadUrdf(kRobots / "lwr_palm.urdf", {.base_link = "", .sensors = {{"palm", {}}}, .velocity_limit_scale = 0}), Error);
   EXPECT_THROW(loadUrdf(kRobots / "lwr_palm.urdf", {.base_link = "", .sensors = {{"palm", {}}}, .velocity_limit_scale = NAN}), Error);
   EXPECT_THROW(loadUrdf(kRobots / "lwr_palm.urdf", {.base_link = "", .sensors = {{"palm", {{NAN, 0, 0}, {1, 0, 0, 0}}}}}), Error);
 }
 
-// The oracle is weak: it loads, or is refused in one line.
-RC_GTEST_PROP(FuzzedUrdf, LoadsOrIsRefused, ()) {
-  static const UrdfFolder folder;
+// Weak oracle: the file is loaded, or rejected with one line.
+RC_GTEST_PROP(FuzzedUrdf, LoadsOrIsRejected, ()) {
+  static const UrdfDirectory directory;
   static const std::string original = [] {
     std::ifstream stream(kRobots / "lwr_palm.urdf");
     std::ostringstream text;
@@ -339,7 +342,7 @@ RC_GTEST_PROP(FuzzedUrdf, LoadsOrIsRefused, ()) {
     }
   }
   try {
-    loadUrdf(folder.write(text), {.base_link = "", .sensors = {{"palm", {}}}});
+    loadUrdf(directory.write(text), {.base_link = "", .sensors = {{"palm", {}}}});
   } catch (const Error& error) {
     const std::string message = error.what();
     RC_ASSERT(!message.empty());

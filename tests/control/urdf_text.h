@@ -1,4 +1,4 @@
-// URDF texts for tests, and a folder to put them into.
+// Generators of URDF text for tests.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,7 @@
 
 namespace taxelsim {
 
-class UrdfFolder {
+class UrdfDirectory {
  public:
   std::filesystem::path write(const std::string& text) const {
     std::ofstream(directory_ / "robot.urdf", std::ios::binary) << text;
@@ -20,7 +20,7 @@ class UrdfFolder {
   testing::TemporaryDirectory directory_;
 };
 
-// A joint of `type` from one link to the other; `more` holds its other elements.
+// A joint element; `more`: its other child elements.
 inline std::string joint(const std::string& name, const std::string& type, const std::string& parent, const std::string& child,
                          const std::string& more = "") {
   return "<joint name='" + name + "' type='" + type + "'><parent link='" + parent + "'/><child link='" + child + "'/>" + more +

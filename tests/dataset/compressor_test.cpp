@@ -1,4 +1,4 @@
-// Chunks as HDF5's filters would make them, whoever makes them.
+// Compressor: same chunks as HDF5's filters, independent of the number of threads.
 #include "dataset/compressor.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ using dataset::StoredChunk;
 
 constexpr std::size_t kChunk = 8000;
 
-// Smooth values, or noise that nothing shrinks.
+// Compressible values, or random bytes.
 std::vector<std::byte> bytesOf(std::size_t size, bool noise) {
   std::mt19937 random(7);
   std::vector<std::byte> bytes(size);
@@ -43,7 +43,7 @@ std::vector<std::byte> unshuffled(std::span<const std::byte> bytes, std::size_t 
   return rows;
 }
 
-TEST(Compressor, ChunksHoldTheRowsAndZeros) {
+TEST(Compressor, ChunksContainTheRowsPaddedWithZeros) {
   for (const std::size_t scalar_bytes : {2u, 4u, 8u}) {
     for (const std::size_t size : {kChunk, 3 * kChunk, 2 * kChunk + 8, std::size_t{8}}) {
       const std::vector<std::byte> rows = bytesOf(size, false);
@@ -65,7 +65,7 @@ TEST(Compressor, ChunksHoldTheRowsAndZeros) {
   }
 }
 
-TEST(Compressor, WhatDoesNotShrinkIsOnlyShuffled) {
+TEST(Compressor, ChunksThatDoNotShrinkAreOnlyShuffled) {
   const std::vector<std::byte> rows = bytesOf(2 * kChunk, true);
   Compressor compressor(9, 2);
   const std::vector<Compressor::Rows> columns{{.bytes = rows, .chunk_bytes = kChunk, .scalar_bytes = 4}};
@@ -79,7 +79,7 @@ TEST(Compressor, WhatDoesNotShrinkIsOnlyShuffled) {
   }
 }
 
-// The bytes of a shard, as they would be on disk.
+// The bytes of a shard file.
 std::vector<std::byte> fileOf(const Manifest& manifest, const ShardData& data, int num_threads) {
   Compressor compressor(manifest.compression, num_threads);
   const dataset::FileContent content = dataset::shardImage(manifest, 0, data, &compressor);
@@ -90,17 +90,17 @@ std::vector<std::byte> fileOf(const Manifest& manifest, const ShardData& data, i
   return bytes;
 }
 
-TEST(Compressor, ThreadsDoNotShowInTheFile) {
+TEST(Compressor, FileIsIndependentOfTheNumberOfThreads) {
   Manifest manifest = exampleManifest();
   manifest.compression = 4;
   manifest.columns = {{"data/smooth", ScalarType::kFloat32, {50}, "N", "Shrinks.", false},
                       {"data/noise", ScalarType::kUint16, {40}, "counts", "Does not.", false},
                       {"meta/object", ScalarType::kInt32, {}, "1", "Short.", true}};
-  constexpr std::uint64_t kNumFrames = 20000;  // several chunks, the last one not full
+  constexpr std::uint64_t kNumFrames = 20000;  // several chunks, the last one partly filled
   const ShardData data{.episode_lengths = {1, kNumFrames - 3, 1, 1},
                        .columns = {bytesOf(200 * kNumFrames, false), bytesOf(80 * kNumFrames, true), bytesOf(16, false)}};
-  const std::vector<std::byte> alone = fileOf(manifest, data, 1);
-  for (const int num_threads : {2, 5}) EXPECT_EQ(fileOf(manifest, data, num_threads), alone) << num_threads << " threads";
+  const std::vector<std::byte> expected = fileOf(manifest, data, 1);
+  for (const int num_threads : {2, 5}) EXPECT_EQ(fileOf(manifest, data, num_threads), expected) << num_threads << " threads";
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// A small data set with made-up values, and helpers to look at directories. Not a fixture of any simulation.
+// A small data set with synthetic values, and helpers for directories.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -14,13 +14,13 @@
 
 namespace taxelsim::testing {
 
-// 11 episodes in shards of 4 (the last holds 3), one column of every type.
+// 11 episodes in shards of 4 (the last has 3), one column of every type.
 Manifest exampleManifest();
 
-// Frames of an episode: 1 to 5, by its number.
+// Number of frames of an episode: 1 to 5.
 std::uint64_t exampleLength(std::uint64_t episode);
 
-// Values depend on column and place in the whole data set only, so they show whether rows landed where they belong.
+// Values are a function of column and position in the whole data set, so that misplaced rows are detected.
 ShardData exampleShard(const Manifest& manifest, std::uint64_t shard);
 
 void writeExample(const std::filesystem::path& directory, const Manifest& manifest);
@@ -30,12 +30,12 @@ std::map<std::string, std::string> filesIn(const std::filesystem::path& director
 
 void overwrite(const std::filesystem::path& file, const std::string& bytes);
 
-// Runs `function`, which must throw an Error of that kind whose message is one line and holds `part`.
+// Expects that `function` throws an Error of that kind with a message of one line that contains `part`.
 template <typename Function>
 void expectError(ErrorKind kind, const std::string& part, Function function) {
   try {
     function();
-    ADD_FAILURE() << "no error; one was expected about: " << part;
+    ADD_FAILURE() << "no error; expected: " << part;
   } catch (const Error& error) {
     const std::string message = error.what();
     EXPECT_EQ(error.kind(), kind) << message;

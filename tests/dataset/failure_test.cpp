@@ -1,4 +1,4 @@
-// Broken files and full disks: named, never read as data and never overwritten.
+// Corrupt shards, locks and full disks. Corrupt shards are reported by name, never read as data and never overwritten.
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/resource.h>
@@ -12,10 +12,10 @@
 namespace taxelsim::testing {
 namespace {
 
-constexpr std::size_t kFlips = 40;  // places in a shard at which one byte is turned over
+constexpr std::size_t kFlips = 40;  // offsets in a shard at which one byte is changed
 
-// Reader with contents checked, and writer, must both refuse the directory and name the shard.
-void expectBroken(const std::filesystem::path& directory, const std::string& shard, const std::string& what) {
+// checkShards() with contents and DatasetWriter must both report the shard by name, and leave the files unchanged.
+void expectCorrupt(const std::filesystem::path& directory, const std::string& shard, const std::string& what) {
   SCOPED_TRACE(what);
   const auto before = filesIn(directory);
   bool found = false;
@@ -24,38 +24,38 @@ void expectBroken(const std::filesystem::path& directory, const std::string& sha
     found = true;
     EXPECT_NE(status.problem.find(shard), std::string::npos) << status.problem;
   }
-  EXPECT_TRUE(found) << "not noticed";
+  EXPECT_TRUE(found) << "not detected";
   expectError(ErrorKind::kInput, shard, [&] { DatasetWriter(directory, exampleManifest()); });
-  EXPECT_EQ(filesIn(directory), before) << "touched";
+  EXPECT_EQ(filesIn(directory), before) << "files changed";
 }
 
-TEST(Corruption, TruncatedShard) {
+TEST(Corruption, DetectsTruncatedShards) {
   const TemporaryDirectory directory;
   writeExample(directory / "d", exampleManifest());
   const std::string whole = filesIn(directory / "d")["shard-000001.h5"];
   for (const std::size_t size : {std::size_t{0}, std::size_t{7}, std::size_t{100}, whole.size() / 2, whole.size() - 1}) {
     overwrite(directory / "d/shard-000001.h5", whole.substr(0, size));
-    expectBroken(directory / "d", "shard-000001.h5", "cut to " + std::to_string(size));
+    expectCorrupt(directory / "d", "shard-000001.h5", "truncated to " + std::to_string(size));
     expectError(ErrorKind::kInput, "shard-000001.h5", [&] { DatasetReader(directory / "d"); });
     expectError(ErrorKind::kInput, "shard-000001.h5", [&] { DatasetReader(directory / "d", true); });
   }
 }
 
-TEST(Corruption, FlippedValue) {
+TEST(Corruption, DetectsFlippedBytesOrReadsCorrectValues) {
   for (const int compression : {0, 4}) {
     const TemporaryDirectory directory;
     Manifest manifest = exampleManifest();
     manifest.compression = compression;
     writeExample(directory / "d", manifest);
     const std::string whole = filesIn(directory / "d")["shard-000000.h5"];
-    std::size_t noticed = 0;
+    std::size_t detected = 0;
     for (std::size_t i = 0; i < kFlips; ++i) {
       std::string flipped = whole;
       flipped[whole.size() * i / kFlips] ^= 0x55;
       overwrite(directory / "d/shard-000000.h5", flipped);
       const bool broken = checkShards(directory / "d", true)[0].state == ShardStatus::State::kBroken;
-      noticed += broken;
-      // A flip in the padding between objects is harmless: then every value must be as before.
+      detected += broken;
+      // A change in the padding between HDF5 objects is harmless: all values must be unchanged.
       if (!broken) {
         const DatasetReader reader(directory / "d");
         const ShardData expected = exampleShard(manifest, 0);
@@ -66,25 +66,25 @@ TEST(Corruption, FlippedValue) {
         }
       }
     }
-    EXPECT_GT(noticed, 0u);
+    EXPECT_GT(detected, 0u);
   }
 }
 
-TEST(Corruption, FlippedValueOfAColumn) {
+TEST(Corruption, DetectsAFlippedBitInAColumn) {
   const TemporaryDirectory directory;
   writeExample(directory / "d", exampleManifest());
   const ShardData data = exampleShard(exampleManifest(), 2);
   std::string bytes = filesIn(directory / "d")["shard-000002.h5"];
   const std::string image(reinterpret_cast<const char*>(data.columns[0].data()), data.columns[0].size());
   const std::size_t place = bytes.find(image);
-  ASSERT_NE(place, std::string::npos) << "an uncompressed column lies in the file as it is";
+  ASSERT_NE(place, std::string::npos) << "an uncompressed column is stored as is";
   bytes[place + 5] ^= 1;
   overwrite(directory / "d/shard-000002.h5", bytes);
-  expectBroken(directory / "d", "shard-000002.h5", "one bit of one pixel");
-  EXPECT_EQ(checkShards(directory / "d", false)[2].state, ShardStatus::State::kWhole) << "headers alone cannot show it";
+  expectCorrupt(directory / "d", "shard-000002.h5", "one bit of one pixel");
+  EXPECT_EQ(checkShards(directory / "d", false)[2].state, ShardStatus::State::kWhole) << "headers do not cover values";
 }
 
-TEST(Corruption, ForeignShard) {
+TEST(Corruption, DetectsForeignShards) {
   const TemporaryDirectory directory;
   writeExample(directory / "d", exampleManifest());
   const auto files = filesIn(directory / "d");
@@ -94,22 +94,22 @@ TEST(Corruption, ForeignShard) {
     const TemporaryDirectory elsewhere;
     writeExample(elsewhere / "o", other);
     overwrite(directory / "d/shard-000000.h5", filesIn(elsewhere / "o")["shard-000000.h5"]);
-    expectBroken(directory / "d", "shard-000000.h5", what);
+    expectCorrupt(directory / "d", "shard-000000.h5", what);
   };
   foreign("scene", [](Manifest& m) { m.scene = "name: other\n"; });
   foreign("seed", [](Manifest& m) { m.seed = 4; });
   foreign("device", [](Manifest& m) { m.device = "GPU"; });
   foreign("version", [](Manifest& m) { m.program_version = "0"; });
-  foreign("cut", [](Manifest& m) { m.episodes_per_shard = 2; });
+  foreign("episodes per shard", [](Manifest& m) { m.episodes_per_shard = 2; });
   foreign("type", [](Manifest& m) { m.columns[1].type = ScalarType::kFloat64; });
   foreign("column", [](Manifest& m) { m.columns[1].name = "data/other"; });
   overwrite(directory / "d/shard-000000.h5", files.at("shard-000001.h5"));
-  expectBroken(directory / "d", "shard-000000.h5", "another shard of the same data set");
+  expectCorrupt(directory / "d", "shard-000000.h5", "another shard of the same data set");
   overwrite(directory / "d/shard-000000.h5", "not HDF5 at all");
-  expectBroken(directory / "d", "shard-000000.h5", "text");
+  expectCorrupt(directory / "d", "shard-000000.h5", "text");
 }
 
-TEST(Corruption, MissingShard) {
+TEST(Corruption, ReportsMissingShards) {
   const TemporaryDirectory directory;
   writeExample(directory / "d", exampleManifest());
   std::filesystem::remove(directory / "d/shard-000001.h5");
@@ -118,18 +118,18 @@ TEST(Corruption, MissingShard) {
   EXPECT_EQ(reader.missingShards(), std::vector<std::uint64_t>{1});
   EXPECT_EQ(reader.numEpisodes(), 7u);
   const std::vector<double> episodes = reader.readAsDouble("meta/episode", 3, 2);
-  const double step = 7;  // of the made-up values from one episode to the next
+  const double step = 7;  // difference of the synthetic values of consecutive episodes
   EXPECT_EQ(episodes[1] - episodes[0], 5 * step) << "episode 3 is followed by episode 8";
   EXPECT_EQ(checkShards(directory / "d", true)[1].state, ShardStatus::State::kMissing);
 }
 
-TEST(Corruption, NoDataSet) {
+TEST(Corruption, RejectsDirectoriesWithoutDataSet) {
   const TemporaryDirectory directory;
   expectError(ErrorKind::kInput, "no data set", [&] { DatasetReader(directory / "nothing"); });
   expectError(ErrorKind::kInput, "no data set", [&] { checkShards(directory.path(), false); });
 }
 
-TEST(Lock, OneWriterAtATime) {
+TEST(Lock, AllowsOneWriter) {
   const TemporaryDirectory directory;
   {
     const DatasetWriter writer(directory / "d", exampleManifest());
@@ -151,7 +151,7 @@ TEST(Lock, OneWriterAtATime) {
   EXPECT_FALSE(std::filesystem::exists(directory / "d/.lock"));
 }
 
-TEST(Lock, GoesWithItsProcess) {
+TEST(Lock, IsReleasedWhenItsProcessIsKilled) {
   const TemporaryDirectory directory;
   int ready[2];
   ASSERT_EQ(pipe(ready), 0);
@@ -172,8 +172,8 @@ TEST(Lock, GoesWithItsProcess) {
   close(ready[1]);
 }
 
-// A limit on file sizes stands in for a full disk: write() fails half way in the same place.
-TEST(DiskFull, IsAnErrorAndLeavesNothing) {
+// A limit on the file size simulates a full disk: write() fails half way.
+TEST(DiskFull, IsAnErrorAndLeavesNoFile) {
   const TemporaryDirectory directory;
   const pid_t child = fork();
   if (child == 0) {

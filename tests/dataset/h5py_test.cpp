@@ -1,4 +1,4 @@
-// Somebody else's reader: plain h5py sees the same values through the view and through the shards.
+// Interoperability: h5py reads the same values through the view and from the shards.
 #include <gmock/gmock.h>
 
 #include <array>
@@ -13,10 +13,10 @@
 namespace taxelsim::testing {
 namespace {
 
-// What a script of this folder prints about a file or directory; it runs with another working directory than the data set's.
-nlohmann::json said(const char* script, const std::filesystem::path& of) {
+// Runs a Python script of this directory on `path` and parses its output. The working directory is not that of the data set.
+nlohmann::json runScript(const char* script, const std::filesystem::path& path) {
   const std::string command =
-      std::string("cd / && " TAXELSIM_TEST_PYTHON " " TAXELSIM_SOURCE_DIR "/tests/dataset/") + script + " '" + of.string() + "'";
+      std::string("cd / && " TAXELSIM_TEST_PYTHON " " TAXELSIM_SOURCE_DIR "/tests/dataset/") + script + " '" + path.string() + "'";
   FILE* pipe = popen(command.c_str(), "r");
   EXPECT_NE(pipe, nullptr);
   std::string text;
@@ -34,7 +34,7 @@ TEST_P(H5py, ReadsViewAndShards) {
   manifest.compression = GetParam();
   writeExample(directory / "first", manifest);
   std::filesystem::rename(directory / "first", directory / "moved");
-  const nlohmann::json found = said("read_back.py", directory / "moved");
+  const nlohmann::json found = runScript("read_with_h5py.py", directory / "moved");
   ASSERT_TRUE(found.is_object());
 
   EXPECT_EQ(found["attributes"]["format_version"], 1);
@@ -49,28 +49,28 @@ TEST_P(H5py, ReadsViewAndShards) {
   EXPECT_EQ(found["columns"].size(), manifest.columns.size() + 1);
   EXPECT_EQ(found["columns"]["meta/episode_ends"]["values"].get<std::vector<std::uint64_t>>(), reader.episodeEnds());
   for (const Column& column : manifest.columns) {
-    const nlohmann::json& seen = found["columns"][column.name];
+    const nlohmann::json& read = found["columns"][column.name];
     const std::uint64_t num_rows = column.per_episode ? reader.numEpisodes() : reader.numFrames();
-    EXPECT_EQ(seen["unit"], column.unit);
-    EXPECT_EQ(seen["description"], column.description);
-    EXPECT_EQ(seen["view"], seen["concatenated"]) << column.name;
-    EXPECT_EQ(seen["view"], sha256Hex(reader.read(column.name, 0, num_rows))) << column.name;
-    EXPECT_TRUE(seen["hashes_hold"]) << column.name;
+    EXPECT_EQ(read["unit"], column.unit);
+    EXPECT_EQ(read["description"], column.description);
+    EXPECT_EQ(read["view"], read["concatenated"]) << column.name;
+    EXPECT_EQ(read["view"], sha256Hex(reader.read(column.name, 0, num_rows))) << column.name;
+    EXPECT_TRUE(read["hashes_match"]) << column.name;
     std::vector<std::size_t> shape{static_cast<std::size_t>(num_rows)};
     shape.insert(shape.end(), column.shape.begin(), column.shape.end());
-    EXPECT_EQ(seen["shape"].get<std::vector<std::size_t>>(), shape) << column.name;
+    EXPECT_EQ(read["shape"].get<std::vector<std::size_t>>(), shape) << column.name;
     double sum = 0;
     for (const double value : reader.readAsDouble(column.name, 0, num_rows)) sum += value;
-    EXPECT_EQ(seen["sum"], sum) << column.name << ": sums of whole numbers below 2^53 are exact";
+    EXPECT_EQ(read["sum"], sum) << column.name << ": sums of integers below 2^53 are exact";
   }
   EXPECT_EQ(found["columns"]["data/tactile_image"]["type"], "uint16");
   EXPECT_EQ(found["columns"]["data/pose"]["type"], "float64");
   EXPECT_EQ(found["columns"]["data/tactile_image"]["compressed"], GetParam() > 0);
 }
 
-// Columns of several chunks, the last not full, one of them of noise that deflate cannot shrink; then the same through HDF5's own filters,
-// as data sets of earlier versions are: all are read, by everybody.
-TEST(H5pyChunks, AreThoseOfHdf5sFilters) {
+// Columns of several chunks, the last one partly filled, one column of noise that deflate cannot shrink. Then the same file written with
+// HDF5's own filters, as earlier versions did. Both readers must read both files.
+TEST(H5pyChunks, AreEquivalentToHdf5Filters) {
   const TemporaryDirectory directory;
   Manifest manifest = exampleManifest();
   manifest.compression = 4;
@@ -98,15 +98,15 @@ TEST(H5pyChunks, AreThoseOfHdf5sFilters) {
     EXPECT_EQ(checkShards(directory / "d", true)[0].problem, "");
     const DatasetReader reader(directory / "d");
     for (std::size_t c = 0; c < 2; ++c) EXPECT_EQ(reader.read(manifest.columns[c].name, 0, kNumFrames), data.columns[c]);
-    const nlohmann::json columns = said("read_back.py", directory / "d")["columns"];
+    const nlohmann::json columns = runScript("read_with_h5py.py", directory / "d")["columns"];
     for (const Column& column : manifest.columns) {
-      EXPECT_TRUE(columns[column.name]["hashes_hold"]) << column.name;
+      EXPECT_TRUE(columns[column.name]["hashes_match"]) << column.name;
       EXPECT_TRUE(columns[column.name]["compressed"]) << column.name;
     }
   };
-  check("ours");
-  EXPECT_EQ(said("filter_again.py", directory / "d/shard-000000.h5"), 3) << "chunks full of noise that are not deflated";
-  check("HDF5's");
+  check("taxelsim's compressor");
+  EXPECT_EQ(runScript("apply_hdf5_filters.py", directory / "d/shard-000000.h5"), 3) << "chunks of noise that are not deflated";
+  check("HDF5's filters");
   EXPECT_NO_THROW(DatasetWriter(directory / "d", manifest)) << "resumed";
 }
 

@@ -1,4 +1,4 @@
-// kill -9 at any moment leaves whole shards only, and the same command again gives the same bytes.
+// SIGKILL at any time leaves only complete shards, and resuming gives the same bytes as an uninterrupted run.
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -13,22 +13,22 @@ namespace taxelsim::testing {
 namespace {
 
 constexpr int kKills = 25;
-constexpr int kLongestLife = 60000;  // us; a whole run takes about as long
+constexpr int kMaxLifetime = 60000;  // us; about the duration of a complete run
 
 Manifest killManifest() {
   Manifest manifest = exampleManifest();
   manifest.num_episodes = 60;
-  manifest.columns[0].shape = {300, 300};  // large enough for writing to take a while
+  manifest.columns[0].shape = {300, 300};  // large, so that most kills occur while a shard is written
   return manifest;
 }
 
-TEST(Kill, LeavesNoHalfShard) {
+TEST(Kill, LeavesOnlyCompleteShards) {
   const TemporaryDirectory directory;
   const Manifest manifest = killManifest();
-  writeExample(directory / "whole", manifest);
-  const auto whole = filesIn(directory / "whole");
+  writeExample(directory / "complete", manifest);
+  const auto complete = filesIn(directory / "complete");
 
-  std::mt19937 random(20);  // when to kill; any moment will do
+  std::mt19937 random(20);  // times of the kills
   int interrupted = 0;
   std::filesystem::path target;
   for (int i = 0; i < kKills; ++i) {
@@ -41,7 +41,7 @@ TEST(Kill, LeavesNoHalfShard) {
       writer.finish();
       _exit(0);
     }
-    std::this_thread::sleep_for(std::chrono::microseconds(random() % kLongestLife));
+    std::this_thread::sleep_for(std::chrono::microseconds(random() % kMaxLifetime));
     kill(child, SIGKILL);
     int status = 0;
     waitpid(child, &status, 0);
@@ -49,8 +49,8 @@ TEST(Kill, LeavesNoHalfShard) {
     if (!std::filesystem::exists(target)) continue;
     for (const auto& [name, bytes] : filesIn(target)) {
       if (name.starts_with(".")) continue;
-      ASSERT_TRUE(whole.count(name)) << name;
-      EXPECT_TRUE(whole.at(name) == bytes) << name << " differs";
+      ASSERT_TRUE(complete.count(name)) << name;
+      EXPECT_TRUE(complete.at(name) == bytes) << name << " differs";
     }
     if (i % 5 != 4) continue;
     {
@@ -59,7 +59,7 @@ TEST(Kill, LeavesNoHalfShard) {
         if (!writer.isComplete(shard)) writer.writeShard(shard, exampleShard(manifest, shard));
       writer.finish();
     }
-    EXPECT_TRUE(filesIn(target) == whole) << "resumed, the files differ";
+    EXPECT_TRUE(filesIn(target) == complete) << "files differ after resuming";
   }
   EXPECT_GT(interrupted, 0);
 }

@@ -1,4 +1,4 @@
-// A directory that holds something already: resumed where that gives the same bytes, refused where not.
+// Existing directories: resumed if that gives the same bytes, rejected otherwise.
 #include <gmock/gmock.h>
 
 #include "dataset/example.h"
@@ -6,7 +6,7 @@
 namespace taxelsim::testing {
 namespace {
 
-TEST(Resume, FinishesWithTheSameBytes) {
+TEST(Resume, GivesTheSameBytesAsAnUninterruptedRun) {
   const TemporaryDirectory directory;
   const Manifest manifest = exampleManifest();
   writeExample(directory / "whole", manifest);
@@ -39,31 +39,31 @@ TEST(Resume, OfACompleteDataSetChangesNothing) {
   EXPECT_EQ(filesIn(directory / "d"), before);
 }
 
-TEST(Resume, RefusesWhatWouldGiveOtherBytes) {
+TEST(Resume, RejectsManifestsThatGiveOtherBytes) {
   const TemporaryDirectory directory;
   writeExample(directory / "d", exampleManifest());
   const auto before = filesIn(directory / "d");
-  const auto refuses = [&](const std::string& part, auto change) {
+  const auto expectRejected = [&](const std::string& part, auto change) {
     Manifest manifest = exampleManifest();
     change(manifest);
     expectError(ErrorKind::kInput, part, [&] { DatasetWriter(directory / "d", manifest); });
   };
-  refuses("another seed", [](Manifest& m) { m.seed = 1; });
-  refuses("another scene", [](Manifest& m) { m.scene += "x: 1\n"; });
-  refuses("another program version", [](Manifest& m) { m.program_version = "1.2.4"; });
-  refuses("another device", [](Manifest& m) { m.device = "GPU"; });
-  refuses("episodes per shard", [](Manifest& m) { m.episodes_per_shard = 5; });
-  refuses("another compression", [](Manifest& m) { m.compression = 1; });
-  refuses("another sensor", [](Manifest& m) { m.sensor_name = "pad B"; });
-  refuses("recorded columns", [](Manifest& m) { m.columns.pop_back(); });
-  refuses("another column", [](Manifest& m) { m.columns[1].name = "data/peak_force"; });
-  refuses("total_force", [](Manifest& m) { m.columns[1].type = ScalarType::kFloat64; });
-  refuses("not shrink", [](Manifest& m) { m.num_episodes = 8; });
-  refuses("would change", [](Manifest& m) { m.num_episodes = 12; });
+  expectRejected("another seed", [](Manifest& m) { m.seed = 1; });
+  expectRejected("another scene", [](Manifest& m) { m.scene += "x: 1\n"; });
+  expectRejected("another program version", [](Manifest& m) { m.program_version = "1.2.4"; });
+  expectRejected("another device", [](Manifest& m) { m.device = "GPU"; });
+  expectRejected("episodes per shard", [](Manifest& m) { m.episodes_per_shard = 5; });
+  expectRejected("another compression", [](Manifest& m) { m.compression = 1; });
+  expectRejected("another sensor", [](Manifest& m) { m.sensor_name = "pad B"; });
+  expectRejected("recorded columns", [](Manifest& m) { m.columns.pop_back(); });
+  expectRejected("another column", [](Manifest& m) { m.columns[1].name = "data/peak_force"; });
+  expectRejected("total_force", [](Manifest& m) { m.columns[1].type = ScalarType::kFloat64; });
+  expectRejected("not shrink", [](Manifest& m) { m.num_episodes = 8; });
+  expectRejected("would change", [](Manifest& m) { m.num_episodes = 12; });
   EXPECT_EQ(filesIn(directory / "d"), before);
 }
 
-TEST(Resume, ExtendsWhereCompleteShardsStayAsTheyAre) {
+TEST(Resume, ExtendsIfCompleteShardsAreUnchanged) {
   const TemporaryDirectory directory;
   Manifest longer = exampleManifest();
   longer.num_episodes = 10;
@@ -73,20 +73,20 @@ TEST(Resume, ExtendsWhereCompleteShardsStayAsTheyAre) {
   writeExample(directory / "d", manifest);
   {
     DatasetWriter writer(directory / "d", longer);
-    EXPECT_FALSE(std::filesystem::exists(directory / "d/dataset.h5")) << "a view of fewer episodes than the manifest says";
+    EXPECT_FALSE(std::filesystem::exists(directory / "d/dataset.h5")) << "the view has fewer episodes than the manifest";
     EXPECT_TRUE(writer.isComplete(1));
     writer.writeShard(2, exampleShard(longer, 2));
     writer.finish();
   }
   EXPECT_EQ(filesIn(directory / "whole"), filesIn(directory / "d"));
 
-  // A shard that was not full but not made yet either may grow.
+  // A partial shard that does not exist yet may grow.
   manifest.num_episodes = 6;
   DatasetWriter(directory / "e", manifest).writeShard(0, exampleShard(manifest, 0));
   EXPECT_TRUE(DatasetWriter(directory / "e", longer).isComplete(0));
 }
 
-TEST(Resume, RefusesDirectoriesOfSomethingElse) {
+TEST(Resume, RejectsDirectoriesWithOtherFiles) {
   const TemporaryDirectory directory;
   std::filesystem::create_directories(directory / "photos");
   overwrite(directory / "photos/cat.jpg", "cat");
@@ -98,7 +98,7 @@ TEST(Resume, RefusesDirectoriesOfSomethingElse) {
   expectError(ErrorKind::kInput, "format_version", [&] { DatasetWriter(directory / "other", exampleManifest()); });
 }
 
-TEST(Resume, RefusesANewerFormat) {
+TEST(Resume, RejectsNewerFormats) {
   const TemporaryDirectory directory;
   writeExample(directory / "d", exampleManifest());
   std::string text = filesIn(directory / "d")["dataset.yaml"];
@@ -108,19 +108,19 @@ TEST(Resume, RefusesANewerFormat) {
   expectError(ErrorKind::kInput, "newer", [&] { DatasetReader(directory / "d"); });
 }
 
-TEST(Writer, RefusesRowsThatDoNotFit) {
+TEST(Writer, RejectsRowsThatDoNotMatchTheManifest) {
   const TemporaryDirectory directory;
   const Manifest manifest = exampleManifest();
   DatasetWriter writer(directory / "d", manifest);
-  const auto refuses = [&](const std::string& part, auto change) {
+  const auto expectRejected = [&](const std::string& part, auto change) {
     ShardData data = exampleShard(manifest, 0);
     change(data);
     expectError(ErrorKind::kInput, part, [&] { writer.writeShard(0, data); });
   };
-  refuses("episodes given", [](ShardData& d) { d.episode_lengths.pop_back(); });
-  refuses("no frames", [](ShardData& d) { d.episode_lengths[1] = 0; });
-  refuses("columns given", [](ShardData& d) { d.columns.pop_back(); });
-  refuses("data/total_force", [](ShardData& d) { d.columns[1].pop_back(); });
+  expectRejected("episodes given", [](ShardData& d) { d.episode_lengths.pop_back(); });
+  expectRejected("no frames", [](ShardData& d) { d.episode_lengths[1] = 0; });
+  expectRejected("columns given", [](ShardData& d) { d.columns.pop_back(); });
+  expectRejected("data/total_force", [](ShardData& d) { d.columns[1].pop_back(); });
   EXPECT_FALSE(writer.isComplete(0));
   EXPECT_FALSE(std::filesystem::exists(directory / "d/shard-000000.h5"));
 }

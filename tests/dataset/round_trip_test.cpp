@@ -1,4 +1,4 @@
-// What is written comes back, byte for byte, and the files depend on the content alone.
+// Reading returns the bytes that were written, and files are a pure function of their content.
 #include <gmock/gmock.h>
 #include <rapidcheck.h>
 
@@ -12,7 +12,7 @@
 namespace taxelsim::testing {
 namespace {
 
-// HDF5 stamps whole seconds; longer than one, so that a stamp would show.
+// Longer than the resolution of HDF5 time stamps (1 s), so that a time stamp would change the file.
 constexpr auto kClockTick = std::chrono::milliseconds(1100);
 
 std::vector<std::byte> expectedColumn(const Manifest& manifest, std::size_t column) {
@@ -49,8 +49,8 @@ TEST_P(RoundTrip, ReadsWhatWasWritten) {
     const std::size_t row_bytes = dataset::rowBytes(column);
     for (std::uint64_t first = 0; first <= num_rows; ++first) {
       const std::uint64_t count = std::min<std::uint64_t>(num_rows - first, 6);
-      const std::vector<std::byte> part(expected.begin() + first * row_bytes, expected.begin() + (first + count) * row_bytes);
-      EXPECT_EQ(reader.read(column.name, first, count), part) << column.name << " from " << first;
+      const std::vector<std::byte> expected_rows(expected.begin() + first * row_bytes, expected.begin() + (first + count) * row_bytes);
+      EXPECT_EQ(reader.read(column.name, first, count), expected_rows) << column.name << " from " << first;
     }
   }
 }
@@ -71,7 +71,7 @@ TEST_P(RoundTrip, SameContentGivesSameBytes) {
 
 INSTANTIATE_TEST_SUITE_P(Compression, RoundTrip, ::testing::Values(0, 4));
 
-TEST(Reader, TurnsEveryTypeIntoDoubles) {
+TEST(Reader, ConvertsAllTypesToDouble) {
   const TemporaryDirectory directory;
   const Manifest manifest = exampleManifest();
   writeExample(directory / "d", manifest);
@@ -85,7 +85,7 @@ TEST(Reader, TurnsEveryTypeIntoDoubles) {
   }
 }
 
-TEST(Reader, RefusesUnknownColumnsAndRows) {
+TEST(Reader, RejectsUnknownColumnsAndRows) {
   const TemporaryDirectory directory;
   writeExample(directory / "d", exampleManifest());
   const DatasetReader reader(directory / "d");
@@ -96,8 +96,8 @@ TEST(Reader, RefusesUnknownColumnsAndRows) {
   EXPECT_TRUE(reader.read("data/total_force", reader.numFrames(), 0).empty());
 }
 
-TEST(RoundTripProperty, AnyCutIntoShardsReadsTheSame) {
-  const bool holds = rc::check("rows do not depend on the cut", [] {
+TEST(RoundTripProperty, IsIndependentOfTheShardSize) {
+  const bool holds = rc::check("rows are independent of the shard size", [] {
     const TemporaryDirectory directory;
     Manifest manifest = exampleManifest();
     manifest.num_episodes = *rc::gen::inRange<std::uint64_t>(1, 30);

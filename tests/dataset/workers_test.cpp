@@ -9,24 +9,24 @@
 namespace taxelsim::dataset {
 namespace {
 
-TEST(Workers, DoEveryJobOnce) {
+TEST(Workers, RunEveryJobOnce) {
   for (const int num_threads : {1, 2, 7}) {
     Workers workers(num_threads);
     EXPECT_EQ(workers.numThreads(), num_threads);
     for (const std::size_t num_jobs : {0u, 1u, 2u, 1000u}) {
       std::vector<std::atomic<int>> times(num_jobs);
-      std::atomic<bool> foreign = false;
+      std::atomic<bool> out_of_range = false;
       workers.run(num_jobs, [&](int worker, std::size_t index) {
         ++times[index];
-        if (worker < 0 || worker >= num_threads) foreign = true;
+        if (worker < 0 || worker >= num_threads) out_of_range = true;
       });
       for (std::size_t i = 0; i < num_jobs; ++i) EXPECT_EQ(times[i], 1) << "job " << i << " of " << num_jobs;
-      EXPECT_FALSE(foreign);
+      EXPECT_FALSE(out_of_range);
     }
   }
 }
 
-TEST(Workers, PassOnWhatAJobThrows) {
+TEST(Workers, RethrowTheFirstException) {
   for (const int num_threads : {1, 3}) {
     Workers workers(num_threads);
     std::atomic<int> num_done = 0;
@@ -40,10 +40,10 @@ TEST(Workers, PassOnWhatAJobThrows) {
       EXPECT_EQ(error.what(), std::string("five"));
     }
     EXPECT_GE(num_done, 5);
-    EXPECT_LT(num_done, 999) << "jobs were begun after one had failed";
+    EXPECT_LT(num_done, 999) << "jobs were started after an exception";
     num_done = 0;
     workers.run(20, [&](int, std::size_t) { ++num_done; });
-    EXPECT_EQ(num_done, 20) << "they go on after an error";
+    EXPECT_EQ(num_done, 20) << "the pool is usable after an exception";
   }
 }
 

@@ -32,12 +32,12 @@ TEST(DrawEpisode, LowestPointIsAtTheDrawnPosition) {
   for (std::uint64_t episode = 0; episode < 200; ++episode) {
     const EpisodeDraw draw = drawEpisode(scene, episode);
     const Vector3 lowest = lowestInSensor(scene, draw);
-    EXPECT_TRUE(within(lowest[0], scene.randomisation.x)) << episode;
-    EXPECT_TRUE(within(lowest[1], scene.randomisation.y)) << episode;
+    EXPECT_TRUE(within(lowest[0], scene.randomization.x)) << episode;
+    EXPECT_TRUE(within(lowest[1], scene.randomization.y)) << episode;
     EXPECT_NEAR(lowest[2], 0, kRounding) << episode;
     EXPECT_TRUE(draw.load_driven);
     EXPECT_EQ(draw.depth, 0);
-    EXPECT_TRUE(within(draw.load, *scene.randomisation.load)) << episode;
+    EXPECT_TRUE(within(draw.load, *scene.randomization.load)) << episode;
     // float32.
     EXPECT_NEAR(draw.variation.gain, 1, 0.1 + 1e-7);
     EXPECT_NEAR(draw.variation.gain_spread, 0.025, 0.025 + 1e-7);
@@ -47,20 +47,20 @@ TEST(DrawEpisode, LowestPointIsAtTheDrawnPosition) {
 
 TEST(DrawEpisode, DepthDrivenObjectIsAtTheDrawnDepth) {
   Scene scene = exampleScene();
-  scene.randomisation.load.reset();
-  scene.randomisation.depth = Range{0.4e-3, 0.8e-3};
+  scene.randomization.load.reset();
+  scene.randomization.depth = Range{0.4e-3, 0.8e-3};
   for (std::uint64_t episode = 0; episode < 50; ++episode) {
     const EpisodeDraw draw = drawEpisode(scene, episode);
     EXPECT_FALSE(draw.load_driven);
     EXPECT_EQ(draw.load, 0);
-    EXPECT_TRUE(within(draw.depth, *scene.randomisation.depth));
+    EXPECT_TRUE(within(draw.depth, *scene.randomization.depth));
     EXPECT_NEAR(lowestInSensor(scene, draw)[2], -draw.depth, kRounding);
   }
 }
 
 TEST(DrawEpisode, DegenerateRangesGiveExactValues) {
   Scene scene = exampleScene();
-  scene.randomisation = {.x = {0.001, 0.001}, .y = {-0.002, -0.002}, .yaw = {0, 0}, .tilt = {0, 0}, .load = Range{2, 2}, .depth = {}};
+  scene.randomization = {.x = {0.001, 0.001}, .y = {-0.002, -0.002}, .yaw = {0, 0}, .tilt = {0, 0}, .load = Range{2, 2}, .depth = {}};
   scene.objects.erase(scene.objects.begin());
   const EpisodeDraw draw = drawEpisode(scene, 7);
   EXPECT_EQ(draw.X_SO, (Pose{{0.001, -0.002, 0.01}, {1, 0, 0, 0}}));
@@ -75,13 +75,13 @@ TEST(DrawEpisode, DegenerateRangesGiveExactValues) {
 TEST(DrawEpisode, OrientationHasTheDrawnYawAndTilt) {
   Scene scene = exampleScene();
   scene.objects.resize(1);
-  scene.randomisation.tilt = {0, 0};
-  scene.randomisation.yaw = {0.3, 0.3};
+  scene.randomization.tilt = {0, 0};
+  scene.randomization.yaw = {0.3, 0.3};
   Vector3 axis = rotate(drawEpisode(scene, 0).X_SO.rotation, {0, 0, 1});
   EXPECT_NEAR(axis[0] * std::cos(0.3) + axis[1] * std::sin(0.3), 0, kRounding);
   EXPECT_NEAR(axis[2], 0, kRounding);
 
-  scene.randomisation.tilt = {0.2, 0.2};
+  scene.randomization.tilt = {0.2, 0.2};
   double steepest = 0;
   for (std::uint64_t episode = 0; episode < 200; ++episode) {
     axis = rotate(drawEpisode(scene, episode).X_SO.rotation, {0, 0, 1});

@@ -24,14 +24,14 @@ Scene exampleScene() {
   scene.num_steps = 7;
   scene.simulation_rate = 100;
   scene.control_rate = 50;
-  scene.randomisation.x = {-0.003, 0.003};
-  scene.randomisation.y = {-0.01, 0.01};
-  scene.randomisation.yaw = {-kPi, kPi};
-  scene.randomisation.tilt = {0, 0.005};
-  scene.randomisation.load = Range{1, 4};
-  scene.randomisation.gain = {0.9, 1.1};
-  scene.randomisation.gain_spread = {0, 0.05};
-  scene.randomisation.noise = {0, 5};
+  scene.randomization.x = {-0.003, 0.003};
+  scene.randomization.y = {-0.01, 0.01};
+  scene.randomization.yaw = {-kPi, kPi};
+  scene.randomization.tilt = {0, 0.005};
+  scene.randomization.load = Range{1, 4};
+  scene.randomization.gain = {0.9, 1.1};
+  scene.randomization.gain_spread = {0, 0.05};
+  scene.randomization.noise = {0, 5};
   scene.controllers[0].servo.exploration_velocity = 0.002;
   scene.record = {"tactile_image",
                   "features",

@@ -21,8 +21,8 @@ Scene sceneWith(const Motion& motion, const TactileServo& servo) {
   scene.num_steps = 100;
   scene.control_rate = scene.simulation_rate;
   scene.num_episodes = scene.episodes_per_shard = 6;
-  scene.randomisation.yaw = {-0.2, 0.2};
-  scene.randomisation.noise = {0, 0};
+  scene.randomization.yaw = {-0.2, 0.2};
+  scene.randomization.noise = {0, 0};
   scene.controllers[0].servo = servo;
   return scene;
 }

@@ -26,12 +26,12 @@ Scene servoScene() {
   scene.control_rate = scene.simulation_rate;
   scene.num_episodes = 12;
   scene.episodes_per_shard = 12;
-  scene.randomisation = {};
-  scene.randomisation.x = {-0.003, 0.003};
-  scene.randomisation.y = {-0.004, 0.004};
+  scene.randomization = {};
+  scene.randomization.x = {-0.003, 0.003};
+  scene.randomization.y = {-0.004, 0.004};
   // At zero yaw the bar's axis is along y, the target.
-  scene.randomisation.yaw = {-60 * kDegree, 60 * kDegree};
-  scene.randomisation.load = Range{2, 5};
+  scene.randomization.yaw = {-60 * kDegree, 60 * kDegree};
+  scene.randomization.load = Range{2, 5};
   scene.controllers[0].servo = edgeServo();
   scene.controllers[0].servo[ServoFeature::kEdgeAngle].reference = kTargetAngle;
   return scene;
@@ -53,7 +53,7 @@ void expectConverges(const Scene& scene) {
     const std::uint64_t first = episode * kNumSteps, last = first + kNumSteps - 1;
     worst_start = std::max(worst_start, lineError(angle[first], kTargetAngle));
     EXPECT_LT(lineError(angle[last], kTargetAngle), kAngleLimit) << "episode " << episode;
-    const double target = scene.randomisation.load ? load[episode] : force[first];
+    const double target = scene.randomization.load ? load[episode] : force[first];
     EXPECT_NEAR(force[last], target, kForceLimit * target) << "episode " << episode;
   }
   EXPECT_GT(worst_start, 30 * kDegree);  // the initial error is significant
@@ -71,8 +71,8 @@ TEST(ServoEpisode, ConvergesWithAReducedFrameRate) {
 
 TEST(ServoEpisode, HoldsTheForceOfADepthDrivenStart) {
   Scene scene = servoScene();
-  scene.randomisation.load.reset();
-  scene.randomisation.depth = Range{0.3e-3, 0.6e-3};
+  scene.randomization.load.reset();
+  scene.randomization.depth = Range{0.3e-3, 0.6e-3};
   expectConverges(scene);
 }
 
@@ -92,7 +92,7 @@ TEST(ServoEpisode, ConvergesOnAnArm) {
 // force.
 TEST(ServoEpisode, RegulatesTheMeasuredForce) {
   Scene scene = servoScene();
-  scene.randomisation.gain = {0.5, 0.5};
+  scene.randomization.gain = {0.5, 0.5};
   const TestDirectory directory;
   ASSERT_TRUE(generate(Device::open(), scene, directory.path(), {.batch_size = 12, .on_progress = {}, .stop = nullptr}).complete);
   const DatasetReader reader(directory.path());
@@ -116,9 +116,9 @@ TEST(ServoEpisode, MeasuredJacobianDecouplesForceAndCentre) {
   scene.sensor.readout.curve = {10000};  // 0.1 mN per count, over about 20 taxels
   scene.sensor.readout.adc_bits = 16;
   scene.sensor.readout.saturation = 65535;
-  scene.randomisation.x = {-0.002, 0.002};
-  scene.randomisation.y = {-0.004, 0.004};
-  scene.randomisation.load = Range{2, 5};
+  scene.randomization.x = {-0.002, 0.002};
+  scene.randomization.y = {-0.004, 0.004};
+  scene.randomization.load = Range{2, 5};
   scene.objects = {{.object = Object("ball", Sphere{.radius = 0.012})}};
   constexpr double kGain = 5, kForce = 3.5;
   TactileServo servo{.max_angular_velocity = 10, .max_linear_velocity = 1};

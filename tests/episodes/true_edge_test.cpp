@@ -76,7 +76,7 @@ TEST(TrueEdge, ProjectsARingContour) {
 TEST(TrueEdge, EpisodesStartOnTheContour) {
   Scene scene = exampleScene();
   scene.objects = {ring()};
-  scene.randomisation.tilt = {0, 0};
+  scene.randomization.tilt = {0, 0};
   const EpisodeDrawer drawer(scene);
   const TrueEdge edge(scene.objects[0]);
   std::vector<double> arcs;
@@ -84,13 +84,13 @@ TEST(TrueEdge, EpisodesStartOnTheContour) {
     const EpisodeDraw draw = drawer.draw(episode);
     // The distance is at most the random offset, for any yaw.
     const ProjectedEdge projected = edge.project(draw.X_SO);
-    EXPECT_LE(projected.distance, std::hypot(scene.randomisation.x.max, scene.randomisation.y.max) + kRounding);
+    EXPECT_LE(projected.distance, std::hypot(scene.randomization.x.max, scene.randomization.y.max) + kRounding);
     EXPECT_NEAR(draw.X_SO.position[2], -0.002, kRounding);  // the contour is at the height of the skin
     arcs.push_back(projected.arc / edge.contourLength());
   }
   std::sort(arcs.begin(), arcs.end());
   // Kolmogorov-Smirnov: 99.9 % quantile 0.138 for 200 uniform numbers; the random offset adds its angle on the ring.
-  const double offset = std::hypot(scene.randomisation.x.max, scene.randomisation.y.max) / kRadius / (2 * kPi);
+  const double offset = std::hypot(scene.randomization.x.max, scene.randomization.y.max) / kRadius / (2 * kPi);
   for (std::size_t k = 0; k < arcs.size(); ++k) EXPECT_NEAR(arcs[k], static_cast<double>(k) / 200, 0.138 + offset);
 }
 

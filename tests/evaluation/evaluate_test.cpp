@@ -30,9 +30,9 @@ Scene alignScene() {
   scene.num_steps = 120;
   scene.control_rate = scene.simulation_rate;
   scene.num_episodes = 24;
-  scene.randomisation = {};
-  scene.randomisation.yaw = {-60 * kDegree, 60 * kDegree};
-  scene.randomisation.load = Range{2, 4};
+  scene.randomization = {};
+  scene.randomization.yaw = {-60 * kDegree, 60 * kDegree};
+  scene.randomization.load = Range{2, 4};
   TactileServo exact;
   exact.edge_angle_source = EdgeAngleSource::kExact;
   exact.max_angular_velocity = 100;
@@ -91,9 +91,9 @@ TEST(Evaluate, SettlesWhenTheClosedFormDoes) {
 TEST(Evaluate, VerdictsDependOnNeitherBatchNorSlices) {
   Scene scene = alignScene();
   scene.controllers = {SceneController{}};
-  scene.randomisation.linear_action_noise = {0, 1e-3};
-  scene.randomisation.angular_action_noise = {0, 0.1};
-  scene.randomisation.noise = {0, 10};
+  scene.randomization.linear_action_noise = {0, 1e-3};
+  scene.randomization.angular_action_noise = {0, 0.1};
+  scene.randomization.noise = {0, 10};
   scene.num_steps = 30;
   const Device device = Device::open();
   const std::vector<Evaluation> whole = evaluate(device, scene, {}, {.batch_size = 24, .num_slices = 1, .on_progress = {}});
@@ -222,9 +222,9 @@ TEST(Evaluate, ActionNoiseHasItsStandardDeviation) {
   Scene scene = alignScene();
   scene.num_steps = 200;
   scene.record = {"actions"};
-  scene.randomisation.linear_action_noise = {1e-3, 2e-3};
-  scene.randomisation.angular_action_noise = {0.1, 0.1};
-  scene.randomisation.exploration_velocity = Range{0, 0.01};
+  scene.randomization.linear_action_noise = {1e-3, 2e-3};
+  scene.randomization.angular_action_noise = {0.1, 0.1};
+  scene.randomization.exploration_velocity = Range{0, 0.01};
   const TestDirectory directory;
   ASSERT_TRUE(generate(Device::open(), scene, directory.path(), {.on_progress = {}, .stop = nullptr}).complete);
   const DatasetReader reader(directory.path());

@@ -268,7 +268,7 @@ TEST(ServoExperiment, RejectsInvalidRuns) {
   experiment.sweeps.clear();
   experiment.runs.resize(1);
   const ServoRun good = experiment.runs[0];
-  experiment.runs[0].scene.randomisation.load = Range{1e6, 1e6};
+  experiment.runs[0].scene.randomization.load = Range{1e6, 1e6};
   expectRefused(experiment, "out of reach");
   experiment.runs[0] = good;
   experiment.runs[0].scene.controllers.push_back(good.scene.controllers[0]);

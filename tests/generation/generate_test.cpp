@@ -231,9 +231,9 @@ TEST(Generate, SeveralSensorsOfARobotDoNotDependOnBatchOrSlices) {
 TEST(Generate, FirstSensorIsIndependentOfOtherSensors) {
   Scene scene = exampleScene();
   scene.sensor.readout.noise = 0;
-  scene.randomisation.gain_spread = scene.randomisation.noise = {0, 0};
-  scene.randomisation.load.reset();
-  scene.randomisation.depth = Range{1e-4, 5e-4};
+  scene.randomization.gain_spread = scene.randomization.noise = {0, 0};
+  scene.randomization.load.reset();
+  scene.randomization.depth = Range{1e-4, 5e-4};
   scene.record = {"tactile_image", "features", "poses"};
   const TestDirectory directory;
   std::vector<std::map<std::string, std::vector<double>>> columns(2);
@@ -260,8 +260,8 @@ TEST(Generate, AllSensorsSeeTheObjectAtItsInitialContact) {
   Scene scene = exampleScene();
   scene.robot = robotWith(2);
   scene.sensor.readout.noise = 0;
-  scene.randomisation = {};
-  scene.randomisation.load = Range{1, 4};
+  scene.randomization = {};
+  scene.randomization.load = Range{1, 4};
   scene.objects.resize(1);
   scene.objects[0] = {.object = Object("plate", HalfSpace{})};
   scene.record = {"ground_truth", "poses"};
@@ -364,7 +364,7 @@ TEST(Generate, EpisodeColumnsContainTheDraw) {
 
 TEST(Generate, FlagsLoadsOutOfReach) {
   Scene scene = exampleContacts();
-  scene.randomisation.load = Range{1e5, 1e5};
+  scene.randomization.load = Range{1e5, 1e5};
   const TestDirectory directory;
   const GenerateResult result = generateWith(scene, directory.path(), 8, 2);
   EXPECT_TRUE(result.complete);
@@ -376,8 +376,8 @@ TEST(Generate, FlagsLoadsOutOfReach) {
 
 TEST(Generate, DepthDrivenEpisodesHaveNoLoad) {
   Scene scene = exampleContacts();
-  scene.randomisation.load.reset();
-  scene.randomisation.depth = Range{0.5e-3, 0.5e-3};
+  scene.randomization.load.reset();
+  scene.randomization.depth = Range{0.5e-3, 0.5e-3};
   const TestDirectory directory;
   generateWith(scene, directory.path(), 8, 2);
   const DatasetReader reader(directory.path());

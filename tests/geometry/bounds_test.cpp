@@ -8,7 +8,7 @@
 namespace taxelsim {
 namespace {
 
-// The surface points reach every extreme: 48 steps of a circle have the four axis directions among them. What is left is rounding.
+// The sampled points include every extreme: 48 points of a circle include the four axis directions. Only rounding remains.
 constexpr double kRounding = 1e-15;
 
 void expectTight(const Object& object) {
@@ -27,7 +27,7 @@ void expectTight(const Object& object) {
   }
 }
 
-TEST(BoundsOf, AreTheTightestBoxAroundTheSurface) {
+TEST(BoundsOf, AreTheExtremesOfTheSurface) {
   expectTight(brick());
   expectTight(Sphere{0.3});
   expectTight(Cylinder{0.2, 0.7});
@@ -37,13 +37,13 @@ TEST(BoundsOf, AreTheTightestBoxAroundTheSurface) {
   expectTight(Torus{0.3, 0.1});
 }
 
-TEST(BoundsOf, OfAHalfSpaceAreInfinite) {
+TEST(BoundsOf, AreInfiniteForAHalfSpace) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   EXPECT_EQ(boundsOf(HalfSpace{}).min, (Vector3{-kInfinity, -kInfinity, 0}));
   EXPECT_EQ(boundsOf(HalfSpace{}).max, (Vector3{kInfinity, kInfinity, kInfinity}));
 }
 
-TEST(BoundsOf, LeaveOutVerticesThatNoTriangleUses) {
+TEST(BoundsOf, IgnoreUnusedVertices) {
   Mesh mesh = brick();
   mesh.vertices.push_back({100, 100, 100});
   EXPECT_EQ(boundsOf(mesh).max, (Vector3{0.5, 0.25, 2}));

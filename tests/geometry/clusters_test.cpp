@@ -1,4 +1,3 @@
-// Clusters: every triangle once, inside its boxes, with its vertices within half a lattice step.
 #include "geometry/clusters.h"
 
 #include <gtest/gtest.h>
@@ -9,19 +8,19 @@
 namespace taxelsim {
 namespace {
 
-Mesh shipped(const char* name) {
+Mesh sceneObject(const char* name) {
   return loadMesh(std::string(TAXELSIM_SOURCE_DIR) + "/scenes/objects/" + name);
 }
 
-// Corners of all triangles, sorted, as a mesh's content without its order.
-std::vector<std::array<std::array<float, 3>, 3>> contentOf(const Mesh& mesh) {
-  std::vector<std::array<std::array<float, 3>, 3>> content;
-  for (const auto& t : mesh.triangles) content.push_back({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]});
-  return content;
+// Positions of the corners of all triangles.
+std::vector<std::array<std::array<float, 3>, 3>> cornerPositions(const Mesh& mesh) {
+  std::vector<std::array<std::array<float, 3>, 3>> positions;
+  for (const auto& t : mesh.triangles) positions.push_back({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]});
+  return positions;
 }
 
-// Corners of all triangles in lattice steps, those of each in order, all sorted.
-std::vector<std::array<std::array<long, 3>, 3>> cornersOf(const Mesh& mesh, const ClusteredMesh& clustered) {
+// Corners of all triangles in lattice steps relative to the middle; corners and triangles sorted.
+std::vector<std::array<std::array<long, 3>, 3>> latticeCorners(const Mesh& mesh, const ClusteredMesh& clustered) {
   std::vector<std::array<std::array<long, 3>, 3>> all;
   for (const auto& triangle : mesh.triangles) {
     std::array<std::array<long, 3>, 3>& corners = all.emplace_back();
@@ -36,18 +35,18 @@ std::vector<std::array<std::array<long, 3>, 3>> cornersOf(const Mesh& mesh, cons
   return all;
 }
 
-bool inside(const ClusterBox& box, const LatticePoint& point) {
+bool contains(const ClusterBox& box, const LatticePoint& point) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (point[axis] < box.low[axis] || point[axis] > box.high[axis]) return false;
   }
   return true;
 }
 
-TEST(Clusters, HoldEveryTriangleOnceInsideTheirBoxes) {
+TEST(Clusters, ContainEveryTriangleOnce) {
   for (const char* name : {"hex_prism.obj", "knob_5k.obj", "bunny.obj"}) {
-    const Mesh mesh = shipped(name);
+    const Mesh mesh = sceneObject(name);
     const ClusteredMesh clustered = clusterMesh(mesh);
-    EXPECT_EQ(cornersOf(latticeMesh(clustered), clustered), cornersOf(mesh, clustered)) << name;
+    EXPECT_EQ(latticeCorners(latticeMesh(clustered), clustered), latticeCorners(mesh, clustered)) << name;
     std::uint32_t next_cluster = 0, next_quad = 0;
     for (const ClusterBox& group : clustered.groups) {
       ASSERT_EQ(group.first, next_cluster);
@@ -60,8 +59,8 @@ TEST(Clusters, HoldEveryTriangleOnceInsideTheirBoxes) {
         ASSERT_GE(cluster.count, 1u);
         ASSERT_LE(cluster.count, kQuadsPerCluster);
         next_quad += cluster.count;
-        for (std::uint32_t t = cluster.first; t < next_quad; ++t) {
-          for (const LatticePoint& point : clustered.quads[t]) ASSERT_TRUE(inside(cluster, point) && inside(group, point)) << name;
+        for (std::uint32_t q = cluster.first; q < next_quad; ++q) {
+          for (const LatticePoint& point : clustered.quads[q]) ASSERT_TRUE(contains(cluster, point) && contains(group, point)) << name;
         }
       }
     }
@@ -70,16 +69,16 @@ TEST(Clusters, HoldEveryTriangleOnceInsideTheirBoxes) {
   }
 }
 
-TEST(Clusters, MoveVerticesByHalfALatticeStepAtMost) {
-  const Mesh mesh = shipped("knob_5k.obj");
+TEST(Clusters, QuantizeVerticesToTheNearestLatticePoint) {
+  const Mesh mesh = sceneObject("knob_5k.obj");
   const ClusteredMesh clustered = clusterMesh(mesh);
   const Mesh back = latticeMesh(clustered);
   const Bounds bounds = boundsOf(Object(Shape(mesh)));
   EXPECT_LT(clustered.step, 1.1e-6 * (bounds.max[0] - bounds.min[0] + bounds.max[1] - bounds.min[1] + bounds.max[2] - bounds.min[2]));
-  // Half a step and the rounding of a float32 coordinate, of at most 0.1 m.
+  // Half a step, and the rounding of a float32 coordinate of at most 0.1 m.
   const double tolerance = clustered.step / 2 + 0.1 * 0x1p-24;
   std::vector<std::array<float, 3>> vertices;
-  for (const auto& triangle : contentOf(mesh)) vertices.insert(vertices.end(), triangle.begin(), triangle.end());
+  for (const auto& triangle : cornerPositions(mesh)) vertices.insert(vertices.end(), triangle.begin(), triangle.end());
   for (const std::array<float, 3>& vertex : back.vertices) {
     double nearest = 1;
     for (const std::array<float, 3>& other : vertices) {
@@ -94,24 +93,25 @@ TEST(Clusters, MoveVerticesByHalfALatticeStepAtMost) {
   }
 }
 
-// A closed mesh of triangles with three neighbours each can be paired without rest (Petersen's theorem); the greedy pairing leaves some.
-TEST(Clusters, LeaveFewTrianglesAlone) {
-  constexpr double kMostAlone = 0.05;  // of the quads; measured: 0.6 % and 1.8 %
+// In a closed mesh, where each triangle has three neighbors, a perfect matching exists (Petersen's theorem). The greedy matching
+// is not perfect.
+TEST(Clusters, LeaveFewTrianglesUnmatched) {
+  constexpr double kMaxUnmatched = 0.05;  // fraction of the quads; measured: 0.6 % and 1.8 %
   for (const char* name : {"knob_5k.obj", "bunny.obj"}) {
-    const std::vector<Quad> quads = clusterMesh(shipped(name)).quads;
-    const auto alone = std::count_if(quads.begin(), quads.end(), [](const Quad& quad) { return quad[3] == quad[2]; });
-    EXPECT_LE(static_cast<double>(alone), kMostAlone * static_cast<double>(quads.size()))
-        << name << ": " << alone << " of " << quads.size();
+    const std::vector<Quad> quads = clusterMesh(sceneObject(name)).quads;
+    const auto unmatched = std::count_if(quads.begin(), quads.end(), [](const Quad& quad) { return quad[3] == quad[2]; });
+    EXPECT_LE(static_cast<double>(unmatched), kMaxUnmatched * static_cast<double>(quads.size()))
+        << name << ": " << unmatched << " of " << quads.size();
   }
 }
 
-TEST(Clusters, AreTheSameEveryTime) {
-  const Mesh mesh = shipped("bunny.obj");
+TEST(Clusters, AreDeterministic) {
+  const Mesh mesh = sceneObject("bunny.obj");
   const ClusteredMesh a = clusterMesh(mesh), b = clusterMesh(mesh);
   EXPECT_EQ(a.quads, b.quads);
 }
 
-TEST(Clusters, OfOneFlatTriangleAreFine) {
+TEST(Clusters, OfASingleTriangle) {
   const Mesh mesh{{{0, 0, 0}, {0.01f, 0, 0}, {0, 0.01f, 0}}, {{0, 1, 2}}};
   const ClusteredMesh clustered = clusterMesh(mesh);
   EXPECT_EQ(clustered.groups.size(), 1u);

@@ -1,17 +1,17 @@
-// BoundCheck over a whole mesh.
+// HausdorffBound for all triangles of a mesh.
 #pragma once
 
-#include "geometry/surface_distance.h"
+#include "geometry/hausdorff_bound.h"
 
 namespace taxelsim {
 
-// Whether every point of `mesh` is proven to be at most `bound` (m) from `surface`.
+// True if every point of `mesh` is proven to be at most `bound` (m) from `surface`.
 inline bool isWithin(const Mesh& mesh, const Mesh& surface, double bound) {
   const TriangleTree tree(surface);
-  Effort effort;
-  BoundCheck check(tree, bound, effort);
+  SearchBudget budget;
+  HausdorffBound check(tree, bound, budget);
   for (std::uint32_t triangle = 0; triangle < mesh.triangles.size(); ++triangle) {
-    if (check.findBeyond(cornersOf(mesh, triangle))) return false;
+    if (check.findViolation(cornersOf(mesh, triangle))) return false;
   }
   return true;
 }

@@ -10,43 +10,43 @@ namespace taxelsim {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-const Quaternion kAsIs{1, 0, 0, 0};
+const Quaternion kIdentity{1, 0, 0, 0};
 
-// Dimensions below are up to 1 m; rotation and product cost some rounding errors of that.
+// A few rounding errors of dimensions of at most 1 m.
 constexpr double kRounding = 1e-14;
-// An edge within 1e-6 rad of level counts as level (lowest_point.cpp): its middle is up to that times half its length too high. Sizes are
-// below 3 m.
-constexpr double kLevelHeight = 3e-6;
+// The midpoint of an edge within 1e-6 rad of the plane z = 0 is up to 1e-6 times half its length above its lower end (kParallelAngle in
+// lowest_point.cpp). Sizes are below 3 m.
+constexpr double kMidpointHeight = 3e-6;
 
 void expectPoint(const Shape& shape, const Quaternion& R_SO, const Vector3& expected) {
   const Vector3 p = lowestPoint(shape, R_SO);
   for (std::size_t axis = 0; axis < 3; ++axis) EXPECT_NEAR(p[axis], expected[axis], kRounding) << Object(shape).name << " axis " << axis;
 }
 
-TEST(LowestPoint, ClosedFormsAsTheyStand) {
-  expectPoint(Sphere{0.3}, kAsIs, {0, 0, -0.3});
-  expectPoint(Cylinder{0.2, 0.6}, kAsIs, {0, 0, -0.3});  // middle of the flat end
-  expectPoint(Capsule{0.2, 0.6}, kAsIs, {0, 0, -0.5});
-  expectPoint(Box{{0.1, 0.2, 0.4}}, kAsIs, {0, 0, -0.2});  // middle of the face
-  expectPoint(HalfSpace{}, kAsIs, {0, 0, 0});
-  expectPoint(Cone{0.2, 0.4}, kAsIs, {0, 0, 0});      // apex
-  expectPoint(Torus{0.3, 0.1}, kAsIs, {0, 0, -0.1});  // middle of the lowest circle
-  expectPoint(brick(), kAsIs, {0.25, 0.125, 0});      // mean of four corners
+TEST(LowestPoint, OfUnrotatedShapes) {
+  expectPoint(Sphere{0.3}, kIdentity, {0, 0, -0.3});
+  expectPoint(Cylinder{0.2, 0.6}, kIdentity, {0, 0, -0.3});  // center of the end
+  expectPoint(Capsule{0.2, 0.6}, kIdentity, {0, 0, -0.5});
+  expectPoint(Box{{0.1, 0.2, 0.4}}, kIdentity, {0, 0, -0.2});  // center of the face
+  expectPoint(HalfSpace{}, kIdentity, {0, 0, 0});
+  expectPoint(Cone{0.2, 0.4}, kIdentity, {0, 0, 0});      // apex
+  expectPoint(Torus{0.3, 0.1}, kIdentity, {0, 0, -0.1});  // center of the lowest circle
+  expectPoint(brick(), kIdentity, {0.25, 0.125, 0});      // mean of four corners
 }
 
-TEST(LowestPoint, LyingOnASideGivesItsMiddle) {
-  const Quaternion quarter = axisAngle({1, 0, 0}, kPi / 2);  // y of O up, z of O to -y of S
+TEST(LowestPoint, OfAShapeOnItsSideIsTheMidpointOfTheSide) {
+  const Quaternion quarter = axisAngle({1, 0, 0}, kPi / 2);  // y of O along z of S, z of O along -y of S
   expectPoint(Cylinder{0.2, 0.6}, quarter, {0, -0.2, 0});
   expectPoint(Capsule{0.2, 0.6}, quarter, {0, -0.2, 0});
   expectPoint(Box{{0.1, 0.2, 0.4}}, quarter, {0, -0.1, 0});
   expectPoint(Torus{0.3, 0.1}, quarter, {0, -0.4, 0});
   const Quaternion half = axisAngle({1, 0, 0}, kPi);
-  expectPoint(Cone{0.2, 0.4}, half, {0, 0, 0.4});  // middle of the base
-  // A cone on its mantle: the slant line from apex to rim is lowest.
+  expectPoint(Cone{0.2, 0.4}, half, {0, 0, 0.4});  // center of the base
+  // A cone on its lateral surface: the line from apex to rim is lowest.
   expectPoint(Cone{0.3, 0.4}, axisAngle({1, 0, 0}, std::atan2(0.4, 0.3)), {0, -0.15, 0.2});
 }
 
-TEST(LowestPoint, AnEdgeDownGivesTheMiddleOfTheEdge) {
+TEST(LowestPoint, OfAShapeOnAnEdgeIsTheMidpointOfTheEdge) {
   const Quaternion eighth = axisAngle({1, 0, 0}, kPi / 4);
   expectPoint(Box{{0.1, 0.2, 0.4}}, eighth, {0, -0.1, -0.2});
   expectPoint(brick(), eighth, {0.25, 0, 0});
@@ -55,28 +55,29 @@ TEST(LowestPoint, AnEdgeDownGivesTheMiddleOfTheEdge) {
   EXPECT_NEAR(p[2], -0.3, kRounding);
 }
 
-TEST(LowestPoint, SevenTypedDigitsStillCountAsLevel) {
+TEST(LowestPoint, QuaternionsWithSevenDigitsCountAsParallel) {
   expectPoint(Box{{0.1, 0.2, 0.4}}, {0.7071068, 0.7071068, 0, 0}, {0, -0.1, 0});
   expectPoint(Box{{0.1, 0.2, 0.4}}, {0.9238795, 0.3826834, 0, 0}, {0, -0.1, -0.2});
 }
 
-TEST(LowestPoint, AHalfSpaceThatFacesAwayHasNone) {
+TEST(LowestPoint, RejectsAHalfSpaceThatDoesNotFaceTheSkin) {
   expectPoint(HalfSpace{}, axisAngle({1, 0, 0}, 0.3), {0, 0, 0});
   EXPECT_NE(inputError([] { lowestPoint(HalfSpace{}, axisAngle({1, 0, 0}, kPi)); }), "");
   EXPECT_NE(inputError([] { lowestPoint(HalfSpace{}, axisAngle({0, 1, 0}, kPi / 2)); }), "");
 }
 
-TEST(LowestPoint, LeavesOutVerticesThatNoTriangleUses) {
+TEST(LowestPoint, IgnoresUnusedVertices) {
   Mesh mesh = brick();
   mesh.vertices.push_back({0, 0, -5});
-  EXPECT_EQ(lowestPoint(mesh, kAsIs), (Vector3{0.25, 0.125, 0}));
+  EXPECT_EQ(lowestPoint(mesh, kIdentity), (Vector3{0.25, 0.125, 0}));
 }
 
 rc::Gen<double> length() {
   return rc::gen::map(rc::gen::inRange(1, 1001), [](int thousandths) { return thousandths * 1e-3; });
 }
 
-// Multiples of 15 degrees about an axis with small whole coordinates half of the time, so that ties turn up; anything otherwise.
+// In half of the cases a multiple of 15 degrees about an axis with small integer coordinates, so that ties occur; an
+// arbitrary rotation otherwise.
 rc::Gen<Quaternion> rotation() {
   return rc::gen::exec([] {
     Vector3 axis{static_cast<double>(*rc::gen::inRange(-2, 3)), static_cast<double>(*rc::gen::inRange(-2, 3)),
@@ -114,8 +115,7 @@ rc::Gen<Shape> solid() {
   });
 }
 
-// The two oracles: the point belongs to the solid, and no point of the surface is lower. Both are exact; brute force need not hit the
-// minimum.
+// The point lies on the solid, and no sampled point of the surface is lower. The samples need not include the minimum.
 TEST(LowestPoint, IsOnTheSolidAndNoPointIsLower) {
   EXPECT_TRUE(rc::check([] {
     const Shape shape = *solid();
@@ -124,23 +124,23 @@ TEST(LowestPoint, IsOnTheSolidAndNoPointIsLower) {
     const double height = rotate(R_SO, p)[2];
 
     const bool whole_circle = std::holds_alternative<Torus>(shape) && std::hypot(p[0], p[1]) < 1e-6;
-    if (!whole_circle) RC_ASSERT(std::abs(std::visit(Outside{p}, shape)) <= kRounding);
+    if (!whole_circle) RC_ASSERT(std::abs(std::visit(ImplicitFunction{p}, shape)) <= kRounding);
     double lowest = 1e9;
     for (const Vector3& point : std::visit(SurfacePoints{}, shape)) lowest = std::min(lowest, rotate(R_SO, point)[2]);
-    RC_ASSERT(height <= lowest + kLevelHeight);
-    // A mesh has its lowest vertices among the points, so the two agree.
+    RC_ASSERT(height <= lowest + kMidpointHeight);
+    // The samples of a mesh include its lowest vertices.
     if (std::holds_alternative<Mesh>(shape)) RC_ASSERT(height >= lowest - kRounding);
   }));
 }
 
-// Turning the object about the vertical does not change which of its points is lowest.
-TEST(LowestPoint, DoesNotDependOnYaw) {
+// A rotation about the vertical does not change the height of the lowest point.
+TEST(LowestPoint, HeightDoesNotDependOnYaw) {
   EXPECT_TRUE(rc::check([] {
     const Shape shape = *solid();
     const Quaternion R_SO = *rotation();
-    const Quaternion turned = axisAngle({0, 0, 1}, *rc::gen::inRange(0, 6283) * 1e-3) * R_SO;
+    const Quaternion rotated = axisAngle({0, 0, 1}, *rc::gen::inRange(0, 6283) * 1e-3) * R_SO;
     const double height = rotate(R_SO, lowestPoint(shape, R_SO))[2];
-    RC_ASSERT(std::abs(rotate(turned, lowestPoint(shape, turned))[2] - height) <= kLevelHeight);
+    RC_ASSERT(std::abs(rotate(rotated, lowestPoint(shape, rotated))[2] - height) <= kMidpointHeight);
   }));
 }
 

@@ -1,7 +1,5 @@
-// Small mesh files written by hand, for tests of loading. Not a general writer.
+// Writers of small mesh files for tests of the loader.
 #pragma once
-
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -12,33 +10,21 @@
 #include <string>
 #include <vector>
 
+#include "support/temporary_directory.h"
 #include "taxelsim/error.h"
 #include "taxelsim/object.h"
 
 namespace taxelsim {
 
-// A folder that lives as long as the object.
-class TemporaryFolder {
+class MeshDirectory : public testing::TemporaryDirectory {
  public:
-  TemporaryFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "taxelsim-mesh-XXXXXX").string();
-    path_ = mkdtemp(pattern.data());
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
   std::filesystem::path write(const std::string& name, const std::string& bytes) const {
-    std::ofstream(path_ / name, std::ios::binary) << bytes;
-    return path_ / name;
+    std::ofstream(*this / name, std::ios::binary) << bytes;
+    return *this / name;
   }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
 };
 
-// The line of the Error(kInput) that `call` throws; "" when it does not throw.
+// Message of the Error(kInput) that `call` throws; empty if it does not throw.
 template <typename Call>
 std::string inputError(Call call) {
   try {
@@ -50,7 +36,8 @@ std::string inputError(Call call) {
   return {};
 }
 
-// A brick, corner i at bits (x, y, z) of i, lower corner on the origin; side lengths are exact in float32 and in short decimals.
+// A box of 0.5 x 0.25 x 2 with its lower corner at the origin; bits 0, 1, 2 of a vertex index select its x, y, z. The side lengths are
+// exact in float32 and in few decimal digits.
 inline Mesh brick() {
   Mesh mesh;
   for (int i = 0; i < 8; ++i) {
@@ -61,7 +48,8 @@ inline Mesh brick() {
   return mesh;
 }
 
-// Triangles by position, each starting at its smallest corner, sorted: equal for equal surfaces whatever the numbering.
+// The triangles by position, each starting at its smallest corner, sorted. Equal for meshes that differ only in the order of
+// vertices or triangles.
 using Corner = std::array<float, 3>;
 inline std::vector<std::array<Corner, 3>> canonical(const Mesh& mesh) {
   std::vector<std::array<Corner, 3>> triangles;
@@ -142,7 +130,7 @@ inline std::string plyBytes(const Mesh& mesh) {
   return bytes;
 }
 
-// Vertices, then 32-bit indices.
+// Buffer of a glTF file: vertices, then 32-bit indices.
 inline std::string gltfBuffer(const Mesh& mesh) {
   std::string bytes;
   for (const Corner& v : mesh.vertices) {
@@ -154,7 +142,8 @@ inline std::string gltfBuffer(const Mesh& mesh) {
   return bytes;
 }
 
-// `uri` names the buffer's file; empty for the chunk of a .glb. `nodes` are the scene's nodes; node 0 is its root, mesh 0 is the brick.
+// JSON of a glTF file with one mesh. `uri`: file of the buffer, empty for the binary chunk of a .glb. `nodes`: JSON array; node 0 is the
+// root. `num_indices` replaces the correct number of indices, if given.
 inline std::string gltfJson(const Mesh& mesh, const std::string& uri, const std::string& nodes, const std::string& num_indices = {}) {
   const std::size_t num_vertices = mesh.vertices.size();
   const std::size_t vertex_bytes = 12 * num_vertices;

@@ -15,84 +15,84 @@ struct FormatCase {
   std::string (*write)(const Mesh&);
 };
 
-class EveryFormat : public testing::TestWithParam<FormatCase> {};
+class EveryFormat : public ::testing::TestWithParam<FormatCase> {};
 
-TEST_P(EveryFormat, GivesTheSameBrickWeldedBitByBit) {
-  const TemporaryFolder folder;
-  folder.write("brick.bin", gltfBuffer(brick()));
-  const Mesh mesh = loadMesh(folder.write(GetParam().file, GetParam().write(brick())));
+TEST_P(EveryFormat, GivesTheSameWeldedMesh) {
+  const MeshDirectory directory;
+  directory.write("brick.bin", gltfBuffer(brick()));
+  const Mesh mesh = loadMesh(directory.write(GetParam().file, GetParam().write(brick())));
   EXPECT_EQ(mesh.vertices.size(), 8u);
   EXPECT_EQ(mesh.triangles.size(), 12u);
   EXPECT_EQ(canonical(mesh), canonical(brick()));
 }
 
-TEST_P(EveryFormat, IsReadTheSameTwice) {
-  const TemporaryFolder folder;
-  folder.write("brick.bin", gltfBuffer(brick()));
-  const std::filesystem::path file = folder.write(GetParam().file, GetParam().write(brick()));
+TEST_P(EveryFormat, IsDeterministic) {
+  const MeshDirectory directory;
+  directory.write("brick.bin", gltfBuffer(brick()));
+  const std::filesystem::path file = directory.write(GetParam().file, GetParam().write(brick()));
   EXPECT_EQ(loadMesh(file).vertices, loadMesh(file).vertices);
   EXPECT_EQ(loadMesh(file).triangles, loadMesh(file).triangles);
 }
 
 INSTANTIATE_TEST_SUITE_P(Formats, EveryFormat,
-                         testing::Values(FormatCase{"brick.obj", objText}, FormatCase{"BRICK.OBJ", objText},
-                                         FormatCase{"text.stl", stlText}, FormatCase{"binary.stl", stlBytes},
-                                         FormatCase{"text.ply", plyText}, FormatCase{"binary.ply", plyBytes},
-                                         FormatCase{"brick.gltf", [](const Mesh& mesh) { return gltfJson(mesh, "brick.bin", kRoot); }},
-                                         FormatCase{"brick.glb", [](const Mesh& mesh) { return glbBytes(mesh, kRoot); }}),
+                         ::testing::Values(FormatCase{"brick.obj", objText}, FormatCase{"BRICK.OBJ", objText},
+                                           FormatCase{"text.stl", stlText}, FormatCase{"binary.stl", stlBytes},
+                                           FormatCase{"text.ply", plyText}, FormatCase{"binary.ply", plyBytes},
+                                           FormatCase{"brick.gltf", [](const Mesh& mesh) { return gltfJson(mesh, "brick.bin", kRoot); }},
+                                           FormatCase{"brick.glb", [](const Mesh& mesh) { return glbBytes(mesh, kRoot); }}),
                          [](const auto& format) {
                            std::string name = format.param.file;
                            std::replace(name.begin(), name.end(), '.', '_');
                            return name;
                          });
 
-TEST(LoadMesh, AppliesTheTransformsOfAllNodesAbove) {
-  const TemporaryFolder folder;
-  // Moved by (1, 2, 4) after a quarter turn about z after doubling: (x, y, z) -> (1 - 2 y, 2 + 2 x, 4 + 2 z).
+TEST(LoadMesh, AppliesTheTransformsOfAllAncestors) {
+  const MeshDirectory directory;
+  // Scaled by 2, rotated by 90 degrees about z, then translated by (1, 2, 4): (x, y, z) -> (1 - 2 y, 2 + 2 x, 4 + 2 z).
   const std::string nodes =
       R"([{"translation":[1,2,4],"children":[1]},{"rotation":[0,0,0.70710678118,0.70710678118],"children":[2]},{"scale":[2,2,2],"mesh":0}])";
-  const Mesh mesh = loadMesh(folder.write("brick.glb", glbBytes(brick(), nodes)));
+  const Mesh mesh = loadMesh(directory.write("brick.glb", glbBytes(brick(), nodes)));
   Mesh expected = brick();
   for (Corner& v : expected.vertices) v = {1 - 2 * v[1], 2 + 2 * v[0], 4 + 2 * v[2]};
   const Bounds bounds = boundsOf(mesh);
-  const Bounds wanted = boundsOf(expected);
-  // The rotation matrix is float32 in the importer: some rounding errors of coordinates up to 8.
+  const Bounds expected_bounds = boundsOf(expected);
+  // Assimp rotates in float32: four rounding errors of coordinates up to 8.
   constexpr double kTolerance = 8 * 4 * 1.2e-7;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    EXPECT_NEAR(bounds.min[axis], wanted.min[axis], kTolerance);
-    EXPECT_NEAR(bounds.max[axis], wanted.max[axis], kTolerance);
+    EXPECT_NEAR(bounds.min[axis], expected_bounds.min[axis], kTolerance);
+    EXPECT_NEAR(bounds.max[axis], expected_bounds.max[axis], kTolerance);
   }
 }
 
-TEST(LoadMesh, MergesAMeshThatTwoNodesUse) {
-  const TemporaryFolder folder;
+TEST(LoadMesh, IncludesAMeshOncePerNode) {
+  const MeshDirectory directory;
   const std::string nodes = R"([{"mesh":0,"children":[1]},{"mesh":0,"translation":[10,0,0]}])";
-  const Mesh mesh = loadMesh(folder.write("brick.glb", glbBytes(brick(), nodes)));
+  const Mesh mesh = loadMesh(directory.write("brick.glb", glbBytes(brick(), nodes)));
   EXPECT_EQ(mesh.vertices.size(), 16u);
   EXPECT_EQ(mesh.triangles.size(), 24u);
   EXPECT_EQ(boundsOf(mesh).max, (Vector3{10.5, 0.25, 2}));
 }
 
-TEST(LoadMesh, MergesTheGroupsOfAnObj) {
-  const TemporaryFolder folder;
-  const Mesh mesh = loadMesh(folder.write("two.obj", "o one\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no two\nv 0 0 5\nf 1 2 4\n"));
+TEST(LoadMesh, MergesObjectsOfAnObjFile) {
+  const MeshDirectory directory;
+  const Mesh mesh = loadMesh(directory.write("two.obj", "o one\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no two\nv 0 0 5\nf 1 2 4\n"));
   EXPECT_EQ(mesh.vertices.size(), 4u);
   EXPECT_EQ(mesh.triangles.size(), 2u);
 }
 
-TEST(LoadMesh, ScalesAndTurnsTheUpAxisCyclically) {
-  const TemporaryFolder folder;
-  const std::filesystem::path file = folder.write("brick.obj", objText(brick()));
+TEST(LoadMesh, ScalesAndPermutesAxesCyclically) {
+  const MeshDirectory directory;
+  const std::filesystem::path file = directory.write("brick.obj", objText(brick()));
   // The brick is 0.5 x 0.25 x 2 in the file.
   EXPECT_EQ(boundsOf(loadMesh(file, {.scale = 0.5})).max, (Vector3{0.25, 0.125, 1}));
   EXPECT_EQ(boundsOf(loadMesh(file, {.up_axis = UpAxis::kY})).max, (Vector3{2, 0.5, 0.25}));
   EXPECT_EQ(boundsOf(loadMesh(file, {.up_axis = UpAxis::kX})).max, (Vector3{0.25, 2, 0.5}));
 }
 
-TEST(LoadMesh, CutsPolygonsIntoTrianglesAlsoHollowOnes) {
-  const TemporaryFolder folder;
-  // An L of area 3; a fan from its first corner would fold over itself.
-  const Mesh mesh = loadMesh(folder.write("l.obj", "v 0 2 0\nv 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nf 1 2 3 4 5 6\n"));
+TEST(LoadMesh, TriangulatesConcavePolygons) {
+  const MeshDirectory directory;
+  // An L shape of area 3. A fan from its first corner would overlap itself.
+  const Mesh mesh = loadMesh(directory.write("l.obj", "v 0 2 0\nv 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nf 1 2 3 4 5 6\n"));
   ASSERT_EQ(mesh.triangles.size(), 4u);
   double area = 0;
   for (const auto& t : mesh.triangles) {
@@ -102,46 +102,47 @@ TEST(LoadMesh, CutsPolygonsIntoTrianglesAlsoHollowOnes) {
   EXPECT_EQ(area, 3);
 }
 
-TEST(LoadMesh, DropsLinesPointsAndTrianglesWithoutArea) {
-  const TemporaryFolder folder;
+TEST(LoadMesh, DropsLinesPointsAndDegenerateTriangles) {
+  const MeshDirectory directory;
   const Mesh mesh =
-      loadMesh(folder.write("mixed.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nv 9 9 9\nf 1 2 3\nf 1 2 4\nf 1 1 2\nl 1 5\np 5\n"));
+      loadMesh(directory.write("mixed.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nv 9 9 9\nf 1 2 3\nf 1 2 4\nf 1 1 2\nl 1 5\np 5\n"));
   EXPECT_EQ(mesh.triangles.size(), 1u);
   EXPECT_EQ(mesh.vertices.size(), 3u);
 }
 
-TEST(LoadMesh, NeverOpensMaterials) {
-  const TemporaryFolder folder;
-  const Mesh mesh = loadMesh(folder.write("brick.obj", "mtllib /dev/zero\nusemtl grey\n" + objText(brick())));
+TEST(LoadMesh, DoesNotOpenMaterialFiles) {
+  const MeshDirectory directory;
+  const Mesh mesh = loadMesh(directory.write("brick.obj", "mtllib /dev/zero\nusemtl grey\n" + objText(brick())));
   EXPECT_EQ(canonical(mesh), canonical(brick()));
 }
 
-TEST(LoadMesh, LeavesOutTrianglesAsFarAsTheOptionAllowsInMetres) {
-  const TemporaryFolder folder;
+TEST(LoadMesh, MaxDepthErrorIsInMetresAfterScaling) {
+  const MeshDirectory directory;
   support::Random random(1);
-  // A ball of 10 mm, in millimetres. Its triangles' edges are at most 0.83 mm, their neighbours 9 to 34 um off their planes.
-  const Mesh ball = support::icosphere(10, 4, 0, random);
-  const std::filesystem::path file = folder.write("ball.stl", stlBytes(ball));
+  // A sphere of radius 10 mm, in millimetres. Edges are at most 0.83 mm; vertices of adjacent triangles are 9 to 34 um off
+  // a triangle's plane.
+  const Mesh sphere = support::icosphere(10, 4, 0, random);
+  const std::filesystem::path file = directory.write("sphere.stl", stlBytes(sphere));
   EXPECT_EQ(loadMesh(file, {.scale = 1e-3, .max_depth_error = 0}).triangles.size(), 5120u);
   EXPECT_EQ(loadMesh(file, {.scale = 1e-3, .max_depth_error = 1e-6}).triangles.size(), 5120u);
   EXPECT_LT(loadMesh(file, {.scale = 1e-3, .max_depth_error = 1e-4}).triangles.size(), 1500u);
   EXPECT_EQ(loadMesh(file, {.scale = 1, .max_depth_error = 1e-4}).triangles.size(), 5120u);
 }
 
-TEST(LoadMesh, AllowsTenMicrometresByDefault) {
+TEST(LoadMesh, DefaultMaxDepthErrorIsTenMicrometres) {
   EXPECT_EQ(MeshOptions{}.max_depth_error, 1e-5);
-  const TemporaryFolder folder;
+  const MeshDirectory directory;
   support::Random random(1);
   const Mesh plate = support::sheetWithHoles(30, 0.02, 4e-6, 0, random);
-  const std::filesystem::path file = folder.write("plate.stl", stlBytes(plate));
+  const std::filesystem::path file = directory.write("plate.stl", stlBytes(plate));
   EXPECT_EQ(loadMesh(file, {.max_depth_error = 0}).triangles.size(), 1800u);
   EXPECT_LT(loadMesh(file).triangles.size(), 600u);
   EXPECT_LT(std::get<Mesh>(parseObject(file.string()).shape).triangles.size(), 600u);
 }
 
-TEST(LoadMesh, ReadsNumbersTheSameInEveryLocale) {
-  const TemporaryFolder folder;
-  const std::filesystem::path file = folder.write("brick.obj", objText(brick()));
+TEST(LoadMesh, IsIndependentOfTheLocale) {
+  const MeshDirectory directory;
+  const std::filesystem::path file = directory.write("brick.obj", objText(brick()));
   const std::string before = std::setlocale(LC_ALL, nullptr);
   for (const char* locale : {"de_DE.UTF-8", "fr_FR.UTF-8", "C"}) std::setlocale(LC_ALL, locale);
   EXPECT_EQ(canonical(loadMesh(file)), canonical(brick()));

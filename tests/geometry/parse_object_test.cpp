@@ -5,7 +5,7 @@
 namespace taxelsim {
 namespace {
 
-TEST(ParseObject, ReadsEveryShape) {
+TEST(ParseObject, ReadsAllSolids) {
   EXPECT_EQ(std::get<Sphere>(parseObject("sphere:0.005").shape).radius, 0.005);
   EXPECT_EQ(std::get<Cylinder>(parseObject("cylinder:8e-3,0.04").shape).radius, 0.008);
   EXPECT_EQ(std::get<Cylinder>(parseObject("cylinder:8e-3,0.04").shape).length, 0.04);
@@ -17,14 +17,14 @@ TEST(ParseObject, ReadsEveryShape) {
   EXPECT_EQ(parseObject("sphere:0.005").name, "sphere:0.005");
 }
 
-TEST(ParseObject, ReadsAMeshFileAndNamesItAfterIt) {
-  const TemporaryFolder folder;
-  const Object object = parseObject(folder.write("brick.obj", objText(brick())).string());
+TEST(ParseObject, ReadsAMeshFileAndUsesItsStemAsName) {
+  const MeshDirectory directory;
+  const Object object = parseObject(directory.write("brick.obj", objText(brick())).string());
   EXPECT_EQ(object.name, "brick");
   EXPECT_EQ(canonical(std::get<Mesh>(object.shape)), canonical(brick()));
 }
 
-TEST(ParseObject, RefusesEverythingElseInOneLineThatSaysWhatIsAllowed) {
+TEST(ParseObject, RejectsOtherTextWithOneLineThatListsTheSyntax) {
   for (const char* text :
        {"",          "ball:1",      "sphere",      "sphere:",      "sphere:1,2", "sphere:abc",   "sphere:1x",        "sphere: 1",
         "sphere:+1", "sphere:0x10", "sphere:1,",   "sphere:nan",   "sphere:inf", "sphere:1e999", "cylinder:1",       "cylinder:1,2,3",

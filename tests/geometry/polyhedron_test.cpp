@@ -16,7 +16,7 @@ using support::boxMesh;
 using support::Random;
 
 constexpr std::size_t kManyFaces = 1000;
-// Coordinates below are floats of at most 20 mm, whose roundings faces are allowed: four of 2^-24 each.
+// Tolerance of convexFaces(): four rounding errors (2^-24) of float32 coordinates of at most 20 mm.
 constexpr double kRounding = 4 * 0x1p-24 * 0.02;
 
 std::size_t numFaces(const Mesh& mesh, std::size_t max_faces = kManyFaces) {
@@ -24,15 +24,15 @@ std::size_t numFaces(const Mesh& mesh, std::size_t max_faces = kManyFaces) {
   return faces ? faces->size() : 0;
 }
 
-Mesh together(Mesh a, const Mesh& b, float shift) {
+Mesh merged(Mesh a, const Mesh& b, float shift) {
   const auto first = static_cast<std::uint32_t>(a.vertices.size());
   for (const auto& [x, y, z] : b.vertices) a.vertices.push_back({x + shift, y, z});
   for (const auto& [i, j, k] : b.triangles) a.triangles.push_back({first + i, first + j, first + k});
   return a;
 }
 
-// Every triangle cut in four, so that faces are of many.
-Mesh cutInFour(const Mesh& mesh) {
+// Splits every triangle into four coplanar ones.
+Mesh subdivided(const Mesh& mesh) {
   Mesh fine;
   for (const auto& [ia, ib, ic] : mesh.triangles) {
     const std::array corners{mesh.vertices[ia], mesh.vertices[ib], mesh.vertices[ic]};
@@ -55,7 +55,7 @@ Mesh cutInFour(const Mesh& mesh) {
   return fine;
 }
 
-TEST(Polyhedron, ABoxHasSixFaces) {
+TEST(Polyhedron, BoxHasSixFaces) {
   const std::optional<std::vector<Face>> faces = convexFaces(boxMesh({0.01, 0.02, 0.004}), 6);
   ASSERT_TRUE(faces);
   ASSERT_EQ(faces->size(), 6u);
@@ -66,44 +66,44 @@ TEST(Polyhedron, ABoxHasSixFaces) {
     EXPECT_NEAR(std::abs(normal[axis]), 1, 1e-12);
     EXPECT_NEAR(offset, half[axis], kRounding);
   }
-  EXPECT_EQ(numFaces(cutInFour(cutInFour(boxMesh({0.01, 0.02, 0.004})))), 6u);
+  EXPECT_EQ(numFaces(subdivided(subdivided(boxMesh({0.01, 0.02, 0.004})))), 6u);
 }
 
-TEST(Polyhedron, FacesAreCountedUpToTheLimit) {
+TEST(Polyhedron, RejectsMeshesWithMoreThanMaxFaces) {
   Random random(1);
   const Mesh sphere = support::icosphere(0.01, 2, 0, random);
   EXPECT_EQ(numFaces(sphere), sphere.triangles.size());
   EXPECT_EQ(numFaces(sphere, sphere.triangles.size() - 1), 0u);
 }
 
-TEST(Polyhedron, OtherMeshesAreNone) {
+TEST(Polyhedron, RejectsMeshesThatAreNotClosedConvexAndConsistent) {
   const Mesh box = boxMesh({0.01, 0.01, 0.01});
   Random random(2);
-  EXPECT_EQ(numFaces(support::icosphere(0.01, 2, 0.1, random)), 0u) << "dented";
-  EXPECT_EQ(numFaces(together(box, box, 0.02f)), 0u) << "two bodies";
+  EXPECT_EQ(numFaces(support::icosphere(0.01, 2, 0.1, random)), 0u) << "not convex";
+  EXPECT_EQ(numFaces(merged(box, box, 0.02f)), 0u) << "two bodies";
   EXPECT_EQ(numFaces({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}), 0u) << "flat";
   Mesh open = box;
   open.triangles.pop_back();
   EXPECT_EQ(numFaces(open), 0u) << "open";
-  Mesh turned = box;
-  std::swap(turned.triangles[3][0], turned.triangles[3][1]);
-  EXPECT_EQ(numFaces(turned), 0u) << "one triangle wound the other way";
-  // Two opposite sides of a box, each a sheet with two faces: closed, convex, and yet no box.
+  Mesh inconsistent = box;
+  std::swap(inconsistent.triangles[3][0], inconsistent.triangles[3][1]);
+  EXPECT_EQ(numFaces(inconsistent), 0u) << "one triangle wound the other way";
+  // Two opposite sides of a box, each as a two-sided sheet: closed, but not a convex body.
   Mesh sheets{box.vertices, {}};
   for (const std::size_t t : {0u, 1u, 2u, 3u}) {
     const auto [a, b, c] = box.triangles[t];
     sheets.triangles.insert(sheets.triangles.end(), {{a, b, c}, {a, c, b}});
   }
-  EXPECT_EQ(numFaces(sheets), 0u) << "sheets";
+  EXPECT_EQ(numFaces(sheets), 0u) << "two-sided sheets";
 }
 
-TEST(Polyhedron, InsideOutIsTheSame) {
+TEST(Polyhedron, AcceptsInwardWinding) {
   Mesh box = boxMesh({0.01, 0.01, 0.01});
   for (auto& [a, b, c] : box.triangles) std::swap(a, b);
   EXPECT_EQ(numFaces(box), 6u);
 }
 
-TEST(Polyhedron, EveryVertexIsBehindEveryFaceAndThreeAreOnIt) {
+TEST(Polyhedron, AllVerticesAreInsideAllHalfSpacesAndThreeLieOnEachFace) {
   EXPECT_TRUE(rc::check([](std::uint64_t seed) {
     Random random(seed);
     const Object object = support::randomPolyhedron(random, 0.02);
@@ -112,13 +112,13 @@ TEST(Polyhedron, EveryVertexIsBehindEveryFaceAndThreeAreOnIt) {
     RC_ASSERT(faces.has_value());
     for (const auto& [normal, offset] : *faces) {
       RC_ASSERT(std::abs(std::hypot(normal[0], normal[1], normal[2]) - 1) < 1e-12);
-      int num_on_it = 0;
+      int num_on_face = 0;
       for (const auto& [x, y, z] : mesh.vertices) {
         const double height = normal[0] * x + normal[1] * y + normal[2] * z - offset;
         RC_ASSERT(height <= kRounding);
-        num_on_it += height >= -kRounding ? 1 : 0;
+        num_on_face += height >= -kRounding ? 1 : 0;
       }
-      RC_ASSERT(num_on_it >= 3);
+      RC_ASSERT(num_on_face >= 3);
     }
   }));
 }

@@ -1,4 +1,4 @@
-// Simplified meshes: never farther off than allowed, by an independent measure; as few triangles as promised; nothing that crashes.
+// Simplification: the bound holds by an independent measure, the number of triangles falls as documented, and degenerate input is handled.
 #include "geometry/simplify.h"
 
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ Mesh ellipsoid(const Vector3& size, int num_subdivisions) {
   return mesh;
 }
 
-// 20 x 14 x 12 mm in 81,920 triangles, and what is left of it at 10 um.
+// An ellipsoid of 20 x 14 x 12 mm with 81,920 triangles, and its simplification at 10 um.
 constexpr Vector3 kSize{0.020, 0.014, 0.012};
 constexpr double kMaxError = 1e-5;
 
@@ -39,11 +39,11 @@ const Mesh& fineEllipsoid() {
   return mesh;
 }
 const Mesh& simplifiedEllipsoid() {
-  static const Mesh mesh = simplified(fineEllipsoid(), kMaxError);
+  static const Mesh mesh = simplifyMesh(fineEllipsoid(), kMaxError);
   return mesh;
 }
 
-// A sheet with a smooth height and straight rims.
+// A sheet with a smooth height and straight boundaries.
 Mesh wavySheet(int num_cells, double size, double height, Random& random) {
   Mesh mesh = support::sheetWithHoles(num_cells, size, 0, 0, random);
   const double phase = random.uniform(0, 6), waves = random.uniform(0.3, 2) * 2 * std::numbers::pi / size;
@@ -51,7 +51,7 @@ Mesh wavySheet(int num_cells, double size, double height, Random& random) {
   return mesh;
 }
 
-Mesh together(const Mesh& a, const Mesh& b) {
+Mesh merged(const Mesh& a, const Mesh& b) {
   Mesh both = a;
   both.vertices.insert(both.vertices.end(), b.vertices.begin(), b.vertices.end());
   const auto first = static_cast<std::uint32_t>(a.vertices.size());
@@ -66,46 +66,46 @@ Mesh fineBox(int num_cells) {
   Mesh box;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (const float side : {-0.01f, 0.01f}) {
-      Mesh turned = face;
-      for (auto& v : turned.vertices) {
+      Mesh rotated = face;
+      for (auto& v : rotated.vertices) {
         const std::array<float, 3> p = v;
         v[axis] = side;
         v[(axis + 1) % 3] = p[0];
         v[(axis + 2) % 3] = p[1];
       }
       if (side < 0) {
-        for (auto& t : turned.triangles) std::swap(t[1], t[2]);
+        for (auto& t : rotated.triangles) std::swap(t[1], t[2]);
       }
-      box = together(box, turned);
+      box = merged(box, rotated);
     }
   }
   return weld(box);
 }
 
-// Edges with one triangle, by the positions of their ends.
-std::set<std::pair<Corner, Corner>> rimOf(const Mesh& mesh) {
+// Boundary edges (those with one triangle), by the positions of their ends.
+std::set<std::pair<Corner, Corner>> boundaryOf(const Mesh& mesh) {
   std::map<std::pair<Corner, Corner>, int> count;
   for (const auto& t : mesh.triangles) {
     for (std::size_t i = 0; i < 3; ++i) ++count[std::minmax(mesh.vertices.at(t[i]), mesh.vertices.at(t[(i + 1) % 3]))];
   }
-  std::set<std::pair<Corner, Corner>> rim;
+  std::set<std::pair<Corner, Corner>> boundary;
   for (const auto& [edge, triangles] : count) {
-    if (triangles == 1) rim.insert(edge);
+    if (triangles == 1) boundary.insert(edge);
   }
-  return rim;
+  return boundary;
 }
 
 bool isUnchanged(const Mesh& result, const Mesh& mesh) {
   return result.vertices == mesh.vertices && result.triangles == mesh.triangles;
 }
 
-// What was proven on the way is proven again at the end, from nothing; the last bits of it may differ.
+// Proves the bound again for the final mesh. The tolerance covers rounding, since welding reorders the vertices.
 bool isProven(const Mesh& result, const Mesh& mesh, double max_error) {
   return isUnchanged(result, mesh) || (isWithin(result, mesh, max_error * (1 + 1e-6)) && isWithin(mesh, result, max_error * (1 + 1e-6)));
 }
 
-// What must hold of every result. Random points of both surfaces are measured by brute force.
-void expectFaithful(const Mesh& result, const Mesh& mesh, double max_error, int num_points, Random& random) {
+// Invariants of every result. The distance of random points of both surfaces is measured by brute force.
+void expectWithinBound(const Mesh& result, const Mesh& mesh, double max_error, int num_points, Random& random) {
   ASSERT_NO_THROW(checkObject(result));
   EXPECT_LE(result.triangles.size(), mesh.triangles.size());
   const std::set<Corner> vertices(mesh.vertices.begin(), mesh.vertices.end());
@@ -115,82 +115,82 @@ void expectFaithful(const Mesh& result, const Mesh& mesh, double max_error, int 
   EXPECT_LE(sampledDistance(result, mesh, num_points, random, max_error), max_error);
 }
 
-TEST(Simplify, AnEllipsoidLosesNineTenths) {
+TEST(Simplify, RemovesNineTenthsOfAnEllipsoid) {
   const Mesh& mesh = simplifiedEllipsoid();
   EXPECT_EQ(fineEllipsoid().triangles.size(), 81920u);
   EXPECT_LT(mesh.triangles.size(), 8192u);
   Random random(1);
-  expectFaithful(mesh, fineEllipsoid(), kMaxError, 200, random);
+  expectWithinBound(mesh, fineEllipsoid(), kMaxError, 200, random);
 }
 
-TEST(Simplify, UsesTheBound) {
+TEST(Simplify, ErrorIsCloseToTheBound) {
   Random random(2);
   EXPECT_GT(sampledDistance(fineEllipsoid(), simplifiedEllipsoid(), 500, random), kMaxError / 2);
-  // Ten times the bound, about a tenth of the triangles.
-  EXPECT_LT(simplified(fineEllipsoid(), 10 * kMaxError).triangles.size(), simplifiedEllipsoid().triangles.size() / 5);
+  // The number of triangles is about inversely proportional to the bound.
+  EXPECT_LT(simplifyMesh(fineEllipsoid(), 10 * kMaxError).triangles.size(), simplifiedEllipsoid().triangles.size() / 5);
 }
 
 TEST(Simplify, ZeroKeepsEveryTriangle) {
-  EXPECT_TRUE(isUnchanged(simplified(fineEllipsoid(), 0), fineEllipsoid()));
+  EXPECT_TRUE(isUnchanged(simplifyMesh(fineEllipsoid(), 0), fineEllipsoid()));
 }
 
-TEST(Simplify, WhatDoesNotPayIsLeftAlone) {
+TEST(Simplify, ReturnsTheOriginalWhereFewTrianglesCanBeRemoved) {
   const Mesh coarse = ellipsoid(kSize, 2);
-  EXPECT_TRUE(isUnchanged(simplified(coarse, 1e-6), coarse));
-  const Mesh few = fineBox(2);  // 48 triangles where 12 would do
-  EXPECT_TRUE(isUnchanged(simplified(few, 1e-5), few));
+  EXPECT_TRUE(isUnchanged(simplifyMesh(coarse, 1e-6), coarse));
+  const Mesh few = fineBox(2);  // 48 triangles; 12 would suffice
+  EXPECT_TRUE(isUnchanged(simplifyMesh(few, 1e-5), few));
 }
 
-TEST(Simplify, IsTheSameEveryTime) {
+TEST(Simplify, IsDeterministic) {
   const Mesh mesh = ellipsoid(kSize, 5);
-  const Mesh once = simplified(mesh, kMaxError);
+  const Mesh once = simplifyMesh(mesh, kMaxError);
   EXPECT_LT(once.triangles.size(), mesh.triangles.size());
-  EXPECT_TRUE(isUnchanged(simplified(mesh, kMaxError), once));
+  EXPECT_TRUE(isUnchanged(simplifyMesh(mesh, kMaxError), once));
 }
 
-TEST(Simplify, FlatFacesTakeFewTriangles) {
+TEST(Simplify, MergesCoplanarTriangles) {
   const Mesh box = fineBox(20);
   ASSERT_EQ(box.triangles.size(), 4800u);
-  const Mesh result = simplified(box, 1e-6);
+  const Mesh result = simplifyMesh(box, 1e-6);
   EXPECT_LE(result.triangles.size(), 24u);
   EXPECT_EQ(boundsOf(result).min, boundsOf(box).min);
   EXPECT_EQ(boundsOf(result).max, boundsOf(box).max);
   Random random(3);
-  expectFaithful(result, box, 1e-6, 300, random);
+  expectWithinBound(result, box, 1e-6, 300, random);
 }
 
-TEST(Simplify, AnOpenSheetKeepsItsRimsExactly) {
+TEST(Simplify, KeepsBoundaryEdges) {
   Random random(4);
   for (const double hole_probability : {0.0, 0.02}) {
     const Mesh sheet = weld(support::sheetWithHoles(40, 0.02, 2e-6, hole_probability, random));
-    const Mesh result = simplified(sheet, kMaxError);
+    const Mesh result = simplifyMesh(sheet, kMaxError);
     EXPECT_LT(result.triangles.size(), sheet.triangles.size() * 8 / 10);
-    EXPECT_EQ(rimOf(result), rimOf(sheet));
-    expectFaithful(result, sheet, kMaxError, 300, random);
+    EXPECT_EQ(boundaryOf(result), boundaryOf(sheet));
+    expectWithinBound(result, sheet, kMaxError, 300, random);
   }
 }
 
-// A rough surface with triangles about as large as what is left out of it: most of the mending, and edges that must be turned.
-TEST(Simplify, AScanAtCoarseBounds) {
+// A rough surface whose triangles are about as large as the bound: takes most rounds of repair, and edge flips.
+TEST(Simplify, RepairsScansAtCoarseBounds) {
   const std::string objects = std::string(TAXELSIM_SOURCE_DIR) + "/scenes/objects/";
   Random random(8);
   for (const char* name : {"YcbBanana.obj", "YcbMustardBottle.obj"}) {
     const Mesh scan = loadMesh(objects + name, {.max_depth_error = 0});
     for (const double max_error : {5e-5, 3e-4}) {
-      const Mesh result = simplified(scan, max_error);
+      const Mesh result = simplifyMesh(scan, max_error);
       EXPECT_LT(result.triangles.size(), scan.triangles.size() * 8 / 10);
-      expectFaithful(result, scan, max_error, 100, random);
+      expectWithinBound(result, scan, max_error, 100, random);
     }
   }
 }
 
-TEST(Simplify, IgnoresVerticesThatNoTriangleUses) {
+TEST(Simplify, IgnoresUnusedVertices) {
   Mesh box = fineBox(10);
   box.vertices.push_back({0, 0, 0});  // 1 cm from the surface
-  EXPECT_LE(simplified(box, 1e-6).triangles.size(), 24u);
+  EXPECT_LE(simplifyMesh(box, 1e-6).triangles.size(), 24u);
 }
 
-TEST(Simplify, DigestsWhatFilesHold) {
+TEST(Simplify, HandlesNonManifoldAndDegenerateMeshes) {
   Random random(5);
   const Mesh sphere = ellipsoid(kSize, 3);
   Mesh doubled = sphere;
@@ -210,18 +210,18 @@ TEST(Simplify, DigestsWhatFilesHold) {
   const std::vector<Mesh> meshes = {weld(doubled),
                                     weld(fins),
                                     weld(slivers),
-                                    weld(together(sphere, fineBox(10))),
+                                    weld(merged(sphere, fineBox(10))),
                                     weld(support::triangleSoup(500, 0.01, random)),
                                     weld(support::sheetWithHoles(20, 0.02, 1e-3, 0.4, random))};
   for (std::size_t n = 0; n < meshes.size(); ++n) {
     for (const double max_error : {1e-12, 1e-7, 1e-5, 1e-4, 1e-3, 0.1, 1e30, 1e300}) {
-      SCOPED_TRACE(testing::Message() << "mesh " << n << " at " << max_error);
-      expectFaithful(simplified(meshes[n], max_error), meshes[n], max_error, 60, random);
+      SCOPED_TRACE(::testing::Message() << "mesh " << n << " at " << max_error);
+      expectWithinBound(simplifyMesh(meshes[n], max_error), meshes[n], max_error, 60, random);
     }
   }
 }
 
-// From subnormal float32 numbers up to the largest.
+// From subnormal to the largest float32 coordinates.
 TEST(Simplify, WorksAtAnyScale) {
   Random random(6);
   const Mesh sphere = support::icosphere(1, 3, 0, random);
@@ -234,17 +234,17 @@ TEST(Simplify, WorksAtAnyScale) {
     mesh = weld(mesh);
     if (mesh.triangles.empty()) continue;
     for (const double relative : {1e-9, 0.05, 10.0}) {
-      const Mesh result = simplified(mesh, relative * scale);
-      expectFaithful(result, mesh, relative * scale, 60, random);
-      const bool is_within_reach = scale > 1e-37 && scale < 1e37;
-      if (relative == 0.05 && is_within_reach) {
+      const Mesh result = simplifyMesh(mesh, relative * scale);
+      expectWithinBound(result, mesh, relative * scale, 60, random);
+      const bool is_in_range = scale > 1e-37 && scale < 1e37;
+      if (relative == 0.05 && is_in_range) {
         EXPECT_LT(result.triangles.size(), mesh.triangles.size() / 2);
       }
     }
   }
 }
 
-RC_GTEST_PROP(SimplifyRandomMeshes, StayWithinTheBound, (std::uint32_t seed)) {
+RC_GTEST_PROP(SimplifyRandomMeshes, AreWithinTheBound, (std::uint32_t seed)) {
   Random random(seed);
   const double size = std::pow(10, random.uniform(-3, 0));
   Mesh mesh;
@@ -261,35 +261,35 @@ RC_GTEST_PROP(SimplifyRandomMeshes, StayWithinTheBound, (std::uint32_t seed)) {
           support::sheetWithHoles(random.integer(8, 24), size, std::pow(10, random.uniform(-5, -2)) * size, random.uniform(0, 0.2), random);
       break;
     case 3:
-      mesh = together(support::triangleSoup(random.integer(30, 200), size, random), ellipsoid({size, size, size / 2}, 2));
+      mesh = merged(support::triangleSoup(random.integer(30, 200), size, random), ellipsoid({size, size, size / 2}, 2));
       break;
     default:
-      mesh = together(wavySheet(12, size, 0.1 * size, random), ellipsoid({size, size / 2, size / 2}, 3));
+      mesh = merged(wavySheet(12, size, 0.1 * size, random), ellipsoid({size, size / 2, size / 2}, 3));
   }
   mesh = weld(mesh);
   const double max_error = std::pow(10, random.uniform(-4.5, -1)) * size;
-  const Mesh result = simplified(mesh, max_error);
+  const Mesh result = simplifyMesh(mesh, max_error);
   RC_CLASSIFY(result.triangles.size() < mesh.triangles.size());
   RC_ASSERT(10 * result.triangles.size() <= 9 * mesh.triangles.size() || isUnchanged(result, mesh));
-  RC_ASSERT(rimOf(result) == rimOf(mesh));
+  RC_ASSERT(boundaryOf(result) == boundaryOf(mesh));
   checkObject(result);
   RC_ASSERT(isProven(result, mesh, max_error));
   RC_ASSERT(sampledDistance(mesh, result, 200, random, max_error) <= max_error);
   RC_ASSERT(sampledDistance(result, mesh, 200, random, max_error) <= max_error);
 }
 
-// Depth by rays: the same sample over the full and over the simplified mesh.
-TEST(Simplify, DepthAlongZChangesByTheBoundOverTheCosineOfTheSlope) {
-  // Embree's heights are trusted to 1e-6 of the scene (embree_oracle.h), 0.02 m here, in both meshes.
-  constexpr double kRays = 2 * 1e-6 * 0.02;
-  // The triangles of the full mesh lean from the ellipsoid by less than their longest edge (0.25 mm) times its greatest curvature
+// Compares depths by ray casting against the full and the simplified mesh, at the same samples.
+TEST(Simplify, DepthErrorIsAtMostTheBoundOverTheCosineOfTheSlope) {
+  // Error of Embree's heights: 1e-6 of the scene's size of 0.02 m (embree_oracle.h), for either mesh.
+  constexpr double kRayTolerance = 2 * 1e-6 * 0.02;
+  // The angle between a triangle of the full mesh and the ellipsoid is less than the longest edge (0.25 mm) times the largest curvature
   // (half of 20 mm over the square of half of 12 mm, 278 / m): 0.07 rad.
-  constexpr double kLean = 0.07;
+  constexpr double kMaxNormalError = 0.07;
   constexpr double kMaxSlope = std::numbers::pi / 3;
   const Object full(fineEllipsoid()), simple(simplifiedEllipsoid());
   Random random(7);
   std::size_t num_compared = 0;
-  double greatest = 0;
+  double largest = 0;
   for (int n = 0; n < 20; ++n) {
     const Quaternion R_SO = random.rotation();
     const Pose X_SO{{random.uniform(-1e-3, 1e-3), random.uniform(-1e-3, 1e-3), 0}, R_SO};
@@ -312,12 +312,12 @@ TEST(Simplify, DepthAlongZChangesByTheBoundOverTheCosineOfTheSlope) {
       const double slope = std::atan2(std::hypot(normal[0], normal[1]), -normal[2]);
       if (slope > kMaxSlope) continue;
       ++num_compared;
-      greatest = std::max(greatest, std::abs(after[s] - before[s]) * std::cos(slope));
-      ASSERT_NEAR(after[s], before[s], kMaxError / std::cos(slope + kLean) + kRays);
+      largest = std::max(largest, std::abs(after[s] - before[s]) * std::cos(slope));
+      ASSERT_NEAR(after[s], before[s], kMaxError / std::cos(slope + kMaxNormalError) + kRayTolerance);
     }
   }
   EXPECT_GT(num_compared, 3000u);
-  EXPECT_GT(greatest, kMaxError / 2);
+  EXPECT_GT(largest, kMaxError / 2);
 }
 
 }  // namespace

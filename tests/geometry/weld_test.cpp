@@ -8,7 +8,7 @@
 namespace taxelsim {
 namespace {
 
-Mesh loose(const Mesh& mesh) {
+Mesh unwelded(const Mesh& mesh) {
   Mesh result;
   for (const auto& t : mesh.triangles) {
     const auto first = static_cast<std::uint32_t>(result.vertices.size());
@@ -18,22 +18,22 @@ Mesh loose(const Mesh& mesh) {
   return result;
 }
 
-TEST(Weld, JoinsEqualPositionsAndNothingElse) {
-  const Mesh mesh = weld(loose(brick()));
+TEST(Weld, MergesEqualPositionsOnly) {
+  const Mesh mesh = weld(unwelded(brick()));
   EXPECT_EQ(mesh.vertices.size(), 8u);
   EXPECT_EQ(canonical(mesh), canonical(brick()));
 
-  Mesh close = loose(brick());
+  Mesh close = unwelded(brick());
   close.vertices[0][0] = std::nextafter(close.vertices[0][0], 1.0f);
   EXPECT_EQ(weld(close).vertices.size(), 9u);
 }
 
-TEST(Weld, TakesMinusZeroForZero) {
+TEST(Weld, TreatsMinusZeroAsZero) {
   Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.0f, 0, -0.0f}, {0, 1, 1}, {0, 0, 1}}, {{0, 1, 2}, {3, 4, 5}}};
   EXPECT_EQ(weld(mesh).vertices.size(), 5u);
 }
 
-TEST(Weld, KeepsSliversButNothingWithoutArea) {
+TEST(Weld, KeepsSliversAndDropsDegenerateTriangles) {
   const float tiny = std::numeric_limits<float>::denorm_min();
   EXPECT_EQ(weld({{{0, 0, 0}, {1, 0, 0}, {0, tiny, 0}}, {{0, 1, 2}}}).triangles.size(), 1u);
   EXPECT_TRUE(weld({{{0, 0, 0}, {1, 1, 1}, {3, 3, 3}}, {{0, 1, 2}}}).triangles.empty());
@@ -41,7 +41,7 @@ TEST(Weld, KeepsSliversButNothingWithoutArea) {
   EXPECT_TRUE(weld({}).triangles.empty());
 }
 
-TEST(Weld, KeepsEverySurfaceAndIsItsOwnFixedPoint) {
+TEST(Weld, IsIdempotentAndKeepsAllTrianglesWithArea) {
   EXPECT_TRUE(rc::check([](const std::vector<std::array<std::uint8_t, 9>>& triangles) {
     Mesh mesh;
     for (const auto& t : triangles) {
@@ -58,7 +58,7 @@ TEST(Weld, KeepsEverySurfaceAndIsItsOwnFixedPoint) {
     RC_ASSERT(std::adjacent_find(positions.begin(), positions.end()) == positions.end());
     RC_ASSERT(weld(once).vertices == once.vertices);
     RC_ASSERT(weld(once).triangles == once.triangles);
-    // What was dropped is flat: coordinates are small whole numbers, so the test in float is exact.
+    // Only degenerate triangles were dropped. Coordinates are small integers, so this check in float is exact.
     std::size_t num_with_area = 0;
     for (const auto& t : mesh.triangles) {
       const Corner &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];

@@ -1,4 +1,4 @@
-// Recorded work: copies, clearing, time stamps, and mistakes in their use. Under the validation layers.
+// Command lists: copies, fills, timestamps and misuse, under the validation layers.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -18,7 +18,7 @@ const Device& device() {
   return opened;
 }
 
-TEST(CommandsOnEveryDriver, BuffersStartAtZeroAndCopiesArrive) {
+TEST(CommandsOnEveryDriver, CopyIntoBuffersThatStartAtZero) {
   gpu::Context& context = gpu::contextOf(device());
   std::vector<std::uint32_t> values(1000);
   std::iota(values.begin(), values.end(), 7u);
@@ -32,7 +32,7 @@ TEST(CommandsOnEveryDriver, BuffersStartAtZeroAndCopiesArrive) {
   commands.timestamp(1);
   commands.barrier(gpu::Access::kCopy, gpu::Access::kHostRead);
   commands.end();
-  for (int run = 0; run < 3; ++run) {  // recorded once, run as often as wanted
+  for (int run = 0; run < 3; ++run) {  // recorded once, submitted several times
     commands.submit();
     commands.wait();
     const std::span<std::uint32_t> copied = target.mappedAs<std::uint32_t>();
@@ -43,8 +43,8 @@ TEST(CommandsOnEveryDriver, BuffersStartAtZeroAndCopiesArrive) {
   }
 }
 
-// Two slices of a batch take turns: who waits for the first, its clock included, must not wait for the second.
-TEST(CommandsInTurn, WaitingForOneDoesNotWaitForTheNext) {
+// Two slices of a batch alternate: waiting for the first list and reading its timestamps must not wait for the second.
+TEST(CommandsInTurn, WaitForOneListOnly) {
   gpu::Context& context = gpu::contextOf(device());
   const gpu::Buffer buffer(context, "buffer", std::size_t{64} << 20, gpu::Domain::kDevice);
   const auto fills = [&](int num_fills) {
@@ -71,7 +71,7 @@ TEST(CommandsInTurn, WaitingForOneDoesNotWaitForTheNext) {
   EXPECT_GT(second.seconds(0, 1), first.seconds(0, 1));
 }
 
-TEST(CommandsOnEveryDriver, FillClears) {
+TEST(CommandsOnEveryDriver, FillBuffersWithZeros) {
   gpu::Context& context = gpu::contextOf(device());
   const gpu::Buffer buffer(context, "buffer", 64, gpu::Domain::kReadback);
   for (std::uint32_t& word : buffer.mappedAs<std::uint32_t>()) word = 1;
@@ -85,16 +85,16 @@ TEST(CommandsOnEveryDriver, FillClears) {
   for (const std::uint32_t word : buffer.mappedAs<std::uint32_t>()) EXPECT_EQ(word, 0u);
 }
 
-TEST(CommandsOnEveryDriver, SubmittedTwiceWithoutAWaitIsAMistake) {
+TEST(CommandsOnEveryDriver, RejectsASecondSubmitBeforeWait) {
   gpu::Commands commands(gpu::contextOf(device()), "empty");
   commands.end();
   commands.submit();
   EXPECT_THROW(commands.submit(), std::logic_error);
   commands.wait();
-  commands.wait();  // nothing under way: nothing to wait for
+  commands.wait();  // does nothing without a submit
 }
 
-TEST(CommandsOnEveryDriver, ValidationIsNotDeaf) {
+TEST(CommandsOnEveryDriver, ReportsValidationErrors) {
   gpu::Context& context = gpu::contextOf(device());
   const gpu::Buffer small(context, "small", 16, gpu::Domain::kDevice);
   const gpu::Buffer large(context, "large", 64, gpu::Domain::kDevice);
@@ -105,7 +105,7 @@ TEST(CommandsOnEveryDriver, ValidationIsNotDeaf) {
   EXPECT_THROW(context.throwOnValidationMessage(), Error);
 }
 
-TEST(CommandsOnEveryDriver, SynchronisationValidationIsNotDeaf) {
+TEST(CommandsOnEveryDriver, ReportsSynchronisationErrors) {
   gpu::Context& context = gpu::contextOf(device());
   const gpu::Buffer first(context, "first", 64, gpu::Domain::kDevice);
   const gpu::Buffer second(context, "second", 64, gpu::Domain::kDevice);

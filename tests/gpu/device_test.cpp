@@ -1,4 +1,4 @@
-// Choosing devices, and what is said when one fails.
+// Choice of devices, and messages of device errors.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -44,7 +44,7 @@ TEST(Devices, AreListedBestFirst) {
   }
 }
 
-TEST(Devices, CanBeChosenByNumberNameAndKind) {
+TEST(Devices, AreChosenByNumberNameAndKind) {
   const DeviceInfo first = listDevices().front();
   EXPECT_EQ(Device::open({.device = "0"}).info().name, first.name);
   EXPECT_EQ(Device::open({.device = first.name.substr(1, 4)}).info().name, first.name);
@@ -53,12 +53,12 @@ TEST(Devices, CanBeChosenByNumberNameAndKind) {
   }
 }
 
-TEST(Devices, AnUnknownOneNamesThoseThatThereAre) {
+TEST(Devices, AnUnknownOneIsAnErrorThatListsAll) {
   const std::string message = deviceError([] { Device::open({.device = "no such device"}); });
   EXPECT_THAT(message, AllOf(HasSubstr("no such device"), HasSubstr(listDevices().front().name)));
 }
 
-TEST(Devices, TheEnvironmentChooses) {
+TEST(Devices, AreChosenByTheEnvironment) {
   ::setenv("TAXELSIM_DEVICE", "nothing like it", 1);
   const std::string message = deviceError([] { Device::open({}); });
   ::unsetenv("TAXELSIM_DEVICE");
@@ -67,7 +67,7 @@ TEST(Devices, TheEnvironmentChooses) {
 
 TEST(Devices, OutOfMemoryNamesBufferAndSize) {
   const Device device = Device::open({});
-  // More than any device has. The validation layers would complain of it first, so they are not on here.
+  // More than any device has. Without validation layers, which would report it first.
   const std::size_t bytes = std::size_t{1} << 46;
   const std::string message = deviceError([&] { gpu::Buffer(gpu::contextOf(device), "tactile_image", bytes, gpu::Domain::kDevice); });
   EXPECT_THAT(message, AllOf(HasSubstr("\"tactile_image\""), HasSubstr("67108864.0 MiB")));

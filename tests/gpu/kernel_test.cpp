@@ -1,4 +1,4 @@
-// Interfaces of kernels are reflected and compared with what the caller declares.
+// Reflection of shaders, and the comparison of a kernel with its declaration.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -43,7 +43,7 @@ std::string refusal(const gpu::KernelOptions& options) {
   return "";
 }
 
-TEST(KernelOnEveryDriver, IsReflected) {
+TEST(KernelOnEveryDriver, ReflectsBuffersAndConstants) {
   const gpu::Reflection reflection = gpu::reflect(k_load_spirv);
   EXPECT_THAT(reflection.buffers, ElementsAre(Pair(0, "Instances"), Pair(1, "Step"), Pair(2, "TileResults"), Pair(3, "Loads")));
   EXPECT_THAT(reflection.constants, ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11));
@@ -51,7 +51,7 @@ TEST(KernelOnEveryDriver, IsReflected) {
   EXPECT_TRUE(reflection.others.empty());
 }
 
-TEST(KernelOnEveryDriver, TexelBuffersAreReflectedByTheirOwnNames) {
+TEST(KernelOnEveryDriver, ReflectsTexelBuffersByName) {
   const gpu::Reflection any = gpu::reflect(k_find_candidates_spirv), lockstep = gpu::reflect(k_find_candidates_lockstep_spirv);
   EXPECT_EQ(lockstep.buffers, any.buffers);
   EXPECT_THAT(any.texel_buffers, IsEmpty());
@@ -59,15 +59,15 @@ TEST(KernelOnEveryDriver, TexelBuffersAreReflectedByTheirOwnNames) {
   EXPECT_THAT(lockstep.others, IsEmpty());
 }
 
-TEST(KernelOnEveryDriver, AsDeclaredIsBuilt) {
+TEST(KernelOnEveryDriver, BuildsADeclaredShader) {
   const Device device = Device::open({});
   const gpu::Kernel kernel(gpu::contextOf(device), loadKernel());
   kernel.wait();
   EXPECT_EQ(kernel.numBuffers(), 4u);
 }
 
-// A process of its own reads the environment: that of this one is left as it was.
-TEST(KernelOnEveryDriver, IsKeptForTheNextProcessOnlyIfWanted) {
+// In a child process, since the environment of this one must not change.
+TEST(KernelOnEveryDriver, IsCachedOnDiskOnlyOnRequest) {
   for (const bool keep : {false, true}) {
     const testing::TemporaryDirectory cache;
     const auto run = [&] {
@@ -82,7 +82,7 @@ TEST(KernelOnEveryDriver, IsKeptForTheNextProcessOnlyIfWanted) {
   }
 }
 
-TEST(KernelOnEveryDriver, WrongNamesAndNumbersAreRefused) {
+TEST(KernelOnEveryDriver, RejectsWrongNamesAndNumbers) {
   gpu::KernelOptions swapped = loadKernel();
   std::swap(swapped.buffers[1], swapped.buffers[2]);
   EXPECT_THAT(refusal(swapped), HasSubstr("binding 1 is declared as \"TileResults\", the shader has \"Step\""));
@@ -97,7 +97,7 @@ TEST(KernelOnEveryDriver, WrongNamesAndNumbersAreRefused) {
   EXPECT_THAT(refusal(unknown), HasSubstr("specialization constants"));
 }
 
-TEST(KernelOnEveryDriver, WordsThatAreNoModuleAreRefused) {
+TEST(KernelOnEveryDriver, RejectsInvalidModules) {
   const std::uint32_t words[] = {1, 2, 3, 4, 5, 6};
   EXPECT_THROW(gpu::reflect(words), std::logic_error);
 }

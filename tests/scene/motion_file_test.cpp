@@ -28,7 +28,7 @@ Kind motionOf(const std::string& text) {
   return std::get<Kind>(load(directory, text).objects[0].motion.value());
 }
 
-TEST(MotionFile, ObjectsAreAtRestWithoutTheBlock) {
+TEST(MotionFile, ObjectsRestByDefault) {
   const ScratchDirectory directory;
   for (const SceneObject& object : loadScene(directory.write("scene.yaml", kScene)).objects) EXPECT_FALSE(object.motion);
 }
@@ -65,7 +65,7 @@ TEST(MotionFile, HandHeldHasDefaults) {
   EXPECT_EQ(motion.drift_band, (std::array<double, 2>{0.2, 2}));
 }
 
-TEST(MotionFile, EverySettingStandsInTheResolvedScene) {
+TEST(MotionFile, ResolvedSceneHasEverySetting) {
   const ScratchDirectory directory;
   directory.write("way.csv", kWay);
   std::vector<std::string> texts;
@@ -87,7 +87,7 @@ TEST(MotionFile, EverySettingStandsInTheResolvedScene) {
   EXPECT_EQ(std::count(texts.begin(), texts.end(), load(directory, "{waypoints: {file: way.csv}}").resolved), 0);
 }
 
-TEST(MotionFile, BadBlocksAreRefused) {
+TEST(MotionFile, RejectsBadBlocks) {
   const ScratchDirectory directory;
   directory.write("way.csv", kWay);
   directory.write("bad.csv", "1,2\n");
@@ -122,7 +122,7 @@ TEST(MotionFile, BadBlocksAreRefused) {
   }
 }
 
-TEST(MotionFile, NothingMovesWhereThereIsOneFrame) {
+TEST(MotionFile, RejectsMotionInScenesOfContacts) {
   const ScratchDirectory directory;
   std::string text = edited(withMotion("{hand_held: {}}"), "kind: servo", "kind: contacts");
   text = edited(edited(text, "num_steps: 20, ", ""), "controller:\n  tactile_servo: {edge_angle: {kp: 0.78}}\n", "");

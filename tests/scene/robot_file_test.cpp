@@ -174,7 +174,7 @@ TEST_F(RobotFile, BadBlocksAreRefused) {
       {"{pan_tilt: {delay: 1001}}", ":14:27: robot.pan_tilt.delay: 1001 is not allowed: a whole number from 0 to 1000"},
       {"{pan_tilt: {sensors: []}}", ":14:29: robot.pan_tilt.sensors: a list of 0 is not allowed: a list of at least one {link, mount}"},
       {"{pan_tilt: {sensors: [{}]}}", ":14:30: robot.pan_tilt.sensors[0]: link is missing: the name of a link"},
-      {"{pan_tilt: {sensors: [{link: roll}]}}", ":14:19: robot.pan_tilt: robot: no link roll: base, pan or tilt"},
+      {"{pan_tilt: {sensors: [{link: roll}]}}", ":14:19: robot.pan_tilt: robot: no link roll: allowed are base, pan and tilt"},
       {"{pan_tilt: {selection: []}}", ":14:31: robot.pan_tilt.selection: a list of 0 is not allowed: a list of at least one of vx, vy"},
       {"{pan_tilt: {selection: [wq]}}", ":14:32: robot.pan_tilt.selection[0]: wq is not allowed: vx | vy | vz | wx | wy | wz"},
       {"{pan_tilt: {selection: [wz, wz]}}", ":14:36: robot.pan_tilt.selection[1]: wz is given twice"},

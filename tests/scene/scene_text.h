@@ -33,7 +33,7 @@ objects:
   - cylinder: {radius_mm: 8, length_mm: 40}
     orientation: {rotation: [1, 0, 0, 0]}
 episode: {num_steps: 20, simulation_rate: 100, control_rate: 50}
-randomisation:
+randomization:
   x_mm: [-2, 2]
   yaw_deg: 30
   load: [0.5, 5]

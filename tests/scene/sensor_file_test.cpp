@@ -19,7 +19,7 @@ Sensor load(const std::string& text) {
 constexpr const char* kGrid = "num_rows: 3\nnum_cols: 4\npitch: 0.0034\n";
 constexpr const char* kRest = "skin: {thickness: 0.002, normal_contact_stiffness: 1.73e8}\nreadout: {curve: {counts_per_newton: 2400}}\n";
 
-TEST(SensorFile, DefaultsAreTheHeaders) {
+TEST(SensorFile, HasTheDefaultsOfTheHeader) {
   const Sensor sensor = load(std::string(kGrid) + kRest);
   EXPECT_EQ(sensor.name, "x");
   ASSERT_EQ(sensor.patches.size(), 1u);
@@ -56,7 +56,7 @@ TEST(SensorFile, DefaultsAreTheHeaders) {
   EXPECT_EQ(sensor.readout.dead_taxel_probability, Readout{}.dead_taxel_probability);
 }
 
-TEST(SensorFile, EverySettingArrives) {
+TEST(SensorFile, ReadsEverySetting) {
   const Sensor sensor = load(R"(patches:
   - {name: a, num_rows: 1, num_cols: 2, pitch_mm: [3, 4], pose: {position_mm: [1, 2, 3], rotation: [0, 1, 0, 0]}}
   - {num_rows: 1, num_cols: 1, pitch: 0.005, pose: {rpy_deg: [0, 0, 90]}}
@@ -107,7 +107,7 @@ readout: {curve: {coefficients: [100, 2, 0.5]}, output_scale: 2, trigger: 0.1, a
   EXPECT_EQ(sensor.readout.dead_taxel_probability, 0.8);
 }
 
-TEST(SensorFile, AnElasticLayerHasKeysOfItsOwn) {
+TEST(SensorFile, ReadsTheKeysOfElasticLayer) {
   const std::string readout = "readout: {curve: {counts_per_newton: 2400}}\n";
   const Sensor plain = load(kGrid + ("skin: {thickness_mm: 2, law: elastic_layer, elastic_modulus: 1e6, poisson_ratio: 0.45}\n" + readout));
   EXPECT_EQ(std::get<ElasticLayer>(plain.skin.law), (ElasticLayer{.elastic_modulus = 1e6, .poisson_ratio = 0.45}));
@@ -136,14 +136,14 @@ TEST(SensorFile, Relaxation) {
   }
 }
 
-TEST(SensorFile, GainsInRowsAreGainsInStorageOrder) {
+TEST(SensorFile, ReadsGainsInRows) {
   const std::string readout = "skin: {thickness: 0.002, normal_contact_stiffness: 1.73e8}\nreadout: {curve: {counts_per_newton: 2400}, ";
   const std::vector<double> expected{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
   EXPECT_EQ(load(kGrid + readout + "taxel_gain: [[1, 2, 3, 4], [5, 6, 7, 8], [9, 10, 11, 12]]}").readout.taxel_gain, expected);
   EXPECT_EQ(load(kGrid + readout + "taxel_gain: [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12]}").readout.taxel_gain, expected);
 }
 
-TEST(SensorFile, OneElementOfHysteresisNeedsNoList) {
+TEST(SensorFile, ReadsOneElementOfHysteresisAsNumber) {
   const Sensor sensor = load(std::string(kGrid) +
                              "skin: {thickness: 0.002, normal_contact_stiffness: 1.73e8}\nreadout: {curve: {counts_per_newton: 2400}, "
                              "hysteresis_strength: 0.1, hysteresis_width: 0.2}");
@@ -151,14 +151,14 @@ TEST(SensorFile, OneElementOfHysteresisNeedsNoList) {
   EXPECT_EQ(sensor.readout.hysteresis_width, std::vector<double>{0.2});
 }
 
-TEST(SensorFile, FullScaleFollowsTheBits) {
+TEST(SensorFile, FullScaleDependsOnAdcBits) {
   const std::string text =
       std::string(kGrid) +
       "skin: {thickness: 0.002, normal_contact_stiffness: 1.73e8}\nreadout: {curve: {counts_per_newton: 100}, adc_bits: 8}\n";
   EXPECT_EQ(load(text).readout.saturation, 255);
 }
 
-TEST(SensorFile, EveryLawArrives) {
+TEST(SensorFile, ReadsEveryLaw) {
   const std::string readout = "\nreadout: {curve: {counts_per_newton: 2400}}\n";
   const auto law = [&](const std::string& skin) {
     return load(std::string(kGrid) + "skin: {thickness_mm: 2, law: " + skin + "}" + readout).skin.law;
@@ -175,7 +175,7 @@ TEST(SensorFile, EveryLawArrives) {
             ContactLaw(LuGre{1e8, 2, 3, 4, 6, 5, 7}));
 }
 
-TEST(SensorFile, RollComesFirstThenPitchThenYaw) {
+TEST(SensorFile, AppliesRollThenPitchThenYaw) {
   // Roll turns y into z, pitch turns z into x, yaw turns x into y.
   const Sensor sensor = load(std::string(kGrid) + "pose: {rpy_deg: [90, 90, 90]}\n" + kRest);
   const Vector3 turned = rotate(sensor.patches[0].X_SP.rotation, {0, 1, 0});
@@ -184,13 +184,13 @@ TEST(SensorFile, RollComesFirstThenPitchThenYaw) {
   EXPECT_NEAR(turned[2], 0, kRotationTolerance);
 }
 
-TEST(SensorFile, AQuaternionOfFourDigitsBecomesUnit) {
+TEST(SensorFile, NormalizesQuaternions) {
   const Sensor sensor = load(std::string(kGrid) + "pose: {rotation: [0.7071, 0.7071, 0, 0]}\n" + kRest);
   const Quaternion& q = sensor.patches[0].X_SP.rotation;
   EXPECT_NEAR(q[0] * q[0] + q[1] * q[1], 1, kRotationTolerance);
 }
 
-TEST(SceneFile, DefaultsAreTheHeaders) {
+TEST(SceneFile, HasTheDefaultsOfTheHeader) {
   const ScratchDirectory directory;
   const std::string sensor = std::string("format_version: 1\nname: x\n") + kGrid + kRest;
   directory.write("sensors/x.yaml", sensor);
@@ -200,7 +200,7 @@ kind: servo
 sensor: sensors/x.yaml
 objects: [{half_space: {}}, {sphere: {radius: 1}}, {sphere: {radius: 1}}]
 episode: {num_steps: 3}
-randomisation: {depth_mm: 1}
+randomization: {depth_mm: 1}
 controller: {tactile_servo: {edge_angle: {kp: 1}}}
 )"));
   const Scene expected;
@@ -225,17 +225,17 @@ controller: {tactile_servo: {edge_angle: {kp: 1}}}
   EXPECT_EQ(scene.num_episodes, expected.num_episodes);
   EXPECT_EQ(scene.episodes_per_shard, expected.episodes_per_shard);
   EXPECT_EQ(scene.compression, expected.compression);
-  EXPECT_EQ(scene.randomisation.gain.min, 1);
-  EXPECT_EQ(scene.randomisation.noise.max, 0);
-  ASSERT_TRUE(scene.randomisation.depth.has_value());
-  EXPECT_FALSE(scene.randomisation.load.has_value());
-  EXPECT_EQ(scene.randomisation.depth->min, 0.001);
-  EXPECT_EQ(scene.randomisation.depth->max, 0.001);
+  EXPECT_EQ(scene.randomization.gain.min, 1);
+  EXPECT_EQ(scene.randomization.noise.max, 0);
+  ASSERT_TRUE(scene.randomization.depth.has_value());
+  EXPECT_FALSE(scene.randomization.load.has_value());
+  EXPECT_EQ(scene.randomization.depth->min, 0.001);
+  EXPECT_EQ(scene.randomization.depth->max, 0.001);
   EXPECT_EQ(scene.record, (std::vector<std::string>{"tactile_image", "features", "ground_truth", "poses", "actions"}));
   EXPECT_EQ(scene.max_regions, 0);
 }
 
-TEST(SceneFile, EverySettingArrives) {
+TEST(SceneFile, ReadsEverySetting) {
   const ScratchDirectory directory;
   directory.write("meshes/mesh.obj", kMeshText);
   std::string text = edited(kScene, "sphere: {radius_mm: 5}", "{mesh: meshes/mesh.obj, scale: 2, up_axis: x, name: m}");
@@ -281,7 +281,7 @@ TEST(SceneFile, EverySettingArrives) {
   EXPECT_EQ(scene.controllers[0].servo.max_angular_velocity, 5);
   EXPECT_EQ(scene.controllers[0].servo.max_linear_velocity, 0.006);
   EXPECT_EQ(scene.controllers[0].servo.min_confidence, 0.7);
-  const Randomisation& random = scene.randomisation;
+  const Randomization& random = scene.randomization;
   EXPECT_EQ(random.x.min, -0.002);
   EXPECT_EQ(random.x.max, 0.002);
   EXPECT_EQ(random.y.max, 0.002);
@@ -300,7 +300,7 @@ TEST(SceneFile, EverySettingArrives) {
 }
 
 // A flat plate of 20 x 20 cells needs no vertex but those of its rim.
-TEST(SceneFile, AMeshIsSimplifiedAsFarAsItsKeyAllows) {
+TEST(SceneFile, SimplifiesMeshesWithinMaxDepthError) {
   constexpr int kCells = 20;
   const ScratchDirectory directory;
   std::string plate;
@@ -324,7 +324,7 @@ TEST(SceneFile, AMeshIsSimplifiedAsFarAsItsKeyAllows) {
   EXPECT_LT(numTriangles(""), 200u);
 }
 
-TEST(SceneFile, ManyObjectsWithoutNamesAreNamedQuickly) {
+TEST(SceneFile, NamesManyObjectsInLinearTime) {
   constexpr int kMany = 50'000;  // hangs if each name is sought from the start
   const ScratchDirectory directory;
   const std::string text(kScene);
@@ -338,7 +338,7 @@ TEST(SceneFile, ManyObjectsWithoutNamesAreNamedQuickly) {
   EXPECT_EQ(scene.objects.back().object.name, "sphere_" + std::to_string(kMany + 1));
 }
 
-TEST(SceneFile, EverySolidIsRead) {
+TEST(SceneFile, ReadsEverySolid) {
   const ScratchDirectory directory;
   const std::string text(kScene);
   const Scene scene = loadScene(directory.write("scene.yaml", text.substr(0, text.find("objects:")) + R"(objects:

@@ -30,7 +30,7 @@ TEST(ShippedScenes, AllLoad) {
   }
 }
 
-TEST(ShippedTasks, AllLoadAndSayWhatSuccessIs) {
+TEST(ShippedTasks, LoadAndHaveTasks) {
   const std::vector<std::filesystem::path> files = yamlFiles(kScenes / "tasks");
   EXPECT_GE(files.size(), 6u);
   for (const std::filesystem::path& file : files) {
@@ -51,7 +51,7 @@ TEST(ShippedSensors, AllLoad) {
 }
 
 // The writer against the reader: layouts, laws, spreads and readouts that ship.
-TEST(ShippedSensors, WhatSensorTextWritesIsTheSameSensor) {
+TEST(ShippedSensors, SensorTextReadsBackAsTheSameSensor) {
   const ScratchDirectory directory;
   std::vector<Sensor> sensors;
   for (const std::filesystem::path& file : yamlFiles(kScenes / "sensors")) sensors.push_back(loadSensor(file));
@@ -85,7 +85,7 @@ TEST(ShippedSensors, WhatSensorTextWritesIsTheSameSensor) {
   }
 }
 
-TEST(ShippedSensors, TheWeissArrayHasThePapersNumbers) {
+TEST(ShippedSensors, WeissArrayHasThePapersNumbers) {
   const Sensor sensor = loadSensor(kScenes / "sensors/wts0614.yaml");
   EXPECT_EQ(numTaxels(sensor), 84);
   EXPECT_EQ(sensor.patches[0].pitch[0], 0.0034);

@@ -34,7 +34,7 @@ std::string refusalOf(const std::string& text, std::string_view ring = kRing) {
   return refusal(file, [&] { loadScene(file); });
 }
 
-TEST(TaskFile, EverySettingArrives) {
+TEST(TaskFile, ReadsEverySetting) {
   const Scene scene =
       loaded(edited(sceneText("task: {edge_angle: {reference_deg: 90, tolerance_deg: 5}, total_force: {reference: 2, tolerance: 0.5},"
                               " center: {tolerance_mm: 3}, hold: 0.1, travel_mm: 7}\n"),
@@ -55,12 +55,12 @@ TEST(TaskFile, EverySettingArrives) {
   constexpr Vector3 kEdge{0, 0.6, 0.8};
   for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR((*scene.objects[1].edge)[k], kEdge[k], kRounding);
   EXPECT_EQ(*scene.objects[1].anchor, (Vector3{0.001, 0.002, 0.003}));
-  EXPECT_EQ(scene.randomisation.exploration_velocity->max, 0.002);
-  EXPECT_EQ(scene.randomisation.linear_action_noise.min, 0.003);
-  EXPECT_NEAR(scene.randomisation.angular_action_noise.max, std::numbers::pi, kRounding);
+  EXPECT_EQ(scene.randomization.exploration_velocity->max, 0.002);
+  EXPECT_EQ(scene.randomization.linear_action_noise.min, 0.003);
+  EXPECT_NEAR(scene.randomization.angular_action_noise.max, std::numbers::pi, kRounding);
 }
 
-TEST(TaskFile, ControllersHaveNamesAndWeights) {
+TEST(TaskFile, ReadsNamesAndWeightsOfControllers) {
   const Scene scene =
       loaded(edited(sceneText(""), kController,
                     "controllers:\n  - name: a\n    tactile_servo: {edge_angle_source: window, contact: largest_region, "
@@ -79,7 +79,7 @@ TEST(TaskFile, ControllersHaveNamesAndWeights) {
   EXPECT_EQ(scene.controllers[1].servo.edge_angle_source, EdgeAngleSource::kExact);
 }
 
-TEST(TaskFile, TheResolvedSceneResolvesToItself) {
+TEST(TaskFile, ResolvedSceneResolvesToItself) {
   const ScratchDirectory directory;
   directory.write("ring.csv", kRing);
   const std::string text = edited(sceneText("task: {contour: {tolerance_mm: 1}, laps: 0}\n"),
@@ -88,20 +88,20 @@ TEST(TaskFile, TheResolvedSceneResolvesToItself) {
   EXPECT_EQ(loadScene(directory.write("again.yaml", scene.resolved)).resolved, scene.resolved);
 }
 
-TEST(TaskFile, WrongOnesAreRefused) {
+TEST(TaskFile, RejectsBadTasks) {
   const auto expect = [](const std::string& text, const std::string& part, std::string_view ring = kRing) {
     SCOPED_TRACE(text);
     EXPECT_THAT(refusalOf(text, ring), testing::HasSubstr(part));
   };
   const auto task = [](const std::string& what) { return sceneText("task: " + what + "\n"); };
-  expect(task("{}"), "task: nothing to judge by: at least one of edge_angle, total_force, center, contour");
+  expect(task("{}"), "task: no success criterion: at least one of edge_angle, total_force, center, contour");
   expect(task("{center: {tolerance_mm: 0}}"), "task.center.tolerance_mm: 0 is not allowed");
   expect(task("{center: {}}"), "task.center: tolerance[_mm] is missing");
   expect(task("{center: {tolerance_mm: 1}, hold: 0.5}"), "task.hold: 0.5 is not allowed");
   expect(task("{edge_angle: {tolerance_deg: 91}}"), "task.edge_angle.tolerance_deg: 91 is not allowed");
-  expect(task("{contour: {tolerance_mm: 1}}"), "task.contour: is of a contour, and an object of the scene has none");
-  expect(task("{center: {tolerance_mm: 1}, laps: 1}"), "task.laps: is of a contour, and an object of the scene has none");
-  expect(std::string(kScene) + "task: {edge_angle: {tolerance_deg: 5}}\n", "is of an edge, and an object of the scene has neither");
+  expect(task("{contour: {tolerance_mm: 1}}"), "task.contour: needs a contour of every object of the scene");
+  expect(task("{center: {tolerance_mm: 1}, laps: 1}"), "task.laps: needs a contour of every object of the scene");
+  expect(std::string(kScene) + "task: {edge_angle: {tolerance_deg: 5}}\n", "needs an edge or a contour of every object of the scene");
   expect(edited(kScene, "{edge_angle: {kp: 0.78}}", "{edge_angle_source: exact, edge_angle: {kp: 1}}"),
          "which edge_angle_source exact needs");
   expect(edited(sceneText(""), "edge: [0, 3, 4]", "edge: [0, 0, 0]"), "edge: [0, 0, 0] is not allowed: a direction");

@@ -70,7 +70,7 @@ void expectTaxel(const GridPatch& patch, const Vector3& position, const std::arr
   for (int axis = 0; axis < 2; ++axis) EXPECT_NEAR(patch.pitch[axis], size[axis], kRounding);
 }
 
-TEST(TaxelList, EverySettingArrives) {
+TEST(TaxelList, ReadsEverySetting) {
   const Sensor sensor = load(R"(taxels:
   - {position_mm: [1, 2, 3], normal: [0, 0, 4], size_mm: 2}
   - {position: [0.01, 0, 0], normal: [1, 0, 0], size: [0.002, 0.003], x_axis: [1, 1, 0]}
@@ -92,7 +92,7 @@ TEST(TaxelList, ReachIsThreeSigmaByDefault) {
   EXPECT_EQ(sensor.psf.reach, 1.5);
 }
 
-TEST(TaxelList, From1To4096) {
+TEST(TaxelList, Has1To4096Taxels) {
   const auto list = [](int count) {
     std::string text = "taxels:\n";
     for (int t = 0; t < count; ++t) text += "  - {position_mm: [" + std::to_string(t) + ", 0, 0], normal: [0, 0, 1], size_mm: 1}\n";
@@ -103,7 +103,7 @@ TEST(TaxelList, From1To4096) {
   EXPECT_THAT(refusalOf(list(4097)), testing::StartsWith(":4:3: taxels: a list of 4097 is not allowed: at most 4096 taxels"));
 }
 
-TEST(TaxelMeshFile, IsReadInItsUnit) {
+TEST(TaxelMeshFile, AppliesScale) {
   const Sensor sensor = load("taxel_mesh: {file: taxels.obj, scale: 0.001}\n");
   ASSERT_EQ(sensor.patches.size(), 2u);
   constexpr double kFloat = 2e-10;  // vertices are float32, up to 4 mm
@@ -113,7 +113,7 @@ TEST(TaxelMeshFile, IsReadInItsUnit) {
 }
 
 // Positions by hand: (i spacing_x - offset_x, j spacing_y - offset_y).
-TEST(Urdf, ARowMajorArrayWithoutGapsIsAGrid) {
+TEST(Urdf, ReadsRowMajorArrayWithoutGapsAsGrid) {
   const Sensor sensor = load("urdf: {file: hand.urdf, sensor: grid}\n");
   ASSERT_EQ(sensor.patches.size(), 1u);
   EXPECT_EQ(sensor.patches[0].num_rows, 2);
@@ -133,20 +133,20 @@ TEST(Urdf, SpacingAndOffset) {
   for (int t = 0; t < 6; ++t) expectTaxel(sensor.patches[t], {t / 3 * 0.004 - 0.001, t % 3 * 0.005 - 0.002, 0}, {0.002, 0.003});
 }
 
-TEST(Urdf, ColumnMajorDataRunAlongTheRows) {
+TEST(Urdf, ReadsColumnMajorArrays) {
   const Sensor sensor = load("urdf: {file: hand.urdf, sensor: columns}\n");
   ASSERT_EQ(sensor.patches.size(), 6u);
   EXPECT_EQ(refusalOf("urdf: {file: hand.urdf, sensor: columns}\n", edited(kUrdf, "col-major", "column-major")), "was accepted");
   for (int t = 0; t < 6; ++t) expectTaxel(sensor.patches[t], {t % 2 * 0.002, t / 2 * 0.003, 0}, {0.002, 0.003});
 }
 
-TEST(Urdf, ANegativeSpacingFlips) {
+TEST(Urdf, NegativeSpacingFlips) {
   const Sensor sensor = load("urdf: {file: hand.urdf, sensor: flipped}\n");
   ASSERT_EQ(sensor.patches.size(), 6u);
   for (int t = 0; t < 6; ++t) expectTaxel(sensor.patches[t], {t / 3 * -0.002, t % 3 * 0.003, 0}, {0.002, 0.003});
 }
 
-TEST(Urdf, TaxelsStandInTheOrderOfTheirIndex) {
+TEST(Urdf, OrdersTaxelsByIndex) {
   const Sensor sensor = load("urdf: {file: hand.urdf, sensor: list}\n");
   ASSERT_EQ(sensor.patches.size(), 3u);
   const double side = 0.002 * std::sqrt(std::numbers::pi);
@@ -183,7 +183,7 @@ TEST(TaxelFiles, ResolveToThemselves) {
   EXPECT_EQ(loadScene(directory.write("again.yaml", once)).resolved, once);
 }
 
-TEST(TaxelFiles, TheirBytesBelongToTheScene) {
+TEST(TaxelFiles, BytesArePartOfTheResolvedScene) {
   const std::string mesh = "  taxel_mesh: {file: taxels.obj, scale: 0.001}\n", urdf = "  urdf: {file: hand.urdf, sensor: grid}\n";
   EXPECT_NE(resolved(mesh), resolved(mesh, edited(kTaxelMesh, "v 0 0 0", "v 0 0 0.01")));
   EXPECT_NE(resolved(urdf), resolved(urdf, kTaxelMesh, edited(kUrdf, "name=\"hand\"", "name=\"arm\"")));
@@ -205,8 +205,8 @@ TEST(BadTaxels, Lists) {
                          Bad{"0.001}", "0}", ":4:52: taxels[0].size: 0 is not allowed: a number > 0 m"},
                          Bad{"0.001}", "[1, 2, 3]}", ":4:52: taxels[0].size: a list of 3 is not allowed: a list of 2 numbers"},
                          Bad{"0.001}", "0.001, pitch: 1}", ":4:59: taxels[0].pitch: unknown key"},
-                         Bad{"taxels:", "patches: []\ntaxels:", ":4:1: taxels: stands beside `patches`: one of the two"},
-                         Bad{"taxels:", "num_rows: 1\ntaxels:", ":3:11: num_rows: stands beside `taxels`"}}) {
+                         Bad{"taxels:", "patches: []\ntaxels:", ":4:1: taxels: given beside `patches`: one of the two"},
+                         Bad{"taxels:", "num_rows: 1\ntaxels:", ":3:11: num_rows: given beside `taxels`"}}) {
     const std::string message = refusalOf(edited(good, bad.from, bad.to));
     if (bad.from == "taxels:") {
       EXPECT_THAT(message, testing::HasSubstr(bad.message.substr(bad.message.find(' ')))) << bad.to;

@@ -18,7 +18,7 @@ std::string repeated(std::string_view piece, std::size_t count) {
   return text;
 }
 
-TEST(ReadYamlFile, RefusesWhatIsNoFile) {
+TEST(ReadYamlFile, RejectsOtherThanRegularFiles) {
   const ScratchDirectory directory;
   const std::filesystem::path missing = directory.path() / "missing.yaml";
   EXPECT_EQ(refusal(missing, [&] { loadScene(missing); }), ": no such file");
@@ -27,14 +27,14 @@ TEST(ReadYamlFile, RefusesWhatIsNoFile) {
   EXPECT_EQ(refusal("/dev/zero", [&] { loadScene("/dev/zero"); }), ": not a regular file");
 }
 
-TEST(ReadYamlFile, RefusesALargeFileBeforeReadingIt) {
+TEST(ReadYamlFile, RejectsLargeFilesBeforeReading) {
   const ScratchDirectory directory;
   const std::filesystem::path file = directory.write("large.yaml", "");
   std::filesystem::resize_file(file, kMaxYamlBytes + 1);
   EXPECT_EQ(refusal(file, [&] { loadScene(file); }), ": 16777217 bytes are too many: at most 16777216");
 }
 
-TEST(ParseYaml, RefusesWhatIsNoText) {
+TEST(ParseYaml, RejectsBytesThatAreNotText) {
   EXPECT_EQ(parseRefusal(""), ":1:1: the file is empty");
   EXPECT_EQ(parseRefusal("# only a comment\n"), ":1:1: the file is empty");
   EXPECT_EQ(parseRefusal(std::string("a: 1\nb\0: 2", 10)), ":2:2: not a YAML file: control character 0");
@@ -47,7 +47,7 @@ TEST(ParseYaml, RefusesWhatIsNoText) {
   EXPECT_THAT(parseRefusal("a: \"open"), testing::StartsWith(":1:9: not YAML: "));
 }
 
-TEST(ParseYaml, RefusesWhatCanGrow) {
+TEST(ParseYaml, RejectsAnchorsAliasesAndTags) {
   EXPECT_THAT(parseRefusal("a: &x [1, 1]\nb: [*x, *x]"), testing::StartsWith(":1:4: an anchor"));
   EXPECT_THAT(parseRefusal("a: &x 1"), testing::StartsWith(":1:4: an anchor"));
   EXPECT_THAT(parseRefusal("a: !!binary x"), testing::StartsWith(":1:4: a tag"));
@@ -56,7 +56,7 @@ TEST(ParseYaml, RefusesWhatCanGrow) {
             ":1:2000000: more than 1000000 values in one file");
 }
 
-TEST(ParseYaml, RefusesDeepNestingInEveryForm) {
+TEST(ParseYaml, RejectsDeepNestingInEveryForm) {
   constexpr std::size_t kDeep = 10'000;  // overflows the stack of a parser that follows it
   const std::string expected = "nested deeper than 64 levels";
   EXPECT_THAT(parseRefusal(repeated("[", kDeep) + repeated("]", kDeep)), testing::HasSubstr(expected));
@@ -73,18 +73,18 @@ TEST(ParseYaml, RefusesDeepNestingInEveryForm) {
   EXPECT_THAT(parseRefusal(block), testing::HasSubstr(expected));
 }
 
-TEST(ParseYaml, TakesSixtyFourLevels) {
+TEST(ParseYaml, AcceptsSixtyFourLevels) {
   EXPECT_EQ(parseRefusal(repeated("[", kMaxYamlDepth) + repeated("]", kMaxYamlDepth)), "was accepted");
   EXPECT_NE(parseRefusal(repeated("[", kMaxYamlDepth + 1) + repeated("]", kMaxYamlDepth + 1)), "was accepted");
 }
 
-TEST(ParseYaml, KeysAreDifferentWords) {
+TEST(ParseYaml, RejectsDuplicateKeys) {
   EXPECT_EQ(parseRefusal("a: 1\nb: 2\na: 3"), ":3:1: duplicate key 'a': already given on line 1");
   EXPECT_EQ(parseRefusal("[a]: 1"), ":1:1: a key must be a word");
   EXPECT_EQ(parseRefusal("~: 1"), ":1:1: a key must be a word");
 }
 
-TEST(ParseYaml, KnowsWhereEverythingStands) {
+TEST(ParseYaml, HasPositionsOfKeysAndValues) {
   const YamlTree tree = parseYaml("a: 1\nb:\n  - x\n  - \"2\"\nc:\n", "x.yaml");
   ASSERT_EQ(tree.kind, YamlTree::Kind::kMap);
   ASSERT_EQ(tree.keys.size(), 3u);
@@ -101,7 +101,7 @@ TEST(ParseYaml, KnowsWhereEverythingStands) {
   EXPECT_EQ(tree.children[2].kind, YamlTree::Kind::kNull);
 }
 
-TEST(ParseYaml, ByteOrderMarkAndWindowsLinesAreTaken) {
+TEST(ParseYaml, AcceptsByteOrderMarkAndWindowsLines) {
   const YamlTree tree = parseYaml(
       "\xEF\xBB\xBF"
       "a: 1\r\nb: x y\r\n",

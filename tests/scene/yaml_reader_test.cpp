@@ -25,7 +25,7 @@ double parsed(const std::string& text) {
   return value;
 }
 
-TEST(YamlNumbers, MillimetresAreMetresToTheLastBit) {
+TEST(YamlNumbers, MillimetresEqualMetresBitForBit) {
   for (int tenths = 1; tenths <= 2000; ++tenths) {
     const std::string digits = std::to_string(tenths);
     const double expected = parsed(digits + "e-4");
@@ -35,7 +35,7 @@ TEST(YamlNumbers, MillimetresAreMetresToTheLastBit) {
   }
 }
 
-TEST(YamlNumbers, MillimetresTakeEveryDecimalForm) {
+TEST(YamlNumbers, ReadsMillimetresInEveryDecimalForm) {
   for (const char* text : {"3.4", "+3.4", "34e-1", "0.34E+1", ".034e2", "3.40000"}) {
     EXPECT_EQ(read(std::string("length_mm: ") + text, Allowed::any("m")), 0.0034) << text;
   }
@@ -54,21 +54,21 @@ TEST(YamlNumbers, RoundDegreesReachTheirBounds) {
   EXPECT_EQ(read("angle_deg: 180", Allowed::any("rad")), kPi);
 }
 
-TEST(YamlNumbers, DecimalFormsAreTaken) {
+TEST(YamlNumbers, ReadsDecimalForms) {
   const std::vector<std::pair<std::string, double>> forms = {{"1", 1},  {"+1", 1},     {"-1", -1},      {"1.50", 1.5}, {".5", 0.5},
                                                              {"5.", 5}, {"1e3", 1000}, {"1E-3", 0.001}, {"007", 7},    {"0", 0}};
   for (const auto& [text, value] : forms) EXPECT_EQ(read("plain: " + text, Allowed::any("")), value) << text;
   EXPECT_FALSE(std::signbit(read("plain: -0.0", Allowed::any(""))));
 }
 
-TEST(YamlNumbers, EverythingElseIsNot) {
+TEST(YamlNumbers, RefusesOtherText) {
   for (const char* text : {"1,5", "1_000", "0x1p3", "1 2",   "--1", "+-1",  "++1",  "1e",       "e1",  ".",        "-",   "+", "true",
                            "~",   "1e31",  "-1e31", "1e-31", "NaN", "-inf", ".inf", "Infinity", "'1'", "|\n  1\n", "[1]", "{}"}) {
     EXPECT_THROW(read(std::string("plain: ") + text, Allowed::any("")), Error) << text;
   }
 }
 
-TEST(YamlNumbers, BoundsAreIncludedUnlessTheySaySo) {
+TEST(YamlNumbers, BoundsAreAllowedUnlessExcluded) {
   EXPECT_EQ(read("plain: 2", Allowed::within(1, 2, "")), 2);
   EXPECT_EQ(read("plain: 1", Allowed::within(1, 2, "")), 1);
   EXPECT_EQ(read("plain: 0", Allowed::atLeast(0, "")), 0);

@@ -17,7 +17,7 @@ TEST(Layout, CountsTaxelsOfAllPatches) {
   EXPECT_EQ(taxelPositions(sensor).size(), 87u);
 }
 
-TEST(Layout, RowsRunAlongXAndColumnsAlongYAboutTheMiddle) {
+TEST(Layout, RowsAreAlongXAndColumnsAlongY) {
   const std::vector<Vector3> positions = taxelPositions(exampleSensor());
   EXPECT_NEAR(positions[0][0], -2.5 * 0.0034, kRounding);
   EXPECT_NEAR(positions[0][1], -6.5 * 0.0034, kRounding);
@@ -30,7 +30,7 @@ TEST(Layout, RowsRunAlongXAndColumnsAlongYAboutTheMiddle) {
   for (const double s : sum) EXPECT_NEAR(s, 0, 84 * kRounding);
 }
 
-TEST(Layout, PatchesStandWhereTheirPosesPutThem) {
+TEST(Layout, AppliesThePosesOfPatches) {
   Sensor sensor = exampleSensor();
   sensor.patches[0] = {.name = "side",
                        .num_rows = 2,

@@ -36,7 +36,7 @@ TEST(GaussianPsf, SumsForOtherWidths) {
   for (const auto& [sigma, expected] : known) EXPECT_NEAR(sum(gaussianPsf(sigma, 3)), expected, kDecimals) << sigma;
 }
 
-TEST(GaussianPsf, IsSymmetricInEveryWay) {
+TEST(GaussianPsf, IsSymmetric) {
   const Psf psf = gaussianPsf(0.8, 5);
   for (std::size_t a = 0; a < 5; ++a) {
     for (std::size_t b = 0; b < 5; ++b) {
@@ -46,7 +46,7 @@ TEST(GaussianPsf, IsSymmetricInEveryWay) {
   }
 }
 
-TEST(GaussianPsf, RefusesWhatIsOutOfRange) {
+TEST(GaussianPsf, RejectsValuesOutOfRange) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   for (const double sigma : {0.0, -0.5, kNan, std::numeric_limits<double>::infinity(), 1e-200, 1e200}) {
     EXPECT_THROW(gaussianPsf(sigma, 3), Error) << sigma;

@@ -35,7 +35,7 @@ TEST(NominalForce, SolvesAQuadraticCurve) {
   EXPECT_NEAR(nominalForce(readout, 9), 3.5, 3.5 * kRelative);
 }
 
-TEST(NominalForce, TakesTheFirstRootOfACurveThatTurns) {
+TEST(NominalForce, ReturnsTheFirstRootOfCurvesWithMaximum) {
   Readout readout;
   readout.curve = {4, -1};  // highest, 4, at x = 2
   EXPECT_NEAR(nominalForce(readout, 3), 1, kRelative);
@@ -62,7 +62,7 @@ TEST(NominalForce, FollowsStraightPieces) {
   EXPECT_EQ(nominalForce(readout, -1), 0);
 }
 
-TEST(NominalForce, UndoesEveryRisingCurve) {
+TEST(NominalForce, InvertsEveryRisingCurve) {
   EXPECT_TRUE(rc::check([] {
     Readout readout;
     readout.curve = {*rc::gen::inRange(1, 1000) * 1.0};
@@ -87,7 +87,7 @@ TEST(NominalForce, RisesWithTheCounts) {
   }
 }
 
-TEST(CurveRises, TellsRisingFromFalling) {
+TEST(CurveRises, DetectsFallingCurves) {
   const std::vector<double> hump{9, -6, 1};  // up to 4 at x = 1, down to 0 at 3, up again
   EXPECT_TRUE(curveRises(hump, 0.99, 100));
   EXPECT_FALSE(curveRises(hump, 1.01, 100));

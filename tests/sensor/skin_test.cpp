@@ -44,13 +44,13 @@ TEST(SkinDistance, OnACylinderIsTheHelix) {
   }
 }
 
-TEST(SkinDistance, IsTheSameBothWaysAndFiniteForOppositeNormals) {
+TEST(SkinDistance, IsSymmetricAndFiniteForOppositeNormals) {
   const Vector3 p{0.001, 0.002, 0.003}, q{-0.004, 0.001, 0.002}, n = onSphere(0.4, 1), m = onSphere(1.1, -2);
   EXPECT_EQ(skinDistance(p, n, q, m), skinDistance(q, m, p, n));
   EXPECT_TRUE(std::isfinite(skinDistance({0, 0, 0}, {0, 0, 1}, {0, 0, -0.003}, {0, 0, -1})));
 }
 
-TEST(SkinNeighbours, OfAGridAreThoseWithinReachAcrossPatches) {
+TEST(SkinNeighbours, CrossPatches) {
   Sensor sensor = exampleSensor();
   sensor.psf = {.sigma = 0.0034};  // reach 3 pitches: rounding must not decide who is there
   const auto whole = skinNeighbours(sensor);
@@ -72,7 +72,7 @@ TEST(SkinNeighbours, OfAGridAreThoseWithinReachAcrossPatches) {
   }
 }
 
-TEST(SkinNeighbours, WeighByTheGaussian) {
+TEST(SkinNeighbours, HaveGaussianWeights) {
   Sensor sensor = exampleSensor();
   sensor.psf = {.sigma = 0.002, .reach = 0.005};
   const std::vector<Vector3> p = taxelPositions(sensor);
@@ -120,18 +120,18 @@ Sensor ring(double radius, int count) {
   return sensor;
 }
 
-TEST(ViewDepths, ReachTheMiddleOfABodyWithSkinAllAround) {
+TEST(ViewDepths, EndAtTheMiddleOfABody) {
   for (const double depth : viewDepths(ring(0.008, 24))) EXPECT_NEAR(depth, 0.008, kRounding);
 }
 
-TEST(ViewDepths, AreEndlessWithoutSkinOnTheOtherSide) {
+TEST(ViewDepths, AreInfiniteWithoutOpposingSkin) {
   EXPECT_TRUE(std::isinf(viewDepths(exampleSensor())[0]));
   Sensor quarter = ring(0.008, 24);
   quarter.patches.resize(6);  // 0 to 75 degrees
   for (const double depth : viewDepths(quarter)) EXPECT_TRUE(std::isinf(depth));
 }
 
-TEST(ViewDepths, AreHalfAPlateButNotLessThanTheSkin) {
+TEST(ViewDepths, AreHalfAPlateAndAtLeastTheThickness) {
   Sensor plate = ring(0.008, 2);
   EXPECT_NEAR(viewDepths(plate)[0], 0.008, kRounding);
   plate.skin.thickness = 0.009;
@@ -151,7 +151,7 @@ TEST(TaxelPatch, LooksAlongItsNormal) {
   EXPECT_EQ(taxelPatch("t", {}, {0, 0, 2}, {1, 1}, Vector3{3, 0, 1}).X_SP, Pose{});
 }
 
-TEST(TaxelPatch, TurnsXTheShortestWayOrAsTold) {
+TEST(TaxelPatch, RotatesXByTheShortestRotationOrTowardsXAxis) {
   const Vector3 turned = rotate(taxelPatch("t", {}, {1, 0, 0}, {1, 1}).X_SP.rotation, {1, 0, 0});
   EXPECT_NEAR(turned[2], -1, kRounding) << "as on a cylinder along y";
   const Vector3 told = rotate(taxelPatch("t", {}, {0, 1, 1}, {1, 1}, Vector3{0, 5, -5}).X_SP.rotation, {1, 0, 0});
@@ -159,7 +159,7 @@ TEST(TaxelPatch, TurnsXTheShortestWayOrAsTold) {
   EXPECT_NEAR(told[2], -std::sqrt(0.5), kRounding);
 }
 
-TEST(TaxelPatch, RefusesWhatIsNoDirection) {
+TEST(TaxelPatch, RejectsZeroDirections) {
   EXPECT_THROW(taxelPatch("t", {}, {0, 0, 0}, {1, 1}), Error);
   EXPECT_THROW(taxelPatch("t", {}, {0, 0, std::numeric_limits<double>::infinity()}, {1, 1}), Error);
   EXPECT_THROW(taxelPatch("t", {}, {0, 1, 1}, {1, 1}, Vector3{0, 2, 2}), Error);
@@ -169,7 +169,7 @@ TEST(TaxelPatch, RefusesWhatIsNoDirection) {
 // Vertices of float32: positions of 0.01 m are rounded to 1e-9 m.
 constexpr double kFloat = 2e-9;
 
-TEST(TaxelMesh, PairsMakeRectanglesInOrder) {
+TEST(TaxelMesh, PairsTrianglesInOrder) {
   // Two taxels of 2 mm x 3 mm side by side along x, the second raised by 1 mm; the second pair begins with another corner.
   const Mesh mesh{{{0, 0, 0},
                    {0.002f, 0, 0},
@@ -195,7 +195,7 @@ TEST(TaxelMesh, PairsMakeRectanglesInOrder) {
   }
 }
 
-TEST(TaxelMesh, PairsByTheLongestEdgeWhereNeighboursShareNone) {
+TEST(TaxelMesh, PairsTrianglesByTheirLongestEdge) {
   const Mesh mesh{{{0, 0, 0},
                    {0.002f, 0, 0},
                    {0.002f, 0.002f, 0},
@@ -211,7 +211,7 @@ TEST(TaxelMesh, PairsByTheLongestEdgeWhereNeighboursShareNone) {
   EXPECT_NEAR(taxels[1].X_SP.position[0], 0.005, kFloat);
 }
 
-TEST(TaxelMesh, KeepsAreaAndLooksOutwards) {
+TEST(TaxelMesh, KeepsAreaAndOutwardNormals) {
   // A rhombus of 60 degrees in the plane x = 0, counter-clockwise seen from +x.
   const double h = std::sqrt(3) / 2;
   const Mesh mesh{{{0, 0, 0}, {0, 0.002f, 0}, {0, 0.003f, static_cast<float>(0.002 * h)}, {0, 0.001f, static_cast<float>(0.002 * h)}},
@@ -232,7 +232,7 @@ std::string meshError(const Mesh& mesh) {
   return "was accepted";
 }
 
-TEST(TaxelMesh, RefusesWhatIsNoTaxel) {
+TEST(TaxelMesh, RejectsTrianglesThatMakeNoTaxel) {
   const std::vector<std::array<float, 3>> square{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
   EXPECT_NE(meshError({square, {{0, 1, 2}}}).find("triangle 0 has no other"), std::string::npos);
   EXPECT_NE(meshError({square, {{0, 1, 2}, {0, 2, 3}, {0, 1, 3}}}).find("triangle 2 has no other"), std::string::npos);

@@ -1,4 +1,4 @@
-// What a batch promises: instance i is the same, bit for bit, whatever stands beside it and wherever it stands.
+// An instance of a batch has the same bits whatever its slot, the batch size and the other instances.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ using support::Touch;
 constexpr double kDt = 0.01;  // s
 constexpr std::uint64_t kSeed = 77;
 
-// A sensor with everything on: damping, noise, a wide PSF, two patches.
+// A sensor that uses damping, noise, a wide PSF and two patches.
 Sensor busySensor() {
   Sensor sensor = support::gridSensor({.num_rows = 5, .num_cols = 7, .samples_per_taxel = 3, .law = {1.73e8, 1, 1e5}});
   sensor.patches.push_back(sensor.patches[0]);
@@ -58,7 +58,7 @@ Batch randomBatch(const Sensor& sensor, int num_instances) {
   return batch;
 }
 
-// Two steps of the instances given, in that order; bits of each after the second.
+// Simulates the given instances in that order for two steps. Returns the bits of each after the second.
 std::vector<std::vector<std::uint32_t>> runBatch(const Model& model, const Batch& batch, const std::vector<int>& instances) {
   const int n = static_cast<int>(instances.size());
   Simulator simulator(model, {.num_instances = n, .num_slots = 2, .seed = kSeed});
@@ -112,7 +112,7 @@ TEST(BatchOnEveryDriver, RunsAreRepeatable) {
   EXPECT_EQ(runBatch(model, batch, all), runBatch(model, batch, all));
 }
 
-TEST(BatchOnEveryDriver, TheSizeOfWorkgroupsDoesNotShow) {
+TEST(BatchOnEveryDriver, IndependentOfWorkgroupSize) {
   const Sensor sensor = busySensor();
   const Batch batch = randomBatch(sensor, 9);
   const std::vector<int> all{0, 1, 2, 3, 4, 5, 6, 7, 8};
@@ -127,7 +127,7 @@ TEST(BatchOnEveryDriver, TheSizeOfWorkgroupsDoesNotShow) {
   EXPECT_EQ(bits(128, 16), expected);
 }
 
-TEST(BatchOnEveryDriver, TheTuningDoesNotShow) {
+TEST(BatchOnEveryDriver, IndependentOfTuning) {
   const Sensor sensor = busySensor();
   const Batch batch = randomBatch(sensor, 9);
   const std::vector<int> all{0, 1, 2, 3, 4, 5, 6, 7, 8};
@@ -141,8 +141,8 @@ TEST(BatchOnEveryDriver, TheTuningDoesNotShow) {
   EXPECT_EQ(bits({.contact_repeat = 4, .image_team = 16, .image_repeat = 2, .groups_per_batch = 64}), expected);
 }
 
-// Where one dimension of a dispatch holds too few workgroups there are two, with some left over.
-TEST(BatchOnEveryDriver, MoreWorkgroupsThanADimensionHolds) {
+// A dispatch that exceeds the limit of one dimension uses two, with surplus workgroups.
+TEST(BatchOnEveryDriver, DispatchesOverTwoDimensions) {
   constexpr int kMany = 65'535 + 10, kFew = 16;
   const Sensor sensor = support::gridSensor({.num_rows = 2, .num_cols = 2, .samples_per_taxel = 1});
   const Model model =
@@ -189,8 +189,8 @@ TEST(BatchOnEveryDriver, NoiseIsKeyedByEpisodeAndSeedNotBySlot) {
   EXPECT_NE(a[0], c[0]);
 }
 
-// Instances of a batch that touch one of the objects each, of which nothing is kept between steps: their heights are computed where they
-// are summed as long as no instance has another slot or is driven by load, and go through the tile otherwise. No bit may show it.
+// Instances with one object and no state compute heights and forces in one loop, as long as no instance of the batch has a second slot or a
+// load; otherwise heights go through the tile. The bits must be the same.
 void expectTheSameBesideAnEmptySlotAndBesideALoad(const std::vector<Object>& objects, const OutputOptions& outputs = {}) {
   constexpr int kNumInstances = 48;
   const Sensor sensor = support::gridSensor();
@@ -225,21 +225,21 @@ void expectTheSameBesideAnEmptySlotAndBesideALoad(const std::vector<Object>& obj
   EXPECT_EQ(bits(1, 1.0f), without) << "beside a load";
 }
 
-TEST(BatchOnEveryDriver, APolyhedronIsTheSameBesideAnEmptySlotAndBesideALoad) {
+TEST(BatchOnEveryDriver, PolyhedronIndependentOfOtherSlotsAndLoads) {
   Random random(3);
   const Object polyhedron = support::randomPolyhedron(random, 0.02);
   expectTheSameBesideAnEmptySlotAndBesideALoad({polyhedron});
   expectTheSameBesideAnEmptySlotAndBesideALoad({polyhedron}, {.tactile_jacobian = true, .clean_tactile_jacobian = true});
 }
 
-TEST(BatchOnEveryDriver, SolidsAreTheSameBesideAnEmptySlotAndBesideALoad) {
+TEST(BatchOnEveryDriver, SolidsIndependentOfOtherSlotsAndLoads) {
   expectTheSameBesideAnEmptySlotAndBesideALoad({Object("sphere", Sphere{0.008})});
   expectTheSameBesideAnEmptySlotAndBesideALoad({Object("cylinder", Cylinder{0.006, 0.02}), Object("capsule", Capsule{0.005, 0.01}),
                                                 Object("box", Box{{0.008, 0.006, 0.01}}), Object("cone", Cone{0.008, 0.012}),
                                                 Object("half_space", HalfSpace{})});
 }
 
-TEST(BatchOnEveryDriver, EmptySlotsAndFarObjectsAreNothing) {
+TEST(BatchOnEveryDriver, EmptySlotsAndFarObjectsGiveZero) {
   const Sensor sensor = support::gridSensor();
   Random random(2);
   const std::vector<Object> objects{Object(Sphere{0.005}), Object("soup", support::triangleSoup(40, 0.01, random)), Object(HalfSpace{})};
@@ -264,7 +264,7 @@ TEST(BatchOnEveryDriver, EmptySlotsAndFarObjectsAreNothing) {
   EXPECT_EQ(support::bitsOf(frame, 5, 7), support::bitsOf(frame, 0, 7));
 }
 
-TEST(BatchOnEveryDriver, NothingIsTouchedBeforeObjectsAreSet) {
+TEST(BatchOnEveryDriver, NoContactBeforeObjectsAreSet) {
   const Sensor sensor = support::gridSensor();
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(HalfSpace{})}});
   Simulator simulator(model, {.num_instances = 2});
@@ -275,8 +275,8 @@ TEST(BatchOnEveryDriver, NothingIsTouchedBeforeObjectsAreSet) {
   EXPECT_EQ(*std::max_element(frame.tactile_image.begin(), frame.tactile_image.end()), 0u);
 }
 
-// Even where the second would be of another kind, whose commands are its own.
-TEST(BatchOnEveryDriver, AStepWaitsForReadOfTheLast) {
+// Also if the second step needs other commands than the first.
+TEST(BatchOnEveryDriver, RefusesAStepBeforeReadOfTheLast) {
   const Model model(support::sharedDevice(), {.sensor = support::gridSensor(), .objects = {Object(Sphere{0.01})}});
   Simulator simulator(model, {});
   simulator.step(kDt);
@@ -287,7 +287,7 @@ TEST(BatchOnEveryDriver, AStepWaitsForReadOfTheLast) {
   simulator.read();
 }
 
-TEST(BatchOnEveryDriver, OneInstanceCanBeSetAlone) {
+TEST(BatchOnEveryDriver, SetsOneInstance) {
   const Sensor sensor = support::gridSensor();
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.005}), Object(Sphere{0.008})}});
   const Touch a{{0}, {{.position = {0, 0, 0.0045}}}}, b{{1}, {{.position = {1e-3, 0, 0.0075}}}};
@@ -303,7 +303,7 @@ TEST(BatchOnEveryDriver, OneInstanceCanBeSetAlone) {
   }
 }
 
-TEST(BatchOnEveryDriver, OverPenetrationIsReportedNotHidden) {
+TEST(BatchOnEveryDriver, ReportsOverPenetration) {
   const Sensor sensor =
       support::gridSensor({.num_rows = 4, .num_cols = 6, .pitch_x = 1e-3, .pitch_y = 1e-3, .samples_per_taxel = 2, .thickness = 1e-3});
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Box{{2e-3, 3e-3, 10e-3}})}});
@@ -321,7 +321,7 @@ TEST(BatchOnEveryDriver, OverPenetrationIsReportedNotHidden) {
   }
 }
 
-TEST(BatchOnEveryDriver, OutputsNotAskedForAreEmpty) {
+TEST(BatchOnEveryDriver, OutputsThatAreOffAreEmpty) {
   const Sensor sensor = support::gridSensor();
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.005})}});
   Simulator lean(model, {.outputs = {.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false}}),
@@ -338,7 +338,7 @@ TEST(BatchOnEveryDriver, OutputsNotAskedForAreEmpty) {
   EXPECT_EQ(a.ground_truth.total_force[0], b.ground_truth.total_force[0]);
 }
 
-TEST(BatchOnEveryDriver, TheDeviceClockRunsWhereAskedForAndDoesNotShow) {
+TEST(BatchOnEveryDriver, DeviceTimeIsOptionalAndChangesNoValue) {
   const Sensor sensor = support::gridSensor();
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.005})}});
   Simulator unasked(model, {}), asked(model, {.device_clock = true});

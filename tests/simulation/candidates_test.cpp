@@ -1,4 +1,4 @@
-// Candidates: which way an instance's mesh is looked at, all of it or what was near some steps before, shows in no bit.
+// Candidates: whether a step tests all clusters of a mesh, or only those near the skin some steps before, changes no bit.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ constexpr double kDt = 1e-3;  // s
 constexpr int kInstances = 24;
 constexpr int kSteps = 24;
 
-// A body's motion, the same every step but for what befalls it.
+// A motion with constant velocity, except for random jumps.
 struct Motion {
   Vector3 velocity;  // m per step
   Vector3 axis;
@@ -44,7 +44,7 @@ std::vector<std::vector<Touch>> slowPaths(const Scene& scene, std::uint64_t seed
   const auto placed = [&](int id) -> Touch { return {{id}, {support::randomContact(random, foundation, scene.objects[id])}}; };
   for (int i = 0; i < kInstances; ++i) {
     touches.push_back(placed(i % num_objects));
-    // From standing still to faster than candidates last.
+    // From rest to faster than candidates stay valid.
     const double speed = i % 6 == 0 ? 0 : std::pow(10, random.uniform(-6.5, -3.7));
     const auto direction = [&] { return rotate(random.rotation(), {1, 0, 0}); };
     Motion motion{direction(), direction(), random.uniform(0, 50) * speed};
@@ -82,7 +82,7 @@ Run run(const Scene& scene, const std::vector<std::vector<Touch>>& steps, const 
   Run run;
   for (std::size_t step = 0; step < steps.size(); ++step) {
     support::setTouches(simulator, steps[step]);
-    // A load search looks at surfaces of any height, and comes between.
+    // A load search needs surfaces of any height, so it uses no candidates.
     simulator.setLoad(3, step == steps.size() / 2 && !std::holds_alternative<Proximity>(scene.sensor.skin.law) ? 1.0f : kPoseDriven);
     simulator.step(kDt);
     const FrameView frame = simulator.read();
@@ -92,7 +92,7 @@ Run run(const Scene& scene, const std::vector<std::vector<Touch>>& steps, const 
   return run;
 }
 
-// At least so many of all frames must have had candidates, or nothing is tested.
+// Share of frames that must have used candidates; otherwise the test proves nothing.
 void expectNoneShows(const Scene& scene, const std::vector<std::vector<Touch>>& steps, double coherent) {
   const Run plain = run(scene, steps, "candidates");
   const Run faster = run(scene, steps, "");
@@ -115,12 +115,12 @@ Scene sceneOf(Sensor sensor) {
   return scene;
 }
 
-TEST(CandidatesOnEveryDriver, DoNotShow) {
+TEST(CandidatesOnEveryDriver, ChangeNoBit) {
   expectNoneShows(sceneOf(support::gridSensor()), 0.3);
 }
 
-// Objects that go from sensor to sensor for so long that candidates are no longer looked after, and slow ones again.
-TEST(Candidates, OfObjectsThatBecomeSlow) {
+// Objects that are fast for so long that the search for candidates pauses, then slow again.
+TEST(Candidates, ReturnForObjectsThatSlowDown) {
   constexpr int kFast = 10;
   const Scene scene = sceneOf(support::gridSensor());
   std::vector<std::vector<Touch>> steps = slowPaths(scene, 11);
@@ -132,7 +132,7 @@ TEST(Candidates, OfObjectsThatBecomeSlow) {
   expectNoneShows(scene, steps, 0.1);
 }
 
-TEST(CandidateSchedule, PausesForEverLongerWhereThereAreNone) {
+TEST(CandidateSchedule, BacksOffExponentiallyWithoutCandidates) {
   CandidateSchedule schedule;
   std::string frames;
   const auto run = [&](int num_frames, bool any) {
@@ -150,21 +150,21 @@ TEST(CandidateSchedule, PausesForEverLongerWhereThereAreNone) {
   EXPECT_EQ(run(8, false), "kk----kk");  // as if there had never been none
 }
 
-TEST(Candidates, OfAFineMesh) {
+TEST(Candidates, ChangeNoBitOfAFineMesh) {
   Scene scene = sceneOf(support::gridSensor());
   Random random(6);
   scene.objects.emplace_back("finest", support::icosphere(0.012, 6, 0.002, random));
   expectNoneShows(scene, 0.3);
 }
 
-TEST(Candidates, OfLargeTriangles) {
+TEST(Candidates, ChangeNoBitOfLargeTriangles) {
   Scene scene = sceneOf(support::gridSensor({.num_rows = 8, .num_cols = 8, .pitch_x = 0.5e-3, .pitch_y = 0.4e-3, .samples_per_taxel = 4}));
   Random random(7);
   scene.objects = {Object("coarse", support::icosphere(0.03, 3, 0.01, random)), scene.objects[0], Object("ball", Sphere{0.01})};
   expectNoneShows(scene, 0.3);
 }
 
-TEST(Candidates, OfAPatchThatIsTilted) {
+TEST(Candidates, ChangeNoBitOnATiltedPatch) {
   Sensor sensor = support::gridSensor();
   sensor.patches[0].X_SP = {{0.01, -0.02, 0.005}, axisAngle({0, 1, 0}, 0.4) * axisAngle({1, 0, 0}, 0.3)};
   Scene scene = sceneOf(sensor);
@@ -172,7 +172,7 @@ TEST(Candidates, OfAPatchThatIsTilted) {
   expectNoneShows(scene, 0.3);
 }
 
-TEST(Candidates, UnderFrictionDampingAndRelaxation) {
+TEST(Candidates, ChangeNoBitUnderFrictionDampingAndRelaxation) {
   Sensor sensor = support::gridSensor();
   sensor.skin.friction = {.tangential_stiffness = 5e7, .friction_coefficient = 0.8};
   sensor.skin.relaxation = {{.fraction = 0.4, .time = 0.01}};
@@ -182,21 +182,21 @@ TEST(Candidates, UnderFrictionDampingAndRelaxation) {
   expectNoneShows(sceneOf(support::gridSensor({.law = {1.73e8, 1, 1e5}})), 0.3);
 }
 
-// Surfaces a little over the skin matter.
-TEST(CandidatesOnEveryDriver, OfATactileJacobian) {
+// The elastic layer also needs surfaces slightly above the skin.
+TEST(CandidatesOnEveryDriver, ChangeNoBitOfATactileJacobian) {
   Scene scene = sceneOf(support::gridSensor());
   scene.outputs.tactile_jacobian = scene.outputs.clean_tactile_jacobian = true;
   expectNoneShows(scene, 0.3);
 }
 
-TEST(Candidates, OfAnElasticLayer) {
+TEST(Candidates, ChangeNoBitOfAnElasticLayer) {
   Sensor sensor = support::gridSensor({.num_rows = 5, .num_cols = 6, .samples_per_taxel = 2});
   sensor.skin.law = ElasticLayer{.elastic_modulus = 1e6, .poisson_ratio = 0.49};
   expectNoneShows(sceneOf(sensor), 0.3);
 }
 
-// The largest batch that a device holds has no room for them, and is not refused for it.
-TEST(Candidates, LeaveRoomForInstances) {
+// The largest batch that fits a device leaves no memory for candidates; it must still be accepted.
+TEST(Candidates, DoNotReduceTheLargestBatch) {
   const Scene scene = sceneOf(support::gridSensor());
   const Model model(support::sharedDevice(), {.sensor = scene.sensor, .objects = scene.objects});
   const MemoryPlan one = Simulator::plan(model, {.num_instances = 1});

@@ -1,4 +1,4 @@
-// When frames are due, and how many steps a delay reaches back. No device.
+// Times of sensor frames, and how many steps a delay spans. Needs no device.
 #include "simulation/clock.h"
 
 #include <gtest/gtest.h>
@@ -61,7 +61,7 @@ TEST(Clock, JitterFollowsFromSeedAndEpisode) {
   EXPECT_NE(delivered(other, 1e-4, 5000, 7), times);
 }
 
-// The widest jitter, steps shorter and longer than a frame: never two frames in a step, none lost for good.
+// With the widest jitter, at most one frame per step and no frame lost, for steps shorter and longer than a frame.
 TEST(Clock, WideJitterKeepsOrder) {
   for (const double dt : {1e-4, 3e-3, 0.01, 0.7}) {
     const FrameTiming timing{.rate = kRate, .jitter = 1 / kRate, .seed = 5};
@@ -90,7 +90,7 @@ TEST(StepHistory, CountsStepsBack) {
   EXPECT_EQ(even.stepsBack(0.02, 0.04), 2u);
 }
 
-TEST(StepHistory, NothingIsBeforeTheFirstStep) {
+TEST(StepHistory, StartsAtTheFirstStep) {
   StepHistory history;
   for (int n = 1; n < 3; ++n) EXPECT_GT(history.stepsBack(0.01, 0.03), static_cast<std::uint32_t>(kMaxDelaySteps));
   EXPECT_EQ(history.stepsBack(0.01, 0.03), 3u);

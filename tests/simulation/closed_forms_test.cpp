@@ -1,4 +1,4 @@
-// The device straight against the Winkler foundation's closed forms, with no twin in between.
+// The device against closed forms of the Winkler foundation, without the twin.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kStiffness = 1.73e8;  // N/m^3
-// Depth is rounded by kMarginZ at most, where the contacts below are at least this deep on average.
+// Depth is rounded by kMarginZ at most; the mean depth of the contacts below is at least this.
 constexpr double kMeanDepth = 0.2e-3;  // m
 constexpr double kFloatError = support::kMarginZ / kMeanDepth;
 
@@ -63,7 +63,7 @@ TEST(ClosedFormsOnEveryDriver, FlatPunch) {
     const Result result = run(fineSensor(), *object, {.position = {1.0e-3 + 0.02e-3, -2.0e-3 + 0.02e-3, 5e-3 - depth}});
     expectForce(result, kStiffness * side_x * side_y * depth, 0);
   }
-  // On whole taxels the centre of pressure is the punch's own: 4 x 8 taxels.
+  // A punch that covers 4 x 8 whole taxels: the centre of pressure is its own.
   const Result result = run(fineSensor(), Object(Box{{4e-3, 8e-3, 10e-3}}), {.position = {2e-3, -1e-3, 5e-3 - depth}});
   EXPECT_NEAR(result.centre_x, 2e-3, 1e-2 * kFloatError);
   EXPECT_NEAR(result.centre_y, -1e-3, 1e-2 * kFloatError);

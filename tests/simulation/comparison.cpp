@@ -73,7 +73,7 @@ void expectFeaturesWellFormed(const FeatureView& view, std::size_t n) {
   expectFinite(view.contact_area, n, "contact_area");
 }
 
-// The first taxel outside its bounds, if any, and how many there are: one message instead of thousands.
+// Reports the number of taxels outside their bounds and the first of them: one message instead of thousands.
 void expectInside(std::span<const float> values, const Bounded& bounds, double relative, double absolute, const char* name) {
   ASSERT_EQ(values.size(), bounds.low.size()) << name;
   std::size_t num_outside = 0, first = 0;
@@ -89,7 +89,7 @@ void expectInside(std::span<const float> values, const Bounded& bounds, double r
                              << bounds.high[first] << "]";
 }
 
-// Largest coordinate of a taxel's centre, and half the array's own size, m: what moments are rounded relative to.
+// Largest coordinate of a taxel centre or half the size of the array, m: the length that errors of moments are relative to.
 double largestCoordinateOf(const Sensor& sensor) {
   double extent = 0;
   for (const Vector3& p : taxelPositions(sensor)) {
@@ -118,7 +118,7 @@ void expectFeatures(const FeatureView& view, int instance, const Sensor& sensor,
     EXPECT_EQ(view.edge_confidence[instance], 0);
     return;
   }
-  // Fixed-point sums leave their last place over the whole force.
+  // Fixed-point sums are rounded to their last place, relative to the whole force.
   const double rounding = relative + kAbsoluteForce / force;
   if (rounding > 1e-3) {
     return;  // a whisper: no moment means anything
@@ -135,7 +135,7 @@ void expectFeatures(const FeatureView& view, int instance, const Sensor& sensor,
   EXPECT_LE(view.edge_confidence[instance], 1 + 4 * kUlp);
   EXPECT_GT(view.edge_angle[instance], -std::numbers::pi / 2 - 1e-6);
   EXPECT_LE(view.edge_angle[instance], std::numbers::pi / 2 + 1e-6);
-  // (l1 - l2)/(l1 + l2) and 1/2 atan2(2 xy, xx - yy) move by the moments' error over these sums.
+  // The errors of (l1 - l2)/(l1 + l2) and 1/2 atan2(2 xy, xx - yy) are the error of the moments over these sums.
   const double confidence_slack = 4 * moment_rounding / (larger + smaller) + 8 * kUlp;
   if (confidence_slack < 0.1) {
     EXPECT_NEAR(view.edge_confidence[instance], expected.edge_confidence, confidence_slack);
@@ -272,8 +272,8 @@ void expectMatches(const FrameView& frame, int instance, const Sensor& sensor, c
       absolute * lever, "contact torque");
   expectInside(sliceOf(truth.over_penetration, instance, num_instances), envelope.over_penetration, 4 * kUlp, 0, "over_penetration");
 
-  // Readout of the device's own forces: x = gain F - trigger and five powers of it, each a rounding of the terms' size; or a straight
-  // piece, whose slope takes part in the rounding of x.
+  // Readout of the device's own forces: x = gain F - trigger and its powers up to five, each rounded relative to the terms; or a linear
+  // piece, whose slope multiplies the rounding of x.
   const Readout& readout = sensor.readout;
   double steepest = 0;  // counts/N
   for (std::size_t k = 0; k < readout.curve_points.size(); ++k) {

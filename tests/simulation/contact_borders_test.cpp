@@ -16,7 +16,7 @@ constexpr OutputOptions kNoDepth{.penetration_depth = false};
 
 using Contacts = std::vector<ContactPoint>;
 
-// A pitch of 2^-8 m, so that borders are floats. Forces are powers of two, so that their sums tell which taxel took which.
+// With a pitch of 2^-8 m all borders are exact in float32. Each contact has a force of 1 N, so that the forces show which taxel took it.
 class BordersOnEveryDriver : public ::testing::Test {
  protected:
   static constexpr double kPitch = 0x1p-8;  // m
@@ -24,7 +24,7 @@ class BordersOnEveryDriver : public ::testing::Test {
   Model model_{support::sharedDevice(), {.sensor = sensor_}};
   Simulator simulator_{model_, {.outputs = kNoDepth, .max_contacts = 64, .contact_band = 0x1p-13}};
 
-  // Force on each taxel; the sum of what is off the array comes last.
+  // Force on each taxel, then the force off the array as last element.
   std::vector<double> forcesOf(const Contacts& contacts) {
     simulator_.setContacts(0, contacts);
     simulator_.step(kDt);
@@ -33,7 +33,7 @@ class BordersOnEveryDriver : public ::testing::Test {
     forces.push_back(frame.ground_truth.off_array_load[0]);
     return forces;
   }
-  // All of one contact's force is where it belongs; -1: off the array.
+  // Expects the whole force of one contact on `taxel`; -1: off the array.
   void expectTaxel(double x, double y, double z, int taxel) {
     std::vector<double> expected(13, 0);
     expected[taxel < 0 ? 12 : static_cast<std::size_t>(taxel)] = 1;
@@ -43,20 +43,20 @@ class BordersOnEveryDriver : public ::testing::Test {
   }
 };
 
-TEST_F(BordersOnEveryDriver, BetweenTaxelsTheHigherIndexTakesIt) {
-  // BordersOnEveryDriver along x at -1/2 and 1/2 pitches, along y at -1, 0 and 1.
+TEST_F(BordersOnEveryDriver, HigherIndexTakesTheBorder) {
+  // Borders along x at -1/2 and 1/2 pitches, along y at -1, 0 and 1.
   expectTaxel(-kPitch / 2, 0.5 * kPitch, 0, 1 * 4 + 2);
   expectTaxel(kPitch / 2, 0.5 * kPitch, 0, 2 * 4 + 2);
   expectTaxel(0, -kPitch, 0, 1 * 4 + 1);
   expectTaxel(0, 0, 0, 1 * 4 + 2);
   expectTaxel(-kPitch / 2, -kPitch, 0, 1 * 4 + 1);
-  // A float less, and it is the other's.
+  // The next smaller float belongs to the lower taxel.
   const double less = 1 - 0x1p-23;
   expectTaxel(kPitch / 2 * less, kPitch * less, 0, 1 * 4 + 2);
   expectTaxel(kPitch / 2, kPitch * less, 0, 2 * 4 + 2);
 }
 
-TEST_F(BordersOnEveryDriver, TheRimBelongsToTheArray) {
+TEST_F(BordersOnEveryDriver, RimBelongsToTheArray) {
   expectTaxel(-1.5 * kPitch, -2 * kPitch, 0, 0);
   expectTaxel(1.5 * kPitch, 2 * kPitch, 0, 11);
   expectTaxel(1.5 * kPitch + kRimTolerance / 2, -2 * kPitch - kRimTolerance / 2, 0, 8);
@@ -64,15 +64,15 @@ TEST_F(BordersOnEveryDriver, TheRimBelongsToTheArray) {
   expectTaxel(0, -2 * kPitch - 2 * kRimTolerance, 0, -1);
 }
 
-TEST_F(BordersOnEveryDriver, HeightsFromTheThicknessToTheBand) {
+TEST_F(BordersOnEveryDriver, AcceptsHeightsFromThicknessToBand) {
   expectTaxel(0, 0, 0x1p-13, 6);
   expectTaxel(0, 0, -0x1p-9, 6);
   expectTaxel(0, 0, 0x1p-13 * (1 + 0x1p-22), -1);
   expectTaxel(0, 0, -0x1p-9 * (1 + 0x1p-22), -1);
 }
 
-// 63 contacts, on all corners, middles of edges and centres of cells: exactly one taxel takes each.
-TEST_F(BordersOnEveryDriver, TaxelsPartitionTheForce) {
+// 63 contacts on corners, edge midpoints and centres of cells: exactly one taxel takes each.
+TEST_F(BordersOnEveryDriver, OneTaxelTakesEachContact) {
   Contacts contacts;
   for (int a = 0; a <= 6; ++a) {
     for (int b = 0; b <= 8; ++b) contacts.push_back({{(a - 3) * kPitch / 2, (b - 4) * kPitch / 2, 0}, 1});

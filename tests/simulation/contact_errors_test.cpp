@@ -34,7 +34,7 @@ class ContactErrors : public ::testing::Test {
   Simulator simulator_{model_, {.num_instances = 2, .outputs = kNoDepth, .max_contacts = 3}};
 };
 
-TEST_F(ContactErrors, BadContacts) {
+TEST_F(ContactErrors, RejectsInvalidContacts) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
   for (const ContactPoint& bad :
        {ContactPoint{{0, 0, 0}, -1}, ContactPoint{{0, 0, 0}, kNan}, ContactPoint{{0, 0, 0}, kInfinity}, ContactPoint{{0, 0, 0}, 1e300},
@@ -45,7 +45,7 @@ TEST_F(ContactErrors, BadContacts) {
   }
 }
 
-TEST_F(ContactErrors, BadCounts) {
+TEST_F(ContactErrors, RejectsInvalidCounts) {
   const Contacts four(4);
   EXPECT_NE(inputError([&] { simulator_.setContacts(0, four); }).find("max_contacts is 3"), std::string::npos);
   inputError([&] { simulator_.setContacts(four, std::vector<int>{0, 0, 4}); });
@@ -59,14 +59,14 @@ TEST_F(ContactErrors, BadCounts) {
   inputError([&] { simulator_.setContacts(-1, {}); });
 }
 
-TEST_F(ContactErrors, RefusedInputLeavesTheOldInPlace) {
+TEST_F(ContactErrors, RejectedInputChangesNothing) {
   simulator_.setContacts(0, Contacts{{{0, 0, 0}, 1}});
   inputError([&] { simulator_.setContacts(Contacts{{{0, 0, 0}, 2}, {{0, 0, 0}, -2}}, std::vector<int>{0, 1, 2}); });
   simulator_.step(kDt);
   EXPECT_EQ(simulator_.read().ground_truth.total_force[0], 1);
 }
 
-TEST_F(ContactErrors, OneSourceForABatch) {
+TEST_F(ContactErrors, RejectsObjectsBesideContacts) {
   inputError([&] { simulator_.setObjects(std::vector<int>{0, 0}, std::vector<Pose>(2)); });
   inputError([&] { simulator_.setObjects(0, std::vector<int>{0}, std::vector<Pose>(1)); });
   inputError([&] { simulator_.setLoad(0, 1); });
@@ -76,7 +76,7 @@ TEST_F(ContactErrors, OneSourceForABatch) {
   inputError([&] { with_objects.setContacts({}, std::vector<int>{0, 0}); });
 }
 
-TEST_F(ContactErrors, BadOptions) {
+TEST_F(ContactErrors, RejectsInvalidOptions) {
   inputError([&] { Simulator(model_, {.outputs = kNoDepth, .max_contacts = -1}); });
   inputError([&] { Simulator(model_, {.outputs = kNoDepth, .max_contacts = kMaxContacts + 1}); });
   EXPECT_NE(inputError([&] { Simulator(model_, {.max_contacts = 1}); }).find("penetration_depth"), std::string::npos);

@@ -55,7 +55,7 @@ std::vector<std::vector<std::uint32_t>> bitsOfAll(const Model& model, const std:
   return bits;
 }
 
-TEST(ContactFeaturesOnEveryDriver, BytesDependOnNeitherBatchNorWorkgroup) {
+TEST(ContactFeaturesOnEveryDriver, IndependentOfBatchAndWorkgroup) {
   Sensor sensor = support::gridSensor({.num_rows = 23, .num_cols = 31, .pitch_x = 1e-3, .pitch_y = 1e-3});
   sensor.patches.push_back(sensor.patches[0]);
   sensor.patches[1].X_SP = {{0.03, 0, 0}, axisAngle({0, 1, 0}, 0.1)};
@@ -70,7 +70,7 @@ TEST(ContactFeaturesOnEveryDriver, BytesDependOnNeitherBatchNorWorkgroup) {
   for (std::size_t i = 0; i < forces.size(); ++i) EXPECT_EQ(bitsOfAll(model, {forces[i]})[0], expected[i]) << i;
 }
 
-TEST(ContactFeaturesOnEveryDriver, MeasuredOnesAreHeldBetweenTheSensorsFrames) {
+TEST(ContactFeaturesOnEveryDriver, MeasuredFeaturesAreHeldBetweenSensorFrames) {
   Sensor sensor = support::gridSensor();
   sensor.frame_rate = 50;
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.005})}});
@@ -88,7 +88,7 @@ TEST(ContactFeaturesOnEveryDriver, MeasuredOnesAreHeldBetweenTheSensorsFrames) {
   EXPECT_NE(clean[0], clean[1]);
 }
 
-TEST(ContactFeaturesOnEveryDriver, NothingComesUnlessAskedFor) {
+TEST(ContactFeaturesOnEveryDriver, EmptyUnlessRequested) {
   const Model model(support::sharedDevice(), {.sensor = support::gridSensor(), .objects = {Object(Sphere{0.005})}});
   Simulator without(model, {}), with(model, {.outputs = {.contact_features = true}});
   for (Simulator* simulator : {&without, &with}) {
@@ -108,7 +108,7 @@ TEST(ContactFeaturesOnEveryDriver, NothingComesUnlessAskedFor) {
             Simulator::plan(model, {}).bytes_per_instance);
 }
 
-TEST(ContactFeaturesOnEveryDriver, MaxRegionsIsChecked) {
+TEST(ContactFeaturesOnEveryDriver, RejectsInvalidMaxRegions) {
   const Model model(support::sharedDevice(), {.sensor = support::gridSensor(), .objects = {Object(Sphere{0.005})}});
   for (const SimulatorOptions& options :
        {SimulatorOptions{.outputs = kContactFeatures, .max_regions = -1}, SimulatorOptions{.outputs = kContactFeatures, .max_regions = 9},

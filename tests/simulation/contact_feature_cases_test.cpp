@@ -21,7 +21,7 @@ using support::Random;
 using support::Row;
 using support::Touch;
 
-TEST(ContactFeaturesOnEveryDriver, TwoObjectsAreToldApart) {
+TEST(ContactFeaturesOnEveryDriver, SeparatesTwoObjects) {
   const Sensor sensor = support::wts0614();
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Cylinder{4e-3, 8e-3}), Object(Sphere{6e-3})}});
   Simulator simulator(model, {.num_slots = 2, .outputs = {.contact_features = true}, .max_regions = 3});
@@ -33,7 +33,7 @@ TEST(ContactFeaturesOnEveryDriver, TwoObjectsAreToldApart) {
   const FrameView frame = simulator.read();
   ASSERT_EQ(frame.contact.num_regions[0], 2);
   const Row edge(frame.contact, 0, 2), ball(frame.contact, 0, 3);
-  // A taxel's rim reaches 1.7 mm past what touches; the trigger takes a little off.
+  // Taxels reach 1.7 mm beyond the contact; the trigger reduces this a little.
   EXPECT_NEAR(edge(frame.contact.center_of_pressure, 3, 0), 2e-3, 0.3e-3);
   EXPECT_NEAR(edge(frame.contact.center_of_pressure, 3, 1), -15e-3, 0.3e-3);
   EXPECT_NEAR(ball(frame.contact.center_of_pressure, 3, 0), -1e-3, 0.3e-3);
@@ -43,7 +43,7 @@ TEST(ContactFeaturesOnEveryDriver, TwoObjectsAreToldApart) {
   EXPECT_NEAR(edge(frame.contact.total_force) + ball(frame.contact.total_force), frame.total_force[0], kSum * frame.total_force[0]);
 }
 
-// The measured image of each contact, as one batch with the sensor's noise.
+// Measures all contacts as one batch with the noise of the sensor.
 FrameView runCases(Simulator& simulator, const std::vector<ContactCase>& cases) {
   std::vector<Touch> touches;
   for (std::size_t i = 0; i < cases.size(); ++i) touches.push_back({{static_cast<int>(i)}, {cases[i].X_SO}});
@@ -59,7 +59,7 @@ Model modelOf(const Sensor& sensor, const std::vector<ContactCase>& cases) {
   return {support::sharedDevice(), options};
 }
 
-TEST(ContactFeaturesOnEveryDriver, TheWindowFindsTheAngleOfAnEdgeThatTheArrayCutsOff) {
+TEST(ContactFeaturesOnEveryDriver, WindowFindsTheAngleOfACutOffEdge) {
   Random random(1);
   std::vector<ContactCase> cases;
   for (int draw = 0; draw < 600; ++draw) cases.push_back(support::randomEdge(random));
@@ -73,7 +73,7 @@ TEST(ContactFeaturesOnEveryDriver, TheWindowFindsTheAngleOfAnEdgeThatTheArrayCut
   support::expectWindowHelps(plain, windowed);
 }
 
-TEST(ContactFeaturesOnEveryDriver, TypesOfRandomContacts) {
+TEST(ContactFeaturesOnEveryDriver, ClassifiesRandomContacts) {
   Random random(2);
   std::vector<ContactCase> cases;
   for (int draw = 0; draw < 120; ++draw) {
@@ -92,7 +92,7 @@ TEST(ContactFeaturesOnEveryDriver, TypesOfRandomContacts) {
   }
 }
 
-TEST(ContactFeaturesOnEveryDriver, TiltOfAPunch) {
+TEST(ContactFeaturesOnEveryDriver, FindsTheTiltOfAPunch) {
   Random random(7);
   const Sensor sensor = support::gridSensor({.num_rows = 14, .num_cols = 16, .pitch_x = 1.5e-3, .pitch_y = 2e-3, .thickness = 2e-3});
   constexpr int kNumInstances = 40;
@@ -109,7 +109,7 @@ TEST(ContactFeaturesOnEveryDriver, TiltOfAPunch) {
   support::setTouches(simulator, touches);
   simulator.step(kImageStep);
   const ContactFeatureView& contact = simulator.read().ground_truth.contact;
-  // Depths are off by the margin of float32 transforms, over a core of at least three taxels of 1.5 mm.
+  // Depths have the error of float32 transforms, over a core of at least three taxels of 1.5 mm.
   constexpr double kSlack = support::kMarginZ / 1.5e-3;
   for (int i = 0; i < kNumInstances; ++i) {
     for (const int number : {0, 1, 2}) {

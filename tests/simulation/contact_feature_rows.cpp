@@ -22,7 +22,7 @@ using reference::ContactRows;
 // Relative error of a taxel's force on the device.
 constexpr double kCleanForce = 0;  // the twin is given the device's own
 constexpr double kMeasuredForce = kRelativeInverse;
-// exp(x) of a driver is off by 3 + 2 |x| units of the last place, and x itself by 3 |x|. Beyond |x| = 10 a weight is e^-10.
+// The error of exp(x) is 3 + 2 |x| ulp, that of x itself 3 |x|. For |x| > 10 the weight is below e^-10.
 constexpr double kWindowWeight = 64 * kUlp;
 
 double pitchOf(const Sensor& sensor) {
@@ -31,7 +31,7 @@ double pitchOf(const Sensor& sensor) {
   return pitch;
 }
 
-// Angle and confidence follow from second moments that are off by `slack`.
+// Angle and confidence are derived from second moments with an error of `slack`.
 void expectAxes(double angle, double confidence, double expected_angle, double expected_confidence, double trace, double slack) {
   const double confidence_slack = 4 * slack / trace + 8 * kUlp;
   if (!(confidence_slack < 0.1)) return;
@@ -65,10 +65,11 @@ void expectTilt(const Row& row, const Sensor& sensor, const ContactFeatures& exp
   for (const int t : expected.core) {
     const double i = i_of(t) - mean_i, j = j_of(t) - mean_j;
     ii += i * i, ij += i * j, jj += j * j;
-    // The device's places are relative to the centre of pressure of all of the part.
+    // The device uses positions relative to the centre of pressure of the whole part.
     farthest = std::max(farthest, std::hypot(patch.num_rows, patch.num_cols));
   }
-  // Sums of force times place are off by `rounding` of their terms; the slope, by that over the smaller second moment of the places.
+  // Sums of force times position have the relative error `rounding`; the slope has that error over the smaller second moment of the
+  // positions.
   const double smaller = (ii + jj) / 2 - std::hypot((ii - jj) / 2, ij);
   const double gradient = 4 * rounding * n * largest * farthest / smaller;  // N per pitch
   const Winkler law = foundationOf(sensor.skin);
@@ -77,13 +78,13 @@ void expectTilt(const Row& row, const Sensor& sensor, const ContactFeatures& exp
   const double stiffness = law.normal_exponent * law.normal_contact_stiffness * std::pow(depth, law.normal_exponent - 1);
   const double slope = gradient / (area * stiffness * std::min(patch.pitch[0], patch.pitch[1]));
   for (std::size_t axis = 0; axis < 2; ++axis) {
-    // pow() of a driver: as kRelativeForce.
+    // The error of pow(), as in kRelativeForce.
     const double relative = kRelativeForce * std::abs(expected.tilt[axis]);
     if (slope < 0.1) {
       EXPECT_NEAR(row(row.view.tilt, 2, axis), expected.tilt[axis], 2 * slope + relative + 8 * kUlp) << axis;
     }
   }
-  // Squares of forces are off by `rounding`, too; what is left of them is a difference.
+  // Squares of forces have the error `rounding`, too, and are subtracted.
   const double missed = 1 - expected.tilt_confidence, square = 16 * rounding * n / (n - 3) * largest * largest / (mean * mean);
   const double slack = std::min(std::sqrt(square), square / std::max(missed, 1e-12)) + 8 * kUlp;
   if (slack < 0.2) {
@@ -92,7 +93,7 @@ void expectTilt(const Row& row, const Sensor& sensor, const ContactFeatures& exp
 }
 
 void expectType(const Row& row, const ContactFeatures& expected, double slack) {
-  // Lengths are roots of moments that are off by `slack`.
+  // Lengths are roots of moments with an error of `slack`.
   const auto near_equal = [&](double a, double b) { return std::abs(a * a - b * b) <= 2 * 12 * slack + 1e-5 * a * a; };
   const bool on_border = near_equal(expected.length, expected.longest_point) || near_equal(expected.width, expected.length / 2) ||
                          std::abs(expected.total_force - expected.least_force) <= 1e-3 * expected.total_force;
@@ -101,7 +102,7 @@ void expectType(const Row& row, const ContactFeatures& expected, double slack) {
   }
 }
 
-// One row against the twin's features of the same forces, which are off by `of_force`.
+// Compares one row with the twin's features of the same forces, which have the relative error `of_force`.
 void expectRow(const Row& row, const Sensor& sensor, const ContactFeatures& expected, const reference::ContactImage& image,
                double of_force) {
   const ContactFeatureView& view = row.view;
@@ -115,7 +116,7 @@ void expectRow(const Row& row, const Sensor& sensor, const ContactFeatures& expe
   for (std::size_t axis = 0; axis < 3; ++axis) {
     EXPECT_NEAR(row(view.center_of_pressure, 3, axis), expected.center_of_pressure[axis], place);
   }
-  // Moments are about the device's own centre, so that they are off by their own size, and by what the centre's rounding leaves.
+  // Moments are about the device's own centre: their error is relative to their size, plus the rounding of the centre.
   const auto [larger, smaller] = expected.eigenvalues;
   const double moment = 8 * rounding * (larger + smaller) + 8 * kUlp * extent * std::sqrt(larger + smaller) + place * place;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -125,7 +126,7 @@ void expectRow(const Row& row, const Sensor& sensor, const ContactFeatures& expe
   EXPECT_NEAR(row(view.eigenvalues, 2, 1), smaller, 2 * moment);
   expectAxes(row(view.edge_angle), row(view.edge_confidence), expected.edge_angle, expected.edge_confidence, larger + smaller, moment);
 
-  // Under the window: a step of its middle moves the next by the growth, and the moments by less than the width times that.
+  // In the window iteration an error of the middle grows by `growth` per step; the error of the moments is below the width times that.
   const double width = 1.15 * pitchOf(sensor), weight = rounding + kWindowWeight;
   const bool is_empty = expected.window_share < 1e-3;
   if (is_empty) {
@@ -156,7 +157,7 @@ void expectEmpty(const Row& row, int num_patches) {
   EXPECT_EQ(row(view.patch), num_patches == 1 ? 0 : -1);
 }
 
-// All rows of an instance.
+// Compares all rows of an instance.
 void expectRows(const ContactFeatureView& view, int instance, const Sensor& sensor, const reference::ContactImage& image, double of_force) {
   SCOPED_TRACE("instance " + std::to_string(instance));
   const ContactRows rows = reference::contactFeatures(sensor, image);
@@ -169,8 +170,8 @@ void expectRows(const ContactFeatureView& view, int instance, const Sensor& sens
   const int max_regions = view.num_rows - 1 - view.num_patches;
   if (max_regions == 0) return;
   EXPECT_EQ(view.num_regions[instance], static_cast<int>(rows.regions.size()));
-  // Forces are summed in steps of the largest one of 2^-(30 - bits of the number of taxels): regions that differ by no more may change
-  // places.
+  // Forces are summed in fixed point with steps of 2^-(30 - bits of the number of taxels) of the largest: regions that differ by less may
+  // be in either order.
   const double step = std::ldexp(rows.sensor.peak_force, static_cast<int>(std::bit_width(image.force.size())) - 30);
   for (int r = 0; r < max_regions; ++r) {
     SCOPED_TRACE("region " + std::to_string(r));

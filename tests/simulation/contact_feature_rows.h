@@ -11,7 +11,7 @@ namespace taxelsim::support {
 // Sums of up to 16384 terms in up to 64 partial sums of 256: rounding of the terms' own size, 256 + 64 at worst, a tenth of that by chance.
 inline constexpr double kSum = 64 * kUlp;
 
-// What the device gives of one row.
+// One row of the features of the device.
 struct Row {
   Row(const ContactFeatureView& of, int instance, int number) : view(of), at(static_cast<std::size_t>(instance * of.num_rows + number)) {}
   double operator()(std::span<const float> values, std::size_t width = 1, std::size_t component = 0) const {
@@ -23,7 +23,7 @@ struct Row {
   std::size_t at;
 };
 
-// Both sets of one frame, from the device's own forces and counts.
+// Compares measured and clean features with the twin's, computed from the device's own forces and counts.
 void expectFrame(const FrameView& frame, const Sensor& sensor, int num_instances);
 
 }  // namespace taxelsim::support

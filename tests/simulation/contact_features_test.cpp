@@ -43,7 +43,7 @@ Sensor withReadout(Random& random, Sensor sensor) {
 void compareImages(Random& random, const Sensor& sensor, int num_instances, int smallest_workgroup = 4) {
   std::vector<std::vector<double>> forces;
   for (int i = 0; i < num_instances; ++i) forces.push_back(randomImage(random, sensor));
-  // Teams of several invocations are seldom a software driver's own choice, and take it long to compile.
+  // Larger teams are rarely what a software driver selects, and they compile slowly.
   const int workgroup = random.chance(0.7) ? 0 : smallest_workgroup << random.integer(0, 2);
   const Model model(support::sharedDevice(), {.sensor = sensor, .image_workgroup = workgroup});
   Simulator simulator(model, {.num_instances = num_instances,
@@ -74,14 +74,14 @@ TEST_P(ContactFeatureSeeds, ListsOfTaxels) {
 
 INSTANTIATE_TEST_SUITE_P(OnEveryDriver, ContactFeatureSeeds, support::seeds(3, 6));
 
-TEST(ContactFeaturesOnEveryDriver, SmallAndThinGrids) {
+TEST(ContactFeaturesOnEveryDriver, SmallAndThinGridsMatchTheTwin) {
   Random random(5);
   for (const auto& [rows, cols] : {std::pair{1, 1}, {1, 2}, {2, 2}, {1, 128}, {128, 1}, {3, 100}}) {
     compareImages(random, support::gridSensor({.num_rows = rows, .num_cols = cols, .pitch_x = 1e-3, .pitch_y = 2e-3}), 5);
   }
 }
 
-TEST(ContactFeaturesOnEveryDriver, LargestGrids) {
+TEST(ContactFeaturesOnEveryDriver, LargestGridsMatchTheTwin) {
   Random random(6);
   Sensor sensor = support::gridSensor({.num_rows = 128, .num_cols = 128, .pitch_x = 0.5e-3, .pitch_y = 0.5e-3, .samples_per_taxel = 1});
   constexpr int kSmallest = 64;  // fewer invocations would take too many turns each
@@ -93,7 +93,7 @@ TEST(ContactFeaturesOnEveryDriver, LargestGrids) {
 }
 
 // All taxels in one region, and all of them in the core.
-TEST(ContactFeaturesOnEveryDriver, AFaceOverTheLargestGrid) {
+TEST(ContactFeaturesOnEveryDriver, FaceOverTheLargestGrid) {
   Sensor sensor = support::gridSensor({.num_rows = 128, .num_cols = 128, .pitch_x = 0.5e-3, .pitch_y = 0.5e-3, .samples_per_taxel = 1});
   sensor.readout.curve = {1e6};
   sensor.readout.adc_bits = 16;
@@ -110,8 +110,8 @@ TEST(ContactFeaturesOnEveryDriver, AFaceOverTheLargestGrid) {
   }
 }
 
-// The core of three rows is one row, that of a band along the diagonal a line: float32 must not find a slope across it.
-TEST(ContactFeaturesOnEveryDriver, ACoreOnARowHasNoTilt) {
+// The core of three rows is one row, that of a diagonal band a line: float32 must find no slope across it.
+TEST(ContactFeaturesOnEveryDriver, CoreOnARowHasNoTilt) {
   for (const auto& [rows, cols] : {std::pair{3, 20}, {20, 3}, {4, 20}}) {
     const Sensor sensor = support::gridSensor({.num_rows = rows, .num_cols = cols, .pitch_x = 1.3e-3, .pitch_y = 0.7e-3});
     std::vector<double> force;
@@ -124,7 +124,7 @@ TEST(ContactFeaturesOnEveryDriver, ACoreOnARowHasNoTilt) {
   }
 }
 
-TEST(ContactFeaturesOnEveryDriver, ACoreOnADiagonalHasNoTilt) {
+TEST(ContactFeaturesOnEveryDriver, CoreOnADiagonalHasNoTilt) {
   constexpr int kSide = 128;
   const Sensor sensor = support::gridSensor({.num_rows = kSide, .num_cols = kSide, .pitch_x = 0.5e-3, .pitch_y = 0.5e-3});
   for (const int half_width : {2, 3}) {
@@ -141,8 +141,8 @@ TEST(ContactFeaturesOnEveryDriver, ACoreOnADiagonalHasNoTilt) {
   }
 }
 
-// A spiral one taxel wide is the longest region; the spread would close it.
-TEST(ContactFeaturesOnEveryDriver, ASpiralIsOneRegion) {
+// A spiral one taxel wide is the longest possible region. A PSF would close it.
+TEST(ContactFeaturesOnEveryDriver, SpiralIsOneRegion) {
   constexpr int kSide = 63;
   const Sensor sensor = support::gridSensor({.num_rows = kSide, .num_cols = kSide, .pitch_x = 1e-3, .pitch_y = 1e-3});
   std::vector<double> force(kSide * kSide, 0);
@@ -171,8 +171,8 @@ TEST(ContactFeaturesOnEveryDriver, ASpiralIsOneRegion) {
   }
 }
 
-// A flood fill of the test's own, over random images that nearly percolate.
-TEST(ContactFeaturesOnEveryDriver, RegionsAreThoseOfAFlood) {
+// Compares with a flood fill over random images that nearly percolate.
+TEST(ContactFeaturesOnEveryDriver, RegionsMatchAFloodFill) {
   constexpr int kRows = 30, kCols = 40, kNumInstances = 24;
   const Sensor sensor = support::gridSensor({.num_rows = kRows, .num_cols = kCols, .pitch_x = 1e-3, .pitch_y = 1e-3});
   Random random(8);
@@ -215,7 +215,7 @@ TEST(ContactFeaturesOnEveryDriver, RegionsAreThoseOfAFlood) {
   }
 }
 
-TEST(ContactFeaturesOnEveryDriver, OfEqualRegionsTheOneWithTheLowestTaxelIsFirst) {
+TEST(ContactFeaturesOnEveryDriver, EqualRegionsAreSortedByLowestTaxel) {
   const Sensor sensor = support::gridSensor({.num_rows = 3, .num_cols = 15, .pitch_x = 1e-3, .pitch_y = 1e-3});
   std::vector<double> force(45, 0);
   for (const int t : {44, 30, 4, 26, 8}) force[t] = 1;

@@ -1,4 +1,4 @@
-// Contacts from another engine: the device against the twin, and independence of the batch.
+// Contact points of another engine: the device against the twin, and independence of the batch.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,14 +18,14 @@ using support::kUlp;
 using support::Random;
 
 constexpr double kDt = 1e-3;  // s
-// A position within 0.1 m goes through one float32 transform: some four roundings of at most 6e-9 m. Contacts this near to where
-// their place changes could go either way.
+// A position within 0.1 m passes one float32 transform with about four roundings of at most 6e-9 m. Contacts closer than this to a border
+// may fall on either side.
 constexpr double kNear = 1e-7;  // m
 constexpr OutputOptions kNoDepth{.penetration_depth = false};
 
 using Contacts = std::vector<ContactPoint>;
 
-// At least `kNear` from every border of a cell and of the band.
+// Whether a position is at least kNear from every border of a cell and of the band.
 bool isClear(const Sensor& sensor, const Vector3& p, double band) {
   const std::optional<int> taxel = reference::taxelAt(sensor, p, band);
   for (int corner = 0; corner < 8; ++corner) {
@@ -35,7 +35,7 @@ bool isClear(const Sensor& sensor, const Vector3& p, double band) {
   return true;
 }
 
-// Most lie on some patch, in a clump as often as all over it; the rest off the array, over the band or under the skin.
+// Most contacts lie on a patch, half of the time in a cluster; the others lie off the array, above the band or below the skin.
 Contacts randomContacts(Random& random, const Sensor& sensor, int num_contacts, double band) {
   Contacts contacts;
   const bool clump = random.chance(0.5);
@@ -53,7 +53,7 @@ Contacts randomContacts(Random& random, const Sensor& sensor, int num_contacts, 
   return contacts;
 }
 
-// The twin's frame as bounds for expectMatches(). `num_contacts` forces are added in float32, times their share of the spread.
+// The twin's frame as bounds for expectMatches(). `num_contacts` forces are added in float32, times their PSF weights.
 support::FrameEnvelope envelopeOf(const Sensor& sensor, const reference::ContactSums& sums, std::size_t num_contacts) {
   const double relative = static_cast<double>(num_contacts + 4) * kUlp;
   support::FrameEnvelope envelope;
@@ -62,7 +62,7 @@ support::FrameEnvelope envelopeOf(const Sensor& sensor, const reference::Contact
   for (double& force : envelope.spread_force.high) force *= 1 + relative;
   envelope.wrench = {{sums.wrench.begin(), sums.wrench.end()}, {sums.wrench.begin(), sums.wrench.end()}};
   envelope.over_penetration = {{0}, {0}};
-  // What the tolerance of the wrench is relative to: with the roundings of the sum, more than the force itself.
+  // The tolerance of the wrench is relative to this: the force and the rounding of the sum.
   envelope.total_low = sums.total_force;
   envelope.total_high = sums.total_force * (1 + static_cast<double>(num_contacts) / 64);
   return envelope;
@@ -112,7 +112,7 @@ TEST_P(ContactSeeds, MatchTheTwin) {
       random, support::randomSensor(random, {.max_patches = 1 + GetParam() % 4, .max_patch_tilt = GetParam() % 2 ? 0.5 : 0}));
 }
 
-TEST_P(ContactSeeds, MatchTheTwinWithASpreadAlongTheSkin) {
+TEST_P(ContactSeeds, MatchTheTwinWithPsfLists) {
   Random random(9500 + static_cast<std::uint64_t>(GetParam()));
   Sensor sensor = GetParam() % 4 < 3 ? support::curvedSensor(random, GetParam() % 4) : support::randomSensor(random);
   if (GetParam() % 4 == 3) sensor.psf = {.sigma = 0.7 * sensor.patches[0].pitch[0]};
@@ -121,8 +121,9 @@ TEST_P(ContactSeeds, MatchTheTwinWithASpreadAlongTheSkin) {
 
 INSTANTIATE_TEST_SUITE_P(OnEveryDriver, ContactSeeds, support::seeds(4, 12));
 
-// A flat list parts contacts as the grid that it copies; a sphere's go to the taxel nearest along the skin, and none is lost between two.
-TEST(ContactsOnTaxels, GoWhereASkinHasThem) {
+// A flat list assigns contacts as its grid does; on a sphere each contact goes to the nearest taxel along the skin, and none is lost
+// between two.
+TEST(ContactsOnTaxels, GoToTheNearestTaxelAlongTheSkin) {
   Random random(17);
   const Sensor grid = support::gridSensor({.num_rows = 5, .num_cols = 7, .pitch_x = 2e-3, .pitch_y = 3e-3});
   Sensor list = grid;
@@ -152,8 +153,8 @@ TEST(ContactsOnTaxels, GoWhereASkinHasThem) {
   }
 }
 
-// 128 x 128 taxels, many tiles: all of the result is in the first.
-TEST(ContactsOnEveryDriver, LargestSensor) {
+// 128 x 128 taxels in many tiles: the result is in the first tile.
+TEST(ContactsOnEveryDriver, LargestSensorMatchesTheTwin) {
   Random random(3);
   const Sensor sensor =
       support::gridSensor({.num_rows = 128, .num_cols = 128, .pitch_x = 0.5e-3, .pitch_y = 0.5e-3, .samples_per_taxel = 8});
@@ -167,8 +168,8 @@ TEST(ContactsOnEveryDriver, LargestSensor) {
   for (int i = 0; i < 3; ++i) expectSameAsTwin(frame, i, sensor, batch[i], 1e-4);
 }
 
-// What comes after is the same, bit by bit, as for objects that press with the same force on every taxel.
-TEST(ContactsOnDevice, StagesAfterAreThoseOfObjects) {
+// Stages after the contact are bitwise equal to those of objects that press with the same force on every taxel.
+TEST(ContactsOnDevice, LaterStagesEqualThoseOfObjects) {
   Random random(17);
   for (int trial = 0; trial < 4; ++trial) {
     Sensor sensor = support::gridSensor({.num_rows = 6, .num_cols = 14, .thickness = 2e-3});
@@ -181,7 +182,7 @@ TEST(ContactsOnDevice, StagesAfterAreThoseOfObjects) {
       simulator->step(kDt);
       return simulator;
     };
-    // Without a spread, a sensor shows the force on each taxel.
+    // Without a PSF, a sensor reports the force on each taxel.
     const auto bare = press();
     const FrameView forces = bare->read();
     Contacts contacts;
@@ -217,9 +218,9 @@ std::vector<std::vector<std::uint32_t>> bitsOfBatch(const Model& model, const st
   return bits;
 }
 
-TEST(ContactsOnEveryDriver, NothingOfTheBatchShows) {
+TEST(ContactsOnEveryDriver, IndependentOfBatchAndWorkgroup) {
   Random random(31);
-  // Of taxels enough that several subgroups share an instance.
+  // Enough taxels for several subgroups per instance.
   Sensor sensor = support::gridSensor({.num_rows = 40, .num_cols = 12, .pitch_x = 1e-3, .pitch_y = 2e-3});
   sensor.patches.push_back(sensor.patches[0]);
   sensor.patches[1].X_SP = {{0.045, 0, 0}, axisAngle({0, 1, 0}, 0.2)};

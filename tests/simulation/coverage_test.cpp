@@ -1,5 +1,5 @@
-// Which samples triangles cover, against exact arithmetic: vertices lie on fractions of the sample spacing that the device keeps, so both
-// see the same triangles, and no sample may differ but those on an edge.
+// Sample coverage of triangles against exact integer arithmetic. Vertices lie on fractions of the sample spacing that the device represents
+// exactly, so no sample may differ except those on an edge.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,9 +25,9 @@ constexpr double kSpacing = 0x1p-10;   // m: positions of samples and vertices a
 constexpr int kFractionBits = 7;       // of the spacing, on which vertices lie
 constexpr std::int64_t kUnit = 1 << kFractionBits;
 constexpr double kThickness = 0x1p-9;  // m, about 2 mm
-// A vertex is rounded to 2^-21 of the object, which is as large as the sensor. A height lies on a plane whose slope is off by some
-// roundings of the rise over the width of the triangle; slivers are 80 samples long and two units wide at most, and a sample may be as far
-// from the corner.
+// Vertices are rounded to 2^-21 of the object, which is as large as the sensor. The slope of a plane has the error of several roundings of
+// the rise over the width of the triangle; slivers are at most 80 samples long and two units wide, and a sample may be that far from the
+// corner.
 constexpr double kHeightRounding = 0x1p-21 * 2 * kCols * kSpacing + 4 * support::kUlp * kThickness * (80 * kUnit / 2);
 
 struct Point {
@@ -41,7 +41,7 @@ std::int64_t edge(const Point& a, const Point& b, std::int64_t u, std::int64_t v
   return (b.u - a.u) * (v - a.v) - (b.v - a.v) * (u - a.u);
 }
 
-// What the triangles leave of one sample.
+// The exact result of one sample.
 struct Oracle {
   double height = std::numeric_limits<double>::infinity();  // the lowest over it
   bool on_edge = false;
@@ -84,7 +84,7 @@ Sensor sensorOfSamples() {
   return sensor;
 }
 
-// Depths of all samples, mesh by mesh, m.
+// Depths of all samples of all meshes, m. Shape (meshes x samples).
 std::vector<float> depthsOf(const Sensor& sensor, const std::vector<std::vector<Triangle>>& drawn) {
   std::vector<Object> objects;
   std::vector<int> ids;
@@ -132,8 +132,8 @@ struct Kind {
 
 class Coverage : public ::testing::TestWithParam<Kind> {};
 
-// A crossing of an edge and a row comes so near to a sample that a float would not tell them apart once in some ten thousand.
-TEST_P(Coverage, OfLooseTrianglesIsExact) {
+// The crossing of an edge and a row is closer to a sample than float32 resolves once in about ten thousand.
+TEST_P(Coverage, IsExactForLooseTriangles) {
   constexpr int kDraws = 48;
   const Kind& kind = GetParam();
   const Sensor sensor = sensorOfSamples();
@@ -159,9 +159,8 @@ TEST_P(Coverage, OfLooseTrianglesIsExact) {
   EXPECT_GT(num_covered, 5000);
 }
 
-// Two triangles in each cell of a grid whose corners were moved, but for every fourth, which lies on a sample: no sample of the sensor may
-// fall through.
-TEST_P(Coverage, OfASheetHasNoGap) {
+// A grid of two triangles per cell with displaced corners; every fourth corner lies on a sample. Every sample must be covered.
+TEST_P(Coverage, HasNoGapInASheet) {
   constexpr int kDraws = 8;
   const Kind& kind = GetParam();
   const auto cell = static_cast<int>(std::ceil(kind.size));
@@ -187,8 +186,8 @@ TEST_P(Coverage, OfASheetHasNoGap) {
   EXPECT_EQ(std::count(depths.begin(), depths.end(), 0.0f), 0);
 }
 
-// A triangle has the samples on its edges, whichever of them it would share with a partner that it has not.
-TEST(LoneTriangle, ReachesTheSamplesOnItsEdges) {
+// A triangle without neighbours covers the samples on all of its edges.
+TEST(LoneTriangle, CoversTheSamplesOnItsEdges) {
   constexpr int kSide = 2;
   constexpr double kDepth = 0.5 * kThickness;
   std::vector<std::vector<Triangle>> drawn;

@@ -1,4 +1,4 @@
-// Taxels with places of their own on the device: fingertips and random lists against the twin, a flat list against the grid it copies.
+// Taxel lists on the device: fingertips and random lists against the twin, a flat list against its grid.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ using support::Touch;
 
 constexpr double kDt = 1e-3;          // s
 constexpr double kObjectSize = 0.02;  // m
-// The root find over several tiles stops at 1e-5 of the load; taxels are summed in float32.
+// The load search over several tiles stops at 1e-5 of the load; taxel forces are summed in float32.
 constexpr double kCarried = 1e-4;
 
 std::vector<Touch> randomTouches(Random& random, const Sensor& sensor, const std::vector<Object>& objects, int num_instances,
@@ -87,7 +87,7 @@ FrameView step(Simulator& simulator, const std::vector<Touch>& touches) {
   return simulator.read();
 }
 
-TEST(CurvedOnEveryDriver, AHalfSpaceOnASphereInClosedForm) {
+TEST(CurvedOnEveryDriver, HalfSpaceOnASphereInClosedForm) {
   constexpr double kRadius = 8e-3, kDepth = 1e-3;
   Sensor sensor = support::sphereFingertip(kRadius, 3, 1.2);
   sensor.samples_per_taxel = 1;
@@ -106,8 +106,8 @@ TEST(CurvedOnEveryDriver, AHalfSpaceOnASphereInClosedForm) {
   EXPECT_NEAR(-frame.ground_truth.contact_wrench[2], upward, kCarried * upward) << "the wrench takes forces along their normals";
 }
 
-// What touches one side of a finger is met by the lines of the other side, too: far below their skin.
-TEST(CurvedOnEveryDriver, TheFarSideOfAFingerFeelsNothing) {
+// Sample lines of the far side of a finger also meet the object, far below their skin.
+TEST(CurvedOnEveryDriver, FarSideOfAFingerHasNoForce) {
   const Sensor sensor = support::cylinderFingertip(8e-3, 1.5, 11, 5, 2.5e-3);
   Random random(1);
   const std::vector<Object> objects{Object(Box{{4e-3, 30e-3, 10e-3}}), Object("box", support::boxMesh({4e-3, 30e-3, 10e-3})),
@@ -118,7 +118,7 @@ TEST(CurvedOnEveryDriver, TheFarSideOfAFingerFeelsNothing) {
     SCOPED_TRACE(objects[o].name);
     const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {objects[o]}});
     Simulator simulator(model, {.num_instances = 2, .num_slots = 2});
-    // 1 mm deep in the flank at -x; then the same from both sides.
+    // 1 mm deep in the flank at -x, then in both flanks.
     const double half = o < 2 ? 2e-3 : o == 2 ? 5e-3 : o == 3 ? 3e-3 : 0;
     const Pose left{{-8e-3 - half + 1e-3, 0, -8e-3}, o == 4 ? towards_x : Quaternion{1, 0, 0, 0}};
     const Pose right{{8e-3 + half - 1e-3, 0, -8e-3}, o == 4 ? axisAngle({0, 1, 0}, std::numbers::pi / 2) : Quaternion{1, 0, 0, 0}};
@@ -134,7 +134,7 @@ TEST(CurvedOnEveryDriver, TheFarSideOfAFingerFeelsNothing) {
   }
 }
 
-TEST(CurvedOnEveryDriver, AFlatListIsTheGridThatItCopies) {
+TEST(CurvedOnEveryDriver, FlatListEqualsItsGrid) {
   Random random(7);
   Sensor grid = support::gridSensor({.num_rows = 5, .num_cols = 7, .pitch_x = 2e-3, .pitch_y = 3e-3});
   grid.readout = support::paperReadout();
@@ -153,7 +153,7 @@ TEST(CurvedOnEveryDriver, AFlatListIsTheGridThatItCopies) {
   for (int i = 0; i < 12; ++i) {
     SCOPED_TRACE(i);
     const auto placed = touches[i].placed(objects);
-    // Each within the same bounds, which are those of the samples that both have.
+    // Both have the same samples, hence the same bounds.
     const support::FrameEnvelope envelope = support::frameEnvelope(grid, placed, support::roundingFor(grid, placed));
     support::expectMatches(one, i, grid, envelope);
     support::expectMatches(other, i, list, envelope);
@@ -161,8 +161,7 @@ TEST(CurvedOnEveryDriver, AFlatListIsTheGridThatItCopies) {
   }
 }
 
-// Whatever presses, and whatever law and friction the skin has, its taxels carry the load; the wrench takes their forces along their
-// normals.
+// Taxels carry the load for every object, law and friction; the wrench sums their forces along their normals.
 TEST(Curved, TaxelsCarryTheLoad) {
   constexpr double kKept = 1e-3;  // of the load, as promised; the search stops far below
   Random random(5);
@@ -217,8 +216,8 @@ TEST(Curved, TaxelsCarryTheLoad) {
   }
 }
 
-// An object that has been away begins anew, on taxels that nothing was near meanwhile, too.
-TEST(CurvedOnEveryDriver, ALiftedObjectIsForgotten) {
+// Separation clears the state, also of taxels that no object was near in the meantime.
+TEST(CurvedOnEveryDriver, LiftingClearsTheState) {
   Sensor sensor = support::cylinderFingertip(8e-3, 1.4, 9, 5, 2.4e-3);
   sensor.skin.friction = {3e8, 0.7};
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{6e-3})}});
@@ -250,7 +249,7 @@ std::vector<std::uint32_t> bitsWith(const Sensor& sensor, const std::vector<Obje
   return support::bitsOf(step(simulator, chosen), wanted, n);
 }
 
-TEST(CurvedOnEveryDriver, AnInstanceIsTheSameInAnyBatchAndWorkgroup) {
+TEST(CurvedOnEveryDriver, IndependentOfBatchAndWorkgroup) {
   Random random(11);
   Sensor sensor = curvedSensor(random, 1);
   const std::vector<Object> objects{support::randomMeshObject(random, kObjectSize), support::randomSolid(random, kObjectSize)};
@@ -261,7 +260,7 @@ TEST(CurvedOnEveryDriver, AnInstanceIsTheSameInAnyBatchAndWorkgroup) {
   for (const int workgroup : {4, 8, 32, 128}) EXPECT_EQ(bitsWith(sensor, objects, touches, workgroup, {7, 3}, 1), expected) << workgroup;
 }
 
-TEST(Curved, OneTo4096Taxels) {
+TEST(Curved, OneTo4096TaxelsMatchTheTwin) {
   Random random(13);
   const std::vector<Object> objects{Object("knob", support::icosphere(6e-3, 2, 0.05, random))};
   for (const int count : {1, 2, 17, 300, 4096}) {

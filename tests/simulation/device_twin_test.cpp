@@ -1,4 +1,4 @@
-// The device against the double-precision reference on random scenes: every stage of every instance.
+// The device against the double-precision reference on random scenes, every stage of every instance.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ using support::Touch;
 
 constexpr double kObjectSize = 0.02;  // m
 constexpr double kDt = 1e-3;          // s
-// Envelopes wider than this on average, in skin thicknesses, would prove little: silhouettes are lines, not areas.
+// Mean width of an envelope in skin thicknesses; a wider one would prove little. Silhouettes are lines, not areas.
 constexpr double kLoosestEnvelope = 0.02;
 
 struct SceneKind {
@@ -28,7 +28,7 @@ struct SceneKind {
   int num_slots = 1;
 };
 
-// Draws a scene of the kind, runs it as one batch and compares every instance.
+// Compares every instance of a random batch.
 void runScene(const SceneKind& kind, int seed) {
   Random random(static_cast<std::uint64_t>(seed));
   const Sensor sensor = support::randomSensor(random, kind.sensor);
@@ -107,7 +107,7 @@ TEST_P(TwinSeeds, SeveralTiltedPatches) {
 
 INSTANTIATE_TEST_SUITE_P(OnEveryDriver, TwinSeeds, support::seeds(5, 16));
 
-// One sensor and one bumpy sphere, compared as above; for sizes and settings that random scenes seldom reach.
+// Compares one sensor under one bumpy sphere; for sizes and settings that random scenes seldom have.
 void runSensor(const Sensor& sensor, double radius, int num_subdivisions = 3, int num_instances = 2) {
   Random random(5);
   const std::vector<Object> objects{Object("bumpy sphere", support::icosphere(radius, num_subdivisions, 0.02, random))};
@@ -126,8 +126,8 @@ void runSensor(const Sensor& sensor, double radius, int num_subdivisions = 3, in
   }
 }
 
-// More groups of clusters than are culled at once, whatever the driver's memory: 20,480 and 81,920 triangles.
-TEST(SensorSizeOnEveryDriver, MeshesOfManyGroups) {
+// More groups of clusters than one batch culls on any driver: 20,480 and 81,920 triangles.
+TEST(SensorSizeOnEveryDriver, MeshesWithManyGroups) {
   for (const int num_subdivisions : {5, 6}) {
     constexpr int kAllOver = 16;  // contacts, by chance on all sides
     runSensor(support::gridSensor({.num_rows = 4, .num_cols = 4, .samples_per_taxel = 2}), 0.01, num_subdivisions, kAllOver);
@@ -203,7 +203,7 @@ TEST(ReadoutOnEveryDriver, PolynomialsGainsTriggersAndBits) {
   }
 }
 
-// 1 to 16 points, saturation before and past the last one, forces below the first.
+// 1 to 16 points, saturation below and above the last one, forces below the first.
 TEST(ReadoutOnEveryDriver, StraightPieces) {
   for (int seed = support::runsAllCases() ? 0 : 2; seed < 12; seed += support::runsAllCases() ? 1 : 3) {
     Random random(static_cast<std::uint64_t>(seed));

@@ -1,4 +1,4 @@
-// The law `elastic_layer` on the device: against the twin, straight against contact mechanics, under loads, from frame to frame.
+// The law `elastic_layer` on the device: against the twin and closed forms, under loads, and over several frames.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ using support::Touch;
 
 constexpr double kDt = 1e-2;  // s
 
-// A frame of a batch, poses and loads as given (NaN: pose-driven).
+// Simulates a frame of a batch. Load NaN: pose-driven.
 FrameView stepOnce(Simulator& simulator, const std::vector<Touch>& touches, const std::vector<float>& loads = {}) {
   support::setTouches(simulator, touches);
   if (!loads.empty()) simulator.setLoads(loads);
@@ -38,7 +38,7 @@ double deepestOf(const Sensor& sensor, const std::vector<reference::PlacedObject
   return std::min(sensor.skin.thickness, -*std::min_element(heights.begin(), heights.end()));
 }
 
-// Every value that the law decides of one instance against the twin.
+// Compares all outputs of the law for one instance with the twin's.
 void expectLikeTwin(const FrameView& frame, std::size_t i, const Sensor& sensor, const reference::LayerContact& twin, double slack) {
   const auto num_taxels = static_cast<std::size_t>(numTaxels(sensor));
   const GroundTruthView& truth = frame.ground_truth;
@@ -70,7 +70,7 @@ TEST_P(ElasticLayerTwin, RandomContacts) {
   const auto [skin, samples] = GetParam();
   Random random(static_cast<std::uint64_t>(samples) + 7);
   Sensor sensor = layerSensor(skin, {.samples_per_taxel = samples});
-  // A level patch, turned and moved.
+  // A level patch, rotated and moved.
   sensor.patches[0].X_SP = {{0.003, -0.002, 0.001}, {std::cos(0.4), 0, 0, std::sin(0.4)}};
   const std::vector<Object> objects = support::roundObjects(random);
   std::vector<Touch> touches;
@@ -103,7 +103,7 @@ INSTANTIATE_TEST_SUITE_P(Layers, ElasticLayerTwin,
 
 // ---- closed forms ----
 
-// Sneddon's exact sphere on a half-space, as tests/reference/elastic_layer_test.cpp has it for the twin.
+// Sneddon's exact solution for a sphere on a half-space, as tests/reference/elastic_layer_test.cpp for the twin.
 TEST(ElasticLayerOnDevice, SphereCarriesSneddonsForce) {
   constexpr double kForceError = 0.02, kPeakError = 0.03;
   constexpr double kRadius = 0.02, kContact = 0.004;
@@ -130,9 +130,8 @@ TEST(ElasticLayerOnDevice, SphereCarriesSneddonsForce) {
   }
 }
 
-// A sphere on an incompressible layer half as thick as the contact's radius: 8.468 times Hertz's force at the depth (sqrt(R delta)/h
-// = 1.3489).
-TEST(ElasticLayerOnDevice, SphereOnABondedLayerCarriesTheTablesForce) {
+// A sphere on an incompressible layer of half the contact radius: 8.468 times Hertz's force at that depth (sqrt(R delta)/h = 1.3489).
+TEST(ElasticLayerOnDevice, SphereOnABondedLayerCarriesTheTabulatedForce) {
   constexpr double kForceError = 0.02;
   constexpr double kRadius = 0.2, kThickness = 2e-3, kChi = 1.3489, kOverHertz = 8.46801;
   const double depth = kChi * kChi * kThickness * kThickness / kRadius;
@@ -190,7 +189,7 @@ TEST(ElasticLayerOnDevice, TaxelsAndMarginCarryTheLoad) {
       EXPECT_NEAR(carried, loads[i], kCarried * loads[i]);
       EXPECT_NEAR(-truth.contact_wrench[6 * i + 2], loads[i], kCarried * loads[i]);
     }
-    // Force grows at least in proportion to depth, so that a share of the force is at most this share of the depth.
+    // Force grows at least proportionally to depth, so the relative error of the depth is at most that of the force.
     EXPECT_NEAR(truth.load_offset[i], twin.offset, 10 * kTightTolerance * sensor.skin.thickness + 2 * support::kMarginZ);
     if (loads[i] > 0.1 && std::isfinite(twin.offset)) expectLikeTwin(frame, i, sensor, twin, 1e-3 * (carried + 1e-3));
   }
@@ -200,7 +199,7 @@ TEST(ElasticLayerOnDevice, TaxelsAndMarginCarryTheLoad) {
   EXPECT_EQ(truth.load_reached[7], 0);
 }
 
-TEST(ElasticLayerOnDevice, NoLoadOnATiltedPatch) {
+TEST(ElasticLayerOnDevice, RejectsALoadOnATiltedPatch) {
   Sensor sensor = layerSensor({});
   sensor.patches[0].X_SP.rotation = {std::cos(0.1), std::sin(0.1), 0, 0};
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Sphere{0.01}}});
@@ -209,9 +208,9 @@ TEST(ElasticLayerOnDevice, NoLoadOnATiltedPatch) {
   simulator.setLoad(0, kPoseDriven);
 }
 
-// ---- from frame to frame, in batches ----
+// ---- over several frames, in batches ----
 
-// All bits of an instance, with what only this law reports.
+// Bits of an instance, including the outputs of this law only.
 std::vector<std::uint32_t> bitsWithLayer(const FrameView& frame, int i, int num_instances) {
   std::vector<std::uint32_t> bits = support::bitsOf(frame, i, num_instances);
   for (const auto& values : {frame.ground_truth.off_array_load, frame.ground_truth.contact_residual}) {
@@ -221,8 +220,8 @@ std::vector<std::uint32_t> bitsWithLayer(const FrameView& frame, int i, int num_
   return bits;
 }
 
-// A batch with loads, alone, and with other workgroups: the same bits over three frames.
-TEST(ElasticLayerOnDevice, SameBitsInAnyBatchAndWorkgroup) {
+// The same bits over three frames in a batch with loads, alone, and with other workgroups.
+TEST(ElasticLayerOnDevice, IndependentOfBatchAndWorkgroup) {
   constexpr int kInstances = 5, kFrames = 3;
   Random random(6);
   const Sensor sensor = layerSensor({.margin = 2e-3, .iterations = 6, .tolerance = 1e-3}, {.samples_per_taxel = 2});
@@ -256,8 +255,8 @@ TEST(ElasticLayerOnDevice, SameBitsInAnyBatchAndWorkgroup) {
   }
 }
 
-// A contact that wanders ends as one that begins where it ends, with fewer iterations; after reset() it is the very same.
-TEST(ElasticLayerOnDevice, WarmStartEndsWhereAColdOneDoes) {
+// A warm start converges to the cold solution in fewer iterations; after reset() the bits are equal.
+TEST(ElasticLayerOnDevice, WarmStartConvergesToTheColdSolution) {
   constexpr double kTolerance = 1e-4;
   const Sensor sensor = layerSensor({.tolerance = kTolerance}, {.samples_per_taxel = 2});
   const std::vector<Object> objects{Capsule{0.006, 0.02}};
@@ -289,7 +288,7 @@ TEST(ElasticLayerOnDevice, WarmStartEndsWhereAColdOneDoes) {
   EXPECT_EQ(bitsWithLayer(stepOnce(simulator, touchAt(0)), 0, 1), first);
 }
 
-// ---- far from the usual ----
+// ---- extreme parameters ----
 
 double forceOfSphere(const Sensor& sensor, double load = kPoseDriven) {
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Sphere{0.01}}});
@@ -300,9 +299,9 @@ double forceOfSphere(const Sensor& sensor, double load = kPoseDriven) {
   return frame.ground_truth.total_force[0];
 }
 
-// Six orders of magnitude either way: forces go with the modulus, a thick layer is a half-space, one thin as a hair is refused, and so is
-// one that float32 heights cannot resolve.
-TEST(ElasticLayerOnDevice, FarFromTheUsual) {
+// Six orders of magnitude up and down: forces are proportional to the modulus, a thick layer equals a half-space; too thin a layer is
+// rejected, also where float32 heights cannot resolve it.
+TEST(ElasticLayerOnDevice, ExtremeParametersStayPhysical) {
   constexpr double kRounding = 1e-5;
   Sensor sensor = layerSensor({.poisson_ratio = 0.3}, {.samples_per_taxel = 2});
   const double usual = forceOfSphere(sensor);
@@ -315,7 +314,7 @@ TEST(ElasticLayerOnDevice, FarFromTheUsual) {
   Sensor thick = sensor, half_space = sensor, hair = sensor;
   thick.skin.thickness = 0.1;
   std::get<ElasticLayer>(half_space.skin.law).base = Base::kHalfSpace;
-  // A contact radius of 1.7 mm on 100 mm: some 1.1 times their ratio stiffer.
+  // The finite thickness adds stiffness of 1.1 times the ratio of the contact radius, 1.7 mm, to 100 mm.
   EXPECT_NEAR(forceOfSphere(thick) / forceOfSphere(half_space), 1, 0.03);
   thick.skin.thickness *= 1e4;
   EXPECT_THROW(forceOfSphere(thick), Error);

@@ -1,4 +1,4 @@
-// What a model and a simulator refuse, each with one complete line.
+// Invalid input to a model or a simulator is rejected with a one-line message.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -39,7 +39,7 @@ class Errors : public ::testing::Test {
   std::vector<Pose> X_SO_{4};
 };
 
-TEST_F(Errors, GoodInputIsTaken) {
+TEST_F(Errors, AcceptsValidInput) {
   EXPECT_NO_THROW(simulator_.setObjects(ids_, X_SO_));
   X_SO_[2] = {{kNan, 0, 0}, {0, 0, 0, 0}};  // of an empty slot: ignored
   EXPECT_NO_THROW(simulator_.setObjects(ids_, X_SO_));
@@ -48,7 +48,7 @@ TEST_F(Errors, GoodInputIsTaken) {
   EXPECT_NO_THROW(simulator_.read());
 }
 
-TEST_F(Errors, WrongLengths) {
+TEST_F(Errors, RejectsWrongLengths) {
   inputError([&] { simulator_.setObjects(std::vector<int>{0, 1}, X_SO_); });
   inputError([&] { simulator_.setObjects(ids_, std::vector<Pose>(3)); });
   inputError([&] { simulator_.setObjects(std::vector<int>(8, 0), std::vector<Pose>(8)); });
@@ -57,14 +57,14 @@ TEST_F(Errors, WrongLengths) {
   inputError([&] { simulator_.setLoads(std::vector<float>{1, 1, 1}); });
 }
 
-TEST_F(Errors, UnknownIds) {
+TEST_F(Errors, RejectsUnknownIds) {
   for (const int id : {2, 1000000, -2, std::numeric_limits<int>::min()}) {
     ids_[1] = id;
     EXPECT_NE(inputError([&] { simulator_.setObjects(ids_, X_SO_); }).find(std::to_string(id)), std::string::npos);
   }
 }
 
-TEST_F(Errors, BadPoses) {
+TEST_F(Errors, RejectsInvalidPoses) {
   const auto refuse = [&](const Pose& bad) {
     std::vector<Pose> poses = X_SO_;
     poses[3] = bad;
@@ -83,7 +83,7 @@ TEST_F(Errors, BadPoses) {
   EXPECT_NO_THROW(simulator_.setObjects(ids_, poses));
 }
 
-TEST_F(Errors, RefusedInputLeavesTheOldInPlace) {
+TEST_F(Errors, RejectedInputChangesNothing) {
   X_SO_[0].position = {0, 0, 0.0045};
   ids_ = {0, kNoObject, 0, kNoObject};
   simulator_.setObjects(ids_, X_SO_);
@@ -96,14 +96,14 @@ TEST_F(Errors, RefusedInputLeavesTheOldInPlace) {
   EXPECT_EQ(support::bitsOf(simulator_.read(), 0, 2), before);
 }
 
-TEST_F(Errors, BadLoads) {
+TEST_F(Errors, RejectsInvalidLoads) {
   for (const float load : {-1.0f, std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()}) {
     inputError([&] { simulator_.setLoads(std::vector<float>{0, load}); });
     inputError([&] { simulator_.setLoad(1, load); });
   }
 }
 
-TEST_F(Errors, InstancesOutOfRange) {
+TEST_F(Errors, RejectsInstancesOutOfRange) {
   for (const int instance : {-1, 2, 1000}) {
     inputError([&] { simulator_.setLoad(instance, 1); });
     inputError([&] { simulator_.reset(instance, 0); });
@@ -111,27 +111,27 @@ TEST_F(Errors, InstancesOutOfRange) {
   }
 }
 
-TEST_F(Errors, BadSteps) {
+TEST_F(Errors, RejectsInvalidSteps) {
   for (const double dt : {0.0, -1e-3, kNan, std::numeric_limits<double>::infinity()}) {
     inputError([&] { simulator_.step(dt); });
   }
 }
 
-TEST_F(Errors, BadVariations) {
+TEST_F(Errors, RejectsInvalidVariations) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   inputError([&] { simulator_.reset(0, 0, {.gain = nan}); });
   inputError([&] { simulator_.reset(0, 0, {.gain_spread = -0.1f}); });
   inputError([&] { simulator_.reset(0, 0, {.noise = -1}); });
 }
 
-TEST_F(Errors, BatchesOutOfRange) {
+TEST_F(Errors, RejectsBatchesOutOfRange) {
   inputError([&] { Simulator(model_, {.num_instances = 0}); });
   inputError([&] { Simulator(model_, {.num_instances = -5}); });
   inputError([&] { Simulator(model_, {.num_slots = 0}); });
   inputError([&] { Simulator(model_, {.num_slots = kMaxSlots + 1}); });
 }
 
-TEST_F(Errors, BatchTooLargeNamesTheSizeThatFits) {
+TEST_F(Errors, TooLargeBatchNamesTheSizeThatFits) {
   SimulatorOptions options{.num_instances = std::numeric_limits<int>::max()};
   const MemoryPlan plan = Simulator::plan(model_, options);
   EXPECT_GT(plan.bytes_per_instance, 0u);
@@ -141,7 +141,7 @@ TEST_F(Errors, BatchTooLargeNamesTheSizeThatFits) {
   EXPECT_NE(message.find(std::to_string(plan.max_instances)), std::string::npos) << message;
 }
 
-TEST(ModelErrors, RefusedModels) {
+TEST(ModelErrors, RejectsInvalidModels) {
   const Sensor sensor = support::gridSensor();
   const Object sphere(Sphere{0.005});
   inputError([&] { Simulator(Model(support::sharedDevice(), {.sensor = sensor}), {}); });
@@ -156,8 +156,8 @@ TEST(ModelErrors, RefusedModels) {
   }
 }
 
-// Every number of a tuning in turn: what is refused, and the line that names it.
-TEST(ModelErrors, RefusedTunings) {
+// Each value of a tuning is checked, and the message names it.
+TEST(ModelErrors, RejectsInvalidTunings) {
   const Sensor sensor = support::gridSensor();
   const auto refused = [&](const Tuning& tuning, int image_workgroup = 0) {
     return inputError([&] {
@@ -172,14 +172,14 @@ TEST(ModelErrors, RefusedTunings) {
   for (const int number : {-16, 8, 24, 256}) {
     EXPECT_THAT(refused({.groups_per_batch = number}), ::testing::StartsWith("tuning.groups_per_batch: " + std::to_string(number) + " "));
   }
-  // A team is a part of its workgroup.
+  // A team must not exceed its workgroup.
   for (const int number : {-2, 3, 32}) {
     EXPECT_THAT(refused({.image_team = number}, 16), ::testing::HasSubstr("a power of two, 1 to 16")) << number;
   }
 }
 
-// 128 teams of two with the partial sums of 64 lanes: half a megabyte, which no device shares.
-TEST(ModelErrors, ATuningThatTheDeviceHasNoRoomFor) {
+// 128 teams of two with the partial sums of 64 lanes need half a megabyte of shared memory, more than any device has.
+TEST(ModelErrors, RejectsATuningThatNeedsTooMuchSharedMemory) {
   Sensor sensor = support::gridSensor();
   sensor.patches[0].num_rows = 64;
   const std::string message = inputError([&] {

@@ -1,4 +1,4 @@
-// Each faster way to a frame against the plain one: the same bits, or the twin's frame where another formula finds the same surface.
+// Each fast path against the plain path: the same bits, or the frame of the twin where another formula computes the same surface.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -22,7 +22,7 @@ struct Scene {
   std::vector<Touch> touches;
 };
 
-// Many tiles, most of them untouched, and a mesh of more groups than are culled at once.
+// Many tiles, most without contact, and a mesh of more groups than one batch culls.
 Scene wideScene(int num_patches) {
   Random random(31);
   Scene scene;
@@ -56,7 +56,7 @@ std::vector<std::vector<std::uint32_t>> bitsOf(const Scene& scene, const std::st
   return bits;
 }
 
-TEST(FasterPathsOnEveryDriver, DoNotShow) {
+TEST(FasterPathsOnEveryDriver, ChangeNoBit) {
   for (const int num_patches : {1, 4}) {
     const Scene scene = wideScene(num_patches);
     const auto expected = bitsOf(scene, "");
@@ -66,7 +66,7 @@ TEST(FasterPathsOnEveryDriver, DoNotShow) {
   }
 }
 
-// Every pass whose invocations wait for each other, two steps, of which a software driver computes each workgroup as one vector.
+// Covers every pass with barriers for two steps; on a software driver each workgroup is one vector.
 void expectLockstepDoesNotShow(const Sensor& sensor) {
   constexpr int kNumInstances = 6;
   Sensor springs = sensor;  // whose contacts can be drawn
@@ -102,7 +102,7 @@ void expectLockstepDoesNotShow(const Sensor& sensor) {
   EXPECT_EQ(bits(""), bits("lockstep"));
 }
 
-TEST(FasterPathsOnEveryDriver, LockstepDoesNotShow) {
+TEST(FasterPathsOnEveryDriver, LockstepChangesNoBit) {
   Sensor sensor = support::gridSensor();
   sensor.skin.friction = {.tangential_stiffness = 5e7, .friction_coefficient = 0.8};
   sensor.skin.relaxation = {{.fraction = 0.4, .time = 0.01}};
@@ -112,7 +112,7 @@ TEST(FasterPathsOnEveryDriver, LockstepDoesNotShow) {
   expectLockstepDoesNotShow(layer);
 }
 
-// Objects that jump, and go, after every reset: what the steps before have left in the buffers shows in no bit.
+// Objects that jump or disappear after every reset: old contents of the buffers change no bit.
 void expectNothingIsLeft(const Sensor& sensor, bool with_loads) {
   constexpr int kNumInstances = 4, kNumSteps = 6;
   Sensor springs = sensor;  // whose contacts can be drawn
@@ -145,14 +145,14 @@ void expectNothingIsLeft(const Sensor& sensor, bool with_loads) {
   }
 }
 
-TEST(FasterPathsOnEveryDriver, NothingIsLeft) {
+TEST(FasterPathsOnEveryDriver, NoStateRemainsAfterReset) {
   Sensor sensor = support::gridSensor({.num_rows = 9, .num_cols = 9});
   expectNothingIsLeft(sensor, true);
   sensor.frame_rate = 1000;
   expectNothingIsLeft(sensor, false);
 }
 
-TEST(FasterPathsOnEveryDriver, NothingIsLeftOnManyTiles) {
+TEST(FasterPathsOnEveryDriver, NoStateRemainsOnManyTiles) {
   Sensor sensor = support::gridSensor({.num_rows = 48, .num_cols = 48, .samples_per_taxel = 4, .law = {1.73e8, 1, 1e5}});
   sensor.skin.friction = {.tangential_stiffness = 5e7, .friction_coefficient = 0.8};
   expectNothingIsLeft(sensor, true);
@@ -160,7 +160,7 @@ TEST(FasterPathsOnEveryDriver, NothingIsLeftOnManyTiles) {
   expectNothingIsLeft(sensor, false);
 }
 
-TEST(FasterPathsOnEveryDriver, APolyhedronAsTrianglesIsTheTwins) {
+TEST(FasterPathsOnEveryDriver, PolyhedronAsTrianglesMatchesTheTwin) {
   const Plain without("polyhedra");
   Random random(7);
   const Sensor sensor = support::gridSensor();
@@ -174,7 +174,7 @@ TEST(FasterPathsOnEveryDriver, APolyhedronAsTrianglesIsTheTwins) {
   support::expectMatches(simulator.read(), 0, sensor, support::frameEnvelope(sensor, placed, support::roundingFor(sensor, placed)));
 }
 
-TEST(FasterPathsOnEveryDriver, AnUnknownNameIsRefused) {
+TEST(FasterPathsOnEveryDriver, RejectsAnUnknownName) {
   const Plain without("pairs,pears");
   try {
     const Model model(support::sharedDevice(), {.sensor = support::gridSensor()});

@@ -25,7 +25,7 @@ struct StateKind {
 
 class StateBatch : public ::testing::TestWithParam<StateKind> {};
 
-TEST_P(StateBatch, AnInstanceIsTheSameInAnyBatchAndWorkgroup) {
+TEST_P(StateBatch, IndependentOfBatchAndWorkgroup) {
   const StateKind kind = GetParam();
   Sensor sensor = kind.bristles ? support::bristleSensor() : support::frictionSensor();
   sensor.patches.resize(static_cast<std::size_t>(kind.num_patches));
@@ -57,8 +57,8 @@ INSTANTIATE_TEST_SUITE_P(Kinds, StateBatch,
                                            StateKind{.num_slots = 2, .num_patches = 1, .relaxes = true}, StateKind{.relaxes = true},
                                            StateKind{.bristles = true}, StateKind{.num_slots = 2, .relaxes = true, .bristles = true}));
 
-// Without a damper nothing knows how long a step takes.
-TEST(FrictionOnDevice, SpeedDoesNotShow) {
+// Without damping the result does not depend on dt.
+TEST(FrictionOnDevice, IndependentOfSpeed) {
   Sensor sensor = support::frictionSensor();
   sensor.skin.law = Winkler{1.73e8, 1, 0};
   const support::ObjectPaths paths = support::randomPaths(sensor, 5, 1, false);
@@ -67,13 +67,13 @@ TEST(FrictionOnDevice, SpeedDoesNotShow) {
   EXPECT_EQ(support::runPaths(model, paths, support::upTo(5), {1e-4}), slow);
 }
 
-TEST(FrictionOnDevice, AnObjectAtRestDoesNotCreep) {
+TEST(FrictionOnDevice, ObjectAtRestDoesNotCreep) {
   const Sensor sensor = support::gridSensor();
   Sensor with_friction = sensor;
   with_friction.skin.friction = {1e8, 0.6};
   const Model model(support::sharedDevice(), {.sensor = with_friction, .objects = {Object(Sphere{0.01})}});
   Simulator simulator(model, {.num_instances = 2});
-  // Far from S's origin and turned, where float32 poses would differ from themselves by rounding.
+  // Far from the origin of S and rotated, where rounding of float32 poses would show as motion.
   const Pose start{{4e-3, 17e-3, 0.0094}, axisAngle({1, 2, 3}, 1.1)};
   Pose slid = start;
   slid.position[0] += 0.05e-3;
@@ -89,7 +89,7 @@ TEST(FrictionOnDevice, AnObjectAtRestDoesNotCreep) {
   EXPECT_GT(simulator.read().ground_truth.contact_wrench[6], 0.1f);
 }
 
-// |sum of shear| <= mu (sum of normal force), per taxel too, after the PSF as before it: both spread with the same weights.
+// |shear| <= mu normal force, per taxel and after the PSF, which spreads both with the same weights.
 TEST(FrictionOnDevice, ShearStaysInsideTheConeAtAnyStiffness) {
   // Products with four factors and sums of up to 64 samples and 81 neighbours, each rounded.
   constexpr double kRounding = 300 * support::kUlp;

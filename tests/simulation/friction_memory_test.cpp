@@ -13,7 +13,7 @@ using support::Touch;
 
 constexpr double kDt = 1e-3;  // s
 
-// Shear along x after a slide of 0.1 mm, N; `between` may meddle before the slide.
+// Shear along x after a slide of 0.1 mm, N. `meddle` may change simulator or objects before the slide.
 template <typename Meddle>
 double shearAfterSlide(const Model& model, int num_slots, Meddle&& meddle) {
   Simulator simulator(model, {.num_slots = num_slots});
@@ -37,7 +37,7 @@ void expectNewObjectsBeginWithoutShear(const Sensor& sensor) {
     EXPECT_EQ(shearAfterSlide(model, num_slots, [](Simulator& simulator, Touch&) { simulator.reset(0, 1); }), 0);
     EXPECT_EQ(shearAfterSlide(model, num_slots, [](Simulator&, Touch& touch) { touch.ids[0] = 1; }), 0);
   }
-  // The same object in another slot is a new one there.
+  // An object that changes its slot starts without shear.
   EXPECT_EQ(shearAfterSlide(
                 model, 2, [](Simulator&, Touch& touch) { std::swap(touch.ids[0], touch.ids[1]), std::swap(touch.X_SO[0], touch.X_SO[1]); }),
             0);
@@ -51,8 +51,8 @@ TEST(FrictionOnDevice, NewObjectsAndEpisodesBeginWithoutShear) {
   expectNewObjectsBeginWithoutShear(sensor);
 }
 
-// One object is drawn along and lifted while another comes down in its place: its springs are new, though the samples have not been free.
-TEST(FrictionOnDevice, AnObjectDoesNotInheritAnothersShear) {
+// One object slides and lifts off while another takes its place: its springs are new, although the samples were always in contact.
+TEST(FrictionOnDevice, ObjectDoesNotInheritShear) {
   Sensor sensor = support::gridSensor();
   sensor.skin.friction = {1e8, 0.6};
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Box{{8e-3, 8e-3, 0.01}})}});

@@ -17,7 +17,7 @@ using support::Push;
 using support::Touch;
 
 constexpr double kDt = 1e-3;  // s
-// Depths are off by kMarginZ at most; the contacts of the cases are at least this deep on average.
+// Depths have an error of kMarginZ at most; the mean depth of the contacts is at least this.
 constexpr double kMeanDepth = 0.1e-3;  // m
 
 std::vector<std::vector<Push>> simulateByDevice(const Sensor& sensor, const Object& object, const std::vector<support::Path>& paths) {
@@ -82,8 +82,8 @@ TEST(FrictionOnDevice, ElasticLayerSticksAndSlips) {
   kDevice.elasticLayerSticksAndSlips();
 }
 
-// A flat on whole samples at the ends of the range: nothing slips under a spring a million times too soft, everything under one a million
-// times too hard.
+// A flat punch on whole samples at the ends of the range: nothing slips if the springs are a million times too soft, everything if they are
+// a million times too stiff.
 TEST(FrictionOnDevice, ExtremeStiffnessGivesTheClosedForm) {
   const double depth = 0.5e-3, side = 4e-3, slide = 0.1e-3, normal = 1.73e8 * depth * side * side;
   for (const double stiffness : {1e-6, 1e6}) {
@@ -133,8 +133,8 @@ TEST(FrictionOnDevice, SpreadKeepsTheSumAndTheWeights) {
   }
 }
 
-// Out of contact and back: the spring has been let go.
-TEST(FrictionOnDevice, SeparationForgets) {
+// Separation releases the springs.
+TEST(FrictionOnDevice, SeparationClearsShear) {
   Sensor sensor = support::gridSensor();
   sensor.skin.friction = {1e8, 0.6};
   const std::vector<Push> pushes = pushesOf(sensor, Object(Sphere{0.01}),
@@ -147,8 +147,8 @@ TEST(FrictionOnDevice, SeparationForgets) {
   EXPECT_EQ(pushes[3].wrench[0], 0);
 }
 
-// Dragged far under a load, along S's x over level patches: the whole of it at the cone, in one tile and over several.
-TEST(FrictionOnEveryDriver, ALoadThatSlidesShearsWithMuTimesTheLoad) {
+// Slid far under a load along x of S over level patches, in one tile and over several: all of the contact slips.
+TEST(FrictionOnEveryDriver, SlidingLoadShearsWithMuTimesTheLoad) {
   for (const int num_patches : {1, 2}) {
     Sensor sensor = support::gridSensor();
     for (int p = 1; p < num_patches; ++p) {
@@ -166,7 +166,7 @@ TEST(FrictionOnEveryDriver, ALoadThatSlidesShearsWithMuTimesTheLoad) {
       constexpr double kCarried = 1e-4;  // of the load, by the search
       EXPECT_NEAR(wrench[2], -3, 3 * kCarried);
       EXPECT_NEAR(wrench[1], 0, 0.01 * 3);
-      // Springs at the leading edge may not have slipped yet; they carry little.
+      // Springs at the leading edge may still stick; they carry little.
       const double slips = n == 0 ? 0 : 1;
       if (n > 30 || n == 0) {
         EXPECT_NEAR(wrench[0], 0.6 * 3 * slips, 0.01 * 3 * slips);
@@ -175,7 +175,7 @@ TEST(FrictionOnEveryDriver, ALoadThatSlidesShearsWithMuTimesTheLoad) {
   }
 }
 
-TEST(FrictionOnDevice, WithoutFrictionThereIsNoShear) {
+TEST(FrictionOnDevice, NoShearWithoutFriction) {
   const Sensor sensor = support::gridSensor();
   const std::vector<Push> pushes =
       pushesOf(sensor, Object(Sphere{0.01}), {{.position = {0, 0, 0.0095}}, {.position = {0.1e-3, 0, 0.0095}}});

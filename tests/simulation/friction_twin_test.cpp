@@ -1,9 +1,9 @@
-// The device's shear against the twin's on random sensors, objects and paths, within bounds carried along each path.
+// The device's shear against the twin's on random sensors, objects and paths, within bounds that are updated along each path.
 //
-// Sample by sample, beside the twin's traction q runs a bound e of what float32 may add. The cone is convex, so that a step keeps |q - q'|
-// <= e but for what it adds itself: the stiffness times the displacement's rounding, the share of a step before touch where the depth is
-// not sure, and mu times the pressure's width. Where it is not sure that, or which, object touched before, anything inside the cones is
-// possible. For the law lugre the bound is one of its bristles' bend, in units of friction, which a step carries on as it carries the bend.
+// Each sample has a bound e of the float32 error of the twin's traction q. The friction cone is convex, so a step keeps |q - q'| <= e
+// except for the error of the step itself: the stiffness times the rounding of the displacement, the unsure share of a step before touch,
+// and mu times the width of the pressure. Where it is unsure whether, or which, object touched before, any traction inside the cones is
+// allowed. For the law lugre e bounds the bend of a bristle, in units of friction.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -30,18 +30,17 @@ using support::Touch;
 
 constexpr double kObjectSize = 0.02;  // m
 constexpr int kNumSteps = 5;
-// A displacement takes two rotations and a dozen products, in float32, of a turn by up to some angle over arms of up to kArm.
+// A displacement takes two rotations and a dozen float32 products, with an angle over arms of up to kArm.
 constexpr double kRelativeMotion = 32 * support::kUlp;
 constexpr double kArm = 0.2;  // m
-// With several objects a height loses its last bits to the slot's number: 2^-21 of at most the skin's thickness of 3 mm.
+// With several slots a height loses its last bits to the slot number: 2^-21 of the thickness of the skin, at most 3 mm.
 constexpr double kSlotRounding = 3e-3 * 0x1p-21;  // m
-// Bounds wider than this, relative to the cone, would prove little; silhouettes and whispers may have them, half of a path's frames not.
-constexpr double kLoosest = 0.1;
-constexpr double kWhisper = 1e-2;  // N, of the cone
-// A dozen operations of a step of bristles, exp() with its 3 + 2 |x| units in the last place among them.
+// The median width of the bounds, relative to the cone, where the cone is at least kWhisper (N).
+constexpr double kLoosest = 0.1, kWhisper = 1e-2;
+// A dozen operations of a bristle step, among them exp() with an error of 3 + 2 |x| ulp.
 constexpr double kBristleRounding = 32 * support::kUlp;
 
-// What is known of one instance after a step.
+// State of one instance after a step, with bounds.
 struct Tracked {
   reference::FrictionState state;
   std::vector<double> error;        // (samples), of what the state holds: Pa; bristles: of the pressure
@@ -58,7 +57,7 @@ double angleOf(const Quaternion& from, const Quaternion& to) {
   return 2 * std::hypot(turn[1], turn[2], turn[3]);
 }
 
-// Whether, at each sample, it is sure which object is the one that touches: its surface is the lowest, or the first below the skin.
+// Whether it is certain which object touches each sample: its surface is the lowest, or the first one below the skin.
 std::vector<bool> surelyLowest(const Sensor& sensor, const std::vector<PlacedObject>& placed, const support::Rounding& rounding) {
   std::vector<Bounded> heights;
   for (const PlacedObject& one : placed) heights.push_back(support::heightEnvelope(sensor, {&one, 1}, rounding.shift, rounding.margin_z));
@@ -78,7 +77,7 @@ std::vector<bool> surelyLowest(const Sensor& sensor, const std::vector<PlacedObj
   return result;
 }
 
-// A step of bristles, as the test needs it to bound what float32 may add.
+// Inputs of bristleError().
 struct BristleStep {
   reference::Shear bend, u;     // before the step, m; m
   double share, dt;             // of u after touch; s
@@ -86,13 +85,12 @@ struct BristleStep {
   double motion_error, unsure;  // m; of `share`
 };
 
-// Bounds of bend and shear after the step, both as shares of the pressure.
+// Bounds of bend and shear after the step, relative to the pressure.
 struct BristleError {
   double bend, shear;
 };
 
-// s <- g a + (s - g a) e^-x with a = u / |u| and x = sigma_0 |u| / g: what each of s, a, g and x adds, and after it what they add to the
-// rates.
+// s <- g a + (s - g a) e^-x with a = u / |u| and x = sigma_0 |u| / g: adds the errors of s, a, g and x, then those of the rates.
 BristleError bristleError(const LuGre& law, const BristleStep& step) {
   const double stiffness = law.bristle_stiffness, most = law.static_friction;
   const double way = std::hypot(step.u[0], step.u[1]), speed = way / step.dt;
@@ -118,7 +116,7 @@ BristleError bristleError(const LuGre& law, const BristleStep& step) {
       law.bristle_damping * fade / g_low * (speed_error + speed * (std::min(1.0, x_error) + g_error / g)) + kBristleRounding * factor;
   const double unbounded = error.bend + factor * (step.bend_error + g * turned + g_error + kBristleRounding * off) + factor_error * off +
                            law.viscous_friction * (speed_error + speed * turned);
-  // What is shortened to the cone is off by as much less as it was shortened; by the twin's way of the sum.
+  // Projection onto the cone reduces the error in the same proportion; the twin's unprojected sum is used.
   reference::Shear sum{};
   for (std::size_t axis = 0; axis < 2; ++axis) {
     const double along = way > 0 ? step.u[axis] / way : 0, left = (g * along - stiffness * step.bend[axis]) * std::exp(-x);
@@ -129,7 +127,7 @@ BristleError bristleError(const LuGre& law, const BristleStep& step) {
   return error;
 }
 
-// Greatest share of the pressure that shear may be.
+// Friction coefficient of the cone.
 double coneOf(const Sensor& sensor) {
   const LuGre* bristles = std::get_if<LuGre>(&sensor.skin.law);
   return bristles != nullptr ? bristles->static_friction : sensor.skin.friction.friction_coefficient;
@@ -168,7 +166,7 @@ Tracked advance(const Sensor& sensor, const std::vector<PlacedObject>& placed, c
       const Vector3 u = rotate(inverse(X_SP).rotation, moved);
       const double angle = angleOf(from.rotation, to.rotation), along = std::hypot(u[0], u[1]);
       const double motion_error = kRelativeMotion * (length(u) + angle * kArm) + angle * rounding.margin_z;
-      // Of the step, after touch: depth / descent, at most 1.
+      // Share of the step after touch: depth / descent, at most 1.
       const auto share = [](double depth, double descent) { return descent > depth ? depth / descent : 1.0; };
       const double unsure = share(d_high, -u[2] - motion_error) - share(d_low, -u[2] + motion_error);
       error = mu * (p_high - p_low) + 2 * rounding.relative_force * now.cone[n];
@@ -211,7 +209,7 @@ struct PathKind {
   bool with_loads = false;
 };
 
-// Around the preset, or with each parameter up to six orders of magnitude off.
+// Parameters near the preset, or each up to six orders of magnitude off.
 LuGre randomLuGre(Random& random, double stiffness, bool any) {
   const auto around = [&](double value, double decades) { return value * std::pow(10, random.uniform(-decades, decades)); };
   const double decades = any ? 6 : 0.3;
@@ -235,7 +233,7 @@ Sensor randomFrictionSensor(Random& random, const PathKind& kind) {
   return sensor;
 }
 
-// The object rolls, slides, lifts a little or rests.
+// Next pose of an object that rolls, slides, lifts a little or rests.
 Pose nextPose(Random& random, const Pose& X_SO, double thickness, double size) {
   if (random.chance(0.15)) return X_SO;
   const Vector3 axis{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1) + 1e-3};
@@ -254,8 +252,8 @@ std::vector<Object> randomObjects(Random& random, const PathKind& kind) {
   return objects;
 }
 
-// Shear and wrench of one instance inside the bounds of its twin. Returns the width of the bounds relative to the cone, where it is more
-// than a whisper.
+// Expects shear and wrench of one instance inside the bounds of its twin. Returns the width of the bounds relative to the cone, if the cone
+// exceeds kWhisper.
 std::optional<double> expectShearOfTwin(const FrameView& frame, std::size_t i, const Sensor& sensor, const Tracked& twin,
                                         const support::FrameEnvelope& envelope) {
   const double mu = coneOf(sensor);
@@ -273,7 +271,7 @@ std::optional<double> expectShearOfTwin(const FrameView& frame, std::size_t i, c
     cone += mu * twin.frame.contact.taxel_force[t];
   }
   EXPECT_EQ(num_wrong, 0u);
-  // The wrench: shear at arms of up to the sensor's extent, beside the pressures within their own envelope.
+  // The wrench: shear with lever arms up to the extent of the sensor, plus the bounds of the pressures.
   for (std::size_t axis = 0; axis < 6; ++axis) {
     const double arm = axis < 3 ? 1 : 0.1;  // m, of the torques
     const double slack = arm * (width + support::kRelativeMoment * (envelope.total_high + cone) + support::kAbsoluteForce) + 1e-9;
@@ -323,13 +321,13 @@ void runPath(const PathKind& kind, int seed) {
       SCOPED_TRACE("step " + std::to_string(step) + ", instance " + std::to_string(i));
       const auto placed = touches[i].placed(objects, frame.ground_truth.load_offset[i]);
       support::Rounding rounding = support::roundingFor(sensor, placed);
-      // A pose that a load search moves is rounded once more.
+      // A load search rounds the pose once more.
       rounding.margin_z += (kind.num_slots > 1 ? kSlotRounding : 0) + (kind.with_loads ? support::kMarginZ : 0);
       tracked[i] = advance(sensor, placed, rounding, tracked[i], dt, kind.num_slots > 1 ? 0x1p-20 : 0);
       const auto relative = expectShearOfTwin(frame, i, sensor, tracked[i], support::frameEnvelope(sensor, placed, rounding));
       if (relative) looseness.push_back(*relative);
     }
-    // Bristles have bent as far as they can after some 10 um.
+    // Bristles reach their largest bend after about 10 um.
     const double size = kind.shears == Shears::kSprings ? 1 : std::pow(10, random.uniform(-3, 0));
     for (Touch& touch : touches) {
       for (Pose& X_SO : touch.X_SO) X_SO = nextPose(random, X_SO, sensor.skin.thickness, size);
@@ -363,15 +361,15 @@ TEST_P(FrictionTwinSeeds, UnderALoad) {
           4000 + GetParam());
 }
 
-TEST_P(FrictionTwinSeeds, TaxelsWithPlacesOfTheirOwn) {
+TEST_P(FrictionTwinSeeds, TaxelLists) {
   runPath({.sensor = {}, .curved = GetParam() % 4, .num_slots = 1 + GetParam() / 4}, 5000 + GetParam());
 }
 
-TEST_P(FrictionTwinSeeds, BristlesOnTaxelsWithPlacesOfTheirOwn) {
+TEST_P(FrictionTwinSeeds, BristlesOnTaxelLists) {
   runPath({.sensor = {}, .curved = GetParam() % 4, .shears = Shears::kBristles, .num_slots = 1 + GetParam() / 4}, 5500 + GetParam());
 }
 
-TEST_P(FrictionTwinSeeds, TaxelsWithPlacesOfTheirOwnUnderALoad) {
+TEST_P(FrictionTwinSeeds, TaxelListsUnderALoad) {
   runPath({.sensor = {}, .curved = GetParam() % 4, .all_convex = true, .with_loads = true}, 6000 + GetParam());
 }
 
@@ -391,7 +389,7 @@ TEST_P(FrictionTwinSeeds, BristlesUnderALoad) {
           7000 + GetParam());
 }
 
-TEST_P(FrictionTwinSeeds, AnyBristles) {
+TEST_P(FrictionTwinSeeds, ExtremeBristles) {
   runPath({.sensor = {}, .shears = Shears::kAnyBristles, .num_slots = 1 + GetParam() % 2}, 8000 + GetParam());
 }
 

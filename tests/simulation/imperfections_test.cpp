@@ -1,4 +1,4 @@
-// Imperfections of stage 5 on the device: the twin's draws taxel by taxel, independence of batch, slot and workgroup, and nothing where
+// Imperfections of stage 5 on the device: the twin's draws taxel by taxel, independence of batch, slot and workgroup, and no effect when
 // off.
 #include "reference/imperfections.h"
 
@@ -23,7 +23,7 @@ using support::Touch;
 constexpr double kDt = 0.01;  // s
 constexpr std::uint64_t kSeed = 77;
 
-// Everything of stages 4 and 5 at once.
+// All effects of stages 4 and 5.
 Sensor busySensor(int num_patches) {
   Sensor sensor = support::gridSensor({.num_rows = 5, .num_cols = 7, .samples_per_taxel = 3});
   for (int p = 1; p < num_patches; ++p) {
@@ -63,7 +63,7 @@ Touch touchOf(std::uint64_t episode, int n) {
   return episode % 2 == 0 ? Touch{{0}, {{.position = {0, 0, -depth}}}} : Touch{{1}, {{.position = {1e-3 * n, 0, 0.01 - depth}}}};
 }
 
-// `num_steps` of the episodes given, one an instance; bits of each after the last.
+// Simulates `num_steps` of the given episodes, one per instance. Returns the bits of each after the last.
 std::vector<std::vector<std::uint32_t>> bitsOfEpisodes(Simulator& simulator, const std::vector<std::uint64_t>& episodes, int num_steps) {
   const int num_instances = static_cast<int>(episodes.size());
   for (int i = 0; i < num_instances; ++i) simulator.reset(i, episodes[i], {.gain = 1.1f, .gain_spread = 0.05f, .noise = 2});
@@ -82,10 +82,10 @@ std::vector<std::vector<std::uint32_t>> bitsOfEpisodes(Simulator& simulator, con
 
 // A normal number is sqrt(-2 log u) cos(angle): Vulkan lets a driver's cos be off by 2^-11, and the root is at most 5.8.
 constexpr double kDraw = 3e-3;
-// What float32 does to the rest.
+// Float32 rounding of everything else.
 constexpr double kRounded = 1e-5;
 
-TEST(ImperfectionsOnEveryDriver, CountsAreTheTwins) {
+TEST(ImperfectionsOnEveryDriver, CountsMatchTheTwin) {
   for (const int num_patches : {1, 2, 60}) {  // 60 and more: taxels with places of their own
     Sensor sensor = busySensor(num_patches < 60 ? num_patches : 1);
     if (num_patches == 60) {
@@ -93,7 +93,7 @@ TEST(ImperfectionsOnEveryDriver, CountsAreTheTwins) {
       sensor.psf = {.sigma = 1e-3};
     }
     if (num_patches == 2) {
-      // So flat at first that bias lifts some taxels that nothing touches over 0, on the first piece gone on below it.
+      // The first piece is so flat that bias lifts some taxels without contact above 0, on its extension below 0.
       sensor.readout.curve = {1};
       sensor.readout.curve_points = {{0.05, 40}, {0.2, 700}, {1, 3500}};
       sensor.readout.trigger = 0.02;
@@ -137,7 +137,7 @@ TEST(ImperfectionsOnEveryDriver, CountsAreTheTwins) {
   }
 }
 
-TEST(ImperfectionsOnEveryDriver, AnEpisodeIsTheSameInAnyBatchAndSlot) {
+TEST(ImperfectionsOnEveryDriver, EpisodeIndependentOfBatchAndSlot) {
   constexpr int kNumSteps = 5;
   const Model model(support::sharedDevice(), {.sensor = busySensor(1), .objects = objects()});
   const std::vector<std::uint64_t> episodes{3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13}, backwards(episodes.rbegin(), episodes.rend());
@@ -153,7 +153,7 @@ TEST(ImperfectionsOnEveryDriver, AnEpisodeIsTheSameInAnyBatchAndSlot) {
   EXPECT_NE(expected[0], expected[2]);
 }
 
-TEST(ImperfectionsOnEveryDriver, TheSizeOfWorkgroupsDoesNotShow) {
+TEST(ImperfectionsOnEveryDriver, IndependentOfWorkgroupSize) {
   const auto bits = [&](int image_workgroup, int num_patches) {
     const Model model(support::sharedDevice(),
                       {.sensor = busySensor(num_patches), .objects = objects(), .image_workgroup = image_workgroup});
@@ -166,8 +166,8 @@ TEST(ImperfectionsOnEveryDriver, TheSizeOfWorkgroupsDoesNotShow) {
   }
 }
 
-// Reset of one instance leaves the state of the others.
-TEST(ImperfectionsOnEveryDriver, ResetIsOfOneInstance) {
+// Reset of one instance does not change the state of others.
+TEST(ImperfectionsOnEveryDriver, ResetAffectsOneInstance) {
   const Model model(support::sharedDevice(), {.sensor = busySensor(1), .objects = objects()});
   Simulator undisturbed(model, {.num_instances = 2, .seed = kSeed}), disturbed(model, {.num_instances = 2, .seed = kSeed});
   for (int n = 0; n < 6; ++n) {
@@ -195,22 +195,22 @@ void expectOffsetsEverywhere(double bias, double random_walk) {
   for (int n = 0; n < 10; ++n) {
     simulator.step(1e-3);
     const FrameView frame = simulator.read();
-    // Half of a normal distribution is cut at 0: the mean of the rest over all taxels is sigma / sqrt(2 pi), its mean square sigma^2 / 2.
+    // Negative values are cut to 0: over all taxels the mean is sigma / sqrt(2 pi), the mean square sigma^2 / 2.
     const double variance = bias * bias + random_walk * random_walk * 1e-3 * (n + 1);
     double mean = 0, square = 0;
     for (const std::uint32_t counts : frame.tactile_image) {
       mean += counts / static_cast<double>(kNumTaxels);
       square += static_cast<double>(counts) * counts / kNumTaxels;
     }
-    // Five standard errors: variance of the cut value sigma^2 (1/2 - 1/(2 pi)), of its square sigma^4 (3/2 - 1/4); half a count of
-    // rounding.
+    // Five standard errors: the variance of the cut value is sigma^2 (1/2 - 1/(2 pi)), of its square sigma^4 (3/2 - 1/4); plus half a count
+    // of rounding.
     EXPECT_NEAR(mean, std::sqrt(variance / (2 * std::numbers::pi)), 5 * std::sqrt(variance * 0.3408 / kNumTaxels) + 0.5);
     EXPECT_NEAR(square, variance / 2, 5 * variance * std::sqrt(1.25 / kNumTaxels) + std::sqrt(variance));
     EXPECT_EQ(frame.ground_truth.total_force[0], 0);
   }
 }
 
-TEST(ImperfectionsOnEveryDriver, BiasAndWalkReachTaxelsThatNothingTouches) {
+TEST(ImperfectionsOnEveryDriver, BiasAndWalkAffectTaxelsWithoutContact) {
   expectOffsetsEverywhere(300, 0);
   expectOffsetsEverywhere(0, 4000);
   expectOffsetsEverywhere(300, 4000);
@@ -218,15 +218,15 @@ TEST(ImperfectionsOnEveryDriver, BiasAndWalkReachTaxelsThatNothingTouches) {
 
 // ---- off ----
 
-// Values of every per-taxel array: moments are left out, since they are summed about another taxel where everything is computed.
+// Values of all per-taxel arrays, without moments, which are summed about another taxel if everything is computed.
 std::vector<std::uint32_t> arraysOf(const FrameView& frame) {
   std::vector<std::uint32_t> bits(frame.tactile_image.begin(), frame.tactile_image.end());
   for (const float force : frame.ground_truth.tactile_normal_force) bits.push_back(std::bit_cast<std::uint32_t>(force));
   return bits;
 }
 
-// Each setting as near to none as it can be while it is still computed leaves the image's bits alone.
-TEST(ImperfectionsOnEveryDriver, NextToNothingIsNothing) {
+// The smallest setting that is still computed changes no bit of the image.
+TEST(ImperfectionsOnEveryDriver, TinyImperfectionsChangeNoCount) {
   Sensor plain = support::gridSensor();
   plain.psf = gaussianPsf(0.5, 3);
   plain.readout.curve = {1000};
@@ -261,7 +261,7 @@ TEST(ImperfectionsOnEveryDriver, NextToNothingIsNothing) {
   }
 }
 
-// With everything on, ground truth is what a sensor without any of it has.
+// Ground truth is that of a sensor without imperfections.
 TEST(ImperfectionsOnEveryDriver, GroundTruthStaysClean) {
   Sensor busy = busySensor(1), plain = busy;
   plain.readout = {};

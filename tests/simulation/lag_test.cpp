@@ -1,4 +1,4 @@
-// Stage 4 on the device: closed forms under a flat punch, and the twin's lag over random parameters and paths.
+// Stage 4 on the device: closed forms under a flat punch, and the twin over random parameters and paths.
 #include "reference/lag.h"
 #include "reference/readout.h"
 #include "simulation/comparison.h"
@@ -24,7 +24,7 @@ namespace {
 using support::Random;
 
 constexpr double kCountsPerNewton = 20'000;
-// The closed forms' own share of the error; one count of 20,000 is far less.
+// Error of the closed forms themselves; one count of 20,000 is far less.
 constexpr double kClosedForm = 0.005;
 
 // One taxel of 2 N per mm of depth under a flat punch.
@@ -74,7 +74,7 @@ TEST(LagOnEveryDriver, CreepAtConstantForce) {
   }
 }
 
-TEST(LagOnDevice, LowPassOfAStep) {
+TEST(LagOnDevice, LowPassStepResponse) {
   Sensor sensor = punchedSensor();
   sensor.readout.low_pass_time = 0.1;
   Punch punch(sensor);
@@ -91,7 +91,7 @@ TEST(LagOnEveryDriver, HysteresisLoopArea) {
   sensor.readout.hysteresis_strength = {strength};
   sensor.readout.hysteresis_width = {width};
   Punch punch(sensor);
-  // Depths of a closed path; the first rise only takes it there.
+  // Depths of a closed path; the first rise only leads to it.
   const auto depth = [](int n) { return 1e-3 * (n % 200 < 100 ? n % 200 : 200 - n % 200) / 100; };
   for (int n = 0; n <= 100; ++n) punch.step(depth(n), 0.01);
   const double amplitude = punch.force / 2;
@@ -105,7 +105,7 @@ TEST(LagOnEveryDriver, HysteresisLoopArea) {
   EXPECT_NEAR(area, expected, kClosedForm * expected);
 }
 
-TEST(LagOnEveryDriver, HysteresisRemembersWhereItTurned) {
+TEST(LagOnEveryDriver, HysteresisKeepsTurningPoints) {
   Sensor sensor = punchedSensor();
   sensor.readout.hysteresis_strength = {0.2, 0.3};
   sensor.readout.hysteresis_width = {0.1, 0.6};
@@ -116,7 +116,7 @@ TEST(LagOnEveryDriver, HysteresisRemembersWhereItTurned) {
   EXPECT_EQ(punch.counts, before);
 }
 
-TEST(LagOnDevice, DelayIsThatManyStepsAndNothingComesBefore) {
+TEST(LagOnDevice, DelayShiftsByWholeSteps) {
   for (const int num_steps : {1, 5, kMaxDelaySteps}) {
     Sensor sensor = punchedSensor();
     sensor.readout.delay = 0.01 * num_steps;
@@ -134,7 +134,7 @@ TEST(LagOnDevice, DelayIsThatManyStepsAndNothingComesBefore) {
   }
 }
 
-TEST(LagOnDevice, ADelayOfMoreStepsThanAreKeptIsRefused) {
+TEST(LagOnDevice, RejectsADelayOfTooManySteps) {
   Sensor sensor = punchedSensor();
   sensor.readout.delay = 0.32;
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(HalfSpace{})}});
@@ -153,8 +153,8 @@ TEST(LagOnDevice, ADelayOfMoreStepsThanAreKeptIsRefused) {
   simulator.read();
 }
 
-// Time runs between frames as well: held frames show what a sensor without hold shows at that step.
-TEST(LagOnEveryDriver, TimeRunsBetweenHeldFrames) {
+// State advances between frames: a held frame shows the value of a sensor without hold at that step.
+TEST(LagOnEveryDriver, StateAdvancesBetweenHeldFrames) {
   Sensor free = punchedSensor();
   free.readout.creep = {{0.5, 0.05}};
   free.readout.hysteresis_strength = {0.2};
@@ -174,8 +174,8 @@ TEST(LagOnEveryDriver, TimeRunsBetweenHeldFrames) {
   }
 }
 
-// Where nothing touches any more, what was touched fades by the closed form.
-TEST(LagOnEveryDriver, TimeRunsWhereContactHasGone) {
+// After contact ends the reading decays by the closed form.
+TEST(LagOnEveryDriver, StateAdvancesAfterContactEnds) {
   Sensor sensor = support::gridSensor();
   sensor.readout = punchedSensor().readout;
   sensor.readout.low_pass_time = 0.05;
@@ -212,8 +212,8 @@ Readout randomLag(Random& random, Readout readout) {
 
 class LagSeeds : public ::testing::TestWithParam<int> {};
 
-// The twin's stages 4 and 5 take the device's own spread force, so that their rounding is all that is left: at most three roundings of the
-// largest force so far in each step, and some forty of the readout's own.
+// The twin's stages 4 and 5 take the device's own spread force, so only their rounding remains: at most three roundings of the largest
+// force so far per step, and about forty of the readout.
 TEST_P(LagSeeds, CountsFollowTheTwin) {
   Random random(static_cast<std::uint64_t>(GetParam()));
   Sensor sensor = support::randomSensor(random, {.max_rows = 6, .max_cols = 7, .max_patches = 1 + GetParam() % 2, .max_kernel = 5});
@@ -276,9 +276,9 @@ TEST_P(LagSeeds, CountsFollowTheTwin) {
 
 INSTANTIATE_TEST_SUITE_P(OnEveryDriver, LagSeeds, support::seeds(4, 12));
 
-// ---- parameters far off ----
+// ---- extreme parameters ----
 
-TEST(LagOnDevice, ParametersOfAnySizeStayFinite) {
+TEST(LagOnDevice, ExtremeParametersStayFinite) {
   const std::vector<std::pair<const char*, std::function<void(Readout&, double)>>> keys = {
       {"hysteresis_width", [](Readout& r, double f) { r.hysteresis_strength = {0.5}, r.hysteresis_width = {0.1 * f}; }},
       {"hysteresis_strength",

@@ -1,4 +1,4 @@
-// The tactile Jacobian of an elastic layer: its twin against features of moved sensors, the device against the twin.
+// The tactile Jacobian of an elastic layer: the twin against differences of moved sensors, the device against the twin.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,8 +28,8 @@ using Block = std::vector<double>;
 
 constexpr std::size_t kNumBlocks = 15;
 
-// What is compared, block by block: of the centre of pressure, the force, the edge angle and the wrench's force and torque, by what slides
-// the contact (v along x and y), what presses it (along z) and what turns it (w).
+// Blocks for the comparison: derivatives of centre of pressure, force, edge angle, and force and torque of the wrench, by sliding (v along
+// x and y), pressing (v along z) and rotation (w).
 template <typename Center, typename Force, typename Angle, typename Wrench>
 std::vector<Block> blocksOf(Center center, Force force, Angle angle, Wrench wrench) {
   std::vector<Block> blocks;
@@ -62,7 +62,7 @@ std::vector<Block> blocksOf(const FrameView& frame, std::size_t i) {
                   [&](std::size_t axis, std::size_t k) { return view.contact_wrench[36 * i + 6 * axis + k]; });
 }
 
-// The largest error of each kind of block, relative to the largest entry of the block there; `floors`: what a block counts as at least.
+// Largest error of each block, relative to the largest entry of the block, or to `floors` if that is larger.
 std::vector<double> errorsOf(const std::vector<Block>& found, const std::vector<Block>& expected, const std::vector<double>& floors) {
   std::vector<double> errors;
   for (std::size_t b = 0; b < found.size(); ++b) {
@@ -76,8 +76,8 @@ std::vector<double> errorsOf(const std::vector<Block>& found, const std::vector<
   return errors;
 }
 
-// Sizes of such blocks for a contact of this size: sliding moves its centre as far, pressing makes it grow by the share that the force
-// does, turning is sliding and pressing at the array's half.
+// Typical sizes of the blocks: sliding moves the centre by the same distance, pressing enlarges the contact by the relative growth of the
+// force, rotation combines both at half the array.
 std::vector<double> floorsFor(const reference::FeatureJacobian& row) {
   const double size = std::sqrt(row.trace), stiffness = std::abs(row.total_force_by_twist[2]), growth = stiffness / row.total_force;
   const std::vector<double> slide{1, stiffness, 1 / size / row.edge_confidence, stiffness, stiffness * size};
@@ -92,7 +92,7 @@ reference::Frame frameOf(const Sensor& sensor, const std::vector<Object>& object
   return reference::simulateFrame(sensor, {.objects = touch.placed(objects)});
 }
 
-// Features of the same solver where the sensor has moved by a little this way and that.
+// Central differences of the features of the same solver for a moved sensor.
 std::vector<Block> differencesOf(const Sensor& sensor, const std::vector<Object>& objects, const Touch& touch) {
   std::array<std::array<reference::Frame, 2>, 6> frames;
   std::array<double, 6> steps{};
@@ -120,7 +120,7 @@ struct LayerContactCase {
   Touch touch;
 };
 
-// A long round thing across the array, with a principal axis, deep enough to cover some nodes, tilted a little.
+// A capsule across the array with a distinct principal axis, covering several nodes, slightly tilted.
 LayerContactCase randomCase(Random& random, int samples_per_taxel) {
   const auto base = random.uniform(0, 1) < 0.5 ? ElasticLayer::Base::kBonded : ElasticLayer::Base::kHalfSpace;
   LayerContactCase contact{layerSensor({.base = base, .margin = random.uniform(0, 1) < 0.5 ? 0 : 3.4e-3}), {}, {}};
@@ -133,9 +133,9 @@ LayerContactCase randomCase(Random& random, int samples_per_taxel) {
   return contact;
 }
 
-// Nodes come into contact and leave it one by one as the object moves, each with a force of its own size to the power 3/2, and slopes come
-// from neighbours: relative errors of the spacing over the contact's half-width, squared, some (1.7 / 4)^2 and (0.85 / 4)^2.
-TEST(LayerJacobianTwin, IsWhatMovedSensorsFeel) {
+// Nodes enter and leave the contact one by one, each with a force of about the 3/2 power of its size, and slopes are differences of
+// neighbours: the relative error is the square of the spacing over the half-width of the contact, about (1.7 / 4)^2 and (0.85 / 4)^2.
+TEST(LayerJacobianTwin, MatchesDifferencesOfMovedSensors) {
   for (const auto& [samples, allowed] : {std::pair{2, 0.15}, {4, 0.05}}) {
     Random random(3);
     std::vector<double> worst(kNumBlocks, 0);
@@ -155,8 +155,7 @@ TEST(LayerJacobianTwin, IsWhatMovedSensorsFeel) {
   }
 }
 
-// The device ends its conjugate gradients at a ten thousandth; its contact may miss a node at the rim, whose share is that of a few
-// hundred.
+// The conjugate gradients of the device stop at 1e-4; its contact may differ by a node at the rim, one of some hundreds.
 constexpr double kLikeTwin = 0.02;
 
 TEST(LayerJacobianOnEveryDriver, MatchesTheTwin) {
@@ -177,8 +176,8 @@ TEST(LayerJacobianOnEveryDriver, MatchesTheTwin) {
   for (std::size_t b = 0; b < worst.size(); ++b) EXPECT_LE(worst[b], kLikeTwin) << "block " << b;
 }
 
-// A frame is the same with it and without, in any batch and workgroup, and nothing is left of an object that has gone.
-TEST(LayerJacobianOnEveryDriver, ChangesNothingElseAndIsTheSameInAnyBatch) {
+// The Jacobian changes no other output, is the same in every batch and workgroup, and is zero after the object is gone.
+TEST(LayerJacobianOnEveryDriver, IndependentOfBatchAndChangesNoOtherOutput) {
   Random random(7);
   const LayerContactCase contact = randomCase(random, 2);
   const Touch away{{0}, {{{0, 0, 1}, {1, 0, 0, 0}}}};

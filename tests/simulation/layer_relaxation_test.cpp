@@ -1,4 +1,4 @@
-// Relaxation of the law `elastic_layer` on the device: against the twin, and what must hold on any path. Closed forms: relaxation_test.cpp.
+// Relaxation of the law `elastic_layer` on the device: against the twin and general properties. Closed forms: relaxation_test.cpp.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ using support::layerSensor;
 using support::Random;
 using support::Touch;
 
-// The load search stops at this share of the load, in float32 sums.
+// The load search stops at this relative error, in float32 sums.
 constexpr double kCarried = 1e-3;
 
 Sensor relaxingSensor(const LayerOptions& skin, std::vector<RelaxationTerm> terms, int samples = 1) {
@@ -33,7 +33,7 @@ double sumOf(std::span<const double> values) {
 
 // ---- the twin ----
 
-// Greatest displacement (m) under `pressure`.
+// Largest displacement (m) under `pressure`.
 double deepestUnder(const reference::Layer& layer, std::span<const double> pressure) {
   const auto rows = static_cast<std::size_t>(layer.nodes.num_rows), cols = static_cast<std::size_t>(layer.nodes.num_cols);
   double deepest = 0;
@@ -58,8 +58,8 @@ struct PathKind {
 
 class LayerRelaxationTwinSeeds : public ::testing::TestWithParam<int> {
  protected:
-  // Strain pressures, those of an instantaneous press, are solved anew in every step, and off by forceSlack() of their sum as without
-  // relaxation. Pressure is held + gain (P' - P), of which held is a mean of earlier strains: off by no more than twice as much.
+  // Strain pressures, those of an instantaneous press, are solved in every step with an error of forceSlack() of their sum. The pressure is
+  // held + gain (P' - P), where held is a mean of earlier strains: at most twice that error.
   static void run(const PathKind& kind, int seed) {
     constexpr int kNumInstances = 3, kNumSteps = 8, kResetStep = 6;
     Random random(static_cast<std::uint64_t>(seed));
@@ -131,7 +131,7 @@ class LayerRelaxationTwinSeeds : public ::testing::TestWithParam<int> {
         EXPECT_NEAR(truth.load_offset[i], search.offset, 2e-4 * sensor.skin.thickness + 4 * support::kMarginZ);
       }
       for (std::size_t i = 0; i < touches.size(); ++i) {
-        // Elsewhere, and back to where the skin has had time to recover; or on from here.
+        // Moves on, or swaps with a contact elsewhere, where the skin has had time to recover.
         if (random.chance(0.3)) {
           std::swap(touches[i], elsewhere[i]);
           continue;
@@ -145,7 +145,7 @@ class LayerRelaxationTwinSeeds : public ::testing::TestWithParam<int> {
   }
 
  private:
-  // Bounds wider than this, relative to the force, would prove little.
+  // Width of the bounds relative to the force; wider ones would prove little.
   static constexpr double kLoosest = 0.05;
 };
 
@@ -167,7 +167,7 @@ TEST_P(LayerRelaxationTwinSeeds, UnderALoad) {
 
 INSTANTIATE_TEST_SUITE_P(OnEveryDriver, LayerRelaxationTwinSeeds, support::seeds(2, 4));
 
-// ---- what must hold on any path ----
+// ---- general properties ----
 
 // A bonded layer with the default solver.
 Sensor bondedLayer(std::vector<RelaxationTerm> terms) {
@@ -204,9 +204,9 @@ double carriedBy(const GroundTruthView& truth) {
   return truth.total_force[0] + truth.off_array_load[0];
 }
 
-// A sphere that is drawn up faster than the skin follows stands in its dent, below the skin's surface, and touches nothing; pressed again
-// it meets less than at first, long after as much.
-TEST(ElasticLayerRelaxation, NothingPressesInADent) {
+// A sphere that retracts faster than the skin recovers has no contact above its dent. Pressed again it meets less force than at first,
+// after a long time the same.
+TEST(ElasticLayerRelaxation, NoPressureInADent) {
   PressedLayer layer(bondedLayer({{0.6, 0.1}, {0.1, 0.5}}));
   const double first = carriedBy(layer.press(0.6e-3, 1e-3));
   for (int n = 0; n < 20; ++n) layer.press(0.6e-3, 0.1);
@@ -225,8 +225,9 @@ TEST(ElasticLayerRelaxation, NothingPressesInADent) {
   EXPECT_NEAR(carriedBy(layer.press(0.6e-3, 1e-6)) / first, 1, 5e-3);
 }
 
-// An incompressible layer that was pressed for long stands up around its dent: an object beside it touches above the skin's surface.
-TEST(ElasticLayerRelaxation, TheBulgeAroundADentTouches) {
+// An incompressible layer that was pressed for long bulges around its dent: an object beside the dent touches above the level of the
+// undeformed skin.
+TEST(ElasticLayerRelaxation, BulgeAroundADentTouches) {
   const std::vector<RelaxationTerm> terms{{0.9, 0.1}};
   const Sensor sensor = relaxingSensor({.poisson_ratio = 0.5}, terms, 2);
   const std::vector<Object> objects{Object(Sphere{0.01}), Object(Sphere{0.004})};
@@ -245,7 +246,7 @@ TEST(ElasticLayerRelaxation, TheBulgeAroundADentTouches) {
   }
 }
 
-TEST(ElasticLayerRelaxation, ALoadIsCarriedWhileItSinksIn) {
+TEST(ElasticLayerRelaxation, CarriesALoadThatSinksIn) {
   constexpr double kLoad = 2;
   PressedLayer layer(bondedLayer({{0.3, 0.1}, {0.2, 2}}));
   double before = 0, first = 0;
@@ -260,8 +261,8 @@ TEST(ElasticLayerRelaxation, ALoadIsCarriedWhileItSinksIn) {
   EXPECT_LT(before, first - 20e-6);
 }
 
-// What full depth carries falls to half: a load between is carried at first and then out of reach, at full depth.
-TEST(ElasticLayerRelaxation, ALoadMayGoOutOfReach) {
+// The force at full depth falls to half: a load in between is carried at first and later out of reach.
+TEST(ElasticLayerRelaxation, LoadMayGoOutOfReach) {
   PressedLayer layer(bondedLayer({{0.5, 0.1}}));
   const double load = 0.75 * carriedBy(layer.press(2e-3, 1e-3));
   layer.reset();
@@ -274,8 +275,8 @@ TEST(ElasticLayerRelaxation, ALoadMayGoOutOfReach) {
   EXPECT_LT(carriedBy(truth), load);
 }
 
-// A tenth of the load in the dent of all of it, a thousandth, less than float32 tells apart there, none.
-TEST(ElasticLayerRelaxation, ASmallLoadInTheDentOfALargeOne) {
+// Loads of 1/10 and 1/1000 in the dent of the full load, a load below float32 resolution there, and no load.
+TEST(ElasticLayerRelaxation, CarriesASmallLoadInADent) {
   constexpr double kLoad = 5;
   for (const double share : {0.1, 1e-3, 1e-9, 0.0}) {
     PressedLayer layer(bondedLayer({{0.8, 0.1}}));
@@ -289,9 +290,8 @@ TEST(ElasticLayerRelaxation, ASmallLoadInTheDentOfALargeOne) {
   }
 }
 
-// One node, held at full depth until next to nothing of its stiffness is left: full depth is the bottom of the dent, and no load is
-// carried.
-TEST(ElasticLayerRelaxation, LoadsInADentOfFullDepth) {
+// One node at full depth until almost no stiffness remains: full depth is the bottom of the dent, and no load can be carried.
+TEST(ElasticLayerRelaxation, CarriesLoadsInADentOfFullDepth) {
   Sensor sensor = layerSensor({.base = ElasticLayer::Base::kHalfSpace}, {.num_rows = 1, .num_cols = 1, .samples_per_taxel = 1});
   sensor.skin.relaxation = {{1 - 1e-9, 1e-3}};
   for (const double load : {0.0, 1e-6, 1.0, 1e12}) {
@@ -303,8 +303,8 @@ TEST(ElasticLayerRelaxation, LoadsInADentOfFullDepth) {
   }
 }
 
-// A term that has no part in the stiffness changes nothing but roundings.
-TEST(ElasticLayerRelaxation, OfNothingIsNothing) {
+// A term with fraction 0 changes rounding only.
+TEST(ElasticLayerRelaxation, ZeroFractionEqualsNoRelaxation) {
   PressedLayer relaxes(bondedLayer({{0, 0.1}})), stays(bondedLayer({}));
   for (const double depth : {0.3e-3, 0.5e-3, 0.2e-3, -0.1e-3, 0.4e-3}) {
     const double expected = carriedBy(stays.press(depth, 0.1));
@@ -312,8 +312,8 @@ TEST(ElasticLayerRelaxation, OfNothingIsNothing) {
   }
 }
 
-// Dragged far, by pose and under a load: at Coulomb's cone over the pressure that is left.
-TEST(ElasticLayerRelaxation, FrictionIsOfTheRelaxedPressure) {
+// Slid far, pose-driven and load-driven: the whole contact slips at the relaxed pressure.
+TEST(ElasticLayerRelaxation, FrictionUsesTheRelaxedPressure) {
   constexpr double kMu = 0.6, kLoad = 2;
   Sensor sensor = relaxingSensor({.margin = 4e-3, .iterations = 10, .tolerance = 1e-3}, {{0.5, 0.2}}, 2);
   sensor.skin.friction = {1e11, kMu};
@@ -338,8 +338,8 @@ TEST(ElasticLayerRelaxation, FrictionIsOfTheRelaxedPressure) {
   }
 }
 
-// Together, alone, in other workgroups, and after a reset: the same bits.
-TEST(ElasticLayerRelaxation, SameBitsInAnyBatchAndWorkgroup) {
+// The same bits in a batch, alone, with other workgroups and after a reset.
+TEST(ElasticLayerRelaxation, IndependentOfBatchAndWorkgroup) {
   constexpr int kInstances = 4, kFrames = 4;
   Random random(16);
   Sensor sensor = relaxingSensor({.margin = 2e-3, .iterations = 10, .tolerance = 1e-3}, {{0.3, 1e-3}, {0.4, 0.01}, {0.1, 1}}, 2);

@@ -1,4 +1,4 @@
-// Sensors whose skin is an elastic layer, and random contacts on them.
+// Sensors with an elastic layer as skin, and random contacts on them.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 namespace taxelsim::support {
 
 inline constexpr double kModulus = 1e6;  // Pa
-// Iterations enough for any contact here, to what float32 leaves of the residual.
+// Enough iterations for any contact here to converge to float32 rounding.
 inline constexpr int kManyIterations = 300;
 inline constexpr double kTightTolerance = 2e-5;
 
@@ -24,18 +24,18 @@ struct LayerOptions {
 
 Sensor layerSensor(const LayerOptions& skin, const GridOptions& grid = {});
 
-// Objects without a silhouette near the skin, where a sample may fall to either side: round ones, and a box on its edge or corner.
+// Objects without a silhouette near the skin, where a sample could fall to either side: round objects, and a box on its edge or corner.
 std::vector<Object> roundObjects(Random& random);
 
-// One of them somewhere on the first patch or its border, up to 1.1 thicknesses deep.
+// A random object on the first patch or its border, up to 1.1 thicknesses deep.
 Touch randomTouch(Random& random, const Sensor& sensor, const std::vector<Object>& objects);
 
-// Where an object goes that rolls, slides, twists, lifts a little or rests: by up to `size` (m) along each axis.
+// Next pose of an object that rolls, slides, twists, lifts a little or rests: up to `size` (m) along each axis.
 Pose nextPose(Random& random, const Pose& X_SO, double size);
 
-// What the device's sums over the taxels may miss of the twin's of `force` (N) at `deepest` (m), solved to kTightTolerance. The residual
-// counts displacements; under a wide contact on a nearly incompressible layer pressures of long waves move little, and their error is some
-// forty times the residual (seen: thirty-five). Beside that, heights are rounded: forces of a depth that is off by the margin.
+// Error of sums over the taxels, for a force (N) at `deepest` (m), solved to kTightTolerance. The residual measures displacements; under a
+// wide contact on a nearly incompressible layer, long waves of pressure cause little displacement, and their error is about forty times the
+// residual (measured: thirty-five). The rounding of heights adds the force of a depth error of kMarginZ.
 double forceSlack(double force, double deepest);
 
 }  // namespace taxelsim::support

@@ -1,4 +1,4 @@
-// Shear of the law `elastic_layer` on the device: what must hold on any path. Closed forms: friction_test.cpp; against the twin:
+// Shear of the law `elastic_layer` on the device: general properties. Closed forms: friction_test.cpp; against the twin:
 // layer_shear_twin_test.cpp.
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ using support::Touch;
 
 constexpr double kDt = 1e-3;  // s
 
-// Instances that wander, some of them under a load.
+// Random paths of a batch, some instances under a load.
 struct Paths {
   std::vector<Object> objects;
   std::vector<std::vector<Touch>> touches;  // (steps x instances)
@@ -41,7 +41,7 @@ Paths randomPaths(const Sensor& sensor, int num_instances, int num_slots) {
   return paths;
 }
 
-// The instances given along their paths; bits of each after every step.
+// Simulates the given instances along their paths. Returns the bits of each after every step.
 std::vector<std::vector<std::uint32_t>> bitsAlong(const Model& model, const Paths& paths, const std::vector<std::size_t>& instances,
                                                   double dt = kDt) {
   const int n = static_cast<int>(instances.size());
@@ -68,7 +68,7 @@ Sensor slippingSensor(int samples = 2) {
   return sensor;
 }
 
-TEST(ElasticLayerShear, SameBitsInAnyBatchWorkgroupAndAtAnySpeed) {
+TEST(ElasticLayerShear, IndependentOfBatchWorkgroupAndSpeed) {
   for (const int num_slots : {1, 2}) {
     const Sensor sensor = slippingSensor();
     const Paths paths = randomPaths(sensor, 5, num_slots);
@@ -85,7 +85,7 @@ TEST(ElasticLayerShear, SameBitsInAnyBatchWorkgroupAndAtAnySpeed) {
   }
 }
 
-// |sum of shear| <= mu (sum of normal force), per taxel too, whatever the stiffness.
+// |shear| <= mu normal force per taxel at any stiffness.
 TEST(ElasticLayerShear, StaysInsideTheCone) {
   constexpr double kSums = 300 * support::kUlp;  // of a few products, and a word that gives its last bits to the slot
   for (const int num_slots : {1, 2}) {
@@ -147,8 +147,8 @@ TEST(ElasticLayerShear, NewObjectsAndEpisodesBeginWithoutShear) {
   }
 }
 
-// Out of contact and back: the springs have been let go.
-TEST(ElasticLayerShear, SeparationForgets) {
+// Separation releases the springs.
+TEST(ElasticLayerShear, SeparationClearsShear) {
   const Sensor sensor = slippingSensor();
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.01})}});
   Simulator simulator(model, {});
@@ -164,8 +164,8 @@ TEST(ElasticLayerShear, SeparationForgets) {
   EXPECT_EQ(shear[3], 0);
 }
 
-// The wrench of shear is the sum over the taxels where there is no margin, and a spread keeps that sum.
-TEST(ElasticLayerShear, TheWrenchIsTheSumOverTheTaxelsAndTheSpreadKeepsIt) {
+// Without a margin the shear of the wrench is the sum over the taxels, and the PSF keeps that sum.
+TEST(ElasticLayerShear, WrenchIsTheSumOverTheTaxels) {
   for (const int size : {1, 5}) {
     Sensor sensor = layerSensor({.iterations = 10, .tolerance = 1e-3}, {.num_rows = 5, .num_cols = 8, .samples_per_taxel = 2});
     sensor.skin.friction = {1e9, 0.6};
@@ -187,8 +187,8 @@ TEST(ElasticLayerShear, TheWrenchIsTheSumOverTheTaxelsAndTheSpreadKeepsIt) {
   }
 }
 
-// Dragged far under a load along the border: the whole of it at the cone. What the margin carries slips, too.
-TEST(ElasticLayerShearOnEveryDriver, ALoadThatSlidesShearsWithMuTimesTheLoad) {
+// Slid far under a load along the border: the whole contact slips, also on the margin.
+TEST(ElasticLayerShearOnEveryDriver, SlidingLoadShearsWithMuTimesTheLoad) {
   constexpr double kLoad = 3, kMu = 0.6;
   const Sensor sensor = slippingSensor();
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.02})}});
@@ -201,14 +201,14 @@ TEST(ElasticLayerShearOnEveryDriver, ALoadThatSlidesShearsWithMuTimesTheLoad) {
     const auto wrench = truth.contact_wrench;
     EXPECT_GT(truth.off_array_load[0], 0.1 * kLoad);
     EXPECT_NEAR(wrench[2], -kLoad, 1e-3 * kLoad);
-    // Springs that the leading edge has just met may not have slipped yet; they carry little.
+    // Springs at the leading edge may still stick; they carry little.
     if (n > 20) {
       EXPECT_NEAR(wrench[0], kMu * kLoad, 0.01 * kLoad) << n;
     }
   }
 }
 
-TEST(ElasticLayerShear, AnObjectAtRestDoesNotCreep) {
+TEST(ElasticLayerShear, ObjectAtRestDoesNotCreep) {
   const Sensor sensor = slippingSensor();
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.01})}});
   Simulator simulator(model, {.num_instances = 2});
@@ -223,7 +223,7 @@ TEST(ElasticLayerShear, AnObjectAtRestDoesNotCreep) {
   shearAt();
   X_SO.position[0] += 0.01e-3;
   const auto slid = shearAt();
-  // Its pressures settle by a solver's tolerance, of the forces in all, and with them the offset of a load.
+  // Pressures converge within the tolerance of the solver, relative to the total force, and so does the offset of a load.
   for (int n = 0; n < 50; ++n) {
     const auto now = shearAt();
     for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(now[i] / slid[i], 1, 1e-3) << "step " << n;

@@ -1,4 +1,4 @@
-// Shear of the law `elastic_layer` on the device against the twin's on random paths, within bounds carried along each path.
+// Shear of the law `elastic_layer` on the device against the twin on random paths, within bounds that are updated along each path.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,17 +29,16 @@ Sensor shearingSensor(Random& random, const LayerOptions& skin, int samples) {
   return sensor;
 }
 
-// A displacement takes two rotations and a dozen products, in float32, of a turn by up to some angle over arms of up to kArm; friction has
-// some more.
+// A displacement takes two rotations and a dozen float32 products, with an angle over arms of up to kArm; friction adds a few.
 constexpr double kRounding = 64 * support::kUlp;
 constexpr double kArm = 0.2;  // m
-// Which of two surfaces is the lower is not sure where they are this near: heights are rounded, where an object is steep by its place.
+// Two surfaces closer than this may be in either order: heights are rounded, and on steep objects also positions.
 constexpr double kNear = 4e-6;  // m
 
-// Bounds wider than this, relative to the cone, would prove little.
+// Width of the bounds relative to the cone; wider ones would prove little.
 constexpr double kLoosest = 0.02;
 
-// What is known of one instance after a step.
+// State of one instance after a step, with bounds.
 struct Tracked {
   reference::FrictionState state;
   std::vector<double> error;  // (nodes), Pa: how far the device's traction may be off
@@ -64,14 +63,14 @@ std::vector<bool> surelyLowest(const Sensor& sensor, const std::vector<PlacedObj
   return sure;
 }
 
-// The part of a step that moves down by `descent` (m) and comes `depth` (m) past the skin.
+// Share of a step after touch: `descent` (m) per step, `depth` (m) below the skin at its end.
 double shareInTouch(double depth, double descent) {
   return descent > 0 ? std::clamp(depth / descent, 0.0, 1.0) : 1;
 }
 
-// The twin's shear under pressures that may be off by `pressure_error` (Pa), and by how much it is then off: what a node's traction is off
-// it stays, as the cone is convex, but for what a step adds: the rounding of the displacement, the share of a first step before touch, the
-// cone's own width. Where it is not sure whether or by what a node was touched, anything inside the cone is possible.
+// The twin's shear for pressures with an error of `pressure_error` (Pa), and the bound of its error. The cone is convex, so a step keeps
+// the error of a node's traction, except for the rounding of the displacement, the share of a first step before touch and the width of the
+// cone. If it is uncertain whether or by which object a node was touched, any traction inside the cone is allowed.
 reference::ContactShear advance(const Sensor& sensor, const std::vector<PlacedObject>& placed, const PressedSkin& skin,
                                 double pressure_error, Tracked& tracked) {
   const auto [stiffness, mu] = sensor.skin.friction;
@@ -107,7 +106,7 @@ reference::ContactShear advance(const Sensor& sensor, const std::vector<PlacedOb
   return shear;
 }
 
-// The twin's skin under the device's own pressures, of a sensor whose taxels are its nodes but for the margin.
+// The twin's skin under the device's own pressures, for a sensor with one node per taxel and a margin.
 PressedSkin underItsPressures(const Sensor& sensor, const std::vector<PlacedObject>& placed, std::span<const float> taxel_force) {
   const LayerNodes nodes = layerNodes(sensor);
   reference::LayerContact contact;
@@ -132,7 +131,7 @@ struct PathKind {
   double patch_tilt = 0;  // rad
 };
 
-// Steps a batch along random paths and hands every frame to `check(instance, placed, frame)`.
+// Simulates a batch along random paths and calls `check(instance, placed, frame)` for every frame.
 template <typename Check>
 void runPath(Random& random, const PathKind& kind, const Sensor& sensor, Check&& check) {
   constexpr int kNumInstances = 3;
@@ -171,7 +170,7 @@ constexpr double kReach = 0.04;
 
 class LayerShearTwinSeeds : public ::testing::TestWithParam<int> {
  protected:
-  // Node by node, with the default solver: the twin shears under the device's own pressures, so that rounding is all that is left.
+  // Compares node by node: the twin shears under the device's own pressures, so only rounding remains.
   static void run(const PathKind& kind, int seed) {
     Random random(static_cast<std::uint64_t>(seed));
     Sensor sensor = shearingSensor(random, kind.skin, 1);
@@ -201,7 +200,7 @@ class LayerShearTwinSeeds : public ::testing::TestWithParam<int> {
       normal_seen += mu * all;
       error_seen += error;
       if (kind.skin.margin > 0) return;
-      // What is left of the wrench without the pressures is shear's.
+      // Subtracts the pressures: the rest of the wrench is shear.
       const Vector3 z = rotate(sensor.patches[0].X_SP.rotation, {0, 0, 1});
       double normal_force = 0;
       for (std::size_t axis = 0; axis < 3; ++axis) normal_force -= truth.contact_wrench[6 * i + axis] * z[axis];
@@ -213,7 +212,7 @@ class LayerShearTwinSeeds : public ::testing::TestWithParam<int> {
       const double slack = error + support::kRelativeMoment * (1 + mu) * all + support::kAbsoluteForce;
       for (std::size_t axis = 0; axis < 3; ++axis) {
         EXPECT_NEAR(truth.contact_wrench[6 * i + axis] + all * z[axis], twin.wrench[axis], slack) << "force " << axis;
-        // The arm of shear is as deep as the skin.
+        // Shear acts at the surface, at most one thickness deep.
         EXPECT_NEAR(truth.contact_wrench[6 * i + 3 + axis] - torque[axis], twin.wrench[3 + axis], slack * kReach) << "torque " << axis;
       }
     });
@@ -248,9 +247,9 @@ TEST_P(LayerShearTwinSeeds, BesideAMargin) {
 
 INSTANTIATE_TEST_SUITE_P(OnEveryDriver, LayerShearTwinSeeds, support::seeds(2, 4));
 
-// The whole way from poses, solved to the end, with four nodes a taxel and a margin. A step adds to what a sum of tractions is off at most
-// mu times what that sum of pressures is off (forceSlack()), and where nodes at the rim touch in one and not in the other as much again.
-TEST(ElasticLayerShear, FromPosesToTheTwinsWrench) {
+// From poses, solved to convergence, with four nodes per taxel and a margin. The error of a sum of tractions grows per step by at most mu
+// times the error of the sum of pressures (forceSlack()), and by as much again if a node at the rim touches in one of them only.
+TEST(ElasticLayerShear, WrenchMatchesTheTwin) {
   for (const bool with_loads : {false, true}) {
     Random random(with_loads ? 32 : 31);
     const PathKind kind{.skin = {.margin = 4e-3}, .with_loads = with_loads};

@@ -1,4 +1,4 @@
-// Load-driven instances on the device: the load is carried, where the reference says, or reported as out of reach.
+// Load-driven instances on the device: the load is carried at the offset of the reference, or reported as out of reach.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,12 +18,12 @@ namespace {
 using support::Random;
 using support::Touch;
 
-// The root find stops at this share of the load, in float32 sums.
+// The load search stops at this relative error, in float32 sums.
 constexpr double kCarried = 1e-4;
 constexpr double kDt = 1e-3;  // s
 
-// Offset (m) by which the device may miss the twin's: force is convex in depth, so a relative force error r moves the depth by at most r
-// thicknesses; beside that, the height of the surface itself is rounded.
+// Error of the offset, m. Force is convex in depth, so a relative force error r changes the depth by at most r thicknesses; the height of
+// the surface is rounded as well.
 double offsetSlack(const Sensor& sensor) {
   return kCarried * sensor.skin.thickness + support::kMarginZ;
 }
@@ -38,7 +38,7 @@ struct LoadedInstance {
   float load;
 };
 
-// Runs the batch and checks every instance: outcome, force, offset, and all stages at the offset that the device found.
+// Simulates the batch and checks every instance: outcome, force, offset, and all stages at the offset of the device.
 void runLoads(const Sensor& sensor, const std::vector<Object>& objects, const std::vector<LoadedInstance>& instances, bool is_level) {
   const int num_instances = static_cast<int>(instances.size());
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
@@ -82,8 +82,8 @@ void runLoads(const Sensor& sensor, const std::vector<Object>& objects, const st
 
 class LoadSeeds : public ::testing::TestWithParam<int> {};
 
-// Over the middle, over the border, with one or two objects, solids and meshes (with holes): loads from 2 to 95 % of what full depth
-// carries.
+// Over the middle or the border, with one or two objects, solids and meshes (with holes), and loads from 2 to 95 % of the force at full
+// depth.
 void runRandomLoads(Random& random, const Sensor& sensor, bool is_level,
                     Object (*randomMesh)(Random&, double) = support::randomMeshObject) {
   std::vector<Object> objects;
@@ -97,7 +97,7 @@ void runRandomLoads(Random& random, const Sensor& sensor, bool is_level,
       touch.ids.push_back(slot > 0 && random.chance(0.5) ? kNoObject : random.integer(0, 2));
       touch.X_SO.push_back(touch.ids.back() == kNoObject ? Pose{} : support::randomContact(random, sensor, objects[touch.ids.back()]));
     }
-    // The search starts anywhere: far over the skin or deep in it.
+    // The search starts far above the skin or deep in it.
     const double lift = random.uniform(-0.02, 0.05);
     for (Pose& X_SO : touch.X_SO) {
       X_SO.position[2] += lift;
@@ -136,8 +136,7 @@ TEST_P(LoadSeeds, SeveralTiltedPatches) {
   runRandomLoads(2000 + GetParam(), {.max_rows = 5, .max_cols = 5, .max_patches = 3, .max_patch_tilt = 0.2}, false);
 }
 
-// Loose triangles, pressed into a body beyond the depth that its skin sees, leave its skin one by one: their force does not grow with
-// depth.
+// A closed mesh. Loose triangles beyond full depth would leave the skin one by one, so that force does not grow with depth.
 Object closedMesh(Random& random, double size) {
   return random.chance(0.5) ? support::randomPolyhedron(random, size)
                             : Object("bumpy sphere", support::icosphere(size / 2, random.integer(0, 3), random.uniform(0, 0.1), random));
@@ -180,7 +179,7 @@ TEST(LoadOnEveryDriver, SphereInClosedForm) {
   simulator.setLoad(0, static_cast<float>(load));
   simulator.step(kDt);
   const FrameView frame = simulator.read();
-  // The sampled force errs by 0.15 % at most (worst over offsets, by an independent program), and dF/F is 2 d(depth)/depth.
+  // The sampled force has an error of 0.15 % at most (worst offset, by an independent program), and dF/F is 2 d(depth)/depth.
   EXPECT_NEAR(0.02 + frame.ground_truth.load_offset[0], R - depth, 0.0015 / 2 * depth + offsetSlack(sensor));
   EXPECT_NEAR(frame.ground_truth.total_force[0], load, kCarried * load);
 }
@@ -209,7 +208,7 @@ TEST(LoadOnEveryDriver, MeshWithHoles) {
            {{{{0}, {{.position = {0.4e-3, 0.1e-3, 0.003}}}}, 1.0f}, {{{0}, {{{0, 0, 0}, axisAngle({1, 1, 0}, 0.05)}}}, 3.0f}}, true);
 }
 
-TEST(LoadOnEveryDriver, OutOfReachIsReportedAndHarmsNobody) {
+TEST(LoadOnEveryDriver, ReportsLoadsOutOfReach) {
   const Sensor sensor = support::gridSensor();
   const std::vector<Object> objects{Object(Sphere{3e-3})};
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
@@ -230,8 +229,8 @@ TEST(LoadOnEveryDriver, OutOfReachIsReportedAndHarmsNobody) {
   EXPECT_NEAR(frame.ground_truth.total_force[3], 0.1, kCarried * 0.1 + support::kAbsoluteForce);
 }
 
-// One grid whose spread goes by lists, level and tilted: the search stays in its tile, or goes over tiles that are one.
-TEST(LoadOnEveryDriver, OneGridWithASpreadAlongTheSkin) {
+// One grid with a PSF by lists, level and tilted: the search runs in one tile, or over tiles of which there is one.
+TEST(LoadOnEveryDriver, OneGridWithPsfLists) {
   Sensor sensor = support::gridSensor({.num_rows = 5, .num_cols = 6});
   sensor.psf.sigma = 3e-3;
   const std::vector<Object> objects{Object(Sphere{8e-3})};
@@ -242,7 +241,7 @@ TEST(LoadOnEveryDriver, OneGridWithASpreadAlongTheSkin) {
   }
 }
 
-TEST(LoadOnEveryDriver, PoseDrivenNeighboursStayWhereTheyAre) {
+TEST(LoadOnEveryDriver, PoseDrivenInstancesDoNotMove) {
   const std::vector<Object> objects{Object(Sphere{8e-3})};
   const Sensor sensor = support::gridSensor();
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});

@@ -1,10 +1,11 @@
-// The law lugre on the device: closed forms, and what must hold at any speed.
+// The law lugre on the device: closed forms, and bounds at any speed.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "simulation/comparison.h"
+#include "support/cases.h"
 #include "support/random_scene.h"
 
 namespace taxelsim {
@@ -15,8 +16,8 @@ using support::Touch;
 
 constexpr LuGre kLuGre{.normal_contact_stiffness = 1.73e8};
 constexpr double kDepth = 0.5e-3;  // m
-// Shear over normal force, both summed over the same samples at the same pressure: some twenty roundings of bristles of about 1, which a
-// displacement of 32 roundings (of 1e-6 m and of positions of a few millimetres, as tests of friction have it) bends.
+// Error of shear over normal force, both summed over the same samples: about twenty roundings of bristles of about 1, plus the bend by a
+// displacement error of 32 roundings (of 1e-6 m and of positions of a few millimetres, as in the tests of friction).
 constexpr double kRounding = 100 * support::kUlp;
 
 Sensor sensorWith(const LuGre& law) {
@@ -25,8 +26,8 @@ Sensor sensorWith(const LuGre& law) {
   return sensor;
 }
 
-// A flat on whole samples, or on one of two patches, that slides along x by `ways` (m) in steps of `dt` (s) each; shear over normal force
-// along x.
+// A flat punch on whole samples of one or two patches slides along x by `ways` (m) in steps of `dt` (s) each. Returns shear over normal
+// force along x.
 std::vector<double> slide(const LuGre& law, const std::vector<double>& ways, const std::vector<double>& dt) {
   const Model model(support::sharedDevice(), {.sensor = sensorWith(law), .objects = {Object(Box{{3.4e-3, 6.8e-3, 0.01}})}});
   Simulator simulator(model, {});
@@ -48,21 +49,21 @@ std::vector<double> slide(const LuGre& law, const std::vector<double>& ways, con
 
 TEST(LuGreOnDevice, SteadySlidingFollowsTheStribeckCurve) {
   for (const double speed : {1e-5, 1e-4, 5e-4, 1e-3, 2e-3, 1e-2, 0.1, 1.0}) {
-    // Slid far enough after 20 steps of 1e-5 m: e^-13 and less is left.
+    // After 20 steps of 1e-5 m the initial bend has decayed to e^-13.
     const double expected = std::min(1 + 0.5 * std::exp(-speed * speed / 1e-6) + 0.4 * speed, 1.5);
     const std::vector<double> shares = slide(kLuGre, std::vector(20, 1e-5), std::vector(20, 1e-5 / speed));
     EXPECT_NEAR(shares.back(), expected, kRounding + 2 * std::exp(-20 / 1.5)) << speed;
   }
 }
 
-// The same path, fast and slow: the rate-free spring's shear would be one and the same.
-TEST(LuGreOnDevice, ThePresetShearsMoreWhenItIsSlow) {
+// The same path at two speeds. A rate-independent spring would give equal shear.
+TEST(LuGreOnDevice, PresetShearsMoreAtLowSpeed) {
   const std::vector<double> path(30, 1e-5);
   EXPECT_NEAR(slide(kLuGre, path, std::vector(30, 0.1)).back(), 1.49506, 1e-5);
   EXPECT_NEAR(slide(kLuGre, path, std::vector(30, 1e-3)).back(), 1.00400, 1e-5);
 }
 
-TEST(LuGreOnDevice, ConstantVelocityFromRestIsAnExponential) {
+TEST(LuGreOnDevice, ConstantVelocityFromRestGivesAnExponential) {
   LuGre law = kLuGre;
   law.bristle_damping = 0;
   for (const double speed : {1e-4, 1e-3, 1e-2}) {
@@ -78,8 +79,8 @@ TEST(LuGreOnDevice, ConstantVelocityFromRestIsAnExponential) {
   }
 }
 
-// A flat that comes down while it slides, in touch for half of the way.
-TEST(LuGreOnDevice, LandingBendsByTheWayAfterTouch) {
+// A flat punch that lands while it slides, in contact for half of the travel.
+TEST(LuGreOnDevice, LandingBendsByTheTravelAfterTouch) {
   LuGre law = kLuGre;
   law.bristle_damping = 0;
   const Model model(support::sharedDevice(), {.sensor = sensorWith(law), .objects = {Object(Box{{3.4e-3, 6.8e-3, 0.01}})}});
@@ -91,12 +92,12 @@ TEST(LuGreOnDevice, LandingBendsByTheWayAfterTouch) {
   }
   const auto wrench = simulator.read().ground_truth.contact_wrench;
   const double g = 1 + 0.5 * std::exp(-1.0), share = -g * std::expm1(-1e5 * 2.5e-6 / g) + 0.4e-3;
-  // The share of the way is as sure as the depth.
+  // The share of the travel has the relative error of the depth.
   EXPECT_NEAR(wrench[0] / -wrench[2], share, (support::kMarginZ / kDepth + kRounding) * share);
 }
 
-// The uncapped force after a jump from rest to 0.1 m/s is 31.7 times the load.
-TEST(LuGreOnEveryDriver, AJumpOfVelocityKeepsCoulombsBound) {
+// Without the cone the force after a jump from rest to 0.1 m/s would be 31.7 times the load.
+TEST(LuGreOnEveryDriver, VelocityJumpKeepsCoulombsBound) {
   const std::vector<double> shares = slide(kLuGre, {1e-7, 1e-7, -1e-7, 0}, {1e-6, 1e-6, 1e-6, 1e-6});
   EXPECT_NEAR(shares[0], 1.5, kRounding);
   EXPECT_NEAR(shares[1], 1.5, kRounding);
@@ -104,7 +105,7 @@ TEST(LuGreOnEveryDriver, AJumpOfVelocityKeepsCoulombsBound) {
   EXPECT_LT(std::abs(shares[3]), 0.02) << "what the bristles hold at rest";
 }
 
-TEST(LuGreOnDevice, AnObjectAtRestDoesNotCreep) {
+TEST(LuGreOnDevice, ObjectAtRestDoesNotCreep) {
   const Model model(support::sharedDevice(), {.sensor = sensorWith(kLuGre), .objects = {Object(Sphere{0.01})}});
   Simulator simulator(model, {.num_instances = 2});
   Pose X_SO{{4e-3, 17e-3, 0.0094}, axisAngle({1, 2, 3}, 1.1)};
@@ -122,8 +123,8 @@ TEST(LuGreOnDevice, AnObjectAtRestDoesNotCreep) {
   EXPECT_GT(simulator.read().ground_truth.contact_wrench[6], 0.1f);
 }
 
-// In one tile and over several, where the search is done before the bristles move, once.
-TEST(LuGreOnEveryDriver, ALoadThatSlidesShearsByTheCurve) {
+// In one tile and over several, where the search ends before the bristles move, once.
+TEST(LuGreOnEveryDriver, SlidingLoadFollowsTheStribeckCurve) {
   for (const int num_patches : {1, 2}) {
     Sensor sensor = sensorWith(kLuGre);
     for (int p = 1; p < num_patches; ++p) {
@@ -139,20 +140,19 @@ TEST(LuGreOnEveryDriver, ALoadThatSlidesShearsByTheCurve) {
       const auto wrench = simulator.read().ground_truth.contact_wrench;
       constexpr double kCarried = 1e-4;  // of the load, by the search
       EXPECT_NEAR(wrench[2], -3, 3 * kCarried);
-      // 0.1 mm bends bristles e^-10 short of all they can; the whisper that the leading edge has just met carries little.
+      // After 0.1 mm bristles are within e^-10 of their steady bend; samples that the leading edge has just reached carry little.
       EXPECT_NEAR(wrench[0], n == 0 ? 0 : 1.004 * 3, 2e-3 * 3) << n;
     }
   }
 }
 
-// |sum of shear| <= mu_s (sum of normal force), per taxel too, with every parameter six orders of magnitude off and steps from a
-// nanosecond to a quarter of an hour; never anything but finite.
+// |shear| <= mu_s normal force per taxel, and all values finite, with parameters six orders of magnitude off and steps from 1 ns to 1000 s.
 TEST(LuGreOnDevice, ShearStaysInsideTheConeAtAnyParameters) {
   // Products with four factors and sums of up to 64 samples and 81 neighbours, each rounded.
   constexpr double kConeRounding = 300 * support::kUlp;
   Random random(11);
   double most = 0;
-  for (int scene = 0; scene < 16; ++scene) {
+  for (int scene = 0; scene < support::numCases(5, 16); ++scene) {
     const auto around = [&](double value) { return scene == 0 ? value : value * std::pow(10, random.integer(-2, 2) * 3.0); };
     LuGre law{1.73e8, around(1e5), around(316), around(0.4), 0, scene == 0 ? 1.0 : std::pow(10, random.uniform(-6, 2.5)), around(1e-3)};
     law.static_friction = law.coulomb_friction * random.uniform(1, 3);

@@ -19,13 +19,13 @@ namespace {
 using support::Random;
 using support::Touch;
 
-// The root find stops at this share of the load, in float32 sums.
+// The load search stops at this relative error, in float32 sums.
 constexpr double kCarried = 1e-4;
 
 constexpr double kObjectSize = 0.02;  // m
 constexpr int kNumSteps = 9;
 constexpr int kResetStep = 7;
-// Bounds wider than this, relative to the force, would prove little; silhouettes and whispers may have them, half of a path's frames not.
+// Median width of the bounds, relative to the force, of frames above kWhisper. Wider bounds would prove little.
 constexpr double kLoosest = 0.1;
 constexpr double kWhisper = 1e-2;  // N
 
@@ -51,7 +51,7 @@ std::vector<RelaxationTerm> randomTerms(Random& random, int num_terms) {
   return terms;
 }
 
-// What is known of one instance: bounds of its skin's past, and the twin's own.
+// State of one instance: bounds of the history of its skin, and the history of the twin.
 struct Tracked {
   explicit Tracked(const Sensor& sensor) : bounds(sensor.skin.relaxation), skin(sensor.skin.relaxation) {}
 
@@ -75,7 +75,7 @@ float randomLoad(Random& random, const Sensor& sensor, const std::vector<referen
   const auto deepest = reference::findLoad(sensor, placed, 1e9, skin);
   const auto d =
       reference::penetrations(reference::surfaceHeights(sensor, reference::movedAlongZ(placed, deepest.full_depth)), sensor.skin.thickness);
-  const double full = reference::contactOf(sensor, d, {}, dt, skin).total_force;
+  const double full = reference::computeContact(sensor, d, {}, dt, skin).total_force;
   return static_cast<float>(full > 1e-3 ? full * random.uniform(0.02, 0.95) : 0.1);
 }
 
@@ -95,19 +95,19 @@ void moveOn(Random& random, double thickness, Touch& touch, Touch& elsewhere) {
 
 support::Rounding roundingOf(const Sensor& sensor, const std::vector<reference::PlacedObject>& placed, bool is_loaded) {
   support::Rounding rounding = support::roundingFor(sensor, placed);
-  // A pose that a load search moves is rounded once more.
+  // A load search rounds the pose once more.
   rounding.margin_z += is_loaded ? support::kMarginZ : 0;
   return rounding;
 }
 
-// All stages of one instance inside the bounds of its twin, whose skin then advances by `dt`. Returns the width of the bounds relative to
-// the force, where it is more than a whisper.
+// Expects all stages of one instance inside the bounds of its twin, whose skin then advances by `dt`. Returns the width of the bounds
+// relative to the force, if the force exceeds kWhisper.
 std::optional<double> expectLikeTwin(const FrameView& frame, int i, const Sensor& sensor,
                                      const std::vector<reference::PlacedObject>& placed, double dt, bool is_loaded, Tracked& twin) {
   const auto envelope = support::frameEnvelope(sensor, placed, roundingOf(sensor, placed, is_loaded), {}, dt, &twin.bounds);
   support::expectMatches(frame, i, sensor, envelope);
   const auto d = reference::penetrations(reference::surfaceHeights(sensor, placed), sensor.skin.thickness);
-  twin.skin.advance(dt, reference::contactOf(sensor, d, {}, dt, twin.skin.step(dt)).strain);
+  twin.skin.advance(dt, reference::computeContact(sensor, d, {}, dt, twin.skin.step(dt)).strain);
   if (envelope.total_high <= kWhisper) return std::nullopt;
   return (envelope.total_high - envelope.total_low) / envelope.total_high;
 }
@@ -211,12 +211,12 @@ TEST_P(RelaxationTwinSeeds, UnderALoadOnTiltedPatches) {
           4000 + GetParam());
 }
 
-TEST_P(RelaxationTwinSeeds, TaxelsWithPlacesOfTheirOwn) {
+TEST_P(RelaxationTwinSeeds, TaxelLists) {
   runPath({.sensor = {}, .curved = GetParam() % 3, .num_slots = 1 + GetParam() / 6}, 5000 + GetParam());
 }
 
 // 1024 x 1024 samples over many tiles.
-TEST(RelaxationOnDevice, LargestSensor) {
+TEST(RelaxationOnDevice, LargestSensorMatchesTheTwin) {
   Sensor sensor = support::gridSensor({.num_rows = 128, .num_cols = 128, .pitch_x = 0.5e-3, .pitch_y = 0.5e-3, .samples_per_taxel = 4});
   sensor.skin.relaxation = {{0.5, 1e-3}};
   Tracked tracked(sensor);

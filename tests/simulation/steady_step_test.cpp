@@ -1,4 +1,4 @@
-// A step of the simulation takes no memory once every kind of step has been taken: neither ours nor, in C++, the driver's.
+// A step allocates no memory once every kind of step has run, neither in this library nor in the C++ code of the driver.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -42,7 +42,7 @@ Sensor withFriction() {
 
 class SteadyStep : public ::testing::TestWithParam<Kind> {};
 
-// What is stepped: slow objects, half of them meshes of so many triangles that candidates are kept.
+// A simulator with slow objects, half of them meshes with enough triangles for candidates.
 class Stepper {
  public:
   explicit Stepper(const Kind& kind)
@@ -87,7 +87,7 @@ class Stepper {
   std::vector<float> forces_;
 };
 
-TEST_P(SteadyStep, TakesNoMemory) {
+TEST_P(SteadyStep, AllocatesNothing) {
   Stepper stepper(GetParam());
   for (int i = 0; i < kWarmUps; ++i) stepper.step();
   const support::NoAllocations watch;
@@ -95,8 +95,8 @@ TEST_P(SteadyStep, TakesNoMemory) {
   EXPECT_EQ(watch.count(), 0u) << "in " << kSteps << " steps";
 }
 
-// Nothing is recorded or compiled any more, so not from the first step on.
-TEST_P(SteadyStep, TakesNoMemoryOncePrepared) {
+// After prepare() nothing is recorded or compiled, so even the first step allocates nothing.
+TEST_P(SteadyStep, AllocatesNothingAfterPrepare) {
   Stepper stepper(GetParam());
   stepper.simulator().prepare(GetParam().loads);
   const support::NoAllocations watch;
@@ -110,7 +110,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, SteadyStep,
                                            Kind{"everything", plain, false, true}),
                          [](const auto& param) { return std::string(param.param.name); });
 
-TEST(SteadyStep, WhatTakesMemoryIsSeen) {
+TEST(SteadyStep, AllocationsAreCounted) {
   const support::NoAllocations watch;
   const auto mine = std::make_unique<std::vector<double>>(1000);
   const Sensor copied = noisy();

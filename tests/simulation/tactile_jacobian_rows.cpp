@@ -20,14 +20,13 @@ using reference::FeatureJacobian;
 using reference::Frame;
 using reference::TactileJacobian;
 
-// Rounding of what a taxel's derivatives are summed from, relative to their gross size: pressures as in kRelativeForce, and as much again
-// for sums and transforms.
+// Relative rounding of the terms of a taxel's derivatives: pressures as in kRelativeForce, and as much again for sums and transforms.
 constexpr double kRelative = 2 * kRelativeForce;
-// Corners of what float32 makes of a place: the twin's values there say how much a value hangs on it. Between corners there may be a little
-// more.
+// Offsets of a position by float32 rounding: the spread of the twin over these corners bounds the error of a value, with some room between
+// corners.
 constexpr double kBetweenCorners = 3;
 
-// The part of a frame that the twin's Jacobian is made from, with the samples moved and the surface lifted.
+// The inputs of the twin Jacobian, with samples moved and the surface lifted.
 Frame frameAt(const Sensor& sensor, std::span<const reference::PlacedObject> objects, const std::array<double, 2>& shift, double lift) {
   Frame frame;
   frame.heights = reference::surfaceHeights(sensor, objects, shift);
@@ -64,7 +63,7 @@ std::vector<double> flat(const TactileJacobianView& view, std::size_t row) {
   return values;
 }
 
-// Gross size of what is summed for each coordinate of the twist, N/m or N/rad.
+// Sum of magnitudes of the terms for each coordinate of the twist, N/m or N/rad.
 ByTwist grossOf(const TactileJacobian& twin, double extent) {
   double by_v = 0;
   for (const ByTwist& taxel : twin.taxel_force) by_v += std::abs(taxel[0]) + std::abs(taxel[1]) + std::abs(taxel[2]);
@@ -91,7 +90,7 @@ struct Corners {
   std::vector<TactileJacobian> corners;
 };
 
-// `pick` gives a row's numbers, `gross` the size of what each is summed from.
+// `pick` returns the numbers of a row, `gross` the magnitudes of their sums.
 template <typename Pick>
 void expectNear(const std::vector<double>& found, const Corners& twin, const std::vector<double>& gross, Pick pick, const char* what) {
   const std::vector<double> expected = pick(twin.middle);
@@ -124,7 +123,7 @@ void expectRow(const std::vector<double>& found, const Corners& twin, const Sens
       gross.push_back(row.total_force > 0 ? value : 0);
     }
   }
-  // A whisper, on one taxel or just at its trigger, has no moments to speak of.
+  // Too little force, on one taxel or at its trigger, for meaningful moments.
   if (row.total_force < 1e-5) return;
   expectNear(
       found, twin, gross, [&](const TactileJacobian& of) { return flat(pick(of)); }, what);

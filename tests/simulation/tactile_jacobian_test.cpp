@@ -1,4 +1,4 @@
-// The tactile Jacobian on the device: against the twin on random scenes, against features of moved sensors, and what a batch promises.
+// The tactile Jacobian on the device: against the twin on random scenes, against differences of moved sensors, and in batches.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -88,7 +88,7 @@ TEST_P(JacobianSeeds, SeveralObjectsOverTiltedPatches) {
 
 INSTANTIATE_TEST_SUITE_P(OnEveryDriver, JacobianSeeds, support::seeds(3, 10));
 
-// ---- against features of moved sensors ----
+// ---- against differences of moved sensors ----
 
 support::FeatureChanges changesOf(const TactileJacobianView& view, std::size_t row) {
   support::FeatureChanges changes;
@@ -106,8 +106,8 @@ support::JacobianScale scaleOf(const FeatureView& features, bool several_contact
           features.edge_confidence[0], several_contacts ? size : 0, features.total_force[0]};
 }
 
-// Of the device at 4 x 4 samples; the twin's tests hold 8 x 8 and all kinds of contact against the same.
-TEST(TactileJacobianOnDevice, FollowsTheFeaturesOfAMovedSensor) {
+// The device at 4 x 4 samples. The tests of the twin cover 8 x 8 and all kinds of contact.
+TEST(TactileJacobianOnDevice, MatchesDifferencesOfMovedSensors) {
   Random random(11);
   JacobianErrors errors;
   for (int draw = 0; draw < 2; ++draw) {
@@ -147,7 +147,7 @@ std::vector<ContactLaw> laws() {
           LuGre{.normal_contact_stiffness = 1.73e8}};
 }
 
-TEST(TactileJacobianOnEveryDriver, EveryLaw) {
+TEST(TactileJacobianOnEveryDriver, EveryLawMatchesTheTwin) {
   for (const ContactLaw& law : laws()) {
     Sensor sensor = support::gridSensor({.num_rows = 6, .num_cols = 9, .thickness = 2e-3});
     sensor.skin.law = law;
@@ -161,11 +161,11 @@ TEST(TactileJacobianOnEveryDriver, EveryLaw) {
   }
 }
 
-TEST(TactileJacobianOnEveryDriver, OfALoadItIsWhereTheLoadPutTheObjects) {
+TEST(TactileJacobianOnEveryDriver, UsesThePoseThatTheLoadSearchFound) {
   Random random(5);
   for (const bool tilted : {false, true}) {
     Sensor sensor = support::gridSensor({.num_rows = 7, .num_cols = 8, .thickness = 3e-3});
-    // A patch that does not face along z of S is searched over tiles, in passes of their own.
+    // A tilted patch is searched over tiles, in separate passes.
     if (tilted) sensor.patches[0].X_SP = {{2e-3, 1e-3, 0}, axisAngle({1, 0.4, 0}, 0.15)};
     const std::vector<Object> objects{Object(Sphere{9e-3})};
     const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
@@ -180,13 +180,13 @@ TEST(TactileJacobianOnEveryDriver, OfALoadItIsWhereTheLoadPutTheObjects) {
     for (int i = 0; i < kNumInstances; ++i) {
       EXPECT_EQ(frame.ground_truth.load_reached[i], 1);
       const Touch& touch = touches[static_cast<std::size_t>(i)];
-      // The load is met to 2e-6 of itself.
+      // The load is met to 2e-6.
       expectJacobian(frame, i, sensor, touch.placed(objects, frame.ground_truth.load_offset[i]));
     }
   }
 }
 
-TEST(TactileJacobianOnEveryDriver, MeasuredByDrawnGainsAndDeadTaxels) {
+TEST(TactileJacobianOnEveryDriver, MeasuredJacobianUsesDrawnGainsAndDeadTaxels) {
   Sensor sensor = support::gridSensor({.num_rows = 6, .num_cols = 8, .thickness = 3e-3});
   sensor.psf = gaussianPsf(0.5, 3);
   sensor.readout = support::paperReadout();
@@ -206,8 +206,9 @@ TEST(TactileJacobianOnEveryDriver, MeasuredByDrawnGainsAndDeadTaxels) {
   }
 }
 
-// A skin that relaxes keeps the same share of its stiffness everywhere under a press that was held: forces fall, centres move as before.
-TEST(TactileJacobianOnDevice, ASkinThatRelaxesKeepsItsShare) {
+// Relaxation under a constant pose scales the stiffness everywhere by the same factor: forces fall, derivatives of the centre do not
+// change.
+TEST(TactileJacobianOnDevice, RelaxationScalesForces) {
   Sensor sensor = support::gridSensor({.num_rows = 7, .num_cols = 7, .thickness = 3e-3});
   const std::vector<Object> objects{Object(Sphere{9e-3})};
   const Touch touch{{0}, {{{1e-3, -0.7e-3, 8.1e-3}}}};
@@ -219,8 +220,7 @@ TEST(TactileJacobianOnDevice, ASkinThatRelaxesKeepsItsShare) {
   const FrameView later = held.read();
   const double share = later.ground_truth.total_force[0] / at_once.ground_truth.total_force[0];
   EXPECT_LT(share, 0.6);
-  // f' of a skin that relaxes is not averaged over the samples' cells, so that the area in touch is that of whole samples: of 14 in its
-  // radius.
+  // With relaxation f' is not averaged over the cells of the samples, so the contact area is that of whole samples, 14 per radius.
   constexpr double kArea = 0.03;
   const auto& a = at_once.ground_truth.jacobian;
   const auto& b = later.ground_truth.jacobian;
@@ -230,7 +230,7 @@ TEST(TactileJacobianOnDevice, ASkinThatRelaxesKeepsItsShare) {
   }
 }
 
-TEST(TactileJacobianOnDevice, OfAListOfTaxels) {
+TEST(TactileJacobianOnDevice, TaxelListsMatchTheTwin) {
   Random random(3);
   for (int kind = 0; kind < 3; ++kind) {
     const Sensor sensor = support::curvedSensor(random, kind);
@@ -244,7 +244,7 @@ TEST(TactileJacobianOnDevice, OfAListOfTaxels) {
   }
 }
 
-// ---- what a batch promises ----
+// ---- batches ----
 
 std::vector<std::uint32_t> bitsOf(const FrameView& frame, int instance) {
   std::vector<std::uint32_t> bits;
@@ -260,7 +260,7 @@ std::vector<std::uint32_t> bitsOf(const FrameView& frame, int instance) {
   return bits;
 }
 
-TEST(TactileJacobianOnEveryDriver, BytesDependOnNeitherBatchNorWorkgroup) {
+TEST(TactileJacobianOnEveryDriver, IndependentOfBatchAndWorkgroup) {
   Sensor sensor = support::gridSensor({.num_rows = 22, .num_cols = 27, .pitch_x = 1e-3, .pitch_y = 1e-3});
   sensor.patches.push_back(sensor.patches[0]);
   sensor.patches[1].X_SP = {{0.03, 0, 0}, axisAngle({0, 1, 0}, 0.1)};
@@ -296,7 +296,7 @@ TEST(TactileJacobianOnDevice, LargestArrayOverSeveralTiles) {
   EXPECT_NEAR(frame.ground_truth.jacobian.center_of_pressure[0], -1, 0.01);
 }
 
-TEST(TactileJacobianOnEveryDriver, MeasuredOneIsHeldBetweenTheSensorsFrames) {
+TEST(TactileJacobianOnEveryDriver, MeasuredJacobianIsHeldBetweenSensorFrames) {
   Sensor sensor = support::gridSensor();
   sensor.frame_rate = 50;
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.005})}});
@@ -312,7 +312,7 @@ TEST(TactileJacobianOnEveryDriver, MeasuredOneIsHeldBetweenTheSensorsFrames) {
   EXPECT_NE(clean[0], clean[1]);
 }
 
-TEST(TactileJacobianOnDevice, NothingComesUnlessAskedFor) {
+TEST(TactileJacobianOnDevice, EmptyUnlessRequested) {
   const Model model(support::sharedDevice(), {.sensor = support::gridSensor(), .objects = {Object(Sphere{0.005})}});
   Simulator without(model, {}), with(model, {.outputs = {.clean_tactile_jacobian = true}});
   const std::vector<Touch> touch{{{0}, {{.position = {0, 0, 0.0045}}}}};
@@ -327,10 +327,10 @@ TEST(TactileJacobianOnDevice, NothingComesUnlessAskedFor) {
             Simulator::plan(model, {}).bytes_per_instance);
 }
 
-TEST(TactileJacobianOnDevice, NothingTouchesIsZero) {
+TEST(TactileJacobianOnDevice, ZeroWithoutContact) {
   const Model model(support::sharedDevice(), {.sensor = support::gridSensor(), .objects = {Object(Sphere{0.005})}});
   Simulator simulator(model, {.outputs = kAll});
-  // Near enough to be seen, and away; after a contact, so that nothing is left of it.
+  // Close to the skin, and far away; after a contact, whose state must not show.
   for (const double height : {0.0045, 0.0051, 0.1}) {
     const FrameView frame = pressOnce(simulator, {{{0}, {{.position = {0, 0, height}}}}});
     const std::vector<std::uint32_t> bits = bitsOf(frame, 0);
@@ -339,7 +339,7 @@ TEST(TactileJacobianOnDevice, NothingTouchesIsZero) {
   }
 }
 
-TEST(TactileJacobianOnDevice, WhatItCannotTellIsRefused) {
+TEST(TactileJacobianOnDevice, RejectsUnsupportedModels) {
   const auto expectRefused = [](const Sensor& sensor, const SimulatorOptions& options, const char* why) {
     const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.005})}});
     try {

@@ -1,5 +1,5 @@
-// Laws whose taxels are more than the sum of their samples, on the device: the forces that contact presses are those of a winkler skin as
-// stiff; what taxels make of them is compared with the twin.
+// Laws with a pass over the taxels, on the device. The contact forces are those of a winkler skin of the same stiffness; the response of
+// the taxels is compared with the twin's.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,13 +19,12 @@ namespace {
 
 using support::Random;
 
-// A step's matrix, state and force are rounded to float32, some eight roundings of terms as large as the largest force; errors of steps add
-// up.
+// Matrix, state and force of a step are rounded to float32, about eight roundings relative to the largest force; errors of steps add up.
 constexpr double kPerStep = 16 * support::kUlp;
-// The mask's published weights are given to five digits, and so are the device's.
+// The published weights of the mask, and those of the device, have five digits.
 constexpr double kMaskWeights = 2e-5;
 
-// A run of poses of one object over one sensor; normal and shear forces (num_steps x num_taxels) after the law, N, and the wrench.
+// Results along a path of one object: normal and shear forces (num_steps x num_taxels) after the law, N, and the wrench.
 struct Path {
   std::vector<std::vector<float>> forces;
   std::vector<std::vector<reference::Shear>> shears;
@@ -71,7 +70,7 @@ double sum(const std::vector<float>& values) {
 
 class TaxelLaws : public ::testing::TestWithParam<int> {};
 
-// One grid with a spread along the skin, a fingertip, a cap, a random list.
+// A sensor with PSF lists: one grid, a fingertip, a cap or a random list.
 Sensor skinSpreadSensor(Random& random, int kind) {
   if (kind % 4 > 0) return support::curvedSensor(random, kind % 4 - 1);
   Sensor sensor = plainSensor(random, 1);
@@ -127,7 +126,7 @@ void expectMassSpringDamperFollowsItsTwin(Random& random, const Sensor& sensor) 
 
 // What contact shears is that of a winkler skin; what taxels show of it is shortened to what friction holds by their own forces, then
 // spread with the weights of these, so that no taxel ever shows more.
-TEST_P(TaxelLaws, MassSpringDamperShearsNoMoreThanItsTaxelsRead) {
+TEST_P(TaxelLaws, MassSpringDamperShearStaysInsideTheCone) {
   Random random(300 + static_cast<std::uint64_t>(GetParam()));
   Sensor plain = plainSensor(random, 1 + GetParam() % 2);
   plain.skin.friction = {plain.skin.thickness > 1e-3 ? 1e8 : 1e9, random.uniform(0.1, 1.5)};
@@ -177,12 +176,12 @@ TEST_P(TaxelLaws, MassSpringDamperShearsNoMoreThanItsTaxelsRead) {
   }
 }
 
-TEST_P(TaxelLaws, MassSpringDamperFollowsItsTwin) {
+TEST_P(TaxelLaws, MassSpringDamperMatchesTheTwin) {
   Random random(static_cast<std::uint64_t>(GetParam()));
   expectMassSpringDamperFollowsItsTwin(random, plainSensor(random, 1 + GetParam() % 2));
 }
 
-TEST_P(TaxelLaws, MassSpringDamperFollowsItsTwinWithASpreadAlongTheSkin) {
+TEST_P(TaxelLaws, MassSpringDamperMatchesTheTwinWithPsfLists) {
   Random random(300 + static_cast<std::uint64_t>(GetParam()));
   expectMassSpringDamperFollowsItsTwin(random, skinSpreadSensor(random, GetParam()));
 }
@@ -206,18 +205,18 @@ void expectDeformationMaskFollowsItsTwinAndKeepsTheForce(Random& random, const S
   }
 }
 
-TEST_P(TaxelLaws, DeformationMaskFollowsItsTwinAndKeepsTheForce) {
+TEST_P(TaxelLaws, DeformationMaskMatchesTheTwinAndKeepsTheForce) {
   Random random(100 + static_cast<std::uint64_t>(GetParam()));
   const Sensor sensor = plainSensor(random, 1 + GetParam() % 3);
   expectDeformationMaskFollowsItsTwinAndKeepsTheForce(random, sensor, GetParam() % 2 == 0 ? 250e3 : 30e3);
 }
 
-TEST_P(TaxelLaws, DeformationMaskFollowsItsTwinWithASpreadAlongTheSkin) {
+TEST_P(TaxelLaws, DeformationMaskMatchesTheTwinWithPsfLists) {
   Random random(400 + static_cast<std::uint64_t>(GetParam()));
   expectDeformationMaskFollowsItsTwinAndKeepsTheForce(random, skinSpreadSensor(random, 0), GetParam() % 2 == 0 ? 250e3 : 30e3);
 }
 
-TEST_P(TaxelLaws, ProximityReadsDepthAndPressesNothing) {
+TEST_P(TaxelLaws, ProximityReadsDepthWithoutForce) {
   Random random(200 + static_cast<std::uint64_t>(GetParam()));
   const Sensor sensor = GetParam() < 8 ? plainSensor(random, 1 + GetParam() % 2) : skinSpreadSensor(random, GetParam());
   const Object object = support::randomSolid(random, 0.02);
@@ -244,11 +243,13 @@ TEST(TaxelLawsUnderLoad, TaxelsCarryTheLoad) {
   patches.patches[1].X_SP.position[0] = (patches.patches[0].num_rows + 1) * patches.patches[0].pitch[0];
   Sensor relaxing = spread;
   relaxing.skin.relaxation = {{0.3, 1e-3}, {0.2, 1}};
+  int number = 0;
   const Vector3 middle{0.001, 0.002, 0.02}, border{0.0098, -0.02, 0.02}, across{patches.patches[1].X_SP.position[0] / 2, 0.003, 0.02};
   for (const ContactLaw& law : std::vector<ContactLaw>{
            Winkler{.normal_contact_stiffness = 1.73e8}, Winkler{.normal_contact_stiffness = 1e11, .normal_exponent = 2},
            MassSpringDamper{.normal_contact_stiffness = 1.73e8}, DeformationMask{}, LuGre{.normal_contact_stiffness = 1.73e8}}) {
     for (Sensor sensor : {plain, spread, patches, relaxing}) {
+      if (!support::runsAllCases() && number++ % 3 == 1) continue;  // the others cover each law and each sensor
       sensor.skin.law = law;
       SCOPED_TRACE("law " + std::to_string(law.index()) + ", " + std::to_string(sensor.patches.size()) + " patches");
       std::vector<Pose> X_SO{{.position = middle}, {.position = border}};
@@ -270,7 +271,7 @@ TEST(TaxelLawsUnderLoad, TaxelsCarryTheLoad) {
   }
 }
 
-TEST(TaxelLawsUnderLoad, ProximityHasNone) {
+TEST(TaxelLawsUnderLoad, ProximityRejectsALoad) {
   Sensor sensor = support::gridSensor();
   sensor.skin.law = Proximity{.sensitivity = 1e8};
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.01})}});
@@ -280,7 +281,7 @@ TEST(TaxelLawsUnderLoad, ProximityHasNone) {
 }
 
 // A mass that has just been pushed holds little yet; after a while, or under a load, the shear is that of a winkler skin.
-TEST(TaxelLawsShearOnEveryDriver, FollowsTheMassAndRestsAsContactDoes) {
+TEST(TaxelLawsShearOnEveryDriver, FollowsTheMassAndSettlesToContactShear) {
   Sensor sensor = support::gridSensor();
   sensor.skin.friction = {1e8, 0.6};
   sensor.psf = gaussianPsf(0.5, 3);
@@ -311,7 +312,7 @@ TEST(TaxelLawsShearOnEveryDriver, FollowsTheMassAndRestsAsContactDoes) {
   }
 }
 
-TEST(TaxelLawsShearOnEveryDriver, NeedNotBeAskedFor) {
+TEST(TaxelLawsShearOnEveryDriver, WorksWithoutShearOutput) {
   Sensor sensor = support::gridSensor();
   sensor.skin = {2e-3, MassSpringDamper{.normal_contact_stiffness = 1.73e8}, {1e8, 0.6}};
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.01})}});
@@ -327,7 +328,7 @@ TEST(TaxelLawsShearOnEveryDriver, NeedNotBeAskedFor) {
 
 // Six orders of magnitude beyond the usual each way, and steps from a microsecond to a quarter of an hour: a spring never carries more than
 // an undamped swing.
-TEST(TaxelLawsUnderLoad, ExtremeMassesSpringsAndDampersStayBounded) {
+TEST(TaxelLawsUnderLoad, ExtremeParametersStayBounded) {
   const Sensor sensor = support::gridSensor({.num_rows = 4, .num_cols = 4});
   const Object object(Sphere{0.01});
   const std::vector<Pose> path{
@@ -335,10 +336,12 @@ TEST(TaxelLawsUnderLoad, ExtremeMassesSpringsAndDampersStayBounded) {
   const Path pressed = follow(sensor, Winkler{.normal_contact_stiffness = 1.73e8}, object, path, {1, 1, 1, 1});
   double largest = 0;
   for (const float force : pressed.forces[1]) largest = std::max<double>(largest, force);
+  int number = 0;
   for (const double mass : {1e-9, 1e3}) {
     for (const double stiffness : {1.6e-5, 1.6e7}) {
       for (const double damping : {0.0, 1.3e-7, 1.3e5}) {
         for (const double dt : {1e-6, 1e-3, 1e3}) {
+          if (!support::runsAllCases() && number++ % 4 != 0) continue;
           const Path device = follow(sensor, MassSpringDamper{1.73e8, mass, stiffness, damping}, object, path, {dt, dt, dt, dt});
           for (const auto& forces : device.forces) {
             for (const float force : forces)

@@ -16,7 +16,7 @@ using support::Bounded;
 using support::Random;
 using support::Touch;
 
-TEST(DampingOnEveryDriver, FollowsTheTwinAcrossSteps) {
+TEST(DampingOnEveryDriver, MatchesTheTwinAcrossSteps) {
   for (int seed = 0; seed < support::numCases(3, 8); ++seed) {
     Random random(static_cast<std::uint64_t>(seed));
     Sensor sensor = support::randomSensor(random, {.max_patches = 2});
@@ -97,7 +97,7 @@ TEST(FrameRateOnEveryDriver, HoldsMeasuredValuesBetweenFrames) {
   }
 }
 
-TEST(FrameRateOnEveryDriver, NewFrameEqualsOneWithoutHold) {
+TEST(FrameRateOnEveryDriver, NewFrameEqualsAFrameWithoutHold) {
   Sensor held = support::gridSensor(), free = support::gridSensor();
   held.readout.curve = free.readout.curve = {1000};
   held.frame_rate = 50;
@@ -112,7 +112,7 @@ TEST(FrameRateOnEveryDriver, NewFrameEqualsOneWithoutHold) {
   EXPECT_EQ(support::bitsOf(a.read(), 0, 1), support::bitsOf(b.read(), 0, 1));
 }
 
-TEST(FrameRateOnEveryDriver, ResetForgetsTheHeldFrameOfItsInstanceOnly) {
+TEST(FrameRateOnEveryDriver, ResetClearsTheHeldFrameOfOneInstance) {
   Sensor sensor = support::gridSensor();
   sensor.readout.curve = {1000};
   sensor.frame_rate = 10;
@@ -187,7 +187,7 @@ TEST(VariationOnEveryDriver, NoiseAndGainSpreadHaveTheirStandardDeviations) {
   EXPECT_NEAR(std::sqrt(variance[1]), 0.1, 5 * 0.1 / 90.5);
 }
 
-TEST(VariationOnEveryDriver, NoiseIsNewInEveryFrameAndSilentWhenOff) {
+TEST(VariationOnEveryDriver, NoiseChangesEveryFrameAndIsOptional) {
   Sensor sensor = support::gridSensor();
   sensor.readout.curve = {1000};
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(HalfSpace{})}});

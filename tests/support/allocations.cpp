@@ -1,4 +1,4 @@
-// Replaces operator new of the whole program and its libraries, so it is no part of programs under a sanitizer, which bring their own.
+// Replaces operator new of the whole program. Not linked into sanitizer builds, which replace it themselves.
 #include "support/allocations.h"
 
 #include <cstddef>
@@ -15,7 +15,7 @@ thread_local int num_watchers = 0;
 void* allocate(std::size_t size, std::size_t alignment) {
   ++num_allocations;
   if (num_watchers > 0 && std::getenv("TAXELSIM_BREAK_ON_ALLOCATION") != nullptr) std::abort();
-  // aligned_alloc() takes whole multiples only.
+  // aligned_alloc() needs a multiple of the alignment.
   const std::size_t whole = (size + alignment - 1) / alignment * alignment;
   return alignment <= alignof(std::max_align_t) ? std::malloc(size == 0 ? 1 : size) : std::aligned_alloc(alignment, whole);
 }
@@ -51,7 +51,7 @@ NoAllocations::~NoAllocations() {
 
 }  // namespace taxelsim::support
 
-// The others (arrays, nothrow) call these.
+// All other forms (arrays, nothrow) call these.
 void* operator new(std::size_t size) {
   return taxelsim::support::allocateOrThrow(size, alignof(std::max_align_t));
 }

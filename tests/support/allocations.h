@@ -1,5 +1,5 @@
-// How often the calling thread asks for memory by operator new, in programs that are linked with allocations.cpp. What C libraries, the
-// driver among them, take by malloc() does not count.
+// Number of calls of operator new by this thread, in programs that link allocations.cpp. Calls of malloc() by C libraries, such as the
+// driver, do not count.
 #pragma once
 
 #include <cstdint>
@@ -8,21 +8,20 @@
 
 namespace taxelsim::support {
 
-// A device without the validation layer, whatever TAXELSIM_VALIDATION says: the layer takes memory for every call.
+// A device without the validation layer, whatever TAXELSIM_VALIDATION is: the layer allocates in every call.
 Device openUnvalidated();
 
-// Since the thread began.
+// Since the start of the thread.
 std::uint64_t numAllocations();
 
-// TAXELSIM_BREAK_ON_ALLOCATION=1 stops the program at the first one that is counted while one of these lives, for a debugger to say whose
-// it is.
+// Counts allocations during its lifetime. TAXELSIM_BREAK_ON_ALLOCATION=1 aborts at the first, for a debugger.
 class NoAllocations {
  public:
   NoAllocations();
   ~NoAllocations();
   NoAllocations(const NoAllocations&) = delete;
   NoAllocations& operator=(const NoAllocations&) = delete;
-  // Since this was made.
+  // Since construction.
   std::uint64_t count() const { return numAllocations() - before_; }
 
  private:

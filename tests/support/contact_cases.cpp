@@ -39,7 +39,7 @@ ContactCase randomSphere(Random& random) {
 ContactCase randomPlate(Random& random) {
   const Vector3 size{random.uniform(14e-3, 19e-3), random.uniform(14e-3, 19e-3), 10e-3};
   const double yaw = random.uniform(-kPi, kPi);
-  // Turned, it reaches past the 20.4 mm of the array's rows by up to 3 mm a side.
+  // Rotated, it extends past the rows of the array, 20.4 mm, by up to 3 mm per side.
   return {Object("plate", Box{size}),
           {{0, random.uniform(-10e-3, 10e-3), size[2] / 2 - random.uniform(0.2e-3, 0.6e-3)}, axisAngle({0, 0, 1}, yaw)},
           ContactType::kArea};
@@ -48,8 +48,7 @@ ContactCase randomPlate(Random& random) {
 TiltedPunch randomPunch(Random& random, double side) {
   constexpr double kHeight = 10e-3;
   const double about_x = random.uniform(-0.02, 0.02), about_y = random.uniform(-0.02, 0.02);
-  // The lower face z = -h of the box is the plane through its middle with the turned normal n; its slopes are those of the angles'
-  // tangents.
+  // The lower face z = -h of the box is the plane through its middle with the rotated normal n; its slopes are the tangents of the angles.
   const Vector3 normal{std::tan(about_y), -std::tan(about_x), 1};
   const double length = std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + 1);
   const double turn = std::acos(1 / length), across = std::hypot(normal[0], normal[1]);
@@ -75,7 +74,7 @@ double AngleErrors::quantile(double share) const {
 }
 
 void expectWindowHelps(const AngleErrors& plain, const AngleErrors& windowed) {
-  // Degrees. Over 600 draws the median is known to 5 %, the 95 % quantile to 12 % (one standard deviation each, from draws by other seeds).
+  // Degrees. Over 600 draws the standard deviation of the median is 5 %, of the 95 % quantile 12 %, measured with other seeds.
   EXPECT_GT(plain.quantile(0.5), 2);
   EXPECT_GT(plain.quantile(0.95), 5);
   EXPECT_LT(windowed.quantile(0.5), 0.25);
@@ -86,9 +85,9 @@ void expectWindowHelps(const AngleErrors& plain, const AngleErrors& windowed) {
   testing::Test::RecordProperty("windowed_95", std::to_string(windowed.quantile(0.95)));
 }
 
-// The kernel's outer row carries w of a taxel's force; what lies there may be covered by anything from nothing to all. The least squares
-// slope over m rows of one that is w too low at one end only is 6 w / (m (m + 1)) of the mean force per pitch, and a force is depth times
-// stiffness. Along the other axis a taxel in the corner has two such neighbours.
+// The outer row of the kernel carries the share w of a taxel's force and may be covered by any amount. If one end is too low by w, the
+// least squares slope over m rows changes by 6 w / (m (m + 1)) of the mean force per pitch, and force is depth times stiffness. Along the
+// other axis a taxel in the corner has two such neighbours.
 double tiltSlack(const Sensor& sensor, const std::vector<int>& core, double depth, int axis) {
   const GridPatch& patch = sensor.patches[0];
   const int across = 1 - axis;  // a turn about x shows along y

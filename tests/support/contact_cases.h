@@ -1,4 +1,4 @@
-// Contacts whose features are known: edges across an array, spheres, plates and tilted punches, by seed; and what may be expected of them.
+// Random contacts with known features (edges across an array, spheres, plates, tilted punches) and the expected errors.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@ namespace taxelsim::support {
 
 Sensor wts0614();
 
-// Counts: a loaded taxel of the family, scenes/sensors/wts0614.yaml.
+// Noise of scenes/sensors/wts0614.yaml, counts.
 inline constexpr double kWtsNoise = 17;
 
 struct ContactCase {
@@ -37,7 +37,7 @@ struct TiltedPunch {
 };
 TiltedPunch randomPunch(Random& random, double side);
 
-// Errors of angles that are known up to pi, degrees.
+// Errors of angles modulo pi, degrees.
 class AngleErrors {
  public:
   void add(double found, double expected);
@@ -47,10 +47,11 @@ class AngleErrors {
   std::vector<double> errors_;
 };
 
-// Of edges that the array cuts off, with noise: axes of all forces err by degrees, those under a window by a tenth of that.
+// Edges cut off by the array, with noise: the principal axis of all forces has an error of degrees, the axis under a window a tenth of
+// that.
 void expectWindowHelps(const AngleErrors& plain, const AngleErrors& windowed);
 
-// By how much (rad) the tilt about an axis may be off where the face ends anywhere beside the core.
+// Largest error of the tilt about an axis, rad, if the face ends anywhere beside the core.
 double tiltSlack(const Sensor& sensor, const std::vector<int>& core, double depth, int axis);
 
 }  // namespace taxelsim::support

@@ -1,5 +1,5 @@
-// Embree as an independent ray caster over meshes: single rays in robust mode, in float32. An oracle for depth, trusted to about 1e-6 of
-// the size of the scene and not at all on a silhouette.
+// Embree as an independent ray caster over meshes: single rays in robust mode, in float32. Trusted to about 1e-6 of the size of the scene,
+// and not on a silhouette.
 #pragma once
 
 #include <memory>
@@ -11,8 +11,8 @@
 
 namespace taxelsim::support {
 
-// Height over every sample of one patch of the lowest mesh surface, m in P, found by a ray that starts below all of them; +infinity where
-// there is none. Every object must be a mesh.
+// Height (m, in P) of the lowest mesh surface over every sample of one patch, by a ray that starts below all surfaces; +infinity without a
+// surface. Every object must be a mesh.
 std::vector<double> embreeHeights(const GridPatch& patch, int samples_per_taxel, std::span<const reference::PlacedObject> objects);
 
 }  // namespace taxelsim::support

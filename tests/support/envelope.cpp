@@ -9,13 +9,13 @@
 namespace taxelsim::support {
 namespace {
 
-// Grows the bounds [low, high] by factor times anything in [value_low, value_high].
+// Adds factor times the interval [value_low, value_high] to the bounds [low, high].
 void addProduct(double factor, double value_low, double value_high, double& low, double& high) {
   low += factor * (factor >= 0 ? value_low : value_high);
   high += factor * (factor >= 0 ? value_high : value_low);
 }
 
-// Products and sums of a step, each rounded by 2^-24 of a strain at most.
+// Rounding of products and sums of a step, each at most 2^-24 of a strain.
 constexpr double kRoundingsPerStep = 16 * 0x1p-24;
 
 }  // namespace
@@ -59,7 +59,7 @@ FrameEnvelope frameEnvelope(const Sensor& sensor, std::span<const reference::Pla
   const reference::SkinStep skin_low = skin ? skin->low.step(dt) : reference::SkinStep{};
   const reference::SkinStep skin_high = skin ? skin->high.step(dt) : reference::SkinStep{};
   Bounded strain;
-  // Of a skin that relaxes: pressure is a difference of strains, each rounded like a force; a step rounds them and up to four overstresses.
+  // With relaxation the pressure is a difference of strains, each rounded like a force; a step rounds these and up to four overstresses.
   const double relative_strain = skin ? rounding.relative_force + kRoundingsPerStep * skin->num_steps : 0;
   for (std::size_t n = 0; n < samples.size(); ++n) {
     const reference::Sample& sample = samples[n];
@@ -77,7 +77,7 @@ FrameEnvelope frameEnvelope(const Sensor& sensor, std::span<const reference::Pla
     frame.taxel_force.high[sample.taxel] += force_high;
     frame.mean_penetration.low[sample.taxel] += d_low / per_taxel;
     frame.mean_penetration.high[sample.taxel] += d_high / per_taxel;
-    // A depth within rounding of the skin's thickness may be counted either way.
+    // A depth within rounding of the thickness may count as over-penetration or not.
     frame.over_penetration.low[0] += -heights.high[n] >= sensor.skin.thickness ? 1.0 : 0.0;
     frame.over_penetration.high[0] += -heights.low[n] >= sensor.skin.thickness ? 1.0 : 0.0;
     const Pose& X_SP = sensor.patches[sample.patch].X_SP;

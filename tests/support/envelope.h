@@ -1,9 +1,8 @@
-// What a float32 device may report for a scene: lower and upper bounds from the double-precision reference.
+// Lower and upper bounds for the outputs of a float32 device, from the double-precision reference.
 //
-// The surface over each sample is evaluated with the sample moved by +-shift in x and y (nine places) and the lowest and highest value,
-// widened by a margin in z, bound the depth: where the surface is smooth the bounds are a few shifts apart, on a silhouette they are as far
-// apart as the jump. Every later stage is monotone in the depth, so the bounds are carried through it as intervals, widened by that stage's
-// rounding.
+// The depth is bounded by the lowest and highest surface at nine positions of the sample, moved by +-shift in x and y, plus a margin in z:
+// on a smooth surface the bounds are a few shifts apart, on a silhouette as far as the jump. Later stages are monotone in depth, so the
+// bounds pass through them as intervals and are widened by the rounding of each stage.
 #pragma once
 
 #include <array>
@@ -43,8 +42,8 @@ struct Rounding {
   double absolute_force = 0;  // N
 };
 
-// The past of a skin that relaxes. Strain that a sample had earlier takes from its pressure now and adds to the strain it recovers to, so
-// that bounds stay bounds: of strain each of its own kind, of pressure the upper one with the lower strains.
+// History of a relaxing skin. Earlier strain of a sample reduces its present pressure and adds to its recovery, so the bounds are combined
+// accordingly: for strain each with its own kind, for pressure the upper bound with the lower strains.
 struct SkinEnvelope {
   explicit SkinEnvelope(std::span<const RelaxationTerm> terms) : low(terms), high(terms) {}
 
@@ -52,8 +51,7 @@ struct SkinEnvelope {
   int num_steps = 0;
 };
 
-// `previous` is the envelope of penetration of the frame before, none in the first frame or under a load; dt in s. `skin` is moved on by
-// dt.
+// `previous`: envelope of the penetration of the previous frame; none for the first frame or under a load. dt in s. `skin` advances by dt.
 FrameEnvelope frameEnvelope(const Sensor& sensor, std::span<const reference::PlacedObject> objects, const Rounding& rounding,
                             const std::optional<Bounded>& previous = {}, double dt = 0, SkinEnvelope* skin = nullptr);
 

@@ -1,4 +1,4 @@
-// What the closed forms of friction share: sensors of a given sample spacing, and paths of one object.
+// Helpers of the closed forms of friction: sensors of a given sample spacing, and paths of one object.
 #pragma once
 
 #include <cmath>
@@ -13,11 +13,11 @@ namespace taxelsim::support {
 inline constexpr double kPi = std::numbers::pi;
 inline constexpr double kStiffness = 1.73e8;  // k, N/m^3
 inline constexpr double kThickness = 2e-3;    // m
-// Displacements s of partial slip are this share of the depth at most, so that the contact as good as stays where it is.
+// Partial slip displaces by at most this fraction of the depth, so that the contact area stays almost the same.
 inline constexpr double kStiff = 25;  // k_t / k
 inline constexpr double kMu = 0.5;
 
-// Samples `step` (m) apart over a square of `side`.
+// A square sensor of `side` (m) with samples `step` (m) apart.
 inline Sensor sensorWithStep(double step, double side, double tangential_stiffness, double friction_coefficient) {
   const int taxels = static_cast<int>(std::ceil(side / (4 * step)));
   Sensor sensor = gridSensor({.num_rows = taxels,
@@ -31,7 +31,7 @@ inline Sensor sensorWithStep(double step, double side, double tangential_stiffne
   return sensor;
 }
 
-// `positions` with one rotation.
+// A path through `positions` with a constant rotation.
 inline Path pathOf(const std::vector<Vector3>& positions, const Quaternion& R_SO = {1, 0, 0, 0}) {
   Path path;
   for (const Vector3& p : positions) path.push_back({p, R_SO});
@@ -46,7 +46,7 @@ inline double torqueAbout(const Push& push, double x, double y) {
   return push.wrench[5] - (x * push.wrench[1] - y * push.wrench[0]);
 }
 
-// Pose of a body that has turned by `angle` about its z.
+// Pose of a body rotated by `angle` (rad) about z.
 inline Pose turned(const Vector3& position, double angle) {
   return {position, axisAngle({0, 0, 1}, angle)};
 }

@@ -12,7 +12,7 @@
 namespace taxelsim::support {
 namespace {
 
-// An indenter that slides along x, and what its shape says: P(delta) / P(depth) as a function of delta / depth.
+// An indenter that slides along x, and the share P(delta) / P(depth) as a function of delta / depth, which follows from its shape.
 struct Indenter {
   Object object;
   Quaternion R_SO;
@@ -32,7 +32,7 @@ Indenter flat() {
           [](double m) { return m > 0 ? m : 0; }};
 }
 
-// Exact spheres and cylinders, though their profile is nearly the parabola's.
+// Exact sphere and cylinder, not their parabolas.
 Indenter sphere() {
   const double R = 0.03, depth = 0.3e-3;
   const auto force = [=](double d) { return kPi * kStiffness * d * d * (R - d / 3); };
@@ -53,7 +53,7 @@ Sensor slidingSensor() {
   return sensorWithStep(0.125e-3, 12e-3, kStiff * kStiffness, kMu);
 }
 
-// Q(s) on first loading, and that it acts along the motion and nowhere else.
+// Q(s) on first loading, along the motion only.
 void expectPartialSlip(const FrictionCases& cases, const Indenter& indenter, double grid_error) {
   std::vector<Vector3> positions;
   std::vector<double> slid;
@@ -69,7 +69,7 @@ void expectPartialSlip(const FrictionCases& cases, const Indenter& indenter, dou
   }
 }
 
-// Work that friction takes in the second of two cycles of amplitude S, J, by the trapezoid rule.
+// Energy (J) dissipated in the second of two cycles of amplitude S, by the trapezoid rule.
 double lossPerCycle(const FrictionCases& cases, const Indenter& indenter, double amplitude) {
   constexpr int kSteps = 64;  // from one end to the other
   std::vector<Vector3> positions;
@@ -104,7 +104,7 @@ struct DiscGrid {
   double worst_of_area;
 };
 constexpr DiscGrid kDiscGrids[] = {{4, 0.050, 0.0101}, {8, 0.0202, 0.0020}};
-// Of forty places: errors are as often large as they are of no one sign, so that their rms scatters by a tenth; twice that.
+// For forty positions the standard deviation of the rms is a tenth; twice that is allowed.
 constexpr double kScatter = 1.2;
 
 }  // namespace
@@ -218,7 +218,7 @@ void FrictionCases::slantedPress() const {
   }
 }
 
-// A flat that slides, rests, slides on and comes back: Q = clamp(Q + k_t A ds, -mu P, mu P) at every step, whatever the step.
+// A flat punch that slides, rests, slides on and returns: Q = clamp(Q + k_t A ds, -mu P, mu P) at every step of any size.
 void FrictionCases::slideStopSlideBack() const {
   const Indenter indenter = flat();
   const double s1 = indenter.firstSlip();
@@ -237,8 +237,8 @@ void FrictionCases::slideStopSlideBack() const {
   }
 }
 
-// A spring that slips one way and is then drawn another turns towards the motion: tan(th/2) = tan(th0/2) e^{-s/L}, L = mu p / k_t, th the
-// angle between traction and motion (the flow rule q' = k_t (ds - n (n . ds)) on |q| = mu p).
+// A slipping spring whose motion changes direction rotates towards the motion: tan(th/2) = tan(th0/2) e^{-s/L}, L = mu p / k_t, th the
+// angle between traction and motion (flow rule q' = k_t (ds - n (n . ds)) on |q| = mu p).
 void FrictionCases::slipTurnsTowardsTheMotion() const {
   const Indenter indenter = flat();
   const double L = indenter.firstSlip();  // mu k depth / k_t
@@ -253,7 +253,7 @@ void FrictionCases::slipTurnsTowardsTheMotion() const {
     const Push& push = pushes[static_cast<std::size_t>(1 + n)];
     const double angle = std::atan2(push.wrench[0], push.wrench[1]);
     const double expected = 2 * std::atan(std::tan(kPi / 4) * std::exp(-static_cast<double>(n) / kStepsPerLength));
-    // Radial return is backward Euler: its error is of first order, 4 % of the angle at ten steps a length.
+    // Radial return is backward Euler of first order: an error of 4 % of the angle at ten steps per length L.
     EXPECT_NEAR(angle / expected, 1, 0.04 * 10 / kStepsPerLength * n / kStepsPerLength + 4 * rounding);
     EXPECT_NEAR(std::hypot(push.wrench[0], push.wrench[1]) / (kMu * indenter.normal), 1, 4 * rounding);
   }

@@ -1,5 +1,5 @@
-// Closed forms of shear on a foundation of tangential springs under Coulomb's law, for whatever simulates it: the twin and the device run
-// the same cases. Each checks with GoogleTest's expectations.
+// Closed forms of shear on a foundation of tangential springs with Coulomb friction. The twin and the device run the same cases, which
+// check with GoogleTest's expectations.
 //
 // Partial slip: the springs of a Winkler foundation stick until k_t s = mu p, so that with P(delta) the normal force at depth delta a
 // tangential displacement s carries Q(s) = mu [P(delta) - P(delta - k_t s / (mu k))], for any indenter (J. Jaeger, Arch. Appl. Mech. 65,
@@ -15,17 +15,17 @@
 
 namespace taxelsim::support {
 
-// What acts on the sensor in one frame.
+// Force and wrench on the sensor in one frame.
 struct Push {
   double normal = 0;               // N, sum over the taxels
   std::array<double, 6> wrench{};  // N, N m, at the origin of S
 };
 
-// A frame per pose of the one object, after a reset; for each of several paths of one length.
+// Simulates a frame per pose of one object after a reset, for several paths of the same length.
 using Path = std::vector<Pose>;
 using Simulate = std::function<std::vector<std::vector<Push>>(const Sensor& sensor, const Object& object, const std::vector<Path>& paths)>;
 
-// `rounding`: relative error of a force that is no grid's fault.
+// `rounding`: relative error of a force that is not due to the grid.
 struct FrictionCases {
   Simulate simulate;
   double rounding = 0;

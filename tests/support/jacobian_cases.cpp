@@ -80,7 +80,7 @@ Object roundSolid(Random& random) {
   }
 }
 
-// Axes of long solids lie along the skin, within 6 degrees; a half-space is turned by as much.
+// Axes of long solids lie within 6 degrees of the skin; a half-space is tilted by the same.
 Quaternion lying(Random& random, const Object& object) {
   const bool is_long = std::holds_alternative<Cylinder>(object.shape) || std::holds_alternative<Capsule>(object.shape);
   const Quaternion down = is_long ? axisAngle({1, 0, 0}, std::numbers::pi / 2) : Quaternion{1, 0, 0, 0};
@@ -88,14 +88,14 @@ Quaternion lying(Random& random, const Object& object) {
 }
 
 void pressOn(Random& random, const GridPatch& patch, const Object& object, JacobianCase& contact) {
-  // Seen from the patch, so that a tilted one is met face to face.
+  // In the frame of the patch, so that a tilted patch is met face to face.
   Sensor alone = contact.sensor;
   alone.patches = {patch};
   alone.patches[0].X_SP = {};
   const double x = random.uniform(-0.4, 0.4) * patch.num_rows * patch.pitch[0],
                y = random.uniform(-0.4, 0.4) * patch.num_cols * patch.pitch[1];
   const bool flat = std::holds_alternative<HalfSpace>(object.shape);
-  // A half-space that is turned by 0.1 is met at a corner; deep enough that more than that is in touch.
+  // A half-space tilted by 0.1 rad is met at a corner; deep enough for a contact beyond the corner.
   const double depth = flat ? random.uniform(1.2e-3, 1.8e-3) : random.uniform(0.7e-3, 1.2e-3);
   const Pose X_PO = poseAtDepth(alone, object, lying(random, object), x, y, depth);
   contact.objects.push_back(object);
@@ -143,7 +143,7 @@ JacobianCase randomJacobianCase(Random& random, JacobianKind kind) {
   sensor.skin.law = Winkler{1e5 / std::pow(1e-3, exponent), exponent, 0};
   if (random.chance(0.7)) sensor.psf = gaussianPsf(random.uniform(0.3, 0.7), 3);
   sensor.patches[0].X_SP = {{random.uniform(-3e-3, 3e-3), random.uniform(-3e-3, 3e-3), random.uniform(-2e-3, 2e-3)}, random.tilt(0.2)};
-  // Of taxels with triggers of their own; the nominal one, by which all readings would jump, is 0. Saturates at 64 N.
+  // Each taxel has a trigger of its own; the nominal trigger is 0, since a change of it would step all readings. Saturates at 64 N.
   sensor.readout.curve = {64};
   if (kind == JacobianKind::kPatches) {
     const int num_patches = random.integer(2, 3);
@@ -169,7 +169,7 @@ JacobianCase randomJacobianCase(Random& random, JacobianKind kind) {
   }
   for (const GridPatch& patch : sensor.patches) {
     Object object = roundSolid(random);
-    // What is large or has no end would meet the other patches as well.
+    // Large or infinite objects would also touch the other patches.
     while (kind == JacobianKind::kPatches && !std::holds_alternative<Sphere>(object.shape) &&
            !std::holds_alternative<Capsule>(object.shape)) {
       object = roundSolid(random);
@@ -187,8 +187,8 @@ JacobianChanges centralDifferences(const JacobianCase& contact) {
   for (std::size_t k = 0; k < 6; ++k) {
     const double way = contact.has_walls ? 2 * kJacobianStep : kJacobianStep;
     const double step = k < 3 ? way : std::min(kJacobianTurn, way / lever);
-    // A step and half a step: together they leave an error of the fourth power of the step. Not of walls, which pass sides of taxels within
-    // it.
+    // Richardson extrapolation of a step and half a step: the error is of fourth order. Not for walls, which cross borders of taxels within
+    // a step.
     std::vector<std::pair<double, double>> sizes{{step, -1.0 / 3}, {step / 2, 4.0 / 3}};
     if (contact.has_walls) sizes = {{step, 1}};
     for (const auto& [size, weight] : sizes) {

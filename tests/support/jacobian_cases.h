@@ -1,5 +1,4 @@
-// The tactile Jacobian's judge: contacts by seed, and features of the same contact on far finer samples, a step of the sensor this way and
-// that.
+// Oracle of the tactile Jacobian: random contacts, and central differences of features on a much finer sample grid.
 #pragma once
 
 #include <array>
@@ -9,16 +8,17 @@
 
 namespace taxelsim::support {
 
-// Half of the way between the two poses that are compared.
+// Half of the difference between the two poses.
 inline constexpr double kJacobianStep = 0.1e-3;     // m
 inline constexpr double kJacobianTurn = 0.0174533;  // rad: 1 degree, less where that moves a taxel farther than by the step
-// Samples of a taxel's side from which features are taken for that.
+// Samples per side of a taxel for these differences.
 inline constexpr int kFineSamples = 32;
 
-// Where an object is once the sensor has moved by `step` along coordinate k of its twist: v of S's origin, then w, in S.
+// Pose of an object after the sensor moved by `step` along coordinate k of its twist: v of the origin of S, then w, in S.
 Pose afterTwist(const Pose& X_SO, std::size_t k, double step);
 
-// A contact that no wall or rim of the skin's depth changes within the step: deeper than it, and far from full depth.
+// A contact in which no wall of an object and no limit of the depth is crossed within the step: deeper than the step, and far from full
+// depth.
 struct JacobianCase {
   Sensor sensor;  // with `samples_per_taxel` to be set
   std::vector<Object> objects;
@@ -35,7 +35,7 @@ enum class JacobianKind {
 };
 JacobianCase randomJacobianCase(Random& random, JacobianKind kind);
 
-// What is compared: a row's center of pressure, force and edge angle, and of the sensor the wrench.
+// Derivatives of centre of pressure, force and edge angle of a row, and of the wrench.
 struct FeatureChanges {
   std::array<std::array<double, 6>, 3> center_of_pressure{};
   std::array<double, 6> total_force{}, edge_angle{};
@@ -49,13 +49,13 @@ struct JacobianChanges {
   std::array<std::array<double, 6>, 6> contact_wrench{};
 };
 
-// Which taxels report anything, or have no trigger to stop them.
+// Which taxels report a value, or have no trigger.
 std::vector<bool> reportingTaxels(const Sensor& sensor, const std::vector<double>& spread_force);
 
-// By the reference's features at both ends of each step, on kFineSamples.
+// Central differences of the features of the reference on kFineSamples.
 JacobianChanges centralDifferences(const JacobianCase& contact);
 
-// A row's image: what the scales of its errors depend on.
+// Properties of the image of a row that scale its errors.
 struct JacobianScale {
   double size = 0;        // m: root of the sum of its second moments
   double lever = 0;       // m: of its centre of pressure about S's origin

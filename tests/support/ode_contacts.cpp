@@ -10,7 +10,7 @@
 namespace taxelsim::support {
 namespace {
 
-// Between two meshes ODE complains of full tables, once a collision; that is its affair.
+// ODE prints a warning about full tables once per collision of two meshes.
 void ignoreMessage(int, const char*, va_list) {}
 
 struct Engine {

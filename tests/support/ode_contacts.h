@@ -1,7 +1,6 @@
-// The Open Dynamics Engine, which the paper's simulator stands on, as a source of contact points: collision only, no bodies move.
+// The Open Dynamics Engine, used by the paper's simulator, as a source of contact points: collision only, no dynamics.
 //
-// Trusted for what it reports, not for what that should be: where the points lie and how many there are depends on the shapes' kinds and
-// triangles.
+// Trusted as a record of what ODE reports: position and number of points depend on the kinds of shapes and on triangles.
 #pragma once
 
 #include <memory>
@@ -37,10 +36,10 @@ struct OdeContact {
   double depth;      // m, >= 0
 };
 
-// At most `cap` of them, 1 to 65535: in ODE the caller's buffer decides, and what does not fit is not looked for.
+// At most `cap` contacts, 1 to 65535: the buffer of the caller limits what ODE searches for.
 std::vector<OdeContact> odeContacts(const OdeShape& sensor, const Pose& X_S_sensor, const OdeShape& object, const Pose& X_SO, int cap);
 
-// The paper's penalty, `stiffness` (N/m) times depth, of which what presses along z of S is the normal force.
+// The paper's penalty force: `stiffness` (N/m) times depth; its component along z of S is the normal force.
 std::vector<ContactPoint> penaltyForces(const std::vector<OdeContact>& contacts, double stiffness);
 
 }  // namespace taxelsim::support

@@ -1,4 +1,4 @@
-// TAXELSIM_PLAIN for the life of an object.
+// Sets TAXELSIM_PLAIN during the lifetime of an object.
 #pragma once
 
 #include <cstdlib>
@@ -6,7 +6,7 @@
 
 namespace taxelsim::support {
 
-// The variable as it was, at the end.
+// Restores the variable.
 class Plain {
  public:
   explicit Plain(const std::string& names) {

@@ -1,4 +1,4 @@
-// Sensors, objects and poses for tests: simple ones by name, random ones by seed. The same seed gives the same scene everywhere.
+// Sensors, objects and poses for tests: fixed ones by name, random ones by seed. A seed gives the same scene on every machine.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace taxelsim::support {
 
-// Draws that do not depend on the standard library's distributions.
+// Random numbers that do not depend on the standard library.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}
@@ -42,7 +42,7 @@ Sensor gridSensor(const GridOptions& options = {});
 // The readout of the paper: 12 bit, 0.2 N + 4.1667e-4 N per count.
 Readout paperReadout();
 
-// What a random sensor may be.
+// Limits of a random sensor.
 struct SensorRange {
   int max_rows = 12;
   int max_cols = 16;
@@ -65,11 +65,11 @@ Object randomSolid(Random& random, double size);
 // A rotation in which the object has a lowest surface everywhere (half-spaces are only tilted).
 Quaternion randomRotation(Random& random, const Object& object);
 
-// The pose with rotation R_SO whose origin lies over (x, y) and whose deepest sample is `depth` (m) under first touch; over the middle of
-// the first patch when nothing lies over the sensor there.
+// The pose with rotation R_SO whose origin is at (x, y) and whose deepest sample is `depth` (m) below first touch; over the middle of the
+// first patch if no part of the object lies over the sensor.
 Pose poseAtDepth(const Sensor& sensor, const Object& object, const Quaternion& R_SO, double x, double y, double depth);
 
-// Random rotation and place over the sensor, at a depth up to 1.2 times the skin's thickness.
+// Random rotation and position over the sensor, up to 1.2 thicknesses deep.
 Pose randomContact(Random& random, const Sensor& sensor, const Object& object);
 
 }  // namespace taxelsim::support

@@ -15,7 +15,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kStiffness = 1.73e8;  // k0, N/m^3
 constexpr double kSide = 12e-3;        // m, of the array
 constexpr double kArea = kSide * kSide;
-// What the closed forms are held to where the path within a step, or the grid under a sphere, is not theirs.
+// Tolerance where the path within a step, or the grid under a sphere, is not exact.
 constexpr double kClose = 0.005;
 constexpr double kCarried = 0.001;  // of a load
 
@@ -93,19 +93,21 @@ void RelaxationCases::stepOfDepth() const {
   }
 }
 
-// Times a million times shorter and longer than the steps, and nearly all of the stiffness in terms.
+// Times from 1e-6 to 1e6 of a step, and terms with nearly all of the stiffness.
 void RelaxationCases::anyTimes() const {
   constexpr double kDepth = 0.8e-3;
+  int number = 0;
   for (const double dt : {1e-9, 1e-3, 1e3}) {
     for (const double ratio : {1e-6, 1e-3, 1.0, 1e3, 1e6}) {
       for (const double left : {1e-6, 0.5}) {
+        if (few && number++ % 3 != 0) continue;
         const Sensor sensor = skinOf({{1 - left, dt * ratio}, {left / 2, 3 * dt}});
         const std::vector<Pressed> pressed = simulate(sensor, flat(), std::vector<Press>(30, flatAt(kDepth, dt)));
         for (std::size_t n = 0; n < pressed.size(); ++n) {
           const double expected = kStiffness * kDepth * kArea * kernel(sensor, static_cast<double>(n) * dt);
           EXPECT_NEAR(pressed[n].force / expected, 1, depth_error / kDepth + kClose) << dt << " " << ratio << " " << left << " " << n;
         }
-        // And let go.
+        // Then released.
         std::vector<Press> steps(3, flatAt(kDepth, dt));
         steps.resize(6, flatAt(-kDepth, dt));
         for (const Pressed& after : simulate(sensor, flat(), steps)) EXPECT_GE(after.smallest, 0);
@@ -136,7 +138,7 @@ void RelaxationCases::growingSphere() const {
   constexpr double kRadius = 10e-3, kDepth = 1e-3, kTime = 1;
   constexpr int kNumSteps = 60;
   const Sensor sensor = fineSkinOf({kTerms.begin(), kTerms.begin() + 3});
-  // Fast first, then slow: the contact grows all the time.
+  // Fast, then slow: the contact always grows.
   const auto depthAt = [](double t) { return kDepth * std::sin(kPi / 2 * t / kTime); };
   std::vector<Press> steps;
   for (int n = 0; n <= kNumSteps; ++n) {
@@ -186,8 +188,7 @@ void RelaxationCases::deadLoadOnASphere() const {
   }
 }
 
-// Held until nothing changes, then let go at once: the skin jumps back by the share that stays and recovers the rest with the time of
-// creep.
+// Held until settled, then released: the skin recovers instantly by the remaining stiffness, and the rest with the creep time.
 void RelaxationCases::freeRecovery() const {
   constexpr double kDent = 1e-3, kShort = 1e-6;
   const RelaxationTerm term{0.6, 0.3};
@@ -208,8 +209,8 @@ void RelaxationCases::freeRecovery() const {
   }
 }
 
-// Half way back faster than the skin follows, into the dent again, away for long, and again: never negative, less in the dent, in the end
-// as at first.
+// Half way back faster than the skin recovers, into the dent again, away for long, and again: never a negative force, less in the dent,
+// finally as at first.
 void RelaxationCases::pressedAgain() const {
   constexpr double kRadius = 10e-3;
   for (const auto& terms : {std::vector<RelaxationTerm>{{0.7, 0.1}}, kTerms}) {
@@ -253,7 +254,7 @@ void RelaxationCases::lossOfACycle() const {
   }
 }
 
-// Over any closed path of a skin at rest at both ends the object has done work.
+// A closed path of a skin that is at rest at both ends dissipates energy.
 void RelaxationCases::cyclesLose() const {
   constexpr double kRadius = 10e-3;
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
@@ -261,7 +262,7 @@ void RelaxationCases::cyclesLose() const {
     const Sensor sensor = fineSkinOf({{0.4, std::pow(10, random.uniform(-3, 0))}, {0.3, std::pow(10, random.uniform(-2, 1))}});
     std::vector<double> depths{-0.1e-3};
     for (int n = 0; n < 60; ++n) {
-      // To a new depth in steps so small that the trapezoids of work are the path's.
+      // In steps small enough for the trapezoid rule.
       const double from = depths.back(), to = random.uniform(-0.2e-3, 1.2e-3);
       const int count = random.integer(2, 12);
       for (int i = 1; i <= count; ++i) depths.push_back(from + (to - from) * i / count);

@@ -1,5 +1,4 @@
-// Closed forms of a skin that relaxes, for whatever simulates it: the twin and the device run the same cases. Each checks with GoogleTest's
-// expectations.
+// Closed forms of a relaxing skin. The twin and the device run the same cases, which check with GoogleTest's expectations.
 //
 // A skin of stiffness k(t) = k0 [1 - sum fraction (1 - e^(-t / time))] pressed ever deeper carries F(t) = int k(t - s) dV(s), V being the
 // volume that the object takes up below the undeformed surface; under a dead load F0 that volume is V(t) = F0 J(t), with the creep
@@ -24,7 +23,7 @@ struct Press {
   std::optional<double> load{};  // N
 };
 
-// What comes of it.
+// Results of a step.
 struct Pressed {
   double force = 0;     // N, sum over the taxels
   double smallest = 0;  // N, of a taxel
@@ -32,13 +31,14 @@ struct Pressed {
   bool reached = true;  // by the load search
 };
 
-// A frame per step, after a reset.
+// Simulates a frame per step after a reset.
 using SimulatePresses = std::function<std::vector<Pressed>(const Sensor& sensor, const Object& object, const std::vector<Press>& steps)>;
 
-// `depth_error` (m): by how much a depth may be off.
+// `depth_error` (m): largest error of a depth. `few`: anyTimes() runs a third of its settings.
 struct RelaxationCases {
   SimulatePresses simulate;
   double depth_error = 0;
+  bool few = false;
 
   void stepOfDepth() const;
   void anyTimes() const;

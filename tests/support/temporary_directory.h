@@ -1,4 +1,4 @@
-// A directory of a test's own, removed at its end.
+// A temporary directory, removed by the destructor.
 #pragma once
 
 #include <stdlib.h>

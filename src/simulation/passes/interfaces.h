@@ -7,12 +7,14 @@
 
 namespace taxelsim {
 
+// NOLINTBEGIN(bugprone-macro-parentheses): arguments are types and names
 #define CONSTANT(id, type, NAME)    \
   gpu::SpecConstant<id, type> NAME; \
   static gpu::SpecConstant<id, type> constantAt(gpu::At<id>);
 #define VALUE(kName, value) static constexpr uint kName = value;
 #define BUFFER(binding, access, Block) static block::Block blockAt(gpu::At<binding>);
 #define TEXELS(binding, Block) static block::Block blockAt(gpu::At<binding>);
+// NOLINTEND(bugprone-macro-parentheses)
 
 using layout::uint;
 

@@ -1,0 +1,66 @@
+#include "scene/psf_reader.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace taxelsim {
+namespace {
+
+int readKernelSize(const YamlNode& node) {
+  const std::uint64_t size = node.integer(1, kMaxKernelSize);
+  if (size % 2 == 0) node.refuse("an odd whole number from 1 to " + std::to_string(kMaxKernelSize));
+  return static_cast<int>(size);
+}
+
+std::vector<double> readKernel(const YamlNode& node, Canonical& canonical) {
+  const std::string what = "a square list of rows of weights, their number odd and at most " + std::to_string(kMaxKernelSize);
+  const std::vector<YamlNode> rows = node.items(what);
+  if (rows.size() % 2 == 0 || rows.size() > static_cast<std::size_t>(kMaxKernelSize)) node.refuse(what);
+  std::vector<double> kernel;
+  std::string text;
+  double sum = 0;
+  for (const YamlNode& row : rows) {
+    const std::vector<double> weights = row.numbers(Allowed::atLeast(0, ""), rows.size());
+    kernel.insert(kernel.end(), weights.begin(), weights.end());
+    for (const double weight : weights) sum += weight;
+    text += (text.empty() ? "" : ", ") + canonicalList(weights);
+  }
+  if (sum <= 0) node.fail("the weights sum to 0: at least one must be > 0");
+  canonical.line("kernel", "[" + text + "]");
+  return kernel;
+}
+
+}  // namespace
+
+Psf readPsf(const YamlMap& sensor) {
+  const YamlMap map(sensor, "psf", {"gaussian", "skin_gaussian", "kernel", "normalization"});
+  Canonical& canonical = map.canonical();
+  const std::optional<YamlNode> kernel = map.find("kernel"), skin_gaussian = map.find("skin_gaussian");
+  Psf psf;
+  if (skin_gaussian && map.has("gaussian")) skin_gaussian->fail("given beside `gaussian`: either, not both");
+  if (kernel && skin_gaussian) kernel->fail("given beside `skin_gaussian`: either, not both");
+  if (skin_gaussian) {
+    const YamlMap gaussian(map, "skin_gaussian", {"sigma[_mm]", "reach[_mm]"});
+    psf.sigma = gaussian.number("sigma", Allowed::above(0, "m"));
+    psf.reach = gaussian.number("reach", Allowed::above(0, "m"), 3 * psf.sigma);
+  } else if (map.has("gaussian")) {
+    if (kernel) kernel->fail("given beside `gaussian`: either, not both");
+    const YamlMap gaussian(map, "gaussian", {"sigma", "size"});
+    // A smaller sigma spreads nothing; a larger one is flat over the largest kernel.
+    const double sigma = gaussian.number("sigma", Allowed::within(1e-3, 100, "taxels"));
+    const int size = readKernelSize(gaussian.require("size", "an odd whole number from 1 to " + std::to_string(kMaxKernelSize)));
+    canonical.line("size", std::to_string(size));
+    psf = gaussianPsf(sigma, size);
+  } else if (kernel) {
+    psf.kernel = readKernel(*kernel, canonical);
+    psf.size = static_cast<int>(kernel->items("").size());
+  } else {
+    canonical.line("kernel", "[[1]]");
+  }
+  const bool none = map.choice("normalization", {"per_source", "none"}, "per_source") == "none";
+  psf.normalization = none ? Psf::Normalization::kNone : Psf::Normalization::kPerSource;
+  return psf;
+}
+
+}  // namespace taxelsim

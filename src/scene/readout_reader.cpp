@@ -1,0 +1,105 @@
+#include "scene/readout_reader.h"
+
+#include <optional>
+#include <string>
+
+#include "scene/curve_reader.h"
+#include "scene/terms_reader.h"
+
+namespace taxelsim {
+namespace {
+
+// The numbers of a list, or of a list of rows.
+std::vector<double> flatNumbers(const YamlNode& node, const Allowed& allowed, std::vector<std::size_t>& row_lengths) {
+  std::vector<double> result;
+  for (const YamlNode& item : node.items("a list of numbers, or of rows of numbers")) {
+    if (!item.isList()) {
+      result.push_back(item.number(allowed));
+      continue;
+    }
+    const std::vector<YamlNode> row = item.items("a row of numbers");
+    row_lengths.push_back(row.size());
+    for (const YamlNode& number : row) result.push_back(number.number(allowed));
+  }
+  if (!row_lengths.empty() && node.items("").size() != row_lengths.size()) node.fail("numbers and rows are mixed: either, not both");
+  return result;
+}
+
+// One number per taxel, or none.
+std::vector<double> readPerTaxel(const YamlMap& map, std::string_view key, std::string_view unit, const std::vector<GridPatch>& patches) {
+  std::vector<double> values;
+  if (const std::optional<YamlNode> node = map.find(key)) {
+    std::size_t num_taxels = 0;
+    for (const GridPatch& patch : patches)
+      num_taxels += static_cast<std::size_t>(patch.num_rows) * static_cast<std::size_t>(patch.num_cols);
+    std::vector<std::size_t> row_lengths;
+    values = flatNumbers(*node, Allowed::atLeast(0, unit), row_lengths);
+    if (!values.empty() && values.size() != num_taxels) {
+      node->fail(std::to_string(values.size()) + " numbers are not allowed: one for each of the " + std::to_string(num_taxels) + " taxels");
+    }
+    const auto num_cols = static_cast<std::size_t>(patches.front().num_cols);
+    for (const std::size_t length : row_lengths) {
+      if (patches.size() == 1 && length != num_cols) {
+        node->fail("a row of " + std::to_string(length) + " is not allowed: rows of " + std::to_string(num_cols) + " (num_cols)");
+      }
+    }
+  }
+  map.canonical().line(key, canonicalList(values));
+  return values;
+}
+
+// A number, or a list of them: one per element of the hysteresis.
+std::vector<double> readElements(const YamlMap& map, std::string_view key, const Allowed& allowed) {
+  std::vector<double> values;
+  if (const std::optional<YamlNode> node = map.find(key)) {
+    if (node->isList()) {
+      const std::string what = "a number, or a list of at most " + std::to_string(kMaxHysteresisElements);
+      const std::vector<YamlNode> items = node->items(what);
+      if (items.size() > static_cast<std::size_t>(kMaxHysteresisElements)) node->refuse(what);
+      for (const YamlNode& item : items) values.push_back(item.number(allowed));
+    } else {
+      values.push_back(node->number(allowed));
+    }
+  }
+  map.canonical().line(key, canonicalList(values));
+  return values;
+}
+
+void readHysteresis(const YamlMap& map, Readout& readout) {
+  readout.hysteresis_strength = readElements(map, "hysteresis_strength", Allowed::within(0, 1, ""));
+  readout.hysteresis_width = readElements(map, "hysteresis_width", Allowed::atLeast(0, "N"));
+  if (readout.hysteresis_width.size() == readout.hysteresis_strength.size()) return;
+  const bool has_width = map.has("hysteresis_width");
+  const YamlNode place = has_width ? map.require("hysteresis_width", "") : map.require("hysteresis_strength", "");
+  place.fail(std::to_string(readout.hysteresis_strength.size()) + " of hysteresis_strength and " +
+             std::to_string(readout.hysteresis_width.size()) + " of hysteresis_width: as many of both");
+}
+
+}  // namespace
+
+Readout readReadout(const YamlMap& sensor, const std::vector<GridPatch>& patches) {
+  YamlMap::Keys keys{"curve"};
+  addKeys(kOutputFields, keys);
+  keys.push_back("saturation");
+  addKeys(kNoiseFields, keys);
+  for (const std::string_view key : {"taxel_gain", "taxel_trigger", "hysteresis_strength", "hysteresis_width", "creep"})
+    keys.push_back(key);
+  addKeys(kTimeFields, keys);
+  addKeys(kImperfectionFields, keys);
+  const YamlMap map(sensor, "readout", keys);
+  Readout readout;
+  readCurve(map, readout);
+  readFields(map, kOutputFields, readout);
+  const std::uint64_t full_scale = (std::uint64_t{1} << readout.adc_bits) - 1;
+  readout.saturation = static_cast<int>(map.integer("saturation", 1, full_scale, full_scale));
+  readFields(map, kNoiseFields, readout);
+  readout.taxel_gain = readPerTaxel(map, "taxel_gain", "", patches);
+  readout.taxel_trigger = readPerTaxel(map, "taxel_trigger", "N", patches);
+  readHysteresis(map, readout);
+  readout.creep = readTerms(map, "creep", kMaxCreepTerms, kCreepFields);
+  readFields(map, kTimeFields, readout);
+  readFields(map, kImperfectionFields, readout);
+  return readout;
+}
+
+}  // namespace taxelsim

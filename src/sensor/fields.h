@@ -1,0 +1,140 @@
+// One table of fields per settings struct of a sensor: key, member, unit and allowed range. The checks (sensor/checks.h), the reader of
+// sensor files (scene/) and their writer all use these tables. Settings that depend on each other, lists and choices are not in them.
+#pragma once
+
+#include <array>
+#include <span>
+#include <string_view>
+#include <variant>
+
+#include "sensor/allowed.h"
+#include "taxelsim/sensor.h"
+
+namespace taxelsim {
+
+template <typename Settings>
+struct Field {
+  std::string_view key;  // in files, the member's name; "[_mm]" after it if the file may give millimetres
+  std::variant<double Settings::*, int Settings::*> member;
+  Allowed allowed;
+  bool required = false;  // in files; else the struct's default is used
+
+  constexpr std::string_view name() const { return key.substr(0, key.find('[')); }
+};
+
+inline constexpr bool kRequired = true;
+
+inline constexpr std::array kSensorFields{
+    Field<Sensor>{"samples_per_taxel", &Sensor::samples_per_taxel, Allowed::within(1, kMaxSamplesPerTaxel, "")},
+};
+inline constexpr std::array kFrameRateFields{
+    Field<Sensor>{"frame_rate", &Sensor::frame_rate, Allowed::atLeast(0, "Hz")},
+};
+inline constexpr std::array kGridPatchFields{
+    Field<GridPatch>{"num_rows", &GridPatch::num_rows, Allowed::within(1, kMaxTaxelsPerSide, ""), kRequired},
+    Field<GridPatch>{"num_cols", &GridPatch::num_cols, Allowed::within(1, kMaxTaxelsPerSide, ""), kRequired},
+};
+
+inline constexpr std::array kSkinFields{
+    Field<Skin>{"thickness[_mm]", &Skin::thickness, Allowed::above(0, "m"), kRequired},
+};
+inline constexpr std::array kMarginFields{
+    Field<Skin>{"margin[_mm]", &Skin::margin, Allowed::within(0, 1, "m")},
+};
+inline constexpr std::array kRelaxationFields{
+    Field<RelaxationTerm>{"fraction", &RelaxationTerm::fraction, Allowed::within(0, 1, "of the stiffness"), kRequired},
+    Field<RelaxationTerm>{"time", &RelaxationTerm::time, Allowed::above(0, "s"), kRequired},
+};
+
+inline constexpr std::array kWinklerFields{
+    Field<Winkler>{"normal_contact_stiffness", &Winkler::normal_contact_stiffness, Allowed::above(0, "Pa/m^normal_exponent"), kRequired},
+    Field<Winkler>{"normal_exponent", &Winkler::normal_exponent, Allowed::within(1, 3, "")},
+    Field<Winkler>{"normal_damping", &Winkler::normal_damping, Allowed::atLeast(0, "Pa s/m")},
+};
+inline constexpr std::array kMassSpringDamperFields{
+    Field<MassSpringDamper>{"normal_contact_stiffness", &MassSpringDamper::normal_contact_stiffness, Allowed::above(0, "N/m^3"), kRequired},
+    Field<MassSpringDamper>{"mass", &MassSpringDamper::mass, Allowed::above(0, "kg")},
+    Field<MassSpringDamper>{"stiffness", &MassSpringDamper::stiffness, Allowed::above(0, "N/m")},
+    Field<MassSpringDamper>{"damping", &MassSpringDamper::damping, Allowed::atLeast(0, "N s/m")},
+};
+inline constexpr std::array kDeformationMaskFields{
+    Field<DeformationMask>{"normal_contact_stiffness", &DeformationMask::normal_contact_stiffness, Allowed::above(0, "N/m^3")},
+    Field<DeformationMask>{"saturation_pressure", &DeformationMask::saturation_pressure, Allowed::above(0, "Pa")},
+};
+inline constexpr std::array kProximityFields{
+    Field<Proximity>{"sensitivity", &Proximity::sensitivity, Allowed::above(0, "N/m^3"), kRequired},
+};
+inline constexpr std::array kElasticLayerFields{
+    Field<ElasticLayer>{"elastic_modulus", &ElasticLayer::elastic_modulus, Allowed::above(0, "Pa"), kRequired},
+    Field<ElasticLayer>{"poisson_ratio", &ElasticLayer::poisson_ratio, Allowed::within(0, 0.5, ""), kRequired},
+};
+inline constexpr std::array kLayerSolverFields{
+    Field<ElasticLayer>{"iterations", &ElasticLayer::iterations, Allowed::within(1, kMaxLayerIterations, "")},
+    Field<ElasticLayer>{"tolerance", &ElasticLayer::tolerance, Allowed::within(1e-5, 0.1, "")},
+};
+inline constexpr std::array kLuGreFields{
+    Field<LuGre>{"normal_contact_stiffness", &LuGre::normal_contact_stiffness, Allowed::above(0, "N/m^3"), kRequired},
+    Field<LuGre>{"bristle_stiffness", &LuGre::bristle_stiffness, {.min = 0, .max = kMaxBristle, .above_min = true, .unit = "1/m"}},
+    Field<LuGre>{"bristle_damping", &LuGre::bristle_damping, Allowed::within(0, kMaxBristle, "s/m")},
+    Field<LuGre>{"viscous_friction", &LuGre::viscous_friction, Allowed::within(0, kMaxBristle, "s/m")},
+    Field<LuGre>{"static_friction", &LuGre::static_friction, Allowed::within(kMinLuGreFriction, kMaxFrictionCoefficient, "")},
+    Field<LuGre>{"coulomb_friction", &LuGre::coulomb_friction, Allowed::within(kMinLuGreFriction, kMaxFrictionCoefficient, "")},
+    Field<LuGre>{"stribeck_velocity", &LuGre::stribeck_velocity, Allowed::above(0, "m/s")},
+};
+
+// Names of the laws in files, in the order of ContactLaw.
+inline constexpr std::array<std::string_view, std::variant_size_v<ContactLaw>> kLawNames{
+    "winkler", "mass_spring_damper", "deformation_mask", "proximity", "elastic_layer", "lugre"};
+
+// Calls visit(table) for every table of a law's fields, in file order.
+template <typename Visit>
+void visitFields(const Winkler&, Visit visit) {
+  visit(kWinklerFields);
+}
+template <typename Visit>
+void visitFields(const MassSpringDamper&, Visit visit) {
+  visit(kMassSpringDamperFields);
+}
+template <typename Visit>
+void visitFields(const DeformationMask&, Visit visit) {
+  visit(kDeformationMaskFields);
+}
+template <typename Visit>
+void visitFields(const Proximity&, Visit visit) {
+  visit(kProximityFields);
+}
+template <typename Visit>
+void visitFields(const ElasticLayer&, Visit visit) {
+  visit(kElasticLayerFields), visit(kLayerSolverFields);
+}
+template <typename Visit>
+void visitFields(const LuGre&, Visit visit) {
+  visit(kLuGreFields);
+}
+
+inline constexpr std::array kOutputFields{
+    Field<Readout>{"output_scale", &Readout::output_scale, Allowed::above(0, "")},
+    Field<Readout>{"trigger", &Readout::trigger, Allowed::atLeast(0, "N")},
+    Field<Readout>{"adc_bits", &Readout::adc_bits, Allowed::within(1, kMaxAdcBits, "")},
+};
+inline constexpr std::array kNoiseFields{
+    Field<Readout>{"noise", &Readout::noise, Allowed::atLeast(0, "counts")},
+};
+inline constexpr std::array kCreepFields{
+    Field<CreepTerm>{"fraction", &CreepTerm::fraction, Allowed::within(0, kMaxCreepFraction, "of the force"), kRequired},
+    Field<CreepTerm>{"time", &CreepTerm::time, Allowed::above(0, "s"), kRequired},
+};
+inline constexpr std::array kTimeFields{
+    Field<Readout>{"low_pass_time", &Readout::low_pass_time, Allowed::atLeast(0, "s")},
+    Field<Readout>{"delay", &Readout::delay, Allowed::atLeast(0, "s")},
+    Field<Readout>{"jitter", &Readout::jitter, Allowed::atLeast(0, "s")},
+};
+inline constexpr std::array kImperfectionFields{
+    Field<Readout>{"bias", &Readout::bias, Allowed::within(0, kMaxOffsetCounts, "counts")},
+    Field<Readout>{"random_walk", &Readout::random_walk, Allowed::within(0, kMaxOffsetCounts, "counts/sqrt(s)")},
+    Field<Readout>{"gain_spread", &Readout::gain_spread, Allowed::within(0, kMaxGainSpread, "")},
+    Field<Readout>{"press_gain_spread", &Readout::press_gain_spread, Allowed::within(0, kMaxGainSpread, "")},
+    Field<Readout>{"dead_taxel_probability", &Readout::dead_taxel_probability, Allowed::within(0, 1, "")},
+};
+
+}  // namespace taxelsim
