@@ -118,6 +118,13 @@ void fitStamps(Measured stamps, Characterization& result) {
 
 }  // namespace
 
+std::string namesOf(Measured measurements) {
+  std::string names = measurements.front()->name;
+  if (measurements.size() > 1) names += (measurements.size() == 2 ? " and " : ", ") + measurements[1]->name;
+  if (measurements.size() > 2) names += " and " + std::to_string(measurements.size() - 2) + " more";
+  return names;
+}
+
 Characterization characterize(std::span<const Measurement> measurements) {
   if (measurements.empty()) throw Error(ErrorKind::kInput, "no measurements");
   checkSameSensor(measurements);

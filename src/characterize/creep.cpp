@@ -106,7 +106,7 @@ void fitCreep(Measured step_responses, Characterization& result) {
   std::vector<CreepSeries> series;
   std::string remark;
   for (const Measurement* measurement : step_responses) series.push_back(seriesOf(*measurement, readout, remark));
-  reportCreep(fitCreepTerms(series), series, step_responses.front()->name, remark, result);
+  reportCreep(fitCreepTerms(series), series, namesOf(step_responses), remark, result);
 }
 
 }  // namespace taxelsim

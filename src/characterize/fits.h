@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "taxelsim/characterize.h"
@@ -13,6 +14,9 @@ namespace taxelsim {
 
 // Measurements of one kind.
 using Measured = std::span<const Measurement* const>;
+
+// Names for reports: "a", "a and b", "a, b and 3 more".
+std::string namesOf(Measured measurements);
 
 // The point spread function at the ends of its 95 % interval.
 struct PsfRange {

@@ -184,7 +184,7 @@ void fitPointSpread(Measured measurements, const ReadoutCovariance& covariance, 
   result.estimates.push_back(estimate);
   if (estimate.determined) tryFreeKernel(model, std::clamp(known_size, 3, kMaxFreeKernel), found, result);
   reportForceRatio(model, found, result);
-  result.fits.push_back({.measurement = measurements.front()->name,
+  result.fits.push_back({.measurement = namesOf(measurements),
                          .unit = "counts",
                          .rms = found.fit.residual_sd,
                          .num_rows = found.fit.num_rows,

@@ -83,7 +83,7 @@ ReadoutCovariance fitReadout(Measured force_curves, const std::optional<PsfRange
   reportReadout(found, result);
   std::size_t num_rows = 0;
   for (const PressedTaxel& taxel : found.taxels) num_rows += taxel.rows.size();
-  result.fits.push_back({.measurement = force_curves.front()->name,
+  result.fits.push_back({.measurement = namesOf(force_curves),
                          .unit = "counts",
                          .rms = found.fit.residual_sd,
                          .num_rows = num_rows,

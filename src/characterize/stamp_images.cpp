@@ -79,7 +79,7 @@ void fitStampImages(Measured measurements, Characterization& result) {
   for (const Measurement* measurement : measurements) model.stamps.push_back(stampOf(*measurement));
   const StampFit found = selectStampModel(model, result.remarks);
   reportStamps(model, found, result);
-  result.fits.push_back({.measurement = measurements.front()->name,
+  result.fits.push_back({.measurement = namesOf(measurements),
                          .unit = "counts",
                          .rms = found.fit.residual_sd,
                          .num_rows = found.fit.num_rows,

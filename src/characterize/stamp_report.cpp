@@ -133,8 +133,10 @@ void StampReport::reportCreepOfStamps() {
     series.push_back(std::move(forces));
   }
   if (series.empty()) return;
+  std::vector<const Measurement*> measurements;
+  for (const Stamp& stamp : model_.stamps) measurements.push_back(stamp.measurement);
   const CreepFit creep = fitCreepTerms(series);
-  reportCreep(creep, series, model_.stamps.front().measurement->name, "from the sum of forces of taxels well above the trigger", result_);
+  reportCreep(creep, series, namesOf(measurements), "from the sum of forces of taxels well above the trigger", result_);
   if (!creep.onsets.empty()) grown_ = 0;
   for (const Onset& onset : creep.onsets) {
     grown_ += creepFactor(creep.terms, kSteady - (onset.time - onset.start)) / static_cast<double>(creep.onsets.size());

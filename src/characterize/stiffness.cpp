@@ -144,7 +144,7 @@ void fitStiffness(Measured measurements, Characterization& result) {
   if (report(fit, 0, "skin.normal_contact_stiffness", unit, result)) law->normal_contact_stiffness = fit.values[0];
   for (std::size_t m = 0; m < measurements.size(); ++m) report(fit, 1 + m, measurements[m]->name + ".contact_offset", "m", result);
   reportThickness(start.deepest, result);
-  result.fits.push_back({.measurement = measurements.front()->name,
+  result.fits.push_back({.measurement = namesOf(measurements),
                          .unit = "N",
                          .rms = fit.residual_sd,
                          .num_rows = rows.size(),

@@ -1,5 +1,6 @@
 // Load search against inverted closed forms, and properties for random scenes.
 #include "reference/load.h"
+#include "support/cases.h"
 
 #include <gtest/gtest.h>
 
@@ -115,7 +116,7 @@ TEST_P(LoadSeeds, ForceAtOffsetEqualsLoad) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Random, LoadSeeds, ::testing::Range(0, 40));
+INSTANTIATE_TEST_SUITE_P(Random, LoadSeeds, support::seeds(40, 40));
 
 }  // namespace
 }  // namespace taxelsim

@@ -1,5 +1,6 @@
 // Line intersections with the analytic solids against their implicit functions, evaluated densely along random lines.
 #include "reference/solids.h"
+#include "support/cases.h"
 
 #include <gtest/gtest.h>
 
@@ -89,7 +90,7 @@ TEST_P(SolidSeeds, FirstHitIsTheFirstSurfacePoint) {
   EXPECT_GT(num_hits, 0) << object.name;
 }
 
-INSTANTIATE_TEST_SUITE_P(Random, SolidSeeds, ::testing::Range(0, 60));
+INSTANTIATE_TEST_SUITE_P(Random, SolidSeeds, support::seeds(60, 60));
 
 // The same box as a solid and as a mesh, at random poses. The two share no intersection code.
 TEST(Solids, BoxMatchesItsMesh) {
