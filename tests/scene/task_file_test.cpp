@@ -103,7 +103,7 @@ TEST(TaskFile, RejectsBadTasks) {
   expect(task("{center: {tolerance_mm: 1}, laps: 1}"), "task.laps: needs a contour of every object of the scene");
   expect(std::string(kScene) + "task: {edge_angle: {tolerance_deg: 5}}\n", "needs an edge or a contour of every object of the scene");
   expect(edited(kScene, "{edge_angle: {kp: 0.78}}", "{edge_angle_source: exact, edge_angle: {kp: 1}}"),
-         "which edge_angle_source exact needs");
+         "edge_angle_source exact needs an edge or a contour");
   expect(edited(sceneText(""), "edge: [0, 3, 4]", "edge: [0, 0, 0]"), "edge: [0, 0, 0] is not allowed: a direction");
   expect(edited(sceneText(""), "anchor_mm: [1, 2, 3]", "contour: {file: ring.csv}"), "contour: given beside edge: one of the two");
   expect(sceneText(""), "ring.csv: 2 points found, a closed contour needs at least 3", "x_m,y_m,z_m\n0,0,0\n1,0,0\n");

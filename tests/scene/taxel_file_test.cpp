@@ -230,7 +230,7 @@ TEST(BadTaxels, Spreads) {
   EXPECT_THAT(refusalOf(taxel + "{skin_gaussian: {sigma: 1}, gaussian: {sigma: 1, size: 1}}\n"),
               testing::HasSubstr("psf.skin_gaussian: given beside `gaussian`: either, not both"));
   EXPECT_THAT(refusalOf("num_rows: 40\nnum_cols: 40\npitch: 0.001\npsf: {skin_gaussian: {sigma: 0.01}}\n"),
-              testing::HasSubstr("psf.reach: 0.03 is not allowed: m, within which taxel"));
+              testing::HasSubstr("psf: reach: 0.03 is not allowed: m, within which taxel"));
 }
 
 TEST(BadTaxels, Meshes) {
@@ -238,7 +238,7 @@ TEST(BadTaxels, Meshes) {
               testing::StartsWith(":3:13: taxel_mesh: taxels.obj is not allowed: a mapping of file"));
   EXPECT_THAT(refusalOf("taxel_mesh: {}\n"), testing::HasSubstr("taxel_mesh: file is missing: a mesh file"));
   EXPECT_THAT(refusalOf("taxel_mesh: {file: nowhere.obj}\n"), testing::HasSubstr("nowhere.obj is not there, or not a file"));
-  EXPECT_THAT(refusalOf("taxel_mesh: {file: hand.urdf}\n"), testing::HasSubstr("hand.urdf: not a mesh file"));
+  EXPECT_THAT(refusalOf("taxel_mesh: {file: hand.urdf}\n"), testing::HasSubstr("hand.urdf: unsupported mesh format"));
   EXPECT_THAT(refusalOf("taxel_mesh: {file: taxels.obj, scale: 0}\n"), testing::HasSubstr("taxel_mesh.scale: 0 is not allowed"));
   EXPECT_THAT(refusalOf("taxel_mesh: {file: taxels.obj, sha256: '00'}\n"), testing::HasSubstr("taxel_mesh.sha256: not the SHA-256"));
   EXPECT_THAT(refusalOf("taxel_mesh: {file: taxels.obj}\n", kUrdf, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
