@@ -9,7 +9,9 @@ namespace taxelsim {
 namespace {
 
 #define TAXELSIM_FIELD(view, name, offset, width, unit, frame, recorded, text) \
-  FeatureField<view> { #name, offset, width, unit, frame, recorded, text, &view::name }
+  FeatureField<view> {                                                         \
+#name, offset, width, unit, frame, recorded, text, &view::name             \
+  }
 #define TAXELSIM_FEATURE(constant, ...) TAXELSIM_FIELD(FeatureView, __VA_ARGS__),
 #define TAXELSIM_READOUT(constant, ...) TAXELSIM_FIELD(FrameView, __VA_ARGS__),
 #define TAXELSIM_TRUTH(constant, ...) TAXELSIM_FIELD(GroundTruthView, __VA_ARGS__),
@@ -44,7 +46,9 @@ static_assert(fills(kJacobianFeatures, 0, layout::kNumJacobian));
 static_assert(fills(kWrenchJacobian, layout::kNumJacobian, layout::kNumJacobian + layout::kNumWrenchJacobian));
 
 // A view has no field of features that the tables lack. The sizes: the spans of the tables, then whatever else the view has.
-constexpr std::size_t spans(std::size_t count) { return count * sizeof(std::span<const float>); }
+constexpr std::size_t spans(std::size_t count) {
+  return count * sizeof(std::span<const float>);
+}
 struct RowCounts {
   int num_rows, num_patches;
 };
@@ -59,12 +63,26 @@ static_assert(sizeof(GroundTruthView) == sizeof(FeatureView) + spans(kTaxelArray
 
 }  // namespace
 
-std::span<const FeatureField<FeatureView>> imageFeatures() { return kImageFeatures; }
-std::span<const FeatureField<FrameView>> readoutFeatures() { return kReadoutFeatures; }
-std::span<const FeatureField<GroundTruthView>> truthFeatures() { return kTruthFeatures; }
-std::span<const FeatureField<ContactFeatureView>> contactFeatures() { return kContactFeatures; }
-std::span<const FeatureField<ContactFeatureView>> regionFeatures() { return kRegionFeatures; }
-std::span<const FeatureField<TactileJacobianView>> jacobianFeatures() { return kJacobianFeatures; }
-std::span<const FeatureField<CleanTactileJacobianView>> wrenchJacobian() { return kWrenchJacobian; }
+std::span<const FeatureField<FeatureView>> imageFeatures() {
+  return kImageFeatures;
+}
+std::span<const FeatureField<FrameView>> readoutFeatures() {
+  return kReadoutFeatures;
+}
+std::span<const FeatureField<GroundTruthView>> truthFeatures() {
+  return kTruthFeatures;
+}
+std::span<const FeatureField<ContactFeatureView>> contactFeatures() {
+  return kContactFeatures;
+}
+std::span<const FeatureField<ContactFeatureView>> regionFeatures() {
+  return kRegionFeatures;
+}
+std::span<const FeatureField<TactileJacobianView>> jacobianFeatures() {
+  return kJacobianFeatures;
+}
+std::span<const FeatureField<CleanTactileJacobianView>> wrenchJacobian() {
+  return kWrenchJacobian;
+}
 
 }  // namespace taxelsim

@@ -13,7 +13,8 @@
 namespace taxelsim {
 
 // Values of one feature for all rows of a batch, (num_rows x width).
-using FeatureValues = std::variant<std::span<const float>, std::span<const std::int32_t>, std::span<const bool>, std::span<const ContactType>>;
+using FeatureValues =
+    std::variant<std::span<const float>, std::span<const std::int32_t>, std::span<const bool>, std::span<const ContactType>>;
 
 // The field of a view that has them.
 template <typename View>

@@ -86,6 +86,7 @@ Simulator::Impl::Impl(const Model& shared_model, const SimulatorOptions& simulat
     setVariation(instance, 0, {});
   }
   if (data().hasFriction() && !takesContacts()) motions.emplace(clocks.size(), static_cast<std::size_t>(options.num_slots));
+  viewOf(data(), options, buffers, integer_features);  // allocates the arrays of integer features, so that read() does not
 }
 
 void Simulator::Impl::checkInstance(int instance) const {

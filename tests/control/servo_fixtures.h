@@ -13,7 +13,7 @@
 namespace taxelsim {
 
 inline constexpr double kPi = std::numbers::pi;
-inline constexpr double kPitch = 3.4e-3;  // m
+inline constexpr double kPitch = 3.4e-3;         // m
 inline constexpr double kStiffness = 1.73e8;     // N/m^3
 inline constexpr double kFloat = 4 * 0x1p-24;    // relative: four rounding errors of float32 features
 inline constexpr double kSpeedRounding = 1e-12;  // relative: rounding errors in double

@@ -48,15 +48,15 @@ def pad(skin, readout=(), psf="gaussian: {sigma: 0.5, size: 3}", shape="num_rows
     return sensor_in_place("\n".join(lines))
 
 
-def servo(sensor, objects, randomisation, controller=SERVO, record=(), steps=12, robot="", more=""):
-    return scene(sensor, objects, randomisation, record or IMAGES + ["actions"], "servo", steps, "controller:" + controller + "\n" + more, robot)
+def servo(sensor, objects, randomization, controller=SERVO, record=(), steps=12, robot="", more=""):
+    return scene(sensor, objects, randomization, record or IMAGES + ["actions"], "servo", steps, "controller:" + controller + "\n" + more, robot)
 
 
-def contacts(sensor, objects, randomisation, record=()):
-    return scene(sensor, objects, randomisation, record or IMAGES, "contacts", 0, "", "")
+def contacts(sensor, objects, randomization, record=()):
+    return scene(sensor, objects, randomization, record or IMAGES, "contacts", 0, "", "")
 
 
-def scene(sensor, objects, randomisation, record, kind, steps, controller, robot):
+def scene(sensor, objects, randomization, record, kind, steps, controller, robot):
     lines = ["format_version: 1", "name: golden", f"kind: {kind}", f"sensor: {sensor}"]
     if robot:
         lines.append(f"robot: {robot}")
@@ -64,7 +64,7 @@ def scene(sensor, objects, randomisation, record, kind, steps, controller, robot
     if steps:
         lines += ["episode:", f"  num_steps: {steps}", "  simulation_rate: 100"]
     place = ["x_mm: [-3, 3]", "y_mm: [-6, 6]", "yaw_deg: [-60, 60]", "tilt_deg: [0, 3]"]
-    lines += ["randomisation:"] + ["  " + line for line in place + randomisation]
+    lines += ["randomization:"] + ["  " + line for line in place + randomization]
     if controller:
         lines.append(controller.rstrip("\n"))
     lines += ["record: [%s]" % ", ".join(record), "data_set: {episodes: 24, seed: 5, episodes_per_shard: 16, compression: 1}"]
