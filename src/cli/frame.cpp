@@ -179,9 +179,11 @@ void addFrame(CLI::App& app, Action& action) {
       command->add_option("--load", arguments->load, "Move the objects along z until they press with this force, N")->type_name("N");
   command->add_flag("--json", arguments->json, "Print JSON, all numbers in full");
   command->add_option("--png", arguments->picture, "Draw the tactile image into this picture")->type_name("FILE");
-  command->add_option("--device", arguments->device, "discrete, integrated, cpu, a number of `taxelsim devices` or part of a name")
+  command
+      ->add_option("--device", arguments->device,
+                   "Device: discrete, integrated, cpu, a number from `taxelsim devices`, or part of its name")
       ->type_name("D");
-  command->add_flag("--validation", arguments->validation, "Run with Vulkan's validation layers; slow");
+  command->add_flag("--validation", arguments->validation, "Enable the Vulkan validation layers; slow");
   command->callback([=, &action] {
     action = [=] { return contacts->count() > 0 ? runContacts(*arguments, load->count() > 0) : runObjects(*arguments, load->count() > 0); };
   });

@@ -12,7 +12,7 @@ namespace taxelsim {
 void checkFormatVersion(const YamlNode& root) {
   if (!root.isMap()) root.refuse("a mapping that begins with format_version: " + std::to_string(kFormatVersion));
   const std::optional<YamlNode> given = root.child("format_version");
-  if (!given) root.fail("format_version is missing: " + std::to_string(kFormatVersion));
+  if (!given) root.fail("missing `format_version: " + std::to_string(kFormatVersion) + "`");
   const std::uint64_t version = given->integer(1, std::numeric_limits<std::uint64_t>::max());
   if (version > kFormatVersion) {
     given->fail("version " + std::to_string(version) + " is newer than this program: it reads up to " + std::to_string(kFormatVersion));

@@ -7,7 +7,7 @@ namespace {
 TEST(BadScenes, Versions) {
   expectRefusals(
       {BadScene{"format_version: 1", "format_version: 2", ":1:17: format_version: version 2 is newer than this program: it reads up to 1"},
-       BadScene{"format_version: 1\n", "", ":1:1: format_version is missing: 1"},
+       BadScene{"format_version: 1\n", "", ":1:1: missing `format_version: 1`"},
        BadScene{"format_version: 1", "format_version: 0", ":1:17: format_version: 0 is not allowed: a whole number from 1"},
        BadScene{"format_version: 1", "format_version: one", ":1:17: format_version: one is not allowed: a whole number from 1"},
        BadScene{"format_version: 1", "format_version: 9\nfuture: x", ":1:17: format_version: version 9 is newer"}});
