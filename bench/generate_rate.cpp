@@ -1,5 +1,5 @@
 // Throughput of `generate` to disk, uncompressed and compressed, as a fraction of the device alone on the same frames, which replays the
-// poses of a first run; and where the time goes. Also the time of a new process to its first frame, with a cold and a warm shader cache.
+// poses of a first run; and the time per stage. Also the time of a new process to its first frame, with a cold and a warm shader cache.
 #include <fcntl.h>
 #include <spawn.h>
 #include <stdlib.h>

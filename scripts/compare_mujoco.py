@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Depths under MuJoCo's `tactile` sensor beside taxelsim's, over the same taxels and poses. Needs `pip install mujoco numpy` (tried with 4.0.0).
+"""Compares the depths of MuJoCo's `tactile` sensor with those of taxelsim, for the same taxels and poses. Needs `pip install mujoco numpy` (tried with 4.0.0).
 
 Usage: scripts/compare_mujoco.py [path of taxelsim]
 
-MuJoCo asks, at every vertex of a sensor's mesh, how deep it lies inside the touching body: the distance to the nearest surface, from the body's signed
-distance field. taxelsim looks along the taxel's normal. On a flat face the two are the same; on a flank that rises at angle t the nearest surface is
-closer, by cos t to first order, and near a rim it may be the wall beside the taxel.
+MuJoCo computes the depth of every vertex of a sensor's mesh inside the touching body as the distance to the nearest surface, from the body's signed
+distance field. taxelsim computes it along the taxel's normal. On a flat face the two are the same; on a flank that rises at angle t the nearest surface is
+closer, by cos t to first order, and near a rim it may be a side wall.
 """
 import json
 import math

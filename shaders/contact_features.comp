@@ -24,6 +24,7 @@ const uint kTeams = WORKGROUP / TEAM;
 #include "driver/loop_limit.glsl"
 #include "features/moments.glsl"
 #include "features/contact_parts.glsl"
+#include "features/part_sums.glsl"
 #include "features/contact_sums.glsl"
 #include "features/windowed_axes.glsl"
 #include "features/tilt.glsl"

@@ -20,7 +20,7 @@
 const uint kTeams = WORKGROUP / TEAM;
 const bool kGrids = NUM_NEIGHBOURS == 0;
 
-// One instance, as its team sees it.
+// One instance, the same for all invocations of its team.
 struct Instance {
   uint number, first_taxel;
   uint end;  // of its taxels; 0 where there is nothing to do

@@ -67,7 +67,7 @@ void motionBounds(Tile tile, CandidateRecord before, Affine X_PO, out vec3 low, 
   high = vec3(kMiss);
 }
 
-// The list that the instance goes to. Writes its CandidateRecord for the next step.
+// Returns the list for the instance. Writes its CandidateRecord for the next step.
 uint listOf(Tile tile, uint instance) {
   int id = objectInSlot(instance);
   Body body = bodyInSlot(tile, instance, max(id, 0));

@@ -29,6 +29,7 @@ const uint kTeams = WORKGROUP / TEAM;
 #include "features/axes.glsl"
 #include "features/jacobian_parts.glsl"
 #include "features/jacobian_taxels.glsl"
+#include "features/part_sums.glsl"
 #include "features/jacobian_sums.glsl"
 #include "features/jacobian_rows.glsl"
 
@@ -41,18 +42,18 @@ void computePart(uint number, bool is_valid, uint num_instances) {
   bool writes = is_due && gl_LocalInvocationIndex % TEAM == 0;
   Part part = loadPart(instance, which, is_due);
   PlaneRecord plane = planes[part.plane];
-  JacobianSums first = sumPart(kSumsFirst, part, vec3(0), 0);
+  PartSums first = sumPart(kSumsFirst, part, vec3(0), 0);
   float force = first.s[0];
   bool touches = force > kMinForce;
   vec3 center = vec3(0), second = vec3(0);
   if (touches) center = vec3(first.s[1], first.s[2], first.s[3]) / force;
-  JacobianSums about = sumPart(kSumsSecond, part, center, 0);
+  PartSums about = sumPart(kSumsSecond, part, center, 0);
   if (touches) second = vec3(about.s[0], about.s[1], about.s[2]) / force;
   Axes axes = axesOf(second);
   uint num_rows = num_instances * kRows;
   uint row = instance * kRows + which;
   for (uint k = 0; k < 6; ++k) {
-    JacobianSums sums = sumPart(kSumsChange, part, center, k);
+    PartSums sums = sumPart(kSumsChange, part, center, k);
     Change change = noChange();
     if (touches) change = changeOf(sums, force, second, axes);
     if (writes) {
@@ -61,7 +62,7 @@ void computePart(uint number, bool is_valid, uint num_instances) {
     }
     if (!CLEAN) continue;
     // Only the sensor has a wrench.
-    JacobianSums wrench = sumPart(kSumsWrench, part, vec3(0), k);
+    PartSums wrench = sumPart(kSumsWrench, part, vec3(0), k);
     uint first_wrench = kNumJacobian * num_rows + kNumWrenchJacobian * instance + k;
     for (uint c = 0; c < 6; ++c) {
       if (writes && which == 0) features[first_wrench + 6 * c] = wrench.s[c];

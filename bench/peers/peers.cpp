@@ -138,7 +138,7 @@ int run(const Options& given) {
   for (const std::string& array : options.arrays) sensors.push_back(withArray(sensor, array));
   const Device device = Device::open({.device = options.device});
   const nlohmann::ordered_json where = machine(device.info());
-  const std::string heading = device.info().name + ", " + device.info().driver + ", beside " + where["cpu"].get<std::string>() + ", " +
+  const std::string heading = device.info().name + ", " + device.info().driver + "; peers on " + where["cpu"].get<std::string>() + ", " +
                               std::to_string(where["cores"].get<unsigned>()) + " cores";
   std::printf("%s\n%s, %d repetitions\n\n", heading.c_str(), sensor.name.c_str(), options.contest.repetitions);
 

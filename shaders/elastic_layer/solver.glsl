@@ -5,7 +5,7 @@
 //   t                          kLayerDirection
 //   q = A t                    kLayerProduct
 //
-// With a load the shift is an unknown: the mean of r over the nodes in contact goes into it, and pressures are scaled to the load after every step.
+// With a load the shift is an unknown: it takes up the mean of r over the nodes in contact, and pressures are scaled to the load after every step.
 
 struct Solution {
   float shift;             // thicknesses
@@ -18,7 +18,7 @@ struct Solution {
 struct Drive {
   float deepest;       // target of the deepest node, thicknesses
   bool by_load;
-  float pressure_sum;  // that a load asks for, if by_load
+  float pressure_sum;  // required by the load, if by_load
 };
 
 // Updates the residual by the displacements of kLayerProduct over the sources. With a load, multiplies pressures and displacements by `factor` and updates the

@@ -1,12 +1,8 @@
 // Sums over the taxels of a part (features/contact_parts.glsl), in a fixed order. Forces in N, lengths in m. Twin: src/reference/contact_features.cpp.
-// Shared memory: 4 PARTIALS bytes, PARTIALS = kMostSums LANES per team of more than one invocation.
 
 const float kWindow = 1.15;  // standard deviation of the Gaussian window, pitches
 
 const float kTaxelNumbers = 16777216.0;  // 2^24: floats hold all numbers of taxels below it
-
-
-shared float partial[PARTIALS];
 
 // What is summed over the taxels of a part.
 const uint kSumsForce = 0u;   // the largest force; force, first moments (3), area, number of taxels that report
@@ -22,16 +18,6 @@ bool hasLargest(uint kind) { return kind <= kSumsPeak; }
 // With kSumsSecond, the sums over core taxels begin here: their number, first (2) and second (3) moments of their positions (pitches), forces less `force`,
 // first moments (2) and squares of these.
 const uint kCore = 6u;
-
-struct PartSums {
-  float s[kMostSums];
-};
-
-PartSums noSums() {
-  PartSums sums;
-  for (uint k = 0; k < kMostSums; ++k) sums.s[k] = 0.0;
-  return sums;
-}
 
 void addSums(uint kind, inout PartSums total, PartSums more) {
   float largest = max(total.s[0], more.s[0]);

@@ -10,7 +10,7 @@ Change noChange() { return Change(0.0, 0.0, vec3(0)); }
 
 // From the derivatives of force and of moments about the centre of pressure: mean and second moments are quotients, the angle is 1/2 atan2(2 xy, xx - yy).
 // `force`: N; `second`: central second moments, m^2.
-Change changeOf(JacobianSums sums, float force, vec3 second, Axes axes) {
+Change changeOf(PartSums sums, float force, vec3 second, Axes axes) {
   Change change = Change(sums.s[0], 0.0, vec3(sums.s[1], sums.s[2], sums.s[3]) / force);
   vec3 moments = (vec3(sums.s[4], sums.s[5], sums.s[6]) - second * sums.s[0]) / force;
   float difference = axes.large - axes.small;

@@ -1,9 +1,5 @@
 // Sums over the taxels of a part (features/jacobian_parts.glsl) or the tiles of its instance, in a fixed order. `middle`: the point of the moments, in C, m;
 // `k`: a coordinate of the sensor's twist. Twin: src/reference/tactile_jacobian.cpp.
-// Shared memory: 4 PARTIALS bytes, PARTIALS = kMostSums LANES per team of more than one invocation.
-
-
-shared float partial[PARTIALS];
 
 // What is summed over the taxels of a part.
 const uint kSumsFirst = 0u;   // force, first moments (3)
@@ -11,17 +7,7 @@ const uint kSumsSecond = 1u;  // second moments (3) about a point
 const uint kSumsChange = 2u;  // derivatives of force, first (3) and second (3) moments about a point by one coordinate of the twist
 const uint kSumsWrench = 3u;  // derivatives of the wrench (6), over tiles
 
-struct JacobianSums {
-  float s[kMostSums];
-};
-
-JacobianSums noSums() {
-  JacobianSums sums;
-  for (uint k = 0; k < kMostSums; ++k) sums.s[k] = 0.0;
-  return sums;
-}
-
-void addTaxel(uint kind, Part part, uint t, vec3 middle, uint k, inout JacobianSums sums) {
+void addTaxel(uint kind, Part part, uint t, vec3 middle, uint k, inout PartSums sums) {
   vec2 reading = vec2(0, 1);
   if (!CLEAN || kind != kSumsChange) reading = readingOf(part, t);
   vec3 p = positionOf(part, t) - middle;
@@ -42,19 +28,19 @@ void addTaxel(uint kind, Part part, uint t, vec3 middle, uint k, inout JacobianS
   sums.s[6] += weight * p.y * p.y;
 }
 
-void addTile(Part part, uint tile, uint k, inout JacobianSums sums) {
+void addTile(Part part, uint tile, uint k, inout PartSums sums) {
   uint first = (part.instance * NUM_TILES + tile) * kNumWrenchJacobian + k;
   for (uint c = 0; c < 6; ++c) sums.s[c] += wrench_jacobian[first + 6 * c];
 }
 
 // Sums of one kind over all taxels of the part, or all tiles of the instance; every invocation of the team gets them.
-JacobianSums sumPart(uint kind, Part part, vec3 middle, uint k) {
+PartSums sumPart(uint kind, Part part, vec3 middle, uint k) {
   uint lane = gl_LocalInvocationIndex % TEAM;
   uint first_partial = gl_LocalInvocationIndex / TEAM * kMostSums * LANES;
   uint first = kind == kSumsWrench ? 0 : part.first, end = kind == kSumsWrench ? NUM_TILES : part.end;
-  JacobianSums total = noSums();
+  PartSums total = noSums();
   for (uint v = lane; v < LANES; v += TEAM) {
-    JacobianSums sums = noSums();
+    PartSums sums = noSums();
     uint t = first + v;
     for (; t < end; t += LANES) {
       if (kind == kSumsWrench) {

@@ -57,7 +57,8 @@ void uniteNeighbours(uint first_taxel, uint t) {
     if (reportsAt(first_taxel, other)) unite(first_taxel, t, other);
   }
   if (!kGrids) return;
-  // The taxel above is a neighbour of the left one and of the two beside it, so that at most two regions are left to unite with.
+  // The taxel above is adjacent to the left one and to its own two neighbours in the row, so those that report form at most two regions:
+  // `before` and `after` are one taxel of each.
   Place place = placeOf(t);
   uint before = t, after = t, above = t - place.grid.y;
   bool has_left = place.at.y > 0, has_row = place.at.x > 0;

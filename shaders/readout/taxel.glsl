@@ -1,6 +1,6 @@
 // Stages 4 and 5 of one taxel: its spread force (N) through lag, gain, curve, noise and saturation to counts, and its share of the sums of stage 6.
 
-// One instance, as its team sees it.
+// One instance, the same for all invocations of its team.
 struct Instance {
   uint number, first_taxel;
   vec4 drive;         // InstanceRecord

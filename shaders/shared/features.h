@@ -14,7 +14,7 @@ TAXELSIM_LAYOUT_BEGIN
 //   unit      SI; "1" for numbers without a unit
 //   frame     frame of the components: S sensor, P patch, "-" none
 //   recorded  in which data sets the feature is a column: "always", "never", or "elastic_layer" for those of that law
-//   text      description of the column; {} stands for the forces that the feature comes from
+//   text      description of the column; {} is replaced by the source of the feature
 // src/simulation/feature_table.cpp makes views, columns, JSON and text of them; docs/data_set.md is tested against them.
 
 // Features of the measured image. In the buffer they start at 0; those of the clean image start at kNumImageFeatures. Block after block,

@@ -56,7 +56,7 @@ CreepFit fitCreepTerms(const std::vector<CreepSeries>& series);
 // 1 + sum fraction (1 - e^(-t / time)) at t (s) after the onset.
 double creepFactor(const std::vector<CreepTerm>& terms, double t);
 
-// Adds a fit to the sensor, estimates, fit qualities and figures of `result`. `name` is the measurement's; `remark` goes to every estimate.
+// Adds a fit to the sensor, estimates, fit qualities and figures of `result`. `name`: of the measurement; `remark`: for every estimate.
 void reportCreep(const CreepFit& fit, const std::vector<CreepSeries>& series, const std::string& name, const std::string& remark,
                  Characterization& result);
 

@@ -54,11 +54,12 @@ bool isSparse(std::size_t num_rows) {
 std::optional<std::size_t> knotOfFewRows(const ReadoutModel& model, const std::vector<std::size_t>& num_rows) {
   const std::size_t num_pieces = num_rows.size(), pinned = model.pinned_knot;
   if (num_pieces < 2) return {};
-  const auto beside = [&](std::size_t knot) { return knot != pinned ? knot : knot > 0 ? knot - 1 : knot + 1; };
-  if (isSparse(num_rows.front())) return beside(0);
+  // `knot`, or its neighbour if it is pinned.
+  const auto unpinned = [&](std::size_t knot) { return knot != pinned ? knot : knot > 0 ? knot - 1 : knot + 1; };
+  if (isSparse(num_rows.front())) return unpinned(0);
   if (isSparse(num_rows.back())) return pinned + 1 < num_pieces ? num_pieces - 1 : num_pieces - 2;
   for (std::size_t k = 0; k + 1 < num_pieces; ++k) {
-    if (isSparse(num_rows[k]) && isSparse(num_rows[k + 1])) return beside(k);
+    if (isSparse(num_rows[k]) && isSparse(num_rows[k + 1])) return unpinned(k);
   }
   return {};
 }

@@ -65,7 +65,7 @@ class StampReport {
   Characterization& result_;
   std::string over_;
   std::vector<std::size_t> loaded_;
-  double mean_gain_ = 1;               // of the loaded taxels; goes into the curve's slope
+  double mean_gain_ = 1;               // of the loaded taxels; multiplies the slope of the curve
   double grown_ = 1, grown_half_ = 0;  // growth by creep 5 s after contact, and half width of its interval
 };
 

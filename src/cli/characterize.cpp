@@ -137,7 +137,8 @@ void addCharacterize(CLI::App& app, Action& action) {
   command->add_option("-o,--output", arguments->sensor, "Sensor file to write")->required()->type_name("SENSOR");
   command->add_option("--name", arguments->name, "Name of the sensor; default: that of the sensor file which the measurements name")
       ->type_name("NAME");
-  command->add_option("--report", arguments->report, "Write a report (HTML) with all figures, and the figures beside it (PNG)")
+  command
+      ->add_option("--report", arguments->report, "Write an HTML report with all figures, and the figures as PNG files in the same folder")
       ->type_name("HTML");
   command->add_flag("--json", arguments->json, "Print JSON instead of tables");
   command->callback([=, &action] { action = [=] { return runCharacterize(*arguments); }; });

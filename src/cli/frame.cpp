@@ -95,7 +95,7 @@ Device openDevice(const Arguments& arguments) {
 
 int runContacts(const Arguments& arguments, bool load_driven) {
   if (!arguments.objects.empty() || !arguments.poses.empty() || load_driven)
-    throw Error(ErrorKind::kInput, "--contacts comes instead of --object, --pose and --load");
+    throw Error(ErrorKind::kInput, "--contacts excludes --object, --pose and --load");
   const std::vector<ContactPoint> contacts = readContacts(arguments.contacts);
   const Sensor sensor = loadSensor(arguments.sensor);
   Simulator simulator(Model(openDevice(arguments), {.sensor = sensor}),

@@ -178,7 +178,7 @@ void printRow(std::string_view name, std::string_view unit, const std::string& m
   fmt::print("{:<24} {:<7} {:<40} {}\n", name, unit, measured, clean);
 }
 
-// Measured beside clean values of the features that both views have.
+// One line per feature of `table`: name, unit, measured value, clean value.
 template <typename Field, typename View>
 void printBoth(std::span<const Field> table, const View& measured, const View& clean) {
   for (const Field& field : table) {

@@ -25,8 +25,8 @@ struct EpisodeRecord {
   float start_force = 0;                                                              // N: the force that a controller holds by default
 };
 
-// State beside the simulator's outputs. Arrays have shape (num_instances) unless noted; the simulator's outputs have num_sensors rows per
-// instance.
+// State of a frame in addition to the outputs of the simulator. Arrays have shape (num_instances) unless noted; the simulator's outputs
+// have num_sensors rows per instance.
 struct FrameContext {
   std::span<const std::uint8_t> active;  // 0: the instance is idle, and its rows are undefined
   std::span<const double> times;         // s, since the start of the episode

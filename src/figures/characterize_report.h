@@ -13,8 +13,8 @@ namespace taxelsim::figures {
 // "2401 (2398 to 2404) counts/N", or "not determined: REASON".
 std::string estimateText(const Estimate& estimate);
 
-// Draws all figures, the gain map and the point spread function as REPORT_<figure>.png beside `report`. Returns the files in the order of
-// the report. Throws Error(kIo).
+// Draws all figures, the gain map and the point spread function as REPORT_<figure>.png in the folder of `report`. Returns the files in the
+// order of the report. Throws Error(kIo).
 std::vector<std::filesystem::path> drawCharacterization(const std::filesystem::path& report, const Characterization& result);
 
 // Writes the report atomically, with the figures embedded. Throws Error(kIo).

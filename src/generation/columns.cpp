@@ -41,7 +41,7 @@ constexpr const char* kReadoutForces = "the taxel forces as the readout has them
 // Where the features of one view become columns.
 struct FeatureGroup {
   std::string prefix;               // of the column names, below data/
-  std::string forces;               // what the features come from, for descriptions
+  std::string forces;               // source of the features, for descriptions
   std::vector<std::size_t> rows{};  // (num_rows), or empty for one row
 };
 

@@ -52,7 +52,7 @@ std::unique_ptr<ShardBuffer> ShardQueue::openShard(std::uint64_t shard) {
     }
   } catch (const std::exception&) {  // std::bad_alloc or std::length_error
     throw Error(ErrorKind::kInput, "a shard of " + std::to_string(num_episodes) + " episodes with " + std::to_string(num_frames_) +
-                                       " frames does not fit into memory beside " + std::to_string(open_.size()) +
+                                       " frames does not fit into memory with " + std::to_string(open_.size()) +
                                        " other open shards; reduce episodes_per_shard or the batch size");
   }
   return buffer;

@@ -9,7 +9,7 @@
 
 namespace taxelsim::gpu {
 
-// Paths that give the same results in less time. Each has a plain path beside it, which tests compare it with.
+// Fast paths: the same results in less time. Each has a plain path; tests compare the results of both.
 struct FastPaths {
   bool pairs = true;       // loads of 64 bits
   bool polyhedra = true;   // convex meshes of few faces as half-spaces: the same surface, other roundings

@@ -159,8 +159,8 @@ void setWindowedEdge(std::span<const TaxelPlace> places, std::span<const double>
   }
 }
 
-// Whether the taxel is not on the rim of its patch and all taxels within `margin` report. At the rim the contact may end anywhere beside
-// the patch.
+// Whether the taxel is not on the rim of its patch and all taxels within `margin` report. At the rim the contact may end anywhere
+// outside the patch.
 bool isCore(const TaxelLayout& layout, const std::vector<bool>& reports, int taxel, int margin) {
   const TaxelOnPatch& a = layout.at[taxel];
   const GridPatch& patch = layout.sensor.patches[a.patch];

@@ -34,16 +34,14 @@ void readCurve(const YamlMap& from, Readout& readout) {
   from.require("curve", "{counts_per_newton: ...}, {coefficients: [...]} or {points: [...]}");
   const YamlMap map(from, "curve", {"counts_per_newton", "coefficients", "limit", "points"});
   if (const std::optional<YamlNode> points = map.find("points")) {
-    for (const char* const key : {"counts_per_newton", "coefficients", "limit"}) {
-      if (const std::optional<YamlNode> both = map.find(key)) both->fail("given beside `points`: either, not both");
-    }
+    for (const char* const key : {"counts_per_newton", "coefficients", "limit"}) map.rejectBoth(key, "points");
     readout.curve_points = readCurvePoints(*points, map.canonical());
     return;
   }
   std::vector<double>& curve = readout.curve;
   curve.clear();
   if (const std::optional<YamlNode> slope = map.find("counts_per_newton")) {
-    if (const std::optional<YamlNode> both = map.find("coefficients")) both->fail("given beside `counts_per_newton`: either, not both");
+    map.rejectBoth("coefficients", "counts_per_newton");
     curve = {slope->number(Allowed::above(0, "counts/N"))};
   } else {
     const YamlNode coefficients = map.require("coefficients", "a list of 1 to 5 numbers, counts/N^m; or counts_per_newton");

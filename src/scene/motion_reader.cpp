@@ -20,7 +20,7 @@ Motion readConstantTwist(const YamlMap& parent) {
 Motion readSinusoid(const YamlMap& parent) {
   const YamlMap map(parent, "sinusoid", {"axis", "amplitude[_mm]", "angle[_deg]", "frequency", "phase[_deg]"});
   if (!map.has("amplitude") && !map.has("angle")) {
-    map.node().fail("amplitude[_mm] or angle[_deg] is missing: how far it goes along the axis, or about it");
+    map.node().fail("amplitude[_mm] or angle[_deg] is missing: the amplitude along the axis, or the angle about it");
   }
   Sinusoid motion;
   motion.axis = map.numbers<3>("axis", Allowed::any(""));

@@ -79,14 +79,14 @@ void readEdge(const YamlMap& map, const std::filesystem::path& directory, SceneO
     if (!(size > 0)) edge->fail("[0, 0, 0] is not allowed: a direction");
     object.edge = scale(1 / size, direction);
   }
-  if (const std::optional<YamlNode> contour = map.find("contour")) {
-    if (object.edge) contour->fail("given beside edge: one of the two");
+  if (map.has("contour")) {
+    map.rejectBoth("contour", "edge");
     const YamlMap block(map, "contour", {"file", "sha256"});
     const std::filesystem::path file = readHashedFile(block, "file", "a CSV file of points", directory, kMaxContourBytes);
     object.contour = atNode(block.require("file", ""), [&] { return loadContour(file); });
   }
-  if (const std::optional<YamlNode> anchor = map.find("anchor")) {
-    if (!object.contour.empty()) anchor->fail("given beside contour, which is set down at random points");
+  if (map.has("anchor")) {
+    map.rejectBoth("anchor", "contour", "an object with a contour starts at a random point of it");
     object.anchor = map.numbers<3>("anchor", Allowed::any("m"));
   }
 }
@@ -96,9 +96,8 @@ std::string_view shapeOf(const YamlMap& map) {
   std::string_view shape;
   for (std::size_t i = 0; i < kNumShapes; ++i) {
     const std::string_view key = objectKeys()[i];
-    const std::optional<YamlNode> node = map.find(key);
-    if (!node) continue;
-    if (!shape.empty()) node->fail("a second shape beside " + std::string(shape) + ": one an object");
+    if (!map.has(key)) continue;
+    if (!shape.empty()) map.rejectBoth(key, shape, "an object has one shape");
     shape = key;
   }
   if (shape.empty()) map.node().fail("no shape: one of " + std::string(kShapes));

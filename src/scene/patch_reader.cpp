@@ -32,14 +32,12 @@ GridPatch readGrid(const YamlMap& map, std::string name) {
 std::optional<std::string_view> layoutKey(const YamlMap& map) {
   std::optional<std::string_view> chosen;
   for (const std::string_view key : {"patches", "taxels", "taxel_mesh", "urdf"}) {
-    const std::optional<YamlNode> given = map.find(key);
-    if (given && chosen) given->fail("given beside `" + std::string(*chosen) + "`: one of the two");
-    if (given) chosen = key;
+    if (chosen) map.rejectBoth(key, *chosen);
+    if (map.has(key)) chosen = key;
   }
   if (!chosen) return chosen;
   for (const std::string_view key : {"num_rows", "num_cols", "pitch", "pose"}) {
-    const std::optional<YamlNode> beside = map.find(key);
-    if (beside) beside->fail("given beside `" + std::string(*chosen) + (chosen == "patches" ? "`: give it in each patch instead" : "`"));
+    map.rejectBoth(key, *chosen, chosen == "patches" ? "give it in each patch instead" : "it belongs to a sensor of one grid");
   }
   return chosen;
 }

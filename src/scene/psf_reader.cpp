@@ -38,14 +38,14 @@ Psf readPsf(const YamlMap& sensor) {
   Canonical& canonical = map.canonical();
   const std::optional<YamlNode> kernel = map.find("kernel"), skin_gaussian = map.find("skin_gaussian");
   Psf psf;
-  if (skin_gaussian && map.has("gaussian")) skin_gaussian->fail("given beside `gaussian`: either, not both");
-  if (kernel && skin_gaussian) kernel->fail("given beside `skin_gaussian`: either, not both");
+  map.rejectBoth("skin_gaussian", "gaussian");
+  map.rejectBoth("kernel", "skin_gaussian");
+  map.rejectBoth("kernel", "gaussian");
   if (skin_gaussian) {
     const YamlMap gaussian(map, "skin_gaussian", {"sigma[_mm]", "reach[_mm]"});
     psf.sigma = gaussian.number("sigma", Allowed::above(0, "m"));
     psf.reach = gaussian.number("reach", Allowed::above(0, "m"), 3 * psf.sigma);
   } else if (map.has("gaussian")) {
-    if (kernel) kernel->fail("given beside `gaussian`: either, not both");
     const YamlMap gaussian(map, "gaussian", {"sigma", "size"});
     // A smaller sigma spreads nothing; a larger one is flat over the largest kernel.
     const double sigma = gaussian.number("sigma", Allowed::within(1e-3, 100, "taxels"));

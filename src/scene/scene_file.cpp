@@ -92,8 +92,8 @@ Randomization readRandomization(const YamlMap& parent, const Scene& scene) {
   random.y = readRange(map, "y", offset, Range{});
   random.yaw = readRange(map, "yaw", Allowed::within(-2 * kPi, 2 * kPi, "rad"), Range{});
   random.tilt = readRange(map, "tilt", Allowed::within(0, kPi / 2, "rad"), Range{});
-  if (const std::optional<YamlNode> depth = map.find("depth")) {
-    if (map.has("load")) depth->fail("given beside load: exactly one of the two");
+  if (map.has("depth")) {
+    map.rejectBoth("depth", "load");
     random.depth = readRange(map, "depth", Allowed::within(0, kMaxOffset, "m"));
   } else {
     if (!map.has("load")) map.node().fail("load is missing: a number from 0 to 1e6 N, or [min, max]; or depth[_mm] instead");

@@ -73,9 +73,7 @@ TactileServo readServo(const YamlMap& outer) {
   if (!any) map.node().fail("no feature to control: at least one of " + features);
   for (const ServoFeature axis : {ServoFeature::kCenterX, ServoFeature::kCenterY}) {
     const std::string_view name = kFeatures[static_cast<std::size_t>(axis)].name;
-    if (servo[axis].selected && servo[ServoFeature::kCenterAcross].selected) {
-      map.require(name, "").fail("given beside center_across, which controls the same coordinate");
-    }
+    map.rejectBoth(name, "center_across", "both control the same coordinate");
   }
   const std::string source = map.choice("edge_angle_source", {"principal_axis", "window", "exact"}, "principal_axis");
   servo.edge_angle_source = source == "window"  ? EdgeAngleSource::kWindow
@@ -105,7 +103,7 @@ std::vector<SceneController> readControllers(const YamlMap& scene) {
     controllers.push_back({.name = "tactile_servo", .weight = 1, .servo = readServo(YamlMap(scene, "controller", {"tactile_servo"}))});
     return controllers;
   }
-  if (const std::optional<YamlNode> one = scene.find("controller")) one->fail("given beside controllers: one of the two");
+  scene.rejectBoth("controller", "controllers");
   const std::string what = "a list of at least one controller, {name: ..., tactile_servo: {...}}";
   const std::vector<YamlNode> items = list->items(what);
   if (items.empty()) list->refuse(what);

@@ -187,8 +187,8 @@ std::vector<GridPatch> Urdf::taxelsOf(const std::string& sensor) const {
   std::vector<GridPatch> taxels = listOf(tactile);
   if (array == nullptr && taxels.empty()) fail(tactile, "has neither an <array> nor a <taxel>");
   if (array == nullptr) return taxels;
-  if (!taxels.empty()) fail(*array, "stands beside a <taxel>: either, not both");
-  if (array->NextSiblingElement("array") != nullptr) fail(*array->NextSiblingElement("array"), "a second one: one a sensor");
+  if (!taxels.empty()) fail(*array, "conflicts with <taxel>: give only one of them");
+  if (array->NextSiblingElement("array") != nullptr) fail(*array->NextSiblingElement("array"), "is the second one: a sensor has one");
   return arrayOf(*array);
 }
 

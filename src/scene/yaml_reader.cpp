@@ -334,6 +334,11 @@ std::optional<YamlNode> YamlMap::find(std::string_view key) const {
   return found;
 }
 
+void YamlMap::rejectBoth(std::string_view key, std::string_view other, std::string_view remedy) const {
+  const std::optional<YamlNode> value = find(key);
+  if (value && has(other)) value->fail("conflicts with `" + std::string(other) + "`: " + std::string(remedy));
+}
+
 void YamlMap::fail(std::string_view key, const std::string& what) const {
   std::string form(key);
   for (const std::string_view allowed : allowed_) {

@@ -84,6 +84,8 @@ class YamlMap {
   std::optional<YamlNode> find(std::string_view key) const;
   YamlNode require(std::string_view key, const std::string& what) const;
   bool has(std::string_view key) const { return find(key).has_value(); }
+  // Throws at `key` if the mapping has both keys: "conflicts with `other`: remedy".
+  void rejectBoth(std::string_view key, std::string_view other, std::string_view remedy = "give only one of them") const;
 
   // Checked values. Without a default the key must be there.
   double number(std::string_view key, const Allowed& allowed, std::optional<double> otherwise = {}) const;

@@ -39,7 +39,7 @@ void checkSpreadByDistance(const Sensor& sensor) {
   const Psf& psf = sensor.psf;
   checkNumber("psf.sigma", psf.sigma, Allowed::above(0, "m"));
   checkNumber("psf.reach", psf.reach, Allowed::atLeast(0, "m"));
-  if (psf.size != 1 || psf.kernel != std::vector<double>{1}) failField("psf.sigma", "a value beside a kernel", "either, not both");
+  if (psf.size != 1 || psf.kernel != std::vector<double>{1}) failField("psf.sigma", "a value together with `kernel`", "only one of them");
   skinNeighbours(sensor);  // refuses a reach over too many taxels
 }
 

@@ -52,8 +52,8 @@ void checkCurvePoints(const Readout& readout) {
   if (points.size() > static_cast<std::size_t>(kMaxCurvePoints)) {
     failField("readout.curve_points", std::to_string(points.size()) + " points", "1 to " + std::to_string(kMaxCurvePoints) + ", or none");
   }
-  if (readout.curve != Readout{}.curve) failField("readout.curve_points", "a value beside a polynomial", "either, not both");
-  if (readout.curve_limit != 0) failField("readout.curve_limit", numberText(readout.curve_limit) + " counts", "0 beside curve_points");
+  if (readout.curve != Readout{}.curve) failField("readout.curve_points", "a value together with `curve`", "only one of them");
+  if (readout.curve_limit != 0) failField("readout.curve_limit", numberText(readout.curve_limit) + " counts", "0 with curve_points");
   CurvePoint before;
   for (std::size_t k = 0; k < points.size(); ++k) {
     const std::string field = elementOf("readout.curve_points", k);

@@ -33,7 +33,7 @@ void checkRelaxation(const Skin& skin) {
   const double damping = foundationOf(skin).normal_damping;
   if (damping > 0)
     failField("skin.relaxation", found,
-              "none beside normal_damping (" + numberText(damping) + " Pa s / m), which is another model of loss");
+              "none with normal_damping (" + numberText(damping) + " Pa s / m), which is another model of energy loss");
   double sum = 0;
   for (std::size_t m = 0; m < terms.size(); ++m) {
     const std::string field = elementOf("skin.relaxation", m);
@@ -57,7 +57,7 @@ void checkSkin(const Skin& skin) {
       !std::holds_alternative<MassSpringDamper>(skin.law) && !std::holds_alternative<ElasticLayer>(skin.law)) {
     failField("skin.friction_coefficient", numberText(skin.friction.friction_coefficient),
               std::holds_alternative<LuGre>(skin.law)
-                  ? "0 beside the law lugre, whose friction is its own: static_friction, coulomb_friction"
+                  ? "0 with the law lugre, which has its own friction: static_friction, coulomb_friction"
                   : "0 for a law other than winkler, mass_spring_damper and elastic_layer");
   }
   checkFriction(skin.friction);

@@ -55,7 +55,7 @@ void checkSensor(const Sensor& sensor) {
   }
   if (isTaxelList(sensor) && std::holds_alternative<DeformationMask>(sensor.skin.law)) {
     failField("skin.law", "deformation_mask",
-              "winkler, mass_spring_damper or proximity for taxels with places of their own, as its mask goes over the rows of a grid");
+              "winkler, mass_spring_damper or proximity for a taxel list, as its mask covers rows and columns of a grid");
   }
   checkPsf(sensor);
   checkReadout(sensor);

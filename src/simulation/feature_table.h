@@ -33,7 +33,7 @@ struct FeatureField {
   FeatureValues values(const View& view) const {
     return std::visit([&](auto field) { return FeatureValues(view.*field); }, member);
   }
-  // Description of the column; `forces`: what the feature comes from.
+  // Description of the column; `forces`: source of the feature.
   std::string description(std::string_view forces) const {
     std::string result(text);
     if (const std::size_t place = result.find("{}"); place != std::string::npos) result.replace(place, 2, forces);
@@ -44,7 +44,7 @@ struct FeatureField {
 std::span<const FeatureField<FeatureView>> imageFeatures();
 std::span<const FeatureField<FrameView>> readoutFeatures();
 std::span<const FeatureField<GroundTruthView>> truthFeatures();
-std::span<const FeatureField<ContactFeatureView>> contactFeatures();  // what a row has beside the image features
+std::span<const FeatureField<ContactFeatureView>> contactFeatures();  // of a row, in addition to the image features
 std::span<const FeatureField<ContactFeatureView>> regionFeatures();   // one value per instance
 std::span<const FeatureField<TactileJacobianView>> jacobianFeatures();
 std::span<const FeatureField<CleanTactileJacobianView>> wrenchJacobian();  // one matrix per instance

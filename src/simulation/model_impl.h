@@ -1,4 +1,4 @@
-// What stands behind a Model: its data, and every pass that a frame may consist of.
+// Implementation of Model: its data, and every pass that a frame may consist of.
 #pragma once
 
 #include <optional>

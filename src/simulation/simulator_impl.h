@@ -1,4 +1,4 @@
-// What stands behind a Simulator: inputs, the steps taken so far, and the commands of a frame.
+// Implementation of Simulator: inputs, the steps taken so far, and the commands of a frame.
 #pragma once
 
 #include <array>

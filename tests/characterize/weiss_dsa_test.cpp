@@ -126,8 +126,8 @@ TEST(WeissDsaStudy, PredictsLoadsThatWereLeftOut) {
   const std::vector<Recording> recordings = readAll(known);
   ASSERT_EQ(recordings.size(), 17u);
   std::vector<double> all_m1, heavy_m4, heavy_sum, creep_rms, zero_m1;
-  const char* const asked = std::getenv("TAXELSIM_LEFT_OUT");
-  for (const char letter : std::string(asked != nullptr ? asked : "DF")) {
+  const char* const left_out = std::getenv("TAXELSIM_LEFT_OUT");
+  for (const char letter : std::string(left_out != nullptr ? left_out : "DF")) {
     std::vector<Measurement> measurements;
     for (const Recording& recording : recordings) {
       if (recording.letter != letter) measurements.push_back(recording.measurement);

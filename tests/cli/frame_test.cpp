@@ -59,8 +59,8 @@ TEST(Frame, ContactsAreToldApart) {
 }
 
 TEST(Frame, ATiltedFaceIsSeen) {
-  // At the border the spread keeps the force by giving more to those beside: taxels one row in read up to 1.3 % too much in either
-  // direction.
+  // At the border the spread keeps the sum of forces: it gives more to the neighbours that exist, so taxels in the second row read up to
+  // 1.3 % too much in either direction.
   constexpr double kAngle = 0.01, kSlack = 2.6e-2 * kAngle;  // rad
   const double half = kAngle / 2;
   const std::string pose = "0 0 -0.0007 1 " + std::to_string(half) + " 0 0";
@@ -108,8 +108,9 @@ class FrameOfContacts : public ::testing::Test {
 };
 
 TEST_F(FrameOfContacts, ForcesGoToTheirTaxels) {
-  const Outcome outcome = run("# x, y, z, normal force\n0.0017,0.0017,0,1.25\n\n 0.0017 , -0.0017 , -1e-4 , 0.25\r\n1,0,0,3 # beside it",
-                              {"--json", "--png", root_ / "frame.png"});
+  const Outcome outcome =
+      run("# x, y, z, normal force\n0.0017,0.0017,0,1.25\n\n 0.0017 , -0.0017 , -1e-4 , 0.25\r\n1,0,0,3 # outside the array",
+          {"--json", "--png", root_ / "frame.png"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const nlohmann::json truth = nlohmann::json::parse(outcome.out)["ground_truth"];
   EXPECT_NEAR(truth["total_force"].get<double>(), 1.5, 1e-6);
@@ -138,8 +139,9 @@ TEST_F(FrameOfContacts, RejectsBadFilesByLine) {
   expectRefused(run(std::string(std::size_t{2} << 20, ' ')), "1 MiB");
   expectRefused(runTaxelsim({"frame", "--sensor", kSensor, "--contacts", root_ / "missing.csv"}), "missing.csv");
   expectRefused(runTaxelsim({"frame", "--sensor", kSensor, "--contacts", root_ / ""}), "no such file");
-  expectRefused(run("0,0,0,1\n", {"--object", "sphere:0.01", "--pose", "0 0 0 1 0 0 0"}), "instead of");
-  expectRefused(run("0,0,0,1\n", {"--load", "1"}), "instead of");
+  expectRefused(run("0,0,0,1\n", {"--object", "sphere:0.01", "--pose", "0 0 0 1 0 0 0"}),
+                "--contacts excludes --object, --pose and --load");
+  expectRefused(run("0,0,0,1\n", {"--load", "1"}), "--contacts excludes --object, --pose and --load");
 }
 
 TEST(Frame, BadInputIsRefused) {

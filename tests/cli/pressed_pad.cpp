@@ -62,7 +62,7 @@ void writePressedPad(const std::filesystem::path& directory, const PadOptions& o
     manifest.columns.push_back({"data/total_force", ScalarType::kFloat32, {}, "N", "Sum over the taxels.", false});
     manifest.columns.push_back({"data/edge_angle", ScalarType::kFloat32, {}, "rad", "Of the principal axis.", false});
     manifest.columns.push_back({"data/edge_confidence", ScalarType::kFloat32, {}, "1", "0 to 1.", false});
-    manifest.columns.push_back({"meta/load", ScalarType::kFloat64, {}, "N", "Load asked for; NaN for a depth.", true});
+    manifest.columns.push_back({"meta/load", ScalarType::kFloat64, {}, "N", "Commanded load; NaN for a depth.", true});
   }
   DatasetWriter writer(directory, manifest);
   for (std::uint64_t shard = 0; shard < manifest.numShards(); ++shard) {

@@ -8,7 +8,7 @@
 namespace taxelsim::testing {
 
 struct PadOptions {
-  bool features = true;  // record features beside the image
+  bool features = true;  // record features in addition to the image
   bool one_grid = true;  // else the image is a plain list of taxels
   std::uint64_t num_episodes = 5;
 };

@@ -103,7 +103,7 @@ TEST_F(ServoExperimentCommand, TableAndFigures) {
   for (const char* part :
        {"small: settling", "edge_angle", "total_force", "center_across", "on a platform, all", "diverges", "stable up to 2."})
     EXPECT_NE(outcome.out.find(part), std::string::npos) << part << "\n" << outcome.out;
-  // Three groups, each whole and near its reference, in two columns; two other features beside each other; three images in a row.
+  // Three groups, each whole and near its reference, in two columns; two other features in one row; three images in a row.
   const Picture angle(figures / "angle.png"), features(figures / "features.png"), robot(figures / "robot.png"),
       theory(figures / "theory.png"), images(figures / "alone.png");
   EXPECT_GT(angle.height(), 2.4 * features.height());

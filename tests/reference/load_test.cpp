@@ -53,9 +53,9 @@ TEST(Load, SphereMatchesClosedForm) {
 TEST(Load, UnreachableLoadIsReported) {
   const Sensor sensor = gridSensor();
   const Object sphere(Sphere{2e-3});
-  const PlacedObject beside{&sphere, {{0.1, 0, 0}}}, above{&sphere, {{0, 0, 0}}};
-  EXPECT_FALSE(findLoad(sensor, {&beside, 1}, 0.1).reached);
-  EXPECT_EQ(findLoad(sensor, {&beside, 1}, 0.1).offset, 0);
+  const PlacedObject outside{&sphere, {{0.1, 0, 0}}}, above{&sphere, {{0, 0, 0}}};
+  EXPECT_FALSE(findLoad(sensor, {&outside, 1}, 0.1).reached);
+  EXPECT_EQ(findLoad(sensor, {&outside, 1}, 0.1).offset, 0);
   const LoadResult too_heavy = findLoad(sensor, {&above, 1}, 1000);
   EXPECT_FALSE(too_heavy.reached);
   EXPECT_EQ(too_heavy.offset, too_heavy.full_depth);

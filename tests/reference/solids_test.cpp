@@ -94,7 +94,7 @@ INSTANTIATE_TEST_SUITE_P(Random, SolidSeeds, support::seeds(60, 60));
 
 // The same box as a solid and as a mesh, at random poses. The two share no intersection code.
 TEST(Solids, BoxMatchesItsMesh) {
-  // m: vertices are float32, 2^-25 of 10 mm. Samples beside a silhouette may differ and are counted.
+  // m: vertices are float32, 2^-25 of 10 mm. Samples near a silhouette may differ and are counted.
   constexpr double kVertexRounding = 2e-9;
   Random random(7);
   const Sensor sensor = support::gridSensor({});

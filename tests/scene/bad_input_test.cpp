@@ -27,7 +27,7 @@ TEST(BadScenes, Keys) {
        BadScene{"kind: servo\n", "", ":1:1: kind is missing: servo | contacts"},
        BadScene{"  load: [0.5, 5]\n", "", ":22:3: randomization: load is missing"},
        BadScene{"  load: [0.5, 5]\n", "  load: 1\n  depth_mm: 1\n",
-                ":25:13: randomization.depth_mm: given beside load: exactly one of the two"},
+                ":25:13: randomization.depth_mm: conflicts with `load`: give only one of them"},
        BadScene{"thickness_mm: 2, ", "", ":9:9: sensor.skin: thickness[_mm] is missing: a number > 0 m"},
        BadScene{"num_steps: 20, ", "", ":20:10: episode: num_steps is missing: a whole number from 1 to 1000000"}});
 }
@@ -71,7 +71,7 @@ TEST(BadScenes, Numbers) {
        BadScene{"edge_angle: {kp: 0.78}", "min_confidence: 0.5",
                 ":26:18: controller.tactile_servo: no feature to control: at least one of center_x"},
        BadScene{"edge_angle: {kp: 0.78}", "center_across: {kp: 1}, center_y: {kp: 1}",
-                ":26:53: controller.tactile_servo.center_y: given beside center_across, which controls the same coordinate"},
+                ":26:53: controller.tactile_servo.center_y: conflicts with `center_across`: both control the same coordinate"},
        BadScene{"{kp: 0.78}", "{kp: 0.78}, max_angular_velocity_deg: 0",
                 ":26:69: controller.tactile_servo.max_angular_velocity_deg: 0 is not allowed: a number > 0 deg/s"},
        BadScene{"{kp: 0.78}", "{kp: 0.78}, min_confidence: 1.5",
@@ -129,7 +129,8 @@ TEST(BadScenes, Objects) {
        BadScene{kSphere, "half_space: {radius: 1}", ":16:18: objects[0].half_space.radius: unknown key; no key is allowed here"},
        BadScene{kSphere, "torus: {major_radius_mm: 1, minor_radius_mm: 2}", ":16:5: objects[0]: "},
        BadScene{kSphere, "name: a", ":16:5: objects[0]: no shape: one of mesh | sphere"},
-       BadScene{"    weight: 2\n", "    box: {size: [1, 1, 1]}\n", ":17:10: objects[0].box: a second shape beside sphere: one an object"},
+       BadScene{"    weight: 2\n", "    box: {size: [1, 1, 1]}\n",
+                ":17:10: objects[0].box: conflicts with `sphere`: an object has one shape"},
        BadScene{"weight: 2", "scale: 2", ":17:12: objects[0].scale: belongs to a mesh, not to a sphere"},
        BadScene{"weight: 2", "weight: -2", ":17:13: objects[0].weight: -2 is not allowed: a number >= 0"},
        BadScene{"weight: 2\n  - cylinder: {radius_mm: 8, length_mm: 40}",

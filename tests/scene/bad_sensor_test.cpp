@@ -38,7 +38,7 @@ TEST(BadSensors, FrictionAndLuGre) {
                 ":9:69: sensor.skin.friction_coefficient: 0.5 is not allowed: 0 for a law other than winkler, mass_spring_damper and "
                 "elastic_layer"},
        BadScene{kSkin, "{thickness: 1, law: lugre, normal_contact_stiffness: 1, friction_coefficient: 0.5, tangential_stiffness: 1e8}",
-                ":9:87: sensor.skin.friction_coefficient: 0.5 is not allowed: 0 beside the law lugre, whose friction is its own"},
+                ":9:87: sensor.skin.friction_coefficient: 0.5 is not allowed: 0 with the law lugre, which has its own friction"},
        BadScene{kSkin, "{thickness: 1, law: lugre}", ":9:9: sensor.skin: normal_contact_stiffness is missing: a number > 0 N/m^3"},
        BadScene{kSkin, "{thickness: 1, law: lugre, normal_contact_stiffness: 1, mass: 1}",
                 ":9:71: sensor.skin.mass: not a key of law lugre but of mass_spring_damper"},
@@ -96,9 +96,9 @@ TEST(BadSensors, Relaxation) {
                 ":9:88: sensor.skin.relaxation[0].time: 0 is not allowed: a number > 0 s"},
        BadScene{kSkin, "{thickness: 1, normal_contact_stiffness: 1, relaxation: [{fraction: 0.5, time: 1}, {fraction: 0.5, time: 2}]}",
                 ":9:65: sensor.skin.relaxation: a sum of fractions of 1 is not allowed: less than 1"},
-       BadScene{
-           kSkin, "{thickness: 1, normal_contact_stiffness: 1, normal_damping: 2, relaxation: [{fraction: 0.5, time: 1}]}",
-           ":9:84: sensor.skin.relaxation: 1 term is not allowed: none beside normal_damping (2 Pa s / m), which is another model of loss"},
+       BadScene{kSkin, "{thickness: 1, normal_contact_stiffness: 1, normal_damping: 2, relaxation: [{fraction: 0.5, time: 1}]}",
+                ":9:84: sensor.skin.relaxation: 1 term is not allowed: none with normal_damping (2 Pa s / m), which is another model of "
+                "energy loss"},
        BadScene{kSkin, "{thickness: 1, law: proximity, sensitivity: 1, relaxation: [{fraction: 0.5, time: 1}]}",
                 ":9:68: sensor.skin.relaxation: 1 term is not allowed: none for the law proximity, under which nothing presses"}});
 }
@@ -115,7 +115,7 @@ TEST(BadSensors, Psf) {
        BadScene{kPsf, "{kernel: [[0]]}", ":10:17: sensor.psf.kernel: the weights sum to 0: at least one must be > 0"},
        BadScene{kPsf, "{kernel: [[1, 1], [1, 1]]}", ":10:17: sensor.psf.kernel: a list of 2 is not allowed: a square list of rows"},
        BadScene{kPsf, "{kernel: [[1]], gaussian: {sigma: 1, size: 1}}",
-                ":10:17: sensor.psf.kernel: given beside `gaussian`: either, not both"},
+                ":10:17: sensor.psf.kernel: conflicts with `gaussian`: give only one of them"},
        BadScene{kPsf, "{normalization: some}", ":10:24: sensor.psf.normalization: some is not allowed: per_source | none"}});
 }
 
@@ -126,7 +126,7 @@ TEST(BadSensors, Curve) {
                 ":12:27: sensor.readout.curve.coefficients: a list of 6 is not allowed: a list of 1 to 5"},
        BadScene{kCurve, "{coefficients: [-1]}", ":12:12: sensor.readout.curve: "},
        BadScene{kCurve, "{counts_per_newton: 1, coefficients: [1]}",
-                ":12:49: sensor.readout.curve.coefficients: given beside `counts_per_newton`"},
+                ":12:49: sensor.readout.curve.coefficients: conflicts with `counts_per_newton`"},
        BadScene{kCurve, "{points: []}",
                 ":12:21: sensor.readout.curve.points: a list of 0 is not allowed: a list of 1 to 16 points, [N, counts] each"},
        BadScene{kCurve,
@@ -141,11 +141,11 @@ TEST(BadSensors, Curve) {
                 ":12:40: sensor.readout.curve.points[1][1]: 700 is not allowed: a number > 800 counts"},
        BadScene{kCurve, "{points: [[-1, 800]]}", ":12:23: sensor.readout.curve.points[0][0]: -1 is not allowed: a number > 0 N"},
        BadScene{kCurve, "{points: [[.nan, 800]]}", ":12:23: sensor.readout.curve.points[0][0]: .nan is not allowed: a number > 0 N"},
-       BadScene{kCurve, "{points: [[0.5, 800]], limit: 5000}", ":12:42: sensor.readout.curve.limit: given beside `points`"},
+       BadScene{kCurve, "{points: [[0.5, 800]], limit: 5000}", ":12:42: sensor.readout.curve.limit: conflicts with `points`"},
        BadScene{kCurve, "{coefficients: [1], points: [[0.5, 800]]}",
-                ":12:27: sensor.readout.curve.coefficients: given beside `points`: either, not both"},
+                ":12:27: sensor.readout.curve.coefficients: conflicts with `points`: give only one of them"},
        BadScene{kCurve, "{points: [[0.5, 800]], counts_per_newton: 3}",
-                ":12:54: sensor.readout.curve.counts_per_newton: given beside `points`: either, not both"}});
+                ":12:54: sensor.readout.curve.counts_per_newton: conflicts with `points`: give only one of them"}});
 }
 
 TEST(BadSensors, TaxelsAndCounts) {
@@ -159,7 +159,7 @@ TEST(BadSensors, TaxelsAndCounts) {
        BadScene{"trigger: 0.02", "taxel_gain: [[1, 1, 1], [1, 1, 1], [1, 1, 1], [1, 1, 1]]",
                 ":13:17: sensor.readout.taxel_gain: a row of 3 is not allowed: rows of 4 (num_cols)"},
        BadScene{"trigger: 0.02", "taxel_trigger: [-1]", ":13:21: sensor.readout.taxel_trigger[0]: -1 is not allowed: a number >= 0 N"},
-       BadScene{"  num_rows: 3\n", "  patches: []\n", ":7:13: sensor.num_cols: given beside `patches`"}});
+       BadScene{"  num_rows: 3\n", "  patches: []\n", ":7:13: sensor.num_cols: conflicts with `patches`"}});
 }
 
 TEST(BadSensors, ReadoutOverTimeAndImperfections) {

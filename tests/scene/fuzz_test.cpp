@@ -45,7 +45,7 @@ RC_GTEST_PROP(FuzzedScene, BytesFlipped, ()) {
   loadOrRefuse(directory, text);
 }
 
-// YAML's own punctuation goes deeper into the parser than any byte does.
+// Mutations with YAML punctuation reach more of the parser than random bytes.
 RC_GTEST_PROP(FuzzedScene, PunctuationStirredIn, ()) {
   static const ScratchDirectory directory;
   static constexpr std::string_view kPunctuation = "[]{}:,-?&*!|>'\"%@`#~ \n\t\r01.eE<=";

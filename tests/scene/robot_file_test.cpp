@@ -151,10 +151,10 @@ TEST_F(RobotFile, EverySettingStandsInTheResolvedScene) {
                                                            "{urdf: {file: other/arm.urdf, sensors: [{link: tool}]}}"}) {
     const std::string text = load(robot).resolved;
     EXPECT_TRUE(texts.insert(text).second) << robot;
-    // Every file lies beside the resolved scene.
-    const ScratchDirectory beside;
-    beside.write("arm.urdf", robot.find("other") == std::string::npos ? std::string(kArm) : std::string(kArm) + "<!-- another -->");
-    EXPECT_EQ(loadScene(beside.write("resolved.yaml", text)).resolved, text) << robot;
+    // All files are in the folder of the resolved scene.
+    const ScratchDirectory folder;
+    folder.write("arm.urdf", robot.find("other") == std::string::npos ? std::string(kArm) : std::string(kArm) + "<!-- another -->");
+    EXPECT_EQ(loadScene(folder.write("resolved.yaml", text)).resolved, text) << robot;
   }
 }
 

@@ -55,7 +55,7 @@ inline std::string edited(std::string_view text, std::string_view from, std::str
   return at == std::string::npos ? result : result.replace(at, from.size(), to);
 }
 
-// A directory that goes away with its files.
+// A temporary directory; the destructor removes it with its files.
 class ScratchDirectory {
  public:
   ScratchDirectory() {

@@ -1,4 +1,4 @@
-// Every scene and sensor file of the project loads, and says where its numbers come from.
+// Every scene and sensor file of the project loads, and names the source of its numbers.
 #include <algorithm>
 
 #include "scene_text.h"

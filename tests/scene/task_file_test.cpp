@@ -105,7 +105,8 @@ TEST(TaskFile, RejectsBadTasks) {
   expect(edited(kScene, "{edge_angle: {kp: 0.78}}", "{edge_angle_source: exact, edge_angle: {kp: 1}}"),
          "edge_angle_source exact needs an edge or a contour");
   expect(edited(sceneText(""), "edge: [0, 3, 4]", "edge: [0, 0, 0]"), "edge: [0, 0, 0] is not allowed: a direction");
-  expect(edited(sceneText(""), "anchor_mm: [1, 2, 3]", "contour: {file: ring.csv}"), "contour: given beside edge: one of the two");
+  expect(edited(sceneText(""), "anchor_mm: [1, 2, 3]", "contour: {file: ring.csv}"),
+         "contour: conflicts with `edge`: give only one of them");
   expect(sceneText(""), "ring.csv: 2 points found, a closed contour needs at least 3", "x_m,y_m,z_m\n0,0,0\n1,0,0\n");
   expect(sceneText(""), "ring.csv:4:1: repeats the previous or the first point", "x_m,y_m,z_m\n0,0,0\n1,0,0\n1,0,0\n0,1,0\n");
   expect(sceneText(""), "ring.csv:3:3: y_m: \"nan\" is not allowed", "x_m,y_m,z_m\n0,0,0\n1,nan,0\n");
@@ -117,7 +118,7 @@ TEST(TaskFile, RejectsBadTasks) {
   expect(controllers("[{name: a}]"), "tactile_servo is missing");
   expect(controllers("[{name: a, tactile_servo: {edge_angle: {kp: 1, rolling_radius: 1}}}]"), "rolling_radius: unknown key");
   expect(sceneText("controllers: [{name: a, tactile_servo: {edge_angle: {kp: 1}}}]\n"),
-         "controller: given beside controllers: one of the two");
+         "controller: conflicts with `controllers`: give only one of them");
 }
 
 }  // namespace

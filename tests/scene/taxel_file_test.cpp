@@ -156,7 +156,7 @@ TEST(Urdf, OrdersTaxelsByIndex) {
   expectTaxel(sensor.patches[2], {1, 0, 0}, {side / 2, side / 2});
 }
 
-// A scene around a sensor's layout; the files it names lie beside it.
+// A scene with the taxels of `layout`. The files that it names are in its folder.
 std::string resolved(const std::string& layout, std::string_view mesh = kTaxelMesh, std::string_view urdf = kUrdf) {
   const ScratchDirectory directory;
   directory.write("taxels.obj", mesh);
@@ -205,8 +205,8 @@ TEST(BadTaxels, Lists) {
                          Bad{"0.001}", "0}", ":4:52: taxels[0].size: 0 is not allowed: a number > 0 m"},
                          Bad{"0.001}", "[1, 2, 3]}", ":4:52: taxels[0].size: a list of 3 is not allowed: a list of 2 numbers"},
                          Bad{"0.001}", "0.001, pitch: 1}", ":4:59: taxels[0].pitch: unknown key"},
-                         Bad{"taxels:", "patches: []\ntaxels:", ":4:1: taxels: given beside `patches`: one of the two"},
-                         Bad{"taxels:", "num_rows: 1\ntaxels:", ":3:11: num_rows: given beside `taxels`"}}) {
+                         Bad{"taxels:", "patches: []\ntaxels:", ":4:1: taxels: conflicts with `patches`: give only one of them"},
+                         Bad{"taxels:", "num_rows: 1\ntaxels:", ":3:11: num_rows: conflicts with `taxels`"}}) {
     const std::string message = refusalOf(edited(good, bad.from, bad.to));
     if (bad.from == "taxels:") {
       EXPECT_THAT(message, testing::HasSubstr(bad.message.substr(bad.message.find(' ')))) << bad.to;
@@ -226,9 +226,9 @@ TEST(BadTaxels, Spreads) {
               testing::HasSubstr("psf.skin_gaussian.reach: -1 is not allowed"));
   EXPECT_THAT(refusalOf(taxel + "{skin_gaussian: {sigma: 1, size: 3}}\n"), testing::HasSubstr("psf.skin_gaussian.size: unknown key"));
   EXPECT_THAT(refusalOf(taxel + "{skin_gaussian: {sigma: 1}, kernel: [[1]]}\n"),
-              testing::HasSubstr("psf.kernel: given beside `skin_gaussian`: either, not both"));
+              testing::HasSubstr("psf.kernel: conflicts with `skin_gaussian`: give only one of them"));
   EXPECT_THAT(refusalOf(taxel + "{skin_gaussian: {sigma: 1}, gaussian: {sigma: 1, size: 1}}\n"),
-              testing::HasSubstr("psf.skin_gaussian: given beside `gaussian`: either, not both"));
+              testing::HasSubstr("psf.skin_gaussian: conflicts with `gaussian`: give only one of them"));
   EXPECT_THAT(refusalOf("num_rows: 40\nnum_cols: 40\npitch: 0.001\npsf: {skin_gaussian: {sigma: 0.01}}\n"),
               testing::HasSubstr("psf: reach: 0.03 is not allowed: m, within which taxel"));
 }
@@ -297,7 +297,7 @@ TEST(BadTaxels, Urdfs) {
   expect(list, "<sphere radius=\"0.001\"/>", "", "<taxel> has no geometry");
   expect(list, "<box size=\"0.004 0.005 0.001\"/>", "<box size=\"0 0.005 0.001\"/>",
          "<box> size: \"0 0.005 0.001\" is not allowed: lengths > 0 m");
-  expect(list, "<taxel idx=\"0\">", "<array rows=\"1\" cols=\"1\" size=\"1 1\"/><taxel idx=\"0\">", "stands beside a <taxel>");
+  expect(list, "<taxel idx=\"0\">", "<array rows=\"1\" cols=\"1\" size=\"1 1\"/><taxel idx=\"0\">", "conflicts with <taxel>");
 }
 
 }  // namespace

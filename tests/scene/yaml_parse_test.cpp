@@ -1,4 +1,4 @@
-// What stands before any key is looked at: files that are no YAML, or YAML that means harm.
+// Checks before any key is read: files that are no YAML, and hostile YAML.
 #include <gmock/gmock.h>
 
 #include "scene/yaml_parse.h"

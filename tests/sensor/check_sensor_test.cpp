@@ -219,7 +219,7 @@ TEST(CheckSensor, Psf) {
 }
 
 TEST(CheckSensor, RefusesPsfWhoseNormalizationDividesByZero) {
-  // All weight goes one row up: the last row's goes nowhere.
+  // The kernel moves all force one row up, so the last row keeps none.
   const auto shift = [](Sensor& s) { s.psf.kernel = {0, 0, 0, 0, 0, 0, 0, 1, 0}; };
   expectRefused("psf.kernel", shift);
   expectAccepted([&](Sensor& s) { shift(s), s.psf.normalization = Psf::Normalization::kNone; });

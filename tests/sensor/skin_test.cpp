@@ -154,9 +154,9 @@ TEST(TaxelPatch, LooksAlongItsNormal) {
 TEST(TaxelPatch, RotatesXByTheShortestRotationOrTowardsXAxis) {
   const Vector3 turned = rotate(taxelPatch("t", {}, {1, 0, 0}, {1, 1}).X_SP.rotation, {1, 0, 0});
   EXPECT_NEAR(turned[2], -1, kRounding) << "as on a cylinder along y";
-  const Vector3 told = rotate(taxelPatch("t", {}, {0, 1, 1}, {1, 1}, Vector3{0, 5, -5}).X_SP.rotation, {1, 0, 0});
-  EXPECT_NEAR(told[1], std::sqrt(0.5), kRounding);
-  EXPECT_NEAR(told[2], -std::sqrt(0.5), kRounding);
+  const Vector3 projected = rotate(taxelPatch("t", {}, {0, 1, 1}, {1, 1}, Vector3{0, 5, -5}).X_SP.rotation, {1, 0, 0});
+  EXPECT_NEAR(projected[1], std::sqrt(0.5), kRounding);
+  EXPECT_NEAR(projected[2], -std::sqrt(0.5), kRounding);
 }
 
 TEST(TaxelPatch, RejectsZeroDirections) {

@@ -191,7 +191,7 @@ TEST(BatchOnEveryDriver, NoiseIsKeyedByEpisodeAndSeedNotBySlot) {
 
 // Instances with one object and no state compute heights and forces in one loop, as long as no instance of the batch has a second slot or a
 // load; otherwise heights go through the tile. The bits must be the same.
-void expectTheSameBesideAnEmptySlotAndBesideALoad(const std::vector<Object>& objects, const OutputOptions& outputs = {}) {
+void expectEqualWithEmptySlotOrLoad(const std::vector<Object>& objects, const OutputOptions& outputs = {}) {
   constexpr int kNumInstances = 48;
   const Sensor sensor = support::gridSensor();
   Random random(3);
@@ -222,21 +222,21 @@ void expectTheSameBesideAnEmptySlotAndBesideALoad(const std::vector<Object>& obj
   };
   const auto without = bits(1, kPoseDriven);
   EXPECT_EQ(bits(2, kPoseDriven), without) << "with an empty slot";
-  EXPECT_EQ(bits(1, 1.0f), without) << "beside a load";
+  EXPECT_EQ(bits(1, 1.0f), without) << "with a load in another instance";
 }
 
 TEST(BatchOnEveryDriver, PolyhedronIndependentOfOtherSlotsAndLoads) {
   Random random(3);
   const Object polyhedron = support::randomPolyhedron(random, 0.02);
-  expectTheSameBesideAnEmptySlotAndBesideALoad({polyhedron});
-  expectTheSameBesideAnEmptySlotAndBesideALoad({polyhedron}, {.tactile_jacobian = true, .clean_tactile_jacobian = true});
+  expectEqualWithEmptySlotOrLoad({polyhedron});
+  expectEqualWithEmptySlotOrLoad({polyhedron}, {.tactile_jacobian = true, .clean_tactile_jacobian = true});
 }
 
 TEST(BatchOnEveryDriver, SolidsIndependentOfOtherSlotsAndLoads) {
-  expectTheSameBesideAnEmptySlotAndBesideALoad({Object("sphere", Sphere{0.008})});
-  expectTheSameBesideAnEmptySlotAndBesideALoad({Object("cylinder", Cylinder{0.006, 0.02}), Object("capsule", Capsule{0.005, 0.01}),
-                                                Object("box", Box{{0.008, 0.006, 0.01}}), Object("cone", Cone{0.008, 0.012}),
-                                                Object("half_space", HalfSpace{})});
+  expectEqualWithEmptySlotOrLoad({Object("sphere", Sphere{0.008})});
+  expectEqualWithEmptySlotOrLoad({Object("cylinder", Cylinder{0.006, 0.02}), Object("capsule", Capsule{0.005, 0.01}),
+                                  Object("box", Box{{0.008, 0.006, 0.01}}), Object("cone", Cone{0.008, 0.012}),
+                                  Object("half_space", HalfSpace{})});
 }
 
 TEST(BatchOnEveryDriver, EmptySlotsAndFarObjectsGiveZero) {
@@ -341,14 +341,14 @@ TEST(BatchOnEveryDriver, OutputsThatAreOffAreEmpty) {
 TEST(BatchOnEveryDriver, DeviceTimeIsOptionalAndChangesNoValue) {
   const Sensor sensor = support::gridSensor();
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.005})}});
-  Simulator unasked(model, {}), asked(model, {.device_clock = true});
-  for (Simulator* simulator : {&unasked, &asked}) {
+  Simulator without_clock(model, {}), with_clock(model, {.device_clock = true});
+  for (Simulator* simulator : {&without_clock, &with_clock}) {
     support::setTouches(*simulator, {{{0}, {{.position = {0, 0, 0.0045}}}}});
     simulator->step(kDt);
   }
-  EXPECT_EQ(support::bitsOf(unasked.read(), 0, 1), support::bitsOf(asked.read(), 0, 1));
-  EXPECT_TRUE(std::isnan(unasked.timing().total));
-  const StepTiming timing = asked.timing();
+  EXPECT_EQ(support::bitsOf(without_clock.read(), 0, 1), support::bitsOf(with_clock.read(), 0, 1));
+  EXPECT_TRUE(std::isnan(without_clock.timing().total));
+  const StepTiming timing = with_clock.timing();
   EXPECT_GT(timing.contact, 0);
   EXPECT_GT(timing.image, 0);
   EXPECT_NEAR(timing.contact + timing.image, timing.total, 1e-9);

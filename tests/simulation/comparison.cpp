@@ -313,4 +313,11 @@ double looseness(const Sensor& sensor, const FrameEnvelope& envelope) {
   return sum / static_cast<double>(envelope.penetration.low.size()) / sensor.skin.thickness;
 }
 
+void expectMedianAtMost(std::vector<double> values, double max) {
+  if (values.empty()) return;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  EXPECT_LE(*middle, max);
+}
+
 }  // namespace taxelsim::support

@@ -72,4 +72,7 @@ void expectMatches(const FrameView& frame, int instance, const Sensor& sensor, c
 // Mean of high - low over the samples, relative to the thickness of the skin. A large value means that the envelope proves little.
 double looseness(const Sensor& sensor, const FrameEnvelope& envelope);
 
+// Expects the median of `values`, the upper one of two, to be at most `max`. Accepts an empty list.
+void expectMedianAtMost(std::vector<double> values, double max);
+
 }  // namespace taxelsim::support

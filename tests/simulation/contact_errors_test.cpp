@@ -4,29 +4,19 @@
 #include <limits>
 
 #include "simulation/comparison.h"
+#include "simulation/input_error.h"
 #include "support/random_scene.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
 namespace {
 
+using support::inputError;
+
 constexpr double kDt = 1e-3;  // s
 constexpr OutputOptions kNoDepth{.penetration_depth = false};
 
 using Contacts = std::vector<ContactPoint>;
-
-template <typename Call>
-std::string inputError(Call call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kInput) << error.what();
-    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
-    return error.what();
-  }
-  ADD_FAILURE() << "nothing was thrown";
-  return {};
-}
 
 class ContactErrors : public ::testing::Test {
  protected:
@@ -66,7 +56,7 @@ TEST_F(ContactErrors, RejectedInputChangesNothing) {
   EXPECT_EQ(simulator_.read().ground_truth.total_force[0], 1);
 }
 
-TEST_F(ContactErrors, RejectsObjectsBesideContacts) {
+TEST_F(ContactErrors, RejectsObjectsTogetherWithContacts) {
   inputError([&] { simulator_.setObjects(std::vector<int>{0, 0}, std::vector<Pose>(2)); });
   inputError([&] { simulator_.setObjects(0, std::vector<int>{0}, std::vector<Pose>(1)); });
   inputError([&] { simulator_.setLoad(0, 1); });

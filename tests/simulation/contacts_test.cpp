@@ -91,8 +91,7 @@ void expectSameAsTwin(const FrameView& frame, int instance, const Sensor& sensor
 class ContactSeeds : public ::testing::TestWithParam<int> {};
 
 void expectRandomContactsMatchTheTwin(Random& random, const Sensor& sensor) {
-  const int workgroups[] = {0, 4, 8, 16, 32, 64, 128, 256};
-  const Model model(support::sharedDevice(), {.sensor = sensor, .image_workgroup = workgroups[random.integer(0, 7)]});
+  const Model model(support::sharedDevice(), {.sensor = sensor, .image_workgroup = support::randomWorkgroup(random)});
   const double band = random.uniform(0, 0.5e-3);
   const int max_contacts = random.integer(1, 200), num_instances = random.integer(1, 20);
   Simulator simulator(model, {.num_instances = num_instances, .outputs = kNoDepth, .max_contacts = max_contacts, .contact_band = band});

@@ -32,12 +32,7 @@ struct SceneKind {
 void runScene(const SceneKind& kind, int seed) {
   Random random(static_cast<std::uint64_t>(seed));
   const Sensor sensor = support::randomSensor(random, kind.sensor);
-  std::vector<Object> objects;
-  for (int n = 0; n < kind.num_objects; ++n) {
-    objects.push_back(random.chance(kind.solid_share) ? support::randomSolid(random, kObjectSize)
-                      : kind.all_convex               ? support::randomPolyhedron(random, kObjectSize)
-                                                      : support::randomMeshObject(random, kObjectSize));
-  }
+  const std::vector<Object> objects = support::randomObjects(random, kind.num_objects, kObjectSize, kind.solid_share, kind.all_convex);
   std::vector<Touch> touches;
   const int num_instances = random.integer(1, 6);
   for (int i = 0; i < num_instances; ++i) {
@@ -50,11 +45,10 @@ void runScene(const SceneKind& kind, int seed) {
     }
     touches.push_back(touch);
   }
-  const int workgroups[] = {0, 4, 8, 16, 32, 64, 128, 256};
   const Model model(support::sharedDevice(), {.sensor = sensor,
                                               .objects = objects,
-                                              .contact_workgroup = workgroups[random.integer(0, 7)],
-                                              .image_workgroup = workgroups[random.integer(0, 7)]});
+                                              .contact_workgroup = support::randomWorkgroup(random),
+                                              .image_workgroup = support::randomWorkgroup(random)});
   Simulator simulator(model, {.num_instances = num_instances, .num_slots = kind.num_slots});
   support::setTouches(simulator, touches);
   simulator.step(kDt);

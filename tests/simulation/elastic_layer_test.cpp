@@ -161,7 +161,7 @@ TEST(ElasticLayerOnDevice, TaxelsAndMarginCarryTheLoad) {
   for (const double load : {0.01, 1.0, 20.0}) add(middle, load);
   for (const double load : {0.5, 5.0}) add(border, load);
   add(middle, 1e5);                                 // more than full depth
-  add({{0}, {{{0.08, 0, 0}, {1, 0, 0, 0}}}}, 1.0);  // beside the skin
+  add({{0}, {{{0.08, 0, 0}, {1, 0, 0, 0}}}}, 1.0);  // outside the skin
   add({{kNoObject}, {Pose{}}}, 1.0);                // nothing
   add(middle, 0);
   add({{0}, {{{0, 0, 0.0115}, {1, 0, 0, 0}}}}, kPoseDriven);

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "simulation/comparison.h"
+#include "simulation/input_error.h"
 #include "simulation/model_access.h"
 #include "support/random_scene.h"
 #include "taxelsim/error.h"
@@ -14,22 +15,9 @@
 namespace taxelsim {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using support::inputError;
 
-template <typename Call>
-std::string inputError(Call call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kInput) << error.what();
-    const std::string message = error.what();
-    EXPECT_FALSE(message.empty());
-    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-    return message;
-  }
-  ADD_FAILURE() << "nothing was thrown";
-  return {};
-}
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 class Errors : public ::testing::Test {
  protected:

@@ -29,6 +29,7 @@ using support::Random;
 using support::Touch;
 
 constexpr double kObjectSize = 0.02;  // m
+constexpr int kNumObjects = 3;
 constexpr int kNumSteps = 5;
 // A displacement takes two rotations and a dozen float32 products, with an angle over arms of up to kArm.
 constexpr double kRelativeMotion = 32 * support::kUlp;
@@ -242,16 +243,6 @@ Pose nextPose(Random& random, const Pose& X_SO, double thickness, double size) {
   return next;
 }
 
-std::vector<Object> randomObjects(Random& random, const PathKind& kind) {
-  std::vector<Object> objects;
-  for (int n = 0; n < 3; ++n) {
-    objects.push_back(random.chance(kind.solid_share) ? support::randomSolid(random, kObjectSize)
-                      : kind.all_convex               ? support::randomPolyhedron(random, kObjectSize)
-                                                      : support::randomMeshObject(random, kObjectSize));
-  }
-  return objects;
-}
-
 // Expects shear and wrench of one instance inside the bounds of its twin. Returns the width of the bounds relative to the cone, if the cone
 // exceeds kWhisper.
 std::optional<double> expectShearOfTwin(const FrameView& frame, std::size_t i, const Sensor& sensor, const Tracked& twin,
@@ -282,31 +273,23 @@ std::optional<double> expectShearOfTwin(const FrameView& frame, std::size_t i, c
   return cone > kWhisper ? std::optional(width / cone) : std::nullopt;
 }
 
-void expectTightBounds(std::vector<double> looseness) {
-  if (looseness.empty()) return;
-  const auto middle = looseness.begin() + static_cast<std::ptrdiff_t>(looseness.size() / 2);
-  std::nth_element(looseness.begin(), middle, looseness.end());
-  EXPECT_LE(*middle, kLoosest);
-}
-
 void runPath(const PathKind& kind, int seed) {
   Random random(static_cast<std::uint64_t>(seed));
   const Sensor sensor = randomFrictionSensor(random, kind);
-  const std::vector<Object> objects = randomObjects(random, kind);
+  const std::vector<Object> objects = support::randomObjects(random, kNumObjects, kObjectSize, kind.solid_share, kind.all_convex);
   constexpr int kNumInstances = 2;
   std::vector<Touch> touches(kNumInstances);
   std::vector<float> loads;
   for (Touch& touch : touches) {
     for (int slot = 0; slot < kind.num_slots; ++slot) {
-      touch.ids.push_back(random.integer(0, 2));
+      touch.ids.push_back(random.integer(0, kNumObjects - 1));
       touch.X_SO.push_back(isTaxelList(sensor) && !kind.with_loads
                                ? support::randomContactOnTaxel(random, sensor, objects[touch.ids.back()])
                                : support::randomContact(random, sensor, objects[touch.ids.back()]));
     }
     loads.push_back(kind.with_loads ? static_cast<float>(random.uniform(0.01, 0.5)) : kPoseDriven);
   }
-  const int workgroups[] = {0, 4, 8, 16, 32, 64, 128, 256};
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects, .contact_workgroup = workgroups[random.integer(0, 7)]});
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects, .contact_workgroup = support::randomWorkgroup(random)});
   Simulator simulator(model, {.num_instances = kNumInstances, .num_slots = kind.num_slots});
   simulator.setLoads(loads);
   std::vector<Tracked> tracked(kNumInstances);
@@ -333,7 +316,7 @@ void runPath(const PathKind& kind, int seed) {
       for (Pose& X_SO : touch.X_SO) X_SO = nextPose(random, X_SO, sensor.skin.thickness, size);
     }
   }
-  if (kind.shears != Shears::kAnyBristles) expectTightBounds(looseness);
+  if (kind.shears != Shears::kAnyBristles) support::expectMedianAtMost(looseness, kLoosest);
 }
 
 class FrictionTwinSeeds : public ::testing::TestWithParam<int> {};

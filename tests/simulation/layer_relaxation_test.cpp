@@ -225,7 +225,7 @@ TEST(ElasticLayerRelaxation, NoPressureInADent) {
   EXPECT_NEAR(carriedBy(layer.press(0.6e-3, 1e-6)) / first, 1, 5e-3);
 }
 
-// An incompressible layer that was pressed for long bulges around its dent: an object beside the dent touches above the level of the
+// An incompressible layer that was pressed for long bulges around its dent: an object next to the dent touches above the level of the
 // undeformed skin.
 TEST(ElasticLayerRelaxation, BulgeAroundADentTouches) {
   const std::vector<RelaxationTerm> terms{{0.9, 0.1}};
@@ -234,8 +234,8 @@ TEST(ElasticLayerRelaxation, BulgeAroundADentTouches) {
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
   Simulator simulator(model, {});
   reference::SkinHistory skin(terms);
-  const Touch pressed{{0}, {{.position = {-4e-3, 1e-3, 0.01 - 1e-3}}}}, beside{{1}, {{.position = {2e-3, 1e-3, 0.004 + 0.01e-3}}}};
-  for (const auto& [touch, dt] : {std::pair{pressed, 1.0}, {pressed, 1.0}, {beside, 1e-3}}) {
+  const Touch pressed{{0}, {{.position = {-4e-3, 1e-3, 0.01 - 1e-3}}}}, next_to{{1}, {{.position = {2e-3, 1e-3, 0.004 + 0.01e-3}}}};
+  for (const auto& [touch, dt] : {std::pair{pressed, 1.0}, {pressed, 1.0}, {next_to, 1e-3}}) {
     support::setTouches(simulator, {touch});
     simulator.step(dt);
     const double found = carriedBy(simulator.read().ground_truth);

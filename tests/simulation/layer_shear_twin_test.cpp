@@ -241,7 +241,7 @@ TEST_P(LayerShearTwinSeeds, OnATiltedPatch) {
   run({.skin = {.iterations = 10, .tolerance = 1e-3}, .num_slots = 1 + GetParam() % 2, .patch_tilt = 0.4}, 400 + GetParam());
 }
 
-TEST_P(LayerShearTwinSeeds, BesideAMargin) {
+TEST_P(LayerShearTwinSeeds, WithAMargin) {
   run({.skin = {.margin = 7e-3, .iterations = 10, .tolerance = 1e-3}, .with_loads = GetParam() % 2 == 1}, 500 + GetParam());
 }
 

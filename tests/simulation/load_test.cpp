@@ -213,8 +213,8 @@ TEST(LoadOnEveryDriver, ReportsLoadsOutOfReach) {
   const std::vector<Object> objects{Object(Sphere{3e-3})};
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
   Simulator simulator(model, {.num_instances = 4});
-  const Pose over{.position = {0, 0, 0.01}}, beside{.position = {0.2, 0, 0.01}};
-  support::setTouches(simulator, {{{0}, {over}}, {{0}, {beside}}, {{kNoObject}, {Pose{}}}, {{0}, {over}}});
+  const Pose over{.position = {0, 0, 0.01}}, outside{.position = {0.2, 0, 0.01}};
+  support::setTouches(simulator, {{{0}, {over}}, {{0}, {outside}}, {{kNoObject}, {Pose{}}}, {{0}, {over}}});
   simulator.setLoads(std::vector<float>{1000, 0.1f, 0.1f, 0.1f});
   simulator.step(kDt);
   const FrameView frame = simulator.read();
@@ -234,10 +234,10 @@ TEST(LoadOnEveryDriver, OneGridWithPsfLists) {
   Sensor sensor = support::gridSensor({.num_rows = 5, .num_cols = 6});
   sensor.psf.sigma = 3e-3;
   const std::vector<Object> objects{Object(Sphere{8e-3})};
-  const Touch over{{0}, {{.position = {1e-3, 2e-3, 0.03}}}}, beside{{0}, {{.position = {0.2, 0, 0.01}}}};
+  const Touch over{{0}, {{.position = {1e-3, 2e-3, 0.03}}}}, outside{{0}, {{.position = {0.2, 0, 0.01}}}};
   for (const double tilt : {0.0, 0.15}) {
     sensor.patches[0].X_SP.rotation = axisAngle({1, 2, 0}, tilt);
-    runLoads(sensor, objects, {{over, 0.7f}, {beside, 0.5f}, {over, 1.5f}}, tilt == 0);
+    runLoads(sensor, objects, {{over, 0.7f}, {outside, 0.5f}, {over, 1.5f}}, tilt == 0);
   }
 }
 

@@ -23,6 +23,7 @@ using support::Touch;
 constexpr double kCarried = 1e-4;
 
 constexpr double kObjectSize = 0.02;  // m
+constexpr int kNumObjects = 3;
 constexpr int kNumSteps = 9;
 constexpr int kResetStep = 7;
 // Median width of the bounds, relative to the force, of frames above kWhisper. Wider bounds would prove little.
@@ -58,16 +59,6 @@ struct Tracked {
   support::SkinEnvelope bounds;
   reference::SkinHistory skin;
 };
-
-std::vector<Object> randomObjects(Random& random, const PathKind& kind) {
-  std::vector<Object> objects;
-  for (int n = 0; n < 3; ++n) {
-    objects.push_back(random.chance(kind.solid_share) ? support::randomSolid(random, kObjectSize)
-                      : kind.all_convex               ? support::randomPolyhedron(random, kObjectSize)
-                                                      : support::randomMeshObject(random, kObjectSize));
-  }
-  return objects;
-}
 
 // A load that the skin can carry within `dt`, as it has relaxed so far: 2 to 95 % of the force at full depth.
 float randomLoad(Random& random, const Sensor& sensor, const std::vector<reference::PlacedObject>& placed, const reference::SkinStep& skin,
@@ -121,33 +112,25 @@ void expectLoad(const FrameView& frame, int i, const Sensor& sensor, double load
               kCarried * sensor.skin.thickness + 2 * roundingOf(sensor, placed, true).margin_z);
 }
 
-void expectTightBounds(std::vector<double> looseness) {
-  if (looseness.empty()) return;
-  const auto middle = looseness.begin() + static_cast<std::ptrdiff_t>(looseness.size() / 2);
-  std::nth_element(looseness.begin(), middle, looseness.end());
-  EXPECT_LE(*middle, kLoosest);
-}
-
 void runPath(const PathKind& kind, int seed) {
   Random random(static_cast<std::uint64_t>(seed));
   Sensor sensor = kind.curved >= 0 ? support::curvedSensor(random, kind.curved) : support::randomSensor(random, kind.sensor);
   sensor.samples_per_taxel = random.integer(1, 5);
   sensor.skin.relaxation = randomTerms(random, 1 + seed % kMaxRelaxationTerms);
-  const std::vector<Object> objects = randomObjects(random, kind);
+  const std::vector<Object> objects = support::randomObjects(random, kNumObjects, kObjectSize, kind.solid_share, kind.all_convex);
   constexpr int kNumInstances = 3;
   std::vector<Touch> touches(kNumInstances), elsewhere(kNumInstances);
   for (std::vector<Touch>* places : {&touches, &elsewhere}) {
     for (Touch& touch : *places) {
       for (int slot = 0; slot < kind.num_slots; ++slot) {
-        touch.ids.push_back(random.integer(0, 2));
+        touch.ids.push_back(random.integer(0, kNumObjects - 1));
         const Object& object = objects[touch.ids.back()];
         touch.X_SO.push_back(kind.curved >= 0 ? support::randomContactOnTaxel(random, sensor, object)
                                               : support::randomContact(random, sensor, object));
       }
     }
   }
-  const int workgroups[] = {0, 4, 8, 16, 32, 64, 128, 256};
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects, .contact_workgroup = workgroups[random.integer(0, 7)]});
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects, .contact_workgroup = support::randomWorkgroup(random)});
   Simulator simulator(model, {.num_instances = kNumInstances, .num_slots = kind.num_slots});
   std::vector<Tracked> tracked(kNumInstances, Tracked(sensor));
   std::vector<double> looseness;
@@ -181,7 +164,7 @@ void runPath(const PathKind& kind, int seed) {
     }
     for (std::size_t i = 0; i < touches.size(); ++i) moveOn(random, sensor.skin.thickness, touches[i], elsewhere[i]);
   }
-  expectTightBounds(looseness);
+  support::expectMedianAtMost(looseness, kLoosest);
 }
 
 class RelaxationTwinSeeds : public ::testing::TestWithParam<int> {};

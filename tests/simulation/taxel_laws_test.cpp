@@ -237,7 +237,7 @@ TEST(TaxelLawsUnderLoad, TaxelsCarryTheLoad) {
   plain.psf = {};
   Sensor spread = plain;
   spread.psf = gaussianPsf(0.5, 3);
-  Sensor patches = spread;  // a second one beside the first, one taxel of border between them
+  Sensor patches = spread;  // two patches with a gap of one taxel between them
   patches.patches.push_back(patches.patches[0]);
   patches.patches[1].name = "second";
   patches.patches[1].X_SP.position[0] = (patches.patches[0].num_rows + 1) * patches.patches[0].pitch[0];

@@ -51,7 +51,7 @@ class AngleErrors {
 // that.
 void expectWindowHelps(const AngleErrors& plain, const AngleErrors& windowed);
 
-// Largest error of the tilt about an axis, rad, if the face ends anywhere beside the core.
+// Largest error of the tilt about an axis, rad, if the face may end anywhere outside the core.
 double tiltSlack(const Sensor& sensor, const std::vector<int>& core, double depth, int axis);
 
 }  // namespace taxelsim::support

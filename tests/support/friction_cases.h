@@ -3,7 +3,7 @@
 //
 // Partial slip: the springs of a Winkler foundation stick until k_t s = mu p, so that with P(delta) the normal force at depth delta a
 // tangential displacement s carries Q(s) = mu [P(delta) - P(delta - k_t s / (mu k))], for any indenter (J. Jaeger, Arch. Appl. Mech. 65,
-// 1995). The other forms integrate the same springs over the contact and are derived where they stand.
+// 1995). The other forms integrate the same springs over the contact and are derived next to their tests.
 #pragma once
 
 #include <array>

@@ -110,7 +110,7 @@ void FrictionCases::elasticLayerSticksAndSlips() const {
     EXPECT_EQ(pushes[0][0].wrench[0], 0);
     EXPECT_NEAR(wrench[0] / (stiffness * kSlide * area), 1, 1e-5);
     EXPECT_NEAR(torqueAbout(pushes[1][1], place[0], place[1]) / (stiffness * kTurn * inertia), 1, 1e-4);
-    // At the depth of the punch; of soft springs the torque would be lost beside that of the pressures.
+    // At the depth of the punch. With soft springs this torque would be far below that of the pressures.
     if (stiffness > 1e9) {
       EXPECT_NEAR((wrench[4] - pushes[0][0].wrench[4]) / (-kDepth * wrench[0]), 1, 1e-3 + rounding);
     }

@@ -60,7 +60,7 @@ struct JacobianScale {
   double size = 0;        // m: root of the sum of its second moments
   double lever = 0;       // m: of its centre of pressure about S's origin
   double confidence = 0;  // of its edge angle
-  double apart = 0;       // m: of contacts that share it; what goes from one to another moves the centre that far
+  double apart = 0;       // m: distance between two contacts; force that moves from one to the other moves the centre by it
   double force = 1;       // N: its total force
 };
 

@@ -204,12 +204,12 @@ Mesh sheetWithHoles(int num_cells, double size, double roughness, double hole_pr
   }
   for (int i = 0; i < num_cells; ++i) {
     for (int j = 0; j < num_cells; ++j) {
-      const auto corner = static_cast<std::uint32_t>(i * (num_cells + 1) + j), beside = corner + num_cells + 1;
+      const auto corner = static_cast<std::uint32_t>(i * (num_cells + 1) + j), next_row = corner + num_cells + 1;
       if ((i > 0 || j > 0) && random.chance(hole_probability)) {
         continue;
       }
-      mesh.triangles.push_back({corner, corner + 1, beside + 1});
-      mesh.triangles.push_back({corner, beside + 1, beside});
+      mesh.triangles.push_back({corner, corner + 1, next_row + 1});
+      mesh.triangles.push_back({corner, next_row + 1, next_row});
     }
   }
   return mesh;
@@ -291,6 +291,21 @@ Pose randomContact(Random& random, const Sensor& sensor, const Object& object) {
                                              random.uniform(-0.5, 0.5) * patch.num_cols * patch.pitch[1], 0};
   const Quaternion R_SO = randomRotation(random, object);
   return poseAtDepth(sensor, object, R_SO, place[0], place[1], random.uniform(0, 1.2) * sensor.skin.thickness);
+}
+
+std::vector<Object> randomObjects(Random& random, int count, double size, double solid_share, bool all_convex) {
+  std::vector<Object> objects;
+  for (int n = 0; n < count; ++n) {
+    objects.push_back(random.chance(solid_share) ? randomSolid(random, size)
+                      : all_convex               ? randomPolyhedron(random, size)
+                                                 : randomMeshObject(random, size));
+  }
+  return objects;
+}
+
+int randomWorkgroup(Random& random) {
+  constexpr std::array kSizes{0, 4, 8, 16, 32, 64, 128, 256};
+  return kSizes[static_cast<std::size_t>(random.integer(0, kSizes.size() - 1))];
 }
 
 }  // namespace taxelsim::support

@@ -72,4 +72,10 @@ Pose poseAtDepth(const Sensor& sensor, const Object& object, const Quaternion& R
 // Random rotation and position over the sensor, up to 1.2 thicknesses deep.
 Pose randomContact(Random& random, const Sensor& sensor, const Object& object);
 
+// `count` objects of this size (m): with probability `solid_share` a solid, else a mesh, a polyhedron if `all_convex`.
+std::vector<Object> randomObjects(Random& random, int count, double size, double solid_share, bool all_convex);
+
+// A workgroup size for ModelOptions: 0 (default) or a power of two from 4 to 256.
+int randomWorkgroup(Random& random);
+
 }  // namespace taxelsim::support

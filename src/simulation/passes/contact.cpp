@@ -10,8 +10,8 @@ namespace {
 
 // Samples of a tile: more would leave a GPU's core too few workgroups.
 constexpr std::uint32_t kMaxTileSamples = 6144;
-// Shared memory of the pass beside the tile, at most, in bytes: partial sums, planes and lists, for clusters of kGroupsPerBatch groups and
-// kMaxRepeat tiles.
+// Largest shared memory of the pass in addition to the tile, in bytes: partial sums, planes and lists, for clusters of kGroupsPerBatch
+// groups and kMaxRepeat tiles.
 constexpr std::uint32_t kTileOverhead = 6912;
 constexpr std::uint32_t kGroupsPerBatch = 32;
 constexpr std::uint32_t kMinGroupsPerBatch = 16;
@@ -34,7 +34,7 @@ void checkFits(const DeviceInfo& info, std::uint32_t tile_samples, std::uint32_t
 std::uint32_t chooseGroupsPerBatch(const ModelData& model) {
   std::uint32_t groups = kGroupsPerBatch;
   if (!model.profile.prefersFewBarriers()) return groups;
-  // As many as a mesh has, if their lists fit beside the tile.
+  // As many groups as a mesh has, if their lists and the tile fit into shared memory.
   while (groups < std::min(kMaxGroupsPerBatch, model.object_kinds.max_groups) &&
          sharedBytes(model.contact_packed.max_tile_samples, 2 * groups, 1) <= model.device.info().shared_memory) {
     groups *= 2;
