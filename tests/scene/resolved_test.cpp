@@ -240,6 +240,7 @@ TEST(Resolved, HasEverySettingOfControllersAndDataSet) {
       {"seed: 7", "seed: 8"},
       {"seed: 7", "seed: 7, episodes_per_shard: 2"},
       {"seed: 7", "seed: 7, compression: 1"},
+      {"seed: 7", "seed: 7, chunk_bytes: 4096"},
   });
 }
 
