@@ -8,8 +8,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "base/files.h"
 #include "cli/commands.h"
-#include "dataset/files.h"
 #include "figures/characterize_report.h"
 #include "figures/text.h"
 #include "taxelsim/version.h"
@@ -111,7 +111,7 @@ int runCharacterize(const Arguments& arguments) {
   Characterization result = characterize(measurements);
   if (!arguments.name.empty()) result.sensor.name = arguments.name;
   const std::string text = sensorText(result.sensor, notesOf(result, measurements));
-  dataset::writeFileAtomically(arguments.sensor, std::as_bytes(std::span(text)));
+  writeFileAtomically(arguments.sensor, std::as_bytes(std::span(text)));
   if (!arguments.report.empty()) {
     writeReport(arguments.report, measurements, result, drawCharacterization(arguments.report, result));
   }

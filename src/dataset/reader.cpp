@@ -2,7 +2,7 @@
 #include <cstring>
 #include <span>
 
-#include "dataset/files.h"
+#include "base/files.h"
 #include "dataset/manifest.h"
 #include "dataset/shard.h"
 #include "taxelsim/dataset.h"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "dataset/files.h"
+#include "base/files.h"
 #include "taxelsim/dataset.h"
 
 namespace taxelsim::dataset {

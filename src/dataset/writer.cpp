@@ -4,8 +4,9 @@
 #include <system_error>
 #include <thread>
 
+#include "base/files.h"
 #include "dataset/compressor.h"
-#include "dataset/files.h"
+#include "dataset/directory_lock.h"
 #include "dataset/manifest.h"
 #include "dataset/shard.h"
 #include "dataset/view.h"
