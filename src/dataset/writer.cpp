@@ -74,7 +74,7 @@ struct DatasetWriter::Impl {
       throw Error(ErrorKind::kInput, directory.string() + ": cannot be extended from " + std::to_string(found.num_episodes) + " to " +
                                          std::to_string(manifest.num_episodes) + " episodes: " + shardName(last) +
                                          " is complete and would change (" + std::to_string(manifest.episodes_per_shard) +
-                                         " episodes per shard)");
+                                         " episodes per shard); remove it to generate it again");
     removeFile(directory / kViewName);
     writeManifestFile();
   }
