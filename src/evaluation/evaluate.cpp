@@ -8,6 +8,7 @@
 
 #include "episodes/batch.h"
 #include "episodes/task_evaluator.h"
+#include "scene/scene_checks.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

@@ -10,6 +10,7 @@
 
 #include "episodes/batch.h"
 #include "generation/shard_sink.h"
+#include "scene/scene_checks.h"
 #include "taxelsim/error.h"
 #include "taxelsim/version.h"
 
@@ -23,7 +24,6 @@ constexpr auto kProgressPeriod = std::chrono::milliseconds(250);
 void checkRun(const Scene& scene, const GenerateOptions& options) {
   checkCount("batch size", options.batch_size);
   checkCount("slices", options.num_slices);
-  checkCount("episodes_per_shard", static_cast<std::int64_t>(scene.episodes_per_shard));
   checkScene(scene);
 }
 

@@ -16,10 +16,12 @@
 #include <utility>
 #include <vector>
 
+#include "base/field_checks.h"
 #include "base/log.h"
 #include "base/text.h"
 #include "geometry/gltf_validation.h"
 #include "geometry/mesh_file_validation.h"
+#include "geometry/object_fields.h"
 #include "geometry/simplify.h"
 #include "geometry/weld.h"
 #include "taxelsim/error.h"
@@ -245,11 +247,11 @@ Mesh importMesh(const std::filesystem::path& file, const Extension& extension, c
 }  // namespace
 
 Mesh loadMesh(const std::filesystem::path& file, const MeshOptions& options) {
-  if (!(std::isfinite(options.scale) && options.scale > 0)) {
-    fail(file, "scale: " + numberText(options.scale) + " is not allowed: metres per unit of the file, > 0");
-  }
-  if (!(std::isfinite(options.max_depth_error) && options.max_depth_error >= 0)) {
-    fail(file, "max_depth_error: " + numberText(options.max_depth_error) + " is not allowed: m, >= 0");
+  try {
+    checkFields("", kMeshScaleFields, options);
+    checkFields("", kMeshErrorFields, options);
+  } catch (const Error& error) {
+    fail(file, error.what());
   }
   checkFile(file);
   const Extension extension = extensionOf(file);

@@ -6,6 +6,7 @@
 
 #include "scene/pose_reader.h"
 #include "scene/taxel_reader.h"
+#include "sensor/fields.h"
 
 namespace taxelsim {
 namespace {

@@ -200,7 +200,9 @@ double YamlNode::number(const Allowed& allowed) const {
   }
   const double min = inUnit(allowed.min, unit_);
   const double max = inUnit(allowed.max, unit_);
-  if (value < min || value > max || (allowed.above_min && value == min)) refuse(describe(allowed, unit_));
+  if (value < min || value > max || (allowed.above_min && value == min) || (allowed.below_max && value == max)) {
+    refuse(describe(allowed, unit_));
+  }
   if (unit_ == Unit::kMilli) value = thousandth(text, value);
   if (unit_ == Unit::kDegree) value = value * std::numbers::pi / 180;
   return std::clamp(value, allowed.min, allowed.max) + 0.0;  // + 0.0 turns -0 into 0
@@ -252,6 +254,8 @@ YamlMap::YamlMap(const YamlMap& parent, std::string_view key, Keys allowed)
     : YamlMap(blockOf(parent, key), std::move(allowed), parent.canonical(), true) {
   canonical_->open(key);
 }
+
+YamlMap::YamlMap(const YamlMap& map, Canonical& canonical) : node_(map.node_), allowed_(map.allowed_), canonical_(&canonical) {}
 
 YamlMap YamlMap::item(const YamlNode& node, Keys allowed, Canonical& canonical) {
   canonical.openItem();
@@ -387,6 +391,43 @@ std::string YamlMap::choice(std::string_view key, std::initializer_list<std::str
   std::string result = value ? value->choice(words) : std::string(otherwise);
   canonical_->line(key, canonicalText(result));
   return result;
+}
+
+namespace {
+
+// Calls the overload for the type of a setting.
+struct SettingReader {
+  const YamlMap& map;
+  std::string_view key;
+  const Allowed& allowed;
+  Presence presence;
+
+  template <typename Value>
+  std::optional<Value> otherwise(const Value& value) const {
+    return presence == Presence::kRequired ? std::nullopt : std::optional(value);
+  }
+  void operator()(double* value) const {
+    if (presence != Presence::kUnlimited || map.has(key)) *value = map.number(key, allowed, otherwise(*value));
+  }
+  void operator()(std::optional<double>* value) const {
+    if (*value || map.has(key)) *value = map.number(key, allowed, *value);
+  }
+  void operator()(std::uint64_t* value) const { *value = map.integer(key, minWhole(allowed), maxWhole(allowed), otherwise(*value)); }
+  void operator()(int* value) const {
+    auto whole = static_cast<std::uint64_t>(*value);
+    (*this)(&whole);
+    *value = static_cast<int>(whole);
+  }
+  template <std::size_t N>
+  void operator()(std::array<double, N>* values) const {
+    *values = map.numbers<N>(key, allowed, otherwise(*values));
+  }
+};
+
+}  // namespace
+
+void readSetting(const YamlMap& map, std::string_view key, const SettingPointer& setting, const Allowed& allowed, Presence presence) {
+  std::visit(SettingReader{map, key, allowed, presence}, setting);
 }
 
 }  // namespace taxelsim

@@ -111,8 +111,27 @@ TEST(Generate, AnotherSceneOrSeedIsRefused) {
   ASSERT_EQ(runTaxelsim({"generate", scene, "-o", root / "out"}).status, 0);
   const auto before = filesOf(root / "out");
   expectRefused(runTaxelsim({"--log-level", "error", "generate", scene, "-o", root / "out", "--seed", "4"}), "seed");
-  expectRefused(runTaxelsim({"--log-level", "error", "generate", writeScene(root / "other.yaml", 13), "-o", root / "out"}), "scene");
+  expectRefused(runTaxelsim({"--log-level", "error", "generate", writeScene(root / "other.yaml", 13), "-o", root / "out"}),
+                "another scene: episode.num_steps: 12 there, 13 requested");
   expectSame(filesOf(root / "out"), before, "after the refusals");
+}
+
+TEST(Generate, AGrownDataSetHasTheBytesOfOneMadeAtOnce) {
+  const TemporaryDirectory root;
+  const std::string scene = writeScene(root / "scene.yaml");
+  ASSERT_EQ(runTaxelsim({"generate", scene, "-o", root / "whole"}).status, 0);
+  ASSERT_EQ(runTaxelsim({"generate", scene, "-o", root / "grown", "--episodes", "16"}).status, 0);
+  const Outcome outcome = runTaxelsim({"generate", scene, "-o", root / "grown", "--episodes", "36"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("36 episodes (16 found on disk)"), std::string::npos) << outcome.out;
+  expectSame(filesOf(root / "grown"), filesOf(root / "whole"), "16, then 36 episodes");
+}
+
+TEST(Generate, ADataSetWithAPartialShardCannotGrow) {
+  const TemporaryDirectory root;
+  const std::string scene = writeScene(root / "scene.yaml");
+  ASSERT_EQ(runTaxelsim({"generate", scene, "-o", root / "out", "--episodes", "12"}).status, 0);
+  expectRefused(runTaxelsim({"--log-level", "error", "generate", scene, "-o", root / "out", "--episodes", "36"}), "shard-000001.h5");
 }
 
 TEST(Generate, BatchesThatDoNotFitAreRefusedBeforeTheyStart) {
