@@ -61,8 +61,8 @@ void checkRandomization(const Scene& scene) {
   const auto check = [&](const auto& table) {
     for (const RangeField& field : table) {
       const std::string path = "randomization." + std::string(field.name());
-      if (const auto* always = std::get_if<Range Randomization::*>(&field.member)) {
-        checkRange(path, random.**always, field.allowed);
+      if (const auto* member = std::get_if<Range Randomization::*>(&field.member)) {
+        checkRange(path, random.*(*member), field.allowed);
       } else if (const std::optional<Range>& range = random.*std::get<1>(field.member)) {
         checkRange(path, *range, field.allowed);
       }

@@ -42,8 +42,9 @@ Range readRange(const YamlMap& map, const RangeField& field, const std::optional
 
 void readRanges(const YamlMap& map, std::span<const RangeField> table, Randomization& random) {
   for (const RangeField& field : table) {
-    if (const auto* always = std::get_if<Range Randomization::*>(&field.member)) {
-      random.** always = readRange(map, field, random.**always);
+    if (const auto* member = std::get_if<Range Randomization::*>(&field.member)) {
+      Range& range = random.*(*member);
+      range = readRange(map, field, range);
     } else if (map.has(field.name())) {
       random.*std::get<1>(field.member) = readRange(map, field, {});
     }
