@@ -13,12 +13,6 @@ void checkCount(const char* name, std::int64_t value) {
   if (value < 1) throw Error(ErrorKind::kInput, std::string(name) + ": " + std::to_string(value) + " found, at least 1 allowed");
 }
 
-ModelOptions modelOptionsOf(const Scene& scene) {
-  ModelOptions options{.sensor = scene.sensor, .objects = {}};
-  for (const SceneObject& object : scene.objects) options.objects.push_back(object.object);
-  return options;
-}
-
 std::vector<int> splitBatch(const Model& model, const EpisodePlan& plan, int batch_size, int num_slices) {
   num_slices = std::min(num_slices, batch_size);
   const MemoryPlan memory = Simulator::plan(model, plan.simulatorOptions(batch_size));

@@ -31,6 +31,7 @@ inline constexpr std::array kSeedFields{Field<Scene>{"seed", &Scene::seed, Allow
 inline constexpr std::array kDataSetFields{
     Field<Scene>{"episodes_per_shard", &Scene::episodes_per_shard, Allowed::within(1, 1'000'000, "")},  // a shard is held in memory
     Field<Scene>{"compression", &Scene::compression, Allowed::within(0, 9, "")},
+    Field<Scene>{"chunk_bytes", &Scene::chunk_bytes, Allowed::within(kMinChunkBytes, kMaxChunkBytes, "")},
 };
 
 inline constexpr std::array kObjectFields{Field<SceneObject>{"weight", &SceneObject::weight, Allowed::atLeast(0, "")}};
