@@ -9,13 +9,16 @@
 #include "generation/recorder.h"
 #include "generation/shard_queue.h"
 #include "generation/shard_writer.h"
+#include "taxelsim/generate.h"
 
 namespace taxelsim {
 
 class ShardSink : public EpisodeSink {
  public:
-  // All references must outlive this. The sinks of all slices share the queue, and must be used by one thread. num_frames: per episode.
-  ShardSink(const Recorder& recorder, ShardQueue& queue, ShardWriter& writer, int num_frames, int num_instances);
+  // All references must outlive this. The sinks of all slices share the queue and load_misses (num_objects), and must be used by one
+  // thread. num_frames: per episode.
+  ShardSink(const Recorder& recorder, ShardQueue& queue, ShardWriter& writer, std::vector<LoadMisses>& load_misses, int num_frames,
+            int num_instances);
 
   std::optional<std::uint64_t> next(int instance) override;
   void begin(int instance, const EpisodeRecord& record) override;
@@ -24,14 +27,18 @@ class ShardSink : public EpisodeSink {
   void end(int instance) override;
 
  private:
+  void countLoadMisses(const FrameView& view, const FrameContext& context);
+
   const Recorder& recorder_;
   ShardQueue& queue_;
   ShardWriter& writer_;
+  std::vector<LoadMisses>& load_misses_;
   std::uint64_t num_frames_;
 
   // (num_instances)
   std::vector<EpisodePlace> episodes_;
   std::vector<FramePlace> frames_;
+  std::vector<int> missed_objects_;  // object of an instance in the first frame of an episode whose load is out of reach, else -1
 };
 
 }  // namespace taxelsim
