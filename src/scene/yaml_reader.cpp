@@ -262,7 +262,9 @@ YamlNode YamlMap::blockOf(const YamlMap& parent, std::string_view key) {
 
 void YamlMap::checkKeys() const {
   std::string list;
-  for (const std::string_view key : allowed_) list += (list.empty() ? "" : ", ") + std::string(key.substr(0, key.find('(')));
+  for (auto key = allowed_.begin(); key != allowed_.end(); ++key) {
+    if (std::find(allowed_.begin(), key, *key) == key) list += (list.empty() ? "" : ", ") + std::string(key->substr(0, key->find('(')));
+  }
   if (!node_.isMap()) node_.refuse("a mapping of " + (list.empty() ? "nothing: {}" : list));
   for (const YamlTree::Key& key : node_.tree_->keys) {
     bool known = false;
