@@ -11,16 +11,19 @@ constexpr int kNone = -1;
 
 }  // namespace
 
-ShardSink::ShardSink(const Recorder& recorder, ShardQueue& queue, ShardWriter& writer, std::vector<LoadMisses>& load_misses, int num_frames,
-                     int num_instances)
+ShardSink::ShardSink(const EpisodePlan& plan, const Recorder& recorder, ShardQueue& queue, ShardWriter& writer,
+                     std::vector<LoadMisses>& load_misses, int num_instances)
     : recorder_(recorder),
       queue_(queue),
       writer_(writer),
       load_misses_(load_misses),
-      num_frames_(static_cast<std::uint64_t>(num_frames)),
+      num_frames_(static_cast<std::uint64_t>(plan.num_frames)),
       episodes_(num_instances),
+      records_(num_instances),
       frames_(num_instances),
-      missed_objects_(num_instances, kNone) {}
+      missed_objects_(num_instances, kNone) {
+  if (plan.scene.task) judge_.emplace(plan, num_instances);
+}
 
 std::optional<std::uint64_t> ShardSink::next(int instance) {
   frames_[instance] = {};
@@ -32,8 +35,9 @@ std::optional<std::uint64_t> ShardSink::next(int instance) {
 
 void ShardSink::begin(int instance, const EpisodeRecord& record) {
   const EpisodePlace& place = episodes_[instance];
-  recorder_.recordEpisode(record, place);
-  frames_[instance] = {place.buffer->columns.data(), place.row * num_frames_};
+  records_[instance] = record;
+  frames_[instance] = {place.buffer->columns.data(), place.row * num_frames_, static_cast<std::size_t>(record.object)};
+  if (judge_) judge_->begin(instance, record);
   ++load_misses_[static_cast<std::size_t>(record.object)].num_episodes;
   if (record.load_reached == 0) missed_objects_[instance] = record.object;
 }
@@ -53,10 +57,12 @@ void ShardSink::countLoadMisses(const FrameView& view, const FrameContext& conte
 void ShardSink::frame(const FrameView& view, const FrameContext& context) {
   countLoadMisses(view, context);
   recorder_.recordFrames(view, context, frames_);
+  if (judge_) judge_->frame(view, context);
   for (FramePlace& place : frames_) ++place.row;
 }
 
 void ShardSink::end(int instance) {
+  recorder_.recordEpisode({.record = records_[instance], .success = judge_ && judge_->verdict(instance).success}, episodes_[instance]);
   if (std::unique_ptr<ShardBuffer> done = queue_.finish(episodes_[instance])) {
     writer_.submit(std::move(done));
     queue_.recycle(writer_.reclaim());

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "episodes/episode_sink.h"
+#include "episodes/task_judge.h"
 #include "generation/recorder.h"
 #include "generation/shard_queue.h"
 #include "generation/shard_writer.h"
@@ -16,8 +17,8 @@ namespace taxelsim {
 class ShardSink : public EpisodeSink {
  public:
   // All references must outlive this. The sinks of all slices share the queue and load_misses (num_objects), and must be used by one
-  // thread. num_frames: per episode.
-  ShardSink(const Recorder& recorder, ShardQueue& queue, ShardWriter& writer, std::vector<LoadMisses>& load_misses, int num_frames,
+  // thread.
+  ShardSink(const EpisodePlan& plan, const Recorder& recorder, ShardQueue& queue, ShardWriter& writer, std::vector<LoadMisses>& load_misses,
             int num_instances);
 
   std::optional<std::uint64_t> next(int instance) override;
@@ -33,10 +34,12 @@ class ShardSink : public EpisodeSink {
   ShardQueue& queue_;
   ShardWriter& writer_;
   std::vector<LoadMisses>& load_misses_;
-  std::uint64_t num_frames_;
+  std::uint64_t num_frames_;        // per episode
+  std::optional<TaskJudge> judge_;  // of scenes with a task
 
   // (num_instances)
   std::vector<EpisodePlace> episodes_;
+  std::vector<EpisodeRecord> records_;
   std::vector<FramePlace> frames_;
   std::vector<int> missed_objects_;  // object of an instance in the first frame of an episode whose load is out of reach, else -1
 };
