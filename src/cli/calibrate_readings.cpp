@@ -126,7 +126,7 @@ void addCalibrateReadings(CLI::App& app, Action& action) {
       ->type_name("PATTERN");
   command->add_option("--remove", arguments->remove, "Also invert the readout's creep or the point spread function; may be given twice")
       ->allow_extra_args(false)
-      ->check(CLI::IsMember({kCreep, kPsf}))
+      ->check(silent(CLI::IsMember({kCreep, kPsf})))
       ->type_name("creep|psf");
   command->callback([=, &action] { action = [=] { return runCalibrateReadings(*arguments); }; });
 }

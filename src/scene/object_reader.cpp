@@ -6,6 +6,7 @@
 
 #include "base/vector3.h"
 #include "geometry/object_fields.h"
+#include "geometry/unit_check.h"
 #include "scene/hashed_file.h"
 #include "scene/motion_reader.h"
 #include "scene/pose_reader.h"
@@ -148,6 +149,9 @@ std::vector<SceneObject> readObjects(const YamlMap& map, const std::filesystem::
         if (const std::optional<YamlNode> node = object_map.find(key)) node->fail("belongs to a mesh, not to a " + std::string(shape));
       }
       object.object.shape = readSolid(object_map, shape);
+      if (const std::string size = implausibleSize(boundsOf(object.object)); !size.empty()) {
+        object_map.require(shape, "").warn("the object " + size + "; are its sizes in millimetres? Give them by keys that end in _mm");
+      }
     }
     atNode(item, [&] { checkObject(object.object); });
     total_weight += object.weight;

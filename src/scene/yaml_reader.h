@@ -36,7 +36,9 @@ class YamlNode {
 
   // Throws Error(kInput) with this node's position and path.
   [[noreturn]] void fail(const std::string& message) const;
-  // The same: "value is not allowed: allowed".
+  // Logs a warning with this node's position and path.
+  void warn(const std::string& message) const;
+  // As fail(): "value is not allowed: allowed".
   [[noreturn]] void refuse(const std::string& allowed) const;
   // The same for an error of a field below this node ("readout.taxel_gain[3]"), at the position of that field, or of the nearest block
   // that the file has.

@@ -142,6 +142,33 @@ TEST(Generate, BatchesThatDoNotFitAreRefusedBeforeTheyStart) {
   EXPECT_FALSE(std::filesystem::exists(root / "out"));
 }
 
+TEST(Generate, WarnsOfObjectsThatCannotCarryTheLoad) {
+  const TemporaryDirectory root;
+  std::ofstream(root / "scene.yaml") << "format_version: 1\nname: heavy\nkind: contacts\nsensor: " << kSensor
+                                     << "\nobjects: [{name: ball, sphere: {radius_mm: 5}}, {half_space: {}}]\n"
+                                     << "randomization: {load: 100}\ndata_set: {episodes: 30, seed: 1}\n";
+  const Outcome outcome = runTaxelsim({"generate", root / "scene.yaml", "-o", root / "out"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  // The ball carries at most pi k d^2 (R - d/3) at d = 2 mm, 9.4 N; the plane carries 100 N.
+  EXPECT_NE(outcome.err.find("warning: object ball: load out of reach in "), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("pressed through the skin, it carried "), std::string::npos) << outcome.err;
+  EXPECT_EQ(outcome.err.find("object half_space"), std::string::npos) << outcome.err;
+  EXPECT_EQ(outcome.out.find("out of reach"), std::string::npos) << outcome.out;
+}
+
+TEST(Generate, WarnsOfSizesInMillimetres) {
+  const TemporaryDirectory root;
+  std::ofstream(root / "scene.yaml") << "format_version: 1\nname: large\nkind: contacts\nsensor: " << kSensor
+                                     << "\nobjects: [{sphere: {radius: 3}}]\nrandomization: {load: 1}\ndata_set: {episodes: 1}\n";
+  const Outcome outcome = runTaxelsim({"generate", root / "scene.yaml", "-o", root / "out"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(
+      outcome.err.find("scene.yaml:5:20: objects[0].sphere: the object is 6 m long; are its sizes in millimetres? Give them by keys that "
+                       "end in _mm\n"),
+      std::string::npos)
+      << outcome.err;
+}
+
 TEST(Generate, WithoutADriverOneLineSaysSo) {
   const TemporaryDirectory root;
   const Outcome outcome = runTaxelsim({"generate", writeScene(root / "scene.yaml"), "-o", root / "out"},
