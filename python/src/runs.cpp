@@ -1,0 +1,127 @@
+// Runs over whole scenes: data sets and evaluations.
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <utility>
+
+#include "handles.h"
+#include "interruptible.h"
+#include "structs.h"
+#include "taxelsim/evaluate.h"
+#include "taxelsim/generate.h"
+
+namespace taxelsim::python {
+namespace {
+
+GenerateResult runGenerate(const DeviceHandle& device, const Scene& scene, const std::filesystem::path& directory, int batch_size,
+                           int num_slices, const nb::object& on_progress) {
+  return runInterruptibly<GenerateResult>(on_progress, [&](auto report, const std::atomic<bool>& stop) {
+    return generate(device.get(), scene, directory,
+                    {.batch_size = batch_size, .num_slices = num_slices, .on_progress = report, .stop = &stop});
+  });
+}
+
+std::vector<Evaluation> runEvaluate(const DeviceHandle& device, const Scene& scene, const std::vector<std::string>& controllers,
+                                    int batch_size, int num_slices, const nb::object& on_progress) {
+  return runInterruptibly<std::vector<Evaluation>>(on_progress, [&](auto report, const std::atomic<bool>& stop) {
+    return evaluate(device.get(), scene, controllers,
+                    {.batch_size = batch_size, .num_slices = num_slices, .on_progress = report, .stop = &stop});
+  });
+}
+
+// One member of all verdicts as an array of its own: (num_episodes), or (num_episodes, width) for arrays.
+template <typename Element, typename Member>
+nb::object column(const std::vector<Verdict>& verdicts, Member Verdict::*member, std::size_t width) {
+  const std::size_t size = verdicts.size() * width;
+  auto* const values = new Element[size];
+  const nb::capsule owner(values, [](void* p) noexcept { delete[] static_cast<Element*>(p); });
+  for (std::size_t i = 0; i < verdicts.size(); ++i) {
+    const auto* const first = reinterpret_cast<const Element*>(&(verdicts[i].*member));
+    std::copy(first, first + width, values + i * width);
+  }
+  const std::size_t shape[2] = {verdicts.size(), width};
+  return nb::ndarray<nb::numpy, Element>(values, width == 1 ? 1 : 2, shape, owner).cast();
+}
+
+nb::dict verdictsOf(const Evaluation& evaluation) {
+  const std::vector<Verdict>& verdicts = evaluation.verdicts;
+  nb::dict arrays;
+  arrays["episode"] = column<std::uint64_t>(verdicts, &Verdict::episode, 1);
+  arrays["object"] = column<int>(verdicts, &Verdict::object, 1);
+  arrays["success"] = column<bool>(verdicts, &Verdict::success, 1);
+  arrays["start_error"] = column<float>(verdicts, &Verdict::start_error, kNumTaskMeasures);
+  arrays["steady_error"] = column<float>(verdicts, &Verdict::steady_error, kNumTaskMeasures);
+  arrays["settling_time"] = column<float>(verdicts, &Verdict::settling_time, 1);
+  arrays["travel"] = column<float>(verdicts, &Verdict::travel, 1);
+  arrays["laps"] = column<float>(verdicts, &Verdict::laps, 1);
+  arrays["peak_force"] = column<float>(verdicts, &Verdict::peak_force, 1);
+  arrays["saturated"] = column<float>(verdicts, &Verdict::saturated, 1);
+  arrays["num_losses"] = column<int>(verdicts, &Verdict::num_losses, 1);
+  arrays["robot"] = column<std::uint8_t>(verdicts, &Verdict::robot, 1);
+  arrays["load_reached"] = column<bool>(verdicts, &Verdict::load_reached, 1);
+  return arrays;
+}
+
+void bindProgress(nb::module_& module) {
+  nb::class_<Progress> progress(module, "Progress", "Progress of generate() or evaluate().");
+  addFields(progress, field("episodes_done", &Progress::episodes_done, "Episodes simulated or found on disk."),
+            field("num_episodes", &Progress::num_episodes, "Episodes of the whole run."),
+            field("frames_done", &Progress::frames_done, "Frames simulated in this run."),
+            field("episodes_resumed", &Progress::episodes_resumed, "Episodes found on disk."),
+            field("seconds", &Progress::seconds, "s since this run began simulating."));
+  nb::class_<GenerateResult>(module, "GenerateResult", "Result of generate().")
+      .def_ro("progress", &GenerateResult::progress, "Progress at the end.")
+      .def_ro("complete", &GenerateResult::complete, "Whether the data set is complete.")
+      .def_ro("num_load_misses", &GenerateResult::num_load_misses, "Contacts whose load was out of reach.");
+}
+
+void bindEvaluation(nb::module_& module) {
+  nb::class_<Quantiles> quantiles(module, "Quantiles", "Quantiles of a sample. All NaN if the sample is empty.");
+  addFields(quantiles, field("median", &Quantiles::median, "50 %."), field("p95", &Quantiles::p95, "95 %."),
+            field("max", &Quantiles::max, "Largest value."));
+  nb::class_<Score>(module, "Score", "Statistics of a set of verdicts.")
+      .def_ro("name", &Score::name, "Name of the set: a controller, object or range of start errors.")
+      .def_ro("start_error", &Score::start_error, "(2), range of start errors of a set in Evaluation.by_start, else 0.")
+      .def_ro("num_episodes", &Score::num_episodes, "Number of verdicts.")
+      .def_ro("num_successes", &Score::num_successes, "Verdicts that are a success.")
+      .def_ro("success_rate", &Score::success_rate, "num_successes / num_episodes; 0 of none.")
+      .def_ro("success_low", &Score::success_low, "Lower end of the 95 % Wilson interval.")
+      .def_ro("success_high", &Score::success_high, "Upper end of that interval.")
+      .def_ro("settling_time", &Score::settling_time, "s, over the episodes that settle.")
+      .def_ro("steady_error", &Score::steady_error, "(4), by TASK_MEASURES, over the episodes in contact to the end.")
+      .def_ro("peak_force", &Score::peak_force, "N, largest clean total force of each episode.")
+      .def_ro("num_lost", &Score::num_lost, "Episodes that lost contact at least once.")
+      .def_ro("num_saturated", &Score::num_saturated, "Episodes in which a taxel was at its upper end.")
+      .def("__repr__", [](const Score& self) {
+        return "<taxelsim.Score " + self.name + ": " + std::to_string(self.num_successes) + " of " + std::to_string(self.num_episodes) +
+               " episodes succeed>";
+      });
+  nb::class_<Evaluation>(module, "Evaluation", "Evaluation of one controller.")
+      .def_ro("controller", &Evaluation::controller, "Name in the scene.")
+      .def_prop_ro("verdicts", &verdictsOf, nb::sig("def verdicts(self) -> dict[str, numpy.typing.NDArray[typing.Any]]"),
+                   R"(Verdict of every episode, as a dict of arrays (num_episodes, ...); a copy.
+
+episode, object (index), success, start_error and steady_error (num_episodes, 4) in the units of TASK_MEASURES, settling_time (s), travel (m),
+laps, peak_force (N), saturated (fraction of frames), num_losses, robot (status bits), load_reached.)")
+      .def_ro("total", &Evaluation::total, "Score over all episodes.")
+      .def_ro("by_object", &Evaluation::by_object, "(num_objects), in the order of the scene.")
+      .def_ro("start_measure", &Evaluation::start_measure, "Index into TASK_MEASURES of the start errors of by_start.")
+      .def_ro("by_start", &Evaluation::by_start, "Over five equal parts of the range of start errors; empty if all start alike.");
+  nb::list names;
+  for (const char* name : kTaskMeasureNames) names.append(name);
+  module.attr("TASK_MEASURES") = nb::tuple(names);
+}
+
+}  // namespace
+
+void bindRuns(nb::module_& module) {
+  bindProgress(module);
+  bindEvaluation(module);
+  module.def("generate", &runGenerate, "device"_a, "scene"_a, "directory"_a, "batch_size"_a, "num_slices"_a, "on_progress"_a.none());
+  module.def("evaluate", &runEvaluate, "device"_a, "scene"_a, "controllers"_a, "batch_size"_a, "num_slices"_a, "on_progress"_a.none());
+}
+
+}  // namespace taxelsim::python
