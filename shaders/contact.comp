@@ -32,6 +32,7 @@ shared uint num_listed_tiles;
 #include "common/whole.glsl"
 #include "common/transform.glsl"
 #include "common/workgroup.glsl"
+#include "common/instances.glsl"
 #include "common/work_lists.glsl"
 #include "common/partial_sums.glsl"
 #include "driver/loop_limit.glsl"
@@ -59,10 +60,11 @@ const bool kShears = FRICTION && !kGlobalSolve;  // after a global solve, the pa
 #include "skin/tile_result.glsl"
 #include "depth/untouched_tiles.glsl"
 
-// Loads a tile. False when the load search of its instance has ended: the results of its last evaluation stay.
+// Loads a tile. False when the load search of its instance has ended, and for an instance that is held: the results of the last evaluation stay.
 bool beginTile(uint instance, uint tile_number, out Tile tile) {
   tile = loadTile(tile_number);
   tile.z_base = -THICKNESS;
+  if (isHeld(instance)) return false;
   if (SEARCH == kSearchInTile && (instances[instance].keys.w & kFlagLoadDriven) != 0) tile.z_limit = kMiss;
   if (SEARCH == kSearchOverTiles) {
     vec4 bracket = loads[instance].bracket;

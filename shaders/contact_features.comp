@@ -21,6 +21,7 @@
 const uint kTeams = WORKGROUP / TEAM;
 
 #include "common/workgroup.glsl"
+#include "common/instances.glsl"
 #include "driver/loop_limit.glsl"
 #include "features/moments.glsl"
 #include "features/contact_parts.glsl"
@@ -53,11 +54,10 @@ float forceNoise(uint instance) {
   return CLEAN ? 0.0 : sqrt(NOISE * NOISE + instances[instance].drive.w * instances[instance].drive.w) / SLOPE;
 }
 
-// All teams execute the same barriers; a team without a part of its own (`is_valid` false) writes nothing. Between the sensor's own frames the values of the
-// measured image stay.
+// All teams execute the same barriers; a team without a part of its own (`is_valid` false) writes nothing.
 void computePart(uint number, bool is_valid, uint num_instances) {
   uint instance = number % num_instances, which = number / num_instances;
-  bool is_due = is_valid && (CLEAN || (instances[instance].keys.w & kFlagNewFrame) != 0);
+  bool is_due = is_valid && hasNewValues(instance, CLEAN);
   Part part = loadPart(instance, which, is_due);
   PartSums sums = sumPart(kSumsForce, part, vec3(0), 0.0);
   if (kList && REGIONS > 0) choosePlane(part, sums);

@@ -27,6 +27,7 @@ struct Instance {
 };
 
 #include "common/workgroup.glsl"
+#include "common/instances.glsl"
 #include "common/whole.glsl"
 #include "driver/loop_limit.glsl"
 #include "readout/readout.glsl"
@@ -44,11 +45,10 @@ void teamBarrier() {
 #include "features/core_taxels.glsl"
 #include "features/region_selection.glsl"
 
-// All teams execute the same barriers; a team without an instance of its own (`is_valid` false) writes nothing. Between the sensor's own frames the values of
-// the measured image stay.
+// All teams execute the same barriers; a team without an instance of its own (`is_valid` false) writes nothing.
 void findRegions(uint number, bool is_valid, uint num_instances) {
   uint lane = gl_LocalInvocationIndex % TEAM, team = gl_LocalInvocationIndex / TEAM;
-  bool is_due = is_valid && (CLEAN || (instances[number].keys.w & kFlagNewFrame) != 0);
+  bool is_due = is_valid && hasNewValues(number, CLEAN);
   Instance instance = Instance(number, number * NUM_TAXELS, is_due ? NUM_TAXELS : 0);
   if (TEAM > 1 && lane == 0) peak_bits[team] = num_regions[team] = 0;
   teamBarrier();

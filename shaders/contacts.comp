@@ -20,6 +20,7 @@
 #include "passes/contacts.h"
 
 #include "common/workgroup.glsl"
+#include "common/instances.glsl"
 #include "common/transform.glsl"
 #include "driver/loop_limit.glsl"
 #include "depth/contact_places.glsl"
@@ -89,7 +90,7 @@ void main() {
   uint instance = workgroupNumber() * REPEAT * kTeams + gl_LocalInvocationIndex / TEAM;
   uint r = 0;
   for (; r < REPEAT; ++r, instance += kTeams) {
-    if (instance < batch.x) sumContacts(instance, batch.x, batch.y, step_record.contacts.x, first_patch);
+    if (isProcessed(instance)) sumContacts(instance, batch.x, batch.y, step_record.contacts.x, first_patch);
   }
   checkLoop(r < REPEAT);
   reportUnfinishedLoops();

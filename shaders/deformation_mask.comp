@@ -14,7 +14,7 @@
 void main() {
   uint number = invocationNumber();
   uint instance = number / NUM_TAXELS;
-  if (instance >= step_record.batch.x) return;
+  if (!isProcessed(instance)) return;
   uint taxel = number - instance * NUM_TAXELS;
   float force = 0.0;
   for (uint e = 0; e < 9; ++e) {

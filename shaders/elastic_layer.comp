@@ -39,6 +39,7 @@ shared uint num_deep;  // nodes of taxels at full depth
 
 #include "common/whole.glsl"
 #include "common/workgroup.glsl"
+#include "common/instances.glsl"
 #include "common/transform.glsl"
 #include "driver/loop_limit.glsl"
 #include "depth/slots.glsl"
@@ -57,6 +58,7 @@ shared uint num_deep;  // nodes of taxels at full depth
 #include "elastic_layer/jacobian.glsl"
 
 void solveInstance(uint instance, uint num_instances, uint num_slots) {
+  if (isHeld(instance)) return;
   uint flags = instances[instance].keys.w;
   bool is_first = (flags & kFlagFirstStep) != 0;
   bool by_load = LOADS && (flags & kFlagLoadDriven) != 0;

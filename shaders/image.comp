@@ -22,6 +22,7 @@
 #include "passes/image.h"
 
 #include "common/workgroup.glsl"
+#include "common/instances.glsl"
 #include "common/whole.glsl"
 #include "common/philox.glsl"
 #include "driver/loop_limit.glsl"
@@ -59,9 +60,10 @@ ImageSums readImage(Instance instance, Kernel kernel, Lag lag, uint lane, uint n
   return total;
 }
 
-// All teams execute the same barriers; a team without an instance of its own (`is_valid` false) writes nothing.
+// All teams execute the same barriers; a team without an instance of its own (`is_valid` false), or with one that is held, writes nothing.
 void processInstance(uint number, bool is_valid, uint num_instances, Kernel kernel, Lag lag, uvec2 seed) {
   uint lane = gl_LocalInvocationIndex % TEAM;
+  is_valid = is_valid && !isHeld(number);
   Instance instance = loadInstance(number);
   if (is_valid) clearOutside(number, lane, instance.window, instance.new_frame);
   ImageSums total = readImage(instance, kernel, lag, lane, is_valid ? min(LANES, instance.window.count.x) : 0, seed);

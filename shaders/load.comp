@@ -21,10 +21,11 @@ const float kAccepted = 1e-3;   // of the load, when the bracket is as narrow as
 const float kDeeper = 1e30;     // stands for the force at an offset at which a sample is deeper than the skin
 
 #include "common/workgroup.glsl"
+#include "common/instances.glsl"
 
 void main() {
   uint instance = workgroupNumber() * WORKGROUP + gl_LocalInvocationIndex;
-  if (instance >= step_record.batch.x) return;
+  if (!isProcessed(instance)) return;
   LoadRecord record = loads[instance];
   float status = record.bracket.w;
   if ((instances[instance].keys.w & kFlagLoadDriven) == 0) {

@@ -15,11 +15,12 @@
 #include "passes/mask_jacobian.h"
 
 #include "common/workgroup.glsl"
+#include "common/instances.glsl"
 
 void main() {
   uint number = workgroupNumber() * WORKGROUP + gl_LocalInvocationIndex;
   uint instance = number / NUM_TAXELS;
-  if (instance >= step_record.batch.x) return;
+  if (!isProcessed(instance)) return;
   uint taxel = number - instance * NUM_TAXELS;
   bool is_saturated = law_state[number].x >= LAW_0 * taxels[taxel].chart.w;
   for (uint k = 0; k < 6; ++k) {

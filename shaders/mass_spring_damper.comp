@@ -16,7 +16,7 @@
 void main() {
   uint number = invocationNumber();
   uint instance = number / NUM_TAXELS;
-  if (instance >= step_record.batch.x) return;
+  if (!isProcessed(instance)) return;
   uint taxel = number - instance * NUM_TAXELS;
   float force = contactForce(instance, taxel);
   uint flags = instances[instance].keys.w;

@@ -11,7 +11,7 @@
 
 void main() {
   uint number = invocationNumber();
-  if (number >= step_record.batch.x * NUM_TILES) return;
+  if (!isProcessed(number / NUM_TILES)) return;
   tile_results[number].force.xyz = vec3(0);
   tile_results[number].torque = vec4(0);
 }

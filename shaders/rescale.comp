@@ -12,7 +12,7 @@
 
 void main() {
   uint instance = invocationNumber();
-  if (instance >= step_record.batch.x) return;
+  if (!isProcessed(instance)) return;
   float pressed = 0.0, carried = 0.0;
   for (uint t = 0; t < NUM_TILES; ++t) pressed += tile_results[instance * NUM_TILES + t].torque.w;
   uint first = instance * NUM_TAXELS;

@@ -15,12 +15,13 @@
 #include "passes/rescale_jacobian.h"
 
 #include "common/workgroup.glsl"
+#include "common/instances.glsl"
 #include "driver/loop_limit.glsl"
 
 void main() {
   uint number = workgroupNumber() * WORKGROUP + gl_LocalInvocationIndex;
   uint instance = number / 6;
-  if (instance >= step_record.batch.x) return;
+  if (!isProcessed(instance)) return;
   float pressed = 0.0, carried = 0.0, pressed_change = 0.0, carried_change = 0.0;
   for (uint t = 0; t < NUM_TILES; ++t) pressed += tile_results[instance * NUM_TILES + t].torque.w;
   uint first = number * NUM_TAXELS, first_taxel = instance * NUM_TAXELS;

@@ -23,6 +23,7 @@ const float BIAS = 0.0;  // for readout/imperfections.glsl; offsets do not enter
 const uint kTeams = WORKGROUP / TEAM;
 
 #include "common/workgroup.glsl"
+#include "common/instances.glsl"
 #include "common/philox.glsl"
 #include "driver/loop_limit.glsl"
 #include "readout/imperfections.glsl"
@@ -33,12 +34,11 @@ const uint kTeams = WORKGROUP / TEAM;
 #include "features/jacobian_sums.glsl"
 #include "features/jacobian_rows.glsl"
 
-// All teams execute the same barriers; a team without a part of its own (`is_valid` false) writes nothing. Between the sensor's own frames the values of the
-// measured image stay.
+// All teams execute the same barriers; a team without a part of its own (`is_valid` false) writes nothing.
 void computePart(uint number, bool is_valid, uint num_instances) {
   const float kMinForce = 1e-20;  // N; smaller forces are no contact, so that quotients stay finite
   uint instance = number % num_instances, which = number / num_instances;
-  bool is_due = is_valid && (CLEAN || (instances[instance].keys.w & kFlagNewFrame) != 0);
+  bool is_due = is_valid && hasNewValues(instance, CLEAN);
   bool writes = is_due && gl_LocalInvocationIndex % TEAM == 0;
   Part part = loadPart(instance, which, is_due);
   PlaneRecord plane = planes[part.plane];

@@ -18,6 +18,7 @@
 #include "passes/taxel_jacobian.h"
 
 #include "common/workgroup.glsl"
+#include "common/instances.glsl"
 #include "common/transform.glsl"
 
 bool isTouched(uint taxel) { return contact_cells[taxel].high_y.w != 0.0; }
@@ -100,7 +101,7 @@ void writeWrench(uint instance, uint tile_number) {
 void main() {
   uint number = workgroupNumber() * WORKGROUP + gl_LocalInvocationIndex;
   uint instance = number / NUM_TAXELS;
-  if (instance >= step_record.batch.x) return;
+  if (!isProcessed(instance)) return;
   uint taxel = number - instance * NUM_TAXELS;
   writeTaxel(instance, taxel);
   if (taxel < NUM_TILES) writeWrench(instance, taxel);

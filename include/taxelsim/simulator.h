@@ -232,8 +232,8 @@ class Simulator {
 
   /// Compiles all kernels that steps need, so that no step waits for the driver. `loads`: also those of load-driven instances.
   ///
-  /// Call after reset(), because random gains and noise need further kernels. Without this call a step compiles what it needs. Waits.
-  /// Throws Error(kDevice) if the driver refuses.
+  /// Call after reset(), because random gains and noise need further kernels. Without this call a step compiles what it needs, and so does
+  /// a step of some instances: with meshes one kernel more. Waits. Throws Error(kDevice) if the driver refuses.
   void prepare(bool loads = false);
 
   /// Advances every instance by `dt` (s, > 0) and computes its frame. Submits, does not wait.
@@ -241,6 +241,14 @@ class Simulator {
   /// An instance whose sensor has no new frame due keeps its measured values; ground truth is always new. Throws std::logic_error if the
   /// last step has not been read.
   void step(double dt);
+  /// Computes the first frame of new episodes while all other instances hold.
+  ///
+  /// `instances` (N): not 0 for the instances that are computed. The frame, outputs, state and clock of all others stay as they are, bit
+  /// for bit, and their next step(dt) continues as if this one had not happened; objects, loads and contacts that were set for them wait
+  /// for it. Computed instances get the frame that a step of all instances would give. With no instance selected nothing happens. Submits,
+  /// does not wait. Throws Error(kInput) for a wrong length, std::logic_error if the last step has not been read or if a selected instance
+  /// has taken a step since its last reset(); nothing changes then.
+  void step(double dt, std::span<const std::uint8_t> instances);
 
   /// Waits for the last step() and returns its frame. Throws Error(kDevice) if the device was lost.
   FrameView read();

@@ -7,6 +7,7 @@
 #include "passes/taxel_law.h"
 
 #include "common/workgroup.glsl"
+#include "common/instances.glsl"
 #include "driver/loop_limit.glsl"
 
 // Number of this invocation over the whole batch.

@@ -26,6 +26,7 @@ TAXELSIM_CONSTANT kSlotBits = 3u;  // bits of a slot's number
 TAXELSIM_CONSTANT kFlagNewFrame = 1u;   // the sensor outputs a frame in this step
 TAXELSIM_CONSTANT kFlagFirstStep = 2u;  // first step since reset
 TAXELSIM_CONSTANT kFlagLoadDriven = 4u;
+TAXELSIM_CONSTANT kFlagHeld = 8u;  // the step is one of other instances, common/instances.glsl; without other flags
 
 // One instance.
 struct InstanceRecord {

@@ -36,12 +36,14 @@ void recordObjects(const Model::Impl& model, const BatchShape& shape, Recorder& 
                                .with_depth = !coupled && shape.options.outputs.penetration_depth,
                                .with_shear = !coupled && shape.outputsShear(),
                                .with_jacobian = !coupled && shape.outputsJacobian()};
-  if (kind.candidates != Candidates::kSkipped) model.candidates.record(recorder, variant.with_jacobian);
+  if (kind.candidates == Candidates::kKept || kind.candidates == Candidates::kUsed)
+    model.candidates.record(recorder, variant.with_jacobian);
   if (kind.candidates == Candidates::kUsed) {
     variant.list = layout::kListCandidates;
     model.contact.record(recorder, variant);
   }
-  variant.list = shape.keeps_candidates && !kind.loads ? layout::kListWholeMesh : layout::kNumLists;
+  const bool uses_lists = shape.keeps_candidates && !kind.loads && kind.candidates != Candidates::kLeft;
+  variant.list = uses_lists ? layout::kListWholeMesh : layout::kNumLists;
   if (searchesOverTiles(model.data, kind)) {
     recordSearchOverTiles(model, recorder, variant);
   } else {

@@ -14,6 +14,7 @@ struct FrameKind {
     kSkipped,  // both passes are skipped: no instance has candidates, and the lists of block Work stay as they were
     kKept,     // the passes run, and no instance has candidates from the step before
     kUsed,     // the passes run, and some instance may have candidates from the step before
+    kLeft,     // both passes are skipped, and the contact pass takes all instances: candidates and lists stay for the next step
   };
 
   bool loads = false;   // some instance is driven by load

@@ -59,10 +59,10 @@ void Motions::forget(std::size_t instance) {
   for (std::size_t slot = 0; slot < num_slots_; ++slot) before_[instance * num_slots_ + slot].id = kNoObject;
 }
 
-void Motions::pack(std::span<const float> load_offsets, std::span<layout::MotionRecord> records) {
-  for (std::size_t i = 0; i < now_.size(); ++i) {
+void Motions::pack(std::size_t instance, float load_offset, std::span<layout::MotionRecord> records) {
+  for (std::size_t i = instance * num_slots_; i < (instance + 1) * num_slots_; ++i) {
     Placed& before = before_[i];
-    before.X_SO.position[2] += load_offsets[i / num_slots_];
+    before.X_SO.position[2] += load_offset;
     const bool is_known = now_[i].id != kNoObject && now_[i].id == before.id;
     records[i] = is_known ? motionBetween(before.X_SO, now_[i].X_SO) : layout::MotionRecord{};
     before = now_[i];

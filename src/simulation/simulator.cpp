@@ -134,7 +134,7 @@ void Simulator::Impl::setVariation(layout::InstanceRecord& record, std::uint64_t
   record.keys.y = static_cast<std::uint32_t>(episode >> 32);
 }
 
-layout::StepRecord Simulator::Impl::stepRecord(double dt) {
+layout::StepRecord Simulator::Impl::stepRecord(double dt, const Selection& selection) {
   const Readout& readout = model.sensor().readout;
   constexpr double kRounding = 5e-10;  // for a delay of exactly kMaxDelaySteps steps; less than the tolerance of StepHistory
   if (readout.delay > kMaxDelaySteps * dt * (1 + kRounding)) {
@@ -152,7 +152,13 @@ layout::StepRecord Simulator::Impl::stepRecord(double dt) {
   record.law = {law[0], law[1], law[2], law[3]};
   record.contacts.x = static_cast<float>(options.contact_band);
   packRelaxation(model.sensor().skin.relaxation, dt, record);
-  record.delay = {num_steps++ % kMaxDelaySteps, history.stepsBack(dt, readout.delay), 0u, 0u};
+  if (selection.isAll()) {
+    record.delay = {num_steps++ % kMaxDelaySteps, history.stepsBack(dt, readout.delay), 0u, 0u};
+  } else {
+    // First frames of episodes, which no delayed force precedes. They take the slot of the last step of all instances, so that the next
+    // such step follows both these frames and those of the instances that are held.
+    record.delay = {(num_steps + kMaxDelaySteps - 1) % kMaxDelaySteps, StepHistory(history).stepsBack(dt, readout.delay), 0u, 0u};
+  }
   return record;
 }
 
@@ -266,48 +272,78 @@ void Simulator::prepare(bool loads) {
   for (const FrameKind& kind : kinds) impl_->commands(kind).finish();
 }
 
-void Simulator::step(double dt) {
-  if (!(dt > 0) || std::isinf(dt)) refuse("dt: " + std::to_string(dt) + " is not allowed: s, > 0");
-  Impl& impl = *impl_;
-  if (impl.running != nullptr) throw std::logic_error("a step was taken before read() of the last one");
-  const ModelData& data = impl.data();
-  layout::StepRecord& step_record = impl.buffers.input<block::Step>()[0];
-  step_record = impl.stepRecord(dt);
-  const Sensor& sensor = data.sensor;
-  bool any_load = false;
-  const FrameTiming timing{.rate = sensor.frame_rate, .jitter = sensor.readout.jitter, .seed = impl.options.seed};
-  const std::span<layout::InstanceRecord> records = impl.records();
-  for (std::size_t i = 0; i < impl.clocks.size(); ++i) {
-    Clock& clock = impl.clocks[i];
-    std::uint32_t flags = 0;
-    if (clock.steps == 0) flags |= layout::kFlagFirstStep;
-    if (!std::isnan(records[i].drive.x)) flags |= layout::kFlagLoadDriven;
-    any_load = any_load || (flags & layout::kFlagLoadDriven) != 0;
-    records[i].keys.z = clock.frames;
-    if (clock.frameDue(timing.rate)) {
-      flags |= layout::kFlagNewFrame;
-      clock.deliver(timing, records[i].keys.x | static_cast<std::uint64_t>(records[i].keys.y) << 32);
-    }
-    records[i].keys.w = flags;
-    records[i].clock.x = clock.steps++;
-    clock.time += dt;
+void Simulator::Impl::startFrame(std::size_t instance, double dt) {
+  const Sensor& sensor = model.sensor();
+  const FrameTiming frame_timing{.rate = sensor.frame_rate, .jitter = sensor.readout.jitter, .seed = options.seed};
+  layout::InstanceRecord& record = records()[instance];
+  Clock& clock = clocks[instance];
+  std::uint32_t flags = 0;
+  if (clock.steps == 0) flags |= layout::kFlagFirstStep;
+  if (!std::isnan(record.drive.x)) flags |= layout::kFlagLoadDriven;
+  record.keys.z = clock.frames;
+  if (clock.frameDue(frame_timing.rate)) {
+    flags |= layout::kFlagNewFrame;
+    clock.deliver(frame_timing, record.keys.x | static_cast<std::uint64_t>(record.keys.y) << 32);
   }
-  if (impl.motions) {
-    const std::span<const float> features = impl.buffers.output<block::Features>();
-    impl.motions->pack(features.subspan(layout::kFeatureLoadOffset * impl.clocks.size(), impl.clocks.size()),
-                       impl.buffers.input<block::Motions>());
-  }
-  if (any_load && !data.layer && !data.packed.searches_in_tile) {
-    startLoadSearch(data, records, impl.buffers.input<block::Poses>(), impl.buffers.input<block::Loads>());
-  }
-  impl.keeping = impl.keeps_candidates && !any_load && impl.candidate_schedule.keeps();
-  const bool uses_candidates = impl.keeping && impl.any_candidates;
-  step_record.candidates.x = uses_candidates;
+  record.keys.w = flags;
+  record.clock.x = clock.steps++;
+  clock.time += dt;
+  if (!motions) return;
+  const float load_offset = buffers.output<block::Features>()[layout::kFeatureLoadOffset * clocks.size() + instance];
+  motions->pack(instance, load_offset, buffers.input<block::Motions>());
+}
+
+FrameKind::Candidates Simulator::Impl::candidatesOf(const Selection& selection, bool any_load) {
   using Candidates = FrameKind::Candidates;
-  const Candidates candidates = !impl.keeping ? Candidates::kSkipped : uses_candidates ? Candidates::kUsed : Candidates::kKept;
-  gpu::Commands& frame = impl.commands({.loads = any_load, .random = impl.anyRandom(), .candidates = candidates});
+  keeping = selection.isAll() && keeps_candidates && !any_load && candidate_schedule.keeps();
+  if (keeping) return any_candidates ? Candidates::kUsed : Candidates::kKept;
+  return selection.isAll() || !keeps_candidates || any_load ? Candidates::kSkipped : Candidates::kLeft;
+}
+
+void Simulator::Impl::step(double dt, const Selection& selection) {
+  layout::StepRecord& step_record = buffers.input<block::Step>()[0];
+  step_record = stepRecord(dt, selection);
+  bool any_load = false;
+  for (std::size_t i = 0; i < clocks.size(); ++i) {
+    if (selection.has(i)) {
+      startFrame(i, dt);
+      any_load = any_load || (records()[i].keys.w & layout::kFlagLoadDriven) != 0;
+    } else {
+      records()[i].keys.w = layout::kFlagHeld;
+    }
+  }
+  if (any_load && !data().layer && !data().packed.searches_in_tile) {
+    startLoadSearch(data(), records(), buffers.input<block::Poses>(), buffers.input<block::Loads>());
+  }
+  const FrameKind::Candidates candidates = candidatesOf(selection, any_load);
+  step_record.candidates.x = candidates == FrameKind::Candidates::kUsed;
+  gpu::Commands& frame = commands({.loads = any_load, .random = anyRandom(), .candidates = candidates});
   frame.submit();
-  impl.running = &frame;
+  running = &frame;
+}
+
+void Simulator::Impl::checkCanStep(double dt) const {
+  if (!(dt > 0) || std::isinf(dt)) refuse("dt: " + std::to_string(dt) + " is not allowed: s, > 0");
+  if (running != nullptr) throw std::logic_error("a step was taken before read() of the last one");
+}
+
+void Simulator::step(double dt) {
+  impl_->checkCanStep(dt);
+  impl_->step(dt, {});
+}
+
+void Simulator::step(double dt, std::span<const std::uint8_t> instances) {
+  impl_->checkCanStep(dt);
+  checkLength("instances", instances.size(), impl_->clocks.size());
+  bool any = false;
+  for (std::size_t i = 0; i < instances.size(); ++i) {
+    if (instances[i] == 0) continue;
+    any = true;
+    if (impl_->clocks[i].steps > 0) {
+      throw std::logic_error("instance " + std::to_string(i) + " was not reset before a step of some instances");
+    }
+  }
+  if (any) impl_->step(dt, {instances});
 }
 
 FrameView Simulator::read() {
@@ -316,9 +352,12 @@ FrameView Simulator::read() {
     gpu::Commands& frame = *std::exchange(impl.running, nullptr);
     frame.wait();
     const std::span<const glm::uvec4> work = impl.buffers.output<block::Work>();
-    impl.timing = {frame.seconds(0, 1), frame.seconds(1, 2), frame.seconds(0, 2), static_cast<int>(work[layout::kListCandidates].w)};
-    impl.any_candidates = work[layout::kNumLists].x > 0;
-    if (impl.keeping) impl.candidate_schedule.found(impl.any_candidates);
+    const std::uint32_t num_coherent = impl.keeping ? work[layout::kListCandidates].w : 0;
+    impl.timing = {frame.seconds(0, 1), frame.seconds(1, 2), frame.seconds(0, 2), static_cast<int>(num_coherent)};
+    if (impl.keeping) {
+      impl.any_candidates = work[layout::kNumLists].x > 0;
+      impl.candidate_schedule.found(impl.any_candidates);
+    }
     if (impl.buffers.output<block::Problems>()[0] != 0) {
       throw Error(ErrorKind::kDevice,
                   "the driver cut loops of a kernel short (software Vulkan stops after 65,535 iterations), so this frame is incomplete; "

@@ -19,10 +19,20 @@
 
 namespace taxelsim {
 
+// Instances that a step computes; it holds the others.
+struct Selection {
+  std::span<const std::uint8_t> flags = {};  // (num_instances), not 0: computed; empty: all are
+
+  bool isAll() const { return flags.empty(); }
+  bool has(std::size_t instance) const { return flags.empty() || flags[instance] != 0; }
+};
+
 struct Simulator::Impl {
   // Throws Error(kInput) for options out of range and for a batch that does not fit.
   Impl(const Model& shared_model, const SimulatorOptions& simulator_options);
 
+  // Throws Error(kInput), or std::logic_error before read() of the last step.
+  void checkCanStep(double dt) const;
   // Each throws Error(kInput).
   void checkInstance(int instance) const;
   void checkTakesObjects() const;
@@ -41,7 +51,13 @@ struct Simulator::Impl {
   // Draws what all taxels have in common; the device draws the rest from what the record holds.
   void setVariation(layout::InstanceRecord& record, std::uint64_t episode, const ReadoutVariation& variation) const;
   // The record of a step of dt. Throws Error(kInput) when the delay is longer than the device keeps.
-  layout::StepRecord stepRecord(double dt);
+  layout::StepRecord stepRecord(double dt, const Selection& selection);
+  // Advances the clock of an instance by dt and writes its record.
+  void startFrame(std::size_t instance, double dt);
+  // Which candidate passes the frame runs.
+  FrameKind::Candidates candidatesOf(const Selection& selection, bool any_load);
+  // Both overloads of Simulator::step(). The selection must be valid.
+  void step(double dt, const Selection& selection);
 
   // Recorded when first needed; not finished.
   gpu::Commands& commands(const FrameKind& kind);
@@ -58,7 +74,7 @@ struct Simulator::Impl {
   bool keeping = false;         // in the frame that is running
   CandidateSchedule candidate_schedule;
   std::optional<Motions> motions;  // of a sensor with friction
-  std::array<std::optional<gpu::Commands>, 12> recorded;
+  std::array<std::optional<gpu::Commands>, 16> recorded;
   gpu::Commands* running = nullptr;
   StepTiming timing;
 };

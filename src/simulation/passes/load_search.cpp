@@ -22,6 +22,7 @@ void startLoadSearch(const ModelData& model, std::span<const layout::InstanceRec
   constexpr float kClearance = 1e-6f;  // m
   const std::size_t num_slots = poses.size() / loads.size();
   for (std::size_t i = 0; i < loads.size(); ++i) {
+    if ((instances[i].keys.w & layout::kFlagHeld) != 0) continue;
     loads[i] = {{0.0f, 0.0f, 0.0f, layout::kLoadSearching}, {0.0f, 0.0f, 0.0f, 0.0f}};
     if ((instances[i].keys.w & layout::kFlagLoadDriven) == 0) continue;
     float low = std::numeric_limits<float>::infinity();
