@@ -161,7 +161,7 @@ std::vector<Evaluation> evaluate(const Device& device, const Scene& scene, const
   std::vector<Evaluation> evaluations;
   for (const int number : numbers) {
     const OutputOptions none{.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false};
-    const EpisodePlan plan(scene, none, number);
+    const SlicePlan plan(scene, none, number);
     std::vector<Verdict> verdicts(scene.num_episodes);
     std::uint64_t next = 0;
     std::vector<std::unique_ptr<TaskEvaluator>> evaluators;

@@ -83,7 +83,7 @@ class Run {
   const std::vector<bool>& complete() const { return complete_; }
   Progress& progress() { return result_.progress; }
 
-  void simulate(const Model& model, const EpisodePlan& plan, ShardQueue& queue);
+  void simulate(const Model& model, const SlicePlan& plan, ShardQueue& queue);
 
   GenerateResult end() {
     result_.complete = progress().episodes_done == progress().num_episodes;
@@ -110,7 +110,7 @@ void Run::report(SteadyClock::time_point now) {
   options_.on_progress(progress());
 }
 
-void Run::simulate(const Model& model, const EpisodePlan& plan, ShardQueue& queue) {
+void Run::simulate(const Model& model, const SlicePlan& plan, ShardQueue& queue) {
   const int batch_size = static_cast<int>(std::min<std::uint64_t>(options_.batch_size, queue.numEpisodesLeft()));
   const Recorder recorder(planColumns(plan.scene));
   // All episodes of a batch end at the same time, and with them up to maxOpenShards() shards: the queue takes them without blocking.
@@ -143,7 +143,7 @@ void Run::simulate(const Model& model, const EpisodePlan& plan, ShardQueue& queu
 GenerateResult generate(const Device& device, const Scene& scene, const std::filesystem::path& directory, const GenerateOptions& options) {
   checkRun(scene, options);
   checkHostMemory(scene, options);
-  EpisodePlan plan(scene, outputsOf(scene));
+  SlicePlan plan(scene, outputsOf(scene));
   plan.device_clock = options.device_clock;
   const Manifest manifest = manifestOf(scene, device);
   // Model and batch are checked before the directory is created.

@@ -43,6 +43,7 @@ HEADERS = {
     "characterize.h": "characterize",
     "model.h": "simulation",
     "simulator.h": "simulation",
+    "environment.h": "episodes",
     "generate.h": "generation",
     "evaluate.h": "evaluation",
     "characterize.h": "characterize",

@@ -41,7 +41,7 @@ TEST_P(SteadyFrame, AllocatesNoMemory) {
   scene.num_steps = 30;
   scene.num_episodes = scene.episodes_per_shard = kNumInstances;
   GetParam().change(scene);
-  const EpisodePlan plan(scene, outputsOf(scene));
+  const SlicePlan plan(scene, outputsOf(scene));
   const Device device = support::openUnvalidated();
   const Model model(device, modelOptionsOf(scene));
   const TestDirectory directory;
