@@ -17,5 +17,6 @@ void bindModel(nb::module_& module);
 void bindSimulator(nb::module_& module);
 void bindScene(nb::module_& module);
 void bindRuns(nb::module_& module);
+void bindDlpack(nb::module_& module);
 
 }  // namespace taxelsim::python

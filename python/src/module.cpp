@@ -14,4 +14,5 @@ NB_MODULE(_core, module) {
   bindSimulator(module);
   bindScene(module);
   bindRuns(module);
+  bindDlpack(module);
 }
