@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
 """Licences of the libraries that auditwheel bundles into the wheel.
 
-    wheel_licences.py add WHEEL     puts the copyright file of each library's Debian package into the wheel
-    wheel_licences.py check WHEEL   refuses a library that is under the GPL, one without a licence file, and a wheel over 60 MB; prints the parts
+wheel_licences.py add WHEEL     puts the copyright file of each library's Debian package into the wheel
+wheel_licences.py check WHEEL   refuses a library under the GPL, one without a licence file, a missing part, and more than 60 MB
 """
 
 from __future__ import annotations
 
 import base64
 import csv
+import fnmatch
 import hashlib
 import io
 import re
@@ -20,6 +21,14 @@ from pathlib import Path
 MOST_BYTES = 60_000_000
 # Parts of SuiteSparse under the GPL, which Debian's Ceres links, and what links them.
 REFUSED = ("libcholmod", "libspqr", "libumfpack", "libklu", "libcxsparse", "libceres")
+PARTS = (
+    "taxelsim/_core.*.so",
+    "taxelsim/_core.pyi",
+    "taxelsim/py.typed",
+    "taxelsim/bin/taxelsim",
+    "taxelsim/lib/libtaxelsim.so*",
+    "taxelsim/scenes/edge_servo.yaml",
+)
 BUNDLED = re.compile(r"^taxelsim\.libs/(?P<stem>.+?)-[0-9a-f]{8}(?P<rest>\.so.*)$")
 
 
@@ -86,8 +95,7 @@ def check(wheel: Path) -> None:
             faults.append(f"{path} is under the GPL or links what is")
         if not any(library in text.split("\n", 1)[0] for text in licences.values()):
             faults.append(f"{path} has no licence file in {folder}")
-    parts = ("taxelsim/_core.", "taxelsim/_core.pyi", "taxelsim/py.typed", "taxelsim/bin/taxelsim", "taxelsim/lib/libtaxelsim.so", "taxelsim/scenes/edge_servo.yaml")
-    faults += [f"{part} is missing" for part in parts if not any(name.startswith(part) for name in names)]
+    faults += [f"{part} is missing" for part in PARTS if not any(fnmatch.fnmatch(name, part) for name in names)]
     if wheel.stat().st_size > MOST_BYTES:
         faults.append(f"{wheel.stat().st_size:,} bytes, at most {MOST_BYTES:,} are allowed")
     for path in libraries:

@@ -15,4 +15,5 @@ NB_MODULE(_core, module) {
   bindScene(module);
   bindEnvironment(module);
   bindRuns(module);
+  bindDlpack(module);
 }
