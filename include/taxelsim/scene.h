@@ -79,6 +79,9 @@ inline constexpr std::array<std::string_view, 13> kRecordWords = {"tactile_image
                                                                   "actions",
                                                                   "robot"};
 
+/// Name of the condition of every scene in which nothing is overridden.
+inline constexpr std::string_view kNominalCondition = "nominal";
+
 /// A scene.
 struct Scene {
   /// Kind of scene.
@@ -106,6 +109,10 @@ struct Scene {
   std::uint64_t episodes_per_shard = 256;       ///< Episodes per file. Default 256.
   int compression = 0;                          ///< gzip level of the data set, 0 (none) to 9. Default 0.
 
+  /// Names of the conditions of the file, in its order, without kNominalCondition. Default: none.
+  std::vector<std::string> conditions = {};
+  std::string condition{kNominalCondition};  ///< The condition that was loaded. Default kNominalCondition.
+
   /// The scene as canonical YAML with every default, the sensor inlined, and file contents replaced by their SHA-256. The same scene gives
   /// the same text on every machine. Contains everything that determines the bytes of the data set, so neither batch size nor threads.
   std::string resolved;
@@ -113,8 +120,10 @@ struct Scene {
 
 /// Values that override those of the scene file.
 struct SceneOverrides {
-  std::optional<std::uint64_t> num_episodes;  ///< Replaces Scene::num_episodes.
-  std::optional<std::uint64_t> seed;          ///< Replaces Scene::seed.
+  std::optional<std::uint64_t> num_episodes{};  ///< Replaces Scene::num_episodes.
+  std::optional<std::uint64_t> seed{};          ///< Replaces Scene::seed.
+  /// A condition of the scene: its overrides of sensor and randomization. Default: kNominalCondition, nothing is overridden.
+  std::string condition{kNominalCondition};
 };
 
 /// Reads waypoints from a CSV file (docs/file_formats.md). Throws Error(kInput) with file, line, column, the value found and what is
@@ -125,7 +134,8 @@ std::vector<Waypoint> loadWaypoints(const std::filesystem::path& file);
 std::vector<Vector3> loadContour(const std::filesystem::path& file);
 
 /// Reads and checks a scene and all files that it names. Throws Error(kInput) with file, line, column, key, the value found and what is
-/// allowed.
+/// allowed, or the names of the conditions if there is none of that name. The overrides of all conditions are checked; their sensors must
+/// have the taxels of the scene's own.
 Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrides = {});
 
 }  // namespace taxelsim

@@ -70,7 +70,7 @@ void printTable(const Scene& scene, const std::vector<Evaluation>& evaluations) 
     for (const Score& score : evaluation.by_start) rows.push_back(rowOf(*scene.task, "", score));
   }
   fmt::print("{}: steady error = median over the last {:.3g} s of an episode; columns show median / 95th percentile over episodes\n\n{}",
-             scene.name, scene.task->hold, tableText(rows));
+             sceneTitle(scene), scene.task->hold, tableText(rows));
   for (const Evaluation& evaluation : evaluations) {
     for (std::size_t bit = 0; bit < kRobotBits.size(); ++bit) {
       if (evaluation.total.num_robot[bit] == 0) continue;
@@ -128,6 +128,7 @@ Json asJson(const Scene& scene, const Verdict& verdict) {
 
 void printJson(const Scene& scene, const Device& device, const std::vector<Evaluation>& evaluations) {
   Json json{{"scene", scene.name}, {"seed", scene.seed}, {"device", device.info().name + ", " + device.info().driver}};
+  if (!scene.conditions.empty()) json["condition"] = scene.condition;
   json["controllers"] = Json::array();
   for (const Evaluation& evaluation : evaluations) {
     Json entry{{"controller", evaluation.controller}, {"total", asJson(*scene.task, evaluation.total)}};
@@ -197,7 +198,7 @@ void drawChart(const std::string& file, const Scene& scene, const std::vector<Ev
   }
   if (!by_start.series.empty()) panels.push_back(std::move(by_start));
   writeLineChart(file, panels,
-                 {.title = scene.name,
+                 {.title = sceneTitle(scene),
                   .subtitle = fmt::format("{} episodes per controller; 95 % intervals", countText(scene.num_episodes)),
                   .num_columns = panels.size() > 3 ? 3 : static_cast<int>(panels.size())});
 }
@@ -213,7 +214,7 @@ int runEvaluate(const Arguments& arguments) {
   bool announced = false;
   options.on_progress = [&](const Progress& progress) {
     if (!std::exchange(announced, true)) {
-      spdlog::info("{}: {} episodes per controller on {} ({})", scene.name, countText(scene.num_episodes), device.info().name,
+      spdlog::info("{}: {} episodes per controller on {} ({})", sceneTitle(scene), countText(scene.num_episodes), device.info().name,
                    device.info().driver);
     }
     printer.show(progress);

@@ -17,7 +17,10 @@ struct SceneOptions {
   bool validation = false;
 };
 
-// Adds SCENE, --episodes, --seed, --batch-size, --device and --validation. `options` must outlive the parsing.
+// Adds SCENE, --episodes, --seed, --condition, --batch-size, --device and --validation. `options` must outlive the parsing.
 void addSceneOptions(CLI::App& command, SceneOptions& options, int default_batch_size);
+
+// Name of the scene, with its condition in brackets if it is not nominal.
+std::string sceneTitle(const Scene& scene);
 
 }  // namespace taxelsim::cli
