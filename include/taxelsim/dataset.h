@@ -52,6 +52,7 @@ struct Manifest {
   int compression = 0;                   ///< gzip level, 0 (none) to 9.
   std::string program_version;           ///< Version of taxelsim that created the data set.
   std::string device;                    ///< Name and driver of the device that created it.
+  std::string policy{};                  ///< Policy::id of the policy that acted; empty: the scene's controllers.
   std::vector<Column> columns;           ///< Columns, without meta/episode_ends, which every shard has.
 
   /// Number of shards.

@@ -33,6 +33,7 @@ namespace taxelsim {}
 #include "taxelsim/measurement.h"
 #include "taxelsim/model.h"
 #include "taxelsim/object.h"
+#include "taxelsim/policy.h"
 #include "taxelsim/pose.h"
 #include "taxelsim/progress.h"
 #include "taxelsim/robot.h"

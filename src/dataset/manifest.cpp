@@ -129,6 +129,8 @@ class Fields {
     }
   }
 
+  bool has(const char* key) const { return static_cast<bool>(node_[key]); }
+
   YAML::Node at(const char* key) const {
     const YAML::Node value = node_[key];
     if (!value) fail(node_, std::string("key ") + key + " is missing");
@@ -227,8 +229,9 @@ std::string writeManifest(const Manifest& manifest) {
       << "episodes_per_shard: " << manifest.episodes_per_shard << "\n"
       << "compression: " << manifest.compression << "\n"
       << "device: " << quoted(manifest.device) << "\n"
-      << "sensor: {name: " << quoted(manifest.sensor_name) << ", num_rows: " << manifest.num_rows << ", num_cols: " << manifest.num_cols
-      << ", pitch: [" << numberText(manifest.pitch[0]) << ", " << numberText(manifest.pitch[1]) << "]"
+      << (manifest.policy.empty() ? "" : "policy: " + quoted(manifest.policy) + "\n") << "sensor: {name: " << quoted(manifest.sensor_name)
+      << ", num_rows: " << manifest.num_rows << ", num_cols: " << manifest.num_cols << ", pitch: [" << numberText(manifest.pitch[0]) << ", "
+      << numberText(manifest.pitch[1]) << "]"
       << "}\n"
       << "columns:\n";
   for (const Column& column : manifest.columns) {
@@ -263,6 +266,7 @@ Manifest parseManifest(const std::filesystem::path& file, const std::string& tex
   manifest.episodes_per_shard = fields.get<std::uint64_t>("episodes_per_shard");
   manifest.compression = fields.get<int>("compression");
   manifest.device = fields.get<std::string>("device");
+  if (fields.has("policy")) manifest.policy = fields.get<std::string>("policy");
   const Fields sensor(file, fields.at("sensor"));
   manifest.sensor_name = sensor.get<std::string>("name");
   manifest.num_rows = sensor.get<int>("num_rows");
@@ -293,6 +297,8 @@ void checkSame(const std::filesystem::path& directory, const Manifest& found, co
   compare("seed", found.seed, requested.seed);
   compare("program version", found.program_version, requested.program_version);
   compare("device", found.device, requested.device);
+  const auto policy = [](const Manifest& manifest) { return manifest.policy.empty() ? std::string("none") : manifest.policy; };
+  compare("policy", policy(found), policy(requested));
   compare("number of episodes per shard", found.episodes_per_shard, requested.episodes_per_shard);
   compare("compression", found.compression, requested.compression);
   compare("sensor", found.sensor_name, requested.sensor_name);

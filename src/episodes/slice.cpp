@@ -1,7 +1,10 @@
 #include "episodes/slice.h"
 
 #include <chrono>
+#include <string>
 #include <utility>
+
+#include "taxelsim/error.h"
 
 namespace taxelsim {
 namespace {
@@ -19,6 +22,16 @@ class Stopwatch {
   SteadyClock::time_point last_ = SteadyClock::now();
 };
 
+OutputOptions operator|(const OutputOptions& a, const OutputOptions& b) {
+  return {.tactile_normal_force = a.tactile_normal_force || b.tactile_normal_force,
+          .tactile_shear_force = a.tactile_shear_force || b.tactile_shear_force,
+          .penetration_depth = a.penetration_depth || b.penetration_depth,
+          .contact_features = a.contact_features || b.contact_features,
+          .clean_contact_features = a.clean_contact_features || b.clean_contact_features,
+          .tactile_jacobian = a.tactile_jacobian || b.tactile_jacobian,
+          .clean_tactile_jacobian = a.clean_tactile_jacobian || b.clean_tactile_jacobian};
+}
+
 }  // namespace
 
 SlicePlan::SlicePlan(const Scene& scene_to_run, const OutputOptions& sink_outputs, std::optional<int> fixed_servo)
@@ -28,13 +41,26 @@ SlicePlan::SlicePlan(const Scene& scene_to_run, const OutputOptions& sink_output
   servos->addOutputs(outputs);
 }
 
-std::unique_ptr<Controller> SlicePlan::makeController(int num_instances) const {
+SlicePlan::SlicePlan(const Scene& scene_to_run, const OutputOptions& sink_outputs, const Policy& policy_to_run)
+    : EpisodePlan(scene_to_run, sink_outputs | policy_to_run.outputs, policy_to_run.max_regions), policy(&policy_to_run) {
+  checkPolicy(*policy, scene);
+  if (!hasContactFeatures(sink_outputs)) return;
+  // The sinks read as many rows as the scene has regions.
+  max_regions = numRegions(scene);
+  if (hasContactFeatures(policy->outputs) && policy->max_regions != max_regions) {
+    throw Error(ErrorKind::kInput, "policy " + policy->name + ": max_regions: " + std::to_string(policy->max_regions) +
+                                       " found, the scene records contact features with " + std::to_string(max_regions));
+  }
+}
+
+std::unique_ptr<Controller> SlicePlan::makeController(int num_instances, int first_instance) const {
+  if (policy) return std::make_unique<PolicyController>(*policy, *this, num_instances, first_instance);
   if (!servos) return nullptr;
   return std::make_unique<ServoController>(*servos, *this, num_instances);
 }
 
-Slice::Slice(const Model& model, const SlicePlan& plan, int num_instances, EpisodeSink& sink)
-    : sink_(sink), batch_(model, plan, num_instances), controller_(plan.makeController(num_instances)) {
+Slice::Slice(const Model& model, const SlicePlan& plan, int num_instances, EpisodeSink& sink, int first_instance)
+    : sink_(sink), batch_(model, plan, num_instances), controller_(plan.makeController(num_instances, first_instance)) {
   for (int i = 0; i < num_instances; ++i) startNext(i);
   batch_.prepare();
 }

@@ -11,6 +11,7 @@
 #include "episodes/controller.h"
 #include "episodes/episode_batch.h"
 #include "episodes/episode_sink.h"
+#include "episodes/policy_controller.h"
 #include "episodes/servo_controller.h"
 
 namespace taxelsim {
@@ -20,11 +21,15 @@ struct SlicePlan : EpisodePlan {
   // sink_outputs: outputs that the sinks read; those that the controllers read are added. fixed_servo: index of the scene's controller for
   // all episodes, instead of the drawn one; everything else about the episodes is the same. `scene_to_run` must outlive this.
   SlicePlan(const Scene& scene_to_run, const OutputOptions& sink_outputs, std::optional<int> fixed_servo = {});
+  // The same for a policy, which must outlive this, instead of the scene's controllers. Throws Error(kInput) for a policy that cannot act
+  // in the scene.
+  SlicePlan(const Scene& scene_to_run, const OutputOptions& sink_outputs, const Policy& policy_to_run);
 
-  // Null for scenes without controllers.
-  std::unique_ptr<Controller> makeController(int num_instances) const;
+  // Null for scenes without controllers. first_instance: number of the slice's instance 0 in the whole batch.
+  std::unique_ptr<Controller> makeController(int num_instances, int first_instance) const;
 
-  std::optional<ServoPlan> servos;  // servo scenes only
+  std::optional<ServoPlan> servos;  // servo scenes without policy only
+  const Policy* policy = nullptr;
 };
 
 // Not thread-safe: all calls from one thread at a time.
@@ -41,8 +46,8 @@ class Slice {
   };
 
   // Takes the first episode of every instance from the sink and compiles the pipelines. Throws what Simulator throws. `plan` and `sink`
-  // must outlive this.
-  Slice(const Model& model, const SlicePlan& plan, int num_instances, EpisodeSink& sink);
+  // must outlive this. first_instance: number of the slice's instance 0 in the whole batch.
+  Slice(const Model& model, const SlicePlan& plan, int num_instances, EpisodeSink& sink, int first_instance = 0);
 
   // Whether any instance has an episode.
   bool busy() const { return batch_.busy(); }

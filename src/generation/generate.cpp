@@ -25,6 +25,9 @@ void checkRun(const Scene& scene, const GenerateOptions& options) {
   checkCount("slices", options.num_slices);
   checkCount("episodes_per_shard", static_cast<std::int64_t>(scene.episodes_per_shard));
   checkScene(scene);
+  if (options.policy && options.policy->id.empty()) {
+    throw Error(ErrorKind::kInput, "policy " + options.policy->name + ": the id is empty, which a data set needs");
+  }
 }
 
 // Largest number of shards in memory: those that the episodes of one batch span, with a partial one at either end.
@@ -49,7 +52,7 @@ void checkHostMemory(const Scene& scene, const GenerateOptions& options) {
                                      mebibytes(available) + " are available; reduce episodes_per_shard, num_steps or the batch size");
 }
 
-Manifest manifestOf(const Scene& scene, const Device& device) {
+Manifest manifestOf(const Scene& scene, const Device& device, const std::optional<Policy>& policy) {
   const bool one_grid = scene.sensor.patches.size() == 1;
   return {.scene = scene.resolved,
           .sensor_name = scene.sensor.name,
@@ -62,6 +65,7 @@ Manifest manifestOf(const Scene& scene, const Device& device) {
           .compression = scene.compression,
           .program_version = kVersion,
           .device = device.info().name + ", " + device.info().driver,
+          .policy = policy ? policy->id : "",
           .columns = columnsOf(scene)};
 }
 
@@ -117,9 +121,11 @@ void Run::simulate(const Model& model, const SlicePlan& plan, ShardQueue& queue)
   ShardWriter shard_writer(writer_, maxOpenShards(plan.scene, options_));
   std::vector<std::unique_ptr<ShardSink>> sinks;
   std::vector<std::unique_ptr<Slice>> slices;
+  int first_instance = 0;
   for (const int size : splitBatch(model, plan, batch_size, options_.num_slices)) {
     sinks.push_back(std::make_unique<ShardSink>(recorder, queue, shard_writer, plan.num_frames, size));
-    slices.push_back(std::make_unique<Slice>(model, plan, size, *sinks.back()));
+    slices.push_back(std::make_unique<Slice>(model, plan, size, *sinks.back(), first_instance));
+    first_instance += size;
   }
   start_ = last_report_ = SteadyClock::now();
   runEpisodes(model.device(), slices, options_.stop, [&](const Slice::Stats& stats) {
@@ -143,9 +149,9 @@ void Run::simulate(const Model& model, const SlicePlan& plan, ShardQueue& queue)
 GenerateResult generate(const Device& device, const Scene& scene, const std::filesystem::path& directory, const GenerateOptions& options) {
   checkRun(scene, options);
   checkHostMemory(scene, options);
-  SlicePlan plan(scene, outputsOf(scene));
+  SlicePlan plan = options.policy ? SlicePlan(scene, outputsOf(scene), *options.policy) : SlicePlan(scene, outputsOf(scene));
   plan.device_clock = options.device_clock;
-  const Manifest manifest = manifestOf(scene, device);
+  const Manifest manifest = manifestOf(scene, device, options.policy);
   // Model and batch are checked before the directory is created.
   const Model model(device, modelOptionsOf(scene));
   splitBatch(model, plan, static_cast<int>(std::min<std::uint64_t>(options.batch_size, scene.num_episodes)), options.num_slices);

@@ -44,6 +44,7 @@ HEADERS = {
     "model.h": "simulation",
     "simulator.h": "simulation",
     "environment.h": "episodes",
+    "policy.h": "episodes",
     "generate.h": "generation",
     "evaluate.h": "evaluation",
     "characterize.h": "characterize",
