@@ -16,6 +16,8 @@ void bindSensor(nb::module_& module);
 void bindModel(nb::module_& module);
 void bindSimulator(nb::module_& module);
 void bindScene(nb::module_& module);
+void bindEnvironment(nb::module_& module);
 void bindRuns(nb::module_& module);
+void bindDlpack(nb::module_& module);
 
 }  // namespace taxelsim::python

@@ -13,5 +13,7 @@ NB_MODULE(_core, module) {
   bindModel(module);
   bindSimulator(module);
   bindScene(module);
+  bindEnvironment(module);
   bindRuns(module);
+  bindDlpack(module);
 }

@@ -2,67 +2,74 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
-#include <utility>
+#include <algorithm>
+#include <optional>
+#include <tuple>
 
+#include "environment_views.h"
 #include "handles.h"
 #include "interruptible.h"
 #include "structs.h"
 #include "taxelsim/evaluate.h"
 #include "taxelsim/generate.h"
+#include "verdict_arrays.h"
 
 namespace taxelsim::python {
 namespace {
 
+// A policy of Python: its name, its identity, and a callable (arrays, instances, first_instance) -> twists (num_due, 6). The arrays are valid
+// during the call. The callable runs in the calling thread.
+using PolicyArgument = std::optional<std::tuple<std::string, std::string, nb::callable>>;
+using Twists = nb::ndarray<const double, nb::shape<-1, 6>, nb::c_contig, nb::device::cpu>;
+
+void callPolicy(const nb::callable& act, const Sensor& sensor, const PolicyInput& input, std::span<Twist> twists) {
+  const std::size_t num_instances = input.view.active.size(), num_due = input.instances.size();
+  const auto num_sensors = static_cast<int>(input.view.X_WS.size() / num_instances);
+  const nb::object none = nb::none();
+  const nb::object instances = nb::ndarray<nb::numpy, const int>(input.instances.data(), {num_due}, none).cast();
+  const auto found = nb::cast<Twists>(act(arraysOf(input.view, sensor, num_sensors, none), instances, input.first_instance));
+  if (found.shape(0) != num_due) throw Error(ErrorKind::kInput, "policy: one twist per instance expected");
+  for (std::size_t k = 0; k < num_due; ++k) {
+    std::copy_n(found.data() + 6 * k, 6, reinterpret_cast<double*>(&twists[static_cast<std::size_t>(input.instances[k])]));
+  }
+}
+
+std::optional<Policy> policyOf(const PolicyArgument& argument, const Scene& scene, CallingThread& calling_thread) {
+  if (!argument) return {};
+  const auto& [name, id, act] = *argument;
+  return Policy{.name = name, .id = id, .act = [&](const PolicyInput& input, std::span<Twist> twists) {
+                  calling_thread.run([&] { callPolicy(act, scene.sensor, input, twists); });
+                }};
+}
+
 GenerateResult runGenerate(const DeviceHandle& device, const Scene& scene, const std::filesystem::path& directory, int batch_size,
-                           int num_slices, const nb::object& on_progress) {
-  return runInterruptibly<GenerateResult>(on_progress, [&](auto report, const std::atomic<bool>& stop) {
+                           int num_slices, const nb::object& on_progress, const PolicyArgument& policy) {
+  return runInterruptibly<GenerateResult>(on_progress, [&](auto report, const std::atomic<bool>& stop, CallingThread& calling_thread) {
     return generate(device.get(), scene, directory,
-                    {.batch_size = batch_size, .num_slices = num_slices, .on_progress = report, .stop = &stop});
+                    {.batch_size = batch_size,
+                     .num_slices = num_slices,
+                     .on_progress = report,
+                     .stop = &stop,
+                     .policy = policyOf(policy, scene, calling_thread)});
   });
 }
 
 std::vector<Evaluation> runEvaluate(const DeviceHandle& device, const Scene& scene, const std::vector<std::string>& controllers,
-                                    int batch_size, int num_slices, const nb::object& on_progress) {
-  return runInterruptibly<std::vector<Evaluation>>(on_progress, [&](auto report, const std::atomic<bool>& stop) {
+                                    int batch_size, int num_slices, const nb::object& on_progress, const PolicyArgument& policy) {
+  using Evaluations = std::vector<Evaluation>;
+  return runInterruptibly<Evaluations>(on_progress, [&](auto report, const std::atomic<bool>& stop, CallingThread& calling_thread) {
     return evaluate(device.get(), scene, controllers,
-                    {.batch_size = batch_size, .num_slices = num_slices, .on_progress = report, .stop = &stop});
+                    {.batch_size = batch_size,
+                     .num_slices = num_slices,
+                     .on_progress = report,
+                     .stop = &stop,
+                     .policy = policyOf(policy, scene, calling_thread)});
   });
-}
-
-// One member of all verdicts as an array of its own: (num_episodes), or (num_episodes, width) for arrays.
-template <typename Element, typename Member>
-nb::object column(const std::vector<Verdict>& verdicts, Member Verdict::*member, std::size_t width) {
-  const std::size_t size = verdicts.size() * width;
-  auto* const values = new Element[size];
-  const nb::capsule owner(values, [](void* p) noexcept { delete[] static_cast<Element*>(p); });
-  for (std::size_t i = 0; i < verdicts.size(); ++i) {
-    const auto* const first = reinterpret_cast<const Element*>(&(verdicts[i].*member));
-    std::copy(first, first + width, values + i * width);
-  }
-  const std::size_t shape[2] = {verdicts.size(), width};
-  return nb::ndarray<nb::numpy, Element>(values, width == 1 ? 1 : 2, shape, owner).cast();
-}
-
-nb::dict verdictsOf(const Evaluation& evaluation) {
-  const std::vector<Verdict>& verdicts = evaluation.verdicts;
-  nb::dict arrays;
-  arrays["episode"] = column<std::uint64_t>(verdicts, &Verdict::episode, 1);
-  arrays["object"] = column<int>(verdicts, &Verdict::object, 1);
-  arrays["success"] = column<bool>(verdicts, &Verdict::success, 1);
-  arrays["start_error"] = column<float>(verdicts, &Verdict::start_error, kNumTaskMeasures);
-  arrays["steady_error"] = column<float>(verdicts, &Verdict::steady_error, kNumTaskMeasures);
-  arrays["settling_time"] = column<float>(verdicts, &Verdict::settling_time, 1);
-  arrays["travel"] = column<float>(verdicts, &Verdict::travel, 1);
-  arrays["laps"] = column<float>(verdicts, &Verdict::laps, 1);
-  arrays["peak_force"] = column<float>(verdicts, &Verdict::peak_force, 1);
-  arrays["saturated"] = column<float>(verdicts, &Verdict::saturated, 1);
-  arrays["num_losses"] = column<int>(verdicts, &Verdict::num_losses, 1);
-  arrays["robot"] = column<std::uint8_t>(verdicts, &Verdict::robot, 1);
-  arrays["load_reached"] = column<bool>(verdicts, &Verdict::load_reached, 1);
-  return arrays;
 }
 
 void bindProgress(nb::module_& module) {
@@ -101,7 +108,7 @@ void bindEvaluation(nb::module_& module) {
       });
   nb::class_<Evaluation>(module, "Evaluation", "Evaluation of one controller.")
       .def_ro("controller", &Evaluation::controller, "Name in the scene.")
-      .def_prop_ro("verdicts", &verdictsOf, nb::sig("def verdicts(self) -> dict[str, numpy.typing.NDArray[typing.Any]]"),
+      .def_prop_ro("verdicts", [](const Evaluation& self) { return arraysOf(self.verdicts); }, nb::sig("def verdicts(self) -> dict[str, numpy.typing.NDArray[typing.Any]]"),
                    R"(Verdict of every episode, as a dict of arrays (num_episodes, ...); a copy.
 
 episode, object (index), success, start_error and steady_error (num_episodes, 4) in the units of TASK_MEASURES, settling_time (s), travel (m),
@@ -120,8 +127,10 @@ laps, peak_force (N), saturated (fraction of frames), num_losses, robot (status 
 void bindRuns(nb::module_& module) {
   bindProgress(module);
   bindEvaluation(module);
-  module.def("generate", &runGenerate, "device"_a, "scene"_a, "directory"_a, "batch_size"_a, "num_slices"_a, "on_progress"_a.none());
-  module.def("evaluate", &runEvaluate, "device"_a, "scene"_a, "controllers"_a, "batch_size"_a, "num_slices"_a, "on_progress"_a.none());
+  module.def("generate", &runGenerate, "device"_a, "scene"_a, "directory"_a, "batch_size"_a, "num_slices"_a, "on_progress"_a.none(),
+             "policy"_a.none());
+  module.def("evaluate", &runEvaluate, "device"_a, "scene"_a, "controllers"_a, "batch_size"_a, "num_slices"_a, "on_progress"_a.none(),
+             "policy"_a.none());
 }
 
 }  // namespace taxelsim::python

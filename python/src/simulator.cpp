@@ -18,6 +18,7 @@ using Ids = nb::ndarray<const int, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Poses = nb::ndarray<const double, nb::shape<-1, 7>, nb::c_contig, nb::device::cpu>;
 using Loads = nb::ndarray<const float, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Points = nb::ndarray<const double, nb::shape<-1, 4>, nb::c_contig, nb::device::cpu>;
+using Mask = nb::ndarray<const std::uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Episodes = nb::ndarray<const std::uint64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
 static_assert(sizeof(Pose) == 7 * sizeof(double) && sizeof(ContactPoint) == 4 * sizeof(double));
@@ -45,9 +46,14 @@ class SharedSimulator {
     return use(simulator_.get());
   }
 
-  void step(double dt) {
+  // `mask`: instances that begin an episode, empty for all; see Simulator::step().
+  void step(double dt, std::span<const std::uint8_t> mask) {
     input("step", [&](Simulator& simulator) {
-      simulator.step(dt);
+      if (mask.empty()) {
+        simulator.step(dt);
+      } else {
+        simulator.step(dt, mask);
+      }
       running_ = true;
     });
   }
@@ -150,7 +156,10 @@ void bindSimulator(nb::module_& module) {
       .def("reset", &reset, "instances"_a, "episodes"_a, "gain"_a, "gain_spread"_a, "noise"_a)
       .def(
           "prepare", [](SharedSimulator& self, bool loads) { self.input("prepare", [&](Simulator& s) { s.prepare(loads); }); }, "loads"_a)
-      .def("step", &SharedSimulator::step, "dt"_a)
+      .def(
+          "step", [](SharedSimulator& self, double dt) { self.step(dt, {}); }, "dt"_a)
+      .def(
+          "step", [](SharedSimulator& self, double dt, const Mask& mask) { self.step(dt, rows<std::uint8_t>(mask)); }, "dt"_a, "mask"_a)
       .def("read", [](SharedSimulator& self) { self.read(); })
       .def(
           "arrays",

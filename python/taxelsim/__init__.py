@@ -60,6 +60,7 @@ from ._core import (
     bounds_of,
     check_object,
     check_sensor,
+    dlpack,
     foundation_of,
     gaussian_psf,
     list_devices,
@@ -73,11 +74,14 @@ from ._core import (
     taxel_patch,
 )
 from ._core import version as __version__
+from .environment import Environment, EnvironmentFrame, TaskState, episode_keys
 from .errors import DeviceError, Error, InputError, IoError
 from .frame import CleanTactileJacobian, ContactFeatures, Features, Frame, GroundTruth, TactileJacobian
+from .policies import Comparison, OnnxPolicy, Policy, compare
 from .program import SCENES
 from .runs import evaluate, generate
 from .simulator import NO_OBJECT, Simulator, split_patches
+from .vectorized import make_vec
 
 __all__ = [
     "NO_OBJECT",
@@ -86,6 +90,7 @@ __all__ = [
     "Box",
     "Capsule",
     "CleanTactileJacobian",
+    "Comparison",
     "Cone",
     "ContactFeatures",
     "ContactType",
@@ -98,6 +103,8 @@ __all__ = [
     "DeviceInfo",
     "DeviceType",
     "ElasticLayer",
+    "Environment",
+    "EnvironmentFrame",
     "Error",
     "Evaluation",
     "Features",
@@ -115,7 +122,9 @@ __all__ = [
     "Mesh",
     "Model",
     "Object",
+    "OnnxPolicy",
     "OutputOptions",
+    "Policy",
     "Pose",
     "Progress",
     "Proximity",
@@ -132,6 +141,7 @@ __all__ = [
     "Sphere",
     "StepTiming",
     "TactileJacobian",
+    "TaskState",
     "Torus",
     "UpAxis",
     "Winkler",
@@ -140,6 +150,9 @@ __all__ = [
     "bounds_of",
     "check_object",
     "check_sensor",
+    "compare",
+    "dlpack",
+    "episode_keys",
     "evaluate",
     "foundation_of",
     "gaussian_psf",
@@ -149,6 +162,7 @@ __all__ = [
     "load_scene",
     "load_sensor",
     "lowest_point",
+    "make_vec",
     "nominal_force",
     "parse_object",
     "sensor_text",

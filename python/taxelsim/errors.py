@@ -10,8 +10,8 @@ class Error(Exception):
 
     @property
     def instance(self) -> int | None:
-        """Index of the first instance that the error is about; None if it is about no single instance."""
-        found = re.search(r"\binstance (\d+)", str(self))
+        """Index of the first instance or environment that the error is about; None if it is about no single one."""
+        found = re.search(r"\b(?:instance|environment) (\d+)", str(self))
         return int(found.group(1)) if found else None
 
 

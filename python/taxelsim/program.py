@@ -13,7 +13,11 @@ SCENES = Path(__file__).parent / "scenes"
 
 
 def main() -> NoReturn:
-    """Replaces this process by the program of the package, with the same arguments."""
+    """Runs a subcommand that is written in Python, or replaces this process by the program of the package, with the same arguments."""
+    if sys.argv[1:2] == ["evaluate"] and any(argument.split("=")[0] == "--policy" for argument in sys.argv):
+        from .commands.evaluate import main as evaluate
+
+        sys.exit(evaluate(sys.argv[2:]))
     if not PROGRAM.exists():
         print(f"taxelsim: {PROGRAM} is missing; install the package again: pip install --force-reinstall taxelsim", file=sys.stderr)
         sys.exit(1)

@@ -200,12 +200,21 @@ class Simulator:
         """
         self._batch.prepare(loads)
 
-    def step(self, dt: float) -> None:
+    def step(self, dt: float, instances: npt.ArrayLike | None = None) -> None:
         """Advances every instance by `dt` (s, > 0) and computes its frame. Submits, does not wait.
 
-        Arrays of earlier frames change from now on. Raises RuntimeError if the last step has not been read.
+        instances: an index, indices, or a mask of booleans (N,): computes the first frame of these only, which were reset() since their
+            last step. The frames, states and clocks of all others stay as they are. Default: all instances.
+
+        Arrays of earlier frames change from now on. Raises RuntimeError if the last step has not been read, or if one of `instances` has
+        taken a step since its last reset().
         """
-        self._batch.step(dt)
+        if instances is None:
+            self._batch.step(dt)
+            return
+        mask = np.zeros(self.num_instances, np.uint8)
+        mask[self._indices(instances)] = 1
+        self._batch.step(dt, mask)
 
     def read(self) -> Frame:
         """Waits for the last step() and returns its frame: arrays over the memory of the simulator, see taxelsim.Frame.

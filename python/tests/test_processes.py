@@ -100,7 +100,9 @@ def test_a_thousand_simulators_leave_no_memory_behind(model, poses):
     def use(count: int) -> None:
         for _ in range(count):
             simulator = taxelsim.Simulator(model, len(poses))
-            assert simulator.read().tactile_image.any() == 0
+            simulator.set_objects(0, poses)
+            simulator.step(0.001)
+            assert simulator.read().tactile_image.any()
         del simulator
         gc.collect()
 

@@ -134,6 +134,19 @@ def test_reset_keys_the_noise_by_episode(device, sensor, poses):
     assert (second[4] == first[2]).all()
 
 
+def test_a_step_of_some_instances_leaves_the_others(simulator, poses):
+    before = stepped(simulator, poses).tactile_image.copy()
+    simulator.reset([1, 4])
+    simulator.set_objects(0, poses[::-1])
+    simulator.step(0.001, [1, 4])
+    image = simulator.read().tactile_image
+    others = [0, 2, 3, 5]
+    assert (image[others] == before[others]).all()
+    assert (image[[1, 4]] == before[[4, 1]]).all()
+    with pytest.raises(RuntimeError, match="reset"):
+        simulator.step(0.001, np.arange(N) == 2)
+
+
 @pytest.mark.parametrize(
     ("ids", "change", "message"),
     [

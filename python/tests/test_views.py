@@ -6,6 +6,7 @@ import gc
 import pickle
 
 import numpy as np
+import pytest
 
 import taxelsim
 
@@ -73,6 +74,28 @@ def test_dlpack_shares_the_memory(simulator):
     shared = np.from_dlpack(image)
     assert shared.ctypes.data == image.ctypes.data
     assert not shared.flags.writeable
+
+
+def test_consumers_without_read_only_arrays_share_the_memory_too(simulator):
+    image = simulator.read().tactile_image
+    with pytest.raises(BufferError):
+        image.__dlpack__()
+
+    class Unversioned:
+        """As JAX and older PyTorch ask for it."""
+
+        def __init__(self, array: np.ndarray) -> None:
+            self._array = taxelsim.dlpack(array)
+
+        def __dlpack__(self, **_: object) -> object:
+            return self._array.__dlpack__()
+
+        def __dlpack_device__(self) -> tuple[int, int]:
+            return self._array.__dlpack_device__()
+
+    shared = np.from_dlpack(Unversioned(image))
+    assert shared.ctypes.data == image.ctypes.data
+    assert shared.shape == image.shape
 
 
 def test_frames_pickle_as_copies(simulator, poses):
