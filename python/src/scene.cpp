@@ -11,8 +11,9 @@
 namespace taxelsim::python {
 namespace {
 
-Scene loadSceneWith(const std::filesystem::path& file, std::optional<std::uint64_t> num_episodes, std::optional<std::uint64_t> seed) {
-  return loadScene(file, {.num_episodes = num_episodes, .seed = seed});
+Scene loadSceneWith(const std::filesystem::path& file, std::optional<std::uint64_t> num_episodes, std::optional<std::uint64_t> seed,
+                    const std::string& condition) {
+  return loadScene(file, {.num_episodes = num_episodes, .seed = seed, .condition = condition});
 }
 
 std::vector<Object> objectsOf(const Scene& scene) {
@@ -50,13 +51,15 @@ void bindScene(nb::module_& module) {
       .def_ro("num_episodes", &Scene::num_episodes, "Episodes of the data set.")
       .def_ro("seed", &Scene::seed, "Seed of all random numbers.")
       .def_ro("episodes_per_shard", &Scene::episodes_per_shard, "Episodes per file.")
+      .def_ro("conditions", &Scene::conditions, "Names of the conditions of the file, without \"nominal\".")
+      .def_ro("condition", &Scene::condition, "The condition that was loaded.")
       .def_ro("record", &Scene::record, "Recorded outputs.")
       .def_ro("resolved", &Scene::resolved, "The scene as canonical YAML with every default.")
       .def(
           "__reduce__",
           [](const Scene& self) {
             return nb::make_tuple(nb::module_::import_("taxelsim._core").attr("load_scene"),
-                                  nb::make_tuple(self.file, self.num_episodes, self.seed));
+                                  nb::make_tuple(self.file, self.num_episodes, self.seed, self.condition));
           },
           nb::sig("def __reduce__(self) -> tuple[typing.Any, ...]"))
       .def("__repr__", [](const Scene& self) {
@@ -64,9 +67,10 @@ void bindScene(nb::module_& module) {
                std::to_string(self.num_steps) + " frames>";
       });
   module.def("load_scene", &loadSceneWith, "file"_a, "num_episodes"_a = nb::none(), "seed"_a = nb::none(),
-             nb::call_guard<nb::gil_scoped_release>(), R"(Reads and checks a scene and all files that it names.
+             "condition"_a = std::string(kNominalCondition), nb::call_guard<nb::gil_scoped_release>(),
+             R"(Reads and checks a scene and all files that it names.
 
-num_episodes, seed: replace those of the file. Raises InputError with file, line, column, key, the value found and what is allowed.)");
+num_episodes, seed: replace those of the file. condition: a condition of the file, or "nominal". Raises InputError with file, line, column, key, the value found and what is allowed.)");
 }
 
 }  // namespace taxelsim::python
