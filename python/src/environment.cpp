@@ -54,9 +54,7 @@ void init(SharedEnvironment* self, const DeviceHandle& device, const Scene& scen
 }
 
 void reset(SharedEnvironment& self, const Column<std::uint8_t>& mask, const Column<std::uint64_t>& episodes) {
-  self.with([&](Environment& environment) {
-    environment.reset({mask.data(), mask.shape(0)}, {episodes.data(), episodes.shape(0)});
-  });
+  self.with([&](Environment& environment) { environment.reset({mask.data(), mask.shape(0)}, {episodes.data(), episodes.shape(0)}); });
 }
 
 // One control period: the robots take the action, then all frames to the next control tick.

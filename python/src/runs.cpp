@@ -22,8 +22,8 @@
 namespace taxelsim::python {
 namespace {
 
-// A policy of Python: its name, its identity, and a callable (arrays, instances, first_instance) -> twists (num_due, 6). The arrays are valid
-// during the call. The callable runs in the calling thread.
+// A policy of Python: its name, its identity, and a callable (arrays, instances, first_instance) -> twists (num_due, 6). The arrays are
+// valid during the call. The callable runs in the calling thread.
 using PolicyArgument = std::optional<std::tuple<std::string, std::string, nb::callable>>;
 using Twists = nb::ndarray<const double, nb::shape<-1, 6>, nb::c_contig, nb::device::cpu>;
 
@@ -108,8 +108,10 @@ void bindEvaluation(nb::module_& module) {
       });
   nb::class_<Evaluation>(module, "Evaluation", "Evaluation of one controller.")
       .def_ro("controller", &Evaluation::controller, "Name in the scene.")
-      .def_prop_ro("verdicts", [](const Evaluation& self) { return arraysOf(self.verdicts); }, nb::sig("def verdicts(self) -> dict[str, numpy.typing.NDArray[typing.Any]]"),
-                   R"(Verdict of every episode, as a dict of arrays (num_episodes, ...); a copy.
+      .def_prop_ro(
+          "verdicts", [](const Evaluation& self) { return arraysOf(self.verdicts); },
+          nb::sig("def verdicts(self) -> dict[str, numpy.typing.NDArray[typing.Any]]"),
+          R"(Verdict of every episode, as a dict of arrays (num_episodes, ...); a copy.
 
 episode, object (index), success, start_error and steady_error (num_episodes, 4) in the units of TASK_MEASURES, settling_time (s), travel (m),
 laps, peak_force (N), saturated (fraction of frames), num_losses, robot (status bits), load_reached.)")

@@ -36,7 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--image-unit", choices=("counts", "newtons"), help="unit of tactile_image, default counts")
     add("--episodes", type=int, metavar="N", help="replaces the number of episodes of the scene")
     add("--seed", type=int, metavar="N", help="replaces the seed of the scene")
-    add("--condition", default="", metavar="NAME", help="condition of the scene")
+    add("--condition", default="nominal", metavar="NAME", help="condition of the scene, default nominal")
     add("--batch-size", type=int, default=2048, metavar="N", help="instances at a time; does not change a verdict; default 2048")
     add("--device", default="", metavar="NAME", help='"cpu", "discrete", an index, or part of a name; default: the best')
     add("--save-failures", type=Path, metavar="DIR", help="writes failed episodes of the policy as .npz files and pictures")

@@ -56,7 +56,7 @@ def task_arguments(task: str, condition: str = "nominal") -> dict[str, Any]:
     checked_names("task", task, tuple(TASKS))
     checked_names("condition", condition, CONDITIONS)
     spec = TASKS[task]
-    scene = load_scene(SCENES / spec.scene, condition="" if condition == "nominal" else condition)
+    scene = load_scene(SCENES / spec.scene, condition=condition)
     return {"scene": scene, "actions": spec.actions}
 
 
