@@ -107,7 +107,7 @@ void printTable(const Scene& scene, const std::vector<Evaluation>& evaluations) 
   fmt::print(
       "{}: {} episodes per controller\n{}\nerror: median over the last {:.4g} s of an episode; columns show median / 95th percentile over "
       "episodes\n\n{}",
-      scene.name, countText(scene.num_episodes), successRule(*scene.task), scene.task->hold, tableText(rows));
+      sceneTitle(scene), countText(scene.num_episodes), successRule(*scene.task), scene.task->hold, tableText(rows));
   for (const Evaluation& evaluation : evaluations) {
     for (std::size_t bit = 0; bit < kRobotBits.size(); ++bit) {
       if (evaluation.total.num_robot[bit] == 0) continue;
@@ -168,6 +168,7 @@ void printJson(const Scene& scene, const Device& device, const std::vector<Evalu
             {"seed", scene.seed},
             {"device", device.info().name + ", " + device.info().driver},
             {"success", successRule(*scene.task)}};
+  if (!scene.conditions.empty()) json["condition"] = scene.condition;
   json["controllers"] = Json::array();
   for (const Evaluation& evaluation : evaluations) {
     Json entry{{"controller", evaluation.controller}, {"total", asJson(*scene.task, evaluation.total)}};
@@ -251,7 +252,7 @@ void drawChart(const std::string& file, const Scene& scene, const std::vector<Ev
   }
   if (!by_start.series.empty()) panels.push_back(std::move(by_start));
   writeLineChart(file, panels,
-                 {.title = scene.name,
+                 {.title = sceneTitle(scene),
                   .subtitle = fmt::format("{} episodes per controller; 95 % intervals", countText(scene.num_episodes)),
                   .num_columns = panels.size() > 3 ? 3 : static_cast<int>(panels.size())});
 }
@@ -297,7 +298,7 @@ int runEvaluate(const Arguments& arguments) {
   options.on_progress = [&](const Progress& progress) {
     if (!std::exchange(announced, true)) {
       activity.end();
-      spdlog::info("{}: {} episodes per controller on {} ({})", scene.name, countText(scene.num_episodes), device.info().name,
+      spdlog::info("{}: {} episodes per controller on {} ({})", sceneTitle(scene), countText(scene.num_episodes), device.info().name,
                    device.info().driver);
     }
     printer.show(progress);

@@ -41,7 +41,7 @@ int runGenerate(const Arguments& arguments) {
   const Scene scene = loadScene(arguments.scene, arguments.overrides);
   activity.next("preparing the simulation");
   const Device device = Device::open({.device = arguments.device, .validation = arguments.validation});
-  spdlog::info("{}: {} episodes on {} ({})", scene.name, countText(scene.num_episodes), device.info().name, device.info().driver);
+  spdlog::info("{}: {} episodes on {} ({})", sceneTitle(scene), countText(scene.num_episodes), device.info().name, device.info().driver);
 
   ProgressPrinter printer;
   bool announced = false;

@@ -227,7 +227,13 @@ void Environment::step() {
 
 TaskState Environment::taskState() {
   const TaskJudge& task_judge = impl_->requireJudge();
-  return {.errors = task_judge.errors(), .within = task_judge.within(), .contact = task_judge.contact()};
+  return {.errors = task_judge.errors(),
+          .within = task_judge.within(),
+          .contact = task_judge.contact(),
+          .travel = task_judge.travel(),
+          .laps = task_judge.laps(),
+          .peak_force = task_judge.peakForce(),
+          .num_losses = task_judge.numLosses()};
 }
 
 Verdict Environment::judge(int instance) {

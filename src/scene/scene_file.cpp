@@ -3,6 +3,7 @@
 #include <span>
 
 #include "base/field_checks.h"
+#include "scene/conditions.h"
 #include "scene/object_reader.h"
 #include "scene/pose_reader.h"
 #include "scene/robot_file.h"
@@ -173,22 +174,49 @@ void readDataSet(const YamlMap& parent, const SceneOverrides& overrides, Scene& 
   readFields(map, kDataSetFields, scene);
 }
 
+YamlMap::Keys sceneKeys() {
+  return {"format_version", "name",       "kind",        "sensor", "robot",  "objects",     "episode", "randomization(randomisation)",
+          "conditions",     "controller", "controllers", "task",   "record", "max_regions", "data_set"};
+}
+
+// Reads the overrides of all conditions, whichever is loaded. `tree`: the file as it is.
+void checkConditions(const YamlTree& tree, const std::string& name, const std::filesystem::path& directory, const Scene& scene) {
+  std::optional<Sensor> nominal;
+  for (const std::string& condition : scene.conditions) {
+    const YamlTree overridden = inCondition(tree, name, condition);
+    Canonical unused;
+    const YamlMap map(YamlNode(overridden, name), sceneKeys(), unused);
+    Scene changed;
+    changed.kind = scene.kind;
+    changed.simulation_rate = scene.simulation_rate;
+    const YamlNode sensor = map.require("sensor", kSensorBlock);
+    changed.sensor = readSensorBlock(sensor, directory, unused);
+    checkDelay(map, changed);
+    readRandomization(map, changed);
+    if (!nominal) nominal = readSensorBlock(*YamlNode(tree, name).child("sensor"), directory, unused);
+    if (!haveSameLayout(*nominal, changed.sensor)) {
+      sensor.fail("in condition " + condition + " its taxels are not those of the scene's own sensor");
+    }
+  }
+}
+
 }  // namespace
 
 Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrides) {
   const std::string name = file.generic_string();
   const std::filesystem::path directory = file.parent_path();
-  const YamlTree tree = parseYaml(readYamlFile(file), name);
+  const YamlTree file_tree = parseYaml(readYamlFile(file), name);
+  checkFormatVersion(YamlNode(file_tree, name));
+  const std::string condition = overrides.condition.empty() ? std::string(kNominalCondition) : overrides.condition;
+  const YamlTree tree = inCondition(file_tree, name, condition);
   const YamlNode root(tree, name);
-  checkFormatVersion(root);
 
   Canonical canonical;
-  const YamlMap map(root,
-                    {"format_version", "name", "kind", "sensor", "robot", "objects", "episode", "randomization(randomisation)",
-                     "controller", "controllers", "task", "record", "max_regions", "data_set"},
-                    canonical);
+  const YamlMap map(root, sceneKeys(), canonical);
   Scene scene;
   scene.file = file;
+  scene.conditions = conditionNames(tree, name);
+  scene.condition = condition;
   map.integer("format_version", 1, kFormatVersion);
   scene.name = map.text("name", "a name");
   scene.kind = map.choice("kind", {"servo", "contacts"}) == "servo" ? Scene::Kind::kServo : Scene::Kind::kContacts;
@@ -214,6 +242,7 @@ Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrid
   scene.record = readRecord(map, scene.kind);
   readMaxRegions(map, scene);
   readDataSet(map, overrides, scene);
+  checkConditions(file_tree, name, directory, scene);
   scene.resolved = canonical.text();
   return scene;
 }

@@ -125,5 +125,16 @@ TEST_F(Evaluate, RejectsUnknownControllersAndScenesWithoutTask) {
   expectRefused(runTaxelsim({"evaluate", scene_, "--episodes", "1000000000"}), "at most 16777216 allowed in one evaluation");
 }
 
+TEST_F(Evaluate, ConditionsOverrideTheScene) {
+  std::ofstream(scene_, std::ios::app) << "conditions: {straight: {randomization: {yaw_deg: 90}}}\n";
+  const Outcome outcome = runTaxelsim({"evaluate", scene_, "--condition", "straight", "--json", "--controller", "none"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const nlohmann::json json = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(json["condition"], "straight");
+  EXPECT_EQ(json["controllers"][0]["total"]["success_rate"], 0);  // its edges begin across the reference
+  EXPECT_EQ(runTaxelsim({"evaluate", scene_, "--condition", "straight"}).out.substr(0, 16), "small (straight)");
+  expectRefused(runTaxelsim({"evaluate", scene_, "--condition", "bent"}), "condition bent: not in this scene; it has nominal, straight");
+}
+
 }  // namespace
 }  // namespace taxelsim::testing

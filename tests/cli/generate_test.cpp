@@ -169,12 +169,13 @@ TEST(Generate, WarnsOfSizesInMillimetres) {
       << outcome.err;
 }
 
-TEST(Generate, WithoutADriverOneLineSaysSo) {
+TEST(Generate, WithoutADriverOneLineNamesThePackageToInstall) {
   const TemporaryDirectory root;
   const Outcome outcome = runTaxelsim({"generate", writeScene(root / "scene.yaml"), "-o", root / "out"},
                                       {.environment = {"VK_ICD_FILENAMES=/nonexistent.json", "VK_DRIVER_FILES=/nonexistent.json"}});
   EXPECT_EQ(outcome.status, 1);
   EXPECT_NE(outcome.err.find("taxelsim: "), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("mesa-vulkan-drivers"), std::string::npos) << outcome.err;
 }
 
 }  // namespace

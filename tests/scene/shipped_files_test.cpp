@@ -41,6 +41,25 @@ TEST(ShippedTasks, LoadAndHaveTasks) {
   }
 }
 
+// Every condition of a benchmark scene loads.
+TEST(ShippedBenchmark, HasTasksAndConditions) {
+  const std::vector<std::filesystem::path> files = yamlFiles(kScenes / "benchmark");
+  EXPECT_GE(files.size(), 6u);
+  for (const std::filesystem::path& file : files) {
+    SCOPED_TRACE(file);
+    const Scene scene = loadScene(file);
+    EXPECT_EQ(scene.name, file.stem().string());
+    EXPECT_EQ(scene.task.has_value(), scene.kind == Scene::Kind::kServo);
+    EXPECT_EQ(scene.conditions, (std::vector<std::string>{"randomized", "unseen"}));
+    const Scene randomized = loadScene(file, {.condition = "randomized"}), unseen = loadScene(file, {.condition = "unseen"});
+    EXPECT_EQ(randomized.sensor.name, scene.sensor.name);
+    EXPECT_NE(unseen.sensor.name, scene.sensor.name);
+    EXPECT_GT(unseen.randomization.gain.min, randomized.randomization.gain.max);
+    EXPECT_GT(unseen.randomization.gain_spread.min, randomized.randomization.gain_spread.max);
+    EXPECT_GT(unseen.randomization.noise.min, randomized.randomization.noise.max);
+  }
+}
+
 TEST(ShippedSensors, AllLoad) {
   const std::vector<std::filesystem::path> files = yamlFiles(kScenes / "sensors");
   EXPECT_GE(files.size(), 6u);
