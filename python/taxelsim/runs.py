@@ -15,6 +15,11 @@ def _loaded(scene: ScenePath) -> Scene:
     return scene if isinstance(scene, Scene) else _core.load_scene(os.fspath(scene))
 
 
+def reload_scene(file: os.PathLike[str], num_episodes: int, seed: int) -> Scene:
+    """Unpickles a scene: reads its file again."""
+    return _core.load_scene(file, num_episodes, seed)
+
+
 def generate(
     scene: ScenePath,
     out: str | os.PathLike[str],
