@@ -54,7 +54,7 @@ class NoSink : public EpisodeSink {
 nlohmann::ordered_json runRobot(const Model& model, Scene scene, const std::string& name, const Robot& robot, const Options& options) {
   scene.robot = robot;
   scene.num_steps = options.num_ticks + kWarmUps;
-  const EpisodePlan plan(scene, {.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false});
+  const SlicePlan plan(scene, {.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false});
   NoSink sink(options.num_instances);
   std::vector<std::unique_ptr<Slice>> slices;
   slices.push_back(std::make_unique<Slice>(model, plan, options.num_instances, sink));

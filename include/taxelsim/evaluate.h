@@ -7,10 +7,12 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "taxelsim/device.h"
+#include "taxelsim/policy.h"
 #include "taxelsim/progress.h"
 #include "taxelsim/scene.h"
 #include "taxelsim/task.h"
@@ -44,7 +46,7 @@ struct Score {
 
 /// Evaluation of one controller.
 struct Evaluation {
-  std::string controller;         ///< Name in the scene.
+  std::string controller;         ///< Name in the scene, or Policy::name.
   std::vector<Verdict> verdicts;  ///< (num_episodes), in order of episodes.
   Score total;                    ///< Over all episodes.
   std::vector<Score> by_object;   ///< (num_objects), in the order of the scene.
@@ -52,7 +54,7 @@ struct Evaluation {
   std::vector<Score> by_start;    ///< Over five equal parts of the range of its start errors; empty if all start alike.
 };
 
-/// Options of evaluate(). None of them changes a verdict.
+/// Options of evaluate(). The others than `policy` do not change a verdict.
 struct EvaluateOptions {
   int batch_size = 2048;  ///< Instances over all slices, >= 1. Default 2048.
   int num_slices = 2;     ///< Slices of the batch in flight at once, >= 1. Default 2.
@@ -62,12 +64,16 @@ struct EvaluateOptions {
   /// Graceful stop: when *stop becomes true, evaluate() returns the controllers that are complete. May be set from any thread. Not owned;
   /// must outlive the call. Default: none.
   const std::atomic<bool>* stop = nullptr;
+  /// Policy to evaluate on the same episodes. Its Evaluation is the first of the result. Default: none.
+  std::optional<Policy> policy{};
 };
 
-/// Plays episodes 0 to num_episodes - 1 of the scene with each of the controllers. Blocks until all are judged or *stop is true.
+/// Plays episodes 0 to num_episodes - 1 of the scene with the policy, if any, and with each of the controllers. Blocks until all are judged
+/// or *stop is true.
 ///
-/// `controllers`: names as in the scene; empty for all. At most 2^24 episodes. Throws Error(kInput) for a scene without a task, an unknown
-/// name and options out of range, and what Model and Simulator throw.
+/// `controllers`: names as in the scene, for comparison with a policy; empty for all, or for none if there is a policy. At most 2^24
+/// episodes. Throws Error(kInput) for a scene without a task, an unknown name, options out of range and a policy that cannot act in the
+/// scene, and what Model, Simulator and the policy throw.
 ///
 /// Threads: may be called from several threads at once. It simulates in one thread of its own.
 std::vector<Evaluation> evaluate(const Device& device, const Scene& scene, const std::vector<std::string>& controllers = {},

@@ -6,16 +6,18 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "taxelsim/dataset.h"
 #include "taxelsim/device.h"
+#include "taxelsim/policy.h"
 #include "taxelsim/progress.h"
 #include "taxelsim/scene.h"
 
 namespace taxelsim {
 
-/// Options of generate(). None of them changes a byte of the data set.
+/// Options of generate(). The others than `policy` do not change a byte of the data set.
 struct GenerateOptions {
   int batch_size = 2048;      ///< Instances over all slices, >= 1. Default 2048.
   int num_slices = 2;         ///< Slices of the batch in flight at once, >= 1. Default 2.
@@ -26,6 +28,8 @@ struct GenerateOptions {
   /// Graceful stop: when *stop becomes true, generate() abandons unfinished shards, keeps complete ones, and returns. May be set from any
   /// thread. Not owned; must outlive the call. Default: none.
   const std::atomic<bool>* stop = nullptr;
+  /// Policy that acts instead of the scene's controllers. The manifest stores its id; meta/controller is -1. Default: none.
+  std::optional<Policy> policy{};
 };
 
 /// Where the time of a run went.
@@ -49,8 +53,9 @@ std::vector<Column> columnsOf(const Scene& scene);
 
 /// Simulates and writes all episodes of the scene that `directory` lacks. Blocks until they are on disk or *stop is true.
 ///
-/// Resumes or extends a data set that is already there. The bytes depend on the scene, the seed and the device only. Throws what Model,
-/// Simulator and DatasetWriter throw, and Error(kInput) for options out of range or a batch that does not fit into memory.
+/// Resumes or extends a data set that is already there, but not one of another policy. The bytes depend on the scene, the seed, the device
+/// and the policy only. Throws what Model, Simulator, DatasetWriter and the policy throw, and Error(kInput) for options out of range, a
+/// batch that does not fit into memory, and a policy without id or that cannot act in the scene.
 ///
 /// Threads: may be called from several threads at once with different directories. It simulates in one thread of its own and writes in
 /// others.

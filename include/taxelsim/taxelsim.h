@@ -12,9 +12,8 @@
 ///
 /// Threads:
 /// - Device, Model: immutable handles. Several threads may use the same one at once.
-/// - Simulator, DatasetWriter, DatasetReader: one thread at a time. Different objects may be used in different threads at once, also those
-/// of
-///   one Model. The spans of a FrameView may be read from any thread until the next step() of their simulator.
+/// - Simulator, Environment, DatasetWriter, DatasetReader: one thread at a time. Different objects may be used in different threads at
+///   once, also those of one Model. The spans of a FrameView may be read from any thread until the next step() of their simulator.
 /// - Trajectory, and all plain structs (Sensor, Scene, Object, ...): several threads may read the same one at once.
 /// - Free functions: several threads may call them at once, unless they write the same files. generate(), evaluate() and the experiments
 ///   block their caller and start threads of their own.
@@ -26,6 +25,7 @@ namespace taxelsim {}
 #include "taxelsim/control.h"
 #include "taxelsim/dataset.h"
 #include "taxelsim/device.h"
+#include "taxelsim/environment.h"
 #include "taxelsim/error.h"
 #include "taxelsim/evaluate.h"
 #include "taxelsim/experiment.h"
@@ -33,6 +33,7 @@ namespace taxelsim {}
 #include "taxelsim/measurement.h"
 #include "taxelsim/model.h"
 #include "taxelsim/object.h"
+#include "taxelsim/policy.h"
 #include "taxelsim/pose.h"
 #include "taxelsim/progress.h"
 #include "taxelsim/robot.h"

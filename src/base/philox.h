@@ -20,6 +20,7 @@ enum class Purpose : std::uint32_t {
   kJitter = 8,
   kMotion = 9,        // of objects; host only
   kActionNoise = 10,  // host only
+  kEpisodeKey = 11,   // host only
 };
 
 // The generator itself: four words, each uniform on [0, 2^32).

@@ -49,7 +49,7 @@ const char* nameOf(DeviceType type) {
 // Memory of a batch of the scene's episodes, by the simulator options of a run (generate); an instance may have several sensors.
 MemoryPlan planFor(const DeviceInfo& info, const Scene& scene) {
   const Model model(Device::open({.device = std::to_string(info.index)}), modelOptionsOf(scene));
-  const EpisodePlan run(scene, outputsOf(scene));
+  const SlicePlan run(scene, outputsOf(scene));
   MemoryPlan plan = Simulator::plan(model, run.simulatorOptions(1));
   const auto num_sensors = static_cast<std::uint64_t>(run.num_sensors);
   plan.bytes_per_instance *= num_sensors;

@@ -88,11 +88,14 @@ void Robots::setAtRest(int i, std::span<const double> positions, const Pose& X_W
   updateSensors(i);
 }
 
-void Robots::command(std::span<const Twist> twists, double dt) {
+void Robots::command(std::span<const Twist> twists, std::span<const double> joint_velocities, std::span<const std::uint8_t> by_joints,
+                     double dt) {
   assert(static_cast<int>(twists.size()) == num_instances_ && dt > 0);
   for (int i = 0; i < num_instances_; ++i) {
     if (chains_.empty()) {
       stepFreeFlying(i, twists[i], dt);
+    } else if (!by_joints.empty() && by_joints[i]) {
+      stepJoints(i, joint_velocities.subspan(static_cast<std::size_t>(i) * num_joints_, num_joints_), dt);
     } else {
       stepManipulator(i, twists[i], dt);
     }
@@ -160,12 +163,60 @@ void Robots::stepManipulator(int i, const Twist& twist, double dt) {
     status_[i] = kLost;
     solution.fill(0);
   }
+  drive(i, solution.data(), dt);
+}
+
+// Steps 2 and 3 of robots.h for commanded velocities (num_joints). Returns false if one is not finite.
+bool Robots::limitVelocities(int i, double dt, double* velocities) {
+  double factor = 1;
+  for (int j = 0; j < num_joints_; ++j) {
+    if (!std::isfinite(velocities[j])) return false;
+    if (std::abs(velocities[j]) > limits_[j].max_velocity) factor = std::min(factor, limits_[j].max_velocity / std::abs(velocities[j]));
+  }
+  if (factor < 1) status_[i] |= kVelocityLimit;
+  const double* const commands = instanceRow(commands_, i);
+  for (int j = 0; j < num_joints_; ++j) {
+    velocities[j] *= factor;
+    const double next = commands[j] + velocities[j] * dt;
+    const double allowed = std::clamp(next, limits_[j].lower, limits_[j].upper);
+    if (next == allowed) continue;
+    velocities[j] = (allowed - commands[j]) / dt;
+    status_[i] |= kJointLimit;
+  }
+  return true;
+}
+
+void Robots::stepJoints(int i, std::span<const double> joint_velocities, double dt) {
+  status_[i] = 0;
+  std::array<double, kMaxJoints> velocities{};
+  std::copy(joint_velocities.begin(), joint_velocities.end(), velocities.begin());
+  if (!limitVelocities(i, dt, velocities.data())) {
+    status_[i] = kLost;
+    velocities.fill(0);
+  }
+  drive(i, velocities.data(), dt);
+}
+
+Twist Robots::twistOf(int i, std::span<const double> joint_velocities) const {
+  const double* const jacobian = jacobians_.data() + static_cast<std::ptrdiff_t>(i) * num_joints_ * 6;
+  Twist twist;
+  for (int j = 0; j < num_joints_; ++j) {
+    for (int k = 0; k < 3; ++k) {
+      twist.v[k] += jacobian[6 * j + k] * joint_velocities[j];
+      twist.w[k] += jacobian[6 * j + 3 + k] * joint_velocities[j];
+    }
+  }
+  return twist;
+}
+
+// Step 4 of robots.h: commands and drives at joint velocities (num_joints).
+void Robots::drive(int i, const double* joint_velocities, double dt) {
   double* const commands = instanceRow(commands_, i);
   double* const positions = instanceRow(positions_, i);
   double* const velocities = instanceRow(velocities_, i);
   for (int j = 0; j < num_joints_; ++j) {
     const Limits& limits = limits_[j];
-    commands[j] = std::clamp(commands[j] + solution[j] * dt, limits.lower, limits.upper);
+    commands[j] = std::clamp(commands[j] + joint_velocities[j] * dt, limits.lower, limits.upper);
     double target = quantized(j, commands[j]);
     if (joint_drive_.delay > 0) std::swap(target, instanceRow(delayed_, delay_index_ * num_instances_ + i)[j]);
     const double before = positions[j];

@@ -46,7 +46,13 @@ class Robots {
   void reset(int i, std::span<const double> positions);
 
   // Advances all robots by one tick of dt (s, > 0). twists (num_instances): commanded twists of the first sensor of each instance, in S.
-  void command(std::span<const Twist> twists, double dt);
+  void command(std::span<const Twist> twists, double dt) { command(twists, {}, {}, dt); }
+  // The same, but a manipulator with by_joints[i] != 0 (num_instances) follows joint_velocities (num_instances x num_joints; rad/s or m/s)
+  // instead of the twist: steps 2 to 4, where step 3 stops each joint at its limit.
+  void command(std::span<const Twist> twists, std::span<const double> joint_velocities, std::span<const std::uint8_t> by_joints, double dt);
+
+  // Twist of the first sensor of an instance, in S, at joint velocities (num_joints) in its present posture. Manipulators only.
+  Twist twistOf(int i, std::span<const double> joint_velocities) const;
 
   std::span<const Pose> X_WS() const { return X_WS_; }                     // (num_instances x num_sensors)
   std::span<const double> jointPositions() const { return positions_; }    // (num_instances x num_joints), rad or m
@@ -60,7 +66,10 @@ class Robots {
 
   void stepFreeFlying(int i, const Twist& twist, double dt);
   void stepManipulator(int i, const Twist& twist, double dt);
+  void stepJoints(int i, std::span<const double> joint_velocities, double dt);
+  void drive(int i, const double* joint_velocities, double dt);
   bool solveVelocities(int i, const Twist& twist, double dt, double* velocities);
+  bool limitVelocities(int i, double dt, double* velocities);
   void setAtRest(int i, std::span<const double> positions, const Pose& X_WB);
   double quantized(int joint, double command) const;
   void updateSensors(int i);

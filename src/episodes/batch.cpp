@@ -26,12 +26,6 @@ void checkScene(const Scene& scene) {
   checkSensor(scene.sensor);
 }
 
-ModelOptions modelOptionsOf(const Scene& scene) {
-  ModelOptions options{.sensor = scene.sensor, .objects = {}};
-  for (const SceneObject& object : scene.objects) options.objects.push_back(object.object);
-  return options;
-}
-
 std::vector<int> splitBatch(const Model& model, const EpisodePlan& plan, int batch_size, int num_slices) {
   num_slices = std::min(num_slices, batch_size);
   const MemoryPlan memory = Simulator::plan(model, plan.simulatorOptions(batch_size));

@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "episodes/slice.h"
+#include "taxelsim/environment.h"
 
 namespace taxelsim {
 
@@ -28,9 +29,6 @@ void checkScene(const Scene& scene);
 
 // Throws Error(kInput) unless value >= 1; `name` names the value in the message.
 void checkCount(const char* name, std::int64_t value);
-
-// Model options with the sensor and the objects of the scene.
-ModelOptions modelOptionsOf(const Scene& scene);
 
 // Splits batch_size (>= 1) instances into at most num_slices (>= 1) slices; returns their sizes, which differ by at most 1. Throws
 // Error(kInput) if all slices together do not fit into device memory.

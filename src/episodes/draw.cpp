@@ -42,6 +42,11 @@ int numSensors(const Scene& scene) {
   return manipulator ? static_cast<int>(manipulator->sensors.size()) : 1;
 }
 
+int numJoints(const Scene& scene) {
+  const auto* manipulator = std::get_if<Manipulator>(&scene.robot);
+  return manipulator ? static_cast<int>(manipulator->joints.size()) : 0;
+}
+
 int numRegions(const Scene& scene) {
   const bool is_controlled = scene.kind == Scene::Kind::kServo &&
                              std::any_of(scene.controllers.begin(), scene.controllers.end(), [](const SceneController& controller) {

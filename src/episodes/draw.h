@@ -22,6 +22,9 @@ int numFrames(const Scene& scene);
 // Sensors per robot. All have the sensor model of the scene.
 int numSensors(const Scene& scene);
 
+// Joints per robot; 0 for FreeFlying.
+int numJoints(const Scene& scene);
+
 // Region rows of the contact features: as many as the scene records, at least 1 if a controller uses the largest region.
 int numRegions(const Scene& scene);
 

@@ -15,7 +15,8 @@ namespace {
 
 constexpr std::uint64_t kMaxEpisodes = std::uint64_t{1} << 24;  // all verdicts are kept in memory
 constexpr int kNumStarts = 5;
-constexpr double kLeastRange = 0.1;              // smallest range of start errors, in tolerances, for scores by start
+constexpr double kLeastRange = 0.1;  // smallest range of start errors, in tolerances, for scores by start
+constexpr OutputOptions kNoOutputs{.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false};
 constexpr double kNormal95 = 1.959963984540054;  // quantile 0.975 of the standard normal
 
 Quantiles quantilesOf(std::vector<double> values) {
@@ -76,7 +77,8 @@ std::vector<Score> scoresByStart(const Starts& starts, const std::vector<Verdict
   return scores;
 }
 
-std::vector<int> numbersOf(const Scene& scene, const std::vector<std::string>& names) {
+// Indices of the named controllers of the scene, or of all.
+std::vector<int> numbersOf(const Scene& scene, const std::vector<std::string>& names, bool all) {
   std::vector<int> numbers;
   std::string known;
   for (const SceneController& controller : scene.controllers) known += (known.empty() ? "" : ", ") + controller.name;
@@ -88,13 +90,13 @@ std::vector<int> numbersOf(const Scene& scene, const std::vector<std::string>& n
     }
     numbers.push_back(static_cast<int>(found - scene.controllers.begin()));
   }
-  for (int c = 0; names.empty() && c < static_cast<int>(scene.controllers.size()); ++c) numbers.push_back(c);
+  for (int c = 0; all && c < static_cast<int>(scene.controllers.size()); ++c) numbers.push_back(c);
   return numbers;
 }
 
-Evaluation evaluationOf(const Scene& scene, int controller, std::vector<Verdict> verdicts) {
+Evaluation evaluationOf(const Scene& scene, const std::string& controller, std::vector<Verdict> verdicts) {
   Evaluation evaluation;
-  evaluation.controller = scene.controllers[static_cast<std::size_t>(controller)].name;
+  evaluation.controller = controller;
   evaluation.verdicts = std::move(verdicts);
   evaluation.total = scoreOf("all", evaluation.verdicts);
   for (std::size_t object = 0; object < scene.objects.size(); ++object) {
@@ -150,25 +152,36 @@ std::vector<Evaluation> evaluate(const Device& device, const Scene& scene, const
     throw Error(ErrorKind::kInput, "episodes: " + std::to_string(scene.num_episodes) + " found, at most " + std::to_string(kMaxEpisodes) +
                                        " allowed in one evaluation");
   }
-  const std::vector<int> numbers = numbersOf(scene, controllers);
+  // The policy is the first, so that its exceptions lose no complete evaluation.
+  std::vector<SlicePlan> plans;
+  std::vector<std::string> names;
+  if (options.policy) {
+    plans.emplace_back(scene, kNoOutputs, *options.policy);
+    names.push_back(options.policy->name);
+  }
+  for (const int number : numbersOf(scene, controllers, controllers.empty() && !options.policy)) {
+    plans.emplace_back(scene, kNoOutputs, number);
+    names.push_back(scene.controllers[static_cast<std::size_t>(number)].name);
+  }
   const Model model(device, modelOptionsOf(scene));
   const int batch_size = static_cast<int>(std::min<std::uint64_t>(static_cast<std::uint64_t>(options.batch_size), scene.num_episodes));
   const auto stopped = [&] { return options.stop && options.stop->load(std::memory_order_relaxed); };
 
   Progress progress;
-  progress.num_episodes = scene.num_episodes * numbers.size();
+  progress.num_episodes = scene.num_episodes * plans.size();
   const auto start = std::chrono::steady_clock::now();
   std::vector<Evaluation> evaluations;
-  for (const int number : numbers) {
-    const OutputOptions none{.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false};
-    const EpisodePlan plan(scene, none, number);
+  for (std::size_t p = 0; p < plans.size(); ++p) {
+    const SlicePlan& plan = plans[p];
     std::vector<Verdict> verdicts(scene.num_episodes);
+    int first_instance = 0;
     std::uint64_t next = 0;
     std::vector<std::unique_ptr<TaskEvaluator>> evaluators;
     std::vector<std::unique_ptr<Slice>> slices;
     for (const int size : splitBatch(model, plan, batch_size, options.num_slices)) {
       evaluators.push_back(std::make_unique<TaskEvaluator>(plan, next, verdicts, size));
-      slices.push_back(std::make_unique<Slice>(model, plan, size, *evaluators.back()));
+      slices.push_back(std::make_unique<Slice>(model, plan, size, *evaluators.back(), first_instance));
+      first_instance += size;
     }
     runEpisodes(device, slices, options.stop, [&](const Slice::Stats& tally) {
       progress.frames_done += tally.num_frames;
@@ -177,7 +190,7 @@ std::vector<Evaluation> evaluate(const Device& device, const Scene& scene, const
       if (options.on_progress) options.on_progress(progress);
     });
     if (stopped()) break;
-    evaluations.push_back(evaluationOf(scene, number, std::move(verdicts)));
+    evaluations.push_back(evaluationOf(scene, names[p], std::move(verdicts)));
   }
   return evaluations;
 }

@@ -1,5 +1,6 @@
 #include "experiments/trace_sink.h"
 
+#include "episodes/draw.h"
 #include "experiments/felt_angle.h"
 
 namespace taxelsim {

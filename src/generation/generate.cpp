@@ -25,6 +25,9 @@ void checkRun(const Scene& scene, const GenerateOptions& options) {
   checkCount("slices", options.num_slices);
   checkCount("episodes_per_shard", static_cast<std::int64_t>(scene.episodes_per_shard));
   checkScene(scene);
+  if (options.policy && options.policy->id.empty()) {
+    throw Error(ErrorKind::kInput, "policy " + options.policy->name + ": the id is empty, which a data set needs");
+  }
 }
 
 // Largest number of shards in memory: those that the episodes of one batch span, with a partial one at either end.
@@ -49,9 +52,10 @@ void checkHostMemory(const Scene& scene, const GenerateOptions& options) {
                                      mebibytes(available) + " are available; reduce episodes_per_shard, num_steps or the batch size");
 }
 
-Manifest manifestOf(const Scene& scene, const Device& device) {
+Manifest manifestOf(const Scene& scene, const Device& device, const std::optional<Policy>& policy) {
   const bool one_grid = scene.sensor.patches.size() == 1;
-  return {.scene = scene.resolved,
+  return {.format_version = kDatasetFormat,
+          .scene = scene.resolved,
           .sensor_name = scene.sensor.name,
           .num_rows = one_grid ? scene.sensor.patches[0].num_rows : 0,
           .num_cols = one_grid ? scene.sensor.patches[0].num_cols : 0,
@@ -60,8 +64,10 @@ Manifest manifestOf(const Scene& scene, const Device& device) {
           .num_episodes = scene.num_episodes,
           .episodes_per_shard = scene.episodes_per_shard,
           .compression = scene.compression,
+          .chunk_bytes = scene.chunk_bytes,
           .program_version = kVersion,
           .device = device.info().name + ", " + device.info().driver,
+          .policy = policy ? policy->id : "",
           .columns = columnsOf(scene)};
 }
 
@@ -83,7 +89,7 @@ class Run {
   const std::vector<bool>& complete() const { return complete_; }
   Progress& progress() { return result_.progress; }
 
-  void simulate(const Model& model, const EpisodePlan& plan, ShardQueue& queue);
+  void simulate(const Model& model, const SlicePlan& plan, ShardQueue& queue);
 
   GenerateResult end() {
     result_.complete = progress().episodes_done == progress().num_episodes;
@@ -110,16 +116,18 @@ void Run::report(SteadyClock::time_point now) {
   options_.on_progress(progress());
 }
 
-void Run::simulate(const Model& model, const EpisodePlan& plan, ShardQueue& queue) {
+void Run::simulate(const Model& model, const SlicePlan& plan, ShardQueue& queue) {
   const int batch_size = static_cast<int>(std::min<std::uint64_t>(options_.batch_size, queue.numEpisodesLeft()));
-  const Recorder recorder(planColumns(plan.scene));
+  const Recorder recorder(planColumns(plan.scene), plan.edges);
   // All episodes of a batch end at the same time, and with them up to maxOpenShards() shards: the queue takes them without blocking.
   ShardWriter shard_writer(writer_, maxOpenShards(plan.scene, options_));
   std::vector<std::unique_ptr<ShardSink>> sinks;
   std::vector<std::unique_ptr<Slice>> slices;
+  int first_instance = 0;
   for (const int size : splitBatch(model, plan, batch_size, options_.num_slices)) {
-    sinks.push_back(std::make_unique<ShardSink>(recorder, queue, shard_writer, plan.num_frames, size));
-    slices.push_back(std::make_unique<Slice>(model, plan, size, *sinks.back()));
+    sinks.push_back(std::make_unique<ShardSink>(plan, recorder, queue, shard_writer, size));
+    slices.push_back(std::make_unique<Slice>(model, plan, size, *sinks.back(), first_instance));
+    first_instance += size;
   }
   start_ = last_report_ = SteadyClock::now();
   runEpisodes(model.device(), slices, options_.stop, [&](const Slice::Stats& stats) {
@@ -143,9 +151,9 @@ void Run::simulate(const Model& model, const EpisodePlan& plan, ShardQueue& queu
 GenerateResult generate(const Device& device, const Scene& scene, const std::filesystem::path& directory, const GenerateOptions& options) {
   checkRun(scene, options);
   checkHostMemory(scene, options);
-  EpisodePlan plan(scene, outputsOf(scene));
+  SlicePlan plan = options.policy ? SlicePlan(scene, outputsOf(scene), *options.policy) : SlicePlan(scene, outputsOf(scene));
   plan.device_clock = options.device_clock;
-  const Manifest manifest = manifestOf(scene, device);
+  const Manifest manifest = manifestOf(scene, device, options.policy);
   // Model and batch are checked before the directory is created.
   const Model model(device, modelOptionsOf(scene));
   splitBatch(model, plan, static_cast<int>(std::min<std::uint64_t>(options.batch_size, scene.num_episodes)), options.num_slices);

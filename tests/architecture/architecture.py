@@ -43,6 +43,8 @@ HEADERS = {
     "characterize.h": "characterize",
     "model.h": "simulation",
     "simulator.h": "simulation",
+    "environment.h": "episodes",
+    "policy.h": "episodes",
     "generate.h": "generation",
     "evaluate.h": "evaluation",
     "characterize.h": "characterize",

@@ -1,0 +1,244 @@
+#include "taxelsim/environment.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "base/philox.h"
+#include "episodes/batch.h"
+#include "episodes/environment_view.h"
+#include "episodes/episode_batch.h"
+#include "episodes/task_judge.h"
+#include "taxelsim/error.h"
+
+namespace taxelsim {
+namespace {
+
+void checkLength(const char* name, std::size_t found, std::size_t expected) {
+  if (found == expected) return;
+  throw Error(ErrorKind::kInput,
+              std::string(name) + ": " + std::to_string(found) + " values found, " + std::to_string(expected) + " allowed");
+}
+
+const Scene& checked(const Scene& scene, const EnvironmentOptions& options) {
+  checkCount("num_instances", options.num_instances);
+  if (scene.kind != Scene::Kind::kServo) {
+    throw Error(ErrorKind::kInput, scene.file.generic_string() + ": kind: contacts found, an environment needs servo");
+  }
+  if (options.max_regions != 0 && !hasContactFeatures(options.outputs)) {
+    throw Error(ErrorKind::kInput, "max_regions: " + std::to_string(options.max_regions) + " found, 0 allowed without contact features");
+  }
+  checkScene(scene);
+  return scene;
+}
+
+const Model& checked(const Model& model, const Scene& scene) {
+  const auto require = [&](const char* name, std::size_t found, std::size_t expected) {
+    if (found == expected) return;
+    throw Error(ErrorKind::kInput,
+                std::string("model: ") + std::to_string(found) + " " + name + " found, the scene has " + std::to_string(expected));
+  };
+  require("objects", model.objects().size(), scene.objects.size());
+  require("taxels", static_cast<std::size_t>(numTaxels(model.sensor())), static_cast<std::size_t>(numTaxels(scene.sensor)));
+  return model;
+}
+
+}  // namespace
+
+ModelOptions modelOptionsOf(const Scene& scene) {
+  ModelOptions options{.sensor = scene.sensor, .objects = {}};
+  for (const SceneObject& object : scene.objects) options.objects.push_back(object.object);
+  return options;
+}
+
+std::uint64_t episodeKey(std::uint64_t seed, std::uint32_t instance, std::uint64_t num_resets) {
+  const auto low = [](std::uint64_t value) { return static_cast<std::uint32_t>(value); };
+  // The last word holds the purpose as in the counters of base/philox.cpp, so that no other random number has this counter.
+  const std::array<std::uint32_t, 4> words =
+      philox({low(num_resets), low(num_resets >> 32), instance, static_cast<std::uint32_t>(Purpose::kEpisodeKey) << 24},
+             {low(seed), low(seed >> 32)});
+  return words[0] | static_cast<std::uint64_t>(words[1]) << 32;
+}
+
+struct Environment::Impl {
+  Impl(const Model& model_to_use, const Scene& scene_to_run, const EnvironmentOptions& options)
+      : scene(checked(scene_to_run, options)),
+        model(checked(model_to_use, scene_to_run)),
+        plan(scene, options.outputs, options.max_regions),
+        batch(model, plan, options.num_instances),
+        computed(options.num_instances, 0),
+        draws(options.num_instances),
+        has_run(options.num_instances, 0) {
+    if (scene.task) judge.emplace(plan, options.num_instances);
+  }
+
+  void requireFrame() const {
+    if (!has_frame) throw std::logic_error("environment: reset() must come first");
+  }
+
+  TaskJudge& requireJudge() {
+    if (!judge) throw Error(ErrorKind::kInput, scene.file.generic_string() + ": this scene has no `task`, which a judgement needs");
+    requireFrame();
+    finishFrame();
+    return *judge;
+  }
+
+  // Waits for the submitted frame, if any.
+  void finishFrame() {
+    if (!is_submitted) return;
+    is_submitted = false;
+    batch.read();
+    batch.beginFrame();
+    judgeFrames(batch.active());
+  }
+
+  // Judges the new frames of some instances.
+  void judgeFrames(std::span<const std::uint8_t> instances) {
+    if (!judge) return;
+    for (int i = 0; i < batch.numInstances(); ++i) {
+      if (instances[i] && batch.frameNumbers()[i] == 0) judge->begin(i, batch.record(i));
+    }
+    FrameContext context = batch.context();
+    context.active = instances;
+    judge->frame(batch.frame(), context);
+  }
+
+  void reset(std::span<const std::uint8_t> mask, std::span<const std::uint64_t> episodes);
+
+  const Scene scene;
+  Model model;
+  EpisodePlan plan;
+  EpisodeBatch batch;
+  std::optional<TaskJudge> judge;  // if the scene has a task
+  bool is_submitted = false;       // a frame that has not been read
+  bool has_frame = false;          // reset() has been called
+  bool is_prepared = false;
+
+  // (num_instances)
+  std::vector<std::uint8_t> computed;  // computed by the latest reset()
+  std::vector<EpisodeDraw> draws;
+  std::vector<std::uint8_t> has_run;
+};
+
+void Environment::Impl::reset(std::span<const std::uint8_t> mask, std::span<const std::uint64_t> episodes) {
+  const int num_instances = batch.numInstances();
+  checkLength("mask", mask.size(), static_cast<std::size_t>(num_instances));
+  checkLength("episodes", episodes.size(), static_cast<std::size_t>(num_instances));
+  // Drawn in advance, so that an error changes nothing.
+  for (int i = 0; i < num_instances; ++i) {
+    if (mask[i]) draws[i] = plan.drawer.draw(episodes[i]);
+  }
+  finishFrame();
+  for (int i = 0; i < num_instances; ++i) {
+    computed[i] = mask[i] != 0;
+    if (!computed[i]) continue;
+    batch.start(i, episodes[i], draws[i]);
+    has_run[i] = 1;
+  }
+  if (std::find(computed.begin(), computed.end(), 1) == computed.end()) return;
+  has_frame = true;
+  if (!is_prepared) batch.prepare();
+  is_prepared = true;
+  batch.computeFirstFrames(computed);
+  judgeFrames(computed);
+}
+
+Environment::Environment(const Model& model, const Scene& scene, const EnvironmentOptions& options)
+    : impl_(std::make_unique<Impl>(model, scene, options)) {}
+
+Environment::Environment(const Device& device, const Scene& scene, const EnvironmentOptions& options)
+    : Environment(Model(device, modelOptionsOf(checked(scene, options))), scene, options) {}
+
+Environment::~Environment() = default;
+Environment::Environment(Environment&&) noexcept = default;
+Environment& Environment::operator=(Environment&&) noexcept = default;
+
+int Environment::numInstances() const {
+  return impl_->batch.numInstances();
+}
+
+int Environment::numSensors() const {
+  return impl_->plan.num_sensors;
+}
+
+int Environment::numJoints() const {
+  return impl_->plan.num_joints;
+}
+
+int Environment::numFrames() const {
+  return impl_->plan.num_frames;
+}
+
+int Environment::controlPeriod() const {
+  return impl_->plan.control_period;
+}
+
+double Environment::dt() const {
+  return impl_->plan.dt;
+}
+
+const Scene& Environment::scene() const {
+  return impl_->scene;
+}
+
+const Model& Environment::model() const {
+  return impl_->model;
+}
+
+void Environment::reset(std::span<const std::uint8_t> mask, std::span<const std::uint64_t> episodes) {
+  impl_->reset(mask, episodes);
+}
+
+EnvironmentView Environment::observe() {
+  impl_->requireFrame();
+  impl_->finishFrame();
+  return viewOf(impl_->batch);
+}
+
+void Environment::act(std::span<const Twist> twists) {
+  checkLength("twists", twists.size(), static_cast<std::size_t>(numInstances()));
+  impl_->requireFrame();
+  impl_->finishFrame();
+  impl_->batch.checkActions(twists);
+  impl_->batch.act(twists);
+}
+
+void Environment::actJoints(std::span<const double> velocities) {
+  if (numJoints() == 0) throw Error(ErrorKind::kInput, "joint velocities: this robot has no joints");
+  checkLength("joint velocities", velocities.size(), static_cast<std::size_t>(numInstances()) * static_cast<std::size_t>(numJoints()));
+  impl_->requireFrame();
+  impl_->finishFrame();
+  impl_->batch.checkJointActions(velocities);
+  impl_->batch.actJoints(velocities);
+}
+
+void Environment::step() {
+  impl_->requireFrame();
+  impl_->finishFrame();
+  impl_->batch.advance();
+  impl_->batch.setInputs();
+  impl_->batch.submit();
+  impl_->is_submitted = true;
+}
+
+TaskState Environment::taskState() {
+  const TaskJudge& task_judge = impl_->requireJudge();
+  return {.errors = task_judge.errors(), .within = task_judge.within(), .contact = task_judge.contact()};
+}
+
+Verdict Environment::judge(int instance) {
+  const TaskJudge& task_judge = impl_->requireJudge();
+  if (instance < 0 || instance >= numInstances()) {
+    throw Error(ErrorKind::kInput,
+                "instance: " + std::to_string(instance) + " found, 0 to " + std::to_string(numInstances() - 1) + " allowed");
+  }
+  if (!impl_->has_run[static_cast<std::size_t>(instance)]) {
+    throw std::logic_error("environment: instance " + std::to_string(instance) + " has run no episode");
+  }
+  return task_judge.verdict(instance);
+}
+
+}  // namespace taxelsim

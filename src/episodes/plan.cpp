@@ -1,0 +1,30 @@
+#include "episodes/plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace taxelsim {
+
+EpisodePlan::EpisodePlan(const Scene& scene_to_run, const OutputOptions& read_outputs, int num_regions)
+    : scene(scene_to_run),
+      drawer(scene_to_run),
+      outputs(read_outputs),
+      max_regions(num_regions),
+      num_sensors(numSensors(scene_to_run)),
+      num_joints(numJoints(scene_to_run)),
+      num_frames(numFrames(scene_to_run)),
+      dt(1 / scene_to_run.simulation_rate),
+      control_period(std::max(1, static_cast<int>(std::lround(scene_to_run.simulation_rate / scene_to_run.control_rate)))) {
+  for (const SceneObject& object : scene.objects) edges.emplace_back(object);
+}
+
+SimulatorOptions EpisodePlan::simulatorOptions(int num_instances) const {
+  return {.num_instances = num_instances * num_sensors,
+          .num_slots = 1,
+          .seed = scene.seed,
+          .outputs = outputs,
+          .max_regions = hasContactFeatures(outputs) ? max_regions : 0,
+          .device_clock = device_clock};
+}
+
+}  // namespace taxelsim

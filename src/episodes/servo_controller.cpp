@@ -1,0 +1,80 @@
+#include "episodes/servo_controller.h"
+
+namespace taxelsim {
+namespace {
+
+std::vector<TactileServo> servosOf(const Scene& scene) {
+  std::vector<TactileServo> servos;
+  for (const SceneController& controller : scene.controllers) servos.push_back(controller.servo);
+  return servos;
+}
+
+}  // namespace
+
+ServoPlan::ServoPlan(const Scene& scene, std::optional<int> fixed_servo) : servo(fixed_servo) {
+  for (int c = 0; c < static_cast<int>(scene.controllers.size()); ++c) {
+    if (servo && *servo != c) continue;
+    const TactileServo& candidate = scene.controllers[static_cast<std::size_t>(c)].servo;
+    needs_contact_features = needs_contact_features || needsContactFeatures(candidate);
+    needs_jacobian = needs_jacobian || needsTactileJacobian(candidate);
+    needs_true_angle = needs_true_angle || candidate.edge_angle_source == EdgeAngleSource::kExact;
+  }
+}
+
+void ServoPlan::addOutputs(OutputOptions& outputs) const {
+  outputs.contact_features = outputs.contact_features || needs_contact_features;
+  outputs.tactile_jacobian = outputs.tactile_jacobian || needs_jacobian;
+}
+
+ServoController::ServoController(const ServoPlan& servos, const EpisodePlan& episodes, int num_instances)
+    : servos_(servos),
+      controller_(servosOf(episodes.scene), episodes.scene.sensor, num_instances),
+      servo_of_(num_instances, 0),
+      twists_(num_instances),
+      true_angles_(servos.needs_true_angle ? num_instances : 0) {}
+
+void ServoController::start(int instance, const EpisodeDraw& draw) {
+  servo_of_[instance] = servos_.servo.value_or(draw.controller);
+  twists_[instance] = {};
+  controller_.reset(instance, servo_of_[instance], draw.exploration_velocity);
+}
+
+void ServoController::describe(int instance, EpisodeRecord& record) const {
+  record.controller = servo_of_[instance];
+  record.exploration_velocity = static_cast<float>(controller_.explorationVelocity(instance));
+}
+
+void ServoController::command(EpisodeBatch& batch) {
+  const EpisodePlan& plan = batch.plan();
+  const FrameView& frame = batch.frame();
+  if (servos_.needs_true_angle) {
+    for (int i = 0; i < batch.numInstances(); ++i) {
+      if (!batch.controlDue()[i]) continue;
+      const TrueEdge& edge = plan.edges[static_cast<std::size_t>(batch.draw(i).object)];
+      true_angles_[i] = static_cast<float>(edge.project(batch.X_SO()[i * plan.num_sensors]).angle);
+    }
+  }
+  const FeatureView& features = servos_.needs_contact_features ? static_cast<const FeatureView&>(frame.contact) : frame;
+  controller_.command({.num_rows = plan.num_sensors * (servos_.needs_contact_features ? frame.contact.num_rows : 1),
+                       .region_row = 1 + frame.contact.num_patches,
+                       .edge_angle = features.edge_angle,
+                       .edge_confidence = features.edge_confidence,
+                       .total_force = features.total_force,
+                       .center_of_pressure = features.center_of_pressure,
+                       .contact_area = features.contact_area,
+                       .windowed_edge_angle = frame.contact.windowed_edge_angle,
+                       .windowed_edge_confidence = frame.contact.windowed_edge_confidence,
+                       .tilt = frame.contact.tilt,
+                       .tilt_confidence = frame.contact.tilt_confidence,
+                       .num_jacobian_rows = plan.num_sensors * frame.jacobian.num_rows,
+                       .center_jacobian = frame.jacobian.center_of_pressure,
+                       .force_jacobian = frame.jacobian.total_force,
+                       .edge_angle_jacobian = frame.jacobian.edge_angle,
+                       .exact_edge_angle = true_angles_,
+                       .start_force = batch.startForces(),
+                       .due = batch.controlDue()},
+                      plan.control_period * plan.dt, twists_);
+  batch.act(twists_);
+}
+
+}  // namespace taxelsim
