@@ -11,7 +11,7 @@ namespace taxelsim::python {
 namespace {
 
 // Another array over the same memory, which is not NumPy's and keeps `array` alive.
-nb::ndarray<nb::ro> neutral(nb::handle array) {
+nb::ndarray<nb::array_api, nb::ro> neutral(nb::handle array) {
   const auto view = nb::cast<nb::ndarray<nb::ro, nb::device::cpu>>(array);
   std::vector<std::size_t> shape;
   std::vector<std::int64_t> strides;
