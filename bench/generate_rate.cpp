@@ -81,7 +81,7 @@ Replay replayOf(const fs::path& directory, const Scene& scene) {
   const std::uint64_t num_episodes = reader.numEpisodes();
   Replay replay;
   replay.num_steps = static_cast<int>(reader.numFrames() / num_episodes);
-  replay.ids = column<int>(reader, "meta/object", num_episodes);
+  for (const double object : reader.readAsDouble("meta/object", 0, num_episodes)) replay.ids.push_back(static_cast<int>(object));
   replay.loads = column<float>(reader, "meta/load", num_episodes);
   if (!scene.randomization.load) std::fill(replay.loads.begin(), replay.loads.end(), kPoseDriven);
   const std::vector<double> poses = column<double>(reader, "data/pose", reader.numFrames());

@@ -14,13 +14,24 @@
 
 namespace taxelsim {
 
+/// Format of the data sets that DatasetWriter writes. Readers also read format 1 (docs/migration.md).
+inline constexpr std::uint64_t kDatasetFormat = 2;
+
+inline constexpr std::uint64_t kDefaultChunkBytes = std::uint64_t{256} << 10;  ///< Default of Manifest::chunk_bytes.
+inline constexpr std::uint64_t kMinChunkBytes = std::uint64_t{1} << 10;        ///< Smallest Manifest::chunk_bytes.
+inline constexpr std::uint64_t kMaxChunkBytes = std::uint64_t{64} << 20;       ///< Largest Manifest::chunk_bytes.
+inline constexpr std::size_t kMaxTextLength = 1024;                            ///< Largest Column::text_length.
+
 /// Type of a column's values.
 enum class ScalarType {
+  kUint8,    ///< 8-bit unsigned integer.
   kUint16,   ///< 16-bit unsigned integer.
+  kInt16,    ///< 16-bit signed integer.
   kInt32,    ///< 32-bit signed integer.
   kUint64,   ///< 64-bit unsigned integer.
   kFloat32,  ///< IEEE 754 single precision.
   kFloat64,  ///< IEEE 754 double precision.
+  kText,     ///< UTF-8 text of Column::text_length bytes, padded with zeros.
 };
 
 /// One HDF5 dataset of every shard: (num_frames x shape) or, if per_episode, (num_episodes x shape).
@@ -31,29 +42,37 @@ struct Column {
   std::string unit;                        ///< "N", "m", "rad", "counts", "1"; stored as an attribute.
   std::string description;                 ///< One sentence; stored as an attribute.
   bool per_episode = false;                ///< One row per episode instead of one per frame.
+  std::size_t text_length = 0;             ///< Bytes of one value of type kText, 1 to kMaxTextLength; 0 for other types.
+  /// Names of the values 0, 1, ... of an integer column that is an enumeration or a flag; stored as an attribute. Empty for others.
+  std::vector<std::string> value_names = {};
+  /// Names of the bits 0, 1, ... of an unsigned column that is a set of flags; stored as an attribute. Empty for others.
+  std::vector<std::string> bit_names = {};
 };
 
-/// Bytes of one value.
-std::size_t scalarSize(ScalarType type);
+/// Bytes of one value of the column.
+std::size_t scalarSize(const Column& column);
 
-/// NumPy's name of the type: "uint16", "int32", ...
+/// NumPy's name of the type: "uint16", "int32", ...; "text" for kText.
 const char* nameOf(ScalarType type);
 
 /// Everything that determines the content of a data set and its division into shards.
 struct Manifest {
-  std::string scene;                     ///< Resolved scene, YAML text.
-  std::string sensor_name;               ///< Sensor::name.
-  int num_rows = 0;                      ///< Rows of a sensor that is one grid patch, else 0.
-  int num_cols = 0;                      ///< Columns of that patch, else 0.
-  std::array<double, 2> pitch{0, 0};     ///< m, pitch of that patch along x and y, else 0.
-  std::uint64_t seed = 0;                ///< Seed of all random numbers.
-  std::uint64_t num_episodes = 0;        ///< Episodes of the data set.
-  std::uint64_t episodes_per_shard = 0;  ///< Episodes of each shard but the last.
-  int compression = 0;                   ///< gzip level, 0 (none) to 9.
-  std::string program_version;           ///< Version of taxelsim that created the data set.
-  std::string device;                    ///< Name and driver of the device that created it.
-  std::string policy{};                  ///< Policy::id of the policy that acted; empty: the scene's controllers.
-  std::vector<Column> columns;           ///< Columns, without meta/episode_ends, which every shard has.
+  std::uint64_t format_version = kDatasetFormat;  ///< 1 or 2. DatasetWriter writes kDatasetFormat only.
+  std::string scene;                              ///< Resolved scene, YAML text.
+  std::string sensor_name;                        ///< Sensor::name.
+  int num_rows = 0;                               ///< Rows of a sensor that is one grid patch, else 0.
+  int num_cols = 0;                               ///< Columns of that patch, else 0.
+  std::array<double, 2> pitch{0, 0};              ///< m, pitch of that patch along x and y, else 0.
+  std::uint64_t seed = 0;                         ///< Seed of all random numbers.
+  std::uint64_t num_episodes = 0;                 ///< Episodes of the data set.
+  std::uint64_t episodes_per_shard = 0;           ///< Episodes of each shard but the last.
+  int compression = 0;                            ///< gzip level, 0 (none) to 9.
+  /// Largest size of a chunk of a compressed column before compression, kMinChunkBytes to kMaxChunkBytes. A chunk has at least one row.
+  std::uint64_t chunk_bytes = kDefaultChunkBytes;
+  std::string program_version;  ///< Version of taxelsim that created the data set.
+  std::string device;           ///< Name and driver of the device that created it.
+  std::string policy{};         ///< Policy::id of the policy that acted; empty: the scene's controllers.
+  std::vector<Column> columns;  ///< Columns, without meta/episode_ends, which every shard has.
 
   /// Number of shards.
   std::uint64_t numShards() const { return (num_episodes + episodes_per_shard - 1) / episodes_per_shard; }
@@ -73,8 +92,8 @@ class DatasetWriter {
   /// Creates the directory and the manifest, or compares an existing manifest with `manifest`. Removes left-over temporary files.
   ///
   /// A data set can be extended to more episodes if that leaves its complete shards unchanged. Throws Error(kInput) if the directory holds
-  /// other files, or a data set with another scene, seed, number of episodes per shard, program version or device. Throws Error(kIo) if the
-  /// file system refuses or another process is writing.
+  /// other files, or a data set with another format, scene, seed, number of episodes per shard, program version, device or policy, or a
+  /// shard that differs from its checksum. Throws Error(kIo) if the file system refuses or another process is writing.
   DatasetWriter(std::filesystem::path directory, Manifest manifest);
   /// Releases the directory; unfinished shards are lost.
   ~DatasetWriter();
@@ -84,12 +103,12 @@ class DatasetWriter {
   /// Whether the shard is complete on disk.
   bool isComplete(std::uint64_t shard) const;
 
-  /// Writes a shard under a temporary name, flushes it to disk and renames it. Waits.
+  /// Writes a shard and its checksum under temporary names, flushes them to disk and renames them, the shard last. Waits.
   ///
   /// Throws Error(kInput) if the shard is already complete, Error(kIo) if the file system refuses.
   void writeShard(std::uint64_t shard, const ShardData& data);
 
-  /// Writes the virtual view atomically. Throws Error(kIo) if a shard is missing.
+  /// Writes the virtual view and its checksum atomically, the view last. Throws Error(kIo) if a shard is missing.
   void finish();
 
  private:
@@ -113,20 +132,38 @@ struct ShardStatus {
   std::string problem;          ///< One line about a broken shard.
 };
 
-/// Checks every shard, in order.
+/// Checks every shard, in order. A shard is opened only if its bytes match its checksum file.
 ///
-/// `contents`: whether to read all values and verify their SHA-256; otherwise headers only. Throws what readManifest() throws.
+/// `contents`: whether to also verify the values of shards of format 1, which have no checksum file. Throws what readManifest() throws.
 std::vector<ShardStatus> checkShards(const std::filesystem::path& directory, bool contents);
 
-/// Reads a data set. Checks every shard against the manifest when opened.
+/// Result of checking dataset.h5, the virtual view over all shards.
+struct ViewStatus {
+  /// State of the view.
+  enum class State {
+    kWhole,       ///< Matches its checksum file and the manifest.
+    kMissing,     ///< Not on disk; the view is written after the last shard.
+    kBroken,      ///< In conflict with its checksum file or the manifest.
+    kUnverified,  ///< Of format 1, which has no checksum of it.
+  };
+  State state = State::kWhole;  ///< State of the view.
+  std::string problem;          ///< One line about a broken view.
+};
+
+/// Checks the view. Throws what readManifest() throws.
+ViewStatus checkView(const std::filesystem::path& directory);
+
+/// Reads a data set. Verifies checksums before values are read: of dataset.h5 when the data set is opened, of a shard before its first row
+/// is read, or when the data set is opened if dataset.h5 is missing or broken. In format 1 the SHA-256 of a shard's columns take their
+/// place, and headers are checked when the data set is opened.
 ///
 /// Threads: for one thread at a time.
 class DatasetReader {
  public:
   /// Opens a data set.
   ///
-  /// Throws Error(kInput) if the directory holds no data set or a newer format, or if a shard is missing or broken (the message names it).
-  /// With `allow_incomplete` missing shards are skipped.
+  /// Throws Error(kInput) if the directory holds no data set or a newer format, or if a shard is missing or, as far as it is checked here,
+  /// broken; the message names the shard. With `allow_incomplete` missing shards are skipped.
   explicit DatasetReader(std::filesystem::path directory, bool allow_incomplete = false);
   ~DatasetReader();
   DatasetReader(DatasetReader&&) noexcept;  ///< Leaves the other object unusable.
@@ -137,10 +174,12 @@ class DatasetReader {
   const std::vector<std::uint64_t>& episodeEnds() const;    ///< (numEpisodes()), index of the frame after each episode.
   const std::vector<std::uint64_t>& missingShards() const;  ///< Numbers of the shards that are missing.
 
-  /// Rows [first, first + count) of a column as bytes. Throws Error(kInput) for an unknown column or rows out of range.
+  /// Rows [first, first + count) of a column as bytes. Throws Error(kInput) for an unknown column, rows out of range or a broken shard.
   std::vector<std::byte> read(const std::string& column, std::uint64_t first, std::uint64_t count) const;
-  /// The same rows converted to double. Throws what read() throws.
+  /// The same rows converted to double. Throws what read() throws, and Error(kInput) for a column of text.
   std::vector<double> readAsDouble(const std::string& column, std::uint64_t first, std::uint64_t count) const;
+  /// The same rows of a column of text, without padding. Throws what read() throws, and Error(kInput) for a column of numbers.
+  std::vector<std::string> readAsText(const std::string& column, std::uint64_t first, std::uint64_t count) const;
 
  private:
   struct Impl;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "taxelsim/control.h"
+#include "taxelsim/dataset.h"
 #include "taxelsim/object.h"
 #include "taxelsim/robot.h"
 #include "taxelsim/sensor.h"
@@ -108,6 +109,8 @@ struct Scene {
   std::uint64_t seed = 0;                       ///< Seed of all random numbers. Default 0.
   std::uint64_t episodes_per_shard = 256;       ///< Episodes per file. Default 256.
   int compression = 0;                          ///< gzip level of the data set, 0 (none) to 9. Default 0.
+  /// Bytes, kMinChunkBytes to kMaxChunkBytes: largest chunk of a compressed column before compression. Default 256 KiB.
+  std::uint64_t chunk_bytes = kDefaultChunkBytes;
 
   /// Names of the conditions of the file, in its order, without kNominalCondition. Default: none.
   std::vector<std::string> conditions = {};

@@ -3,10 +3,28 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <string>
 
 namespace taxelsim {
+
+// A digest of bytes that are added one part after another.
+class Sha256 {
+ public:
+  Sha256();
+  ~Sha256();
+  Sha256(const Sha256&) = delete;
+  Sha256& operator=(const Sha256&) = delete;
+
+  void add(std::span<const std::byte> bytes);
+  // The digest as 64 lower-case hexadecimal digits. May be called once.
+  std::string finish();
+
+ private:
+  struct Context;
+  std::unique_ptr<Context> context_;
+};
 
 // The digest as 64 lower-case hexadecimal digits.
 std::string sha256Hex(std::span<const std::byte> bytes);

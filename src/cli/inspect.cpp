@@ -7,9 +7,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "base/text.h"
 #include "cli/commands.h"
 #include "cli/scene_name.h"
 #include "figures/text.h"
@@ -35,9 +37,28 @@ struct Statistics {
   double max = -std::numeric_limits<double>::infinity();
   double sum = 0;
   std::uint64_t num_finite = 0, num_non_finite = 0;
+  // How often each name occurs, in the order of the names: texts, or named values or bits.
+  std::vector<std::pair<std::string, std::uint64_t>> counts;
 
   double mean() const { return sum / static_cast<double>(num_finite); }
 };
+
+void addNumbers(const Column& column, const std::vector<double>& values, Statistics& statistics) {
+  const bool has_bits = !column.bit_names.empty();
+  for (const double value : values) {
+    if (!std::isfinite(value)) {
+      ++statistics.num_non_finite;
+      continue;
+    }
+    statistics.min = std::min(statistics.min, value);
+    statistics.max = std::max(statistics.max, value);
+    statistics.sum += value;
+    ++statistics.num_finite;
+    if (statistics.counts.empty()) continue;
+    const auto number = static_cast<std::uint64_t>(value);
+    for (std::size_t k = 0; k < statistics.counts.size(); ++k) statistics.counts[k].second += has_bits ? number >> k & 1 : number == k;
+  }
+}
 
 Statistics statisticsOf(const DatasetReader& reader, const Column& column) {
   std::size_t per_row = 1;
@@ -45,19 +66,35 @@ Statistics statisticsOf(const DatasetReader& reader, const Column& column) {
   const std::uint64_t num_rows = column.per_episode ? reader.numEpisodes() : reader.numFrames();
   const std::uint64_t step = std::max<std::uint64_t>(1, kValuesAtOnce / per_row);
   Statistics statistics;
+  std::map<std::string, std::uint64_t> texts;
+  for (const auto* names : {&column.value_names, &column.bit_names})
+    for (const std::string& name : *names) statistics.counts.emplace_back(name, 0);
   for (std::uint64_t first = 0; first < num_rows; first += step) {
-    for (const double value : reader.readAsDouble(column.name, first, std::min(step, num_rows - first))) {
-      if (!std::isfinite(value)) {
-        ++statistics.num_non_finite;
-        continue;
-      }
-      statistics.min = std::min(statistics.min, value);
-      statistics.max = std::max(statistics.max, value);
-      statistics.sum += value;
-      ++statistics.num_finite;
-    }
+    const std::uint64_t count = std::min(step, num_rows - first);
+    if (column.type == ScalarType::kText)
+      for (std::string& text : reader.readAsText(column.name, first, count)) ++texts[std::move(text)];
+    else
+      addNumbers(column, reader.readAsDouble(column.name, first, count), statistics);
   }
+  statistics.counts.insert(statistics.counts.end(), texts.begin(), texts.end());
   return statistics;
+}
+
+// "point 3, edge 12": the names that occur, at most a few.
+std::string countsText(const Statistics& statistics) {
+  static constexpr std::size_t kMost = 12;
+  std::vector<std::string> parts;
+  for (const auto& [name, count] : statistics.counts)
+    if (count > 0) parts.push_back(fmt::format("{} {}", oneLine(name), countText(count)));
+  const bool more = parts.size() > kMost;
+  parts.resize(std::min(parts.size(), kMost));
+  if (parts.empty()) return "none";
+  return fmt::format("{}{}", fmt::join(parts, ", "), more ? ", ..." : "");
+}
+
+// "uint16", or "text[12]".
+std::string typeText(const Column& column) {
+  return column.type == ScalarType::kText ? fmt::format("text[{}]", column.text_length) : nameOf(column.type);
 }
 
 // "6 x 14", or "-" for scalars.
@@ -100,42 +137,127 @@ Shards sorted(const std::vector<ShardStatus>& statuses) {
   return shards;
 }
 
+const char* nameOf(ViewStatus::State state) {
+  switch (state) {
+    case ViewStatus::State::kWhole:
+      return "whole";
+    case ViewStatus::State::kMissing:
+      return "missing";
+    case ViewStatus::State::kBroken:
+      return "broken";
+    case ViewStatus::State::kUnverified:
+      break;
+  }
+  return "unverified";
+}
+
+std::string viewText(const Shards& shards, const Manifest& manifest, ViewStatus::State state) {
+  switch (state) {
+    case ViewStatus::State::kWhole:
+      return "dataset.h5 verified";
+    case ViewStatus::State::kMissing:
+      return shards.whole < manifest.numShards() ? "dataset.h5 is written after the last shard"
+                                                 : "dataset.h5 is missing; `taxelsim generate` with the same scene writes it";
+    case ViewStatus::State::kBroken:
+      return "dataset.h5 is broken; `taxelsim generate` with the same scene writes it again";
+    case ViewStatus::State::kUnverified:
+      break;
+  }
+  return "dataset.h5 has no checksum in format 1";
+}
+
+// What was verified of the shards.
+std::string checkedText(const Manifest& manifest, bool quick) {
+  if (manifest.format_version > 1) return "all bytes";
+  return quick ? "headers" : "all values";
+}
+
+using Rows = std::vector<std::vector<std::string>>;
+
+// Length of the longest first cell.
+std::size_t widthOf(const Rows& rows) {
+  std::size_t width = 0;
+  for (const auto& row : rows) width = std::max(width, row[0].size());
+  return width;
+}
+
+Rows headingOf(const Manifest& manifest, const Shards& shards, const ViewStatus& view, const std::string& checked) {
+  return {{"scene", sceneName(manifest)},
+          {"sensor", manifest.sensor_name},
+          {"seed", std::to_string(manifest.seed)},
+          {"policy", manifest.policy.empty() ? "none" : oneLine(manifest.policy)},
+          {"device", manifest.device},
+          {"program", "taxelsim " + manifest.program_version},
+          {"format", std::to_string(manifest.format_version)},
+          {"shards", fmt::format("{} of {} complete, {} missing{}, {} broken{}", shards.whole, manifest.numShards(), shards.missing.size(),
+                                 listText(shards.missing), shards.broken.size(), listText(shards.broken))},
+          {"view", viewText(shards, manifest, view.state)},
+          {"SHA-256", shards.broken.empty() ? fmt::format("scene and {} of all shards on disk verified", checked)
+                                            : fmt::format("checksum mismatch in {}", shardsText(shards.broken))}};
+}
+
+nlohmann::ordered_json summaryOf(const Manifest& manifest, const Shards& shards, const ViewStatus& view, const std::string& checked) {
+  return {{"scene", sceneName(manifest)},
+          {"sensor", manifest.sensor_name},
+          {"num_rows", manifest.num_rows},
+          {"num_cols", manifest.num_cols},
+          {"seed", manifest.seed},
+          {"policy", manifest.policy},
+          {"device", manifest.device},
+          {"program_version", manifest.program_version},
+          {"format_version", manifest.format_version},
+          {"num_episodes", manifest.num_episodes},
+          {"compression", manifest.compression},
+          {"chunk_bytes", manifest.chunk_bytes},
+          {"shards", {{"expected", manifest.numShards()}, {"whole", shards.whole}, {"missing", shards.missing}, {"broken", shards.broken}}},
+          {"view", nameOf(view.state)},
+          {"checked", checked}};
+}
+
+nlohmann::ordered_json jsonOf(const Column& column, const Statistics& statistics) {
+  nlohmann::ordered_json entry{{"name", column.name}, {"type", taxelsim::nameOf(column.type)}, {"shape", column.shape},
+                               {"unit", column.unit}, {"description", column.description},     {"per_episode", column.per_episode}};
+  if (!statistics.counts.empty()) {
+    nlohmann::ordered_json counts = nlohmann::ordered_json::object();
+    for (const auto& [name, count] : statistics.counts) counts[name] = count;
+    entry["counts"] = counts;
+  }
+  if (column.type == ScalarType::kText) return entry;
+  const bool some = statistics.num_finite > 0;
+  entry["min"] = some ? nlohmann::ordered_json(statistics.min) : nullptr;
+  entry["mean"] = some ? nlohmann::ordered_json(statistics.mean()) : nullptr;
+  entry["max"] = some ? nlohmann::ordered_json(statistics.max) : nullptr;
+  entry["non_finite"] = statistics.num_non_finite;
+  return entry;
+}
+
+std::vector<std::string> rowOf(const Column& column, const Statistics& statistics) {
+  const bool some = statistics.num_finite > 0;
+  return {column.name,
+          typeText(column),
+          shapeText(column),
+          column.unit,
+          some ? roundedText(statistics.min) : "-",
+          some ? roundedText(statistics.mean()) : "-",
+          some ? roundedText(statistics.max) : "-",
+          countText(statistics.num_non_finite)};
+}
+
 int runInspect(const Arguments& arguments) {
   const Manifest manifest = readManifest(arguments.directory);
   const Shards shards = sorted(checkShards(arguments.directory, /*contents=*/!arguments.quick));
-  const std::string name = sceneName(manifest);
-  const std::string checked = arguments.quick ? "headers" : "all values";
-
-  nlohmann::ordered_json json{
-      {"scene", name},
-      {"sensor", manifest.sensor_name},
-      {"num_rows", manifest.num_rows},
-      {"num_cols", manifest.num_cols},
-      {"seed", manifest.seed},
-      {"device", manifest.device},
-      {"program_version", manifest.program_version},
-      {"num_episodes", manifest.num_episodes},
-      {"shards", {{"expected", manifest.numShards()}, {"whole", shards.whole}, {"missing", shards.missing}, {"broken", shards.broken}}},
-      {"checked", checked}};
-  std::vector<std::vector<std::string>> heading{
-      {"scene", name},
-      {"sensor", manifest.sensor_name},
-      {"seed", std::to_string(manifest.seed)},
-      {"device", manifest.device},
-      {"program", "taxelsim " + manifest.program_version},
-      {"shards", fmt::format("{} of {} complete, {} missing{}, {} broken{}", shards.whole, manifest.numShards(), shards.missing.size(),
-                             listText(shards.missing), shards.broken.size(), listText(shards.broken))},
-      {"SHA-256", shards.broken.empty() ? fmt::format("scene and {} of all shards on disk verified", checked)
-                                        : fmt::format("checksum mismatch in {}", shardsText(shards.broken))}};
-  const auto printHeading = [&] {
+  const ViewStatus view = checkView(arguments.directory);
+  const std::string checked = checkedText(manifest, arguments.quick);
+  nlohmann::ordered_json json = summaryOf(manifest, shards, view, checked);
+  Rows heading = headingOf(manifest, shards, view, checked);
+  const auto print = [&] {
+    if (arguments.json) return fmt::print("{}\n", json.dump(2));
     for (const auto& row : heading) fmt::print("{:<9} {}\n", row[0], row[1]);
   };
-  if (!shards.broken.empty()) {
-    if (arguments.json)
-      fmt::print("{}\n", json.dump(2));
-    else
-      printHeading();
-    throw Error(ErrorKind::kInput, shards.problem);
+  const bool is_view_broken = view.state == ViewStatus::State::kBroken;
+  if (!shards.broken.empty() || is_view_broken) {
+    print();
+    throw Error(ErrorKind::kInput, shards.broken.empty() ? view.problem : shards.problem);
   }
 
   const DatasetReader reader(arguments.directory, /*allow_incomplete=*/true);
@@ -144,27 +266,20 @@ int runInspect(const Arguments& arguments) {
   json["columns"] = nlohmann::ordered_json::array();
   heading.push_back({"episodes", fmt::format("{} of {}", countText(reader.numEpisodes()), countText(manifest.num_episodes))});
   heading.push_back({"frames", countText(reader.numFrames())});
-  std::vector<std::vector<std::string>> table{{"column", "type", "shape", "unit", "min", "mean", "max", "not finite"}};
+  Rows table{{"column", "type", "shape", "unit", "min", "mean", "max", "not finite"}}, names{{"column", "named values"}};
   for (const Column& column : manifest.columns) {
     const Statistics statistics = statisticsOf(reader, column);
-    nlohmann::ordered_json entry{{"name", column.name}, {"type", nameOf(column.type)},       {"shape", column.shape},
-                                 {"unit", column.unit}, {"description", column.description}, {"per_episode", column.per_episode}};
-    const bool some = statistics.num_finite > 0;
-    entry["min"] = some ? nlohmann::ordered_json(statistics.min) : nullptr;
-    entry["mean"] = some ? nlohmann::ordered_json(statistics.mean()) : nullptr;
-    entry["max"] = some ? nlohmann::ordered_json(statistics.max) : nullptr;
-    entry["non_finite"] = statistics.num_non_finite;
-    json["columns"].push_back(entry);
-    table.push_back({column.name, nameOf(column.type), shapeText(column), column.unit, some ? roundedText(statistics.min) : "-",
-                     some ? roundedText(statistics.mean()) : "-", some ? roundedText(statistics.max) : "-",
-                     countText(statistics.num_non_finite)});
+    json["columns"].push_back(jsonOf(column, statistics));
+    table.push_back(rowOf(column, statistics));
+    if (!statistics.counts.empty()) names.push_back({column.name, countsText(statistics)});
   }
-  if (arguments.json) {
-    fmt::print("{}\n", json.dump(2));
-    return kExitOk;
-  }
-  printHeading();
+  print();
+  if (arguments.json) return kExitOk;
   fmt::print("\n{}", tableText(table));
+  if (names.size() > 1) {
+    fmt::print("\n");
+    for (const auto& row : names) fmt::print("{:<{}}  {}\n", row[0], widthOf(names), row[1]);
+  }
   return kExitOk;
 }
 
@@ -184,11 +299,11 @@ void addInspect(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("inspect", "Print the contents of a data set and verify its checksums");
   command->footer(
       "Example:\n  taxelsim inspect out/\n"
-      "Reads every value and verifies its SHA-256. Exit status 2 if a shard is broken; lists missing shards.");
+      "Verifies the SHA-256 of every file before it is opened. Exit status 2 if a shard or dataset.h5 is broken; lists missing shards.");
   const auto arguments = std::make_shared<Arguments>();
   command->add_option("directory", arguments->directory, "Directory of the data set")->required()->type_name("DIR");
   command->add_flag("--json", arguments->json, "Print JSON");
-  command->add_flag("--quick", arguments->quick, "Verify the headers of shards only, not their values");
+  command->add_flag("--quick", arguments->quick, "Format 1: verify the headers of shards only, not their values");
   command->callback([arguments, &action] { action = [arguments] { return runInspect(*arguments); }; });
 }
 

@@ -24,14 +24,21 @@ void shuffleScalars(const std::byte* rows, std::size_t num_scalars, std::size_t 
 void shuffle(std::span<const std::byte> rows, std::size_t scalar_bytes, std::span<std::byte> shuffled) {
   const std::size_t num_scalars = rows.size() / scalar_bytes, num_in_chunk = shuffled.size() / scalar_bytes;
   switch (scalar_bytes) {
+    case 1:
+      shuffleScalars<1>(rows.data(), num_scalars, num_in_chunk, shuffled.data());
+      break;
     case 2:
       shuffleScalars<2>(rows.data(), num_scalars, num_in_chunk, shuffled.data());
       break;
     case 4:
       shuffleScalars<4>(rows.data(), num_scalars, num_in_chunk, shuffled.data());
       break;
-    default:
+    case 8:
       shuffleScalars<8>(rows.data(), num_scalars, num_in_chunk, shuffled.data());
+      break;
+    default:  // text
+      for (std::size_t i = 0; i < num_scalars; ++i)
+        for (std::size_t b = 0; b < scalar_bytes; ++b) shuffled[b * num_in_chunk + i] = rows[i * scalar_bytes + b];
   }
   for (std::size_t b = 0; b < scalar_bytes; ++b) {
     std::fill(shuffled.begin() + static_cast<std::ptrdiff_t>(b * num_in_chunk + num_scalars),

@@ -18,7 +18,7 @@ struct StoredChunk {
 };
 
 // HDF5's shuffle filter: the first bytes of all scalars, then all second bytes, and so on. `rows` is padded with zeros to the size of
-// `shuffled`. `scalar_bytes`: 2, 4 or 8.
+// `shuffled`. `scalar_bytes`: >= 1.
 void shuffle(std::span<const std::byte> rows, std::size_t scalar_bytes, std::span<std::byte> shuffled);
 
 class Compressor {

@@ -12,6 +12,8 @@ static_assert(std::endian::native == std::endian::little, "rows are hashed in me
 
 constexpr std::size_t kImageIncrement = std::size_t{256} << 10;  // bytes; step by which a file in memory grows
 
+constexpr unsigned kMaxCompactAttributes = 32;  // of the file: with more HDF5 moves attributes into a heap and a B-tree
+
 constexpr std::size_t kSuperblockVersionOffset = 8;  // bytes
 constexpr std::size_t kEndOfFileOffset = 28;
 constexpr std::size_t kSuperblockSize = 48;
@@ -26,11 +28,46 @@ herr_t collect(unsigned, const H5E_error2_t* error, void* data) {
   return 0;
 }
 
-Handle textType() {
+// UTF-8 of a fixed length, padded with zeros. HDF5 has no texts of length 0.
+Handle textType(std::size_t length) {
   Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  checked(H5Tset_size(type, std::max<std::size_t>(length, 1)));
+  checked(H5Tset_cset(type, H5T_CSET_UTF8));
+  checked(H5Tset_strpad(type, H5T_STR_NULLPAD));
+  return type;
+}
+
+hid_t numberType(ScalarType type) {
+  switch (type) {
+    case ScalarType::kUint8:
+      return H5T_STD_U8LE;
+    case ScalarType::kUint16:
+      return H5T_STD_U16LE;
+    case ScalarType::kInt16:
+      return H5T_STD_I16LE;
+    case ScalarType::kInt32:
+      return H5T_STD_I32LE;
+    case ScalarType::kUint64:
+      return H5T_STD_U64LE;
+    case ScalarType::kFloat32:
+      return H5T_IEEE_F32LE;
+    case ScalarType::kFloat64:
+    case ScalarType::kText:
+      break;
+  }
+  return H5T_IEEE_F64LE;
+}
+
+// A text of format 1.
+std::string readVariableText(hid_t attribute) {
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
   checked(H5Tset_size(type, H5T_VARIABLE));
   checked(H5Tset_cset(type, H5T_CSET_UTF8));
-  return type;
+  char* text = nullptr;
+  checked(H5Aread(attribute, type, &text));
+  std::string value = text != nullptr ? text : "";
+  H5free_memory(text);
+  return value;
 }
 
 }  // namespace
@@ -62,44 +99,28 @@ void Handle::close() {
   id_ = -1;
 }
 
-hid_t memoryType(ScalarType type) {
-  switch (type) {
-    case ScalarType::kUint16:
-      return H5T_NATIVE_UINT16;
-    case ScalarType::kInt32:
-      return H5T_NATIVE_INT32;
-    case ScalarType::kUint64:
-      return H5T_NATIVE_UINT64;
-    case ScalarType::kFloat32:
-      return H5T_NATIVE_FLOAT;
-    case ScalarType::kFloat64:
-      break;
-  }
-  return H5T_NATIVE_DOUBLE;
-}
-
-hid_t fileType(ScalarType type) {
-  switch (type) {
-    case ScalarType::kUint16:
-      return H5T_STD_U16LE;
-    case ScalarType::kInt32:
-      return H5T_STD_I32LE;
-    case ScalarType::kUint64:
-      return H5T_STD_U64LE;
-    case ScalarType::kFloat32:
-      return H5T_IEEE_F32LE;
-    case ScalarType::kFloat64:
-      break;
-  }
-  return H5T_IEEE_F64LE;
+Handle typeOf(const Column& column) {
+  if (column.type == ScalarType::kText) return textType(column.text_length);
+  return Handle(H5Tcopy(numberType(column.type)), H5Tclose);
 }
 
 void writeAttribute(hid_t object, const char* name, const std::string& value) {
-  const Handle type = textType();
+  const Handle type = textType(value.size());
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
   const Handle attribute(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-  const char* text = value.c_str();
-  checked(H5Awrite(attribute, type, &text));
+  checked(H5Awrite(attribute, type, value.c_str()));
+}
+
+void writeAttribute(hid_t object, const char* name, std::span<const std::string> values) {
+  std::size_t length = 1;
+  for (const std::string& value : values) length = std::max(length, value.size());
+  std::string texts;
+  for (const std::string& value : values) texts += value + std::string(length - value.size(), '\0');
+  const Handle type = textType(length);
+  const hsize_t count = values.size();
+  const Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose);
+  const Handle attribute(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  checked(H5Awrite(attribute, type, texts.data()));
 }
 
 void writeAttribute(hid_t object, const char* name, std::uint64_t value) {
@@ -108,18 +129,17 @@ void writeAttribute(hid_t object, const char* name, std::uint64_t value) {
   checked(H5Awrite(attribute, H5T_NATIVE_UINT64, &value));
 }
 
-std::string readTextAttribute(hid_t object, const char* name) {
+std::string readTextAttribute(hid_t object, const char* name, std::uint64_t format) {
   const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
   const Handle stored(H5Aget_type(attribute), H5Tclose);
   const Handle space(H5Aget_space(attribute), H5Sclose);
-  if (checked(H5Tis_variable_str(stored)) <= 0 || H5Sget_simple_extent_npoints(space) != 1)
-    throw Hdf5Error(std::string("attribute ") + name + " is not a text");
-  const Handle type = textType();
-  char* text = nullptr;
-  checked(H5Aread(attribute, type, &text));
-  std::string value = text != nullptr ? text : "";
-  H5free_memory(text);
-  return value;
+  const bool is_variable = checked(H5Tis_variable_str(stored)) > 0;
+  if (H5Tget_class(stored) != H5T_STRING || is_variable != (format == 1) || H5Sget_simple_extent_npoints(space) != 1)
+    throw Hdf5Error(std::string("attribute ") + name + " is not a text as in format " + std::to_string(format));
+  if (is_variable) return readVariableText(attribute);
+  std::string value(H5Tget_size(stored), '\0');
+  checked(H5Aread(attribute, stored, value.data()));
+  return value.substr(0, value.find('\0'));
 }
 
 std::uint64_t readNumberAttribute(hid_t object, const char* name) {
@@ -170,6 +190,7 @@ FileImage::FileImage(H5F_libver_t format, std::size_t metadata_bytes) {
   checked(H5Pset_file_image_callbacks(access, &callbacks));
   const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
   checked(H5Pset_obj_track_times(creation, false));
+  checked(H5Pset_attr_phase_change(creation, kMaxCompactAttributes, 0));
   file_.emplace(H5Fcreate("taxelsim", H5F_ACC_TRUNC, creation, access), H5Fclose);
 }
 
@@ -185,7 +206,8 @@ Handle FileImage::datasetProperties() const {
   return properties;
 }
 
-Handle FileImage::createDataset(const std::string& name, ScalarType type, std::span<const hsize_t> shape, hid_t properties) {
+Handle FileImage::createDataset(const Column& column, std::span<const hsize_t> shape, hid_t properties) {
+  const std::string& name = column.name;
   // Groups that HDF5 creates implicitly would have time stamps.
   for (std::size_t slash = name.find('/'); slash != std::string::npos; slash = name.find('/', slash + 1)) {
     const std::string group = name.substr(0, slash);
@@ -195,7 +217,7 @@ Handle FileImage::createDataset(const std::string& name, ScalarType type, std::s
     const Handle created(H5Gcreate2(*file_, group.c_str(), H5P_DEFAULT, creation, H5P_DEFAULT), H5Gclose);
   }
   const Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose);
-  return Handle(H5Dcreate2(*file_, name.c_str(), fileType(type), space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose);
+  return Handle(H5Dcreate2(*file_, name.c_str(), typeOf(column), space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose);
 }
 
 void FileImage::placeRows(hid_t data, std::span<const std::byte> rows) {

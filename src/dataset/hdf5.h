@@ -69,13 +69,16 @@ T checked(T value) {
   return value;
 }
 
-hid_t memoryType(ScalarType type);
-hid_t fileType(ScalarType type);  // little-endian on every machine
+// Type of a column's values in file and memory: little-endian, or text of a fixed length.
+Handle typeOf(const Column& column);
 
-// Scalar attributes of a file or data set. Throw Hdf5Error.
+// Attributes of a file or data set. Throw Hdf5Error. Texts have a fixed length: libhdf5 1.10.8 reads past its buffer where the length of a
+// variable-length text is damaged.
 void writeAttribute(hid_t object, const char* name, const std::string& value);
+void writeAttribute(hid_t object, const char* name, std::span<const std::string> values);  // not empty
 void writeAttribute(hid_t object, const char* name, std::uint64_t value);
-std::string readTextAttribute(hid_t object, const char* name);
+// `format`: of the data set. Format 1 has texts of variable length, which are refused in later formats.
+std::string readTextAttribute(hid_t object, const char* name, std::uint64_t format);
 std::uint64_t readNumberAttribute(hid_t object, const char* name);
 
 // An HDF5 file that is created in memory. HDF5 cannot close a file that it fails to flush, so it must not write to a disk that may be full.
@@ -92,7 +95,7 @@ class FileImage {
   // Creation properties for data sets without time stamps and fill values.
   Handle datasetProperties() const;
   // Creates a data set, and the groups in its path.
-  Handle createDataset(const std::string& name, ScalarType type, std::span<const hsize_t> shape, hid_t properties);
+  Handle createDataset(const Column& column, std::span<const hsize_t> shape, hid_t properties);
   // Adds rows to a data set without copying them; they must outlive the FileContent. The data set must be contiguous with early allocation,
   // and have the same type in file and memory.
   void placeRows(hid_t data, std::span<const std::byte> rows);

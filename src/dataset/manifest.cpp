@@ -11,46 +11,14 @@
 
 #include "base/sha256.h"
 #include "base/text.h"
+#include "dataset/column.h"
+#include "dataset/manifest_fields.h"
 #include "taxelsim/error.h"
 
-namespace taxelsim {
-
-const char* nameOf(ScalarType type) {
-  switch (type) {
-    case ScalarType::kUint16:
-      return "uint16";
-    case ScalarType::kInt32:
-      return "int32";
-    case ScalarType::kUint64:
-      return "uint64";
-    case ScalarType::kFloat32:
-      return "float32";
-    case ScalarType::kFloat64:
-      break;
-  }
-  return "float64";
-}
-
-std::size_t scalarSize(ScalarType type) {
-  switch (type) {
-    case ScalarType::kUint16:
-      return 2;
-    case ScalarType::kInt32:
-    case ScalarType::kFloat32:
-      return 4;
-    case ScalarType::kUint64:
-    case ScalarType::kFloat64:
-      break;
-  }
-  return 8;
-}
-
-namespace dataset {
+namespace taxelsim::dataset {
 namespace {
 
-constexpr std::array kTypes{ScalarType::kUint16, ScalarType::kInt32, ScalarType::kUint64, ScalarType::kFloat32, ScalarType::kFloat64};
-constexpr std::size_t kMaxRowBytes = std::size_t{1} << 30;
-constexpr std::size_t kMaxDimensions = 8;
+constexpr std::uint64_t kMaxShards = 1000000;
 constexpr std::uint64_t kMaxEpisodes = std::uint64_t{1} << 48;
 constexpr int kMaxCompression = 9;
 
@@ -58,128 +26,11 @@ constexpr int kMaxCompression = 9;
   throw Error(ErrorKind::kInput, "data set: " + message);
 }
 
-// A double-quoted YAML scalar.
-std::string quoted(const std::string& text) {
-  static constexpr char kDigits[] = "0123456789abcdef";
-  std::string result = "\"";
-  for (const char c : text) {
-    const auto code = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\') {
-      result += '\\';
-      result += c;
-    } else if (c == '\n') {
-      result += "\\n";
-    } else if (code < 0x20 || code == 0x7f) {
-      result += {'\\', 'x', kDigits[code >> 4], kDigits[code & 15]};
-    } else {
-      result += c;
-    }
-  }
-  return result + '"';
-}
-
-// A literal YAML block if that preserves every byte, since it is readable; a quoted scalar otherwise.
-std::string block(const std::string& text) {
-  const bool fits_block = text.size() > 1 && text.front() != ' ' && text.front() != '\n' && text.back() == '\n' &&
-                          text[text.size() - 2] != '\n' &&
-                          std::none_of(text.begin(), text.end(), [](unsigned char c) { return (c < 0x20 && c != '\n') || c == 0x7f; });
-  if (!fits_block) return quoted(text) + "\n";
-  std::string result = "|\n";
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) result += line.empty() ? "\n" : "  " + line + "\n";
-  return result;
-}
-
-bool isColumnName(const std::string& name) {
-  if (name.empty() || name.front() == '/' || name.back() == '/' || name.find("//") != std::string::npos) return false;
-  return std::all_of(name.begin(), name.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '/';
-  });
-}
-
-void checkColumn(const Column& column) {
-  const std::string name = "column \"" + column.name + "\"";
-  if (!isColumnName(column.name)) fail(name + ": a name consists of letters, digits and _, with / between its parts");
-  if (!column.name.starts_with(column.per_episode ? "meta/" : "data/"))
-    fail(name + ": names of columns per frame start with data/, of columns per episode with meta/");
-  if (column.name == kEpisodeEnds) fail(name + ": is written to every shard and must not be listed");
-  if (column.unit.empty() || column.description.empty()) fail(name + ": unit (\"1\" for none) or description is missing");
-  if (column.shape.size() > kMaxDimensions) fail(name + ": has more than " + std::to_string(kMaxDimensions) + " dimensions");
-  std::size_t bytes = scalarSize(column.type);
-  for (const std::size_t length : column.shape) {
-    if (length == 0 || length > kMaxRowBytes / bytes) fail(name + ": every length of its shape must be 1 or more, a row at most 1 GiB");
-    bytes *= length;
-  }
-}
-
-// Typed access to the keys of a YAML mapping.
-class Fields {
- public:
-  Fields(const std::filesystem::path& file, const YAML::Node& node) : file_(file), node_(node) {
-    if (!node.IsMap()) fail(node, "is not a mapping");
-  }
-
-  template <typename T>
-  T get(const char* key) const {
-    const YAML::Node value = at(key);
-    try {
-      return value.as<T>();
-    } catch (const YAML::Exception&) {
-      fail(value, std::string("key ") + key + " has a value of the wrong type");
-    }
-  }
-
-  bool has(const char* key) const { return static_cast<bool>(node_[key]); }
-
-  YAML::Node at(const char* key) const {
-    const YAML::Node value = node_[key];
-    if (!value) fail(node_, std::string("key ") + key + " is missing");
-    return value;
-  }
-
-  [[noreturn]] void fail(const YAML::Node& where, const std::string& what) const {
-    throw Error(ErrorKind::kInput, file_.string() + ":" + std::to_string(where.Mark().line + 1) + ": " + what);
-  }
-
- private:
-  const std::filesystem::path& file_;
-  YAML::Node node_;
-};
-
-Column parseColumn(const std::filesystem::path& file, const YAML::Node& node) {
-  const Fields fields(file, node);
-  Column column;
-  column.name = fields.get<std::string>("name");
-  const auto type_name = fields.get<std::string>("type");
-  const auto type = std::find_if(kTypes.begin(), kTypes.end(), [&](ScalarType t) { return type_name == nameOf(t); });
-  if (type == kTypes.end()) fields.fail(node, "type \"" + type_name + "\" is not one of uint16, int32, uint64, float32, float64");
-  column.type = *type;
-  column.shape = fields.get<std::vector<std::size_t>>("shape");
-  column.unit = fields.get<std::string>("unit");
-  column.description = fields.get<std::string>("description");
-  const auto rows = fields.get<std::string>("rows");
-  if (rows != "frames" && rows != "episodes") fields.fail(node, "rows is \"" + rows + "\", not frames or episodes");
-  column.per_episode = rows == "episodes";
-  return column;
-}
-
-std::string shapeText(const std::vector<std::size_t>& shape) {
-  std::string text = "[";
-  for (const std::size_t length : shape) text += (text.size() > 1 ? ", " : "") + std::to_string(length);
-  return text + "]";
-}
-
 }  // namespace
 
 std::string shardName(std::uint64_t shard) {
   const std::string digits = std::to_string(shard);
   return "shard-" + std::string(digits.size() < 6 ? 6 - digits.size() : 0, '0') + digits + ".h5";
-}
-
-std::size_t rowBytes(const Column& column) {
-  std::size_t bytes = scalarSize(column.type);
-  for (const std::size_t length : column.shape) bytes *= length;
-  return bytes;
 }
 
 std::uint64_t firstEpisode(const Manifest& manifest, std::uint64_t shard) {
@@ -199,8 +50,17 @@ void checkManifest(const Manifest& manifest) {
   if (!inRange(manifest.num_episodes)) fail("num_episodes is " + std::to_string(manifest.num_episodes) + ", not 1 to 2^48");
   if (!inRange(manifest.episodes_per_shard))
     fail("episodes_per_shard is " + std::to_string(manifest.episodes_per_shard) + ", not 1 to 2^48");
+  if (manifest.numShards() > kMaxShards)
+    fail("episodes_per_shard is " + std::to_string(manifest.episodes_per_shard) + ": " + std::to_string(manifest.numShards()) +
+         " shards, at most " + std::to_string(kMaxShards) + " allowed");
   if (manifest.compression < 0 || manifest.compression > kMaxCompression)
     fail("compression is " + std::to_string(manifest.compression) + ", not 0 to 9");
+  if (manifest.chunk_bytes < kMinChunkBytes || manifest.chunk_bytes > kMaxChunkBytes)
+    fail("chunk_bytes is " + std::to_string(manifest.chunk_bytes) + ", not " + std::to_string(kMinChunkBytes) + " to " +
+         std::to_string(kMaxChunkBytes));
+  for (const std::string* text : {&manifest.program_version, &manifest.device, &manifest.policy})
+    if (text->size() > kMaxAttributeBytes)
+      fail("program_version, device or policy is longer than " + std::to_string(kMaxAttributeBytes) + " bytes");
   if (manifest.num_rows < 0 || manifest.num_cols < 0) fail("num_rows and num_cols must not be negative");
   for (const double pitch : manifest.pitch)
     if (!std::isfinite(pitch) || pitch < 0) fail("pitch must be finite and not negative");
@@ -221,27 +81,21 @@ std::string writeManifest(const Manifest& manifest) {
   std::ostringstream out;
   out.imbue(std::locale::classic());
   out << "# A taxelsim data set: frames in shard-*.h5, all of them through dataset.h5.\n"
-      << "format_version: " << kFormatVersion << "\n"
+      << "format_version: " << manifest.format_version << "\n"
       << "program_version: " << quoted(manifest.program_version) << "\n"
       << "scene_sha256: " << sceneHash(manifest) << "\n"
       << "seed: " << manifest.seed << "\n"
       << "num_episodes: " << manifest.num_episodes << "\n"
       << "episodes_per_shard: " << manifest.episodes_per_shard << "\n"
       << "compression: " << manifest.compression << "\n"
+      << "chunk_bytes: " << manifest.chunk_bytes << "\n"
       << "device: " << quoted(manifest.device) << "\n"
-      << (manifest.policy.empty() ? "" : "policy: " + quoted(manifest.policy) + "\n") << "sensor: {name: " << quoted(manifest.sensor_name)
-      << ", num_rows: " << manifest.num_rows << ", num_cols: " << manifest.num_cols << ", pitch: [" << numberText(manifest.pitch[0]) << ", "
-      << numberText(manifest.pitch[1]) << "]"
+      << "policy: " << quoted(manifest.policy) << "\n"
+      << "sensor: {name: " << quoted(manifest.sensor_name) << ", num_rows: " << manifest.num_rows << ", num_cols: " << manifest.num_cols
+      << ", pitch: [" << numberText(manifest.pitch[0]) << ", " << numberText(manifest.pitch[1]) << "]"
       << "}\n"
       << "columns:\n";
-  for (const Column& column : manifest.columns) {
-    out << "  - name: " << column.name << "\n"
-        << "    type: " << nameOf(column.type) << "\n"
-        << "    shape: " << shapeText(column.shape) << "\n"
-        << "    unit: " << quoted(column.unit) << "\n"
-        << "    rows: " << (column.per_episode ? "episodes" : "frames") << "\n"
-        << "    description: " << quoted(column.description) << "\n";
-  }
+  for (const Column& column : manifest.columns) out << writeColumn(column);
   out << "scene: " << block(manifest.scene);
   return std::move(out).str();
 }
@@ -254,19 +108,23 @@ Manifest parseManifest(const std::filesystem::path& file, const std::string& tex
     throw Error(ErrorKind::kInput, file.string() + ":" + std::to_string(error.mark.line + 1) + ": invalid YAML: " + error.msg);
   }
   const Fields fields(file, root);
-  const auto version = fields.get<std::uint64_t>("format_version");
-  if (version != kFormatVersion)
-    fields.fail(fields.at("format_version"), "format_version is " + std::to_string(version) + "; this program reads " +
-                                                 std::to_string(kFormatVersion) +
-                                                 (version > kFormatVersion ? ": the data set was written by a newer taxelsim" : ""));
   Manifest manifest;
+  manifest.format_version = fields.get<std::uint64_t>("format_version");
+  if (manifest.format_version < 1 || manifest.format_version > kDatasetFormat)
+    fields.fail(fields.at("format_version"),
+                "format_version is " + std::to_string(manifest.format_version) + "; this program reads 1 to " +
+                    std::to_string(kDatasetFormat) +
+                    (manifest.format_version > kDatasetFormat ? ": the data set was written by a newer taxelsim" : ""));
   manifest.program_version = fields.get<std::string>("program_version");
   manifest.seed = fields.get<std::uint64_t>("seed");
   manifest.num_episodes = fields.get<std::uint64_t>("num_episodes");
   manifest.episodes_per_shard = fields.get<std::uint64_t>("episodes_per_shard");
   manifest.compression = fields.get<int>("compression");
   manifest.device = fields.get<std::string>("device");
-  if (fields.has("policy")) manifest.policy = fields.get<std::string>("policy");
+  if (manifest.format_version > 1) {
+    manifest.chunk_bytes = fields.get<std::uint64_t>("chunk_bytes");
+    manifest.policy = fields.get<std::string>("policy");
+  }
   const Fields sensor(file, fields.at("sensor"));
   manifest.sensor_name = sensor.get<std::string>("name");
   manifest.num_rows = sensor.get<int>("num_rows");
@@ -294,6 +152,7 @@ void checkSame(const std::filesystem::path& directory, const Manifest& found, co
     out << directory.string() << ": holds a data set with another " << what << " (" << there << " there, " << here << " requested)";
     throw Error(ErrorKind::kInput, out.str() + ": choose another directory");
   };
+  compare("format", found.format_version, requested.format_version);
   compare("seed", found.seed, requested.seed);
   compare("program version", found.program_version, requested.program_version);
   compare("device", found.device, requested.device);
@@ -301,6 +160,7 @@ void checkSame(const std::filesystem::path& directory, const Manifest& found, co
   compare("policy", policy(found), policy(requested));
   compare("number of episodes per shard", found.episodes_per_shard, requested.episodes_per_shard);
   compare("compression", found.compression, requested.compression);
+  compare("chunk size", found.chunk_bytes, requested.chunk_bytes);
   compare("sensor", found.sensor_name, requested.sensor_name);
   compare("number of rows", found.num_rows, requested.num_rows);
   compare("number of columns", found.num_cols, requested.num_cols);
@@ -312,12 +172,8 @@ void checkSame(const std::filesystem::path& directory, const Manifest& found, co
     const Column& a = found.columns[i];
     const Column& b = requested.columns[i];
     compare("column", a.name, b.name);
-    const auto detail = [](const Column& c) {
-      return std::string(nameOf(c.type)) + shapeText(c.shape) + " " + c.unit + ", " + c.description;
-    };
-    compare("column " + a.name, detail(a), detail(b));
+    compare("column " + a.name, detailOf(a), detailOf(b));
   }
 }
 
-}  // namespace dataset
-}  // namespace taxelsim
+}  // namespace taxelsim::dataset

@@ -9,16 +9,11 @@
 
 namespace taxelsim::dataset {
 
-inline constexpr std::uint64_t kFormatVersion = 1;
 inline constexpr const char* kManifestName = "dataset.yaml";
 inline constexpr const char* kViewName = "dataset.h5";
-inline constexpr const char* kEpisodeEnds = "meta/episode_ends";
 
 // "shard-000012.h5"
 std::string shardName(std::uint64_t shard);
-
-// Bytes of one row.
-std::size_t rowBytes(const Column& column);
 
 // First episode and number of episodes of a shard.
 std::uint64_t firstEpisode(const Manifest& manifest, std::uint64_t shard);
@@ -33,7 +28,7 @@ void checkManifest(const Manifest& manifest);
 // YAML text. Deterministic.
 std::string writeManifest(const Manifest& manifest);
 
-// Throws Error(kInput), with file and line, for text that is not a valid manifest of this format version.
+// Throws Error(kInput), with file and line, for text that is not a valid manifest of format 1 or 2.
 Manifest parseManifest(const std::filesystem::path& file, const std::string& text);
 
 // Checks that the data set in `directory` with manifest `found` can be resumed with manifest `requested`, that is, that both give the same

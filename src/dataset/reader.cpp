@@ -2,9 +2,11 @@
 #include <cstring>
 #include <span>
 
+#include "dataset/column.h"
 #include "dataset/files.h"
 #include "dataset/manifest.h"
 #include "dataset/shard.h"
+#include "dataset/view.h"
 #include "taxelsim/dataset.h"
 #include "taxelsim/error.h"
 
@@ -15,6 +17,8 @@ using namespace dataset;
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::uintmax_t kMaxManifestBytes = std::uintmax_t{64} << 20;
 
 template <typename T>
 std::vector<double> toDoubles(std::span<const std::byte> bytes) {
@@ -33,6 +37,8 @@ Manifest readManifest(const fs::path& directory) {
   std::error_code error;
   const fs::path file = directory / kManifestName;
   if (!fs::exists(file, error)) throw Error(ErrorKind::kInput, directory.string() + ": no data set: it has no " + kManifestName);
+  if (!fs::is_regular_file(file, error) || fs::file_size(file, error) > kMaxManifestBytes)
+    throw Error(ErrorKind::kInput, file.string() + ": is not a file of at most " + std::to_string(kMaxManifestBytes >> 20) + " MiB");
   return parseManifest(file, readTextFile(file));
 }
 
@@ -57,34 +63,98 @@ std::vector<ShardStatus> checkShards(const fs::path& directory, bool contents) {
   return result;
 }
 
+ViewStatus checkView(const fs::path& directory) {
+  const Manifest manifest = readManifest(directory);
+  const fs::path file = directory / kViewName;
+  std::error_code error;
+  if (!fs::exists(file, error)) return {.state = ViewStatus::State::kMissing, .problem = {}};
+  if (manifest.format_version == 1) return {.state = ViewStatus::State::kUnverified, .problem = {}};
+  try {
+    viewEnds(file, manifest);
+  } catch (const Error& problem) {
+    return {.state = ViewStatus::State::kBroken, .problem = problem.what()};
+  }
+  return {};
+}
+
 struct DatasetReader::Impl {
   struct Shard {
     fs::path file;
+    std::uint64_t number = 0;
     std::uint64_t first_frame = 0, num_frames = 0;
     std::uint64_t first_episode = 0, num_episodes = 0;  // counted over the shards present
+    bool is_checked = false;
   };
 
   Manifest manifest;
   std::vector<Shard> shards;
   std::vector<std::uint64_t> episode_ends;
   std::vector<std::uint64_t> missing;
+
+  // Ends of all episodes of the data set if the view is whole, else empty.
+  std::vector<std::uint64_t> endsOfView(const fs::path& directory) const;
+  // `ends`: of the shard's episodes, from its start.
+  void addShard(Shard shard, std::span<const std::uint64_t> ends);
+  // Checks a shard before its first row is read.
+  void check(Shard& shard) const;
+  const Column& column(const std::string& name) const;
 };
+
+std::vector<std::uint64_t> DatasetReader::Impl::endsOfView(const fs::path& directory) const {
+  if (manifest.format_version == 1) return {};
+  try {
+    return viewEnds(directory / kViewName, manifest);
+  } catch (const Error&) {
+    return {};  // the shards have the same values
+  }
+}
+
+void DatasetReader::Impl::addShard(Shard shard, std::span<const std::uint64_t> ends) {
+  shard.first_frame = episode_ends.empty() ? 0 : episode_ends.back();
+  shard.num_frames = ends.back();
+  shard.first_episode = episode_ends.size();
+  shard.num_episodes = ends.size();
+  for (const std::uint64_t end : ends) episode_ends.push_back(shard.first_frame + end);
+  shards.push_back(std::move(shard));
+}
+
+void DatasetReader::Impl::check(Shard& shard) const {
+  if (shard.is_checked) return;
+  const std::vector<std::uint64_t> ends = checkShard(shard.file, manifest, shard.number, /*contents=*/true);
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    if (shard.first_frame + ends[i] != episode_ends[shard.first_episode + i])
+      throw Error(ErrorKind::kInput, shard.file.string() + ": its episodes have other lengths than in " + kViewName);
+  }
+  shard.is_checked = true;
+}
+
+const Column& DatasetReader::Impl::column(const std::string& name) const {
+  const auto found = std::find_if(manifest.columns.begin(), manifest.columns.end(), [&](const Column& c) { return c.name == name; });
+  if (found == manifest.columns.end()) throw Error(ErrorKind::kInput, "data set: there is no column \"" + name + "\"");
+  return *found;
+}
 
 DatasetReader::DatasetReader(fs::path directory, bool allow_incomplete) : impl_(std::make_unique<Impl>()) {
   impl_->manifest = readManifest(directory);
-  std::uint64_t num_frames = 0;
-  for (std::uint64_t shard = 0; shard < impl_->manifest.numShards(); ++shard) {
-    const fs::path file = directory / shardName(shard);
+  const std::vector<std::uint64_t> all_ends = impl_->endsOfView(directory);
+  for (std::uint64_t number = 0; number < impl_->manifest.numShards(); ++number) {
+    Impl::Shard shard{.file = directory / shardName(number), .number = number};
     std::error_code error;
-    if (!fs::exists(file, error)) {
-      if (!allow_incomplete) throw Error(ErrorKind::kInput, file.string() + ": this shard is missing: the data set is not complete");
-      impl_->missing.push_back(shard);
+    if (!fs::exists(shard.file, error)) {
+      if (!allow_incomplete) throw Error(ErrorKind::kInput, shard.file.string() + ": this shard is missing: the data set is not complete");
+      impl_->missing.push_back(number);
       continue;
     }
-    const std::vector<std::uint64_t> ends = checkShard(file, impl_->manifest, shard, /*contents=*/false);
-    impl_->shards.push_back({file, num_frames, ends.back(), impl_->episode_ends.size(), ends.size()});
-    for (const std::uint64_t end : ends) impl_->episode_ends.push_back(num_frames + end);
-    num_frames += ends.back();
+    std::vector<std::uint64_t> ends;
+    if (all_ends.empty()) {
+      ends = checkShard(shard.file, impl_->manifest, number, /*contents=*/false);
+      shard.is_checked = impl_->manifest.format_version > 1;
+    } else {
+      const std::uint64_t first = firstEpisode(impl_->manifest, number);
+      const std::uint64_t first_frame = first > 0 ? all_ends[first - 1] : 0;
+      for (std::uint64_t i = 0; i < dataset::numEpisodes(impl_->manifest, number); ++i) ends.push_back(all_ends[first + i] - first_frame);
+    }
+    impl_->addShard(std::move(shard), ends);
   }
 }
 
@@ -108,32 +178,34 @@ const std::vector<std::uint64_t>& DatasetReader::missingShards() const {
 }
 
 std::vector<std::byte> DatasetReader::read(const std::string& name, std::uint64_t first, std::uint64_t count) const {
-  const auto& columns = impl_->manifest.columns;
-  const auto column = std::find_if(columns.begin(), columns.end(), [&](const Column& c) { return c.name == name; });
-  if (column == columns.end()) throw Error(ErrorKind::kInput, "data set: there is no column \"" + name + "\"");
+  const Column* const column = &impl_->column(name);
   const std::uint64_t num_rows = column->per_episode ? numEpisodes() : numFrames();
   if (first > num_rows || count > num_rows - first)
     throw Error(ErrorKind::kInput, "data set: column " + name + " has " + std::to_string(num_rows) +
                                        " rows; requested: " + std::to_string(count) + " from row " + std::to_string(first));
   const std::size_t row_bytes = rowBytes(*column);
   std::vector<std::byte> rows(row_bytes * count);
-  for (const Impl::Shard& shard : impl_->shards) {
+  for (Impl::Shard& shard : impl_->shards) {
     const std::uint64_t begin = column->per_episode ? shard.first_episode : shard.first_frame;
     const std::uint64_t end = begin + (column->per_episode ? shard.num_episodes : shard.num_frames);
     const std::uint64_t from = std::max(first, begin);
     const std::uint64_t to = std::min(first + count, end);
-    if (from < to) readShardRows(shard.file, *column, from - begin, to - from, rows.data() + (from - first) * row_bytes);
+    if (from >= to) continue;
+    impl_->check(shard);
+    readShardRows(shard.file, *column, from - begin, to - from, rows.data() + (from - first) * row_bytes);
   }
   return rows;
 }
 
 std::vector<double> DatasetReader::readAsDouble(const std::string& name, std::uint64_t first, std::uint64_t count) const {
   const std::vector<std::byte> bytes = read(name, first, count);
-  const auto& columns = impl_->manifest.columns;
-  const auto column = std::find_if(columns.begin(), columns.end(), [&](const Column& c) { return c.name == name; });
-  switch (column->type) {
+  switch (impl_->column(name).type) {
+    case ScalarType::kUint8:
+      return toDoubles<std::uint8_t>(bytes);
     case ScalarType::kUint16:
       return toDoubles<std::uint16_t>(bytes);
+    case ScalarType::kInt16:
+      return toDoubles<std::int16_t>(bytes);
     case ScalarType::kInt32:
       return toDoubles<std::int32_t>(bytes);
     case ScalarType::kUint64:
@@ -141,9 +213,23 @@ std::vector<double> DatasetReader::readAsDouble(const std::string& name, std::ui
     case ScalarType::kFloat32:
       return toDoubles<float>(bytes);
     case ScalarType::kFloat64:
+      return toDoubles<double>(bytes);
+    case ScalarType::kText:
       break;
   }
-  return toDoubles<double>(bytes);
+  throw Error(ErrorKind::kInput, "data set: column " + name + " has text, not numbers");
+}
+
+std::vector<std::string> DatasetReader::readAsText(const std::string& name, std::uint64_t first, std::uint64_t count) const {
+  const std::vector<std::byte> bytes = read(name, first, count);
+  const Column& column = impl_->column(name);
+  if (column.type != ScalarType::kText) throw Error(ErrorKind::kInput, "data set: column " + name + " has numbers, not text");
+  std::vector<std::string> texts;
+  for (std::size_t at = 0; at < bytes.size(); at += column.text_length) {
+    const char* const text = reinterpret_cast<const char*>(bytes.data() + at);
+    texts.emplace_back(text, std::find(text, text + column.text_length, '\0'));
+  }
+  return texts;
 }
 
 }  // namespace taxelsim

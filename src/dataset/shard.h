@@ -17,12 +17,13 @@ class Compressor;
 // level, null if that is 0. Throws Error(kInput) if `data` does not match the manifest, Error(kIo) if HDF5 fails.
 FileContent shardImage(const Manifest& manifest, std::uint64_t shard, const ShardData& data, Compressor* compressor);
 
-// Checks that the file is that shard of that data set, with all columns in their types and shapes; with `contents` also that all rows match
-// their SHA-256. Returns the end of each episode in frames from the start of the shard (num_episodes). Throws Error(kInput) with the file
-// and the problem.
+// Checks that the file is that shard of that data set, with all columns in their types and shapes. Verifies its checksum before HDF5 opens
+// it; in format 1, which has none, the SHA-256 of all rows if `contents`. Returns the end of each episode in frames from the start of the
+// shard (num_episodes). Throws Error(kInput) with the file and the problem.
 std::vector<std::uint64_t> checkShard(const std::filesystem::path& file, const Manifest& manifest, std::uint64_t shard, bool contents);
 
-// Reads rows [first, first + count) of a column, which must be in range, to `rows`. Throws Error(kInput) if HDF5 fails.
+// Reads rows [first, first + count) of a column, which must be in range, to `rows`. The shard must have passed checkShard(). Throws
+// Error(kInput) if HDF5 fails.
 void readShardRows(const std::filesystem::path& file, const Column& column, std::uint64_t first, std::uint64_t count, std::byte* rows);
 
 }  // namespace taxelsim::dataset

@@ -2,7 +2,8 @@
 
 #include <span>
 
-#include "dataset/hdf5.h"
+#include "dataset/checksum.h"
+#include "dataset/column_io.h"
 #include "dataset/manifest.h"
 #include "taxelsim/error.h"
 
@@ -27,9 +28,13 @@ void writeVirtualColumn(FileImage& image, const Column& column, const std::vecto
     checked(H5Pset_virtual(properties, space, shardName(shard).c_str(), ("/" + column.name).c_str(), source));
     start[0] += count[0];
   }
-  const Handle data = image.createDataset(column.name, column.type, shape, properties);
-  writeAttribute(data, "unit", column.unit);
-  writeAttribute(data, "description", column.description);
+  writeColumnAttributes(image.createDataset(column, shape, properties), column);
+}
+
+Column allEndsColumn() {
+  Column column = episodeEndsColumn();
+  column.description = "Number of frames up to the end of each episode, counted from the first frame of all.";
+  return column;
 }
 
 }  // namespace
@@ -44,25 +49,44 @@ FileContent viewImage(const Manifest& manifest, const std::vector<std::vector<st
   try {
     const Hdf5Session session;
     FileImage image(H5F_LIBVER_V110, kMetadataBytes);  // the first version with virtual data sets
-    writeAttribute(image.file(), "format_version", kFormatVersion);
+    writeAttribute(image.file(), "format_version", manifest.format_version);
     writeAttribute(image.file(), "num_shards", shard_ends.size());
     writeAttribute(image.file(), "num_episodes", ends.size());
     writeAttribute(image.file(), "num_frames", first_frame);
     writeAttribute(image.file(), "seed", manifest.seed);
     writeAttribute(image.file(), "scene_sha256", sceneHash(manifest));
+    writeAttribute(image.file(), "policy", manifest.policy);
     {
       // A virtual data set cannot add the offset of each shard, so the values are stored.
-      const hsize_t shape[] = {ends.size()};
-      const Handle data = image.createDataset(kEpisodeEnds, ScalarType::kUint64, shape, image.datasetProperties());
-      writeAttribute(data, "unit", std::string("1"));
-      writeAttribute(data, "description",
-                     std::string("Number of frames up to the end of each episode, counted from the first frame of all."));
-      checked(H5Dwrite(data, H5T_NATIVE_UINT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, ends.data()));
+      const Column column = allEndsColumn();
+      const Handle data = image.createDataset(column, shapeOf(column, ends.size()), image.datasetProperties());
+      writeColumnAttributes(data, column);
+      checked(H5Dwrite(data, typeOf(column), H5S_ALL, H5S_ALL, H5P_DEFAULT, ends.data()));
     }
     for (const Column& column : manifest.columns) writeVirtualColumn(image, column, shard_ends);
     return image.close();
   } catch (const Hdf5Error& error) {
     throw Error(ErrorKind::kIo, std::string("cannot create ") + kViewName + ": " + error.what());
+  }
+}
+
+std::vector<std::uint64_t> viewEnds(const std::filesystem::path& file, const Manifest& manifest) {
+  const std::uint64_t format = manifest.format_version;
+  verifyChecksum(file);
+  try {
+    const Hdf5Session session;
+    const Handle handle = openForReading(file);
+    expectNumber(handle, "format_version", format);
+    expectNumber(handle, "num_shards", manifest.numShards());
+    expectNumber(handle, "num_episodes", manifest.num_episodes);
+    expectNumber(handle, "seed", manifest.seed);
+    expectText(handle, "scene_sha256", sceneHash(manifest), format);
+    expectText(handle, "policy", manifest.policy, format);
+    const Column column = allEndsColumn();
+    return readEnds(openColumn(handle, column, manifest.num_episodes, format), column, manifest.num_episodes);
+  } catch (const Hdf5Error& problem) {
+    throw Error(ErrorKind::kInput,
+                file.string() + ": broken or foreign view: " + problem.what() + "; resume the data set to write it again");
   }
 }
 

@@ -4,6 +4,7 @@
 #include <system_error>
 #include <thread>
 
+#include "dataset/checksum.h"
 #include "dataset/compressor.h"
 #include "dataset/files.h"
 #include "dataset/manifest.h"
@@ -74,13 +75,16 @@ struct DatasetWriter::Impl {
                                          std::to_string(manifest.num_episodes) + " episodes: " + shardName(last) +
                                          " is complete and would change (" + std::to_string(manifest.episodes_per_shard) +
                                          " episodes per shard)");
-    removeFile(directory / kViewName);
+    removeWithChecksum(directory / kViewName);
     writeManifestFile();
   }
 };
 
 DatasetWriter::DatasetWriter(fs::path directory, Manifest manifest) : impl_(std::make_unique<Impl>()) {
   checkManifest(manifest);
+  if (manifest.format_version != kDatasetFormat)
+    throw Error(ErrorKind::kInput, "data set: format " + std::to_string(manifest.format_version) +
+                                       " cannot be written; this program writes " + std::to_string(kDatasetFormat));
   impl_->directory = std::move(directory);
   impl_->manifest = std::move(manifest);
   try {
@@ -116,7 +120,7 @@ void DatasetWriter::writeShard(std::uint64_t shard, const ShardData& data) {
                 "data set: there is no shard " + std::to_string(shard) + ": it has " + std::to_string(impl_->shard_ends.size()));
   if (isComplete(shard)) throw Error(ErrorKind::kInput, impl_->shardFile(shard).string() + ": is complete already");
   Compressor* const compressor = impl_->compressor ? &*impl_->compressor : nullptr;
-  writeFileAtomically(impl_->shardFile(shard), shardImage(impl_->manifest, shard, data, compressor));
+  writeWithChecksum(impl_->shardFile(shard), shardImage(impl_->manifest, shard, data, compressor));
   std::uint64_t end = 0;
   for (const std::uint64_t length : data.episode_lengths) impl_->shard_ends[shard].push_back(end += length);
 }
@@ -125,7 +129,7 @@ void DatasetWriter::finish() {
   for (std::uint64_t shard = 0; shard < impl_->shard_ends.size(); ++shard)
     if (!isComplete(shard) || !fs::exists(impl_->shardFile(shard)))
       throw Error(ErrorKind::kIo, impl_->shardFile(shard).string() + ": is missing; the data set is incomplete");
-  writeFileAtomically(impl_->directory / kViewName, viewImage(impl_->manifest, impl_->shard_ends));
+  writeWithChecksum(impl_->directory / kViewName, viewImage(impl_->manifest, impl_->shard_ends));
 }
 
 }  // namespace taxelsim

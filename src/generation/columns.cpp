@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
+#include <limits>
 #include <set>
 #include <string>
 
@@ -40,10 +42,50 @@ constexpr const char* kReadoutForces = "the taxel forces as the readout has them
 
 // Where the features of one view become columns.
 struct FeatureGroup {
-  std::string prefix;               // of the column names, below data/
-  std::string forces;               // source of the features, for descriptions
+  std::string prefix;  // of the column names, below data/
+  std::string forces;  // source of the features, for descriptions
+  const Sensor& sensor;
   std::vector<std::size_t> rows{};  // (num_rows), or empty for one row
 };
+
+// Names of ContactType's values and of the bits of a robot's status.
+const std::vector<std::string> kContactTypeNames{"none", "point", "edge", "area"};
+const std::vector<std::string> kRobotStatusNames{"joint_limit", "velocity_limit", "singular", "lost"};
+const std::vector<std::string> kFlagNames{"false", "true"};
+
+// Smallest type of counts and indices up to `largest`.
+ScalarType countType(std::size_t largest) {
+  return largest <= std::numeric_limits<std::uint16_t>::max() ? ScalarType::kUint16 : ScalarType::kInt32;
+}
+
+// The same with -1.
+ScalarType indexType(std::size_t largest) {
+  return largest <= static_cast<std::size_t>(std::numeric_limits<std::int16_t>::max()) ? ScalarType::kInt16 : ScalarType::kInt32;
+}
+
+// Integer type of a feature: patch is -1 to the number of patches or taxels, counts are at most the number of taxels or iterations.
+ScalarType integerType(std::string_view feature, const Sensor& sensor) {
+  const auto num_taxels = static_cast<std::size_t>(numTaxels(sensor));
+  if (feature == "patch") return indexType(num_taxels);
+  return countType(std::max<std::size_t>(num_taxels, kMaxLayerIterations));
+}
+
+// Type of a feature's column, and the names of its values.
+template <typename Field>
+void setType(const Field& field, const Sensor& sensor, Column& column) {
+  struct Visitor {
+    const Sensor& sensor;
+    std::string_view name;
+    Column& column;
+
+    void set(std::span<const float>) {}
+    void set(std::span<const std::int32_t>) { column.type = integerType(name, sensor); }
+    void set(std::span<const bool>) { column.type = ScalarType::kUint8, column.value_names = kFlagNames; }
+    void set(std::span<const ContactType>) { column.type = ScalarType::kUint8, column.value_names = kContactTypeNames; }
+  };
+  Visitor visitor{sensor, field.name, column};
+  std::visit([&]<typename T, typename View>(std::span<const T> View::*) { visitor.set(std::span<const T>()); }, field.member);
+}
 
 // A column of float32 values.
 FrameColumn floatColumn(const std::string& name, std::vector<std::size_t> shape, std::string_view unit, std::string description,
@@ -63,6 +105,7 @@ void addFeatures(std::vector<FrameColumn>& columns, std::span<const Field> table
     if (parts > 1) shape.push_back(parts);
     columns.push_back(floatColumn(group.prefix + std::string(field.name), std::move(shape), field.unit, field.description(group.forces),
                                   [&field, view](const FrameView& frame) { return field.values(view(frame)); }));
+    setType(field, group.sensor, columns.back().column);
   }
 }
 
@@ -70,7 +113,7 @@ template <typename View>
 void addContactFeatures(std::vector<FrameColumn>& columns, const FeatureGroup& group, View view) {
   addFeatures(columns, imageFeatures(), group, view);
   addFeatures(columns, contactFeatures(), group, view);
-  addFeatures(columns, regionFeatures(), {group.prefix, group.forces}, view);
+  addFeatures(columns, regionFeatures(), {group.prefix, group.forces, group.sensor}, view);
 }
 
 constexpr std::size_t kTwist = 6;  // coordinates
@@ -81,7 +124,7 @@ void addJacobian(std::vector<FrameColumn>& columns, const FeatureGroup& group, V
 }
 
 void addGroundTruth(const Scene& scene, std::vector<FrameColumn>& columns) {
-  const FeatureGroup group{"ground_truth/", kTrueForces};
+  const FeatureGroup group{"ground_truth/", kTrueForces, scene.sensor};
   const auto truth = [](const FrameView& frame) -> const GroundTruthView& { return frame.ground_truth; };
   addFeatures(columns, imageFeatures(), group, truth);
   const bool is_layer = std::holds_alternative<ElasticLayer>(scene.sensor.skin.law);
@@ -90,6 +133,26 @@ void addGroundTruth(const Scene& scene, std::vector<FrameColumn>& columns) {
       addFeatures(columns, std::span(&field, 1), group, truth);
     }
   }
+  const bool has_edge = std::any_of(scene.objects.begin(), scene.objects.end(),
+                                    [](const SceneObject& object) { return object.edge || !object.contour.empty(); });
+  if (!has_edge) return;
+  columns.push_back({{"data/ground_truth/exact_edge_angle",
+                      ScalarType::kFloat32,
+                      {},
+                      "rad",
+                      "Angle of the object's edge, from its pose, in the xy plane of the sensor frame, in (-pi/2, pi/2]; 0 where "
+                      "exact_edge_known is 0.",
+                      false},
+                     Source::kExactEdge});
+  columns.push_back({{"data/ground_truth/exact_edge_known",
+                      ScalarType::kUint8,
+                      {},
+                      "1",
+                      "1 if the object has an edge or a contour and its direction has an angle in the xy plane of the sensor frame.",
+                      false,
+                      0,
+                      kFlagNames},
+                     Source::kExactEdgeKnown});
 }
 
 // Arrays over the taxels.
@@ -116,21 +179,21 @@ void addRows(const Scene& scene, const std::set<std::string>& groups, std::vecto
   const auto num_rows = static_cast<std::size_t>(1 + numFeaturePatches(scene.sensor));
   const std::size_t num_contact_rows = num_rows + static_cast<std::size_t>(numRegions(scene));
   if (groups.contains("contact_features")) {
-    addContactFeatures(columns, {"contact/", kMeasuredForces, {num_contact_rows}},
+    addContactFeatures(columns, {"contact/", kMeasuredForces, scene.sensor, {num_contact_rows}},
                        [](const FrameView& frame) -> const ContactFeatureView& { return frame.contact; });
   }
   if (groups.contains("clean_contact_features")) {
-    addContactFeatures(columns, {"ground_truth/contact/", kTrueForces, {num_contact_rows}},
+    addContactFeatures(columns, {"ground_truth/contact/", kTrueForces, scene.sensor, {num_contact_rows}},
                        [](const FrameView& frame) -> const ContactFeatureView& { return frame.ground_truth.contact; });
   }
   if (groups.contains("tactile_jacobian")) {
-    addJacobian(columns, {"jacobian/", kReadoutForces, {num_rows}},
+    addJacobian(columns, {"jacobian/", kReadoutForces, scene.sensor, {num_rows}},
                 [](const FrameView& frame) -> const TactileJacobianView& { return frame.jacobian; });
   }
   if (groups.contains("clean_tactile_jacobian")) {
     const auto view = [](const FrameView& frame) -> const CleanTactileJacobianView& { return frame.ground_truth.jacobian; };
-    addJacobian(columns, {"ground_truth/jacobian/", kTrueForces, {num_rows}}, view);
-    addFeatures(columns, wrenchJacobian(), {"ground_truth/jacobian/", kTrueForces}, view, kTwist);
+    addJacobian(columns, {"ground_truth/jacobian/", kTrueForces, scene.sensor, {num_rows}}, view);
+    addFeatures(columns, wrenchJacobian(), {"ground_truth/jacobian/", kTrueForces, scene.sensor}, view, kTwist);
   }
 }
 
@@ -160,10 +223,11 @@ void addRobot(const Robot& robot, std::vector<FrameColumn>& columns) {
                        Source source) {
     columns.push_back({{std::string("data/robot/") + name, type, std::move(shape), unit, description, false}, source});
   };
-  add("status", ScalarType::kInt32, {}, "1",
+  add("status", ScalarType::kUint8, {}, "1",
       "Limits that the robot met before this frame, a sum: 1 a joint at its position limit, 2 too fast a twist or a drive behind its "
       "command, 4 near a singular pose, 8 no finite twist; 0 none.",
       Source::kRobotStatus);
+  columns.back().column.bit_names = kRobotStatusNames;
   const auto* manipulator = std::get_if<Manipulator>(&robot);
   if (manipulator == nullptr) return;
   std::string names;
@@ -176,7 +240,8 @@ void addRobot(const Robot& robot, std::vector<FrameColumn>& columns) {
 
 // Whether every sensor of a robot has values of this source, as opposed to the robot.
 bool isOfSensor(Source source) {
-  return source == Source::kImage || source == Source::kFeature || source == Source::kPose || source == Source::kSensorPose;
+  return source == Source::kImage || source == Source::kFeature || source == Source::kExactEdge || source == Source::kExactEdgeKnown ||
+         source == Source::kPose || source == Source::kSensorPose;
 }
 
 std::vector<FrameColumn> frameColumns(const Scene& scene, const std::set<std::string>& groups) {
@@ -188,8 +253,8 @@ std::vector<FrameColumn> frameColumns(const Scene& scene, const std::set<std::st
   }
   if (groups.contains("features")) {
     const auto frame_itself = [](const FrameView& frame) -> const FrameView& { return frame; };
-    addFeatures(columns, imageFeatures(), {"", kMeasuredForces}, frame_itself);
-    addFeatures(columns, readoutFeatures(), {"", kMeasuredForces}, frame_itself);
+    addFeatures(columns, imageFeatures(), {"", kMeasuredForces, scene.sensor}, frame_itself);
+    addFeatures(columns, readoutFeatures(), {"", kMeasuredForces, scene.sensor}, frame_itself);
   }
   if (groups.contains("ground_truth")) addGroundTruth(scene, columns);
   addTaxels(scene, groups, columns);
@@ -205,35 +270,88 @@ std::vector<FrameColumn> frameColumns(const Scene& scene, const std::set<std::st
   return columns;
 }
 
-std::vector<EpisodeColumn> episodeColumns(const Scene& scene) {
+template <typename T>
+void writeValue(T value, std::byte* row) {
+  std::memcpy(row, &value, sizeof value);
+}
+
+// Columns of an episode.
+class EpisodeColumns {
+ public:
+  void add(const char* name, const char* unit, const char* description, std::uint64_t EpisodeRecord::*field) {
+    add(name, ScalarType::kUint64, unit, description,
+        [field](const EpisodeValues& values, std::byte* row) { writeValue(values.record.*field, row); });
+  }
+  void add(const char* name, const char* unit, const char* description, float EpisodeRecord::*field) {
+    add(name, ScalarType::kFloat32, unit, description,
+        [field](const EpisodeValues& values, std::byte* row) { writeValue(values.record.*field, row); });
+  }
+  void addFlag(const char* name, const char* description, std::function<bool(const EpisodeValues&)> flag) {
+    add(name, ScalarType::kUint8, "1", description, [flag = std::move(flag)](const EpisodeValues& values, std::byte* row) {
+      writeValue(static_cast<std::uint8_t>(flag(values)), row);
+    });
+    columns.back().column.value_names = kFlagNames;
+  }
+  // Index into `names`, or -1 if `may_be_none`, and the name, which is empty for -1.
+  void addChoice(const std::string& name, const char* index_text, const char* name_text, const std::vector<std::string>& names,
+                 std::int32_t EpisodeRecord::*field, bool may_be_none) {
+    const ScalarType type = may_be_none ? indexType(names.size()) : countType(names.size());
+    add(name, type, "1", index_text, [field, type](const EpisodeValues& values, std::byte* row) {
+      const std::int32_t index = values.record.*field;
+      if (type == ScalarType::kInt32)
+        writeValue(index, row);
+      else
+        writeValue(static_cast<std::int16_t>(index), row);  // the same bytes as uint16
+    });
+    std::size_t length = 1;
+    for (const std::string& choice : names) length = std::max(length, choice.size());
+    add(name + "_name", ScalarType::kText, "1", name_text, [field, names, length](const EpisodeValues& values, std::byte* row) {
+      const std::int32_t index = values.record.*field;
+      std::string text = index < 0 ? "" : names[static_cast<std::size_t>(index)];
+      text.resize(length, '\0');
+      std::memcpy(row, text.data(), length);
+    });
+    columns.back().column.text_length = length;
+  }
+
   std::vector<EpisodeColumn> columns;
-  const auto add = [&](const char* name, ScalarType type, const char* unit, const char* description, std::size_t offset) {
-    columns.push_back({{std::string("meta/") + name, type, {}, unit, description, true}, offset});
-  };
-  add("episode", ScalarType::kUint64, "1", "Number of the episode; with the seed it keys all random numbers of the episode.",
-      offsetof(EpisodeRecord, episode));
-  add("object", ScalarType::kInt32, "1", "Index of the object in the scene, from 0.", offsetof(EpisodeRecord, object));
-  add("load", ScalarType::kFloat32, "N", "Normal force prescribed at the start; 0 if load_driven is 0.", offsetof(EpisodeRecord, load));
-  add("load_driven", ScalarType::kInt32, "1", "1 if the episode starts at a prescribed load, 0 if at a prescribed depth.",
-      offsetof(EpisodeRecord, load_driven));
-  add("depth", ScalarType::kFloat32, "m", "Depth of the object's lowest point below the undeformed skin in the first frame.",
-      offsetof(EpisodeRecord, depth));
-  add("load_reached", ScalarType::kInt32, "1", "0 if the skin could not carry the load; the first frame then shows the deepest contact.",
-      offsetof(EpisodeRecord, load_reached));
-  add("gain", ScalarType::kFloat32, "1", "Factor on the gain of every taxel.", offsetof(EpisodeRecord, gain));
-  add("gain_spread", ScalarType::kFloat32, "1", "Standard deviation of the logarithm of a further gain per taxel.",
-      offsetof(EpisodeRecord, gain_spread));
-  add("noise", ScalarType::kFloat32, "counts", "Standard deviation of the noise added to the sensor's own.",
-      offsetof(EpisodeRecord, noise));
-  if (scene.kind != Scene::Kind::kServo) return columns;
-  add("controller", ScalarType::kInt32, "1", "Index of the controller in the scene, from 0.", offsetof(EpisodeRecord, controller));
-  add("exploration_velocity", ScalarType::kFloat32, "m/s", "Exploration velocity, in the controller's exploration direction.",
-      offsetof(EpisodeRecord, exploration_velocity));
-  add("linear_action_noise", ScalarType::kFloat32, "m/s", "Standard deviation of the noise on each linear velocity.",
-      offsetof(EpisodeRecord, linear_action_noise));
-  add("angular_action_noise", ScalarType::kFloat32, "rad/s", "Standard deviation of the noise on each angular velocity.",
-      offsetof(EpisodeRecord, angular_action_noise));
-  return columns;
+
+ private:
+  void add(const std::string& name, ScalarType type, const char* unit, const char* description,
+           std::function<void(const EpisodeValues&, std::byte*)> write) {
+    columns.push_back({{"meta/" + name, type, {}, unit, description, true}, std::move(write)});
+  }
+};
+
+std::vector<EpisodeColumn> episodeColumns(const Scene& scene) {
+  EpisodeColumns columns;
+  std::vector<std::string> objects, controllers;
+  for (const SceneObject& object : scene.objects) objects.push_back(object.object.name);
+  for (const SceneController& controller : scene.controllers) controllers.push_back(controller.name);
+  columns.add("episode", "1", "Number of the episode; with the seed it keys all random numbers of the episode.", &EpisodeRecord::episode);
+  columns.addChoice("object", "Index of the object in the scene, from 0.", "Name of the object in the scene.", objects,
+                    &EpisodeRecord::object, false);
+  columns.add("load", "N", "Normal force prescribed at the start; 0 if load_driven is 0.", &EpisodeRecord::load);
+  columns.addFlag("load_driven", "1 if the episode starts at a prescribed load, 0 if at a prescribed depth.",
+                  [](const EpisodeValues& values) { return values.record.load_driven != 0; });
+  columns.add("depth", "m", "Depth of the object's lowest point below the undeformed skin in the first frame.", &EpisodeRecord::depth);
+  columns.addFlag("load_reached", "0 if the skin could not carry the load; the first frame then shows the deepest contact.",
+                  [](const EpisodeValues& values) { return values.record.load_reached != 0; });
+  columns.add("gain", "1", "Factor on the gain of every taxel.", &EpisodeRecord::gain);
+  columns.add("gain_spread", "1", "Standard deviation of the logarithm of a further gain per taxel.", &EpisodeRecord::gain_spread);
+  columns.add("noise", "counts", "Standard deviation of the noise added to the sensor's own.", &EpisodeRecord::noise);
+  if (scene.kind != Scene::Kind::kServo) return std::move(columns.columns);
+  columns.addChoice("controller", "Index of the controller in the scene, from 0; -1 for a policy.",
+                    "Name of the controller in the scene; empty for a policy.", controllers, &EpisodeRecord::controller, true);
+  columns.add("exploration_velocity", "m/s", "Exploration velocity, in the controller's exploration direction.",
+              &EpisodeRecord::exploration_velocity);
+  columns.add("linear_action_noise", "m/s", "Standard deviation of the noise on each linear velocity.",
+              &EpisodeRecord::linear_action_noise);
+  columns.add("angular_action_noise", "rad/s", "Standard deviation of the noise on each angular velocity.",
+              &EpisodeRecord::angular_action_noise);
+  if (scene.task)
+    columns.addFlag("success", "1 if the episode met the task of the scene.", [](const EpisodeValues& values) { return values.success; });
+  return std::move(columns.columns);
 }
 
 }  // namespace
@@ -254,7 +372,7 @@ OutputOptions outputsOf(const Scene& scene) {
 }
 
 std::size_t rowBytes(const Column& column) {
-  std::size_t bytes = scalarSize(column.type);
+  std::size_t bytes = scalarSize(column);
   for (const std::size_t extent : column.shape) bytes *= extent;
   return bytes;
 }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "episodes/episode_sink.h"
@@ -20,6 +21,8 @@ struct FrameColumn {
     kTime,
     kImage,
     kFeature,
+    kExactEdge,       // the column after it is kExactEdgeKnown
+    kExactEdgeKnown,  // written with kExactEdge
     kPose,
     kSensorPose,
     kAction,
@@ -34,10 +37,16 @@ struct FrameColumn {
   std::function<FeatureValues(const FrameView&)> values{};  // kFeature only: (N x row)
 };
 
-// One value per episode, at `offset` of EpisodeRecord.
+// Values of a finished episode.
+struct EpisodeValues {
+  EpisodeRecord record;
+  bool success = false;  // of the task
+};
+
+// One value per episode.
 struct EpisodeColumn {
   Column column;
-  std::size_t offset = 0;
+  std::function<void(const EpisodeValues&, std::byte* row)> write;
 };
 
 struct ColumnPlan {

@@ -54,7 +54,8 @@ void checkHostMemory(const Scene& scene, const GenerateOptions& options) {
 
 Manifest manifestOf(const Scene& scene, const Device& device, const std::optional<Policy>& policy) {
   const bool one_grid = scene.sensor.patches.size() == 1;
-  return {.scene = scene.resolved,
+  return {.format_version = kDatasetFormat,
+          .scene = scene.resolved,
           .sensor_name = scene.sensor.name,
           .num_rows = one_grid ? scene.sensor.patches[0].num_rows : 0,
           .num_cols = one_grid ? scene.sensor.patches[0].num_cols : 0,
@@ -63,6 +64,7 @@ Manifest manifestOf(const Scene& scene, const Device& device, const std::optiona
           .num_episodes = scene.num_episodes,
           .episodes_per_shard = scene.episodes_per_shard,
           .compression = scene.compression,
+          .chunk_bytes = scene.chunk_bytes,
           .program_version = kVersion,
           .device = device.info().name + ", " + device.info().driver,
           .policy = policy ? policy->id : "",
@@ -116,14 +118,14 @@ void Run::report(SteadyClock::time_point now) {
 
 void Run::simulate(const Model& model, const SlicePlan& plan, ShardQueue& queue) {
   const int batch_size = static_cast<int>(std::min<std::uint64_t>(options_.batch_size, queue.numEpisodesLeft()));
-  const Recorder recorder(planColumns(plan.scene));
+  const Recorder recorder(planColumns(plan.scene), plan.edges);
   // All episodes of a batch end at the same time, and with them up to maxOpenShards() shards: the queue takes them without blocking.
   ShardWriter shard_writer(writer_, maxOpenShards(plan.scene, options_));
   std::vector<std::unique_ptr<ShardSink>> sinks;
   std::vector<std::unique_ptr<Slice>> slices;
   int first_instance = 0;
   for (const int size : splitBatch(model, plan, batch_size, options_.num_slices)) {
-    sinks.push_back(std::make_unique<ShardSink>(recorder, queue, shard_writer, plan.num_frames, size));
+    sinks.push_back(std::make_unique<ShardSink>(plan, recorder, queue, shard_writer, size));
     slices.push_back(std::make_unique<Slice>(model, plan, size, *sinks.back(), first_instance));
     first_instance += size;
   }

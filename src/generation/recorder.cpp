@@ -1,6 +1,7 @@
 #include "generation/recorder.h"
 
 #include <array>
+#include <cmath>
 #include <cstring>
 
 namespace taxelsim {
@@ -40,16 +41,34 @@ void copyRows(std::span<const float> values, std::size_t num_floats, std::span<c
   }
 }
 
-// Integers, flags and enums are float32 columns.
-template <typename T>
-void copyRows(std::span<const T> values, std::size_t width, std::span<const FramePlace> places, std::size_t column) {
-  forEachRow(places, column, width * sizeof(float), [&](std::size_t i, std::byte* to) {
-    for (const T value : values.subspan(i * width, width)) {
-      const auto number = static_cast<float>(value);
+template <typename To, typename From>
+void convertRows(std::span<const From> values, std::size_t width, std::span<const FramePlace> places, std::size_t column) {
+  forEachRow(places, column, width * sizeof(To), [&](std::size_t i, std::byte* to) {
+    for (const From value : values.subspan(i * width, width)) {
+      const auto number = static_cast<To>(value);
       std::memcpy(to, &number, sizeof number);
       to += sizeof number;
     }
   });
+}
+
+void copyFeature(std::span<const float> values, ScalarType, std::size_t width, std::span<const FramePlace> places, std::size_t column) {
+  copyRows(values, width, places, column);
+}
+
+// Integers, flags and enumerations, in the integer type of their column.
+template <typename From>
+void copyFeature(std::span<const From> values, ScalarType type, std::size_t width, std::span<const FramePlace> places, std::size_t column) {
+  switch (type) {
+    case ScalarType::kUint8:
+      return convertRows<std::uint8_t>(values, width, places, column);
+    case ScalarType::kUint16:
+      return convertRows<std::uint16_t>(values, width, places, column);
+    case ScalarType::kInt16:
+      return convertRows<std::int16_t>(values, width, places, column);
+    default:
+      return convertRows<std::int32_t>(values, width, places, column);
+  }
 }
 
 void copyImages(std::span<const std::uint32_t> counts, std::size_t num_taxels, std::span<const FramePlace> places, std::size_t column) {
@@ -93,6 +112,22 @@ void copyTwists(std::span<const Twist> twists, std::span<const FramePlace> place
 
 }  // namespace
 
+void Recorder::recordExactEdge(const FrameContext& context, std::span<const FramePlace> places, std::size_t angle_column) const {
+  const auto num_sensors = static_cast<std::size_t>(context.num_sensors);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const FramePlace& place = places[i];
+    if (!place.columns) continue;
+    for (std::size_t s = 0; s < num_sensors; ++s) {
+      const double exact = edges_[place.object].project(context.X_SO[i * num_sensors + s]).angle;
+      const std::uint8_t known = std::isfinite(exact);
+      const float angle = known ? static_cast<float>(exact) : 0.0f;
+      const std::uint64_t at = place.row * num_sensors + s;
+      std::memcpy(place.columns[angle_column] + at * sizeof angle, &angle, sizeof angle);
+      std::memcpy(place.columns[angle_column + 1] + at * sizeof known, &known, sizeof known);
+    }
+  }
+}
+
 void Recorder::recordFrames(const FrameView& frame, const FrameContext& context, std::span<const FramePlace> places) const {
   for (std::size_t c = 0; c < plan_.frame.size(); ++c) {
     const FrameColumn& entry = plan_.frame[c];
@@ -105,7 +140,13 @@ void Recorder::recordFrames(const FrameView& frame, const FrameContext& context,
         copyImages(frame.tactile_image, row_bytes / sizeof(std::uint16_t), places, c);
         break;
       case FrameColumn::Source::kFeature:
-        std::visit([&](const auto& values) { copyRows(values, row_bytes / sizeof(float), places, c); }, entry.values(frame));
+        std::visit([&](const auto& values) { copyFeature(values, entry.column.type, row_bytes / scalarSize(entry.column), places, c); },
+                   entry.values(frame));
+        break;
+      case FrameColumn::Source::kExactEdge:
+        recordExactEdge(context, places, c);
+        break;
+      case FrameColumn::Source::kExactEdgeKnown:
         break;
       case FrameColumn::Source::kPose:
         copyPoses(context.X_SO, static_cast<std::size_t>(context.num_sensors), places, c);
@@ -126,20 +167,16 @@ void Recorder::recordFrames(const FrameView& frame, const FrameContext& context,
         copyDoubles(context.robots->jointVelocities(), row_bytes, places, c);
         break;
       case FrameColumn::Source::kRobotStatus:
-        forEachRow(places, c, sizeof(std::int32_t), [&](std::size_t i, std::byte* to) {
-          const std::int32_t status = context.robots->status()[i];
-          std::memcpy(to, &status, sizeof status);
-        });
+        convertRows<std::uint8_t>(context.robots->status(), 1, places, c);
         break;
     }
   }
 }
 
-void Recorder::recordEpisode(const EpisodeRecord& record, const EpisodePlace& place) const {
-  const std::byte* bytes = reinterpret_cast<const std::byte*>(&record);
+void Recorder::recordEpisode(const EpisodeValues& values, const EpisodePlace& place) const {
   for (std::size_t c = 0; c < plan_.episode.size(); ++c) {
-    const std::size_t row_bytes = rowBytes(plan_.episode[c].column);
-    std::memcpy(place.buffer->columns[plan_.frame.size() + c] + place.row * row_bytes, bytes + plan_.episode[c].offset, row_bytes);
+    const EpisodeColumn& entry = plan_.episode[c];
+    entry.write(values, place.buffer->columns[plan_.frame.size() + c] + place.row * rowBytes(entry.column));
   }
 }
 

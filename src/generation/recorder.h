@@ -5,6 +5,7 @@
 #include <span>
 
 #include "episodes/episode_sink.h"
+#include "episodes/true_edge.h"
 #include "generation/columns.h"
 #include "generation/shard_queue.h"
 
@@ -14,20 +15,24 @@ namespace taxelsim {
 struct FramePlace {
   std::byte* const* columns = nullptr;  // ShardBuffer::columns; null if the instance is idle
   std::uint64_t row = 0;                // frame row in the shard
+  std::size_t object = 0;               // index of the episode's object in the scene
 };
 
 // Thread-safe for disjoint places: stateless after construction.
 class Recorder {
  public:
-  explicit Recorder(const ColumnPlan& plan) : plan_(plan) {}
+  // edges (num_objects): must outlive this.
+  Recorder(const ColumnPlan& plan, std::span<const TrueEdge> edges) : plan_(plan), edges_(edges) {}
 
   // Frame of all instances; places (num_instances).
   void recordFrames(const FrameView& frame, const FrameContext& context, std::span<const FramePlace> places) const;
-  // Constants of an episode.
-  void recordEpisode(const EpisodeRecord& record, const EpisodePlace& place) const;
+  void recordEpisode(const EpisodeValues& values, const EpisodePlace& place) const;
 
  private:
+  void recordExactEdge(const FrameContext& context, std::span<const FramePlace> places, std::size_t angle_column) const;
+
   ColumnPlan plan_;
+  std::span<const TrueEdge> edges_;
 };
 
 }  // namespace taxelsim

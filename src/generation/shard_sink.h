@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "episodes/episode_sink.h"
+#include "episodes/task_judge.h"
 #include "generation/recorder.h"
 #include "generation/shard_queue.h"
 #include "generation/shard_writer.h"
@@ -14,8 +15,8 @@ namespace taxelsim {
 
 class ShardSink : public EpisodeSink {
  public:
-  // All references must outlive this. The sinks of all slices share the queue, and must be used by one thread. num_frames: per episode.
-  ShardSink(const Recorder& recorder, ShardQueue& queue, ShardWriter& writer, int num_frames, int num_instances);
+  // All references must outlive this. The sinks of all slices share the queue, and must be used by one thread.
+  ShardSink(const EpisodePlan& plan, const Recorder& recorder, ShardQueue& queue, ShardWriter& writer, int num_instances);
 
   std::optional<std::uint64_t> next(int instance) override;
   void begin(int instance, const EpisodeRecord& record) override;
@@ -27,10 +28,12 @@ class ShardSink : public EpisodeSink {
   const Recorder& recorder_;
   ShardQueue& queue_;
   ShardWriter& writer_;
-  std::uint64_t num_frames_;
+  std::uint64_t num_frames_;        // per episode
+  std::optional<TaskJudge> judge_;  // of scenes with a task
 
   // (num_instances)
   std::vector<EpisodePlace> episodes_;
+  std::vector<EpisodeRecord> records_;
   std::vector<FramePlace> frames_;
 };
 

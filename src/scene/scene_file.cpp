@@ -180,11 +180,12 @@ std::uint64_t overridden(const YamlMap& map, std::string_view key, std::uint64_t
 }
 
 void readDataSet(const YamlMap& parent, const SceneOverrides& overrides, Scene& scene) {
-  const YamlMap map(parent, "data_set", {"episodes", "seed", "episodes_per_shard", "compression"});
+  const YamlMap map(parent, "data_set", {"episodes", "seed", "episodes_per_shard", "compression", "chunk_bytes"});
   scene.num_episodes = overridden(map, "episodes", 1, kMaxEpisodes, scene.num_episodes, overrides.num_episodes);
   scene.seed = overridden(map, "seed", 0, std::numeric_limits<std::uint64_t>::max(), scene.seed, overrides.seed);
   scene.episodes_per_shard = map.integer("episodes_per_shard", 1, kMaxEpisodesPerShard, scene.episodes_per_shard);
   scene.compression = static_cast<int>(map.integer("compression", 0, 9, static_cast<std::uint64_t>(scene.compression)));
+  scene.chunk_bytes = map.integer("chunk_bytes", kMinChunkBytes, kMaxChunkBytes, scene.chunk_bytes);
 }
 
 YamlMap::Keys sceneKeys() {

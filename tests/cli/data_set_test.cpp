@@ -42,12 +42,66 @@ TEST_F(DataSet, InspectPrintsTheContents) {
   EXPECT_EQ(json["episodes_on_disk"], 5);
   EXPECT_EQ(json["frames_on_disk"], 15);
   EXPECT_EQ(json["shards"]["whole"], 3);
-  const nlohmann::json& load = json["columns"].back();
+  const nlohmann::json& load = json["columns"][4];
   EXPECT_EQ(load["name"], "meta/load");
   EXPECT_EQ(load["non_finite"], 1) << "the NaN of episode 0";
   EXPECT_EQ(load["min"], 0.5);
   EXPECT_EQ(load["max"], 2.0);
   EXPECT_EQ(load["mean"], (0.5 + 1.0 + 1.5 + 2.0) / 4);
+}
+
+TEST_F(DataSet, InspectShowsFormatPolicyAndNamedValues) {
+  writePressedPad(at("d"));
+  const Outcome text = runTaxelsim({"inspect", at("d")});
+  for (const char* part : {"policy    drop 1", "format    2", "dataset.h5 verified", "text[4]", "bar 3, drop 2", "false 2, true 3"})
+    EXPECT_NE(text.out.find(part), std::string::npos) << part << " in\n" << text.out;
+  const nlohmann::json json = nlohmann::json::parse(runTaxelsim({"inspect", at("d"), "--json"}).out);
+  EXPECT_EQ(json["policy"], "drop 1");
+  EXPECT_EQ(json["format_version"], 2);
+  EXPECT_EQ(json["chunk_bytes"], 262144);
+  EXPECT_EQ(json["view"], "whole");
+  for (const nlohmann::json& column : json["columns"]) {
+    const nlohmann::json counts = column.value("counts", nlohmann::json());
+    const std::string name = column["name"];
+    EXPECT_EQ(counts, name == "meta/object_name" ? (nlohmann::json{{"bar", 3}, {"drop", 2}})
+                      : name == "meta/success"   ? (nlohmann::json{{"false", 2}, {"true", 3}})
+                                                 : nlohmann::json())
+        << name;
+  }
+}
+
+TEST_F(DataSet, InspectReportsTheView) {
+  writePressedPad(at("d"));
+  flipByteOf(at("d/dataset.h5"), 100);
+  const Outcome broken = runTaxelsim({"inspect", at("d")});
+  expectRefused(broken, "dataset.h5: its SHA-256");
+  EXPECT_NE(broken.out.find("dataset.h5 is broken"), std::string::npos) << broken.out;
+  EXPECT_EQ(runTaxelsim({"render", at("d"), "-o", at("a.png")}).status, 0) << "the shards are whole";
+  std::filesystem::remove(at("d/dataset.h5"));
+  const Outcome missing = runTaxelsim({"inspect", at("d")});
+  EXPECT_EQ(missing.status, 0) << missing.err;
+  EXPECT_NE(missing.out.find("dataset.h5 is missing"), std::string::npos) << missing.out;
+}
+
+TEST_F(DataSet, RenderRefusesBrokenShards) {
+  writePressedPad(at("d"));
+  flipByteOf(at("d/shard-000001.h5"), content(at("d/shard-000001.h5")).size() - 1);
+  expectRefused(runTaxelsim({"render", at("d"), "-o", at("a.png")}), "shard-000001.h5: its SHA-256");
+  EXPECT_FALSE(std::filesystem::exists(at("a.png")));
+  EXPECT_EQ(runTaxelsim({"render", at("d"), "-o", at("a.png"), "--episode", "0"}).status, 0) << "of another shard";
+}
+
+TEST_F(DataSet, Format1IsInspectedRenderedAndCompared) {
+  const std::string old = TAXELSIM_SOURCE_DIR "/tests/dataset/data/format_1";
+  const Outcome outcome = runTaxelsim({"inspect", old});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  for (const char* part : {"format    1", "2 of 2 complete", "all values of all shards", "no checksum in format 1", "int32"})
+    EXPECT_NE(outcome.out.find(part), std::string::npos) << part << " in\n" << outcome.out;
+  EXPECT_NE(runTaxelsim({"inspect", old, "--quick"}).out.find("headers of all shards"), std::string::npos);
+  EXPECT_EQ(runTaxelsim({"render", old, "-o", at("a.png")}).status, 0);
+  EXPECT_GT(content(at("a.png")).size(), kBlankPicture);
+  const Outcome compared = runTaxelsim({"compare", old, old});
+  EXPECT_EQ(compared.status, 0) << compared.err;
 }
 
 TEST_F(DataSet, InspectListsMissingShards) {

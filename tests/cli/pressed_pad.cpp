@@ -1,5 +1,6 @@
 #include "cli/pressed_pad.h"
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -50,6 +51,7 @@ void writePressedPad(const std::filesystem::path& directory, const PadOptions& o
   manifest.episodes_per_shard = 2;
   manifest.program_version = "0.1.0";
   manifest.device = "no device";
+  manifest.policy = "drop 1";
   if (options.one_grid) {
     manifest.num_rows = kRows;
     manifest.num_cols = kCols;
@@ -63,6 +65,8 @@ void writePressedPad(const std::filesystem::path& directory, const PadOptions& o
     manifest.columns.push_back({"data/edge_angle", ScalarType::kFloat32, {}, "rad", "Of the principal axis.", false});
     manifest.columns.push_back({"data/edge_confidence", ScalarType::kFloat32, {}, "1", "0 to 1.", false});
     manifest.columns.push_back({"meta/load", ScalarType::kFloat64, {}, "N", "Commanded load; NaN for a depth.", true});
+    manifest.columns.push_back({"meta/object_name", ScalarType::kText, {}, "1", "Name of the object.", true, 4});
+    manifest.columns.push_back({"meta/success", ScalarType::kUint8, {}, "1", "Of the task.", true, 0, {"false", "true"}});
   }
   DatasetWriter writer(directory, manifest);
   for (std::uint64_t shard = 0; shard < manifest.numShards(); ++shard) {
@@ -83,8 +87,11 @@ void writePressedPad(const std::filesystem::path& directory, const PadOptions& o
         append(data.columns[2], static_cast<float>(contact.angle - (contact.angle > 1.5707963 ? 3.1415926 : 0)));
         append(data.columns[3], 0.87f);
       }
-      if (options.features)
-        append(data.columns[4], episode == 0 ? std::numeric_limits<double>::quiet_NaN() : 0.5 * static_cast<double>(episode));
+      if (!options.features) continue;
+      append(data.columns[4], episode == 0 ? std::numeric_limits<double>::quiet_NaN() : 0.5 * static_cast<double>(episode));
+      const bool is_bar = episode % 2 == 0;
+      append(data.columns[5], is_bar ? std::array{'b', 'a', 'r', '\0'} : std::array{'d', 'r', 'o', 'p'});
+      append(data.columns[6], static_cast<std::uint8_t>(is_bar));
     }
     writer.writeShard(shard, data);
   }

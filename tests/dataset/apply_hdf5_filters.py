@@ -22,13 +22,14 @@ def main(name):
             created = new.create_dataset(
                 path,
                 data=node[...],
+                dtype=node.dtype,
                 chunks=node.chunks,
                 shuffle=node.shuffle,
                 compression=node.compression,
                 compression_opts=node.compression_opts,
             )
             for key, value in node.attrs.items():
-                created.attrs[key] = value
+                created.attrs.create(key, value, dtype=node.attrs.get_id(key).dtype)
 
         old.visititems(copy)
     os.rename(name + ".new", name)

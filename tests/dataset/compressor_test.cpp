@@ -44,8 +44,8 @@ std::vector<std::byte> unshuffled(std::span<const std::byte> bytes, std::size_t 
 }
 
 TEST(Compressor, ChunksContainTheRowsPaddedWithZeros) {
-  for (const std::size_t scalar_bytes : {2u, 4u, 8u}) {
-    for (const std::size_t size : {kChunk, 3 * kChunk, 2 * kChunk + 8, std::size_t{8}}) {
+  for (const std::size_t scalar_bytes : {1u, 2u, 4u, 5u, 8u}) {
+    for (const std::size_t size : {kChunk, 3 * kChunk, 2 * kChunk + 40, std::size_t{40}}) {
       const std::vector<std::byte> rows = bytesOf(size, false);
       Compressor compressor(4, 2);
       const std::vector<Compressor::Rows> columns{{.bytes = rows, .chunk_bytes = kChunk, .scalar_bytes = scalar_bytes}};

@@ -6,12 +6,15 @@
 #include <fstream>
 #include <iterator>
 
+#include "base/sha256.h"
+#include "dataset/checksum.h"
+#include "dataset/column.h"
 #include "dataset/manifest.h"
 
 namespace taxelsim::testing {
 namespace {
 
-// A value for element `i` of column `c`, small enough for every type.
+// A value for element `i` of column `c`; small integer types hold its lowest bits.
 std::uint64_t valueOf(std::uint64_t c, std::uint64_t i) {
   return (i * 7 + c * 1000 + 3) % 60000;
 }
@@ -26,7 +29,41 @@ std::vector<std::byte> rowsOf(std::uint64_t column, std::uint64_t first, std::ui
   return bytes;
 }
 
+std::vector<std::byte> textsOf(const Column& column, std::uint64_t c, std::uint64_t first, std::uint64_t count) {
+  std::vector<std::byte> bytes(count * column.text_length);
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const std::string text = std::to_string(valueOf(c, first + i)).substr(0, column.text_length);
+    std::memcpy(bytes.data() + i * column.text_length, text.data(), text.size());
+  }
+  return bytes;
+}
+
+// Calls function(T{}) with the type of the column's numbers.
+template <typename Function>
+auto withType(ScalarType type, Function function) {
+  switch (type) {
+    case ScalarType::kUint8:
+      return function(std::uint8_t{});
+    case ScalarType::kUint16:
+      return function(std::uint16_t{});
+    case ScalarType::kInt16:
+      return function(std::int16_t{});
+    case ScalarType::kInt32:
+      return function(std::int32_t{});
+    case ScalarType::kUint64:
+      return function(std::uint64_t{});
+    case ScalarType::kFloat32:
+      return function(float{});
+    default:
+      return function(double{});
+  }
+}
+
 }  // namespace
+
+double exampleNumber(const Column& column, std::size_t c, std::uint64_t i) {
+  return withType(column.type, [&]<typename T>(T) { return static_cast<double>(static_cast<T>(valueOf(c, i))); });
+}
 
 Manifest exampleManifest() {
   Manifest manifest;
@@ -40,12 +77,17 @@ Manifest exampleManifest() {
   manifest.episodes_per_shard = 4;
   manifest.program_version = "1.2.3";
   manifest.device = "llvmpipe, driver 22";
+  manifest.policy = "servo v1";
   manifest.columns = {{"data/tactile_image", ScalarType::kUint16, {2, 3}, "counts", "What the sensor reports.", false},
                       {"data/total_force", ScalarType::kFloat32, {}, "N", "Sum over the taxels.", false},
                       {"data/ground_truth/contact_wrench", ScalarType::kFloat32, {6}, "N, N m", "On the sensor.", false},
                       {"data/pose", ScalarType::kFloat64, {7}, "m, 1", "X_SO.", false},
                       {"meta/object", ScalarType::kInt32, {}, "1", "Index of the object.", true},
-                      {"meta/episode", ScalarType::kUint64, {}, "1", "Number of the episode.", true}};
+                      {"meta/episode", ScalarType::kUint64, {}, "1", "Number of the episode.", true},
+                      {"data/contact_type", ScalarType::kUint8, {2}, "1", "Of each row.", false, 0, {"none", "point", "edge"}},
+                      {"data/status", ScalarType::kUint8, {}, "1", "Of the robot.", false, 0, {}, {"limit", "lost"}},
+                      {"data/patch", ScalarType::kInt16, {}, "1", "Number of the patch, or -1.", false},
+                      {"meta/object_name", ScalarType::kText, {}, "1", "Name of the object.", true, 5}};
   return manifest;
 }
 
@@ -64,26 +106,12 @@ ShardData exampleShard(const Manifest& manifest, std::uint64_t shard) {
   }
   for (std::size_t c = 0; c < manifest.columns.size(); ++c) {
     const Column& column = manifest.columns[c];
-    const std::uint64_t per_row = dataset::rowBytes(column) / scalarSize(column.type);
+    const std::uint64_t per_row = dataset::rowBytes(column) / scalarSize(column);
     const std::uint64_t first = per_row * (column.per_episode ? first_episode : first_frame);
     const std::uint64_t count = per_row * (column.per_episode ? data.episode_lengths.size() : num_frames);
-    switch (column.type) {
-      case ScalarType::kUint16:
-        data.columns.push_back(rowsOf<std::uint16_t>(c, first, count));
-        break;
-      case ScalarType::kInt32:
-        data.columns.push_back(rowsOf<std::int32_t>(c, first, count));
-        break;
-      case ScalarType::kUint64:
-        data.columns.push_back(rowsOf<std::uint64_t>(c, first, count));
-        break;
-      case ScalarType::kFloat32:
-        data.columns.push_back(rowsOf<float>(c, first, count));
-        break;
-      case ScalarType::kFloat64:
-        data.columns.push_back(rowsOf<double>(c, first, count));
-        break;
-    }
+    data.columns.push_back(column.type == ScalarType::kText ? textsOf(column, c, first, count) : withType(column.type, [&]<typename T>(T) {
+      return rowsOf<T>(c, first, count);
+    }));
   }
   return data;
 }
@@ -101,6 +129,10 @@ std::map<std::string, std::string> filesIn(const std::filesystem::path& director
     files[entry.path().filename().string()] = std::string(std::istreambuf_iterator<char>(stream), {});
   }
   return files;
+}
+
+void renewChecksum(const std::filesystem::path& file) {
+  overwrite(dataset::checksumFile(file), sha256File(file) + "  " + file.filename().string() + "\n");
 }
 
 void overwrite(const std::filesystem::path& file, const std::string& bytes) {

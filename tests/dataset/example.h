@@ -14,8 +14,11 @@
 
 namespace taxelsim::testing {
 
-// 11 episodes in shards of 4 (the last has 3), one column of every type.
+// 11 episodes in shards of 4 (the last has 3), one column of every type at least.
 Manifest exampleManifest();
+
+// Element `i` of column `c`, counted over the whole data set. Numbers only.
+double exampleNumber(const Column& column, std::size_t c, std::uint64_t i);
 
 // Number of frames of an episode: 1 to 5.
 std::uint64_t exampleLength(std::uint64_t episode);
@@ -27,6 +30,9 @@ void writeExample(const std::filesystem::path& directory, const Manifest& manife
 
 // Name -> bytes of every file in a directory.
 std::map<std::string, std::string> filesIn(const std::filesystem::path& directory);
+
+// Writes the checksum of a file that a test has changed, so that only its content gives the change away.
+void renewChecksum(const std::filesystem::path& file);
 
 void overwrite(const std::filesystem::path& file, const std::string& bytes);
 

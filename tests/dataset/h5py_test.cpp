@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdio>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <span>
@@ -37,7 +38,10 @@ TEST_P(H5py, ReadsViewAndShards) {
   const nlohmann::json found = runScript("read_with_h5py.py", directory / "moved");
   ASSERT_TRUE(found.is_object());
 
-  EXPECT_EQ(found["attributes"]["format_version"], 1);
+  EXPECT_EQ(found["attributes"]["format_version"], 2);
+  EXPECT_EQ(found["attributes"]["policy"], manifest.policy);
+  EXPECT_EQ(found["shards"][1]["policy"], manifest.policy);
+  EXPECT_EQ(found["variable_length"], nlohmann::json::array()) << "no texts of variable length";
   EXPECT_EQ(found["attributes"]["num_episodes"], 11);
   EXPECT_EQ(found["attributes"]["scene_sha256"], sha256Hex(std::as_bytes(std::span(manifest.scene))));
   EXPECT_EQ(found["shards"][2]["shard"], 2);
@@ -59,12 +63,21 @@ TEST_P(H5py, ReadsViewAndShards) {
     std::vector<std::size_t> shape{static_cast<std::size_t>(num_rows)};
     shape.insert(shape.end(), column.shape.begin(), column.shape.end());
     EXPECT_EQ(read["shape"].get<std::vector<std::size_t>>(), shape) << column.name;
+    EXPECT_EQ(read["value_names"].get<std::vector<std::string>>(), column.value_names) << column.name;
+    EXPECT_EQ(read["bit_names"].get<std::vector<std::string>>(), column.bit_names) << column.name;
+    if (column.type == ScalarType::kText) {
+      EXPECT_EQ(read["texts"].get<std::vector<std::string>>(), reader.readAsText(column.name, 0, num_rows));
+      continue;
+    }
     double sum = 0;
     for (const double value : reader.readAsDouble(column.name, 0, num_rows)) sum += value;
     EXPECT_EQ(read["sum"], sum) << column.name << ": sums of integers below 2^53 are exact";
   }
   EXPECT_EQ(found["columns"]["data/tactile_image"]["type"], "uint16");
   EXPECT_EQ(found["columns"]["data/pose"]["type"], "float64");
+  EXPECT_EQ(found["columns"]["data/contact_type"]["type"], "uint8");
+  EXPECT_EQ(found["columns"]["data/patch"]["type"], "int16");
+  EXPECT_EQ(found["columns"]["meta/object_name"]["type"], "|S5");
   EXPECT_EQ(found["columns"]["data/tactile_image"]["compressed"], GetParam() > 0);
 }
 
@@ -76,7 +89,9 @@ TEST(H5pyChunks, AreEquivalentToHdf5Filters) {
   manifest.compression = 4;
   manifest.num_episodes = manifest.episodes_per_shard = 1;
   manifest.columns = {{"data/smooth", ScalarType::kFloat64, {50}, "N", "Shrinks.", false},
-                      {"data/noise", ScalarType::kUint16, {40}, "counts", "Does not.", false}};
+                      {"data/noise", ScalarType::kUint16, {40}, "counts", "Does not.", false},
+                      {"data/flag", ScalarType::kUint8, {}, "1", "One byte.", false},
+                      {"meta/name", ScalarType::kText, {}, "1", "Three bytes.", true, 3}};
   constexpr std::uint64_t kNumFrames = 10000;
   std::vector<double> smooth(50 * kNumFrames);
   for (std::size_t i = 0; i < smooth.size(); ++i) smooth[i] = static_cast<double>(i / 50);
@@ -87,7 +102,9 @@ TEST(H5pyChunks, AreEquivalentToHdf5Filters) {
     const std::span bytes = std::as_bytes(std::span(values));
     return std::vector<std::byte>(bytes.begin(), bytes.end());
   };
-  const ShardData data{.episode_lengths = {kNumFrames}, .columns = {bytes_of(smooth), bytes_of(noise)}};
+  const ShardData data{
+      .episode_lengths = {kNumFrames},
+      .columns = {bytes_of(smooth), bytes_of(noise), std::vector<std::byte>(kNumFrames, std::byte{1}), bytes_of(std::string("bar"))}};
   {
     DatasetWriter writer(directory / "d", manifest);
     writer.writeShard(0, data);
@@ -97,7 +114,9 @@ TEST(H5pyChunks, AreEquivalentToHdf5Filters) {
     SCOPED_TRACE(filters);
     EXPECT_EQ(checkShards(directory / "d", true)[0].problem, "");
     const DatasetReader reader(directory / "d");
-    for (std::size_t c = 0; c < 2; ++c) EXPECT_EQ(reader.read(manifest.columns[c].name, 0, kNumFrames), data.columns[c]);
+    for (std::size_t c = 0; c < manifest.columns.size(); ++c) {
+      EXPECT_EQ(reader.read(manifest.columns[c].name, 0, manifest.columns[c].per_episode ? 1 : kNumFrames), data.columns[c]);
+    }
     const nlohmann::json columns = runScript("read_with_h5py.py", directory / "d")["columns"];
     for (const Column& column : manifest.columns) {
       EXPECT_TRUE(columns[column.name]["hashes_match"]) << column.name;
@@ -105,9 +124,21 @@ TEST(H5pyChunks, AreEquivalentToHdf5Filters) {
     }
   };
   check("taxelsim's compressor");
-  EXPECT_EQ(runScript("apply_hdf5_filters.py", directory / "d/shard-000000.h5"), 3) << "chunks of noise that are not deflated";
+  EXPECT_EQ(runScript("apply_hdf5_filters.py", directory / "d/shard-000000.h5"), 4) << "chunks of noise and of a name, which are not deflated";
+  renewChecksum(directory / "d/shard-000000.h5");
   check("HDF5's filters");
   EXPECT_NO_THROW(DatasetWriter(directory / "d", manifest)) << "resumed";
+}
+
+TEST(ChecksumFiles, AreReadBySha256sum) {
+  const TemporaryDirectory directory;
+  writeExample(directory / "d", exampleManifest());
+  const std::string command = "cd '" + (directory / "d").string() + "' && sha256sum --status --strict -c *.sha256";
+  EXPECT_EQ(std::system(command.c_str()), 0);
+  std::string bytes = filesIn(directory / "d")["dataset.h5"];
+  bytes.back() ^= 1;
+  overwrite(directory / "d/dataset.h5", bytes);
+  EXPECT_NE(std::system(command.c_str()), 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Compression, H5py, ::testing::Values(0, 6));

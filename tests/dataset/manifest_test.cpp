@@ -1,6 +1,7 @@
 // dataset.yaml: round trip of all text, and rejection of invalid manifests.
 #include <rapidcheck.h>
 
+#include "dataset/column.h"
 #include "dataset/example.h"
 #include "dataset/manifest.h"
 
@@ -21,6 +22,12 @@ TEST(Manifest, RoundTrips) {
   EXPECT_EQ(found.pitch, original.pitch);
   EXPECT_EQ(found.columns[2].shape, std::vector<std::size_t>{6});
   EXPECT_TRUE(found.columns[4].per_episode);
+  EXPECT_EQ(found.format_version, 2u);
+  EXPECT_EQ(found.chunk_bytes, original.chunk_bytes);
+  EXPECT_EQ(found.policy, original.policy);
+  EXPECT_EQ(found.columns[6].value_names, (std::vector<std::string>{"none", "point", "edge"}));
+  EXPECT_EQ(found.columns[7].bit_names, (std::vector<std::string>{"limit", "lost"}));
+  EXPECT_EQ(found.columns[9].text_length, 5u);
 }
 
 TEST(Manifest, RoundTripsAnySceneText) {
@@ -49,9 +56,10 @@ TEST(Manifest, RejectsChangedOrInvalidFiles) {
   const auto expectRejected = [](const std::string& content, const std::string& part) {
     expectError(ErrorKind::kInput, part, [&] { dataset::parseManifest("d/dataset.yaml", content); });
   };
-  expectRejected(changed("format_version: 1", "format_version: 2"), "newer taxelsim");
-  expectRejected(changed("format_version: 1", "format_version: x"), "d/dataset.yaml:2");
-  expectRejected(changed("format_version: 1", "other: 1"), "format_version is missing");
+  expectRejected(changed("format_version: 2", "format_version: 3"), "newer taxelsim");
+  expectRejected(changed("format_version: 2", "format_version: 0"), "reads 1 to 2");
+  expectRejected(changed("format_version: 2", "format_version: x"), "d/dataset.yaml:2");
+  expectRejected(changed("format_version: 2", "other: 1"), "format_version is missing");
   expectRejected(changed("seed: 18446744073709551615", "seed: -1"), "seed");
   expectRejected(changed("\"press\"", "\"Press\""), "was changed");
   expectRejected(changed("type: uint16", "type: uint17"), "uint17");
@@ -83,6 +91,18 @@ TEST(Manifest, RejectsInvalidColumns) {
   expectRejected("no columns", [](Manifest& m) { m.columns.clear(); });
   expectRejected("episodes_per_shard", [](Manifest& m) { m.episodes_per_shard = 0; });
   expectRejected("compression", [](Manifest& m) { m.compression = 10; });
+  expectRejected("chunk_bytes", [](Manifest& m) { m.chunk_bytes = 1023; });
+  expectRejected("chunk_bytes", [](Manifest& m) { m.chunk_bytes = kMaxChunkBytes + 1; });
+  expectRejected("1000000 allowed", [](Manifest& m) { m.num_episodes = std::uint64_t{1} << 48; });
+  expectRejected("policy", [](Manifest& m) { m.policy.assign(1 << 20, 'p'); });
+  expectRejected("description", [](Manifest& m) { m.columns[0].description.assign(1 << 20, 'p'); });
+  expectRejected("length is 0", [](Manifest& m) { m.columns[9].text_length = 0; });
+  expectRejected("length is 1025", [](Manifest& m) { m.columns[9].text_length = kMaxTextLength + 1; });
+  expectRejected("length is 4", [](Manifest& m) { m.columns[0].text_length = 4; });
+  expectRejected("unsigned integers", [](Manifest& m) { m.columns[1].value_names = {"a"}; });
+  expectRejected("values and of bits", [](Manifest& m) { m.columns[6].bit_names = {"a"}; });
+  expectRejected("more names than bits", [](Manifest& m) { m.columns[7].bit_names.assign(9, "a"); });
+  expectRejected("1 to 64 bytes", [](Manifest& m) { m.columns[6].value_names = {"a", ""}; });
 }
 
 TEST(Manifest, ShardNamesHaveAtLeastSixDigits) {

@@ -16,6 +16,7 @@ TEST(Resume, GivesTheSameBytesAsAnUninterruptedRun) {
     expectError(ErrorKind::kIo, "shard-000000.h5", [&] { writer.finish(); });
   }
   overwrite(directory / "cut/.shard-000002.h5.tmp-77", "half");
+  overwrite(directory / "cut/shard-000002.h5.sha256", "of a shard that was not renamed");
   {
     DatasetWriter writer(directory / "cut", manifest);
     EXPECT_FALSE(writer.isComplete(0));
@@ -54,6 +55,8 @@ TEST(Resume, RejectsManifestsThatGiveOtherBytes) {
   expectRejected("another device", [](Manifest& m) { m.device = "GPU"; });
   expectRejected("episodes per shard", [](Manifest& m) { m.episodes_per_shard = 5; });
   expectRejected("another compression", [](Manifest& m) { m.compression = 1; });
+  expectRejected("another chunk size", [](Manifest& m) { m.chunk_bytes = 1024; });
+  expectRejected("another policy (servo v1 there, none requested)", [](Manifest& m) { m.policy.clear(); });
   expectRejected("another sensor", [](Manifest& m) { m.sensor_name = "pad B"; });
   expectRejected("recorded columns", [](Manifest& m) { m.columns.pop_back(); });
   expectRejected("another column", [](Manifest& m) { m.columns[1].name = "data/peak_force"; });
@@ -73,7 +76,8 @@ TEST(Resume, ExtendsIfCompleteShardsAreUnchanged) {
   writeExample(directory / "d", manifest);
   {
     DatasetWriter writer(directory / "d", longer);
-    EXPECT_FALSE(std::filesystem::exists(directory / "d/dataset.h5")) << "the view has fewer episodes than the manifest";
+    for (const char* name : {"d/dataset.h5", "d/dataset.h5.sha256"})
+      EXPECT_FALSE(std::filesystem::exists(directory / name)) << "the view has fewer episodes than the manifest";
     EXPECT_TRUE(writer.isComplete(1));
     writer.writeShard(2, exampleShard(longer, 2));
     writer.finish();
@@ -102,7 +106,7 @@ TEST(Resume, RejectsNewerFormats) {
   const TemporaryDirectory directory;
   writeExample(directory / "d", exampleManifest());
   std::string text = filesIn(directory / "d")["dataset.yaml"];
-  text.replace(text.find("format_version: 1"), 17, "format_version: 2");
+  text.replace(text.find("format_version: 2"), 17, "format_version: 3");
   overwrite(directory / "d/dataset.yaml", text);
   expectError(ErrorKind::kInput, "newer", [&] { DatasetWriter(directory / "d", exampleManifest()); });
   expectError(ErrorKind::kInput, "newer", [&] { DatasetReader(directory / "d"); });

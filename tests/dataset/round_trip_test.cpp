@@ -6,6 +6,7 @@
 #include <cstring>
 #include <thread>
 
+#include "dataset/column.h"
 #include "dataset/example.h"
 #include "dataset/manifest.h"
 
@@ -66,7 +67,8 @@ TEST_P(RoundTrip, SameContentGivesSameBytes) {
   EXPECT_EQ(files, filesIn(directory / "b"));
   std::vector<std::string> names;
   for (const auto& [name, bytes] : files) names.push_back(name);
-  EXPECT_THAT(names, ::testing::ElementsAre("dataset.h5", "dataset.yaml", "shard-000000.h5", "shard-000001.h5", "shard-000002.h5"));
+  EXPECT_THAT(names, ::testing::ElementsAre("dataset.h5", "dataset.h5.sha256", "dataset.yaml", "shard-000000.h5", "shard-000000.h5.sha256",
+                                            "shard-000001.h5", "shard-000001.h5.sha256", "shard-000002.h5", "shard-000002.h5.sha256"));
 }
 
 INSTANTIATE_TEST_SUITE_P(Compression, RoundTrip, ::testing::Values(0, 4));
@@ -77,12 +79,61 @@ TEST(Reader, ConvertsAllTypesToDouble) {
   writeExample(directory / "d", manifest);
   const DatasetReader reader(directory / "d");
   for (std::size_t c = 0; c < manifest.columns.size(); ++c) {
-    const std::size_t per_row = dataset::rowBytes(manifest.columns[c]) / scalarSize(manifest.columns[c].type);
-    const std::vector<double> values = reader.readAsDouble(manifest.columns[c].name, 5, 6);
+    const Column& column = manifest.columns[c];
+    if (column.type == ScalarType::kText) continue;
+    const std::size_t per_row = dataset::rowBytes(column) / scalarSize(column);
+    const std::vector<double> values = reader.readAsDouble(column.name, 5, 6);
     ASSERT_EQ(values.size(), 6 * per_row);
-    for (std::size_t i = 0; i < values.size(); ++i)
-      EXPECT_EQ(values[i], static_cast<double>(((5 * per_row + i) * 7 + c * 1000 + 3) % 60000)) << manifest.columns[c].name;
+    for (std::size_t i = 0; i < values.size(); ++i) EXPECT_EQ(values[i], exampleNumber(column, c, 5 * per_row + i)) << column.name;
   }
+}
+
+TEST(Reader, ReadsTextsWithoutPadding) {
+  const TemporaryDirectory directory;
+  writeExample(directory / "d", exampleManifest());
+  const DatasetReader reader(directory / "d");
+  // Column 9: (7 i + 9003) % 60000.
+  EXPECT_EQ(reader.readAsText("meta/object_name", 3, 2), (std::vector<std::string>{"9024", "9031"}));
+  expectError(ErrorKind::kInput, "text", [&] { reader.readAsDouble("meta/object_name", 0, 1); });
+  expectError(ErrorKind::kInput, "numbers", [&] { reader.readAsText("meta/episode", 0, 1); });
+}
+
+TEST(Reader, OpensShardsOnlyWhenTheirRowsAreRead) {
+  const TemporaryDirectory directory;
+  writeExample(directory / "d", exampleManifest());
+  overwrite(directory / "d/shard-000001.h5", "broken");
+  const DatasetReader reader(directory / "d");
+  EXPECT_EQ(reader.numEpisodes(), 11u) << "from dataset.h5";
+  EXPECT_EQ(reader.readAsDouble("meta/episode", 0, 4).size(), 4u);
+  expectError(ErrorKind::kInput, "shard-000001.h5", [&] { reader.readAsDouble("meta/episode", 0, 5); });
+  std::filesystem::remove(directory / "d/dataset.h5");
+  expectError(ErrorKind::kInput, "shard-000001.h5", [&] { DatasetReader(directory / "d"); });
+}
+
+TEST(Reader, NeedsNoView) {
+  const TemporaryDirectory directory;
+  writeExample(directory / "d", exampleManifest());
+  const std::vector<std::uint64_t> ends = DatasetReader(directory / "d").episodeEnds();
+  const std::vector<double> poses = DatasetReader(directory / "d").readAsDouble("data/pose", 0, ends.back());
+  overwrite(directory / "d/dataset.h5", "broken");
+  EXPECT_EQ(DatasetReader(directory / "d").episodeEnds(), ends);
+  std::filesystem::remove(directory / "d/dataset.h5");
+  EXPECT_EQ(DatasetReader(directory / "d").episodeEnds(), ends);
+  EXPECT_EQ(DatasetReader(directory / "d").readAsDouble("data/pose", 0, ends.back()), poses);
+}
+
+TEST(ChunkSize, ChangesTheFilesButNotTheValues) {
+  const TemporaryDirectory directory;
+  Manifest manifest = exampleManifest();
+  manifest.compression = 1;
+  manifest.columns[0].shape = {40, 10};  // 800 bytes
+  writeExample(directory / "large", manifest);
+  manifest.chunk_bytes = 1024;
+  writeExample(directory / "small", manifest);
+  EXPECT_NE(filesIn(directory / "large")["shard-000000.h5"], filesIn(directory / "small")["shard-000000.h5"]);
+  const DatasetReader large(directory / "large"), small(directory / "small");
+  EXPECT_EQ(small.manifest().chunk_bytes, 1024u);
+  EXPECT_EQ(large.read("data/tactile_image", 0, large.numFrames()), small.read("data/tactile_image", 0, small.numFrames()));
 }
 
 TEST(Reader, RejectsUnknownColumnsAndRows) {

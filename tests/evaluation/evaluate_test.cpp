@@ -217,6 +217,27 @@ TEST(Evaluate, DivergingControllerDoesNotAffectOtherEpisodes) {
   }
 }
 
+// A data set draws one of the controllers for each episode.
+TEST(Evaluate, SuccessColumnOfADataSetHasTheVerdicts) {
+  Scene scene = alignScene();
+  scene.record = {"features"};
+  const Device device = Device::open();
+  const std::vector<Evaluation> evaluations = evaluate(device, scene);
+  const TestDirectory directory;
+  for (const int batch_size : {5, 64}) {
+    const std::filesystem::path path = directory.path() / std::to_string(batch_size);
+    ASSERT_TRUE(generate(device, scene, path, {.batch_size = batch_size, .on_progress = {}, .stop = nullptr}).complete);
+    const DatasetReader reader(path);
+    const std::vector<double> controller = reader.readAsDouble("meta/controller", 0, scene.num_episodes);
+    const std::vector<double> success = reader.readAsDouble("meta/success", 0, scene.num_episodes);
+    for (std::size_t e = 0; e < success.size(); ++e)
+      EXPECT_EQ(success[e], evaluations[static_cast<std::size_t>(controller[e])].verdicts[e].success) << e;
+    const auto num_successes = std::count(success.begin(), success.end(), 1.0);
+    EXPECT_GT(num_successes, 0);
+    EXPECT_LT(num_successes, static_cast<std::ptrdiff_t>(scene.num_episodes));
+  }
+}
+
 // Commanded - requested twist is white noise with the standard deviation drawn for the episode.
 TEST(Evaluate, ActionNoiseHasItsStandardDeviation) {
   Scene scene = alignScene();

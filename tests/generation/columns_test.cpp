@@ -29,6 +29,7 @@ const Column& columnNamed(const std::vector<Column>& columns, const std::string&
 const std::set<std::string> kAlways = {"data/time",
                                        "meta/episode",
                                        "meta/object",
+                                       "meta/object_name",
                                        "meta/load",
                                        "meta/load_driven",
                                        "meta/depth",
@@ -37,6 +38,7 @@ const std::set<std::string> kAlways = {"data/time",
                                        "meta/gain_spread",
                                        "meta/noise",
                                        "meta/controller",
+                                       "meta/controller_name",
                                        "meta/exploration_velocity",
                                        "meta/linear_action_noise",
                                        "meta/angular_action_noise"};
@@ -97,6 +99,55 @@ TEST(Columns, NamesAreUniqueWithUnitAndDescription) {
     EXPECT_TRUE(column.description.ends_with('.')) << column.name;
     EXPECT_EQ(column.per_episode, column.name.starts_with("meta/")) << column.name;
   }
+}
+
+TEST(Columns, IntegersHaveTheSmallestTypeAndNames) {
+  Scene scene = exampleScene();
+  scene.record.emplace_back("robot");
+  scene.sensor.skin.law = ElasticLayer{.elastic_modulus = 1e6};
+  const std::vector<std::string> flag{"false", "true"};
+  std::vector<Column> columns = columnsOf(scene);
+  const auto expectColumn = [&](const std::string& name, ScalarType type, const std::vector<std::string>& value_names) {
+    EXPECT_EQ(nameOf(columnNamed(columns, name).type), std::string(nameOf(type))) << name;
+    EXPECT_EQ(columnNamed(columns, name).value_names, value_names) << name;
+  };
+  expectColumn("data/contact/contact_type", ScalarType::kUint8, {"none", "point", "edge", "area"});
+  expectColumn("data/ground_truth/contact/contact_type", ScalarType::kUint8, {"none", "point", "edge", "area"});
+  expectColumn("data/contact/patch", ScalarType::kInt16, {});
+  expectColumn("data/contact/num_regions", ScalarType::kUint16, {});
+  expectColumn("data/ground_truth/contact_iterations", ScalarType::kUint16, {});
+  expectColumn("data/robot/status", ScalarType::kUint8, {});
+  EXPECT_EQ(columnNamed(columns, "data/robot/status").bit_names,
+            (std::vector<std::string>{"joint_limit", "velocity_limit", "singular", "lost"}));
+  expectColumn("meta/episode", ScalarType::kUint64, {});
+  expectColumn("meta/object", ScalarType::kUint16, {});
+  expectColumn("meta/controller", ScalarType::kInt16, {});
+  expectColumn("meta/load_driven", ScalarType::kUint8, flag);
+  expectColumn("meta/load_reached", ScalarType::kUint8, flag);
+  expectColumn("meta/object_name", ScalarType::kText, {});
+  EXPECT_EQ(columnNamed(columns, "meta/object_name").text_length, 4u) << "ball";
+
+  constexpr std::size_t kManyPatches = 3;  // of 16,384 taxels each
+  scene.sensor.patches.assign(kManyPatches, {.name = "grid", .num_rows = 128, .num_cols = 128, .pitch = {1e-3, 1e-3}, .X_SP = {}});
+  columns = columnsOf(scene);
+  expectColumn("data/contact/patch", ScalarType::kInt32, {});
+  expectColumn("data/contact/num_regions", ScalarType::kUint16, {});
+}
+
+TEST(Columns, SuccessNeedsATaskAndTheExactEdgeAnObjectWithOne) {
+  Scene scene = exampleScene();
+  EXPECT_FALSE(namesOf(scene).contains("meta/success"));
+  EXPECT_FALSE(namesOf(scene).contains("data/ground_truth/exact_edge_angle"));
+  scene.task = Task{};
+  EXPECT_TRUE(namesOf(scene).contains("meta/success"));
+  scene.objects[1].edge = Vector3{1, 0, 0};
+  EXPECT_TRUE(namesOf(scene).contains("data/ground_truth/exact_edge_angle"));
+  EXPECT_TRUE(namesOf(scene).contains("data/ground_truth/exact_edge_known"));
+  scene.objects[1].edge.reset();
+  scene.objects[1].contour = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  EXPECT_TRUE(namesOf(scene).contains("data/ground_truth/exact_edge_angle"));
+  scene.record = {"features"};
+  EXPECT_FALSE(namesOf(scene).contains("data/ground_truth/exact_edge_angle"));
 }
 
 TEST(Columns, ImageShapeIsTheGridOrAListForSeveralPatches) {

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstring>
 #include <map>
+#include <numbers>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -36,7 +37,7 @@ struct ExampleFrame {
 
   std::span<const std::int32_t> nextIntegers(std::size_t width) {
     std::vector<std::int32_t> values(kNumInstances * width);
-    std::iota(values.begin(), values.end(), -1);
+    std::iota(values.begin(), values.end(), integers.size() % 2 == 0 ? -1 : 3);  // patches, counts
     integers.push_back(std::move(values));
     return integers.back();
   }
@@ -95,6 +96,23 @@ std::vector<T> rowOf(const ShardBuffer& buffer, std::size_t column, std::uint64_
   return values;
 }
 
+std::vector<double> numbersOf(const Column& column, const ShardBuffer& buffer, std::size_t index, std::uint64_t row, std::size_t width) {
+  const auto read = [&]<typename T>(T) {
+    const std::vector<T> values = rowOf<T>(buffer, index, row, width);
+    return std::vector<double>(values.begin(), values.end());
+  };
+  switch (column.type) {
+    case ScalarType::kUint8:
+      return read(std::uint8_t{});
+    case ScalarType::kUint16:
+      return read(std::uint16_t{});
+    case ScalarType::kInt16:
+      return read(std::int16_t{});
+    default:
+      return read(float{});
+  }
+}
+
 template <typename T, typename V>
 std::vector<T> part(const V& values, std::size_t instance, std::size_t width) {
   return {values.begin() + static_cast<std::ptrdiff_t>(instance * width),
@@ -111,6 +129,8 @@ class RecorderTest : public ::testing::Test {
   RecorderTest() {
     scene_.robot = panTilt({});
     scene_.record.emplace_back("robot");
+    scene_.objects[0].edge = Vector3{1, 0, 0};
+    for (const SceneObject& object : scene_.objects) edges_.emplace_back(object);
     plan_ = planColumns(scene_);
     manifest_.num_episodes = 4;
     manifest_.episodes_per_shard = 2;
@@ -123,22 +143,23 @@ class RecorderTest : public ::testing::Test {
     for (const EpisodePlace& place : {episode_1_, episode_2_}) {
       for (std::vector<std::byte>& column : place.buffer->data.columns) std::fill(column.begin(), column.end(), kUnwritten);
     }
-    places_ = {{episode_2_.buffer->columns.data(), 1}, {}, {episode_1_.buffer->columns.data(), kNumFrames + 2}};
+    places_ = {{episode_2_.buffer->columns.data(), 1, 0}, {}, {episode_1_.buffer->columns.data(), kNumFrames + 2, 1}};
   }
 
   void recordFrame() {
     robots_.emplace(scene_.robot, static_cast<int>(kNumInstances));
     robots_->command(twists_, 0.01);
-    Recorder(plan_).recordFrames(frame_.view,
-                                 {.active = {},
-                                  .times = times_,
-                                  .num_sensors = 1,
-                                  .X_SO = X_SO_,
-                                  .X_WO = {},
-                                  .actions = twists_,
-                                  .controller_actions = {},
-                                  .robots = &*robots_},
-                                 places_);
+    Recorder(plan_, edges_)
+        .recordFrames(frame_.view,
+                      {.active = {},
+                       .times = times_,
+                       .num_sensors = 1,
+                       .X_SO = X_SO_,
+                       .X_WO = {},
+                       .actions = twists_,
+                       .controller_actions = {},
+                       .robots = &*robots_},
+                      places_);
   }
 
   const ShardBuffer& bufferOf(std::size_t instance) const { return instance == 0 ? *episode_2_.buffer : *episode_1_.buffer; }
@@ -150,6 +171,7 @@ class RecorderTest : public ::testing::Test {
   }
 
   Scene scene_ = exampleScene();
+  std::vector<TrueEdge> edges_;
   ColumnPlan plan_;
   Manifest manifest_;
   std::map<std::string, std::size_t> index_;
@@ -175,12 +197,12 @@ TEST_F(RecorderTest, WritesOutputsOfTheSimulator) {
     for (std::size_t c = 0; c < plan_.frame.size(); ++c) {
       const FrameColumn& entry = plan_.frame[c];
       if (entry.source != FrameColumn::Source::kFeature) continue;
-      const std::size_t width = rowBytes(entry.column) / sizeof(float);
+      const std::size_t width = rowBytes(entry.column) / scalarSize(entry.column);
       std::visit(
           [&](const auto& values) {
-            std::vector<float> expected;
-            for (const auto value : values.subspan(instance * width, width)) expected.push_back(static_cast<float>(value));
-            EXPECT_EQ(rowOf<float>(bufferOf(instance), c, places_[instance].row, width), expected) << entry.column.name;
+            std::vector<double> expected;
+            for (const auto value : values.subspan(instance * width, width)) expected.push_back(static_cast<double>(value));
+            EXPECT_EQ(numbersOf(entry.column, bufferOf(instance), c, places_[instance].row, width), expected) << entry.column.name;
           },
           entry.values(frame_.view));
     }
@@ -206,7 +228,7 @@ TEST_F(RecorderTest, WritesPosesActionsAndRobotState) {
   EXPECT_NE(robots_->jointPositions()[0], robots_->jointPositions()[4]);
   EXPECT_EQ(frameRow<double>(0, "data/robot/joint_position", 2), part<double>(robots_->jointPositions(), 0, 2));
   EXPECT_EQ(frameRow<double>(2, "data/robot/joint_velocity", 2), part<double>(robots_->jointVelocities(), 2, 2));
-  EXPECT_EQ(frameRow<std::int32_t>(0, "data/robot/status", 1)[0], robots_->status()[0]);
+  EXPECT_EQ(frameRow<std::uint8_t>(0, "data/robot/status", 1)[0], robots_->status()[0]);
   EXPECT_EQ(frameRow<float>(0, "data/action", 6), (std::vector<float>{1, 2, 3, 4, 5, 6}));
 }
 
@@ -218,20 +240,49 @@ TEST_F(RecorderTest, LeavesOtherRowsUnwritten) {
   }
 }
 
-TEST_F(RecorderTest, WritesConstantsOfAnEpisode) {
-  Recorder(plan_).recordEpisode(
-      {.episode = 1, .object = 2, .load = 3, .load_driven = 1, .depth = 5, .load_reached = 1, .gain = 7, .gain_spread = 8, .noise = 9},
-      episode_1_);
+TEST_F(RecorderTest, WritesTheExactEdgeOfTheObject) {
+  recordFrame();
+  // Instance 0 has object 0, whose edge is x of O. R_SO turns x to y.
+  EXPECT_EQ(frameRow<float>(0, "data/ground_truth/exact_edge_angle", 1)[0], static_cast<float>(std::numbers::pi / 2));
+  EXPECT_EQ(frameRow<std::uint8_t>(0, "data/ground_truth/exact_edge_known", 1)[0], 1);
+  // Instance 2 has object 1, without an edge.
+  EXPECT_EQ(frameRow<float>(2, "data/ground_truth/exact_edge_angle", 1)[0], 0);
+  EXPECT_EQ(frameRow<std::uint8_t>(2, "data/ground_truth/exact_edge_known", 1)[0], 0);
+}
+
+TEST_F(RecorderTest, WritesValuesOfAnEpisode) {
+  scene_.task = Task{};
+  plan_.episode = planColumns(scene_).episode;
+  for (std::size_t c = 0; c < plan_.episode.size(); ++c) index_[plan_.episode[c].column.name] = plan_.frame.size() + c;
+  std::vector<std::byte> success(2);
+  episode_1_.buffer->columns.push_back(success.data());
+  Recorder(plan_, edges_)
+      .recordEpisode({.record = {.episode = 1,
+                                 .object = 1,
+                                 .load = 3,
+                                 .load_driven = 1,
+                                 .depth = 5,
+                                 .load_reached = 1,
+                                 .gain = 7,
+                                 .gain_spread = 8,
+                                 .noise = 9,
+                                 .controller = -1},
+                      .success = true},
+                     episode_1_);
   const auto value = [&]<typename T>(const char* column, T) { return rowOf<T>(*episode_1_.buffer, index_.at(column), 1, 1)[0]; };
   EXPECT_EQ(value("meta/episode", std::uint64_t{}), 1u);
-  EXPECT_EQ(value("meta/object", std::int32_t{}), 2);
+  EXPECT_EQ(value("meta/object", std::uint16_t{}), 1);
+  EXPECT_EQ(rowOf<char>(*episode_1_.buffer, index_.at("meta/object_name"), 1, 4), (std::vector<char>{'b', 'a', 'l', 'l'}));
   EXPECT_EQ(value("meta/load", float{}), 3);
-  EXPECT_EQ(value("meta/load_driven", std::int32_t{}), 1);
+  EXPECT_EQ(value("meta/load_driven", std::uint8_t{}), 1);
   EXPECT_EQ(value("meta/depth", float{}), 5);
-  EXPECT_EQ(value("meta/load_reached", std::int32_t{}), 1);
+  EXPECT_EQ(value("meta/load_reached", std::uint8_t{}), 1);
   EXPECT_EQ(value("meta/gain", float{}), 7);
   EXPECT_EQ(value("meta/gain_spread", float{}), 8);
   EXPECT_EQ(value("meta/noise", float{}), 9);
+  EXPECT_EQ(value("meta/controller", std::int16_t{}), -1);
+  EXPECT_EQ(rowOf<char>(*episode_1_.buffer, index_.at("meta/controller_name"), 1, 13), std::vector<char>(13, '\0'));
+  EXPECT_EQ(value("meta/success", std::uint8_t{}), 1);
 }
 
 }  // namespace

@@ -28,6 +28,11 @@ void useJacobian(Scene& scene) {
   scene.controllers[0].servo.jacobian = TactileJacobianSource::kMeasured;
 }
 
+// Also records the exact edge.
+void addEdge(Scene& scene) {
+  scene.objects[0].edge = Vector3{0, 0, 1};
+}
+
 void moveObjects(Scene& scene) {
   for (SceneObject& object : scene.objects) {
     object.motion = Sinusoid{.amplitude = 1e-4};
@@ -54,8 +59,8 @@ TEST_P(SteadyFrame, AllocatesNoMemory) {
   DatasetWriter dataset(directory.path(), manifest);
   ShardWriter writer(dataset, 1);
   ShardQueue queue(manifest, {false}, plan.num_frames);
-  const Recorder recorder(planColumns(scene));
-  ShardSink sink(recorder, queue, writer, plan.num_frames, kNumInstances);
+  const Recorder recorder(planColumns(scene), plan.edges);
+  ShardSink sink(plan, recorder, queue, writer, kNumInstances);
   Slice slice(model, plan, kNumInstances, sink);
 
   slice.submit();
@@ -77,7 +82,7 @@ TEST_P(SteadyFrame, AllocatesNoMemory) {
 
 INSTANTIATE_TEST_SUITE_P(Kinds, SteadyFrame,
                          ::testing::Values(Kind{"flying", [](Scene&) {}}, Kind{"pan_tilt", usePanTilt}, Kind{"jacobian", useJacobian},
-                                           Kind{"moving", moveObjects}),
+                                           Kind{"moving", moveObjects}, Kind{"edge", addEdge}),
                          [](const auto& param) { return std::string(param.param.name); });
 
 }  // namespace

@@ -66,7 +66,7 @@ def data_set_columns(program, name, directory):
     columns = {}
     for shard in sorted(output.glob("shard-*.h5")):
         with h5py.File(shard, "r") as file:
-            file.visititems(lambda path, node: columns.setdefault(path, []).append((node.attrs["sha256"], node[:STORED_ROWS]))
+            file.visititems(lambda path, node: columns.setdefault(path, []).append((node.attrs["sha256"].decode(), node[:STORED_ROWS].astype(node.dtype.str)))
                             if isinstance(node, h5py.Dataset) else None)
     return {path: (hashlib.sha256("".join(digest for digest, _ in parts).encode()).hexdigest()[:12], parts[0][1]) for path, parts in columns.items()}
 
@@ -98,6 +98,8 @@ def close(path, values, stored):
     """None, or how the values differ from the stored ones."""
     if values.shape != stored.shape:
         return f"shape {values.shape}, stored {stored.shape}"
+    if values.dtype.kind == "S":  # text
+        return None if np.array_equal(values, stored) else f"{values.tolist()}, stored {stored.tolist()}"
     if any(word in path for word in ILL_CONDITIONED) or values.size == 0:
         return None
     integer = stored.dtype.kind in "iub" or path.endswith("tactile_image")

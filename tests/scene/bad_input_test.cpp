@@ -18,7 +18,8 @@ TEST(BadScenes, Keys) {
       {BadScene{"weight: 2", "wieght: 2", ":17:5: objects[0].wieght: unknown key, did you mean 'weight'?; allowed: mesh, sphere,"},
        BadScene{"thickness_mm: 2", "thicknes_mm: 2",
                 ":9:10: sensor.skin.thicknes_mm: unknown key, did you mean 'thickness_mm'?; allowed: thickness[_mm], law"},
-       BadScene{"seed: 7", "zebra: 7", ":28:26: data_set.zebra: unknown key; allowed: episodes, seed, episodes_per_shard, compression"},
+       BadScene{"seed: 7", "zebra: 7",
+                ":28:26: data_set.zebra: unknown key; allowed: episodes, seed, episodes_per_shard, compression, chunk_bytes"},
        BadScene{"kind: servo\n", "kind: servo\nkind: servo\n", ":4:1: duplicate key 'kind': already given on line 3"},
        BadScene{"seed: 7", "seed: 7, seed: 8", ":28:35: duplicate key 'seed': already given on line 28"},
        BadScene{"  pitch_mm: 3.4\n", "  pitch_mm: 3.4\n  pitch: 0.0034\n", ":8:13: sensor.pitch_mm: given twice, as pitch and pitch_mm"},
@@ -85,6 +86,7 @@ TEST(BadScenes, Numbers) {
        BadScene{"seed: 7", "seed: 18446744073709551616", ":28:32: data_set.seed: 18446744073709551616 is not allowed"},
        BadScene{"episodes: 10", "episodes: 0", ":28:22: data_set.episodes: 0 is not allowed: a whole number from 1"},
        BadScene{"seed: 7", "compression: 10", ":28:39: data_set.compression: 10 is not allowed: a whole number from 0 to 9"},
+       BadScene{"seed: 7", "chunk_bytes: 1000", ":28:39: data_set.chunk_bytes: 1000 is not allowed: a whole number from 1024 to 67108864"},
        BadScene{"seed: 7", "episodes_per_shard: 0", ":28:46: data_set.episodes_per_shard: 0 is not allowed"}});
 }
 

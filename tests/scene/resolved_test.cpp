@@ -82,7 +82,9 @@ TEST(Resolved, HasTheHashOfAMesh) {
   EXPECT_THAT(before, testing::HasSubstr("sha256: \"af72715adabcffe1822c22ec53986be67d1430b62f4f8ff6cd0e5f329e8ada39\""));
   directory.write("resolved.yaml", before);
   EXPECT_EQ(loadScene(directory.path() / "resolved.yaml").resolved, before);
-  directory.write("mesh.obj", std::string(kMeshText) + "# a comment\n");
+  std::string commented(kMeshText);
+  commented += "# a comment\n";
+  directory.write("mesh.obj", commented);
   EXPECT_NE(loadScene(file).resolved, before);
   EXPECT_THAT(refusal(directory.path() / "resolved.yaml", [&] { loadScene(directory.path() / "resolved.yaml"); }),
               testing::HasSubstr("not the SHA-256 of"));
@@ -240,6 +242,7 @@ TEST(Resolved, HasEverySettingOfControllersAndDataSet) {
       {"seed: 7", "seed: 8"},
       {"seed: 7", "seed: 7, episodes_per_shard: 2"},
       {"seed: 7", "seed: 7, compression: 1"},
+      {"seed: 7", "seed: 7, chunk_bytes: 4096"},
   });
 }
 

@@ -225,6 +225,7 @@ controller: {tactile_servo: {edge_angle: {kp: 1}}}
   EXPECT_EQ(scene.num_episodes, expected.num_episodes);
   EXPECT_EQ(scene.episodes_per_shard, expected.episodes_per_shard);
   EXPECT_EQ(scene.compression, expected.compression);
+  EXPECT_EQ(scene.chunk_bytes, expected.chunk_bytes);
   EXPECT_EQ(scene.randomization.gain.min, 1);
   EXPECT_EQ(scene.randomization.noise.max, 0);
   ASSERT_TRUE(scene.randomization.depth.has_value());
@@ -246,7 +247,7 @@ TEST(SceneFile, ReadsEverySetting) {
                 "exploration_velocity_mm: -4, max_angular_velocity: 5, max_linear_velocity_mm: 6, min_confidence: 0.7}");
   text = edited(text, "  yaw_deg: 30\n",
                 "  y: [0.001, 0.002]\n  yaw_deg: 180\n  tilt: [0, 0.1]\n  gain: 2\n  gain_spread: 0.1\n  noise: [1, 2]\n");
-  text = edited(text, "seed: 7", "seed: 18446744073709551615, episodes_per_shard: 5, compression: 9");
+  text = edited(text, "seed: 7", "seed: 18446744073709551615, episodes_per_shard: 5, compression: 9, chunk_bytes: 65536");
   text = edited(text, "[tactile_image, features]", "[actions, contact_features, penetration_depth]\nmax_regions: 6");
   const Scene scene = loadScene(directory.write("scene.yaml", text));
   EXPECT_EQ(scene.name, "small_scene");
@@ -295,6 +296,7 @@ TEST(SceneFile, ReadsEverySetting) {
   EXPECT_EQ(scene.seed, 18446744073709551615u);
   EXPECT_EQ(scene.episodes_per_shard, 5u);
   EXPECT_EQ(scene.compression, 9);
+  EXPECT_EQ(scene.chunk_bytes, 65536u);
   EXPECT_EQ(scene.record, (std::vector<std::string>{"penetration_depth", "contact_features", "actions"}));
   EXPECT_EQ(scene.max_regions, 6);
 }
