@@ -58,7 +58,7 @@ void bindScene(nb::module_& module) {
       .def(
           "__reduce__",
           [](const Scene& self) {
-            return nb::make_tuple(nb::module_::import_("taxelsim._core").attr("load_scene"),
+            return nb::make_tuple(nb::module_::import_("taxelsim.runs").attr("reload_scene"),
                                   nb::make_tuple(self.file, self.num_episodes, self.seed, self.condition));
           },
           nb::sig("def __reduce__(self) -> tuple[typing.Any, ...]"))

@@ -23,6 +23,11 @@ def _calls(policy: PolicyLike | None, scene: Scene) -> tuple[str, str, PolicyCal
     return calls.policy.name, calls.policy.identity, calls
 
 
+def reload_scene(file: os.PathLike[str], num_episodes: int, seed: int, condition: str) -> Scene:
+    """Unpickles a scene: reads its file again."""
+    return _core.load_scene(file, num_episodes, seed, condition)
+
+
 def generate(
     scene: ScenePath,
     out: str | os.PathLike[str],

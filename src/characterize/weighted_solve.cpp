@@ -1,8 +1,17 @@
 #include "characterize/weighted_solve.h"
 
 #include "characterize/group_residuals.h"
+#include "characterize/solvers.h"
 
 namespace taxelsim {
+
+void solveWeighted(const GroupedProblem& problem, const RowWeights& weights, const SolveLimits& limits, ParameterValues& values) {
+#ifdef TAXELSIM_HAS_CERES
+  solveWithCeres(problem, weights, limits, values);
+#else
+  solveWithEigen(problem, weights, limits, values);
+#endif
+}
 
 GroupJacobians jacobiansOf(const GroupedProblem& problem, std::size_t group, const std::vector<double>& weights,
                            const ParameterValues& values) {

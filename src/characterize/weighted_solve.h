@@ -1,4 +1,4 @@
-// One weighted least-squares solve of a GroupedProblem by Ceres, and its Jacobians.
+// One weighted least-squares solve of a GroupedProblem, and its Jacobians.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,8 +1,8 @@
-// solveWeighted() by Ceres.
+// Weighted least squares by Ceres.
 #include <ceres/ceres.h>
 
 #include "characterize/group_residuals.h"
-#include "characterize/weighted_solve.h"
+#include "characterize/solvers.h"
 
 namespace taxelsim {
 namespace {
@@ -80,7 +80,7 @@ void addBlock(double* scaled, const std::vector<FitParameter>& parameters, ceres
 
 }  // namespace
 
-void solveWeighted(const GroupedProblem& problem, const RowWeights& weights, const SolveLimits& limits, ParameterValues& values) {
+void solveWithCeres(const GroupedProblem& problem, const RowWeights& weights, const SolveLimits& limits, ParameterValues& values) {
   ScaledBlocks blocks(problem, values);
   ceres::Problem ceres_problem;
   auto* const ordering = new ceres::ParameterBlockOrdering;  // Ceres takes ownership

@@ -1,4 +1,4 @@
-// solveWeighted() without Ceres, by Eigen alone: Levenberg-Marquardt with bounds.
+// Weighted least squares by Eigen alone: Levenberg-Marquardt with bounds.
 //
 // Each iteration linearises all residuals, damps the normal equations by a multiple of their diagonal (D. W. Marquardt 1963), eliminates
 // the groups' own parameters (Schur complement), and projects the step onto the bounds. A parameter at a bound whose gradient points
@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "characterize/group_residuals.h"
-#include "characterize/weighted_solve.h"
+#include "characterize/solvers.h"
 
 namespace taxelsim {
 namespace {
@@ -252,7 +252,7 @@ class Solver {
 
 }  // namespace
 
-void solveWeighted(const GroupedProblem& problem, const RowWeights& weights, const SolveLimits& limits, ParameterValues& values) {
+void solveWithEigen(const GroupedProblem& problem, const RowWeights& weights, const SolveLimits& limits, ParameterValues& values) {
   Solver(problem, weights).solve(limits, values);
 }
 
