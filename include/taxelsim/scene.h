@@ -125,7 +125,7 @@ struct Scene {
 struct SceneOverrides {
   std::optional<std::uint64_t> num_episodes{};  ///< Replaces Scene::num_episodes.
   std::optional<std::uint64_t> seed{};          ///< Replaces Scene::seed.
-  /// A condition of the scene: its overrides of sensor and randomization. Default: kNominalCondition, nothing is overridden.
+  /// A condition of the scene: its overrides of sensor and randomization. Default: kNominalCondition, or empty: nothing is overridden.
   std::string condition{kNominalCondition};
 };
 

@@ -2,9 +2,14 @@
 #include "taxelsim/scene.h"
 
 #include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
+
+#include <map>
+#include <utility>
 
 #include "bind.h"
 
@@ -14,6 +19,28 @@ namespace {
 Scene loadSceneWith(const std::filesystem::path& file, std::optional<std::uint64_t> num_episodes, std::optional<std::uint64_t> seed,
                     const std::string& condition) {
   return loadScene(file, {.num_episodes = num_episodes, .seed = seed, .condition = condition});
+}
+
+// Ranges of the random variables of an episode. One of load and depth is missing; so is exploration_velocity if it is the controller's.
+std::map<std::string, std::pair<double, double>> rangesOf(const Scene& scene) {
+  std::map<std::string, std::pair<double, double>> ranges;
+  const auto add = [&](const char* name, const std::optional<Range>& range) {
+    if (range) ranges[name] = {range->min, range->max};
+  };
+  const Randomization& random = scene.randomization;
+  add("x", random.x);
+  add("y", random.y);
+  add("yaw", random.yaw);
+  add("tilt", random.tilt);
+  add("load", random.load);
+  add("depth", random.depth);
+  add("gain", random.gain);
+  add("gain_spread", random.gain_spread);
+  add("noise", random.noise);
+  add("exploration_velocity", random.exploration_velocity);
+  add("linear_action_noise", random.linear_action_noise);
+  add("angular_action_noise", random.angular_action_noise);
+  return ranges;
 }
 
 std::vector<Object> objectsOf(const Scene& scene) {
@@ -50,9 +77,11 @@ void bindScene(nb::module_& module) {
       .def_ro("control_rate", &Scene::control_rate, "Hz.")
       .def_ro("num_episodes", &Scene::num_episodes, "Episodes of the data set.")
       .def_ro("seed", &Scene::seed, "Seed of all random numbers.")
-      .def_ro("episodes_per_shard", &Scene::episodes_per_shard, "Episodes per file.")
       .def_ro("conditions", &Scene::conditions, "Names of the conditions of the file, without \"nominal\".")
       .def_ro("condition", &Scene::condition, "The condition that was loaded.")
+      .def_prop_ro("randomization", &rangesOf,
+                   "(min, max) of each random variable of an episode, SI units, by its key in the file; load or depth is missing.")
+      .def_ro("episodes_per_shard", &Scene::episodes_per_shard, "Episodes per file.")
       .def_ro("record", &Scene::record, "Recorded outputs.")
       .def_ro("resolved", &Scene::resolved, "The scene as canonical YAML with every default.")
       .def(
@@ -70,7 +99,8 @@ void bindScene(nb::module_& module) {
              "condition"_a = std::string(kNominalCondition), nb::call_guard<nb::gil_scoped_release>(),
              R"(Reads and checks a scene and all files that it names.
 
-num_episodes, seed: replace those of the file. condition: a condition of the file, or "nominal". Raises InputError with file, line, column, key, the value found and what is allowed.)");
+num_episodes, seed: replace those of the file. condition: name of one of the scene's conditions, whose overrides of sensor and randomization
+apply; "nominal" is the scene without them. Raises InputError with file, line, column, key, the value found and what is allowed.)");
 }
 
 }  // namespace taxelsim::python

@@ -221,7 +221,8 @@ Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrid
   const std::filesystem::path directory = file.parent_path();
   const YamlTree file_tree = parseYaml(readYamlFile(file), name);
   checkFormatVersion(YamlNode(file_tree, name));
-  const YamlTree tree = inCondition(file_tree, name, overrides.condition);
+  const std::string condition = overrides.condition.empty() ? std::string(kNominalCondition) : overrides.condition;
+  const YamlTree tree = inCondition(file_tree, name, condition);
   const YamlNode root(tree, name);
 
   Canonical canonical;
@@ -229,7 +230,7 @@ Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrid
   Scene scene;
   scene.file = file;
   scene.conditions = conditionNames(tree, name);
-  scene.condition = overrides.condition;
+  scene.condition = condition;
   map.integer("format_version", 1, kFormatVersion);
   scene.name = map.text("name", "a name");
   scene.kind = map.choice("kind", {"servo", "contacts"}) == "servo" ? Scene::Kind::kServo : Scene::Kind::kContacts;

@@ -46,6 +46,7 @@ TEST(SceneConditions, NominalIsTheSceneWithoutThem) {
   const Scene scene = loaded(withConditions(), "nominal");
   EXPECT_EQ(scene.resolved, plain.resolved);
   EXPECT_EQ(scene.condition, kNominalCondition);
+  EXPECT_EQ(loaded(withConditions(), "").condition, kNominalCondition);
   EXPECT_THAT(scene.conditions, testing::ElementsAre("noisy", "other"));
 }
 

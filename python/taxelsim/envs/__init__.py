@@ -11,6 +11,7 @@ from .env import TactileEnv
 from .episodic import EpisodicVectorEnv
 from .rewards import Reward
 from .tasks import CONDITIONS, TASKS, TaskSpec, register_tasks
+from .touch_classify import TouchClassifyVectorEnv, register_touch_classify
 from .vector_env import TactileVectorEnv
 
 __all__ = [
@@ -25,6 +26,8 @@ __all__ = [
     "TactileEnv",
     "TactileVectorEnv",
     "TaskSpec",
+    "TouchClassifyVectorEnv",
 ]
 
 register_tasks()
+register_touch_classify()

@@ -37,7 +37,7 @@ _PLANAR = ("v_x", "v_y", "v_z", "w_z")
 TASKS = {
     spec.name: spec
     for spec in (
-        TaskSpec("EdgeFollow", "benchmark/edge_follow.yaml", _PLANAR, "slide along an edge that a hand holds, aligned with it"),
+        TaskSpec("EdgeFollow", "benchmark/edge_follow.yaml", _PLANAR, "slide along a curved edge that moves, aligned with it"),
         TaskSpec(
             "SurfaceFollow",
             "benchmark/surface_follow.yaml",
