@@ -79,11 +79,11 @@ def checked_mask(options: dict[str, Any] | None, num_envs: int) -> NDArray[np.bo
     return mask.copy()
 
 
-def checked_seeds(seed: int | Sequence[int] | None, num_envs: int) -> NDArray[np.uint64] | None:
-    """One seed per environment, or None."""
+def checked_seeds(seed: Any, num_envs: int) -> NDArray[np.uint64] | None:
+    """One seed per environment, from one for all or one for each; None without."""
     if seed is None:
         return None
-    seeds = [seed] * num_envs if isinstance(seed, int | np.integer) else list(seed)
+    seeds = list(seed) if isinstance(seed, Sequence | np.ndarray) else [seed] * num_envs
     if len(seeds) != num_envs:
         raise InputError(f"seed: {num_envs} seeds expected, {len(seeds)} found")
     for i, value in enumerate(seeds):

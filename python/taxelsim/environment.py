@@ -209,13 +209,13 @@ class Environment:
         """Commands `twists`, and advances by one control period. Waits for the last frame.
 
         twists: (N, 6), linear (m/s) and angular velocity (rad/s) of sensor 0 in S. Rows of instances that are not active are ignored.
-        Raises InputError, and changes nothing, for another shape or dtype, or for NaN in an active instance.
+        Raises InputError, and changes nothing, for another shape or dtype, or for NaN.
         """
-        self._batch.step(to_array("twists", twists, np.float64, [[self._N, 6]], finite=False))
+        self._batch.step(to_array("twists", twists, np.float64, [[self._N, 6]]))
 
     def step_joints(self, velocities: npt.ArrayLike) -> None:
         """As step(), with joint velocities (N, num_joints; rad/s or m/s) of a manipulator."""
-        self._batch.step_joints(to_array("velocities", velocities, np.float64, [[self._N, self._batch.num_joints]], finite=False))
+        self._batch.step_joints(to_array("velocities", velocities, np.float64, [[self._N, self._batch.num_joints]]))
 
     def observe(self) -> EnvironmentFrame:
         """The latest frame."""

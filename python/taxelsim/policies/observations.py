@@ -170,7 +170,7 @@ class ObservationBuilder:
         for name, block in self._blocks.items():
             values = block.read(frame)
             if self._normalized:
-                values = values / block.scale
+                values = np.divide(values, block.scale, dtype=np.float32)
             if self._history == 1:
                 self._values[name] = values
                 continue

@@ -37,7 +37,7 @@ def json_of(arguments: list[str], capsys) -> dict:
     ("arguments", "message"),
     [
         (["--controller", "x"], "--controller x: not in this scene; it has servo"),
-        (["--actions", "v_x"], "shape (24, 1) expected, (24, 6) found"),
+        (["--actions", "v_x"], "shape (12, 1) expected, (12, 6) found"),
         (["--observations", "sound"], "'sound' found, allowed are contact"),
         (["--history", "2"], "input 'obs' has shape ['batch', 6], the observation ['batch', 12]"),
     ],

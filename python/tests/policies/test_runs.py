@@ -64,7 +64,9 @@ def test_verdicts_equal_those_of_the_environment(device, scene):
         observation = np.zeros((24, 6), np.float32)
         observation[:, 5] = -frame.total_force
         environment.step(push(observation).astype(float) * limits)
-    verdicts = environment.judge(range(24))
+    verdicts, state = environment.judge(range(24)), environment.task_state()
+    for name in ("travel", "laps", "peak_force", "num_losses"):
+        assert np.array_equal(state[name], verdicts[name]), name
     for name, values in evaluation.verdicts.items():
         assert np.array_equal(verdicts[name], values, equal_nan=values.dtype.kind == "f"), name
 
