@@ -153,6 +153,58 @@ def saddle(radius, half_width, steps):
     return vertices, triangles
 
 
+TOUCH_SHAPES = {  # angles, in degrees, of the small bumps around the middle one; a pair is an arc
+    "plain": [],
+    "one": [0],
+    "opposite": [0, 180],
+    "corner": [0, 90],
+    "three": [0, 120, 240],
+    "four": [0, 90, 180, 270],
+    "arc": [(0, 180)],
+    "ring": [(0, 360)],
+}
+
+
+def touch_shape(bumps, num_angles=48, num_rings=14):
+    """A puck of 28 mm whose underside has the same bump in the middle as all others, and lower ones around it at a radius of 9 mm."""
+    radius, thickness, crown = 0.014, 0.008, 0.06
+    middle, middle_width, small, small_width, small_radius = 0.003, 0.002, 0.0018, 0.0014, 0.009
+
+    def depth(r, angle):
+        """Height of the underside over its lowest point, m."""
+        x, y = r * math.cos(angle), r * math.sin(angle)
+        rise = middle * math.exp(-((r / middle_width) ** 2) / 2)
+        highest = 0.0
+        for bump in bumps:
+            first, last = bump if isinstance(bump, tuple) else (bump, bump)
+            degrees = math.degrees(angle) % 360
+            nearest = degrees if first <= degrees <= last else min((first, last), key=lambda end: abs((degrees - end + 180) % 360 - 180))
+            bump_x, bump_y = (small_radius * f(math.radians(nearest)) for f in (math.cos, math.sin))
+            distance = math.hypot(x - bump_x, y - bump_y)
+            highest = max(highest, small * math.exp(-((distance / small_width) ** 2) / 2))
+        return middle + r * r / (2 * crown) - rise - highest
+
+    vertices = [(0.0, 0.0, depth(0, 0)), (0.0, 0.0, thickness)]
+    for ring in range(1, num_rings + 1):
+        r = radius * ring / num_rings
+        for k in range(num_angles):
+            angle = 2 * math.pi * k / num_angles
+            vertices.append((r * math.cos(angle), r * math.sin(angle), depth(r, angle)))
+    rim = len(vertices)
+    for k in range(num_angles):
+        angle = 2 * math.pi * k / num_angles
+        vertices.append((radius * math.cos(angle), radius * math.sin(angle), thickness))
+    triangles = []
+    for k in range(num_angles):
+        j = (k + 1) % num_angles
+        triangles.append((0, 2 + j, 2 + k))
+        for ring in range(num_rings):  # the last step goes up to the rim of the flat top
+            a, b = 2 + ring * num_angles, 2 + (ring + 1) * num_angles
+            triangles += [(a + k, b + j, b + k), (a + k, a + j, b + j)]
+        triangles.append((1, rim + k, rim + j))
+    return vertices, triangles
+
+
 def write_contour(file, description, points):
     lines = [f"# {description}", "# Made by scripts/make_objects.py.", "x_m,y_m,z_m"]
     lines += [f"{round(x, 9) + 0.0:.9f},{round(y, 9) + 0.0:.9f},0" for x, y in points]
@@ -201,15 +253,18 @@ def main():
         *knob(),
     )
 
-    for name, words, points in (
-        ("square", "a square of 120 mm with corners of 30 mm radius", rounded_square(0.12, 0.03, 240)),
-        ("clover", "r = 60 mm + 8 mm cos(4 angle)", leaves(0.06, 0.008, 4, 240)),
-        ("foil", "r = 60 mm + 14 mm cos(3 angle)", leaves(0.06, 0.014, 3, 240)),
+    for name, radius, words, points in (
+        ("square", 3, "a square of 120 mm with corners of 30 mm radius", rounded_square(0.12, 0.03, 240)),
+        ("clover", 3, "r = 60 mm + 8 mm cos(4 angle)", leaves(0.06, 0.008, 4, 240)),
+        ("foil", 3, "r = 60 mm + 14 mm cos(3 angle)", leaves(0.06, 0.014, 3, 240)),
+        ("small_square", 2, "a square of 64 mm with corners of 12 mm radius", rounded_square(0.064, 0.012, 160)),
+        ("small_clover", 2, "r = 36 mm + 5 mm cos(4 angle)", leaves(0.036, 0.005, 4, 160)),
+        ("small_foil", 2, "r = 34 mm + 9 mm cos(3 angle)", leaves(0.034, 0.009, 3, 160)),
     ):
         write_obj(
             directory / f"ridge_{name}.obj",
-            ["Lower half of a round wire, 3 mm in radius, along a closed line:", f"{words}. The lowest line is at z = 0."],
-            *ridge(points, 0.003, 8),
+            [f"Lower half of a round wire, {radius} mm in radius, along a closed line:", f"{words}. The lowest line is at z = 0."],
+            *ridge(points, radius * 1e-3, 8),
         )
         write_contour(directory / f"ridge_{name}.csv", f"The lowest line of ridge_{name}.obj: {words}.", points)
 
@@ -218,6 +273,14 @@ def main():
         ["z = (x^2 - y^2) / (2 * 80 mm) over 100 mm x 100 mm: round along x, hollow along y, as seen from below."],
         *saddle(0.08, 0.05, 50),
     )
+
+    for name, bumps in TOUCH_SHAPES.items():
+        write_obj(
+            directory / f"touch_{name}.obj",
+            ["Puck, 28 mm in diameter, for touch classification: all have the same bump in the middle of the underside (-z).",
+             f"Around it, 1.9 mm less deep and at a radius of 9 mm: {name}."],
+            *touch_shape(bumps),
+        )
 
 
 if __name__ == "__main__":

@@ -50,6 +50,10 @@ struct TaskState {
   std::span<const double> errors;
   std::span<const std::uint8_t> within;   ///< (N), 1: in contact, and all errors are within their tolerances.
   std::span<const std::uint8_t> contact;  ///< (N), 1: the clean total force is above 0.
+  std::span<const float> travel;          ///< (N), Verdict::travel so far.
+  std::span<const float> laps;            ///< (N), Verdict::laps so far.
+  std::span<const float> peak_force;      ///< (N), Verdict::peak_force so far.
+  std::span<const int> num_losses;        ///< (N), Verdict::num_losses so far.
 };
 
 /// Options of the model that a scene needs: its sensor and its objects.

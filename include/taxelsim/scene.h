@@ -80,6 +80,9 @@ inline constexpr std::array<std::string_view, 13> kRecordWords = {"tactile_image
                                                                   "actions",
                                                                   "robot"};
 
+/// Name of the condition of every scene in which nothing is overridden.
+inline constexpr std::string_view kNominalCondition = "nominal";
+
 /// A scene.
 struct Scene {
   /// Kind of scene.
@@ -109,15 +112,22 @@ struct Scene {
   /// Bytes, kMinChunkBytes to kMaxChunkBytes: largest chunk of a compressed column before compression. Default 256 KiB.
   std::uint64_t chunk_bytes = kDefaultChunkBytes;
 
+  /// Names of the conditions of the file, in its order, without kNominalCondition. Default: none.
+  std::vector<std::string> conditions = {};
+  std::string condition{kNominalCondition};  ///< The condition that was loaded. Default kNominalCondition.
+
   /// The scene as canonical YAML with every default, the sensor inlined, and file contents replaced by their SHA-256. The same scene gives
-  /// the same text on every machine. Contains everything that determines the bytes of the data set, so neither batch size nor threads.
+  /// the same text on every machine. Contains everything that determines the bytes of an episode and its shard, so neither batch size nor
+  /// threads, nor the number of episodes: a data set can grow.
   std::string resolved;
 };
 
 /// Values that override those of the scene file.
 struct SceneOverrides {
-  std::optional<std::uint64_t> num_episodes;  ///< Replaces Scene::num_episodes.
-  std::optional<std::uint64_t> seed;          ///< Replaces Scene::seed.
+  std::optional<std::uint64_t> num_episodes{};  ///< Replaces Scene::num_episodes.
+  std::optional<std::uint64_t> seed{};          ///< Replaces Scene::seed.
+  /// A condition of the scene: its overrides of sensor and randomization. Default: kNominalCondition, or empty: nothing is overridden.
+  std::string condition{kNominalCondition};
 };
 
 /// Reads waypoints from a CSV file (docs/file_formats.md). Throws Error(kInput) with file, line, column, the value found and what is
@@ -128,7 +138,8 @@ std::vector<Waypoint> loadWaypoints(const std::filesystem::path& file);
 std::vector<Vector3> loadContour(const std::filesystem::path& file);
 
 /// Reads and checks a scene and all files that it names. Throws Error(kInput) with file, line, column, key, the value found and what is
-/// allowed.
+/// allowed, or the names of the conditions if there is none of that name. The overrides of all conditions are checked; their sensors must
+/// have the taxels of the scene's own.
 Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrides = {});
 
 }  // namespace taxelsim

@@ -12,6 +12,7 @@
 #include "episodes/environment_view.h"
 #include "episodes/episode_batch.h"
 #include "episodes/task_judge.h"
+#include "scene/scene_checks.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -226,7 +227,13 @@ void Environment::step() {
 
 TaskState Environment::taskState() {
   const TaskJudge& task_judge = impl_->requireJudge();
-  return {.errors = task_judge.errors(), .within = task_judge.within(), .contact = task_judge.contact()};
+  return {.errors = task_judge.errors(),
+          .within = task_judge.within(),
+          .contact = task_judge.contact(),
+          .travel = task_judge.travel(),
+          .laps = task_judge.laps(),
+          .peak_force = task_judge.peakForce(),
+          .num_losses = task_judge.numLosses()};
 }
 
 Verdict Environment::judge(int instance) {

@@ -36,7 +36,11 @@ TaskJudge::TaskJudge(const EpisodePlan& plan, int num_instances)
       states_(num_instances),
       errors_(static_cast<std::size_t>(num_instances) * kNumTaskMeasures, kUnknown),
       within_(num_instances, 0),
-      contact_(num_instances, 0) {
+      contact_(num_instances, 0),
+      travel_(num_instances, 0.0f),
+      laps_(num_instances, 0.0f),
+      peak_force_(num_instances, 0.0f),
+      num_losses_(num_instances, 0) {
   for (EpisodeState& state : states_) {
     for (std::size_t m = 0; m < kNumTaskMeasures; ++m) {
       if (task_.criteria[m]) state.final_errors[m].reserve(static_cast<std::size_t>(num_hold_frames_));
@@ -72,6 +76,11 @@ void TaskJudge::updateErrors(std::size_t i, const FrameView& view, std::size_t r
   set(TaskMeasure::kCenter, std::hypot(view.ground_truth.center_of_pressure[3 * row] - array_middle_[0],
                                        view.ground_truth.center_of_pressure[3 * row + 1] - array_middle_[1]));
   set(TaskMeasure::kContour, edge.distance);
+}
+
+float TaskJudge::lapsOf(const EpisodeState& state) const {
+  const double contour = plan_.edges[static_cast<std::size_t>(state.verdict.object)].contourLength();
+  return contour > 0 ? static_cast<float>(std::abs(state.progress) / contour) : 0;
 }
 
 // Travel and progress since the preceding frame.
@@ -118,6 +127,10 @@ void TaskJudge::judgeFrame(const FrameView& view, const FrameContext& context, s
     state.within_since = context.times[i];
   }
   ++state.frame;
+  travel_[i] = verdict.travel;
+  laps_[i] = lapsOf(state);
+  peak_force_[i] = verdict.peak_force;
+  num_losses_[i] = verdict.num_losses;
 }
 
 void TaskJudge::frame(const FrameView& view, const FrameContext& context) {
@@ -131,8 +144,7 @@ Verdict TaskJudge::verdict(int instance) const {
   Verdict verdict = state.verdict;
   for (std::size_t m = 0; m < state.final_errors.size(); ++m) verdict.steady_error[m] = upperMedian(state.final_errors[m]);
   verdict.settling_time = static_cast<float>(state.within_since);
-  const double contour = plan_.edges[static_cast<std::size_t>(verdict.object)].contourLength();
-  verdict.laps = contour > 0 ? static_cast<float>(std::abs(state.progress) / contour) : 0;
+  verdict.laps = lapsOf(state);
   const double last_time = (plan_.num_frames - num_hold_frames_) * plan_.dt;
   verdict.success =
       state.frame == plan_.num_frames && state.within_since <= last_time && verdict.laps >= task_.laps && verdict.travel >= task_.travel;

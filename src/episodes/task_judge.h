@@ -29,6 +29,11 @@ class TaskJudge {
   std::span<const double> errors() const { return errors_; }          // (num_instances x kNumTaskMeasures), SI; see TaskState::errors
   std::span<const std::uint8_t> within() const { return within_; }    // (num_instances), 1: contact, and all errors within tolerance
   std::span<const std::uint8_t> contact() const { return contact_; }  // (num_instances), 1: clean total force > 0
+  // (num_instances), of the verdict so far.
+  std::span<const float> travel() const { return travel_; }
+  std::span<const float> laps() const { return laps_; }
+  std::span<const float> peakForce() const { return peak_force_; }
+  std::span<const int> numLosses() const { return num_losses_; }
 
   // Verdict on the frames judged so far. It is a success only after the last frame of the episode.
   Verdict verdict(int instance) const;
@@ -46,6 +51,7 @@ class TaskJudge {
     std::array<std::vector<float>, kNumTaskMeasures> final_errors;  // (num_hold_frames_)
   };
 
+  float lapsOf(const EpisodeState& state) const;
   void updateMotion(EpisodeState& state, const Pose& X_SO, double arc) const;
   void updateErrors(std::size_t i, const FrameView& view, std::size_t row, const ProjectedEdge& edge);
   void judgeFrame(const FrameView& view, const FrameContext& context, std::size_t i);
@@ -61,6 +67,8 @@ class TaskJudge {
   std::vector<double> errors_;  // x kNumTaskMeasures
   std::vector<std::uint8_t> within_;
   std::vector<std::uint8_t> contact_;
+  std::vector<float> travel_, laps_, peak_force_;
+  std::vector<int> num_losses_;
 };
 
 }  // namespace taxelsim

@@ -51,6 +51,19 @@ std::vector<std::uint8_t> readFile(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
+constexpr const char* kNoDevice =
+    "no Vulkan 1.2 device with a compute queue; install a driver (apt-get install mesa-vulkan-drivers has one for CPUs)";
+
+// Throws Error(kDevice) if the Vulkan loader is not installed.
+vk::raii::Context openLoader() {
+  try {
+    return vk::raii::Context();
+  } catch (const std::exception&) {
+    throw Error(ErrorKind::kDevice,
+                "no Vulkan loader (libvulkan.so.1); install it with a driver (apt-get install libvulkan1 mesa-vulkan-drivers)");
+  }
+}
+
 vk::raii::Instance makeInstance(const vk::raii::Context& loader, bool validation) {
   const vk::ApplicationInfo application("taxelsim", VK_MAKE_VERSION(TAXELSIM_VERSION_MAJOR, TAXELSIM_VERSION_MINOR, TAXELSIM_VERSION_PATCH),
                                         nullptr, 0, VK_API_VERSION_1_2);
@@ -71,7 +84,11 @@ vk::raii::Instance makeInstance(const vk::raii::Context& loader, bool validation
   }
   create.setPEnabledLayerNames(layers);
   create.setPEnabledExtensionNames(extensions);
-  return {loader, create};
+  try {
+    return {loader, create};
+  } catch (const vk::IncompatibleDriverError&) {  // the loader has found no driver
+    throw Error(ErrorKind::kDevice, kNoDevice);
+  }
 }
 
 std::string lower(std::string text) {
@@ -83,6 +100,7 @@ bool matches(const DeviceInfo& info, const std::string& wanted) {
   if (wanted.empty()) return true;
   if (wanted == "discrete") return info.type == DeviceType::kDiscrete;
   if (wanted == "integrated") return info.type == DeviceType::kIntegrated;
+  if (wanted == "gpu") return info.type != DeviceType::kCpu && info.type != DeviceType::kOther;
   if (wanted == "cpu") return info.type == DeviceType::kCpu;
   if (wanted.find_first_not_of("0123456789") == std::string::npos) return std::to_string(info.index) == wanted;
   return lower(info.name).find(lower(wanted)) != std::string::npos;
@@ -108,7 +126,7 @@ void throwDeviceError(const vk::SystemError& error, const std::string& what, con
   throw Error(ErrorKind::kDevice, what + " failed: " + vk::to_string(result));
 }
 
-Context::Context(const DeviceOptions& options) : vulkan_(std::make_unique<Vulkan>()), keeps_kernels_(options.keep_kernels) {
+Context::Context(const DeviceOptions& options) : vulkan_(std::make_unique<Vulkan>(openLoader())), keeps_kernels_(options.keep_kernels) {
   const bool validation = options.validation || environmentFlag("TAXELSIM_VALIDATION");
   Vulkan& vulkan = *vulkan_;
   checked("opening Vulkan", "", [&] { vulkan.instance = makeInstance(vulkan.loader, validation); });
@@ -134,8 +152,7 @@ Context::Context(const DeviceOptions& options) : vulkan_(std::make_unique<Vulkan
   }
   if (chosen == nullptr) {
     throw Error(ErrorKind::kDevice,
-                infos.empty() ? "no Vulkan 1.2 device with a compute queue; install a driver (mesa-vulkan-drivers has one for CPUs)"
-                              : source + ": no device matches \"" + wanted + "\"; there is " + listNames(infos));
+                infos.empty() ? kNoDevice : source + ": no device matches \"" + wanted + "\"; there is " + listNames(infos));
   }
   info_ = *chosen;
   vulkan.physical = handles[static_cast<std::size_t>(chosen - infos.data())];
@@ -202,7 +219,7 @@ namespace taxelsim {
 
 std::vector<DeviceInfo> listDevices() {
   return gpu::checked("opening Vulkan", "", [] {
-    const vk::raii::Context loader;
+    const vk::raii::Context loader = gpu::openLoader();
     const vk::raii::Instance instance = gpu::makeInstance(loader, false);
     return gpu::describeDevices(instance, nullptr);
   });

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <mutex>
 #include <string>
+#include <utility>
 #include <vulkan/vulkan_raii.hpp>
 
 #include "gpu/context.h"
@@ -11,6 +12,8 @@
 namespace taxelsim::gpu {
 
 struct Context::Vulkan {
+  explicit Vulkan(vk::raii::Context&& opened) : loader(std::move(opened)) {}
+
   vk::raii::Context loader;
   vk::raii::Instance instance = nullptr;
   vk::raii::DebugUtilsMessengerEXT messenger = nullptr;

@@ -1,0 +1,145 @@
+// Batches of episodes. Python's Environment checks arrays before it calls the class here.
+#include "taxelsim/environment.h"
+
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/tuple.h>
+
+#include <limits>
+#include <mutex>
+#include <tuple>
+
+#include "environment_views.h"
+#include "handles.h"
+#include "verdict_arrays.h"
+
+namespace taxelsim::python {
+namespace {
+
+template <typename Element>
+using Column = nb::ndarray<const Element, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+template <typename Element>
+using Table = nb::ndarray<const Element, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+
+static_assert(sizeof(Twist) == 6 * sizeof(double));
+
+// An Environment that several Python threads may call: calls wait for each other, without the GIL.
+class SharedEnvironment {
+ public:
+  SharedEnvironment(const Device& device, const Scene& scene, const EnvironmentOptions& options) : environment_(device, scene, options) {}
+  ~SharedEnvironment() {
+    const nb::gil_scoped_release release;  // waits for the device if a frame is unread
+    const std::lock_guard lock(mutex_);
+  }
+
+  // Calls `use(environment)` without the GIL.
+  template <typename Use>
+  auto with(Use use) {
+    const nb::gil_scoped_release release;
+    const std::lock_guard lock(mutex_);
+    return use(environment_.get());
+  }
+
+  const Environment& get() const { return environment_.get(); }
+
+ private:
+  std::mutex mutex_;
+  Owned<Environment> environment_;
+};
+
+void init(SharedEnvironment* self, const DeviceHandle& device, const Scene& scene, int num_instances, const OutputOptions& outputs,
+          int max_regions) {
+  new (self) SharedEnvironment(device.get(), scene, {.num_instances = num_instances, .outputs = outputs, .max_regions = max_regions});
+}
+
+void reset(SharedEnvironment& self, const Column<std::uint8_t>& mask, const Column<std::uint64_t>& episodes) {
+  self.with([&](Environment& environment) { environment.reset({mask.data(), mask.shape(0)}, {episodes.data(), episodes.shape(0)}); });
+}
+
+// One control period: the robots take the action, then all frames to the next control tick.
+template <typename Act>
+void stepPeriod(SharedEnvironment& self, Act act) {
+  self.with([&](Environment& environment) {
+    act(environment);
+    for (int frame = 0; frame < environment.controlPeriod(); ++frame) environment.step();
+    environment.observe();
+  });
+}
+
+void step(SharedEnvironment& self, const Table<double>& twists) {
+  stepPeriod(self, [&](Environment& environment) { environment.act({reinterpret_cast<const Twist*>(twists.data()), twists.shape(0)}); });
+}
+
+void stepJoints(SharedEnvironment& self, const Table<double>& velocities) {
+  stepPeriod(self, [&](Environment& environment) { environment.actJoints({velocities.data(), velocities.size()}); });
+}
+
+nb::dict arrays(nb::handle self) {
+  auto& shared = nb::cast<SharedEnvironment&>(self);
+  const EnvironmentView view = shared.with([](Environment& environment) { return environment.observe(); });
+  return arraysOf(view, shared.get().model().sensor(), shared.get().numSensors(), self);
+}
+
+nb::dict taskArrays(nb::handle self) {
+  const TaskState state = nb::cast<SharedEnvironment&>(self).with([](Environment& environment) { return environment.taskState(); });
+  return arraysOf(state, self);
+}
+
+nb::dict judge(SharedEnvironment& self, const Column<int>& instances) {
+  std::vector<Verdict> verdicts;
+  self.with([&](Environment& environment) {
+    for (std::size_t k = 0; k < instances.shape(0); ++k) verdicts.push_back(environment.judge(instances.data()[k]));
+  });
+  return arraysOf(verdicts);
+}
+
+nb::object episodeKeys(const Column<std::uint64_t>& seeds, const Column<std::uint32_t>& instances,
+                       const Column<std::uint64_t>& num_resets) {
+  const std::size_t size = seeds.shape(0);
+  if (instances.shape(0) != size || num_resets.shape(0) != size) throw nb::value_error("arrays of different lengths");
+  auto* const keys = new std::uint64_t[size];
+  const nb::capsule owner(keys, [](void* p) noexcept { delete[] static_cast<std::uint64_t*>(p); });
+  for (std::size_t i = 0; i < size; ++i) keys[i] = episodeKey(seeds.data()[i], instances.data()[i], num_resets.data()[i]);
+  return nb::ndarray<nb::numpy, std::uint64_t>(keys, {size}, owner).cast();
+}
+
+// Tolerances by TaskMeasure (NaN: no criterion), laps, travel, hold.
+std::tuple<std::array<double, kNumTaskMeasures>, double, double, double> taskOf(const Scene& scene) {
+  std::array<double, kNumTaskMeasures> tolerances;
+  for (std::size_t m = 0; m < tolerances.size(); ++m) {
+    const std::optional<TaskCriterion>& criterion = scene.task->criteria[m];
+    tolerances[m] = criterion ? criterion->tolerance : std::numeric_limits<double>::quiet_NaN();
+  }
+  return {tolerances, scene.task->laps, scene.task->travel, scene.task->hold};
+}
+
+std::pair<double, double> servoLimits(const Scene& scene) {
+  const TactileServo& servo = scene.controllers.front().servo;
+  return {servo.max_linear_velocity, servo.max_angular_velocity};
+}
+
+}  // namespace
+
+void bindEnvironment(nb::module_& module) {
+  nb::class_<SharedEnvironment>(module, "Environment", "The batch behind taxelsim.Environment.")
+      .def("__init__", &init, "device"_a, "scene"_a, "num_instances"_a, "outputs"_a, "max_regions"_a,
+           nb::call_guard<nb::gil_scoped_release>())
+      .def("reset", &reset, "mask"_a, "episodes"_a)
+      .def("step", &step, "twists"_a)
+      .def("step_joints", &stepJoints, "velocities"_a)
+      .def("arrays", &arrays)
+      .def("task_arrays", &taskArrays)
+      .def("judge", &judge, "instances"_a)
+      .def_prop_ro("num_instances", [](const SharedEnvironment& self) { return self.get().numInstances(); })
+      .def_prop_ro("num_sensors", [](const SharedEnvironment& self) { return self.get().numSensors(); })
+      .def_prop_ro("num_joints", [](const SharedEnvironment& self) { return self.get().numJoints(); })
+      .def_prop_ro("num_frames", [](const SharedEnvironment& self) { return self.get().numFrames(); })
+      .def_prop_ro("control_period", [](const SharedEnvironment& self) { return self.get().controlPeriod(); })
+      .def_prop_ro("dt", [](const SharedEnvironment& self) { return self.get().dt(); });
+  module.def("episode_keys", &episodeKeys, "seeds"_a, "instances"_a, "num_resets"_a);
+  module.def("_task_of", &taskOf, "scene"_a, "Tolerances by TASK_MEASURES (NaN: no criterion), laps, travel (m), hold (s).");
+  module.def("_servo_limits", &servoLimits, "scene"_a, "Largest linear (m/s) and angular velocity (rad/s) of the first controller.");
+}
+
+}  // namespace taxelsim::python

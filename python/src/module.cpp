@@ -1,0 +1,19 @@
+// taxelsim._core: the C++ library in Python. The package taxelsim adds checks of arrays and is what users import.
+#include "bind.h"
+#include "taxelsim/version.h"
+
+NB_MODULE(_core, module) {
+  using namespace taxelsim::python;
+  module.attr("version") = taxelsim::kVersion;
+  bindErrors(module);
+  bindPose(module);
+  bindDevice(module);
+  bindObjects(module);
+  bindSensor(module);
+  bindModel(module);
+  bindSimulator(module);
+  bindScene(module);
+  bindEnvironment(module);
+  bindRuns(module);
+  bindDlpack(module);
+}

@@ -1,0 +1,138 @@
+// Runs over whole scenes: data sets and evaluations.
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+#include <optional>
+#include <tuple>
+
+#include "environment_views.h"
+#include "handles.h"
+#include "interruptible.h"
+#include "structs.h"
+#include "taxelsim/evaluate.h"
+#include "taxelsim/generate.h"
+#include "verdict_arrays.h"
+
+namespace taxelsim::python {
+namespace {
+
+// A policy of Python: its name, its identity, and a callable (arrays, instances, first_instance) -> twists (num_due, 6). The arrays are
+// valid during the call. The callable runs in the calling thread.
+using PolicyArgument = std::optional<std::tuple<std::string, std::string, nb::callable>>;
+using Twists = nb::ndarray<const double, nb::shape<-1, 6>, nb::c_contig, nb::device::cpu>;
+
+void callPolicy(const nb::callable& act, const Sensor& sensor, const PolicyInput& input, std::span<Twist> twists) {
+  const std::size_t num_instances = input.view.active.size(), num_due = input.instances.size();
+  const auto num_sensors = static_cast<int>(input.view.X_WS.size() / num_instances);
+  const nb::object none = nb::none();
+  const nb::object instances = nb::ndarray<nb::numpy, const int>(input.instances.data(), {num_due}, none).cast();
+  const auto found = nb::cast<Twists>(act(arraysOf(input.view, sensor, num_sensors, none), instances, input.first_instance));
+  if (found.shape(0) != num_due) throw Error(ErrorKind::kInput, "policy: one twist per instance expected");
+  for (std::size_t k = 0; k < num_due; ++k) {
+    std::copy_n(found.data() + 6 * k, 6, reinterpret_cast<double*>(&twists[static_cast<std::size_t>(input.instances[k])]));
+  }
+}
+
+std::optional<Policy> policyOf(const PolicyArgument& argument, const Scene& scene, CallingThread& calling_thread) {
+  if (!argument) return {};
+  const auto& [name, id, act] = *argument;
+  return Policy{.name = name, .id = id, .act = [&](const PolicyInput& input, std::span<Twist> twists) {
+                  calling_thread.run([&] { callPolicy(act, scene.sensor, input, twists); });
+                }};
+}
+
+GenerateResult runGenerate(const DeviceHandle& device, const Scene& scene, const std::filesystem::path& directory, int batch_size,
+                           int num_slices, const nb::object& on_progress, const PolicyArgument& policy) {
+  return runInterruptibly<GenerateResult>(on_progress, [&](auto report, const std::atomic<bool>& stop, CallingThread& calling_thread) {
+    return generate(device.get(), scene, directory,
+                    {.batch_size = batch_size,
+                     .num_slices = num_slices,
+                     .on_progress = report,
+                     .stop = &stop,
+                     .policy = policyOf(policy, scene, calling_thread)});
+  });
+}
+
+std::vector<Evaluation> runEvaluate(const DeviceHandle& device, const Scene& scene, const std::vector<std::string>& controllers,
+                                    int batch_size, int num_slices, const nb::object& on_progress, const PolicyArgument& policy) {
+  using Evaluations = std::vector<Evaluation>;
+  return runInterruptibly<Evaluations>(on_progress, [&](auto report, const std::atomic<bool>& stop, CallingThread& calling_thread) {
+    return evaluate(device.get(), scene, controllers,
+                    {.batch_size = batch_size,
+                     .num_slices = num_slices,
+                     .on_progress = report,
+                     .stop = &stop,
+                     .policy = policyOf(policy, scene, calling_thread)});
+  });
+}
+
+void bindProgress(nb::module_& module) {
+  nb::class_<Progress> progress(module, "Progress", "Progress of generate() or evaluate().");
+  addFields(progress, field("episodes_done", &Progress::episodes_done, "Episodes simulated or found on disk."),
+            field("num_episodes", &Progress::num_episodes, "Episodes of the whole run."),
+            field("frames_done", &Progress::frames_done, "Frames simulated in this run."),
+            field("episodes_resumed", &Progress::episodes_resumed, "Episodes found on disk."),
+            field("seconds", &Progress::seconds, "s since this run began simulating."));
+  nb::class_<GenerateResult>(module, "GenerateResult", "Result of generate().")
+      .def_ro("progress", &GenerateResult::progress, "Progress at the end.")
+      .def_ro("complete", &GenerateResult::complete, "Whether the data set is complete.")
+      .def_ro("num_load_misses", &GenerateResult::num_load_misses, "Contacts whose load was out of reach.");
+}
+
+void bindEvaluation(nb::module_& module) {
+  nb::class_<Quantiles> quantiles(module, "Quantiles", "Quantiles of a sample. All NaN if the sample is empty.");
+  addFields(quantiles, field("median", &Quantiles::median, "50 %."), field("p95", &Quantiles::p95, "95 %."),
+            field("max", &Quantiles::max, "Largest value."));
+  nb::class_<Score>(module, "Score", "Statistics of a set of verdicts.")
+      .def_ro("name", &Score::name, "Name of the set: a controller, object or range of start errors.")
+      .def_ro("start_error", &Score::start_error, "(2), range of start errors of a set in Evaluation.by_start, else 0.")
+      .def_ro("num_episodes", &Score::num_episodes, "Number of verdicts.")
+      .def_ro("num_successes", &Score::num_successes, "Verdicts that are a success.")
+      .def_ro("success_rate", &Score::success_rate, "num_successes / num_episodes; 0 of none.")
+      .def_ro("success_low", &Score::success_low, "Lower end of the 95 % Wilson interval.")
+      .def_ro("success_high", &Score::success_high, "Upper end of that interval.")
+      .def_ro("settling_time", &Score::settling_time, "s, over the episodes that settle.")
+      .def_ro("steady_error", &Score::steady_error, "(4), by TASK_MEASURES, over the episodes in contact to the end.")
+      .def_ro("peak_force", &Score::peak_force, "N, largest clean total force of each episode.")
+      .def_ro("num_lost", &Score::num_lost, "Episodes that lost contact at least once.")
+      .def_ro("num_saturated", &Score::num_saturated, "Episodes in which a taxel was at its upper end.")
+      .def("__repr__", [](const Score& self) {
+        return "<taxelsim.Score " + self.name + ": " + std::to_string(self.num_successes) + " of " + std::to_string(self.num_episodes) +
+               " episodes succeed>";
+      });
+  nb::class_<Evaluation>(module, "Evaluation", "Evaluation of one controller.")
+      .def_ro("controller", &Evaluation::controller, "Name in the scene.")
+      .def_prop_ro(
+          "verdicts", [](const Evaluation& self) { return arraysOf(self.verdicts); },
+          nb::sig("def verdicts(self) -> dict[str, numpy.typing.NDArray[typing.Any]]"),
+          R"(Verdict of every episode, as a dict of arrays (num_episodes, ...); a copy.
+
+episode, object (index), success, start_error and steady_error (num_episodes, 4) in the units of TASK_MEASURES, settling_time (s), travel (m),
+laps, peak_force (N), saturated (fraction of frames), num_losses, robot (status bits), load_reached.)")
+      .def_ro("total", &Evaluation::total, "Score over all episodes.")
+      .def_ro("by_object", &Evaluation::by_object, "(num_objects), in the order of the scene.")
+      .def_ro("start_measure", &Evaluation::start_measure, "Index into TASK_MEASURES of the start errors of by_start.")
+      .def_ro("by_start", &Evaluation::by_start, "Over five equal parts of the range of start errors; empty if all start alike.");
+  nb::list names;
+  for (const char* name : kTaskMeasureNames) names.append(name);
+  module.attr("TASK_MEASURES") = nb::tuple(names);
+}
+
+}  // namespace
+
+void bindRuns(nb::module_& module) {
+  bindProgress(module);
+  bindEvaluation(module);
+  module.def("generate", &runGenerate, "device"_a, "scene"_a, "directory"_a, "batch_size"_a, "num_slices"_a, "on_progress"_a.none(),
+             "policy"_a.none());
+  module.def("evaluate", &runEvaluate, "device"_a, "scene"_a, "controllers"_a, "batch_size"_a, "num_slices"_a, "on_progress"_a.none(),
+             "policy"_a.none());
+}
+
+}  // namespace taxelsim::python

@@ -1,0 +1,172 @@
+// Sensors: patches, skin with contact laws, point spread, readout.
+#include "taxelsim/sensor.h"
+
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/variant.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+
+#include "structs.h"
+
+namespace taxelsim::python {
+namespace {
+
+void bindPatch(nb::module_& module) {
+  nb::class_<GridPatch> patch(module, "GridPatch", R"(A planar grid of taxels.
+
+Its frame P lies in the middle of the grid on the undeformed outer skin surface, z out of the skin towards the object. Row i runs along x,
+column j along y.)");
+  addFields(patch, field("name", &GridPatch::name, "Name in messages and data sets."), field("num_rows", &GridPatch::num_rows, "1 to 128."),
+            field("num_cols", &GridPatch::num_cols, "1 to 128."), field("pitch", &GridPatch::pitch, "(2), m, > 0, along x and along y."),
+            field("X_SP", &GridPatch::X_SP, "Pose of the patch in the sensor frame S."));
+  module.def("taxel_patch", &taxelPatch, "name"_a, "position"_a, "normal"_a, "size"_a, "x_axis"_a = nb::none(),
+             R"(A 1 x 1 patch for one taxel of a curved or irregular skin.
+
+position: m, in S. normal: outward, in S, any length but 0. size: (2), m, along x and y of P. x_axis: direction in S whose projection is x.)");
+}
+
+void bindLaws(nb::module_& module) {
+  nb::class_<Winkler> winkler(module, "Winkler", R"(Contact law: elastic foundation.
+
+pressure = max(0, normal_contact_stiffness d^normal_exponent + normal_damping d') where the penetration d > 0.)");
+  addFields(winkler, field("normal_contact_stiffness", &Winkler::normal_contact_stiffness, "Pa / m^normal_exponent, > 0."),
+            field("normal_exponent", &Winkler::normal_exponent, "1 to 3."),
+            field("normal_damping", &Winkler::normal_damping, "Pa s / m, >= 0."));
+  nb::class_<MassSpringDamper> msd(
+      module, "MassSpringDamper",
+      "Contact law of SkinSim: each taxel is a mass on a spring and a damper, m x'' + damping x' + stiffness x = F.");
+  addFields(msd, field("normal_contact_stiffness", &MassSpringDamper::normal_contact_stiffness, "N/m^3, > 0, of the elastic foundation."),
+            field("mass", &MassSpringDamper::mass, "kg, > 0."), field("stiffness", &MassSpringDamper::stiffness, "N/m, > 0."),
+            field("damping", &MassSpringDamper::damping, "N s/m, >= 0."));
+  nb::class_<DeformationMask> mask(module, "DeformationMask",
+                                   "Contact law of RobWorkSim: a mask deforms the surface around each contact; cells saturate.");
+  addFields(mask, field("normal_contact_stiffness", &DeformationMask::normal_contact_stiffness, "N/m^3, > 0."),
+            field("saturation_pressure", &DeformationMask::saturation_pressure, "Pa, > 0."));
+  nb::class_<Proximity> proximity(module, "Proximity", "Contact law of Pezzementi et al.: a taxel reads sensitivity x mean depth x area.");
+  addFields(proximity, field("sensitivity", &Proximity::sensitivity, "N/m^3, > 0."));
+
+  nb::class_<ElasticLayer> layer(module, "ElasticLayer", "Contact law: the skin as an elastic layer, solved on the device.");
+  nb::enum_<ElasticLayer::Base>(layer, "Base", "Support of the layer.")
+      .value("HALF_SPACE", ElasticLayer::Base::kHalfSpace, "Infinitely deep.")
+      .value("BONDED", ElasticLayer::Base::kBonded, "As thick as the skin, bonded to a rigid base.");
+  addFields(layer, field("elastic_modulus", &ElasticLayer::elastic_modulus, "Pa, > 0."),
+            field("poisson_ratio", &ElasticLayer::poisson_ratio, "0 to 0.5."), field("base", &ElasticLayer::base, "Support."),
+            field("iterations", &ElasticLayer::iterations, "Largest number of solver iterations per frame, 1 to 1000."),
+            field("tolerance", &ElasticLayer::tolerance, "The solver stops at this contact_residual, 1e-5 to 0.1."));
+  nb::class_<LuGre> lugre(module, "LuGre", "Contact law of OpenGrasp: elastic foundation with LuGre friction.");
+  addFields(
+      lugre, field("normal_contact_stiffness", &LuGre::normal_contact_stiffness, "N/m^3, > 0."),
+      field("bristle_stiffness", &LuGre::bristle_stiffness, "1/m, > 0."), field("bristle_damping", &LuGre::bristle_damping, "s/m, >= 0."),
+      field("viscous_friction", &LuGre::viscous_friction, "s/m, >= 0."),
+      field("static_friction", &LuGre::static_friction, ">= coulomb_friction."),
+      field("coulomb_friction", &LuGre::coulomb_friction, "> 0."), field("stribeck_velocity", &LuGre::stribeck_velocity, "m/s, > 0."));
+}
+
+void bindSkin(nb::module_& module) {
+  nb::class_<Friction> friction(module, "Friction", "Stick-slip friction with memory. The default is none.");
+  addFields(friction, field("tangential_stiffness", &Friction::tangential_stiffness, "N/m^3, > 0 with friction."),
+            field("friction_coefficient", &Friction::friction_coefficient, "0 to 1000; 0: no shear."));
+  nb::class_<RelaxationTerm> relaxation(
+      module, "RelaxationTerm", "One term of the skin's viscoelastic relaxation: k(t) = k(0) [1 - sum fraction (1 - e^(-t / time))].");
+  addFields(relaxation, field("fraction", &RelaxationTerm::fraction, "0 to 1; the sum of all terms is < 1."),
+            field("time", &RelaxationTerm::time, "s, > 0."));
+  nb::class_<Skin> skin(module, "Skin", "The skin.");
+  addFields(skin, field("thickness", &Skin::thickness, "m, > 0; the deepest penetration."), field("law", &Skin::law, "Contact law."),
+            field("friction", &Skin::friction, "Stick-slip friction."),
+            field("margin", &Skin::margin, "m, >= 0, skin beyond the taxels; 0 unless the law is ElasticLayer."),
+            field("relaxation", &Skin::relaxation, "0 to 4 terms."));
+  module.def("foundation_of", &foundationOf, "skin"_a, "Elastic foundation of the skin: its own for Winkler, a linear one for other laws.");
+}
+
+void bindPsf(nb::module_& module) {
+  nb::class_<Psf> psf(module, "Psf",
+                      R"(Point spread function: a kernel over the taxels of each patch, or a Gaussian of the distance along the skin.
+
+The default is no spread.)");
+  nb::enum_<Psf::Normalization>(psf, "Normalization", "Normalisation of the spread image.")
+      .value("PER_SOURCE", Psf::Normalization::kPerSource, "Keeps the sum of forces, at borders too.")
+      .value("NONE", Psf::Normalization::kNone, "The kernel as it is.");
+  addFields(psf, field("size", &Psf::size, "Taxels per side of the kernel, odd, 1 to 9."),
+            field("kernel", &Psf::kernel, "(size x size), row-major, >= 0."), field("normalization", &Psf::normalization, "Normalisation."),
+            field("sigma", &Psf::sigma, "m. If > 0, a Gaussian of the distance along the skin replaces the kernel."),
+            field("reach", &Psf::reach, "m, > 0; 0: 3 sigma."));
+  module.def("gaussian_psf", &gaussianPsf, "sigma"_a, "size"_a, "normalization"_a = Psf::Normalization::kPerSource,
+             "A Gaussian kernel of `sigma` (taxels, > 0), sampled at taxel centres.");
+}
+
+void bindReadout(nb::module_& module) {
+  nb::class_<CreepTerm> creep(module, "CreepTerm", "One term of the readout's creep: F [1 + sum fraction (1 - e^(-t / time))].");
+  addFields(creep, field("fraction", &CreepTerm::fraction, "Of the force, >= 0."), field("time", &CreepTerm::time, "s, > 0."));
+  nb::class_<CurvePoint> point(module, "CurvePoint", "A point of a piecewise linear readout curve.");
+  addFields(point, field("force", &CurvePoint::force, "N, gain F - trigger."),
+            field("counts", &CurvePoint::counts, "Counts before output_scale."));
+  nb::class_<Readout> readout(module, "Readout", R"(Electronics: force after the spread to counts, per taxel.
+
+x = gain F - trigger; y = sum of curve[m] x^(m+1); counts = clip(round(output_scale y / (1 + y / curve_limit) + noise), 0, saturation).)");
+  addFields(readout, field("curve", &Readout::curve, "counts / N^(m+1), 1 to 5 terms; increasing over the range used."),
+            field("curve_points", &Readout::curve_points, "Piecewise linear curve from (0, 0); replaces `curve`."),
+            field("curve_limit", &Readout::curve_limit, "Asymptote in counts; 0: none."),
+            field("output_scale", &Readout::output_scale, "> 0."),
+            field("trigger", &Readout::trigger, "N, >= 0, smallest force that is visible."),
+            field("adc_bits", &Readout::adc_bits, "1 to 16."), field("saturation", &Readout::saturation, "Counts, 1 to 2^adc_bits - 1."),
+            field("noise", &Readout::noise, "Counts, >= 0, standard deviation of white noise per frame and taxel."),
+            field("taxel_gain", &Readout::taxel_gain, "(num_taxels), >= 0; empty: 1."),
+            field("taxel_trigger", &Readout::taxel_trigger, "(num_taxels), N; empty: `trigger`."),
+            field("hysteresis_strength", &Readout::hysteresis_strength, "(num_elements), each >= 0, sum < 1."),
+            field("hysteresis_width", &Readout::hysteresis_width, "(num_elements), N, >= 0."),
+            field("creep", &Readout::creep, "0 to 4 terms."), field("low_pass_time", &Readout::low_pass_time, "s, >= 0."),
+            field("delay", &Readout::delay, "s, 0 to 32 steps."), field("jitter", &Readout::jitter, "s, 0 to 1 / frame_rate."),
+            field("bias", &Readout::bias, "Counts, standard deviation over taxels and episodes."),
+            field("random_walk", &Readout::random_walk, "Counts / sqrt(s), of an offset per taxel that drifts from 0."),
+            field("gain_spread", &Readout::gain_spread, "0 to 2, standard deviation of log gain per taxel and episode."),
+            field("press_gain_spread", &Readout::press_gain_spread, "0 to 2, the same of a gain common to all taxels."),
+            field("dead_taxel_probability", &Readout::dead_taxel_probability, "0 to 1."));
+}
+
+// (num_taxels, 3), an array of its own.
+nb::ndarray<nb::numpy, double, nb::shape<-1, 3>> rowsOf(const std::vector<Vector3>& rows) {
+  auto* const copy = new std::vector<Vector3>(rows);
+  const nb::capsule owner(copy, [](void* p) noexcept { delete static_cast<std::vector<Vector3>*>(p); });
+  return {copy->data()->data(), {copy->size(), 3}, owner};
+}
+
+void bindModelOfSensor(nb::module_& module) {
+  nb::class_<Sensor> sensor(module, "Sensor", "A sensor model: taxels on patches, the skin above them, the electronics that read them.");
+  addFields(
+      sensor, field("name", &Sensor::name, "Name in messages and data sets."), field("patches", &Sensor::patches, "Patches, at least one."),
+      field("samples_per_taxel", &Sensor::samples_per_taxel, "Samples per side of a taxel, 1 to 8."), field("skin", &Sensor::skin, "Skin."),
+      field("psf", &Sensor::psf, "Point spread function."), field("readout", &Sensor::readout, "Electronics."),
+      field("frame_rate", &Sensor::frame_rate, "Hz, > 0; 0: a frame at every step."));
+  sensor.def_prop_ro("num_taxels", &numTaxels, "Number of taxels of all patches.")
+      .def_prop_ro(
+          "taxel_positions", [](const Sensor& self) { return rowsOf(taxelPositions(self)); }, nb::rv_policy::automatic,
+          "(num_taxels, 3), m, centres of all taxels in S, in storage order.")
+      .def_prop_ro(
+          "taxel_normals", [](const Sensor& self) { return rowsOf(taxelNormals(self)); }, nb::rv_policy::automatic,
+          "(num_taxels, 3), unit normals of all taxels in S.");
+  module.def("load_sensor", &loadSensor, "file"_a, nb::call_guard<nb::gil_scoped_release>(),
+             "Reads a sensor file. Raises InputError with file, line, column and key.");
+  module.def("sensor_text", &sensorText, "sensor"_a, "notes"_a = std::map<std::string, std::string>{},
+             "Text of a sensor file, all settings in SI units; load_sensor() reads it as the same sensor. notes: comments by key.");
+  module.def("check_sensor", &checkSensor, "sensor"_a, "Raises InputError with the field, its value and what is allowed.");
+  module.def("nominal_force", &nominalForce, "readout"_a, "counts"_a, "Force (N) that reads `counts` on the nominal curve.");
+}
+
+}  // namespace
+
+void bindSensor(nb::module_& module) {
+  bindPatch(module);
+  bindLaws(module);
+  bindSkin(module);
+  bindPsf(module);
+  bindReadout(module);
+  bindModelOfSensor(module);
+}
+
+}  // namespace taxelsim::python

@@ -1,0 +1,174 @@
+// Batches of sensor instances. Python's Simulator checks arrays before it calls the class here.
+#include "taxelsim/simulator.h"
+
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/shared_ptr.h>
+
+#include <mutex>
+#include <stdexcept>
+
+#include "frame_views.h"
+#include "handles.h"
+#include "structs.h"
+
+namespace taxelsim::python {
+namespace {
+
+using Ids = nb::ndarray<const int, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Poses = nb::ndarray<const double, nb::shape<-1, 7>, nb::c_contig, nb::device::cpu>;
+using Loads = nb::ndarray<const float, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Points = nb::ndarray<const double, nb::shape<-1, 4>, nb::c_contig, nb::device::cpu>;
+using Mask = nb::ndarray<const std::uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Episodes = nb::ndarray<const std::uint64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+static_assert(sizeof(Pose) == 7 * sizeof(double) && sizeof(ContactPoint) == 4 * sizeof(double));
+
+template <typename Element, typename Array>
+std::span<const Element> rows(const Array& array) {
+  return {reinterpret_cast<const Element*>(array.data()), array.shape(0)};
+}
+
+// A Simulator that several Python threads may call: calls wait for each other, without the GIL.
+class SharedSimulator {
+ public:
+  SharedSimulator(const Model& model, const SimulatorOptions& options) : simulator_(model, options) {}
+  ~SharedSimulator() {
+    const nb::gil_scoped_release release;  // waits for the device if a step is unread
+    const std::lock_guard lock(mutex_);
+  }
+
+  // Calls `use(simulator)` without the GIL. Inputs may not change while the device reads them.
+  template <typename Use>
+  auto input(const char* method, Use use) {
+    const nb::gil_scoped_release release;
+    const std::lock_guard lock(mutex_);
+    if (running_) throw std::logic_error(std::string(method) + "() between step() and read(): call read() first");
+    return use(simulator_.get());
+  }
+
+  // `mask`: instances that begin an episode, empty for all; see Simulator::step().
+  void step(double dt, std::span<const std::uint8_t> mask) {
+    input("step", [&](Simulator& simulator) {
+      if (mask.empty()) {
+        simulator.step(dt);
+      } else {
+        simulator.step(dt, mask);
+      }
+      running_ = true;
+    });
+  }
+
+  FrameView read() {
+    const nb::gil_scoped_release release;
+    const std::lock_guard lock(mutex_);
+    running_ = false;
+    return simulator_.get().read();
+  }
+
+  StepTiming timing() {
+    const std::lock_guard lock(mutex_);
+    return simulator_.get().timing();
+  }
+
+  const Model& model() const { return simulator_.get().model(); }
+  int numInstances() const { return simulator_.get().numInstances(); }
+
+ private:
+  std::mutex mutex_;
+  Owned<Simulator> simulator_;
+  bool running_ = false;  // a step is unread
+};
+
+void reset(SharedSimulator& self, const Ids& instances, const Episodes& episodes, float gain, float gain_spread, float noise) {
+  self.input("reset", [&](Simulator& simulator) {
+    for (std::size_t k = 0; k < instances.shape(0); ++k) {
+      simulator.reset(instances.data()[k], episodes.data()[k], {.gain = gain, .gain_spread = gain_spread, .noise = noise});
+    }
+  });
+}
+
+void setContacts(SharedSimulator& self, const Points& contacts, const Ids& offsets) {
+  self.input("set_contacts", [&](Simulator& simulator) { simulator.setContacts(rows<ContactPoint>(contacts), rows<int>(offsets)); });
+}
+
+void bindOptions(nb::module_& module) {
+  nb::class_<OutputOptions> outputs(module, "OutputOptions",
+                                    "Optional outputs of a Simulator. Features and the tactile image are always computed.");
+  addFields(outputs, field("tactile_normal_force", &OutputOptions::tactile_normal_force, "frame.ground_truth.tactile_normal_force."),
+            field("tactile_shear_force", &OutputOptions::tactile_shear_force, "frame.ground_truth.tactile_shear_force."),
+            field("penetration_depth", &OutputOptions::penetration_depth, "frame.ground_truth.penetration_depth."),
+            field("contact_features", &OutputOptions::contact_features, "frame.contact."),
+            field("clean_contact_features", &OutputOptions::clean_contact_features, "frame.ground_truth.contact."),
+            field("tactile_jacobian", &OutputOptions::tactile_jacobian, "frame.jacobian."),
+            field("clean_tactile_jacobian", &OutputOptions::clean_tactile_jacobian, "frame.ground_truth.jacobian."));
+  nb::class_<SimulatorOptions> options(module, "SimulatorOptions", "Options of a Simulator.");
+  addFields(options, field("num_instances", &SimulatorOptions::num_instances, "N, >= 1."),
+            field("num_slots", &SimulatorOptions::num_slots, "Objects per instance, 1 to 8."),
+            field("seed", &SimulatorOptions::seed, "Key of all random numbers."),
+            field("outputs", &SimulatorOptions::outputs, "Optional outputs."),
+            field("max_contacts", &SimulatorOptions::max_contacts, "Capacity for contact points of one instance, 0 to 4096."),
+            field("max_regions", &SimulatorOptions::max_regions, "Rows of contact features for regions, 0 to 8."),
+            field("contact_band", &SimulatorOptions::contact_band, "m, height above the skin up to which contact points count."),
+            field("device_clock", &SimulatorOptions::device_clock, "Whether timing reports seconds."));
+  nb::enum_<ContactType>(module, "ContactType", nb::is_arithmetic(), "Type of a contact; values of frame.contact.contact_type.")
+      .value("NONE", ContactType::kNone, "No contact above the noise.")
+      .value("POINT", ContactType::kPoint, "Length at most 2.5 taxels.")
+      .value("EDGE", ContactType::kEdge, "Width at most half the length.")
+      .value("AREA", ContactType::kArea, "Any other contact.");
+  nb::class_<MemoryPlan> plan(module, "MemoryPlan", "Device memory of a simulator, for planning.");
+  addFields(plan, field("bytes_per_instance", &MemoryPlan::bytes_per_instance, "Bytes per instance in a batch of this size."),
+            field("bytes_fixed", &MemoryPlan::bytes_fixed, "Bytes independent of the number of instances."),
+            field("max_instances", &MemoryPlan::max_instances, "Most instances that fit the device."));
+  nb::class_<StepTiming> timing(module, "StepTiming", "Times of the last frame by the device's clock, s; NaN without device_clock.");
+  addFields(timing, field("contact", &StepTiming::contact, "s, contact pass."),
+            field("image", &StepTiming::image, "s, image pass, contact features and tactile Jacobian."),
+            field("total", &StepTiming::total, "s, all passes."),
+            field("num_coherent", &StepTiming::num_coherent, "Instances that tested only triangles found near by an earlier step."));
+}
+
+}  // namespace
+
+void bindSimulator(nb::module_& module) {
+  bindOptions(module);
+  module.def(
+      "plan", [](const ModelHandle& model, const SimulatorOptions& options) { return Simulator::plan(model.get(), options); }, "model"_a,
+      "options"_a, "Device memory that a Simulator with these options would take. Allocates nothing.");
+  nb::class_<SharedSimulator>(module, "Simulator", "The batch behind taxelsim.Simulator.")
+      .def(
+          "__init__",
+          [](SharedSimulator* self, const ModelHandle& model, const SimulatorOptions& options) {
+            new (self) SharedSimulator(model.get(), options);
+          },
+          "model"_a, "options"_a, nb::call_guard<nb::gil_scoped_release>())
+      .def(
+          "set_objects",
+          [](SharedSimulator& self, const Ids& ids, const Poses& poses) {
+            self.input("set_objects", [&](Simulator& simulator) { simulator.setObjects(rows<int>(ids), rows<Pose>(poses)); });
+          },
+          "ids"_a, "poses"_a)
+      .def(
+          "set_loads",
+          [](SharedSimulator& self, const Loads& loads) {
+            self.input("set_loads", [&](Simulator& simulator) { simulator.setLoads(rows<float>(loads)); });
+          },
+          "loads"_a)
+      .def("set_contacts", &setContacts, "contacts"_a, "offsets"_a)
+      .def("reset", &reset, "instances"_a, "episodes"_a, "gain"_a, "gain_spread"_a, "noise"_a)
+      .def(
+          "prepare", [](SharedSimulator& self, bool loads) { self.input("prepare", [&](Simulator& s) { s.prepare(loads); }); }, "loads"_a)
+      .def(
+          "step", [](SharedSimulator& self, double dt) { self.step(dt, {}); }, "dt"_a)
+      .def(
+          "step", [](SharedSimulator& self, double dt, const Mask& mask) { self.step(dt, rows<std::uint8_t>(mask)); }, "dt"_a, "mask"_a)
+      .def("read", [](SharedSimulator& self) { self.read(); })
+      .def(
+          "arrays",
+          [](nb::handle self) {
+            auto& simulator = nb::cast<SharedSimulator&>(self);
+            return arraysOf(simulator.read(), simulator.model().sensor(), simulator.numInstances(), self);
+          },
+          nb::sig("def arrays(self) -> dict[str, typing.Any]"))
+      .def_prop_ro("timing", &SharedSimulator::timing);
+}
+
+}  // namespace taxelsim::python

@@ -1,0 +1,94 @@
+"""Checks of arguments. Every error says which value was found, what is allowed, and which environment it belongs to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import InputError
+
+
+def checked_count(name: str, value: int) -> int:
+    """`value` if it is an integer >= 1, else InputError."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer):
+        raise InputError(f"{name}: integer expected, {type(value).__name__} found")
+    if value < 1:
+        raise InputError(f"{name}: {value} found, at least 1 allowed")
+    return int(value)
+
+
+def checked_names(name: str, values: str | Sequence[str], allowed: Sequence[str]) -> tuple[str, ...]:
+    """`values` as a tuple if they are different names out of `allowed`, else InputError."""
+    names = (values,) if isinstance(values, str) else tuple(values)
+    if not names:
+        raise InputError(f"{name}: empty; allowed are {', '.join(allowed)}")
+    for i, value in enumerate(names):
+        if value not in allowed:
+            raise InputError(f"{name}: {value!r} found, allowed are {', '.join(allowed)}")
+        if value in names[:i]:
+            raise InputError(f"{name}: {value!r} found twice")
+    return names
+
+
+def checked_positive(name: str, value: float) -> float:
+    """`value` if it is a finite number above 0, else InputError."""
+    if not (np.isfinite(value) and value > 0):
+        raise InputError(f"{name}: {value} found, a finite number above 0 allowed")
+    return float(value)
+
+
+def checked_actions(
+    actions: Any, shape: tuple[int, ...], name_of: Callable[[int], str] = "environment {}".format
+) -> NDArray[np.floating[Any]]:
+    """`actions` clipped to [-1, 1] if they are finite floating-point numbers of `shape`, else InputError.
+
+    name_of: name of a row in messages.
+    """
+    array = np.asarray(actions)
+    if not np.issubdtype(array.dtype, np.floating):
+        raise InputError(f"actions: floating-point numbers expected, dtype {array.dtype} found")
+    if array.shape != shape:
+        hint = "; did you mean the transposed array?" if array.shape == shape[::-1] else ""
+        raise InputError(f"actions: shape {shape} expected, {array.shape} found{hint}")
+    finite = np.isfinite(array)
+    if not finite.all():
+        index = tuple(int(k) for k in np.argwhere(~finite)[0])
+        raise InputError(f"actions: {array[index]} found in {name_of(index[0])}, dimension {index[-1]}; must be finite")
+    clipped: NDArray[np.floating[Any]] = np.clip(array, -1, 1)
+    return clipped
+
+
+def checked_mask(options: dict[str, Any] | None, num_envs: int) -> NDArray[np.bool_]:
+    """The mask of `reset(options=...)`: all environments without one."""
+    options = dict(options or {})
+    mask = options.pop("reset_mask", None)
+    if options:
+        raise InputError(f"options: {next(iter(options))!r} found, only 'reset_mask' allowed")
+    if mask is None:
+        return np.ones(num_envs, np.bool_)
+    if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
+        found = mask.dtype if isinstance(mask, np.ndarray) else type(mask).__name__
+        raise InputError(f"options['reset_mask']: NumPy array of bool expected, {found} found")
+    if mask.shape != (num_envs,):
+        raise InputError(f"options['reset_mask']: shape {(num_envs,)} expected, {mask.shape} found")
+    if not mask.any():
+        raise InputError("options['reset_mask']: at least one environment must be True")
+    return mask.copy()
+
+
+def checked_seeds(seed: Any, num_envs: int) -> NDArray[np.uint64] | None:
+    """One seed per environment, from one for all or one for each; None without."""
+    if seed is None:
+        return None
+    seeds = list(seed) if isinstance(seed, Sequence | np.ndarray) else [seed] * num_envs
+    if len(seeds) != num_envs:
+        raise InputError(f"seed: {num_envs} seeds expected, {len(seeds)} found")
+    for i, value in enumerate(seeds):
+        if isinstance(value, bool) or not isinstance(value, int | np.integer):
+            raise InputError(f"seed: integer expected, {type(value).__name__} found for environment {i}")
+        if not 0 <= value < 2**64:
+            raise InputError(f"seed: {value} found for environment {i}, 0 to 2^64 - 1 allowed")
+    return np.array([int(value) for value in seeds], np.uint64)

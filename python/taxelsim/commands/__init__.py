@@ -1,0 +1,1 @@
+"""Subcommands of `taxelsim` that are written in Python."""

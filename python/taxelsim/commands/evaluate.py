@@ -1,0 +1,161 @@
+"""`taxelsim evaluate SCENE --policy FILE`: evaluates an ONNX policy, alone or compared with controllers of the scene."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import logging
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .._core import TASK_MEASURES, Device, Evaluation, Progress, Scene, Score, load_scene
+from ..errors import Error, InputError
+from ..policies.observations import OBSERVATIONS
+from ..policies.policy import Policy, as_policy
+from ..policies.statistics import Comparison, compare
+from ..runs import evaluate
+
+# Display units of TASK_MEASURES: name, and how many are one SI unit.
+_UNITS = {"edge_angle": ("deg", 180 / np.pi), "total_force": ("N", 1.0), "center": ("mm", 1e3), "contour": ("mm", 1e3)}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds the arguments of the subcommand."""
+    add = parser.add_argument
+    add("scene", metavar="SCENE", help="scene file of kind servo with a task")
+    add("--policy", required=True, metavar="FILE", help="ONNX file: observations in, actions in [-1, 1] out")
+    add("--controller", action="append", default=[], metavar="NAME", help="controller of the scene to compare with; repeatable")
+    add("--observations", type=_names, metavar="NAMES", help=f"out of {', '.join(OBSERVATIONS)}, separated by commas; default: contact")
+    add("--actions", type=_names, metavar="NAMES", help="components of the twist, as v_x,v_y,w_z; default: all six")
+    add("--history", type=int, metavar="N", help="latest frames that the policy sees, default 1")
+    add("--normalized", action="store_const", const=True, help="divide observations by their scales")
+    add("--image-unit", choices=("counts", "newtons"), help="unit of tactile_image, default counts")
+    add("--episodes", type=int, metavar="N", help="replaces the number of episodes of the scene")
+    add("--seed", type=int, metavar="N", help="replaces the seed of the scene")
+    add("--condition", default="nominal", metavar="NAME", help="condition of the scene, default nominal")
+    add("--batch-size", type=int, default=2048, metavar="N", help="instances at a time; does not change a verdict; default 2048")
+    add("--device", default="", metavar="NAME", help='"cpu", "discrete", an index, or part of a name; default: the best')
+    add("--save-failures", type=Path, metavar="DIR", help="writes failed episodes of the policy as .npz files and pictures")
+    add("--max-failures", type=int, default=64, metavar="N", help="episodes that --save-failures writes, default 64")
+    add("--json", action="store_true", help="prints JSON instead of a table")
+
+
+def _names(text: str) -> str | tuple[str, ...]:
+    names = tuple(name.strip() for name in text.split(","))
+    return names[0] if len(names) == 1 else names
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Runs the subcommand. Returns the exit status: 2 for bad input, 1 for other failures, 130 after Ctrl-C."""
+    parser = argparse.ArgumentParser(prog="taxelsim evaluate", description=__doc__)
+    add_arguments(parser)
+    options = parser.parse_args(arguments)
+    logging.basicConfig(format="%(message)s")
+    try:
+        return _run(options)
+    except (Error, ImportError) as error:
+        print(f"taxelsim evaluate: {error}", file=sys.stderr)
+        return 2 if isinstance(error, InputError) else 1
+
+
+def _run(options: argparse.Namespace) -> int:
+    policy = as_policy(
+        options.policy,
+        observations=options.observations,
+        actions=options.actions,
+        history=options.history,
+        normalized=options.normalized,
+        image_unit=options.image_unit,
+    )
+    scene = load_scene(options.scene, num_episodes=options.episodes, seed=options.seed, condition=options.condition)
+    unknown = [name for name in options.controller if name not in scene.controllers]
+    if unknown:
+        raise InputError(f"--controller {unknown[0]}: not in this scene; it has {', '.join(scene.controllers)}")
+    device = Device.open(options.device)
+    evaluations: list[Evaluation] = []
+    interrupted = False
+    show = _show_progress if sys.stderr.isatty() else None
+    try:
+        evaluations += evaluate(scene, policy=policy, device=device, batch_size=options.batch_size, on_progress=show)
+        for name in options.controller:
+            evaluations += evaluate(scene, [name], device=device, batch_size=options.batch_size, on_progress=show)
+        if options.save_failures:
+            _save_failures(options, scene, policy, evaluations[0], device)
+    except KeyboardInterrupt:
+        interrupted = True
+        print(f"interrupted: {len(evaluations)} of {1 + len(options.controller)} policies and controllers are complete", file=sys.stderr)
+    comparisons = [_compared(evaluations[0], control) for control in evaluations[1:]]
+    print(_json(scene, evaluations, comparisons) if options.json else _table(scene, evaluations, comparisons))
+    return 130 if interrupted else 0
+
+
+def _show_progress(progress: Progress) -> None:
+    print(f"\r{progress.episodes_done} of {progress.num_episodes} episodes ", end="", file=sys.stderr, flush=True)
+
+
+def _save_failures(options: argparse.Namespace, scene: Scene, policy: Policy, evaluation: Evaluation, device: Device) -> None:
+    from ..policies.failures import save_failures
+
+    verdicts = evaluation.verdicts
+    failed = verdicts["episode"][~verdicts["success"]]
+    files = save_failures(scene, policy, failed[: options.max_failures], options.save_failures, device)
+    print(f"wrote {len(files)} of {len(failed)} failed episodes to {options.save_failures}", file=sys.stderr)
+
+
+def _compared(evaluation: Evaluation, control: Evaluation) -> Comparison:
+    return compare(evaluation.controller, evaluation.verdicts["success"], control.controller, control.verdicts["success"])
+
+
+def _measures(evaluations: Sequence[Evaluation]) -> list[str]:
+    errors = evaluations[0].verdicts["start_error"]
+    return [name for m, name in enumerate(TASK_MEASURES) if not np.isnan(errors[:, m]).all()]
+
+
+def _table(scene: Scene, evaluations: Sequence[Evaluation], comparisons: Sequence[Comparison]) -> str:
+    if not evaluations:
+        return ""
+    measures = _measures(evaluations)
+    rows = [["policy", "episodes of", "episodes", "success (95 %)", "settling s", *(f"{m} {_UNITS[m][0]}" for m in measures)]]
+    rows[0] += ["peak force N", "lost contact"]
+    for evaluation in evaluations:
+        scores = [evaluation.total, *(evaluation.by_object if len(evaluation.by_object) > 1 else [])]
+        rows += [_row(evaluation.controller if k == 0 else "", score, measures) for k, score in enumerate(scores)]
+    widths = [max(len(row[c]) for row in rows) for c in range(len(rows[0]))]
+    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+    head = f"{scene.name}: columns show median / 95th percentile over episodes"
+    return "\n".join([head, "", *lines, *([""] if comparisons else []), *map(str, comparisons)])
+
+
+def _row(name: str, score: Score, measures: Sequence[str]) -> list[str]:
+    def quantiles(values: Any, per_si: float) -> str:
+        return "-" if np.isnan(values.median) else f"{values.median * per_si:.3g} / {values.p95 * per_si:.3g}"
+
+    success = f"{100 * score.success_rate:.2f} % ({100 * score.success_low:.2f} to {100 * score.success_high:.2f})"
+    cells = [name, score.name, f"{score.num_episodes:,}", success, quantiles(score.settling_time, 1)]
+    cells += [quantiles(score.steady_error[TASK_MEASURES.index(m)], _UNITS[m][1]) for m in measures]
+    return [*cells, quantiles(score.peak_force, 1), f"{score.num_lost:,}"]
+
+
+def _json(scene: Scene, evaluations: Sequence[Evaluation], comparisons: Sequence[Comparison]) -> str:
+    def plain(values: Any) -> list[Any]:
+        return [None if isinstance(v, float) and not np.isfinite(v) else v for v in values.tolist()]
+
+    entries = []
+    for evaluation in evaluations:
+        total, verdicts = evaluation.total, evaluation.verdicts
+        entries.append(
+            {
+                "controller": evaluation.controller,
+                "episodes": total.num_episodes,
+                "successes": total.num_successes,
+                "success_rate": total.success_rate,
+                "success_rate_95": [total.success_low, total.success_high],
+                "verdicts": {name: plain(values) for name, values in verdicts.items() if values.ndim == 1},
+            }
+        )
+    content = {"scene": scene.name, "seed": scene.seed, "controllers": entries, "comparisons": [vars(c) for c in comparisons]}
+    return json.dumps(content, indent=2)

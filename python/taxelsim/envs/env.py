@@ -1,0 +1,58 @@
+"""One episode at a time, as a `gymnasium.Env`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.vector import AutoresetMode
+from numpy.typing import NDArray
+
+from .vector_env import TactileVectorEnv
+
+
+class TactileEnv(gymnasium.Env[Any, NDArray[Any]]):
+    """`TactileVectorEnv` with one environment and the interface of `gymnasium.Env`. Takes the same arguments.
+
+    For one-at-a-time tools and debugging; a vector environment of many is far faster.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}  # noqa: RUF012, as declared by Gymnasium
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        self._batch = TactileVectorEnv(*args, num_envs=1, autoreset_mode=AutoresetMode.DISABLED, **kwargs)
+        self.metadata = {**self.metadata, "render_fps": round(1 / self._batch.step_time)}
+        self.render_mode = self._batch.render_mode
+        self.observation_space = self._batch.single_observation_space
+        self.action_space = self._batch.single_action_space
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Starts a new episode."""
+        super().reset(seed=seed)
+        observation, infos = self._batch.reset(seed=seed, options=options)
+        return _single(observation), _single_info(infos)
+
+    def step(self, action: NDArray[Any]) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        """Performs one action; see `TactileVectorEnv.step`."""
+        observation, rewards, terminated, truncated, infos = self._batch.step(np.asarray(action)[None])
+        return _single(observation), float(rewards[0]), bool(terminated[0]), bool(truncated[0]), _single_info(infos)
+
+    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
+        """Picture (height, width, 3) of the tactile image; None without `render_mode`."""
+        frames = self._batch.render()
+        return None if frames is None else frames[0]
+
+    def close(self) -> None:
+        """Releases the device memory."""
+        self._batch.close()
+
+
+def _single(observation: Any) -> Any:
+    if isinstance(observation, dict):
+        return {name: values[0] for name, values in observation.items()}
+    return observation[0]
+
+
+def _single_info(infos: dict[str, Any]) -> dict[str, Any]:
+    return {name: values[0].item() for name, values in infos.items() if not name.startswith("_")}

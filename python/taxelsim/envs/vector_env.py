@@ -1,0 +1,187 @@
+"""Vector environment of a scene of kind servo with a task."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+from gymnasium.vector import AutoresetMode
+from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
+
+from .. import _core
+from .._core import TASK_MEASURES, Device, Scene
+from ..environment import Environment, EnvironmentFrame, Task, TaskState
+from ..errors import InputError
+from ..pictures import pictures, taxel_map
+from ..policies.actions import ACTIONS, TwistActions
+from ..policies.observations import Bounds, ObservationBuilder
+from .episodic import EpisodicVectorEnv, Mask
+from .rewards import Reward
+
+
+class TactileVectorEnv(EpisodicVectorEnv):
+    """N episodes of a scene at once; one step is one control tick.
+
+    An episode starts as the scene draws it: object, pose, load, variation of the sensor. It is truncated after the frames of the scene,
+    and terminated if contact stays lost for longer than `max_lost_time`.
+
+    scene: file name, or a Scene. It must have a task.
+    observations, image_unit, normalized, history, copy: see ObservationBuilder. A name gives an array, a sequence of names a dict.
+    actions: components of the twist of the sensor, out of ACTIONS. Action 1 is `linear_scale` m/s or `angular_scale` rad/s; default: the
+        limits of the scene's first controller.
+    reward: see Reward.
+    max_lost_time: s, >= 0.
+    render_mode: None, or "rgb_array": render() returns a picture of every tactile image.
+    device: an open Device, or the argument of Device.open().
+
+    Infos, from ground truth: `episode_key`, `success` (only at the end of an episode), `contact`, `num_losses`, `peak_force` (N),
+    `load_reached`, and for each criterion of the task `<measure>_error` (rad, N or m; infinite without contact).
+    """
+
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "autoreset_mode": AutoresetMode.SAME_STEP}  # noqa: RUF012
+
+    def __init__(
+        self,
+        scene: Scene | str | os.PathLike[str],
+        num_envs: int = 1,
+        *,
+        observations: str | Sequence[str] = "contact",
+        image_unit: str = "counts",
+        normalized: bool = False,
+        history: int = 1,
+        copy: bool = True,
+        actions: str | Sequence[str] = ACTIONS,
+        linear_scale: float | None = None,
+        angular_scale: float | None = None,
+        reward: Reward | None = None,
+        max_lost_time: float = 0.25,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.SAME_STEP,
+        render_mode: str | None = None,
+        device: Device | str = "",
+    ) -> None:
+        super().__init__(num_envs, autoreset_mode)
+        if render_mode not in (None, "rgb_array"):
+            raise InputError(f"render_mode: {render_mode!r} found, None and 'rgb_array' allowed")
+        if not (np.isfinite(max_lost_time) and max_lost_time >= 0):
+            raise InputError(f"max_lost_time: {max_lost_time} found, a finite number of at least 0 allowed (s)")
+        self.render_mode = render_mode
+        self.scene = scene if isinstance(scene, Scene) else _core.load_scene(os.fspath(scene))
+        self._task = Task.of(self.scene)
+        opened = device if isinstance(device, Device) else Device.open(device)
+        self._environment: Environment | None = Environment(opened, self.scene, self.num_envs)
+        self._period, self._num_frames = self._environment.control_period, self._environment.num_frames
+        if (self._num_frames - 1) % self._period:
+            raise InputError(
+                f"{self.scene.file}: num_steps: {self._num_frames} found; an environment needs 1 + a multiple of {self._period}, the "
+                "frames per control tick"
+            )
+        self.step_time = self._period * self._environment.dt  #: s, simulated time of one step
+        self.max_episode_steps = (self._num_frames - 1) // self._period  #: steps of an episode that is not terminated
+        layout = self._environment.layout
+        self._builder = ObservationBuilder(layout, observations, image_unit=image_unit, normalized=normalized, history=history, copy=copy)
+        limits = _core._servo_limits(self.scene)
+        self._actions = TwistActions(
+            actions, limits[0] if linear_scale is None else linear_scale, limits[1] if angular_scale is None else angular_scale
+        )
+        self._reward = reward or Reward()
+        self._tolerances = np.array([self._task.tolerances.get(name, np.nan) for name in TASK_MEASURES])
+        self._max_lost_steps = round(max_lost_time / self.step_time)
+        self._lost_steps = np.zeros(num_envs, np.int64)
+        self._advanced = np.zeros(num_envs, np.float32)
+        self._layout = layout
+        self._pixels: NDArray[np.intp] | None = None
+        self.single_observation_space = _space(self._builder.bounds())
+        self.single_action_space = spaces.Box(-1, 1, (len(self._actions.names),), np.float32)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+
+    @property
+    def _batch(self) -> Environment:
+        if self._environment is None:
+            raise RuntimeError("this environment is closed")
+        return self._environment
+
+    def _start(self, mask: Mask, keys: NDArray[np.uint64]) -> None:
+        self._batch.reset(mask, keys)
+        self._frame, self._state = self._batch.observe(), self._batch.task_state()
+        self._success = np.zeros(self.num_envs, np.bool_)
+        self._builder.update(self._frame, started=mask, rows=mask)
+        self._lost_steps[mask] = 0
+        self._advanced[mask] = 0
+
+    def _advance(self, actions: NDArray[Any], running: Mask) -> tuple[NDArray[np.float64], Mask, Mask]:
+        self._batch.step(self._actions.twists(actions))
+        self._frame, self._state = frame, state = self._batch.observe(), self._batch.task_state()
+        self._builder.update(frame)
+        contact = state.contact.astype(np.bool_)
+        self._lost_steps = np.where(contact, 0, self._lost_steps + 1)
+        rewards = self._reward(state.errors, self._tolerances, self._progress(state), contact, self._forces(frame))
+        truncated = running & (frame.frame_numbers >= self._num_frames - 1)
+        self._success = self._judged(truncated)
+        return rewards, running & (self._lost_steps > self._max_lost_steps), truncated
+
+    def _judged(self, ended: Mask) -> Mask:
+        success = np.zeros(self.num_envs, np.bool_)
+        if ended.any():
+            success[ended] = self._batch.judge(np.flatnonzero(ended))["success"]
+        return success
+
+    def _forces(self, frame: EnvironmentFrame) -> NDArray[np.float64]:
+        forces = frame.ground_truth.total_force
+        return (forces if forces.ndim == 1 else forces[:, 0]).astype(np.float64)
+
+    def _progress(self, state: TaskState) -> NDArray[np.float64]:
+        """(num_envs): advance since the preceding step over the one that completes the task in time; 1 without such a demand."""
+        required = self._task.laps or self._task.travel
+        if not required:
+            return np.ones(self.num_envs)
+        advanced = (state.laps if self._task.laps else state.travel).copy()
+        progress = (advanced - self._advanced).astype(np.float64) * (self.max_episode_steps / required)
+        self._advanced = advanced
+        return progress
+
+    def _observe(self) -> Any:
+        return self._builder.observation()
+
+    def _info(self) -> dict[str, NDArray[Any]]:
+        state = self._state
+        info: dict[str, NDArray[Any]] = {
+            "episode_key": self._keys.copy(),
+            "success": self._success.copy(),
+            "contact": state.contact.astype(np.bool_),
+            "num_losses": state.num_losses.copy(),
+            "peak_force": state.peak_force.copy(),
+            "load_reached": self._frame.load_reached.astype(np.bool_),
+        }
+        for name in self._task.tolerances:
+            info[f"{name}_error"] = state.errors[:, TASK_MEASURES.index(name)].copy()
+        return info
+
+    def render(self) -> tuple[NDArray[np.uint8], ...] | None:
+        """Picture (height, width, 3) of the tactile image of each environment; None without `render_mode`, and before the first reset()."""
+        self._check_usable()
+        if self.render_mode is None or self._ended is None:
+            return None
+        if self._pixels is None:
+            self._pixels = taxel_map(self._layout.sensor.taxel_positions)
+        counts = self._frame.tactile_image.reshape(self.num_envs, self._layout.num_sensors, -1)
+        images = [pictures(counts[:, s], self._layout.saturation, self._pixels) for s in range(counts.shape[1])]
+        return tuple(np.concatenate(images, axis=2))
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Releases the device memory, once no live array is left."""
+        self._environment = None
+
+
+def _space(bounds: Bounds | dict[str, Bounds]) -> spaces.Space[Any]:
+    if isinstance(bounds, dict):
+        return spaces.Dict({name: _box(value) for name, value in bounds.items()})
+    return _box(bounds)
+
+
+def _box(bounds: Bounds) -> spaces.Box:
+    return spaces.Box(bounds.low, bounds.high, dtype=bounds.low.dtype.type)

@@ -1,0 +1,44 @@
+"""Tactile images as colour pictures."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+# Anchors of a dark blue, green, yellow scale with rising luminance.
+_ANCHORS = np.array([[20, 20, 60], [45, 75, 135], [30, 145, 140], [120, 205, 80], [253, 231, 37]], np.float64)
+_COLOURS = np.stack([np.interp(np.linspace(0, 4, 256), np.arange(5), _ANCHORS[:, c]) for c in range(3)], -1).astype(np.uint8)
+
+_TAXEL_PIXELS = 12  # width of a taxel in the picture
+_MAX_PIXELS = 256  # largest side of a picture
+
+
+def taxel_map(positions: NDArray[np.float64]) -> NDArray[np.intp]:
+    """Index of the nearest taxel for every pixel (height, width). Rows of pixels go along x of S, columns along y.
+
+    `positions` (taxels, 3): centres in S, m.
+    """
+    points = positions[:, :2]
+    low, high = points.min(0), points.max(0)
+    distances = np.linalg.norm(points[:, None] - points[None], axis=-1)
+    np.fill_diagonal(distances, np.inf)
+    pitch = float(np.median(distances.min(1))) if len(points) > 1 else 1.0
+    low, high = low - pitch / 2, high + pitch / 2
+    pixel = max(pitch / _TAXEL_PIXELS, float((high - low).max()) / _MAX_PIXELS)
+    height, width = np.maximum(1, np.rint((high - low) / pixel)).astype(int)
+    x = low[0] + (np.arange(height) + 0.5) * pixel
+    y = low[1] + (np.arange(width) + 0.5) * pixel
+    nearest = np.empty((height, width), np.intp)
+    for row in range(height):  # one row at a time bounds the memory
+        squares = (x[row] - points[:, 0]) ** 2 + (y[:, None] - points[:, 1]) ** 2
+        nearest[row] = squares.argmin(1)
+    return nearest
+
+
+def pictures(counts: NDArray[Any], saturation: int, pixels: NDArray[np.intp]) -> NDArray[np.uint8]:
+    """Pictures (N, height, width, 3) of images `counts` (N, taxels), from 0 to `saturation`. `pixels`: from taxel_map()."""
+    levels = np.minimum(counts.astype(np.float64) / saturation, 1) * 255
+    result: NDArray[np.uint8] = _COLOURS[np.rint(levels).astype(np.intp)][:, pixels]
+    return result

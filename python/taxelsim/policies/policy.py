@@ -1,0 +1,125 @@
+"""A policy, and its calls from the scheduler of evaluate() and generate()."""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from .._arguments import checked_actions
+from .._core import Scene
+from ..environment import EnvironmentFrame, EnvironmentLayout, frame_of
+from ..errors import InputError
+from .actions import ACTIONS, TwistActions
+from .batching import independent_of_batch
+from .observations import ObservationBuilder
+from .onnx import OnnxPolicy
+
+_log = logging.getLogger("taxelsim")
+
+
+@dataclass(frozen=True)
+class Policy:
+    """A function of a batch of observations, and what it observes and commands.
+
+    The function gets the observation of all instances whose control tick is due. It returns their actions (num_due, len(actions)): floating
+    point, clipped to [-1, 1]. An exception that it raises ends the run and continues in the caller.
+    """
+
+    function: Callable[[Any], Any]
+    """(observation) -> actions."""
+    name: str = "policy"
+    """Name in results; other than those of the scene's controllers."""
+    identity: str = ""
+    """Identity that a data set stores, such as the SHA-256 of a file. Required by generate()."""
+    observations: str | Sequence[str] = "contact"
+    """See taxelsim.policies.observations; the same for the next three."""
+    image_unit: str = "counts"
+    normalized: bool = False
+    history: int = 1
+    actions: str | Sequence[str] = ACTIONS
+    """Components of the twist of the sensor."""
+    linear_scale: float | None = None
+    """m/s at action 1. Default: the limit of the scene's first controller."""
+    angular_scale: float | None = None
+    """rad/s at action 1. Default: the limit of the scene's first controller."""
+    check_batch: bool = True
+    """Whether to check with the first observations that rows do not depend on the batch. False for a policy with memory."""
+
+
+PolicyLike = Policy | OnnxPolicy | Callable[[Any], Any] | str | os.PathLike[str]
+
+
+def as_policy(policy: PolicyLike, **changes: Any) -> Policy:
+    """A Policy from a callable or from an ONNX file. changes: fields that replace its own; those that are None are ignored."""
+    changes = {name: value for name, value in changes.items() if value is not None}
+    if isinstance(policy, str | os.PathLike):
+        policy = OnnxPolicy(policy)
+    if isinstance(policy, OnnxPolicy):
+        return Policy(**{"function": policy, "name": policy.name, "identity": policy.identity, **policy.settings, **changes})
+    if isinstance(policy, Policy):
+        return Policy(**{**vars(policy), **changes})
+    if not callable(policy):
+        raise InputError(f"policy: a callable or the name of an ONNX file expected, {type(policy).__name__} found")
+    return Policy(**{"function": policy, "name": getattr(policy, "__name__", "policy"), **changes})
+
+
+class PolicyCalls:
+    """Answers the scheduler's requests for twists."""
+
+    def __init__(self, policy: Policy, scene: Scene) -> None:
+        limits = _core._servo_limits(scene)
+        self.policy = policy
+        self._scene = scene
+        self._actions = TwistActions(
+            policy.actions,
+            limits[0] if policy.linear_scale is None else policy.linear_scale,
+            limits[1] if policy.angular_scale is None else policy.angular_scale,
+        )
+        self._function = policy.function
+        self._unchecked = policy.check_batch
+        self._builders: dict[int, ObservationBuilder] = {}  # by first instance of a slice
+
+    def __call__(self, arrays: Mapping[str, Any], instances: NDArray[np.int32], first_instance: int) -> NDArray[np.float64]:
+        """Twists (num_due, 6) of the `instances` (num_due) of a slice. arrays: see frame_of(); valid during the call only."""
+        return self.twists(frame_of(arrays, *arrays["X_WS"].shape[:2]), instances, first_instance)
+
+    def twists(self, frame: EnvironmentFrame, instances: NDArray[np.int32], first_instance: int) -> NDArray[np.float64]:
+        """The same from a frame."""
+        num_instances, num_sensors = frame.X_WS.shape[:2]
+        if first_instance not in self._builders:
+            layout = EnvironmentLayout(self._scene.sensor, num_sensors, frame.joint_positions.shape[1])
+            self._builders[first_instance] = self._builder(layout)
+        builder = self._builders[first_instance]
+        started = np.zeros(num_instances, np.bool_)
+        started[instances] = frame.frame_numbers[instances] == 0
+        builder.update(frame, started, rows=instances)
+        observation = builder.observation(instances)
+        if self._unchecked:
+            self._check_batch(observation)
+        found = self._function(observation)
+
+        def name_of(row: int) -> str:
+            instance = instances[row]
+            return f"episode {frame.episodes[instance]} (instance {first_instance + instance})"
+
+        actions = checked_actions(found, (len(instances), len(self._actions.names)), name_of)
+        return self._actions.twists(actions)
+
+    def _builder(self, layout: EnvironmentLayout) -> ObservationBuilder:
+        policy = self.policy
+        return ObservationBuilder(
+            layout, policy.observations, image_unit=policy.image_unit, normalized=policy.normalized, history=policy.history
+        )
+
+    def _check_batch(self, observation: Any) -> None:
+        self._unchecked = False
+        self._function, note = independent_of_batch(self.policy.function, observation)
+        if note:
+            _log.warning("%s: %s", self.policy.name, note)

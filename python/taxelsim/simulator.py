@@ -1,0 +1,252 @@
+"""Batches of sensor instances: poses or contact points in, tactile images and features out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from ._arrays import Dimension, to_array
+from ._core import MemoryPlan, Model, OutputOptions, SimulatorOptions, StepTiming
+from .errors import InputError
+from .frame import Frame
+
+NO_OBJECT = -1
+"""Id of an empty slot."""
+
+
+class Simulator:
+    """A batch of sensor instances over one Model.
+
+    A step: set_objects() or set_contacts(), step(), read(). Threads may share a simulator; calls wait for each other. Whatever waits for
+    the device releases the GIL. Inputs may not be set between step() and read().
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        num_instances: int = 1,
+        *,
+        num_slots: int = 1,
+        seed: int = 0,
+        outputs: OutputOptions | None = None,
+        max_contacts: int = 0,
+        max_regions: int = 0,
+        contact_band: float = 1e-4,
+        device_clock: bool = False,
+    ) -> None:
+        """Allocates all device memory. Raises InputError, with the largest size that fits, if the batch does not fit.
+
+        model: sensor and objects.
+        num_instances: N, >= 1.
+        num_slots: S, objects per instance, 1 to 8.
+        seed: key of all random numbers.
+        outputs: optional outputs; default OutputOptions().
+        max_contacts: capacity for contact points of one instance, 0 to 4096. Above 0 the simulator takes contact points, no objects or
+            loads; penetration_depth is then not available and must be off.
+        max_regions: rows of contact features for regions, 0 to 8.
+        contact_band: m, contact points up to this height above the undeformed skin count.
+        device_clock: whether `timing` reports seconds; costs about 0.2 ms per step on software Vulkan.
+        """
+        if outputs is None:
+            outputs = OutputOptions(penetration_depth=max_contacts == 0)
+        self._model = model
+        self._options = SimulatorOptions(
+            num_instances=num_instances,
+            num_slots=num_slots,
+            seed=seed,
+            outputs=outputs,
+            max_contacts=max_contacts,
+            max_regions=max_regions,
+            contact_band=contact_band,
+            device_clock=device_clock,
+        )
+        self._batch = _core.Simulator(model, self._options)
+        self._frame = Frame(self._batch.arrays())
+
+    @staticmethod
+    def plan(model: Model, options: SimulatorOptions) -> MemoryPlan:
+        """Device memory that a simulator with these options would take. Allocates nothing."""
+        return _core.plan(model, options)
+
+    @property
+    def model(self) -> Model:
+        """Sensor and objects."""
+        return self._model
+
+    @property
+    def options(self) -> SimulatorOptions:
+        """The options of this simulator."""
+        return self._options
+
+    @property
+    def num_instances(self) -> int:
+        """N."""
+        return self._options.num_instances
+
+    @property
+    def num_slots(self) -> int:
+        """S, objects per instance."""
+        return self._options.num_slots
+
+    @property
+    def _N(self) -> Dimension:
+        return (self.num_instances, "N")
+
+    def set_objects(self, ids: npt.ArrayLike, poses: npt.ArrayLike) -> None:
+        """Objects that each instance touches from the next step() on.
+
+        ids: (N,), or (N, S), indices into model.objects, or NO_OBJECT. A single integer stands for all instances.
+        poses: (N, 7) position (m) and quaternion (w, x, y, z) of the object in S, or (N, 4, 4) matrices; with slots (N, S, 7) or
+            (N, S, 4, 4). Ignored for empty slots, but must be finite.
+
+        On a skin with friction, an object that stays in its slot has slid or rolled from its last pose; call reset() after a jump. Raises
+        InputError, and changes nothing, for another shape or dtype, an unknown id, NaN, or a rotation that is none.
+        """
+        one_slot = self.num_slots == 1
+        rows: list[Dimension] = [self._N] if one_slot else [self._N, (self.num_slots, "S")]
+        if np.ndim(ids) == 0:
+            ids = np.full([self.num_instances, self.num_slots], to_array("ids", ids, np.int32, [()], per_instance=False))
+        id_array = to_array("ids", ids, np.int32, [rows], drop_slots=one_slot)
+        pose_array = to_array("poses", poses, np.float64, [[*rows, 7], [*rows, 4, 4]], drop_slots=one_slot)
+        if pose_array.shape[-2:] == (4, 4):
+            pose_array = self._from_matrices(pose_array)
+        self._batch.set_objects(id_array.reshape(-1), pose_array.reshape(-1, 7))
+
+    def _from_matrices(self, matrices: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        poses = np.empty((self.num_instances * self.num_slots, 7))
+        _core.poses_from_matrices(matrices.reshape(-1, 4, 4), poses, self.num_slots)
+        return poses
+
+    def set_loads(self, loads: npt.ArrayLike | None, *, where: npt.ArrayLike | None = None) -> None:
+        """Normal force that the objects of each instance must exert.
+
+        loads: (N,), N, >= 0, or one number for all instances; None: all instances are driven by pose.
+        where: (N,) booleans; instances where it is False are driven by pose. Default: all True.
+
+        The device moves the objects of an instance together along z of S to where they exert that force;
+        frame.ground_truth.load_reached says whether the skin could. Raises InputError, and changes nothing, for NaN or negative loads.
+        """
+        if loads is None:
+            self._batch.set_loads(np.full(self.num_instances, np.nan, np.float32))
+            return
+        if np.ndim(loads) == 0:
+            loads = np.full(self.num_instances, loads)
+        array = to_array("loads", loads, np.float32, [[self._N]])
+        if (array < 0).any():
+            first = int(np.argmax(array < 0))
+            raise InputError(f"load of instance {first}: {array[first]} is not allowed: N, >= 0")
+        if where is not None:
+            array = np.where(to_array("where", where, np.bool_, [[self._N]]), array, np.float32(np.nan))
+        self._batch.set_loads(array)
+
+    def set_contacts(self, positions: npt.ArrayLike, normal_forces: npt.ArrayLike, offsets: npt.ArrayLike) -> None:
+        """Contact points of every instance, until they are set again.
+
+        positions: (C, 3), m, in S. normal_forces: (C,), N, >= 0, the component along z of the patch.
+        offsets: (N + 1,), ascending from 0 to C: instance i has the points offsets[i] to offsets[i + 1] - 1.
+
+        Raises InputError, and changes nothing, for other offsets, more than max_contacts of an instance, or values out of range.
+        """
+        points = to_array("positions", positions, np.float64, [[(-1, "C"), 3]], per_instance=False)
+        forces = to_array("normal_forces", normal_forces, np.float64, [[(len(points), "C")]], per_instance=False)
+        bounds = to_array("offsets", offsets, np.int32, [[(self.num_instances + 1, "N + 1")]], per_instance=False)
+        self._batch.set_contacts(np.column_stack((points, forces)), bounds)
+
+    def reset(
+        self,
+        instances: npt.ArrayLike | None = None,
+        episodes: npt.ArrayLike | None = None,
+        *,
+        gain: float = 1,
+        gain_spread: float = 0,
+        noise: float = 0,
+    ) -> None:
+        """Starts an episode on some instances: clears their clocks, the state of the skin and the held frame.
+
+        instances: an index, indices (K,), or a mask of booleans (N,). Default: all.
+        episodes: (K,) or one integer, >= 0: keys of the noise. Default: the index of the instance.
+        gain, gain_spread, noise: variation of the readout of these instances: factor on every gain, standard deviation of log gain per
+            taxel, and counts of noise besides the sensor's own.
+        """
+        indices = self._indices(instances)
+        if episodes is None:
+            keys = indices.astype(np.uint64)
+        elif np.ndim(episodes) == 0:
+            keys = np.full(len(indices), to_array("episodes", episodes, np.uint64, [()], per_instance=False))
+        else:
+            keys = to_array("episodes", episodes, np.uint64, [[(len(indices), "K")]], per_instance=False)
+        self._batch.reset(indices, keys, gain, gain_spread, noise)
+
+    def _indices(self, instances: npt.ArrayLike | None) -> npt.NDArray[np.int32]:
+        if instances is None:
+            return np.arange(self.num_instances, dtype=np.int32)
+        if np.asarray(instances).dtype.kind == "b":
+            mask = to_array("instances", instances, np.bool_, [[self._N]])
+            return np.flatnonzero(mask).astype(np.int32)
+        indices = to_array("instances", np.atleast_1d(instances), np.int32, [[(-1, "K")]], per_instance=False)
+        outside = (indices < 0) | (indices >= self.num_instances)
+        if outside.any():
+            raise InputError(f"instances: {indices[np.argmax(outside)]} is not allowed: 0 to {self.num_instances - 1}")
+        return indices
+
+    def prepare(self, *, loads: bool = False) -> None:
+        """Compiles all kernels that steps need, so that no step waits for the driver. loads: also those of load-driven instances.
+
+        Call after reset(): random gains and noise need further kernels. Waits.
+        """
+        self._batch.prepare(loads)
+
+    def step(self, dt: float, instances: npt.ArrayLike | None = None) -> None:
+        """Advances every instance by `dt` (s, > 0) and computes its frame. Submits, does not wait.
+
+        instances: an index, indices, or a mask of booleans (N,): computes the first frame of these only, which were reset() since their
+            last step. The frames, states and clocks of all others stay as they are. Default: all instances.
+
+        Arrays of earlier frames change from now on. Raises RuntimeError if the last step has not been read, or if one of `instances` has
+        taken a step since its last reset().
+        """
+        if instances is None:
+            self._batch.step(dt)
+            return
+        mask = np.zeros(self.num_instances, np.uint8)
+        mask[self._indices(instances)] = 1
+        self._batch.step(dt, mask)
+
+    def read(self) -> Frame:
+        """Waits for the last step() and returns its frame: arrays over the memory of the simulator, see taxelsim.Frame.
+
+        Every call returns the same object. Raises DeviceError if the device was lost.
+        """
+        self._batch.read()
+        return self._frame
+
+    @property
+    def timing(self) -> StepTiming:
+        """Times of the last frame read, s; NaN without device_clock."""
+        return self._batch.timing
+
+    def __repr__(self) -> str:
+        return f"<taxelsim.Simulator of {self.num_instances} instances of {self._model.sensor.name}>"
+
+
+def split_patches(sensor: _core.Sensor, taxels: npt.NDArray[Any]) -> dict[str, npt.NDArray[Any]]:
+    """An array (N, num_taxels, ...) of a sensor with several patches as views (N, num_rows, num_cols, ...), by name of the patch.
+
+    Accepts arrays of sensors with one patch, (N, num_rows, num_cols, ...), too.
+    """
+    patches: Sequence[_core.GridPatch] = sensor.patches
+    if len(patches) == 1:
+        return {patches[0].name: taxels}
+    if taxels.ndim < 2 or taxels.shape[1] != sensor.num_taxels:
+        raise InputError(f"taxels: shape {taxels.shape} found, (N, {sensor.num_taxels}, ...) expected")
+    images = {}
+    first = 0
+    for patch in patches:
+        last = first + patch.num_rows * patch.num_cols
+        images[patch.name] = taxels[:, first:last].reshape(len(taxels), patch.num_rows, patch.num_cols, *taxels.shape[2:])
+        first = last
+    return images

@@ -1,0 +1,41 @@
+"""Fixtures: one device, and models of a small sensor."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import taxelsim
+
+N = 6
+
+
+@pytest.fixture(scope="session")
+def device() -> taxelsim.Device:
+    return taxelsim.Device.open()
+
+
+@pytest.fixture(scope="session")
+def sensor() -> taxelsim.Sensor:
+    return taxelsim.load_sensor(taxelsim.SCENES / "sensors/wts0614.yaml")
+
+
+@pytest.fixture(scope="session")
+def model(device: taxelsim.Device, sensor: taxelsim.Sensor) -> taxelsim.Model:
+    return taxelsim.Model(device, sensor, [taxelsim.Cylinder(radius=0.008, length=0.04), taxelsim.Sphere(radius=0.01)])
+
+
+@pytest.fixture
+def simulator(model: taxelsim.Model) -> taxelsim.Simulator:
+    return taxelsim.Simulator(model, N)
+
+
+@pytest.fixture
+def poses() -> np.ndarray:
+    """(N, 7): a cylinder along y, each instance 0.1 mm deeper than the last."""
+    half = math.sqrt(0.5)
+    poses = np.tile([0, 0, 0, half, half, 0, 0], (N, 1))
+    poses[:, 2] = 0.0079 - 0.0001 * np.arange(N)
+    return poses

@@ -1,0 +1,66 @@
+"""The programs in examples/ run, and their results are what they claim. The training example is only compiled."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import taxelsim
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+
+
+def run(name: str, *arguments: object) -> str:
+    package = Path(taxelsim.__file__).parents[1]
+    # The package under test, whatever else is installed.
+    setup = f"import sys, runpy; sys.path.insert(0, {str(package)!r}); sys.argv = {[str(EXAMPLES / name), *map(str, arguments)]!r}"
+    command = [sys.executable, "-c", f"{setup}; runpy.run_path(sys.argv[0], run_name='__main__')"]
+    finished = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    assert finished.returncode == 0, finished.stderr
+    return finished.stdout
+
+
+def percentages(text: str) -> list[float]:
+    return [float(number) for number in re.findall(r"([\d.]+)%", text)]
+
+
+def test_press_mesh() -> None:
+    assert "sum of the true forces: 5.000 N" in run("press_mesh.py")
+
+
+def test_own_sensor(tmp_path: Path) -> None:
+    text = run("own_sensor.py", tmp_path / "own.yaml")
+    assert "64 taxels" in text
+    assert taxelsim.load_sensor(tmp_path / "own.yaml").name == "own_sensor"
+    found = re.search(r"median ([\d.]+) mm", text)
+    assert found
+    assert float(found.group(1)) < 0.5  # a fifth of the pitch
+
+
+def test_classify_images() -> None:
+    right, chance = percentages(run("classify_images.py", 1500).splitlines()[-1])
+    assert right > 3 * chance
+
+
+def test_clone_servo() -> None:
+    pytest.importorskip("h5py")
+    clone, servo = percentages(run("clone_servo.py", 300, 100))
+    assert servo > 90
+    assert clone > servo / 2
+
+
+def test_evaluate_onnx(tmp_path: Path) -> None:
+    pytest.importorskip("onnx")
+    pytest.importorskip("onnxruntime")
+    text = run("evaluate_onnx.py")
+    assert text.split()[0] == "tracker"
+    assert percentages(text)[0] > 30
+
+
+def test_train_ppo_compiles() -> None:
+    source = (EXAMPLES / "train_ppo.py").read_text()
+    compile(source, "train_ppo.py", "exec")

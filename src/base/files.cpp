@@ -1,0 +1,100 @@
+#include "base/files.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include "taxelsim/error.h"
+
+namespace taxelsim {
+namespace {
+
+constexpr std::size_t kMaxWriteBytes = std::size_t{1} << 30;  // bytes; Linux writes at most 2 GiB per call
+constexpr const char* kTemporaryMark = ".tmp-";
+
+[[noreturn]] void throwIo(const std::string& action, const std::filesystem::path& file, int code) {
+  throw Error(ErrorKind::kIo, "cannot " + action + " " + file.string() + ": " + std::strerror(code));
+}
+
+class Descriptor {
+ public:
+  explicit Descriptor(int value) : value_(value) {}
+  ~Descriptor() { close(); }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return value_; }
+  int close() {
+    const int result = value_ >= 0 ? ::close(value_) : 0;
+    value_ = -1;
+    return result;
+  }
+
+ private:
+  int value_;
+};
+
+void flushDirectory(const std::filesystem::path& directory) {
+  Descriptor descriptor(::open(directory.empty() ? "." : directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  // Some file systems do not support fsync of a directory and return EINVAL.
+  if (descriptor.get() < 0 || (::fsync(descriptor.get()) != 0 && errno != EINVAL)) throwIo("flush directory", directory, errno);
+}
+
+void writeAndFlush(const std::filesystem::path& file, const FileContent& content) {
+  Descriptor descriptor(::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+  if (descriptor.get() < 0) throwIo("create", file, errno);
+  if (::ftruncate(descriptor.get(), static_cast<off_t>(content.size)) != 0) throwIo("write", file, errno);
+  for (auto [offset, bytes] : content.pieces) {
+    while (!bytes.empty()) {
+      const ssize_t written = ::pwrite(descriptor.get(), bytes.data(), std::min(bytes.size(), kMaxWriteBytes), static_cast<off_t>(offset));
+      if (written < 0 && errno == EINTR) continue;
+      if (written < 0) throwIo("write", file, errno);
+      offset += static_cast<std::uint64_t>(written);
+      bytes = bytes.subspan(static_cast<std::size_t>(written));
+    }
+  }
+  if (::fsync(descriptor.get()) != 0) throwIo("flush", file, errno);
+  if (descriptor.close() != 0) throwIo("close", file, errno);
+}
+
+}  // namespace
+
+void writeFileAtomically(const std::filesystem::path& file, std::span<const std::byte> bytes) {
+  writeFileAtomically(file, FileContent{.size = bytes.size(), .pieces = {{.offset = 0, .bytes = bytes}}, .buffer = {}});
+}
+
+void writeFileAtomically(const std::filesystem::path& file, const FileContent& content) {
+  const std::filesystem::path temporary =
+      file.parent_path() / (std::string(".").append(file.filename().string()).append(kTemporaryMark).append(std::to_string(::getpid())));
+  try {
+    writeAndFlush(temporary, content);
+    if (::rename(temporary.c_str(), file.c_str()) != 0) throwIo("rename to", file, errno);
+  } catch (...) {
+    ::unlink(temporary.c_str());
+    throw;
+  }
+  flushDirectory(file.parent_path());
+}
+
+std::string readTextFile(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  if (stream) text << stream.rdbuf();
+  if (!stream || stream.bad()) throwIo("read", file, errno != 0 ? errno : EIO);
+  return std::move(text).str();
+}
+
+bool isTemporaryName(const std::string& name) {
+  return name.starts_with(".") && name.find(kTemporaryMark) != std::string::npos;
+}
+
+void removeFile(const std::filesystem::path& file) {
+  if (::unlink(file.c_str()) != 0 && errno != ENOENT) throwIo("remove", file, errno);
+  flushDirectory(file.parent_path());
+}
+
+}  // namespace taxelsim

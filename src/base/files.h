@@ -1,0 +1,58 @@
+// Crash-safe file writing.
+//
+// Protocol:
+//
+//   open(".NAME.tmp-PID")  write  fsync  close  rename(NAME)  fsync(directory)
+//                                               |
+//   killed before rename: NAME is unchanged; the temporary file is removed by the next writer (isTemporaryName())
+//   killed after rename:  NAME has the complete new content
+//
+// rename() is atomic on POSIX file systems. fsync before it ensures that the new name never refers to data that is not on disk; fsync
+// of the directory makes the new name durable. A reader therefore finds each file with its complete old or complete new content, or
+// not at all.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace taxelsim {
+
+// Creates or replaces `file` with the protocol above. Removes the temporary file on failure. Throws Error(kIo).
+void writeFileAtomically(const std::filesystem::path& file, std::span<const std::byte> bytes);
+
+// A range of a file, in memory that is owned elsewhere.
+struct FilePiece {
+  std::uint64_t offset = 0;
+  std::span<const std::byte> bytes;
+};
+
+// The content of a file as pieces that point into `buffer` or into memory of the caller, which must outlive it. Avoids copying rows.
+struct FileContent {
+  struct Free {
+    void operator()(void* data) const { std::free(data); }
+  };
+
+  std::uint64_t size = 0;              // bytes; ranges without a piece are zero
+  std::vector<FilePiece> pieces;       // disjoint and in order, within size
+  std::unique_ptr<void, Free> buffer;  // allocated with malloc()
+};
+
+// As above, from pieces.
+void writeFileAtomically(const std::filesystem::path& file, const FileContent& content);
+
+// Reads a whole file. Throws Error(kIo).
+std::string readTextFile(const std::filesystem::path& file);
+
+// True for names of temporary files of writeFileAtomically(). They remain where a process was killed.
+bool isTemporaryName(const std::string& name);
+
+// Removes a file, if it exists, and flushes the directory. Throws Error(kIo).
+void removeFile(const std::filesystem::path& file);
+
+}  // namespace taxelsim
