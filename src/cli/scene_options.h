@@ -20,4 +20,7 @@ struct SceneOptions {
 // Adds SCENE, --episodes, --seed, --batch-size, --device and --validation. `options` must outlive the parsing.
 void addSceneOptions(CLI::App& command, SceneOptions& options, int default_batch_size);
 
+// Adds --device and --validation; the references must outlive the parsing.
+void addDeviceOptions(CLI::App& command, std::string& device, bool& validation);
+
 }  // namespace taxelsim::cli
