@@ -68,7 +68,7 @@ struct TactileServo {
   ServoContact contact = ServoContact::kWhole;                          ///< Part of the image that is regulated.
   TactileJacobianSource jacobian = TactileJacobianSource::kNominal;     ///< kMeasured requires ServoContact::kWhole.
   double exploration_velocity = 0;                                      ///< m/s.
-  double exploration_direction = 0;                                     ///< rad from the edge: 0 along it, pi/2 across it.
+  double exploration_direction = 0;                                     ///< rad, -pi to pi, from the edge: 0 along it, pi/2 across it.
   double max_angular_velocity = 1;                                      ///< rad/s, > 0.
   double max_linear_velocity = 0.02;                                    ///< m/s, > 0.
   double min_confidence = 0.2;                                          ///< 0 to 1; below it edge angle and tilt are not regulated.

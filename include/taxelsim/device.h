@@ -42,8 +42,8 @@ struct DeviceInfo {
 
 /// Options of Device::open().
 struct DeviceOptions {
-  /// "discrete", "integrated", "cpu", an index into listDevices(), or part of a device's name. Empty (default): the value of the
-  /// environment variable TAXELSIM_DEVICE if set, else the first of listDevices().
+  /// "gpu" (the best that is not a CPU), "discrete", "integrated", "cpu", an index into listDevices(), or part of a device's name. Empty
+  /// (default): the value of the environment variable TAXELSIM_DEVICE if set, else the first of listDevices().
   std::string device{};
   /// Enables core and synchronisation validation; TAXELSIM_VALIDATION=1 enables it too. After a validation message, the next wait throws
   /// Error(kDevice). Default false.

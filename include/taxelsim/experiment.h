@@ -58,6 +58,7 @@ struct StaticImages {
 struct StaticResult {
   StaticImages reference;             ///< Images of the reference.
   std::vector<StaticImages> sensors;  ///< Images of the other models.
+  StaticImages zero;                  ///< Images without any force, named "all-zero image": the distances that a model must beat.
 };
 
 /// Runs a static experiment. Submits and waits.

@@ -2,6 +2,7 @@
 /// From a scene to a data set on disk: the batch scheduler behind `taxelsim generate`.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
@@ -40,12 +41,21 @@ struct GenerateTimes {
   double writing_last = 0;  ///< s from the last frame until the last shard was on disk.
 };
 
+/// Episodes of one object whose load was out of reach: the skin could not carry it, so they begin with the deepest contact.
+struct LoadMisses {
+  std::uint64_t num_episodes = 0;  ///< Episodes with the object that this run simulated.
+  std::uint64_t num_misses = 0;    ///< Those whose load was out of reach.
+  /// N, smallest and largest force of the deepest contact over the misses: the load that the object could carry there. 0 without misses.
+  std::array<float, 2> carried{0, 0};
+};
+
 /// Result of generate().
 struct GenerateResult {
-  Progress progress;                  ///< Progress at the end.
-  GenerateTimes times;                ///< Where the time went.
-  bool complete = false;              ///< Whether the data set is complete; false after a stop.
-  std::uint64_t num_load_misses = 0;  ///< Contacts whose load was out of reach; also a column of the data set.
+  Progress progress;                    ///< Progress at the end.
+  GenerateTimes times;                  ///< Where the time went.
+  bool complete = false;                ///< Whether the data set is complete; false after a stop.
+  std::uint64_t num_load_misses = 0;    ///< Contacts whose load was out of reach; also a column of the data set.
+  std::vector<LoadMisses> load_misses;  ///< (num_objects), the same by object.
 };
 
 /// The columns that a scene records, in file order.

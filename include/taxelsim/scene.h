@@ -117,7 +117,8 @@ struct Scene {
   std::string condition{kNominalCondition};  ///< The condition that was loaded. Default kNominalCondition.
 
   /// The scene as canonical YAML with every default, the sensor inlined, and file contents replaced by their SHA-256. The same scene gives
-  /// the same text on every machine. Contains everything that determines the bytes of the data set, so neither batch size nor threads.
+  /// the same text on every machine. Contains everything that determines the bytes of an episode and its shard, so neither batch size nor
+  /// threads, nor the number of episodes: a data set can grow.
   std::string resolved;
 };
 

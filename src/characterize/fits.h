@@ -2,7 +2,7 @@
 // `result`, and uses the sensor as the steps before left it. characterize() calls them in this order.
 #pragma once
 
-#include <Eigen/Core>
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -24,8 +24,8 @@ struct PsfRange {
   Psf high;
 };
 
-// (num_taxels): covariance of each taxel's gain and trigger (N); 0 if they are known. Empty if all are known.
-using ReadoutCovariance = std::vector<Eigen::Matrix2d>;
+// (num_taxels x 2 x 2): covariance of each taxel's gain and trigger (N); 0 if they are known. Empty if all are known.
+using ReadoutCovariance = std::vector<std::array<double, 4>>;
 
 // Fits curve, trigger, saturation, hysteresis, noise, taxel_gain, taxel_trigger and dead taxels. `psf_range` is the uncertainty of the
 // point spread function, if it was measured.

@@ -2,6 +2,7 @@
 //
 // Rows form groups. All groups share some parameters, and each group has parameters of its own; an example is a set of images of one
 // sensor, each under its own load. The solver eliminates the groups' own parameters (Schur complement).
+// Eigen is part of the interface: callers multiply covariances and gradients whose sizes are known at run time.
 #pragma once
 
 #include <Eigen/Core>

@@ -59,7 +59,10 @@ void addReadoutUncertainty(const PointSpreadModel& model, const std::function<Ps
       moved[t] += fit.response[g].col(static_cast<Eigen::Index>(k)) * growth;
     }
   }
-  for (std::size_t t = 0; t < moved.size(); ++t) fit.covariance += moved[t] * model.covariance[t] * moved[t].transpose();
+  for (std::size_t t = 0; t < moved.size(); ++t) {
+    const Eigen::Matrix2d of_taxel = Eigen::Matrix2d::Map(model.covariance[t].data());
+    fit.covariance += moved[t] * of_taxel * moved[t].transpose();
+  }
 }
 
 // `psf` maps the shared parameters to a point spread function; no parameters: a constant one.

@@ -44,14 +44,15 @@ void makeRising(const std::vector<PressedTaxel>& taxels, const std::vector<FitRe
 
 // By error propagation through gain = a / (w S) and trigger = a f / S.
 ReadoutCovariance covarianceOf(const ReadoutFit& found, const Sensor& sensor, double slope) {
-  ReadoutCovariance covariance(static_cast<std::size_t>(numTaxels(sensor)), Eigen::Matrix2d::Zero());
+  ReadoutCovariance covariance(static_cast<std::size_t>(numTaxels(sensor)), {0, 0, 0, 0});
   for (std::size_t t = 0; t < found.taxels.size(); ++t) {
     Eigen::Matrix2d of_own{{1 / found.taxels[t].share, 0}, {found.fit.own[t][1], found.fit.own[t][0]}};
     of_own /= slope;
     Eigen::Matrix3d all = found.fit.own_covariance[t];
     if (!found.fit.shared.empty()) all += found.fit.own_by_shared[t] * found.fit.covariance * found.fit.own_by_shared[t].transpose();
     const Eigen::Matrix2d own = all.topLeftCorner<2, 2>();
-    if (own.allFinite()) covariance[static_cast<std::size_t>(found.taxels[t].taxel)] = of_own * own * of_own.transpose();
+    if (!own.allFinite()) continue;
+    Eigen::Matrix2d::Map(covariance[static_cast<std::size_t>(found.taxels[t].taxel)].data()) = of_own * own * of_own.transpose();
   }
   return covariance;
 }

@@ -21,7 +21,7 @@ constexpr double kMostOfLimit = 0.999;  // upper bound of (end of the range) / (
 constexpr double kMostBend = 100;       // upper bound of the quadratic term at the end of the range, relative to the linear one
 constexpr int kMaxKernelReach = kMaxKernelSize / 2;
 
-// In taxels within a grid, infinite beyond the largest kernel; in metres along the skin for a list of taxels.
+// (num_taxels x num_taxels): taxels^2 within a grid, infinite beyond the largest kernel; m^2 along the skin for a list of taxels.
 Eigen::MatrixXd squaredDistances(const Sensor& sensor) {
   const auto count = static_cast<Eigen::Index>(numTaxels(sensor));
   Eigen::MatrixXd squares = Eigen::MatrixXd::Constant(count, count, std::numeric_limits<double>::infinity());
@@ -61,7 +61,8 @@ bool isPlane(const Sensor& sensor) {
 // Caches the last forces under each stamp and the kernel weights of the last sigmas: numerical derivatives change one parameter at a time.
 class ForceCache {
  public:
-  explicit ForceCache(const StampModel& model) : model_(model), pressed_(model.stamps.size()) {}
+  explicit ForceCache(const StampModel& model)
+      : model_(model), squared_distance_(squaredDistances(*model.sensor)), pressed_(model.stamps.size()) {}
 
   // Force on each taxel after the spread, N.
   const std::vector<double>& spread(std::size_t stamp, const double* own, double stiffness, double sigma) {
@@ -94,7 +95,7 @@ class ForceCache {
       if (known == sigma) return matrix;
     }
     if (last_.size() > 4) last_.erase(last_.begin());
-    Eigen::MatrixXd weights = (-model_.squared_distance.array() / (2 * sigma * sigma)).exp();
+    Eigen::MatrixXd weights = (-squared_distance_.array() / (2 * sigma * sigma)).exp();
     const Eigen::RowVectorXd sums = weights.colwise().sum();
     for (Eigen::Index source = 0; source < weights.cols(); ++source) weights.col(source) /= sums[source];
     last_.emplace_back(sigma, std::move(weights));
@@ -102,7 +103,8 @@ class ForceCache {
   }
 
   const StampModel& model_;
-  std::vector<Pressed> pressed_;  // (stamps)
+  const Eigen::MatrixXd squared_distance_;  // (num_taxels x num_taxels)
+  std::vector<Pressed> pressed_;            // (stamps)
   std::vector<std::pair<double, Eigen::MatrixXd>> last_;
 };
 
@@ -139,11 +141,7 @@ std::vector<FitParameter> sharedParameters(const StampModel& model, const std::v
 }  // namespace
 
 StampModel::StampModel(const Sensor& a_sensor)
-    : sensor(&a_sensor),
-      foundation(foundationOf(a_sensor.skin)),
-      samples(reference::samplesOf(a_sensor)),
-      squared_distance(squaredDistances(a_sensor)),
-      is_plane(isPlane(a_sensor)) {
+    : sensor(&a_sensor), foundation(foundationOf(a_sensor.skin)), samples(reference::samplesOf(a_sensor)), is_plane(isPlane(a_sensor)) {
   for (const GridPatch& patch : sensor->patches) {
     X_PS.push_back(inverse(patch.X_SP));
     half_cell.push_back({patch.pitch[0] / (2 * sensor->samples_per_taxel), patch.pitch[1] / (2 * sensor->samples_per_taxel)});

@@ -5,7 +5,6 @@
 // `gain`, about 1, is the same in all images; `press`, about 1, is the same for all taxels of an image.
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <cstddef>
 #include <optional>
@@ -57,7 +56,6 @@ struct StampModel {
   std::vector<reference::Sample> samples;
   std::vector<std::array<double, 2>> half_cell;  // (patches), m
   std::vector<Pose> X_PS;                        // (patches)
-  Eigen::MatrixXd squared_distance;              // (num_taxels x num_taxels), taxels^2 or m^2; infinite beyond the largest kernel
   std::vector<double> gain;                      // (num_taxels), prior values; 0: dead
   std::vector<Stamp> stamps;
   ReadoutModel curve;  // curve, end of the range and noise

@@ -1,6 +1,8 @@
 #include "characterize/unspread.h"
 
+#include <Eigen/Sparse>
 #include <Eigen/SparseCholesky>
+#include <cstddef>
 
 #include "reference/psf.h"
 #include "taxelsim/error.h"
@@ -15,26 +17,38 @@ constexpr int kBlockTries = 3;       // block swaps without progress before sing
 
 }  // namespace
 
-Unspread::Unspread(const Sensor& sensor) : free_(static_cast<std::size_t>(numTaxels(sensor)), true) {
-  const auto count = static_cast<Eigen::Index>(free_.size());
+struct Unspread::Impl {
+  explicit Impl(const Sensor& sensor);
+
+  // Least squares over the free taxels; 0 for the others.
+  Eigen::VectorXd solveFree(const Eigen::VectorXd& right) const;
+  std::vector<double> forceOf(std::span<const double> image);
+
+  Eigen::SparseMatrix<double> spread;  // G, (taxels x sources)
+  Eigen::SparseMatrix<double> normal;  // G^T G
+  std::vector<bool> is_free;
+};
+
+Unspread::Impl::Impl(const Sensor& sensor) : is_free(static_cast<std::size_t>(numTaxels(sensor)), true) {
+  const auto count = static_cast<Eigen::Index>(is_free.size());
   std::vector<Eigen::Triplet<double>> entries;
   for (const reference::Share& share : reference::spreadMatrix(sensor)) {
     entries.emplace_back(static_cast<int>(share.taxel), static_cast<int>(share.source), share.share);
   }
-  spread_.resize(count, count);
-  spread_.setFromTriplets(entries.begin(), entries.end());
-  normal_ = spread_.transpose() * spread_;
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors(normal_);
-  if (factors.info() != Eigen::Success || factors.vectorD().minCoeff() < kLeastPivot * normal_.coeffs().maxCoeff()) {
+  spread.resize(count, count);
+  spread.setFromTriplets(entries.begin(), entries.end());
+  normal = spread.transpose() * spread;
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors(normal);
+  if (factors.info() != Eigen::Success || factors.vectorD().minCoeff() < kLeastPivot * normal.coeffs().maxCoeff()) {
     throw Error(ErrorKind::kInput, "psf: cannot be inverted: different loads give the same image");
   }
 }
 
-Eigen::VectorXd Unspread::solveFree(const Eigen::VectorXd& right) const {
-  std::vector<Eigen::Index> place(free_.size(), -1);
+Eigen::VectorXd Unspread::Impl::solveFree(const Eigen::VectorXd& right) const {
+  std::vector<Eigen::Index> place(is_free.size(), -1);
   Eigen::Index count = 0;
-  for (std::size_t t = 0; t < free_.size(); ++t) {
-    if (free_[t]) place[t] = count++;
+  for (std::size_t t = 0; t < is_free.size(); ++t) {
+    if (is_free[t]) place[t] = count++;
   }
   Eigen::VectorXd force = Eigen::VectorXd::Zero(right.size());
   if (count == 0) return force;
@@ -44,7 +58,7 @@ Eigen::VectorXd Unspread::solveFree(const Eigen::VectorXd& right) const {
     const Eigen::Index column = place[static_cast<std::size_t>(source)];
     if (column < 0) continue;
     free_right[column] = right[source];
-    for (Eigen::SparseMatrix<double>::InnerIterator entry(normal_, source); entry; ++entry) {
+    for (Eigen::SparseMatrix<double>::InnerIterator entry(normal, source); entry; ++entry) {
       const Eigen::Index row = place[static_cast<std::size_t>(entry.row())];
       if (row >= 0) entries.emplace_back(static_cast<int>(row), static_cast<int>(column), entry.value());
     }
@@ -58,19 +72,19 @@ Eigen::VectorXd Unspread::solveFree(const Eigen::VectorXd& right) const {
   return force;
 }
 
-std::vector<double> Unspread::forceOf(std::span<const double> image) {
+std::vector<double> Unspread::Impl::forceOf(std::span<const double> image) {
   const Eigen::VectorXd right =
-      spread_.transpose() * Eigen::Map<const Eigen::VectorXd>(image.data(), static_cast<Eigen::Index>(image.size()));
+      spread.transpose() * Eigen::Map<const Eigen::VectorXd>(image.data(), static_cast<Eigen::Index>(image.size()));
   const double least_slope = kRounding * right.cwiseAbs().maxCoeff();
-  std::size_t fewest = free_.size() + 1;
+  std::size_t fewest = is_free.size() + 1;
   int tries = kBlockTries;
   for (int pivot = 0; pivot < kMaxPivots; ++pivot) {
-    const Eigen::VectorXd force = solveFree(right), slope = normal_ * force - right;
+    const Eigen::VectorXd force = solveFree(right), slope = normal * force - right;
     const double least_force = kRounding * force.cwiseAbs().maxCoeff();
     std::vector<std::size_t> wrong;
-    for (std::size_t t = 0; t < free_.size(); ++t) {
+    for (std::size_t t = 0; t < is_free.size(); ++t) {
       const auto i = static_cast<Eigen::Index>(t);
-      if (free_[t] ? force[i] < -least_force : slope[i] < -least_slope) wrong.push_back(t);
+      if (is_free[t] ? force[i] < -least_force : slope[i] < -least_slope) wrong.push_back(t);
     }
     if (wrong.empty()) {
       const Eigen::VectorXd result = force.cwiseMax(0);
@@ -82,9 +96,17 @@ std::vector<double> Unspread::forceOf(std::span<const double> image) {
     } else if (tries-- <= 0) {
       wrong.erase(wrong.begin(), wrong.end() - 1);
     }
-    for (const std::size_t t : wrong) free_[t] = !free_[t];
+    for (const std::size_t t : wrong) is_free[t] = !is_free[t];
   }
   throw Error(ErrorKind::kInput, "psf: cannot be inverted: no convergence in " + std::to_string(kMaxPivots) + " steps");
+}
+
+Unspread::Unspread(const Sensor& sensor) : impl_(std::make_unique<Impl>(sensor)) {}
+
+Unspread::~Unspread() = default;
+
+std::vector<double> Unspread::forceOf(std::span<const double> image) {
+  return impl_->forceOf(image);
 }
 
 }  // namespace taxelsim

@@ -1,8 +1,7 @@
 // Deconvolution: forces from an image blurred by the point spread function.
 #pragma once
 
-#include <Eigen/Sparse>
-#include <cstddef>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -18,6 +17,9 @@ class Unspread {
  public:
   // Throws Error(kInput) if G is singular.
   explicit Unspread(const Sensor& sensor);
+  ~Unspread();
+  Unspread(const Unspread&) = delete;
+  Unspread& operator=(const Unspread&) = delete;
 
   // (num_taxels), N. Starts from the active set of the previous image, because successive images are similar. Throws Error(kInput) after
   // kMaxPivots steps.
@@ -26,12 +28,8 @@ class Unspread {
   static constexpr int kMaxPivots = 10000;
 
  private:
-  // Least squares over the free taxels; 0 for the others.
-  Eigen::VectorXd solveFree(const Eigen::VectorXd& right) const;
-
-  Eigen::SparseMatrix<double> spread_;  // G, (taxels x sources)
-  Eigen::SparseMatrix<double> normal_;  // G^T G
-  std::vector<bool> free_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace taxelsim

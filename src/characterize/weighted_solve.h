@@ -1,4 +1,5 @@
 // One weighted least-squares solve of a GroupedProblem, and its Jacobians.
+// Eigen is part of the interface: Jacobians have sizes known at run time.
 #pragma once
 
 #include <Eigen/Core>

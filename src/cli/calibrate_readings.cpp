@@ -10,8 +10,8 @@
 #include <memory>
 #include <span>
 
+#include "base/files.h"
 #include "cli/commands.h"
-#include "dataset/files.h"
 #include "figures/text.h"
 #include "scene/number_table.h"
 #include "taxelsim/error.h"
@@ -103,7 +103,7 @@ int runCalibrateReadings(const Arguments& arguments) {
   }
   if (removes(kCreep) && sensor.readout.creep.empty()) spdlog::warn("{}: the sensor has no creep to remove", arguments.sensor);
   const std::string text = forceTable(table, columns, images, readings);
-  dataset::writeFileAtomically(arguments.output, std::as_bytes(std::span(text)));
+  writeFileAtomically(arguments.output, std::as_bytes(std::span(text)));
   fmt::print("{}: {} rows of {} taxels\n", arguments.output, countText(table.numRows()), columns.size());
   return kExitOk;
 }
@@ -126,7 +126,7 @@ void addCalibrateReadings(CLI::App& app, Action& action) {
       ->type_name("PATTERN");
   command->add_option("--remove", arguments->remove, "Also invert the readout's creep or the point spread function; may be given twice")
       ->allow_extra_args(false)
-      ->check(CLI::IsMember({kCreep, kPsf}))
+      ->check(silent(CLI::IsMember({kCreep, kPsf})))
       ->type_name("creep|psf");
   command->callback([=, &action] { action = [=] { return runCalibrateReadings(*arguments); }; });
 }

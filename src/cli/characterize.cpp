@@ -8,8 +8,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "base/files.h"
+#include "cli/activity.h"
 #include "cli/commands.h"
-#include "dataset/files.h"
 #include "figures/characterize_report.h"
 #include "figures/text.h"
 #include "taxelsim/version.h"
@@ -108,12 +109,17 @@ int runCharacterize(const Arguments& arguments) {
     measurements.push_back(loadMeasurement(file));
     spdlog::debug("read {}", file);
   }
+  Activity activity("fitting");
   Characterization result = characterize(measurements);
+  activity.end();
   if (!arguments.name.empty()) result.sensor.name = arguments.name;
   const std::string text = sensorText(result.sensor, notesOf(result, measurements));
-  dataset::writeFileAtomically(arguments.sensor, std::as_bytes(std::span(text)));
+  writeFileAtomically(arguments.sensor, std::as_bytes(std::span(text)));
+  spdlog::info("wrote {}", arguments.sensor);
   if (!arguments.report.empty()) {
-    writeReport(arguments.report, measurements, result, drawCharacterization(arguments.report, result));
+    const std::vector<std::filesystem::path> figures = drawCharacterization(arguments.report, result);
+    writeReport(arguments.report, measurements, result, figures);
+    spdlog::info("wrote {} and {} figures in its folder", arguments.report, figures.size());
   }
   if (arguments.json) {
     fmt::print("{}\n", asJson(result).dump(2));

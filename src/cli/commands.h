@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/App.hpp>
+#include <CLI/Validators.hpp>
 #include <functional>
 #include <string>
 
@@ -15,10 +16,16 @@ inline constexpr int kExitInterrupted = 130;  // SIGINT: 128 + 2
 // Runs the chosen subcommand after parsing; returns the exit status. May throw Error.
 using Action = std::function<int()>;
 
-// Check for unsigned options: CLI11 would let "-1" wrap around.
-inline std::string refuseNegative(const std::string& text) {
-  return text.starts_with('-') ? text + " is not 0 or more" : "";
-}
+// Checks of options: the message, or nothing if the text is allowed.
+//
+// For unsigned options: CLI11 would let "-1" wrap around.
+std::string refuseNegative(const std::string& text);
+
+// For options that name a picture to write.
+std::string requirePngName(const std::string& file);
+
+// The check without its list of allowed values in --help, where CLI11 would append it to the option's type.
+CLI::Validator silent(CLI::Validator check);
 
 // Each adds its subcommand to `app`. The chosen subcommand sets `action`, which must outlive parsing.
 void addCalibrateReadings(CLI::App& app, Action& action);

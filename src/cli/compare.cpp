@@ -2,6 +2,7 @@
 #include "taxelsim/compare.h"
 
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -98,6 +99,11 @@ std::string taxelsText(const ImageSource& source) {
   return fmt::format("{} x {} taxels", source.sensor->patches[0].num_rows, source.sensor->patches[0].num_cols);
 }
 
+// "1 image", "12 images".
+std::string imagesText(std::size_t count) {
+  return countText(count) + (count == 1 ? " image" : " images");
+}
+
 // Gives both sides a sensor and checks that both have the same array.
 void matchSensors(ImageSource& real, ImageSource& simulated) {
   if (!real.sensor && !simulated.sensor) {
@@ -117,10 +123,9 @@ void matchSensors(ImageSource& real, ImageSource& simulated) {
 std::vector<Pair> comparePairs(const ImageSource& real, const ImageSource& simulated) {
   const std::size_t num_real = numRows(real), num_simulated = numRows(simulated);
   if (num_real != num_simulated && num_real != 1 && num_simulated != 1) {
-    throw Error(
-        ErrorKind::kInput,
-        fmt::format("{} has {} images, {} has {}: give equal numbers, or one image on either side (--at selects one of a recording)",
-                    real.file, num_real, simulated.file, num_simulated));
+    throw Error(ErrorKind::kInput,
+                fmt::format("{} has {}, {} has {}: give equal numbers, or one image on either side (--at selects one of a recording)",
+                            real.file, imagesText(num_real), simulated.file, imagesText(num_simulated)));
   }
   std::vector<Pair> pairs;
   for (std::size_t row = 0; row < std::max(num_real, num_simulated); ++row) {
@@ -171,7 +176,7 @@ void printTable(const ImageSource& real, const ImageSource& simulated, const std
     return cells;
   };
   for (const auto& [side, source] : {std::pair("real     ", &real), std::pair("simulated", &simulated)}) {
-    fmt::print("{}  {}: {} of {}\n", side, source->file, single ? "1 image" : countText(numRows(*source)) + " images", taxelsText(*source));
+    fmt::print("{}  {}: {} of {}\n", side, source->file, imagesText(numRows(*source)), taxelsText(*source));
   }
   fmt::print("full scale {} counts; M1 and M2 are over taxels with a reading above 0 in either image\n\n",
              (1 << real.sensor->readout.adc_bits) - 1);
@@ -276,12 +281,14 @@ int runCompare(const Arguments& arguments) {
     }
   }
   const std::vector<Pair> pairs = comparePairs(real, simulated);
-  if (!arguments.picture.empty()) drawFigure(arguments.picture, real, simulated, pairs);
   if (arguments.json) {
     printJson(real, simulated, pairs);
   } else {
     printTable(real, simulated, pairs);
   }
+  if (arguments.picture.empty()) return kExitOk;
+  drawFigure(arguments.picture, real, simulated, pairs);
+  spdlog::info("wrote {}", arguments.picture);
   return kExitOk;
 }
 
@@ -298,7 +305,9 @@ void addCompare(CLI::App& app, Action& action) {
   command->add_option("simulated", arguments->simulated, "Measurement (YAML) or data set")->required()->type_name("SIM");
   command->add_option("--at", arguments->seconds_after_touch, "For recordings over time: use the image this long after contact")
       ->type_name("SECONDS");
-  command->add_option("-o,--output", arguments->picture, "Figure to write (PNG): both images and their difference")->type_name("FILE");
+  command->add_option("-o,--output", arguments->picture, "Figure to write (PNG): both images and their difference")
+      ->check(requirePngName)
+      ->type_name("FILE");
   command->add_flag("--json", arguments->json, "Print JSON");
   command->callback([=, &action] { action = [=] { return runCompare(*arguments); }; });
 }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "cli/activity.h"
 #include "cli/commands.h"
 #include "cli/driver_advice.h"
 #include "episodes/batch.h"
@@ -81,6 +82,7 @@ int runDevices(const Arguments& arguments) {
   const std::vector<DeviceInfo> devices = listDevices();
   std::vector<MemoryPlan> plans;
   if (!arguments.scene.empty()) {
+    Activity activity("loading " + arguments.scene);
     const Scene scene = loadScene(arguments.scene);
     for (const DeviceInfo& info : devices) plans.push_back(planFor(info, scene));
   }

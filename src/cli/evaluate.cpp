@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "cli/activity.h"
 #include "cli/commands.h"
 #include "cli/driver_threads.h"
 #include "cli/interrupt.h"
@@ -40,8 +41,42 @@ std::string quantilesText(const Quantiles& quantiles, double per_si) {
   return fmt::format("{:.3g} / {:.3g}", quantiles.median * per_si, quantiles.p95 * per_si);
 }
 
-std::vector<std::string> rowOf(const Task& task, const std::string& controller, const Score& score) {
-  std::vector<std::string> row{controller, score.name, countText(score.num_episodes)};
+std::string numberText(TaskMeasure measure, double value) {
+  const auto& [unit, per_si] = kTaskMeasureUnits[static_cast<std::size_t>(measure)];
+  return fmt::format("{:.4g} {}", value * per_si, unit);
+}
+
+// "edge_angle within 5 deg of 90 deg"
+std::string criterionText(TaskMeasure measure, const TaskCriterion& criterion) {
+  const std::string text =
+      fmt::format("{} within {}", kTaskMeasureNames[static_cast<std::size_t>(measure)], numberText(measure, criterion.tolerance));
+  switch (measure) {
+    case TaskMeasure::kEdgeAngle:
+      return text + " of " + numberText(measure, criterion.reference.value_or(0));
+    case TaskMeasure::kTotalForce:
+      return text + " of " + (criterion.reference ? numberText(measure, *criterion.reference) : "the force at the start");
+    case TaskMeasure::kCenter:
+      return text + " of the middle of the array";
+    case TaskMeasure::kContour:
+      return text + " of the origin of the sensor";
+  }
+  return text;
+}
+
+// What an episode must meet to count as a success; see Task.
+std::string successRule(const Task& task) {
+  std::string rule = fmt::format("success: in every frame of the last {:.4g} s, contact", task.hold);
+  for (std::size_t m = 0; m < task.criteria.size(); ++m) {
+    if (task.criteria[m]) rule += ", " + criterionText(static_cast<TaskMeasure>(m), *task.criteria[m]);
+  }
+  if (task.laps > 0) rule += fmt::format("; at least {:.4g} turns around the contour", task.laps);
+  if (task.travel > 0) rule += fmt::format("; a path of at least {:.4g} mm over the object", 1e3 * task.travel);
+  return rule;
+}
+
+// `subset`: the episodes that the score is of.
+std::vector<std::string> rowOf(const Task& task, const std::string& controller, const std::string& subset, const Score& score) {
+  std::vector<std::string> row{controller, subset, countText(score.num_episodes)};
   row.push_back(score.num_episodes == 0 ? "-"
                                         : fmt::format("{:.2f} % ({:.2f} to {:.2f})", 100 * score.success_rate, 100 * score.success_low,
                                                       100 * score.success_high));
@@ -56,21 +91,23 @@ std::vector<std::string> rowOf(const Task& task, const std::string& controller, 
 }
 
 void printTable(const Scene& scene, const std::vector<Evaluation>& evaluations) {
-  std::vector<std::string> heading{"controller", "episodes of", "episodes", "success (95 %)", "settling s"};
+  std::vector<std::string> heading{"controller", "subset", "episodes", "success (95 %)", "settling s"};
   for (std::size_t m = 0; m < scene.task->criteria.size(); ++m) {
-    if (scene.task->criteria[m]) heading.push_back(fmt::format("{} {}", kTaskMeasureNames[m], kTaskMeasureUnits[m].name));
+    if (scene.task->criteria[m]) heading.push_back(fmt::format("{} error {}", kTaskMeasureNames[m], kTaskMeasureUnits[m].name));
   }
   heading.insert(heading.end(), {"peak force N", "lost contact", "saturated"});
   std::vector<std::vector<std::string>> rows{heading};
   for (const Evaluation& evaluation : evaluations) {
-    rows.push_back(rowOf(*scene.task, evaluation.controller, evaluation.total));
+    rows.push_back(rowOf(*scene.task, evaluation.controller, evaluation.total.name, evaluation.total));
     if (evaluation.by_object.size() > 1) {
-      for (const Score& score : evaluation.by_object) rows.push_back(rowOf(*scene.task, "", score));
+      for (const Score& score : evaluation.by_object) rows.push_back(rowOf(*scene.task, "", "object " + score.name, score));
     }
-    for (const Score& score : evaluation.by_start) rows.push_back(rowOf(*scene.task, "", score));
+    for (const Score& score : evaluation.by_start) rows.push_back(rowOf(*scene.task, "", score.name, score));
   }
-  fmt::print("{}: steady error = median over the last {:.3g} s of an episode; columns show median / 95th percentile over episodes\n\n{}",
-             sceneTitle(scene), scene.task->hold, tableText(rows));
+  fmt::print(
+      "{}: {} episodes per controller\n{}\nerror: median over the last {:.4g} s of an episode; columns show median / 95th percentile over "
+      "episodes\n\n{}",
+      sceneTitle(scene), countText(scene.num_episodes), successRule(*scene.task), scene.task->hold, tableText(rows));
   for (const Evaluation& evaluation : evaluations) {
     for (std::size_t bit = 0; bit < kRobotBits.size(); ++bit) {
       if (evaluation.total.num_robot[bit] == 0) continue;
@@ -127,7 +164,10 @@ Json asJson(const Scene& scene, const Verdict& verdict) {
 }
 
 void printJson(const Scene& scene, const Device& device, const std::vector<Evaluation>& evaluations) {
-  Json json{{"scene", scene.name}, {"seed", scene.seed}, {"device", device.info().name + ", " + device.info().driver}};
+  Json json{{"scene", scene.name},
+            {"seed", scene.seed},
+            {"device", device.info().name + ", " + device.info().driver},
+            {"success", successRule(*scene.task)}};
   if (!scene.conditions.empty()) json["condition"] = scene.condition;
   json["controllers"] = Json::array();
   for (const Evaluation& evaluation : evaluations) {
@@ -138,6 +178,15 @@ void printJson(const Scene& scene, const Device& device, const std::vector<Evalu
     json["controllers"].push_back(std::move(entry));
   }
   fmt::print("{}\n", json.dump(2));
+}
+
+// From 0 to the largest value of the series, which are >= 0; to `otherwise` if all are 0.
+std::array<double, 2> rangeFromZero(const std::vector<LineSeries>& all, double otherwise) {
+  double most = 0;
+  for (const LineSeries& series : all) {
+    if (!series.x.empty()) most = std::max(most, *std::max_element(series.x.begin(), series.x.end()));
+  }
+  return {0, most > 0 ? most : otherwise};
 }
 
 // Cumulative share of episodes (%) over their values; values that are not finite count in the total only.
@@ -162,7 +211,11 @@ void drawChart(const std::string& file, const Scene& scene, const std::vector<Ev
     return values;
   };
   constexpr std::array<double, 2> kPercent{0, 100};
-  LinePanel settled{.title = "Settled episodes over time", .x_label = "time, s", .y_label = "episodes, %", .y_range = kPercent};
+  LinePanel settled{.title = "Settled episodes over time",
+                    .x_label = "time, s",
+                    .y_label = "episodes, %",
+                    .x_range = std::array{0.0, scene.num_steps / scene.simulation_rate},
+                    .y_range = kPercent};
   for (const Evaluation& evaluation : evaluations) {
     settled.series.push_back(cumulative(evaluation.controller, collect(evaluation, [](const Verdict& v) { return v.settling_time; })));
   }
@@ -170,7 +223,7 @@ void drawChart(const std::string& file, const Scene& scene, const std::vector<Ev
   for (std::size_t m = 0; m < scene.task->criteria.size(); ++m) {
     if (!scene.task->criteria[m]) continue;
     const auto& [unit, per_si] = kTaskMeasureUnits[m];
-    LinePanel panel{.title = fmt::format("Steady {}", kTaskMeasureNames[m]),
+    LinePanel panel{.title = fmt::format("Steady error: {}", kTaskMeasureNames[m]),
                     .x_label = fmt::format("error at most, {}", unit),
                     .y_label = "episodes, %",
                     .marks = {{scene.task->criteria[m]->tolerance * per_si, "tolerance"}},
@@ -179,13 +232,14 @@ void drawChart(const std::string& file, const Scene& scene, const std::vector<Ev
       panel.series.push_back(cumulative(
           evaluation.controller, collect(evaluation, [m, factor = per_si](const Verdict& v) { return v.steady_error[m] * factor; })));
     }
+    panel.x_range = rangeFromZero(panel.series, panel.marks.front().x);
     panels.push_back(std::move(panel));
   }
   LinePanel by_start{.title = "Success by start error", .y_label = "episodes, %", .y_range = kPercent};
   for (const Evaluation& evaluation : evaluations) {
     const auto measure = static_cast<std::size_t>(evaluation.start_measure);
     const auto& [unit, per_si] = kTaskMeasureUnits[measure];
-    by_start.x_label = fmt::format("{} at the start, {}", kTaskMeasureNames[measure], unit);
+    by_start.x_label = fmt::format("{} error at the start, {}", kTaskMeasureNames[measure], unit);
     LineSeries series{.name = evaluation.controller, .x = {}, .y = {}};
     for (const Score& score : evaluation.by_start) {
       if (score.num_episodes == 0) continue;
@@ -203,9 +257,38 @@ void drawChart(const std::string& file, const Scene& scene, const std::vector<Ev
                   .num_columns = panels.size() > 3 ? 3 : static_cast<int>(panels.size())});
 }
 
+// Objects that could not carry the load of every episode; such an episode begins with the deepest contact.
+void warnOfLoads(const Scene& scene, const Evaluation& evaluation) {
+  std::vector<std::uint64_t> num_misses(scene.objects.size()), num_episodes(scene.objects.size());
+  for (const Verdict& verdict : evaluation.verdicts) {
+    const auto object = static_cast<std::size_t>(verdict.object);
+    ++num_episodes[object];
+    if (!verdict.load_reached) ++num_misses[object];
+  }
+  for (std::size_t object = 0; object < num_misses.size(); ++object) {
+    if (num_misses[object] == 0) continue;
+    spdlog::warn("object {}: load out of reach in {} of its {} episodes; they begin with the deepest contact",
+                 scene.objects[object].object.name, countText(num_misses[object]), countText(num_episodes[object]));
+  }
+}
+
+void report(const Arguments& arguments, const Scene& scene, const Device& device, const std::vector<Evaluation>& evaluations) {
+  warnOfLoads(scene, evaluations.front());  // the same episodes for all controllers
+  if (arguments.json) {
+    printJson(scene, device, evaluations);
+  } else {
+    printTable(scene, evaluations);
+  }
+  if (arguments.png.empty()) return;
+  drawChart(arguments.png, scene, evaluations);
+  spdlog::info("wrote {}", arguments.png);
+}
+
 int runEvaluate(const Arguments& arguments) {
-  const Scene scene = loadScene(arguments.scene, arguments.overrides);
   useTwoDriverThreadsPerCore();
+  Activity activity("loading " + arguments.scene);
+  const Scene scene = loadScene(arguments.scene, arguments.overrides);
+  activity.next("preparing the simulation");
   const Device device = Device::open({.device = arguments.device, .validation = arguments.validation});
   ProgressPrinter printer;
   EvaluateOptions options;
@@ -214,24 +297,21 @@ int runEvaluate(const Arguments& arguments) {
   bool announced = false;
   options.on_progress = [&](const Progress& progress) {
     if (!std::exchange(announced, true)) {
+      activity.end();
       spdlog::info("{}: {} episodes per controller on {} ({})", sceneTitle(scene), countText(scene.num_episodes), device.info().name,
                    device.info().driver);
     }
     printer.show(progress);
   };
   const std::vector<Evaluation> evaluations = evaluate(device, scene, arguments.controllers, options);
+  activity.end();
   printer.clear();
-  if (*options.stop) {
-    spdlog::warn("stopped; completed controllers: {}", evaluations.size());
-    return kExitInterrupted;
-  }
-  if (!arguments.png.empty()) drawChart(arguments.png, scene, evaluations);
-  if (arguments.json) {
-    printJson(scene, device, evaluations);
-  } else {
-    printTable(scene, evaluations);
-  }
-  return kExitOk;
+  const bool stopped = *options.stop;
+  if (!evaluations.empty()) report(arguments, scene, device, evaluations);
+  if (!stopped) return kExitOk;
+  const std::size_t num_controllers = arguments.controllers.empty() ? scene.controllers.size() : arguments.controllers.size();
+  spdlog::warn("stopped: {} of {} controllers are evaluated", evaluations.size(), num_controllers);
+  return kExitInterrupted;
 }
 
 }  // namespace
@@ -240,12 +320,15 @@ void addEvaluate(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("evaluate", "Evaluate controllers on a scene's task, same episodes for each");
   command->footer(
       "Example:\n  taxelsim evaluate scenes/tasks/align_edge.yaml --episodes 10000\n"
-      "Scored on ground truth, not on sensor readings. Results do not depend on the batch size.");
+      "Scored on ground truth, not on sensor readings. Results do not depend on the batch size. Ctrl-C keeps the controllers that are\n"
+      "complete.");
   const auto arguments = std::make_shared<Arguments>();
   addSceneOptions(*command, *arguments, EvaluateOptions{}.batch_size);
   command->add_option("--controller", arguments->controllers, "Name of a controller of the scene; may be repeated. Default: all")
       ->type_name("NAME");
-  command->add_option("--png", arguments->png, "Figure to write (PNG): settling, errors and success by start error")->type_name("FILE");
+  command->add_option("--png", arguments->png, "Figure to write (PNG): settling, errors and success by start error")
+      ->check(requirePngName)
+      ->type_name("FILE");
   command->add_flag("--json", arguments->json, "Print JSON with every episode");
   command->callback([=, &action] { action = [=] { return runEvaluate(*arguments); }; });
 }

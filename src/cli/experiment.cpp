@@ -1,5 +1,6 @@
 // `taxelsim experiment`: the paper's experiments. Compares sensor models under static loads, and servo loops with theory.
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -8,8 +9,10 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "cli/activity.h"
 #include "cli/commands.h"
 #include "cli/driver_threads.h"
+#include "cli/scene_options.h"
 #include "figures/servo_report.h"
 #include "figures/tactile_figure.h"
 #include "figures/taxel_chart.h"
@@ -40,16 +43,21 @@ std::string fitText(const StaticImages& images) {
 }
 
 void printTable(const StaticExperiment& experiment, const StaticResult& result) {
-  fmt::print("{}: {} indenters x {} angles, compared with the simulated reference {}\n", experiment.name, experiment.objects.size(),
+  fmt::print("{}: {} indenters x {} angles, compared with the reference {}\n", experiment.name, experiment.objects.size(),
              experiment.yaw.size(), result.reference.name);
   fmt::print(
+      "The reference is simulated, too: these numbers tell models apart, they do not say how far a model is from a real sensor.\n"
       "M1: median |difference| over taxels with force, % of full scale; M4: sum |difference| / sum of reference, %; medians over "
       "contacts\n\n");
   std::string heading = fmt::format("{:<32}", "sensor");
   for (const double load : experiment.loads)
     heading += fmt::format("  {:>8}  {:>8}", fmt::format("M1 {:.3g}N", load), fmt::format("M4 {:.3g}N", load));
   fmt::print("{}\n", heading);
-  for (const StaticImages& images : result.sensors) {
+  std::vector<const StaticImages*> rows;
+  for (const StaticImages& images : result.sensors) rows.push_back(&images);
+  rows.push_back(&result.zero);
+  for (const StaticImages* row : rows) {
+    const StaticImages& images = *row;
     std::string line = fmt::format("{:<32}", images.name);
     for (std::size_t load = 0; load < experiment.loads.size(); ++load) {
       const ImageDistance distance = medianDistance(experiment, images, load);
@@ -62,18 +70,23 @@ void printTable(const StaticExperiment& experiment, const StaticResult& result) 
   }
 }
 
+nlohmann::ordered_json mediansJson(const StaticExperiment& experiment, const StaticImages& images) {
+  nlohmann::ordered_json medians = nlohmann::ordered_json::array();
+  for (std::size_t load = 0; load < experiment.loads.size(); ++load) {
+    const ImageDistance distance = medianDistance(experiment, images, load);
+    medians.push_back(
+        {{"load", experiment.loads[load]}, {"median_difference", distance.median_difference}, {"relative_l1", distance.relative_l1}});
+  }
+  return medians;
+}
+
 nlohmann::ordered_json asJson(const StaticExperiment& experiment, const StaticImages& images) {
   nlohmann::ordered_json json{{"sensor", images.name}};
   if (images.fitted_sigma > 0) {
     json["normal_contact_stiffness"] = std::get<Winkler>(images.sensor.skin.law).normal_contact_stiffness;
     json["psf_sigma"] = images.fitted_sigma;
   }
-  nlohmann::ordered_json& medians = json["medians"] = nlohmann::ordered_json::array();
-  for (std::size_t load = 0; load < experiment.loads.size(); ++load) {
-    const ImageDistance distance = medianDistance(experiment, images, load);
-    medians.push_back(
-        {{"load", experiment.loads[load]}, {"median_difference", distance.median_difference}, {"relative_l1", distance.relative_l1}});
-  }
+  json["medians"] = mediansJson(experiment, images);
   nlohmann::ordered_json& contacts = json["contacts"] = nlohmann::ordered_json::array();
   for (std::size_t object = 0; object < experiment.objects.size(); ++object) {
     for (std::size_t yaw = 0; yaw < experiment.yaw.size(); ++yaw) {
@@ -107,14 +120,14 @@ TactilePanel panelOf(const StaticImages& images, std::size_t contact) {
   return panel;
 }
 
-// Figures 8 and 9 of the paper: one figure per indenter and load, one row per angle, the reference first.
-void drawFigures(const std::string& directory, const StaticExperiment& experiment, const StaticResult& result) {
+// Figures 8 and 9 of the paper: one figure per indenter and load, one row per angle, the reference first. Returns their number.
+std::size_t drawFigures(const std::string& directory, const StaticExperiment& experiment, const StaticResult& result) {
   std::error_code error;
   std::filesystem::create_directories(directory, error);
   std::vector<const StaticImages*> all{&result.reference};
   for (const StaticImages& images : result.sensors) all.push_back(&images);
   for (const StaticImages* images : all) {
-    if (images->sensor.patches.size() != 1 && !isTaxelList(images->sensor)) return;  // no figures for sensors with several grids
+    if (images->sensor.patches.size() != 1 && !isTaxelList(images->sensor)) return 0;
   }
   for (std::size_t object = 0; object < experiment.objects.size(); ++object) {
     for (std::size_t load = 0; load < experiment.loads.size(); ++load) {
@@ -139,38 +152,54 @@ void drawFigures(const std::string& directory, const StaticExperiment& experimen
                           .num_columns = static_cast<int>(all.size())});
     }
   }
+  return experiment.objects.size() * experiment.loads.size();
 }
 
 nlohmann::ordered_json asJson(const StaticExperiment& experiment, const StaticResult& result) {
   nlohmann::ordered_json json{{"experiment", experiment.name}, {"reference", asJson(experiment, result.reference)}};
+  json["zero_image"] = {{"medians", mediansJson(experiment, result.zero)}};
   json["sensors"] = nlohmann::ordered_json::array();
   for (const StaticImages& images : result.sensors) json["sensors"].push_back(asJson(experiment, images));
   return json;
 }
 
 void report(const Arguments& arguments, const Device& device, const StaticExperiment& experiment) {
+  Activity activity("running " + experiment.name);
   const StaticResult result = runStaticExperiment(device, experiment);
-  if (!arguments.directory.empty()) drawFigures(arguments.directory, experiment, result);
+  activity.end();
   if (arguments.json) {
     fmt::print("{}\n", asJson(experiment, result).dump(2));
   } else {
     printTable(experiment, result);
   }
+  if (arguments.directory.empty()) return;
+  const std::size_t num_figures = drawFigures(arguments.directory, experiment, result);
+  if (num_figures > 0) {
+    spdlog::info("wrote {} figures to {}", num_figures, arguments.directory);
+  } else {
+    spdlog::warn("no figures: a sensor with several grids cannot be drawn");
+  }
 }
 
 void report(const Arguments& arguments, const Device& device, const ServoExperiment& experiment) {
+  Activity activity("running " + experiment.name);
   const ServoResult result = runServoExperiment(device, experiment);
-  if (!arguments.directory.empty()) drawServoFigures(arguments.directory, experiment, result);
+  activity.end();
   if (arguments.json) {
     fmt::print("{}\n", servoJson(experiment, result).dump());
   } else {
     fmt::print("{}", servoTables(experiment, result));
   }
+  if (arguments.directory.empty()) return;
+  const std::size_t num_figures = drawServoFigures(arguments.directory, experiment, result);
+  spdlog::info("wrote {} figures to {}", num_figures, arguments.directory);
 }
 
 int runExperiment(const Arguments& arguments) {
-  const Experiment experiment = loadExperiment(arguments.file);
   useTwoDriverThreadsPerCore();
+  Activity activity("loading " + arguments.file);
+  const Experiment experiment = loadExperiment(arguments.file);
+  activity.end();
   const Device device = Device::open({.device = arguments.device, .validation = arguments.validation});
   std::visit([&](const auto& loaded) { report(arguments, device, loaded); }, experiment);
   return kExitOk;
@@ -184,17 +213,13 @@ void addExperiment(CLI::App& app, Action& action) {
   command->footer(
       "Example:\n  taxelsim experiment scenes/experiments/paper/static_indenters.yaml -o figures/\n"
       "  taxelsim experiment scenes/experiments/paper/pan_tilt.yaml -o figures/\n"
-      "Static experiments compare the images of each sensor model, in newtons, with those of the experiment's reference, which is\n"
-      "simulated, too. Servo experiments compare each run with theory where there is one.");
+      "Static experiments compare the images of each sensor model, in newtons, with those of a reference model. Servo experiments\n"
+      "compare each run with theory where there is one.");
   const auto arguments = std::make_shared<Arguments>();
   command->add_option("experiment", arguments->file, "Experiment file (YAML)")->required()->type_name("FILE");
   command->add_option("-o,--output", arguments->directory, "Draw figures into this directory")->type_name("DIR");
   command->add_flag("--json", arguments->json, "Print JSON with all results instead of tables");
-  command
-      ->add_option("--device", arguments->device,
-                   "Device: discrete, integrated, cpu, a number from `taxelsim devices`, or part of its name")
-      ->type_name("D");
-  command->add_flag("--validation", arguments->validation, "Enable the Vulkan validation layers; slow");
+  addDeviceOptions(*command, arguments->device, arguments->validation);
   command->callback([=, &action] { action = [=] { return runExperiment(*arguments); }; });
 }
 

@@ -1,17 +1,20 @@
 // `taxelsim frame`: presses objects on one sensor and prints one frame.
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/fmt/ranges.h>
+#include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <numbers>
+#include <numeric>
 
+#include "cli/activity.h"
 #include "cli/commands.h"
 #include "cli/contacts_file.h"
+#include "cli/frame_objects.h"
 #include "cli/frame_output.h"
-#include "cli/pose_argument.h"
+#include "cli/scene_options.h"
 #include "figures/tactile_figure.h"
 #include "figures/taxel_chart.h"
 #include "taxelsim/device.h"
@@ -29,8 +32,7 @@ constexpr double kDefaultStep = 0.01;  // s, for sensors with a frame at every s
 
 struct Arguments {
   std::string sensor, contacts, picture, device;
-  std::vector<std::string> objects, poses;
-  double load = 0;
+  ObjectArguments objects;
   bool json = false;
   bool validation = false;
 };
@@ -82,7 +84,9 @@ void show(const Arguments& arguments, const Sensor& sensor, const FrameView& fra
     fmt::print("{}\n", frameJson(sensor, frame));
   else
     printFrame(sensor, frame);
-  if (!arguments.picture.empty()) drawFrame(arguments.picture, sensor, frame, what);
+  if (arguments.picture.empty()) return;
+  drawFrame(arguments.picture, sensor, frame, what);
+  spdlog::info("wrote {}", arguments.picture);
 }
 
 double stepOf(const Sensor& sensor) {
@@ -93,62 +97,105 @@ Device openDevice(const Arguments& arguments) {
   return Device::open({.device = arguments.device, .validation = arguments.validation});
 }
 
-int runContacts(const Arguments& arguments, bool load_driven) {
-  if (!arguments.objects.empty() || !arguments.poses.empty() || load_driven)
-    throw Error(ErrorKind::kInput, "--contacts excludes --object, --pose and --load");
+int runContacts(const Arguments& arguments) {
+  if (!arguments.objects.objects.empty() || !arguments.objects.poses.empty() || !arguments.objects.rotations.empty() ||
+      arguments.objects.load || arguments.objects.has_mesh_options) {
+    throw Error(ErrorKind::kInput, "--contacts excludes --object, --pose, --rpy-deg, --load, --scale and --up-axis");
+  }
   const std::vector<ContactPoint> contacts = readContacts(arguments.contacts);
   const Sensor sensor = loadSensor(arguments.sensor);
+  Activity activity("computing a frame");
   Simulator simulator(Model(openDevice(arguments), {.sensor = sensor}),
                       {.outputs = {.penetration_depth = false, .contact_features = true, .clean_contact_features = true},
                        .max_contacts = std::max(1, static_cast<int>(contacts.size())),
                        .max_regions = kMaxRegions});
   simulator.setContacts(0, contacts);
   simulator.step(stepOf(sensor));
-  show(arguments, sensor, simulator.read(), fmt::format("{} contacts", contacts.size()));
+  const FrameView frame = simulator.read();
+  activity.end();
+  show(arguments, sensor, frame, fmt::format("{} contacts", contacts.size()));
   return kExitOk;
 }
 
-int runObjects(const Arguments& arguments, bool load_driven) {
-  if (arguments.objects.empty()) throw Error(ErrorKind::kInput, "--object with --pose, or --contacts, is required");
-  if (arguments.poses.size() != arguments.objects.size())
-    throw Error(ErrorKind::kInput, fmt::format("{} --object but {} --pose: each object needs its pose, in the same order",
-                                               arguments.objects.size(), arguments.poses.size()));
-  if (arguments.objects.size() > static_cast<std::size_t>(kMaxSlots))
-    throw Error(ErrorKind::kInput, fmt::format("{} --object: a sensor can touch at most {}", arguments.objects.size(), kMaxSlots));
-  if (load_driven && !(std::isfinite(arguments.load) && arguments.load >= 0))
-    throw Error(ErrorKind::kInput, fmt::format("--load {}: must be a force of 0 N or more", arguments.load));
-  std::vector<Pose> X_SO;
-  for (const std::string& text : arguments.poses) X_SO.push_back(parsePose(text));
+// The load search ends at the deepest contact that the skin allows, whose force is the largest possible.
+void checkLoad(double load, const Sensor& sensor, const GroundTruthView& truth) {
+  if (truth.load_reached[0]) return;
+  const float carried = isTaxelList(sensor) ? truth.total_force[0] : -truth.contact_wrench[2];
+  throw Error(ErrorKind::kInput,
+              carried > 0 ? fmt::format("--load {} N is out of reach: pressed through the skin, the objects carry {:.4g} N", load, carried)
+                          : fmt::format("--load {} N is out of reach: no object touches a sample point of the skin; it lies outside of the "
+                                        "array, or is thinner than the distance of the points",
+                                        load));
+}
+
+void warnOfOverPenetration(const Sensor& sensor, const GroundTruthView& truth) {
+  if (!(truth.over_penetration[0] > 0)) return;
+  spdlog::warn("over-penetration: {:.3g} % of the sample points are deeper than the skin is thick ({:.4g} mm) and count as that deep",
+               100 * truth.over_penetration[0], 1e3 * sensor.skin.thickness);
+}
+
+int runObjects(const Arguments& arguments) {
+  const ObjectPlan plan(arguments.objects);
   Sensor sensor = loadSensor(arguments.sensor);
   sensor.readout.delay = sensor.readout.low_pass_time = 0;  // the single frame shows the steady state
   ModelOptions options{.sensor = sensor, .objects = {}};
-  std::vector<int> ids;
-  for (const std::string& text : arguments.objects) {
-    ids.push_back(static_cast<int>(ids.size()));
-    options.objects.push_back(parseObject(text));
-  }
+  Activity activity("loading objects");
+  options.objects = plan.loadObjects();
+  std::vector<int> ids(options.objects.size());
+  std::iota(ids.begin(), ids.end(), 0);
 
+  activity.next("computing a frame");
   const Model model(openDevice(arguments), options);
   Simulator simulator(model, {.num_instances = 1,
                               .num_slots = static_cast<int>(ids.size()),
                               .outputs = {.contact_features = true, .clean_contact_features = true},
                               .max_regions = kMaxRegions});
-  simulator.setObjects(ids, X_SO);
-  simulator.setLoad(0, load_driven ? static_cast<float>(arguments.load) : kPoseDriven);
+  simulator.setObjects(ids, plan.posesOf(options.objects));
+  const std::optional<double>& load = arguments.objects.load;
+  simulator.setLoad(0, load ? static_cast<float>(*load) : kPoseDriven);
   simulator.step(stepOf(sensor));
   const FrameView frame = simulator.read();
-  if (load_driven && !frame.ground_truth.load_reached[0]) {
-    // The search ended at the deepest contact that the skin allows, whose force is the largest possible.
-    const float carried = isTaxelList(sensor) ? frame.ground_truth.total_force[0] : -frame.ground_truth.contact_wrench[2];
-    throw Error(ErrorKind::kInput, carried > 0
-                                       ? fmt::format("--load {} N is out of reach: pressed through the skin, the objects carry {:.4g} N",
-                                                     arguments.load, carried)
-                                       : fmt::format("--load {} N is out of reach: no object lies over the skin", arguments.load));
-  }
+  activity.end();
+  if (load) checkLoad(*load, sensor, frame.ground_truth);
+  warnOfOverPenetration(sensor, frame.ground_truth);
   std::vector<std::string> names;
   for (const Object& object : options.objects) names.push_back(object.name);
   show(arguments, sensor, frame, fmt::format("{}", fmt::join(names, ", ")));
   return kExitOk;
+}
+
+void addObjectOptions(CLI::App& command, ObjectArguments& objects) {
+  command
+      .add_option("--object", objects.objects,
+                  "Mesh file, or sphere:R, cylinder:R,L, capsule:R,L, box:X,Y,Z, half_space, cone:R,H, torus:MAJOR,MINOR in m; may be "
+                  "repeated")
+      ->allow_extra_args(false)
+      ->type_name("SPEC");
+  command
+      .add_option("--pose", objects.poses,
+                  "\"x y z\" or \"x y z qw qx qy qz\" of each object in the sensor frame, m and a unit quaternion. Default with --load: "
+                  "the lowest point of the object over the origin")
+      ->allow_extra_args(false)
+      ->type_name("POSE");
+  command
+      .add_option("--rpy-deg", objects.rotations, "\"roll pitch yaw\" of each object, degrees about the fixed axes x, y, z in this order")
+      ->allow_extra_args(false)
+      ->type_name("RPY");
+  command.add_option("--load", objects.load, "Move the objects along z until they press with this force, N")->type_name("N");
+  command.add_option("--scale", objects.mesh.scale, "Metres per unit of the mesh files: 0.001 for files in millimetres")
+      ->capture_default_str()
+      ->each([&objects](const std::string&) { objects.has_mesh_options = true; })
+      ->type_name("M");
+  command
+      .add_option_function<std::string>(
+          "--up-axis",
+          [&objects](const std::string& axis) {
+            objects.mesh.up_axis = axis == "x" ? UpAxis::kX : axis == "y" ? UpAxis::kY : UpAxis::kZ;
+            objects.has_mesh_options = true;
+          },
+          "Axis of the mesh files that becomes z: x, y or z. Default: z")
+      ->check(silent(CLI::IsMember({"x", "y", "z"})))
+      ->type_name("AXIS");
 }
 
 }  // namespace
@@ -156,37 +203,22 @@ int runObjects(const Arguments& arguments, bool load_driven) {
 void addFrame(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("frame", "Press objects or contact points against one sensor and print what it reports");
   command->footer(
-      "Example:\n  taxelsim frame --sensor scenes/sensors/wts0614.yaml --object sphere:0.01 --pose \"0 0 0.0095 1 0 0 0\"\n"
+      "Examples:\n  taxelsim frame --sensor scenes/sensors/wts0614.yaml --object sphere:0.01 --pose \"0 0 0.0095\"\n"
+      "  taxelsim frame --sensor scenes/sensors/wts0614.yaml --object cylinder:0.008,0.04 --rpy-deg \"90 0 0\" --load 5\n"
       "Poses are of the object in the sensor frame, whose z points out of the skin: here the sphere is 0.5 mm deep.");
   const auto arguments = std::make_shared<Arguments>();
   command->add_option("--sensor", arguments->sensor, "Sensor file (YAML)")->required()->type_name("FILE");
-  command
-      ->add_option(
-          "--object", arguments->objects,
-          "Mesh file, or sphere:R, cylinder:R,L, capsule:R,L, box:X,Y,Z, half_space, cone:R,H, torus:MAJOR,MINOR in m; may be repeated")
-      ->allow_extra_args(false)
-      ->type_name("SPEC");
-  command->add_option("--pose", arguments->poses, "\"x y z qw qx qy qz\" of each object in the sensor frame, m and a unit quaternion")
-      ->allow_extra_args(false)
-      ->type_name("POSE");
+  addObjectOptions(*command, arguments->objects);
   CLI::Option* contacts =
       command
           ->add_option(
               "--contacts", arguments->contacts,
               "Instead of objects: contact points from another engine, lines of \"x,y,z,normal_force\", m in the sensor frame and N")
           ->type_name("FILE");
-  CLI::Option* load =
-      command->add_option("--load", arguments->load, "Move the objects along z until they press with this force, N")->type_name("N");
   command->add_flag("--json", arguments->json, "Print JSON, all numbers in full");
-  command->add_option("--png", arguments->picture, "Draw the tactile image into this picture")->type_name("FILE");
-  command
-      ->add_option("--device", arguments->device,
-                   "Device: discrete, integrated, cpu, a number from `taxelsim devices`, or part of its name")
-      ->type_name("D");
-  command->add_flag("--validation", arguments->validation, "Enable the Vulkan validation layers; slow");
-  command->callback([=, &action] {
-    action = [=] { return contacts->count() > 0 ? runContacts(*arguments, load->count() > 0) : runObjects(*arguments, load->count() > 0); };
-  });
+  command->add_option("--png", arguments->picture, "Figure of the tactile image to write (PNG)")->check(requirePngName)->type_name("FILE");
+  addDeviceOptions(*command, arguments->device, arguments->validation);
+  command->callback([=, &action] { action = [=] { return contacts->count() > 0 ? runContacts(*arguments) : runObjects(*arguments); }; });
 }
 
 }  // namespace taxelsim::cli

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <span>
 #include <vector>
 
@@ -150,8 +151,8 @@ void printImage(const Sensor& sensor, std::span<const std::uint32_t> image) {
 }
 
 std::string valueText(float value) {
-  return fmt::format("{:.6g}", value == 0 ? 0 : value);
-}  // no "-0"
+  return fmt::format("{:.6g}", value == 0 ? 0 : value);  // no "-0"
+}
 std::string valueText(ContactType type) {
   return kContactTypes[static_cast<std::size_t>(type)];
 }
@@ -174,6 +175,14 @@ std::string rowText(const FeatureValues& values, std::size_t width) {
       values);
 }
 
+// Angles of axes are in (-pi/2, pi/2]. One that rounding puts at -pi/2 is shown as pi/2, the same axis.
+std::string featureText(std::string_view name, const FeatureValues& values, std::size_t width) {
+  std::string text = rowText(values, width);
+  static const std::string kRightAngle = valueText(std::numbers::pi_v<float> / 2);
+  if (name.ends_with("edge_angle") && text == "-" + kRightAngle) return kRightAngle;
+  return text;
+}
+
 void printRow(std::string_view name, std::string_view unit, const std::string& measured, const std::string& clean) {
   fmt::print("{:<24} {:<7} {:<40} {}\n", name, unit, measured, clean);
 }
@@ -182,7 +191,8 @@ void printRow(std::string_view name, std::string_view unit, const std::string& m
 template <typename Field, typename View>
 void printBoth(std::span<const Field> table, const View& measured, const View& clean) {
   for (const Field& field : table) {
-    printRow(field.name, field.unit, rowText(field.values(measured), field.width), rowText(field.values(clean), field.width));
+    printRow(field.name, field.unit, featureText(field.name, field.values(measured), field.width),
+             featureText(field.name, field.values(clean), field.width));
   }
 }
 

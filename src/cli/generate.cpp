@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "cli/activity.h"
 #include "cli/commands.h"
 #include "cli/driver_threads.h"
 #include "cli/interrupt.h"
@@ -23,9 +24,22 @@ struct Arguments : SceneOptions {
   std::string directory;
 };
 
+void warnOfLoads(const Scene& scene, const GenerateResult& result) {
+  for (std::size_t object = 0; object < result.load_misses.size(); ++object) {
+    const LoadMisses& misses = result.load_misses[object];
+    if (misses.num_misses == 0) continue;
+    const auto [least, most] = misses.carried;
+    const std::string carried = least == most ? fmt::format("{:.3g} N", most) : fmt::format("{:.3g} to {:.3g} N", least, most);
+    spdlog::warn("object {}: load out of reach in {} of its {} episodes; pressed through the skin, it carried {}",
+                 scene.objects[object].object.name, countText(misses.num_misses), countText(misses.num_episodes), carried);
+  }
+}
+
 int runGenerate(const Arguments& arguments) {
-  const Scene scene = loadScene(arguments.scene, arguments.overrides);
   useTwoDriverThreadsPerCore();
+  Activity activity("loading " + arguments.scene);
+  const Scene scene = loadScene(arguments.scene, arguments.overrides);
+  activity.next("preparing the simulation");
   const Device device = Device::open({.device = arguments.device, .validation = arguments.validation});
   spdlog::info("{}: {} episodes on {} ({})", sceneTitle(scene), countText(scene.num_episodes), device.info().name, device.info().driver);
 
@@ -35,6 +49,7 @@ int runGenerate(const Arguments& arguments) {
   options.batch_size = arguments.batch_size;
   options.stop = &stopOnSignals();
   options.on_progress = [&](const Progress& progress) {
+    activity.end();
     if (!announced && progress.episodes_resumed > 0) {
       printer.clear();
       spdlog::info("{} episodes found on disk", countText(progress.episodes_resumed));
@@ -43,7 +58,9 @@ int runGenerate(const Arguments& arguments) {
     printer.show(progress);
   };
   const GenerateResult result = generate(device, scene, arguments.directory, options);
+  activity.end();
   printer.clear();
+  warnOfLoads(scene, result);
 
   const Progress& progress = result.progress;
   if (!result.complete) {
@@ -52,9 +69,9 @@ int runGenerate(const Arguments& arguments) {
     return kExitInterrupted;
   }
   const double rate = progress.seconds > 0 ? static_cast<double>(progress.frames_done) / progress.seconds : 0;
-  fmt::print("{}: {} episodes ({} found on disk), {} frames simulated in {} at {} frames/s, {} loads out of reach\n", arguments.directory,
+  fmt::print("{}: {} episodes ({} found on disk), {} frames simulated in {} at {} frames/s\n", arguments.directory,
              countText(progress.num_episodes), countText(progress.episodes_resumed), countText(progress.frames_done),
-             durationText(progress.seconds), countText(static_cast<std::uint64_t>(rate)), countText(result.num_load_misses));
+             durationText(progress.seconds), countText(static_cast<std::uint64_t>(rate)));
   return kExitOk;
 }
 

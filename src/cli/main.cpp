@@ -1,5 +1,4 @@
 // The command line: parses arguments, runs one subcommand, and reports an error as one line and an exit status.
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
@@ -8,10 +7,13 @@
 #include <cstdio>
 #include <cstdlib>
 #include <map>
+#include <memory>
 #include <new>
 #include <string>
 
 #include "cli/commands.h"
+#include "cli/status_line.h"
+#include "cli/usage_error.h"
 #include "taxelsim/error.h"
 #include "taxelsim/version.h"
 
@@ -41,33 +43,33 @@ int run(int argc, char** argv) {
       "See `taxelsim SUBCOMMAND --help`. Exit status: 0 success, 1 device or disk error, 2 bad input, 130 interrupted.");
   std::string log_level = "info";
   app.add_option("--log-level", log_level, "Level of log messages on stderr: trace, debug, info, warning, error or off")
-      ->check(CLI::IsMember(kLogLevels))
+      ->check(silent(CLI::IsMember(kLogLevels)))
       ->capture_default_str()
       ->type_name("LEVEL");
 
   Action action;
   addDevices(app, action);
-  addCharacterize(app, action);
-  addGenerate(app, action);
   addFrame(app, action);
-  addEvaluate(app, action);
-  addExperiment(app, action);
-  addCompare(app, action);
-  addCalibrateReadings(app, action);
+  addGenerate(app, action);
   addInspect(app, action);
   addRender(app, action);
+  addEvaluate(app, action);
+  addExperiment(app, action);
+  addCharacterize(app, action);
+  addCompare(app, action);
+  addCalibrateReadings(app, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version
     std::string where = "taxelsim";
     for (const CLI::App* chosen : app.get_subcommands()) where += " " + chosen->get_name();
-    fail(kExitInput, std::string(error.what()) + " (see " + where + " --help)");
+    fail(kExitInput, usageMessage(app, {argv + 1, argv + argc}, error) + " (see " + where + " --help)");
   }
-  const auto logger = spdlog::stderr_color_mt("taxelsim");
+  const auto logger = std::make_shared<spdlog::logger>("taxelsim", makeLogSink());
   logger->set_pattern("%^%l%$: %v");
   logger->set_level(kLogLevels.at(log_level));
-  spdlog::set_default_logger(logger);
+  spdlog::set_default_logger(logger);  // registers it, so that the library logs to it
   return action();
 }
 

@@ -2,9 +2,10 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <array>
 #include <charconv>
 #include <cmath>
+#include <numbers>
+#include <vector>
 
 #include "taxelsim/error.h"
 
@@ -12,32 +13,62 @@ namespace taxelsim::cli {
 namespace {
 
 constexpr double kQuaternionTolerance = 1e-3;  // as in Simulator::setObjects()
+constexpr double kFullTurn = 360;              // degrees
+constexpr double kDegree = std::numbers::pi / 180;
+
+// The numbers of one argument. `what`: the forms that are allowed, for messages.
+struct Argument {
+  const char* option;
+  const std::string& text;
+  const char* what;
+
+  Error refuse(const std::string& why) const { return Error(ErrorKind::kInput, fmt::format("{} \"{}\": {}; {}", option, text, why, what)); }
+
+  std::vector<double> numbers(std::size_t most) const {
+    const auto isSeparator = [](char c) { return c == ' ' || c == ',' || c == '\t'; };
+    std::vector<double> numbers;
+    const char* place = text.data();
+    const char* const end = text.data() + text.size();
+    while (true) {
+      while (place != end && isSeparator(*place)) ++place;
+      if (place == end) return numbers;
+      if (numbers.size() == most) throw refuse(fmt::format("has more than {} numbers", most));
+      double number = 0;
+      const auto [next, problem] = std::from_chars(*place == '+' ? place + 1 : place, end, number);
+      if (problem != std::errc() || (next != end && !isSeparator(*next)) || !std::isfinite(number)) {
+        throw refuse(fmt::format("number {} cannot be read", numbers.size() + 1));
+      }
+      numbers.push_back(number);
+      place = next;
+    }
+  }
+};
 
 }  // namespace
 
-Pose parsePose(const std::string& text) {
-  const auto refuse = [&](const std::string& why) -> Error {
-    return Error(ErrorKind::kInput, "--pose \"" + text + "\": " + why + "; a pose is \"x y z qw qx qy qz\", m and a unit quaternion");
-  };
-  std::array<double, 7> numbers{};
-  std::size_t count = 0;
-  const char* place = text.data();
-  const char* const end = text.data() + text.size();
-  while (true) {
-    while (place != end && (*place == ' ' || *place == ',' || *place == '\t')) ++place;
-    if (place == end) break;
-    if (count == numbers.size()) throw refuse("has more than 7 numbers");
-    const auto [next, problem] = std::from_chars(*place == '+' ? place + 1 : place, end, numbers[count]);
-    const bool whole_word = next == end || *next == ' ' || *next == ',' || *next == '\t';
-    if (problem != std::errc() || !whole_word || !std::isfinite(numbers[count]))
-      throw refuse(fmt::format("number {} cannot be read", count + 1));
-    place = next;
-    ++count;
+PoseArgument parsePose(const std::string& text) {
+  const Argument argument{"--pose", text, "a pose is \"x y z\" or \"x y z qw qx qy qz\", m and a unit quaternion"};
+  const std::vector<double> n = argument.numbers(7);
+  if (n.size() != 3 && n.size() != 7) throw argument.refuse(fmt::format("has {} numbers, not 3 or 7", n.size()));
+  PoseArgument pose{.position = {n[0], n[1], n[2]}, .rotation = {}};
+  if (n.size() == 3) return pose;
+  const double norm = std::sqrt(n[3] * n[3] + n[4] * n[4] + n[5] * n[5] + n[6] * n[6]);
+  if (!(std::abs(norm - 1) <= kQuaternionTolerance)) {
+    throw argument.refuse(fmt::format("the quaternion has length {:.6g}, not 1 within 1e-3", norm));
   }
-  if (count != numbers.size()) throw refuse(fmt::format("has {} numbers, not 7", count));
-  const double norm = std::sqrt(numbers[3] * numbers[3] + numbers[4] * numbers[4] + numbers[5] * numbers[5] + numbers[6] * numbers[6]);
-  if (!(std::abs(norm - 1) <= kQuaternionTolerance)) throw refuse(fmt::format("the quaternion has length {:.6g}, not 1 within 1e-3", norm));
-  return {{numbers[0], numbers[1], numbers[2]}, {numbers[3] / norm, numbers[4] / norm, numbers[5] / norm, numbers[6] / norm}};
+  pose.rotation = {n[3] / norm, n[4] / norm, n[5] / norm, n[6] / norm};
+  return pose;
+}
+
+Quaternion parseRollPitchYaw(const std::string& text) {
+  const Argument argument{"--rpy-deg", text, "it is \"roll pitch yaw\", degrees"};
+  const std::vector<double> degrees = argument.numbers(3);
+  if (degrees.size() != 3) throw argument.refuse(fmt::format("has {} numbers, not 3", degrees.size()));
+  for (const double angle : degrees) {
+    if (!(std::abs(angle) <= kFullTurn)) throw argument.refuse(fmt::format("{:g} is not allowed: from -360 to 360", angle));
+  }
+  return axisAngle({0, 0, 1}, degrees[2] * kDegree) * axisAngle({0, 1, 0}, degrees[1] * kDegree) *
+         axisAngle({1, 0, 0}, degrees[0] * kDegree);
 }
 
 }  // namespace taxelsim::cli

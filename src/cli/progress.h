@@ -1,17 +1,20 @@
 // Prints progress: a bar on a terminal, or a line every few seconds in a log.
 #pragma once
 
+#include <chrono>
+#include <optional>
 #include <string>
 
 #include "taxelsim/progress.h"
 
 namespace taxelsim::cli {
 
+inline constexpr std::chrono::seconds kLogInterval{5};  // between lines in a log
+
 class ProgressPrinter {
  public:
-  // Draws a bar if stderr is a terminal.
-  ProgressPrinter();
-  ~ProgressPrinter();
+  ProgressPrinter() = default;
+  ~ProgressPrinter() { clear(); }
   ProgressPrinter(const ProgressPrinter&) = delete;
   ProgressPrinter& operator=(const ProgressPrinter&) = delete;
 
@@ -20,14 +23,15 @@ class ProgressPrinter {
   void clear();
 
  private:
-  bool terminal_;
-  bool drawn_ = false;
+  std::optional<Progress> first_;
   double next_line_ = 0;  // s, of Progress::seconds
 };
 
-// "[####......]  40 %  400 of 1,000 episodes  12,345 frames/s  1:23 left", at most `width` characters.
-std::string progressBar(const Progress& progress, int width);
+// "[####......]  40 %  400 of 1,000 episodes  12,345 frames/s  1:23 left", at most `width` characters. Bar, percentage and time left count
+// frames: all episodes of a batch end at the same time. `first`: an earlier report of the same run; the time left follows from the frames
+// since then, because the first frame waits until the driver has compiled the kernels.
+std::string progressBar(const Progress& progress, const Progress& first, int width);
 // The same without the bar.
-std::string progressLine(const Progress& progress);
+std::string progressLine(const Progress& progress, const Progress& first);
 
 }  // namespace taxelsim::cli

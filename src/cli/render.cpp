@@ -147,9 +147,9 @@ void addRender(CLI::App& app, Action& action) {
       "Draws evenly spaced frames of one episode, or of all episodes.");
   const auto arguments = std::make_shared<Arguments>();
   command->add_option("directory", arguments->directory, "Directory of the data set")->required()->type_name("DIR");
-  command->add_option("-o,--output", arguments->picture, "Figure to write (PNG)")->required()->type_name("FILE");
-  command->add_option("--frames", arguments->num_frames, "Number of frames to draw")
-      ->check(CLI::Range(1, kMaxFrames))
+  command->add_option("-o,--output", arguments->picture, "Figure to write (PNG)")->required()->check(requirePngName)->type_name("FILE");
+  command->add_option("--frames", arguments->num_frames, fmt::format("Number of frames to draw, at most {}", kMaxFrames))
+      ->check(silent(CLI::Range(1, kMaxFrames)))
       ->capture_default_str()
       ->type_name("N");
   CLI::Option* episode =

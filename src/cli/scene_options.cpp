@@ -11,7 +11,7 @@ void addSceneOptions(CLI::App& command, SceneOptions& options, int default_batch
   command.add_option("scene", options.scene, "Scene file (YAML)")->required()->type_name("SCENE");
   command.add_option("--episodes", options.overrides.num_episodes, "Number of episodes; default: the scene's")
       ->check(refuseNegative)
-      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 48))
+      ->check(silent(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 48)))
       ->type_name("N");
   command.add_option("--seed", options.overrides.seed, "Seed of all random numbers; default: the scene's")
       ->check(refuseNegative)
@@ -22,13 +22,18 @@ void addSceneOptions(CLI::App& command, SceneOptions& options, int default_batch
       ->capture_default_str()
       ->type_name("NAME");
   command.add_option("--batch-size", options.batch_size, "Number of instances simulated at once")
-      ->check(CLI::Range(1, 1 << 24))
+      ->check(silent(CLI::Range(1, 1 << 24)))
       ->capture_default_str()
       ->type_name("B");
+  addDeviceOptions(command, options.device, options.validation);
+}
+
+void addDeviceOptions(CLI::App& command, std::string& device, bool& validation) {
   command
-      .add_option("--device", options.device, "Device: discrete, integrated, cpu, a number from `taxelsim devices`, or part of its name")
+      .add_option("--device", device,
+                  "Device: gpu, discrete, integrated, cpu, a number from `taxelsim devices`, or part of its name; default: the best")
       ->type_name("D");
-  command.add_flag("--validation", options.validation, "Enable the Vulkan validation layers; slow");
+  command.add_flag("--validation", validation, "Enable the Vulkan validation layers; slow");
 }
 
 std::string sceneTitle(const Scene& scene) {

@@ -1,8 +1,7 @@
 #include <cmath>
 
-#include "control/value_checks.h"
-#include "taxelsim/error.h"
-#include "taxelsim/robot.h"
+#include "base/field_checks.h"
+#include "control/robot_fields.h"
 
 namespace taxelsim {
 namespace {
@@ -13,7 +12,10 @@ const Quaternion kRotationZToY{std::sqrt(0.5), -std::sqrt(0.5), 0, 0};
 }  // namespace
 
 Manipulator panTilt(const PanTilt& platform) {
-  requireValue(std::isfinite(platform.tilt_height), "robot", "tilt_height", platform.tilt_height, "a finite length");
+  checkFields("", kPanTiltFields, platform);
+  const auto [lower, upper] = platform.position_limits;
+  if (lower > upper)
+    failField("position_limits", "[" + numberText(lower) + ", " + numberText(upper) + "] rad", "[min, max] with min <= max");
   Manipulator robot;
   robot.name = "pan_tilt";
   robot.selection = {false, false, false, false, true, true};
@@ -36,7 +38,7 @@ Manipulator panTilt(const PanTilt& platform) {
     } else if (mount.link == "tilt") {
       robot.sensors.push_back({mount.link, {pan, tilt}, X_JL * mount.X_LS});
     } else {
-      throw Error(ErrorKind::kInput, "robot: no link " + mount.link + ": allowed are base, pan and tilt");
+      throw Error(ErrorKind::kInput, "no link " + mount.link + ": allowed are base, pan and tilt");
     }
   }
   checkRobot(robot);

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <string>
 
+#include "base/field_checks.h"
 #include "control/twist.h"
-#include "control/value_checks.h"
 
 namespace taxelsim {
 namespace {
@@ -71,8 +71,10 @@ void Robots::reset(int i, const Pose& X_WS) {
 void Robots::reset(int i, std::span<const double> positions) {
   assert(static_cast<int>(positions.size()) == num_joints_);
   for (int j = 0; j < num_joints_; ++j) {
-    const bool is_within = positions[j] >= limits_[j].lower && positions[j] <= limits_[j].upper && std::isfinite(positions[j]);
-    requireValue(is_within, "robot", "joint position", positions[j], "within the joint's limits");
+    const Allowed allowed = Allowed::within(limits_[j].lower, limits_[j].upper, "");
+    if (!isAllowed(positions[j], allowed)) {
+      failField(elementOf("joint position", static_cast<std::size_t>(j)), numberText(positions[j]), describe(allowed));
+    }
   }
   setAtRest(i, positions, X_WB_initial_);
 }

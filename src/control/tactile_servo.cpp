@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "base/vector3.h"
-#include "control/servo_checks.h"
+#include "control/servo_fields.h"
 
 namespace taxelsim {
 namespace {

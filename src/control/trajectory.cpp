@@ -9,7 +9,6 @@
 #include "base/quaternion.h"
 #include "base/vector3.h"
 #include "control/twist.h"
-#include "control/value_checks.h"
 
 namespace taxelsim {
 namespace {
@@ -110,49 +109,7 @@ double sinusoidAt(const Sinusoid& s, double t) {
   return std::sin(kTwoPi * s.frequency * t + s.phase) - std::sin(s.phase);
 }
 
-void checkBand(const std::array<double, 2>& band, const char* field) {
-  for (const double frequency : band) requireValue(isPositive(frequency), "motion", field, frequency, "a frequency > 0 Hz");
-  requireValue(band[0] <= band[1], "motion", field, band[0], "[min, max] with min <= max");
-}
-
-void check(const ConstantTwist& motion) {
-  for (const double v : motion.twist.v) requireValue(std::isfinite(v), "motion", "twist.v", v, "a finite velocity");
-  for (const double w : motion.twist.w) requireValue(std::isfinite(w), "motion", "twist.w", w, "a finite velocity");
-}
-
-void check(const Sinusoid& motion) {
-  requireValue(isPositive(length(motion.axis)), "motion", "axis", length(motion.axis), "a vector of finite length > 0");
-  requireValue(std::isfinite(motion.amplitude), "motion", "amplitude", motion.amplitude, "a finite length");
-  requireValue(std::isfinite(motion.angle), "motion", "angle", motion.angle, "a finite angle");
-  requireValue(isPositive(motion.frequency), "motion", "frequency", motion.frequency, "a frequency > 0 Hz");
-  requireValue(std::isfinite(motion.phase), "motion", "phase", motion.phase, "a finite angle");
-}
-
-void check(const Waypoints& motion) {
-  requireValue(!motion.points.empty(), "motion", "points", 0, "at least one waypoint");
-  for (std::size_t k = 0; k < motion.points.size(); ++k) {
-    const Waypoint& point = motion.points[k];
-    requireValue(std::isfinite(point.time), "motion", "time", point.time, "a finite time");
-    requireValue(k == 0 || point.time > motion.points[k - 1].time, "motion", "time", point.time, "later than the previous waypoint");
-    for (const double p : point.pose.position) requireValue(std::isfinite(p), "motion", "position", p, "a finite length");
-    for (const double q : point.pose.rotation) requireValue(std::isfinite(q), "motion", "rotation", q, "a unit quaternion");
-  }
-}
-
-void check(const HandHeld& motion) {
-  requireValue(isAtLeastZero(motion.drift), "motion", "drift", motion.drift, "a length >= 0 m");
-  requireValue(isAtLeastZero(motion.drift_angle), "motion", "drift_angle", motion.drift_angle, "an angle >= 0 rad");
-  requireValue(isAtLeastZero(motion.tremor), "motion", "tremor", motion.tremor, "a length >= 0 m");
-  requireValue(isAtLeastZero(motion.tremor_angle), "motion", "tremor_angle", motion.tremor_angle, "an angle >= 0 rad");
-  checkBand(motion.drift_band, "drift_band");
-  checkBand(motion.tremor_band, "tremor_band");
-}
-
 }  // namespace
-
-void checkMotion(const Motion& motion) {
-  std::visit([](const auto& kind) { check(kind); }, motion);
-}
 
 Trajectory::Trajectory(const Motion& motion, const Pose& X_WO, const MotionKey& key)
     : motion_(&motion), X_WM0_{X_WO.position, {1, 0, 0, 0}}, X_MO_{{0, 0, 0}, X_WO.rotation} {

@@ -5,11 +5,10 @@
 #include <kdl/tree.hpp>
 #include <map>
 
-#include "base/text.h"
+#include "base/field_checks.h"
 #include "base/vector3.h"
+#include "control/robot_fields.h"
 #include "control/urdf_model.h"
-#include "control/value_checks.h"
-#include "taxelsim/robot.h"
 
 namespace taxelsim {
 namespace {
@@ -86,13 +85,13 @@ void UrdfRobot::check(const urdf::Joint& joint) const {
   for (const double value : {p.x, p.y, p.z, q.x, q.y, q.z, q.w}) require(std::isfinite(value), "origin", value, "finite numbers");
   if (joint.type == urdf::Joint::FIXED) return;
   const double axis = length({joint.axis.x, joint.axis.y, joint.axis.z});
-  require(isPositive(axis), "axis", axis, "a vector of finite length > 0");
+  require(std::isfinite(axis) && axis > 0, "axis", axis, "a vector of finite length > 0");
   if (joint.limits) {
     const urdf::JointLimits& limits = *joint.limits;
     require(std::isfinite(limits.lower), "limit lower", limits.lower, "a finite position");
     require(std::isfinite(limits.upper), "limit upper", limits.upper, "a finite position");
     require(limits.lower <= limits.upper, "limit lower", limits.lower, "at most upper (" + numberText(limits.upper) + ")");
-    require(isPositive(limits.velocity), "limit velocity", limits.velocity, "a velocity > 0");
+    require(std::isfinite(limits.velocity) && limits.velocity > 0, "limit velocity", limits.velocity, "a velocity > 0");
   }
 }
 
@@ -190,9 +189,8 @@ Manipulator UrdfRobot::build() {
 }  // namespace
 
 Manipulator loadUrdf(const std::filesystem::path& file, const UrdfOptions& options) {
-  requireValue(options.velocity_limit_scale > 0 && options.velocity_limit_scale <= 1, "robot", "velocity_limit_scale",
-               options.velocity_limit_scale, "a number > 0 and <= 1");
-  requireValue(!options.sensors.empty(), "robot", "sensors", 0, "at least one");
+  checkFields("", kUrdfFields, options);
+  if (options.sensors.empty()) failField("sensors", "an empty list", "at least one sensor");
   return UrdfRobot(file, options).build();
 }
 

@@ -10,7 +10,7 @@
 
 #include <filesystem>
 
-#include "dataset/files.h"
+#include "base/files.h"
 
 namespace taxelsim::dataset {
 

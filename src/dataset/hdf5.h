@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "dataset/files.h"
+#include "base/files.h"
 #include "taxelsim/dataset.h"
 
 namespace taxelsim::dataset {

@@ -13,6 +13,7 @@
 #include "base/text.h"
 #include "dataset/column.h"
 #include "dataset/manifest_fields.h"
+#include "dataset/scene_difference.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim::dataset {
@@ -166,7 +167,9 @@ void checkSame(const std::filesystem::path& directory, const Manifest& found, co
   compare("number of columns", found.num_cols, requested.num_cols);
   compare("pitch", numberText(found.pitch[0]) + " x " + numberText(found.pitch[1]),
           numberText(requested.pitch[0]) + " x " + numberText(requested.pitch[1]));
-  compare("scene", sceneHash(found), sceneHash(requested));
+  if (found.scene != requested.scene)
+    throw Error(ErrorKind::kInput, directory.string() + ": holds a data set of another scene: " +
+                                       describeSceneDifference(found.scene, requested.scene) + ": choose another directory");
   compare("number of recorded columns", found.columns.size(), requested.columns.size());
   for (std::size_t i = 0; i < found.columns.size(); ++i) {
     const Column& a = found.columns[i];

@@ -2,8 +2,8 @@
 #include <cstring>
 #include <span>
 
+#include "base/files.h"
 #include "dataset/column.h"
-#include "dataset/files.h"
 #include "dataset/manifest.h"
 #include "dataset/shard.h"
 #include "dataset/view.h"

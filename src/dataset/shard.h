@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "dataset/files.h"
+#include "base/files.h"
 #include "taxelsim/dataset.h"
 
 namespace taxelsim::dataset {

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "dataset/files.h"
+#include "base/files.h"
 #include "taxelsim/dataset.h"
 
 namespace taxelsim::dataset {

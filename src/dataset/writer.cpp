@@ -4,9 +4,10 @@
 #include <system_error>
 #include <thread>
 
+#include "base/files.h"
 #include "dataset/checksum.h"
 #include "dataset/compressor.h"
-#include "dataset/files.h"
+#include "dataset/directory_lock.h"
 #include "dataset/manifest.h"
 #include "dataset/shard.h"
 #include "dataset/view.h"
@@ -74,7 +75,7 @@ struct DatasetWriter::Impl {
       throw Error(ErrorKind::kInput, directory.string() + ": cannot be extended from " + std::to_string(found.num_episodes) + " to " +
                                          std::to_string(manifest.num_episodes) + " episodes: " + shardName(last) +
                                          " is complete and would change (" + std::to_string(manifest.episodes_per_shard) +
-                                         " episodes per shard)");
+                                         " episodes per shard); remove it to generate it again");
     removeWithChecksum(directory / kViewName);
     writeManifestFile();
   }

@@ -13,19 +13,6 @@ void checkCount(const char* name, std::int64_t value) {
   if (value < 1) throw Error(ErrorKind::kInput, std::string(name) + ": " + std::to_string(value) + " found, at least 1 allowed");
 }
 
-void checkScene(const Scene& scene) {
-  checkCount("episodes", static_cast<std::int64_t>(scene.num_episodes));
-  checkCount("num_steps", scene.num_steps);
-  checkCount("objects", static_cast<std::int64_t>(scene.objects.size()));
-  if (scene.kind == Scene::Kind::kServo) checkCount("controllers", static_cast<std::int64_t>(scene.controllers.size()));
-  checkRobot(scene.robot);
-  for (const SceneObject& entry : scene.objects) {
-    checkObject(entry.object);
-    if (entry.motion) checkMotion(*entry.motion);
-  }
-  checkSensor(scene.sensor);
-}
-
 std::vector<int> splitBatch(const Model& model, const EpisodePlan& plan, int batch_size, int num_slices) {
   num_slices = std::min(num_slices, batch_size);
   const MemoryPlan memory = Simulator::plan(model, plan.simulatorOptions(batch_size));

@@ -24,9 +24,6 @@
 
 namespace taxelsim {
 
-// Validates a scene, which need not come from loadScene(). Throws Error(kInput).
-void checkScene(const Scene& scene);
-
 // Throws Error(kInput) unless value >= 1; `name` names the value in the message.
 void checkCount(const char* name, std::int64_t value);
 

@@ -12,6 +12,7 @@
 #include "episodes/environment_view.h"
 #include "episodes/episode_batch.h"
 #include "episodes/task_judge.h"
+#include "scene/scene_checks.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

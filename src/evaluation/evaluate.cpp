@@ -8,6 +8,7 @@
 
 #include "episodes/batch.h"
 #include "episodes/task_evaluator.h"
+#include "scene/scene_checks.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -69,7 +70,7 @@ std::vector<Score> scoresByStart(const Starts& starts, const std::vector<Verdict
   const auto& [unit, per_si] = kTaskMeasureUnits[measure];
   for (int k = 0; k < kNumStarts; ++k) {
     char name[80];
-    std::snprintf(name, sizeof name, "%s %.3g to %.3g %s", kTaskMeasureNames[measure], (lowest + k * width) * per_si,
+    std::snprintf(name, sizeof name, "%s error %.3g to %.3g %s at the start", kTaskMeasureNames[measure], (lowest + k * width) * per_si,
                   (lowest + (k + 1) * width) * per_si, unit);
     scores.push_back(scoreOf(name, parts[static_cast<std::size_t>(k)]));
     scores.back().start_error = {lowest + k * width, lowest + (k + 1) * width};
@@ -169,6 +170,7 @@ std::vector<Evaluation> evaluate(const Device& device, const Scene& scene, const
 
   Progress progress;
   progress.num_episodes = scene.num_episodes * plans.size();
+  progress.num_frames = progress.num_episodes * static_cast<std::uint64_t>(numFrames(scene));
   const auto start = std::chrono::steady_clock::now();
   std::vector<Evaluation> evaluations;
   for (std::size_t p = 0; p < plans.size(); ++p) {

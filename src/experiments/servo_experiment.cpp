@@ -4,12 +4,15 @@
 #include <memory>
 #include <numbers>
 
+#include "base/field_checks.h"
 #include "base/vector3.h"
 #include "control/singularity.h"
 #include "episodes/batch.h"
 #include "experiments/felt_angle.h"
 #include "experiments/servo_theory.h"
 #include "experiments/trace_sink.h"
+#include "scene/scene_checks.h"
+#include "scene/scene_fields.h"
 #include "taxelsim/error.h"
 #include "taxelsim/experiment.h"
 
@@ -247,6 +250,7 @@ double StaticCharacteristic::at(double true_error) const {
 }
 
 ServoResult runServoExperiment(const Device& device, const ServoExperiment& experiment) {
+  checkFields("", kServoExperimentFields, experiment);
   for (const ServoRun& run : experiment.runs) checkRun(run.name, run.scene, run.theory != ServoRun::Theory::kNone);
   for (const ServoSweep& sweep : experiment.sweeps) checkRun(sweep.name, sweep.scene, true);
   ServoResult result;

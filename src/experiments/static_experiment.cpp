@@ -93,6 +93,16 @@ class ReferenceComparison {
     return {experiment_.reference.name, experiment_.reference, 0, reference_.images, std::vector<ImageDistance>(contacts_.size())};
   }
 
+  StaticImages zero() const {
+    StaticImages result = reference();
+    result.name = "all-zero image";
+    for (std::size_t c = 0; c < contacts_.size(); ++c) {
+      result.images[c].assign(result.images[c].size(), 0);
+      result.distances[c] = imageDistance(result.images[c], reference_.images[c], least_, full_scale_);
+    }
+    return result;
+  }
+
   StaticImages imagesOf(const Sensor& sensor) const {
     const bool by_depth = std::holds_alternative<Proximity>(sensor.skin.law);
     StaticImages result{
@@ -183,7 +193,7 @@ ImageDistance medianDistance(const StaticExperiment& experiment, const StaticIma
 
 StaticResult runStaticExperiment(const Device& device, const StaticExperiment& experiment) {
   const ReferenceComparison comparison(device, experiment);
-  StaticResult result{comparison.reference(), {}};
+  StaticResult result{.reference = comparison.reference(), .sensors = {}, .zero = comparison.zero()};
   for (const StaticExperiment::Entry& entry : experiment.sensors) {
     result.sensors.push_back(entry.fitted ? comparison.fitted(entry.sensor) : comparison.imagesOf(entry.sensor));
   }

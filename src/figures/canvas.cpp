@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <cmath>
+#include <system_error>
 
 #include "taxelsim/error.h"
 
@@ -64,7 +65,11 @@ void Canvas::heading(const std::string& title, const std::string& subtitle, doub
 
 void Canvas::save(const std::filesystem::path& file) const {
   const cairo_status_t status = cairo_surface_write_to_png(surface_.get(), file.c_str());
-  if (status != CAIRO_STATUS_SUCCESS) throw Error(ErrorKind::kIo, "cannot write " + file.string() + ": " + cairo_status_to_string(status));
+  if (status == CAIRO_STATUS_SUCCESS) return;
+  std::error_code error;
+  const bool has_folder = file.parent_path().empty() || std::filesystem::is_directory(file.parent_path(), error);
+  throw Error(ErrorKind::kIo,
+              "cannot write " + file.string() + ": " + (has_folder ? cairo_status_to_string(status) : "its folder does not exist"));
 }
 
 double headingRoom(const std::string& subtitle) {

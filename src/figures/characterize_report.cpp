@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "dataset/files.h"
+#include "base/files.h"
 #include "figures/line_chart.h"
 #include "figures/tactile_figure.h"
 #include "figures/text.h"
@@ -87,7 +87,7 @@ bool hasAny(const Characterization& result, std::string_view block) {
 
 std::string pictureHtml(const std::filesystem::path& file) {
   return fmt::format("<p><img alt=\"{}\" src=\"data:image/png;base64,{}\"></p>\n", escaped(file.stem().string()),
-                     base64(dataset::readTextFile(file)));
+                     base64(readTextFile(file)));
 }
 
 }  // namespace
@@ -151,7 +151,7 @@ void writeReport(const std::filesystem::path& report, std::span<const Measuremen
   for (const std::string& remark : result.remarks) page += "<p>" + escaped(remark) + "</p>\n";
   for (const std::filesystem::path& figure : figures) page += pictureHtml(figure);
   page += "</html>\n";
-  dataset::writeFileAtomically(report, std::as_bytes(std::span(page)));
+  writeFileAtomically(report, std::as_bytes(std::span(page)));
 }
 
 }  // namespace taxelsim::figures

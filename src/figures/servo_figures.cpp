@@ -117,7 +117,8 @@ void drawAngles(const std::filesystem::path& file, const ServoExperiment& experi
   writeLineChart(file, panels, {.title = experiment.name + ": edge angle", .subtitle = "true edge angle in the plane of the sensor"});
 }
 
-void drawFeatures(const std::filesystem::path& file, const ServoExperiment& experiment, const ServoResult& result) {
+// Each of the next three returns false, without a figure, if there is nothing to draw.
+bool drawFeatures(const std::filesystem::path& file, const ServoExperiment& experiment, const ServoResult& result) {
   struct Drawn {
     ServoFeature feature;
     const char* title;
@@ -129,7 +130,8 @@ void drawFeatures(const std::filesystem::path& file, const ServoExperiment& expe
                              Drawn{ServoFeature::kCenterAcross, "centre across the edge", "centre - reference, mm", kMilli},
                              Drawn{ServoFeature::kCenterX, "centre along x of the sensor", "centre - reference, mm", kMilli},
                              Drawn{ServoFeature::kCenterY, "centre along y of the sensor", "centre - reference, mm", kMilli}}) {
-    LinePanel panel{.title = drawn.title, .x_label = kTime, .y_label = drawn.label, .series = {}, .reference = LineLevel{.y = 0}};
+    LinePanel panel{
+        .title = drawn.title, .x_label = kTime, .y_label = drawn.label, .series = {}, .reference = LineLevel{.y = 0, .name = "reference"}};
     for (std::size_t r = 0; r < result.runs.size(); ++r) {
       const ServoConvergence* convergence = find(result.runs[r], drawn.feature);
       if (convergence == nullptr) continue;
@@ -138,9 +140,10 @@ void drawFeatures(const std::filesystem::path& file, const ServoExperiment& expe
     }
     if (!panel.series.empty()) panels.push_back(std::move(panel));
   }
-  if (panels.empty()) return;
+  if (panels.empty()) return false;
   writeLineChart(file, panels,
                  {.title = experiment.name + ": force and centre", .subtitle = "features of ground truth, before readout and noise"});
+  return true;
 }
 
 LinePanel jointPanel(const ServoRun& run, const ServoTrace& trace, const Manipulator& robot) {
@@ -166,7 +169,7 @@ LineSeries pathOf(const std::string& name, const std::vector<Pose>& poses) {
   return series;
 }
 
-void drawRobots(const std::filesystem::path& file, const ServoExperiment& experiment, const ServoResult& result) {
+bool drawRobots(const std::filesystem::path& file, const ServoExperiment& experiment, const ServoResult& result) {
   std::vector<LinePanel> panels;
   bool any_path = false;
   for (std::size_t r = 0; r < result.runs.size(); ++r) {
@@ -188,12 +191,13 @@ void drawRobots(const std::filesystem::path& file, const ServoExperiment& experi
     if (!run.scene.objects.front().motion) path.series.erase(path.series.begin() + 1);
     panels.push_back(std::move(path));
   }
-  if (panels.empty()) return;
+  if (panels.empty()) return false;
   writeLineChart(file, panels,
                  {.title = experiment.name + ": robot", .subtitle = any_path ? "paths in the plane of the skin at the start" : ""});
+  return true;
 }
 
-void drawTheory(const std::filesystem::path& file, const ServoExperiment& experiment, const ServoResult& result) {
+bool drawTheory(const std::filesystem::path& file, const ServoExperiment& experiment, const ServoResult& result) {
   std::vector<LinePanel> panels;
   for (std::size_t r = 0; r < result.runs.size(); ++r) {
     const StaticCharacteristic& read = result.runs[r].characteristic;
@@ -205,8 +209,8 @@ void drawTheory(const std::filesystem::path& file, const ServoExperiment& experi
     panels.push_back({.title = experiment.runs[r].name + ": static characteristic of the edge angle",
                       .x_label = "true angle - reference, degrees",
                       .y_label = "measured - true angle, degrees",
-                      .series = {{.name = "", .x = scaled(read.error, kDegree), .y = std::move(off)}},
-                      .reference = LineLevel{.y = 0}});
+                      .series = {{.name = "sensor", .x = scaled(read.error, kDegree), .y = std::move(off)}},
+                      .reference = LineLevel{.y = 0, .name = "no error"}});
   }
   for (std::size_t s = 0; s < result.sweeps.size(); ++s) {
     const ServoSweep& sweep = experiment.sweeps[s];
@@ -219,10 +223,11 @@ void drawTheory(const std::filesystem::path& file, const ServoExperiment& experi
               {.name = "measured", .x = sweep.gains, .y = result.sweeps[s].growth, .style = LineStyle::kPoints}},
          .reference = LineLevel{.y = 1, .name = "stable below"}});
   }
-  if (panels.empty()) return;
+  if (panels.empty()) return false;
   writeLineChart(file, panels,
                  {.title = experiment.name + ": theory",
                   .subtitle = "static characteristic of the sensor, and growth of the error near the stability limit"});
+  return true;
 }
 
 // Figures 11 b and 12 b of the paper: true and reference edge on the tactile image.
@@ -254,16 +259,18 @@ void drawImages(const std::filesystem::path& file, const ServoRun& run, const Se
 
 }  // namespace
 
-void drawServoFigures(const std::filesystem::path& directory, const ServoExperiment& experiment, const ServoResult& result) {
+std::size_t drawServoFigures(const std::filesystem::path& directory, const ServoExperiment& experiment, const ServoResult& result) {
   std::error_code error;
   std::filesystem::create_directories(directory, error);
   drawAngles(directory / "angle.png", experiment, result);
-  drawFeatures(directory / "features.png", experiment, result);
-  drawRobots(directory / "robot.png", experiment, result);
-  drawTheory(directory / "theory.png", experiment, result);
+  std::size_t num_figures = 1 + result.runs.size();
+  num_figures += drawFeatures(directory / "features.png", experiment, result) ? 1 : 0;
+  num_figures += drawRobots(directory / "robot.png", experiment, result) ? 1 : 0;
+  num_figures += drawTheory(directory / "theory.png", experiment, result) ? 1 : 0;
   for (std::size_t r = 0; r < result.runs.size(); ++r) {
     drawImages(directory / fileName(experiment.runs[r].name), experiment.runs[r], result.runs[r]);
   }
+  return num_figures;
 }
 
 }  // namespace taxelsim::figures

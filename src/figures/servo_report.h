@@ -2,7 +2,7 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "taxelsim/experiment.h"
@@ -17,7 +17,7 @@ nlohmann::ordered_json servoJson(const ServoExperiment& experiment, const ServoR
 
 // angle.png: edge angle over time, one panel per group. features.png: other controlled features. robot.png: joints and the path of the
 // sensor. theory.png: static characteristics and stability sweeps. <run>.png: tactile images at the start, midway and at the end (paper,
-// figures 11 and 12). Creates the directory. Throws Error(kIo) if it cannot be written to.
-void drawServoFigures(const std::filesystem::path& directory, const ServoExperiment& experiment, const ServoResult& result);
+// figures 11 and 12). Creates the directory. Returns the number of figures. Throws Error(kIo) if it cannot be written to.
+std::size_t drawServoFigures(const std::filesystem::path& directory, const ServoExperiment& experiment, const ServoResult& result);
 
 }  // namespace taxelsim::figures

@@ -10,6 +10,7 @@
 
 #include "episodes/batch.h"
 #include "generation/shard_sink.h"
+#include "scene/scene_checks.h"
 #include "taxelsim/error.h"
 #include "taxelsim/version.h"
 
@@ -23,7 +24,6 @@ constexpr auto kProgressPeriod = std::chrono::milliseconds(250);
 void checkRun(const Scene& scene, const GenerateOptions& options) {
   checkCount("batch size", options.batch_size);
   checkCount("slices", options.num_slices);
-  checkCount("episodes_per_shard", static_cast<std::int64_t>(scene.episodes_per_shard));
   checkScene(scene);
   if (options.policy && options.policy->id.empty()) {
     throw Error(ErrorKind::kInput, "policy " + options.policy->name + ": the id is empty, which a data set needs");
@@ -74,7 +74,9 @@ Manifest manifestOf(const Scene& scene, const Device& device, const std::optiona
 // The state of one generate() call.
 class Run {
  public:
-  Run(const GenerateOptions& options, DatasetWriter& writer, const Manifest& manifest) : options_(options), writer_(writer) {
+  // num_frames: per episode.
+  Run(const GenerateOptions& options, DatasetWriter& writer, const Manifest& manifest, int num_frames)
+      : options_(options), writer_(writer) {
     complete_.resize(manifest.numShards());
     progress().num_episodes = manifest.num_episodes;
     for (std::uint64_t shard = 0; shard < manifest.numShards(); ++shard) {
@@ -84,6 +86,7 @@ class Run {
       progress().episodes_resumed += std::min(manifest.episodes_per_shard, manifest.num_episodes - first);
     }
     progress().episodes_done = progress().episodes_resumed;
+    progress().num_frames = (manifest.num_episodes - progress().episodes_resumed) * static_cast<std::uint64_t>(num_frames);
   }
 
   const std::vector<bool>& complete() const { return complete_; }
@@ -121,11 +124,12 @@ void Run::simulate(const Model& model, const SlicePlan& plan, ShardQueue& queue)
   const Recorder recorder(planColumns(plan.scene), plan.edges);
   // All episodes of a batch end at the same time, and with them up to maxOpenShards() shards: the queue takes them without blocking.
   ShardWriter shard_writer(writer_, maxOpenShards(plan.scene, options_));
+  result_.load_misses.resize(plan.scene.objects.size());
   std::vector<std::unique_ptr<ShardSink>> sinks;
   std::vector<std::unique_ptr<Slice>> slices;
   int first_instance = 0;
   for (const int size : splitBatch(model, plan, batch_size, options_.num_slices)) {
-    sinks.push_back(std::make_unique<ShardSink>(plan, recorder, queue, shard_writer, size));
+    sinks.push_back(std::make_unique<ShardSink>(plan, recorder, queue, shard_writer, result_.load_misses, size));
     slices.push_back(std::make_unique<Slice>(model, plan, size, *sinks.back(), first_instance));
     first_instance += size;
   }
@@ -158,7 +162,7 @@ GenerateResult generate(const Device& device, const Scene& scene, const std::fil
   const Model model(device, modelOptionsOf(scene));
   splitBatch(model, plan, static_cast<int>(std::min<std::uint64_t>(options.batch_size, scene.num_episodes)), options.num_slices);
   DatasetWriter writer(directory, manifest);
-  Run run(options, writer, manifest);
+  Run run(options, writer, manifest, plan.num_frames);
   ShardQueue queue(manifest, run.complete(), plan.num_frames);
   if (queue.numEpisodesLeft() > 0) run.simulate(model, plan, queue);
   return run.end();

@@ -1,18 +1,27 @@
 #include "generation/shard_sink.h"
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
 namespace taxelsim {
+namespace {
 
-ShardSink::ShardSink(const EpisodePlan& plan, const Recorder& recorder, ShardQueue& queue, ShardWriter& writer, int num_instances)
+constexpr int kNone = -1;
+
+}  // namespace
+
+ShardSink::ShardSink(const EpisodePlan& plan, const Recorder& recorder, ShardQueue& queue, ShardWriter& writer,
+                     std::vector<LoadMisses>& load_misses, int num_instances)
     : recorder_(recorder),
       queue_(queue),
       writer_(writer),
+      load_misses_(load_misses),
       num_frames_(static_cast<std::uint64_t>(plan.num_frames)),
       episodes_(num_instances),
       records_(num_instances),
-      frames_(num_instances) {
+      frames_(num_instances),
+      missed_objects_(num_instances, kNone) {
   if (plan.scene.task) judge_.emplace(plan, num_instances);
 }
 
@@ -29,9 +38,24 @@ void ShardSink::begin(int instance, const EpisodeRecord& record) {
   records_[instance] = record;
   frames_[instance] = {place.buffer->columns.data(), place.row * num_frames_, static_cast<std::size_t>(record.object)};
   if (judge_) judge_->begin(instance, record);
+  ++load_misses_[static_cast<std::size_t>(record.object)].num_episodes;
+  if (record.load_reached == 0) missed_objects_[instance] = record.object;
+}
+
+// The first frame of such an episode has the largest force that the skin can exert on the object.
+void ShardSink::countLoadMisses(const FrameView& view, const FrameContext& context) {
+  for (std::size_t i = 0; i < missed_objects_.size(); ++i) {
+    const int object = std::exchange(missed_objects_[i], kNone);
+    if (object == kNone) continue;
+    LoadMisses& misses = load_misses_[static_cast<std::size_t>(object)];
+    const float carried = view.ground_truth.total_force[i * static_cast<std::size_t>(context.num_sensors)];
+    misses.carried = {misses.num_misses == 0 ? carried : std::min(misses.carried[0], carried), std::max(misses.carried[1], carried)};
+    ++misses.num_misses;
+  }
 }
 
 void ShardSink::frame(const FrameView& view, const FrameContext& context) {
+  countLoadMisses(view, context);
   recorder_.recordFrames(view, context, frames_);
   if (judge_) judge_->frame(view, context);
   for (FramePlace& place : frames_) ++place.row;

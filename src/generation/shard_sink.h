@@ -10,13 +10,16 @@
 #include "generation/recorder.h"
 #include "generation/shard_queue.h"
 #include "generation/shard_writer.h"
+#include "taxelsim/generate.h"
 
 namespace taxelsim {
 
 class ShardSink : public EpisodeSink {
  public:
-  // All references must outlive this. The sinks of all slices share the queue, and must be used by one thread.
-  ShardSink(const EpisodePlan& plan, const Recorder& recorder, ShardQueue& queue, ShardWriter& writer, int num_instances);
+  // All references must outlive this. The sinks of all slices share the queue and load_misses (num_objects), and must be used by one
+  // thread.
+  ShardSink(const EpisodePlan& plan, const Recorder& recorder, ShardQueue& queue, ShardWriter& writer, std::vector<LoadMisses>& load_misses,
+            int num_instances);
 
   std::optional<std::uint64_t> next(int instance) override;
   void begin(int instance, const EpisodeRecord& record) override;
@@ -25,9 +28,12 @@ class ShardSink : public EpisodeSink {
   void end(int instance) override;
 
  private:
+  void countLoadMisses(const FrameView& view, const FrameContext& context);
+
   const Recorder& recorder_;
   ShardQueue& queue_;
   ShardWriter& writer_;
+  std::vector<LoadMisses>& load_misses_;
   std::uint64_t num_frames_;        // per episode
   std::optional<TaskJudge> judge_;  // of scenes with a task
 
@@ -35,6 +41,7 @@ class ShardSink : public EpisodeSink {
   std::vector<EpisodePlace> episodes_;
   std::vector<EpisodeRecord> records_;
   std::vector<FramePlace> frames_;
+  std::vector<int> missed_objects_;  // object of an instance in the first frame of an episode whose load is out of reach, else -1
 };
 
 }  // namespace taxelsim

@@ -16,11 +16,15 @@
 #include <utility>
 #include <vector>
 
+#include "base/field_checks.h"
 #include "base/log.h"
 #include "base/text.h"
 #include "geometry/gltf_validation.h"
+#include "geometry/mesh_bounds.h"
 #include "geometry/mesh_file_validation.h"
+#include "geometry/object_fields.h"
 #include "geometry/simplify.h"
+#include "geometry/unit_check.h"
 #include "geometry/weld.h"
 #include "taxelsim/error.h"
 #include "taxelsim/object.h"
@@ -48,7 +52,7 @@ Extension extensionOf(const std::filesystem::path& file) {
   if (text == ".ply") return {"ply", MeshFormat::kPly};
   if (text == ".gltf") return {"gltf", MeshFormat::kGltf};
   if (text == ".glb") return {"glb", MeshFormat::kGlb};
-  fail(file, "unsupported mesh format: the name must end in .obj, .stl, .ply, .gltf or .glb");
+  fail(file, "unsupported mesh format: the name must end in .obj, .stl, .ply or .glb");
 }
 
 void checkFile(const std::filesystem::path& file) {
@@ -245,11 +249,11 @@ Mesh importMesh(const std::filesystem::path& file, const Extension& extension, c
 }  // namespace
 
 Mesh loadMesh(const std::filesystem::path& file, const MeshOptions& options) {
-  if (!(std::isfinite(options.scale) && options.scale > 0)) {
-    fail(file, "scale: " + numberText(options.scale) + " is not allowed: metres per unit of the file, > 0");
-  }
-  if (!(std::isfinite(options.max_depth_error) && options.max_depth_error >= 0)) {
-    fail(file, "max_depth_error: " + numberText(options.max_depth_error) + " is not allowed: m, >= 0");
+  try {
+    checkFields("", kMeshScaleFields, options);
+    checkFields("", kMeshErrorFields, options);
+  } catch (const Error& error) {
+    fail(file, error.what());
   }
   checkFile(file);
   const Extension extension = extensionOf(file);
@@ -257,6 +261,10 @@ Mesh loadMesh(const std::filesystem::path& file, const MeshOptions& options) {
   try {
     if (const std::string problem = validateMeshFile(file, extension.format); !problem.empty()) fail(file, "is not a mesh: " + problem);
     const Mesh full = importMesh(file, extension, options);
+    if (const std::string size = implausibleSize(meshBounds(full)); !size.empty()) {
+      logWarning(oneLine(file.string()) + ": the mesh " + size +
+                 "; is the file in millimetres? scale: " + numberText(options.scale / 1000));
+    }
     mesh = simplifyMesh(full, options.max_depth_error);
     if (mesh.triangles.size() < full.triangles.size()) {
       logDebug(oneLine(file.string()) + ": " + std::to_string(mesh.triangles.size()) + " of " + std::to_string(full.triangles.size()) +

@@ -4,7 +4,9 @@
 #include <system_error>
 #include <vector>
 
+#include "base/log.h"
 #include "base/text.h"
+#include "geometry/unit_check.h"
 #include "taxelsim/error.h"
 #include "taxelsim/object.h"
 
@@ -13,7 +15,7 @@ namespace {
 
 constexpr const char* kAllowed =
     "sphere:R, cylinder:R,L, capsule:R,L, box:X,Y,Z, half_space, cone:R,H, torus:MAJOR,MINOR (metres), or a mesh file (.obj, .stl, .ply, "
-    ".gltf, .glb)";
+    ".glb, .gltf)";
 
 struct ShapeSyntax {
   std::string_view keyword;
@@ -65,7 +67,7 @@ std::vector<double> parseValues(std::string_view text, std::string_view values) 
 
 }  // namespace
 
-Object parseObject(std::string_view text) {
+Object parseObject(std::string_view text, const MeshOptions& options) {
   const std::size_t colon = text.find(':');
   const std::string_view keyword = text.substr(0, colon);
   for (const ShapeSyntax& syntax : kShapes) {
@@ -76,6 +78,9 @@ Object parseObject(std::string_view text) {
     }
     Object object(std::string(text), syntax.make(values));
     checkObject(object);
+    if (const std::string size = implausibleSize(boundsOf(object)); !size.empty()) {
+      logWarning("object '" + oneLine(text) + "' " + size + "; are its sizes in millimetres? They are read as metres: 3 mm are 0.003");
+    }
     return object;
   }
 
@@ -84,7 +89,7 @@ Object parseObject(std::string_view text) {
   if (text.empty() || text.find('\0') != std::string_view::npos || !std::filesystem::exists(file, error)) {
     fail(text, "neither a known shape nor a file that exists");
   }
-  return Object(file.stem().string(), loadMesh(file));
+  return Object(file.stem().string(), loadMesh(file, options));
 }
 
 }  // namespace taxelsim

@@ -100,6 +100,7 @@ bool matches(const DeviceInfo& info, const std::string& wanted) {
   if (wanted.empty()) return true;
   if (wanted == "discrete") return info.type == DeviceType::kDiscrete;
   if (wanted == "integrated") return info.type == DeviceType::kIntegrated;
+  if (wanted == "gpu") return info.type != DeviceType::kCpu && info.type != DeviceType::kOther;
   if (wanted == "cpu") return info.type == DeviceType::kCpu;
   if (wanted.find_first_not_of("0123456789") == std::string::npos) return std::to_string(info.index) == wanted;
   return lower(info.name).find(lower(wanted)) != std::string::npos;

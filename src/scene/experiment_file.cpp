@@ -1,11 +1,11 @@
 #include "scene/experiment_reader.h"
 #include "scene/object_reader.h"
+#include "scene/scene_fields.h"
 #include "scene/sensor_file.h"
 
 namespace taxelsim {
 namespace {
 
-constexpr double kTurn = 6.283185307179586;
 constexpr std::size_t kMaxValues = 1000;
 
 void checkEntry(const YamlNode& item, const StaticExperiment::Entry& entry, const Sensor& reference) {
@@ -53,7 +53,7 @@ StaticExperiment readStaticExperiment(const YamlNode& root, const std::filesyste
   if (experiment.sensors.empty()) sensors.refuse("a list of at least one {sensor, fitted}");
   experiment.objects = readObjects(map, directory);
   refuseMotions(map, "objects of a static experiment do not move");
-  experiment.yaw = readList(map, "yaw", Allowed::within(-kTurn, kTurn, "rad"));
+  experiment.yaw = readList(map, "yaw", randomizationField("yaw").allowed);
   experiment.loads = readList(map, "loads", Allowed::above(0, "N"));
   return experiment;
 }

@@ -1,5 +1,6 @@
 #include "scene/motion_reader.h"
 
+#include "control/motion_fields.h"
 #include "scene/hashed_file.h"
 #include "taxelsim/scene.h"
 
@@ -10,24 +11,18 @@ constexpr std::string_view kKinds = "constant_twist | sinusoid | waypoints | han
 constexpr std::uintmax_t kMaxWaypointBytes = std::uintmax_t{64} << 20;
 
 Motion readConstantTwist(const YamlMap& parent) {
-  const YamlMap map(parent, "constant_twist", {"linear_velocity[_mm]", "angular_velocity[_deg]"});
   ConstantTwist motion;
-  motion.twist.v = map.numbers<3>("linear_velocity", Allowed::any("m/s"), motion.twist.v);
-  motion.twist.w = map.numbers<3>("angular_velocity", Allowed::any("rad/s"), motion.twist.w);
+  readFields(YamlMap(parent, "constant_twist", keysOf(kConstantTwistFields)), kConstantTwistFields, motion.twist);
   return motion;
 }
 
 Motion readSinusoid(const YamlMap& parent) {
-  const YamlMap map(parent, "sinusoid", {"axis", "amplitude[_mm]", "angle[_deg]", "frequency", "phase[_deg]"});
+  const YamlMap map(parent, "sinusoid", keysOf(kSinusoidFields));
   if (!map.has("amplitude") && !map.has("angle")) {
     map.node().fail("amplitude[_mm] or angle[_deg] is missing: the amplitude along the axis, or the angle about it");
   }
   Sinusoid motion;
-  motion.axis = map.numbers<3>("axis", Allowed::any(""));
-  motion.amplitude = map.number("amplitude", Allowed::any("m"), motion.amplitude);
-  motion.angle = map.number("angle", Allowed::any("rad"), motion.angle);
-  motion.frequency = map.number("frequency", Allowed::above(0, "Hz"));
-  motion.phase = map.number("phase", Allowed::any("rad"), motion.phase);
+  readFields(map, kSinusoidFields, motion);
   return motion;
 }
 
@@ -42,15 +37,8 @@ Motion readWaypoints(const YamlMap& parent, const std::filesystem::path& directo
 }
 
 Motion readHandHeld(const YamlMap& parent) {
-  const YamlMap map(parent, "hand_held",
-                    {"drift[_mm]", "drift_angle[_deg]", "tremor[_mm]", "tremor_angle[_deg]", "drift_band", "tremor_band"});
   HandHeld motion;
-  motion.drift = map.number("drift", Allowed::atLeast(0, "m"), motion.drift);
-  motion.drift_angle = map.number("drift_angle", Allowed::atLeast(0, "rad"), motion.drift_angle);
-  motion.tremor = map.number("tremor", Allowed::atLeast(0, "m"), motion.tremor);
-  motion.tremor_angle = map.number("tremor_angle", Allowed::atLeast(0, "rad"), motion.tremor_angle);
-  motion.drift_band = map.numbers<2>("drift_band", Allowed::above(0, "Hz"), motion.drift_band);
-  motion.tremor_band = map.numbers<2>("tremor_band", Allowed::above(0, "Hz"), motion.tremor_band);
+  readFields(YamlMap(parent, "hand_held", keysOf(kHandHeldFields)), kHandHeldFields, motion);
   return motion;
 }
 

@@ -5,9 +5,12 @@
 #include <set>
 
 #include "base/vector3.h"
+#include "geometry/object_fields.h"
+#include "geometry/unit_check.h"
 #include "scene/hashed_file.h"
 #include "scene/motion_reader.h"
 #include "scene/pose_reader.h"
+#include "scene/scene_fields.h"
 
 namespace taxelsim {
 namespace {
@@ -28,47 +31,31 @@ constexpr std::uintmax_t kMaxContourBytes = std::uintmax_t{1} << 20;
 Mesh readMesh(const YamlMap& map, const YamlNode& node, const std::filesystem::path& directory) {
   const std::filesystem::path file = readHashedFile(map, "mesh", "a mesh file", directory, kMaxMeshFileBytes);
   MeshOptions options;
-  options.scale = map.number("scale", Allowed::above(0, "m per unit of the file"), options.scale);
+  readFields(map, kMeshScaleFields, options);
   const std::string up = map.choice("up_axis", {"x", "y", "z"}, "z");
   options.up_axis = up == "x" ? UpAxis::kX : up == "y" ? UpAxis::kY : UpAxis::kZ;
-  options.max_depth_error = map.number("max_depth_error", Allowed::atLeast(0, "m"), options.max_depth_error);
+  readFields(map, kMeshErrorFields, options);
   return atNode(node, [&] { return loadMesh(file, options); });
 }
 
+template <typename Solid, typename Table>
+Shape readSolid(const YamlMap& parent, std::string_view kind, const Table& table) {
+  Solid solid;
+  readFields(YamlMap(parent, kind, keysOf(table)), table, solid);
+  return solid;
+}
+
 Shape readSolid(const YamlMap& parent, std::string_view kind) {
-  const Allowed length = Allowed::above(0, "m");
-  if (kind == "half_space") {
-    Canonical none;
-    const YamlMap map(parent.require(kind, "{}"), {}, none);
-    parent.canonical().line(kind, "{}");
-    return HalfSpace{};
-  }
-  if (kind == "sphere") {
-    const YamlMap map(parent, kind, {"radius[_mm]"});
-    return Sphere{.radius = map.number("radius", length)};
-  }
-  if (kind == "cylinder") {
-    const YamlMap map(parent, kind, {"radius[_mm]", "length[_mm]"});
-    const double radius = map.number("radius", length);
-    return Cylinder{.radius = radius, .length = map.number("length", length)};
-  }
-  if (kind == "capsule") {
-    const YamlMap map(parent, kind, {"radius[_mm]", "length[_mm]"});
-    const double radius = map.number("radius", length);
-    return Capsule{.radius = radius, .length = map.number("length", Allowed::atLeast(0, "m"))};
-  }
-  if (kind == "box") {
-    const YamlMap map(parent, kind, {"size[_mm]"});
-    return Box{.size = map.numbers<3>("size", length)};
-  }
-  if (kind == "cone") {
-    const YamlMap map(parent, kind, {"radius[_mm]", "height[_mm]"});
-    const double radius = map.number("radius", length);
-    return Cone{.radius = radius, .height = map.number("height", length)};
-  }
-  const YamlMap map(parent, kind, {"major_radius[_mm]", "minor_radius[_mm]"});
-  const double major = map.number("major_radius", length);
-  return Torus{.major_radius = major, .minor_radius = map.number("minor_radius", length)};
+  if (kind == "sphere") return readSolid<Sphere>(parent, kind, kSphereFields);
+  if (kind == "cylinder") return readSolid<Cylinder>(parent, kind, kCylinderFields);
+  if (kind == "capsule") return readSolid<Capsule>(parent, kind, kCapsuleFields);
+  if (kind == "box") return readSolid<Box>(parent, kind, kBoxFields);
+  if (kind == "cone") return readSolid<Cone>(parent, kind, kConeFields);
+  if (kind == "torus") return readSolid<Torus>(parent, kind, kTorusFields);
+  Canonical none;
+  const YamlMap map(parent.require(kind, "{}"), {}, none);
+  parent.canonical().line(kind, "{}");
+  return HalfSpace{};
 }
 
 // The object's edge: a direction, or a closed contour.
@@ -151,7 +138,7 @@ std::vector<SceneObject> readObjects(const YamlMap& map, const std::filesystem::
     std::optional<std::string> default_name;
     if (!object_map.has("name")) default_name = names.make(object_map, shape);
     object.object.name = object_map.text("name", "a name", default_name);
-    object.weight = object_map.number("weight", Allowed::atLeast(0, ""), object.weight);
+    readFields(object_map, kObjectFields, object);
     object.orientation = readRotation(object_map, "orientation");
     object.motion = readMotion(object_map, directory);
     readEdge(object_map, directory, object);
@@ -162,6 +149,9 @@ std::vector<SceneObject> readObjects(const YamlMap& map, const std::filesystem::
         if (const std::optional<YamlNode> node = object_map.find(key)) node->fail("belongs to a mesh, not to a " + std::string(shape));
       }
       object.object.shape = readSolid(object_map, shape);
+      if (const std::string size = implausibleSize(boundsOf(object.object)); !size.empty()) {
+        object_map.require(shape, "").warn("the object " + size + "; are its sizes in millimetres? Give them by keys that end in _mm");
+      }
     }
     atNode(item, [&] { checkObject(object.object); });
     total_weight += object.weight;

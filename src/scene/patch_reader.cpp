@@ -1,11 +1,14 @@
 #include "scene/patch_reader.h"
 
+#include <algorithm>
 #include <optional>
 #include <set>
 #include <string>
 
+#include "geometry/unit_check.h"
 #include "scene/pose_reader.h"
 #include "scene/taxel_reader.h"
+#include "sensor/fields.h"
 
 namespace taxelsim {
 namespace {
@@ -22,6 +25,9 @@ GridPatch readGrid(const YamlMap& map, std::string name) {
     patch.pitch = {numbers[0], numbers[1]};
   } else {
     patch.pitch.fill(pitch.number(allowed));
+  }
+  if (std::max(patch.pitch[0], patch.pitch[1]) > kLongestPlausible) {
+    pitch.warn(canonicalNumber(std::max(patch.pitch[0], patch.pitch[1])) + " m between taxels; is it in millimetres? pitch_mm");
   }
   map.canonical().line("pitch", canonicalList(patch.pitch));
   patch.X_SP = readPose(map, "pose");

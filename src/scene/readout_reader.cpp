@@ -5,6 +5,7 @@
 
 #include "scene/curve_reader.h"
 #include "scene/terms_reader.h"
+#include "sensor/fields.h"
 
 namespace taxelsim {
 namespace {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "control/robot_fields.h"
 #include "scene/hashed_file.h"
 #include "scene/pose_reader.h"
 #include "scene/sensor_file.h"
@@ -15,12 +16,12 @@ constexpr std::string_view kKinds = "free_flying | pan_tilt | urdf";
 constexpr const char* kRobotBlock = "a robot file, or a robot's own settings";
 constexpr std::array<std::string_view, 6> kCoordinates = {"vx", "vy", "vz", "wx", "wy", "wz"};
 
-// Keys of all robots with joints.
-constexpr std::array<std::string_view, 8> kManipulatorKeys = {
-    "base", "sensors", "selection", "max_damping", "singular_threshold", "position_step[_deg]", "delay", "initial_positions"};
-
+// The given keys and those of all robots with joints.
 YamlMap::Keys withManipulatorKeys(YamlMap::Keys keys) {
-  keys.insert(keys.end(), kManipulatorKeys.begin(), kManipulatorKeys.end());
+  keys.insert(keys.end(), {"base", "sensors", "selection"});
+  addKeys(kManipulatorFields, keys);
+  addKeys(kDriveFields, keys);
+  keys.emplace_back("initial_positions");
   return keys;
 }
 
@@ -111,29 +112,20 @@ void readInitialPositions(const YamlMap& map, std::vector<Joint>& joints) {
   canonical.close();
 }
 
-JointDrive readDrive(const YamlMap& map, JointDrive drive) {
-  drive.position_step = map.number("position_step", Allowed::atLeast(0, "rad"), drive.position_step);
-  drive.delay = static_cast<int>(map.integer("delay", 0, kMaxDelayTicks, static_cast<std::uint64_t>(drive.delay)));
-  return drive;
-}
-
 // Settings of all robots with joints. The drive is read before.
 void readManipulator(const YamlMap& map, Manipulator& robot) {
   robot.X_WB = readPose(map, "base");
   robot.selection = readSelection(map, robot.selection);
-  robot.max_damping = map.number("max_damping", Allowed::above(0, ""), robot.max_damping);
-  robot.singular_threshold = map.number("singular_threshold", {.min = 0, .max = 1, .above_min = true}, robot.singular_threshold);
+  readFields(map, kManipulatorFields, robot);
   readInitialPositions(map, robot.joints);
   atNode(map.node(), [&] { checkRobot(robot); });
 }
 
 Manipulator readPanTilt(const YamlMap& parent) {
-  const YamlMap map(parent, "pan_tilt", withManipulatorKeys({"tilt_height[_mm]", "position_limits[_deg]", "max_velocity[_deg]"}));
+  const YamlMap map(parent, "pan_tilt", withManipulatorKeys(keysOf(kPanTiltFields)));
   PanTilt platform;
-  platform.tilt_height = map.number("tilt_height", Allowed::any("m"), platform.tilt_height);
-  platform.position_limits = map.numbers<2>("position_limits", Allowed::any("rad"), platform.position_limits);
-  platform.max_velocity = map.number("max_velocity", Allowed::above(0, "rad/s"), platform.max_velocity);
-  platform.drive = readDrive(map, platform.drive);
+  readFields(map, kPanTiltFields, platform);
+  readFields(map, kDriveFields, platform.drive);
   platform.sensors = readMounts(map, platform.sensors);
   Manipulator robot = atNode(map.node(), [&] { return panTilt(platform); });
   readManipulator(map, robot);
@@ -141,12 +133,13 @@ Manipulator readPanTilt(const YamlMap& parent) {
 }
 
 Manipulator readUrdf(const YamlMap& parent, const std::filesystem::path& directory) {
-  const YamlMap map(parent, "urdf", withManipulatorKeys({"file", "sha256", "base_link", "velocity_limit_scale"}));
+  const YamlMap map(parent, "urdf", withManipulatorKeys({"file", "sha256", "base_link", kUrdfFields[0].key}));
   const std::filesystem::path file = readHashedFile(map, "file", "a URDF file", directory, kMaxRobotFileBytes);
   UrdfOptions options;
   if (map.has("base_link")) options.base_link = map.text("base_link", "the name of a link");
-  options.velocity_limit_scale = map.number("velocity_limit_scale", {.min = 0, .max = 1, .above_min = true}, options.velocity_limit_scale);
-  const JointDrive drive = readDrive(map, {});
+  readFields(map, kUrdfFields, options);
+  JointDrive drive;
+  readFields(map, kDriveFields, drive);
   options.sensors = readMounts(map, {});
   Manipulator robot = atNode(map.node(), [&] { return loadUrdf(file, options); });
   robot.drive = drive;

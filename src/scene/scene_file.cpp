@@ -1,12 +1,14 @@
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <numbers>
+#include <span>
 
+#include "base/field_checks.h"
 #include "scene/conditions.h"
 #include "scene/object_reader.h"
 #include "scene/pose_reader.h"
 #include "scene/robot_file.h"
+#include "scene/scene_checks.h"
+#include "scene/scene_fields.h"
 #include "scene/sensor_file.h"
 #include "scene/servo_reader.h"
 #include "scene/task_reader.h"
@@ -17,53 +19,50 @@
 namespace taxelsim {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr std::uint64_t kMaxSteps = 1'000'000;  // frames per episode
-constexpr std::uint64_t kMaxEpisodes = std::uint64_t{1} << 40;
-constexpr std::uint64_t kMaxEpisodesPerShard = 1'000'000;  // a shard is held in memory
-constexpr double kMaxRate = 1e6;                           // Hz
-constexpr double kMaxOffset = 1;                           // m; no sensor is larger
-constexpr double kMaxLoad = 1e6;                           // N
-constexpr double kRateTolerance = 1e-9;                    // relative; rates are decimal fractions
-
 constexpr std::array<std::string_view, 2> kContactColumns = {"contact_features", "clean_contact_features"};
-constexpr std::uint64_t kMaxRegions = 8;  // as in taxelsim/simulator.h
-constexpr std::uint64_t kDefaultRegions = 4;
+constexpr int kDefaultRegions = 4;
+constexpr double kRateTolerance = 1e-9;  // relative; rates are decimal fractions
 constexpr std::string_view kActions = "actions", kRobot = "robot";
 constexpr std::array<std::string_view, 5> kDefaultColumns = {"tactile_image", "features", "ground_truth", "poses", "actions"};
 
 // A number, or [min, max].
-Range readRange(const YamlMap& map, std::string_view key, const Allowed& allowed, std::optional<Range> otherwise = {}) {
-  const std::optional<YamlNode> node = map.find(key);
+Range readRange(const YamlMap& map, const RangeField& field, const std::optional<Range>& otherwise) {
+  const std::optional<YamlNode> node = map.find(field.name());
   Range range = otherwise.value_or(Range{});
-  if (!node && !otherwise) map.require(key, "a number, or [min, max]");
+  if (!node && !otherwise) map.require(field.name(), "a number, or [min, max]");
   if (node && node->isList()) {
-    const std::vector<double> numbers = node->numbers(allowed, 2);
+    const std::vector<double> numbers = node->numbers(field.allowed, 2);
     range = {numbers[0], numbers[1]};
     if (range.min > range.max) node->fail("[min, max] is not allowed with min > max");
   } else if (node) {
-    range.min = range.max = node->number(allowed);
+    range.min = range.max = node->number(field.allowed);
   }
-  map.canonical().line(key, canonicalList(std::array{range.min, range.max}));
+  map.canonical().line(field.name(), canonicalList(std::array{range.min, range.max}));
   return range;
 }
 
+void readRanges(const YamlMap& map, std::span<const RangeField> table, Randomization& random) {
+  for (const RangeField& field : table) {
+    if (const auto* member = std::get_if<Range Randomization::*>(&field.member)) {
+      Range& range = random.*(*member);
+      range = readRange(map, field, range);
+    } else if (map.has(field.name())) {
+      random.*std::get<1>(field.member) = readRange(map, field, {});
+    }
+  }
+}
+
 void readEpisode(const YamlMap& parent, Scene& scene) {
-  const YamlMap map(parent, "episode", {"num_steps", "simulation_rate", "control_rate"});
-  const Allowed rate{.min = 0, .max = kMaxRate, .above_min = true, .unit = "Hz"};
+  const YamlMap map(parent, "episode", keysOf(kNumStepsFields, kSimulationRateFields, kControlRateFields));
   if (scene.kind == Scene::Kind::kServo) {
-    scene.num_steps = static_cast<int>(map.integer("num_steps", 1, kMaxSteps));
+    readFields(map, kNumStepsFields, scene);
   } else {
     scene.num_steps = static_cast<int>(map.integer("num_steps", 1, 1, 1));
   }
-  scene.simulation_rate = map.number("simulation_rate", rate, scene.simulation_rate);
-  scene.control_rate = map.number("control_rate", rate, scene.simulation_rate);
-  const double ratio = scene.simulation_rate / scene.control_rate;
-  if (ratio < 1 - kRateTolerance || std::abs(ratio - std::round(ratio)) > kRateTolerance * ratio) {
-    const YamlNode place = map.find("control_rate").value_or(map.node());
-    place.fail(canonicalNumber(scene.control_rate) + " Hz is not allowed: simulation_rate (" + canonicalNumber(scene.simulation_rate) +
-               " Hz) divided by a whole number");
-  }
+  readFields(map, kSimulationRateFields, scene);
+  scene.control_rate = scene.simulation_rate;
+  readFields(map, kControlRateFields, scene);
+  atNode(map.node(), [&] { checkRates(scene); });
 }
 
 // The delay must be shorter than the episode and fit the ring of forces.
@@ -83,34 +82,21 @@ void checkDelay(const YamlMap& map, const Scene& scene) {
 }
 
 Randomization readRandomization(const YamlMap& parent, const Scene& scene) {
-  YamlMap::Keys keys{"x[_mm]", "y[_mm]", "yaw[_deg]", "tilt[_deg]", "load", "depth[_mm]", "gain", "gain_spread", "noise"};
   const bool moves = scene.kind == Scene::Kind::kServo;
-  if (moves) keys.insert(keys.end(), {"exploration_velocity[_mm]", "linear_action_noise[_mm]", "angular_action_noise[_deg]"});
-  const YamlMap map(parent, "randomization", keys);
-  const Allowed offset = Allowed::within(-kMaxOffset, kMaxOffset, "m");
-  Randomization random;
-  random.x = readRange(map, "x", offset, Range{});
-  random.y = readRange(map, "y", offset, Range{});
-  random.yaw = readRange(map, "yaw", Allowed::within(-2 * kPi, 2 * kPi, "rad"), Range{});
-  random.tilt = readRange(map, "tilt", Allowed::within(0, kPi / 2, "rad"), Range{});
-  if (map.has("depth")) {
-    map.rejectBoth("depth", "load");
-    random.depth = readRange(map, "depth", Allowed::within(0, kMaxOffset, "m"));
-  } else {
-    if (!map.has("load")) map.node().fail("load is missing: a number from 0 to 1e6 N, or [min, max]; or depth[_mm] instead");
+  const YamlMap map(parent, "randomization",
+                    moves ? keysOf(kRandomizationFields, kServoRandomizationFields) : keysOf(kRandomizationFields));
+  map.rejectBoth("depth", "load");
+  if (!map.has("depth")) {
+    if (!map.has("load")) {
+      map.node().fail("load is missing: " + describe(randomizationField("load").allowed) + ", or [min, max]; or depth[_mm] instead");
+    }
     if (std::holds_alternative<Proximity>(scene.sensor.skin.law)) {
       map.find("load")->fail("the sensor's law proximity has no forces: give depth[_mm] instead");
     }
-    random.load = readRange(map, "load", Allowed::within(0, kMaxLoad, "N"));
   }
-  random.gain = readRange(map, "gain", {.min = 0, .max = 1e3, .above_min = true}, random.gain);
-  random.gain_spread = readRange(map, "gain_spread", Allowed::within(0, 2, ""), random.gain_spread);
-  random.noise = readRange(map, "noise", Allowed::within(0, 65535, "counts"), random.noise);
-  if (moves) {
-    if (map.has("exploration_velocity")) random.exploration_velocity = readRange(map, "exploration_velocity", Allowed::any("m/s"));
-    random.linear_action_noise = readRange(map, "linear_action_noise", Allowed::atLeast(0, "m/s"), random.linear_action_noise);
-    random.angular_action_noise = readRange(map, "angular_action_noise", Allowed::atLeast(0, "rad/s"), random.angular_action_noise);
-  }
+  Randomization random;
+  readRanges(map, kRandomizationFields, random);
+  if (moves) readRanges(map, kServoRandomizationFields, random);
   return random;
 }
 
@@ -156,36 +142,36 @@ std::vector<std::string> readRecord(const YamlMap& map, Scene::Kind kind) {
 }
 
 // Only scenes with contact features have this key.
-int readMaxRegions(const YamlMap& map, const std::vector<std::string>& record) {
+void readMaxRegions(const YamlMap& map, Scene& scene) {
   const bool has_rows = std::any_of(kContactColumns.begin(), kContactColumns.end(), [&](std::string_view column) {
-    return std::find(record.begin(), record.end(), column) != record.end();
+    return std::find(scene.record.begin(), scene.record.end(), column) != scene.record.end();
   });
-  if (has_rows) return static_cast<int>(map.integer("max_regions", 0, kMaxRegions, kDefaultRegions));
-  if (const std::optional<YamlNode> node = map.find("max_regions")) {
+  if (has_rows) {
+    scene.max_regions = kDefaultRegions;
+    readFields(map, kMaxRegionsFields, scene);
+  } else if (const std::optional<YamlNode> node = map.find("max_regions")) {
     node->fail("needs contact_features or clean_contact_features in record");
   }
-  return 0;
 }
 
-// The command line's value replaces the file's before the check.
-std::uint64_t overridden(const YamlMap& map, std::string_view key, std::uint64_t min, std::uint64_t max, std::uint64_t otherwise,
-                         const std::optional<std::uint64_t>& override_value) {
-  if (!override_value) return map.integer(key, min, max, otherwise);
-  if (*override_value < min || *override_value > max) {
-    throw Error(ErrorKind::kInput, std::string(key) + ": " + std::to_string(*override_value) + " is not allowed: a whole number from " +
-                                       std::to_string(min) + " to " + std::to_string(max));
-  }
-  map.canonical().line(key, std::to_string(*override_value));
-  return *override_value;
-}
-
+// The command line's values replace those of the file before the check. The number of episodes is not in the canonical text, so that a data
+// set can grow: an episode does not depend on it.
 void readDataSet(const YamlMap& parent, const SceneOverrides& overrides, Scene& scene) {
-  const YamlMap map(parent, "data_set", {"episodes", "seed", "episodes_per_shard", "compression", "chunk_bytes"});
-  scene.num_episodes = overridden(map, "episodes", 1, kMaxEpisodes, scene.num_episodes, overrides.num_episodes);
-  scene.seed = overridden(map, "seed", 0, std::numeric_limits<std::uint64_t>::max(), scene.seed, overrides.seed);
-  scene.episodes_per_shard = map.integer("episodes_per_shard", 1, kMaxEpisodesPerShard, scene.episodes_per_shard);
-  scene.compression = static_cast<int>(map.integer("compression", 0, 9, static_cast<std::uint64_t>(scene.compression)));
-  scene.chunk_bytes = map.integer("chunk_bytes", kMinChunkBytes, kMaxChunkBytes, scene.chunk_bytes);
+  const YamlMap map(parent, "data_set", keysOf(kNumEpisodesFields, kSeedFields, kDataSetFields));
+  if (overrides.num_episodes) {
+    scene.num_episodes = *overrides.num_episodes;
+    checkFields("", kNumEpisodesFields, scene);
+  } else {
+    Canonical unused;
+    readFields(YamlMap(map, unused), kNumEpisodesFields, scene);
+  }
+  if (overrides.seed) {
+    scene.seed = *overrides.seed;
+    map.canonical().line("seed", std::to_string(scene.seed));
+  } else {
+    readFields(map, kSeedFields, scene);
+  }
+  readFields(map, kDataSetFields, scene);
 }
 
 YamlMap::Keys sceneKeys() {
@@ -254,7 +240,7 @@ Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrid
   }
   scene.task = readTask(map, scene);
   scene.record = readRecord(map, scene.kind);
-  scene.max_regions = readMaxRegions(map, scene.record);
+  readMaxRegions(map, scene);
   readDataSet(map, overrides, scene);
   checkConditions(file_tree, name, directory, scene);
   scene.resolved = canonical.text();

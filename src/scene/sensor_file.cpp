@@ -6,6 +6,7 @@
 #include "scene/psf_reader.h"
 #include "scene/readout_reader.h"
 #include "scene/skin_reader.h"
+#include "sensor/fields.h"
 
 namespace taxelsim {
 

@@ -1,8 +1,11 @@
 // A sensor as the text of a sensor file, with every setting that readSensor() reads.
 #include <array>
+#include <cstdint>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <variant>
 
 #include "base/text.h"
@@ -25,6 +28,10 @@ class Writer {
   }
   void line(std::string_view key, double value) { line(key, canonicalNumber(value)); }
   void line(std::string_view key, int value) { line(key, std::to_string(value)); }
+  void line(std::string_view key, std::uint64_t value) { line(key, std::to_string(value)); }
+  void line(std::string_view key, const std::optional<double>& value) {
+    if (value) line(key, *value);
+  }
   void line(std::string_view key, std::span<const double> values) {
     std::vector<double> unsigned_zeros(values.begin(), values.end());  // the reader reads -0 as 0
     for (double& value : unsigned_zeros) value += 0.0;
@@ -56,10 +63,10 @@ class Writer {
   Canonical text_;
 };
 
-template <typename Settings, std::size_t N>
-void writeFields(const std::array<Field<Settings>, N>& table, const Settings& settings, Writer& out) {
+template <typename Settings>
+void writeFields(std::span<const Field<std::type_identity_t<Settings>>> table, const Settings& settings, Writer& out) {
   for (const Field<Settings>& field : table) {
-    std::visit([&](auto member) { out.line(field.name(), settings.*member); }, field.member);
+    std::visit([&](const auto* value) { out.line(field.name(), *value); }, field.in(settings));
   }
 }
 

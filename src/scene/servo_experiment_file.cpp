@@ -1,19 +1,16 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "scene/experiment_reader.h"
 #include "scene/robot_file.h"
+#include "scene/scene_checks.h"
+#include "scene/scene_fields.h"
 #include "scene/sensor_file.h"
 
 namespace taxelsim {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
-constexpr std::uint64_t kMaxSteps = 1'000'000;
-constexpr double kMaxRate = 1e6;         // Hz
-constexpr double kRateTolerance = 1e-9;  // relative; rates are decimal fractions
-constexpr double kMaxGain = 1000;        // kp times the control period; far above the stability limit
+constexpr double kMaxGain = 1000;  // kp times the control period; far above the stability limit
 constexpr std::size_t kMaxRuns = 100;
 constexpr const char* kRuns = "a list of 1 to 100 {name, controller, ...}";
 constexpr const char* kSweeps = "a list of {name, controller, gains, ...}";
@@ -50,16 +47,11 @@ void choose(const YamlMap& map, std::string_view key, std::vector<T>& items, con
 }
 
 void readRates(const YamlMap& map, Scene& scene) {
-  const Allowed rate{.min = 0, .max = kMaxRate, .above_min = true, .unit = "Hz"};
-  const double ratio_before = scene.simulation_rate / scene.control_rate;
-  scene.simulation_rate = map.number("simulation_rate", rate, scene.simulation_rate);
-  scene.control_rate = map.number("control_rate", rate, scene.simulation_rate / ratio_before);
   const double ratio = scene.simulation_rate / scene.control_rate;
-  if (ratio < 1 - kRateTolerance || std::abs(ratio - std::round(ratio)) > kRateTolerance * ratio) {
-    const YamlNode place = map.find("control_rate").value_or(map.node());
-    place.fail("a control_rate of " + canonicalNumber(scene.control_rate) + " Hz is not allowed: simulation_rate (" +
-               canonicalNumber(scene.simulation_rate) + " Hz) divided by a whole number");
-  }
+  readFields(map, kSimulationRateFields, scene);
+  scene.control_rate = scene.simulation_rate / ratio;
+  readFields(map, kControlRateFields, scene);
+  atNode(map.node(), [&] { checkRates(scene); });
 }
 
 // Settings of a run or sweep that replace those of its scene.
@@ -72,20 +64,20 @@ Scene readOverrides(const YamlMap& map, Scene scene, const std::filesystem::path
   }
   if (map.has("robot")) scene.robot = readRobotBlock(map, directory);
   Randomization& start = scene.randomization;
-  const auto fix = [&](std::string_view key, Range& range, const Allowed& allowed) {
-    if (map.has(key)) range.min = range.max = map.number(key, allowed);
+  const auto fix = [&](std::string_view key, Range& range) {
+    if (map.has(key)) range.min = range.max = map.number(key, randomizationField(key).allowed);
   };
-  fix("x", start.x, Allowed::within(-1, 1, "m"));
-  fix("y", start.y, Allowed::within(-1, 1, "m"));
-  fix("yaw", start.yaw, Allowed::within(-kTurn, kTurn, "rad"));
+  fix("x", start.x);
+  fix("y", start.y);
+  fix("yaw", start.yaw);
   if (map.has("load")) {
     start.load = Range{};
-    fix("load", *start.load, Allowed::within(0, 1e6, "N"));
+    fix("load", *start.load);
     start.depth.reset();
   }
   readRates(map, scene);
-  scene.num_steps =
-      static_cast<int>(map.integer("num_steps", 2, kMaxSteps, std::max<std::uint64_t>(2, static_cast<std::uint64_t>(scene.num_steps))));
+  const std::uint64_t max_steps = maxWhole(kNumStepsFields[0].allowed);
+  scene.num_steps = static_cast<int>(map.integer("num_steps", 2, max_steps, static_cast<std::uint64_t>(std::max(2, scene.num_steps))));
   scene.num_episodes = 1;
   return scene;
 }
@@ -139,7 +131,7 @@ ServoSweep readSweep(const YamlNode& item, const Scene& scene, const std::filesy
   sweep.name = map.text("name", "a name");
   sweep.scene = readOverrides(map, scene, directory);
   checkLoop(item, "a sweep", sweep.scene, true);
-  sweep.gains = readList(map, "gains", {.min = 0, .max = kMaxGain, .above_min = true});
+  sweep.gains = readList(map, "gains", Allowed::aboveUpTo(0, kMaxGain, ""));
   if (!std::is_sorted(sweep.gains.begin(), sweep.gains.end(), std::less_equal<>())) {
     map.require("gains", "").fail("the gains do not ascend");
   }
@@ -159,8 +151,7 @@ ServoExperiment readServoExperiment(const YamlNode& root, const std::filesystem:
   const std::filesystem::path scene_file = directory / scene_node.text("a scene file");
   const Scene scene = loadScene(scene_file);
   if (scene.kind != Scene::Kind::kServo) scene_node.fail(scene_file.generic_string() + " is a scene of kind contacts: one of kind servo");
-  experiment.band = map.number("band", {.min = 0, .max = 1, .above_min = true}, experiment.band);
-  experiment.steady = map.number("steady", Allowed::above(0, "s"), experiment.steady);
+  readFields(map, kServoExperimentFields, experiment);
 
   const YamlNode runs = map.require("runs", kRuns);
   const std::vector<YamlNode> run_items = runs.items(kRuns);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "scene/terms_reader.h"
+#include "sensor/fields.h"
 
 namespace taxelsim {
 namespace {

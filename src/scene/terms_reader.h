@@ -20,8 +20,7 @@ std::vector<Term> readTerms(const YamlMap& map, std::string_view key, int max_te
     map.canonical().line(key, "[]");
     return {};
   }
-  YamlMap::Keys keys;
-  addKeys(fields, keys);
+  const YamlMap::Keys keys = keysOf(fields);
   std::vector<Term> terms;
   map.canonical().open(key);
   for (const YamlNode& item : items) readFields(YamlMap::item(item, keys, map.canonical()), fields, terms.emplace_back());

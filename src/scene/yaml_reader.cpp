@@ -100,21 +100,6 @@ double thousandth(std::string_view text, double value) {
   return result;
 }
 
-std::size_t editDistance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
-    }
-  }
-  return row[b.size()];
-}
-
 // "pitch[_mm]" -> {"pitch", "_mm", ""}, "randomization(randomisation)" -> {"randomization", "", "randomisation"}
 struct KeyForms {
   std::string_view name;
@@ -135,6 +120,11 @@ KeyForms formsOf(std::string_view key) {
 void YamlNode::fail(const std::string& message) const {
   const std::string position = *file_ + ":" + std::to_string(line_) + ":" + std::to_string(column_) + ": ";
   throw Error(ErrorKind::kInput, oneLine(position + (path_.empty() ? "" : path_ + ": ") + message));
+}
+
+void YamlNode::warn(const std::string& message) const {
+  logWarning(
+      oneLine(*file_ + ":" + std::to_string(line_) + ":" + std::to_string(column_) + ": " + (path_.empty() ? "" : path_ + ": ") + message));
 }
 
 void YamlNode::refuse(const std::string& allowed) const {
@@ -200,7 +190,9 @@ double YamlNode::number(const Allowed& allowed) const {
   }
   const double min = inUnit(allowed.min, unit_);
   const double max = inUnit(allowed.max, unit_);
-  if (value < min || value > max || (allowed.above_min && value == min)) refuse(describe(allowed, unit_));
+  if (value < min || value > max || (allowed.above_min && value == min) || (allowed.below_max && value == max)) {
+    refuse(describe(allowed, unit_));
+  }
   if (unit_ == Unit::kMilli) value = thousandth(text, value);
   if (unit_ == Unit::kDegree) value = value * std::numbers::pi / 180;
   return std::clamp(value, allowed.min, allowed.max) + 0.0;  // + 0.0 turns -0 into 0
@@ -253,6 +245,8 @@ YamlMap::YamlMap(const YamlMap& parent, std::string_view key, Keys allowed)
   canonical_->open(key);
 }
 
+YamlMap::YamlMap(const YamlMap& map, Canonical& canonical) : node_(map.node_), allowed_(map.allowed_), canonical_(&canonical) {}
+
 YamlMap YamlMap::item(const YamlNode& node, Keys allowed, Canonical& canonical) {
   canonical.openItem();
   return YamlMap(node, std::move(allowed), canonical, true);
@@ -272,7 +266,9 @@ YamlNode YamlMap::blockOf(const YamlMap& parent, std::string_view key) {
 
 void YamlMap::checkKeys() const {
   std::string list;
-  for (const std::string_view key : allowed_) list += (list.empty() ? "" : ", ") + std::string(key.substr(0, key.find('(')));
+  for (auto key = allowed_.begin(); key != allowed_.end(); ++key) {
+    if (std::find(allowed_.begin(), key, *key) == key) list += (list.empty() ? "" : ", ") + std::string(key->substr(0, key->find('(')));
+  }
   if (!node_.isMap()) node_.refuse("a mapping of " + (list.empty() ? "nothing: {}" : list));
   for (const YamlTree::Key& key : node_.tree_->keys) {
     bool known = false;

@@ -13,14 +13,16 @@
 #include <initializer_list>
 #include <limits>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
+#include "base/field.h"
 #include "scene/canonical.h"
 #include "scene/yaml_parse.h"
-#include "sensor/fields.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -34,7 +36,9 @@ class YamlNode {
 
   // Throws Error(kInput) with this node's position and path.
   [[noreturn]] void fail(const std::string& message) const;
-  // The same: "value is not allowed: allowed".
+  // Logs a warning with this node's position and path.
+  void warn(const std::string& message) const;
+  // As fail(): "value is not allowed: allowed".
   [[noreturn]] void refuse(const std::string& allowed) const;
   // The same for an error of a field below this node ("readout.taxel_gain[3]"), at the position of that field, or of the nearest block
   // that the file has.
@@ -71,6 +75,8 @@ class YamlMap {
   YamlMap(const YamlNode& node, Keys allowed, Canonical& canonical);
   // The block `key` of `parent`, empty if missing. Its values are below `key` in the canonical text.
   YamlMap(const YamlMap& parent, std::string_view key, Keys allowed);
+  // The same mapping as `map`, with another canonical text.
+  YamlMap(const YamlMap& map, Canonical& canonical);
   // An item of the list that was opened in `canonical`.
   static YamlMap item(const YamlNode& node, Keys allowed, Canonical& canonical);
   ~YamlMap();
@@ -121,27 +127,27 @@ class YamlMap {
 };
 
 // Keys of a table of fields.
-template <typename Settings, std::size_t N>
-void addKeys(const std::array<Field<Settings>, N>& table, YamlMap::Keys& keys) {
-  for (const Field<Settings>& field : table) {
+template <typename Table>
+void addKeys(const Table& table, YamlMap::Keys& keys) {
+  for (const auto& field : table) {
     if (std::find(keys.begin(), keys.end(), field.key) == keys.end()) keys.push_back(field.key);
   }
 }
+template <typename... Tables>
+YamlMap::Keys keysOf(const Tables&... tables) {
+  YamlMap::Keys keys;
+  (addKeys(tables, keys), ...);
+  return keys;
+}
 
-// Reads the fields of a table into `settings`, whose values are the defaults of those that are not required.
-template <typename Settings, std::size_t N>
-void readFields(const YamlMap& map, const std::array<Field<Settings>, N>& table, Settings& settings) {
-  for (const Field<Settings>& field : table) {
-    if (const auto* whole = std::get_if<int Settings::*>(&field.member)) {
-      int& value = settings.**whole;
-      const std::optional<std::uint64_t> otherwise = field.required ? std::nullopt : std::optional(static_cast<std::uint64_t>(value));
-      value = static_cast<int>(map.integer(field.name(), static_cast<std::uint64_t>(field.allowed.min),
-                                           static_cast<std::uint64_t>(field.allowed.max), otherwise));
-    } else {
-      double& value = settings.*std::get<double Settings::*>(field.member);
-      value = map.number(field.name(), field.allowed, field.required ? std::nullopt : std::optional(value));
-    }
-  }
+// Reads the value of a key into `setting`, whose value is the default unless the key is required. An optional setting without a value and a
+// setting without a limit stay as they are if the key is missing.
+void readSetting(const YamlMap& map, std::string_view key, const SettingPointer& setting, const Allowed& allowed, Presence presence);
+
+// Reads the fields of a table into `settings`.
+template <typename Settings>
+void readFields(const YamlMap& map, std::span<const Field<std::type_identity_t<Settings>>> table, Settings& settings) {
+  for (const Field<Settings>& field : table) readSetting(map, field.name(), field.in(settings), field.allowed, field.presence);
 }
 
 // Runs `check` and rethrows its exception as Error(kInput) at the position of `node`, or of the field of an Error that has one.

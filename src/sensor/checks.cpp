@@ -4,19 +4,6 @@
 #include <limits>
 
 namespace taxelsim {
-
-void failField(const std::string& field, const std::string& value, const std::string& allowed) {
-  throw Error(field, value + " is not allowed: " + allowed);
-}
-
-std::string elementOf(const std::string& field, std::size_t index) {
-  return field + "[" + std::to_string(index) + "]";
-}
-
-void checkNumber(const std::string& field, double value, const Allowed& allowed) {
-  if (!isAllowed(value, allowed)) failField(field, numberText(value), describe(allowed));
-}
-
 namespace {
 
 constexpr double kUnitTolerance = 1e-3;  // of a quaternion's length; four decimal digits suffice

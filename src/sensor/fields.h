@@ -1,28 +1,14 @@
-// One table of fields per settings struct of a sensor: key, member, unit and allowed range. The checks (sensor/checks.h), the reader of
-// sensor files (scene/) and their writer all use these tables. Settings that depend on each other, lists and choices are not in them.
+// Tables of fields (base/field.h) of the settings of a sensor.
 #pragma once
 
 #include <array>
-#include <span>
 #include <string_view>
 #include <variant>
 
-#include "sensor/allowed.h"
+#include "base/field.h"
 #include "taxelsim/sensor.h"
 
 namespace taxelsim {
-
-template <typename Settings>
-struct Field {
-  std::string_view key;  // in files, the member's name; "[_mm]" after it if the file may give millimetres
-  std::variant<double Settings::*, int Settings::*> member;
-  Allowed allowed;
-  bool required = false;  // in files; else the struct's default is used
-
-  constexpr std::string_view name() const { return key.substr(0, key.find('[')); }
-};
-
-inline constexpr bool kRequired = true;
 
 inline constexpr std::array kSensorFields{
     Field<Sensor>{"samples_per_taxel", &Sensor::samples_per_taxel, Allowed::within(1, kMaxSamplesPerTaxel, "")},
@@ -74,7 +60,7 @@ inline constexpr std::array kLayerSolverFields{
 };
 inline constexpr std::array kLuGreFields{
     Field<LuGre>{"normal_contact_stiffness", &LuGre::normal_contact_stiffness, Allowed::above(0, "N/m^3"), kRequired},
-    Field<LuGre>{"bristle_stiffness", &LuGre::bristle_stiffness, {.min = 0, .max = kMaxBristle, .above_min = true, .unit = "1/m"}},
+    Field<LuGre>{"bristle_stiffness", &LuGre::bristle_stiffness, Allowed::aboveUpTo(0, kMaxBristle, "1/m")},
     Field<LuGre>{"bristle_damping", &LuGre::bristle_damping, Allowed::within(0, kMaxBristle, "s/m")},
     Field<LuGre>{"viscous_friction", &LuGre::viscous_friction, Allowed::within(0, kMaxBristle, "s/m")},
     Field<LuGre>{"static_friction", &LuGre::static_friction, Allowed::within(kMinLuGreFriction, kMaxFrictionCoefficient, "")},

@@ -7,17 +7,20 @@
 namespace taxelsim::testing {
 namespace {
 
+const std::vector<std::string> kCommands{"devices",  "frame",      "generate",     "inspect", "render",
+                                         "evaluate", "experiment", "characterize", "compare", "calibrate-readings"};
+
 TEST(Help, EverySubcommandHasAnExample) {
-  for (const std::string command : {"devices", "generate", "frame", "inspect", "render"}) {
+  for (const std::string& command : kCommands) {
     const Outcome outcome = runTaxelsim({command, "--help"});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_TRUE(outcome.err.empty()) << outcome.err;
-    EXPECT_NE(outcome.out.find("Example:\n  taxelsim " + command), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find(":\n  taxelsim " + command + " "), std::string::npos) << outcome.out;
+    EXPECT_EQ(outcome.out.find(" in ["), std::string::npos) << "a range in the type of an option\n" << outcome.out;
   }
   const Outcome all = runTaxelsim({"--help"});
   EXPECT_EQ(all.status, 0);
-  for (const std::string command : {"devices", "generate", "frame", "inspect", "render"})
-    EXPECT_NE(all.out.find("\n  " + command), std::string::npos) << command;
+  for (const std::string& command : kCommands) EXPECT_NE(all.out.find("\n  " + command), std::string::npos) << command;
 }
 
 TEST(Help, Version) {
@@ -29,7 +32,8 @@ TEST(Help, Version) {
 TEST(Arguments, AreRefusedInOneLine) {
   expectRefused(runTaxelsim({}), "subcommand");
   expectRefused(runTaxelsim({"simulate"}), "taxelsim --help");
-  expectRefused(runTaxelsim({"devices", "--colour"}), "--colour");
+  expectRefused(runTaxelsim({"simulate"}), "unknown subcommand 'simulate'; there are devices, frame, generate");
+  expectRefused(runTaxelsim({"devices", "--colour"}), "unknown option --colour (see taxelsim devices --help)");
   expectRefused(runTaxelsim({"--log-level", "loud", "devices"}), "--log-level");
   expectRefused(runTaxelsim({"generate"}), "taxelsim generate --help");
   expectRefused(runTaxelsim({"generate", "scene.yaml"}), "--output");
@@ -45,12 +49,40 @@ TEST(Arguments, AreRefusedInOneLine) {
   expectRefused(runTaxelsim({"render", "out", "-o", "a.png", "--episode", "-1"}), "--episode");
 }
 
+TEST(Arguments, MisspelledWordsAreNamedWithTheNearest) {
+  expectRefused(runTaxelsim({"frme"}), "unknown subcommand 'frme'; did you mean frame?");
+  expectRefused(runTaxelsim({"--log-level", "error", "genrate", "scene.yaml"}), "unknown subcommand 'genrate'; did you mean generate?");
+  expectRefused(runTaxelsim({"frame", "--sensors", "x"}), "unknown option --sensors; did you mean --sensor? (see taxelsim frame --help)");
+  expectRefused(runTaxelsim({"frame", "--sensor", "x", "--lod=3"}), "unknown option --lod; did you mean --load?");
+  expectRefused(runTaxelsim({"generate", "scene.yaml", "-x", "3"}), "unknown option -x");
+  expectRefused(runTaxelsim({"frame", "--sensor", "x", "--log-levl", "error"}), "did you mean --log-level?");
+  expectRefused(runTaxelsim({"inspect", "a", "b"}), "not expected: b");
+}
+
+TEST(Arguments, NumbersWithoutQuotesAreShownWithThem) {
+  expectRefused(runTaxelsim({"frame", "--sensor", "s.yaml", "--object", "sphere:0.01", "--pose", "0", "0", "-0.0095", "1", "0", "0", "0"}),
+                "--pose 0 0 -0.0095 1 0 0 0: these numbers are one argument and need quotes: --pose \"0 0 -0.0095 1 0 0 0\"");
+  expectRefused(runTaxelsim({"frame", "--sensor", "s.yaml", "--rpy-deg", "0", "90", "0"}), "--rpy-deg \"0 90 0\"");
+}
+
+TEST(Arguments, ValuesThatAreNoNumbersAreNamed) {
+  expectRefused(runTaxelsim({"frame", "--sensor", "s.yaml", "--object", "half_space", "--load", "5N"}), "--load: 5N is not a number");
+  expectRefused(runTaxelsim({"compare", "a", "b", "--at", "x"}), "--at: x is not a number");
+}
+
+TEST(Arguments, PicturesArePngFiles) {
+  expectRefused(runTaxelsim({"frame", "--sensor", "s.yaml", "--png", "x.jpg"}), "--png: x.jpg: pictures are PNG files");
+  expectRefused(runTaxelsim({"evaluate", "s.yaml", "--png", "x"}), "--png: x: pictures are PNG files");
+  expectRefused(runTaxelsim({"compare", "a", "b", "-o", "x.svg"}), "--output: x.svg: pictures are PNG files");
+  expectRefused(runTaxelsim({"render", "a", "-o", "png"}), "--output: png: pictures are PNG files");
+}
+
 // Poses are checked before files are opened or devices listed.
 TEST(Arguments, PosesAreRefusedInOneLine) {
   const auto frame = [](const std::string& pose) {
     return runTaxelsim({"frame", "--sensor", "no.yaml", "--object", "sphere:0.01", "--pose", pose});
   };
-  expectRefused(frame("0 0 0"), "has 3 numbers, not 7");
+  expectRefused(frame("0 0"), "has 2 numbers, not 3 or 7");
   expectRefused(frame(""), "has 0 numbers");
   expectRefused(frame("0 0 0 1 0 0 0 0"), "more than 7");
   expectRefused(frame("0 0 0.01 1 1 0 0"), "length 1.41421");
@@ -60,7 +92,18 @@ TEST(Arguments, PosesAreRefusedInOneLine) {
   expectRefused(frame("0 0 1e999 1 0 0 0"), "number 3 cannot be read");
   expectRefused(frame("0 0 0x1 1 0 0 0"), "number 3 cannot be read");
   expectRefused(frame("0 0 up 1 0 0 0"), "number 3 cannot be read");
-  expectRefused(runTaxelsim({"frame", "--sensor", "s.yaml", "--object", "sphere:0.01"}), "--pose");
+  expectRefused(runTaxelsim({"frame", "--sensor", "s.yaml", "--object", "sphere:0.01"}), "--pose is missing");
+  const auto turned = [&](const std::string& pose, const std::string& rotation) {
+    return runTaxelsim({"frame", "--sensor", "s.yaml", "--object", "sphere:0.01", "--pose", pose, "--rpy-deg", rotation});
+  };
+  expectRefused(turned("0 0 0 1 0 0 0", "0 0 0"), "has a rotation: --rpy-deg excludes it");
+  expectRefused(turned("0 0 0", "0 0"), "--rpy-deg \"0 0\": has 2 numbers, not 3");
+  expectRefused(turned("0 0 0", "0 0 361"), "361 is not allowed: from -360 to 360");
+  expectRefused(
+      runTaxelsim({"frame", "--sensor", "s.yaml", "--object", "half_space", "--load", "1", "--rpy-deg", "0 0 0", "--rpy-deg", "0 0 0"}),
+      "1 --object but 2 --rpy-deg");
+  expectRefused(runTaxelsim({"frame", "--sensor", "s.yaml", "--object", "half_space", "--object", "half_space", "--load", "1"}),
+                "2 --object but 0 --pose");
   expectRefused(runTaxelsim({"frame", "--sensor", "s.yaml", "--object", "sphere:0.01", "--object", "sphere:1", "--pose", "0 0 0 1 0 0 0"}),
                 "2 --object but 1 --pose");
   std::vector<std::string> many{"frame", "--sensor", "s.yaml"};

@@ -70,6 +70,8 @@ TEST(Characterize, ReportIsSelfContained) {
   const Outcome outcome = runTaxelsim(arguments);
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("skin.normal_contact_stiffness"));
+  EXPECT_THAT(outcome.err, HasSubstr("info: wrote " + (directory / "s.yaml").string() + "\n"));
+  EXPECT_THAT(outcome.err, HasSubstr("info: wrote " + (directory / "r.html").string() + " and 3 figures in its folder\n"));
   EXPECT_THAT(outcome.out, HasSubstr("taxels without a response: 40"));
   EXPECT_EQ(loadSensor(directory / "s.yaml").name, "mine");
   const std::string page = contentOf(directory / "r.html");
@@ -123,6 +125,10 @@ TEST(Characterize, RejectsBadInputWithoutWriting) {
   write("n.yaml", "format_version: 1\nmeasurement: force_depth\nsensor: " TAXELSIM_SOURCE_DIR
                   "/scenes/sensors/wts0614.yaml\ntable: n.csv\nindenter: {flat_pin: {radius_mm: 0.5}}\n");
   expectRefused(runTaxelsim({"characterize", directory / "n.yaml", "-o", sensor}), "n.csv:3:3: force_N: \"nan\" is not allowed");
+  write("u.yaml", "format_version: 1\nzebra: 1\n");
+  const Outcome unknown = runTaxelsim({"characterize", directory / "u.yaml", "-o", sensor});
+  expectRefused(unknown, "u.yaml:2:1: zebra: unknown key; allowed: format_version, measurement");
+  EXPECT_EQ(unknown.err.find("indenter"), unknown.err.rfind("indenter")) << "every key once\n" << unknown.err;
   EXPECT_FALSE(std::filesystem::exists(sensor));
 }
 

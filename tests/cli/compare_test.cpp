@@ -147,6 +147,7 @@ TEST_F(Compare, DataSetsOfOneScene) {
 TEST_F(Compare, Picture) {
   const Outcome outcome = runTaxelsim({"compare", images("real", kReal), images("sim", kSimulated), "-o", at("pair.png")});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "info: wrote " + at("pair.png") + "\n");
   const Picture picture(at("pair.png"));
   const Picture::Spot largest = picture.of(0xfde725), more = picture.of(0xb5372b), nothing = picture.of(0xeeeff1);
   EXPECT_LT(largest.left, picture.width() / 3) << "400 counts, the most of all, on the real side";
@@ -162,6 +163,9 @@ TEST_F(Compare, RejectsDifferentArrays) {
   const std::string real = images("real", kReal);
   const std::string two = images("two", kReal + "1,2,3,4,5,6\n"), three = images("three", kReal + "1,2,3,4,5,6\n1,2,3,4,5,6\n");
   expectRefused(runTaxelsim({"compare", two, three}), "two.yaml has 2 images");
+  const Outcome one = runTaxelsim({"compare", real, two});
+  EXPECT_NE(one.out.find("real.yaml: 1 image of 2 x 3 taxels"), std::string::npos) << one.out;
+  EXPECT_NE(one.out.find("two.yaml: 2 images of 2 x 3 taxels"), std::string::npos) << one.out;
   std::string turned = kSmallPad;
   turned.replace(turned.find("num_rows: 2\nnum_cols: 3"), 23, "num_rows: 3\nnum_cols: 2");
   write("turned.yaml", turned);

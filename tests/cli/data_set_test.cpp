@@ -152,6 +152,7 @@ TEST_F(DataSet, RenderDrawsAPicture) {
   EXPECT_FALSE(std::filesystem::exists(at("c.png")));
   const Outcome refused = runTaxelsim({"render", at("d"), "-o", at("none/c.png")});
   EXPECT_EQ(refused.status, 1) << refused.err;
+  EXPECT_NE(refused.err.find("none/c.png: its folder does not exist"), std::string::npos) << refused.err;
 }
 
 TEST_F(DataSet, RenderWorksWithoutFeaturesAndWithoutGrid) {

@@ -1,6 +1,8 @@
 // `evaluate`: table, JSON and figure of a small task, independence of the batch size, and refusals.
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <csignal>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -59,6 +61,60 @@ TEST_F(Evaluate, TableOfOneController) {
   EXPECT_NE(outcome.out.find("none"), std::string::npos);
   EXPECT_EQ(outcome.out.find("fast"), std::string::npos);
   EXPECT_NE(outcome.out.find("success (95 %)"), std::string::npos);
+}
+
+TEST_F(Evaluate, PrintsItsSuccessRuleAndNamesItsSubsets) {
+  const Outcome outcome = runTaxelsim({"evaluate", scene_, "--episodes", "10", "--png", root_ / "small.png"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("success: in every frame of the last 0.1 s, contact, edge_angle within 3 deg of 90 deg\n"), std::string::npos)
+      << outcome.out;
+  EXPECT_NE(outcome.out.find("deg at the start "), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.err.find("info: wrote " + (root_ / "small.png").string()), std::string::npos) << outcome.err;
+  const nlohmann::json json = nlohmann::json::parse(runTaxelsim({"evaluate", scene_, "--episodes", "10", "--json"}).out);
+  EXPECT_EQ(json["success"], "success: in every frame of the last 0.1 s, contact, edge_angle within 3 deg of 90 deg");
+  EXPECT_TRUE(json["controllers"][0]["by_start"][0]["name"].get<std::string>().starts_with("edge_angle error "));
+}
+
+TEST_F(Evaluate, SuccessRuleHasEveryCriterion) {
+  std::string text = kText;
+  const std::string task = "task: {edge_angle: {reference_deg: 90, tolerance_deg: 3}, hold: 0.1}";
+  text.replace(text.find(task), task.size(), "task: {total_force: {tolerance: 0.5}, center: {tolerance_mm: 2}, hold: 0.2, travel_mm: 5}");
+  std::ofstream(scene_) << text;
+  const Outcome outcome = runTaxelsim({"evaluate", scene_, "--episodes", "2"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(
+      outcome.out.find("success: in every frame of the last 0.2 s, contact, total_force within 0.5 N of the force at the start, center "
+                       "within 2 mm of the middle of the array; a path of at least 5 mm over the object\n"),
+      std::string::npos)
+      << outcome.out;
+}
+
+// Stopped while the second of two controllers runs. When that is depends on the machine, so several times are tried.
+TEST_F(Evaluate, AnInterruptKeepsCompleteControllers) {
+  const std::vector<std::string> command{"evaluate", scene_, "--episodes", "1500", "--batch-size", "64"};
+  const auto start = std::chrono::steady_clock::now();
+  ASSERT_EQ(runTaxelsim(command).status, 0);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  for (const double part : {0.75, 0.65, 0.85, 0.6, 0.7, 0.8, 0.9, 0.55}) {
+    const Outcome stopped = runTaxelsim(command, {.signal = SIGINT, .signal_after = part * seconds});
+    if (stopped.status == 0) continue;  // faster than before
+    ASSERT_EQ(stopped.status, 130) << stopped.err;
+    if (stopped.err.find("warning: stopped: 1 of 2 controllers are evaluated\n") == std::string::npos) continue;
+    EXPECT_NE(stopped.out.find("\nfast "), std::string::npos) << stopped.out;
+    EXPECT_EQ(stopped.out.find("\nnone "), std::string::npos) << stopped.out;
+    return;
+  }
+  FAIL() << "no interrupt fell into the second controller";
+}
+
+TEST_F(Evaluate, WarnsOfObjectsThatCannotCarryTheLoad) {
+  std::string text = kText;
+  text.replace(text.find("load: [1, 3]"), 12, "load: [1, 900]");
+  std::ofstream(scene_) << text;
+  const Outcome outcome = runTaxelsim({"evaluate", scene_, "--episodes", "20", "--controller", "none"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("warning: object cylinder: load out of reach in "), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find(" of its 20 episodes"), std::string::npos) << outcome.err;
 }
 
 TEST_F(Evaluate, RejectsUnknownControllersAndScenesWithoutTask) {

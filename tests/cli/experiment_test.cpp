@@ -78,6 +78,9 @@ TEST(Experiment, TableAndPictures) {
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_NE(outcome.out.find("wts0614_deformation_mask"), std::string::npos);
   EXPECT_NE(outcome.out.find("M4"), std::string::npos);
+  EXPECT_NE(outcome.out.find("The reference is simulated, too"), std::string::npos);
+  EXPECT_NE(outcome.out.find("\nall-zero image "), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.err.find("info: wrote 4 figures to " + (root / "figures").string()), std::string::npos) << outcome.err;
   for (const char* name : {"bar_1N.png", "bar_4N.png", "ball_1N.png", "ball_4N.png"}) {
     EXPECT_TRUE(contentOf(root / "figures" / name).starts_with("\x89PNG")) << name;
   }
@@ -92,7 +95,15 @@ TEST(Experiment, OfFingertips) {
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const nlohmann::json json = nlohmann::json::parse(outcome.out);
   for (const auto& contact : json["sensors"][0]["contacts"]) EXPECT_EQ(contact["relative_l1"], 0);
+  const nlohmann::json& zero = json["zero_image"]["medians"][0];
+  EXPECT_DOUBLE_EQ(zero["relative_l1"].get<double>(), 1);
+  EXPECT_GT(zero["median_difference"].get<double>(), 0);
   EXPECT_TRUE(contentOf(root / "figures" / "bar_1N.png").starts_with("\x89PNG"));
+  written(root, "x.yaml",
+          experimentText(shipped("digitacts_6x4"), "[{sensor: " + shipped("digitacts_6x4") + "}]", "yaw_deg: [0]\nloads: [1]\n"));
+  const Outcome none = runTaxelsim({"experiment", file, "-o", root / "none"});
+  EXPECT_EQ(none.status, 0) << none.err;
+  EXPECT_NE(none.err.find("warning: no figures: a sensor with several grids cannot be drawn"), std::string::npos) << none.err;
   written(root, "x.yaml", experimentText(shipped("fingertip_cylinder"), "[{sensor: " + shipped("fingertip_cylinder") + ", fitted: true}]"));
   expectRefused(runTaxelsim({"experiment", file}), "only sensors whose point spread function is a kernel over grids can be fitted");
 }

@@ -87,11 +87,97 @@ TEST(Frame, LoadOutOfReachIsRefused) {
   expectRefused(runTaxelsim(frame("sphere:0.01", "0.5 0 0.02 1 0 0 0", {"--load", "1"})), "load");
 }
 
+// The same frame as with a quaternion; sine and cosine differ from its digits by rounding.
+TEST(Frame, RollPitchYawIsARotation) {
+  const auto angle = [](const std::vector<std::string>& more) {
+    std::vector<std::string> command{"frame", "--sensor", kSensor, "--object", "cylinder:0.008,0.06", "--json", "--pose"};
+    command.insert(command.end(), more.begin(), more.end());
+    const Outcome outcome = runTaxelsim(command);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return nlohmann::json::parse(outcome.out)["ground_truth"]["edge_angle"].get<double>();
+  };
+  // Roll lays the cylinder along y, then yaw turns it by 30 degrees: its axis is at 90 + 30 degrees from x.
+  EXPECT_NEAR(angle({"0 0 0.0075", "--rpy-deg", "90 0 30"}), angle({"0 0 0.0075 0.6830127 0.6830127 0.1830127 0.1830127"}), 1e-5);
+  EXPECT_NEAR(angle({"0 0 0.0075", "--rpy-deg", "90,0,30"}), -std::numbers::pi / 3, 0.1) << "a coarse image of the axis";
+}
+
+TEST(Frame, WithALoadThePoseHasADefault) {
+  const Outcome given = runTaxelsim(frame("sphere:0.01", "0 0 0.01", {"--load", "2", "--json"}));
+  const Outcome omitted = runTaxelsim({"frame", "--sensor", kSensor, "--object", "sphere:0.01", "--load", "2", "--json"});
+  ASSERT_EQ(omitted.status, 0) << omitted.err;
+  EXPECT_EQ(omitted.out, given.out);
+  const Outcome turned =
+      runTaxelsim({"frame", "--sensor", kSensor, "--object", "cylinder:0.004,0.02", "--rpy-deg", "90 0 0", "--load", "2", "--json"});
+  ASSERT_EQ(turned.status, 0) << turned.err;
+  EXPECT_NEAR(nlohmann::json::parse(turned.out)["ground_truth"]["total_force"].get<double>(), 2, 2e-3);
+}
+
+// A cube of 20 units whose lowest face is its -y: read in millimetres with y up, it is a box of 20 mm.
+class FrameOfACubeInMillimetres : public ::testing::Test {
+ protected:
+  FrameOfACubeInMillimetres() {
+    std::ofstream(file_) << "v -10 0 -10\nv 10 0 -10\nv 10 0 10\nv -10 0 10\nv -10 20 -10\nv 10 20 -10\nv 10 20 10\nv -10 20 10\n"
+                            "f 1 2 3 4\nf 5 8 7 6\nf 1 5 6 2\nf 2 6 7 3\nf 3 7 8 4\nf 4 8 5 1\n";
+  }
+  TemporaryDirectory root_;
+  std::string file_ = root_ / "cube.obj";
+};
+
+TEST_F(FrameOfACubeInMillimetres, IsScaledAndTurned) {
+  const Outcome mesh = runTaxelsim(frame(file_, "0 0 -0.0005", {"--scale", "0.001", "--up-axis", "y", "--json"}));
+  ASSERT_EQ(mesh.status, 0) << mesh.err;
+  EXPECT_EQ(mesh.err, "");
+  const Outcome box = runTaxelsim(frame("box:0.02,0.02,0.02", "0 0 0.0095", {"--json"}));
+  const auto truth = [](const Outcome& outcome) { return nlohmann::json::parse(outcome.out)["ground_truth"]; };
+  EXPECT_NEAR(truth(mesh)["total_force"].get<double>(), truth(box)["total_force"].get<double>(), 1e-3);
+}
+
+TEST_F(FrameOfACubeInMillimetres, IsWarnedAboutWithoutAScale) {
+  const Outcome outcome = runTaxelsim(frame(file_, "0 0 0"));
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("warning: " + file_ + ": the mesh is 20 m long; is the file in millimetres? scale: 0.001\n"),
+            std::string::npos)
+      << outcome.err;
+  expectRefused(runTaxelsim(frame(file_, "0 0 0", {"--scale", "0"})), "scale: 0 is not allowed");
+  expectRefused(runTaxelsim(frame(file_, "0 0 0", {"--up-axis", "w"})), "--up-axis");
+  expectRefused(runTaxelsim(frame("sphere:0.01", "0 0 0", {"--scale", "0.001"})), "--scale and --up-axis belong to mesh files");
+}
+
+TEST(Frame, SizesInMillimetresAreWarnedAbout) {
+  const Outcome outcome = runTaxelsim(frame("sphere:3", "0 0 2.999"));
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("object 'sphere:3' is 6 m long; are its sizes in millimetres?"), std::string::npos) << outcome.err;
+  const TemporaryDirectory root;
+  std::string text = contentOf(kSensor);
+  text.replace(text.find("pitch_mm: 3.4"), 13, "pitch: 3.4   ");
+  std::ofstream(root / "s.yaml") << text;
+  const Outcome pitch = runTaxelsim({"frame", "--sensor", root / "s.yaml", "--object", "sphere:0.01", "--pose", "0 0 0.0095"});
+  EXPECT_EQ(pitch.status, 0) << pitch.err;
+  EXPECT_NE(pitch.err.find(":9:8: pitch: 3.4 m between taxels; is it in millimetres? pitch_mm"), std::string::npos) << pitch.err;
+}
+
+TEST(Frame, WarnsOfOverPenetration) {
+  const Outcome deep = runTaxelsim(frame("sphere:0.01", "0 0 0.005"));
+  EXPECT_EQ(deep.status, 0) << deep.err;
+  EXPECT_NE(deep.err.find("warning: over-penetration: "), std::string::npos) << deep.err;
+  EXPECT_NE(deep.err.find("deeper than the skin is thick (2 mm)"), std::string::npos) << deep.err;
+  EXPECT_EQ(runTaxelsim(frame("sphere:0.01", "0 0 0.0095")).err, "");
+}
+
+// The windowed edge angle of this image is float32 -pi/2, which is below -pi/2.
+TEST(Frame, AnglesOfAxesAreShownAboveMinusARightAngle) {
+  const Outcome outcome = runTaxelsim(frame("half_space", "0 0 -0.0005"));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("edge_angle               rad     1.5708 "), std::string::npos) << outcome.out;
+  EXPECT_EQ(outcome.out.find("-1.5708"), std::string::npos) << outcome.out;
+}
+
 TEST(Frame, PictureAndText) {
   const TemporaryDirectory root;
   const Outcome outcome = runTaxelsim(frame("cylinder:0.008,0.06", "0 0 0.0075 0.7071068 0.7071068 0 0", {"--png", root / "frame.png"}));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_TRUE(contentOf(root / "frame.png").starts_with("\x89PNG"));
+  EXPECT_EQ(outcome.err, "info: wrote " + (root / "frame.png").string() + "\n");
   EXPECT_NE(outcome.out.find("edge_angle"), std::string::npos);
 }
 
@@ -140,8 +226,8 @@ TEST_F(FrameOfContacts, RejectsBadFilesByLine) {
   expectRefused(runTaxelsim({"frame", "--sensor", kSensor, "--contacts", root_ / "missing.csv"}), "missing.csv");
   expectRefused(runTaxelsim({"frame", "--sensor", kSensor, "--contacts", root_ / ""}), "no such file");
   expectRefused(run("0,0,0,1\n", {"--object", "sphere:0.01", "--pose", "0 0 0 1 0 0 0"}),
-                "--contacts excludes --object, --pose and --load");
-  expectRefused(run("0,0,0,1\n", {"--load", "1"}), "--contacts excludes --object, --pose and --load");
+                "--contacts excludes --object, --pose, --rpy-deg, --load, --scale and --up-axis");
+  expectRefused(run("0,0,0,1\n", {"--load", "1"}), "--contacts excludes --object");
 }
 
 TEST(Frame, BadInputIsRefused) {
@@ -150,7 +236,6 @@ TEST(Frame, BadInputIsRefused) {
   expectRefused(runTaxelsim(frame("sphere:nan", "0 0 0 1 0 0 0")), "nan");
   expectRefused(runTaxelsim(frame("no_such_file.obj", "0 0 0 1 0 0 0")), "no_such_file.obj");
   expectRefused(runTaxelsim(frame("sphere:0.01", "0 0 0 2 0 0 0")), "quaternion");
-  expectRefused(runTaxelsim(frame("sphere:0.01", "0 0 0")), "pose");
   expectRefused(runTaxelsim(frame("sphere:0.01", "0 0 nan 1 0 0 0")), "pose");
   expectRefused(runTaxelsim(frame("sphere:0.01", "0 0 0 1 0 0 0", {"--load", "-1"})), "load");
   expectRefused(runTaxelsim({"frame", "--sensor", "/nonexistent.yaml", "--object", "sphere:1", "--pose", "0 0 0 1 0 0 0"}),

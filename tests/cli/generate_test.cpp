@@ -111,8 +111,27 @@ TEST(Generate, AnotherSceneOrSeedIsRefused) {
   ASSERT_EQ(runTaxelsim({"generate", scene, "-o", root / "out"}).status, 0);
   const auto before = filesOf(root / "out");
   expectRefused(runTaxelsim({"--log-level", "error", "generate", scene, "-o", root / "out", "--seed", "4"}), "seed");
-  expectRefused(runTaxelsim({"--log-level", "error", "generate", writeScene(root / "other.yaml", 13), "-o", root / "out"}), "scene");
+  expectRefused(runTaxelsim({"--log-level", "error", "generate", writeScene(root / "other.yaml", 13), "-o", root / "out"}),
+                "another scene: episode.num_steps: 12 there, 13 requested");
   expectSame(filesOf(root / "out"), before, "after the refusals");
+}
+
+TEST(Generate, AGrownDataSetHasTheBytesOfOneMadeAtOnce) {
+  const TemporaryDirectory root;
+  const std::string scene = writeScene(root / "scene.yaml");
+  ASSERT_EQ(runTaxelsim({"generate", scene, "-o", root / "whole"}).status, 0);
+  ASSERT_EQ(runTaxelsim({"generate", scene, "-o", root / "grown", "--episodes", "16"}).status, 0);
+  const Outcome outcome = runTaxelsim({"generate", scene, "-o", root / "grown", "--episodes", "36"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("36 episodes (16 found on disk)"), std::string::npos) << outcome.out;
+  expectSame(filesOf(root / "grown"), filesOf(root / "whole"), "16, then 36 episodes");
+}
+
+TEST(Generate, ADataSetWithAPartialShardCannotGrow) {
+  const TemporaryDirectory root;
+  const std::string scene = writeScene(root / "scene.yaml");
+  ASSERT_EQ(runTaxelsim({"generate", scene, "-o", root / "out", "--episodes", "12"}).status, 0);
+  expectRefused(runTaxelsim({"--log-level", "error", "generate", scene, "-o", root / "out", "--episodes", "36"}), "shard-000001.h5");
 }
 
 TEST(Generate, BatchesThatDoNotFitAreRefusedBeforeTheyStart) {
@@ -121,6 +140,33 @@ TEST(Generate, BatchesThatDoNotFitAreRefusedBeforeTheyStart) {
                                        "--episodes", "2000000", "--batch-size", "2000000"});
   expectRefused(outcome, "at most");
   EXPECT_FALSE(std::filesystem::exists(root / "out"));
+}
+
+TEST(Generate, WarnsOfObjectsThatCannotCarryTheLoad) {
+  const TemporaryDirectory root;
+  std::ofstream(root / "scene.yaml") << "format_version: 1\nname: heavy\nkind: contacts\nsensor: " << kSensor
+                                     << "\nobjects: [{name: ball, sphere: {radius_mm: 5}}, {half_space: {}}]\n"
+                                     << "randomization: {load: 100}\ndata_set: {episodes: 30, seed: 1}\n";
+  const Outcome outcome = runTaxelsim({"generate", root / "scene.yaml", "-o", root / "out"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  // The ball carries at most pi k d^2 (R - d/3) at d = 2 mm, 9.4 N; the plane carries 100 N.
+  EXPECT_NE(outcome.err.find("warning: object ball: load out of reach in "), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("pressed through the skin, it carried "), std::string::npos) << outcome.err;
+  EXPECT_EQ(outcome.err.find("object half_space"), std::string::npos) << outcome.err;
+  EXPECT_EQ(outcome.out.find("out of reach"), std::string::npos) << outcome.out;
+}
+
+TEST(Generate, WarnsOfSizesInMillimetres) {
+  const TemporaryDirectory root;
+  std::ofstream(root / "scene.yaml") << "format_version: 1\nname: large\nkind: contacts\nsensor: " << kSensor
+                                     << "\nobjects: [{sphere: {radius: 3}}]\nrandomization: {load: 1}\ndata_set: {episodes: 1}\n";
+  const Outcome outcome = runTaxelsim({"generate", root / "scene.yaml", "-o", root / "out"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(
+      outcome.err.find("scene.yaml:5:20: objects[0].sphere: the object is 6 m long; are its sizes in millimetres? Give them by keys that "
+                       "end in _mm\n"),
+      std::string::npos)
+      << outcome.err;
 }
 
 TEST(Generate, WithoutADriverOneLineNamesThePackageToInstall) {

@@ -100,6 +100,7 @@ TEST_F(ServoExperimentCommand, TableAndFigures) {
   const std::filesystem::path figures = root_ / "figures";
   const Outcome outcome = runTaxelsim({"experiment", written("x.yaml", experimentText(kRuns, kSweeps)), "-o", figures});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("info: wrote 7 figures to " + figures.string()), std::string::npos) << outcome.err;
   for (const char* part :
        {"small: settling", "edge_angle", "total_force", "center_across", "on a platform, all", "diverges", "stable up to 2."})
     EXPECT_NE(outcome.out.find(part), std::string::npos) << part << "\n" << outcome.out;

@@ -82,9 +82,9 @@ TEST(Compressor, ChunksThatDoNotShrinkAreOnlyShuffled) {
 // The bytes of a shard file.
 std::vector<std::byte> fileOf(const Manifest& manifest, const ShardData& data, int num_threads) {
   Compressor compressor(manifest.compression, num_threads);
-  const dataset::FileContent content = dataset::shardImage(manifest, 0, data, &compressor);
+  const FileContent content = dataset::shardImage(manifest, 0, data, &compressor);
   std::vector<std::byte> bytes(content.size);
-  for (const dataset::FilePiece& piece : content.pieces) {
+  for (const FilePiece& piece : content.pieces) {
     std::copy(piece.bytes.begin(), piece.bytes.end(), bytes.begin() + static_cast<std::ptrdiff_t>(piece.offset));
   }
   return bytes;

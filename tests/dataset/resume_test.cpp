@@ -50,7 +50,7 @@ TEST(Resume, RejectsManifestsThatGiveOtherBytes) {
     expectError(ErrorKind::kInput, part, [&] { DatasetWriter(directory / "d", manifest); });
   };
   expectRejected("another seed", [](Manifest& m) { m.seed = 1; });
-  expectRejected("another scene", [](Manifest& m) { m.scene += "x: 1\n"; });
+  expectRejected("another scene: nothing more there, x: 1 requested", [](Manifest& m) { m.scene += "x: 1\n"; });
   expectRejected("another program version", [](Manifest& m) { m.program_version = "1.2.4"; });
   expectRejected("another device", [](Manifest& m) { m.device = "GPU"; });
   expectRejected("episodes per shard", [](Manifest& m) { m.episodes_per_shard = 5; });

@@ -54,6 +54,7 @@ TEST(GeneratePolicy, ActsInsteadOfTheControllers) {
   const DatasetReader reader(directory.path() / "whole");
   EXPECT_EQ(reader.manifest().policy, "abc");
   EXPECT_THAT(reader.readAsDouble("meta/controller", 0, scene.num_episodes), testing::Each(-1.0));
+  EXPECT_THAT(reader.readAsText("meta/controller_name", 0, scene.num_episodes), testing::Each(""));
   const std::vector<double> force = reader.readAsDouble("data/total_force", 0, reader.numFrames());
   const std::vector<double> angle = reader.readAsDouble("data/edge_angle", 0, reader.numFrames());
   const std::vector<double> action = reader.readAsDouble("data/action", 0, reader.numFrames());

@@ -22,8 +22,11 @@ TEST(CheckObject, AcceptsValuesInRange) {
 }
 
 TEST(CheckObject, MessageHasObjectFieldValueAndRange) {
-  EXPECT_EQ(inputError([] { checkObject({"ball", Sphere{-1}}); }), "object 'ball': radius: -1 is not allowed: m, > 0");
-  EXPECT_EQ(inputError([] { checkObject({"ring", Torus{1, 2}}); }), "object 'ring': major_radius: 1 is not allowed: m, > minor_radius");
+  EXPECT_EQ(inputError([] { checkObject({"ball", Sphere{-1}}); }), "object 'ball': radius: -1 is not allowed: a number > 0 m");
+  EXPECT_EQ(inputError([] {
+              checkObject({"ring", Torus{1, 2}});
+            }),
+            "object 'ring': major_radius: 1 is not allowed: a number > minor_radius (2) m");
 }
 
 TEST(CheckObject, RejectsDimensionsOutOfRange) {

@@ -66,7 +66,7 @@ TEST(BadScenes, Numbers) {
        BadScene{"kp: 0.78", "kp: -1", ":26:36: controller.tactile_servo.edge_angle.kp: -1 is not allowed: a number >= 0 1/s"},
        BadScene{"kp: 0.78", "kp: .nan", ":26:36: controller.tactile_servo.edge_angle.kp: .nan is not allowed"},
        BadScene{"kp: 0.78", "ki: 1", ":26:31: controller.tactile_servo.edge_angle: kp is missing"},
-       BadScene{"kp: 0.78", "kp: 1, kd: 1", ":26:43: controller.tactile_servo.edge_angle.kd: 1 is not allowed: a number from 0 to 0.99"},
+       BadScene{"kp: 0.78", "kp: 1, kd: 1", ":26:43: controller.tactile_servo.edge_angle.kd: 1 is not allowed: a number >= 0 and < 1"},
        BadScene{"kp: 0.78", "kp: 1, error_limit_deg: 0",
                 ":26:56: controller.tactile_servo.edge_angle.error_limit_deg: 0 is not allowed: a number > 0 deg"},
        BadScene{"edge_angle: {kp: 0.78}", "min_confidence: 0.5",

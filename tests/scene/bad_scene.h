@@ -17,7 +17,7 @@ namespace taxelsim {
 struct BadScene {
   std::string_view from;
   std::string_view to;
-  std::string_view message;  // begin of the message after the name of the scene file
+  std::string_view message;  // the start of the message, after the name of the scene file
 };
 
 // The message for a scene file with this text, without the paths of files; "was accepted" if there is none.

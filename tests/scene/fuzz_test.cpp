@@ -1,7 +1,7 @@
-// Broken bytes: a scene that is cut, flipped or stirred either loads or is refused in one line; nothing crashes or hangs. The oracle is
-// weak (it does not say which of the two), so what loads must besides resolve to a text that resolves to itself.
+// Mutated scenes: each either loads or is refused with a message of one line; no crash, no hang. This oracle is weak, because it accepts
+// both outcomes. Therefore the canonical text of a scene that loads must also load, and give the same canonical text.
 #include <gtest/gtest.h>
-// After gtest.h, whose macros it uses.
+// Must follow gtest.h: it uses its macros.
 #include <rapidcheck/gtest.h>
 
 #include <sstream>

@@ -1,4 +1,4 @@
-// Measurement files: what arrives of each kind, and each way to get one wrong.
+// Measurement files: the values of each kind, and the message of each error.
 #include "taxelsim/measurement.h"
 
 #include <gmock/gmock.h>
@@ -22,7 +22,7 @@ skin: {thickness_mm: 2, normal_contact_stiffness: 1.73e8}
 readout: {curve: {counts_per_newton: 2400}}
 )";
 
-// A measurement with `keys` and this table, in a directory of its own.
+// A measurement with `keys` and this table, in a temporary directory.
 class Bench {
  public:
   Bench(const std::string& keys, std::string_view table) {
@@ -119,15 +119,17 @@ TEST(MeasurementFile, RejectsBadMeasurements) {
   }
 }
 
-// Sections against the solids' formulas.
+// Sections compared with the closed forms of the solids.
 TEST(Indenter, SectionsAreThoseOfTheSolid) {
   using Shape = Indenter::Shape;
   constexpr double kPi = std::numbers::pi, kRounding = 1e-15;
   EXPECT_NEAR((Indenter{.shape = Shape::kFlatPin, .radius = 2}.sectionAt(0)), 4 * kPi, 1e-14);
   EXPECT_NEAR((Indenter{.shape = Shape::kStamp, .size = {2, 3}}.sectionAt(1)), 6, kRounding);
-  EXPECT_NEAR((Indenter{.shape = Shape::kSphere, .radius = 5}.sectionAt(1)), 9 * kPi, 1e-14) << "3, 4, 5";
-  EXPECT_NEAR((Indenter{.shape = Shape::kSphere, .radius = 5}.sectionAt(7)), 25 * kPi, 1e-13) << "past its middle";
-  EXPECT_NEAR((Indenter{.shape = Shape::kCylinder, .radius = 5, .length = 2}.sectionAt(2)), 16, 1e-14) << "4, 3, 5";
+  EXPECT_NEAR((Indenter{.shape = Shape::kSphere, .radius = 5}.sectionAt(1)), 9 * kPi, 1e-14) << "radius 3 at depth 1: 3^2 + 4^2 = 5^2";
+  EXPECT_NEAR((Indenter{.shape = Shape::kSphere, .radius = 5}.sectionAt(7)), 25 * kPi, 1e-13)
+      << "deeper than the radius: the largest section";
+  EXPECT_NEAR((Indenter{.shape = Shape::kCylinder, .radius = 5, .length = 2}.sectionAt(2)), 16, 1e-14)
+      << "half width 4 at depth 2: 4^2 + 3^2 = 5^2";
   EXPECT_NEAR((Indenter{.shape = Shape::kCone, .half_angle = kPi / 4}.sectionAt(3)), 9 * kPi, 1e-13);
 }
 

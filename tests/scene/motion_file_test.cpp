@@ -1,4 +1,4 @@
-// The block `motion` of an object, and files of waypoints: what they mean, and how each way to break them is refused.
+// The block `motion` of an object and files of waypoints: the values read, and the message of each error.
 #include <gmock/gmock.h>
 
 #include <vector>
@@ -10,7 +10,7 @@
 namespace taxelsim {
 namespace {
 
-constexpr std::string_view kPlace = "    weight: 2\n";  // line 17, of the first object
+constexpr std::string_view kPlace = "    weight: 2\n";  // line 17, in the first object
 constexpr std::string_view kWay = "time_s,x_m,y_m,z_m,qw,qx,qy,qz\n0.5,0,0,0,1,0,0,0\n1.5,0.01,0,0,0.7071,0,0,0.7071\n";
 
 std::string withMotion(const std::string& motion) {
@@ -33,13 +33,13 @@ TEST(MotionFile, ObjectsRestByDefault) {
   for (const SceneObject& object : loadScene(directory.write("scene.yaml", kScene)).objects) EXPECT_FALSE(object.motion);
 }
 
-TEST(MotionFile, AConstantTwist) {
+TEST(MotionFile, ReadsAConstantTwist) {
   const auto motion = motionOf<ConstantTwist>("{constant_twist: {linear_velocity_mm: [1, 0, -2], angular_velocity_deg: [0, 180, 0]}}");
   EXPECT_EQ(motion.twist.v, (Vector3{0.001, 0, -0.002}));
   EXPECT_DOUBLE_EQ(motion.twist.w[1], 3.141592653589793);
 }
 
-TEST(MotionFile, ASinusoid) {
+TEST(MotionFile, ReadsASinusoid) {
   const auto motion = motionOf<Sinusoid>("{sinusoid: {axis: [0, 0, 1], amplitude_mm: 3, frequency: 2, phase_deg: 90}}");
   EXPECT_EQ(motion.axis, (Vector3{0, 0, 1}));
   EXPECT_EQ(motion.amplitude, 0.003);
@@ -48,7 +48,7 @@ TEST(MotionFile, ASinusoid) {
   EXPECT_DOUBLE_EQ(motion.phase, 1.5707963267948966);
 }
 
-TEST(MotionFile, Waypoints) {
+TEST(MotionFile, ReadsWaypoints) {
   const auto motion = motionOf<Waypoints>("{waypoints: {file: way.csv, interpolation: linear}}");
   EXPECT_EQ(motion.interpolation, Waypoints::Interpolation::kLinear);
   ASSERT_EQ(motion.points.size(), 2u);
@@ -101,7 +101,7 @@ TEST(MotionFile, RejectsBadBlocks) {
        ":17:31: objects[0].motion.constant_twist.speed: unknown key; allowed: linear_velocity[_mm], angular"},
       {"{sinusoid: {axis: [1, 0, 0], frequency: 1}}", ":17:24: objects[0].motion.sinusoid: amplitude[_mm] or angle[_deg] is missing"},
       {"{sinusoid: {axis: [0, 0, 0], amplitude: 1, frequency: 1}}",
-       ":17:13: objects[0].motion: motion: axis: 0 is not allowed: a vector of finite length > 0"},
+       ":17:31: objects[0].motion.sinusoid.axis: a vector of length 0 is not allowed: a finite length > 0"},
       {"{sinusoid: {amplitude: 1, frequency: 1}}", ":17:24: objects[0].motion.sinusoid: axis is missing: a list of 3 numbers"},
       {"{sinusoid: {axis: [1, 0, 0], amplitude: 1, frequency: 0}}",
        ":17:67: objects[0].motion.sinusoid.frequency: 0 is not allowed: a number > 0 Hz"},
@@ -113,7 +113,7 @@ TEST(MotionFile, RejectsBadBlocks) {
       {"{waypoints: {file: way.csv, sha256: '00'}}", ":17:49: objects[0].motion.waypoints.sha256: not the SHA-256 of"},
       {"{hand_held: {tremor: -1}}", ":17:34: objects[0].motion.hand_held.tremor: -1 is not allowed: a number >= 0 m"},
       {"{hand_held: {tremor_band: [12, 8]}}",
-       ":17:13: objects[0].motion: motion: tremor_band: 12 is not allowed: [min, max] with min <= max"},
+       ":17:39: objects[0].motion.hand_held.tremor_band: [12, 8] is not allowed: [min, max] with min <= max"},
       {"{hand_held: {drift_band: [0, 8]}}", ":17:39: objects[0].motion.hand_held.drift_band[0]: 0 is not allowed: a number > 0 Hz"},
   };
   for (const auto& [motion, message] : table) {
@@ -138,7 +138,7 @@ TEST(MotionFile, RejectsMotionInScenesOfContacts) {
               testing::StartsWith(":8:13: objects[0].motion: objects of a static experiment do not move"));
 }
 
-TEST(WaypointFile, TakesBlanksCommentsAndWindowsLines) {
+TEST(WaypointFile, AcceptsBlanksCommentsAndWindowsLines) {
   const ScratchDirectory directory;
   const auto points = loadWaypoints(directory.write("way.csv",
                                                     "# recorded\r\n\r\ntime_s, x_m, y_m, z_m, qw, qx, qy, qz\r\n"
@@ -149,7 +149,7 @@ TEST(WaypointFile, TakesBlanksCommentsAndWindowsLines) {
   EXPECT_EQ(points[1].pose.rotation, (Quaternion{0, 0, 0, -1}));
 }
 
-TEST(WaypointFile, BadFilesAreRefused) {
+TEST(WaypointFile, RejectsBadFiles) {
   const ScratchDirectory directory;
   const std::string heading = "time_s,x_m,y_m,z_m,qw,qx,qy,qz\n";
   const std::vector<std::pair<std::string, std::string>> table = {

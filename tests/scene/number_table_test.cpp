@@ -1,4 +1,4 @@
-// Tables of numbers, and each way to get one wrong.
+// Tables of numbers: the values read, and the message of each error.
 #include "scene/number_table.h"
 
 #include <gmock/gmock.h>

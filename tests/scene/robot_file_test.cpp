@@ -1,4 +1,4 @@
-// The block `robot` of a scene and robot files: what they mean, and how each way to break them is refused.
+// The block `robot` of a scene and robot files: the values read, and the message of each error.
 #include <gmock/gmock.h>
 
 #include <numbers>
@@ -43,13 +43,13 @@ class RobotFile : public testing::Test {
   ScratchDirectory directory;
 };
 
-TEST_F(RobotFile, SensorsFlyWithoutTheBlock) {
+TEST_F(RobotFile, HasAFreeFlyingSensorWithoutTheBlock) {
   const Scene scene = loadScene(directory.write("scene.yaml", kScene));
   EXPECT_TRUE(std::holds_alternative<FreeFlying>(scene.robot));
   EXPECT_EQ(load("{free_flying: {}}").resolved, loadScene(directory.write("scene.yaml", edited(kScene, kMount, ""))).resolved);
 }
 
-TEST_F(RobotFile, APanTiltPlatformHasDefaults) {
+TEST_F(RobotFile, HasDefaultsOfAPanTiltPlatform) {
   const Manipulator robot = manipulator("{pan_tilt: {}}");
   ASSERT_EQ(robot.joints.size(), 2u);
   EXPECT_EQ(robot.joints[0].name, "pan");
@@ -60,7 +60,7 @@ TEST_F(RobotFile, APanTiltPlatformHasDefaults) {
   EXPECT_EQ(robot.sensors.size(), 1u);
 }
 
-TEST_F(RobotFile, APanTiltPlatformHasItsSettings) {
+TEST_F(RobotFile, ReadsEverySettingOfAPanTiltPlatform) {
   const Manipulator robot = manipulator(
       "{pan_tilt: {tilt_height_mm: 70, position_limits_deg: [-90, 60], max_velocity_deg: 180, position_step_deg: 1, delay: 3,\n"
       "  sensors: [{link: tilt}, {link: pan, mount: {position_mm: [1, 2, 3]}}], selection: [wz, wx], max_damping: 0.1,\n"
@@ -79,7 +79,7 @@ TEST_F(RobotFile, APanTiltPlatformHasItsSettings) {
   EXPECT_EQ(robot.X_WB.position, (Vector3{1, 0, 0}));
 }
 
-TEST_F(RobotFile, AnArmComesFromItsUrdf) {
+TEST_F(RobotFile, ReadsAnArmFromAUrdfFile) {
   const Manipulator robot = manipulator(
       "{urdf: {file: arm.urdf, base_link: base, velocity_limit_scale: 0.5, sensors: [{link: tool, mount: {position_mm: [0, 0, 10]}}], "
       "delay: 2,\n"
@@ -93,7 +93,7 @@ TEST_F(RobotFile, AnArmComesFromItsUrdf) {
   EXPECT_EQ(robot.drive.delay, 2);
 }
 
-TEST_F(RobotFile, ARobotMayHaveAFileOfItsOwn) {
+TEST_F(RobotFile, ReadsRobotFiles) {
   directory.write("robots/arm.urdf", kArm);
   directory.write("robots/arm.yaml", "format_version: 1\nurdf: {file: arm.urdf, sensors: [{link: tool}]}\n");
   EXPECT_EQ(load("robots/arm.yaml").resolved, load("{urdf: {file: arm.urdf, sensors: [{link: tool}]}}").resolved);
@@ -109,11 +109,11 @@ TEST_F(RobotFile, ShippedRobotsLoad) {
     if (entry.path().extension() != ".yaml") continue;
     ++num_files;
     const Scene scene = load(entry.path().string());
-    EXPECT_EQ(scene.resolved.find(TAXELSIM_SOURCE_DIR), std::string::npos) << "a path of this machine";
+    EXPECT_EQ(scene.resolved.find(TAXELSIM_SOURCE_DIR), std::string::npos) << "contains a path of this machine";
     EXPECT_TRUE(std::holds_alternative<Manipulator>(scene.robot));
   }
   EXPECT_EQ(num_files, 2);
-  // The shipped platform is the default one; its numbers are rounded as degrees.
+  // The file of the platform states the defaults in degrees, which rounds them.
   const Manipulator shipped = manipulator((kRobots / "pan_tilt.yaml").string()), standard = panTilt({});
   EXPECT_NEAR(shipped.joints[0].max_velocity, standard.joints[0].max_velocity, 10 * kRounding);
   EXPECT_NEAR(shipped.joints[0].upper, standard.joints[0].upper, kRounding);
@@ -122,7 +122,7 @@ TEST_F(RobotFile, ShippedRobotsLoad) {
   EXPECT_EQ(shipped.selection, standard.selection);
 }
 
-TEST_F(RobotFile, EverySettingStandsInTheResolvedScene) {
+TEST_F(RobotFile, ResolvedSceneHasEverySetting) {
   directory.write("other/arm.urdf", std::string(kArm) + "<!-- another -->");
   const std::string urdf = "{urdf: {file: arm.urdf, sensors: [{link: tool}]";
   std::set<std::string> texts;
@@ -151,14 +151,14 @@ TEST_F(RobotFile, EverySettingStandsInTheResolvedScene) {
                                                            "{urdf: {file: other/arm.urdf, sensors: [{link: tool}]}}"}) {
     const std::string text = load(robot).resolved;
     EXPECT_TRUE(texts.insert(text).second) << robot;
-    // All files are in the folder of the resolved scene.
+    // The canonical text refers to files in its own directory.
     const ScratchDirectory folder;
     folder.write("arm.urdf", robot.find("other") == std::string::npos ? std::string(kArm) : std::string(kArm) + "<!-- another -->");
     EXPECT_EQ(loadScene(folder.write("resolved.yaml", text)).resolved, text) << robot;
   }
 }
 
-TEST_F(RobotFile, BadBlocksAreRefused) {
+TEST_F(RobotFile, RejectsBadBlocks) {
   const std::vector<std::pair<std::string, std::string>> table = {
       {"{}", ":14:8: robot: exactly one of free_flying | pan_tilt | urdf"},
       {"{free_flying: {}, pan_tilt: {}}", ":14:8: robot: exactly one of free_flying"},
@@ -168,13 +168,15 @@ TEST_F(RobotFile, BadBlocksAreRefused) {
       {"{free_flying: {speed: 1}}", ":14:23: robot.free_flying.speed: unknown key; no key is allowed here"},
       {"{pan_tilt: {pan_height: 1}}", ":14:20: robot.pan_tilt.pan_height: unknown key"},
       {"{pan_tilt: {max_velocity: 0}}", ":14:34: robot.pan_tilt.max_velocity: 0 is not allowed: a number > 0 rad/s"},
-      {"{pan_tilt: {position_limits_deg: [10, -10]}}", ":14:19: robot.pan_tilt: robot: joint.lower: "},
-      {"{pan_tilt: {position_limits_deg: [10, 20]}}", ":14:19: robot.pan_tilt: robot: joint.initial_position: 0 is not allowed: within"},
+      {"{pan_tilt: {position_limits_deg: [10, -10]}}",
+       ":14:41: robot.pan_tilt.position_limits_deg: [0.17453292519943295, -0.17453292519943295] rad is not allowed: [min, max]"},
+      {"{pan_tilt: {position_limits_deg: [10, 20]}}",
+       ":14:19: robot.pan_tilt: joints[0].initial_position: 0 is not allowed: a number from 0.17"},
       {"{pan_tilt: {position_step: -1}}", ":14:35: robot.pan_tilt.position_step: -1 is not allowed: a number >= 0 rad"},
       {"{pan_tilt: {delay: 1001}}", ":14:27: robot.pan_tilt.delay: 1001 is not allowed: a whole number from 0 to 1000"},
       {"{pan_tilt: {sensors: []}}", ":14:29: robot.pan_tilt.sensors: a list of 0 is not allowed: a list of at least one {link, mount}"},
       {"{pan_tilt: {sensors: [{}]}}", ":14:30: robot.pan_tilt.sensors[0]: link is missing: the name of a link"},
-      {"{pan_tilt: {sensors: [{link: roll}]}}", ":14:19: robot.pan_tilt: robot: no link roll: allowed are base, pan and tilt"},
+      {"{pan_tilt: {sensors: [{link: roll}]}}", ":14:19: robot.pan_tilt: no link roll: allowed are base, pan and tilt"},
       {"{pan_tilt: {selection: []}}", ":14:31: robot.pan_tilt.selection: a list of 0 is not allowed: a list of at least one of vx, vy"},
       {"{pan_tilt: {selection: [wq]}}", ":14:32: robot.pan_tilt.selection[0]: wq is not allowed: vx | vy | vz | wx | wy | wz"},
       {"{pan_tilt: {selection: [wz, wz]}}", ":14:36: robot.pan_tilt.selection[1]: wz is given twice"},
@@ -206,7 +208,7 @@ TEST_F(RobotFile, BadBlocksAreRefused) {
   for (const auto& [robot, message] : table) EXPECT_THAT(refusalOf(robot), testing::StartsWith(message)) << robot;
 }
 
-TEST_F(RobotFile, NoRobotWhereThereIsOneFrame) {
+TEST_F(RobotFile, RejectsRobotsInScenesOfContacts) {
   std::string text = edited(withRobot("{pan_tilt: {}}"), "kind: servo", "kind: contacts");
   text = edited(edited(text, "num_steps: 20, ", ""), "controller:\n  tactile_servo: {edge_angle: {kp: 0.78}}\n", "");
   const std::filesystem::path file = directory.write("scene.yaml", text);

@@ -1,4 +1,4 @@
-// A small valid scene, files to put it into, and edits to break it.
+// A small valid scene, temporary directories for files, and edits of texts.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -82,7 +82,7 @@ class ScratchDirectory {
   std::filesystem::path path_;
 };
 
-// The one line with which `load` refuses, without the name of `file` in front; checks that it is one line and of kind kInput.
+// The message of the error that `load` throws, without the leading name of `file`. Expects one line and kind kInput.
 template <typename Function>
 std::string refusal(const std::filesystem::path& file, Function&& load) {
   try {

@@ -1,4 +1,4 @@
-// Sensor files: every setting arrives in its field, in SI units, and defaults are those of the header.
+// Sensor and scene files: every setting is read into its field in SI units; defaults are those of the headers.
 #include <numbers>
 
 #include "scene_text.h"
@@ -8,7 +8,7 @@
 namespace taxelsim {
 namespace {
 
-// Sines and cosines of a few ulp, in products of three rotations.
+// A few ulp: sines and cosines in products of three rotations.
 constexpr double kRotationTolerance = 1e-15;
 
 Sensor load(const std::string& text) {
@@ -176,7 +176,7 @@ TEST(SensorFile, ReadsEveryLaw) {
 }
 
 TEST(SensorFile, AppliesRollThenPitchThenYaw) {
-  // Roll turns y into z, pitch turns z into x, yaw turns x into y.
+  // Roll rotates y to z, pitch z to x, yaw x to y.
   const Sensor sensor = load(std::string(kGrid) + "pose: {rpy_deg: [90, 90, 90]}\n" + kRest);
   const Vector3 turned = rotate(sensor.patches[0].X_SP.rotation, {0, 1, 0});
   EXPECT_NEAR(turned[0], 0, kRotationTolerance);
@@ -301,7 +301,7 @@ TEST(SceneFile, ReadsEverySetting) {
   EXPECT_EQ(scene.max_regions, 6);
 }
 
-// A flat plate of 20 x 20 cells needs no vertex but those of its rim.
+// The simplification of a flat plate of 20 x 20 cells keeps the vertices of its border only.
 TEST(SceneFile, SimplifiesMeshesWithinMaxDepthError) {
   constexpr int kCells = 20;
   const ScratchDirectory directory;
@@ -327,7 +327,7 @@ TEST(SceneFile, SimplifiesMeshesWithinMaxDepthError) {
 }
 
 TEST(SceneFile, NamesManyObjectsInLinearTime) {
-  constexpr int kMany = 50'000;  // hangs if each name is sought from the start
+  constexpr int kMany = 50'000;  // takes minutes if the search for each name starts at the first one
   const ScratchDirectory directory;
   const std::string text(kScene);
   std::string objects = "objects:\n  - {name: sphere_3, sphere: {radius: 1}}\n";

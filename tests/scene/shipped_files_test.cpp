@@ -1,4 +1,4 @@
-// Every scene and sensor file of the project loads, and names the source of its numbers.
+// Every scene and sensor file of the project loads and states the source of its numbers.
 #include <algorithm>
 
 #include "scene_text.h"
@@ -26,7 +26,7 @@ TEST(ShippedScenes, AllLoad) {
     SCOPED_TRACE(file);
     const Scene scene = loadScene(file);
     EXPECT_EQ(scene.name, file.stem().string());
-    EXPECT_EQ(scene.resolved.find(TAXELSIM_SOURCE_DIR), std::string::npos) << "a path of this machine";
+    EXPECT_EQ(scene.resolved.find(TAXELSIM_SOURCE_DIR), std::string::npos) << "contains a path of this machine";
   }
 }
 
@@ -69,7 +69,7 @@ TEST(ShippedSensors, AllLoad) {
   }
 }
 
-// The writer against the reader: layouts, laws, spreads and readouts that ship.
+// The writer compared with the reader, for the layouts, laws, spreads and readouts of the shipped sensors.
 TEST(ShippedSensors, SensorTextReadsBackAsTheSameSensor) {
   const ScratchDirectory directory;
   std::vector<Sensor> sensors;
@@ -108,7 +108,7 @@ TEST(ShippedSensors, WeissArrayHasThePapersNumbers) {
   const Sensor sensor = loadSensor(kScenes / "sensors/wts0614.yaml");
   EXPECT_EQ(numTaxels(sensor), 84);
   EXPECT_EQ(sensor.patches[0].pitch[0], 0.0034);
-  // 2 N/mm over one taxel, given with three digits.
+  // 2 N/mm over one taxel, rounded to three digits.
   constexpr double kThreeDigits = 0.5e6;
   EXPECT_NEAR(std::get<Winkler>(sensor.skin.law).normal_contact_stiffness, 2000 / (0.0034 * 0.0034), kThreeDigits);
   const Sensor pin = loadSensor(kScenes / "sensors/wts0614_pin.yaml");
@@ -124,7 +124,7 @@ TEST(ShippedSensors, EveryNumberHasItsSource) {
     std::string line;
     for (int number = 1; std::getline(stream, line); ++number) {
       const std::string code = line.substr(0, line.find('#'));
-      // The taxels of a list have their source at its head.
+      // One comment above a list of taxels states the source of all.
       if (code.starts_with("  - {position")) continue;
       const bool is_setting =
           code.starts_with("taxels:") || (code.find_first_of("0123456789") != std::string::npos && !code.starts_with("format_version") &&

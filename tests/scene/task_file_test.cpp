@@ -1,4 +1,4 @@
-// What a scene says about controllers, edges and its task, and each way to get it wrong.
+// Controllers, edges and the task of a scene: the values read, and the message of each error.
 #include <gmock/gmock.h>
 
 #include <numbers>
@@ -14,7 +14,7 @@ constexpr double kRounding = 1e-15;
 constexpr std::string_view kController = "controller:\n  tactile_servo: {edge_angle: {kp: 0.78}}\n";
 constexpr std::string_view kRing = "# a triangle\nx_m,y_m,z_m\n0,0,0\n 0.1 ,0,0\n0,0.1,0.02\n";
 
-// kScene, whose objects have edges, with what is given at its end.
+// kScene with edges of its objects, followed by `rest`.
 std::string sceneText(std::string_view rest) {
   std::string text = edited(kScene, "    weight: 2\n", "    contour: {file: ring.csv}\n");
   text = edited(text, "    orientation: {rotation: [1, 0, 0, 0]}\n", "    edge: [0, 3, 4]\n    anchor_mm: [1, 2, 3]\n");

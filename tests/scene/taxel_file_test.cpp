@@ -1,4 +1,4 @@
-// Sensors given as a list of taxels, a mesh, a URDF: places in closed form, the canonical text, and every way to break them.
+// Sensors given as a list of taxels, a mesh or a URDF: positions in closed form, canonical texts, and the message of each error.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -156,7 +156,7 @@ TEST(Urdf, OrdersTaxelsByIndex) {
   expectTaxel(sensor.patches[2], {1, 0, 0}, {side / 2, side / 2});
 }
 
-// A scene with the taxels of `layout`. The files that it names are in its folder.
+// The canonical text of a scene with the taxels of `layout`; its files are in the same directory.
 std::string resolved(const std::string& layout, std::string_view mesh = kTaxelMesh, std::string_view urdf = kUrdf) {
   const ScratchDirectory directory;
   directory.write("taxels.obj", mesh);

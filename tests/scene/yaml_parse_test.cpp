@@ -1,4 +1,4 @@
-// Checks before any key is read: files that are no YAML, and hostile YAML.
+// Checks of files before keys are read: invalid YAML, and YAML that would exhaust time or memory.
 #include <gmock/gmock.h>
 
 #include "scene/yaml_parse.h"
@@ -57,13 +57,13 @@ TEST(ParseYaml, RejectsAnchorsAliasesAndTags) {
 }
 
 TEST(ParseYaml, RejectsDeepNestingInEveryForm) {
-  constexpr std::size_t kDeep = 10'000;  // overflows the stack of a parser that follows it
+  constexpr std::size_t kDeep = 10'000;  // overflows the stack of a recursive parser
   const std::string expected = "nested deeper than 64 levels";
   EXPECT_THAT(parseRefusal(repeated("[", kDeep) + repeated("]", kDeep)), testing::HasSubstr(expected));
   EXPECT_THAT(parseRefusal(repeated("[a: ", kDeep) + repeated("]", kDeep)), testing::HasSubstr(expected));
   EXPECT_THAT(parseRefusal(repeated("- ", kDeep) + "1"), testing::HasSubstr(expected));
   EXPECT_THAT(parseRefusal(repeated("{a: ", kDeep) + "1" + repeated("}", kDeep)), testing::HasSubstr(expected));
-  // Without their ends these are keys to yaml-cpp.
+  // Without their closing brackets yaml-cpp takes these for keys.
   EXPECT_EQ(parseRefusal(repeated("[", kDeep)), ":1:1: a key must be a word");
   EXPECT_EQ(parseRefusal(repeated("[a: ", kDeep)), ":1:1: a key must be a word");
   EXPECT_EQ(parseRefusal(repeated("{", kDeep)), ":1:1: a key must be a word");

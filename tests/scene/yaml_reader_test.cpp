@@ -1,4 +1,4 @@
-// Numbers and units, one node at a time.
+// Numbers and units of single nodes.
 #include "scene/yaml_reader.h"
 
 #include <charconv>

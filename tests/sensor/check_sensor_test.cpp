@@ -146,7 +146,7 @@ TEST(CheckSensor, ElasticLayer) {
   for (const double bad : {-1.0, 2.0, kNan, kInfinity}) {
     expectRefused("skin.margin", with([&](Sensor& s, ElasticLayer&) { s.skin.margin = bad; }));
   }
-  expectRefused("skin.margin", [](Sensor& s) { s.skin.margin = 0.001; });  // of another law
+  expectRefused("skin.margin", [](Sensor& s) { s.skin.margin = 0.001; });  // allowed for elastic_layer only
   expectRefused("patches", with([](Sensor& s, ElasticLayer&) { s.patches.push_back(s.patches[0]); }));
   expectRefused("patches[0].pitch", with([](Sensor& s, ElasticLayer&) { s.patches[0].pitch[1] = s.patches[0].pitch[0] / 20; }));
   expectRefused("skin.thickness", with([](Sensor& s, ElasticLayer&) { s.skin.thickness = 1e-5; }));
@@ -223,7 +223,7 @@ TEST(CheckSensor, RefusesPsfWhoseNormalizationDividesByZero) {
   const auto shift = [](Sensor& s) { s.psf.kernel = {0, 0, 0, 0, 0, 0, 0, 1, 0}; };
   expectRefused("psf.kernel", shift);
   expectAccepted([&](Sensor& s) { shift(s), s.psf.normalization = Psf::Normalization::kNone; });
-  // All four neighbours but not itself: fine on a grid, not for a lone taxel.
+  // The four neighbours without the middle: valid on a grid, not for a single taxel, which has no neighbour.
   const auto ring = [](Sensor& s) { s.psf.kernel = {0, 1, 0, 1, 0, 1, 0, 1, 0}; };
   expectAccepted(ring);
   expectRefused("psf.kernel", [&](Sensor& s) { ring(s), s.patches[0].num_rows = s.patches[0].num_cols = 1; });
@@ -268,7 +268,7 @@ TEST(CheckSensor, ReadoutOverTime) {
     expectRefused("readout.jitter", [&](Sensor& s) { s.readout.jitter = bad; });
   }
   expectRefused("readout.creep[0].time", [](Sensor& s) { s.readout.creep = {{1, 0}}; });
-  // The example's rate is 100 Hz.
+  // The sensor of the example has a frame rate of 100 Hz.
   expectAccepted([](Sensor& s) { s.readout.jitter = 0.01; });
   expectRefused("readout.jitter", [](Sensor& s) { s.readout.jitter = 0.011; });
   expectRefused("readout.jitter", [](Sensor& s) { s.readout.jitter = 1e-9, s.frame_rate = 0; });
@@ -291,20 +291,21 @@ TEST(CheckSensor, Curve) {
   expectRefused("readout.curve[1]", [](Sensor& s) { s.readout.curve = {1, kNan}; });
   expectRefused("readout.curve", [](Sensor& s) { s.readout.curve = {0}; });
   expectRefused("readout.curve", [](Sensor& s) { s.readout.curve = {-100}; });
-  // Full depth brings 1.73e8 x 1.45e-3 x (3.4e-3)^2 = 2.9 N. This curve is highest at 2 N, with 2400 counts; at 3 N with 5400.
+  // The force at full depth is 1.73e8 x 1.45e-3 x (3.4e-3)^2 = 2.9 N. This curve has its maximum at 2 N
+  // (2400 counts), the next one at 3 N (5400 counts).
   expectRefused("readout.curve", [](Sensor& s) { s.readout.curve = {2400, -600}; });
   expectAccepted([](Sensor& s) { s.readout.curve = {3600, -600}; });
-  // Or where saturation comes before the top.
+  // Valid as well: it saturates below its maximum.
   expectAccepted([](Sensor& s) { s.readout.curve = {2400, -600}, s.readout.saturation = 2399; });
   expectRefused("readout.curve", [](Sensor& s) { s.readout.curve = {2400, -600}, s.readout.saturation = 2401; });
-  // A higher gain reaches further along the curve.
+  // A higher gain gives forces further along the curve.
   expectRefused("readout.curve", [](Sensor& s) {
-    s.readout.curve = {1200, -200};  // highest at 3 N, 1800 counts
+    s.readout.curve = {1200, -200};  // maximum 1800 counts at 3 N
     s.readout.taxel_gain.assign(84, 1.0);
     s.readout.taxel_gain[7] = 1.1;
   });
   expectAccepted([](Sensor& s) { s.readout.curve = {1200, -200}; });
-  // So does creep.
+  // Creep increases the force as well.
   expectRefused("readout.curve", [](Sensor& s) { s.readout.curve = {1200, -200}, s.readout.creep = {{0.1, 1}}; });
 }
 

@@ -1,4 +1,4 @@
-// A sensor that passes every check, for tests to break one field at a time.
+// A sensor that passes every check. Tests change one field at a time.
 #pragma once
 
 #include "taxelsim/sensor.h"

@@ -20,12 +20,12 @@ constexpr double kDecimals = 0.6e-6;
 TEST(GaussianPsf, IsThePapersSampledKernel) {
   const Psf psf = gaussianPsf(0.5, 3, Psf::Normalization::kNone);
   ASSERT_EQ(psf.kernel.size(), 9u);
-  // Middle 1/(2 pi 0.25), side e^-2 and corner e^-4 of it.
+  // Middle 1/(2 pi 0.25); sides and corners are e^-2 and e^-4 times that.
   EXPECT_NEAR(psf.kernel[4], 0.636620, kDecimals);
   EXPECT_NEAR(psf.kernel[1], 0.636620 * std::exp(-2), kDecimals);
   EXPECT_NEAR(psf.kernel[0], 0.636620 * std::exp(-4), kDecimals);
-  EXPECT_NEAR(sum(psf), 1.02789, 0.5e-5);  // the paper's own figure, to five decimals
-  // One-dimensional taps after normalising: 0.1065069789, 0.7869860422.
+  EXPECT_NEAR(sum(psf), 1.02789, 0.5e-5);  // the value in the paper, rounded to five decimals
+  // Normalized weights in one dimension: 0.1065069789, 0.7869860422.
   const double row = (psf.kernel[3] + psf.kernel[4] + psf.kernel[5]) / sum(psf);
   EXPECT_NEAR(row, 0.7869860422, 1e-10);
 }

@@ -10,8 +10,8 @@
 namespace taxelsim {
 namespace {
 
-// Newton's method ends at neighbouring doubles; the curve's own evaluation costs some rounding errors, which a slope of at least a
-// hundredth of the chord's turns into a hundred times as much.
+// Newton's method converges to neighbouring doubles. The evaluation of the curve has a few rounding errors; a slope of at least 1/100 of
+// the chord's amplifies them up to 100 times.
 constexpr double kRelative = 1e-12;
 
 TEST(NominalForce, IsExactForALinearCurve) {
@@ -37,11 +37,11 @@ TEST(NominalForce, SolvesAQuadraticCurve) {
 
 TEST(NominalForce, ReturnsTheFirstRootOfCurvesWithMaximum) {
   Readout readout;
-  readout.curve = {4, -1};  // highest, 4, at x = 2
+  readout.curve = {4, -1};  // maximum 4 at x = 2
   EXPECT_NEAR(nominalForce(readout, 3), 1, kRelative);
-  EXPECT_NEAR(nominalForce(readout, 4), 2, 1e-6);                      // a double root: half the digits
-  EXPECT_NEAR(nominalForce(readout, 5), 2, 1e-6);                      // out of reach: where it is highest
-  readout.curve = {9, -6, 1};                                          // x (x - 3)^2: up to 4 at x = 1, down to 0 at 3, up again
+  EXPECT_NEAR(nominalForce(readout, 4), 2, 1e-6);                      // a double root has half the digits
+  EXPECT_NEAR(nominalForce(readout, 5), 2, 1e-6);                      // above the maximum: the position of the maximum
+  readout.curve = {9, -6, 1};                                          // x (x - 3)^2: maximum 4 at x = 1, minimum 0 at x = 3
   EXPECT_NEAR(nominalForce(readout, 2), 2 - std::sqrt(3), kRelative);  // (x - 2)(x^2 - 4 x + 1) = 0
   EXPECT_NEAR(nominalForce(readout, 20), 5, 5 * kRelative);
 }
@@ -88,17 +88,17 @@ TEST(NominalForce, RisesWithTheCounts) {
 }
 
 TEST(CurveRises, DetectsFallingCurves) {
-  const std::vector<double> hump{9, -6, 1};  // up to 4 at x = 1, down to 0 at 3, up again
+  const std::vector<double> hump{9, -6, 1};  // maximum 4 at x = 1, minimum 0 at x = 3
   EXPECT_TRUE(curveRises(hump, 0.99, 100));
   EXPECT_FALSE(curveRises(hump, 1.01, 100));
   EXPECT_FALSE(curveRises(hump, 5, 100));
-  EXPECT_TRUE(curveRises(hump, 5, 3.9));  // 3.9 is reached on the way up
+  EXPECT_TRUE(curveRises(hump, 5, 3.9));  // reaches 3.9 before the maximum
   EXPECT_FALSE(curveRises(hump, 5, 4.1));
   EXPECT_FALSE(curveRises(std::vector<double>{0}, 1, 10));
   EXPECT_FALSE(curveRises(std::vector<double>{-1}, 1, 10));
   EXPECT_FALSE(curveRises(std::vector<double>{-1, 1}, 5, 10));
   EXPECT_TRUE(curveRises(std::vector<double>{0, 0, 1}, 1, 10));
-  EXPECT_TRUE(curveRises(std::vector<double>{3, -3, 1}, 2, 10));  // (x - 1)^3 + 1: level at one point only
+  EXPECT_TRUE(curveRises(std::vector<double>{3, -3, 1}, 2, 10));  // (x - 1)^3 + 1: slope 0 at one point only
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The skin in space: distances along it in closed form, neighbours, how deep a patch looks, and taxels with places of their own.
+// Curved skins: distances in closed form, neighbours, view depths, and taxels with individual poses.
 #include "sensor/skin.h"
 
 #include <gtest/gtest.h>
@@ -52,9 +52,9 @@ TEST(SkinDistance, IsSymmetricAndFiniteForOppositeNormals) {
 
 TEST(SkinNeighbours, CrossPatches) {
   Sensor sensor = exampleSensor();
-  sensor.psf = {.sigma = 0.0034};  // reach 3 pitches: rounding must not decide who is there
+  sensor.psf = {.sigma = 0.0034};  // reach 3 pitches: rounding must not decide which taxels are within
   const auto whole = skinNeighbours(sensor);
-  // 29 places of an integer lattice lie within 3; from row 3 of 0 to 5 the one in row 6 is not there.
+  // 29 points of an integer lattice lie within distance 3. From row 3 of rows 0 to 5, the point in row 6 does not exist.
   EXPECT_EQ(whole[3 * 14 + 7].size(), 28u);
   // The same taxels in two patches of three rows.
   sensor.patches[0].num_rows = 3;
@@ -87,7 +87,7 @@ TEST(SkinNeighbours, HaveGaussianWeights) {
 TEST(SkinNeighbours, AreAtMost128) {
   Sensor sensor = exampleSensor();
   sensor.patches[0].num_rows = sensor.patches[0].num_cols = 20;
-  sensor.psf = {.sigma = 0.0034, .reach = 6.5 * 0.0034};  // 137 places of the lattice
+  sensor.psf = {.sigma = 0.0034, .reach = 6.5 * 0.0034};  // 137 points of the lattice
   EXPECT_THROW(checkSensor(sensor), Error);
   sensor.psf.reach = 6.1 * 0.0034;  // 113
   EXPECT_NO_THROW(checkSensor(sensor));
@@ -138,7 +138,7 @@ TEST(ViewDepths, AreHalfAPlateAndAtLeastTheThickness) {
   EXPECT_EQ(viewDepths(plate)[0], 0.009);
 }
 
-TEST(TaxelPatch, LooksAlongItsNormal) {
+TEST(TaxelPatch, HasZAlongItsNormal) {
   for (const Vector3& normal : {Vector3{0, 0, 1}, {0, 0, -1}, {1, 0, 0}, {0, -3, 0}, {1e-200, 2e-200, -1e-200}, {1, 2, 3}}) {
     const GridPatch patch = taxelPatch("t", {1, 2, 3}, normal, {0.001, 0.002});
     const Vector3 n = rotate(patch.X_SP.rotation, {0, 0, 1});
@@ -147,7 +147,7 @@ TEST(TaxelPatch, LooksAlongItsNormal) {
     EXPECT_EQ(patch.pitch, (std::array<double, 2>{0.001, 0.002}));
     EXPECT_EQ(patch.X_SP.position, (Vector3{1, 2, 3}));
   }
-  EXPECT_EQ(taxelPatch("t", {}, {0, 0, 2}, {1, 1}).X_SP, Pose{}) << "exactly level";
+  EXPECT_EQ(taxelPatch("t", {}, {0, 0, 2}, {1, 1}).X_SP, Pose{}) << "no rotation";
   EXPECT_EQ(taxelPatch("t", {}, {0, 0, 2}, {1, 1}, Vector3{3, 0, 1}).X_SP, Pose{});
 }
 
@@ -166,11 +166,11 @@ TEST(TaxelPatch, RejectsZeroDirections) {
   EXPECT_THROW(taxelPatch("t", {}, {0, 1, 1}, {1, 1}, Vector3{0, 0, 0}), Error);
 }
 
-// Vertices of float32: positions of 0.01 m are rounded to 1e-9 m.
+// Vertices are float32: positions of 0.01 m are rounded to 1e-9 m.
 constexpr double kFloat = 2e-9;
 
 TEST(TaxelMesh, PairsTrianglesInOrder) {
-  // Two taxels of 2 mm x 3 mm side by side along x, the second raised by 1 mm; the second pair begins with another corner.
+  // Two taxels of 2 mm x 3 mm side by side along x, the second raised by 1 mm; the second pair starts with another corner.
   const Mesh mesh{{{0, 0, 0},
                    {0.002f, 0, 0},
                    {0.002f, 0.003f, 0},
@@ -187,7 +187,7 @@ TEST(TaxelMesh, PairsTrianglesInOrder) {
     EXPECT_NEAR(taxels[t].X_SP.position[1], 0.0015, kFloat);
     EXPECT_NEAR(taxels[t].X_SP.position[2], t == 0 ? 0 : 0.001, kFloat);
     EXPECT_NEAR(rotate(taxels[t].X_SP.rotation, {0, 0, 1})[2], 1, kRounding);
-    // The first side may be either; in S the taxel is the same.
+    // Either side may be the first; the taxel in S is the same.
     const Vector3 x = rotate(taxels[t].X_SP.rotation, {1, 0, 0});
     const bool along_x = std::abs(x[0]) > 0.5;
     EXPECT_NEAR(taxels[t].pitch[0], along_x ? 0.002 : 0.003, kFloat);

@@ -1,6 +1,6 @@
-// Crash-safe file writing and directory locks.
+// Crash-safe file writing.
 //
-// Protocol for every file of a data set:
+// Protocol:
 //
 //   open(".NAME.tmp-PID")  write  fsync  close  rename(NAME)  fsync(directory)
 //                                               |
@@ -21,7 +21,7 @@
 #include <string>
 #include <vector>
 
-namespace taxelsim::dataset {
+namespace taxelsim {
 
 // Creates or replaces `file` with the protocol above. Removes the temporary file on failure. Throws Error(kIo).
 void writeFileAtomically(const std::filesystem::path& file, std::span<const std::byte> bytes);
@@ -55,21 +55,4 @@ bool isTemporaryName(const std::string& name);
 // Removes a file, if it exists, and flushes the directory. Throws Error(kIo).
 void removeFile(const std::filesystem::path& file);
 
-inline constexpr const char* kLockName = ".lock";
-
-// Exclusive advisory lock of a directory: flock() on a file in it, for the lifetime of the object. The kernel releases it when the process
-// ends for any reason.
-class DirectoryLock {
- public:
-  // Does not wait. Throws Error(kIo) if another process or object holds the lock.
-  explicit DirectoryLock(const std::filesystem::path& directory);
-  ~DirectoryLock();
-  DirectoryLock(const DirectoryLock&) = delete;
-  DirectoryLock& operator=(const DirectoryLock&) = delete;
-
- private:
-  std::filesystem::path file_;
-  int descriptor_ = -1;
-};
-
-}  // namespace taxelsim::dataset
+}  // namespace taxelsim

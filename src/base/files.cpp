@@ -1,8 +1,6 @@
-#include "dataset/files.h"
+#include "base/files.h"
 
 #include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,7 +11,7 @@
 
 #include "taxelsim/error.h"
 
-namespace taxelsim::dataset {
+namespace taxelsim {
 namespace {
 
 constexpr std::size_t kMaxWriteBytes = std::size_t{1} << 30;  // bytes; Linux writes at most 2 GiB per call
@@ -99,29 +97,4 @@ void removeFile(const std::filesystem::path& file) {
   flushDirectory(file.parent_path());
 }
 
-DirectoryLock::DirectoryLock(const std::filesystem::path& directory) : file_(directory / kLockName) {
-  while (true) {
-    descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (descriptor_ < 0) throwIo("create lock file", file_, errno);
-    if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
-      const int code = errno;
-      ::close(descriptor_);
-      if (code == EWOULDBLOCK) throw Error(ErrorKind::kIo, directory.string() + ": another process is writing this data set");
-      throwIo("lock", file_, code);
-    }
-    // The previous holder may have removed the file between open() and flock(). The lock is then on an unlinked file, and must be retried.
-    struct stat locked {
-    }, current{};
-    if (::fstat(descriptor_, &locked) == 0 && ::stat(file_.c_str(), &current) == 0 && locked.st_ino == current.st_ino &&
-        locked.st_dev == current.st_dev)
-      return;
-    ::close(descriptor_);
-  }
-}
-
-DirectoryLock::~DirectoryLock() {
-  ::unlink(file_.c_str());
-  ::close(descriptor_);
-}
-
-}  // namespace taxelsim::dataset
+}  // namespace taxelsim

@@ -1,0 +1,127 @@
+#include "scene/scene_checks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "base/field_checks.h"
+#include "control/servo_fields.h"
+#include "scene/scene_fields.h"
+
+namespace taxelsim {
+namespace {
+
+constexpr double kRounding = 1e-9;  // relative; rates and times are decimal fractions
+
+bool hasEdge(const SceneObject& object) {
+  return object.edge || !object.contour.empty();
+}
+bool hasContour(const SceneObject& object) {
+  return !object.contour.empty();
+}
+
+template <typename Item, typename Table>
+void checkWeights(const std::string& list, const std::vector<Item>& items, const Table& table) {
+  if (items.empty()) failField(list, "an empty list", "at least one");
+  double sum = 0;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    checkFields(elementOf(list, i) + ".", table, items[i]);
+    sum += items[i].weight;
+  }
+  if (!(sum > 0)) throw Error(list, "every weight is 0: at least one must be chosen");
+}
+
+void checkObjects(const Scene& scene) {
+  checkWeights("objects", scene.objects, kObjectFields);
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const SceneObject& object = scene.objects[i];
+    checkObject(object.object);
+    if (object.motion) checkBelow(elementOf("objects", i) + ".motion", [&] { checkMotion(*object.motion); });
+  }
+}
+
+void checkControllers(const Scene& scene) {
+  if (scene.kind != Scene::Kind::kServo) return;
+  checkWeights("controllers", scene.controllers, kControllerFields);
+  for (std::size_t i = 0; i < scene.controllers.size(); ++i) {
+    checkBelow(elementOf("controllers", i) + ".tactile_servo", [&] { checkServo(scene.controllers[i].servo); });
+  }
+}
+
+void checkRange(const std::string& field, const Range& range, const Allowed& allowed) {
+  checkNumber(field + ".min", range.min, allowed);
+  checkNumber(field + ".max", range.max, allowed);
+  if (range.min > range.max)
+    failField(field, "[" + numberText(range.min) + ", " + numberText(range.max) + "]", "[min, max] with min <= max");
+}
+
+void checkRandomization(const Scene& scene) {
+  const Randomization& random = scene.randomization;
+  const auto check = [&](const auto& table) {
+    for (const RangeField& field : table) {
+      const std::string path = "randomization." + std::string(field.name());
+      if (const auto* member = std::get_if<Range Randomization::*>(&field.member)) {
+        checkRange(path, random.*(*member), field.allowed);
+      } else if (const std::optional<Range>& range = random.*std::get<1>(field.member)) {
+        checkRange(path, *range, field.allowed);
+      }
+    }
+  };
+  check(kRandomizationFields);
+  check(kServoRandomizationFields);
+  if (random.load.has_value() == random.depth.has_value()) throw Error("randomization", "exactly one of load and depth must be set");
+}
+
+}  // namespace
+
+void checkRates(const Scene& scene) {
+  const double ratio = scene.simulation_rate / scene.control_rate;
+  if (ratio >= 1 - kRounding && std::abs(ratio - std::round(ratio)) <= kRounding * ratio) return;
+  failField("control_rate", numberText(scene.control_rate) + " Hz",
+            "simulation_rate (" + numberText(scene.simulation_rate) + " Hz) divided by a whole number");
+}
+
+void checkTask(const Task& task, const Scene& scene) {
+  bool any = false;
+  for (std::size_t m = 0; m < task.criteria.size(); ++m) {
+    if (!task.criteria[m]) continue;
+    any = true;
+    checkFields(std::string(kTaskMeasureNames[m]) + ".", criterionFields(static_cast<TaskMeasure>(m)), *task.criteria[m]);
+  }
+  if (!any) throw Error(ErrorKind::kInput, "no success criterion: at least one of edge_angle, total_force, center, contour");
+  checkFields("", kTaskFields, task);
+  const double duration = scene.num_steps / scene.simulation_rate;
+  if (task.hold > duration * (1 + kRounding)) {
+    failField("hold", numberText(task.hold), describe(Allowed::aboveUpTo(0, duration, "s")) + ", the duration of an episode");
+  }
+  const auto& objects = scene.objects;
+  if (task[TaskMeasure::kEdgeAngle] && !std::all_of(objects.begin(), objects.end(), hasEdge)) {
+    throw Error("edge_angle", "needs an edge or a contour of every object of the scene");
+  }
+  if (std::all_of(objects.begin(), objects.end(), hasContour)) return;
+  if (task[TaskMeasure::kContour]) throw Error("contour", "needs a contour of every object of the scene");
+  if (task.laps > 0) throw Error("laps", "needs a contour of every object of the scene");
+}
+
+void checkScene(const Scene& scene) {
+  checkFields("", kNumEpisodesFields, scene);
+  checkFields("", kNumStepsFields, scene);
+  if (scene.kind == Scene::Kind::kContacts && scene.num_steps != 1) {
+    failField("num_steps", std::to_string(scene.num_steps), "1 in a scene of kind contacts");
+  }
+  checkFields("", kSimulationRateFields, scene);
+  checkFields("", kControlRateFields, scene);
+  checkFields("", kSeedFields, scene);
+  checkFields("", kDataSetFields, scene);
+  checkFields("", kMaxRegionsFields, scene);
+  checkRates(scene);
+  checkObjects(scene);
+  checkControllers(scene);
+  checkRandomization(scene);
+  if (scene.task) checkBelow("task", [&] { checkTask(*scene.task, scene); });
+  checkBelow("robot", [&] { checkRobot(scene.robot); });
+  checkBelow("sensor", [&] { checkSensor(scene.sensor); });
+}
+
+}  // namespace taxelsim

@@ -1,0 +1,15 @@
+// Checks of a scene, which need not come from a file.
+#pragma once
+
+#include "taxelsim/scene.h"
+
+namespace taxelsim {
+
+// Throws Error(kInput) with the path of the field, the value found and what is allowed.
+void checkScene(const Scene& scene);
+
+// Parts of checkScene() for settings that depend on each other; paths are relative to the block of the file.
+void checkRates(const Scene& scene);                   // control_rate, a whole fraction of simulation_rate
+void checkTask(const Task& task, const Scene& scene);  // criteria, duration of the episode, edges of the objects
+
+}  // namespace taxelsim

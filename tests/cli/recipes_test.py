@@ -1,0 +1,63 @@
+#!/usr/bin/env python3
+"""Runs docs/recipes.md: writes the files that it shows, runs its commands and its Python, in its order.
+
+    recipes_test.py TAXELSIM [RECIPES]
+
+A block of code whose first line is a comment with a file name becomes that file, `sh` blocks are commands, `python` blocks run in this
+interpreter. Fails at the first command that fails or prints a warning, and if a file that a command should write is missing.
+"""
+
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+
+def blocks(text):
+    """(language, content) of each block of code."""
+    return [(match[1], match[2]) for match in re.finditer(r"^```(\w+)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)]
+
+
+def written_by(command):
+    """Files and directories that the options -o, --png and --report name."""
+    return re.findall(r"(?:-o|--png|--report) (\S+)", command)
+
+
+def run_command(line, program, folder):
+    assert line.startswith("taxelsim "), line
+    # A shell, because the recipes use its patterns and quotes.
+    done = subprocess.run(line.replace("taxelsim", str(program), 1), shell=True, cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 0, f"{line}: exit status {done.returncode}: {done.stderr}"
+    assert "warning" not in done.stderr, f"{line}: {done.stderr}"
+    for name in written_by(line):
+        assert (folder / name).exists(), f"{line}: {name} is missing"
+
+
+def main():
+    program = pathlib.Path(sys.argv[1]).resolve()
+    recipes = pathlib.Path(sys.argv[2]) if len(sys.argv) > 2 else ROOT / "docs" / "recipes.md"
+    num_commands = 0
+    with tempfile.TemporaryDirectory() as directory:
+        folder = pathlib.Path(directory)
+        (folder / "scenes").symlink_to(ROOT / "scenes")
+        for language, content in blocks(recipes.read_text()):
+            if language == "sh":
+                for line in content.splitlines():
+                    run_command(line, program, folder)
+                    num_commands += 1
+            elif language == "python":
+                subprocess.run([sys.executable, "-c", content], cwd=folder, check=True, stdout=subprocess.DEVNULL)
+            else:
+                name = re.match(r"# (\S+)\n", content)
+                assert name, f"a block of {language} without a file name: {content[:60]}"
+                body = content if language != "csv" else content.split("\n", 1)[1]
+                (folder / name[1]).write_text(body)
+    assert num_commands >= 10, f"only {num_commands} commands found"
+    print(f"{num_commands} commands")
+
+
+if __name__ == "__main__":
+    main()
