@@ -29,7 +29,7 @@ PARTS = (
     "taxelsim/lib/libtaxelsim.so*",
     "taxelsim/scenes/edge_servo.yaml",
 )
-BUNDLED = re.compile(r"^taxelsim\.libs/(?P<stem>.+?)-[0-9a-f]{8}(?P<rest>\.so.*)$")
+BUNDLED = re.compile(r"^taxelsim\.libs/(?P<stem>.+?)-[0-9a-f]{8}(?P<rest>\..*)$")
 
 
 def bundled_libraries(names: list[str]) -> dict[str, str]:

@@ -57,22 +57,28 @@ void reset(SharedEnvironment& self, const Column<std::uint8_t>& mask, const Colu
   self.with([&](Environment& environment) { environment.reset({mask.data(), mask.shape(0)}, {episodes.data(), episodes.shape(0)}); });
 }
 
-// One control period: the robots take the action, then all frames to the next control tick.
+// The robots take the action, then follow it for some frames. Waits for the last one.
 template <typename Act>
-void stepPeriod(SharedEnvironment& self, Act act) {
+void step(SharedEnvironment& self, int num_frames, Act act) {
   self.with([&](Environment& environment) {
     act(environment);
-    for (int frame = 0; frame < environment.controlPeriod(); ++frame) environment.step();
+    for (int frame = 0; frame < num_frames; ++frame) environment.step();
     environment.observe();
   });
 }
 
-void step(SharedEnvironment& self, const Table<double>& twists) {
-  stepPeriod(self, [&](Environment& environment) { environment.act({reinterpret_cast<const Twist*>(twists.data()), twists.shape(0)}); });
+void stepTwists(SharedEnvironment& self, const Table<double>& twists, int num_frames) {
+  step(self, num_frames, [&](Environment& environment) {
+    environment.act({reinterpret_cast<const Twist*>(twists.data()), twists.shape(0)});
+  });
 }
 
-void stepJoints(SharedEnvironment& self, const Table<double>& velocities) {
-  stepPeriod(self, [&](Environment& environment) { environment.actJoints({velocities.data(), velocities.size()}); });
+void stepJoints(SharedEnvironment& self, const Table<double>& velocities, int num_frames) {
+  step(self, num_frames, [&](Environment& environment) { environment.actJoints({velocities.data(), velocities.size()}); });
+}
+
+void advance(SharedEnvironment& self, int num_frames) {
+  step(self, num_frames, [](Environment&) {});
 }
 
 nb::dict arrays(nb::handle self) {
@@ -126,8 +132,9 @@ void bindEnvironment(nb::module_& module) {
       .def("__init__", &init, "device"_a, "scene"_a, "num_instances"_a, "outputs"_a, "max_regions"_a,
            nb::call_guard<nb::gil_scoped_release>())
       .def("reset", &reset, "mask"_a, "episodes"_a)
-      .def("step", &step, "twists"_a)
-      .def("step_joints", &stepJoints, "velocities"_a)
+      .def("step", &stepTwists, "twists"_a, "num_frames"_a)
+      .def("step_joints", &stepJoints, "velocities"_a, "num_frames"_a)
+      .def("advance", &advance, "num_frames"_a)
       .def("arrays", &arrays)
       .def("task_arrays", &taskArrays)
       .def("judge", &judge, "instances"_a)
@@ -138,8 +145,8 @@ void bindEnvironment(nb::module_& module) {
       .def_prop_ro("control_period", [](const SharedEnvironment& self) { return self.get().controlPeriod(); })
       .def_prop_ro("dt", [](const SharedEnvironment& self) { return self.get().dt(); });
   module.def("episode_keys", &episodeKeys, "seeds"_a, "instances"_a, "num_resets"_a);
-  module.def("_task_of", &taskOf, "scene"_a, "Tolerances by TASK_MEASURES (NaN: no criterion), laps, travel (m), hold (s).");
-  module.def("_servo_limits", &servoLimits, "scene"_a, "Largest linear (m/s) and angular velocity (rad/s) of the first controller.");
+  module.def("task_of", &taskOf, "scene"_a, "Tolerances by TASK_MEASURES (NaN: no criterion), laps, travel (m), hold (s).");
+  module.def("servo_limits", &servoLimits, "scene"_a, "Largest linear (m/s) and angular velocity (rad/s) of the first controller.");
 }
 
 }  // namespace taxelsim::python

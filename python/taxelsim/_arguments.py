@@ -76,7 +76,7 @@ def checked_mask(options: dict[str, Any] | None, num_envs: int) -> NDArray[np.bo
         raise InputError(f"options['reset_mask']: shape {(num_envs,)} expected, {mask.shape} found")
     if not mask.any():
         raise InputError("options['reset_mask']: at least one environment must be True")
-    return mask.copy()
+    return np.array(mask, np.bool_)
 
 
 def checked_seeds(seed: Any, num_envs: int) -> NDArray[np.uint64] | None:

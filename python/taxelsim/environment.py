@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from ._arguments import checked_count
 from ._arrays import Dimension, to_array
 from ._core import TASK_MEASURES, Device, OutputOptions, Scene, Sensor
 from .errors import InputError
@@ -95,7 +96,7 @@ class Task:
         """The task of `scene`. Raises InputError if it has none."""
         if not scene.has_task:
             raise InputError(f"{scene.file}: this scene has no `task`, which an environment needs")
-        tolerances, laps, travel, hold = _core._task_of(scene)
+        tolerances, laps, travel, hold = _core.task_of(scene)
         return Task({name: value for name, value in zip(TASK_MEASURES, tolerances, strict=True) if not np.isnan(value)}, laps, travel, hold)
 
 
@@ -205,17 +206,25 @@ class Environment:
         checked = to_array("mask", mask, np.bool_, [[self._N]])
         self._batch.reset(checked.view(np.uint8), to_array("episodes", episodes, np.uint64, [[self._N]]))
 
-    def step(self, twists: npt.ArrayLike) -> None:
-        """Commands `twists`, and advances by one control period. Waits for the last frame.
+    def step(self, twists: npt.ArrayLike, num_frames: int | None = None) -> None:
+        """Commands `twists`, and advances by some frames; default: one control period. Waits for the last frame.
 
-        twists: (N, 6), linear (m/s) and angular velocity (rad/s) of sensor 0 in S. Rows of instances that are not active are ignored.
-        Raises InputError, and changes nothing, for another shape or dtype, or for NaN.
+        twists: (N, 6), linear (m/s) and angular velocity (rad/s) of sensor 0 in S. Rows of instances that are not active, or whose control
+        tick is not due, are ignored. Raises InputError, and changes nothing, for another shape or dtype, or for NaN.
         """
-        self._batch.step(to_array("twists", twists, np.float64, [[self._N, 6]]))
+        self._batch.step(to_array("twists", twists, np.float64, [[self._N, 6]]), self._frames(num_frames))
 
-    def step_joints(self, velocities: npt.ArrayLike) -> None:
+    def step_joints(self, velocities: npt.ArrayLike, num_frames: int | None = None) -> None:
         """As step(), with joint velocities (N, num_joints; rad/s or m/s) of a manipulator."""
-        self._batch.step_joints(to_array("velocities", velocities, np.float64, [[self._N, self._batch.num_joints]]))
+        checked = to_array("velocities", velocities, np.float64, [[self._N, self._batch.num_joints]])
+        self._batch.step_joints(checked, self._frames(num_frames))
+
+    def advance(self, num_frames: int) -> None:
+        """Advances by some frames; the robots keep their actions. Waits for the last frame."""
+        self._batch.advance(self._frames(num_frames))
+
+    def _frames(self, num_frames: int | None) -> int:
+        return self.control_period if num_frames is None else checked_count("num_frames", num_frames)
 
     def observe(self) -> EnvironmentFrame:
         """The latest frame."""
@@ -242,4 +251,5 @@ def episode_keys(seeds: npt.ArrayLike, instances: npt.ArrayLike, num_resets: npt
     Independent of the number of instances, so that a batch of any size runs the same episodes.
     """
     columns = np.broadcast_arrays(np.asarray(seeds, np.uint64), np.asarray(instances, np.uint32), np.asarray(num_resets, np.uint64))
-    return _core.episode_keys(*(np.ascontiguousarray(np.atleast_1d(column)) for column in columns))
+    keys: Any = _core.episode_keys(*(np.ascontiguousarray(np.atleast_1d(column)) for column in columns))
+    return np.asarray(keys, np.uint64)

@@ -306,6 +306,35 @@ TEST(Environment, JointVelocitiesMoveTheJoints) {
               HasSubstr("action of instance 1 (episode 1): velocity of joint tilt = nan"));
 }
 
+// Revolute joints have the scene's angular action noise, drawn for (episode, frame, joint).
+TEST(Environment, JointVelocitiesHaveActionNoise) {
+  Scene scene = exampleScene();
+  PanTilt platform;
+  platform.drive = {};
+  scene.robot = panTilt(platform);
+  constexpr double kDeviation = 0.01;  // rad/s
+  scene.randomization.angular_action_noise = {kDeviation, kDeviation};
+  constexpr std::size_t kNumInstances = 64;
+  Environment environment(Device::open(), scene, {.num_instances = kNumInstances});
+  std::vector<std::uint64_t> episodes(kNumInstances);
+  for (std::size_t i = 0; i < kNumInstances; ++i) episodes[i] = i / 2;
+  environment.reset(std::vector<std::uint8_t>(kNumInstances, 1), episodes);
+  environment.actJoints(std::vector<double>(2 * kNumInstances, 0.1));
+  environment.step();
+  const std::span<const double> velocities = environment.observe().joint_velocities;
+  double squares = 0;
+  for (std::size_t k = 0; k < velocities.size(); ++k) {
+    squares += std::pow(velocities[k] - 0.1, 2);
+    if (k / 2 % 2 == 1) {
+      EXPECT_EQ(velocities[k], velocities[k - 2]) << "of the same episode";
+    }
+  }
+  EXPECT_NE(velocities[0], velocities[1]);
+  EXPECT_NE(velocities[0], velocities[4]);
+  // 64 independent numbers: five standard deviations of their standard deviation, 5 / sqrt(2 64).
+  EXPECT_NEAR(std::sqrt(squares / static_cast<double>(velocities.size())), kDeviation, 0.44 * kDeviation);
+}
+
 TEST(Environment, RefusesScenesAndModelsThatDoNotFit) {
   const Device device = Device::open();
   EXPECT_THAT(refusal([&] { Environment(device, exampleContacts(), {}); }), HasSubstr("kind: contacts found, an environment needs servo"));

@@ -1,11 +1,9 @@
-// Formatting of numbers, tables and progress.
+// Formatting of numbers and tables.
 #include "figures/text.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
-
-#include "cli/progress.h"
 
 namespace taxelsim::figures {
 namespace {
@@ -26,20 +24,6 @@ TEST(Text, Numbers) {
 
 TEST(Text, TableIsAligned) {
   EXPECT_EQ(tableText({{"name", "value"}, {"é", "7"}, {"long", "12.5"}}), "name  value\né         7\nlong   12.5\n");
-}
-
-TEST(Text, Progress) {
-  Progress progress;
-  progress.num_episodes = 1000;
-  EXPECT_EQ(cli::progressLine(progress), "  0 %  0 of 1,000 episodes  0 frames/s  ? left");
-  progress.episodes_done = 400;
-  progress.episodes_resumed = 100;
-  progress.frames_done = 30000;
-  progress.seconds = 10;
-  EXPECT_EQ(cli::progressLine(progress), " 40 %  400 of 1,000 episodes  3,000 frames/s  0:20 left")
-      << "300 episodes took 10 s, 600 are left";
-  EXPECT_EQ(cli::progressBar(progress, 200).find("[############..................]"), 0u);
-  for (int width = 0; width < 120; ++width) EXPECT_LE(cli::progressBar(progress, width).size(), static_cast<std::size_t>(width));
 }
 
 }  // namespace

@@ -60,7 +60,8 @@ TEST_P(SteadyFrame, AllocatesNoMemory) {
   ShardWriter writer(dataset, 1);
   ShardQueue queue(manifest, {false}, plan.num_frames);
   const Recorder recorder(planColumns(scene), plan.edges);
-  ShardSink sink(plan, recorder, queue, writer, kNumInstances);
+  std::vector<LoadMisses> load_misses(scene.objects.size());
+  ShardSink sink(plan, recorder, queue, writer, load_misses, kNumInstances);
   Slice slice(model, plan, kNumInstances, sink);
 
   slice.submit();

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any
 
 import gymnasium
@@ -9,6 +10,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
+from .._core import Scene
 from .vector_env import TactileVectorEnv
 
 
@@ -20,8 +22,8 @@ class TactileEnv(gymnasium.Env[Any, NDArray[Any]]):
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}  # noqa: RUF012, as declared by Gymnasium
 
-    def __init__(self, *args: Any, **kwargs: Any) -> None:
-        self._batch = TactileVectorEnv(*args, num_envs=1, autoreset_mode=AutoresetMode.DISABLED, **kwargs)
+    def __init__(self, scene: Scene | str | os.PathLike[str], **kwargs: Any) -> None:
+        self._batch = TactileVectorEnv(scene, 1, autoreset_mode=AutoresetMode.DISABLED, **kwargs)
         self.metadata = {**self.metadata, "render_fps": round(1 / self._batch.step_time)}
         self.render_mode = self._batch.render_mode
         self.observation_space = self._batch.single_observation_space
@@ -38,7 +40,7 @@ class TactileEnv(gymnasium.Env[Any, NDArray[Any]]):
         observation, rewards, terminated, truncated, infos = self._batch.step(np.asarray(action)[None])
         return _single(observation), float(rewards[0]), bool(terminated[0]), bool(truncated[0]), _single_info(infos)
 
-    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
+    def render(self) -> NDArray[np.uint8] | None:
         """Picture (height, width, 3) of the tactile image; None without `render_mode`."""
         frames = self._batch.render()
         return None if frames is None else frames[0]

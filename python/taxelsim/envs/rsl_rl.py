@@ -13,15 +13,16 @@ from ..errors import InputError
 from .vector_env import TactileVectorEnv
 
 
-class RslRlVecEnv(VecEnv):
+class RslRlVecEnv(VecEnv):  # type: ignore[misc]
     """Vector environment for rsl_rl: observations in a TensorDict, `time_outs` of truncated episodes in the extras."""
 
     def __init__(self, envs: TactileVectorEnv, device: str = "cpu") -> None:
         if envs.autoreset_mode is not AutoresetMode.SAME_STEP:
             raise InputError(f"autoreset_mode: {envs.autoreset_mode.value} found, SameStep allowed")
-        self.envs, self.device, self.cfg = envs, device, {}
+        self.envs, self.device = envs, device
+        self.cfg: dict[str, Any] = {}
         self.num_envs = envs.num_envs
-        self.num_actions = envs.single_action_space.shape[0]
+        self.num_actions = envs.num_actions
         self.max_episode_length = envs.max_episode_steps
         self.episode_length_buf = torch.zeros(self.num_envs, dtype=torch.long, device=device)
         self._observation = self._tensors(envs.reset()[0])

@@ -13,7 +13,7 @@ from ..errors import InputError
 from .episodic import EpisodicVectorEnv
 
 
-class StableBaselinesVecEnv(VecEnv):
+class StableBaselinesVecEnv(VecEnv):  # type: ignore[misc]
     """Vector environment for Stable-Baselines3.
 
     `envs` must be in mode SAME_STEP. Of an episode that ended, `infos[i]` has `terminal_observation`,
@@ -64,4 +64,4 @@ class StableBaselinesVecEnv(VecEnv):
         return [False] * len(list(self._get_indices(indices)))
 
     def get_images(self) -> Sequence[np.ndarray | None]:
-        return list(self.envs.render() or [])
+        return [np.asarray(frame) for frame in self.envs.render() or ()]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .._core import TASK_MEASURES, Device, Scene
-from ..environment import Environment, EnvironmentFrame, Task, TaskState
+from ..environment import Environment, Task, TaskState
 from ..errors import InputError
 from ..pictures import pictures, taxel_map
 from ..policies.actions import ACTIONS, TwistActions
@@ -74,16 +74,11 @@ class TactileVectorEnv(EpisodicVectorEnv):
         opened = device if isinstance(device, Device) else Device.open(device)
         self._environment: Environment | None = Environment(opened, self.scene, self.num_envs)
         self._period, self._num_frames = self._environment.control_period, self._environment.num_frames
-        if (self._num_frames - 1) % self._period:
-            raise InputError(
-                f"{self.scene.file}: num_steps: {self._num_frames} found; an environment needs 1 + a multiple of {self._period}, the "
-                "frames per control tick"
-            )
         self.step_time = self._period * self._environment.dt  #: s, simulated time of one step
-        self.max_episode_steps = (self._num_frames - 1) // self._period  #: steps of an episode that is not terminated
+        self.max_episode_steps = -(-(self._num_frames - 1) // self._period)  #: steps of an episode that is not terminated
         layout = self._environment.layout
         self._builder = ObservationBuilder(layout, observations, image_unit=image_unit, normalized=normalized, history=history, copy=copy)
-        limits = _core._servo_limits(self.scene)
+        limits = _core.servo_limits(self.scene)
         self._actions = TwistActions(
             actions, limits[0] if linear_scale is None else linear_scale, limits[1] if angular_scale is None else angular_scale
         )
@@ -95,7 +90,8 @@ class TactileVectorEnv(EpisodicVectorEnv):
         self._layout = layout
         self._pixels: NDArray[np.intp] | None = None
         self.single_observation_space = _space(self._builder.bounds())
-        self.single_action_space = spaces.Box(-1, 1, (len(self._actions.names),), np.float32)
+        self.num_actions = len(self._actions.names)
+        self.single_action_space = spaces.Box(-1, 1, (self.num_actions,), np.float32)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
 
@@ -114,15 +110,33 @@ class TactileVectorEnv(EpisodicVectorEnv):
         self._advanced[mask] = 0
 
     def _advance(self, actions: NDArray[Any], running: Mask) -> tuple[NDArray[np.float64], Mask, Mask]:
-        self._batch.step(self._actions.twists(actions))
-        self._frame, self._state = frame, state = self._batch.observe(), self._batch.task_state()
-        self._builder.update(frame)
+        num_left = self._num_frames - 1 - self._frame.frame_numbers
+        ending = running & (num_left <= self._period)
+        forces = self._step(self._actions.twists(actions), ending)
+        state = self._state
         contact = state.contact.astype(np.bool_)
         self._lost_steps = np.where(contact, 0, self._lost_steps + 1)
-        rewards = self._reward(state.errors, self._tolerances, self._progress(state), contact, self._forces(frame))
-        truncated = running & (frame.frame_numbers >= self._num_frames - 1)
-        self._success = self._judged(truncated)
-        return rewards, running & (self._lost_steps > self._max_lost_steps), truncated
+        rewards = self._reward(state.errors, self._tolerances, self._progress(state), contact, forces)
+        self._success = self._judged(ending)
+        return rewards, running & (self._lost_steps > self._max_lost_steps), ending
+
+    def _step(self, twists: NDArray[np.float64], ending: Mask) -> NDArray[np.float64]:
+        """Advances by a control period, or to the last frame of the episodes that are `ending`. Returns total forces (num_envs), N."""
+        num_last = (self._num_frames - 1) % self._period or self._period  # frames of the last step of an episode
+        if num_last == self._period or not ending.any():
+            self._batch.step(twists)
+            self._frame, self._state = self._batch.observe(), self._batch.task_state()
+            self._builder.update(self._frame)
+            return self._forces()
+        self._batch.step(twists, num_last)
+        self._frame = self._batch.observe()
+        self._builder.update(self._frame, rows=ending)
+        self._builder.detach()
+        last_forces = self._forces()
+        self._batch.advance(self._period - num_last)
+        self._frame, self._state = self._batch.observe(), self._batch.task_state()
+        self._builder.update(self._frame, rows=~ending, kept=ending)
+        return np.where(ending, last_forces, self._forces())
 
     def _judged(self, ended: Mask) -> Mask:
         success = np.zeros(self.num_envs, np.bool_)
@@ -130,8 +144,8 @@ class TactileVectorEnv(EpisodicVectorEnv):
             success[ended] = self._batch.judge(np.flatnonzero(ended))["success"]
         return success
 
-    def _forces(self, frame: EnvironmentFrame) -> NDArray[np.float64]:
-        forces = frame.ground_truth.total_force
+    def _forces(self) -> NDArray[np.float64]:
+        forces = self._frame.ground_truth.total_force
         return (forces if forces.ndim == 1 else forces[:, 0]).astype(np.float64)
 
     def _progress(self, state: TaskState) -> NDArray[np.float64]:
@@ -140,7 +154,7 @@ class TactileVectorEnv(EpisodicVectorEnv):
         if not required:
             return np.ones(self.num_envs)
         advanced = (state.laps if self._task.laps else state.travel).copy()
-        progress = (advanced - self._advanced).astype(np.float64) * (self.max_episode_steps / required)
+        progress: NDArray[np.float64] = (advanced - self._advanced).astype(np.float64) * (self.max_episode_steps / required)
         self._advanced = advanced
         return progress
 

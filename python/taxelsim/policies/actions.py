@@ -30,7 +30,8 @@ class TwistActions:
     @property
     def scales(self) -> NDArray[np.float64]:
         """(len(names)): m/s or rad/s of each component at action 1."""
-        return self._scales.copy()
+        scales: NDArray[np.float64] = self._scales.copy()
+        return scales
 
     def twists(self, actions: NDArray[Any]) -> NDArray[np.float64]:
         """Twists (N, 6) in S, m/s and rad/s, of actions (N, len(names)) that are finite and in [-1, 1]."""

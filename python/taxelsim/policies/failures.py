@@ -38,7 +38,8 @@ def save_failures(
         for i, number in enumerate(numbers):
             file = folder / f"episode-{number:06d}.npz"
             columns = {name: np.stack([row[name][i] for row in rows]) for name in rows[0]}
-            np.savez_compressed(file, episode=number, scene=scene.resolved, policy=policy.identity, measures=TASK_MEASURES, **columns)
+            constants = {"episode": number, "scene": scene.resolved, "policy": policy.identity, "measures": TASK_MEASURES}
+            np.savez_compressed(file, **{name: np.asarray(value) for name, value in {**constants, **columns}.items()})  # type: ignore[arg-type]
             _write_png(file.with_suffix(".png"), _sheet(scene, columns["tactile_image"]))
             files.append(file)
     return files

@@ -117,6 +117,10 @@ def _proprioception(layout: EnvironmentLayout) -> _Block:
     return _Block(_unbounded((num_values + layout.num_joints,)), scale, read)
 
 
+def _column(mask: NDArray[np.bool_], values: Values) -> NDArray[np.bool_]:
+    return mask.reshape(-1, *[1] * (values.ndim - 1))
+
+
 class ObservationBuilder:
     """Builds batched observations from the frames of a batch.
 
@@ -165,14 +169,24 @@ class ObservationBuilder:
             limits.append(np.broadcast_to(scaled, shape).copy())
         return Bounds(*limits)
 
-    def update(self, frame: EnvironmentFrame, started: NDArray[np.bool_] | None = None, rows: Any = slice(None)) -> None:
-        """Takes the latest frame of the instances `rows`. Those in `started` (N) are in the first frame of their episode."""
+    def update(
+        self,
+        frame: EnvironmentFrame,
+        started: NDArray[np.bool_] | None = None,
+        rows: Any = slice(None),
+        kept: NDArray[np.bool_] | None = None,
+    ) -> None:
+        """Takes the latest frame of the instances `rows`.
+
+        started: (N), instances in the first frame of their episode. kept: (N), instances not in `rows` that keep their observation although
+        the frame has no values for them.
+        """
         for name, block in self._blocks.items():
             values = block.read(frame)
             if self._normalized:
                 values = np.divide(values, block.scale, dtype=np.float32)
             if self._history == 1:
-                self._values[name] = values
+                self._values[name] = values if kept is None else np.where(_column(kept, values), self._values[name], values)
                 continue
             if name not in self._values:
                 self._values[name] = np.zeros((len(values), self._history, *values.shape[1:]), values.dtype)
@@ -182,12 +196,16 @@ class ObservationBuilder:
             if started is not None:
                 frames[started] = values[started][:, np.newaxis]
 
-    def observation(self, rows: NDArray[np.intp] | None = None) -> Any:
+    def detach(self) -> None:
+        """Copies live values, so that a step does not change them."""
+        self._values = {name: values.copy() for name, values in self._values.items()}
+
+    def observation(self, rows: NDArray[np.integer[Any]] | None = None) -> Any:
         """Latest observation of the instances `rows`, a copy; or of all."""
         result = {name: self._result(name, rows) for name in self.names}
         return result if self._is_dict else result[self.names[0]]
 
-    def _result(self, name: str, rows: NDArray[np.intp] | None) -> Values:
+    def _result(self, name: str, rows: NDArray[np.integer[Any]] | None) -> Values:
         values = self._values[name]
         if rows is not None:
             return values[rows]

@@ -74,7 +74,7 @@ class PolicyCalls:
     """Answers the scheduler's requests for twists."""
 
     def __init__(self, policy: Policy, scene: Scene) -> None:
-        limits = _core._servo_limits(scene)
+        limits = _core.servo_limits(scene)
         self.policy = policy
         self._scene = scene
         self._actions = TwistActions(

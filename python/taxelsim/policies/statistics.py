@@ -56,7 +56,7 @@ def compare(name: str, successes: ArrayLike, control: str, control_successes: Ar
     neither = n - both - only - control_only
     p1, p2 = (both + only) / n, (both + control_only) / n
     (low1, high1), (low2, high2) = wilson_interval(both + only, n), wilson_interval(both + control_only, n)
-    covariance = both * neither - only * control_only
+    covariance: float = both * neither - only * control_only
     if covariance > 0:
         covariance = max(covariance - n / 2, 0)
     product = (both + only) * (control_only + neither) * (both + control_only) * (only + neither)

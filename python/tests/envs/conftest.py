@@ -43,10 +43,11 @@ data_set: {{episodes: 24, seed: 5}}
 """
 
 
-def write_scene(folder: Path, *, rate: int = 100, travel: float = 0, name: str = "short") -> Path:
-    file = folder / f"{name}.yaml"
+def write_scene(folder: Path, *, rate: int = 100, num_frames: int | None = None, travel: float = 0) -> Path:
+    file = folder / "short.yaml"
     sensor = taxelsim.SCENES / "sensors/wts0614.yaml"
-    text = SCENE.format(sensor=sensor.resolve(), num_frames=NUM_STEPS * rate // 100 + 1, rate=rate, travel=travel)
+    num_frames = num_frames or NUM_STEPS * rate // 100 + 1
+    text = SCENE.format(sensor=sensor.resolve(), num_frames=num_frames, rate=rate, travel=travel)
     file.write_text(text if travel else text.replace("  travel_mm: 0\n", ""))
     return file
 

@@ -185,6 +185,36 @@ def test_several_frames_per_control_tick(device, tmp_path):
     assert truncated == [False] * 10 + [True]
 
 
+@pytest.mark.parametrize("history", [1, 2])
+def test_last_step_of_an_episode_may_be_shorter_than_a_control_period(device, tmp_path, history):
+    scene = taxelsim.load_scene(write_scene(tmp_path, rate=200, num_frames=24))  # control ticks at frames 0, 2, ..., 22
+    env = TactileVectorEnv(scene, 2, device=device, history=history, autoreset_mode="Disabled")
+    references = [taxelsim.Environment(device, scene, 1) for _ in range(2)]
+    scales = np.repeat(taxelsim._core.servo_limits(scene), 3)
+
+    def latest(observation: np.ndarray) -> np.ndarray:
+        return observation if history == 1 else observation[:, -1]
+
+    env.reset(seed=0)
+    references[0].reset([True], taxelsim.episode_keys(0, 0, 0))
+    for step in range(12):
+        if step == 3:
+            env.reset(options={"reset_mask": np.array([False, True])})
+            references[1].reset([True], taxelsim.episode_keys(0, 1, 1))
+        observation, _, _, truncated, infos = env.step(actions_of(step, 2))
+        for i in range(2 if step >= 3 else 1):
+            twist = actions_of(step, 2)[i : i + 1].astype(float) * scales
+            references[i].step(twist, 1 if i == 0 and step == 11 else 2)
+            frame = references[i].observe()
+            assert np.array_equal(latest(observation)[i, :3], frame.center_of_pressure[0]), (step, i)
+    assert env.max_episode_steps == 12
+    assert truncated.tolist() == [True, False]
+    assert frame.frame_numbers[0] == 18
+    assert references[0].observe().frame_numbers[0] == 23
+    assert infos["success"][0] == references[0].judge([0])["success"][0]
+    assert infos["total_force_error"][0] == references[0].task_state().errors[0, 1]
+
+
 def test_render_draws_the_tactile_image(make):
     env = make(3, render_mode="rgb_array")
     assert env.render() is None

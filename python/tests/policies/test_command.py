@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 
 import pytest
 
+import taxelsim
 from taxelsim.commands.evaluate import main
 
 from ..envs.conftest import write_scene
@@ -48,3 +51,25 @@ def test_bad_input_gives_one_line(device, tmp_path, capsys, arguments, message):
     error = capsys.readouterr().err
     assert message in error
     assert len(error.splitlines()) == 1
+
+
+def test_ctrl_c_keeps_what_is_complete(device, tmp_path, capsys, monkeypatch):
+    file = write_mlp(tmp_path / "net.onnx")
+
+    def interrupted(scene, controllers=(), **arguments):
+        if controllers:
+            raise KeyboardInterrupt
+        return taxelsim.evaluate(scene, controllers, **arguments)
+
+    monkeypatch.setattr("taxelsim.commands.evaluate.evaluate", interrupted)
+    assert main([str(write_scene(tmp_path)), "--policy", str(file), "--controller", "servo"]) == 130
+    output = capsys.readouterr()
+    assert output.err == "interrupted: 1 of 2 policies and controllers are complete\n"
+    assert output.out.splitlines()[3].startswith("net ")
+
+
+def test_program_hands_policies_to_python(tmp_path):
+    arguments = [sys.executable, "-m", "taxelsim", "evaluate", "missing.yaml", "--policy"]
+    found = subprocess.run([*arguments, str(tmp_path / "missing.onnx")], capture_output=True, text=True)
+    assert found.returncode == 2
+    assert found.stderr == f"taxelsim evaluate: {tmp_path / 'missing.onnx'}: No such file or directory\n"
