@@ -50,11 +50,12 @@ def test_an_exception_in_the_progress_callback_ends_the_run(device, tmp_path):
 
 def test_ctrl_c_stops_a_run(device, tmp_path):
     """Without a callback, too: the signal arrives while the main thread waits without the GIL."""
-    timer = threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT))
+    scene = taxelsim.load_scene(SCENE, num_episodes=1000000)
+    timer = threading.Timer(1, os.kill, (os.getpid(), signal.SIGINT))
     timer.start()
     try:
         with pytest.raises(KeyboardInterrupt):
-            taxelsim.generate(taxelsim.load_scene(SCENE, num_episodes=1000000), tmp_path / "out", device=device, batch_size=64)
+            taxelsim.generate(scene, tmp_path / "out", device=device, batch_size=64)
     finally:
         timer.cancel()
     assert not (tmp_path / "out" / "dataset.h5").exists()
