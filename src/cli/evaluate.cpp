@@ -319,9 +319,11 @@ int runEvaluate(const Arguments& arguments) {
 void addEvaluate(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("evaluate", "Evaluate controllers on a scene's task, same episodes for each");
   command->footer(
-      "Example:\n  taxelsim evaluate scenes/tasks/align_edge.yaml --episodes 10000\n"
+      "Examples:\n  taxelsim evaluate scenes/tasks/align_edge.yaml --episodes 10000\n"
+      "  taxelsim evaluate scenes/benchmark/edge_align.yaml --policy p.onnx --controller window\n"
       "Scored on ground truth, not on sensor readings. Results do not depend on the batch size. Ctrl-C keeps the controllers that are\n"
-      "complete.");
+      "complete.\n"
+      "--policy FILE evaluates an ONNX policy in Python; `python3 -m taxelsim evaluate --policy FILE --help` lists its options.");
   const auto arguments = std::make_shared<Arguments>();
   addSceneOptions(*command, *arguments, EvaluateOptions{}.batch_size);
   command->add_option("--controller", arguments->controllers, "Name of a controller of the scene; may be repeated. Default: all")

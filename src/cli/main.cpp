@@ -12,6 +12,7 @@
 #include <string>
 
 #include "cli/commands.h"
+#include "cli/python_subcommands.h"
 #include "cli/status_line.h"
 #include "cli/usage_error.h"
 #include "taxelsim/error.h"
@@ -34,6 +35,7 @@ const std::map<std::string, spdlog::level::level_enum> kLogLevels{{"trace", spdl
 }
 
 int run(int argc, char** argv) {
+  if (isPythonCommand(argc, argv)) runInPython(argc, argv);
   CLI::App app{"Simulates arrays of tactile sensing elements on the GPU, thousands of sensors at once.", "taxelsim"};
   app.set_version_flag("--version", std::string("taxelsim ") + kVersion);
   app.require_subcommand(1);
