@@ -182,13 +182,13 @@ def main() -> None:
     if "simulator" in parts and not options.simulator_rate.exists():
         parser.error(f"{options.simulator_rate} is missing: cmake --build --preset bench, or name it by --simulator-rate")
     device = taxelsim.Device.open()
-    results: dict[str, Any] = machine(device)
+    results: dict[str, Any] = {**machine(device), "parts": {}}
     print(f"{results['device']}, {results['driver']}")
     for part in parts:
         if part == "simulator":
-            results[part] = simulator_part(options, device)
+            results["parts"][part] = simulator_part(options, device)
         else:
-            results[part] = environment_part(options) if part == "environment" else startup_part(options)
+            results["parts"][part] = environment_part(options) if part == "environment" else startup_part(options)
         write_json(options.json, results)
 
 

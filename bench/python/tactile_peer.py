@@ -68,7 +68,7 @@ class TaxelsimPeer(Peer):
         self.simulator.read()
 
     def depths(self) -> Images:
-        return self.simulator.read().ground_truth.penetration_depth.astype(np.float64)
+        return np.asarray(self.simulator.read().ground_truth.penetration_depth, np.float64)
 
 
 class MujocoPeer(Peer):
@@ -104,7 +104,7 @@ class MujocoPeer(Peer):
         rows, cols, _ = self.grid
         n = self.points
         depth = np.maximum(self.data[:, : rows * cols * n * n], 0)  # the two speeds follow
-        return depth.reshape(-1, rows, n, cols, n).mean(axis=(2, 4))
+        return np.asarray(depth.reshape(-1, rows, n, cols, n).mean(axis=(2, 4)))
 
 
 def skin_mesh(num_rows: int, num_cols: int, pitch: float, points: int) -> str:
@@ -157,7 +157,7 @@ def verify(peer: Peer, poses: NDArray[np.float64]) -> Images:
     if peer.depths().any():
         sys.exit("depths without contact")
     peer.step(poses)
-    depths = peer.depths().copy()
+    depths = peer.depths()
     missing = ~depths.any(axis=(1, 2))
     if missing.any():
         sys.exit(f"environment {int(missing.argmax())} has no contact")
