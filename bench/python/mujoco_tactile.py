@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from report import ROOT, machine, ratio, summary, write_json
+from report import ROOT, lowest_height, machine, ratio, summary, write_json
 
 import taxelsim
 
@@ -91,7 +91,7 @@ def poses_of(shape: Any, rest: NDArray[np.float64]) -> NDArray[np.float64]:
         pose[3:] = product(np.asarray(tilt), upright)
         pose[:2] = random.uniform(-1, 1, 2) * OFFSETS
         # Without the tilt: the lowest point of a tilted cylinder is beyond the array.
-        pose[2] = -taxelsim.lowest_point(shape, list(upright))[2] - random.uniform(*DEPTHS)
+        pose[2] = -lowest_height(shape, upright) - random.uniform(*DEPTHS)
     return poses
 
 

@@ -26,7 +26,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from report import ROOT, machine, ratio, summary, write_json
+from report import ROOT, lowest_height, machine, ratio, summary, write_json
 
 import taxelsim
 from taxelsim.program import PROGRAM
@@ -61,7 +61,7 @@ class Loop:
         self.ids = np.zeros(num_instances, np.int32)
         self.poses = np.zeros((num_steps, num_instances, 7))
         steps, instances = np.meshgrid(np.arange(num_steps), np.arange(num_instances), indexing="ij")
-        self.poses[..., 2] = -taxelsim.lowest_point(shape, rotation)[2] - DEPTH - DEPTH_SPREAD * ((instances + steps) % NUM_DEPTHS)
+        self.poses[..., 2] = -lowest_height(shape, rotation) - DEPTH - DEPTH_SPREAD * ((instances + steps) % NUM_DEPTHS)
         self.poses[..., 3:] = rotation
         self.run()
         frame = self.simulator.read()

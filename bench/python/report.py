@@ -29,6 +29,14 @@ def machine(device: taxelsim.Device) -> dict[str, Any]:
     }
 
 
+def lowest_height(shape: Any, rotation: Sequence[float]) -> float:
+    """Height (m) of the lowest point of an object with this rotation (w, x, y, z) over its origin."""
+    w, x, y, z = rotation
+    row = (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y))
+    point = taxelsim.lowest_point(shape, [float(value) for value in rotation])  # in the object's frame
+    return sum(a * b for a, b in zip(row, point, strict=True))
+
+
 def summary(values: Sequence[float]) -> dict[str, Any]:
     """Median, minimum, maximum and all values."""
     return {"median": statistics.median(values), "min": min(values), "max": max(values), "all": list(values)}
