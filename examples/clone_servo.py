@@ -13,7 +13,7 @@ import numpy as np
 import taxelsim
 from taxelsim.policies import FEATURES, Policy
 
-SCENE = taxelsim.SCENES / "tasks/align_edge.yaml"
+SCENE = taxelsim.SCENES / "benchmark/edge_align.yaml"
 SERVO = 0  # index of the controller that is cloned: `window`
 RIDGE = 1e-3
 LIMITS = np.repeat([0.02, 1.0], 3)  # m/s and rad/s, those of the servo: a policy's actions are in these units
@@ -51,8 +51,8 @@ def main() -> None:
     print(f"{len(inputs)} frames; largest weight {np.abs(weights).max():.2g}")
 
     def clone(observation: np.ndarray) -> np.ndarray:
-        # Row by row, so that the answer to a row does not depend on the batch.
-        return np.array([row @ weights for row in inputs_of(observation.astype(float))])
+        # Not `inputs @ weights`: in a matrix product, the last bits of a row may depend on the number of rows.
+        return (inputs_of(observation.astype(float))[:, :, None] * weights).sum(1)
 
     scene = taxelsim.load_scene(SCENE, num_episodes=num_episodes, seed=99)
     policy = Policy(clone, name="clone", observations="features", linear_scale=LIMITS[0], angular_scale=LIMITS[-1])

@@ -119,10 +119,16 @@ void bindObjects(nb::module_& module) {
       .def_ro("shape", &Object::shape, "Geometry in O: a Mesh or a solid.")
       .def_ro("name", &Object::name, "Name in messages and data sets.");
   addValueSemantics(type, nb::make_tuple("shape", "name"));
-  module.def("parse_object", &parseObject, "text"_a, nb::call_guard<nb::gil_scoped_release>(),
-             R"(An Object from the notation of the command line.
+  module.def(
+      "parse_object",
+      [](std::string_view text, double scale, UpAxis up_axis, double max_depth_error) {
+        return parseObject(text, {.scale = scale, .up_axis = up_axis, .max_depth_error = max_depth_error});
+      },
+      "text"_a, nb::kw_only(), "scale"_a = 1.0, "up_axis"_a = UpAxis::kZ, "max_depth_error"_a = MeshOptions{}.max_depth_error,
+      nb::call_guard<nb::gil_scoped_release>(), R"(An Object from the notation of the command line.
 
-A mesh file, or sphere:R, cylinder:R,L, capsule:R,L, box:X,Y,Z, half_space, cone:R,H, torus:MAJOR,MINOR, in metres.)");
+text: a mesh file, or sphere:R, cylinder:R,L, capsule:R,L, box:X,Y,Z, half_space, cone:R,H, torus:MAJOR,MINOR, in metres.
+scale, up_axis, max_depth_error: of a mesh file, as in load_mesh().)");
   module.def(
       "check_object", [](const AnyObject& object) { checkObject(objectOf(object)); }, "object"_a,
       "Raises InputError if a dimension is out of range or a mesh is not valid.");

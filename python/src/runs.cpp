@@ -77,12 +77,19 @@ void bindProgress(nb::module_& module) {
   addFields(progress, field("episodes_done", &Progress::episodes_done, "Episodes simulated or found on disk."),
             field("num_episodes", &Progress::num_episodes, "Episodes of the whole run."),
             field("frames_done", &Progress::frames_done, "Frames simulated in this run."),
+            field("num_frames", &Progress::num_frames, "Frames of the whole run, without those found on disk."),
             field("episodes_resumed", &Progress::episodes_resumed, "Episodes found on disk."),
             field("seconds", &Progress::seconds, "s since this run began simulating."));
+  nb::class_<LoadMisses> misses(module, "LoadMisses", "Episodes of one object whose load was out of reach.");
+  addFields(
+      misses, field("num_episodes", &LoadMisses::num_episodes, "Episodes with the object that this run simulated."),
+      field("num_misses", &LoadMisses::num_misses, "Those whose load was out of reach."),
+      field("carried", &LoadMisses::carried, "(2), N, smallest and largest load that the object could carry there; 0 without misses."));
   nb::class_<GenerateResult>(module, "GenerateResult", "Result of generate().")
       .def_ro("progress", &GenerateResult::progress, "Progress at the end.")
       .def_ro("complete", &GenerateResult::complete, "Whether the data set is complete.")
-      .def_ro("num_load_misses", &GenerateResult::num_load_misses, "Contacts whose load was out of reach.");
+      .def_ro("num_load_misses", &GenerateResult::num_load_misses, "Contacts whose load was out of reach.")
+      .def_ro("load_misses", &GenerateResult::load_misses, "(num_objects), the same by object.");
 }
 
 void bindEvaluation(nb::module_& module) {

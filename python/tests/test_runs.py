@@ -26,6 +26,9 @@ def test_generate_writes_a_data_set_and_reports_progress(device, tmp_path):
     result = taxelsim.generate(scene, tmp_path / "out", device=device, batch_size=4, on_progress=on_progress)
     assert result.complete
     assert result.progress.frames_done == 4 * scene.num_steps
+    assert result.progress.num_frames == 4 * scene.num_steps
+    assert sum(misses.num_episodes for misses in result.load_misses) == 4
+    assert len(result.load_misses) == len(scene.objects)
     assert (tmp_path / "out" / "dataset.h5").exists()
     assert seen[-1].episodes_done == 4
     assert threads == {threading.main_thread()}

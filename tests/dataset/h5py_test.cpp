@@ -124,7 +124,8 @@ TEST(H5pyChunks, AreEquivalentToHdf5Filters) {
     }
   };
   check("taxelsim's compressor");
-  EXPECT_EQ(runScript("apply_hdf5_filters.py", directory / "d/shard-000000.h5"), 4) << "chunks of noise and of a name, which are not deflated";
+  EXPECT_EQ(runScript("apply_hdf5_filters.py", directory / "d/shard-000000.h5"), 4)
+      << "chunks of noise and of a name, which are not deflated";
   renewChecksum(directory / "d/shard-000000.h5");
   check("HDF5's filters");
   EXPECT_NO_THROW(DatasetWriter(directory / "d", manifest)) << "resumed";

@@ -325,7 +325,9 @@ TEST(Environment, JointVelocitiesHaveActionNoise) {
   double squares = 0;
   for (std::size_t k = 0; k < velocities.size(); ++k) {
     squares += std::pow(velocities[k] - 0.1, 2);
-    if (k / 2 % 2 == 1) EXPECT_EQ(velocities[k], velocities[k - 2]) << "of the same episode";
+    if (k / 2 % 2 == 1) {
+      EXPECT_EQ(velocities[k], velocities[k - 2]) << "of the same episode";
+    }
   }
   EXPECT_NE(velocities[0], velocities[1]);
   EXPECT_NE(velocities[0], velocities[4]);

@@ -208,6 +208,7 @@ class ObservationBuilder:
     def _result(self, name: str, rows: NDArray[np.integer[Any]] | None) -> Values:
         values = self._values[name]
         if rows is not None:
-            return values[rows]
+            chosen: Values = values[rows]
+            return chosen
         is_live = self._history > 1 or (self._blocks[name].live and not self._normalized)
         return values.copy() if self._copy and is_live else values
