@@ -13,6 +13,7 @@ import pytest
 
 import taxelsim
 
+from ..test_documents import first_program
 from .conftest import FORMAT_1
 
 h5py = pytest.importorskip("h5py")
@@ -111,6 +112,16 @@ def test_frames_have_the_values_of_their_episodes(folder):
     one = data.frames(60)
     assert set(one) == {name for name in data if name.startswith("data/")}
     np.testing.assert_array_equal(one["data/tactile_image"], frames["data/tactile_image"][4])
+
+
+def test_the_program_of_the_document_runs(raw, tmp_path, monkeypatch):
+    (tmp_path / "out").symlink_to(raw)
+    monkeypatch.chdir(tmp_path)
+    names = {"taxelsim": taxelsim}
+    exec(first_program("docs/python.md", "## Data sets"), names)
+    assert names["frames"]["data/tactile_image"].shape == (3, 6, 14)
+    assert names["frames"]["meta/object"].shape == (3,)
+    assert len(names["windows"]) == 20
 
 
 def test_random_frames_take_less_than_200_us(folder):
