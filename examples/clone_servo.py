@@ -7,7 +7,6 @@ import sys
 import tempfile
 from pathlib import Path
 
-import h5py
 import numpy as np
 
 import taxelsim
@@ -21,11 +20,11 @@ LIMITS = np.repeat([0.02, 1.0], 3)  # m/s and rad/s, those of the servo: a polic
 
 def read_demonstrations(folder: Path) -> tuple[np.ndarray, np.ndarray]:
     """Features (frames, 13) in the order of an observation, and twists (frames, 6), of the servo's episodes."""
-    with h5py.File(folder / "dataset.h5") as data:
-        ends = data["meta/episode_ends"][:].astype(int)
-        chosen = np.repeat(data["meta/controller"][:] == SERVO, np.diff(ends, prepend=0))
-        columns = [data[f"data/{name}"][:].reshape(len(chosen), -1) for name, _, _ in FEATURES]
-        return np.hstack(columns)[chosen], data["data/action"][:][chosen]
+    names = [f"data/{name}" for name, _, _ in FEATURES]
+    frames = taxelsim.Dataset(folder).frames(slice(None), [*names, "data/action", "meta/controller"])
+    chosen = frames["meta/controller"] == SERVO
+    columns = [frames[name].reshape(len(chosen), -1) for name in names]
+    return np.hstack(columns)[chosen], frames["data/action"][chosen]
 
 
 def inputs_of(features: np.ndarray) -> np.ndarray:

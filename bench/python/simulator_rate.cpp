@@ -29,7 +29,8 @@ std::vector<Pose> posesAt(int step, int num_instances, double height) {
 
 double framesPerSecond(const std::string& object_text, int num_instances, int num_steps) {
   const Object object = parseObject(object_text);
-  const double height = -lowestPoint(object, axisAngle({1, 0, 0}, std::numbers::pi / 2))[2];
+  const Quaternion rotation = axisAngle({1, 0, 0}, std::numbers::pi / 2);
+  const double height = -rotate(rotation, lowestPoint(object, rotation))[2];
   const Model model(Device::open(), {.sensor = loadSensor(TAXELSIM_SCENES "/sensors/wts0614.yaml"), .objects = {object}});
   Simulator simulator(model, {.num_instances = num_instances});
   simulator.prepare();

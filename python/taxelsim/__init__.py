@@ -75,8 +75,9 @@ from ._core import (
     taxel_patch,
 )
 from ._core import version as __version__
+from .dataset import Dataset
 from .environment import Environment, EnvironmentFrame, TaskState, episode_keys
-from .errors import DeviceError, Error, InputError, IoError
+from .errors import DeviceError, Error, InputError, IoError, OutOfRangeError
 from .frame import CleanTactileJacobian, ContactFeatures, Features, Frame, GroundTruth, TactileJacobian
 from .policies import Comparison, OnnxPolicy, Policy, compare
 from .program import SCENES
@@ -98,6 +99,7 @@ __all__ = [
     "CreepTerm",
     "CurvePoint",
     "Cylinder",
+    "Dataset",
     "DeformationMask",
     "Device",
     "DeviceError",
@@ -125,6 +127,7 @@ __all__ = [
     "Model",
     "Object",
     "OnnxPolicy",
+    "OutOfRangeError",
     "OutputOptions",
     "Policy",
     "Pose",

@@ -19,6 +19,10 @@ class InputError(Error, ValueError):
     """A file, argument or value that the caller can correct."""
 
 
+class OutOfRangeError(InputError, IndexError):
+    """An index outside of a sequence."""
+
+
 class DeviceError(Error, RuntimeError):
     """No device, out of device memory, or device lost."""
 

@@ -48,6 +48,7 @@ def test_an_exception_in_the_progress_callback_ends_the_run(device, tmp_path):
         )
 
 
+@pytest.mark.usefixtures("interruptible")
 def test_ctrl_c_stops_a_run(device, tmp_path):
     """Without a callback, too: the signal arrives while the main thread waits without the GIL."""
     scene = taxelsim.load_scene(SCENE, num_episodes=1000000)

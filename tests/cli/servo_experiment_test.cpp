@@ -130,7 +130,8 @@ TEST_F(ServoExperimentCommand, Refusals) {
   refused(experimentText("  - {name: a, controller: exact}\n"), "runs[0]: object is missing");
   refused(experimentText("  - {controller: exact, object: bar}\n"), "name is missing");
   refused(experimentText(run + "}\n" + run + "}\n"), "an earlier run has the name a");
-  refused(experimentText(run + ", control_rate: 33}\n"), "a control_rate of 33 Hz is not allowed");
+  refused(experimentText(run + ", control_rate: 33}\n"),
+          "control_rate: 33 Hz is not allowed: simulation_rate (100 Hz) divided by a whole number");
   refused(experimentText(run + ", num_steps: 1}\n"), "num_steps: 1 is not allowed");
   refused(experimentText(run + ", load: -1}\n"), "load: -1 is not allowed");
   refused(experimentText(run + ", robot: none.yaml}\n"), "none.yaml is not there");

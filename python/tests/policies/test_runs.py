@@ -122,6 +122,7 @@ def test_bad_actions_are_refused(device, scene, change, message):
         taxelsim.evaluate(scene, policy=late(lambda observation: change(push(observation))), device=device, num_slices=1)
 
 
+@pytest.mark.usefixtures("interruptible")
 def test_ctrl_c_ends_a_policy_that_hangs(device, scene):
     def hang(observation):
         while True:
