@@ -137,7 +137,7 @@ TEST_F(Evaluate, ConditionsOverrideTheScene) {
 }
 
 // A python3 without the package: a script of that name that fails, first in PATH.
-TEST(Evaluate, PoliciesNeedThePythonPackage) {
+TEST(EvaluatePolicy, NeedsThePythonPackage) {
   const TemporaryDirectory root;
   std::ofstream(root / "python3") << "#!/bin/sh\nexit 1\n";
   std::filesystem::permissions(root / "python3", std::filesystem::perms::owner_all);
@@ -147,7 +147,7 @@ TEST(Evaluate, PoliciesNeedThePythonPackage) {
 }
 
 // A python3 that prints its arguments.
-TEST(Evaluate, PoliciesRunInPython) {
+TEST(EvaluatePolicy, RunsInPython) {
   const TemporaryDirectory root;
   std::ofstream(root / "python3") << "#!/bin/sh\nif [ \"$1\" = -m ]; then echo \"$@\"; exit 7; fi\n";
   std::filesystem::permissions(root / "python3", std::filesystem::perms::owner_all);
