@@ -1,4 +1,4 @@
-"""Simulator: what goes in, what comes out, and what is refused."""
+"""Simulator: inputs, outputs and refused arguments."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""TouchClassify: labels, reward, independence of the batch size, and what touches tell about the object."""
+"""TouchClassify: labels, reward, independence of the batch size, and classification of the object from touches."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def test_observation_shows_the_touch_and_the_touches_left(device: taxelsim.Devic
     assert not observation["tactile_image"].any()
     assert (observation["touches_left"] == 1).all()
     actions = np.zeros((3, 3 + K), np.float32)
-    actions[1, :2] = 1  # beside the object
+    actions[1, :2] = 1  # off the object
     actions[1, 2] = 0.25  # by 45 degrees: the corner of the array stays away
     actions[2, 0] = 0.1
     observation, _, _, _, infos = envs.step(actions)
@@ -110,7 +110,7 @@ def test_a_touch_over_the_middle_looks_the_same_for_all_objects(device: taxelsim
     image = envs.step(np.zeros((256, 3 + K), np.float32))[0]["tactile_image"]
     assert len(set(labels.tolist())) == K
     newtons = image / 2400
-    # noise of 5 counts is 0.002 N; the bumps beside the middle would show 0.05 N and more
+    # noise of 5 counts is 0.002 N; the bumps off the middle would show 0.05 N and more
     assert np.abs(newtons - np.median(newtons, 0)).max() < 0.03
 
 

@@ -1,4 +1,4 @@
-// Shows that work goes on whose end is not known.
+// Shows the elapsed time of work of unknown duration.
 #pragma once
 
 #include <condition_variable>

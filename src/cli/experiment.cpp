@@ -46,7 +46,7 @@ void printTable(const StaticExperiment& experiment, const StaticResult& result) 
   fmt::print("{}: {} indenters x {} angles, compared with the reference {}\n", experiment.name, experiment.objects.size(),
              experiment.yaw.size(), result.reference.name);
   fmt::print(
-      "The reference is simulated, too: these numbers tell models apart, they do not say how far a model is from a real sensor.\n"
+      "The reference is simulated, too: these numbers compare models with each other, not with a real sensor.\n"
       "M1: median |difference| over taxels with force, % of full scale; M4: sum |difference| / sum of reference, %; medians over "
       "contacts\n\n");
   std::string heading = fmt::format("{:<32}", "sensor");

@@ -56,7 +56,7 @@ def verified_files(folder: Path) -> dict[str, Stamp]:
 
 
 def verify(file: Path) -> None:
-    """Compares a file with `NAME.sha256` beside it, unless that was done before. Throws InputError if they differ."""
+    """Compares a file with its checksum file `NAME.sha256`, unless that was done before. Throws InputError if they differ."""
     if is_verified(file):
         return
     checksum = file.with_name(file.name + ".sha256")
