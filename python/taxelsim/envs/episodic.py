@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from .._arguments import checked_actions, checked_count, checked_mask, checked_seeds
 from ..environment import episode_keys
+from ..errors import InputError
 
 Mask = NDArray[np.bool_]
 Infos = dict[str, Any]
@@ -39,8 +40,13 @@ class EpisodicVectorEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]], ABC):
     in the child raises `taxelsim.DeviceError`.
     """
 
-    def __init__(self, num_envs: int, autoreset_mode: AutoresetMode | str) -> None:
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "autoreset_mode": AutoresetMode.SAME_STEP}  # noqa: RUF012
+
+    def __init__(self, num_envs: int, autoreset_mode: AutoresetMode | str, render_mode: str | None) -> None:
         super().__init__()
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise InputError(f"render_mode: {render_mode!r} found, None and 'rgb_array' allowed")
+        self.render_mode = render_mode
         self.num_envs = checked_count("num_envs", num_envs)
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.metadata = {**type(self).metadata, "autoreset_mode": self.autoreset_mode}
@@ -72,7 +78,7 @@ class EpisodicVectorEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]], ABC):
         """Starts new episodes, and returns the first observations and infos.
 
         `seed`: one for all environments, or one per environment; also sets their reset counts to 0. None continues with
-        the seed and the counts at hand, or draws a seed at the first reset.
+        the present seed and counts, or draws a seed at the first reset.
         `options["reset_mask"]` (num_envs,) bool: environments to reset. Default: all.
         """
         self._check_usable()

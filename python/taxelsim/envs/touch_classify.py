@@ -67,8 +67,6 @@ class TouchClassifyVectorEnv(EpisodicVectorEnv):
     - `render_mode="rgb_array"`: `render()` returns a picture of every tactile image.
     """
 
-    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "autoreset_mode": AutoresetMode.SAME_STEP}  # noqa: RUF012
-
     def __init__(
         self,
         num_envs: int = 1,
@@ -82,10 +80,7 @@ class TouchClassifyVectorEnv(EpisodicVectorEnv):
         render_mode: str | None = None,
         device: Device | str = "",
     ) -> None:
-        super().__init__(num_envs, autoreset_mode)
-        if render_mode not in (None, "rgb_array"):
-            raise InputError(f"render_mode: {render_mode!r} found, None and 'rgb_array' allowed")
-        self.render_mode = render_mode
+        super().__init__(num_envs, autoreset_mode, render_mode)
         (self._observation,) = checked_names("observation", observation, TOUCH_OBSERVATIONS)
         self.num_touches = checked_count("num_touches", num_touches)
         self.workspace = checked_positive("workspace", workspace)

@@ -42,8 +42,6 @@ class TactileVectorEnv(EpisodicVectorEnv):
     `load_reached`, and for each criterion of the task `<measure>_error` (rad, N or m; infinite without contact).
     """
 
-    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "autoreset_mode": AutoresetMode.SAME_STEP}  # noqa: RUF012
-
     def __init__(
         self,
         scene: Scene | str | os.PathLike[str],
@@ -63,12 +61,9 @@ class TactileVectorEnv(EpisodicVectorEnv):
         render_mode: str | None = None,
         device: Device | str = "",
     ) -> None:
-        super().__init__(num_envs, autoreset_mode)
-        if render_mode not in (None, "rgb_array"):
-            raise InputError(f"render_mode: {render_mode!r} found, None and 'rgb_array' allowed")
+        super().__init__(num_envs, autoreset_mode, render_mode)
         if not (np.isfinite(max_lost_time) and max_lost_time >= 0):
             raise InputError(f"max_lost_time: {max_lost_time} found, a finite number of at least 0 allowed (s)")
-        self.render_mode = render_mode
         self.scene = scene if isinstance(scene, Scene) else _core.load_scene(os.fspath(scene))
         self._task = Task.of(self.scene)
         opened = device if isinstance(device, Device) else Device.open(device)
