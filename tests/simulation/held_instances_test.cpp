@@ -279,7 +279,7 @@ TEST(HeldInstancesOnEveryDriver, Proximity) {
 
 TEST(HeldInstancesOnEveryDriver, ElasticLayer) {
   Sensor sensor = smallSensor(ElasticLayer{.elastic_modulus = 1e6});
-  expectEpisodesAsAlone({.sensor = sensor, .objects = solids(), .outputs = kAllOutputs});
+  expectEpisodesAsAlone({.sensor = sensor, .objects = solids(), .outputs = kAllOutputs, .loads = true});
   sensor.skin.friction = {.tangential_stiffness = 5e7, .friction_coefficient = 0.8};
   sensor.skin.relaxation = {{.fraction = 0.4, .time = 0.05}};
   sensor.skin.margin = 3e-3;
