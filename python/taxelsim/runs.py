@@ -16,11 +16,11 @@ def _loaded(scene: ScenePath) -> Scene:
     return scene if isinstance(scene, Scene) else _core.load_scene(os.fspath(scene))
 
 
-def _calls(policy: PolicyLike | None, scene: Scene) -> tuple[str, str, PolicyCalls] | None:
+def _calls(policy: PolicyLike | None, scene: Scene) -> tuple[str, str, bool, PolicyCalls] | None:
     if policy is None:
         return None
     calls = PolicyCalls(as_policy(policy), scene)
-    return calls.policy.name, calls.policy.identity, calls
+    return calls.policy.name, calls.policy.identity, calls.by_joints, calls
 
 
 def reload_scene(file: os.PathLike[str], num_episodes: int, seed: int, condition: str) -> Scene:

@@ -14,6 +14,7 @@ import numpy as np
 
 from .._core import TASK_MEASURES, Device, Evaluation, Progress, Scene, Score, load_scene
 from ..errors import Error, InputError
+from ..policies.actions import COMMANDS
 from ..policies.observations import OBSERVATIONS
 from ..policies.policy import Policy, as_policy
 from ..policies.statistics import Comparison, compare
@@ -30,7 +31,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--policy", required=True, metavar="FILE", help="ONNX file: observations in, actions in [-1, 1] out")
     add("--controller", action="append", default=[], metavar="NAME", help="controller of the scene to compare with; repeatable")
     add("--observations", type=_names, metavar="NAMES", help=f"out of {', '.join(OBSERVATIONS)}, separated by commas; default: contact")
-    add("--actions", type=_names, metavar="NAMES", help="components of the twist, as v_x,v_y,w_z; default: all six")
+    add("--action", choices=COMMANDS, help="what the policy commands, default twist")
+    add("--actions", type=_names, metavar="NAMES", help="components of the twist, as v_x,v_y,w_z, or names of joints; default: all")
     add("--history", type=int, metavar="N", help="latest frames that the policy sees, default 1")
     add("--normalized", action="store_const", const=True, help="divide observations by their scales")
     add("--image-unit", choices=("counts", "newtons"), help="unit of tactile_image, default counts")
@@ -66,6 +68,7 @@ def _run(options: argparse.Namespace) -> int:
     policy = as_policy(
         options.policy,
         observations=options.observations,
+        action=options.action,
         actions=options.actions,
         history=options.history,
         normalized=options.normalized,

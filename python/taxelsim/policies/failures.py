@@ -53,7 +53,7 @@ def _play(environment: Environment, calls: PolicyCalls, episodes: NDArray[np.uin
         if rows:
             environment.step(rows[-1]["twist"])
         frame = environment.observe()
-        twists = calls.twists(frame, everything, 0)
+        twists = calls._commands(frame, everything, 0)
         state = environment.task_state()
         rows.append({**_columns(frame), "twist": twists, "errors": state.errors.copy(), "contact": state.contact.copy()})
     return rows
