@@ -54,27 +54,35 @@ std::optional<Policy> policyOf(const PolicyArgument& argument, const Scene& scen
 }
 
 GenerateResult runGenerate(const DeviceHandle& device, const Scene& scene, const std::filesystem::path& directory, int batch_size,
-                           int num_slices, const nb::object& on_progress, const PolicyArgument& policy) {
-  return runInterruptibly<GenerateResult>(on_progress, [&](auto report, const std::atomic<bool>& stop, CallingThread& calling_thread) {
+                           int num_slices, const nb::object& on_progress, const PolicyArgument& policy,
+                           const std::vector<std::uint64_t>& episodes) {
+  const auto run = [&](auto report, const std::atomic<bool>& stop, CallingThread& calling_thread) {
     return generate(device.get(), scene, directory,
                     {.batch_size = batch_size,
                      .num_slices = num_slices,
                      .on_progress = report,
                      .stop = &stop,
-                     .policy = policyOf(policy, scene, calling_thread)});
-  });
+                     .policy = policyOf(policy, scene, calling_thread),
+                     .episodes = episodes});
+  };
+  return runInterruptibly<GenerateResult>(on_progress, run, [](const GenerateResult&) {});
 }
 
+// complete: list to which the complete evaluations of a run that is interrupted are appended.
 std::vector<Evaluation> runEvaluate(const DeviceHandle& device, const Scene& scene, const std::vector<std::string>& controllers,
-                                    int batch_size, int num_slices, const nb::object& on_progress, const PolicyArgument& policy) {
+                                    int batch_size, int num_slices, const nb::object& on_progress, const PolicyArgument& policy,
+                                    nb::list complete) {
   using Evaluations = std::vector<Evaluation>;
-  return runInterruptibly<Evaluations>(on_progress, [&](auto report, const std::atomic<bool>& stop, CallingThread& calling_thread) {
+  const auto run = [&](auto report, const std::atomic<bool>& stop, CallingThread& calling_thread) {
     return evaluate(device.get(), scene, controllers,
                     {.batch_size = batch_size,
                      .num_slices = num_slices,
                      .on_progress = report,
                      .stop = &stop,
                      .policy = policyOf(policy, scene, calling_thread)});
+  };
+  return runInterruptibly<Evaluations>(on_progress, run, [&](Evaluations evaluations) {
+    for (Evaluation& evaluation : evaluations) complete.append(nb::cast(std::move(evaluation)));
   });
 }
 
@@ -143,9 +151,9 @@ void bindRuns(nb::module_& module) {
   bindProgress(module);
   bindEvaluation(module);
   module.def("generate", &runGenerate, "device"_a, "scene"_a, "directory"_a, "batch_size"_a, "num_slices"_a, "on_progress"_a.none(),
-             "policy"_a.none());
+             "policy"_a.none(), "episodes"_a);
   module.def("evaluate", &runEvaluate, "device"_a, "scene"_a, "controllers"_a, "batch_size"_a, "num_slices"_a, "on_progress"_a.none(),
-             "policy"_a.none());
+             "policy"_a.none(), "complete"_a);
 }
 
 }  // namespace taxelsim::python

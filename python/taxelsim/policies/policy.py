@@ -89,6 +89,12 @@ class PolicyCalls:
         """
         return self._commands(frame_of(arrays, *arrays["X_WS"].shape[:2]), instances, first_instance)
 
+    def checked_policy(self) -> Policy:
+        """The policy as it was called: with the outcome of the check of the batch, and with an identity."""
+        policy = self.policy
+        changes = {"function": self._function, "check_batch": self._unchecked, "identity": policy.identity or policy.name}
+        return Policy(**{**vars(policy), **changes})
+
     @property
     def by_joints(self) -> bool:
         """Whether it answers with joint velocities."""
