@@ -48,6 +48,7 @@ def test_the_tour_runs_and_makes_its_pictures(monkeypatch, tmp_path, capsys):
     blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
     assert len(blocks) == 7
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PYTHONPATH", str(Path(taxelsim.__file__).parents[1]))  # of the program that it starts
     names: dict = {}
     for block in blocks:
         exec(block, names)
