@@ -46,7 +46,10 @@ TEST(DevicesPlan, CountsTheJacobianThatAControllerNeeds) {
 TEST(DevicesPlan, CountsTheSensorOfACondition) {
   const TemporaryDirectory root;
   const std::string file = root / "scene.yaml";
-  std::ofstream(file) << kScene << "conditions: {slow: {sensor: {readout: {creep: [{fraction: 0.1, time: 1}]}}}}\n";
+  Sensor sensor = loadSensor(TAXELSIM_SOURCE_DIR "/scenes/sensors/wts0614.yaml");
+  sensor.readout.creep.push_back({.fraction = 0.1, .time = 1});
+  std::ofstream(root / "slow.yaml") << sensorText(sensor);
+  std::ofstream(file) << kScene << "conditions: {slow: {sensor: slow.yaml}}\n";
   const auto bytes = [&](std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), {"devices", "--plan", file, "--json"});
     const Outcome outcome = runTaxelsim(arguments);
