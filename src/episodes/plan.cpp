@@ -3,7 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "taxelsim/environment.h"
+
 namespace taxelsim {
+
+ModelOptions modelOptionsOf(const Scene& scene) {
+  ModelOptions options{.sensor = scene.sensor, .objects = {}};
+  for (const SceneObject& object : scene.objects) options.objects.push_back(object.object);
+  return options;
+}
 
 EpisodePlan::EpisodePlan(const Scene& scene_to_run, const OutputOptions& read_outputs, int num_regions)
     : scene(scene_to_run),
