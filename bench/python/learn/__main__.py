@@ -56,16 +56,26 @@ def run(task: str, folder: Path, num_episodes: int, changes: dict[str, Any]) -> 
     write_json(RESULTS / f"learn-{task}.json", result)
 
 
+def results() -> dict[str, dict[str, Any]]:
+    """The result files that are there, by task."""
+    files = {task: RESULTS / f"learn-{task}.json" for task in RECIPES}
+    return {task: json.loads(file.read_text()) for task, file in files.items() if file.exists()}
+
+
+def page_text() -> str:
+    """docs/benchmark.md."""
+    found = results()
+    notes = {task: file.read_text() for task in found if (file := HERE / "notes" / f"{task}.md").exists()}
+    return page((HERE / "page.md").read_text(), found, notes)
+
+
 def write_page() -> None:
-    """Writes the page from the result files that are there."""
+    """Writes the page and its picture."""
     from .curves import draw
 
-    files = {task: RESULTS / f"learn-{task}.json" for task in RECIPES}
-    results = {task: json.loads(file.read_text()) for task, file in files.items() if file.exists()}
-    notes = {task: file.read_text() for task in results if (file := HERE / "notes" / f"{task}.md").exists()}
-    PAGE.write_text(page((HERE / "page.md").read_text(), results, notes))
-    draw(results, PICTURE)
-    print(f"{PAGE.relative_to(ROOT)} and {PICTURE.relative_to(ROOT)}: written from {len(results)} result files")
+    PAGE.write_text(page_text())
+    draw(results(), PICTURE)
+    print(f"{PAGE.relative_to(ROOT)} and {PICTURE.relative_to(ROOT)}: written")
 
 
 def main() -> None:

@@ -23,12 +23,19 @@ SERVO = 0  # index of the cloned controller in the scene
 VALIDATION_PART = 0.1  # of the demonstrations, by episode
 
 
-class Demonstrations:
-    """Frames of the successful episodes of the servo: observations by name (frames, values), normalised, and actions (frames, actions)."""
+def chosen_episodes(data: taxelsim.Dataset) -> np.ndarray:
+    """(num_episodes) bool: successful episodes of the servo."""
+    chosen: np.ndarray = (data["meta/controller"][:] == SERVO) & (data["meta/success"][:] == 1)
+    return chosen
 
-    def __init__(self, folder: Path, task: str, recipe: Recipe, saturation: int) -> None:
-        data = taxelsim.Dataset(folder)
-        chosen = (data["meta/controller"][:] == SERVO) & (data["meta/success"][:] == 1)
+
+class Demonstrations:
+    """Frames of the `chosen` episodes of a data set: observations by name (frames, values), normalised, and actions (frames, actions).
+
+    saturation: counts, of the sensor.
+    """
+
+    def __init__(self, data: taxelsim.Dataset, chosen: np.ndarray, task: str, recipe: Recipe, saturation: int) -> None:
         ends = data.episode_ends.astype(np.int64)
         firsts = np.concatenate(([0], ends[:-1]))
         self.num_episodes = int(chosen.sum())
@@ -122,7 +129,8 @@ def clone(task: str, name: str, recipe: Recipe, folder: Path) -> None:
     data_set = folder / "demonstrations"
     generate(task, recipe, data_set)
     saturation = taxelsim.load_scene(taxelsim.SCENES / TASKS[task].scene).sensor.readout.saturation
-    demonstrations = Demonstrations(data_set, task, recipe, saturation)
+    data = taxelsim.Dataset(data_set)
+    demonstrations = Demonstrations(data, chosen_episodes(data), task, recipe, saturation)
     generated = time.monotonic()
     actor, training_loss, validation_loss = fit(demonstrations, recipe)
     write_onnx(actor, folder / f"{name}.onnx", policy_settings(task, recipe))
