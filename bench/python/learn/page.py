@@ -104,12 +104,17 @@ def training(result: Mapping[str, Any]) -> str:
         [
             POLICIES["clone"],
             f"{cloning['num_demonstrations']:,} successful episodes of the servo, {cloning['num_frames']:,} frames",
-            f"{cloning['training_seconds'] / 60:.1f} and {cloning['generation_seconds'] / 60:.1f} for the data set",
+            minutes(cloning),
         ]
     ]
     for name, curve in result["curves"].items():
-        rows.append([POLICIES[name], f"{curve['steps']:,} environment steps", f"{curve['training_seconds'] / 60:.1f}"])
-    return table(["policy", "data", "minutes"], rows)
+        rows.append([POLICIES[name], f"{curve['steps']:,} environment steps", minutes(curve)])
+    return table(["policy", "trained with", "minutes of training; of processor time"], rows)
+
+
+def minutes(times: Mapping[str, float]) -> str:
+    """Elapsed and processor time."""
+    return f"{times['training_seconds'] / 60:.1f}; {times['cpu_seconds'] / 60:.1f}"
 
 
 def section(task: str, result: Mapping[str, Any], notes: str) -> str:

@@ -30,7 +30,7 @@ class Recipe:
     cloning_rate: float = 2e-3  #: Learning rate, falls to 0 by a cosine.
     cloning_batch: int = 2048
     # PPO.
-    num_steps: int = 400_000  #: Environment steps.
+    num_steps: int = 300_000  #: Environment steps.
     num_envs: int = 256
     rollout: int = 16  #: Steps of each environment between updates.
     batch: int = 512
@@ -47,7 +47,7 @@ class Recipe:
     num_validations: int = 100  #: Episodes.
 
 
-_FOLLOW = Recipe(linear_scale=0.03, num_demonstrations=1000, num_steps=300_000)
+_FOLLOW = Recipe(linear_scale=0.03, num_demonstrations=1000)
 
 RECIPES = {
     "EdgeFollow": _FOLLOW,

@@ -124,10 +124,15 @@ def train(task: str, name: str, recipe: Recipe, folder: Path, blind: bool) -> No
     with torch.no_grad():
         model.policy.log_std.copy_(torch.tensor(deviations).log())
     curve = Curve(task, name, recipe)
-    begun = time.monotonic()
+    begun, begun_cpu = time.monotonic(), time.process_time()
     model.learn(recipe.num_steps, callback=curve)
-    seconds = time.monotonic() - begun - curve.validation_seconds
+    seconds, cpu_seconds = time.monotonic() - begun - curve.validation_seconds, time.process_time() - begun_cpu
     curve.validate()
     write_onnx(actor_of(model), folder / f"{name}.onnx", settings)
-    content = {"points": curve.points, "steps": model.num_timesteps, "training_seconds": round(seconds, 1)}
+    content = {
+        "points": curve.points,
+        "steps": model.num_timesteps,
+        "training_seconds": round(seconds, 1),  # without validation
+        "cpu_seconds": round(cpu_seconds, 1),  # of all threads, with validation
+    }
     (folder / f"{name}.curve.json").write_text(json.dumps(content, indent=1) + "\n")
