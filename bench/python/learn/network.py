@@ -18,10 +18,12 @@ from .recipe import HISTORY, OBSERVATIONS, TACTILE
 
 # Factors on normalised observations, so that inputs are of the order of 1.
 FEATURE_FACTORS = {"total_force": 0.5, "peak_force": 5.0, "edge_confidence": 2.0, "contact_area": 0.25}
+NUM_FORCES = 2  # the first features: total and peak force
 IMAGE_FACTOR = 10.0
 POSE_FACTORS = (0.3, 0.3, 20.0, 1.0, 1.0, 1.0, 1.0)  # z: 0.1 mm of depth is 0.2
 CONTACT_FACTORS = (1.0, 1.0, 1.0, 0.5, 0.5, 0.5)
 LIMIT = 5.0  # of an input
+TYPICAL_FORCE, LEAST_FORCE = 3.0, 0.2  # N
 
 
 def _factors(name: str, size: int) -> np.ndarray:
@@ -43,25 +45,33 @@ def _frames(name: str) -> Sequence[int]:
 class Inputs(nn.Module):
     """Observations (N, HISTORY x all values), joined in the order of OBSERVATIONS, to inputs (N, num_inputs) of the order of 1.
 
+    Forces of the image and of the features are divided by the measured force of the start, so that a gain that all taxels share cancels.
     sizes: values of one frame, by name. blind: the tactile inputs are 0.
     """
 
     def __init__(self, sizes: Mapping[str, int], blind: bool = False) -> None:
         super().__init__()
-        columns, factors, first = [], [], 0
+        columns, factors, relative, first = [], [], [], 0
         for name in OBSERVATIONS:
             size = sizes[name]
             for frame in _frames(name):
                 columns.append(first + frame * size + np.arange(size))
                 factors.append(_factors(name, size) * (0.0 if blind and name in TACTILE else 1.0))
+                forces = np.arange(size) < NUM_FORCES if name == "features" else np.full(size, name == "tactile_image")
+                relative.append(forces)
+            if name == "start_contact":
+                self.start_force = first + HISTORY * size - 1  # column of the z component
             first += HISTORY * size
         self.register_buffer("columns", torch.as_tensor(np.concatenate(columns)))
         self.register_buffer("factors", torch.as_tensor(np.concatenate(factors), dtype=torch.float32))
+        self.register_buffer("relative", torch.as_tensor(np.concatenate(relative), dtype=torch.float32))
         self.num_observed, self.num_inputs = first, len(self.columns)
 
     def forward(self, observation: torch.Tensor) -> torch.Tensor:
         chosen = torch.index_select(observation, 1, self.columns)
-        return torch.clamp(chosen * self.factors, -LIMIT, LIMIT)
+        start = torch.clamp(-observation[:, self.start_force : self.start_force + 1], min=LEAST_FORCE)
+        scale = 1 + self.relative * (TYPICAL_FORCE / start - 1)
+        return torch.clamp(chosen * self.factors * scale, -LIMIT, LIMIT)
 
 
 def joined(observation: Mapping[str, torch.Tensor]) -> torch.Tensor:

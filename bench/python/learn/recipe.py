@@ -30,7 +30,7 @@ class Recipe:
     cloning_rate: float = 2e-3  #: Learning rate, falls to 0 by a cosine.
     cloning_batch: int = 2048
     # PPO.
-    num_steps: int = 300_000  #: Environment steps.
+    num_steps: int = 500_000  #: Environment steps.
     num_envs: int = 256
     rollout: int = 16  #: Steps of each environment between updates.
     batch: int = 512
@@ -43,11 +43,11 @@ class Recipe:
     normal_deviation: float = 0.03  #: ... and that of v_z, which presses.
     reward_widths: tuple[float, ...] = (1.0, 4.0, 16.0)  #: `widths` of taxelsim.envs.Reward.
     # Learning curves.
-    validation_interval: int = 100_000  #: Environment steps.
+    validation_interval: int = 50_000  #: Environment steps.
     num_validations: int = 100  #: Episodes.
 
 
-_FOLLOW = Recipe(linear_scale=0.03, num_demonstrations=1000)
+_FOLLOW = Recipe(linear_scale=0.03, num_demonstrations=1000, num_steps=1_200_000)
 
 RECIPES = {
     "EdgeFollow": _FOLLOW,

@@ -210,7 +210,8 @@ class ObservationBuilder:
         first = self._first_values.setdefault(name, values.copy())
         if started is not None:
             first[started] = values[started]
-        return first.copy()
+        copied: Values = first.copy()
+        return copied
 
     def detach(self) -> None:
         """Copies live values, so that a step does not change them."""
