@@ -19,7 +19,7 @@ class Reward:
 
     With the errors e_m of the task's criteria and their tolerances t_m:
 
-        tracking = mean over m of exp(-(e_m / t_m)^2)                   0 without contact
+        tracking = mean over m and widths w of exp(-(e_m / (w t_m))^2)  0 without contact
         progress = clip(advance / required advance per step, 0, 1)      1 for tasks without `travel` and `laps`
         reward   = tracking (1 + progress) / 2
                    - lost_penalty [no contact]
@@ -32,6 +32,7 @@ class Reward:
     lost_penalty: float = 1.0  #: Per step without contact.
     force_penalty: float = 0.1  #: Per step and relative excess of the force.
     force_limit: float = 10.0  #: N, clean total force above which the excess counts.
+    widths: tuple[float, ...] = (1.0,)  #: In tolerances. Wider ones reward progress far from the tolerance, where the narrow one is flat.
 
     def __post_init__(self) -> None:
         checked_positive("reward.force_limit", self.force_limit)
@@ -39,12 +40,17 @@ class Reward:
             value = getattr(self, name)
             if not (np.isfinite(value) and value >= 0):
                 raise InputError(f"reward.{name}: {value} found, a finite number of at least 0 allowed")
+        if not self.widths:
+            raise InputError("reward.widths: empty, at least one width allowed")
+        for width in self.widths:
+            checked_positive("reward.widths", width)
 
     def __call__(self, errors: Array, tolerances: Array, progress: Array, contact: NDArray[np.bool_], force: Array) -> Array:
         """Rewards (N). `errors` (N, measures) and `tolerances` (measures), NaN without a criterion; infinite errors count 0."""
         judged = np.isfinite(tolerances)
         with np.errstate(over="ignore"):
-            tracking = np.exp(-np.square(errors[:, judged] / tolerances[judged])).mean(-1) if judged.any() else np.ones(len(errors))
+            relative = errors[:, judged, np.newaxis] / np.multiply.outer(tolerances[judged], self.widths)
+            tracking = np.exp(-np.square(relative)).mean((-2, -1)) if judged.any() else np.ones(len(errors))
         excess = np.maximum(0, force / self.force_limit - 1)
         reward = np.where(contact, tracking, 0) * (1 + np.clip(progress, 0, 1)) / 2
         result: Array = reward - self.lost_penalty * ~contact - self.force_penalty * excess

@@ -14,9 +14,12 @@ from .vector_env import TactileVectorEnv
 
 
 class RslRlVecEnv(VecEnv):  # type: ignore[misc]
-    """Vector environment for rsl_rl: observations in a TensorDict, `time_outs` of truncated episodes in the extras."""
+    """Vector environment for rsl_rl: observations in a TensorDict, `time_outs` of truncated episodes in the extras.
 
-    def __init__(self, envs: TactileVectorEnv, device: str = "cpu") -> None:
+    A single observation is the group "policy"; several are groups of their own names. seed: of the first reset; None draws one.
+    """
+
+    def __init__(self, envs: TactileVectorEnv, device: str = "cpu", seed: int | None = None) -> None:
         if envs.autoreset_mode is not AutoresetMode.SAME_STEP:
             raise InputError(f"autoreset_mode: {envs.autoreset_mode.value} found, SameStep allowed")
         self.envs, self.device = envs, device
@@ -25,7 +28,7 @@ class RslRlVecEnv(VecEnv):  # type: ignore[misc]
         self.num_actions = envs.num_actions
         self.max_episode_length = envs.max_episode_steps
         self.episode_length_buf = torch.zeros(self.num_envs, dtype=torch.long, device=device)
-        self._observation = self._tensors(envs.reset()[0])
+        self._observation = self._tensors(envs.reset(seed=seed)[0])
 
     def _tensors(self, observation: Any) -> TensorDict:
         groups = observation if isinstance(observation, dict) else {"policy": observation}

@@ -6,9 +6,10 @@
 | `tactile_image` | (rows, cols) of one patch, else (taxels) | counts, int32; or newtons by the nominal curve, float32 |
 | `features` | (13) | moments of the tactile image, in the order of FEATURES |
 | `proprioception` | (7 + joints) | pose of S relative to its start: position, m, quaternion (w, x, y, z); joint positions, rad or m |
+| `start_contact` | (6) | `contact` in the first frame of the episode |
 
-All but counts are float32. With several sensors per environment the first three have an axis (sensors) in front, and `proprioception` has
-7 numbers per sensor. Centre, z of the force and features come from the tactile image, so gain and noise of the sensor affect them. A
+All but counts are float32. With several sensors per environment all but `proprioception` have an axis (sensors) in front; `proprioception`
+has 7 numbers per sensor. Centre, z of the force and features come from the tactile image, so gain and noise of the sensor affect them. A
 tactile image has no shear, so x and y of the force are the true ones; they are 0 on a flat skin without friction.
 
 Normalised observations are divided by SCALES, counts by the largest count of the sensor.
@@ -17,7 +18,7 @@ Normalised observations are divided by SCALES, counts by the largest count of th
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -28,7 +29,7 @@ from ..environment import EnvironmentFrame, EnvironmentLayout
 
 Values = NDArray[Any]
 
-OBSERVATIONS = ("contact", "tactile_image", "features", "proprioception")
+OBSERVATIONS = ("contact", "tactile_image", "features", "proprioception", "start_contact")
 """Names of observations."""
 
 SCALES = {"m": 0.01, "N": 1.0, "m^2": 1e-4, "rad": 1.0, "1": 1.0}
@@ -61,6 +62,7 @@ class _Block:
     scale: NDArray[np.float32]
     read: Callable[[EnvironmentFrame], Values]  # (N, *shape), SI units
     live: bool = False  # read() returns memory that the next step changes
+    of_first_frame: bool = False  # holds the value of the first frame of the episode
 
 
 def _unbounded(shape: tuple[int, ...]) -> Bounds:
@@ -82,6 +84,10 @@ def _contact(layout: EnvironmentLayout) -> _Block:
 
     scale = np.repeat(np.array([SCALES["m"], SCALES["N"]], np.float32), 3)
     return _Block(_unbounded((*_sensors(layout), 6)), scale, read)
+
+
+def _start_contact(layout: EnvironmentLayout) -> _Block:
+    return replace(_contact(layout), of_first_frame=True)
 
 
 def _counts(layout: EnvironmentLayout) -> _Block:
@@ -148,6 +154,7 @@ class ObservationBuilder:
             "tactile_image": _counts if image_unit == "counts" else _newtons,
             "features": _features,
             "proprioception": _proprioception,
+            "start_contact": _start_contact,
         }
         self._blocks = {name: makers[name](layout) for name in self.names}
         self._is_dict = not isinstance(names, str)
@@ -155,6 +162,7 @@ class ObservationBuilder:
         self._history = checked_count("history", history)
         self._copy = copy
         self._values: dict[str, Values] = {}
+        self._first_values: dict[str, Values] = {}  # of the blocks `of_first_frame`
 
     def bounds(self) -> Bounds | dict[str, Bounds]:
         """Ranges of one environment, structured as the observation."""
@@ -185,6 +193,8 @@ class ObservationBuilder:
             values = block.read(frame)
             if self._normalized:
                 values = np.divide(values, block.scale, dtype=np.float32)
+            if block.of_first_frame:
+                values = self._first(name, values, started)
             if self._history == 1:
                 self._values[name] = values if kept is None else np.where(_column(kept, values), self._values[name], values)
                 continue
@@ -195,6 +205,13 @@ class ObservationBuilder:
             frames[rows, -1] = values[rows]
             if started is not None:
                 frames[started] = values[started][:, np.newaxis]
+
+    def _first(self, name: str, values: Values, started: NDArray[np.bool_] | None) -> Values:
+        first = self._first_values.setdefault(name, values.copy())
+        if started is not None:
+            first[started] = values[started]
+        copied: Values = first.copy()
+        return copied
 
     def detach(self) -> None:
         """Copies live values, so that a step does not change them."""

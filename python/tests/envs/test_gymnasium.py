@@ -124,35 +124,3 @@ def test_forked_child_gets_an_exception(make):
         assert name == "DeviceError"
         assert "fork" in message
     env.step(actions_of(0, 2))
-
-
-def test_stable_baselines3_adapter(make):
-    pytest.importorskip("stable_baselines3")
-    from taxelsim.envs.sb3 import StableBaselinesVecEnv
-
-    env, reference = StableBaselinesVecEnv(make(3)), make(3)
-    env.seed(4)
-    assert np.array_equal(env.reset(), reference.reset(seed=[4, 5, 6])[0])
-    for step in range(12):
-        observation, _, done, infos = env.step(actions_of(step, 3))
-        expected, _, _, truncated, expected_infos = reference.step(actions_of(step, 3))
-    assert np.array_equal(observation, expected)
-    assert np.array_equal(done, truncated)
-    assert np.array_equal(infos[1]["terminal_observation"], expected_infos["final_obs"][1])
-    assert infos[1]["TimeLimit.truncated"]
-    with pytest.raises(taxelsim.InputError, match="SameStep"):
-        StableBaselinesVecEnv(make(1, autoreset_mode="NextStep"))
-
-
-def test_rsl_rl_adapter(make):
-    pytest.importorskip("rsl_rl")
-    from taxelsim.envs.rsl_rl import RslRlVecEnv
-
-    torch = pytest.importorskip("torch")
-    env = RslRlVecEnv(make(3))
-    for step in range(12):
-        observation, rewards, dones, extras = env.step(torch.as_tensor(actions_of(step, 3)))
-    assert observation["policy"].shape == (3, 6)
-    assert rewards.shape == (3,)
-    assert dones.all()
-    assert extras["time_outs"].all()

@@ -9,7 +9,7 @@ from gymnasium import spaces
 import taxelsim
 from taxelsim.envs import ACTIONS, FEATURES, OBSERVATIONS, SCALES, Reward, TactileVectorEnv
 
-from .conftest import actions_of, write_scene
+from .conftest import NUM_STEPS, actions_of, write_scene
 
 
 def test_observations_are_in_their_spaces_and_in_si_units(make):
@@ -21,6 +21,7 @@ def test_observations_are_in_their_spaces_and_in_si_units(make):
         "tactile_image": (6, 14),
         "features": (13,),
         "proprioception": (7,),
+        "start_contact": (6,),
     }
     assert observation["tactile_image"].dtype == np.int32
     assert np.allclose(observation["proprioception"], [0, 0, 0, 1, 0, 0, 0])
@@ -127,6 +128,8 @@ def test_bad_actions_are_refused_and_change_nothing(make, actions, message):
         ({"max_lost_time": -1}, "max_lost_time: -1 found"),
         ({"render_mode": "human"}, "'human' found"),
         ({"reward": lambda: Reward(force_limit=0)}, "force_limit: 0 found"),
+        ({"reward": lambda: Reward(widths=())}, "reward.widths: empty"),
+        ({"reward": lambda: Reward(widths=(1, 0))}, "reward.widths: 0 found"),
     ],
 )
 def test_refuses_bad_arguments(make, arguments, message):
@@ -143,6 +146,38 @@ def test_refuses_bad_num_envs(make, num_envs):
 def test_refuses_a_scene_without_task(device):
     with pytest.raises(taxelsim.InputError, match="no `task`"):
         TactileVectorEnv(taxelsim.SCENES / "edge_servo.yaml", device=device)
+
+
+@pytest.mark.parametrize("history", [1, 3])
+def test_start_contact_is_that_of_the_first_frame(make, history):
+    env = make(3, observations=("contact", "start_contact"), history=history)
+    observation, _ = env.reset(seed=0)
+    assert np.array_equal(observation["start_contact"], observation["contact"])
+    first = observation["contact"].copy()
+    for step in range(NUM_STEPS - 1):
+        observation = env.step(actions_of(step, 3))[0]
+        assert np.array_equal(observation["start_contact"], first)
+        assert not np.array_equal(observation["contact"], first)
+    observation, *_, infos = env.step(actions_of(NUM_STEPS - 1, 3))  # ends the episodes
+    assert np.array_equal(infos["final_obs"][1]["start_contact"], first[1])
+    assert np.array_equal(observation["start_contact"], observation["contact"])
+    assert not np.array_equal(observation["start_contact"], first)
+
+
+def test_start_contact_of_an_environment_that_is_reset_alone(make):
+    env = make(2, observations=("contact", "start_contact"), autoreset_mode="Disabled")
+    first = env.reset(seed=0)[0]["contact"].copy()
+    env.step(actions_of(0, 2))
+    observation, _ = env.reset(options={"reset_mask": np.array([False, True])})
+    assert np.array_equal(observation["start_contact"][0], first[0])
+    assert np.array_equal(observation["start_contact"][1], observation["contact"][1])
+    assert not np.array_equal(observation["start_contact"][1], first[1])
+
+
+def test_reward_averages_over_its_widths():
+    errors, tolerances = np.array([[3.0, 2.0]]), np.array([1.0, 2.0])
+    found = Reward(widths=(1, 3))(errors, tolerances, np.ones(1), np.ones(1, bool), np.zeros(1))
+    assert found == pytest.approx([np.mean(np.exp([-9, -1, -1, -1 / 9]))])
 
 
 def test_reward_follows_its_formula():

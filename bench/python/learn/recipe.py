@@ -1,0 +1,75 @@
+"""What the policies see and command, and how they are trained. The same for all tasks, but for the entries of RECIPES."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+from taxelsim.envs.tasks import TASKS
+
+OBSERVATIONS = ("features", "tactile_image", "start_contact", "proprioception")
+TACTILE = ("features", "tactile_image", "start_contact")  # what a blind policy does not see
+HISTORY = 4  # frames, 10 ms apart
+
+EVALUATION_SEED, VALIDATION_SEED, TRAINING_SEED, DEMONSTRATION_SEED = 1, 101, 102, 103
+CONDITIONS = ("nominal", "randomized", "unseen")
+TRAINING_CONDITION = "randomized"
+NUM_THREADS = 1  # of torch: results do not depend on the number of cores
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """Settings of one task. Scales: m/s and rad/s at action 1."""
+
+    linear_scale: float
+    angular_scale: float = 1.0
+    hidden: tuple[int, ...] = (64, 64)  #: Widths of the hidden layers of every policy, tanh.
+    # Behaviour cloning.
+    num_demonstrations: int = 2000  #: Episodes of all controllers of the scene; those of the first one that succeed are cloned.
+    num_epochs: int = 30
+    cloning_rate: float = 2e-3  #: Learning rate, falls to 0 by a cosine.
+    cloning_batch: int = 2048
+    # PPO.
+    num_steps: int = 500_000  #: Environment steps.
+    num_envs: int = 256
+    rollout: int = 16  #: Steps of each environment between updates.
+    batch: int = 512
+    num_updates: int = 5  #: Passes over a rollout.
+    learning_rate: float = 1e-3  #: Falls to 0 linearly.
+    gamma: float = 0.95
+    gae_lambda: float = 0.9
+    entropy: float = 0.0
+    planar_deviation: float = 0.3  #: Initial standard deviation of actions ...
+    normal_deviation: float = 0.03  #: ... and that of v_z, which presses.
+    reward_widths: tuple[float, ...] = (1.0, 4.0, 16.0)  #: `widths` of taxelsim.envs.Reward.
+    # Learning curves.
+    validation_interval: int = 50_000  #: Environment steps.
+    num_validations: int = 100  #: Episodes.
+
+
+_FOLLOW = Recipe(linear_scale=0.03, num_demonstrations=1000, num_steps=1_200_000)
+
+RECIPES = {
+    "EdgeFollow": _FOLLOW,
+    "SurfaceFollow": _FOLLOW,
+    "EdgeAlign": Recipe(linear_scale=0.02),
+    "RollTrack": Recipe(linear_scale=0.08),
+    "ContourLap": Recipe(linear_scale=0.06),
+}
+
+
+def recipe_of(task: str, **changes: Any) -> Recipe:
+    """Recipe of a task with some settings replaced."""
+    return replace(RECIPES[task], **changes)
+
+
+def policy_settings(task: str, recipe: Recipe) -> dict[str, Any]:
+    """Arguments that TactileVectorEnv and taxelsim.policies.Policy share."""
+    return {
+        "observations": OBSERVATIONS,
+        "actions": TASKS[task].actions,
+        "history": HISTORY,
+        "normalized": True,
+        "linear_scale": recipe.linear_scale,
+        "angular_scale": recipe.angular_scale,
+    }

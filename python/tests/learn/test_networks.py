@@ -1,0 +1,81 @@
+"""Networks and demonstrations of the benchmark. Needs torch; the campaign `learn` installs it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import taxelsim
+from taxelsim.envs.tasks import TASKS
+from taxelsim.policies import OnnxPolicy, Policy
+
+torch = pytest.importorskip("torch")
+
+SIZES = {"features": 13, "tactile_image": 84, "start_contact": 6, "proprioception": 7}
+TASK = "EdgeAlign"
+
+
+@pytest.fixture
+def observation():
+    from learn.recipe import HISTORY, OBSERVATIONS
+
+    random = np.random.default_rng(1)
+    shapes = {**SIZES, "tactile_image": (6, 14)}
+    return {name: random.normal(size=(5, HISTORY, *np.atleast_1d(shapes[name]))).astype(np.float32) for name in OBSERVATIONS}
+
+
+def tensors(observation):
+    return {name: torch.as_tensor(values) for name, values in observation.items()}
+
+
+def test_a_blind_network_sees_only_its_own_motion(observation):
+    from learn.network import Inputs, joined
+
+    inputs, blind = Inputs(SIZES), Inputs(SIZES, blind=True)
+    assert blind.num_inputs == inputs.num_inputs
+    seen = blind(joined(tensors(observation)))
+    for name in ("features", "tactile_image", "start_contact"):
+        observation[name] = observation[name] + 1
+    assert torch.equal(blind(joined(tensors(observation))), seen)
+    observation["proprioception"] = observation["proprioception"] + 0.1
+    assert not torch.equal(blind(joined(tensors(observation))), seen)
+
+
+def test_an_onnx_file_acts_as_its_network(observation, tmp_path):
+    from learn.network import Inputs, as_policy, new_actor, write_onnx
+    from learn.recipe import policy_settings, recipe_of
+
+    torch.manual_seed(1)
+    settings = policy_settings(TASK, recipe_of(TASK))
+    actor = new_actor(Inputs(SIZES), (16,), len(TASKS[TASK].actions))
+    write_onnx(actor, tmp_path / "p.onnx", settings)
+    policy = OnnxPolicy(tmp_path / "p.onnx")
+    assert policy.settings == settings
+    found, expected = policy(observation), as_policy(actor, "p", settings).function(observation)
+    assert found.shape == (5, 4)
+    assert np.allclose(found, expected, atol=1e-6)
+    assert np.abs(found).max() <= 1
+
+
+def test_demonstrations_are_what_a_policy_observes(device, tmp_path):
+    from learn.cloning import Demonstrations
+    from learn.network import joined
+    from learn.recipe import HISTORY, policy_settings, recipe_of
+
+    recipe, observed = recipe_of(TASK), []
+
+    def still(observation):
+        observed.append(joined(tensors(observation)))
+        return np.zeros((len(observed[-1]), len(TASKS[TASK].actions)))
+
+    scene = taxelsim.load_scene(taxelsim.SCENES / TASKS[TASK].scene, num_episodes=2, condition="randomized")
+    policy = Policy(still, identity="still", check_batch=False, **policy_settings(TASK, recipe))
+    taxelsim.generate(scene, tmp_path / "data", policy=policy, device=device, batch_size=1, num_slices=1)
+    data = taxelsim.Dataset(tmp_path / "data")
+    demonstrations = Demonstrations(data, np.ones(2, bool), TASK, recipe, scene.sensor.readout.saturation)
+    rows = np.arange(data.num_frames)
+    found, expected = demonstrations.observation(rows), torch.cat(observed)
+    num_observed = len(expected) // 2  # the last frame of an episode takes no action
+    kept = np.concatenate([first + np.arange(num_observed) for first in (0, data.num_frames // 2)])
+    assert found.shape[1] == HISTORY * sum(SIZES.values())
+    assert torch.allclose(found[kept], expected, atol=1e-5)

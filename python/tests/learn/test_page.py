@@ -1,0 +1,90 @@
+"""Tables and sentences of docs/benchmark.md."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from taxelsim.policies import compare, wilson_interval
+
+ROOT = Path(__file__).resolve().parents[3]
+NUM_EPISODES = 200
+
+
+@pytest.fixture
+def learn_page():
+    from learn import page
+
+    return page
+
+
+def result(num_successes: int, controller: str = "policy") -> dict:
+    return {
+        "controller": controller,
+        "num_episodes": NUM_EPISODES,
+        "num_lost": 3,
+        "peak_force": 4.25,
+        "steady_errors": {"edge_angle": np.pi / 90, "total_force": 0.125},
+        "successes": "1" * num_successes + "0" * (NUM_EPISODES - num_successes),
+    }
+
+
+def evaluations(servo: int, clone: int, ppo: int, blind: int) -> dict:
+    """The same successes under all conditions."""
+    row = {"servo": result(servo, "window"), "clone": result(clone), "ppo": result(ppo), "blind": result(blind)}
+    return dict.fromkeys(("nominal", "randomized", "unseen"), row)
+
+
+def test_a_rate_has_its_wilson_interval(learn_page):
+    low, high = wilson_interval(50, NUM_EPISODES)
+    assert learn_page.rate_cell(result(50)) == f"25.0 ({100 * low:.1f} to {100 * high:.1f})"
+
+
+def test_a_difference_is_bold_where_the_interval_excludes_zero(learn_page):
+    def cell(first: int, second: int) -> str:
+        return learn_page.difference_cell(compare("a", np.arange(NUM_EPISODES) < first, "b", np.arange(NUM_EPISODES) < second))
+
+    assert cell(120, 60).startswith("**+30.0 (")
+    assert cell(60, 120).startswith("**-30.0 (")
+    assert cell(60, 60).startswith("+0.0 (-")
+
+
+def test_rates_are_policies_by_conditions(learn_page):
+    lines = learn_page.rates(evaluations(100, 120, 80, 0)).splitlines()
+    assert lines[0] == "| policy | `nominal` | `randomized` | `unseen` |"
+    assert [line.split(" | ")[0] for line in lines[2:]] == ["| scripted servo", "| behaviour cloning", "| PPO", "| blind PPO"]
+    assert {line.count("|") for line in lines} == {5}
+
+
+def test_measures_are_in_the_units_of_the_tasks(learn_page):
+    lines = learn_page.measures(evaluations(100, 120, 80, 0)).splitlines()
+    assert lines[0] == "| condition | policy | edge angle, deg | total force, N | peak force, N | lost contact |"
+    assert lines[2] == "| `nominal` | scripted servo | 2.00 | 0.12 | 4.2 | 3 |"
+
+
+def test_findings_name_the_policies_that_are_better(learn_page):
+    lines = learn_page.findings("EdgeAlign", evaluations(100, 140, 20, 0))
+    assert lines[0] == "- `EdgeAlign`, `randomized`: behaviour cloning and PPO beat the blind PPO."
+    assert lines[2] == "- `EdgeAlign`, `unseen`: behaviour cloning beats the scripted servo."
+    assert learn_page.findings("EdgeAlign", evaluations(100, 100, 20, 0))[2].endswith("no learned policy beats the scripted servo.")
+
+
+def test_the_page_is_that_of_the_committed_results(learn_page):
+    from learn.__main__ import page_text
+
+    assert (ROOT / "docs/benchmark.md").read_text() == page_text()
+
+
+def test_committed_results_are_complete(learn_page):
+    files = sorted((ROOT / "bench/results").glob("learn-*.json"))
+    assert files
+    for file in files:
+        content = json.loads(file.read_text())
+        for condition in ("nominal", "randomized", "unseen"):
+            policies = content["evaluations"][condition]
+            assert list(policies) == ["servo", "clone", "ppo", "blind"]
+            assert {len(entry["successes"]) for entry in policies.values()} == {entry["num_episodes"] for entry in policies.values()}
+            assert min(entry["num_episodes"] for entry in policies.values()) >= 1000
