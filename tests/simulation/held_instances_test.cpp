@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "simulation/comparison.h"
+#include "support/plain.h"
 #include "support/random_scene.h"
 
 namespace taxelsim {
@@ -347,7 +348,8 @@ TEST(HeldInstancesOnEveryDriver, ContactPoints) {
 TEST(HeldInstancesOnEveryDriver, Meshes) {
   Random random(4);
   const std::vector<Object> bumps{Object("bumps", support::icosphere(0.01, 3, 0.02, random))};
-  EXPECT_GT(expectEpisodesAsAlone({.sensor = smallSensor(), .objects = bumps, .motion = 1e-6}), 0);
+  const int num_coherent = expectEpisodesAsAlone({.sensor = smallSensor(), .objects = bumps, .motion = 1e-6});
+  if (!support::isSwitchedOff("candidates")) EXPECT_GT(num_coherent, 0);
   expectEpisodesAsAlone({.sensor = smallSensor(), .objects = bumps, .loads = true, .motion = 1e-6});
 }
 
