@@ -38,12 +38,14 @@ extern "C" const char* __ubsan_default_options() {
 #if defined(__SANITIZE_THREAD__)
 
 // The drivers and HDF5 are not instrumented: their own locks and atomics are invisible, so that what they do among themselves looks like
-// races.
+// races. libgcc's lock of unwind tables is taken where the sanitizer sees it and released where it does not, when a driver loads its code.
 extern "C" const char* __tsan_default_suppressions() {
   return "called_from_lib:libvulkan_lvp.so\n"
          "called_from_lib:libvk_swiftshader.so\n"
          "called_from_lib:libLLVM-15.so.1\n"
-         "called_from_lib:libVkLayer_khronos_validation.so\n";
+         "called_from_lib:libVkLayer_khronos_validation.so\n"
+         "mutex:__register_frame_info_bases\n"
+         "mutex:__deregister_frame_info_bases\n";
 }
 
 #endif

@@ -2,7 +2,7 @@
 """Licences of the libraries that auditwheel bundles into the wheel.
 
 wheel_licences.py add WHEEL     puts the copyright file of each library's Debian package into the wheel
-wheel_licences.py check WHEEL   refuses a library under the GPL, one without a licence file, a missing part, and more than 60 MB
+wheel_licences.py check WHEEL   refuses a library under the GPL, one without a licence file, a missing part, wrong requirements, and more than 60 MB
 """
 
 from __future__ import annotations
@@ -88,6 +88,8 @@ def check(wheel: Path) -> None:
         names = archive.namelist()
         folder = licence_folder(names)
         licences = {name: archive.read(name).decode(errors="replace") for name in names if name.startswith(folder)}
+        metadata = archive.read(next(name for name in names if name.endswith(".dist-info/METADATA"))).decode()
+        needs_backend = "\nRequires-Dist: nanobind-backend" in metadata
         sizes = {info.filename: info.file_size for info in archive.infolist()}
     libraries = bundled_libraries(names)
     for path, library in libraries.items():
@@ -96,6 +98,9 @@ def check(wheel: Path) -> None:
         if not any(library in text.split("\n", 1)[0] for text in licences.values()):
             faults.append(f"{path} has no licence file in {folder}")
     faults += [f"{part} is missing" for part in PARTS if not any(fnmatch.fnmatch(name, part) for name in names)]
+    is_split = any(name == "taxelsim/_core.abi3.so" for name in names)
+    if is_split != needs_backend:
+        faults.append(f"requires nanobind-backend: {needs_backend}, while the module {'needs' if is_split else 'does not need'} it")
     if wheel.stat().st_size > MOST_BYTES:
         faults.append(f"{wheel.stat().st_size:,} bytes, at most {MOST_BYTES:,} are allowed")
     for path in libraries:

@@ -67,11 +67,15 @@ bool beginTile(uint instance, uint tile_number, out Tile tile) {
   if (isHeld(instance)) return false;
   if (SEARCH == kSearchInTile && (instances[instance].keys.w & kFlagLoadDriven) != 0) tile.z_limit = kMiss;
   if (SEARCH == kSearchOverTiles) {
-    vec4 bracket = loads[instance].bracket;
-    if (bracket.w == kLoadCarried || bracket.w == kLoadOutOfReach) return false;
-    tile.offset_z = bracket.x;
+    float status = loads[instance].bracket.w;
+    if (status == kLoadCarried || status == kLoadOutOfReach) return false;
   }
-  if (SEARCH == kSearchEnded && (instances[instance].keys.w & kFlagLoadDriven) != 0) tile.offset_z = loads[instance].bracket.x;
+  if (SEARCH >= kSearchOverTiles && (instances[instance].keys.w & kFlagLoadDriven) != 0) {
+    tile.offset_z = loads[instance].bracket.x;
+    float rest = loads[instance].forces.z * tile.X_PS.row2.z;
+    tile.z_base -= rest;
+    tile.z_limit -= rest;
+  }
   return true;
 }
 

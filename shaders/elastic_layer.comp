@@ -104,7 +104,7 @@ void solveInstance(uint instance, uint num_instances, uint num_slots) {
     if (by_load && !drive.by_load) status = kLoadOutOfReach;
   }
   float offset = !by_load || no_surface ? 0.0 : -lowest - found.shift * THICKNESS;
-  if (LOADS && by_load && gl_LocalInvocationIndex == 0) loads[instance].bracket = vec4(offset, 0, 0, status);
+  if (LOADS && by_load && gl_LocalInvocationIndex == 0) loads[instance] = LoadRecord(vec4(offset, 0, 0, status), vec4(0));
   workgroupBarrierWithBuffers();
   if (RELAXATION > 0) updateSkin(skin, window.layer_start);
 

@@ -3,8 +3,9 @@
 // Load search pass, over all tiles of a sensor: computes the next offset after each evaluation by the contact pass. For sensors that are not one tile in a
 // plane z = const of S; on those contact.comp searches by itself.
 //
-// Force falls as the offset grows: the bracket's lower bound carries too much (or sinks deeper than the skin), its upper bound too little. Regula falsi
-// alternates with bisection.
+// The load is the force of the objects along -z of S, without friction. That force falls as the offset grows: the bracket's lower bound carries too much (or sinks
+// deeper than the skin), its upper bound too little. Regula falsi alternates with bisection. A float resolves an offset of 0.1 m to 7e-9 m, 7e-5 of a depth of
+// 0.1 mm: once the bracket is a few of these steps wide, the offset stays and its rest is searched, LoadRecord.
 // An invocation owns one instance.
 // In:  tile_results (num_instances x num_tiles): the forces at the offset that was tried.
 // Out: loads (num_instances): the next offset, or that the search has ended.
@@ -16,12 +17,20 @@
 #include "passes/declare.glsl"
 #include "passes/load.h"
 
-const float kTolerance = 1e-5;  // of the load; a float's resolution at an offset of 0.1 m is 4e-9 m, 4e-5 of a depth of 0.1 mm
+const float kTolerance = 1e-6;  // of the load; some ten roundings of a float
 const float kAccepted = 1e-3;   // of the load, when the bracket is as narrow as floats allow
 const float kDeeper = 1e30;     // stands for the force at an offset at which a sample is deeper than the skin
+const float kCoarse = 3e-8;     // m: width of the bracket where the search of the rest begins
+const float kFine = 1e-12;      // m: width of the bracket where it ends
 
 #include "common/workgroup.glsl"
 #include "common/instances.glsl"
+
+// Whether a bracket is at most `width` wide, or as narrow as floats allow.
+bool isNarrow(vec4 bracket, float width) {
+  float low = bracket.y, high = bracket.z, middle = 0.5 * (low + high);
+  return high - low <= width || middle == low || middle == high;
+}
 
 void main() {
   uint instance = workgroupNumber() * WORKGROUP + gl_LocalInvocationIndex;
@@ -33,7 +42,8 @@ void main() {
     return;
   }
   if (status == kLoadCarried || status == kLoadOutOfReach) return;
-  if (status != kLoadSearching) {
+  bool refining = status == kLoadRefining;
+  if (status != kLoadSearching && !refining) {
     loads[instance].bracket.w = status == kLoadClosingCarried ? kLoadCarried : kLoadOutOfReach;
     return;
   }
@@ -42,12 +52,12 @@ void main() {
   float deep = 0.0;
   uint behind = 0;
   for (uint t = 0; t < NUM_TILES; ++t) {
-    force += tile_results[instance * NUM_TILES + t].torque.w;
+    force -= tile_results[instance * NUM_TILES + t].force.z;
     deep += tile_results[instance * NUM_TILES + t].force.w;
     if (NUM_ROWS == 0) behind |= tile_results[instance * NUM_TILES + t].window.x;
   }
   float load = instances[instance].drive.x;
-  float offset = record.bracket.x;
+  float tried = refining ? record.forces.z : record.bracket.x;
   float evaluations = record.forces.w + 1.0;
   record.forces.w = evaluations;
   // Surfaces below the floor and no force: the search has passed through the body.
@@ -57,11 +67,15 @@ void main() {
     return;
   }
   if (too_deep || force > load) {
-    record.bracket.y = offset;
+    record.bracket.y = tried;
     record.forces.x = too_deep ? kDeeper : force;
   } else {
-    record.bracket.z = offset;
+    record.bracket.z = tried;
     record.forces.y = force;
+  }
+  if (!refining && load > 0.0 && record.forces.x < kDeeper && isNarrow(record.bracket, kCoarse)) {
+    refining = true;
+    record.bracket = vec4(record.bracket.z, 2.0 * (record.bracket.y - record.bracket.z), 0.0, kLoadRefining);
   }
   float low = record.bracket.y, high = record.bracket.z;
   float f_low = record.forces.x, f_high = record.forces.y;
@@ -69,12 +83,15 @@ void main() {
   if (f_low < kDeeper && f_high > 0.0 && mod(evaluations, 2.0) != 0.0) {
     next = clamp(low + (high - low) * (f_low - load) / (f_low - f_high), low, high);
   }
-  if (evaluations + 1.0 >= float(EVALUATIONS) || next == low || next == high) {
-    // The bracket is as narrow as floats allow. At its upper bound the skin carries slightly less than the load, or far less if the load would need a sample
-    // deeper than the skin.
+  if (evaluations + 1.0 >= float(EVALUATIONS) || isNarrow(record.bracket, refining ? kFine : 0.0)) {
+    // At the upper bound the skin carries slightly less than the load, or far less if the load would need a sample deeper than the skin.
     next = high;
     record.bracket.w = f_high >= load * (1.0 - kAccepted) ? kLoadClosingCarried : kLoadClosingOutOfReach;
   }
-  record.bracket.x = next;
+  if (refining) {
+    record.forces.z = next;
+  } else {
+    record.bracket.x = next;
+  }
   loads[instance] = record;
 }

@@ -1,4 +1,4 @@
-// The C++ side of bench/python/simulator_rate.py: the same loop of setObjects(), step() and read(). Prints frames/s.
+// The C++ side of bench/python/rates.py: the same loop of setObjects(), step() and read(). Prints frames/s.
 //
 //   simulator_rate OBJECT NUM_INSTANCES NUM_STEPS
 #include <cstdio>
@@ -17,7 +17,7 @@ constexpr double kDepth = 0.0005;      // m
 constexpr double kDepthSpread = 1e-6;  // m per instance and step, modulo kNumDepths
 constexpr int kNumDepths = 256;
 
-// As in simulator_rate.py: the object lies with its lowest point in the skin, a little deeper in every instance and step.
+// As in rates.py: the object lies with its lowest point in the skin, a little deeper in every instance and step.
 std::vector<Pose> posesAt(int step, int num_instances, double height) {
   std::vector<Pose> poses(static_cast<std::size_t>(num_instances));
   for (int i = 0; i < num_instances; ++i) {

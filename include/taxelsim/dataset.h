@@ -65,8 +65,10 @@ struct Manifest {
   std::array<double, 2> pitch{0, 0};              ///< m, pitch of that patch along x and y, else 0.
   std::uint64_t seed = 0;                         ///< Seed of all random numbers.
   std::uint64_t num_episodes = 0;                 ///< Episodes of the data set.
-  std::uint64_t episodes_per_shard = 0;           ///< Episodes of each shard but the last.
-  int compression = 0;                            ///< gzip level, 0 (none) to 9.
+  /// (num_episodes), numbers of the episodes in the order of the rows. Empty (default): 0 to num_episodes - 1.
+  std::vector<std::uint64_t> episodes{};
+  std::uint64_t episodes_per_shard = 0;  ///< Episodes of each shard but the last.
+  int compression = 0;                   ///< gzip level, 0 (none) to 9.
   /// Largest size of a chunk of a compressed column before compression, kMinChunkBytes to kMaxChunkBytes. A chunk has at least one row.
   std::uint64_t chunk_bytes = kDefaultChunkBytes;
   std::string program_version;  ///< Version of taxelsim that created the data set.
@@ -92,8 +94,8 @@ class DatasetWriter {
   /// Creates the directory and the manifest, or compares an existing manifest with `manifest`. Removes left-over temporary files.
   ///
   /// A data set can be extended to more episodes if that leaves its complete shards unchanged. Throws Error(kInput) if the directory holds
-  /// other files, or a data set with another format, scene, seed, number of episodes per shard, program version, device or policy, or a
-  /// shard that differs from its checksum. Throws Error(kIo) if the file system refuses or another process is writing.
+  /// other files, or a data set with another format, scene, seed, list of episodes, number of episodes per shard, program version, device
+  /// or policy, or a shard that differs from its checksum. Throws Error(kIo) if the file system refuses or another process is writing.
   DatasetWriter(std::filesystem::path directory, Manifest manifest);
   /// Releases the directory; unfinished shards are lost.
   ~DatasetWriter();

@@ -74,8 +74,8 @@ std::uint64_t episodeKey(std::uint64_t seed, std::uint32_t instance, std::uint64
 /// in different threads.
 class Environment {
  public:
-  /// No instance is active. Copies `scene`, of kind kServo. `model`: Model(device, modelOptionsOf(scene)). Throws Error(kInput) for another
-  /// kind or model, and what Simulator throws.
+  /// No instance is active. Copies `scene`, of kind kServo. `model`: Model(device, modelOptionsOf(scene)); the names of its sensor and its
+  /// objects may differ. Throws Error(kInput) for another kind, sensor or object, and what Simulator throws.
   Environment(const Model& model, const Scene& scene, const EnvironmentOptions& options);
   /// The same with a model of its own. Throws what Model throws as well.
   Environment(const Device& device, const Scene& scene, const EnvironmentOptions& options);

@@ -24,7 +24,8 @@ struct StaticExperiment {
   /// A sensor model that is compared with the reference.
   struct Entry {
     Sensor sensor;  ///< The model.
-    /// Whether to fit normal_contact_stiffness and the width of a Gaussian PSF to the images of the reference; grids with law winkler only.
+    /// Whether to fit normal_contact_stiffness and the width of a Gaussian PSF to the images of the reference, of every second indenter
+    /// from the first on; grids with law winkler only.
     bool fitted = false;
   };
 
@@ -56,10 +57,13 @@ struct StaticImages {
 
 /// Result of a static experiment. Number of a contact: (object number x number of yaws + yaw number) x number of loads + load number.
 struct StaticResult {
-  StaticImages reference;             ///< Images of the reference.
-  std::vector<StaticImages> sensors;  ///< Images of the other models.
-  StaticImages zero;                  ///< Images without any force, named "all-zero image": the distances that a model must beat.
+  StaticImages reference;               ///< Images of the reference.
+  std::vector<StaticImages> sensors;    ///< Images of the other models.
+  std::vector<StaticImages> baselines;  ///< What a model must beat: an image without any force, and the load in equal parts on all taxels.
 };
+
+/// Whether an indenter counts in medianDistance(): each without a fitted sensor; with one, those that no fit has seen.
+bool isScored(const StaticExperiment& experiment, std::size_t object);
 
 /// Runs a static experiment. Submits and waits.
 ///
@@ -68,7 +72,7 @@ struct StaticResult {
 /// out of reach.
 StaticResult runStaticExperiment(const Device& device, const StaticExperiment& experiment);
 
-/// Medians over all contacts of one load, separately for each metric. `load`: index into StaticExperiment::loads.
+/// Medians over the contacts of scored indenters under one load, separately for each metric. `load`: index into StaticExperiment::loads.
 ImageDistance medianDistance(const StaticExperiment& experiment, const StaticImages& images, std::size_t load);
 
 /// Distance between two images of the same length. `least` (N): force of one count. `full_scale`: N.

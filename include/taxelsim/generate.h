@@ -18,7 +18,7 @@
 
 namespace taxelsim {
 
-/// Options of generate(). The others than `policy` do not change a byte of the data set.
+/// Options of generate(). The others than `policy` and `episodes` do not change a byte of the data set.
 struct GenerateOptions {
   int batch_size = 2048;      ///< Instances over all slices, >= 1. Default 2048.
   int num_slices = 2;         ///< Slices of the batch in flight at once, >= 1. Default 2.
@@ -31,6 +31,9 @@ struct GenerateOptions {
   const std::atomic<bool>* stop = nullptr;
   /// Policy that acts instead of the scene's controllers. The manifest stores its id; meta/controller is -1. Default: none.
   std::optional<Policy> policy{};
+  /// Numbers of the episodes of the data set, in the order of its rows, instead of 0 to Scene::num_episodes - 1; all different. Such a data
+  /// set cannot grow. Default: empty, all episodes of the scene.
+  std::vector<std::uint64_t> episodes{};
 };
 
 /// Where the time of a run went.

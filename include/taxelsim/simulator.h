@@ -208,11 +208,12 @@ class Simulator {
   /// The same for one instance: `ids` and `X_SO` (num_slots).
   void setObjects(int instance, std::span<const int> ids, std::span<const Pose> X_SO);
 
-  /// Normal force that the objects of each instance must exert, (N), N; kPoseDriven leaves their poses unchanged.
+  /// Force with which the objects of each instance must press along -z of S, (N), N; kPoseDriven leaves their poses unchanged.
   ///
-  /// The force is the sum over all taxels along their own normals, so on a curved skin its component along z of S is smaller. The device
-  /// moves all objects of the instance together along z of S to where they exert that force, between first touch and a deepest sample at
-  /// the skin's thickness. Throws Error(kInput) for a wrong length, a negative or infinite load, or if max_contacts is not 0.
+  /// The device moves all objects of the instance together along z of S to where the taxels' normal forces, summed as vectors along the
+  /// undeformed normals, have that component, between first touch and a deepest sample at the skin's thickness; friction takes no part. On
+  /// a curved skin total_force, the plain sum over the taxels, is larger. Throws Error(kInput) for a wrong length, a negative or infinite
+  /// load, or if max_contacts is not 0.
   void setLoads(std::span<const float> loads);
   /// The same for one instance.
   void setLoad(int instance, float load);

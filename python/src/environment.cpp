@@ -4,7 +4,9 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
 
 #include <limits>
 #include <mutex>
@@ -125,6 +127,15 @@ std::pair<double, double> servoLimits(const Scene& scene) {
   return {servo.max_linear_velocity, servo.max_angular_velocity};
 }
 
+// Name, whether it is revolute, and velocity limit of each joint; empty without joints.
+std::vector<std::tuple<std::string, bool, double>> jointsOf(const Scene& scene) {
+  std::vector<std::tuple<std::string, bool, double>> joints;
+  const auto* robot = std::get_if<Manipulator>(&scene.robot);
+  if (robot == nullptr) return joints;
+  for (const Joint& joint : robot->joints) joints.emplace_back(joint.name, joint.type == JointType::kRevolute, joint.max_velocity);
+  return joints;
+}
+
 }  // namespace
 
 void bindEnvironment(nb::module_& module) {
@@ -146,6 +157,7 @@ void bindEnvironment(nb::module_& module) {
       .def_prop_ro("dt", [](const SharedEnvironment& self) { return self.get().dt(); });
   module.def("episode_keys", &episodeKeys, "seeds"_a, "instances"_a, "num_resets"_a);
   module.def("task_of", &taskOf, "scene"_a, "Tolerances by TASK_MEASURES (NaN: no criterion), laps, travel (m), hold (s).");
+  module.def("joints_of", &jointsOf, "scene"_a, "Name, whether it is revolute, and velocity limit (rad/s or m/s) of each joint.");
   module.def("servo_limits", &servoLimits, "scene"_a, "Largest linear (m/s) and angular velocity (rad/s) of the first controller.");
 }
 

@@ -18,9 +18,10 @@ namespace taxelsim::python {
 // Runs `run(on_progress, stop, calling_thread)` in a thread of its own, without the GIL, and returns its result.
 //
 // The calling thread calls `on_progress` (a Python callable or None) with the newest Progress, does the work that the run hands to
-// `calling_thread`, and lets Python handle signals. If one of them raises, the run is stopped gracefully, and then the exception continues.
-template <typename Result, typename Run>
-Result runInterruptibly(const nb::object& on_progress, Run run) {
+// `calling_thread`, and lets Python handle signals. If one of them raises, the run is stopped gracefully, `keep` takes the result of the
+// stopped run unless that failed, and then the exception continues.
+template <typename Result, typename Run, typename Keep>
+Result runInterruptibly(const nb::object& on_progress, Run run, Keep keep) {
   constexpr std::chrono::milliseconds kPollInterval(50);
   std::atomic<bool> stop{false};
   std::mutex mutex;
@@ -71,7 +72,10 @@ Result runInterruptibly(const nb::object& on_progress, Run run) {
     const nb::gil_scoped_release release;
     worker.join();
   }
-  if (raised) std::rethrow_exception(raised);
+  if (raised) {
+    if (result) keep(std::move(*result));
+    std::rethrow_exception(raised);
+  }
   if (failure) std::rethrow_exception(failure);
   return std::move(*result);
 }

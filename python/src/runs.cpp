@@ -22,53 +22,67 @@
 namespace taxelsim::python {
 namespace {
 
-// A policy of Python: its name, its identity, and a callable (arrays, instances, first_instance) -> twists (num_due, 6). The arrays are
-// valid during the call. The callable runs in the calling thread.
-using PolicyArgument = std::optional<std::tuple<std::string, std::string, nb::callable>>;
-using Twists = nb::ndarray<const double, nb::shape<-1, 6>, nb::c_contig, nb::device::cpu>;
+// A policy of Python: its name, its identity, whether it commands joint velocities, and a callable (arrays, instances, first_instance) ->
+// twists (num_due, 6) or joint velocities (num_due, num_joints). The arrays are valid during the call. The callable runs in the calling
+// thread.
+using PolicyArgument = std::optional<std::tuple<std::string, std::string, bool, nb::callable>>;
+using Commands = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 
-void callPolicy(const nb::callable& act, const Sensor& sensor, const PolicyInput& input, std::span<Twist> twists) {
-  const std::size_t num_instances = input.view.active.size(), num_due = input.instances.size();
+// commands: (num_instances x width), of which the rows of the instances that are due are written.
+void callPolicy(const nb::callable& act, const Sensor& sensor, const PolicyInput& input, std::span<double> commands) {
+  const std::size_t num_instances = input.view.active.size(), num_due = input.instances.size(), width = commands.size() / num_instances;
   const auto num_sensors = static_cast<int>(input.view.X_WS.size() / num_instances);
   const nb::object none = nb::none();
   const nb::object instances = nb::ndarray<nb::numpy, const int>(input.instances.data(), {num_due}, none).cast();
-  const auto found = nb::cast<Twists>(act(arraysOf(input.view, sensor, num_sensors, none), instances, input.first_instance));
-  if (found.shape(0) != num_due) throw Error(ErrorKind::kInput, "policy: one twist per instance expected");
+  const auto found = nb::cast<Commands>(act(arraysOf(input.view, sensor, num_sensors, none), instances, input.first_instance));
+  if (found.shape(0) != num_due || found.shape(1) != width) throw Error(ErrorKind::kInput, "policy: one command per instance expected");
   for (std::size_t k = 0; k < num_due; ++k) {
-    std::copy_n(found.data() + 6 * k, 6, reinterpret_cast<double*>(&twists[static_cast<std::size_t>(input.instances[k])]));
+    std::copy_n(found.data() + width * k, width, &commands[width * static_cast<std::size_t>(input.instances[k])]);
   }
 }
 
 std::optional<Policy> policyOf(const PolicyArgument& argument, const Scene& scene, CallingThread& calling_thread) {
   if (!argument) return {};
-  const auto& [name, id, act] = *argument;
-  return Policy{.name = name, .id = id, .act = [&](const PolicyInput& input, std::span<Twist> twists) {
-                  calling_thread.run([&] { callPolicy(act, scene.sensor, input, twists); });
+  const auto& [name, id, by_joints, function] = *argument;
+  const auto call = [&](const PolicyInput& input, std::span<double> commands) {
+    calling_thread.run([&] { callPolicy(function, scene.sensor, input, commands); });
+  };
+  if (by_joints) return Policy{.name = name, .id = id, .act_joints = call};
+  return Policy{.name = name, .id = id, .act = [call](const PolicyInput& input, std::span<Twist> twists) {
+                  call(input, {reinterpret_cast<double*>(twists.data()), 6 * twists.size()});
                 }};
 }
 
 GenerateResult runGenerate(const DeviceHandle& device, const Scene& scene, const std::filesystem::path& directory, int batch_size,
-                           int num_slices, const nb::object& on_progress, const PolicyArgument& policy) {
-  return runInterruptibly<GenerateResult>(on_progress, [&](auto report, const std::atomic<bool>& stop, CallingThread& calling_thread) {
+                           int num_slices, const nb::object& on_progress, const PolicyArgument& policy,
+                           const std::vector<std::uint64_t>& episodes) {
+  const auto run = [&](auto report, const std::atomic<bool>& stop, CallingThread& calling_thread) {
     return generate(device.get(), scene, directory,
                     {.batch_size = batch_size,
                      .num_slices = num_slices,
                      .on_progress = report,
                      .stop = &stop,
-                     .policy = policyOf(policy, scene, calling_thread)});
-  });
+                     .policy = policyOf(policy, scene, calling_thread),
+                     .episodes = episodes});
+  };
+  return runInterruptibly<GenerateResult>(on_progress, run, [](const GenerateResult&) {});
 }
 
+// complete: list to which the complete evaluations of a run that is interrupted are appended.
 std::vector<Evaluation> runEvaluate(const DeviceHandle& device, const Scene& scene, const std::vector<std::string>& controllers,
-                                    int batch_size, int num_slices, const nb::object& on_progress, const PolicyArgument& policy) {
+                                    int batch_size, int num_slices, const nb::object& on_progress, const PolicyArgument& policy,
+                                    nb::list complete) {
   using Evaluations = std::vector<Evaluation>;
-  return runInterruptibly<Evaluations>(on_progress, [&](auto report, const std::atomic<bool>& stop, CallingThread& calling_thread) {
+  const auto run = [&](auto report, const std::atomic<bool>& stop, CallingThread& calling_thread) {
     return evaluate(device.get(), scene, controllers,
                     {.batch_size = batch_size,
                      .num_slices = num_slices,
                      .on_progress = report,
                      .stop = &stop,
                      .policy = policyOf(policy, scene, calling_thread)});
+  };
+  return runInterruptibly<Evaluations>(on_progress, run, [&](Evaluations evaluations) {
+    for (Evaluation& evaluation : evaluations) complete.append(nb::cast(std::move(evaluation)));
   });
 }
 
@@ -137,9 +151,9 @@ void bindRuns(nb::module_& module) {
   bindProgress(module);
   bindEvaluation(module);
   module.def("generate", &runGenerate, "device"_a, "scene"_a, "directory"_a, "batch_size"_a, "num_slices"_a, "on_progress"_a.none(),
-             "policy"_a.none());
+             "policy"_a.none(), "episodes"_a);
   module.def("evaluate", &runEvaluate, "device"_a, "scene"_a, "controllers"_a, "batch_size"_a, "num_slices"_a, "on_progress"_a.none(),
-             "policy"_a.none());
+             "policy"_a.none(), "complete"_a);
 }
 
 }  // namespace taxelsim::python

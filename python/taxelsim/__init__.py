@@ -81,7 +81,7 @@ from .errors import DeviceError, Error, InputError, IoError, OutOfRangeError
 from .frame import CleanTactileJacobian, ContactFeatures, Features, Frame, GroundTruth, TactileJacobian
 from .policies import Comparison, OnnxPolicy, Policy, compare
 from .program import SCENES
-from .runs import evaluate, generate
+from .runs import Interrupted, evaluate, generate
 from .simulator import NO_OBJECT, Simulator, split_patches
 from .vectorized import make_vec
 
@@ -118,6 +118,7 @@ __all__ = [
     "GroundTruth",
     "HalfSpace",
     "InputError",
+    "Interrupted",
     "IoError",
     "LoadMisses",
     "LuGre",

@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+import os
+import struct
+import zlib
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ._core import Sensor
+from .errors import InputError
 
 # Anchors of a dark blue, green, yellow scale with rising luminance.
 _ANCHORS = np.array([[20, 20, 60], [45, 75, 135], [30, 145, 140], [120, 205, 80], [253, 231, 37]], np.float64)
@@ -42,3 +49,29 @@ def pictures(counts: NDArray[Any], saturation: int, pixels: NDArray[np.intp]) ->
     levels = np.minimum(counts.astype(np.float64) / saturation, 1) * 255
     result: NDArray[np.uint8] = _COLOURS[np.rint(levels).astype(np.intp)][:, pixels]
     return result
+
+
+def tactile_pictures(sensor: Sensor, images: NDArray[Any], largest: float | None = None) -> NDArray[np.uint8]:
+    """Pictures (N, height, width, 3) of tactile images of a sensor.
+
+    images: (N, rows, cols) or (N, taxels), such as Frame.tactile_image. largest: value of the brightest colour; default: the largest one.
+    """
+    values = np.asarray(images, np.float64).reshape(len(images), sensor.num_taxels)
+    scale = max(1.0, float(values.max())) if largest is None else largest
+    return pictures(values / scale, 1, taxel_map(sensor.taxel_positions))
+
+
+def save_png(file: str | os.PathLike[str], picture: NDArray[np.uint8]) -> None:
+    """Writes a picture (height, width, 3)."""
+    picture = np.asarray(picture, np.uint8)
+    if picture.ndim != 3 or picture.shape[2] != 3:
+        raise InputError(f"picture: shape (height, width, 3) expected, {picture.shape} found")
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    height, width, _ = picture.shape
+    lines = np.concatenate([np.zeros((height, 1), np.uint8), picture.reshape(height, -1)], axis=1)  # each begins with its filter: none
+    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)  # 8 bits per channel, RGB
+    chunks = chunk(b"IHDR", header), chunk(b"IDAT", zlib.compress(lines.tobytes(), 9)), chunk(b"IEND", b"")
+    Path(file).write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(chunks))

@@ -3,24 +3,36 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
 
 from . import _core
 from ._core import Device, Evaluation, GenerateResult, Progress, Scene
+from .errors import InputError
+from .policies.failures import check_failures, failed_episodes
 from .policies.policy import PolicyCalls, PolicyLike, as_policy
 
 ScenePath = Scene | str | os.PathLike[str]
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C ended evaluate()."""
+
+    def __init__(self, partial: Sequence[Evaluation] = ()) -> None:
+        super().__init__("evaluate() was interrupted")
+        self.partial = list(partial)  #: Evaluations of the policy and the controllers that were complete, in their order.
 
 
 def _loaded(scene: ScenePath) -> Scene:
     return scene if isinstance(scene, Scene) else _core.load_scene(os.fspath(scene))
 
 
-def _calls(policy: PolicyLike | None, scene: Scene) -> tuple[str, str, PolicyCalls] | None:
-    if policy is None:
-        return None
-    calls = PolicyCalls(as_policy(policy), scene)
-    return calls.policy.name, calls.policy.identity, calls
+def _calls(policy: PolicyLike | None, scene: Scene) -> PolicyCalls | None:
+    return None if policy is None else PolicyCalls(as_policy(policy), scene)
+
+
+def _argument(calls: PolicyCalls | None) -> tuple[str, str, bool, PolicyCalls] | None:
+    return None if calls is None else (calls.policy.name, calls.policy.identity, calls.by_joints, calls)
 
 
 def reload_scene(file: os.PathLike[str], num_episodes: int, seed: int, condition: str) -> Scene:
@@ -33,6 +45,7 @@ def generate(
     out: str | os.PathLike[str],
     *,
     policy: PolicyLike | None = None,
+    episodes: Iterable[int] | None = None,
     device: Device | None = None,
     batch_size: int = 2048,
     num_slices: int = 2,
@@ -42,6 +55,8 @@ def generate(
 
     scene: a Scene, or the path of a scene file.
     policy: acts instead of the scene's controllers; a taxelsim.Policy with an identity, or the path of an ONNX file. Called in this thread.
+    episodes: numbers of the episodes, all different, in the order of the data set; each has the frames that it has in the whole data set.
+        Such a data set resumes with the same numbers only. Default: all episodes of the scene.
     device: default Device.open().
     batch_size: instances over all slices, >= 1. Neither it nor `num_slices` changes a byte of the data set.
     on_progress: called a few times a second, in the calling thread. If it raises, the run stops and the exception continues.
@@ -49,7 +64,11 @@ def generate(
     Ctrl-C stops the run and raises KeyboardInterrupt; complete shards are kept, and the same call resumes.
     """
     loaded = _loaded(scene)
-    return _core.generate(device or Device.open(), loaded, os.fspath(out), batch_size, num_slices, on_progress, _calls(policy, loaded))
+    chosen = [] if episodes is None else [int(number) for number in episodes]
+    if episodes is not None and not chosen:
+        raise InputError("episodes: none found, at least 1 needed")
+    argument = _argument(_calls(policy, loaded))
+    return _core.generate(device or Device.open(), loaded, os.fspath(out), batch_size, num_slices, on_progress, argument, chosen)
 
 
 def evaluate(
@@ -57,6 +76,8 @@ def evaluate(
     controllers: Sequence[str] = (),
     *,
     policy: PolicyLike | None = None,
+    save_failures: str | os.PathLike[str] | None = None,
+    max_failures: int = 64,
     device: Device | None = None,
     batch_size: int = 2048,
     num_slices: int = 2,
@@ -68,7 +89,27 @@ def evaluate(
     controllers: names as in the scene; empty for all, or for none if there is a policy.
     policy: any function of a batch of observations, a taxelsim.Policy, or the path of an ONNX file. Its Evaluation is the first. Called in
         this thread; an exception that it raises ends the run and continues.
+    save_failures: new or empty directory for a data set of the first `max_failures` episodes in which the policy fails, for
+        `taxelsim render` and taxelsim.Dataset. Not made if the policy always succeeds. They are played again after the evaluation, and have
+        the same frames and verdicts, bit for bit.
     device, batch_size, num_slices, on_progress: as in generate(); none of them changes a verdict.
+
+    Ctrl-C raises Interrupted, a KeyboardInterrupt; its `partial` has the evaluations that are complete.
     """
-    loaded = _loaded(scene)
-    return _core.evaluate(device or Device.open(), loaded, list(controllers), batch_size, num_slices, on_progress, _calls(policy, loaded))
+    loaded, folder = _loaded(scene), None if save_failures is None else Path(save_failures)
+    calls = _calls(policy, loaded)
+    if folder is not None:
+        if calls is None:
+            raise InputError("save_failures: keeps failed episodes of a policy, and there is no policy")
+        check_failures(loaded, folder, max_failures)
+    opened = device or Device.open()
+    complete: list[Evaluation] = []
+    try:
+        complete += _core.evaluate(opened, loaded, list(controllers), batch_size, num_slices, on_progress, _argument(calls), complete)
+        if folder is not None and calls is not None:
+            failed = failed_episodes(complete[0])[:max_failures]
+            if len(failed):
+                generate(loaded, folder, policy=calls.checked_policy(), episodes=failed, device=opened, batch_size=batch_size)
+    except KeyboardInterrupt as interrupt:
+        raise Interrupted(complete) from interrupt
+    return complete

@@ -122,12 +122,13 @@ class Simulator:
         return poses
 
     def set_loads(self, loads: npt.ArrayLike | None, *, where: npt.ArrayLike | None = None) -> None:
-        """Normal force that the objects of each instance must exert.
+        """Force with which the objects of each instance must press along -z of S.
 
         loads: (N,), N, >= 0, or one number for all instances; None: all instances are driven by pose.
         where: (N,) booleans; instances where it is False are driven by pose. Default: all True.
 
-        The device moves the objects of an instance together along z of S to where they exert that force;
+        The device moves the objects of an instance together along z of S to where the taxels' normal forces, summed as vectors, have that
+        component; on a curved skin total_force, the plain sum over the taxels, is larger.
         frame.ground_truth.load_reached says whether the skin could. Raises InputError, and changes nothing, for NaN or negative loads.
         """
         if loads is None:

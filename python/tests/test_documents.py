@@ -41,3 +41,25 @@ def test_sensors_and_objects_of_the_document_are_valid(monkeypatch):
     exec(program, names)
     taxelsim.check_sensor(names["noisy"])
     taxelsim.check_sensor(names["pad"])
+
+
+def test_the_tour_runs_and_makes_its_pictures(monkeypatch, tmp_path, capsys):
+    text = (ROOT / "docs/tour.md").read_text()
+    blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    assert len(blocks) == 7
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PYTHONPATH", str(Path(taxelsim.__file__).parents[1]))  # of the program that it starts
+    names: dict = {}
+    for block in blocks:
+        exec(block, names)
+    assert names["frame"].ground_truth.load_reached.all()
+    assert np.degrees(np.median(abs(names["error"]))) < 15
+    assert np.median(names["errors"][-1]) < 0.2 * np.median(names["errors"][0])
+    assert 0 < names["mine"].mean() < 1  # so there are failures to draw
+    output = capsys.readouterr().out
+    assert "(4, 6, 14)" in output
+    assert "align - window: " in output
+    shown = re.findall(r"\(images/(\w+\.png)\)", text)
+    assert sorted(file.name for file in tmp_path.glob("*.png")) == sorted(shown)
+    for name in shown:
+        assert (ROOT / "docs/images" / name).read_bytes().startswith(b"\x89PNG")

@@ -20,6 +20,7 @@ PARTS = [
     "taxelsim.libs/libassimp-01234567.so.5.2.4",
     "taxelsim-0.1.0.dist-info/METADATA",
 ]
+METADATA = {"taxelsim-0.1.0.dist-info/METADATA": "Name: taxelsim\nRequires-Dist: nanobind-backend>=1.0\n"}
 LICENCES = {"taxelsim-0.1.0.dist-info/licenses/bundled/libassimp5.txt": "libassimp5: libassimp.so.5.2.4\n\nBSD\n"}
 
 
@@ -31,7 +32,7 @@ def check(file: Path, contents: dict[str, str]) -> subprocess.CompletedProcess[s
 
 
 def test_a_whole_wheel_passes(tmp_path):
-    found = check(tmp_path / "a.whl", {**dict.fromkeys(PARTS, ""), **LICENCES})
+    found = check(tmp_path / "a.whl", {**dict.fromkeys(PARTS, ""), **METADATA, **LICENCES})
     assert found.returncode == 0, found.stderr
     assert "1 bundled libraries, 1 licence files" in found.stdout
 
@@ -46,13 +47,23 @@ def test_a_whole_wheel_passes(tmp_path):
     ],
 )
 def test_wheels_with_a_fault_are_refused(tmp_path, contents, message):
-    found = check(tmp_path / "a.whl", {**dict.fromkeys(PARTS, ""), **contents})
+    found = check(tmp_path / "a.whl", {**dict.fromkeys(PARTS, ""), **METADATA, **contents})
     assert found.returncode != 0
     assert message in found.stderr
 
 
 @pytest.mark.parametrize("part", PARTS[:-2])
 def test_wheels_without_a_part_are_refused(tmp_path, part):
-    found = check(tmp_path / "a.whl", {**dict.fromkeys([name for name in PARTS if name != part], ""), **LICENCES})
+    found = check(tmp_path / "a.whl", {**dict.fromkeys([name for name in PARTS if name != part], ""), **METADATA, **LICENCES})
     assert found.returncode != 0
     assert "is missing" in found.stderr
+
+
+def test_a_module_for_one_version_of_python_must_not_require_the_backend(tmp_path):
+    names = [name.replace("_core.abi3.so", "_core.cpython-311-x86_64-linux-gnu.so") for name in PARTS]
+    found = check(tmp_path / "a.whl", {**dict.fromkeys(names, ""), **METADATA, **LICENCES})
+    assert "requires nanobind-backend: True, while the module does not need it" in found.stderr
+    plain = dict.fromkeys(METADATA, "Name: taxelsim\n")
+    assert check(tmp_path / "b.whl", {**dict.fromkeys(names, ""), **plain, **LICENCES}).returncode == 0
+    found = check(tmp_path / "c.whl", {**dict.fromkeys(PARTS, ""), **plain, **LICENCES})
+    assert "requires nanobind-backend: False, while the module needs it" in found.stderr

@@ -1,7 +1,8 @@
 // Stage 1 of the contact pass: which objects reach into a tile, and the lowest surface over each of its samples (depth/tile_heights.glsl). Heights in m, in P.
 // Twin: src/reference/depth.cpp.
 
-// Lowers the heights of the tile to an analytic solid, sample by sample over its bounds.
+// Lowers the heights of the tile to an analytic solid, sample by sample over its bounds. For a globally coupled law this includes heights at or above the
+// reach, which the Jacobian reads: a batch without loads uses no tile and has them too.
 void rasterAnalytic(Tile tile, Body body, vec4 parameters, uint slot, inout Found found) {
   vec2 low = max(floor(body.center.xy - body.half_size.xy), tile.first);
   vec2 end = min(ceil(body.center.xy + body.half_size.xy) + 1.0, tile.end);
@@ -13,7 +14,7 @@ void rasterAnalytic(Tile tile, Body body, vec4 parameters, uint slot, inout Foun
     uvec2 at = first + cellNumbered(i, count.y);
     float z = analyticHeight(body.kind_groups.x, parameters, body.X_PO, samplePosition(tile, at), tile.z_floor, found);
     uint address = (at.x - uint(tile.first.x)) * tile.stride + at.y - uint(tile.first.y);
-    if (isVisible(tile, z, found)) lowerHeight(tile, address, z, slot);
+    if (kGlobalSolve ? z < kMiss : isVisible(tile, z, found)) lowerHeight(tile, address, z, slot);
   }
   checkLoop(i < count.x * count.y);
 }

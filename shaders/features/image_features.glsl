@@ -12,7 +12,10 @@ void writeContactResults(Instance instance, uint num_instances) {
     torque += tile_results[instance.number * NUM_TILES + t].torque;
   }
   vec4 bracket = vec4(0, 0, 0, kLoadCarried);
-  if ((instance.keys.w & kFlagLoadDriven) != 0) bracket = loads[instance.number].bracket;
+  if ((instance.keys.w & kFlagLoadDriven) != 0) {
+    bracket = loads[instance.number].bracket;
+    bracket.x += loads[instance.number].forces.z;
+  }
   uint wrench = kFeatureContactWrench * num_instances + 6 * instance.number;
   features[wrench] = unsignedZero(force.x);
   features[wrench + 1] = unsignedZero(force.y);

@@ -76,11 +76,13 @@ TAXELSIM_FLOAT kLoadCarried = 1.0f;
 TAXELSIM_FLOAT kLoadOutOfReach = 2.0f;
 TAXELSIM_FLOAT kLoadClosingCarried = 3.0f;
 TAXELSIM_FLOAT kLoadClosingOutOfReach = 4.0f;
+TAXELSIM_FLOAT kLoadRefining = 5.0f;  // searching below a float's resolution of the offset
 
-// Load search of one instance: a bracket of the offset along z of S.
+// Load search of one instance. The objects are moved along z of S by the offset, which is added to their poses, and by the rest, which is
+// added to the heights over the patches. The bracket is of the offset; while refining, of the rest.
 struct LoadRecord {
   vec4 bracket;  // offset, lower bound, upper bound, m; status
-  vec4 forces;   // force at the lower bound, at the upper bound, at the offset, N; number of evaluations
+  vec4 forces;   // force along -z of S at the lower bound, at the upper bound, N; rest, m; number of evaluations
 };
 
 // ---- outputs of the contact pass ----

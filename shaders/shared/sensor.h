@@ -44,6 +44,7 @@ struct PlaneRecord {
   uvec4 grid;   // rows; cols; first taxel; a taxel at least this far from all silent taxels belongs to a wide face, in taxels
   vec4 pitch;   // along x and y of C, m; the larger of both, m; taxel force per pressure on a wide face, N/Pa
   vec4 spread;  // what the point spread and the taxel size add to second moments: xx, xy, yy of C, m^2; 0
+  vec4 even;    // second moments of the plane's taxels under even pressure: xx, xy, yy of C, m^2; 0
 };
 
 // Columns of the image pass for a sensor that is not one grid patch, or whose point spread is not a kernel.

@@ -75,7 +75,7 @@ TileStep beginPressures(Tile tile, uint instance, uint tile_number, uint num_slo
     if (taxels.count.x * taxels.count.y > 0) {
       step.found = searchLoad(tile, step.skin, instances[instance].drive.x, taxels.first * SAMPLES, taxels.count * SAMPLES);
     }
-    if (gl_LocalInvocationIndex == 0) loads[instance].bracket = vec4(step.found.offset, 0, 0, step.found.status);
+    if (gl_LocalInvocationIndex == 0) loads[instance] = LoadRecord(vec4(step.found.offset, 0, 0, step.found.status), vec4(0));
   }
   step.surface = search_here ? step.found.depth + step.found.lowest : THICKNESS;
   step.friction_state = step.result * (kFrictionHeader + TILE_SAMPLES);

@@ -187,6 +187,7 @@ class Solver {
       MatrixXd own = normals.own[g];
       damp(own, first, fixed, damping);
       factors[g].compute(own);
+      if (num_shared == 0) continue;  // Eigen does not solve for no right-hand sides
       reduced -= coupled[g].transpose() * factors[g].solve(coupled[g]);
       reduced_right -= coupled[g].transpose() * factors[g].solve(right.segment(first, own.rows()));
     }

@@ -10,6 +10,7 @@
 #include "cli/activity.h"
 #include "cli/commands.h"
 #include "cli/driver_advice.h"
+#include "cli/scene_options.h"
 #include "episodes/batch.h"
 #include "figures/text.h"
 #include "generation/columns.h"
@@ -28,6 +29,7 @@ constexpr std::uint64_t kPlannedMemory = std::uint64_t{1} << 30;  // bytes
 
 struct Arguments {
   std::string scene;
+  SceneOverrides overrides{};
   bool json = false;
 };
 
@@ -81,9 +83,11 @@ nlohmann::ordered_json asJson(const DeviceInfo& info) {
 int runDevices(const Arguments& arguments) {
   const std::vector<DeviceInfo> devices = listDevices();
   std::vector<MemoryPlan> plans;
+  std::string title;
   if (!arguments.scene.empty()) {
     Activity activity("loading " + arguments.scene);
-    const Scene scene = loadScene(arguments.scene);
+    const Scene scene = loadScene(arguments.scene, arguments.overrides);
+    if (scene.condition != kNominalCondition) title = " (" + scene.condition + ")";
     for (const DeviceInfo& info : devices) plans.push_back(planFor(info, scene));
   }
   if (arguments.json) {
@@ -113,7 +117,7 @@ int runDevices(const Arguments& arguments) {
   for (std::size_t i = 0; i < devices.size(); ++i)
     table.push_back({std::to_string(devices[i].index), bytesText(plans[i].bytes_per_instance), bytesText(plans[i].bytes_fixed),
                      countText(instancesInPlannedMemory(plans[i])), countText(plans[i].max_instances)});
-  fmt::print("\nMemory for {}\n{}", arguments.scene, tableText(table));
+  fmt::print("\nMemory for {}{}\n{}", arguments.scene, title, tableText(table));
   return kExitOk;
 }
 
@@ -123,7 +127,9 @@ void addDevices(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("devices", "List the Vulkan devices, best first");
   command->footer("Example:\n  taxelsim devices --plan scenes/edge_servo.yaml");
   const auto arguments = std::make_shared<Arguments>();
-  command->add_option("--plan", arguments->scene, "Print the memory that a batch of this scene needs on each device")->type_name("SCENE");
+  CLI::Option* plan = command->add_option("--plan", arguments->scene, "Print the memory that a batch of this scene needs on each device")
+                          ->type_name("SCENE");
+  addConditionOption(*command, arguments->overrides)->needs(plan);
   command->add_flag("--json", arguments->json, "Print JSON, sizes in bytes");
   command->callback([arguments, &action] { action = [arguments] { return runDevices(*arguments); }; });
 }

@@ -16,6 +16,7 @@
 #include "figures/servo_report.h"
 #include "figures/tactile_figure.h"
 #include "figures/taxel_chart.h"
+#include "sensor/fields.h"
 #include "taxelsim/device.h"
 #include "taxelsim/error.h"
 #include "taxelsim/experiment.h"
@@ -43,19 +44,27 @@ std::string fitText(const StaticImages& images) {
 }
 
 void printTable(const StaticExperiment& experiment, const StaticResult& result) {
-  fmt::print("{}: {} indenters x {} angles, compared with the reference {}\n", experiment.name, experiment.objects.size(),
-             experiment.yaw.size(), result.reference.name);
+  std::string scored;
+  std::size_t num_scored = 0;
+  for (std::size_t object = 0; object < experiment.objects.size(); ++object) {
+    if (!isScored(experiment, object)) continue;
+    scored += (num_scored++ > 0 ? ", " : "") + experiment.objects[object].object.name;
+  }
+  fmt::print("{}: {} indenters x {} angles. Reference: images of {}, simulated by the law {}\n", experiment.name, experiment.objects.size(),
+             experiment.yaw.size(), result.reference.name, kLawNames[result.reference.sensor.skin.law.index()]);
   fmt::print(
-      "The reference is simulated, too: these numbers compare models with each other, not with a real sensor.\n"
-      "M1: median |difference| over taxels with force, % of full scale; M4: sum |difference| / sum of reference, %; medians over "
-      "contacts\n\n");
+      "These numbers compare models with each other, not with a real sensor. The paper reports a median difference of about 5 % between\n"
+      "simulated and real images.\n"
+      "M1: median |difference| over taxels with force, % of full scale; M4: sum |difference| / sum of reference, %; medians over the\n"
+      "contacts of {}{}\n\n",
+      scored, num_scored < experiment.objects.size() ? "; the other indenters are those of the fit" : "");
   std::string heading = fmt::format("{:<32}", "sensor");
   for (const double load : experiment.loads)
     heading += fmt::format("  {:>8}  {:>8}", fmt::format("M1 {:.3g}N", load), fmt::format("M4 {:.3g}N", load));
   fmt::print("{}\n", heading);
   std::vector<const StaticImages*> rows;
   for (const StaticImages& images : result.sensors) rows.push_back(&images);
-  rows.push_back(&result.zero);
+  for (const StaticImages& images : result.baselines) rows.push_back(&images);
   for (const StaticImages* row : rows) {
     const StaticImages& images = *row;
     std::string line = fmt::format("{:<32}", images.name);
@@ -95,6 +104,7 @@ nlohmann::ordered_json asJson(const StaticExperiment& experiment, const StaticIm
         contacts.push_back({{"object", experiment.objects[object].object.name},
                             {"yaw", experiment.yaw[yaw]},
                             {"load", experiment.loads[load]},
+                            {"scored", isScored(experiment, object)},
                             {"median_difference", images.distances[contact].median_difference},
                             {"relative_l1", images.distances[contact].relative_l1},
                             {"tactile_normal_force", images.images[contact]}});
@@ -157,7 +167,10 @@ std::size_t drawFigures(const std::string& directory, const StaticExperiment& ex
 
 nlohmann::ordered_json asJson(const StaticExperiment& experiment, const StaticResult& result) {
   nlohmann::ordered_json json{{"experiment", experiment.name}, {"reference", asJson(experiment, result.reference)}};
-  json["zero_image"] = {{"medians", mediansJson(experiment, result.zero)}};
+  json["baselines"] = nlohmann::ordered_json::array();
+  for (const StaticImages& images : result.baselines) {
+    json["baselines"].push_back({{"name", images.name}, {"medians", mediansJson(experiment, images)}});
+  }
   json["sensors"] = nlohmann::ordered_json::array();
   for (const StaticImages& images : result.sensors) json["sensors"].push_back(asJson(experiment, images));
   return json;

@@ -118,9 +118,9 @@ int runContacts(const Arguments& arguments) {
 }
 
 // The load search ends at the deepest contact that the skin allows, whose force is the largest possible.
-void checkLoad(double load, const Sensor& sensor, const GroundTruthView& truth) {
+void checkLoad(double load, const GroundTruthView& truth) {
   if (truth.load_reached[0]) return;
-  const float carried = isTaxelList(sensor) ? truth.total_force[0] : -truth.contact_wrench[2];
+  const float carried = -truth.contact_wrench[2];
   throw Error(ErrorKind::kInput,
               carried > 0 ? fmt::format("--load {} N is out of reach: pressed through the skin, the objects carry {:.4g} N", load, carried)
                           : fmt::format("--load {} N is out of reach: no object touches a sample point of the skin; it lies outside of the "
@@ -156,7 +156,7 @@ int runObjects(const Arguments& arguments) {
   simulator.step(stepOf(sensor));
   const FrameView frame = simulator.read();
   activity.end();
-  if (load) checkLoad(*load, sensor, frame.ground_truth);
+  if (load) checkLoad(*load, frame.ground_truth);
   warnOfOverPenetration(sensor, frame.ground_truth);
   std::vector<std::string> names;
   for (const Object& object : options.objects) names.push_back(object.name);

@@ -3,9 +3,11 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "simulation/feature_table.h"
@@ -13,19 +15,22 @@
 namespace taxelsim::cli {
 namespace {
 
+// Numbers are float32: the text of each is the shortest that parses to the same float32.
+using Json = nlohmann::basic_json<nlohmann::ordered_map, std::vector, std::string, bool, std::int64_t, std::uint64_t, float>;
+
 template <typename T>
-nlohmann::ordered_json arrayOf(std::span<const T> values) {
-  return nlohmann::ordered_json(std::vector<T>(values.begin(), values.end()));
+Json arrayOf(std::span<const T> values) {
+  return Json(std::vector<T>(values.begin(), values.end()));
 }
 
 // Values per taxel, `width` of each: a list of rows for one grid patch, else a list of taxels.
 template <typename T>
-nlohmann::ordered_json taxelsOf(const Sensor& sensor, std::span<const T> values, std::size_t width = 1) {
-  const auto taxel = [&](std::size_t t) -> nlohmann::ordered_json {
+Json taxelsOf(const Sensor& sensor, std::span<const T> values, std::size_t width = 1) {
+  const auto taxel = [&](std::size_t t) -> Json {
     if (width == 1) return values[t];
     return arrayOf(values.subspan(t * width, width));
   };
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  Json list = Json::array();
   const std::size_t num_taxels = values.size() / width;
   const std::size_t num_cols = sensor.patches.size() == 1 ? static_cast<std::size_t>(sensor.patches[0].num_cols) : 0;
   for (std::size_t t = 0; t < num_taxels; ++t) {
@@ -33,7 +38,7 @@ nlohmann::ordered_json taxelsOf(const Sensor& sensor, std::span<const T> values,
       list.push_back(taxel(t));
       continue;
     }
-    if (t % num_cols == 0) list.push_back(nlohmann::ordered_json::array());
+    if (t % num_cols == 0) list.push_back(Json::array());
     list.back().push_back(taxel(t));
   }
   return list;
@@ -41,20 +46,20 @@ nlohmann::ordered_json taxelsOf(const Sensor& sensor, std::span<const T> values,
 
 constexpr const char* kContactTypes[] = {"none", "point", "edge", "area"};
 
-nlohmann::ordered_json jsonOf(ContactType type) {
+Json jsonOf(ContactType type) {
   return kContactTypes[static_cast<std::size_t>(type)];
 }
 template <typename T>
-nlohmann::ordered_json jsonOf(T value) {
+Json jsonOf(T value) {
   return value;
 }
 
 // One row of a feature: a value, or an array of `width` values.
-nlohmann::ordered_json rowOf(const FeatureValues& values, std::size_t width, std::size_t row) {
+Json rowOf(const FeatureValues& values, std::size_t width, std::size_t row) {
   return std::visit(
       [&](const auto& all) {
         if (width == 1) return jsonOf(all[row]);
-        nlohmann::ordered_json list = nlohmann::ordered_json::array();
+        Json list = Json::array();
         for (const auto value : all.subspan(width * row, width)) list.push_back(jsonOf(value));
         return list;
       },
@@ -62,7 +67,7 @@ nlohmann::ordered_json rowOf(const FeatureValues& values, std::size_t width, std
 }
 
 template <typename Field, typename View>
-void addFeatures(nlohmann::ordered_json& json, std::span<const Field> table, const View& view, std::size_t row = 0) {
+void addFeatures(Json& json, std::span<const Field> table, const View& view, std::size_t row = 0) {
   for (const Field& field : table) json[std::string(field.name)] = rowOf(field.values(view), field.width, row);
 }
 
@@ -71,8 +76,8 @@ std::size_t numRegionRows(const ContactFeatureView& contact) {
   return static_cast<std::size_t>(std::min(contact.num_regions[0], static_cast<std::int32_t>(kMaxRegions)));
 }
 
-nlohmann::ordered_json contactRow(const ContactFeatureView& contact, std::size_t row) {
-  nlohmann::ordered_json json;
+Json contactRow(const ContactFeatureView& contact, std::size_t row) {
+  Json json;
   json["contact_type"] = nullptr;  // these two are first
   json["patch"] = nullptr;
   addFeatures(json, imageFeatures(), contact, row);
@@ -80,20 +85,20 @@ nlohmann::ordered_json contactRow(const ContactFeatureView& contact, std::size_t
   return json;
 }
 
-nlohmann::ordered_json contactJson(const ContactFeatureView& contact) {
-  nlohmann::ordered_json json;
+Json contactJson(const ContactFeatureView& contact) {
+  Json json;
   json["sensor"] = contactRow(contact, 0);
-  json["patches"] = nlohmann::ordered_json::array();
+  json["patches"] = Json::array();
   const auto num_patches = static_cast<std::size_t>(contact.num_patches);
   for (std::size_t p = 0; p < num_patches; ++p) json["patches"].push_back(contactRow(contact, 1 + p));
   addFeatures(json, regionFeatures(), contact);
-  json["regions"] = nlohmann::ordered_json::array();
+  json["regions"] = Json::array();
   for (std::size_t r = 0; r < numRegionRows(contact); ++r) json["regions"].push_back(contactRow(contact, 1 + num_patches + r));
   return json;
 }
 
 // Integers and flags among these features are written as floats, 1.0: the form of the first version.
-void addTruth(nlohmann::ordered_json& json, const GroundTruthView& truth) {
+void addTruth(Json& json, const GroundTruthView& truth) {
   for (const FeatureField<GroundTruthView>& field : truthFeatures()) {
     std::visit(
         [&](const auto& values) {
@@ -109,14 +114,14 @@ void addTruth(nlohmann::ordered_json& json, const GroundTruthView& truth) {
 }  // namespace
 
 std::string frameJson(const Sensor& sensor, const FrameView& frame) {
-  nlohmann::ordered_json json;
+  Json json;
   json["sensor"] = sensor.name;
   json["tactile_image"] = taxelsOf(sensor, frame.tactile_image);
   addFeatures(json, imageFeatures(), frame);
   addFeatures(json, readoutFeatures(), frame);
   json["contact"] = contactJson(frame.contact);
   const GroundTruthView& truth = frame.ground_truth;
-  nlohmann::ordered_json& clean = json["ground_truth"];
+  Json& clean = json["ground_truth"];
   clean["tactile_normal_force"] = taxelsOf(sensor, truth.tactile_normal_force);
   clean["tactile_shear_force"] = taxelsOf(sensor, truth.tactile_shear_force, 2);
   if (!truth.penetration_depth.empty()) clean["penetration_depth"] = taxelsOf(sensor, truth.penetration_depth);

@@ -9,6 +9,7 @@
 #include <limits>
 #include <memory>
 #include <numbers>
+#include <numeric>
 
 #include "cli/commands.h"
 #include "cli/scene_name.h"
@@ -100,6 +101,32 @@ std::string captionOf(const DatasetReader& reader, const TactilePanel& panel, st
   return fmt::format("{}", fmt::join(parts, "   "));
 }
 
+// Numbers of the episodes that are there, (num_episodes): their places, unless the data set is one of chosen episodes.
+std::vector<std::uint64_t> episodeNumbers(const DatasetReader& reader) {
+  std::vector<std::uint64_t> numbers(reader.numEpisodes());
+  std::iota(numbers.begin(), numbers.end(), std::uint64_t{0});
+  const Manifest& manifest = reader.manifest();
+  if (manifest.episodes.empty()) return numbers;
+  numbers.clear();
+  for (std::uint64_t row = 0; row < manifest.num_episodes; ++row) {
+    const std::uint64_t shard = row / manifest.episodes_per_shard;
+    if (!std::binary_search(reader.missingShards().begin(), reader.missingShards().end(), shard)) numbers.push_back(manifest.episodes[row]);
+  }
+  return numbers;
+}
+
+// Index of the episode that --episode names.
+std::size_t rowOf(const Arguments& arguments, const std::vector<std::uint64_t>& numbers) {
+  const auto found = std::find(numbers.begin(), numbers.end(), arguments.episode);
+  if (found != numbers.end()) return static_cast<std::size_t>(found - numbers.begin());
+  static constexpr std::size_t kMost = 8;
+  const auto end = numbers.begin() + static_cast<std::ptrdiff_t>(std::min(numbers.size(), kMost));
+  const std::string allowed = numbers.back() == numbers.size() - 1
+                                  ? fmt::format("0 to {}", numbers.back())
+                                  : fmt::format("{}{}", fmt::join(numbers.begin(), end, ", "), numbers.size() > kMost ? ", ..." : "");
+  throw Error(ErrorKind::kInput, fmt::format("--episode {}: {} has episodes {}", arguments.episode, arguments.directory, allowed));
+}
+
 int runRender(const Arguments& arguments, bool one_episode) {
   const DatasetReader reader(arguments.directory, /*allow_incomplete=*/true);
   const Manifest& manifest = reader.manifest();
@@ -108,11 +135,10 @@ int runRender(const Arguments& arguments, bool one_episode) {
   if (!reader.missingShards().empty()) spdlog::warn("{}: {} shards are missing", arguments.directory, reader.missingShards().size());
 
   const std::vector<std::uint64_t>& ends = reader.episodeEnds();
-  if (one_episode && arguments.episode >= ends.size())
-    throw Error(ErrorKind::kInput,
-                fmt::format("--episode {}: {} has episodes 0 to {}", arguments.episode, arguments.directory, ends.size() - 1));
-  const std::uint64_t begin = one_episode && arguments.episode > 0 ? ends[arguments.episode - 1] : 0;
-  const std::uint64_t end = one_episode ? ends[arguments.episode] : ends.back();
+  const std::vector<std::uint64_t> numbers = episodeNumbers(reader);
+  const std::size_t row = one_episode ? rowOf(arguments, numbers) : 0;
+  const std::uint64_t begin = row > 0 ? ends[row - 1] : 0;
+  const std::uint64_t end = one_episode ? ends[row] : ends.back();
   const std::uint64_t count = std::min<std::uint64_t>(end - begin, static_cast<std::uint64_t>(arguments.num_frames));
 
   const std::optional<Sensor> listed = listedTaxels(manifest);
@@ -123,7 +149,7 @@ int runRender(const Arguments& arguments, bool one_episode) {
     const std::uint64_t frame = count == 1 ? begin : begin + k * (end - begin - 1) / (count - 1);
     const auto episode = static_cast<std::uint64_t>(std::upper_bound(ends.begin(), ends.end(), frame) - ends.begin());
     TactilePanel panel = imageOf(reader, outlines, frame);
-    panel.title = fmt::format("episode {}, frame {}", episode, frame - (episode > 0 ? ends[episode - 1] : 0));
+    panel.title = fmt::format("episode {}, frame {}", numbers[episode], frame - (episode > 0 ? ends[episode - 1] : 0));
     panel.caption = captionOf(reader, panel, frame);
     panel.axes = axesOf(reader, panel, frame);
     panels.push_back(std::move(panel));

@@ -16,16 +16,20 @@ void addSceneOptions(CLI::App& command, SceneOptions& options, int default_batch
   command.add_option("--seed", options.overrides.seed, "Seed of all random numbers; default: the scene's")
       ->check(refuseNegative)
       ->type_name("S");
-  command
-      .add_option("--condition", options.overrides.condition,
-                  "Condition of the scene: its overrides of sensor and randomization; nominal is the scene without them")
-      ->capture_default_str()
-      ->type_name("NAME");
+  addConditionOption(command, options.overrides);
   command.add_option("--batch-size", options.batch_size, "Number of instances simulated at once")
       ->check(silent(CLI::Range(1, 1 << 24)))
       ->capture_default_str()
       ->type_name("B");
   addDeviceOptions(command, options.device, options.validation);
+}
+
+CLI::Option* addConditionOption(CLI::App& command, SceneOverrides& overrides) {
+  return command
+      .add_option("--condition", overrides.condition,
+                  "Condition of the scene: its overrides of sensor and randomization; nominal is the scene without them")
+      ->capture_default_str()
+      ->type_name("NAME");
 }
 
 void addDeviceOptions(CLI::App& command, std::string& device, bool& validation) {

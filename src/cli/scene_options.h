@@ -20,6 +20,9 @@ struct SceneOptions {
 // Adds SCENE, --episodes, --seed, --condition, --batch-size, --device and --validation. `options` must outlive the parsing.
 void addSceneOptions(CLI::App& command, SceneOptions& options, int default_batch_size);
 
+// Adds --condition; `overrides` must outlive the parsing.
+CLI::Option* addConditionOption(CLI::App& command, SceneOverrides& overrides);
+
 // Adds --device and --validation; the references must outlive the parsing.
 void addDeviceOptions(CLI::App& command, std::string& device, bool& validation);
 

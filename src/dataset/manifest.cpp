@@ -27,6 +27,14 @@ constexpr int kMaxCompression = 9;
   throw Error(ErrorKind::kInput, "data set: " + message);
 }
 
+// Data sets of all episodes have no such key.
+std::string episodesLine(const Manifest& manifest) {
+  if (manifest.episodes.empty()) return "";
+  std::string line = "episodes: [";
+  for (std::size_t i = 0; i < manifest.episodes.size(); ++i) line += (i > 0 ? ", " : "") + std::to_string(manifest.episodes[i]);
+  return line + "]\n";
+}
+
 }  // namespace
 
 std::string shardName(std::uint64_t shard) {
@@ -54,6 +62,8 @@ void checkManifest(const Manifest& manifest) {
   if (manifest.numShards() > kMaxShards)
     fail("episodes_per_shard is " + std::to_string(manifest.episodes_per_shard) + ": " + std::to_string(manifest.numShards()) +
          " shards, at most " + std::to_string(kMaxShards) + " allowed");
+  if (!manifest.episodes.empty() && manifest.episodes.size() != manifest.num_episodes)
+    fail("episodes has " + std::to_string(manifest.episodes.size()) + " numbers, num_episodes is " + std::to_string(manifest.num_episodes));
   if (manifest.compression < 0 || manifest.compression > kMaxCompression)
     fail("compression is " + std::to_string(manifest.compression) + ", not 0 to 9");
   if (manifest.chunk_bytes < kMinChunkBytes || manifest.chunk_bytes > kMaxChunkBytes)
@@ -87,7 +97,7 @@ std::string writeManifest(const Manifest& manifest) {
       << "scene_sha256: " << sceneHash(manifest) << "\n"
       << "seed: " << manifest.seed << "\n"
       << "num_episodes: " << manifest.num_episodes << "\n"
-      << "episodes_per_shard: " << manifest.episodes_per_shard << "\n"
+      << episodesLine(manifest) << "episodes_per_shard: " << manifest.episodes_per_shard << "\n"
       << "compression: " << manifest.compression << "\n"
       << "chunk_bytes: " << manifest.chunk_bytes << "\n"
       << "device: " << quoted(manifest.device) << "\n"
@@ -125,6 +135,7 @@ Manifest parseManifest(const std::filesystem::path& file, const std::string& tex
   if (manifest.format_version > 1) {
     manifest.chunk_bytes = fields.get<std::uint64_t>("chunk_bytes");
     manifest.policy = fields.get<std::string>("policy");
+    manifest.episodes = fields.get("episodes", std::vector<std::uint64_t>{});
   }
   const Fields sensor(file, fields.at("sensor"));
   manifest.sensor_name = sensor.get<std::string>("name");
@@ -155,6 +166,8 @@ void checkSame(const std::filesystem::path& directory, const Manifest& found, co
   };
   compare("format", found.format_version, requested.format_version);
   compare("seed", found.seed, requested.seed);
+  if (found.episodes != requested.episodes)
+    throw Error(ErrorKind::kInput, directory.string() + ": holds a data set of other episodes: choose another directory");
   compare("program version", found.program_version, requested.program_version);
   compare("device", found.device, requested.device);
   const auto policy = [](const Manifest& manifest) { return manifest.policy.empty() ? std::string("none") : manifest.policy; };

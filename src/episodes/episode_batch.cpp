@@ -117,8 +117,7 @@ void EpisodeBatch::beginFrame(int i) {
   if (frame_numbers_[i] == state.first_frame) initialContact(i);
   active_[i] = frame_numbers_[i] >= 0;
   if (!active_[i]) return;
-  // A depth-driven episode holds the force of its first frame.
-  if (frame_numbers_[i] == 0) start_forces_[i] = state.draw.load_driven ? state.draw.load : frame_.total_force[i * plan_.num_sensors];
+  if (frame_numbers_[i] == 0) start_forces_[i] = plan_.starts_at_load ? state.draw.load : frame_.total_force[i * plan_.num_sensors];
   control_due_[i] = frame_numbers_[i] % plan_.control_period == 0;
 }
 

@@ -3,7 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sensor/skin.h"
+#include "taxelsim/environment.h"
+
 namespace taxelsim {
+
+ModelOptions modelOptionsOf(const Scene& scene) {
+  ModelOptions options{.sensor = scene.sensor, .objects = {}};
+  for (const SceneObject& object : scene.objects) options.objects.push_back(object.object);
+  return options;
+}
 
 EpisodePlan::EpisodePlan(const Scene& scene_to_run, const OutputOptions& read_outputs, int num_regions)
     : scene(scene_to_run),
@@ -14,7 +23,8 @@ EpisodePlan::EpisodePlan(const Scene& scene_to_run, const OutputOptions& read_ou
       num_joints(numJoints(scene_to_run)),
       num_frames(numFrames(scene_to_run)),
       dt(1 / scene_to_run.simulation_rate),
-      control_period(std::max(1, static_cast<int>(std::lround(scene_to_run.simulation_rate / scene_to_run.control_rate)))) {
+      control_period(std::max(1, static_cast<int>(std::lround(scene_to_run.simulation_rate / scene_to_run.control_rate)))),
+      starts_at_load(scene_to_run.randomization.load.has_value() && isLevel(scene_to_run.sensor)) {
   for (const SceneObject& object : scene.objects) edges.emplace_back(object);
 }
 

@@ -27,6 +27,7 @@ struct EpisodePlan {
   double dt;                    // s, between frames
   int control_period;           // frames
   std::vector<TrueEdge> edges;  // (num_objects)
+  bool starts_at_load;          // the force of the first frame is the load, as the taxels' forces on a level skin sum to it
   bool device_clock = false;    // whether the simulator measures its times
 
   SimulatorOptions simulatorOptions(int num_instances) const;

@@ -12,6 +12,8 @@ namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMinProjection = 1e-9;  // length of a projected unit direction below which the angle is undefined
+// Excess of a squared distance over the smallest one so far at which its root cannot be the smaller one: some roundings of a double.
+constexpr double kFarther = 1 + 1e-12;
 
 double lineAngle(double x, double y) {
   if (std::hypot(x, y) < kMinProjection) return kUnknown;
@@ -33,28 +35,34 @@ ProjectedEdge TrueEdge::project(const Pose& X_SO) const {
     const Vector3 along = rotate(X_SO.rotation, *direction_);
     return {lineAngle(along[0], along[1]), kUnknown, kUnknown};
   }
-  ProjectedEdge edge{kUnknown, kUnknown, kUnknown};
   // Axes of the plane in O.
   const Quaternion R_OS = inverse(X_SO).rotation;
   const Vector3 x_axis = rotate(R_OS, {1, 0, 0}), y_axis = rotate(R_OS, {0, 1, 0});
-  double nearest = std::numeric_limits<double>::infinity();
+  struct {
+    double distance = std::numeric_limits<double>::infinity(), squared = distance;
+    double along[2] = {0, 0}, part = 0;
+    std::size_t end = 0;  // of the segment; 0: none
+  } nearest;
   double from[2] = {0, 0};
   for (std::size_t k = 0; k < contour_.size(); ++k) {
     const double to[2] = {dot(x_axis, contour_[k]) + X_SO.position[0], dot(y_axis, contour_[k]) + X_SO.position[1]};
     if (k > 0) {
       const double along[2] = {to[0] - from[0], to[1] - from[1]};
-      const double squared = along[0] * along[0] + along[1] * along[1];
-      const double part = squared > 0 ? std::clamp(-(from[0] * along[0] + from[1] * along[1]) / squared, 0.0, 1.0) : 0;
-      const double distance = std::hypot(from[0] + part * along[0], from[1] + part * along[1]);
-      if (distance < nearest) {
-        nearest = distance;
-        edge = {lineAngle(along[0], along[1]), distance, arc_[k - 1] + part * (arc_[k] - arc_[k - 1])};
+      const double squared_length = along[0] * along[0] + along[1] * along[1];
+      const double part = squared_length > 0 ? std::clamp(-(from[0] * along[0] + from[1] * along[1]) / squared_length, 0.0, 1.0) : 0;
+      const double x = from[0] + part * along[0], y = from[1] + part * along[1];
+      const double squared = x * x + y * y;
+      if (squared <= kFarther * nearest.squared) {
+        const double distance = std::hypot(x, y);
+        if (distance < nearest.distance) nearest = {distance, squared, {along[0], along[1]}, part, k};
       }
     }
     from[0] = to[0];
     from[1] = to[1];
   }
-  return edge;
+  if (nearest.end == 0) return {kUnknown, kUnknown, kUnknown};
+  const double arc = arc_[nearest.end - 1] + nearest.part * (arc_[nearest.end] - arc_[nearest.end - 1]);
+  return {lineAngle(nearest.along[0], nearest.along[1]), nearest.distance, arc};
 }
 
 TrueEdge::ContourPoint TrueEdge::at(double arc) const {

@@ -93,11 +93,13 @@ class ReferenceComparison {
     return {experiment_.reference.name, experiment_.reference, 0, reference_.images, std::vector<ImageDistance>(contacts_.size())};
   }
 
-  StaticImages zero() const {
+  // Images with a `share` of the load, 0 or 1, in equal parts on all taxels.
+  StaticImages uniform(const std::string& name, double share) const {
     StaticImages result = reference();
-    result.name = "all-zero image";
+    result.name = name;
     for (std::size_t c = 0; c < contacts_.size(); ++c) {
-      result.images[c].assign(result.images[c].size(), 0);
+      const std::size_t num_taxels = result.images[c].size();
+      result.images[c].assign(num_taxels, static_cast<float>(share * contacts_[c].load / static_cast<double>(num_taxels)));
       result.distances[c] = imageDistance(result.images[c], reference_.images[c], least_, full_scale_);
     }
     return result;
@@ -151,7 +153,9 @@ StaticImages ReferenceComparison::fitted(const Sensor& nominal) const {
     }
     // A sum: a median would ignore the few contacts that distinguish two sensors.
     double sum = 0;
-    for (const ImageDistance& distance : images.distances) sum += distance.relative_l1;
+    for (std::size_t c = 0; c < contacts_.size(); ++c) {
+      if (!isScored(experiment_, contacts_[c].object)) sum += images.distances[c].relative_l1;
+    }
     if (sum < least) {
       least = sum;
       best = std::move(images);
@@ -181,10 +185,18 @@ ImageDistance imageDistance(const std::vector<float>& image, const std::vector<f
   return {medianOf(differences) / full_scale, all > 0 ? sum / all : 0};
 }
 
+bool isScored(const StaticExperiment& experiment, std::size_t object) {
+  const bool any_fitted =
+      std::any_of(experiment.sensors.begin(), experiment.sensors.end(), [](const StaticExperiment::Entry& entry) { return entry.fitted; });
+  return !any_fitted || object % 2 == 1;
+}
+
 ImageDistance medianDistance(const StaticExperiment& experiment, const StaticImages& images, std::size_t load) {
   std::vector<double> differences;
   std::vector<double> relative;
+  const std::size_t per_object = experiment.yaw.size() * experiment.loads.size();
   for (std::size_t contact = load; contact < images.distances.size(); contact += experiment.loads.size()) {
+    if (!isScored(experiment, contact / per_object)) continue;
     differences.push_back(images.distances[contact].median_difference);
     relative.push_back(images.distances[contact].relative_l1);
   }
@@ -193,7 +205,8 @@ ImageDistance medianDistance(const StaticExperiment& experiment, const StaticIma
 
 StaticResult runStaticExperiment(const Device& device, const StaticExperiment& experiment) {
   const ReferenceComparison comparison(device, experiment);
-  StaticResult result{.reference = comparison.reference(), .sensors = {}, .zero = comparison.zero()};
+  StaticResult result{.reference = comparison.reference(), .sensors = {}, .baselines = {}};
+  result.baselines = {comparison.uniform("all-zero image", 0), comparison.uniform("uniform image", 1)};
   for (const StaticExperiment::Entry& entry : experiment.sensors) {
     result.sensors.push_back(entry.fitted ? comparison.fitted(entry.sensor) : comparison.imagesOf(entry.sensor));
   }

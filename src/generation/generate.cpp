@@ -21,6 +21,11 @@ using SteadyClock = std::chrono::steady_clock;
 
 constexpr auto kProgressPeriod = std::chrono::milliseconds(250);
 
+// Of the data set.
+std::uint64_t numEpisodes(const Scene& scene, const GenerateOptions& options) {
+  return options.episodes.empty() ? scene.num_episodes : options.episodes.size();
+}
+
 void checkRun(const Scene& scene, const GenerateOptions& options) {
   checkCount("batch size", options.batch_size);
   checkCount("slices", options.num_slices);
@@ -28,12 +33,16 @@ void checkRun(const Scene& scene, const GenerateOptions& options) {
   if (options.policy && options.policy->id.empty()) {
     throw Error(ErrorKind::kInput, "policy " + options.policy->name + ": the id is empty, which a data set needs");
   }
+  std::vector<std::uint64_t> episodes = options.episodes;
+  std::sort(episodes.begin(), episodes.end());
+  const auto twice = std::adjacent_find(episodes.begin(), episodes.end());
+  if (twice != episodes.end()) throw Error(ErrorKind::kInput, "episodes: " + std::to_string(*twice) + " found twice");
 }
 
 // Largest number of shards in memory: those that the episodes of one batch span, with a partial one at either end.
 std::uint64_t maxOpenShards(const Scene& scene, const GenerateOptions& options) {
-  const std::uint64_t batch_size = std::min<std::uint64_t>(options.batch_size, scene.num_episodes);
-  return std::min(batch_size / scene.episodes_per_shard + 2, (scene.num_episodes - 1) / scene.episodes_per_shard + 1);
+  const std::uint64_t batch_size = std::min<std::uint64_t>(options.batch_size, numEpisodes(scene, options));
+  return std::min(batch_size / scene.episodes_per_shard + 2, (numEpisodes(scene, options) - 1) / scene.episodes_per_shard + 1);
 }
 
 // Checked in advance, because Linux overcommits memory and kills the process later. In double: the product may exceed 2^64.
@@ -42,7 +51,7 @@ void checkHostMemory(const Scene& scene, const GenerateOptions& options) {
   for (const Column& column : columnsOf(scene)) {
     episode_bytes += static_cast<double>(rowBytes(column)) * (column.per_episode ? 1 : numFrames(scene));
   }
-  const double episodes = static_cast<double>(std::min(scene.episodes_per_shard, scene.num_episodes));
+  const double episodes = static_cast<double>(std::min(scene.episodes_per_shard, numEpisodes(scene, options)));
   const double needed = static_cast<double>(maxOpenShards(scene, options)) * episodes * episode_bytes;
   const double available = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
   if (needed <= available) return;
@@ -52,7 +61,7 @@ void checkHostMemory(const Scene& scene, const GenerateOptions& options) {
                                      mebibytes(available) + " are available; reduce episodes_per_shard, num_steps or the batch size");
 }
 
-Manifest manifestOf(const Scene& scene, const Device& device, const std::optional<Policy>& policy) {
+Manifest manifestOf(const Scene& scene, const Device& device, const GenerateOptions& options) {
   const bool one_grid = scene.sensor.patches.size() == 1;
   return {.format_version = kDatasetFormat,
           .scene = scene.resolved,
@@ -61,13 +70,14 @@ Manifest manifestOf(const Scene& scene, const Device& device, const std::optiona
           .num_cols = one_grid ? scene.sensor.patches[0].num_cols : 0,
           .pitch = one_grid ? scene.sensor.patches[0].pitch : std::array<double, 2>{0, 0},
           .seed = scene.seed,
-          .num_episodes = scene.num_episodes,
+          .num_episodes = numEpisodes(scene, options),
+          .episodes = options.episodes,
           .episodes_per_shard = scene.episodes_per_shard,
           .compression = scene.compression,
           .chunk_bytes = scene.chunk_bytes,
           .program_version = kVersion,
           .device = device.info().name + ", " + device.info().driver,
-          .policy = policy ? policy->id : "",
+          .policy = options.policy ? options.policy->id : "",
           .columns = columnsOf(scene)};
 }
 
@@ -157,10 +167,10 @@ GenerateResult generate(const Device& device, const Scene& scene, const std::fil
   checkHostMemory(scene, options);
   SlicePlan plan = options.policy ? SlicePlan(scene, outputsOf(scene), *options.policy) : SlicePlan(scene, outputsOf(scene));
   plan.device_clock = options.device_clock;
-  const Manifest manifest = manifestOf(scene, device, options.policy);
+  const Manifest manifest = manifestOf(scene, device, options);
   // Model and batch are checked before the directory is created.
   const Model model(device, modelOptionsOf(scene));
-  splitBatch(model, plan, static_cast<int>(std::min<std::uint64_t>(options.batch_size, scene.num_episodes)), options.num_slices);
+  splitBatch(model, plan, static_cast<int>(std::min<std::uint64_t>(options.batch_size, manifest.num_episodes)), options.num_slices);
   DatasetWriter writer(directory, manifest);
   Run run(options, writer, manifest, plan.num_frames);
   ShardQueue queue(manifest, run.complete(), plan.num_frames);

@@ -12,6 +12,7 @@ namespace taxelsim {
 
 ShardQueue::ShardQueue(const Manifest& manifest, const std::vector<bool>& complete, int num_frames)
     : complete_(complete),
+      episodes_(manifest.episodes),
       num_episodes_(manifest.num_episodes),
       episodes_per_shard_(manifest.episodes_per_shard),
       num_frames_(static_cast<std::uint64_t>(num_frames)) {
@@ -61,7 +62,8 @@ std::unique_ptr<ShardBuffer> ShardQueue::openShard(std::uint64_t shard) {
 std::optional<EpisodePlace> ShardQueue::next() {
   if (next_shard_ >= complete_.size()) return std::nullopt;
   if (next_row_ == 0) open_.push_back(openShard(next_shard_));
-  const EpisodePlace place{next_shard_ * episodes_per_shard_ + next_row_, next_row_, open_.back().get()};
+  const std::uint64_t row = next_shard_ * episodes_per_shard_ + next_row_;
+  const EpisodePlace place{episodes_.empty() ? row : episodes_[row], next_row_, open_.back().get()};
   --num_left_;
   if (++next_row_ == episodesOf(next_shard_)) {
     next_row_ = 0;

@@ -24,8 +24,8 @@ struct ShardBuffer {
 
 // Destination of the rows of an episode. Valid until finish() returns its shard.
 struct EpisodePlace {
-  std::uint64_t episode = 0;
-  std::uint64_t row = 0;  // episode row in the shard; its frame rows start at row * num_frames
+  std::uint64_t episode = 0;  // its number
+  std::uint64_t row = 0;      // episode row in the shard; its frame rows start at row * num_frames
   ShardBuffer* buffer = nullptr;
 };
 
@@ -60,6 +60,7 @@ class ShardQueue {
 
   std::vector<ColumnLayout> columns_;
   std::vector<bool> complete_;
+  std::vector<std::uint64_t> episodes_;  // numbers by row of the data set; empty if they are equal
   std::uint64_t num_episodes_;
   std::uint64_t episodes_per_shard_;
   std::uint64_t num_frames_;

@@ -19,6 +19,7 @@ constexpr double kMinCoreSpread = 3e-5;   // det / (xx yy) of the core's positio
 constexpr double kNoiseFactor = 5;        // standard deviations
 constexpr double kLongestPoint = 2.5;     // pitches
 constexpr double kWidestEdge = 0.5;       // of its length
+constexpr double kArrayWidth = 0.9;       // of the array under even pressure
 
 // Location of a taxel in the sensor: patch, row, column.
 struct TaxelOnPatch {
@@ -217,19 +218,39 @@ void setTilt(const TaxelLayout& layout, const ContactImage& image, const MomentP
   features.tilt_confidence = std::max(0.0, 1 - std::sqrt(squared_residuals / (n - 3)) / mean_p);
 }
 
-// Sets the size of the equivalent rectangle and returns the contact type.
-ContactType classifyContact(const MomentPlane& plane, ContactFeatures& features) {
-  Features unblurred;
-  std::array<double, 3> moments = features.second_moments;
+// Second moments of all taxels of a plane under the same pressure, m^2.
+std::array<double, 3> evenMoments(const TaxelLayout& layout, const MomentPlane& plane) {
+  std::vector<int> taxels;
+  for (int t = 0; t < static_cast<int>(layout.at.size()); ++t) {
+    if (!plane.is_grid || layout.at[t].patch == plane.patch) taxels.push_back(t);
+  }
+  const std::vector<TaxelPlace> places = placesIn(layout, plane, taxels);
+  std::vector<double> force;
+  for (const TaxelPlace& place : places) force.push_back(place.area);
+  return reference::featuresOf(places, force, std::vector<bool>(force.size(), true)).second_moments;
+}
+
+std::array<double, 3> withoutBlur(std::array<double, 3> moments, const MomentPlane& plane) {
   for (int m = 0; m < 3; ++m) moments[m] -= plane.blur[m];
-  setPrincipalAxes(moments, unblurred);
-  const double pitch = std::hypot(std::cos(unblurred.edge_angle) * plane.pitch[0], std::sin(unblurred.edge_angle) * plane.pitch[1]);
+  return moments;
+}
+
+// Sets the sizes of the equivalent rectangle and of the array, and returns the contact type.
+ContactType classifyContact(const TaxelLayout& layout, const MomentPlane& plane, ContactFeatures& features) {
+  Features unblurred;
+  setPrincipalAxes(withoutBlur(features.second_moments, plane), unblurred);
+  const double c = std::cos(unblurred.edge_angle), s = std::sin(unblurred.edge_angle);
+  const auto [xx, xy, yy] = withoutBlur(evenMoments(layout, plane), plane);
   features.length = std::sqrt(12 * std::max(unblurred.eigenvalues[0], 0.0));
   features.width = std::sqrt(12 * unblurred.eigenvalues[1]);
-  features.longest_point = kLongestPoint * pitch;
+  features.longest_point = kLongestPoint * std::hypot(c * plane.pitch[0], s * plane.pitch[1]);
+  features.widest_point = kLongestPoint * std::hypot(s * plane.pitch[0], c * plane.pitch[1]);
+  features.array_width = kArrayWidth * std::sqrt(12 * std::max(s * s * xx - 2 * s * c * xy + c * c * yy, 0.0));
   if (features.total_force <= features.least_force) return ContactType::kNone;
   if (features.length <= features.longest_point) return ContactType::kPoint;
-  return features.width <= kWidestEdge * features.length ? ContactType::kEdge : ContactType::kArea;
+  if (features.width > kWidestEdge * features.length) return ContactType::kArea;
+  const bool as_wide_as_the_array = features.width > features.widest_point && features.width >= features.array_width;
+  return as_wide_as_the_array ? ContactType::kArea : ContactType::kEdge;
 }
 
 ContactFeatures featuresOf(const TaxelLayout& layout, const ContactImage& image, const std::vector<int>& taxels, int patch) {
@@ -248,7 +269,7 @@ ContactFeatures featuresOf(const TaxelLayout& layout, const ContactImage& image,
   setWindowedEdge(places, force, std::max(plane.pitch[0], plane.pitch[1]), features);
   if (plane.is_grid) setTilt(layout, image, plane, taxels, features);
   features.least_force = kNoiseFactor * image.noise * std::sqrt(static_cast<double>(taxels.size()));
-  features.contact_type = classifyContact(plane, features);
+  features.contact_type = classifyContact(layout, plane, features);
   return features;
 }
 

@@ -7,7 +7,7 @@
 //   tilt                 slope of the least-squares plane through the pressures of the core, over the stiffness of the skin. Core: the
 //                        taxels so far inside the contact that neither its rim nor saturation changes their force
 //   contact type         from length and width of the uniform rectangle with the same second moments, less those of the PSF and of a taxel
-//                        (include/taxelsim/contact_type.h)
+//                        (include/taxelsim/contact_type.h); one as wide as the array is an area
 #pragma once
 
 #include <array>
@@ -29,13 +29,15 @@ struct ContactFeatures : Features {
   ContactType contact_type = ContactType::kNone;
   int patch = -1;  // whose plane the features are in; -1: the xy plane of S
 
-  double window_share = 1;                          // smallest fraction of the force under the window in any round
-  double window_growth = 1;                         // bound on |d(final centre)/d(initial centre)| of the window
-  double windowed_trace = 0;                        // m^2: trace of the second moments under the window
-  double length = 0, width = 0, longest_point = 0;  // m: of the equivalent rectangle; longest length that is still a point
-  double least_force = 0;                           // N: total forces up to this are noise
-  std::vector<int> core{};                          // taxels that the tilt is fitted to
-  std::vector<int> taxels{};                        // regions only: its taxels, ascending
+  double window_share = 1;                     // smallest fraction of the force under the window in any round
+  double window_growth = 1;                    // bound on |d(final centre)/d(initial centre)| of the window
+  double windowed_trace = 0;                   // m^2: trace of the second moments under the window
+  double length = 0, width = 0;                // m: of the equivalent rectangle
+  double longest_point = 0, widest_point = 0;  // m: longest length of a point; the same limit for the width
+  double array_width = 0;                      // m: width from which a contact is as wide as the array
+  double least_force = 0;                      // N: total forces up to this are noise
+  std::vector<int> core{};                     // taxels that the tilt is fitted to
+  std::vector<int> taxels{};                   // regions only: its taxels, ascending
 };
 
 struct ContactRows {

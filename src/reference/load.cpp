@@ -66,6 +66,17 @@ double fullDepth(double first_touch, double thickness, const std::function<doubl
 
 }  // namespace
 
+double forceAlongLoad(const Sensor& sensor, const Contact& contact) {
+  double force = 0;
+  std::size_t taxel = 0;
+  for (const GridPatch& patch : sensor.patches) {
+    const double along_load = rotate(patch.X_SP.rotation, {0, 0, 1})[2];
+    const std::size_t end = taxel + static_cast<std::size_t>(patch.num_rows) * patch.num_cols;
+    for (; taxel < end; ++taxel) force += along_load * contact.taxel_force[taxel];
+  }
+  return force;
+}
+
 std::vector<PlacedObject> movedAlongZ(std::span<const PlacedObject> objects, double offset) {
   std::vector<PlacedObject> moved(objects.begin(), objects.end());
   for (PlacedObject& placed : moved) {
@@ -100,7 +111,7 @@ LoadResult findLoad(const Sensor& sensor, std::span<const PlacedObject> objects,
     const std::vector<double> d = penetrationsAt(offset);
     return *std::max_element(d.begin(), d.end());
   };
-  const auto forceAt = [&](double offset) { return computeContact(sensor, penetrationsAt(offset), {}, 0, skin).total_force; };
+  const auto forceAt = [&](double offset) { return forceAlongLoad(sensor, computeContact(sensor, penetrationsAt(offset), {}, 0, skin)); };
 
   if (!level) {
     // A side wall of an object may touch a tilted patch earlier than its lowest point does.

@@ -1,4 +1,4 @@
-// Load search of the reference: the offset along z of S at which the objects press on the skin with a given force.
+// Load search of the reference: the offset along z of S at which the objects press on the skin with a given force along -z of S.
 //
 //   force ^                        *   full_depth: the deepest sample is compressed by the skin thickness
 //         |                   *
@@ -16,6 +16,7 @@
 #include <span>
 #include <vector>
 
+#include "reference/contact.h"
 #include "reference/depth.h"
 #include "reference/relaxation.h"
 
@@ -31,7 +32,10 @@ struct LoadResult {
 // The objects, translated by `offset` (m) along z of S.
 std::vector<PlacedObject> movedAlongZ(std::span<const PlacedObject> objects, double offset);
 
-// `load` (N, >= 0) is the sum of the taxel forces at rest. `skin`: state of a relaxing skin at the end of the step; default: never loaded.
+// Component along the load, -z of S, of the force that the objects exert through the normal forces of the taxels, N.
+double forceAlongLoad(const Sensor& sensor, const Contact& contact);
+
+// `load` (N, >= 0): forceAlongLoad() at rest. `skin`: state of a relaxing skin at the end of the step; default: never loaded.
 // Not for ElasticLayer: see loadedLayerContact() in elastic_layer.h.
 LoadResult findLoad(const Sensor& sensor, std::span<const PlacedObject> objects, double load, const SkinStep& skin = {});
 

@@ -1,4 +1,7 @@
 #include "scene/experiment_reader.h"
+
+#include <algorithm>
+
 #include "scene/object_reader.h"
 #include "scene/scene_fields.h"
 #include "scene/sensor_file.h"
@@ -52,6 +55,10 @@ StaticExperiment readStaticExperiment(const YamlNode& root, const std::filesyste
   canonical.close();
   if (experiment.sensors.empty()) sensors.refuse("a list of at least one {sensor, fitted}");
   experiment.objects = readObjects(map, directory);
+  const bool any_fitted = std::any_of(experiment.sensors.begin(), experiment.sensors.end(), [](const auto& entry) { return entry.fitted; });
+  if (any_fitted && experiment.objects.size() < 2) {
+    root.child("objects")->fail("has 1 indenter: a sensor with fitted: true needs 2, since a fit sees one half and the other is scored");
+  }
   refuseMotions(map, "objects of a static experiment do not move");
   experiment.yaw = readList(map, "yaw", randomizationField("yaw").allowed);
   experiment.loads = readList(map, "loads", Allowed::above(0, "N"));

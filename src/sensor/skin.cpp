@@ -39,6 +39,12 @@ double skinDistance(const Vector3& p, const Vector3& n, const Vector3& q, const 
   return std::sqrt(along * along + std::max(square - along * along, 0.0) * bent * bent);
 }
 
+bool isLevel(const Sensor& sensor) {
+  return std::all_of(sensor.patches.begin(), sensor.patches.end(), [](const GridPatch& patch) {
+    return rotate(patch.X_SP.rotation, {0, 0, 1})[2] == 1;
+  });
+}
+
 double skinWeight(const Psf& psf, double distance) {
   return distance <= reachOf(psf) ? std::exp(-distance * distance / (2 * psf.sigma * psf.sigma)) : 0;
 }

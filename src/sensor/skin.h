@@ -8,6 +8,9 @@
 
 namespace taxelsim {
 
+// Whether all normals point along z of S, so that the taxels' forces sum to the load.
+bool isLevel(const Sensor& sensor);
+
 // Weight of the point spread function at a distance (m) along the skin; 0 beyond its reach. psf.sigma > 0.
 double skinWeight(const Psf& psf, double distance);
 

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "base/length_check.h"
 #include "base/philox.h"
 #include "base/text.h"
 #include "shared/batch.h"
@@ -28,10 +29,6 @@ constexpr double kQuaternionTolerance = 1e-3;
 
 [[noreturn]] void refuse(const std::string& what) {
   throw Error(ErrorKind::kInput, what);
-}
-
-void checkLength(const char* name, std::size_t found, std::size_t expected) {
-  if (found != expected) refuse(std::string(name) + ": " + std::to_string(found) + " values, expected " + std::to_string(expected));
 }
 
 double lengthOf(const Quaternion& q) {

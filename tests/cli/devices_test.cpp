@@ -42,5 +42,30 @@ TEST(DevicesPlan, CountsTheJacobianThatAControllerNeeds) {
   }
 }
 
+// The condition's creep adds state to every taxel.
+TEST(DevicesPlan, CountsTheSensorOfACondition) {
+  const TemporaryDirectory root;
+  const std::string file = root / "scene.yaml";
+  Sensor sensor = loadSensor(TAXELSIM_SOURCE_DIR "/scenes/sensors/wts0614.yaml");
+  sensor.readout.creep.push_back({.fraction = 0.1, .time = 1});
+  std::ofstream(root / "slow.yaml") << sensorText(sensor);
+  std::ofstream(file) << kScene << "conditions: {slow: {sensor: slow.yaml}}\n";
+  const auto bytes = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"devices", "--plan", file, "--json"});
+    const Outcome outcome = runTaxelsim(arguments);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return nlohmann::json::parse(outcome.out)[0]["plan"]["bytes_per_instance"].get<std::uint64_t>();
+  };
+  const std::uint64_t nominal = bytes({});
+  EXPECT_EQ(bytes({"--condition", "nominal"}), nominal);
+  EXPECT_GT(bytes({"--condition", "slow"}), nominal);
+  const Outcome table = runTaxelsim({"devices", "--plan", file, "--condition", "slow"});
+  EXPECT_NE(table.out.find("scene.yaml (slow)"), std::string::npos) << table.out;
+  const Outcome unknown = runTaxelsim({"devices", "--plan", file, "--condition", "fast"});
+  EXPECT_EQ(unknown.status, 2);
+  EXPECT_NE(unknown.err.find("slow"), std::string::npos) << unknown.err;
+  EXPECT_EQ(runTaxelsim({"devices", "--condition", "slow"}).status, 2) << "without --plan";
+}
+
 }  // namespace
 }  // namespace taxelsim::testing

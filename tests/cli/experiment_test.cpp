@@ -78,8 +78,10 @@ TEST(Experiment, TableAndPictures) {
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_NE(outcome.out.find("wts0614_deformation_mask"), std::string::npos);
   EXPECT_NE(outcome.out.find("M4"), std::string::npos);
-  EXPECT_NE(outcome.out.find("The reference is simulated, too"), std::string::npos);
+  EXPECT_NE(outcome.out.find("Reference: images of wts0614, simulated by the law winkler"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("medians over the\ncontacts of bar, ball\n"), std::string::npos) << "no fit, so all count: " << outcome.out;
   EXPECT_NE(outcome.out.find("\nall-zero image "), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("\nuniform image "), std::string::npos) << outcome.out;
   EXPECT_NE(outcome.err.find("info: wrote 4 figures to " + (root / "figures").string()), std::string::npos) << outcome.err;
   for (const char* name : {"bar_1N.png", "bar_4N.png", "ball_1N.png", "ball_4N.png"}) {
     EXPECT_TRUE(contentOf(root / "figures" / name).starts_with("\x89PNG")) << name;
@@ -95,9 +97,12 @@ TEST(Experiment, OfFingertips) {
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const nlohmann::json json = nlohmann::json::parse(outcome.out);
   for (const auto& contact : json["sensors"][0]["contacts"]) EXPECT_EQ(contact["relative_l1"], 0);
-  const nlohmann::json& zero = json["zero_image"]["medians"][0];
+  ASSERT_EQ(json["baselines"].size(), 2u);
+  const nlohmann::json &zero = json["baselines"][0]["medians"][0], &uniform = json["baselines"][1]["medians"][0];
   EXPECT_DOUBLE_EQ(zero["relative_l1"].get<double>(), 1);
   EXPECT_GT(zero["median_difference"].get<double>(), 0);
+  EXPECT_GT(uniform["relative_l1"].get<double>(), 0.5);
+  EXPECT_LT(uniform["relative_l1"].get<double>(), 2);
   EXPECT_TRUE(contentOf(root / "figures" / "bar_1N.png").starts_with("\x89PNG"));
   written(root, "x.yaml",
           experimentText(shipped("digitacts_6x4"), "[{sensor: " + shipped("digitacts_6x4") + "}]", "yaw_deg: [0]\nloads: [1]\n"));
@@ -137,6 +142,9 @@ TEST(Experiment, Refusals) {
           "only sensors of law winkler can be fitted");
   refused(experimentText(shipped("wts0614"), "[{sensor: " + shipped("wts0614") + ", fitted: perhaps}]"),
           "fitted: perhaps is not allowed: true | false");
+  std::string one_indenter = experimentText(shipped("wts0614"), "[{sensor: " + shipped("wts0614") + ", fitted: true}]");
+  one_indenter.erase(one_indenter.find("  - {name: ball"), one_indenter.find("yaw") - one_indenter.find("  - {name: ball"));
+  refused(one_indenter, "objects: has 1 indenter: a sensor with fitted: true needs 2");
   refused(experimentText(shipped("wts0614"), sensor, "yaw: [0]\nloads: [-1]\n"), "loads");
   refused(experimentText(shipped("wts0614"), sensor, "yaw: []\nloads: [1]\n"), "yaw");
   refused(experimentText(shipped("wts0614"), sensor, "yaw: [0]\n"), "loads is missing");

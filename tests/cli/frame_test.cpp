@@ -1,10 +1,16 @@
 // `frame`: values against closed forms, outputs, and refusals.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <string>
+#include <string_view>
 
 #include "cli/command_line.h"
 
@@ -36,6 +42,35 @@ TEST(Frame, SphereOnAnElasticFoundation) {
     EXPECT_TRUE(json.contains(key)) << key;
     EXPECT_TRUE(json["ground_truth"].contains(key)) << key;
   }
+}
+
+// An angle of a right angle is 1.5707964 in float32, of which double arithmetic shows more digits.
+TEST(Frame, NumbersOfJsonAreTheShortestOfAFloat) {
+  const Outcome outcome = runTaxelsim(frame("cylinder:0.004,0.1", "0.0013 0.002 0.0034 0.70710678 0.70710678 0 0", {"--json"}));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  int num_fractions = 0;
+  for (std::size_t at = outcome.out.find_first_of("0123456789"); at != std::string::npos;
+       at = outcome.out.find_first_of("0123456789", at)) {
+    const std::size_t end = outcome.out.find_first_not_of("0123456789.e+-", at);
+    const std::string text = outcome.out.substr(at, end - at);
+    at = end;
+    if (text.find('.') == std::string::npos) continue;
+    float value = 0;
+    std::from_chars(text.data(), text.data() + text.size(), value);
+    std::array<char, 32> shortest;
+    const auto digits = [](std::string_view number) {
+      number = number.substr(0, number.find('e'));
+      std::string all;
+      std::copy_if(number.begin(), number.end(), std::back_inserter(all), [](char c) { return c != '.'; });
+      all.erase(0, std::min(all.find_first_not_of('0'), all.size()));
+      all.erase(all.find_last_not_of('0') + 1);
+      return all;
+    };
+    const char* const last = std::to_chars(shortest.data(), shortest.data() + shortest.size(), value).ptr;
+    EXPECT_EQ(digits(text).size(), digits({shortest.data(), last}).size()) << text;
+    ++num_fractions;
+  }
+  EXPECT_GT(num_fractions, 100);
 }
 
 TEST(Frame, ContactsAreToldApart) {

@@ -30,6 +30,16 @@ TEST(Manifest, RoundTrips) {
   EXPECT_EQ(found.columns[9].text_length, 5u);
 }
 
+TEST(Manifest, HasTheNumbersOfChosenEpisodes) {
+  Manifest manifest = exampleManifest();
+  EXPECT_EQ(dataset::writeManifest(manifest).find("\nepisodes:"), std::string::npos);
+  EXPECT_TRUE(parsed(manifest).episodes.empty());
+  for (std::uint64_t k = 0; k < manifest.num_episodes; ++k) manifest.episodes.push_back(~std::uint64_t{0} - k);
+  EXPECT_EQ(parsed(manifest).episodes, manifest.episodes);
+  manifest.episodes.pop_back();
+  expectError(ErrorKind::kInput, "episodes has", [&] { dataset::checkManifest(manifest); });
+}
+
 TEST(Manifest, RoundTripsAnySceneText) {
   const bool holds = rc::check("scene text survives YAML", [] {
     Manifest manifest = exampleManifest();

@@ -9,10 +9,10 @@
 #include <stdexcept>
 #include <thread>
 
-#include "control/tactile_servo.h"
 #include "episodes/batch.h"
 #include "episodes/example_scene.h"
 #include "episodes/recording.h"
+#include "episodes/servo_input.h"
 #include "taxelsim/error.h"
 #include "taxelsim/evaluate.h"
 
@@ -39,28 +39,18 @@ class ServoDriver {
  public:
   explicit ServoDriver(const Environment& environment)
       : period_(environment.controlPeriod() * environment.dt()),
-        num_sensors_(environment.numSensors()),
         controller_(environment.scene().controllers[0].servo, environment.scene().sensor, environment.numInstances()),
         twists_(static_cast<std::size_t>(environment.numInstances())) {}
 
   void reset(int instance) { controller_.reset(instance); }
 
   std::span<const Twist> command(const EnvironmentView& view) {
-    controller_.command({.num_rows = num_sensors_,
-                         .edge_angle = view.frame.edge_angle,
-                         .edge_confidence = view.frame.edge_confidence,
-                         .total_force = view.frame.total_force,
-                         .center_of_pressure = view.frame.center_of_pressure,
-                         .contact_area = view.frame.contact_area,
-                         .start_force = view.start_force,
-                         .due = view.control_due},
-                        period_, twists_);
+    controller_.command(servoInputOf(view), period_, twists_);
     return twists_;
   }
 
  private:
   double period_;
-  int num_sensors_;
   TactileServoController controller_;
   std::vector<Twist> twists_;
 };
@@ -282,59 +272,6 @@ TEST(Environment, JudgesAsEvaluateDoes) {
   EXPECT_LT(num_successes, 6);
 }
 
-TEST(Environment, JointVelocitiesMoveTheJoints) {
-  Scene scene = exampleScene();
-  PanTilt platform;
-  platform.drive = {};
-  scene.robot = panTilt(platform);
-  Environment environment(Device::open(), scene, {.num_instances = 2});
-  ASSERT_EQ(environment.numJoints(), 2);
-  environment.reset(std::vector<std::uint8_t>(2, 1), std::vector<std::uint64_t>{0, 1});
-  std::vector<double> velocities{0.1, -0.2, 0, 1e9};
-  environment.actJoints(velocities);
-  environment.step();
-  const EnvironmentView view = environment.observe();
-  EXPECT_NEAR(view.joint_velocities[0], 0.1, 1e-12);
-  EXPECT_NEAR(view.joint_velocities[1], -0.2, 1e-12);
-  EXPECT_NEAR(view.joint_positions[1], -0.2 * environment.dt(), 1e-12);
-  EXPECT_NEAR(view.joint_velocities[3], platform.max_velocity, 1e-9);
-  EXPECT_EQ(view.robot_status[0], 0);
-  EXPECT_EQ(view.robot_status[1], 2);
-  environment.step();
-  velocities[3] = kNan;
-  EXPECT_THAT(refusal([&] { environment.actJoints(velocities); }),
-              HasSubstr("action of instance 1 (episode 1): velocity of joint tilt = nan"));
-}
-
-// Revolute joints have the scene's angular action noise, drawn for (episode, frame, joint).
-TEST(Environment, JointVelocitiesHaveActionNoise) {
-  Scene scene = exampleScene();
-  PanTilt platform;
-  platform.drive = {};
-  scene.robot = panTilt(platform);
-  constexpr double kDeviation = 0.01;  // rad/s
-  scene.randomization.angular_action_noise = {kDeviation, kDeviation};
-  constexpr std::size_t kNumInstances = 64;
-  Environment environment(Device::open(), scene, {.num_instances = kNumInstances});
-  std::vector<std::uint64_t> episodes(kNumInstances);
-  for (std::size_t i = 0; i < kNumInstances; ++i) episodes[i] = i / 2;
-  environment.reset(std::vector<std::uint8_t>(kNumInstances, 1), episodes);
-  environment.actJoints(std::vector<double>(2 * kNumInstances, 0.1));
-  environment.step();
-  const std::span<const double> velocities = environment.observe().joint_velocities;
-  double squares = 0;
-  for (std::size_t k = 0; k < velocities.size(); ++k) {
-    squares += std::pow(velocities[k] - 0.1, 2);
-    if (k / 2 % 2 == 1) {
-      EXPECT_EQ(velocities[k], velocities[k - 2]) << "of the same episode";
-    }
-  }
-  EXPECT_NE(velocities[0], velocities[1]);
-  EXPECT_NE(velocities[0], velocities[4]);
-  // 64 independent numbers: five standard deviations of their standard deviation, 5 / sqrt(2 64).
-  EXPECT_NEAR(std::sqrt(squares / static_cast<double>(velocities.size())), kDeviation, 0.44 * kDeviation);
-}
-
 TEST(Environment, RefusesScenesAndModelsThatDoNotFit) {
   const Device device = Device::open();
   EXPECT_THAT(refusal([&] { Environment(device, exampleContacts(), {}); }), HasSubstr("kind: contacts found, an environment needs servo"));
@@ -344,13 +281,44 @@ TEST(Environment, RefusesScenesAndModelsThatDoNotFit) {
   Scene other = exampleScene();
   other.objects.pop_back();
   const Model model(device, modelOptionsOf(other));
-  EXPECT_THAT(refusal([&] { Environment(model, exampleScene(), {}); }), HasSubstr("model: 1 objects found, the scene has 2"));
+  EXPECT_EQ(refusal([&] { Environment(model, exampleScene(), {}); }),
+            "model: 1 objects found, the scene has 2; make the model from modelOptionsOf(scene)");
   Environment environment(model, other, {});
   EXPECT_THAT(refusal([&] {
                 environment.reset(std::vector<std::uint8_t>{1}, std::vector<std::uint64_t>{0});
                 environment.taskState();
               }),
               HasSubstr("this scene has no `task`"));
+}
+
+TEST(Environment, RefusesModelsThatGiveOtherResults) {
+  const Device device = Device::open();
+  const Scene scene = exampleScene();
+  const auto refusalOf = [&](void (*change)(ModelOptions&)) {
+    ModelOptions options = modelOptionsOf(scene);
+    change(options);
+    const Model model(device, options);
+    return refusal([&] { Environment(model, scene, {}); });
+  };
+  EXPECT_EQ(
+      refusalOf([](ModelOptions& options) { options.sensor.readout.trigger = 0.03; }),
+      "model: another sensor than the scene's: readout.trigger: 0.03 there, 0.02 requested; make the model from modelOptionsOf(scene)");
+  using Options = ModelOptions;
+  for (void (*change)(Options&) :
+       {+[](Options& options) { std::get<Winkler>(options.sensor.skin.law).normal_contact_stiffness *= 1.01; },
+        +[](Options& options) { options.sensor.patches[0].pitch[1] *= 1.01; },
+        +[](Options& options) { options.sensor.samples_per_taxel = 3; }, +[](Options& options) { options.sensor.psf = {}; },
+        +[](Options& options) { options.sensor.frame_rate = 50; }}) {
+    EXPECT_THAT(refusalOf(change), HasSubstr("model: another sensor than the scene's: "));
+  }
+  EXPECT_EQ(refusalOf([](Options& options) { options.objects[1].shape = Sphere{0.0123}; }),
+            "model: object 1 (ball) differs from the scene's; make the model from modelOptionsOf(scene)");
+  EXPECT_THAT(refusalOf([](Options& options) { options.objects[0].shape = Capsule{8e-3, 0.1}; }), HasSubstr("object 0 (bar) differs"));
+  EXPECT_EQ(refusalOf([](Options& options) {
+              options.sensor.name = "twin";
+              options.objects[1].name = "twin";
+            }),
+            "no refusal");
 }
 
 TEST(EpisodeKey, DependsOnSeedInstanceAndResets) {

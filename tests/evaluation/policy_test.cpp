@@ -10,8 +10,8 @@
 #include <set>
 #include <stdexcept>
 
-#include "control/tactile_servo.h"
 #include "episodes/example_scene.h"
+#include "episodes/servo_input.h"
 #include "taxelsim/error.h"
 #include "taxelsim/evaluate.h"
 
@@ -38,14 +38,7 @@ Policy servoPolicy(const Scene& scene) {
   policy.act = [&scene](const PolicyInput& input, std::span<Twist> twists) {
     const EnvironmentView& view = input.view;
     TactileServoController controller(scene.controllers[0].servo, scene.sensor, static_cast<int>(view.active.size()));
-    controller.command({.edge_angle = view.frame.edge_angle,
-                        .edge_confidence = view.frame.edge_confidence,
-                        .total_force = view.frame.total_force,
-                        .center_of_pressure = view.frame.center_of_pressure,
-                        .contact_area = view.frame.contact_area,
-                        .start_force = view.start_force,
-                        .due = view.control_due},
-                       1 / scene.control_rate, twists);
+    controller.command(servoInputOf(view), 1 / scene.control_rate, twists);
   };
   return policy;
 }

@@ -65,6 +65,64 @@ TEST(GeneratePolicy, ActsInsteadOfTheControllers) {
   }
 }
 
+// Every row of the columns in `part` must be that of the same episode in `whole`.
+void expectRowsOf(const DatasetReader& whole, const DatasetReader& part, const std::vector<std::uint64_t>& episodes) {
+  const std::uint64_t num_frames = whole.numFrames() / whole.numEpisodes();
+  for (const Column& column : whole.manifest().columns) {
+    const std::uint64_t rows = column.per_episode ? 1 : num_frames;
+    for (std::size_t k = 0; k < episodes.size(); ++k) {
+      EXPECT_TRUE(part.read(column.name, k * rows, rows) == whole.read(column.name, episodes[k] * rows, rows)) << column.name << ", " << k;
+    }
+  }
+}
+
+TEST(GenerateEpisodes, HaveTheRowsOfTheWholeDataSet) {
+  Scene scene = exampleScene();
+  scene.task = Task{.hold = 0.02};
+  (*scene.task)[TaskMeasure::kTotalForce] = TaskCriterion{.tolerance = 0.3};
+  const Device device = Device::open();
+  const TestDirectory directory;
+  const std::vector<std::uint64_t> episodes{21, 3, 0, 14, 15, 16, 8};  // two shards; more than the batch
+  for (const bool has_policy : {true, false}) {
+    GenerateOptions requested = options(policyWithId("abc"), 5, 2);
+    if (!has_policy) requested.policy.reset();
+    const std::filesystem::path folder = directory.path() / (has_policy ? "policy" : "servo");
+    ASSERT_TRUE(generate(device, scene, folder / "whole", requested).complete);
+    requested.episodes = episodes;
+    const GenerateResult result = generate(device, scene, folder / "part", requested);
+    ASSERT_TRUE(result.complete);
+    EXPECT_EQ(result.progress.num_episodes, 7u);
+    const DatasetReader whole(folder / "whole"), part(folder / "part");
+    EXPECT_EQ(part.manifest().episodes, episodes);
+    ASSERT_EQ(part.numEpisodes(), 7u);
+    expectRowsOf(whole, part, episodes);
+    EXPECT_THAT(part.readAsDouble("meta/episode", 0, 7), testing::ElementsAre(21, 3, 0, 14, 15, 16, 8));
+    EXPECT_EQ(generate(device, scene, folder / "part", requested).progress.episodes_resumed, 7u);
+  }
+}
+
+TEST(GenerateEpisodes, RefusesOtherEpisodesOnResumeAndTwiceTheSame) {
+  const Scene scene = exampleScene();
+  const Device device = Device::open();
+  const TestDirectory directory;
+  const auto refusal = [&](std::vector<std::uint64_t> episodes) {
+    try {
+      generate(device, scene, directory.path(), {.on_progress = {}, .stop = nullptr, .policy = {}, .episodes = std::move(episodes)});
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kInput);
+      return std::string(error.what());
+    }
+    return std::string("no refusal");
+  };
+  EXPECT_EQ(refusal({4, 9, 4}), "episodes: 4 found twice");
+  EXPECT_FALSE(std::filesystem::exists(directory.path()));
+  EXPECT_EQ(refusal({4, 9}), "no refusal");
+  EXPECT_EQ(refusal({4, 9}), "no refusal");
+  for (const std::vector<std::uint64_t>& other : {std::vector<std::uint64_t>{9, 4}, {4, 9, 2}, {}}) {
+    EXPECT_THAT(refusal(other), HasSubstr("holds a data set of other episodes: choose another directory"));
+  }
+}
+
 TEST(GeneratePolicy, AnotherPolicyDoesNotResume) {
   const Scene scene = exampleScene();
   const Device device = Device::open();

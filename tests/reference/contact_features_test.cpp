@@ -185,6 +185,66 @@ TEST(ContactFeatures, ClassifiesRandomContacts) {
   EXPECT_EQ(reference::contactFeatures(without_trigger, image).sensor.contact_type, ContactType::kNone);
 }
 
+// The array is more than twice as long as wide; the face ends where the array ends.
+TEST(ContactFeatures, FaceOverTheWholeArrayIsAnArea) {
+  const Object face{HalfSpace{}};
+  Random random(6);
+  Sensor tall = gridSensor({.num_rows = 14, .num_cols = 4});
+  tall.readout.curve = {2400};
+  for (const Sensor& sensor : {support::wts0614(), tall}) {
+    for (const double tilt : {0.0, 0.002}) {
+      const ContactCase contact{face, {{0, 0, -0.4e-3}, axisAngle({1, 1, 0}, tilt)}, ContactType::kArea};
+      for (const double noise : {0.0, support::kWtsNoise}) {
+        const ContactRows rows = measuredRows(sensor, contact, noise, random);
+        for (const ContactFeatures& row : {rows.sensor, rows.patches[0], rows.regions[0]}) {
+          EXPECT_EQ(row.contact_type, ContactType::kArea) << row.width << " of " << row.array_width;
+        }
+      }
+    }
+  }
+}
+
+TEST(ContactFeatures, FaceOverTwoPatchesOrAListIsAnArea) {
+  Sensor patches = square(4, 12);
+  patches.patches.push_back(patches.patches[0]);
+  patches.patches[1].X_SP = {{1e-3, 24 * kPitch, 0}, axisAngle({0, 0, 1}, kPi)};
+  Sensor list = square(4, 12);
+  list.patches.clear();
+  const Quaternion turned = axisAngle({0, 0, 1}, 0.4);
+  for (const Vector3& p : taxelPositions(square(4, 12)))
+    list.patches.push_back(taxelPatch("t", rotate(turned, p), {0, 0, 1}, {kPitch, kPitch}));
+  for (const Sensor& sensor : {patches, list}) {
+    const ContactRows rows = cleanRows(sensor, std::vector<double>(static_cast<std::size_t>(numTaxels(sensor)), 1));
+    EXPECT_EQ(rows.sensor.contact_type, ContactType::kArea);
+    EXPECT_EQ(rows.regions[0].contact_type, ContactType::kArea);
+  }
+}
+
+TEST(ContactFeatures, BandNarrowerThanTheArrayIsAnEdge) {
+  const auto type = [](int rows, const char* digits) { return cleanRows(square(rows, 14), imageOf(digits)).sensor.contact_type; };
+  EXPECT_EQ(type(6,
+                 "11111111111111"
+                 "11111111111111"
+                 "11111111111111"
+                 "11111111111111"
+                 "11111111111111"
+                 "00000000000000"),
+            ContactType::kEdge);
+  EXPECT_EQ(type(6,
+                 "00000000000000"
+                 "00000000000000"
+                 "11111111111111"
+                 "11111111111111"
+                 "00000000000000"
+                 "00000000000000"),
+            ContactType::kEdge);
+  // Two rows do not show a width.
+  EXPECT_EQ(type(2,
+                 "11111111111111"
+                 "11111111111111"),
+            ContactType::kEdge);
+}
+
 // Without a PSF all taxels of the core are fully covered by the face, so their mean depth is linear in position.
 TEST(ContactFeatures, TiltOfPunchIsExactWithoutSpread) {
   Random random(4);

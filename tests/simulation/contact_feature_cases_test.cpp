@@ -92,6 +92,36 @@ TEST(ContactFeaturesOnEveryDriver, ClassifiesRandomContacts) {
   }
 }
 
+// Arrays more than twice as long as wide: one patch, two patches, a list of taxels, turned against the axes of S.
+TEST(ContactFeaturesOnEveryDriver, FaceOverTheWholeArrayIsAnArea) {
+  const Quaternion turned = axisAngle({0, 0, 1}, 0.4);
+  const Sensor grid = support::wts0614();
+  Sensor patches = support::gridSensor({.num_rows = 4, .num_cols = 10}), list = support::gridSensor({.num_rows = 3, .num_cols = 9});
+  patches.readout.curve = list.readout.curve = {2400};
+  patches.patches.push_back(patches.patches[0]);
+  patches.patches[0].X_SP.rotation = turned;
+  patches.patches[1].X_SP = {rotate(turned, {0, 40e-3, 0}), turned};
+  const std::vector<Vector3> positions = taxelPositions(list);
+  list.patches.clear();
+  for (const Vector3& p : positions) list.patches.push_back(taxelPatch("", rotate(turned, p), {0, 0, 1}, {3.4e-3, 3.4e-3}));
+  for (const Sensor& sensor : {grid, patches, list}) {
+    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(HalfSpace{}), Object(Cylinder{2e-3, 0.1})}});
+    Simulator simulator(model, {.num_instances = 2, .outputs = kContactFeatures, .max_regions = 1});
+    const Quaternion along_y = axisAngle({1, 0, 0}, std::numbers::pi / 2);
+    const Quaternion& yaw = &sensor == &grid ? Quaternion{} : turned;
+    support::setTouches(simulator, {{{0}, {{{0, 0, -0.4e-3}}}}, {{1}, {{{0, 0, 2e-3 - 0.4e-3}, yaw * along_y}}}});
+    simulator.step(kImageStep);
+    const FrameView frame = simulator.read();
+    for (const ContactFeatureView* view : {&frame.contact, &frame.ground_truth.contact}) {
+      for (int row = 0; row < view->num_rows; ++row) {
+        EXPECT_EQ(Row(*view, 0, row)(view->contact_type), ContactType::kArea) << row;
+        EXPECT_EQ(Row(*view, 1, row)(view->contact_type), ContactType::kEdge) << row;
+      }
+    }
+    support::expectFrame(frame, sensor, 2);
+  }
+}
+
 TEST(ContactFeaturesOnEveryDriver, FindsTheTiltOfAPunch) {
   Random random(7);
   const Sensor sensor = support::gridSensor({.num_rows = 14, .num_cols = 16, .pitch_x = 1.5e-3, .pitch_y = 2e-3, .thickness = 2e-3});

@@ -19,7 +19,7 @@ using support::Touch;
 
 constexpr double kDt = 1e-3;          // s
 constexpr double kObjectSize = 0.02;  // m
-// The load search over several tiles stops at 1e-5 of the load; taxel forces are summed in float32.
+// The load search over several tiles stops at 1e-6 of the load; taxel forces are summed in float32.
 constexpr double kCarried = 1e-4;
 
 std::vector<Touch> randomTouches(Random& random, const Sensor& sensor, const std::vector<Object>& objects, int num_instances,
@@ -161,15 +161,17 @@ TEST(CurvedOnEveryDriver, FlatListEqualsItsGrid) {
   }
 }
 
-// Taxels carry the load for every object, law and friction; the wrench sums their forces along their normals.
-TEST(Curved, TaxelsCarryTheLoad) {
-  constexpr double kKept = 1e-3;  // of the load, as promised; the search stops far below
+// The wrench carries the load along -z of S for every object, law and friction; the spread keeps the sum of the forces along the normals.
+TEST(Curved, TheSkinCarriesTheLoad) {
+  constexpr double kKept = 1e-3;              // of the force, by the spread: the weights of a source sum to 1 in float32
+  constexpr double kCarriedOverTiles = 2e-6;  // of the load, load_test.cpp
   Random random(5);
   const std::vector<Object> objects{Object(Sphere{6e-3}), Object(Box{{30e-3, 30e-3, 5e-3}}), Object(Cylinder{5e-3, 30e-3}),
                                     Object("bumpy", support::icosphere(8e-3, 3, 0.05, random))};
   const std::vector<Skin> skins{{.law = Winkler{1.73e8, 1, 0}},
                                 {.law = Winkler{1.73e8, 1, 0}, .friction = {3e8, 0.7}},
                                 {.law = MassSpringDamper{.normal_contact_stiffness = 1.73e8}}};
+  int num_carried = 0;
   for (int kind = 0; kind < 3; ++kind) {
     for (std::size_t s = 0; s < skins.size(); ++s) {
       Sensor sensor = kind == 0   ? support::cylinderFingertip(8e-3, 1.4, 9, 5, 2.4e-3)
@@ -193,7 +195,12 @@ TEST(Curved, TaxelsCarryTheLoad) {
         const FrameView frame = step(simulator, touches);
         for (int i = 0; i < 8; ++i) {
           SCOPED_TRACE(::testing::Message() << sensor.name << ", skin " << s << ", " << objects[i % 4].name << ", step " << step_number);
-          ASSERT_EQ(frame.ground_truth.load_reached[i], 1);
+          if (frame.ground_truth.load_reached[i] ==
+              0) {  // the load lies in a jump of the force, where a sample of a tilted taxel meets an edge
+            EXPECT_FALSE(reference::findLoad(sensor, touches[i].placed(objects), loads[i]).reached);
+            continue;
+          }
+          ++num_carried;
           double carried = 0, shear = 0;
           for (std::size_t t = i * n; t < (i + 1) * n; ++t) {
             const double normal = frame.ground_truth.tactile_normal_force[t];
@@ -203,9 +210,10 @@ TEST(Curved, TaxelsCarryTheLoad) {
             // A force per taxel sums at most 36 samples and 128 sources in float32.
             EXPECT_LE(across, sensor.skin.friction.friction_coefficient * normal * (1 + 200 * support::kUlp) + 1e-9);
           }
-          EXPECT_NEAR(carried, loads[i], kKept * loads[i]);
-          EXPECT_NEAR(frame.ground_truth.total_force[i], loads[i], kKept * loads[i]);
-          EXPECT_LE(-frame.ground_truth.contact_wrench[6 * i + 2], loads[i] * (1 + kKept + sensor.skin.friction.friction_coefficient));
+          EXPECT_NEAR(carried, frame.ground_truth.total_force[i], kKept * carried);
+          EXPECT_GE(carried, loads[i] * (1 - kKept));
+          const double by_friction = s == 1 ? sensor.skin.friction.friction_coefficient * carried : 0;
+          EXPECT_NEAR(-frame.ground_truth.contact_wrench[6 * i + 2], loads[i], kCarriedOverTiles * loads[i] + by_friction);
           if (s == 1 && step_number > 0) {
             EXPECT_GT(shear, 1e-3 * loads[i]) << "the object has moved";
           }
@@ -214,6 +222,7 @@ TEST(Curved, TaxelsCarryTheLoad) {
       }
     }
   }
+  EXPECT_GE(num_carried, 9 * 3 * 8 * 9 / 10);
 }
 
 // Separation clears the state, also of taxels that no object was near in the meantime.

@@ -47,7 +47,7 @@ TEST(HeldInstancesErrors, RejectsAnotherNumberOfInstances) {
   OneBall scene;
   for (const std::size_t length : {0u, 2u, 4u}) {
     const std::string message = support::inputError([&] { scene.simulator.step(0.01, Selected(length, 1)); });
-    EXPECT_EQ(message, "instances: " + std::to_string(length) + " values, expected 3");
+    EXPECT_EQ(message, "instances: " + std::to_string(length) + " values found, 3 allowed");
   }
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "simulation/comparison.h"
+#include "support/plain.h"
 #include "support/random_scene.h"
 
 namespace taxelsim {
@@ -279,7 +280,7 @@ TEST(HeldInstancesOnEveryDriver, Proximity) {
 
 TEST(HeldInstancesOnEveryDriver, ElasticLayer) {
   Sensor sensor = smallSensor(ElasticLayer{.elastic_modulus = 1e6});
-  expectEpisodesAsAlone({.sensor = sensor, .objects = solids(), .outputs = kAllOutputs});
+  expectEpisodesAsAlone({.sensor = sensor, .objects = solids(), .outputs = kAllOutputs, .loads = true});
   sensor.skin.friction = {.tangential_stiffness = 5e7, .friction_coefficient = 0.8};
   sensor.skin.relaxation = {{.fraction = 0.4, .time = 0.05}};
   sensor.skin.margin = 3e-3;
@@ -347,7 +348,8 @@ TEST(HeldInstancesOnEveryDriver, ContactPoints) {
 TEST(HeldInstancesOnEveryDriver, Meshes) {
   Random random(4);
   const std::vector<Object> bumps{Object("bumps", support::icosphere(0.01, 3, 0.02, random))};
-  EXPECT_GT(expectEpisodesAsAlone({.sensor = smallSensor(), .objects = bumps, .motion = 1e-6}), 0);
+  const int num_coherent = expectEpisodesAsAlone({.sensor = smallSensor(), .objects = bumps, .motion = 1e-6});
+  if (!support::isSwitchedOff("candidates")) EXPECT_GT(num_coherent, 0);
   expectEpisodesAsAlone({.sensor = smallSensor(), .objects = bumps, .loads = true, .motion = 1e-6});
 }
 

@@ -214,5 +214,36 @@ TEST(LayerJacobianOnEveryDriver, IndependentOfBatchAndChangesNoOtherOutput) {
   }
 }
 
+// A batch with loads computes heights in another variant of the contact pass. On a half-space the skin does not bulge, so that no height
+// above the skin is within reach, but the slopes at the rim of the contact need them.
+TEST(LayerJacobianOnEveryDriver, IndependentOfLoadDrivenNeighbours) {
+  constexpr int kNumInstances = 9;
+  const Sensor sensor = layerSensor({.base = ElasticLayer::Base::kHalfSpace}, {.num_rows = 3, .num_cols = 4, .samples_per_taxel = 2});
+  const std::vector<Object> objects{Object("ball", Sphere{6e-3}), Object("box", Box{{8e-3, 6e-3, 1e-2}})};
+  Random random(7);
+  std::vector<Touch> touches{{{0}, {{.position = {0, 0, 5.5e-3}}}}};
+  while (touches.size() < kNumInstances) touches.push_back(support::randomTouch(random, sensor, objects));
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+  Simulator pose_driven(model, {.num_instances = kNumInstances, .outputs = kAll});
+  Simulator mixed(model, {.num_instances = kNumInstances, .outputs = kAll});
+  mixed.setLoad(0, 0.5f);
+  bool has_jacobian = false;
+  for (int frame = 0; frame < 2; ++frame) {
+    for (Simulator* simulator : {&pose_driven, &mixed}) {
+      support::setTouches(*simulator, touches);
+      simulator->step(kDt);
+    }
+    const FrameView expected = pose_driven.read(), found = mixed.read();
+    EXPECT_EQ(found.ground_truth.load_reached[0], 1);
+    for (int i = 1; i < kNumInstances; ++i) {
+      EXPECT_EQ(support::bitsOf(found, i, kNumInstances), support::bitsOf(expected, i, kNumInstances))
+          << "instance " << i << ", frame " << frame;
+      has_jacobian = has_jacobian || expected.ground_truth.jacobian.contact_wrench[static_cast<std::size_t>(36 * i + 6 * 2 + 2)] != 0;
+    }
+    for (Touch& touch : touches) touch.X_SO[0] = support::nextPose(random, touch.X_SO[0], 2e-4);
+  }
+  EXPECT_TRUE(has_jacobian);
+}
+
 }  // namespace
 }  // namespace taxelsim

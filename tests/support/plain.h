@@ -22,4 +22,11 @@ class Plain {
   std::string before_;
 };
 
+// Whether the environment switches a fast path off for the whole run.
+inline bool isSwitchedOff(const std::string& path) {
+  const char* value = std::getenv("TAXELSIM_PLAIN");
+  const std::string names = value == nullptr ? "" : value;
+  return names == "all" || names.find(path) != std::string::npos;
+}
+
 }  // namespace taxelsim::support

@@ -14,10 +14,12 @@ import numpy as np
 
 from .._core import TASK_MEASURES, Device, Evaluation, Progress, Scene, Score, load_scene
 from ..errors import Error, InputError
+from ..policies.actions import COMMANDS
+from ..policies.failures import failed_episodes
 from ..policies.observations import OBSERVATIONS
-from ..policies.policy import Policy, as_policy
+from ..policies.policy import as_policy
 from ..policies.statistics import Comparison, compare
-from ..runs import evaluate
+from ..runs import Interrupted, evaluate
 
 # Display units of TASK_MEASURES: name, and how many are one SI unit.
 _UNITS = {"edge_angle": ("deg", 180 / np.pi), "total_force": ("N", 1.0), "center": ("mm", 1e3), "contour": ("mm", 1e3)}
@@ -30,7 +32,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--policy", required=True, metavar="FILE", help="ONNX file: observations in, actions in [-1, 1] out")
     add("--controller", action="append", default=[], metavar="NAME", help="controller of the scene to compare with; repeatable")
     add("--observations", type=_names, metavar="NAMES", help=f"out of {', '.join(OBSERVATIONS)}, separated by commas; default: contact")
-    add("--actions", type=_names, metavar="NAMES", help="components of the twist, as v_x,v_y,w_z; default: all six")
+    add("--action", choices=COMMANDS, help="what the policy commands, default twist")
+    add("--actions", type=_names, metavar="NAMES", help="components of the twist, as v_x,v_y,w_z, or names of joints; default: all")
     add("--history", type=int, metavar="N", help="latest frames that the policy sees, default 1")
     add("--normalized", action="store_const", const=True, help="divide observations by their scales")
     add("--image-unit", choices=("counts", "newtons"), help="unit of tactile_image, default counts")
@@ -39,7 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--condition", default="nominal", metavar="NAME", help="condition of the scene, default nominal")
     add("--batch-size", type=int, default=2048, metavar="N", help="instances at a time; does not change a verdict; default 2048")
     add("--device", default="", metavar="NAME", help='"cpu", "discrete", an index, or part of a name; default: the best')
-    add("--save-failures", type=Path, metavar="DIR", help="writes failed episodes of the policy as .npz files and pictures")
+    add("--save-failures", type=Path, metavar="DIR", help="writes failed episodes of the policy as a data set, for `taxelsim render`")
     add("--max-failures", type=int, default=64, metavar="N", help="episodes that --save-failures writes, default 64")
     add("--json", action="store_true", help="prints JSON instead of a table")
 
@@ -66,6 +69,7 @@ def _run(options: argparse.Namespace) -> int:
     policy = as_policy(
         options.policy,
         observations=options.observations,
+        action=options.action,
         actions=options.actions,
         history=options.history,
         normalized=options.normalized,
@@ -75,19 +79,24 @@ def _run(options: argparse.Namespace) -> int:
     unknown = [name for name in options.controller if name not in scene.controllers]
     if unknown:
         raise InputError(f"--controller {unknown[0]}: not in this scene; it has {', '.join(scene.controllers)}")
-    device = Device.open(options.device)
-    evaluations: list[Evaluation] = []
     interrupted = False
-    show = _show_progress if sys.stderr.isatty() else None
     try:
-        evaluations += evaluate(scene, policy=policy, device=device, batch_size=options.batch_size, on_progress=show)
-        for name in options.controller:
-            evaluations += evaluate(scene, [name], device=device, batch_size=options.batch_size, on_progress=show)
-        if options.save_failures:
-            _save_failures(options, scene, policy, evaluations[0], device)
-    except KeyboardInterrupt:
-        interrupted = True
+        evaluations = evaluate(
+            scene,
+            options.controller,
+            policy=policy,
+            save_failures=options.save_failures,
+            max_failures=options.max_failures,
+            device=Device.open(options.device),
+            batch_size=options.batch_size,
+            on_progress=_show_progress if sys.stderr.isatty() else None,
+        )
+    except Interrupted as interrupt:
+        interrupted, evaluations = True, interrupt.partial
         print(f"interrupted: {len(evaluations)} of {1 + len(options.controller)} policies and controllers are complete", file=sys.stderr)
+    if options.save_failures and not interrupted:
+        failed = len(failed_episodes(evaluations[0]))
+        print(f"wrote {min(failed, options.max_failures)} of {failed} failed episodes to {options.save_failures}", file=sys.stderr)
     comparisons = [_compared(evaluations[0], control) for control in evaluations[1:]]
     print(_json(scene, evaluations, comparisons) if options.json else _table(scene, evaluations, comparisons))
     return 130 if interrupted else 0
@@ -95,15 +104,6 @@ def _run(options: argparse.Namespace) -> int:
 
 def _show_progress(progress: Progress) -> None:
     print(f"\r{progress.episodes_done} of {progress.num_episodes} episodes ", end="", file=sys.stderr, flush=True)
-
-
-def _save_failures(options: argparse.Namespace, scene: Scene, policy: Policy, evaluation: Evaluation, device: Device) -> None:
-    from ..policies.failures import save_failures
-
-    verdicts = evaluation.verdicts
-    failed = verdicts["episode"][~verdicts["success"]]
-    files = save_failures(scene, policy, failed[: options.max_failures], options.save_failures, device)
-    print(f"wrote {len(files)} of {len(failed)} failed episodes to {options.save_failures}", file=sys.stderr)
 
 
 def _compared(evaluation: Evaluation, control: Evaluation) -> Comparison:

@@ -17,7 +17,7 @@ from .._core import TASK_MEASURES, Device, Scene
 from ..environment import Environment, Task, TaskState
 from ..errors import InputError
 from ..pictures import pictures, taxel_map
-from ..policies.actions import ACTIONS, TwistActions
+from ..policies.actions import ActionMap
 from ..policies.observations import Bounds, ObservationBuilder
 from .episodic import EpisodicVectorEnv, Mask
 from .rewards import Reward
@@ -31,8 +31,9 @@ class TactileVectorEnv(EpisodicVectorEnv):
 
     scene: file name, or a Scene. It must have a task.
     observations, image_unit, normalized, history, copy: see ObservationBuilder. A name gives an array, a sequence of names a dict.
-    actions: components of the twist of the sensor, out of ACTIONS. Action 1 is `linear_scale` m/s or `angular_scale` rad/s; default: the
-        limits of the scene's first controller.
+    action: "twist" of the sensor, or "joint_velocities" of a robot with joints.
+    actions: components that have an action, out of ACTIONS or the names of the joints; default: all. Action 1 is `linear_scale` m/s or
+        `angular_scale` rad/s; default: the limits of the scene's first controller, or the velocity limit of each joint.
     reward: see Reward.
     max_lost_time: s, >= 0.
     render_mode: None, or "rgb_array": render() returns a picture of every tactile image.
@@ -52,7 +53,8 @@ class TactileVectorEnv(EpisodicVectorEnv):
         normalized: bool = False,
         history: int = 1,
         copy: bool = True,
-        actions: str | Sequence[str] = ACTIONS,
+        action: str = "twist",
+        actions: str | Sequence[str] | None = None,
         linear_scale: float | None = None,
         angular_scale: float | None = None,
         reward: Reward | None = None,
@@ -73,10 +75,7 @@ class TactileVectorEnv(EpisodicVectorEnv):
         self.max_episode_steps = -(-(self._num_frames - 1) // self._period)  #: steps of an episode that is not terminated
         layout = self._environment.layout
         self._builder = ObservationBuilder(layout, observations, image_unit=image_unit, normalized=normalized, history=history, copy=copy)
-        limits = _core.servo_limits(self.scene)
-        self._actions = TwistActions(
-            actions, limits[0] if linear_scale is None else linear_scale, limits[1] if angular_scale is None else angular_scale
-        )
+        self._actions = ActionMap(self.scene, action, actions, linear_scale, angular_scale)
         self._reward = reward or Reward()
         self._tolerances = np.array([self._task.tolerances.get(name, np.nan) for name in TASK_MEASURES])
         self._max_lost_steps = round(max_lost_time / self.step_time)
@@ -107,7 +106,7 @@ class TactileVectorEnv(EpisodicVectorEnv):
     def _advance(self, actions: NDArray[Any], running: Mask) -> tuple[NDArray[np.float64], Mask, Mask]:
         num_left = self._num_frames - 1 - self._frame.frame_numbers
         ending = running & (num_left <= self._period)
-        forces = self._step(self._actions.twists(actions), ending)
+        forces = self._step(self._actions.commands(actions), ending)
         state = self._state
         contact = state.contact.astype(np.bool_)
         self._lost_steps = np.where(contact, 0, self._lost_steps + 1)
@@ -115,15 +114,16 @@ class TactileVectorEnv(EpisodicVectorEnv):
         self._success = self._judged(ending)
         return rewards, running & (self._lost_steps > self._max_lost_steps), ending
 
-    def _step(self, twists: NDArray[np.float64], ending: Mask) -> NDArray[np.float64]:
+    def _step(self, commands: NDArray[np.float64], ending: Mask) -> NDArray[np.float64]:
         """Advances by a control period, or to the last frame of the episodes that are `ending`. Returns total forces (num_envs), N."""
+        step = self._batch.step_joints if self._actions.by_joints else self._batch.step
         num_last = (self._num_frames - 1) % self._period or self._period  # frames of the last step of an episode
         if num_last == self._period or not ending.any():
-            self._batch.step(twists)
+            step(commands)
             self._frame, self._state = self._batch.observe(), self._batch.task_state()
             self._builder.update(self._frame)
             return self._forces()
-        self._batch.step(twists, num_last)
+        step(commands, num_last)
         self._frame = self._batch.observe()
         self._builder.update(self._frame, rows=ending)
         self._builder.detach()

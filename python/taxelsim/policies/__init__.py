@@ -1,6 +1,6 @@
 """Policies: any function of a batch of observations, and networks in ONNX files."""
 
-from .actions import ACTIONS
+from .actions import ACTIONS, COMMANDS
 from .batching import PaddedPolicy, independent_of_batch, rows_depend_on_batch
 from .observations import FEATURES, OBSERVATIONS, SCALES
 from .onnx import OnnxPolicy
@@ -9,6 +9,7 @@ from .statistics import Comparison, compare, wilson_interval
 
 __all__ = [
     "ACTIONS",
+    "COMMANDS",
     "FEATURES",
     "OBSERVATIONS",
     "SCALES",

@@ -1,4 +1,4 @@
-"""Actions in [-1, 1] to twists of the sensor."""
+"""Actions in [-1, 1] to what the robot follows: a twist of the sensor, or velocities of the joints."""
 
 from __future__ import annotations
 
@@ -8,24 +8,45 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _core
 from .._arguments import checked_names, checked_positive
+from .._core import Scene
+from ..errors import InputError
 
 ACTIONS = ("v_x", "v_y", "v_z", "w_x", "w_y", "w_z")
 """Components of the twist of sensor 0 in its own frame S: linear velocity of its origin (m/s), then angular velocity (rad/s)."""
 
+COMMANDS = ("twist", "joint_velocities")
+"""What a policy commands."""
 
-class TwistActions:
-    """Maps actions (N, len(names)) in [-1, 1] to twists (N, 6). Components without an action are 0.
 
-    linear_scale, angular_scale: the components at action 1, m/s and rad/s, > 0.
+class ActionMap:
+    """Maps actions (N, len(names)) in [-1, 1] to the commands of a scene's robot. Components without an action are 0.
+
+    action: "twist", or "joint_velocities" in a scene whose robot has joints.
+    names: components that have an action, out of ACTIONS or of the joints' names; default: all.
+    linear_scale, angular_scale: the components at action 1, m/s and rad/s, > 0. Default: the limits of the scene's first controller for a
+        twist, its velocity limit for each joint.
     """
 
-    def __init__(self, names: str | Sequence[str], linear_scale: float, angular_scale: float) -> None:
-        self.names = checked_names("actions", names, ACTIONS)
-        checked_positive("linear_scale", linear_scale)
-        checked_positive("angular_scale", angular_scale)
-        self._columns = np.array([ACTIONS.index(name) for name in self.names])
-        self._scales = np.where(self._columns < 3, float(linear_scale), float(angular_scale))
+    def __init__(
+        self,
+        scene: Scene,
+        action: str = "twist",
+        names: str | Sequence[str] | None = None,
+        linear_scale: float | None = None,
+        angular_scale: float | None = None,
+    ) -> None:
+        checked_names("action", action, COMMANDS)
+        for name, scale in (("linear_scale", linear_scale), ("angular_scale", angular_scale)):
+            if scale is not None:
+                checked_positive(name, scale)
+        self.by_joints = action == "joint_velocities"  #: Whether commands are joint velocities.
+        components = _joints(scene) if self.by_joints else _twist(scene)
+        self.names = tuple(components) if names is None else checked_names("actions", names, tuple(components))
+        self._num_components = len(components)
+        self._columns = np.array([list(components).index(name) for name in self.names])
+        self._scales = np.array([_scale(name, *components[name], linear_scale, angular_scale) for name in self.names])
 
     @property
     def scales(self) -> NDArray[np.float64]:
@@ -33,8 +54,34 @@ class TwistActions:
         scales: NDArray[np.float64] = self._scales.copy()
         return scales
 
-    def twists(self, actions: NDArray[Any]) -> NDArray[np.float64]:
-        """Twists (N, 6) in S, m/s and rad/s, of actions (N, len(names)) that are finite and in [-1, 1]."""
-        twists = np.zeros((len(actions), len(ACTIONS)))
-        twists[:, self._columns] = actions * self._scales
-        return twists
+    def commands(self, actions: NDArray[Any]) -> NDArray[np.float64]:
+        """Twists (N, 6) in S, or joint velocities (N, num_joints), m/s and rad/s. actions (N, len(names)): finite and in [-1, 1]."""
+        commands = np.zeros((len(actions), self._num_components))
+        commands[:, self._columns] = actions * self._scales
+        return commands
+
+
+# Components by name: whether it is an angular velocity, and its default scale.
+_Components = dict[str, tuple[bool, float]]
+
+
+def _twist(scene: Scene) -> _Components:
+    linear, angular = _core.servo_limits(scene)
+    return {name: (k >= 3, angular if k >= 3 else linear) for k, name in enumerate(ACTIONS)}
+
+
+def _joints(scene: Scene) -> _Components:
+    joints = _core.joints_of(scene)
+    if not joints:
+        raise InputError(f"{scene.file}: action: 'joint_velocities' found, but the robot of this scene has no joints; 'twist' allowed")
+    return {name: (is_revolute, max_velocity) for name, is_revolute, max_velocity in joints}
+
+
+def _scale(name: str, is_angular: bool, limit: float, linear_scale: float | None, angular_scale: float | None) -> float:
+    scale = angular_scale if is_angular else linear_scale
+    if scale is not None:
+        return float(scale)
+    if not np.isfinite(limit):
+        needed = "angular_scale" if is_angular else "linear_scale"
+        raise InputError(f"actions: joint {name!r} has no velocity limit, so {needed} is needed")
+    return limit

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..errors import InputError
 
 _TYPES = {"tensor(float)": np.float32, "tensor(double)": np.float64, "tensor(int32)": np.int32, "tensor(int64)": np.int64}
-_SETTINGS = ("observations", "actions", "image_unit", "normalized", "history", "linear_scale", "angular_scale")
+_SETTINGS = ("observations", "action", "actions", "image_unit", "normalized", "history", "linear_scale", "angular_scale")
 
 
 class OnnxPolicy:
@@ -24,8 +24,8 @@ class OnnxPolicy:
     their order. Several inputs take the observations of their names. Computes on the processor in one thread, deterministically.
 
     Settings of the policy can be stored in the file as metadata `taxelsim.observations` ("contact" or
-    "contact,proprioception"), `taxelsim.actions`, `taxelsim.image_unit`, `taxelsim.normalized` ("true"),
-    `taxelsim.history`, `taxelsim.linear_scale`, `taxelsim.angular_scale`.
+    "contact,proprioception"), `taxelsim.action`, `taxelsim.actions`, `taxelsim.image_unit`,
+    `taxelsim.normalized` ("true"), `taxelsim.history`, `taxelsim.linear_scale`, `taxelsim.angular_scale`.
     """
 
     def __init__(self, file: str | PathLike[str]) -> None:

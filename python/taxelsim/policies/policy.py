@@ -11,12 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core
 from .._arguments import checked_actions
 from .._core import Scene
 from ..environment import EnvironmentFrame, EnvironmentLayout, frame_of
 from ..errors import InputError
-from .actions import ACTIONS, TwistActions
+from .actions import ActionMap
 from .batching import independent_of_batch
 from .observations import ObservationBuilder
 from .onnx import OnnxPolicy
@@ -43,12 +42,14 @@ class Policy:
     image_unit: str = "counts"
     normalized: bool = False
     history: int = 1
-    actions: str | Sequence[str] = ACTIONS
-    """Components of the twist of the sensor."""
+    action: str = "twist"
+    """What the actions command: "twist" of the sensor, or "joint_velocities" of a robot with joints."""
+    actions: str | Sequence[str] | None = None
+    """Components that the policy commands, out of taxelsim.policies.ACTIONS or the names of the joints. Default: all."""
     linear_scale: float | None = None
-    """m/s at action 1. Default: the limit of the scene's first controller."""
+    """m/s at action 1. Default: the limit of the scene's first controller; for joint velocities that of each joint."""
     angular_scale: float | None = None
-    """rad/s at action 1. Default: the limit of the scene's first controller."""
+    """rad/s at action 1, with the same defaults."""
     check_batch: bool = True
     """Whether to check with the first observations that rows do not depend on the batch. False for a policy with memory."""
 
@@ -71,27 +72,35 @@ def as_policy(policy: PolicyLike, **changes: Any) -> Policy:
 
 
 class PolicyCalls:
-    """Answers the scheduler's requests for twists."""
+    """Answers the scheduler's requests for twists or joint velocities."""
 
     def __init__(self, policy: Policy, scene: Scene) -> None:
-        limits = _core.servo_limits(scene)
         self.policy = policy
         self._scene = scene
-        self._actions = TwistActions(
-            policy.actions,
-            limits[0] if policy.linear_scale is None else policy.linear_scale,
-            limits[1] if policy.angular_scale is None else policy.angular_scale,
-        )
+        self._actions = ActionMap(scene, policy.action, policy.actions, policy.linear_scale, policy.angular_scale)
         self._function = policy.function
         self._unchecked = policy.check_batch
         self._builders: dict[int, ObservationBuilder] = {}  # by first instance of a slice
 
     def __call__(self, arrays: Mapping[str, Any], instances: NDArray[np.int32], first_instance: int) -> NDArray[np.float64]:
-        """Twists (num_due, 6) of the `instances` (num_due) of a slice. arrays: see frame_of(); valid during the call only."""
-        return self.twists(frame_of(arrays, *arrays["X_WS"].shape[:2]), instances, first_instance)
+        """Twists (num_due, 6) or joint velocities (num_due, num_joints) of the `instances` (num_due) of a slice.
 
-    def twists(self, frame: EnvironmentFrame, instances: NDArray[np.int32], first_instance: int) -> NDArray[np.float64]:
-        """The same from a frame."""
+        arrays: see frame_of(); valid during the call only.
+        """
+        return self._commands(frame_of(arrays, *arrays["X_WS"].shape[:2]), instances, first_instance)
+
+    def checked_policy(self) -> Policy:
+        """The policy as it was called: with the outcome of the check of the batch, and with an identity."""
+        policy = self.policy
+        changes = {"function": self._function, "check_batch": self._unchecked, "identity": policy.identity or policy.name}
+        return Policy(**{**vars(policy), **changes})
+
+    @property
+    def by_joints(self) -> bool:
+        """Whether it answers with joint velocities."""
+        return self._actions.by_joints
+
+    def _commands(self, frame: EnvironmentFrame, instances: NDArray[np.int32], first_instance: int) -> NDArray[np.float64]:
         num_instances, num_sensors = frame.X_WS.shape[:2]
         if first_instance not in self._builders:
             layout = EnvironmentLayout(self._scene.sensor, num_sensors, frame.joint_positions.shape[1])
@@ -110,7 +119,7 @@ class PolicyCalls:
             return f"episode {frame.episodes[instance]} (instance {first_instance + instance})"
 
         actions = checked_actions(found, (len(instances), len(self._actions.names)), name_of)
-        return self._actions.twists(actions)
+        return self._actions.commands(actions)
 
     def _builder(self, layout: EnvironmentLayout) -> ObservationBuilder:
         policy = self.policy

@@ -12,12 +12,14 @@ from taxelsim.envs import TactileVectorEnv
 
 NUM_STEPS = 12  # of an episode of the scene below
 
+RECORD = "tactile_image, poses, actions"
+
 SCENE = """
 format_version: 1
 name: short
 kind: servo
 sensor: {sensor}
-objects:
+{robot}objects:
   - {{name: bar, cylinder: {{radius_mm: 4, length_mm: 100}}, orientation: {{rpy_deg: [90, 0, 0]}}, edge: [0, 0, 1]}}
 episode: {{num_steps: {num_frames}, simulation_rate: {rate}, control_rate: 100}}
 randomization:
@@ -38,16 +40,21 @@ task:
   total_force: {{tolerance: 1}}
   hold: 0.05
   travel_mm: {travel}
-record: [tactile_image, poses, actions]
+record: [{record}]
 data_set: {{episodes: 24, seed: 5}}
 """
 
 
-def write_scene(folder: Path, *, rate: int = 100, num_frames: int | None = None, travel: float = 0) -> Path:
+def write_scene(
+    folder: Path, *, rate: int = 100, num_frames: int | None = None, travel: float = 0, robot: str = "", record: str = RECORD
+) -> Path:
+    """robot: value of the key `robot`; default: a free-flying sensor."""
     file = folder / "short.yaml"
     sensor = taxelsim.SCENES / "sensors/wts0614.yaml"
     num_frames = num_frames or NUM_STEPS * rate // 100 + 1
-    text = SCENE.format(sensor=sensor.resolve(), num_frames=num_frames, rate=rate, travel=travel)
+    text = SCENE.format(
+        sensor=sensor.resolve(), num_frames=num_frames, rate=rate, travel=travel, robot=robot and f"robot: {robot}\n", record=record
+    )
     file.write_text(text if travel else text.replace("  travel_mm: 0\n", ""))
     return file
 
@@ -55,6 +62,14 @@ def write_scene(folder: Path, *, rate: int = 100, num_frames: int | None = None,
 @pytest.fixture(scope="session")
 def scene(tmp_path_factory: pytest.TempPathFactory) -> taxelsim.Scene:
     return taxelsim.load_scene(write_scene(tmp_path_factory.mktemp("scene")))
+
+
+PAN_TILT = "{pan_tilt: {position_step_deg: 0}}"  # joints pan and tilt, without quantisation
+
+
+@pytest.fixture(scope="session")
+def pan_tilt_scene(tmp_path_factory: pytest.TempPathFactory) -> taxelsim.Scene:
+    return taxelsim.load_scene(write_scene(tmp_path_factory.mktemp("pan_tilt"), robot=PAN_TILT))
 
 
 @pytest.fixture

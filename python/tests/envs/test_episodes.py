@@ -32,6 +32,22 @@ def test_trajectories_do_not_depend_on_num_envs(make):
     assert len(set(many[-1])) == 256
 
 
+def test_trajectories_of_4096_environments_are_those_of_small_batches(device, scene, make):
+    some, most, envs = roll(make(7), NUM_STEPS + 2), [], make(4096)
+    most = roll(envs, NUM_STEPS + 2)  # the episodes are replaced after NUM_STEPS
+    assert [row[:7] for row in most] == some
+    assert len(set(most[-1])) == 4096
+    # Environments of high index: a small batch runs their episodes by number.
+    chosen = np.array([255, 2048, 4095])
+    few = taxelsim.Environment(device, scene, len(chosen))
+    few.reset(np.ones(len(chosen), bool), taxelsim.episode_keys(11, chosen, 1))
+    for step in range(NUM_STEPS, NUM_STEPS + 2):
+        few.step(actions_of(step, 4096)[chosen] * np.repeat([0.04, 1.0], 3))
+    expected = few.observe()
+    for name in ("tactile_image", "total_force", "center_of_pressure", "X_SO", "X_WS"):
+        assert envs._frame[name][chosen].tobytes() == expected[name].tobytes(), name
+
+
 def test_seed_determines_the_episodes(make):
     env = make(3)
     first, second = roll(env, 3), roll(env, 3)

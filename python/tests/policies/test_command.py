@@ -28,7 +28,7 @@ def test_prints_rates_and_a_paired_comparison(device, tmp_path, capsys):
     assert lines[4].startswith("servo ")
     assert lines[-1].startswith("net - servo: ")
     assert f"of {12 - int(json_of([str(scene), '--policy', str(file), '--episodes', '12'], capsys)['successes'])} failed" in output.err
-    assert len(list(failures.glob("*.npz"))) == 2
+    assert len(taxelsim.Dataset(failures)["meta/episode"]) == 2
 
 
 def json_of(arguments: list[str], capsys) -> dict:
@@ -56,10 +56,8 @@ def test_bad_input_gives_one_line(device, tmp_path, capsys, arguments, message):
 def test_ctrl_c_keeps_what_is_complete(device, tmp_path, capsys, monkeypatch):
     file = write_mlp(tmp_path / "net.onnx")
 
-    def interrupted(scene, controllers=(), **arguments):
-        if controllers:
-            raise KeyboardInterrupt
-        return taxelsim.evaluate(scene, controllers, **arguments)
+    def interrupted(scene, controllers, **arguments):
+        raise taxelsim.Interrupted(taxelsim.evaluate(scene, **arguments))
 
     monkeypatch.setattr("taxelsim.commands.evaluate.evaluate", interrupted)
     assert main([str(write_scene(tmp_path)), "--policy", str(file), "--controller", "servo"]) == 130

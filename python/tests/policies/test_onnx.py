@@ -49,7 +49,7 @@ def test_settings_are_read_from_the_file_and_arguments_replace_them(tmp_path):
         ({"history": "0"}, "metadata taxelsim.history: '0' found, an integer of at least 1"),
         ({"normalized": "yes"}, "true and false allowed"),
         ({"linear_scale": "fast"}, "a number allowed"),
-        ({"action": "v_x"}, "keys allowed: taxelsim.observations"),
+        ({"motion": "v_x"}, "keys allowed: taxelsim.observations"),
     ],
 )
 def test_refuses_bad_settings(tmp_path, settings, message):
