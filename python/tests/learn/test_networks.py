@@ -41,6 +41,20 @@ def test_a_blind_network_sees_only_its_own_motion(observation):
     assert not torch.equal(blind(joined(tensors(observation))), seen)
 
 
+def test_a_gain_of_all_taxels_cancels_in_image_and_forces(observation):
+    from learn.network import Inputs, joined
+
+    inputs = Inputs(SIZES)
+    observation["start_contact"][..., 5] = -2.0
+    observation["features"][..., :2] = 0.3
+    observation["tactile_image"] = np.abs(observation["tactile_image"]) * 0.01
+    before = inputs(joined(tensors(observation)))
+    for values in (observation["tactile_image"], observation["features"][..., :2], observation["start_contact"][..., 5]):
+        values *= 1.3
+    changed = (inputs(joined(tensors(observation))) - before).abs() > 1e-5
+    assert changed.any(0).sum() == 1  # the start force itself
+
+
 def test_an_onnx_file_acts_as_its_network(observation, tmp_path):
     from learn.network import Inputs, as_policy, new_actor, write_onnx
     from learn.recipe import policy_settings, recipe_of
