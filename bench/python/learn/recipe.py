@@ -11,7 +11,7 @@ OBSERVATIONS = ("features", "tactile_image", "start_contact", "proprioception")
 TACTILE = ("features", "tactile_image", "start_contact")  # what a blind policy does not see
 HISTORY = 4  # frames, 10 ms apart
 
-EVALUATION_SEED, VALIDATION_SEED, TRAINING_SEED, DEMONSTRATION_SEED = 1, 101, 102, 103
+EVALUATION_SEED, VALIDATION_SEED, TRAINING_SEED, DEMONSTRATION_SEED = 2, 101, 102, 103
 CONDITIONS = ("nominal", "randomized", "unseen")
 TRAINING_CONDITION = "randomized"
 NUM_THREADS = 1  # of torch: results do not depend on the number of cores
