@@ -119,11 +119,33 @@ TEST(Corruption, ReportsTheStateOfTheView) {
   DatasetWriter(directory / "d", exampleManifest()).finish();
   EXPECT_EQ(filesIn(directory / "d"), files) << "written again";
 
-  Manifest other = exampleManifest();
-  other.seed = 4;
-  writeExample(directory / "o", other);
-  for (const char* name : {"dataset.h5", "dataset.h5.sha256"}) overwrite(directory / "d" / name, filesIn(directory / "o")[name]);
-  EXPECT_NE(checkView(directory / "d").problem.find("seed is 4"), std::string::npos) << "the view of another data set";
+  const auto expectForeign = [&](const std::string& part, auto change) {
+    Manifest other = exampleManifest();
+    change(other);
+    const TemporaryDirectory elsewhere;
+    writeExample(elsewhere / "d", other);
+    for (const char* name : {"dataset.h5", "dataset.h5.sha256"}) overwrite(directory / "d" / name, filesIn(elsewhere / "d")[name]);
+    EXPECT_NE(checkView(directory / "d").problem.find(part), std::string::npos) << checkView(directory / "d").problem;
+  };
+  expectForeign("seed is 4", [](Manifest& m) { m.seed = 4; });
+  expectForeign("policy", [](Manifest& m) { m.policy = "another"; });
+}
+
+TEST(Corruption, DetectsShardsWithOtherEpisodeLengthsThanTheView) {
+  const TemporaryDirectory directory;
+  writeExample(directory / "d", exampleManifest());
+  DatasetWriter writer(directory / "o", exampleManifest());
+  for (std::uint64_t shard = 0; shard < 3; ++shard) {
+    ShardData data = exampleShard(exampleManifest(), shard);
+    ASSERT_NE(data.episode_lengths[0], data.episode_lengths[1]);
+    std::swap(data.episode_lengths[0], data.episode_lengths[1]);
+    writer.writeShard(shard, data);
+  }
+  writer.finish();
+  for (const char* name : {"shard-000001.h5", "shard-000001.h5.sha256"}) overwrite(directory / "d" / name, filesIn(directory / "o")[name]);
+  const DatasetReader reader(directory / "d");
+  expectError(ErrorKind::kInput, "shard-000001.h5: its episodes have other lengths than in dataset.h5",
+              [&] { reader.readAsDouble("data/total_force", 0, reader.numFrames()); });
 }
 
 TEST(Corruption, DetectsAFlippedBitInAColumn) {

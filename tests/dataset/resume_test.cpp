@@ -61,6 +61,7 @@ TEST(Resume, RejectsManifestsThatGiveOtherBytes) {
   expectRejected("recorded columns", [](Manifest& m) { m.columns.pop_back(); });
   expectRejected("another column", [](Manifest& m) { m.columns[1].name = "data/peak_force"; });
   expectRejected("total_force", [](Manifest& m) { m.columns[1].type = ScalarType::kFloat64; });
+  expectRejected("another column " + exampleManifest().columns[9].name, [](Manifest& m) { ++m.columns[9].text_length; });
   expectRejected("not shrink", [](Manifest& m) { m.num_episodes = 8; });
   expectRejected("would change", [](Manifest& m) { m.num_episodes = 12; });
   EXPECT_EQ(filesIn(directory / "d"), before);

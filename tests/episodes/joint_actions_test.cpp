@@ -115,6 +115,22 @@ TEST(JointActions, MoveTheJoints) {
   }
 }
 
+TEST(JointActions, EndWithTheNextTwist) {
+  Scene scene = exampleScene();
+  PanTilt platform;
+  platform.drive = {};
+  scene.robot = panTilt(platform);
+  scene.control_rate = scene.simulation_rate;
+  Environment environment(Device::open(), scene, {.num_instances = 1});
+  environment.reset(std::vector<std::uint8_t>{1}, std::vector<std::uint64_t>{0});
+  environment.actJoints(std::vector<double>{0.1, -0.2});
+  environment.step();
+  environment.act(std::vector<Twist>{Twist{}});
+  environment.step();
+  EXPECT_EQ(environment.observe().joint_velocities[0], 0);
+  EXPECT_EQ(environment.observe().joint_velocities[1], 0);
+}
+
 // Revolute joints have the scene's angular action noise, drawn for (episode, frame, joint).
 TEST(JointActions, HaveActionNoise) {
   Scene scene = exampleScene();

@@ -65,6 +65,21 @@ TEST(GeneratePolicy, ActsInsteadOfTheControllers) {
   }
 }
 
+// The rows of contact features that a policy observes are those that the data set records.
+TEST(GeneratePolicy, RefusesAnotherNumberOfRegionsThanTheScene) {
+  const TestDirectory directory;
+  Policy policy = policyWithId("abc");
+  policy.outputs.contact_features = true;
+  policy.max_regions = 1;
+  try {
+    generate(Device::open(), exampleScene(), directory.path() / "d", options(policy, 4, 1));
+    FAIL() << "no refusal";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("policy press: max_regions: 1 found, the scene records contact features with 2"));
+  }
+  EXPECT_FALSE(std::filesystem::exists(directory.path() / "d/shard-000000.h5"));
+}
+
 // Every row of the columns in `part` must be that of the same episode in `whole`.
 void expectRowsOf(const DatasetReader& whole, const DatasetReader& part, const std::vector<std::uint64_t>& episodes) {
   const std::uint64_t num_frames = whole.numFrames() / whole.numEpisodes();

@@ -23,7 +23,7 @@ constexpr double kBisected = 1e-12;  // m: bisection to the last bit of offsets 
 
 double forceAt(const Sensor& sensor, const std::vector<PlacedObject>& objects, double offset) {
   const auto d = reference::penetrations(reference::surfaceHeights(sensor, reference::movedAlongZ(objects, offset)), sensor.skin.thickness);
-  return reference::computeContact(sensor, d, {}, 0).total_force;
+  return reference::forceAlongLoad(sensor, reference::computeContact(sensor, d, {}, 0));
 }
 
 TEST(Load, FlatPunchMatchesClosedForm) {
@@ -78,7 +78,7 @@ TEST(Load, LoadInsideAForceJumpIsNotReached) {
   sensor.patches[0].X_SP.rotation = axisAngle({0, 1, 0}, tilt);
   const Object box(Box{{4e-3, 4e-3, 10e-3}});
   const PlacedObject placed{&box, sensor.patches[0].X_SP * Pose{{-2e-3 - edge, 0, 5e-3 + gap}}};
-  const auto loadAtDepth = [&](double depth) { return 1.73e8 * depth * 3.4e-3 * 3.4e-3; };
+  const auto loadAtDepth = [&](double depth) { return std::cos(tilt) * 1.73e8 * depth * 3.4e-3 * 3.4e-3; };
   const LoadResult inside = findLoad(sensor, {&placed, 1}, loadAtDepth(0.9 * depth_at_jump));
   EXPECT_FALSE(inside.reached);
   EXPECT_NEAR(inside.offset, -edge / std::sin(tilt), kBisected);
