@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
+#include <bit>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -51,8 +51,8 @@ bool areEqual(const Shape& a, const Shape& b) {
     } else if constexpr (std::is_empty_v<Kind>) {
       return true;
     } else {
-      static_assert(sizeof(Kind) % sizeof(double) == 0 && std::is_trivially_copyable_v<Kind>);  // numbers alone
-      return std::memcmp(&shape, &other, sizeof(Kind)) == 0;
+      using Numbers = std::array<double, sizeof(Kind) / sizeof(double)>;
+      return std::bit_cast<Numbers>(shape) == std::bit_cast<Numbers>(other);
     }
   };
   return std::visit(equals_b, a);
