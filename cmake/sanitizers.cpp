@@ -44,8 +44,7 @@ extern "C" const char* __tsan_default_suppressions() {
          "called_from_lib:libvk_swiftshader.so\n"
          "called_from_lib:libLLVM-15.so.1\n"
          "called_from_lib:libVkLayer_khronos_validation.so\n"
-         "mutex:__register_frame_info_bases\n"
-         "mutex:__deregister_frame_info_bases\n";
+         "mutex:libgcc_s.so.1\n";
 }
 
 #endif
