@@ -175,8 +175,8 @@ struct Friction {
 /// One term of the skin's viscoelastic relaxation: a Maxwell element in parallel with the elastic spring (standard linear solid; Prony
 /// series).
 ///
-/// At constant depth the pressure falls: k(t) = k(0) [1 - sum fraction (1 - e^(-t / time))]. Under a load the depth grows while the forces
-/// sum to the load. Other histories follow by Boltzmann superposition, with d^normal_exponent as strain; for ElasticLayer with the
+/// At constant depth the pressure falls: k(t) = k(0) [1 - sum fraction (1 - e^(-t / time))]. Under a load the depth grows while the force
+/// stays the load. Other histories follow by Boltzmann superposition, with d^normal_exponent as strain; for ElasticLayer with the
 /// displacements of the whole surface, with the same k(t) for all moduli. Skin that an object leaves recovers with a free surface, and a
 /// new contact meets the remaining dent. Different from the readout's creep, which acts on counts at constant force.
 struct RelaxationTerm {

@@ -187,8 +187,8 @@ TEST(LoadOnEveryDriver, SphereInClosedForm) {
   EXPECT_NEAR(frame.ground_truth.total_force[0], load, kCarried * load);
 }
 
-// A weight presses with its weight along its own direction, whatever the normals of the skin. Their plain sum, the trivial reading of the
-// load, is up to 40 % larger on this fingertip.
+// A weight presses with its weight along its own direction, whatever the normals of the skin. total_force, the trivial reading of the
+// load, must differ: else this test would not distinguish the two.
 TEST(LoadOnEveryDriver, CurvedSkinCarriesTheLoadAlongItsDirection) {
   const Sensor sensor = support::sphereFingertip(8e-3, 2, 1.3);
   const std::vector<Object> objects{Object(HalfSpace{}), Object(Sphere{15e-3}), Object(Cylinder{5e-3, 40e-3})};
