@@ -24,6 +24,9 @@ from report import ROOT, lowest_height, machine, ratio, summary, write_json
 
 import taxelsim
 
+sys.path.insert(0, str(ROOT / "scripts"))
+from make_objects import icosphere
+
 SENSOR = ROOT / "bench/sensors/wts0614.yaml"
 RADIUS, LENGTH = 0.008, 0.04  # m, of the cylinder
 SPHERE_RADIUS, SUBDIVISIONS = 0.01, 4  # m; 5,120 triangles
@@ -44,33 +47,9 @@ REFERENCES = {1: "taxelsim_1", 4: "taxelsim"}
 
 def sphere_text() -> str:
     """OBJ text of a sphere from a subdivided icosahedron."""
-    golden = (1 + np.sqrt(5)) / 2
-    corners = [(-1, golden, 0), (1, golden, 0), (-1, -golden, 0), (1, -golden, 0)]
-    vertices: list[Any] = [np.roll(corner, shift) / np.hypot(1, golden) for shift in range(3) for corner in corners]
-    edge = 2 / np.hypot(1, golden)
-    near = np.linalg.norm(np.array(vertices)[:, np.newaxis] - np.array(vertices), axis=2) < 1.1 * edge
-    triangles = [
-        (a, b, c) for a in range(12) for b in range(a + 1, 12) for c in range(b + 1, 12) if near[a, b] and near[b, c] and near[a, c]
-    ]
-    for _ in range(SUBDIVISIONS):
-        middles: dict[tuple[int, int], int] = {}
-
-        def middle(a: int, b: int, middles: dict[tuple[int, int], int] = middles) -> int:
-            key = (min(a, b), max(a, b))
-            if key not in middles:
-                point = vertices[a] + vertices[b]
-                vertices.append(point / np.linalg.norm(point))
-                middles[key] = len(vertices) - 1
-            return middles[key]
-
-        finer = []
-        for a, b, c in triangles:
-            ab, bc, ca = middle(a, b), middle(b, c), middle(c, a)
-            finer += [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
-        triangles = finer
+    vertices, triangles = icosphere(SUBDIVISIONS)
     points = SPHERE_RADIUS * np.array(vertices)
-    faces = [(a, b, c) if np.linalg.det(points[[a, b, c]]) > 0 else (a, c, b) for a, b, c in triangles]
-    return "".join([*(f"v {x:.9g} {y:.9g} {z:.9g}\n" for x, y, z in points), *(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in faces)])
+    return "".join([*(f"v {x:.9g} {y:.9g} {z:.9g}\n" for x, y, z in points), *(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in triangles)])
 
 
 def product(p: NDArray[np.float64], q: NDArray[np.float64]) -> NDArray[np.float64]:
