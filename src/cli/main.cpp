@@ -60,6 +60,7 @@ int run(int argc, char** argv) {
   addCharacterize(app, action);
   addCompare(app, action);
   addCalibrateReadings(app, action);
+  addStiffness(app, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
