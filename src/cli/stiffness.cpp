@@ -118,7 +118,7 @@ Assumptions assumptionsOf(const Arguments& a) {
     return {fmt::format("springs with the force of the layer under a flat pin of {} mm diameter", numberText(1e3 * *a.match_pin_diameter)),
             modulus};
   }
-  return {"confined modulus / thickness: " + wide, modulus};
+  return {"confined modulus / thickness: " + wide + "; --match-pin-diameter for narrower ones", modulus};
 }
 
 struct PinPrediction {
@@ -158,7 +158,8 @@ std::string depthText(double depth, double thickness) {
 }
 
 std::string predictionTable(const Predictions& predictions, double thickness) {
-  std::vector<std::vector<std::string>> rows{{"prediction", "springs", "elastic_layer", "springs with the layer's force"}};
+  std::vector<std::vector<std::string>> rows{
+      {"prediction, linear elasticity", "springs", "elastic_layer", "springs with the layer's force"}};
   for (const PinPrediction& pin : predictions.pins) {
     rows.push_back(
         {fmt::format("force of a flat pin of {} mm diameter, {} mm deep", numberText(1e3 * pin.diameter), numberText(1e3 * pin.depth)),
@@ -191,9 +192,9 @@ std::string skinBlock(const Skin& skin) {
 }
 
 std::string commented(const std::string& text) {
-  std::string result = "# ";
+  std::string result;
   for (const char c : text) {
-    if (result.back() == '\n') result += "# ";
+    if (result.empty() || result.back() == '\n') result += c == '\n' ? "#" : "# ";
     result += c;
   }
   return result;
