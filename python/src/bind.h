@@ -13,6 +13,7 @@ void bindPose(nb::module_& module);
 void bindDevice(nb::module_& module);
 void bindObjects(nb::module_& module);
 void bindSensor(nb::module_& module);
+void bindStiffness(nb::module_& module);
 void bindModel(nb::module_& module);
 void bindSimulator(nb::module_& module);
 void bindScene(nb::module_& module);

@@ -10,6 +10,7 @@ NB_MODULE(_core, module) {
   bindDevice(module);
   bindObjects(module);
   bindSensor(module);
+  bindStiffness(module);
   bindModel(module);
   bindSimulator(module);
   bindScene(module);
