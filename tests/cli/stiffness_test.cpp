@@ -119,6 +119,15 @@ TEST(StiffnessCommand, TakesEverySource) {
                    layerPinStiffness({1e6}, 0.002, 0.002) / (3.141592653589793 * 1e-6));
 }
 
+// Pins go 1 mm deep, or to the base.
+TEST(StiffnessCommand, PinsInAThinSkin) {
+  const Outcome outcome = runStiffness({"--youngs-modulus", "1e6", "--thickness", "0.0005", "--json"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const nlohmann::json pin = nlohmann::json::parse(outcome.out)["pins"][1];
+  EXPECT_EQ(pin["pin_depth"], 0.0005);
+  EXPECT_NEAR(pin["elastic_layer_pin_force"].get<double>(), layerPinStiffness({1e6}, 0.0005, 0.002) * 0.0005, 1e-9);
+}
+
 // Deeper than the skin is thick is no depth.
 TEST(StiffnessCommand, LoadOutOfReach) {
   const Outcome outcome = runAtTwoMillimetres({"--youngs-modulus", "100"});

@@ -151,10 +151,10 @@ TEST(Stiffness, AreaAndTaxelAndConfinedLayer) {
   EXPECT_EQ(area.area_stiffness, 1.73e8);
   EXPECT_NEAR(confinedModulus(area.material) / 0.002, 1.73e8, 1e-3);
   EXPECT_NEAR(area.tangential_stiffness, area.material.elastic_modulus / 2.8 / 0.002, 1e-3);
-  // 2 N/mm over a taxel of 3.4 mm is 1.73e8 N/m^3.
+  // 2 N/mm over a taxel of 3.4 mm is 1.73e8 N/m^3; half as wide, twice as much.
   const SkinStiffness taxel =
-      skinStiffness({.thickness = 0.002, .poisson_ratio = 0.4, .stiffness = TaxelStiffness{2000, {0.0034, 0.0034}}});
-  EXPECT_NEAR(taxel.area_stiffness, 1.73e8, 1e5);
+      skinStiffness({.thickness = 0.002, .poisson_ratio = 0.4, .stiffness = TaxelStiffness{2000, {0.0034, 0.0017}}});
+  EXPECT_NEAR(taxel.area_stiffness, 2 * 1.73e8, 1e5);
   const SkinStiffness back =
       skinStiffness({.thickness = 0.002, .poisson_ratio = 0.4, .stiffness = KnownModulus{area.material.elastic_modulus}});
   EXPECT_NEAR(back.area_stiffness, 1.73e8, 1e-3);
@@ -169,6 +169,7 @@ TEST(Stiffness, EveryLawHasTheStiffness) {
     EXPECT_EQ(skins[n].law.index(), n);
     EXPECT_EQ(skins[n].thickness, 0.002);
     const bool is_layer = std::holds_alternative<ElasticLayer>(skins[n].law);
+    EXPECT_EQ(skins[n].margin, is_layer ? 0.004 : 0) << n;
     if (!is_layer) {
       EXPECT_EQ(foundationOf(skins[n]).normal_contact_stiffness, stiffness.area_stiffness) << n;
     }
