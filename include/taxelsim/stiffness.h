@@ -22,7 +22,6 @@ namespace taxelsim {
 inline constexpr double kMinShoreA = 20;             ///< Smallest Shore A hardness of shoreAModulus().
 inline constexpr double kMaxShoreA = 90;             ///< Largest Shore A hardness of shoreAModulus().
 inline constexpr double kMinLayerThickness = 1e-4;   ///< m, smallest SkinData::thickness.
-inline constexpr double kMaxLayerThickness = 0.1;    ///< m, largest SkinData::thickness.
 inline constexpr double kMaxPinDiameterRatio = 128;  ///< Largest diameter of a pin, in thicknesses of the layer.
 /// @}
 

@@ -17,6 +17,7 @@
 #include "base/text.h"
 #include "cli/commands.h"
 #include "figures/text.h"
+#include "scene/sensor_file.h"
 #include "sensor/fields.h"
 #include "taxelsim/error.h"
 #include "taxelsim/stiffness.h"
@@ -182,15 +183,6 @@ std::string lawComment(const SkinStiffness& stiffness, std::string_view law) {
   return springs;
 }
 
-// The block "skin:" of a sensor file.
-std::string skinBlock(const Skin& skin) {
-  Sensor sensor;
-  sensor.skin = skin;
-  const std::string text = sensorText(sensor);
-  const std::size_t begin = text.find("\nskin:\n") + 1, end = text.find("\npsf:\n") + 1;
-  return text.substr(begin, end - begin);
-}
-
 std::string commented(const std::string& text) {
   std::string result;
   for (const char c : text) {
@@ -225,7 +217,7 @@ void printText(const Arguments& arguments, const SkinStiffness& stiffness, const
   for (const Skin& skin : skinsOf(rounded, arguments.friction_coefficient)) {
     const std::string_view law = kLawNames[skin.law.index()];
     if (!arguments.law.empty() && law != arguments.law) continue;
-    fmt::print("---\n# {}\n{}", lawComment(stiffness, law), skinBlock(skin));
+    fmt::print("---\n# {}\n{}", lawComment(stiffness, law), skinText(skin));
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 
 #include "scene/yaml_reader.h"
 #include "taxelsim/sensor.h"
@@ -36,5 +37,8 @@ inline constexpr const char* kSensorBlock = "a sensor file, or a sensor's own se
 
 // The sensor of a scene: a file, relative to `directory`, or settings in place. Writes the block `sensor` of the canonical text.
 Sensor readSensorBlock(const YamlNode& node, const std::filesystem::path& directory, Canonical& canonical);
+
+// The block `skin` of a sensor file, with every setting of the law.
+std::string skinText(const Skin& skin);
 
 }  // namespace taxelsim

@@ -168,6 +168,13 @@ void writeReadout(const Readout& readout, Writer& out) {
 
 }  // namespace
 
+std::string skinText(const Skin& skin) {
+  const std::map<std::string, std::string> no_notes;
+  Writer out(no_notes);
+  out.block("skin", [&] { writeSkin(skin, out); });
+  return out.text();
+}
+
 std::string sensorText(const Sensor& sensor, const std::map<std::string, std::string>& notes) {
   Writer out(notes);
   out.line("format_version", static_cast<int>(kFormatVersion));

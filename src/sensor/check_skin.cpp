@@ -76,9 +76,9 @@ void checkLayer(const Sensor& sensor) {
   const std::array<double, 2>& pitch = sensor.patches.front().pitch;
   const double smallest = std::min(pitch[0], pitch[1]) / sensor.samples_per_taxel;
   const double largest = std::max(pitch[0], pitch[1]) / sensor.samples_per_taxel;
-  constexpr double kThickest = 0.1;  // m: heights are counted from the base, in float32
-  if (sensor.skin.thickness > kThickest)
-    failField("skin.thickness", numberText(sensor.skin.thickness), "at most 0.1 m with the law elastic_layer");
+  if (sensor.skin.thickness > kMaxLayerThickness)
+    failField("skin.thickness", numberText(sensor.skin.thickness),
+              "at most " + numberText(kMaxLayerThickness) + " m with the law elastic_layer");
   constexpr double kMaxSpacing = 8;  // thicknesses; wider cells do not resolve the effect of the base
   if (law->base == ElasticLayer::Base::kBonded && largest > kMaxSpacing * sensor.skin.thickness) {
     failField("skin.thickness", numberText(sensor.skin.thickness),

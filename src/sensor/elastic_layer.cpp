@@ -5,14 +5,12 @@
 #include <cstddef>
 #include <numbers>
 
+#include "sensor/gauss_rule.h"
+
 namespace taxelsim {
 namespace {
 
-// Points and weights of Gauss's rules on [-1, 1], positive half.
-constexpr std::array<std::array<double, 2>, 4> kGauss8{{{0.1834346424956498, 0.3626837833783620},
-                                                        {0.5255324099163290, 0.3137066458778873},
-                                                        {0.7966664774136267, 0.2223810344533745},
-                                                        {0.9602898564975363, 0.1012285362903763}}};
+// Points and weights of Gauss's rule on [-1, 1].
 constexpr std::array<std::array<double, 2>, 3> kGauss3{{{-0.7745966692414834, 5.0 / 9}, {0, 8.0 / 9}, {0.7745966692414834, 5.0 / 9}}};
 
 // sinh(y) - y without cancellation.
@@ -44,20 +42,12 @@ class BaseCorrection {
   static constexpr double kFar = 25;
 
   explicit BaseCorrection(double poisson_ratio) {
-    // 1 - L is below 1e-14 at the upper end; over a panel x s turns by at most half a circle.
-    constexpr double kEnd = 24, kPanel = 0.125;
-    std::vector<std::array<double, 2>> points;  // x, weight (L(x) - 1)
-    for (double middle = kPanel / 2; middle < kEnd; middle += kPanel) {
-      for (const auto& [point, weight] : kGauss8) {
-        for (const double sign : {-1.0, 1.0}) {
-          const double x = middle + sign * point * kPanel / 2;
-          points.push_back({x, weight * kPanel / 2 * (layerKernel(x, poisson_ratio) - 1)});
-        }
-      }
-    }
+    constexpr int kPanelsPerUnit = 8;  // over a panel x s turns by at most half a circle
+    QuadratureRule rule = gaussRule(kLayerKernelEnd, static_cast<int>(kLayerKernelEnd) * kPanelsPerUnit);
+    for (std::size_t q = 0; q < rule.points.size(); ++q) rule.weights[q] *= layerKernel(rule.points[q], poisson_ratio) - 1;
     for (int k = 0; k < static_cast<int>(kFar * kPerUnit) + kTaps; ++k) {
       double sum = 0;
-      for (const auto& [x, weight] : points) sum += weight * ::j0(x * k / kPerUnit);
+      for (std::size_t q = 0; q < rule.points.size(); ++q) sum += rule.weights[q] * ::j0(rule.points[q] * k / kPerUnit);
       table_.push_back(sum);
     }
   }
@@ -116,6 +106,10 @@ LayerNodes layerNodes(const Sensor& sensor) {
   return nodes;
 }
 
+double planeModulus(double elastic_modulus, double poisson_ratio) {
+  return elastic_modulus / (1 - poisson_ratio * poisson_ratio);
+}
+
 double layerKernel(double x, double poisson_ratio) {
   const double c = 3 - 4 * poisson_ratio;
   // Divided by exp(2 x) where that would overflow.
@@ -128,7 +122,7 @@ double layerKernel(double x, double poisson_ratio) {
 
 std::vector<double> layerInfluence(const ElasticLayer& layer, double thickness, const std::array<double, 2>& spacing, int num_rows,
                                    int num_cols) {
-  const double plane_modulus = layer.elastic_modulus / (1 - layer.poisson_ratio * layer.poisson_ratio);  // E* of a rigid indenter
+  const double plane_modulus = planeModulus(layer.elastic_modulus, layer.poisson_ratio);
   const bool bonded = layer.base == ElasticLayer::Base::kBonded;
   const BaseCorrection gamma(layer.poisson_ratio);
   std::vector<double> influence;

@@ -24,9 +24,13 @@ struct LayerNodes {
 // Of the sensor's first patch.
 LayerNodes layerNodes(const Sensor& sensor);
 
+// Modulus E* = E / (1 - nu^2) of a half-space under a rigid indenter.
+double planeModulus(double elastic_modulus, double poisson_ratio);
+
 // Ratio L of a bonded layer's compliance to a half-space's at k h = x >= 0, k the wave number and h the thickness: w^(k) = 2 / (E* k) L(k
 // h) p^(k). Frictionless top, bonded base; from the plane-strain solution of the layer for a surface load cos(k x).
 double layerKernel(double x, double poisson_ratio);
+inline constexpr double kLayerKernelEnd = 24;  // 1 - L is below 1e-14 beyond
 
 // Displacement (m) of the node u rows and v columns away from a cell under 1 Pa, (num_rows x num_cols); even in u and v. A bonded layer of
 // `thickness` (m).

@@ -1,5 +1,6 @@
 #include <variant>
 
+#include "sensor/elastic_layer.h"
 #include "taxelsim/sensor.h"
 
 namespace taxelsim {
@@ -14,7 +15,7 @@ struct Foundation {
   Winkler operator()(const DeformationMask& law) const { return {.normal_contact_stiffness = law.normal_contact_stiffness}; }
   Winkler operator()(const Proximity& law) const { return {.normal_contact_stiffness = law.sensitivity}; }
   Winkler operator()(const ElasticLayer& law) const {
-    return {.normal_contact_stiffness = law.elastic_modulus / (1 - law.poisson_ratio * law.poisson_ratio) / thickness};
+    return {.normal_contact_stiffness = planeModulus(law.elastic_modulus, law.poisson_ratio) / thickness};
   }
   Winkler operator()(const LuGre& law) const { return {.normal_contact_stiffness = law.normal_contact_stiffness}; }
 };

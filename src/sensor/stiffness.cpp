@@ -6,6 +6,7 @@
 
 #include "base/field_checks.h"
 #include "sensor/checks.h"
+#include "sensor/elastic_layer.h"
 #include "sensor/fields.h"
 #include "sensor/flat_punch.h"
 
@@ -18,11 +19,6 @@ constexpr Allowed kPoissonRatio{.min = 0, .max = 0.5, .below_max = true};
 
 double discArea(double diameter) {
   return std::numbers::pi / 4 * diameter * diameter;
-}
-
-// Modulus of a half-space under a rigid indenter, relative to Young's modulus.
-double planeFactor(double poisson_ratio) {
-  return 1 / (1 - poisson_ratio * poisson_ratio);
 }
 
 // Confined modulus relative to Young's modulus.
@@ -43,9 +39,10 @@ void checkDiameter(const std::string& field, double diameter, double thickness) 
   }
 }
 
-// Pin stiffness of a layer of unit modulus, m.
-double unitPinStiffness(double poisson_ratio, double thickness, double diameter) {
-  return planeFactor(poisson_ratio) * diameter * punchFactor(diameter / 2 / thickness, poisson_ratio);
+// Pin stiffness of a bonded layer, N/m.
+double bondedPinStiffness(const Material& material, double thickness, double diameter) {
+  return planeModulus(material.elastic_modulus, material.poisson_ratio) * diameter *
+         punchFactor(diameter / 2 / thickness, material.poisson_ratio);
 }
 
 // One overload per alternative of SkinData::stiffness. They set elastic_modulus and area_stiffness.
@@ -62,7 +59,7 @@ struct StiffnessSolver {
     if (!known.match_pin_diameter) return;
     const double diameter = *known.match_pin_diameter;
     checkDiameter("match_pin_diameter", diameter, data.thickness);
-    result.area_stiffness = known.elastic_modulus * unitPinStiffness(data.poisson_ratio, data.thickness, diameter) / discArea(diameter);
+    result.area_stiffness = bondedPinStiffness(result.material, data.thickness, diameter) / discArea(diameter);
   }
   void operator()(const PinPress& press) const {
     checkNumber("pin_force", press.pin_force, Allowed::above(0, "N"));
@@ -70,7 +67,7 @@ struct StiffnessSolver {
     checkDiameter("pin_diameter", press.pin_diameter, data.thickness);
     const double pin_stiffness = press.pin_force / press.pin_depth;
     result.area_stiffness = pin_stiffness / discArea(press.pin_diameter);
-    modulus() = pin_stiffness / unitPinStiffness(data.poisson_ratio, data.thickness, press.pin_diameter);
+    modulus() = pin_stiffness / bondedPinStiffness({1, data.poisson_ratio}, data.thickness, press.pin_diameter);
   }
   void operator()(const TaxelStiffness& taxel) const {
     checkNumber("taxel_stiffness", taxel.taxel_stiffness, Allowed::above(0, "N/m"));
@@ -115,9 +112,9 @@ PinLaw pinLaw(const Skin& skin, double diameter) {
   checkNumber("pin_diameter", diameter, Allowed::above(0, "m"));
   if (const auto* layer = std::get_if<ElasticLayer>(&skin.law)) {
     checkFields("skin.", kElasticLayerFields, *layer);
-    if (layer->base == ElasticLayer::Base::kHalfSpace) return {planeFactor(layer->poisson_ratio) * layer->elastic_modulus * diameter};
+    if (layer->base == ElasticLayer::Base::kHalfSpace) return {planeModulus(layer->elastic_modulus, layer->poisson_ratio) * diameter};
     checkDiameter("pin_diameter", diameter, skin.thickness);
-    return {layer->elastic_modulus * unitPinStiffness(layer->poisson_ratio, skin.thickness, diameter)};
+    return {bondedPinStiffness({layer->elastic_modulus, layer->poisson_ratio}, skin.thickness, diameter)};
   }
   const Winkler foundation = foundationOf(skin);
   checkFields("skin.", kWinklerFields, foundation);
@@ -145,7 +142,7 @@ double layerPinStiffness(const Material& material, double thickness, double pin_
   checkMaterial(material);
   checkNumber("thickness", thickness, Allowed::above(0, "m"));
   checkDiameter("pin_diameter", pin_diameter, thickness);
-  return material.elastic_modulus * unitPinStiffness(material.poisson_ratio, thickness, pin_diameter);
+  return bondedPinStiffness(material, thickness, pin_diameter);
 }
 
 SkinStiffness skinStiffness(const SkinData& data) {

@@ -109,8 +109,7 @@ TEST(Stiffness, PinOnSprings) {
   EXPECT_NEAR(pinDepth(skins[0], hexagon, 4.905), 15.5e-6, 0.05e-6);
 }
 
-// docs/experiments/contact_at_small_sizes.md: the laws fitted to figure 6b. The study solved its layers, and the hexagon, on grids of
-// cells.
+// Layers fitted to figure 6b by an independent program, which solves pins and hexagon on grids of cells.
 TEST(Stiffness, PinOnLayers) {
   constexpr double kGridError = 0.04;
   struct Row {
