@@ -298,15 +298,26 @@ struct Readout {
   /// @}
 };
 
+/// What the depth of a sample is.
+enum class DepthSampling {
+  /// The depth at the middle of its cell, the pitch / samples_per_taxel rectangle around the sample.
+  kPoint,
+  /// The mean over its cell of min(max(-z, 0), thickness), z (m, in P) the lowest surface of the object, 0 where there is none. Forces then
+  /// change continuously with the pose, and objects narrower than a cell press with all their area. A mesh that is not closed has the depth
+  /// of kPoint; of several objects the one with the largest mean counts.
+  kArea,
+};
+
 /// A sensor model.
 struct Sensor {
-  std::string name;                ///< Name in messages and data sets.
-  std::vector<GridPatch> patches;  ///< Patches, at least one.
-  int samples_per_taxel = 4;       ///< Samples per side of a taxel, 1 to kMaxSamplesPerTaxel. Default 4.
-  Skin skin;                       ///< Skin.
-  Psf psf;                         ///< Point spread function.
-  Readout readout;                 ///< Electronics.
-  double frame_rate = 0;           ///< Hz, > 0; 0 (default): a frame at every step.
+  std::string name;                                      ///< Name in messages and data sets.
+  std::vector<GridPatch> patches;                        ///< Patches, at least one.
+  int samples_per_taxel = 4;                             ///< Samples per side of a taxel, 1 to kMaxSamplesPerTaxel. Default 4.
+  DepthSampling depth_sampling = DepthSampling::kPoint;  ///< Depth of a sample. Default kPoint.
+  Skin skin;                                             ///< Skin.
+  Psf psf;                                               ///< Point spread function.
+  Readout readout;                                       ///< Electronics.
+  double frame_rate = 0;                                 ///< Hz, > 0; 0 (default): a frame at every step.
 };
 
 /// Number of taxels of all patches.

@@ -137,12 +137,16 @@ nb::ndarray<nb::numpy, double, nb::shape<-1, 3>> rowsOf(const std::vector<Vector
 }
 
 void bindModelOfSensor(nb::module_& module) {
+  nb::enum_<DepthSampling>(module, "DepthSampling", "What the depth of a sample is.")
+      .value("POINT", DepthSampling::kPoint, "The depth at the middle of its cell.")
+      .value("AREA", DepthSampling::kArea, "The mean depth over its cell.");
   nb::class_<Sensor> sensor(module, "Sensor", "A sensor model: taxels on patches, the skin above them, the electronics that read them.");
-  addFields(
-      sensor, field("name", &Sensor::name, "Name in messages and data sets."), field("patches", &Sensor::patches, "Patches, at least one."),
-      field("samples_per_taxel", &Sensor::samples_per_taxel, "Samples per side of a taxel, 1 to 8."), field("skin", &Sensor::skin, "Skin."),
-      field("psf", &Sensor::psf, "Point spread function."), field("readout", &Sensor::readout, "Electronics."),
-      field("frame_rate", &Sensor::frame_rate, "Hz, > 0; 0: a frame at every step."));
+  addFields(sensor, field("name", &Sensor::name, "Name in messages and data sets."),
+            field("patches", &Sensor::patches, "Patches, at least one."),
+            field("samples_per_taxel", &Sensor::samples_per_taxel, "Samples per side of a taxel, 1 to 8."),
+            field("depth_sampling", &Sensor::depth_sampling, "Depth of a sample."), field("skin", &Sensor::skin, "Skin."),
+            field("psf", &Sensor::psf, "Point spread function."), field("readout", &Sensor::readout, "Electronics."),
+            field("frame_rate", &Sensor::frame_rate, "Hz, > 0; 0: a frame at every step."));
   sensor.def_prop_ro("num_taxels", &numTaxels, "Number of taxels of all patches.")
       .def_prop_ro(
           "taxel_positions", [](const Sensor& self) { return rowsOf(taxelPositions(self)); }, nb::rv_policy::automatic,

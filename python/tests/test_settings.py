@@ -55,6 +55,7 @@ def test_the_same_sensor_comes_from_keywords_and_from_a_file(tmp_path):
     sensor = taxelsim.Sensor(
         name="pad",
         patches=[taxelsim.GridPatch(name="pad", num_rows=4, num_cols=5, pitch=(0.002, 0.003))],
+        depth_sampling=taxelsim.DepthSampling.AREA,
         skin=taxelsim.Skin(thickness=0.002, law=taxelsim.Winkler(normal_contact_stiffness=1e8)),
         psf=taxelsim.gaussian_psf(0.5, 3),
         readout=taxelsim.Readout(noise=1.5),

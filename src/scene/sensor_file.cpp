@@ -21,14 +21,17 @@ void checkFormatVersion(const YamlNode& root) {
 }
 
 Sensor readSensor(const YamlNode& node, const std::filesystem::path& directory, Canonical& canonical, bool versioned) {
-  std::vector<std::string_view> keys = {"name",       "patches", "taxels",     "taxel_mesh",        "urdf", "num_rows", "num_cols",
-                                        "pitch[_mm]", "pose",    "frame_rate", "samples_per_taxel", "skin", "psf",      "readout"};
+  std::vector<std::string_view> keys = {
+      "name",       "patches",           "taxels",         "taxel_mesh", "urdf", "num_rows", "num_cols", "pitch[_mm]", "pose",
+      "frame_rate", "samples_per_taxel", "depth_sampling", "skin",       "psf",  "readout"};
   if (versioned) keys.insert(keys.begin(), "format_version");
   const YamlMap map(node, keys, canonical);
   Sensor sensor;
   sensor.name = map.text("name", "a name");
   sensor.patches = readPatches(map, directory);
   readFields(map, kSensorFields, sensor);
+  const bool is_area = map.choice("depth_sampling", {"point", "area"}, "point") == "area";
+  sensor.depth_sampling = is_area ? DepthSampling::kArea : DepthSampling::kPoint;
   sensor.skin = readSkin(map);
   sensor.psf = readPsf(map);
   sensor.readout = readReadout(map, sensor.patches);

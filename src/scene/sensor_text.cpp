@@ -181,6 +181,7 @@ std::string sensorText(const Sensor& sensor, const std::map<std::string, std::st
   out.line("name", canonicalText(sensor.name));
   writePatches(sensor, out);
   writeFields(kSensorFields, sensor, out);
+  out.line("depth_sampling", sensor.depth_sampling == DepthSampling::kArea ? "area" : "point");
   writeFields(kFrameRateFields, sensor, out);
   out.block("skin", [&] { writeSkin(sensor.skin, out); });
   out.block("psf", [&] { writePsf(sensor.psf, out); });

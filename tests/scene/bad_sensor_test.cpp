@@ -24,6 +24,11 @@ TEST(BadSensors, SkinAndLaw) {
        BadScene{kSkin, "soft", ":9:9: sensor.skin: soft is not allowed: a mapping of thickness[_mm], law"}});
 }
 
+TEST(BadSensors, DepthSampling) {
+  expectRefusals({BadScene{"  pitch_mm: 3.4\n", "  pitch_mm: 3.4\n  depth_sampling: mean\n",
+                           ":9:19: sensor.depth_sampling: mean is not allowed: point | area"}});
+}
+
 TEST(BadSensors, FrictionAndLuGre) {
   expectRefusals(
       {BadScene{kSkin, "{thickness: 1, normal_contact_stiffness: 1, friction_coefficient: -0.5}",

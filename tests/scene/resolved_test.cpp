@@ -153,6 +153,7 @@ TEST(Resolved, HasEverySettingOfTheSensor) {
       {"  pitch_mm: 3.4\n", "  pitch_mm: 3.4\n  pose: {position_mm: [1, 0, 0]}\n"},
       {"  pitch_mm: 3.4\n", "  pitch_mm: 3.4\n  pose: {rpy_deg: [1, 0, 0]}\n"},
       {"  pitch_mm: 3.4\n", "  pitch_mm: 3.4\n  samples_per_taxel: 5\n"},
+      {"  pitch_mm: 3.4\n", "  pitch_mm: 3.4\n  depth_sampling: area\n"},
       {"  pitch_mm: 3.4\n", "  pitch_mm: 3.4\n  frame_rate: 50\n"},
       {"thickness_mm: 2", "thickness_mm: 3"},
       {"1.73e8", "1.73000000000001e8"},

@@ -82,6 +82,7 @@ TEST(ShippedSensors, SensorTextReadsBackAsTheSameSensor) {
   odd.readout.taxel_gain.assign(static_cast<std::size_t>(numTaxels(odd)), 1.25);
   odd.readout.curve = {1, 2, 3};
   odd.readout.curve_limit = 5000;
+  odd.depth_sampling = DepthSampling::kArea;
   odd.skin.relaxation = {{.fraction = 0.25, .time = 2}};
   Sensor& pieces = sensors.emplace_back(sensors.front());
   pieces.readout.curve = {1};
@@ -92,6 +93,7 @@ TEST(ShippedSensors, SensorTextReadsBackAsTheSameSensor) {
         directory.write("first.yaml", sensorText(sensor, {{"", "a head"}, {"readout.trigger", "0.02 (0.01 to 0.03) N: # measured"}}));
     const Sensor again = loadSensor(file);
     EXPECT_TRUE(sensorText(again) == sensorText(sensor));
+    EXPECT_EQ(again.depth_sampling, sensor.depth_sampling);
     EXPECT_EQ(again.readout.curve, sensor.readout.curve);
     EXPECT_EQ(again.readout.curve_points, sensor.readout.curve_points);
     EXPECT_EQ(again.readout.curve_limit, sensor.readout.curve_limit);
