@@ -11,7 +11,7 @@
 //      A sensor of one tile writes taxels only inside the window of its result. For a globally coupled law contact_normal holds, instead of forces, the
 //      surface height (m, in P) at each solver node, with the slot in its lowest bits (depth/slots.glsl); kMiss without a surface.
 // State per sample, between steps: depth, strain and overstresses of a skin that relaxes, shear traction or bristle deflection.
-// Shared memory: 4 TILE_SAMPLES + 16 LANES + 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 4 REPEAT + 64 bytes; friction adds 8 LANES + 512, lockstep
+// Shared memory: 4 TILE_SAMPLES (16 with AREA) + 16 LANES + 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 4 REPEAT + 64 bytes; friction adds 8 LANES + 512, lockstep
 //      16 NUM_FACES.
 // Deterministic: the tile is a minimum; LANES partial sums are added in a fixed order, whatever the size of the workgroup.
 // Mutable globals: any_unfinished_loop (driver/loop_limit.glsl); the planes of a polyhedron (depth/polyhedron.glsl).
@@ -47,6 +47,10 @@ const bool kShears = FRICTION && !kGlobalSolve;  // after a global solve, the pa
 
 #include "depth/bodies.glsl"
 #include "depth/subpixels.glsl"
+#include "depth/edge_sums.glsl"
+#include "depth/cell_depths.glsl"
+#include "depth/facets.glsl"
+#include "depth/solid_cells.glsl"
 #include "depth/mesh.glsl"
 #include "depth/raster.glsl"
 #include "depth/heights.glsl"
@@ -75,6 +79,7 @@ bool beginTile(uint instance, uint tile_number, out Tile tile) {
     float rest = loads[instance].forces.z * tile.X_PS.row2.z;
     tile.z_base -= rest;
     tile.z_limit -= rest;
+    tile.level = -rest;
   }
   return true;
 }

@@ -46,8 +46,8 @@ void visitQuad(Tile tile, MeshView view, uint quad, inout Found found) {
   Vertex p, q, r, s;
   fetchQuad(view, quad, p, q, r, s);
   const ivec2 kRounding = ivec2(2);  // of vertices to units, with a margin
-  Box reached = Box(firstSample(view, min(min(p.at, q.at), min(r.at, s.at)) + view.motion_low - kRounding),
-                    lastSample(tile, view, max(max(p.at, q.at), max(r.at, s.at)) + view.motion_high + kRounding));
+  Box reached = Box(firstReaching(view, min(min(p.at, q.at), min(r.at, s.at)) + view.motion_low - kRounding),
+                    lastReaching(tile, view, max(max(p.at, q.at), max(r.at, s.at)) + view.motion_high + kRounding));
   if (min(min(p.z, q.z), min(r.z, s.z)) >= tile.z_limit || !isAny(reached)) return;
   uint at = atomicAdd(num_found, 1u);
   if (at < kMaxCandidates) candidate_quads[found.first_candidate + at] = quad;

@@ -42,8 +42,8 @@ float largestOf(vec3 v) { return max(v.x, max(v.y, v.z)); }
 
 // The part of the tile that a body's bounds reach, in P, m.
 void reachedPart(Tile tile, Body body, out vec3 center, out vec3 half_size) {
-  vec3 low = max(body.center - body.half_size, vec3(tile.first, -1e9));
-  vec3 high = min(body.center + body.half_size, vec3(tile.end - 1.0, tile.z_limit));
+  vec3 low = max(body.center - body.half_size, vec3(tile.first - kSampleReach, -1e9));
+  vec3 high = min(body.center + body.half_size, vec3(tile.end - 1.0 + kSampleReach, tile.z_limit));
   center = 0.5 * (low + high) * vec3(tile.spacing, 1) + vec3(tile.corner, 0);
   half_size = 0.5 * max(high - low, 0.0) * vec3(tile.spacing, 1);
 }

@@ -1,6 +1,9 @@
 // The objects in the slots of an instance, seen from a tile, and the samples of the tile that their bounds cover. Lengths in m.
 // In: poses, objects (shared/objects.h, batch.h).
 
+// How far a sample reaches, in samples: with area sampling to the border of its cell.
+const float kSampleReach = AREA ? 0.5 : 0.0;
+
 struct Body {
   uvec4 kind_groups;  // ObjectRecord
   Affine X_PO;
@@ -11,7 +14,7 @@ struct Body {
 
 bool outsideTile(Tile tile, vec3 center, vec3 half_size) {
   // Slightly larger, so that rounding of the box never cuts off a triangle.
-  vec3 reach = half_size + vec3(1e-3, 1e-3, 1e-8) + half_size * 1e-6;
+  vec3 reach = half_size + vec3(vec2(kSampleReach + 1e-3), 1e-8) + half_size * 1e-6;
   return center.z - reach.z >= tile.z_limit || center.x + reach.x < tile.first.x || center.x - reach.x > tile.end.x - 1.0 ||
          center.y + reach.y < tile.first.y || center.y - reach.y > tile.end.y - 1.0;
 }

@@ -66,6 +66,8 @@ Reach objectsNear(Tile tile, uint instance, uint num_slots) {
 // Lowers the heights of the tile to one object.
 void rasterBody(Tile tile, uint instance, uint slot, Body body, int id, inout Found found) {
   bool is_mesh = body.kind_groups.x == kKindMesh;
+  bool sums_cells = AREA && (!is_mesh || (body.kind_groups.w & kClosed) != 0);
+  Box cells = samplesUnder(tile, body);
   if (LIST == kListCandidates) {
     visitCandidates(tile, instance, meshView(tile, body, id, slot), found);
   } else if (kHasMesh && (!kHasAnalytic || is_mesh)) {
@@ -73,9 +75,17 @@ void rasterBody(Tile tile, uint instance, uint slot, Body body, int id, inout Fo
   }
   if (kHasAnalytic && (!kHasMesh || !is_mesh)) {
     if (isKind(body.kind_groups.x, kKindPolyhedron)) loadFaces(body.kind_groups.y, body.X_PO);
-    rasterAnalytic(tile, body, objectOf(id).parameters, slot, found);
-    grow(found.samples, samplesUnder(tile, body));
+    vec4 parameters = objectOf(id).parameters;
+    if (AREA) {
+      Solid solid = Solid(body.kind_groups.x, parameters, body.X_PO);
+      cells = touchedCells(tile, solid, body);
+      addSolid(tile, solid, cells, found);
+    } else {
+      rasterAnalytic(tile, body, parameters, slot, found);
+      grow(found.samples, samplesUnder(tile, body));
+    }
   }
+  if (sums_cells) takeCells(tile, cells, slot, found);
 }
 
 // Lowers the heights of the tile to all near objects; a pass that does not use the tile loads what analyticHeight() needs. Returns the samples that the

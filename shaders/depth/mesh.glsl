@@ -5,6 +5,10 @@
 
 void visitQuad(Tile tile, MeshView view, uint quad, inout Found found);
 
+// An invocation visits some of the quads; all visit each large one of a closed mesh together and share its cells (depth/facets.glsl).
+uint firstQuad(MeshView view) { return view.closed && view.large ? 0u : gl_LocalInvocationIndex; }
+uint quadStep(MeshView view) { return view.closed && view.large ? 1u : WORKGROUP; }
+
 const uint kClustersPerBatch = GROUPS_PER_BATCH * kClustersPerGroup;
 shared uint group_list[GROUPS_PER_BATCH];      // first cluster | (how many - 1) << kFirstBits
 shared uint cluster_list[kClustersPerBatch];
@@ -16,6 +20,7 @@ MeshView meshView(Tile tile, Body body, int id, uint slot) {
   MeshView view;
   view.subpixel_bits = int(body.kind_groups.w & kSubpixelMask);
   view.large = (body.kind_groups.w & kLargeTriangles) != 0;
+  view.closed = AREA && (body.kind_groups.w & kClosed) != 0;
   view.slot = slot;
   view.motion_low = view.motion_high = ivec2(0);
   vec4 lattice = objectOf(id).lattice;
@@ -37,8 +42,8 @@ bool boxReaches(Tile tile, MeshView view, uvec3 box) {
   boundsOfImage(view.from_lattice, (low + high) * (0.5 * kUnit) - float(kLatticeMiddle), (high - low) * (0.5 * kUnit), center, half_size);
   // Slightly larger: rounding that differs from that of the vertices never cuts off a triangle.
   int margin = 2 + ((1 << view.subpixel_bits) >> 10);
-  Box reached = Box(firstSample(view, wholeNumbers(center.xy - half_size.xy) - margin + view.motion_low),
-                    lastSample(tile, view, wholeNumbers(center.xy + half_size.xy) + margin + view.motion_high));
+  Box reached = Box(firstReaching(view, wholeNumbers(center.xy - half_size.xy) - margin + view.motion_low),
+                    lastReaching(tile, view, wholeNumbers(center.xy + half_size.xy) + margin + view.motion_high));
   return center.z - half_size.z * (1.0 + 1e-6) - 1e-8 < tile.z_limit && isAny(reached);
 }
 
@@ -85,8 +90,8 @@ void visitListedGroups(Tile tile, MeshView view, inout Found found) {
   }
   workgroupBarrier();
   uint items = num_listed_clusters * kQuadsPerCluster;
-  uint i = lane;
-  for (; i < items; i += WORKGROUP) {
+  uint i = firstQuad(view);
+  for (; i < items; i += quadStep(view)) {
     uint quad = cluster_list[i / kQuadsPerCluster] * kQuadsPerCluster + i % kQuadsPerCluster;
     visitQuad(tile, view, quad, found);
   }

@@ -154,13 +154,21 @@ void rasterBySpans(Tile tile, MeshView view, Vertex p, Vertex q, Vertex r, inout
   checkLoop(a <= last.x);
 }
 
+// The constant TRIANGLE_SIZES removes the ways that the model does not need, and the test of the only one.
+const uint kBySamples = 1u, kBySpans = 2u, kBySums = 4u;
+bool isDrawn(uint way, bool wanted) { return TRIANGLE_SIZES == way || ((TRIANGLE_SIZES & way) != 0 && wanted); }
+
 // Draws a quad; called by visitMesh().
 void visitQuad(Tile tile, MeshView view, uint quad, inout Found found) {
   Vertex p, q, r, s;
   fetchQuad(view, quad, p, q, r, s);
-  bool large = view.large;  // see isVisible()
-  if (TRIANGLE_SIZES == 1 || (TRIANGLE_SIZES == 3 && !large)) rasterBySamples(tile, view, p, q, r, s, found);
-  if (TRIANGLE_SIZES == 2 || (TRIANGLE_SIZES == 3 && large)) {
+  bool large = view.large, closed = view.closed;  // see isVisible()
+  if (isDrawn(kBySums, closed)) {
+    addTriangle(tile, view, p, q, r, found);
+    addTriangle(tile, view, r, q, s, found);
+  }
+  if (isDrawn(kBySamples, !closed && !large)) rasterBySamples(tile, view, p, q, r, s, found);
+  if (isDrawn(kBySpans, !closed && large)) {
     rasterBySpans(tile, view, p, q, r, found);
     rasterBySpans(tile, view, r, q, s, found);
   }
@@ -169,8 +177,8 @@ void visitQuad(Tile tile, MeshView view, uint quad, inout Found found) {
 // Draws the quads that find_candidates.comp has found; replaces visitMesh().
 void visitCandidates(Tile tile, uint instance, MeshView view, inout Found found) {
   uint first = instance * kMaxCandidates, count = candidates[instance].list.y;
-  uint i = gl_LocalInvocationIndex;
-  for (; i < count; i += WORKGROUP) visitQuad(tile, view, candidate_quads[first + i], found);
+  uint i = firstQuad(view);
+  for (; i < count; i += quadStep(view)) visitQuad(tile, view, candidate_quads[first + i], found);
   checkLoop(i < count);
   workgroupBarrier();
 }

@@ -14,6 +14,7 @@ struct Tile {
   float z_limit;       // surfaces at or above cannot touch
   float z_floor;       // surfaces below are the far side of the body and are ignored
   float z_base;        // that the heights of the tile count from
+  float level;         // of the undeformed skin; a load search may refine it below a float's resolution of the poses
   float offset_z;      // by which a load search over several tiles has moved the objects along z of S
 };
 
@@ -63,5 +64,6 @@ Tile loadTile(uint number) {
   tile.offset_z = 0.0;
   tile.z_limit = OUTPUT_JACOBIAN ? cellReach(tile) : REACH;
   tile.z_base = 0.0;
+  tile.level = 0.0;
   return tile;
 }

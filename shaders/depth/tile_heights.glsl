@@ -6,6 +6,8 @@
 
 const uint kEmpty = 0x7F7FFFFFu;  // the largest finite float, as bits: no surface over the sample
 shared uint tile_heights[TILE_SAMPLES];
+shared int cell_volumes[AREA ? TILE_SAMPLES : 1u];   // with AREA, depth/cell_depths.glsl
+shared uint cell_covered[AREA ? TILE_SAMPLES : 1u];
 #ifdef LOCKSTEP
 shared int lane_words[WORKGROUP];
 #else
@@ -26,20 +28,36 @@ bool isVisible(Tile tile, float z, inout Found found) {
   return z < z_limit && z >= z_floor;
 }
 
+// With AREA a word holds a mean depth (m) instead: the deeper, the lower; kEmpty is none.
+const uint kNoDepth = kEmpty & ~(kKeepsSlots ? kSlotMask : 0u);
+uint wordOfDepth(float depth, uint slot) { return kNoDepth - withSlot(depth, 0) + (kKeepsSlots ? slot : 0u); }
+float depthOfWord(uint word) { return uintBitsToFloat(kNoDepth - (kKeepsSlots ? word & ~kSlotMask : word)); }
+
 void lowerHeight(Tile tile, uint address, float z, uint slot) {
+  if (AREA) {
+    atomicMin(tile_heights[address], wordOfDepth(clamp(tile.level - z, 0.0, THICKNESS), slot));
+    return;
+  }
   int height = max(floatBitsToInt(z - tile.z_base), 0);  // the bits of a negative float are a negative integer
   atomicMin(tile_heights[address], withSlot(intBitsToFloat(height), slot));
 }
 
 void clearHeights() {
-  for (uint address = gl_LocalInvocationIndex; address < TILE_SAMPLES; address += WORKGROUP) tile_heights[address] = kEmpty;
+  for (uint address = gl_LocalInvocationIndex; address < TILE_SAMPLES; address += WORKGROUP) {
+    tile_heights[address] = kEmpty;
+    if (AREA) cell_volumes[address] = 0;
+    if (AREA) cell_covered[address] = 0;
+  }
 }
 
 void clearSamples(Tile tile, Box box) {
   if (!isAny(box)) return;
   for (int row = box.first.x + int(gl_LocalInvocationIndex); row <= box.last.x; row += int(WORKGROUP)) {
     uint first = uint(row) * tile.stride + uint(box.first.y), last = first + uint(box.last.y - box.first.y);
-    for (uint address = first; address <= last; ++address) tile_heights[address] = kEmpty;
+    for (uint address = first; address <= last; ++address) {
+      tile_heights[address] = kEmpty;
+      if (AREA) cell_covered[address] = 0;
+    }
   }
 }
 

@@ -6,4 +6,4 @@ const bool kHasAnalytic = (OBJECT_KINDS & ~1u) != 0;
 const bool kOnlyPolyhedra = OBJECT_KINDS == (1u << kKindPolyhedron);
 // Heights go through the tile, except for a single analytic solid, whose heights are computed where they are summed. A torus needs the tile since its heights
 // are expensive; the Jacobian needs it since it reads a sample's neighbours.
-bool usesTile() { return OUTPUT_JACOBIAN || kHasMesh || MANY_SLOTS || SEARCH == kSearchInTile || (OBJECT_KINDS & (1u << kKindTorus)) != 0; }
+bool usesTile() { return AREA || OUTPUT_JACOBIAN || kHasMesh || MANY_SLOTS || SEARCH == kSearchInTile || (OBJECT_KINDS & (1u << kKindTorus)) != 0; }

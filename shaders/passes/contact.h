@@ -13,7 +13,7 @@ CONSTANT(15, float, THICKNESS)      // m
 CONSTANT(16, bool, SCALED)          // sources near a border give more to the taxels that are there, readout/spread.glsl
 CONSTANT(17, bool, MANY_SLOTS)      // an instance may touch several objects
 CONSTANT(18, uint, OBJECT_KINDS)    // bit per kind of object in the model
-CONSTANT(19, uint, TRIANGLE_SIZES)  // bit 0: meshes of small triangles, bit 1: of large ones
+CONSTANT(19, uint, TRIANGLE_SIZES)  // bit 0: meshes of small triangles, bit 1: of large ones, bit 2: closed ones, with AREA
 CONSTANT(20, bool, OUTPUT_DEPTH)    // writes contact_depth
 CONSTANT(21, uint, NUM_FACES)       // of each polyhedron; shorter ones repeat some
 CONSTANT(22, float, LAW_0)          // parameters of the contact law, skin/laws/
@@ -37,6 +37,7 @@ CONSTANT(39, bool, EARLY_EXIT)          // where no object is near: kLeavesUntou
 CONSTANT(40, float, REACH)              // up to which height over the skin surfaces matter to the law, m
 CONSTANT(41, uint, LIST)                // of instances that are processed: kListWholeMesh, kListCandidates; kNumLists: all
 CONSTANT(42, bool, IS_LAST)             // writes contact_normal and tile_results for the spread; no taxel pass follows
+CONSTANT(43, bool, AREA)                // the depth of a sample is the mean over its cell, depth/cell_depths.glsl
 
 TEXELS(0, Poses)
 BUFFER(1, readonly, Instances)

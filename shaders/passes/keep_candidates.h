@@ -1,9 +1,10 @@
-// Lists of instances by what is to be done about their candidates, keep_candidates.comp. FLAT, OUTPUT_JACOBIAN and REACH as in contact.h.
+// Lists of instances by what is to be done about their candidates, keep_candidates.comp. FLAT, OUTPUT_JACOBIAN, REACH and AREA as in contact.h.
 
 CONSTANT(11, bool, FLAT)
 CONSTANT(12, bool, OUTPUT_JACOBIAN)
 CONSTANT(13, float, REACH)
 CONSTANT(14, uint, LISTED_PER_WORKGROUP)  // instances of a list that one workgroup of the contact pass processes
+CONSTANT(15, bool, AREA)
 
 TEXELS(0, Poses)
 BUFFER(1, readonly, Step)

@@ -30,10 +30,12 @@ TAXELSIM_CONSTANT kClustersPerGroup = 32u;
 TAXELSIM_CONSTANT kSubpixelMask = 0xFFu;
 TAXELSIM_CONSTANT kLargeTriangles = 0x100u;
 TAXELSIM_CONSTANT kSmallEdgeBits = 14u;
+// A closed mesh whose triangles all wind counter-clockwise seen from outside.
+TAXELSIM_CONSTANT kClosed = 0x200u;
 
 // One object. Frame O.
 struct ObjectRecord {
-  uvec4 kind_groups;  // kind; mesh: first group, number of groups, subpixel bits | kLargeTriangles; polyhedron: first face
+  uvec4 kind_groups;  // kind; mesh: first group, number of groups, subpixel bits | kLargeTriangles | kClosed; polyhedron: first face
   vec4 parameters;    // analytic solid, m: radius and half length; half sizes; radius and height; major and minor radius
   vec4 lattice;       // mesh: centre of the lattice, m; lattice step, m
   vec4 center;        // centre of the bounding box, m; 0

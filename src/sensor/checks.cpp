@@ -30,6 +30,14 @@ void checkPatches(const std::vector<GridPatch>& patches) {
   for (std::size_t i = 0; i < patches.size(); ++i) checkPatch(elementOf("patches", i), patches[i]);
 }
 
+// The mean depth of a cell determines its mean pressure where pressure is proportional to depth, on a skin without coupling between cells.
+void checkDepthSampling(const Sensor& sensor) {
+  if (sensor.depth_sampling == DepthSampling::kPoint) return;
+  if (std::holds_alternative<ElasticLayer>(sensor.skin.law)) failField("depth_sampling", "area", "point with the law elastic_layer");
+  const double exponent = foundationOf(sensor.skin).normal_exponent;
+  if (exponent != 1) failField("skin.normal_exponent", numberText(exponent), "1 with depth_sampling area");
+}
+
 }  // namespace
 
 void checkSensor(const Sensor& sensor) {
@@ -37,6 +45,7 @@ void checkSensor(const Sensor& sensor) {
   checkFields("", kSensorFields, sensor);
   checkSkin(sensor.skin);
   checkLayer(sensor);
+  checkDepthSampling(sensor);
   if (sensor.psf.sigma > 0 && std::holds_alternative<ElasticLayer>(sensor.skin.law)) {
     failField("psf.sigma", numberText(sensor.psf.sigma), "a kernel over the grid, or none, for the law elastic_layer");
   }

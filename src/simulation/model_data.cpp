@@ -42,7 +42,8 @@ ObjectKinds kindsOf(const std::vector<Object>& objects, const PackedObjects& pac
     kinds.kinds |= 1u << record.kind_groups.x;
     if (record.kind_groups.x != layout::kKindMesh) continue;
     kinds.max_groups = std::max(kinds.max_groups, record.kind_groups.z);
-    kinds.triangle_sizes |= (record.kind_groups.w & layout::kLargeTriangles) == 0 ? 1u : 2u;
+    const std::uint32_t flags = record.kind_groups.w;
+    kinds.triangle_sizes |= (flags & layout::kClosed) != 0 ? 4u : (flags & layout::kLargeTriangles) != 0 ? 2u : 1u;
   }
   return kinds;
 }
@@ -98,7 +99,7 @@ ModelData::ModelData(const Device& opened, const ModelOptions& options)
     checkObject(object);
     bounds.push_back(finiteBounds(object));
   }
-  const std::uint32_t tile_samples = maxTileSamples(device.info());
+  const std::uint32_t tile_samples = maxTileSamples(device.info(), area());
   if (std::holds_alternative<ElasticLayer>(sensor.skin.law)) layer = packLayer(sensor);
   // An elastic layer is cut into tiles only where its heights are found.
   packed = packSensor(sensor, layer ? std::numeric_limits<std::uint32_t>::max() : tile_samples);
@@ -108,7 +109,8 @@ ModelData::ModelData(const Device& opened, const ModelOptions& options)
   packed_contact = packContactFeatures(sensor);
   num_taxels = static_cast<std::uint32_t>(numTaxels(sensor));
 
-  const PackedObjects packed_objects = packObjects(objects, sampleGrid(contact_sensor, contact_packed), profile.paths().polyhedra);
+  const Shapes shapes = area() ? Shapes::kOutward : profile.paths().polyhedra ? Shapes::kPolyhedra : Shapes::kMeshes;
+  const PackedObjects packed_objects = packObjects(objects, sampleGrid(contact_sensor, contact_packed), shapes);
   object_kinds = kindsOf(objects, packed_objects);
   uploadObjects(packed_objects, buffers);
   uploadSensor(*this, buffers);

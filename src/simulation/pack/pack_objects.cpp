@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "geometry/clusters.h"
+#include "geometry/outward.h"
 #include "geometry/polyhedron.h"
 #include "taxelsim/error.h"
 
@@ -38,7 +39,7 @@ void packQuad(const Quad& quad, PackedObjects& packed) {
   }
 }
 
-void packMesh(const Mesh& mesh, const SampleGrid& grid, PackedObjects& packed, layout::ObjectRecord& record) {
+void packMesh(const Mesh& mesh, bool closed, const SampleGrid& grid, PackedObjects& packed, layout::ObjectRecord& record) {
   const ClusteredMesh clustered = clusterMesh(mesh);
   const auto first_group = static_cast<std::uint32_t>(packed.groups.size());
   const auto first_cluster = static_cast<std::uint32_t>(packed.clusters.size());
@@ -48,7 +49,8 @@ void packMesh(const Mesh& mesh, const SampleGrid& grid, PackedObjects& packed, l
   }
   const Raster raster = chooseRaster(mesh, grid);
   record.kind_groups = {layout::kKindMesh, first_group, static_cast<std::uint32_t>(clustered.groups.size()),
-                        static_cast<std::uint32_t>(raster.subpixel_bits) | (raster.large ? layout::kLargeTriangles : 0u)};
+                        static_cast<std::uint32_t>(raster.subpixel_bits) | (raster.large ? layout::kLargeTriangles : 0u) |
+                            (closed ? layout::kClosed : 0u)};
   record.lattice = {static_cast<float>(clustered.middle[0]), static_cast<float>(clustered.middle[1]),
                     static_cast<float>(clustered.middle[2]), static_cast<float>(clustered.step)};
   for (const ClusterBox& group : clustered.groups) packed.groups.push_back(packBox(group, first_cluster));
@@ -58,6 +60,26 @@ void packMesh(const Mesh& mesh, const SampleGrid& grid, PackedObjects& packed, l
     const LatticePoint& corner = clustered.quads[cluster.first].front();
     for (std::uint32_t q = cluster.count; q < kQuadsPerCluster; ++q) packQuad({corner, corner, corner, corner}, packed);
   }
+}
+
+Mesh meshOf(const Box& box) {
+  Mesh mesh;
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    const auto at = [&](std::size_t axis) { return static_cast<float>((corner >> axis & 1u) != 0 ? box.size[axis] / 2 : -box.size[axis] / 2); };
+    mesh.vertices.push_back({at(0), at(1), at(2)});
+  }
+  mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4}, {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+  return mesh;
+}
+
+// Packs what area sampling sums over cells as a mesh. False: `object` is another solid.
+bool packOutward(const Object& object, const SampleGrid& grid, PackedObjects& packed, layout::ObjectRecord& record) {
+  const Box* box = std::get_if<Box>(&object.shape);
+  const Mesh* mesh = std::get_if<Mesh>(&object.shape);
+  if (box == nullptr && mesh == nullptr) return false;
+  const std::optional<Mesh> outward = outwardMesh(box != nullptr ? meshOf(*box) : *mesh);
+  packMesh(outward ? *outward : *mesh, outward.has_value(), grid, packed, record);
+  return true;
 }
 
 // The faces of all meshes if each of them is a polyhedron, else nothing: rastering all meshes is faster than both paths in one model.
@@ -101,9 +123,9 @@ struct PackSolid {
 
 }  // namespace
 
-PackedObjects packObjects(std::span<const Object> objects, const SampleGrid& grid, bool with_polyhedra) {
+PackedObjects packObjects(std::span<const Object> objects, const SampleGrid& grid, Shapes shapes) {
   PackedObjects packed;
-  const std::vector<std::vector<Face>> faces = with_polyhedra ? polyhedra(objects) : std::vector<std::vector<Face>>{};
+  const std::vector<std::vector<Face>> faces = shapes == Shapes::kPolyhedra ? polyhedra(objects) : std::vector<std::vector<Face>>{};
   for (const std::vector<Face>& of_one : faces) packed.num_faces = std::max(packed.num_faces, static_cast<std::uint32_t>(of_one.size()));
   std::size_t num_meshes = 0;
   for (const Object& object : objects) {
@@ -115,13 +137,14 @@ PackedObjects packObjects(std::span<const Object> objects, const SampleGrid& gri
       record.center[axis] = static_cast<float>((low + high) / 2);
       record.half_size[axis] = static_cast<float>((high - low) / 2 * (1 + 1e-6));
     }
-    std::visit(PackSolid{record}, object.shape);
-    if (const Mesh* mesh = std::get_if<Mesh>(&object.shape)) {
-      if (faces.empty()) {
-        packMesh(*mesh, grid, packed, record);
-      } else {
-        packFaces(faces[num_meshes++], packed, record);
-      }
+    const Mesh* mesh = std::get_if<Mesh>(&object.shape);
+    if (shapes == Shapes::kOutward && packOutward(object, grid, packed, record)) {
+    } else if (mesh == nullptr) {
+      std::visit(PackSolid{record}, object.shape);
+    } else if (faces.empty()) {
+      packMesh(*mesh, false, grid, packed, record);
+    } else {
+      packFaces(faces[num_meshes++], packed, record);
     }
     packed.objects.push_back(record);
   }

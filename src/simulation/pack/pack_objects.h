@@ -20,7 +20,13 @@ struct PackedObjects {
   std::uint32_t num_faces = 1;       // of each polyhedron; shorter ones repeat some
 };
 
-// `with_polyhedra`: meshes become polyhedra if all of them are convex and have few faces.
-PackedObjects packObjects(std::span<const Object> objects, const SampleGrid& grid, bool with_polyhedra);
+// How packObjects() packs shapes for which there is more than one way.
+enum class Shapes {
+  kMeshes,     // meshes stay meshes
+  kPolyhedra,  // meshes become polyhedra if all of them are convex and have few faces
+  kOutward,    // for area sampling: boxes become meshes, and closed meshes wind outward
+};
+
+PackedObjects packObjects(std::span<const Object> objects, const SampleGrid& grid, Shapes shapes);
 
 }  // namespace taxelsim

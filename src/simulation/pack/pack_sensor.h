@@ -29,7 +29,7 @@ struct PackedSensor {
   bool rotates_shear = false;     // spread by distance, of a skin with friction
   bool flat = false;              // the one patch's frame is the sensor's
   float highest = 0, lowest = 0;  // z in S of the corners of patches, m
-  // One tile that faces along z of S: a load search moves its heights instead of its objects.
+  // One tile that faces along z of S, with point sampling: a load search moves its heights instead of its objects.
   bool searches_in_tile = false;
 
   // Whether some source near a border gives more to the taxels inside.

@@ -28,14 +28,16 @@ CandidatePasses::Kernels CandidatePasses::makeKernels(bool with_jacobian) const 
                    KeepCandidatesInterface{.FLAT = model_.contact_packed.flat,
                                            .OUTPUT_JACOBIAN = with_jacobian,
                                            .REACH = model_.law.reach,
-                                           .LISTED_PER_WORKGROUP = contact.repeat}},
+                                           .LISTED_PER_WORKGROUP = contact.repeat,
+                                           .AREA = model_.area()}},
           .find = {model_.context(), "find_candidates",
                    model_.profile.select({k_find_candidates_spirv, k_find_candidates_lockstep_spirv}, contact.workgroup),
                    common(contact.workgroup),
                    FindCandidatesInterface{.FLAT = model_.contact_packed.flat,
                                            .OUTPUT_JACOBIAN = with_jacobian,
                                            .REACH = model_.law.reach,
-                                           .GROUPS_PER_BATCH = contact_.groupsPerBatch()}}};
+                                           .GROUPS_PER_BATCH = contact_.groupsPerBatch(),
+                                           .AREA = model_.area()}}};
 }
 
 }  // namespace taxelsim

@@ -17,18 +17,24 @@ constexpr std::uint32_t kGroupsPerBatch = 32;
 constexpr std::uint32_t kMinGroupsPerBatch = 16;
 constexpr std::uint32_t kMaxGroupsPerBatch = 128;
 
-std::uint32_t sharedBytes(std::uint32_t tile_samples, std::uint32_t groups, std::uint32_t repeat) {
-  const std::uint32_t more_groups = std::max(groups, kGroupsPerBatch) - kGroupsPerBatch;
-  const std::uint32_t more_tiles = std::max(repeat, kMaxRepeat) - kMaxRepeat;
-  return 4 * tile_samples + kTileOverhead + 4 * more_groups * (layout::kClustersPerGroup + 1) + 4 * more_tiles;
+// Bytes of shared memory per sample of a tile: shaders/depth/tile_heights.glsl, solid_cells.glsl.
+constexpr std::uint32_t bytesPerSample(bool area) {
+  return area ? 16 : 4;
 }
 
-void checkFits(const DeviceInfo& info, std::uint32_t tile_samples, std::uint32_t groups, std::uint32_t repeat) {
-  const std::uint32_t bytes = sharedBytes(tile_samples, groups, repeat);
-  if (bytes <= info.shared_memory) return;
+std::uint32_t sharedBytes(const ModelData& model, std::uint32_t groups, std::uint32_t repeat) {
+  const std::uint32_t more_groups = std::max(groups, kGroupsPerBatch) - kGroupsPerBatch;
+  const std::uint32_t more_tiles = std::max(repeat, kMaxRepeat) - kMaxRepeat;
+  return bytesPerSample(model.area()) * model.contact_packed.max_tile_samples + kTileOverhead + 4 * more_groups * (layout::kClustersPerGroup + 1) + 4 * more_tiles;
+}
+
+void checkFits(const ModelData& model, std::uint32_t groups, std::uint32_t repeat) {
+  const std::uint32_t bytes = sharedBytes(model, groups, repeat);
+  const std::uint32_t most = model.device.info().shared_memory;
+  if (bytes <= most) return;
   throw Error(ErrorKind::kInput, "tuning: groups_per_batch " + std::to_string(groups) + " with contact_repeat " + std::to_string(repeat) +
                                      " is not allowed: takes up to " + std::to_string(bytes) + " bytes of shared memory, the device has " +
-                                     std::to_string(info.shared_memory));
+                                     std::to_string(most));
 }
 
 std::uint32_t chooseGroupsPerBatch(const ModelData& model) {
@@ -36,7 +42,7 @@ std::uint32_t chooseGroupsPerBatch(const ModelData& model) {
   if (!model.profile.prefersFewBarriers()) return groups;
   // As many groups as a mesh has, if their lists and the tile fit into shared memory.
   while (groups < std::min(kMaxGroupsPerBatch, model.object_kinds.max_groups) &&
-         sharedBytes(model.contact_packed.max_tile_samples, 2 * groups, 1) <= model.device.info().shared_memory) {
+         sharedBytes(model, 2 * groups, 1) <= model.device.info().shared_memory) {
     groups *= 2;
   }
   return groups;
@@ -45,14 +51,17 @@ std::uint32_t chooseGroupsPerBatch(const ModelData& model) {
 // Loop iterations that one invocation alone would take for a tile.
 std::uint64_t iterationsOf(const ModelData& model) {
   constexpr std::uint64_t kPerSample = 3, kPerSampleOfTorus = 48;  // of at most 96
+  constexpr std::uint64_t kRaysPerCell = 16;  // five inside of a contact, some 160 on its edge
   const bool has_torus = (model.object_kinds.kinds & (1u << layout::kKindTorus)) != 0;
-  return 2 * model.object_kinds.max_triangles + model.contact_packed.max_tile_samples * (has_torus ? kPerSampleOfTorus : kPerSample);
+  const std::uint64_t per_ray = has_torus ? kPerSampleOfTorus : kPerSample;
+  if (model.area()) return 4 * model.object_kinds.max_triangles + model.contact_packed.max_tile_samples * kRaysPerCell * per_ray;
+  return 2 * model.object_kinds.max_triangles + model.contact_packed.max_tile_samples * per_ray;
 }
 
 }  // namespace
 
-std::uint32_t maxTileSamples(const DeviceInfo& info) {
-  return std::min(kMaxTileSamples, (info.shared_memory - kTileOverhead) / 4);
+std::uint32_t maxTileSamples(const DeviceInfo& info, bool area) {
+  return std::min(kMaxTileSamples, (info.shared_memory - kTileOverhead) / bytesPerSample(area));
 }
 
 ContactPass::ContactPass(const ModelData& model, const ModelOptions& options, const Tuning& tuning) : model_(model) {
@@ -65,7 +74,7 @@ ContactPass::ContactPass(const ModelData& model, const ModelOptions& options, co
   groups_per_batch_ =
       tunedSize(tuning.groups_per_batch, chooseGroupsPerBatch(model), kMinGroupsPerBatch, kMaxGroupsPerBatch, "tuning.groups_per_batch");
   if (tuning.groups_per_batch != 0 || tuning.contact_repeat != 0) {
-    checkFits(model.device.info(), model.contact_packed.max_tile_samples, groups_per_batch_, sizes_.repeat);
+    checkFits(model, groups_per_batch_, sizes_.repeat);
   }
 }
 
@@ -129,6 +138,7 @@ ContactPass::Kernel ContactPass::makeKernel(const Variant& variant) const {
       .REACH = law.reach,
       .LIST = variant.list,
       .IS_LAST = law.taxel_passes.empty(),
+      .AREA = model_.area(),
   };
   const PassSizes sizes{sizes_.workgroup, sizes_.lanes, repeatOf(variant)};
   return {model_.context(), law.kernel, model_.profile.select(law.spirv, sizes.workgroup),

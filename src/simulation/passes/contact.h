@@ -10,8 +10,8 @@
 
 namespace taxelsim {
 
-// Samples that a tile may have on this device.
-std::uint32_t maxTileSamples(const DeviceInfo& info);
+// Samples that a tile may have on this device; `area`: with area sampling.
+std::uint32_t maxTileSamples(const DeviceInfo& info, bool area);
 
 class ContactPass {
  public:

@@ -1,0 +1,37 @@
+// Area sampling: the depth of a sample is the mean over the sample's cell of clamp(-z, 0, THICKNESS), where z is the height of the lowest surface of an
+// object. Sums over the cells of a tile, for one object at a time; then the object that is deepest on average has the cell. Twin: src/reference/area_depth.cpp.
+//
+// Sums are integers, so that the order of triangles does not matter.
+
+const float kVolumeUnits = 134217728.0;   // of the cell's area times THICKNESS; 2^27 leaves room for sixteen surfaces above each other
+const float kCoveredUnits = 1048576.0;    // of the cell's area
+const uint kDeepBit = 1u << 31;           // some of the cell is at the skin's full thickness
+
+// Adds the integral (of the cell's area, m) over the covered part (of the cell's area).
+void addToCell(uint address, float volume, float covered, bool subtract) {
+  int amount = int(round(volume * (kVolumeUnits / THICKNESS))), part = int(round(covered * kCoveredUnits));
+  atomicAdd(cell_volumes[address], subtract ? -amount : amount);
+  atomicAdd(cell_covered[address], uint(subtract ? -part : part));
+}
+
+// Gives the cells of a box to the object whose sums are complete, where it is the deepest, and clears its sums. All invocations call it.
+void takeCells(Tile tile, Box box, uint slot, inout Found found) {
+  workgroupBarrier();
+  if (!isAny(box)) return;
+  ivec2 size = box.last - box.first + 1;
+  uint count = uint(size.x * size.y);
+  for (uint i = gl_LocalInvocationIndex; i < count; i += WORKGROUP) {
+    ivec2 at = box.first + ivec2(cellNumbered(i, uint(size.y)));
+    uint address = uint(at.x) * tile.stride + uint(at.y);
+    float depth = float(cell_volumes[address]) * (THICKNESS / kVolumeUnits);
+    uint covered = cell_covered[address];
+    cell_volumes[address] = 0;
+    cell_covered[address] = covered & kDeepBit;
+    // Surfaces of one object above each other share the cell.
+    depth = min(depth / max(float(covered & ~kDeepBit) * (1.0 / kCoveredUnits), 1.0), THICKNESS);
+    if (depth <= 0.0) continue;
+    atomicMin(tile_heights[address], wordOfDepth(depth, slot));
+    grow(found.samples, Box(at, at));
+  }
+  workgroupBarrier();
+}

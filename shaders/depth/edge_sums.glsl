@@ -1,0 +1,26 @@
+// Exact integrals over the part of a polygon that lies in a cell, the unit square, by Green's theorem: the area, and the first moments about the corner of the
+// cell, are sums over the directed edges of a counter-clockwise polygon in (u, v).
+//
+//   v ^    1 +----------+      Between the ends of an edge, clamped to the cell along u, the cell holds the trapezoid under the edge; where the edge is
+//     |      |    /|    |      above the cell, a whole column. Edges that go back along u subtract. The sums of both polygons on an edge cancel.
+//     |      |  /  |    |
+//     |    0 +-----+----+
+//     +------> u
+
+// Subtracts the part of the cell under the edge from p to q from the sums: area, moment along u, moment along v.
+void addEdge(vec2 p, vec2 q, inout vec3 sums) {
+  float along = q.x - p.x;
+  float slope = along != 0.0 ? (q.y - p.y) / along : 0.0;
+  float u0 = clamp(p.x, 0.0, 1.0), u1 = clamp(q.x, 0.0, 1.0);
+  float v0 = p.y + (u0 - p.x) * slope, v1 = q.y + (u1 - q.x) * slope;
+  float a = clamp(v0, 0.0, 1.0), b = clamp(v1, 0.0, 1.0);
+  // Where the edge enters and leaves 0 <= v <= 1.
+  float rise = v1 - v0, run = u1 - u0;
+  float ua = u0 + run * (rise != 0.0 ? clamp((a - v0) / rise, 0.0, 1.0) : 0.0);
+  float ub = u0 + run * (rise != 0.0 ? clamp((b - v0) / rise, 0.0, 1.0) : 1.0);
+  float width = ub - ua;
+  vec2 before = v0 > 1.0 ? vec2(ua - u0, 0.5 * (ua * ua - u0 * u0)) : vec2(0), after = v1 > 1.0 ? vec2(u1 - ub, 0.5 * (u1 * u1 - ub * ub)) : vec2(0);
+  sums.x -= 0.5 * width * (a + b) + before.x + after.x;
+  sums.y -= width * (ua * (2.0 * a + b) + ub * (a + 2.0 * b)) * (1.0 / 6.0) + before.y + after.y;
+  sums.z -= width * (a * a + a * b + b * b) * (1.0 / 6.0) + 0.5 * (before.x + after.x);
+}
