@@ -11,7 +11,7 @@
 //      A sensor of one tile writes taxels only inside the window of its result. For a globally coupled law contact_normal holds, instead of forces, the
 //      surface height (m, in P) at each solver node, with the slot in its lowest bits (depth/slots.glsl); kMiss without a surface.
 // State per sample, between steps: depth, strain and overstresses of a skin that relaxes, shear traction or bristle deflection.
-// Shared memory: 4 TILE_SAMPLES (16 with AREA) + 16 LANES + 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 4 REPEAT + 64 bytes; friction adds 8 LANES + 512, lockstep
+// Shared memory: 4 TILE_SAMPLES (20 with AREA) + 16 LANES + 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 4 REPEAT + 64 bytes; friction adds 8 LANES + 512, lockstep
 //      16 NUM_FACES.
 // Deterministic: the tile is a minimum; LANES partial sums are added in a fixed order, whatever the size of the workgroup.
 // Mutable globals: any_unfinished_loop (driver/loop_limit.glsl); the planes of a polyhedron (depth/polyhedron.glsl).
@@ -50,6 +50,8 @@ const bool kShears = FRICTION && !kGlobalSolve;  // after a global solve, the pa
 #include "depth/edge_sums.glsl"
 #include "depth/cell_depths.glsl"
 #include "depth/facets.glsl"
+#include "depth/chords.glsl"
+#include "depth/round_facets.glsl"
 #include "depth/solid_cells.glsl"
 #include "depth/mesh.glsl"
 #include "depth/raster.glsl"

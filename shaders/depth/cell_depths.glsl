@@ -5,13 +5,14 @@
 
 const float kVolumeUnits = 134217728.0;   // of the cell's area times THICKNESS; 2^27 leaves room for sixteen surfaces above each other
 const float kCoveredUnits = 1048576.0;    // of the cell's area
-const uint kDeepBit = 1u << 31;           // some of the cell is at the skin's full thickness
+const float kSliver = 0.25;               // of a cell: what covers less does not count as deep
+const float kFull = 0.999;                // of THICKNESS: mean depth of the covered part that counts as the skin's full thickness
 
 // Adds the integral (of the cell's area, m) over the covered part (of the cell's area).
 void addToCell(uint address, float volume, float covered, bool subtract) {
   int amount = int(round(volume * (kVolumeUnits / THICKNESS))), part = int(round(covered * kCoveredUnits));
   atomicAdd(cell_volumes[address], subtract ? -amount : amount);
-  atomicAdd(cell_covered[address], uint(subtract ? -part : part));
+  atomicAdd(cell_covered[address], subtract ? -part : part);
 }
 
 // Gives the cells of a box to the object whose sums are complete, where it is the deepest, and clears its sums. All invocations call it.
@@ -23,13 +24,12 @@ void takeCells(Tile tile, Box box, uint slot, inout Found found) {
   for (uint i = gl_LocalInvocationIndex; i < count; i += WORKGROUP) {
     ivec2 at = box.first + ivec2(cellNumbered(i, uint(size.y)));
     uint address = uint(at.x) * tile.stride + uint(at.y);
-    float depth = float(cell_volumes[address]) * (THICKNESS / kVolumeUnits);
-    uint covered = cell_covered[address];
-    cell_volumes[address] = 0;
-    cell_covered[address] = covered & kDeepBit;
+    float depth = float(cell_volumes[address]) * (THICKNESS / kVolumeUnits), covered = float(cell_covered[address]) * (1.0 / kCoveredUnits);
+    cell_volumes[address] = cell_covered[address] = 0;
     // Surfaces of one object above each other share the cell.
-    depth = min(depth / max(float(covered & ~kDeepBit) * (1.0 / kCoveredUnits), 1.0), THICKNESS);
+    depth = min(depth / max(covered, 1.0), THICKNESS);
     if (depth <= 0.0) continue;
+    if (covered > kSliver && depth >= kFull * THICKNESS * min(covered, 1.0)) cell_deep[address] = 1;
     atomicMin(tile_heights[address], wordOfDepth(depth, slot));
     grow(found.samples, Box(at, at));
   }

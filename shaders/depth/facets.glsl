@@ -53,27 +53,28 @@ void addPart(Tile tile, Facet facet, uint part, uint first, uint step) {
     float depth = part == kUnseen ? THICKNESS : clamp(facet.a.z + dot(facet.slope, middle - facet.a.xy), low.z, high.z);
     uint address = uint(cell.x) * tile.stride + uint(cell.y);
     addToCell(address, sums.x * (part == kBeyond ? depth - THICKNESS : depth), part == kBeyond ? 0.0 : sums.x, part != kPressed);
-    if (part == kBeyond && (NUM_ROWS > 0 || depth <= tile.level - tile.z_floor)) atomicOr(cell_covered[address], kDeepBit);
   }
   checkLoop(i < uint(size.x * size.y));
 }
 
-void addTriangle(Tile tile, MeshView view, Vertex p, Vertex q, Vertex r, inout Found found) {
+// Adds the triangle (p, q, r), counter-clockwise seen from outside of the body, if it looks down and touches. `first`, `step`: as in addPart().
+void addFacet(Tile tile, vec3 p, vec3 q, vec3 r, uint first, uint step, inout Found found) {
   const float kLeastArea = 1e-9;  // of a cell, twice
-  float per_unit = 1.0 / float(1 << view.subpixel_bits);
-  Facet facet;
-  facet.a = vec3(vec2(p.at) * per_unit + 0.5, tile.level - p.z);
-  facet.b = vec3(vec2(r.at) * per_unit + 0.5, tile.level - r.z);
-  facet.c = vec3(vec2(q.at) * per_unit + 0.5, tile.level - q.z);
-  vec3 ab = facet.b - facet.a, ac = facet.c - facet.a;
-  float area = ab.x * ac.y - ac.x * ab.y;
-  float deepest = max(facet.a.z, max(facet.b.z, facet.c.z));
-  if (area < kLeastArea || deepest <= 0.0) return;  // looks up or sideways, or does not touch
-  facet.slope = vec2(ab.z * ac.y - ac.z * ab.y, ab.x * ac.z - ac.x * ab.z) / area;
-  uint first = view.large ? gl_LocalInvocationIndex : 0u, step = view.large ? WORKGROUP : 1u;
+  vec3 ab = r - p, ac = q - p;    // seen from above it turns the other way
+  float area = ab.x * ac.y - ac.x * ab.y, deepest = max(p.z, max(q.z, r.z));
+  if (area < kLeastArea || deepest <= 0.0) return;
+  Facet facet = Facet(p, r, q, vec2(ab.z * ac.y - ac.z * ab.y, ab.x * ac.z - ac.x * ab.z) / area);
   addPart(tile, facet, kPressed, first, step);
   if (deepest > THICKNESS) addPart(tile, facet, kBeyond, first, step);
   if (NUM_ROWS > 0 || deepest <= tile.level - tile.z_floor) return;
   addPart(tile, facet, kUnseen, first, step);
   found.below_floor = true;
+}
+
+vec3 inCells(Tile tile, MeshView view, Vertex v) { return vec3(vec2(v.at) / float(1 << view.subpixel_bits) + 0.5, tile.level - v.z); }
+
+// All invocations share the cells of a large triangle.
+void addTriangle(Tile tile, MeshView view, Vertex p, Vertex q, Vertex r, inout Found found) {
+  uint first = view.large ? gl_LocalInvocationIndex : 0u, step = view.large ? WORKGROUP : 1u;
+  addFacet(tile, inCells(tile, view, p), inCells(tile, view, q), inCells(tile, view, r), first, step, found);
 }

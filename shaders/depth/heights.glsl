@@ -78,8 +78,12 @@ void rasterBody(Tile tile, uint instance, uint slot, Body body, int id, inout Fo
     vec4 parameters = objectOf(id).parameters;
     if (AREA) {
       Solid solid = Solid(body.kind_groups.x, parameters, body.X_PO);
-      cells = touchedCells(tile, solid, body);
-      addSolid(tile, solid, cells, found);
+      if (hasFacets(solid)) {
+        addRound(tile, solid, found);
+      } else {
+        cells = touchedCells(tile, solid, body);
+        addSolid(tile, solid, cells, found);
+      }
     } else {
       rasterAnalytic(tile, body, parameters, slot, found);
       grow(found.samples, samplesUnder(tile, body));

@@ -2,44 +2,35 @@
 //
 // Where all corners and the middle of a cell touch and the surface is smooth, the mean of a quadratic surface is (2 middle + mean of the corners) / 3. A convex
 // solid is over the whole cell no lower than 2 middle - highest corner; where that is over the skin, nothing touches. The other cells are listed, and kScanLines
-// lines through each, along y, are integrated: the ends of kScanParts parts show where the line touches, bisection finds the edges, and Gauss's rule with two
-// nodes integrates each of kGaussParts parts between them. Twin: src/reference/covered_solids.cpp, by subdivision.
+// lines through each, along y, are integrated by Gauss's rule with two nodes in each of three pieces of what touches (depth/chords.glsl; by bisection for the
+// other solids). Twin: src/reference/covered_solids.cpp, by subdivision.
 // Shared memory: 4 TILE_SAMPLES + 4 bytes.
 
 const uint kScanLines = 8u;
 const uint kScanParts = 4u;
-const uint kBisections = 6u;         // of a part: to 1/500 of a cell
-const uint kGaussParts = 3u;         // of the contact on a line
+const uint kBisections = 10u;        // of a part: to 1/4000 of a cell
 const float kSmooth = 0.003;         // of a quartic surface: the error of the quadratic is then below this share
 const float kGauss = 0.5773502692;   // nodes of Gauss's rule on [-1, 1]
 
 shared uint edge_cells[AREA && kHasAnalytic ? TILE_SAMPLES : 1u];
 shared uint num_edge_cells;
 
-// The solid in a slot.
-struct Solid {
-  uint kind;
-  vec4 parameters;
-  Affine X_PO;
-};
-
-// Height (m) of the solid's lowest surface at a place of the tile, in samples; kMiss without one.
-float solidHeight(Tile tile, Solid solid, vec2 at, inout Found found) {
-  float z = analyticHeight(solid.kind, solid.parameters, solid.X_PO, samplePosition(tile, at), tile.z_floor, found);
+// Height (m) of the solid's lowest surface over a place of P; kMiss without one.
+float heightAt(Tile tile, Solid solid, vec2 xy, inout Found found) {
+  float z = analyticHeight(solid.kind, solid.parameters, solid.X_PO, xy, tile.z_floor, found);
   bool below_floor = NUM_ROWS == 0 && z < tile.z_floor;
   found.below_floor = found.below_floor || below_floor;
   return below_floor ? kMiss : z;
 }
 
 float depthUnder(Tile tile, float z) { return clamp(tile.level - z, 0.0, THICKNESS); }
-float solidDepth(Tile tile, Solid solid, vec2 at, inout Found found) { return depthUnder(tile, solidHeight(tile, solid, at, found)); }
 
 // The cells of the tile that a solid within the radius of its axis may touch: the axis is cut where it is more than the radius over the skin, and the lowest
 // point of what is left reaches farthest.
 Box touchedCells(Tile tile, Solid solid, Body body) {
-  if (solid.kind == kKindHalfSpace || solid.kind == kKindTorus) return samplesUnder(tile, body);
-  float radius = solid.parameters.x, half_length = solid.kind == kKindSphere ? 0.0 : solid.parameters.y;
-  vec3 low = apply(solid.X_PO, vec3(0, 0, solid.kind == kKindCone ? 0.0 : -half_length)), high = apply(solid.X_PO, vec3(0, 0, half_length));
+  if (isKind(solid.kind, kKindHalfSpace) || isKind(solid.kind, kKindTorus)) return samplesUnder(tile, body);
+  float radius = solid.parameters.x, half_length = isKind(solid.kind, kKindSphere) ? 0.0 : solid.parameters.y;
+  vec3 low = apply(solid.X_PO, vec3(0, 0, -half_length)), high = apply(solid.X_PO, vec3(0, 0, half_length));
   low.z -= tile.level;
   high.z -= tile.level;
   if (low.z > high.z) { vec3 swap = low; low = high; high = swap; }
@@ -53,56 +44,62 @@ Box touchedCells(Tile tile, Solid solid, Body body) {
   return Box(wholeNumbers(floor(clamp(first, vec2(0), end))), wholeNumbers(floor(clamp(last, vec2(-1), end - 1.0))));
 }
 
-// Integral of the depth over one scan line of the cell around `middle`, of a solid that touches the line in one piece.
-float scanLine(Tile tile, Solid solid, vec2 middle, uint line, out bool deep, inout Found found) {
-  vec2 start = middle + vec2((float(line) + 0.5) / float(kScanLines) - 0.5, -0.5);
-  const float kPart = 1.0 / float(kScanParts);
-  float first = 2.0, last = -1.0;  // the first and last end of a part that touch
-  deep = false;
+// The same as chordOf() for another solid, within the cell from `from` to `to` (m), by bisection between places that touch and places that do not.
+vec4 sampledChord(Tile tile, Solid solid, float x, float from, float to, inout Found found) {
+  float first = kMiss, last = kBottomless, part = (to - from) / float(kScanParts);
   for (uint k = 0; k <= kScanParts; ++k) {
-    float depth = solidDepth(tile, solid, start + vec2(0, float(k) * kPart), found);
-    deep = deep || depth >= THICKNESS;
-    if (depth > 0.0) first = min(first, float(k) * kPart);
-    if (depth > 0.0) last = float(k) * kPart;
+    float y = from + float(k) * part;
+    if (heightAt(tile, solid, vec2(x, y), found) >= tile.level) continue;
+    first = min(first, y);
+    last = y;
   }
-  if (last < 0.0) return 0.0;
-  // The edges of the contact lie between these and the next ends, by bisection.
-  vec2 touching = vec2(first, last), apart = clamp(touching + vec2(-kPart, kPart), 0.0, 1.0);
-  for (uint k = 0; k < kBisections; ++k) {
+  vec2 touching = vec2(first, last), apart = clamp(touching + vec2(-part, part), from, to);
+  for (uint k = 0; k < kBisections && last >= first; ++k) {
     vec2 between = 0.5 * (touching + apart);
     for (uint end = 0; end < 2; ++end) {
-      if (touching[end] == apart[end]) continue;
-      if (solidDepth(tile, solid, start + vec2(0, between[end]), found) > 0.0) {
-        touching[end] = between[end];
-      } else {
-        apart[end] = between[end];
-      }
+      bool touches = heightAt(tile, solid, vec2(x, between[end]), found) < tile.level;
+      if (touches) touching[end] = between[end];
+      if (!touches) apart[end] = between[end];
     }
   }
-  vec2 edges = 0.5 * (touching + apart);
-  float length = (edges.y - edges.x) / float(kGaussParts), sum = 0.0;
-  for (uint k = 0; k < 2 * kGaussParts; ++k) {
-    float node = float(k >> 1) + 0.5 + ((k & 1u) != 0 ? 0.5 * kGauss : -0.5 * kGauss);
-    sum += solidDepth(tile, solid, start + vec2(0, edges.x + node * length), found);
+  return mix(touching.xxxx, touching.yyyy, vec4(0, 1, 2, 3) / 3.0);
+}
+
+// Adds one scan line of the cell at `at`.
+void addScanLine(Tile tile, Solid solid, Tube tube, vec2 at, uint line, uint address, inout Found found) {
+  vec2 start = samplePosition(tile, at + vec2((float(line) + 0.5) / float(kScanLines) - 0.5, -0.5));
+  float x = start.x, end = start.y + tile.spacing.y;
+  bool is_cylinder = isKind(solid.kind, kKindCylinder);
+  vec4 chord;
+  if (is_cylinder || isKind(solid.kind, kKindCapsule) || isKind(solid.kind, kKindSphere)) {
+    chord = chordOf(tube, is_cylinder, x);
+  } else {
+    chord = sampledChord(tile, solid, x, start.y, end, found);
   }
-  return 0.5 * sum * length;
+  chord = clamp(chord, start.y, end);
+  float sum = 0.0, per_line = 1.0 / (float(kScanLines) * tile.spacing.y);
+  if (chord.x >= chord.w) return;
+  for (uint k = 0; k < 6; ++k) {
+    uint piece = k >> 1;
+    float middle = 0.5 * (chord[piece] + chord[piece + 1]), half_length = 0.5 * (chord[piece + 1] - chord[piece]);
+    float y = middle + ((k & 1u) != 0 ? kGauss : -kGauss) * half_length;
+    sum += half_length * depthUnder(tile, heightAt(tile, solid, vec2(x, y), found));
+  }
+  addToCell(address, sum * per_line, (chord.w - chord.x) * per_line, false);
 }
 
 // Adds the cell at `at` if all of it is smooth contact. False: it needs scan lines.
 bool addSmoothCell(Tile tile, Solid solid, vec2 at, uint address, inout Found found) {
-  float z = solidHeight(tile, solid, at, found), highest = z, corners = 0.0, middle = depthUnder(tile, z);
-  bool deep = middle >= THICKNESS;
+  float z = heightAt(tile, solid, samplePosition(tile, at), found), highest = z, corners = 0.0, middle = depthUnder(tile, z);
   for (uint k = 0; k < 4; ++k) {
-    float z_corner = solidHeight(tile, solid, at + vec2(k & 1u, k >> 1) - 0.5, found), depth = depthUnder(tile, z_corner);
+    float z_corner = heightAt(tile, solid, samplePosition(tile, at + vec2(k & 1u, k >> 1) - 0.5), found);
     highest = max(highest, z_corner);
-    deep = deep || depth >= THICKNESS;
-    corners += 0.25 * depth;
+    corners += 0.25 * depthUnder(tile, z_corner);
   }
-  if (solid.kind != kKindTorus && highest < kMiss && 2.0 * z - highest > tile.level) return true;
+  if (!isKind(solid.kind, kKindTorus) && highest < kMiss && 2.0 * z - highest > tile.level) return true;
   float bend = abs(corners - middle);  // of a quadratic; it makes a quartic of the order of bend^3 / spacing^2
   if (highest >= tile.level || bend * bend * bend > kSmooth * middle * tile.sample_area) return false;
   addToCell(address, (2.0 * middle + corners) * (1.0 / 3.0), 1.0, false);
-  if (deep) atomicOr(cell_covered[address], kDeepBit);
   return true;
 }
 
@@ -122,14 +119,11 @@ void addSolid(Tile tile, Solid solid, Box box, inout Found found) {
   workgroupBarrier();
   count = num_edge_cells * kScanLines;
   i = gl_LocalInvocationIndex;
+  Tube tube = tubeOf(tile, solid);
   for (; i < count; i += WORKGROUP) {
     uint cell = edge_cells[i / kScanLines];
     uvec2 at = uvec2(cell >> 16, cell & 0xFFFFu);
-    bool deep;
-    float depth = scanLine(tile, solid, tile.first + vec2(at), i % kScanLines, deep, found);
-    uint address = at.x * tile.stride + at.y;
-    if (depth > 0.0) addToCell(address, depth / float(kScanLines), 0.0, false);
-    if (deep) atomicOr(cell_covered[address], kDeepBit);
+    addScanLine(tile, solid, tube, tile.first + vec2(at), i % kScanLines, at.x * tile.stride + at.y, found);
   }
   checkLoop(i < count);
 }

@@ -7,7 +7,8 @@
 const uint kEmpty = 0x7F7FFFFFu;  // the largest finite float, as bits: no surface over the sample
 shared uint tile_heights[TILE_SAMPLES];
 shared int cell_volumes[AREA ? TILE_SAMPLES : 1u];   // with AREA, depth/cell_depths.glsl
-shared uint cell_covered[AREA ? TILE_SAMPLES : 1u];
+shared int cell_covered[AREA ? TILE_SAMPLES : 1u];
+shared uint cell_deep[AREA ? TILE_SAMPLES : 1u];
 #ifdef LOCKSTEP
 shared int lane_words[WORKGROUP];
 #else
@@ -45,8 +46,8 @@ void lowerHeight(Tile tile, uint address, float z, uint slot) {
 void clearHeights() {
   for (uint address = gl_LocalInvocationIndex; address < TILE_SAMPLES; address += WORKGROUP) {
     tile_heights[address] = kEmpty;
-    if (AREA) cell_volumes[address] = 0;
-    if (AREA) cell_covered[address] = 0;
+    if (AREA) cell_volumes[address] = cell_covered[address] = 0;
+    if (AREA) cell_deep[address] = 0;
   }
 }
 
@@ -56,7 +57,7 @@ void clearSamples(Tile tile, Box box) {
     uint first = uint(row) * tile.stride + uint(box.first.y), last = first + uint(box.last.y - box.first.y);
     for (uint address = first; address <= last; ++address) {
       tile_heights[address] = kEmpty;
-      if (AREA) cell_covered[address] = 0;
+      if (AREA) cell_deep[address] = 0;
     }
   }
 }

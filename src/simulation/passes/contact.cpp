@@ -19,7 +19,7 @@ constexpr std::uint32_t kMaxGroupsPerBatch = 128;
 
 // Bytes of shared memory per sample of a tile: shaders/depth/tile_heights.glsl, solid_cells.glsl.
 constexpr std::uint32_t bytesPerSample(bool area) {
-  return area ? 16 : 4;
+  return area ? 20 : 4;
 }
 
 std::uint32_t sharedBytes(const ModelData& model, std::uint32_t groups, std::uint32_t repeat) {

@@ -1,0 +1,36 @@
+// Area sampling of cones, and of cylinders whose ends look up and down: by the facets of a prism or pyramid of kSides sides with the same area of every
+// section, so that the outlines of flat ends are exact integrals (depth/facets.glsl). It deviates by at most 2.1e-4 of the radius.
+
+const uint kSides = 128u;
+const float kSideAngle = 6.2831853072 / float(kSides);
+const float kSameArea = 1.00020083;    // radius of a polygon over that of a circle of the same area: sqrt(angle / sin(angle))
+const float kUpright = 0.7;            // cosine of the axis to z of P, from which a cylinder has facets
+
+bool hasFacets(Solid solid) {
+  return isKind(solid.kind, kKindCone) || isKind(solid.kind, kKindCylinder) && abs(solid.X_PO.row2.z) > kUpright;
+}
+
+// A point of O in cells of the tile and depth.
+vec3 inCells(Tile tile, Solid solid, vec3 p) {
+  vec3 p_P = apply(solid.X_PO, p);
+  return vec3((p_P.xy - tile.corner) / tile.spacing - tile.first + 0.5, tile.level - p_P.z);
+}
+
+void addRound(Tile tile, Solid solid, inout Found found) {
+  bool is_cone = isKind(solid.kind, kKindCone);
+  float radius = solid.parameters.x * kSameArea, low_radius = is_cone ? 0.0 : radius;
+  float low_z = is_cone ? 0.0 : -solid.parameters.y, high_z = solid.parameters.y;
+  vec3 low = inCells(tile, solid, vec3(0, 0, low_z)), high = inCells(tile, solid, vec3(0, 0, high_z));
+  uint i = gl_LocalInvocationIndex;
+  for (; i < kSides; i += WORKGROUP) {
+    float angle = float(i) * kSideAngle, next = float(i + 1) * kSideAngle;
+    vec2 from = vec2(cos(angle), sin(angle)), to = vec2(cos(next), sin(next));
+    vec3 p = inCells(tile, solid, vec3(low_radius * from, low_z)), q = inCells(tile, solid, vec3(low_radius * to, low_z));
+    vec3 r = inCells(tile, solid, vec3(radius * from, high_z)), s = inCells(tile, solid, vec3(radius * to, high_z));
+    addFacet(tile, p, q, s, 0, 1, found);
+    addFacet(tile, p, s, r, 0, 1, found);
+    addFacet(tile, high, r, s, 0, 1, found);
+    if (!is_cone) addFacet(tile, low, q, p, 0, 1, found);
+  }
+  checkLoop(i < kSides);
+}
