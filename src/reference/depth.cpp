@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "base/vector3.h"
+#include "reference/sample_grid.h"
 #include "reference/solids.h"
 #include "sensor/skin.h"
 
@@ -13,36 +14,6 @@ namespace taxelsim::reference {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-// All samples of a patch as one grid: row u = i s + a along x, column v = j s + b along y, for sample (a, b) of taxel (i, j).
-struct SampleGrid {
-  int rows, cols, samples_per_taxel, num_cols;
-  double step_x, step_y;
-  std::array<double, 2> shift;
-
-  SampleGrid(const GridPatch& patch, int s, const std::array<double, 2>& shift_P)
-      : rows(patch.num_rows * s),
-        cols(patch.num_cols * s),
-        samples_per_taxel(s),
-        num_cols(patch.num_cols),
-        step_x(patch.pitch[0] / s),
-        step_y(patch.pitch[1] / s),
-        shift(shift_P) {}
-
-  double x(int u) const { return (u - (rows - 1) / 2.0) * step_x + shift[0]; }
-  double y(int v) const { return (v - (cols - 1) / 2.0) * step_y + shift[1]; }
-  std::size_t index(int u, int v) const {
-    const int s = samples_per_taxel;
-    return ((static_cast<std::size_t>(u / s) * num_cols + v / s) * s + u % s) * s + v % s;
-  }
-  // First and last sample that can lie in [min, max], widened by one on either side against rounding.
-  static std::pair<int, int> range(double min, double max, double step, double shift, int count) {
-    const double middle = (count - 1) / 2.0;
-    const double first = std::floor((min - shift) / step + middle) - 1, last = std::ceil((max - shift) / step + middle) + 1;
-    return {static_cast<int>(std::clamp(first, 0.0, static_cast<double>(count))),
-            static_cast<int>(std::clamp(last, -1.0, static_cast<double>(count - 1)))};
-  }
-};
 
 // Twice the signed area of (a, b, p) in the xy plane.
 double edgeFunction(const Vector3& a, const Vector3& b, double x, double y) {
@@ -108,7 +79,7 @@ void appendHeights(const GridPatch& patch, int samples_per_taxel, std::span<cons
                    std::vector<double>& heights) {
   const SampleGrid grid(patch, samples_per_taxel, rays.shift_P);
   const std::size_t first = heights.size();
-  heights.resize(first + static_cast<std::size_t>(grid.rows) * grid.cols, kInfinity);
+  heights.resize(first + grid.size(), kInfinity);
   const std::span<double> patch_heights = std::span(heights).subspan(first);
   const Pose X_PS = inverse(patch.X_SP);
   for (const PlacedObject& placed : objects) {

@@ -1,5 +1,6 @@
 #include "reference/frame.h"
 
+#include "reference/area_depth.h"
 #include "reference/psf.h"
 
 namespace taxelsim::reference {
@@ -37,10 +38,13 @@ Frame simulateFrame(const Sensor& sensor, const FrameInput& input) {
   }
   const std::vector<PlacedObject> placed = movedAlongZ(input.objects, frame.load.offset);
   frame.heights = surfaceHeights(sensor, placed);
-  frame.penetration = penetrations(frame.heights, sensor.skin.thickness);
+  const bool is_area = sensor.depth_sampling == DepthSampling::kArea;
+  const AreaDepths depths = is_area ? AreaDepth(sensor, placed).at() : AreaDepths{};
+  frame.penetration = is_area ? depths.mean : penetrations(frame.heights, sensor.skin.thickness);
   if (!is_layer) {
     const std::span<const double> previous = input.previous_penetration;
     frame.contact = computeContact(sensor, frame.penetration, input.load ? std::span<const double>{} : previous, input.dt, skin);
+    if (is_area) frame.contact.over_penetration = overPenetration(sensor, depths);
     if (input.skin) input.skin->advance(input.dt, frame.contact.strain);
     const PressedSkin pressed = pressedSamples(sensor, placed, frame.penetration, frame.contact.pressure);
     frame.shear = contactShear(sensor, placed, pressed, input.previous_friction, input.dt);

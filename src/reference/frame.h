@@ -1,7 +1,7 @@
 // One frame of one sensor instance in double precision: all stages in sequence. The test oracle of Simulator.
 //
 //   poses -> heights -> penetration -> pressure, shear -> taxel forces -> spread forces -> lagged forces -> counts -> features
-//    (load search)       depth.h      contact.h,          taxel_laws.h     psf.h            lag.h            readout.h  features.h
+//    (load search)       depth.h,     contact.h,          taxel_laws.h     psf.h            lag.h            readout.h  features.h
 //      load.h                         elastic_layer.h,
 //                                     friction.h
 //
@@ -41,7 +41,7 @@ struct FrameInput {
 // All intermediate values, in order of computation. Fields marked "ElasticLayer only" are empty or 0 for other laws.
 struct Frame {
   LoadResult load;                  // pose-driven: offset 0, reached. ElasticLayer: only offset and reached are set
-  std::vector<double> heights;      // (num_taxels x s x s), m
+  std::vector<double> heights;      // (num_taxels x s x s), m, at the middle of each cell
   std::vector<double> penetration;  // (num_taxels x s x s), m, 0 to thickness
   Contact contact;                  // wrench: of the pressures alone. ElasticLayer: without `pressure` and `strain`
   ContactShear shear;

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/vector3.h"
+#include "reference/area_depth.h"
 #include "reference/samples.h"
 
 namespace taxelsim::reference {
@@ -51,6 +52,10 @@ PressedSkin pressedSamples(const Sensor& sensor, std::span<const PlacedObject> o
   const auto heightsUnder = [&](std::span<const PlacedObject> object) { return surfaceHeights(sensor, object); };
   PressedSkin skin{samplesOf(sensor), std::vector<int>(d.size(), kNoContact), {d.begin(), d.end()}, {pressure.begin(), pressure.end()}};
   if (!hasFriction(sensor.skin) || objects.empty()) return skin;
+  if (sensor.depth_sampling == DepthSampling::kArea) {
+    skin.touching = AreaDepth(sensor, objects).at().touching;
+    return skin;
+  }
   const std::vector<int> lowest = lowestObjects(objects, sensor.skin.thickness, heightsUnder);
   for (std::size_t n = 0; n < d.size(); ++n) skin.touching[n] = d[n] > 0 ? lowest[n] : kNoContact;
   return skin;

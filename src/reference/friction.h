@@ -45,7 +45,7 @@ struct PressedSkin {
 };
 
 // The samples with penetration d (m) and pressure (Pa), both (num_taxels x s x s). A sample is touched where d > 0, by the object with the
-// lowest surface there.
+// lowest surface there; with DepthSampling::kArea by the one with the largest mean depth over the cell.
 PressedSkin pressedSamples(const Sensor& sensor, std::span<const PlacedObject> objects, std::span<const double> d,
                            std::span<const double> pressure);
 

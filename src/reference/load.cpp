@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/vector3.h"
+#include "reference/area_depth.h"
 #include "reference/contact.h"
 
 namespace taxelsim::reference {
@@ -20,7 +21,7 @@ std::pair<double, double> bisect(double low, double high, const std::function<bo
   return {low, high};
 }
 
-// Offset at which a surface first reaches a sample along z of S; -infinity if no object is over any sample.
+// DepthSampling::kPoint: offset at which a surface first reaches a sample along z of S; -infinity if no object is over any sample.
 double firstTouch(const Sensor& sensor, std::span<const PlacedObject> objects) {
   std::vector<double> heights;
   for (const GridPatch& patch : sensor.patches) {
@@ -88,16 +89,20 @@ std::vector<PlacedObject> movedAlongZ(std::span<const PlacedObject> objects, dou
 LoadResult findLoad(const Sensor& sensor, std::span<const PlacedObject> objects, double load, const SkinStep& skin) {
   const double thickness = sensor.skin.thickness;
   LoadResult result;
-  result.first_touch = firstTouch(sensor, objects);
+  const bool is_area = sensor.depth_sampling == DepthSampling::kArea;
+  const AreaDepth area(sensor, is_area ? objects : std::span<const PlacedObject>{});
+  result.first_touch = is_area ? area.firstTouch() : firstTouch(sensor, objects);
   if (!std::isfinite(result.first_touch)) {
     result.first_touch = 0;
     return result;
   }
 
-  // Level patches: the heights shift with the offset. Tilted patches: objects also move sideways, so heights are recomputed.
+  // Level patches: the heights shift with the offset. Tilted patches: objects also move sideways, so heights are recomputed. Means over
+  // cells are recomputed in any case.
   const bool level = allPatchesAreLevel(sensor);
-  const std::vector<double> heights = level ? surfaceHeights(sensor, objects) : std::vector<double>{};
+  const std::vector<double> heights = level && !is_area ? surfaceHeights(sensor, objects) : std::vector<double>{};
   const auto penetrationsAt = [&](double offset) {
+    if (is_area) return area.at(offset).mean;
     if (!level) {
       return penetrations(surfaceHeights(sensor, movedAlongZ(objects, offset)), thickness);
     }
@@ -108,7 +113,7 @@ LoadResult findLoad(const Sensor& sensor, std::span<const PlacedObject> objects,
     return penetrations(moved, thickness);
   };
   const auto deepestAt = [&](double offset) {
-    const std::vector<double> d = penetrationsAt(offset);
+    const std::vector<double> d = is_area ? area.at(offset).deepest : penetrationsAt(offset);
     return *std::max_element(d.begin(), d.end());
   };
   const auto forceAt = [&](double offset) { return forceAlongLoad(sensor, computeContact(sensor, penetrationsAt(offset), {}, 0, skin)); };

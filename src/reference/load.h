@@ -10,7 +10,8 @@
 //
 // The force at rest is monotone in the depth, so bisection between first_touch and full_depth finds the root to the last bit. Over level
 // patches the heights are computed once and shifted. Over tilted patches the objects also move sideways: every evaluation computes the
-// heights anew, and the force may jump where an edge reaches a sample. A load inside such a jump counts as not reached.
+// heights anew, and the force may jump where an edge reaches a sample. A load inside such a jump counts as not reached. With
+// DepthSampling::kArea every evaluation computes the means over the cells; the deepest point of a cell counts for touch and full depth.
 #pragma once
 
 #include <span>
@@ -25,7 +26,7 @@ namespace taxelsim::reference {
 struct LoadResult {
   double offset = 0;  // m, added to z of every pose: carries the load; full_depth if the load is too large; 0 if no object is over the skin
   bool reached = false;    // whether the skin carries the load between first_touch and full_depth
-  double first_touch = 0;  // m: offset at which an object first touches a sample
+  double first_touch = 0;  // m: offset at which an object first touches a sample, or a cell
   double full_depth = 0;   // m: offset at which the deepest sample reaches the skin thickness
 };
 

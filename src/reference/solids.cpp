@@ -1,6 +1,7 @@
 #include "reference/solids.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -24,21 +25,25 @@ double startOf(const Interval& interval) {
   return interval.first <= interval.second ? interval.first : kInfinity;
 }
 
-// Real roots of a t^2 + 2 b t + c in ascending order, without cancellation (W. Kahan's form).
-std::vector<double> quadraticRoots(double a, double b, double c) {
+// Up to two roots in ascending order, on the stack: rays are cast by the million.
+struct Roots {
+  std::array<double, 2> at{};
+  std::size_t count = 0;
+
+  void add(double root) { at[count++] = root; }
+  const double* begin() const { return at.data(); }
+  const double* end() const { return at.data() + count; }
+};
+
+// Real roots of a t^2 + 2 b t + c, without cancellation (W. Kahan's form).
+Roots quadraticRoots(double a, double b, double c) {
+  Roots roots;
   const double discriminant = b * b - a * c;
-  if (discriminant < 0) {
-    return {};
-  }
+  if (discriminant < 0) return roots;
   const double q = -(b + std::copysign(std::sqrt(discriminant), b));
-  std::vector<double> roots;
-  if (a != 0) {
-    roots.push_back(q / a);
-  }
-  if (q != 0) {
-    roots.push_back(c / q);
-  }
-  std::sort(roots.begin(), roots.end());
+  if (a != 0) roots.add(q / a);
+  if (q != 0) roots.add(c / q);
+  if (roots.count == 2 && roots.at[1] < roots.at[0]) std::swap(roots.at[0], roots.at[1]);
   return roots;
 }
 
@@ -48,8 +53,8 @@ Interval insideRound(double velocity_squared, double position_velocity, double p
   if (velocity_squared == 0) {
     return c <= 0 ? kWholeLine : kEmpty;
   }
-  const std::vector<double> roots = quadraticRoots(velocity_squared, position_velocity, c);
-  return roots.empty() ? kEmpty : Interval{roots.front(), roots.back()};
+  const Roots roots = quadraticRoots(velocity_squared, position_velocity, c);
+  return roots.count == 0 ? kEmpty : Interval{*roots.begin(), *(roots.end() - 1)};
 }
 
 Interval insideSlab(double position, double velocity, double min, double max) {
@@ -77,35 +82,41 @@ double evaluate(const std::vector<double>& coefficients, double t) {
   return value;
 }
 
+// The root in [low, high], at whose ends the polynomial has different signs, by Newton's method within the bracket. Coordinates are of
+// size 1.
+double rootBetween(double low, double high, const std::vector<double>& coefficients, const std::vector<double>& derivative) {
+  constexpr int kMaxSteps = 100;  // bisections and linear convergence at a triple root
+  const bool rising = evaluate(coefficients, low) < 0;
+  double t = (low + high) / 2;
+  for (int step = 0; step < kMaxSteps; ++step) {
+    const double value = evaluate(coefficients, t);
+    ((value < 0) == rising ? low : high) = t;
+    const double newton = t - value / evaluate(derivative, t);
+    const double next = newton > low && newton < high ? newton : (low + high) / 2;
+    if (std::abs(next - t) <= 0x1p-53) return next;
+    t = next;
+  }
+  return t;
+}
+
 // Real roots in [low, high] of the polynomial sum coefficients[m] t^m, in ascending order, by recursion on the derivative: between two
-// neighbouring roots of the derivative the polynomial is monotone, and bisection finds its root. Double roots may be missed.
+// neighbouring roots of the derivative the polynomial is monotone. Double roots may be missed.
 std::vector<double> rootsIn(const std::vector<double>& coefficients, double low, double high) {
   std::vector<double> derivative;
-  for (std::size_t m = 1; m < coefficients.size(); ++m) {
-    derivative.push_back(static_cast<double>(m) * coefficients[m]);
-  }
+  for (std::size_t m = 1; m < coefficients.size(); ++m) derivative.push_back(static_cast<double>(m) * coefficients[m]);
   std::vector<double> bounds{low};
   if (derivative.size() > 1) {
-    for (const double t : rootsIn(derivative, low, high)) {
-      bounds.push_back(t);
-    }
+    for (const double t : rootsIn(derivative, low, high)) bounds.push_back(t);
   }
   bounds.push_back(high);
   std::vector<double> roots;
   for (std::size_t i = 0; i + 1 < bounds.size(); ++i) {
-    double u = bounds[i], v = bounds[i + 1];
-    const bool rising = evaluate(coefficients, u) < 0;
-    if (evaluate(coefficients, u) == 0) {
-      roots.push_back(u);
-      continue;
+    const double at_low = evaluate(coefficients, bounds[i]), at_high = evaluate(coefficients, bounds[i + 1]);
+    if (at_low == 0) {
+      roots.push_back(bounds[i]);
+    } else if ((at_low < 0) != (at_high < 0)) {
+      roots.push_back(rootBetween(bounds[i], bounds[i + 1], coefficients, derivative));
     }
-    if ((evaluate(coefficients, v) < 0) == rising) {
-      continue;
-    }
-    for (double middle = (u + v) / 2; middle > u && middle < v; middle = (u + v) / 2) {
-      ((evaluate(coefficients, middle) < 0) == rising ? u : v) = middle;
-    }
-    roots.push_back(v);
   }
   return roots;
 }

@@ -1,0 +1,182 @@
+#include "reference/mean_depth.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+
+#include "sensor/gauss_rule.h"
+
+namespace taxelsim::reference {
+namespace {
+
+constexpr int kIntervals = 32;           // per side of the raster
+constexpr int kBisections = 30;          // of an interval
+constexpr int kMaxHalvings = 12;         // of the adaptive rule: a jump within a piece is located to 2^-12 of it
+constexpr double kRuleTolerance = 1e-6;  // of thickness x length: difference of a rule and its halves
+constexpr int kZooms = 40;               // of lowestHeight()
+
+// Calls visit(kind, begin, end) for the pieces of [low, high] on which kindAt() is constant.
+template <typename KindAt, typename Visit>
+void forEachPiece(double low, double high, KindAt kindAt, Visit visit) {
+  auto kind = kindAt(low);
+  double begin = low, last = low;
+  for (int n = 1; n <= kIntervals; ++n) {
+    const double next = n == kIntervals ? high : low + (high - low) * n / kIntervals;
+    for (const auto next_kind = kindAt(next); kind != next_kind;) {
+      double inside = last, outside = next;
+      auto outside_kind = next_kind;
+      for (int k = 0; k < kBisections; ++k) {
+        const double middle = (inside + outside) / 2;
+        const auto middle_kind = kindAt(middle);
+        if (middle_kind == kind) {
+          inside = middle;
+        } else {
+          outside = middle;
+          outside_kind = middle_kind;
+        }
+      }
+      visit(kind, begin, inside);
+      begin = last = outside;
+      kind = outside_kind;
+    }
+    last = next;
+  }
+  visit(kind, begin, high);
+}
+
+// Adaptive integral over [low, high], smooth or with square roots at the ends. `tolerance`: of the result.
+class Quadrature {
+ public:
+  Quadrature(double low, double high, double tolerance, const std::function<double(double)>& value)
+      : low_(low), high_(high), tolerance_(tolerance), value_(value) {}
+
+  double integral() const { return refined(0, 1, panel(0, 1), kMaxHalvings); }
+
+ private:
+  double panel(double from, double to) const {
+    static const QuadratureRule rule = gaussRule(1, 1);
+    double sum = 0;
+    for (std::size_t n = 0; n < rule.points.size(); ++n) {
+      const double angle = std::numbers::pi / 2 * (from + (to - from) * rule.points[n]), sine = std::sin(angle);
+      sum += rule.weights[n] * std::numbers::pi * sine * std::cos(angle) * value_(low_ + (high_ - low_) * sine * sine);
+    }
+    return (high_ - low_) * (to - from) * sum;
+  }
+  double refined(double from, double to, double whole, int halvings) const {
+    const double middle = (from + to) / 2, left = panel(from, middle), right = panel(middle, to);
+    if (halvings == 0 || std::abs(left + right - whole) <= tolerance_) return left + right;
+    return refined(from, middle, left, halvings - 1) + refined(middle, to, right, halvings - 1);
+  }
+
+  double low_, high_, tolerance_;
+  const std::function<double(double)>& value_;
+};
+
+// The pieces of f, and a sequence of them as digits of a number.
+using Piece = std::uint64_t;
+constexpr Piece kNone = 1, kShallow = 2, kFull = 3, kDigit = 4;
+
+class Integrator {
+ public:
+  Integrator(const HeightAt& heightAt, const Rectangle& domain, const DepthRange& range)
+      : heightAt_(heightAt), domain_(domain), range_(range) {}
+
+  double volume() {
+    const double height = domain_.max[1] - domain_.min[1];
+    const std::function<double(double)> lineAt = [this](double x) { return lineIntegral(x); };
+    double sum = 0;
+    forEachPiece(
+        domain_.min[0], domain_.max[0], [this](double x) { return sequenceAt(x); },
+        [&](Piece sequence, double begin, double end) {
+          if (sequence == kFull) {
+            sum += (end - begin) * height * range_.thickness;
+          } else if (sequence != kNone) {
+            sum += Quadrature(begin, end, kRuleTolerance * range_.thickness * domain_.area(), lineAt).integral();
+          }
+        });
+    return sum;
+  }
+
+  double deepest() const { return deepest_; }
+
+ private:
+  double depthAt(double x, double y) {
+    const double depth = range_.depthAt(heightAt_(x, y));
+    deepest_ = std::max(deepest_, depth);
+    return depth;
+  }
+  Piece pieceAt(double x, double y) {
+    const double depth = depthAt(x, y);
+    return depth <= 0 ? kNone : depth < range_.thickness ? kShallow : kFull;
+  }
+  Piece sequenceAt(double x) {
+    Piece sequence = 0;
+    for (int n = 0; n <= kIntervals; ++n) {
+      const Piece piece = pieceAt(x, domain_.min[1] + (domain_.max[1] - domain_.min[1]) * n / kIntervals);
+      if (sequence % kDigit != piece) sequence = kDigit * sequence + piece;
+    }
+    return sequence;
+  }
+  double lineIntegral(double x) {
+    const std::function<double(double)> depthOnLine = [this, x](double y) { return depthAt(x, y); };
+    const double tolerance = kRuleTolerance * range_.thickness * (domain_.max[1] - domain_.min[1]);
+    double sum = 0;
+    forEachPiece(
+        domain_.min[1], domain_.max[1], [this, x](double y) { return pieceAt(x, y); },
+        [&](Piece piece, double begin, double end) {
+          if (piece == kFull) sum += (end - begin) * range_.thickness;
+          if (piece == kShallow) sum += Quadrature(begin, end, tolerance, depthOnLine).integral();
+        });
+    return sum;
+  }
+
+  const HeightAt& heightAt_;
+  const Rectangle& domain_;
+  const DepthRange& range_;
+  double deepest_ = 0;
+};
+
+}  // namespace
+
+CellDepth meanDepth(const HeightAt& heightAt, const Rectangle& domain, double cell_area, const DepthRange& range) {
+  if (domain.isEmpty()) return {};
+  Integrator integrator(heightAt, domain, range);
+  const double volume = integrator.volume();
+  return {volume / cell_area, integrator.deepest()};
+}
+
+double lowestHeight(const HeightAt& heightAt, const Rectangle& rectangle) {
+  if (rectangle.isEmpty()) return std::numeric_limits<double>::infinity();
+  std::array<double, 2> middle{}, half{};
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    middle[axis] = (rectangle.min[axis] + rectangle.max[axis]) / 2;
+    half[axis] = (rectangle.max[axis] - rectangle.min[axis]) / 2;
+  }
+  double lowest = std::numeric_limits<double>::infinity();
+  std::array<double, 2> best = middle;
+  const auto scan = [&](int intervals) {
+    const std::array<double, 2> centre = best;
+    for (int i = 0; i <= intervals; ++i) {
+      for (int j = 0; j <= intervals; ++j) {
+        const double x = std::clamp(centre[0] + half[0] * (2.0 * i / intervals - 1), rectangle.min[0], rectangle.max[0]);
+        const double y = std::clamp(centre[1] + half[1] * (2.0 * j / intervals - 1), rectangle.min[1], rectangle.max[1]);
+        const double height = heightAt(x, y);
+        if (height < lowest) {
+          lowest = height;
+          best = {x, y};
+        }
+      }
+    }
+  };
+  scan(2 * kIntervals);
+  half = {half[0] / kIntervals, half[1] / kIntervals};
+  for (int zoom = 0; zoom < kZooms; ++zoom) {
+    scan(4);
+    half = {half[0] * 0.75, half[1] * 0.75};
+  }
+  return lowest;
+}
+
+}  // namespace taxelsim::reference
