@@ -28,9 +28,10 @@ void takeCells(Tile tile, Box box, uint slot, inout Found found) {
     cell_volumes[address] = cell_covered[address] = 0;
     // Surfaces of one object above each other share the cell.
     depth = min(depth / max(covered, 1.0), THICKNESS);
+    float share = clamp(covered, 1.0 / kCoveredUnits, 1.0);
     if (depth <= 0.0) continue;
-    if (covered > kSliver && depth >= kFull * THICKNESS * min(covered, 1.0)) cell_deep[address] = 1;
-    atomicMin(tile_heights[address], wordOfDepth(depth, slot));
+    uint word = wordOfDepth(depth, slot);
+    if (word < atomicMin(tile_heights[address], word)) cell_shares[address] = share > kSliver && depth >= kFull * THICKNESS * share ? -share : share;
     grow(found.samples, Box(at, at));
   }
   workgroupBarrier();

@@ -8,7 +8,7 @@ const uint kEmpty = 0x7F7FFFFFu;  // the largest finite float, as bits: no surfa
 shared uint tile_heights[TILE_SAMPLES];
 shared int cell_volumes[AREA ? TILE_SAMPLES : 1u];   // with AREA, depth/cell_depths.glsl
 shared int cell_covered[AREA ? TILE_SAMPLES : 1u];
-shared uint cell_deep[AREA ? TILE_SAMPLES : 1u];
+shared float cell_shares[AREA ? TILE_SAMPLES : 1u];  // the covered share of a cell, negative at the skin's full thickness
 #ifdef LOCKSTEP
 shared int lane_words[WORKGROUP];
 #else
@@ -47,7 +47,7 @@ void clearHeights() {
   for (uint address = gl_LocalInvocationIndex; address < TILE_SAMPLES; address += WORKGROUP) {
     tile_heights[address] = kEmpty;
     if (AREA) cell_volumes[address] = cell_covered[address] = 0;
-    if (AREA) cell_deep[address] = 0;
+    if (AREA) cell_shares[address] = 1.0;
   }
 }
 
@@ -57,7 +57,7 @@ void clearSamples(Tile tile, Box box) {
     uint first = uint(row) * tile.stride + uint(box.first.y), last = first + uint(box.last.y - box.first.y);
     for (uint address = first; address <= last; ++address) {
       tile_heights[address] = kEmpty;
-      if (AREA) cell_deep[address] = 0;
+      if (AREA) cell_shares[address] = 1.0;
     }
   }
 }

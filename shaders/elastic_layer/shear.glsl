@@ -5,8 +5,8 @@ struct Shear {
   vec3 torque;  // about P's origin, in P, N m
 };
 
-vec2 tractionAfter(inout vec2 traction, vec2 u, float share, float pressure, float per_dt) {
-  return traction = springTraction(traction, u, share, pressure);
+vec2 tractionAfter(inout vec2 traction, vec2 u, float share, float covered, float pressure, float per_dt) {
+  return traction = springTraction(traction, u, share, covered, pressure);
 }
 
 uint frictionStart(uint instance) { return instance * (kFrictionHeader + NODE_ROWS * NODE_COLS); }
@@ -46,7 +46,7 @@ Shear shearNodes(uint instance, uint num_slots, Surface surface, uint layer_star
       float pressure = valueAt(layer_start, kLayerPressure, node) * (node_force / nodeArea());
       uint slot = slotOf(heights[surface.first_height + node.x * NODE_COLS + node.y]);
       vec3 p = vec3(nodePosition(node), -(overlapAt(surface, node) + shift) * THICKNESS);
-      vec2 q = shearTraction(shearState(instance, node), isInWindow(node, state_window), pressure > 0.0, slot, only_motion, p, pressure, 0.0);
+      vec2 q = shearTraction(shearState(instance, node), isInWindow(node, state_window), pressure > 0.0, slot, only_motion, p, 1.0, pressure, 0.0);
       force += q;
       torque += cross(p, vec3(q, 0));
     }

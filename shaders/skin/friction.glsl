@@ -12,13 +12,14 @@
 
 #include "skin/cone.glsl"
 
-// The rule, which the includer defines: shear traction (Pa) under `pressure` (Pa) after the object has moved by `u` (m, along x and y of P) while a `share` of
-// the step in contact. `sample_state` is kept between steps. `per_dt`: 1 / the step's time, 1/s.
-vec2 tractionAfter(inout vec2 sample_state, vec2 u, float share, float pressure, float per_dt);
+// The rule, which the includer defines: shear traction (Pa, mean over the cell) under `pressure` (Pa, likewise) after the object, which covers a part `covered`
+// of the cell, has moved by `u` (m, along x and y of P) while a `share` of the step in contact. `sample_state` is kept between steps. `per_dt`: 1 / the step's
+// time, 1/s.
+vec2 tractionAfter(inout vec2 sample_state, vec2 u, float share, float covered, float pressure, float per_dt);
 
 // Rule of the springs; their state is their traction, Pa.
-vec2 springTraction(vec2 traction, vec2 u, float share, float pressure) {
-  return onCone(traction + TANGENTIAL_STIFFNESS * share * u, FRICTION_COEFFICIENT * pressure);
+vec2 springTraction(vec2 traction, vec2 u, float share, float covered, float pressure) {
+  return onCone(traction + TANGENTIAL_STIFFNESS * covered * share * u, FRICTION_COEFFICIENT * pressure);
 }
 
 // ---- motion of the objects ----
@@ -85,9 +86,10 @@ vec2 sampleState(uint state_index) {
   return (words.x & ~kSlotMask) == kNoFrictionState ? vec2(0) : vec2(withoutSlot(words.x), uintBitsToFloat(words.y));
 }
 
-// Shear traction (Pa) at the sample p of P under `pressure` (Pa), if the object in `slot` touches it; stores the sample's state for the next step.
+// Shear traction (Pa) at the sample p of P under `pressure` (Pa), if the object in `slot` touches it and covers
+// `covered` of its cell; stores the sample's state for the next step.
 // `has_state`: the step before has stored a state of the sample. `only_motion`: as loadMotions() returned it.
-vec2 shearTraction(uint state_index, bool has_state, bool touches, uint slot, Motion only_motion, vec3 p, float pressure, float per_dt) {
+vec2 shearTraction(uint state_index, bool has_state, bool touches, uint slot, Motion only_motion, vec3 p, float covered, float pressure, float per_dt) {
   uvec2 before = uvec2(kNoFrictionState, 0u), after = before;
   vec2 q = vec2(0), sample_state = vec2(0);
   if (touches) {
@@ -98,7 +100,7 @@ vec2 shearTraction(uint state_index, bool has_state, bool touches, uint slot, Mo
       vec3 u = apply(motion.displacement, p);
       float share = !touched && u.z < 0.0 ? clamp(p.z / u.z, 0.0, 1.0) : 1.0;  // skin that bulges touches objects at p.z > 0
       if (touched) sample_state = vec2(withoutSlot(before.x), uintBitsToFloat(before.y));
-      q = tractionAfter(sample_state, u.xy, share, pressure, per_dt);
+      q = tractionAfter(sample_state, u.xy, share, covered, pressure, per_dt);
     }
     after = uvec2(withSlot(sample_state.x, slot), floatBitsToUint(sample_state.y));
   }

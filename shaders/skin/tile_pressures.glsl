@@ -140,7 +140,8 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
       float d = clamp(step.load_driven ? step.found.depth - (height - step.found.lowest) : THICKNESS - height, 0.0, THICKNESS);
       if (AREA) d = depthOfWord(word);
       float d_rate = HAS_STATE ? depthRate(step, address, d) : 0.0;
-      deep += d >= THICKNESS || (AREA && cell_deep[address] != 0) ? 1u : 0u;
+      float share = AREA ? cell_shares[address] : 1.0;
+      deep += d >= THICKNESS || share < 0.0 ? 1u : 0u;
       float f = lawPressure(d, d_rate);
       if (RELAXATION > 0) {
         SkinState skin = skinAt(step.skin, address, is_reached);
@@ -157,7 +158,7 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
       }
       if (kShears) {
         uint state_index = step.friction_state + kFrictionHeader + address;
-        vec2 q = shearTraction(state_index, has_state, d > 0.0, slotOf(word), step.only_motion, vec3(position, -d), f, step.per_dt);
+        vec2 q = shearTraction(state_index, has_state, d > 0.0, slotOf(word), step.only_motion, vec3(position, -d), abs(share), f, step.per_dt);
         shear += q;
         shear_moment += cross(vec3(position, -d), vec3(q, 0));
       }

@@ -18,7 +18,7 @@ constexpr double kDt = 0.01;  // s
 constexpr std::uint64_t kSeed = 77;
 
 // A sensor that uses damping, noise, a wide PSF and two patches.
-Sensor busySensor() {
+Sensor busySensor(DepthSampling sampling = DepthSampling::kPoint) {
   Sensor sensor = support::gridSensor({.num_rows = 5, .num_cols = 7, .samples_per_taxel = 3, .law = {1.73e8, 1, 1e5}});
   sensor.patches.push_back(sensor.patches[0]);
   sensor.patches[1].name = "second";
@@ -26,6 +26,7 @@ Sensor busySensor() {
   sensor.psf = gaussianPsf(0.8, 5);
   sensor.readout = support::paperReadout();
   sensor.readout.noise = 5;
+  sensor.depth_sampling = sampling;
   return sensor;
 }
 
@@ -102,6 +103,17 @@ TEST(BatchOnEveryDriver, InstanceInABatchEqualsItAlone) {
     EXPECT_EQ(together[i], runBatch(model, batch, {i})[0]) << "instance " << i;
   }
   EXPECT_NE(together[0], together[1]);
+}
+
+TEST(BatchOnEveryDriver, AreaSampling) {
+  const Sensor sensor = busySensor(DepthSampling::kArea);
+  const Batch batch = randomBatch(sensor, 9);
+  const std::vector<int> all{0, 1, 2, 3, 4, 5, 6, 7, 8};
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = batch.objects});
+  const auto together = runBatch(model, batch, all);
+  for (const int i : all) EXPECT_EQ(together[i], runBatch(model, batch, {i})[0]) << "instance " << i;
+  const Model wider(support::sharedDevice(), {.sensor = sensor, .objects = batch.objects, .contact_workgroup = 32});
+  EXPECT_EQ(together, runBatch(wider, batch, all));
 }
 
 TEST(BatchOnEveryDriver, RunsAreRepeatable) {

@@ -35,7 +35,7 @@ vec2 bristleShear(inout vec2 s, vec2 u, float share, float per_dt) {
 }
 
 // The contact pass's rule of skin/friction.glsl: bristles for the law lugre, else springs.
-vec2 tractionAfter(inout vec2 sample_state, vec2 u, float share, float pressure, float per_dt) {
+vec2 tractionAfter(inout vec2 sample_state, vec2 u, float share, float covered, float pressure, float per_dt) {
   if (BRISTLES) return pressure * bristleShear(sample_state, u, share, per_dt);
-  return sample_state = springTraction(sample_state, u, share, pressure);
+  return sample_state = springTraction(sample_state, u, share, covered, pressure);
 }

@@ -48,9 +48,9 @@ void packMesh(const Mesh& mesh, bool closed, const SampleGrid& grid, PackedObjec
                 "the objects have more than " + std::to_string(kMaxClusters * kQuadsPerCluster) + " pairs of triangles together");
   }
   const Raster raster = chooseRaster(mesh, grid);
-  record.kind_groups = {layout::kKindMesh, first_group, static_cast<std::uint32_t>(clustered.groups.size()),
-                        static_cast<std::uint32_t>(raster.subpixel_bits) | (raster.large ? layout::kLargeTriangles : 0u) |
-                            (closed ? layout::kClosed : 0u)};
+  record.kind_groups = {
+      layout::kKindMesh, first_group, static_cast<std::uint32_t>(clustered.groups.size()),
+      static_cast<std::uint32_t>(raster.subpixel_bits) | (raster.large ? layout::kLargeTriangles : 0u) | (closed ? layout::kClosed : 0u)};
   record.lattice = {static_cast<float>(clustered.middle[0]), static_cast<float>(clustered.middle[1]),
                     static_cast<float>(clustered.middle[2]), static_cast<float>(clustered.step)};
   for (const ClusterBox& group : clustered.groups) packed.groups.push_back(packBox(group, first_cluster));
@@ -65,10 +65,13 @@ void packMesh(const Mesh& mesh, bool closed, const SampleGrid& grid, PackedObjec
 Mesh meshOf(const Box& box) {
   Mesh mesh;
   for (unsigned corner = 0; corner < 8; ++corner) {
-    const auto at = [&](std::size_t axis) { return static_cast<float>((corner >> axis & 1u) != 0 ? box.size[axis] / 2 : -box.size[axis] / 2); };
+    const auto at = [&](std::size_t axis) {
+      return static_cast<float>((corner >> axis & 1u) != 0 ? box.size[axis] / 2 : -box.size[axis] / 2);
+    };
     mesh.vertices.push_back({at(0), at(1), at(2)});
   }
-  mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4}, {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+  mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                    {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
   return mesh;
 }
 

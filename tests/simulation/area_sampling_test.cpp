@@ -1,0 +1,331 @@
+// Area sampling on the device, DepthSampling::kArea: contacts of any size against closed forms and the double-precision twin, beside point
+// sampling.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "reference/area_depth.h"
+#include "simulation/comparison.h"
+#include "simulation/input_error.h"
+#include "support/curved_sensor.h"
+#include "support/random_scene.h"
+
+namespace taxelsim {
+namespace {
+
+using support::Random;
+using support::Touch;
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kStiffness = 1.73e8;  // N/m^3
+constexpr double kDt = 1e-3;           // s
+// Of the force, where cells are exact integrals over facets: heights are rounded by at most kMarginZ, and an outline by 2 kShift on both
+// sides of a width.
+constexpr double facetError(double depth, double width) {
+  return support::kMarginZ / depth + 4 * support::kShift / width;
+}
+// Eight scan lines per cell (shaders/depth/solid_cells.glsl) are the midpoint rule for the section of a contact that is W lines wide. Where
+// it ends like (W^2 - x^2)^(3/2) (a sphere), or like a parabola (a wire along the lines), the rule errs by less than 1 / W^2.
+constexpr double scanError(double width) {
+  constexpr double kLine = 0.85e-3 / 8;  // m
+  return kLine * kLine / (width * width);
+}
+// The load search over tiles stops at 1e-6; the float32 sum of forces adds as much.
+constexpr double kCarried = 2e-6;
+
+Sensor areaSensor(DepthSampling sampling = DepthSampling::kArea) {
+  Sensor sensor = support::gridSensor({.thickness = 2e-3});
+  sensor.depth_sampling = sampling;
+  return sensor;
+}
+
+// A cylinder along z as a mesh of 96 sides with the area of the circle.
+Mesh pinMesh(double radius, double length) {
+  constexpr int kSides = 96;
+  constexpr double kAngle = 2 * kPi / kSides;
+  const double r = radius * std::sqrt(kAngle / std::sin(kAngle));
+  Mesh mesh;
+  for (int i = 0; i < kSides; ++i) {
+    const auto x = static_cast<float>(r * std::cos(i * kAngle)), y = static_cast<float>(r * std::sin(i * kAngle));
+    mesh.vertices.push_back({x, y, static_cast<float>(-length / 2)});
+    mesh.vertices.push_back({x, y, static_cast<float>(length / 2)});
+  }
+  mesh.vertices.push_back({0, 0, static_cast<float>(-length / 2)});
+  mesh.vertices.push_back({0, 0, static_cast<float>(length / 2)});
+  for (unsigned i = 0; i < kSides; ++i) {
+    const unsigned j = (i + 1) % kSides;
+    mesh.triangles.insert(mesh.triangles.end(), {{2 * i, 2 * j, 2 * j + 1}, {2 * i, 2 * j + 1, 2 * i + 1}});
+    // The ends wind the wrong way, which area sampling has to find out.
+    mesh.triangles.insert(mesh.triangles.end(), {{2 * kSides, 2 * i, 2 * j}, {2 * kSides + 1, 2 * j + 1, 2 * i + 1}});
+  }
+  return mesh;
+}
+
+struct Case {
+  Object object;
+  double lift;  // m, height of the origin over the lowest point
+  Quaternion rotation{1, 0, 0, 0};
+  std::function<double(double)> volume;  // m^3 below the skin, by depth (m)
+  double error;                          // of the force, relative
+  double centre = 0.06e-3;               // m: each cell acts in its middle
+};
+
+std::vector<Case> cases(double depth) {
+  const auto flat = [](double area) { return [area](double d) { return area * d; }; };
+  const Quaternion lying = axisAngle({1, 0, 0}, kPi / 2);
+  const auto cap = [](double radius) { return [radius](double d) { return kPi * d * d * (radius - d / 3); }; };
+  const double wire = 0.5e-3, length = 12e-3, half_width = std::sqrt(2 * wire * depth - depth * depth);
+  const auto segment = [=](double d) {
+    return length * (wire * wire * std::acos(1 - d / wire) - (wire - d) * std::sqrt(2 * wire * d - d * d));
+  };
+  std::vector<Case> all;
+  for (const double radius : {0.5e-3, 0.75e-3, 2e-3}) {
+    const double error = facetError(depth, radius), area = kPi * radius * radius;
+    all.push_back({Object(Cylinder{radius, length}), length / 2, {1, 0, 0, 0}, flat(area), error});
+    all.push_back({Object("pin", pinMesh(radius, length)), length / 2, {1, 0, 0, 0}, flat(area), error});
+  }
+  all.push_back({Object(Box{{10.5e-3, 10.5e-3, 10e-3}}), 5e-3, {1, 0, 0, 0}, flat(10.5e-3 * 10.5e-3), facetError(depth, 10.5e-3)});
+  all.push_back({Object(Box{{1e-3, 8e-3, 10e-3}}), 5e-3, {1, 0, 0, 0}, flat(8e-6), facetError(depth, 1e-3)});
+  all.push_back({Object(Cone{.radius = 4e-3, .height = 4e-3}),
+                 0,
+                 {1, 0, 0, 0},
+                 [](double d) { return kPi * d * d * d / 3; },
+                 4 * facetError(depth, 2 * depth) + 4e-4});  // the square of a pyramid's outline is rounded as well
+  all.push_back({Object(Cylinder{wire, length}), wire, lying, segment, facetError(depth, half_width) + scanError(half_width)});
+  for (const double radius : {1e-3, 2e-3, 8e-3}) {
+    const double contact = std::sqrt(2 * radius * depth - depth * depth);
+    all.push_back({Object(Sphere{radius}), radius, {1, 0, 0, 0}, cap(radius), facetError(depth, contact) + scanError(contact)});
+  }
+  all.push_back({Object(Capsule{1e-3, 1e-9}), 1e-3, {1, 0, 0, 0}, cap(1e-3), facetError(depth, 0.7e-3) + scanError(0.7e-3)});
+  return all;
+}
+
+std::vector<Pose> places(const Case& contact, double depth, int count) {
+  Random random(5);
+  std::vector<Pose> poses;
+  for (int i = 0; i < count; ++i) {
+    poses.push_back({{random.uniform(-1.7e-3, 1.7e-3), random.uniform(-1.7e-3, 1.7e-3), contact.lift - depth}, contact.rotation});
+  }
+  return poses;
+}
+
+struct Errors {
+  double force = 0, centre = 0;  // worst; m
+};
+
+Errors errorsOf(const FrameView& frame, const std::vector<Pose>& poses, double expected) {
+  Errors errors;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const float* wrench = &frame.ground_truth.contact_wrench[6 * i];
+    const double force = -wrench[2], x = wrench[4] / force, y = -wrench[3] / force;
+    errors.force = std::max(errors.force, std::abs(force / expected - 1));
+    errors.centre = std::max(errors.centre, std::hypot(x - poses[i].position[0], y - poses[i].position[1]));
+  }
+  return errors;
+}
+
+Model modelOf(const std::vector<Case>& all, DepthSampling sampling) {
+  std::vector<Object> objects;
+  for (const Case& contact : all) objects.push_back(contact.object);
+  return Model(support::sharedDevice(), {.sensor = areaSensor(sampling), .objects = objects});
+}
+
+constexpr int kPlaces = 50;
+
+TEST(AreaSamplingOnEveryDriver, ForceAndCentreAtAnyPlace) {
+  const double depth = 0.3e-3;
+  const std::vector<Case> all = cases(depth);
+  const Model area = modelOf(all, DepthSampling::kArea), point = modelOf(all, DepthSampling::kPoint);
+  Simulator area_simulator(area, {.num_instances = kPlaces}), point_simulator(point, {.num_instances = kPlaces});
+  for (std::size_t c = 0; c < all.size(); ++c) {
+    SCOPED_TRACE("case " + std::to_string(c) + ", " + all[c].object.name);
+    const std::vector<Pose> poses = places(all[c], depth, kPlaces);
+    const std::vector<int> ids(kPlaces, static_cast<int>(c));
+    const auto run = [&](Simulator& simulator) {
+      simulator.setObjects(ids, poses);
+      simulator.step(kDt);
+      return errorsOf(simulator.read(), poses, kStiffness * all[c].volume(depth));
+    };
+    const Errors errors = run(area_simulator);
+    EXPECT_LE(errors.force, all[c].error);
+    EXPECT_LE(errors.centre, all[c].centre);
+    EXPECT_GT(run(point_simulator).force, 2 * errors.force);  // the baseline
+  }
+}
+
+// Loads from a light touch to half the thickness on each object are carried, and by the depth that has the closed form's volume.
+TEST(AreaSamplingOnEveryDriver, LoadsAreCarried) {
+  const std::vector<Case> all = cases(0.3e-3);
+  const Model model = modelOf(all, DepthSampling::kArea);
+  Simulator simulator(model, {.num_instances = kPlaces});
+  for (std::size_t c = 0; c < all.size(); ++c) {
+    SCOPED_TRACE("case " + std::to_string(c) + ", " + all[c].object.name);
+    std::vector<float> loads;
+    for (int i = 0; i < kPlaces; ++i) {
+      const double depth = 0.05e-3 * std::pow(9, i / (kPlaces - 1.0));
+      loads.push_back(static_cast<float>(kStiffness * all[c].volume(depth)));
+    }
+    simulator.setObjects(std::vector<int>(kPlaces, static_cast<int>(c)), places(all[c], 0, kPlaces));
+    simulator.setLoads(loads);
+    simulator.step(kDt);
+    const FrameView frame = simulator.read();
+    for (int i = 0; i < kPlaces; ++i) {
+      EXPECT_TRUE(frame.ground_truth.load_reached[i]) << loads[i] << " N";
+      EXPECT_NEAR(-frame.ground_truth.contact_wrench[6 * i + 2] / loads[i], 1, kCarried) << loads[i] << " N";
+    }
+  }
+}
+
+// A stamp that slides in steps of 0.1 mm moves no more force between taxels than its edge sweeps over.
+TEST(AreaSampling, SlidesWithoutJumps) {
+  constexpr int kSteps = 64;
+  constexpr double kStep = 0.1e-3, kDepth = 0.3e-3, kSide = 10.5e-3;  // m
+  const Model model(support::sharedDevice(), {.sensor = areaSensor(), .objects = {Object(Box{{kSide, kSide, 10e-3}})}});
+  Simulator simulator(model, {.num_instances = kSteps});
+  std::vector<Pose> poses;
+  for (int i = 0; i < kSteps; ++i) poses.push_back({{i * kStep - 3e-3, 0, 5e-3 - kDepth}, {1, 0, 0, 0}});
+  simulator.setObjects(std::vector<int>(kSteps, 0), poses);
+  simulator.step(kDt);
+  const FrameView frame = simulator.read();
+  const int n = numTaxels(model.sensor());
+  const double swept = kStiffness * kDepth * kStep * 3.4e-3;
+  double largest = 0;
+  for (int i = 1; i < kSteps; ++i) {
+    for (int t = 0; t < n; ++t) {
+      const double change = frame.ground_truth.tactile_normal_force[i * n + t] - frame.ground_truth.tactile_normal_force[(i - 1) * n + t];
+      largest = std::max(largest, std::abs(change));
+    }
+  }
+  EXPECT_LE(largest, swept * (1 + facetError(kDepth, kStep)));
+  EXPECT_GE(largest, swept * (1 - facetError(kDepth, kStep)));
+}
+
+// Deeper than the skin is thick, a pin presses with the thickness, and every cell that it covers by a quarter or more counts as
+// over-penetrated.
+TEST(AreaSampling, PressesNoDeeperThanTheSkin) {
+  const double radius = 2e-3;
+  const Model model(support::sharedDevice(),
+                    {.sensor = areaSensor(), .objects = {Object(Cylinder{radius, 12e-3}), Object("pin", pinMesh(radius, 12e-3))}});
+  Simulator simulator(model, {.num_instances = 2});
+  simulator.setObjects(std::vector<int>{0, 1}, std::vector<Pose>(2, Pose{{0.2e-3, 0.1e-3, 6e-3 - 3e-3}, {1, 0, 0, 0}}));
+  simulator.step(kDt);
+  const FrameView frame = simulator.read();
+  const double thickness = 2e-3, cells = kPi * radius * radius / (0.85e-3 * 0.85e-3), all_cells = 16.0 * numTaxels(model.sensor());
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_NEAR(-frame.ground_truth.contact_wrench[6 * i + 2] / (kStiffness * kPi * radius * radius * thickness), 1,
+                facetError(thickness, radius));
+    EXPECT_GE(frame.ground_truth.over_penetration[i] * all_cells, cells);  // the rim covers parts of more cells
+    EXPECT_LE(frame.ground_truth.over_penetration[i] * all_cells, 1.5 * cells);
+  }
+}
+
+// Depths of all taxels against the twin, which clips polygons and subdivides solids in double precision.
+void expectDepths(const FrameView& frame, int instance, const Sensor& sensor, const Touch& touch, const std::vector<Object>& objects) {
+  // A cell on the edge of a solid of 2 mm or more: eight scan lines, sixteen cells a taxel, of which four on an edge.
+  constexpr double kScan = 0.004;
+  const std::vector<reference::PlacedObject> placed = touch.placed(objects);
+  const std::vector<double> mean = reference::meanPenetrations(sensor, placed);
+  const auto per_taxel = static_cast<std::size_t>(sensor.samples_per_taxel * sensor.samples_per_taxel);
+  const auto num_taxels = static_cast<std::size_t>(numTaxels(sensor));
+  for (std::size_t t = 0; t < num_taxels; ++t) {
+    double expected = 0, largest = 0;
+    for (std::size_t k = 0; k < per_taxel; ++k) {
+      expected += mean[t * per_taxel + k] / static_cast<double>(per_taxel);
+      largest = std::max(largest, mean[t * per_taxel + k]);
+    }
+    EXPECT_NEAR(frame.ground_truth.penetration_depth[static_cast<std::size_t>(instance) * num_taxels + t], expected,
+                kScan * largest + 2 * support::kMarginZ)
+        << "taxel " << t;
+  }
+}
+
+class AreaSamplingTwin : public ::testing::TestWithParam<int> {};
+
+TEST_P(AreaSamplingTwin, DepthsOfAllTaxels) {
+  Random random(static_cast<std::uint64_t>(500 + GetParam()));
+  Sensor sensor = GetParam() % 3 == 2 ? support::curvedSensor(random, GetParam()) : support::gridSensor({.thickness = 2e-3});
+  sensor.depth_sampling = DepthSampling::kArea;
+  const std::vector<Object> objects{Object(Box{{6e-3, 9e-3, 5e-3}}),
+                                    Object(Cylinder{4e-3, 15e-3}),
+                                    Object(Sphere{5e-3}),
+                                    Object(Cone{.radius = 5e-3, .height = 6e-3}),
+                                    Object(Capsule{3e-3, 8e-3}),
+                                    Object("pin", pinMesh(2e-3, 9e-3)),
+                                    Object("stone", support::icosphere(6e-3, 2, 0, random)),
+                                    Object(Torus{6e-3, 2e-3})};
+  constexpr int kInstances = 12;
+  std::vector<Touch> touches;
+  for (int i = 0; i < kInstances; ++i) {
+    Touch touch;
+    for (int slot = 0; slot < 2; ++slot) {
+      const int id = slot > 0 && i % 3 != 0 ? kNoObject : random.integer(0, static_cast<int>(objects.size()) - 1);
+      touch.ids.push_back(id);
+      Pose pose;
+      if (id != kNoObject) {
+        const Object& object = objects[static_cast<std::size_t>(id)];
+        pose = GetParam() % 3 == 2 ? support::randomContactOnTaxel(random, sensor, object) : support::randomContact(random, sensor, object);
+      }
+      touch.X_SO.push_back(pose);
+    }
+    touches.push_back(touch);
+  }
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+  Simulator simulator(model, {.num_instances = kInstances, .num_slots = 2, .outputs = {.penetration_depth = true}});
+  support::setTouches(simulator, touches);
+  simulator.step(kDt);
+  const FrameView frame = simulator.read();
+  support::expectWellFormed(frame, sensor, kInstances);
+  for (int i = 0; i < kInstances; ++i) {
+    SCOPED_TRACE("instance " + std::to_string(i) + ": objects " + std::to_string(touches[static_cast<std::size_t>(i)].ids[0]) + ", " +
+                 std::to_string(touches[static_cast<std::size_t>(i)].ids[1]));
+    expectDepths(frame, i, sensor, touches[static_cast<std::size_t>(i)], objects);
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Seeds, AreaSamplingTwin, ::testing::Range(0, 3));
+
+// A pin under friction sticks with tangential_stiffness times its area, wherever it stands, and slips at Coulomb's limit.
+TEST(AreaSampling, ShearOfAPin) {
+  const double radius = 0.75e-3, depth = 0.3e-3, area = kPi * radius * radius, stick = 10e-6, slip = 1e-3;
+  Sensor sensor = areaSensor();
+  sensor.skin.friction = {.tangential_stiffness = 1e8, .friction_coefficient = 0.5};
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Cylinder{radius, 12e-3})}});
+  Simulator simulator(model, {.num_instances = kPlaces});
+  std::vector<Pose> poses = places(cases(depth)[0], depth, kPlaces);
+  const std::vector<int> ids(kPlaces, 0);
+  const auto shearAfter = [&](double motion) {
+    for (Pose& pose : poses) pose.position[0] += motion;
+    simulator.setObjects(ids, poses);
+    simulator.step(kDt);
+    return simulator.read();
+  };
+  shearAfter(0);
+  const FrameView stuck = shearAfter(stick);
+  // Where the motion of 0.01 mm covers new parts of cells, they have the traction of all of the step.
+  const double swept = stick / radius;
+  for (int i = 0; i < kPlaces; ++i) {
+    EXPECT_NEAR(stuck.ground_truth.contact_wrench[6 * static_cast<std::size_t>(i)] / (1e8 * stick * area), 1,
+                facetError(depth, radius) + swept);
+  }
+  const FrameView slipping = shearAfter(slip);
+  for (std::size_t i = 0; i < kPlaces; ++i) {
+    EXPECT_NEAR(slipping.ground_truth.contact_wrench[6 * i] / (0.5 * kStiffness * area * depth), 1, facetError(depth, radius));
+  }
+}
+
+TEST(AreaSampling, RefusesWhatItDoesNotCover) {
+  const Model model(support::sharedDevice(), {.sensor = areaSensor(), .objects = {Object(Sphere{5e-3})}});
+  const std::string jacobian = support::inputError([&] { Simulator(model, {.outputs = {.tactile_jacobian = true}}); });
+  EXPECT_THAT(jacobian, testing::AllOf(testing::HasSubstr("outputs.tactile_jacobian"), testing::HasSubstr("depth_sampling area")));
+  Sensor sensor = areaSensor();
+  sensor.skin.law = Winkler{1.73e8, 1.5, 0};
+  const std::string exponent =
+      support::inputError([&] { Model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{5e-3})}}); });
+  EXPECT_THAT(exponent, testing::AllOf(testing::HasSubstr("skin.normal_exponent: 1.5"), testing::HasSubstr("depth_sampling area")));
+}
+
+}  // namespace
+}  // namespace taxelsim
