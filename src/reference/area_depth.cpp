@@ -5,71 +5,17 @@
 #include <type_traits>
 
 #include "base/vector3.h"
-#include "geometry/outward.h"
 #include "reference/friction.h"
 #include "reference/load.h"
-#include "reference/samples.h"
+#include "reference/solid_bounds.h"
 #include "reference/solids.h"
+#include "reference/surface_faces.h"
 #include "sensor/skin.h"
 
 namespace taxelsim::reference {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-std::vector<Triangle> facesOf(const Mesh& outward) {
-  std::vector<Triangle> faces;
-  faces.reserve(outward.triangles.size());
-  for (const std::array<std::uint32_t, 3>& corners : outward.triangles) {
-    Triangle& face = faces.emplace_back();
-    for (std::size_t n = 0; n < 3; ++n) {
-      const auto& [x, y, z] = outward.vertices[corners[n]];
-      face[n] = {x, y, z};
-    }
-  }
-  return faces;
-}
-
-// In double: a mesh would round the size to float32.
-std::vector<Triangle> facesOf(const Box& box) {
-  std::vector<Triangle> faces;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    for (const double side : {-0.5, 0.5}) {
-      const auto corner = [&](double u, double v) {
-        Vector3 p;
-        p[axis] = side * box.size[axis];
-        p[(axis + 1) % 3] = u * box.size[(axis + 1) % 3];
-        p[(axis + 2) % 3] = v * box.size[(axis + 2) % 3];
-        return p;
-      };
-      // Counter-clockwise about +axis, the outward direction of the upper side.
-      faces.push_back({corner(-0.5, -0.5), corner(side, -side), corner(0.5, 0.5)});
-      faces.push_back({corner(-0.5, -0.5), corner(0.5, 0.5), corner(-side, side)});
-    }
-  }
-  return faces;
-}
-
-std::optional<std::vector<Triangle>> facesOf(const Shape& shape) {
-  if (const Box* box = std::get_if<Box>(&shape)) return facesOf(*box);
-  const Mesh* mesh = std::get_if<Mesh>(&shape);
-  const std::optional<Mesh> outward = mesh ? outwardMesh(*mesh) : std::nullopt;
-  return outward ? std::optional(facesOf(*outward)) : std::nullopt;
-}
-
-// In coordinates in which rays along `direction_P` (z > 0) run along z, and heights are multiples of it.
-Vector3 inRays(const Vector3& p_O, const Pose& X_PO, const Vector3& direction_P) {
-  const Vector3 p_P = X_PO * p_O;
-  const double t = p_P[2] / direction_P[2];
-  return {p_P[0] - t * direction_P[0], p_P[1] - t * direction_P[1], t};
-}
-
-std::vector<Triangle> inRays(std::vector<Triangle> faces, const Pose& X_PO, const Vector3& direction_P) {
-  for (Triangle& face : faces) {
-    for (Vector3& p : face) p = inRays(p, X_PO, direction_P);
-  }
-  return faces;
-}
 
 HeightAt heightOf(const Shape& shape, const Pose& X_PO, const Vector3& direction_P) {
   const Pose X_OP = inverse(X_PO);
@@ -86,45 +32,13 @@ HeightAt heightOf(const Shape& shape, const Pose& X_PO, const Vector3& direction
       shape);
 }
 
-// In the coordinates of inRays().
-Bounds boundsInRays(const Object& object, const Pose& X_PO, const Vector3& direction_P) {
-  Bounds all{{-kInfinity, -kInfinity, -kInfinity}, {kInfinity, kInfinity, kInfinity}};
-  if (std::holds_alternative<HalfSpace>(object.shape)) return all;
-  std::swap(all.min, all.max);
-  const auto [min, max] = boundsOf(object);
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vector3 p{(corner & 1 ? max : min)[0], (corner & 2 ? max : min)[1], (corner & 4 ? max : min)[2]};
-    const Vector3 ray = inRays(p, X_PO, direction_P);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      all.min[axis] = std::min(all.min[axis], ray[axis]);
-      all.max[axis] = std::max(all.max[axis], ray[axis]);
-    }
-  }
-  return all;
-}
-
-Rectangle overlap(Rectangle rectangle, const Bounds& bounds) {
-  for (std::size_t axis = 0; axis < 2; ++axis) {
-    rectangle.min[axis] = std::max(rectangle.min[axis], bounds.min[axis]);
-    rectangle.max[axis] = std::min(rectangle.max[axis], bounds.max[axis]);
-  }
-  return rectangle;
-}
-
-// The plane of a half-space over a rectangle, wound to look down. Empty if it has no lower surface.
-std::vector<Triangle> planeOver(const HeightAt& heightAt, const Rectangle& rectangle) {
-  const auto corner = [&](double x, double y) { return Vector3{x, y, heightAt(x, y)}; };
-  const Vector3 a = corner(rectangle.min[0], rectangle.min[1]), b = corner(rectangle.min[0], rectangle.max[1]);
-  const Vector3 c = corner(rectangle.max[0], rectangle.max[1]), d = corner(rectangle.max[0], rectangle.min[1]);
-  for (const Vector3& p : {a, b, c, d}) {
-    if (!std::isfinite(p[2])) return {};
-  }
-  return {{a, b, c}, {a, c, d}};
+Rectangle overlap(const Rectangle& a, const Rectangle& b) {
+  return {{std::max(a.min[0], b.min[0]), std::max(a.min[1], b.min[1])}, {std::min(a.max[0], b.max[0]), std::min(a.max[1], b.max[1])}};
 }
 
 }  // namespace
 
-AreaDepth::AreaDepth(const Sensor& sensor, std::span<const PlacedObject> objects) : sensor_(sensor) {
+AreaDepth::AreaDepth(const Sensor& sensor, std::span<const PlacedObject> objects) : sensor_(sensor), view_depths_(viewDepths(sensor)) {
   for (const PlacedObject& placed : objects) objects_.push_back({placed, facesOf(placed.object->shape)});
 }
 
@@ -148,8 +62,7 @@ std::vector<CellDepth> AreaDepth::cellDepths(const Placed& object, const GridPat
     appendHeights(patch, sensor_.samples_per_taxel, moved, {.view_depth = range.view_depth}, heights);
     for (std::size_t n = 0; n < heights.size(); ++n) depths[n] = {range.depthAt(heights[n]), range.depthAt(heights[n])};
   } else {
-    const Bounds bounds = boundsInRays(*object.placed.object, X_PO, kAlongZ);
-    if (bounds.min[2] >= 0) return depths;
+    const Rectangle bounds = pressedBounds(shape, X_PO);
     for (int u = 0; u < grid.rows; ++u) {
       for (int v = 0; v < grid.cols; ++v)
         depths[grid.index(u, v)] = meanDepth(heightAt, overlap(grid.cell(u, v), bounds), grid.cell(u, v).area(), range);
@@ -159,7 +72,6 @@ std::vector<CellDepth> AreaDepth::cellDepths(const Placed& object, const GridPat
 }
 
 AreaDepths AreaDepth::at(double offset) const {
-  const std::vector<double> view_depths = viewDepths(sensor_);
   AreaDepths depths;
   for (std::size_t p = 0; p < sensor_.patches.size(); ++p) {
     const std::size_t first = depths.mean.size();
@@ -168,7 +80,7 @@ AreaDepths AreaDepth::at(double offset) const {
     depths.deepest.resize(end, 0);
     depths.touching.resize(end, kNoContact);
     for (std::size_t number = 0; number < objects_.size(); ++number) {
-      const DepthRange range{.thickness = sensor_.skin.thickness, .view_depth = view_depths[p]};
+      const DepthRange range{.thickness = sensor_.skin.thickness, .view_depth = view_depths_[p]};
       const std::vector<CellDepth> cells = cellDepths(objects_[number], sensor_.patches[p], range, offset);
       for (std::size_t n = first; n < end; ++n) {
         const auto& [mean, deepest] = cells[n - first];
@@ -192,7 +104,7 @@ double AreaDepth::lowestAlong(const Placed& object, const GridPatch& patch, cons
     appendHeights(patch, sensor_.samples_per_taxel, {&object.placed, 1}, {.direction_P = direction_P}, heights);
     return *std::min_element(heights.begin(), heights.end());
   }
-  return lowestHeight(heightOf(shape, X_PO, direction_P), overlap(skin, boundsInRays(*object.placed.object, X_PO, direction_P)));
+  return lowestHeight(heightOf(shape, X_PO, direction_P), overlap(skin, projectedBounds(shape, X_PO, direction_P)));
 }
 
 double AreaDepth::firstTouch() const {

@@ -45,6 +45,7 @@ class AreaDepth {
   double lowestAlong(const Placed& object, const GridPatch& patch, const Vector3& direction_P) const;
 
   const Sensor& sensor_;
+  std::vector<double> view_depths_;  // (num_patches), m
   std::vector<Placed> objects_;
 };
 

@@ -61,6 +61,16 @@ void addPolygon(const Polygon& polygon, const DepthRange& range, CellSums& sums)
   sums.deepest = std::max(sums.deepest, std::min(-lowestOf(polygon), range.thickness));
 }
 
+// Whether the bounds of the triangle lie outside of the grid, above the skin or below the view depth. Most triangles of a mesh do.
+bool isOutside(const Triangle& t, const Rectangle& all, double view_depth) {
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    const auto [min, max] = std::minmax({t[0][axis], t[1][axis], t[2][axis]});
+    if (min >= all.max[axis] || max <= all.min[axis]) return true;
+  }
+  const auto [min, max] = std::minmax({t[0][2], t[1][2], t[2][2]});
+  return min >= 0 || max < -view_depth;
+}
+
 Polygon within(Polygon polygon, std::size_t axis, double min, double max) {
   return clipped(clipped(polygon, axis, min, Side::kAbove), axis, max, Side::kBelow);
 }
@@ -68,7 +78,9 @@ Polygon within(Polygon polygon, std::size_t axis, double min, double max) {
 }  // namespace
 
 void addTriangles(std::span<const Triangle> triangles, const SampleGrid& grid, const DepthRange& range, std::span<CellSums> sums) {
+  const Rectangle all = grid.all();
   for (const Triangle& triangle : triangles) {
+    if (isOutside(triangle, all, range.view_depth)) continue;
     const Polygon seen = within({triangle.begin(), triangle.end()}, 2, -range.view_depth, 0);
     if (!(project(seen).area > 0)) continue;
     const auto compareX = [](const Vector3& a, const Vector3& b) { return a[0] < b[0]; };

@@ -14,8 +14,8 @@ namespace {
 constexpr int kIntervals = 32;           // per side of the raster
 constexpr int kBisections = 30;          // of an interval
 constexpr int kMaxHalvings = 12;         // of the adaptive rule: a jump within a piece is located to 2^-12 of it
-constexpr double kRuleTolerance = 1e-6;  // of thickness x length: difference of a rule and its halves
-constexpr int kZooms = 40;               // of lowestHeight()
+constexpr double kRuleTolerance = 1e-7;  // relative difference of a rule and its halves
+constexpr int kZooms = 120;              // of lowestHeight()
 
 // Calls visit(kind, begin, end) for the pieces of [low, high] on which kindAt() is constant.
 template <typename KindAt, typename Visit>
@@ -46,13 +46,15 @@ void forEachPiece(double low, double high, KindAt kindAt, Visit visit) {
   visit(kind, begin, high);
 }
 
-// Adaptive integral over [low, high], smooth or with square roots at the ends. `tolerance`: of the result.
+// Adaptive integral over [low, high], smooth or with square roots at the ends.
 class Quadrature {
  public:
-  Quadrature(double low, double high, double tolerance, const std::function<double(double)>& value)
-      : low_(low), high_(high), tolerance_(tolerance), value_(value) {}
+  Quadrature(double low, double high, const std::function<double(double)>& value) : low_(low), high_(high), value_(value) {}
 
-  double integral() const { return refined(0, 1, panel(0, 1), kMaxHalvings); }
+  double integral() const {
+    const double whole = panel(0, 1);
+    return refined(0, 1, whole, kRuleTolerance * std::abs(whole), kMaxHalvings);
+  }
 
  private:
   double panel(double from, double to) const {
@@ -64,13 +66,13 @@ class Quadrature {
     }
     return (high_ - low_) * (to - from) * sum;
   }
-  double refined(double from, double to, double whole, int halvings) const {
+  double refined(double from, double to, double whole, double tolerance, int halvings) const {
     const double middle = (from + to) / 2, left = panel(from, middle), right = panel(middle, to);
-    if (halvings == 0 || std::abs(left + right - whole) <= tolerance_) return left + right;
-    return refined(from, middle, left, halvings - 1) + refined(middle, to, right, halvings - 1);
+    if (halvings == 0 || std::abs(left + right - whole) <= tolerance) return left + right;
+    return refined(from, middle, left, tolerance, halvings - 1) + refined(middle, to, right, tolerance, halvings - 1);
   }
 
-  double low_, high_, tolerance_;
+  double low_, high_;
   const std::function<double(double)>& value_;
 };
 
@@ -93,7 +95,7 @@ class Integrator {
           if (sequence == kFull) {
             sum += (end - begin) * height * range_.thickness;
           } else if (sequence != kNone) {
-            sum += Quadrature(begin, end, kRuleTolerance * range_.thickness * domain_.area(), lineAt).integral();
+            sum += Quadrature(begin, end, lineAt).integral();
           }
         });
     return sum;
@@ -121,13 +123,12 @@ class Integrator {
   }
   double lineIntegral(double x) {
     const std::function<double(double)> depthOnLine = [this, x](double y) { return depthAt(x, y); };
-    const double tolerance = kRuleTolerance * range_.thickness * (domain_.max[1] - domain_.min[1]);
     double sum = 0;
     forEachPiece(
         domain_.min[1], domain_.max[1], [this, x](double y) { return pieceAt(x, y); },
         [&](Piece piece, double begin, double end) {
           if (piece == kFull) sum += (end - begin) * range_.thickness;
-          if (piece == kShallow) sum += Quadrature(begin, end, tolerance, depthOnLine).integral();
+          if (piece == kShallow) sum += Quadrature(begin, end, depthOnLine).integral();
         });
     return sum;
   }

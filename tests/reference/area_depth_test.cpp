@@ -283,6 +283,34 @@ TEST(AreaDepth, PinsCarryTheirLoad) {
   EXPECT_EQ(too_large.offset, too_large.full_depth);
 }
 
+TEST(AreaDepth, EveryLoadUpToFullDepthIsReached) {
+  // Over level patches each mean is continuous in the offset, so that no load is lost in a jump of the force.
+  constexpr int kScenes = 10;
+  for (int seed = 0; seed < kScenes; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(static_cast<std::uint64_t>(seed));
+    Sensor sensor = support::randomSensor(random, {.max_rows = 3, .max_cols = 3});
+    sensor.skin.law = Winkler{kStiffness, 1, 0};
+    sensor.depth_sampling = DepthSampling::kArea;
+    const Object object = random.chance(0.5) ? support::randomSolid(random, 4e-3) : support::randomMeshObject(random, 4e-3);
+    const Quaternion R_SO = support::randomRotation(random, object);
+    const PlacedObject placed{&object, {{random.uniform(-2e-3, 2e-3), random.uniform(-2e-3, 2e-3), 0.02}, R_SO}};
+    const reference::LoadResult deepest = reference::findLoad(sensor, {&placed, 1}, 1e9);
+    if (!std::isfinite(deepest.first_touch) || deepest.full_depth == 0) continue;
+    const auto forceAt = [&](double offset) {
+      const std::vector<PlacedObject> moved = reference::movedAlongZ({&placed, 1}, offset);
+      return reference::computeContact(sensor, reference::meanPenetrations(sensor, moved), {}, 0).total_force;
+    };
+    EXPECT_EQ(forceAt(deepest.first_touch + kExact * kThickness), 0);
+    EXPECT_GT(forceAt(deepest.first_touch - 0.01 * sensor.skin.thickness), 0);
+    for (const double fraction : {1e-3, 0.03, 0.5}) {
+      const double load = fraction * forceAt(deepest.full_depth);
+      const reference::LoadResult found = reference::findLoad(sensor, {&placed, 1}, load);
+      EXPECT_TRUE(found.reached) << object.name << " " << fraction << " " << forceAt(found.offset) / load - 1;
+    }
+  }
+}
+
 TEST(AreaDepth, TheEdgeOfAPadIsTouched) {
   // A pin whose axis lies outside of the pad, 0.1 mm of it over the outermost cells.
   const Sensor sensor = pad(DepthSampling::kArea);
