@@ -13,7 +13,7 @@
 // State per sample, between steps: depth, strain and overstresses of a skin that relaxes, shear traction or bristle deflection.
 // Shared memory: 4 TILE_SAMPLES (20 with AREA) + 16 LANES + 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 4 REPEAT + 64 bytes; friction adds 8 LANES + 512, lockstep
 //      16 NUM_FACES.
-// Deterministic: the tile is a minimum; LANES partial sums are added in a fixed order, whatever the size of the workgroup.
+// Deterministic: the tile is a minimum of integers, which sum cells; LANES partial sums are added in a fixed order, whatever the size of the workgroup.
 // Mutable globals: any_unfinished_loop (driver/loop_limit.glsl); the planes of a polyhedron (depth/polyhedron.glsl).
 // Twins: src/reference/depth.cpp, contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp, load.cpp.
 
@@ -47,12 +47,7 @@ const bool kShears = FRICTION && !kGlobalSolve;  // after a global solve, the pa
 
 #include "depth/bodies.glsl"
 #include "depth/subpixels.glsl"
-#include "depth/edge_sums.glsl"
-#include "depth/cell_depths.glsl"
-#include "depth/facets.glsl"
-#include "depth/chords.glsl"
-#include "depth/round_facets.glsl"
-#include "depth/solid_cells.glsl"
+#include "depth/area.glsl"
 #include "depth/mesh.glsl"
 #include "depth/raster.glsl"
 #include "depth/heights.glsl"
@@ -78,10 +73,9 @@ bool beginTile(uint instance, uint tile_number, out Tile tile) {
   }
   if (SEARCH >= kSearchOverTiles && (instances[instance].keys.w & kFlagLoadDriven) != 0) {
     tile.offset_z = loads[instance].bracket.x;
-    float rest = loads[instance].forces.z * tile.X_PS.row2.z;
-    tile.z_base -= rest;
-    tile.z_limit -= rest;
-    tile.level = -rest;
+    tile.level = -loads[instance].forces.z * tile.X_PS.row2.z;
+    tile.z_base += tile.level;
+    tile.z_limit += tile.level;
   }
   return true;
 }

@@ -68,6 +68,7 @@ void rasterBody(Tile tile, uint instance, uint slot, Body body, int id, inout Fo
   bool is_mesh = body.kind_groups.x == kKindMesh;
   bool sums_cells = AREA && (!is_mesh || (body.kind_groups.w & kClosed) != 0);
   Box cells = samplesUnder(tile, body);
+  tile.deepest = max(tile.level - (body.center.z - body.half_size.z), kLeastDepth);
   if (LIST == kListCandidates) {
     visitCandidates(tile, instance, meshView(tile, body, id, slot), found);
   } else if (kHasMesh && (!kHasAnalytic || is_mesh)) {
@@ -78,10 +79,13 @@ void rasterBody(Tile tile, uint instance, uint slot, Body body, int id, inout Fo
     vec4 parameters = objectOf(id).parameters;
     if (AREA) {
       Solid solid = Solid(body.kind_groups.x, parameters, body.X_PO);
-      if (hasFacets(solid)) {
+      if (isKind(solid.kind, kKindHalfSpace)) {
+        addHalfSpace(tile, solid, found);
+      } else if (hasFacets(solid)) {
         addRound(tile, solid, found);
       } else {
-        cells = touchedCells(tile, solid, body);
+        cells = touchedCells(tile, solid);
+        tile.deepest = min(tile.deepest, THICKNESS);
         addSolid(tile, solid, cells, found);
       }
     } else {

@@ -5,7 +5,7 @@
 
 void visitQuad(Tile tile, MeshView view, uint quad, inout Found found);
 
-// An invocation visits some of the quads; all visit each large one of a closed mesh together and share its cells (depth/facets.glsl).
+// An invocation visits some of the quads; all visit each large one of a closed mesh together and share its cells (depth/area/facets.glsl).
 uint firstQuad(MeshView view) { return view.closed && view.large ? 0u : gl_LocalInvocationIndex; }
 uint quadStep(MeshView view) { return view.closed && view.large ? 1u : WORKGROUP; }
 

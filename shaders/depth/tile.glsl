@@ -15,6 +15,7 @@ struct Tile {
   float z_floor;       // surfaces below are the far side of the body and are ignored
   float z_base;        // that the heights of the tile count from
   float level;         // of the undeformed skin; a load search may refine it below a float's resolution of the poses
+  float deepest;       // of the object whose cells are summed, at most, m; depth/area/cell_depths.glsl
   float offset_z;      // by which a load search over several tiles has moved the objects along z of S
 };
 
@@ -65,5 +66,6 @@ Tile loadTile(uint number) {
   tile.z_limit = OUTPUT_JACOBIAN ? cellReach(tile) : REACH;
   tile.z_base = 0.0;
   tile.level = 0.0;
+  tile.deepest = 0.0;
   return tile;
 }

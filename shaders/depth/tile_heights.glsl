@@ -6,7 +6,7 @@
 
 const uint kEmpty = 0x7F7FFFFFu;  // the largest finite float, as bits: no surface over the sample
 shared uint tile_heights[TILE_SAMPLES];
-shared int cell_volumes[AREA ? TILE_SAMPLES : 1u];   // with AREA, depth/cell_depths.glsl
+shared int cell_volumes[AREA ? TILE_SAMPLES : 1u];   // with AREA, depth/area/cell_depths.glsl
 shared int cell_covered[AREA ? TILE_SAMPLES : 1u];
 shared float cell_shares[AREA ? TILE_SAMPLES : 1u];  // the covered share of a cell, negative at the skin's full thickness
 #ifdef LOCKSTEP

@@ -37,7 +37,7 @@ CONSTANT(39, bool, EARLY_EXIT)          // where no object is near: kLeavesUntou
 CONSTANT(40, float, REACH)              // up to which height over the skin surfaces matter to the law, m
 CONSTANT(41, uint, LIST)                // of instances that are processed: kListWholeMesh, kListCandidates; kNumLists: all
 CONSTANT(42, bool, IS_LAST)             // writes contact_normal and tile_results for the spread; no taxel pass follows
-CONSTANT(43, bool, AREA)                // the depth of a sample is the mean over its cell, depth/cell_depths.glsl
+CONSTANT(43, bool, AREA)                // the depth of a sample is the mean over its cell, depth/area/cell_depths.glsl
 
 TEXELS(0, Poses)
 BUFFER(1, readonly, Instances)

@@ -56,11 +56,12 @@ std::vector<CellDepth> AreaDepth::cellDepths(const Placed& object, const GridPat
     std::vector<CellSums> sums(grid.size());
     addTriangles(faces, grid, range, sums);
     for (std::size_t n = 0; n < sums.size(); ++n)
-      depths[n] = {std::min(sums[n].mean(grid.cell(0, 0).area()), range.thickness), sums[n].deepest};
+      depths[n] = {std::min(sums[n].mean(grid.cell(0, 0).area()), range.thickness),
+                   std::min(sums[n].covered / grid.cell(0, 0).area(), 1.0)};
   } else if (std::holds_alternative<Mesh>(shape)) {
     std::vector<double> heights;
     appendHeights(patch, sensor_.samples_per_taxel, moved, {.view_depth = range.view_depth}, heights);
-    for (std::size_t n = 0; n < heights.size(); ++n) depths[n] = {range.depthAt(heights[n]), range.depthAt(heights[n])};
+    for (std::size_t n = 0; n < heights.size(); ++n) depths[n] = {range.depthAt(heights[n]), 1};
   } else {
     const Rectangle bounds = pressedBounds(shape, X_PO);
     for (int u = 0; u < grid.rows; ++u) {
@@ -77,16 +78,16 @@ AreaDepths AreaDepth::at(double offset) const {
     const std::size_t first = depths.mean.size();
     const std::size_t end = first + SampleGrid(sensor_.patches[p], sensor_.samples_per_taxel).size();
     depths.mean.resize(end, 0);
-    depths.deepest.resize(end, 0);
+    depths.share.resize(end, 0);
     depths.touching.resize(end, kNoContact);
     for (std::size_t number = 0; number < objects_.size(); ++number) {
       const DepthRange range{.thickness = sensor_.skin.thickness, .view_depth = view_depths_[p]};
       const std::vector<CellDepth> cells = cellDepths(objects_[number], sensor_.patches[p], range, offset);
       for (std::size_t n = first; n < end; ++n) {
-        const auto& [mean, deepest] = cells[n - first];
-        depths.deepest[n] = std::max(depths.deepest[n], deepest);
+        const auto& [mean, share] = cells[n - first];
         if (mean <= depths.mean[n]) continue;
         depths.mean[n] = mean;
+        depths.share[n] = share;
         depths.touching[n] = static_cast<int>(number);
       }
     }
@@ -121,10 +122,18 @@ std::vector<double> meanPenetrations(const Sensor& sensor, std::span<const Place
   return AreaDepth(sensor, objects).at().mean;
 }
 
+std::vector<double> coveredDepths(const AreaDepths& depths) {
+  std::vector<double> covered(depths.mean.size(), 0);
+  for (std::size_t n = 0; n < covered.size(); ++n) {
+    if (depths.share[n] >= kLeastShareOfFull) covered[n] = depths.mean[n] / depths.share[n];
+  }
+  return covered;
+}
+
 double overPenetration(const Sensor& sensor, const AreaDepths& depths) {
-  const auto isFull = [&](double depth) { return depth >= sensor.skin.thickness; };
-  return static_cast<double>(std::count_if(depths.deepest.begin(), depths.deepest.end(), isFull)) /
-         static_cast<double>(depths.deepest.size());
+  const std::vector<double> covered = coveredDepths(depths);
+  const auto isFull = [&](double depth) { return depth >= kFullDepth * sensor.skin.thickness; };
+  return static_cast<double>(std::count_if(covered.begin(), covered.end(), isFull)) / static_cast<double>(covered.size());
 }
 
 }  // namespace taxelsim::reference

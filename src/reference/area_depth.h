@@ -19,10 +19,17 @@ namespace taxelsim::reference {
 
 // All of shape (num_taxels x s x s), in the order of samplesOf().
 struct AreaDepths {
-  std::vector<double> mean;     // m, 0 to thickness: the penetration
-  std::vector<double> deepest;  // m, 0 to thickness: largest depth in the cell, of any object
-  std::vector<int> touching;    // index of the object with the largest mean, or kNoContact
+  std::vector<double> mean;   // m, 0 to thickness: the penetration
+  std::vector<double> share;  // of the cell that the object with the largest mean covers, 0 to 1
+  std::vector<int> touching;  // index of this object, or kNoContact
 };
+
+// A cell is at the full thickness of the skin if an object covers this share of it, with this part of the thickness as the mean depth of
+// what is covered.
+inline constexpr double kLeastShareOfFull = 0.25, kFullDepth = 0.999;
+
+// Mean depth of the covered part of a cell, m; 0 for less than kLeastShareOfFull.
+std::vector<double> coveredDepths(const AreaDepths& depths);
 
 // Objects over a sensor, with their meshes oriented once for many offsets. Refers to both, which must outlive it.
 class AreaDepth {
@@ -52,7 +59,7 @@ class AreaDepth {
 // AreaDepths::mean of objects at rest.
 std::vector<double> meanPenetrations(const Sensor& sensor, std::span<const PlacedObject> objects);
 
-// Fraction of the samples whose cell has a part at the thickness of the skin.
+// Fraction of the samples whose cell is at the full thickness of the skin.
 double overPenetration(const Sensor& sensor, const AreaDepths& depths);
 
 }  // namespace taxelsim::reference

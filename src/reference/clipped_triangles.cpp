@@ -58,7 +58,6 @@ void addPolygon(const Polygon& polygon, const DepthRange& range, CellSums& sums)
   const Projection full = project(clipped(polygon, 2, -range.thickness, Side::kBelow));
   sums.covered += all.area;
   sums.volume += shallow.volume + full.area * range.thickness;
-  sums.deepest = std::max(sums.deepest, std::min(-lowestOf(polygon), range.thickness));
 }
 
 // Whether the bounds of the triangle lie outside of the grid, above the skin or below the view depth. Most triangles of a mesh do.

@@ -32,7 +32,6 @@ struct DepthRange {
 struct CellSums {
   double volume = 0;   // m^3: integral of f
   double covered = 0;  // m^2: area with -view_depth <= z < 0
-  double deepest = 0;  // m: largest f
 
   // Mean of f over a cell of this area (m^2). Where the surface folds over itself, the covered area exceeds the cell's; the mean is then
   // that over the covered area.

@@ -53,7 +53,9 @@ PressedSkin pressedSamples(const Sensor& sensor, std::span<const PlacedObject> o
   PressedSkin skin{samplesOf(sensor), std::vector<int>(d.size(), kNoContact), {d.begin(), d.end()}, {pressure.begin(), pressure.end()}};
   if (!hasFriction(sensor.skin) || objects.empty()) return skin;
   if (sensor.depth_sampling == DepthSampling::kArea) {
-    skin.touching = AreaDepth(sensor, objects).at().touching;
+    AreaDepths depths = AreaDepth(sensor, objects).at();
+    skin.touching = std::move(depths.touching);
+    skin.share = std::move(depths.share);
     return skin;
   }
   const std::vector<int> lowest = lowestObjects(objects, sensor.skin.thickness, heightsUnder);
@@ -77,7 +79,7 @@ ContactShear contactShear(const Sensor& sensor, std::span<const PlacedObject> ob
     const bool is_known = slot < before.objects.size() && before.objects[slot].object == objects[slot].object;
     if (!is_known) continue;
     const Sample& point = skin.points[n];
-    const double d = skin.d[n], pressure = skin.pressure[n];
+    const double d = skin.d[n], pressure = skin.pressure[n], share = skin.share.empty() ? 1 : skin.share[n];
     const Pose& X_SP = sensor.patches[static_cast<std::size_t>(point.patch)].X_SP;
     const Vector3 p_P{point.position_P[0], point.position_P[1], -d}, p_S = X_SP * p_P;
     const Vector3 u = rotate(inverse(X_SP).rotation, rigidDisplacement(p_S, before.objects[slot].X_SO, objects[slot].X_SO));
@@ -90,7 +92,7 @@ ContactShear contactShear(const Sensor& sensor, std::span<const PlacedObject> ob
       shear.state.history[n] = after.deflection;
       q = {pressure * after.traction_ratio[0], pressure * after.traction_ratio[1]};
     } else {
-      for (std::size_t axis = 0; axis < 2; ++axis) q[axis] += friction.tangential_stiffness * after_touch * u[axis];
+      for (std::size_t axis = 0; axis < 2; ++axis) q[axis] += friction.tangential_stiffness * share * after_touch * u[axis];
       q = returnToCone(q, friction.friction_coefficient * pressure);
       shear.state.history[n] = q;
     }

@@ -42,10 +42,12 @@ struct PressedSkin {
   std::vector<int> touching;     // (num_points): index of the touching object, or kNoContact
   std::vector<double> d;         // (num_points), m: penetration; negative where the skin bulges to meet the object
   std::vector<double> pressure;  // (num_points), Pa
+  std::vector<double> share{};   // (num_points): of its cell that the object covers; empty: all
 };
 
 // The samples with penetration d (m) and pressure (Pa), both (num_taxels x s x s). A sample is touched where d > 0, by the object with the
-// lowest surface there; with DepthSampling::kArea by the one with the largest mean depth over the cell.
+// lowest surface there; with DepthSampling::kArea by the one with the largest mean depth over the cell, whose springs act
+// on the share that it covers.
 PressedSkin pressedSamples(const Sensor& sensor, std::span<const PlacedObject> objects, std::span<const double> d,
                            std::span<const double> pressure);
 

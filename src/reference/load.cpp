@@ -112,15 +112,13 @@ LoadResult findLoad(const Sensor& sensor, std::span<const PlacedObject> objects,
     }
     return penetrations(moved, thickness);
   };
-  const auto deepestAt = [&](double offset) {
-    const std::vector<double> d = is_area ? area.at(offset).deepest : penetrationsAt(offset);
-    return *std::max_element(d.begin(), d.end());
-  };
+  const auto largest = [](const std::vector<double>& d) { return *std::max_element(d.begin(), d.end()); };
+  const auto deepestAt = [&](double offset) { return largest(is_area ? coveredDepths(area.at(offset)) : penetrationsAt(offset)); };
   const auto forceAt = [&](double offset) { return forceAlongLoad(sensor, computeContact(sensor, penetrationsAt(offset), {}, 0, skin)); };
 
   if (!level) {
     // A side wall of an object may touch a tilted patch earlier than its lowest point does.
-    const auto touches = [&](double offset) { return deepestAt(offset) > 0; };
+    const auto touches = [&](double offset) { return largest(penetrationsAt(offset)) > 0; };
     constexpr double kMaxWallHeight = 0.2;  // m: also ends the search if a patch that faces down is touched at every offset
     const double seen_along_z = result.first_touch;
     double upper = seen_along_z;
@@ -135,7 +133,8 @@ LoadResult findLoad(const Sensor& sensor, std::span<const PlacedObject> objects,
       result.first_touch = bisect(lower, upper, touches).second;
     }
   }
-  result.full_depth = level ? result.first_touch - thickness : fullDepth(result.first_touch, thickness, deepestAt);
+  result.full_depth = level && !is_area ? result.first_touch - thickness
+                                        : fullDepth(result.first_touch, is_area ? kFullDepth * thickness : thickness, deepestAt);
   if (forceAt(result.full_depth) < load) {
     result.offset = result.full_depth;
     return result;

@@ -11,7 +11,7 @@
 // The force at rest is monotone in the depth, so bisection between first_touch and full_depth finds the root to the last bit. Over level
 // patches the heights are computed once and shifted. Over tilted patches the objects also move sideways: every evaluation computes the
 // heights anew, and the force may jump where an edge reaches a sample. A load inside such a jump counts as not reached. With
-// DepthSampling::kArea every evaluation computes the means over the cells; the deepest point of a cell counts for touch and full depth.
+// DepthSampling::kArea every evaluation computes the means over the cells; full depth is that of coveredDepths().
 #pragma once
 
 #include <span>

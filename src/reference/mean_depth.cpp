@@ -85,15 +85,17 @@ class Integrator {
   Integrator(const HeightAt& heightAt, const Rectangle& domain, const DepthRange& range)
       : heightAt_(heightAt), domain_(domain), range_(range) {}
 
-  double volume() {
+  // Of f (m^3), or of 1 where f > 0 (m^2).
+  double integral(bool of_depth) {
+    const double full = of_depth ? range_.thickness : 1;
     const double height = domain_.max[1] - domain_.min[1];
-    const std::function<double(double)> lineAt = [this](double x) { return lineIntegral(x); };
+    const std::function<double(double)> lineAt = [this, of_depth](double x) { return lineIntegral(x, of_depth); };
     double sum = 0;
     forEachPiece(
         domain_.min[0], domain_.max[0], [this](double x) { return sequenceAt(x); },
         [&](Piece sequence, double begin, double end) {
           if (sequence == kFull) {
-            sum += (end - begin) * height * range_.thickness;
+            sum += (end - begin) * height * full;
           } else if (sequence != kNone) {
             sum += Quadrature(begin, end, lineAt).integral();
           }
@@ -101,14 +103,8 @@ class Integrator {
     return sum;
   }
 
-  double deepest() const { return deepest_; }
-
  private:
-  double depthAt(double x, double y) {
-    const double depth = range_.depthAt(heightAt_(x, y));
-    deepest_ = std::max(deepest_, depth);
-    return depth;
-  }
+  double depthAt(double x, double y) { return range_.depthAt(heightAt_(x, y)); }
   Piece pieceAt(double x, double y) {
     const double depth = depthAt(x, y);
     return depth <= 0 ? kNone : depth < range_.thickness ? kShallow : kFull;
@@ -121,14 +117,15 @@ class Integrator {
     }
     return sequence;
   }
-  double lineIntegral(double x) {
+  double lineIntegral(double x, bool of_depth) {
     const std::function<double(double)> depthOnLine = [this, x](double y) { return depthAt(x, y); };
     double sum = 0;
     forEachPiece(
         domain_.min[1], domain_.max[1], [this, x](double y) { return pieceAt(x, y); },
         [&](Piece piece, double begin, double end) {
-          if (piece == kFull) sum += (end - begin) * range_.thickness;
-          if (piece == kShallow) sum += Quadrature(begin, end, depthOnLine).integral();
+          if (!of_depth && piece != kNone) sum += end - begin;
+          if (of_depth && piece == kFull) sum += (end - begin) * range_.thickness;
+          if (of_depth && piece == kShallow) sum += Quadrature(begin, end, depthOnLine).integral();
         });
     return sum;
   }
@@ -136,7 +133,6 @@ class Integrator {
   const HeightAt& heightAt_;
   const Rectangle& domain_;
   const DepthRange& range_;
-  double deepest_ = 0;
 };
 
 }  // namespace
@@ -144,8 +140,7 @@ class Integrator {
 CellDepth meanDepth(const HeightAt& heightAt, const Rectangle& domain, double cell_area, const DepthRange& range) {
   if (domain.isEmpty()) return {};
   Integrator integrator(heightAt, domain, range);
-  const double volume = integrator.volume();
-  return {volume / cell_area, integrator.deepest()};
+  return {integrator.integral(true) / cell_area, integrator.integral(false) / cell_area};
 }
 
 double lowestHeight(const HeightAt& heightAt, const Rectangle& rectangle) {

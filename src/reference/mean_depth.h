@@ -27,12 +27,12 @@ using HeightAt = std::function<double(double, double)>;
 inline constexpr double kMeanDepthTolerance = 5e-5;
 
 struct CellDepth {
-  double mean = 0;     // m
-  double deepest = 0;  // m: largest depth at any ray
+  double mean = 0;   // m
+  double share = 0;  // of the cell that the surface covers below the skin, at most 1
 };
 
-// Integral of f over `domain` divided by the area of the cell (m^2). `domain`: the part of the cell over which the surface may be; 0 for an
-// empty one, min >= max.
+// Integrals over `domain`, of f and of where it is not 0, divided by the area of the cell (m^2). `domain`: the part of the cell over which
+// the surface may be; 0 for an empty one, min >= max.
 CellDepth meanDepth(const HeightAt& heightAt, const Rectangle& domain, double cell_area, const DepthRange& range);
 
 // Lowest height over a rectangle, by a raster and successively smaller rasters around its lowest ray; +infinity over an empty one.

@@ -43,6 +43,9 @@ ObjectKinds kindsOf(const std::vector<Object>& objects, const PackedObjects& pac
     if (record.kind_groups.x != layout::kKindMesh) continue;
     kinds.max_groups = std::max(kinds.max_groups, record.kind_groups.z);
     const std::uint32_t flags = record.kind_groups.w;
+    // Boxes and tori have triangles for area sampling.
+    constexpr std::uint64_t kTrianglesPerGroup = 2ull * layout::kClustersPerGroup * layout::kQuadsPerCluster;
+    if ((flags & layout::kClosed) != 0) kinds.max_triangles = std::max(kinds.max_triangles, record.kind_groups.z * kTrianglesPerGroup);
     kinds.triangle_sizes |= (flags & layout::kClosed) != 0 ? 4u : (flags & layout::kLargeTriangles) != 0 ? 2u : 1u;
   }
   return kinds;

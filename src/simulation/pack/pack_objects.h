@@ -24,7 +24,7 @@ struct PackedObjects {
 enum class Shapes {
   kMeshes,     // meshes stay meshes
   kPolyhedra,  // meshes become polyhedra if all of them are convex and have few faces
-  kOutward,    // for area sampling: boxes become meshes, and closed meshes wind outward
+  kOutward,    // for area sampling: boxes and tori become meshes, and closed meshes wind outward
 };
 
 PackedObjects packObjects(std::span<const Object> objects, const SampleGrid& grid, Shapes shapes);

@@ -52,7 +52,7 @@ std::uint32_t chooseGroupsPerBatch(const ModelData& model) {
 // Loop iterations that one invocation alone would take for a tile.
 std::uint64_t iterationsOf(const ModelData& model) {
   constexpr std::uint64_t kPerSample = 3, kPerSampleOfTorus = 48;  // of at most 96
-  constexpr std::uint64_t kRaysPerCell = 16;                       // five inside of a contact, some 160 on its edge
+  constexpr std::uint64_t kRaysPerCell = 53;                       // on the edge of a contact: five, and eight scan lines of six
   const bool has_torus = (model.object_kinds.kinds & (1u << layout::kKindTorus)) != 0;
   const std::uint64_t per_ray = has_torus ? kPerSampleOfTorus : kPerSample;
   if (model.area()) return 4 * model.object_kinds.max_triangles + model.contact_packed.max_tile_samples * kRaysPerCell * per_ray;

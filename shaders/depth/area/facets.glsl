@@ -1,5 +1,5 @@
 // Area sampling of closed meshes: the triangles that look down are clipped at the level of the skin, and add their exact integrals to the cells that they
-// cover (depth/edge_sums.glsl, depth/cell_depths.glsl). Coordinates (u, v): cell (a, b) of the tile is [a, a + 1] x [b, b + 1].
+// cover (depth/area/edge_sums.glsl, depth/area/cell_depths.glsl). Coordinates (u, v): cell (a, b) of the tile is [a, a + 1] x [b, b + 1].
 
 // A triangle that looks down, counter-clockwise in (u, v); z is the depth under the skin, m.
 struct Facet {
@@ -52,7 +52,7 @@ void addPart(Tile tile, Facet facet, uint part, uint first, uint step) {
     vec2 middle = corner + sums.yz / sums.x;
     float depth = part == kUnseen ? THICKNESS : clamp(facet.a.z + dot(facet.slope, middle - facet.a.xy), low.z, high.z);
     uint address = uint(cell.x) * tile.stride + uint(cell.y);
-    addToCell(address, sums.x * (part == kBeyond ? depth - THICKNESS : depth), part == kBeyond ? 0.0 : sums.x, part != kPressed);
+    addToCell(tile, address, sums.x * (part == kBeyond ? depth - THICKNESS : depth), part == kBeyond ? 0.0 : sums.x, part != kPressed);
   }
   checkLoop(i < uint(size.x * size.y));
 }

@@ -1,14 +1,12 @@
-// Area sampling of analytic solids: cells inside of the contact by five rays, cells on its edge by scan lines.
+// Area sampling of spheres, capsules and lying cylinders: cells inside of the contact by five rays, cells on its edge by scan lines.
 //
 // Where all corners and the middle of a cell touch and the surface is smooth, the mean of a quadratic surface is (2 middle + mean of the corners) / 3. A convex
 // solid is over the whole cell no lower than 2 middle - highest corner; where that is over the skin, nothing touches. The other cells are listed, and kScanLines
-// lines through each, along y, are integrated by Gauss's rule with two nodes in each of three pieces of what touches (depth/chords.glsl; by bisection for the
-// other solids). Twin: src/reference/covered_solids.cpp, by subdivision.
+// lines through each, along y, are integrated by Gauss's rule with two nodes in each of three pieces of what touches (depth/area/chords.glsl). Twin:
+// src/reference/mean_depth.cpp.
 // Shared memory: 4 TILE_SAMPLES + 4 bytes.
 
 const uint kScanLines = 8u;
-const uint kScanParts = 4u;
-const uint kBisections = 10u;        // of a part: to 1/4000 of a cell
 const float kSmooth = 0.003;         // of a quartic surface: the error of the quadratic is then below this share
 const float kGauss = 0.5773502692;   // nodes of Gauss's rule on [-1, 1]
 
@@ -27,8 +25,7 @@ float depthUnder(Tile tile, float z) { return clamp(tile.level - z, 0.0, THICKNE
 
 // The cells of the tile that a solid within the radius of its axis may touch: the axis is cut where it is more than the radius over the skin, and the lowest
 // point of what is left reaches farthest.
-Box touchedCells(Tile tile, Solid solid, Body body) {
-  if (isKind(solid.kind, kKindHalfSpace) || isKind(solid.kind, kKindTorus)) return samplesUnder(tile, body);
+Box touchedCells(Tile tile, Solid solid) {
   float radius = solid.parameters.x, half_length = isKind(solid.kind, kKindSphere) ? 0.0 : solid.parameters.y;
   vec3 low = apply(solid.X_PO, vec3(0, 0, -half_length)), high = apply(solid.X_PO, vec3(0, 0, half_length));
   low.z -= tile.level;
@@ -44,39 +41,11 @@ Box touchedCells(Tile tile, Solid solid, Body body) {
   return Box(wholeNumbers(floor(clamp(first, vec2(0), end))), wholeNumbers(floor(clamp(last, vec2(-1), end - 1.0))));
 }
 
-// The same as chordOf() for another solid, within the cell from `from` to `to` (m), by bisection between places that touch and places that do not.
-vec4 sampledChord(Tile tile, Solid solid, float x, float from, float to, inout Found found) {
-  float first = kMiss, last = kBottomless, part = (to - from) / float(kScanParts);
-  for (uint k = 0; k <= kScanParts; ++k) {
-    float y = from + float(k) * part;
-    if (heightAt(tile, solid, vec2(x, y), found) >= tile.level) continue;
-    first = min(first, y);
-    last = y;
-  }
-  vec2 touching = vec2(first, last), apart = clamp(touching + vec2(-part, part), from, to);
-  for (uint k = 0; k < kBisections && last >= first; ++k) {
-    vec2 between = 0.5 * (touching + apart);
-    for (uint end = 0; end < 2; ++end) {
-      bool touches = heightAt(tile, solid, vec2(x, between[end]), found) < tile.level;
-      if (touches) touching[end] = between[end];
-      if (!touches) apart[end] = between[end];
-    }
-  }
-  return mix(touching.xxxx, touching.yyyy, vec4(0, 1, 2, 3) / 3.0);
-}
-
 // Adds one scan line of the cell at `at`.
 void addScanLine(Tile tile, Solid solid, Tube tube, vec2 at, uint line, uint address, inout Found found) {
   vec2 start = samplePosition(tile, at + vec2((float(line) + 0.5) / float(kScanLines) - 0.5, -0.5));
   float x = start.x, end = start.y + tile.spacing.y;
-  bool is_cylinder = isKind(solid.kind, kKindCylinder);
-  vec4 chord;
-  if (is_cylinder || isKind(solid.kind, kKindCapsule) || isKind(solid.kind, kKindSphere)) {
-    chord = chordOf(tube, is_cylinder, x);
-  } else {
-    chord = sampledChord(tile, solid, x, start.y, end, found);
-  }
-  chord = clamp(chord, start.y, end);
+  vec4 chord = clamp(chordOf(tube, isKind(solid.kind, kKindCylinder), x), start.y, end);
   float sum = 0.0, per_line = 1.0 / (float(kScanLines) * tile.spacing.y);
   if (chord.x >= chord.w) return;
   for (uint k = 0; k < 6; ++k) {
@@ -85,7 +54,7 @@ void addScanLine(Tile tile, Solid solid, Tube tube, vec2 at, uint line, uint add
     float y = middle + ((k & 1u) != 0 ? kGauss : -kGauss) * half_length;
     sum += half_length * depthUnder(tile, heightAt(tile, solid, vec2(x, y), found));
   }
-  addToCell(address, sum * per_line, (chord.w - chord.x) * per_line, false);
+  addToCell(tile, address, sum * per_line, (chord.w - chord.x) * per_line, false);
 }
 
 // Adds the cell at `at` if all of it is smooth contact. False: it needs scan lines.
@@ -96,10 +65,10 @@ bool addSmoothCell(Tile tile, Solid solid, vec2 at, uint address, inout Found fo
     highest = max(highest, z_corner);
     corners += 0.25 * depthUnder(tile, z_corner);
   }
-  if (!isKind(solid.kind, kKindTorus) && highest < kMiss && 2.0 * z - highest > tile.level) return true;
+  if (highest < kMiss && 2.0 * z - highest > tile.level) return true;
   float bend = abs(corners - middle);  // of a quadratic; it makes a quartic of the order of bend^3 / spacing^2
   if (highest >= tile.level || bend * bend * bend > kSmooth * middle * tile.sample_area) return false;
-  addToCell(address, (2.0 * middle + corners) * (1.0 / 3.0), 1.0, false);
+  addToCell(tile, address, (2.0 * middle + corners) * (1.0 / 3.0), 1.0, false);
   return true;
 }
 

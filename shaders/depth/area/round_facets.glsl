@@ -1,5 +1,5 @@
-// Area sampling of cones, and of cylinders whose ends look up and down: by the facets of a prism or pyramid of kSides sides with the same area of every
-// section, so that the outlines of flat ends are exact integrals (depth/facets.glsl). It deviates by at most 2.1e-4 of the radius.
+// Area sampling of half-spaces, by two facets; of cones, and of cylinders whose ends look up and down, by the facets of a prism or pyramid of kSides sides with the same area of every
+// section, so that the outlines of flat ends are exact integrals (depth/area/facets.glsl). It deviates by at most 2.1e-4 of the radius.
 
 const uint kSides = 128u;
 const float kSideAngle = 6.2831853072 / float(kSides);
@@ -33,4 +33,22 @@ void addRound(Tile tile, Solid solid, inout Found found) {
     if (!is_cone) addFacet(tile, low, q, p, 0, 1, found);
   }
   checkLoop(i < kSides);
+}
+
+// The plane over the whole tile. Tile::deepest becomes its largest depth.
+void addHalfSpace(inout Tile tile, Solid solid, inout Found found) {
+  const float kSteepest = 1e-6;  // |normal.z|
+  vec3 normal = vec3(solid.X_PO.row0.z, solid.X_PO.row1.z, solid.X_PO.row2.z), at = vec3(solid.X_PO.row0.w, solid.X_PO.row1.w, solid.X_PO.row2.w);
+  vec3 corners[4];
+  tile.deepest = kLeastDepth;
+  for (uint k = 0; k < 4; ++k) {
+    vec2 cell = vec2(tile.size * SAMPLES) * vec2(k >> 1, k == 1 || k == 2);
+    vec2 off = samplePosition(tile, tile.first + cell - 0.5) - at.xy;
+    // A half-space that does not look down has no lowest surface: it is deeper than the skin everywhere.
+    float depth = normal.z < -kSteepest ? tile.level - at.z + dot(off, normal.xy) / normal.z : 2.0 * THICKNESS;
+    corners[k] = vec3(cell, depth);
+    tile.deepest = max(tile.deepest, depth);
+  }
+  addFacet(tile, corners[0], corners[1], corners[2], gl_LocalInvocationIndex, WORKGROUP, found);
+  addFacet(tile, corners[0], corners[2], corners[3], gl_LocalInvocationIndex, WORKGROUP, found);
 }

@@ -3,14 +3,15 @@
 //
 // Sums are integers, so that the order of triangles does not matter.
 
-const float kVolumeUnits = 134217728.0;   // of the cell's area times THICKNESS; 2^27 leaves room for sixteen surfaces above each other
+const float kVolumeUnits = 134217728.0;   // of the cell's area times Tile::deepest; 2^27 leaves room for sixteen surfaces above each other
+const float kLeastDepth = 1e-9;           // m
 const float kCoveredUnits = 1048576.0;    // of the cell's area
 const float kSliver = 0.25;               // of a cell: what covers less does not count as deep
 const float kFull = 0.999;                // of THICKNESS: mean depth of the covered part that counts as the skin's full thickness
 
 // Adds the integral (of the cell's area, m) over the covered part (of the cell's area).
-void addToCell(uint address, float volume, float covered, bool subtract) {
-  int amount = int(round(volume * (kVolumeUnits / THICKNESS))), part = int(round(covered * kCoveredUnits));
+void addToCell(Tile tile, uint address, float volume, float covered, bool subtract) {
+  int amount = int(round(volume * (kVolumeUnits / tile.deepest))), part = int(round(covered * kCoveredUnits));
   atomicAdd(cell_volumes[address], subtract ? -amount : amount);
   atomicAdd(cell_covered[address], subtract ? -part : part);
 }
@@ -24,7 +25,7 @@ void takeCells(Tile tile, Box box, uint slot, inout Found found) {
   for (uint i = gl_LocalInvocationIndex; i < count; i += WORKGROUP) {
     ivec2 at = box.first + ivec2(cellNumbered(i, uint(size.y)));
     uint address = uint(at.x) * tile.stride + uint(at.y);
-    float depth = float(cell_volumes[address]) * (THICKNESS / kVolumeUnits), covered = float(cell_covered[address]) * (1.0 / kCoveredUnits);
+    float depth = float(cell_volumes[address]) * (tile.deepest / kVolumeUnits), covered = float(cell_covered[address]) * (1.0 / kCoveredUnits);
     cell_volumes[address] = cell_covered[address] = 0;
     // Surfaces of one object above each other share the cell.
     depth = min(depth / max(covered, 1.0), THICKNESS);
