@@ -1,6 +1,7 @@
 /// @file
 /// The paper's experiments. Static (section V.A): indenters on a sensor under dead weights; images of several sensor models are compared
 /// with those of a reference model. Dynamic (sections V.B and V.C): a robot servos the sensor until the edge reaches a reference angle.
+/// Calibration (section III): a pin presses single taxels.
 #pragma once
 
 #include <array>
@@ -113,11 +114,54 @@ struct ServoExperiment {
 /// Reads a dynamic experiment and its scene (docs/file_formats.md). Throws Error(kInput) with file, line, column and key.
 ServoExperiment loadServoExperiment(const std::filesystem::path& file);
 
-/// An experiment of either kind.
-using Experiment = std::variant<StaticExperiment, ServoExperiment>;
+/// A calibration with a flat pin, normal to the skin: counts against force in the middles of taxels (figure 5b), force against depth at
+/// several places of one taxel (figure 6b).
+struct CalibrationExperiment {
+  /// A measured force at a depth.
+  struct DepthForce {
+    double depth = 0;  ///< m, one of `depths`.
+    double force = 0;  ///< N, > 0.
+  };
+  /// A measured output of a taxel.
+  struct ForceCounts {
+    double force = 0;   ///< N, one of `loads`.
+    double counts = 0;  ///< Counts, >= 0.
+  };
+
+  std::string name;                          ///< Name in reports.
+  std::vector<Sensor> sensors;               ///< Models to compare: one level grid each, with a law that carries loads.
+  double pin_radius = 0;                     ///< m, > 0.
+  std::vector<int> taxels;                   ///< Indices of taxels that are pressed in their middles; the first also at all places.
+  int places = 7;                            ///< Places along each side of the first taxel, odd: middles of equal cells. Default 7.
+  std::vector<double> depths;                ///< m, > 0, ascending, at most the thickness of each sensor's skin.
+  std::vector<double> loads;                 ///< N, > 0, ascending.
+  std::vector<DepthForce> measured_forces;   ///< What a real sensor carried. May be empty.
+  std::vector<ForceCounts> measured_counts;  ///< What a real sensor read. May be empty.
+
+  /// Number of places on the first taxel.
+  std::size_t numPlaces() const { return static_cast<std::size_t>(places) * static_cast<std::size_t>(places); }
+};
+
+/// Reads a calibration (docs/file_formats.md). Throws Error(kInput) with file, line, column and key.
+CalibrationExperiment loadCalibrationExperiment(const std::filesystem::path& file);
+
+/// An experiment of any kind.
+using Experiment = std::variant<StaticExperiment, ServoExperiment, CalibrationExperiment>;
 
 /// Reads an experiment of the kind that the file's key `experiment` names. Throws Error(kInput) with file, line, column and key.
 Experiment loadExperiment(const std::filesystem::path& file);
+
+/// Curves of one sensor in a calibration. The middle of the first taxel is place num_places / 2. A load that the skin carries at no depth
+/// gives NaN.
+struct CalibrationCurves {
+  std::string name;            ///< Name of the sensor.
+  std::vector<double> forces;  ///< (num_depths x num_places), N.
+  std::vector<double> counts;  ///< (num_loads x num_taxels), of the pressed taxel.
+  std::vector<double> shares;  ///< (num_loads x num_taxels), part of the load that the pressed taxel reads, before readout; 0 to 1.
+};
+
+/// Runs a calibration: one entry per sensor. Each press is the first step of an unloaded sensor at rest. Submits and waits.
+std::vector<CalibrationCurves> runCalibrationExperiment(const Device& device, const CalibrationExperiment& experiment);
 
 /// Time series of one episode, of the robot's first sensor. N = num_frames.
 struct ServoTrace {

@@ -17,7 +17,7 @@ namespace taxelsim {
 /// @name Limits
 /// Largest values unless stated otherwise.
 /// @{
-inline constexpr int kMaxSamplesPerTaxel = 8;            ///< Sensor::samples_per_taxel.
+inline constexpr int kMaxSamplesPerTaxel = 16;           ///< Sensor::samples_per_taxel.
 inline constexpr int kMaxTaxelsPerSide = 128;            ///< Rows or columns of a grid patch.
 inline constexpr int kMaxKernelSize = 9;                 ///< Psf::size.
 inline constexpr int kMaxSpreadTaxels = 128;             ///< Taxels that one taxel reaches by distance along the skin.

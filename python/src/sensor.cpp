@@ -143,7 +143,7 @@ void bindModelOfSensor(nb::module_& module) {
   nb::class_<Sensor> sensor(module, "Sensor", "A sensor model: taxels on patches, the skin above them, the electronics that read them.");
   addFields(sensor, field("name", &Sensor::name, "Name in messages and data sets."),
             field("patches", &Sensor::patches, "Patches, at least one."),
-            field("samples_per_taxel", &Sensor::samples_per_taxel, "Samples per side of a taxel, 1 to 8."),
+            field("samples_per_taxel", &Sensor::samples_per_taxel, "Samples per side of a taxel, 1 to 16."),
             field("depth_sampling", &Sensor::depth_sampling, "Depth of a sample."), field("skin", &Sensor::skin, "Skin."),
             field("psf", &Sensor::psf, "Point spread function."), field("readout", &Sensor::readout, "Electronics."),
             field("frame_rate", &Sensor::frame_rate, "Hz, > 0; 0: a frame at every step."));

@@ -1,4 +1,5 @@
-// `taxelsim experiment`: the paper's experiments. Compares sensor models under static loads, and servo loops with theory.
+// `taxelsim experiment`: the paper's experiments. Compares sensor models under static loads and under the pin of a calibration, and servo
+// loops with theory.
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 
@@ -13,6 +14,7 @@
 #include "cli/commands.h"
 #include "cli/driver_threads.h"
 #include "cli/scene_options.h"
+#include "figures/calibration_report.h"
 #include "figures/servo_report.h"
 #include "figures/tactile_figure.h"
 #include "figures/taxel_chart.h"
@@ -208,6 +210,20 @@ void report(const Arguments& arguments, const Device& device, const ServoExperim
   spdlog::info("wrote {} figures to {}", num_figures, arguments.directory);
 }
 
+void report(const Arguments& arguments, const Device& device, const CalibrationExperiment& experiment) {
+  Activity activity("running " + experiment.name);
+  const std::vector<CalibrationCurves> sensors = runCalibrationExperiment(device, experiment);
+  activity.end();
+  if (arguments.json) {
+    fmt::print("{}\n", calibrationJson(experiment, sensors).dump());
+  } else {
+    fmt::print("{}", calibrationTables(experiment, sensors));
+  }
+  if (arguments.directory.empty()) return;
+  drawCalibration(arguments.directory, experiment, sensors);
+  spdlog::info("wrote 1 figure to {}", arguments.directory);
+}
+
 int runExperiment(const Arguments& arguments) {
   useTwoDriverThreadsPerCore();
   Activity activity("loading " + arguments.file);
@@ -221,13 +237,16 @@ int runExperiment(const Arguments& arguments) {
 }  // namespace
 
 void addExperiment(CLI::App& app, Action& action) {
-  CLI::App* command =
-      app.add_subcommand("experiment", "Run an experiment of the paper: indenters under dead weights, or a robot that aligns with an edge");
+  CLI::App* command = app.add_subcommand(
+      "experiment",
+      "Run an experiment of the paper: indenters under dead weights, a robot that aligns with an edge, or a calibration with a pin");
   command->footer(
       "Example:\n  taxelsim experiment scenes/experiments/paper/static_indenters.yaml -o figures/\n"
       "  taxelsim experiment scenes/experiments/paper/pan_tilt.yaml -o figures/\n"
+      "  taxelsim experiment scenes/experiments/paper/calibration.yaml -o figures/\n"
       "Static experiments compare the images of each sensor model, in newtons, with those of a reference model. Servo experiments\n"
-      "compare each run with theory where there is one.");
+      "compare each run with theory where there is one. Calibrations compare force against depth and counts against force with measured\n"
+      "values.");
   const auto arguments = std::make_shared<Arguments>();
   command->add_option("experiment", arguments->file, "Experiment file (YAML)")->required()->type_name("FILE");
   command->add_option("-o,--output", arguments->directory, "Draw figures into this directory")->type_name("DIR");

@@ -129,6 +129,32 @@ TEST(ExperimentStudy, EveryImageOfTheShippedOneHasActiveTaxels) {
   EXPECT_GE(num_images, 6u * 3 * 2);
 }
 
+TEST(Experiment, CalibrationTablesAndPicture) {
+  const TemporaryDirectory root;
+  const std::filesystem::path file = written(root, "x.yaml",
+                                             "format_version: 1\nname: pin\nexperiment: calibration\nsensors: [" + shipped("wts0614") +
+                                                 "]\npin_radius_mm: 1.5\ntaxels: [39, 0]\nplaces: 3\ndepths_mm: [0.5, 1]\nloads: "
+                                                 "[0.5, 1000]\nmeasured:\n  force_at_depth: [{depth_mm: 1, force: 2}]\n  "
+                                                 "counts_at_force: [{force: 0.5, counts: 700}, {force: 1000, counts: 800}]\n");
+  const Outcome outcome = runTaxelsim({"experiment", file, "-o", root / "figures"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const auto has = [&](const char* part) { EXPECT_NE(outcome.out.find(part), std::string::npos) << part << "\n" << outcome.out; };
+  has("pin: a flat pin of 3 mm diameter on 9 places of taxel 39 and in the middles of 2 taxels\n");
+  has("\nwts0614                                  1      2.00      ");
+  has("\nwts0614                                0.5       700       ");
+  has("\nwts0614                               1000       800         -         -         -         -\n");
+  has("\nwts0614: 2 of 4 presses on the middles of taxels do not reach their load");
+  EXPECT_NE(outcome.err.find("info: wrote 1 figure to " + (root / "figures").string()), std::string::npos) << outcome.err;
+  EXPECT_TRUE(contentOf(root / "figures" / "calibration.png").starts_with("\x89PNG"));
+  const Outcome json_outcome = runTaxelsim({"experiment", file, "--json"});
+  const nlohmann::json json = nlohmann::json::parse(json_outcome.out);
+  ASSERT_EQ(json["sensors"].size(), 1u);
+  EXPECT_EQ(json["sensors"][0]["forces"].size(), 18u);
+  ASSERT_EQ(json["sensors"][0]["counts"].size(), 4u);
+  EXPECT_GT(json["sensors"][0]["counts"][0].get<double>(), 0);
+  EXPECT_TRUE(json["sensors"][0]["counts"][3].is_null());
+}
+
 TEST(Experiment, Refusals) {
   const TemporaryDirectory root;
   const std::string sensor = "[{sensor: " + shipped("wts0614") + "}]";

@@ -59,6 +59,8 @@ TEST(BadScenes, Numbers) {
        BadScene{"yaw_deg: 30", "noise: -3", ":23:10: randomization.noise: -3 is not allowed: a number from 0 to 65535 counts"},
        BadScene{"num_rows: 3", "num_rows: 0", ":6:13: sensor.num_rows: 0 is not allowed: a whole number from 1 to 128"},
        BadScene{"num_rows: 3", "num_rows: 129", ":6:13: sensor.num_rows: 129 is not allowed"},
+       BadScene{"pitch_mm: 3.4", "pitch_mm: 3.4\n  samples_per_taxel: 17",
+                ":9:22: sensor.samples_per_taxel: 17 is not allowed: a whole number from 1 to 16"},
        BadScene{"num_rows: 3", "num_rows: 3.5", ":6:13: sensor.num_rows: 3.5 is not allowed"},
        BadScene{"pitch_mm: 3.4", "pitch_mm: [3.4, 0]", ":8:19: sensor.pitch_mm[1]: 0 is not allowed: a number > 0 mm"},
        BadScene{"kp: 0.78", "kp: 0.78, reference_deg: -90",

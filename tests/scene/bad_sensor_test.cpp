@@ -80,7 +80,7 @@ TEST(BadSensors, ElasticLayer) {
        BadScene{kSkin, "{thickness: 0.002, law: elastic_layer, elastic_modulus: 1e6, poisson_ratio: 0.5, margin: -1}",
                 ":9:98: sensor.skin.margin: -1 is not allowed: a number from 0 to 1 m"},
        BadScene{kSkin, "{thickness: 0.002, law: elastic_layer, elastic_modulus: 1e6, poisson_ratio: 0.5, margin: 1}",
-                ":9:98: sensor.skin.margin: 1 is not allowed: at most 512 samples"},
+                ":9:98: sensor.skin.margin: 1 is not allowed: at most 1024 samples"},
        BadScene{kSkin, "{thickness: 1e-6, law: elastic_layer, elastic_modulus: 1e6, poisson_ratio: 0.5}",
                 ":9:21: sensor.skin.thickness: 1e-06 is not allowed: at least an eighth of the spacing of samples"},
        BadScene{kSkin, "{thickness: 0.002, law: elastic_layer, elastic_modulus: 1e6, poisson_ratio: 0.5, normal_damping: 1}",

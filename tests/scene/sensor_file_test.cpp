@@ -61,8 +61,7 @@ TEST(SensorFile, ReadsEverySetting) {
   const Sensor sensor = load(R"(patches:
   - {name: a, num_rows: 1, num_cols: 2, pitch_mm: [3, 4], pose: {position_mm: [1, 2, 3], rotation: [0, 1, 0, 0]}}
   - {num_rows: 1, num_cols: 1, pitch: 0.005, pose: {rpy_deg: [0, 0, 90]}}
-samples_per_taxel: 8
-depth_sampling: area
+samples_per_taxel: 16
 frame_rate: 31
 skin: {thickness_mm: 1.5, law: winkler, normal_contact_stiffness: 2e8, normal_exponent: 1.5, normal_damping: 10,
        friction_coefficient: 0.6, tangential_stiffness: 5e7}
@@ -80,8 +79,7 @@ readout: {curve: {coefficients: [100, 2, 0.5]}, output_scale: 2, trigger: 0.1, a
   const Vector3 turned = rotate(sensor.patches[1].X_SP.rotation, {1, 0, 0});
   EXPECT_NEAR(turned[0], 0, kRotationTolerance);
   EXPECT_NEAR(turned[1], 1, kRotationTolerance);
-  EXPECT_EQ(sensor.samples_per_taxel, 8);
-  EXPECT_EQ(sensor.depth_sampling, DepthSampling::kArea);
+  EXPECT_EQ(sensor.samples_per_taxel, 16);
   EXPECT_EQ(sensor.frame_rate, 31);
   EXPECT_EQ(sensor.skin.thickness, 0.0015);
   EXPECT_EQ(std::get<Winkler>(sensor.skin.law), (Winkler{.normal_contact_stiffness = 2e8, .normal_exponent = 1.5, .normal_damping = 10}));

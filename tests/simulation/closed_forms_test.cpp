@@ -30,9 +30,19 @@ Result run(const Sensor& sensor, const Object& object, const Pose& X_SO) {
           frame.ground_truth.center_of_pressure[1]};
 }
 
-// 20 x 20 taxels of 1 mm, 8 x 8 samples each.
+// Taxels of 1 mm.
+Sensor squareSensor(int taxels_per_side, int samples_per_taxel) {
+  return support::gridSensor({.num_rows = taxels_per_side,
+                              .num_cols = taxels_per_side,
+                              .pitch_x = 1e-3,
+                              .pitch_y = 1e-3,
+                              .samples_per_taxel = samples_per_taxel,
+                              .thickness = 2e-3});
+}
+
+// 20 x 20 taxels, 8 x 8 samples each.
 Sensor fineSensor() {
-  return support::gridSensor({.num_rows = 20, .num_cols = 20, .pitch_x = 1e-3, .pitch_y = 1e-3, .samples_per_taxel = 8, .thickness = 2e-3});
+  return squareSensor(20, 8);
 }
 
 void expectForce(const Result& result, double expected, double discretisation) {
@@ -67,6 +77,17 @@ TEST(ClosedFormsOnEveryDriver, FlatPunch) {
   const Result result = run(fineSensor(), Object(Box{{4e-3, 8e-3, 10e-3}}), {.position = {2e-3, -1e-3, 5e-3 - depth}});
   EXPECT_NEAR(result.centre_x, 2e-3, 1e-2 * kFloatError);
   EXPECT_NEAR(result.centre_y, -1e-3, 1e-2 * kFloatError);
+}
+
+// 160 x 160 samples on 10 x 10 taxels: the same numbers of samples as above on half the lengths. One taxel, too: its samples fit a tile.
+TEST(ClosedFormsOnEveryDriver, MostSamples) {
+  const double R = 6e-3, depth = 0.45e-3;
+  expectForce(run(squareSensor(10, kMaxSamplesPerTaxel), Object(Sphere{R}), {.position = {0.065e-3, -0.145e-3, R - depth}}),
+              kPi * kStiffness * depth * depth * (R - depth / 3), 0.0015);
+  const double side_x = 0.5e-3, side_y = 0.75e-3;  // 8 x 12 samples
+  expectForce(
+      run(squareSensor(1, kMaxSamplesPerTaxel), Object(Box{{side_x, side_y, 10e-3}}), {.position = {0.01e-3, 0.01e-3, 5e-3 - depth}}),
+      kStiffness * side_x * side_y * depth, 0);
 }
 
 TEST(ClosedFormsOnEveryDriver, Cone) {

@@ -25,9 +25,9 @@ inline constexpr double kShift = 1e-7;  // m, in x and y
 inline constexpr double kMarginZ = 2e-7;  // m
 // A torus is the root of a quartic in float32: residual 2^-24 times about 30 terms of order one, in units of its size (up to 30 mm).
 inline constexpr double kTorusMarginZ = 2e-6;  // m
-// Pressure: pow() of a GPU is exp2(n log2 d), |n log2 d| < 40 with 3 ulp in log2 and 3 + 2 * 40 in exp2, about 160 ulp; a sum of up to 64
+// Pressure: pow() of a GPU is exp2(n log2 d), |n log2 d| < 40 with 3 ulp in log2 and 3 + 2 * 40 in exp2, about 160 ulp; a sum of up to 256
 // samples.
-inline constexpr double kRelativeForce = 250 * kUlp;
+inline constexpr double kRelativeForce = 420 * kUlp;
 // Last place of sums in fixed point.
 inline constexpr double kAbsoluteForce = 1e-6;  // N
 // Moments sum up to 128 x 128 taxels in a tree of float32: about 30 roundings of terms of the sum's own size.

@@ -157,9 +157,11 @@ TEST(SensorSizeOnEveryDriver, Largest) {
   runSensor(support::gridSensor({.num_rows = 128, .num_cols = 128, .pitch_x = 0.5e-3, .pitch_y = 0.5e-3, .samples_per_taxel = 1}), 0.03);
 }
 
-// 1024 x 1024 samples: 4 MiB of depth, more than any workgroup can share.
+// 2048 x 512 samples: 4 MiB of depth, more than any workgroup can share.
 TEST(SensorSizeOnEveryDriver, LargestWithAllSamples) {
-  runSensor(support::gridSensor({.num_rows = 128, .num_cols = 128, .pitch_x = 0.5e-3, .pitch_y = 0.5e-3, .samples_per_taxel = 8}), 0.03);
+  runSensor(support::gridSensor(
+                {.num_rows = 128, .num_cols = 32, .pitch_x = 0.5e-3, .pitch_y = 0.5e-3, .samples_per_taxel = kMaxSamplesPerTaxel}),
+            0.03);
 }
 
 // By default every kernel size on one grid with one normalization.

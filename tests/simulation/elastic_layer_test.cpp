@@ -101,6 +101,21 @@ INSTANTIATE_TEST_SUITE_P(Layers, ElasticLayerTwin,
                                            LayerCase{{.thickness = 1e-3, .poisson_ratio = 0.4, .margin = 6e-3, .iterations = 30}, 8},
                                            LayerCase{{.thickness = 4e-3, .poisson_ratio = 0.45, .margin = 1e-3}, 1}));
 
+// As many samples a taxel as there may be, on a grid as small as those of the cases above.
+TEST(ElasticLayerOnDevice, MostSamplesMatchTheTwin) {
+  const Sensor sensor = layerSensor({.thickness = 1e-3, .poisson_ratio = 0.4, .margin = 1e-3},
+                                    {.num_rows = 2, .num_cols = 3, .samples_per_taxel = kMaxSamplesPerTaxel});
+  const Touch touch{{0}, {{{1e-3, -0.7e-3, 4.6e-3}, {1, 0, 0, 0}}}};
+  const std::vector<Object> objects{Sphere{5e-3}};
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+  Simulator simulator(model, {});
+  const FrameView frame = stepOnce(simulator, {touch});
+  const auto placed = touch.placed(objects);
+  const reference::LayerContact twin = reference::layerContact(sensor, placed);
+  ASSERT_GT(twin.total_force, 0);
+  expectLikeTwin(frame, 0, sensor, twin, support::forceSlack(twin.total_force + twin.off_array_load, deepestOf(sensor, placed)));
+}
+
 // ---- closed forms ----
 
 // Sneddon's exact solution for a sphere on a half-space, as tests/reference/elastic_layer_test.cpp for the twin.

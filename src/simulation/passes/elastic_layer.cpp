@@ -5,6 +5,7 @@
 #include "elastic_layer_pairs.spv.h"
 #include "elastic_layer_pairs_lockstep.spv.h"
 #include "shared/elastic_layer.h"
+#include "simulation/passes/layer_memory.h"
 
 namespace taxelsim {
 namespace {
@@ -23,6 +24,7 @@ ElasticLayerPass::ElasticLayerPass(const ModelData& model, const ModelOptions& o
   const std::uint64_t iterations = iterationsOf(model.sensor, *model.layer);
   sizes_.workgroup = tunedWorkgroup(options.contact_workgroup, model.profile, iterations, "contact_workgroup");
   sizes_.lanes = model.profile.partialSumsFor(iterations);
+  checkLayerFits(model.device.info(), model.sensor, model.layer->nodes, sizes_.lanes);
 }
 
 void ElasticLayerPass::record(Recorder& recorder, const Variant& variant) const {

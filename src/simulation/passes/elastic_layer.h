@@ -19,7 +19,7 @@ class ElasticLayerPass {
     auto operator<=>(const Variant&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 misreads it
   };
 
-  // The model must have a layer. Throws Error(kInput) for a workgroup size that is not allowed.
+  // The model must have a layer. Throws Error(kInput) for a workgroup size that is not allowed, and as checkLayerFits().
   ElasticLayerPass(const ModelData& model, const ModelOptions& options);
 
   void record(Recorder& recorder, const Variant& variant) const;
