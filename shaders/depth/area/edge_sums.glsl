@@ -7,17 +7,21 @@
 //     |    0 +-----+----+
 //     +------> u
 
+// Rates dv/du and du/dv of the edge from p to q; finite.
+vec2 ratesOf(vec2 p, vec2 q) {
+  const float kLargest = 1e30;
+  vec2 along = q - p;
+  return vec2(along.x != 0.0 ? along.y / along.x : 0.0, along.y != 0.0 ? clamp(along.x / along.y, -kLargest, kLargest) : kLargest);
+}
+
 // Subtracts the part of the cell under the edge from p to q from the sums: area, moment along u, moment along v.
-void addEdge(vec2 p, vec2 q, inout vec3 sums) {
-  float along = q.x - p.x;
-  float slope = along != 0.0 ? (q.y - p.y) / along : 0.0;
+void addEdge(vec2 p, vec2 q, vec2 rates, inout vec3 sums) {
   float u0 = clamp(p.x, 0.0, 1.0), u1 = clamp(q.x, 0.0, 1.0);
-  float v0 = p.y + (u0 - p.x) * slope, v1 = q.y + (u1 - q.x) * slope;
+  float v0 = p.y + (u0 - p.x) * rates.x, v1 = q.y + (u1 - q.x) * rates.x;
   float a = clamp(v0, 0.0, 1.0), b = clamp(v1, 0.0, 1.0);
   // Where the edge enters and leaves 0 <= v <= 1.
-  float rise = v1 - v0, run = u1 - u0;
-  float ua = u0 + run * (rise != 0.0 ? clamp((a - v0) / rise, 0.0, 1.0) : 0.0);
-  float ub = u0 + run * (rise != 0.0 ? clamp((b - v0) / rise, 0.0, 1.0) : 1.0);
+  float low = min(u0, u1), high = max(u0, u1);
+  float ua = clamp(u0 + (a - v0) * rates.y, low, high), ub = clamp(u1 + (b - v1) * rates.y, low, high);
   float width = ub - ua;
   vec2 before = v0 > 1.0 ? vec2(ua - u0, 0.5 * (ua * ua - u0 * u0)) : vec2(0), after = v1 > 1.0 ? vec2(u1 - ub, 0.5 * (u1 * u1 - ub * ub)) : vec2(0);
   sums.x -= 0.5 * width * (a + b) + before.x + after.x;

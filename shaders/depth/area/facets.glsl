@@ -41,12 +41,14 @@ void addPart(Tile tile, Facet facet, uint part, uint first, uint step) {
   ivec2 first_cell = max(ivec2(floor(low.xy)), 0), last_cell = min(ivec2(floor(high.xy)), ivec2(tile.size * SAMPLES) - 1);
   if (first_cell.x > last_cell.x || first_cell.y > last_cell.y) return;
   ivec2 size = last_cell - first_cell + 1;
+  vec2 rates[4];
+  for (uint k = 0; k < 4; ++k) rates[k] = ratesOf(corners[k].xy, corners[(k + 1) & 3].xy);
   uint i = first;
   for (; i < uint(size.x * size.y); i += step) {
     ivec2 cell = first_cell + ivec2(cellNumbered(i, uint(size.y)));
     vec2 corner = vec2(cell);
     vec3 sums = vec3(0);
-    for (uint k = 0; k < 4; ++k) addEdge(corners[k].xy - corner, corners[(k + 1) & 3].xy - corner, sums);
+    for (uint k = 0; k < 4; ++k) addEdge(corners[k].xy - corner, corners[(k + 1) & 3].xy - corner, rates[k], sums);
     if (sums.x <= 0.0) continue;
     // The integral of a plane is the area times its value at the centroid, which lies between those at the corners.
     vec2 middle = corner + sums.yz / sums.x;
