@@ -36,6 +36,19 @@ Rectangle overlap(const Rectangle& a, const Rectangle& b) {
   return {{std::max(a.min[0], b.min[0]), std::max(a.min[1], b.min[1])}, {std::min(a.max[0], b.max[0]), std::min(a.max[1], b.max[1])}};
 }
 
+// The ray along `direction_P`, which is z of S, through the lowest point of a bounded solid. The point may be on a rim, which a ray can
+// miss by rounding: the ray is moved towards the middle of the projection.
+std::array<double, 2> lowestRay(const PlacedObject& placed, const GridPatch& patch, const Vector3& direction_P, const Rectangle& bounds) {
+  constexpr double kInwards = 1e-9;  // of the way to the middle
+  const Vector3 p_P = inverse(patch.X_SP) * (placed.X_SO * lowestPoint(*placed.object, placed.X_SO.rotation));
+  std::array<double, 2> ray{};
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    ray[axis] = p_P[axis] - p_P[2] / direction_P[2] * direction_P[axis];
+    ray[axis] += kInwards * ((bounds.min[axis] + bounds.max[axis]) / 2 - ray[axis]);
+  }
+  return ray;
+}
+
 }  // namespace
 
 AreaDepth::AreaDepth(const Sensor& sensor, std::span<const PlacedObject> objects) : sensor_(sensor), view_depths_(viewDepths(sensor)) {
@@ -105,7 +118,9 @@ double AreaDepth::lowestAlong(const Placed& object, const GridPatch& patch, cons
     appendHeights(patch, sensor_.samples_per_taxel, {&object.placed, 1}, {.direction_P = direction_P}, heights);
     return *std::min_element(heights.begin(), heights.end());
   }
-  return lowestHeight(heightOf(shape, X_PO, direction_P), overlap(skin, projectedBounds(shape, X_PO, direction_P)));
+  const Rectangle bounds = projectedBounds(shape, X_PO, direction_P);
+  const auto guess = std::holds_alternative<HalfSpace>(shape) ? skin.min : lowestRay(object.placed, patch, direction_P, bounds);
+  return lowestHeight(heightOf(shape, X_PO, direction_P), overlap(skin, bounds), guess);
 }
 
 double AreaDepth::firstTouch() const {

@@ -15,7 +15,10 @@ constexpr int kIntervals = 32;           // per side of the raster
 constexpr int kBisections = 30;          // of an interval
 constexpr int kMaxHalvings = 12;         // of the adaptive rule: a jump within a piece is located to 2^-12 of it
 constexpr double kRuleTolerance = 1e-7;  // relative difference of a rule and its halves
-constexpr int kZooms = 120;              // of lowestHeight()
+
+// Of lowestHeight(). Directions turn by the golden angle, since a rim that leaves the skin is lowest in a narrow valley.
+constexpr int kDirections = 8;
+constexpr double kGoldenAngle = 2.399963229728653, kShrink = 0.7, kSearchEnd = 1e-14;
 
 // Calls visit(kind, begin, end) for the pieces of [low, high] on which kindAt() is constant.
 template <typename KindAt, typename Visit>
@@ -143,34 +146,35 @@ CellDepth meanDepth(const HeightAt& heightAt, const Rectangle& domain, double ce
   return {integrator.integral(true) / cell_area, integrator.integral(false) / cell_area};
 }
 
-double lowestHeight(const HeightAt& heightAt, const Rectangle& rectangle) {
-  if (rectangle.isEmpty()) return std::numeric_limits<double>::infinity();
-  std::array<double, 2> middle{}, half{};
-  for (std::size_t axis = 0; axis < 2; ++axis) {
-    middle[axis] = (rectangle.min[axis] + rectangle.max[axis]) / 2;
-    half[axis] = (rectangle.max[axis] - rectangle.min[axis]) / 2;
-  }
+double lowestHeight(const HeightAt& heightAt, const Rectangle& rectangle, const std::array<double, 2>& guess) {
   double lowest = std::numeric_limits<double>::infinity();
-  std::array<double, 2> best = middle;
-  const auto scan = [&](int intervals) {
-    const std::array<double, 2> centre = best;
-    for (int i = 0; i <= intervals; ++i) {
-      for (int j = 0; j <= intervals; ++j) {
-        const double x = std::clamp(centre[0] + half[0] * (2.0 * i / intervals - 1), rectangle.min[0], rectangle.max[0]);
-        const double y = std::clamp(centre[1] + half[1] * (2.0 * j / intervals - 1), rectangle.min[1], rectangle.max[1]);
-        const double height = heightAt(x, y);
-        if (height < lowest) {
-          lowest = height;
-          best = {x, y};
-        }
-      }
-    }
+  if (rectangle.isEmpty()) return lowest;
+  std::array<double, 2> best{};
+  const auto isLower = [&](double x, double y) {
+    const std::array<double, 2> p{std::clamp(x, rectangle.min[0], rectangle.max[0]), std::clamp(y, rectangle.min[1], rectangle.max[1])};
+    const double height = heightAt(p[0], p[1]);
+    if (height >= lowest) return false;
+    lowest = height;
+    best = p;
+    return true;
   };
-  scan(2 * kIntervals);
-  half = {half[0] / kIntervals, half[1] / kIntervals};
-  for (int zoom = 0; zoom < kZooms; ++zoom) {
-    scan(4);
-    half = {half[0] * 0.75, half[1] * 0.75};
+  const std::array<double, 2> step{(rectangle.max[0] - rectangle.min[0]) / (2 * kIntervals),
+                                   (rectangle.max[1] - rectangle.min[1]) / (2 * kIntervals)};
+  for (int i = 0; i <= 2 * kIntervals; ++i) {
+    for (int j = 0; j <= 2 * kIntervals; ++j) isLower(rectangle.min[0] + i * step[0], rectangle.min[1] + j * step[1]);
+  }
+  isLower(guess[0], guess[1]);
+  const double first_radius = std::max(step[0], step[1]);
+  double angle = 0;
+  for (double radius = first_radius; radius > kSearchEnd * first_radius;) {
+    bool improved = false;
+    angle += kGoldenAngle;
+    for (int n = 0; n < kDirections; ++n) {
+      const double direction = angle + 2 * std::numbers::pi * n / kDirections;
+      const std::array<double, 2> centre = best;
+      if (isLower(centre[0] + radius * std::cos(direction), centre[1] + radius * std::sin(direction))) improved = true;
+    }
+    if (!improved) radius *= kShrink;
   }
   return lowest;
 }

@@ -10,6 +10,7 @@
 //       +--+---x1---x2---+--> x     changes of the sequence at x1, x2
 #pragma once
 
+#include <array>
 #include <functional>
 
 #include "reference/clipped_triangles.h"
@@ -35,7 +36,8 @@ struct CellDepth {
 // the surface may be; 0 for an empty one, min >= max.
 CellDepth meanDepth(const HeightAt& heightAt, const Rectangle& domain, double cell_area, const DepthRange& range);
 
-// Lowest height over a rectangle, by a raster and successively smaller rasters around its lowest ray; +infinity over an empty one.
-double lowestHeight(const HeightAt& heightAt, const Rectangle& rectangle);
+// Lowest height over a rectangle, by a raster, the ray at `guess` (m) and a pattern search from the lowest of these; +infinity over an
+// empty rectangle.
+double lowestHeight(const HeightAt& heightAt, const Rectangle& rectangle, const std::array<double, 2>& guess);
 
 }  // namespace taxelsim::reference
