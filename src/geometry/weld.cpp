@@ -1,8 +1,9 @@
 #include "geometry/weld.h"
 
-#include <meshoptimizer.h>
-
+#include <algorithm>
+#include <bit>
 #include <limits>
+#include <numeric>
 
 namespace taxelsim {
 namespace {
@@ -27,6 +28,20 @@ Mesh removeUnusedVertices(const Mesh& mesh) {
   return used;
 }
 
+// Index of the first vertex with the same bits, for each vertex. bench/sweep links this file without shared libraries.
+std::vector<std::uint32_t> firstEqual(const std::vector<Vertex>& vertices) {
+  const auto bitsOf = [&](std::uint32_t v) { return std::bit_cast<std::array<std::uint32_t, 3>>(vertices[v]); };
+  std::vector<std::uint32_t> order(vertices.size()), first(vertices.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return std::pair(bitsOf(a), a) < std::pair(bitsOf(b), b); });
+  for (std::size_t n = 0; n < order.size(); ++n) {
+    const bool starts = n == 0 || bitsOf(order[n]) != bitsOf(order[n - 1]);
+    first[order[n]] = starts ? order[n] : first[order[n - 1]];
+  }
+  return first;
+}
+
 }  // namespace
 
 // Computed in double, so that rounding does not turn the area of a sliver with float32 vertices into zero.
@@ -40,21 +55,12 @@ bool hasArea(const Vertex& a, const Vertex& b, const Vertex& c) {
 
 Mesh weld(const Mesh& mesh) {
   if (mesh.triangles.empty()) return {};
-  std::vector<Vertex> vertices = mesh.vertices;
-  // meshopt_generateVertexRemap compares bytes; adding 0 turns -0 into 0.
-  for (Vertex& vertex : vertices) {
-    for (float& coordinate : vertex) coordinate += 0.0f;
-  }
-
-  const std::size_t num_indices = 3 * mesh.triangles.size();
-  const unsigned int* const indices = mesh.triangles.front().data();
-  std::vector<unsigned int> remap(vertices.size());
-  const std::size_t num_unique =
-      meshopt_generateVertexRemap(remap.data(), indices, num_indices, vertices.data(), vertices.size(), sizeof(Vertex));
-
   Mesh welded;
-  welded.vertices.resize(num_unique);
-  meshopt_remapVertexBuffer(welded.vertices.data(), vertices.data(), vertices.size(), sizeof(Vertex), remap.data());
+  welded.vertices = mesh.vertices;
+  for (Vertex& vertex : welded.vertices) {
+    for (float& coordinate : vertex) coordinate += 0.0f;  // turns -0 into 0
+  }
+  const std::vector<std::uint32_t> remap = firstEqual(welded.vertices);
   for (const Triangle& triangle : mesh.triangles) {
     const Triangle remapped{remap[triangle[0]], remap[triangle[1]], remap[triangle[2]]};
     if (hasArea(welded.vertices[remapped[0]], welded.vertices[remapped[1]], welded.vertices[remapped[2]]))

@@ -133,8 +133,12 @@ LoadResult findLoad(const Sensor& sensor, std::span<const PlacedObject> objects,
       result.first_touch = bisect(lower, upper, touches).second;
     }
   }
-  result.full_depth = level && !is_area ? result.first_touch - thickness
-                                        : fullDepth(result.first_touch, is_area ? kFullDepth * thickness : thickness, deepestAt);
+  result.full_depth = result.first_touch - thickness;
+  if (is_area || !level) {
+    const double full = fullDepth(result.first_touch, is_area ? kFullDepth * thickness : thickness, deepestAt);
+    // A pin that nowhere covers enough of a cell has no full depth.
+    if (!is_area || full < result.first_touch) result.full_depth = full;
+  }
   if (forceAt(result.full_depth) < load) {
     result.offset = result.full_depth;
     return result;
