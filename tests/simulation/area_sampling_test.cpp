@@ -36,8 +36,11 @@ constexpr double scanError(double width) {
 }
 // The load search over tiles stops at 1e-6; the float32 sum of the forces of 84 taxels adds some ten roundings.
 constexpr double kCarried = 2.5e-6;
-// Last place of the integer sums of a cell, 2^-27 of the thickness, as a force.
-constexpr double kLastPlace = kStiffness * 2e-3 * 0x1p-27 * 0.85e-3 * 0.85e-3;
+// Heights are sums of float32 coordinates of 10 mm, whose last place is 2^-30 m. Force grows with at most the third power of the depth (m),
+// for cones.
+constexpr double lastPlace(double depth) {
+  return 3 * 0x1p-30 / depth;
+}
 
 Sensor areaSensor(DepthSampling sampling = DepthSampling::kArea) {
   Sensor sensor = support::gridSensor({.thickness = 2e-3});
@@ -177,8 +180,9 @@ TEST(AreaSamplingOnEveryDriver, LoadsAreCarried) {
   for (std::size_t c = 0; c < all.size(); ++c) {
     SCOPED_TRACE("case " + std::to_string(c) + ", " + all[c].object.name);
     std::vector<float> loads;
+    const auto depthOf = [](int i) { return 0.05e-3 * std::pow(9, i / (kPlaces - 1.0)); };
     for (int i = 0; i < kPlaces; ++i) {
-      const double depth = 0.05e-3 * std::pow(9, i / (kPlaces - 1.0));
+      const double depth = depthOf(i);
       loads.push_back(static_cast<float>(kStiffness * all[c].volume(depth)));
     }
     simulator.setObjects(std::vector<int>(kPlaces, static_cast<int>(c)), places(all[c], 0, kPlaces));
@@ -187,7 +191,7 @@ TEST(AreaSamplingOnEveryDriver, LoadsAreCarried) {
     const FrameView frame = simulator.read();
     for (int i = 0; i < kPlaces; ++i) {
       EXPECT_TRUE(frame.ground_truth.load_reached[i]) << loads[i] << " N";
-      EXPECT_NEAR(-frame.ground_truth.contact_wrench[6 * i + 2], loads[i], kCarried * loads[i] + kLastPlace);
+      EXPECT_NEAR(-frame.ground_truth.contact_wrench[6 * i + 2], loads[i], (kCarried + lastPlace(depthOf(i))) * loads[i]);
     }
   }
 }
