@@ -10,6 +10,7 @@
 #include "cli/commands.h"
 #include "cli/driver_threads.h"
 #include "cli/interrupt.h"
+#include "cli/print.h"
 #include "cli/progress.h"
 #include "cli/scene_options.h"
 #include "figures/text.h"
@@ -69,9 +70,9 @@ int runGenerate(const Arguments& arguments) {
     return kExitInterrupted;
   }
   const double rate = progress.seconds > 0 ? static_cast<double>(progress.frames_done) / progress.seconds : 0;
-  fmt::print("{}: {} episodes ({} found on disk), {} frames simulated in {} at {} frames/s\n", arguments.directory,
-             countText(progress.num_episodes), countText(progress.episodes_resumed), countText(progress.frames_done),
-             durationText(progress.seconds), countText(static_cast<std::uint64_t>(rate)));
+  printOut("{}: {} episodes ({} found on disk), {} frames simulated in {} at {} frames/s\n", arguments.directory,
+           countText(progress.num_episodes), countText(progress.episodes_resumed), countText(progress.frames_done),
+           durationText(progress.seconds), countText(static_cast<std::uint64_t>(rate)));
   return kExitOk;
 }
 

@@ -2,7 +2,6 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -11,6 +10,7 @@
 #include <new>
 #include <string>
 
+#include "base/text.h"
 #include "cli/commands.h"
 #include "cli/python_subcommands.h"
 #include "cli/status_line.h"
@@ -26,10 +26,9 @@ const std::map<std::string, spdlog::level::level_enum> kLogLevels{{"trace", spdl
                                                                   {"error", spdlog::level::err},   {"off", spdlog::level::off}};
 
 // Prints the line and exits without cleanup: HDF5 1.10 prints its own errors at exit after it has read a broken file.
-[[noreturn]] void fail(int status, std::string message) {
-  std::replace(message.begin(), message.end(), '\n', ' ');
+[[noreturn]] void fail(int status, const std::string& message) {
   std::fflush(stdout);
-  std::fprintf(stderr, "taxelsim: %s\n", message.c_str());
+  std::fprintf(stderr, "taxelsim: %s\n", messageLine(message).c_str());
   std::fflush(stderr);
   std::_Exit(status);
 }

@@ -12,6 +12,7 @@
 #include <numeric>
 
 #include "cli/commands.h"
+#include "cli/print.h"
 #include "cli/scene_name.h"
 #include "figures/tactile_figure.h"
 #include "figures/taxel_chart.h"
@@ -160,7 +161,7 @@ int runRender(const Arguments& arguments, bool one_episode) {
                       .subtitle = fmt::format("{}, seed {}, {} episodes, {} frames", manifest.sensor_name, manifest.seed,
                                               countText(reader.numEpisodes()), countText(reader.numFrames())),
                       .unit = find(manifest, kImage)->unit});
-  fmt::print("{}: {} frames\n", arguments.picture, count);
+  printOut("{}: {} frames\n", arguments.picture, count);
   return kExitOk;
 }
 

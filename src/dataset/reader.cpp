@@ -6,6 +6,7 @@
 #include "dataset/column.h"
 #include "dataset/manifest.h"
 #include "dataset/shard.h"
+#include "dataset/shard_listing.h"
 #include "dataset/view.h"
 #include "taxelsim/dataset.h"
 #include "taxelsim/error.h"
@@ -17,8 +18,6 @@ using namespace dataset;
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::uintmax_t kMaxManifestBytes = std::uintmax_t{64} << 20;
 
 template <typename T>
 std::vector<double> toDoubles(std::span<const std::byte> bytes) {
@@ -37,20 +36,18 @@ Manifest readManifest(const fs::path& directory) {
   std::error_code error;
   const fs::path file = directory / kManifestName;
   if (!fs::exists(file, error)) throw Error(ErrorKind::kInput, directory.string() + ": no data set: it has no " + kManifestName);
-  if (!fs::is_regular_file(file, error) || fs::file_size(file, error) > kMaxManifestBytes)
-    throw Error(ErrorKind::kInput, file.string() + ": is not a file of at most " + std::to_string(kMaxManifestBytes >> 20) + " MiB");
-  return parseManifest(file, readTextFile(file));
+  return parseManifest(file, readTextFile(file, kMaxManifestBytes));
 }
 
 std::vector<ShardStatus> checkShards(const fs::path& directory, bool contents) {
   const Manifest manifest = readManifest(directory);
   std::vector<ShardStatus> result;
+  const std::vector<bool> on_disk = shardsOnDisk(directory, manifest);
   for (std::uint64_t shard = 0; shard < manifest.numShards(); ++shard) {
     ShardStatus status{.shard = shard, .state = ShardStatus::State::kWhole, .problem = {}};
     const fs::path file = directory / shardName(shard);
     try {
-      std::error_code error;
-      if (fs::exists(file, error))
+      if (on_disk[shard])
         checkShard(file, manifest, shard, contents);
       else
         status.state = ShardStatus::State::kMissing;
@@ -137,10 +134,10 @@ const Column& DatasetReader::Impl::column(const std::string& name) const {
 DatasetReader::DatasetReader(fs::path directory, bool allow_incomplete) : impl_(std::make_unique<Impl>()) {
   impl_->manifest = readManifest(directory);
   const std::vector<std::uint64_t> all_ends = impl_->endsOfView(directory);
+  const std::vector<bool> on_disk = shardsOnDisk(directory, impl_->manifest);
   for (std::uint64_t number = 0; number < impl_->manifest.numShards(); ++number) {
     Impl::Shard shard{.file = directory / shardName(number), .number = number};
-    std::error_code error;
-    if (!fs::exists(shard.file, error)) {
+    if (!on_disk[number]) {
       if (!allow_incomplete) throw Error(ErrorKind::kInput, shard.file.string() + ": this shard is missing: the data set is not complete");
       impl_->missing.push_back(number);
       continue;

@@ -10,6 +10,7 @@
 #include "dataset/directory_lock.h"
 #include "dataset/manifest.h"
 #include "dataset/shard.h"
+#include "dataset/shard_listing.h"
 #include "dataset/view.h"
 #include "taxelsim/dataset.h"
 #include "taxelsim/error.h"
@@ -23,11 +24,8 @@ namespace {
 namespace fs = std::filesystem;
 
 void prepareDirectory(const fs::path& directory) {
-  std::error_code error;
-  fs::create_directories(directory, error);
-  if (error && !fs::exists(directory))
-    throw Error(ErrorKind::kIo, "cannot create directory " + directory.string() + ": " + error.message());
-  if (!fs::is_directory(directory)) throw Error(ErrorKind::kInput, directory.string() + ": is not a directory");
+  if (fs::exists(directory) && !fs::is_directory(directory)) throw Error(ErrorKind::kInput, directory.string() + ": is not a directory");
+  createDirectories(directory);
   if (fs::exists(directory / kManifestName)) return;
   for (const fs::directory_entry& entry : fs::directory_iterator(directory)) {
     const std::string name = entry.path().filename().string();
@@ -57,6 +55,9 @@ struct DatasetWriter::Impl {
 
   void writeManifestFile() {
     const std::string text = writeManifest(manifest);
+    if (text.size() > kMaxManifestBytes)
+      throw Error(ErrorKind::kInput, "data set: its manifest would have " + std::to_string(text.size()) + " bytes, at most " +
+                                         std::to_string(kMaxManifestBytes) + " allowed");
     writeFileAtomically(directory / kManifestName, std::as_bytes(std::span(text)));
   }
 
@@ -64,7 +65,7 @@ struct DatasetWriter::Impl {
   // to grow, so it must not exist yet.
   void resume() {
     const fs::path file = directory / kManifestName;
-    const Manifest found = parseManifest(file, readTextFile(file));
+    const Manifest found = parseManifest(file, readTextFile(file, kMaxManifestBytes));
     checkSame(directory, found, manifest);
     if (found.num_episodes == manifest.num_episodes) return;
     if (manifest.num_episodes < found.num_episodes)
@@ -97,8 +98,9 @@ DatasetWriter::DatasetWriter(fs::path directory, Manifest manifest) : impl_(std:
       impl_->writeManifestFile();
     removeTemporaryFiles(impl_->directory);
     impl_->shard_ends.resize(impl_->manifest.numShards());
+    const std::vector<bool> on_disk = shardsOnDisk(impl_->directory, impl_->manifest);
     for (std::uint64_t shard = 0; shard < impl_->manifest.numShards(); ++shard)
-      if (fs::exists(impl_->shardFile(shard)))
+      if (on_disk[shard])
         impl_->shard_ends[shard] = checkShard(impl_->shardFile(shard), impl_->manifest, shard, /*contents=*/true);
     if (impl_->manifest.compression > 0)
       impl_->compressor.emplace(impl_->manifest.compression, std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
@@ -127,8 +129,9 @@ void DatasetWriter::writeShard(std::uint64_t shard, const ShardData& data) {
 }
 
 void DatasetWriter::finish() {
+  const std::vector<bool> on_disk = shardsOnDisk(impl_->directory, impl_->manifest);
   for (std::uint64_t shard = 0; shard < impl_->shard_ends.size(); ++shard)
-    if (!isComplete(shard) || !fs::exists(impl_->shardFile(shard)))
+    if (!isComplete(shard) || !on_disk[shard])
       throw Error(ErrorKind::kIo, impl_->shardFile(shard).string() + ": is missing; the data set is incomplete");
   writeWithChecksum(impl_->directory / kViewName, viewImage(impl_->manifest, impl_->shard_ends));
 }

@@ -24,6 +24,13 @@ TEST(BadSensors, SkinAndLaw) {
        BadScene{kSkin, "soft", ":9:9: sensor.skin: soft is not allowed: a mapping of thickness[_mm], law"}});
 }
 
+TEST(BadSensors, TaxelsOfAllPatches) {
+  std::string patches = "  patches:\n";
+  for (int i = 0; i < 20'000; ++i) patches += "    - {num_rows: 128, num_cols: 128, pitch_mm: 1}\n";
+  expectRefusals({BadScene{"  num_rows: 3\n  num_cols: 4\n  pitch_mm: 3.4\n", patches,
+                           ":23:7: sensor.patches[16]: more than 262144 taxels with those of the earlier patches"}});
+}
+
 TEST(BadSensors, FrictionAndLuGre) {
   expectRefusals(
       {BadScene{kSkin, "{thickness: 1, normal_contact_stiffness: 1, friction_coefficient: -0.5}",
