@@ -136,8 +136,9 @@ struct ShardStatus {
 
 /// Checks every shard, in order. A shard is opened only if its bytes match its checksum file.
 ///
-/// `contents`: whether to also verify the values of shards of format 1, which have no checksum file. Throws what readManifest() throws.
-std::vector<ShardStatus> checkShards(const std::filesystem::path& directory, bool contents);
+/// `contents`: whether to also verify the values of shards of format 1, which have no checksum file. `isolated`: as of DatasetReader.
+/// Throws what readManifest() throws.
+std::vector<ShardStatus> checkShards(const std::filesystem::path& directory, bool contents, bool isolated = false);
 
 /// Result of checking dataset.h5, the virtual view over all shards.
 struct ViewStatus {
@@ -152,8 +153,8 @@ struct ViewStatus {
   std::string problem;          ///< One line about a broken view.
 };
 
-/// Checks the view. Throws what readManifest() throws.
-ViewStatus checkView(const std::filesystem::path& directory);
+/// Checks the view. `isolated`: as of DatasetReader. Throws what readManifest() throws.
+ViewStatus checkView(const std::filesystem::path& directory, bool isolated = false);
 
 /// Reads a data set. Verifies checksums before values are read: of dataset.h5 when the data set is opened, of a shard before its first row
 /// is read, or when the data set is opened if dataset.h5 is missing or broken. In format 1 the SHA-256 of a shard's columns take their
@@ -166,7 +167,11 @@ class DatasetReader {
   ///
   /// Throws Error(kInput) if the directory holds no data set or a newer format, or if a shard is missing or, as far as it is checked here,
   /// broken; the message names the shard. With `allow_incomplete` missing shards are skipped.
-  explicit DatasetReader(std::filesystem::path directory, bool allow_incomplete = false);
+  ///
+  /// `isolated`: HDF5 reads in child processes (fork()) with limits of memory and time, one for each call. For data sets from strangers: a
+  /// file with a matching checksum can still be made to crash HDF5 or to keep it busy, which is an Error(kInput) then. Data sets of format
+  /// 1 are always read so. Default false.
+  explicit DatasetReader(std::filesystem::path directory, bool allow_incomplete = false, bool isolated = false);
   ~DatasetReader();
   DatasetReader(DatasetReader&&) noexcept;  ///< Leaves the other object unusable.
 

@@ -246,8 +246,8 @@ std::vector<std::string> rowOf(const Column& column, const Statistics& statistic
 
 int runInspect(const Arguments& arguments) {
   const Manifest manifest = readManifest(arguments.directory);
-  const Shards shards = sorted(checkShards(arguments.directory, /*contents=*/!arguments.quick));
-  const ViewStatus view = checkView(arguments.directory);
+  const Shards shards = sorted(checkShards(arguments.directory, /*contents=*/!arguments.quick, /*isolated=*/true));
+  const ViewStatus view = checkView(arguments.directory, /*isolated=*/true);
   const std::string checked = checkedText(manifest, arguments.quick);
   nlohmann::ordered_json json = summaryOf(manifest, shards, view, checked);
   Rows heading = headingOf(manifest, shards, view, checked);
@@ -261,7 +261,7 @@ int runInspect(const Arguments& arguments) {
     throw Error(ErrorKind::kInput, shards.broken.empty() ? view.problem : shards.problem);
   }
 
-  const DatasetReader reader(arguments.directory, /*allow_incomplete=*/true);
+  const DatasetReader reader(arguments.directory, /*allow_incomplete=*/true, /*isolated=*/true);
   json["episodes_on_disk"] = reader.numEpisodes();
   json["frames_on_disk"] = reader.numFrames();
   json["columns"] = nlohmann::ordered_json::array();

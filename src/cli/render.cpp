@@ -129,7 +129,7 @@ std::size_t rowOf(const Arguments& arguments, const std::vector<std::uint64_t>& 
 }
 
 int runRender(const Arguments& arguments, bool one_episode) {
-  const DatasetReader reader(arguments.directory, /*allow_incomplete=*/true);
+  const DatasetReader reader(arguments.directory, /*allow_incomplete=*/true, /*isolated=*/true);
   const Manifest& manifest = reader.manifest();
   if (find(manifest, kImage) == nullptr) throw Error(ErrorKind::kInput, arguments.directory + ": no column " + kImage + " to draw");
   if (reader.numFrames() == 0) throw Error(ErrorKind::kInput, arguments.directory + ": no frames yet");

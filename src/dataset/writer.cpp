@@ -101,7 +101,7 @@ DatasetWriter::DatasetWriter(fs::path directory, Manifest manifest) : impl_(std:
     const std::vector<bool> on_disk = shardsOnDisk(impl_->directory, impl_->manifest);
     for (std::uint64_t shard = 0; shard < impl_->manifest.numShards(); ++shard)
       if (on_disk[shard])
-        impl_->shard_ends[shard] = checkShard(impl_->shardFile(shard), impl_->manifest, shard, /*contents=*/true);
+        impl_->shard_ends[shard] = checkShard(impl_->shardFile(shard), impl_->manifest, shard, /*contents=*/true, Isolation::kNone);
     if (impl_->manifest.compression > 0)
       impl_->compressor.emplace(impl_->manifest.compression, std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
   } catch (const fs::filesystem_error& error) {
