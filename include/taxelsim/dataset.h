@@ -3,9 +3,11 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -86,6 +88,17 @@ struct ShardData {
   std::vector<std::vector<std::byte>> columns;  ///< Rows of each of Manifest::columns, in native byte order, tightly packed.
 };
 
+/// Options of DatasetWriter.
+struct DatasetWriterOptions {
+  /// Whether to remove shards that are damaged or belong to another data set, and dataset.h5 with them, so that they are written again,
+  /// with a warning in the log for each. Default false: such a shard is an error.
+  bool repair = false;
+  /// Called with the number of shards that are verified and the number of shards on disk, before each shard and at the end. Default: none.
+  std::function<void(std::uint64_t num_verified, std::uint64_t num_shards)> on_verify{};
+  /// Stops the verification when *stop becomes true. Not owned; must outlive the constructor. Default: none.
+  const std::atomic<bool>* stop = nullptr;
+};
+
 /// Writes a data set into a directory; resumes an unfinished one. A lock file excludes other writers from the directory.
 ///
 /// Threads: for one thread at a time.
@@ -96,11 +109,14 @@ class DatasetWriter {
   /// A data set can be extended to more episodes if that leaves its complete shards unchanged. Throws Error(kInput) if the directory holds
   /// other files, or a data set with another format, scene, seed, list of episodes, number of episodes per shard, program version, device
   /// or policy, or a shard that differs from its checksum. Throws Error(kIo) if the file system refuses or another process is writing.
-  DatasetWriter(std::filesystem::path directory, Manifest manifest);
+  DatasetWriter(std::filesystem::path directory, Manifest manifest, const DatasetWriterOptions& options = {});
   /// Releases the directory; unfinished shards are lost.
   ~DatasetWriter();
   DatasetWriter(const DatasetWriter&) = delete;
   DatasetWriter& operator=(const DatasetWriter&) = delete;
+
+  /// False if DatasetWriterOptions::stop ended the verification of the shards on disk; nothing can be written then.
+  bool isVerified() const;
 
   /// Whether the shard is complete on disk.
   bool isComplete(std::uint64_t shard) const;

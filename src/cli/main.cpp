@@ -8,7 +8,9 @@
 #include <map>
 #include <memory>
 #include <new>
+#include <stdexcept>
 #include <string>
+#include <system_error>
 
 #include "base/text.h"
 #include "cli/commands.h"
@@ -90,6 +92,11 @@ int main(int argc, char** argv) {
     fail(error.kind() == ErrorKind::kInput ? kExitInput : kExitDevice, error.what());
   } catch (const std::bad_alloc&) {
     fail(kExitDevice, "out of memory");
+  } catch (const std::length_error&) {  // a size that no memory has
+    fail(kExitDevice, "out of memory");
+  } catch (const std::system_error& error) {
+    const bool no_thread = error.code() == std::errc::resource_unavailable_try_again;
+    fail(kExitDevice, no_thread ? "cannot start a thread: out of memory, or too many processes" : error.what());
   } catch (const std::exception& error) {
     fail(kExitDevice, error.what());
   }

@@ -54,7 +54,7 @@ void removeWithChecksum(const std::filesystem::path& file) {
   removeFile(checksumFile(file));
 }
 
-void verifyChecksum(const std::filesystem::path& file) {
+void verifyChecksum(const std::filesystem::path& file, const std::atomic<bool>* stop) {
   const std::filesystem::path checksum = checksumFile(file);
   std::error_code error;
   if (!std::filesystem::is_regular_file(checksum, error))
@@ -66,7 +66,7 @@ void verifyChecksum(const std::filesystem::path& file) {
                          std::all_of(digest.begin(), digest.end(), [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
   if (!is_digest || line != checksumLine(digest, file))
     throw Error(ErrorKind::kInput, checksum.string() + ": is not a line of sha256sum for " + file.filename().string());
-  const std::string found = sha256File(file);
+  const std::string found = sha256File(file, stop);
   if (found != digest)
     throw Error(ErrorKind::kInput, file.string() + ": its SHA-256 is " + found + ", not " + digest + " as in " +
                                        checksum.filename().string() + ": the file was changed");

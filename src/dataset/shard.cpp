@@ -130,7 +130,7 @@ void verifyRows(hid_t data, const Column& column, std::uint64_t num_rows, std::u
 
 void readShard(const std::filesystem::path& file, Isolation isolation, std::span<std::byte> bytes,
                const std::function<void(std::span<std::byte>)>& read) {
-  readHdf5(file, "shard", "remove the file to generate it again", isolation, bytes, read);
+  readHdf5(file, "shard", "generate --repair makes it again", isolation, bytes, read);
 }
 
 }  // namespace
@@ -168,9 +168,9 @@ FileContent shardImage(const Manifest& manifest, std::uint64_t shard, const Shar
 }
 
 std::vector<std::uint64_t> checkShard(const std::filesystem::path& file, const Manifest& manifest, std::uint64_t shard, bool contents,
-                                      Isolation isolation) {
+                                      Isolation isolation, const std::atomic<bool>* stop) {
   const std::uint64_t format = manifest.format_version;
-  if (format > 1) verifyChecksum(file);
+  if (format > 1) verifyChecksum(file, stop);
   const std::uint64_t num_episodes = numEpisodes(manifest, shard);
   checkCounts(file, num_episodes);
   std::vector<std::uint64_t> all_ends(num_episodes);

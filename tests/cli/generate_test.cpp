@@ -105,6 +105,22 @@ TEST(Generate, AnInterruptLeavesWholeShardsAndAResumableSet) {
   expectSame(filesOf(root / "out"), filesOf(root / "whole"), "after the interrupt");
 }
 
+TEST(Generate, RepairsABrokenShard) {
+  const TemporaryDirectory root;
+  const std::string scene = writeScene(root / "scene.yaml");
+  const std::vector<std::string> command{"generate", scene, "-o", root / "out"};
+  ASSERT_EQ(runTaxelsim(command).status, 0);
+  const auto whole = filesOf(root / "out");
+  std::ofstream(root / "out/shard-000001.h5", std::ios::app) << "x";
+  EXPECT_EQ(runTaxelsim(command).status, 2);
+  std::vector<std::string> repair = command;
+  repair.emplace_back("--repair");
+  const Outcome outcome = runTaxelsim(repair);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("the shard is removed and made again"), std::string::npos) << outcome.err;
+  expectSame(filesOf(root / "out"), whole, "after the repair");
+}
+
 TEST(Generate, AnotherSceneOrSeedIsRefused) {
   const TemporaryDirectory root;
   const std::string scene = writeScene(root / "scene.yaml");
