@@ -52,6 +52,7 @@ int runGenerate(const Arguments& arguments) {
   options.stop = &stopOnSignals();
   options.repair = arguments.repair;
   options.on_verify = [&](std::uint64_t num_verified, std::uint64_t num_shards) {
+    if (num_verified == num_shards) return activity.next("preparing the simulation");
     if (num_verified == 0) activity.next("verifying");
     activity.rename(fmt::format("verifying: {} of {} shards", countText(num_verified), countText(num_shards)));
   };
