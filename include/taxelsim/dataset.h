@@ -3,9 +3,11 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -86,6 +88,17 @@ struct ShardData {
   std::vector<std::vector<std::byte>> columns;  ///< Rows of each of Manifest::columns, in native byte order, tightly packed.
 };
 
+/// Options of DatasetWriter.
+struct DatasetWriterOptions {
+  /// Whether to remove shards that are damaged or belong to another data set, and dataset.h5 with them, so that they are written again,
+  /// with a warning in the log for each. Default false: such a shard is an error.
+  bool repair = false;
+  /// Called with the number of shards that are verified and the number of shards on disk, before each shard and at the end. Default: none.
+  std::function<void(std::uint64_t num_verified, std::uint64_t num_shards)> on_verify{};
+  /// Stops the verification when *stop becomes true. Not owned; must outlive the constructor. Default: none.
+  const std::atomic<bool>* stop = nullptr;
+};
+
 /// Writes a data set into a directory; resumes an unfinished one. A lock file excludes other writers from the directory.
 ///
 /// Threads: for one thread at a time.
@@ -96,11 +109,14 @@ class DatasetWriter {
   /// A data set can be extended to more episodes if that leaves its complete shards unchanged. Throws Error(kInput) if the directory holds
   /// other files, or a data set with another format, scene, seed, list of episodes, number of episodes per shard, program version, device
   /// or policy, or a shard that differs from its checksum. Throws Error(kIo) if the file system refuses or another process is writing.
-  DatasetWriter(std::filesystem::path directory, Manifest manifest);
+  DatasetWriter(std::filesystem::path directory, Manifest manifest, const DatasetWriterOptions& options = {});
   /// Releases the directory; unfinished shards are lost.
   ~DatasetWriter();
   DatasetWriter(const DatasetWriter&) = delete;
   DatasetWriter& operator=(const DatasetWriter&) = delete;
+
+  /// False if DatasetWriterOptions::stop ended the verification of the shards on disk; nothing can be written then.
+  bool isVerified() const;
 
   /// Whether the shard is complete on disk.
   bool isComplete(std::uint64_t shard) const;
@@ -136,8 +152,9 @@ struct ShardStatus {
 
 /// Checks every shard, in order. A shard is opened only if its bytes match its checksum file.
 ///
-/// `contents`: whether to also verify the values of shards of format 1, which have no checksum file. Throws what readManifest() throws.
-std::vector<ShardStatus> checkShards(const std::filesystem::path& directory, bool contents);
+/// `contents`: whether to also verify the values of shards of format 1, which have no checksum file. `isolated`: as of DatasetReader.
+/// Throws what readManifest() throws.
+std::vector<ShardStatus> checkShards(const std::filesystem::path& directory, bool contents, bool isolated = false);
 
 /// Result of checking dataset.h5, the virtual view over all shards.
 struct ViewStatus {
@@ -152,8 +169,8 @@ struct ViewStatus {
   std::string problem;          ///< One line about a broken view.
 };
 
-/// Checks the view. Throws what readManifest() throws.
-ViewStatus checkView(const std::filesystem::path& directory);
+/// Checks the view. `isolated`: as of DatasetReader. Throws what readManifest() throws.
+ViewStatus checkView(const std::filesystem::path& directory, bool isolated = false);
 
 /// Reads a data set. Verifies checksums before values are read: of dataset.h5 when the data set is opened, of a shard before its first row
 /// is read, or when the data set is opened if dataset.h5 is missing or broken. In format 1 the SHA-256 of a shard's columns take their
@@ -166,7 +183,11 @@ class DatasetReader {
   ///
   /// Throws Error(kInput) if the directory holds no data set or a newer format, or if a shard is missing or, as far as it is checked here,
   /// broken; the message names the shard. With `allow_incomplete` missing shards are skipped.
-  explicit DatasetReader(std::filesystem::path directory, bool allow_incomplete = false);
+  ///
+  /// `isolated`: HDF5 reads in child processes (fork()) with limits of memory and time, one for each call. For data sets from strangers: a
+  /// file with a matching checksum can still be made to crash HDF5 or to keep it busy, which is an Error(kInput) then. Data sets of format
+  /// 1 are always read so. Default false.
+  explicit DatasetReader(std::filesystem::path directory, bool allow_incomplete = false, bool isolated = false);
   ~DatasetReader();
   DatasetReader(DatasetReader&&) noexcept;  ///< Leaves the other object unusable.
 

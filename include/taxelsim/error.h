@@ -20,12 +20,12 @@ enum class ErrorKind {
 /// a remedy.
 class Error : public std::runtime_error {
  public:
-  /// `message`: one line, without a newline at its end.
-  Error(ErrorKind kind, const std::string& message) : std::runtime_error(message), kind_(kind), reason_(message) {}
+  /// `message`: without a newline at its end. Newlines within become spaces.
+  /// Control characters are escaped, so that text of a file cannot control a terminal; of more than 400 bytes the middle is left out.
+  Error(ErrorKind kind, const std::string& message);
 
   /// An input error of one field of a settings struct, such as "readout.taxel_gain[3]". what() is "field: reason".
-  Error(const std::string& field, const std::string& reason)
-      : std::runtime_error(field + ": " + reason), kind_(ErrorKind::kInput), field_(field), reason_(reason) {}
+  Error(const std::string& field, const std::string& reason);
 
   /// Who can act on it.
   ErrorKind kind() const { return kind_; }

@@ -26,6 +26,10 @@ struct GenerateOptions {
   /// Called a few times a second from the thread of generate()'s scheduler, and once at the end from the caller's thread. An exception that
   /// it throws ends generate() and is thrown by it. Default: none.
   std::function<void(const Progress&)> on_progress{};
+  /// Whether to make damaged and foreign shards again; see DatasetWriterOptions::repair. Default false.
+  bool repair = false;
+  /// Called while the shards on disk are verified; see DatasetWriterOptions::on_verify. Default: none.
+  std::function<void(std::uint64_t num_verified, std::uint64_t num_shards)> on_verify{};
   /// Graceful stop: when *stop becomes true, generate() abandons unfinished shards, keeps complete ones, and returns. May be set from any
   /// thread. Not owned; must outlive the call. Default: none.
   const std::atomic<bool>* stop = nullptr;
@@ -57,6 +61,7 @@ struct GenerateResult {
   Progress progress;                    ///< Progress at the end.
   GenerateTimes times;                  ///< Where the time went.
   bool complete = false;                ///< Whether the data set is complete; false after a stop.
+  bool verified = true;                 ///< Whether all shards on disk were verified; false after a stop before that.
   std::uint64_t num_load_misses = 0;    ///< Contacts whose load was out of reach; also a column of the data set.
   std::vector<LoadMisses> load_misses;  ///< (num_objects), the same by object.
 };

@@ -19,6 +19,7 @@ namespace taxelsim {
 /// @{
 inline constexpr int kMaxSamplesPerTaxel = 16;           ///< Sensor::samples_per_taxel.
 inline constexpr int kMaxTaxelsPerSide = 128;            ///< Rows or columns of a grid patch.
+inline constexpr int kMaxTaxels = 1 << 18;               ///< Taxels of all patches of a sensor.
 inline constexpr int kMaxKernelSize = 9;                 ///< Psf::size.
 inline constexpr int kMaxSpreadTaxels = 128;             ///< Taxels that one taxel reaches by distance along the skin.
 inline constexpr int kMaxCurveDegree = 5;                ///< Terms of Readout::curve.
@@ -311,7 +312,7 @@ enum class DepthSampling {
 /// A sensor model.
 struct Sensor {
   std::string name;                                      ///< Name in messages and data sets.
-  std::vector<GridPatch> patches;                        ///< Patches, at least one.
+  std::vector<GridPatch> patches;                        ///< Patches, at least one, with at most kMaxTaxels taxels.
   int samples_per_taxel = 4;                             ///< Samples per side of a taxel, 1 to kMaxSamplesPerTaxel. Default 4.
   DepthSampling depth_sampling = DepthSampling::kPoint;  ///< Depth of a sample. Default kPoint.
   Skin skin;                                             ///< Skin.

@@ -16,5 +16,6 @@ NB_MODULE(_core, module) {
   bindScene(module);
   bindEnvironment(module);
   bindRuns(module);
+  bindDataset(module);
   bindDlpack(module);
 }

@@ -55,12 +55,13 @@ std::optional<Policy> policyOf(const PolicyArgument& argument, const Scene& scen
 
 GenerateResult runGenerate(const DeviceHandle& device, const Scene& scene, const std::filesystem::path& directory, int batch_size,
                            int num_slices, const nb::object& on_progress, const PolicyArgument& policy,
-                           const std::vector<std::uint64_t>& episodes) {
+                           const std::vector<std::uint64_t>& episodes, bool repair) {
   const auto run = [&](auto report, const std::atomic<bool>& stop, CallingThread& calling_thread) {
     return generate(device.get(), scene, directory,
                     {.batch_size = batch_size,
                      .num_slices = num_slices,
                      .on_progress = report,
+                     .repair = repair,
                      .stop = &stop,
                      .policy = policyOf(policy, scene, calling_thread),
                      .episodes = episodes});
@@ -151,7 +152,7 @@ void bindRuns(nb::module_& module) {
   bindProgress(module);
   bindEvaluation(module);
   module.def("generate", &runGenerate, "device"_a, "scene"_a, "directory"_a, "batch_size"_a, "num_slices"_a, "on_progress"_a.none(),
-             "policy"_a.none(), "episodes"_a);
+             "policy"_a.none(), "episodes"_a, "repair"_a);
   module.def("evaluate", &runEvaluate, "device"_a, "scene"_a, "controllers"_a, "batch_size"_a, "num_slices"_a, "on_progress"_a.none(),
              "policy"_a.none(), "complete"_a);
 }

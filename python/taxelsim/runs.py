@@ -50,6 +50,7 @@ def generate(
     batch_size: int = 2048,
     num_slices: int = 2,
     on_progress: Callable[[Progress], object] | None = None,
+    repair: bool = False,
 ) -> GenerateResult:
     """Simulates and writes all episodes of the scene that the directory `out` lacks.
 
@@ -60,6 +61,7 @@ def generate(
     device: default Device.open().
     batch_size: instances over all slices, >= 1. Neither it nor `num_slices` changes a byte of the data set.
     on_progress: called a few times a second, in the calling thread. If it raises, the run stops and the exception continues.
+    repair: whether to make damaged shards, and shards of another data set, again; without it they raise InputError.
 
     Ctrl-C stops the run and raises KeyboardInterrupt; complete shards are kept, and the same call resumes.
     """
@@ -68,7 +70,7 @@ def generate(
     if episodes is not None and not chosen:
         raise InputError("episodes: none found, at least 1 needed")
     argument = _argument(_calls(policy, loaded))
-    return _core.generate(device or Device.open(), loaded, os.fspath(out), batch_size, num_slices, on_progress, argument, chosen)
+    return _core.generate(device or Device.open(), loaded, os.fspath(out), batch_size, num_slices, on_progress, argument, chosen, repair)
 
 
 def evaluate(

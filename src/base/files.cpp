@@ -1,14 +1,15 @@
 #include "base/files.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <sstream>
 
+#include "base/text.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -45,7 +46,10 @@ void flushDirectory(const std::filesystem::path& directory) {
 }
 
 void writeAndFlush(const std::filesystem::path& file, const FileContent& content) {
-  Descriptor descriptor(::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+  // O_EXCL and O_NOFOLLOW: never writes through a link that another user has placed under that name. A file of that name was left by a
+  // killed process of the same number.
+  ::unlink(file.c_str());
+  Descriptor descriptor(::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
   if (descriptor.get() < 0) throwIo("create", file, errno);
   if (::ftruncate(descriptor.get(), static_cast<off_t>(content.size)) != 0) throwIo("write", file, errno);
   for (auto [offset, bytes] : content.pieces) {
@@ -80,12 +84,41 @@ void writeFileAtomically(const std::filesystem::path& file, const FileContent& c
   flushDirectory(file.parent_path());
 }
 
-std::string readTextFile(const std::filesystem::path& file) {
+void createDirectories(const std::filesystem::path& directory) {
+  std::filesystem::path path;
+  for (const std::filesystem::path& name : directory) {
+    const std::filesystem::path parent = path;
+    path /= name;
+    if (name.empty() || ::mkdir(path.c_str(), 0777) == 0) {
+      if (!name.empty()) flushDirectory(parent);
+      continue;
+    }
+    const int code = errno;
+    std::error_code error;
+    if (!std::filesystem::is_directory(path, error)) throwIo("create directory", path, code);
+  }
+}
+
+std::string inputFileProblem(const std::filesystem::path& file, std::uintmax_t max_bytes) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(file, error);
+  if (!std::filesystem::exists(status)) return "no such file";
+  if (std::filesystem::is_directory(status)) return "a directory, not a file";
+  if (!std::filesystem::is_regular_file(status)) return "not a regular file";
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  if (error) return "its size cannot be read";
+  if (size > max_bytes) return std::to_string(size) + " bytes are too many: at most " + std::to_string(max_bytes);
+  return {};
+}
+
+std::string readTextFile(const std::filesystem::path& file, std::uintmax_t max_bytes) {
+  const std::string problem = inputFileProblem(file, max_bytes);
+  if (!problem.empty()) throw Error(ErrorKind::kInput, oneLine(file.string() + ": " + problem));
+  std::string text(std::filesystem::file_size(file), '\0');
   std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  if (stream) text << stream.rdbuf();
-  if (!stream || stream.bad()) throwIo("read", file, errno != 0 ? errno : EIO);
-  return std::move(text).str();
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (stream.bad() || static_cast<std::size_t>(stream.gcount()) != text.size()) throwIo("read", file, errno != 0 ? errno : EIO);
+  return text;
 }
 
 bool isTemporaryName(const std::string& name) {

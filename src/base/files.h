@@ -2,7 +2,7 @@
 //
 // Protocol:
 //
-//   open(".NAME.tmp-PID")  write  fsync  close  rename(NAME)  fsync(directory)
+//   open(".NAME.tmp-PID", O_EXCL | O_NOFOLLOW)  write  fsync  close  rename(NAME)  fsync(directory)
 //                                               |
 //   killed before rename: NAME is unchanged; the temporary file is removed by the next writer (isTemporaryName())
 //   killed after rename:  NAME has the complete new content
@@ -46,8 +46,16 @@ struct FileContent {
 // As above, from pieces.
 void writeFileAtomically(const std::filesystem::path& file, const FileContent& content);
 
-// Reads a whole file. Throws Error(kIo).
-std::string readTextFile(const std::filesystem::path& file);
+// Creates a directory and its parents where they are missing, and flushes the parent of each one that it creates, so that a power cut does
+// not lose the directory with the files in it. Throws Error(kIo).
+void createDirectories(const std::filesystem::path& directory);
+
+// Why `file` cannot be an input file: it is missing, larger than `max_bytes`, or not a regular file. A FIFO would block the program, and a
+// device may have no end. Empty if it can be.
+std::string inputFileProblem(const std::filesystem::path& file, std::uintmax_t max_bytes);
+
+// Reads a whole input file. Throws Error(kInput) if it cannot be one, Error(kIo) if it cannot be read.
+std::string readTextFile(const std::filesystem::path& file, std::uintmax_t max_bytes);
 
 // True for names of temporary files of writeFileAtomically(). They remain where a process was killed.
 bool isTemporaryName(const std::string& name);

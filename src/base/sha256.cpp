@@ -53,7 +53,7 @@ std::string sha256Hex(std::span<const std::byte> bytes) {
   return digest.finish();
 }
 
-std::string sha256File(const std::filesystem::path& file) {
+std::string sha256File(const std::filesystem::path& file, const std::atomic<bool>* stop) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error))
     throw Error(ErrorKind::kInput, file.string() + ": no such file, or not a regular file");
@@ -62,6 +62,7 @@ std::string sha256File(const std::filesystem::path& file) {
   Sha256 digest;
   std::vector<char> block(kBlockBytes);
   do {
+    if (stop != nullptr && *stop) throw Stopped();
     stream.read(block.data(), static_cast<std::streamsize>(block.size()));
     digest.add(std::as_bytes(std::span(block)).first(static_cast<std::size_t>(stream.gcount())));
   } while (stream);

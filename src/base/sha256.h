@@ -1,6 +1,7 @@
 // SHA-256 digests that identify content and detect damage.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <filesystem>
 #include <memory>
@@ -29,8 +30,11 @@ class Sha256 {
 // The digest as 64 lower-case hexadecimal digits.
 std::string sha256Hex(std::span<const std::byte> bytes);
 
+// Thrown by sha256File() after *stop became true.
+struct Stopped {};
+
 // The digest of a regular file, read in blocks of 1 MiB. Throws Error(kInput) when there is no regular file of that name, Error(kIo) when
-// it cannot be read.
-std::string sha256File(const std::filesystem::path& file);
+// it cannot be read, and Stopped after the next block when *stop becomes true.
+std::string sha256File(const std::filesystem::path& file, const std::atomic<bool>* stop = nullptr);
 
 }  // namespace taxelsim

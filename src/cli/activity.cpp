@@ -20,6 +20,11 @@ void Activity::next(std::string what) {
   changed_.notify_one();
 }
 
+void Activity::rename(std::string what) {
+  const std::lock_guard lock(mutex_);
+  what_ = std::move(what);
+}
+
 void Activity::end() {
   {
     const std::lock_guard lock(mutex_);

@@ -19,6 +19,8 @@ class Activity {
 
   // Other work begins.
   void next(std::string what);
+  // The same work has another name; its time goes on.
+  void rename(std::string what);
   // Removes the line. May be called twice.
   void end();
 

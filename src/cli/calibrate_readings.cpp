@@ -12,6 +12,7 @@
 
 #include "base/files.h"
 #include "cli/commands.h"
+#include "cli/print.h"
 #include "figures/text.h"
 #include "scene/number_table.h"
 #include "taxelsim/error.h"
@@ -104,7 +105,7 @@ int runCalibrateReadings(const Arguments& arguments) {
   if (removes(kCreep) && sensor.readout.creep.empty()) spdlog::warn("{}: the sensor has no creep to remove", arguments.sensor);
   const std::string text = forceTable(table, columns, images, readings);
   writeFileAtomically(arguments.output, std::as_bytes(std::span(text)));
-  fmt::print("{}: {} rows of {} taxels\n", arguments.output, countText(table.numRows()), columns.size());
+  printOut("{}: {} rows of {} taxels\n", arguments.output, countText(table.numRows()), columns.size());
   return kExitOk;
 }
 

@@ -11,6 +11,7 @@
 #include "base/files.h"
 #include "cli/activity.h"
 #include "cli/commands.h"
+#include "cli/print.h"
 #include "figures/characterize_report.h"
 #include "figures/text.h"
 #include "taxelsim/version.h"
@@ -67,15 +68,15 @@ void printTable(const Characterization& result) {
       rows.push_back({estimate.parameter, "", "", "", estimate.unit, "not determined: " + estimate.remark});
     }
   }
-  fmt::print("95 % intervals\n\n{}\n", tableText(rows));
+  printOut("95 % intervals\n\n{}\n", tableText(rows));
   std::vector<std::vector<std::string>> fits{{"measurement", "rms", "rows", "outliers"}};
   for (const FitQuality& fit : result.fits) {
     fits.push_back({fit.measurement, roundedText(fit.rms) + " " + fit.unit, countText(fit.num_rows), countText(fit.num_outliers)});
   }
-  fmt::print("{}\n", tableText(fits));
-  if (num_gains > 0) fmt::print("the gains of {} taxels are in the sensor file\n", num_gains);
-  if (!result.dead_taxels.empty()) fmt::print("taxels without a response: {}\n", fmt::join(result.dead_taxels, ", "));
-  for (const std::string& remark : result.remarks) fmt::print("{}\n", remark);
+  printOut("{}\n", tableText(fits));
+  if (num_gains > 0) printOut("the gains of {} taxels are in the sensor file\n", num_gains);
+  if (!result.dead_taxels.empty()) printOut("taxels without a response: {}\n", fmt::join(result.dead_taxels, ", "));
+  for (const std::string& remark : result.remarks) printOut("{}\n", remark);
 }
 
 nlohmann::ordered_json asJson(const Characterization& result) {
@@ -122,7 +123,7 @@ int runCharacterize(const Arguments& arguments) {
     spdlog::info("wrote {} and {} figures in its folder", arguments.report, figures.size());
   }
   if (arguments.json) {
-    fmt::print("{}\n", asJson(result).dump(2));
+    printJsonText(asJson(result));
   } else {
     printTable(result);
   }

@@ -16,6 +16,7 @@
 
 #include "cli/commands.h"
 #include "cli/image_source.h"
+#include "cli/print.h"
 #include "figures/comparison_figure.h"
 #include "figures/text.h"
 #include "taxelsim/error.h"
@@ -176,14 +177,14 @@ void printTable(const ImageSource& real, const ImageSource& simulated, const std
     return cells;
   };
   for (const auto& [side, source] : {std::pair("real     ", &real), std::pair("simulated", &simulated)}) {
-    fmt::print("{}  {}: {} of {}\n", side, source->file, imagesText(numRows(*source)), taxelsText(*source));
+    printOut("{}  {}: {} of {}\n", side, source->file, imagesText(numRows(*source)), taxelsText(*source));
   }
-  fmt::print("full scale {} counts; M1 and M2 are over taxels with a reading above 0 in either image\n\n",
-             (1 << real.sensor->readout.adc_bits) - 1);
+  printOut("full scale {} counts; M1 and M2 are over taxels with a reading above 0 in either image\n\n",
+           (1 << real.sensor->readout.adc_bits) - 1);
 
   std::vector<std::vector<std::string>> rows{heading({""}, single ? "value" : "median")};
   for (const Measure& measure : distances()) addRow(rows, measure, pairs, {});
-  fmt::print("{}\n", tableText(rows));
+  printOut("{}\n", tableText(rows));
 
   const ValueRange real_force = rangeOver(pairs, [](const ImageComparison& c) { return c.real.total_force; });
   const ValueRange simulated_force = rangeOver(pairs, [](const ImageComparison& c) { return c.simulated.total_force; });
@@ -194,7 +195,7 @@ void printTable(const ImageSource& real, const ImageSource& simulated, const std
          single ? std::vector{centerText(first.real), centerText(first.simulated)} : std::vector<std::string>{"", ""});
   addRow(rows, contactDifferences()[2], pairs,
          single ? std::vector{angleText(first.real), angleText(first.simulated)} : std::vector<std::string>{"", ""});
-  fmt::print("{}", tableText(rows));
+  printOut("{}", tableText(rows));
 }
 
 // null for values that are not finite, which JSON cannot represent.
@@ -238,7 +239,7 @@ void printJson(const ImageSource& real, const ImageSource& simulated, const std:
     entry["simulated"] = asJson(pair.comparison.simulated);
     json["pairs"].push_back(std::move(entry));
   }
-  fmt::print("{}\n", json.dump(2));
+  printJsonText(json);
 }
 
 std::string titleOf(const char* side, const ImageSource& source, std::size_t row) {

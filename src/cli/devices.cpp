@@ -10,6 +10,7 @@
 #include "cli/activity.h"
 #include "cli/commands.h"
 #include "cli/driver_advice.h"
+#include "cli/print.h"
 #include "cli/scene_options.h"
 #include "episodes/batch.h"
 #include "figures/text.h"
@@ -100,7 +101,7 @@ int runDevices(const Arguments& arguments) {
                                {"max_instances_in_1_gib", instancesInPlannedMemory(plans[i])},
                                {"max_instances", plans[i].max_instances}};
     }
-    fmt::print("{}\n", list.dump(2));
+    printJsonText(list);
     return kExitOk;
   }
   std::vector<std::vector<std::string>> table{
@@ -108,16 +109,16 @@ int runDevices(const Arguments& arguments) {
   for (const DeviceInfo& info : devices)
     table.push_back({std::to_string(info.index), info.name, nameOf(info.type), info.driver, info.api_version, bytesText(info.memory),
                      bytesText(info.max_buffer), bytesText(info.shared_memory), std::to_string(info.subgroup_size)});
-  fmt::print("{}", tableText(table));
+  printOut("{}", tableText(table));
   for (const DeviceInfo& info : devices) {
-    if (const std::string advice = driverAdvice(info); !advice.empty()) fmt::print("{}\n", advice);
+    if (const std::string advice = driverAdvice(info); !advice.empty()) printOut("{}\n", advice);
   }
   if (plans.empty()) return kExitOk;
   table = {{"#", "per instance", "fixed", "instances in 1 GiB", "instances on the device"}};
   for (std::size_t i = 0; i < devices.size(); ++i)
     table.push_back({std::to_string(devices[i].index), bytesText(plans[i].bytes_per_instance), bytesText(plans[i].bytes_fixed),
                      countText(instancesInPlannedMemory(plans[i])), countText(plans[i].max_instances)});
-  fmt::print("\nMemory for {}{}\n{}", arguments.scene, title, tableText(table));
+  printOut("\nMemory for {}{}\n{}", arguments.scene, title, tableText(table));
   return kExitOk;
 }
 

@@ -15,6 +15,7 @@
 #include "cli/commands.h"
 #include "cli/driver_threads.h"
 #include "cli/interrupt.h"
+#include "cli/print.h"
 #include "cli/progress.h"
 #include "cli/scene_options.h"
 #include "figures/line_chart.h"
@@ -104,17 +105,17 @@ void printTable(const Scene& scene, const std::vector<Evaluation>& evaluations) 
     }
     for (const Score& score : evaluation.by_start) rows.push_back(rowOf(*scene.task, "", score.name, score));
   }
-  fmt::print(
+  printOut(
       "{}: {} episodes per controller\n{}\nerror: median over the last {:.4g} s of an episode; columns show median / 95th percentile over "
       "episodes\n\n{}",
       sceneTitle(scene), countText(scene.num_episodes), successRule(*scene.task), scene.task->hold, tableText(rows));
   for (const Evaluation& evaluation : evaluations) {
     for (std::size_t bit = 0; bit < kRobotBits.size(); ++bit) {
       if (evaluation.total.num_robot[bit] == 0) continue;
-      fmt::print("\n{}: robot {} in {} episodes", evaluation.controller, kRobotBits[bit], countText(evaluation.total.num_robot[bit]));
+      printOut("\n{}: robot {} in {} episodes", evaluation.controller, kRobotBits[bit], countText(evaluation.total.num_robot[bit]));
     }
   }
-  fmt::print("\n");
+  printOut("\n");
 }
 
 // null for values that are not finite, which JSON cannot represent.
@@ -177,7 +178,7 @@ void printJson(const Scene& scene, const Device& device, const std::vector<Evalu
     for (const Verdict& verdict : evaluation.verdicts) entry["episodes"].push_back(asJson(scene, verdict));
     json["controllers"].push_back(std::move(entry));
   }
-  fmt::print("{}\n", json.dump(2));
+  printJsonText(json);
 }
 
 // From 0 to the largest value of the series, which are >= 0; to `otherwise` if all are 0.

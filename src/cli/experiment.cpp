@@ -13,6 +13,7 @@
 #include "cli/activity.h"
 #include "cli/commands.h"
 #include "cli/driver_threads.h"
+#include "cli/print.h"
 #include "cli/scene_options.h"
 #include "figures/calibration_report.h"
 #include "figures/servo_report.h"
@@ -52,9 +53,9 @@ void printTable(const StaticExperiment& experiment, const StaticResult& result) 
     if (!isScored(experiment, object)) continue;
     scored += (num_scored++ > 0 ? ", " : "") + experiment.objects[object].object.name;
   }
-  fmt::print("{}: {} indenters x {} angles. Reference: images of {}, simulated by the law {}\n", experiment.name, experiment.objects.size(),
-             experiment.yaw.size(), result.reference.name, kLawNames[result.reference.sensor.skin.law.index()]);
-  fmt::print(
+  printOut("{}: {} indenters x {} angles. Reference: images of {}, simulated by the law {}\n", experiment.name, experiment.objects.size(),
+           experiment.yaw.size(), result.reference.name, kLawNames[result.reference.sensor.skin.law.index()]);
+  printOut(
       "These numbers compare models with each other, not with a real sensor. The paper reports a median difference of about 5 % between\n"
       "simulated and real images.\n"
       "M1: median |difference| over taxels with force, % of full scale; M4: sum |difference| / sum of reference, %; medians over the\n"
@@ -63,7 +64,7 @@ void printTable(const StaticExperiment& experiment, const StaticResult& result) 
   std::string heading = fmt::format("{:<32}", "sensor");
   for (const double load : experiment.loads)
     heading += fmt::format("  {:>8}  {:>8}", fmt::format("M1 {:.3g}N", load), fmt::format("M4 {:.3g}N", load));
-  fmt::print("{}\n", heading);
+  printOut("{}\n", heading);
   std::vector<const StaticImages*> rows;
   for (const StaticImages& images : result.sensors) rows.push_back(&images);
   for (const StaticImages& images : result.baselines) rows.push_back(&images);
@@ -74,10 +75,10 @@ void printTable(const StaticExperiment& experiment, const StaticResult& result) 
       const ImageDistance distance = medianDistance(experiment, images, load);
       line += fmt::format("  {:>8.2f}  {:>8.1f}", 100 * distance.median_difference, 100 * distance.relative_l1);
     }
-    fmt::print("{}\n", line);
+    printOut("{}\n", line);
   }
   for (const StaticImages& images : result.sensors) {
-    if (images.fitted_sigma > 0) fmt::print("\n{}: {}\n", images.name, fitText(images));
+    if (images.fitted_sigma > 0) printOut("\n{}: {}\n", images.name, fitText(images));
   }
 }
 
@@ -183,7 +184,7 @@ void report(const Arguments& arguments, const Device& device, const StaticExperi
   const StaticResult result = runStaticExperiment(device, experiment);
   activity.end();
   if (arguments.json) {
-    fmt::print("{}\n", asJson(experiment, result).dump(2));
+    printJsonText(asJson(experiment, result));
   } else {
     printTable(experiment, result);
   }
@@ -201,9 +202,9 @@ void report(const Arguments& arguments, const Device& device, const ServoExperim
   const ServoResult result = runServoExperiment(device, experiment);
   activity.end();
   if (arguments.json) {
-    fmt::print("{}\n", servoJson(experiment, result).dump());
+    printJsonText(servoJson(experiment, result), -1);
   } else {
-    fmt::print("{}", servoTables(experiment, result));
+    printOut("{}", servoTables(experiment, result));
   }
   if (arguments.directory.empty()) return;
   const std::size_t num_figures = drawServoFigures(arguments.directory, experiment, result);

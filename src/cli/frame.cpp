@@ -14,6 +14,7 @@
 #include "cli/contacts_file.h"
 #include "cli/frame_objects.h"
 #include "cli/frame_output.h"
+#include "cli/print.h"
 #include "cli/scene_options.h"
 #include "figures/tactile_figure.h"
 #include "figures/taxel_chart.h"
@@ -81,7 +82,7 @@ void drawFrame(const std::string& file, const Sensor& sensor, const FrameView& f
 
 void show(const Arguments& arguments, const Sensor& sensor, const FrameView& frame, const std::string& what) {
   if (arguments.json)
-    fmt::print("{}\n", frameJson(sensor, frame));
+    printOut("{}\n", frameJson(sensor, frame));
   else
     printFrame(sensor, frame);
   if (arguments.picture.empty()) return;

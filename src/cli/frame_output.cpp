@@ -1,4 +1,5 @@
 #include "cli/frame_output.h"
+#include "cli/print.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -128,7 +129,7 @@ std::string frameJson(const Sensor& sensor, const FrameView& frame) {
   addFeatures(clean, imageFeatures(), truth);
   clean["contact"] = contactJson(truth.contact);
   addTruth(clean, truth);
-  return json.dump(2);
+  return json.dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 namespace {
@@ -138,19 +139,19 @@ void printImage(const Sensor& sensor, std::span<const std::uint32_t> image) {
   std::size_t taxel = 0;
   if (isTaxelList(sensor)) {
     constexpr std::size_t kTaxelsPerLine = 16;
-    fmt::print("tactile_image, counts ({} taxels, {} a line)\n", image.size(), kTaxelsPerLine);
+    printOut("tactile_image, counts ({} taxels, {} a line)\n", image.size(), kTaxelsPerLine);
     for (; taxel < image.size(); ++taxel)
-      fmt::print("{} {:>{}}{}", taxel % kTaxelsPerLine == 0 ? " " : "", image[taxel], width,
-                 (taxel + 1) % kTaxelsPerLine == 0 || taxel + 1 == image.size() ? "\n" : "");
+      printOut("{} {:>{}}{}", taxel % kTaxelsPerLine == 0 ? " " : "", image[taxel], width,
+               (taxel + 1) % kTaxelsPerLine == 0 || taxel + 1 == image.size() ? "\n" : "");
     return;
   }
   for (const GridPatch& patch : sensor.patches) {
-    fmt::print("tactile_image{}{}, counts ({} rows along x, {} columns along y)\n", patch.name.empty() ? "" : " of ", patch.name,
-               patch.num_rows, patch.num_cols);
+    printOut("tactile_image{}{}, counts ({} rows along x, {} columns along y)\n", patch.name.empty() ? "" : " of ", patch.name,
+             patch.num_rows, patch.num_cols);
     for (int i = 0; i < patch.num_rows; ++i) {
       std::string line = " ";
       for (int j = 0; j < patch.num_cols; ++j) line += fmt::format(" {:>{}}", image[taxel++], width);
-      fmt::print("{}\n", line);
+      printOut("{}\n", line);
     }
   }
 }
@@ -189,7 +190,7 @@ std::string featureText(std::string_view name, const FeatureValues& values, std:
 }
 
 void printRow(std::string_view name, std::string_view unit, const std::string& measured, const std::string& clean) {
-  fmt::print("{:<24} {:<7} {:<40} {}\n", name, unit, measured, clean);
+  printOut("{:<24} {:<7} {:<40} {}\n", name, unit, measured, clean);
 }
 
 // One line per feature of `table`: name, unit, measured value, clean value.
@@ -206,7 +207,7 @@ void printBoth(std::span<const Field> table, const View& measured, const View& c
 void printFrame(const Sensor& sensor, const FrameView& frame) {
   printImage(sensor, frame.tactile_image);
   const GroundTruthView& truth = frame.ground_truth;
-  fmt::print("\n");
+  printOut("\n");
   printRow("feature", "unit", "measured", "ground truth");
   printBoth<FeatureField<FeatureView>, FeatureView>(imageFeatures(), frame, truth);
   printBoth(contactFeatures(), frame.contact, truth.contact);

@@ -10,6 +10,7 @@
 #include "cli/commands.h"
 #include "cli/driver_threads.h"
 #include "cli/interrupt.h"
+#include "cli/print.h"
 #include "cli/progress.h"
 #include "cli/scene_options.h"
 #include "figures/text.h"
@@ -22,6 +23,7 @@ namespace {
 
 struct Arguments : SceneOptions {
   std::string directory;
+  bool repair = false;
 };
 
 void warnOfLoads(const Scene& scene, const GenerateResult& result) {
@@ -48,6 +50,12 @@ int runGenerate(const Arguments& arguments) {
   GenerateOptions options;
   options.batch_size = arguments.batch_size;
   options.stop = &stopOnSignals();
+  options.repair = arguments.repair;
+  options.on_verify = [&](std::uint64_t num_verified, std::uint64_t num_shards) {
+    if (num_verified == num_shards) return activity.next("preparing the simulation");
+    if (num_verified == 0) activity.next("verifying");
+    activity.rename(fmt::format("verifying: {} of {} shards", countText(num_verified), countText(num_shards)));
+  };
   options.on_progress = [&](const Progress& progress) {
     activity.end();
     if (!announced && progress.episodes_resumed > 0) {
@@ -63,15 +71,19 @@ int runGenerate(const Arguments& arguments) {
   warnOfLoads(scene, result);
 
   const Progress& progress = result.progress;
+  if (!result.verified) {
+    spdlog::warn("stopped before the shards in {} were verified; run the same command again to resume", arguments.directory);
+    return kExitInterrupted;
+  }
   if (!result.complete) {
     spdlog::warn("stopped: {} of {} episodes are in {}; run the same command again to resume", countText(progress.episodes_done),
                  countText(progress.num_episodes), arguments.directory);
     return kExitInterrupted;
   }
   const double rate = progress.seconds > 0 ? static_cast<double>(progress.frames_done) / progress.seconds : 0;
-  fmt::print("{}: {} episodes ({} found on disk), {} frames simulated in {} at {} frames/s\n", arguments.directory,
-             countText(progress.num_episodes), countText(progress.episodes_resumed), countText(progress.frames_done),
-             durationText(progress.seconds), countText(static_cast<std::uint64_t>(rate)));
+  printOut("{}: {} episodes ({} found on disk), {} frames simulated in {} at {} frames/s\n", arguments.directory,
+           countText(progress.num_episodes), countText(progress.episodes_resumed), countText(progress.frames_done),
+           durationText(progress.seconds), countText(static_cast<std::uint64_t>(rate)));
   return kExitOk;
 }
 
@@ -85,6 +97,7 @@ void addGenerate(CLI::App& app, Action& action) {
   const auto arguments = std::make_shared<Arguments>();
   addSceneOptions(*command, *arguments, GenerateOptions{}.batch_size);
   command->add_option("-o,--output", arguments->directory, "Directory of the data set; created if missing")->required()->type_name("DIR");
+  command->add_flag("--repair", arguments->repair, "Make damaged and foreign shards again; without it they are an error");
   command->callback([=, &action] { action = [=] { return runGenerate(*arguments); }; });
 }
 

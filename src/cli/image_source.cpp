@@ -31,7 +31,7 @@ std::optional<Sensor> sensorOf(const Manifest& manifest) {
 }
 
 ImageSource loadDataSet(const std::filesystem::path& directory) {
-  const DatasetReader reader(directory);
+  const DatasetReader reader(directory, /*allow_incomplete=*/false, /*isolated=*/true);
   const Manifest& manifest = reader.manifest();
   const auto column = std::find_if(manifest.columns.begin(), manifest.columns.end(), [](const Column& c) { return c.name == kImage; });
   if (column == manifest.columns.end()) throw Error(ErrorKind::kInput, directory.string() + ": no column " + kImage);

@@ -13,6 +13,7 @@
 
 #include "base/text.h"
 #include "cli/commands.h"
+#include "cli/print.h"
 #include "cli/scene_name.h"
 #include "figures/text.h"
 #include "taxelsim/dataset.h"
@@ -245,22 +246,22 @@ std::vector<std::string> rowOf(const Column& column, const Statistics& statistic
 
 int runInspect(const Arguments& arguments) {
   const Manifest manifest = readManifest(arguments.directory);
-  const Shards shards = sorted(checkShards(arguments.directory, /*contents=*/!arguments.quick));
-  const ViewStatus view = checkView(arguments.directory);
+  const Shards shards = sorted(checkShards(arguments.directory, /*contents=*/!arguments.quick, /*isolated=*/true));
+  const ViewStatus view = checkView(arguments.directory, /*isolated=*/true);
   const std::string checked = checkedText(manifest, arguments.quick);
   nlohmann::ordered_json json = summaryOf(manifest, shards, view, checked);
   Rows heading = headingOf(manifest, shards, view, checked);
-  const auto print = [&] {
-    if (arguments.json) return fmt::print("{}\n", json.dump(2));
-    for (const auto& row : heading) fmt::print("{:<9} {}\n", row[0], row[1]);
+  const auto printSummary = [&] {
+    if (arguments.json) return printJsonText(json);
+    for (const auto& row : heading) printOut("{:<9} {}\n", row[0], row[1]);
   };
   const bool is_view_broken = view.state == ViewStatus::State::kBroken;
   if (!shards.broken.empty() || is_view_broken) {
-    print();
+    printSummary();
     throw Error(ErrorKind::kInput, shards.broken.empty() ? view.problem : shards.problem);
   }
 
-  const DatasetReader reader(arguments.directory, /*allow_incomplete=*/true);
+  const DatasetReader reader(arguments.directory, /*allow_incomplete=*/true, /*isolated=*/true);
   json["episodes_on_disk"] = reader.numEpisodes();
   json["frames_on_disk"] = reader.numFrames();
   json["columns"] = nlohmann::ordered_json::array();
@@ -273,12 +274,12 @@ int runInspect(const Arguments& arguments) {
     table.push_back(rowOf(column, statistics));
     if (!statistics.counts.empty()) names.push_back({column.name, countsText(statistics)});
   }
-  print();
+  printSummary();
   if (arguments.json) return kExitOk;
-  fmt::print("\n{}", tableText(table));
+  printOut("\n{}", tableText(table));
   if (names.size() > 1) {
-    fmt::print("\n");
-    for (const auto& row : names) fmt::print("{:<{}}  {}\n", row[0], widthOf(names), row[1]);
+    printOut("\n");
+    for (const auto& row : names) printOut("{:<{}}  {}\n", row[0], widthOf(names), row[1]);
   }
   return kExitOk;
 }

@@ -2,15 +2,17 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <map>
 #include <memory>
 #include <new>
+#include <stdexcept>
 #include <string>
+#include <system_error>
 
+#include "base/text.h"
 #include "cli/commands.h"
 #include "cli/python_subcommands.h"
 #include "cli/status_line.h"
@@ -26,10 +28,9 @@ const std::map<std::string, spdlog::level::level_enum> kLogLevels{{"trace", spdl
                                                                   {"error", spdlog::level::err},   {"off", spdlog::level::off}};
 
 // Prints the line and exits without cleanup: HDF5 1.10 prints its own errors at exit after it has read a broken file.
-[[noreturn]] void fail(int status, std::string message) {
-  std::replace(message.begin(), message.end(), '\n', ' ');
+[[noreturn]] void fail(int status, const std::string& message) {
   std::fflush(stdout);
-  std::fprintf(stderr, "taxelsim: %s\n", message.c_str());
+  std::fprintf(stderr, "taxelsim: %s\n", messageLine(message).c_str());
   std::fflush(stderr);
   std::_Exit(status);
 }
@@ -91,6 +92,11 @@ int main(int argc, char** argv) {
     fail(error.kind() == ErrorKind::kInput ? kExitInput : kExitDevice, error.what());
   } catch (const std::bad_alloc&) {
     fail(kExitDevice, "out of memory");
+  } catch (const std::length_error&) {  // a size that no memory has
+    fail(kExitDevice, "out of memory");
+  } catch (const std::system_error& error) {
+    const bool no_thread = error.code() == std::errc::resource_unavailable_try_again;
+    fail(kExitDevice, no_thread ? "cannot start a thread: out of memory, or too many processes" : error.what());
   } catch (const std::exception& error) {
     fail(kExitDevice, error.what());
   }

@@ -12,6 +12,7 @@
 #include <numeric>
 
 #include "cli/commands.h"
+#include "cli/print.h"
 #include "cli/scene_name.h"
 #include "figures/tactile_figure.h"
 #include "figures/taxel_chart.h"
@@ -128,7 +129,7 @@ std::size_t rowOf(const Arguments& arguments, const std::vector<std::uint64_t>& 
 }
 
 int runRender(const Arguments& arguments, bool one_episode) {
-  const DatasetReader reader(arguments.directory, /*allow_incomplete=*/true);
+  const DatasetReader reader(arguments.directory, /*allow_incomplete=*/true, /*isolated=*/true);
   const Manifest& manifest = reader.manifest();
   if (find(manifest, kImage) == nullptr) throw Error(ErrorKind::kInput, arguments.directory + ": no column " + kImage + " to draw");
   if (reader.numFrames() == 0) throw Error(ErrorKind::kInput, arguments.directory + ": no frames yet");
@@ -160,7 +161,7 @@ int runRender(const Arguments& arguments, bool one_episode) {
                       .subtitle = fmt::format("{}, seed {}, {} episodes, {} frames", manifest.sensor_name, manifest.seed,
                                               countText(reader.numEpisodes()), countText(reader.numFrames())),
                       .unit = find(manifest, kImage)->unit});
-  fmt::print("{}: {} frames\n", arguments.picture, count);
+  printOut("{}: {} frames\n", arguments.picture, count);
   return kExitOk;
 }
 

@@ -7,6 +7,9 @@
 
 #include <cstdio>
 #include <memory>
+#include <string>
+
+#include "base/text.h"
 
 namespace taxelsim::cli {
 
@@ -26,7 +29,7 @@ StatusLine::StatusLine() : visible_(isatty(STDERR_FILENO) == 1 && spdlog::should
 void StatusLine::draw(const std::string& text) {
   const std::lock_guard lock(mutex_);
   if (!visible_) return;
-  std::fprintf(stderr, "\r%s\033[K", text.substr(0, static_cast<std::size_t>(width() - 1)).c_str());
+  std::fprintf(stderr, "\r%s\033[K", oneLine(text).substr(0, static_cast<std::size_t>(width() - 1)).c_str());
   std::fflush(stderr);
   drawn_ = true;
 }
@@ -54,7 +57,10 @@ class LogSink : public spdlog::sinks::sink {
     const std::lock_guard lock(line.mutex_);
     line.clearLocked();
     std::fflush(stdout);  // what was printed before the message comes before it
-    stderr_.log(message);
+    const std::string text = oneLine({message.payload.data(), message.payload.size()});
+    spdlog::details::log_msg line_of_text = message;
+    line_of_text.payload = text;
+    stderr_.log(line_of_text);
   }
   void flush() override { stderr_.flush(); }
   void set_pattern(const std::string& pattern) override { stderr_.set_pattern(pattern); }

@@ -16,6 +16,7 @@
 
 #include "base/text.h"
 #include "cli/commands.h"
+#include "cli/print.h"
 #include "figures/text.h"
 #include "scene/sensor_file.h"
 #include "sensor/fields.h"
@@ -209,7 +210,7 @@ void printText(const Arguments& arguments, const SkinStiffness& stiffness, const
       roundedText(shearModulus(material)), roundedText(confinedModulus(material)), roundedText(stiffness.area_stiffness),
       assumptions.springs, roundedText(stiffness.tangential_stiffness));
   head += predictionTable(predict(skins), stiffness.thickness);
-  fmt::print("{}", commented(head));
+  printOut("{}", commented(head));
   SkinStiffness rounded = stiffness;
   for (double* value : {&rounded.material.elastic_modulus, &rounded.area_stiffness, &rounded.tangential_stiffness}) {
     *value = roundedNumber(*value);
@@ -217,7 +218,7 @@ void printText(const Arguments& arguments, const SkinStiffness& stiffness, const
   for (const Skin& skin : skinsOf(rounded, arguments.friction_coefficient)) {
     const std::string_view law = kLawNames[skin.law.index()];
     if (!arguments.law.empty() && law != arguments.law) continue;
-    fmt::print("---\n# {}\n{}", lawComment(stiffness, law), skinText(skin));
+    printOut("---\n# {}\n{}", lawComment(stiffness, law), skinText(skin));
   }
 }
 
@@ -275,7 +276,7 @@ void printJson(const Arguments& arguments, const SkinStiffness& stiffness, const
   for (const Skin& skin : skins) {
     if (arguments.law.empty() || kLawNames[skin.law.index()] == arguments.law) json["skins"].push_back(jsonOf(skin));
   }
-  fmt::print("{}\n", json.dump(2));
+  printJsonText(json);
 }
 
 // Names the option instead of the library's field.

@@ -54,19 +54,19 @@ void removeWithChecksum(const std::filesystem::path& file) {
   removeFile(checksumFile(file));
 }
 
-void verifyChecksum(const std::filesystem::path& file) {
+void verifyChecksum(const std::filesystem::path& file, const std::atomic<bool>* stop) {
   const std::filesystem::path checksum = checksumFile(file);
   std::error_code error;
   if (!std::filesystem::is_regular_file(checksum, error))
     throw Error(ErrorKind::kInput, file.string() + ": its checksum file " + checksum.filename().string() + " is missing");
-  const std::uintmax_t size = std::filesystem::file_size(checksum, error);
-  const std::string line = error || size > kMaxBytes ? "" : readTextFile(checksum);
+  const bool is_short = inputFileProblem(checksum, kMaxBytes).empty();
+  const std::string line = is_short ? readTextFile(checksum, kMaxBytes) : "";
   const std::string digest = line.substr(0, kDigits);
   const bool is_digest = digest.size() == kDigits &&
                          std::all_of(digest.begin(), digest.end(), [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
   if (!is_digest || line != checksumLine(digest, file))
     throw Error(ErrorKind::kInput, checksum.string() + ": is not a line of sha256sum for " + file.filename().string());
-  const std::string found = sha256File(file);
+  const std::string found = sha256File(file, stop);
   if (found != digest)
     throw Error(ErrorKind::kInput, file.string() + ": its SHA-256 is " + found + ", not " + digest + " as in " +
                                        checksum.filename().string() + ": the file was changed");

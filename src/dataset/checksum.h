@@ -8,6 +8,7 @@
 // A file without a checksum, or one that differs from it, was changed after it was written.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 
 #include "base/files.h"
@@ -23,7 +24,7 @@ void writeWithChecksum(const std::filesystem::path& file, const FileContent& con
 // Removes the file, then its checksum, if they exist. Throws Error(kIo).
 void removeWithChecksum(const std::filesystem::path& file);
 
-// Throws Error(kInput) unless the file is a regular file with the SHA-256 of its checksum file.
-void verifyChecksum(const std::filesystem::path& file);
+// Throws Error(kInput) unless the file is a regular file with the SHA-256 of its checksum file, and Stopped as sha256File() does.
+void verifyChecksum(const std::filesystem::path& file, const std::atomic<bool>* stop = nullptr);
 
 }  // namespace taxelsim::dataset

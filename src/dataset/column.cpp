@@ -4,6 +4,7 @@
 #include <array>
 
 #include "dataset/manifest_fields.h"
+#include "taxelsim/error.h"
 
 namespace taxelsim {
 namespace {
@@ -131,11 +132,11 @@ std::string writeColumn(const Column& column) {
   return text + "    description: " + quoted(column.description) + "\n";
 }
 
-Column parseColumn(const std::filesystem::path& file, const YAML::Node& node) {
+Column parseColumn(const std::string& file, const YamlTree& node) {
   const Fields fields(file, node);
   Column column;
-  column.name = fields.get<std::string>("name");
-  const auto type_name = fields.get<std::string>("type");
+  column.name = fields.text("name");
+  const std::string type_name = fields.text("type");
   const auto type = std::find_if(kTypes.begin(), kTypes.end(), [&](const TypeEntry& entry) { return type_name == entry.name; });
   if (type == kTypes.end()) {
     std::string known;
@@ -143,13 +144,13 @@ Column parseColumn(const std::filesystem::path& file, const YAML::Node& node) {
     fields.fail(node, "type \"" + type_name + "\" is not one of " + known);
   }
   column.type = type->type;
-  column.text_length = fields.get<std::size_t>("length", 0);
-  column.shape = fields.get<std::vector<std::size_t>>("shape");
-  column.unit = fields.get<std::string>("unit");
-  column.description = fields.get<std::string>("description");
-  column.value_names = fields.get<std::vector<std::string>>("values", {});
-  column.bit_names = fields.get<std::vector<std::string>>("bits", {});
-  const auto rows = fields.get<std::string>("rows");
+  if (fields.find("length") != nullptr) column.text_length = fields.integer("length", kMaxTextLength);
+  for (const std::uint64_t length : fields.integers("shape")) column.shape.push_back(length);
+  column.unit = fields.text("unit");
+  column.description = fields.text("description");
+  if (fields.find("values") != nullptr) column.value_names = fields.texts("values");
+  if (fields.find("bits") != nullptr) column.bit_names = fields.texts("bits");
+  const std::string rows = fields.text("rows");
   if (rows != "frames" && rows != "episodes") fields.fail(node, "rows is \"" + rows + "\", not frames or episodes");
   column.per_episode = rows == "episodes";
   return column;

@@ -2,14 +2,10 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <string>
 
+#include "base/yaml_parse.h"
 #include "taxelsim/dataset.h"
-
-namespace YAML {
-class Node;
-}
 
 namespace taxelsim::dataset {
 
@@ -31,6 +27,6 @@ std::string detailOf(const Column& column);
 
 // The entry in dataset.yaml.
 std::string writeColumn(const Column& column);
-Column parseColumn(const std::filesystem::path& file, const YAML::Node& node);
+Column parseColumn(const std::string& file, const YamlTree& node);
 
 }  // namespace taxelsim::dataset

@@ -22,7 +22,7 @@ namespace {
 
 DirectoryLock::DirectoryLock(const std::filesystem::path& directory) : file_(directory / kLockName) {
   while (true) {
-    descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
     if (descriptor_ < 0) throwIo("create", file_, errno);
     if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
       const int code = errno;

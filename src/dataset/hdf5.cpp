@@ -1,5 +1,7 @@
 #include "dataset/hdf5.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <bit>
 #include <cstdlib>
@@ -79,6 +81,11 @@ Hdf5Session::Hdf5Session() : lock_(libraryMutex()) {
 
 Hdf5Session::~Hdf5Session() {
   H5Eset_auto2(H5E_DEFAULT, printer_, printer_data_);
+}
+
+pid_t forkWithHdf5() {
+  const std::lock_guard lock(libraryMutex());  // in the child, too
+  return ::fork();
 }
 
 std::string hdf5Problem() {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <hdf5.h>
+#include <sys/types.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -33,6 +34,9 @@ class Hdf5Session {
   H5E_auto2_t printer_ = nullptr;
   void* printer_data_ = nullptr;
 };
+
+// fork(), while no other thread uses HDF5: the child can use it.
+pid_t forkWithHdf5();
 
 // HDF5's error stack as text without line breaks: the failed call and the deepest cause.
 std::string hdf5Problem();

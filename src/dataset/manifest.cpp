@@ -1,26 +1,27 @@
 #include "dataset/manifest.h"
 
-#include <yaml-cpp/yaml.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <locale>
 #include <set>
 #include <sstream>
 
 #include "base/sha256.h"
 #include "base/text.h"
+#include "base/yaml_parse.h"
 #include "dataset/column.h"
 #include "dataset/manifest_fields.h"
 #include "dataset/scene_difference.h"
 #include "taxelsim/error.h"
+#include "taxelsim/sensor.h"
 
 namespace taxelsim::dataset {
 namespace {
 
-constexpr std::uint64_t kMaxShards = 1000000;
 constexpr std::uint64_t kMaxEpisodes = std::uint64_t{1} << 48;
+constexpr std::size_t kMaxManifestValues = 3'000'000;  // of its YAML: kMaxListedEpisodes, and kMaxColumns with all their names
 constexpr int kMaxCompression = 9;
 
 [[noreturn]] void fail(const std::string& message) {
@@ -57,11 +58,14 @@ std::string sceneHash(const Manifest& manifest) {
 void checkManifest(const Manifest& manifest) {
   const auto inRange = [](std::uint64_t value) { return value >= 1 && value <= kMaxEpisodes; };
   if (!inRange(manifest.num_episodes)) fail("num_episodes is " + std::to_string(manifest.num_episodes) + ", not 1 to 2^48");
-  if (!inRange(manifest.episodes_per_shard))
-    fail("episodes_per_shard is " + std::to_string(manifest.episodes_per_shard) + ", not 1 to 2^48");
+  if (manifest.episodes_per_shard < 1 || manifest.episodes_per_shard > kMaxEpisodesPerShard)
+    fail("episodes_per_shard is " + std::to_string(manifest.episodes_per_shard) + ", not 1 to " + std::to_string(kMaxEpisodesPerShard));
   if (manifest.numShards() > kMaxShards)
     fail("episodes_per_shard is " + std::to_string(manifest.episodes_per_shard) + ": " + std::to_string(manifest.numShards()) +
          " shards, at most " + std::to_string(kMaxShards) + " allowed");
+  if (manifest.episodes.size() > kMaxListedEpisodes)
+    fail("episodes has " + std::to_string(manifest.episodes.size()) + " numbers, at most " + std::to_string(kMaxListedEpisodes) +
+         " allowed");
   if (!manifest.episodes.empty() && manifest.episodes.size() != manifest.num_episodes)
     fail("episodes has " + std::to_string(manifest.episodes.size()) + " numbers, num_episodes is " + std::to_string(manifest.num_episodes));
   if (manifest.compression < 0 || manifest.compression > kMaxCompression)
@@ -72,10 +76,13 @@ void checkManifest(const Manifest& manifest) {
   for (const std::string* text : {&manifest.program_version, &manifest.device, &manifest.policy})
     if (text->size() > kMaxAttributeBytes)
       fail("program_version, device or policy is longer than " + std::to_string(kMaxAttributeBytes) + " bytes");
-  if (manifest.num_rows < 0 || manifest.num_cols < 0) fail("num_rows and num_cols must not be negative");
+  for (const int side : {manifest.num_rows, manifest.num_cols})
+    if (side < 0 || side > kMaxTaxelsPerSide)
+      fail("num_rows or num_cols is " + std::to_string(side) + ", not 0 to " + std::to_string(kMaxTaxelsPerSide));
   for (const double pitch : manifest.pitch)
     if (!std::isfinite(pitch) || pitch < 0) fail("pitch must be finite and not negative");
-  if (manifest.columns.empty()) fail("has no columns");
+  if (manifest.columns.empty() || manifest.columns.size() > kMaxColumns)
+    fail("has " + std::to_string(manifest.columns.size()) + " columns, not 1 to " + std::to_string(kMaxColumns));
   std::set<std::string> names{kEpisodeEnds};
   for (const Column& column : manifest.columns) {
     checkColumn(column);
@@ -112,41 +119,37 @@ std::string writeManifest(const Manifest& manifest) {
 }
 
 Manifest parseManifest(const std::filesystem::path& file, const std::string& text) {
-  YAML::Node root;
-  try {
-    root = YAML::Load(text);
-  } catch (const YAML::Exception& error) {
-    throw Error(ErrorKind::kInput, file.string() + ":" + std::to_string(error.mark.line + 1) + ": invalid YAML: " + error.msg);
-  }
-  const Fields fields(file, root);
+  constexpr std::uint64_t kAny = std::numeric_limits<std::uint64_t>::max();
+  const std::string name = file.string();
+  const YamlTree root = parseYaml(text, name, kMaxManifestValues);
+  const Fields fields(name, root);
   Manifest manifest;
-  manifest.format_version = fields.get<std::uint64_t>("format_version");
+  manifest.format_version = fields.integer("format_version", kAny);
   if (manifest.format_version < 1 || manifest.format_version > kDatasetFormat)
     fields.fail(fields.at("format_version"),
                 "format_version is " + std::to_string(manifest.format_version) + "; this program reads 1 to " +
                     std::to_string(kDatasetFormat) +
                     (manifest.format_version > kDatasetFormat ? ": the data set was written by a newer taxelsim" : ""));
-  manifest.program_version = fields.get<std::string>("program_version");
-  manifest.seed = fields.get<std::uint64_t>("seed");
-  manifest.num_episodes = fields.get<std::uint64_t>("num_episodes");
-  manifest.episodes_per_shard = fields.get<std::uint64_t>("episodes_per_shard");
-  manifest.compression = fields.get<int>("compression");
-  manifest.device = fields.get<std::string>("device");
+  manifest.program_version = fields.text("program_version");
+  manifest.seed = fields.integer("seed", kAny);
+  manifest.num_episodes = fields.integer("num_episodes", kMaxEpisodes);
+  manifest.episodes_per_shard = fields.integer("episodes_per_shard", kMaxEpisodes);
+  manifest.compression = static_cast<int>(fields.integer("compression", kMaxCompression));
+  manifest.device = fields.text("device");
   if (manifest.format_version > 1) {
-    manifest.chunk_bytes = fields.get<std::uint64_t>("chunk_bytes");
-    manifest.policy = fields.get<std::string>("policy");
-    manifest.episodes = fields.get("episodes", std::vector<std::uint64_t>{});
+    manifest.chunk_bytes = fields.integer("chunk_bytes", kMaxChunkBytes);
+    manifest.policy = fields.text("policy");
+    if (fields.find("episodes") != nullptr) manifest.episodes = fields.integers("episodes");
   }
-  const Fields sensor(file, fields.at("sensor"));
-  manifest.sensor_name = sensor.get<std::string>("name");
-  manifest.num_rows = sensor.get<int>("num_rows");
-  manifest.num_cols = sensor.get<int>("num_cols");
-  manifest.pitch = sensor.get<std::array<double, 2>>("pitch");
-  const YAML::Node columns = fields.at("columns");
-  if (!columns.IsSequence()) fields.fail(columns, "columns is not a list");
-  for (const YAML::Node& column : columns) manifest.columns.push_back(parseColumn(file, column));
-  manifest.scene = fields.get<std::string>("scene");
-  if (sceneHash(manifest) != fields.get<std::string>("scene_sha256"))
+  const Fields sensor(name, fields.at("sensor"));
+  manifest.sensor_name = sensor.text("name");
+  manifest.num_rows = static_cast<int>(sensor.integer("num_rows", kMaxTaxelsPerSide));
+  manifest.num_cols = static_cast<int>(sensor.integer("num_cols", kMaxTaxelsPerSide));
+  const std::vector<double> pitch = sensor.numbers("pitch", manifest.pitch.size());
+  std::copy(pitch.begin(), pitch.end(), manifest.pitch.begin());
+  for (const YamlTree& column : fields.list("columns")) manifest.columns.push_back(parseColumn(name, column));
+  manifest.scene = fields.text("scene");
+  if (sceneHash(manifest) != fields.text("scene_sha256"))
     fields.fail(fields.at("scene"), "the scene does not match scene_sha256: the file was changed");
   try {
     checkManifest(manifest);

@@ -12,6 +12,12 @@ namespace taxelsim::dataset {
 inline constexpr const char* kManifestName = "dataset.yaml";
 inline constexpr const char* kViewName = "dataset.h5";
 
+inline constexpr std::uintmax_t kMaxManifestBytes = std::uintmax_t{24} << 20;
+inline constexpr std::uint64_t kMaxShards = 1'000'000;
+inline constexpr std::uint64_t kMaxEpisodesPerShard = 1'000'000;  // as in scenes
+inline constexpr std::size_t kMaxListedEpisodes = 1'000'000;      // of a data set of chosen episodes
+inline constexpr std::size_t kMaxColumns = 4096;
+
 // "shard-000012.h5"
 std::string shardName(std::uint64_t shard);
 

@@ -1,54 +1,46 @@
 // Keys of dataset.yaml: typed reading, and text that survives YAML.
 #pragma once
 
-#include <yaml-cpp/yaml.h>
-
-#include <filesystem>
+#include <cstddef>
+#include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "taxelsim/error.h"
+#include "base/yaml_parse.h"
 
 namespace taxelsim::dataset {
 
-// Typed access to the keys of a YAML mapping. Errors name file and line.
+// Typed access to the keys of a mapping. Errors name file, line and key. Refers to the name of the file and the tree, which must outlive
+// it.
 class Fields {
  public:
-  // `file` must outlive this. Throws Error(kInput) if the node is not a mapping.
-  Fields(const std::filesystem::path& file, const YAML::Node& node) : file_(file), node_(node) {
-    if (!node.IsMap()) fail(node, "is not a mapping");
-  }
+  // Throws Error(kInput) if the node is not a mapping.
+  Fields(const std::string& file, const YamlTree& map);
 
-  bool has(const char* key) const { return static_cast<bool>(node_[key]); }
+  // The value of a key; null if there is none.
+  const YamlTree* find(std::string_view key) const;
+  // Throws Error(kInput) if there is none.
+  const YamlTree& at(std::string_view key) const;
 
-  template <typename T>
-  T get(const char* key) const {
-    const YAML::Node value = at(key);
-    try {
-      return value.as<T>();
-    } catch (const YAML::Exception&) {
-      fail(value, std::string("key ") + key + " has a value of the wrong type");
-    }
-  }
+  std::string text(std::string_view key) const;
+  // A decimal number that its type can hold.
+  std::uint64_t integer(std::string_view key, std::uint64_t max) const;
+  std::vector<std::uint64_t> integers(std::string_view key) const;
+  std::vector<double> numbers(std::string_view key, std::size_t count) const;
+  std::vector<std::string> texts(std::string_view key) const;
+  // The items of a list.
+  const std::vector<YamlTree>& list(std::string_view key) const;
 
-  template <typename T>
-  T get(const char* key, const T& otherwise) const {
-    return has(key) ? get<T>(key) : otherwise;
-  }
-
-  YAML::Node at(const char* key) const {
-    const YAML::Node value = node_[key];
-    if (!value) fail(node_, std::string("key ") + key + " is missing");
-    return value;
-  }
-
-  [[noreturn]] void fail(const YAML::Node& where, const std::string& what) const {
-    throw Error(ErrorKind::kInput, file_.string() + ":" + std::to_string(where.Mark().line + 1) + ": " + what);
-  }
+  [[noreturn]] void fail(const YamlTree& where, const std::string& what) const;
 
  private:
-  const std::filesystem::path& file_;
-  YAML::Node node_;
+  [[noreturn]] void refuse(std::string_view key, const YamlTree& value, const std::string& allowed) const;
+  std::uint64_t integerOf(std::string_view key, const YamlTree& value, std::uint64_t max) const;
+  const std::string& textOf(std::string_view key, const YamlTree& value) const;
+
+  const std::string& file_;
+  const YamlTree& map_;
 };
 
 // A double-quoted YAML scalar.

@@ -6,6 +6,7 @@
 #include "dataset/column.h"
 #include "dataset/manifest.h"
 #include "dataset/shard.h"
+#include "dataset/shard_listing.h"
 #include "dataset/view.h"
 #include "taxelsim/dataset.h"
 #include "taxelsim/error.h"
@@ -18,7 +19,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uintmax_t kMaxManifestBytes = std::uintmax_t{64} << 20;
+// Format 1 has texts of variable length, whose lengths HDF5 1.10 does not check, and no checksums of files.
+Isolation isolationOf(const Manifest& manifest, bool isolated) {
+  return isolated || manifest.format_version == 1 ? Isolation::kChild : Isolation::kNone;
+}
 
 template <typename T>
 std::vector<double> toDoubles(std::span<const std::byte> bytes) {
@@ -37,21 +41,20 @@ Manifest readManifest(const fs::path& directory) {
   std::error_code error;
   const fs::path file = directory / kManifestName;
   if (!fs::exists(file, error)) throw Error(ErrorKind::kInput, directory.string() + ": no data set: it has no " + kManifestName);
-  if (!fs::is_regular_file(file, error) || fs::file_size(file, error) > kMaxManifestBytes)
-    throw Error(ErrorKind::kInput, file.string() + ": is not a file of at most " + std::to_string(kMaxManifestBytes >> 20) + " MiB");
-  return parseManifest(file, readTextFile(file));
+  return parseManifest(file, readTextFile(file, kMaxManifestBytes));
 }
 
-std::vector<ShardStatus> checkShards(const fs::path& directory, bool contents) {
+std::vector<ShardStatus> checkShards(const fs::path& directory, bool contents, bool isolated) {
   const Manifest manifest = readManifest(directory);
+  const Isolation isolation = isolationOf(manifest, isolated);
   std::vector<ShardStatus> result;
+  const std::vector<bool> on_disk = shardsOnDisk(directory, manifest);
   for (std::uint64_t shard = 0; shard < manifest.numShards(); ++shard) {
     ShardStatus status{.shard = shard, .state = ShardStatus::State::kWhole, .problem = {}};
     const fs::path file = directory / shardName(shard);
     try {
-      std::error_code error;
-      if (fs::exists(file, error))
-        checkShard(file, manifest, shard, contents);
+      if (on_disk[shard])
+        checkShard(file, manifest, shard, contents, isolation);
       else
         status.state = ShardStatus::State::kMissing;
     } catch (const Error& error) {
@@ -63,14 +66,14 @@ std::vector<ShardStatus> checkShards(const fs::path& directory, bool contents) {
   return result;
 }
 
-ViewStatus checkView(const fs::path& directory) {
+ViewStatus checkView(const fs::path& directory, bool isolated) {
   const Manifest manifest = readManifest(directory);
   const fs::path file = directory / kViewName;
   std::error_code error;
   if (!fs::exists(file, error)) return {.state = ViewStatus::State::kMissing, .problem = {}};
   if (manifest.format_version == 1) return {.state = ViewStatus::State::kUnverified, .problem = {}};
   try {
-    viewEnds(file, manifest);
+    viewEnds(file, manifest, isolationOf(manifest, isolated));
   } catch (const Error& problem) {
     return {.state = ViewStatus::State::kBroken, .problem = problem.what()};
   }
@@ -87,6 +90,7 @@ struct DatasetReader::Impl {
   };
 
   Manifest manifest;
+  Isolation isolation = Isolation::kNone;
   std::vector<Shard> shards;
   std::vector<std::uint64_t> episode_ends;
   std::vector<std::uint64_t> missing;
@@ -103,7 +107,7 @@ struct DatasetReader::Impl {
 std::vector<std::uint64_t> DatasetReader::Impl::endsOfView(const fs::path& directory) const {
   if (manifest.format_version == 1) return {};
   try {
-    return viewEnds(directory / kViewName, manifest);
+    return viewEnds(directory / kViewName, manifest, isolation);
   } catch (const Error&) {
     return {};  // the shards have the same values
   }
@@ -120,7 +124,7 @@ void DatasetReader::Impl::addShard(Shard shard, std::span<const std::uint64_t> e
 
 void DatasetReader::Impl::check(Shard& shard) const {
   if (shard.is_checked) return;
-  const std::vector<std::uint64_t> ends = checkShard(shard.file, manifest, shard.number, /*contents=*/true);
+  const std::vector<std::uint64_t> ends = checkShard(shard.file, manifest, shard.number, /*contents=*/true, isolation);
   for (std::size_t i = 0; i < ends.size(); ++i) {
     if (shard.first_frame + ends[i] != episode_ends[shard.first_episode + i])
       throw Error(ErrorKind::kInput, shard.file.string() + ": its episodes have other lengths than in " + kViewName);
@@ -134,20 +138,21 @@ const Column& DatasetReader::Impl::column(const std::string& name) const {
   return *found;
 }
 
-DatasetReader::DatasetReader(fs::path directory, bool allow_incomplete) : impl_(std::make_unique<Impl>()) {
+DatasetReader::DatasetReader(fs::path directory, bool allow_incomplete, bool isolated) : impl_(std::make_unique<Impl>()) {
   impl_->manifest = readManifest(directory);
+  impl_->isolation = isolationOf(impl_->manifest, isolated);
   const std::vector<std::uint64_t> all_ends = impl_->endsOfView(directory);
+  const std::vector<bool> on_disk = shardsOnDisk(directory, impl_->manifest);
   for (std::uint64_t number = 0; number < impl_->manifest.numShards(); ++number) {
     Impl::Shard shard{.file = directory / shardName(number), .number = number};
-    std::error_code error;
-    if (!fs::exists(shard.file, error)) {
+    if (!on_disk[number]) {
       if (!allow_incomplete) throw Error(ErrorKind::kInput, shard.file.string() + ": this shard is missing: the data set is not complete");
       impl_->missing.push_back(number);
       continue;
     }
     std::vector<std::uint64_t> ends;
     if (all_ends.empty()) {
-      ends = checkShard(shard.file, impl_->manifest, number, /*contents=*/false);
+      ends = checkShard(shard.file, impl_->manifest, number, /*contents=*/false, impl_->isolation);
       shard.is_checked = impl_->manifest.format_version > 1;
     } else {
       const std::uint64_t first = firstEpisode(impl_->manifest, number);
@@ -184,7 +189,7 @@ std::vector<std::byte> DatasetReader::read(const std::string& name, std::uint64_
     throw Error(ErrorKind::kInput, "data set: column " + name + " has " + std::to_string(num_rows) +
                                        " rows; requested: " + std::to_string(count) + " from row " + std::to_string(first));
   const std::size_t row_bytes = rowBytes(*column);
-  std::vector<std::byte> rows(row_bytes * count);
+  std::vector<std::byte> rows(row_bytes * count);  // of rows that shards on disk hold, so that the product fits
   for (Impl::Shard& shard : impl_->shards) {
     const std::uint64_t begin = column->per_episode ? shard.first_episode : shard.first_frame;
     const std::uint64_t end = begin + (column->per_episode ? shard.num_episodes : shard.num_frames);
@@ -192,7 +197,7 @@ std::vector<std::byte> DatasetReader::read(const std::string& name, std::uint64_
     const std::uint64_t to = std::min(first + count, end);
     if (from >= to) continue;
     impl_->check(shard);
-    readShardRows(shard.file, *column, from - begin, to - from, rows.data() + (from - first) * row_bytes);
+    readShardRows(shard.file, *column, from - begin, to - from, impl_->isolation, rows.data() + (from - first) * row_bytes);
   }
   return rows;
 }

@@ -1,6 +1,7 @@
 #include "dataset/shard.h"
 
 #include <algorithm>
+#include <functional>
 #include <span>
 
 #include "base/sha256.h"
@@ -13,8 +14,9 @@
 namespace taxelsim::dataset {
 namespace {
 
-constexpr std::size_t kMetadataBytes = 4096;       // headers and attributes of a shard, estimate
-constexpr std::size_t kColumnMetadataBytes = 640;  // the same of each column, without its texts
+constexpr std::size_t kMetadataBytes = 4096;                // headers and attributes of a shard, estimate
+constexpr std::size_t kColumnMetadataBytes = 640;           // the same of each column, without its texts
+constexpr std::size_t kPieceBytes = std::size_t{16} << 20;  // of a column that is verified
 constexpr const char* kHashAttribute = "sha256";
 
 // For compressed columns HDF5 places chunk indices between the rows, regardless of the size of the metadata block.
@@ -112,24 +114,23 @@ std::vector<std::uint64_t> endsOf(const Manifest& manifest, std::uint64_t shard,
   return ends;
 }
 
-// Reads a whole column and checks its hash.
+// Reads a whole column, in pieces, and checks its hash.
 void verifyRows(hid_t data, const Column& column, std::uint64_t num_rows, std::uint64_t format) {
-  std::vector<std::byte> rows(rowBytes(column) * num_rows);
-  readRows(data, column, 0, num_rows, rows.data());
-  expect(sha256Hex(rows) == readTextAttribute(data, kHashAttribute, format), "SHA-256 mismatch of " + column.name);
+  const std::uint64_t row_bytes = rowBytes(column);
+  const std::uint64_t step = std::max<std::uint64_t>(1, kPieceBytes / row_bytes);
+  std::vector<std::byte> rows(row_bytes * std::min(step, num_rows));
+  Sha256 digest;
+  for (std::uint64_t first = 0; first < num_rows; first += step) {
+    const std::uint64_t count = std::min(step, num_rows - first);
+    readRows(data, column, first, count, rows.data());
+    digest.add(std::span(rows).first(row_bytes * count));
+  }
+  expect(digest.finish() == readTextAttribute(data, kHashAttribute, format), "SHA-256 mismatch of " + column.name);
 }
 
-template <typename Function>
-auto withFileName(const std::filesystem::path& file, Function function) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error)) throw Error(ErrorKind::kInput, file.string() + ": is not a regular file");
-  try {
-    const Hdf5Session session;
-    return function();
-  } catch (const Hdf5Error& problem) {
-    throw Error(ErrorKind::kInput,
-                file.string() + ": broken or foreign shard: " + problem.what() + "; remove the file to generate it again");
-  }
+void readShard(const std::filesystem::path& file, Isolation isolation, std::span<std::byte> bytes,
+               const std::function<void(std::span<std::byte>)>& read) {
+  readHdf5(file, "shard", "generate --repair makes it again", isolation, bytes, read);
 }
 
 }  // namespace
@@ -166,10 +167,14 @@ FileContent shardImage(const Manifest& manifest, std::uint64_t shard, const Shar
   }
 }
 
-std::vector<std::uint64_t> checkShard(const std::filesystem::path& file, const Manifest& manifest, std::uint64_t shard, bool contents) {
+std::vector<std::uint64_t> checkShard(const std::filesystem::path& file, const Manifest& manifest, std::uint64_t shard, bool contents,
+                                      Isolation isolation, const std::atomic<bool>* stop) {
   const std::uint64_t format = manifest.format_version;
-  if (format > 1) verifyChecksum(file);
-  return withFileName(file, [&] {
+  if (format > 1) verifyChecksum(file, stop);
+  const std::uint64_t num_episodes = numEpisodes(manifest, shard);
+  checkCounts(file, num_episodes);
+  std::vector<std::uint64_t> all_ends(num_episodes);
+  readShard(file, isolation, std::as_writable_bytes(std::span(all_ends)), [&](std::span<std::byte> bytes) {
     const Handle handle = openForReading(file);
     expectNumber(handle, "format_version", format);
     expectText(handle, "scene_sha256", sceneHash(manifest), format);
@@ -179,26 +184,27 @@ std::vector<std::uint64_t> checkShard(const std::filesystem::path& file, const M
     if (format > 1) expectText(handle, "policy", manifest.policy, format);
     expectNumber(handle, "shard", shard);
     expectNumber(handle, "first_episode", firstEpisode(manifest, shard));
-    const std::uint64_t num_episodes = numEpisodes(manifest, shard);
     expectNumber(handle, "num_episodes", num_episodes);
     const Column ends_column = episodeEndsColumn();
     const Handle ends_data = openColumn(handle, ends_column, num_episodes, format);
     if (format == 1) verifyRows(ends_data, ends_column, num_episodes, format);
-    std::vector<std::uint64_t> ends = readEnds(ends_data, ends_column, num_episodes);
+    const std::span<std::uint64_t> ends = episodeEnds(bytes);
+    readEnds(ends_data, ends_column, ends);
     for (const Column& column : manifest.columns) {
       const std::uint64_t num_rows = column.per_episode ? ends.size() : ends.back();
       const Handle data = openColumn(handle, column, num_rows, format);
       if (format == 1 && contents) verifyRows(data, column, num_rows, format);
     }
-    return ends;
   });
+  return all_ends;
 }
 
-void readShardRows(const std::filesystem::path& file, const Column& column, std::uint64_t first, std::uint64_t count, std::byte* rows) {
-  withFileName(file, [&] {
+void readShardRows(const std::filesystem::path& file, const Column& column, std::uint64_t first, std::uint64_t count, Isolation isolation,
+                   std::byte* rows) {
+  readShard(file, isolation, {rows, rowBytes(column) * count}, [&](std::span<std::byte> bytes) {
     const Handle handle = openForReading(file);
     const Handle data(H5Dopen2(handle, column.name.c_str(), H5P_DEFAULT), H5Dclose);
-    readRows(data, column, first, count, rows);
+    readRows(data, column, first, count, bytes.data());
   });
 }
 

@@ -70,24 +70,24 @@ FileContent viewImage(const Manifest& manifest, const std::vector<std::vector<st
   }
 }
 
-std::vector<std::uint64_t> viewEnds(const std::filesystem::path& file, const Manifest& manifest) {
+std::vector<std::uint64_t> viewEnds(const std::filesystem::path& file, const Manifest& manifest, Isolation isolation) {
   const std::uint64_t format = manifest.format_version;
   verifyChecksum(file);
-  try {
-    const Hdf5Session session;
-    const Handle handle = openForReading(file);
-    expectNumber(handle, "format_version", format);
-    expectNumber(handle, "num_shards", manifest.numShards());
-    expectNumber(handle, "num_episodes", manifest.num_episodes);
-    expectNumber(handle, "seed", manifest.seed);
-    expectText(handle, "scene_sha256", sceneHash(manifest), format);
-    expectText(handle, "policy", manifest.policy, format);
-    const Column column = allEndsColumn();
-    return readEnds(openColumn(handle, column, manifest.num_episodes, format), column, manifest.num_episodes);
-  } catch (const Hdf5Error& problem) {
-    throw Error(ErrorKind::kInput,
-                file.string() + ": broken or foreign view: " + problem.what() + "; resume the data set to write it again");
-  }
+  checkCounts(file, manifest.num_episodes);
+  std::vector<std::uint64_t> ends(manifest.num_episodes);
+  readHdf5(file, "view", "resume the data set to write it again", isolation, std::as_writable_bytes(std::span(ends)),
+           [&](std::span<std::byte> bytes) {
+             const Handle handle = openForReading(file);
+             expectNumber(handle, "format_version", format);
+             expectNumber(handle, "num_shards", manifest.numShards());
+             expectNumber(handle, "num_episodes", manifest.num_episodes);
+             expectNumber(handle, "seed", manifest.seed);
+             expectText(handle, "scene_sha256", sceneHash(manifest), format);
+             expectText(handle, "policy", manifest.policy, format);
+             const Column column = allEndsColumn();
+             readEnds(openColumn(handle, column, manifest.num_episodes, format), column, episodeEnds(bytes));
+           });
+  return ends;
 }
 
 }  // namespace taxelsim::dataset

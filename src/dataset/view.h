@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/files.h"
+#include "dataset/hdf5_reading.h"
 #include "taxelsim/dataset.h"
 
 namespace taxelsim::dataset {
@@ -16,6 +17,6 @@ FileContent viewImage(const Manifest& manifest, const std::vector<std::vector<st
 
 // Verifies the checksum of the view, opens it and compares it with the manifest. Returns the end of each episode in frames from the start
 // of the data set (num_episodes). Format 2 only. Throws Error(kInput) with the file and the problem.
-std::vector<std::uint64_t> viewEnds(const std::filesystem::path& file, const Manifest& manifest);
+std::vector<std::uint64_t> viewEnds(const std::filesystem::path& file, const Manifest& manifest, Isolation isolation);
 
 }  // namespace taxelsim::dataset

@@ -16,11 +16,14 @@
 namespace taxelsim::figures {
 namespace {
 
+constexpr std::uintmax_t kMaxPictureBytes = std::uintmax_t{64} << 20;
+
 constexpr const char* kStyle =
     "body{font:16px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;color:#222}"
     "table{border-collapse:collapse;margin:1rem 0}td,th{padding:.25rem .75rem;text-align:left;border-bottom:1px solid #ddd;"
     "font-variant-numeric:tabular-nums}img{max-width:100%}.undetermined{color:#888}";
 
+// For text and for values of attributes.
 std::string escaped(const std::string& text) {
   std::string result;
   for (const char c : text) {
@@ -30,6 +33,10 @@ std::string escaped(const std::string& text) {
       result += "&gt;";
     } else if (c == '&') {
       result += "&amp;";
+    } else if (c == '"') {
+      result += "&quot;";
+    } else if (c == '\'') {
+      result += "&#39;";
     } else {
       result += c;
     }
@@ -87,7 +94,7 @@ bool hasAny(const Characterization& result, std::string_view block) {
 
 std::string pictureHtml(const std::filesystem::path& file) {
   return fmt::format("<p><img alt=\"{}\" src=\"data:image/png;base64,{}\"></p>\n", escaped(file.stem().string()),
-                     base64(readTextFile(file)));
+                     base64(readTextFile(file, kMaxPictureBytes)));
 }
 
 }  // namespace

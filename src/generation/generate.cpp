@@ -1,13 +1,12 @@
 #include "taxelsim/generate.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "base/memory.h"
 #include "episodes/batch.h"
 #include "generation/shard_sink.h"
 #include "scene/scene_checks.h"
@@ -45,7 +44,8 @@ std::uint64_t maxOpenShards(const Scene& scene, const GenerateOptions& options) 
   return std::min(batch_size / scene.episodes_per_shard + 2, (numEpisodes(scene, options) - 1) / scene.episodes_per_shard + 1);
 }
 
-// Checked in advance, because Linux overcommits memory and kills the process later. In double: the product may exceed 2^64.
+// Checked in advance, because Linux overcommits memory and kills the process later, as it does with a control group beyond its limit. In
+// double: the product may exceed 2^64.
 void checkHostMemory(const Scene& scene, const GenerateOptions& options) {
   double episode_bytes = 0;
   for (const Column& column : columnsOf(scene)) {
@@ -53,7 +53,7 @@ void checkHostMemory(const Scene& scene, const GenerateOptions& options) {
   }
   const double episodes = static_cast<double>(std::min(scene.episodes_per_shard, numEpisodes(scene, options)));
   const double needed = static_cast<double>(maxOpenShards(scene, options)) * episodes * episode_bytes;
-  const double available = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+  const double available = static_cast<double>(usableMemory());
   if (needed <= available) return;
   const auto mebibytes = [](double bytes) { return std::to_string(static_cast<long long>(std::min(bytes / 0x1p20, 9e18))) + " MiB"; };
   throw Error(ErrorKind::kInput, "open shards of " + std::to_string(scene.episodes_per_shard) + " episodes with " +
@@ -171,7 +171,13 @@ GenerateResult generate(const Device& device, const Scene& scene, const std::fil
   // Model and batch are checked before the directory is created.
   const Model model(device, modelOptionsOf(scene));
   splitBatch(model, plan, static_cast<int>(std::min<std::uint64_t>(options.batch_size, manifest.num_episodes)), options.num_slices);
-  DatasetWriter writer(directory, manifest);
+  DatasetWriter writer(directory, manifest, {.repair = options.repair, .on_verify = options.on_verify, .stop = options.stop});
+  if (!writer.isVerified()) {
+    GenerateResult stopped;
+    stopped.progress.num_episodes = manifest.num_episodes;
+    stopped.verified = false;
+    return stopped;
+  }
   Run run(options, writer, manifest, plan.num_frames);
   ShardQueue queue(manifest, run.complete(), plan.num_frames);
   if (queue.numEpisodesLeft() > 0) run.simulate(model, plan, queue);

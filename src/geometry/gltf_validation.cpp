@@ -17,6 +17,7 @@ using Json = nlohmann::json;
 
 constexpr int kMaxJsonDepth = 64;
 constexpr std::size_t kMaxNodeDepth = 256;
+constexpr std::size_t kMaxShown = 40;  // bytes of a value that a message repeats
 
 bool nestsTooDeep(std::string_view json) {
   int depth = 0;
@@ -115,6 +116,18 @@ std::optional<std::uint64_t> countTriangles(const Json& json) {
   return count;
 }
 
+// The first buffer of a .glb that is not in it; empty if there is none.
+std::string externalBuffer(const Json& buffers) {
+  for (std::size_t i = 0; i < buffers.size(); ++i) {
+    if (!buffers[i].contains("uri")) continue;
+    const Json& uri = buffers[i]["uri"];
+    if (uri.is_string() && uri.get_ref<const std::string&>().starts_with("data:")) continue;
+    return "its buffer " + std::to_string(i) + " is in another file (" + oneLine(uri.dump()).substr(0, kMaxShown) +
+           "), which its SHA-256 does not cover: save it with all buffers inside";
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string validateGltf(const std::filesystem::path& file, bool is_binary) {
@@ -131,11 +144,12 @@ std::string validateGltf(const std::filesystem::path& file, bool is_binary) {
       for (const char* key : {"count", "byteLength", "byteOffset", "byteStride"}) {
         if (!item.contains(key)) continue;
         if (!item[key].is_number_unsigned() || item[key].get<std::uint64_t>() > kMaxMeshFileBytes) {
-          return std::string("a ") + key + " in its " + list + " is out of range: " + oneLine(item[key].dump()).substr(0, 40);
+          return std::string("a ") + key + " in its " + list + " is out of range: " + oneLine(item[key].dump()).substr(0, kMaxShown);
         }
       }
     }
   }
+  if (is_binary && json.contains("buffers") && json["buffers"].is_array()) return externalBuffer(json["buffers"]);
   return {};
 }
 

@@ -69,8 +69,8 @@ void checkFile(const std::filesystem::path& file) {
   }
 }
 
-// Restricts the files that Assimp may open to the mesh itself and, for glTF, the regular files that it names for its buffers. Material and
-// texture files are not opened. A pipe or device cannot block the program.
+// Restricts the files that Assimp may open to the mesh itself and, for .gltf, the regular files that it names for its buffers. Material and
+// texture files are not opened. A .glb has all of its geometry, so that its SHA-256 covers it. A pipe or device cannot block the program.
 class RestrictedIOSystem : public Assimp::DefaultIOSystem {
  public:
   RestrictedIOSystem(std::filesystem::path file, bool allow_buffers) : file_(std::move(file)), allow_buffers_(allow_buffers) {}
@@ -196,7 +196,7 @@ class SceneFlattener {
   Mesh mesh_;
 };
 
-// Checks what the triangulation relies on: finite coordinates, indices in range, a limit on corners.
+// Checks what the triangulation relies on: finite coordinates, indices in range, a limit on corners, no face without one.
 void checkScene(const aiScene& scene, const std::filesystem::path& file) {
   for (unsigned int m = 0; m < scene.mNumMeshes; ++m) {
     const aiMesh& mesh = *scene.mMeshes[m];
@@ -209,6 +209,8 @@ void checkScene(const aiScene& scene, const std::filesystem::path& file) {
     }
     for (unsigned int i = 0; i < mesh.mNumFaces; ++i) {
       const aiFace& face = mesh.mFaces[i];
+      if (face.mNumIndices == 0)
+        fail(file, "face " + std::to_string(i) + " has no corners; 1 to " + std::to_string(kMaxPolygonCorners) + " are allowed");
       if (face.mNumIndices > kMaxPolygonCorners) {
         fail(file, "face " + std::to_string(i) + " has " + std::to_string(face.mNumIndices) + " corners; at most " +
                        std::to_string(kMaxPolygonCorners) + " are allowed");
@@ -236,7 +238,7 @@ Mesh importMesh(const std::filesystem::path& file, const Extension& extension, c
   Assimp::Importer importer;
   keepOnlyImporterFor(importer, extension.text);
   const bool is_gltf = extension.format == MeshFormat::kGltf || extension.format == MeshFormat::kGlb;
-  importer.SetIOHandler(new RestrictedIOSystem(file, is_gltf));  // owned by the importer
+  importer.SetIOHandler(new RestrictedIOSystem(file, extension.format == MeshFormat::kGltf));  // owned by the importer
   const aiScene* scene = importer.ReadFile(file.string(), 0);
   if (scene == nullptr) fail(file, std::string("is not a mesh: ") + importer.GetErrorString());
   checkScene(*scene, file);

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
+#include <span>
 #include <string>
 #include <string_view>
 
+#include "base/files.h"
 #include "base/log.h"
 #include "gpu/vulkan.h"
 #include "taxelsim/error.h"
@@ -46,9 +47,10 @@ std::filesystem::path cacheFile(const DeviceInfo& info) {
   return root / "taxelsim" / ("pipelines-" + info.uuid + "-" + kVersion + ".bin");
 }
 
-std::vector<std::uint8_t> readFile(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+// Empty if there is no such file, or none that can be a cache.
+std::string readCache(const std::filesystem::path& file) {
+  constexpr std::uintmax_t kMaxCacheBytes = std::uintmax_t{256} << 20;
+  return inputFileProblem(file, kMaxCacheBytes).empty() ? readTextFile(file, kMaxCacheBytes) : std::string();
 }
 
 constexpr const char* kNoDevice =
@@ -179,7 +181,7 @@ Context::Context(const DeviceOptions& options) : vulkan_(std::make_unique<Vulkan
     vulkan.device = vk::raii::Device(vulkan.physical, vk::DeviceCreateInfo({}, queue, {}, {}, &features));
     vulkan.queue = vulkan.device.getQueue(vulkan.queue_family, 0);
     const std::filesystem::path file = keeps_kernels_ ? cacheFile(info_) : std::filesystem::path();
-    const std::vector<std::uint8_t> bytes = file.empty() ? std::vector<std::uint8_t>() : readFile(file);
+    const std::string bytes = file.empty() ? std::string() : readCache(file);
     vulkan.pipeline_cache = vulkan.device.createPipelineCache({{}, bytes.size(), bytes.data()});
   });
   logDebug("device " + std::to_string(info_.index) + ": " + info_.name + " (" + info_.driver + ")");
@@ -195,12 +197,8 @@ void Context::savePipelineCache() {
   if (file.empty()) return;
   try {
     const std::vector<std::uint8_t> bytes = vulkan_->pipeline_cache.getData();
-    std::filesystem::create_directories(file.parent_path());
-    // Renamed into place, so that no process reads a partial file.
-    const std::filesystem::path temporary = file.string() + "." + std::to_string(std::hash<const void*>()(this)) + ".tmp";
-    std::ofstream(temporary, std::ios::binary)
-        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    std::filesystem::rename(temporary, file);
+    createDirectories(file.parent_path());
+    writeFileAtomically(file, std::as_bytes(std::span(bytes)));
   } catch (const std::exception& error) {
     logDebug(std::string("pipeline cache not saved: ") + error.what());
   }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <sstream>
 
+#include "base/memory.h"
 #include "gpu/vulkan.h"
 
 namespace taxelsim::gpu {
@@ -69,6 +70,8 @@ std::vector<DeviceInfo> describeDevices(const vk::raii::Instance& instance, std:
       if (memory.memoryHeaps[i].flags & vk::MemoryHeapFlagBits::eDeviceLocal)
         info.memory = std::max<std::uint64_t>(info.memory, memory.memoryHeaps[i].size);
     }
+    // A software device has the memory of this process, of which its driver knows no limit.
+    if (info.type == DeviceType::kCpu) info.memory = std::min(info.memory, usableMemory());
     info.max_buffer = std::min<std::uint64_t>(properties.limits.maxStorageBufferRange, properties11.maxMemoryAllocationSize);
     info.subgroup_size = properties11.subgroupSize;
     info.shared_memory = properties.limits.maxComputeSharedMemorySize;

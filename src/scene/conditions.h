@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "scene/yaml_parse.h"
+#include "base/yaml_parse.h"
 #include "taxelsim/sensor.h"
 
 namespace taxelsim {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/files.h"
 #include "base/text.h"
 #include "taxelsim/error.h"
 
@@ -27,17 +28,10 @@ bool isHeading(const CsvReader& reader, std::span<const CsvColumn> columns) {
                     [](const CsvReader::Field& field, const CsvColumn& column) { return field.text == column.name; });
 }
 
-std::string sizeText(std::uintmax_t bytes) {
-  constexpr std::uintmax_t kMebibyte = std::uintmax_t{1} << 20;
-  return bytes % kMebibyte == 0 ? std::to_string(bytes / kMebibyte) + " MiB" : std::to_string(bytes) + " bytes";
-}
-
 }  // namespace
 
 CsvReader::CsvReader(const std::filesystem::path& file, std::uintmax_t max_bytes) : file_(file.generic_string()) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error)) failAt(file_, "no such file");
-  if (std::filesystem::file_size(file, error) > max_bytes) failAt(file_, "larger than " + sizeText(max_bytes));
+  if (const std::string problem = inputFileProblem(file, max_bytes); !problem.empty()) failAt(file_, problem);
   stream_.open(file, std::ios::binary);
   if (!stream_) failAt(file_, "cannot be read");
   buffer_.resize(kMaxLineBytes + 1);
@@ -49,7 +43,7 @@ bool CsvReader::readLine() {
   const auto count = static_cast<std::size_t>(stream_.gcount());
   if (stream_.bad()) failAt(file_, "cannot be read");
   if (stream_.fail() && count == 0) return false;
-  if (stream_.fail()) fail(1, "a line longer than " + sizeText(kMaxLineBytes));
+  if (stream_.fail()) fail(1, "a line longer than " + std::to_string(kMaxLineBytes) + " bytes");
   text_ = {buffer_.data(), stream_.eof() ? count : count - 1};  // without the end of the line
   return true;
 }

@@ -1,8 +1,20 @@
 #include "scene/hashed_file.h"
 
+#include <cctype>
+
 #include "base/sha256.h"
 
 namespace taxelsim {
+namespace {
+
+// Upper and lower case, as the mesh loader reads extensions.
+bool isGltfName(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension == ".gltf";
+}
+
+}  // namespace
 
 std::filesystem::path readHashedFile(const YamlMap& map, std::string_view key, std::string_view what,
                                      const std::filesystem::path& directory, std::uintmax_t max_bytes) {
@@ -12,7 +24,7 @@ std::filesystem::path readHashedFile(const YamlMap& map, std::string_view key, s
   canonical.line(key, canonicalText(file.filename().string()));
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) node.fail(file.generic_string() + " is not there, or not a file");
-  if (file.extension() == ".gltf") {
+  if (isGltfName(file)) {
     node.fail("a .gltf keeps its geometry in other files, which its SHA-256 does not cover: save it as .glb");
   }
   if (std::filesystem::file_size(file, error) > max_bytes || error) {

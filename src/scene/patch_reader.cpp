@@ -62,11 +62,14 @@ std::vector<GridPatch> readPatches(const YamlMap& map, const std::filesystem::pa
     const std::vector<YamlNode> items = list->items("a list of patches");
     if (items.empty()) list->refuse("a list of at least one patch");
     std::set<std::string> names;
+    int num_taxels = 0;
     for (const YamlNode& item : items) {
       const YamlMap patch = YamlMap::item(item, {"name", "num_rows", "num_cols", "pitch[_mm]", "pose"}, canonical);
       const std::string name = patch.text("name", "a name", "patch_" + std::to_string(patches.size()));
       if (!names.insert(name).second) item.fail("the name '" + name + "' is taken by an earlier patch");
       patches.push_back(readGrid(patch, name));
+      num_taxels += patches.back().num_rows * patches.back().num_cols;
+      if (num_taxels > kMaxTaxels) item.fail("more than " + std::to_string(kMaxTaxels) + " taxels with those of the earlier patches");
     }
   } else {
     const std::string name = "patch_0";

@@ -21,8 +21,8 @@
 #include <vector>
 
 #include "base/field.h"
+#include "base/yaml_parse.h"
 #include "scene/canonical.h"
-#include "scene/yaml_parse.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

@@ -1,7 +1,6 @@
 #include "sensor/checks.h"
 
 #include <cmath>
-#include <limits>
 
 namespace taxelsim {
 namespace {
@@ -25,9 +24,13 @@ void checkPatch(const std::string& field, const GridPatch& patch) {
 
 void checkPatches(const std::vector<GridPatch>& patches) {
   if (patches.empty()) failField("patches", "an empty list", "at least one patch");
-  constexpr std::size_t kMaxPatches = std::numeric_limits<int>::max() / (kMaxTaxelsPerSide * kMaxTaxelsPerSide);
-  if (patches.size() > kMaxPatches) failField("patches", std::to_string(patches.size()), "at most " + std::to_string(kMaxPatches));
-  for (std::size_t i = 0; i < patches.size(); ++i) checkPatch(elementOf("patches", i), patches[i]);
+  int num_taxels = 0;  // stays below kMaxTaxels + kMaxTaxelsPerSide^2
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    checkPatch(elementOf("patches", i), patches[i]);
+    num_taxels += patches[i].num_rows * patches[i].num_cols;
+    if (num_taxels > kMaxTaxels)
+      failField("patches", std::to_string(num_taxels) + " taxels or more", "at most " + std::to_string(kMaxTaxels) + " in all");
+  }
 }
 
 // The mean depth of a cell determines its mean pressure where pressure is proportional to depth, on a skin without coupling between cells.

@@ -1,15 +1,42 @@
 #include "base/files.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include "support/temporary_directory.h"
 #include "taxelsim/error.h"
 
+namespace {
+
+std::vector<ino_t> flushed;  // inodes, in the order of fsync()
+
+}  // namespace
+
+// Replaces that of the C library.
+extern "C" int fsync(int descriptor) {
+  struct stat status {};
+  if (fstat(descriptor, &status) == 0) flushed.push_back(status.st_ino);
+  return static_cast<int>(syscall(SYS_fsync, descriptor));
+}
+
 namespace taxelsim::testing {
 namespace {
 
+ino_t inodeOf(const std::filesystem::path& file) {
+  struct stat status {};
+  return stat(file.c_str(), &status) == 0 ? status.st_ino : 0;
+}
+
 void write(const std::filesystem::path& file, const std::string& text) {
   writeFileAtomically(file, std::as_bytes(std::span(text)));
+}
+
+constexpr std::uintmax_t kMaxBytes = 100;
+
+std::string read(const std::filesystem::path& file) {
+  return readTextFile(file, kMaxBytes);
 }
 
 std::size_t numFilesIn(const TemporaryDirectory& directory) {
@@ -19,9 +46,9 @@ std::size_t numFilesIn(const TemporaryDirectory& directory) {
 TEST(Files, WritesAndReplacesAFile) {
   const TemporaryDirectory directory;
   write(directory / "a.txt", "long first text");
-  EXPECT_EQ(readTextFile(directory / "a.txt"), "long first text");
+  EXPECT_EQ(read(directory / "a.txt"), "long first text");
   write(directory / "a.txt", "second");
-  EXPECT_EQ(readTextFile(directory / "a.txt"), "second");
+  EXPECT_EQ(read(directory / "a.txt"), "second");
   EXPECT_EQ(numFilesIn(directory), 1u) << "no temporary file is left";
 }
 
@@ -32,7 +59,7 @@ TEST(Files, WritesPiecesWithZerosBetweenThem) {
                                                        .pieces = {{.offset = 1, .bytes = std::as_bytes(std::span(a))},
                                                                   {.offset = 4, .bytes = std::as_bytes(std::span(b))}},
                                                        .buffer = {}});
-  EXPECT_EQ(readTextFile(directory / "a.bin"), std::string("\0ab\0c\0", 6));
+  EXPECT_EQ(read(directory / "a.bin"), std::string("\0ab\0c\0", 6));
 }
 
 TEST(Files, KeepsTheTargetAndLeavesNoTemporaryFileIfWritingFails) {
@@ -48,7 +75,46 @@ TEST(Files, KeepsTheTargetAndLeavesNoTemporaryFileIfWritingFails) {
   EXPECT_TRUE(std::filesystem::is_directory(directory / "taken/inside"));
   EXPECT_EQ(numFilesIn(directory), 1u);
   EXPECT_THROW(write(directory / "no_such/a.txt", "text"), Error);
-  EXPECT_THROW(readTextFile(directory / "no_such.txt"), Error);
+  EXPECT_THROW(read(directory / "no_such.txt"), Error);
+}
+
+TEST(Files, ReadsOnlyRegularFilesOfLimitedSize) {
+  const TemporaryDirectory directory;
+  write(directory / "full.txt", std::string(kMaxBytes, 'a'));
+  EXPECT_EQ(read(directory / "full.txt").size(), kMaxBytes);
+  write(directory / "long.txt", std::string(kMaxBytes + 1, 'a'));
+  EXPECT_EQ(inputFileProblem(directory / "long.txt", kMaxBytes), "101 bytes are too many: at most 100");
+  ASSERT_EQ(mkfifo((directory / "fifo").c_str(), 0600), 0);
+  EXPECT_EQ(inputFileProblem(directory / "fifo", kMaxBytes), "not a regular file");
+  EXPECT_EQ(inputFileProblem("/dev/zero", kMaxBytes), "not a regular file");
+  EXPECT_EQ(inputFileProblem(directory.path(), kMaxBytes), "a directory, not a file");
+  EXPECT_EQ(inputFileProblem(directory / "no_such.txt", kMaxBytes), "no such file");
+  EXPECT_THROW(read(directory / "fifo"), Error);
+}
+
+// A link under the temporary name must not lead the writer to another file.
+TEST(Files, DoesNotWriteThroughALink) {
+  const TemporaryDirectory directory;
+  write(directory / "victim", "untouched");
+  std::filesystem::create_symlink("victim", directory / (".a.txt.tmp-" + std::to_string(getpid())));
+  write(directory / "a.txt", "text");
+  EXPECT_EQ(read(directory / "victim"), "untouched");
+  EXPECT_EQ(read(directory / "a.txt"), "text");
+  EXPECT_FALSE(std::filesystem::is_symlink(directory / "a.txt"));
+  EXPECT_EQ(numFilesIn(directory), 2u);
+}
+
+TEST(Files, FlushesTheParentsOfNewDirectories) {
+  const TemporaryDirectory directory;
+  flushed.clear();
+  createDirectories(directory / "a/b/c");
+  EXPECT_TRUE(std::filesystem::is_directory(directory / "a/b/c"));
+  EXPECT_EQ(flushed, (std::vector<ino_t>{inodeOf(directory.path()), inodeOf(directory / "a"), inodeOf(directory / "a/b")}));
+  flushed.clear();
+  createDirectories(directory / "a/b/");
+  EXPECT_TRUE(flushed.empty()) << "nothing is new";
+  write(directory / "file", "");
+  EXPECT_THROW(createDirectories(directory / "file/a"), Error);
 }
 
 TEST(Files, RecognizesNamesOfTemporaryFiles) {

@@ -66,21 +66,23 @@ TEST(Characterize, RecoversTheParametersOfTheShippedMeasurements) {
 TEST(Characterize, ReportIsSelfContained) {
   const TemporaryDirectory directory;
   std::vector<std::string> arguments = characterized({"force_curve", "force_depth"}, directory / "s.yaml");
-  arguments.insert(arguments.end(), {"--name", "mine", "--report", directory / "r.html"});
+  const std::string report = directory / "r\" onerror=\"x.html";
+  arguments.insert(arguments.end(), {"--name", "mine", "--report", report});
   const Outcome outcome = runTaxelsim(arguments);
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("skin.normal_contact_stiffness"));
   EXPECT_THAT(outcome.err, HasSubstr("info: wrote " + (directory / "s.yaml").string() + "\n"));
-  EXPECT_THAT(outcome.err, HasSubstr("info: wrote " + (directory / "r.html").string() + " and 3 figures in its folder\n"));
+  EXPECT_THAT(outcome.err, HasSubstr("info: wrote " + report + " and 3 figures in its folder\n"));
   EXPECT_THAT(outcome.out, HasSubstr("taxels without a response: 40"));
   EXPECT_EQ(loadSensor(directory / "s.yaml").name, "mine");
-  const std::string page = contentOf(directory / "r.html");
+  const std::string page = contentOf(report);
   EXPECT_THAT(page, HasSubstr("Characterisation of mine"));
+  EXPECT_THAT(page, HasSubstr("<img alt=\"r&quot; onerror=&quot;x_gain_map\"")) << "the name stays inside the attribute";
   EXPECT_THAT(page, HasSubstr("data:image/png;base64,iVBORw0KGgo")) << "signature of a PNG";
   EXPECT_EQ(page.find("http"), std::string::npos);
   EXPECT_EQ(page.find(" nan"), std::string::npos);
-  for (const char* picture : {"r_output_against_force_all_taxels.png", "r_force_against_penetration_depth.png", "r_gain_map.png"}) {
-    EXPECT_GT(Picture(directory / picture).width(), 100) << picture;
+  for (const char* picture : {"output_against_force_all_taxels.png", "force_against_penetration_depth.png", "gain_map.png"}) {
+    EXPECT_GT(Picture(directory / (std::string("r\" onerror=\"x_") + picture)).width(), 100) << picture;
   }
 }
 

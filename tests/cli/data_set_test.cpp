@@ -139,6 +139,20 @@ TEST_F(DataSet, InspectRefusesAChangedScene) {
   expectRefused(runTaxelsim({"inspect", at("d")}), "dataset.yaml");
 }
 
+TEST_F(DataSet, TextOfAManifestDoesNotControlTheTerminal) {
+  writePressedPad(at("d"));
+  std::string text = content(at("d/dataset.yaml"));
+  text.replace(text.find("\"drop 1\""), 8, "\"\\x1b]0;drop\\x07\"");
+  std::ofstream(at("d/dataset.yaml")) << text;
+  for (const char* option : {"--quick", "--json"}) {
+    const Outcome outcome = runTaxelsim({"inspect", at("d"), option});
+    expectRefused(outcome, "policy is drop 1, not \\x1b]0;drop\\x07");
+    EXPECT_NE(outcome.out.find(std::string(option) == "--json" ? "\\u001b]0;drop\\u0007" : "\\x1b]0;drop\\x07"), std::string::npos)
+        << outcome.out;
+    EXPECT_EQ((outcome.out + outcome.err).find_first_of("\x1b\x07"), std::string::npos) << outcome.out << outcome.err;
+  }
+}
+
 TEST_F(DataSet, RenderDrawsAPicture) {
   writePressedPad(at("d"));
   const Outcome outcome = runTaxelsim({"render", at("d"), "-o", at("a.png"), "--frames", "6"});

@@ -257,12 +257,23 @@ TEST_F(FrameOfContacts, RejectsBadFilesByLine) {
   std::string many;
   for (int n = 0; n <= 4096; ++n) many += "0,0,0,1\n";
   expectRefused(run(many), "4096");
-  expectRefused(run(std::string(std::size_t{2} << 20, ' ')), "1 MiB");
+  expectRefused(run(std::string(std::size_t{2} << 20, ' ')), "2097152 bytes are too many: at most 1048576");
   expectRefused(runTaxelsim({"frame", "--sensor", kSensor, "--contacts", root_ / "missing.csv"}), "missing.csv");
-  expectRefused(runTaxelsim({"frame", "--sensor", kSensor, "--contacts", root_ / ""}), "no such file");
+  expectRefused(runTaxelsim({"frame", "--sensor", kSensor, "--contacts", root_ / ""}), "a directory, not a file");
   expectRefused(run("0,0,0,1\n", {"--object", "sphere:0.01", "--pose", "0 0 0 1 0 0 0"}),
                 "--contacts excludes --object, --pose, --rpy-deg, --load, --scale and --up-axis");
   expectRefused(run("0,0,0,1\n", {"--load", "1"}), "--contacts excludes --object");
+}
+
+TEST_F(FrameOfContacts, TextOfAFileDoesNotControlTheTerminal) {
+  const Outcome outcome =
+      run("\x1b[2J\xc2\x9b"
+          "31m,0,0,1\n");
+  expectRefused(outcome, "\\x1b[2J\\xc2\\x9b31m");
+  EXPECT_EQ(outcome.err.find_first_of("\x1b\x9b"), std::string::npos) << outcome.err;
+  const Outcome path = runTaxelsim({"frame", "--sensor", kSensor, "--contacts", "/no/\x1b[2J" + std::string(1000, 'a')});
+  expectRefused(path, "\\x1b[2Jaaa");
+  EXPECT_EQ(path.err.size(), std::string("taxelsim: ").size() + 400 + 1) << path.err;
 }
 
 TEST(Frame, BadInputIsRefused) {

@@ -77,6 +77,12 @@ TEST(Manifest, RejectsChangedOrInvalidFiles) {
   expectRejected(changed("num_episodes: 11", "num_episodes: 0"), "num_episodes");
   expectRejected(changed("columns:\n", "columns: [\n"), "d/dataset.yaml");
   expectRejected("", "d/dataset.yaml");
+  expectRejected(changed("num_rows: 2", "num_rows: 2147483648"), "num_rows: 2147483648 found, a whole number from 0 to 128 allowed");
+  expectRejected(changed("pitch: [", "pitch: [1, "), "pitch: a list found, a list of 2 numbers allowed");
+  expectRejected(changed("shape: [2, 3]", "shape: [2, 3.5]"), "shape: 3.5 found");
+  expectRejected(changed("shape: [2, 3]", "shape: " + std::string(100'000, '[')), "brackets are open");
+  expectRejected(changed("shape: [2, 3]", "shape: &a [*a]"), "an anchor");
+  expectRejected(changed("device: ", "x: [" + std::string(8'000'000, ',') + "]\ndevice: "), "d/dataset.yaml");
   expectRejected("- 1\n", "not a mapping");
 }
 
@@ -98,8 +104,12 @@ TEST(Manifest, RejectsInvalidColumns) {
   expectRejected("1 GiB", [](Manifest& m) { m.columns[0].shape = {0}; });
   expectRejected("1 GiB", [](Manifest& m) { m.columns[0].shape = {std::size_t{1} << 40, std::size_t{1} << 40}; });
   expectRejected("dimensions", [](Manifest& m) { m.columns[0].shape.assign(9, 1); });
-  expectRejected("no columns", [](Manifest& m) { m.columns.clear(); });
+  expectRejected("has 0 columns", [](Manifest& m) { m.columns.clear(); });
   expectRejected("episodes_per_shard", [](Manifest& m) { m.episodes_per_shard = 0; });
+  expectRejected("episodes_per_shard is 1000001, not 1 to 1000000", [](Manifest& m) { m.episodes_per_shard = 1'000'001; });
+  expectRejected("episodes has 1000001 numbers, at most 1000000", [](Manifest& m) { m.episodes.resize(m.num_episodes = 1'000'001); });
+  expectRejected("4097 columns", [](Manifest& m) { m.columns.assign(4097, m.columns[0]); });
+  expectRejected("num_rows or num_cols is 129", [](Manifest& m) { m.num_cols = 129; });
   expectRejected("compression", [](Manifest& m) { m.compression = 10; });
   expectRejected("chunk_bytes", [](Manifest& m) { m.chunk_bytes = 1023; });
   expectRejected("chunk_bytes", [](Manifest& m) { m.chunk_bytes = kMaxChunkBytes + 1; });

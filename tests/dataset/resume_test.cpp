@@ -1,6 +1,10 @@
 // Existing directories: resumed if that gives the same bytes, rejected otherwise.
 #include <gmock/gmock.h>
 
+#include <atomic>
+#include <chrono>
+#include <thread>
+
 #include "dataset/example.h"
 
 namespace taxelsim::testing {
@@ -38,6 +42,65 @@ TEST(Resume, OfACompleteDataSetChangesNothing) {
   const auto before = filesIn(directory / "d");
   DatasetWriter(directory / "d", exampleManifest()).finish();
   EXPECT_EQ(filesIn(directory / "d"), before);
+}
+
+TEST(Resume, RepairsBrokenShards) {
+  const TemporaryDirectory directory;
+  const Manifest manifest = exampleManifest();
+  writeExample(directory / "d", manifest);
+  const auto whole = filesIn(directory / "d");
+  overwrite(directory / "d/shard-000000.h5", whole.at("shard-000000.h5") + "x");
+  overwrite(directory / "d/shard-000002.h5", whole.at("shard-000001.h5"));  // of other episodes
+  renewChecksum(directory / "d/shard-000002.h5");
+  const auto broken = filesIn(directory / "d");
+  expectError(ErrorKind::kInput, "shard-000000.h5", [&] { DatasetWriter(directory / "d", manifest); });
+  EXPECT_EQ(filesIn(directory / "d"), broken);
+  {
+    DatasetWriter writer(directory / "d", manifest, {.repair = true});
+    EXPECT_FALSE(writer.isComplete(0));
+    EXPECT_TRUE(writer.isComplete(1));
+    EXPECT_FALSE(writer.isComplete(2));
+    EXPECT_FALSE(std::filesystem::exists(directory / "d/dataset.h5")) << "it would show zeros";
+    for (const std::uint64_t shard : {0, 2}) writer.writeShard(shard, exampleShard(manifest, shard));
+    writer.finish();
+  }
+  EXPECT_EQ(filesIn(directory / "d"), whole);
+}
+
+TEST(Resume, ReportsAndStopsTheVerification) {
+  const TemporaryDirectory directory;
+  const Manifest manifest = exampleManifest();
+  writeExample(directory / "d", manifest);
+  const auto before = filesIn(directory / "d");
+  std::atomic<bool> stop = false;
+  std::vector<std::uint64_t> calls;
+  DatasetWriterOptions options{.on_verify =
+                                   [&](std::uint64_t num_verified, std::uint64_t num_shards) {
+                                     EXPECT_EQ(num_shards, 3u);
+                                     calls.push_back(num_verified);
+                                   },
+                               .stop = &stop};
+  EXPECT_TRUE(DatasetWriter(directory / "d", manifest, options).isVerified());
+  EXPECT_EQ(calls, (std::vector<std::uint64_t>{0, 1, 2, 3}));
+  stop = true;
+  EXPECT_FALSE(DatasetWriter(directory / "d", manifest, options).isVerified());
+  EXPECT_EQ(filesIn(directory / "d"), before);
+}
+
+// A sparse shard of 64 GiB takes many seconds.
+TEST(Resume, HearsAStopWithinAShard) {
+  const TemporaryDirectory directory;
+  writeExample(directory / "d", exampleManifest());
+  std::filesystem::resize_file(directory / "d/shard-000001.h5", std::uintmax_t{64} << 30);
+  std::atomic<bool> stop = false;
+  std::thread signal([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    stop = true;
+  });
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_FALSE(DatasetWriter(directory / "d", exampleManifest(), {.stop = &stop}).isVerified());
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::milliseconds(50 + 500));
+  signal.join();
 }
 
 TEST(Resume, RejectsManifestsThatGiveOtherBytes) {

@@ -18,6 +18,18 @@ void expectRejected(const std::filesystem::path& file, const std::string& words,
   EXPECT_EQ(line.find('\n'), std::string::npos) << line;
 }
 
+// "data:" URI of a buffer.
+std::string dataUri(const std::string& bytes) {
+  static constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text = "data:application/octet-stream;base64,";
+  for (std::size_t i = 0; i + 2 < bytes.size(); i += 3) {  // a brick's buffer has a multiple of 3 bytes
+    const auto byte = [&](std::size_t k) { return static_cast<unsigned>(static_cast<unsigned char>(bytes[i + k])); };
+    const unsigned group = byte(0) << 16 | byte(1) << 8 | byte(2);
+    for (const int shift : {18, 12, 6, 0}) text += kDigits[group >> shift & 63];
+  }
+  return text;
+}
+
 class InvalidMeshFile : public Test {
  protected:
   MeshDirectory directory_;
@@ -144,6 +156,26 @@ TEST_F(InvalidMeshFile, RejectsGltfThatIsShorterThanItClaims) {
   }
   expectRejected(directory_.write("device.gltf", gltfJson(brick(), "/dev/zero", nodes)), "");
   expectRejected(directory_.write("absent.gltf", gltfJson(brick(), "absent.bin", nodes)), "");
+}
+
+// A scene stores the SHA-256 of the .glb alone.
+TEST_F(InvalidMeshFile, RejectsGlbWithGeometryInOtherFiles) {
+  directory_.write("brick.bin", gltfBuffer(brick()));
+  const std::string nodes = R"([{"mesh":0}])";
+  expectRejected(directory_.write("outside.glb", glbBytes(brick(), nodes, "brick.bin")),
+                 "its buffer 0 is in another file (\"brick.bin\"), which its SHA-256 does not cover");
+  EXPECT_NO_THROW(loadMesh(directory_.write("inside.glb", glbBytes(brick(), nodes, dataUri(gltfBuffer(brick()))))));
+}
+
+TEST_F(InvalidMeshFile, RejectsFacesWithoutCorners) {
+  const std::string vertices = "0 0 0\n1 0 0\n0 1 0\n";
+  expectRejected(directory_.write("face.ply", plyHeader("ascii", 3, 2) + vertices + "3 0 1 2\n0\n"), "face 1 has no corners");
+  std::string bytes = plyBytes(brick());
+  bytes.replace(bytes.find("face 12"), 7, "face 13");
+  expectRejected(directory_.write("face.ply", bytes + '\0'), "face 12 has no corners");
+  // OBJ and STL: Assimp drops or refuses them.
+  EXPECT_EQ(loadMesh(directory_.write("face.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf\n")).triangles.size(), 1u);
+  expectRejected(directory_.write("face.stl", "solid x\nfacet normal 0 0 1\nouter loop\nendloop\nendfacet\nendsolid x\n"), "");
 }
 
 TEST_F(InvalidMeshFile, RejectsGltfThatNestsTooDeep) {

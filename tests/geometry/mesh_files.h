@@ -158,8 +158,9 @@ inline std::string gltfJson(const Mesh& mesh, const std::string& uri, const std:
          (num_indices.empty() ? std::to_string(3 * mesh.triangles.size()) : num_indices) + R"(,"type":"SCALAR"}]})";
 }
 
-inline std::string glbBytes(const Mesh& mesh, const std::string& nodes) {
-  std::string json = gltfJson(mesh, "", nodes);
+// `uri`: see gltfJson(). The binary chunk is there in any case.
+inline std::string glbBytes(const Mesh& mesh, const std::string& nodes, const std::string& uri = {}) {
+  std::string json = gltfJson(mesh, uri, nodes);
   json.resize((json.size() + 3) / 4 * 4, ' ');
   const std::string buffer = gltfBuffer(mesh);
   std::string bytes = "glTF";

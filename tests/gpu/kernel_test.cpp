@@ -1,7 +1,9 @@
 // Reflection of shaders, and the comparison of a kernel with its declaration.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <csignal>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
@@ -80,6 +82,23 @@ TEST(KernelOnEveryDriver, IsCachedOnDiskOnlyOnRequest) {
     };
     EXPECT_EXIT(run(), ::testing::ExitedWithCode(0), "") << keep;
   }
+}
+
+// A limit on the size of files stands for a full disk.
+TEST(KernelOnEveryDriver, LeavesNoPartialCacheOnAFullDisk) {
+  const testing::TemporaryDirectory cache;
+  const auto run = [&] {
+    setenv("XDG_CACHE_HOME", cache.path().c_str(), 1);
+    const Device device = Device::open({.keep_kernels = true});
+    const gpu::Kernel kernel(gpu::contextOf(device), loadKernel());
+    kernel.wait();
+    signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{16, 16};  // bytes
+    setrlimit(RLIMIT_FSIZE, &limit);
+    gpu::contextOf(device).savePipelineCache();
+    std::_Exit(std::filesystem::is_empty(cache / "taxelsim") ? 0 : 1);
+  };
+  EXPECT_EXIT(run(), ::testing::ExitedWithCode(0), "");
 }
 
 TEST(KernelOnEveryDriver, RejectsWrongNamesAndNumbers) {

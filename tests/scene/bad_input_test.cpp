@@ -115,6 +115,7 @@ TEST(BadScenes, Objects) {
        BadScene{kSphere, "mesh: .", ":16:11: objects[0].mesh: "},
        BadScene{kSphere, "mesh: not_a_mesh.obj", ":16:11: objects[0].mesh: not_a_mesh.obj"},
        BadScene{kSphere, "mesh: other.gltf", ":16:11: objects[0].mesh: a .gltf keeps its geometry in other files"},
+       BadScene{kSphere, "mesh: OTHER.GLTF", ":16:11: objects[0].mesh: a .gltf keeps its geometry in other files"},
        BadScene{"sphere: {radius_mm: 5}\n", "mesh: mesh.obj\n    scale: 0\n",
                 ":17:12: objects[0].scale: 0 is not allowed: a number > 0 m per unit"},
        BadScene{"sphere: {radius_mm: 5}\n", "mesh: mesh.obj\n    up_axis: w\n", ":17:14: objects[0].up_axis: w is not allowed: x | y | z"},

@@ -27,6 +27,7 @@ inline std::string refusalOf(std::string_view text) {
   directory.write("not_a_mesh.obj", "nothing here\n");
   directory.write("sensor.yaml", "format_version: 1\nname: x\nnum_rows: 0\n");
   directory.write("other.gltf", "{}");
+  directory.write("OTHER.GLTF", "{}");
   const std::filesystem::path file = directory.write("scene.yaml", text);
   std::string message = refusal(file, [&] { loadScene(file); });
   const std::string prefix = directory.path().string() + "/";

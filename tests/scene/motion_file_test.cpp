@@ -170,13 +170,13 @@ TEST(WaypointFile, RejectsBadFiles) {
        ":4:1: time_s: 0.5 is not allowed: must be later than the previous waypoint (1 s)"},
       {heading + "0,0,0,0,1,0,0,0.5\n", ":2:9: qw,qx,qy,qz: length 1.118033988749895 is not allowed: a unit quaternion"},
       {heading + "0,0,0,0,0,0,0,0\n", ":2:9: qw,qx,qy,qz: length 0 is not allowed"},
-      {heading + "0,0,0,\"\x01\",0,0,0,0\n", ":2:7: z_m: \"\" \"\" is not allowed"},
+      {heading + "0,0,0,\"\x01\",0,0,0,0\n", ":2:7: z_m: \"\"\\x01\"\" is not allowed"},
   };
   for (const auto& [text, message] : table) {
     const std::filesystem::path file = directory.write("way.csv", text);
     EXPECT_THAT(refusal(file, [&] { loadWaypoints(file); }), testing::StartsWith(message)) << text;
   }
-  EXPECT_THAT(refusal(directory.path(), [&] { loadWaypoints(directory.path()); }), testing::StartsWith(": no such file"));
+  EXPECT_THAT(refusal(directory.path(), [&] { loadWaypoints(directory.path()); }), testing::StartsWith(": a directory, not a file"));
 }
 
 }  // namespace

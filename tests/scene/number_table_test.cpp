@@ -60,14 +60,14 @@ TEST(NumberTable, RejectsBadFiles) {
       {"force_N,counts\n1,nan\n", ":2:3: counts: \"nan\" is not allowed: a number from -1e+15 to 1e+15"},
       {"force_N,counts\n1,\n", ":2:3: counts: \"\" is not allowed"},
       {"force_N,counts\n1,1e16\n", ":2:3: counts: \"1e16\" is not allowed"},
-      {std::string(std::size_t{5} << 20, '1'), ":1:1: a line longer than 4 MiB"},
+      {std::string(std::size_t{5} << 20, '1'), ":1:1: a line longer than 4194304 bytes"},
       {"force_N;counts\n1;2\n", ":2:1: force_N;counts: \"1;2\" is not allowed"},
   };
   for (const auto& [text, message] : table) {
     const std::filesystem::path file = directory.write("t.csv", text);
     EXPECT_THAT(refusal(file, [&] { NumberTable{file}; }), testing::StartsWith(message)) << text;
   }
-  EXPECT_THAT(refusal(directory.path(), [&] { NumberTable{directory.path()}; }), testing::StartsWith(": no such file"));
+  EXPECT_THAT(refusal(directory.path(), [&] { NumberTable{directory.path()}; }), testing::StartsWith(": a directory, not a file"));
 }
 
 TEST(NumberTable, RejectsMissingAndAmbiguousColumns) {

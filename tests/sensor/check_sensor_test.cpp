@@ -89,6 +89,11 @@ TEST(CheckSensor, Patches) {
     expectRefused("patches[0].num_rows", [&](Sensor& s) { s.patches[0].num_rows = bad; });
     expectRefused("patches[0].num_cols", [&](Sensor& s) { s.patches[0].num_cols = bad; });
   }
+  const auto many = [](Sensor& s) {
+    s.patches.assign(kMaxTaxels / (128 * 128), {.name = "grid", .num_rows = 128, .num_cols = 128, .pitch = {1e-3, 1e-3}, .X_SP = {}});
+  };
+  expectAccepted(many);
+  expectRefused("patches", [&](Sensor& s) { many(s), s.patches.push_back(s.patches[0]); });
   for (const double bad : {0.0, -1e-3, kNan, kInfinity}) {
     expectRefused("patches[0].pitch[1]", [&](Sensor& s) { s.patches[0].pitch[1] = bad; });
   }

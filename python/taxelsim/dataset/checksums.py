@@ -62,7 +62,10 @@ def verify(file: Path) -> None:
     checksum = file.with_name(file.name + ".sha256")
     stamp = stamp_of(file)
     try:
-        line = checksum.read_bytes()[:1024]
+        if not checksum.is_file():  # a FIFO would block
+            raise FileNotFoundError(checksum)
+        with checksum.open("rb") as stream:
+            line = stream.read(1024)
     except OSError as error:
         raise InputError(f"{file}: its checksum file {checksum.name} is missing") from error
     expected, _, name = line.decode("ascii", "replace").partition("  ")

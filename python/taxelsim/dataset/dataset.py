@@ -15,6 +15,7 @@ from .._arguments import checked_count
 from ..errors import InputError
 from .checksums import Stamp, remember, verified_files
 from .column import Column, texts_of
+from .isolated import IsolatedShards, open_isolated
 from .layout import ENDS, ColumnInfo, read_layout
 from .rows import Rows, checked_index, checked_rows
 from .shards import Shards
@@ -34,19 +35,27 @@ class Dataset:
     folder: the directory. Missing shards and a damaged dataset.h5 raise InputError.
     cache_bytes: limit of the inflated chunks of compressed columns that stay in memory, per process.
 
+    isolated: for data sets from strangers, of format 1 above all: HDF5 reads in child processes with limits of memory and time, so that
+        a file that crashes or hangs it raises InputError. Slower, as each read starts a process; needs no h5py.
+
     A shard is compared with its SHA-256 when its first row is read, once per process; a damaged one raises InputError.
     Shards stay open. Uncompressed columns are memory-mapped. Any thread may read. Forked processes open the shards again, and so
     does a copy that was pickled; neither verifies again what was verified before.
     """
 
-    def __init__(self, folder: str | PathLike[str], *, cache_bytes: int = CACHE_BYTES) -> None:
+    def __init__(self, folder: str | PathLike[str], *, cache_bytes: int = CACHE_BYTES, isolated: bool = False) -> None:
         self.folder = Path(folder).absolute()
         self._cache_bytes = checked_count("cache_bytes", cache_bytes)
+        self._isolated = isolated
+        self._shards: Shards | IsolatedShards
+        if isolated:
+            self._layout, self._shards = open_isolated(self.folder)
+            return
         self._layout = read_layout(self.folder)
         self._shards = Shards(self._layout, self._cache_bytes)
 
     def __reduce__(self) -> Any:
-        state = self.folder, self._cache_bytes, verified_files(self.folder), self._identity()
+        state = self.folder, self._cache_bytes, verified_files(self.folder), self._identity(), self._isolated
         return _reopen, state
 
     def _identity(self) -> tuple[Any, ...]:
@@ -173,10 +182,10 @@ def _suggestion(name: str, names: Sequence[str]) -> str:
     return f"; did you mean {' or '.join(map(repr, near[:3]))}?" if near else f"; the columns are {', '.join(names)}"
 
 
-def _reopen(folder: Path, cache_bytes: int, verified: dict[str, Stamp], identity: tuple[Any, ...]) -> Dataset:
+def _reopen(folder: Path, cache_bytes: int, verified: dict[str, Stamp], identity: tuple[Any, ...], isolated: bool) -> Dataset:
     """Unpickles a data set."""
     remember(verified)
-    data = Dataset(folder, cache_bytes=cache_bytes)
+    data = Dataset(folder, cache_bytes=cache_bytes, isolated=isolated)
     if data._identity() != identity:
         raise InputError(f"{folder}: the data set is another one than when this object was pickled")
     return data

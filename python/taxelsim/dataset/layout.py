@@ -16,6 +16,7 @@ from .rows import Rows
 
 FORMATS = (1, 2)
 MANIFEST = "dataset.yaml"
+MAX_MANIFEST_BYTES = 24 << 20  # as the program has it
 ENDS = "meta/episode_ends"
 HDF5_ERRORS = (OSError, LookupError, RuntimeError, ValueError, TypeError, AttributeError, StopIteration)
 
@@ -109,6 +110,8 @@ def _format_of(folder: Path) -> int:
     """The format of a data set, from its manifest, before HDF5 opens a file."""
     manifest = folder / MANIFEST
     try:
+        if manifest.exists() and (not manifest.is_file() or manifest.stat().st_size > MAX_MANIFEST_BYTES):
+            raise InputError(f"{manifest}: not a regular file of at most {MAX_MANIFEST_BYTES} bytes")
         text = manifest.read_text(encoding="utf-8")
     except FileNotFoundError:
         raise InputError(f"{folder}: no data set: it has no {MANIFEST}") from None

@@ -11,6 +11,8 @@ import pytest
 import taxelsim
 from taxelsim.dataset import checksums
 
+from ..envs.conftest import write_scene
+
 pytest.importorskip("h5py")
 
 
@@ -30,6 +32,18 @@ def test_a_damaged_shard_is_refused_before_hdf5_opens_it(copied, monkeypatch):
         with pytest.raises(taxelsim.InputError, match=r"copied/shard-000001\.h5: its SHA-256 is .*: the file was changed"):
             data.frames(52)
     assert opened == []
+
+
+def test_a_damaged_shard_is_made_again_on_request(tmp_path, device):
+    scene = write_scene(tmp_path)
+    taxelsim.generate(scene, tmp_path / "out", device=device)
+    shard = tmp_path / "out" / "shard-000000.h5"
+    whole = shard.read_bytes()
+    flip_byte(shard, -1)
+    with pytest.raises(taxelsim.InputError, match=r"shard-000000\.h5"):
+        taxelsim.generate(scene, tmp_path / "out", device=device)
+    taxelsim.generate(scene, tmp_path / "out", device=device, repair=True)
+    assert shard.read_bytes() == whole
 
 
 def test_a_damaged_view_is_refused(copied):

@@ -1,5 +1,6 @@
-// Parses a YAML file into a tree of nodes with positions. Reads the part of YAML that scene and sensor files need and refuses the rest
-// (anchors, aliases, tags, several documents), so that no input makes it large, deep or slow. Keys are checked by yaml_reader.h.
+// Parses a YAML file into a tree of nodes with positions. Reads the part of YAML that scenes, sensor files and manifests need and refuses
+// the rest (anchors, aliases, tags, several documents), so that no input makes it large, deep or slow. Keys are checked by
+// scene/yaml_reader.h and dataset/manifest_fields.h.
 #pragma once
 
 #include <cstddef>
@@ -35,7 +36,7 @@ struct YamlTree {
 std::string readYamlFile(const std::filesystem::path& file);
 
 // `file`: begin of messages. Throws Error(kInput), "file:line:column: what", for anything that is not one document of
-// plain YAML in UTF-8 with different keys, at most kMaxYamlDepth deep and kMaxYamlNodes large.
-YamlTree parseYaml(std::string text, const std::string& file);
+// plain YAML in UTF-8 with different keys, at most kMaxYamlDepth deep and of at most `max_nodes` values.
+YamlTree parseYaml(std::string text, const std::string& file, std::size_t max_nodes = kMaxYamlNodes);
 
 }  // namespace taxelsim

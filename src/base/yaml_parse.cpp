@@ -1,50 +1,35 @@
-#include "scene/yaml_parse.h"
+#include "base/yaml_parse.h"
 
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/exceptions.h>
 #include <yaml-cpp/parser.h>
 
 #include <algorithm>
-#include <fstream>
+#include <cstdint>
 #include <numeric>
 #include <sstream>
 #include <string_view>
 
+#include "base/files.h"
 #include "base/text.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
 namespace {
 
+constexpr std::int64_t kMaxOpenBrackets = 1 << 16;  // far more than kMaxYamlDepth, as comments may have some
+
 [[noreturn]] void failAt(const std::string& file, int line, int column, const std::string& message) {
   throw Error(ErrorKind::kInput, oneLine(file + ":" + std::to_string(line) + ":" + std::to_string(column) + ": " + message));
 }
 
-// Bytes of the UTF-8 sequence that begins at `i`, or 0 if it is invalid (overlong forms and surrogates are invalid).
-std::size_t utf8Length(std::string_view text, std::size_t i) {
-  const auto byte = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u; };
-  const auto continues = [&](std::size_t k) { return (byte(k) & 0xC0u) == 0x80u; };
-  const unsigned first = byte(i);
-  if (first < 0x80u) return 1;
-  if (first >= 0xC2u && first <= 0xDFu) return continues(i + 1) ? 2 : 0;
-  if (first >= 0xE0u && first <= 0xEFu) {
-    const bool overlong = first == 0xE0u && byte(i + 1) < 0xA0u;
-    const bool surrogate = first == 0xEDu && byte(i + 1) > 0x9Fu;
-    return continues(i + 1) && continues(i + 2) && !overlong && !surrogate ? 3 : 0;
-  }
-  if (first >= 0xF0u && first <= 0xF4u) {
-    const bool overlong = first == 0xF0u && byte(i + 1) < 0x90u;
-    const bool beyond = first == 0xF4u && byte(i + 1) > 0x8Fu;
-    return continues(i + 1) && continues(i + 2) && continues(i + 3) && !overlong && !beyond ? 4 : 0;
-  }
-  return 0;
-}
-
-// Refuses control characters, invalid UTF-8 and tabs with a clear message; yaml-cpp accepts them.
+// Refuses control characters, invalid UTF-8 and tabs with a clear message; yaml-cpp accepts them. Refuses brackets that are never closed,
+// of which yaml-cpp keeps every one, 230 bytes each, until the end of the text.
 void checkCharacters(std::string_view text, const std::string& file) {
   int line = 1;
   int column = 1;
   bool indentation = true;
+  std::int64_t open_brackets = 0;  // also those in quotes and comments
   for (std::size_t i = 0; i < text.size();) {
     const auto c = static_cast<unsigned char>(text[i]);
     const std::size_t length = utf8Length(text, i);
@@ -52,6 +37,13 @@ void checkCharacters(std::string_view text, const std::string& file) {
     if (c == '\t' && indentation) failAt(file, line, column, "a tab before the text of a line: indent with spaces");
     if ((c < 0x20 && c != '\t' && c != '\n' && c != '\r') || c == 0x7F) {
       failAt(file, line, column, "not a YAML file: control character " + std::to_string(c));
+    }
+    if (c == '[' || c == '{') ++open_brackets;
+    if ((c == ']' || c == '}') && open_brackets > 0) --open_brackets;
+    if (open_brackets > kMaxOpenBrackets) {
+      failAt(file, line, column,
+             "more than " + std::to_string(kMaxOpenBrackets) + " brackets are open: nested deeper than " + std::to_string(kMaxYamlDepth) +
+                 " levels");
     }
     if (c == '\n') {
       ++line;
@@ -68,7 +60,7 @@ void checkCharacters(std::string_view text, const std::string& file) {
 // Builds the tree from yaml-cpp's events. Events precede the recursion of yaml-cpp, so the depth limit also bounds that recursion.
 class TreeBuilder : public YAML::EventHandler {
  public:
-  explicit TreeBuilder(const std::string& file) : file_(file) {}
+  TreeBuilder(const std::string& file, std::size_t max_nodes) : file_(file), max_nodes_(max_nodes) {}
 
   YamlTree takeRoot() { return std::move(root_); }
 
@@ -111,7 +103,7 @@ class TreeBuilder : public YAML::EventHandler {
   YamlTree make(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor, YamlTree::Kind kind) {
     if (anchor != 0) fail(mark, "an anchor (&name) is not allowed: write the value out where it is needed");
     if (!tag.empty() && tag != "?" && tag != "!") fail(mark, "a tag (" + tag.substr(0, 40) + ") is not allowed");
-    if (++num_nodes_ > kMaxYamlNodes) fail(mark, "more than " + std::to_string(kMaxYamlNodes) + " values in one file");
+    if (++num_nodes_ > max_nodes_) fail(mark, "more than " + std::to_string(max_nodes_) + " values in one file");
     YamlTree tree;
     tree.kind = kind;
     tree.line = mark.line + 1;
@@ -167,6 +159,7 @@ class TreeBuilder : public YAML::EventHandler {
   }
 
   const std::string& file_;
+  std::size_t max_nodes_;
   YamlTree root_;
   std::vector<YamlTree> open_;
   std::size_t num_nodes_ = 0;
@@ -176,30 +169,14 @@ class TreeBuilder : public YAML::EventHandler {
 }  // namespace
 
 std::string readYamlFile(const std::filesystem::path& file) {
-  const auto fail = [&](ErrorKind kind, const std::string& message) -> void { throw Error(kind, oneLine(file.string() + ": " + message)); };
-  std::error_code error;
-  const std::filesystem::file_status status = std::filesystem::status(file, error);
-  if (!std::filesystem::exists(status)) fail(ErrorKind::kInput, "no such file");
-  if (std::filesystem::is_directory(status)) fail(ErrorKind::kInput, "a directory, not a file");
-  if (!std::filesystem::is_regular_file(status)) fail(ErrorKind::kInput, "not a regular file");
-  const std::uintmax_t size = std::filesystem::file_size(file, error);
-  if (error) fail(ErrorKind::kIo, "its size cannot be read");
-  if (size > kMaxYamlBytes) {
-    fail(ErrorKind::kInput, std::to_string(size) + " bytes are too many: at most " + std::to_string(kMaxYamlBytes));
-  }
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) fail(ErrorKind::kIo, "cannot be opened");
-  std::string text(static_cast<std::size_t>(size), '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (static_cast<std::uintmax_t>(stream.gcount()) != size) fail(ErrorKind::kIo, "reading failed");
-  return text;
+  return readTextFile(file, kMaxYamlBytes);
 }
 
-YamlTree parseYaml(std::string text, const std::string& file) {
+YamlTree parseYaml(std::string text, const std::string& file, std::size_t max_nodes) {
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
   checkCharacters(text, file);
-  TreeBuilder builder(file);
+  TreeBuilder builder(file, max_nodes);
   try {
     std::istringstream stream(std::move(text));
     YAML::Parser parser(stream);

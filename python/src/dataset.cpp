@@ -1,0 +1,68 @@
+// Data sets that HDF5 reads in child processes, for taxelsim.Dataset(isolated=True).
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <cstdint>
+#include <memory>
+#include <new>
+#include <utility>
+
+#include "bind.h"
+#include "taxelsim/dataset.h"
+
+namespace taxelsim::python {
+namespace {
+
+template <typename T>
+nb::object arrayOf(std::vector<T> values) {
+  auto owned = std::make_unique<std::vector<T>>(std::move(values));
+  T* const data = owned->data();
+  const std::size_t size = owned->size();
+  const nb::capsule owner(owned.release(), [](void* vector) noexcept { delete static_cast<std::vector<T>*>(vector); });
+  return nb::ndarray<nb::numpy, T, nb::ndim<1>>(data, {size}, owner).cast();
+}
+
+void open(DatasetReader* self, const std::filesystem::path& folder) {
+  new (self) DatasetReader(folder, /*allow_incomplete=*/false, /*isolated=*/true);
+}
+
+nb::object readRows(const DatasetReader& reader, const std::string& column, std::uint64_t first, std::uint64_t count) {
+  std::vector<std::byte> rows;
+  {
+    const nb::gil_scoped_release release;
+    rows = reader.read(column, first, count);
+  }
+  const auto* const bytes = reinterpret_cast<const std::uint8_t*>(rows.data());
+  return arrayOf(std::vector<std::uint8_t>(bytes, bytes + rows.size()));
+}
+
+}  // namespace
+
+void bindDataset(nb::module_& module) {
+  nb::class_<Column>(module, "DatasetColumn", "A column of a manifest.")
+      .def_ro("name", &Column::name)
+      .def_prop_ro("type", [](const Column& self) { return nameOf(self.type); })
+      .def_ro("text_length", &Column::text_length)
+      .def_ro("shape", &Column::shape)
+      .def_ro("unit", &Column::unit)
+      .def_ro("description", &Column::description)
+      .def_ro("value_names", &Column::value_names)
+      .def_ro("bit_names", &Column::bit_names);
+  nb::class_<DatasetReader>(module, "IsolatedReader", "Reads a data set in child processes.")
+      .def("__init__", &open, "folder"_a)
+      .def_prop_ro("columns", [](const DatasetReader& self) { return self.manifest().columns; })
+      .def_prop_ro("format_version", [](const DatasetReader& self) { return self.manifest().format_version; })
+      .def_prop_ro("seed", [](const DatasetReader& self) { return self.manifest().seed; })
+      .def_prop_ro("scene", [](const DatasetReader& self) { return nb::bytes(self.manifest().scene.data(), self.manifest().scene.size()); })
+      .def_prop_ro("policy", [](const DatasetReader& self) { return self.manifest().policy; })
+      .def_prop_ro(
+          "episode_ends", [](const DatasetReader& self) { return arrayOf(self.episodeEnds()); },
+          nb::sig("def episode_ends(self) -> numpy.typing.NDArray[typing.Any]"))
+      .def("read", &readRows, "column"_a, "first"_a, "count"_a,
+           nb::sig("def read(self, column: str, first: int, count: int) -> numpy.typing.NDArray[typing.Any]"),
+           "Bytes of rows [first, first + count).");
+}
+
+}  // namespace taxelsim::python

@@ -1,0 +1,40 @@
+#include "dataset/hdf5_reading.h"
+
+#include <system_error>
+
+#include "dataset/child_reading.h"
+#include "dataset/hdf5.h"
+#include "taxelsim/error.h"
+
+namespace taxelsim::dataset {
+
+void readHdf5(const std::filesystem::path& file, const std::string& what, const std::string& remedy, Isolation isolation,
+              std::span<std::byte> bytes, const std::function<void(std::span<std::byte>)>& read) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) throw Error(ErrorKind::kInput, file.string() + ": is not a regular file");
+  const auto readHere = [&](std::span<std::byte> buffer) {
+    try {
+      const Hdf5Session session;
+      read(buffer);
+    } catch (const Hdf5Error& problem) {
+      throw Error(ErrorKind::kInput, file.string() + ": broken or foreign " + what + ": " + problem.what() + "; " + remedy);
+    }
+  };
+  if (isolation == Isolation::kChild) return readInChild(file, bytes, readHere);
+  readHere(bytes);
+}
+
+void checkCounts(const std::filesystem::path& file, std::uint64_t num_episodes) {
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  if (error) throw Error(ErrorKind::kIo, file.string() + ": its size cannot be read: " + error.message());
+  if (num_episodes > size / sizeof(std::uint64_t))
+    throw Error(ErrorKind::kInput, file.string() + ": has " + std::to_string(size) + " bytes, too few for the " +
+                                       std::to_string(num_episodes) + " episodes of the manifest");
+}
+
+std::span<std::uint64_t> episodeEnds(std::span<std::byte> bytes) {
+  return {reinterpret_cast<std::uint64_t*>(bytes.data()), bytes.size() / sizeof(std::uint64_t)};
+}
+
+}  // namespace taxelsim::dataset
