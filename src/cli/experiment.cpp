@@ -13,10 +13,12 @@
 #include "cli/commands.h"
 #include "cli/driver_threads.h"
 #include "cli/scene_options.h"
+#include "figures/cross_validation_text.h"
 #include "figures/servo_report.h"
 #include "figures/tactile_figure.h"
 #include "figures/taxel_chart.h"
 #include "sensor/fields.h"
+#include "taxelsim/cross_validate.h"
 #include "taxelsim/device.h"
 #include "taxelsim/error.h"
 #include "taxelsim/experiment.h"
@@ -208,13 +210,36 @@ void report(const Arguments& arguments, const Device& device, const ServoExperim
   spdlog::info("wrote {} figures to {}", num_figures, arguments.directory);
 }
 
+// Needs no device.
+void report(const Arguments& arguments, const CharacterizationExperiment& experiment) {
+  if (!experiment.missing.empty()) {
+    spdlog::warn("{}: skipped, {}", experiment.name, experiment.missing);
+    return;
+  }
+  Activity activity("running " + experiment.name);
+  const std::vector<CrossValidation> results = crossValidate(experiment);
+  activity.end();
+  if (arguments.json) {
+    const nlohmann::ordered_json json{{"experiment", experiment.name},
+                                      {"cross_validation", crossValidationJson(results, experiment.light_below)}};
+    fmt::print("{}\n", json.dump(2));
+  } else {
+    fmt::print("{}", crossValidationText(results, experiment.light_below));
+  }
+}
+
 int runExperiment(const Arguments& arguments) {
   useTwoDriverThreadsPerCore();
   Activity activity("loading " + arguments.file);
   const Experiment experiment = loadExperiment(arguments.file);
   activity.end();
+  if (const auto* const recordings = std::get_if<CharacterizationExperiment>(&experiment)) {
+    report(arguments, *recordings);
+    return kExitOk;
+  }
   const Device device = Device::open({.device = arguments.device, .validation = arguments.validation});
-  std::visit([&](const auto& loaded) { report(arguments, device, loaded); }, experiment);
+  if (const auto* const contacts = std::get_if<StaticExperiment>(&experiment)) report(arguments, device, *contacts);
+  if (const auto* const servo = std::get_if<ServoExperiment>(&experiment)) report(arguments, device, *servo);
   return kExitOk;
 }
 

@@ -76,8 +76,10 @@ ServoExperiment loadServoExperiment(const std::filesystem::path& file) {
 Experiment loadExperiment(const std::filesystem::path& file) {
   return readVersionedFile(file, [](const YamlNode& root, const std::filesystem::path& directory) -> Experiment {
     const std::optional<YamlNode> kind = root.child("experiment");
-    if (!kind) root.fail("experiment is missing: static | servo");
-    if (kind->choice({"static", "servo"}) == "static") return readStaticExperiment(root, directory);
+    if (!kind) root.fail("experiment is missing: static | servo | characterization");
+    const std::string name = kind->choice({"static", "servo", "characterization"});
+    if (name == "static") return readStaticExperiment(root, directory);
+    if (name == "characterization") return readCharacterizationExperiment(root, directory);
     return readServoExperiment(root, directory);
   });
 }
