@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "taxelsim/control.h"
+#include "taxelsim/measurement.h"
 #include "taxelsim/pose.h"
 #include "taxelsim/scene.h"
 #include "taxelsim/sensor.h"
@@ -145,8 +146,17 @@ struct CalibrationExperiment {
 /// Reads a calibration (docs/file_formats.md). Throws Error(kInput) with file, line, column and key.
 CalibrationExperiment loadCalibrationExperiment(const std::filesystem::path& file);
 
+/// Recordings of a real sensor, which crossValidate() predicts from each other.
+struct CharacterizationExperiment {
+  std::string name;                       ///< Name in reports.
+  std::string missing;                    ///< One line that says where the recordings were looked for; empty if they are there.
+  double light_below = 0;                 ///< N, loads below are scored apart; 0: all together.
+  bool separate = false;                  ///< Whether each recording is of a sensor of its own.
+  std::vector<Measurement> measurements;  ///< The recordings; empty if they are missing.
+};
+
 /// An experiment of any kind.
-using Experiment = std::variant<StaticExperiment, ServoExperiment, CalibrationExperiment>;
+using Experiment = std::variant<StaticExperiment, ServoExperiment, CalibrationExperiment, CharacterizationExperiment>;
 
 /// Reads an experiment of the kind that the file's key `experiment` names. Throws Error(kInput) with file, line, column and key.
 Experiment loadExperiment(const std::filesystem::path& file);

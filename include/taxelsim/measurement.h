@@ -77,9 +77,10 @@ struct StepResponse {
 
 /// (e) Images over time under a flat stamp with a dead weight, at an unknown pose.
 struct StampImages {
-  Indenter indenter;  ///< The stamp.
-  double load = 0;    ///< N, weight.
-  Images images;      ///< Images over time.
+  Indenter indenter;      ///< The stamp.
+  double load = 0;        ///< N, weight.
+  Images images;          ///< Images over time.
+  std::string fixture{};  ///< Stamps of one fixture have the same pose; empty: each stamp has its own.
 };
 
 /// Images for comparison only, of an unknown contact.

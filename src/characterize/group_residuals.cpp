@@ -36,6 +36,10 @@ void GroupResiduals::differentiate(const std::vector<FitParameter>& parameters, 
   const std::size_t count = parameters.size();
   std::vector<double> high(weights_.size()), low(weights_.size());
   for (std::size_t p = 0; p < count; ++p) {
+    if (!(parameters[p].low < parameters[p].high)) {
+      for (std::size_t row = 0; row < weights_.size(); ++row) jacobian[row * count + p] = 0;
+      continue;
+    }
     const double value = values[p], step = kDerivativeStep * parameters[p].scale;
     const double below = std::max(value - step, parameters[p].low), above = std::min(value + step, parameters[p].high);
     values[p] = above;
@@ -45,7 +49,7 @@ void GroupResiduals::differentiate(const std::vector<FitParameter>& parameters, 
     values[p] = value;
     const double width = (above - below) / parameters[p].scale;
     for (std::size_t row = 0; row < weights_.size(); ++row) {
-      jacobian[row * count + p] = width > 0 ? weights_[row] * (high[row] - low[row]) / width : 0;
+      jacobian[row * count + p] = weights_[row] * (high[row] - low[row]) / width;
     }
   }
 }

@@ -42,6 +42,14 @@ void makeRising(const std::vector<PressedTaxel>& taxels, const std::vector<FitRe
   }
 }
 
+// The terms that were added after makeRising() change the curve.
+void checkRising(const ReadoutFit& found, Measured force_curves) {
+  if (found.model.num_bends == 0 || rises(found.model, found.fit, found.taxels)) return;
+  throw Error(ErrorKind::kInput, force_curves.front()->file.generic_string() + ": the fitted curve of degree " +
+                                     std::to_string(found.model.num_bends + 1) +
+                                     " falls within the measured forces: use a lower curve_degree, divider: true or curve_segments");
+}
+
 // By error propagation through gain = a / (w S) and trigger = a f / S.
 ReadoutCovariance covarianceOf(const ReadoutFit& found, const Sensor& sensor, double slope) {
   ReadoutCovariance covariance(static_cast<std::size_t>(numTaxels(sensor)), {0, 0, 0, 0});
@@ -80,6 +88,7 @@ ReadoutCovariance fitReadout(Measured force_curves, const std::optional<PsfRange
   }
   makeRising(found.taxels, pressed.lines, found.model, found.fit, result.remarks);
   found.fit = withHysteresisAndDrift(found.taxels, pressed.lines, found.model, std::move(found.fit));
+  checkRising(found, force_curves);
 
   reportReadout(found, result);
   std::size_t num_rows = 0;

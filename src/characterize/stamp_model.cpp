@@ -15,10 +15,13 @@ namespace {
 using namespace stamp_own;
 using namespace stamp_shared;
 
-constexpr double kMostTilt = 0.05;      // rad
+constexpr double kTurn = 0.052;         // rad, 3 degrees: standard deviation of the turn and the tilt of a stamp that is placed by hand
+constexpr double kMostTilt = 0.15;      // slope
+constexpr double kGainScale = 0.1;      // typical deviation of a gain
 constexpr double kPlane = 1e-6;         // m and rad: deviation up to which a skin counts as plane
 constexpr double kMostOfLimit = 0.999;  // upper bound of (end of the range) / (limit of the divider)
 constexpr double kMostBend = 100;       // upper bound of the quadratic term at the end of the range, relative to the linear one
+constexpr double kLeastGain = 0.01;     // of the nominal gain
 constexpr int kMaxKernelReach = kMaxKernelSize / 2;
 
 // (num_taxels x num_taxels): taxels^2 within a grid, infinite beyond the largest kernel; m^2 along the skin for a list of taxels.
@@ -133,10 +136,28 @@ std::vector<FitParameter> sharedParameters(const StampModel& model, const std::v
   for (std::size_t t = 0; t < model.gain.size(); ++t) {
     const double gain =
         model.with_gains && model.gain[t] > 0 && parameters.size() < start.size() ? start[parameters.size()] : model.gain[t];
-    parameters.push_back(model.with_gains && model.isLoaded(t) ? freeFrom(gain, kGainDeviation, 0, 100) : fixedAt(gain));
+    parameters.push_back(model.with_gains && model.isLoaded(t) ? freeFrom(gain, kGainScale, kLeastGain, 1 / kLeastGain) : fixedAt(gain));
+  }
+  for (std::size_t t = 0; t < model.gain.size(); ++t) {
+    const double offset = model.with_offsets && parameters.size() < start.size() ? start[parameters.size()] : 0;
+    parameters.push_back(model.with_offsets && model.isLoaded(t) ? freeFrom(offset, 10, -1e6, 1e6) : fixedAt(0));
   }
   return parameters;
 }
+
+// The parameters of a pose that starts at `at`.
+std::vector<FitParameter> poseParameters(const double* at, bool round, bool with_tilt) {
+  const auto slope = [&](std::size_t p) { return with_tilt ? freeFrom(at[p], 1e-3, -kMostTilt, kMostTilt) : fixedAt(0); };
+  return {freeFrom(at[kX], 1e-3, -1, 1), freeFrom(at[kY], 1e-3, -1, 1), round ? fixedAt(0) : freeFrom(at[kYaw], 0.1, -0.8, 0.8),
+          slope(kSlopeX), slope(kSlopeY)};
+}
+
+// Prior of a pose: 3 rows.
+double* writePosePrior(const double* pose, double noise, double* residuals) {
+  for (const std::size_t p : {kYaw, kSlopeX, kSlopeY}) *residuals++ = noise * pose[p] / kTurn;
+  return residuals;
+}
+constexpr std::size_t kPosePriorRows = 3;
 
 }  // namespace
 
@@ -163,51 +184,92 @@ bool StampModel::isLoaded(std::size_t taxel) const {
   return gain[taxel] > 0 && std::any_of(stamps.begin(), stamps.end(), [&](const Stamp& stamp) { return stamp.image[taxel] > 0; });
 }
 
-double outputOf(const StampModel& model, const std::vector<double>& shared_values, double force) {
-  return model.curve.output(shared_values[kScale] * force - shared_values[kTrigger], shared_values.data() + kCurve);
+double outputOf(const StampModel& model, const std::vector<double>& shared, std::size_t taxel, double force) {
+  const double z = shared[model.gainsAt() + taxel] * shared[kScale] * force - shared[kTrigger] - shared[model.offsetsAt() + taxel];
+  return model.curve.output(z, shared.data() + kCurve);
 }
+
+std::array<double, 6> ownOf(const StampModel& model, const Stamp& stamp, const double* shared, const double* own) {
+  std::array<double, 6> values{};
+  std::copy_n(own, values.size(), values.begin());
+  if (stamp.fixture) std::copy_n(shared + model.fixturesAt() + kPoseSize * *stamp.fixture, kPoseSize, values.begin());
+  return values;
+}
+
+namespace {
+
+bool isRound(const Stamp& stamp) {
+  return stamp.data->indenter.shape == Indenter::Shape::kFlatPin;
+}
+
+GroupedProblem problemOf(const StampModel& model, const std::vector<double>& shared_start,
+                         const std::vector<std::vector<double>>& own_start) {
+  GroupedProblem problem{
+      .shared = sharedParameters(model, shared_start), .own = {}, .num_rows = {}, .noise = model.curve.noise, .residuals = {}};
+  for (std::size_t f = 0; f < model.fixtures.size(); ++f) {
+    const auto first = std::find_if(model.stamps.begin(), model.stamps.end(), [&](const Stamp& stamp) { return stamp.fixture == f; });
+    const std::size_t at = model.fixturesAt() + kPoseSize * f;
+    const double* const start =
+        at < shared_start.size() ? &shared_start[at] : own_start[static_cast<std::size_t>(first - model.stamps.begin())].data();
+    for (const FitParameter& parameter : poseParameters(start, isRound(*first), false)) problem.shared.push_back(parameter);
+  }
+  for (std::size_t g = 0; g < model.stamps.size(); ++g) {
+    const std::vector<double>& at = own_start[g];
+    const Stamp& stamp = model.stamps[g];
+    std::vector<FitParameter>& own = problem.own.emplace_back(poseParameters(at.data(), isRound(stamp), model.with_tilt));
+    if (stamp.fixture) own.assign(kPoseSize, fixedAt(0));
+    own.push_back(model.press_spread > 0 ? freeFrom(at[kPress], 0.1, 0.2, 5) : fixedAt(1));
+    problem.num_rows.push_back(stamp.taxels.size() + (model.press_spread > 0 ? 1 : 0) + (stamp.fixture ? 0 : kPosePriorRows));
+  }
+  return problem;
+}
+
+}  // namespace
 
 StampFit fitStampModel(const StampModel& model, const std::vector<double>& shared_start,
                        const std::vector<std::vector<double>>& own_start) {
-  GroupedProblem problem{
-      .shared = sharedParameters(model, shared_start), .own = {}, .num_rows = {}, .noise = model.curve.noise, .residuals = {}};
-  for (std::size_t g = 0; g < model.stamps.size(); ++g) {
-    const std::vector<double>& at = own_start[g];
-    const bool round = model.stamps[g].data->indenter.shape == Indenter::Shape::kFlatPin;
-    const auto slope = [&](std::size_t p) { return model.with_tilt ? freeFrom(at[p], 1e-3, -kMostTilt, kMostTilt) : fixedAt(at[p]); };
-    problem.own.push_back({freeFrom(at[kX], 1e-3, -1, 1), freeFrom(at[kY], 1e-3, -1, 1),
-                           round ? fixedAt(0) : freeFrom(at[kYaw], 0.1, -0.8, 0.8), slope(kSlopeX), slope(kSlopeY),
-                           model.press_spread > 0 ? freeFrom(at[kPress], 0.1, 0.2, 5) : fixedAt(1)});
-    problem.num_rows.push_back(model.stamps[g].taxels.size() + (model.press_spread > 0 ? 1 : 0));
-  }
-  const std::size_t gains_at = model.gainsAt();
+  GroupedProblem problem = problemOf(model, shared_start, own_start);
+  const std::size_t gains_at = model.gainsAt(), offsets_at = model.offsetsAt();
   std::vector<std::size_t> loaded;
   for (std::size_t t = 0; t < model.gain.size(); ++t) {
-    if (model.with_gains && model.isLoaded(t)) loaded.push_back(t);
+    if (model.isLoaded(t)) loaded.push_back(t);
   }
-  if (model.with_gains) {
+  // One more group holds the priors of the shared parameters.
+  const std::size_t num_priors =
+      ((model.with_gains ? 1U : 0U) + (model.with_offsets ? 1U : 0U)) * loaded.size() + kPosePriorRows * model.fixtures.size();
+  if (num_priors > 0) {
     problem.own.emplace_back();
-    problem.num_rows.push_back(loaded.size());
+    problem.num_rows.push_back(num_priors);
   }
   ForceCache forces(model);
   const double noise = std::max(kLeastNoise, model.curve.noise);
   problem.residuals = [&](std::size_t g, const double* values, const double* own, double* residuals) {
     const double* const gains = values + gains_at;
+    const double* const offsets = values + offsets_at;
     if (g == model.stamps.size()) {
-      // Prior: gains are close to their known values.
-      for (const std::size_t t : loaded) *residuals++ = noise * (gains[t] - model.gain[t]) / kGainDeviation;
+      for (std::size_t k = 0; model.with_gains && k < loaded.size(); ++k) {
+        *residuals++ = noise * std::log(gains[loaded[k]] / model.gain[loaded[k]]) / model.gain_deviation;
+      }
+      for (std::size_t k = 0; model.with_offsets && k < loaded.size(); ++k)
+        *residuals++ = noise * offsets[loaded[k]] / model.offset_deviation;
+      for (std::size_t f = 0; f < model.fixtures.size(); ++f) {
+        residuals = writePosePrior(values + model.fixturesAt() + kPoseSize * f, noise, residuals);
+      }
       return;
     }
-    const std::vector<double>& force = forces.spread(g, own, std::exp(values[kStiffness]), values[kSigma]);
-    for (const std::size_t t : model.stamps[g].taxels) {
-      const double z = gains[t] * own[kPress] * values[kScale] * force[t] - values[kTrigger];
-      *residuals++ = clippedMean(model.curve.output(z, values + kCurve), noise, model.curve.top) - model.stamps[g].image[t];
+    const Stamp& stamp = model.stamps[g];
+    const std::array<double, 6> at = ownOf(model, stamp, values, own);
+    const std::vector<double>& force = forces.spread(g, at.data(), std::exp(values[kStiffness]), values[kSigma]);
+    for (const std::size_t t : stamp.taxels) {
+      const double z = gains[t] * at[kPress] * values[kScale] * force[t] - values[kTrigger] - offsets[t];
+      *residuals++ = stamp.weightOf(t) * (clippedMean(model.curve.output(z, values + kCurve), noise, model.curve.top) - stamp.image[t]);
     }
+    if (!stamp.fixture) residuals = writePosePrior(own, noise, residuals);
     if (model.press_spread > 0) *residuals = noise * (own[kPress] - 1) / model.press_spread;
   };
   StampFit result{.fit = fitGroups(problem), .force = {}};
   for (std::size_t g = 0; g < model.stamps.size(); ++g) {
-    const std::vector<double>& own = result.fit.own[g];
+    const std::array<double, 6> own = ownOf(model, model.stamps[g], result.fit.shared.data(), result.fit.own[g].data());
     result.force.push_back(forces.spread(g, own.data(), std::exp(result.fit.shared[kStiffness]), result.fit.shared[kSigma]));
     for (double& force : result.force.back()) force *= own[kPress];
   }

@@ -46,12 +46,16 @@ class StampReport {
   void reportSpread();
   void reportCreepOfStamps();  // before reportCurve(), which needs the growth by creep
   void reportCurve();
+  // `of_slope`: gradient of the relative slope; `by_creep`: its relative half width by the creep.
+  void reportTriggers(double slope, const Eigen::VectorXd& of_slope, double by_creep);
   void reportPressGains();
   void reportStiffness();
   void reportGains();
   void reportPoses();
 
  private:
+  template <typename HalfWidth>
+  void reportPose(const std::string& name, const double* pose, const HalfWidth& half_width);
   void chooseGains();
   double gain(std::size_t taxel) const { return gainOf(model_, found_, taxel); }
   Eigen::VectorXd gradient() const { return Eigen::VectorXd::Zero(static_cast<Eigen::Index>(fit_.shared.size())); }
@@ -187,6 +191,23 @@ void StampReport::reportCurve() {
     readout.trigger = trigger;
     readout.taxel_trigger.clear();
   }
+  if (model_.with_offsets) reportTriggers(slope, of_slope, by_creep);
+}
+
+// A trigger below 0 is not in the readout's range: such taxels get 0.
+void StampReport::reportTriggers(double slope, const Eigen::VectorXd& of_slope, double by_creep) {
+  std::vector<double>& triggers = result_.sensor.readout.taxel_trigger;
+  triggers.assign(model_.gain.size(), std::max(0.0, fit_.shared[kTrigger] / slope));
+  for (const std::size_t t : loaded_) {
+    const std::size_t at = model_.offsetsAt() + t;
+    const double trigger = (fit_.shared[kTrigger] + fit_.shared[at]) / slope;
+    Eigen::VectorXd of_trigger = -trigger * of_slope;
+    of_trigger[kTrigger] += 1 / slope;
+    of_trigger[static_cast<Eigen::Index>(at)] += 1 / slope;
+    triggers[t] = std::max(0.0, trigger);
+    add(result_, "readout.taxel_trigger[" + std::to_string(t) + "]", "N", triggers[t],
+        std::hypot(fit_.halfWidthOf(of_trigger), trigger * by_creep), "", "");
+  }
 }
 
 void StampReport::reportPressGains() {
@@ -234,16 +255,25 @@ void StampReport::reportGains() {
   }
 }
 
+template <typename HalfWidth>
+void StampReport::reportPose(const std::string& name, const double* pose, const HalfWidth& half_width) {
+  const auto report = [&](const char* key, const char* unit, std::size_t parameter) {
+    if (half_width(parameter) > 0) add(result_, name + key, unit, pose[parameter], half_width(parameter), "", "");
+  };
+  report(".x", "m", kX);
+  report(".y", "m", kY);
+  report(".yaw", "rad", kYaw);
+  if (model_.with_tilt) report(".slope_x", "", kSlopeX), report(".slope_y", "", kSlopeY);
+}
+
 void StampReport::reportPoses() {
+  for (std::size_t f = 0; f < model_.fixtures.size(); ++f) {
+    const std::size_t at = model_.fixturesAt() + kPoseSize * f;
+    reportPose(model_.fixtures[f], &fit_.shared[at], [&](std::size_t p) { return fit_.halfWidth(at + p); });
+  }
   for (std::size_t g = 0; g < model_.stamps.size(); ++g) {
-    const std::string& name = model_.stamps[g].measurement->name;
-    const auto report = [&](const char* key, const char* unit, std::size_t parameter) {
-      add(result_, name + key, unit, fit_.own[g][parameter], fit_.ownHalfWidth(g, parameter), "", "");
-    };
-    report(".x", "m", kX);
-    report(".y", "m", kY);
-    if (model_.stamps[g].data->indenter.shape == Indenter::Shape::kStamp) report(".yaw", "rad", kYaw);
-    if (model_.with_tilt) report(".slope_x", "", kSlopeX), report(".slope_y", "", kSlopeY);
+    if (model_.stamps[g].fixture) continue;
+    reportPose(model_.stamps[g].measurement->name, fit_.own[g].data(), [&](std::size_t p) { return fit_.ownHalfWidth(g, p); });
   }
 }
 

@@ -1,6 +1,7 @@
 #include "characterize/stamp_selection.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -13,6 +14,9 @@ using namespace stamp_own;
 using namespace stamp_shared;
 
 constexpr std::size_t kLeastImagesForGains = 6;
+constexpr double kLeastGainDeviation = 0.02, kMostGainDeviation = 1.5;  // bounds of the prior's width
+constexpr std::array<double, 8> kRelativeNoises{0, 0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15};
+constexpr double kLikelihoodRatio = 5.4;  // half of chi-squared of 1 degree of freedom at 0.001
 
 // Standard deviation (counts) of unclipped readings.
 double noiseOf(const StampModel& model, const StampFit& found) {
@@ -38,12 +42,12 @@ double pressSpread(const StampModel& model, const StampFit& found) {
   for (std::size_t g = 0; g < model.stamps.size(); ++g) {
     double product = 0, power = 0;
     for (const std::size_t t : model.stamps[g].taxels) {
-      const double counts = model.stamps[g].image[t], force = gainOf(model, found, t) * found.force[g][t];
+      const double counts = model.stamps[g].image[t], force = found.force[g][t], weight = std::pow(model.stamps[g].weightOf(t), 2);
       if (counts <= 0 || counts >= model.curve.top) continue;
-      const auto output = [&](double press) { return outputOf(model, found.fit.shared, press * force); };
+      const auto output = [&](double press) { return outputOf(model, found.fit.shared, t, press * force); };
       const double growth = (output(1 + kStep) - output(1 - kStep)) / (2 * kStep);
-      product += (counts - output(1)) * growth;
-      power += growth * growth;
+      product += weight * (counts - output(1)) * growth;
+      power += weight * growth * growth;
     }
     if (!(power > 0)) continue;
     const double off = product / power, variance = model.curve.noise * model.curve.noise / power;
@@ -67,6 +71,80 @@ std::vector<std::vector<double>> startOf(const StampModel& model) {
   return own;
 }
 
+// Standard deviation of a prior whose values have these variances around their fitted deviations (empirical Bayes).
+class PriorWidth {
+ public:
+  void add(double deviation, double variance) {
+    if (!std::isfinite(variance)) return;
+    squares_ += deviation * deviation + variance;
+    ++count_;
+  }
+  double orElse(double otherwise, double least, double most) const {
+    return count_ > 1 ? std::clamp(std::sqrt(squares_ / count_), least, most) : otherwise;
+  }
+
+ private:
+  double squares_ = 0, count_ = 0;
+};
+
+void updatePriors(StampModel& model, const StampFit& found) {
+  PriorWidth gains, offsets;
+  for (std::size_t t = 0; t < model.gain.size(); ++t) {
+    if (!model.isLoaded(t)) continue;
+    const auto variance = [&](std::size_t p) { return found.fit.covariance(static_cast<Eigen::Index>(p), static_cast<Eigen::Index>(p)); };
+    const double gain = gainOf(model, found, t);
+    gains.add(std::log(gain / model.gain[t]), variance(model.gainsAt() + t) / (gain * gain));
+    offsets.add(found.fit.shared[model.offsetsAt() + t], variance(model.offsetsAt() + t));
+  }
+  if (model.with_gains) model.gain_deviation = gains.orElse(model.gain_deviation, kLeastGainDeviation, kMostGainDeviation);
+  if (model.with_offsets) model.offset_deviation = offsets.orElse(model.offset_deviation, kLeastNoise, model.curve.top);
+}
+
+// Estimates the part of the noise that is proportional to the reading, by maximum likelihood, and weighs the readings by it. Keeps equal
+// weights unless the likelihood ratio is significant.
+void weighReadings(StampModel& model, const StampFit& found) {
+  struct Reading {
+    double residual, mean;
+  };
+  std::vector<Reading> readings;
+  for (std::size_t g = 0; g < model.stamps.size(); ++g) {
+    const Stamp& stamp = model.stamps[g];
+    for (std::size_t k = 0; k < stamp.taxels.size(); ++k) {
+      const double counts = stamp.image[stamp.taxels[k]], off = found.fit.residual[g][k] / stamp.weightOf(stamp.taxels[k]);
+      if (!found.fit.outlier[g][k] && counts > 0 && counts < model.curve.top) readings.push_back({off, std::max(0.0, counts + off)});
+    }
+  }
+  const auto logLikelihood = [&](double noise, double relative) {
+    double sum = 0;
+    for (const Reading& reading : readings) {
+      const double variance = noise * noise + std::pow(relative * reading.mean, 2);
+      sum -= std::log(variance) / 2 + reading.residual * reading.residual / (2 * variance);
+    }
+    return sum;
+  };
+  struct Best {
+    double likelihood = -1e300, noise = 0, relative = 0;
+  };
+  Best equal, best;
+  for (const double relative : kRelativeNoises) {
+    for (double noise = kLeastNoise; noise < model.curve.top; noise *= 1.1) {
+      const double likelihood = logLikelihood(noise, relative);
+      if (likelihood > best.likelihood) best = {likelihood, noise, relative};
+      if (relative == 0 && likelihood > equal.likelihood) equal = {likelihood, noise, relative};
+    }
+  }
+  if (!(best.likelihood - equal.likelihood > kLikelihoodRatio)) return;
+  model.curve.noise = best.noise;
+  for (std::size_t g = 0; g < model.stamps.size(); ++g) {
+    Stamp& stamp = model.stamps[g];
+    stamp.weight.clear();
+    for (std::size_t t = 0; t < stamp.image.size(); ++t) {
+      const double mean = std::clamp(outputOf(model, found.fit.shared, t, found.force[g][t]), 0.0, model.curve.top);
+      stamp.weight.push_back(best.noise / std::hypot(best.noise, best.relative * mean));
+    }
+  }
+}
+
 class Selection {
  public:
   explicit Selection(StampModel& model) : model_(model) {}
@@ -79,11 +157,22 @@ class Selection {
     result.curve = from.curve;
     return result;
   }
-  // Updates the noise, refits, and updates the noise again.
+  // Updates the noise and the widths of the priors, refits, and updates the noise again.
   void refit(StampModel& model, StampFit& found) const {
     model.curve.noise = noiseOf(model, found);
+    updatePriors(model, found);
     found = fitted(model, found);
     model.curve.noise = noiseOf(model, found);
+  }
+  // The noise and the widths of the priors depend on each other.
+  void refitUntilConverged(StampModel& model, StampFit& found) const {
+    constexpr int kRounds = 6;
+    constexpr double kSettled = 0.02;  // relative change of the noise
+    for (int round = 0; round < kRounds; ++round) {
+      const double before = model.curve.noise;
+      refit(model, found);
+      if (std::abs(model.curve.noise - before) < kSettled * before) break;
+    }
   }
   // Accepts the larger model, with `more` additional parameters, if an F test rejects the current one.
   bool acceptIfBetter(const StampModel& larger, StampFit other, double more, StampFit& found) const {
@@ -99,9 +188,21 @@ class Selection {
   // Fits gains of presses if they differ significantly. Their prior's width is estimated from the gains themselves (empirical Bayes).
   void fitPressGains(StampModel& model, StampFit& found) const;
   void chooseCurveOrPresses(StampFit& found);
+  // Fits an offset of each loaded taxel's trigger if they improve the fit significantly.
+  void chooseOffsets(StampFit& found);
 
   StampModel& model_;
 };
+
+void Selection::chooseOffsets(StampFit& found) {
+  StampModel larger = model_;
+  larger.with_offsets = true;
+  StampFit other = fitted(larger, found);
+  refitUntilConverged(larger, other);
+  double num_loaded = 0;
+  for (std::size_t t = 0; t < model_.gain.size(); ++t) num_loaded += model_.isLoaded(t) ? 1 : 0;
+  acceptIfBetter(larger, std::move(other), num_loaded, found);
+}
 
 void Selection::fitPressGains(StampModel& model, StampFit& found) const {
   // More rounds would let press gains absorb the misfit of the rest of the model.
@@ -167,12 +268,21 @@ StampFit Selection::run(std::vector<std::string>& remarks) {
   found = fitted(model_, found);
   model_.curve.noise = noiseOf(model_, found);
   model_.with_gains = model_.stamps.size() >= kLeastImagesForGains;
-  if (model_.with_gains) refit(model_, found);
+  if (model_.with_gains) {
+    found = fitted(model_, found);
+    refitUntilConverged(model_, found);
+    chooseOffsets(found);
+  }
+  weighReadings(model_, found);
+  refit(model_, found);
   chooseCurveOrPresses(found);
 
+  double num_free = 0;  // stamps without a fixture, which may be tilted
+  for (const Stamp& stamp : model_.stamps) num_free += stamp.fixture ? 0 : 1;
+  if (num_free == 0) return found;
   StampModel tilted = model_;
   tilted.with_tilt = true;
-  if (acceptIfBetter(tilted, fitted(tilted, found), 2.0 * static_cast<double>(model_.stamps.size()), found)) {
+  if (acceptIfBetter(tilted, fitted(tilted, found), 2 * num_free, found)) {
     remarks.emplace_back("stamps are tilted significantly: their slopes are fitted");
   }
   return found;

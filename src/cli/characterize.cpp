@@ -13,6 +13,7 @@
 #include "cli/commands.h"
 #include "cli/print.h"
 #include "figures/characterize_report.h"
+#include "figures/cross_validation_text.h"
 #include "figures/text.h"
 #include "taxelsim/version.h"
 
@@ -27,6 +28,8 @@ struct Arguments {
   std::string sensor;
   std::string name;
   std::string report;
+  double light_below = 0;  // N
+  bool cross_validate = false;
   bool json = false;
 };
 
@@ -113,18 +116,28 @@ int runCharacterize(const Arguments& arguments) {
   Activity activity("fitting");
   Characterization result = characterize(measurements);
   activity.end();
+  std::vector<CrossValidation> validation;
+  if (arguments.cross_validate) {
+    Activity fits("fitting without each load in turn");
+    validation = crossValidate(measurements);
+    fits.end();
+  }
+  const std::string scores = crossValidationText(validation, arguments.light_below);
   if (!arguments.name.empty()) result.sensor.name = arguments.name;
   const std::string text = sensorText(result.sensor, notesOf(result, measurements));
   writeFileAtomically(arguments.sensor, std::as_bytes(std::span(text)));
   spdlog::info("wrote {}", arguments.sensor);
   if (!arguments.report.empty()) {
     const std::vector<std::filesystem::path> figures = drawCharacterization(arguments.report, result);
-    writeReport(arguments.report, measurements, result, figures);
+    writeReport(arguments.report, measurements, result, scores, figures);
     spdlog::info("wrote {} and {} figures in its folder", arguments.report, figures.size());
   }
   if (arguments.json) {
-    printJsonText(asJson(result));
+    nlohmann::ordered_json json = asJson(result);
+    if (arguments.cross_validate) json["cross_validation"] = crossValidationJson(validation, arguments.light_below);
+    printJsonText(json);
   } else {
+    printOut("{}{}", scores, scores.empty() ? "" : "\n");
     printTable(result);
   }
   return kExitOk;
@@ -147,6 +160,13 @@ void addCharacterize(CLI::App& app, Action& action) {
   command
       ->add_option("--report", arguments->report, "Write an HTML report with all figures, and the figures as PNG files in the same folder")
       ->type_name("HTML");
+  CLI::Option* const validate = command->add_flag(
+      "--cross-validate", arguments->cross_validate,
+      "Predict each load, or half of each force curve, by a fit that has not seen it, and compare with model-free baselines");
+  command->add_option("--light-below", arguments->light_below, "Score stamps below this load (N) apart; default: all together")
+      ->needs(validate)
+      ->check(CLI::PositiveNumber)
+      ->type_name("N");
   command->add_flag("--json", arguments->json, "Print JSON instead of tables");
   command->callback([=, &action] { action = [=] { return runCharacterize(*arguments); }; });
 }

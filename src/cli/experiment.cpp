@@ -16,10 +16,12 @@
 #include "cli/print.h"
 #include "cli/scene_options.h"
 #include "figures/calibration_report.h"
+#include "figures/cross_validation_text.h"
 #include "figures/servo_report.h"
 #include "figures/tactile_figure.h"
 #include "figures/taxel_chart.h"
 #include "sensor/fields.h"
+#include "taxelsim/cross_validate.h"
 #include "taxelsim/device.h"
 #include "taxelsim/error.h"
 #include "taxelsim/experiment.h"
@@ -216,13 +218,31 @@ void report(const Arguments& arguments, const Device& device, const CalibrationE
   const std::vector<CalibrationCurves> sensors = runCalibrationExperiment(device, experiment);
   activity.end();
   if (arguments.json) {
-    fmt::print("{}\n", calibrationJson(experiment, sensors).dump());
+    printJsonText(calibrationJson(experiment, sensors), -1);
   } else {
-    fmt::print("{}", calibrationTables(experiment, sensors));
+    printOut("{}", calibrationTables(experiment, sensors));
   }
   if (arguments.directory.empty()) return;
   drawCalibration(arguments.directory, experiment, sensors);
   spdlog::info("wrote 1 figure to {}", arguments.directory);
+}
+
+// Needs no device.
+void report(const Arguments& arguments, const CharacterizationExperiment& experiment) {
+  if (!experiment.missing.empty()) {
+    spdlog::warn("{}: skipped, {}", experiment.name, experiment.missing);
+    return;
+  }
+  Activity activity("running " + experiment.name);
+  const std::vector<CrossValidation> results = crossValidate(experiment);
+  activity.end();
+  if (arguments.json) {
+    const nlohmann::ordered_json json{{"experiment", experiment.name},
+                                      {"cross_validation", crossValidationJson(results, experiment.light_below)}};
+    printJsonText(json);
+  } else {
+    printOut("{}", crossValidationText(results, experiment.light_below));
+  }
 }
 
 int runExperiment(const Arguments& arguments) {
@@ -230,8 +250,14 @@ int runExperiment(const Arguments& arguments) {
   Activity activity("loading " + arguments.file);
   const Experiment experiment = loadExperiment(arguments.file);
   activity.end();
+  if (const auto* const recordings = std::get_if<CharacterizationExperiment>(&experiment)) {
+    report(arguments, *recordings);
+    return kExitOk;
+  }
   const Device device = Device::open({.device = arguments.device, .validation = arguments.validation});
-  std::visit([&](const auto& loaded) { report(arguments, device, loaded); }, experiment);
+  if (const auto* const contacts = std::get_if<StaticExperiment>(&experiment)) report(arguments, device, *contacts);
+  if (const auto* const servo = std::get_if<ServoExperiment>(&experiment)) report(arguments, device, *servo);
+  if (const auto* const calibration = std::get_if<CalibrationExperiment>(&experiment)) report(arguments, device, *calibration);
   return kExitOk;
 }
 

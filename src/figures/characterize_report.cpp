@@ -137,10 +137,11 @@ std::vector<std::filesystem::path> drawCharacterization(const std::filesystem::p
 }
 
 void writeReport(const std::filesystem::path& report, std::span<const Measurement> measurements, const Characterization& result,
-                 const std::vector<std::filesystem::path>& figures) {
+                 const std::string& scores, const std::vector<std::filesystem::path>& figures) {
   const std::string title = "Characterisation of " + escaped(result.sensor.name);
   std::string page = fmt::format(
       "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>{}</title><style>{}</style>\n<h1>{}</h1>\n", title, kStyle, title);
+  if (!scores.empty()) page += "<pre>" + escaped(scores) + "</pre>\n";
   page += fmt::format("<p>Fitted by taxelsim {} to these measurements:</p>\n<ul>\n", kVersion);
   for (const Measurement& measurement : measurements) page += "<li>" + escaped(measurement.file.filename().string()) + "</li>\n";
   page += "</ul>\n<h2>Parameters</h2>\n<table><tr><th>parameter</th><th>value (95 % interval)</th><th>remark</th></tr>\n";

@@ -19,6 +19,6 @@ std::vector<std::filesystem::path> drawCharacterization(const std::filesystem::p
 
 // Writes the report atomically, with the figures embedded. Throws Error(kIo).
 void writeReport(const std::filesystem::path& report, std::span<const Measurement> measurements, const Characterization& result,
-                 const std::vector<std::filesystem::path>& figures);
+                 const std::string& scores, const std::vector<std::filesystem::path>& figures);
 
 }  // namespace taxelsim::figures

@@ -76,11 +76,12 @@ ServoExperiment loadServoExperiment(const std::filesystem::path& file) {
 Experiment loadExperiment(const std::filesystem::path& file) {
   return readVersionedFile(file, [](const YamlNode& root, const std::filesystem::path& directory) -> Experiment {
     const std::optional<YamlNode> kind = root.child("experiment");
-    if (!kind) root.fail("experiment is missing: static | servo | calibration");
-    const std::string word = kind->choice({"static", "servo", "calibration"});
+    if (!kind) root.fail("experiment is missing: static | servo | calibration | characterization");
+    const std::string word = kind->choice({"static", "servo", "calibration", "characterization"});
     if (word == "static") return readStaticExperiment(root, directory);
     if (word == "servo") return readServoExperiment(root, directory);
-    return readCalibrationExperiment(root, directory);
+    if (word == "calibration") return readCalibrationExperiment(root, directory);
+    return readCharacterizationExperiment(root, directory);
   });
 }
 

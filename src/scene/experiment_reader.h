@@ -14,6 +14,7 @@ std::vector<double> readList(const YamlMap& map, std::string_view key, const All
 
 // Files are relative to `directory`.
 StaticExperiment readStaticExperiment(const YamlNode& root, const std::filesystem::path& directory);
+CharacterizationExperiment readCharacterizationExperiment(const YamlNode& root, const std::filesystem::path& directory);
 ServoExperiment readServoExperiment(const YamlNode& root, const std::filesystem::path& directory);
 CalibrationExperiment readCalibrationExperiment(const YamlNode& root, const std::filesystem::path& directory);
 

@@ -6,6 +6,7 @@
 
 #include "base/text.h"
 #include "scene/hashed_file.h"
+#include "scene/measurement_reader.h"
 #include "scene/number_table.h"
 #include "scene/sensor_file.h"
 #include "taxelsim/error.h"
@@ -75,11 +76,25 @@ struct Source {
   double full_scale;  // counts
 };
 
-Images readImages(const Source& source) {
+std::vector<std::size_t> taxelColumns(const Source& source) {
+  const std::optional<YamlNode> given = source.map.find("taxel_columns");
+  if (given && given->isList()) {
+    std::vector<std::string> names;
+    for (const YamlNode& name : given->items("a list of names of columns")) names.push_back(name.text("the name of a column"));
+    const int num_taxels = numTaxels(source.sensor);
+    if (names.size() != static_cast<std::size_t>(num_taxels)) {
+      given->fail(std::to_string(names.size()) + " names found, the sensor has " + std::to_string(num_taxels) + " taxels");
+    }
+    return source.table.columnsNamed(names);
+  }
   const bool one_grid = source.sensor.patches.size() == 1;
   const std::optional<std::string> otherwise = one_grid ? std::optional<std::string>(kGridColumns) : std::nullopt;
   const std::string pattern = source.map.text("taxel_columns", "names of columns, such as \"r{row}_c{col}\" or \"{patch}\"", otherwise);
-  const std::vector<std::size_t> columns = source.table.taxelColumns(source.sensor, pattern);
+  return source.table.taxelColumns(source.sensor, pattern);
+}
+
+Images readImages(const Source& source) {
+  const std::vector<std::size_t> columns = taxelColumns(source);
   Images images;
   images.num_taxels = columns.size();
   images.time = source.table.find(kTime);
@@ -153,7 +168,8 @@ StampImages readStampImages(const Source& source) {
   if (stamp.indenter.shape != Indenter::Shape::kStamp && stamp.indenter.shape != Indenter::Shape::kFlatPin) {
     source.map.require("indenter", "").fail("stamp_images need a flat indenter: stamp or flat_pin");
   }
-  if (stamp.images.time.empty()) source.table.fail("missing column of the time: time_s or time_ms");
+  if (source.map.has("fixture")) stamp.fixture = source.map.text("fixture", "a name");
+  if (stamp.images.time.empty()) source.table.fail("missing column of the time: time_s, time_ms or t_s");
   return stamp;
 }
 
@@ -173,19 +189,21 @@ const std::vector<Kind>& kinds() {
       {"point_images", {"indenter", "taxel_columns"}, [](const Source& s) -> decltype(Measurement::data) { return readPointImages(s); }},
       {"step_response", {"load"}, [](const Source& s) -> decltype(Measurement::data) { return readStepResponse(s); }},
       {"stamp_images",
-       {"indenter", "load", "taxel_columns"},
+       {"indenter", "load", "taxel_columns", "fixture"},
        [](const Source& s) -> decltype(Measurement::data) { return readStampImages(s); }},
       {"images", {"taxel_columns"}, [](const Source& s) -> decltype(Measurement::data) { return ImageSequence{readImages(s)}; }},
   };
   return all;
 }
 
-Measurement readMeasurement(const YamlNode& root, const std::filesystem::path& directory, const std::filesystem::path& file) {
+}  // namespace
+
+Measurement readMeasurement(const YamlNode& root, const MeasurementPlace& place) {
   YamlMap::Keys keys{"format_version", "measurement", "sensor", "table", "sha256"};
   for (const Kind& kind : kinds()) keys.insert(keys.end(), kind.keys.begin(), kind.keys.end());
   Canonical canonical;
   const YamlMap map(root, keys, canonical);
-  map.integer("format_version", 1, kFormatVersion);
+  if (place.is_file) map.integer("format_version", 1, kFormatVersion);
   const std::string name =
       map.choice("measurement", {"force_curve", "force_depth", "point_images", "step_response", "stamp_images", "images"});
   const Kind& kind = *std::find_if(kinds().begin(), kinds().end(), [&](const Kind& candidate) { return candidate.name == name; });
@@ -195,17 +213,15 @@ Measurement readMeasurement(const YamlNode& root, const std::filesystem::path& d
       if (given && std::find(kind.keys.begin(), kind.keys.end(), key) == kind.keys.end()) given->fail("not a key of " + name);
     }
   }
-  Measurement measurement{.file = file, .name = file.stem().string(), .sensor = {}, .resolved_sensor = {}, .data = {}};
+  Measurement measurement{.file = place.file, .name = place.name, .sensor = {}, .resolved_sensor = {}, .data = {}};
   Canonical sensor_text;
-  measurement.sensor = readSensorBlock(map.require("sensor", kSensorBlock), directory, sensor_text);
+  measurement.sensor = readSensorBlock(map.require("sensor", kSensorBlock), place.sensors, sensor_text);
   measurement.resolved_sensor = sensor_text.text();
-  const NumberTable table(readHashedFile(map, "table", "a table of numbers (CSV)", directory, kMaxTableBytes));
+  const NumberTable table(readHashedFile(map, "table", "a table of numbers (CSV)", place.tables, kMaxTableBytes));
   const double full_scale = (1 << measurement.sensor.readout.adc_bits) - 1;
   measurement.data = kind.read({map, table, measurement.sensor, full_scale});
   return measurement;
 }
-
-}  // namespace
 
 double Indenter::sectionAt(double height) const {
   const double in_round = std::min(height, radius);
@@ -227,8 +243,9 @@ double Indenter::sectionAt(double height) const {
 }
 
 Measurement loadMeasurement(const std::filesystem::path& file) {
-  return readVersionedFile(
-      file, [&](const YamlNode& root, const std::filesystem::path& directory) { return readMeasurement(root, directory, file); });
+  return readVersionedFile(file, [&](const YamlNode& root, const std::filesystem::path& directory) {
+    return readMeasurement(root, {.file = file, .name = file.stem().string(), .sensors = directory, .tables = directory, .is_file = true});
+  });
 }
 
 }  // namespace taxelsim

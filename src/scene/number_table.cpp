@@ -148,6 +148,16 @@ std::vector<std::size_t> NumberTable::taxelColumns(const Sensor& sensor, const s
   return result;
 }
 
+std::vector<std::size_t> NumberTable::columnsNamed(const std::vector<std::string>& names) const {
+  std::vector<std::size_t> result;
+  for (const std::string& name : names) {
+    const auto column = std::find(columns_.begin(), columns_.end(), name);
+    if (column == columns_.end()) fail("missing column " + shown(name) + " of taxel " + std::to_string(result.size()));
+    result.push_back(static_cast<std::size_t>(column - columns_.begin()));
+  }
+  return result;
+}
+
 void NumberTable::failAtValue(std::size_t row, std::size_t column, const std::string& what) const {
   CsvReader reader(name_);
   for (std::size_t r = 0; r <= row + 1; ++r) reader.next();  // the heading is the first

@@ -30,7 +30,7 @@ struct Quantity {
 
 inline constexpr Quantity kForce{"the force", {{{"force_N", 1}, {"force_mN", 1e-3}}}};
 inline constexpr Quantity kDepth{"the depth", {{{"depth_m", 1}, {"depth_mm", 1e-3}, {"depth_um", 1e-6}}}};
-inline constexpr Quantity kTime{"the time", {{{"time_s", 1}, {"time_ms", 1e-3}}}};
+inline constexpr Quantity kTime{"the time", {{{"time_s", 1}, {"time_ms", 1e-3}, {"t_s", 1}}}};
 inline constexpr Quantity kPositionX{"the position along x", {{{"x_m", 1}, {"x_mm", 1e-3}}}};
 inline constexpr Quantity kPositionY{"the position along y", {{{"y_m", 1}, {"y_mm", 1e-3}}}};
 inline constexpr Quantity kCounts{"the output", {{{"counts", 1}}}};
@@ -56,6 +56,9 @@ class NumberTable {
   // name of the patch, {taxel} the index in storage order. Numbers may have leading zeros. Throws Error(kInput) if a taxel has no column or
   // two.
   std::vector<std::size_t> taxelColumns(const Sensor& sensor, const std::string& pattern) const;
+
+  // The same by a list of their names. Throws Error(kInput) if there is no such column.
+  std::vector<std::size_t> columnsNamed(const std::vector<std::string>& names) const;
 
   // Index of the quantity's column, which must exist.
   std::size_t columnOf(const Quantity& quantity) const;

@@ -44,6 +44,8 @@ class YamlNode {
   // that the file has.
   [[noreturn]] void failAt(std::string_view field, const std::string& reason) const;
 
+  const YamlTree& tree() const { return *tree_; }
+  const std::string& file() const { return *file_; }
   bool isScalar() const { return tree_->kind == YamlTree::Kind::kScalar; }
   bool isList() const { return tree_->kind == YamlTree::Kind::kSequence; }
   bool isMap() const { return tree_->kind == YamlTree::Kind::kMap; }

@@ -50,6 +50,7 @@ HEADERS = {
     "evaluate.h": "evaluation",
     "characterize.h": "characterize",
     "compare.h": "characterize",
+    "cross_validate.h": "characterize",
     "readings.h": "characterize",
 }
 

@@ -1,6 +1,11 @@
 // Readout curves fitted to force curves: polynomials, dividers, straight pieces.
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
 #include "characterize/estimates.h"
 #include "characterize/readout_curves.h"
 #include "reference/readout.h"
@@ -185,6 +190,43 @@ TEST(ReadoutFit, LowersTheDegreeOfAFallingCurve) {
   const Characterization result = characterized(curve);
   EXPECT_EQ(result.sensor.readout.curve.size(), 1u);
   EXPECT_THAT(result.remarks, ::testing::Contains(HasSubstr("a curve of degree 2 falls within the range")));
+}
+
+// A curve of degree 5 bends freely where a drift of the zero adds to the misfit of its terms. It may be refused, but never falls.
+TEST(ReadoutFit, RefusesACurveThatFallsWithinTheMeasuredForces) {
+  int num_refused = 0;
+  Sensor sensor = benchSensor(1, 1);
+  sensor.readout.adc_bits = 13;
+  sensor.readout.saturation = 8191;
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    std::mt19937 random(seed);
+    ForceCurve curve;
+    curve.curve_degree = 5;
+    double play = 0;
+    for (int k = 0; k < 600; ++k) {
+      const double force = 4 * (1 - std::cos(2 * std::numbers::pi * k / 200));
+      play = std::clamp(play, force - 0.3, force + 0.3);
+      const double y = std::max(0.0, 0.6 * force + 0.4 * play - 0.2 + 0.3 * k / 600);
+      curve.taxel.push_back(0);
+      curve.force.push_back(force);
+      curve.counts.push_back(reading({1, 0}, 4000 * y / (1 + y), 20, 8191, random));
+    }
+    try {
+      const Readout readout = characterize(std::vector{measurementOf("curve", sensor, curve)}).sensor.readout;
+      double before = 0;
+      for (double force = 0; force <= 8; force += 0.05) {
+        double counts = 0, power = 1;
+        for (const double coefficient : readout.curve) counts += coefficient * (power *= std::max(0.0, force - readout.trigger));
+        counts = std::min(counts, static_cast<double>(readout.saturation));
+        EXPECT_GE(counts, before - 1) << seed << ": " << force << " N";
+        before = counts;
+      }
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), HasSubstr("falls within the measured forces: use a lower curve_degree")) << seed;
+      ++num_refused;
+    }
+  }
+  EXPECT_GT(num_refused, 0);
 }
 
 }  // namespace

@@ -134,5 +134,22 @@ TEST(Characterize, RejectsBadInputWithoutWriting) {
   EXPECT_FALSE(std::filesystem::exists(sensor));
 }
 
+TEST(Characterize, CrossValidationPrintsItsVerdictFirst) {
+  const TemporaryDirectory directory;
+  std::vector<std::string> arguments = characterized({"stamp_3N", "stamp_6N"}, directory / "s.yaml");
+  arguments.insert(arguments.end(), {"--cross-validate", "--report", directory / "r.html"});
+  const Outcome outcome = runTaxelsim(arguments);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, ::testing::StartsWith("left-out loads: "));
+  EXPECT_THAT(outcome.out, HasSubstr("line in the load per taxel"));
+  std::ifstream report(directory / "r.html");
+  const std::string page{std::istreambuf_iterator<char>(report), {}};
+  EXPECT_LT(page.find("left-out loads: "), page.find("<h2>Parameters"));
+  expectRefused(runTaxelsim({"characterize", kMeasurements + "step_response.yaml", "-o", directory / "s.yaml", "--cross-validate"}),
+                "cross-validation needs measurements of kind stamp_images or force_curve");
+  expectRefused(runTaxelsim({"characterize", kMeasurements + "stamp_3N.yaml", "-o", directory / "s.yaml", "--light-below", "2"}),
+                "--light-below");
+}
+
 }  // namespace
 }  // namespace taxelsim::testing

@@ -1,6 +1,7 @@
 // `experiment`: distances computed by hand, a fit that recovers its reference, outputs, and refusals.
 #include "taxelsim/experiment.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -177,6 +178,38 @@ TEST(Experiment, Refusals) {
   refused(experimentText(shipped("wts0614"), sensor, "yaw: [0]\nloads: [1e6]\n"), "out of reach");
   refused(experimentText(shipped("wts0614"), sensor) + "zebra: 1\n", "unknown key");
   expectRefused(runTaxelsim({"experiment", root / "none.yaml"}), "none.yaml");
+}
+
+// Without the recordings the experiment is skipped, with one line and no error; no device is needed.
+TEST(Experiment, SkipsRecordingsThatAreNotThere) {
+  const Outcome outcome = runTaxelsim({"experiment", kScenes + "/experiments/recordings/tams.yaml", "--device", "none"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_THAT(outcome.err, ::testing::HasSubstr("tams: skipped, no recordings: "));
+}
+
+TEST(Experiment, PredictsRecordingsInAFolder) {
+  const TemporaryDirectory root;
+  std::filesystem::create_directory(root.path() / "data");
+  std::string table = "taxel,force_N,counts\n";
+  for (int k = 0; k < 100; ++k) table += "0," + std::to_string(0.02 * k) + "," + std::to_string(20 * k + k % 3) + "\n";
+  written(root, "data/a.csv", table);
+  const std::string head = "format_version: 1\nname: mine\nexperiment: characterization\ndata: data\n";
+  const std::string common =
+      "common: {measurement: force_curve, sensor: {name: s, num_rows: 1, num_cols: 1, pitch_mm: 3, skin: {thickness_mm: 1, "
+      "normal_contact_stiffness: 1e8}, readout: {curve: {counts_per_newton: 1000}}}}\n";
+  const Outcome outcome = runTaxelsim({"experiment", written(root, "x.yaml", head + common + "recordings: [{table: a.csv}]\n")});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, ::testing::HasSubstr("a, first part"));
+  const auto refused = [&](const std::string& text, const std::string& part) {
+    expectRefused(runTaxelsim({"experiment", written(root, "x.yaml", text)}), part);
+  };
+  refused(head + common + "recordings: []\n", "a list of 1 to 1000 recordings");
+  refused(head + common + "recordings: [{divider: true}]\n", "table is missing");
+  refused(head + common + "recordings: [{table: b.csv}]\n", "b.csv");
+  refused(head + common + "recordings: [{table: a.csv, lod: 1}]\n", "lod");
+  refused(head + "common: 3\nrecordings: [{table: a.csv}]\n", "common");
+  refused(head + common + "light_below: 0\nrecordings: [{table: a.csv}]\n", "light_below");
 }
 
 }  // namespace

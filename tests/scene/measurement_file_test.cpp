@@ -79,6 +79,20 @@ TEST(MeasurementFile, ReadsEveryKind) {
   EXPECT_THAT(std::get<ImageSequence>(all.data).images.counts, ElementsAre(1, 2));
 }
 
+TEST(MeasurementFile, ReadsColumnsByNameAndTheFixture) {
+  const std::string keys = "measurement: stamp_images\nload: 2\nindenter: {stamp: {size_mm: [5, 5]}}\n";
+  const std::string table = "t_s,a,b\n0,7,8\n";
+  const Measurement named = Bench(keys + "taxel_columns: [b, a]\nfixture: holder\n", table).load();
+  const auto& stamp = std::get<StampImages>(named.data);
+  EXPECT_THAT(stamp.images.counts, ElementsAre(8, 7));
+  EXPECT_THAT(stamp.images.time, ElementsAre(0));
+  EXPECT_EQ(stamp.fixture, "holder");
+  EXPECT_THAT(Bench(keys + "taxel_columns: [b]\n", table).refused(), HasSubstr("1 names found, the sensor has 2 taxels"));
+  EXPECT_THAT(Bench(keys + "taxel_columns: [b, c]\n", table).refused(), HasSubstr("missing column"));
+  EXPECT_THAT(Bench("measurement: force_curve\nfixture: holder\n", "taxel,force_N,counts\n0,1,2\n").refused(),
+              HasSubstr("not a key of force_curve"));
+}
+
 TEST(MeasurementFile, RejectsBadMeasurements) {
   const std::string step = "measurement: step_response\nload: 2\n", point = "measurement: point_images\n";
   const std::string pin = "indenter: {flat_pin: {radius_mm: 0.5}}\n";

@@ -1,0 +1,28 @@
+// Predictions of an image under a stamp that use recorded images and the positions of the taxels, but no model of the sensor. Every
+// parameter comes from the training presses.
+#pragma once
+
+#include <vector>
+
+#include "taxelsim/measurement.h"
+
+namespace taxelsim {
+
+struct RecordedPress {
+  const Indenter* indenter = nullptr;
+  double load = 0;            // N
+  std::vector<double> image;  // (num_taxels), counts
+};
+
+// Counts: the footprint of the stamp, spread by a Gaussian, at the mean centroid of the training images.
+std::vector<double> blurredFootprint(const Sensor& sensor, const std::vector<RecordedPress>& training, const RecordedPress& wanted);
+
+// The same with one trigger and a gain per taxel, which a ridge penalty keeps near 1. Its strength has the smallest error when each
+// training load is left out in turn.
+std::vector<double> blurredFootprintWithGains(const Sensor& sensor, const std::vector<RecordedPress>& training,
+                                              const RecordedPress& wanted);
+
+// A straight line in the load for each taxel, by least squares, clipped at 0.
+std::vector<double> linePerTaxel(const std::vector<RecordedPress>& training, const RecordedPress& wanted);
+
+}  // namespace taxelsim

@@ -1,0 +1,115 @@
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "characterize/prediction_score.h"
+#include "characterize/stamp_baselines.h"
+#include "characterize/stamp_recording.h"
+#include "characterize/validation_parts.h"
+#include "reference/frame.h"
+#include "reference/lag.h"
+#include "taxelsim/error.h"
+#include "taxelsim/object.h"
+
+namespace taxelsim {
+namespace {
+
+constexpr double kSteady = 5;  // s after contact: the time that the image of a recording stands for
+constexpr double kHeight = 5e-3;
+constexpr int kSamplesPerTaxel = 8;  // the fit uses covered areas: more samples than a scene needs
+
+double loadOf(const Measurement& measurement) {
+  return std::get<StampImages>(measurement.data).load;
+}
+
+// Mean over the training stamps that share the wanted one's fixture; over all of them if it has none. `key`: such as ".yaw".
+double meanOfPose(const Characterization& result, const std::vector<Measurement>& training, const std::string& fixture, const char* key) {
+  double sum = 0, count = 0;
+  for (const Measurement& measurement : training) {
+    if (!std::holds_alternative<StampImages>(measurement.data)) continue;
+    const std::string& own = std::get<StampImages>(measurement.data).fixture;
+    if (own != fixture && !fixture.empty()) continue;
+    const std::string name = (own.empty() ? measurement.name : own) + key;
+    for (const Estimate& estimate : result.estimates) {
+      if (estimate.parameter == name) sum += estimate.value, ++count;
+    }
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+std::vector<double> predictedBySensor(const Characterization& result, const std::vector<Measurement>& training, const StampImages& stamp) {
+  Sensor sensor = result.sensor;
+  sensor.samples_per_taxel = kSamplesPerTaxel;
+  const auto mean = [&](const char* key) { return meanOfPose(result, training, stamp.fixture, key); };
+  const Quaternion tilt = axisAngle({0, 1, 0}, -std::atan(mean(".slope_x"))) * axisAngle({1, 0, 0}, std::atan(mean(".slope_y")));
+  const Pose pose{.position = {mean(".x"), mean(".y"), kHeight / 2}, .rotation = tilt * axisAngle({0, 0, 1}, mean(".yaw"))};
+  const Object object = stamp.indenter.shape == Indenter::Shape::kFlatPin
+                            ? Object("pin", Cylinder{stamp.indenter.radius, kHeight})
+                            : Object("stamp", Box{{stamp.indenter.size[0], stamp.indenter.size[1], kHeight}});
+  reference::Lag lag(sensor.readout, static_cast<std::size_t>(numTaxels(sensor)));
+  reference::FrameInput input;
+  input.objects = {{&object, pose}};
+  input.load = stamp.load;
+  input.dt = kSteady;
+  input.lag = &lag;
+  const reference::Frame frame = reference::simulateFrame(sensor, input);
+  return {frame.counts.begin(), frame.counts.end()};
+}
+
+// Predictors in the order of CrossValidation.
+enum : std::size_t { kSensor, kZero, kBlur, kBlurWithGains, kLine, kRepeat, kNumPredictors };
+
+}  // namespace
+
+CrossValidation validateStamps(const std::vector<Measurement>& stamps, const std::vector<Measurement>& others) {
+  CrossValidation result{.left_out = "loads", .predictors = {}};
+  for (const char* const name : {"fitted sensor", "zeros", "blurred footprint, one gain", "blurred footprint, trigger and gains",
+                                 "line in the load per taxel", "repeated real press"}) {
+    result.predictors.push_back({.name = name, .is_measured = result.predictors.size() == kRepeat, .scores = {}});
+  }
+  std::vector<RecordedPress> presses;
+  for (const Measurement& stamp : stamps) {
+    const auto& data = std::get<StampImages>(stamp.data);
+    presses.push_back({.indenter = &data.indenter, .load = data.load, .image = stampOf(stamp).image});
+  }
+  std::vector<double> loads;
+  for (const RecordedPress& press : presses) loads.push_back(press.load);
+  std::sort(loads.begin(), loads.end());
+  loads.erase(std::unique(loads.begin(), loads.end()), loads.end());
+  if (loads.size() < 2) {
+    throw Error(ErrorKind::kInput, stamps.front().file.generic_string() + ": all stamps have one load: cross-validation needs two");
+  }
+  for (const double load : loads) {
+    std::vector<Measurement> training = others;
+    std::vector<RecordedPress> seen;
+    for (std::size_t k = 0; k < stamps.size(); ++k) {
+      if (loadOf(stamps[k]) == load) continue;
+      training.push_back(stamps[k]);
+      seen.push_back(presses[k]);
+    }
+    const Characterization fitted = timedFit(training, result.longest_fit);
+    for (std::size_t k = 0; k < stamps.size(); ++k) {
+      if (loadOf(stamps[k]) != load) continue;
+      const Sensor& sensor = stamps[k].sensor;
+      const std::vector<double>& real = presses[k].image;
+      const auto add = [&](std::size_t predictor, const std::vector<double>& predicted) {
+        PredictionScore score = scoreOfImage(sensor, predicted, real);
+        score.measurement = stamps[k].name;
+        score.load = load;
+        result.predictors[predictor].scores.push_back(std::move(score));
+      };
+      add(kSensor, predictedBySensor(fitted, training, std::get<StampImages>(stamps[k].data)));
+      add(kZero, std::vector<double>(real.size()));
+      add(kBlur, blurredFootprint(sensor, seen, presses[k]));
+      add(kBlurWithGains, blurredFootprintWithGains(sensor, seen, presses[k]));
+      add(kLine, linePerTaxel(seen, presses[k]));
+      const auto repeats = [&](const RecordedPress& press) { return press.load == load && &press != &presses[k]; };
+      const auto other = std::find_if(presses.begin(), presses.end(), repeats);
+      add(kRepeat, other != presses.end() ? other->image : std::vector<double>(real.size(), std::nan("")));
+    }
+  }
+  return result;
+}
+
+}  // namespace taxelsim

@@ -1,0 +1,80 @@
+// Experiment files of kind characterization: a folder of recordings, the settings that they have in common, and one line for each
+// recording.
+#include <algorithm>
+#include <cstdlib>
+#include <utility>
+
+#include "scene/experiment_reader.h"
+#include "scene/measurement_reader.h"
+#include "scene/scene_fields.h"
+#include "scene/sensor_file.h"
+
+namespace taxelsim {
+namespace {
+
+constexpr const char* kRecordings = "a list of recordings, such as {table: a.csv, load: 2}";
+constexpr std::size_t kMaxRecordings = 1000;
+
+// The folder in that of TAXELSIM_REAL_DATA, if this is set, or else beside the experiment file.
+struct Folder {
+  std::filesystem::path path;
+  std::string missing;  // one line if there is none
+};
+
+Folder folderOf(const std::string& name, const std::filesystem::path& directory) {
+  const char* const recordings = std::getenv("TAXELSIM_REAL_DATA");
+  const std::filesystem::path beside = directory / name;
+  const std::filesystem::path path = recordings != nullptr && *recordings != '\0' ? std::filesystem::path(recordings) / name : beside;
+  std::error_code error;
+  for (const std::filesystem::path& tried : {path, beside}) {
+    if (std::filesystem::is_directory(tried, error)) return {tried, ""};
+  }
+  return {path, "no recordings: " + path.generic_string() + " is not a folder; TAXELSIM_REAL_DATA names the folder that holds " + name};
+}
+
+// The keys of `item`, and those of `common` that it does not have.
+YamlTree joined(const YamlTree& common, const YamlTree& item) {
+  YamlTree tree = item;
+  for (std::size_t k = 0; k < common.keys.size(); ++k) {
+    const auto has = [&](const YamlTree::Key& key) { return key.text == common.keys[k].text; };
+    if (std::any_of(item.keys.begin(), item.keys.end(), has)) continue;
+    tree.keys.push_back(common.keys[k]);
+    tree.children.push_back(common.children[k]);
+  }
+  return tree;
+}
+
+}  // namespace
+
+CharacterizationExperiment readCharacterizationExperiment(const YamlNode& root, const std::filesystem::path& directory) {
+  Canonical canonical;
+  const YamlMap map(root, {"format_version", "name", "experiment", "data", "light_below", "separate", "common", "recordings"}, canonical);
+  CharacterizationExperiment experiment;
+  map.integer("format_version", 1, kFormatVersion);
+  experiment.name = map.text("name", "a name");
+  map.choice("experiment", {"characterization"});
+  experiment.light_below = map.number("light_below", Allowed::above(0, "N"), 0.0);
+  experiment.separate = map.choice("separate", {"true", "false"}, "false") == "true";
+  const Folder folder = folderOf(map.text("data", "the folder of the recordings"), directory);
+  const YamlNode recordings = map.require("recordings", kRecordings);
+  const std::optional<YamlNode> common = map.find("common");
+  if (common && !common->isMap()) common->refuse("the keys of a measurement that all recordings have");
+  const std::vector<YamlNode> items = recordings.items(kRecordings);
+  if (items.empty() || items.size() > kMaxRecordings) recordings.refuse("a list of 1 to " + std::to_string(kMaxRecordings) + " recordings");
+  for (const YamlNode& item : items) {
+    if (!item.isMap()) item.refuse("a recording, such as {table: a.csv, load: 2}");
+  }
+  experiment.missing = folder.missing;
+  for (const YamlNode& item : items) {
+    if (!folder.missing.empty()) break;
+    const YamlTree tree = common ? joined(common->tree(), item.tree()) : item.tree();
+    const std::optional<YamlNode> table = item.child("table");
+    if (!table) item.fail("table is missing: a table of numbers (CSV)");
+    const std::string name = std::filesystem::path(table->text("a table of numbers (CSV)")).stem().string();
+    experiment.measurements.push_back(readMeasurement(
+        YamlNode(tree, item.file()), {.file = item.file(), .name = name, .sensors = directory, .tables = folder.path, .is_file = false}));
+  }
+  return experiment;
+}
+
+}  // namespace taxelsim

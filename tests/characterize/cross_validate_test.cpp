@@ -1,0 +1,141 @@
+// Predictions of left-out measurements by a fitted sensor and by baselines.
+#include "taxelsim/cross_validate.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "characterize/bench_session.h"
+#include "characterize/prediction_score.h"
+#include "characterize/stamp_baselines.h"
+#include "characterize/stamp_bench.h"
+#include "figures/cross_validation_text.h"
+#include "taxelsim/error.h"
+
+namespace taxelsim::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+constexpr double kAll = 1e9;  // N
+
+// A sensor with a trigger of a tenth of the middle load per taxel, which bends a line in the load.
+Sensor bentSensor() {
+  Sensor sensor = baseSensor();
+  sensor.readout.trigger = 0.15;
+  for (int t = 0; t < 48; ++t) sensor.readout.taxel_gain.push_back(1 + 0.3 * std::sin(5.0 * t));
+  return sensor;
+}
+
+std::vector<StampImages> loads(const Sensor& sensor) {
+  std::vector<StampImages> stamps;
+  for (int n = 0; n < 10; ++n) {
+    stamps.push_back(recorded(sensor, {.load = 1.5 + n / 2 * 1.5, .x = 0.5e-3, .seed = 70 + static_cast<std::uint64_t>(n)}));
+    stamps.back().fixture = "holder";
+  }
+  return stamps;
+}
+
+TEST(CrossValidate, AFittedSensorBeatsEveryBaselineOnItsOwnBench) {
+  const Sensor truth = bentSensor();
+  const std::vector<CrossValidation> results = crossValidate(measured(truth, loads(truth)));
+  ASSERT_EQ(results.size(), 1u);
+  const std::vector<Predictor>& predictors = results[0].predictors;
+  ASSERT_EQ(predictors.size(), 6u);
+  const PredictionScore own = medianScore(predictors[0], 0, kAll);
+  for (std::size_t p = 1; p < predictors.size(); ++p) {
+    ASSERT_EQ(predictors[p].scores.size(), 10u) << predictors[p].name;
+    if (predictors[p].is_measured) continue;
+    EXPECT_LT(own.relative_l1, medianScore(predictors[p], 0, kAll).relative_l1) << predictors[p].name;
+  }
+  // The simulation samples the skin every 0.43 mm, the fit uses covered areas: 4 % of the side of the stamp.
+  EXPECT_LT(own.relative_l1, 0.06);
+  EXPECT_LT(own.center_distance, 0.2e-3);
+  EXPECT_EQ(medianScore(predictors[1], 0, kAll).relative_l1, 1) << "zeros";
+  EXPECT_THAT(figures::crossValidationText(results, 0),
+              StartsWith("left-out loads: the fitted sensor predicts better than every baseline"));
+}
+
+// The recorded image of the left-out load, moved by a taxel: its prediction must stay where the other loads say.
+TEST(CrossValidate, APlacementDoesNotSeeTheScoredImage) {
+  const Sensor truth = bentSensor();
+  std::vector<StampImages> stamps = loads(truth);
+  stamps.resize(6);
+  for (std::size_t n = 4; n < 6; ++n) {
+    stamps[n] = recorded(truth, {.load = stamps[n].load, .x = 0.5e-3 + kPitch, .seed = 90 + n});
+    stamps[n].fixture = "holder";
+  }
+  const CrossValidation result = crossValidate(measured(truth, stamps)).front();
+  // The moved image loses little at the border of the array; half a taxel is far from both 0 and 1.
+  EXPECT_GT(result.predictors[0].scores[4].center_distance, 0.5 * kPitch);
+  EXPECT_GT(result.predictors[2].scores[4].center_distance, 0.5 * kPitch);
+}
+
+TEST(CrossValidate, TheVerdictNamesABetterBaseline) {
+  CrossValidation result{
+      .left_out = "loads",
+      .predictors = {{.name = "fitted sensor"}, {.name = "zeros"}, {.name = "line"}, {.name = "repeat", .is_measured = true}}};
+  const std::vector<double> m4{0.2, 1, 0.1, 0.01};
+  for (std::size_t p = 0; p < m4.size(); ++p) {
+    result.predictors[p].scores = {{.load = 1, .relative_l1 = m4[p], .sum_ratio = 1.05},
+                                   {.load = 5, .relative_l1 = p == 0 ? 0.05 : m4[p], .sum_ratio = 1.05}};
+  }
+  EXPECT_THAT(figures::verdictText(result, 3),
+              StartsWith("left-out loads: a baseline predicts better than the fitted sensor: M4 below 3 N 20.0 % against 10.0 % (line)"));
+  EXPECT_THAT(figures::verdictText(result, 3), ::testing::Not(HasSubstr("repeat")));
+  result.predictors[0].scores[0].relative_l1 = 0.1;
+  EXPECT_THAT(figures::verdictText(result, 3), StartsWith("left-out loads: the fitted sensor predicts better"));
+}
+
+TEST(CrossValidate, ScoresByHand) {
+  const PredictionScore score = scoreOf(std::vector<double>{10, 0, 40, 0}, std::vector<double>{20, 0, 20, 10}, 100);
+  EXPECT_DOUBLE_EQ(score.median_difference, 0.1);
+  EXPECT_DOUBLE_EQ(score.relative_l1, 40.0 / 50);
+  EXPECT_DOUBLE_EQ(score.sum_ratio, 1);
+  EXPECT_DOUBLE_EQ(score.active_ratio, 2.0 / 3);
+}
+
+TEST(CrossValidate, BaselinesOfPlainPresses) {
+  const Indenter stamp = kStamp;
+  const std::vector<RecordedPress> seen{{&stamp, 1, {0, 10}}, {&stamp, 3, {20, 10}}};
+  EXPECT_THAT(linePerTaxel(seen, {&stamp, 2, {}}), ::testing::ElementsAre(10, 10));
+  EXPECT_THAT(linePerTaxel(seen, {&stamp, 0.5, {}}), ::testing::ElementsAre(0, 10));
+}
+
+// One taxel, six cycles: the odd ones predict the even ones.
+TEST(CrossValidate, CyclesOfAForceCurvePredictEachOther) {
+  std::mt19937 random(3);
+  ForceCurve curve;
+  for (int k = 0; k < 600; ++k) {
+    const double force = 1 - std::cos(2 * 3.14159265358979 * k / 100);
+    curve.taxel.push_back(0), curve.force.push_back(force);
+    curve.counts.push_back(reading({1500, 0.2}, force, 5, 4095, random));
+  }
+  const CrossValidation result = crossValidate(std::vector{measurementOf("curve", benchSensor(1, 1), curve)}).front();
+  ASSERT_EQ(result.predictors[0].scores.size(), 2u);
+  EXPECT_LT(medianScore(result.predictors[0], 0, kAll).relative_l1, 0.01) << "noise of 5 counts of 1200";
+  EXPECT_GT(medianScore(result.predictors[2], 0, kAll).relative_l1, 0.02) << "a line without a trigger";
+}
+
+TEST(CrossValidate, RefusesWhatCannotBeLeftOut) {
+  const Sensor truth = baseSensor();
+  const auto refusal = [](const std::vector<Measurement>& measurements) -> std::string {
+    try {
+      crossValidate(measurements);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(refusal(measured(truth, {recorded(truth, {.load = 2}), recorded(truth, {.load = 2})})),
+              HasSubstr("stamp0.yaml: all stamps have one load: cross-validation needs two"));
+  EXPECT_THAT(refusal({}), HasSubstr("needs measurements of kind stamp_images or force_curve"));
+}
+
+}  // namespace
+}  // namespace taxelsim::testing
