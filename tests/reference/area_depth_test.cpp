@@ -230,7 +230,7 @@ TEST(AreaDepth, TheLargestMeanOfSeveralObjectsCounts) {
   EXPECT_NEAR(reference::coveredDepths(depths)[sample], 0.1e-3, kExact * kThickness);
   EXPECT_EQ(std::count(depths.touching.begin(), depths.touching.end(), -1), static_cast<std::ptrdiff_t>(depths.mean.size()) - 1);
   EXPECT_EQ(reference::overPenetration(sensor, depths), 0);
-  const reference::AreaDepths deeper = reference::AreaDepth(sensor, objects).at(-0.5e-3);
+  const reference::AreaDepths deeper = reference::AreaDepth(sensor, objects).at(-1.4e-3);
   EXPECT_EQ(reference::overPenetration(sensor, deeper) * static_cast<double>(depths.mean.size()), 1);
 }
 
@@ -269,7 +269,7 @@ TEST(AreaDepth, PinsCarryTheirLoad) {
       const reference::LoadResult found = reference::findLoad(sensor, {&placed, 1}, load);
       EXPECT_TRUE(found.reached);
       EXPECT_NEAR(found.first_touch, -0.015, kFloat * 0.01);
-      EXPECT_NEAR(found.full_depth, found.first_touch - kThickness, kExact * kThickness);
+      EXPECT_NEAR(found.full_depth, found.first_touch - kThickness, 1.01 * (1 - reference::kFullDepth) * kThickness);
       // The area of 96 sides is 7e-4 smaller than that of the circle.
       EXPECT_NEAR(found.first_touch - found.offset, kDepth, 1e-3 * kDepth);
       EXPECT_NEAR(forceOf(*object, {{pose.position[0], pose.position[1], 0.02 + found.offset}, pose.rotation}) / load, 1, kExact);
@@ -332,8 +332,8 @@ TEST(AreaDepth, FrictionActsThroughTheObjectWithTheLargestMean) {
   const auto at = [&](double x) { return std::vector<PlacedObject>{{&pin, {{x, 0, 0.005 - kDepth}, {1, 0, 0, 0}}}}; };
   const reference::Frame first = reference::simulateFrame(sensor, {.objects = at(0)});
   const reference::Frame second = reference::simulateFrame(sensor, {.objects = at(slide), .previous_friction = first.shear.state});
-  // Four cells meet at the origin; in each the whole cell shears.
-  EXPECT_NEAR(second.shear.wrench[0], 5e7 * slide * 4 * kCell * kCell, kExact);
+  // Four cells meet at the origin; in each the covered share shears.
+  EXPECT_NEAR(second.shear.wrench[0] / (5e7 * slide * kPi * radius * radius), 1, 10 * reference::kMeanDepthTolerance);
   EXPECT_EQ(reference::simulateFrame(pad(DepthSampling::kPoint), {.objects = at(0)}).contact.total_force, 0);
 }
 
