@@ -3,8 +3,9 @@
 
     PYTHONPATH=build/release/python build/venv/bin/python bench/python/small_contacts.py
 
-Taxels of 3.4 mm with 4 x 4 samples, law winkler, exponent 1, no point spread, true forces. Worst of --places random places and yaws, --depth deep:
-the error of the force, % of stiffness times displaced volume, and the distance of the centre of pressure from the true one, mm.
+Taxels of 3.4 mm with 4 x 4 samples, law winkler, exponent 1, no point spread, true forces. Worst of --places random places and yaws,
+--depth deep: the error of the force, % of stiffness times displaced volume, and the distance of the centre of pressure from the true
+one, mm.
 """
 
 from __future__ import annotations

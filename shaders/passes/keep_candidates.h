@@ -1,4 +1,5 @@
-// Lists of instances by what is to be done about their candidates, keep_candidates.comp. FLAT, OUTPUT_JACOBIAN, REACH and AREA as in contact.h.
+// Lists of instances by what is to be done about their candidates, keep_candidates.comp. FLAT, OUTPUT_JACOBIAN, REACH and AREA as in
+// contact.h.
 
 CONSTANT(11, bool, FLAT)
 CONSTANT(12, bool, OUTPUT_JACOBIAN)

@@ -36,8 +36,8 @@ constexpr double scanError(double width) {
 }
 // The load search over tiles stops at 1e-6; the float32 sum of the forces of 84 taxels adds some ten roundings.
 constexpr double kCarried = 2.5e-6;
-// Heights are sums of two float32 coordinates of 10 mm, whose last place is 2^-30 m. Force grows with at most the third power of the depth (m),
-// for cones.
+// Heights are sums of two float32 coordinates of 10 mm, whose last place is 2^-30 m. Force grows with at most the third power of the depth
+// (m), for cones.
 constexpr double lastPlace(double depth) {
   return 3 * 2 * 0x1p-30 / depth;
 }
