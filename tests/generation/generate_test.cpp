@@ -117,7 +117,7 @@ TEST(Generate, RegeneratesMissingShards) {
 
 TEST(Generate, ReportsTimesOfDeviceAndWriter) {
   const TestDirectory directory;
-  const auto [progress, times, complete, num_load_misses, load_misses] =
+  const auto [progress, times, complete, verified, num_load_misses, load_misses] =
       generate(device(), exampleScene(), directory.path(), {.batch_size = 8, .num_slices = 2, .device_clock = true});
   EXPECT_GT(times.device_busy, 0);
   EXPECT_GT(times.device_wait, 0);
