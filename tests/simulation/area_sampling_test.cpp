@@ -331,6 +331,27 @@ TEST(AreaSampling, ShearOfAPin) {
   }
 }
 
+// A skin that relaxes carries all of a pin's force at first, and what its terms leave after 50 of their times.
+TEST(AreaSampling, RelaxesUnderAPin) {
+  const double radius = 0.75e-3, depth = 0.3e-3, fraction = 0.4, time = 0.01, force = kStiffness * kPi * radius * radius * depth;
+  Sensor sensor = areaSensor();
+  sensor.skin.relaxation = {{.fraction = fraction, .time = time}};
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Cylinder{radius, 12e-3})}});
+  Simulator simulator(model, {.num_instances = kPlaces});
+  const std::vector<Pose> poses = places(cases(depth)[0], depth, kPlaces);
+  simulator.setObjects(std::vector<int>(kPlaces, 0), poses);
+  simulator.step(time);
+  const FrameView pressed = simulator.read();
+  for (std::size_t i = 0; i < kPlaces; ++i) {
+    EXPECT_NEAR(-pressed.ground_truth.contact_wrench[6 * i + 2] / force, 1, facetError(depth, radius));
+  }
+  simulator.step(50 * time);
+  const FrameView relaxed = simulator.read();
+  for (std::size_t i = 0; i < kPlaces; ++i) {
+    EXPECT_NEAR(-relaxed.ground_truth.contact_wrench[6 * i + 2] / force, 1 - fraction, facetError(depth, radius));
+  }
+}
+
 TEST(AreaSampling, RefusesWhatItDoesNotCover) {
   const Model model(support::sharedDevice(), {.sensor = areaSensor(), .objects = {Object(Sphere{5e-3})}});
   const std::string jacobian = support::inputError([&] { Simulator(model, {.outputs = {.tactile_jacobian = true}}); });
@@ -340,6 +361,10 @@ TEST(AreaSampling, RefusesWhatItDoesNotCover) {
   const std::string exponent =
       support::inputError([&] { Model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{5e-3})}}); });
   EXPECT_THAT(exponent, testing::AllOf(testing::HasSubstr("skin.normal_exponent: 1.5"), testing::HasSubstr("depth_sampling area")));
+  sensor.skin.law = ElasticLayer{.elastic_modulus = 1e6};
+  const std::string layer =
+      support::inputError([&] { Model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{5e-3})}}); });
+  EXPECT_THAT(layer, testing::AllOf(testing::HasSubstr("depth_sampling: area"), testing::HasSubstr("elastic_layer")));
 }
 
 }  // namespace
