@@ -1,6 +1,6 @@
 /// @file
-/// Cross-validation of characterize(): how well a fitted sensor predicts measurements that the fit has not seen, beside baselines that need
-/// no model of the sensor. Part of the library libtaxelsim_characterize.
+/// Cross-validation of characterize(): errors of a fitted sensor on measurements that are not part of the fit, and errors of baselines
+/// without a sensor model on the same measurements. Part of the library libtaxelsim_characterize.
 #pragma once
 
 #include <span>

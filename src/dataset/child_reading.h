@@ -6,7 +6,7 @@
 //   copies the bytes            <----      ends
 //
 // A damaged file that makes HDF5 crash, hang or ask for too much memory ends the child alone. Files whose checksum matches can be such
-// files: whoever makes the file makes the checksum.
+// files: an attacker can compute the checksum of a malicious file.
 #pragma once
 
 #include <cstddef>

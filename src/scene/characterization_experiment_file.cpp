@@ -15,7 +15,7 @@ namespace {
 constexpr const char* kRecordings = "a list of recordings, such as {table: a.csv, load: 2}";
 constexpr std::size_t kMaxRecordings = 1000;
 
-// The folder in that of TAXELSIM_REAL_DATA, if this is set, or else beside the experiment file.
+// A folder relative to TAXELSIM_REAL_DATA, if this variable is set, else relative to the folder of the experiment file.
 struct Folder {
   std::filesystem::path path;
   std::string missing;  // one line if there is none
@@ -23,10 +23,10 @@ struct Folder {
 
 Folder folderOf(const std::string& name, const std::filesystem::path& directory) {
   const char* const recordings = std::getenv("TAXELSIM_REAL_DATA");
-  const std::filesystem::path beside = directory / name;
-  const std::filesystem::path path = recordings != nullptr && *recordings != '\0' ? std::filesystem::path(recordings) / name : beside;
+  const std::filesystem::path local = directory / name;
+  const std::filesystem::path path = recordings != nullptr && *recordings != '\0' ? std::filesystem::path(recordings) / name : local;
   std::error_code error;
-  for (const std::filesystem::path& tried : {path, beside}) {
+  for (const std::filesystem::path& tried : {path, local}) {
     if (std::filesystem::is_directory(tried, error)) return {tried, ""};
   }
   return {path, "no recordings: " + path.generic_string() + " is not a folder; TAXELSIM_REAL_DATA names the folder that holds " + name};

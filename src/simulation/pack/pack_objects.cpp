@@ -166,12 +166,12 @@ PackedObjects packObjects(std::span<const Object> objects, const SampleGrid& gri
       record.half_size[axis] = static_cast<float>((high - low) / 2 * (1 + 1e-6));
     }
     const Mesh* mesh = std::get_if<Mesh>(&object.shape);
-    if (shapes == Shapes::kOutward && packOutward(object, grid, packed, record)) {
-    } else if (mesh == nullptr) {
+    const bool is_packed = shapes == Shapes::kOutward && packOutward(object, grid, packed, record);
+    if (!is_packed && mesh == nullptr) {
       std::visit(PackSolid{record}, object.shape);
-    } else if (faces.empty()) {
+    } else if (!is_packed && faces.empty()) {
       packMesh(*mesh, false, grid, packed, record);
-    } else {
+    } else if (!is_packed) {
       packFaces(faces[num_meshes++], packed, record);
     }
     packed.objects.push_back(record);
