@@ -40,7 +40,10 @@ TEST(Workers, RethrowTheFirstException) {
       EXPECT_EQ(error.what(), std::string("five"));
     }
     EXPECT_GE(num_done, 5);
-    EXPECT_LT(num_done, 999) << "jobs were started after an exception";
+    // Other threads may finish all jobs before the exception is stored. One thread may not start another.
+    if (num_threads == 1) {
+      EXPECT_EQ(num_done, 5) << "jobs were started after an exception";
+    }
     num_done = 0;
     workers.run(20, [&](int, std::size_t) { ++num_done; });
     EXPECT_EQ(num_done, 20) << "the pool is usable after an exception";
