@@ -86,7 +86,8 @@ void rasterBody(Tile tile, uint instance, uint slot, Body body, int id, inout Fo
       } else {
         cells = touchedCells(tile, solid);
         tile.deepest = min(tile.deepest, THICKNESS);
-        addSolid(tile, solid, cells, found);
+        addSolid(tile, solid, cells, slot, found);
+        sums_cells = false;
       }
     } else {
       rasterAnalytic(tile, body, parameters, slot, found);

@@ -16,24 +16,32 @@ void addToCell(Tile tile, uint address, float volume, float covered, bool subtra
   atomicAdd(cell_covered[address], subtract ? -part : part);
 }
 
-// Gives the cells of a box to the object whose sums are complete, where it is the deepest, and clears its sums. All invocations call it.
+// Gives a cell to the object in a slot if that is the deepest: `depth`, the integral (of the cell's area, m), and `covered`, the covered part.
+void giveCell(uint address, uint slot, float depth, float covered) {
+  // Surfaces of one object above each other share the cell.
+  depth = min(depth / max(covered, 1.0), THICKNESS);
+  float share = clamp(covered, 1.0 / kCoveredUnits, 1.0);
+  uint word = wordOfDepth(depth, slot);
+  if (depth <= 0.0) return;
+  if (MANY_SLOTS) {
+    if (word >= atomicMin(tile_heights[address], word)) return;
+  } else {
+    tile_heights[address] = word;
+  }
+  cell_shares[address] = share > kSliver && depth >= kFull * THICKNESS * share ? -share : share;
+}
+
+// Gives the cells of a box to the object whose sums are complete, and clears its sums. All invocations call it.
 void takeCells(Tile tile, Box box, uint slot, inout Found found) {
   workgroupBarrier();
   if (!isAny(box)) return;
-  ivec2 size = box.last - box.first + 1;
-  uint count = uint(size.x * size.y);
+  uint num_cols = uint(box.last.y - box.first.y + 1), count = uint(box.last.x - box.first.x + 1) * num_cols;
   for (uint i = gl_LocalInvocationIndex; i < count; i += WORKGROUP) {
-    ivec2 at = box.first + ivec2(cellNumbered(i, uint(size.y)));
-    uint address = uint(at.x) * tile.stride + uint(at.y);
-    float depth = float(cell_volumes[address]) * (tile.deepest / kVolumeUnits), covered = float(cell_covered[address]) * (1.0 / kCoveredUnits);
+    uvec2 at = uvec2(box.first) + cellNumbered(i, num_cols);
+    uint address = at.x * tile.stride + at.y;
+    giveCell(address, slot, float(cell_volumes[address]) * (tile.deepest / kVolumeUnits), float(cell_covered[address]) * (1.0 / kCoveredUnits));
     cell_volumes[address] = cell_covered[address] = 0;
-    // Surfaces of one object above each other share the cell.
-    depth = min(depth / max(covered, 1.0), THICKNESS);
-    float share = clamp(covered, 1.0 / kCoveredUnits, 1.0);
-    if (depth <= 0.0) continue;
-    uint word = wordOfDepth(depth, slot);
-    if (word < atomicMin(tile_heights[address], word)) cell_shares[address] = share > kSliver && depth >= kFull * THICKNESS * share ? -share : share;
-    grow(found.samples, Box(at, at));
   }
+  grow(found.samples, box);
   workgroupBarrier();
 }

@@ -15,12 +15,18 @@ struct Solid {
 struct Tube {
   vec3 middle, axis;  // the axis has unit length and does not point down
   float radius, half_length;
+  vec2 ahead;          // the axis seen from above, of unit length
+  float per_level;     // 1 over the length of the axis seen from above
 };
 
 Tube tubeOf(Tile tile, Solid solid) {
   vec3 axis = vec3(solid.X_PO.row0.z, solid.X_PO.row1.z, solid.X_PO.row2.z);
   vec3 middle = vec3(solid.X_PO.row0.w, solid.X_PO.row1.w, solid.X_PO.row2.w - tile.level);
-  return Tube(middle, axis.z < 0.0 ? -axis : axis, solid.parameters.x, solid.kind == kKindSphere ? 0.0 : solid.parameters.y);
+  if (axis.z < 0.0) axis = -axis;
+  const float kUprightLevel = 1e-4;
+  float per_level = 1.0 / max(length(axis.xy), kUprightLevel);
+  vec2 ahead = axis.xy * per_level;
+  return Tube(middle, axis, solid.parameters.x, solid.kind == kKindSphere ? 0.0 : solid.parameters.y, ahead, per_level);
 }
 
 void extend(inout vec2 piece, float y) { piece = vec2(min(piece.x, y), max(piece.y, y)); }

@@ -1,17 +1,22 @@
-// Area sampling of spheres, capsules and lying cylinders: cells inside of the contact by five rays, cells on its edge by scan lines.
+// Area sampling of spheres, capsules and lying cylinders.
 //
-// Where all corners and the middle of a cell touch and the surface is smooth, the mean of a quadratic surface is (2 middle + mean of the corners) / 3. A convex
-// solid is over the whole cell no lower than 2 middle - highest corner; where that is over the skin, nothing touches. The other cells are listed, and kScanLines
-// lines through each, along y, are integrated by Gauss's rule with two nodes in each of three pieces of what touches (depth/area/chords.glsl). Twin:
-// src/reference/mean_depth.cpp.
-// Shared memory: 4 TILE_SAMPLES + 4 bytes.
+// Over a cell the lowest surface is a quadratic to the accuracy of kSmooth, but next to an end of a tube and where the surface is steep. The integral of
+// a quadratic depth has a closed form inside of the contact, and along each of kLines lines through a cell on the contact's edge. A convex solid lies
+// above its tangent plane, which discards cells that nothing touches. Through each of the other cells go kScanLines lines along y; Gauss's rule with two
+// nodes in each of three pieces of what touches integrates along a line (depth/area/chords.glsl). Twin: src/reference/mean_depth.cpp.
+//
+// Cells on the edge and cells with scan lines are listed first: a vector processor takes a branch with all its lanes.
+// Shared memory: TILE_SAMPLES + 8 bytes.
 
+const uint kLines = 4u;
 const uint kScanLines = 8u;
-const float kSmooth = 0.003;         // of a quartic surface: the error of the quadratic is then below this share
+const float kSmooth = 0.003;         // of the largest depth: what the quartic terms of a surface may change
 const float kGauss = 0.5773502692;   // nodes of Gauss's rule on [-1, 1]
 
-shared uint edge_cells[AREA && kHasAnalytic ? TILE_SAMPLES : 1u];
+const uint kMostListed = (TILE_SAMPLES + 3u) / 4u;
+shared uint listed_cells[AREA && kHasAnalytic ? kMostListed : 1u];  // those on the edge from the first on, those with scan lines from the last on
 shared uint num_edge_cells;
+shared uint num_scan_cells;
 
 // Height (m) of the solid's lowest surface over a place of P; kMiss without one.
 float heightAt(Tile tile, Solid solid, vec2 xy, inout Found found) {
@@ -41,58 +46,174 @@ Box touchedCells(Tile tile, Solid solid) {
   return Box(wholeNumbers(floor(clamp(first, vec2(0), end))), wholeNumbers(floor(clamp(last, vec2(-1), end - 1.0))));
 }
 
-// Adds one scan line of the cell at `at`.
-void addScanLine(Tile tile, Solid solid, Tube tube, vec2 at, uint line, uint address, inout Found found) {
+// The integrals of the depth and of the covered part along one scan line of the cell at `at`.
+vec2 integralOfLine(Tile tile, Solid solid, Tube tube, vec2 at, uint line, inout Found found) {
   vec2 start = samplePosition(tile, at + vec2((float(line) + 0.5) / float(kScanLines) - 0.5, -0.5));
   float x = start.x, end = start.y + tile.spacing.y;
   vec4 chord = clamp(chordOf(tube, isKind(solid.kind, kKindCylinder), x), start.y, end);
-  float sum = 0.0, per_line = 1.0 / (float(kScanLines) * tile.spacing.y);
-  if (chord.x >= chord.w) return;
+  float sum = 0.0;
   for (uint k = 0; k < 6; ++k) {
     uint piece = k >> 1;
     float middle = 0.5 * (chord[piece] + chord[piece + 1]), half_length = 0.5 * (chord[piece + 1] - chord[piece]);
     float y = middle + ((k & 1u) != 0 ? kGauss : -kGauss) * half_length;
     sum += half_length * depthUnder(tile, heightAt(tile, solid, vec2(x, y), found));
   }
-  addToCell(tile, address, sum * per_line, (chord.w - chord.x) * per_line, false);
+  return chord.x < chord.w ? vec2(sum, chord.w - chord.x) : vec2(0);
 }
 
-// Adds the cell at `at` if all of it is smooth contact. False: it needs scan lines.
-bool addSmoothCell(Tile tile, Solid solid, vec2 at, uint address, inout Found found) {
-  float z = heightAt(tile, solid, samplePosition(tile, at), found), highest = z, corners = 0.0, middle = depthUnder(tile, z);
-  for (uint k = 0; k < 4; ++k) {
-    float z_corner = heightAt(tile, solid, samplePosition(tile, at + vec2(k & 1u, k >> 1) - 0.5), found);
-    highest = max(highest, z_corner);
-    corners += 0.25 * depthUnder(tile, z_corner);
+// The depth of a surface over a cell, x and y from its middle: depth + slope . (x, y) - (bend.x x^2 + 2 bend.z x y + bend.y y^2) / 2, where
+// end + end_slope . (x, y) is positive.
+struct Quadratic {
+  float depth;  // m
+  vec2 slope;
+  vec3 bend;  // 1/m; x and y are not negative
+  float end;  // m, from the flat end of a cylinder; a lying cylinder ends upright
+  vec2 end_slope;
+};
+
+// The lower side of a sphere.
+Quadratic sphereUnder(vec3 middle, float radius, vec2 xy, out float height) {
+  vec2 d = xy - middle.xy;
+  height = sqrt(max(radius * radius - dot(d, d), 0.0));  // of the middle over the surface
+  float per_height = 1.0 / max(height, 1e-3 * radius);
+  vec2 gradient = d * per_height;
+  return Quadratic(height - middle.z, -gradient, vec3(1.0 + gradient * gradient, gradient.x * gradient.y) * per_height, kMiss, vec2(0));
+}
+
+// The lower side of a tube. `along`: how far along the axis the surface is, m, and how fast that changes.
+Quadratic tubeUnder(Tube tube, vec2 xy, out float height, out float along, out vec2 rate) {
+  vec2 d = xy - tube.middle.xy, aside = vec2(-tube.ahead.y, tube.ahead.x);
+  float u = dot(d, tube.ahead), v = dot(d, aside);
+  height = sqrt(max(tube.radius * tube.radius - v * v, 0.0));
+  float per_height = 1.0 / max(height, 1e-3 * tube.radius), rise = tube.axis.z * tube.per_level;
+  float z = rise * u - height * tube.per_level, slope = v * per_height * tube.per_level;
+  along = u / tube.per_level + tube.axis.z * z;
+  rate = tube.ahead * tube.per_level + aside * (tube.axis.z * slope);
+  float bend = tube.radius * tube.radius * per_height * per_height * per_height * tube.per_level;
+  return Quadratic(-tube.middle.z - z, -tube.ahead * rise - aside * slope, bend * vec3(aside * aside, aside.x * aside.y), kMiss, vec2(0));
+}
+
+// The lowest surface over the cell in whose middle xy is. False where it is not a quadratic.
+bool quadraticUnder(Tile tile, uint kind, Tube tube, vec2 xy, out Quadratic surface) {
+  const float kSteep = 0.3;      // height over radius
+  const float kUpright = 0.02;   // of a cell: how far the lower end of a cylinder may reach below its tube
+  vec2 half_size = 0.5 * tile.spacing;
+  float height, along = 0.0;
+  vec2 rate = vec2(0);
+  if (isKind(kind, kKindSphere)) {
+    surface = sphereUnder(tube.middle, tube.radius, xy, height);
+  } else {
+    surface = tubeUnder(tube, xy, height, along, rate);
   }
-  if (highest < kMiss && 2.0 * z - highest > tile.level) return true;
-  float bend = abs(corners - middle);  // of a quadratic; it makes a quartic of the order of bend^3 / spacing^2
-  if (highest >= tile.level || bend * bend * bend > kSmooth * middle * tile.sample_area) return false;
-  addToCell(tile, address, (2.0 * middle + corners) * (1.0 / 3.0), 1.0, false);
-  return true;
+  float bend = 0.5 * dot(surface.bend.xy, half_size * half_size), to_end = tube.half_length - abs(along), margin = dot(abs(rate), half_size) + bend;
+  bool is_one = isKind(kind, kKindSphere) || to_end > margin;
+  if (isKind(kind, kKindCapsule) && to_end < -margin) {
+    surface = sphereUnder(tube.middle + sign(along) * tube.half_length * tube.axis, tube.radius, xy, height);
+    bend = 0.5 * dot(surface.bend.xy, half_size * half_size);
+    is_one = true;
+  }
+  if (isKind(kind, kKindCylinder) && to_end < margin) {
+    surface.end = to_end;
+    surface.end_slope = -sign(along) * rate;
+    is_one = tile.deepest * tube.axis.z < kUpright * min(tile.spacing.x, tile.spacing.y);
+  }
+  return is_one && height > kSteep * tube.radius && bend * bend * bend < kSmooth * tile.deepest * tile.sample_area;
 }
 
-// Adds the solid to the cells of a box, touchedCells().
-void addSolid(Tile tile, Solid solid, Box box, inout Found found) {
+// The integral over t from first to last of max(a + b t - c t^2 / 2, 0), and the length of the part where it is not 0. c >= 0.
+vec2 positivePart(float a, float b, float c, float first, float last) {
+  const float kLeastBend = 1e-3;  // 1/m: 1e-10 m over a cell of 1 mm
+  c = max(c, kLeastBend);
+  float q = b + (b < 0.0 ? -1.0 : 1.0) * sqrt(max(b * b + 2.0 * c * a, 0.0)), one = q / c, other = q == 0.0 ? 0.0 : -2.0 * a / q;
+  first = max(min(one, other), first);
+  last = min(max(one, other), last);
+  float size = b * b + 2.0 * c * a > 0.0 ? max(last - first, 0.0) : 0.0;
+  return vec2(size * (a + 0.5 * b * (first + last) - c * (first * first + first * last + last * last) * (1.0 / 6.0)), size);
+}
+
+// The integral of the depth over a cell on the edge of the contact, on the end of a cylinder, or of the skin's full thickness, and of the covered part, of
+// the cell's area. `deepest`: in the cell.
+vec2 integralOf(Quadratic surface, vec2 half_size, float deepest) {
+  vec2 change = half_size * abs(surface.slope) + 0.5 * half_size * half_size * surface.bend.xy;
+  if (surface.end < kMiss) change = abs(surface.end_slope);
+  if (change.x > change.y) {  // lines along the steeper axis meet the edge
+    surface.slope = surface.slope.yx;
+    surface.bend = surface.bend.yxz;
+    surface.end_slope = surface.end_slope.yx;
+    half_size = half_size.yx;
+  }
+  vec2 sums = vec2(0);
+  // Depth beyond the thickness does not count.
+  for (uint part = 0, num_parts = deepest > THICKNESS ? 2 : 1; part < num_parts; ++part) {
+    for (uint k = 0; k < kLines; ++k) {
+      float x = half_size.x * ((2.0 * float(k) + 1.0) / float(kLines) - 1.0);
+      float first = -half_size.y, last = half_size.y, end = surface.end + surface.end_slope.x * x;
+      if (surface.end_slope.y > 0.0) first = max(first, -end / surface.end_slope.y);
+      if (surface.end_slope.y < 0.0) last = min(last, -end / surface.end_slope.y);
+      float a = surface.depth - float(part) * THICKNESS + x * (surface.slope.x - 0.5 * surface.bend.x * x), b = surface.slope.y - surface.bend.z * x;
+      vec2 line = positivePart(a, b, surface.bend.y, first, last);
+      sums += part > 0 ? vec2(-line.x, 0) : line;
+    }
+  }
+  return sums / (float(2u * kLines) * half_size.y);
+}
+
+// Where a cell is: nothing touches it, or it is inside of the contact, on an edge, or needs scan lines.
+const uint kOutside = 0u, kInside = 1u, kEdge = 2u, kScanned = 3u;
+
+uint placeOf(Tile tile, Quadratic surface, bool is_quadratic, out float deepest) {
+  vec2 half_size = 0.5 * tile.spacing;
+  float change = dot(half_size, abs(surface.slope));
+  float bend = 0.5 * dot(surface.bend.xy, half_size * half_size) + abs(surface.bend.z) * half_size.x * half_size.y;
+  deepest = surface.depth + change;
+  if (!is_quadratic || NUM_ROWS == 0 && deepest > tile.level - tile.z_floor) return kScanned;
+  if (deepest <= 0.0) return kOutside;
+  return surface.depth - change - bend < 0.0 || deepest > THICKNESS || surface.end < kMiss ? kEdge : kInside;
+}
+
+// Gives the cells of a box, touchedCells(), to the solid.
+void addSolid(Tile tile, Solid solid, Box box, uint slot, inout Found found) {
   if (!isAny(box)) return;
-  if (gl_LocalInvocationIndex == 0) num_edge_cells = 0;
-  workgroupBarrier();
-  ivec2 size = box.last - box.first + 1;
-  uint count = uint(size.x * size.y), i = gl_LocalInvocationIndex;
-  for (; i < count; i += WORKGROUP) {
-    uvec2 at = uvec2(box.first) + cellNumbered(i, uint(size.y));
-    uint address = at.x * tile.stride + at.y;
-    if (!addSmoothCell(tile, solid, tile.first + vec2(at), address, found)) edge_cells[atomicAdd(num_edge_cells, 1u)] = at.x << 16 | at.y;
-  }
-  checkLoop(i < count);
-  workgroupBarrier();
-  count = num_edge_cells * kScanLines;
-  i = gl_LocalInvocationIndex;
   Tube tube = tubeOf(tile, solid);
-  for (; i < count; i += WORKGROUP) {
-    uint cell = edge_cells[i / kScanLines];
-    uvec2 at = uvec2(cell >> 16, cell & 0xFFFFu);
-    addScanLine(tile, solid, tube, tile.first + vec2(at), i % kScanLines, at.x * tile.stride + at.y, found);
+  Quadratic surface;
+  float deepest;
+  uint num_cols = uint(box.last.y - box.first.y + 1), count = uint(box.last.x - box.first.x + 1) * num_cols;
+  for (uint start = 0; start < count; start += kMostListed) {
+    if (gl_LocalInvocationIndex == 0) num_edge_cells = num_scan_cells = 0;
+    workgroupBarrier();
+    uint end = min(start + kMostListed, count), i = start + gl_LocalInvocationIndex;
+    for (; i < end; i += WORKGROUP) {
+      uvec2 at = uvec2(box.first) + cellNumbered(i, num_cols);
+      bool is_quadratic = quadraticUnder(tile, solid.kind, tube, samplePosition(tile, tile.first + vec2(at)), surface);
+      uint place = placeOf(tile, surface, is_quadratic, deepest), packed = at.x << 16 | at.y;
+      if (place == kInside) {
+        giveCell(at.x * tile.stride + at.y, slot, surface.depth - dot(surface.bend.xy, tile.spacing * tile.spacing) * (1.0 / 24.0), 1.0);
+      }
+      if (place == kEdge) listed_cells[atomicAdd(num_edge_cells, 1u)] = packed;
+      if (place == kScanned) listed_cells[kMostListed - 1u - atomicAdd(num_scan_cells, 1u)] = packed;
+    }
+    checkLoop(i < end);
+    workgroupBarrier();
+    i = gl_LocalInvocationIndex;
+    for (; i < num_edge_cells; i += WORKGROUP) {
+      uvec2 at = uvec2(listed_cells[i] >> 16, listed_cells[i] & 0xFFFFu);
+      bool is_quadratic = quadraticUnder(tile, solid.kind, tube, samplePosition(tile, tile.first + vec2(at)), surface);
+      placeOf(tile, surface, is_quadratic, deepest);
+      vec2 sums = integralOf(surface, 0.5 * tile.spacing, deepest);
+      giveCell(at.x * tile.stride + at.y, slot, sums.x, sums.y);
+    }
+    checkLoop(i < num_edge_cells);
+    i = gl_LocalInvocationIndex;
+    for (; i < num_scan_cells; i += WORKGROUP) {
+      uint cell = listed_cells[kMostListed - 1u - i];
+      uvec2 at = uvec2(cell >> 16, cell & 0xFFFFu);
+      vec2 sums = vec2(0);
+      for (uint line = 0; line < kScanLines; ++line) sums += integralOfLine(tile, solid, tube, tile.first + vec2(at), line, found);
+      sums /= float(kScanLines) * tile.spacing.y;
+      giveCell(at.x * tile.stride + at.y, slot, sums.x, sums.y);
+    }
+    checkLoop(i < num_scan_cells);
+    workgroupBarrier();
   }
-  checkLoop(i < count);
+  grow(found.samples, box);
 }

@@ -19,7 +19,7 @@ constexpr std::uint32_t kMaxGroupsPerBatch = 128;
 
 // Bytes of shared memory per sample of a tile: shaders/depth/tile_heights.glsl, solid_cells.glsl.
 constexpr std::uint32_t bytesPerSample(bool area) {
-  return area ? 20 : 4;
+  return area ? 17 : 4;
 }
 
 std::uint32_t sharedBytes(const ModelData& model, std::uint32_t groups, std::uint32_t repeat) {
@@ -52,10 +52,11 @@ std::uint32_t chooseGroupsPerBatch(const ModelData& model) {
 // Loop iterations that one invocation alone would take for a tile.
 std::uint64_t iterationsOf(const ModelData& model) {
   constexpr std::uint64_t kPerSample = 3, kPerSampleOfTorus = 48;  // of at most 96
-  constexpr std::uint64_t kRaysPerCell = 53;                       // on the edge of a contact: five, and eight scan lines of six
+  // With area sampling: triangles next to each other share cells; of a solid, most cells on an edge take scan lines.
+  constexpr std::uint64_t kPerTriangle = 4, kPerCell = 8;
   const bool has_torus = (model.object_kinds.kinds & (1u << layout::kKindTorus)) != 0;
   const std::uint64_t per_ray = has_torus ? kPerSampleOfTorus : kPerSample;
-  if (model.area()) return 4 * model.object_kinds.max_triangles + model.contact_packed.max_tile_samples * kRaysPerCell * per_ray;
+  if (model.area()) return kPerTriangle * model.object_kinds.max_triangles + kPerCell * model.contact_packed.max_tile_samples;
   return 2 * model.object_kinds.max_triangles + model.contact_packed.max_tile_samples * per_ray;
 }
 
