@@ -47,8 +47,8 @@ const bool kShears = FRICTION && !kGlobalSolve;  // after a global solve, the pa
 
 #include "depth/bodies.glsl"
 #include "depth/subpixels.glsl"
-#include "depth/area.glsl"
 #include "depth/mesh.glsl"
+#include "depth/area.glsl"
 #include "depth/raster.glsl"
 #include "depth/heights.glsl"
 #include "skin/relaxation.glsl"

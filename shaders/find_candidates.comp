@@ -53,6 +53,12 @@ void visitQuad(Tile tile, MeshView view, uint quad, inout Found found) {
   if (at < kMaxCandidates) candidate_quads[found.first_candidate + at] = quad;
 }
 
+void visitListedQuads(Tile tile, MeshView view, uint count, inout Found found) {
+  uint i = gl_LocalInvocationIndex;
+  for (; i < count; i += WORKGROUP) visitQuad(tile, view, listedQuad(i), found);
+  checkLoop(i < count);
+}
+
 void findCandidates(Tile tile, uint instance) {
   uint lane = gl_LocalInvocationIndex;
   if (lane == 0) num_found = 0;

@@ -67,7 +67,6 @@ Reach objectsNear(Tile tile, uint instance, uint num_slots) {
 void rasterBody(Tile tile, uint instance, uint slot, Body body, int id, inout Found found) {
   bool is_mesh = body.kind_groups.x == kKindMesh;
   bool sums_cells = AREA && (!is_mesh || (body.kind_groups.w & kClosed) != 0);
-  Box cells = samplesUnder(tile, body);
   tile.deepest = max(tile.level - (body.center.z - body.half_size.z), kLeastDepth);
   if (LIST == kListCandidates) {
     visitCandidates(tile, instance, meshView(tile, body, id, slot), found);
@@ -84,9 +83,8 @@ void rasterBody(Tile tile, uint instance, uint slot, Body body, int id, inout Fo
       } else if (hasFacets(solid)) {
         addRound(tile, solid, found);
       } else {
-        cells = touchedCells(tile, solid);
         tile.deepest = min(tile.deepest, THICKNESS);
-        addSolid(tile, solid, cells, slot, found);
+        addSolid(tile, solid, touchedCells(tile, solid), slot, found);
         sums_cells = false;
       }
     } else {
@@ -94,7 +92,7 @@ void rasterBody(Tile tile, uint instance, uint slot, Body body, int id, inout Fo
       grow(found.samples, samplesUnder(tile, body));
     }
   }
-  if (sums_cells) takeCells(tile, cells, slot, found);
+  if (sums_cells) takeCells(tile, boxAround(found.samples), slot);
 }
 
 // Lowers the heights of the tile to all near objects; a pass that does not use the tile loads what analyticHeight() needs. Returns the samples that the

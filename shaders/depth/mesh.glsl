@@ -1,19 +1,17 @@
-// Culling of a mesh's groups and clusters of quads against a tile. The includer defines visitQuad(), which is called for every quad that may cover a sample
-// below Tile::z_limit and for some others, and the struct Found, which visitQuad() updates.
+// Culling of a mesh's groups and clusters of quads against a tile. The includer defines visitListedQuads(), which is called with all quads that may cover a
+// sample below Tile::z_limit and some others, listedQuad(i) for i < count, and the struct Found, which it updates. All invocations call it.
 // In: objects, groups, clusters, quads (shared/objects.h).
 // Shared memory: 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 8 bytes.
 
-void visitQuad(Tile tile, MeshView view, uint quad, inout Found found);
-
-// An invocation visits some of the quads; all visit each large one of a closed mesh together and share its cells (depth/area/facets.glsl).
-uint firstQuad(MeshView view) { return view.closed && view.large ? 0u : gl_LocalInvocationIndex; }
-uint quadStep(MeshView view) { return view.closed && view.large ? 1u : WORKGROUP; }
+void visitListedQuads(Tile tile, MeshView view, uint count, inout Found found);
 
 const uint kClustersPerBatch = GROUPS_PER_BATCH * kClustersPerGroup;
 shared uint group_list[GROUPS_PER_BATCH];      // first cluster | (how many - 1) << kFirstBits
 shared uint cluster_list[kClustersPerBatch];
 shared uint num_listed_groups;
 shared uint num_listed_clusters;
+
+uint listedQuad(uint i) { return cluster_list[i / kQuadsPerCluster] * kQuadsPerCluster + i % kQuadsPerCluster; }
 
 // `slot`: the body's; `id`: of its object.
 MeshView meshView(Tile tile, Body body, int id, uint slot) {
@@ -89,13 +87,7 @@ void visitListedGroups(Tile tile, MeshView view, inout Found found) {
     for (; reaching != 0; reaching &= reaching - 1u) cluster_list[at++] = first + uint(findLSB(reaching)) * WORKGROUP;
   }
   workgroupBarrier();
-  uint items = num_listed_clusters * kQuadsPerCluster;
-  uint i = firstQuad(view);
-  for (; i < items; i += quadStep(view)) {
-    uint quad = cluster_list[i / kQuadsPerCluster] * kQuadsPerCluster + i % kQuadsPerCluster;
-    visitQuad(tile, view, quad, found);
-  }
-  checkLoop(i < items);
+  visitListedQuads(tile, view, num_listed_clusters * kQuadsPerCluster, found);
   workgroupBarrier();
 }
 

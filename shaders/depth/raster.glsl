@@ -154,31 +154,33 @@ void rasterBySpans(Tile tile, MeshView view, Vertex p, Vertex q, Vertex r, inout
   checkLoop(a <= last.x);
 }
 
-// The constant TRIANGLE_SIZES removes the ways that the model does not need, and the test of the only one.
-const uint kBySamples = 1u, kBySpans = 2u, kBySums = 4u;
-bool isDrawn(uint way, bool wanted) { return TRIANGLE_SIZES == way || ((TRIANGLE_SIZES & way) != 0 && wanted); }
-
-// Draws a quad; called by visitMesh().
-void visitQuad(Tile tile, MeshView view, uint quad, inout Found found) {
+void drawQuad(Tile tile, MeshView view, uint quad, inout Found found) {
   Vertex p, q, r, s;
   fetchQuad(view, quad, p, q, r, s);
-  bool large = view.large, closed = view.closed;  // see isVisible()
-  if (isDrawn(kBySums, closed)) {
-    addTriangle(tile, view, p, q, r, found);
-    addTriangle(tile, view, r, q, s, found);
-  }
-  if (isDrawn(kBySamples, !closed && !large)) rasterBySamples(tile, view, p, q, r, s, found);
-  if (isDrawn(kBySpans, !closed && large)) {
+  bool large = view.large;  // see isVisible()
+  if (isDrawn(kBySamples, !large)) rasterBySamples(tile, view, p, q, r, s, found);
+  if (isDrawn(kBySpans, large)) {
     rasterBySpans(tile, view, p, q, r, found);
     rasterBySpans(tile, view, r, q, s, found);
   }
 }
 
-// Draws the quads that find_candidates.comp has found; replaces visitMesh().
+// A quad that visitMesh() or, from `first` on, find_candidates.comp has found.
+uint quadNumbered(uint i, bool is_candidate, uint first) { return is_candidate ? candidate_quads[first + i] : listedQuad(i); }
+
+void visitQuads(Tile tile, MeshView view, bool is_candidate, uint first, uint count, inout Found found) {
+  const uint kSums = kBySums | kByLargeSums;
+  if ((TRIANGLE_SIZES & kSums) != 0) addQuads(tile, view, is_candidate, first, view.closed ? count : 0u, found);
+  if ((TRIANGLE_SIZES & ~kSums) == 0) return;
+  uint i = gl_LocalInvocationIndex, end = view.closed ? 0u : count;
+  for (; i < end; i += WORKGROUP) drawQuad(tile, view, quadNumbered(i, is_candidate, first), found);
+  checkLoop(i < end);
+}
+
+void visitListedQuads(Tile tile, MeshView view, uint count, inout Found found) { visitQuads(tile, view, false, 0, count, found); }
+
+// Visits the quads that find_candidates.comp has found; replaces visitMesh().
 void visitCandidates(Tile tile, uint instance, MeshView view, inout Found found) {
-  uint first = instance * kMaxCandidates, count = candidates[instance].list.y;
-  uint i = firstQuad(view);
-  for (; i < count; i += quadStep(view)) visitQuad(tile, view, candidate_quads[first + i], found);
-  checkLoop(i < count);
+  visitQuads(tile, view, true, instance * kMaxCandidates, candidates[instance].list.y, found);
   workgroupBarrier();
 }

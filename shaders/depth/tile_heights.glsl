@@ -6,9 +6,10 @@
 
 const uint kEmpty = 0x7F7FFFFFu;  // the largest finite float, as bits: no surface over the sample
 shared uint tile_heights[TILE_SAMPLES];
-shared int cell_volumes[AREA ? TILE_SAMPLES : 1u];   // with AREA, depth/area/cell_depths.glsl
-shared int cell_covered[AREA ? TILE_SAMPLES : 1u];
-shared float cell_shares[AREA ? TILE_SAMPLES : 1u];  // the covered share of a cell, negative at the skin's full thickness
+shared uint cell_shares[AREA ? TILE_SAMPLES : 1u];  // with AREA, the covered share of a cell as the bits of a float, negative at the skin's full thickness
+shared uint cell_volumes[AREA && MANY_SLOTS ? TILE_SAMPLES : 1u];  // depth/area/cell_depths.glsl
+shared uint cell_covered[AREA && MANY_SLOTS ? TILE_SAMPLES : 1u];
+const uint kWhole = 0x3F800000u;  // the bits of 1.0
 #ifdef LOCKSTEP
 shared int lane_words[WORKGROUP];
 #else
@@ -46,8 +47,8 @@ void lowerHeight(Tile tile, uint address, float z, uint slot) {
 void clearHeights() {
   for (uint address = gl_LocalInvocationIndex; address < TILE_SAMPLES; address += WORKGROUP) {
     tile_heights[address] = kEmpty;
-    if (AREA) cell_volumes[address] = cell_covered[address] = 0;
-    if (AREA) cell_shares[address] = 1.0;
+    if (AREA) cell_shares[address] = kWhole;
+    if (AREA && MANY_SLOTS) cell_volumes[address] = cell_covered[address] = 0;
   }
 }
 
@@ -57,7 +58,7 @@ void clearSamples(Tile tile, Box box) {
     uint first = uint(row) * tile.stride + uint(box.first.y), last = first + uint(box.last.y - box.first.y);
     for (uint address = first; address <= last; ++address) {
       tile_heights[address] = kEmpty;
-      if (AREA) cell_shares[address] = 1.0;
+      if (AREA) cell_shares[address] = kWhole;
     }
   }
 }

@@ -13,7 +13,7 @@ CONSTANT(15, float, THICKNESS)      // m
 CONSTANT(16, bool, SCALED)          // sources near a border give more to the taxels that are there, readout/spread.glsl
 CONSTANT(17, bool, MANY_SLOTS)      // an instance may touch several objects
 CONSTANT(18, uint, OBJECT_KINDS)    // bit per kind of object in the model
-CONSTANT(19, uint, TRIANGLE_SIZES)  // bit 0: meshes of small triangles, bit 1: of large ones, bit 2: closed ones, with AREA
+CONSTANT(19, uint, TRIANGLE_SIZES)  // bit 0: meshes of small triangles, bit 1: of large ones, bits 2 and 3: the same for closed ones, with AREA
 CONSTANT(20, bool, OUTPUT_DEPTH)    // writes contact_depth
 CONSTANT(21, uint, NUM_FACES)       // of each polyhedron; shorter ones repeat some
 CONSTANT(22, float, LAW_0)          // parameters of the contact law, skin/laws/

@@ -140,7 +140,7 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
       float d = clamp(step.load_driven ? step.found.depth - (height - step.found.lowest) : THICKNESS - height, 0.0, THICKNESS);
       if (AREA) d = depthOfWord(word);
       float d_rate = HAS_STATE ? depthRate(step, address, d) : 0.0;
-      float share = AREA ? cell_shares[address] : 1.0;
+      float share = AREA ? uintBitsToFloat(cell_shares[address]) : 1.0;
       deep += d >= THICKNESS || share < 0.0 ? 1u : 0u;
       float f = lawPressure(d, d_rate);
       if (RELAXATION > 0) {

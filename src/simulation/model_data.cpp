@@ -46,7 +46,7 @@ ObjectKinds kindsOf(const std::vector<Object>& objects, const PackedObjects& pac
     // Boxes and tori have triangles for area sampling.
     constexpr std::uint64_t kTrianglesPerGroup = 2ull * layout::kClustersPerGroup * layout::kQuadsPerCluster;
     if ((flags & layout::kClosed) != 0) kinds.max_triangles = std::max(kinds.max_triangles, record.kind_groups.z * kTrianglesPerGroup);
-    kinds.triangle_sizes |= (flags & layout::kClosed) != 0 ? 4u : (flags & layout::kLargeTriangles) != 0 ? 2u : 1u;
+    kinds.triangle_sizes |= ((flags & layout::kLargeTriangles) != 0 ? 2u : 1u) << ((flags & layout::kClosed) != 0 ? 2 : 0);
   }
   return kinds;
 }

@@ -1,9 +1,13 @@
-// Area sampling of closed meshes: the triangles that look down are clipped at the level of the skin, and add their exact integrals to the cells that they
+// Area sampling of closed meshes: the facets that look down are clipped at the level of the skin, and add their exact integrals to the cells that they
 // cover (depth/area/edge_sums.glsl, depth/area/cell_depths.glsl). Coordinates (u, v): cell (a, b) of the tile is [a, a + 1] x [b, b + 1].
+//
+// Facets that touch are listed first, so that all lanes of a vector have one: of small triangles an invocation adds one facet to all its cells; the cells of
+// a large one are shared by all invocations, and only the cells on its outline need sums over edges.
+// Shared memory: 4 kMostFacets + 8 bytes.
 
-// A triangle that looks down, counter-clockwise in (u, v); z is the depth under the skin, m.
+// A triangle, or two in one plane, counter-clockwise in (u, v); z is the depth under the skin, m. A triangle has c twice.
 struct Facet {
-  vec3 a, b, c;
+  vec3 a, b, c, d;
   vec2 slope;  // of the depth, m per cell
 };
 
@@ -12,14 +16,32 @@ const uint kPressed = 0u;  // deeper than 0: adds its depth
 const uint kBeyond = 1u;   // deeper than THICKNESS: subtracts the depth beyond it
 const uint kUnseen = 2u;   // deeper than the tile sees, Tile::z_floor: subtracts THICKNESS
 
+const uint kQuadsPerChunk = 64u;
+const uint kMostFacets = 2u * kQuadsPerChunk;
+shared uint listed_facets[AREA && kHasMesh ? kMostFacets : 1u];  // 4 quad + which
+shared uint num_listed_facets;
+shared uint num_outline_cells;
+
+const uint kFirstTriangle = 0u, kSecondTriangle = 1u, kWholeQuad = 2u;  // which of a quad
+
+float deepestOf(Facet facet) { return max(max(facet.a.z, facet.b.z), max(facet.c.z, facet.d.z)); }
+
+// Parts of the facet that do not vanish, as bits.
+uint partsOf(Tile tile, Facet facet) {
+  float deepest = deepestOf(facet);
+  uint parts = deepest > 0.0 ? 1u << kPressed : 0u;
+  if (deepest > THICKNESS) parts |= 1u << kBeyond;
+  if (NUM_ROWS == 0 && deepest > tile.level - tile.z_floor) parts |= 1u << kUnseen;
+  return parts;
+}
+
 vec3 atLevel(vec3 p, vec3 q, float level) { return mix(p, q, (level - p.z) / (q.z - p.z)); }
 
-// `first`, `step`: which of the cells the invocation takes.
-void addPart(Tile tile, Facet facet, uint part, uint first, uint step) {
+// The corners of the part of a facet that is deeper than a level. A facet of four corners is cut by no level.
+void cornersOf(Tile tile, Facet facet, uint part, out vec3 corners[4]) {
   float level = part == kPressed ? 0.0 : part == kBeyond ? THICKNESS : tile.level - tile.z_floor;
   vec3 a = facet.a, b = facet.b, c = facet.c;
   bvec3 deeper = greaterThan(vec3(a.z, b.z, c.z), vec3(level));
-  if (!any(deeper)) return;
   // Turns the facet until c is the odd vertex: the part is then c and its two neighbours on the level, or all but c.
   if (deeper.y == deeper.z) {
     a = facet.b;
@@ -32,51 +54,168 @@ void addPart(Tile tile, Facet facet, uint part, uint first, uint step) {
     c = facet.b;
     deeper = deeper.zxy;
   }
-  vec3 corners[4] = vec3[4](a, b, c, c);
-  if (!all(deeper)) {
-    vec3 ca = atLevel(c, a, level), bc = atLevel(b, c, level);
-    corners = deeper.z ? vec3[4](bc, c, ca, ca) : vec3[4](a, b, bc, ca);
-  }
-  vec3 low = min(min(corners[0], corners[1]), min(corners[2], corners[3])), high = max(max(corners[0], corners[1]), max(corners[2], corners[3]));
-  ivec2 first_cell = max(ivec2(floor(low.xy)), 0), last_cell = min(ivec2(floor(high.xy)), ivec2(tile.size * SAMPLES) - 1);
-  if (first_cell.x > last_cell.x || first_cell.y > last_cell.y) return;
-  ivec2 size = last_cell - first_cell + 1;
-  vec2 rates[4];
-  for (uint k = 0; k < 4; ++k) rates[k] = ratesOf(corners[k].xy, corners[(k + 1) & 3].xy);
-  uint i = first;
-  for (; i < uint(size.x * size.y); i += step) {
-    ivec2 cell = first_cell + ivec2(cellNumbered(i, uint(size.y)));
-    vec2 corner = vec2(cell);
-    vec3 sums = vec3(0);
-    for (uint k = 0; k < 4; ++k) addEdge(corners[k].xy - corner, corners[(k + 1) & 3].xy - corner, rates[k], sums);
-    if (sums.x <= 0.0) continue;
-    // The integral of a plane is the area times its value at the centroid, which lies between those at the corners.
-    vec2 middle = corner + sums.yz / sums.x;
-    float depth = part == kUnseen ? THICKNESS : clamp(facet.a.z + dot(facet.slope, middle - facet.a.xy), low.z, high.z);
-    uint address = uint(cell.x) * tile.stride + uint(cell.y);
-    addToCell(tile, address, sums.x * (part == kBeyond ? depth - THICKNESS : depth), part == kBeyond ? 0.0 : sums.x, part != kPressed);
-  }
-  checkLoop(i < uint(size.x * size.y));
+  vec3 ca = atLevel(c, a, level), bc = atLevel(b, c, level);
+  corners = deeper.z ? vec3[4](bc, c, ca, ca) : vec3[4](a, b, bc, ca);
+  if (all(deeper)) corners = vec3[4](facet.a, facet.b, facet.c, facet.d);
 }
 
-// Adds the triangle (p, q, r), counter-clockwise seen from outside of the body, if it looks down and touches. `first`, `step`: as in addPart().
-void addFacet(Tile tile, vec3 p, vec3 q, vec3 r, uint first, uint step, inout Found found) {
+// The cells of the tile that corners lie around.
+Box cellsAround(Tile tile, vec3 corners[4]) {
+  vec2 low = min(min(corners[0].xy, corners[1].xy), min(corners[2].xy, corners[3].xy)), high = max(max(corners[0].xy, corners[1].xy), max(corners[2].xy, corners[3].xy));
+  return Box(max(ivec2(floor(low)), 0), min(ivec2(floor(high)), ivec2(tile.size * SAMPLES) - 1));
+}
+
+// Adds the part of a cell that the corners enclose.
+void addOutlineCell(Tile tile, Facet facet, uint part, vec3 corners[4], vec2 rates[4], ivec2 cell, bool alone) {
+  vec2 corner = vec2(cell);
+  vec3 sums = vec3(0);
+  for (uint k = 0; k < 4; ++k) addEdge(corners[k].xy - corner, corners[(k + 1) & 3].xy - corner, rates[k], sums);
+  if (sums.x <= 0.0) return;
+  // The integral of a plane is the area times its value at the centroid, which lies between those at the corners.
+  vec2 middle = corner + sums.yz / sums.x;
+  float low = min(min(corners[0].z, corners[1].z), min(corners[2].z, corners[3].z)), high = max(max(corners[0].z, corners[1].z), max(corners[2].z, corners[3].z));
+  float depth = part == kUnseen ? THICKNESS : clamp(facet.a.z + dot(facet.slope, middle - facet.a.xy), low, high);
+  addToCell(tile, uint(cell.x) * tile.stride + uint(cell.y), sums.x * (part == kBeyond ? depth - THICKNESS : depth), part == kBeyond ? 0.0 : sums.x, part != kPressed,
+            alone);
+}
+
+void ratesOfEdges(vec3 corners[4], out vec2 rates[4]) {
+  for (uint k = 0; k < 4; ++k) rates[k] = ratesOf(corners[k].xy, corners[(k + 1) & 3].xy);
+}
+
+// Adds a facet to all its cells.
+void addFacet(Tile tile, Facet facet, inout Found found) {
+  vec3 corners[4];
+  vec2 rates[4];
+  for (uint parts = partsOf(tile, facet); parts != 0; parts &= parts - 1u) {
+    uint part = uint(findLSB(parts));
+    cornersOf(tile, facet, part, corners);
+    ratesOfEdges(corners, rates);
+    Box cells = cellsAround(tile, corners);
+    if (isAny(cells)) grow(found.samples, cells);
+    uint num_cols = uint(max(cells.last.y - cells.first.y + 1, 0)), count = uint(max(cells.last.x - cells.first.x + 1, 0)) * num_cols, i = 0;
+    for (; i < count; ++i) addOutlineCell(tile, facet, part, corners, rates, cells.first + ivec2(cellNumbered(i, num_cols)), false);
+    checkLoop(i < count);
+  }
+}
+
+// Whether the corners enclose a cell.
+bool enclose(vec3 corners[4], vec2 middle) {
+  bool inside = true;
+  for (uint k = 0; k < 4; ++k) {
+    vec2 p = corners[k].xy, along = corners[(k + 1) & 3].xy - p, from = middle - p;
+    inside = inside && along.x * from.y - along.y * from.x >= 0.5 * (abs(along.x) + abs(along.y));
+  }
+  return inside;
+}
+
+// Adds a facet; all invocations share its cells and call it together.
+void addLargeFacet(Tile tile, Facet facet, inout Found found) {
+  vec3 corners[4];
+  vec2 rates[4];
+  for (uint parts = partsOf(tile, facet); parts != 0; parts &= parts - 1u) {
+    uint part = uint(findLSB(parts));
+    cornersOf(tile, facet, part, corners);
+    ratesOfEdges(corners, rates);
+    Box cells = cellsAround(tile, corners);
+    if (isAny(cells)) grow(found.samples, cells);
+    uint num_cols = uint(max(cells.last.y - cells.first.y + 1, 0)), count = uint(max(cells.last.x - cells.first.x + 1, 0)) * num_cols;
+    for (uint start = 0; start < count; start += kMostListed) {
+      if (gl_LocalInvocationIndex == 0) num_outline_cells = 0;
+      workgroupBarrier();
+      uint end = min(start + kMostListed, count), i = start + gl_LocalInvocationIndex;
+      for (; i < end; i += WORKGROUP) {
+        ivec2 cell = cells.first + ivec2(cellNumbered(i, num_cols));
+        vec2 middle = vec2(cell) + 0.5;
+        if (enclose(corners, middle)) {
+          float depth = part == kUnseen ? THICKNESS : facet.a.z + dot(facet.slope, middle - facet.a.xy);
+          addToCell(tile, uint(cell.x) * tile.stride + uint(cell.y), part == kBeyond ? depth - THICKNESS : depth, part == kBeyond ? 0.0 : 1.0, part != kPressed,
+                    true);
+        } else {
+          listed_cells[atomicAdd(num_outline_cells, 1u)] = i;
+        }
+      }
+      checkLoop(i < end);
+      workgroupBarrier();
+      i = gl_LocalInvocationIndex;
+      for (; i < num_outline_cells; i += WORKGROUP) {
+        addOutlineCell(tile, facet, part, corners, rates, cells.first + ivec2(cellNumbered(listed_cells[i], num_cols)), true);
+      }
+      checkLoop(i < num_outline_cells);
+      workgroupBarrier();
+    }
+  }
+}
+
+// The triangle (p, q, r), counter-clockwise seen from outside of the body. False: it does not look down.
+bool facetOf(vec3 p, vec3 q, vec3 r, out Facet facet) {
   const float kLeastArea = 1e-9;  // of a cell, twice
   vec3 ab = r - p, ac = q - p;    // seen from above it turns the other way
-  float area = ab.x * ac.y - ac.x * ab.y, deepest = max(p.z, max(q.z, r.z));
-  if (area < kLeastArea || deepest <= 0.0) return;
-  Facet facet = Facet(p, r, q, vec2(ab.z * ac.y - ac.z * ab.y, ab.x * ac.z - ac.x * ab.z) / area);
-  addPart(tile, facet, kPressed, first, step);
-  if (deepest > THICKNESS) addPart(tile, facet, kBeyond, first, step);
-  if (NUM_ROWS > 0 || deepest <= tile.level - tile.z_floor) return;
-  addPart(tile, facet, kUnseen, first, step);
-  found.below_floor = true;
+  float area = ab.x * ac.y - ac.x * ab.y;
+  facet = Facet(p, r, q, q, vec2(ab.z * ac.y - ac.z * ab.y, ab.x * ac.z - ac.x * ab.z) / area);
+  return area >= kLeastArea;
 }
 
 vec3 inCells(Tile tile, MeshView view, Vertex v) { return vec3(vec2(v.at) / float(1 << view.subpixel_bits) + 0.5, tile.level - v.z); }
 
-// All invocations share the cells of a large triangle.
-void addTriangle(Tile tile, MeshView view, Vertex p, Vertex q, Vertex r, inout Found found) {
-  uint first = view.large ? gl_LocalInvocationIndex : 0u, step = view.large ? WORKGROUP : 1u;
-  addFacet(tile, inCells(tile, view, p), inCells(tile, view, q), inCells(tile, view, r), first, step, found);
+bool touches(Tile tile, Facet facet) {
+  Box cells = cellsAround(tile, vec3[4](facet.a, facet.b, facet.c, facet.d));
+  return deepestOf(facet) > 0.0 && isAny(cells);
+}
+
+// Lists what of a quad touches: triangles, or both as one facet where they lie in one plane that no level cuts.
+void listFacets(Tile tile, MeshView view, uint quad, inout Found found) {
+  const float kPlanar = 2e-9;  // m, the rounding of heights
+  Vertex vertices[4];
+  fetchQuad(view, quad, vertices[0], vertices[1], vertices[2], vertices[3]);
+  vec3 p = inCells(tile, view, vertices[0]), q = inCells(tile, view, vertices[1]), r = inCells(tile, view, vertices[2]), s = inCells(tile, view, vertices[3]);
+  Facet one, other;
+  bool first = facetOf(p, q, r, one), second = facetOf(r, q, s, other);
+  first = first && touches(tile, one);
+  second = second && touches(tile, other);
+  if (NUM_ROWS == 0) {
+    float floor_depth = tile.level - tile.z_floor;
+    found.below_floor = found.below_floor || first && deepestOf(one) > floor_depth || second && deepestOf(other) > floor_depth;
+  }
+  float least = min(min(p.z, q.z), min(r.z, s.z)), deepest = max(max(p.z, q.z), max(r.z, s.z));
+  bool is_one = first && second && least > 0.0 && deepest <= THICKNESS && (NUM_ROWS > 0 || deepest <= tile.level - tile.z_floor) &&
+                abs(one.a.z + dot(one.slope, s.xy - one.a.xy) - s.z) < kPlanar;
+  uint count = (first ? 1u : 0u) + (second && !is_one ? 1u : 0u);
+  if (count == 0) return;
+  uint at = atomicAdd(num_listed_facets, count);
+  if (first) listed_facets[at++] = 4u * quad + (is_one ? kWholeQuad : kFirstTriangle);
+  if (second && !is_one) listed_facets[at] = 4u * quad + kSecondTriangle;
+}
+
+Facet listedFacet(Tile tile, MeshView view, uint number) {
+  uint item = listed_facets[number], which = item & 3u;
+  Vertex vertices[4];
+  fetchQuad(view, item >> 2, vertices[0], vertices[1], vertices[2], vertices[3]);
+  vec3 p = inCells(tile, view, vertices[0]), q = inCells(tile, view, vertices[1]), r = inCells(tile, view, vertices[2]), s = inCells(tile, view, vertices[3]);
+  Facet facet;
+  bool second = which == kSecondTriangle;
+  facetOf(second ? r : p, q, second ? s : r, facet);
+  if (which == kWholeQuad) facet = Facet(p, r, s, q, facet.slope);
+  return facet;
+}
+
+uint quadNumbered(uint i, bool is_candidate, uint first);
+
+// Adds quads that quadNumbered() gives, from 0 to `count`. All invocations call it.
+void addQuads(Tile tile, MeshView view, bool is_candidate, uint first, uint count, inout Found found) {
+  bool large = isDrawn(kByLargeSums, view.large);
+  for (uint start = 0; start < count; start += kQuadsPerChunk) {
+    if (gl_LocalInvocationIndex == 0) num_listed_facets = 0;
+    workgroupBarrier();
+    uint end = min(start + kQuadsPerChunk, count);
+    for (uint i = start + gl_LocalInvocationIndex; i < end; i += WORKGROUP) listFacets(tile, view, quadNumbered(i, is_candidate, first), found);
+    workgroupBarrier();
+    if ((TRIANGLE_SIZES & kBySums) != 0) {
+      for (uint f = large ? num_listed_facets : gl_LocalInvocationIndex; f < num_listed_facets; f += WORKGROUP) addFacet(tile, listedFacet(tile, view, f), found);
+    }
+    if ((TRIANGLE_SIZES & kByLargeSums) != 0) {
+      for (uint f = large ? 0 : num_listed_facets; f < num_listed_facets; ++f) addLargeFacet(tile, listedFacet(tile, view, f), found);
+    }
+    workgroupBarrier();
+  }
 }

@@ -16,23 +16,25 @@ vec3 inCells(Tile tile, Solid solid, vec3 p) {
   return vec3((p_P.xy - tile.corner) / tile.spacing - tile.first + 0.5, tile.level - p_P.z);
 }
 
+// All invocations share the facets.
 void addRound(Tile tile, Solid solid, inout Found found) {
   bool is_cone = isKind(solid.kind, kKindCone);
   float radius = solid.parameters.x * kSameArea, low_radius = is_cone ? 0.0 : radius;
   float low_z = is_cone ? 0.0 : -solid.parameters.y, high_z = solid.parameters.y;
   vec3 low = inCells(tile, solid, vec3(0, 0, low_z)), high = inCells(tile, solid, vec3(0, 0, high_z));
   uint i = gl_LocalInvocationIndex;
-  for (; i < kSides; i += WORKGROUP) {
+  for (; i < 4u * kSides; i += WORKGROUP) {
+    uint which = i / kSides;  // two triangles of the flank, one of each end
     float angle = float(i) * kSideAngle, next = float(i + 1) * kSideAngle;
     vec2 from = vec2(cos(angle), sin(angle)), to = vec2(cos(next), sin(next));
     vec3 p = inCells(tile, solid, vec3(low_radius * from, low_z)), q = inCells(tile, solid, vec3(low_radius * to, low_z));
     vec3 r = inCells(tile, solid, vec3(radius * from, high_z)), s = inCells(tile, solid, vec3(radius * to, high_z));
-    addFacet(tile, p, q, s, 0, 1, found);
-    addFacet(tile, p, s, r, 0, 1, found);
-    addFacet(tile, high, r, s, 0, 1, found);
-    if (!is_cone) addFacet(tile, low, q, p, 0, 1, found);
+    Facet facet;
+    bool looks_down = facetOf(which == 2u ? high : which == 3u ? low : p, which == 0u || which == 3u ? q : which == 1u ? s : r, which < 1u ? s : which == 1u ? r : which == 2u ? s : p, facet);
+    if (NUM_ROWS == 0) found.below_floor = found.below_floor || looks_down && deepestOf(facet) > tile.level - tile.z_floor;
+    if (looks_down) addFacet(tile, facet, found);
   }
-  checkLoop(i < kSides);
+  checkLoop(i < 4u * kSides);
 }
 
 // The plane over the whole tile. Tile::deepest becomes its largest depth.
@@ -49,6 +51,9 @@ void addHalfSpace(inout Tile tile, Solid solid, inout Found found) {
     corners[k] = vec3(cell, depth);
     tile.deepest = max(tile.deepest, depth);
   }
-  addFacet(tile, corners[0], corners[1], corners[2], gl_LocalInvocationIndex, WORKGROUP, found);
-  addFacet(tile, corners[0], corners[2], corners[3], gl_LocalInvocationIndex, WORKGROUP, found);
+  for (uint k = 0; k < 2; ++k) {
+    Facet facet;
+    if (facetOf(corners[0], corners[1 + k], corners[2 + k], facet)) addLargeFacet(tile, facet, found);
+    if (NUM_ROWS == 0) found.below_floor = found.below_floor || deepestOf(facet) > tile.level - tile.z_floor;
+  }
 }

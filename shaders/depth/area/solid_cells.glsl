@@ -6,15 +6,14 @@
 // nodes in each of three pieces of what touches integrates along a line (depth/area/chords.glsl). Twin: src/reference/mean_depth.cpp.
 //
 // Cells on the edge and cells with scan lines are listed first: a vector processor takes a branch with all its lanes.
-// Shared memory: TILE_SAMPLES + 8 bytes.
+// Shared memory: 8 bytes.
 
 const uint kLines = 4u;
 const uint kScanLines = 8u;
 const float kSmooth = 0.003;         // of the largest depth: what the quartic terms of a surface may change
 const float kGauss = 0.5773502692;   // nodes of Gauss's rule on [-1, 1]
 
-const uint kMostListed = (TILE_SAMPLES + 3u) / 4u;
-shared uint listed_cells[AREA && kHasAnalytic ? kMostListed : 1u];  // those on the edge from the first on, those with scan lines from the last on
+// Of listed_cells, those on an edge come first, and those with scan lines last.
 shared uint num_edge_cells;
 shared uint num_scan_cells;
 
