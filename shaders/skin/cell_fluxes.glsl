@@ -11,7 +11,8 @@
 // linearly.
 //
 // f' jumps at the border of the contact and at the skin's full thickness. Its mean over a sample's cell is used, with depths uniform about d over a width that
-// follows from the slope and the cell's size. This needs surfaces up to cellReach() over the skin.
+// follows from the slope and the cell's size. This needs surfaces up to cellReach() over the skin. With area sampling the covered share of a cell is known, and
+// f is the mean over the cell.
 
 struct Cell {
   vec3 side[4];  // at the lower and upper end along x, along y: sums of f, G, f times the coordinate along the side, Pa, Pa m, Pa m
@@ -58,18 +59,34 @@ void addThroughRim(inout vec3 change[6], uint axis, float flux, float f, float G
   change[5] += (axis == 0 ? flux * phi.z : -flux * phi.y) * f * phi;
 }
 
-// Adds sample `at` of a taxel, at `position`, of depth d (m, < 0 over the skin), which changes by `width` (m) over the sample's cell, under the pressure f
-// (Pa). `rim`: which sides of the taxel are at the patch's rim. `change`: derivatives of force and first moments of the tile by the object's twist, without the
-// factor of a sample's area.
-void addToCell(Tile tile, inout Cell cell, inout vec3 change[6], uvec2 at, bvec4 rim, vec2 position, float d, float width, float f) {
+// A sample under the pressure f: f' and G.
+struct Stiffness {
+  float slope, G;  // Pa/m, Pa m
+};
+
+// At depth d (m, < 0 over the skin), which changes by `width` (m) over the sample's cell.
+Stiffness stiffnessAt(Tile tile, float d, float width, float f) {
   float pressed = clamp(d, 0.0, THICKNESS);
   float elastic = lawPressure(pressed, 0.0);
   // A skin that relaxes keeps a share of its stiffness, sample by sample; that of samples without pressure is unknown.
   float share = RELAXATION > 0 && elastic > 0.0 ? f / elastic : 1.0;
   bool lifted = pressed > 0.0 && f <= 0.0;  // no pressure because of a damper or a dent
   float slope = lifted || d <= (RELAXATION > 0 ? 0.0 : -cellReach(tile)) ? 0.0 : share * meanSlope(d, RELAXATION > 0 ? 0.0 : width);
-  float G = lifted ? 0.0 : share * elastic * pressed * (LAW_1 / (LAW_1 + 1.0));
-  float x = position.x, y = position.y;
+  return Stiffness(slope, lifted ? 0.0 : share * elastic * pressed * (LAW_1 / (LAW_1 + 1.0)));
+}
+
+// With area sampling, of a cell of mean depth d, a share of which is covered; the share is negative at the skin's full thickness. Pressure is proportional to
+// depth.
+Stiffness stiffnessOf(float d, float covered, float f) {
+  if (d <= 0.0 || f <= 0.0) return Stiffness(0.0, 0.0);
+  float elastic = lawPressure(d, 0.0), share = RELAXATION > 0 ? f / elastic : 1.0;
+  return Stiffness(share * max(covered, 0.0) * lawSlope(d), share * elastic * 0.5 * d / abs(covered));
+}
+
+// Adds sample `at` of a taxel, at `position`, under the pressure f (Pa). `rim`: which sides of the taxel are at the patch's rim. `change`: derivatives of force
+// and first moments of the tile by the object's twist, without the factor of a sample's area.
+void addToCell(Tile tile, inout Cell cell, inout vec3 change[6], uvec2 at, bvec4 rim, vec2 position, float f, Stiffness stiffness) {
+  float slope = stiffness.slope, G = stiffness.G, x = position.x, y = position.y;
   vec3 phi = vec3(1, x, y);
   cell.slope += slope * phi;
   uvec4 rows = uvec4(at.x, SAMPLES - 1 - at.x, at.y, SAMPLES - 1 - at.y);

@@ -154,7 +154,8 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
       if (OUTPUT_JACOBIAN) {
         float signed_d = step.surface - height;
         vec2 steps = vec2(stepOfDepth(tile, signed_d, a, address, tile.stride, step.surface), stepOfDepth(tile, signed_d, b, address, 1, step.surface));
-        addToCell(tile, cell, change, uvec2(a, b), rim, position, signed_d, length(steps), f);
+        Stiffness stiffness = AREA ? stiffnessOf(d, share, f) : stiffnessAt(tile, signed_d, length(steps), f);
+        addToCell(tile, cell, change, uvec2(a, b), rim, position, f, stiffness);
       }
       if (kShears) {
         uint state_index = step.friction_state + kFrictionHeader + address;

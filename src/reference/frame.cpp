@@ -41,12 +41,13 @@ Frame simulateFrame(const Sensor& sensor, const FrameInput& input) {
   const bool is_area = sensor.depth_sampling == DepthSampling::kArea;
   const AreaDepths depths = is_area ? AreaDepth(sensor, placed).at() : AreaDepths{};
   frame.penetration = is_area ? depths.mean : penetrations(frame.heights, sensor.skin.thickness);
+  frame.share = depths.share;
   if (!is_layer) {
     const std::span<const double> previous = input.previous_penetration;
     frame.contact = computeContact(sensor, frame.penetration, input.load ? std::span<const double>{} : previous, input.dt, skin);
     if (is_area) frame.contact.over_penetration = overPenetration(sensor, depths);
     if (input.skin) input.skin->advance(input.dt, frame.contact.strain);
-    const PressedSkin pressed = pressedSamples(sensor, placed, frame.penetration, frame.contact.pressure);
+    const PressedSkin pressed = pressedSamples(sensor, placed, depths, frame.penetration, frame.contact.pressure);
     frame.shear = contactShear(sensor, placed, pressed, input.previous_friction, input.dt);
   }
   for (std::size_t i = 0; i < frame.wrench.size(); ++i) frame.wrench[i] = frame.contact.wrench[i] + frame.shear.wrench[i];

@@ -43,6 +43,7 @@ struct Frame {
   LoadResult load;                  // pose-driven: offset 0, reached. ElasticLayer: only offset and reached are set
   std::vector<double> heights;      // (num_taxels x s x s), m, at the middle of each cell
   std::vector<double> penetration;  // (num_taxels x s x s), m, 0 to thickness
+  std::vector<double> share;        // (num_taxels x s x s): of each cell, what is covered; empty with point sampling
   Contact contact;                  // wrench: of the pressures alone. ElasticLayer: without `pressure` and `strain`
   ContactShear shear;
   LayerContact layer;                   // ElasticLayer only

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "base/vector3.h"
-#include "reference/area_depth.h"
 #include "reference/samples.h"
 
 namespace taxelsim::reference {
@@ -47,15 +46,14 @@ std::vector<int> lowestObjects(std::span<const PlacedObject> objects, double thi
   return lowest;
 }
 
-PressedSkin pressedSamples(const Sensor& sensor, std::span<const PlacedObject> objects, std::span<const double> d,
+PressedSkin pressedSamples(const Sensor& sensor, std::span<const PlacedObject> objects, const AreaDepths& cells, std::span<const double> d,
                            std::span<const double> pressure) {
   const auto heightsUnder = [&](std::span<const PlacedObject> object) { return surfaceHeights(sensor, object); };
   PressedSkin skin{samplesOf(sensor), std::vector<int>(d.size(), kNoContact), {d.begin(), d.end()}, {pressure.begin(), pressure.end()}};
   if (!hasFriction(sensor.skin) || objects.empty()) return skin;
   if (sensor.depth_sampling == DepthSampling::kArea) {
-    AreaDepths depths = AreaDepth(sensor, objects).at();
-    skin.touching = std::move(depths.touching);
-    skin.share = std::move(depths.share);
+    skin.touching = cells.touching;
+    skin.share = cells.share;
     return skin;
   }
   const std::vector<int> lowest = lowestObjects(objects, sensor.skin.thickness, heightsUnder);

@@ -20,6 +20,7 @@
 #include <span>
 #include <vector>
 
+#include "reference/area_depth.h"
 #include "reference/depth.h"
 #include "reference/lugre.h"
 #include "taxelsim/sensor.h"
@@ -47,8 +48,8 @@ struct PressedSkin {
 
 // The samples with penetration d (m) and pressure (Pa), both (num_taxels x s x s). A sample is touched where d > 0, by the object with the
 // lowest surface there; with DepthSampling::kArea by the one with the largest mean depth over the cell, whose springs act
-// on the share that it covers.
-PressedSkin pressedSamples(const Sensor& sensor, std::span<const PlacedObject> objects, std::span<const double> d,
+// on the share that it covers. `cells`: with DepthSampling::kArea.
+PressedSkin pressedSamples(const Sensor& sensor, std::span<const PlacedObject> objects, const AreaDepths& cells, std::span<const double> d,
                            std::span<const double> pressure);
 
 // Index of the object with the lowest surface over each point, kNoContact where there is none. Heights are clamped to -thickness (m) before

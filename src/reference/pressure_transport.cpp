@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "base/vector3.h"
+#include "reference/area_depth.h"
 
 namespace taxelsim::reference {
 namespace {
@@ -42,7 +43,7 @@ PressureField::PressureField(const Sensor& sensor, const GridPatch& patch, std::
       law_(foundationOf(sensor.skin)),
       relaxes_(!sensor.skin.relaxation.empty()) {
   for (int u = 0; u < rows; ++u) {
-    for (int v = 0; v < cols; ++v) addSample(u, v);
+    for (int v = 0; v < cols; ++v) frame.share.empty() ? addSample(u, v) : addCell(u, v);
   }
 }
 
@@ -90,6 +91,17 @@ double PressureField::meanSlope(double d, double width) const {
   if (low <= 0) return elasticPressure(high) / width;
   if (high <= thickness_) return slopeAt(d);
   return low < thickness_ ? slopeAt((low + thickness_) / 2) * (thickness_ - low) / width : 0;
+}
+
+// With area sampling, where pressure is proportional to depth.
+void PressureField::addCell(int u, int v) {
+  const std::size_t n = index(u, v);
+  const double pressure = frame_.contact.pressure[n], d = frame_.penetration[n], share = frame_.share[n];
+  const double ratio = pressure > 0 ? pressure / elasticPressure(d) : 0;  // of the relaxed to the instantaneous stiffness
+  const bool is_full = share >= kLeastShareOfFull && d >= kFullDepth * thickness_ * share;
+  f.push_back(pressure);
+  G.push_back(pressure > 0 ? pressure * d / (2 * share) : 0);
+  stiffness.push_back(is_full ? 0 : (relaxes_ || pressure <= 0 ? ratio : 1) * share * law_.normal_contact_stiffness);
 }
 
 void PressureField::addSample(int u, int v) {

@@ -56,6 +56,7 @@ class PressureField {
   double depthStep(int u, int v, int du, int dv) const;
   double meanSlope(double d, double width) const;
   void addSample(int u, int v);
+  void addCell(int u, int v);
 
   int num_cols_;
   std::size_t first_;

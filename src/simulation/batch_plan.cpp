@@ -55,14 +55,13 @@ void checkRegions(const SimulatorOptions& options) {
   if (options.max_regions > 0 && !with_features) refuse("0 without outputs.contact_features or outputs.clean_contact_features");
 }
 
-void checkJacobian(const ModelData& model, const SimulatorOptions& options) {
+void checkJacobian(const SimulatorOptions& options) {
   if (!options.outputs.tactile_jacobian && !options.outputs.clean_tactile_jacobian) return;
   const auto refuse = [&](const char* why) {
     const char* name = options.outputs.tactile_jacobian ? "outputs.tactile_jacobian" : "outputs.clean_tactile_jacobian";
     throw Error(ErrorKind::kInput, std::string(name) + ": true is not allowed " + why);
   };
   if (options.max_contacts > 0) refuse("where max_contacts > 0: contacts do not determine how forces change with a motion");
-  if (model.area()) refuse("for a sensor with depth_sampling area: its Jacobian is of depths at points");
 }
 
 // Objects or contacts.
@@ -111,7 +110,7 @@ void checkBatchFits(const ModelData& model, const SimulatorOptions& options) {
   }
   checkSource(model, options);
   checkRegions(options);
-  checkJacobian(model, options);
+  checkJacobian(options);
   const MemoryPlan plan = planBatch(model, options);
   if (static_cast<std::uint64_t>(options.num_instances) <= plan.max_instances) return;
   throw Error(ErrorKind::kInput, "a batch of " + std::to_string(options.num_instances) + " instances of " +

@@ -352,10 +352,45 @@ TEST(AreaSampling, RelaxesUnderAPin) {
   }
 }
 
+// Closed form: under a symmetric contact at (x, y) the force changes by k dV/dd with the depth, and by y and -x times that with the
+// sensor's turn.
+TEST(AreaSampling, JacobianOfTheForce) {
+  const double depth = 0.3e-3;
+  const std::vector<Case> all = cases(depth);
+  const Model area = modelOf(all, DepthSampling::kArea), point = modelOf(all, DepthSampling::kPoint);
+  const SimulatorOptions options{.num_instances = kPlaces, .outputs = {.clean_tactile_jacobian = true}};
+  Simulator area_simulator(area, options), point_simulator(point, options);
+  for (std::size_t c = 0; c < all.size(); ++c) {
+    SCOPED_TRACE("case " + std::to_string(c) + ", " + all[c].object.name);
+    const std::vector<Pose> poses = places(all[c], depth, kPlaces);
+    const double step = 1e-6, rate = kStiffness * (all[c].volume(depth + step) - all[c].volume(depth - step)) / (2 * step);
+    const auto run = [&](Simulator& simulator) {
+      simulator.setObjects(std::vector<int>(kPlaces, static_cast<int>(c)), poses);
+      simulator.step(kDt);
+      const FrameView frame = simulator.read();
+      struct {
+        double depth, slide, centre;
+      } worst{};
+      for (std::size_t i = 0; i < kPlaces; ++i) {
+        const float* row = &frame.ground_truth.jacobian.contact_wrench[36 * i + 12];
+        worst.depth = std::max(worst.depth, std::abs(row[2] / -rate - 1));
+        worst.slide = std::max({worst.slide, std::abs(row[0] / rate), std::abs(row[1] / rate)});
+        worst.centre =
+            std::max({worst.centre, std::abs(row[3] / -rate - poses[i].position[1]), std::abs(row[4] / -rate + poses[i].position[0])});
+      }
+      return worst;
+    };
+    const auto errors = run(area_simulator);
+    // The covered area ends like a square root where a volume ends like its third power.
+    const double bound = std::pow(all[c].error, 0.75), farthest = 1.7e-3;
+    EXPECT_LE(errors.depth, bound);
+    EXPECT_LE(errors.slide, kCarried);
+    EXPECT_LE(errors.centre, all[c].centre + bound * farthest);
+    EXPECT_GT(run(point_simulator).depth, 2 * errors.depth);  // the baseline
+  }
+}
+
 TEST(AreaSampling, RefusesWhatItDoesNotCover) {
-  const Model model(support::sharedDevice(), {.sensor = areaSensor(), .objects = {Object(Sphere{5e-3})}});
-  const std::string jacobian = support::inputError([&] { Simulator(model, {.outputs = {.tactile_jacobian = true}}); });
-  EXPECT_THAT(jacobian, testing::AllOf(testing::HasSubstr("outputs.tactile_jacobian"), testing::HasSubstr("depth_sampling area")));
   Sensor sensor = areaSensor();
   sensor.skin.law = Winkler{1.73e8, 1.5, 0};
   const std::string exponent =

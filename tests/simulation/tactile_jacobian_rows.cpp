@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/vector3.h"
+#include "reference/area_depth.h"
 #include "reference/psf.h"
 #include "reference/tactile_jacobian.h"
 
@@ -29,9 +31,17 @@ constexpr double kBetweenCorners = 3;
 // The inputs of the twin Jacobian, with samples moved and the surface lifted.
 Frame frameAt(const Sensor& sensor, std::span<const reference::PlacedObject> objects, const std::array<double, 2>& shift, double lift) {
   Frame frame;
-  frame.heights = reference::surfaceHeights(sensor, objects, shift);
-  for (double& height : frame.heights) height += lift;
-  frame.penetration = reference::penetrations(frame.heights, sensor.skin.thickness);
+  if (sensor.depth_sampling == DepthSampling::kArea) {  // on a flat array
+    std::vector<reference::PlacedObject> moved(objects.begin(), objects.end());
+    for (reference::PlacedObject& placed : moved) placed.X_SO.position = add(placed.X_SO.position, {-shift[0], -shift[1], lift});
+    const reference::AreaDepths depths = reference::AreaDepth(sensor, moved).at();
+    frame.penetration = depths.mean;
+    frame.share = depths.share;
+  } else {
+    frame.heights = reference::surfaceHeights(sensor, objects, shift);
+    for (double& height : frame.heights) height += lift;
+    frame.penetration = reference::penetrations(frame.heights, sensor.skin.thickness);
+  }
   frame.contact = reference::computeContact(sensor, frame.penetration, {}, 0);
   std::vector<reference::TaxelState> none;
   frame.taxel_force = reference::taxelResponse(sensor, frame.contact.taxel_force, 0, none);

@@ -88,6 +88,25 @@ TEST_P(JacobianSeeds, SeveralObjectsOverTiltedPatches) {
 
 INSTANTIATE_TEST_SUITE_P(OnEveryDriver, JacobianSeeds, support::seeds(3, 10));
 
+// Boxes and closed meshes, whose cells are exact integrals in both.
+TEST(TactileJacobianOnEveryDriver, AreaSamplingMatchesTheTwin) {
+  constexpr int kInstances = 6;
+  Random random(41);
+  Sensor sensor = support::gridSensor({.thickness = 2e-3});
+  sensor.depth_sampling = DepthSampling::kArea;
+  const std::vector<Object> objects{Object(Box{{6e-3, 9e-3, 5e-3}}), Object("stone", support::icosphere(6e-3, 2, 0, random))};
+  std::vector<Touch> touches;
+  for (int i = 0; i < kInstances; ++i) {
+    touches.push_back({{i % 2}, {support::randomContact(random, sensor, objects[static_cast<std::size_t>(i % 2)])}});
+  }
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+  Simulator simulator(model, {.num_instances = kInstances, .outputs = kAll});
+  support::setTouches(simulator, touches);
+  simulator.step(kDt);
+  const FrameView frame = simulator.read();
+  for (int i = 0; i < kInstances; ++i) expectJacobian(frame, i, sensor, touches[static_cast<std::size_t>(i)].placed(objects));
+}
+
 // ---- against differences of moved sensors ----
 
 support::FeatureChanges changesOf(const TactileJacobianView& view, std::size_t row) {

@@ -14,7 +14,7 @@ const uint kMostListed = (TILE_SAMPLES + 3u) / 4u;
 shared uint listed_cells[AREA ? kMostListed : 1u];
 
 // Adds the integral (of the cell's area, m) over the covered part (of the cell's area). `alone`: no two invocations add to one cell at a time.
-void addToCell(Tile tile, uint address, float volume, float covered, bool subtract, bool alone) {
+void addToSums(Tile tile, uint address, float volume, float covered, bool subtract, bool alone) {
   int amount = int(round(volume * (kVolumeUnits / tile.deepest))), part = int(round(covered * kCoveredUnits));
   uint more = uint(subtract ? -amount : amount), more_covered = uint(subtract ? -part : part);
 #ifdef LOCKSTEP

@@ -75,7 +75,7 @@ void addOutlineCell(Tile tile, Facet facet, uint part, vec3 corners[4], vec2 rat
   vec2 middle = corner + sums.yz / sums.x;
   float low = min(min(corners[0].z, corners[1].z), min(corners[2].z, corners[3].z)), high = max(max(corners[0].z, corners[1].z), max(corners[2].z, corners[3].z));
   float depth = part == kUnseen ? THICKNESS : clamp(facet.a.z + dot(facet.slope, middle - facet.a.xy), low, high);
-  addToCell(tile, uint(cell.x) * tile.stride + uint(cell.y), sums.x * (part == kBeyond ? depth - THICKNESS : depth), part == kBeyond ? 0.0 : sums.x, part != kPressed,
+  addToSums(tile, uint(cell.x) * tile.stride + uint(cell.y), sums.x * (part == kBeyond ? depth - THICKNESS : depth), part == kBeyond ? 0.0 : sums.x, part != kPressed,
             alone);
 }
 
@@ -129,7 +129,7 @@ void addLargeFacet(Tile tile, Facet facet, inout Found found) {
         vec2 middle = vec2(cell) + 0.5;
         if (enclose(corners, middle)) {
           float depth = part == kUnseen ? THICKNESS : facet.a.z + dot(facet.slope, middle - facet.a.xy);
-          addToCell(tile, uint(cell.x) * tile.stride + uint(cell.y), part == kBeyond ? depth - THICKNESS : depth, part == kBeyond ? 0.0 : 1.0, part != kPressed,
+          addToSums(tile, uint(cell.x) * tile.stride + uint(cell.y), part == kBeyond ? depth - THICKNESS : depth, part == kBeyond ? 0.0 : 1.0, part != kPressed,
                     true);
         } else {
           listed_cells[atomicAdd(num_outline_cells, 1u)] = i;
