@@ -26,7 +26,7 @@
 
 const float kMiss = kNoHeight;  // height where there is no surface
 
-shared uint tile_list[REPEAT];  // tiles that objects are near
+shared uint tile_list[REPEAT];  // tiles to be computed
 shared uint num_listed_tiles;
 
 #include "common/whole.glsl"
@@ -109,15 +109,15 @@ void computeTile(uint instance, uint tile_number, uint num_slots) {
   writeTileResult(tile, step, taxels, samples);
 }
 
-// Lists the tiles from `first` to `end` that objects are near, and writes the outputs of the others. Returns how many are listed.
-uint listNearTiles(uint first, uint end, uint num_slots) {
+// Lists the tiles from `first` to `end` that are to be computed, and writes the outputs of those that no object is near. Returns how many are listed.
+uint listTiles(uint first, uint end, uint num_slots) {
   if (gl_LocalInvocationIndex == 0) num_listed_tiles = 0;
   workgroupBarrier();
   for (uint number = first + gl_LocalInvocationIndex; number < end; number += WORKGROUP) {
     uint instance = number / NUM_TILES, tile_number = number - instance * NUM_TILES;
     Tile tile;
     if (!beginTile(instance, tile_number, tile)) continue;
-    if (anyObjectNear(tile, instance, num_slots)) {
+    if (!findsNear() || anyObjectNear(tile, instance, num_slots)) {
       tile_list[atomicAdd(num_listed_tiles, 1u)] = number;
     } else {
       clearTile(tile, instance, tile_number, 0, 1);
@@ -132,14 +132,14 @@ void main() {
   uint first = workgroupNumber() * REPEAT;
   uint end = min(first + REPEAT, LIST < kNumLists ? work[LIST].w : batch.x * NUM_TILES);
   uint count = max(first, end) - first;  // a dispatch in two dimensions may have more workgroups than work
-  if (findsNear()) count = listNearTiles(first, end, batch.y);
+  if (listsTiles()) count = listTiles(first, end, batch.y);
   if (usesTile() && count > 0) {
     clearHeights();
     workgroupBarrier();
   }
   uint k = 0;
   for (; k < count; ++k) {
-    uint number = findsNear() ? tile_list[k] : first + k;
+    uint number = listsTiles() ? tile_list[k] : first + k;
     if (LIST < kNumLists) number = work_instances[placeInList(LIST, number)];  // lists are of sensors with one tile
     uint instance = number / NUM_TILES;
     computeTile(instance, number - instance * NUM_TILES, batch.y);

@@ -4,7 +4,8 @@
 // plane z = const of S; on those contact.comp searches by itself.
 //
 // The load is the force of the objects along -z of S, without friction. That force falls as the offset grows: the bracket's lower bound carries too much (or sinks
-// deeper than the skin), its upper bound too little. Regula falsi alternates with bisection. A float resolves an offset of 0.1 m to 7e-9 m, 7e-5 of a depth of
+// deeper than the skin), its upper bound too little. Regula falsi alternates with bisection; with area sampling the force is a continuous function with a slope,
+// and Newton's method replaces both once the object touches. A float resolves an offset of 0.1 m to 7e-9 m, 7e-5 of a depth of
 // 0.1 mm: once the bracket is a few of these steps wide, the offset stays and its rest is searched, LoadRecord.
 // An invocation owns one instance.
 // In:  tile_results (num_instances x num_tiles): the forces at the offset that was tried.
@@ -22,6 +23,7 @@ const float kAccepted = 1e-3;   // of the load, when the bracket is as narrow as
 const float kDeeper = 1e30;     // stands for the force at an offset at which a sample is deeper than the skin
 const float kCoarse = 3e-8;     // m: width of the bracket where the search of the rest begins
 const float kFine = 1e-12;      // m: width of the bracket where it ends
+const float kNoStep = 1e30;     // m
 
 #include "common/workgroup.glsl"
 #include "common/instances.glsl"
@@ -49,11 +51,13 @@ void main() {
   }
 
   float force = 0.0;
+  float slope = 0.0;
   float deep = 0.0;
   uint behind = 0;
   for (uint t = 0; t < NUM_TILES; ++t) {
     force -= tile_results[instance * NUM_TILES + t].force.z;
     deep += tile_results[instance * NUM_TILES + t].force.w;
+    if (NEWTON) slope += tile_results[instance * NUM_TILES + t].torque.w;
     if (NUM_ROWS == 0) behind |= tile_results[instance * NUM_TILES + t].window.x;
   }
   float load = instances[instance].drive.x;
@@ -73,6 +77,14 @@ void main() {
     record.bracket.z = tried;
     record.forces.y = force;
   }
+  float newton = slope > 0.0 && !too_deep ? (force - load) / slope : kNoStep;
+  if (NEWTON && !refining && load > 0.0 && abs(newton) < kCoarse) {
+    // The rest counts from the offset that was tried.
+    refining = true;
+    tried = 0.0;
+    record.bracket = vec4(record.bracket.x, -2.0 * kCoarse, 2.0 * kCoarse, kLoadRefining);
+    record.forces.xy = vec2(kDeeper, 0.0);
+  }
   if (!refining && load > 0.0 && record.forces.x < kDeeper && isNarrow(record.bracket, kCoarse)) {
     refining = true;
     record.bracket = vec4(record.bracket.z, 2.0 * (record.bracket.y - record.bracket.z), 0.0, kLoadRefining);
@@ -82,6 +94,11 @@ void main() {
   float next = 0.5 * (low + high);
   if (f_low < kDeeper && f_high > 0.0 && mod(evaluations, 2.0) != 0.0) {
     next = clamp(low + (high - low) * (f_low - load) / (f_low - f_high), low, high);
+  }
+  if (NEWTON) {
+    // From above, in growing steps until the object touches. Newton's method approaches from below; from above it may go far too deep.
+    float step = force > 0.0 || too_deep ? max(newton, -FIRST_STEP) : -FIRST_STEP * exp2(evaluations - 1.0);
+    if (tried + step > low && tried + step < high) next = tried + step;
   }
   if (evaluations + 1.0 >= float(EVALUATIONS) || isNarrow(record.bracket, refining ? kFine : 0.0)) {
     // At the upper bound the skin carries slightly less than the load, or far less if the load would need a sample deeper than the skin.

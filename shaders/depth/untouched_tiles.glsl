@@ -7,6 +7,8 @@ const bool kLeavesUntouched = EARLY_EXIT && NUM_ROWS > 0 && NUM_TILES > 1 && REL
 // One invocation per tile first finds the tiles that objects reach; then all invocations process these one after another. This does not pay where a large tile
 // would be cleared every time, or where the workgroup has only one tile.
 bool findsNear() { return kManySmallTiles || kLeavesUntouched && IS_LAST && REPEAT > 1; }
+// Likewise the tiles whose load search has not ended.
+bool listsTiles() { return findsNear() || SEARCH == kSearchOverTiles && EARLY_EXIT && REPEAT > 1; }
 
 bool anyObjectNear(Tile tile, uint instance, uint num_slots) {
   bool near = false;

@@ -58,7 +58,11 @@ struct TaxelSums {
   vec2 shear;          // Pa
   vec3 shear_moment;   // Pa m
   uint deep;           // samples at the skin's full thickness
+  float slope;         // of the force by the depth, Pa/m; kSumsSlopes
 };
+
+// For Newton's method over tiles, load.comp. A search has no shear, whose torque takes the same place.
+const bool kSumsSlopes = AREA && SEARCH == kSearchOverTiles && !kGlobalSolve;
 
 // Runs the load search of this tile and loads the states of relaxation and friction.
 TileStep beginPressures(Tile tile, uint instance, uint tile_number, uint num_slots, Reach reach, ActiveTaxels taxels, bool load_driven, bool search_here) {
@@ -121,6 +125,7 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
   precise vec2 moment = vec2(0), shear = vec2(0);
   precise vec3 shear_moment = vec3(0);
   uint deep = 0;
+  float slope = 0.0;
   bool is_reached = RELAXATION > 0 && isReached(step.skin, in_tile);
   bool has_state = kShears && isInWindow(in_patch, step.state_window);
   bvec4 rim = bvec4(equal(in_patch, uvec2(0)), equal(in_patch + 1u, tile.grid.xy)).xzyw;
@@ -150,6 +155,7 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
       }
       force += f;
       moment += f * position;
+      if (kSumsSlopes && f > 0.0) slope += stiffnessOf(d, share, f).slope;
       depth_sum += d;
       if (OUTPUT_JACOBIAN) {
         float signed_d = step.surface - height;
@@ -165,7 +171,7 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
       }
     }
   }
-  return TaxelSums(depth_sum, force, moment, shear, shear_moment, deep);
+  return TaxelSums(depth_sum, force, moment, shear, shear_moment, deep, slope);
 }
 
 // Writes one taxel and adds to the wrench (normal force, torque about x, y and z of P) and shear of its lane.
@@ -179,7 +185,7 @@ void writeTaxel(Tile tile, uint instance, uvec2 in_patch, TaxelSums sums, Cell c
   if (OUTPUT_DEPTH) contact_depth[taxel] = sums.depth * kPerSample;
   if (OUTPUT_JACOBIAN) writeCell(tile, taxel, cell);
   // The skin is pressed along -z: torque (x, y, 0) x (0, 0, -f).
-  wrench += vec4(force, -moment.y, moment.x, 0);
+  wrench += vec4(force, -moment.y, moment.x, kSumsSlopes ? sums.slope * tile.sample_area : 0.0);
   if (!kShears) return;
   vec2 shear = sums.shear * tile.sample_area;
   if (OUTPUT_SHEAR) writeShear(taxel, SCALED ? shear * spread_scale[in_sensor] : shear);

@@ -23,7 +23,7 @@ void writeTileResult(Tile tile, TileStep step, ActiveTaxels taxels, Box samples)
   if (kShears && gl_LocalInvocationIndex == 0) writeStateWindow(step.friction_state, window);
   if (NUM_ROWS == 0) window = uvec4(any_behind, 0, 0, 0);
   vec4 force_row = vec4(force, float(num_deep));
-  vec4 torque_row = vec4(torque, total.x);
+  vec4 torque_row = vec4(torque, kSumsSlopes ? total.w * tile.X_PS.row2.z * tile.X_PS.row2.z : total.x);
   for (uint k = gl_LocalInvocationIndex; k < 4; k += WORKGROUP) {  // one word per invocation
     tile_results[step.result].force[k] = force_row[k];
     tile_results[step.result].torque[k] = torque_row[k];

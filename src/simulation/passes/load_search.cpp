@@ -7,6 +7,14 @@
 #include "load.spv.h"
 
 namespace taxelsim {
+namespace {
+
+// With area sampling: how far below the place where bounds touch the search begins, and its steps until the object touches, m.
+float firstStep(const ModelData& model) {
+  return static_cast<float>(model.sensor.skin.thickness) / 8;
+}
+
+}  // namespace
 
 void LoadSearchPass::record(Recorder& recorder) const {
   recorder.dispatch(kernel_.get({}, [&] { return makeKernel(); }), numWorkgroups(recorder.num_instances, workgroup_));
@@ -14,7 +22,7 @@ void LoadSearchPass::record(Recorder& recorder) const {
 
 gpu::PassKernel<LoadInterface> LoadSearchPass::makeKernel() const {
   return {model_.context(), "load", k_load_spirv, commonConstants(model_.sensor, model_.packed, {.workgroup = workgroup_}),
-          LoadInterface{.EVALUATIONS = kMaxEvaluations}};
+          LoadInterface{.EVALUATIONS = kMaxEvaluations, .NEWTON = model_.area(), .FIRST_STEP = firstStep(model_)}};
 }
 
 void startLoadSearch(const ModelData& model, std::span<const layout::InstanceRecord> instances, std::span<const layout::PoseRecord> poses,
@@ -42,7 +50,9 @@ void startLoadSearch(const ModelData& model, std::span<const layout::InstanceRec
     if (low > high) continue;  // no object: the first evaluation finds no force at any offset
     const float up = model.packed.highest - low + kClearance;
     const float down = model.packed.lowest - static_cast<float>(model.sensor.skin.thickness) * 2 - high;
-    loads[i].bracket = {0.5f * (up + down), down, up, layout::kLoadSearching};
+    // Far below, area sampling is slow.
+    const float first = model.area() ? std::max(up - firstStep(model), 0.5f * (up + down)) : 0.5f * (up + down);
+    loads[i].bracket = {first, down, up, layout::kLoadSearching};
     loads[i].forces.x = std::numeric_limits<float>::max();
   }
 }
