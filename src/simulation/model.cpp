@@ -2,6 +2,7 @@
 
 #include "simulation/model_access.h"
 #include "simulation/model_impl.h"
+#include "simulation/small_objects.h"
 
 namespace taxelsim {
 
@@ -18,7 +19,9 @@ Model::Impl::Impl(const Device& device, const ModelOptions& options, const Tunin
   if (data.layer) elastic_layer.emplace(data, options);
 }
 
-Model::Model(const Device& device, const ModelOptions& options) : impl_(std::make_shared<Impl>(device, options, Tuning{})) {}
+Model::Model(const Device& device, const ModelOptions& options) : impl_(std::make_shared<Impl>(device, options, Tuning{})) {
+  warnOfSmallObjects(sensor(), objects());
+}
 
 Model ModelAccess::make(const Device& device, const ModelOptions& options, const Tuning& tuning) {
   return Model(std::make_shared<Model::Impl>(device, options, tuning));

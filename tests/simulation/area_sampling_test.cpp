@@ -11,6 +11,7 @@
 #include "reference/area_depth.h"
 #include "simulation/comparison.h"
 #include "simulation/input_error.h"
+#include "simulation/small_objects.h"
 #include "support/curved_sensor.h"
 #include "support/random_scene.h"
 
@@ -388,6 +389,27 @@ TEST(AreaSampling, JacobianOfTheForce) {
     EXPECT_LE(errors.centre, all[c].centre + bound * farthest);
     EXPECT_GT(run(point_simulator).depth, 2 * errors.depth);  // the baseline
   }
+}
+
+// One line per object that points may miss, with what would see it.
+TEST(AreaSampling, SmallObjectsAreWarnedOfWithPoints) {
+  const std::vector<Object> objects{Object("pin", Cylinder{0.5e-3, 12e-3}), Object("hair", Cylinder{0.05e-3, 12e-3}), Object(Sphere{2e-3})};
+  const auto warnings = [&](const Sensor& sensor) {
+    testing::internal::CaptureStderr();
+    warnOfSmallObjects(sensor, objects);
+    return testing::internal::GetCapturedStderr();
+  };
+  Sensor sensor = areaSensor(DepthSampling::kPoint);
+  const std::string points = warnings(sensor);
+  EXPECT_THAT(points,
+              testing::HasSubstr("object pin is 1 mm wide, samples are 0.85 mm apart: its force depends on where it lies between them; "
+                                 "depth_sampling: area counts all of it, samples_per_taxel: 14 sees it"));
+  EXPECT_THAT(points, testing::HasSubstr("object hair is 0.1 mm wide"));
+  EXPECT_EQ(std::count(points.begin(), points.end(), '\n'), 2);
+  EXPECT_EQ(warnings(areaSensor()), "");
+  sensor.skin.law = ElasticLayer{.elastic_modulus = 1e6};
+  EXPECT_THAT(warnings(sensor),
+              testing::AllOf(testing::HasSubstr("them; samples_per_taxel: 14 sees it"), testing::HasSubstr("elastic_layer cannot see it")));
 }
 
 TEST(AreaSampling, RefusesWhatItDoesNotCover) {

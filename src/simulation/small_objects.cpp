@@ -1,0 +1,61 @@
+#include "simulation/small_objects.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <string>
+#include <variant>
+
+#include "base/log.h"
+#include "base/text.h"
+
+namespace taxelsim {
+namespace {
+
+// Samples across an object below which it is warned of, and from which its area is known to about a quarter.
+constexpr double kFewSamples = 2, kEnoughSamples = 4;
+
+// The smallest extent of the object along its axes, m.
+double narrowest(const Object& object) {
+  const Bounds bounds = boundsOf(object);
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t axis = 0; axis < 3; ++axis) least = std::min(least, static_cast<double>(bounds.max[axis]) - bounds.min[axis]);
+  return least;
+}
+
+std::string millimetres(double length) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3g mm", 1e3 * length);
+  return text.data();
+}
+
+double coarsestPitch(const Sensor& sensor) {
+  double pitch = 0;
+  for (const GridPatch& patch : sensor.patches) pitch = std::max({pitch, patch.pitch[0], patch.pitch[1]});
+  return pitch;
+}
+
+}  // namespace
+
+void warnOfSmallObjects(const Sensor& sensor, std::span<const Object> objects) {
+  if (sensor.depth_sampling == DepthSampling::kArea) return;
+  const double pitch = coarsestPitch(sensor), spacing = pitch / sensor.samples_per_taxel;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const double width = narrowest(objects[i]);
+    if (!(width < kFewSamples * spacing)) continue;
+    const double count = std::ceil(kEnoughSamples * pitch / width);
+    const bool may_be_area = !std::holds_alternative<ElasticLayer>(sensor.skin.law);
+    const std::string name = objects[i].name.empty() ? std::to_string(i) : oneLine(objects[i].name);
+    std::string line = "object " + name + " is " + millimetres(width) + " wide, samples are " + millimetres(spacing) +
+                       " apart: its force depends on where it lies between them; ";
+    if (may_be_area) line += "depth_sampling: area counts all of it";
+    if (may_be_area && count <= kMaxSamplesPerTaxel) line += ", ";
+    if (count <= kMaxSamplesPerTaxel) line += "samples_per_taxel: " + std::to_string(static_cast<int>(count)) + " sees it";
+    if (!may_be_area && count > kMaxSamplesPerTaxel) line += "elastic_layer cannot see it, other laws can with depth_sampling: area";
+    logWarning(line);
+  }
+}
+
+}  // namespace taxelsim
