@@ -9,7 +9,7 @@
 // Out: features (block after block, each num_instances x num_rows x components x 6, then the wrench's, shared/features.h).
 // Shared memory: 4 PARTIALS bytes.
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of team and workgroup.
-// Mutable globals: any_unfinished_loop (driver/loop_limit.glsl), small_kernel (features/jacobian_taxels.glsl).
+// Mutable globals: any_unfinished_loop (driver/loop_limit.glsl), small_kernel (features/spread_change.glsl).
 // Twin: src/reference/feature_jacobian.cpp.
 
 #include "shared/batch.h"
@@ -30,6 +30,7 @@ const uint kTeams = WORKGROUP / TEAM;
 #include "features/axes.glsl"
 #include "features/jacobian_parts.glsl"
 #include "features/jacobian_taxels.glsl"
+#include "features/spread_change.glsl"
 #include "features/part_sums.glsl"
 #include "features/jacobian_sums.glsl"
 #include "features/jacobian_rows.glsl"

@@ -34,6 +34,7 @@ struct OutputOptions {
   /// ElasticLayer. Refused for contact points.
   bool tactile_jacobian = false;
   bool clean_tactile_jacobian = false;  ///< GroundTruthView::jacobian.
+  bool taxel_jacobian = false;          ///< GroundTruthView::taxel_jacobian; one device pass, and one that the others share.
 };
 
 /// Options of a Simulator.
@@ -132,7 +133,10 @@ struct CleanTactileJacobianView : TactileJacobianView {
 struct GroundTruthView : FeatureView {
   std::span<const float> tactile_normal_force;  ///< (N x num_taxels), N, after the PSF; empty unless requested.
   std::span<const float>
-      tactile_shear_force;                   ///< (N x num_taxels x 2), N, along x and y of the taxel, on the skin; empty unless requested.
+      tactile_shear_force;  ///< (N x num_taxels x 2), N, along x and y of the taxel, on the skin; empty unless requested.
+  /// (N x 6 x num_taxels), N/m and N/rad: derivatives of tactile_normal_force by the sensor's twist, as TactileJacobianView says; empty
+  /// unless requested. The product of a gradient by forces with it is the gradient by the pose.
+  std::span<const float> taxel_jacobian;
   std::span<const float> penetration_depth;  ///< (N x num_taxels), m, mean over the taxel's samples; empty unless requested.
   std::span<const float> contact_wrench;     ///< (N x 6): force (N) and torque (N m) on the sensor at its origin, in S, before the PSF.
   std::span<const float> over_penetration;   ///< (N), fraction of samples at least as deep as the skin is thick; 0 for contact points.

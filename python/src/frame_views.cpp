@@ -15,12 +15,12 @@ class Arrays {
   Arrays(std::vector<std::size_t> rows, nb::handle owner) : rows_(std::move(rows)), owner_(owner) {}
 
   template <typename T>
-  void add(const char* name, std::span<const T> values, std::initializer_list<std::size_t> row = {}) {
+  void add(const char* name, std::span<const T> values, const std::vector<std::size_t>& row = {}) {
     add(name, values, rows_, row);
   }
   // An array with one row per instance in a view that has more rows.
   template <typename T>
-  void addPerInstance(const char* name, std::span<const T> values, std::initializer_list<std::size_t> row = {}) {
+  void addPerInstance(const char* name, std::span<const T> values, const std::vector<std::size_t>& row = {}) {
     add(name, values, {rows_.front()}, row);
   }
   void add(const char* name, nb::handle value) { arrays_[name] = value; }
@@ -29,9 +29,9 @@ class Arrays {
 
  private:
   template <typename T>
-  void add(const char* name, std::span<const T> values, std::vector<std::size_t> shape, std::initializer_list<std::size_t> row) {
+  void add(const char* name, std::span<const T> values, std::vector<std::size_t> shape, const std::vector<std::size_t>& row) {
     if (values.empty()) return;
-    shape.insert(shape.end(), row);
+    shape.insert(shape.end(), row.begin(), row.end());
     using Element = std::conditional_t<std::is_enum_v<T>, std::int32_t, T>;
     static_assert(sizeof(Element) == sizeof(T));
     const auto* const data = reinterpret_cast<const Element*>(values.data());
@@ -79,14 +79,16 @@ void addJacobian(const TactileJacobianView& view, std::span<const float> contact
   parent.add("jacobian", arrays.take());
 }
 
-// The taxels of an instance: (rows, columns) of a sensor with one patch, else a flat list.
+// The taxels of an instance: (rows, columns) of a sensor with one patch, else a flat list. `shape`: of what comes before them.
 template <typename T>
-void addTaxels(const char* name, std::span<const T> values, const Sensor& sensor, Arrays& arrays) {
+void addTaxels(const char* name, std::span<const T> values, const Sensor& sensor, Arrays& arrays, std::vector<std::size_t> shape = {}) {
   if (sensor.patches.size() == 1) {
-    arrays.add(name, values, {static_cast<std::size_t>(sensor.patches[0].num_rows), static_cast<std::size_t>(sensor.patches[0].num_cols)});
+    shape.push_back(static_cast<std::size_t>(sensor.patches[0].num_rows));
+    shape.push_back(static_cast<std::size_t>(sensor.patches[0].num_cols));
   } else {
-    arrays.add(name, values, {static_cast<std::size_t>(numTaxels(sensor))});
+    shape.push_back(static_cast<std::size_t>(numTaxels(sensor)));
   }
+  arrays.add(name, values, shape);
 }
 
 nb::dict groundTruthOf(const GroundTruthView& view, const Sensor& sensor, std::size_t num_instances, nb::handle owner) {
@@ -94,6 +96,7 @@ nb::dict groundTruthOf(const GroundTruthView& view, const Sensor& sensor, std::s
   addFeatures(view, arrays);
   addTaxels("tactile_normal_force", view.tactile_normal_force, sensor, arrays);
   addTaxels("penetration_depth", view.penetration_depth, sensor, arrays);
+  addTaxels("taxel_jacobian", view.taxel_jacobian, sensor, arrays, {6});
   if (sensor.patches.size() == 1) {
     arrays.add("tactile_shear_force", view.tactile_shear_force,
                {static_cast<std::size_t>(sensor.patches[0].num_rows), static_cast<std::size_t>(sensor.patches[0].num_cols), 2});

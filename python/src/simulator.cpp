@@ -100,7 +100,8 @@ void bindOptions(nb::module_& module) {
             field("contact_features", &OutputOptions::contact_features, "frame.contact."),
             field("clean_contact_features", &OutputOptions::clean_contact_features, "frame.ground_truth.contact."),
             field("tactile_jacobian", &OutputOptions::tactile_jacobian, "frame.jacobian."),
-            field("clean_tactile_jacobian", &OutputOptions::clean_tactile_jacobian, "frame.ground_truth.jacobian."));
+            field("clean_tactile_jacobian", &OutputOptions::clean_tactile_jacobian, "frame.ground_truth.jacobian."),
+            field("taxel_jacobian", &OutputOptions::taxel_jacobian, "frame.ground_truth.taxel_jacobian."));
   nb::class_<SimulatorOptions> options(module, "SimulatorOptions", "Options of a Simulator.");
   addFields(options, field("num_instances", &SimulatorOptions::num_instances, "N, >= 1."),
             field("num_slots", &SimulatorOptions::num_slots, "Objects per instance, 1 to 8."),

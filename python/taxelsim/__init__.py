@@ -95,6 +95,7 @@ from .dataset import Dataset
 from .environment import Environment, EnvironmentFrame, TaskState, episode_keys
 from .errors import DeviceError, Error, InputError, IoError, OutOfRangeError
 from .frame import CleanTactileJacobian, ContactFeatures, Features, Frame, GroundTruth, TactileJacobian
+from .gradients import Gradient, vjp
 from .policies import Comparison, OnnxPolicy, Policy, compare
 from .program import SCENES
 from .runs import Interrupted, evaluate, generate
@@ -132,6 +133,7 @@ __all__ = [
     "Frame",
     "Friction",
     "GenerateResult",
+    "Gradient",
     "GridPatch",
     "GroundTruth",
     "HalfSpace",
@@ -206,4 +208,5 @@ __all__ = [
     "skins_of",
     "split_patches",
     "taxel_patch",
+    "vjp",
 ]

@@ -139,6 +139,7 @@ class GroundTruth(Features):
         "tactile_normal_force": "tactile_normal_force",
         "tactile_shear_force": "tactile_shear_force",
         "penetration_depth": "penetration_depth",
+        "taxel_jacobian": "taxel_jacobian",
         "contact": "clean_contact_features",
         "jacobian": "clean_tactile_jacobian",
     }
@@ -149,6 +150,9 @@ class GroundTruth(Features):
     """(N, num_rows, num_cols, 2), N, along x and y of the taxel; (N, num_taxels, 2) for sensors of several patches."""
     penetration_depth: FloatArray
     """(N, num_rows, num_cols), m, mean over the taxel; (N, num_taxels) for sensors of several patches."""
+    taxel_jacobian: FloatArray
+    """(N, 6, num_rows, num_cols), N/m and N/rad: derivatives of tactile_normal_force by a small twist of the sensor (v of the origin of S,
+    then w) while the objects stay; (N, 6, num_taxels) for sensors of several patches. See vjp()."""
     contact_wrench: FloatArray
     """(N, 6): force (N) and torque (N m) on the sensor at its origin, in S, before the point spread."""
     over_penetration: FloatArray

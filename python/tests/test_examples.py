@@ -41,6 +41,12 @@ def test_own_sensor(tmp_path: Path) -> None:
     assert float(found.group(1)) < 0.5  # a fifth of the pitch
 
 
+def test_pose_from_image() -> None:
+    found = re.search(r"found from (\d+) of 128 guesses", run("pose_from_image.py"))
+    assert found
+    assert int(found.group(1)) > 100
+
+
 def test_classify_images() -> None:
     right, chance = percentages(run("classify_images.py", 1500).splitlines()[-1])
     assert right > 3 * chance

@@ -17,7 +17,7 @@ void addTaxel(uint kind, Part part, uint t, vec3 middle, uint k, inout PartSums 
     sums.s[2] += reading.x * p.y * p.y;
     return;
   }
-  float weight = kind == kSumsFirst ? reading.x : reading.y * spreadChange(part, t, k);
+  float weight = kind == kSumsFirst ? reading.x : reading.y * spreadChange(part.instance, t, k);
   sums.s[0] += weight;
   sums.s[1] += weight * p.x;
   sums.s[2] += weight * p.y;

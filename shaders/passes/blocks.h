@@ -62,8 +62,9 @@
 #define BLOCK_SpreadShear BLOCK(SpreadShear, float, spread_shear[])     // (n x t x 2), N
 #define BLOCK_Features BLOCK(Features, float, features[])               // kFeature..., block after block
 #define BLOCK_ContactFeatures BLOCK(ContactFeatures, float, features[])
-#define BLOCK_TactileJacobian BLOCK(TactileJacobian, float, features[])  // kJacobian..., block after block
-#define BLOCK_Problems BLOCK(Problems, uint, problems[])                 // (1): 1 where a driver ended a loop early
+#define BLOCK_TactileJacobian BLOCK(TactileJacobian, float, features[])       // kJacobian..., block after block
+#define BLOCK_SpreadJacobian BLOCK(SpreadJacobian, float, spread_jacobian[])  // (n x 6 x t), N/m and N/rad
+#define BLOCK_Problems BLOCK(Problems, uint, problems[])                      // (1): 1 where a driver ended a loop early
 
 // ---- host only: copied from, or bound in place of another block ----
 #define BLOCK_EmptyWork BLOCK(EmptyWork, uvec4, empty_work[])  // what Work starts from in every frame
@@ -83,6 +84,6 @@
   BLOCK_Forces BLOCK_TaxelRegions BLOCK_RegionSums BLOCK_Regions                                                \
   BLOCK_ContactCells BLOCK_TileChanges BLOCK_TaxelJacobian BLOCK_MaskedJacobian BLOCK_WrenchJacobian             \
   BLOCK_Image BLOCK_SpreadNormal BLOCK_SpreadShear BLOCK_Features BLOCK_ContactFeatures BLOCK_TactileJacobian    \
-  BLOCK_Problems                                                                                                \
+  BLOCK_SpreadJacobian BLOCK_Problems                                                                           \
   BLOCK_EmptyWork BLOCK_CleanContactFeatures BLOCK_CleanTactileJacobian
 // clang-format on

@@ -5,18 +5,19 @@ VALUE(kSearchInTile, 1)     // the pass searches over its one tile
 VALUE(kSearchOverTiles, 2)  // load.comp searches over all tiles
 VALUE(kSearchEnded, 3)      // the frame of a sensor with friction or relaxation, at the offsets that this search has found
 
-CONSTANT(11, uint, TILE_SAMPLES)    // most samples of a tile
-CONSTANT(12, bool, FLAT)            // the frame of the one patch is S
-CONSTANT(13, bool, HAS_STATE)       // the law needs the depth of the step before
-CONSTANT(14, uint, SEARCH)          // kNoSearch, kSearchInTile ...
-CONSTANT(15, float, THICKNESS)      // m
-CONSTANT(16, bool, SCALED)          // sources near a border give more to the taxels that are there, readout/spread.glsl
-CONSTANT(17, bool, MANY_SLOTS)      // an instance may touch several objects
-CONSTANT(18, uint, OBJECT_KINDS)    // bit per kind of object in the model
-CONSTANT(19, uint, TRIANGLE_SIZES)  // bit 0: meshes of small triangles, bit 1: of large ones, bits 2 and 3: the same for closed ones, with AREA
-CONSTANT(20, bool, OUTPUT_DEPTH)    // writes contact_depth
-CONSTANT(21, uint, NUM_FACES)       // of each polyhedron; shorter ones repeat some
-CONSTANT(22, float, LAW_0)          // parameters of the contact law, skin/laws/
+CONSTANT(11, uint, TILE_SAMPLES)  // most samples of a tile
+CONSTANT(12, bool, FLAT)          // the frame of the one patch is S
+CONSTANT(13, bool, HAS_STATE)     // the law needs the depth of the step before
+CONSTANT(14, uint, SEARCH)        // kNoSearch, kSearchInTile ...
+CONSTANT(15, float, THICKNESS)    // m
+CONSTANT(16, bool, SCALED)        // sources near a border give more to the taxels that are there, readout/spread.glsl
+CONSTANT(17, bool, MANY_SLOTS)    // an instance may touch several objects
+CONSTANT(18, uint, OBJECT_KINDS)  // bit per kind of object in the model
+CONSTANT(19, uint,
+         TRIANGLE_SIZES)  // bit 0: meshes of small triangles, bit 1: of large ones, bits 2 and 3: the same for closed ones, with AREA
+CONSTANT(20, bool, OUTPUT_DEPTH)  // writes contact_depth
+CONSTANT(21, uint, NUM_FACES)     // of each polyhedron; shorter ones repeat some
+CONSTANT(22, float, LAW_0)        // parameters of the contact law, skin/laws/
 CONSTANT(23, float, LAW_1)
 CONSTANT(24, float, LAW_2)
 CONSTANT(25, bool, FRICTION)               // shear with memory, skin/friction.glsl

@@ -150,6 +150,9 @@ constexpr BatchArray kArrays[] = {
         "clean_tactile_jacobian",
         [](Shape s) { return countIf(s.options.outputs.clean_tactile_jacobian, jacobianFeatures(s) + layout::kNumWrenchJacobian); },
         [](const OutputOptions& o) { return o.clean_tactile_jacobian; }),
+    output<block::SpreadJacobian>(
+        "taxel_jacobian", [](Shape s) { return countIf(s.options.outputs.taxel_jacobian, 6 * taxels(s)); },
+        [](const OutputOptions& o) { return o.taxel_jacobian; }),
     perBatch(output<block::Problems>(
         "problems", [](Shape) { return std::uint64_t{1}; }, always)),
     perBatch(output<block::Work>(

@@ -22,7 +22,9 @@ struct BatchShape {
   bool hasLayer() const { return model.layer.has_value() && !takesContacts(); }
   bool outputsShear() const { return hasFriction() && options.outputs.tactile_shear_force; }
   bool outputsContactFeatures() const { return options.outputs.contact_features || options.outputs.clean_contact_features; }
-  bool outputsJacobian() const { return options.outputs.tactile_jacobian || options.outputs.clean_tactile_jacobian; }
+  bool outputsJacobian() const {
+    return options.outputs.tactile_jacobian || options.outputs.clean_tactile_jacobian || options.outputs.taxel_jacobian;
+  }
 };
 
 struct BatchArray {

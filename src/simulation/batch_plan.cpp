@@ -56,12 +56,13 @@ void checkRegions(const SimulatorOptions& options) {
 }
 
 void checkJacobian(const SimulatorOptions& options) {
-  if (!options.outputs.tactile_jacobian && !options.outputs.clean_tactile_jacobian) return;
-  const auto refuse = [&](const char* why) {
-    const char* name = options.outputs.tactile_jacobian ? "outputs.tactile_jacobian" : "outputs.clean_tactile_jacobian";
-    throw Error(ErrorKind::kInput, std::string(name) + ": true is not allowed " + why);
-  };
-  if (options.max_contacts > 0) refuse("where max_contacts > 0: contacts do not determine how forces change with a motion");
+  const OutputOptions& outputs = options.outputs;
+  const bool has_jacobian = outputs.tactile_jacobian || outputs.clean_tactile_jacobian || outputs.taxel_jacobian;
+  if (!has_jacobian || options.max_contacts == 0) return;
+  const char* name = outputs.tactile_jacobian ? "tactile_jacobian" : outputs.taxel_jacobian ? "taxel_jacobian" : "clean_tactile_jacobian";
+  throw Error(ErrorKind::kInput,
+              std::string("outputs.") + name +
+                  ": true is not allowed where max_contacts > 0: contacts do not determine how forces change with a motion");
 }
 
 // Objects or contacts.

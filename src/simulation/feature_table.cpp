@@ -57,7 +57,7 @@ static_assert(sizeof(ContactFeatureView) ==
               sizeof(FeatureView) + sizeof(RowCounts) + spans(kContactFeatures.size() + kRegionFeatures.size()));
 static_assert(sizeof(TactileJacobianView) == sizeof(RowCounts) + spans(kJacobianFeatures.size()));
 static_assert(sizeof(CleanTactileJacobianView) == sizeof(TactileJacobianView) + spans(kWrenchJacobian.size()));
-constexpr std::size_t kTaxelArrays = 3;  // tactile_normal_force, tactile_shear_force, penetration_depth
+constexpr std::size_t kTaxelArrays = 4;  // tactile_normal_force, tactile_shear_force, penetration_depth, taxel_jacobian
 static_assert(sizeof(GroundTruthView) == sizeof(FeatureView) + spans(kTaxelArrays + kTruthFeatures.size()) + sizeof(ContactFeatureView) +
                                              sizeof(CleanTactileJacobianView));
 

@@ -77,6 +77,7 @@ void fillTaxels(const OutputOptions& outputs, const BatchBuffers& buffers, std::
   frame.tactile_image = buffers.output<block::Image>().first(num_taxels);
   if (outputs.tactile_normal_force) truth.tactile_normal_force = buffers.output<block::SpreadNormal>().first(num_taxels);
   if (outputs.tactile_shear_force) truth.tactile_shear_force = buffers.output<block::SpreadShear>().first(2 * num_taxels);
+  if (outputs.taxel_jacobian) truth.taxel_jacobian = buffers.output<block::SpreadJacobian>().first(6 * num_taxels);
   if (outputs.penetration_depth) truth.penetration_depth = buffers.output<block::ContactDepth>().first(num_taxels);
 }
 

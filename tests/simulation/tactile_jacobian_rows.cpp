@@ -64,6 +64,15 @@ std::vector<double> flat(const std::array<ByTwist, 6>& wrench) {
   return values;
 }
 
+// (6 x num_taxels), as the device has them.
+std::vector<double> byTaxel(const std::vector<ByTwist>& rates) {
+  std::vector<double> values;
+  for (std::size_t k = 0; k < 6; ++k) {
+    for (const ByTwist& taxel : rates) values.push_back(taxel[k]);
+  }
+  return values;
+}
+
 std::vector<double> flat(const TactileJacobianView& view, std::size_t row) {
   std::vector<double> values;
   for (const auto& [block, width] : {std::pair{view.center_of_pressure, 18}, {view.total_force, 6}, {view.edge_angle, 6}}) {
@@ -162,6 +171,14 @@ void expectJacobian(const FrameView& frame, int instance, const Sensor& sensor, 
         [&](const TactileJacobian& of) -> const FeatureJacobian& { return of.measured_patches[p]; }, "measured patch");
   }
   const ByTwist by_twist = grossOf(twin.middle, extentOf(sensor));
+  if (!frame.ground_truth.taxel_jacobian.empty()) {
+    const std::size_t num_taxels = twin.middle.spread_force.size();
+    const auto taxels = frame.ground_truth.taxel_jacobian.subspan(6 * num_taxels * static_cast<std::size_t>(instance), 6 * num_taxels);
+    std::vector<double> per_taxel;
+    for (const double size : by_twist) per_taxel.insert(per_taxel.end(), num_taxels, size);
+    expectNear(
+        {taxels.begin(), taxels.end()}, twin, per_taxel, [](const TactileJacobian& of) { return byTaxel(of.spread_force); }, "taxels");
+  }
   std::vector<double> gross;
   for (std::size_t c = 0; c < 6; ++c) {
     for (const double size : by_twist) gross.push_back(size * (c < 3 ? 1 : extentOf(sensor)));

@@ -27,7 +27,7 @@ using support::Random;
 using support::Touch;
 
 constexpr double kDt = 0.01;  // s
-constexpr OutputOptions kAll{.tactile_jacobian = true, .clean_tactile_jacobian = true};
+constexpr OutputOptions kAll{.tactile_jacobian = true, .clean_tactile_jacobian = true, .taxel_jacobian = true};
 
 void expectFinite(const FrameView& frame) {
   const CleanTactileJacobianView& clean = frame.ground_truth.jacobian;

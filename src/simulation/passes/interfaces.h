@@ -74,6 +74,10 @@ struct RescaleJacobianInterface {
 #include "passes/rescale_jacobian.h"
 };
 
+struct SpreadJacobianInterface {
+#include "passes/spread_jacobian.h"
+};
+
 struct TactileJacobianInterface {
 #include "passes/tactile_jacobian.h"
 };

@@ -3,6 +3,7 @@
 #include "mask_jacobian.spv.h"
 #include "rescale_jacobian.spv.h"
 #include "sensor/curve.h"
+#include "spread_jacobian.spv.h"
 #include "tactile_jacobian.spv.h"
 #include "taxel_jacobian.spv.h"
 
@@ -29,6 +30,15 @@ void TactileJacobianPasses::recordTaxels(Recorder& recorder) const {
   if (kernels.taxels) recorder.dispatch(*kernels.taxels, numWorkgroups(num_taxels, kWorkgroup));
   if (kernels.mask) recorder.dispatch(*kernels.mask, numWorkgroups(num_taxels, kWorkgroup));
   if (kernels.rescale) recorder.dispatch(*kernels.rescale, numWorkgroups(kNumTwist * recorder.num_instances, kWorkgroup));
+}
+
+void TactileJacobianPasses::recordSpread(Recorder& recorder) const {
+  const auto& kernel = spread_kernel_.get({}, [&] {
+    return gpu::PassKernel<SpreadJacobianInterface>(model_.context(), "spread_jacobian", k_spread_jacobian_spirv,
+                                                    commonConstants(model_.sensor, model_.packed, {.workgroup = kWorkgroup, .lanes = 1}),
+                                                    SpreadJacobianInterface{.NUM_ENTRIES = model_.packed.num_entries});
+  });
+  recorder.dispatch(kernel, numWorkgroups(recorder.num_instances * model_.num_taxels, kWorkgroup));
 }
 
 void TactileJacobianPasses::recordFeatures(Recorder recorder, const Variant& variant) const {

@@ -1,5 +1,5 @@
-// Tactile Jacobian, shaders/taxel_jacobian.comp, mask_jacobian.comp, rescale_jacobian.comp, tactile_jacobian.comp: how forces, then
-// features change with the sensor's twist. They follow the image pass.
+// Tactile Jacobian, shaders/taxel_jacobian.comp, mask_jacobian.comp, rescale_jacobian.comp, spread_jacobian.comp, tactile_jacobian.comp:
+// how forces, then features change with the sensor's twist. They follow the image pass.
 #pragma once
 
 #include <optional>
@@ -23,6 +23,8 @@ class TactileJacobianPasses {
 
   // Changes of the forces of all taxels and of the wrenches of all tiles.
   void recordTaxels(Recorder& recorder) const;
+  // Changes of the forces after the point spread function; after recordTaxels().
+  void recordSpread(Recorder& recorder) const;
   // Changes of the features; after recordTaxels().
   void recordFeatures(Recorder recorder, const Variant& variant) const;
 
@@ -43,6 +45,7 @@ class TactileJacobianPasses {
   const ModelData& model_;
   int wanted_workgroup_;  // 0: chosen here
   KernelCache<OnlyVariant, TaxelKernels> taxel_kernels_;
+  KernelCache<OnlyVariant, gpu::PassKernel<SpreadJacobianInterface>> spread_kernel_;
   KernelCache<Variant, FeatureKernel> feature_kernels_;
 };
 

@@ -1,0 +1,9 @@
+// Tactile Jacobian of the taxels' forces after the point spread function, spread_jacobian.comp.
+
+CONSTANT(11, uint, NUM_ENTRIES)  // of a taxel's list of sources, where the sensor is not one grid patch
+
+BUFFER(0, readonly, Step)
+BUFFER(1, readonly, Instances)
+BUFFER(2, readonly, SpreadRows)
+BUFFER(3, readonly, TaxelJacobian)
+BUFFER(4, writeonly, SpreadJacobian)
