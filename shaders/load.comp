@@ -34,6 +34,42 @@ bool isNarrow(vec4 bracket, float width) {
   return high - low <= width || middle == low || middle == high;
 }
 
+// What the tiles of an instance carry at the offset that was tried.
+struct Tried {
+  float force, slope;  // along -z of S, N, and by the depth, N/m
+  bool too_deep;
+};
+
+Tried sumOfTiles(uint instance) {
+  Tried tried = Tried(0.0, 0.0, false);
+  float deep = 0.0;
+  uint behind = 0;
+  for (uint t = 0; t < NUM_TILES; ++t) {
+    TileResult result = tile_results[instance * NUM_TILES + t];
+    tried.force -= result.force.z;
+    deep += result.force.w;
+    if (NEWTON) tried.slope += result.torque.w;
+    if (NUM_ROWS == 0) behind |= result.window.x;
+  }
+  // Surfaces below the floor and no force: the search has passed through the body.
+  tried.too_deep = deep > 0.0 || (tried.force == 0.0 && behind > 0);
+  return tried;
+}
+
+// The next offset, or the next rest, inside of the bracket. `at`: the one that was tried; `newton`: the step of Newton's method.
+float nextAfter(LoadRecord record, Tried tried, float at, float newton, float load) {
+  float low = record.bracket.y, high = record.bracket.z, f_low = record.forces.x, f_high = record.forces.y, evaluations = record.forces.w;
+  if (NEWTON) {
+    // From above, in growing steps until the object touches. Newton's method approaches from below; from above it may go far too deep.
+    float step = tried.force > 0.0 || tried.too_deep ? max(newton, -FIRST_STEP) : -FIRST_STEP * exp2(evaluations - 1.0);
+    if (at + step > low && at + step < high) return at + step;
+  }
+  if (f_low < kDeeper && f_high > 0.0 && mod(evaluations, 2.0) != 0.0) {
+    return clamp(low + (high - low) * (f_low - load) / (f_low - f_high), low, high);
+  }
+  return 0.5 * (low + high);
+}
+
 void main() {
   uint instance = workgroupNumber() * WORKGROUP + gl_LocalInvocationIndex;
   if (!isProcessed(instance)) return;
@@ -50,38 +86,25 @@ void main() {
     return;
   }
 
-  float force = 0.0;
-  float slope = 0.0;
-  float deep = 0.0;
-  uint behind = 0;
-  for (uint t = 0; t < NUM_TILES; ++t) {
-    force -= tile_results[instance * NUM_TILES + t].force.z;
-    deep += tile_results[instance * NUM_TILES + t].force.w;
-    if (NEWTON) slope += tile_results[instance * NUM_TILES + t].torque.w;
-    if (NUM_ROWS == 0) behind |= tile_results[instance * NUM_TILES + t].window.x;
-  }
-  float load = instances[instance].drive.x;
-  float tried = refining ? record.forces.z : record.bracket.x;
-  float evaluations = record.forces.w + 1.0;
-  record.forces.w = evaluations;
-  // Surfaces below the floor and no force: the search has passed through the body.
-  bool too_deep = deep > 0.0 || (force == 0.0 && behind > 0);
-  if (!too_deep && load > 0.0 && abs(force - load) <= kTolerance * load) {
+  Tried tried = sumOfTiles(instance);
+  float load = instances[instance].drive.x, at = refining ? record.forces.z : record.bracket.x;
+  record.forces.w += 1.0;
+  if (!tried.too_deep && load > 0.0 && abs(tried.force - load) <= kTolerance * load) {
     loads[instance].bracket.w = kLoadCarried;
     return;
   }
-  if (too_deep || force > load) {
-    record.bracket.y = tried;
-    record.forces.x = too_deep ? kDeeper : force;
+  if (tried.too_deep || tried.force > load) {
+    record.bracket.y = at;
+    record.forces.x = tried.too_deep ? kDeeper : tried.force;
   } else {
-    record.bracket.z = tried;
-    record.forces.y = force;
+    record.bracket.z = at;
+    record.forces.y = tried.force;
   }
-  float newton = slope > 0.0 && !too_deep ? (force - load) / slope : kNoStep;
+  float newton = tried.slope > 0.0 && !tried.too_deep ? (tried.force - load) / tried.slope : kNoStep;
   if (NEWTON && !refining && load > 0.0 && abs(newton) < kCoarse) {
     // The rest counts from the offset that was tried.
     refining = true;
-    tried = 0.0;
+    at = 0.0;
     record.bracket = vec4(record.bracket.x, -2.0 * kCoarse, 2.0 * kCoarse, kLoadRefining);
     record.forces.xy = vec2(kDeeper, 0.0);
   }
@@ -89,21 +112,11 @@ void main() {
     refining = true;
     record.bracket = vec4(record.bracket.z, 2.0 * (record.bracket.y - record.bracket.z), 0.0, kLoadRefining);
   }
-  float low = record.bracket.y, high = record.bracket.z;
-  float f_low = record.forces.x, f_high = record.forces.y;
-  float next = 0.5 * (low + high);
-  if (f_low < kDeeper && f_high > 0.0 && mod(evaluations, 2.0) != 0.0) {
-    next = clamp(low + (high - low) * (f_low - load) / (f_low - f_high), low, high);
-  }
-  if (NEWTON) {
-    // From above, in growing steps until the object touches. Newton's method approaches from below; from above it may go far too deep.
-    float step = force > 0.0 || too_deep ? max(newton, -FIRST_STEP) : -FIRST_STEP * exp2(evaluations - 1.0);
-    if (tried + step > low && tried + step < high) next = tried + step;
-  }
-  if (evaluations + 1.0 >= float(EVALUATIONS) || isNarrow(record.bracket, refining ? kFine : 0.0)) {
+  float next = nextAfter(record, tried, at, newton, load);
+  if (record.forces.w + 1.0 >= float(EVALUATIONS) || isNarrow(record.bracket, refining ? kFine : 0.0)) {
     // At the upper bound the skin carries slightly less than the load, or far less if the load would need a sample deeper than the skin.
-    next = high;
-    record.bracket.w = f_high >= load * (1.0 - kAccepted) ? kLoadClosingCarried : kLoadClosingOutOfReach;
+    next = record.bracket.z;
+    record.bracket.w = record.forces.y >= load * (1.0 - kAccepted) ? kLoadClosingCarried : kLoadClosingOutOfReach;
   }
   if (refining) {
     record.forces.z = next;

@@ -10,8 +10,6 @@
 
 #include "reference/area_depth.h"
 #include "simulation/comparison.h"
-#include "simulation/input_error.h"
-#include "simulation/small_objects.h"
 #include "support/curved_sensor.h"
 #include "support/random_scene.h"
 
@@ -389,39 +387,6 @@ TEST(AreaSampling, JacobianOfTheForce) {
     EXPECT_LE(errors.centre, all[c].centre + bound * farthest);
     EXPECT_GT(run(point_simulator).depth, 2 * errors.depth);  // the baseline
   }
-}
-
-// One line per object that points may miss, with what would see it.
-TEST(AreaSampling, SmallObjectsAreWarnedOfWithPoints) {
-  const std::vector<Object> objects{Object("pin", Cylinder{0.5e-3, 12e-3}), Object("hair", Cylinder{0.05e-3, 12e-3}), Object(Sphere{2e-3})};
-  const auto warnings = [&](const Sensor& sensor) {
-    testing::internal::CaptureStderr();
-    warnOfSmallObjects(sensor, objects);
-    return testing::internal::GetCapturedStderr();
-  };
-  Sensor sensor = areaSensor(DepthSampling::kPoint);
-  const std::string points = warnings(sensor);
-  EXPECT_THAT(points,
-              testing::HasSubstr("object pin is 1 mm wide, samples are 0.85 mm apart: its force depends on where it lies between them; "
-                                 "depth_sampling: area counts all of it, samples_per_taxel: 14 sees it"));
-  EXPECT_THAT(points, testing::HasSubstr("object hair is 0.1 mm wide"));
-  EXPECT_EQ(std::count(points.begin(), points.end(), '\n'), 2);
-  EXPECT_EQ(warnings(areaSensor()), "");
-  sensor.skin.law = ElasticLayer{.elastic_modulus = 1e6};
-  EXPECT_THAT(warnings(sensor),
-              testing::AllOf(testing::HasSubstr("them; samples_per_taxel: 14 sees it"), testing::HasSubstr("elastic_layer cannot see it")));
-}
-
-TEST(AreaSampling, RefusesWhatItDoesNotCover) {
-  Sensor sensor = areaSensor();
-  sensor.skin.law = Winkler{1.73e8, 1.5, 0};
-  const std::string exponent =
-      support::inputError([&] { Model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{5e-3})}}); });
-  EXPECT_THAT(exponent, testing::AllOf(testing::HasSubstr("skin.normal_exponent: 1.5"), testing::HasSubstr("depth_sampling area")));
-  sensor.skin.law = ElasticLayer{.elastic_modulus = 1e6};
-  const std::string layer =
-      support::inputError([&] { Model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{5e-3})}}); });
-  EXPECT_THAT(layer, testing::AllOf(testing::HasSubstr("depth_sampling: area"), testing::HasSubstr("elastic_layer")));
 }
 
 }  // namespace

@@ -1,0 +1,55 @@
+// What is said of depth sampling: objects that points may miss, and laws without area sampling.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "simulation/comparison.h"
+#include "simulation/input_error.h"
+#include "simulation/small_objects.h"
+#include "support/random_scene.h"
+
+namespace taxelsim {
+namespace {
+
+Sensor sensorWith(DepthSampling sampling) {
+  Sensor sensor = support::gridSensor({.thickness = 2e-3});
+  sensor.depth_sampling = sampling;
+  return sensor;
+}
+
+// One line per object that points may miss, with what would see it.
+TEST(SmallObjects, AreWarnedOfWithPoints) {
+  const std::vector<Object> objects{Object("pin", Cylinder{0.5e-3, 12e-3}), Object("hair", Cylinder{0.05e-3, 12e-3}), Object(Sphere{2e-3})};
+  const auto warnings = [&](const Sensor& sensor) {
+    testing::internal::CaptureStderr();
+    warnOfSmallObjects(sensor, objects);
+    return testing::internal::GetCapturedStderr();
+  };
+  Sensor sensor = sensorWith(DepthSampling::kPoint);
+  const std::string points = warnings(sensor);
+  EXPECT_THAT(points,
+              testing::HasSubstr("object pin is 1 mm wide, samples are 0.85 mm apart: its force depends on where it lies between them; "
+                                 "depth_sampling: area counts all of it, samples_per_taxel: 14 sees it"));
+  EXPECT_THAT(points, testing::HasSubstr("object hair is 0.1 mm wide"));
+  EXPECT_EQ(std::count(points.begin(), points.end(), '\n'), 2);
+  EXPECT_EQ(warnings(sensorWith(DepthSampling::kArea)), "");
+  sensor.skin.law = ElasticLayer{.elastic_modulus = 1e6};
+  EXPECT_THAT(warnings(sensor),
+              testing::AllOf(testing::HasSubstr("them; samples_per_taxel: 14 sees it"), testing::HasSubstr("elastic_layer cannot see it")));
+}
+
+TEST(DepthSampling, AreaIsRefusedWhereMeansDoNotDetermineForces) {
+  Sensor sensor = sensorWith(DepthSampling::kArea);
+  sensor.skin.law = Winkler{1.73e8, 1.5, 0};
+  const std::string exponent =
+      support::inputError([&] { Model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{5e-3})}}); });
+  EXPECT_THAT(exponent, testing::AllOf(testing::HasSubstr("skin.normal_exponent: 1.5"), testing::HasSubstr("depth_sampling area")));
+  sensor.skin.law = ElasticLayer{.elastic_modulus = 1e6};
+  const std::string layer =
+      support::inputError([&] { Model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{5e-3})}}); });
+  EXPECT_THAT(layer, testing::AllOf(testing::HasSubstr("depth_sampling: area"), testing::HasSubstr("elastic_layer")));
+}
+
+}  // namespace
+}  // namespace taxelsim
