@@ -67,6 +67,14 @@ def test_evaluate_onnx(tmp_path: Path) -> None:
     assert percentages(text)[0] > 30
 
 
+def test_mujoco_batch() -> None:
+    pytest.importorskip("mujoco")
+    text = run("mujoco_batch.py")
+    found = re.search(r"median error of the edge angle ([\d.]+) degrees", text)
+    assert found
+    assert float(found.group(1)) < 3
+
+
 def test_train_ppo_compiles() -> None:
     source = (EXAMPLES / "train_ppo.py").read_text()
     compile(source, "train_ppo.py", "exec")

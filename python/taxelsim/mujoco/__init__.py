@@ -1,0 +1,15 @@
+"""MuJoCo: tactile arrays at the sites of a model, touched by its geoms. Needs MuJoCo 4: pip install 'taxelsim[mujoco]'.
+
+>>> import mujoco, taxelsim.mujoco
+>>> model = mujoco.MjModel.from_xml_path("hand.xml")
+>>> batch = mujoco.batch.Batch(model, nsim=1024)
+>>> tactile = taxelsim.mujoco.attach(model, {"palm": taxelsim.SCENES / "sensors/wts0614.yaml"}, ["cube"], num_instances=1024)
+>>> batch.step(nstep=10)
+>>> frames = tactile.observe(batch, dt=0.01)
+>>> frames["palm"].tactile_image  # (1024, 6, 14), counts
+"""
+
+from .attachment import Attachment, Sources, attach
+from .geoms import shape_of
+
+__all__ = ["Attachment", "Sources", "attach", "shape_of"]

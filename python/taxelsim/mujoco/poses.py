@@ -1,0 +1,97 @@
+"""Poses of sites and geoms of a batch, from the present state of each simulation."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Sequence
+from typing import Any
+
+import mujoco
+import numpy as np
+from mujoco.batch import Batch
+from numpy.typing import NDArray
+
+from ..errors import InputError
+
+Array = NDArray[np.float64]
+
+# Model fields that may differ between the simulations of a Batch and change poses.
+POSE_FIELDS = [f"{kind}_{field}" for kind in ("body", "geom", "site") for field in ("pos", "quat", "sameframe")]
+POSE_FIELDS += ["body_ipos", "body_iquat", "jnt_pos", "jnt_axis", "qpos0"]
+
+
+def product(p: Array, q: Array) -> Array:
+    """Products of quaternions (..., 4)."""
+    pw, px, py, pz = np.moveaxis(p, -1, 0)
+    qw, qx, qy, qz = np.moveaxis(q, -1, 0)
+    parts = (
+        pw * qw - px * qx - py * qy - pz * qz,
+        pw * qx + px * qw + py * qz - pz * qy,
+        pw * qy - px * qz + py * qw + pz * qx,
+        pw * qz + px * qy - py * qx + pz * qw,
+    )
+    return np.stack(parts, axis=-1)
+
+
+class Kinematics:
+    """Poses at the present state, whatever stage the caller's simulations have computed.
+
+    A Batch of its own without collisions, constraints and sensors takes their state: their derived fields stay as they are.
+    """
+
+    def __init__(self, model: Any, num_instances: int) -> None:
+        self.model = model
+        bare = copy.copy(model)
+        off = mujoco.mjtDisableBit
+        bare.opt.disableflags |= int(off.mjDSBL_CONTACT | off.mjDSBL_CONSTRAINT | off.mjDSBL_SENSOR)
+        bare.opt.enableflags &= ~int(mujoco.mjtEnableBit.mjENBL_SLEEP)
+        self.num_instances = num_instances
+        self.batch = Batch(bare, num_instances)
+        self.site_positions: Array = self.batch.bind("site_xpos")
+        self.site_rotations: Array = self.batch.bind("site_xmat")
+        self.site_quaternions: Array = self.batch.bind("site_xquat")
+        self.geom_positions: Array = self.batch.bind("geom_xpos")
+        self.geom_quaternions: Array = self.batch.bind("geom_xquat")
+
+    def update(self, source: Any) -> None:
+        """Computes the poses of a Batch, an MjData or a sequence of MjData. Raises InputError if it is of another size or model."""
+        if isinstance(source, Batch):
+            self._take_batch(source)
+        else:
+            self._take_data(source if isinstance(source, Sequence) else [source])
+        self.batch.forward(stage=mujoco.mjtStage.mjSTAGE_POS.value)
+
+    def _take_batch(self, source: Any) -> None:
+        self._check(source.nsim, source.model, "Batch")
+        if source.models is not None:
+            raise InputError("Batch with set_models(): its shapes may differ from those of the attached model")
+        if source.expanded("geom_size") is not None:
+            raise InputError("Batch with expanded geom_size: all simulations must have the shapes of the attached model")
+        for name in POSE_FIELDS:
+            values = source.expanded(name)
+            if values is not None:
+                self.batch.expand(name)[:] = values
+        self.batch.state[:] = source.state
+
+    def _take_data(self, datas: Sequence[Any]) -> None:
+        for data in datas:
+            if not isinstance(data, mujoco.MjData):
+                raise InputError(f"MjData, a sequence of MjData, or mujoco.batch.Batch expected, {type(data).__name__} found")
+            self._check(len(datas), data.model, "MjData")
+        for row, data in zip(self.batch.state, datas, strict=True):
+            mujoco.mj_getState(data.model, data, row, int(mujoco.mjtState.mjSTATE_INTEGRATION))
+
+    def _check(self, count: int, model: Any, kind: str) -> None:
+        if count != self.num_instances:
+            raise InputError(f"{kind}: {count} simulations found, {self.num_instances} attached")
+        sizes = [(name, getattr(model, name), getattr(self.model, name)) for name in ("nq", "nbody", "ngeom", "nsite")]
+        for name, found, expected in sizes:
+            if found != expected:
+                raise InputError(f"{kind} of another model: {name} is {found}, {expected} in the attached model")
+
+    def relative(self, site: int, geoms: Sequence[int], R_GO: Array) -> Array:
+        """X_SO (N, G, 7) of geoms in the frame of a site. R_GO (G, 4): rotations of the objects in the frames of their geoms."""
+        offsets = self.geom_positions[:, geoms] - self.site_positions[:, np.newaxis, site]
+        positions = offsets @ self.site_rotations[:, site].reshape(-1, 3, 3)  # rows times R_WS: rotated by its transpose
+        inverse = self.site_quaternions[:, np.newaxis, site] * (1, -1, -1, -1)
+        return np.concatenate((positions, product(inverse, product(self.geom_quaternions[:, geoms], R_GO))), axis=2)
