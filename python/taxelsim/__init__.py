@@ -100,6 +100,7 @@ from .program import SCENES
 from .runs import Interrupted, evaluate, generate
 from .simulator import NO_OBJECT, Simulator, split_patches
 from .vectorized import make_vec
+from .viewer import view
 
 __all__ = [
     "NO_OBJECT",
@@ -206,4 +207,5 @@ __all__ = [
     "skins_of",
     "split_patches",
     "taxel_patch",
+    "view",
 ]

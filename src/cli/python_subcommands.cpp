@@ -24,6 +24,7 @@ struct PythonSubcommand {
 
 constexpr std::array kPythonSubcommands{
     PythonSubcommand{.name = "evaluate", .option = "--policy", .description = ""},
+    PythonSubcommand{.name = "view", .option = "", .description = "Show episodes of a data set or a scene in the viewer Rerun (in Python)"},
 };
 
 // Whether the first word of the command line names it, with its option.
