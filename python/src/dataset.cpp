@@ -57,6 +57,9 @@ void bindDataset(nb::module_& module) {
       .def_prop_ro("seed", [](const DatasetReader& self) { return self.manifest().seed; })
       .def_prop_ro("scene", [](const DatasetReader& self) { return nb::bytes(self.manifest().scene.data(), self.manifest().scene.size()); })
       .def_prop_ro("policy", [](const DatasetReader& self) { return self.manifest().policy; })
+      .def_prop_ro("program_version", [](const DatasetReader& self) { return self.manifest().program_version; })
+      .def_prop_ro("device", [](const DatasetReader& self) { return self.manifest().device; })
+      .def_prop_ro("num_shards", [](const DatasetReader& self) { return self.manifest().numShards(); })
       .def_prop_ro(
           "episode_ends", [](const DatasetReader& self) { return arrayOf(self.episodeEnds()); },
           nb::sig("def episode_ends(self) -> numpy.typing.NDArray[typing.Any]"))

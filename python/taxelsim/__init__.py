@@ -101,6 +101,7 @@ from .program import SCENES
 from .runs import Interrupted, evaluate, generate
 from .simulator import NO_OBJECT, Simulator, split_patches
 from .vectorized import make_vec
+from .viewer import view
 
 __all__ = [
     "NO_OBJECT",
@@ -209,4 +210,5 @@ __all__ = [
     "split_patches",
     "taxel_patch",
     "vjp",
+    "view",
 ]

@@ -44,11 +44,15 @@ def taxel_map(positions: NDArray[np.float64]) -> NDArray[np.intp]:
     return nearest
 
 
+def colours_of(levels: NDArray[Any]) -> NDArray[np.uint8]:
+    """Colours (..., 3) of levels (...) from 0 to 1; levels beyond are clipped."""
+    colours: NDArray[np.uint8] = _COLOURS[np.rint(np.clip(levels, 0, 1) * 255).astype(np.intp)]
+    return colours
+
+
 def pictures(counts: NDArray[Any], saturation: int, pixels: NDArray[np.intp]) -> NDArray[np.uint8]:
     """Pictures (N, height, width, 3) of images `counts` (N, taxels), from 0 to `saturation`. `pixels`: from taxel_map()."""
-    levels = np.minimum(counts.astype(np.float64) / saturation, 1) * 255
-    result: NDArray[np.uint8] = _COLOURS[np.rint(levels).astype(np.intp)][:, pixels]
-    return result
+    return colours_of(counts.astype(np.float64) / saturation)[:, pixels]
 
 
 def tactile_pictures(sensor: Sensor, images: NDArray[Any], largest: float | None = None) -> NDArray[np.uint8]:

@@ -1,0 +1,94 @@
+"""`taxelsim view DIR|SCENE`: shows episodes in the viewer Rerun."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from .._core import Device
+from .._files import write_whole
+from ..errors import Error, InputError, IoError
+from ..viewer import view
+
+if TYPE_CHECKING:
+    import rerun
+
+LOOPBACK = "127.0.0.1"
+GRPC_PORT, WEB_PORT = 9876, 9090  # defaults of Rerun
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds the arguments of the subcommand."""
+    add = parser.add_argument
+    add("path", type=Path, metavar="DIR|SCENE", help="data set, or scene file: its episodes are simulated and not kept")
+    add("--episode", type=int, nargs="+", action="extend", metavar="N", help="numbers of the episodes; default: the first three")
+    add("--assets", type=Path, action="append", default=[], metavar="DIR", help="folder with meshes of a data set's scene; repeatable")
+    add("--device", default="", metavar="NAME", help='simulates a scene: "cpu", "discrete", an index, or part of a name; default: the best')
+    output = parser.add_mutually_exclusive_group()
+    output.add_argument("--save", type=Path, metavar="FILE.rrd", help="writes a file instead of opening a window; needs no display")
+    output.add_argument(
+        "--web", action="store_true", help=f"serves a page for a browser on ports {WEB_PORT} and {GRPC_PORT} of this machine, until Ctrl-C"
+    )
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Runs the subcommand. Returns the exit status: 2 for bad input, 1 for other failures, 130 after Ctrl-C."""
+    parser = argparse.ArgumentParser(prog="taxelsim view", description=__doc__)
+    add_arguments(parser)
+    options = parser.parse_args(arguments)
+    logging.basicConfig(format="%(message)s")
+    try:
+        _run(options)
+    except (Error, ImportError) as error:
+        print(f"taxelsim view: {error}", file=sys.stderr)
+        return 2 if isinstance(error, InputError) else 1
+    except KeyboardInterrupt:
+        return 130
+    return 0
+
+
+def _run(options: argparse.Namespace) -> None:
+    if options.save and options.save.suffix != ".rrd":
+        raise InputError(f"--save {options.save}: the name of a file that ends in .rrd is needed")
+    if options.save and not options.save.parent.is_dir():  # known before anything is simulated
+        raise IoError(f"{options.save}: No such file or directory")
+    if not (options.save or options.web or _has_display()):
+        raise InputError("there is no display: --save FILE.rrd writes a file, --web serves a page for a browser")
+    # Opened where a scene is simulated, so that a data set needs no device.
+    device = Device.open(options.device) if options.path.is_file() else None
+    recording = view(options.path, options.episode, assets=options.assets, device=device, isolated=True)
+    if options.save:
+        save(recording, options.save)
+    else:
+        _show(recording, web=options.web)
+
+
+def _has_display() -> bool:
+    return not sys.platform.startswith("linux") or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
+
+
+def save(recording: rerun.RecordingStream, file: Path) -> None:
+    """Writes a recording as a whole. Raises IoError."""
+    write_whole(file, recording.memory_recording().drain_as_bytes())
+
+
+def _show(recording: rerun.RecordingStream, *, web: bool) -> None:
+    """Runs the viewer of rerun-sdk until it is closed. It listens on the loopback interface only."""
+    web_options = ["--web-viewer-port", str(WEB_PORT), "--web-viewer" if _has_display() else "--serve-web"] if web else []
+    ports = f"ports {WEB_PORT} and {GRPC_PORT}" if web else f"port {GRPC_PORT}"
+    place = f"open http://{LOOPBACK}:{WEB_PORT}/?url=rerun%2Bhttp://{LOOPBACK}:{GRPC_PORT}/proxy; Ctrl-C ends. " if web else ""
+    print(f"{place}The viewer listens on {ports} of {LOOPBACK}.", file=sys.stderr, flush=True)
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder, "view.rrd")
+        save(recording, file)
+        command = [sys.executable, "-m", "rerun", "--bind", LOOPBACK, "--port", str(GRPC_PORT), *web_options, os.fspath(file)]
+        status = subprocess.run(command, check=False).returncode
+    if status != 0:
+        raise IoError(f"the viewer ended with status {status}; --save FILE.rrd writes a file for another machine")

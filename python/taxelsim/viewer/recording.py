@@ -1,0 +1,117 @@
+"""An episode as entities of a recording."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import rerun as rr
+from numpy.typing import NDArray
+
+from .._core import Object
+from ..pictures import colours_of, taxel_map
+from .checks import extent_of
+from .episode_text import summary_of
+from .series import series_of
+from .shapes import flat_shaded, taxel_axes, taxel_quads, triangles_of
+from .source import Episode
+
+OBJECT_COLOUR = (190, 190, 200)
+ARROW_COLOUR = (230, 60, 60)
+LONGEST_ARROW = 2.0  # in pitches of the sensor
+
+
+class EpisodeWriter:
+    """Writes one episode below the entity `episode_<number>`, on the timelines `time` (s) and `frame`."""
+
+    def __init__(self, recording: rr.RecordingStream, episode: Episode, largest_force: float) -> None:
+        self._recording = recording
+        self._episode = episode
+        self._largest_force = largest_force
+        self.root = f"episode_{episode.number}"
+        self.num_sensors = episode.num_sensors
+        self.series = series_of(episode)
+        self._frames = np.arange(len(episode))
+
+    def write(self, item: Object | None) -> None:
+        """item: the object that is touched; None if it is not known."""
+        self._static("summary", rr.TextDocument(summary_of(self._episode, self._largest_force), media_type="text/markdown"))
+        self._static("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP)
+        for k in range(self.num_sensors):
+            self._write_sensor(k)
+        if item is not None and "data/pose" in self._episode.columns:
+            vertices, normals = flat_shaded(*triangles_of(item.shape, 2 * extent_of(self._episode.sensor)))
+            mesh = rr.Mesh3D(vertex_positions=vertices, vertex_normals=normals, albedo_factor=OBJECT_COLOUR)
+            self._static(f"{self.sensor_path(0)}/object", mesh)
+        for series in self.series:
+            self._static(series.path, rr.SeriesLines(names=list(series.names)))
+            self._columns(series.path, rr.Scalars.columns(scalars=series.values), series.frames)
+
+    def sensor_path(self, k: int) -> str:
+        """Entity of sensor k, whose frame is S."""
+        return "world/sensor" if self.num_sensors == 1 else f"world/sensor_{k}"
+
+    def image_path(self, k: int) -> str:
+        """Entity of the tactile image of sensor k."""
+        return "tactile_image" if self.num_sensors == 1 else f"tactile_image_{k}"
+
+    def _write_sensor(self, k: int) -> None:
+        episode, path = self._episode, self.sensor_path(k)
+        for name, entity in (("data/sensor_pose", path), ("data/pose", f"{path}/object")):
+            poses = episode.per_sensor(name, (7,))
+            if poses is not None and not (k and name == "data/pose"):
+                position, rotation = poses[:, k, :3], poses[:, k, [4, 5, 6, 3]]  # x, y, z, w
+                self._columns(entity, rr.Transform3D.columns(translation=position, quaternion=rotation))
+        vertices, triangles = taxel_quads(episode.sensor)
+        self._static(f"{path}/taxels", rr.Mesh3D(vertex_positions=vertices, triangle_indices=triangles))
+        colours = _packed(np.repeat(colours_of(episode.forces[:, k] / self._largest_force), 4, axis=1))
+        self._columns(f"{path}/taxels", rr.Mesh3D.columns(vertex_colors=colours.ravel()).partition([len(vertices)] * len(episode)))
+        self._write_shear(k)
+        self._write_image(k)
+
+    def _write_shear(self, k: int) -> None:
+        sensor = self._episode.sensor
+        shear = self._episode.per_sensor("data/ground_truth/tactile_shear_force", (sensor.num_taxels, 2))
+        if shear is None:
+            return
+        pitch = max(sensor.patches[0].pitch)
+        largest = float(np.linalg.norm(shear, axis=-1).max())
+        scale = LONGEST_ARROW * pitch / largest if largest > 0 else 1.0
+        vectors = np.einsum("fta,tas->fts", shear[:, k], taxel_axes(sensor)) * scale
+        entity = f"{self.sensor_path(k)}/shear"
+        fixed = rr.Arrows3D.from_fields(origins=sensor.taxel_positions, colors=[ARROW_COLOUR], radii=[pitch / 20])
+        self._static(entity, fixed)
+        self._columns(entity, rr.Arrows3D.columns(vectors=vectors.reshape(-1, 3)).partition([sensor.num_taxels] * len(vectors)))
+
+    def _write_image(self, k: int) -> None:
+        episode, entity = self._episode, self.image_path(k)
+        counts = episode.image.astype(np.uint16, copy=False).reshape(len(episode), episode.num_sensors, episode.sensor.num_taxels)[:, k]
+        if len(episode.sensor.patches) == 1:
+            patch = episode.sensor.patches[0]
+            images = counts.reshape(len(episode), patch.num_rows, patch.num_cols)
+        else:
+            images = counts[:, taxel_map(episode.sensor.taxel_positions)]
+        self._static(entity, _image_format(images, episode.sensor.readout.saturation))
+        rows = np.ascontiguousarray(images).reshape(len(episode), -1)
+        self._columns(entity, rr.DepthImage.columns(buffer=rows.view(np.uint8)))
+
+    def _static(self, path: str, archetype: Any) -> None:
+        self._recording.log(f"{self.root}/{path}", archetype, static=True)
+
+    def _columns(self, path: str, columns: Any, frames: NDArray[np.intp] | None = None) -> None:
+        chosen = self._frames if frames is None else frames
+        times = np.asarray(self._episode.columns["data/time"])[chosen]
+        indexes = [rr.TimeColumn("time", duration=times), rr.TimeColumn("frame", sequence=chosen)]
+        self._recording.send_columns(f"{self.root}/{path}", indexes, columns)
+
+
+def _packed(colours: NDArray[np.uint8]) -> NDArray[np.uint32]:
+    """0xRRGGBBAA of opaque colours (..., 3)."""
+    red, green, blue = np.moveaxis(colours.astype(np.uint32), -1, 0)
+    return np.asarray(red << 24 | green << 16 | blue << 8 | 0xFF, np.uint32)
+
+
+def _image_format(images: NDArray[np.uint16], saturation: int) -> rr.DepthImage:
+    """What all images (F, height, width) have in common. An image of counts, so that the viewer shows the counts below the cursor."""
+    size = rr.components.ImageFormat(width=images.shape[2], height=images.shape[1], channel_datatype="U16")
+    return rr.DepthImage.from_fields(format=size, meter=1.0, colormap="viridis", depth_range=[0, saturation])

@@ -1,0 +1,59 @@
+"""The scene of a data set, read from its manifest and the files that the manifest names."""
+
+from __future__ import annotations
+
+import glob
+import json
+import re
+import shutil
+import tempfile
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from .._core import Mesh, Scene, load_scene
+from ..dataset.checksums import sha256_of
+from ..errors import InputError
+from ..program import SCENES
+
+# A resolved scene names a file, without its folder, and its SHA-256 on the next line.
+_FILE = re.compile(r'\b(mesh|file): (.+)\n +sha256: "([0-9a-f]{64})"$', re.MULTILINE)
+
+# Stands for a mesh that is not found, so that the rest of the scene can be read.
+_PLACEHOLDER = "v 0 0 0\nv 0.001 0 0.001\nv 0 0.001 0.001\nv -0.001 -0.001 0.001\nf 1 2 3\nf 1 3 4\nf 1 4 2\nf 2 4 3\n"
+
+
+def _candidates(name: str, folders: Sequence[Path]) -> Iterator[Path]:
+    for folder in folders:
+        yield from (file for file in sorted(folder.rglob(glob.escape(name))) if file.is_file())
+
+
+def scene_of(text: str, folders: Sequence[Path], origin: Path) -> tuple[Scene, set[int]]:
+    """The scene of a data set, and the indices of objects whose mesh is not found: a placeholder stands for it.
+
+    text: the resolved scene. folders: searched with their subfolders for the files that it names, by name and SHA-256; then the scenes of
+    the package. origin: data set, for messages. Raises InputError for another file that is not found, such as a URDF.
+    """
+    is_found: list[bool] = []  # of each mesh, in the order of the objects
+    with tempfile.TemporaryDirectory() as root:
+
+        def collected(found: re.Match[str]) -> str:
+            key, quoted, sha256 = found.groups()
+            name = json.loads(quoted) if quoted.startswith('"') else quoted
+            if Path(name).name != name:
+                raise InputError(f"{origin}: scene: {key}: {name!r} found, the name of a file without a folder allowed")
+            file = next((file for file in _candidates(name, [*folders, SCENES]) if sha256_of(file) == sha256), None)
+            if key == "mesh":
+                is_found.append(file is not None)
+            if file is not None:
+                shutil.copyfile(file, Path(root, name))
+                return found[0]
+            if key != "mesh":
+                raise InputError(f"{origin}: {name} with SHA-256 {sha256} is not found; --assets names the folder that holds it")
+            Path(root, "missing.obj").write_text(_PLACEHOLDER)
+            return "mesh: missing.obj"
+
+        file = Path(root, "scene.yaml")
+        file.write_text(_FILE.sub(collected, text), encoding="utf-8")
+        scene = load_scene(file)
+    meshes = [index for index, item in enumerate(scene.objects) if isinstance(item.shape, Mesh)]
+    return scene, {index for index, found in zip(meshes, is_found, strict=True) if not found}

@@ -1,0 +1,136 @@
+"""What is shown: episodes of a data set, or of a scene that is simulated first."""
+
+from __future__ import annotations
+
+import logging
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from .._core import Device, Scene, load_scene
+from ..dataset import Dataset
+from ..dataset.provenance import Provenance
+from ..errors import InputError
+from ..runs import generate
+from .checks import size_warnings
+from .scene_files import scene_of
+
+logger = logging.getLogger("taxelsim")
+DEFAULT_EPISODES = 3
+_MAX_KNOTS = 4097  # of the curve from counts to newtons
+
+
+@dataclass(frozen=True)
+class Episode:
+    """Frames of one episode by name of column, arrays (F, ...), and values of columns in meta/. F: number of frames."""
+
+    number: int
+    columns: Mapping[str, Any]
+    sensor: _core.Sensor
+
+    def __len__(self) -> int:
+        return len(self.columns["data/time"])
+
+    @property
+    def num_sensors(self) -> int:
+        """Sensors of the robot."""
+        return int(self.image.size // (len(self) * self.sensor.num_taxels))
+
+    @property
+    def image(self) -> NDArray[Any]:
+        """Tactile images, as in the data set."""
+        return np.asarray(self.columns["data/tactile_image"])
+
+    def per_sensor(self, name: str, shape: tuple[int, ...]) -> NDArray[Any] | None:
+        """A column as (F, num_sensors, *shape); None if it is not recorded."""
+        values = self.columns.get(name)
+        return None if values is None else np.asarray(values).reshape(len(self), self.num_sensors, *shape)
+
+    @property
+    def forces(self) -> NDArray[np.float64]:
+        """Normal forces (F, num_sensors, num_taxels), N: from ground truth if recorded, else from the counts by the nominal curve."""
+        true = self.per_sensor("data/ground_truth/tactile_normal_force", (self.sensor.num_taxels,))
+        if true is not None:
+            return np.asarray(true, np.float64)
+        readout = self.sensor.readout
+        knots = np.linspace(0, readout.saturation, min(readout.saturation + 1, _MAX_KNOTS))
+        newtons = [_core.nominal_force(readout, counts) for counts in knots]
+        counts = self.image.reshape(len(self), self.num_sensors, self.sensor.num_taxels)
+        return np.asarray(np.interp(counts, knots, newtons))
+
+
+@dataclass(frozen=True)
+class Source:
+    """Episodes and their scene."""
+
+    scene: Scene
+    missing: set[int]
+    """Objects whose mesh is not found."""
+    episodes: list[Episode]
+
+
+def _is_shown(name: str) -> bool:
+    return "/jacobian/" not in name and name != "meta/episode_ends"
+
+
+def _row_of(data: Dataset, number: int) -> int:
+    """Row of an episode; without reading all numbers where the data set has all episodes, in order."""
+    if 0 <= number < data.num_episodes and data["meta/episode"][number] == number:
+        return number
+    rows = np.flatnonzero(data["meta/episode"][:] == number)
+    if not len(rows):
+        numbers = data["meta/episode"][:]
+        raise InputError(f"{data.folder}: episode {number} is not in the data set, whose episodes are {numbers.min()} to {numbers.max()}")
+    return int(rows[0])
+
+
+def _episodes(data: Dataset, scene: Scene, numbers: Sequence[int] | None) -> list[Episode]:
+    for needed in ("data/time", "data/tactile_image"):
+        if needed not in data:
+            raise InputError(f"{data.folder}: no column {needed}: add tactile_image to `record` of the scene")
+    columns = [name for name in data.columns if _is_shown(name)]
+    rows = range(min(DEFAULT_EPISODES, data.num_episodes)) if numbers is None else [_row_of(data, number) for number in numbers]
+    values = [data.episode(row, columns) for row in rows]
+    return [Episode(int(value["meta/episode"]), value, scene.sensor) for value in values]
+
+
+@contextmanager
+def _simulated(scene: Scene, numbers: Sequence[int] | None, device: Device | None) -> Iterator[Dataset]:
+    chosen = range(min(DEFAULT_EPISODES, scene.num_episodes)) if numbers is None else numbers
+    with tempfile.TemporaryDirectory() as folder:
+        generate(scene, folder, episodes=chosen, device=device, batch_size=len(chosen), num_slices=1)
+        yield Dataset(folder)
+
+
+def open_source(path: Path, numbers: Sequence[int] | None, assets: Sequence[Path], device: Device | None, isolated: bool) -> Source:
+    """Episodes of a data set, or of a scene file. Raises InputError.
+
+    numbers: of the episodes; None: the first ones. isolated: as Dataset().
+    """
+    if numbers is not None and (not len(numbers) or len(set(numbers)) != len(numbers) or min(numbers) < 0):
+        raise InputError(f"episodes: {', '.join(map(str, numbers)) or 'none'} found, different numbers from 0 allowed")
+    for folder in assets:
+        if not folder.is_dir():
+            raise InputError(f"{folder}: not a folder; --assets names a folder with meshes of the scene")
+    if path.is_dir():
+        data = Dataset(path, isolated=isolated)
+        scene, missing = scene_of(Provenance.of(path).scene, assets, path)
+        warn(size_warnings(scene, missing))
+        return Source(scene, missing, _episodes(data, scene, numbers))
+    scene = load_scene(path)
+    warn(size_warnings(scene, set()))  # first, since the simulation may refuse such objects
+    with _simulated(scene, numbers, device) as data:
+        return Source(scene, set(), _episodes(data, scene, numbers))
+
+
+def warn(lines: Sequence[str]) -> None:
+    """Logs warnings."""
+    for line in lines:
+        logger.warning("warning: %s", line)
