@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NoReturn
 
@@ -12,12 +14,26 @@ SCENES = Path(__file__).parent / "scenes"
 """Folder of the scenes, sensors, objects and robots that ship with the package."""
 
 
+SUBCOMMANDS: dict[str, str | None] = {
+    "evaluate": "--policy",
+}
+"""Subcommands that are written in Python, by name: the option with which they are, None for always. `main(arguments) -> int` of the module
+taxelsim.commands.<name> runs one. src/cli/python_subcommands.cpp has the same table."""
+
+
+def is_python_command(arguments: Sequence[str]) -> bool:
+    """Whether the first of the arguments names a subcommand that is written in Python."""
+    if not arguments or arguments[0] not in SUBCOMMANDS:
+        return False
+    option = SUBCOMMANDS[arguments[0]]
+    return option is None or any(argument.split("=")[0] == option for argument in arguments[1:])
+
+
 def main() -> NoReturn:
     """Runs a subcommand that is written in Python, or replaces this process by the program of the package, with the same arguments."""
-    if sys.argv[1:2] == ["evaluate"] and any(argument.split("=")[0] == "--policy" for argument in sys.argv):
-        from .commands.evaluate import main as evaluate
-
-        sys.exit(evaluate(sys.argv[2:]))
+    name, arguments = "".join(sys.argv[1:2]), sys.argv[2:]
+    if is_python_command([name, *arguments]):
+        sys.exit(importlib.import_module(f".commands.{name}", __package__).main(arguments))
     if not PROGRAM.exists():
         print(f"taxelsim: {PROGRAM} is missing; install the package again: pip install --force-reinstall taxelsim", file=sys.stderr)
         sys.exit(1)

@@ -62,6 +62,7 @@ int run(int argc, char** argv) {
   addCompare(app, action);
   addCalibrateReadings(app, action);
   addStiffness(app, action);
+  addPythonSubcommands(app, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

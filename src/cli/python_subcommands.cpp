@@ -6,6 +6,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -13,6 +15,23 @@
 
 namespace taxelsim::cli {
 namespace {
+
+struct PythonSubcommand {
+  const char* name;
+  std::string_view option;  // with this option only; empty: always
+  const char* description;  // empty if the subcommand exists in C++ as well
+};
+
+constexpr std::array kPythonSubcommands{
+    PythonSubcommand{.name = "evaluate", .option = "--policy", .description = ""},
+};
+
+// Whether the first word of the command line names it, with its option.
+bool isChosen(const PythonSubcommand& subcommand, int argc, const char* const* argv) {
+  const auto isOption = [&](std::string_view word) { return word.substr(0, word.find('=')) == subcommand.option; };
+  return argc >= 2 && argv[1] == std::string_view(subcommand.name) &&
+         (subcommand.option.empty() || std::any_of(argv + 2, argv + argc, isOption));
+}
 
 // Exit status 0 if python3 finds the package.
 bool hasPackage() {
@@ -30,9 +49,19 @@ bool hasPackage() {
 
 }  // namespace
 
+void addPythonSubcommands(CLI::App& app, Action& action) {
+  for (const PythonSubcommand& subcommand : kPythonSubcommands) {
+    if (*subcommand.description == '\0') continue;
+    CLI::App* const sub = app.add_subcommand(subcommand.name, subcommand.description)->allow_extras();
+    sub->callback([&action, name = subcommand.name] {
+      action = [name]() -> int { throw Error(ErrorKind::kInput, std::string(name) + ": must be the first word after taxelsim"); };
+    });
+  }
+}
+
 bool isPythonCommand(int argc, const char* const* argv) {
-  if (argc < 2 || argv[1] != std::string_view("evaluate")) return false;
-  return std::any_of(argv + 2, argv + argc, [](std::string_view word) { return word.substr(0, word.find('=')) == "--policy"; });
+  return std::any_of(kPythonSubcommands.begin(), kPythonSubcommands.end(),
+                     [&](const PythonSubcommand& subcommand) { return isChosen(subcommand, argc, argv); });
 }
 
 void runInPython(int argc, char** argv) {
@@ -42,9 +71,13 @@ void runInPython(int argc, char** argv) {
     words.push_back(nullptr);
     ::execvp(words[0], const_cast<char* const*>(words.data()));
   }
-  throw Error(ErrorKind::kInput,
-              "evaluate --policy needs the Python package taxelsim, which python3 does not find: pip install . in a virtual environment "
-              "(docs/python.md)");
+  const auto chosen = std::find_if(kPythonSubcommands.begin(), kPythonSubcommands.end(),
+                                   [&](const PythonSubcommand& subcommand) { return isChosen(subcommand, argc, argv); });
+  std::string words = argv[1];
+  if (!chosen->option.empty()) words += " " + std::string(chosen->option);
+  throw Error(ErrorKind::kInput, words +
+                                     " needs the Python package taxelsim, which python3 does not find: pip install . in a virtual "
+                                     "environment (docs/python.md)");
 }
 
 }  // namespace taxelsim::cli

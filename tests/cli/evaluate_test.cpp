@@ -136,26 +136,5 @@ TEST_F(Evaluate, ConditionsOverrideTheScene) {
   expectRefused(runTaxelsim({"evaluate", scene_, "--condition", "bent"}), "condition bent: not in this scene; it has nominal, straight");
 }
 
-// A python3 without the package: a script of that name that fails, first in PATH.
-TEST(EvaluatePolicy, NeedsThePythonPackage) {
-  const TemporaryDirectory root;
-  std::ofstream(root / "python3") << "#!/bin/sh\nexit 1\n";
-  std::filesystem::permissions(root / "python3", std::filesystem::perms::owner_all);
-  const Outcome outcome =
-      runTaxelsim({"evaluate", "scene.yaml", "--policy", "p.onnx"}, {.environment = {"PATH=" + (root / "").string() + ":/usr/bin:/bin"}});
-  expectRefused(outcome, "evaluate --policy needs the Python package taxelsim");
-}
-
-// A python3 that prints its arguments.
-TEST(EvaluatePolicy, RunsInPython) {
-  const TemporaryDirectory root;
-  std::ofstream(root / "python3") << "#!/bin/sh\nif [ \"$1\" = -m ]; then echo \"$@\"; exit 7; fi\n";
-  std::filesystem::permissions(root / "python3", std::filesystem::perms::owner_all);
-  const Outcome outcome = runTaxelsim({"evaluate", "scene.yaml", "--policy=p.onnx", "--json"},
-                                      {.environment = {"PATH=" + (root / "").string() + ":/usr/bin:/bin"}});
-  EXPECT_EQ(outcome.status, 7) << outcome.err;
-  EXPECT_EQ(outcome.out, "-m taxelsim evaluate scene.yaml --policy=p.onnx --json\n");
-}
-
 }  // namespace
 }  // namespace taxelsim::testing

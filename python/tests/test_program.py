@@ -1,0 +1,41 @@
+"""The command line: which subcommands run in Python."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import subprocess
+
+import pytest
+
+from taxelsim.program import PROGRAM, SUBCOMMANDS, is_python_command
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        ([], False),
+        (["generate", "scene.yaml"], False),
+        (["evaluate", "scene.yaml"], False),
+        (["evaluate", "scene.yaml", "--policy", "p.onnx"], True),
+        (["evaluate", "scene.yaml", "--policy=p.onnx"], True),
+        (["evaluate", "scene.yaml", "--policyholder"], False),
+        (["generate", "--policy", "p.onnx"], False),
+    ],
+)
+def test_is_python_command(arguments, expected):
+    assert is_python_command(arguments) is expected
+
+
+@pytest.mark.parametrize("name", SUBCOMMANDS)
+def test_program_and_package_have_the_same_subcommands(tmp_path, name):
+    assert callable(importlib.import_module(f"taxelsim.commands.{name}").main)
+    (tmp_path / "python3").write_text('#!/bin/sh\n[ "$1" = -m ] && echo "$@"\nexit 0\n')  # prints the arguments
+    (tmp_path / "python3").chmod(0o755)
+    option = SUBCOMMANDS[name]
+    arguments = [name, *([option] if option else []), "x"]
+    found = subprocess.run(
+        [PROGRAM, *arguments], capture_output=True, text=True, env={**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}"}
+    )
+    assert found.stdout.split() == ["-m", "taxelsim", *arguments]
+    assert name in subprocess.run([PROGRAM, "--help"], capture_output=True, text=True).stdout

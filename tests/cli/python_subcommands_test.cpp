@@ -1,0 +1,35 @@
+// Subcommands that are written in Python: `evaluate --policy` stands for all. python/tests/test_program.py compares the tables.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "cli/command_line.h"
+
+namespace taxelsim::testing {
+namespace {
+
+// Environment in which python3 is a shell script, first in PATH.
+std::vector<std::string> withPython(const TemporaryDirectory& root, const std::string& script) {
+  std::ofstream(root / "python3") << "#!/bin/sh\n" << script << "\n";
+  std::filesystem::permissions(root / "python3", std::filesystem::perms::owner_all);
+  return {"PATH=" + (root / "").string() + ":/usr/bin:/bin"};
+}
+
+TEST(PythonSubcommands, NeedThePythonPackage) {
+  const TemporaryDirectory root;
+  const Outcome outcome = runTaxelsim({"evaluate", "scene.yaml", "--policy", "p.onnx"}, {.environment = withPython(root, "exit 1")});
+  expectRefused(outcome, "evaluate --policy needs the Python package taxelsim");
+}
+
+TEST(PythonSubcommands, RunInPython) {
+  const TemporaryDirectory root;
+  const auto environment = withPython(root, "if [ \"$1\" = -m ]; then echo \"$@\"; exit 7; fi");
+  const Outcome outcome = runTaxelsim({"evaluate", "scene.yaml", "--policy=p.onnx", "--json"}, {.environment = environment});
+  EXPECT_EQ(outcome.status, 7) << outcome.err;
+  EXPECT_EQ(outcome.out, "-m taxelsim evaluate scene.yaml --policy=p.onnx --json\n");
+}
+
+}  // namespace
+}  // namespace taxelsim::testing
