@@ -46,6 +46,7 @@ def _parser() -> argparse.ArgumentParser:
     add("--columns", type=_names, default=(), metavar="NAMES", help="further columns, e.g. data/total_force,data/center_of_pressure")
     add("--tactile-in-state", action="store_true", help="appends the tactile image to the state, for policies that read nothing else")
     add("--task", default=Options.task, metavar="TEXT", help="lerobot: text of the task, with {scene} and {object}; default: %(default)r")
+    add("--tactile-key", default=Options.tactile_key, metavar="NAME", help="lerobot: name of the tactile image, default %(default)s")
     add("--zarr-format", type=int, default=2, metavar="N", help="zarr: version of the format, 2 (default) or 3, which has shards")
     add("--next-observations", action="store_true", help="robomimic: writes next_obs, which offline reinforcement learning needs")
     return parser
@@ -58,6 +59,7 @@ def _options_of(options: argparse.Namespace) -> Options:
         columns=options.columns,
         tactile_in_state=options.tactile_in_state,
         task=options.task,
+        tactile_key=options.tactile_key,
         zarr_format=options.zarr_format,
         next_observations=options.next_observations,
     )

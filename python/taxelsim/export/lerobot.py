@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from .. import __version__
+from ..errors import InputError
 from . import statistics
 from .features import SUCCESS, Feature, short_name
 from .source import Block, Source
@@ -91,8 +92,9 @@ class _Tables:
     def __init__(self, source: Source) -> None:
         self.source = source
         self.rate = source.frame_rate()
-        named = {"observation.tactile": source.tactile, "observation.state": source.state, "action": source.action}
+        named = {"observation.state": source.state, "action": source.action}
         named |= {f"observation.{short_name(name)}": feature for name, feature in source.columns.items()}
+        named = {_checked_key(source.options.tactile_key, named): source.tactile, **named}
         self.vectors: dict[str, Feature] = {name: feature for name, feature in named.items() if feature is not None}
         self.columns = source.frame_columns() + ("meta/object_name",) + ((SUCCESS,) if source.has_success else ())
         self.flags = {"next.done": "bool"} | ({"next.reward": "float32", "next.success": "bool"} if source.has_success else {})
@@ -171,6 +173,15 @@ class _Tables:
             "video_path": None,
             "features": self.features,
         }
+
+
+def _checked_key(key: str, others: Collection[str]) -> str:
+    """The name of the tactile image. The reader takes names with `image` for pictures, and allows no slash."""
+    if not key.startswith("observation.") or "/" in key or "image" in key or key in others:
+        raise InputError(
+            f"tactile_key: {key!r} found; observation.NAME expected, without a slash, `image`, and the name of another feature"
+        )
+    return key
 
 
 def _arrow_type(feature: dict[str, Any]) -> pa.DataType:

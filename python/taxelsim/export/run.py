@@ -30,7 +30,7 @@ class Format:
 _VECTORS = ("state", "columns", "tactile_in_state")
 
 FORMATS = {
-    "lerobot": Format("lerobot", ("pyarrow",), (*_VECTORS, "task"), "a folder: LeRobotDataset v3.0"),
+    "lerobot": Format("lerobot", ("pyarrow",), (*_VECTORS, "task", "tactile_key"), "a folder: LeRobotDataset v3.0"),
     "zarr": Format("replay_buffer", ("zarr",), (*_VECTORS, "zarr_format"), "a folder: data/ and meta/episode_ends, as in Diffusion Policy"),
     "robomimic": Format("robomimic", ("h5py",), (*_VECTORS, "next_observations"), "a file: HDF5 with data/demo_N"),
     "mcap": Format("ros2", ("mcap_ros2",), (), "a folder: one MCAP file with ROS 2 messages per episode"),

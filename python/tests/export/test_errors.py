@@ -33,6 +33,8 @@ def refused(folder, out, message, format_name="lerobot", **options):
         ({"columns": ("meta/load",)}, "'meta/load' found, a column in data/ is needed"),
         ({"state": ("nothing",)}, "no column 'nothing'"),
         ({"columns": ("data/tactile_image",)}, "columns: data/tactile_image found, which every export has"),
+        ({"tactile_key": "observation.tactile_image"}, "tactile_key: 'observation.tactile_image' found"),
+        ({"tactile_key": "observation.state"}, "tactile_key: 'observation.state' found"),
         ({"zarr_format": 3}, "zarr_format: not an option of format lerobot"),
         ({"zarr_format": 4, "format_name": "zarr"}, "zarr_format: 4 found, 2 and 3 allowed"),
     ],

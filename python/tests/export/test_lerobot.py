@@ -91,6 +91,12 @@ def test_features_name_every_number(exported):
         )
 
 
+def test_the_tactile_image_has_the_chosen_name(exported):
+    features = json.loads((exported("lerobot", tactile_key="observation.environment_state") / "meta/info.json").read_text())["features"]
+    assert features["observation.environment_state"]["shape"] == [84]
+    assert "observation.tactile" not in features
+
+
 def test_chosen_episodes_count_from_zero(folder, exported):
     root = exported("lerobot", episodes=(3, 4))
     frames = table_of(root, "data/chunk-000/file-000.parquet")
