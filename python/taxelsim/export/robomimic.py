@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ from .staging import staged_file
 
 BLOCK_FRAMES = 1 << 14  # that are in memory at once
 VALID_EVERY = 10  # every tenth episode, or the last of fewer, is in mask/valid
+_EPISODE_BYTES = 1 << 14  # more than the group of an episode and its headers take
 _GYM = 2  # the reader's number of a Gymnasium environment
 
 
@@ -32,13 +34,19 @@ def write(source: Source, out: Path, plan: dict[str, Any], report: Callable[[int
     named = {"tactile": source.tactile, "state": source.state}
     named |= {short_name(name).replace(".", "_"): feature for name, feature in source.columns.items()}
     observations = {name: feature for name, feature in named.items() if feature is not None}
+    bytes_per_frame = 16 + 4 * sum(len(feature.names) for feature in (*observations.values(), source.action))
     columns = (*source.frame_columns(), *((SUCCESS,) if source.has_success else ()))
     with staged_file(out) as staged, h5py.File(staged, "w", locking=False) as file:  # staged_file() has the lock
         data = file.create_group("data")
         for first, end in source.parts(BLOCK_FRAMES):
             block = source.block(first, end, columns)
+            _reserve(
+                file,
+                (2 if source.options.next_observations else 1) * bytes_per_frame * block.num_frames + _EPISODE_BYTES * block.num_episodes,
+            )
             _write_episodes(data, block, source.action, observations, with_next=source.options.next_observations)
             report(block.num_frames)
+        _reserve(file, _EPISODE_BYTES * source.num_episodes)
         data.attrs["total"] = source.num_frames
         data.attrs["env_args"] = json.dumps({"env_name": source.scene_name, "type": _GYM, "env_kwargs": {}})
         names = {name: list(feature.names) for name, feature in {**observations, "actions": source.action}.items()}
@@ -46,6 +54,11 @@ def write(source: Source, out: Path, plan: dict[str, Any], report: Callable[[int
             {"version": __version__, **source.identity(), "episodes": plan["options"]["episodes"], "names": names}
         )
         _write_masks(file, source.num_episodes)
+
+
+def _reserve(file: Any, num_bytes: int) -> None:
+    """Claims space on the disk, so that a full one is an OSError here: HDF5 can crash if it fails to write. What is left is returned at the end."""
+    os.posix_fallocate(file.id.get_vfd_handle(), file.id.get_filesize(), num_bytes)
 
 
 def _write_episodes(data: Any, block: Block, action: Feature, observations: dict[str, Feature], *, with_next: bool) -> None:

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError, IoError
+from ..errors import Error, InputError, IoError
 
 PLAN = "export.json"  # in an incomplete folder: what is exported, so that only the same export continues it
 _LOCK = ".lock"
@@ -31,6 +31,17 @@ def _staged(out: Path) -> Path:
     if not out.parent.is_dir():
         raise InputError(f"{out}: its folder {out.parent} does not exist")
     return out.with_name(out.name + ".incomplete")
+
+
+@contextmanager
+def _named(staged: Path) -> Iterator[None]:
+    """Gives errors of the file system the name of the output, in one line."""
+    try:
+        yield
+    except Error:
+        raise
+    except OSError as error:
+        raise IoError(f"{staged}: {' '.join((error.strerror or str(error)).split())}") from error
 
 
 @contextmanager
@@ -95,11 +106,9 @@ def staged_folder(out: Path, plan: dict[str, Any]) -> Iterator[Path]:
     staged = _staged(out)
     if staged.is_file():
         raise InputError(f"{staged}: is a file; remove it or choose another output")
-    try:
+    with _named(staged):
         staged.mkdir(exist_ok=True)
-    except OSError as error:
-        raise IoError(f"{staged}: {error.strerror}") from error
-    with _locked(staged / _LOCK, out):
+    with _named(staged), _locked(staged / _LOCK, out):
         _check_plan(staged, plan)
         yield staged
         (staged / PLAN).unlink()
@@ -120,7 +129,7 @@ def staged_file(out: Path) -> Iterator[Path]:
     staged = _staged(out)
     if staged.is_dir():
         raise InputError(f"{staged}: is a folder; remove it or choose another output")
-    with _locked(staged, out):
+    with _named(staged), _locked(staged, out):
         yield staged
         sync(staged)
         staged.rename(out)

@@ -48,3 +48,16 @@ def exported(folder: Path, tmp_path: Path) -> Callable[..., Path]:
 def files_of(folder: Path) -> dict[str, bytes]:
     """Content of all files by name."""
     return {str(file.relative_to(folder)): file.read_bytes() for file in sorted(folder.rglob("*")) if file.is_file()}
+
+
+@pytest.fixture(scope="session")
+def two_sensors(tmp_path_factory: pytest.TempPathFactory, device: taxelsim.Device) -> Path:
+    """Two episodes of a pan-tilt platform that carries two sensors."""
+    root = tmp_path_factory.mktemp("two_sensors")
+    mounts = ", ".join(f"{{link: tilt, mount: {{position_mm: [{x}, 0, 30]}}}}" for x in (0, 4))
+    file = write_scene(
+        root, robot=f"{{pan_tilt: {{position_step_deg: 0, sensors: [{mounts}]}}}}", record="tactile_image, poses, actions, robot"
+    )
+    file.write_text(file.read_text().replace("episodes: 24", "episodes: 2"))
+    taxelsim.generate(file, root / "data", device=device)
+    return root / "data"
