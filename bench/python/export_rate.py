@@ -3,8 +3,8 @@
 
     PYTHONPATH=build/release/python build/venv/bin/python bench/python/export_rate.py DIR [FORMAT ...]
 
-DIR: a data set, e.g. of `taxelsim generate scenes/edge_servo.yaml --episodes 16384`. Processor time includes the start of Python (0.3 s) and the
-verification of checksums. Memory is the resident set, with pages of uncompressed shards that the kernel may drop.
+DIR: a data set, e.g. of `taxelsim generate scenes/edge_servo.yaml --episodes 16384`. Processor time includes the start of Python (0.3 s) and
+the verification of checksums. Memory is the resident set, with pages of uncompressed shards that the kernel may drop.
 """
 
 import os
@@ -20,7 +20,8 @@ PARTS = (16, 1)  # of the episodes: a sixteenth, all
 
 def measured(folder: Path, name: str, num_episodes: int, out: Path) -> tuple[float, float, int]:
     """CPU s, wall s, peak bytes of an export of the first episodes."""
-    command = [sys.executable, "-m", "taxelsim", "export", str(folder), "--format", name, "-o", str(out), "--episodes", f"0..{num_episodes - 1}"]
+    command = [sys.executable, "-m", "taxelsim", "export", str(folder), "--format", name, "-o", str(out)]
+    command += ["--episodes", f"0..{num_episodes - 1}"]
     begin = os.times().elapsed
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     _, status, usage = os.wait4(process.pid, 0)

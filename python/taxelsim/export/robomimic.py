@@ -57,7 +57,7 @@ def write(source: Source, out: Path, plan: dict[str, Any], report: Callable[[int
 
 
 def _reserve(file: Any, num_bytes: int) -> None:
-    """Claims space on the disk, so that a full one is an OSError here: HDF5 can crash if it fails to write. What is left is returned at the end."""
+    """Claims space on the disk, so that a full one is an OSError here: HDF5 can crash if it fails to write. It returns the rest at the end."""
     os.posix_fallocate(file.id.get_vfd_handle(), file.id.get_filesize(), num_bytes)
 
 
