@@ -25,6 +25,7 @@ struct PythonSubcommand {
 constexpr std::array kPythonSubcommands{
     PythonSubcommand{.name = "evaluate", .option = "--policy", .description = ""},
     PythonSubcommand{.name = "export", .option = "", .description = "Write a data set for LeRobot, Zarr, robomimic or ROS 2"},
+    PythonSubcommand{.name = "import", .option = "", .description = "Make a measurement from a recording: CSV, LeRobot"},
 };
 
 // Whether the first word of the command line names it, with its option.

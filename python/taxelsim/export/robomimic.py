@@ -57,7 +57,10 @@ def write(source: Source, out: Path, plan: dict[str, Any], report: Callable[[int
 
 
 def _reserve(file: Any, num_bytes: int) -> None:
-    """Claims space on the disk, so that a full one is an OSError here: HDF5 can crash if it fails to write. It returns the rest at the end."""
+    """Claims space on the disk, which the file returns when it is closed.
+
+    A full disk is an OSError here. HDF5 can crash if it fails to write.
+    """
     os.posix_fallocate(file.id.get_vfd_handle(), file.id.get_filesize(), num_bytes)
 
 
