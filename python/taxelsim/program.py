@@ -17,6 +17,8 @@ SCENES = Path(__file__).parent / "scenes"
 SUBCOMMANDS: dict[str, str | None] = {
     "evaluate": "--policy",
     "view": None,
+    "export": None,
+    "import": None,
 }
 """Subcommands that are written in Python, by name: the option with which they are, None for always. `main(arguments) -> int` of the module
 taxelsim.commands.<name> runs one. src/cli/python_subcommands.cpp has the same table."""

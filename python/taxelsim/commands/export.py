@@ -1,0 +1,100 @@
+"""`taxelsim export DIR --format NAME -o OUT`: writes a data set in the format of another tool."""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from ..errors import Error, InputError
+from ..export import FORMATS, Options, export
+
+_LOG_INTERVAL = 5.0  # s, between lines if stderr is no terminal
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Runs the subcommand. Returns the exit status: 2 for bad input, 1 for other failures, 130 after Ctrl-C."""
+    options = _parser().parse_args(arguments)
+    progress = _ProgressLine()
+    try:
+        source = export(options.folder, options.out, options.format, _options_of(options), progress.show)
+    except KeyboardInterrupt:
+        progress.end()
+        print(f"taxelsim export: interrupted; run the same command again, {options.out} is not complete", file=sys.stderr)
+        return 130
+    except (Error, ImportError, OSError) as error:
+        progress.end()
+        print(f"taxelsim export: {error}", file=sys.stderr)
+        return 2 if isinstance(error, InputError | ImportError) else 1
+    progress.end()
+    print(f"{options.out}: {source.num_episodes:,} episodes, {source.num_frames:,} frames, format {options.format}")
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="taxelsim export", description=__doc__)
+    add = parser.add_argument
+    formats = "; ".join(f"{name}: {chosen.description}" for name, chosen in FORMATS.items())
+    add("folder", metavar="DIR", help="folder of a complete data set")
+    add("--format", required=True, metavar="NAME", help=formats)
+    add("-o", "--out", required=True, type=Path, metavar="OUT", help="must not exist; called OUT.incomplete until it is complete")
+    add("--episodes", type=_range, metavar="A..B", help="only these episodes, both ends included; default: all")
+    add("--state", type=_names, default=(), metavar="NAMES", help="columns of the state; default: joint positions and pose of the sensor")
+    add("--columns", type=_names, default=(), metavar="NAMES", help="further columns, e.g. data/total_force,data/center_of_pressure")
+    add("--tactile-in-state", action="store_true", help="appends the tactile image to the state, for policies that read nothing else")
+    add("--task", default=Options.task, metavar="TEXT", help="lerobot: text of the task, with {scene} and {object}; default: %(default)r")
+    add("--tactile-key", default=Options.tactile_key, metavar="NAME", help="lerobot: name of the tactile image, default %(default)s")
+    add("--zarr-format", type=int, default=2, metavar="N", help="zarr: version of the format, 2 (default) or 3, which has shards")
+    add("--next-observations", action="store_true", help="robomimic: writes next_obs, which offline reinforcement learning needs")
+    return parser
+
+
+def _options_of(options: argparse.Namespace) -> Options:
+    return Options(
+        episodes=options.episodes,
+        state=options.state,
+        columns=options.columns,
+        tactile_in_state=options.tactile_in_state,
+        task=options.task,
+        tactile_key=options.tactile_key,
+        zarr_format=options.zarr_format,
+        next_observations=options.next_observations,
+    )
+
+
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(name.strip() for name in text.split(","))
+
+
+def _range(text: str) -> tuple[int, int]:
+    found = re.fullmatch(r"(\d+)\.\.(\d+)", text)
+    if not found:
+        raise argparse.ArgumentTypeError(f"{text!r} found, a range such as 0..99 expected")
+    return int(found[1]), int(found[2])
+
+
+class _ProgressLine:
+    """Frames done: a line of a terminal that is drawn again, or a line every few seconds in a log."""
+
+    def __init__(self) -> None:
+        self._begin = time.monotonic()
+        self._last = self._begin
+        self._is_drawn = False
+
+    def show(self, done: int, total: int) -> None:
+        now = time.monotonic()
+        is_terminal = sys.stderr.isatty()
+        if now - self._last < (0.2 if is_terminal else _LOG_INTERVAL):
+            return
+        self._last = now
+        rate = done / (now - self._begin)
+        line = f"{100 * done // total:3} %  {done:,} of {total:,} frames  {rate:,.0f} frames/s  {(total - done) / rate:.0f} s left"
+        print(f"\r{line} " if is_terminal else f"info: {line}", end="" if is_terminal else "\n", file=sys.stderr, flush=True)
+        self._is_drawn = is_terminal
+
+    def end(self) -> None:
+        if self._is_drawn:
+            print(file=sys.stderr)

@@ -1,0 +1,74 @@
+"""`taxelsim import SOURCE --sensor FILE --measurement KIND -o NAME.yaml`: a measurement for `characterize` and `compare`."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from ..errors import Error, InputError
+from ..recordings import KINDS, Measurement, read_csv, read_lerobot, write_measurement
+from ..recordings.measurement import QUANTITIES, TIME_UNITS
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Runs the subcommand. Returns the exit status: 2 for bad input, 1 for other failures."""
+    options = _parser().parse_args(arguments)
+    try:
+        table = _run(options)
+    except (Error, ImportError) as error:
+        print(f"taxelsim import: {error}", file=sys.stderr)
+        return 2 if isinstance(error, InputError | ImportError) else 1
+    print(f"wrote {options.out} and {table}")
+    return 0
+
+
+def _run(options: argparse.Namespace) -> Path:
+    is_folder = options.source.is_dir()
+    if options.episode is not None and not is_folder:
+        raise InputError("--episode: for folders of a LeRobotDataset only")
+    recording = read_lerobot(options.source, options.episode) if is_folder else read_csv(options.source, options.delimiter)
+    keys = {key: getattr(options, key) for key in ("indenter", "load", "fixture") if getattr(options, key) is not None}
+    what = Measurement(
+        kind=options.measurement,
+        sensor=options.sensor,
+        taxels=options.taxels,
+        time=options.time or "",
+        time_unit=options.time_unit,
+        quantities=dict(options.column),
+        taxel=options.taxel,
+        falling=options.falling,
+        scale=options.scale,
+        keys=keys,
+    )
+    return write_measurement(recording, what, options.out)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="taxelsim import", description=__doc__)
+    add = parser.add_argument
+    add("source", metavar="SOURCE", type=Path, help="CSV file, or folder of a LeRobotDataset (version 2 or 3)")
+    add("--sensor", required=True, type=Path, metavar="FILE", help="sensor file: the layout of the taxels")
+    add("--measurement", required=True, metavar="KIND", help=f"one of {', '.join(KINDS)}")
+    add("-o", "--out", required=True, type=Path, metavar="NAME.yaml", help="measurement to write; its table is NAME.csv")
+    add("--taxels", default=Measurement.taxels, metavar="PATTERN", help="columns of the taxels, default %(default)s; also {taxel}")
+    add("--episode", type=int, metavar="N", help="one episode of a LeRobotDataset, default all")
+    add("--time", metavar="COLUMN", help="column of the time; default none")
+    add("--time-unit", choices=TIME_UNITS, default="s", help="default s")
+    add("--column", type=_column, action="append", default=[], metavar="NAME=COLUMN", help=f"NAME: {', '.join(QUANTITIES)}; repeatable")
+    add("--taxel", type=int, metavar="N", help="force_curve: the taxel that is pressed, in storage order")
+    add("--falling", action="store_true", help="readings fall with force, as of a voltage divider")
+    add("--scale", type=float, default=1.0, metavar="X", help="counts per unit of the readings, default 1")
+    add("--delimiter", default=",", metavar="C", help="of the CSV file, default a comma")
+    add("--indenter", metavar="YAML", help='e.g. "{stamp: {size_mm: [10, 10]}}"')
+    add("--load", metavar="N", help="weight in newtons")
+    add("--fixture", metavar="NAME", help="stamps of one fixture have one pose")
+    return parser
+
+
+def _column(text: str) -> tuple[str, str]:
+    name, equals, column = text.partition("=")
+    if not equals:
+        raise argparse.ArgumentTypeError(f"{text!r} found, NAME=COLUMN expected")
+    return name, column

@@ -1,0 +1,200 @@
+"""LeRobotDataset v3.0: frames in Parquet files, each with a Parquet file of its episodes and their statistics."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Collection
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from .. import __version__
+from ..errors import InputError
+from . import statistics
+from .features import SUCCESS, Feature, short_name
+from .source import Block, Source
+from .staging import new_file, staged_folder, write_json
+
+FILE_BYTES = 100 << 20  # of a file with frames, before compression; the format's default limit of a file
+CHUNK_FILES = 1000  # files of a folder chunk-NNN
+BLOCK_FRAMES = 1 << 14  # frames of a row group, that are in memory at once
+_INDICES = {"timestamp": "float32", "frame_index": "int64", "episode_index": "int64", "index": "int64", "task_index": "int64"}
+_NAME = "chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
+
+
+def write(source: Source, out: Path, plan: dict[str, Any], report: Callable[[int], None]) -> None:
+    """Writes the folder `out`. report: called with the number of frames since the last call. Throws InputError."""
+    tables = _Tables(source)
+    with staged_folder(out, plan) as folder:
+        total = {name: statistics.Total() for name in tables.features}
+        frames_per_file = max(BLOCK_FRAMES, FILE_BYTES // tables.bytes_per_frame)
+        for number, (first, end) in enumerate(source.parts(frames_per_file)):
+            episodes = folder / "meta/episodes" / _file_name(number)
+            if episodes.exists():
+                report(int(source.ends[end - 1] - (source.ends[first - 1] if first else 0)))
+            else:
+                _write_part(tables, folder, number, (first, end), report)
+            _add_statistics(total, episodes)
+        _write_tasks(folder / "meta/tasks.parquet", tables.tasks)
+        write_json(folder / "meta/stats.json", {name: values.result() for name, values in total.items()})
+        write_json(folder / "meta/info.json", tables.info())
+        write_json(folder / "meta/taxelsim.json", {"taxelsim": __version__, **source.identity(), "episodes": plan["options"]["episodes"]})
+
+
+def _file_name(number: int) -> str:
+    return _NAME.format(chunk_index=number // CHUNK_FILES, file_index=number % CHUNK_FILES)
+
+
+def _write_part(tables: _Tables, folder: Path, number: int, part: tuple[int, int], report: Callable[[int], None]) -> None:
+    """The frames, then the episodes of a file: where the latter exists, both are complete."""
+    rows: list[pa.Table] = []
+    with (
+        new_file(folder / "data" / _file_name(number)) as file,
+        # Dictionaries make files of measured numbers larger and take most of the time.
+        pq.ParquetWriter(file, tables.schema, compression="snappy", use_dictionary=False) as writer,
+    ):
+        for first, end in tables.source.parts(BLOCK_FRAMES, *part):
+            block = tables.source.block(first, end, tables.columns)
+            arrays = tables.arrays(block)
+            writer.write_table(tables.frames(arrays))
+            rows.append(tables.episodes(block, arrays, number))
+            report(block.num_frames)
+    with new_file(folder / "meta/episodes" / _file_name(number)) as file:
+        pq.write_table(pa.concat_tables(rows), file, compression="snappy")
+
+
+def _add_statistics(total: dict[str, statistics.Total], file: Path) -> None:
+    with pq.ParquetFile(file) as episodes:
+        for group in range(episodes.num_row_groups):
+            table = episodes.read_row_group(group)
+            for name, values in total.items():
+                columns = {measure: table[f"stats/{name}/{measure}"].to_pylist() for measure in statistics.MEASURES}
+                values.add({measure: np.array(column, np.float64) for measure, column in columns.items()})
+
+
+def _write_tasks(file: Path, tasks: list[str]) -> None:
+    """A table as pandas writes it, with the texts as index: the reader looks tasks up by it."""
+    index = {"name": None, "field_name": "__index_level_0__", "pandas_type": "unicode", "numpy_type": "object", "metadata": None}
+    column = {"name": "task_index", "field_name": "task_index", "pandas_type": "int64", "numpy_type": "int64", "metadata": None}
+    pandas = {"index_columns": ["__index_level_0__"], "column_indexes": [], "columns": [column, index], "pandas_version": "2.2.0"}
+    table = pa.table({"task_index": pa.array(range(len(tasks)), pa.int64()), "__index_level_0__": pa.array(tasks)})
+    with new_file(file) as temporary:
+        pq.write_table(table.replace_schema_metadata({"pandas": json.dumps(pandas)}), temporary)
+
+
+class _Tables:
+    """Frames and episodes as tables."""
+
+    def __init__(self, source: Source) -> None:
+        self.source = source
+        self.rate = source.frame_rate()
+        named = {"observation.state": source.state, "action": source.action}
+        named |= {f"observation.{short_name(name)}": feature for name, feature in source.columns.items()}
+        named = {_checked_key(source.options.tactile_key, named): source.tactile, **named}
+        self.vectors: dict[str, Feature] = {name: feature for name, feature in named.items() if feature is not None}
+        self.columns = source.frame_columns() + ("meta/object_name",) + ((SUCCESS,) if source.has_success else ())
+        self.flags = {"next.done": "bool"} | ({"next.reward": "float32", "next.success": "bool"} if source.has_success else {})
+        self.tasks = sorted(self._tasks())
+        self._task_indices = {task: index for index, task in enumerate(self.tasks)}
+        self.features = self._features()
+        self.schema = pa.schema([(name, _arrow_type(feature)) for name, feature in self.features.items()])
+        self.bytes_per_frame = sum(4 * feature["shape"][0] for feature in self.features.values())
+
+    def _task(self, name: str) -> str:
+        return self.source.options.task.replace("{scene}", self.source.scene_name).replace("{object}", name)
+
+    def _tasks(self) -> set[str]:
+        return {
+            self._task(name) for names in self.source.per_episode(["meta/object_name"]) for name in np.unique(names["meta/object_name"])
+        }
+
+    def _features(self) -> dict[str, dict[str, Any]]:
+        features = {name: {"dtype": "float32", "shape": [len(f.names)], "names": list(f.names)} for name, f in self.vectors.items()}
+        return features | {name: {"dtype": dtype, "shape": [1], "names": None} for name, dtype in (self.flags | _INDICES).items()}
+
+    def arrays(self, block: Block) -> dict[str, NDArray[Any]]:
+        """(F, D) of each feature."""
+        self.source.check_clock(block, self.rate)
+        first, lengths = block.first_frame, block.lengths
+        frame = np.arange(block.num_frames) - np.repeat(block.ends - lengths, lengths)
+        episode = np.repeat(np.arange(block.num_episodes), lengths)
+        tasks = np.array([self._task_indices[self._task(name)] for name in block.values["meta/object_name"]])
+        is_last = np.zeros(block.num_frames, np.bool_)
+        is_last[block.ends - 1] = True
+        arrays: dict[str, NDArray[Any]] = {name: feature.vectors(block.values) for name, feature in self.vectors.items()}
+        arrays["next.done"] = is_last
+        if SUCCESS in self.columns:
+            arrays["next.success"] = is_last & (block.values[SUCCESS][episode] == 1)
+            arrays["next.reward"] = arrays["next.success"].astype(np.float32)
+        arrays |= {"timestamp": (frame / self.rate).astype(np.float32), "frame_index": frame, "task_index": tasks[episode]}
+        arrays |= {"episode_index": episode + block.first_episode, "index": np.arange(first, first + block.num_frames)}
+        return {name: arrays[name].reshape(block.num_frames, -1) for name in self.features}
+
+    def frames(self, arrays: dict[str, NDArray[Any]]) -> pa.Table:
+        return pa.table([_arrow_array(array, self.schema.field(name).type) for name, array in arrays.items()], schema=self.schema)
+
+    def episodes(self, block: Block, arrays: dict[str, NDArray[Any]], number: int) -> pa.Table:
+        """One row per episode: where it is, its task, its statistics."""
+        count, ends = block.num_episodes, block.ends + block.first_frame
+        columns: dict[str, Any] = {
+            "episode_index": np.arange(block.first_episode, block.first_episode + count),
+            "tasks": [[self._task(name)] for name in block.values["meta/object_name"]],
+            "length": block.lengths,
+            "dataset_from_index": ends - block.lengths,
+            "dataset_to_index": ends,
+        }
+        for place in ("data", "meta/episodes"):
+            columns[f"{place}/chunk_index"] = np.full(count, number // CHUNK_FILES)
+            columns[f"{place}/file_index"] = np.full(count, number % CHUNK_FILES)
+        for name, array in arrays.items():
+            for measure, values in statistics.of_episodes(array, block.ends).items():
+                columns[f"stats/{name}/{measure}"] = _arrow_array(values, pa.list_(pa.from_numpy_dtype(values.dtype)))
+        return pa.table(columns)
+
+    def info(self) -> dict[str, Any]:
+        """meta/info.json."""
+        source = self.source
+        return {
+            "codebase_version": "v3.0",
+            "robot_type": source.sensor_name,
+            "total_episodes": source.num_episodes,
+            "total_frames": source.num_frames,
+            "total_tasks": len(self.tasks),
+            "chunks_size": CHUNK_FILES,
+            "data_files_size_in_mb": FILE_BYTES >> 20,
+            "video_files_size_in_mb": 500,
+            "fps": self.rate,
+            "splits": {"train": f"0:{source.num_episodes}"},
+            "data_path": f"data/{_NAME}",
+            "video_path": None,
+            "features": self.features,
+        }
+
+
+def _checked_key(key: str, others: Collection[str]) -> str:
+    """The name of the tactile image. The reader takes names with `image` for pictures, and allows no slash."""
+    if not key.startswith("observation.") or "/" in key or "image" in key or key in others:
+        raise InputError(
+            f"tactile_key: {key!r} found; observation.NAME expected, without a slash, `image`, and the name of another feature"
+        )
+    return key
+
+
+def _arrow_type(feature: dict[str, Any]) -> pa.DataType:
+    number = pa.from_numpy_dtype(np.dtype(feature["dtype"]))
+    size = feature["shape"][0]
+    return number if size == 1 else pa.list_(number, size)
+
+
+def _arrow_array(array: NDArray[Any], kind: pa.DataType) -> pa.Array:
+    """(F, D) as one row per frame."""
+    numbers = pa.array(np.ascontiguousarray(array).reshape(-1))
+    if pa.types.is_fixed_size_list(kind):
+        return pa.FixedSizeListArray.from_arrays(numbers, type=kind)
+    if pa.types.is_list(kind):
+        return pa.ListArray.from_arrays(pa.array(np.arange(len(array) + 1) * array.shape[1], pa.int32()), numbers)
+    return numbers

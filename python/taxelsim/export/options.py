@@ -1,0 +1,19 @@
+"""Options of an export."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Options:
+    """Options of an export. Formats ignore none of them: `export` refuses an option that a format does not have."""
+
+    episodes: tuple[int, int] | None = None  #: First and last episode, both included. None: all.
+    state: tuple[str, ...] = ()  #: Columns of the state. Empty: joint positions and pose of the sensor, where recorded.
+    columns: tuple[str, ...] = ()  #: Further columns of data/.
+    tactile_in_state: bool = False  #: Appends the tactile image to the state, for policies that read the state only.
+    task: str = "{scene}: {object}"  #: LeRobot: text of the task. {scene}, {object}: names of the scene and of the episode's object.
+    tactile_key: str = "observation.tactile"  #: LeRobot: name of the tactile image.
+    zarr_format: int = 2  #: Zarr: 2 or 3. 3 packs chunks into shards.
+    next_observations: bool = False  #: robomimic: next_obs as well, for offline reinforcement learning.

@@ -1,0 +1,110 @@
+"""MCAP with ROS 2 messages: one file for each episode."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from mcap_ros2.writer import Writer
+from numpy.typing import NDArray
+
+from .. import __version__
+from .features import ACTION, SUCCESS, TACTILE, num_sensors
+from .messages import definition_of
+from .source import Block, Source
+from .staging import new_file, staged_folder, write_json
+
+BLOCK_FRAMES = 1 << 14  # that are in memory at once
+_WRENCH = "data/ground_truth/contact_wrench"
+_ENCODINGS = {"uint16": "mono16", "int32": "32SC1"}
+
+
+@dataclass(frozen=True)
+class _Topic:
+    """A column as messages. Several sensors have a topic each."""
+
+    name: str
+    column: str
+    schema: str
+    frame: str  #: Of the header: S is called sensor, W world.
+    content: Callable[[NDArray[Any]], dict[str, Any]]
+
+
+def _vector(values: NDArray[Any]) -> dict[str, float]:
+    return {"x": float(values[0]), "y": float(values[1]), "z": float(values[2])}
+
+
+def _pose(values: NDArray[Any]) -> dict[str, Any]:
+    return {"pose": {"position": _vector(values), "orientation": {**_vector(values[4:]), "w": float(values[3])}}}
+
+
+def _wrench(values: NDArray[Any]) -> dict[str, Any]:
+    return {"wrench": {"force": _vector(values), "torque": _vector(values[3:])}}
+
+
+def _twist(values: NDArray[Any]) -> dict[str, Any]:
+    return {"twist": {"linear": _vector(values), "angular": _vector(values[3:])}}
+
+
+def _image(values: NDArray[Any]) -> dict[str, Any]:
+    """Rows of a grid along x, or one row of taxels."""
+    height, width = values.shape if values.ndim == 2 else (1, len(values))
+    little = values.astype(values.dtype.newbyteorder("<"))
+    size = {"height": height, "width": width, "step": width * values.itemsize}
+    return {**size, "encoding": _ENCODINGS[values.dtype.name], "is_bigendian": 0, "data": little.tobytes()}
+
+
+_TOPICS = (
+    _Topic("image", TACTILE, "sensor_msgs/Image", "sensor", _image),
+    _Topic("contact_wrench", _WRENCH, "geometry_msgs/WrenchStamped", "sensor", _wrench),
+    _Topic("object_pose", "data/pose", "geometry_msgs/PoseStamped", "sensor", _pose),
+    _Topic("sensor_pose", "data/sensor_pose", "geometry_msgs/PoseStamped", "world", _pose),
+    _Topic("action", ACTION, "geometry_msgs/TwistStamped", "sensor", _twist),
+)
+
+
+def write(source: Source, out: Path, plan: dict[str, Any], report: Callable[[int], None]) -> None:
+    """Writes the folder `out`. report: called with the number of frames since the last call. Throws InputError."""
+    topics = [topic for topic in _TOPICS if topic.column in source.data]
+    labels = ("meta/object_name", *((SUCCESS,) if source.has_success else ()))
+    with staged_folder(out, plan) as folder:
+        done = sum(1 for _ in folder.glob("episode-*.mcap"))
+        report(int(source.ends[done - 1]) if done else 0)
+        for first, end in source.parts(BLOCK_FRAMES, done):
+            block = source.block(first, end, ("data/time", *(topic.column for topic in topics), *labels))
+            for episode in range(block.num_episodes):
+                with new_file(folder / f"episode-{block.first_episode + episode:06d}.mcap") as file:
+                    _write_episode(file, source, block, episode, topics)
+                report(int(block.lengths[episode]))
+        write_json(folder / "taxelsim.json", {"taxelsim": __version__, **source.identity(), "episodes": plan["options"]["episodes"]})
+
+
+def _write_episode(file: Path, source: Source, block: Block, episode: int, topics: list[_Topic]) -> None:
+    end = int(block.ends[episode])
+    first = end - int(block.lengths[episode])
+    with file.open("wb") as stream, Writer(stream) as writer:
+        channels = list(_channels(source, writer, topics))
+        for frame in range(first, end):
+            time = round(float(block.values["data/time"][frame]) * 1e9)
+            stamp = {"sec": time // 10**9, "nanosec": time % 10**9}
+            for topic, name, frame_id, schema, sensor in channels:
+                values = block.values[topic.column][frame]
+                message = {"header": {"stamp": stamp, "frame_id": frame_id}, **topic.content(values if sensor is None else values[sensor])}
+                writer.write_message(name, schema, message, time, time, frame - first)
+        labels = {name: np.asarray(values[episode]).item() for name, values in block.values.items() if name.startswith("meta/")}
+        writer.add_metadata("taxelsim", {"scene": source.scene_name, **{name: json.dumps(value) for name, value in labels.items()}})
+
+
+def _channels(source: Source, writer: Any, topics: list[_Topic]) -> Iterator[tuple[_Topic, str, str, Any, int | None]]:
+    """Topic, its name, its frame, its schema, and which of several sensors."""
+    schemas = {topic.schema: writer.register_msgdef(topic.schema.replace("/", "/msg/"), definition_of(topic.schema)) for topic in topics}
+    sensors = num_sensors(source.data)
+    for topic in topics:
+        for sensor in [None] if sensors == 1 or topic.column == ACTION else range(sensors):
+            prefix = "" if sensor is None else f"_{sensor}"
+            frame = "world" if topic.frame == "world" else f"sensor{prefix}"
+            yield topic, f"/tactile{prefix}/{topic.name}", frame, schemas[topic.schema], sensor

@@ -1,0 +1,96 @@
+"""An export from the data set to the complete output."""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from .. import __version__
+from ..errors import InputError
+from .options import Options
+from .source import Source
+
+OnProgress = Callable[[int, int], object]  # frames done, frames of the export
+
+
+@dataclass(frozen=True)
+class Format:
+    """A format: which module of this package writes it, and what that needs."""
+
+    module: str
+    packages: tuple[str, ...]  #: That are imported.
+    options: tuple[str, ...]  #: Fields of Options that it has in addition to episodes.
+    description: str
+
+
+_VECTORS = ("state", "columns", "tactile_in_state")
+
+FORMATS = {
+    "lerobot": Format("lerobot", ("pyarrow",), (*_VECTORS, "task", "tactile_key"), "a folder: LeRobotDataset v3.0"),
+    "zarr": Format("replay_buffer", ("zarr",), (*_VECTORS, "zarr_format"), "a folder: data/ and meta/episode_ends, as in Diffusion Policy"),
+    "robomimic": Format("robomimic", ("h5py",), (*_VECTORS, "next_observations"), "a file: HDF5 with data/demo_N"),
+    "mcap": Format("ros2", ("mcap_ros2",), (), "a folder: one MCAP file with ROS 2 messages per episode"),
+}
+
+
+def export(
+    folder: str | os.PathLike[str],
+    out: str | os.PathLike[str],
+    format_name: str,
+    options: Options | None = None,
+    on_progress: OnProgress | None = None,
+) -> Source:
+    """Exports a complete data set.
+
+    folder: the data set; its checksums are verified.
+    out: does not exist, or is an empty folder. Until it is complete it is called OUT.incomplete; the same export continues there.
+    format_name: name of FORMATS.
+    on_progress: called with the number of frames that are done and that of all.
+
+    Throws InputError for bad input, a damaged data set, numbers that are not finite; IoError if the file system refuses; ImportError if a
+    package is missing.
+    """
+    options = options or Options()
+    chosen = _checked(format_name, options)
+    _check_packages(format_name, chosen)
+    source = Source(folder, options)
+    done = 0
+
+    def report(frames: int) -> None:
+        nonlocal done
+        done += frames
+        if on_progress is not None:
+            on_progress(done, source.num_frames)
+
+    plan = {
+        "taxelsim": __version__,
+        "format": format_name,
+        "options": dataclasses.asdict(options),
+        "data set": {**source.identity(), "columns": list(source.data.columns)},
+    }
+    importlib.import_module(f".{chosen.module}", __package__).write(source, Path(out).absolute(), plan, report)
+    return source
+
+
+def _checked(format_name: str, options: Options) -> Format:
+    if format_name not in FORMATS:
+        raise InputError(f"format: {format_name!r} found, allowed are {', '.join(FORMATS)}")
+    chosen = FORMATS[format_name]
+    for field in dataclasses.fields(Options):
+        if field.name not in ("episodes", *chosen.options) and getattr(options, field.name) != field.default:
+            raise InputError(f"{field.name}: not an option of format {format_name}")
+    if options.zarr_format not in (2, 3):
+        raise InputError(f"zarr_format: {options.zarr_format} found, 2 and 3 allowed")
+    return chosen
+
+
+def _check_packages(format_name: str, chosen: Format) -> None:
+    for package in chosen.packages:
+        try:
+            importlib.import_module(package)
+        except ImportError as error:
+            raise ImportError(f"format {format_name} needs the package {package}: pip install 'taxelsim[export]'") from error

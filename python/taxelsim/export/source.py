@@ -1,0 +1,158 @@
+"""The part of a data set that is exported, read in pieces."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..dataset import Dataset
+from ..dataset.layout import MANIFEST
+from ..errors import InputError
+from .features import ACTION, SUCCESS, TACTILE, feature_of, state_of, tactile_of
+from .options import Options
+
+CACHE_BYTES = 64 << 20  # inflated chunks: an export reads each once
+_EPISODES_AT_ONCE = 1 << 16
+_MAX_CLOCK_ERROR = 1e-4  # s, as LeRobot tolerates
+
+
+@dataclass(frozen=True)
+class Block:
+    """Consecutive whole episodes. Frames and episodes count from the first one of the export."""
+
+    first_episode: int
+    first_frame: int
+    ends: NDArray[np.int64]  #: (E), frames of the block up to the end of each episode.
+    values: dict[str, NDArray[Any]]  #: Columns in data/ (F, ...), columns in meta/ (E, ...).
+
+    @property
+    def num_episodes(self) -> int:
+        return len(self.ends)
+
+    @property
+    def num_frames(self) -> int:
+        return int(self.ends[-1])
+
+    @property
+    def lengths(self) -> NDArray[np.int64]:
+        """(E), frames of each episode."""
+        return np.diff(self.ends, prepend=0)
+
+
+class Source:
+    """The episodes of a data set that are exported, and the columns by their role."""
+
+    def __init__(self, folder: str | os.PathLike[str], options: Options) -> None:
+        self.data = Dataset(folder, cache_bytes=CACHE_BYTES)
+        self.options = options
+        first, last = options.episodes or (0, self.data.num_episodes - 1)
+        if not 0 <= first <= last < self.data.num_episodes:
+            raise InputError(f"{self.data.folder}: episodes {first}..{last} found, 0..{self.data.num_episodes - 1} allowed")
+        ends = self.data.episode_ends
+        self._first_episode = first
+        self._first_frame = int(ends[first - 1]) if first else 0
+        self.ends = ends[first : last + 1] - self._first_frame  #: (num_episodes), frames of the export up to the end of each episode.
+        self.tactile = tactile_of(self.data)
+        self.state = state_of(self.data, options.state, with_tactile=options.tactile_in_state)
+        self.action = feature_of(self.data, (ACTION,)) if ACTION in self.data else None
+        again = [name for name in options.columns if name in ("data/time", TACTILE, ACTION)]
+        if again:
+            raise InputError(f"columns: {again[0]} found, which every export has")
+        self.columns = {name: feature_of(self.data, (name,)) for name in options.columns}
+        self.has_success = SUCCESS in self.data
+
+    @property
+    def num_episodes(self) -> int:
+        return len(self.ends)
+
+    @property
+    def num_frames(self) -> int:
+        return int(self.ends[-1])
+
+    def frame_columns(self) -> tuple[str, ...]:
+        """Names of the columns in data/ that the features read, and the time."""
+        features = [self.tactile, *filter(None, (self.state, self.action)), *self.columns.values()]
+        return tuple(dict.fromkeys(("data/time", *(name for feature in features for name in feature.columns))))
+
+    def identity(self) -> dict[str, Any]:
+        """What the data set is: another one has another scene, seed or number of episodes."""
+        return {name: value for name, value in self.data.attributes.items() if name != "num_shards"}
+
+    def _manifest(self, pattern: str) -> str:
+        """The first group of a regular expression in dataset.yaml, "" if it does not match."""
+        found = re.search(pattern, (self.data.folder / MANIFEST).read_text(encoding="utf-8"), re.MULTILINE)
+        return found[1].strip('"') if found else ""
+
+    @cached_property
+    def scene_name(self) -> str:
+        return self._manifest(r"^scene: \|\n(?:  .*\n)*?  name: (.*)$")
+
+    @cached_property
+    def sensor_name(self) -> str:
+        return self._manifest(r'^sensor: \{name: ("[^"]*")')
+
+    def per_episode(self, names: Iterable[str]) -> Iterator[dict[str, NDArray[Any]]]:
+        """Columns in meta/, some episodes at a time. Opens each shard, which verifies its checksum."""
+        for first in range(0, self.num_episodes, _EPISODES_AT_ONCE):
+            rows = slice(self._first_episode + first, self._first_episode + min(first + _EPISODES_AT_ONCE, self.num_episodes))
+            yield {name: self.data[name][rows] for name in names}
+
+    def frames(self, first: int, end: int, columns: Iterable[str]) -> dict[str, NDArray[Any]]:
+        """Columns in data/ of the frames [first, end). Throws InputError for a NaN or an infinite number."""
+        place = slice(self._first_frame + first, self._first_frame + end)
+        values = self.data.frames(place, tuple(columns))
+        for name, array in values.items():
+            if array.dtype.kind == "f" and not np.isfinite(array).all():
+                wrong = np.argwhere(~np.isfinite(array))[0]
+                raise InputError(
+                    f"{self.data.folder}: {name}: {array[tuple(wrong)]} found in frame {place.start + wrong[0]}, a finite number needed"
+                )
+        return values
+
+    def parts(self, max_frames: int, first: int = 0, end: int | None = None) -> Iterator[tuple[int, int]]:
+        """The episodes [first, end) in ranges of whole episodes with at most `max_frames` frames, or one longer episode."""
+        end = self.num_episodes if end is None else end
+        while first < end:
+            begin = int(self.ends[first - 1]) if first else 0
+            last = int(np.searchsorted(self.ends[first:end], begin + max_frames, side="right")) + first
+            last = max(last, first + 1)
+            yield first, last
+            first = last
+
+    def block(self, first: int, end: int, columns: Iterable[str]) -> Block:
+        """The episodes [first, end) with columns in data/ and meta/."""
+        begin = int(self.ends[first - 1]) if first else 0
+        names = tuple(columns)
+        values = self.frames(begin, int(self.ends[end - 1]), [name for name in names if name.startswith("data/")])
+        rows = slice(self._first_episode + first, self._first_episode + end)
+        values |= {name: self.data[name][rows] for name in names if name.startswith("meta/")}
+        return Block(first, begin, self.ends[first:end] - begin, values)
+
+    def frame_rate(self) -> float:
+        """Frames per second, from the first two frames of the first episode with two. Throws InputError."""
+        longer = np.flatnonzero(np.diff(self.ends, prepend=0) > 1)
+        if not longer.size:
+            raise InputError(f"{self.data.folder}: no episode has two frames, so that there is no frame rate")
+        first = int(self.ends[longer[0] - 1]) if longer[0] else 0
+        times = self.frames(first, first + 2, ["data/time"])["data/time"]
+        rate = float(1 / (times[1] - times[0]))
+        return round(rate) if abs(rate - round(rate)) < rate * 1e-6 else rate
+
+    def check_clock(self, block: Block, rate: float) -> None:
+        """Refuses frames that are not 1 / rate apart."""
+        indices = np.arange(block.num_frames) - np.repeat(block.ends - block.lengths, block.lengths)
+        errors = np.abs(block.values["data/time"] - indices / rate)
+        if errors.max() > _MAX_CLOCK_ERROR:
+            frame = int(errors.argmax())
+            found, expected = block.values["data/time"][frame], indices[frame] / rate
+            raise InputError(
+                f"{self.data.folder}: data/time: {found} s found in frame {self._first_frame + block.first_frame + frame}, {expected} s "
+                f"expected at {rate} frames/s: the format needs a constant rate"
+            )

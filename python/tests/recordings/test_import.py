@@ -1,0 +1,195 @@
+"""Recordings as measurements: tables with the numbers of the recording, which the program reads."""
+
+from __future__ import annotations
+
+import csv
+import importlib
+import json
+import subprocess
+
+import numpy as np
+import pytest
+
+import taxelsim
+from taxelsim.program import PROGRAM
+from taxelsim.recordings import Measurement, read_csv, read_lerobot, write_measurement
+
+SENSOR = taxelsim.SCENES / "sensors/wts0614.yaml"
+FINGERTIP = taxelsim.SCENES / "sensors/fingertip_sphere.yaml"
+TACTILE = "observation.tactile.r{row}_c{col}"
+MEASUREMENTS = taxelsim.SCENES / "measurements"
+
+
+def table_of(file):
+    rows = list(csv.reader(file.read_text().splitlines()))
+    return dict(zip(rows[0], np.array(rows[1:], np.float64).T, strict=True))
+
+
+def compared(*sides, options=()):
+    found = subprocess.run([PROGRAM, "compare", *map(str, sides), *options, "--json"], capture_output=True, text=True)
+    assert found.returncode == 0, found.stderr
+    return json.loads(found.stdout)
+
+
+@pytest.fixture
+def dataset(tmp_path):
+    """A LeRobotDataset of two episodes with 3 and 2 frames: images of a 6 x 14 array, a force, a scalar."""
+    pa, pq = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
+    root = tmp_path / "recorded"
+    (root / "meta").mkdir(parents=True)
+    features = {
+        "observation.tactile": {"dtype": "float32", "shape": [84], "names": [f"r{k // 14}_c{k % 14}" for k in range(84)]},
+        "observation.pad": {"dtype": "float32", "shape": [2, 3], "names": None},
+        "observation.wrench": {"dtype": "float32", "shape": [3], "names": {"axes": ["f_x", "f_y", "f_z"]}},
+        "observation.depth": {"dtype": "float32", "shape": [1], "names": None},
+        "observation.image": {"dtype": "video", "shape": [3, 8, 8], "names": None},
+        "timestamp": {"dtype": "float32", "shape": [1], "names": None},
+        "episode_index": {"dtype": "int64", "shape": [1], "names": None},
+    }
+    (root / "meta/info.json").write_text(json.dumps({"codebase_version": "v3.0", "features": features}))
+    first = 0
+    for number, rows in enumerate((3, 2)):
+        frames = np.arange(first, first + rows, dtype=np.float32)
+        table = {
+            "observation.tactile": (frames[:, None] * 100 + np.arange(84)).tolist(),
+            "observation.pad": (frames[:, None, None] + np.arange(6.0).reshape(2, 3)).tolist(),
+            "observation.wrench": (frames[:, None] + [0.1, 0.2, 0.5]).tolist(),
+            "observation.depth": frames.tolist(),
+            "timestamp": (np.arange(rows) / 4).tolist(),
+            "episode_index": [number] * rows,
+        }
+        folder = root / "data/chunk-000"
+        folder.mkdir(parents=True, exist_ok=True)
+        pq.write_table(pa.table(table), folder / f"file-{number:03d}.parquet")
+        first += rows
+    return root
+
+
+def test_all_episodes_of_a_lerobot_dataset_as_images(dataset, tmp_path):
+    write_measurement(read_lerobot(dataset), Measurement("images", SENSOR, TACTILE), tmp_path / "images.yaml")
+    table = table_of(tmp_path / "images.csv")
+    assert list(table) == [f"r{k // 14}_c{k % 14}" for k in range(84)]
+    np.testing.assert_array_equal(np.stack(list(table.values())).T, np.arange(5)[:, None] * 100 + np.arange(84))
+
+
+def test_one_episode_with_time(dataset, tmp_path):
+    what = Measurement("stamp_images", SENSOR, TACTILE, time="timestamp", keys={"indenter": "{stamp: {size_mm: [10, 10]}}", "load": "3"})
+    write_measurement(read_lerobot(dataset, episode=1), what, tmp_path / "stamp.yaml")
+    table = table_of(tmp_path / "stamp.csv")
+    np.testing.assert_array_equal(table["time_s"], [0, 0.25])
+    np.testing.assert_array_equal(table["r0_c1"], [301, 401])
+    assert (tmp_path / "stamp.yaml").read_text().endswith('table: "stamp.csv"\nindenter: {stamp: {size_mm: [10, 10]}}\nload: 3\n')
+
+
+def test_components_of_features_have_names(dataset):
+    columns = read_lerobot(dataset).columns
+    np.testing.assert_allclose(columns["observation.wrench.f_z"], np.arange(5) + 0.5)
+    assert columns["f_z"] is columns["observation.wrench.f_z"]
+    np.testing.assert_array_equal(columns["observation.pad.r1_c2"], np.arange(5) + 5)
+    assert "r0_c0" not in columns  # two features have it
+    assert not any(name.startswith("observation.image") for name in columns)
+
+
+def test_kinds_of_tables(dataset, tmp_path):
+    recording = read_lerobot(dataset)
+    force = Measurement("force_curve", SENSOR, TACTILE, quantities={"force_N": "f_z"}, taxel=15)
+    table = table_of(write_measurement(recording, force, tmp_path / "force.yaml"))
+    np.testing.assert_allclose(table["force_N"], np.arange(5) + 0.5)
+    np.testing.assert_array_equal(table["taxel"], 15)
+    np.testing.assert_array_equal(table["counts"], np.arange(5) * 100 + 15)
+    step = table_of(write_measurement(recording, Measurement("step_response", SENSOR, TACTILE), tmp_path / "step.yaml"))
+    np.testing.assert_array_equal(step["counts"], np.arange(5) * 8400 + 83 * 42)
+    point = Measurement("point_images", SENSOR, TACTILE, quantities={"x_mm": "observation.depth", "y_mm": "f_x"})
+    assert list(table_of(write_measurement(recording, point, tmp_path / "point.yaml")))[:3] == ["x_mm", "y_mm", "r0_c0"]
+
+
+def test_a_csv_file_in_other_units_and_order(tmp_path):
+    lines = ["# recorded", "stamp;note;" + ";".join(f"m_{col:02d}_{row}" for col in range(14) for row in range(6))]
+    lines += [f"{5000 + 20 * k};a;" + ";".join(str(900 - k * row - col) for col in range(14) for row in range(6)) for k in range(3)]
+    (tmp_path / "raw.csv").write_text("\n".join(lines) + "\n")
+    what = Measurement("images", SENSOR, "m_{col:02d}_{row}", time="stamp", time_unit="ms", falling=True, scale=4)
+    table = table_of(write_measurement(read_csv(tmp_path / "raw.csv", ";"), what, tmp_path / "out.yaml"))
+    np.testing.assert_allclose(table["time_s"], [0, 0.02, 0.04])
+    np.testing.assert_array_equal(table["r5_c13"], [0, 20, 40])
+
+
+def test_taxels_without_a_grid_are_numbered(tmp_path):
+    (tmp_path / "raw.csv").write_text(",".join(f"a{k}" for k in range(65)) + "\n" + ",".join(str(k) for k in range(65)) + "\n")
+    write_measurement(read_csv(tmp_path / "raw.csv"), Measurement("images", FINGERTIP, "a{taxel}"), tmp_path / "out.yaml")
+    assert 'taxel_columns: "t{taxel}"\n' in (tmp_path / "out.yaml").read_text()
+    (pair,) = compared(tmp_path / "out.yaml", tmp_path / "out.yaml")["pairs"]
+    assert pair["M4_relative_l1"] == 0
+
+
+def test_the_program_reads_what_was_imported(tmp_path):
+    recording = read_csv(MEASUREMENTS / "stamp_3N.csv")
+    what = Measurement("stamp_images", SENSOR, time="time_s", keys={"indenter": "{stamp: {size_mm: [10.5, 10.5]}}", "load": "2.94"})
+    write_measurement(recording, what, tmp_path / "out.yaml")
+    (pair,) = compared(tmp_path / "out.yaml", MEASUREMENTS / "stamp_3N.yaml", options=["--at", "5"])["pairs"]
+    assert pair["M4_relative_l1"] == 0
+    arguments = ["characterize", tmp_path / "out.yaml", "-o", tmp_path / "sensor.yaml"]
+    assert subprocess.run([PROGRAM, *arguments], capture_output=True).returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("a,b\n", "a line of names and at least one row expected"),
+        ("a,a\n1,2\n", "column 'a' found twice"),
+        ("a,b\n1,2\n# note\n3\n", r"raw\.csv:4: 1 values found, 2 expected"),
+        ("a,b\n1,2\n3,x\n", r"raw\.csv:3: b: 'x' found, a number expected"),
+        ("a,b\n1,nan\n", r"raw\.csv:2: b: 'nan' found, a finite number expected"),
+    ],
+)
+def test_damaged_tables(tmp_path, text, message):
+    (tmp_path / "raw.csv").write_text(text)
+    with pytest.raises(taxelsim.InputError, match=message):
+        read_csv(tmp_path / "raw.csv")
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"kind": "photos"}, "measurement: 'photos' found, allowed are images"),
+        ({"taxels": "taxel"}, r"taxels: 'taxel' found; it names one column: use \{row\}"),
+        ({"taxels": "{finger}"}, r"taxels: '\{finger\}' found; \{row\}, \{col\}, \{taxel\} allowed"),
+        ({"taxels": "x{taxel}"}, "no column 'x0'; it has observation.tactile.r0_c0"),
+        ({"taxels": "r{row}_c{col}"}, "no column 'r0_c0'; did you mean observation.tactile.r0_c0 or observation.pad.r0_c0"),
+        ({"taxels": "observation.tactil.r{row}_c{col}"}, "did you mean observation.tactile.r0_c0"),
+        ({"time": "timestamp"}, "timestamp: row 3 is not later than the row before; choose one episode"),
+        ({"quantities": {"force": "f_z"}}, "column: 'force' found, allowed are x_m"),
+        ({"kind": "force_curve"}, "taxel: None found, 0 to 83 needed for force_curve"),
+        ({"scale": np.nan}, "scale: nan found"),
+        ({"time_unit": "h"}, "time_unit: 'h' found, allowed are s"),
+        ({"keys": {"load": "3\nsensor: x"}}, "load: .* found, one line expected"),
+    ],
+)
+def test_wrong_measurements(dataset, tmp_path, changes, message):
+    with pytest.raises(taxelsim.InputError, match=message):
+        write_measurement(
+            read_lerobot(dataset), Measurement(**{"kind": "images", "sensor": SENSOR, "taxels": TACTILE, **changes}), tmp_path / "out.yaml"
+        )
+    assert not list(tmp_path.glob("out.*"))
+
+
+def test_wrong_folders_and_outputs(dataset, tmp_path):
+    with pytest.raises(taxelsim.InputError, match=r"no LeRobotDataset: meta/info\.json"):
+        read_lerobot(tmp_path)
+    with pytest.raises(taxelsim.InputError, match="no frames of episode 7"):
+        read_lerobot(dataset, episode=7)
+    (tmp_path / "out.csv").touch()
+    with pytest.raises(taxelsim.InputError, match=r"out\.csv: exists"):
+        write_measurement(read_lerobot(dataset), Measurement("images", SENSOR), tmp_path / "out.yaml")
+    with pytest.raises(taxelsim.InputError, match=r"a file NAME\.yaml expected"):
+        write_measurement(read_lerobot(dataset), Measurement("images", SENSOR), tmp_path / "out.txt")
+
+
+def test_command(tmp_path, capfd):
+
+    main = importlib.import_module("taxelsim.commands.import").main
+    out = tmp_path / "out.yaml"
+    arguments = [str(MEASUREMENTS / "stamp_3N.csv"), "--sensor", str(SENSOR), "--measurement", "images", "-o", str(out)]
+    assert main([*arguments, "--time", "time_s"]) == 0
+    assert capfd.readouterr().out == f"wrote {out} and {tmp_path / 'out.csv'}\n"
+    assert main([*arguments, "--episode", "3"]) == 2
+    assert capfd.readouterr().err == "taxelsim import: --episode: for folders of a LeRobotDataset only\n"
