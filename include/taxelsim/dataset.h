@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <variant>
@@ -76,6 +77,9 @@ struct Manifest {
   std::string program_version;  ///< Version of taxelsim that created the data set.
   std::string device;           ///< Name and driver of the device that created it.
   std::string policy{};         ///< Policy::id of the policy that acted; empty: the scene's controllers.
+  /// SHA-256 of the probe, a few frames that every program computes before it may write: devices of equal names can compute different
+  /// values (docs/determinism.md). Empty: unknown, as in data sets of earlier versions.
+  std::string probe_sha256{};
   std::vector<Column> columns;  ///< Columns, without meta/episode_ends, which every shard has.
 
   /// Number of shards.
@@ -88,27 +92,48 @@ struct ShardData {
   std::vector<std::vector<std::byte>> columns;  ///< Rows of each of Manifest::columns, in native byte order, tightly packed.
 };
 
+/// Shards with the numbers first, ..., end - 1.
+struct ShardRange {
+  std::uint64_t first = 0;  ///< Number of the first shard.
+  std::uint64_t end = 0;    ///< Number after the last shard, > first, or first if there are none.
+
+  bool contains(std::uint64_t shard) const { return shard >= first && shard < end; }  ///< Whether the shard is one of them.
+};
+
+/// Part `part` (1 to `num_parts`) of a data set of `num_shards` shards; the parts differ by at most one shard. Empty for some parts if
+/// there are more parts than shards.
+ShardRange partOfShards(std::uint64_t num_shards, std::uint64_t part, std::uint64_t num_parts);
+
 /// Options of DatasetWriter.
 struct DatasetWriterOptions {
   /// Whether to remove shards that are damaged or belong to another data set, and dataset.h5 with them, so that they are written again,
   /// with a warning in the log for each. Default false: such a shard is an error.
   bool repair = false;
+  /// Writes these shards only, and shares the directory with other writers that do so, on this machine or on others; see claim(). Default:
+  /// none, the writer has the directory to itself and writes all shards.
+  std::optional<ShardRange> shards{};
+  /// Whether to read all bytes of the shards on disk. Default false: trusts dataset.checksums for shards whose size and times say that they
+  /// have not changed since.
+  bool verify_all = false;
   /// Called with the number of shards that are verified and the number of shards on disk, before each shard and at the end. Default: none.
   std::function<void(std::uint64_t num_verified, std::uint64_t num_shards)> on_verify{};
   /// Stops the verification when *stop becomes true. Not owned; must outlive the constructor. Default: none.
   const std::atomic<bool>* stop = nullptr;
 };
 
-/// Writes a data set into a directory; resumes an unfinished one. A lock file excludes other writers from the directory.
+/// Writes a data set into a directory; resumes an unfinished one. A lock file excludes other writers from the directory, or those that do
+/// not share it (DatasetWriterOptions::shards).
 ///
-/// Threads: for one thread at a time.
+/// Threads: for one thread at a time, but claim() may be called during writeShard().
 class DatasetWriter {
  public:
-  /// Creates the directory and the manifest, or compares an existing manifest with `manifest`. Removes left-over temporary files.
+  /// Creates the directory and the manifest, or compares an existing manifest with `manifest`. Verifies the shards on disk, those of the
+  /// range if the directory is shared. Removes left-over temporary files unless it is shared.
   ///
   /// A data set can be extended to more episodes if that leaves its complete shards unchanged. Throws Error(kInput) if the directory holds
-  /// other files, or a data set with another format, scene, seed, list of episodes, number of episodes per shard, program version, device
-  /// or policy, or a shard that differs from its checksum. Throws Error(kIo) if the file system refuses or another process is writing.
+  /// other files, or a data set with another format, scene, seed, list of episodes, number of episodes per shard, program version, device,
+  /// policy or probe, or a shard that differs from its checksum. A shared data set can not be extended. Throws Error(kIo) if the file
+  /// system refuses or another process is writing.
   DatasetWriter(std::filesystem::path directory, Manifest manifest, const DatasetWriterOptions& options = {});
   /// Releases the directory; unfinished shards are lost.
   ~DatasetWriter();
@@ -118,21 +143,44 @@ class DatasetWriter {
   /// False if DatasetWriterOptions::stop ended the verification of the shards on disk; nothing can be written then.
   bool isVerified() const;
 
-  /// Whether the shard is complete on disk.
+  /// Whether the shard was complete on disk when it was verified, or was written since by this writer.
   bool isComplete(std::uint64_t shard) const;
+
+  /// Whether the shard is on disk now, written by any process.
+  bool isOnDisk(std::uint64_t shard) const;
+
+  /// Claims a shard of a shared directory. False if another writer has claimed it, or the shard is on disk. writeShard() releases the
+  /// claim; the end of the process does so for any reason. True for a writer that has the directory to itself, unless the shard is on disk.
+  bool claim(std::uint64_t shard);
 
   /// Writes a shard and its checksum under temporary names, flushes them to disk and renames them, the shard last. Waits.
   ///
   /// Throws Error(kInput) if the shard is already complete, Error(kIo) if the file system refuses.
   void writeShard(std::uint64_t shard, const ShardData& data);
 
-  /// Writes the virtual view and its checksum atomically, the view last. Throws Error(kIo) if a shard is missing.
+  /// Writes the virtual view, its checksum and dataset.checksums atomically. Only for a writer that has the directory to itself. Throws
+  /// Error(kIo) if a shard is missing.
   void finish();
 
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// Options of finishDataset().
+struct FinishOptions {
+  /// As DatasetWriterOptions::on_verify. Default: none.
+  std::function<void(std::uint64_t num_verified, std::uint64_t num_shards)> on_verify{};
+  /// As DatasetWriterOptions::stop. Default: none.
+  const std::atomic<bool>* stop = nullptr;
+};
+
+/// Completes a data set whose shards were written by range: verifies all bytes of all shards, in parallel, and writes dataset.h5 and
+/// dataset.checksums. The directory then has the bytes of a data set that one process wrote. May be repeated. Returns false after a stop.
+///
+/// Throws Error(kInput) that names missing shards, a broken one, or the program version that wrote the data set if it is another one, and
+/// Error(kIo) if the file system refuses or another process is writing.
+bool finishDataset(const std::filesystem::path& directory, const FinishOptions& options = {});
 
 /// Reads the manifest alone. Throws Error(kInput) if the directory holds no data set, a newer format, or a manifest that was altered.
 Manifest readManifest(const std::filesystem::path& directory);
@@ -147,13 +195,16 @@ struct ShardStatus {
   };
   std::uint64_t shard = 0;      ///< Number of the shard.
   State state = State::kWhole;  ///< State of the shard.
-  std::string problem;          ///< One line about a broken shard.
+  /// Whether a whole shard was not read: dataset.checksums lists it, and its size and times say that it has not changed since.
+  bool is_vouched_for = false;
+  std::string problem;  ///< One line about a broken shard.
 };
 
-/// Checks every shard, in order. A shard is opened only if its bytes match its checksum file.
+/// Checks every shard, in parallel threads. A shard is opened only if its bytes match its checksum file.
 ///
-/// `contents`: whether to also verify the values of shards of format 1, which have no checksum file. `isolated`: as of DatasetReader.
-/// Throws what readManifest() throws.
+/// `contents`: whether to read all bytes. If false, trusts dataset.checksums for shards whose size and times say that they have not changed
+/// since, and the headers of shards of format 1, which have no checksum files. `isolated`: as of DatasetReader. Throws what readManifest()
+/// throws.
 std::vector<ShardStatus> checkShards(const std::filesystem::path& directory, bool contents, bool isolated = false);
 
 /// Result of checking dataset.h5, the virtual view over all shards.
@@ -173,8 +224,8 @@ struct ViewStatus {
 ViewStatus checkView(const std::filesystem::path& directory, bool isolated = false);
 
 /// Reads a data set. Verifies checksums before values are read: of dataset.h5 when the data set is opened, of a shard before its first row
-/// is read, or when the data set is opened if dataset.h5 is missing or broken. In format 1 the SHA-256 of a shard's columns take their
-/// place, and headers are checked when the data set is opened.
+/// is read, or when the data set is opened if dataset.h5 is missing or broken. A process verifies a file once, and again if it changes. In
+/// format 1 the SHA-256 of a shard's columns take their place, and headers are checked when the data set is opened.
 ///
 /// Threads: for one thread at a time.
 class DatasetReader {

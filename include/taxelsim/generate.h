@@ -18,7 +18,7 @@
 
 namespace taxelsim {
 
-/// Options of generate(). The others than `policy` and `episodes` do not change a byte of the data set.
+/// Options of generate(). The others than `policy` and `episodes` do not change a byte of a shard.
 struct GenerateOptions {
   int batch_size = 2048;      ///< Instances over all slices, >= 1. Default 2048.
   int num_slices = 2;         ///< Slices of the batch in flight at once, >= 1. Default 2.
@@ -28,6 +28,10 @@ struct GenerateOptions {
   std::function<void(const Progress&)> on_progress{};
   /// Whether to make damaged and foreign shards again; see DatasetWriterOptions::repair. Default false.
   bool repair = false;
+  /// Makes these shards only, in a directory that other processes may write at the same time with the same scene, program version and kind
+  /// of device; see DatasetWriterOptions::shards. finishDataset() completes the data set. Default: none, the whole data set by this
+  /// process.
+  std::optional<ShardRange> shards{};
   /// Called while the shards on disk are verified; see DatasetWriterOptions::on_verify. Default: none.
   std::function<void(std::uint64_t num_verified, std::uint64_t num_shards)> on_verify{};
   /// Graceful stop: when *stop becomes true, generate() abandons unfinished shards, keeps complete ones, and returns. May be set from any
@@ -58,9 +62,9 @@ struct LoadMisses {
 
 /// Result of generate().
 struct GenerateResult {
-  Progress progress;                    ///< Progress at the end.
+  Progress progress;                    ///< Progress at the end; its episodes are those of GenerateOptions::shards.
   GenerateTimes times;                  ///< Where the time went.
-  bool complete = false;                ///< Whether the data set is complete; false after a stop.
+  bool complete = false;                ///< Whether all requested shards are on disk; false after a stop.
   bool verified = true;                 ///< Whether all shards on disk were verified; false after a stop before that.
   std::uint64_t num_load_misses = 0;    ///< Contacts whose load was out of reach; also a column of the data set.
   std::vector<LoadMisses> load_misses;  ///< (num_objects), the same by object.
@@ -69,14 +73,18 @@ struct GenerateResult {
 /// The columns that a scene records, in file order.
 std::vector<Column> columnsOf(const Scene& scene);
 
-/// Simulates and writes all episodes of the scene that `directory` lacks. Blocks until they are on disk or *stop is true.
+/// Simulates and writes all episodes of the scene that `directory` lacks. Blocks until they are on disk or *stop is true. Shards that
+/// another process has claimed are awaited, and made here if that process ends without them.
+///
+/// First computes a probe, a few frames. A data set whose probe has other values is refused, since this machine would continue it with
+/// values that the other one does not compute.
 ///
 /// Resumes or extends a data set that is already there, but not one of another policy. The bytes depend on the scene, the seed, the device
 /// and the policy only. Throws what Model, Simulator, DatasetWriter and the policy throw, and Error(kInput) for options out of range, a
 /// batch that does not fit into memory, and a policy without id or that cannot act in the scene.
 ///
-/// Threads: may be called from several threads at once with different directories. It simulates in one thread of its own and writes in
-/// others.
+/// Threads: may be called from several threads at once, with different directories or with GenerateOptions::shards. It simulates in one
+/// thread of its own and writes in others.
 GenerateResult generate(const Device& device, const Scene& scene, const std::filesystem::path& directory,
                         const GenerateOptions& options = {});
 

@@ -34,6 +34,7 @@ void addCompare(CLI::App& app, Action& action);
 void addDevices(CLI::App& app, Action& action);
 void addEvaluate(CLI::App& app, Action& action);
 void addExperiment(CLI::App& app, Action& action);
+void addFinish(CLI::App& app, Action& action);
 void addFrame(CLI::App& app, Action& action);
 void addGenerate(CLI::App& app, Action& action);
 void addInspect(CLI::App& app, Action& action);

@@ -13,6 +13,7 @@
 #include "cli/print.h"
 #include "cli/progress.h"
 #include "cli/scene_options.h"
+#include "cli/shard_options.h"
 #include "figures/text.h"
 
 namespace taxelsim::cli {
@@ -21,7 +22,7 @@ using namespace figures;
 
 namespace {
 
-struct Arguments : SceneOptions {
+struct Arguments : SceneOptions, ShardOptions {
   std::string directory;
   bool repair = false;
 };
@@ -37,10 +38,24 @@ void warnOfLoads(const Scene& scene, const GenerateResult& result) {
   }
 }
 
+// "shards 40 to 79 of 120", "shard 3 of 4"
+std::string shardsText(const ShardRange& shards, std::uint64_t num_shards) {
+  const std::uint64_t last = shards.end - 1;
+  return shards.first == last ? fmt::format("shard {} of {}", last, countText(num_shards))
+                              : fmt::format("shards {} to {} of {}", shards.first, last, countText(num_shards));
+}
+
 int runGenerate(const Arguments& arguments) {
   useTwoDriverThreadsPerCore();
   Activity activity("loading " + arguments.scene);
   const Scene scene = loadScene(arguments.scene, arguments.overrides);
+  const std::uint64_t num_shards = (scene.num_episodes + scene.episodes_per_shard - 1) / scene.episodes_per_shard;
+  const std::optional<ShardRange> shards = chosenShards(arguments, num_shards);
+  if (shards && shards->first == shards->end) {
+    activity.end();
+    printOut("{}: part {} of {} shards is empty\n", arguments.directory, arguments.part, num_shards);
+    return kExitOk;
+  }
   activity.next("preparing the simulation");
   const Device device = Device::open({.device = arguments.device, .validation = arguments.validation});
   spdlog::info("{}: {} episodes on {} ({})", sceneTitle(scene), countText(scene.num_episodes), device.info().name, device.info().driver);
@@ -51,10 +66,11 @@ int runGenerate(const Arguments& arguments) {
   options.batch_size = arguments.batch_size;
   options.stop = &stopOnSignals();
   options.repair = arguments.repair;
-  options.on_verify = [&](std::uint64_t num_verified, std::uint64_t num_shards) {
-    if (num_verified == num_shards) return activity.next("preparing the simulation");
+  options.shards = shards;
+  options.on_verify = [&](std::uint64_t num_verified, std::uint64_t num_found) {
+    if (num_verified == num_found) return activity.next("preparing the simulation");
     if (num_verified == 0) activity.next("verifying");
-    activity.rename(fmt::format("verifying: {} of {} shards", countText(num_verified), countText(num_shards)));
+    activity.rename(fmt::format("verifying: {} of {} shards", countText(num_verified), countText(num_found)));
   };
   options.on_progress = [&](const Progress& progress) {
     activity.end();
@@ -80,6 +96,11 @@ int runGenerate(const Arguments& arguments) {
                  countText(progress.num_episodes), arguments.directory);
     return kExitInterrupted;
   }
+  if (shards) {
+    printOut("{}: {} complete, {} episodes ({} found on disk); `taxelsim finish {}` completes the data set\n", arguments.directory,
+             shardsText(*shards, num_shards), countText(progress.num_episodes), countText(progress.episodes_resumed), arguments.directory);
+    return kExitOk;
+  }
   const double rate = progress.seconds > 0 ? static_cast<double>(progress.frames_done) / progress.seconds : 0;
   printOut("{}: {} episodes ({} found on disk), {} frames simulated in {} at {} frames/s\n", arguments.directory,
            countText(progress.num_episodes), countText(progress.episodes_resumed), countText(progress.frames_done),
@@ -93,10 +114,14 @@ void addGenerate(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("generate", "Simulate a scene and write a data set; run the same command again to resume");
   command->footer(
       "Example:\n  taxelsim generate scenes/edge_servo.yaml -o out/ --episodes 100000\n"
+      "On several machines of one kind, which share out/, K = 1 to 16:\n"
+      "  taxelsim generate scenes/edge_servo.yaml -o out/ --episodes 100000 --part K/16\n"
+      "  taxelsim finish out/\n"
       "Ctrl-C stops and keeps complete shards. The bytes of the data set do not depend on batch size or device memory.");
   const auto arguments = std::make_shared<Arguments>();
   addSceneOptions(*command, *arguments, GenerateOptions{}.batch_size);
   command->add_option("-o,--output", arguments->directory, "Directory of the data set; created if missing")->required()->type_name("DIR");
+  addShardOptions(*command, *arguments);
   command->add_flag("--repair", arguments->repair, "Make damaged and foreign shards again; without it they are an error");
   command->callback([=, &action] { action = [=] { return runGenerate(*arguments); }; });
 }

@@ -54,6 +54,7 @@ int run(int argc, char** argv) {
   addDevices(app, action);
   addFrame(app, action);
   addGenerate(app, action);
+  addFinish(app, action);
   addInspect(app, action);
   addRender(app, action);
   addEvaluate(app, action);

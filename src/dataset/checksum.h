@@ -9,22 +9,33 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <filesystem>
+#include <string>
 
 #include "base/files.h"
 
 namespace taxelsim::dataset {
 
+inline constexpr std::size_t kDigestDigits = 64;
+
+// Whether a text is a SHA-256 as lower-case hexadecimal digits.
+bool isDigest(const std::string& text);
+
 // "shard-000012.h5.sha256"
 std::filesystem::path checksumFile(const std::filesystem::path& file);
 
-// Creates or replaces the checksum, then the file. Throws Error(kIo).
-void writeWithChecksum(const std::filesystem::path& file, const FileContent& content);
+// Creates or replaces the checksum, then the file. Returns the digest. Throws Error(kIo).
+std::string writeWithChecksum(const std::filesystem::path& file, const FileContent& content);
 
 // Removes the file, then its checksum, if they exist. Throws Error(kIo).
 void removeWithChecksum(const std::filesystem::path& file);
 
-// Throws Error(kInput) unless the file is a regular file with the SHA-256 of its checksum file, and Stopped as sha256File() does.
-void verifyChecksum(const std::filesystem::path& file, const std::atomic<bool>* stop = nullptr);
+// The digest in the checksum file of `file`. Throws Error(kInput) if there is none, or not a line of sha256sum for the file.
+std::string readChecksum(const std::filesystem::path& file);
+
+// Compares a file with its checksum file, unless this process has done so since the file last changed. Returns the digest. Thread-safe.
+// Throws Error(kInput) unless the file is a regular file with that digest, and Stopped as sha256File() does.
+std::string verifyChecksum(const std::filesystem::path& file, const std::atomic<bool>* stop = nullptr);
 
 }  // namespace taxelsim::dataset

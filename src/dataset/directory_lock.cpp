@@ -20,11 +20,11 @@ namespace {
 
 }  // namespace
 
-DirectoryLock::DirectoryLock(const std::filesystem::path& directory) : file_(directory / kLockName) {
+DirectoryLock::DirectoryLock(const std::filesystem::path& directory, LockMode mode) : file_(directory / kLockName), mode_(mode) {
   while (true) {
     descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
     if (descriptor_ < 0) throwIo("create", file_, errno);
-    if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+    if (::flock(descriptor_, (mode == LockMode::kShared ? LOCK_SH : LOCK_EX) | LOCK_NB) != 0) {
       const int code = errno;
       ::close(descriptor_);
       if (code == EWOULDBLOCK) throw Error(ErrorKind::kIo, directory.string() + ": another process is writing this data set");
@@ -41,7 +41,7 @@ DirectoryLock::DirectoryLock(const std::filesystem::path& directory) : file_(dir
 }
 
 DirectoryLock::~DirectoryLock() {
-  ::unlink(file_.c_str());
+  if (mode_ == LockMode::kExclusive) ::unlink(file_.c_str());
   ::close(descriptor_);
 }
 

@@ -7,18 +7,25 @@ namespace taxelsim::dataset {
 
 inline constexpr const char* kLockName = ".lock";
 
-// Exclusive advisory lock of a directory: flock() on a file in it, for the lifetime of the object. The kernel releases it when the process
-// ends for any reason.
+enum class LockMode {
+  kExclusive,  // excludes all others
+  kShared,     // excludes those with an exclusive lock
+};
+
+// Advisory lock of a directory: flock() on a file in it, for the lifetime of the object. The kernel releases it when the process ends for
+// any reason.
 class DirectoryLock {
  public:
-  // Does not wait. Throws Error(kIo) if another process or object holds the lock.
-  explicit DirectoryLock(const std::filesystem::path& directory);
+  // Does not wait. Throws Error(kIo) if another process or object holds a lock that excludes this one.
+  explicit DirectoryLock(const std::filesystem::path& directory, LockMode mode = LockMode::kExclusive);
+  // Removes the file of an exclusive lock. That of a shared lock stays, since others may hold it.
   ~DirectoryLock();
   DirectoryLock(const DirectoryLock&) = delete;
   DirectoryLock& operator=(const DirectoryLock&) = delete;
 
  private:
   std::filesystem::path file_;
+  LockMode mode_;
   int descriptor_ = -1;
 };
 

@@ -11,6 +11,7 @@
 #include "base/sha256.h"
 #include "base/text.h"
 #include "base/yaml_parse.h"
+#include "dataset/checksum.h"
 #include "dataset/column.h"
 #include "dataset/manifest_fields.h"
 #include "dataset/scene_difference.h"
@@ -26,6 +27,11 @@ constexpr int kMaxCompression = 9;
 
 [[noreturn]] void fail(const std::string& message) {
   throw Error(ErrorKind::kInput, "data set: " + message);
+}
+
+// Data sets of earlier versions have no such key.
+std::string probeLine(const Manifest& manifest) {
+  return manifest.probe_sha256.empty() ? "" : "probe_sha256: " + manifest.probe_sha256 + "\n";
 }
 
 // Data sets of all episodes have no such key.
@@ -76,6 +82,8 @@ void checkManifest(const Manifest& manifest) {
   for (const std::string* text : {&manifest.program_version, &manifest.device, &manifest.policy})
     if (text->size() > kMaxAttributeBytes)
       fail("program_version, device or policy is longer than " + std::to_string(kMaxAttributeBytes) + " bytes");
+  if (!manifest.probe_sha256.empty() && !isDigest(manifest.probe_sha256))
+    fail("probe_sha256 is not a SHA-256 of " + std::to_string(kDigestDigits) + " hexadecimal digits");
   for (const int side : {manifest.num_rows, manifest.num_cols})
     if (side < 0 || side > kMaxTaxelsPerSide)
       fail("num_rows or num_cols is " + std::to_string(side) + ", not 0 to " + std::to_string(kMaxTaxelsPerSide));
@@ -109,8 +117,9 @@ std::string writeManifest(const Manifest& manifest) {
       << "chunk_bytes: " << manifest.chunk_bytes << "\n"
       << "device: " << quoted(manifest.device) << "\n"
       << "policy: " << quoted(manifest.policy) << "\n"
-      << "sensor: {name: " << quoted(manifest.sensor_name) << ", num_rows: " << manifest.num_rows << ", num_cols: " << manifest.num_cols
-      << ", pitch: [" << numberText(manifest.pitch[0]) << ", " << numberText(manifest.pitch[1]) << "]"
+      << probeLine(manifest) << "sensor: {name: " << quoted(manifest.sensor_name) << ", num_rows: " << manifest.num_rows
+      << ", num_cols: " << manifest.num_cols << ", pitch: [" << numberText(manifest.pitch[0]) << ", " << numberText(manifest.pitch[1])
+      << "]"
       << "}\n"
       << "columns:\n";
   for (const Column& column : manifest.columns) out << writeColumn(column);
@@ -139,6 +148,7 @@ Manifest parseManifest(const std::filesystem::path& file, const std::string& tex
   if (manifest.format_version > 1) {
     manifest.chunk_bytes = fields.integer("chunk_bytes", kMaxChunkBytes);
     manifest.policy = fields.text("policy");
+    if (fields.find("probe_sha256") != nullptr) manifest.probe_sha256 = fields.text("probe_sha256");
     if (fields.find("episodes") != nullptr) manifest.episodes = fields.integers("episodes");
   }
   const Fields sensor(name, fields.at("sensor"));
@@ -186,6 +196,11 @@ void checkSame(const std::filesystem::path& directory, const Manifest& found, co
   if (found.scene != requested.scene)
     throw Error(ErrorKind::kInput, directory.string() + ": holds a data set of another scene: " +
                                        describeSceneDifference(found.scene, requested.scene) + ": choose another directory");
+  if (!found.probe_sha256.empty() && !requested.probe_sha256.empty() && found.probe_sha256 != requested.probe_sha256)
+    throw Error(ErrorKind::kInput, directory.string() +
+                                       ": holds a data set of a machine that computes other values than this one, although " +
+                                       "both have the device " + found.device + " (probe_sha256: " + found.probe_sha256 + " there, " +
+                                       requested.probe_sha256 + " here): use machines with equal processors, or another directory");
   compare("number of recorded columns", found.columns.size(), requested.columns.size());
   for (std::size_t i = 0; i < found.columns.size(); ++i) {
     const Column& a = found.columns[i];

@@ -3,10 +3,12 @@
 #include <span>
 
 #include "base/files.h"
+#include "dataset/checksum_list.h"
 #include "dataset/column.h"
 #include "dataset/manifest.h"
 #include "dataset/shard.h"
 #include "dataset/shard_listing.h"
+#include "dataset/verification.h"
 #include "dataset/view.h"
 #include "taxelsim/dataset.h"
 #include "taxelsim/error.h"
@@ -47,21 +49,32 @@ Manifest readManifest(const fs::path& directory) {
 std::vector<ShardStatus> checkShards(const fs::path& directory, bool contents, bool isolated) {
   const Manifest manifest = readManifest(directory);
   const Isolation isolation = isolationOf(manifest, isolated);
-  std::vector<ShardStatus> result;
   const std::vector<bool> on_disk = shardsOnDisk(directory, manifest);
+  std::vector<ShardStatus> result(manifest.numShards());
+  std::vector<std::uint64_t> shards;
   for (std::uint64_t shard = 0; shard < manifest.numShards(); ++shard) {
-    ShardStatus status{.shard = shard, .state = ShardStatus::State::kWhole, .problem = {}};
-    const fs::path file = directory / shardName(shard);
+    result[shard].shard = shard;
+    if (on_disk[shard])
+      shards.push_back(shard);
+    else
+      result[shard].state = ShardStatus::State::kMissing;
+  }
+  const auto check = [&](const VerifiedShard& verified) {
+    ShardStatus& status = result[verified.shard];
+    status.is_vouched_for = verified.is_vouched_for;
+    if (status.is_vouched_for) return;  // its content was checked before it was listed
     try {
-      if (on_disk[shard])
-        checkShard(file, manifest, shard, contents, isolation);
-      else
-        status.state = ShardStatus::State::kMissing;
+      if (verified.problem) std::rethrow_exception(verified.problem);
+      checkShardContent(directory / shardName(verified.shard), manifest, verified.shard, contents, isolation);
     } catch (const Error& error) {
       status.state = ShardStatus::State::kBroken;
       status.problem = error.what();
     }
-    result.push_back(std::move(status));
+  };
+  if (manifest.format_version == 1) {
+    for (const std::uint64_t shard : shards) check({.shard = shard, .hashed = {}, .is_vouched_for = false, .problem = nullptr});
+  } else {
+    verifyShards(directory, ChecksumList(directory, manifest.numShards()), shards, {.verify_all = contents}, check);
   }
   return result;
 }

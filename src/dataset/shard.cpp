@@ -168,9 +168,14 @@ FileContent shardImage(const Manifest& manifest, std::uint64_t shard, const Shar
 }
 
 std::vector<std::uint64_t> checkShard(const std::filesystem::path& file, const Manifest& manifest, std::uint64_t shard, bool contents,
-                                      Isolation isolation, const std::atomic<bool>* stop) {
+                                      Isolation isolation) {
+  if (manifest.format_version > 1) verifyChecksum(file);
+  return checkShardContent(file, manifest, shard, contents, isolation);
+}
+
+std::vector<std::uint64_t> checkShardContent(const std::filesystem::path& file, const Manifest& manifest, std::uint64_t shard,
+                                             bool contents, Isolation isolation) {
   const std::uint64_t format = manifest.format_version;
-  if (format > 1) verifyChecksum(file, stop);
   const std::uint64_t num_episodes = numEpisodes(manifest, shard);
   checkCounts(file, num_episodes);
   std::vector<std::uint64_t> all_ends(num_episodes);

@@ -1,7 +1,6 @@
 // Content of a shard: a contiguous range of episodes in one HDF5 file. writer.cpp and reader.cpp handle the directory.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -21,10 +20,13 @@ FileContent shardImage(const Manifest& manifest, std::uint64_t shard, const Shar
 
 // Checks that the file is that shard of that data set, with all columns in their types and shapes. Verifies its checksum before HDF5 opens
 // it; in format 1, which has none, the SHA-256 of all rows if `contents`. Returns the end of each episode in frames from the start of the
-// shard (num_episodes). Throws Error(kInput) with the file and the problem, also where the file is too small for its counts, and
-// Stopped as sha256File() does.
+// shard (num_episodes). Throws Error(kInput) with the file and the problem, also where the file is too small for its counts.
 std::vector<std::uint64_t> checkShard(const std::filesystem::path& file, const Manifest& manifest, std::uint64_t shard, bool contents,
-                                      Isolation isolation, const std::atomic<bool>* stop = nullptr);
+                                      Isolation isolation);
+
+// The same for a shard whose checksum is verified or vouched for.
+std::vector<std::uint64_t> checkShardContent(const std::filesystem::path& file, const Manifest& manifest, std::uint64_t shard,
+                                             bool contents, Isolation isolation);
 
 // Reads rows [first, first + count) of a column, which must be in range, to `rows`. The shard must have passed checkShard(). Throws
 // Error(kInput) if HDF5 fails.

@@ -7,13 +7,15 @@
 
 #include "base/files.h"
 #include "base/log.h"
-#include "base/sha256.h"
 #include "dataset/checksum.h"
+#include "dataset/checksum_list.h"
 #include "dataset/compressor.h"
 #include "dataset/directory_lock.h"
 #include "dataset/manifest.h"
 #include "dataset/shard.h"
+#include "dataset/shard_claims.h"
 #include "dataset/shard_listing.h"
+#include "dataset/verification.h"
 #include "dataset/view.h"
 #include "taxelsim/dataset.h"
 #include "taxelsim/error.h"
@@ -32,30 +34,62 @@ void prepareDirectory(const fs::path& directory) {
   if (fs::exists(directory / kManifestName)) return;
   for (const fs::directory_entry& entry : fs::directory_iterator(directory)) {
     const std::string name = entry.path().filename().string();
-    if (name != kLockName && !isTemporaryName(name))
+    if (name != kLockName && name != kClaimsName && !isTemporaryName(name))
       throw Error(ErrorKind::kInput,
                   directory.string() + ": is not empty and has no data set (it contains " + name + "): choose another directory");
   }
 }
 
+// Also those of writers that shared the directory.
 void removeTemporaryFiles(const fs::path& directory) {
   std::vector<fs::path> leftovers;
-  for (const fs::directory_entry& entry : fs::directory_iterator(directory))
-    if (isTemporaryName(entry.path().filename().string())) leftovers.push_back(entry.path());
+  for (const fs::directory_entry& entry : fs::directory_iterator(directory)) {
+    const std::string name = entry.path().filename().string();
+    if (name == kClaimsName || isTemporaryName(name)) leftovers.push_back(entry.path());
+  }
   for (const fs::path& file : leftovers) removeFile(file);
 }
 
 }  // namespace
 
+ShardRange partOfShards(std::uint64_t num_shards, std::uint64_t part, std::uint64_t num_parts) {
+  // The first num_shards % num_parts parts have one shard more.
+  const auto start = [&](std::uint64_t index) { return num_shards / num_parts * index + std::min(index, num_shards % num_parts); };
+  return {start(part - 1), start(part)};
+}
+
 struct DatasetWriter::Impl {
   fs::path directory;
   Manifest manifest;
+  ShardRange range;
   std::optional<DirectoryLock> lock;
+  std::optional<ShardClaims> claims;                   // of a shared directory
   std::optional<Compressor> compressor;                // if the data set is compressed
   std::vector<std::vector<std::uint64_t>> shard_ends;  // (num_shards), empty if the shard is missing
+  std::vector<HashedShard> hashes;                     // (num_shards), without digest if the shard is missing
   bool is_verified = false;
+  bool is_list_complete = true;  // dataset.checksums vouches for all shards on disk that this writer knows
 
   fs::path shardFile(std::uint64_t shard) const { return directory / shardName(shard); }
+
+  void open(const DatasetWriterOptions& options) {
+    range = options.shards.value_or(ShardRange{.first = 0, .end = manifest.numShards()});
+    if (range.first > range.end || range.end > manifest.numShards())
+      throw Error(ErrorKind::kInput, "shards: " + std::to_string(range.first) + " to " + std::to_string(range.end - 1) +
+                                         " requested, the data set has 0 to " + std::to_string(manifest.numShards() - 1));
+    prepareDirectory(directory);
+    lock.emplace(directory, options.shards ? LockMode::kShared : LockMode::kExclusive);
+    if (options.shards) claims.emplace(directory).claimManifest();
+    if (fs::exists(directory / kManifestName))
+      resume();
+    else
+      writeManifestFile();
+    if (claims)
+      claims->releaseManifest();
+    else
+      removeTemporaryFiles(directory);
+    verify(options);
+  }
 
   void writeManifestFile() {
     const std::string text = writeManifest(manifest);
@@ -71,7 +105,11 @@ struct DatasetWriter::Impl {
     const fs::path file = directory / kManifestName;
     const Manifest found = parseManifest(file, readTextFile(file, kMaxManifestBytes));
     checkSame(directory, found, manifest);
+    manifest.probe_sha256 = found.probe_sha256;
     if (found.num_episodes == manifest.num_episodes) return;
+    if (claims)
+      throw Error(ErrorKind::kInput, directory.string() + ": holds a data set of " + std::to_string(found.num_episodes) + " episodes, " +
+                                         std::to_string(manifest.num_episodes) + " requested: processes that share it cannot extend it");
     if (manifest.num_episodes < found.num_episodes)
       throw Error(ErrorKind::kInput, directory.string() + ": holds a data set of " + std::to_string(found.num_episodes) + " episodes, " +
                                          std::to_string(manifest.num_episodes) + " requested: it can grow but not shrink");
@@ -85,28 +123,44 @@ struct DatasetWriter::Impl {
     writeManifestFile();
   }
 
-  // Compares every shard on disk with its checksum and the manifest.
+  // Compares the shards on disk with their checksums and the manifest.
   void verify(const DatasetWriterOptions& options) {
     shard_ends.resize(manifest.numShards());
+    hashes.resize(manifest.numShards());
     const std::vector<bool> on_disk = shardsOnDisk(directory, manifest);
-    const auto num_shards = static_cast<std::uint64_t>(std::count(on_disk.begin(), on_disk.end(), true));
-    std::uint64_t num_verified = 0;
-    for (std::uint64_t shard = 0; shard < on_disk.size(); ++shard) {
-      if (!on_disk[shard]) continue;
-      if (options.on_verify) options.on_verify(num_verified++, num_shards);
-      try {
-        shard_ends[shard] = checkShard(shardFile(shard), manifest, shard, /*contents=*/true, Isolation::kNone, options.stop);
-      } catch (const Stopped&) {
-        return;
-      } catch (const Error& problem) {
-        if (!options.repair || problem.kind() != ErrorKind::kInput) throw;
-        logWarning(problem.what() + std::string("; the shard is removed and made again"));
-        removeWithChecksum(directory / kViewName);  // it would show zeros in place of the shard
-        removeWithChecksum(shardFile(shard));
-      }
+    std::vector<std::uint64_t> shards;
+    for (std::uint64_t shard = range.first; shard < range.end; ++shard)
+      if (on_disk[shard]) shards.push_back(shard);
+    const auto on_verify = [&](std::uint64_t num_verified) {
+      if (options.on_verify) options.on_verify(num_verified, shards.size());
+    };
+    const ChecksumList list(directory, manifest.numShards());
+    is_verified = verifyShards(directory, list, shards, {.verify_all = options.verify_all, .stop = options.stop, .on_verify = on_verify},
+                               [&](const VerifiedShard& result) { use(result, options.repair); });
+    if (is_verified) writeList();
+  }
+
+  void use(const VerifiedShard& result, bool repair) {
+    const fs::path file = shardFile(result.shard);
+    try {
+      if (result.problem) std::rethrow_exception(result.problem);
+      shard_ends[result.shard] = checkShardContent(file, manifest, result.shard, /*contents=*/true, Isolation::kNone);
+      hashes[result.shard] = result.hashed;
+      is_list_complete = is_list_complete && result.is_vouched_for;
+    } catch (const Error& problem) {
+      if (!repair || problem.kind() != ErrorKind::kInput) throw;
+      if (claims && !claims->claim(result.shard)) return;  // another process makes it again
+      logWarning(problem.what() + std::string("; the shard is removed and made again"));
+      removeWithChecksum(directory / kViewName);  // it would show zeros in place of the shard
+      removeWithChecksum(file);
     }
-    if (options.on_verify) options.on_verify(num_shards, num_shards);
-    is_verified = true;
+  }
+
+  // Vouches for what is on disk, so that the next run does not read it again. Writers that share a directory know a part of it only.
+  void writeList() {
+    if (claims || is_list_complete) return;
+    writeChecksumList(directory, hashes);
+    is_list_complete = true;
   }
 };
 
@@ -118,14 +172,7 @@ DatasetWriter::DatasetWriter(fs::path directory, Manifest manifest, const Datase
   impl_->directory = std::move(directory);
   impl_->manifest = std::move(manifest);
   try {
-    prepareDirectory(impl_->directory);
-    impl_->lock.emplace(impl_->directory);
-    if (fs::exists(impl_->directory / kManifestName))
-      impl_->resume();
-    else
-      impl_->writeManifestFile();
-    removeTemporaryFiles(impl_->directory);
-    impl_->verify(options);
+    impl_->open(options);
     if (impl_->manifest.compression > 0)
       impl_->compressor.emplace(impl_->manifest.compression, std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
   } catch (const fs::filesystem_error& error) {
@@ -135,7 +182,13 @@ DatasetWriter::DatasetWriter(fs::path directory, Manifest manifest, const Datase
   }
 }
 
-DatasetWriter::~DatasetWriter() = default;
+DatasetWriter::~DatasetWriter() {
+  try {
+    if (impl_->is_verified) impl_->writeList();
+  } catch (const std::exception& error) {
+    logWarning(error.what());  // the next run reads the shards
+  }
+}
 
 bool DatasetWriter::isVerified() const {
   return impl_->is_verified;
@@ -145,6 +198,21 @@ bool DatasetWriter::isComplete(std::uint64_t shard) const {
   return shard < impl_->shard_ends.size() && !impl_->shard_ends[shard].empty();
 }
 
+bool DatasetWriter::isOnDisk(std::uint64_t shard) const {
+  std::error_code error;
+  return fs::exists(impl_->shardFile(shard), error);
+}
+
+bool DatasetWriter::claim(std::uint64_t shard) {
+  if (isOnDisk(shard)) return false;
+  if (!impl_->claims) return true;
+  if (!impl_->claims->claim(shard)) return false;
+  // Its last holder may have written it and released it in between.
+  if (!isOnDisk(shard)) return true;
+  impl_->claims->release(shard);
+  return false;
+}
+
 void DatasetWriter::writeShard(std::uint64_t shard, const ShardData& data) {
   if (shard >= impl_->shard_ends.size())
     throw Error(ErrorKind::kInput,
@@ -152,18 +220,23 @@ void DatasetWriter::writeShard(std::uint64_t shard, const ShardData& data) {
   assert(isVerified());
   if (isComplete(shard)) throw Error(ErrorKind::kInput, impl_->shardFile(shard).string() + ": is complete already");
   Compressor* const compressor = impl_->compressor ? &*impl_->compressor : nullptr;
-  writeWithChecksum(impl_->shardFile(shard), shardImage(impl_->manifest, shard, data, compressor));
+  const fs::path file = impl_->shardFile(shard);
+  impl_->hashes[shard].digest = writeWithChecksum(file, shardImage(impl_->manifest, shard, data, compressor));
+  impl_->hashes[shard].stamp = stampOf(file);
+  impl_->is_list_complete = false;
+  if (impl_->claims) impl_->claims->release(shard);
   std::uint64_t end = 0;
   for (const std::uint64_t length : data.episode_lengths) impl_->shard_ends[shard].push_back(end += length);
 }
 
 void DatasetWriter::finish() {
-  assert(isVerified());
+  assert(isVerified() && !impl_->claims);
   const std::vector<bool> on_disk = shardsOnDisk(impl_->directory, impl_->manifest);
   for (std::uint64_t shard = 0; shard < impl_->shard_ends.size(); ++shard)
     if (!isComplete(shard) || !on_disk[shard])
       throw Error(ErrorKind::kIo, impl_->shardFile(shard).string() + ": is missing; the data set is incomplete");
   writeWithChecksum(impl_->directory / kViewName, viewImage(impl_->manifest, impl_->shard_ends));
+  impl_->writeList();
 }
 
 }  // namespace taxelsim

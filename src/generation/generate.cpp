@@ -4,10 +4,12 @@
 #include <chrono>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "base/memory.h"
 #include "episodes/batch.h"
+#include "generation/probe.h"
 #include "generation/shard_sink.h"
 #include "scene/scene_checks.h"
 #include "taxelsim/error.h"
@@ -86,41 +88,77 @@ class Run {
  public:
   // num_frames: per episode.
   Run(const GenerateOptions& options, DatasetWriter& writer, const Manifest& manifest, int num_frames)
-      : options_(options), writer_(writer) {
+      : options_(options), writer_(writer), manifest_(manifest), num_frames_(static_cast<std::uint64_t>(num_frames)) {
+    const ShardRange range = options.shards.value_or(ShardRange{.first = 0, .end = manifest.numShards()});
     complete_.resize(manifest.numShards());
-    progress().num_episodes = manifest.num_episodes;
     for (std::uint64_t shard = 0; shard < manifest.numShards(); ++shard) {
-      complete_[shard] = writer.isComplete(shard);
-      if (!complete_[shard]) continue;
-      const std::uint64_t first = shard * manifest.episodes_per_shard;
-      progress().episodes_resumed += std::min(manifest.episodes_per_shard, manifest.num_episodes - first);
+      complete_[shard] = !range.contains(shard);
+      if (complete_[shard]) continue;
+      progress().num_episodes += episodesOf(shard);
+      if (writer.isComplete(shard)) addFound(shard);
     }
-    progress().episodes_done = progress().episodes_resumed;
-    progress().num_frames = (manifest.num_episodes - progress().episodes_resumed) * static_cast<std::uint64_t>(num_frames);
+    progress().num_frames = (progress().num_episodes - progress().episodes_resumed) * num_frames_;
   }
 
-  const std::vector<bool>& complete() const { return complete_; }
-  Progress& progress() { return result_.progress; }
-
-  void simulate(const Model& model, const SlicePlan& plan, ShardQueue& queue);
+  void simulateAll(const Model& model, const SlicePlan& plan);
 
   GenerateResult end() {
-    result_.complete = progress().episodes_done == progress().num_episodes;
-    if (result_.complete) writer_.finish();
+    result_.complete = isComplete();
+    if (result_.complete && !options_.shards) writer_.finish();
     if (options_.on_progress) options_.on_progress(progress());
     return result_;
   }
 
  private:
+  Progress& progress() { return result_.progress; }
+  bool isComplete() const { return std::find(complete_.begin(), complete_.end(), false) == complete_.end(); }
+  bool isStopped() const { return options_.stop != nullptr && *options_.stop; }
+  std::uint64_t episodesOf(std::uint64_t shard) const {
+    return std::min(manifest_.episodes_per_shard, manifest_.num_episodes - shard * manifest_.episodes_per_shard);
+  }
+  // Of a shard that this run did not make.
+  void addFound(std::uint64_t shard);
+  void findShards();
+  bool claimsAny();
+  void simulate(const Model& model, const SlicePlan& plan);
   void report(SteadyClock::time_point now);
 
   const GenerateOptions& options_;
   DatasetWriter& writer_;
-  std::vector<bool> complete_;
+  const Manifest& manifest_;
+  const std::uint64_t num_frames_;
+  std::vector<bool> complete_;  // (num_shards), true for those that are not requested
+  std::uint64_t episodes_written_ = 0;
   GenerateResult result_;
   SteadyClock::time_point start_;
   SteadyClock::time_point last_report_;
 };
+
+void Run::addFound(std::uint64_t shard) {
+  complete_[shard] = true;
+  progress().episodes_resumed += episodesOf(shard);
+  progress().episodes_done += episodesOf(shard);
+}
+
+// Looks for the shards that others have written.
+void Run::findShards() {
+  for (std::uint64_t shard = 0; shard < complete_.size(); ++shard) {
+    if (complete_[shard]) continue;
+    if (writer_.isComplete(shard)) {
+      complete_[shard] = true;
+    } else if (writer_.isOnDisk(shard)) {
+      addFound(shard);
+      progress().num_frames -= episodesOf(shard) * num_frames_;
+    }
+  }
+}
+
+bool Run::claimsAny() {
+  for (std::uint64_t shard = 0; shard < complete_.size(); ++shard) {
+    if (!complete_[shard] && writer_.claim(shard)) return true;
+  }
+  return false;
+}
 
 void Run::report(SteadyClock::time_point now) {
   progress().seconds = std::chrono::duration<double>(now - start_).count();
@@ -129,7 +167,22 @@ void Run::report(SteadyClock::time_point now) {
   options_.on_progress(progress());
 }
 
-void Run::simulate(const Model& model, const SlicePlan& plan, ShardQueue& queue) {
+// Other processes hold the claims of the shards that are left after a round. Those of a lost process are free in a later one.
+void Run::simulateAll(const Model& model, const SlicePlan& plan) {
+  start_ = last_report_ = SteadyClock::now();
+  while (!isComplete() && !isStopped()) {
+    if (claimsAny()) {
+      simulate(model, plan);
+    } else {
+      std::this_thread::sleep_for(kProgressPeriod);
+      report(SteadyClock::now());
+    }
+    findShards();
+  }
+}
+
+void Run::simulate(const Model& model, const SlicePlan& plan) {
+  ShardQueue queue(manifest_, complete_, plan.num_frames, [this](std::uint64_t shard) { return writer_.claim(shard); });
   const int batch_size = static_cast<int>(std::min<std::uint64_t>(options_.batch_size, queue.numEpisodesLeft()));
   const Recorder recorder(planColumns(plan.scene), plan.edges);
   // All episodes of a batch end at the same time, and with them up to maxOpenShards() shards: the queue takes them without blocking.
@@ -143,7 +196,7 @@ void Run::simulate(const Model& model, const SlicePlan& plan, ShardQueue& queue)
     slices.push_back(std::make_unique<Slice>(model, plan, size, *sinks.back(), first_instance));
     first_instance += size;
   }
-  start_ = last_report_ = SteadyClock::now();
+  if (episodes_written_ == 0) start_ = last_report_ = SteadyClock::now();  // without the time to compile the kernels
   runEpisodes(model.device(), slices, options_.stop, [&](const Slice::Stats& stats) {
     progress().frames_done += stats.num_frames;
     progress().episodes_done += stats.num_episodes;
@@ -154,9 +207,10 @@ void Run::simulate(const Model& model, const SlicePlan& plan, ShardQueue& queue)
   });
   const SteadyClock::time_point last_frame = SteadyClock::now();
   shard_writer.close();
-  result_.times.writing_last = std::chrono::duration<double>(SteadyClock::now() - last_frame).count();
-  result_.times.writer_wait = shard_writer.secondsWaited();
-  progress().episodes_done = progress().episodes_resumed + shard_writer.numEpisodesWritten();
+  result_.times.writing_last += std::chrono::duration<double>(SteadyClock::now() - last_frame).count();
+  result_.times.writer_wait += shard_writer.secondsWaited();
+  episodes_written_ += shard_writer.numEpisodesWritten();
+  progress().episodes_done = progress().episodes_resumed + episodes_written_;
   progress().seconds = std::chrono::duration<double>(SteadyClock::now() - start_).count();
 }
 
@@ -167,11 +221,13 @@ GenerateResult generate(const Device& device, const Scene& scene, const std::fil
   checkHostMemory(scene, options);
   SlicePlan plan = options.policy ? SlicePlan(scene, outputsOf(scene), *options.policy) : SlicePlan(scene, outputsOf(scene));
   plan.device_clock = options.device_clock;
-  const Manifest manifest = manifestOf(scene, device, options);
+  Manifest manifest = manifestOf(scene, device, options);
   // Model and batch are checked before the directory is created.
   const Model model(device, modelOptionsOf(scene));
   splitBatch(model, plan, static_cast<int>(std::min<std::uint64_t>(options.batch_size, manifest.num_episodes)), options.num_slices);
-  DatasetWriter writer(directory, manifest, {.repair = options.repair, .on_verify = options.on_verify, .stop = options.stop});
+  manifest.probe_sha256 = probeHash(model, scene);
+  DatasetWriter writer(directory, manifest,
+                       {.repair = options.repair, .shards = options.shards, .on_verify = options.on_verify, .stop = options.stop});
   if (!writer.isVerified()) {
     GenerateResult stopped;
     stopped.progress.num_episodes = manifest.num_episodes;
@@ -179,8 +235,7 @@ GenerateResult generate(const Device& device, const Scene& scene, const std::fil
     return stopped;
   }
   Run run(options, writer, manifest, plan.num_frames);
-  ShardQueue queue(manifest, run.complete(), plan.num_frames);
-  if (queue.numEpisodesLeft() > 0) run.simulate(model, plan, queue);
+  run.simulateAll(model, plan);
   return run.end();
 }
 

@@ -4,14 +4,17 @@
 #include <new>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "generation/columns.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
 
-ShardQueue::ShardQueue(const Manifest& manifest, const std::vector<bool>& complete, int num_frames)
+ShardQueue::ShardQueue(const Manifest& manifest, const std::vector<bool>& complete, int num_frames,
+                       std::function<bool(std::uint64_t)> claim)
     : complete_(complete),
+      claim_(std::move(claim)),
       episodes_(manifest.episodes),
       num_episodes_(manifest.num_episodes),
       episodes_per_shard_(manifest.episodes_per_shard),
@@ -20,15 +23,21 @@ ShardQueue::ShardQueue(const Manifest& manifest, const std::vector<bool>& comple
   for (std::uint64_t shard = 0; shard < complete_.size(); ++shard) {
     if (!complete_[shard]) num_left_ += episodesOf(shard);
   }
-  skipComplete();
 }
 
 std::uint64_t ShardQueue::episodesOf(std::uint64_t shard) const {
   return std::min(episodes_per_shard_, num_episodes_ - shard * episodes_per_shard_);
 }
 
-void ShardQueue::skipComplete() {
-  while (next_shard_ < complete_.size() && complete_[next_shard_]) ++next_shard_;
+void ShardQueue::openNext() {
+  for (; next_shard_ < complete_.size(); ++next_shard_) {
+    if (complete_[next_shard_]) continue;
+    if (!claim_ || claim_(next_shard_)) {
+      open_.push_back(openShard(next_shard_));
+      return;
+    }
+    num_left_ -= episodesOf(next_shard_);
+  }
 }
 
 std::unique_ptr<ShardBuffer> ShardQueue::openShard(std::uint64_t shard) {
@@ -60,15 +69,14 @@ std::unique_ptr<ShardBuffer> ShardQueue::openShard(std::uint64_t shard) {
 }
 
 std::optional<EpisodePlace> ShardQueue::next() {
+  if (next_row_ == 0) openNext();
   if (next_shard_ >= complete_.size()) return std::nullopt;
-  if (next_row_ == 0) open_.push_back(openShard(next_shard_));
   const std::uint64_t row = next_shard_ * episodes_per_shard_ + next_row_;
   const EpisodePlace place{episodes_.empty() ? row : episodes_[row], next_row_, open_.back().get()};
   --num_left_;
   if (++next_row_ == episodesOf(next_shard_)) {
     next_row_ = 0;
     ++next_shard_;
-    skipComplete();
   }
   return place;
 }

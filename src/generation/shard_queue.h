@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -32,8 +33,9 @@ struct EpisodePlace {
 // Not thread-safe.
 class ShardQueue {
  public:
-  // complete (num_shards): shards to skip. num_frames: per episode.
-  ShardQueue(const Manifest& manifest, const std::vector<bool>& complete, int num_frames);
+  // complete (num_shards): shards to skip. num_frames: per episode. claim: called before the first episode of a shard is handed out; false
+  // to skip the shard. Default: none is skipped.
+  ShardQueue(const Manifest& manifest, const std::vector<bool>& complete, int num_frames, std::function<bool(std::uint64_t)> claim = {});
 
   std::uint64_t numEpisodesLeft() const { return num_left_; }  // not handed out yet
 
@@ -56,10 +58,12 @@ class ShardQueue {
 
   std::uint64_t episodesOf(std::uint64_t shard) const;
   std::unique_ptr<ShardBuffer> openShard(std::uint64_t shard);
-  void skipComplete();
+  // Moves on to the next shard that is neither complete nor claimed by others.
+  void openNext();
 
   std::vector<ColumnLayout> columns_;
   std::vector<bool> complete_;
+  std::function<bool(std::uint64_t)> claim_;
   std::vector<std::uint64_t> episodes_;  // numbers by row of the data set; empty if they are equal
   std::uint64_t num_episodes_;
   std::uint64_t episodes_per_shard_;

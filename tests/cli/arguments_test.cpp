@@ -7,7 +7,7 @@
 namespace taxelsim::testing {
 namespace {
 
-const std::vector<std::string> kCommands{"devices",  "frame",      "generate",     "inspect", "render",
+const std::vector<std::string> kCommands{"devices",  "frame",      "generate",     "finish",  "inspect",           "render",
                                          "evaluate", "experiment", "characterize", "compare", "calibrate-readings"};
 
 TEST(Help, EverySubcommandHasAnExample) {

@@ -57,7 +57,7 @@ TEST(Generate, SameBytesForAnyBatchSize) {
     const Outcome outcome = runTaxelsim({"generate", scene, "-o", out, "--batch-size", std::to_string(batch_size)});
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     if (expected.empty()) expected = filesOf(out);
-    EXPECT_EQ(expected.size(), 13u) << "five shards and a view with their checksums, a manifest";
+    EXPECT_EQ(expected.size(), 14u) << "five shards and a view with their checksums, a manifest, a list of checksums";
     expectSame(filesOf(out), expected, "batch size " + std::to_string(batch_size));
   }
 }

@@ -67,8 +67,9 @@ TEST_P(RoundTrip, SameContentGivesSameBytes) {
   EXPECT_EQ(files, filesIn(directory / "b"));
   std::vector<std::string> names;
   for (const auto& [name, bytes] : files) names.push_back(name);
-  EXPECT_THAT(names, ::testing::ElementsAre("dataset.h5", "dataset.h5.sha256", "dataset.yaml", "shard-000000.h5", "shard-000000.h5.sha256",
-                                            "shard-000001.h5", "shard-000001.h5.sha256", "shard-000002.h5", "shard-000002.h5.sha256"));
+  EXPECT_THAT(names, ::testing::ElementsAre("dataset.checksums", "dataset.h5", "dataset.h5.sha256", "dataset.yaml", "shard-000000.h5",
+                                            "shard-000000.h5.sha256", "shard-000001.h5", "shard-000001.h5.sha256", "shard-000002.h5",
+                                            "shard-000002.h5.sha256"));
 }
 
 INSTANTIATE_TEST_SUITE_P(Compression, RoundTrip, ::testing::Values(0, 4));

@@ -1,0 +1,93 @@
+#include "generation/probe.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "base/sha256.h"
+#include "episodes/slice.h"
+#include "generation/recorder.h"
+#include "taxelsim/generate.h"
+
+namespace taxelsim {
+namespace {
+
+constexpr int kNumEpisodes = 4;  // different objects and poses
+constexpr int kNumFrames = 2;    // of each episode: the initial contact and one with the state of a frame before
+
+// The episodes as one shard. The rows of frames that an episode does not have are 0.
+Manifest probeManifest(const Scene& scene) {
+  Manifest manifest;
+  manifest.num_episodes = manifest.episodes_per_shard = kNumEpisodes;
+  manifest.columns = columnsOf(scene);
+  return manifest;
+}
+
+class ProbeSink : public EpisodeSink {
+ public:
+  ProbeSink(const Scene& scene, const Recorder& recorder)
+      : recorder_(recorder),
+        queue_(probeManifest(scene), {false}, kNumFrames),
+        episodes_(kNumEpisodes),
+        frames_(kNumEpisodes),
+        frames_left_(kNumEpisodes, kNumFrames) {}
+
+  bool isComplete() const { return num_complete_ == kNumEpisodes; }
+
+  std::string hash() const {
+    Sha256 digest;
+    for (const std::vector<std::byte>& column : episodes_[0].buffer->data.columns) digest.add(column);
+    return digest.finish();
+  }
+
+  std::optional<std::uint64_t> next(int instance) override {
+    const std::optional<EpisodePlace> place = queue_.next();
+    if (!place) return {};
+    episodes_[instance] = *place;
+    return place->episode;
+  }
+
+  void begin(int instance, const EpisodeRecord& record) override {
+    const EpisodePlace& place = episodes_[instance];
+    frames_[instance] = {place.buffer->columns.data(), place.row * kNumFrames, static_cast<std::size_t>(record.object)};
+    recorder_.recordEpisode({.record = record, .success = false}, place);
+  }
+
+  void frame(const FrameView& view, const FrameContext& context) override {
+    recorder_.recordFrames(view, context, frames_);
+    for (int i = 0; i < kNumEpisodes; ++i) {
+      ++frames_[i].row;
+      if (frames_[i].columns && --frames_left_[i] == 0) end(i);
+    }
+  }
+
+  void end(int instance) override {
+    if (frames_[instance].columns) ++num_complete_;
+    frames_[instance] = {};
+  }
+
+ private:
+  const Recorder& recorder_;
+  ShardQueue queue_;
+  int num_complete_ = 0;
+
+  // (kNumEpisodes), one per instance
+  std::vector<EpisodePlace> episodes_;
+  std::vector<FramePlace> frames_;
+  std::vector<int> frames_left_;
+};
+
+}  // namespace
+
+std::string probeHash(const Model& model, const Scene& scene) {
+  const SlicePlan plan(scene, outputsOf(scene));
+  const Recorder recorder(planColumns(scene), plan.edges);
+  ProbeSink sink(scene, recorder);
+  Slice slice(model, plan, kNumEpisodes, sink);
+  while (slice.busy() && !sink.isComplete()) {
+    slice.submit();
+    slice.collect();
+  }
+  return sink.hash();
+}
+
+}  // namespace taxelsim

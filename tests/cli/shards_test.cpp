@@ -1,0 +1,83 @@
+// `generate --shards`, `--part` and `finish`: several processes in one directory, one of them lost.
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <fstream>
+#include <future>
+#include <map>
+
+#include "cli/command_line.h"
+
+namespace taxelsim::testing {
+namespace {
+
+// One frame of 24 spheres in six shards.
+std::string writeScene(const std::string& file, const std::string& radius = "5") {
+  std::ofstream(file) << "format_version: 1\nname: balls\nkind: contacts\nsensor: " << TAXELSIM_SOURCE_DIR
+                      << "/scenes/sensors/wts0614.yaml\nobjects: [{sphere: {radius_mm: " << radius
+                      << "}}]\nrandomization: {load: [0.1, 1]}\n"
+                      << "data_set: {episodes: 24, seed: 1, episodes_per_shard: 4}\n";
+  return file;
+}
+
+std::map<std::string, std::string> filesOf(const std::string& directory) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(directory))
+    files[entry.path().filename().string()] = contentOf(entry.path());
+  return files;
+}
+
+TEST(Shards, ProcessesTogetherGiveTheBytesOfOneAlsoAfterAKill) {
+  const TemporaryDirectory root;
+  const std::string scene = writeScene(root / "scene.yaml"), many = root / "many";
+  ASSERT_EQ(runTaxelsim({"generate", scene, "-o", root / "one"}).status, 0);
+
+  // Killed at any time, the worker leaves complete shards, or none, and claims that have ended.
+  runTaxelsim({"generate", scene, "-o", many, "--part", "1/2", "--batch-size", "1"}, {.signal = SIGKILL, .signal_after = 0.5});
+  std::vector<std::future<Outcome>> workers;
+  for (const auto& choice : {std::pair{"--part", "1/2"}, std::pair{"--shards", "2..5"}, std::pair{"--shards", "1..3"}})
+    workers.push_back(std::async(std::launch::async, [&, choice] {
+      return runTaxelsim({"generate", scene, "-o", many, choice.first, choice.second, "--batch-size", "4"});
+    }));
+  for (std::future<Outcome>& worker : workers) {
+    const Outcome outcome = worker.get();
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("of 6 complete"), std::string::npos) << outcome.out;
+  }
+  EXPECT_FALSE(std::filesystem::exists(many + "/dataset.h5"));
+
+  std::filesystem::rename(many + "/shard-000004.h5", root / "shard");
+  expectRefused(runTaxelsim({"finish", many}), "shard-000004.h5 is missing; missing shards: 4 (1 of 6)");
+  std::filesystem::rename(root / "shard", many + "/shard-000004.h5");
+  const Outcome finished = runTaxelsim({"finish", many});
+  EXPECT_EQ(finished.status, 0) << finished.err;
+  EXPECT_NE(finished.out.find("6 shards verified"), std::string::npos) << finished.out;
+  EXPECT_EQ(filesOf(many), filesOf(root / "one"));
+
+  expectRefused(runTaxelsim({"--log-level", "error", "generate", writeScene(root / "other.yaml", "6"), "-o", many, "--part", "1/2"}),
+                "another scene: objects[0].sphere.radius");
+  std::string manifest = contentOf(many + "/dataset.yaml");
+  const std::size_t probe = manifest.find("probe_sha256: ") + std::string("probe_sha256: ").size();
+  manifest[probe] = manifest[probe] == '0' ? '1' : '0';
+  std::ofstream(many + "/dataset.yaml") << manifest;
+  expectRefused(runTaxelsim({"--log-level", "error", "generate", scene, "-o", many, "--part", "1/2"}), "computes other values");
+}
+
+TEST(Shards, RangesThatAreNoneAreRefused) {
+  const TemporaryDirectory root;
+  const std::string scene = writeScene(root / "scene.yaml");
+  const auto refuse = [&](const std::string& option, const std::string& value, const std::string& part) {
+    expectRefused(runTaxelsim({"generate", scene, "-o", root / "out", option, value}), part);
+  };
+  for (const char* value : {"5..2", "1-2", "..3", "1..", "-1..3", "a..b", "1..2x"}) refuse("--shards", value, "is not FIRST..LAST");
+  for (const char* value : {"0/3", "4/3", "1/0", "3", "1/2/3", "-1/3"}) refuse("--part", value, "is not K/N");
+  refuse("--shards", "2..6", "--shards: 2..6 found, the data set has shards 0 to 5");
+  EXPECT_EQ(runTaxelsim({"generate", scene, "-o", root / "out", "--part", "1/2", "--shards", "0..1"}).status, 2) << "both";
+  EXPECT_FALSE(std::filesystem::exists(root / "out"));
+  const Outcome empty = runTaxelsim({"generate", scene, "-o", root / "out", "--part", "7/7"});
+  EXPECT_EQ(empty.status, 0) << empty.err;
+  EXPECT_NE(empty.out.find("part 7/7 of 6 shards is empty"), std::string::npos) << empty.out;
+}
+
+}  // namespace
+}  // namespace taxelsim::testing
