@@ -1,6 +1,6 @@
 // Validation of untrusted mesh files before Assimp reads them. Rejects files that would make Assimp allocate or recurse without bound
 // (counts larger than the file can hold, deep nesting) or that it would silently misread (malformed numbers). A file that passes may
-// still be invalid.
+// still be invalid. STL and PLY always pass: Assimp does not read them (stl_file.h, ply_file.h).
 #pragma once
 
 #include <filesystem>

@@ -19,11 +19,15 @@
 #include "base/field_checks.h"
 #include "base/log.h"
 #include "base/text.h"
+#include "geometry/binary_file.h"
 #include "geometry/gltf_validation.h"
 #include "geometry/mesh_bounds.h"
 #include "geometry/mesh_file_validation.h"
 #include "geometry/object_fields.h"
+#include "geometry/ply_file.h"
 #include "geometry/simplify.h"
+#include "geometry/stl_file.h"
+#include "geometry/triangulate.h"
 #include "geometry/unit_check.h"
 #include "geometry/weld.h"
 #include "taxelsim/error.h"
@@ -31,9 +35,6 @@
 
 namespace taxelsim {
 namespace {
-
-// Assimp triangulates a polygon in time quadratic in its number of corners. Limits the time for malicious files.
-constexpr unsigned int kMaxPolygonCorners = 1000;
 
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& reason) {
   throw Error(ErrorKind::kInput, oneLine(file.string()) + ": " + oneLine(reason));
@@ -117,6 +118,30 @@ std::array<std::size_t, 3> axisOrder(UpAxis up_axis) {
   return {0, 1, 2};
 }
 
+// Scales a point of the file and permutes its axes as the options say.
+class Placement {
+ public:
+  Placement(const std::filesystem::path& file, const MeshOptions& options)
+      : file_(file), scale_(options.scale), order_(axisOrder(options.up_axis)) {}
+
+  std::array<float, 3> operator()(const std::array<double, 3>& p, std::size_t vertex) const {
+    std::array<float, 3> placed;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      placed[axis] = static_cast<float>(scale_ * p[order_[axis]]);
+      if (!std::isfinite(placed[axis])) {
+        fail(file_, "vertex " + std::to_string(vertex) + " is not finite: (" + numberText(p[0]) + ", " + numberText(p[1]) + ", " +
+                        numberText(p[2]) + ") x scale " + numberText(scale_));
+      }
+    }
+    return placed;
+  }
+
+ private:
+  const std::filesystem::path& file_;
+  double scale_;
+  std::array<std::size_t, 3> order_;
+};
+
 using Matrix = std::array<double, 12>;  // (3 x 4), row-major: rotation and scale, then translation
 
 Matrix matrixOf(const aiMatrix4x4& m) {
@@ -138,8 +163,7 @@ Matrix product(const Matrix& a, const Matrix& b) {
 // Flattens the node tree of an imported scene into one mesh.
 class SceneFlattener {
  public:
-  SceneFlattener(const std::filesystem::path& file, const MeshOptions& options)
-      : file_(file), scale_(options.scale), order_(axisOrder(options.up_axis)) {}
+  SceneFlattener(const std::filesystem::path& file, const MeshOptions& options) : file_(file), place_(file, options) {}
 
   // All meshes, once per node that uses them, in the root frame of the file. Vertices are scaled and their axes permuted as
   // the options say.
@@ -166,15 +190,7 @@ class SceneFlattener {
       for (std::size_t row = 0; row < 3; ++row) {
         p[row] = transform[row * 4] * v.x + transform[row * 4 + 1] * v.y + transform[row * 4 + 2] * v.z + transform[row * 4 + 3];
       }
-      std::array<float, 3> vertex;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        vertex[axis] = static_cast<float>(scale_ * p[order_[axis]]);
-        if (!std::isfinite(vertex[axis])) {
-          fail(file_, "vertex " + std::to_string(first + i) + " is not finite: (" + numberText(p[0]) + ", " + numberText(p[1]) + ", " +
-                          numberText(p[2]) + ") x scale " + numberText(scale_));
-        }
-      }
-      mesh_.vertices.push_back(vertex);
+      mesh_.vertices.push_back(place_(p, first + i));
     }
     for (unsigned int i = 0; i < part.mNumFaces; ++i) {
       const aiFace& face = part.mFaces[i];
@@ -191,8 +207,7 @@ class SceneFlattener {
   }
 
   const std::filesystem::path& file_;
-  double scale_;
-  std::array<std::size_t, 3> order_;
+  Placement place_;
   Mesh mesh_;
 };
 
@@ -248,6 +263,20 @@ Mesh importMesh(const std::filesystem::path& file, const Extension& extension, c
   return weld(SceneFlattener(file, options).flatten(*scene));
 }
 
+// STL and PLY.
+Mesh readMesh(const std::filesystem::path& file, MeshFormat format, const MeshOptions& options) {
+  Mesh mesh;
+  const std::string problem =
+      format == MeshFormat::kStl ? readStl(file, mesh) : readPly(readStart(file, static_cast<std::size_t>(kMaxMeshFileBytes)), mesh);
+  if (!problem.empty()) fail(file, "is not a mesh: " + problem);
+  const Placement place(file, options);
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const std::array<float, 3>& v = mesh.vertices[i];
+    mesh.vertices[i] = place({v[0], v[1], v[2]}, i);
+  }
+  return weld(mesh);
+}
+
 }  // namespace
 
 Mesh loadMesh(const std::filesystem::path& file, const MeshOptions& options) {
@@ -262,7 +291,8 @@ Mesh loadMesh(const std::filesystem::path& file, const MeshOptions& options) {
   Mesh mesh;
   try {
     if (const std::string problem = validateMeshFile(file, extension.format); !problem.empty()) fail(file, "is not a mesh: " + problem);
-    const Mesh full = importMesh(file, extension, options);
+    const bool is_own = extension.format == MeshFormat::kStl || extension.format == MeshFormat::kPly;
+    const Mesh full = is_own ? readMesh(file, extension.format, options) : importMesh(file, extension, options);
     if (const std::string size = implausibleSize(meshBounds(full)); !size.empty()) {
       logWarning(oneLine(file.string()) + ": the mesh " + size +
                  "; is the file in millimetres? scale: " + numberText(options.scale / 1000));

@@ -19,6 +19,12 @@ constexpr int kMaxRounds = 20;
 // Boxes and triangles visited per triangle of the original. Smooth meshes take 400, scans up to 3,000. Bounds the time for malicious files.
 constexpr std::uint64_t kMaxVisitsPerTriangle = 10'000;
 
+// The same for a whole mesh: about a minute. A mesh of millions of triangles that takes more is left as it is.
+constexpr std::uint64_t kMaxVisits = 1'000'000'000;
+
+// What building a tree and sorting the edges takes, in visits per triangle.
+constexpr std::uint64_t kVisitsPerRound = 20;
+
 }  // namespace
 
 bool SimplificationRepair::isBefore(const Edge& a, const Edge& b) {
@@ -29,7 +35,7 @@ SimplificationRepair::SimplificationRepair(const Mesh& original, double max_erro
     : original_(original),
       original_tree_(original),
       max_error_(max_error),
-      budget_{.max = kMaxVisitsPerTriangle * original.triangles.size()} {
+      budget_{.max = std::min(kMaxVisits, kMaxVisitsPerTriangle * original.triangles.size())} {
   std::vector<bool> is_used(original.vertices.size(), false);
   for (const Triangle& triangle : original.triangles) {
     for (const std::uint32_t vertex : triangle) is_used[vertex] = true;
@@ -49,6 +55,7 @@ std::optional<std::vector<SimplificationRepair::Triangle>> SimplificationRepair:
     for (const std::uint32_t vertex : triangle) is_used_[vertex] = true;
   }
   for (int round = 0; round < kMaxRounds && !simplified_.triangles.empty() && simplified_.triangles.size() <= max_triangles; ++round) {
+    budget_.spent += kVisitsPerRound * simplified_.triangles.size();
     const TriangleTree tree(simplified_);
     violations_.assign(simplified_.triangles.size(), {});
     has_violations_ = false;
@@ -64,6 +71,7 @@ std::optional<std::vector<SimplificationRepair::Triangle>> SimplificationRepair:
 
 void SimplificationRepair::findViolationsAtVertices(const TriangleTree& tree) {
   for (std::size_t i = 0; i < vertices_.size() && !isExhausted(); ++i) {
+    if (is_used_[vertices_[i]]) continue;  // at distance 0
     const Vector3 point = positionOf(vertices_[i]);
     const std::optional<TriangleTree::Nearest> nearest = tree.nearest(point, kInfinity, budget_);
     if (nearest->distance <= max_error_) continue;

@@ -34,7 +34,8 @@ CsvReader::CsvReader(const std::filesystem::path& file, std::uintmax_t max_bytes
   if (const std::string problem = inputFileProblem(file, max_bytes); !problem.empty()) failAt(file_, problem);
   stream_.open(file, std::ios::binary);
   if (!stream_) failAt(file_, "cannot be read");
-  buffer_.resize(kMaxLineBytes + 1);
+  std::error_code error;
+  buffer_.resize(std::min<std::uintmax_t>(kMaxLineBytes, std::filesystem::file_size(file, error)) + 1);
 }
 
 bool CsvReader::readLine() {

@@ -90,9 +90,18 @@ TEST_F(InvalidMeshFile, RejectsCoordinatesThatAreNotNumbers) {
   EXPECT_NO_THROW(loadMesh(directory_.write("good.obj", "v 0 0 0\r\nv +1 0 0 1.0\r\nv 0 1e-3 0\r\nf 1 2 3\r\n")));
 }
 
-TEST_F(InvalidMeshFile, RejectsTruncatedTextStl) {
+TEST_F(InvalidMeshFile, RejectsDamagedTextStl) {
   const std::string text = stlText(brick());
   expectRejected(directory_.write("cut.stl", text.substr(0, text.size() / 2)), "ends before endsolid");
+  const auto withFacet = [&](const std::string& vertices) {
+    return directory_.write("facet.stl",
+                            "solid a vertex\nfacet normal 0 0 1\nouter loop\n" + vertices + "endloop\nendfacet\nendsolid a vertex\n");
+  };
+  const std::string two = "vertex 0 0 0\nvertex 1 0 0\n";
+  EXPECT_NO_THROW(loadMesh(withFacet(two + "vertex 0 +1 0\n")));
+  expectRejected(withFacet(two), "facet 0 has 2 vertices, not 3");
+  expectRejected(withFacet(two + two), "facet 0 has more than 3 vertices");
+  expectRejected(withFacet(two + "vertex 0 1,5 0\n"), "vertex 2 has the coordinate 1,5, which is not a finite number");
 }
 
 TEST_F(InvalidMeshFile, RejectsOptionsOutOfRange) {
@@ -173,7 +182,6 @@ TEST_F(InvalidMeshFile, RejectsFacesWithoutCorners) {
   std::string bytes = plyBytes(brick());
   bytes.replace(bytes.find("face 12"), 7, "face 13");
   expectRejected(directory_.write("face.ply", bytes + '\0'), "face 12 has no corners");
-  // OBJ and STL: Assimp drops or refuses them.
   EXPECT_EQ(loadMesh(directory_.write("face.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf\n")).triangles.size(), 1u);
   expectRejected(directory_.write("face.stl", "solid x\nfacet normal 0 0 1\nouter loop\nendloop\nendfacet\nendsolid x\n"), "");
 }

@@ -1,0 +1,119 @@
+#include "geometry/ply_body.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+#include "base/text.h"
+#include "taxelsim/object.h"
+
+namespace taxelsim {
+namespace {
+
+constexpr std::size_t kMaxShown = 40;     // bytes of a value that a message repeats
+constexpr std::size_t kMinTextBytes = 2;  // of a value: a digit and a blank
+
+std::size_t sizeOf(PlyType type) {
+  constexpr std::array<std::size_t, 8> kSizes{1, 1, 2, 2, 4, 4, 4, 8};
+  return kSizes[static_cast<std::size_t>(type)];
+}
+
+double valueOf(PlyType type, std::uint64_t bits) {
+  switch (type) {
+    case PlyType::kInt8:
+      return static_cast<std::int8_t>(bits);
+    case PlyType::kUint8:
+      return static_cast<std::uint8_t>(bits);
+    case PlyType::kInt16:
+      return static_cast<std::int16_t>(bits);
+    case PlyType::kUint16:
+      return static_cast<std::uint16_t>(bits);
+    case PlyType::kInt32:
+      return static_cast<std::int32_t>(bits);
+    case PlyType::kUint32:
+      return static_cast<std::uint32_t>(bits);
+    case PlyType::kFloat32:
+      return std::bit_cast<float>(static_cast<std::uint32_t>(bits));
+    case PlyType::kFloat64:
+      break;
+  }
+  return std::bit_cast<double>(bits);
+}
+
+[[noreturn]] void failAtEnd() {
+  throw PlyProblem{"it ends before the last element that its header or a list claims"};
+}
+
+}  // namespace
+
+std::optional<PlyType> plyType(std::string_view name) {
+  static constexpr std::array<std::pair<std::string_view, PlyType>, 16> kNames{{{"char", PlyType::kInt8},
+                                                                                {"int8", PlyType::kInt8},
+                                                                                {"uchar", PlyType::kUint8},
+                                                                                {"uint8", PlyType::kUint8},
+                                                                                {"short", PlyType::kInt16},
+                                                                                {"int16", PlyType::kInt16},
+                                                                                {"ushort", PlyType::kUint16},
+                                                                                {"uint16", PlyType::kUint16},
+                                                                                {"int", PlyType::kInt32},
+                                                                                {"int32", PlyType::kInt32},
+                                                                                {"uint", PlyType::kUint32},
+                                                                                {"uint32", PlyType::kUint32},
+                                                                                {"float", PlyType::kFloat32},
+                                                                                {"float32", PlyType::kFloat32},
+                                                                                {"double", PlyType::kFloat64},
+                                                                                {"float64", PlyType::kFloat64}}};
+  const auto found = std::find_if(kNames.begin(), kNames.end(), [&](const auto& entry) { return entry.first == name; });
+  return found == kNames.end() ? std::nullopt : std::optional(found->second);
+}
+
+bool isFloat(PlyType type) {
+  return type == PlyType::kFloat32 || type == PlyType::kFloat64;
+}
+
+std::string_view PlyWords::next() {
+  constexpr const char* kBlanks = " \t\r\n\v\f";
+  const std::size_t begin = std::min(text_.find_first_not_of(kBlanks, at_), text_.size());
+  at_ = std::min(text_.find_first_of(kBlanks, begin), text_.size());
+  return text_.substr(begin, at_ - begin);
+}
+
+double PlyBody::read(PlyType type) {
+  if (encoding_ == PlyEncoding::kText) {
+    const std::string_view word = words_.next();
+    double value = 0;
+    if (word.empty()) failAtEnd();
+    if (!parseNumber(word.substr(word[0] == '+' ? 1 : 0), value))
+      throw PlyProblem{"it has the value " + oneLine(word).substr(0, kMaxShown) + ", which is not a finite number"};
+    return value;
+  }
+  const std::size_t size = sizeOf(type);
+  if (bytes_.size() < size) failAtEnd();
+  std::uint64_t bits = 0;
+  for (std::size_t i = 0; i < size; ++i) {
+    const std::size_t byte = encoding_ == PlyEncoding::kLittle ? size - 1 - i : i;
+    bits = bits << 8 | static_cast<unsigned char>(bytes_[byte]);
+  }
+  bytes_.remove_prefix(size);
+  return valueOf(type, bits);
+}
+
+void PlyBody::expectRows(std::uint64_t count, std::span<const PlyType> types) const {
+  const bool is_text = encoding_ == PlyEncoding::kText;
+  std::size_t row_bytes = 0;
+  for (const PlyType type : types) row_bytes += is_text ? kMinTextBytes : sizeOf(type);
+  const std::size_t left = is_text ? words_.numBytesLeft() + 1 : bytes_.size();  // the last blank can be missing
+  if (row_bytes > 0 && count > left / row_bytes) failAtEnd();
+}
+
+std::uint64_t PlyBody::readCount(PlyType count_type, PlyType value_type) {
+  const double count = read(count_type);
+  if (!(count >= 0) || count != std::floor(count)) throw PlyProblem{"it has a list of " + numberText(count) + " values"};
+  if (count > static_cast<double>(kMaxMeshFileBytes)) failAtEnd();
+  expectRows(static_cast<std::uint64_t>(count), {&value_type, 1});
+  return static_cast<std::uint64_t>(count);
+}
+
+}  // namespace taxelsim
