@@ -6,6 +6,7 @@
 namespace taxelsim {
 
 void logDebug(std::string_view /*line*/) {}
+void logWarning(std::string_view /*line*/) {}
 
 void logError(std::string_view line) {
   std::fprintf(stderr, "%.*s\n", static_cast<int>(line.size()), line.data());

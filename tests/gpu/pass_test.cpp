@@ -20,6 +20,7 @@
 #include "mass_spring_damper.spv.h"
 #include "rescale_jacobian.spv.h"
 #include "simulation/passes/interfaces.h"
+#include "spread_jacobian.spv.h"
 #include "tactile_jacobian.spv.h"
 #include "taxel_jacobian.spv.h"
 
@@ -95,6 +96,7 @@ TEST(PassInterfaces, MatchTheShaders) {
   expectMatches<TaxelJacobianInterface>(k_taxel_jacobian_spirv, "taxel_jacobian");
   expectMatches<MaskJacobianInterface>(k_mask_jacobian_spirv, "mask_jacobian");
   expectMatches<RescaleJacobianInterface>(k_rescale_jacobian_spirv, "rescale_jacobian");
+  expectMatches<SpreadJacobianInterface>(k_spread_jacobian_spirv, "spread_jacobian");
   expectMatches<TactileJacobianInterface>(k_tactile_jacobian_spirv, "tactile_jacobian");
 }
 
@@ -110,8 +112,8 @@ TEST(PassInterfaces, ConstantsKeepIdAndBits) {
 }
 
 TEST(PassInterfaces, RejectIntegersOutOfRange) {
-  EXPECT_THROW(LoadInterface{.EVALUATIONS = -1}, std::logic_error);
-  EXPECT_THROW(LoadInterface{.EVALUATIONS = std::uint64_t{1} << 32}, std::logic_error);
+  EXPECT_THROW(SpreadJacobianInterface{.NUM_ENTRIES = -1}, std::logic_error);
+  EXPECT_THROW(SpreadJacobianInterface{.NUM_ENTRIES = std::uint64_t{1} << 32}, std::logic_error);
 }
 
 TEST(Bindings, RejectBlocksWithoutABuffer) {
