@@ -209,6 +209,6 @@ __all__ = [
     "skins_of",
     "split_patches",
     "taxel_patch",
-    "vjp",
     "view",
+    "vjp",
 ]
