@@ -285,7 +285,7 @@ TEST(AreaDepth, PinsCarryTheirLoad) {
 
 TEST(AreaDepth, EveryLoadUpToFullDepthIsReached) {
   // Over level patches each mean is continuous in the offset, so that no load is lost in a jump of the force.
-  constexpr int kScenes = 10;
+  constexpr int kScenes = 5;
   constexpr double kTouch = 1e-9;  // m: error of first touch where a rim leaves the pad
   for (int seed = 0; seed < kScenes; ++seed) {
     SCOPED_TRACE(seed);
