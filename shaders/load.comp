@@ -22,8 +22,10 @@ const float kTolerance = 1e-6;  // of the load; some ten roundings of a float
 const float kAccepted = 1e-3;   // of the load, when the bracket is as narrow as floats allow
 const float kDeeper = 1e30;     // stands for the force at an offset at which a sample is deeper than the skin
 const float kCoarse = 3e-8;     // m: width of the bracket where the search of the rest begins
-const float kFine = 1e-12;      // m: width of the bracket where it ends
-const float kNoStep = 1e30;     // m
+const float kFine = 1e-12;          // m: width of the bracket where it ends
+const float kRestBracket = 1.5e-7;  // m: half of its width where Newton's method begins it
+const float kNoStep = 1e30;         // m
+const float kNewtonSteps = 20.0;    // evaluations, after which the bracket is narrowed without slopes
 
 #include "common/workgroup.glsl"
 #include "common/instances.glsl"
@@ -59,7 +61,7 @@ Tried sumOfTiles(uint instance) {
 // The next offset, or the next rest, inside of the bracket. `at`: the one that was tried; `newton`: the step of Newton's method.
 float nextAfter(LoadRecord record, Tried tried, float at, float newton, float load) {
   float low = record.bracket.y, high = record.bracket.z, f_low = record.forces.x, f_high = record.forces.y, evaluations = record.forces.w;
-  if (NEWTON) {
+  if (NEWTON && evaluations < kNewtonSteps) {
     // From above, in growing steps until the object touches. Newton's method approaches from below; from above it may go far too deep.
     float step = tried.force > 0.0 || tried.too_deep ? max(newton, -FIRST_STEP) : -FIRST_STEP * exp2(evaluations - 1.0);
     if (at + step > low && at + step < high) return at + step;
@@ -102,10 +104,10 @@ void main() {
   }
   float newton = tried.slope > 0.0 && !tried.too_deep ? (tried.force - load) / tried.slope : kNoStep;
   if (NEWTON && !refining && load > 0.0 && abs(newton) < kCoarse) {
-    // The rest counts from the offset that was tried.
+    // The rest counts from the offset that was tried, in a bracket that allows for a slope that is wrong by half an order of magnitude.
     refining = true;
     at = 0.0;
-    record.bracket = vec4(record.bracket.x, -2.0 * kCoarse, 2.0 * kCoarse, kLoadRefining);
+    record.bracket = vec4(record.bracket.x, -kRestBracket, kRestBracket, kLoadRefining);
     record.forces.xy = vec2(kDeeper, 0.0);
   }
   if (!refining && load > 0.0 && record.forces.x < kDeeper && isNarrow(record.bracket, kCoarse)) {
