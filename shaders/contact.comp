@@ -109,12 +109,15 @@ void computeTile(uint instance, uint tile_number, uint num_slots) {
   writeTileResult(tile, step, taxels, samples);
 }
 
+// Number of a tile over all instances, by its place among those of the dispatch. Lists are of sensors with one tile.
+uint tileNumbered(uint place) { return LIST < kNumLists ? work_instances[placeInList(LIST, place)] : place; }
+
 // Lists the tiles from `first` to `end` that are to be computed, and writes the outputs of those that no object is near. Returns how many are listed.
 uint listTiles(uint first, uint end, uint num_slots) {
   if (gl_LocalInvocationIndex == 0) num_listed_tiles = 0;
   workgroupBarrier();
-  for (uint number = first + gl_LocalInvocationIndex; number < end; number += WORKGROUP) {
-    uint instance = number / NUM_TILES, tile_number = number - instance * NUM_TILES;
+  for (uint place = first + gl_LocalInvocationIndex; place < end; place += WORKGROUP) {
+    uint number = tileNumbered(place), instance = number / NUM_TILES, tile_number = number - instance * NUM_TILES;
     Tile tile;
     if (!beginTile(instance, tile_number, tile)) continue;
     if (!findsNear() || anyObjectNear(tile, instance, num_slots)) {
@@ -139,8 +142,7 @@ void main() {
   }
   uint k = 0;
   for (; k < count; ++k) {
-    uint number = listsTiles() ? tile_list[k] : first + k;
-    if (LIST < kNumLists) number = work_instances[placeInList(LIST, number)];  // lists are of sensors with one tile
+    uint number = listsTiles() ? tile_list[k] : tileNumbered(first + k);
     uint instance = number / NUM_TILES;
     computeTile(instance, number - instance * NUM_TILES, batch.y);
     workgroupBarrier();

@@ -2,10 +2,10 @@
 
 // Sensors with many small tiles: objects reach few of them. Relaxation advances the state of every tile.
 const bool kManySmallTiles = EARLY_EXIT && NUM_ROWS == 0 && NUM_TILES > 1 && RELAXATION == 0;
-// Large grids: most tiles are untouched, and their workgroups leave early.
-const bool kLeavesUntouched = EARLY_EXIT && NUM_ROWS > 0 && NUM_TILES > 1 && RELAXATION == 0 && !kGlobalSolve && !OUTPUT_JACOBIAN;
-// One invocation per tile first finds the tiles that objects reach; then all invocations process these one after another. This does not pay where a large tile
-// would be cleared every time, or where the workgroup has only one tile.
+// Other tiles that nothing reaches: their workgroups leave early. A load search in the tile has to say that it found nothing.
+const bool kLeavesUntouched = EARLY_EXIT && NUM_ROWS > 0 && RELAXATION == 0 && !kGlobalSolve && !OUTPUT_JACOBIAN && SEARCH != kSearchInTile;
+// One invocation per tile first finds the tiles that objects reach; then all invocations process these one after another: a software driver's vectors compute
+// all of a tile even where every lane has left. This does not pay where a large tile would be cleared every time, or where the workgroup has only one tile.
 bool findsNear() { return kManySmallTiles || kLeavesUntouched && IS_LAST && REPEAT > 1; }
 // Likewise the tiles whose load search has not ended.
 bool listsTiles() { return findsNear() || SEARCH == kSearchOverTiles && EARLY_EXIT && REPEAT > 1; }
