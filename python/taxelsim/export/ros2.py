@@ -72,15 +72,19 @@ def write(source: Source, out: Path, plan: dict[str, Any], report: Callable[[int
     topics = [topic for topic in _TOPICS if topic.column in source.data]
     labels = ("meta/object_name", *((SUCCESS,) if source.has_success else ()))
     with staged_folder(out, plan) as folder:
-        done = sum(1 for _ in folder.glob("episode-*.mcap"))
+        done = next(number for number in range(source.num_episodes + 1) if not (folder / _name(number)).exists())
         report(int(source.ends[done - 1]) if done else 0)
         for first, end in source.parts(BLOCK_FRAMES, done):
             block = source.block(first, end, ("data/time", *(topic.column for topic in topics), *labels))
             for episode in range(block.num_episodes):
-                with new_file(folder / f"episode-{block.first_episode + episode:06d}.mcap") as file:
+                with new_file(folder / _name(block.first_episode + episode)) as file:
                     _write_episode(file, source, block, episode, topics)
                 report(int(block.lengths[episode]))
         write_json(folder / "taxelsim.json", {"taxelsim": __version__, **source.identity(), "episodes": plan["options"]["episodes"]})
+
+
+def _name(episode: int) -> str:
+    return f"episode-{episode:06d}.mcap"
 
 
 def _write_episode(file: Path, source: Source, block: Block, episode: int, topics: list[_Topic]) -> None:

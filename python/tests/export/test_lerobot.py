@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import taxelsim
-from taxelsim.export import Options, export
+from taxelsim.export import Options, export, statistics
 
 from .conftest import NUM_EPISODES, NUM_FRAMES, files_of
 
@@ -63,6 +63,26 @@ def test_episodes_have_places_tasks_and_statistics(folder, exported):
     }.items():
         np.testing.assert_allclose(total[measure], values, rtol=ROUNDING)
     assert total["count"] == [NUM_EPISODES * NUM_FRAMES]
+    for measure, part in {"q01": 0.01, "q50": 0.5, "q99": 0.99}.items():
+        quantiles = np.quantile(images, part, axis=1)
+        np.testing.assert_allclose(episodes[f"stats/observation.tactile/{measure}"], quantiles, rtol=ROUNDING)
+        np.testing.assert_allclose(total[measure], quantiles.mean(0), rtol=ROUNDING)
+
+
+def test_statistics_of_episodes_of_different_lengths():
+    values = np.random.default_rng(1).normal(size=(40, 3)).astype(np.float32)
+    ends = np.array([1, 8, 23, 30, 40])
+    found, total = statistics.of_episodes(values, ends), statistics.Total()
+    for part in (slice(0, 2), slice(2, 5)):  # two files
+        total.add({name: numbers[part] for name, numbers in found.items()})
+    for episode, (first, end) in enumerate(zip([0, *ends[:-1]], ends, strict=True)):
+        frames = values[first:end].astype(np.float64)
+        expected = {"min": frames.min(0), "max": frames.max(0), "mean": frames.mean(0), "std": frames.std(0), "count": [end - first]}
+        expected |= {name: np.quantile(frames, part, axis=0) for name, part in statistics.QUANTILES.items()}
+        for name, numbers in expected.items():
+            np.testing.assert_allclose(found[name][episode], numbers, atol=ROUNDING)
+    np.testing.assert_allclose(total.result()["std"], values.std(0), rtol=ROUNDING)
+    np.testing.assert_allclose(total.result()["mean"], values.mean(0), rtol=ROUNDING)
 
 
 def test_tasks_are_the_index_of_a_pandas_table(exported):
