@@ -82,8 +82,9 @@ class Source:
         return tuple(dict.fromkeys(("data/time", *(name for feature in features for name in feature.columns))))
 
     def identity(self) -> dict[str, Any]:
-        """What the data set is: another one has another scene, seed or number of episodes."""
-        return {name: value for name, value in self.data.attributes.items() if name != "num_shards"}
+        """What the data set is: another one has another scene, seed, number of episodes, program or device."""
+        attributes = {name: value for name, value in self.data.attributes.items() if name != "num_shards"}
+        return attributes | {name: self._manifest(rf"^{name}: (.*)$") for name in ("program_version", "device")}
 
     def _manifest(self, pattern: str) -> str:
         """The first group of a regular expression in dataset.yaml, "" if it does not match."""
