@@ -26,9 +26,6 @@
 
 const float kMiss = kNoHeight;  // height where there is no surface
 
-shared uint tile_list[REPEAT];  // tiles to be computed
-shared uint num_listed_tiles;
-
 #include "common/whole.glsl"
 #include "common/transform.glsl"
 #include "common/workgroup.glsl"
@@ -108,9 +105,6 @@ void computeTile(uint instance, uint tile_number, uint num_slots) {
   clearUntouched(tile, step, taxels);
   writeTileResult(tile, step, taxels, samples);
 }
-
-// Number of a tile over all instances, by its place among those of the dispatch. Lists are of sensors with one tile.
-uint tileNumbered(uint place) { return LIST < kNumLists ? work_instances[placeInList(LIST, place)] : place; }
 
 // Lists the tiles from `first` to `end` that are to be computed, and writes the outputs of those that no object is near. Returns how many are listed.
 uint listTiles(uint first, uint end, uint num_slots) {

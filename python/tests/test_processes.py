@@ -162,10 +162,10 @@ def test_a_device_after_fork_is_refused_without_a_hang(simulator, device):
     simulator.read()
 
 
-def test_importing_is_quick_and_opens_no_device():
-    script = "import time; t = time.perf_counter(); import taxelsim; print(time.perf_counter() - t)"
-    seconds = min(float(subprocess.run([sys.executable, "-c", script], check=True, capture_output=True).stdout) for _ in range(3))
-    assert seconds < 1  # 0.3 s on an idle machine
+def test_importing_loads_no_optional_package():
+    script = "import sys, taxelsim; print(*sys.modules)"
+    modules = subprocess.run([sys.executable, "-c", script], check=True, capture_output=True, text=True).stdout.split()
+    assert not {"gymnasium", "h5py", "mujoco", "onnxruntime", "pyarrow", "rerun", "torch", "zarr"} & set(modules)
 
 
 def test_the_program_of_the_package_runs():

@@ -10,6 +10,12 @@ bool findsNear() { return kManySmallTiles || kLeavesUntouched && IS_LAST && REPE
 // Likewise the tiles whose load search has not ended.
 bool listsTiles() { return findsNear() || SEARCH == kSearchOverTiles && EARLY_EXIT && REPEAT > 1; }
 
+shared uint tile_list[REPEAT];  // tiles to be computed
+shared uint num_listed_tiles;
+
+// Number of a tile over all instances, by its place among those of the dispatch. Lists are of sensors with one tile.
+uint tileNumbered(uint place) { return LIST < kNumLists ? work_instances[placeInList(LIST, place)] : place; }
+
 bool anyObjectNear(Tile tile, uint instance, uint num_slots) {
   bool near = false;
   for (uint slot = 0; slot < num_slots; ++slot) {
