@@ -55,18 +55,25 @@ std::optional<Policy> policyOf(const PolicyArgument& argument, const Scene& scen
 
 GenerateResult runGenerate(const DeviceHandle& device, const Scene& scene, const std::filesystem::path& directory, int batch_size,
                            int num_slices, const nb::object& on_progress, const PolicyArgument& policy,
-                           const std::vector<std::uint64_t>& episodes, bool repair) {
+                           const std::vector<std::uint64_t>& episodes, bool repair,
+                           const std::optional<std::tuple<std::uint64_t, std::uint64_t>>& shards) {
   const auto run = [&](auto report, const std::atomic<bool>& stop, CallingThread& calling_thread) {
     return generate(device.get(), scene, directory,
                     {.batch_size = batch_size,
                      .num_slices = num_slices,
                      .on_progress = report,
                      .repair = repair,
+                     .shards = shards ? std::optional(ShardRange{std::get<0>(*shards), std::get<1>(*shards)}) : std::nullopt,
                      .stop = &stop,
                      .policy = policyOf(policy, scene, calling_thread),
                      .episodes = episodes});
   };
   return runInterruptibly<GenerateResult>(on_progress, run, [](const GenerateResult&) {});
+}
+
+bool runFinish(const std::filesystem::path& directory) {
+  const auto run = [&](auto, const std::atomic<bool>& stop, CallingThread&) { return finishDataset(directory, {.stop = &stop}); };
+  return runInterruptibly<bool>(nb::none(), run, [](bool) {});
 }
 
 // complete: list to which the complete evaluations of a run that is interrupted are appended.
@@ -152,7 +159,8 @@ void bindRuns(nb::module_& module) {
   bindProgress(module);
   bindEvaluation(module);
   module.def("generate", &runGenerate, "device"_a, "scene"_a, "directory"_a, "batch_size"_a, "num_slices"_a, "on_progress"_a.none(),
-             "policy"_a.none(), "episodes"_a, "repair"_a);
+             "policy"_a.none(), "episodes"_a, "repair"_a, "shards"_a.none());
+  module.def("finish", &runFinish, "directory"_a);
   module.def("evaluate", &runEvaluate, "device"_a, "scene"_a, "controllers"_a, "batch_size"_a, "num_slices"_a, "on_progress"_a.none(),
              "policy"_a.none(), "complete"_a);
 }

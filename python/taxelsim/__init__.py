@@ -98,7 +98,7 @@ from .frame import CleanTactileJacobian, ContactFeatures, Features, Frame, Groun
 from .gradients import Gradient, vjp
 from .policies import Comparison, OnnxPolicy, Policy, compare
 from .program import SCENES
-from .runs import Interrupted, evaluate, generate
+from .runs import Interrupted, evaluate, finish, generate
 from .simulator import NO_OBJECT, Simulator, split_patches
 from .vectorized import make_vec
 from .viewer import view
@@ -188,6 +188,7 @@ __all__ = [
     "dlpack",
     "episode_keys",
     "evaluate",
+    "finish",
     "foundation_of",
     "gaussian_psf",
     "generate",

@@ -51,6 +51,7 @@ def generate(
     num_slices: int = 2,
     on_progress: Callable[[Progress], object] | None = None,
     repair: bool = False,
+    shards: range | None = None,
 ) -> GenerateResult:
     """Simulates and writes all episodes of the scene that the directory `out` lacks.
 
@@ -62,6 +63,8 @@ def generate(
     batch_size: instances over all slices, >= 1. Neither it nor `num_slices` changes a byte of the data set.
     on_progress: called a few times a second, in the calling thread. If it raises, the run stops and the exception continues.
     repair: whether to make damaged shards, and shards of another data set, again; without it they raise InputError.
+    shards: numbers of the shards to make, a range with step 1 that is not empty, in a directory that other processes may write at the same
+        time; finish() completes the data set. Shards that another process has claimed are awaited. Default: the whole data set.
 
     Ctrl-C stops the run and raises KeyboardInterrupt; complete shards are kept, and the same call resumes.
     """
@@ -69,8 +72,20 @@ def generate(
     chosen = [] if episodes is None else [int(number) for number in episodes]
     if episodes is not None and not chosen:
         raise InputError("episodes: none found, at least 1 needed")
+    if shards is not None and (shards.step != 1 or not 0 <= shards.start < shards.stop):
+        raise InputError(f"shards: {shards} found, a range of one number or more with step 1 allowed, from 0")
+    limits = None if shards is None else (shards.start, shards.stop)
     argument = _argument(_calls(policy, loaded))
-    return _core.generate(device or Device.open(), loaded, os.fspath(out), batch_size, num_slices, on_progress, argument, chosen, repair)
+    opened = device or Device.open()
+    return _core.generate(opened, loaded, os.fspath(out), batch_size, num_slices, on_progress, argument, chosen, repair, limits)
+
+
+def finish(out: str | os.PathLike[str]) -> None:
+    """Completes a data set whose shards were made by generate(shards=...): verifies all bytes and writes dataset.h5 and dataset.checksums.
+
+    InputError names missing and broken shards; IoError says that another process is still writing. May be repeated. Ctrl-C stops it.
+    """
+    _core.finish(os.fspath(out))
 
 
 def evaluate(

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <random>
 
 #include "base/text.h"
 #include "taxelsim/error.h"
@@ -46,9 +47,7 @@ void flushDirectory(const std::filesystem::path& directory) {
 }
 
 void writeAndFlush(const std::filesystem::path& file, const FileContent& content) {
-  // O_EXCL and O_NOFOLLOW: never writes through a link that another user has placed under that name. A file of that name was left by a
-  // killed process of the same number.
-  ::unlink(file.c_str());
+  // O_EXCL and O_NOFOLLOW: never writes through a link that another user has placed under that name.
   Descriptor descriptor(::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
   if (descriptor.get() < 0) throwIo("create", file, errno);
   if (::ftruncate(descriptor.get(), static_cast<off_t>(content.size)) != 0) throwIo("write", file, errno);
@@ -72,8 +71,10 @@ void writeFileAtomically(const std::filesystem::path& file, std::span<const std:
 }
 
 void writeFileAtomically(const std::filesystem::path& file, const FileContent& content) {
+  std::random_device random;
+  const std::string number = std::to_string(std::uint64_t{random()} << 32 | random());
   const std::filesystem::path temporary =
-      file.parent_path() / (std::string(".").append(file.filename().string()).append(kTemporaryMark).append(std::to_string(::getpid())));
+      file.parent_path() / std::string(".").append(file.filename().string()).append(kTemporaryMark).append(number);
   try {
     writeAndFlush(temporary, content);
     if (::rename(temporary.c_str(), file.c_str()) != 0) throwIo("rename to", file, errno);

@@ -2,14 +2,14 @@
 //
 // Protocol:
 //
-//   open(".NAME.tmp-PID", O_EXCL | O_NOFOLLOW)  write  fsync  close  rename(NAME)  fsync(directory)
-//                                               |
+//   open(".NAME.tmp-RANDOM", O_EXCL | O_NOFOLLOW)  write  fsync  close  rename(NAME)  fsync(directory)
+//                                                  |
 //   killed before rename: NAME is unchanged; the temporary file is removed by the next writer (isTemporaryName())
 //   killed after rename:  NAME has the complete new content
 //
 // rename() is atomic on POSIX file systems. fsync before it ensures that the new name never refers to data that is not on disk; fsync
 // of the directory makes the new name durable. A reader therefore finds each file with its complete old or complete new content, or
-// not at all.
+// not at all. The random number keeps writers on several machines apart, whose process numbers may be equal.
 #pragma once
 
 #include <cstddef>

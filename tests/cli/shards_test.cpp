@@ -5,18 +5,19 @@
 #include <fstream>
 #include <future>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "cli/command_line.h"
 
 namespace taxelsim::testing {
 namespace {
 
-// One frame of 24 spheres in six shards.
-std::string writeScene(const std::string& file, const std::string& radius = "5") {
+// One frame of 24 spheres, by default in six shards.
+std::string writeScene(const std::string& file, const std::string& radius = "5", int episodes_per_shard = 4) {
   std::ofstream(file) << "format_version: 1\nname: balls\nkind: contacts\nsensor: " << TAXELSIM_SOURCE_DIR
                       << "/scenes/sensors/wts0614.yaml\nobjects: [{sphere: {radius_mm: " << radius
-                      << "}}]\nrandomization: {load: [0.1, 1]}\n"
-                      << "data_set: {episodes: 24, seed: 1, episodes_per_shard: 4}\n";
+                      << "}}]\nrandomization: {load: [0.1, 1]}\nrecord: [tactile_image]\n"
+                      << "data_set: {episodes: 24, seed: 1, episodes_per_shard: " << episodes_per_shard << "}\n";
   return file;
 }
 
@@ -77,6 +78,32 @@ TEST(Shards, RangesThatAreNoneAreRefused) {
   const Outcome empty = runTaxelsim({"generate", scene, "-o", root / "out", "--part", "7/7"});
   EXPECT_EQ(empty.status, 0) << empty.err;
   EXPECT_NE(empty.out.find("part 7/7 of 6 shards is empty"), std::string::npos) << empty.out;
+}
+
+TEST(Shards, InspectReadsASampleOfManyAndNoticesChanges) {
+  const TemporaryDirectory root;
+  const std::string out = root / "out";
+  ASSERT_EQ(runTaxelsim({"generate", writeScene(root / "scene.yaml", "5", 1), "-o", out, "--episodes", "20"}).status, 0);
+  const auto inspect = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {"inspect", out, "--json"});
+    return nlohmann::json::parse(runTaxelsim(options).out);
+  };
+  const nlohmann::json quick = inspect({});
+  EXPECT_EQ(quick["shards"]["whole"], 20);
+  EXPECT_GT(quick["shards"]["vouched_for"], 0) << "all but those of the same tick of the clock as the list";
+  EXPECT_EQ(quick["checked"], "sizes and times");
+  EXPECT_EQ(quick["statistics_of_shards"], 16);
+  const nlohmann::json all = inspect({"--verify"});
+  EXPECT_EQ(all["shards"]["vouched_for"], 0);
+  EXPECT_EQ(all["checked"], "all bytes");
+  EXPECT_EQ(all["statistics_of_shards"], 20);
+  const Outcome text = runTaxelsim({"inspect", out});
+  EXPECT_NE(text.out.find("values    of 16 of 20 shards; --verify reads all"), std::string::npos) << text.out;
+
+  std::filesystem::remove(out + "/shard-000019.h5");
+  EXPECT_EQ(inspect({})["shards"]["missing"], nlohmann::json::array({19}));
+  std::filesystem::resize_file(out + "/shard-000010.h5", 1000);
+  expectRefused(runTaxelsim({"inspect", out}), "shard-000010.h5: its SHA-256");
 }
 
 }  // namespace

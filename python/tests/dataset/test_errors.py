@@ -46,6 +46,22 @@ def test_a_damaged_shard_is_made_again_on_request(tmp_path, device):
     assert shard.read_bytes() == whole
 
 
+def test_shards_by_range_give_the_bytes_of_a_whole_run(tmp_path, device):
+    scene = write_scene(tmp_path)
+    taxelsim.generate(scene, tmp_path / "one", device=device)
+    last = len(list((tmp_path / "one").glob("shard-*.h5"))) - 1
+    with pytest.raises(taxelsim.InputError, match="shards: range"):
+        taxelsim.generate(scene, tmp_path / "many", device=device, shards=range(1, 1))
+    taxelsim.generate(scene, tmp_path / "many", device=device, shards=range(last, last + 1))
+    if last > 0:
+        with pytest.raises(taxelsim.InputError, match=r"shard-000000\.h5 is missing"):
+            taxelsim.finish(tmp_path / "many")
+    assert taxelsim.generate(scene, tmp_path / "many", device=device, shards=range(last + 1)).complete
+    taxelsim.finish(tmp_path / "many")
+    files = [{file.name: file.read_bytes() for file in (tmp_path / name).iterdir()} for name in ("one", "many")]
+    assert files[0] == files[1]
+
+
 def test_a_damaged_view_is_refused(copied):
     flip_byte(copied / "dataset.h5", 2000)
     with pytest.raises(taxelsim.InputError, match=r"dataset\.h5: its SHA-256 is"):
