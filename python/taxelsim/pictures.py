@@ -65,8 +65,8 @@ def tactile_pictures(sensor: Sensor, images: NDArray[Any], largest: float | None
     return pictures(values / scale, 1, taxel_map(sensor.taxel_positions))
 
 
-def save_png(file: str | os.PathLike[str], picture: NDArray[np.uint8]) -> None:
-    """Writes a picture (height, width, 3)."""
+def png_of(picture: NDArray[np.uint8]) -> bytes:
+    """A picture (height, width, 3) as the bytes of a PNG file."""
     picture = np.asarray(picture, np.uint8)
     if picture.ndim != 3 or picture.shape[2] != 3:
         raise InputError(f"picture: shape (height, width, 3) expected, {picture.shape} found")
@@ -78,4 +78,9 @@ def save_png(file: str | os.PathLike[str], picture: NDArray[np.uint8]) -> None:
     lines = np.concatenate([np.zeros((height, 1), np.uint8), picture.reshape(height, -1)], axis=1)  # each begins with its filter: none
     header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)  # 8 bits per channel, RGB
     chunks = chunk(b"IHDR", header), chunk(b"IDAT", zlib.compress(lines.tobytes(), 9)), chunk(b"IEND", b"")
-    Path(file).write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(chunks))
+    return b"\x89PNG\r\n\x1a\n" + b"".join(chunks)
+
+
+def save_png(file: str | os.PathLike[str], picture: NDArray[np.uint8]) -> None:
+    """Writes a picture (height, width, 3)."""
+    Path(file).write_bytes(png_of(picture))

@@ -16,6 +16,7 @@ SCENES = Path(__file__).parent / "scenes"
 
 SUBCOMMANDS: dict[str, str | None] = {
     "evaluate": "--policy",
+    "report": None,
     "view": None,
     "export": None,
     "import": None,

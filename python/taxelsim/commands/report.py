@@ -1,0 +1,59 @@
+"""`taxelsim report DIR`: a data set as a page of HTML that needs no other file, and its card for the Hugging Face Hub."""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from .._files import write_whole
+from ..dataset import Dataset
+from ..errors import Error, InputError
+from ..report import MAX_FRAMES, card_of, page_of, summarize
+
+_LICENSE = re.compile(r"[a-z0-9][a-z0-9.+-]*")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds the arguments of the subcommand."""
+    add = parser.add_argument
+    add("folder", type=Path, metavar="DIR", help="data set")
+    add("-o", "--output", type=Path, metavar="FILE.html", help="page to write; default report.html without --card")
+    add("--card", type=Path, metavar="README.md", help="card to write")
+    add(
+        "--license",
+        default="unknown",
+        metavar="ID",
+        help="of the card, as the Hub names licences: cc-by-4.0, apache-2.0, ...; default unknown",
+    )
+    add("--max-frames", type=int, default=MAX_FRAMES, metavar="N", help=f"samples a larger data set; default {MAX_FRAMES:,}")
+    add("--assets", type=Path, action="append", default=[], metavar="DIR", help="folder with a URDF or taxel mesh of the scene; repeatable")
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Runs the subcommand. Returns the exit status: 2 for bad input, 1 for other failures."""
+    parser = argparse.ArgumentParser(prog="taxelsim report", description=__doc__)
+    add_arguments(parser)
+    options = parser.parse_args(arguments)
+    try:
+        _run(options)
+    except (Error, ImportError) as error:
+        print(f"taxelsim report: {error}", file=sys.stderr)
+        return 2 if isinstance(error, InputError) else 1
+    return 0
+
+
+def _run(options: argparse.Namespace) -> None:
+    if options.max_frames < 1:
+        raise InputError(f"--max-frames: {options.max_frames} found, at least 1 allowed")
+    if _LICENSE.fullmatch(options.license) is None:
+        raise InputError(f"--license: {options.license!r} found, an identifier such as cc-by-4.0 allowed")
+    page = options.output or (None if options.card else Path("report.html"))
+    summary = summarize(Dataset(options.folder, isolated=True), options.max_frames, options.assets)
+    texts = [(page, page_of(summary))] if page else []
+    texts += [(options.card, card_of(summary, options.license))] if options.card else []
+    for file, text in texts:
+        write_whole(file, text.encode())
+        print(f"wrote {file}", file=sys.stderr)

@@ -1,0 +1,30 @@
+"""Example images of each stratum: an object and a level of force."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .sample import Sample
+from .summary import EXAMPLE_LEVELS, Example, Summary
+
+MAX_OBJECTS = 12  # with examples
+
+
+def examples_of(sample: Sample, summary: Summary) -> list[Example]:
+    """One frame of each object at each of EXAMPLE_LEVELS, percentiles of the measured force, or of the sum of counts without features."""
+    force_name = "data/total_force" if "data/total_force" in sample.data else "data/tactile_image"
+    forces = np.concatenate([block.reshape(len(block), -1).sum(1) for block in sample.frames(force_name)])
+    frames = np.concatenate([np.arange(first, end) for first, end in sample.blocks])
+    episodes = np.searchsorted(sample.data.episode_ends, frames, "right")
+    names = sample.column("meta/object_name")[np.searchsorted(sample.episodes, episodes)]
+    examples = []
+    for name in list(summary.objects)[:MAX_OBJECTS]:
+        chosen = np.flatnonzero(names == name)
+        if not len(chosen):
+            continue
+        order = chosen[np.argsort(forces[chosen], kind="stable")]
+        for level in EXAMPLE_LEVELS:
+            k = order[round(level / 100 * (len(order) - 1))]
+            image = np.asarray(sample.data["data/tactile_image"][int(frames[k])], np.float64).reshape(-1, summary.scene.sensor.num_taxels)
+            examples.append(Example(f"{name}, {level} % of forces below", float(forces[k]), sample.data[force_name].unit, image[0]))
+    return examples

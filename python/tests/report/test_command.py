@@ -1,0 +1,79 @@
+"""`taxelsim report`: files, the card, and refusals."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+import taxelsim
+from taxelsim.commands.report import main
+from taxelsim.report import card_of, summarize
+from taxelsim.report.card import size_category
+
+from .conftest import NUM_EPISODES, Page
+
+
+def test_writes_page_and_card(reported, tmp_path, capsys):
+    page, card = tmp_path / "report.html", tmp_path / "README.md"
+    page.write_text("old")
+    assert main([str(reported), "-o", str(page), "--card", str(card), "--license", "cc-by-4.0"]) == 0
+    assert Page(page.read_text()).values("overview", "episodes") == [NUM_EPISODES]
+    assert card.read_text().startswith('---\nlicense: "cc-by-4.0"\n')
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["README.md", "report.html"]
+    assert capsys.readouterr().err == f"wrote {page}\nwrote {card}\n"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "message"),
+    [
+        (["{tmp}"], 2, "no data set: it has no dataset.yaml"),
+        (["{data}", "--max-frames", "0"], 2, "--max-frames: 0 found, at least 1 allowed"),
+        (["{data}", "--license", "my license"], 2, "--license: 'my license' found, an identifier such as cc-by-4.0 allowed"),
+        (["{data}", "-o", "{tmp}/none/report.html"], 1, "none/report.html: No such file or directory"),
+    ],
+)
+def test_bad_input_gives_one_line(reported, tmp_path, capsys, monkeypatch, arguments, status, message):
+    monkeypatch.chdir(tmp_path)
+    assert main([argument.format(data=reported, tmp=tmp_path) for argument in arguments]) == status
+    error = capsys.readouterr().err
+    assert message in error
+    assert len(error.splitlines()) == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.fixture(scope="module")
+def card(reported):
+    return card_of(summarize(taxelsim.Dataset(reported)), "unknown")
+
+
+def test_front_matter(card, reported):
+    _, matter, _ = card.split("---\n", 2)
+    lines = matter.splitlines()
+    assert f"pretty_name: {json.dumps(reported.name)}" in lines
+    assert lines[lines.index("size_categories:") + 1] == "- n<1K"
+    assert lines[lines.index("task_categories:") + 1] == "- robotics"
+    assert "- tactile" in lines
+    assert "viewer: false" in lines  # frames and episodes have different numbers of rows
+
+
+def test_one_frame_per_episode_can_be_loaded_by_the_hub(device, tmp_path):
+    scene = taxelsim.load_scene(taxelsim.SCENES / "labelled_contacts.yaml", num_episodes=8)
+    taxelsim.generate(scene, tmp_path, device=device)
+    card = card_of(summarize(taxelsim.Dataset(tmp_path)), "unknown")
+    configs = 'configs:\n- config_name: default\n  data_files:\n  - split: train\n    path: "shard-*.h5"\n---\n'
+    assert configs in card
+    assert "viewer: false" not in card
+
+
+def test_texts_are_escaped_in_the_card(card):
+    assert "\\<i\\>short\\</i\\>" in card
+    assert "<i>" not in card
+
+
+@pytest.mark.parametrize(
+    ("num_frames", "category"),
+    [(999, "n<1K"), (1000, "1K<n<10K"), (10**9 - 1, "100M<n<1B"), (10**9, "1B<n<10B"), (10**12, "n>1T")],
+)
+def test_size_categories(num_frames, category):
+    assert size_category(num_frames) == category
