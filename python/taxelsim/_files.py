@@ -9,6 +9,12 @@ from pathlib import Path
 from .errors import IoError
 
 
+def require_folder(file: Path) -> None:
+    """Raises IoError, before a long computation, if the folder of a file that will be written is missing."""
+    if not file.parent.is_dir():
+        raise IoError(f"{file}: No such file or directory")
+
+
 def write_whole(file: Path, content: bytes) -> None:
     """Writes a file under a temporary name next to it, then renames it: a file that exists is complete. Raises IoError."""
     temporary = None

@@ -24,8 +24,8 @@ struct PythonSubcommand {
 
 constexpr std::array kPythonSubcommands{
     PythonSubcommand{.name = "evaluate", .option = "--policy", .description = ""},
-    PythonSubcommand{.name = "report", .option = "", .description = "Write a data set as a page of HTML, or its card (in Python)"},
-    PythonSubcommand{.name = "view", .option = "", .description = "Show episodes of a data set or a scene in the viewer Rerun (in Python)"},
+    PythonSubcommand{.name = "report", .option = "", .description = "Write a data set as a page of HTML, or its card"},
+    PythonSubcommand{.name = "view", .option = "", .description = "Show episodes of a data set or a scene in the viewer Rerun"},
     PythonSubcommand{.name = "export", .option = "", .description = "Write a data set for LeRobot, Zarr, robomimic or ROS 2"},
     PythonSubcommand{.name = "import", .option = "", .description = "Make a measurement from a recording: CSV, LeRobot"},
 };

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from .._files import write_whole
+from .._files import require_folder, write_whole
 from ..dataset import Dataset
 from ..errors import Error, InputError
 from ..report import MAX_FRAMES, card_of, page_of, summarize
@@ -51,6 +51,8 @@ def _run(options: argparse.Namespace) -> None:
     if _LICENSE.fullmatch(options.license) is None:
         raise InputError(f"--license: {options.license!r} found, an identifier such as cc-by-4.0 allowed")
     page = options.output or (None if options.card else Path("report.html"))
+    for file in filter(None, (page, options.card)):
+        require_folder(file)
     summary = summarize(Dataset(options.folder, isolated=True), options.max_frames, options.assets)
     texts = [(page, page_of(summary))] if page else []
     texts += [(options.card, card_of(summary, options.license))] if options.card else []

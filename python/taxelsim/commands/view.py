@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .._core import Device
-from .._files import write_whole
+from .._files import require_folder, write_whole
 from ..errors import Error, InputError, IoError
 from ..viewer import view
 
@@ -57,8 +57,8 @@ def main(arguments: Sequence[str]) -> int:
 def _run(options: argparse.Namespace) -> None:
     if options.save and options.save.suffix != ".rrd":
         raise InputError(f"--save {options.save}: the name of a file that ends in .rrd is needed")
-    if options.save and not options.save.parent.is_dir():  # known before anything is simulated
-        raise IoError(f"{options.save}: No such file or directory")
+    if options.save:
+        require_folder(options.save)
     if not (options.save or options.web or _has_display()):
         raise InputError("there is no display: --save FILE.rrd writes a file, --web serves a page for a browser")
     # Opened where a scene is simulated, so that a data set needs no device.

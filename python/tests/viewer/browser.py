@@ -1,0 +1,128 @@
+"""Pages in Chromium without a display: a report, and an episode in the web viewer.
+
+Not collected by default: needs the packages chromium and chromium-driver, and minutes, since WebGL runs on SwiftShader.
+TAXELSIM_CHROMEDRIVER and TAXELSIM_CHROMIUM name the programs; scripts/campaign view runs this.
+"""
+
+from __future__ import annotations
+
+import base64
+import io
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+import urllib.request
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from taxelsim.commands.view import GRPC_PORT, LOOPBACK, WEB_PORT
+
+PATIENCE = 300.0  # s, until the web viewer has drawn
+OPTIONS = ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--use-gl=angle", "--use-angle=swiftshader"]
+OPTIONS += ["--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--window-size=1400,900"]
+
+TAXEL = (20, 20, 60)  # without force
+NO_COUNTS = (68, 1, 84)  # in a tactile image
+ENOUGH_PIXELS = 2000
+
+
+class Browser:
+    """A session of chromedriver, by the protocol WebDriver."""
+
+    def __init__(self, port: int) -> None:
+        self._address = f"http://{LOOPBACK}:{port}"
+        binary = os.environ.get("TAXELSIM_CHROMIUM")
+        chrome: dict[str, Any] = {"args": OPTIONS, **({"binary": binary} if binary else {})}
+        session = self._call("POST", "/session", {"capabilities": {"alwaysMatch": {"goog:chromeOptions": chrome}}})
+        self._session = f"/session/{session['sessionId']}"
+
+    def _call(self, method: str, path: str, body: dict[str, Any] | None = None) -> Any:
+        data = None if body is None else json.dumps(body).encode()
+        request = urllib.request.Request(self._address + path, data, {"Content-Type": "application/json"}, method=method)
+        with urllib.request.urlopen(request, timeout=PATIENCE) as answer:
+            return json.load(answer)["value"]
+
+    def open(self, url: str) -> None:
+        self._call("POST", f"{self._session}/url", {"url": url})
+
+    def run(self, script: str) -> Any:
+        return self._call("POST", f"{self._session}/execute/sync", {"script": script, "args": []})
+
+    def picture(self) -> np.ndarray:
+        """(height, width, 3)."""
+        data = base64.b64decode(self._call("GET", f"{self._session}/screenshot"))
+        return np.asarray(Image.open(io.BytesIO(data)).convert("RGB"))
+
+    def close(self) -> None:
+        self._call("DELETE", self._session)
+
+
+def wait_for(port: int) -> None:
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        with socket.socket() as probe:
+            if probe.connect_ex((LOOPBACK, port)) == 0:
+                return
+        time.sleep(0.2)
+    raise TimeoutError(f"nothing listens on port {port}")
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with socket.socket() as free:
+        free.bind((LOOPBACK, 0))
+        port = free.getsockname()[1]
+    driver = subprocess.Popen([os.environ.get("TAXELSIM_CHROMEDRIVER", "chromedriver"), f"--port={port}"], stdout=subprocess.DEVNULL)
+    try:
+        wait_for(port)
+        session = Browser(port)
+        yield session
+        session.close()
+    finally:
+        driver.terminate()
+        driver.wait()
+
+
+def test_a_report_shows_all_its_pictures_and_loads_nothing(browser, viewed, tmp_path):
+    page = tmp_path / "report.html"
+    subprocess.run([sys.executable, "-m", "taxelsim", "report", viewed, "-o", page], check=True)
+    browser.open(page.as_uri())
+    assert browser.run("return document.title") == "Data set data"
+    widths = browser.run("return [...document.images].map(image => image.naturalWidth)")
+    assert len(widths) == 4
+    assert min(widths) > 0
+    assert (
+        browser.run("return [...document.querySelectorAll('svg rect')].filter(bar => bar.getBoundingClientRect().height > 0).length") > 100
+    )
+    assert (
+        browser.run("return performance.getEntriesByType('resource').map(entry => entry.name).filter(name => !name.startsWith('data:'))")
+        == []
+    )
+
+
+def test_an_episode_is_drawn_by_the_web_viewer(browser, viewed):
+    command = [sys.executable, "-m", "taxelsim", "view", os.fspath(viewed), "--episode", "1", "--web"]
+    program = subprocess.Popen(command, env={**os.environ, "DISPLAY": "", "WAYLAND_DISPLAY": ""}, start_new_session=True)
+    try:
+        wait_for(WEB_PORT)
+        wait_for(GRPC_PORT)
+        browser.open(f"http://{LOOPBACK}:{WEB_PORT}/?url=rerun%2Bhttp://{LOOPBACK}:{GRPC_PORT}/proxy")
+        end, found = time.monotonic() + PATIENCE, {}
+        while time.monotonic() < end and not (found and min(found.values()) > ENOUGH_PIXELS):
+            time.sleep(2)
+            picture = browser.picture()
+            found = {colour: int((picture == colour).all(-1).sum()) for colour in (TAXEL, NO_COUNTS)}
+        Image.fromarray(picture).save(Path(os.environ.get("TAXELSIM_PICTURE", os.devnull)), "png")
+        assert min(found.values()) > ENOUGH_PIXELS, found
+    finally:
+        os.killpg(program.pid, signal.SIGINT)
+        program.wait()
