@@ -33,7 +33,7 @@ OPTIONS += ["--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--window-s
 TAXEL = (20, 20, 60)  # without force
 NO_COUNTS = (70, 1, 84)  # in a tactile image: the lower end of Viridis
 MAX_DIFFERENCE = 4  # of 255, of the rounding of the colour scale
-ENOUGH_PIXELS = 2000
+ENOUGH_PIXELS = 500
 
 
 class Browser:
