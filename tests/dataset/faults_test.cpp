@@ -1,0 +1,127 @@
+// A disk that fails at the nth call: full at a write, or an error of fsync(), rename() or ftruncate(), once or from then on. Every file
+// that has its name is complete, no temporary file remains, and resuming gives the same bytes. The calls of the library arrive here,
+// because a program's functions take precedence over libc's.
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+
+#include "dataset/example.h"
+#include "support/cases.h"
+
+namespace {
+
+enum class Call { kWrite, kFsync, kRename, kTruncate };
+
+std::atomic<Call> failing_call;
+std::atomic<int> num_calls, first_failing, last_failing;  // of that kind, from 1; counted where first_failing is not 0
+
+bool fails(Call call, int code) {
+  if (first_failing == 0 || call != failing_call) return false;
+  const int number = ++num_calls;
+  if (number < first_failing || number > last_failing) return false;
+  errno = code;
+  return true;
+}
+
+}  // namespace
+
+extern "C" {
+ssize_t pwrite(int file, const void* data, size_t size, off_t offset) {
+  return fails(Call::kWrite, ENOSPC) ? -1 : syscall(SYS_pwrite64, file, data, size, offset);
+}
+int fsync(int file) {
+  return fails(Call::kFsync, EIO) ? -1 : static_cast<int>(syscall(SYS_fsync, file));
+}
+int rename(const char* from, const char* to) noexcept {
+  return fails(Call::kRename, EIO) ? -1 : static_cast<int>(syscall(SYS_rename, from, to));
+}
+int ftruncate(int file, off_t size) noexcept {
+  return fails(Call::kTruncate, ENOSPC) ? -1 : static_cast<int>(syscall(SYS_ftruncate, file, size));
+}
+}
+
+namespace taxelsim::testing {
+namespace {
+
+constexpr int kNever = 1'000'000'000;
+constexpr int kStride = 6;  // of the calls that fail; with TAXELSIM_CASES=all each one does
+
+struct Fault {
+  Call call;
+  bool lasts;  // all later calls fail as well
+};
+
+class FailingDisk : public ::testing::TestWithParam<Fault> {
+ protected:
+  ~FailingDisk() override { first_failing = 0; }
+
+  // Writes or resumes the data set while calls from the nth on fail. Returns the number of calls.
+  int writeWithFault(const std::filesystem::path& target, int first) {
+    num_calls = 0;
+    failing_call = GetParam().call;
+    last_failing = GetParam().lasts ? kNever : first;
+    first_failing = first;
+    try {
+      resume(target);
+      is_written_ = true;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kIo) << error.what();
+      is_written_ = false;
+    }
+    first_failing = 0;
+    return num_calls;
+  }
+
+  void resume(const std::filesystem::path& target) {
+    DatasetWriter writer(target, manifest_);
+    for (std::uint64_t shard = 0; shard < manifest_.numShards(); ++shard)
+      if (!writer.isComplete(shard)) writer.writeShard(shard, exampleShard(manifest_, shard));
+    writer.finish();
+  }
+
+  const Manifest manifest_ = exampleManifest();
+  TemporaryDirectory directory_;
+  bool is_written_ = false;
+};
+
+TEST_P(FailingDisk, LosesNothing) {
+  const int total = writeWithFault(directory_ / "complete", kNever);
+  ASSERT_TRUE(is_written_);
+  ASSERT_GT(total, 3) << "the calls do not arrive here";
+  const auto complete = filesIn(directory_ / "complete");
+  int num_faults = 0, num_errors = 0;
+  for (int n = 1; n <= total; n += support::runsAllCases() ? 1 : kStride) {
+    const std::filesystem::path target = directory_ / std::to_string(n);
+    writeWithFault(target, n);
+    ++num_faults;
+    num_errors += !is_written_;
+    if (std::filesystem::exists(target)) {
+      for (const auto& [name, bytes] : filesIn(target)) {
+        if (name == "dataset.checksums" || (name.starts_with(".") && !name.starts_with(".dataset") && !name.starts_with(".shard")))
+          continue;
+        ASSERT_TRUE(complete.contains(name)) << "call " << n << " left " << name;
+        EXPECT_TRUE(complete.at(name) == bytes) << "call " << n << ": " << name;
+      }
+    }
+    resume(target);
+    EXPECT_TRUE(filesIn(target) == complete) << "resumed after a fault at call " << n;
+  }
+  std::cout << num_faults << " faults, " << num_errors << " errors" << std::endl;
+  EXPECT_GT(2 * num_errors, num_faults);
+}
+
+std::string nameOf(const ::testing::TestParamInfo<Fault>& tested) {
+  constexpr std::array<const char*, 4> kNames{"Write", "Fsync", "Rename", "Truncate"};
+  return std::string(kNames[static_cast<std::size_t>(tested.param.call)]) + (tested.param.lasts ? "Lasting" : "Once");
+}
+
+INSTANTIATE_TEST_SUITE_P(Calls, FailingDisk,
+                         ::testing::Values(Fault{Call::kWrite, false}, Fault{Call::kWrite, true}, Fault{Call::kFsync, false},
+                                           Fault{Call::kFsync, true}, Fault{Call::kRename, false}, Fault{Call::kTruncate, false}),
+                         nameOf);
+
+}  // namespace
+}  // namespace taxelsim::testing
