@@ -75,6 +75,13 @@ def test_mujoco_batch() -> None:
     assert float(found.group(1)) < 3
 
 
+def test_mujoco_weigh() -> None:
+    pytest.importorskip("mujoco")
+    found = re.search(r"largest error of the weight ([\d.]+) %", run("mujoco_weigh.py"))
+    assert found
+    assert float(found.group(1)) < 0.5
+
+
 def test_train_ppo_compiles() -> None:
     source = (EXAMPLES / "train_ppo.py").read_text()
     compile(source, "train_ppo.py", "exec")

@@ -9,7 +9,13 @@
 >>> frames["palm"].tactile_image  # (1024, 6, 14), counts
 """
 
+try:
+    import mujoco.batch  # noqa: F401
+except ImportError as error:
+    raise ImportError("taxelsim.mujoco needs MuJoCo 4 or newer: pip install 'taxelsim[mujoco]'") from error
+
 from .attachment import Attachment, Sources, attach
+from .coupling import Coupling, couple
 from .geoms import shape_of
 
-__all__ = ["Attachment", "Sources", "attach", "shape_of"]
+__all__ = ["Attachment", "Coupling", "Sources", "attach", "couple", "shape_of"]

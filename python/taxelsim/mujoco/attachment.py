@@ -42,13 +42,21 @@ def attach(
 
     Raises InputError for a site or geom that is not in the model, a geom that taxelsim has no shape for, no geoms, or a wrong sensor.
     """
+    return Attachment(
+        *read_model(model, sensors, geoms, device), num_instances, {"seed": seed, "outputs": outputs, "max_regions": max_regions}
+    )
+
+
+def read_model(
+    model: Any, sensors: Mapping[str, str | PathLike[str] | Sensor], geoms: Sequence[str | int] | None, device: Device | None
+) -> tuple[Any, dict[str, int], dict[str, Sensor], list[Geom], Device]:
+    """First arguments of Attachment: the model, sites, sensors, geoms and device."""
     if not sensors:
         raise InputError("sensors: at least one is needed, as {site: sensor file}")
     sites = {name: find(model, "site", name) for name in sensors}
     selected = select(model, geoms, sites.values())
     read = {name: value if isinstance(value, Sensor) else load_sensor(value) for name, value in sensors.items()}
-    options = {"seed": seed, "outputs": outputs, "max_regions": max_regions}
-    return Attachment(model, sites, read, selected, Device.open() if device is None else device, num_instances, options)
+    return model, sites, read, selected, Device.open() if device is None else device
 
 
 class Attachment:
@@ -106,11 +114,14 @@ class Attachment:
         self._kinematics.update(source)
         step = float(self.model.opt.timestep) if dt is None else dt
         for name, simulator in self.simulators.items():
-            poses = self._kinematics.relative(self._sites[name], self._indices, self._rotations)
-            simulator.set_objects(*self._slots[name].assign(poses))
+            simulator.set_objects(*self._slots[name].assign(self._poses(name)))
         for simulator in self.simulators.values():
             simulator.step(step, instances)
         return {name: simulator.read() for name, simulator in self.simulators.items()}
+
+    def _poses(self, name: str) -> npt.NDArray[np.float64]:
+        """X_SO (N, G, 7) of all geoms, at the state of the last update of the kinematics."""
+        return self._kinematics.relative(self._sites[name], self._indices, self._rotations)
 
     def reset(self, instances: npt.ArrayLike | None = None, episodes: npt.ArrayLike | None = None, **variation: float) -> None:
         """Starts an episode on some instances of every sensor, after their simulations were reset; see Simulator.reset()."""

@@ -15,9 +15,10 @@ from ..errors import InputError
 
 Array = NDArray[np.float64]
 
-# Model fields that may differ between the simulations of a Batch and change poses.
-POSE_FIELDS = [f"{kind}_{field}" for kind in ("body", "geom", "site") for field in ("pos", "quat", "sameframe")]
-POSE_FIELDS += ["body_ipos", "body_iquat", "jnt_pos", "jnt_axis", "qpos0"]
+# Model fields that may differ between the simulations of a Batch and change poses or mass matrices.
+MODEL_FIELDS = [f"{kind}_{field}" for kind in ("body", "geom", "site") for field in ("pos", "quat", "sameframe")]
+MODEL_FIELDS += ["body_ipos", "body_iquat", "jnt_pos", "jnt_axis", "qpos0", "body_mass", "body_inertia"]
+MODEL_FIELDS += ["body_subtreemass", "dof_armature", "dof_damping", "dof_M0"]
 
 
 def product(p: Array, q: Array) -> Array:
@@ -52,6 +53,8 @@ class Kinematics:
         self.site_quaternions: Array = self.batch.bind("site_xquat")
         self.geom_positions: Array = self.batch.bind("geom_xpos")
         self.geom_quaternions: Array = self.batch.bind("geom_xquat")
+        self._inertia: Array = self.batch.bind("M")  # the lower triangle, by rows
+        self._rows = np.repeat(np.arange(model.nv), model.M_rownnz)
 
     def update(self, source: Any) -> None:
         """Computes the poses of a Batch, an MjData or a sequence of MjData. Raises InputError if it is of another size or model."""
@@ -67,7 +70,7 @@ class Kinematics:
             raise InputError("Batch with set_models(): its shapes may differ from those of the attached model")
         if source.expanded("geom_size") is not None:
             raise InputError("Batch with expanded geom_size: all simulations must have the shapes of the attached model")
-        for name in POSE_FIELDS:
+        for name in MODEL_FIELDS:
             values = source.expanded(name)
             if values is not None:
                 self.batch.expand(name)[:] = values
@@ -95,3 +98,15 @@ class Kinematics:
         positions = offsets @ self.site_rotations[:, site].reshape(-1, 3, 3)  # rows times R_WS: rotated by its transpose
         inverse = self.site_quaternions[:, np.newaxis, site] * (1, -1, -1, -1)
         return np.concatenate((positions, product(inverse, product(self.geom_quaternions[:, geoms], R_GO))), axis=2)
+
+    def mass_matrices(self, dt: float) -> tuple[Array, Array]:
+        """M (N, nv, nv), and M + dt D with the damping of the joints, which MuJoCo integrates implicitly."""
+        model, columns = self.model, self.model.M_colind
+        mass = np.zeros((self.num_instances, model.nv, model.nv))
+        mass[:, self._rows, columns] = self._inertia
+        mass[:, columns, self._rows] = self._inertia
+        damping = self.batch.expanded("dof_damping")
+        implicit = mass.copy()
+        diagonal = np.arange(model.nv)
+        implicit[:, diagonal, diagonal] += dt * (model.dof_damping if damping is None else damping)
+        return mass, implicit

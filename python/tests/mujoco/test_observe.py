@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import importlib
+import sys
+
 import mujoco
 import numpy as np
 import pytest
@@ -161,6 +164,14 @@ def test_names(device: taxelsim.Device, model: mujoco.MjModel) -> None:
     empty = mujoco.MjModel.from_xml_string('<mujoco><worldbody><site name="palm"/></worldbody></mujoco>')
     assert message({"palm": WTS}, source=empty) == "the model has no geoms that a sensor could touch"
     assert "missing.yaml" in message({"palm": "missing.yaml"})
+
+
+def test_without_mujoco(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in [name for name in sys.modules if name.split(".")[0] == "mujoco" or name.startswith("taxelsim.mujoco")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    with pytest.raises(ImportError, match=r"^taxelsim.mujoco needs MuJoCo 4 or newer: pip install 'taxelsim\[mujoco\]'$"):
+        importlib.import_module("taxelsim.mujoco")
 
 
 def test_wrong_sources(device: taxelsim.Device, model: mujoco.MjModel) -> None:
