@@ -37,6 +37,8 @@ struct AddLaw {
               .spirv = {k_contact_elastic_layer_spirv, k_contact_elastic_layer_lockstep_spirv},
               .reach = reach};
   }
+  // The contact pass outputs heights, as for an elastic layer.
+  void operator()(const Pasternak&) const { (*this)(ElasticLayer{}); }
   void operator()(const LuGre& law) const {
     packed.has_bristles = true;
     packed.bristles = {static_cast<float>(law.bristle_stiffness), static_cast<float>(law.bristle_damping),

@@ -1,0 +1,206 @@
+// The law `pasternak` on the device: against closed forms and the twin, under loads, in batches.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "reference/pasternak.h"
+#include "sensor/pasternak.h"
+#include "simulation/comparison.h"
+#include "simulation/input_error.h"
+#include "support/random_scene.h"
+#include "taxelsim/stiffness.h"
+
+namespace taxelsim {
+namespace {
+
+using support::Random;
+using support::Touch;
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kDt = 1e-3;        // s
+constexpr double kStiffness = 5e8;  // N/m^3
+constexpr double kDecay = 0.66e-3;  // m
+constexpr Pasternak kLaw{.normal_contact_stiffness = kStiffness, .shear_stiffness = kStiffness * kDecay * kDecay};
+// Sweeps after which the free surface is at rest to float32 rounding: a sweep reduces errors to 0.63.
+constexpr int kManySweeps = 60;
+
+Sensor foundationSensor(int iterations = kLaw.iterations, const support::GridOptions& grid = {.thickness = 2e-3}) {
+  Sensor sensor = support::gridSensor(grid);
+  sensor.skin.law = Pasternak{kLaw.normal_contact_stiffness, kLaw.shear_stiffness, iterations};
+  return sensor;
+}
+
+// The objects, each with its tip `depth` (m) below the skin, at 50 random places of the array's middle.
+std::vector<Touch> places(double tip_below_origin, double depth, int count, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<Touch> touches;
+  for (int i = 0; i < count; ++i) {
+    touches.push_back({{0}, {{{random.uniform(-2e-3, 2e-3), random.uniform(-2e-3, 2e-3), tip_below_origin - depth}, {1, 0, 0, 0}}}});
+  }
+  return touches;
+}
+
+// Worst relative error of the total force over 50 places.
+double worstError(const Object& object, double tip_below_origin, double depth, double force) {
+  constexpr int kPlaces = 50;
+  const Sensor sensor = foundationSensor();
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {object}});
+  Simulator simulator(model, {.num_instances = kPlaces});
+  support::setTouches(simulator, places(tip_below_origin, depth, kPlaces, 3));
+  simulator.step(kDt);
+  const FrameView frame = simulator.read();
+  double worst = 0;
+  for (const float total : frame.ground_truth.total_force) worst = std::max(worst, std::abs(total / force - 1));
+  return worst;
+}
+
+TEST(PasternakOnEveryDriver, PinsCarryTheirForce) {
+  constexpr double kHeight = 0.01, kDepth = 1e-3;
+  for (const auto& [radius, error] : {std::pair{0.5e-3, 0.10}, {1e-3, 0.05}, {6e-3, 0.03}}) {
+    const double worst = worstError(Cylinder{radius, kHeight}, kHeight / 2, kDepth, kDepth * pasternakPunchStiffness(kLaw, radius));
+    EXPECT_LT(worst, error) << radius;
+    RecordProperty("pin_" + std::to_string(radius), std::to_string(worst));
+  }
+}
+
+// A sphere without the approximation of a parabola: w = depth - f(r) inside of the contact radius a, f' (a) its slope at the edge, outside
+// proportional to K0(r / l).
+TEST(Pasternak, SpheresCarryTheirForce) {
+  constexpr double kRadius = 5e-3, kError = 0.03;
+  for (const double a : {0.5e-3, 1e-3, 2e-3}) {
+    const double edge = std::sqrt(kRadius * kRadius - a * a), slope = a / edge;
+    const double depth = kRadius - edge + slope * kDecay / besselRatio(a / kDecay);
+    const double volume = kPi * a * a * (depth - kRadius) + 2 * kPi / 3 * (std::pow(kRadius, 3) - std::pow(edge, 3));
+    const double worst = worstError(Sphere{kRadius}, kRadius, depth, kStiffness * volume + 2 * kPi * kLaw.shear_stiffness * a * slope);
+    EXPECT_LT(worst, kError) << a;
+    RecordProperty("sphere_" + std::to_string(a), std::to_string(worst));
+  }
+}
+
+// Error of a force (N) at `deepest` (m): the rounding of heights, and that of sums of squares in a solution of some thousand nodes.
+double forceSlack(double force, double deepest) {
+  constexpr double kRounding = 2e-4;
+  return (2 * support::kMarginZ / deepest + kRounding) * force + support::kAbsoluteForce;
+}
+
+void expectLikeTwin(const FrameView& frame, std::size_t i, const Sensor& sensor, const reference::LayerContact& twin, double slack) {
+  const auto num_taxels = static_cast<std::size_t>(numTaxels(sensor));
+  const GroundTruthView& truth = frame.ground_truth;
+  for (std::size_t t = 0; t < num_taxels; ++t) {
+    EXPECT_NEAR(truth.tactile_normal_force[i * num_taxels + t], twin.taxel_force[t], slack) << "taxel " << t;
+    EXPECT_NEAR(truth.penetration_depth[i * num_taxels + t], twin.mean_penetration[t], 2 * support::kMarginZ);
+  }
+  constexpr double kReach = 0.03;  // m: from S's origin to the farthest node
+  for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(truth.contact_wrench[6 * i + k], twin.wrench[k], k < 3 ? slack : slack * kReach);
+  EXPECT_NEAR(truth.over_penetration[i], twin.over_penetration, 2.0 / numTaxels(sensor));
+}
+
+double deepestOf(const reference::LayerContact& contact) {
+  return *std::max_element(contact.overlap.begin(), contact.overlap.end());
+}
+
+// Round objects and edges, whose outlines do not hang on the rounding of a node's place; flat pins between nodes.
+TEST(Pasternak, RandomContactsMatchTheTwin) {
+  constexpr int kInstances = 16;
+  Random random(5);
+  Sensor sensor = foundationSensor(kManySweeps, {.num_rows = 4, .num_cols = 5, .samples_per_taxel = 3, .thickness = 2e-3});
+  sensor.patches[0].X_SP = {{0.003, -0.002, 0.001}, {std::cos(0.4), 0, 0, std::sin(0.4)}};
+  const std::vector<Object> objects{Sphere{0.006}, Capsule{0.002, 0.01}, support::icosphere(0.008, 3, 0.05, random),
+                                    Box{{0.004, 0.01, 0.01}}, Cylinder{1.07e-3, 0.01}};
+  std::vector<Touch> touches;
+  for (int i = 0; i < kInstances; ++i) {
+    const int id = i % static_cast<int>(objects.size());
+    const Quaternion tilt = id == 4 ? Quaternion{1, 0, 0, 0} : random.tilt(0.4);
+    touches.push_back({{id},
+                       {support::poseAtDepth(sensor, objects[static_cast<std::size_t>(id)], tilt, random.uniform(-6e-3, 6e-3),
+                                             random.uniform(-8e-3, 8e-3), random.uniform(0.1e-3, 1.5e-3))}});
+  }
+  std::vector<float> loads(kInstances, kPoseDriven);
+  for (int i = 1; i < kInstances; i += 2) loads[static_cast<std::size_t>(i)] = static_cast<float>(random.uniform(0.2, 3));
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+  Simulator simulator(model, {.num_instances = kInstances});
+  support::setTouches(simulator, touches);
+  simulator.setLoads(loads);
+  simulator.step(kDt);
+  const FrameView frame = simulator.read();
+  support::expectWellFormed(frame, sensor, kInstances);
+  for (std::size_t i = 0; i < kInstances; ++i) {
+    SCOPED_TRACE("instance " + std::to_string(i) + ": object " + std::to_string(touches[i].ids[0]));
+    // The twin at the device's own offset: its force there, and that it is the load.
+    const double offset = frame.ground_truth.load_offset[i];
+    const reference::LayerContact twin = reference::foundationContact(sensor, touches[i].placed(objects, offset));
+    if (deepestOf(twin) > 0) expectLikeTwin(frame, i, sensor, twin, forceSlack(twin.total_force, deepestOf(twin)));
+    if (std::isnan(loads[i])) continue;
+    EXPECT_TRUE(frame.ground_truth.load_reached[i]);
+    EXPECT_NEAR(frame.ground_truth.total_force[i], loads[i], 1e-5 * loads[i]);
+    const reference::LayerContact loaded = reference::loadedFoundationContact(sensor, touches[i].placed(objects), loads[i]);
+    EXPECT_NEAR(loaded.offset, offset, 1e-3 * deepestOf(twin) + 2 * support::kMarginZ);
+  }
+}
+
+TEST(Pasternak, LoadsBeyondTheSkinAreOutOfReach) {
+  const Sensor sensor = foundationSensor();
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Sphere{2e-3}, Cylinder{1e-3, 0.01}}});
+  Simulator simulator(model, {.num_instances = 4});
+  support::setTouches(simulator, {{{0}, {{{0, 0, 0.02}, {1, 0, 0, 0}}}},
+                                  {{1}, {{{0, 0, 0.02}, {1, 0, 0, 0}}}},
+                                  {{0}, {{{0.5, 0, 0.02}, {1, 0, 0, 0}}}},
+                                  {{1}, {{{1e-3, 0, 0.02}, {1, 0, 0, 0}}}}});
+  simulator.setLoads(std::vector<float>{1000, 5, 1, 0});
+  simulator.step(kDt);
+  const FrameView frame = simulator.read();
+  EXPECT_FALSE(frame.ground_truth.load_reached[0]);
+  EXPECT_TRUE(frame.ground_truth.load_reached[1]);
+  EXPECT_NEAR(frame.ground_truth.total_force[1], 5, 5e-5);
+  // A flat pin: the depth is in proportion to the load.
+  EXPECT_NEAR(-frame.ground_truth.load_offset[1] - 0.015, 5 / pasternakPunchStiffness(kLaw, 1e-3), 0.05 * 1.2e-3);
+  EXPECT_FALSE(frame.ground_truth.load_reached[2]);
+  EXPECT_TRUE(frame.ground_truth.load_reached[3]);
+  EXPECT_EQ(frame.ground_truth.total_force[3], 0);
+}
+
+TEST(PasternakOnEveryDriver, BatchesAndWorkgroupsGiveTheSameBytes) {
+  constexpr int kInstances = 7;
+  Random random(11);
+  const Sensor sensor = foundationSensor();
+  const std::vector<Object> objects{Sphere{0.004}, support::icosphere(0.008, 2, 0.05, random), Cylinder{0.7e-3, 0.01}};
+  std::vector<Touch> touches;
+  std::vector<float> loads;
+  for (int i = 0; i < kInstances; ++i) {
+    touches.push_back({{i % 3}, {support::randomContact(random, sensor, objects[static_cast<std::size_t>(i % 3)])}});
+    loads.push_back(i % 2 ? kPoseDriven : 1.5f);
+  }
+  const auto run = [&](const std::vector<int>& instances, int workgroup) {
+    const int n = static_cast<int>(instances.size());
+    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects, .contact_workgroup = workgroup});
+    Simulator simulator(model, {.num_instances = n});
+    std::vector<Touch> chosen;
+    std::vector<float> chosen_loads;
+    for (const int i : instances) {
+      chosen.push_back(touches[static_cast<std::size_t>(i)]);
+      chosen_loads.push_back(loads[static_cast<std::size_t>(i)]);
+    }
+    support::setTouches(simulator, chosen);
+    simulator.setLoads(chosen_loads);
+    simulator.step(kDt);
+    const FrameView frame = simulator.read();
+    std::vector<std::vector<std::uint32_t>> bits;
+    for (int i = 0; i < n; ++i) bits.push_back(support::bitsOf(frame, i, n));
+    return bits;
+  };
+  const auto together = run({0, 1, 2, 3, 4, 5, 6}, 0);
+  for (int i = 0; i < kInstances; ++i) EXPECT_EQ(together[static_cast<std::size_t>(i)], run({i}, 0)[0]) << i;
+  EXPECT_EQ(together, run({0, 1, 2, 3, 4, 5, 6}, 64));
+}
+
+TEST(Pasternak, RefusesTheJacobian) {
+  const Model model(support::sharedDevice(), {.sensor = foundationSensor(), .objects = {Sphere{2e-3}}});
+  const std::string message = support::inputError([&] { Simulator(model, {.outputs = {.tactile_jacobian = true}}); });
+  EXPECT_THAT(message, ::testing::HasSubstr("outputs.tactile_jacobian: true is not allowed with the law pasternak"));
+}
+
+}  // namespace
+}  // namespace taxelsim
