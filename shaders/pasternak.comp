@@ -30,56 +30,75 @@ const float kMiss = kNoHeight;  // height where there is no surface
 #include "pasternak/solver.glsl"
 #include "pasternak/outputs.glsl"
 
-// The depth of the lowest node at which all nodes carry a load (N), by the Illinois variant of regula falsi. Returns a status, and leaves the contact at the
-// depth in `surface`, `window` and `sums`.
-float searchLoad(uint instance, float load, inout Surface surface, out Window window, out vec4 sums) {
-  const int kMaxEvaluations = 24;
-  const float kTolerance = 2e-6;  // of the load; some ten roundings of a float
-  const float kAccepted = 1e-3;   // of the load, where no depth in a float is nearer
-  surface.depth = load > 0.0 ? THICKNESS : 0.0;
-  sums = solveContact(instance, surface, window);
-  float low = 0.0, high = THICKNESS, low_excess = -load, high_excess = sums.x - load;
-  if (load <= 0.0) return kLoadCarried;
-  if (high_excess < -kTolerance * load) return kLoadOutOfReach;
-  int side = 0;
-  float excess = high_excess;
-  for (int n = 1; n < kMaxEvaluations && abs(excess) > kTolerance * load; ++n) {
-    surface.depth = clamp(low - (high - low) * (low_excess / (high_excess - low_excess)), low, high);
-    sums = solveContact(instance, surface, window);
-    excess = sums.x - load;
-    if (excess > 0.0) {
-      high = surface.depth;
-      high_excess = excess;
-      if (side > 0) low_excess *= 0.5;
-      side = 1;
-    } else {
-      low = surface.depth;
-      low_excess = excess;
-      if (side < 0) high_excess *= 0.5;
-      side = -1;
-    }
+// Load search: the depth of the lowest node at which all nodes carry a load, by the Illinois variant of regula falsi from full depth.
+struct Search {
+  float load;                     // N; 0 without a load
+  float low, high;                // bracket of the depth, m
+  float low_excess, high_excess;  // force less load at its ends, N; one is halved where it stays
+  float excess;                   // at the last depth
+  float side;                     // of the last depth: 1 carries too much, -1 too little
+};
+
+const int kMaxEvaluations = 24;
+const float kTolerance = 2e-6;  // of the load; some ten roundings of a float
+const float kAccepted = 1e-3;   // of the load, where no depth in a float is nearer
+
+// Takes the force at the last depth. Returns false at the end.
+bool takeForce(inout Search search, int evaluation, float depth, float force) {
+  float excess = force - search.load;
+  search.excess = excess;
+  if (search.load <= 0.0 || abs(excess) <= kTolerance * search.load) return false;
+  if (evaluation == 0) {
+    search.high_excess = excess;
+    return excess > 0.0;
   }
-  return abs(excess) <= kAccepted * load ? kLoadCarried : kLoadOutOfReach;
+  float side = excess > 0.0 ? 1.0 : -1.0;
+  bool again = side == search.side;
+  if (excess > 0.0) {
+    search.high = depth;
+    search.high_excess = excess;
+    if (again) search.low_excess *= 0.5;
+  } else {
+    search.low = depth;
+    search.low_excess = excess;
+    if (again) search.high_excess *= 0.5;
+  }
+  search.side = side;
+  return true;
+}
+
+float nextDepth(Search search) {
+  float share = search.low_excess / (search.high_excess - search.low_excess);
+  return clamp(search.low - (search.high - search.low) * share, search.low, search.high);
 }
 
 void solveInstance(uint instance, uint num_instances) {
   if (isHeld(instance)) return;
   bool by_load = LOADS && (instances[instance].keys.w & kFlagLoadDriven) != 0;
-  Surface surface = Surface(instance * kNodes.x * kNodes.y, reachedNodes(instance), 0.0, 0.0);
-  Window window = Window(uvec2(0), uvec2(0));
-  vec4 sums = vec4(0);
+  Surface surface = Surface(instance * kNodes.x * kNodes.y, instance * NUM_HEIGHT_TILES, 0.0, 0.0);
+  Search search = Search(0.0, 0.0, THICKNESS, 0.0, 0.0, 0.0, 0.0);
+  bool no_surface = false;
   if (by_load) {
-    float lowest = lowestHeight(surface), status = kLoadOutOfReach, offset = 0.0;
-    if (lowest < kMiss) {
-      surface.origin = lowest;
-      status = searchLoad(instance, instances[instance].drive.x, surface, window, sums);
-      offset = -lowest - surface.depth;
-    }
-    if (gl_LocalInvocationIndex == 0) loads[instance] = LoadRecord(vec4(offset, 0, 0, status), vec4(0));
-  } else {
-    sums = solveContact(instance, surface, window);
+    float lowest = lowestHeight(surface);
+    no_surface = lowest >= kMiss;
+    if (!no_surface) surface.origin = lowest;
+    search.load = no_surface ? 0.0 : instances[instance].drive.x;
+    search.low_excess = -search.load;
+    if (search.load > 0.0) surface.depth = THICKNESS;
   }
-  writeResults(instance, num_instances, sums, writeTaxels(instance, surface, window));
+  Window window;
+  vec4 sums;
+  for (int n = 0; n < (LOADS ? kMaxEvaluations : 1); ++n) {
+    if (n > 0) surface.depth = nextDepth(search);
+    sums = solveContact(instance, surface, window);
+    if (!takeForce(search, n, surface.depth, sums.x)) break;
+  }
+  if (by_load && gl_LocalInvocationIndex == 0) {
+    bool carried = !no_surface && (search.load <= 0.0 || abs(search.excess) <= kAccepted * search.load);
+    float offset = no_surface ? 0.0 : -surface.origin - surface.depth;
+    loads[instance] = LoadRecord(vec4(offset, 0, 0, carried ? kLoadCarried : kLoadOutOfReach), vec4(0));
+  }
+  writeResults(instance, num_instances, sums, writeTaxels(instance, window));
 }
 
 void main() {

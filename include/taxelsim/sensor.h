@@ -173,7 +173,7 @@ struct ElasticLayer {
 struct Pasternak {
   double normal_contact_stiffness = 0;  ///< N/m^3, > 0, of the springs: the foundation modulus.
   double shear_stiffness = 0;           ///< N/m, > 0, of the shear layer, or tension of the membrane.
-  int iterations = 12;                  ///< Sweeps of the solver per frame or step of the load search, 1 to kMaxLayerIterations.
+  int iterations = 8;                   ///< Sweeps of the solver per frame or step of the load search, 1 to kMaxLayerIterations.
 
   bool operator==(const Pasternak&) const = default;  ///< Exact comparison.
 };

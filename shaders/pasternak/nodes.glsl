@@ -8,7 +8,7 @@ const uvec2 kNodes = uvec2(NUM_ROWS, NUM_COLS) * kPerTaxel;
 
 struct Surface {
   uint first_height;  // of the instance in heights[]
-  uvec4 reached;      // nodes that the contact pass has reached: first row, end row, first col, end col; all 0 without any
+  uint first_tile;    // of the instance in windows[]
   float origin;       // height at which the overlap is `depth`, m
   float depth;        // m
 };
@@ -23,59 +23,56 @@ shared uint window_bounds[4];  // first row and col, end row and col
 vec2 nodeSpacing() { return vec2(PITCH_X, PITCH_Y) / float(kPerTaxel); }
 vec2 nodePosition(uvec2 node) { return (vec2(node) - 0.5 * vec2(kNodes - 1u)) * nodeSpacing(); }
 
-float heightAt(Surface surface, uvec2 node) {
-  bool reached = node.x >= surface.reached.x && node.x < surface.reached.y && node.y >= surface.reached.z && node.y < surface.reached.w;
-  return reached ? uintBitsToFloat(heights[surface.first_height + node.x * kNodes.y + node.y]) : kMiss;
+// Height at a node that a tile of the contact pass has reached.
+float heightAt(Surface surface, uvec2 node) { return uintBitsToFloat(heights[surface.first_height + node.x * kNodes.y + node.y]); }
+
+// Its signed overlap of object and undeformed skin, m.
+float overlapAt(Surface surface, uvec2 node) { return min((surface.origin - heightAt(surface, node)) + surface.depth, THICKNESS); }
+
+// The nodes that a tile of the contact pass has reached.
+Window reachedNodes(Surface surface, uint tile) {
+  uvec4 window = windows[surface.first_tile + tile].window;
+  return Window(window.xz, window.yw - window.xz);
 }
 
-// Signed overlap of object and undeformed skin, m. `precise`: a node in contact is recognised by its bits.
-float overlapAt(Surface surface, uvec2 node) {
-  precise float overlap = (surface.origin - heightAt(surface, node)) + surface.depth;
-  return min(overlap, THICKNESS);
+Window intersectionOf(Window a, Window b) {
+  uvec2 first = max(a.first, b.first), end = min(a.first + a.count, b.first + b.count);
+  return Window(first, max(end, first) - first);
 }
-
-// Bounding rectangle of the windows of an instance's tiles, as Surface::reached.
-uvec4 reachedNodes(uint instance) {
-  uvec4 reached = uvec4(kNodes.x, 0, kNodes.y, 0);
-  for (uint t = 0; t < NUM_HEIGHT_TILES; ++t) {
-    uvec4 tile = windows[instance * NUM_HEIGHT_TILES + t].window;
-    if (tile.x >= tile.y) continue;
-    reached = uvec4(min(reached.x, tile.x), max(reached.y, tile.y), min(reached.z, tile.z), max(reached.w, tile.w));
-  }
-  return reached.x < reached.y ? reached : uvec4(0);
-}
-
-Window reachedWindow(Surface surface) { return Window(surface.reached.xz, surface.reached.yw - surface.reached.xz); }
 
 // Height of the lowest node, m; kMiss without any.
 float lowestHeight(Surface surface) {
-  Window window = reachedWindow(surface);
   for (uint v = gl_LocalInvocationIndex; v < LANES; v += WORKGROUP) {
-    float lowest = kMiss;
-    uint k = v;
-    for (; k < window.count.x * window.count.y; k += LANES) lowest = min(lowest, heightAt(surface, window.first + cellNumbered(k, window.count.y)));
-    checkLoop(k < window.count.x * window.count.y);
-    partial[v] = vec4(lowest, 0, 0, 0);
+    float deepest = -kMiss;
+    for (uint t = 0; t < NUM_HEIGHT_TILES; ++t) {
+      Window window = reachedNodes(surface, t);
+      uint total = window.count.x * window.count.y, k = v;
+      for (; k < total; k += LANES) deepest = max(deepest, -heightAt(surface, window.first + cellNumbered(k, window.count.y)));
+      checkLoop(k < total);
+    }
+    partial[v] = vec4(deepest, 0, 0, 0);
   }
   workgroupBarrier();
-  float lowest = kMiss;
-  for (uint v = 0; v < LANES; ++v) lowest = min(lowest, partial[v].x);
+  float deepest = -kMiss;
+  for (uint v = 0; v < LANES; ++v) deepest = max(deepest, partial[v].x);
   workgroupBarrier();
-  return lowest;
+  return -deepest;
 }
 
 // The nodes with overlap, and MARGIN nodes around them; none without overlap.
 Window overlapWindow(Surface surface) {
   if (gl_LocalInvocationIndex < 4) window_bounds[gl_LocalInvocationIndex] = gl_LocalInvocationIndex < 2 ? 0xFFFFFFFFu : 0u;
   workgroupBarrier();
-  Window reached = reachedWindow(surface);
   uvec4 bounds = uvec4(0xFFFFFFFFu, 0xFFFFFFFFu, 0, 0);
-  uint k = gl_LocalInvocationIndex;
-  for (; k < reached.count.x * reached.count.y; k += WORKGROUP) {
-    uvec2 node = reached.first + cellNumbered(k, reached.count.y);
-    if (overlapAt(surface, node) > 0.0) bounds = uvec4(min(bounds.xy, node), max(bounds.zw, node + 1u));
+  for (uint t = 0; t < NUM_HEIGHT_TILES; ++t) {
+    Window reached = reachedNodes(surface, t);
+    uint total = reached.count.x * reached.count.y, k = gl_LocalInvocationIndex;
+    for (; k < total; k += WORKGROUP) {
+      uvec2 node = reached.first + cellNumbered(k, reached.count.y);
+      if (overlapAt(surface, node) > 0.0) bounds = uvec4(min(bounds.xy, node), max(bounds.zw, node + 1u));
+    }
+    checkLoop(k < total);
   }
-  checkLoop(k < reached.count.x * reached.count.y);
   if (bounds.x < bounds.z) {
     atomicMin(window_bounds[0], bounds.x);
     atomicMin(window_bounds[1], bounds.y);

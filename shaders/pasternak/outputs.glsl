@@ -1,7 +1,7 @@
 // Outputs of a two-parameter foundation: forces and depths of the taxels, and the wrench of an instance.
 
 // Writes force (N) and mean depth (m) of the taxels in the window; returns their rectangle: first row, end row, first col, end col.
-uvec4 writeTaxels(uint instance, Surface surface, Window window) {
+uvec4 writeTaxels(uint instance, Window window) {
   uvec2 first = window.first / kPerTaxel, count = (window.first + window.count + kPerTaxel - 1u) / kPerTaxel - first;
   if (window.count.x == 0) first = count = uvec2(0);
   uint k = gl_LocalInvocationIndex;
@@ -15,7 +15,7 @@ uvec4 writeTaxels(uint instance, Surface surface, Window window) {
         uvec2 node = at * kPerTaxel + uvec2(a, b);
         if (any(greaterThanEqual(node - window.first, window.count))) continue;
         force += uintBitsToFloat(foundation[nodeAddress(instance, kForce, node)]);
-        if (OUTPUT_DEPTH) depth += max(overlapAt(surface, node), 0.0);
+        if (OUTPUT_DEPTH) depth += max(valueAt(instance, kOverlap, node), 0.0);
       }
     }
     uint taxel = instance * NUM_TAXELS + k;

@@ -11,11 +11,12 @@
 namespace taxelsim {
 namespace {
 
-// Loop iterations that one invocation alone would take: every sweep visits all nodes.
+// Loop iterations that one invocation alone would take in a third of the largest contact, one that covers the array: a driver allows three
+// times as many as small workgroups are chosen for.
 std::uint64_t iterationsOf(const ModelData& model, std::uint64_t evaluations) {
   const auto nodes = static_cast<std::uint64_t>(numTaxels(model.contact_sensor));
   const auto sweeps = static_cast<std::uint64_t>(std::get<Pasternak>(model.sensor.skin.law).iterations);
-  return nodes * (evaluations * (sweeps + 3) + 2);
+  return nodes * (evaluations * (sweeps + 3) + 2) / 3;
 }
 
 }  // namespace
