@@ -55,9 +55,9 @@ void bindStiffness(nb::module_& module) {
              "Force per depth (N/m) of a rigid flat circular pin on a layer bonded to a rigid base, without friction under the pin.");
   module.def("skin_stiffness", &skinStiffness, "data"_a,
              "Stiffness that follows from `data`. Raises InputError with the field, its value and what is allowed.");
-  module.def(
-      "skins_of", &skinsOf, "stiffness"_a, "friction_coefficient"_a = 0.0,
-      "A skin of this stiffness under each contact law: Winkler, MassSpringDamper, DeformationMask, Proximity, ElasticLayer, LuGre, Pasternak.");
+  module.def("skins_of", &skinsOf, "stiffness"_a, "friction_coefficient"_a = 0.0,
+             "A skin of this stiffness under each contact law: Winkler, MassSpringDamper, DeformationMask, Proximity, ElasticLayer, LuGre, "
+             "Pasternak.");
   module.def("pin_force", &pinForce, "skin"_a, "pin_diameter"_a, "depth"_a,
              "Force (N) under a flat circular pin at `depth` (m, 0 to the thickness), at rest; what the taxels read for Proximity.");
   module.def("pin_depth", &pinDepth, "skin"_a, "pin_diameter"_a, "force"_a,

@@ -44,7 +44,7 @@
 #define BLOCK_Heights BLOCK(Heights, uint, heights[])                   // of an elastic layer (n x num_nodes): m as bits, depth/slots.glsl
 #define BLOCK_Windows BLOCK(Windows, TileResult, windows[])             // of an elastic layer (n x tiles of its heights)
 #define BLOCK_Layer BLOCK(Layer, Pair, layer[])                         // arrays over strips of nodes, kLayer...
-#define BLOCK_Foundation BLOCK(Foundation, uint, foundation[])           // (n x 3 x num_nodes), pasternak/solver.glsl
+#define BLOCK_Foundation BLOCK(Foundation, uint, foundation[])          // (n x 3 x num_nodes), pasternak/solver.glsl
 #define BLOCK_TaxelStates BLOCK(TaxelStates, float, taxel_states[])     // (n x num_states x t), readout/lag.glsl
 #define BLOCK_ImageWindows BLOCK(ImageWindows, uvec4, image_windows[])  // of the step before: first row and column, their numbers
 #define BLOCK_Forces BLOCK(Forces, float, forces[])                     // (n x t), N, that contact features are computed from

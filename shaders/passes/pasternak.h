@@ -5,7 +5,7 @@ CONSTANT(12, float, THICKNESS)        // m
 CONSTANT(13, float, SPRING)           // of a node, N/m
 CONSTANT(14, float, LINK_X)           // between neighbours along x of P, N/m
 CONSTANT(15, float, LINK_Y)
-CONSTANT(16, float, DECAY_X)          // of the free surface over a spacing
+CONSTANT(16, float, DECAY_X)  // of the free surface over a spacing
 CONSTANT(17, float, DECAY_Y)
 CONSTANT(18, float, OVER_RELAXATION)  // of a sweep
 CONSTANT(19, uint, SWEEPS)

@@ -54,7 +54,7 @@ TEST(BadSensors, FrictionAndLuGre) {
        BadScene{kSkin, "{thickness: 1, law: pasternak, normal_contact_stiffness: 1}",
                 ":9:9: sensor.skin: shear_stiffness is missing: a number > 0 N/m"},
        BadScene{kSkin, "{thickness: 1, law: winkler, normal_contact_stiffness: 1, shear_stiffness: 1}",
-                ":9:70: sensor.skin.shear_stiffness: not a key of law winkler but of pasternak"},
+                ":9:84: sensor.skin.shear_stiffness: not a key of law winkler but of pasternak"},
        BadScene{kSkin, "{thickness: 1, law: lugre}", ":9:9: sensor.skin: normal_contact_stiffness is missing: a number > 0 N/m^3"},
        BadScene{kSkin, "{thickness: 1, law: lugre, normal_contact_stiffness: 1, mass: 1}",
                 ":9:71: sensor.skin.mass: not a key of law lugre but of mass_spring_damper"},
