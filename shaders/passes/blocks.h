@@ -81,7 +81,7 @@
   BLOCK_Poses BLOCK_Motions BLOCK_Instances BLOCK_Step BLOCK_Loads BLOCK_Contacts BLOCK_NumContacts              \
   BLOCK_Candidates BLOCK_CandidateQuads BLOCK_Work BLOCK_WorkInstances                                          \
   BLOCK_State BLOCK_FrictionState BLOCK_LawState BLOCK_ContactNormal BLOCK_ContactShear BLOCK_ContactDepth       \
-  BLOCK_TileResults BLOCK_Heights BLOCK_Windows BLOCK_Layer BLOCK_Foundation BLOCK_TaxelStates BLOCK_ImageWindows                 \
+  BLOCK_TileResults BLOCK_Heights BLOCK_Windows BLOCK_Layer BLOCK_Foundation BLOCK_TaxelStates BLOCK_ImageWindows \
   BLOCK_Forces BLOCK_TaxelRegions BLOCK_RegionSums BLOCK_Regions                                                \
   BLOCK_ContactCells BLOCK_TileChanges BLOCK_TaxelJacobian BLOCK_MaskedJacobian BLOCK_WrenchJacobian             \
   BLOCK_Image BLOCK_SpreadNormal BLOCK_SpreadShear BLOCK_Features BLOCK_ContactFeatures BLOCK_TactileJacobian    \
