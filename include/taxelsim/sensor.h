@@ -38,7 +38,7 @@ inline constexpr double kMaxBristle = 1e12;              ///< Stiffness, damping
 inline constexpr double kMaxTangentialStiffness = 1e30;  ///< N/m^3, bounded by float32 on the device, with room for a displacement.
 inline constexpr int kMaxLayerNodes = 65536;             ///< Nodes of an elastic layer: samples of its patch and margin.
 inline constexpr int kMaxLayerIterations = 1000;         ///< ElasticLayer::iterations, Pasternak::iterations.
-inline constexpr int kMaxRefinement = 8;                 ///< Nodes per sample and side of a Pasternak foundation.
+inline constexpr int kMaxRefinement = 16;                ///< Nodes per sample and side of a Pasternak foundation.
 inline constexpr double kMaxLayerThickness = 0.1;  ///< m, Skin::thickness under ElasticLayer: heights count from the base, in float32.
 /// @}
 

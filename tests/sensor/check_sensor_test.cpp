@@ -202,8 +202,8 @@ TEST(CheckSensor, Pasternak) {
   for (const int bad : {0, -1, kMaxLayerIterations + 1}) {
     expectRefused("skin.iterations", with([=](Sensor&, Pasternak& l) { l.iterations = bad; }));
   }
-  // A decay length below 3/8 of the spacing of samples.
-  expectRefused("skin.shear_stiffness", with([](Sensor&, Pasternak& l) { l.shear_stiffness = 20; }));
+  // A decay length below 3/16 of the spacing of samples.
+  expectRefused("skin.shear_stiffness", with([](Sensor&, Pasternak& l) { l.shear_stiffness = 5; }));
   expectRefused("patches", with([](Sensor& s, Pasternak&) { s.patches.push_back(s.patches[0]); }));
   expectRefused("skin.thickness", with([](Sensor& s, Pasternak&) { s.skin.thickness = 1; }));
   expectRefused("skin.margin", with([](Sensor& s, Pasternak&) { s.skin.margin = 1e-3; }));
