@@ -72,6 +72,11 @@ std::vector<Case> allCases() {
          s.samples_per_taxel = 2, s.skin = elasticSkin(s.skin, ElasticLayer::Base::kBonded, 4e-3);
          s.skin.relaxation = {{.fraction = 0.2, .time = 0.1}, {.fraction = 0.2, .time = 2}};
        }},
+      {"pasternak",
+       [=](Sensor& s) {
+         constexpr double kDecay = 0.66e-3;  // m: refines samples of 0.85 mm by 4
+         s.skin.law = Pasternak{.normal_contact_stiffness = stiffness(s), .shear_stiffness = stiffness(s) * kDecay * kDecay};
+       }},
       {"lugre", [=](Sensor& s) { s.skin.law = LuGre{.normal_contact_stiffness = stiffness(s)}; }},
       {"friction", [](Sensor& s) { s.skin.friction = {.tangential_stiffness = 1e8, .friction_coefficient = 0.5}; }},
       {"relaxation, two terms",

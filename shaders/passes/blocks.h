@@ -44,6 +44,7 @@
 #define BLOCK_Heights BLOCK(Heights, uint, heights[])                   // of an elastic layer (n x num_nodes): m as bits, depth/slots.glsl
 #define BLOCK_Windows BLOCK(Windows, TileResult, windows[])             // of an elastic layer (n x tiles of its heights)
 #define BLOCK_Layer BLOCK(Layer, Pair, layer[])                         // arrays over strips of nodes, kLayer...
+#define BLOCK_Foundation BLOCK(Foundation, uint, foundation[])          // (n x 3 x num_nodes), pasternak/solver.glsl
 #define BLOCK_TaxelStates BLOCK(TaxelStates, float, taxel_states[])     // (n x num_states x t), readout/lag.glsl
 #define BLOCK_ImageWindows BLOCK(ImageWindows, uvec4, image_windows[])  // of the step before: first row and column, their numbers
 #define BLOCK_Forces BLOCK(Forces, float, forces[])                     // (n x t), N, that contact features are computed from
@@ -80,7 +81,7 @@
   BLOCK_Poses BLOCK_Motions BLOCK_Instances BLOCK_Step BLOCK_Loads BLOCK_Contacts BLOCK_NumContacts              \
   BLOCK_Candidates BLOCK_CandidateQuads BLOCK_Work BLOCK_WorkInstances                                          \
   BLOCK_State BLOCK_FrictionState BLOCK_LawState BLOCK_ContactNormal BLOCK_ContactShear BLOCK_ContactDepth       \
-  BLOCK_TileResults BLOCK_Heights BLOCK_Windows BLOCK_Layer BLOCK_TaxelStates BLOCK_ImageWindows                 \
+  BLOCK_TileResults BLOCK_Heights BLOCK_Windows BLOCK_Layer BLOCK_Foundation BLOCK_TaxelStates BLOCK_ImageWindows \
   BLOCK_Forces BLOCK_TaxelRegions BLOCK_RegionSums BLOCK_Regions                                                \
   BLOCK_ContactCells BLOCK_TileChanges BLOCK_TaxelJacobian BLOCK_MaskedJacobian BLOCK_WrenchJacobian             \
   BLOCK_Image BLOCK_SpreadNormal BLOCK_SpreadShear BLOCK_Features BLOCK_ContactFeatures BLOCK_TactileJacobian    \

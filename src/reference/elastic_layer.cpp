@@ -112,8 +112,6 @@ LayerContact solveContact(const Sensor& sensor, const Layer& layer, std::span<co
   const double thickness = sensor.skin.thickness;
   LayerContact contact;
   contact.gain = dent.gain;
-  contact.taxel_force.assign(static_cast<std::size_t>(numTaxels(sensor)), 0);
-  contact.mean_penetration = contact.taxel_force;
   std::vector<double> elastic_overlap;  // m: overlap with the dented surface
   for (std::size_t n = 0; n < heights.size(); ++n) {
     contact.overlap.push_back(std::min(-heights[n], thickness));
@@ -125,6 +123,16 @@ LayerContact solveContact(const Sensor& sensor, const Layer& layer, std::span<co
     contact.strain.push_back(dent.strain[n] + pressure);
     pressure *= dent.gain;
   }
+  sumForces(sensor, nodes, contact);
+  return contact;
+}
+
+}  // namespace
+
+void sumForces(const Sensor& sensor, const LayerNodes& nodes, LayerContact& contact) {
+  const double thickness = sensor.skin.thickness;
+  contact.taxel_force.assign(static_cast<std::size_t>(numTaxels(sensor)), 0);
+  contact.mean_penetration = contact.taxel_force;
   const double per_taxel = sensor.samples_per_taxel * sensor.samples_per_taxel;
   const Pose& X_SP = sensor.patches.front().X_SP;
   Vector3 force{0, 0, 0}, torque{0, 0, 0};
@@ -145,10 +153,7 @@ LayerContact solveContact(const Sensor& sensor, const Layer& layer, std::span<co
     contact.over_penetration += d >= thickness ? 1 / (per_taxel * numTaxels(sensor)) : 0;
   }
   contact.wrench = {force[0], force[1], force[2], torque[0], torque[1], torque[2]};
-  return contact;
 }
-
-}  // namespace
 
 std::vector<Sample> layerSamples(const Sensor& sensor, const LayerNodes& nodes) {
   std::vector<Sample> samples;
@@ -227,6 +232,54 @@ double totalForce(const Layer& layer, std::span<const double> pressure) {
   return sum;
 }
 
+LayerContact searchDepth(std::span<const double> heights, double first_touch, double thickness, double load,
+                         const std::function<LayerContact(std::span<const double>)>& contactAt) {
+  const double lowest = *std::min_element(heights.begin(), heights.end());
+  LayerContact contact;
+  if (!std::isfinite(lowest)) {
+    contact = contactAt(heights);
+    contact.load_reached = false;
+    return contact;
+  }
+  const auto contactAtDepth = [&](double depth) {
+    std::vector<double> moved(heights.begin(), heights.end());
+    for (double& height : moved) height -= lowest + depth;
+    LayerContact result = contactAt(moved);
+    result.offset = -lowest - depth;
+    return result;
+  };
+  const auto excess = [&](const LayerContact& c) { return c.total_force + c.off_array_load - load; };
+  double shallow = std::min(first_touch, thickness), deep = thickness;
+  contact = contactAtDepth(deep);
+  contact.load_reached = excess(contact) >= 0;
+  if (!contact.load_reached) return contact;
+  if (load == 0) return contactAtDepth(shallow);
+  // Force is monotone in depth: four bisections, then the Illinois variant of regula falsi.
+  constexpr int kMaxEvaluations = 100;
+  constexpr double kLoadTolerance = 1e-8;  // relative
+  double shallow_excess = -load, deep_excess = excess(contact);
+  int last_side = 0;
+  for (int n = 0; n < kMaxEvaluations; ++n) {
+    const double depth = n < 4 ? (shallow + deep) / 2 : shallow + (deep - shallow) * shallow_excess / (shallow_excess - deep_excess);
+    contact = contactAtDepth(depth);
+    contact.load_reached = true;
+    const double error = excess(contact);
+    if (std::abs(error) <= kLoadTolerance * load) return contact;
+    const int side = error > 0 ? 1 : -1;
+    if (side > 0) {
+      deep = depth;
+      deep_excess = error;
+      if (last_side == side) shallow_excess /= 2;
+    } else {
+      shallow = depth;
+      shallow_excess = error;
+      if (last_side == side) deep_excess /= 2;
+    }
+    last_side = side;
+  }
+  throw std::runtime_error("load search of a coupled law did not converge");
+}
+
 std::vector<double> layerHeights(const Sensor& sensor, const LayerNodes& nodes, std::span<const PlacedObject> objects) {
   // A grid of one sample per taxel at the nodes.
   const GridPatch grid{
@@ -256,53 +309,11 @@ LayerContact loadedLayerContact(const Sensor& sensor, std::span<const PlacedObje
   const Layer layer = makeLayer(sensor);
   const ResidualDent dent = residualDent(layer, skin);
   const std::vector<double> heights = layerHeights(sensor, layer.nodes, objects);
+  double bottom = std::numeric_limits<double>::infinity();
   const double lowest = *std::min_element(heights.begin(), heights.end());
-  LayerContact contact;
-  if (!std::isfinite(lowest)) {
-    contact = solveContact(sensor, layer, heights, dent);
-    contact.load_reached = false;
-    return contact;
-  }
-  const auto contactAtDepth = [&](double depth) {
-    std::vector<double> moved = heights;
-    for (double& height : moved) height -= lowest + depth;
-    LayerContact result = solveContact(sensor, layer, moved, dent);
-    result.offset = -lowest - depth;
-    return result;
-  };
-  const auto excess = [&](const LayerContact& c) { return c.total_force + c.off_array_load - load; };
-  // First touch of the dented surface.
-  double shallow = std::numeric_limits<double>::infinity(), deep = sensor.skin.thickness;
-  for (std::size_t n = 0; n < heights.size(); ++n) shallow = std::min(shallow, heights[n] - lowest + dent.depth[n]);
-  shallow = std::min(shallow, deep);
-  contact = contactAtDepth(deep);
-  contact.load_reached = excess(contact) >= 0;
-  if (!contact.load_reached) return contact;
-  if (load == 0) return contactAtDepth(shallow);
-  // Force is monotone in depth: four bisections, then the Illinois variant of regula falsi.
-  constexpr int kMaxEvaluations = 100;
-  constexpr double kLoadTolerance = 1e-8;  // relative
-  double shallow_excess = -load, deep_excess = excess(contact);
-  int last_side = 0;
-  for (int n = 0; n < kMaxEvaluations; ++n) {
-    const double depth = n < 4 ? (shallow + deep) / 2 : shallow + (deep - shallow) * shallow_excess / (shallow_excess - deep_excess);
-    contact = contactAtDepth(depth);
-    contact.load_reached = true;
-    const double error = excess(contact);
-    if (std::abs(error) <= kLoadTolerance * load) return contact;
-    const int side = error > 0 ? 1 : -1;
-    if (side > 0) {
-      deep = depth;
-      deep_excess = error;
-      if (last_side == side) shallow_excess /= 2;
-    } else {
-      shallow = depth;
-      shallow_excess = error;
-      if (last_side == side) deep_excess /= 2;
-    }
-    last_side = side;
-  }
-  throw std::runtime_error("elastic layer: load search did not converge");
+  for (std::size_t n = 0; n < heights.size(); ++n) bottom = std::min(bottom, heights[n] - lowest + dent.depth[n]);
+  return searchDepth(heights, bottom, sensor.skin.thickness, load,
+                     [&](std::span<const double> moved) { return solveContact(sensor, layer, moved, dent); });
 }
 
 }  // namespace taxelsim::reference

@@ -1,20 +1,15 @@
 #include "reference/frame.h"
 
 #include "reference/area_depth.h"
+#include "reference/pasternak.h"
 #include "reference/psf.h"
 
 namespace taxelsim::reference {
 namespace {
 
-// Stages 1 and 2 for law ElasticLayer.
-void solveElasticLayer(const Sensor& sensor, const FrameInput& input, const SkinStep& skin, Frame& frame) {
-  LayerContact solved =
-      input.load ? loadedLayerContact(sensor, input.objects, *input.load, skin) : layerContact(sensor, input.objects, skin);
-  if (input.skin) input.skin->advance(input.dt, solved.strain);
+void takeSolution(LayerContact solved, Frame& frame) {
   frame.load.offset = solved.offset;
   frame.load.reached = solved.load_reached;
-  const std::vector<PlacedObject> placed = movedAlongZ(input.objects, solved.offset);
-  frame.shear = contactShear(sensor, placed, pressedNodes(sensor, placed, solved), input.previous_friction, input.dt);
   frame.contact.taxel_force = solved.taxel_force;
   frame.contact.mean_penetration = solved.mean_penetration;
   frame.contact.wrench = solved.wrench;
@@ -24,14 +19,33 @@ void solveElasticLayer(const Sensor& sensor, const FrameInput& input, const Skin
   frame.layer = std::move(solved);
 }
 
+// Stages 1 and 2 for law ElasticLayer.
+void solveElasticLayer(const Sensor& sensor, const FrameInput& input, const SkinStep& skin, Frame& frame) {
+  LayerContact solved =
+      input.load ? loadedLayerContact(sensor, input.objects, *input.load, skin) : layerContact(sensor, input.objects, skin);
+  if (input.skin) input.skin->advance(input.dt, solved.strain);
+  const std::vector<PlacedObject> placed = movedAlongZ(input.objects, solved.offset);
+  frame.shear = contactShear(sensor, placed, pressedNodes(sensor, placed, solved), input.previous_friction, input.dt);
+  takeSolution(std::move(solved), frame);
+}
+
+// The same for law Pasternak, which has no shear.
+void solvePasternak(const Sensor& sensor, const FrameInput& input, Frame& frame) {
+  takeSolution(input.load ? loadedFoundationContact(sensor, input.objects, *input.load) : foundationContact(sensor, input.objects), frame);
+  frame.shear.taxel_force.assign(static_cast<std::size_t>(numTaxels(sensor)), {});
+}
+
 }  // namespace
 
 Frame simulateFrame(const Sensor& sensor, const FrameInput& input) {
   Frame frame;
   frame.load.reached = true;
   const SkinStep skin = input.skin ? input.skin->step(input.dt) : SkinStep{};
-  const bool is_layer = std::holds_alternative<ElasticLayer>(sensor.skin.law);
-  if (is_layer) {
+  const bool is_foundation = std::holds_alternative<Pasternak>(sensor.skin.law);
+  const bool is_solved = is_foundation || std::holds_alternative<ElasticLayer>(sensor.skin.law);
+  if (is_foundation) {
+    solvePasternak(sensor, input, frame);
+  } else if (is_solved) {
     solveElasticLayer(sensor, input, skin, frame);
   } else if (input.load) {
     frame.load = findLoad(sensor, input.objects, *input.load, skin);
@@ -42,7 +56,7 @@ Frame simulateFrame(const Sensor& sensor, const FrameInput& input) {
   const AreaDepths depths = is_area ? AreaDepth(sensor, placed).at() : AreaDepths{};
   frame.penetration = is_area ? depths.mean : penetrations(frame.heights, sensor.skin.thickness);
   frame.share = depths.share;
-  if (!is_layer) {
+  if (!is_solved) {
     const std::span<const double> previous = input.previous_penetration;
     frame.contact = computeContact(sensor, frame.penetration, input.load ? std::span<const double>{} : previous, input.dt, skin);
     if (is_area) frame.contact.over_penetration = overPenetration(sensor, depths);

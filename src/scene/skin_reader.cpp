@@ -62,8 +62,8 @@ void checkLawKeys(const YamlMap& map, std::size_t chosen) {
 }
 
 ContactLaw readLaw(const YamlMap& map) {
-  const std::string name =
-      map.choice("law", {"winkler", "mass_spring_damper", "deformation_mask", "proximity", "elastic_layer", "lugre"}, "winkler");
+  const std::string name = map.choice(
+      "law", {"winkler", "mass_spring_damper", "deformation_mask", "proximity", "elastic_layer", "lugre", "pasternak"}, "winkler");
   const auto chosen = static_cast<std::size_t>(std::find(kLawNames.begin(), kLawNames.end(), name) - kLawNames.begin());
   checkLawKeys(map, chosen);
   ContactLaw result;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sensor/checks.h"
+#include "sensor/pasternak.h"
 
 namespace taxelsim {
 namespace {
@@ -30,6 +31,7 @@ void checkRelaxation(const Skin& skin) {
   }
   if (std::holds_alternative<Proximity>(skin.law))
     failField("skin.relaxation", found, "none for the law proximity, under which nothing presses");
+  if (std::holds_alternative<Pasternak>(skin.law)) failField("skin.relaxation", found, "none for the law pasternak");
   const double damping = foundationOf(skin).normal_damping;
   if (damping > 0)
     failField("skin.relaxation", found,
@@ -100,6 +102,27 @@ void checkLayer(const Sensor& sensor) {
     failField("samples_per_taxel",
               std::to_string(sensor.samples_per_taxel) + ", with the margin " + numberText(std::round(num_nodes)) + " nodes,",
               "at most " + std::to_string(kMaxLayerNodes) + " nodes of an elastic layer");
+  }
+}
+
+// A two-parameter foundation is solved on nodes between the samples of one grid.
+void checkPasternak(const Sensor& sensor) {
+  const Pasternak* law = std::get_if<Pasternak>(&sensor.skin.law);
+  if (law == nullptr) return;
+  if (sensor.patches.size() != 1) failField("patches", std::to_string(sensor.patches.size()) + " patches", "1 with the law pasternak");
+  if (sensor.skin.thickness > kMaxLayerThickness)
+    failField("skin.thickness", numberText(sensor.skin.thickness),
+              "at most " + numberText(kMaxLayerThickness) + " m with the law pasternak");
+  const int refinement = pasternakRefinement(sensor);
+  if (refinement > kMaxRefinement) {
+    failField("skin.shear_stiffness", "a decay length of " + numberText(decayLength(*law)) + " m",
+              "at least 3/16 of the spacing of samples; raise samples_per_taxel");
+  }
+  const LayerNodes nodes = pasternakNodes(sensor);
+  const double num_nodes = static_cast<double>(nodes.num_rows) * nodes.num_cols;
+  if (num_nodes > kMaxLayerNodes) {
+    failField("samples_per_taxel", std::to_string(sensor.samples_per_taxel) + ", " + numberText(num_nodes) + " nodes at the decay length,",
+              "at most " + std::to_string(kMaxLayerNodes) + " nodes of a two-parameter foundation");
   }
 }
 

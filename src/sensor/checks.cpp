@@ -37,6 +37,7 @@ void checkPatches(const std::vector<GridPatch>& patches) {
 void checkDepthSampling(const Sensor& sensor) {
   if (sensor.depth_sampling == DepthSampling::kPoint) return;
   if (std::holds_alternative<ElasticLayer>(sensor.skin.law)) failField("depth_sampling", "area", "point with the law elastic_layer");
+  if (std::holds_alternative<Pasternak>(sensor.skin.law)) failField("depth_sampling", "area", "point with the law pasternak");
   const double exponent = foundationOf(sensor.skin).normal_exponent;
   if (exponent != 1) failField("skin.normal_exponent", numberText(exponent), "1 with depth_sampling area");
 }
@@ -48,9 +49,12 @@ void checkSensor(const Sensor& sensor) {
   checkFields("", kSensorFields, sensor);
   checkSkin(sensor.skin);
   checkLayer(sensor);
+  checkPasternak(sensor);
   checkDepthSampling(sensor);
-  if (sensor.psf.sigma > 0 && std::holds_alternative<ElasticLayer>(sensor.skin.law)) {
-    failField("psf.sigma", numberText(sensor.psf.sigma), "a kernel over the grid, or none, for the law elastic_layer");
+  const bool coupled = std::holds_alternative<ElasticLayer>(sensor.skin.law) || std::holds_alternative<Pasternak>(sensor.skin.law);
+  if (sensor.psf.sigma > 0 && coupled) {
+    failField("psf.sigma", numberText(sensor.psf.sigma),
+              "a kernel over the grid, or none, for the law " + std::string(kLawNames[sensor.skin.law.index()]));
   }
   if (isTaxelList(sensor) && std::holds_alternative<DeformationMask>(sensor.skin.law)) {
     failField("skin.law", "deformation_mask",

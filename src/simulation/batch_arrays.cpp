@@ -107,6 +107,7 @@ constexpr BatchArray kArrays[] = {
     internal<block::Heights>("heights", [](Shape s) { return countIf(s.hasLayer(), nodes(s)); }),
     internal<block::Windows>("windows", [](Shape s) { return countIf(s.hasLayer(), s.model.contact_packed.tiles.size()); }),
     internal<block::Layer>("layer", layerPairs),
+    internal<block::Foundation>("foundation", [](Shape s) { return countIf(s.hasLayer() && s.model.isPasternak(), 3 * nodes(s)); }),
 
     internal<block::Forces>("forces", [](Shape s) { return countIf(s.outputsContactFeatures(), taxels(s)); }),
     internal<block::TaxelRegions>("taxel regions", [](Shape s) { return countIf(s.outputsContactFeatures(), taxels(s)); }),

@@ -55,14 +55,16 @@ void checkRegions(const SimulatorOptions& options) {
   if (options.max_regions > 0 && !with_features) refuse("0 without outputs.contact_features or outputs.clean_contact_features");
 }
 
-void checkJacobian(const SimulatorOptions& options) {
+void checkJacobian(const ModelData& model, const SimulatorOptions& options) {
   const OutputOptions& outputs = options.outputs;
   const bool has_jacobian = outputs.tactile_jacobian || outputs.clean_tactile_jacobian || outputs.taxel_jacobian;
-  if (!has_jacobian || options.max_contacts == 0) return;
+  if (!has_jacobian) return;
   const char* name = outputs.tactile_jacobian ? "tactile_jacobian" : outputs.taxel_jacobian ? "taxel_jacobian" : "clean_tactile_jacobian";
-  throw Error(ErrorKind::kInput,
-              std::string("outputs.") + name +
-                  ": true is not allowed where max_contacts > 0: contacts do not determine how forces change with a motion");
+  const auto refuse = [&](const char* why) {
+    throw Error(ErrorKind::kInput, std::string("outputs.") + name + ": true is not allowed " + why);
+  };
+  if (options.max_contacts > 0) refuse("where max_contacts > 0: contacts do not determine how forces change with a motion");
+  if (model.isPasternak()) refuse("with the law pasternak, which has no Jacobian");
 }
 
 // Objects or contacts.
@@ -111,7 +113,7 @@ void checkBatchFits(const ModelData& model, const SimulatorOptions& options) {
   }
   checkSource(model, options);
   checkRegions(options);
-  checkJacobian(options);
+  checkJacobian(model, options);
   const MemoryPlan plan = planBatch(model, options);
   if (static_cast<std::uint64_t>(options.num_instances) <= plan.max_instances) return;
   throw Error(ErrorKind::kInput, "a batch of " + std::to_string(options.num_instances) + " instances of " +

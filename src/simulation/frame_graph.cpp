@@ -49,7 +49,8 @@ void recordObjects(const Model::Impl& model, const BatchShape& shape, Recorder& 
   } else {
     model.contact.record(recorder, variant);
   }
-  if (coupled) {
+  if (model.pasternak) model.pasternak->record(recorder, {.loads = kind.loads, .with_depth = shape.options.outputs.penetration_depth});
+  if (model.elastic_layer) {
     model.elastic_layer->record(recorder, {.loads = kind.loads,
                                            .many_slots = variant.many_slots,
                                            .with_depth = shape.options.outputs.penetration_depth,

@@ -16,7 +16,11 @@ Model::Impl::Impl(const Device& device, const ModelOptions& options, const Tunin
       contacts(data, image),
       contact_features(data, options),
       tactile_jacobian(data, options) {
-  if (data.layer) elastic_layer.emplace(data, options);
+  if (data.isPasternak()) {
+    pasternak.emplace(data, options);
+  } else if (data.layer) {
+    elastic_layer.emplace(data, options);
+  }
 }
 
 Model::Model(const Device& device, const ModelOptions& options) : impl_(std::make_shared<Impl>(device, options, Tuning{})) {

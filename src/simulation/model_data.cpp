@@ -70,7 +70,7 @@ void uploadSensor(const ModelData& model, ModelBuffers& buffers) {
   buffers.upload<block::Mask>("mask", model.hasMask() ? packMask(model.sensor) : std::vector<glm::vec2>(1));
   buffers.upload<block::Planes>("planes", model.packed_contact.planes);
   buffers.upload<block::Neighbours>("neighbours", model.packed_contact.neighbours);
-  if (model.layer) buffers.upload<block::Influence>("influence", model.layer->influence);
+  if (model.layer && !model.isPasternak()) buffers.upload<block::Influence>("influence", model.layer->influence);
 }
 
 }  // namespace
@@ -104,6 +104,7 @@ ModelData::ModelData(const Device& opened, const ModelOptions& options)
   }
   const std::uint32_t tile_samples = maxTileSamples(device.info(), area());
   if (std::holds_alternative<ElasticLayer>(sensor.skin.law)) layer = packLayer(sensor);
+  if (isPasternak()) layer = packFoundation(sensor);
   // An elastic layer is cut into tiles only where its heights are found.
   packed = packSensor(sensor, layer ? std::numeric_limits<std::uint32_t>::max() : tile_samples);
   contact_sensor = layer ? layer->node_sensor : sensor;

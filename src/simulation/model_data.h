@@ -60,6 +60,7 @@ struct ModelData {
   bool hasFriction() const { return taxelsim::hasFriction(sensor.skin); }
   bool relaxes() const { return !sensor.skin.relaxation.empty(); }
   bool area() const { return sensor.depth_sampling == DepthSampling::kArea; }
+  bool isPasternak() const { return std::holds_alternative<Pasternak>(sensor.skin.law); }
   bool hasMask() const { return std::holds_alternative<DeformationMask>(sensor.skin.law); }
 
   Device device;
@@ -67,7 +68,7 @@ struct ModelData {
   Sensor sensor;
   std::vector<Object> objects;
   std::vector<Bounds> bounds;        // of the objects, in O; infinite ones cut at 1 m
-  std::optional<PackedLayer> layer;  // for the globally coupled law
+  std::optional<PackedLayer> layer;  // for globally coupled laws
   PackedSensor packed;
   // What the contact pass works on: the sensor, or the solver nodes of its layer as taxels.
   Sensor contact_sensor;

@@ -11,6 +11,7 @@
 #include "simulation/passes/elastic_layer.h"
 #include "simulation/passes/image.h"
 #include "simulation/passes/load_search.h"
+#include "simulation/passes/pasternak.h"
 #include "simulation/passes/tactile_jacobian.h"
 #include "simulation/passes/taxel_laws.h"
 
@@ -27,7 +28,9 @@ struct Model::Impl {
   ModelData data;
   ContactPass contact;
   CandidatePasses candidates;
-  std::optional<ElasticLayerPass> elastic_layer;  // of the globally coupled law
+  // Of the globally coupled laws.
+  std::optional<ElasticLayerPass> elastic_layer;
+  std::optional<PasternakPass> pasternak;
   TaxelLawPasses taxel_laws;
   ImagePass image;
   LoadSearchPass load_search;

@@ -214,7 +214,7 @@ void Simulator::setLoad(int instance, float load) {
     refuse("load of instance " + std::to_string(instance) + ": " + std::to_string(load) + " is not allowed: N, >= 0");
   if (impl_->data().layer && !std::isnan(load) && !impl_->data().packed.searches_in_tile) {
     refuse("load of instance " + std::to_string(instance) + ": " + std::to_string(load) +
-           " is not allowed: none, where an elastic_layer does not face along z of the sensor frame");
+           " is not allowed: none, where a skin with a globally coupled law does not face along z of the sensor frame");
   }
   impl_->records()[static_cast<std::size_t>(instance)].drive.x = load;
 }

@@ -10,6 +10,8 @@
 
 #include "base/log.h"
 #include "base/text.h"
+#include "sensor/fields.h"
+#include "sensor/pasternak.h"
 
 namespace taxelsim {
 namespace {
@@ -41,19 +43,22 @@ double coarsestPitch(const Sensor& sensor) {
 
 void warnOfSmallObjects(const Sensor& sensor, std::span<const Object> objects) {
   if (sensor.depth_sampling == DepthSampling::kArea) return;
-  const double pitch = coarsestPitch(sensor), spacing = pitch / sensor.samples_per_taxel;
+  const bool is_foundation = std::holds_alternative<Pasternak>(sensor.skin.law);
+  const int parts = is_foundation ? pasternakRefinement(sensor) : 1;
+  const double pitch = coarsestPitch(sensor), spacing = pitch / (sensor.samples_per_taxel * parts);
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const double width = narrowest(objects[i]);
     if (!(width < kFewSamples * spacing)) continue;
     const double count = std::ceil(kEnoughSamples * pitch / width);
-    const bool may_be_area = !std::holds_alternative<ElasticLayer>(sensor.skin.law);
+    const bool may_be_area = !is_foundation && !std::holds_alternative<ElasticLayer>(sensor.skin.law);
     const std::string name = objects[i].name.empty() ? std::to_string(i) : oneLine(objects[i].name);
-    std::string line = "object " + name + " is " + millimetres(width) + " wide, samples are " + millimetres(spacing) +
-                       " apart: its force depends on where it lies between them; ";
+    std::string line = "object " + name + " is " + millimetres(width) + " wide, " + (is_foundation ? "nodes" : "samples") + " are " +
+                       millimetres(spacing) + " apart: its force depends on where it lies between them; ";
     if (may_be_area) line += "depth_sampling: area counts all of it";
     if (may_be_area && count <= kMaxSamplesPerTaxel) line += ", ";
     if (count <= kMaxSamplesPerTaxel) line += "samples_per_taxel: " + std::to_string(static_cast<int>(count)) + " sees it";
-    if (!may_be_area && count > kMaxSamplesPerTaxel) line += "elastic_layer cannot see it, other laws can with depth_sampling: area";
+    if (!may_be_area && count > kMaxSamplesPerTaxel)
+      line += std::string(kLawNames[sensor.skin.law.index()]) + " cannot see it, other laws can with depth_sampling: area";
     logWarning(line);
   }
 }

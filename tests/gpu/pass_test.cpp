@@ -18,6 +18,7 @@
 #include "load.spv.h"
 #include "mask_jacobian.spv.h"
 #include "mass_spring_damper.spv.h"
+#include "pasternak.spv.h"
 #include "rescale_jacobian.spv.h"
 #include "simulation/passes/interfaces.h"
 #include "spread_jacobian.spv.h"
@@ -88,6 +89,7 @@ TEST(PassInterfaces, MatchTheShaders) {
   expectMatches<FindCandidatesInterface>(k_find_candidates_spirv, "find_candidates");
   expectMatches<LoadInterface>(k_load_spirv, "load");
   expectMatches<ElasticLayerInterface>(k_elastic_layer_spirv, "elastic_layer");
+  expectMatches<PasternakInterface>(k_pasternak_spirv, "pasternak");
   expectMatches<TaxelLawInterface>(k_mass_spring_damper_spirv, "taxel_law");
   expectMatches<ContactsInterface>(k_contacts_spirv, "contacts");
   expectMatches<ImageInterface>(k_image_spirv, "image");

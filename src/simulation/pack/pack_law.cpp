@@ -6,6 +6,8 @@
 
 #include "contact_elastic_layer.spv.h"
 #include "contact_elastic_layer_lockstep.spv.h"
+#include "contact_pasternak.spv.h"
+#include "contact_pasternak_lockstep.spv.h"
 #include "contact_winkler.spv.h"
 #include "contact_winkler_lockstep.spv.h"
 #include "deformation_mask.spv.h"
@@ -36,6 +38,9 @@ struct AddLaw {
     packed = {.kernel = "contact_elastic_layer",
               .spirv = {k_contact_elastic_layer_spirv, k_contact_elastic_layer_lockstep_spirv},
               .reach = reach};
+  }
+  void operator()(const Pasternak&) const {
+    packed = {.kernel = "contact_pasternak", .spirv = {k_contact_pasternak_spirv, k_contact_pasternak_lockstep_spirv}, .reach = reach};
   }
   void operator()(const LuGre& law) const {
     packed.has_bristles = true;

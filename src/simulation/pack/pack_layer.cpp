@@ -5,24 +5,40 @@
 #include <cstddef>
 #include <cstdlib>
 
+#include "sensor/pasternak.h"
 #include "shared/elastic_layer.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
+
+namespace {
+
+// The nodes as taxels of one sample.
+Sensor sensorOfNodes(const Sensor& sensor, const LayerNodes& nodes) {
+  Sensor result = sensor;
+  GridPatch& grid = result.patches.front();
+  grid.num_rows = nodes.num_rows;
+  grid.num_cols = nodes.num_cols;
+  grid.pitch = nodes.spacing;
+  result.samples_per_taxel = 1;
+  result.psf = Psf{};
+  result.readout = Readout{};
+  return result;
+}
+
+bool fitsFloat(double force) {
+  const auto rounded = static_cast<float>(force);
+  return std::isnormal(rounded) && std::isfinite(rounded * 1e6f * static_cast<float>(kMaxLayerNodes));
+}
+
+}  // namespace
 
 PackedLayer packLayer(const Sensor& sensor) {
   const auto& law = std::get<ElasticLayer>(sensor.skin.law);
   PackedLayer packed;
   packed.nodes = layerNodes(sensor);
   const LayerNodes& nodes = packed.nodes;
-  packed.node_sensor = sensor;
-  GridPatch& grid = packed.node_sensor.patches.front();
-  grid.num_rows = nodes.num_rows;
-  grid.num_cols = nodes.num_cols;
-  grid.pitch = nodes.spacing;
-  packed.node_sensor.samples_per_taxel = 1;
-  packed.node_sensor.psf = Psf{};
-  packed.node_sensor.readout = Readout{};
+  packed.node_sensor = sensorOfNodes(sensor, nodes);
 
   const std::vector<double> influence = layerInfluence(law, sensor.skin.thickness, nodes.spacing, nodes.num_rows, nodes.num_cols);
   const double own = influence.front();
@@ -42,9 +58,24 @@ PackedLayer packLayer(const Sensor& sensor) {
   const bool bulges = std::any_of(influence.begin(), influence.end(), [&](double a) { return a < -1e-6 * own; });
   packed.reach = bulges ? kReachOfBulge : 0;
   packed.node_force = static_cast<float>(sensor.skin.thickness * nodes.area() / own);
-  if (!(std::isnormal(packed.node_force) && std::isfinite(packed.node_force * 1e6f * static_cast<float>(kMaxLayerNodes)))) {
+  if (!fitsFloat(packed.node_force)) {
     throw Error(ErrorKind::kInput, "skin.elastic_modulus: forces of " + std::to_string(packed.node_force) +
                                        " N per sample at full depth are not allowed: 1e-37 to 1e27, for float32");
+  }
+  return packed;
+}
+
+PackedLayer packFoundation(const Sensor& sensor) {
+  const auto& law = std::get<Pasternak>(sensor.skin.law);
+  PackedLayer packed;
+  packed.nodes = pasternakNodes(sensor);
+  packed.node_sensor = sensorOfNodes(sensor, packed.nodes);
+  const double thickness = sensor.skin.thickness;
+  packed.reach = static_cast<float>(pasternakReach(packed.nodes) / thickness);
+  const double springs = law.normal_contact_stiffness * packed.nodes.area() * thickness, links = law.shear_stiffness * thickness;
+  if (!fitsFloat(springs) || !fitsFloat(links)) {
+    throw Error(ErrorKind::kInput, "skin.normal_contact_stiffness: forces of " + std::to_string(springs) + " N and " +
+                                       std::to_string(links) + " N per node at full depth are not allowed: 1e-37 to 1e27, for float32");
   }
   return packed;
 }

@@ -20,4 +20,8 @@ struct PackedLayer {
 // The sensor's law must be ElasticLayer. Throws Error(kInput) where forces are beyond float32.
 PackedLayer packLayer(const Sensor& sensor);
 
+// The nodes of a two-parameter foundation in the same form, without influence. The sensor's law must be Pasternak. Throws Error(kInput)
+// where forces are beyond float32.
+PackedLayer packFoundation(const Sensor& sensor);
+
 }  // namespace taxelsim

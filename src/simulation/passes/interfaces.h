@@ -42,6 +42,10 @@ struct ElasticLayerInterface {
 #include "passes/elastic_layer.h"
 };
 
+struct PasternakInterface {
+#include "passes/pasternak.h"
+};
+
 struct TaxelLawInterface {
 #include "passes/taxel_law.h"
 };

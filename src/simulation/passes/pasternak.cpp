@@ -1,0 +1,61 @@
+#include "simulation/passes/pasternak.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "pasternak.spv.h"
+#include "pasternak_lockstep.spv.h"
+#include "sensor/pasternak.h"
+
+namespace taxelsim {
+namespace {
+
+// Loop iterations that one invocation alone would take in a third of the largest contact, one that covers the array: a driver allows three
+// times as many as small workgroups are chosen for.
+std::uint64_t iterationsOf(const ModelData& model, std::uint64_t evaluations) {
+  const auto nodes = static_cast<std::uint64_t>(numTaxels(model.contact_sensor));
+  const auto sweeps = static_cast<std::uint64_t>(std::get<Pasternak>(model.sensor.skin.law).iterations);
+  return nodes * (evaluations * (sweeps + 3) + 2) / 3;
+}
+
+}  // namespace
+
+PasternakPass::PasternakPass(const ModelData& model, const ModelOptions& options) : model_(model) {
+  constexpr std::uint64_t kEvaluations = 24;  // of the load search
+  const std::uint64_t iterations = iterationsOf(model, 1);
+  sizes_.workgroup = tunedWorkgroup(options.contact_workgroup, model.profile, iterations, "contact_workgroup");
+  sizes_.lanes = model.profile.partialSumsFor(iterations);
+  load_sizes_ = sizes_;
+  load_sizes_.workgroup = tunedWorkgroup(options.contact_workgroup, model.profile, iterationsOf(model, kEvaluations), "contact_workgroup");
+}
+
+void PasternakPass::record(Recorder& recorder, const Variant& variant) const {
+  recorder.dispatch(kernels_.get(variant, [&] { return makeKernel(variant); }), static_cast<std::uint32_t>(recorder.num_instances));
+}
+
+PasternakPass::Kernel PasternakPass::makeKernel(const Variant& variant) const {
+  constexpr double kMarginDecays = 2;
+  const auto& law = std::get<Pasternak>(model_.sensor.skin.law);
+  const LayerNodes nodes = pasternakNodes(model_.sensor);
+  const auto [along_x, along_y] = nodes.spacing;
+  const double decay = decayLength(law);
+  const PassSizes& sizes = variant.loads ? load_sizes_ : sizes_;
+  return {model_.context(), "pasternak", model_.profile.select({k_pasternak_spirv, k_pasternak_lockstep_spirv}, sizes.workgroup),
+          commonConstants(model_.sensor, model_.packed, sizes),
+          PasternakInterface{.NODES_PER_SAMPLE = pasternakRefinement(model_.sensor),
+                             .THICKNESS = model_.sensor.skin.thickness,
+                             .SPRING = law.normal_contact_stiffness * nodes.area(),
+                             .LINK_X = law.shear_stiffness * along_y / along_x,
+                             .LINK_Y = law.shear_stiffness * along_x / along_y,
+                             .DECAY_X = std::exp(-along_x / decay),
+                             .DECAY_Y = std::exp(-along_y / decay),
+                             .OVER_RELAXATION = sweepRelaxation(law, nodes),
+                             .SWEEPS = law.iterations,
+                             .MARGIN = static_cast<std::uint32_t>(std::ceil(kMarginDecays * decay / std::min(along_x, along_y))),
+                             .NUM_HEIGHT_TILES = model_.contact_packed.tiles.size(),
+                             .LOADS = variant.loads,
+                             .OUTPUT_DEPTH = variant.with_depth}};
+}
+
+}  // namespace taxelsim

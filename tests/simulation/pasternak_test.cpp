@@ -1,0 +1,222 @@
+// The law `pasternak` on the device: against closed forms and the twin, under loads, in batches.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "reference/pasternak.h"
+#include "sensor/pasternak.h"
+#include "simulation/comparison.h"
+#include "simulation/input_error.h"
+#include "support/random_scene.h"
+#include "taxelsim/stiffness.h"
+
+namespace taxelsim {
+namespace {
+
+using support::Random;
+using support::Touch;
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kDt = 1e-3;        // s
+constexpr double kStiffness = 5e8;  // N/m^3
+constexpr double kDecay = 0.66e-3;  // m
+constexpr Pasternak kLaw{.normal_contact_stiffness = kStiffness, .shear_stiffness = kStiffness * kDecay * kDecay};
+// Sweeps after which the free surface is at rest to float32 rounding: a sweep reduces errors to 0.63.
+constexpr int kManySweeps = 60;
+
+Sensor foundationSensor(int iterations = kLaw.iterations, const support::GridOptions& grid = {.thickness = 2e-3}) {
+  Sensor sensor = support::gridSensor(grid);
+  sensor.skin.law = Pasternak{kLaw.normal_contact_stiffness, kLaw.shear_stiffness, iterations};
+  return sensor;
+}
+
+// A random contact, by the depths of springs.
+Pose randomContact(Random& random, Sensor sensor, const Object& object, const Quaternion& R_SO) {
+  sensor.skin.law = Winkler{.normal_contact_stiffness = kStiffness};
+  const GridPatch& patch = sensor.patches[0];
+  return support::poseAtDepth(sensor, object, R_SO, random.uniform(-0.4, 0.4) * patch.num_rows * patch.pitch[0],
+                              random.uniform(-0.4, 0.4) * patch.num_cols * patch.pitch[1], random.uniform(0.1e-3, 1.5e-3));
+}
+
+struct Form {
+  Object object;
+  double tip;    // m, below the object's origin
+  double depth;  // m
+  double force;  // N, closed form
+  double error;  // largest relative error at any place
+};
+
+// A flat pin 1 mm deep.
+Form pin(double radius, double error) {
+  constexpr double kLength = 0.01, kDepth = 1e-3;
+  return {Cylinder{radius, kLength}, kLength / 2, kDepth, kDepth * pasternakPunchStiffness(kLaw, radius), error};
+}
+
+// A sphere without the approximation of a parabola: w = depth - f(r) inside of the contact radius a, f' (a) its slope at the edge, outside
+// proportional to K0(r / l).
+Form sphere(double a) {
+  constexpr double kRadius = 5e-3, kError = 0.03;
+  const double edge = std::sqrt(kRadius * kRadius - a * a), slope = a / edge;
+  const double depth = kRadius - edge + slope * kDecay / besselRatio(a / kDecay);
+  const double volume = kPi * a * a * (depth - kRadius) + 2 * kPi / 3 * (std::pow(kRadius, 3) - std::pow(edge, 3));
+  return {Sphere{kRadius}, kRadius, depth, kStiffness * volume + 2 * kPi * kLaw.shear_stiffness * a * slope, kError};
+}
+
+// At 50 random places each, with the default number of sweeps. The errors are those of outlines on nodes of 0.2125 mm.
+TEST(PasternakOnEveryDriver, ForcesMatchClosedForms) {
+  constexpr int kPlaces = 50;
+  const std::vector<Form> forms{pin(0.5e-3, 0.10), pin(1e-3, 0.05), pin(6e-3, 0.03), sphere(0.5e-3), sphere(1e-3), sphere(2e-3)};
+  std::vector<Object> objects;
+  std::vector<Touch> touches;
+  Random random(3);
+  for (const Form& form : forms) {
+    const int id = static_cast<int>(objects.size());
+    objects.push_back(form.object);
+    for (int n = 0; n < kPlaces; ++n) {
+      touches.push_back({{id}, {{{random.uniform(-2e-3, 2e-3), random.uniform(-2e-3, 2e-3), form.tip - form.depth}, {1, 0, 0, 0}}}});
+    }
+  }
+  const Model model(support::sharedDevice(), {.sensor = foundationSensor(), .objects = objects});
+  Simulator simulator(model, {.num_instances = static_cast<int>(touches.size())});
+  support::setTouches(simulator, touches);
+  simulator.step(kDt);
+  const FrameView frame = simulator.read();
+  for (std::size_t k = 0; k < forms.size(); ++k) {
+    double worst = 0;
+    for (std::size_t n = 0; n < kPlaces; ++n) {
+      worst = std::max(worst, std::abs(frame.ground_truth.total_force[k * kPlaces + n] / forms[k].force - 1));
+    }
+    EXPECT_LT(worst, forms[k].error) << "form " << k;
+    RecordProperty("form_" + std::to_string(k), std::to_string(worst));
+  }
+}
+
+// Error of a force (N) at `deepest` (m): the rounding of heights, and that of sums of squares in a solution of some thousand nodes.
+double forceSlack(double force, double deepest) {
+  constexpr double kRounding = 2e-4;
+  return (2 * support::kMarginZ / deepest + kRounding) * force + support::kAbsoluteForce;
+}
+
+void expectLikeTwin(const FrameView& frame, std::size_t i, const Sensor& sensor, const reference::LayerContact& twin, double slack) {
+  const auto num_taxels = static_cast<std::size_t>(numTaxels(sensor));
+  const GroundTruthView& truth = frame.ground_truth;
+  for (std::size_t t = 0; t < num_taxels; ++t) {
+    EXPECT_NEAR(truth.tactile_normal_force[i * num_taxels + t], twin.taxel_force[t], slack) << "taxel " << t;
+    EXPECT_NEAR(truth.penetration_depth[i * num_taxels + t], twin.mean_penetration[t], 2 * support::kMarginZ);
+  }
+  constexpr double kReach = 0.03;  // m: from S's origin to the farthest node
+  for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(truth.contact_wrench[6 * i + k], twin.wrench[k], k < 3 ? slack : slack * kReach);
+  EXPECT_NEAR(truth.over_penetration[i], twin.over_penetration, 2.0 / numTaxels(sensor));
+}
+
+double deepestOf(const reference::LayerContact& contact) {
+  return *std::max_element(contact.overlap.begin(), contact.overlap.end());
+}
+
+// Round objects and edges, whose outlines do not hang on the rounding of a node's place; flat pins between nodes.
+TEST(Pasternak, RandomContactsMatchTheTwin) {
+  constexpr int kInstances = 16;
+  Random random(5);
+  Sensor sensor = foundationSensor(kManySweeps, {.num_rows = 4, .num_cols = 5, .samples_per_taxel = 3, .thickness = 2e-3});
+  sensor.patches[0].X_SP = {{0.003, -0.002, 0.001}, {std::cos(0.4), 0, 0, std::sin(0.4)}};
+  const std::vector<Object> objects{Sphere{0.006}, Capsule{0.002, 0.01}, support::icosphere(0.008, 3, 0.05, random),
+                                    Box{{0.004, 0.01, 0.01}}, Cylinder{1.07e-3, 0.01}};
+  std::vector<Touch> touches;
+  for (int i = 0; i < kInstances; ++i) {
+    const int id = i % static_cast<int>(objects.size());
+    const Quaternion tilt = id == 4 ? Quaternion{1, 0, 0, 0} : random.tilt(0.4);
+    touches.push_back({{id}, {randomContact(random, sensor, objects[static_cast<std::size_t>(id)], tilt)}});
+  }
+  std::vector<float> loads(kInstances, kPoseDriven);
+  for (int i = 1; i < kInstances; i += 2) loads[static_cast<std::size_t>(i)] = static_cast<float>(random.uniform(0.2, 3));
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+  Simulator simulator(model, {.num_instances = kInstances});
+  support::setTouches(simulator, touches);
+  simulator.setLoads(loads);
+  simulator.step(kDt);
+  const FrameView frame = simulator.read();
+  support::expectWellFormed(frame, sensor, kInstances);
+  for (std::size_t i = 0; i < kInstances; ++i) {
+    SCOPED_TRACE("instance " + std::to_string(i) + ": object " + std::to_string(touches[i].ids[0]));
+    // The twin at the device's own offset: its force there, and that it is the load.
+    const double offset = frame.ground_truth.load_offset[i];
+    const reference::LayerContact twin = reference::foundationContact(sensor, touches[i].placed(objects, offset));
+    if (deepestOf(twin) > 0) expectLikeTwin(frame, i, sensor, twin, forceSlack(twin.total_force, deepestOf(twin)));
+    if (std::isnan(loads[i])) continue;
+    EXPECT_TRUE(frame.ground_truth.load_reached[i]);
+    EXPECT_NEAR(frame.ground_truth.total_force[i], loads[i], 1e-5 * loads[i]);
+    const reference::LayerContact loaded = reference::loadedFoundationContact(sensor, touches[i].placed(objects), loads[i]);
+    EXPECT_NEAR(loaded.offset, offset, 1e-3 * deepestOf(twin) + 2 * support::kMarginZ);
+  }
+}
+
+TEST(Pasternak, LoadsBeyondTheSkinAreOutOfReach) {
+  const Sensor sensor = foundationSensor();
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Sphere{2e-3}, Cylinder{1e-3, 0.01}}});
+  Simulator simulator(model, {.num_instances = 4});
+  support::setTouches(simulator, {{{0}, {{{0, 0, 0.02}, {1, 0, 0, 0}}}},
+                                  {{1}, {{{0, 0, 0.02}, {1, 0, 0, 0}}}},
+                                  {{0}, {{{0.5, 0, 0.02}, {1, 0, 0, 0}}}},
+                                  {{1}, {{{1e-3, 0, 0.02}, {1, 0, 0, 0}}}}});
+  simulator.setLoads(std::vector<float>{1000, 5, 1, 0});
+  simulator.step(kDt);
+  const FrameView frame = simulator.read();
+  EXPECT_FALSE(frame.ground_truth.load_reached[0]);
+  EXPECT_TRUE(frame.ground_truth.load_reached[1]);
+  EXPECT_NEAR(frame.ground_truth.total_force[1], 5, 5e-5);
+  // A flat pin: the depth is in proportion to the load.
+  EXPECT_NEAR(-frame.ground_truth.load_offset[1] - 0.015, 5 / pasternakPunchStiffness(kLaw, 1e-3), 0.05 * 1.2e-3);
+  EXPECT_FALSE(frame.ground_truth.load_reached[2]);
+  EXPECT_TRUE(frame.ground_truth.load_reached[3]);
+  EXPECT_EQ(frame.ground_truth.total_force[3], 0);
+}
+
+TEST(PasternakOnEveryDriver, BatchesAndWorkgroupsGiveTheSameBytes) {
+  constexpr int kInstances = 7;
+  Random random(11);
+  const Sensor sensor = foundationSensor(kLaw.iterations, {.num_rows = 3, .num_cols = 4, .thickness = 2e-3});
+  const std::vector<Object> objects{Sphere{0.004}, support::icosphere(0.008, 2, 0.05, random), Cylinder{0.7e-3, 0.01}};
+  std::vector<Touch> touches;
+  std::vector<float> loads;
+  for (int i = 0; i < kInstances; ++i) {
+    touches.push_back({{i % 3}, {randomContact(random, sensor, objects[static_cast<std::size_t>(i % 3)], random.tilt(0.3))}});
+    loads.push_back(i % 2 ? kPoseDriven : 1.5f);
+  }
+  const auto run = [&](const Model& model, const std::vector<int>& instances) {
+    const int n = static_cast<int>(instances.size());
+    Simulator simulator(model, {.num_instances = n});
+    std::vector<Touch> chosen;
+    std::vector<float> chosen_loads;
+    for (const int i : instances) {
+      chosen.push_back(touches[static_cast<std::size_t>(i)]);
+      chosen_loads.push_back(loads[static_cast<std::size_t>(i)]);
+    }
+    support::setTouches(simulator, chosen);
+    simulator.setLoads(chosen_loads);
+    simulator.step(kDt);
+    const FrameView frame = simulator.read();
+    std::vector<std::vector<std::uint32_t>> bits;
+    for (int i = 0; i < n; ++i) bits.push_back(support::bitsOf(frame, i, n));
+    return bits;
+  };
+  const std::vector<int> all{0, 1, 2, 3, 4, 5, 6};
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+  const auto together = run(model, all);
+  for (const int i : all) EXPECT_EQ(together[static_cast<std::size_t>(i)], run(model, {i})[0]) << i;
+  const Model wider(support::sharedDevice(), {.sensor = sensor, .objects = objects, .contact_workgroup = 64});
+  EXPECT_EQ(together, run(wider, all));
+}
+
+TEST(Pasternak, RefusesTheJacobian) {
+  const Model model(support::sharedDevice(), {.sensor = foundationSensor(), .objects = {Sphere{2e-3}}});
+  const std::string message = support::inputError([&] { Simulator(model, {.outputs = {.tactile_jacobian = true}}); });
+  EXPECT_THAT(message, ::testing::HasSubstr("outputs.tactile_jacobian: true is not allowed with the law pasternak"));
+}
+
+}  // namespace
+}  // namespace taxelsim
