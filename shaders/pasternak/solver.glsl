@@ -49,12 +49,12 @@ void startNodes(uint instance, Window window) {
   for (; k < total; k += WORKGROUP) {
     uvec2 in_window = cellNumbered(k, window.count.y), node = window.first + in_window;
     float own = valueAt(instance, kOverlap, node);
-    vec4 beside = vec4(own);  // beyond the window or the array there is no outline
-    if (in_window.x > 0) beside.x = valueAt(instance, kOverlap, node - uvec2(1, 0));
-    if (in_window.x + 1u < window.count.x) beside.y = valueAt(instance, kOverlap, node + uvec2(1, 0));
-    if (in_window.y > 0) beside.z = valueAt(instance, kOverlap, node - uvec2(0, 1));
-    if (in_window.y + 1u < window.count.y) beside.w = valueAt(instance, kOverlap, node + uvec2(0, 1));
-    vec4 factors = vec4(linkFactors(own, beside.xy, spacing.x), linkFactors(own, beside.zw, spacing.y));
+    vec4 neighbours = vec4(own);  // beyond the window or the array there is no outline
+    if (in_window.x > 0) neighbours.x = valueAt(instance, kOverlap, node - uvec2(1, 0));
+    if (in_window.x + 1u < window.count.x) neighbours.y = valueAt(instance, kOverlap, node + uvec2(1, 0));
+    if (in_window.y > 0) neighbours.z = valueAt(instance, kOverlap, node - uvec2(0, 1));
+    if (in_window.y + 1u < window.count.y) neighbours.w = valueAt(instance, kOverlap, node + uvec2(0, 1));
+    vec4 factors = vec4(linkFactors(own, neighbours.xy, spacing.x), linkFactors(own, neighbours.zw, spacing.y));
     foundation[nodeAddress(instance, kLinks, node)] = packUnorm4x8(factors);
     foundation[nodeAddress(instance, kDisplacement, node)] = floatBitsToUint(max(own, 0.0));
   }
@@ -65,13 +65,13 @@ void startNodes(uint instance, Window window) {
 // The equation of a node: x: sum of link w', y: its diagonal, N/m.
 vec2 nodeEquation(uint instance, Window window, uvec2 node, float own) {
   vec4 links = (1.0 + unpackUnorm4x8(foundation[nodeAddress(instance, kLinks, node)])) * vec4(LINK_X, LINK_X, LINK_Y, LINK_Y);
-  vec4 beside = own * vec4(DECAY_X, DECAY_X, DECAY_Y, DECAY_Y);
+  vec4 neighbours = own * vec4(DECAY_X, DECAY_X, DECAY_Y, DECAY_Y);
   uvec2 in_window = node - window.first;
-  if (in_window.x > 0) beside.x = displacementAt(instance, node - uvec2(1, 0));
-  if (in_window.x + 1u < window.count.x) beside.y = displacementAt(instance, node + uvec2(1, 0));
-  if (in_window.y > 0) beside.z = displacementAt(instance, node - uvec2(0, 1));
-  if (in_window.y + 1u < window.count.y) beside.w = displacementAt(instance, node + uvec2(0, 1));
-  precise float pull = links.x * beside.x + links.y * beside.y + links.z * beside.z + links.w * beside.w;
+  if (in_window.x > 0) neighbours.x = displacementAt(instance, node - uvec2(1, 0));
+  if (in_window.x + 1u < window.count.x) neighbours.y = displacementAt(instance, node + uvec2(1, 0));
+  if (in_window.y > 0) neighbours.z = displacementAt(instance, node - uvec2(0, 1));
+  if (in_window.y + 1u < window.count.y) neighbours.w = displacementAt(instance, node + uvec2(0, 1));
+  precise float pull = links.x * neighbours.x + links.y * neighbours.y + links.z * neighbours.z + links.w * neighbours.w;
   precise float diagonal = SPRING + links.x + links.y + links.z + links.w;
   return vec2(pull, diagonal);
 }

@@ -1,4 +1,4 @@
-// Mean depth over the cells of samples against closed forms, each with the error of point sampling beside it.
+// Mean depth over the cells of samples against closed forms, each with the error of point sampling next to it.
 #include "reference/area_depth.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Area sampling on the device, DepthSampling::kArea: contacts of any size against closed forms and the double-precision twin, beside point
+// Area sampling on the device, DepthSampling::kArea: contacts of any size against closed forms and the double-precision twin, next to point
 // sampling.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -39,7 +39,7 @@ class Measurement:
 
 
 def write_measurement(recording: Recording, what: Measurement, out: Path) -> Path:
-    """Writes `out` (YAML), and the table beside it with the same name and .csv. Returns the table. Throws InputError and IoError."""
+    """Writes `out` (YAML), and the table next to it with the same name and .csv. Returns the table. Throws InputError and IoError."""
     if what.kind not in KINDS:
         raise InputError(f"measurement: {what.kind!r} found, allowed are {', '.join(KINDS)}")
     if out.suffix != ".yaml":
