@@ -27,7 +27,7 @@ using ::testing::IsEmpty;
 using ::testing::Pair;
 
 gpu::KernelOptions loadKernel() {
-  constexpr std::uint32_t kNumConstants = 12;
+  constexpr std::uint32_t kNumConstants = 14;
   gpu::KernelOptions options{
       .name = "load", .spirv = k_load_spirv, .buffers = {"Instances", "Step", "TileResults", "Loads"}, .constants = {}};
   for (std::uint32_t id = 0; id < kNumConstants; ++id) options.constants.push_back({id, 1});
@@ -48,7 +48,7 @@ std::string refusal(const gpu::KernelOptions& options) {
 TEST(KernelOnEveryDriver, ReflectsBuffersAndConstants) {
   const gpu::Reflection reflection = gpu::reflect(k_load_spirv);
   EXPECT_THAT(reflection.buffers, ElementsAre(Pair(0, "Instances"), Pair(1, "Step"), Pair(2, "TileResults"), Pair(3, "Loads")));
-  EXPECT_THAT(reflection.constants, ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11));
+  EXPECT_THAT(reflection.constants, ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13));
   EXPECT_TRUE(reflection.texel_buffers.empty());
   EXPECT_TRUE(reflection.others.empty());
 }
