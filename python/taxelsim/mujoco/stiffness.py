@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core import DepthSampling, Friction, GridPatch, LuGre, Model, OutputOptions, Pose, Proximity, Sensor, Winkler
+from .._core import Friction, GridPatch, LuGre, Model, OutputOptions, Pasternak, Pose, Proximity, Sensor, Winkler
 from ..errors import InputError
 from ..frame import GroundTruth
 from ..simulator import Simulator
@@ -29,8 +29,8 @@ def check_law(sensor: Sensor, site: str) -> None:
 
 
 def has_device_jacobian(sensor: Sensor) -> bool:
-    """Whether the device gives derivatives of the wrench; area sampling has none."""
-    return sensor.depth_sampling == DepthSampling.POINT
+    """Whether the device gives derivatives of the wrench; the law pasternak has none."""
+    return not isinstance(sensor.skin.law, Pasternak)
 
 
 def damping_factor(sensor: Sensor, dt: float) -> float:
