@@ -16,13 +16,19 @@ STEP = 2e-6  # m; and 200 times as much in rad
 TOLERANCE = 0.09
 
 
-def frame_of(sampling: taxelsim.DepthSampling, device: taxelsim.Device, poses: np.ndarray) -> taxelsim.Frame:
-    sensor = taxelsim.load_sensor(taxelsim.SCENES / "sensors/wts0614.yaml").replace(depth_sampling=sampling)
-    model = taxelsim.Model(device, sensor, [taxelsim.Box(size=[0.009, 0.006, 0.012]), taxelsim.Sphere(radius=0.006)])
-    simulator = taxelsim.Simulator(model, len(poses), outputs=taxelsim.OutputOptions(taxel_jacobian=True))
-    simulator.set_objects(np.arange(len(poses)) % 2, poses)
-    simulator.step(0.01)
-    return simulator.read().copy()
+class Presser:
+    """Presses objects 0 and 1 in turn on the instances of one simulator."""
+
+    def __init__(self, sampling: taxelsim.DepthSampling, device: taxelsim.Device, count: int) -> None:
+        sensor = taxelsim.load_sensor(taxelsim.SCENES / "sensors/wts0614.yaml").replace(depth_sampling=sampling)
+        model = taxelsim.Model(device, sensor, [taxelsim.Box(size=[0.009, 0.006, 0.012]), taxelsim.Sphere(radius=0.006)])
+        self.simulator = taxelsim.Simulator(model, count, outputs=taxelsim.OutputOptions(taxel_jacobian=True))
+
+    def frame(self, poses: np.ndarray) -> taxelsim.Frame:
+        self.simulator.reset()
+        self.simulator.set_objects(np.arange(len(poses)) % 2, poses)
+        self.simulator.step(0.01)
+        return self.simulator.read().copy()
 
 
 def moved(pose: np.ndarray, k: int, step: float) -> np.ndarray:
@@ -52,7 +58,8 @@ def errors(sampling: taxelsim.DepthSampling, device: taxelsim.Device) -> np.ndar
     poses[:, 2] = LIFT - rng.uniform(0.0003, 0.0006, 8)
     yaw = rng.uniform(0, np.pi, 8)
     poses[:, 3], poses[:, 6] = np.cos(yaw / 2), np.sin(yaw / 2)
-    frame = frame_of(sampling, device, poses)
+    presser = Presser(sampling, device, len(poses))
+    frame = presser.frame(poses)
     cotangent = rng.normal(size=frame.ground_truth.tactile_normal_force.shape)
     found = taxelsim.vjp(frame, cotangent).twist
     steps = STEP * np.array([1, 1, 1, 200, 200, 200])
@@ -61,7 +68,7 @@ def errors(sampling: taxelsim.DepthSampling, device: taxelsim.Device) -> np.ndar
         ends = []
         for sign in (-1, 1):
             at = np.array([moved(pose, k, sign * steps[k]) for pose in poses])
-            force = frame_of(sampling, device, at).ground_truth.tactile_normal_force.astype(float)
+            force = presser.frame(at).ground_truth.tactile_normal_force.astype(float)
             ends.append((force * cotangent).reshape(8, -1).sum(1))
         expected[:, k] = (ends[1] - ends[0]) / (2 * steps[k])
     scale = np.repeat([np.abs(expected[:, :3]).max(1), np.abs(expected[:, 3:]).max(1)], 3, axis=0).T
@@ -76,7 +83,7 @@ def test_pose_gradient_is_that_of_differences(device: taxelsim.Device) -> None:
 
 def test_gradient_by_gains_and_what_is_refused(device: taxelsim.Device) -> None:
     pose = np.array([[0, 0, LIFT - 0.0004, 1, 0, 0, 0]], dtype=float)
-    frame = frame_of(taxelsim.DepthSampling.AREA, device, pose)
+    frame = Presser(taxelsim.DepthSampling.AREA, device, 1).frame(pose)
     force = frame.ground_truth.tactile_normal_force
     gain = np.linspace(0.5, 1.5, force.size).reshape(force.shape)
     found = taxelsim.vjp(frame, gain * force, gain)  # of the loss sum((gain * force)^2) / 2

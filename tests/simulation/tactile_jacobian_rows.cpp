@@ -113,11 +113,13 @@ struct Corners {
 template <typename Pick>
 void expectNear(const std::vector<double>& found, const Corners& twin, const std::vector<double>& gross, Pick pick, const char* what) {
   const std::vector<double> expected = pick(twin.middle);
+  std::vector<std::vector<double>> corners;
+  for (const TactileJacobian& corner : twin.corners) corners.push_back(pick(corner));
   std::size_t num_off = 0, first = 0;
   double first_slack = 0;
   for (std::size_t n = found.size(); n-- > 0;) {
     double spread = 0;
-    for (const TactileJacobian& corner : twin.corners) spread = std::max(spread, std::abs(pick(corner)[n] - expected[n]));
+    for (const std::vector<double>& corner : corners) spread = std::max(spread, std::abs(corner[n] - expected[n]));
     const double slack = kBetweenCorners * spread + kRelative * (gross[n] + std::abs(expected[n]));
     if (std::abs(found[n] - expected[n]) <= slack) continue;
     ++num_off, first = n, first_slack = slack;
