@@ -1,4 +1,4 @@
-// A few frames whose bytes tell machines apart that compute different values under equal names of device and driver: a software renderer
+// A few frames whose bytes differ between machines that compute different values under equal names of device and driver: a software renderer
 // compiles for the processor that it runs on, and the host's mathematical functions choose their code by it.
 #pragma once
 

@@ -18,8 +18,8 @@ from ..program import SCENES
 # A resolved scene names a file, without its folder, and its SHA-256 on the next line.
 _FILE = re.compile(r'\b(mesh|file): (.+)\n +sha256: "([0-9a-f]{64})"$', re.MULTILINE)
 
-# Stands for a mesh that is not found, so that the rest of the scene can be read.
-_PLACEHOLDER = "v 0 0 0\nv 0.001 0 0.001\nv 0 0.001 0.001\nv -0.001 -0.001 0.001\nf 1 2 3\nf 1 3 4\nf 1 4 2\nf 2 4 3\n"
+# A scene cannot be read without its meshes: what the reader gets where a mesh is not found. It is never drawn.
+_TETRAHEDRON = "v 0 0 0\nv 0.001 0 0.001\nv 0 0.001 0.001\nv -0.001 -0.001 0.001\nf 1 2 3\nf 1 3 4\nf 1 4 2\nf 2 4 3\n"
 
 
 def _candidates(name: str, folders: Sequence[Path]) -> Iterator[Path]:
@@ -28,7 +28,8 @@ def _candidates(name: str, folders: Sequence[Path]) -> Iterator[Path]:
 
 
 def scene_of(text: str, folders: Sequence[Path], origin: Path) -> tuple[Scene, set[int]]:
-    """The scene of a data set, and the indices of objects whose mesh is not found: a placeholder stands for it.
+    """The scene of a data set, and the indices of objects whose mesh is not found: a tetrahedron of 1 mm keeps the
+    place of each, and the caller does not draw it.
 
     text: the resolved scene. folders: searched with their subfolders for the files that it names, by name and SHA-256; then the scenes of
     the package. origin: data set, for messages. Raises InputError for another file that is not found, such as a URDF.
@@ -49,7 +50,7 @@ def scene_of(text: str, folders: Sequence[Path], origin: Path) -> tuple[Scene, s
                 return found[0]
             if key != "mesh":
                 raise InputError(f"{origin}: {name} with SHA-256 {sha256} is not found; --assets names the folder that holds it")
-            Path(root, "missing.obj").write_text(_PLACEHOLDER)
+            Path(root, "missing.obj").write_text(_TETRAHEDRON)
             return "mesh: missing.obj"
 
         file = Path(root, "scene.yaml")

@@ -65,37 +65,52 @@ Box cellsAround(Tile tile, vec3 corners[4]) {
   return Box(max(ivec2(floor(low)), 0), min(ivec2(floor(high)), ivec2(tile.size * SAMPLES) - 1));
 }
 
+// The part of a facet that is deeper than a level, and the box of `count` cells around it.
+struct Part {
+  uint which;
+  vec3 corners[4];
+  vec2 rates[4];
+  ivec2 first;
+  uint num_cols, count;
+};
+
+Part partOf(Tile tile, Facet facet, uint which, inout Found found) {
+  Part part;
+  part.which = which;
+  cornersOf(tile, facet, which, part.corners);
+  for (uint k = 0; k < 4; ++k) part.rates[k] = ratesOf(part.corners[k].xy, part.corners[(k + 1) & 3].xy);
+  Box cells = cellsAround(tile, part.corners);
+  if (isAny(cells)) grow(found.samples, cells);
+  part.first = cells.first;
+  part.num_cols = uint(max(cells.last.y - cells.first.y + 1, 0));
+  part.count = uint(max(cells.last.x - cells.first.x + 1, 0)) * part.num_cols;
+  return part;
+}
+
+ivec2 cellOf(Part part, uint number) { return part.first + ivec2(cellNumbered(number, part.num_cols)); }
+
 // Adds the part of a cell that the corners enclose.
-void addOutlineCell(Tile tile, Facet facet, uint part, vec3 corners[4], vec2 rates[4], ivec2 cell, bool alone) {
+void addOutlineCell(Tile tile, Facet facet, Part part, uint number, bool alone) {
+  ivec2 cell = cellOf(part, number);
   vec2 corner = vec2(cell);
   vec3 sums = vec3(0);
-  for (uint k = 0; k < 4; ++k) addEdge(corners[k].xy - corner, corners[(k + 1) & 3].xy - corner, rates[k], sums);
+  for (uint k = 0; k < 4; ++k) addEdge(part.corners[k].xy - corner, part.corners[(k + 1) & 3].xy - corner, part.rates[k], sums);
   if (sums.x <= 0.0) return;
   // The integral of a plane is the area times its value at the centroid, which lies between those at the corners.
   vec2 middle = corner + sums.yz / sums.x;
-  float low = min(min(corners[0].z, corners[1].z), min(corners[2].z, corners[3].z)), high = max(max(corners[0].z, corners[1].z), max(corners[2].z, corners[3].z));
-  float depth = part == kUnseen ? THICKNESS : clamp(facet.a.z + dot(facet.slope, middle - facet.a.xy), low, high);
-  addToSums(tile, uint(cell.x) * tile.stride + uint(cell.y), sums.x * (part == kBeyond ? depth - THICKNESS : depth), part == kBeyond ? 0.0 : sums.x, part != kPressed,
+  float low = min(min(part.corners[0].z, part.corners[1].z), min(part.corners[2].z, part.corners[3].z)), high = max(max(part.corners[0].z, part.corners[1].z), max(part.corners[2].z, part.corners[3].z));
+  float depth = part.which == kUnseen ? THICKNESS : clamp(facet.a.z + dot(facet.slope, middle - facet.a.xy), low, high);
+  addToSums(tile, uint(cell.x) * tile.stride + uint(cell.y), sums.x * (part.which == kBeyond ? depth - THICKNESS : depth), part.which == kBeyond ? 0.0 : sums.x, part.which != kPressed,
             alone);
-}
-
-void ratesOfEdges(vec3 corners[4], out vec2 rates[4]) {
-  for (uint k = 0; k < 4; ++k) rates[k] = ratesOf(corners[k].xy, corners[(k + 1) & 3].xy);
 }
 
 // Adds a facet to all its cells.
 void addFacet(Tile tile, Facet facet, inout Found found) {
-  vec3 corners[4];
-  vec2 rates[4];
   for (uint parts = partsOf(tile, facet); parts != 0; parts &= parts - 1u) {
-    uint part = uint(findLSB(parts));
-    cornersOf(tile, facet, part, corners);
-    ratesOfEdges(corners, rates);
-    Box cells = cellsAround(tile, corners);
-    if (isAny(cells)) grow(found.samples, cells);
-    uint num_cols = uint(max(cells.last.y - cells.first.y + 1, 0)), count = uint(max(cells.last.x - cells.first.x + 1, 0)) * num_cols, i = 0;
-    for (; i < count; ++i) addOutlineCell(tile, facet, part, corners, rates, cells.first + ivec2(cellNumbered(i, num_cols)), false);
-    checkLoop(i < count);
+    Part part = partOf(tile, facet, uint(findLSB(parts)), found);
+    uint i = 0;
+    for (; i < part.count; ++i) addOutlineCell(tile, facet, part, i, false);
+    checkLoop(i < part.count);
   }
 }
 
@@ -111,26 +126,19 @@ bool enclose(vec3 corners[4], vec2 middle) {
 
 // Adds a facet; all invocations share its cells and call it together.
 void addLargeFacet(Tile tile, Facet facet, inout Found found) {
-  vec3 corners[4];
-  vec2 rates[4];
   for (uint parts = partsOf(tile, facet); parts != 0; parts &= parts - 1u) {
-    uint part = uint(findLSB(parts));
-    cornersOf(tile, facet, part, corners);
-    ratesOfEdges(corners, rates);
-    Box cells = cellsAround(tile, corners);
-    if (isAny(cells)) grow(found.samples, cells);
-    uint num_cols = uint(max(cells.last.y - cells.first.y + 1, 0)), count = uint(max(cells.last.x - cells.first.x + 1, 0)) * num_cols;
-    for (uint start = 0; start < count; start += kMostListed) {
+    Part part = partOf(tile, facet, uint(findLSB(parts)), found);
+    for (uint start = 0; start < part.count; start += kMostListed) {
       if (gl_LocalInvocationIndex == 0) num_outline_cells = 0;
       workgroupBarrier();
-      uint end = min(start + kMostListed, count), i = start + gl_LocalInvocationIndex;
+      uint end = min(start + kMostListed, part.count), i = start + gl_LocalInvocationIndex;
       for (; i < end; i += WORKGROUP) {
-        ivec2 cell = cells.first + ivec2(cellNumbered(i, num_cols));
+        ivec2 cell = cellOf(part, i);
         vec2 middle = vec2(cell) + 0.5;
-        if (enclose(corners, middle)) {
-          float depth = part == kUnseen ? THICKNESS : facet.a.z + dot(facet.slope, middle - facet.a.xy);
-          addToSums(tile, uint(cell.x) * tile.stride + uint(cell.y), part == kBeyond ? depth - THICKNESS : depth, part == kBeyond ? 0.0 : 1.0, part != kPressed,
-                    true);
+        if (enclose(part.corners, middle)) {
+          float depth = part.which == kUnseen ? THICKNESS : facet.a.z + dot(facet.slope, middle - facet.a.xy);
+          bool beyond = part.which == kBeyond;
+          addToSums(tile, uint(cell.x) * tile.stride + uint(cell.y), beyond ? depth - THICKNESS : depth, beyond ? 0.0 : 1.0, part.which != kPressed, true);
         } else {
           listed_cells[atomicAdd(num_outline_cells, 1u)] = i;
         }
@@ -138,9 +146,7 @@ void addLargeFacet(Tile tile, Facet facet, inout Found found) {
       checkLoop(i < end);
       workgroupBarrier();
       i = gl_LocalInvocationIndex;
-      for (; i < num_outline_cells; i += WORKGROUP) {
-        addOutlineCell(tile, facet, part, corners, rates, cells.first + ivec2(cellNumbered(listed_cells[i], num_cols)), true);
-      }
+      for (; i < num_outline_cells; i += WORKGROUP) addOutlineCell(tile, facet, part, listed_cells[i], true);
       checkLoop(i < num_outline_cells);
       workgroupBarrier();
     }

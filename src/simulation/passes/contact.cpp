@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint32_t kMaxTileSamples = 6144;
 // Largest shared memory of the pass in addition to the tile, in bytes: partial sums, planes and lists, for clusters of kGroupsPerBatch
 // groups and kMaxRepeat tiles.
-constexpr std::uint32_t kTileOverhead = 6912;
+constexpr std::uint32_t kTileOverhead = 7424;
 constexpr std::uint32_t kGroupsPerBatch = 32;
 constexpr std::uint32_t kMinGroupsPerBatch = 16;
 constexpr std::uint32_t kMaxGroupsPerBatch = 128;
