@@ -1,5 +1,5 @@
-// A few frames whose bytes differ between machines that compute different values under equal names of device and driver: a software renderer
-// compiles for the processor that it runs on, and the host's mathematical functions choose their code by it.
+// A few frames whose bytes differ between machines that compute different values under equal names of device and driver: a software
+// renderer compiles for the processor that it runs on, and the host's mathematical functions choose their code by it.
 #pragma once
 
 #include <string>
