@@ -105,7 +105,8 @@ inline constexpr std::uintmax_t kMaxMeshFileBytes = std::uintmax_t{1} << 30;
 /// Reads OBJ, STL, PLY or glTF.
 ///
 /// All parts of the file become one mesh. It is scaled and rotated, its vertices are welded, degenerate triangles are dropped, and the rest
-/// is simplified within max_depth_error. The same file and options give the same mesh. Throws Error(kInput) if the file is missing, too
+/// is simplified within max_depth_error. The result for a mesh of 20,000 triangles or more is kept in the user's cache directory
+/// ($XDG_CACHE_HOME/taxelsim, else ~/.cache/taxelsim). The same file and options give the same mesh. Throws Error(kInput) if the file is missing, too
 /// large, not a mesh, without a triangle or not finite, and if an option is out of range. Logs a warning for a mesh longer than 1 m, which
 /// is probably in millimetres.
 Mesh loadMesh(const std::filesystem::path& file, const MeshOptions& options = {});

@@ -126,6 +126,13 @@ bool isTemporaryName(const std::string& name) {
   return name.starts_with(".") && name.find(kTemporaryMark) != std::string::npos;
 }
 
+std::filesystem::path userCacheDirectory() {
+  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache != nullptr && *cache != '\0')
+    return std::filesystem::path(cache) / "taxelsim";
+  if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0') return std::filesystem::path(home) / ".cache" / "taxelsim";
+  return {};
+}
+
 void removeFile(const std::filesystem::path& file) {
   if (::unlink(file.c_str()) != 0 && errno != ENOENT) throwIo("remove", file, errno);
   flushDirectory(file.parent_path());

@@ -60,6 +60,9 @@ std::string readTextFile(const std::filesystem::path& file, std::uintmax_t max_b
 // True for names of temporary files of writeFileAtomically(). They remain where a process was killed.
 bool isTemporaryName(const std::string& name);
 
+// The directory of this user for what can be computed again: $XDG_CACHE_HOME/taxelsim, else $HOME/.cache/taxelsim. Empty without both.
+std::filesystem::path userCacheDirectory();
+
 // Removes a file, if it exists, and flushes the directory. Throws Error(kIo).
 void removeFile(const std::filesystem::path& file);
 

@@ -25,7 +25,7 @@
 #include "geometry/mesh_file_validation.h"
 #include "geometry/object_fields.h"
 #include "geometry/ply_file.h"
-#include "geometry/simplify.h"
+#include "geometry/simplification_cache.h"
 #include "geometry/stl_file.h"
 #include "geometry/triangulate.h"
 #include "geometry/unit_check.h"
@@ -297,7 +297,7 @@ Mesh loadMesh(const std::filesystem::path& file, const MeshOptions& options) {
       logWarning(oneLine(file.string()) + ": the mesh " + size +
                  "; is the file in millimetres? scale: " + numberText(options.scale / 1000));
     }
-    mesh = simplifyMesh(full, options.max_depth_error);
+    mesh = simplifyMeshOnce(full, options.max_depth_error);
     if (mesh.triangles.size() < full.triangles.size()) {
       logDebug(oneLine(file.string()) + ": " + std::to_string(mesh.triangles.size()) + " of " + std::to_string(full.triangles.size()) +
                " triangles after simplification to " + numberText(options.max_depth_error) + " m");

@@ -11,9 +11,14 @@
 // The result is deterministic: one thread, ties broken by index, and a limit on the number of operations rather than on time.
 #pragma once
 
+#include <cstdint>
+
 #include "taxelsim/object.h"
 
 namespace taxelsim {
+
+// Changes whenever simplifyMesh() returns other meshes than before: stored results of older versions are not used then.
+inline constexpr std::uint32_t kSimplificationVersion = 1;
 
 // Returns a mesh with fewer triangles whose two-sided Hausdorff distance to `mesh` is at most `max_error` (m, >= 0). Vertices are a subset
 // of those of `mesh`. Edges with a single triangle (boundaries) are kept.

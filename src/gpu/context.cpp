@@ -36,15 +36,8 @@ VKAPI_ATTR VkBool32 VKAPI_CALL onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT 
 }
 
 std::filesystem::path cacheFile(const DeviceInfo& info) {
-  std::filesystem::path root;
-  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache != nullptr && *cache != '\0') {
-    root = cache;
-  } else if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0') {
-    root = std::filesystem::path(home) / ".cache";
-  } else {
-    return {};
-  }
-  return root / "taxelsim" / ("pipelines-" + info.uuid + "-" + kVersion + ".bin");
+  const std::filesystem::path directory = userCacheDirectory();
+  return directory.empty() ? directory : directory / ("pipelines-" + info.uuid + "-" + kVersion + ".bin");
 }
 
 // Empty if there is no such file, or none that can be a cache.
