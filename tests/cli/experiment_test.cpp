@@ -45,13 +45,13 @@ TEST(ImageDistance, ByHand) {
 TEST(ExperimentStudy, FitRecoversTheReferenceSensor) {
   const TemporaryDirectory root;
   // A softer skin with another spread than the shipped sensor, from which the fit starts.
-  std::ifstream source(shipped("wts0614"));
+  std::ifstream source(shipped("wts0614_soft_cover"));
   std::string text((std::istreambuf_iterator<char>(source)), {});
   text.replace(text.find("1.73e8"), 6, "0.70e8");
   text.replace(text.find("sigma: 0.5"), 10, "sigma: 0.7");
   written(root, "soft.yaml", text);
   const std::filesystem::path file =
-      written(root, "x.yaml", experimentText("soft.yaml", "[{sensor: " + shipped("wts0614") + ", fitted: true}, {sensor: soft.yaml}]"));
+      written(root, "x.yaml", experimentText("soft.yaml", "[{sensor: " + shipped("wts0614_soft_cover") + ", fitted: true}, {sensor: soft.yaml}]"));
   const Outcome outcome = runTaxelsim({"experiment", file, "--json"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const nlohmann::json json = nlohmann::json::parse(outcome.out);
@@ -73,7 +73,7 @@ TEST(ExperimentStudy, FitRecoversTheReferenceSensor) {
 TEST(Experiment, TableAndPictures) {
   const TemporaryDirectory root;
   const std::filesystem::path file = written(root, "x.yaml",
-                                             experimentText(shipped("wts0614"), "[{sensor: " + shipped("wts0614_deformation_mask") +
+                                             experimentText(shipped("wts0614_soft_cover"), "[{sensor: " + shipped("wts0614_deformation_mask") +
                                                                                     "}, {sensor: " + shipped("wts0614_proximity") + "}]"));
   const Outcome outcome = runTaxelsim({"experiment", file, "-o", root / "figures"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
@@ -123,7 +123,7 @@ TEST(ExperimentStudy, EveryImageOfTheShippedOneHasActiveTaxels) {
     for (const auto& contact : sensor["contacts"]) {
       double most = 0;
       for (const auto& force : contact["tactile_normal_force"]) most = std::max(most, force.get<double>());
-      EXPECT_GT(most, 0.02) << sensor["sensor"] << " " << contact["object"];  // N: the trigger of wts0614.yaml
+      EXPECT_GT(most, 0.02) << sensor["sensor"] << " " << contact["object"];  // N: the trigger of wts0614_soft_cover.yaml
       ++num_images;
     }
   }
@@ -133,7 +133,7 @@ TEST(ExperimentStudy, EveryImageOfTheShippedOneHasActiveTaxels) {
 TEST(Experiment, CalibrationTablesAndPicture) {
   const TemporaryDirectory root;
   const std::filesystem::path file = written(root, "x.yaml",
-                                             "format_version: 1\nname: pin\nexperiment: calibration\nsensors: [" + shipped("wts0614") +
+                                             "format_version: 1\nname: pin\nexperiment: calibration\nsensors: [" + shipped("wts0614_soft_cover") +
                                                  "]\npin_radius_mm: 1.5\ntaxels: [39, 0]\nplaces: 3\ndepths_mm: [0.5, 1]\nloads: "
                                                  "[0.5, 1000]\nmeasured:\n  force_at_depth: [{depth_mm: 1, force: 2}]\n  "
                                                  "counts_at_force: [{force: 0.5, counts: 700}, {force: 1000, counts: 800}]\n");
@@ -158,25 +158,25 @@ TEST(Experiment, CalibrationTablesAndPicture) {
 
 TEST(Experiment, Refusals) {
   const TemporaryDirectory root;
-  const std::string sensor = "[{sensor: " + shipped("wts0614") + "}]";
+  const std::string sensor = "[{sensor: " + shipped("wts0614_soft_cover") + "}]";
   const auto refused = [&](const std::string& text, const std::string& part) {
     expectRefused(runTaxelsim({"experiment", written(root, "x.yaml", text)}), part);
   };
   refused(experimentText("missing.yaml", sensor), "x.yaml:4:12: reference: ");
-  refused(experimentText(shipped("wts0614"), "[]"), "x.yaml:5:10: sensors");
-  refused(experimentText(shipped("wts0614"), "[{sensor: " + shipped("digitacts_6x4") + "}]"), "taxels, the reference 84");
-  refused(experimentText(shipped("wts0614"), "[{sensor: " + shipped("wts0614_proximity") + ", fitted: true}]"),
+  refused(experimentText(shipped("wts0614_soft_cover"), "[]"), "x.yaml:5:10: sensors");
+  refused(experimentText(shipped("wts0614_soft_cover"), "[{sensor: " + shipped("digitacts_6x4") + "}]"), "taxels, the reference 84");
+  refused(experimentText(shipped("wts0614_soft_cover"), "[{sensor: " + shipped("wts0614_proximity") + ", fitted: true}]"),
           "only sensors of law winkler can be fitted");
-  refused(experimentText(shipped("wts0614"), "[{sensor: " + shipped("wts0614") + ", fitted: perhaps}]"),
+  refused(experimentText(shipped("wts0614_soft_cover"), "[{sensor: " + shipped("wts0614_soft_cover") + ", fitted: perhaps}]"),
           "fitted: perhaps is not allowed: true | false");
-  std::string one_indenter = experimentText(shipped("wts0614"), "[{sensor: " + shipped("wts0614") + ", fitted: true}]");
+  std::string one_indenter = experimentText(shipped("wts0614_soft_cover"), "[{sensor: " + shipped("wts0614_soft_cover") + ", fitted: true}]");
   one_indenter.erase(one_indenter.find("  - {name: ball"), one_indenter.find("yaw") - one_indenter.find("  - {name: ball"));
   refused(one_indenter, "objects: has 1 indenter: a sensor with fitted: true needs 2");
-  refused(experimentText(shipped("wts0614"), sensor, "yaw: [0]\nloads: [-1]\n"), "loads");
-  refused(experimentText(shipped("wts0614"), sensor, "yaw: []\nloads: [1]\n"), "yaw");
-  refused(experimentText(shipped("wts0614"), sensor, "yaw: [0]\n"), "loads is missing");
-  refused(experimentText(shipped("wts0614"), sensor, "yaw: [0]\nloads: [1e6]\n"), "out of reach");
-  refused(experimentText(shipped("wts0614"), sensor) + "zebra: 1\n", "unknown key");
+  refused(experimentText(shipped("wts0614_soft_cover"), sensor, "yaw: [0]\nloads: [-1]\n"), "loads");
+  refused(experimentText(shipped("wts0614_soft_cover"), sensor, "yaw: []\nloads: [1]\n"), "yaw");
+  refused(experimentText(shipped("wts0614_soft_cover"), sensor, "yaw: [0]\n"), "loads is missing");
+  refused(experimentText(shipped("wts0614_soft_cover"), sensor, "yaw: [0]\nloads: [1e6]\n"), "out of reach");
+  refused(experimentText(shipped("wts0614_soft_cover"), sensor) + "zebra: 1\n", "unknown key");
   expectRefused(runTaxelsim({"experiment", root / "none.yaml"}), "none.yaml");
 }
 
