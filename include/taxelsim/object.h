@@ -106,9 +106,9 @@ inline constexpr std::uintmax_t kMaxMeshFileBytes = std::uintmax_t{1} << 30;
 ///
 /// All parts of the file become one mesh. It is scaled and rotated, its vertices are welded, degenerate triangles are dropped, and the rest
 /// is simplified within max_depth_error. The result for a mesh of 20,000 triangles or more is kept in the user's cache directory
-/// ($XDG_CACHE_HOME/taxelsim, else ~/.cache/taxelsim). The same file and options give the same mesh. Throws Error(kInput) if the file is missing, too
-/// large, not a mesh, without a triangle or not finite, and if an option is out of range. Logs a warning for a mesh longer than 1 m, which
-/// is probably in millimetres.
+/// ($XDG_CACHE_HOME/taxelsim, else ~/.cache/taxelsim). The same file and options give the same mesh. Throws Error(kInput) if the file is
+/// missing, too large, not a mesh, without a triangle or not finite, and if an option is out of range. Logs a warning for a mesh longer
+/// than 1 m, which is probably in millimetres.
 Mesh loadMesh(const std::filesystem::path& file, const MeshOptions& options = {});
 
 /// Parses the command line's notation of an object: a mesh file, or sphere:R, cylinder:R,L, capsule:R,L, box:X,Y,Z, half_space, cone:R,H,
