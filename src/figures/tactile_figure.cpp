@@ -182,10 +182,10 @@ Canvas drawTactileFigure(const std::vector<TactilePanel>& panels, const FigureOp
   canvas.heading(options.title, options.subtitle, page.width);
   for (std::size_t p = 0; p < panels.size(); ++p) {
     const TactilePanel& panel = panels[p];
-    const auto num_cols = static_cast<std::size_t>(page.num_cols);
+    const std::size_t row = p / static_cast<std::size_t>(page.num_cols), col = p % static_cast<std::size_t>(page.num_cols);
     cairo_save(canvas);
-    cairo_translate(canvas, kMargin + static_cast<double>(p % num_cols) * page.step_x,
-                    page.heading + static_cast<double>(p / num_cols) * page.step_y + page.title_room);
+    cairo_translate(canvas, kMargin + static_cast<double>(col) * page.step_x,
+                    page.heading + static_cast<double>(row) * page.step_y + page.title_room);
     canvas.colour(kInk);
     canvas.font(kBody, true);
     canvas.text(0, -6, panel.title, 0, page.widest);
