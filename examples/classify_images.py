@@ -28,7 +28,7 @@ def make_images(count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
     poses[:, 0] = random.uniform(-0.003, 0.003, count)
     poses[:, 1] = random.uniform(-0.008, 0.008, count)
     poses[:, 3], poses[:, 6] = np.cos(yaws / 2), np.sin(yaws / 2)
-    sensor = taxelsim.load_sensor(taxelsim.SCENES / "sensors/wts0614.yaml")
+    sensor = taxelsim.load_sensor(taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml")
     model = taxelsim.Model(taxelsim.Device.open(), sensor, list(OBJECTS.values()))
     simulator = taxelsim.Simulator(model, count)
     simulator.reset(episodes=np.arange(count) + count * seed, gain_spread=0.05, noise=10)

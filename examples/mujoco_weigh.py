@@ -28,7 +28,7 @@ def main() -> None:
     batch.expand("body_inertia")[:, body] = model.body_inertia[body] * masses[:, np.newaxis]
     batch.set_const()
 
-    pad = taxelsim.SCENES / "sensors/wts0614.yaml"
+    pad = taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml"
     tactile = taxelsim.mujoco.couple(model, {"skin": pad}, ["box"], num_instances=len(masses))
     frame = tactile.step(batch, nstep=300)["skin"]
     weights = -frame.ground_truth.contact_wrench[:, 2] / -model.opt.gravity[2]

@@ -31,7 +31,7 @@ def by_place(jacobian: np.ndarray, places: np.ndarray) -> np.ndarray:
 def main() -> None:
     """Presses once, forgets the pose, and finds it again from many guesses at once."""
     random = np.random.default_rng(4)
-    sensor = taxelsim.load_sensor(taxelsim.SCENES / "sensors/wts0614.yaml").replace(depth_sampling=taxelsim.DepthSampling.AREA)
+    sensor = taxelsim.load_sensor(taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml").replace(depth_sampling=taxelsim.DepthSampling.AREA)
     model = taxelsim.Model(taxelsim.Device.open(), sensor, [STAMP])
     simulator = taxelsim.Simulator(model, NUM_GUESSES, outputs=taxelsim.OutputOptions(taxel_jacobian=True))
 

@@ -17,7 +17,7 @@ def pyramid(half_width: float, height: float) -> taxelsim.Mesh:
 
 
 def main() -> None:
-    sensor = taxelsim.load_sensor(taxelsim.SCENES / "sensors/wts0614.yaml")
+    sensor = taxelsim.load_sensor(taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml")
     model = taxelsim.Model(taxelsim.Device.open(), sensor, [pyramid(half_width=0.012, height=0.003)])
 
     num_instances = 64

@@ -15,18 +15,18 @@ REST = """\
 samples_per_taxel: 4                 # assumption: samples about 0.6 mm apart
 frame_rate: 0                        # assumption: a new frame every step
 skin:
-  thickness_mm: 2                    # assumption: as wts0614.yaml
+  thickness_mm: 2                    # assumption: as wts0614_soft_cover.yaml
   law: winkler
-  normal_contact_stiffness: 1.73e8   # assumption: as wts0614.yaml
-  normal_exponent: 1                 # assumption: as wts0614.yaml
-  normal_damping: 0                  # assumption: as wts0614.yaml
+  normal_contact_stiffness: 1.73e8   # assumption: as wts0614_soft_cover.yaml
+  normal_exponent: 1                 # assumption: as wts0614_soft_cover.yaml
+  normal_damping: 0                  # assumption: as wts0614_soft_cover.yaml
 psf:
-  skin_gaussian: {sigma_mm: 1.2}     # assumption: half a taxel pitch, as wts0614.yaml
+  skin_gaussian: {sigma_mm: 1.2}     # assumption: half a taxel pitch, as wts0614_soft_cover.yaml
   normalization: per_source          # assumption: conserves the total force
 readout:
   curve: {counts_per_newton: 2000}   # assumption: 12 bits over 2 N, which is 350 kPa on one taxel
   output_scale: 1                    # assumption
-  trigger: 0.01                      # assumption: half of wts0614.yaml, for taxels of half the area
+  trigger: 0.01                      # assumption: half of wts0614_soft_cover.yaml, for taxels of half the area
   adc_bits: 12                       # assumption
   saturation: 4095                   # assumption: 12-bit full scale
   noise: 0                           # assumption: off, so that images are repeatable; scenes can add noise per episode

@@ -73,7 +73,7 @@ def main() -> None:
         total, center, angle, touch = of_mujoco(model_of(geom, inertial, pose, collide=True))
         model = model_of(geom, inertial, pose, collide=False)
         data = mujoco.MjData(model)
-        tactile = taxelsim.mujoco.couple(model, {"skin": taxelsim.SCENES / "sensors/wts0614.yaml"}, ["object"])
+        tactile = taxelsim.mujoco.couple(model, {"skin": taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml"}, ["object"])
         frame = tactile.step(data, 1500)["skin"]
         weight = model.body("object").mass[0] * GRAVITY
         centers = [center, frame.ground_truth.center_of_pressure[0], frame.center_of_pressure[0]]

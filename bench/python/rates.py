@@ -32,7 +32,7 @@ import taxelsim
 from taxelsim.program import PROGRAM
 
 HERE = Path(__file__).parent
-SENSOR = ROOT / "scenes/sensors/wts0614.yaml"
+SENSOR = ROOT / "scenes/sensors/wts0614_soft_cover.yaml"
 KNOB = ROOT / "scenes/objects/knob_5k.obj"
 SCENE = ROOT / "bench/scenes/edge_follow.yaml"
 CASES = {"cylinder": "cylinder:0.008,0.04", "mesh": str(KNOB)}

@@ -18,7 +18,7 @@ from report import ROOT, machine, write_json
 
 import taxelsim
 
-SENSOR = ROOT / "scenes/sensors/wts0614.yaml"
+SENSOR = ROOT / "scenes/sensors/wts0614_soft_cover.yaml"
 KNOB = ROOT / "scenes/objects/knob_5k.obj"
 LYING = tuple(taxelsim.axis_angle((1, 0, 0), np.pi / 2))
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)

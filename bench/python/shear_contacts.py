@@ -19,7 +19,7 @@ from report import ROOT, machine, write_json
 
 import taxelsim
 
-SENSOR = ROOT / "scenes/sensors/wts0614.yaml"
+SENSOR = ROOT / "scenes/sensors/wts0614_soft_cover.yaml"
 TANGENTIAL_STIFFNESS = 1e8  # N/m^3
 FRICTION_COEFFICIENT = 0.5
 DEPTH = 0.0005  # m

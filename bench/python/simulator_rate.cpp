@@ -31,7 +31,7 @@ double framesPerSecond(const std::string& object_text, int num_instances, int nu
   const Object object = parseObject(object_text);
   const Quaternion rotation = axisAngle({1, 0, 0}, std::numbers::pi / 2);
   const double height = -rotate(rotation, lowestPoint(object, rotation))[2];
-  const Model model(Device::open(), {.sensor = loadSensor(TAXELSIM_SCENES "/sensors/wts0614.yaml"), .objects = {object}});
+  const Model model(Device::open(), {.sensor = loadSensor(TAXELSIM_SCENES "/sensors/wts0614_soft_cover.yaml"), .objects = {object}});
   Simulator simulator(model, {.num_instances = num_instances});
   simulator.prepare();
   const std::vector<int> ids(static_cast<std::size_t>(num_instances), 0);

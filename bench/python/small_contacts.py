@@ -22,7 +22,7 @@ from report import ROOT, machine, write_json
 import taxelsim
 
 FloatArray = npt.NDArray[np.float64]
-SENSOR = ROOT / "scenes/sensors/wts0614.yaml"
+SENSOR = ROOT / "scenes/sensors/wts0614_soft_cover.yaml"
 SIDES = 96  # of a mesh of a pin
 LONG = 0.012  # m
 

@@ -28,7 +28,7 @@ LYING = taxelsim.axis_angle((1, 0, 0), np.pi / 2)
 
 def models() -> dict[str, taxelsim.Skin]:
     """Skins by the name of what they model; the first is the reference."""
-    skin = taxelsim.load_sensor(ROOT / "scenes/sensors/wts0614.yaml").skin
+    skin = taxelsim.load_sensor(ROOT / "scenes/sensors/wts0614_soft_cover.yaml").skin
     springs = taxelsim.Winkler(normal_contact_stiffness=STIFFNESS)
     shear = taxelsim.Friction(tangential_stiffness=1e8, friction_coefficient=0.5)
     return {
@@ -46,7 +46,7 @@ class Press:
     """The cylinder on one skin."""
 
     def __init__(self, device: taxelsim.Device, skin: taxelsim.Skin) -> None:
-        sensor = taxelsim.load_sensor(ROOT / "scenes/sensors/wts0614.yaml").replace(psf=taxelsim.Psf(), skin=skin)
+        sensor = taxelsim.load_sensor(ROOT / "scenes/sensors/wts0614_soft_cover.yaml").replace(psf=taxelsim.Psf(), skin=skin)
         self.simulator = taxelsim.Simulator(taxelsim.Model(device, sensor, [taxelsim.Cylinder(radius=RADIUS, length=0.03)]), 1)
         self.simulator.reset()
 

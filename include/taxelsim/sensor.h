@@ -40,6 +40,7 @@ inline constexpr int kMaxLayerNodes = 65536;             ///< Nodes of an elasti
 inline constexpr int kMaxLayerIterations = 1000;         ///< ElasticLayer::iterations, Pasternak::iterations.
 inline constexpr int kMaxRefinement = 16;                ///< Nodes per sample and side of a Pasternak foundation.
 inline constexpr double kMaxLayerThickness = 0.1;  ///< m, Skin::thickness under ElasticLayer: heights count from the base, in float32.
+inline constexpr double kMaxPressureError = 4e3;   ///< Pa, maxDepthErrorOf(): 0.046 N on a taxel of 3.4 mm.
 /// @}
 
 /// A planar grid of taxels.
@@ -222,6 +223,10 @@ struct Skin {
 /// Elastic foundation of the skin: its own for Winkler, an undamped linear one for the other laws. For an elastic layer, approximately its
 /// stiffness under a contact as wide as the skin is thick.
 Winkler foundationOf(const Skin& skin);
+
+/// MeshOptions::max_depth_error (m) that suits the skin: an error in depth of this size changes the pressure of the foundation by
+/// kMaxPressureError at most, at any depth up to the thickness. At most the default of MeshOptions, 10 um.
+double maxDepthErrorOf(const Skin& skin);
 
 /// Whether the skin has shear, by `friction` or by a law with friction of its own.
 bool hasFriction(const Skin& skin);

@@ -79,7 +79,7 @@ Raises InputError for another shape or dtype, NaN, an index out of range, or no 
 
 scale: metres per unit of the file, 0.001 for millimetres.
 up_axis: axis of the file that becomes z.
-max_depth_error: m, bound of the simplification; 0 keeps every triangle.
+max_depth_error: m, bound of the simplification; 0 keeps every triangle. For a stiff skin use max_depth_error_of(sensor.skin).
 
 Raises InputError for a file that is missing, too large, or not a mesh.)");
 }

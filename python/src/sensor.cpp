@@ -86,6 +86,9 @@ void bindSkin(nb::module_& module) {
             field("friction", &Skin::friction, "Stick-slip friction."),
             field("margin", &Skin::margin, "m, >= 0, skin beyond the taxels; 0 unless the law is ElasticLayer."),
             field("relaxation", &Skin::relaxation, "0 to 4 terms."));
+  module.def("max_depth_error_of", &maxDepthErrorOf, "skin"_a,
+             "Bound of the simplification of meshes (m, max_depth_error of load_mesh()) at which pressures change by 4 kPa at most; at "
+             "most 10 um.");
   module.def("foundation_of", &foundationOf, "skin"_a, "Elastic foundation of the skin: its own for Winkler, a linear one for other laws.");
 }
 

@@ -2,7 +2,7 @@
 
 >>> import taxelsim
 >>> device = taxelsim.Device.open()
->>> sensor = taxelsim.load_sensor(taxelsim.SCENES / "sensors/wts0614.yaml")
+>>> sensor = taxelsim.load_sensor(taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml")
 >>> model = taxelsim.Model(device, sensor, [taxelsim.Cylinder(radius=0.008, length=0.04)])
 >>> simulator = taxelsim.Simulator(model, num_instances=4096)
 >>> simulator.set_objects(0, poses)  # (4096, 7): position, quaternion w, x, y, z, in S
@@ -80,6 +80,7 @@ from ._core import (
     load_scene,
     load_sensor,
     lowest_point,
+    max_depth_error_of,
     nominal_force,
     parse_object,
     pin_depth,
@@ -201,6 +202,7 @@ __all__ = [
     "load_sensor",
     "lowest_point",
     "make_vec",
+    "max_depth_error_of",
     "nominal_force",
     "parse_object",
     "pin_depth",

@@ -29,7 +29,7 @@ def device() -> taxelsim.Device:
 
 @pytest.fixture(scope="session")
 def sensor() -> taxelsim.Sensor:
-    return taxelsim.load_sensor(taxelsim.SCENES / "sensors/wts0614.yaml")
+    return taxelsim.load_sensor(taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml")
 
 
 @pytest.fixture(scope="session")

@@ -34,7 +34,7 @@ def test_sensors_and_objects_of_the_document_are_valid(monkeypatch):
     program = first_program("docs/python.md", "## Sensors and objects").replace('taxelsim.load_mesh("bolt_mm.stl", scale=0.001)', "mesh")
     names = {
         "taxelsim": taxelsim,
-        "sensor": taxelsim.load_sensor(taxelsim.SCENES / "sensors/wts0614.yaml"),
+        "sensor": taxelsim.load_sensor(taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml"),
         "vertices": np.eye(3),
         "triangles": [[0, 1, 2]],
     }

@@ -20,7 +20,7 @@ class Presser:
     """Presses objects 0 and 1 in turn on the instances of one simulator."""
 
     def __init__(self, sampling: taxelsim.DepthSampling, device: taxelsim.Device, count: int) -> None:
-        sensor = taxelsim.load_sensor(taxelsim.SCENES / "sensors/wts0614.yaml").replace(depth_sampling=sampling)
+        sensor = taxelsim.load_sensor(taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml").replace(depth_sampling=sampling)
         model = taxelsim.Model(device, sensor, [taxelsim.Box(size=[0.009, 0.006, 0.012]), taxelsim.Sphere(radius=0.006)])
         self.simulator = taxelsim.Simulator(model, count, outputs=taxelsim.OutputOptions(taxel_jacobian=True))
 

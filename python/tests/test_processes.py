@@ -181,7 +181,7 @@ def test_a_frame_equals_that_of_the_program_to_the_bit(device, sensor):
     pose = [0.0, 0.001, 0.0075, *taxelsim.axis_angle((1, 0, 0), 1.5)]
     arguments = [
         "--sensor",
-        taxelsim.SCENES / "sensors/wts0614.yaml",
+        taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml",
         "--object",
         "cylinder:0.008,0.04",
         "--pose",

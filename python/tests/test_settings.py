@@ -71,7 +71,7 @@ def test_the_same_sensor_comes_from_keywords_and_from_a_file(tmp_path):
 
 
 def test_wrong_sensors_name_their_field(device):
-    sensor = taxelsim.load_sensor(taxelsim.SCENES / "sensors/wts0614.yaml")
+    sensor = taxelsim.load_sensor(taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml")
     with pytest.raises(taxelsim.InputError, match=r"readout\.noise"):
         taxelsim.check_sensor(sensor.replace(readout=sensor.readout.replace(noise=-1)))
     with pytest.raises(taxelsim.InputError, match=r"skin\.thickness"):

@@ -67,7 +67,7 @@ Reach objectsNear(Tile tile, uint instance, uint num_slots) {
 void rasterBody(Tile tile, uint instance, uint slot, Body body, int id, inout Found found) {
   bool is_mesh = body.kind_groups.x == kKindMesh;
   bool sums_cells = AREA && (!is_mesh || (body.kind_groups.w & kClosed) != 0);
-  tile.deepest = max(tile.level - (body.center.z - body.half_size.z), kLeastDepth);
+  tile.deepest = max(body.half_size.z - body.center.z, kLeastDepth);
   if (LIST == kListCandidates) {
     visitCandidates(tile, instance, meshView(tile, body, id, slot), found);
   } else if (kHasMesh && (!kHasAnalytic || is_mesh)) {

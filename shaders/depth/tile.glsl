@@ -14,7 +14,7 @@ struct Tile {
   float z_limit;       // surfaces at or above cannot touch
   float z_floor;       // surfaces below are the far side of the body and are ignored
   float z_base;        // that the heights of the tile count from
-  float level;         // of the undeformed skin; a load search may refine it below a float's resolution of the poses
+  float level;         // of the undeformed skin, below a float's resolution of the poses: what a load search adds to depths
   float deepest;       // of the object whose cells are summed, at most, m; depth/area/cell_depths.glsl
   float offset_z;      // by which a load search over several tiles has moved the objects along z of S
 };

@@ -141,7 +141,7 @@ int runObjects(const Arguments& arguments) {
   sensor.readout.delay = sensor.readout.low_pass_time = 0;  // the single frame shows the steady state
   ModelOptions options{.sensor = sensor, .objects = {}};
   Activity activity("loading objects");
-  options.objects = plan.loadObjects();
+  options.objects = plan.loadObjects(sensor);
   std::vector<int> ids(options.objects.size());
   std::iota(ids.begin(), ids.end(), 0);
 
@@ -204,8 +204,8 @@ void addObjectOptions(CLI::App& command, ObjectArguments& objects) {
 void addFrame(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("frame", "Press objects or contact points against one sensor and print what it reports");
   command->footer(
-      "Examples:\n  taxelsim frame --sensor scenes/sensors/wts0614.yaml --object sphere:0.01 --pose \"0 0 0.0095\"\n"
-      "  taxelsim frame --sensor scenes/sensors/wts0614.yaml --object cylinder:0.008,0.04 --rpy-deg \"90 0 0\" --load 5\n"
+      "Examples:\n  taxelsim frame --sensor scenes/sensors/wts0614_soft_cover.yaml --object sphere:0.01 --pose \"0 0 0.0095\"\n"
+      "  taxelsim frame --sensor scenes/sensors/wts0614_soft_cover.yaml --object cylinder:0.008,0.04 --rpy-deg \"90 0 0\" --load 5\n"
       "Poses are of the object in the sensor frame, whose z points out of the skin: here the sphere is 0.5 mm deep.");
   const auto arguments = std::make_shared<Arguments>();
   command->add_option("--sensor", arguments->sensor, "Sensor file (YAML)")->required()->type_name("FILE");

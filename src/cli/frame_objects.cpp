@@ -53,11 +53,13 @@ ObjectPlan::ObjectPlan(const ObjectArguments& arguments) : arguments_(arguments)
   for (std::size_t i = 0; i < arguments.rotations.size(); ++i) X_SO_[i].rotation = parseRollPitchYaw(arguments.rotations[i]);
 }
 
-std::vector<Object> ObjectPlan::loadObjects() const {
+std::vector<Object> ObjectPlan::loadObjects(const Sensor& sensor) const {
   std::vector<Object> objects;
+  MeshOptions mesh = arguments_.mesh;
+  mesh.max_depth_error = maxDepthErrorOf(sensor.skin);
   bool any_mesh = false;
   for (const std::string& text : arguments_.objects) {
-    objects.push_back(parseObject(text, arguments_.mesh));
+    objects.push_back(parseObject(text, mesh));
     any_mesh = any_mesh || std::holds_alternative<Mesh>(objects.back().shape);
   }
   if (arguments_.has_mesh_options && !any_mesh) fail("--scale and --up-axis belong to mesh files; the sizes of solids are in metres");

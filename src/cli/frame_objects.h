@@ -7,6 +7,7 @@
 
 #include "taxelsim/object.h"
 #include "taxelsim/pose.h"
+#include "taxelsim/sensor.h"
 
 namespace taxelsim::cli {
 
@@ -24,8 +25,8 @@ class ObjectPlan {
   // Checks counts, poses and load; opens no file. Throws Error(kInput).
   explicit ObjectPlan(const ObjectArguments& arguments);
 
-  // Reads the objects. Throws Error(kInput) if there are options of meshes but no mesh.
-  std::vector<Object> loadObjects() const;
+  // Reads the objects, meshes with the error that suits the sensor. Throws Error(kInput) if there are options of meshes but no mesh.
+  std::vector<Object> loadObjects(const Sensor& sensor) const;
   // Poses of these objects.
   std::vector<Pose> posesOf(const std::vector<Object>& objects) const;
 

@@ -54,7 +54,10 @@ StaticExperiment readStaticExperiment(const YamlNode& root, const std::filesyste
   }
   canonical.close();
   if (experiment.sensors.empty()) sensors.refuse("a list of at least one {sensor, fitted}");
-  experiment.objects = readObjects(map, directory);
+  double max_depth_error = maxDepthErrorOf(experiment.reference.skin);
+  for (const StaticExperiment::Entry& entry : experiment.sensors)
+    max_depth_error = std::min(max_depth_error, maxDepthErrorOf(entry.sensor.skin));
+  experiment.objects = readObjects(map, directory, max_depth_error);
   const bool any_fitted = std::any_of(experiment.sensors.begin(), experiment.sensors.end(), [](const auto& entry) { return entry.fitted; });
   if (any_fitted && experiment.objects.size() < 2) {
     root.child("objects")->fail("has 1 indenter: a sensor with fitted: true needs 2, since a fit sees one half and the other is scored");

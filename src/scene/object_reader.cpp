@@ -28,9 +28,9 @@ const YamlMap::Keys& objectKeys() {
 constexpr std::size_t kNumShapes = 8;
 constexpr std::uintmax_t kMaxContourBytes = std::uintmax_t{1} << 20;
 
-Mesh readMesh(const YamlMap& map, const YamlNode& node, const std::filesystem::path& directory) {
+Mesh readMesh(const YamlMap& map, const YamlNode& node, const std::filesystem::path& directory, double max_depth_error) {
   const std::filesystem::path file = readHashedFile(map, "mesh", "a mesh file", directory, kMaxMeshFileBytes);
-  MeshOptions options;
+  MeshOptions options{.max_depth_error = max_depth_error};
   readFields(map, kMeshScaleFields, options);
   const std::string up = map.choice("up_axis", {"x", "y", "z"}, "z");
   options.up_axis = up == "x" ? UpAxis::kX : up == "y" ? UpAxis::kY : UpAxis::kZ;
@@ -116,7 +116,7 @@ class Names {
 
 }  // namespace
 
-std::vector<SceneObject> readObjects(const YamlMap& map, const std::filesystem::path& directory) {
+std::vector<SceneObject> readObjects(const YamlMap& map, const std::filesystem::path& directory, double max_depth_error) {
   Canonical& canonical = map.canonical();
   const std::string what = "a list of at least one object";
   const YamlNode list = map.require("objects", what);
@@ -143,7 +143,7 @@ std::vector<SceneObject> readObjects(const YamlMap& map, const std::filesystem::
     object.motion = readMotion(object_map, directory);
     readEdge(object_map, directory, object);
     if (shape == "mesh") {
-      object.object.shape = readMesh(object_map, object_map.require(shape, "a mesh file"), directory);
+      object.object.shape = readMesh(object_map, object_map.require(shape, "a mesh file"), directory, max_depth_error);
     } else {
       for (const std::string_view key : {"scale", "up_axis", "max_depth_error", "sha256"}) {
         if (const std::optional<YamlNode> node = object_map.find(key)) node->fail("belongs to a mesh, not to a " + std::string(shape));

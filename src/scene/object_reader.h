@@ -9,8 +9,9 @@
 
 namespace taxelsim {
 
-// Reads the objects of the scene `map`, loads their meshes (relative to `directory`) and checks them with checkObject().
-std::vector<SceneObject> readObjects(const YamlMap& map, const std::filesystem::path& directory);
+// Reads the objects of the scene `map`, loads their meshes (relative to `directory`) and checks them with checkObject(). `max_depth_error`:
+// m, of meshes that have no key of that name.
+std::vector<SceneObject> readObjects(const YamlMap& map, const std::filesystem::path& directory, double max_depth_error);
 
 // Fails at the first object that has a `motion`, with `reason`.
 void refuseMotions(const YamlMap& map, const std::string& reason);

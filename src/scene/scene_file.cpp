@@ -240,7 +240,7 @@ Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrid
   if (scene.kind == Scene::Kind::kContacts && !std::holds_alternative<FreeFlying>(scene.robot)) {
     map.find("robot")->fail("a scene of kind contacts has one frame, in which nothing moves");
   }
-  scene.objects = readObjects(map, directory);
+  scene.objects = readObjects(map, directory, maxDepthErrorOf(scene.sensor.skin));
   if (scene.kind == Scene::Kind::kContacts) refuseMotions(map, "a scene of kind contacts has one frame, in which nothing moves");
   readEpisode(map, scene);
   checkDelay(map, scene);

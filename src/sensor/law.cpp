@@ -1,6 +1,9 @@
+#include <algorithm>
+#include <cmath>
 #include <variant>
 
 #include "sensor/elastic_layer.h"
+#include "taxelsim/object.h"
 #include "taxelsim/sensor.h"
 
 namespace taxelsim {
@@ -25,6 +28,12 @@ struct Foundation {
 
 Winkler foundationOf(const Skin& skin) {
   return std::visit(Foundation{skin.thickness}, skin.law);
+}
+
+double maxDepthErrorOf(const Skin& skin) {
+  const auto [stiffness, exponent, damping] = foundationOf(skin);
+  const double slope = stiffness * exponent * std::pow(skin.thickness, exponent - 1);  // Pa/m, the largest
+  return std::min(kMaxPressureError / slope, MeshOptions{}.max_depth_error);
 }
 
 bool hasFriction(const Skin& skin) {

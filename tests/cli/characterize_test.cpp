@@ -90,7 +90,7 @@ TEST(Characterize, ReportIsSelfContained) {
 TEST(Characterize, WritesACurveOfStraightPieces) {
   const TemporaryDirectory directory;
   std::ofstream(directory / "pieces.yaml") << "format_version: 1\nmeasurement: force_curve\nsensor: " TAXELSIM_SOURCE_DIR
-                                              "/scenes/sensors/wts0614.yaml\ncurve_segments: 4\ntable: force_curve.csv\n";
+                                              "/scenes/sensors/wts0614_soft_cover.yaml\ncurve_segments: 4\ntable: force_curve.csv\n";
   std::filesystem::copy_file(kMeasurements + "force_curve.csv", directory / "force_curve.csv");
   const Outcome outcome = runTaxelsim({"characterize", directory / "pieces.yaml", "-o", directory / "s.yaml"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
@@ -125,7 +125,7 @@ TEST(Characterize, RejectsBadInputWithoutWriting) {
   expectRefused(runTaxelsim(arguments), "m.yaml: names another sensor than");
   write("n.csv", "depth_mm,force_N\n0,0\n1,nan\n");
   write("n.yaml", "format_version: 1\nmeasurement: force_depth\nsensor: " TAXELSIM_SOURCE_DIR
-                  "/scenes/sensors/wts0614.yaml\ntable: n.csv\nindenter: {flat_pin: {radius_mm: 0.5}}\n");
+                  "/scenes/sensors/wts0614_soft_cover.yaml\ntable: n.csv\nindenter: {flat_pin: {radius_mm: 0.5}}\n");
   expectRefused(runTaxelsim({"characterize", directory / "n.yaml", "-o", sensor}), "n.csv:3:3: force_N: \"nan\" is not allowed");
   write("u.yaml", "format_version: 1\nzebra: 1\n");
   const Outcome unknown = runTaxelsim({"characterize", directory / "u.yaml", "-o", sensor});

@@ -121,7 +121,7 @@ TEST_F(Compare, DataSetWithoutASensor) {
   for (int t = 0; t < 84; ++t) heading += (t > 0 ? ",r" : "r") + std::to_string(t / 14) + "_c" + std::to_string(t % 14);
   for (const double value : reader.readAsDouble("data/tactile_image", 2, 1)) values += (values.empty() ? "" : ",") + std::to_string(value);
   const std::string real =
-      images("frame", heading + "\n" + values + "\n", std::string(TAXELSIM_SOURCE_DIR) + "/scenes/sensors/wts0614.yaml");
+      images("frame", heading + "\n" + values + "\n", std::string(TAXELSIM_SOURCE_DIR) + "/scenes/sensors/wts0614_soft_cover.yaml");
   const Json json = jsonOf({"compare", real, at("data"), "--json"});
   ASSERT_EQ(json["pairs"].size(), reader.numFrames());
   EXPECT_EQ(json["pairs"][2]["M1_median_difference"], 0);
@@ -132,7 +132,7 @@ TEST_F(Compare, DataSetWithoutASensor) {
 
 TEST_F(Compare, DataSetsOfOneScene) {
   write("scene.yaml", std::string("format_version: 1\nname: pressed\nkind: contacts\nsensor: ") + TAXELSIM_SOURCE_DIR +
-                          "/scenes/sensors/wts0614.yaml\nobjects: [{sphere: {radius_mm: 10}}]\nrandomization: {load: [1, 3]}\n");
+                          "/scenes/sensors/wts0614_soft_cover.yaml\nobjects: [{sphere: {radius_mm: 10}}]\nrandomization: {load: [1, 3]}\n");
   for (const char* seed : {"1", "2"}) {
     const Outcome made = runTaxelsim({"generate", at("scene.yaml"), "-o", at(seed), "--episodes", "3", "--seed", seed});
     ASSERT_EQ(made.status, 0) << made.err;

@@ -15,7 +15,7 @@ namespace {
 
 // One servo loop with the measured Jacobian; the recorded columns need no further outputs.
 const std::string kScene = "format_version: 1\nname: jacobian\nkind: servo\nsensor: " TAXELSIM_SOURCE_DIR
-                           "/scenes/sensors/wts0614.yaml\n"
+                           "/scenes/sensors/wts0614_soft_cover.yaml\n"
                            "objects: [{name: rod, cylinder: {radius_mm: 2, length_mm: 120}, edge: [0, 0, 1]}]\n"
                            "episode: {num_steps: 10, simulation_rate: 100}\nrandomization: {load: [1, 4]}\n"
                            "controllers: [{name: j, tactile_servo: {jacobian: measured, total_force: {kp: 2}}}]\n"
@@ -46,7 +46,7 @@ TEST(DevicesPlan, CountsTheJacobianThatAControllerNeeds) {
 TEST(DevicesPlan, CountsTheSensorOfACondition) {
   const TemporaryDirectory root;
   const std::string file = root / "scene.yaml";
-  Sensor sensor = loadSensor(TAXELSIM_SOURCE_DIR "/scenes/sensors/wts0614.yaml");
+  Sensor sensor = loadSensor(TAXELSIM_SOURCE_DIR "/scenes/sensors/wts0614_soft_cover.yaml");
   sensor.readout.creep.push_back({.fraction = 0.1, .time = 1});
   std::ofstream(root / "slow.yaml") << sensorText(sensor);
   std::ofstream(file) << kScene << "conditions: {slow: {sensor: slow.yaml}}\n";

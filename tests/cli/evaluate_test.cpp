@@ -13,7 +13,7 @@ namespace taxelsim::testing {
 namespace {
 
 const std::string kText = std::string("format_version: 1\nname: small\nkind: servo\nsensor: ") + TAXELSIM_SOURCE_DIR +
-                          R"(/scenes/sensors/wts0614.yaml
+                          R"(/scenes/sensors/wts0614_soft_cover.yaml
 objects: [{cylinder: {radius_mm: 5, length_mm: 100}, orientation: {rpy_deg: [90, 0, 0]}, edge: [0, 0, 1]}]
 episode: {num_steps: 60}
 randomization: {yaw_deg: [-40, 40], load: [1, 3]}

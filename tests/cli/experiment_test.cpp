@@ -19,7 +19,7 @@ const std::string kScenes = std::string(TAXELSIM_SOURCE_DIR) + "/scenes";
 std::string experimentText(const std::string& reference, const std::string& sensors,
                            const std::string& rest = "yaw_deg: [0, 45]\nloads: [1, 4]\n") {
   return "format_version: 1\nname: small\nexperiment: static\nreference: " + reference + "\nsensors: " + sensors +
-         "\nobjects:\n  - {name: bar, box: {size_mm: [5, 30, 20]}}\n  - {name: ball, sphere: {radius_mm: 10}}\n" + rest;
+         "\nobjects:\n  - {name: ball, sphere: {radius_mm: 10}}\n  - {name: bar, box: {size_mm: [5, 30, 20]}}\n" + rest;
 }
 
 std::filesystem::path written(const TemporaryDirectory& root, const std::string& name, const std::string& text) {
@@ -45,19 +45,20 @@ TEST(ImageDistance, ByHand) {
 TEST(ExperimentStudy, FitRecoversTheReferenceSensor) {
   const TemporaryDirectory root;
   // A softer skin with another spread than the shipped sensor, from which the fit starts.
-  std::ifstream source(shipped("wts0614"));
+  std::ifstream source(shipped("wts0614_soft_cover"));
   std::string text((std::istreambuf_iterator<char>(source)), {});
-  text.replace(text.find("1.73e8"), 6, "0.70e8");
-  text.replace(text.find("sigma: 0.5"), 10, "sigma: 0.7");
+  const auto replace = [&](const std::string& from, const std::string& to) { text.replace(text.find(from), from.size(), to); };
+  replace("normal_contact_stiffness: 1.73e8", "normal_contact_stiffness: 0.70e8");
+  replace("sigma: 0.5", "sigma: 0.7");
   written(root, "soft.yaml", text);
-  const std::filesystem::path file =
-      written(root, "x.yaml", experimentText("soft.yaml", "[{sensor: " + shipped("wts0614") + ", fitted: true}, {sensor: soft.yaml}]"));
+  const std::filesystem::path file = written(
+      root, "x.yaml", experimentText("soft.yaml", "[{sensor: " + shipped("wts0614_soft_cover") + ", fitted: true}, {sensor: soft.yaml}]"));
   const Outcome outcome = runTaxelsim({"experiment", file, "--json"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const nlohmann::json json = nlohmann::json::parse(outcome.out);
   const nlohmann::json& fitted = json["sensors"][0];
   constexpr double kFound = 0.02;  // size of the simplex after its evaluations, of the logarithms
-  EXPECT_EQ(fitted["sensor"], "wts0614_fitted");
+  EXPECT_EQ(fitted["sensor"], "wts0614_soft_cover_fitted");
   EXPECT_NEAR(std::log(fitted["normal_contact_stiffness"].get<double>() / 0.7e8), 0, kFound);
   EXPECT_NEAR(std::log(fitted["psf_sigma"].get<double>() / 0.7), 0, kFound);
   for (const auto& median : fitted["medians"]) EXPECT_LT(median["relative_l1"].get<double>(), kFound);
@@ -72,15 +73,16 @@ TEST(ExperimentStudy, FitRecoversTheReferenceSensor) {
 
 TEST(Experiment, TableAndPictures) {
   const TemporaryDirectory root;
-  const std::filesystem::path file = written(root, "x.yaml",
-                                             experimentText(shipped("wts0614"), "[{sensor: " + shipped("wts0614_deformation_mask") +
-                                                                                    "}, {sensor: " + shipped("wts0614_proximity") + "}]"));
+  const std::filesystem::path file =
+      written(root, "x.yaml",
+              experimentText(shipped("wts0614_soft_cover"),
+                             "[{sensor: " + shipped("wts0614_deformation_mask") + "}, {sensor: " + shipped("wts0614_proximity") + "}]"));
   const Outcome outcome = runTaxelsim({"experiment", file, "-o", root / "figures"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_NE(outcome.out.find("wts0614_deformation_mask"), std::string::npos);
   EXPECT_NE(outcome.out.find("M4"), std::string::npos);
-  EXPECT_NE(outcome.out.find("Reference: images of wts0614, simulated by the law winkler"), std::string::npos) << outcome.out;
-  EXPECT_NE(outcome.out.find("medians over the\ncontacts of bar, ball\n"), std::string::npos) << "no fit, so all count: " << outcome.out;
+  EXPECT_NE(outcome.out.find("Reference: images of wts0614_soft_cover, simulated by the law winkler"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("medians over the\ncontacts of ball, bar\n"), std::string::npos) << "no fit, so all count: " << outcome.out;
   EXPECT_NE(outcome.out.find("\nall-zero image "), std::string::npos) << outcome.out;
   EXPECT_NE(outcome.out.find("\nuniform image "), std::string::npos) << outcome.out;
   EXPECT_NE(outcome.err.find("info: wrote 4 figures to " + (root / "figures").string()), std::string::npos) << outcome.err;
@@ -123,7 +125,7 @@ TEST(ExperimentStudy, EveryImageOfTheShippedOneHasActiveTaxels) {
     for (const auto& contact : sensor["contacts"]) {
       double most = 0;
       for (const auto& force : contact["tactile_normal_force"]) most = std::max(most, force.get<double>());
-      EXPECT_GT(most, 0.02) << sensor["sensor"] << " " << contact["object"];  // N: the trigger of wts0614.yaml
+      EXPECT_GT(most, 0.02) << sensor["sensor"] << " " << contact["object"];  // N: the trigger of wts0614_soft_cover.yaml
       ++num_images;
     }
   }
@@ -132,19 +134,20 @@ TEST(ExperimentStudy, EveryImageOfTheShippedOneHasActiveTaxels) {
 
 TEST(Experiment, CalibrationTablesAndPicture) {
   const TemporaryDirectory root;
-  const std::filesystem::path file = written(root, "x.yaml",
-                                             "format_version: 1\nname: pin\nexperiment: calibration\nsensors: [" + shipped("wts0614") +
-                                                 "]\npin_radius_mm: 1.5\ntaxels: [39, 0]\nplaces: 3\ndepths_mm: [0.5, 1]\nloads: "
-                                                 "[0.5, 1000]\nmeasured:\n  force_at_depth: [{depth_mm: 1, force: 2}]\n  "
-                                                 "counts_at_force: [{force: 0.5, counts: 700}, {force: 1000, counts: 800}]\n");
+  const std::filesystem::path file =
+      written(root, "x.yaml",
+              "format_version: 1\nname: pin\nexperiment: calibration\nsensors: [" + shipped("wts0614_soft_cover") +
+                  "]\npin_radius_mm: 1.5\ntaxels: [39, 0]\nplaces: 3\ndepths_mm: [0.5, 1]\nloads: "
+                  "[0.5, 1000]\nmeasured:\n  force_at_depth: [{depth_mm: 1, force: 2}]\n  "
+                  "counts_at_force: [{force: 0.5, counts: 700}, {force: 1000, counts: 800}]\n");
   const Outcome outcome = runTaxelsim({"experiment", file, "-o", root / "figures"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const auto has = [&](const char* part) { EXPECT_NE(outcome.out.find(part), std::string::npos) << part << "\n" << outcome.out; };
   has("pin: a flat pin of 3 mm diameter on 9 places of taxel 39 and in the middles of 2 taxels\n");
-  has("\nwts0614                                  1      2.00      ");
-  has("\nwts0614                                0.5       700       ");
-  has("\nwts0614                               1000       800         -         -         -         -\n");
-  has("\nwts0614: 2 of 4 presses on the middles of taxels do not reach their load");
+  has("\nwts0614_soft_cover                       1      2.00      ");
+  has("\nwts0614_soft_cover                     0.5       700       ");
+  has("\nwts0614_soft_cover                    1000       800         -         -         -         -\n");
+  has("\nwts0614_soft_cover: 2 of 4 presses on the middles of taxels do not reach their load");
   EXPECT_NE(outcome.err.find("info: wrote 1 figure to " + (root / "figures").string()), std::string::npos) << outcome.err;
   EXPECT_TRUE(contentOf(root / "figures" / "calibration.png").starts_with("\x89PNG"));
   const Outcome json_outcome = runTaxelsim({"experiment", file, "--json"});
@@ -158,25 +161,26 @@ TEST(Experiment, CalibrationTablesAndPicture) {
 
 TEST(Experiment, Refusals) {
   const TemporaryDirectory root;
-  const std::string sensor = "[{sensor: " + shipped("wts0614") + "}]";
+  const std::string sensor = "[{sensor: " + shipped("wts0614_soft_cover") + "}]";
   const auto refused = [&](const std::string& text, const std::string& part) {
     expectRefused(runTaxelsim({"experiment", written(root, "x.yaml", text)}), part);
   };
   refused(experimentText("missing.yaml", sensor), "x.yaml:4:12: reference: ");
-  refused(experimentText(shipped("wts0614"), "[]"), "x.yaml:5:10: sensors");
-  refused(experimentText(shipped("wts0614"), "[{sensor: " + shipped("digitacts_6x4") + "}]"), "taxels, the reference 84");
-  refused(experimentText(shipped("wts0614"), "[{sensor: " + shipped("wts0614_proximity") + ", fitted: true}]"),
+  refused(experimentText(shipped("wts0614_soft_cover"), "[]"), "x.yaml:5:10: sensors");
+  refused(experimentText(shipped("wts0614_soft_cover"), "[{sensor: " + shipped("digitacts_6x4") + "}]"), "taxels, the reference 84");
+  refused(experimentText(shipped("wts0614_soft_cover"), "[{sensor: " + shipped("wts0614_proximity") + ", fitted: true}]"),
           "only sensors of law winkler can be fitted");
-  refused(experimentText(shipped("wts0614"), "[{sensor: " + shipped("wts0614") + ", fitted: perhaps}]"),
+  refused(experimentText(shipped("wts0614_soft_cover"), "[{sensor: " + shipped("wts0614_soft_cover") + ", fitted: perhaps}]"),
           "fitted: perhaps is not allowed: true | false");
-  std::string one_indenter = experimentText(shipped("wts0614"), "[{sensor: " + shipped("wts0614") + ", fitted: true}]");
-  one_indenter.erase(one_indenter.find("  - {name: ball"), one_indenter.find("yaw") - one_indenter.find("  - {name: ball"));
+  std::string one_indenter =
+      experimentText(shipped("wts0614_soft_cover"), "[{sensor: " + shipped("wts0614_soft_cover") + ", fitted: true}]");
+  one_indenter.erase(one_indenter.find("  - {name: bar"), one_indenter.find("yaw") - one_indenter.find("  - {name: bar"));
   refused(one_indenter, "objects: has 1 indenter: a sensor with fitted: true needs 2");
-  refused(experimentText(shipped("wts0614"), sensor, "yaw: [0]\nloads: [-1]\n"), "loads");
-  refused(experimentText(shipped("wts0614"), sensor, "yaw: []\nloads: [1]\n"), "yaw");
-  refused(experimentText(shipped("wts0614"), sensor, "yaw: [0]\n"), "loads is missing");
-  refused(experimentText(shipped("wts0614"), sensor, "yaw: [0]\nloads: [1e6]\n"), "out of reach");
-  refused(experimentText(shipped("wts0614"), sensor) + "zebra: 1\n", "unknown key");
+  refused(experimentText(shipped("wts0614_soft_cover"), sensor, "yaw: [0]\nloads: [-1]\n"), "loads");
+  refused(experimentText(shipped("wts0614_soft_cover"), sensor, "yaw: []\nloads: [1]\n"), "yaw");
+  refused(experimentText(shipped("wts0614_soft_cover"), sensor, "yaw: [0]\n"), "loads is missing");
+  refused(experimentText(shipped("wts0614_soft_cover"), sensor, "yaw: [0]\nloads: [1e6]\n"), "out of reach");
+  refused(experimentText(shipped("wts0614_soft_cover"), sensor) + "zebra: 1\n", "unknown key");
   expectRefused(runTaxelsim({"experiment", root / "none.yaml"}), "none.yaml");
 }
 

@@ -17,8 +17,8 @@
 namespace taxelsim::testing {
 namespace {
 
-const std::string kSensor = std::string(TAXELSIM_SOURCE_DIR) + "/scenes/sensors/wts0614.yaml";
-constexpr double kStiffness = 1.73e8;  // N/m^3, scenes/sensors/wts0614.yaml
+const std::string kSensor = std::string(TAXELSIM_SOURCE_DIR) + "/scenes/sensors/wts0614_soft_cover.yaml";
+constexpr double kStiffness = 1.73e8;  // N/m^3, scenes/sensors/wts0614_soft_cover.yaml
 
 std::vector<std::string> frame(const std::string& object, const std::string& pose, std::vector<std::string> more = {}) {
   std::vector<std::string> command{"frame", "--sensor", kSensor, "--object", object, "--pose", pose};

@@ -11,7 +11,7 @@
 namespace taxelsim::testing {
 namespace {
 
-const std::string kSensor = std::string(TAXELSIM_SOURCE_DIR) + "/scenes/sensors/wts0614.yaml";
+const std::string kSensor = std::string(TAXELSIM_SOURCE_DIR) + "/scenes/sensors/wts0614_soft_cover.yaml";
 const std::string kObjects = std::string(TAXELSIM_SOURCE_DIR) + "/scenes/objects/";
 
 // Servo episodes with meshes and a solid and all random draws, in five shards.

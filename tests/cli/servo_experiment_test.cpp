@@ -25,7 +25,7 @@ std::string sceneText(
         "      total_force: {reference: 4, kp: 5}\n"
         "      center_across: {kp: 5}\n") {
   return "format_version: 1\nname: scene\nkind: servo\nsensor: " + kScenes +
-         "/sensors/wts0614.yaml\nobjects:\n"
+         "/sensors/wts0614_soft_cover.yaml\nobjects:\n"
          "  - {name: bar, cylinder: {radius_mm: 10, length_mm: 100}, orientation: {rpy_deg: [90, 0, 0]}, edge: [0, 0, 1]}\n"
          "  - {name: waved, cylinder: {radius_mm: 10, length_mm: 100}, orientation: {rpy_deg: [90, 0, 0]}, edge: [0, 0, 1],\n"
          "     motion: {sinusoid: {axis: [0, 0, 1], angle_deg: 5, frequency: 1}}}\n"
@@ -158,11 +158,11 @@ TEST_F(ServoExperimentCommand, Refusals) {
   refused("[1]\n", "x.yaml:1:1");
   written("scene.yaml",
           "format_version: 1\nname: scene\nkind: servo\nsensor: " + kScenes +
-              "/sensors/wts0614.yaml\nobjects: [{sphere: {radius_mm: 10}}]\nepisode: {num_steps: 5}\nrandomization: {load: 1}\n"
+              "/sensors/wts0614_soft_cover.yaml\nobjects: [{sphere: {radius_mm: 10}}]\nepisode: {num_steps: 5}\nrandomization: {load: 1}\n"
               "controllers: [{name: p, tactile_servo: {edge_angle: {kp: 1}}}]\n");
   refused(experimentText("  - {name: a, controller: p, theory: characteristic}\n"), "an object at rest that has an edge");
   written("scene.yaml", "format_version: 1\nname: scene\nkind: contacts\nsensor: " + kScenes +
-                            "/sensors/wts0614.yaml\nobjects: [{sphere: {radius_mm: 10}}]\nrandomization: {load: 1}\n");
+                            "/sensors/wts0614_soft_cover.yaml\nobjects: [{sphere: {radius_mm: 10}}]\nrandomization: {load: 1}\n");
   refused(experimentText(run + "}\n"), "is a scene of kind contacts: one of kind servo");
 }
 

@@ -15,7 +15,7 @@ namespace {
 // One frame of 24 spheres, by default in six shards.
 std::string writeScene(const std::string& file, const std::string& radius = "5", int episodes_per_shard = 4) {
   std::ofstream(file) << "format_version: 1\nname: balls\nkind: contacts\nsensor: " << TAXELSIM_SOURCE_DIR
-                      << "/scenes/sensors/wts0614.yaml\nobjects: [{sphere: {radius_mm: " << radius
+                      << "/scenes/sensors/wts0614_soft_cover.yaml\nobjects: [{sphere: {radius_mm: " << radius
                       << "}}]\nrandomization: {load: [0.1, 1]}\nrecord: [tactile_image]\n"
                       << "data_set: {episodes: 24, seed: 1, episodes_per_shard: " << episodes_per_shard << "}\n";
   return file;

@@ -36,7 +36,7 @@ void readSensor(std::string_view input) {
 // The input is the end of a scene: its block `task`.
 void readTask(std::string_view input) {
   static const std::string scene =
-      "format_version: 1\nname: task\nkind: servo\nsensor: sensors/wts0614.yaml\n"
+      "format_version: 1\nname: task\nkind: servo\nsensor: sensors/wts0614_soft_cover.yaml\n"
       "objects:\n  - {mesh: objects/edge_bar.obj, edge: [0, 1, 0]}\n"
       "episode: {num_steps: 1000, simulation_rate: 100}\nrandomization: {load: 1}\n"
       "controller: {tactile_servo: {total_force: {kp: 2}}}\n";

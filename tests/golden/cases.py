@@ -72,8 +72,8 @@ def scene(sensor, objects, randomization, record, kind, steps, controller, robot
 
 
 DATA_SETS = {
-    "winkler_servo": servo(SENSORS + "wts0614.yaml", MIXED, ["load: [0.5, 5]", *NOISY]),
-    "winkler_loads": contacts(SENSORS + "wts0614.yaml", MIXED + SOLIDS, ["load: [0.2, 3]", *NOISY]),
+    "winkler_servo": servo(SENSORS + "wts0614_soft_cover.yaml", MIXED, ["load: [0.5, 5]", *NOISY]),
+    "winkler_loads": contacts(SENSORS + "wts0614_soft_cover.yaml", MIXED + SOLIDS, ["load: [0.2, 3]", *NOISY]),
     "mass_spring_damper": servo(SENSORS + "wts0614_mass_spring_damper.yaml", MIXED, ["load: [0.5, 3]"]),
     "deformation_mask": contacts(SENSORS + "wts0614_deformation_mask.yaml", MIXED, ["load: [0.5, 3]"]),
     "proximity": contacts(SENSORS + "wts0614_proximity.yaml", MIXED + SOLIDS, ["depth_mm: [0.1, 1]"], IMAGES + ["penetration_depth"]),
@@ -94,7 +94,7 @@ DATA_SETS = {
             ["hysteresis_strength: [0.1, 0.05]", "hysteresis_width: [0.02, 0.1]", "creep: [{fraction: 0.1, time: 0.2}]", "low_pass_time: 0.01",
              "delay: 0.02", "bias: 3", "random_walk: 5", "gain_spread: 0.1", "dead_taxel_probability: 0.05", "noise: 4"]),
         MIXED, ["load: [1, 3]"]),
-    "robot": servo(SENSORS + "wts0614.yaml",
+    "robot": servo(SENSORS + "wts0614_soft_cover.yaml",
                    [CYLINDER.replace("edge:", "motion: {hand_held: {drift_mm: 0.3, drift_angle_deg: 1, tremor_mm: 0.02}}, edge:")],
                    ["load: [1, 4]", "exploration_velocity_mm: [0, 8]", "linear_action_noise_mm: [0, 2]"], record=IMAGES + ["actions", "robot"],
                    robot="scenes/robots/pan_tilt.yaml", controller="""
@@ -115,11 +115,11 @@ def pressed(sensor, shape, pose, *more):
 def frames():
     """Name to arguments of `taxelsim frame --json`."""
     cases = {}
-    laws = ["wts0614", "wts0614_pin", "wts0614_mass_spring_damper", "wts0614_deformation_mask", "wts0614_proximity", "wts0614_lugre",
-            "wts0614_elastic_layer", "cea_list", "digitacts_6x4", "fingertip_sphere", "fingertip_cylinder", "weiss_dsa_distal"]
+    laws = ["wts0614", "wts0614_soft_cover", "wts0614_pin", "wts0614_mass_spring_damper", "wts0614_deformation_mask", "wts0614_proximity",
+            "wts0614_lugre", "wts0614_elastic_layer", "cea_list", "digitacts_6x4", "fingertip_sphere", "fingertip_cylinder", "weiss_dsa_distal"]
     for sensor in laws:
         cases[f"{sensor}_sphere"] = pressed(sensor, "sphere:0.01", f"0.001 0.0005 0.0094 {UPRIGHT}")
-    for sensor in ["wts0614", "wts0614_deformation_mask", "wts0614_elastic_layer", "digitacts_6x4", "fingertip_sphere", "weiss_dsa_distal"]:
+    for sensor in ["wts0614_soft_cover", "wts0614_deformation_mask", "wts0614_elastic_layer", "digitacts_6x4", "fingertip_sphere", "weiss_dsa_distal"]:
         cases[f"{sensor}_load"] = pressed(sensor, "sphere:0.006", f"0 0.0003 0.02 {UPRIGHT}", "--load", "0.7")
         cases[f"{sensor}_prism"] = pressed(sensor, OBJECTS + "hex_prism.obj", f"0.001 0 0.0082 {TURNED}")
     shapes = {
@@ -137,12 +137,12 @@ def frames():
         "banana": (OBJECTS + "YcbBanana.obj", f"0 0 0.017 {UPRIGHT}"),
     }
     for name, (shape, pose) in shapes.items():
-        cases[f"wts0614_{name}"] = pressed("wts0614", shape, pose)
-    cases["wts0614_two_objects"] = pressed("wts0614", "sphere:0.005", f"0 0.01 0.0045 {UPRIGHT}") + [
+        cases[f"wts0614_soft_cover_{name}"] = pressed("wts0614_soft_cover", shape, pose)
+    cases["wts0614_soft_cover_two_objects"] = pressed("wts0614_soft_cover", "sphere:0.005", f"0 0.01 0.0045 {UPRIGHT}") + [
         "--object", "sphere:0.006", "--pose", f"0.002 -0.01 0.0054 {UPRIGHT}"]
-    cases["wts0614_contacts"] = ["--sensor", SENSORS + "wts0614.yaml", "--contacts", "tests/golden/contacts.csv"]
+    cases["wts0614_soft_cover_contacts"] = ["--sensor", SENSORS + "wts0614_soft_cover.yaml", "--contacts", "tests/golden/contacts.csv"]
     cases["digitacts_contacts"] = ["--sensor", SENSORS + "digitacts_6x4.yaml", "--contacts", "tests/golden/contacts.csv"]
-    cases["wts0614_banana_load"] = pressed("wts0614", OBJECTS + "YcbBanana.obj", f"0 0 0.05 {UPRIGHT}", "--load", "3")
+    cases["wts0614_soft_cover_banana_load"] = pressed("wts0614_soft_cover", OBJECTS + "YcbBanana.obj", f"0 0 0.05 {UPRIGHT}", "--load", "3")
     return cases
 
 

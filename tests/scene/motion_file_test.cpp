@@ -130,7 +130,7 @@ TEST(MotionFile, RejectsMotionInScenesOfContacts) {
   EXPECT_THAT(refusal(file, [&] { loadScene(file); }),
               testing::StartsWith(":17:13: objects[0].motion: a scene of kind contacts has one frame, in which nothing moves"));
 
-  const std::string sensor = (std::filesystem::path(TAXELSIM_SOURCE_DIR) / "scenes/sensors/wts0614.yaml").string();
+  const std::string sensor = (std::filesystem::path(TAXELSIM_SOURCE_DIR) / "scenes/sensors/wts0614_soft_cover.yaml").string();
   const std::filesystem::path experiment = directory.write(
       "experiment.yaml", "format_version: 1\nname: x\nexperiment: static\nreference: " + sensor + "\nsensors: [{sensor: " + sensor +
                              "}]\nobjects:\n  - sphere: {radius: 1}\n    motion: {hand_held: {}}\nyaw: [0]\nloads: [1]\n");

@@ -107,7 +107,7 @@ TEST(ShippedSensors, SensorTextReadsBackAsTheSameSensor) {
 }
 
 TEST(ShippedSensors, WeissArrayHasThePapersNumbers) {
-  const Sensor sensor = loadSensor(kScenes / "sensors/wts0614.yaml");
+  const Sensor sensor = loadSensor(kScenes / "sensors/wts0614_soft_cover.yaml");
   EXPECT_EQ(numTaxels(sensor), 84);
   EXPECT_EQ(sensor.patches[0].pitch[0], 0.0034);
   // 2 N/mm over one taxel, rounded to three digits.

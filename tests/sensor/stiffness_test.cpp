@@ -3,12 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "sensor/flat_punch.h"
 #include "taxelsim/error.h"
+#include "taxelsim/object.h"
 
 namespace taxelsim {
 namespace {
@@ -241,6 +243,25 @@ TEST(Stiffness, RefusesValuesOutOfRange) {
   EXPECT_THROW(pinForce(skin, 0, 0.001), Error);
   EXPECT_THROW(pinDepth(skin, 0.001, -1), Error);
   EXPECT_THROW(layerPinStiffness({1e6, 0.5}, 0.002, 0.001), Error);
+}
+
+// An error in depth may change the pressure by kMaxPressureError, wherever on the curve p = k d^e the skin is pressed.
+TEST(MaxDepthError, BoundsTheErrorOfThePressure) {
+  constexpr double kRounding = 1e-9;  // of pressures up to 2e8 Pa in double precision, relative to kMaxPressureError
+  for (const double exponent : {1.0, 1.5, 2.0}) {
+    for (const double stiffness : {1.73e8, 2.546e9, 1e11}) {
+      const Skin skin{.thickness = 2e-3, .law = Winkler{.normal_contact_stiffness = stiffness, .normal_exponent = exponent}};
+      const double error = maxDepthErrorOf(skin);
+      EXPECT_LE(error, MeshOptions{}.max_depth_error);
+      double largest = 0;
+      for (double depth = error; depth <= skin.thickness; depth += skin.thickness / 64) {
+        largest = std::max(largest, stiffness * (std::pow(depth, exponent) - std::pow(depth - error, exponent)));
+      }
+      EXPECT_LE(largest, kMaxPressureError * (1 + kRounding));
+      const double tightest = stiffness * exponent * std::pow(skin.thickness, exponent - 1) * error;
+      EXPECT_TRUE(error == MeshOptions{}.max_depth_error || std::abs(tightest / kMaxPressureError - 1) < kRounding) << "smaller than needed";
+    }
+  }
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kDt = 1e-3;  // s
 constexpr int kNoCap = 65535;
 constexpr int kUsualCap = 64;  // contacts, what callers of dCollide() commonly have room for
-// The paper's penalty of one contact, 2 N/mm; scenes/sensors/wts0614.yaml spreads it over a taxel of (3.4 mm)^2.
+// The paper's penalty of one contact, 2 N/mm; scenes/sensors/wts0614_soft_cover.yaml spreads it over a taxel of (3.4 mm)^2.
 constexpr double kStiffnessOfContact = 2000;                          // N/m
 constexpr double kStiffness = kStiffnessOfContact / 3.4e-3 / 3.4e-3;  // N/m^3
 // Room for ODE's own rounding (its box and cylinder tests work to about 1e-6 of a size) and ours.
@@ -246,7 +246,7 @@ void print(const char* object, const std::string& sensor, int cap, const Differe
 // The table of docs/validation.md. Asserted is only what the usual cap does: in some pose it turns the direction by tens of degrees and
 // moves the centre by more than a taxel, where the whole list of the same contacts gives both.
 TEST(Ode, OnTheSensorOfThePaper) {
-  const Sensor sensor = loadSensor(std::string(TAXELSIM_SOURCE_DIR) + "/scenes/sensors/wts0614.yaml");
+  const Sensor sensor = loadSensor(std::string(TAXELSIM_SOURCE_DIR) + "/scenes/sensors/wts0614_soft_cover.yaml");
   struct Case {
     const char* name;
     Object object;

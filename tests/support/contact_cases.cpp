@@ -15,7 +15,7 @@ constexpr double kWtsPitch = 3.4e-3;  // m
 }  // namespace
 
 Sensor wts0614() {
-  return loadSensor(TAXELSIM_SOURCE_DIR "/scenes/sensors/wts0614.yaml");
+  return loadSensor(TAXELSIM_SOURCE_DIR "/scenes/sensors/wts0614_soft_cover.yaml");
 }
 
 ContactCase randomEdge(Random& random) {

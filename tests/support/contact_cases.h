@@ -11,7 +11,7 @@ namespace taxelsim::support {
 
 Sensor wts0614();
 
-// Noise of scenes/sensors/wts0614.yaml, counts.
+// Noise of scenes/sensors/wts0614_soft_cover.yaml, counts.
 inline constexpr double kWtsNoise = 17;
 
 struct ContactCase {

@@ -3,7 +3,7 @@
 >>> import mujoco, taxelsim.mujoco
 >>> model = mujoco.MjModel.from_xml_path("hand.xml")
 >>> batch = mujoco.batch.Batch(model, nsim=1024)
->>> tactile = taxelsim.mujoco.attach(model, {"palm": taxelsim.SCENES / "sensors/wts0614.yaml"}, ["cube"], num_instances=1024)
+>>> tactile = taxelsim.mujoco.attach(model, {"palm": taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml"}, ["cube"], num_instances=1024)
 >>> batch.step(nstep=10)
 >>> frames = tactile.observe(batch, dt=0.01)
 >>> frames["palm"].tactile_image  # (1024, 6, 14), counts

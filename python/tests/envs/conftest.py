@@ -50,7 +50,7 @@ def write_scene(
 ) -> Path:
     """robot: value of the key `robot`; default: a free-flying sensor."""
     file = folder / "short.yaml"
-    sensor = taxelsim.SCENES / "sensors/wts0614.yaml"
+    sensor = taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml"
     num_frames = num_frames or NUM_STEPS * rate // 100 + 1
     text = SCENE.format(
         sensor=sensor.resolve(), num_frames=num_frames, rate=rate, travel=travel, robot=robot and f"robot: {robot}\n", record=record

@@ -8,7 +8,7 @@ import numpy as np
 import taxelsim
 import taxelsim.mujoco
 
-WTS = taxelsim.SCENES / "sensors/wts0614.yaml"
+WTS = taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml"
 TETRAHEDRON = "0 0 0  .02 0 .01  0 .02 .01  -.02 -.02 .01"  # a tip that points down
 BALL = '<geom name="ball" size=".01"/>'
 

@@ -14,7 +14,7 @@ import taxelsim
 from taxelsim.program import PROGRAM
 from taxelsim.recordings import Measurement, read_csv, read_lerobot, write_measurement
 
-SENSOR = taxelsim.SCENES / "sensors/wts0614.yaml"
+SENSOR = taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml"
 FINGERTIP = taxelsim.SCENES / "sensors/fingertip_sphere.yaml"
 TACTILE = "observation.tactile.r{row}_c{col}"
 MEASUREMENTS = taxelsim.SCENES / "measurements"

@@ -73,7 +73,7 @@ def test_front_matter(card, reported):
 
 def test_one_frame_per_episode_can_be_loaded_by_the_hub(device, tmp_path):
     scene = tmp_path / "contacts.yaml"
-    scene.write_text(CONTACTS.format(sensor=(taxelsim.SCENES / "sensors/wts0614.yaml").resolve()))
+    scene.write_text(CONTACTS.format(sensor=(taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml").resolve()))
     taxelsim.generate(scene, tmp_path / "data", device=device)
     card = card_of(summarize(taxelsim.Dataset(tmp_path / "data")), "unknown")
     configs = 'configs:\n- config_name: default\n  data_files:\n  - split: train\n    path: "shard-*.h5"\n---\n'

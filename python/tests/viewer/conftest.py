@@ -21,11 +21,11 @@ def write_viewed_scene(folder: Path, *, episodes: int = 4, friction: bool = True
     text = file.read_text().replace("episodes: 24", f"episodes: {episodes}")
     if friction:
         sensor = folder / "rubber.yaml"
-        named = (taxelsim.SCENES / "sensors/wts0614.yaml").read_text()
+        named = (taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml").read_text()
         sensor.write_text(
             named.replace("  normal_exponent: 1 ", "  friction_coefficient: 0.5\n  tangential_stiffness: 1e8\n  normal_exponent: 1 ")
         )
-        text = text.replace(str((taxelsim.SCENES / "sensors/wts0614.yaml").resolve()), str(sensor))
+        text = text.replace(str((taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml").resolve()), str(sensor))
     file.write_text(text)
     return file
 

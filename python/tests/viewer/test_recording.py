@@ -54,7 +54,7 @@ def test_taxels_have_the_colours_of_their_forces(recorded, viewed, data):
         expected = colours_of(force.astype(np.float64) / largest).astype(np.uint32) @ np.array([1 << 24, 1 << 16, 1 << 8], np.uint32) + 255
         np.testing.assert_array_equal(colours, np.repeat(expected[..., None], 4, -1))
         corners = found[entity, "Mesh3D:vertex_positions"].reshape(84, 4, 3)
-        positions = taxelsim.load_sensor(taxelsim.SCENES / "sensors/wts0614.yaml").taxel_positions
+        positions = taxelsim.load_sensor(taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml").taxel_positions
         np.testing.assert_allclose(corners.mean(1), positions, atol=FLOAT32)
     assert len(np.unique(colours)) > 10
 

@@ -39,10 +39,10 @@ void addToSums(Tile tile, uint address, float volume, float covered, bool subtra
 }
 
 // Gives a cell to the object in a slot if that is the deepest: `depth`, the integral (of the cell's area, m), and `covered`, the covered part.
-void giveCell(uint address, uint slot, float depth, float covered) {
-  // Surfaces of one object above each other share the cell.
-  depth = min(depth / max(covered, 1.0), THICKNESS);
+void giveCell(Tile tile, uint address, uint slot, float depth, float covered) {
   float share = clamp(covered, 1.0 / kCoveredUnits, 1.0);
+  // Surfaces of one object above each other share the cell. A lower level of the skin makes what is covered deeper.
+  depth = clamp(depth / max(covered, 1.0) + tile.level * share, 0.0, THICKNESS);
   uint word = depth > 0.0 ? wordOfDepth(depth, slot) : kEmpty;
   if (MANY_SLOTS) {
     if (word >= atomicMin(tile_heights[address], word)) return;
@@ -62,7 +62,7 @@ void takeCells(Tile tile, Box box, uint slot) {
     int volume = int(MANY_SLOTS ? cell_volumes[address] : tile_heights[address] - kEmpty);
     int covered = int(MANY_SLOTS ? cell_covered[address] : cell_shares[address] - kWhole);
     if (volume == 0 && covered == 0) continue;
-    giveCell(address, slot, float(volume) * (tile.deepest / kVolumeUnits), float(covered) * (1.0 / kCoveredUnits));
+    giveCell(tile, address, slot, float(volume) * (tile.deepest / kVolumeUnits), float(covered) * (1.0 / kCoveredUnits));
     if (MANY_SLOTS) cell_volumes[address] = cell_covered[address] = 0;
   }
   workgroupBarrier();

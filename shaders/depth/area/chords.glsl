@@ -1,5 +1,5 @@
-// Where a solid touches a line x = const of P: the part of the line over which the solid is below Tile::level, in closed form for cylinder, capsule and sphere.
-// Lengths in m, in P, z from the level.
+// Where a solid touches a line x = const of P: the part of the line over which the solid is below z = 0, in closed form for cylinder, capsule and sphere.
+// Lengths in m, in P. The level is z = 0.
 //
 // The part of a convex solid below the level is convex, so that it touches the line in one piece. The ends of the piece are points of the level's section of
 // the tube, of the silhouettes of the tube, or of its ends: rims of a cylinder, spheres of a capsule.
@@ -19,9 +19,9 @@ struct Tube {
   float per_level;     // 1 over the length of the axis seen from above
 };
 
-Tube tubeOf(Tile tile, Solid solid) {
+Tube tubeOf(Solid solid) {
   vec3 axis = vec3(solid.X_PO.row0.z, solid.X_PO.row1.z, solid.X_PO.row2.z);
-  vec3 middle = vec3(solid.X_PO.row0.w, solid.X_PO.row1.w, solid.X_PO.row2.w - tile.level);
+  vec3 middle = vec3(solid.X_PO.row0.w, solid.X_PO.row1.w, solid.X_PO.row2.w);
   if (axis.z < 0.0) axis = -axis;
   const float kUprightLevel = 1e-4;
   float per_level = 1.0 / max(length(axis.xy), kUprightLevel);

@@ -31,7 +31,7 @@ uint partsOf(Tile tile, Facet facet) {
   float deepest = deepestOf(facet);
   uint parts = deepest > 0.0 ? 1u << kPressed : 0u;
   if (deepest > THICKNESS) parts |= 1u << kBeyond;
-  if (NUM_ROWS == 0 && deepest > tile.level - tile.z_floor) parts |= 1u << kUnseen;
+  if (NUM_ROWS == 0 && deepest > -tile.z_floor) parts |= 1u << kUnseen;
   return parts;
 }
 
@@ -39,7 +39,7 @@ vec3 atLevel(vec3 p, vec3 q, float level) { return mix(p, q, (level - p.z) / (q.
 
 // The corners of the part of a facet that is deeper than a level. A facet of four corners is cut by no level.
 void cornersOf(Tile tile, Facet facet, uint part, out vec3 corners[4]) {
-  float level = part == kPressed ? 0.0 : part == kBeyond ? THICKNESS : tile.level - tile.z_floor;
+  float level = part == kPressed ? 0.0 : part == kBeyond ? THICKNESS : -tile.z_floor;
   vec3 a = facet.a, b = facet.b, c = facet.c;
   bvec3 deeper = greaterThan(vec3(a.z, b.z, c.z), vec3(level));
   // Turns the facet until c is the odd vertex: the part is then c and its two neighbours on the level, or all but c.
@@ -162,7 +162,7 @@ bool facetOf(vec3 p, vec3 q, vec3 r, out Facet facet) {
   return area >= kLeastArea;
 }
 
-vec3 inCells(Tile tile, MeshView view, Vertex v) { return vec3(vec2(v.at) / float(1 << view.subpixel_bits) + 0.5, tile.level - v.z); }
+vec3 inCells(MeshView view, Vertex v) { return vec3(vec2(v.at) / float(1 << view.subpixel_bits) + 0.5, -v.z); }
 
 bool touches(Tile tile, Facet facet) {
   Box cells = cellsAround(tile, vec3[4](facet.a, facet.b, facet.c, facet.d));
@@ -174,17 +174,17 @@ void listFacets(Tile tile, MeshView view, uint quad, inout Found found) {
   const float kPlanar = 2e-9;  // m, the rounding of heights
   Vertex vertices[4];
   fetchQuad(view, quad, vertices[0], vertices[1], vertices[2], vertices[3]);
-  vec3 p = inCells(tile, view, vertices[0]), q = inCells(tile, view, vertices[1]), r = inCells(tile, view, vertices[2]), s = inCells(tile, view, vertices[3]);
+  vec3 p = inCells(view, vertices[0]), q = inCells(view, vertices[1]), r = inCells(view, vertices[2]), s = inCells(view, vertices[3]);
   Facet one, other;
   bool first = facetOf(p, q, r, one), second = facetOf(r, q, s, other);
   first = first && touches(tile, one);
   second = second && touches(tile, other);
   if (NUM_ROWS == 0) {
-    float floor_depth = tile.level - tile.z_floor;
+    float floor_depth = -tile.z_floor;
     found.below_floor = found.below_floor || first && deepestOf(one) > floor_depth || second && deepestOf(other) > floor_depth;
   }
   float least = min(min(p.z, q.z), min(r.z, s.z)), deepest = max(max(p.z, q.z), max(r.z, s.z));
-  bool is_one = first && second && least > 0.0 && deepest <= THICKNESS && (NUM_ROWS > 0 || deepest <= tile.level - tile.z_floor) &&
+  bool is_one = first && second && least > 0.0 && deepest <= THICKNESS && (NUM_ROWS > 0 || deepest <= -tile.z_floor) &&
                 abs(one.a.z + dot(one.slope, s.xy - one.a.xy) - s.z) < kPlanar;
   uint count = (first ? 1u : 0u) + (second && !is_one ? 1u : 0u);
   if (count == 0) return;
@@ -197,7 +197,7 @@ Facet listedFacet(Tile tile, MeshView view, uint number) {
   uint item = listed_facets[number], which = item & 3u;
   Vertex vertices[4];
   fetchQuad(view, item >> 2, vertices[0], vertices[1], vertices[2], vertices[3]);
-  vec3 p = inCells(tile, view, vertices[0]), q = inCells(tile, view, vertices[1]), r = inCells(tile, view, vertices[2]), s = inCells(tile, view, vertices[3]);
+  vec3 p = inCells(view, vertices[0]), q = inCells(view, vertices[1]), r = inCells(view, vertices[2]), s = inCells(view, vertices[3]);
   Facet facet;
   bool second = which == kSecondTriangle;
   facetOf(second ? r : p, q, second ? s : r, facet);

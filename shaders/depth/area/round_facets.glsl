@@ -13,7 +13,7 @@ bool hasFacets(Solid solid) {
 // A point of O in cells of the tile and depth.
 vec3 inCells(Tile tile, Solid solid, vec3 p) {
   vec3 p_P = apply(solid.X_PO, p);
-  return vec3((p_P.xy - tile.corner) / tile.spacing - tile.first + 0.5, tile.level - p_P.z);
+  return vec3((p_P.xy - tile.corner) / tile.spacing - tile.first + 0.5, -p_P.z);
 }
 
 // All invocations share the facets.
@@ -31,7 +31,7 @@ void addRound(Tile tile, Solid solid, inout Found found) {
     vec3 r = inCells(tile, solid, vec3(radius * from, high_z)), s = inCells(tile, solid, vec3(radius * to, high_z));
     Facet facet;
     bool looks_down = facetOf(which == 2u ? high : which == 3u ? low : p, which == 0u || which == 3u ? q : which == 1u ? s : r, which < 1u ? s : which == 1u ? r : which == 2u ? s : p, facet);
-    if (NUM_ROWS == 0) found.below_floor = found.below_floor || looks_down && deepestOf(facet) > tile.level - tile.z_floor;
+    if (NUM_ROWS == 0) found.below_floor = found.below_floor || looks_down && deepestOf(facet) > -tile.z_floor;
     if (looks_down) addFacet(tile, facet, found);
   }
   checkLoop(i < 4u * kSides);
@@ -47,13 +47,13 @@ void addHalfSpace(inout Tile tile, Solid solid, inout Found found) {
     vec2 cell = vec2(tile.size * SAMPLES) * vec2(k >> 1, k == 1 || k == 2);
     vec2 off = samplePosition(tile, tile.first + cell - 0.5) - at.xy;
     // A half-space that does not look down has no lowest surface: it is deeper than the skin everywhere.
-    float depth = normal.z < -kSteepest ? tile.level - at.z + dot(off, normal.xy) / normal.z : 2.0 * THICKNESS;
+    float depth = normal.z < -kSteepest ? -at.z + dot(off, normal.xy) / normal.z : 2.0 * THICKNESS;
     corners[k] = vec3(cell, depth);
     tile.deepest = max(tile.deepest, depth);
   }
   for (uint k = 0; k < 2; ++k) {
     Facet facet;
     if (facetOf(corners[0], corners[1 + k], corners[2 + k], facet)) addLargeFacet(tile, facet, found);
-    if (NUM_ROWS == 0) found.below_floor = found.below_floor || deepestOf(facet) > tile.level - tile.z_floor;
+    if (NUM_ROWS == 0) found.below_floor = found.below_floor || deepestOf(facet) > -tile.z_floor;
   }
 }

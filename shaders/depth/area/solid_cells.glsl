@@ -25,15 +25,13 @@ float heightAt(Tile tile, Solid solid, vec2 xy, inout Found found) {
   return below_floor ? kMiss : z;
 }
 
-float depthUnder(Tile tile, float z) { return clamp(tile.level - z, 0.0, THICKNESS); }
+float depthUnder(float z) { return clamp(-z, 0.0, THICKNESS); }
 
 // The cells of the tile that a solid within the radius of its axis may touch: the axis is cut where it is more than the radius over the skin, and the lowest
 // point of what is left reaches farthest.
 Box touchedCells(Tile tile, Solid solid) {
   float radius = solid.parameters.x, half_length = isKind(solid.kind, kKindSphere) ? 0.0 : solid.parameters.y;
   vec3 low = apply(solid.X_PO, vec3(0, 0, -half_length)), high = apply(solid.X_PO, vec3(0, 0, half_length));
-  low.z -= tile.level;
-  high.z -= tile.level;
   if (low.z > high.z) { vec3 swap = low; low = high; high = swap; }
   if (low.z >= radius) return noSamples();
   if (high.z > radius) high = mix(low, high, (radius - low.z) / (high.z - low.z));
@@ -55,7 +53,7 @@ vec2 integralOfLine(Tile tile, Solid solid, Tube tube, vec2 at, uint line, inout
     uint piece = k >> 1;
     float middle = 0.5 * (chord[piece] + chord[piece + 1]), half_length = 0.5 * (chord[piece + 1] - chord[piece]);
     float y = middle + ((k & 1u) != 0 ? kGauss : -kGauss) * half_length;
-    sum += half_length * depthUnder(tile, heightAt(tile, solid, vec2(x, y), found));
+    sum += half_length * depthUnder(heightAt(tile, solid, vec2(x, y), found));
   }
   return chord.x < chord.w ? vec2(sum, chord.w - chord.x) : vec2(0);
 }
@@ -165,7 +163,7 @@ uint placeOf(Tile tile, Quadratic surface, bool is_quadratic, out float deepest)
   float change = dot(half_size, abs(surface.slope));
   float bend = 0.5 * dot(surface.bend.xy, half_size * half_size) + abs(surface.bend.z) * half_size.x * half_size.y;
   deepest = surface.depth + change;
-  if (!is_quadratic || NUM_ROWS == 0 && deepest > tile.level - tile.z_floor) return kScanned;
+  if (!is_quadratic || NUM_ROWS == 0 && deepest > -tile.z_floor) return kScanned;
   if (deepest <= 0.0) return kOutside;
   return surface.depth - change - bend < 0.0 || deepest > THICKNESS || surface.end < kMiss ? kEdge : kInside;
 }
@@ -173,7 +171,7 @@ uint placeOf(Tile tile, Quadratic surface, bool is_quadratic, out float deepest)
 // Gives the cells of a box, touchedCells(), to the solid.
 void addSolid(Tile tile, Solid solid, Box box, uint slot, inout Found found) {
   if (!isAny(box)) return;
-  Tube tube = tubeOf(tile, solid);
+  Tube tube = tubeOf(solid);
   Quadratic surface;
   float deepest;
   uint num_cols = uint(box.last.y - box.first.y + 1), count = uint(box.last.x - box.first.x + 1) * num_cols;
@@ -186,7 +184,7 @@ void addSolid(Tile tile, Solid solid, Box box, uint slot, inout Found found) {
       bool is_quadratic = quadraticUnder(tile, solid.kind, tube, samplePosition(tile, tile.first + vec2(at)), surface);
       uint place = placeOf(tile, surface, is_quadratic, deepest), packed = at.x << 16 | at.y;
       if (place == kInside) {
-        giveCell(at.x * tile.stride + at.y, slot, surface.depth - dot(surface.bend.xy, tile.spacing * tile.spacing) * (1.0 / 24.0), 1.0);
+        giveCell(tile, at.x * tile.stride + at.y, slot, surface.depth - dot(surface.bend.xy, tile.spacing * tile.spacing) * (1.0 / 24.0), 1.0);
       }
       if (place == kEdge) listed_cells[atomicAdd(num_edge_cells, 1u)] = packed;
       if (place == kScanned) listed_cells[kMostListed - 1u - atomicAdd(num_scan_cells, 1u)] = packed;
@@ -199,7 +197,7 @@ void addSolid(Tile tile, Solid solid, Box box, uint slot, inout Found found) {
       bool is_quadratic = quadraticUnder(tile, solid.kind, tube, samplePosition(tile, tile.first + vec2(at)), surface);
       placeOf(tile, surface, is_quadratic, deepest);
       vec2 sums = integralOf(surface, 0.5 * tile.spacing, deepest);
-      giveCell(at.x * tile.stride + at.y, slot, sums.x, sums.y);
+      giveCell(tile, at.x * tile.stride + at.y, slot, sums.x, sums.y);
     }
     checkLoop(i < num_edge_cells);
     i = gl_LocalInvocationIndex;
@@ -209,7 +207,7 @@ void addSolid(Tile tile, Solid solid, Box box, uint slot, inout Found found) {
       vec2 sums = vec2(0);
       for (uint line = 0; line < kScanLines; ++line) sums += integralOfLine(tile, solid, tube, tile.first + vec2(at), line, found);
       sums /= float(kScanLines) * tile.spacing.y;
-      giveCell(at.x * tile.stride + at.y, slot, sums.x, sums.y);
+      giveCell(tile, at.x * tile.stride + at.y, slot, sums.x, sums.y);
     }
     checkLoop(i < num_scan_cells);
     workgroupBarrier();
