@@ -128,6 +128,8 @@ struct SceneOverrides {
   std::optional<std::uint64_t> seed{};          ///< Replaces Scene::seed.
   /// A condition of the scene: its overrides of sensor and randomization. Default: kNominalCondition, or empty: nothing is overridden.
   std::string condition{kNominalCondition};
+  /// Refuses a file that is named with a folder: for the scene of a data set, which must not name files elsewhere. Default false.
+  bool refuse_folders = false;
 };
 
 /// Reads waypoints from a CSV file (docs/file_formats.md). Throws Error(kInput) with file, line, column, the value found and what is

@@ -17,8 +17,8 @@ namespace taxelsim::python {
 namespace {
 
 Scene loadSceneWith(const std::filesystem::path& file, std::optional<std::uint64_t> num_episodes, std::optional<std::uint64_t> seed,
-                    const std::string& condition) {
-  return loadScene(file, {.num_episodes = num_episodes, .seed = seed, .condition = condition});
+                    const std::string& condition, bool refuse_folders) {
+  return loadScene(file, {.num_episodes = num_episodes, .seed = seed, .condition = condition, .refuse_folders = refuse_folders});
 }
 
 // Ranges of the random variables of an episode. One of load and depth is missing; so is exploration_velocity if it is the controller's.
@@ -96,11 +96,11 @@ void bindScene(nb::module_& module) {
                std::to_string(self.num_steps) + " frames>";
       });
   module.def("load_scene", &loadSceneWith, "file"_a, "num_episodes"_a = nb::none(), "seed"_a = nb::none(),
-             "condition"_a = std::string(kNominalCondition), nb::call_guard<nb::gil_scoped_release>(),
+             "condition"_a = std::string(kNominalCondition), "refuse_folders"_a = false, nb::call_guard<nb::gil_scoped_release>(),
              R"(Reads and checks a scene and all files that it names.
 
 num_episodes, seed: replace those of the file. condition: name of one of the scene's conditions, whose overrides of sensor and randomization
-apply; "nominal" is the scene without them. Raises InputError with file, line, column, key, the value found and what is allowed.)");
+apply; "nominal" is the scene without them. refuse_folders: whether to refuse a file that is named with a folder, for the scene of a data set. Raises InputError with file, line, column, key, the value found and what is allowed.)");
 }
 
 }  // namespace taxelsim::python

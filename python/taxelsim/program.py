@@ -14,23 +14,29 @@ SCENES = Path(__file__).parent / "scenes"
 """Folder of the scenes, sensors, objects and robots that ship with the package."""
 
 
-SUBCOMMANDS: dict[str, str | None] = {
-    "evaluate": "--policy",
-    "report": None,
-    "view": None,
-    "export": None,
-    "import": None,
+SUBCOMMANDS: dict[str, tuple[str, ...]] = {
+    "evaluate": ("--policy",),
+    "finish": ("--card",),
+    "render": (".mp4", ".gif"),
+    "report": (),
+    "view": (),
+    "export": (),
+    "import": (),
 }
-"""Subcommands that are written in Python, by name: the option with which they are, None for always. `main(arguments) -> int` of the module
-taxelsim.commands.<name> runs one. src/cli/python_subcommands.cpp has the same table."""
+"""Subcommands that are written in Python, by name, with the words that select Python: an option, or the end of a file name; none: always.
+`main(arguments) -> int` of the module taxelsim.commands.<name> runs one. src/cli/python_subcommands.cpp has the same table."""
 
 
 def is_python_command(arguments: Sequence[str]) -> bool:
     """Whether the first of the arguments names a subcommand that is written in Python."""
     if not arguments or arguments[0] not in SUBCOMMANDS:
         return False
-    option = SUBCOMMANDS[arguments[0]]
-    return option is None or any(argument.split("=")[0] == option for argument in arguments[1:])
+    words = SUBCOMMANDS[arguments[0]]
+    return not words or any(_matches(argument, word) for argument in arguments[1:] for word in words)
+
+
+def _matches(argument: str, word: str) -> bool:
+    return argument.endswith(word) if word.startswith(".") else argument.split("=")[0] == word
 
 
 def main() -> NoReturn:

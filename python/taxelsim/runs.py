@@ -80,12 +80,20 @@ def generate(
     return _core.generate(opened, loaded, os.fspath(out), batch_size, num_slices, on_progress, argument, chosen, repair, limits)
 
 
-def finish(out: str | os.PathLike[str]) -> None:
+def finish(out: str | os.PathLike[str], *, card: bool = False, license_id: str = "unknown") -> None:
     """Completes a data set whose shards were made by generate(shards=...): verifies all bytes and writes dataset.h5 and dataset.checksums.
+
+    card: whether to write README.md as well, the card of the data set for the Hugging Face Hub, unless there is one.
+    license_id: of the card, as the Hub names licences, such as "cc-by-4.0".
 
     InputError names missing and broken shards; IoError says that another process is still writing. May be repeated. Ctrl-C stops it.
     """
+    from .report.card import checked_license, write_card  # which use this module
+
+    checked_license(license_id)
     _core.finish(os.fspath(out))
+    if card:
+        write_card(Path(out), license_id)
 
 
 def evaluate(

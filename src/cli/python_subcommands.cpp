@@ -18,23 +18,36 @@ namespace {
 
 struct PythonSubcommand {
   const char* name;
-  std::string_view option;  // with this option only; empty: always
+  // With one of these words only: an option, or the end of a file name. None: always.
+  std::array<std::string_view, 2> words;
   const char* description;  // empty if the subcommand exists in C++ as well
 };
 
 constexpr std::array kPythonSubcommands{
-    PythonSubcommand{.name = "evaluate", .option = "--policy", .description = ""},
-    PythonSubcommand{.name = "report", .option = "", .description = "Write a data set as a page of HTML, or its card"},
-    PythonSubcommand{.name = "view", .option = "", .description = "Show episodes of a data set or a scene in the viewer Rerun"},
-    PythonSubcommand{.name = "export", .option = "", .description = "Write a data set for LeRobot, Zarr, robomimic or ROS 2"},
-    PythonSubcommand{.name = "import", .option = "", .description = "Make a measurement from a recording: CSV, LeRobot"},
+    PythonSubcommand{.name = "evaluate", .words = {"--policy"}, .description = ""},
+    PythonSubcommand{.name = "finish", .words = {"--card"}, .description = ""},
+    PythonSubcommand{.name = "render", .words = {".mp4", ".gif"}, .description = ""},
+    PythonSubcommand{.name = "report", .words = {}, .description = "Write a data set as a page of HTML, or its card"},
+    PythonSubcommand{.name = "view", .words = {}, .description = "Show episodes of a data set or a scene in the viewer Rerun"},
+    PythonSubcommand{.name = "export", .words = {}, .description = "Write a data set for LeRobot, Zarr, robomimic or ROS 2"},
+    PythonSubcommand{.name = "import", .words = {}, .description = "Make a measurement from a recording: CSV, LeRobot"},
 };
 
-// Whether the first word of the command line names it, with its option.
+bool isMatch(std::string_view argument, std::string_view word) {
+  return !word.empty() && (word.starts_with('.') ? argument.ends_with(word) : argument.substr(0, argument.find('=')) == word);
+}
+
+// The argument that one of the subcommand's words matches; argv + argc without.
+const char* const* findWord(const PythonSubcommand& subcommand, int argc, const char* const* argv) {
+  return std::find_if(argv + 2, argv + argc, [&](std::string_view argument) {
+    return std::any_of(subcommand.words.begin(), subcommand.words.end(), [&](std::string_view word) { return isMatch(argument, word); });
+  });
+}
+
+// Whether the first word of the command line names it, with one of its words.
 bool isChosen(const PythonSubcommand& subcommand, int argc, const char* const* argv) {
-  const auto isOption = [&](std::string_view word) { return word.substr(0, word.find('=')) == subcommand.option; };
   return argc >= 2 && argv[1] == std::string_view(subcommand.name) &&
-         (subcommand.option.empty() || std::any_of(argv + 2, argv + argc, isOption));
+         (subcommand.words[0].empty() || findWord(subcommand, argc, argv) != argv + argc);
 }
 
 // Exit status 0 if python3 finds the package.
@@ -78,7 +91,7 @@ void runInPython(int argc, char** argv) {
   const auto chosen = std::find_if(kPythonSubcommands.begin(), kPythonSubcommands.end(),
                                    [&](const PythonSubcommand& subcommand) { return isChosen(subcommand, argc, argv); });
   std::string words = argv[1];
-  if (!chosen->option.empty()) words += " " + std::string(chosen->option);
+  if (const char* const* word = findWord(*chosen, argc, argv); word != argv + argc) words += " " + std::string(*word);
   throw Error(ErrorKind::kInput, words +
                                      " needs the Python package taxelsim, which python3 does not find: pip install . in a virtual "
                                      "environment (docs/python.md)");

@@ -1,21 +1,23 @@
-// `taxelsim render`: draws frames of a data set.
+// `taxelsim render`: draws frames of a data set. Videos are encoded in Python (python/taxelsim/commands/render.py) from the stream of
+// pictures that `-o -` writes.
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/fmt/ranges.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <cstdio>
 #include <memory>
-#include <numbers>
 #include <numeric>
 
+#include "base/text.h"
 #include "cli/commands.h"
+#include "cli/frame_panels.h"
 #include "cli/print.h"
 #include "cli/scene_name.h"
 #include "figures/tactile_figure.h"
-#include "figures/taxel_chart.h"
 #include "figures/text.h"
 #include "taxelsim/dataset.h"
 #include "taxelsim/error.h"
@@ -26,81 +28,18 @@ using namespace figures;
 
 namespace {
 
-constexpr const char* kImage = "data/tactile_image";
 constexpr int kMaxFrames = 400;
-constexpr std::size_t kTaxelsPerLine = 16;  // for sensors without a single grid
+constexpr std::uint64_t kFramesAtOnce = 1024;  // that a video holds in memory
+constexpr double kRounding = 1e-6;             // relative, of the time between two frames
+constexpr const char* kStream = "-";
+constexpr const char* kObjectName = "meta/object_name";
 
 struct Arguments {
   std::string directory, picture;
   int num_frames = 12;
   std::uint64_t episode = 0;
+  double rate = 0;  // 1/s, of the pictures of a stream; 0: all frames
 };
-
-const Column* find(const Manifest& manifest, const std::string& name) {
-  const auto column = std::find_if(manifest.columns.begin(), manifest.columns.end(), [&](const Column& c) { return c.name == name; });
-  return column == manifest.columns.end() ? nullptr : &*column;
-}
-
-// One row of a column; empty if the column is missing or has another length.
-std::vector<double> row(const DatasetReader& reader, const std::string& name, std::uint64_t frame, std::size_t length) {
-  const Column* column = find(reader.manifest(), name);
-  if (column == nullptr || column->per_episode) return {};
-  std::vector<double> values = reader.readAsDouble(name, frame, 1);
-  return values.size() == length ? values : std::vector<double>{};
-}
-
-// A grid as an image, a list of taxels by their outlines if known, any other sensor as rows of taxels in storage order. For several
-// sensors, the first one.
-TactilePanel imageOf(const DatasetReader& reader, const std::vector<TaxelOutline>& outlines, std::uint64_t frame) {
-  const Manifest& manifest = reader.manifest();
-  TactilePanel panel;
-  panel.values = reader.readAsDouble(kImage, frame, 1);
-  if (manifest.num_rows > 0) {
-    panel.num_rows = manifest.num_rows;
-    panel.num_cols = manifest.num_cols;
-    panel.values.resize(static_cast<std::size_t>(manifest.num_rows) * static_cast<std::size_t>(manifest.num_cols));
-    if (manifest.pitch[0] > 0 && manifest.pitch[1] > 0) panel.pitch = manifest.pitch;
-    return panel;
-  }
-  panel.values.resize(find(manifest, kImage)->shape.back());
-  panel.neighbours = false;
-  if (panel.values.size() == outlines.size()) {
-    panel.outlines = outlines;
-    return panel;
-  }
-  const std::size_t num_cols = std::min(panel.values.size(), kTaxelsPerLine);
-  const std::size_t num_rows = (panel.values.size() + num_cols - 1) / num_cols;
-  panel.values.resize(num_rows * num_cols, std::numeric_limits<double>::quiet_NaN());
-  panel.num_rows = static_cast<int>(num_rows);
-  panel.num_cols = static_cast<int>(num_cols);
-  return panel;
-}
-
-// Recorded features if they are in metres on this grid, otherwise moments of the image.
-std::optional<ContactAxes> axesOf(const DatasetReader& reader, const TactilePanel& panel, std::uint64_t frame) {
-  if (!panel.neighbours) return std::nullopt;
-  std::optional<ContactAxes> axes = axesOfImage(panel);
-  if (!axes || panel.pitch != reader.manifest().pitch) return axes;
-  const std::vector<double> centre = row(reader, "data/center_of_pressure", frame, 3);
-  const std::vector<double> eigenvalues = row(reader, "data/eigenvalues", frame, 2);
-  const std::vector<double> angle = row(reader, "data/edge_angle", frame, 1);
-  if (!centre.empty()) axes->centre = {centre[0], centre[1]};
-  if (!eigenvalues.empty()) axes->eigenvalues = {eigenvalues[0], eigenvalues[1]};
-  if (!angle.empty()) axes->angle = angle[0];
-  return axes;
-}
-
-std::string captionOf(const DatasetReader& reader, const TactilePanel& panel, std::uint64_t frame) {
-  std::vector<std::string> parts;
-  if (const auto force = row(reader, "data/total_force", frame, 1); !force.empty()) parts.push_back(fmt::format("{:.3g} N", force[0]));
-  const auto confidence = row(reader, "data/edge_confidence", frame, 1);
-  const bool undefined = !confidence.empty() && !(confidence[0] > 0);
-  if (const auto angle = row(reader, "data/edge_angle", frame, 1); !angle.empty() && !undefined)
-    parts.push_back(fmt::format("angle {:.1f}°", angle[0] * 180 / std::numbers::pi));
-  if (!confidence.empty()) parts.push_back(fmt::format("confidence {:.2f}", confidence[0]));
-  if (!panel.neighbours) parts.push_back(panel.outlines.empty() ? "taxels in storage order" : "unrolled");
-  return fmt::format("{}", fmt::join(parts, "   "));
-}
 
 // Numbers of the episodes that are there, (num_episodes): their places, unless the data set is one of chosen episodes.
 std::vector<std::uint64_t> episodeNumbers(const DatasetReader& reader) {
@@ -128,59 +67,141 @@ std::size_t rowOf(const Arguments& arguments, const std::vector<std::uint64_t>& 
   throw Error(ErrorKind::kInput, fmt::format("--episode {}: {} has episodes {}", arguments.episode, arguments.directory, allowed));
 }
 
-int runRender(const Arguments& arguments, bool one_episode) {
-  const DatasetReader reader(arguments.directory, /*allow_incomplete=*/true, /*isolated=*/true);
+// Titles of panels: episode, frame, and the name of the object.
+class Titles {
+ public:
+  explicit Titles(const DatasetReader& reader) : reader_(reader), numbers_(episodeNumbers(reader)) {
+    const Column* const column = findColumn(reader.manifest(), kObjectName);
+    has_names_ = column != nullptr && column->type == ScalarType::kText && column->per_episode;
+  }
+
+  const std::vector<std::uint64_t>& episodes() const { return numbers_; }
+
+  std::string of(std::uint64_t frame) {
+    const std::vector<std::uint64_t>& ends = reader_.episodeEnds();
+    const auto row = static_cast<std::uint64_t>(std::upper_bound(ends.begin(), ends.end(), frame) - ends.begin());
+    if (has_names_ && row != row_) object_ = oneLine(reader_.readAsText(kObjectName, row, 1)[0]);
+    row_ = row;
+    return fmt::format("episode {}, frame {}{}{}", numbers_[row], frame - (row > 0 ? ends[row - 1] : 0), object_.empty() ? "" : ": ",
+                       object_);
+  }
+
+ private:
+  const DatasetReader& reader_;
+  std::vector<std::uint64_t> numbers_;
+  bool has_names_ = false;
+  std::uint64_t row_ = ~std::uint64_t{0};  // of object_
+  std::string object_;
+};
+
+FigureOptions optionsOf(const Arguments& arguments, const DatasetReader& reader) {
   const Manifest& manifest = reader.manifest();
-  if (find(manifest, kImage) == nullptr) throw Error(ErrorKind::kInput, arguments.directory + ": no column " + kImage + " to draw");
+  const std::string name = sceneName(manifest);
+  return {.title = name == "-" ? arguments.directory : name,
+          .subtitle = fmt::format("{}, seed {}, {} episodes, {} frames", manifest.sensor_name, manifest.seed,
+                                  countText(reader.numEpisodes()), countText(reader.numFrames())),
+          .unit = findColumn(manifest, kTactileImage)->unit};
+}
+
+// Draws evenly spaced frames out of [begin, end), with the first and the last one.
+void drawFigure(const Arguments& arguments, const DatasetReader& reader, Titles& titles, std::uint64_t begin, std::uint64_t end) {
+  const std::uint64_t count = std::min<std::uint64_t>(end - begin, static_cast<std::uint64_t>(arguments.num_frames));
+  const std::vector<TaxelOutline> outlines = outlinesOf(reader.manifest());
+  std::vector<TactilePanel> panels;
+  for (std::uint64_t k = 0; k < count; ++k) {
+    const std::uint64_t frame = count == 1 ? begin : begin + k * (end - begin - 1) / (count - 1);
+    panels.push_back(FramePanels(reader, outlines, frame, 1).panelOf(frame));
+    panels.back().title = titles.of(frame);
+  }
+  writeTactileFigure(arguments.picture, panels, optionsOf(arguments, reader));
+  printOut("{}: {} frames\n", arguments.picture, count);
+}
+
+// Every n-th frame, so that there are at most `rate` pictures per second of an episode with these times.
+std::uint64_t strideOf(const DatasetReader& reader, double rate, std::uint64_t begin, std::uint64_t end) {
+  if (rate <= 0 || end - begin < 2) return 1;
+  const std::vector<double> times = reader.readAsDouble("data/time", begin, 2);
+  const double step = 1 / ((times[1] - times[0]) * rate) * (1 - kRounding);
+  return step > 1 ? static_cast<std::uint64_t>(std::ceil(std::min(step, static_cast<double>(end - begin)))) : 1;
+}
+
+// Writes pictures of the frames [begin, end) of an episode to standard output, all with one colour scale, each with its time.
+void streamPictures(const Arguments& arguments, const DatasetReader& reader, Titles& titles, std::uint64_t begin, std::uint64_t end) {
+  const Column* const time = findColumn(reader.manifest(), "data/time");
+  if (time == nullptr || time->per_episode || !time->shape.empty())
+    throw Error(ErrorKind::kInput, arguments.directory + ": no column data/time with one number per frame");
+  const auto each = [&](auto function) {
+    for (std::uint64_t first = begin; first < end; first += kFramesAtOnce) function(first, std::min(kFramesAtOnce, end - first));
+  };
+  FigureOptions options = optionsOf(arguments, reader);
+  each([&](std::uint64_t first, std::uint64_t count) {
+    for (const double value : reader.readAsDouble(kTactileImage, first, count)) options.largest = std::max(options.largest, value);
+  });
+  const std::vector<TaxelOutline> outlines = outlinesOf(reader.manifest());
+  const std::uint64_t stride = strideOf(reader, arguments.rate, begin, end);
+  each([&](std::uint64_t first, std::uint64_t count) {
+    const FramePanels panels(reader, outlines, first, count);
+    const std::vector<double> times = reader.readAsDouble("data/time", first, count);
+    for (std::uint64_t frame = begin + (first - begin + stride - 1) / stride * stride; frame < first + count; frame += stride) {
+      TactilePanel panel = panels.panelOf(frame);
+      panel.title = titles.of(frame);
+      drawTactileFigure({std::move(panel)}, options).appendPpm(stdout, "time " + numberText(times[frame - first]));
+    }
+  });
+}
+
+int runRender(const Arguments& arguments, bool one_episode) {
+  const bool is_stream = arguments.picture == kStream;
+  if (is_stream && !one_episode) throw Error(ErrorKind::kInput, "--output -: needs --episode, whose frames it writes");
+  if (is_stream && ::isatty(STDOUT_FILENO) != 0)
+    throw Error(ErrorKind::kInput, "--output -: standard output is a terminal; redirect it to a program that reads PPM pictures");
+  const DatasetReader reader(arguments.directory, /*allow_incomplete=*/true, /*isolated=*/true);
+  if (findColumn(reader.manifest(), kTactileImage) == nullptr)
+    throw Error(ErrorKind::kInput, arguments.directory + ": no column " + kTactileImage + " to draw");
   if (reader.numFrames() == 0) throw Error(ErrorKind::kInput, arguments.directory + ": no frames yet");
   if (!reader.missingShards().empty()) spdlog::warn("{}: {} shards are missing", arguments.directory, reader.missingShards().size());
 
+  Titles titles(reader);
   const std::vector<std::uint64_t>& ends = reader.episodeEnds();
-  const std::vector<std::uint64_t> numbers = episodeNumbers(reader);
-  const std::size_t row = one_episode ? rowOf(arguments, numbers) : 0;
-  const std::uint64_t begin = row > 0 ? ends[row - 1] : 0;
-  const std::uint64_t end = one_episode ? ends[row] : ends.back();
-  const std::uint64_t count = std::min<std::uint64_t>(end - begin, static_cast<std::uint64_t>(arguments.num_frames));
-
-  const std::optional<Sensor> listed = listedTaxels(manifest);
-  const std::vector<TaxelOutline> outlines = listed ? unrolled(*listed) : std::vector<TaxelOutline>{};
-  std::vector<TactilePanel> panels;
-  for (std::uint64_t k = 0; k < count; ++k) {
-    // Evenly spaced, with the first and the last frame.
-    const std::uint64_t frame = count == 1 ? begin : begin + k * (end - begin - 1) / (count - 1);
-    const auto episode = static_cast<std::uint64_t>(std::upper_bound(ends.begin(), ends.end(), frame) - ends.begin());
-    TactilePanel panel = imageOf(reader, outlines, frame);
-    panel.title = fmt::format("episode {}, frame {}", numbers[episode], frame - (episode > 0 ? ends[episode - 1] : 0));
-    panel.caption = captionOf(reader, panel, frame);
-    panel.axes = axesOf(reader, panel, frame);
-    panels.push_back(std::move(panel));
-  }
-  const std::string name = sceneName(manifest);
-  writeTactileFigure(arguments.picture, panels,
-                     {.title = name == "-" ? arguments.directory : name,
-                      .subtitle = fmt::format("{}, seed {}, {} episodes, {} frames", manifest.sensor_name, manifest.seed,
-                                              countText(reader.numEpisodes()), countText(reader.numFrames())),
-                      .unit = find(manifest, kImage)->unit});
-  printOut("{}: {} frames\n", arguments.picture, count);
+  const std::size_t row = one_episode ? rowOf(arguments, titles.episodes()) : 0;
+  const std::uint64_t begin = row > 0 ? ends[row - 1] : 0, end = one_episode ? ends[row] : ends.back();
+  (is_stream ? streamPictures : drawFigure)(arguments, reader, titles, begin, end);
   return kExitOk;
+}
+
+std::string checkOutput(const std::string& name) {
+  if (name == kStream || requirePngName(name).empty()) return "";
+  return name + ": the name must end in .png, or in .mp4 or .gif for a video of an episode";
 }
 
 }  // namespace
 
 void addRender(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("render", "Draw frames of a data set (PNG)");
+  CLI::App* command = app.add_subcommand("render", "Draw frames of a data set (PNG), or a video of an episode (MP4, GIF)");
   command->footer(
-      "Example:\n  taxelsim render out/ -o out.png --episode 3 --frames 20\n"
-      "Draws evenly spaced frames of one episode, or of all episodes.");
+      "Examples:\n  taxelsim render out/ -o out.png --episode 3 --frames 20\n  taxelsim render out/ -o out.mp4 --episode 3 --speed 0.25\n"
+      "A picture shows evenly spaced frames of one episode, or of all episodes. Videos need the Python package: "
+      "`pip install 'taxelsim[video]'`.\n"
+      "-o - writes the pictures of an episode to standard output, as PPM, for other programs:\n"
+      "  taxelsim render out/ -o - --episode 3 --rate 25 | ffmpeg -f image2pipe -c:v ppm -framerate 25 -i - out.mkv");
   const auto arguments = std::make_shared<Arguments>();
   command->add_option("directory", arguments->directory, "Directory of the data set")->required()->type_name("DIR");
-  command->add_option("-o,--output", arguments->picture, "Figure to write (PNG)")->required()->check(requirePngName)->type_name("FILE");
-  command->add_option("--frames", arguments->num_frames, fmt::format("Number of frames to draw, at most {}", kMaxFrames))
-      ->check(silent(CLI::Range(1, kMaxFrames)))
-      ->capture_default_str()
-      ->type_name("N");
+  command
+      ->add_option("-o,--output", arguments->picture, "Figure to write (PNG), video to write (MP4, GIF), or - for a stream of PPM pictures")
+      ->required()
+      ->check(checkOutput)
+      ->type_name("FILE");
+  CLI::Option* frames =
+      command->add_option("--frames", arguments->num_frames, fmt::format("Number of frames that a figure shows, at most {}", kMaxFrames))
+          ->check(silent(CLI::Range(1, kMaxFrames)))
+          ->capture_default_str()
+          ->type_name("N");
   CLI::Option* episode =
       command->add_option("--episode", arguments->episode, "Draw frames of this episode only")->check(refuseNegative)->type_name("E");
+  CLI::Option* rate = command->add_option("--rate", arguments->rate, "With -o -: at most this many pictures per second; default all frames")
+                          ->check(silent(CLI::PositiveNumber))
+                          ->type_name("HZ");
+  rate->excludes(frames);
   command->callback([=, &action] { action = [=] { return runRender(*arguments, episode->count() > 0); }; });
 }
 

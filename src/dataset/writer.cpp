@@ -1,3 +1,5 @@
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <cassert>
 #include <optional>
@@ -34,9 +36,10 @@ void prepareDirectory(const fs::path& directory) {
   if (fs::exists(directory / kManifestName)) return;
   for (const fs::directory_entry& entry : fs::directory_iterator(directory)) {
     const std::string name = entry.path().filename().string();
-    if (name != kLockName && name != kClaimsName && !isTemporaryName(name))
-      throw Error(ErrorKind::kInput,
-                  directory.string() + ": is not empty and has no data set (it contains " + name + "): choose another directory");
+    if (name == kLockName || name == kClaimsName || isTemporaryName(name)) continue;
+    if (fs::exists(directory / kManifestName)) return;  // another process has written it since
+    throw Error(ErrorKind::kInput,
+                directory.string() + ": is not empty and has no data set (it contains " + name + "): choose another directory");
   }
 }
 
@@ -62,6 +65,7 @@ struct DatasetWriter::Impl {
   fs::path directory;
   Manifest manifest;
   ShardRange range;
+  FileStamp opened;  // of the directory
   std::optional<DirectoryLock> lock;
   std::optional<ShardClaims> claims;                   // of a shared directory
   std::optional<Compressor> compressor;                // if the data set is compressed
@@ -78,6 +82,7 @@ struct DatasetWriter::Impl {
       throw Error(ErrorKind::kInput, "shards: " + std::to_string(range.first) + " to " + std::to_string(range.end - 1) +
                                          " requested, the data set has 0 to " + std::to_string(manifest.numShards() - 1));
     prepareDirectory(directory);
+    opened = stampOf(directory);
     lock.emplace(directory, options.shards ? LockMode::kShared : LockMode::kExclusive);
     if (options.shards) claims.emplace(directory).claimManifest();
     if (fs::exists(directory / kManifestName))
@@ -89,6 +94,13 @@ struct DatasetWriter::Impl {
     else
       removeTemporaryFiles(directory);
     verify(options);
+  }
+
+  // A file system that was unmounted leaves an empty directory of the same name, in which shards would be lost.
+  void requireSameDirectory() const {
+    struct stat found {};
+    if (::stat(directory.c_str(), &found) == 0 && found.st_dev == opened.device && found.st_ino == opened.inode) return;
+    throw Error(ErrorKind::kIo, directory.string() + ": is not the directory that was opened any more: it was moved, removed or unmounted");
   }
 
   void writeManifestFile() {
@@ -159,6 +171,7 @@ struct DatasetWriter::Impl {
   // Vouches for what is on disk, so that the next run does not read it again. Writers that share a directory know a part of it only.
   void writeList() {
     if (claims || is_list_complete) return;
+    requireSameDirectory();
     writeChecksumList(directory, hashes);
     is_list_complete = true;
   }
@@ -219,6 +232,7 @@ void DatasetWriter::writeShard(std::uint64_t shard, const ShardData& data) {
                 "data set: there is no shard " + std::to_string(shard) + ": it has " + std::to_string(impl_->shard_ends.size()));
   assert(isVerified());
   if (isComplete(shard)) throw Error(ErrorKind::kInput, impl_->shardFile(shard).string() + ": is complete already");
+  impl_->requireSameDirectory();
   Compressor* const compressor = impl_->compressor ? &*impl_->compressor : nullptr;
   const fs::path file = impl_->shardFile(shard);
   impl_->hashes[shard].digest = writeWithChecksum(file, shardImage(impl_->manifest, shard, data, compressor));
@@ -231,6 +245,7 @@ void DatasetWriter::writeShard(std::uint64_t shard, const ShardData& data) {
 
 void DatasetWriter::finish() {
   assert(isVerified() && !impl_->claims);
+  impl_->requireSameDirectory();
   const std::vector<bool> on_disk = shardsOnDisk(impl_->directory, impl_->manifest);
   for (std::uint64_t shard = 0; shard < impl_->shard_ends.size(); ++shard)
     if (!isComplete(shard) || !on_disk[shard])

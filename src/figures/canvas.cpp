@@ -2,7 +2,10 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <cerrno>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <system_error>
 
 #include "taxelsim/error.h"
@@ -70,6 +73,23 @@ void Canvas::save(const std::filesystem::path& file) const {
   const bool has_folder = file.parent_path().empty() || std::filesystem::is_directory(file.parent_path(), error);
   throw Error(ErrorKind::kIo,
               "cannot write " + file.string() + ": " + (has_folder ? cairo_status_to_string(status) : "its folder does not exist"));
+}
+
+void Canvas::appendPpm(std::FILE* stream, const std::string& comment) const {
+  cairo_surface_flush(surface_.get());
+  const int width = cairo_image_surface_get_width(surface_.get()), height = cairo_image_surface_get_height(surface_.get());
+  std::string bytes = fmt::format("P6\n# {}\n{} {}\n255\n", comment, width, height);
+  bytes.reserve(bytes.size() + std::size_t{3} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  for (int y = 0; y < height; ++y) {
+    const unsigned char* const row = cairo_image_surface_get_data(surface_.get()) + y * cairo_image_surface_get_stride(surface_.get());
+    for (int x = 0; x < width; ++x) {
+      std::uint32_t pixel = 0;  // 0x00rrggbb
+      std::memcpy(&pixel, row + sizeof(pixel) * static_cast<std::size_t>(x), sizeof(pixel));
+      for (const int shift : {16, 8, 0}) bytes += static_cast<char>(pixel >> shift & 255);
+    }
+  }
+  if (std::fwrite(bytes.data(), 1, bytes.size(), stream) != bytes.size() || std::fflush(stream) != 0)
+    throw Error(ErrorKind::kIo, std::string("cannot write a picture to standard output: ") + std::strerror(errno));
 }
 
 double headingRoom(const std::string& subtitle) {

@@ -5,6 +5,7 @@
 #include <cairo.h>
 
 #include <array>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -49,6 +50,10 @@ class Canvas {
 
   // Writes a PNG. Throws Error(kIo) if the file cannot be written.
   void save(const std::filesystem::path& file) const;
+
+  // Appends a binary portable pixmap (PPM) to a stream, with a comment of one line in its header. Throws Error(kIo) if it cannot be
+  // written.
+  void appendPpm(std::FILE* stream, const std::string& comment) const;
 
  private:
   std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)> surface_;

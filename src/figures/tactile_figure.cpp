@@ -115,6 +115,7 @@ struct Layout {
 
 Layout layoutOf(const std::vector<TactilePanel>& panels, const FigureOptions& options) {
   Layout page;
+  page.counts.max = options.largest;
   double highest = 0;
   for (const TactilePanel& panel : panels) {
     double& max = panel.is_signed ? page.differences.max : page.counts.max;
@@ -174,17 +175,17 @@ std::optional<ContactAxes> axesOfImage(const TactilePanel& panel) {
   return ContactAxes{{x, y}, 0.5 * std::atan2(2 * xy, xx - yy), {mean + spread, std::max(mean - spread, 0.0)}};
 }
 
-void writeTactileFigure(const std::filesystem::path& file, const std::vector<TactilePanel>& panels, const FigureOptions& options) {
+Canvas drawTactileFigure(const std::vector<TactilePanel>& panels, const FigureOptions& options) {
   if (panels.empty()) throw Error(ErrorKind::kInput, "there is no tactile image to draw");
   const Layout page = layoutOf(panels, options);
-  const Canvas canvas(page.width, page.height);
+  Canvas canvas(page.width, page.height);
   canvas.heading(options.title, options.subtitle, page.width);
   for (std::size_t p = 0; p < panels.size(); ++p) {
     const TactilePanel& panel = panels[p];
-    const auto num_cols = static_cast<std::size_t>(page.num_cols);
+    const std::size_t row = p / static_cast<std::size_t>(page.num_cols), col = p % static_cast<std::size_t>(page.num_cols);
     cairo_save(canvas);
-    cairo_translate(canvas, kMargin + static_cast<double>(p % num_cols) * page.step_x,
-                    page.heading + static_cast<double>(p / num_cols) * page.step_y + page.title_room);
+    cairo_translate(canvas, kMargin + static_cast<double>(col) * page.step_x,
+                    page.heading + static_cast<double>(row) * page.step_y + page.title_room);
     canvas.colour(kInk);
     canvas.font(kBody, true);
     canvas.text(0, -6, panel.title, 0, page.widest);
@@ -200,7 +201,11 @@ void writeTactileFigure(const std::filesystem::path& file, const std::vector<Tac
   drawColourBar(canvas, bar_left, bar_top, bar_height, page.counts, options.unit);
   if (page.any_signed) drawColourBar(canvas, bar_left + kBarStep, bar_top, bar_height, page.differences, "difference");
   if (!page.legend.empty()) drawLegend(canvas, page.heading + page.grid_height + 20, page.legend);
-  canvas.save(file);
+  return canvas;
+}
+
+void writeTactileFigure(const std::filesystem::path& file, const std::vector<TactilePanel>& panels, const FigureOptions& options) {
+  drawTactileFigure(panels, options).save(file);
 }
 
 }  // namespace taxelsim::figures

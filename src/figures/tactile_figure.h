@@ -49,13 +49,17 @@ struct FigureOptions {
   std::string subtitle;
   std::string unit = "counts";  // of the colour bar
   int num_columns = 0;          // of panels; 0: for an aspect ratio close to 4:3
+  double largest = 0;           // at the top of the colour bar, so that several figures share a scale; 0: the largest value of the panels
 };
 
 // Axes from the moments of the image, for data without features; none without contact.
 std::optional<ContactAxes> axesOfImage(const TactilePanel& panel);
 
-// Writes a PNG of all panels with one colour scale from 0 to the largest value, and a symmetric one for signed values. Throws Error(kIo) if
-// the file cannot be written; Error(kInput) if there is no panel or the picture is larger than Cairo supports.
+// Draws all panels with one colour scale from 0 to the largest value, and a symmetric one for signed values. Throws Error(kInput) if there
+// is no panel or the picture is larger than Cairo supports.
+Canvas drawTactileFigure(const std::vector<TactilePanel>& panels, const FigureOptions& options);
+
+// Writes that figure as a PNG. Throws also Error(kIo) if the file cannot be written.
 void writeTactileFigure(const std::filesystem::path& file, const std::vector<TactilePanel>& panels, const FigureOptions& options);
 
 }  // namespace taxelsim::figures

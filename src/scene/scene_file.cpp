@@ -22,6 +22,7 @@ namespace {
 constexpr std::array<std::string_view, 2> kContactColumns = {"contact_features", "clean_contact_features"};
 constexpr int kDefaultRegions = 4;
 constexpr double kRateTolerance = 1e-9;  // relative; rates are decimal fractions
+constexpr std::array<std::string_view, 4> kFileKeys = {"file", "mesh", "robot", "sensor"};
 constexpr std::string_view kActions = "actions", kRobot = "robot";
 constexpr std::array<std::string_view, 5> kDefaultColumns = {"tactile_image", "features", "ground_truth", "poses", "actions"};
 
@@ -200,6 +201,19 @@ void checkConditions(const YamlTree& tree, const std::string& name, const std::f
   }
 }
 
+// Refuses names of files with a folder. These keys are those whose text can be such a name.
+void refuseFolders(const YamlNode& node) {
+  for (const YamlTree::Key& key : node.tree().keys) {
+    const YamlNode child = *node.child(key.text);
+    if (child.isScalar() && std::find(kFileKeys.begin(), kFileKeys.end(), key.text) != kFileKeys.end() &&
+        std::filesystem::path(child.tree().text).filename() != child.tree().text)
+      child.refuse("the name of a file without a folder");
+    if (child.isMap() || child.isList()) refuseFolders(child);
+  }
+  if (!node.isList()) return;
+  for (const YamlNode& item : node.items("a list")) refuseFolders(item);
+}
+
 }  // namespace
 
 Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrides) {
@@ -207,6 +221,7 @@ Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrid
   const std::filesystem::path directory = file.parent_path();
   const YamlTree file_tree = parseYaml(readYamlFile(file), name);
   checkFormatVersion(YamlNode(file_tree, name));
+  if (overrides.refuse_folders) refuseFolders(YamlNode(file_tree, name));
   const std::string condition = overrides.condition.empty() ? std::string(kNominalCondition) : overrides.condition;
   const YamlTree tree = inCondition(file_tree, name, condition);
   const YamlNode root(tree, name);

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "cli/command_line.h"
 #include "cli/pressed_pad.h"
@@ -167,6 +168,57 @@ TEST_F(DataSet, RenderDrawsAPicture) {
   const Outcome refused = runTaxelsim({"render", at("d"), "-o", at("none/c.png")});
   EXPECT_EQ(refused.status, 1) << refused.err;
   EXPECT_NE(refused.err.find("none/c.png: its folder does not exist"), std::string::npos) << refused.err;
+}
+
+TEST_F(DataSet, RenderNamesTheObject) {
+  writePressedPad(at("d"));
+  writePressedPad(at("other"), {.bar_name = "rod"});
+  for (const auto& [episode, is_other] : {std::pair{"0", true}, std::pair{"1", false}}) {
+    ASSERT_EQ(runTaxelsim({"render", at("d"), "-o", at("a.png"), "--episode", episode}).status, 0);
+    ASSERT_EQ(runTaxelsim({"render", at("other"), "-o", at("b.png"), "--episode", episode}).status, 0);
+    EXPECT_EQ(content(at("a.png")) != content(at("b.png")), is_other) << "episode " << episode;
+  }
+  writePressedPad(at("bytes"), {.bar_name = "\xff\n"});
+  EXPECT_EQ(runTaxelsim({"render", at("bytes"), "-o", at("c.png")}).status, 0) << "Cairo draws no text that is not UTF-8";
+  EXPECT_GT(content(at("c.png")).size(), kBlankPicture);
+}
+
+// A stream of pictures of one size and one colour scale, which a picture of one frame does not have.
+TEST_F(DataSet, RenderStreamsAnEpisode) {
+  writePressedPad(at("d"));
+  const auto timesOf = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {"render", at("d"), "-o", "-", "--episode", "3"});
+    const Outcome outcome = runTaxelsim(options);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    std::vector<std::string> times;
+    std::size_t place = 0;
+    std::string size;
+    while (place < outcome.out.size()) {
+      std::istringstream header(outcome.out.substr(place, 100));
+      std::string magic, time, found, depth;
+      std::getline(header, magic), std::getline(header, time), std::getline(header, found), std::getline(header, depth);
+      EXPECT_EQ(magic + depth, "P6255");
+      EXPECT_TRUE(size.empty() || size == found) << size << ", " << found;
+      size = found;
+      times.push_back(time);
+      int width = 0, height = 0;
+      std::istringstream(size) >> width >> height;
+      EXPECT_GT(width * height, 0);
+      place += static_cast<std::size_t>(header.tellg()) + std::size_t{3} * static_cast<std::size_t>(width * height);
+    }
+    EXPECT_EQ(place, outcome.out.size()) << "no byte is missing or left over";
+    return times;
+  };
+  EXPECT_EQ(timesOf({}), (std::vector<std::string>{"# time 0", "# time 0.01", "# time 0.02"}));
+  EXPECT_EQ(timesOf({"--rate", "100"}), timesOf({}));
+  EXPECT_EQ(timesOf({"--rate", "50"}), (std::vector<std::string>{"# time 0", "# time 0.02"}));
+  EXPECT_EQ(timesOf({"--rate", "99"}), timesOf({"--rate", "50"})) << "at most so many";
+  EXPECT_EQ(timesOf({"--rate", "1e-300"}), (std::vector<std::string>{"# time 0"}));
+
+  expectRefused(runTaxelsim({"render", at("d"), "-o", "-"}), "--output -: needs --episode");
+  writePressedPad(at("bare"), {.features = false});
+  expectRefused(runTaxelsim({"render", at("bare"), "-o", "-", "--episode", "0"}), "no column data/time");
+  expectRefused(runTaxelsim({"render", at("d"), "-o", "-", "--episode", "0", "--rate", "0"}), "--rate");
 }
 
 TEST_F(DataSet, RenderWorksWithoutFeaturesAndWithoutGrid) {

@@ -11,6 +11,7 @@ namespace {
 constexpr int kRows = 6, kCols = 14;
 constexpr double kPitch = 0.0034;  // m
 constexpr std::uint64_t kFramesPerEpisode = 3;
+constexpr double kFrameTime = 0.01;    // s
 constexpr double kPeak = 3100;         // counts
 constexpr double kWidth = 0.0028;      // m, of the bar
 constexpr double kHalfLength = 0.009;  // m
@@ -67,6 +68,7 @@ void writePressedPad(const std::filesystem::path& directory, const PadOptions& o
     manifest.columns.push_back({"meta/load", ScalarType::kFloat64, {}, "N", "Commanded load; NaN for a depth.", true});
     manifest.columns.push_back({"meta/object_name", ScalarType::kText, {}, "1", "Name of the object.", true, 4});
     manifest.columns.push_back({"meta/success", ScalarType::kUint8, {}, "1", "Of the task.", true, 0, {"false", "true"}});
+    manifest.columns.push_back({"data/time", ScalarType::kFloat64, {}, "s", "Since the first frame.", false});
   }
   DatasetWriter writer(directory, manifest);
   for (std::uint64_t shard = 0; shard < manifest.numShards(); ++shard) {
@@ -86,11 +88,14 @@ void writePressedPad(const std::filesystem::path& directory, const PadOptions& o
         append(data.columns[1], static_cast<float>(sum * kNewtonPerCount));
         append(data.columns[2], static_cast<float>(contact.angle - (contact.angle > 1.5707963 ? 3.1415926 : 0)));
         append(data.columns[3], 0.87f);
+        append(data.columns[7], kFrameTime * static_cast<double>(frame % kFramesPerEpisode));
       }
       if (!options.features) continue;
       append(data.columns[4], episode == 0 ? std::numeric_limits<double>::quiet_NaN() : 0.5 * static_cast<double>(episode));
       const bool is_bar = episode % 2 == 0;
-      append(data.columns[5], is_bar ? std::array{'b', 'a', 'r', '\0'} : std::array{'d', 'r', 'o', 'p'});
+      std::array<char, 4> name{};
+      (is_bar ? options.bar_name : "drop").copy(name.data(), name.size());
+      append(data.columns[5], name);
       append(data.columns[6], static_cast<std::uint8_t>(is_bar));
     }
     writer.writeShard(shard, data);

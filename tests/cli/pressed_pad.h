@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "taxelsim/dataset.h"
 
@@ -11,6 +12,7 @@ struct PadOptions {
   bool features = true;  // record features in addition to the image
   bool one_grid = true;  // else the image is a plain list of taxels
   std::uint64_t num_episodes = 5;
+  std::string bar_name = "bar";  // of the object of even episodes, at most four bytes
 };
 
 // Three frames per episode, two episodes per shard.

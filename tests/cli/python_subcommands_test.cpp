@@ -21,6 +21,8 @@ TEST(PythonSubcommands, NeedThePythonPackage) {
   const TemporaryDirectory root;
   const Outcome outcome = runTaxelsim({"evaluate", "scene.yaml", "--policy", "p.onnx"}, {.environment = withPython(root, "exit 1")});
   expectRefused(outcome, "evaluate --policy needs the Python package taxelsim");
+  const std::vector<std::string> video{"render", "out", "-o", "a.mp4"};
+  expectRefused(runTaxelsim(video, {.environment = withPython(root, "exit 1")}), "render a.mp4 needs the Python package taxelsim");
 }
 
 TEST(PythonSubcommands, RunInPython) {

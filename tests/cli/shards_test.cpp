@@ -6,11 +6,14 @@
 #include <future>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "cli/command_line.h"
 
 namespace taxelsim::testing {
 namespace {
+
+constexpr const char* kOtherProbe = "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef";
 
 // One frame of 24 spheres, by default in six shards.
 std::string writeScene(const std::string& file, const std::string& radius = "5", int episodes_per_shard = 4) {
@@ -57,11 +60,14 @@ TEST(Shards, ProcessesTogetherGiveTheBytesOfOneAlsoAfterAKill) {
 
   expectRefused(runTaxelsim({"--log-level", "error", "generate", writeScene(root / "other.yaml", "6"), "-o", many, "--part", "1/2"}),
                 "another scene: objects[0].sphere.radius");
-  std::string manifest = contentOf(many + "/dataset.yaml");
-  const std::size_t probe = manifest.find("probe_sha256: ") + std::string("probe_sha256: ").size();
-  manifest[probe] = manifest[probe] == '0' ? '1' : '0';
-  std::ofstream(many + "/dataset.yaml") << manifest;
-  expectRefused(runTaxelsim({"--log-level", "error", "generate", scene, "-o", many, "--part", "1/2"}), "computes other values");
+  const std::string manifest = contentOf(many + "/dataset.yaml");
+  for (const auto& [key, value, part] : {std::tuple{"program_version: ", "\"9.9.9\"", "another program version (9.9.9 there, "},
+                                         std::tuple{"device: ", "\"a GPU\"", "another device (a GPU there, "},
+                                         std::tuple{"probe_sha256: ", kOtherProbe, "computes other values"}}) {
+    const std::size_t begin = manifest.find(std::string("\n") + key) + 1 + std::string(key).size();
+    std::ofstream(many + "/dataset.yaml") << manifest.substr(0, begin) << value << manifest.substr(manifest.find('\n', begin));
+    expectRefused(runTaxelsim({"--log-level", "error", "generate", scene, "-o", many, "--part", "1/2"}), part);
+  }
 }
 
 TEST(Shards, RangesThatAreNoneAreRefused) {

@@ -2,6 +2,7 @@
 // that has its name is complete, no temporary file remains, and resuming gives the same bytes. The calls of the library arrive here,
 // because a program's functions take precedence over libc's.
 #include <sys/syscall.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
@@ -10,6 +11,7 @@
 
 #include "dataset/example.h"
 #include "support/cases.h"
+#include "taxelsim/version.h"
 
 namespace {
 
@@ -48,6 +50,8 @@ namespace {
 
 constexpr int kNever = 1'000'000'000;
 constexpr int kStride = 6;  // of the calls that fail; with TAXELSIM_CASES=all each one does
+
+constexpr int kSharedFaults = 8;  // first failing calls of several writers: those of the manifest and of the shards
 
 struct Fault {
   Call call;
@@ -111,6 +115,55 @@ TEST_P(FailingDisk, LosesNothing) {
   }
   std::cout << num_faults << " faults, " << num_errors << " errors" << std::endl;
   EXPECT_GT(2 * num_errors, num_faults);
+}
+
+// Three processes share a directory while the disk gets full for each of them, at another write.
+TEST(FullDisk, OfSeveralWritersLosesNothing) {
+  const TemporaryDirectory directory;
+  Manifest manifest = exampleManifest();
+  manifest.program_version = kVersion;
+  const DatasetWriterOptions all{.shards = ShardRange{.first = 0, .end = manifest.numShards()}};
+  writeExample(directory / "one", manifest);
+  const auto complete = filesIn(directory / "one");
+  const auto work = [&](const std::filesystem::path& target) {
+    DatasetWriter writer(target, manifest, all);
+    for (std::uint64_t shard = 0; shard < manifest.numShards(); ++shard)
+      if (writer.claim(shard)) writer.writeShard(shard, exampleShard(manifest, shard));
+  };
+  int num_errors = 0;
+  for (int first = 1; first <= kSharedFaults; ++first) {
+    const std::filesystem::path target = directory / std::to_string(first);
+    std::array<pid_t, 3> children{};
+    for (std::size_t i = 0; i < children.size(); ++i) {
+      children[i] = fork();
+      if (children[i] != 0) continue;
+      failing_call = Call::kWrite;
+      last_failing = kNever;
+      first_failing = first + 2 * static_cast<int>(i);
+      try {
+        work(target);
+        _exit(0);
+      } catch (const Error& error) {
+        _exit(error.kind() == ErrorKind::kIo ? 3 : 4);
+      }
+    }
+    for (const pid_t child : children) {
+      int status = -1;
+      waitpid(child, &status, 0);
+      ASSERT_TRUE(WIFEXITED(status));
+      EXPECT_TRUE(WEXITSTATUS(status) == 0 || WEXITSTATUS(status) == 3) << WEXITSTATUS(status);
+      num_errors += WEXITSTATUS(status) == 3;
+    }
+    for (const auto& [name, bytes] : filesIn(target)) {
+      if (name.starts_with(".l") || name.starts_with(".c")) continue;  // .lock, .claims
+      ASSERT_TRUE(complete.contains(name)) << "fault at " << first << " left " << name;
+      EXPECT_TRUE(complete.at(name) == bytes) << name;
+    }
+    work(target);
+    ASSERT_TRUE(finishDataset(target));
+    EXPECT_TRUE(filesIn(target) == complete) << "after a fault at " << first;
+  }
+  EXPECT_GT(num_errors, kSharedFaults) << "the calls do not arrive here";
 }
 
 std::string nameOf(const ::testing::TestParamInfo<Fault>& tested) {

@@ -13,13 +13,14 @@ from typing import Any
 import numpy as np
 
 from .._core import TASK_MEASURES, Device, Evaluation, Progress, Scene, Score, load_scene
-from ..errors import Error, InputError
+from ..errors import InputError
 from ..policies.actions import COMMANDS
 from ..policies.failures import failed_episodes
 from ..policies.observations import OBSERVATIONS
 from ..policies.policy import as_policy
 from ..policies.statistics import Comparison, compare
 from ..runs import Interrupted, evaluate
+from .running import run_command
 
 # Display units of TASK_MEASURES: name, and how many are one SI unit.
 _UNITS = {"edge_angle": ("deg", 180 / np.pi), "total_force": ("N", 1.0), "center": ("mm", 1e3), "contour": ("mm", 1e3)}
@@ -53,16 +54,12 @@ def _names(text: str) -> str | tuple[str, ...]:
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Runs the subcommand. Returns the exit status: 2 for bad input, 1 for other failures, 130 after Ctrl-C."""
+    """Runs the subcommand. Returns the exit status of run_command()."""
     parser = argparse.ArgumentParser(prog="taxelsim evaluate", description=__doc__)
     add_arguments(parser)
     options = parser.parse_args(arguments)
     logging.basicConfig(format="%(message)s")
-    try:
-        return _run(options)
-    except (Error, ImportError) as error:
-        print(f"taxelsim evaluate: {error}", file=sys.stderr)
-        return 2 if isinstance(error, InputError) else 1
+    return run_command("evaluate", lambda: _run(options))
 
 
 def _run(options: argparse.Namespace) -> int:

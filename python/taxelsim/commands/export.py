@@ -9,29 +9,29 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..errors import Error, InputError
 from ..export import FORMATS, Options, export
+from .running import run_command
 
 _LOG_INTERVAL = 5.0  # s, between lines if stderr is no terminal
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Runs the subcommand. Returns the exit status: 2 for bad input, 1 for other failures, 130 after Ctrl-C."""
+    """Runs the subcommand. Returns the exit status of run_command()."""
     options = _parser().parse_args(arguments)
+    return run_command("export", lambda: _run(options))
+
+
+def _run(options: argparse.Namespace) -> None:
     progress = _ProgressLine()
     try:
         source = export(options.folder, options.out, options.format, _options_of(options), progress.show)
     except KeyboardInterrupt:
         progress.end()
         print(f"taxelsim export: interrupted; run the same command again, {options.out} is not complete", file=sys.stderr)
-        return 130
-    except (Error, ImportError, OSError) as error:
+        raise
+    finally:
         progress.end()
-        print(f"taxelsim export: {error}", file=sys.stderr)
-        return 2 if isinstance(error, InputError | ImportError) else 1
-    progress.end()
     print(f"{options.out}: {source.num_episodes:,} episodes, {source.num_frames:,} frames, format {options.format}")
-    return 0
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -98,3 +98,4 @@ class _ProgressLine:
     def end(self) -> None:
         if self._is_drawn:
             print(file=sys.stderr)
+        self._is_drawn = False

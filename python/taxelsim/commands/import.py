@@ -3,28 +3,22 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..errors import Error, InputError
+from ..errors import InputError
 from ..recordings import KINDS, Measurement, read_csv, read_lerobot, write_measurement
 from ..recordings.measurement import QUANTITIES, TIME_UNITS
+from .running import run_command
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Runs the subcommand. Returns the exit status: 2 for bad input, 1 for other failures."""
+    """Runs the subcommand. Returns the exit status of run_command()."""
     options = _parser().parse_args(arguments)
-    try:
-        table = _run(options)
-    except (Error, ImportError) as error:
-        print(f"taxelsim import: {error}", file=sys.stderr)
-        return 2 if isinstance(error, InputError | ImportError) else 1
-    print(f"wrote {options.out} and {table}")
-    return 0
+    return run_command("import", lambda: _run(options))
 
 
-def _run(options: argparse.Namespace) -> Path:
+def _run(options: argparse.Namespace) -> None:
     is_folder = options.source.is_dir()
     if options.episode is not None and not is_folder:
         raise InputError("--episode: for folders of a LeRobotDataset only")
@@ -42,7 +36,8 @@ def _run(options: argparse.Namespace) -> Path:
         scale=options.scale,
         keys=keys,
     )
-    return write_measurement(recording, what, options.out)
+    table = write_measurement(recording, what, options.out)
+    print(f"wrote {options.out} and {table}")
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import argparse
-import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 from .._files import require_folder, write_whole
 from ..dataset import Dataset
-from ..errors import Error, InputError
+from ..errors import InputError
 from ..report import MAX_FRAMES, card_of, page_of, summarize
-
-_LICENSE = re.compile(r"[a-z0-9][a-z0-9.+-]*")
+from ..report.card import checked_license
+from .running import run_command
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -33,23 +32,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Runs the subcommand. Returns the exit status: 2 for bad input, 1 for other failures."""
+    """Runs the subcommand. Returns the exit status of run_command()."""
     parser = argparse.ArgumentParser(prog="taxelsim report", description=__doc__)
     add_arguments(parser)
     options = parser.parse_args(arguments)
-    try:
-        _run(options)
-    except (Error, ImportError) as error:
-        print(f"taxelsim report: {error}", file=sys.stderr)
-        return 2 if isinstance(error, InputError) else 1
-    return 0
+    return run_command("report", lambda: _run(options))
 
 
 def _run(options: argparse.Namespace) -> None:
     if options.max_frames < 1:
         raise InputError(f"--max-frames: {options.max_frames} found, at least 1 allowed")
-    if _LICENSE.fullmatch(options.license) is None:
-        raise InputError(f"--license: {options.license!r} found, an identifier such as cc-by-4.0 allowed")
+    checked_license(options.license)
     page = options.output or (None if options.card else Path("report.html"))
     for file in filter(None, (page, options.card)):
         require_folder(file)

@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING
 
 from .._core import Device
 from .._files import require_folder, write_whole
-from ..errors import Error, InputError, IoError
+from ..errors import InputError, IoError
 from ..viewer import view
+from .running import run_command
 
 if TYPE_CHECKING:
     import rerun
@@ -39,19 +40,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Runs the subcommand. Returns the exit status: 2 for bad input, 1 for other failures, 130 after Ctrl-C."""
+    """Runs the subcommand. Returns the exit status of run_command()."""
     parser = argparse.ArgumentParser(prog="taxelsim view", description=__doc__)
     add_arguments(parser)
     options = parser.parse_args(arguments)
     logging.basicConfig(format="%(message)s")
-    try:
-        _run(options)
-    except (Error, ImportError) as error:
-        print(f"taxelsim view: {error}", file=sys.stderr)
-        return 2 if isinstance(error, InputError) else 1
-    except KeyboardInterrupt:
-        return 130
-    return 0
+    return run_command("view", lambda: _run(options))
 
 
 def _run(options: argparse.Namespace) -> None:

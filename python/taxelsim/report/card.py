@@ -3,15 +3,32 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Sequence
+from pathlib import Path
 
+from .._files import write_whole
+from ..dataset import Dataset
+from ..errors import InputError
 from .page import provenance_rows
-from .summary import Summary
+from .summary import MAX_FRAMES, Summary, summarize
 from .svg import number
+
+CARD = "README.md"
+"""Name of the file that the Hub shows as the card."""
+
+_LICENSE = re.compile(r"[a-z0-9][a-z0-9.+-]*")
 
 # Categories of 10^3 to 10^12 rows, by the first power of ten beyond them.
 _SIZES = ("n<1K", "1K<n<10K", "10K<n<100K", "100K<n<1M", "1M<n<10M", "10M<n<100M", "100M<n<1B", "1B<n<10B", "10B<n<100B", "100B<n<1T")
 _MARKUP = "\\`*_{}[]<>#|!~$"
+
+
+def checked_license(license_id: str) -> str:
+    """`license_id` if the Hub could have a licence of that name, else InputError."""
+    if _LICENSE.fullmatch(license_id) is None:
+        raise InputError(f"license: {license_id!r} found, an identifier such as cc-by-4.0 allowed")
+    return license_id
 
 
 def size_category(num_frames: int) -> str:
@@ -100,3 +117,15 @@ Minimum, median and maximum{of}.
 
 `dataset.yaml` has the whole scene. The same scene and seed give the same bytes on the same kind of device.
 """
+
+
+def write_card(folder: Path, license_id: str, assets: Sequence[Path] = ()) -> bool:
+    """Writes the card into the folder of a data set, unless there is a README.md: its author may have edited it. Returns whether it did.
+
+    license_id: as the Hub names licences, such as cc-by-4.0. assets: folders with a URDF or taxel mesh of the scene.
+    """
+    checked_license(license_id)
+    if (folder / CARD).exists():
+        return False
+    write_whole(folder / CARD, card_of(summarize(Dataset(folder, isolated=True), MAX_FRAMES, assets), license_id).encode())
+    return True

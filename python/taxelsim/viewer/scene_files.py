@@ -32,15 +32,19 @@ def scene_of(text: str, folders: Sequence[Path], origin: Path) -> tuple[Scene, s
     place of each, and the caller does not draw it.
 
     text: the resolved scene. folders: searched with their subfolders for the files that it names, by name and SHA-256; then the scenes of
-    the package. origin: data set, for messages. Raises InputError for another file that is not found, such as a URDF.
+    the package. origin: data set, for messages. Raises InputError for another file that is not found, such as a URDF,
+    and for a file that is named with a folder: no file elsewhere is opened.
     """
     is_found: list[bool] = []  # of each mesh, in the order of the objects
     with tempfile.TemporaryDirectory() as root:
 
         def collected(found: re.Match[str]) -> str:
             key, quoted, sha256 = found.groups()
-            name = json.loads(quoted) if quoted.startswith('"') else quoted
-            if Path(name).name != name:
+            try:
+                name = json.loads(quoted) if quoted.startswith('"') else quoted
+            except ValueError as error:
+                raise InputError(f"{origin}: scene: {key}: {quoted} found, the name of a file allowed") from error
+            if not name or Path(name).name != name:
                 raise InputError(f"{origin}: scene: {key}: {name!r} found, the name of a file without a folder allowed")
             file = next((file for file in _candidates(name, [*folders, SCENES]) if sha256_of(file) == sha256), None)
             if key == "mesh":
@@ -55,6 +59,6 @@ def scene_of(text: str, folders: Sequence[Path], origin: Path) -> tuple[Scene, s
 
         file = Path(root, "scene.yaml")
         file.write_text(_FILE.sub(collected, text), encoding="utf-8")
-        scene = load_scene(file)
+        scene = load_scene(file, refuse_folders=True)
     meshes = [index for index, item in enumerate(scene.objects) if isinstance(item.shape, Mesh)]
     return scene, {index for index, found in zip(meshes, is_found, strict=True) if not found}

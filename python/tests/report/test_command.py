@@ -10,6 +10,7 @@ import pytest
 
 import taxelsim
 from taxelsim.commands.report import main
+from taxelsim.program import PROGRAM
 from taxelsim.report import card_of, summarize
 from taxelsim.report.card import size_category
 
@@ -42,7 +43,7 @@ def test_writes_page_and_card(reported, tmp_path):
     [
         (["{tmp}"], 2, "no data set: it has no dataset.yaml"),
         (["{data}", "--max-frames", "0"], 2, "--max-frames: 0 found, at least 1 allowed"),
-        (["{data}", "--license", "my license"], 2, "--license: 'my license' found, an identifier such as cc-by-4.0 allowed"),
+        (["{data}", "--license", "my license"], 2, "license: 'my license' found, an identifier such as cc-by-4.0 allowed"),
         (["{data}", "-o", "{tmp}/none/report.html"], 1, "none/report.html: No such file or directory"),
     ],
 )
@@ -91,3 +92,46 @@ def test_texts_are_escaped_in_the_card(card):
 )
 def test_size_categories(num_frames, category):
     assert size_category(num_frames) == category
+
+
+@pytest.fixture
+def in_parts(device, tmp_path):
+    """A data set whose shards are there, and which is not finished."""
+    scene = tmp_path / "contacts.yaml"
+    scene.write_text(CONTACTS.format(sensor=(taxelsim.SCENES / "sensors/wts0614.yaml").resolve()))
+    taxelsim.generate(scene, tmp_path / "data", device=device, shards=range(1))
+    return tmp_path / "data"
+
+
+def contents(folder):
+    return {file.name: file.read_bytes() for file in folder.iterdir()}
+
+
+def test_finish_writes_the_card_and_changes_no_other_file(in_parts):
+    taxelsim.finish(in_parts)
+    plain = contents(in_parts)
+    taxelsim.finish(in_parts, card=True, license_id="cc-by-4.0")
+    carded = contents(in_parts)
+    card = carded.pop("README.md").decode()
+    assert carded == plain
+    assert card == card_of(summarize(taxelsim.Dataset(in_parts, isolated=True)), "cc-by-4.0")
+    # The program reads a folder with a card, and extends the data set in it.
+    assert subprocess.run([PROGRAM, "inspect", in_parts, "--verify"], capture_output=True).returncode == 0
+    (in_parts / "README.md").write_text("edited")
+    taxelsim.finish(in_parts, card=True)
+    assert contents(in_parts) == {**plain, "README.md": b"edited"}
+
+
+def test_finish_card_on_the_command_line(in_parts, tmp_path):
+    command = [sys.executable, "-m", "taxelsim", "finish", in_parts, "--card", "--license"]
+    refused = subprocess.run([*command, "my license"], capture_output=True, text=True)
+    assert (refused.returncode, refused.stderr.count("\n")) == (2, 1)
+    assert not (in_parts / "dataset.h5").exists()
+    done = subprocess.run([*command, "mit"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[-1] == f"{in_parts / 'README.md'}: written"
+    assert (in_parts / "README.md").read_text().startswith('---\nlicense: "mit"\n')
+    (in_parts / "shard-000000.h5").unlink()
+    broken = subprocess.run([*command, "mit"], capture_output=True, text=True)
+    assert (broken.returncode, broken.stderr.count("\n")) == (2, 1)
+    assert "shard-000000.h5 is missing" in broken.stderr

@@ -81,7 +81,7 @@ def test_a_file_that_cannot_be_written(viewed, tmp_path, capsys):
 
 def test_without_the_package_it_says_how_to_install_it(viewed, tmp_path, capsys, monkeypatch):
     monkeypatch.setitem(sys.modules, "rerun", None)
-    assert main([str(viewed), "--save", str(tmp_path / "out.rrd")]) == 1
+    assert main([str(viewed), "--save", str(tmp_path / "out.rrd")]) == 2
     assert "pip install 'taxelsim[view]'" in capsys.readouterr().err
 
 

@@ -1,0 +1,116 @@
+"""Pictures as a video: MP4 (H.264, by PyAV) or GIF (by Pillow)."""
+
+from __future__ import annotations
+
+import io
+import itertools
+import os
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._files import require_folder, write_whole
+from .errors import InputError
+
+Picture = NDArray[np.uint8]  # (height, width, 3)
+
+MAX_RATES = {".mp4": 50, ".gif": 25}
+"""Pictures per second by suffix, beyond which players leave some out."""
+
+_MP4_TICKS = 90_000  # per second: the unit of a picture's time
+_MP4_OPTIONS = {"crf": "18"}  # of x264; visually lossless
+_GIF_TICKS = 100  # defined by the format
+_MIN_RATE = 0.01  # a GIF counts up to 2^16 ticks for one picture
+
+
+@dataclass
+class _Counted:
+    """Checks pictures while they pass, and counts them."""
+
+    pictures: Iterable[NDArray[Any]]
+    count: int = 0
+
+    def __iter__(self) -> Iterator[Picture]:
+        shape: tuple[int, ...] = ()
+        for picture in self.pictures:
+            if picture.ndim != 3 or picture.shape[2] != 3 or picture.dtype != np.uint8:
+                raise InputError(f"picture {self.count}: (height, width, 3) of uint8 expected, {picture.shape} of {picture.dtype} found")
+            shape = shape or picture.shape
+            if picture.shape != shape:
+                raise InputError(f"picture {self.count}: shape {shape} of the first one expected, {picture.shape} found")
+            self.count += 1
+            yield picture
+        if self.count == 0:
+            raise InputError("video: no picture found, at least 1 needed")
+
+
+def _import(suffix: str) -> Any:
+    try:
+        if suffix == ".mp4":
+            import av
+
+            return av
+        import PIL.Image
+
+        return PIL.Image
+    except ImportError as error:
+        raise ImportError("videos need PyAV and Pillow: pip install 'taxelsim[video]'") from error
+
+
+def check_video(file: Path) -> None:
+    """Whether a video of that name can be written: before a long computation. Raises InputError, ImportError or IoError."""
+    if file.suffix not in MAX_RATES:
+        raise InputError(f"{file}: the name of a video must end in {' or '.join(MAX_RATES)}")
+    _import(file.suffix)
+    require_folder(file)
+
+
+def _mp4_of(pictures: Iterable[Picture], rate: float) -> bytes:
+    av, content = _import(".mp4"), io.BytesIO()
+    with av.open(content, "w", format="mp4") as container:
+        # The rate gives the last picture its duration; the times of pictures are theirs.
+        stream = container.add_stream("libx264", rate=Fraction(rate).limit_denominator(1000), options=_MP4_OPTIONS)
+        stream.pix_fmt, stream.codec_context.time_base = "yuv420p", Fraction(1, _MP4_TICKS)
+        for number, picture in enumerate(pictures):
+            height, width, _ = picture.shape
+            # Colours have half the resolution, therefore even sides: repeats the last row and column.
+            even = np.pad(picture, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
+            if number == 0:
+                stream.height, stream.width, _ = even.shape
+            frame = av.VideoFrame.from_ndarray(even, format="rgb24")
+            frame.time_base, frame.pts = Fraction(1, _MP4_TICKS), round(number * _MP4_TICKS / rate)
+            container.mux(stream.encode(frame))
+        container.mux(stream.encode())
+    return content.getvalue()
+
+
+def _gif_of(pictures: Iterable[Picture], rate: float) -> bytes:
+    image, content = _import(".gif"), io.BytesIO()
+    # A palette for each picture, without dithering, which would flicker.
+    frames = [image.fromarray(picture).quantize(256, dither=image.Dither.NONE) for picture in pictures]
+    ends = [round(number * _GIF_TICKS / rate) for number in range(len(frames) + 1)]
+    durations = [(end - begin) * 1000 // _GIF_TICKS for begin, end in itertools.pairwise(ends)]  # ms
+    frames[0].save(content, "GIF", save_all=True, append_images=frames[1:], duration=durations, loop=0)
+    return content.getvalue()
+
+
+def save_video(file: str | os.PathLike[str], pictures: Iterable[NDArray[Any]], rate: float) -> int:
+    """Writes pictures (height, width, 3) of uint8, all of one size, as .mp4 or .gif. Returns their number.
+
+    rate: pictures per second, at least 0.01; of a GIF at most 100, since its pictures last whole hundredths of a second.
+    The file appears when it is complete. In an MP4 a picture with an odd side is one pixel larger.
+
+    Raises InputError for another suffix, rate or pictures, or none; ImportError without PyAV and Pillow; IoError.
+    """
+    file, counted = Path(file), _Counted(pictures)
+    check_video(file)
+    limit = _GIF_TICKS if file.suffix == ".gif" else _MP4_TICKS
+    if not _MIN_RATE <= rate <= limit:
+        raise InputError(f"rate: {rate:g} pictures per second found, at least {_MIN_RATE} and at most {limit} allowed")
+    write_whole(file, (_gif_of if file.suffix == ".gif" else _mp4_of)(counted, rate))
+    return counted.count

@@ -1,0 +1,137 @@
+"""Videos: pictures written as MP4 and GIF, read back; and `taxelsim render` of an episode."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import av
+import numpy as np
+import pytest
+
+import taxelsim
+from taxelsim.commands.render import main
+from taxelsim.program import PROGRAM
+from taxelsim.video import save_video
+
+from .envs.conftest import write_scene
+
+# Of a grey level. Both formats quantize: x264 at this quality by a few levels, a palette of 256 colours by less.
+TOLERANCE = 6
+EPISODE, NUM_FRAMES = 2, 13
+
+
+def read(file: Path) -> tuple[list[np.ndarray], list[float]]:
+    """Pictures, and the times in s at which each begins and the last one ends."""
+    with av.open(file) as container:
+        frames = list(container.decode(video=0))
+        times = [float(frame.time) for frame in frames]
+        return [frame.to_ndarray(format="rgb24") for frame in frames], [*times, container.duration / av.time_base]
+
+
+def steps(count: int) -> list[np.ndarray]:
+    """Grey pictures of 31 x 20 pixels with a white square that moves by 4 pixels."""
+    pictures = [np.full((31, 20, 3), 40 * k, np.uint8) for k in range(count)]
+    for k, picture in enumerate(pictures):
+        picture[8:16, 4 * k : 4 * k + 4] = 255
+    return pictures
+
+
+@pytest.mark.parametrize("suffix", [".mp4", ".gif"])
+@pytest.mark.parametrize("rate", [20, 12.5])
+def test_pictures_and_times_are_kept(tmp_path, suffix, rate):
+    pictures = steps(5)
+    assert save_video(tmp_path / f"a{suffix}", iter(pictures), rate) == 5
+    found, times = read(tmp_path / f"a{suffix}")
+    assert np.allclose(times, np.arange(6) / rate, rtol=0, atol=1e-4)
+    assert len(found) == 5
+    for expected, picture in zip(pictures, found, strict=True):
+        assert picture.shape == ((32, 20, 3) if suffix == ".mp4" else (31, 20, 3))
+        assert np.abs(picture[:31].astype(int) - expected).mean() < TOLERANCE
+    assert [path.name for path in tmp_path.iterdir()] == [f"a{suffix}"]
+
+
+@pytest.mark.parametrize(
+    ("name", "pictures", "rate", "message"),
+    [
+        ("a.avi", steps(2), 10, "must end in .mp4 or .gif"),
+        ("a.mp4", [], 10, "no picture found"),
+        ("a.gif", [], 10, "no picture found"),
+        ("a.mp4", [np.zeros((4, 4), np.uint8)], 10, r"picture 0: \(height, width, 3\) of uint8 expected, \(4, 4\) of uint8 found"),
+        ("a.gif", [*steps(1), np.zeros((4, 4, 3), np.uint8)], 10, r"picture 1: shape \(31, 20, 3\) of the first one expected"),
+        ("a.gif", steps(2), 101, "101 pictures per second found, at least 0.01 and at most 100 allowed"),
+        ("a.mp4", steps(2), float("nan"), "rate: nan pictures"),
+        ("a.mp4", steps(2), 0.009, "rate: 0.009 pictures"),
+    ],
+)
+def test_bad_input_is_refused_and_leaves_no_file(tmp_path, name, pictures, rate, message):
+    with pytest.raises(taxelsim.InputError, match=message):
+        save_video(tmp_path / name, pictures, rate)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory: pytest.TempPathFactory, device: taxelsim.Device) -> Path:
+    """Episodes of 13 frames, 0.01 s apart."""
+    root = tmp_path_factory.mktemp("video")
+    taxelsim.generate(write_scene(root), root / "data", device=device, episodes=range(3))
+    return root / "data"
+
+
+def run(*arguments: object) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, "-m", "taxelsim", "render", *map(str, arguments)], capture_output=True, text=True)
+
+
+@pytest.mark.parametrize(("suffix", "speed", "num_pictures"), [(".mp4", 1, 7), (".mp4", 0.5, 13), (".gif", 0.25, 13), (".gif", 1, 4)])
+def test_render_writes_a_video_of_an_episode(data, tmp_path, suffix, speed, num_pictures):
+    step = float(np.diff(taxelsim.Dataset(data).episode(EPISODE)["data/time"])[0])
+    done = run(data, "-o", tmp_path / f"a{suffix}", "--episode", EPISODE, "--speed", speed)
+    assert done.returncode == 0, done.stderr
+    pictures, times = read(tmp_path / f"a{suffix}")
+    assert len(pictures) == num_pictures
+    stride = -(-NUM_FRAMES // num_pictures)
+    assert np.allclose(np.diff(times), stride * step / speed, rtol=0, atol=0.005)
+    # All pictures of one size, as the program draws them.
+    drawn = subprocess.run([PROGRAM, "render", data, "--episode", str(EPISODE), "-o", "-"], capture_output=True, check=True).stdout
+    magic, comment, size, _ = drawn.split(b"\n", 3)
+    width, height = map(int, size.split())
+    assert (magic, comment) == (b"P6", b"# time 0")
+    assert drawn.count(b"P6\n# time ") == NUM_FRAMES
+    first = np.frombuffer(drawn[drawn.index(b"255\n") + 4 :], np.uint8, height * width * 3).reshape(height, width, 3)
+    assert np.abs(pictures[0][:height, :width].astype(int) - first).mean() < TOLERANCE
+    assert any((picture != pictures[0]).any() for picture in pictures[1:])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["{data}", "-o", "{tmp}/a.mp4", "--episode", "3"], "--episode 3: {data} has episodes 0 to 2"),
+        (["{tmp}/none", "-o", "{tmp}/a.gif", "--episode", "0"], "none"),
+        (["{data}", "-o", "{tmp}/a.gif", "--episode", "0", "--speed", "0"], "--speed: 0.0 found"),
+        (["{data}", "-o", "{tmp}/a.gif", "--episode", "0", "--speed", "1e-9"], "at least 0.01"),
+        (["{data}", "-o", "{tmp}/a.gif"], "--episode"),
+    ],
+)
+def test_render_refuses_in_one_line(data, tmp_path, arguments, message):
+    done = run(*(argument.format(data=data, tmp=tmp_path) for argument in arguments))
+    assert done.returncode == 2, done.stderr
+    assert message.format(data=data) in done.stderr.splitlines()[-1]
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(("suffix", "package"), [(".mp4", "av"), (".gif", "PIL.Image")])
+def test_a_missing_package_is_one_line(data, tmp_path, capfd, monkeypatch, suffix, package):
+    monkeypatch.setitem(sys.modules, package, None)
+    assert main([str(data), "-o", str(tmp_path / f"a{suffix}"), "--episode", "0"]) == 2
+    assert capfd.readouterr().err == "taxelsim render: videos need PyAV and Pillow: pip install 'taxelsim[video]'\n"
+
+
+def test_a_program_that_dies_leaves_no_video(data, tmp_path, monkeypatch):
+    """Half of the pictures are no video."""
+    fake = tmp_path / "taxelsim"
+    fake.write_text(f'#!/bin/sh\n{PROGRAM} "$@" | head -c 5000000\nexit 7\n')
+    fake.chmod(0o755)
+    monkeypatch.setattr("taxelsim.commands.render.PROGRAM", fake)
+    assert main([str(data), "-o", str(tmp_path / "a.mp4"), "--episode", "0"]) == 7
+    assert [path.name for path in tmp_path.iterdir()] == ["taxelsim"]

@@ -1,0 +1,131 @@
+#include "cli/frame_panels.h"
+
+#include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+namespace taxelsim::cli {
+
+using namespace figures;
+
+namespace {
+
+constexpr std::size_t kTaxelsPerLine = 16;  // for sensors without a single grid
+constexpr std::array kShown{kTactileImage,
+                            "data/time",
+                            "data/total_force",
+                            "data/ground_truth/total_force",
+                            "data/edge_angle",
+                            "data/edge_confidence",
+                            "data/center_of_pressure",
+                            "data/eigenvalues"};
+
+}  // namespace
+
+const Column* findColumn(const Manifest& manifest, const std::string& name) {
+  const auto column = std::find_if(manifest.columns.begin(), manifest.columns.end(), [&](const Column& c) { return c.name == name; });
+  return column == manifest.columns.end() ? nullptr : &*column;
+}
+
+std::vector<TaxelOutline> outlinesOf(const Manifest& manifest) {
+  const std::optional<Sensor> listed = listedTaxels(manifest);
+  return listed ? unrolled(*listed) : std::vector<TaxelOutline>{};
+}
+
+FramePanels::FramePanels(const DatasetReader& reader, std::vector<TaxelOutline> outlines, std::uint64_t first, std::uint64_t count)
+    : manifest_(reader.manifest()), outlines_(std::move(outlines)), first_(first), count_(count) {
+  for (const char* const name : kShown) {
+    const Column* const column = findColumn(manifest_, name);
+    if (column != nullptr && !column->per_episode) columns_[name] = reader.readAsDouble(name, first, count);
+  }
+}
+
+// One row of a column; empty if the column is missing.
+std::vector<double> FramePanels::row(const std::string& name, std::uint64_t frame) const {
+  const auto found = columns_.find(name);
+  if (found == columns_.end()) return {};
+  const auto width = static_cast<std::ptrdiff_t>(found->second.size() / count_);
+  const auto begin = found->second.begin() + static_cast<std::ptrdiff_t>(frame - first_) * width;
+  return {begin, begin + width};
+}
+
+// Empty also if the row has another length.
+std::vector<double> FramePanels::row(const std::string& name, std::uint64_t frame, std::size_t length) const {
+  std::vector<double> values = row(name, frame);
+  return values.size() == length ? values : std::vector<double>{};
+}
+
+// A grid as an image, a list of taxels by their outlines if known, any other sensor as rows of taxels in storage order.
+TactilePanel FramePanels::imageOf(std::uint64_t frame) const {
+  TactilePanel panel;
+  panel.values = row(kTactileImage, frame);
+  if (manifest_.num_rows > 0) {
+    panel.num_rows = manifest_.num_rows;
+    panel.num_cols = manifest_.num_cols;
+    panel.values.resize(static_cast<std::size_t>(manifest_.num_rows) * static_cast<std::size_t>(manifest_.num_cols));
+    if (manifest_.pitch[0] > 0 && manifest_.pitch[1] > 0) panel.pitch = manifest_.pitch;
+    return panel;
+  }
+  panel.values.resize(findColumn(manifest_, kTactileImage)->shape.back());
+  panel.neighbours = false;
+  if (panel.values.size() == outlines_.size()) {
+    panel.outlines = outlines_;
+    return panel;
+  }
+  const std::size_t num_cols = std::min(panel.values.size(), kTaxelsPerLine);
+  const std::size_t num_rows = (panel.values.size() + num_cols - 1) / num_cols;
+  panel.values.resize(num_rows * num_cols, std::numeric_limits<double>::quiet_NaN());
+  panel.num_rows = static_cast<int>(num_rows);
+  panel.num_cols = static_cast<int>(num_cols);
+  return panel;
+}
+
+// Recorded features if they are in metres on this grid, otherwise moments of the image.
+std::optional<ContactAxes> FramePanels::axesOf(const TactilePanel& panel, std::uint64_t frame) const {
+  if (!panel.neighbours) return std::nullopt;
+  std::optional<ContactAxes> axes = axesOfImage(panel);
+  if (!axes || panel.pitch != manifest_.pitch) return axes;
+  const std::vector<double> centre = row("data/center_of_pressure", frame, 3);
+  const std::vector<double> eigenvalues = row("data/eigenvalues", frame, 2);
+  const std::vector<double> angle = row("data/edge_angle", frame, 1);
+  if (!centre.empty()) axes->centre = {centre[0], centre[1]};
+  if (!eigenvalues.empty()) axes->eigenvalues = {eigenvalues[0], eigenvalues[1]};
+  if (!angle.empty()) axes->angle = angle[0];
+  return axes;
+}
+
+// The measured force, the true one, or the sum of the image, whichever is recorded.
+std::string FramePanels::forceText(const TactilePanel& panel, std::uint64_t frame) const {
+  if (const auto force = row("data/total_force", frame, 1); !force.empty()) return fmt::format("{:.3g} N", force[0]);
+  if (const auto force = row("data/ground_truth/total_force", frame, 1); !force.empty()) return fmt::format("{:.3g} N (true)", force[0]);
+  double sum = 0;
+  for (const double value : panel.values) sum += std::isnan(value) ? 0 : value;
+  return fmt::format("sum {:.4g} {}", sum, findColumn(manifest_, kTactileImage)->unit);
+}
+
+std::string FramePanels::captionOf(const TactilePanel& panel, std::uint64_t frame) const {
+  std::vector<std::string> parts;
+  if (const auto time = row("data/time", frame, 1); !time.empty()) parts.push_back(fmt::format("{:.3f} s", time[0]));
+  parts.push_back(forceText(panel, frame));
+  const auto confidence = row("data/edge_confidence", frame, 1);
+  const bool undefined = !confidence.empty() && !(confidence[0] > 0);
+  if (const auto angle = row("data/edge_angle", frame, 1); !angle.empty() && !undefined)
+    parts.push_back(fmt::format("angle {:.1f}°", angle[0] * 180 / std::numbers::pi));
+  if (!confidence.empty()) parts.push_back(fmt::format("confidence {:.2f}", confidence[0]));
+  if (!panel.neighbours) parts.push_back(panel.outlines.empty() ? "taxels in storage order" : "unrolled");
+  return fmt::format("{}", fmt::join(parts, "   "));
+}
+
+TactilePanel FramePanels::panelOf(std::uint64_t frame) const {
+  TactilePanel panel = imageOf(frame);
+  panel.caption = captionOf(panel, frame);
+  panel.axes = axesOf(panel, frame);
+  return panel;
+}
+
+}  // namespace taxelsim::cli
