@@ -98,7 +98,7 @@ def test_size_categories(num_frames, category):
 def in_parts(device, tmp_path):
     """A data set whose shards are there, and which is not finished."""
     scene = tmp_path / "contacts.yaml"
-    scene.write_text(CONTACTS.format(sensor=(taxelsim.SCENES / "sensors/wts0614.yaml").resolve()))
+    scene.write_text(CONTACTS.format(sensor=(taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml").resolve()))
     taxelsim.generate(scene, tmp_path / "data", device=device, shards=range(1))
     return tmp_path / "data"
 

@@ -32,7 +32,7 @@ def mesh(tmp_path) -> Path:
 def resolved(tmp_path_factory) -> str:
     """A resolved scene of a sphere, as a manifest has it."""
     file = tmp_path_factory.mktemp("scene") / "touch.yaml"
-    file.write_text(SCENE.format(sensor=(taxelsim.SCENES / "sensors/wts0614.yaml").resolve()))
+    file.write_text(SCENE.format(sensor=(taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml").resolve()))
     return taxelsim.load_scene(file).resolved
 
 
