@@ -14,6 +14,7 @@
 
 #include "base/text.h"
 #include "cli/commands.h"
+#include "cli/memory_limit.h"
 #include "cli/python_subcommands.h"
 #include "cli/status_line.h"
 #include "cli/usage_error.h"
@@ -86,6 +87,7 @@ int main(int argc, char** argv) {
   using namespace taxelsim;
   using namespace taxelsim::cli;
   std::signal(SIGXFSZ, SIG_IGN);  // a file-size limit becomes an error of write() instead of a signal
+  explainCrashesUnderMemoryLimit();
   try {
     const int status = run(argc, argv);
     if (std::fflush(stdout) != 0) fail(kExitDevice, "cannot write to standard output");

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -32,6 +33,10 @@ Outcome runTaxelsim(const std::vector<std::string>& arguments, const RunOptions&
     for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
     argv.push_back(nullptr);
     for (const std::string& variable : options.environment) putenv(const_cast<char*>(variable.c_str()));
+    for (const auto& [resource, limit] : options.limits) {
+      const rlimit both{limit, limit};
+      setrlimit(static_cast<__rlimit_resource>(resource), &both);
+    }
     execv(TAXELSIM_EXECUTABLE, argv.data());
     _exit(127);
   }

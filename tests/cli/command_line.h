@@ -1,7 +1,9 @@
 // Runs the built `taxelsim` as a user does.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -19,6 +21,7 @@ struct RunOptions {
   int signal = 0;
   double signal_after = 0;
   std::vector<std::string> environment{};  // "NAME=value", added to the test's environment
+  std::map<int, std::uint64_t> limits{};   // by resource of setrlimit(), for example RLIMIT_AS
 };
 
 // Runs the program without a shell.
