@@ -40,7 +40,7 @@ Outcome runTaxelsim(const std::vector<std::string>& arguments, const RunOptions&
     execv(TAXELSIM_EXECUTABLE, argv.data());
     _exit(127);
   }
-  if (options.signal != 0) {
+  for (int n = 0; options.signal != 0 && n < options.num_signals; ++n) {
     std::this_thread::sleep_for(std::chrono::duration<double>(options.signal_after));
     kill(child, options.signal);
   }

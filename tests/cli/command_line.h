@@ -20,6 +20,7 @@ struct RunOptions {
   // Signal sent after `signal_after` seconds; 0 for none.
   int signal = 0;
   double signal_after = 0;
+  int num_signals = 1;                     // sent one after the other, `signal_after` apart
   std::vector<std::string> environment{};  // "NAME=value", added to the test's environment
   std::map<int, std::uint64_t> limits{};   // by resource of setrlimit(), for example RLIMIT_AS
 };

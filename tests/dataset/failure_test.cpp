@@ -235,6 +235,15 @@ TEST(Lock, AllowsOneWriter) {
   EXPECT_FALSE(std::filesystem::exists(directory / "d/.lock"));
 }
 
+// In a directory that others may write to, a link under the name of the lock would make the writer create or change another file.
+TEST(Lock, FollowsNoLinks) {
+  const TemporaryDirectory directory;
+  std::filesystem::create_directory(directory / "d");
+  std::filesystem::create_symlink(directory / "elsewhere", directory / "d/.lock");
+  expectError(ErrorKind::kIo, ".lock", [&] { DatasetWriter(directory / "d", exampleManifest()); });
+  EXPECT_FALSE(std::filesystem::exists(directory / "elsewhere"));
+}
+
 TEST(Lock, IsReleasedWhenItsProcessIsKilled) {
   const TemporaryDirectory directory;
   int ready[2];

@@ -1,8 +1,10 @@
 // A Vulkan layer that makes the driver fail at a call of one kind, for tests: TAXELSIM_FAIL_SUBMIT=n loses the device at the nth submit and
-// from then on, as a driver does that was reset; TAXELSIM_FAIL_PIPELINE=n refuses the nth compute pipeline. For programs that open one
-// device at a time.
+// from then on, as a driver does that was reset; TAXELSIM_HANG_SUBMIT=n never ends that submit; TAXELSIM_FAIL_PIPELINE=n refuses the nth
+// compute pipeline. For programs that open one device at a time.
 #include <vulkan/vk_layer.h>
 #include <vulkan/vulkan.h>
+
+#include <unistd.h>
 
 #include <atomic>
 #include <cstdlib>
@@ -15,12 +17,12 @@ PFN_vkGetDeviceProcAddr next_device_function;
 VkInstance the_instance;
 VkDevice the_device;
 std::atomic<long> num_submits, num_pipelines;
-std::atomic<bool> lost;
+std::atomic<bool> lost, hung;
 
-// Whether this call, of those that `count` counts, is the one that the variable names.
-bool isChosen(const char* variable, std::atomic<long>& count) {
+// Whether this call is the one that the variable names.
+bool isChosen(const char* variable, long number) {
   const char* value = std::getenv(variable);
-  return ++count == (value == nullptr ? 0 : std::strtol(value, nullptr, 10));
+  return number == (value == nullptr ? 0 : std::strtol(value, nullptr, 10));
 }
 
 template <typename Function>
@@ -38,13 +40,16 @@ Info* linkOf(const void* chain, VkStructureType type) {
 }
 
 VKAPI_ATTR VkResult VKAPI_CALL queueSubmit(VkQueue queue, std::uint32_t count, const VkSubmitInfo* submits, VkFence fence) {
-  if (isChosen("TAXELSIM_FAIL_SUBMIT", num_submits)) lost = true;
+  const long number = ++num_submits;
+  if (isChosen("TAXELSIM_FAIL_SUBMIT", number)) lost = true;
+  if (isChosen("TAXELSIM_HANG_SUBMIT", number)) hung = true;
   return lost ? VK_ERROR_DEVICE_LOST : next<PFN_vkQueueSubmit>("vkQueueSubmit")(queue, count, submits, fence);
 }
 
 // Waits for what was submitted before the loss, so that nothing is freed that the real driver still uses.
 VKAPI_ATTR VkResult VKAPI_CALL waitForFences(VkDevice device, std::uint32_t count, const VkFence* fences, VkBool32 all,
                                              std::uint64_t time) {
+  while (hung) pause();
   const VkResult result = next<PFN_vkWaitForFences>("vkWaitForFences")(device, count, fences, all, time);
   return lost ? VK_ERROR_DEVICE_LOST : result;
 }
@@ -52,7 +57,7 @@ VKAPI_ATTR VkResult VKAPI_CALL waitForFences(VkDevice device, std::uint32_t coun
 VKAPI_ATTR VkResult VKAPI_CALL createComputePipelines(VkDevice device, VkPipelineCache cache, std::uint32_t count,
                                                       const VkComputePipelineCreateInfo* infos, const VkAllocationCallbacks* allocator,
                                                       VkPipeline* pipelines) {
-  if (!isChosen("TAXELSIM_FAIL_PIPELINE", num_pipelines))
+  if (!isChosen("TAXELSIM_FAIL_PIPELINE", ++num_pipelines))
     return next<PFN_vkCreateComputePipelines>("vkCreateComputePipelines")(device, cache, count, infos, allocator, pipelines);
   for (std::uint32_t i = 0; i < count; ++i) pipelines[i] = VK_NULL_HANDLE;
   return VK_ERROR_INITIALIZATION_FAILED;

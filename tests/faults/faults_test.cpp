@@ -104,6 +104,18 @@ TEST_F(Faults, LostDeviceKeepsWhatWasComputed) {
   EXPECT_GE(kept, kNumShards / 2);
 }
 
+// The first Ctrl-C waits for the batch that the device computes; the second one does not.
+TEST_F(Faults, HungDeviceIsLeftByTheSecondCtrlC) {
+  RunOptions options = failing("TAXELSIM_HANG_SUBMIT", kNumShards + 1);
+  options.signal = SIGINT;
+  options.signal_after = 2;  // s, until the device hangs, or earlier on a slow machine: the program ends as well
+  options.num_signals = 2;
+  const Outcome outcome = generate(root_ / "hung", options);
+  EXPECT_TRUE(outcome.status == 128 + SIGINT) << outcome.status << outcome.err;
+  wholeShards(root_ / "hung");
+  expectResumes(root_ / "hung");
+}
+
 TEST_F(Faults, RefusedPipelineIsOneLine) {
   int num_refused = 0;
   for (int n = 1; n < kManyFaults; n += support::numCases(4, 1)) {
