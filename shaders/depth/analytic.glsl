@@ -80,17 +80,18 @@ float torusDistance(vec3 p, float major_radius, float minor_radius) {
   return length(vec2(length(p.xy) - major_radius, p.z)) - minor_radius;
 }
 
-// Sphere tracing on the exact distance, from the near side of the torus's bounding sphere.
+// Sphere tracing on the exact distance, from the near side of the torus's bounding sphere. A ray that passes the tube at a small gap takes about
+// pi sqrt(minor_radius / gap) steps; one that takes more than kSteps counts as a hit, so that the tube seems thicker by 1e-5 of its radius at most.
 float torusHeight(vec3 o, vec3 d, float major_radius, float minor_radius) {
-  // A grazing ray takes many steps, and its end must not be mistaken for a surface below the floor.
-  const int kSteps = NUM_ROWS > 0 ? 96 : 256;
-  const float kTouch = 2e-8;  // m; a ray that stays farther away all along misses
+  const int kSteps = 1024;
+  // m; a ray that stays farther away all along misses. Nearer than the rounding of t, a step would not advance.
+  float touch = max(2e-8, 2.4e-7 * (major_radius + minor_radius));
   vec2 span = insideSphere(o, d, major_radius + minor_radius);
   float t = span.x;
   if (span.x > span.y) return kMiss;
   for (int i = 0; i < kSteps; ++i) {
     float distance = torusDistance(o + t * d, major_radius, minor_radius);
-    if (distance < kTouch) return t;
+    if (distance < touch) return t;
     t += distance;
     if (t > span.y) return kMiss;
   }
