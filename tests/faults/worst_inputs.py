@@ -2,7 +2,7 @@
 
     python3 worst_inputs.py TAXELSIM SCENES FOLDER [KIND ...]
 
-SCENES: the folder scenes/ of the clone; FOLDER: for the inputs, 2 GB. The table is a row of Markdown for each input, for docs/reliability.md.
+SCENES: the folder scenes/ of the clone; FOLDER: for the inputs, 2 GB. Prints rows of Markdown for docs/reliability.md.
 """
 
 import collections.abc
@@ -18,7 +18,10 @@ scenes = pathlib.Path(sys.argv[2]).resolve()
 folder = pathlib.Path(sys.argv[3]).resolve()
 
 SENSOR = f"sensor: {scenes}/sensors/weiss_dsa_distal.yaml\n"
-SCENE = f"format_version: 1\nname: big\nkind: contacts\n{SENSOR}randomization: {{load: 1}}\nrecord: [tactile_image]\ndata_set: {{episodes: 1, seed: 1}}\n"
+SCENE = (
+    f"format_version: 1\nname: big\nkind: contacts\n{SENSOR}randomization: {{load: 1}}\n"
+    "record: [tactile_image]\ndata_set: {episodes: 1, seed: 1}\n"
+)
 SKIN = "skin: {thickness_mm: 2, law: winkler, normal_contact_stiffness: 1e8}\nreadout: {curve: {counts_per_newton: 1000}}\n"
 
 
@@ -62,12 +65,13 @@ def waypoints() -> list[str]:
 
 
 def measurement() -> list[str]:
-    """2^24 rows of two numbers."""
+    """2^24 - 1 rows of two numbers, then one that is refused, so that no fit follows."""
     with (folder / "table.csv").open("w") as table:
         table.write("depth_mm,force_N\n")
-        for n in range(1 << 24):
+        for n in range((1 << 24) - 1):
             table.write(f"{n * 1e-8:.8f},1\n")
-    text = f"format_version: 1\nmeasurement: force_depth\n{SENSOR}table: table.csv\nindenter: {{flat_pin: {{radius_mm: 0.5}}}}\nunknown: 1\n"
+        table.write("x,1\n")
+    text = f"format_version: 1\nmeasurement: force_depth\n{SENSOR}table: table.csv\nindenter: {{flat_pin: {{radius_mm: 0.5}}}}\n"
     return ["characterize", str(write("measurement.yaml", text)), "-o", str(folder / "fitted.yaml")]
 
 
@@ -83,7 +87,9 @@ def manifest() -> list[str]:
 
 def contacts() -> list[str]:
     """4096 contacts."""
-    return frame("--contacts", write("contacts.csv", "".join(f"{(n % 32 - 16) * 0.5e-3},{(n // 32 % 32 - 16) * 1e-3},0,0.1\n" for n in range(4096))))
+    return frame(
+        "--contacts", write("contacts.csv", "".join(f"{(n % 32 - 16) * 0.5e-3},{(n // 32 % 32 - 16) * 1e-3},0,0.1\n" for n in range(4096)))
+    )
 
 
 def stl() -> list[str]:
@@ -121,14 +127,17 @@ def measure(kind: str) -> None:
     _, status, usage = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)
     time = usage.ru_utime + usage.ru_stime
-    print(f"| {kind}: {KINDS[kind].__doc__} | {arguments[0]} | {process.returncode} | {time:.1f} | {usage.ru_maxrss / 1e3:.0f} |", message.strip()[:200])
+    print(
+        f"| {kind}: {KINDS[kind].__doc__} | {arguments[0]} | {process.returncode} | {time:.1f} | {usage.ru_maxrss / 1e3:.0f} |",
+        message.strip()[:200],
+    )
 
 
 def main() -> None:
     """Measures all kinds, or those of the command line."""
     folder.mkdir(exist_ok=True)
-    subprocess.run([program, "--log-level", "error", "generate", write("small.yaml", SCENE + "objects: [{sphere: {radius_mm: 5}}]\n"), "-o", folder / "made"],
-                   check=True, stdout=subprocess.DEVNULL)  # fmt: skip
+    small = write("small.yaml", SCENE + "objects: [{sphere: {radius_mm: 5}}]\n")
+    subprocess.run([program, "generate", small, "-o", folder / "made"], check=True, capture_output=True)
     for kind in sys.argv[4:] or KINDS:
         measure(kind)
 
