@@ -108,7 +108,7 @@ TEST_F(Faults, LostDeviceKeepsWhatWasComputed) {
 TEST_F(Faults, HungDeviceIsLeftByTheSecondCtrlC) {
   RunOptions options = failing("TAXELSIM_HANG_SUBMIT", kNumShards + 1);
   options.signal = SIGINT;
-  options.signal_after = 2;  // s, until the device hangs, or earlier on a slow machine: the program ends as well
+  options.signal_after = 1;  // s, until the device hangs, or earlier on a slow machine: the program ends as well
   options.num_signals = 2;
   const Outcome outcome = generate(root_ / "hung", options);
   EXPECT_TRUE(outcome.status == 128 + SIGINT) << outcome.status << outcome.err;
