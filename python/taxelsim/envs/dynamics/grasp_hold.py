@@ -56,13 +56,14 @@ class GraspHoldVectorEnv(DynamicVectorEnv):
     def _targets(self, velocities: Array) -> None:
         super()._targets(np.repeat(velocities, 2, axis=1))
 
+    def _allocate(self) -> None:
+        self._grip_sum, self._load_sum, self._slip = (np.zeros(self.num_envs) for _ in range(3))
+        self._object = self.model.body("object").id
+        self._height = int(self.model.jnt_qposadr[self.model.body_jntadr[self._object]]) + 2
+        self._cover = int(self.model.joint("cover_z").qposadr[0])
+        self._stiffness = float(self.model.joint("cover_z").stiffness[0])
+
     def _place(self, rows: NDArray[np.intp], draws: Array) -> None:
-        if not hasattr(self, "_grip_sum"):
-            self._grip_sum, self._load_sum, self._slip = (np.zeros(self.num_envs) for _ in range(3))
-            self._object = self.model.body("object").id
-            self._height = int(self.model.jnt_qposadr[self.model.body_jntadr[self._object]]) + 2
-            self._cover = int(self.model.joint("cover_z").qposadr[0])
-            self._stiffness = float(self.model.joint("cover_z").stiffness[0])
         for values in (self._grip_sum, self._load_sum, self._slip):
             values[rows] = 0
         self.batch.expand("geom_friction")[rows, self.model.geom("object").id, 0] = FRICTION[0] + (FRICTION[1] - FRICTION[0]) * draws[:, 2]

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..draws import Array
-from .models import SERVO, SITE, TANGENTIAL_RATIO, document
+from .models import SITE, TANGENTIAL_RATIO, document
 from .vector_env import DynamicVectorEnv, Outcome
 
 HALF_WIDTH, HALF_LENGTH, MASS = 0.006, 0.02, 0.1  # m, kg, of the peg
@@ -20,8 +20,6 @@ GRIP = 0.012  # m, of the middle of the pad above the lower end of the peg
 DEPTH = 0.006  # m: inserted
 WALL = 0.02  # m, half-width of the walls
 FORCE_LIMIT = 30.0  # N, on the plate
-
-__all__ = ["SERVO", "PegInsertVectorEnv"]
 
 
 class PegInsertVectorEnv(DynamicVectorEnv):
@@ -94,13 +92,14 @@ class PegInsertVectorEnv(DynamicVectorEnv):
     def _depth(self) -> Array:
         return np.asarray(-START_HEIGHT - self.batch.qpos[:, 2] - self.batch.qpos[:, 5])
 
+    def _force(self) -> Array:
+        return np.asarray(np.abs(self.batch.qpos[:, 5]) * self.model.joint("peg_z").stiffness[0])
+
     def _judge(self) -> Outcome:
         depth = self._depth()
-        self._force = np.abs(self.batch.qpos[:, 5]) * float(self.model.joint("peg_z").stiffness[0])
         inserted = depth > DEPTH
-        broken = self._force > FORCE_LIMIT
+        broken = self._force() > FORCE_LIMIT
         return Outcome(np.clip(depth / DEPTH, 0, 1) + 10.0 * inserted - 10.0 * broken, inserted | broken, inserted & ~broken)
 
     def _metrics(self) -> dict[str, NDArray[Any]]:
-        push = np.abs(self.batch.qpos[:, 5]) * float(self.model.joint("peg_z").stiffness[0])
-        return {"depth": self._depth(), "clearance": self._clearance(), "push": push}
+        return {"depth": self._depth(), "clearance": self._clearance(), "push": self._force()}

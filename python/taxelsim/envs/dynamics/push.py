@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, ClassVar
 
 import numpy as np
@@ -53,18 +54,18 @@ class PushVectorEnv(DynamicVectorEnv):
         servos = '<position joint="x" kp="4000"/><position joint="y" kp="4000"/><position joint="yaw" kp="40"/>'
         return document(body, servos, 'gravity="0 0 -9.81"')
 
+    def _allocate(self) -> None:
+        self._error_sum = np.zeros(self.num_envs)
+        self._address = int(self.model.jnt_qposadr[self.model.body("disc").jntadr[0]])
+
     def _place(self, rows: NDArray[np.intp], draws: Array) -> None:
-        disc = self.model.joint(self.model.body("disc").jntadr[0]).qposadr[0]
-        self.batch.qpos[rows, disc + 1] = START_OFFSET * (2 * draws[:, 0] - 1)
+        self.batch.qpos[rows, self._address + 1] = START_OFFSET * (2 * draws[:, 0] - 1)
         self.batch.expand("geom_friction")[rows, self.model.geom("disc").id, 0] = FRICTION[0] + (FRICTION[1] - FRICTION[0]) * draws[:, 2]
-        if not hasattr(self, "_error_sum"):
-            self._error_sum = np.zeros(self.num_envs)
         self._error_sum[rows] = 0
 
     @property
     def _disc(self) -> Array:
-        adr = self.model.jnt_qposadr[self.model.body("disc").jntadr[0]]
-        return np.asarray(self.batch.qpos[:, adr : adr + 2])
+        return np.asarray(self.batch.qpos[:, self._address : self._address + 2])
 
     @property
     def _bend(self) -> Array:
@@ -88,15 +89,17 @@ class PushVectorEnv(DynamicVectorEnv):
         turned[:, :2] = rotated(velocities[:, :2], self.batch.qpos[:, 2])
         super()._targets(turned)
 
+    def _distance(self) -> Array:
+        disc = self._disc
+        return np.asarray(np.hypot(disc[:, 0] - RADIUS - LENGTH, disc[:, 1] - self._bend))
+
     def _judge(self) -> Outcome:
         disc = self._disc
         error = np.abs(disc[:, 1] - self._path(disc[:, 0]))
         self._error_sum += error
-        self._distance = np.hypot(disc[:, 0] - RADIUS - LENGTH, disc[:, 1] - self._bend)
-        reward = each(np.exp, -((error / TOLERANCE) ** 2)) - self._distance / LENGTH
-        return Outcome(reward, np.zeros(self.num_envs, np.bool_), self._distance < TOLERANCE)
+        distance = self._distance()
+        reward = each(math.exp, -((error / TOLERANCE) ** 2)) - distance / LENGTH
+        return Outcome(reward, np.zeros(self.num_envs, np.bool_), distance < TOLERANCE)
 
     def _metrics(self) -> dict[str, NDArray[Any]]:
-        disc = self._disc
-        distance = np.hypot(disc[:, 0] - RADIUS - LENGTH, disc[:, 1] - self._bend)
-        return {"goal_distance": distance, "path_error": self._error_sum / np.maximum(self._elapsed, 1)}
+        return {"goal_distance": self._distance(), "path_error": self._error_sum / np.maximum(self._elapsed, 1)}

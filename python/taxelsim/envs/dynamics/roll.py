@@ -52,17 +52,15 @@ class RollVectorEnv(DynamicVectorEnv):
             <geom name="ball" size="{RADIUS}" mass="{MASS}" friction="1 .005 .0001"/></body>"""
         return document(body, '<position joint="x"/><position joint="y"/>')
 
+    def _allocate(self) -> None:
+        self._held = np.zeros(self.num_envs, np.int64)
+        self._address = int(self.model.jnt_qposadr[self.model.body("ball").jntadr[0]])
+
     def _place(self, rows: NDArray[np.intp], draws: Array) -> None:
         ball = self._address
         self.batch.qpos[rows, ball] = START[0] * (2 * draws[:, 0] - 1)
         self.batch.qpos[rows, ball + 1] = -START[1] * (2 * draws[:, 1] - 1)
-        if not hasattr(self, "_held"):
-            self._held = np.zeros(self.num_envs, np.int64)
         self._held[rows] = 0
-
-    @property
-    def _address(self) -> int:
-        return int(self.model.jnt_qposadr[self.model.body("ball").jntadr[0]])
 
     def _goal(self) -> Array:
         return np.asarray(np.array(GOAL) * (2 * self._draws[:, 2:] - 1))

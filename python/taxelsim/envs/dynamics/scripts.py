@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ..draws import Array
 from . import peg_insert, push, roll
+from .models import SERVO
 
 SENSES = ("shear", "normal", "blind")
 """What a script uses: all, all but shear, or nothing that the sensor reports."""
@@ -103,7 +104,7 @@ class PegInsert(Script):
     def act(self, observation: Observation, steps: NDArray[np.int64]) -> Array:
         joints = observation["proprioception"].astype(np.float64)
         lag = joints[:, 2] - joints[:, 5]  # m; the servo presses with 4000 N/m
-        force = peg_insert.SERVO * lag
+        force = SERVO * lag
         standing = force > 1
         down = np.where(standing, -0.4 * (4 - force), -1.0)
         lever, twist, side, press = self._felt(observation)

@@ -128,6 +128,7 @@ class DynamicVectorEnv(EpisodicVectorEnv):
         self._success = np.zeros(num_envs, np.bool_)
         self._draws = np.zeros((num_envs, self.num_draws))
         self._pixels: NDArray[np.intp] | None = None
+        self._allocate()
         self._make_spaces()
 
     def _skin(self) -> Sensor:
@@ -148,6 +149,9 @@ class DynamicVectorEnv(EpisodicVectorEnv):
     @abstractmethod
     def model_text(stiffness: float) -> str:
         """MJCF of the task, for a skin of `stiffness` N/m^3."""
+
+    def _allocate(self) -> None:
+        """Arrays of the task, and addresses in its model."""
 
     @abstractmethod
     def _place(self, rows: NDArray[np.intp], draws: Array) -> None:
