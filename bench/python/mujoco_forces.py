@@ -1,10 +1,16 @@
 #!/usr/bin/env python3
-"""Objects at rest on an array: taxelsim's forces compared with MuJoCo's contact forces and its touch sensor.
+"""Objects at rest on an array: taxelsim's forces compared with MuJoCo's contact forces, touch sensors and tactile sensor.
 
     PYTHONPATH=build/release/python build/venv/bin/python bench/python/mujoco_forces.py
 
-The same bodies rest on a pad by MuJoCo's own contacts, and on the skin of wts0614 by two-way coupling. Sum, centre of the forces, and
-angle of the principal axis of a contact, of MuJoCo's contact points and of taxelsim's true and measured forces.
+The same bodies rest on a pad by MuJoCo's own contacts, and on the skin of wts0614_soft_cover by two-way coupling. Sum, centre of the
+forces, and angle of the principal axis, all in one process:
+
+- contacts: MuJoCo's contact points and their normal forces, on a pad of one box;
+- boxes: a pad of 84 boxes of the size of the taxels, each with a touch sensor, the usual way to build an array in MuJoCo;
+- tactile: MuJoCo's tactile sensor with a vertex per taxel. It has depths and no forces, so the depths, at the pose of taxelsim's
+  object at rest, are multiplied by the stiffness of the skin and the area of a taxel;
+- taxelsim: true and measured forces.
 """
 
 from __future__ import annotations
@@ -17,6 +23,21 @@ import taxelsim
 import taxelsim.mujoco
 
 GRAVITY = 9.81  # m/s^2
+SENSOR = taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml"
+ROWS, COLS, PITCH = 6, 14, 0.0034  # of the sensor; m
+PAD = 0.005  # m, half-height of the pad
+CLEARLY_LONG = 1.5  # ratio of the second moments above which an angle is given
+
+Vector = NDArray[np.float64]
+Moments = tuple[float, Vector, float]
+
+
+def wedge() -> str:
+    """Vertices of a mesh: a roof of 12 x 24 mm, ridge down, cut to a face of 3 x 24 mm."""
+    points = [(x, y, z) for y in (-0.012, 0.012) for x, z in ((-0.0015, -0.006), (0.0015, -0.006), (-0.006, 0.006), (0.006, 0.006))]
+    return " ".join(f"{value:g}" for point in points for value in point)
+
+
 # Name: geom, inertial frame, pose of the body.
 OBJECTS = {
     "ball of 10 mm, 100 g": ('type="sphere" size=".01"', 'pos="0 0 0" mass=".1"', 'pos=".002 .003 .0101"'),
@@ -27,63 +48,127 @@ OBJECTS = {
         'pos="0 0 0" mass=".2"',
         'pos=".001 -.002 .0081" euler="0 0 -30"',
     ),
+    "mesh, face of 3 x 24 mm, 100 g, at 110 degrees": (
+        'type="mesh" mesh="wedge"',
+        'pos="0 0 -.004" mass=".1"',
+        'pos=".001 .002 .0061" euler="0 0 20"',
+    ),
 }
 
 
-def model_of(geom: str, inertial: str, pose: str, collide: bool) -> mujoco.MjModel:
-    """An object above a pad with a touch sensor; with MuJoCo's contacts or without."""
-    bits = "" if collide else 'contype="0" conaffinity="0"'
+def centers() -> Vector:
+    """(84, 2), m: middles of the taxels."""
+    x, y = np.meshgrid((np.arange(ROWS) - (ROWS - 1) / 2) * PITCH, (np.arange(COLS) - (COLS - 1) / 2) * PITCH, indexing="ij")
+    return np.column_stack((x.ravel(), y.ravel()))
+
+
+def pad_text(kind: str) -> tuple[str, str, str]:
+    """Geoms and sites of the pad, sensors and assets. kind: one box, boxes, tactile, or none that collides."""
+    size = f"{ROWS * PITCH / 2} {COLS * PITCH / 2} {PAD}"
+    if kind == "boxes":
+        box = f'size="{PITCH / 2} {PITCH / 2} {PAD}"'
+        # A body per taxel: a touch sensor adds up the contacts of its body, and points on the border of two taxels would count twice.
+        parts = "".join(
+            f'<body pos="{x:.9g} {y:.9g} {-PAD}"><geom type="box" {box}/><site name="t{i}" type="box" size=".003 .003 {2 * PAD}"/></body>'
+            for i, (x, y) in enumerate(centers())
+        )
+        return parts, "".join(f'<touch site="t{i}"/>' for i in range(len(centers()))), ""
+    bits = 'contype="0" conaffinity="0"' if kind == "none" else ""
+    pad = f'<geom type="box" size="{size}" pos="0 0 {-PAD}" {bits}/><site name="skin" size=".03 .04 .01" type="box"/>'
+    if kind != "tactile":
+        return pad, "", ""
+    vertices = " ".join(f"{x:.9g} {y:.9g} 0" for x, y in centers())
+    corners = [(i * COLS + j, (i + 1) * COLS + j) for i in range(ROWS - 1) for j in range(COLS - 1)]
+    faces = " ".join(f"{a} {b} {a + 1} {b} {b + 1} {a + 1}" for a, b in corners)
+    asset = f'<mesh name="skin" vertex="{vertices}" face="{faces}" inertia="shell"/>'
+    return (
+        pad + '<geom name="skin" type="mesh" mesh="skin" contype="0" conaffinity="0"/>',
+        '<tactile mesh="skin" geom="skin"/>',
+        asset,
+    )
+
+
+def model_of(geom: str, inertial: str, pose: str, kind: str) -> mujoco.MjModel:
+    """An object above a pad."""
+    pad, sensors, asset = pad_text(kind)
+    field = f'<geom {geom.replace("mesh", "sdf", 1)} contype="0" conaffinity="0"/>' if "mesh" in geom and kind == "tactile" else ""
     return mujoco.MjModel.from_xml_string(f"""<mujoco>
       <option timestep="0.001" gravity="0 0 {-GRAVITY}"/>
+      <asset><mesh name="wedge" vertex="{wedge()}"/>{asset}</asset>
       <worldbody>
-        <body name="pad"><geom type="box" size=".03 .04 .005" pos="0 0 -.005" {bits}/>
-          <site name="skin" size=".03 .04 .01" type="box"/></body>
+        <body name="pad">{pad}</body>
         <body name="object" {pose}><freejoint/><inertial {inertial} diaginertia="2e-5 2e-5 2e-5"/>
-          <geom name="object" {geom}/></body>
+          <geom name="object" {geom}/>{field}</body>
       </worldbody>
-      <sensor><touch site="skin"/></sensor></mujoco>""")
+      <sensor>{sensors}</sensor></mujoco>""")
 
 
-def moments(points: NDArray[np.float64], forces: NDArray[np.float64]) -> tuple[float, NDArray[np.float64], float]:
-    """Sum, centre and principal angle (rad) of forces at points (C, 2)."""
+def moments(points: Vector, forces: Vector) -> Moments:
+    """Sum, centre and principal angle (rad) of forces at points (C, 2); an angle of NaN if they are not clearly long."""
     center = forces @ points / forces.sum()
     (xx, xy), (_, yy) = ((points - center).T * forces) @ (points - center)
-    return float(forces.sum()), center, 0.5 * float(np.arctan2(2 * xy, xx - yy))
+    half, spread = (xx + yy) / 2, float(np.hypot((xx - yy) / 2, xy))
+    is_long = half + spread > CLEARLY_LONG * (half - spread) and spread > 0
+    return float(forces.sum()), center, 0.5 * float(np.arctan2(2 * xy, xx - yy)) if is_long else np.nan
 
 
-def of_mujoco(model: mujoco.MjModel) -> tuple[float, NDArray[np.float64], float, float]:
-    """Moments of the contact forces at rest, and the touch sensor."""
-    data = mujoco.MjData(model)
-    mujoco.mj_step(model, data, 3000)
-    mujoco.mj_forward(model, data)
+def of_contacts(model: mujoco.MjModel) -> Moments:
+    """Of MuJoCo's contact forces at rest."""
+    data = at_rest(model)
     forces = []
     for k in range(data.ncon):
         force = np.zeros(6)
         mujoco.mj_contactForce(model, data, k, force)
         forces.append(force[0])
-    return *moments(data.contact.pos[:, :2], np.array(forces)), float(data.sensordata[0])
+    return moments(data.contact.pos[:, :2], np.array(forces))
+
+
+def at_rest(model: mujoco.MjModel) -> mujoco.MjData:
+    """MuJoCo's state after 3 s."""
+    data = mujoco.MjData(model)
+    mujoco.mj_step(model, data, 3000)
+    mujoco.mj_forward(model, data)
+    return data
+
+
+def of_tactile(model: mujoco.MjModel, qpos: Vector, stiffness: float) -> Moments:
+    """Of the depths of MuJoCo's tactile sensor at a pose of the object, as forces."""
+    data = mujoco.MjData(model)
+    data.qpos[:] = qpos
+    mujoco.mj_forward(model, data)
+    depths = np.maximum(data.sensordata[: ROWS * COLS], 0)
+    return moments(centers(), depths * stiffness * PITCH**2)
+
+
+def of_features(features: taxelsim.Features) -> Moments:
+    """Of the first instance of a frame."""
+    large, small = features.eigenvalues[0]
+    angle = float(features.edge_angle[0]) if large > CLEARLY_LONG * small else np.nan
+    return float(features.total_force[0]), features.center_of_pressure[0, :2].astype(np.float64), angle
 
 
 def main() -> None:
     """Prints the table."""
-    columns = ["object", "m g", "MuJoCo, contacts", "touch", "taxelsim, true", "measured", "centre, MuJoCo", "true", "measured"]
-    columns += ["angle, MuJoCo", "true", "measured"]
-    print(f"| {' | '.join(columns)} |\n|{'---|' * len(columns)}")
+    sensor = taxelsim.load_sensor(SENSOR)
+    stiffness = sensor.skin.law.normal_contact_stiffness  # type: ignore[union-attr]
+    print("| object | simulator | sum, N (m g) | centre, mm | angle, degrees |\n|---|---|---|---|---|")
     for name, (geom, inertial, pose) in OBJECTS.items():
-        total, center, angle, touch = of_mujoco(model_of(geom, inertial, pose, collide=True))
-        model = model_of(geom, inertial, pose, collide=False)
+        model = model_of(geom, inertial, pose, "none")
         data = mujoco.MjData(model)
-        tactile = taxelsim.mujoco.couple(model, {"skin": taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml"}, ["object"])
-        frame = tactile.step(data, 1500)["skin"]
+        frame = taxelsim.mujoco.couple(model, {"skin": sensor}, ["object"]).step(data, 1500)["skin"]
+        touch = at_rest(model_of(geom, inertial, pose, "boxes")).sensordata
+        rows: dict[str, Moments] = {
+            "MuJoCo, contacts": of_contacts(model_of(geom, inertial, pose, "one box")),
+            "MuJoCo, 84 boxes with touch sensors": moments(centers(), touch),
+            "MuJoCo, tactile, depth x stiffness": of_tactile(model_of(geom, inertial, pose, "tactile"), data.qpos, stiffness),
+            "taxelsim, true": of_features(frame.ground_truth),
+            "taxelsim, measured": of_features(frame),
+        }
         weight = model.body("object").mass[0] * GRAVITY
-        centers = [center, frame.ground_truth.center_of_pressure[0], frame.center_of_pressure[0]]
-        angles = [angle, frame.ground_truth.edge_angle[0], frame.edge_angle[0]]
-        is_long = "cylinder" in name
-        cells = [f"{weight:.4f} N", f"{total:.4f}", f"{touch:.4f}"]
-        cells += [f"{frame.ground_truth.total_force[0]:.4f}", f"{frame.total_force[0]:.4f}"]
-        cells += [f"{1e3 * c[0]:.2f}, {1e3 * c[1]:.2f} mm" for c in centers]
-        cells += [f"{np.rad2deg(a):.1f}" if is_long else "-" for a in angles]
-        print(f"| {name} | {' | '.join(cells)} |", flush=True)
+        for simulator, (total, center, angle) in rows.items():
+            x, y = 1e3 * center
+            turned = "-" if np.isnan(angle) else f"{np.rad2deg(angle) % 180:.1f}"
+            print(f"| {name} ({weight:.3f}) | {simulator} | {total:.3f} | {x:.2f}, {y:.2f} | {turned} |", flush=True)
 
 
 if __name__ == "__main__":

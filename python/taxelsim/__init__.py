@@ -93,6 +93,7 @@ from ._core import (
     taxel_patch,
 )
 from ._core import version as __version__
+from .contact_points import ContactPoints, contact_points
 from .dataset import Dataset
 from .environment import Environment, EnvironmentFrame, TaskState, episode_keys
 from .errors import DeviceError, Error, InputError, IoError, OutOfRangeError
@@ -116,6 +117,7 @@ __all__ = [
     "Comparison",
     "Cone",
     "ContactFeatures",
+    "ContactPoints",
     "ContactType",
     "CreepTerm",
     "CurvePoint",
@@ -188,6 +190,7 @@ __all__ = [
     "check_sensor",
     "compare",
     "confined_modulus",
+    "contact_points",
     "dlpack",
     "episode_keys",
     "evaluate",

@@ -82,6 +82,14 @@ def test_mujoco_weigh() -> None:
     assert float(found.group(1)) < 0.5
 
 
+def test_other_engine() -> None:
+    found = re.search(r"along y: ([\d.]+) mm by poses, ([\d.]+) mm by contact points", run("other_engine.py"))
+    assert found
+    by_pose, by_contact = map(float, found.groups())
+    assert by_pose < 0.3
+    assert by_contact < 1.7  # half a taxel: one point on one taxel, paper eq. (2)
+
+
 def test_train_ppo_compiles() -> None:
     source = (EXAMPLES / "train_ppo.py").read_text()
     compile(source, "train_ppo.py", "exec")

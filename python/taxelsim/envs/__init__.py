@@ -7,6 +7,7 @@
 
 from ..policies.actions import ACTIONS
 from ..policies.observations import FEATURES, OBSERVATIONS, SCALES
+from .dynamics import DYNAMIC_TASKS, make_dynamic_vec, register_dynamics
 from .env import TactileEnv
 from .episodic import EpisodicVectorEnv
 from .rewards import Reward
@@ -17,6 +18,7 @@ from .vector_env import TactileVectorEnv
 __all__ = [
     "ACTIONS",
     "CONDITIONS",
+    "DYNAMIC_TASKS",
     "FEATURES",
     "OBSERVATIONS",
     "SCALES",
@@ -27,7 +29,9 @@ __all__ = [
     "TactileVectorEnv",
     "TaskSpec",
     "TouchClassifyVectorEnv",
+    "make_dynamic_vec",
 ]
 
 register_tasks()
 register_touch_classify()
+register_dynamics()

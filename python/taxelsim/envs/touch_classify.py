@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from os import PathLike
 from typing import Any
 
@@ -21,6 +20,7 @@ from ..frame import Frame
 from ..pictures import pictures, taxel_map
 from ..program import SCENES
 from ..simulator import NO_OBJECT, Simulator
+from .draws import each, uniform_numbers
 from .episodic import EpisodicVectorEnv, Mask
 
 Array = NDArray[np.float64]
@@ -33,7 +33,6 @@ TOUCH_OBSERVATIONS = ("tactile_image", "contact")
 _LOGIT_SCALE = 10.0  # logit of a class at action 1
 _STEP_TIME = 0.5  # s: the sensor is lifted, then pressed, for this long
 _PLACEMENT = 0.004  # m, largest offset of an object from the middle of the workspace, along x and y
-_GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 
 
 class TouchClassifyVectorEnv(EpisodicVectorEnv):
@@ -135,7 +134,7 @@ class TouchClassifyVectorEnv(EpisodicVectorEnv):
         self.action_space = batch_space(self.single_action_space, self.num_envs)
 
     def _start(self, mask: Mask, keys: NDArray[np.uint64]) -> None:
-        numbers = _uniform_numbers(keys, 8)
+        numbers = uniform_numbers(keys, 8)
         self._labels[mask] = (numbers[mask, 0] * self.num_classes).astype(np.int32)
         offsets = (2 * numbers[:, 1:3] - 1) * _PLACEMENT
         self._object_poses[mask] = np.column_stack((offsets, 2 * np.pi * numbers[:, 3]))[mask]
@@ -187,11 +186,11 @@ class TouchClassifyVectorEnv(EpisodicVectorEnv):
     def _poses_in_sensor(self, touches: Array) -> Array:
         """Poses X_SO (N, 7). z is 0: the load search finds it."""
         yaws = math.pi * touches[:, 2]
-        cos, sin = _each(math.cos, yaws), _each(math.sin, yaws)
+        cos, sin = each(math.cos, yaws), each(math.sin, yaws)
         x, y = (self._object_poses[:, :2] - self.workspace * touches[:, :2]).T
         half = (self._object_poses[:, 2] - yaws) / 2
         zero = np.zeros(self.num_envs)
-        return np.column_stack((cos * x + sin * y, cos * y - sin * x, zero, _each(math.cos, half), zero, zero, _each(math.sin, half)))
+        return np.column_stack((cos * x + sin * y, cos * y - sin * x, zero, each(math.cos, half), zero, zero, each(math.sin, half)))
 
     def _observe(self) -> dict[str, NDArray[Any]]:
         reading = self._images if self._observation == "tactile_image" else self._contacts
@@ -222,30 +221,14 @@ class TouchClassifyVectorEnv(EpisodicVectorEnv):
         del self._simulator
 
 
-def _each(function: Callable[[float], float], values: Array) -> Array:
-    """`function` of each value. NumPy's own vectorised functions may differ in the last bit by the position in an array."""
-    return np.fromiter(map(function, values.ravel().tolist()), np.float64, values.size).reshape(values.shape)
-
-
 def _log_softmax(logits: Array) -> Array:
     shifted = logits - logits.max(1, keepdims=True)
-    terms = _each(math.exp, shifted)
+    terms = each(math.exp, shifted)
     total = terms[:, 0].copy()
     for column in range(1, logits.shape[1]):  # a fixed order of the sum
         total += terms[:, column]
-    result: Array = shifted - _each(math.log, total)[:, None]
+    result: Array = shifted - each(math.log, total)[:, None]
     return result
-
-
-def _uniform_numbers(keys: NDArray[np.uint64], count: int) -> Array:
-    """Numbers in [0, 1), (N, count), functions of the key and the column alone: SplitMix64 (Steele, Lea and Flood 2014)."""
-    with np.errstate(over="ignore"):
-        z = keys[:, None] + _GOLDEN * np.arange(1, count + 1, dtype=np.uint64)
-        z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-        z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-        z ^= z >> np.uint64(31)
-    numbers: Array = (z >> np.uint64(11)).astype(np.float64) * 2.0**-53
-    return numbers
 
 
 def register_touch_classify() -> None:

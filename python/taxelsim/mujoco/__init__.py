@@ -17,5 +17,6 @@ except ImportError as error:
 from .attachment import Attachment, Sources, attach
 from .coupling import Coupling, couple
 from .geoms import shape_of
+from .points import points_of
 
-__all__ = ["Attachment", "Coupling", "Sources", "attach", "couple", "shape_of"]
+__all__ = ["Attachment", "Coupling", "Sources", "attach", "couple", "points_of", "shape_of"]

@@ -25,7 +25,7 @@ class Contacts:
         self.shape = (frames.num_instances, geoms)
         self.sensor = sensor
         self.shear = Shear(sensor) if Shear.needed(sensor) else None
-        jacobian = has_device_jacobian(sensor)
+        jacobian = has_device_jacobian(frames.model)
         outputs = OutputOptions(
             tactile_normal_force=self.shear is not None,
             tactile_shear_force=False,

@@ -61,6 +61,22 @@ def test_weight_at_rest(device: taxelsim.Device, skin: str) -> None:
     assert np.abs(batch.qvel).max() < 1e-3
 
 
+def test_large_contact_on_an_elastic_layer(device: taxelsim.Device) -> None:
+    """A box over the whole array, thrown: the device's wrench Jacobian would take more loop iterations than software Vulkan allows."""
+    batch = batch_of(model_of(BOX, gravity=0), np.array([0.3]))
+    elastic = taxelsim.load_sensor(taxelsim.SCENES / "sensors/wts0614_elastic_layer.yaml")
+    tactile = taxelsim.mujoco.couple(batch.model, {"palm": elastic}, device=device)
+    batch.qvel[:, 2] = -0.2  # m/s
+    batch.qvel[:, 3] = 0.5  # rad/s
+    touched = False
+    for _ in range(20):
+        truth = tactile.step(batch)["palm"].ground_truth
+        touched |= bool(truth.contact_wrench[0, 2] < -10)
+    assert touched
+    assert truth.contact_wrench[0, 2] == 0
+    assert 0 < batch.qvel[0, 2] < 0.2  # thrown back, with less than it had
+
+
 @pytest.mark.parametrize("skin", ["stiff", "lugre"])
 def test_energy_after_release(device: taxelsim.Device, skin: str) -> None:
     """Boxes hit the skin with an edge; every other one is pressed against it by a force."""

@@ -1,0 +1,52 @@
+#!/usr/bin/env python3
+"""Success of the scripted policies on the tasks with dynamics: with touch, without shear, blind; three conditions.
+
+    PYTHONPATH=build/release/python build/venv/bin/python bench/python/dynamics_success.py
+
+Prints a table in Markdown, in % with 95 % Wilson intervals. All policies play the same episodes.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import mujoco
+from report import machine, write_json
+
+import taxelsim
+from taxelsim.envs import CONDITIONS, DYNAMIC_TASKS
+from taxelsim.envs.dynamics.evaluation import evaluate
+from taxelsim.envs.dynamics.scripts import SCRIPTS, SENSES
+
+LABELS = dict(zip(SENSES, ("with touch", "without shear", "blind"), strict=True))
+
+
+def main() -> None:
+    """Runs all tasks."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--tasks", default=",".join(DYNAMIC_TASKS), help="list, separated by commas")
+    parser.add_argument("--episodes", type=int, default=100)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--json", type=Path, help="file of results to write")
+    options = parser.parse_args()
+    device = taxelsim.Device.open()
+    results: dict[str, Any] = {**machine(device), "mujoco": mujoco.__version__, "episodes": options.episodes, "seed": options.seed}
+    print(f"| task | script | {' | '.join(f'`{name}`' for name in CONDITIONS)} |\n|---|---|---|---|---|")
+    for task in options.tasks.split(","):
+        for sense in SENSES:
+            cells = []
+            for condition in CONDITIONS:
+                envs = gymnasium.make_vec(f"taxelsim/{task}-v0", num_envs=options.episodes, condition=condition, device=device)
+                evaluation = evaluate(envs, SCRIPTS[task](sense), options.seed)  # type: ignore[arg-type]
+                envs.close()
+                cells.append(str(evaluation))
+                results[f"{task}/{sense}/{condition}"] = {"rate": evaluation.rate}
+            print(f"| `{task}` | {LABELS[sense]} | {' | '.join(cells)} |", flush=True)
+    write_json(options.json, results)
+
+
+if __name__ == "__main__":
+    main()
