@@ -74,7 +74,7 @@ TEST(GraspScene, RefusesBadScenes) {
   EXPECT_THAT(refusalOf("velocity_mm: 50", "velocity_mm: 101"), HasSubstr("101 is not allowed"));
   EXPECT_THAT(refusalOf("force: 2", "force: 0"), HasSubstr("force: 0 is not allowed"));
   EXPECT_THAT(refusalOf("sensor: below", "sensor: left"), HasSubstr("an earlier finger has this sensor"));
-  EXPECT_THAT(refusalOf("[{joint: jaw, velocity_mm: 50}]", "[]"), HasSubstr("joints: [] is not allowed"));
+  EXPECT_THAT(refusalOf("[{joint: jaw, velocity_mm: 50}]", "[]"), HasSubstr("joints: a list of 0 is not allowed"));
   EXPECT_THAT(refusalOf("  fingers:", "  gain: 101\n  fingers:"), HasSubstr("gain: 101 is not allowed"));
   EXPECT_THAT(refusalOf("num_steps: 150", "num_steps: 150, control_rate: 50"), HasSubstr("control_rate 50 Hz is not allowed"));
   EXPECT_THAT(refusalOf("objects:", "record: [poses]\nobjects:"), HasSubstr("always records"));
