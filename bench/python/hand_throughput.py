@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+
 import taxelsim as ts
 
 SCENES = Path(__file__).parents[2] / "scenes"
@@ -49,6 +50,7 @@ def seconds(simulators: list[ts.Simulator]) -> float:
 
 
 def main() -> None:
+    """Measures and prints."""
     device = ts.Device.open()
     knob = ts.Object(ts.load_mesh(SCENES / "objects" / "knob_5k.obj"))
     palm = batch(device, "wts0614_soft_cover.yaml", [knob], NUM_HANDS, 1, False)
