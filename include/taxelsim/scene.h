@@ -12,6 +12,7 @@
 
 #include "taxelsim/control.h"
 #include "taxelsim/dataset.h"
+#include "taxelsim/grasp.h"
 #include "taxelsim/object.h"
 #include "taxelsim/robot.h"
 #include "taxelsim/sensor.h"
@@ -39,6 +40,7 @@ struct SceneObject {
   /// m, in O: the point that is placed on the skin. Default: the lowest point. With a contour it is a random point of the contour, and the
   /// yaw is relative to the contour there.
   std::optional<Vector3> anchor = {};
+  Pose pose = {};  ///< X_WO at the start; scenes of kind grasp only. Default: the identity.
 };
 
 /// A controller of a scene.
@@ -89,20 +91,22 @@ struct Scene {
   enum class Kind {
     kServo,     ///< Episodes of num_steps frames under a controller.
     kContacts,  ///< Episodes of one frame each: labelled contact images.
+    kGrasp,     ///< Episodes of num_steps frames: the fingers of a hand close on all objects of the scene at once.
   };
 
   std::filesystem::path file;                   ///< File that it was read from.
   std::string name;                             ///< Name in data sets.
   Kind kind = Kind::kServo;                     ///< Kind of scene.
-  Sensor sensor;                                ///< The sensor.
+  Sensor sensor;                                ///< The sensor; of a kGrasp scene the first of the robot.
   Robot robot;                                  ///< The robot that carries the sensor.
-  std::vector<SceneObject> objects;             ///< Objects, at least one.
+  std::vector<SceneObject> objects;             ///< Objects, at least one; of a kGrasp scene at most kMaxSlots.
   int num_steps = 1;                            ///< Frames per episode; 1 for kContacts.
   double simulation_rate = 100;                 ///< Hz. Default 100.
   double control_rate = 100;                    ///< Hz, an integer fraction of simulation_rate. Default 100.
   Randomization randomization;                  ///< Random variables of an episode.
   std::vector<SceneController> controllers{1};  ///< Controllers of a kServo scene, at least one.
   std::optional<Task> task;                     ///< Task of a kServo scene, required by evaluate().
+  std::optional<Grasp> grasp;                   ///< Sensors and fingers of a kGrasp scene; none in others.
   std::vector<std::string> record;              ///< Recorded outputs: a subset of kRecordWords in the same order.
   int max_regions = 0;                          ///< Regions in recorded contact features, 0 to kMaxRegions; 0 if none are recorded.
   std::uint64_t num_episodes = 1000;            ///< Episodes of the data set. Default 1000.

@@ -43,6 +43,14 @@ std::map<std::string, std::pair<double, double>> rangesOf(const Scene& scene) {
   return ranges;
 }
 
+std::vector<std::pair<std::string, Sensor>> sensorsOf(const Scene& scene) {
+  std::vector<std::pair<std::string, Sensor>> sensors;
+  if (scene.grasp) {
+    for (const RobotSensor& sensor : scene.grasp->sensors) sensors.emplace_back(sensor.name, sensor.sensor);
+  }
+  return sensors;
+}
+
 std::vector<Object> objectsOf(const Scene& scene) {
   std::vector<Object> objects;
   for (const SceneObject& object : scene.objects) objects.push_back(object.object);
@@ -63,13 +71,15 @@ void bindScene(nb::module_& module) {
   nb::class_<Scene> scene(module, "Scene", "A scene file, read and checked: everything that determines a data set. Made by load_scene().");
   nb::enum_<Scene::Kind>(scene, "Kind", "Kind of scene.")
       .value("SERVO", Scene::Kind::kServo, "Episodes of num_steps frames under a controller.")
-      .value("CONTACTS", Scene::Kind::kContacts, "Episodes of one frame each: labelled contact images.");
+      .value("CONTACTS", Scene::Kind::kContacts, "Episodes of one frame each: labelled contact images.")
+      .value("GRASP", Scene::Kind::kGrasp, "Episodes of num_steps frames: the fingers of a hand close on all objects at once.");
   scene.def_ro("file", &Scene::file, "File that it was read from.")
       .def_ro("name", &Scene::name, "Name in data sets.")
       .def_ro("kind", &Scene::kind, "Kind of scene.")
-      .def_ro("sensor", &Scene::sensor, "The sensor.")
+      .def_ro("sensor", &Scene::sensor, "The sensor; of kind GRASP the first of `sensors`.")
+      .def_prop_ro("sensors", &sensorsOf, "(name, sensor) of the robot's sensors, in its order; empty for other kinds than GRASP.")
       .def_prop_ro("objects", &objectsOf, "The objects, in the order of the scene.")
-      .def_prop_ro("controllers", &controllerNames, "Names of the controllers; empty for scenes of contacts.")
+      .def_prop_ro("controllers", &controllerNames, "Names of the controllers; empty for other kinds than SERVO.")
       .def_prop_ro(
           "has_task", [](const Scene& self) { return self.task.has_value(); }, "Whether evaluate() can judge its episodes.")
       .def_ro("num_steps", &Scene::num_steps, "Frames per episode.")

@@ -17,6 +17,18 @@ bool isFinite(const Twist& twist) {
   return std::all_of(twist.v.begin(), twist.v.end(), finite) && std::all_of(twist.w.begin(), twist.w.end(), finite);
 }
 
+// The twist of a sensor by its transposed Jacobian (num_joints x 6).
+Twist twistBy(const double* jacobian, std::span<const double> joint_velocities) {
+  Twist twist;
+  for (std::size_t j = 0; j < joint_velocities.size(); ++j) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      twist.v[k] += jacobian[6 * j + k] * joint_velocities[j];
+      twist.w[k] += jacobian[6 * j + 3 + k] * joint_velocities[j];
+    }
+  }
+  return twist;
+}
+
 bool isFinite(const Pose& X) {
   const auto finite = [](double x) { return std::isfinite(x); };
   return std::all_of(X.position.begin(), X.position.end(), finite) && std::all_of(X.rotation.begin(), X.rotation.end(), finite);
@@ -200,15 +212,13 @@ void Robots::stepJoints(int i, std::span<const double> joint_velocities, double 
 }
 
 Twist Robots::twistOf(int i, std::span<const double> joint_velocities) const {
-  const double* const jacobian = jacobians_.data() + static_cast<std::ptrdiff_t>(i) * num_joints_ * 6;
-  Twist twist;
-  for (int j = 0; j < num_joints_; ++j) {
-    for (int k = 0; k < 3; ++k) {
-      twist.v[k] += jacobian[6 * j + k] * joint_velocities[j];
-      twist.w[k] += jacobian[6 * j + 3 + k] * joint_velocities[j];
-    }
-  }
-  return twist;
+  return twistBy(jacobians_.data() + static_cast<std::ptrdiff_t>(i) * num_joints_ * 6, joint_velocities);
+}
+
+Twist Robots::twistOf(int i, int sensor, std::span<const double> joint_velocities) const {
+  std::array<double, std::size_t{6} * kMaxJoints> jacobian;
+  chains_[sensor].poseAt(positions_.data() + static_cast<std::ptrdiff_t>(i) * num_joints_, jacobian.data());
+  return twistBy(jacobian.data(), joint_velocities);
 }
 
 // Step 4 of robots.h: commands and drives at joint velocities (num_joints).

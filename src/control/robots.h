@@ -53,6 +53,8 @@ class Robots {
 
   // Twist of the first sensor of an instance, in S, at joint velocities (num_joints) in its present posture. Manipulators only.
   Twist twistOf(int i, std::span<const double> joint_velocities) const;
+  // The same of any sensor.
+  Twist twistOf(int i, int sensor, std::span<const double> joint_velocities) const;
 
   std::span<const Pose> X_WS() const { return X_WS_; }                     // (num_instances x num_sensors)
   std::span<const double> jointPositions() const { return positions_; }    // (num_instances x num_joints), rad or m

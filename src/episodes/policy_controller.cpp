@@ -26,7 +26,7 @@ void checkPolicy(const Policy& policy, const Scene& scene) {
   if (std::any_of(scene.controllers.begin(), scene.controllers.end(), has_name)) {
     refuse(policy, "a controller of the scene has the same name");
   }
-  if (scene.kind != Scene::Kind::kServo) refuse(policy, "the scene has kind contacts, a policy needs servo");
+  if (scene.kind != Scene::Kind::kServo) refuse(policy, "a policy needs a scene of kind servo");
   if (policy.max_regions != 0 && !hasContactFeatures(policy.outputs)) {
     refuse(policy, "max_regions: " + std::to_string(policy.max_regions) + " found, 0 allowed without contact features");
   }

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "episodes/draw.h"
+#include "generation/grasp_columns.h"
 #include "sensor/regions.h"
 #include "taxelsim/error.h"
 #include "taxelsim/generate.h"
@@ -378,6 +379,7 @@ std::size_t rowBytes(const Column& column) {
 }
 
 std::vector<Column> columnsOf(const Scene& scene) {
+  if (scene.kind == Scene::Kind::kGrasp) return graspColumns(scene);
   ColumnPlan plan = planColumns(scene);
   std::vector<Column> columns;
   for (FrameColumn& entry : plan.frame) columns.push_back(std::move(entry.column));

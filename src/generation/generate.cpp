@@ -9,6 +9,7 @@
 
 #include "base/memory.h"
 #include "episodes/batch.h"
+#include "generation/generate_grasp.h"
 #include "generation/probe.h"
 #include "generation/shard_sink.h"
 #include "scene/scene_checks.h"
@@ -63,11 +64,19 @@ void checkHostMemory(const Scene& scene, const GenerateOptions& options) {
                                      mebibytes(available) + " are available; reduce episodes_per_shard, num_steps or the batch size");
 }
 
+// Names of the sensors of a robot: "palm, thumb".
+std::string sensorNames(const Grasp& grasp) {
+  std::string names;
+  for (const RobotSensor& sensor : grasp.sensors) names += (names.empty() ? "" : ", ") + sensor.name;
+  return names;
+}
+
 Manifest manifestOf(const Scene& scene, const Device& device, const GenerateOptions& options) {
-  const bool one_grid = scene.sensor.patches.size() == 1;
+  const bool is_grasp = scene.kind == Scene::Kind::kGrasp;
+  const bool one_grid = !is_grasp && scene.sensor.patches.size() == 1;
   return {.format_version = kDatasetFormat,
           .scene = scene.resolved,
-          .sensor_name = scene.sensor.name,
+          .sensor_name = is_grasp ? sensorNames(*scene.grasp) : scene.sensor.name,
           .num_rows = one_grid ? scene.sensor.patches[0].num_rows : 0,
           .num_cols = one_grid ? scene.sensor.patches[0].num_cols : 0,
           .pitch = one_grid ? scene.sensor.patches[0].pitch : std::array<double, 2>{0, 0},
@@ -219,6 +228,7 @@ void Run::simulate(const Model& model, const SlicePlan& plan) {
 GenerateResult generate(const Device& device, const Scene& scene, const std::filesystem::path& directory, const GenerateOptions& options) {
   checkRun(scene, options);
   checkHostMemory(scene, options);
+  if (scene.kind == Scene::Kind::kGrasp) return generateGrasp(device, scene, directory, manifestOf(scene, device, options), options);
   SlicePlan plan = options.policy ? SlicePlan(scene, outputsOf(scene), *options.policy) : SlicePlan(scene, outputsOf(scene));
   plan.device_clock = options.device_clock;
   Manifest manifest = manifestOf(scene, device, options);

@@ -18,12 +18,14 @@ namespace {
 constexpr std::string_view kShapes = "mesh | sphere | cylinder | capsule | box | half_space | cone | torus";
 
 // Keys of an item; the shapes come first.
-const YamlMap::Keys& objectKeys() {
-  static const YamlMap::Keys keys = {"mesh",  "sphere",  "cylinder",    "capsule", "box",         "half_space",
-                                     "cone",  "torus",   "name",        "weight",  "orientation", "motion",
-                                     "edge",  "contour", "anchor[_mm]", "scale",   "up_axis",     "max_depth_error[_mm]",
-                                     "sha256"};
-  return keys;
+const YamlMap::Keys& objectKeys(ObjectUse use) {
+  static const YamlMap::Keys drawn = {"mesh",  "sphere",  "cylinder",    "capsule", "box",         "half_space",
+                                      "cone",  "torus",   "name",        "weight",  "orientation", "motion",
+                                      "edge",  "contour", "anchor[_mm]", "scale",   "up_axis",     "max_depth_error[_mm]",
+                                      "sha256"};
+  static const YamlMap::Keys placed = {"mesh", "sphere", "cylinder", "capsule", "box",     "half_space",           "cone",  "torus",
+                                       "name", "pose",   "motion",   "scale",   "up_axis", "max_depth_error[_mm]", "sha256"};
+  return use == ObjectUse::kDrawn ? drawn : placed;
 }
 constexpr std::size_t kNumShapes = 8;
 constexpr std::uintmax_t kMaxContourBytes = std::uintmax_t{1} << 20;
@@ -82,7 +84,7 @@ void readEdge(const YamlMap& map, const std::filesystem::path& directory, SceneO
 std::string_view shapeOf(const YamlMap& map) {
   std::string_view shape;
   for (std::size_t i = 0; i < kNumShapes; ++i) {
-    const std::string_view key = objectKeys()[i];
+    const std::string_view key = objectKeys(ObjectUse::kDrawn)[i];
     if (!map.has(key)) continue;
     if (!shape.empty()) map.rejectBoth(key, shape, "an object has one shape");
     shape = key;
@@ -116,12 +118,16 @@ class Names {
 
 }  // namespace
 
-std::vector<SceneObject> readObjects(const YamlMap& map, const std::filesystem::path& directory, double max_depth_error) {
+std::vector<SceneObject> readObjects(const YamlMap& map, const std::filesystem::path& directory, double max_depth_error, ObjectUse use) {
   Canonical& canonical = map.canonical();
   const std::string what = "a list of at least one object";
   const YamlNode list = map.require("objects", what);
   const std::vector<YamlNode> items = list.items(what);
   if (items.empty()) list.refuse(what);
+  if (use == ObjectUse::kPlaced && items.size() > kMaxPlacedObjects) {
+    list.fail(std::to_string(items.size()) + " objects are not allowed: at most " + std::to_string(kMaxPlacedObjects) +
+              ", all in the scene at once");
+  }
   Names names;
   for (const YamlNode& item : items) {
     const std::optional<YamlNode> name = item.child("name");
@@ -132,16 +138,20 @@ std::vector<SceneObject> readObjects(const YamlMap& map, const std::filesystem::
   std::vector<SceneObject> objects;
   double total_weight = 0;
   for (const YamlNode& item : items) {
-    const YamlMap object_map = YamlMap::item(item, objectKeys(), canonical);
+    const YamlMap object_map = YamlMap::item(item, objectKeys(use), canonical);
     const std::string_view shape = shapeOf(object_map);
     SceneObject object;
     std::optional<std::string> default_name;
     if (!object_map.has("name")) default_name = names.make(object_map, shape);
     object.object.name = object_map.text("name", "a name", default_name);
-    readFields(object_map, kObjectFields, object);
-    object.orientation = readRotation(object_map, "orientation");
+    if (use == ObjectUse::kPlaced) {
+      object.pose = readPose(object_map, "pose");
+    } else {
+      readFields(object_map, kObjectFields, object);
+      object.orientation = readRotation(object_map, "orientation");
+      readEdge(object_map, directory, object);
+    }
     object.motion = readMotion(object_map, directory);
-    readEdge(object_map, directory, object);
     if (shape == "mesh") {
       object.object.shape = readMesh(object_map, object_map.require(shape, "a mesh file"), directory, max_depth_error);
     } else {

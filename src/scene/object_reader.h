@@ -9,9 +9,17 @@
 
 namespace taxelsim {
 
+// What the objects of a scene are for.
+enum class ObjectUse {
+  kDrawn,   // one per episode, placed on the sensor: weight, orientation, edge, contour, anchor
+  kPlaced,  // all at once, at most kMaxPlacedObjects: pose
+};
+inline constexpr std::size_t kMaxPlacedObjects = 8;  // kMaxSlots of taxelsim/simulator.h
+
 // Reads the objects of the scene `map`, loads their meshes (relative to `directory`) and checks them with checkObject(). `max_depth_error`:
 // m, of meshes that have no key of that name.
-std::vector<SceneObject> readObjects(const YamlMap& map, const std::filesystem::path& directory, double max_depth_error);
+std::vector<SceneObject> readObjects(const YamlMap& map, const std::filesystem::path& directory, double max_depth_error,
+                                     ObjectUse use = ObjectUse::kDrawn);
 
 // Fails at the first object that has a `motion`, with `reason`.
 void refuseMotions(const YamlMap& map, const std::string& reason);

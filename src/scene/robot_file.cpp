@@ -1,6 +1,7 @@
 #include "scene/robot_file.h"
 
 #include <algorithm>
+#include <cctype>
 #include <set>
 
 #include "control/robot_fields.h"
@@ -14,6 +15,8 @@ namespace {
 
 constexpr std::string_view kKinds = "free_flying | pan_tilt | urdf";
 constexpr const char* kRobotBlock = "a robot file, or a robot's own settings";
+// Names below data/ that are no sensor's.
+constexpr std::array<std::string_view, 3> kColumnGroups = {"time", "robot", "object_pose"};
 constexpr std::array<std::string_view, 6> kCoordinates = {"vx", "vy", "vz", "wx", "wy", "wz"};
 
 // The given keys and those of all robots with joints.
@@ -25,11 +28,37 @@ YamlMap::Keys withManipulatorKeys(YamlMap::Keys keys) {
   return keys;
 }
 
-std::vector<SensorMount> readMounts(const YamlMap& map, const std::vector<SensorMount>& otherwise) {
+// The folder of sensor files, and the list of a scene whose mounts have sensors of their own.
+struct SensorFiles {
+  const std::filesystem::path& directory;
+  std::vector<RobotSensor>* sensors;  // null: mounts have none
+};
+
+// The name and the sensor of a mount.
+RobotSensor readRobotSensor(const YamlMap& mount, const SensorFiles& files) {
+  static constexpr const char* kName = "a name of letters, digits and _";
+  RobotSensor result{.name = mount.text("name", kName), .sensor = {}, .text = {}};
+  const YamlNode name = mount.require("name", kName);
+  const auto fits = [](unsigned char c) { return (c < 0x80 && std::isalnum(c) != 0) || c == '_'; };
+  if (!std::all_of(result.name.begin(), result.name.end(), fits)) name.refuse(kName);
+  if (std::find(kColumnGroups.begin(), kColumnGroups.end(), result.name) != kColumnGroups.end()) {
+    name.fail(result.name + " is not allowed: data sets have a column of this name");
+  }
+  for (const RobotSensor& other : *files.sensors) {
+    if (other.name == result.name) name.fail("an earlier sensor is named " + result.name);
+  }
+  Canonical own;
+  readSensorBlock(mount.require("sensor", kSensorBlock), files.directory, own);
+  result.text = own.text();
+  result.sensor = readSensorBlock(mount.require("sensor", kSensorBlock), files.directory, mount.canonical());
+  return result;
+}
+
+std::vector<SensorMount> readMounts(const YamlMap& map, const std::vector<SensorMount>& otherwise, const SensorFiles& files) {
   const std::string what = "a list of at least one {link, mount}";
   Canonical& canonical = map.canonical();
   std::vector<SensorMount> mounts;
-  if (!map.has("sensors") && !otherwise.empty()) {
+  if (!map.has("sensors") && !otherwise.empty() && files.sensors == nullptr) {
     canonical.open("sensors");
     for (const SensorMount& mount : otherwise) {
       canonical.openItem();
@@ -46,7 +75,12 @@ std::vector<SensorMount> readMounts(const YamlMap& map, const std::vector<Sensor
   const YamlNode list = map.require("sensors", what);
   canonical.open("sensors");
   for (const YamlNode& item : list.items(what)) {
-    const YamlMap mount(YamlMap::item(item, {"link", "mount"}, canonical));
+    const YamlMap mount(YamlMap::item(item, {"name", "link", "mount", "sensor"}, canonical));
+    if (files.sensors != nullptr) files.sensors->push_back(readRobotSensor(mount, files));
+    for (const std::string_view key : {"name", "sensor"}) {
+      const std::optional<YamlNode> node = mount.find(key);
+      if (node && files.sensors == nullptr) node->fail("only a scene of kind grasp takes the sensors of its robot; this one has its own");
+    }
     SensorMount result{.link = mount.text("link", "the name of a link"), .X_LS = {}};
     result.X_LS = readPose(mount, "mount");
     mounts.push_back(std::move(result));
@@ -121,41 +155,41 @@ void readManipulator(const YamlMap& map, Manipulator& robot) {
   atNode(map.node(), [&] { checkRobot(robot); });
 }
 
-Manipulator readPanTilt(const YamlMap& parent) {
+Manipulator readPanTilt(const YamlMap& parent, const SensorFiles& files) {
   const YamlMap map(parent, "pan_tilt", withManipulatorKeys(keysOf(kPanTiltFields)));
   PanTilt platform;
   readFields(map, kPanTiltFields, platform);
   readFields(map, kDriveFields, platform.drive);
-  platform.sensors = readMounts(map, platform.sensors);
+  platform.sensors = readMounts(map, platform.sensors, files);
   Manipulator robot = atNode(map.node(), [&] { return panTilt(platform); });
   readManipulator(map, robot);
   return robot;
 }
 
-Manipulator readUrdf(const YamlMap& parent, const std::filesystem::path& directory) {
+Manipulator readUrdf(const YamlMap& parent, const SensorFiles& files) {
   const YamlMap map(parent, "urdf", withManipulatorKeys({"file", "sha256", "base_link", kUrdfFields[0].key}));
-  const std::filesystem::path file = readHashedFile(map, "file", "a URDF file", directory, kMaxRobotFileBytes);
+  const std::filesystem::path file = readHashedFile(map, "file", "a URDF file", files.directory, kMaxRobotFileBytes);
   UrdfOptions options;
   if (map.has("base_link")) options.base_link = map.text("base_link", "the name of a link");
   readFields(map, kUrdfFields, options);
   JointDrive drive;
   readFields(map, kDriveFields, drive);
-  options.sensors = readMounts(map, {});
+  options.sensors = readMounts(map, {}, files);
   Manipulator robot = atNode(map.node(), [&] { return loadUrdf(file, options); });
   robot.drive = drive;
   readManipulator(map, robot);
   return robot;
 }
 
-Robot readRobot(const YamlNode& node, const std::filesystem::path& directory, Canonical& canonical, bool versioned) {
+Robot readRobot(const YamlNode& node, const SensorFiles& files, Canonical& canonical, bool versioned) {
   YamlMap::Keys keys{"free_flying", "pan_tilt", "urdf"};
   if (versioned) keys.insert(keys.begin(), "format_version");
   const YamlMap map(node, keys, canonical);
   int num_kinds = 0;
   for (const std::string_view kind : {"free_flying", "pan_tilt", "urdf"}) num_kinds += map.has(kind) ? 1 : 0;
   if (num_kinds != 1) node.fail("exactly one of " + std::string(kKinds));
-  if (map.has("pan_tilt")) return readPanTilt(map);
-  if (map.has("urdf")) return readUrdf(map, directory);
+  if (map.has("pan_tilt")) return readPanTilt(map, files);
+  if (map.has("urdf")) return readUrdf(map, files);
   Canonical none;
   const YamlMap nothing(map.require("free_flying", "{}"), {}, none);
   canonical.line("free_flying", "{}");
@@ -164,7 +198,7 @@ Robot readRobot(const YamlNode& node, const std::filesystem::path& directory, Ca
 
 }  // namespace
 
-Robot readRobotBlock(const YamlMap& scene, const std::filesystem::path& directory) {
+Robot readRobotBlock(const YamlMap& scene, const std::filesystem::path& directory, std::vector<RobotSensor>* sensors) {
   Canonical& canonical = scene.canonical();
   canonical.open("robot");
   const std::optional<YamlNode> node = scene.find("robot");
@@ -172,7 +206,7 @@ Robot readRobotBlock(const YamlMap& scene, const std::filesystem::path& director
   if (!node) {
     canonical.line("free_flying", "{}");
   } else if (node->isMap()) {
-    robot = readRobot(*node, directory, canonical, false);
+    robot = readRobot(*node, {directory, sensors}, canonical, false);
   } else {
     const std::filesystem::path file = directory / node->text(kRobotBlock);
     std::error_code error;
@@ -182,7 +216,8 @@ Robot readRobotBlock(const YamlMap& scene, const std::filesystem::path& director
     const YamlTree tree = parseYaml(readYamlFile(file), name);
     const YamlNode root(tree, name);
     checkFormatVersion(root);
-    robot = readRobot(root, file.parent_path(), canonical, true);
+    const std::filesystem::path folder = file.parent_path();
+    robot = readRobot(root, {folder, sensors}, canonical, true);
   }
   canonical.close();
   return robot;

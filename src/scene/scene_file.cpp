@@ -4,6 +4,7 @@
 
 #include "base/field_checks.h"
 #include "scene/conditions.h"
+#include "scene/grasp_reader.h"
 #include "scene/object_reader.h"
 #include "scene/pose_reader.h"
 #include "scene/robot_file.h"
@@ -23,7 +24,7 @@ constexpr std::array<std::string_view, 2> kContactColumns = {"contact_features",
 constexpr int kDefaultRegions = 4;
 constexpr double kRateTolerance = 1e-9;  // relative; rates are decimal fractions
 constexpr std::array<std::string_view, 4> kFileKeys = {"file", "mesh", "robot", "sensor"};
-constexpr std::string_view kActions = "actions", kRobot = "robot";
+constexpr std::string_view kActions = "actions", kRobot = "robot", kPoses = "poses";
 constexpr std::array<std::string_view, 5> kDefaultColumns = {"tactile_image", "features", "ground_truth", "poses", "actions"};
 
 // A number, or [min, max].
@@ -55,7 +56,7 @@ void readRanges(const YamlMap& map, std::span<const RangeField> table, Randomiza
 
 void readEpisode(const YamlMap& parent, Scene& scene) {
   const YamlMap map(parent, "episode", keysOf(kNumStepsFields, kSimulationRateFields, kControlRateFields));
-  if (scene.kind == Scene::Kind::kServo) {
+  if (scene.kind != Scene::Kind::kContacts) {
     readFields(map, kNumStepsFields, scene);
   } else {
     scene.num_steps = static_cast<int>(map.integer("num_steps", 1, 1, 1));
@@ -67,18 +68,17 @@ void readEpisode(const YamlMap& parent, Scene& scene) {
 }
 
 // The delay must be shorter than the episode and fit the ring of forces.
-void checkDelay(const YamlMap& map, const Scene& scene) {
-  const double delay = scene.sensor.readout.delay;
+void checkDelay(const YamlNode& place, const Sensor& sensor, const Scene& scene) {
+  const double delay = sensor.readout.delay;
   if (delay == 0) return;
-  const YamlNode sensor = map.require("sensor", "");
   if (scene.kind == Scene::Kind::kContacts) {
-    sensor.fail("readout.delay " + canonicalNumber(delay) +
-                " s is not allowed: 0 in a scene of kind contacts, whose one frame would show the sensor before the contact");
+    place.fail("readout.delay " + canonicalNumber(delay) +
+               " s is not allowed: 0 in a scene of kind contacts, whose one frame would show the sensor before the contact");
   }
   if (delay * scene.simulation_rate > kMaxDelaySteps * (1 + kRateTolerance / 2)) {
-    sensor.fail("readout.delay " + canonicalNumber(delay) + " s is not allowed: at most " + std::to_string(kMaxDelaySteps) +
-                " steps at a simulation_rate of " + canonicalNumber(scene.simulation_rate) + " Hz (" +
-                canonicalNumber(kMaxDelaySteps / scene.simulation_rate) + " s)");
+    place.fail("readout.delay " + canonicalNumber(delay) + " s is not allowed: at most " + std::to_string(kMaxDelaySteps) +
+               " steps at a simulation_rate of " + canonicalNumber(scene.simulation_rate) + " Hz (" +
+               canonicalNumber(kMaxDelaySteps / scene.simulation_rate) + " s)");
   }
 }
 
@@ -113,7 +113,7 @@ void checkExactAngles(const YamlMap& map, const Scene& scene) {
 
 std::vector<std::string> readRecord(const YamlMap& map, Scene::Kind kind) {
   std::vector<std::string> chosen;
-  const bool has_actions = kind == Scene::Kind::kServo;
+  const bool has_actions = kind == Scene::Kind::kServo, is_grasp = kind == Scene::Kind::kGrasp;
   if (const std::optional<YamlNode> node = map.find("record")) {
     std::string words;
     for (const std::string_view column : kRecordWords) words += (words.empty() ? "" : " | ") + std::string(column);
@@ -122,6 +122,9 @@ std::vector<std::string> readRecord(const YamlMap& map, Scene::Kind kind) {
     for (const YamlNode& item : items) {
       const std::string column = item.text(words);
       if (std::find(kRecordWords.begin(), kRecordWords.end(), column) == kRecordWords.end()) item.refuse(words);
+      if (is_grasp && (column == kActions || column == kRobot || column == kPoses)) {
+        item.fail("a scene of kind grasp always records its joints and all poses");
+      }
       if (column == kActions && !has_actions) item.fail("a scene of kind contacts has no actions");
       if (column == kRobot && !has_actions) item.fail("in a scene of kind contacts no robot moves");
       if (std::find(chosen.begin(), chosen.end(), column) != chosen.end()) item.fail(column + " is given twice");
@@ -130,6 +133,7 @@ std::vector<std::string> readRecord(const YamlMap& map, Scene::Kind kind) {
   } else {
     chosen.assign(kDefaultColumns.begin(), kDefaultColumns.end());
     if (!has_actions) std::erase(chosen, kActions);
+    if (is_grasp) std::erase(chosen, kPoses);
   }
   std::vector<std::string> record;
   std::string text;
@@ -175,6 +179,37 @@ void readDataSet(const YamlMap& parent, const SceneOverrides& overrides, Scene& 
   readFields(map, kDataSetFields, scene);
 }
 
+YamlMap::Keys graspKeys() {
+  return {"format_version", "name", "kind", "robot", "objects", "grasp", "episode", "randomization", "record", "max_regions", "data_set"};
+}
+
+bool isGrasp(const YamlNode& root) {
+  const std::optional<YamlNode> kind = root.isMap() ? root.child("kind") : std::nullopt;
+  return kind && kind->isScalar() && kind->tree().text == "grasp";
+}
+
+// The rest of a scene of kind grasp.
+void readGraspScene(const YamlMap& map, const std::filesystem::path& directory, Scene& scene) {
+  Grasp& grasp = scene.grasp.emplace();
+  scene.robot = readRobotBlock(map, directory, &grasp.sensors);
+  const auto* robot = std::get_if<Manipulator>(&scene.robot);
+  if (robot == nullptr) map.require("robot", "a robot with joints").refuse("a robot with joints");
+  scene.sensor = grasp.sensors.front().sensor;
+  double max_depth_error = maxDepthErrorOf(scene.sensor.skin);
+  for (const RobotSensor& sensor : grasp.sensors) max_depth_error = std::min(max_depth_error, maxDepthErrorOf(sensor.sensor.skin));
+  scene.objects = readObjects(map, directory, max_depth_error, ObjectUse::kPlaced);
+  readEpisode(map, scene);
+  if (scene.control_rate != scene.simulation_rate) {
+    map.require("episode", "")
+        .fail("control_rate " + canonicalNumber(scene.control_rate) +
+              " Hz is not allowed: a hand moves in every frame, at the simulation_rate");
+  }
+  for (const RobotSensor& sensor : grasp.sensors) checkDelay(map.require("robot", ""), sensor.sensor, scene);
+  readGrasp(map, *robot, scene.simulation_rate, grasp);
+  scene.record = readRecord(map, scene.kind);
+  readMaxRegions(map, scene);
+}
+
 YamlMap::Keys sceneKeys() {
   return {"format_version", "name",       "kind",        "sensor", "robot",  "objects",     "episode", "randomization(randomisation)",
           "conditions",     "controller", "controllers", "task",   "record", "max_regions", "data_set"};
@@ -192,7 +227,7 @@ void checkConditions(const YamlTree& tree, const std::string& name, const std::f
     changed.simulation_rate = scene.simulation_rate;
     const YamlNode sensor = map.require("sensor", kSensorBlock);
     changed.sensor = readSensorBlock(sensor, directory, unused);
-    checkDelay(map, changed);
+    checkDelay(sensor, changed.sensor, changed);
     readRandomization(map, changed);
     if (!nominal) nominal = readSensorBlock(*YamlNode(tree, name).child("sensor"), directory, unused);
     if (!haveSameLayout(*nominal, changed.sensor)) {
@@ -227,14 +262,21 @@ Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrid
   const YamlNode root(tree, name);
 
   Canonical canonical;
-  const YamlMap map(root, sceneKeys(), canonical);
+  const YamlMap map(root, isGrasp(root) ? graspKeys() : sceneKeys(), canonical);
   Scene scene;
   scene.file = file;
   scene.conditions = conditionNames(tree, name);
   scene.condition = condition;
   map.integer("format_version", 1, kFormatVersion);
   scene.name = map.text("name", "a name");
-  scene.kind = map.choice("kind", {"servo", "contacts"}) == "servo" ? Scene::Kind::kServo : Scene::Kind::kContacts;
+  const std::string kind = map.choice("kind", {"servo", "contacts", "grasp"});
+  scene.kind = kind == "servo" ? Scene::Kind::kServo : kind == "grasp" ? Scene::Kind::kGrasp : Scene::Kind::kContacts;
+  if (scene.kind == Scene::Kind::kGrasp) {
+    readGraspScene(map, directory, scene);
+    readDataSet(map, overrides, scene);
+    scene.resolved = canonical.text();
+    return scene;
+  }
   scene.sensor = readSensorBlock(map.require("sensor", kSensorBlock), directory, canonical);
   scene.robot = readRobotBlock(map, directory);
   if (scene.kind == Scene::Kind::kContacts && !std::holds_alternative<FreeFlying>(scene.robot)) {
@@ -243,7 +285,7 @@ Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrid
   scene.objects = readObjects(map, directory, maxDepthErrorOf(scene.sensor.skin));
   if (scene.kind == Scene::Kind::kContacts) refuseMotions(map, "a scene of kind contacts has one frame, in which nothing moves");
   readEpisode(map, scene);
-  checkDelay(map, scene);
+  checkDelay(map.require("sensor", ""), scene.sensor, scene);
   scene.randomization = readRandomization(map, scene);
   if (scene.kind == Scene::Kind::kServo) {
     scene.controllers = readControllers(map);

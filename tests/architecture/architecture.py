@@ -46,6 +46,7 @@ HEADERS = {
     "simulator.h": "simulation",
     "environment.h": "episodes",
     "policy.h": "episodes",
+    "grasp.h": "scene",
     "generate.h": "generation",
     "evaluate.h": "evaluation",
     "characterize.h": "characterize",

@@ -106,7 +106,9 @@ TEST_F(RobotFile, ReadsRobotFiles) {
 TEST_F(RobotFile, ShippedRobotsLoad) {
   int num_files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(kRobots)) {
-    if (entry.path().extension() != ".yaml") continue;
+    // Hands have sensors of their own; the scenes of kind grasp load them.
+    const bool is_hand = entry.path().stem() == "shadow_hand" || entry.path().stem() == "gripper";
+    if (entry.path().extension() != ".yaml" || is_hand) continue;
     ++num_files;
     const Scene scene = load(entry.path().string());
     EXPECT_EQ(scene.resolved.find(TAXELSIM_SOURCE_DIR), std::string::npos) << "contains a path of this machine";

@@ -1,0 +1,51 @@
+/// @file
+/// Grasps: a robot with several named sensors, each with its own sensor file, whose fingers close until each reads its target force.
+/// Part of a Scene of kind grasp. Objects move as prescribed; contact does not act back on them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "taxelsim/sensor.h"
+
+namespace taxelsim {
+
+/// A sensor of a robot. Mounts are in Manipulator::sensors, in the same order.
+struct RobotSensor {
+  std::string name;  ///< Group of its columns in data sets: letters, digits and _; unique.
+  Sensor sensor;     ///< The sensor.
+  std::string text;  ///< The sensor as canonical YAML: sensors with the same text share a Model.
+};
+
+/// A joint of a finger.
+struct FingerJoint {
+  int joint = 0;        ///< Index into Manipulator::joints.
+  double velocity = 0;  ///< rad/s or m/s, not 0: its velocity while the finger closes at full speed.
+};
+
+/// A finger: joints that close together, and the sensor whose force they control.
+struct GraspFinger {
+  int sensor = 0;                   ///< Index into Grasp::sensors.
+  double force = 1;                 ///< N, > 0: target of the measured total force.
+  std::vector<FingerJoint> joints;  ///< At least one; a joint belongs to one finger.
+};
+
+/// The grasp of a scene.
+///
+/// In every frame each finger moves its joints at s times their closing velocities, with
+///
+///     s = clamp(gain (F* - F) / (dF/ds), -1, 1),    dF/ds = T J q'
+///
+/// F is the measured total force, F* its target, T the measured tactile Jacobian of the total force (1 x 6), J the Jacobian of the sensor
+/// by the joints and q' the closing velocities. Where dF/ds is not positive, as without contact, s is the sign of F* - F. The error of a
+/// contact of constant stiffness decays by the factor 1 - gain / simulation_rate per frame.
+struct Grasp {
+  std::vector<RobotSensor> sensors;  ///< Sensors of the robot.
+  std::vector<GraspFinger> fingers;  ///< At least one.
+  double gain = 10;                  ///< 1/s, > 0 to simulation_rate. Default 10.
+  double offset = 0;                 ///< m, >= 0: each object starts displaced uniformly by up to this along x, y and z of W. Default 0.
+  double yaw = 0;                    ///< rad, >= 0: and rotated by up to this about the z axis of W through its origin. Default 0.
+  double force_spread = 0;           ///< 0 to 1: targets of an episode are multiplied by a factor within 1 +- this. Default 0.
+};
+
+}  // namespace taxelsim

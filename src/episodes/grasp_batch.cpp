@@ -1,0 +1,106 @@
+#include "episodes/grasp_batch.h"
+
+#include <algorithm>
+#include <array>
+
+#include "base/philox.h"
+
+namespace taxelsim {
+namespace {
+
+std::vector<Object> objectsOf(const Scene& scene) {
+  std::vector<Object> objects;
+  for (const SceneObject& object : scene.objects) objects.push_back(object.object);
+  return objects;
+}
+
+OutputOptions withJacobian(OutputOptions outputs) {
+  outputs.tactile_jacobian = true;
+  return outputs;
+}
+
+}  // namespace
+
+double closingSpeed(double force, double target, double slope, double gain) {
+  const double error = target - force;
+  if (slope > 0) return std::clamp(gain * error / slope, -1.0, 1.0);
+  return error > 0 ? 1 : error < 0 ? -1 : 0;
+}
+
+GraspBatch::GraspBatch(const Device& device, const Scene& scene, const OutputOptions& outputs, int num_instances)
+    : scene_(scene),
+      grasp_(*scene.grasp),
+      dt_(1 / scene.simulation_rate),
+      robots_(device, std::get<Manipulator>(scene.robot), grasp_.sensors, objectsOf(scene),
+              {.num_instances = num_instances, .seed = scene.seed, .outputs = withJacobian(outputs), .max_regions = scene.max_regions}) {
+  const auto size = static_cast<std::size_t>(num_instances);
+  X_WO_0_.resize(size * scene.objects.size());
+  X_WO_.resize(X_WO_0_.size());
+  episodes_.resize(size);
+  target_forces_.resize(size * grasp_.fingers.size());
+  velocities_.resize(size * static_cast<std::size_t>(robots_.robots().numJoints()));
+  no_twists_.resize(size);
+  by_joints_.assign(size, 1);
+}
+
+void GraspBatch::begin(std::uint64_t first, int count) {
+  frame_ = -1;
+  for (int i = 0; i < numInstances(); ++i) {
+    const auto instance = static_cast<std::size_t>(i);
+    const std::uint64_t episode = episodes_[instance] = first + static_cast<std::uint64_t>(std::min(i, count - 1));
+    robots_.reset(i, episode);
+    EpisodeRandom random(scene_.seed, episode);
+    const double factor = random.uniform(1 - grasp_.force_spread, 1 + grasp_.force_spread);
+    for (std::size_t k = 0; k < scene_.objects.size(); ++k) {
+      const Pose& X = scene_.objects[k].pose;
+      std::array<double, 3> offset{};
+      for (double& value : offset) value = random.uniform(-grasp_.offset, grasp_.offset);
+      const Quaternion yaw = axisAngle({0, 0, 1}, random.uniform(-grasp_.yaw, grasp_.yaw));
+      X_WO_0_[instance * scene_.objects.size() + k] = {{X.position[0] + offset[0], X.position[1] + offset[1], X.position[2] + offset[2]},
+                                                       yaw * X.rotation};
+    }
+    for (std::size_t f = 0; f < grasp_.fingers.size(); ++f) {
+      target_forces_[instance * grasp_.fingers.size() + f] = factor * grasp_.fingers[f].force;
+    }
+  }
+}
+
+void GraspBatch::step() {
+  if (frame_ >= 0) command();
+  ++frame_;
+  const std::size_t num_objects = scene_.objects.size();
+  for (std::size_t i = 0; i < X_WO_.size(); ++i) {
+    const std::optional<Motion>& motion = scene_.objects[i % num_objects].motion;
+    const MotionKey key{.seed = scene_.seed, .episode = episodes_[i / num_objects], .slot = static_cast<std::uint32_t>(i % num_objects)};
+    X_WO_[i] = motion ? Trajectory(*motion, X_WO_0_[i], key).at(time()) : X_WO_0_[i];
+  }
+  robots_.step(dt_, X_WO_);
+}
+
+// Moves all fingers by one frame, from the forces and the tactile Jacobians of the last one.
+void GraspBatch::command() {
+  Robots& robots = robots_.robots();
+  const auto num_joints = static_cast<std::size_t>(robots.numJoints());
+  std::array<double, kMaxJoints> closing;
+  for (int i = 0; i < numInstances(); ++i) {
+    double* const velocities = velocities_.data() + static_cast<std::size_t>(i) * num_joints;
+    std::fill_n(velocities, num_joints, 0.0);
+    for (std::size_t f = 0; f < grasp_.fingers.size(); ++f) {
+      const GraspFinger& finger = grasp_.fingers[f];
+      closing.fill(0);
+      for (const FingerJoint& joint : finger.joints) closing[static_cast<std::size_t>(joint.joint)] = joint.velocity;
+      const Twist twist = robots.twistOf(i, finger.sensor, std::span(closing).first(num_joints));
+      const FrameView& frame = robots_.frame(finger.sensor);
+      const std::size_t row = robots_.row(finger.sensor, i);
+      const float* const by_twist = &frame.jacobian.total_force[row * static_cast<std::size_t>(frame.jacobian.num_rows) * 6];
+      double slope = 0;
+      for (std::size_t k = 0; k < 3; ++k) slope += by_twist[k] * twist.v[k] + by_twist[3 + k] * twist.w[k];
+      const double target = target_forces_[static_cast<std::size_t>(i) * grasp_.fingers.size() + f];
+      const double speed = closingSpeed(frame.total_force[row], target, slope, grasp_.gain);
+      for (const FingerJoint& joint : finger.joints) velocities[joint.joint] = speed * joint.velocity;
+    }
+  }
+  robots.command(no_twists_, velocities_, by_joints_, dt_);
+}
+
+}  // namespace taxelsim

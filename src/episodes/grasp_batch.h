@@ -1,0 +1,52 @@
+// Episodes of a scene of kind grasp, in lockstep on the instances of one batch: objects move as prescribed, fingers close until each reads
+// its target force (taxelsim/grasp.h has the control law). An episode is a function of the scene and its number. Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "episodes/sensed_robots.h"
+#include "taxelsim/scene.h"
+
+namespace taxelsim {
+
+// Factor on a finger's closing velocities. force, target: N. slope: N/s, change of the force at full closing speed; gain: 1/s.
+double closingSpeed(double force, double target, double slope, double gain);
+
+class GraspBatch {
+ public:
+  // outputs: those that the caller reads. `scene` must outlive this.
+  GraspBatch(const Device& device, const Scene& scene, const OutputOptions& outputs, int num_instances);
+
+  int numInstances() const { return robots_.numInstances(); }
+  const SensedRobots& robots() const { return robots_; }
+
+  // Starts the episodes first, ..., first + count - 1 on the first `count` instances. The others repeat the last one.
+  void begin(std::uint64_t first, int count);
+  // Computes the next frame; the first one has the initial posture.
+  void step();
+
+  double time() const { return static_cast<double>(frame_) * dt_; }        // s, of the frame
+  std::span<const Pose> X_WO() const { return X_WO_; }                     // (num_instances x num_objects), of the frame
+  std::span<const double> targetForces() const { return target_forces_; }  // (num_instances x num_fingers), N
+
+ private:
+  void command();
+
+  const Scene& scene_;
+  const Grasp& grasp_;
+  double dt_;
+  SensedRobots robots_;
+  std::int64_t frame_ = -1;
+  std::vector<Pose> X_WO_0_;             // (num_instances x num_objects)
+  std::vector<Pose> X_WO_;               // (num_instances x num_objects)
+  std::vector<std::uint64_t> episodes_;  // (num_instances)
+  std::vector<double> target_forces_;    // (num_instances x num_fingers)
+  std::vector<double> velocities_;       // (num_instances x num_joints), rad/s or m/s
+  std::vector<Twist> no_twists_;         // (num_instances)
+  std::vector<std::uint8_t> by_joints_;
+};
+
+}  // namespace taxelsim

@@ -1,0 +1,84 @@
+// Data sets of hands: the same bytes for any batch size and after an interruption; columns grouped by sensor.
+#include <atomic>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <string>
+
+#include "episodes/example_scene.h"
+#include "taxelsim/error.h"
+#include "taxelsim/generate.h"
+
+namespace taxelsim {
+namespace {
+
+Scene scene() {
+  Scene loaded = loadScene(std::filesystem::path(TAXELSIM_SOURCE_DIR) / "scenes/gripper_grasp.yaml", {.num_episodes = 7});
+  loaded.num_steps = 60;  // the jaws touch the box after 50
+  loaded.episodes_per_shard = 3;
+  loaded.record = {"tactile_image", "features", "ground_truth", "contact_features", "tactile_jacobian"};
+  loaded.max_regions = 2;
+  return loaded;
+}
+
+const Device& device() {
+  static const Device opened = Device::open();
+  return opened;
+}
+
+std::map<std::string, std::string> shardsOf(const std::filesystem::path& directory) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(directory)) {
+    if (entry.path().extension() != ".h5") continue;
+    std::ifstream stream(entry.path(), std::ios::binary);
+    files[entry.path().filename().string()] = std::string(std::istreambuf_iterator<char>(stream), {});
+  }
+  return files;
+}
+
+TEST(GraspDataSet, HasTheSameBytesForAnyBatchAndAfterAStop) {
+  const TestDirectory directory;
+  EXPECT_TRUE(generate(device(), scene(), directory.path() / "1", {.batch_size = 1}).complete);
+  const auto expected = shardsOf(directory.path() / "1");
+  EXPECT_EQ(expected.size(), 4u);  // three shards and the view
+  for (const int batch_size : {7, 64}) {
+    const std::filesystem::path path = directory.path() / std::to_string(batch_size);
+    generate(device(), scene(), path, {.batch_size = batch_size});
+    EXPECT_TRUE(expected == shardsOf(path)) << batch_size;
+  }
+  std::atomic<bool> stop = false;
+  const std::filesystem::path path = directory.path() / "stopped";
+  const GenerateResult first =
+      generate(device(), scene(), path, {.batch_size = 3, .on_progress = [&](const Progress&) { stop = true; }, .stop = &stop});
+  EXPECT_FALSE(first.complete);
+  EXPECT_EQ(first.progress.episodes_done, 3u);
+  const GenerateResult second = generate(device(), scene(), path, {.batch_size = 3});
+  EXPECT_TRUE(second.complete);
+  EXPECT_EQ(second.progress.episodes_resumed, 3u);
+  EXPECT_TRUE(expected == shardsOf(path));
+}
+
+TEST(GraspDataSet, GroupsColumnsBySensor) {
+  const TestDirectory directory;
+  generate(device(), scene(), directory.path() / "out", {.batch_size = 4});
+  const DatasetReader reader(directory.path() / "out");
+  EXPECT_EQ(reader.numFrames(), 420u);
+  const std::vector<double> left = reader.readAsDouble("data/left/tactile_image", 0, 420);
+  EXPECT_EQ(left.size(), 420u * 24);
+  EXPECT_EQ(reader.readAsDouble("data/right/tactile_image", 0, 420).size(), 420u * 84);
+  EXPECT_GT(*std::max_element(left.begin(), left.end()), 0);
+  EXPECT_EQ(reader.readAsDouble("data/below/sensor_pose", 0, 1).size(), 7u);
+  EXPECT_EQ(reader.readAsDouble("data/object_pose", 0, 1).size(), 7u);
+  EXPECT_EQ(reader.readAsDouble("meta/target_force", 0, 7).size(), 14u);
+  EXPECT_EQ(reader.readAsDouble("meta/episode", 6, 1)[0], 6);
+}
+
+TEST(GraspDataSet, RefusesWhatTheKindDoesNotHave) {
+  const TestDirectory directory;
+  EXPECT_THROW(generate(device(), scene(), directory.path() / "out", {.shards = ShardRange{0, 1}}), Error);
+  EXPECT_THROW(generate(device(), scene(), directory.path() / "out", {.episodes = {3}}), Error);
+  EXPECT_FALSE(std::filesystem::exists(directory.path() / "out"));
+}
+
+}  // namespace
+}  // namespace taxelsim

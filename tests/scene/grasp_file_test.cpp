@@ -1,0 +1,109 @@
+// Scenes of kind grasp: what their files may say, one clear line for anything else.
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "scene_text.h"
+#include "taxelsim/scene.h"
+
+namespace taxelsim {
+namespace {
+
+using testing::HasSubstr;
+
+const std::filesystem::path kScenes = std::filesystem::path(TAXELSIM_SOURCE_DIR) / "scenes";
+
+std::string textOf(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+// The message for the gripper's scene and robot after one change each.
+std::string refusalOf(const std::string& scene_from, const std::string& scene_to, const std::string& robot_from = "name",
+                      const std::string& robot_to = "name") {
+  const ScratchDirectory directory;
+  for (const char* const folder : {"robots", "sensors"}) std::filesystem::create_directory(directory.path() / folder);
+  for (const char* const file : {"sensors/fingertip_6x4.yaml", "sensors/wts0614_soft_cover.yaml", "sensors/wts0614_proximity.yaml",
+                                 "robots/gripper.urdf", "robots/pan_tilt.yaml"}) {
+    std::filesystem::copy_file(kScenes / file, directory.path() / file);
+  }
+  directory.write("robots/gripper.yaml", replaced(textOf(kScenes / "robots/gripper.yaml"), robot_from, robot_to));
+  const std::filesystem::path file = directory.write("scene.yaml", replaced(textOf(kScenes / "gripper_grasp.yaml"), scene_from, scene_to));
+  try {
+    loadScene(file);
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    EXPECT_EQ(message.find('\n'), std::string::npos);
+    EXPECT_THAT(message, HasSubstr(".yaml:"));
+    return message;
+  }
+  return "was accepted";
+}
+
+std::string robotRefusal(const std::string& from, const std::string& to) {
+  return refusalOf("name", "name", from, to);
+}
+
+TEST(GraspScene, LoadsAndItsResolvedTextIsItself) {
+  const Scene scene = loadScene(kScenes / "shadow_grasp.yaml");
+  ASSERT_TRUE(scene.grasp.has_value());
+  EXPECT_EQ(scene.kind, Scene::Kind::kGrasp);
+  EXPECT_EQ(scene.grasp->sensors.size(), 6u);
+  EXPECT_EQ(scene.grasp->sensors[0].name, "palm");
+  EXPECT_EQ(scene.grasp->sensors[1].text, scene.grasp->sensors[5].text);
+  EXPECT_EQ(scene.objects.size(), 2u);
+  const ScratchDirectory directory;
+  std::filesystem::copy_file(kScenes / "robots/shadow_hand.urdf", directory.path() / "shadow_hand.urdf");
+  EXPECT_EQ(loadScene(directory.write("scene.yaml", scene.resolved)).resolved, scene.resolved);
+}
+
+TEST(GraspScene, RefusesBadScenes) {
+  EXPECT_EQ(refusalOf("name", "name"), "was accepted");
+  EXPECT_THAT(refusalOf("sensor: left", "sensor: lft"), HasSubstr("sensor: no sensor lft: left, right, below"));
+  EXPECT_THAT(refusalOf("joint: jaw", "joint: jw"), HasSubstr("joint: no joint jw: jaw, bend"));
+  EXPECT_THAT(refusalOf("joint: bend, velocity_deg: 60", "joint: jaw, velocity_mm: 6"), HasSubstr("jaw is given twice"));
+  EXPECT_THAT(refusalOf("joint: bend, velocity_deg", "joint: bend, velocity_mm"), HasSubstr("unknown key"));
+  EXPECT_THAT(refusalOf("velocity_mm: 50", "velocity_mm: 0"), HasSubstr("velocity_mm: 0 is not allowed"));
+  EXPECT_THAT(refusalOf("velocity_mm: 50", "velocity_mm: 101"), HasSubstr("101 is not allowed"));
+  EXPECT_THAT(refusalOf("force: 2", "force: 0"), HasSubstr("force: 0 is not allowed"));
+  EXPECT_THAT(refusalOf("sensor: below", "sensor: left"), HasSubstr("an earlier finger has this sensor"));
+  EXPECT_THAT(refusalOf("[{joint: jaw, velocity_mm: 50}]", "[]"), HasSubstr("joints: a list of 0 is not allowed"));
+  EXPECT_THAT(refusalOf("  fingers:", "  gain: 101\n  fingers:"), HasSubstr("gain: 101 is not allowed"));
+  EXPECT_THAT(refusalOf("num_steps: 150", "num_steps: 150, control_rate: 50"), HasSubstr("control_rate 50 Hz is not allowed"));
+  EXPECT_THAT(refusalOf("objects:", "record: [poses]\nobjects:"), HasSubstr("always records"));
+  EXPECT_THAT(refusalOf("objects:", "sensor: sensors/fingertip_6x4.yaml\nobjects:"), HasSubstr("unknown key"));
+  EXPECT_THAT(refusalOf("box: {size_mm: [60, 30, 30]}", "box: {size_mm: [60, 30, 30]}\n    weight: 2"), HasSubstr("unknown key"));
+  EXPECT_THAT(refusalOf("robots/gripper.yaml", "{free_flying: {}}"), HasSubstr("a robot with joints"));
+  EXPECT_THAT(refusalOf("robots/gripper.yaml", "robots/pan_tilt.yaml"), HasSubstr("name is missing"));
+  std::string objects = "objects:\n";
+  for (int k = 0; k < 8; ++k) objects += "  - sphere: {radius_mm: 5}\n";
+  EXPECT_THAT(refusalOf("objects:\n", objects), HasSubstr("objects: 9 objects are not allowed: at most 8"));
+}
+
+TEST(GraspScene, RefusesBadRobots) {
+  EXPECT_THAT(robotRefusal("link: tip", "link: tp"), HasSubstr("no link tp"));
+  EXPECT_THAT(robotRefusal("fingertip_6x4.yaml", "missing.yaml"), HasSubstr("missing.yaml is not there"));
+  EXPECT_THAT(robotRefusal("name: right", "name: left"), HasSubstr("an earlier sensor is named left"));
+  EXPECT_THAT(robotRefusal("name: right", "name: ri/ght"), HasSubstr("letters, digits and _"));
+  EXPECT_THAT(robotRefusal("name: right", "name: time"), HasSubstr("data sets have a column"));
+  EXPECT_THAT(robotRefusal("fingertip_6x4.yaml", "wts0614_proximity.yaml"), HasSubstr("proximity has no forces"));
+  EXPECT_THAT(robotRefusal("name: right, ", ""), HasSubstr("name is missing"));
+}
+
+TEST(GraspScene, RobotsWithSensorsAreForThisKindOnly) {
+  const ScratchDirectory directory;
+  const std::string text = edited(kScene, "robot: {free_flying: {}}", "robot: " + (kScenes / "robots/gripper.yaml").string());
+  const std::filesystem::path file = directory.write("scene.yaml", text);
+  directory.write("mesh.obj", kMeshText);
+  EXPECT_THAT(refusal(kScenes / "robots/gripper.yaml", [&] { loadScene(file); }), HasSubstr("only a scene of kind grasp"));
+}
+
+}  // namespace
+}  // namespace taxelsim
