@@ -26,7 +26,6 @@ from .worker import Job, Made, SceneName, make_shards, runs_of
 
 TASK_SECONDS = 10.0
 SETUP_SHARE = 0.03  # of a task, at most: a scene whose setup is slow gets longer tasks
-TASKS_PER_SLOT = 4  # at least, where there are shards enough: slots that are done early take more
 
 OnProgress = Callable[[int, int], object]
 
@@ -187,7 +186,8 @@ class _Run:
         if first is not None and first.num_episodes > 0:
             seconds = task_seconds or max(TASK_SECONDS, first.setup_seconds / SETUP_SHARE)
             size = max(1, round(seconds / max(first.seconds, 1e-3)))
-        size = max(1, min(size, len(shards) // (TASKS_PER_SLOT * max(1, slots(self._tasks.workers, self._tasks.refused)))))
+        fair = math.ceil(len(shards) / max(1, slots(self._tasks.workers, self._tasks.refused)))
+        size = max(1, min(size, fair))
         return [run[k : k + size] for run in runs_of(shards) for k in range(0, len(run), size)]
 
     def _finish(self) -> None:

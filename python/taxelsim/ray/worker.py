@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import fcntl
 import functools
 import hashlib
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,12 +19,13 @@ from typing import Any
 import ray
 
 from .. import _core
-from .._core import Device, GenerateResult, Scene
+from .._core import Device, Progress, Scene
 from ..errors import Error, InputError, IoError
 from ..policies.policy import Policy
 from ..program import SCENES
 from ..runs import generate
 from .storage import MANIFEST, Storage, checksum_line, is_remote, one_line, shard_name
+from .upload import Uploader
 
 _SCRATCH = "taxelsim-scratch-"
 _PACKAGE = "package:"  # a scene that ships with taxelsim: nodes have it elsewhere
@@ -128,7 +130,7 @@ def make_shards(job: Job, shards: range) -> Outcome:
     return found[0]
 
 
-def _generated(job: Job, folder: Path, shards: range) -> GenerateResult:
+def _generated(job: Job, folder: Path, shards: range, on_progress: Callable[[Progress], object] | None = None) -> Made:
     scene, device = scene_and_device(job)
     result = generate(
         scene,
@@ -137,12 +139,14 @@ def _generated(job: Job, folder: Path, shards: range) -> GenerateResult:
         device=device,
         batch_size=job.batch_size,
         num_slices=job.num_slices,
+        on_progress=on_progress,
         repair=job.repair,
         shards=shards,
     )
     if not result.complete:
         raise IoError(f"{folder}: shards {shards.start} to {shards.stop - 1} are not complete")
-    return result
+    progress = result.progress
+    return Made(progress.episodes_done - progress.episodes_resumed, 0.0, progress.seconds, {})
 
 
 def _require_manifest(job: Job, content: bytes | None) -> None:
@@ -155,43 +159,38 @@ def _require_manifest(job: Job, content: bytes | None) -> None:
         raise InputError(f"{job.out}: another run writes here, with another {MANIFEST}")
 
 
-def _made(result: GenerateResult, seconds: float) -> Made:
-    progress = result.progress
-    return Made(progress.episodes_done - progress.episodes_resumed, max(seconds - progress.seconds, 0.0), progress.seconds, {})
-
-
 def _written(job: Job, shards: range) -> Made:
     """Directly into a directory that the nodes share, with claims."""
     begin = os.times().elapsed
     folder = Path(job.out)
     manifest = folder / MANIFEST
     _require_manifest(job, manifest.read_bytes() if manifest.is_file() else None)
-    result = _generated(job, folder, shards)
-    return _made(result, os.times().elapsed - begin)
+    made = _generated(job, folder, shards)
+    return dataclasses.replace(made, setup_seconds=os.times().elapsed - begin - made.seconds)
 
 
 def _uploaded(job: Job, shards: range) -> Made:
-    """In a scratch folder, then uploaded."""
+    """In a scratch folder, from which another thread uploads."""
     begin = os.times().elapsed
     storage = Storage(job.out, job.storage_options)
     manifest = storage.read(MANIFEST)
     _require_manifest(job, manifest)
     stored = {shard: found for shard in shards if (found := _stored(job, storage, shard))}
-    made = Made(0, os.times().elapsed - begin, 0.0, stored)
+    missing = [shard for shard in shards if shard not in stored]
+    num_episodes, seconds = 0, 0.0
     with _scratch(job) as folder:
         if manifest is not None:
             (folder / MANIFEST).write_bytes(manifest)
-        for run in runs_of([shard for shard in shards if shard not in stored]):
-            begin = os.times().elapsed
-            result = _generated(job, folder, run)
-            if manifest is None:
-                manifest = (folder / MANIFEST).read_bytes()
-                storage.upload_text(MANIFEST, manifest)
-            for shard in run:
-                stored[shard] = _upload(storage, folder / shard_name(shard))
-            part = _made(result, os.times().elapsed - begin)
-            made = Made(made.num_episodes + part.num_episodes, made.setup_seconds + part.setup_seconds, made.seconds + part.seconds, stored)
-    return made
+        uploader = Uploader(storage, folder, missing, has_manifest=manifest is not None)
+        uploader.start()
+        try:
+            for run in runs_of(missing):
+                made = _generated(job, folder, run, lambda _: uploader.check())
+                num_episodes, seconds = num_episodes + made.num_episodes, seconds + made.seconds
+        finally:
+            uploader.end()
+        uploader.check()
+    return Made(num_episodes, os.times().elapsed - begin - seconds, seconds, stored | uploader.stored)
 
 
 def _stored(job: Job, storage: Storage, shard: int) -> tuple[str, int] | None:
@@ -209,18 +208,6 @@ def _stored(job: Job, storage: Storage, shard: int) -> tuple[str, int] | None:
             )
         return None
     return found
-
-
-def _upload(storage: Storage, file: Path) -> tuple[str, int]:
-    """The shard first, then the checksum file that makes it count."""
-    checksum = file.with_name(file.name + ".sha256")
-    content = checksum.read_bytes()
-    digest = content[:64].decode()
-    storage.upload(file, digest)
-    storage.upload_text(checksum.name, content)
-    size = file.stat().st_size
-    file.unlink()
-    return digest, size
 
 
 def runs_of(shards: list[int]) -> list[range]:

@@ -45,7 +45,8 @@ def cluster() -> Iterator[Any]:
     from ray.cluster_utils import Cluster
 
     ray._private.ray_constants.ENABLE_RAY_CLUSTER = False
-    made = Cluster(initialize_head=True, head_node_args={"num_cpus": 0, "include_dashboard": False})
+    quick = {"health_check_period_ms": 500}  # a killed node is noticed after five periods, by default of 3 s
+    made = Cluster(initialize_head=True, head_node_args={"num_cpus": 0, "include_dashboard": False, "_system_config": quick})
     made.same = [made.add_node(num_cpus=1, resources={KIND: 1}, wait=False) for _ in range(2)]
     made.other = made.add_node(num_cpus=1, env_vars={"LP_NATIVE_VECTOR_WIDTH": "128"}, wait=False)
     made.wait_for_nodes()
