@@ -182,6 +182,11 @@ struct FinishOptions {
 /// Error(kIo) if the file system refuses or another process is writing.
 bool finishDataset(const std::filesystem::path& directory, const FinishOptions& options = {});
 
+/// Writes dataset.h5 and its checksum next to a manifest whose shards are stored elsewhere, e.g. in an object store: the bytes that
+/// finishDataset() writes next to the shards. Every episode has `num_frames` frames, >= 1. Throws what readManifest() throws, Error(kInput)
+/// for num_frames of 0, and Error(kIo) if the file system refuses.
+void writeDatasetView(const std::filesystem::path& directory, std::uint64_t num_frames);
+
 /// Reads the manifest alone. Throws Error(kInput) if the directory holds no data set, a newer format, or a manifest that was altered.
 Manifest readManifest(const std::filesystem::path& directory);
 

@@ -66,6 +66,8 @@ void bindDataset(nb::module_& module) {
       .def("read", &readRows, "column"_a, "first"_a, "count"_a,
            nb::sig("def read(self, column: str, first: int, count: int) -> numpy.typing.NDArray[typing.Any]"),
            "Bytes of rows [first, first + count).");
+  module.def("write_view", &writeDatasetView, "folder"_a, "num_frames"_a, nb::call_guard<nb::gil_scoped_release>(),
+             "Writes dataset.h5 and its checksum next to a manifest whose shards are elsewhere. num_frames: of an episode.");
 }
 
 }  // namespace taxelsim::python

@@ -165,7 +165,7 @@ def test_a_device_after_fork_is_refused_without_a_hang(simulator, device):
 def test_importing_loads_no_optional_package():
     script = "import sys, taxelsim; print(*sys.modules)"
     modules = subprocess.run([sys.executable, "-c", script], check=True, capture_output=True, text=True).stdout.split()
-    assert not {"gymnasium", "h5py", "mujoco", "onnxruntime", "pyarrow", "rerun", "torch", "zarr"} & set(modules)
+    assert not {"fsspec", "gymnasium", "h5py", "mujoco", "onnxruntime", "pyarrow", "ray", "rerun", "torch", "zarr"} & set(modules)
 
 
 def test_the_program_of_the_package_runs():

@@ -2,9 +2,11 @@
 #include <string>
 #include <vector>
 
+#include "dataset/checksum.h"
 #include "dataset/directory_lock.h"
 #include "dataset/manifest.h"
 #include "dataset/shard_listing.h"
+#include "dataset/view.h"
 #include "taxelsim/dataset.h"
 #include "taxelsim/error.h"
 #include "taxelsim/version.h"
@@ -53,6 +55,15 @@ bool finishDataset(const std::filesystem::path& directory, const FinishOptions& 
   if (!writer.isVerified()) return false;
   writer.finish();
   return true;
+}
+
+void writeDatasetView(const std::filesystem::path& directory, std::uint64_t num_frames) {
+  if (num_frames == 0) throw Error(ErrorKind::kInput, "frames of an episode: 0 found, at least 1 needed");
+  const Manifest manifest = readManifest(directory);
+  std::vector<std::vector<std::uint64_t>> shard_ends(manifest.numShards());
+  for (std::uint64_t shard = 0; shard < shard_ends.size(); ++shard)
+    for (std::uint64_t episode = 1; episode <= numEpisodes(manifest, shard); ++episode) shard_ends[shard].push_back(episode * num_frames);
+  writeWithChecksum(directory / kViewName, viewImage(manifest, shard_ends));
 }
 
 }  // namespace taxelsim

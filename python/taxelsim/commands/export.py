@@ -5,14 +5,12 @@ from __future__ import annotations
 import argparse
 import re
 import sys
-import time
 from collections.abc import Sequence
 from pathlib import Path
 
 from ..export import FORMATS, Options, export
+from ..progress_line import ProgressLine
 from .running import run_command
-
-_LOG_INTERVAL = 5.0  # s, between lines if stderr is no terminal
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -22,7 +20,7 @@ def main(arguments: Sequence[str]) -> int:
 
 
 def _run(options: argparse.Namespace) -> None:
-    progress = _ProgressLine()
+    progress = ProgressLine("frames")
     try:
         source = export(options.folder, options.out, options.format, _options_of(options), progress.show)
     except KeyboardInterrupt:
@@ -74,28 +72,3 @@ def _range(text: str) -> tuple[int, int]:
     if not found:
         raise argparse.ArgumentTypeError(f"{text!r} found, a range such as 0..99 expected")
     return int(found[1]), int(found[2])
-
-
-class _ProgressLine:
-    """Frames done: a line of a terminal that is drawn again, or a line every few seconds in a log."""
-
-    def __init__(self) -> None:
-        self._begin = time.monotonic()
-        self._last = self._begin
-        self._is_drawn = False
-
-    def show(self, done: int, total: int) -> None:
-        now = time.monotonic()
-        is_terminal = sys.stderr.isatty()
-        if now - self._last < (0.2 if is_terminal else _LOG_INTERVAL):
-            return
-        self._last = now
-        rate = done / (now - self._begin)
-        line = f"{100 * done // total:3} %  {done:,} of {total:,} frames  {rate:,.0f} frames/s  {(total - done) / rate:.0f} s left"
-        print(f"\r{line} " if is_terminal else f"info: {line}", end="" if is_terminal else "\n", file=sys.stderr, flush=True)
-        self._is_drawn = is_terminal
-
-    def end(self) -> None:
-        if self._is_drawn:
-            print(file=sys.stderr)
-        self._is_drawn = False

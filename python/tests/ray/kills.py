@@ -1,0 +1,115 @@
+"""Workers and nodes that are killed at random moments: the bytes stay those of one process. Run by `scripts/campaign ray kills`.
+
+TAXELSIM_RAY_KILLS: number of kills, default 500. Every tenth kills a node, the others a process that runs a task.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import random
+import signal
+import threading
+from pathlib import Path
+from typing import Any
+
+import fsspec
+import pytest
+
+import taxelsim
+import taxelsim.ray
+from taxelsim.ray import tasks
+
+from .conftest import KIND, SERVO, files_of
+
+pytestmark = pytest.mark.filterwarnings("ignore")
+NUM_KILLS = int(os.environ.get("TAXELSIM_RAY_KILLS", "500"))
+KILLS_PER_NODE = 10
+PAUSES = (0.2, 3.0)  # s, between two kills
+
+
+def running_tasks(raylets: set[int]) -> list[int]:
+    """Processes of tasks, children of these raylets."""
+    found = []
+    for folder in Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):
+            name = (folder / "cmdline").read_bytes()
+            parent = int((folder / "stat").read_text().rpartition(")")[2].split()[1])
+            if name.startswith(b"ray::make_shards") and parent in raylets:
+                found.append(int(folder.name))
+    return found
+
+
+class Killer(threading.Thread):
+    def __init__(self, cluster: Any, seed: int) -> None:
+        super().__init__()
+        self._cluster = cluster
+        self._random = random.Random(seed)
+        self._end = threading.Event()
+        self.num_kills = 0
+        self.num_nodes = 0
+
+    def run(self) -> None:
+        while not self._end.wait(self._random.uniform(*PAUSES)):
+            if (self.num_kills + 1) % KILLS_PER_NODE == 0:
+                self._kill_node()
+            else:
+                self._kill_task()
+
+    def stop(self) -> None:
+        self._end.set()
+        self.join()
+
+    def _kill_node(self) -> None:
+        same = self._cluster.same
+        try:
+            same.append(self._cluster.add_node(num_cpus=1, resources={KIND: 1}, wait=False))
+        except Exception as error:  # a busy machine starts no raylet within Ray's time limit
+            print(f"no new node: {error}")
+            return
+        self._cluster.remove_node(same.pop(self._random.randrange(len(same) - 1)), allow_graceful=False)
+        self.num_kills += 1
+        self.num_nodes += 1
+
+    def _kill_task(self) -> None:
+        raylets = {process.process.pid for node in self._cluster.same for process in node.all_processes["raylet"]}
+        with contextlib.suppress(ProcessLookupError, IndexError):
+            os.kill(self._random.choice(running_tasks(raylets)), signal.SIGKILL)
+            self.num_kills += 1
+
+
+def test_kills(cluster, s3, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(tasks, "FIRST_DELAY", 0.05)
+    file = tmp_path / "servo.yaml"
+    text = SERVO.format(sensor=(taxelsim.SCENES / "sensors/wts0614.yaml").resolve())
+    file.write_text(text.replace("num_steps: 6", "num_steps: 200").replace("episodes_per_shard: 4", "episodes_per_shard: 32"))
+    scene = taxelsim.load_scene(file, num_episodes=2000)
+    taxelsim.generate(scene, tmp_path / "one")
+    expected = files_of(tmp_path / "one")
+    files = fsspec.filesystem("s3", skip_instance_cache=True, **s3)
+    num_kills = num_nodes = num_retries = num_runs = 0
+    while num_kills < NUM_KILLS:
+        name = f"set-{num_runs}"
+        out = f"s3://bucket/{name}" if num_runs % 2 else str(tmp_path / name)
+        killer = Killer(cluster, num_runs)
+        killer.start()
+        try:
+            summary = taxelsim.ray.generate(
+                scene,
+                out,
+                workers=taxelsim.ray.Workers(kind=KIND),
+                task_seconds=1.0,
+                max_retries=1000,
+                storage_options=s3 if num_runs % 2 else None,
+            )
+        finally:
+            killer.stop()
+        files.invalidate_cache()
+        stored = {p.rpartition("/")[2]: files.cat_file(p) for p in files.ls(out)} if num_runs % 2 else files_of(tmp_path / name)
+        assert stored == expected, f"run {num_runs}"
+        num_kills, num_nodes = num_kills + killer.num_kills, num_nodes + killer.num_nodes
+        num_retries, num_runs = num_retries + summary.num_retries, num_runs + 1
+        with capsys.disabled():
+            print(
+                f"\n{num_runs} runs, {num_kills} kills, of them {num_nodes} nodes, {num_retries} tasks sent again: equal bytes", flush=True
+            )

@@ -1,0 +1,126 @@
+"""taxelsim.ray.generate() on a cluster that loses nodes, and its storage."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Any
+
+import fsspec
+import numpy as np
+import pytest
+
+import taxelsim
+import taxelsim.ray
+from taxelsim.ray.storage import checksum_line, shard_name
+
+from .conftest import KIND, files_of
+
+pytestmark = pytest.mark.filterwarnings("ignore")  # of Ray and of the libraries of the storage
+WORKERS = taxelsim.ray.Workers(kind=KIND)
+
+
+def alive(cluster: Any, node_id: str) -> bool:
+    return any(node["NodeID"] == node_id and node["Alive"] for node in cluster_nodes())
+
+
+def cluster_nodes() -> list[dict[str, Any]]:
+    import ray
+
+    return ray.nodes()
+
+
+@pytest.fixture(scope="module")
+def expected(scene, tmp_path_factory) -> dict[str, bytes]:
+    """Files of one process."""
+    out = tmp_path_factory.mktemp("one") / "out"
+    taxelsim.generate(scene, out)
+    return files_of(out)
+
+
+def test_nodes_of_another_kind_are_refused_and_their_tasks_made_elsewhere(cluster, scene, expected, tmp_path):
+    taxelsim.generate(scene, tmp_path, shards=range(1))  # the kind of this process
+    seen: list[tuple[int, int]] = []
+    summary = taxelsim.ray.generate(scene, tmp_path, on_progress=lambda *progress: seen.append(progress))
+    assert files_of(tmp_path) == expected
+    assert list(summary.refused) in ([], [cluster.other.node_id])
+    assert [done for done, _ in seen] == sorted(done for done, _ in seen)
+    assert seen[-1] == (21, 21)
+    assert summary.num_simulated == 17
+
+
+def test_all_nodes_of_another_kind_are_one_line(cluster, scene, expected, tmp_path):
+    taxelsim.generate(scene, tmp_path, shards=range(1))
+    manifest = tmp_path / "dataset.yaml"
+    text = manifest.read_text()
+    probe = text.partition("probe_sha256: ")[2][:64]
+    manifest.write_text(text.replace(probe, "0" * 64))
+    with pytest.raises(taxelsim.InputError, match=r"all 2 nodes are refused: .*probe_sha256") as error:
+        taxelsim.ray.generate(scene, tmp_path, workers=WORKERS)
+    assert "\n" not in str(error.value)
+    assert files_of(tmp_path).keys() == {"dataset.yaml", "shard-000000.h5", "shard-000000.h5.sha256"}
+
+
+def test_a_set_of_s3_has_the_bytes_of_one_process(cluster, scene, expected, s3):
+    files = fsspec.filesystem("s3", skip_instance_cache=True, **s3)
+
+    def stored() -> dict[str, bytes]:
+        files.invalidate_cache()
+        return {path.rpartition("/")[2]: files.cat_file(path) for path in files.ls("bucket/a/set")}
+
+    taxelsim.ray.generate(scene, "s3://bucket/a/set", workers=WORKERS, storage_options=s3)
+    assert stored() == expected
+
+    # Uploads that were cut off: a shard without checksum, half a shard without one, half a checksum.
+    files.rm("bucket/a/set/shard-000001.h5.sha256")
+    files.rm("bucket/a/set/shard-000002.h5.sha256")
+    files.pipe_file("bucket/a/set/shard-000002.h5", expected["shard-000002.h5"][:100])
+    files.pipe_file("bucket/a/set/shard-000003.h5.sha256", expected["shard-000003.h5.sha256"][:30])
+    # A name that leads out of the directory is no line of a checksum file.
+    outside = checksum_line("0" * 64, "../../shard-000004.h5")
+    files.pipe_file("bucket/a/set/shard-000004.h5.sha256", outside)
+    summary = taxelsim.ray.generate(scene, "s3://bucket/a/set", workers=WORKERS, storage_options=s3)
+    assert summary.num_simulated == 4 * 4
+    assert stored() == expected
+
+    files.pipe_file("bucket/a/set/shard-000002.h5", b"damaged")
+    with pytest.raises(taxelsim.InputError, match=r"shard-000002.h5: its SHA-256 is .* repair=True makes it again"):
+        taxelsim.ray.generate(scene, "s3://bucket/a/set", workers=WORKERS, storage_options=s3)
+    taxelsim.ray.generate(scene, "s3://bucket/a/set", workers=WORKERS, storage_options=s3, repair=True)
+    assert stored() == expected
+
+
+def test_a_node_killed_in_the_middle_of_a_shard_changes_no_byte(cluster, scene, tmp_path):
+    """Last: the cluster has a node less afterwards."""
+    started = tmp_path / "started"
+
+    def act(observation: Any) -> Any:
+        import ray
+
+        if ray.is_initialized() and not started.exists():
+            started.write_text(ray.get_runtime_context().get_node_id())
+            time.sleep(600)  # until its node is killed
+        return np.zeros((len(observation), 6), np.float32)
+
+    policy = taxelsim.Policy(act, identity="zero", check_batch=False)
+    one, many = tmp_path / "one", tmp_path / "many"
+    started.write_text("not in this process")
+    taxelsim.generate(scene, one, policy=policy)
+    started.unlink()
+
+    import threading
+
+    def kill() -> None:
+        while not started.exists() or not started.read_text():
+            time.sleep(0.05)
+        lost = next(node for node in cluster.same if node.node_id == started.read_text())
+        cluster.remove_node(lost, allow_graceful=False)
+
+    killer = threading.Thread(target=kill)
+    killer.start()
+    summary = taxelsim.ray.generate(scene, many, policy=policy, workers=WORKERS)
+    killer.join()
+    assert summary.num_retries >= 1
+    assert summary.num_simulated == 21
+    assert files_of(many) == files_of(one)
+    assert Path(many, shard_name(0)).exists()
