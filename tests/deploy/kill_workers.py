@@ -27,7 +27,7 @@ TIMEOUT = 300  # s, of one process
 SCENE = f"""format_version: 1
 name: balls
 kind: contacts
-sensor: {ROOT}/scenes/sensors/wts0614.yaml
+sensor: {ROOT}/scenes/sensors/wts0614_soft_cover.yaml
 objects: [{{sphere: {{radius_mm: 5}}}}]
 randomization: {{load: [0.1, 1]}}
 record: [tactile_image, ground_truth]

@@ -33,7 +33,7 @@ data_set: {{episodes: 21, seed: 1, episodes_per_shard: 4}}
 @pytest.fixture(scope="session")
 def scene(tmp_path_factory: pytest.TempPathFactory) -> taxelsim.Scene:
     file = tmp_path_factory.mktemp("scene") / "servo.yaml"
-    file.write_text(SERVO.format(sensor=(taxelsim.SCENES / "sensors/wts0614.yaml").resolve()))
+    file.write_text(SERVO.format(sensor=(taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml").resolve()))
     return taxelsim.load_scene(file)
 
 

@@ -81,7 +81,7 @@ class Killer(threading.Thread):
 def test_kills(cluster, s3, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(tasks, "FIRST_DELAY", 0.05)
     file = tmp_path / "servo.yaml"
-    text = SERVO.format(sensor=(taxelsim.SCENES / "sensors/wts0614.yaml").resolve())
+    text = SERVO.format(sensor=(taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml").resolve())
     file.write_text(text.replace("num_steps: 6", "num_steps: 200").replace("episodes_per_shard: 4", "episodes_per_shard: 32"))
     scene = taxelsim.load_scene(file, num_episodes=2000)
     taxelsim.generate(scene, tmp_path / "one")
