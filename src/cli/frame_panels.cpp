@@ -9,6 +9,9 @@
 #include <numbers>
 #include <utility>
 
+#include "base/text.h"
+#include "taxelsim/error.h"
+
 namespace taxelsim::cli {
 
 using namespace figures;
@@ -16,14 +19,9 @@ using namespace figures;
 namespace {
 
 constexpr std::size_t kTaxelsPerLine = 16;  // for sensors without a single grid
-constexpr std::array kShown{kTactileImage,
-                            "data/time",
-                            "data/total_force",
-                            "data/ground_truth/total_force",
-                            "data/edge_angle",
-                            "data/edge_confidence",
-                            "data/center_of_pressure",
-                            "data/eigenvalues"};
+constexpr const char* kTime = "data/time";
+constexpr std::array kShown{kTactileImage,        "total_force", "ground_truth/total_force", "edge_angle", "edge_confidence",
+                            "center_of_pressure", "eigenvalues"};
 
 }  // namespace
 
@@ -32,17 +30,41 @@ const Column* findColumn(const Manifest& manifest, const std::string& name) {
   return column == manifest.columns.end() ? nullptr : &*column;
 }
 
+std::string imageGroup(const Manifest& manifest, const std::string& sensor, const std::string& directory) {
+  const std::string end = std::string("/") + kTactileImage, data = kData;
+  std::vector<std::string> sensors;
+  for (const Column& column : manifest.columns) {
+    if (sensor.empty() && column.name == data + kTactileImage) return data;
+    if (column.name.ends_with(end) && column.name.size() > data.size() + end.size()) {
+      sensors.push_back(column.name.substr(data.size(), column.name.size() - data.size() - end.size()));
+    }
+  }
+  if (sensors.empty()) {
+    throw Error(ErrorKind::kInput, directory + (sensor.empty() ? ": no column data/tactile_image to draw"
+                                                               : ": --sensor: its columns are not grouped by sensor"));
+  }
+  if (sensor.empty()) return data + sensors.front() + "/";
+  if (std::find(sensors.begin(), sensors.end(), sensor) == sensors.end()) {
+    throw Error(ErrorKind::kInput,
+                oneLine(fmt::format("{}: --sensor {}: its sensors are {}", directory, sensor, fmt::join(sensors, ", "))));
+  }
+  return data + sensor + "/";
+}
+
 std::vector<TaxelOutline> outlinesOf(const Manifest& manifest) {
   const std::optional<Sensor> listed = listedTaxels(manifest);
   return listed ? unrolled(*listed) : std::vector<TaxelOutline>{};
 }
 
-FramePanels::FramePanels(const DatasetReader& reader, std::vector<TaxelOutline> outlines, std::uint64_t first, std::uint64_t count)
-    : manifest_(reader.manifest()), outlines_(std::move(outlines)), first_(first), count_(count) {
-  for (const char* const name : kShown) {
+FramePanels::FramePanels(const DatasetReader& reader, std::string group, std::vector<TaxelOutline> outlines, std::uint64_t first,
+                         std::uint64_t count)
+    : manifest_(reader.manifest()), group_(std::move(group)), outlines_(std::move(outlines)), first_(first), count_(count) {
+  const auto readColumn = [&](const std::string& key, const std::string& name) {
     const Column* const column = findColumn(manifest_, name);
-    if (column != nullptr && !column->per_episode) columns_[name] = reader.readAsDouble(name, first, count);
-  }
+    if (column != nullptr && !column->per_episode) columns_[key] = reader.readAsDouble(name, first, count);
+  };
+  readColumn(kTime, kTime);
+  for (const char* const name : kShown) readColumn(name, group_ + name);
 }
 
 // One row of a column; empty if the column is missing.
@@ -71,7 +93,13 @@ TactilePanel FramePanels::imageOf(std::uint64_t frame) const {
     if (manifest_.pitch[0] > 0 && manifest_.pitch[1] > 0) panel.pitch = manifest_.pitch;
     return panel;
   }
-  panel.values.resize(findColumn(manifest_, kTactileImage)->shape.back());
+  const std::vector<std::size_t>& shape = image().shape;
+  if (group_ != kData && shape.size() == 2) {
+    panel.num_rows = static_cast<int>(shape[0]);
+    panel.num_cols = static_cast<int>(shape[1]);
+    return panel;
+  }
+  panel.values.resize(shape.back());
   panel.neighbours = false;
   if (panel.values.size() == outlines_.size()) {
     panel.outlines = outlines_;
@@ -90,9 +118,9 @@ std::optional<ContactAxes> FramePanels::axesOf(const TactilePanel& panel, std::u
   if (!panel.neighbours) return std::nullopt;
   std::optional<ContactAxes> axes = axesOfImage(panel);
   if (!axes || panel.pitch != manifest_.pitch) return axes;
-  const std::vector<double> centre = row("data/center_of_pressure", frame, 3);
-  const std::vector<double> eigenvalues = row("data/eigenvalues", frame, 2);
-  const std::vector<double> angle = row("data/edge_angle", frame, 1);
+  const std::vector<double> centre = row("center_of_pressure", frame, 3);
+  const std::vector<double> eigenvalues = row("eigenvalues", frame, 2);
+  const std::vector<double> angle = row("edge_angle", frame, 1);
   if (!centre.empty()) axes->centre = {centre[0], centre[1]};
   if (!eigenvalues.empty()) axes->eigenvalues = {eigenvalues[0], eigenvalues[1]};
   if (!angle.empty()) axes->angle = angle[0];
@@ -101,20 +129,20 @@ std::optional<ContactAxes> FramePanels::axesOf(const TactilePanel& panel, std::u
 
 // The measured force, the true one, or the sum of the image, whichever is recorded.
 std::string FramePanels::forceText(const TactilePanel& panel, std::uint64_t frame) const {
-  if (const auto force = row("data/total_force", frame, 1); !force.empty()) return fmt::format("{:.3g} N", force[0]);
-  if (const auto force = row("data/ground_truth/total_force", frame, 1); !force.empty()) return fmt::format("{:.3g} N (true)", force[0]);
+  if (const auto force = row("total_force", frame, 1); !force.empty()) return fmt::format("{:.3g} N", force[0]);
+  if (const auto force = row("ground_truth/total_force", frame, 1); !force.empty()) return fmt::format("{:.3g} N (true)", force[0]);
   double sum = 0;
   for (const double value : panel.values) sum += std::isnan(value) ? 0 : value;
-  return fmt::format("sum {:.4g} {}", sum, findColumn(manifest_, kTactileImage)->unit);
+  return fmt::format("sum {:.4g} {}", sum, image().unit);
 }
 
 std::string FramePanels::captionOf(const TactilePanel& panel, std::uint64_t frame) const {
   std::vector<std::string> parts;
-  if (const auto time = row("data/time", frame, 1); !time.empty()) parts.push_back(fmt::format("{:.3f} s", time[0]));
+  if (const auto time = row(kTime, frame, 1); !time.empty()) parts.push_back(fmt::format("{:.3f} s", time[0]));
   parts.push_back(forceText(panel, frame));
-  const auto confidence = row("data/edge_confidence", frame, 1);
+  const auto confidence = row("edge_confidence", frame, 1);
   const bool undefined = !confidence.empty() && !(confidence[0] > 0);
-  if (const auto angle = row("data/edge_angle", frame, 1); !angle.empty() && !undefined)
+  if (const auto angle = row("edge_angle", frame, 1); !angle.empty() && !undefined)
     parts.push_back(fmt::format("angle {:.1f}°", angle[0] * 180 / std::numbers::pi));
   if (!confidence.empty()) parts.push_back(fmt::format("confidence {:.2f}", confidence[0]));
   if (!panel.neighbours) parts.push_back(panel.outlines.empty() ? "taxels in storage order" : "unrolled");

@@ -12,7 +12,9 @@
 
 namespace taxelsim::cli {
 
-inline constexpr const char* kTactileImage = "data/tactile_image";
+// Group of the columns of one sensor, unless a data set has one for each: "data/NAME/".
+inline constexpr const char* kData = "data/";
+inline constexpr const char* kTactileImage = "tactile_image";  // below its group
 
 // The column of that name, or none.
 const Column* findColumn(const Manifest& manifest, const std::string& name);
@@ -20,11 +22,16 @@ const Column* findColumn(const Manifest& manifest, const std::string& name);
 // Outlines of the taxels of a list; empty for other sensors.
 std::vector<figures::TaxelOutline> outlinesOf(const Manifest& manifest);
 
-// Panels of frames that follow each other. For several sensors, of the first one.
+// The group of the sensor of that name, or of the first sensor for an empty name. Throws Error(kInput), which begins with `directory`, if
+// there is no image.
+std::string imageGroup(const Manifest& manifest, const std::string& sensor, const std::string& directory);
+
+// Panels of frames that follow each other, of the sensor with that group of columns. For several sensors in one group, of the first one.
 class FramePanels {
  public:
   // Reads what the panels show of frames [first, first + count). `reader` must outlive the object. `outlines`: outlinesOf() its manifest.
-  FramePanels(const DatasetReader& reader, std::vector<figures::TaxelOutline> outlines, std::uint64_t first, std::uint64_t count);
+  FramePanels(const DatasetReader& reader, std::string group, std::vector<figures::TaxelOutline> outlines, std::uint64_t first,
+              std::uint64_t count);
 
   // Image, principal axes, and a caption with time, force and angle as far as they are recorded. Without a title.
   figures::TactilePanel panelOf(std::uint64_t frame) const;
@@ -37,7 +44,10 @@ class FramePanels {
   std::string forceText(const figures::TactilePanel& panel, std::uint64_t frame) const;
   std::string captionOf(const figures::TactilePanel& panel, std::uint64_t frame) const;
 
+  const Column& image() const { return *findColumn(manifest_, group_ + kTactileImage); }
+
   const Manifest& manifest_;
+  std::string group_;
   std::vector<figures::TaxelOutline> outlines_;
   std::uint64_t first_, count_;
   std::map<std::string, std::vector<double>> columns_;  // rows of the frames, one after the other

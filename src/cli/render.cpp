@@ -35,7 +35,7 @@ constexpr const char* kStream = "-";
 constexpr const char* kObjectName = "meta/object_name";
 
 struct Arguments {
-  std::string directory, picture;
+  std::string directory, picture, sensor;
   int num_frames = 12;
   std::uint64_t episode = 0;
   double rate = 0;  // 1/s, of the pictures of a stream; 0: all frames
@@ -96,21 +96,23 @@ class Titles {
 
 FigureOptions optionsOf(const Arguments& arguments, const DatasetReader& reader) {
   const Manifest& manifest = reader.manifest();
+  const std::string group = imageGroup(manifest, arguments.sensor, arguments.directory);
   const std::string name = sceneName(manifest);
   return {.title = name == "-" ? arguments.directory : name,
           .subtitle = fmt::format("{}, seed {}, {} episodes, {} frames", manifest.sensor_name, manifest.seed,
                                   countText(reader.numEpisodes()), countText(reader.numFrames())),
-          .unit = findColumn(manifest, kTactileImage)->unit};
+          .unit = findColumn(manifest, group + kTactileImage)->unit};
 }
 
 // Draws evenly spaced frames out of [begin, end), with the first and the last one.
 void drawFigure(const Arguments& arguments, const DatasetReader& reader, Titles& titles, std::uint64_t begin, std::uint64_t end) {
   const std::uint64_t count = std::min<std::uint64_t>(end - begin, static_cast<std::uint64_t>(arguments.num_frames));
   const std::vector<TaxelOutline> outlines = outlinesOf(reader.manifest());
+  const std::string group = imageGroup(reader.manifest(), arguments.sensor, arguments.directory);
   std::vector<TactilePanel> panels;
   for (std::uint64_t k = 0; k < count; ++k) {
     const std::uint64_t frame = count == 1 ? begin : begin + k * (end - begin - 1) / (count - 1);
-    panels.push_back(FramePanels(reader, outlines, frame, 1).panelOf(frame));
+    panels.push_back(FramePanels(reader, group, outlines, frame, 1).panelOf(frame));
     panels.back().title = titles.of(frame);
   }
   writeTactileFigure(arguments.picture, panels, optionsOf(arguments, reader));
@@ -135,12 +137,15 @@ void streamPictures(const Arguments& arguments, const DatasetReader& reader, Tit
   };
   FigureOptions options = optionsOf(arguments, reader);
   each([&](std::uint64_t first, std::uint64_t count) {
-    for (const double value : reader.readAsDouble(kTactileImage, first, count)) options.largest = std::max(options.largest, value);
+    for (const double value :
+         reader.readAsDouble(imageGroup(reader.manifest(), arguments.sensor, arguments.directory) + kTactileImage, first, count))
+      options.largest = std::max(options.largest, value);
   });
   const std::vector<TaxelOutline> outlines = outlinesOf(reader.manifest());
+  const std::string group = imageGroup(reader.manifest(), arguments.sensor, arguments.directory);
   const std::uint64_t stride = strideOf(reader, arguments.rate, begin, end);
   each([&](std::uint64_t first, std::uint64_t count) {
-    const FramePanels panels(reader, outlines, first, count);
+    const FramePanels panels(reader, group, outlines, first, count);
     const std::vector<double> times = reader.readAsDouble("data/time", first, count);
     for (std::uint64_t frame = begin + (first - begin + stride - 1) / stride * stride; frame < first + count; frame += stride) {
       TactilePanel panel = panels.panelOf(frame);
@@ -156,8 +161,7 @@ int runRender(const Arguments& arguments, bool one_episode) {
   if (is_stream && ::isatty(STDOUT_FILENO) != 0)
     throw Error(ErrorKind::kInput, "--output -: standard output is a terminal; redirect it to a program that reads PPM pictures");
   const DatasetReader reader(arguments.directory, /*allow_incomplete=*/true, /*isolated=*/true);
-  if (findColumn(reader.manifest(), kTactileImage) == nullptr)
-    throw Error(ErrorKind::kInput, arguments.directory + ": no column " + kTactileImage + " to draw");
+  imageGroup(reader.manifest(), arguments.sensor, arguments.directory);  // refuses a data set without an image of that sensor
   if (reader.numFrames() == 0) throw Error(ErrorKind::kInput, arguments.directory + ": no frames yet");
   if (!reader.missingShards().empty()) spdlog::warn("{}: {} shards are missing", arguments.directory, reader.missingShards().size());
 
@@ -196,6 +200,8 @@ void addRender(CLI::App& app, Action& action) {
           ->check(silent(CLI::Range(1, kMaxFrames)))
           ->capture_default_str()
           ->type_name("N");
+  command->add_option("--sensor", arguments->sensor, "Sensor to draw, where columns are grouped by sensor; otherwise the first")
+      ->type_name("NAME");
   CLI::Option* episode =
       command->add_option("--episode", arguments->episode, "Draw frames of this episode only")->check(refuseNegative)->type_name("E");
   CLI::Option* rate = command->add_option("--rate", arguments->rate, "With -o -: at most this many pictures per second; default all frames")
