@@ -63,6 +63,7 @@ bool beginTile(uint instance, uint tile_number, out Tile tile) {
   tile = loadTile(tile_number);
   tile.z_base = -THICKNESS;
   if (isHeld(instance)) return false;
+  if (RANDOM_SKIN) tile.force_area *= instances[instance].skin.x;
   if (SEARCH == kSearchInTile && (instances[instance].keys.w & kFlagLoadDriven) != 0) tile.z_limit = kMiss;
   if (SEARCH == kSearchOverTiles) {
     float status = loads[instance].bracket.w;

@@ -61,6 +61,28 @@ struct Randomization {
   Range gain{1, 1};            ///< Factor on every taxel's gain, > 0.
   Range gain_spread{0, 0};     ///< Standard deviation of log gain per taxel, >= 0.
   Range noise{0, 0};           ///< Counts, >= 0, in addition to the sensor's own noise.
+
+  /// @name Skin
+  /// Factors of SkinVariation, the same for all sensors of a robot; checkVariation() must accept both limits. Default: as the sensor.
+  /// @{
+  std::optional<Range> stiffness{};   ///< SkinVariation::stiffness.
+  std::optional<Range> friction{};    ///< SkinVariation::friction.
+  std::optional<Range> trigger{};     ///< SkinVariation::trigger.
+  std::optional<Range> hysteresis{};  ///< SkinVariation::hysteresis.
+  std::optional<Range> delay{};       ///< SkinVariation::delay.
+  std::optional<Range> psf_width{};   ///< SkinVariation::psf_width.
+  /// @}
+
+  /// @name Mounting
+  /// Pose X_NS of the sensors in the frame N where the robot believes them: R = Rz(yaw) Ry(pitch) Rx(roll). Default: no error.
+  /// @{
+  std::optional<Range> mounting_x{};      ///< m, along x of N.
+  std::optional<Range> mounting_y{};      ///< m, along y of N.
+  std::optional<Range> mounting_yaw{};    ///< rad, about z.
+  std::optional<Range> mounting_pitch{};  ///< rad, about y.
+  std::optional<Range> mounting_roll{};   ///< rad, about x.
+  /// @}
+
   /// m/s, replaces the controller's exploration velocity; servo scenes only. Default: the controller's.
   std::optional<Range> exploration_velocity{};
   Range linear_action_noise{0, 0};   ///< m/s, >= 0, standard deviation of white noise on commanded linear velocities; servo scenes only.

@@ -11,6 +11,7 @@
 #include "taxelsim/contact_type.h"
 #include "taxelsim/model.h"
 #include "taxelsim/pose.h"
+#include "taxelsim/skin_variation.h"
 
 namespace taxelsim {
 
@@ -48,6 +49,8 @@ struct SimulatorOptions {
   int max_contacts = 0;
   int max_regions = 0;         ///< Rows of contact features for regions, 0 to kMaxRegions; 0 without such features.
   double contact_band = 1e-4;  ///< m, 0 to 1: contact points up to this height above the undeformed skin count; the skin's thickness below.
+  /// Whether reset() takes a SkinVariation. The kernels then read factors per instance. Refused with contact points and tactile Jacobians.
+  bool vary_skin = false;
   /// Whether timing() reports seconds. Software Vulkan wakes its threads for every time stamp, about 0.2 ms per step.
   bool device_clock = false;
 };
@@ -233,7 +236,10 @@ class Simulator {
   void setContacts(int instance, std::span<const ContactPoint> contacts);
 
   /// Starts an episode of one instance: clears its clock, the skin's state and the held frame. `episode` keys its noise.
-  void reset(int instance, std::uint64_t episode, const ReadoutVariation& variation = {});
+  ///
+  /// Throws Error(kInput) and changes nothing for variations out of range, and for a `skin` other than the default without
+  /// SimulatorOptions::vary_skin.
+  void reset(int instance, std::uint64_t episode, const ReadoutVariation& variation = {}, const SkinVariation& skin = {});
 
   /// Compiles all kernels that steps need, so that no step waits for the driver. `loads`: also those of load-driven instances.
   ///

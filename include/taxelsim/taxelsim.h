@@ -40,6 +40,7 @@ namespace taxelsim {}
 #include "taxelsim/scene.h"
 #include "taxelsim/sensor.h"
 #include "taxelsim/simulator.h"
+#include "taxelsim/skin_variation.h"
 #include "taxelsim/stiffness.h"
 #include "taxelsim/task.h"
 #include "taxelsim/trajectory.h"

@@ -37,6 +37,17 @@ std::map<std::string, std::pair<double, double>> rangesOf(const Scene& scene) {
   add("gain", random.gain);
   add("gain_spread", random.gain_spread);
   add("noise", random.noise);
+  add("stiffness", random.stiffness);
+  add("friction", random.friction);
+  add("trigger", random.trigger);
+  add("hysteresis", random.hysteresis);
+  add("delay", random.delay);
+  add("psf_width", random.psf_width);
+  add("mounting_x", random.mounting_x);
+  add("mounting_y", random.mounting_y);
+  add("mounting_yaw", random.mounting_yaw);
+  add("mounting_pitch", random.mounting_pitch);
+  add("mounting_roll", random.mounting_roll);
   add("exploration_velocity", random.exploration_velocity);
   add("linear_action_noise", random.linear_action_noise);
   add("angular_action_noise", random.angular_action_noise);

@@ -5,6 +5,7 @@ struct Tile {
   Affine X_PS;         // patch from sensor
   vec2 spacing;        // of samples
   float sample_area;   // m^2
+  float force_area;    // m^2: sample_area times the instance's factor on the skin's stiffness
   vec2 corner;         // of sample (0, 0) of the patch, in P
   uvec4 grid;          // of the patch, PatchRecord
   uvec2 first_taxel;   // row and column in the patch
@@ -54,6 +55,7 @@ Tile loadTile(uint number) {
     tile.z_floor = -patches[place.x].spacing.w;
   }
   tile.sample_area = tile.spacing.x * tile.spacing.y;
+  tile.force_area = tile.sample_area;
   tile.X_PS = Affine(vec4(1, 0, 0, 0), vec4(0, 1, 0, 0), vec4(0, 0, 1, 0));
   if (!FLAT) tile.X_PS = Affine(patches[place.x].row0, patches[place.x].row1, patches[place.x].row2);
   tile.corner = -0.5 * vec2(tile.grid.xy * SAMPLES - 1u) * tile.spacing;

@@ -30,6 +30,8 @@ CONSTANT(32, bool, ROTATES_SHEAR)            // shear rotates along a curved ski
 CONSTANT(33, float, CURVE_LIMIT)             // counts; 0: none
 CONSTANT(34, int, CURVE_PIECES)              // 0: a polynomial
 CONSTANT(35, bool, KEEPS_WINDOW)             // every step has a frame, so outside of the window of the step before all is 0
+CONSTANT(36, bool, RANDOM_SKIN)              // every instance has a trigger, hysteresis, delay and width of the spread of its own
+CONSTANT(37, bool, SCALED)                   // contact_normal holds forces divided by the part of the kernel that stays on the sensor
 
 BUFFER(0, readonly, Instances)
 BUFFER(1, readonly, Step)
@@ -47,3 +49,4 @@ BUFFER(12, writeonly, Features)
 BUFFER(13, writeonly, Problems)
 BUFFER(14, readwrite, TaxelStates)
 BUFFER(15, readwrite, ImageWindows)
+BUFFER(16, readonly, SpreadScale)

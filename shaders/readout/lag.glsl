@@ -34,9 +34,14 @@ Lag loadLag() {
 struct LagState {
   uint first;  // index in taxel_states
   uint step;   // since reset
+  uint back;   // steps back to the force that a frame shows
+  float hysteresis;  // the instance's factor on hysteresis
 };
 
-LagState statesOf(uint instance, uint t, uint step) { return LagState(instance * numStates() * NUM_TAXELS + t, step); }
+LagState statesOf(uint instance, uint t, uint step) {
+  uint back = RANDOM_SKIN ? instances[instance].clock.y : step_record.delay.y;
+  return LagState(instance * numStates() * NUM_TAXELS + t, step, back, RANDOM_SKIN ? instances[instance].skin.w : 1.0);
+}
 
 uint stateIndex(LagState states, uint number) { return states.first + number * NUM_TAXELS; }
 
@@ -57,7 +62,7 @@ float hysteresis(Lag lag, LagState states, float x) {
     float width = lag.hysteresis_width[e];
     float play = max(x - width, min(x + width, stateBefore(states, e)));
     taxel_states[stateIndex(states, e)] = play;
-    y += lag.hysteresis_strength[e] * (play - x);
+    y += (RANDOM_SKIN ? states.hysteresis : 1.0) * lag.hysteresis_strength[e] * (play - x);
   }
   return y;
 }
@@ -71,7 +76,7 @@ float creep(Lag lag, LagState states, float x) {
 // The newest force takes the place of the oldest in the ring, so the read comes first.
 float delayed(LagState states, float x) {
   const uint kRing = numStates() - kMaxDelaySteps;
-  uint slot = step_record.delay.x, back = step_record.delay.y;
+  uint slot = step_record.delay.x, back = states.back;
   float then = x;
   if (back > 0) then = states.step < back ? 0.0 : taxel_states[stateIndex(states, kRing + (slot - back) % kMaxDelaySteps)];
   taxel_states[stateIndex(states, kRing + slot)] = x;

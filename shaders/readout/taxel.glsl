@@ -32,8 +32,19 @@ vec4 chartOf(uvec2 at, uvec2 origin) {
   return vec4((vec2(at) - vec2(origin)) * vec2(PITCH_X, PITCH_Y), 0, PITCH_X * PITCH_Y);
 }
 
+// The spread forces of a taxel in an instance with a width of the spread of its own: a share of its force stays on it.
+Spread narrowed(Instance instance, uint t, uvec2 at, Spread spread) {
+  float share = instances[instance.number].spread.x;
+  float kept = (1.0 - share) * (SCALED ? 1.0 / spread_scale[t] : 1.0);
+  spread.normal *= share;
+  spread.shear *= share;
+  if (!kOnePatch || all(lessThan(at - instance.window.contact_first, instance.window.contact_count))) addSource(spread, instance.first_taxel + t, kept);
+  return spread;
+}
+
 // Writes one taxel's outputs and adds it to the sums.
 void readTaxel(Instance instance, Lag lag, uint t, uvec2 at, Spread spread, uvec2 seed, inout ImageSums sums) {
+  if (RANDOM_SKIN) spread = narrowed(instance, t, at, spread);
   if (OUTPUT_NORMAL) spread_normal[instance.first_taxel + t] = spread.normal;
   if (SHEAR) {
     spread_shear[2 * (instance.first_taxel + t)] = spread.shear.x;
@@ -50,7 +61,7 @@ void readTaxel(Instance instance, Lag lag, uint t, uvec2 at, Spread spread, uvec
   float gain = TAXELS_ALIKE ? instance.drive.y : instance.drive.y * taxels[t].readout.x;
   if (RANDOM && instance.drive.z > 0.0) gain *= exp(instance.drive.z * gaussian(seed, instance.keys.xy, 0, t, kPurposeTaxelGain));
   float offset = offsetOf(seed, instance.keys.xy, instance.keys.z, t, instance.noise_level) + drift;
-  uint counts = countsOf(force, gain, nominal_trigger, offset);
+  uint counts = countsOf(force, gain, RANDOM_SKIN ? nominal_trigger * instances[instance.number].skin.z : nominal_trigger, offset);
   if (isDead(seed, instance.keys.xy, t)) counts = 0;
   image[instance.first_taxel + t] = counts;
   addForce(sums.measured, nominalForce(counts), chart, counts > 0);

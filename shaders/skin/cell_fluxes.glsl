@@ -112,7 +112,7 @@ void addToCell(Tile tile, inout Cell cell, inout vec3 change[6], uvec2 at, bvec4
 }
 
 void writeCell(Tile tile, uint taxel, Cell cell) {
-  vec3 slope = cell.slope * tile.sample_area;
+  vec3 slope = cell.slope * tile.force_area;
   contact_cells[taxel].low_x = vec4(cell.side[0] * tile.spacing.y, slope.x);
   contact_cells[taxel].high_x = vec4(cell.side[1] * tile.spacing.y, slope.y);
   contact_cells[taxel].low_y = vec4(cell.side[2] * tile.spacing.x, slope.z);
@@ -125,8 +125,8 @@ void clearChange(uint tile_index) { tile_changes[tile_index * LANES * kTileChang
 
 void writeChange(Tile tile, uint sum, vec3 change[6]) {
   for (uint k = 0; k < 6; ++k) {
-    tile_changes[sum * kTileChanges + 3 * k] = change[k].x * tile.sample_area;
-    tile_changes[sum * kTileChanges + 3 * k + 1] = change[k].y * tile.sample_area;
-    tile_changes[sum * kTileChanges + 3 * k + 2] = change[k].z * tile.sample_area;
+    tile_changes[sum * kTileChanges + 3 * k] = change[k].x * tile.force_area;
+    tile_changes[sum * kTileChanges + 3 * k + 1] = change[k].y * tile.force_area;
+    tile_changes[sum * kTileChanges + 3 * k + 2] = change[k].z * tile.force_area;
   }
 }

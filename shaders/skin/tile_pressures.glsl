@@ -46,6 +46,7 @@ struct TileStep {
   uint friction_state;  // index of the tile's header in friction_state
   uvec4 state_window;   // window of taxels that friction_state holds
   Motion only_motion;   // of the object in the only slot
+  float friction;       // the instance's factor on friction
   Body body;            // the one solid of a pass without a tile
   vec4 parameters;      // of that solid
 };
@@ -84,6 +85,7 @@ TileStep beginPressures(Tile tile, uint instance, uint tile_number, uint num_slo
   step.surface = search_here ? step.found.depth + step.found.lowest : THICKNESS;
   step.friction_state = step.result * (kFrictionHeader + TILE_SAMPLES);
   step.state_window = uvec4(0);
+  step.friction = RANDOM_SKIN ? instances[instance].skin.y : 1.0;
   if (kShears) {
     step.state_window = readStateWindow(step.friction_state);
     step.only_motion = loadMotions(instance, num_slots, search_here ? step.found.offset : tile.offset_z, tile.X_PS);
@@ -165,7 +167,7 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
       }
       if (kShears) {
         uint state_index = step.friction_state + kFrictionHeader + address;
-        vec2 q = shearTraction(state_index, has_state, d > 0.0, slotOf(word), step.only_motion, vec3(position, -d), abs(share), f, step.per_dt);
+        vec2 q = shearTraction(state_index, has_state, d > 0.0, slotOf(word), step.only_motion, vec3(position, -d), abs(share), f * step.friction, step.per_dt);
         shear += q;
         shear_moment += cross(vec3(position, -d), vec3(q, 0));
       }
@@ -177,19 +179,19 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
 // Writes one taxel and adds to the wrench (normal force, torque about x, y and z of P) and shear of its lane.
 void writeTaxel(Tile tile, uint instance, uvec2 in_patch, TaxelSums sums, Cell cell, inout vec4 wrench, inout vec2 lane_shear) {
   const float kPerSample = 1.0 / float(SAMPLES * SAMPLES);
-  float force = kGlobalSolve ? sums.force : sums.force * tile.sample_area;
-  vec2 moment = sums.moment * tile.sample_area;
+  float force = kGlobalSolve ? sums.force : sums.force * tile.force_area;
+  vec2 moment = sums.moment * tile.force_area;
   uint in_sensor = tile.grid.z + in_patch.x * tile.grid.y + in_patch.y;
   uint taxel = instance * NUM_TAXELS + in_sensor;
   contact_normal[taxel] = SCALED ? force * spread_scale[in_sensor] : force;
   if (OUTPUT_DEPTH) contact_depth[taxel] = sums.depth * kPerSample;
   if (OUTPUT_JACOBIAN) writeCell(tile, taxel, cell);
   // The skin is pressed along -z: torque (x, y, 0) x (0, 0, -f).
-  wrench += vec4(force, -moment.y, moment.x, kSumsSlopes ? sums.slope * tile.sample_area : 0.0);
+  wrench += vec4(force, -moment.y, moment.x, kSumsSlopes ? sums.slope * tile.force_area : 0.0);
   if (!kShears) return;
-  vec2 shear = sums.shear * tile.sample_area;
+  vec2 shear = sums.shear * tile.force_area;
   if (OUTPUT_SHEAR) writeShear(taxel, SCALED ? shear * spread_scale[in_sensor] : shear);
-  wrench.yzw += sums.shear_moment * tile.sample_area;
+  wrench.yzw += sums.shear_moment * tile.force_area;
   lane_shear += shear;
 }
 

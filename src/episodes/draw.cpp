@@ -55,6 +55,12 @@ int numRegions(const Scene& scene) {
   return std::max(scene.max_regions, is_controlled ? 1 : 0);
 }
 
+Pose poseOf(const Mounting& mounting) {
+  const Quaternion rotation =
+      axisAngle({0, 0, 1}, mounting.yaw) * axisAngle({0, 1, 0}, mounting.pitch) * axisAngle({1, 0, 0}, mounting.roll);
+  return {{mounting.x, mounting.y, 0}, rotation};
+}
+
 EpisodeDrawer::EpisodeDrawer(const Scene& scene) : scene_(scene) {
   lowest_.reserve(scene.objects.size());
   for (const SceneObject& entry : scene.objects) {
@@ -102,6 +108,13 @@ EpisodeDraw EpisodeDrawer::draw(std::uint64_t episode) const {
   }
 
   const double along_contour = random.uniform();
+  for (const SkinRange& entry : kSkinRanges) {
+    if (const std::optional<Range>& range = ranges.*entry.range) drawn.skin.*entry.value = static_cast<float>(drawRange(random, *range));
+  }
+  for (const MountingRange& entry : kMountingRanges) {
+    if (const std::optional<Range>& range = ranges.*entry.range)
+      drawn.mounting.*entry.value = static_cast<float>(drawRange(random, *range));
+  }
 
   const Vector3 tilt_axis{std::cos(tilt_direction), std::sin(tilt_direction), 0};
   const Quaternion R_before_yaw = axisAngle(tilt_axis, tilt) * scene_.objects[drawn.object].orientation;

@@ -11,6 +11,7 @@
 
 #include "episodes/lowest_vertex.h"
 #include "episodes/true_edge.h"
+#include "scene/skin_ranges.h"
 #include "taxelsim/scene.h"
 #include "taxelsim/simulator.h"
 
@@ -35,10 +36,15 @@ struct EpisodeDraw {
   float load = 0;    // N; 0 if depth-driven
   double depth = 0;  // m, of the lowest point; 0 if load-driven
   ReadoutVariation variation;
+  SkinVariation skin;
+  Mounting mounting;
   int controller = 0;                                        // index into the scene's controllers
   std::optional<double> exploration_velocity;                // m/s; empty: the controller's own
   double linear_action_noise = 0, angular_action_noise = 0;  // m/s and rad/s, standard deviation per component
 };
+
+// X_NS of a mounting.
+Pose poseOf(const Mounting& mounting);
 
 // Thread-safe: draw() is const and has no state.
 class EpisodeDrawer {
@@ -47,8 +53,8 @@ class EpisodeDrawer {
   explicit EpisodeDrawer(const Scene& scene);
 
   // Draws in this order: object, x, y, yaw, direction of the tilt axis, tilt, load or depth, gain, gain spread, noise, controller,
-  // exploration velocity, linear and angular action noise, position on the contour. New draws are appended, so that existing data sets can
-  // be reproduced. Throws Error(kInput) if the object has no lowest point in its orientation.
+  // exploration velocity, linear and angular action noise, position on the contour, factors of the skin, mounting. New draws are appended,
+  // so that existing data sets can be reproduced. Throws Error(kInput) if the object has no lowest point in its orientation.
   EpisodeDraw draw(std::uint64_t episode) const;
 
  private:

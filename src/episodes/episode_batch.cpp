@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/philox.h"
+#include "base/vector3.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -66,15 +67,22 @@ void EpisodeBatch::start(int i, std::uint64_t episode, const EpisodeDraw& draw) 
   episodes_[i] = episode;
   objects_[i] = draw.object;
   state.draw = draw;
+  state.X_NS.reset();
+  if (variesMounting(plan_.scene.randomization)) state.X_NS = poseOf(draw.mounting);
   frame_numbers_[i] = state.first_frame = draw.load_driven && plan_.num_sensors > 1 ? -1 : 0;
   state.trajectory.reset();
   if (draw.load_driven) loads_[first] = draw.load;
   for (int s = first; s < first + plan_.num_sensors; ++s) ids_[s] = draw.object;
   X_WO_[i] = draw.X_SO;
   updatePoses(i);
-  X_SO_[first] = X_WO_[i];  // sensor 0 starts at the origin of W; avoids the rounding of its forward kinematics
+  X_SO_[first] = inSensor(i, X_WO_[i]);  // sensor 0 starts at the origin of W; avoids the rounding of its forward kinematics
   times_[i] = 0;
   resetSensors(i);
+}
+
+Pose EpisodeBatch::inSensor(int i, const Pose& X_NO) const {
+  const std::optional<Pose>& X_NS = states_[i].X_NS;
+  return X_NS ? inverse(*X_NS) * X_NO : X_NO;
 }
 
 void EpisodeBatch::prepare() {
@@ -85,7 +93,8 @@ void EpisodeBatch::prepare() {
 void EpisodeBatch::resetSensors(int i) {
   const auto num_sensors = static_cast<std::uint64_t>(plan_.num_sensors);
   for (std::uint64_t s = 0; s < num_sensors; ++s) {
-    simulator_.reset(i * plan_.num_sensors + static_cast<int>(s), episodes_[i] * num_sensors + s, states_[i].draw.variation);
+    simulator_.reset(i * plan_.num_sensors + static_cast<int>(s), episodes_[i] * num_sensors + s, states_[i].draw.variation,
+                     states_[i].draw.skin);
   }
 }
 
@@ -102,8 +111,9 @@ void EpisodeBatch::initialContact(int i) {
   const int first = i * plan_.num_sensors;
   state.load_offset = draw.load_driven ? frame_.ground_truth.load_offset[first] : 0.0;
   load_reached_[i] = !draw.load_driven || frame_.ground_truth.load_reached[first] != 0;
-  X_WO_[i].position[2] += state.load_offset;
-  X_SO_[first] = X_WO_[i];
+  const Vector3 moved_S{0, 0, state.load_offset}, moved_N = state.X_NS ? rotate(state.X_NS->rotation, moved_S) : moved_S;
+  X_WO_[i].position = add(X_WO_[i].position, moved_N);
+  X_SO_[first] = inSensor(i, X_WO_[i]);
   if (draw.load_driven) {
     loads_[first] = kPoseDriven;
     loads_changed_ = true;
@@ -169,6 +179,8 @@ EpisodeRecord EpisodeBatch::record(int i) const {
           .noise = draw.variation.noise,
           .linear_action_noise = static_cast<float>(draw.linear_action_noise),
           .angular_action_noise = static_cast<float>(draw.angular_action_noise),
+          .skin = draw.skin,
+          .mounting = draw.mounting,
           .start_force = start_forces_[i]};
 }
 
@@ -187,7 +199,7 @@ FrameContext EpisodeBatch::context() const {
 void EpisodeBatch::updatePoses(int i) {
   EpisodeState& state = states_[i];
   if (state.trajectory) X_WO_[i] = state.trajectory->at(frame_numbers_[i] * plan_.dt);
-  for (int s = i * plan_.num_sensors; s < (i + 1) * plan_.num_sensors; ++s) X_SO_[s] = inverse(robots_.X_WS()[s]) * X_WO_[i];
+  for (int s = i * plan_.num_sensors; s < (i + 1) * plan_.num_sensors; ++s) X_SO_[s] = inSensor(i, inverse(robots_.X_WS()[s]) * X_WO_[i]);
 }
 
 bool EpisodeBatch::hasActionNoise(int i) const {

@@ -92,11 +92,13 @@ class EpisodeBatch {
   // State of the episode that an instance runs.
   struct EpisodeState {
     EpisodeDraw draw;
+    std::optional<Pose> X_NS;              // of the sensors in the frame where the robot believes them; empty: the same frame
     int first_frame = 0;                   // 0, or -1 with a warm-up frame
     double load_offset = 0;                // m
     std::optional<Trajectory> trajectory;  // of a moving object, from its initial contact
   };
 
+  Pose inSensor(int i, const Pose& X_NO) const;
   void resetSensors(int i);
   void initialContact(int i);
   void beginFrame(int i);

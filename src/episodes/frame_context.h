@@ -5,6 +5,7 @@
 #include <span>
 
 #include "control/robots.h"
+#include "scene/skin_ranges.h"
 #include "taxelsim/simulator.h"
 
 namespace taxelsim {
@@ -20,7 +21,9 @@ struct EpisodeRecord {
   float gain = 1, gain_spread = 0, noise = 0;
   std::int32_t controller = 0;
   float exploration_velocity = 0, linear_action_noise = 0, angular_action_noise = 0;  // m/s, m/s, rad/s
-  float start_force = 0;                                                              // N: the force that a controller holds by default
+  SkinVariation skin;
+  Mounting mounting;
+  float start_force = 0;  // N: the force that a controller holds by default
 };
 
 // State of a frame in addition to the outputs of the simulator. Arrays have shape (num_instances) unless noted; the simulator's outputs

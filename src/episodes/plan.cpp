@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/skin_ranges.h"
 #include "sensor/skin.h"
 #include "taxelsim/environment.h"
 
@@ -34,6 +35,7 @@ SimulatorOptions EpisodePlan::simulatorOptions(int num_instances) const {
           .seed = scene.seed,
           .outputs = outputs,
           .max_regions = hasContactFeatures(outputs) ? max_regions : 0,
+          .vary_skin = variesSkin(scene.randomization),
           .device_clock = device_clock};
 }
 

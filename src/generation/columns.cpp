@@ -283,9 +283,9 @@ class EpisodeColumns {
     add(name, ScalarType::kUint64, unit, description,
         [field](const EpisodeValues& values, std::byte* row) { writeValue(values.record.*field, row); });
   }
-  void add(const char* name, const char* unit, const char* description, float EpisodeRecord::*field) {
+  void add(const char* name, const char* unit, const char* description, const std::function<float(const EpisodeRecord&)>& value) {
     add(name, ScalarType::kFloat32, unit, description,
-        [field](const EpisodeValues& values, std::byte* row) { writeValue(values.record.*field, row); });
+        [value](const EpisodeValues& values, std::byte* row) { writeValue(value(values.record), row); });
   }
   void addFlag(const char* name, const char* description, std::function<bool(const EpisodeValues&)> flag) {
     add(name, ScalarType::kUint8, "1", description, [flag = std::move(flag)](const EpisodeValues& values, std::byte* row) {
@@ -341,6 +341,15 @@ std::vector<EpisodeColumn> episodeColumns(const Scene& scene) {
   columns.add("gain", "1", "Factor on the gain of every taxel.", &EpisodeRecord::gain);
   columns.add("gain_spread", "1", "Standard deviation of the logarithm of a further gain per taxel.", &EpisodeRecord::gain_spread);
   columns.add("noise", "counts", "Standard deviation of the noise added to the sensor's own.", &EpisodeRecord::noise);
+  const auto add_drawn = [&](const auto& table, auto part) {
+    for (const auto& entry : table) {
+      if (scene.randomization.*entry.range)
+        columns.add(entry.name, entry.unit, entry.text,
+                    [part, value = entry.value](const EpisodeRecord& record) { return record.*part.*value; });
+    }
+  };
+  add_drawn(kSkinRanges, &EpisodeRecord::skin);
+  add_drawn(kMountingRanges, &EpisodeRecord::mounting);
   if (scene.kind != Scene::Kind::kServo) return std::move(columns.columns);
   columns.addChoice("controller", "Index of the controller in the scene, from 0; -1 for a policy.",
                     "Name of the controller in the scene; empty for a policy.", controllers, &EpisodeRecord::controller, true);

@@ -8,6 +8,7 @@
 #include "base/field_checks.h"
 #include "control/servo_fields.h"
 #include "scene/scene_fields.h"
+#include "scene/skin_ranges.h"
 
 namespace taxelsim {
 namespace {
@@ -71,6 +72,7 @@ void checkRandomization(const Scene& scene) {
   };
   check(kRandomizationFields);
   check(kServoRandomizationFields);
+  checkBelow("randomization", [&] { checkSkinRanges(random, scene.sensor); });
   if (random.load.has_value() == random.depth.has_value()) throw Error("randomization", "exactly one of load and depth must be set");
 }
 

@@ -11,6 +11,7 @@
 #include "base/field.h"
 #include "taxelsim/experiment.h"
 #include "taxelsim/scene.h"
+#include "taxelsim/skin_variation.h"
 
 namespace taxelsim {
 
@@ -53,6 +54,9 @@ struct RangeField {
   constexpr std::string_view name() const { return key.substr(0, key.find('[')); }
 };
 inline constexpr double kMaxOffset = 1;  // m; no sensor is larger
+inline constexpr Allowed kSkinFactor = Allowed::within(0, kMaxSkinFactor, "");
+inline constexpr Allowed kMountingShift = Allowed::within(-0.02, 0.02, "m");  // more is another sensor
+inline constexpr Allowed kMountingAngle = Allowed::within(-std::numbers::pi / 6, std::numbers::pi / 6, "rad");
 inline constexpr std::array kRandomizationFields{
     RangeField{"x[_mm]", &Randomization::x, Allowed::within(-kMaxOffset, kMaxOffset, "m")},
     RangeField{"y[_mm]", &Randomization::y, Allowed::within(-kMaxOffset, kMaxOffset, "m")},
@@ -63,6 +67,17 @@ inline constexpr std::array kRandomizationFields{
     RangeField{"gain", &Randomization::gain, Allowed::aboveUpTo(0, 1e3, "")},
     RangeField{"gain_spread", &Randomization::gain_spread, Allowed::within(0, 2, "")},
     RangeField{"noise", &Randomization::noise, Allowed::within(0, 65535, "counts")},
+    RangeField{"stiffness", &Randomization::stiffness, Allowed::within(kMinStiffnessFactor, kMaxSkinFactor, "")},
+    RangeField{"friction", &Randomization::friction, kSkinFactor},
+    RangeField{"trigger", &Randomization::trigger, kSkinFactor},
+    RangeField{"hysteresis", &Randomization::hysteresis, kSkinFactor},
+    RangeField{"delay", &Randomization::delay, kSkinFactor},
+    RangeField{"psf_width", &Randomization::psf_width, kSkinFactor},
+    RangeField{"mounting_x[_mm]", &Randomization::mounting_x, kMountingShift},
+    RangeField{"mounting_y[_mm]", &Randomization::mounting_y, kMountingShift},
+    RangeField{"mounting_yaw[_deg]", &Randomization::mounting_yaw, kMountingAngle},
+    RangeField{"mounting_pitch[_deg]", &Randomization::mounting_pitch, kMountingAngle},
+    RangeField{"mounting_roll[_deg]", &Randomization::mounting_roll, kMountingAngle},
 };
 // Servo scenes only.
 inline constexpr std::array kServoRandomizationFields{

@@ -12,6 +12,7 @@
 #include "scene/scene_fields.h"
 #include "scene/sensor_file.h"
 #include "scene/servo_reader.h"
+#include "scene/skin_ranges.h"
 #include "scene/task_reader.h"
 #include "scene/yaml_reader.h"
 #include "taxelsim/error.h"
@@ -98,6 +99,7 @@ Randomization readRandomization(const YamlMap& parent, const Scene& scene) {
   Randomization random;
   readRanges(map, kRandomizationFields, random);
   if (moves) readRanges(map, kServoRandomizationFields, random);
+  atNode(map.node(), [&] { checkSkinRanges(random, scene.sensor); });
   return random;
 }
 

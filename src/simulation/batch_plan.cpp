@@ -64,6 +64,7 @@ void checkJacobian(const ModelData& model, const SimulatorOptions& options) {
     throw Error(ErrorKind::kInput, std::string("outputs.") + name + ": true is not allowed " + why);
   };
   if (options.max_contacts > 0) refuse("where max_contacts > 0: contacts do not determine how forces change with a motion");
+  if (options.vary_skin) refuse("where vary_skin is true: it has no factors per instance");
   if (model.isPasternak()) refuse("with the law pasternak, which has no Jacobian");
 }
 
@@ -80,6 +81,9 @@ void checkSource(const ModelData& model, const SimulatorOptions& options) {
   }
   if (options.max_contacts == 0 && model.objects.empty()) {
     refuse("objects: none given; a model needs at least one, unless its simulators take contacts (max_contacts)");
+  }
+  if (options.max_contacts > 0 && options.vary_skin) {
+    refuse("vary_skin: true is not allowed where max_contacts > 0: contacts do not press on a skin");
   }
   if (options.max_contacts > 0 && options.outputs.penetration_depth) {
     refuse("outputs.penetration_depth: true is not allowed where max_contacts > 0: contacts do not determine it");

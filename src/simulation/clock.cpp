@@ -24,9 +24,12 @@ void Clock::deliver(const FrameTiming& timing, std::uint64_t episode) {
   for (due = due_of(frames); due <= now; due = due_of(frames)) ++frames;
 }
 
-std::uint32_t StepHistory::stepsBack(double dt, double delay) {
+void StepHistory::add(double dt) {
   std::rotate(lengths_.begin(), lengths_.end() - 1, lengths_.end());
   lengths_.front() = dt;
+}
+
+std::uint32_t StepHistory::stepsBack(double delay) const {
   std::uint32_t back = 0;
   double age = 0;
   while (age < delay * (1 - 1e-9) && back <= kMaxDelaySteps) {

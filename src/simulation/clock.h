@@ -31,9 +31,11 @@ struct Clock {
 // Lengths of the last steps of a simulator, for delays.
 class StepHistory {
  public:
-  // Adds a step of dt (s). Returns how many steps back the newest one lies that is at least `delay` (s) older, with a tolerance of a
-  // billionth of the delay; more than kMaxDelaySteps if there is none.
-  std::uint32_t stepsBack(double dt, double delay);
+  // Adds a step of dt (s).
+  void add(double dt);
+  // How many steps back the newest one lies that is at least `delay` (s) older than the last, with a tolerance of a billionth of the delay;
+  // more than kMaxDelaySteps if there is none.
+  std::uint32_t stepsBack(double delay) const;
 
  private:
   std::array<double, kMaxDelaySteps> lengths_{};  // s, newest first; 0 where there was no step yet

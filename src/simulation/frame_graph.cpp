@@ -35,7 +35,8 @@ void recordObjects(const Model::Impl& model, const BatchShape& shape, Recorder& 
                                .many_slots = shape.options.num_slots > 1,
                                .with_depth = !coupled && shape.options.outputs.penetration_depth,
                                .with_shear = !coupled && shape.outputsShear(),
-                               .with_jacobian = !coupled && shape.outputsJacobian()};
+                               .with_jacobian = !coupled && shape.outputsJacobian(),
+                               .random_skin = shape.options.vary_skin};
   if (kind.candidates == Candidates::kKept || kind.candidates == Candidates::kUsed)
     model.candidates.record(recorder, variant.with_jacobian);
   if (kind.candidates == Candidates::kUsed) {
@@ -66,7 +67,8 @@ void recordImage(const Model::Impl& model, const BatchShape& shape, Recorder& re
   model.image.record(recorder, {.random = kind.random,
                                 .whole_array = model.data.law.whole_array && !shape.takesContacts(),
                                 .with_normal = outputs.tactile_normal_force || outputs.clean_contact_features || shape.outputsJacobian(),
-                                .with_shear = shape.outputsShear()});
+                                .with_shear = shape.outputsShear(),
+                                .random_skin = shape.options.vary_skin});
   for (const bool clean : {false, true}) {
     if (!(clean ? outputs.clean_contact_features : outputs.contact_features)) continue;
     model.contact_features.record(recorder, {.clean = clean, .max_regions = shape.options.max_regions});

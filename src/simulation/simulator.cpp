@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "base/field_checks.h"
 #include "base/length_check.h"
 #include "base/philox.h"
 #include "base/text.h"
@@ -81,6 +82,7 @@ Simulator::Impl::Impl(const Model& shared_model, const SimulatorOptions& simulat
   for (layout::InstanceRecord& instance : records()) {
     instance.drive.x = kPoseDriven;
     setVariation(instance, 0, {});
+    setSkin(instance, {});
   }
   if (data().hasFriction() && !takesContacts()) motions.emplace(clocks.size(), static_cast<std::size_t>(options.num_slots));
   viewOf(data(), options, buffers, integer_features);  // allocates the arrays of integer features, so that read() does not
@@ -131,11 +133,24 @@ void Simulator::Impl::setVariation(layout::InstanceRecord& record, std::uint64_t
   record.keys.y = static_cast<std::uint32_t>(episode >> 32);
 }
 
+float Simulator::Impl::longestDelay() const {
+  if (!options.vary_skin) return 1;
+  float longest = 0;
+  for (const layout::InstanceRecord& record : records()) longest = std::max(longest, record.spread.y);
+  return longest;
+}
+
+void Simulator::Impl::setSkin(layout::InstanceRecord& record, const SkinVariation& skin) {
+  record.skin = {skin.stiffness, skin.friction, skin.trigger, skin.hysteresis};
+  record.spread = {skin.psf_width * skin.psf_width, skin.delay, 0.0f, 0.0f};
+}
+
 layout::StepRecord Simulator::Impl::stepRecord(double dt, const Selection& selection) {
   const Readout& readout = model.sensor().readout;
   constexpr double kRounding = 5e-10;  // for a delay of exactly kMaxDelaySteps steps; less than the tolerance of StepHistory
-  if (readout.delay > kMaxDelaySteps * dt * (1 + kRounding)) {
-    refuse("readout.delay: " + numberText(readout.delay) + " is not allowed: s, at most " + std::to_string(kMaxDelaySteps) + " steps of " +
+  const double longest = readout.delay * longestDelay();
+  if (longest > kMaxDelaySteps * dt * (1 + kRounding)) {
+    refuse("readout.delay: " + numberText(longest) + " is not allowed: s, at most " + std::to_string(kMaxDelaySteps) + " steps of " +
            numberText(dt) + " s (" + numberText(kMaxDelaySteps * dt) + " s); shorten it or take longer steps");
   }
   layout::StepRecord record{};
@@ -150,11 +165,14 @@ layout::StepRecord Simulator::Impl::stepRecord(double dt, const Selection& selec
   record.contacts.x = static_cast<float>(options.contact_band);
   packRelaxation(model.sensor().skin.relaxation, dt, record);
   if (selection.isAll()) {
-    record.delay = {num_steps++ % kMaxDelaySteps, history.stepsBack(dt, readout.delay), 0u, 0u};
+    history.add(dt);
+    record.delay = {num_steps++ % kMaxDelaySteps, history.stepsBack(readout.delay), 0u, 0u};
   } else {
     // First frames of episodes, which no delayed force precedes. They take the slot of the last step of all instances, so that the next
     // such step follows both these frames and those of the instances that are held.
-    record.delay = {(num_steps + kMaxDelaySteps - 1) % kMaxDelaySteps, StepHistory(history).stepsBack(dt, readout.delay), 0u, 0u};
+    StepHistory first = history;
+    first.add(dt);
+    record.delay = {(num_steps + kMaxDelaySteps - 1) % kMaxDelaySteps, first.stepsBack(readout.delay), 0u, 0u};
   }
   return record;
 }
@@ -245,14 +263,19 @@ void Simulator::setContacts(int instance, std::span<const ContactPoint> contacts
   impl_->takeContacts(static_cast<std::size_t>(instance), contacts);
 }
 
-void Simulator::reset(int instance, std::uint64_t episode, const ReadoutVariation& variation) {
+void Simulator::reset(int instance, std::uint64_t episode, const ReadoutVariation& variation, const SkinVariation& skin) {
   impl_->checkInstance(instance);
   const auto finite_from = [](float value, float low) { return value >= low && !std::isinf(value); };
   if (!finite_from(variation.gain, 0) || !finite_from(variation.gain_spread, 0) || !finite_from(variation.noise, 0)) {
     refuse("variation of instance " + std::to_string(instance) + ": gain, gain_spread and noise must be finite and >= 0");
   }
+  if (!(skin == SkinVariation{})) {
+    if (!impl_->options.vary_skin) refuse("skin of instance " + std::to_string(instance) + ": a variation needs the option vary_skin");
+    checkBelow("skin of instance " + std::to_string(instance), [&] { checkVariation(impl_->model.sensor(), skin); });
+  }
   layout::InstanceRecord& record = impl_->records()[static_cast<std::size_t>(instance)];
   impl_->setVariation(record, episode, variation);
+  impl_->setSkin(record, skin);
   impl_->clocks[static_cast<std::size_t>(instance)] = {};
   if (impl_->motions) impl_->motions->forget(static_cast<std::size_t>(instance));
 }
@@ -284,6 +307,7 @@ void Simulator::Impl::startFrame(std::size_t instance, double dt) {
   }
   record.keys.w = flags;
   record.clock.x = clock.steps++;
+  if (options.vary_skin) record.clock.y = history.stepsBack(sensor.readout.delay * record.spread.y);
   clock.time += dt;
   if (!motions) return;
   const float load_offset = buffers.output<block::Features>()[layout::kFeatureLoadOffset * clocks.size() + instance];

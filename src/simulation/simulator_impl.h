@@ -50,6 +50,9 @@ struct Simulator::Impl {
   bool anyRandom() const;
   // Draws what all taxels have in common; the device draws the rest from what the record holds.
   void setVariation(layout::InstanceRecord& record, std::uint64_t episode, const ReadoutVariation& variation) const;
+  static void setSkin(layout::InstanceRecord& record, const SkinVariation& skin);
+  // Largest factor on the delay that an instance has.
+  float longestDelay() const;
   // The record of a step of dt. Throws Error(kInput) when the delay is longer than the device keeps.
   layout::StepRecord stepRecord(double dt, const Selection& selection);
   // Advances the clock of an instance by dt and writes its record.

@@ -87,6 +87,39 @@ TEST(RecordedValues, EpisodeColumnsContainTheDraw) {
   }
 }
 
+// Poses are those in the sensor where it is, not where the robot believes it.
+TEST(RecordedValues, SkinAndMountingHaveColumns) {
+  Scene scene = exampleContacts();
+  scene.sensor.readout.trigger = 0.02;
+  Randomization& random = scene.randomization;
+  random.stiffness = Range{0.6, 1.5};
+  random.trigger = Range{0.5, 2};
+  random.mounting_x = Range{-5e-4, 5e-4};
+  random.mounting_yaw = Range{-0.1, 0.1};
+  const TestDirectory directory, other;
+  generateWith(scene, directory.path(), 8, 2);
+  const DatasetReader reader(directory.path());
+  const auto column = [&](const std::string& name) { return reader.readAsDouble(name, 0, scene.num_episodes); };
+  const std::vector<double> stiffness = column("meta/stiffness"), trigger = column("meta/trigger"), x = column("meta/mounting_x"),
+                            yaw = column("meta/mounting_yaw"), depth = column("meta/depth"), pose = column("data/pose");
+  const EpisodeDrawer drawer(scene);
+  for (std::uint64_t i = 0; i < scene.num_episodes; ++i) {
+    const EpisodeDraw draw = drawer.draw(i);
+    EXPECT_EQ(stiffness[i], draw.skin.stiffness);
+    EXPECT_EQ(trigger[i], draw.skin.trigger);
+    EXPECT_EQ(x[i], draw.mounting.x);
+    EXPECT_EQ(yaw[i], draw.mounting.yaw);
+    EXPECT_NE(draw.skin.stiffness, 1);
+    const double* p = &pose[7 * i];
+    const Pose X_NO = poseOf(draw.mounting) * Pose{{p[0], p[1], p[2]}, {p[3], p[4], p[5], p[6]}};
+    const Vector3 expected{draw.X_SO.position[0], draw.X_SO.position[1], draw.X_SO.position[2] - depth[i]};  // a float32 column
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(X_NO.position[k], expected[k], scene.sensor.skin.thickness * 0x1p-24 + 1e-14);
+  }
+  generateWith(scene, other.path(), 3, 1);
+  EXPECT_EQ(DatasetReader(other.path()).readAsDouble("data/tactile_image", 0, scene.num_episodes), column("data/tactile_image"))
+      << "depends on the batch";
+}
+
 TEST(RecordedValues, NamesOfObjectsAndControllersAreThoseOfTheScene) {
   Scene scene = exampleScene();
   scene.controllers.push_back({.name = "second", .servo = scene.controllers[0].servo});

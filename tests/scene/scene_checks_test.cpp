@@ -69,6 +69,21 @@ TEST(CheckScene, RejectsRandomRanges) {
             "randomization.linear_action_noise.min: -1 is not allowed: a number >= 0 m/s");
 }
 
+TEST(CheckScene, RejectsSkinsThatTheSensorCannotHave) {
+  EXPECT_EQ(refused([](Scene& s) {
+              s.randomization.stiffness = Range{0.5, 40};
+            }),
+            "randomization.stiffness.max: 40 is not allowed: a number from 0.05 to 20");
+  EXPECT_EQ(refused([](Scene& s) {
+              s.randomization.hysteresis = Range{0.5, 2};
+            }),
+            "randomization.hysteresis: 0.5 is not allowed: 1, because the sensor has no hysteresis");
+  EXPECT_EQ(refused([](Scene& s) {
+              s.randomization.mounting_yaw = Range{0, 1};
+            }),
+            "randomization.mounting_yaw.max: 1 is not allowed: a number from -0.5235987755982988 to 0.5235987755982988 rad");
+}
+
 TEST(CheckScene, RejectsTasks) {
   const auto task = [](auto change) {
     return refused([&](Scene& s) {

@@ -79,21 +79,27 @@ TEST(Clock, WideJitterKeepsOrder) {
   }
 }
 
+// Adds a step of dt and returns how many steps back a force of age `delay` lies.
+std::uint32_t stepsBack(StepHistory& history, double dt, double delay) {
+  history.add(dt);
+  return history.stepsBack(delay);
+}
+
 TEST(StepHistory, CountsStepsBack) {
   StepHistory even;
-  EXPECT_EQ(even.stepsBack(0.01, 0), 0u);
-  for (int n = 0; n < 40; ++n) even.stepsBack(0.01, 0.03);
-  EXPECT_EQ(even.stepsBack(0.01, 0.03), 3u);
-  EXPECT_EQ(even.stepsBack(0.01, 0.031), 4u);
-  EXPECT_EQ(even.stepsBack(0.01, 0.32), 32u);
-  EXPECT_EQ(even.stepsBack(0.02, 0.03), 2u) << "one of 20 ms and one of 10";
-  EXPECT_EQ(even.stepsBack(0.02, 0.04), 2u);
+  EXPECT_EQ(stepsBack(even, 0.01, 0), 0u);
+  for (int n = 0; n < 40; ++n) stepsBack(even, 0.01, 0.03);
+  EXPECT_EQ(stepsBack(even, 0.01, 0.03), 3u);
+  EXPECT_EQ(stepsBack(even, 0.01, 0.031), 4u);
+  EXPECT_EQ(stepsBack(even, 0.01, 0.32), 32u);
+  EXPECT_EQ(stepsBack(even, 0.02, 0.03), 2u) << "one of 20 ms and one of 10";
+  EXPECT_EQ(stepsBack(even, 0.02, 0.04), 2u);
 }
 
 TEST(StepHistory, StartsAtTheFirstStep) {
   StepHistory history;
-  for (int n = 1; n < 3; ++n) EXPECT_GT(history.stepsBack(0.01, 0.03), static_cast<std::uint32_t>(kMaxDelaySteps));
-  EXPECT_EQ(history.stepsBack(0.01, 0.03), 3u);
+  for (int n = 1; n < 3; ++n) EXPECT_GT(stepsBack(history, 0.01, 0.03), static_cast<std::uint32_t>(kMaxDelaySteps));
+  EXPECT_EQ(stepsBack(history, 0.01, 0.03), 3u);
 }
 
 }  // namespace

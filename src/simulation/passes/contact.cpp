@@ -141,6 +141,7 @@ ContactPass::Kernel ContactPass::makeKernel(const Variant& variant) const {
       .LIST = variant.list,
       .IS_LAST = law.taxel_passes.empty(),
       .AREA = model_.area(),
+      .RANDOM_SKIN = variant.random_skin,
   };
   const PassSizes sizes{sizes_.workgroup, sizes_.lanes, repeatOf(variant)};
   return {model_.context(), law.kernel, model_.profile.select(law.spirv, sizes.workgroup),

@@ -22,6 +22,7 @@ class ContactPass {
     bool with_shear = false;                           // outputs tactile_shear_force of a sensor with friction
     bool with_jacobian = false;                        // outputs what a tactile Jacobian is computed from
     std::uint32_t list = layout::kNumLists;            // instances that it processes, kList...; kNumLists: all
+    bool random_skin = false;                          // every instance has factors of its own, SkinVariation
     auto operator<=>(const Variant&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 misreads it
   };
 

@@ -88,7 +88,9 @@ ImagePass::Kernel ImagePass::makeKernel(const Variant& variant) const {
                          .ROTATES_SHEAR = packed.rotates_shear,
                          .CURVE_LIMIT = readout.curve_limit,
                          .CURVE_PIECES = readout.curve_points.size(),
-                         .KEEPS_WINDOW = model_.profile.paths().untouched && model_.sensor.frame_rate == 0}};
+                         .KEEPS_WINDOW = model_.profile.paths().untouched && model_.sensor.frame_rate == 0,
+                         .RANDOM_SKIN = variant.random_skin,
+                         .SCALED = packed.scalesSpread()}};
 }
 
 }  // namespace taxelsim

@@ -15,6 +15,7 @@ class ImagePass {
     bool whole_array = false;                          // taxels that no object reaches may have a force
     bool with_normal = false;                          // outputs tactile_normal_force
     bool with_shear = false;                           // outputs tactile_shear_force of a sensor with friction
+    bool random_skin = false;                          // every instance has factors of its own, SkinVariation
     auto operator<=>(const Variant&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 misreads it
   };
 
