@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -127,6 +128,16 @@ def test_a_touch_over_the_middle_looks_the_same_for_all_objects(device: taxelsim
 def test_rejects_wrong_arguments(device: taxelsim.Device, arguments: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         make(device, 2, **arguments)
+
+
+@pytest.mark.parametrize(("name", "key"), [("stiffness", "stiffness: [0.5, 2]"), ("mounting_yaw", "mounting_yaw_deg: [0, 2]")])
+def test_rejects_ranges_that_touches_do_not_draw(device: taxelsim.Device, tmp_path: Path, name: str, key: str) -> None:
+    folder = taxelsim.SCENES / "benchmark"
+    text = (folder / "touch_classify.yaml").read_text().replace("../", f"{folder.parent}/")
+    file = tmp_path / "scene.yaml"
+    file.write_text(text.replace("\nrandomization:\n", f"\nrandomization:\n  {key}\n"))
+    with pytest.raises(taxelsim.InputError, match=f"randomization.{name}: this environment touches with the sensor's own skin"):
+        make(device, 1, scene=file)
 
 
 def test_gymnasium_makes_it_and_renders(device: taxelsim.Device) -> None:

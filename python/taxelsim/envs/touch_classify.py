@@ -33,6 +33,7 @@ TOUCH_OBSERVATIONS = ("tactile_image", "contact")
 _LOGIT_SCALE = 10.0  # logit of a class at action 1
 _STEP_TIME = 0.5  # s: the sensor is lifted, then pressed, for this long
 _PLACEMENT = 0.004  # m, largest offset of an object from the middle of the workspace, along x and y
+_FIXED = ("stiffness", "friction", "trigger", "hysteresis", "delay", "psf_width")  # ranges that touches do not draw
 
 
 class TouchClassifyVectorEnv(EpisodicVectorEnv):
@@ -87,6 +88,11 @@ class TouchClassifyVectorEnv(EpisodicVectorEnv):
         self._ranges = self.scene.randomization
         if "load" not in self._ranges:
             raise InputError(f"{self.scene.file}: randomization: depth found, a touch needs a load")
+        for name in self._ranges:
+            if name in _FIXED or name.startswith("mounting_"):
+                raise InputError(
+                    f"{self.scene.file}: randomization.{name}: this environment touches with the sensor's own skin and mounting"
+                )
         device = device if isinstance(device, Device) else Device.open(device)
         self._model = Model(device, self.scene.sensor, self.scene.objects)
         if len(self.scene.sensor.patches) != 1:
