@@ -150,7 +150,8 @@ ServoExperiment readServoExperiment(const YamlNode& root, const std::filesystem:
   const YamlNode scene_node = map.require("scene", "a scene file");
   const std::filesystem::path scene_file = directory / scene_node.text("a scene file");
   const Scene scene = loadScene(scene_file);
-  if (scene.kind != Scene::Kind::kServo) scene_node.fail(scene_file.generic_string() + " is a scene of another kind: one of kind servo is allowed");
+  if (scene.kind != Scene::Kind::kServo)
+    scene_node.fail(scene_file.generic_string() + " is a scene of another kind: one of kind servo is allowed");
   readFields(map, kServoExperimentFields, experiment);
 
   const YamlNode runs = map.require("runs", kRuns);

@@ -259,7 +259,8 @@ TEST(MaxDepthError, BoundsTheErrorOfThePressure) {
       }
       EXPECT_LE(largest, kMaxPressureError * (1 + kRounding));
       const double tightest = stiffness * exponent * std::pow(skin.thickness, exponent - 1) * error;
-      EXPECT_TRUE(error == MeshOptions{}.max_depth_error || std::abs(tightest / kMaxPressureError - 1) < kRounding) << "smaller than needed";
+      EXPECT_TRUE(error == MeshOptions{}.max_depth_error || std::abs(tightest / kMaxPressureError - 1) < kRounding)
+          << "smaller than needed";
     }
   }
 }

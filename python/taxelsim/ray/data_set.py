@@ -128,7 +128,7 @@ class _Run:
     def complete(self, task_seconds: float | None) -> Summary:
         begin = time.monotonic()
         missing = self._missing()
-        # One task first: it writes the manifest, and tells how long a shard takes.
+        # One task first: it writes the manifest, and shows how long a shard takes.
         first = missing[0] if missing else 0
         self._require_manifest(is_new=self._manifest() is None)
         self._send([range(first, first + 1)])
