@@ -30,7 +30,9 @@ def main() -> None:
     num_simulations = 64
     model = mujoco.MjModel.from_xml_string(MODEL)
     batch = Batch(model, num_simulations)
-    tactile = taxelsim.mujoco.attach(model, {"pad": taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml"}, ["rod"], num_instances=num_simulations)
+    tactile = taxelsim.mujoco.attach(
+        model, {"pad": taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml"}, ["rod"], num_instances=num_simulations
+    )
     angles = np.linspace(-1.0, 1.0, num_simulations)  # rad, goals of the hinges
     batch.ctrl[:] = np.column_stack((np.full(num_simulations, -0.0016), angles))  # m, rad
     for _ in range(30):

@@ -1,5 +1,5 @@
-"""Taxels per second of a hand (five fingertips of 6 x 4 taxels and a palm of 6 x 14, all in contact with a mesh of 5,000 triangles), compared
-with one palm alone, and of eight slots of which one is near, compared with one slot. Processor time of this process, which is what
+"""Taxels per second of a hand (five fingertips of 6 x 4 taxels and a palm of 6 x 14, all in contact with a mesh of 5,000 triangles)
+compared with one palm alone, and of eight slots of which one is near, compared with one slot. Processor time of this process, which is what
 counts on software Vulkan where others use the processor too. Run with LP_NUM_THREADS=1:
 
     python bench/python/hand_throughput.py
