@@ -21,8 +21,8 @@ struct EpisodeRecord {
   float gain = 1, gain_spread = 0, noise = 0;
   std::int32_t controller = 0;
   float exploration_velocity = 0, linear_action_noise = 0, angular_action_noise = 0;  // m/s, m/s, rad/s
-  SkinVariation skin;
-  Mounting mounting;
+  SkinVariation skin = {};
+  Mounting mounting = {};
   float start_force = 0;  // N: the force that a controller holds by default
 };
 
