@@ -36,8 +36,8 @@ struct EpisodeDraw {
   float load = 0;    // N; 0 if depth-driven
   double depth = 0;  // m, of the lowest point; 0 if load-driven
   ReadoutVariation variation;
-  SkinVariation skin;
-  Mounting mounting;
+  SkinVariation skin = {};
+  Mounting mounting = {};
   int controller = 0;                                        // index into the scene's controllers
   std::optional<double> exploration_velocity;                // m/s; empty: the controller's own
   double linear_action_noise = 0, angular_action_noise = 0;  // m/s and rad/s, standard deviation per component
