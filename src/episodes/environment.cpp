@@ -25,7 +25,7 @@ namespace {
 const Scene& checked(const Scene& scene, const EnvironmentOptions& options) {
   checkCount("num_instances", options.num_instances);
   if (scene.kind != Scene::Kind::kServo) {
-    throw Error(ErrorKind::kInput, scene.file.generic_string() + ": an environment needs a scene of kind servo");
+    throw Error(ErrorKind::kInput, scene.file.generic_string() + ": kind: " + wordOf(scene.kind) + " found, an environment needs servo");
   }
   if (options.max_regions != 0 && !hasContactFeatures(options.outputs)) {
     throw Error(ErrorKind::kInput, "max_regions: " + std::to_string(options.max_regions) + " found, 0 allowed without contact features");

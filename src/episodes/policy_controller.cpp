@@ -5,6 +5,7 @@
 #include <string>
 
 #include "episodes/environment_view.h"
+#include "scene/scene_checks.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -26,7 +27,7 @@ void checkPolicy(const Policy& policy, const Scene& scene) {
   if (std::any_of(scene.controllers.begin(), scene.controllers.end(), has_name)) {
     refuse(policy, "a controller of the scene has the same name");
   }
-  if (scene.kind != Scene::Kind::kServo) refuse(policy, "a policy needs a scene of kind servo");
+  if (scene.kind != Scene::Kind::kServo) refuse(policy, "the scene has kind " + wordOf(scene.kind) + ", a policy needs servo");
   if (policy.max_regions != 0 && !hasContactFeatures(policy.outputs)) {
     refuse(policy, "max_regions: " + std::to_string(policy.max_regions) + " found, 0 allowed without contact features");
   }

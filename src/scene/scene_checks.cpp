@@ -107,6 +107,18 @@ void checkTask(const Task& task, const Scene& scene) {
   if (task.laps > 0) throw Error("laps", "needs a contour of every object of the scene");
 }
 
+std::string wordOf(Scene::Kind kind) {
+  switch (kind) {
+    case Scene::Kind::kServo:
+      return "servo";
+    case Scene::Kind::kContacts:
+      return "contacts";
+    case Scene::Kind::kGrasp:
+      return "grasp";
+  }
+  return {};
+}
+
 void checkScene(const Scene& scene) {
   checkFields("", kNumEpisodesFields, scene);
   checkFields("", kNumStepsFields, scene);

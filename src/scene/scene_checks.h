@@ -1,9 +1,14 @@
 // Checks of a scene, which need not come from a file.
 #pragma once
 
+#include <string>
+
 #include "taxelsim/scene.h"
 
 namespace taxelsim {
+
+// The word of scene files.
+std::string wordOf(Scene::Kind kind);
 
 // Throws Error(kInput) with the path of the field, the value found and what is allowed.
 void checkScene(const Scene& scene);

@@ -151,7 +151,7 @@ ServoExperiment readServoExperiment(const YamlNode& root, const std::filesystem:
   const std::filesystem::path scene_file = directory / scene_node.text("a scene file");
   const Scene scene = loadScene(scene_file);
   if (scene.kind != Scene::Kind::kServo)
-    scene_node.fail(scene_file.generic_string() + " is a scene of another kind: one of kind servo is allowed");
+    scene_node.fail(scene_file.generic_string() + " is a scene of kind " + wordOf(scene.kind) + ": one of kind servo");
   readFields(map, kServoExperimentFields, experiment);
 
   const YamlNode runs = map.require("runs", kRuns);

@@ -163,7 +163,7 @@ TEST_F(ServoExperimentCommand, Refusals) {
   refused(experimentText("  - {name: a, controller: p, theory: characteristic}\n"), "an object at rest that has an edge");
   written("scene.yaml", "format_version: 1\nname: scene\nkind: contacts\nsensor: " + kScenes +
                             "/sensors/wts0614_soft_cover.yaml\nobjects: [{sphere: {radius_mm: 10}}]\nrandomization: {load: 1}\n");
-  refused(experimentText(run + "}\n"), "is a scene of another kind: one of kind servo is allowed");
+  refused(experimentText(run + "}\n"), "is a scene of kind contacts: one of kind servo");
 }
 
 }  // namespace
