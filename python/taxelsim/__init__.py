@@ -98,6 +98,7 @@ from .environment import Environment, EnvironmentFrame, TaskState, episode_keys
 from .errors import DeviceError, Error, InputError, IoError, OutOfRangeError
 from .frame import CleanTactileJacobian, ContactFeatures, Features, Frame, GroundTruth, TactileJacobian
 from .gradients import Gradient, vjp
+from .parts import EvaluationPart, evaluate_part, merge_evaluations
 from .policies import Comparison, OnnxPolicy, Policy, compare
 from .program import SCENES
 from .runs import Interrupted, evaluate, finish, generate
@@ -132,6 +133,7 @@ __all__ = [
     "EnvironmentFrame",
     "Error",
     "Evaluation",
+    "EvaluationPart",
     "Features",
     "Frame",
     "Friction",
@@ -191,6 +193,7 @@ __all__ = [
     "dlpack",
     "episode_keys",
     "evaluate",
+    "evaluate_part",
     "finish",
     "foundation_of",
     "gaussian_psf",
@@ -203,6 +206,7 @@ __all__ = [
     "lowest_point",
     "make_vec",
     "max_depth_error_of",
+    "merge_evaluations",
     "nominal_force",
     "parse_object",
     "pin_depth",

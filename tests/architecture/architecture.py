@@ -48,6 +48,7 @@ HEADERS = {
     "policy.h": "episodes",
     "generate.h": "generation",
     "evaluate.h": "evaluation",
+    "evaluation_part.h": "evaluation",
     "characterize.h": "characterize",
     "compare.h": "characterize",
     "cross_validate.h": "characterize",
