@@ -54,7 +54,15 @@ struct Evaluation {
   std::vector<Score> by_start;    ///< Over five equal parts of the range of its start errors; empty if all start alike.
 };
 
-/// Options of evaluate(). The others than `policy` do not change a verdict.
+/// Episodes with the numbers first, ..., end - 1.
+struct EpisodeRange {
+  std::uint64_t first = 0;  ///< Number of the first episode.
+  std::uint64_t end = 0;    ///< Number after the last episode, >= first.
+
+  std::uint64_t size() const { return end - first; }  ///< Number of episodes.
+};
+
+/// Options of evaluate(). The others than `policy` and `episodes` do not change a verdict.
 struct EvaluateOptions {
   int batch_size = 2048;  ///< Instances over all slices, >= 1. Default 2048.
   int num_slices = 2;     ///< Slices of the batch in flight at once, >= 1. Default 2.
@@ -66,9 +74,11 @@ struct EvaluateOptions {
   const std::atomic<bool>* stop = nullptr;
   /// Policy to evaluate on the same episodes. Its Evaluation is the first of the result. Default: none.
   std::optional<Policy> policy{};
+  /// Plays these episodes of the scene only; not empty. evaluation_part.h puts evaluations of ranges together. Default: all.
+  std::optional<EpisodeRange> episodes{};
 };
 
-/// Plays episodes 0 to num_episodes - 1 of the scene with the policy, if any, and with each of the controllers. Blocks until all are judged
+/// Plays the episodes of the scene with the policy, if any, and with each of the controllers. Blocks until all are judged
 /// or *stop is true.
 ///
 /// `controllers`: names as in the scene, for comparison with a policy; empty for all, or for none if there is a policy. At most 2^24

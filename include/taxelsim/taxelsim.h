@@ -28,6 +28,7 @@ namespace taxelsim {}
 #include "taxelsim/environment.h"
 #include "taxelsim/error.h"
 #include "taxelsim/evaluate.h"
+#include "taxelsim/evaluation_part.h"
 #include "taxelsim/experiment.h"
 #include "taxelsim/generate.h"
 #include "taxelsim/measurement.h"

@@ -19,6 +19,7 @@ void bindSimulator(nb::module_& module);
 void bindScene(nb::module_& module);
 void bindEnvironment(nb::module_& module);
 void bindRuns(nb::module_& module);
+void bindEvaluationParts(nb::module_& module);
 void bindDataset(nb::module_& module);
 void bindDlpack(nb::module_& module);
 

@@ -1,5 +1,4 @@
 // Runs over whole scenes: data sets and evaluations.
-#include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
@@ -7,13 +6,12 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
-#include <algorithm>
 #include <optional>
 #include <tuple>
 
-#include "environment_views.h"
 #include "handles.h"
 #include "interruptible.h"
+#include "policy_argument.h"
 #include "structs.h"
 #include "taxelsim/evaluate.h"
 #include "taxelsim/generate.h"
@@ -21,37 +19,6 @@
 
 namespace taxelsim::python {
 namespace {
-
-// A policy of Python: its name, its identity, whether it commands joint velocities, and a callable (arrays, instances, first_instance) ->
-// twists (num_due, 6) or joint velocities (num_due, num_joints). The arrays are valid during the call. The callable runs in the calling
-// thread.
-using PolicyArgument = std::optional<std::tuple<std::string, std::string, bool, nb::callable>>;
-using Commands = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-
-// commands: (num_instances x width), of which the rows of the instances that are due are written.
-void callPolicy(const nb::callable& act, const Sensor& sensor, const PolicyInput& input, std::span<double> commands) {
-  const std::size_t num_instances = input.view.active.size(), num_due = input.instances.size(), width = commands.size() / num_instances;
-  const auto num_sensors = static_cast<int>(input.view.X_WS.size() / num_instances);
-  const nb::object none = nb::none();
-  const nb::object instances = nb::ndarray<nb::numpy, const int>(input.instances.data(), {num_due}, none).cast();
-  const auto found = nb::cast<Commands>(act(arraysOf(input.view, sensor, num_sensors, none), instances, input.first_instance));
-  if (found.shape(0) != num_due || found.shape(1) != width) throw Error(ErrorKind::kInput, "policy: one command per instance expected");
-  for (std::size_t k = 0; k < num_due; ++k) {
-    std::copy_n(found.data() + width * k, width, &commands[width * static_cast<std::size_t>(input.instances[k])]);
-  }
-}
-
-std::optional<Policy> policyOf(const PolicyArgument& argument, const Scene& scene, CallingThread& calling_thread) {
-  if (!argument) return {};
-  const auto& [name, id, by_joints, function] = *argument;
-  const auto call = [&](const PolicyInput& input, std::span<double> commands) {
-    calling_thread.run([&] { callPolicy(function, scene.sensor, input, commands); });
-  };
-  if (by_joints) return Policy{.name = name, .id = id, .act_joints = call};
-  return Policy{.name = name, .id = id, .act = [call](const PolicyInput& input, std::span<Twist> twists) {
-                  call(input, {reinterpret_cast<double*>(twists.data()), 6 * twists.size()});
-                }};
-}
 
 GenerateResult runGenerate(const DeviceHandle& device, const Scene& scene, const std::filesystem::path& directory, int batch_size,
                            int num_slices, const nb::object& on_progress, const PolicyArgument& policy,

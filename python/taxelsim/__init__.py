@@ -99,6 +99,7 @@ from .environment import Environment, EnvironmentFrame, TaskState, episode_keys
 from .errors import DeviceError, Error, InputError, IoError, OutOfRangeError
 from .frame import CleanTactileJacobian, ContactFeatures, Features, Frame, GroundTruth, TactileJacobian
 from .gradients import Gradient, vjp
+from .parts import EvaluationPart, evaluate_part, merge_evaluations
 from .policies import Comparison, OnnxPolicy, Policy, compare
 from .program import SCENES
 from .runs import Interrupted, evaluate, finish, generate
@@ -134,6 +135,7 @@ __all__ = [
     "EnvironmentFrame",
     "Error",
     "Evaluation",
+    "EvaluationPart",
     "Features",
     "Frame",
     "Friction",
@@ -194,6 +196,7 @@ __all__ = [
     "dlpack",
     "episode_keys",
     "evaluate",
+    "evaluate_part",
     "finish",
     "foundation_of",
     "gaussian_psf",
@@ -206,6 +209,7 @@ __all__ = [
     "lowest_point",
     "make_vec",
     "max_depth_error_of",
+    "merge_evaluations",
     "nominal_force",
     "parse_object",
     "pin_depth",

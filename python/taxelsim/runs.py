@@ -23,15 +23,18 @@ class Interrupted(KeyboardInterrupt):
         self.partial = list(partial)  #: Evaluations of the policy and the controllers that were complete, in their order.
 
 
-def _loaded(scene: ScenePath) -> Scene:
+def loaded_scene(scene: ScenePath) -> Scene:
+    """The scene, read from its file unless it is one."""
     return scene if isinstance(scene, Scene) else _core.load_scene(os.fspath(scene))
 
 
-def _calls(policy: PolicyLike | None, scene: Scene) -> PolicyCalls | None:
+def policy_calls(policy: PolicyLike | None, scene: Scene) -> PolicyCalls | None:
+    """The calls of the policy in the scene."""
     return None if policy is None else PolicyCalls(as_policy(policy), scene)
 
 
-def _argument(calls: PolicyCalls | None) -> tuple[str, str, bool, PolicyCalls] | None:
+def policy_argument(calls: PolicyCalls | None) -> tuple[str, str, bool, PolicyCalls] | None:
+    """The argument `policy` of runs in C++."""
     return None if calls is None else (calls.policy.name, calls.policy.identity, calls.by_joints, calls)
 
 
@@ -68,14 +71,14 @@ def generate(
 
     Ctrl-C stops the run and raises KeyboardInterrupt; complete shards are kept, and the same call resumes.
     """
-    loaded = _loaded(scene)
+    loaded = loaded_scene(scene)
     chosen = [] if episodes is None else [int(number) for number in episodes]
     if episodes is not None and not chosen:
         raise InputError("episodes: none found, at least 1 needed")
     if shards is not None and (shards.step != 1 or not 0 <= shards.start < shards.stop):
         raise InputError(f"shards: {shards} found, a range of one number or more with step 1 allowed, from 0")
     limits = None if shards is None else (shards.start, shards.stop)
-    argument = _argument(_calls(policy, loaded))
+    argument = policy_argument(policy_calls(policy, loaded))
     opened = device or Device.open()
     return _core.generate(opened, loaded, os.fspath(out), batch_size, num_slices, on_progress, argument, chosen, repair, limits)
 
@@ -121,8 +124,8 @@ def evaluate(
 
     Ctrl-C raises Interrupted, a KeyboardInterrupt; its `partial` has the evaluations that are complete.
     """
-    loaded, folder = _loaded(scene), None if save_failures is None else Path(save_failures)
-    calls = _calls(policy, loaded)
+    loaded, folder = loaded_scene(scene), None if save_failures is None else Path(save_failures)
+    calls = policy_calls(policy, loaded)
     if folder is not None:
         if calls is None:
             raise InputError("save_failures: keeps failed episodes of a policy, and there is no policy")
@@ -130,7 +133,7 @@ def evaluate(
     opened = device or Device.open()
     complete: list[Evaluation] = []
     try:
-        complete += _core.evaluate(opened, loaded, list(controllers), batch_size, num_slices, on_progress, _argument(calls), complete)
+        complete += _core.evaluate(opened, loaded, list(controllers), batch_size, num_slices, on_progress, policy_argument(calls), complete)
         if folder is not None and calls is not None:
             failed = failed_episodes(complete[0])[:max_failures]
             if len(failed):

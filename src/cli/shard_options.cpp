@@ -9,9 +9,8 @@
 #include "taxelsim/error.h"
 
 namespace taxelsim::cli {
-namespace {
 
-std::string checkShards(const std::string& text) {
+std::string checkRange(const std::string& text) {
   const auto range = numberPair(text, "..");
   return range && range->first <= range->second ? "" : text + " is not FIRST..LAST, such as 40..79, both included";
 }
@@ -20,8 +19,6 @@ std::string checkPart(const std::string& text) {
   const auto part = numberPair(text, "/");
   return part && part->first >= 1 && part->first <= part->second ? "" : text + " is not K/N, such as 3/16, K from 1 to N";
 }
-
-}  // namespace
 
 std::optional<std::pair<std::uint64_t, std::uint64_t>> numberPair(const std::string& text, const std::string& separator) {
   const char* const end = text.data() + text.size();
@@ -38,7 +35,7 @@ void addShardOptions(CLI::App& command, ShardOptions& options) {
       command
           .add_option("--shards", options.shards,
                       "Make these shards only, both ends included; several processes may work in DIR. `taxelsim finish` completes it")
-          ->check(checkShards)
+          ->check(checkRange)
           ->type_name("A..B");
   command.add_option("--part", options.part, "Make part K of N of the shards, K from 1; as --shards")
       ->check(checkPart)

@@ -21,6 +21,10 @@ void addShardOptions(CLI::App& command, ShardOptions& options);
 // Numbers of "40..79", or of "3/16"; empty for a text that is not two numbers around the separator.
 std::optional<std::pair<std::uint64_t, std::uint64_t>> numberPair(const std::string& text, const std::string& separator);
 
+// Checks of options: the message about a text that is not "40..79" or "3/16"; empty for one that is.
+std::string checkRange(const std::string& text);
+std::string checkPart(const std::string& text);
+
 // The shards that the options choose among `num_shards`; empty without options. Throws Error(kInput) for shards that the data set does not
 // have.
 std::optional<ShardRange> chosenShards(const ShardOptions& options, std::uint64_t num_shards);

@@ -4,12 +4,12 @@ namespace taxelsim {
 
 std::optional<std::uint64_t> TaskEvaluator::next(int) {
   if (next_ == verdicts_.size()) return {};
-  return next_++;
+  return first_episode_ + next_++;
 }
 
 void TaskEvaluator::end(int instance) {
   const Verdict verdict = judge_.verdict(instance);
-  verdicts_[verdict.episode] = verdict;
+  verdicts_[verdict.episode - first_episode_] = verdict;
 }
 
 }  // namespace taxelsim

@@ -50,6 +50,7 @@ HEADERS = {
     "grasp.h": "scene",
     "generate.h": "generation",
     "evaluate.h": "evaluation",
+    "evaluation_part.h": "evaluation",
     "characterize.h": "characterize",
     "compare.h": "characterize",
     "cross_validate.h": "characterize",

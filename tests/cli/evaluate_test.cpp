@@ -8,25 +8,14 @@
 
 #include "cli/command_line.h"
 #include "cli/picture.h"
+#include "cli/small_task.h"
 
 namespace taxelsim::testing {
 namespace {
 
-const std::string kText = std::string("format_version: 1\nname: small\nkind: servo\nsensor: ") + TAXELSIM_SOURCE_DIR +
-                          R"(/scenes/sensors/wts0614_soft_cover.yaml
-objects: [{cylinder: {radius_mm: 5, length_mm: 100}, orientation: {rpy_deg: [90, 0, 0]}, edge: [0, 0, 1]}]
-episode: {num_steps: 60}
-randomization: {yaw_deg: [-40, 40], load: [1, 3]}
-controllers:
-  - {name: fast, tactile_servo: {edge_angle: {reference_deg: 90, kp: 10}, max_angular_velocity: 20}}
-  - {name: none, tactile_servo: {edge_angle: {reference_deg: 90, kp: 0}}}
-task: {edge_angle: {reference_deg: 90, tolerance_deg: 3}, hold: 0.1}
-data_set: {episodes: 40, seed: 3}
-)";
-
 class Evaluate : public ::testing::Test {
  protected:
-  Evaluate() { std::ofstream(scene_) << kText; }
+  Evaluate() { writeSmallTask(scene_); }
 
   TemporaryDirectory root_;
   std::filesystem::path scene_ = root_ / "small.yaml";
@@ -76,7 +65,7 @@ TEST_F(Evaluate, PrintsItsSuccessRuleAndNamesItsSubsets) {
 }
 
 TEST_F(Evaluate, SuccessRuleHasEveryCriterion) {
-  std::string text = kText;
+  std::string text = kSmallTask;
   const std::string task = "task: {edge_angle: {reference_deg: 90, tolerance_deg: 3}, hold: 0.1}";
   text.replace(text.find(task), task.size(), "task: {total_force: {tolerance: 0.5}, center: {tolerance_mm: 2}, hold: 0.2, travel_mm: 5}");
   std::ofstream(scene_) << text;
@@ -108,7 +97,7 @@ TEST_F(Evaluate, AnInterruptKeepsCompleteControllers) {
 }
 
 TEST_F(Evaluate, WarnsOfObjectsThatCannotCarryTheLoad) {
-  std::string text = kText;
+  std::string text = kSmallTask;
   text.replace(text.find("load: [1, 3]"), 12, "load: [1, 900]");
   std::ofstream(scene_) << text;
   const Outcome outcome = runTaxelsim({"evaluate", scene_, "--episodes", "20", "--controller", "none"});

@@ -14,12 +14,14 @@ import numpy as np
 
 from .._core import TASK_MEASURES, Device, Evaluation, Progress, Scene, Score, load_scene
 from ..errors import InputError
+from ..parts import EvaluationPart, evaluate_part, merge_evaluations
 from ..policies.actions import COMMANDS
 from ..policies.failures import failed_episodes
 from ..policies.observations import OBSERVATIONS
-from ..policies.policy import as_policy
+from ..policies.policy import Policy, as_policy
 from ..policies.statistics import Comparison, compare
 from ..runs import Interrupted, evaluate
+from .evaluate_parts import add_part_arguments, chosen_episodes, part_file, part_files
 from .running import run_command
 
 # Display units of TASK_MEASURES: name, and how many are one SI unit.
@@ -45,6 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--device", default="", metavar="NAME", help='"cpu", "discrete", an index, or part of a name; default: the best')
     add("--save-failures", type=Path, metavar="DIR", help="writes failed episodes of the policy as a data set, for `taxelsim render`")
     add("--max-failures", type=int, default=64, metavar="N", help="episodes that --save-failures writes, default 64")
+    add_part_arguments(parser)
     add("--json", action="store_true", help="prints JSON instead of a table")
 
 
@@ -76,18 +79,14 @@ def _run(options: argparse.Namespace) -> int:
     unknown = [name for name in options.controller if name not in scene.controllers]
     if unknown:
         raise InputError(f"--controller {unknown[0]}: not in this scene; it has {', '.join(scene.controllers)}")
+    episodes = chosen_episodes(options, scene.num_episodes)
+    if options.save_failures and (episodes is not None or options.merge is not None):
+        raise InputError("--save-failures: not with --episode-range, --part or --merge")
+    if episodes is not None:
+        return _play_part(options, scene, policy, episodes)
     interrupted = False
     try:
-        evaluations = evaluate(
-            scene,
-            options.controller,
-            policy=policy,
-            save_failures=options.save_failures,
-            max_failures=options.max_failures,
-            device=Device.open(options.device),
-            batch_size=options.batch_size,
-            on_progress=_show_progress if sys.stderr.isatty() else None,
-        )
+        evaluations = _evaluations(options, scene, policy)
     except Interrupted as interrupt:
         interrupted, evaluations = True, interrupt.partial
         print(f"interrupted: {len(evaluations)} of {1 + len(options.controller)} policies and controllers are complete", file=sys.stderr)
@@ -97,6 +96,46 @@ def _run(options: argparse.Namespace) -> int:
     comparisons = [_compared(evaluations[0], control) for control in evaluations[1:]]
     print(_json(scene, evaluations, comparisons) if options.json else _table(scene, evaluations, comparisons))
     return 130 if interrupted else 0
+
+
+def _evaluations(options: argparse.Namespace, scene: Scene, policy: Policy) -> list[Evaluation]:
+    if options.merge is not None:
+        return merge_evaluations(scene, part_files(options.merge), options.controller, policy=policy)
+    return evaluate(
+        scene,
+        options.controller,
+        policy=policy,
+        save_failures=options.save_failures,
+        max_failures=options.max_failures,
+        device=Device.open(options.device),
+        batch_size=options.batch_size,
+        on_progress=_show_progress if sys.stderr.isatty() else None,
+    )
+
+
+def _play_part(options: argparse.Namespace, scene: Scene, policy: Policy, episodes: range) -> int:
+    if not episodes:
+        print(f"{options.output}: part {options.part} of {scene.num_episodes:,} episodes is empty")
+        return 0
+    file, device = part_file(options.output, episodes), Device.open(options.device)
+    if file.exists():
+        found = EvaluationPart.load(file)
+        found.check(scene, options.controller, policy=policy, device=device, name=str(file))
+    else:
+        progress = _show_progress if sys.stderr.isatty() else None
+        part = evaluate_part(
+            scene,
+            options.controller,
+            episodes=episodes,
+            policy=policy,
+            device=device,
+            batch_size=options.batch_size,
+            on_progress=progress,
+        )
+        options.output.mkdir(parents=True, exist_ok=True)
+        part.save(file)
+    print(f"{file}: {len(episodes):,} episodes of each; `taxelsim evaluate --policy FILE --merge {options.output}` puts the parts together")
+    return 0
 
 
 def _show_progress(progress: Progress) -> None:

@@ -1,0 +1,67 @@
+// Evaluations in parts.
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include "handles.h"
+#include "interruptible.h"
+#include "policy_argument.h"
+#include "taxelsim/evaluation_part.h"
+
+namespace taxelsim::python {
+namespace {
+
+using Range = std::tuple<std::uint64_t, std::uint64_t>;
+
+EvaluationPart runEvaluatePart(const DeviceHandle& device, const Scene& scene, const std::vector<std::string>& controllers,
+                               const Range& episodes, int batch_size, int num_slices, const nb::object& on_progress,
+                               const PolicyArgument& policy) {
+  const auto run = [&](auto report, const std::atomic<bool>& stop, CallingThread& calling_thread) {
+    return evaluatePart(device.get(), scene, controllers,
+                        {.batch_size = batch_size,
+                         .num_slices = num_slices,
+                         .on_progress = report,
+                         .stop = &stop,
+                         .policy = policyOf(policy, scene, calling_thread),
+                         .episodes = EpisodeRange{std::get<0>(episodes), std::get<1>(episodes)}});
+  };
+  return runInterruptibly<EvaluationPart>(on_progress, run, [](const EvaluationPart&) {});
+}
+
+std::vector<Evaluation> merge(const Scene& scene, const std::vector<std::tuple<std::string, const EvaluationPart*>>& parts) {
+  std::vector<NamedPart> named;
+  for (const auto& [name, part] : parts) named.push_back({.name = name, .part = *part});
+  return mergeEvaluationParts(scene, named);
+}
+
+}  // namespace
+
+void bindEvaluationParts(nb::module_& module) {
+  nb::class_<EvaluationPart>(module, "EvaluationPart")
+      .def_prop_ro("controllers",
+                   [](const EvaluationPart& self) {
+                     std::vector<std::string> names;
+                     for (const EvaluationPart::Verdicts& evaluation : self.evaluations) names.push_back(evaluation.controller);
+                     return names;
+                   })
+      .def_prop_ro("episodes",
+                   [](const EvaluationPart& self) {
+                     return Range{self.episodes.first, self.episodes.end};
+                   })
+      .def_ro("policy", &EvaluationPart::policy)
+      .def_ro("device", &EvaluationPart::device)
+      .def("text", &evaluationPartText);
+  module.def("evaluate_part", &runEvaluatePart, "device"_a, "scene"_a, "controllers"_a, "episodes"_a, "batch_size"_a, "num_slices"_a,
+             "on_progress"_a.none(), "policy"_a.none());
+  module.def("parse_evaluation_part", &parseEvaluationPart, "text"_a, "name"_a);
+  module.def(
+      "check_evaluation_part",
+      [](const std::string& name, const EvaluationPart& part, const Scene& scene) {
+        checkEvaluationPart({.name = name, .part = part}, scene);
+      },
+      "name"_a, "part"_a, "scene"_a);
+  module.def("merge_evaluation_parts", &merge, "scene"_a, "parts"_a);
+}
+
+}  // namespace taxelsim::python

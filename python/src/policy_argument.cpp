@@ -1,0 +1,42 @@
+#include "policy_argument.h"
+
+#include <nanobind/ndarray.h>
+
+#include <algorithm>
+
+#include "environment_views.h"
+#include "taxelsim/error.h"
+
+namespace taxelsim::python {
+namespace {
+
+using Commands = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+
+// commands: (num_instances x width), of which the rows of the instances that are due are written.
+void callPolicy(const nb::callable& act, const Sensor& sensor, const PolicyInput& input, std::span<double> commands) {
+  const std::size_t num_instances = input.view.active.size(), num_due = input.instances.size(), width = commands.size() / num_instances;
+  const auto num_sensors = static_cast<int>(input.view.X_WS.size() / num_instances);
+  const nb::object none = nb::none();
+  const nb::object instances = nb::ndarray<nb::numpy, const int>(input.instances.data(), {num_due}, none).cast();
+  const auto found = nb::cast<Commands>(act(arraysOf(input.view, sensor, num_sensors, none), instances, input.first_instance));
+  if (found.shape(0) != num_due || found.shape(1) != width) throw Error(ErrorKind::kInput, "policy: one command per instance expected");
+  for (std::size_t k = 0; k < num_due; ++k) {
+    std::copy_n(found.data() + width * k, width, &commands[width * static_cast<std::size_t>(input.instances[k])]);
+  }
+}
+
+}  // namespace
+
+std::optional<Policy> policyOf(const PolicyArgument& argument, const Scene& scene, CallingThread& calling_thread) {
+  if (!argument) return {};
+  const auto& [name, id, by_joints, function] = *argument;
+  const auto call = [&](const PolicyInput& input, std::span<double> commands) {
+    calling_thread.run([&] { callPolicy(function, scene.sensor, input, commands); });
+  };
+  if (by_joints) return Policy{.name = name, .id = id, .act_joints = call};
+  return Policy{.name = name, .id = id, .act = [call](const PolicyInput& input, std::span<Twist> twists) {
+                  call(input, {reinterpret_cast<double*>(twists.data()), 6 * twists.size()});
+                }};
+}
+
+}  // namespace taxelsim::python

@@ -1,0 +1,194 @@
+#include "evaluation/part_text.h"
+
+#include <bit>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "base/files.h"
+#include "base/sha256.h"
+#include "taxelsim/error.h"
+
+namespace taxelsim {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+static_assert(std::endian::native == std::endian::little, "the bytes of numbers are little-endian");
+
+constexpr int kFormatVersion = 1;
+constexpr std::uintmax_t kMaxBytes = std::uintmax_t{4} << 30;
+constexpr std::size_t kMaxVerdicts = std::size_t{1} << 24;
+constexpr const char* kDigits = "0123456789abcdef";
+
+// Calls `visit` with every member of a verdict but the number of its episode, in the order of the text (docs/file_formats.md).
+template <typename AnyVerdict, typename Visit>
+void visitMembers(AnyVerdict& verdict, Visit visit) {
+  visit(verdict.object);
+  visit(verdict.success);
+  visit(verdict.start_error);
+  visit(verdict.steady_error);
+  visit(verdict.settling_time);
+  visit(verdict.travel);
+  visit(verdict.laps);
+  visit(verdict.peak_force);
+  visit(verdict.saturated);
+  visit(verdict.num_losses);
+  visit(verdict.robot);
+  visit(verdict.load_reached);
+}
+
+std::size_t verdictBytes() {
+  std::size_t size = 0;
+  const Verdict verdict;
+  visitMembers(verdict, [&](const auto& member) { size += sizeof member; });
+  return size;
+}
+
+class Parser {
+ public:
+  Parser(const std::string& text, const std::string& name) : name_(name) {
+    json_ = Json::parse(text, nullptr, false);
+    if (!json_.is_object() || !json_.contains("evaluation_part")) fail("is not part of an evaluation by taxelsim");
+    const auto version = unsignedOf(json_, "evaluation_part");
+    if (version != kFormatVersion) fail("has format " + std::to_string(version) + ", this program reads " + std::to_string(kFormatVersion));
+    const std::string expected = textOf(json_, "sha256");
+    json_.erase("sha256");
+    const std::string content = json_.dump();
+    if (sha256Hex(std::as_bytes(std::span(content))) != expected) fail("its content differs from its SHA-256: it was damaged or altered");
+  }
+
+  EvaluationPart part() const {
+    EvaluationPart part{.program_version = textOf(json_, "program_version"),
+                        .device = textOf(json_, "device"),
+                        .probe_sha256 = textOf(json_, "probe_sha256"),
+                        .scene = textOf(json_, "scene"),
+                        .condition = textOf(json_, "condition"),
+                        .seed = unsignedOf(json_, "seed"),
+                        .num_episodes = unsignedOf(json_, "num_episodes"),
+                        .policy = textOf(json_, "policy"),
+                        .episodes = {.first = unsignedOf(json_, "first_episode"), .end = unsignedOf(json_, "end_episode")},
+                        .evaluations = {}};
+    const auto& [first, end] = part.episodes;
+    if (first >= end || end > part.num_episodes || part.num_episodes > kMaxVerdicts)
+      fail("episodes " + std::to_string(first) + " to " + std::to_string(end) + " of " + std::to_string(part.num_episodes) + " found");
+    for (const Json& evaluation : arrayOf(json_, "evaluations")) {
+      part.evaluations.push_back(
+          {.controller = textOf(evaluation, "controller"), .verdicts = verdictsOf(textOf(evaluation, "verdicts"), part.episodes)});
+    }
+    return part;
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& problem) const { throw Error(ErrorKind::kInput, name_ + ": " + problem); }
+
+  const Json& valueOf(const Json& object, const char* key) const {
+    if (!object.is_object() || !object.contains(key)) fail(std::string(key) + " is missing");
+    return object[key];
+  }
+  std::string textOf(const Json& object, const char* key) const {
+    const Json& value = valueOf(object, key);
+    if (!value.is_string()) fail(std::string(key) + ": a text expected");
+    return value.get<std::string>();
+  }
+  std::uint64_t unsignedOf(const Json& object, const char* key) const {
+    const Json& value = valueOf(object, key);
+    if (!value.is_number_unsigned()) fail(std::string(key) + ": a whole number expected");
+    return value.get<std::uint64_t>();
+  }
+  const Json& arrayOf(const Json& object, const char* key) const {
+    const Json& value = valueOf(object, key);
+    if (!value.is_array()) fail(std::string(key) + ": a list expected");
+    return value;
+  }
+
+  std::byte byteAt(const std::string& digits, std::size_t i) const {
+    const char* const high = std::strchr(kDigits, digits[i]);
+    const char* const low = std::strchr(kDigits, digits[i + 1]);
+    if (digits[i] == '\0' || digits[i + 1] == '\0' || !high || !low) fail("verdicts: digits 0 to f expected");
+    return static_cast<std::byte>((high - kDigits) << 4 | (low - kDigits));
+  }
+
+  std::vector<Verdict> verdictsOf(const std::string& digits, const EpisodeRange& episodes) const {
+    const std::size_t expected = 2 * verdictBytes() * episodes.size();
+    if (digits.size() != expected)
+      fail("verdicts: " + std::to_string(digits.size()) + " digits found, " + std::to_string(expected) + " expected");
+    std::vector<Verdict> verdicts(episodes.size());
+    std::size_t next = 0;
+    const auto read = [&](auto& member) {
+      for (std::byte& byte : std::as_writable_bytes(std::span(&member, 1))) {
+        byte = byteAt(digits, next);
+        next += 2;
+      }
+    };
+    for (std::size_t k = 0; k < verdicts.size(); ++k) {
+      verdicts[k].episode = episodes.first + k;
+      visitMembers(verdicts[k], [&](auto& member) {
+        if constexpr (std::is_same_v<decltype(member), bool&>) {
+          std::uint8_t flag = 0;
+          read(flag);
+          if (flag > 1) fail("verdicts: a flag of value " + std::to_string(flag) + " found, 0 or 1 allowed");
+          member = flag != 0;
+        } else {
+          read(member);
+        }
+      });
+    }
+    return verdicts;
+  }
+
+  std::string name_;
+  Json json_;
+};
+
+}  // namespace
+
+std::string digitsOf(std::span<const Verdict> verdicts) {
+  std::string digits;
+  digits.reserve(2 * verdictBytes() * verdicts.size());
+  for (const Verdict& verdict : verdicts) {
+    visitMembers(verdict, [&](const auto& member) {
+      for (const std::byte byte : std::as_bytes(std::span(&member, 1))) {
+        digits += kDigits[std::to_integer<unsigned>(byte >> 4)];
+        digits += kDigits[std::to_integer<unsigned>(byte & std::byte{15})];
+      }
+    });
+  }
+  return digits;
+}
+
+std::string evaluationPartText(const EvaluationPart& part) {
+  Json json{{"evaluation_part", kFormatVersion},
+            {"program_version", part.program_version},
+            {"device", part.device},
+            {"probe_sha256", part.probe_sha256},
+            {"scene", part.scene},
+            {"condition", part.condition},
+            {"seed", part.seed},
+            {"num_episodes", part.num_episodes},
+            {"policy", part.policy},
+            {"first_episode", part.episodes.first},
+            {"end_episode", part.episodes.end},
+            {"evaluations", Json::array()}};
+  for (const EvaluationPart::Verdicts& evaluation : part.evaluations) {
+    json["evaluations"].push_back({{"controller", evaluation.controller}, {"verdicts", digitsOf(evaluation.verdicts)}});
+  }
+  const std::string content = json.dump();
+  json["sha256"] = sha256Hex(std::as_bytes(std::span(content)));
+  return json.dump(1) + "\n";
+}
+
+EvaluationPart parseEvaluationPart(const std::string& text, const std::string& name) {
+  return Parser(text, name).part();
+}
+
+void writeEvaluationPart(const std::filesystem::path& file, const EvaluationPart& part) {
+  const std::string text = evaluationPartText(part);
+  writeFileAtomically(file, std::as_bytes(std::span(text)));
+}
+
+EvaluationPart readEvaluationPart(const std::filesystem::path& file) {
+  return parseEvaluationPart(readTextFile(file, kMaxBytes), file.string());
+}
+
+}  // namespace taxelsim

@@ -1,0 +1,57 @@
+#include "evaluation/probe.h"
+
+#include "base/sha256.h"
+#include "episodes/slice.h"
+#include "evaluation/play.h"
+
+namespace taxelsim {
+namespace {
+
+constexpr int kNumEpisodes = 4;  // different objects and poses
+constexpr int kNumFrames = 2;    // the initial contact and a frame with the state of a frame before
+
+class ProbeSink : public EpisodeSink {
+ public:
+  bool isComplete() const { return num_frames_ == kNumFrames; }
+  std::string hash() { return digest_.finish(); }
+
+  std::optional<std::uint64_t> next(int) override {
+    if (next_ == kNumEpisodes) return {};
+    return next_++;
+  }
+  void begin(int, const EpisodeRecord&) override {}
+  void frame(const FrameView& view, const FrameContext&) override {
+    if (isComplete()) return;
+    ++num_frames_;
+    add(view);
+    add(view.ground_truth);
+    digest_.add(std::as_bytes(view.tactile_image));
+  }
+  void end(int) override {}
+
+ private:
+  void add(const FeatureView& features) {
+    for (const std::span<const float> values : {features.total_force, features.peak_force, features.center_of_pressure,
+                                                features.second_moments, features.edge_angle, features.edge_confidence})
+      digest_.add(std::as_bytes(values));
+  }
+
+  std::uint64_t next_ = 0;
+  int num_frames_ = 0;
+  Sha256 digest_;
+};
+
+}  // namespace
+
+std::string featureProbe(const Model& model, const Scene& scene) {
+  const SlicePlan plan(scene, kNoOutputs, 0);
+  ProbeSink sink;
+  Slice slice(model, plan, kNumEpisodes, sink);
+  while (slice.busy() && !sink.isComplete()) {
+    slice.submit();
+    slice.collect();
+  }
+  return sink.hash();
+}
+
+}  // namespace taxelsim
