@@ -72,10 +72,8 @@ bool beginTile(uint instance, uint tile_number, out Tile tile) {
   if (SEARCH >= kSearchOverTiles && (instances[instance].keys.w & kFlagLoadDriven) != 0) {
     tile.offset_z = loads[instance].bracket.x;
     tile.level = -loads[instance].forces.z * tile.X_PS.row2.z;
-    if (!AREA) {
-      tile.z_base += tile.level;
-      tile.z_limit += tile.level;
-    }
+    tile.z_base += tile.level;
+    tile.z_limit += tile.level;
   }
   return true;
 }

@@ -40,6 +40,11 @@ struct DeviceInfo {
   std::uint32_t shared_memory = 0;       ///< Bytes of shared memory per workgroup.
 };
 
+/// Name and driver of a device, as data sets and evaluations record them.
+inline std::string deviceText(const DeviceInfo& info) {
+  return info.name + ", " + info.driver;
+}
+
 /// Options of Device::open().
 struct DeviceOptions {
   /// "gpu" (the best that is not a CPU), "discrete", "integrated", "cpu", an index into listDevices(), or part of a device's name. Empty

@@ -1,5 +1,6 @@
 // Evaluations in parts.
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
@@ -54,6 +55,13 @@ void bindEvaluationParts(nb::module_& module) {
       .def("text", &evaluationPartText);
   module.def("evaluate_part", &runEvaluatePart, "device"_a, "scene"_a, "controllers"_a, "episodes"_a, "batch_size"_a, "num_slices"_a,
              "on_progress"_a.none(), "policy"_a.none());
+  module.def(
+      "part_of_episodes",
+      [](std::uint64_t num_episodes, std::uint64_t part, std::uint64_t num_parts) {
+        const EpisodeRange range = partOfEpisodes(num_episodes, part, num_parts);
+        return std::pair(range.first, range.end);
+      },
+      "num_episodes"_a, "part"_a, "num_parts"_a);
   module.def("parse_evaluation_part", &parseEvaluationPart, "text"_a, "name"_a);
   module.def(
       "check_evaluation_part",

@@ -104,3 +104,14 @@ def mesh_arrays(vertices: npt.ArrayLike, triangles: npt.ArrayLike) -> tuple[npt.
     """Vertices (V, 3) and triangles (T, 3) of a mesh, checked."""
     checked = to_array("vertices", vertices, np.float32, [[(-1, "V"), 3]], per_instance=False)
     return checked, to_array("triangles", triangles, np.uint32, [[(-1, "T"), 3]], per_instance=False)
+
+
+def rotation_matrices(rotations: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """(N, 3, 3) of unit quaternions (N, 4), w first."""
+    w, x, y, z = rotations.T
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), -1, 0)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from ._arrays import to_array
+from ._arrays import rotation_matrices, to_array
 from .errors import InputError
 
 
@@ -45,18 +45,8 @@ def contact_points(instances: npt.ArrayLike, positions: npt.ArrayLike, forces: n
         raise InputError(f"X_WS: quaternion of length {lengths[wrong.argmax()]:g} found in instance {wrong.argmax()}, 1 allowed")
     order = np.argsort(rows, kind="stable")
     rows = rows[order]
-    rotations = _matrices(poses[:, 3:] / lengths[:, np.newaxis])[rows]
+    rotations = rotation_matrices(poses[:, 3:] / lengths[:, np.newaxis])[rows]
     local = np.einsum("cji,cj->ci", rotations, places[order] - poses[rows, :3])
     along = np.einsum("cj,cj->c", rotations[..., 2], pushes[order])
     offsets = np.searchsorted(rows, np.arange(len(poses) + 1)).astype(np.int32)
     return ContactPoints(local, np.maximum(-along, 0), offsets)
-
-
-def _matrices(quaternions: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    w, x, y, z = quaternions.T
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.moveaxis(np.array(rows), -1, 0)

@@ -35,7 +35,7 @@ class EvaluationPart:
 
     @property
     def policy(self) -> str:
-        """Identity of the policy; empty without a policy or for one without an identity, which its name alone tells apart."""
+        """Identity of the policy. Empty without a policy, and for a policy without an identity: such policies are compared by name only."""
         return self._core.policy
 
     @property

@@ -49,7 +49,7 @@ int mergeParts(const Arguments& arguments) {
 int playPart(const Arguments& arguments, const Device& device, const Scene& scene, const EvaluateOptions& options, Activity& activity) {
   const std::filesystem::path file = partFile(arguments.directory, *options.episodes);
   const std::vector<std::string> names = namesOf(arguments, scene);
-  const bool is_played = isPlayed(file, scene, device.info().name + ", " + device.info().driver, names);
+  const bool is_played = isPlayed(file, scene, deviceText(device.info()), names);
   if (!is_played) {
     const EvaluationPart part = evaluatePart(device, scene, arguments.controllers, options);
     activity.end();
@@ -97,7 +97,7 @@ int runEvaluate(const Arguments& arguments) {
   activity.end();
   printer.clear();
   const bool stopped = *options.stop;
-  if (!evaluations.empty()) reportEvaluations(arguments.report, scene, device.info().name + ", " + device.info().driver, evaluations);
+  if (!evaluations.empty()) reportEvaluations(arguments.report, scene, deviceText(device.info()), evaluations);
   if (!stopped) return kExitOk;
   spdlog::warn("stopped: {} of {} controllers are evaluated", evaluations.size(), namesOf(arguments, scene).size());
   return kExitInterrupted;

@@ -34,9 +34,8 @@ GraspBatch::GraspBatch(const Device& device, const Scene& scene, const OutputOpt
       robots_(device, std::get<Manipulator>(scene.robot), grasp_.sensors, objectsOf(scene),
               {.num_instances = num_instances, .seed = scene.seed, .outputs = withJacobian(outputs), .max_regions = scene.max_regions}) {
   const auto size = static_cast<std::size_t>(num_instances);
-  X_WO_0_.resize(size * scene.objects.size());
-  X_WO_.resize(X_WO_0_.size());
-  episodes_.resize(size);
+  X_WO_.resize(size * scene.objects.size());
+  trajectories_.resize(X_WO_.size());
   target_forces_.resize(size * grasp_.fingers.size());
   velocities_.resize(size * static_cast<std::size_t>(robots_.robots().numJoints()));
   no_twists_.resize(size);
@@ -47,7 +46,7 @@ void GraspBatch::begin(std::uint64_t first, int count) {
   frame_ = -1;
   for (int i = 0; i < numInstances(); ++i) {
     const auto instance = static_cast<std::size_t>(i);
-    const std::uint64_t episode = episodes_[instance] = first + static_cast<std::uint64_t>(std::min(i, count - 1));
+    const std::uint64_t episode = first + static_cast<std::uint64_t>(std::min(i, count - 1));
     robots_.reset(i, episode);
     EpisodeRandom random(scene_.seed, episode);
     const double factor = random.uniform(1 - grasp_.force_spread, 1 + grasp_.force_spread);
@@ -56,8 +55,11 @@ void GraspBatch::begin(std::uint64_t first, int count) {
       std::array<double, 3> offset{};
       for (double& value : offset) value = random.uniform(-grasp_.offset, grasp_.offset);
       const Quaternion yaw = axisAngle({0, 0, 1}, random.uniform(-grasp_.yaw, grasp_.yaw));
-      X_WO_0_[instance * scene_.objects.size() + k] = {{X.position[0] + offset[0], X.position[1] + offset[1], X.position[2] + offset[2]},
-                                                       yaw * X.rotation};
+      const std::size_t slot = instance * scene_.objects.size() + k;
+      X_WO_[slot] = {{X.position[0] + offset[0], X.position[1] + offset[1], X.position[2] + offset[2]}, yaw * X.rotation};
+      trajectories_[slot].reset();
+      const MotionKey key{.seed = scene_.seed, .episode = episode, .slot = static_cast<std::uint32_t>(k)};
+      if (const std::optional<Motion>& motion = scene_.objects[k].motion) trajectories_[slot].emplace(*motion, X_WO_[slot], key);
     }
     for (std::size_t f = 0; f < grasp_.fingers.size(); ++f) {
       target_forces_[instance * grasp_.fingers.size() + f] = factor * grasp_.fingers[f].force;
@@ -68,11 +70,8 @@ void GraspBatch::begin(std::uint64_t first, int count) {
 void GraspBatch::step() {
   if (frame_ >= 0) command();
   ++frame_;
-  const std::size_t num_objects = scene_.objects.size();
-  for (std::size_t i = 0; i < X_WO_.size(); ++i) {
-    const std::optional<Motion>& motion = scene_.objects[i % num_objects].motion;
-    const MotionKey key{.seed = scene_.seed, .episode = episodes_[i / num_objects], .slot = static_cast<std::uint32_t>(i % num_objects)};
-    X_WO_[i] = motion ? Trajectory(*motion, X_WO_0_[i], key).at(time()) : X_WO_0_[i];
+  for (std::size_t slot = 0; slot < X_WO_.size(); ++slot) {
+    if (trajectories_[slot]) X_WO_[slot] = trajectories_[slot]->at(time());
   }
   robots_.step(dt_, X_WO_);
 }

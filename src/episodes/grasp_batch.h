@@ -40,12 +40,11 @@ class GraspBatch {
   double dt_;
   SensedRobots robots_;
   std::int64_t frame_ = -1;
-  std::vector<Pose> X_WO_0_;             // (num_instances x num_objects)
-  std::vector<Pose> X_WO_;               // (num_instances x num_objects)
-  std::vector<std::uint64_t> episodes_;  // (num_instances)
-  std::vector<double> target_forces_;    // (num_instances x num_fingers)
-  std::vector<double> velocities_;       // (num_instances x num_joints), rad/s or m/s
-  std::vector<Twist> no_twists_;         // (num_instances)
+  std::vector<Pose> X_WO_;                               // (num_instances x num_objects)
+  std::vector<std::optional<Trajectory>> trajectories_;  // (num_instances x num_objects), of objects that move
+  std::vector<double> target_forces_;                    // (num_instances x num_fingers)
+  std::vector<double> velocities_;                       // (num_instances x num_joints), rad/s or m/s
+  std::vector<Twist> no_twists_;                         // (num_instances)
   std::vector<std::uint8_t> by_joints_;
 };
 

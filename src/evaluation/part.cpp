@@ -8,6 +8,7 @@
 #include "evaluation/play.h"
 #include "evaluation/probe.h"
 #include "evaluation/scores.h"
+#include "taxelsim/dataset.h"
 #include "taxelsim/error.h"
 #include "taxelsim/version.h"
 
@@ -44,8 +45,8 @@ void requireAll(const std::vector<bool>& found) {
 }  // namespace
 
 EpisodeRange partOfEpisodes(std::uint64_t num_episodes, std::uint64_t part, std::uint64_t num_parts) {
-  const auto start = [&](std::uint64_t index) { return num_episodes / num_parts * index + std::min(index, num_episodes % num_parts); };
-  return {start(part - 1), start(part)};
+  const ShardRange range = partOfShards(num_episodes, part, num_parts);
+  return {range.first, range.end};
 }
 
 EvaluationPart evaluatePart(const Device& device, const Scene& scene, const std::vector<std::string>& controllers,
@@ -53,7 +54,7 @@ EvaluationPart evaluatePart(const Device& device, const Scene& scene, const std:
   const Players players(scene, controllers, options);
   const Model model(device, modelOptionsOf(scene));
   return {.program_version = kVersion,
-          .device = device.info().name + ", " + device.info().driver,
+          .device = deviceText(device.info()),
           .probe_sha256 = featureProbe(model, scene),
           .scene = scene.resolved,
           .condition = scene.condition,

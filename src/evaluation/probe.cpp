@@ -1,22 +1,19 @@
 #include "evaluation/probe.h"
 
 #include "base/sha256.h"
-#include "episodes/slice.h"
+#include "episodes/probe.h"
 #include "evaluation/play.h"
 
 namespace taxelsim {
 namespace {
 
-constexpr int kNumEpisodes = 4;  // different objects and poses
-constexpr int kNumFrames = 2;    // the initial contact and a frame with the state of a frame before
-
 class ProbeSink : public EpisodeSink {
  public:
-  bool isComplete() const { return num_frames_ == kNumFrames; }
+  bool isComplete() const { return num_frames_ == kNumProbeFrames; }
   std::string hash() { return digest_.finish(); }
 
   std::optional<std::uint64_t> next(int) override {
-    if (next_ == kNumEpisodes) return {};
+    if (next_ == kNumProbeEpisodes) return {};
     return next_++;
   }
   void begin(int, const EpisodeRecord&) override {}
@@ -46,11 +43,7 @@ class ProbeSink : public EpisodeSink {
 std::string featureProbe(const Model& model, const Scene& scene) {
   const SlicePlan plan(scene, kNoOutputs, 0);
   ProbeSink sink;
-  Slice slice(model, plan, kNumEpisodes, sink);
-  while (slice.busy() && !sink.isComplete()) {
-    slice.submit();
-    slice.collect();
-  }
+  runProbe(model, plan, sink);
   return sink.hash();
 }
 

@@ -1,5 +1,4 @@
-// The features in a few first frames. Their SHA-256 differs between machines that compute different values under equal names of device and
-// driver, as the probe of a data set does (generation/probe.h).
+// The probe of an evaluation: features that all machines that play its episodes must reproduce (episodes/probe.h).
 #pragma once
 
 #include <string>

@@ -87,7 +87,7 @@ Manifest manifestOf(const Scene& scene, const Device& device, const GenerateOpti
           .compression = scene.compression,
           .chunk_bytes = scene.chunk_bytes,
           .program_version = kVersion,
-          .device = device.info().name + ", " + device.info().driver,
+          .device = deviceText(device.info()),
           .policy = options.policy ? options.policy->id : "",
           .columns = columnsOf(scene)};
 }

@@ -4,20 +4,17 @@
 #include <vector>
 
 #include "base/sha256.h"
-#include "episodes/slice.h"
+#include "episodes/probe.h"
 #include "generation/recorder.h"
 #include "taxelsim/generate.h"
 
 namespace taxelsim {
 namespace {
 
-constexpr int kNumEpisodes = 4;  // different objects and poses
-constexpr int kNumFrames = 2;    // of each episode: the initial contact and one with the state of a frame before
-
 // The episodes as one shard. The rows of frames that an episode does not have are 0.
 Manifest probeManifest(const Scene& scene) {
   Manifest manifest;
-  manifest.num_episodes = manifest.episodes_per_shard = kNumEpisodes;
+  manifest.num_episodes = manifest.episodes_per_shard = kNumProbeEpisodes;
   manifest.columns = columnsOf(scene);
   return manifest;
 }
@@ -26,12 +23,12 @@ class ProbeSink : public EpisodeSink {
  public:
   ProbeSink(const Scene& scene, const Recorder& recorder)
       : recorder_(recorder),
-        queue_(probeManifest(scene), {false}, kNumFrames),
-        episodes_(kNumEpisodes),
-        frames_(kNumEpisodes),
-        frames_left_(kNumEpisodes, kNumFrames) {}
+        queue_(probeManifest(scene), {false}, kNumProbeFrames),
+        episodes_(kNumProbeEpisodes),
+        frames_(kNumProbeEpisodes),
+        frames_left_(kNumProbeEpisodes, kNumProbeFrames) {}
 
-  bool isComplete() const { return num_complete_ == kNumEpisodes; }
+  bool isComplete() const { return num_complete_ == kNumProbeEpisodes; }
 
   std::string hash() const {
     Sha256 digest;
@@ -48,13 +45,13 @@ class ProbeSink : public EpisodeSink {
 
   void begin(int instance, const EpisodeRecord& record) override {
     const EpisodePlace& place = episodes_[instance];
-    frames_[instance] = {place.buffer->columns.data(), place.row * kNumFrames, static_cast<std::size_t>(record.object)};
+    frames_[instance] = {place.buffer->columns.data(), place.row * kNumProbeFrames, static_cast<std::size_t>(record.object)};
     recorder_.recordEpisode({.record = record, .success = false}, place);
   }
 
   void frame(const FrameView& view, const FrameContext& context) override {
     recorder_.recordFrames(view, context, frames_);
-    for (int i = 0; i < kNumEpisodes; ++i) {
+    for (int i = 0; i < kNumProbeEpisodes; ++i) {
       ++frames_[i].row;
       if (frames_[i].columns && --frames_left_[i] == 0) end(i);
     }
@@ -70,7 +67,7 @@ class ProbeSink : public EpisodeSink {
   ShardQueue queue_;
   int num_complete_ = 0;
 
-  // (kNumEpisodes), one per instance
+  // (kNumProbeEpisodes), one per instance
   std::vector<EpisodePlace> episodes_;
   std::vector<FramePlace> frames_;
   std::vector<int> frames_left_;
@@ -82,11 +79,7 @@ std::string probeHash(const Model& model, const Scene& scene) {
   const SlicePlan plan(scene, outputsOf(scene));
   const Recorder recorder(planColumns(scene), plan.edges);
   ProbeSink sink(scene, recorder);
-  Slice slice(model, plan, kNumEpisodes, sink);
-  while (slice.busy() && !sink.isComplete()) {
-    slice.submit();
-    slice.collect();
-  }
+  runProbe(model, plan, sink);
   return sink.hash();
 }
 

@@ -1,5 +1,4 @@
-// A few frames whose bytes differ between machines that compute different values under equal names of device and driver: a software
-// renderer compiles for the processor that it runs on, and the host's mathematical functions choose their code by it.
+// The probe of a data set: frames that all machines that write it must reproduce (episodes/probe.h).
 #pragma once
 
 #include <string>

@@ -18,20 +18,13 @@ import time
 
 import yaml
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+from balls_scene import ROOT, balls_scene
+
 DEPLOY = ROOT / "deploy"
 PARTS = 2
 EPISODES = 24
 TIMEOUT = 300  # s, of one worker
-SCENE = f"""format_version: 1
-name: balls
-kind: contacts
-sensor: {ROOT}/scenes/sensors/wts0614_soft_cover.yaml
-objects: [{{sphere: {{radius_mm: 5}}}}]
-randomization: {{load: [0.1, 1]}}
-record: [tactile_image]
-data_set: {{episodes: {EPISODES}, seed: 1, episodes_per_shard: 4}}
-"""
+SCENE = balls_scene(EPISODES, 4, "tactile_image")
 
 
 def files_of(folder):

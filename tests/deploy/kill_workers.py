@@ -18,21 +18,14 @@ import sys
 import tempfile
 import time
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+from balls_scene import balls_scene
+
 EPISODES, EPISODES_PER_SHARD = 48, 2
 CHOICES = (["--part", "1/3"], ["--part", "2/3"], ["--part", "3/3"], ["--shards", "5..18"])
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
 STOPPED = 130  # exit status after SIGTERM and SIGINT: complete shards are kept
 TIMEOUT = 300  # s, of one process
-SCENE = f"""format_version: 1
-name: balls
-kind: contacts
-sensor: {ROOT}/scenes/sensors/wts0614_soft_cover.yaml
-objects: [{{sphere: {{radius_mm: 5}}}}]
-randomization: {{load: [0.1, 1]}}
-record: [tactile_image, ground_truth]
-data_set: {{episodes: {EPISODES}, seed: 1, episodes_per_shard: {EPISODES_PER_SHARD}}}
-"""
+SCENE = balls_scene(EPISODES, EPISODES_PER_SHARD, "tactile_image, ground_truth")
 
 
 def files_of(folder):

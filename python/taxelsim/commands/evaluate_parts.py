@@ -6,6 +6,7 @@ import argparse
 import re
 from pathlib import Path
 
+from .. import _core
 from ..errors import InputError
 
 
@@ -32,8 +33,7 @@ def chosen_episodes(options: argparse.Namespace, num_episodes: int) -> range | N
     part, num_parts = _numbers(r"(\d+)/(\d+)", options.part, "--part", "K/N, such as 3/16, K from 1 to N")
     if not 1 <= part <= num_parts:
         raise InputError(f"--part: {options.part} is not K/N, such as 3/16, K from 1 to N")
-    first, end = (num_episodes // num_parts * index + min(index, num_episodes % num_parts) for index in (part - 1, part))
-    return range(first, end)
+    return range(*_core.part_of_episodes(num_episodes, part, num_parts))
 
 
 def _numbers(pattern: str, text: str, option: str, allowed: str) -> tuple[int, int]:

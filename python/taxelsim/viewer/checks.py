@@ -6,8 +6,8 @@ from collections.abc import Set
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .._arrays import rotation_matrices
 from .._core import Object, Scene, Sensor, bounds_of
 
 if TYPE_CHECKING:
@@ -20,17 +20,6 @@ def extent_of(sensor: Sensor) -> float:
     """m, longest side of the box around all taxels."""
     pitch = max(max(patch.pitch) for patch in sensor.patches)
     return float(np.ptp(sensor.taxel_positions, axis=0).max() + pitch)
-
-
-def rotation_matrices(rotations: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(N, 3, 3) of unit quaternions (N, 4), w first."""
-    w, x, y, z = rotations.T
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.moveaxis(np.array(rows), -1, 0)
 
 
 def size_warning(item: Object, sensor: Sensor) -> str | None:

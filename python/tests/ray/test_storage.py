@@ -19,7 +19,7 @@ from taxelsim.ray.worker import Job, SceneName, _scratch, runs_of
 
 
 class Flaky(MemoryFileSystem):
-    """Fails as often as it is told to, and may cut uploads off or drop the rights of its user."""
+    """Fails a given number of times. Options truncate uploads, or revoke the rights of the user."""
 
     protocol = "flaky"
     cachable = False

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import taxelsim
-from taxelsim.viewer.checks import place_warning, rotation_matrices
+from taxelsim._arrays import rotation_matrices
+from taxelsim.viewer.checks import place_warning
 from taxelsim.viewer.source import Episode
 
 BAR = taxelsim.Object(taxelsim.Box(size=[0.01, 0.04, 0.01]), "bar")

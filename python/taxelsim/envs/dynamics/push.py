@@ -25,8 +25,8 @@ TOLERANCE = 0.005  # m, of the final position
 class PushVectorEnv(DynamicVectorEnv):
     """A pad pushes a disc along a path that bends to a side, and stops it at the goal.
 
-    Where the disc starts against the pad (up to 10 mm off its middle), the bend and the friction with the table are drawn. A policy is told
-    where its target is, not where the disc is.
+    Where the disc starts against the pad (up to 10 mm off its middle), the bend and the friction with the table are drawn. A policy
+    observes the position of its target, not that of the disc.
 
     Actions (3): forward (along z of S), to the side (along y of S), m/s of 60 mm/s, and turn to the side of y, of 1 rad/s.
     `goal` (4): target that moves along the path, then the goal, forward and to the side of the pad, m.
