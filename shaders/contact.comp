@@ -12,7 +12,7 @@
 //      surface height (m, in P) at each solver node, with the slot in its lowest bits (depth/slots.glsl); kMiss without a surface.
 // State per sample, between steps: depth, strain and overstresses of a skin that relaxes, shear traction or bristle deflection.
 // Shared memory: 4 TILE_SAMPLES (9 with AREA, 17 with MANY_SLOTS, too) + 16 LANES + 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 4 REPEAT + 84 bytes; friction
-//      adds 8 LANES + 512, lockstep 16 NUM_FACES, AREA with meshes 4 kMostFacets.
+//      adds 8 LANES + 512, lockstep 16 NUM_FACES, AREA with meshes 4 kMostFacets, VARIATION 16 TILE_SAMPLES.
 // Deterministic: the tile is a minimum of integers, which sum cells; LANES partial sums are added in a fixed order, whatever the size of the workgroup.
 // Mutable globals: any_unfinished_loop (driver/loop_limit.glsl); the planes of a polyhedron (depth/polyhedron.glsl).
 // Twins: src/reference/depth.cpp, contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp, load.cpp.
@@ -52,6 +52,7 @@ const bool kShears = FRICTION && !kGlobalSolve;  // after a global solve, the pa
 #include "skin/load_search.glsl"
 #include "skin/friction.glsl"
 #include "skin/laws/lugre.glsl"
+#include "skin/cell_points.glsl"
 #include "skin/cell_fluxes.glsl"
 #include "depth/polyhedron_taxels.glsl"
 #include "skin/tile_pressures.glsl"

@@ -7,8 +7,11 @@
 const uint kEmpty = 0x7F7FFFFFu;  // the largest finite float, as bits: no surface over the sample
 shared uint tile_heights[TILE_SAMPLES];
 shared uint cell_shares[AREA ? TILE_SAMPLES : 1u];  // with AREA, the covered share of a cell as the bits of a float, negative at the skin's full thickness
-shared uint cell_volumes[AREA && MANY_SLOTS ? TILE_SAMPLES : 1u];  // depth/area/cell_depths.glsl
+shared uint cell_variations[VARIATION ? TILE_SAMPLES : 1u];        // variationOf(), depth/area/cell_depths.glsl; the following are its sums
+shared uint cell_volumes[AREA && MANY_SLOTS ? TILE_SAMPLES : 1u];
 shared uint cell_covered[AREA && MANY_SLOTS ? TILE_SAMPLES : 1u];
+shared uint cell_squares[VARIATION ? TILE_SAMPLES : 1u];
+shared uint cell_moments[VARIATION ? 2u * TILE_SAMPLES : 1u];
 const uint kWhole = 0x3F800000u;  // the bits of 1.0
 #ifdef LOCKSTEP
 shared int lane_words[WORKGROUP];
@@ -49,6 +52,7 @@ void clearHeights() {
     tile_heights[address] = kEmpty;
     if (AREA) cell_shares[address] = kWhole;
     if (AREA && MANY_SLOTS) cell_volumes[address] = cell_covered[address] = 0;
+    if (VARIATION) cell_variations[address] = cell_squares[address] = cell_moments[2u * address] = cell_moments[2u * address + 1u] = 0;
   }
 }
 
@@ -59,6 +63,7 @@ void clearSamples(Tile tile, Box box) {
     for (uint address = first; address <= last; ++address) {
       tile_heights[address] = kEmpty;
       if (AREA) cell_shares[address] = kWhole;
+      if (VARIATION) cell_variations[address] = 0;
     }
   }
 }

@@ -40,6 +40,7 @@ CONSTANT(41, uint, LIST)                // of instances that are processed: kLis
 CONSTANT(42, bool, IS_LAST)             // writes contact_normal and tile_results for the spread; no taxel pass follows
 CONSTANT(43, bool, AREA)                // the depth of a sample is the mean over its cell, depth/area/cell_depths.glsl
 CONSTANT(44, bool, RANDOM_SKIN)         // every instance has factors of its own on stiffness and friction
+CONSTANT(45, bool, VARIATION)           // with AREA, for friction and exponents: cells know how the depth varies within them
 
 TEXELS(0, Poses)
 BUFFER(1, readonly, Instances)

@@ -83,7 +83,7 @@ TileStep beginPressures(Tile tile, uint instance, uint tile_number, uint num_slo
     if (gl_LocalInvocationIndex == 0) loads[instance] = LoadRecord(vec4(step.found.offset, 0, 0, step.found.status), vec4(0));
   }
   step.surface = search_here ? step.found.depth + step.found.lowest : THICKNESS;
-  step.friction_state = step.result * (kFrictionHeader + TILE_SAMPLES);
+  step.friction_state = frictionStart(step.result);
   step.state_window = uvec4(0);
   step.friction = RANDOM_SKIN ? instances[instance].skin.y : 1.0;
   if (kShears) {
@@ -149,7 +149,10 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
       float d_rate = HAS_STATE ? depthRate(step, address, d) : 0.0;
       float share = AREA ? uintBitsToFloat(cell_shares[address]) : 1.0;
       deep += d >= THICKNESS || share < 0.0 ? 1u : 0u;
-      float f = lawPressure(d, d_rate);
+      CellPoints points;
+      if (VARIATION) points = cellPoints(tile, d / abs(share), abs(share), cell_variations[address]);
+      bool is_uneven = VARIATION && LAW_1 != 1.0;
+      float f = is_uneven ? cellPressure(points, abs(share), d_rate) : lawPressure(d, d_rate);
       if (RELAXATION > 0) {
         SkinState skin = skinAt(step.skin, address, is_reached);
         if (kUpdatesSkin) updateSkin(step.skin, address, skin, f);
@@ -157,19 +160,25 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
       }
       force += f;
       moment += f * position;
-      if (kSumsSlopes && f > 0.0) slope += stiffnessOf(d, share, f).slope;
+      if (kSumsSlopes && f > 0.0) slope += stiffnessOf(points, d, share, f).slope;
       depth_sum += d;
       if (OUTPUT_JACOBIAN) {
         float signed_d = step.surface - height;
         vec2 steps = vec2(stepOfDepth(tile, signed_d, a, address, tile.stride, step.surface), stepOfDepth(tile, signed_d, b, address, 1, step.surface));
-        Stiffness stiffness = AREA ? stiffnessOf(d, share, f) : stiffnessAt(tile, signed_d, length(steps), f);
+        Stiffness stiffness = AREA ? stiffnessOf(points, d, share, f) : stiffnessAt(tile, signed_d, length(steps), f);
         addToCell(tile, cell, change, uvec2(a, b), rim, position, f, stiffness);
       }
       if (kShears) {
-        uint state_index = step.friction_state + kFrictionHeader + address;
-        vec2 q = shearTraction(state_index, has_state, d > 0.0, slotOf(word), step.only_motion, vec3(position, -d), abs(share), f * step.friction, step.per_dt);
-        shear += q;
-        shear_moment += cross(vec3(position, -d), vec3(q, 0));
+        // Two points share the pressure as they would at rest.
+        float at_rest = VARIATION ? cellPressure(points, 1.0, 0.0) : 1.0, per_rest = at_rest > 0.0 ? 1.0 / at_rest : 0.0;
+        for (uint k = 0; k < kCellPoints; ++k) {
+          uint state_index = step.friction_state + kFrictionHeader + address * kCellPoints + k;
+          float weight = VARIATION ? points.weight[k] : 1.0, part = VARIATION ? pressureAt(points, k, 1.0, 0.0) * per_rest : 1.0;
+          vec3 p = VARIATION ? vec3(position + points.from_middle[k], -points.depth[k]) : vec3(position, -d);
+          vec2 q = shearTraction(state_index, has_state, d > 0.0, slotOf(word), step.only_motion, p, weight * abs(share), part * f * step.friction, step.per_dt);
+          shear += q;
+          shear_moment += cross(p, vec3(q, 0));
+        }
       }
     }
   }

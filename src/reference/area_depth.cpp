@@ -36,6 +36,21 @@ Rectangle overlap(const Rectangle& a, const Rectangle& b) {
   return {{std::max(a.min[0], b.min[0]), std::max(a.min[1], b.min[1])}, {std::min(a.max[0], b.max[0]), std::min(a.max[1], b.max[1])}};
 }
 
+CellDepth evenDepth(double depth) {
+  return {.mean = depth, .share = 1, .square = depth * depth};
+}
+
+// Where the surface folds over itself, the sums are those of what covers the cell on average.
+CellDepth cellDepth(const CellSums& sums, const Rectangle& cell, double thickness) {
+  const double area = cell.area(), per_area = 1 / std::max(area, sums.covered);
+  CellDepth depth{
+      .mean = std::min(sums.mean(area), thickness), .share = std::min(sums.covered / area, 1.0), .square = sums.square * per_area};
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    depth.moment[axis] = (sums.moment[axis] - sums.volume * (cell.min[axis] + cell.max[axis]) / 2) * per_area;
+  }
+  return depth;
+}
+
 // The ray along `direction_P`, which is z of S, through the lowest point of a bounded solid. The point may be on a rim, which a ray can
 // miss by rounding: the ray is moved towards the middle of the projection.
 std::array<double, 2> lowestRay(const PlacedObject& placed, const GridPatch& patch, const Vector3& direction_P, const Rectangle& bounds) {
@@ -68,18 +83,18 @@ std::vector<CellDepth> AreaDepth::cellDepths(const Placed& object, const GridPat
   if (!faces.empty()) {
     std::vector<CellSums> sums(grid.size());
     addTriangles(faces, grid, range, sums);
-    for (std::size_t n = 0; n < sums.size(); ++n)
-      depths[n] = {std::min(sums[n].mean(grid.cell(0, 0).area()), range.thickness),
-                   std::min(sums[n].covered / grid.cell(0, 0).area(), 1.0)};
+    for (int u = 0; u < grid.rows; ++u) {
+      for (int v = 0; v < grid.cols; ++v) depths[grid.index(u, v)] = cellDepth(sums[grid.index(u, v)], grid.cell(u, v), range.thickness);
+    }
   } else if (std::holds_alternative<Mesh>(shape)) {
     std::vector<double> heights;
     appendHeights(patch, sensor_.samples_per_taxel, moved, {.view_depth = range.view_depth}, heights);
-    for (std::size_t n = 0; n < heights.size(); ++n) depths[n] = {range.depthAt(heights[n]), 1};
+    for (std::size_t n = 0; n < heights.size(); ++n) depths[n] = evenDepth(range.depthAt(heights[n]));
   } else {
     const Rectangle bounds = pressedBounds(shape, X_PO);
     for (int u = 0; u < grid.rows; ++u) {
       for (int v = 0; v < grid.cols; ++v)
-        depths[grid.index(u, v)] = meanDepth(heightAt, overlap(grid.cell(u, v), bounds), grid.cell(u, v).area(), range);
+        depths[grid.index(u, v)] = meanDepth(heightAt, overlap(grid.cell(u, v), bounds), grid.cell(u, v), range, varies(sensor_));
     }
   }
   return depths;
@@ -89,19 +104,22 @@ AreaDepths AreaDepth::at(double offset) const {
   AreaDepths depths;
   for (std::size_t p = 0; p < sensor_.patches.size(); ++p) {
     const std::size_t first = depths.mean.size();
-    const std::size_t end = first + SampleGrid(sensor_.patches[p], sensor_.samples_per_taxel).size();
+    const SampleGrid grid(sensor_.patches[p], sensor_.samples_per_taxel);
+    const std::size_t end = first + grid.size();
     depths.mean.resize(end, 0);
     depths.share.resize(end, 0);
     depths.touching.resize(end, kNoContact);
+    if (varies(sensor_)) depths.points.resize(end);
     for (std::size_t number = 0; number < objects_.size(); ++number) {
       const DepthRange range{.thickness = sensor_.skin.thickness, .view_depth = view_depths_[p]};
       const std::vector<CellDepth> cells = cellDepths(objects_[number], sensor_.patches[p], range, offset);
       for (std::size_t n = first; n < end; ++n) {
-        const auto& [mean, share] = cells[n - first];
-        if (mean <= depths.mean[n]) continue;
-        depths.mean[n] = mean;
-        depths.share[n] = share;
+        const CellDepth& cell = cells[n - first];
+        if (cell.mean <= depths.mean[n]) continue;
+        depths.mean[n] = cell.mean;
+        depths.share[n] = cell.share;
         depths.touching[n] = static_cast<int>(number);
+        if (varies(sensor_)) depths.points[n] = cellPoints(cell, {grid.step_x, grid.step_y});
       }
     }
   }
@@ -131,6 +149,10 @@ double AreaDepth::firstTouch() const {
     for (const Placed& object : objects_) lowest = std::min(lowest, lowestAlong(object, patch, direction_P));
   }
   return -lowest;
+}
+
+bool varies(const Sensor& sensor) {
+  return sensor.depth_sampling == DepthSampling::kArea && (hasFriction(sensor.skin) || foundationOf(sensor.skin).normal_exponent != 1);
 }
 
 std::vector<double> meanPenetrations(const Sensor& sensor, std::span<const PlacedObject> objects) {

@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "reference/cell_points.h"
 #include "reference/clipped_triangles.h"
 #include "reference/depth.h"
 #include "reference/mean_depth.h"
@@ -22,11 +23,16 @@ struct AreaDepths {
   std::vector<double> mean;   // m, 0 to thickness: the penetration
   std::vector<double> share;  // of the cell that the object with the largest mean covers, 0 to 1
   std::vector<int> touching;  // index of this object, or kNoContact
+  // Of what this object covers; empty where the mean depth of a cell determines its forces, varies().
+  std::vector<CellPoints> points;
 };
 
 // A cell is at the full thickness of the skin if an object covers this share of it, with this part of the thickness as the mean depth of
 // what is covered.
 inline constexpr double kLeastShareOfFull = 0.25, kFullDepth = 0.999;
+
+// Whether forces depend on how the depth varies within a cell: with friction, and for exponents other than 1.
+bool varies(const Sensor& sensor);
 
 // Mean depth of the covered part of a cell, m; 0 for less than kLeastShareOfFull.
 std::vector<double> coveredDepths(const AreaDepths& depths);

@@ -29,9 +29,11 @@ Polygon clipped(const Polygon& polygon, std::size_t axis, double bound, Side sid
   return kept;
 }
 
-// Projected area (m^2, positive if clockwise seen from +z) and integral of -z over it (m^3).
+// Projected area (m^2, positive if clockwise seen from +z) and integrals over it: of -z (m^3), of z^2 (m^4), of x and y (m^3), of -z x and
+// -z y (m^4).
 struct Projection {
-  double area = 0, volume = 0;
+  double area = 0, volume = 0, square = 0;
+  std::array<double, 2> middle{0, 0}, moment{0, 0};
 };
 
 Projection project(const Polygon& polygon) {
@@ -41,6 +43,15 @@ Projection project(const Polygon& polygon) {
     const double area = ((c[0] - a[0]) * (b[1] - a[1]) - (b[0] - a[0]) * (c[1] - a[1])) / 2;
     sum.area += area;
     sum.volume -= area * (a[2] + b[2] + c[2]) / 3;
+    // Of a product of linear functions: area / 12 (sum of both at the corners + product of their sums).
+    const auto integral = [&](std::size_t i, std::size_t j) {
+      return area / 12 * (a[i] * a[j] + b[i] * b[j] + c[i] * c[j] + (a[i] + b[i] + c[i]) * (a[j] + b[j] + c[j]));
+    };
+    sum.square += integral(2, 2);
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      sum.middle[axis] += area * (a[axis] + b[axis] + c[axis]) / 3;
+      sum.moment[axis] -= integral(axis, 2);
+    }
   }
   return sum;
 }
@@ -58,6 +69,8 @@ void addPolygon(const Polygon& polygon, const DepthRange& range, CellSums& sums)
   const Projection full = project(clipped(polygon, 2, -range.thickness, Side::kBelow));
   sums.covered += all.area;
   sums.volume += shallow.volume + full.area * range.thickness;
+  sums.square += shallow.square + full.area * range.thickness * range.thickness;
+  for (std::size_t axis = 0; axis < 2; ++axis) sums.moment[axis] += shallow.moment[axis] + full.middle[axis] * range.thickness;
 }
 
 // Whether the bounds of the triangle lie outside of the grid, above the skin or below the view depth. Most triangles of a mesh do.

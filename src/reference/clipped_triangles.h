@@ -30,8 +30,10 @@ struct DepthRange {
 
 // Sums over the triangles of a surface in one cell.
 struct CellSums {
-  double volume = 0;   // m^3: integral of f
-  double covered = 0;  // m^2: area with -view_depth <= z < 0
+  double volume = 0;                   // m^3: integral of f
+  double covered = 0;                  // m^2: area with -view_depth <= z < 0
+  double square = 0;                   // m^4: integral of f^2
+  std::array<double, 2> moment{0, 0};  // m^4: integrals of f x and f y, in P
 
   // Mean of f over a cell of this area (m^2). Where the surface folds over itself, the covered area exceeds the cell's; the mean is then
   // that over the covered area.

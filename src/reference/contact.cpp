@@ -32,7 +32,12 @@ double contactPressure(const ContactLaw& law, double d, double rate) {
   return d <= 0 ? 0 : std::visit(Pressure{d, rate}, law);
 }
 
-Contact computeContact(const Sensor& sensor, std::span<const double> d, std::span<const double> previous, double dt, const SkinStep& skin) {
+namespace {
+
+// `pressureAt(n, rate)`: pressure of sample n, whose depth grows by `rate` (m/s), before relaxation.
+template <typename PressureAt>
+Contact contactOf(const Sensor& sensor, std::span<const double> d, std::span<const double> previous, double dt, const SkinStep& skin,
+                  PressureAt pressureAt) {
   const std::vector<Sample> samples = samplesOf(sensor);
   Contact contact;
   contact.taxel_force.assign(samples.size() / samplesPerTaxel(sensor), 0);
@@ -42,7 +47,7 @@ Contact computeContact(const Sensor& sensor, std::span<const double> d, std::spa
   for (std::size_t n = 0; n < samples.size(); ++n) {
     const Sample& sample = samples[n];
     const double rate = previous.empty() || dt == 0 ? 0 : (d[n] - previous[n]) / dt;
-    const auto [pressure, strain] = skin.press(n, contactPressure(sensor.skin.law, d[n], rate));
+    const auto [pressure, strain] = skin.press(n, pressureAt(n, rate));
     contact.pressure.push_back(pressure);
     contact.strain.push_back(strain);
     contact.taxel_force[sample.taxel] += pressure * sample.area;
@@ -60,6 +65,23 @@ Contact computeContact(const Sensor& sensor, std::span<const double> d, std::spa
   contact.wrench = {force[0], force[1], force[2], torque[0], torque[1], torque[2]};
   contact.over_penetration = static_cast<double>(num_over) / static_cast<double>(samples.size());
   return contact;
+}
+
+}  // namespace
+
+Contact computeContact(const Sensor& sensor, std::span<const double> d, std::span<const double> previous, double dt, const SkinStep& skin) {
+  return contactOf(sensor, d, previous, dt, skin, [&](std::size_t n, double rate) { return contactPressure(sensor.skin.law, d[n], rate); });
+}
+
+Contact computeContact(const Sensor& sensor, const AreaDepths& depths, std::span<const double> previous, double dt, const SkinStep& skin) {
+  if (foundationOf(sensor.skin).normal_exponent == 1) return computeContact(sensor, depths.mean, previous, dt, skin);
+  return contactOf(sensor, depths.mean, previous, dt, skin, [&](std::size_t n, double rate) {
+    double pressure = 0;
+    for (const CellPoint& point : depths.points[n]) {
+      pressure += depths.share[n] * point.weight * contactPressure(sensor.skin.law, point.depth, rate / depths.share[n]);
+    }
+    return pressure;
+  });
 }
 
 }  // namespace taxelsim::reference

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "reference/area_depth.h"
 #include "reference/relaxation.h"
 #include "taxelsim/sensor.h"
 
@@ -25,6 +26,11 @@ struct Contact {
 // d and `previous`, the penetration of this and of the preceding frame, have shape (num_taxels x s x s), m; dt (s) lies between them. An
 // empty `previous` or dt = 0 means rest. `skin`: state of a relaxing skin; default: never loaded. Not for ElasticLayer (std::logic_error).
 Contact computeContact(const Sensor& sensor, std::span<const double> d, std::span<const double> previous, double dt,
+                       const SkinStep& skin = {});
+
+// The same with area sampling; for exponents other than 1 the pressure of a cell is the mean over its points (cell_points.h), both of
+// which approach at the mean rate of the covered part.
+Contact computeContact(const Sensor& sensor, const AreaDepths& depths, std::span<const double> previous, double dt,
                        const SkinStep& skin = {});
 
 // Pressure (Pa, >= 0) of a sample at penetration d (m) and rate d' (m/s), without relaxation. 0 for d <= 0; a damper never pulls. Not

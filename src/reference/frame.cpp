@@ -56,9 +56,12 @@ Frame simulateFrame(const Sensor& sensor, const FrameInput& input) {
   const AreaDepths depths = is_area ? AreaDepth(sensor, placed).at() : AreaDepths{};
   frame.penetration = is_area ? depths.mean : penetrations(frame.heights, sensor.skin.thickness);
   frame.share = depths.share;
+  frame.points = depths.points;
   if (!is_solved) {
     const std::span<const double> previous = input.previous_penetration;
-    frame.contact = computeContact(sensor, frame.penetration, input.load ? std::span<const double>{} : previous, input.dt, skin);
+    const std::span<const double> before = input.load ? std::span<const double>{} : previous;
+    frame.contact = is_area ? computeContact(sensor, depths, before, input.dt, skin)
+                            : computeContact(sensor, frame.penetration, before, input.dt, skin);
     if (is_area) frame.contact.over_penetration = overPenetration(sensor, depths);
     if (input.skin) input.skin->advance(input.dt, frame.contact.strain);
     const PressedSkin pressed = pressedSamples(sensor, placed, depths, frame.penetration, frame.contact.pressure);

@@ -44,6 +44,7 @@ struct Frame {
   std::vector<double> heights;      // (num_taxels x s x s), m, at the middle of each cell
   std::vector<double> penetration;  // (num_taxels x s x s), m, 0 to thickness
   std::vector<double> share;        // (num_taxels x s x s): of each cell, what is covered; empty with point sampling
+  std::vector<CellPoints> points;   // (num_taxels x s x s), AreaDepths::points
   Contact contact;                  // wrench: of the pressures alone. ElasticLayer: without `pressure` and `strain`
   ContactShear shear;
   LayerContact layer;                   // ElasticLayer only

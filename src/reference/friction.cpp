@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/vector3.h"
+#include "reference/contact.h"
 #include "reference/samples.h"
 
 namespace taxelsim::reference {
@@ -23,6 +24,27 @@ Vector3 rigidDisplacement(const Vector3& p_S, const Pose& from, const Pose& to) 
 Shear returnToCone(const Shear& q, double cap) {
   const double size = std::hypot(q[0], q[1]);
   return size <= cap ? q : Shear{q[0] / size * cap, q[1] / size * cap};
+}
+
+// Two points for each cell, which share its pressure as they would at rest.
+PressedSkin pressedPoints(const Sensor& sensor, const AreaDepths& cells, std::span<const double> pressure) {
+  PressedSkin skin;
+  const std::vector<Sample> samples = samplesOf(sensor);
+  for (std::size_t n = 0; n < samples.size(); ++n) {
+    const CellPoints& points = cells.points[n];
+    const auto atRest = [&](const CellPoint& point) { return point.weight * contactPressure(sensor.skin.law, point.depth, 0); };
+    const double sum = atRest(points[0]) + atRest(points[1]);
+    for (const CellPoint& point : points) {
+      Sample sample = samples[n];
+      for (std::size_t axis = 0; axis < 2; ++axis) sample.position_P[axis] += point.from_middle[axis];
+      skin.points.push_back(sample);
+      skin.touching.push_back(cells.touching[n]);
+      skin.d.push_back(point.depth);
+      skin.pressure.push_back(sum > 0 ? pressure[n] * atRest(point) / sum : 0);
+      skin.share.push_back(cells.share[n] * point.weight);
+    }
+  }
+  return skin;
 }
 
 }  // namespace
@@ -51,11 +73,7 @@ PressedSkin pressedSamples(const Sensor& sensor, std::span<const PlacedObject> o
   const auto heightsUnder = [&](std::span<const PlacedObject> object) { return surfaceHeights(sensor, object); };
   PressedSkin skin{samplesOf(sensor), std::vector<int>(d.size(), kNoContact), {d.begin(), d.end()}, {pressure.begin(), pressure.end()}};
   if (!hasFriction(sensor.skin) || objects.empty()) return skin;
-  if (sensor.depth_sampling == DepthSampling::kArea) {
-    skin.touching = cells.touching;
-    skin.share = cells.share;
-    return skin;
-  }
+  if (sensor.depth_sampling == DepthSampling::kArea) return pressedPoints(sensor, cells, pressure);
   const std::vector<int> lowest = lowestObjects(objects, sensor.skin.thickness, heightsUnder);
   for (std::size_t n = 0; n < d.size(); ++n) skin.touching[n] = d[n] > 0 ? lowest[n] : kNoContact;
   return skin;

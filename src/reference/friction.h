@@ -37,7 +37,7 @@ struct FrictionState {
   std::vector<Shear> history{};         // (num_points), history variable: traction, Pa; with law lugre the bristle deflection, m
 };
 
-// Points at which shear is computed: the samples, or the nodes of an elastic layer.
+// Points at which shear is computed: the samples, two points of each cell with DepthSampling::kArea, or the nodes of an elastic layer.
 struct PressedSkin {
   std::vector<Sample> points;    // taxel kNoTaxel in the margin
   std::vector<int> touching;     // (num_points): index of the touching object, or kNoContact
@@ -47,8 +47,8 @@ struct PressedSkin {
 };
 
 // The samples with penetration d (m) and pressure (Pa), both (num_taxels x s x s). A sample is touched where d > 0, by the object with the
-// lowest surface there; with DepthSampling::kArea by the one with the largest mean depth over the cell, whose springs act
-// on the share that it covers. `cells`: with DepthSampling::kArea.
+// lowest surface there. With DepthSampling::kArea: the points of the cells (cell_points.h), touched by the object with the largest mean
+// depth over the cell, whose springs act on the share that it covers. `cells`: with DepthSampling::kArea.
 PressedSkin pressedSamples(const Sensor& sensor, std::span<const PlacedObject> objects, const AreaDepths& cells, std::span<const double> d,
                            std::span<const double> pressure);
 

@@ -107,14 +107,15 @@ LoadResult findLoad(const Sensor& sensor, std::span<const PlacedObject> objects,
       return penetrations(surfaceHeights(sensor, movedAlongZ(objects, offset)), thickness);
     }
     std::vector<double> moved = heights;
-    for (double& height : moved) {
-      height += offset;
-    }
+    for (double& height : moved) height += offset;
     return penetrations(moved, thickness);
   };
   const auto largest = [](const std::vector<double>& d) { return *std::max_element(d.begin(), d.end()); };
   const auto deepestAt = [&](double offset) { return largest(is_area ? coveredDepths(area.at(offset)) : penetrationsAt(offset)); };
-  const auto forceAt = [&](double offset) { return forceAlongLoad(sensor, computeContact(sensor, penetrationsAt(offset), {}, 0, skin)); };
+  const auto contactAt = [&](double offset) {
+    return is_area ? computeContact(sensor, area.at(offset), {}, 0, skin) : computeContact(sensor, penetrationsAt(offset), {}, 0, skin);
+  };
+  const auto forceAt = [&](double offset) { return forceAlongLoad(sensor, contactAt(offset)); };
 
   if (!level) {
     // A side wall of an object may touch a tilted patch earlier than its lowest point does.

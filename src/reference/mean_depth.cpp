@@ -83,22 +83,27 @@ class Quadrature {
 using Piece = std::uint64_t;
 constexpr Piece kNone = 1, kShallow = 2, kFull = 3, kDigit = 4;
 
+// A function of x, y (m) and f (m).
+struct Integrand {
+  std::function<double(double, double, double)> value;
+  bool of_depth_only = true, is_constant = false;
+};
+
 class Integrator {
  public:
   Integrator(const HeightAt& heightAt, const Rectangle& domain, const DepthRange& range)
       : heightAt_(heightAt), domain_(domain), range_(range) {}
 
-  // Of f (m^3), or of 1 where f > 0 (m^2).
-  double integral(bool of_depth) {
-    const double full = of_depth ? range_.thickness : 1;
+  // Where f > 0.
+  double integral(const Integrand& integrand) {
     const double height = domain_.max[1] - domain_.min[1];
-    const std::function<double(double)> lineAt = [this, of_depth](double x) { return lineIntegral(x, of_depth); };
+    const std::function<double(double)> lineAt = [this, &integrand](double x) { return lineIntegral(x, integrand); };
     double sum = 0;
     forEachPiece(
         domain_.min[0], domain_.max[0], [this](double x) { return sequenceAt(x); },
         [&](Piece sequence, double begin, double end) {
-          if (sequence == kFull) {
-            sum += (end - begin) * height * full;
+          if (sequence == kFull && integrand.of_depth_only) {
+            sum += (end - begin) * height * integrand.value(0, 0, range_.thickness);
           } else if (sequence != kNone) {
             sum += Quadrature(begin, end, lineAt).integral();
           }
@@ -120,15 +125,15 @@ class Integrator {
     }
     return sequence;
   }
-  double lineIntegral(double x, bool of_depth) {
-    const std::function<double(double)> depthOnLine = [this, x](double y) { return depthAt(x, y); };
+  double lineIntegral(double x, const Integrand& integrand) {
+    const std::function<double(double)> onLine = [this, x, &integrand](double y) { return integrand.value(x, y, depthAt(x, y)); };
     double sum = 0;
     forEachPiece(
         domain_.min[1], domain_.max[1], [this, x](double y) { return pieceAt(x, y); },
         [&](Piece piece, double begin, double end) {
-          if (!of_depth && piece != kNone) sum += end - begin;
-          if (of_depth && piece == kFull) sum += (end - begin) * range_.thickness;
-          if (of_depth && piece == kShallow) sum += Quadrature(begin, end, depthOnLine).integral();
+          if (piece == kNone) return;
+          const bool is_constant = integrand.of_depth_only && (piece == kFull || integrand.is_constant);
+          sum += is_constant ? (end - begin) * integrand.value(0, 0, range_.thickness) : Quadrature(begin, end, onLine).integral();
         });
     return sum;
   }
@@ -140,10 +145,18 @@ class Integrator {
 
 }  // namespace
 
-CellDepth meanDepth(const HeightAt& heightAt, const Rectangle& domain, double cell_area, const DepthRange& range) {
+CellDepth meanDepth(const HeightAt& heightAt, const Rectangle& domain, const Rectangle& cell, const DepthRange& range, bool varies) {
   if (domain.isEmpty()) return {};
   Integrator integrator(heightAt, domain, range);
-  return {integrator.integral(true) / cell_area, integrator.integral(false) / cell_area};
+  const double area = cell.area(), x = (cell.min[0] + cell.max[0]) / 2, y = (cell.min[1] + cell.max[1]) / 2;
+  CellDepth depth;
+  depth.mean = integrator.integral({[](double, double, double f) { return f; }}) / area;
+  depth.share = integrator.integral({[](double, double, double) { return 1; }, true, true}) / area;
+  if (!varies) return depth;
+  depth.square = integrator.integral({[](double, double, double f) { return f * f; }}) / area;
+  depth.moment = {integrator.integral({[x](double at, double, double f) { return f * (at - x); }, false}) / area,
+                  integrator.integral({[y](double, double at, double f) { return f * (at - y); }, false}) / area};
+  return depth;
 }
 
 double lowestHeight(const HeightAt& heightAt, const Rectangle& rectangle, const std::array<double, 2>& guess) {

@@ -28,13 +28,15 @@ using HeightAt = std::function<double(double, double)>;
 inline constexpr double kMeanDepthTolerance = 5e-5;
 
 struct CellDepth {
-  double mean = 0;   // m
-  double share = 0;  // of the cell that the surface covers below the skin, at most 1
+  double mean = 0;                     // m
+  double share = 0;                    // of the cell that the surface covers below the skin, at most 1
+  double square = 0;                   // m^2: mean of f^2
+  std::array<double, 2> moment{0, 0};  // m^2: means of f x and f y, from the middle of the cell
 };
 
-// Integrals over `domain`, of f and of where it is not 0, divided by the area of the cell (m^2). `domain`: the part of the cell over which
-// the surface may be; 0 for an empty one, min >= max.
-CellDepth meanDepth(const HeightAt& heightAt, const Rectangle& domain, double cell_area, const DepthRange& range);
+// Means over a cell, of f and of where it is not 0; with `varies` square and moment, too. `domain`: the part of the cell over which the
+// surface may be; 0 for an empty one, min >= max.
+CellDepth meanDepth(const HeightAt& heightAt, const Rectangle& domain, const Rectangle& cell, const DepthRange& range, bool varies);
 
 // Lowest height over a rectangle, by a raster, the ray at `guess` (m) and a pattern search from the lowest of these; +infinity over an
 // empty rectangle.

@@ -93,13 +93,28 @@ double PressureField::meanSlope(double d, double width) const {
   return low < thickness_ ? slopeAt((low + thickness_) / 2) * (thickness_ - low) / width : 0;
 }
 
-// With area sampling, where pressure is proportional to depth.
+// Exponents other than 1: sums over the points of a cell.
+void PressureField::addPoints(std::size_t n, bool is_full) {
+  const double pressure = frame_.contact.pressure[n], share = frame_.share[n], exponent = law_.normal_exponent;
+  double at_rest = 0, slope = 0, moment = 0;
+  for (const CellPoint& point : frame_.points[n]) {
+    at_rest += share * point.weight * elasticPressure(point.depth);
+    slope += share * point.weight * law_.normal_contact_stiffness * exponent * std::pow(point.depth, exponent - 1);
+    moment += share * point.weight * elasticPressure(point.depth) * point.depth / (exponent + 1);
+  }
+  const double ratio = pressure <= 0 ? 0 : relaxes_ ? pressure / at_rest : 1;  // of the relaxed to the instantaneous stiffness
+  G.push_back(ratio * moment);
+  stiffness.push_back(is_full ? 0 : ratio * slope);
+}
+
+// With area sampling.
 void PressureField::addCell(int u, int v) {
   const std::size_t n = index(u, v);
   const double pressure = frame_.contact.pressure[n], d = frame_.penetration[n], share = frame_.share[n];
   const double ratio = pressure > 0 ? pressure / elasticPressure(d) : 0;  // of the relaxed to the instantaneous stiffness
   const bool is_full = share >= kLeastShareOfFull && d >= kFullDepth * thickness_ * share;
   f.push_back(pressure);
+  if (law_.normal_exponent != 1) return addPoints(n, is_full);
   G.push_back(pressure > 0 ? pressure * d / (2 * share) : 0);
   stiffness.push_back(is_full ? 0 : (relaxes_ || pressure <= 0 ? ratio : 1) * share * law_.normal_contact_stiffness);
 }

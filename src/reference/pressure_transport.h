@@ -57,6 +57,7 @@ class PressureField {
   double meanSlope(double d, double width) const;
   void addSample(int u, int v);
   void addCell(int u, int v);
+  void addPoints(std::size_t n, bool is_full);
 
   int num_cols_;
   std::size_t first_;

@@ -33,13 +33,11 @@ void checkPatches(const std::vector<GridPatch>& patches) {
   }
 }
 
-// The mean depth of a cell determines its mean pressure where pressure is proportional to depth, on a skin without coupling between cells.
+// How deep each cell is determines its mean pressure on a skin without coupling between cells.
 void checkDepthSampling(const Sensor& sensor) {
   if (sensor.depth_sampling == DepthSampling::kPoint) return;
   if (std::holds_alternative<ElasticLayer>(sensor.skin.law)) failField("depth_sampling", "area", "point with the law elastic_layer");
   if (std::holds_alternative<Pasternak>(sensor.skin.law)) failField("depth_sampling", "area", "point with the law pasternak");
-  const double exponent = foundationOf(sensor.skin).normal_exponent;
-  if (exponent != 1) failField("skin.normal_exponent", numberText(exponent), "1 with depth_sampling area");
 }
 
 }  // namespace

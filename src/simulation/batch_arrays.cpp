@@ -66,7 +66,8 @@ std::uint64_t contactStates(Shape s) {
 }
 
 std::uint64_t frictionStates(Shape s) {
-  return countIf(s.hasFriction(), tiles(s) * layout::kFrictionHeader + (s.model.layer ? nodes(s) : tileSamples(s)));
+  const std::uint64_t points = s.model.variation() ? 2 : 1;  // of a sample, cell_points.glsl
+  return countIf(s.hasFriction(), tiles(s) * layout::kFrictionHeader + (s.model.layer ? nodes(s) : points * tileSamples(s)));
 }
 
 // Pairs of words of all arrays over strips of nodes.

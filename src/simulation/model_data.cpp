@@ -102,7 +102,7 @@ ModelData::ModelData(const Device& opened, const ModelOptions& options)
     checkObject(object);
     bounds.push_back(finiteBounds(object));
   }
-  const std::uint32_t tile_samples = maxTileSamples(device.info(), area());
+  const std::uint32_t tile_samples = maxTileSamples(device.info(), area(), variation());
   if (std::holds_alternative<ElasticLayer>(sensor.skin.law)) layer = packLayer(sensor);
   if (isPasternak()) layer = packFoundation(sensor);
   // An elastic layer is cut into tiles only where its heights are found.

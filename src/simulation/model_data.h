@@ -60,6 +60,8 @@ struct ModelData {
   bool hasFriction() const { return taxelsim::hasFriction(sensor.skin); }
   bool relaxes() const { return !sensor.skin.relaxation.empty(); }
   bool area() const { return sensor.depth_sampling == DepthSampling::kArea; }
+  // Whether cells of area sampling know how the depth varies within them, cell_points.glsl.
+  bool variation() const { return area() && (hasFriction() || foundationOf(sensor.skin).normal_exponent != 1); }
   bool isPasternak() const { return std::holds_alternative<Pasternak>(sensor.skin.law); }
   bool hasMask() const { return std::holds_alternative<DeformationMask>(sensor.skin.law); }
 

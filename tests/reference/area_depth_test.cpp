@@ -148,7 +148,7 @@ TEST(AreaDepth, RaysAgreeWithTrianglesForTiltedBoxes) {
     for (int u = 0; u < grid.rows; ++u) {
       for (int v = 0; v < grid.cols; ++v) {
         const reference::Rectangle cell = grid.cell(u, v);
-        const double mean = reference::meanDepth(heightAt, cell, cell.area(), {.thickness = kThickness}).mean;
+        const double mean = reference::meanDepth(heightAt, cell, cell, {.thickness = kThickness}, false).mean;
         worst = std::max(worst, std::abs(mean - exact[grid.index(u, v)]));
       }
     }
@@ -214,7 +214,7 @@ TEST(AreaDepth, SurfacesBelowTheViewDepthDoNotCount) {
   EXPECT_NEAR(sums[0].mean(w * w), expected, kExact * w);
   EXPECT_NEAR(sums[0].covered, 0.75 * w * w, kExact * w * w);
   const auto heightAt = [](double x, double) { return -x; };
-  EXPECT_NEAR(reference::meanDepth(heightAt, grid.cell(0, 0), w * w, {thickness, view}).mean, expected, 1e-6 * thickness);
+  EXPECT_NEAR(reference::meanDepth(heightAt, grid.cell(0, 0), grid.cell(0, 0), {thickness, view}, false).mean, expected, 1e-6 * thickness);
 }
 
 TEST(AreaDepth, TheLargestMeanOfSeveralObjectsCounts) {

@@ -41,10 +41,6 @@ TEST(SmallObjects, AreWarnedOfWithPoints) {
 
 TEST(DepthSampling, AreaIsRefusedWhereMeansDoNotDetermineForces) {
   Sensor sensor = sensorWith(DepthSampling::kArea);
-  sensor.skin.law = Winkler{1.73e8, 1.5, 0};
-  const std::string exponent =
-      support::inputError([&] { Model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{5e-3})}}); });
-  EXPECT_THAT(exponent, testing::AllOf(testing::HasSubstr("skin.normal_exponent: 1.5"), testing::HasSubstr("depth_sampling area")));
   sensor.skin.law = ElasticLayer{.elastic_modulus = 1e6};
   const std::string layer =
       support::inputError([&] { Model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{5e-3})}}); });

@@ -37,12 +37,14 @@ Frame frameAt(const Sensor& sensor, std::span<const reference::PlacedObject> obj
     const reference::AreaDepths depths = reference::AreaDepth(sensor, moved).at();
     frame.penetration = depths.mean;
     frame.share = depths.share;
+    frame.points = depths.points;
+    frame.contact = reference::computeContact(sensor, depths, {}, 0);
   } else {
     frame.heights = reference::surfaceHeights(sensor, objects, shift);
     for (double& height : frame.heights) height += lift;
     frame.penetration = reference::penetrations(frame.heights, sensor.skin.thickness);
+    frame.contact = reference::computeContact(sensor, frame.penetration, {}, 0);
   }
-  frame.contact = reference::computeContact(sensor, frame.penetration, {}, 0);
   std::vector<reference::TaxelState> none;
   frame.taxel_force = reference::taxelResponse(sensor, frame.contact.taxel_force, 0, none);
   frame.spread_force = reference::spread(sensor, frame.taxel_force);

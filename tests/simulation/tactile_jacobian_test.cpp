@@ -99,12 +99,16 @@ TEST(TactileJacobianOnEveryDriver, AreaSamplingMatchesTheTwin) {
   for (int i = 0; i < kInstances; ++i) {
     touches.push_back({{i % 2}, {support::randomContact(random, sensor, objects[static_cast<std::size_t>(i % 2)])}});
   }
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
-  Simulator simulator(model, {.num_instances = kInstances, .outputs = kAll});
-  support::setTouches(simulator, touches);
-  simulator.step(kDt);
-  const FrameView frame = simulator.read();
-  for (int i = 0; i < kInstances; ++i) expectJacobian(frame, i, sensor, touches[static_cast<std::size_t>(i)].placed(objects));
+  for (const Winkler& law : {Winkler{1.73e8, 1, 0}, Winkler{4e9, 1.5, 0}}) {
+    SCOPED_TRACE("exponent " + std::to_string(law.normal_exponent));
+    sensor.skin.law = law;
+    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+    Simulator simulator(model, {.num_instances = kInstances, .outputs = kAll});
+    support::setTouches(simulator, touches);
+    simulator.step(kDt);
+    const FrameView frame = simulator.read();
+    for (int i = 0; i < kInstances; ++i) expectJacobian(frame, i, sensor, touches[static_cast<std::size_t>(i)].placed(objects));
+  }
 }
 
 // ---- against differences of moved sensors ----

@@ -13,10 +13,41 @@ const float kFull = 0.999;                // of THICKNESS: mean depth of the cov
 const uint kMostListed = (TILE_SAMPLES + 3u) / 4u;
 shared uint listed_cells[AREA ? kMostListed : 1u];
 
-// Adds the integral (of the cell's area, m) over the covered part (of the cell's area). `alone`: no two invocations add to one cell at a time.
-void addToSums(Tile tile, uint address, float volume, float covered, bool subtract, bool alone) {
-  int amount = int(round(volume * (kVolumeUnits / tile.deepest))), part = int(round(covered * kCoveredUnits));
+// Integrals over a part of a cell, of the cell's area. Places are in widths of the cell, from its middle.
+struct CellSums {
+  float volume;   // of the depth, m
+  float covered;  // of 1
+  float square;   // of the depth's square, m^2; like the moment only with VARIATION
+  vec2 moment;    // of depth times place, m
+};
+
+void addSums(inout CellSums sums, CellSums more, float factor) {
+  sums.volume += factor * more.volume;
+  sums.covered += factor * more.covered;
+  if (!VARIATION) return;
+  sums.square += factor * more.square;
+  sums.moment += factor * more.moment;
+}
+
+void divideSums(inout CellSums sums, float by) {
+  sums.volume /= by;
+  sums.covered /= by;
+  if (!VARIATION) return;
+  sums.square /= by;
+  sums.moment /= by;
+}
+
+// Adds integrals to the sums of a cell. `alone`: no two invocations add to one cell at a time.
+void addToSums(Tile tile, uint address, CellSums sums, bool subtract, bool alone) {
+  float units = kVolumeUnits / tile.deepest;
+  int amount = int(round(sums.volume * units)), part = int(round(sums.covered * kCoveredUnits));
   uint more = uint(subtract ? -amount : amount), more_covered = uint(subtract ? -part : part);
+  if (VARIATION) {
+    float side = subtract ? -units : units;
+    atomicAdd(cell_squares[address], uint(int(round(sums.square * side / tile.deepest))));
+    atomicAdd(cell_moments[2u * address], uint(int(round(sums.moment.x * side))));
+    atomicAdd(cell_moments[2u * address + 1u], uint(int(round(sums.moment.y * side))));
+  }
 #ifdef LOCKSTEP
   if (alone && MANY_SLOTS) {
     cell_volumes[address] += more;
@@ -38,11 +69,23 @@ void addToSums(Tile tile, uint address, float volume, float covered, bool subtra
   }
 }
 
-// Gives a cell to the object in a slot if that is the deepest: `depth`, the integral (of the cell's area, m), and `covered`, the covered part.
-void giveCell(Tile tile, uint address, uint slot, float depth, float covered) {
-  float share = clamp(covered, 1.0 / kCoveredUnits, 1.0);
+// How the depth varies over the covered part of a cell, on which its mean is `mean`: a vector in the direction in which the cell is deeper, as long as the
+// depth's standard deviation over the mean, as two half floats. Along x where no direction is deeper.
+uint variationOf(Tile tile, CellSums sums, float mean) {
+  const float kEven = 0.01;                     // of a cell: how far from its middle the pressure acts
+  const float kLeast = 1e-3, kMost = 8.0;       // of the mean
+  float covered = max(sums.covered, 1.0 / kCoveredUnits), before = sums.volume / covered;
+  float deviation = sqrt(max(sums.square / covered - before * before, 0.0));
+  vec2 deeper = sums.moment * tile.spacing;
+  bool is_even = length(sums.moment) <= kEven * sums.volume;
+  return packHalf2x16(clamp(deviation / max(mean, kLeastDepth), kLeast, kMost) * (is_even ? vec2(1, 0) : deeper / max(length(deeper), 1e-30)));
+}
+
+// Gives a cell to the object in a slot if that is the deepest.
+void giveCell(Tile tile, uint address, uint slot, CellSums sums) {
+  float share = clamp(sums.covered, 1.0 / kCoveredUnits, 1.0);
   // Surfaces of one object above each other share the cell. A lower level of the skin makes what is covered deeper.
-  depth = clamp(depth / max(covered, 1.0) + tile.level * share, 0.0, THICKNESS);
+  float depth = clamp(sums.volume / max(sums.covered, 1.0) + tile.level * share, 0.0, THICKNESS);
   uint word = depth > 0.0 ? wordOfDepth(depth, slot) : kEmpty;
   if (MANY_SLOTS) {
     if (word >= atomicMin(tile_heights[address], word)) return;
@@ -50,20 +93,33 @@ void giveCell(Tile tile, uint address, uint slot, float depth, float covered) {
     tile_heights[address] = word;
   }
   cell_shares[address] = floatBitsToUint(share > kSliver && depth >= kFull * THICKNESS * share ? -share : share);
+  if (VARIATION) cell_variations[address] = variationOf(tile, sums, depth / share);
 }
 
-// Gives the cells of a box to the object whose sums are complete, and clears its sums. All invocations call it.
+// The integrals of a cell; its sums begin anew.
+CellSums takeSums(Tile tile, uint address) {
+  int volume = int(MANY_SLOTS ? cell_volumes[address] : tile_heights[address] - kEmpty);
+  int covered = int(MANY_SLOTS ? cell_covered[address] : cell_shares[address] - kWhole);
+  float unit = tile.deepest / kVolumeUnits;
+  CellSums sums = CellSums(float(volume) * unit, float(covered) * (1.0 / kCoveredUnits), 0.0, vec2(0));
+  if (MANY_SLOTS) cell_volumes[address] = cell_covered[address] = 0;
+  if (VARIATION) {
+    sums.square = float(int(cell_squares[address])) * unit * tile.deepest;
+    sums.moment = vec2(int(cell_moments[2u * address]), int(cell_moments[2u * address + 1u])) * unit;
+    cell_squares[address] = cell_moments[2u * address] = cell_moments[2u * address + 1u] = 0;
+  }
+  return sums;
+}
+
+// Gives the cells of a box to the object whose sums are complete. All invocations call it.
 void takeCells(Tile tile, Box box, uint slot) {
   if (!isAny(box)) return;
   uint num_cols = uint(box.last.y - box.first.y + 1), count = uint(box.last.x - box.first.x + 1) * num_cols;
   for (uint i = gl_LocalInvocationIndex; i < count; i += WORKGROUP) {
     uvec2 at = uvec2(box.first) + cellNumbered(i, num_cols);
     uint address = at.x * tile.stride + at.y;
-    int volume = int(MANY_SLOTS ? cell_volumes[address] : tile_heights[address] - kEmpty);
-    int covered = int(MANY_SLOTS ? cell_covered[address] : cell_shares[address] - kWhole);
-    if (volume == 0 && covered == 0) continue;
-    giveCell(tile, address, slot, float(volume) * (tile.deepest / kVolumeUnits), float(covered) * (1.0 / kCoveredUnits));
-    if (MANY_SLOTS) cell_volumes[address] = cell_covered[address] = 0;
+    CellSums sums = takeSums(tile, address);
+    if (sums.volume != 0.0 || sums.covered != 0.0) giveCell(tile, address, slot, sums);
   }
   workgroupBarrier();
 }

@@ -89,19 +89,37 @@ Part partOf(Tile tile, Facet facet, uint which, inout Found found) {
 
 ivec2 cellOf(Part part, uint number) { return part.first + ivec2(cellNumbered(number, part.num_cols)); }
 
+// Integrals of what `which` part of a facet adds over a part of a cell: its area, its centroid from the cell's middle, the covariance of places (xx, xy, yy), the
+// depth (m) at the centroid and the largest difference of depths on the part.
+CellSums integralsOver(Facet facet, uint which, float area, vec2 center, vec3 covariance, float depth, float difference) {
+  float added = which == kUnseen ? THICKNESS : which == kBeyond ? depth - THICKNESS : depth;
+  CellSums sums = CellSums(area * added, which == kBeyond ? 0.0 : area, 0.0, vec2(0));
+  if (VARIATION) {
+    vec2 slope = which == kUnseen ? vec2(0) : facet.slope, rise = vec2(dot(covariance.xy, slope), dot(covariance.yz, slope));
+    // Of a linear function on a convex part the variance is at most that of an even distribution. What exceeds it is rounding, of a steep facet's narrow part.
+    float found = dot(rise, slope), variance = clamp(found, 0.0, difference * difference * (1.0 / 12.0));
+    if (found != variance) rise = slope * (variance / dot(slope, slope));
+    float beyond = which == kBeyond ? 2.0 * THICKNESS * added : 0.0;                // d^2 - T^2 = (d - T)^2 + 2 T (d - T)
+    sums.square = area * (added * added + variance + beyond);
+    sums.moment = area * (added * center + rise);
+  }
+  return sums;
+}
+
 // Adds the part of a cell that the corners enclose.
 void addOutlineCell(Tile tile, Facet facet, Part part, uint number, bool alone) {
   ivec2 cell = cellOf(part, number);
   vec2 corner = vec2(cell);
-  vec3 sums = vec3(0);
+  EdgeSums sums = EdgeSums(vec3(0), vec3(0));
   for (uint k = 0; k < 4; ++k) addEdge(part.corners[k].xy - corner, part.corners[(k + 1) & 3].xy - corner, part.rates[k], sums);
-  if (sums.x <= 0.0) return;
+  float area = sums.first.x;
+  if (area <= 0.0) return;
   // The integral of a plane is the area times its value at the centroid, which lies between those at the corners.
-  vec2 middle = corner + sums.yz / sums.x;
+  vec2 at = sums.first.yz / area, middle = corner + at;
   float low = min(min(part.corners[0].z, part.corners[1].z), min(part.corners[2].z, part.corners[3].z)), high = max(max(part.corners[0].z, part.corners[1].z), max(part.corners[2].z, part.corners[3].z));
-  float depth = part.which == kUnseen ? THICKNESS : clamp(facet.a.z + dot(facet.slope, middle - facet.a.xy), low, high);
-  addToSums(tile, uint(cell.x) * tile.stride + uint(cell.y), sums.x * (part.which == kBeyond ? depth - THICKNESS : depth), part.which == kBeyond ? 0.0 : sums.x, part.which != kPressed,
-            alone);
+  float depth = clamp(facet.a.z + dot(facet.slope, middle - facet.a.xy), low, high);
+  vec3 covariance = sums.second / area - vec3(at.x * at.x, at.x * at.y, at.y * at.y);
+  addToSums(tile, uint(cell.x) * tile.stride + uint(cell.y), integralsOver(facet, part.which, area, at - 0.5, covariance, depth, high - low), part.which != kPressed, alone);
 }
 
 // Adds a facet to all its cells.
@@ -136,9 +154,9 @@ void addLargeFacet(Tile tile, Facet facet, inout Found found) {
         ivec2 cell = cellOf(part, i);
         vec2 middle = vec2(cell) + 0.5;
         if (enclose(part.corners, middle)) {
-          float depth = part.which == kUnseen ? THICKNESS : facet.a.z + dot(facet.slope, middle - facet.a.xy);
-          bool beyond = part.which == kBeyond;
-          addToSums(tile, uint(cell.x) * tile.stride + uint(cell.y), beyond ? depth - THICKNESS : depth, beyond ? 0.0 : 1.0, part.which != kPressed, true);
+          float depth = facet.a.z + dot(facet.slope, middle - facet.a.xy), difference = abs(facet.slope.x) + abs(facet.slope.y);
+          CellSums sums = integralsOver(facet, part.which, 1.0, vec2(0), vec3(1, 0, 1) / 12.0, depth, difference);
+          addToSums(tile, uint(cell.x) * tile.stride + uint(cell.y), sums, part.which != kPressed, true);
         } else {
           listed_cells[atomicAdd(num_outline_cells, 1u)] = i;
         }

@@ -43,19 +43,25 @@ Box touchedCells(Tile tile, Solid solid) {
   return Box(wholeNumbers(floor(clamp(first, vec2(0), end))), wholeNumbers(floor(clamp(last, vec2(-1), end - 1.0))));
 }
 
-// The integrals of the depth and of the covered part along one scan line of the cell at `at`.
-vec2 integralOfLine(Tile tile, Solid solid, Tube tube, vec2 at, uint line, inout Found found) {
-  vec2 start = samplePosition(tile, at + vec2((float(line) + 0.5) / float(kScanLines) - 0.5, -0.5));
+// Adds the integrals along one scan line of the cell at `at`, m along the line.
+void addScanLine(Tile tile, Solid solid, Tube tube, vec2 at, uint line, inout CellSums sums, inout Found found) {
+  float place = (float(line) + 0.5) / float(kScanLines) - 0.5;
+  vec2 start = samplePosition(tile, at + vec2(place, -0.5));
   float x = start.x, end = start.y + tile.spacing.y;
   vec4 chord = clamp(chordOf(tube, isKind(solid.kind, kKindCylinder), x), start.y, end);
-  float sum = 0.0;
+  CellSums line_sums = CellSums(0.0, chord.w - chord.x, 0.0, vec2(0));
   for (uint k = 0; k < 6; ++k) {
     uint piece = k >> 1;
     float middle = 0.5 * (chord[piece] + chord[piece + 1]), half_length = 0.5 * (chord[piece + 1] - chord[piece]);
     float y = middle + ((k & 1u) != 0 ? kGauss : -kGauss) * half_length;
-    sum += half_length * depthUnder(heightAt(tile, solid, vec2(x, y), found));
+    float depth = depthUnder(heightAt(tile, solid, vec2(x, y), found));
+    line_sums.volume += half_length * depth;
+    if (VARIATION) {
+      line_sums.square += half_length * depth * depth;
+      line_sums.moment += half_length * depth * vec2(place, (y - start.y) / tile.spacing.y - 0.5);
+    }
   }
-  return chord.x < chord.w ? vec2(sum, chord.w - chord.x) : vec2(0);
+  if (chord.x < chord.w) addSums(sums, line_sums, 1.0);
 }
 
 // The depth of a surface over a cell, x and y from its middle: depth + slope . (x, y) - (bend.x x^2 + 2 bend.z x y + bend.y y^2) / 2, where
@@ -117,29 +123,48 @@ bool quadraticUnder(Tile tile, uint kind, Tube tube, vec2 xy, out Quadratic surf
   return is_one && height > kSteep * tube.radius && bend * bend * bend < kSmooth * tile.deepest * tile.sample_area;
 }
 
-// The integral over t from first to last of max(a + b t - c t^2 / 2, 0), and the length of the part where it is not 0. c >= 0.
-vec2 positivePart(float a, float b, float c, float first, float last) {
+// The integrals over t from first to last of the depth max(a + b t - c t^2 / 2, 0), c >= 0: volume, covered length, square, and the moment about t = 0 in `x`.
+CellSums positivePart(float a, float b, float c, float first, float last) {
   const float kLeastBend = 1e-3;  // 1/m: 1e-10 m over a cell of 1 mm
   c = max(c, kLeastBend);
   float q = b + (b < 0.0 ? -1.0 : 1.0) * sqrt(max(b * b + 2.0 * c * a, 0.0)), one = q / c, other = q == 0.0 ? 0.0 : -2.0 * a / q;
   first = max(min(one, other), first);
   last = min(max(one, other), last);
   float size = b * b + 2.0 * c * a > 0.0 ? max(last - first, 0.0) : 0.0;
-  return vec2(size * (a + 0.5 * b * (first + last) - c * (first * first + first * last + last * last) * (1.0 / 6.0)), size);
+  CellSums sums = CellSums(size * (a + 0.5 * b * (first + last) - c * (first * first + first * last + last * last) * (1.0 / 6.0)), size, 0.0, vec2(0));
+  if (VARIATION) {
+    // About the middle of the piece: the depth there, its slope, and the half length's square.
+    float middle = 0.5 * (first + last), depth = a + middle * (b - 0.5 * c * middle), slope = b - c * middle, h2 = 0.25 * size * size;
+    sums.square = size * (depth * depth + (slope * slope - depth * c) * h2 * (1.0 / 3.0) + c * c * h2 * h2 * (1.0 / 20.0));
+    sums.moment.x = middle * sums.volume + size * slope * h2 * (1.0 / 3.0);
+  }
+  return sums;
 }
 
-// The integral of the depth over a cell on the edge of the contact, on the end of a cylinder, or of the skin's full thickness, and of the covered part, of
-// the cell's area. `deepest`: in the cell.
-vec2 integralOf(Quadratic surface, vec2 half_size, float deepest) {
+// The integrals over a cell inside of the contact, of the cell's area.
+CellSums integralInside(Quadratic surface, vec2 spacing) {
+  CellSums sums = CellSums(surface.depth - dot(surface.bend.xy, spacing * spacing) * (1.0 / 24.0), 1.0, 0.0, vec2(0));
+  if (VARIATION) {
+    vec2 rise = surface.slope * spacing, bend = surface.bend.xy * spacing * spacing;
+    float twist = surface.bend.z * spacing.x * spacing.y;
+    sums.square = sums.volume * sums.volume + dot(rise, rise) * (1.0 / 12.0) + dot(bend, bend) * (1.0 / 720.0) + twist * twist * (1.0 / 144.0);
+    sums.moment = rise * (1.0 / 12.0);
+  }
+  return sums;
+}
+
+// The integrals over a cell on the edge of the contact, on the end of a cylinder, or of the skin's full thickness, of the cell's area. `deepest`: in the cell.
+CellSums integralOf(Quadratic surface, vec2 half_size, float deepest) {
   vec2 change = half_size * abs(surface.slope) + 0.5 * half_size * half_size * surface.bend.xy;
   if (surface.end < kMiss) change = abs(surface.end_slope);
-  if (change.x > change.y) {  // lines along the steeper axis meet the edge
+  bool is_turned = change.x > change.y;  // lines along the steeper axis meet the edge
+  if (is_turned) {
     surface.slope = surface.slope.yx;
     surface.bend = surface.bend.yxz;
     surface.end_slope = surface.end_slope.yx;
     half_size = half_size.yx;
   }
-  vec2 sums = vec2(0);
+  CellSums sums = CellSums(0.0, 0.0, 0.0, vec2(0));
   // Depth beyond the thickness does not count.
   for (uint part = 0, num_parts = deepest > THICKNESS ? 2 : 1; part < num_parts; ++part) {
     for (uint k = 0; k < kLines; ++k) {
@@ -148,11 +173,18 @@ vec2 integralOf(Quadratic surface, vec2 half_size, float deepest) {
       if (surface.end_slope.y > 0.0) first = max(first, -end / surface.end_slope.y);
       if (surface.end_slope.y < 0.0) last = min(last, -end / surface.end_slope.y);
       float a = surface.depth - float(part) * THICKNESS + x * (surface.slope.x - 0.5 * surface.bend.x * x), b = surface.slope.y - surface.bend.z * x;
-      vec2 line = positivePart(a, b, surface.bend.y, first, last);
-      sums += part > 0 ? vec2(-line.x, 0) : line;
+      CellSums line = positivePart(a, b, surface.bend.y, first, last);
+      line.moment = 0.5 * vec2(line.volume * x / half_size.x, line.moment.x / half_size.y);
+      if (part > 0) {
+        line.square += 2.0 * THICKNESS * line.volume;  // d^2 - T^2 = (d - T)^2 + 2 T (d - T)
+        line.covered = 0.0;
+      }
+      addSums(sums, line, part > 0 ? -1.0 : 1.0);
     }
   }
-  return sums / (float(2u * kLines) * half_size.y);
+  if (is_turned) sums.moment = sums.moment.yx;
+  divideSums(sums, float(2u * kLines) * half_size.y);
+  return sums;
 }
 
 // Where a cell is: nothing touches it, or it is inside of the contact, on an edge, or needs scan lines.
@@ -184,7 +216,7 @@ void addSolid(Tile tile, Solid solid, Box box, uint slot, inout Found found) {
       bool is_quadratic = quadraticUnder(tile, solid.kind, tube, samplePosition(tile, tile.first + vec2(at)), surface);
       uint place = placeOf(tile, surface, is_quadratic, deepest), packed = at.x << 16 | at.y;
       if (place == kInside) {
-        giveCell(tile, at.x * tile.stride + at.y, slot, surface.depth - dot(surface.bend.xy, tile.spacing * tile.spacing) * (1.0 / 24.0), 1.0);
+        giveCell(tile, at.x * tile.stride + at.y, slot, integralInside(surface, tile.spacing));
       }
       if (place == kEdge) listed_cells[atomicAdd(num_edge_cells, 1u)] = packed;
       if (place == kScanned) listed_cells[kMostListed - 1u - atomicAdd(num_scan_cells, 1u)] = packed;
@@ -196,18 +228,17 @@ void addSolid(Tile tile, Solid solid, Box box, uint slot, inout Found found) {
       uvec2 at = uvec2(listed_cells[i] >> 16, listed_cells[i] & 0xFFFFu);
       bool is_quadratic = quadraticUnder(tile, solid.kind, tube, samplePosition(tile, tile.first + vec2(at)), surface);
       placeOf(tile, surface, is_quadratic, deepest);
-      vec2 sums = integralOf(surface, 0.5 * tile.spacing, deepest);
-      giveCell(tile, at.x * tile.stride + at.y, slot, sums.x, sums.y);
+      giveCell(tile, at.x * tile.stride + at.y, slot, integralOf(surface, 0.5 * tile.spacing, deepest));
     }
     checkLoop(i < num_edge_cells);
     i = gl_LocalInvocationIndex;
     for (; i < num_scan_cells; i += WORKGROUP) {
       uint cell = listed_cells[kMostListed - 1u - i];
       uvec2 at = uvec2(cell >> 16, cell & 0xFFFFu);
-      vec2 sums = vec2(0);
-      for (uint line = 0; line < kScanLines; ++line) sums += integralOfLine(tile, solid, tube, tile.first + vec2(at), line, found);
-      sums /= float(kScanLines) * tile.spacing.y;
-      giveCell(tile, at.x * tile.stride + at.y, slot, sums.x, sums.y);
+      CellSums sums = CellSums(0.0, 0.0, 0.0, vec2(0));
+      for (uint line = 0; line < kScanLines; ++line) addScanLine(tile, solid, tube, tile.first + vec2(at), line, sums, found);
+      divideSums(sums, float(kScanLines) * tile.spacing.y);
+      giveCell(tile, at.x * tile.stride + at.y, slot, sums);
     }
     checkLoop(i < num_scan_cells);
     workgroupBarrier();

@@ -18,14 +18,14 @@ constexpr std::uint32_t kMinGroupsPerBatch = 16;
 constexpr std::uint32_t kMaxGroupsPerBatch = 128;
 
 // Bytes of shared memory per sample of a tile: shaders/depth/tile_heights.glsl, solid_cells.glsl.
-constexpr std::uint32_t bytesPerSample(bool area) {
-  return area ? 17 : 4;
+constexpr std::uint32_t bytesPerSample(bool area, bool variation) {
+  return (area ? 17 : 4) + (variation ? 16 : 0);
 }
 
 std::uint32_t sharedBytes(const ModelData& model, std::uint32_t groups, std::uint32_t repeat) {
   const std::uint32_t more_groups = std::max(groups, kGroupsPerBatch) - kGroupsPerBatch;
   const std::uint32_t more_tiles = std::max(repeat, kMaxRepeat) - kMaxRepeat;
-  return bytesPerSample(model.area()) * model.contact_packed.max_tile_samples + kTileOverhead +
+  return bytesPerSample(model.area(), model.variation()) * model.contact_packed.max_tile_samples + kTileOverhead +
          4 * more_groups * (layout::kClustersPerGroup + 1) + 4 * more_tiles;
 }
 
@@ -62,8 +62,8 @@ std::uint64_t iterationsOf(const ModelData& model) {
 
 }  // namespace
 
-std::uint32_t maxTileSamples(const DeviceInfo& info, bool area) {
-  return std::min(kMaxTileSamples, (info.shared_memory - kTileOverhead) / bytesPerSample(area));
+std::uint32_t maxTileSamples(const DeviceInfo& info, bool area, bool variation) {
+  return std::min(kMaxTileSamples, (info.shared_memory - kTileOverhead) / bytesPerSample(area, variation));
 }
 
 ContactPass::ContactPass(const ModelData& model, const ModelOptions& options, const Tuning& tuning) : model_(model) {
@@ -142,6 +142,7 @@ ContactPass::Kernel ContactPass::makeKernel(const Variant& variant) const {
       .IS_LAST = law.taxel_passes.empty(),
       .AREA = model_.area(),
       .RANDOM_SKIN = variant.random_skin,
+      .VARIATION = model_.area() && (friction || law.parameters[1] != 1),
   };
   const PassSizes sizes{sizes_.workgroup, sizes_.lanes, repeatOf(variant)};
   return {model_.context(), law.kernel, model_.profile.select(law.spirv, sizes.workgroup),

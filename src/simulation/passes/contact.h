@@ -10,8 +10,8 @@
 
 namespace taxelsim {
 
-// Samples that a tile may have on this device; `area`: with area sampling.
-std::uint32_t maxTileSamples(const DeviceInfo& info, bool area);
+// Samples that a tile may have on this device; `area`: with area sampling; `variation`: ModelData::variation().
+std::uint32_t maxTileSamples(const DeviceInfo& info, bool area, bool variation);
 
 class ContactPass {
  public:
