@@ -86,6 +86,8 @@ def generate(
     loaded = scene if isinstance(scene, Scene) else _core.load_scene(os.fspath(scene))
     if task_seconds is not None and not task_seconds > 0:
         raise InputError(f"task_seconds: {task_seconds} found, more than 0 allowed")
+    if max_retries < 0:
+        raise InputError(f"max_retries: {max_retries} found, at least 0 allowed")
     needs = workers or Workers()
     needs.needs()
     chosen = None if policy is None else as_policy(policy)

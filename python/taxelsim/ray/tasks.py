@@ -88,8 +88,10 @@ class _Run(Generic[T]):
         if not self._running:
             time.sleep(min(_POLL, max(0.0, self._delayed[0][0] - now)))
             return
-        for task in ray.wait(list(self._running), num_returns=1, timeout=_POLL)[0]:
-            self._end(*self._running.pop(task), self._outcome(task))
+        sent = list(self._running)
+        if ray.wait(sent, num_returns=1, timeout=_POLL)[0]:
+            for task in ray.wait(sent, num_returns=len(sent), timeout=0)[0]:  # all at once: a wait costs time per task that runs
+                self._end(*self._running.pop(task), self._outcome(task))
 
     def _outcome(self, task: Any) -> Outcome:
         try:
@@ -128,7 +130,7 @@ class _Run(Generic[T]):
         if self._slots > 0:
             self._alive = self._counted
         elif tasks.refused and slots(tasks.workers, {}) > 0:
-            raise InputError(f"all {len(tasks.refused)} nodes are refused: {next(iter(tasks.refused.values()))}")
+            raise InputError(f"{next(iter(tasks.refused.values()))} (all {len(tasks.refused)} nodes are refused)")
         elif self._counted - self._alive > tasks.node_patience:
             raise IoError(f"no node has room for a task for {tasks.node_patience:.0f} s: a task needs {_text(tasks.workers.needs())}")
 

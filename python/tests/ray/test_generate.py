@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from pathlib import Path
 from typing import Any
@@ -18,16 +19,6 @@ from .conftest import KIND, files_of
 
 pytestmark = pytest.mark.filterwarnings("ignore")  # of Ray and of the libraries of the storage
 WORKERS = taxelsim.ray.Workers(kind=KIND)
-
-
-def alive(cluster: Any, node_id: str) -> bool:
-    return any(node["NodeID"] == node_id and node["Alive"] for node in cluster_nodes())
-
-
-def cluster_nodes() -> list[dict[str, Any]]:
-    import ray
-
-    return ray.nodes()
 
 
 @pytest.fixture(scope="module")
@@ -55,10 +46,44 @@ def test_all_nodes_of_another_kind_are_one_line(cluster, scene, expected, tmp_pa
     text = manifest.read_text()
     probe = text.partition("probe_sha256: ")[2][:64]
     manifest.write_text(text.replace(probe, "0" * 64))
-    with pytest.raises(taxelsim.InputError, match=r"all 2 nodes are refused: .*probe_sha256") as error:
+    with pytest.raises(taxelsim.InputError, match=r"probe_sha256.* \(all 2 nodes are refused\)$") as error:
         taxelsim.ray.generate(scene, tmp_path, workers=WORKERS)
     assert "\n" not in str(error.value)
     assert files_of(tmp_path).keys() == {"dataset.yaml", "shard-000000.h5", "shard-000000.h5.sha256"}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"task_seconds": 0.0}, "task_seconds: 0.0 found, more than 0 allowed"),
+        ({"max_retries": -1}, "max_retries: -1 found, at least 0 allowed"),
+        ({"workers": taxelsim.ray.Workers(cpus=0)}, "workers: 0 processors"),
+        ({"address": "127.0.0.1:1"}, "address: 127.0.0.1:1 found, and this process is connected to a cluster already"),
+        ({"num_cpus": 2}, "num_cpus: belongs to a local cluster"),
+        ({"num_cpus": 0}, "num_cpus: 0 found"),
+        ({"policy": lambda observation: observation}, "the identity is empty, which a data set needs"),
+    ],
+)
+def test_bad_arguments_are_refused(cluster, scene, tmp_path, arguments, message):
+    with pytest.raises(taxelsim.InputError, match=message):
+        taxelsim.ray.generate(scene, tmp_path / "out", **arguments)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_directory_that_nodes_do_not_share_is_refused(cluster, scene, tmp_path, monkeypatch):
+    """This machine does not see what a node wrote."""
+    monkeypatch.setattr(taxelsim.ray.data_set._Run, "_manifest", lambda self: None)
+    with pytest.raises(taxelsim.InputError, match="give a directory that all share"):
+        taxelsim.ray.generate(scene, tmp_path / "out", workers=WORKERS)
+
+
+def test_a_mount_that_vanished_is_no_new_data_set(cluster, scene, tmp_path, monkeypatch):
+    """Nodes find the directory without its manifest."""
+    monkeypatch.setattr(taxelsim.ray.tasks, "FIRST_DELAY", 0.0)
+    monkeypatch.setattr(taxelsim.ray.data_set._Run, "_manifest", lambda self: b"of the mount")
+    with pytest.raises(taxelsim.IoError, match=r"a task failed 3 times, lastly: .*dataset.yaml cannot be seen on"):
+        taxelsim.ray.generate(scene, tmp_path / "out", workers=WORKERS, max_retries=2)
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_set_of_s3_has_the_bytes_of_one_process(cluster, scene, expected, s3):
@@ -107,8 +132,6 @@ def test_a_node_killed_in_the_middle_of_a_shard_changes_no_byte(cluster, scene, 
     started.write_text("not in this process")
     taxelsim.generate(scene, one, policy=policy)
     started.unlink()
-
-    import threading
 
     def kill() -> None:
         while not started.exists() or not started.read_text():
