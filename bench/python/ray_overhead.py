@@ -23,9 +23,8 @@ from report import machine, write_json
 import taxelsim
 import taxelsim.ray
 from taxelsim.ray.cluster import connected
-from taxelsim.ray.data_set import TASK_SECONDS
-from taxelsim.ray.tasks import Tasks
-from taxelsim.ray.worker import Outcome
+from taxelsim.ray.node import Outcome
+from taxelsim.ray.tasks import TASK_SECONDS, Tasks
 
 NUM_TASKS = 500
 IDLE_SECONDS = 20.0

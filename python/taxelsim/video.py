@@ -5,7 +5,8 @@ from __future__ import annotations
 import io
 import itertools
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -70,22 +71,40 @@ def check_video(file: Path) -> None:
     require_folder(file)
 
 
-def _mp4_of(pictures: Iterable[Picture], rate: float) -> bytes:
-    av, content = _import(".mp4"), io.BytesIO()
-    with av.open(content, "w", format="mp4") as container:
+@contextmanager
+def mp4_encoder(target: Any, rate: float, options: Mapping[str, str]) -> Iterator[Callable[[Picture], None]]:
+    """A function that appends a picture to an MP4 file, which is complete at the end. All pictures have the size of the first.
+
+    target: name, or stream of bytes. rate: pictures per second. options: of x264. A picture with an odd side is one pixel larger.
+    """
+    av = _import(".mp4")
+    with av.open(target, "w", format="mp4") as container:
         # The rate gives the last picture its duration; the times of pictures are theirs.
-        stream = container.add_stream("libx264", rate=Fraction(rate).limit_denominator(1000), options=_MP4_OPTIONS)
+        stream = container.add_stream("libx264", rate=Fraction(rate).limit_denominator(1000), options=dict(options))
         stream.pix_fmt, stream.codec_context.time_base = "yuv420p", Fraction(1, _MP4_TICKS)
-        for number, picture in enumerate(pictures):
+        count = 0
+
+        def add(picture: Picture) -> None:
+            nonlocal count
             height, width, _ = picture.shape
             # Colours have half the resolution, therefore even sides: repeats the last row and column.
             even = np.pad(picture, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
-            if number == 0:
+            if count == 0:
                 stream.height, stream.width, _ = even.shape
             frame = av.VideoFrame.from_ndarray(even, format="rgb24")
-            frame.time_base, frame.pts = Fraction(1, _MP4_TICKS), round(number * _MP4_TICKS / rate)
+            frame.time_base, frame.pts = Fraction(1, _MP4_TICKS), round(count * _MP4_TICKS / rate)
             container.mux(stream.encode(frame))
+            count += 1
+
+        yield add
         container.mux(stream.encode())
+
+
+def _mp4_of(pictures: Iterable[Picture], rate: float) -> bytes:
+    content = io.BytesIO()
+    with mp4_encoder(content, rate, _MP4_OPTIONS) as add:
+        for picture in pictures:
+            add(picture)
     return content.getvalue()
 
 

@@ -45,6 +45,14 @@ def _parser() -> argparse.ArgumentParser:
     add("--tactile-in-state", action="store_true", help="appends the tactile image to the state, for policies that read nothing else")
     add("--task", default=Options.task, metavar="TEXT", help="lerobot: text of the task, with {scene} and {object}; default: %(default)r")
     add("--tactile-key", default=Options.tactile_key, metavar="NAME", help="lerobot: name of the tactile image, default %(default)s")
+    add("--video", action="store_true", help="lerobot: the tactile image as a video as well")
+    add(
+        "--assets",
+        action="append",
+        default=[],
+        metavar="DIR",
+        help="lerobot: folder that holds a taxel mesh or URDF of the scene, for --video",
+    )
     add("--zarr-format", type=int, default=2, metavar="N", help="zarr: version of the format, 2 (default) or 3, which has shards")
     add("--next-observations", action="store_true", help="robomimic: writes next_obs, which offline reinforcement learning needs")
     return parser
@@ -58,6 +66,8 @@ def _options_of(options: argparse.Namespace) -> Options:
         tactile_in_state=options.tactile_in_state,
         task=options.task,
         tactile_key=options.tactile_key,
+        video=options.video,
+        assets=tuple(options.assets),
         zarr_format=options.zarr_format,
         next_observations=options.next_observations,
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Collection
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 from .. import __version__
 from ..errors import InputError
 from . import statistics
+from .array_video import ArrayVideo
 from .features import SUCCESS, Feature, short_name
 from .source import Block, Source
 from .staging import new_file, staged_folder, write_json
@@ -23,7 +25,7 @@ FILE_BYTES = 100 << 20  # of a file with frames, before compression; the format'
 CHUNK_FILES = 1000  # files of a folder chunk-NNN
 BLOCK_FRAMES = 1 << 14  # frames of a row group, that are in memory at once
 _INDICES = {"timestamp": "float32", "frame_index": "int64", "episode_index": "int64", "index": "int64", "task_index": "int64"}
-_NAME = "chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
+_NAME = "chunk-{chunk_index:03d}/file-{file_index:03d}"
 
 
 def write(source: Source, out: Path, plan: dict[str, Any], report: Callable[[int], None]) -> None:
@@ -40,19 +42,20 @@ def write(source: Source, out: Path, plan: dict[str, Any], report: Callable[[int
                 _write_part(tables, folder, number, (first, end), report)
             _add_statistics(total, episodes)
         _write_tasks(folder / "meta/tasks.parquet", tables.tasks)
-        write_json(folder / "meta/stats.json", {name: values.result() for name, values in total.items()})
+        write_json(folder / "meta/stats.json", {name: tables.shaped(name, values.result()) for name, values in total.items()})
         write_json(folder / "meta/info.json", tables.info())
         write_json(folder / "meta/taxelsim.json", {"taxelsim": __version__, **source.identity(), "episodes": plan["options"]["episodes"]})
 
 
-def _file_name(number: int) -> str:
-    return _NAME.format(chunk_index=number // CHUNK_FILES, file_index=number % CHUNK_FILES)
+def _file_name(number: int, suffix: str = ".parquet") -> str:
+    return _NAME.format(chunk_index=number // CHUNK_FILES, file_index=number % CHUNK_FILES) + suffix
 
 
 def _write_part(tables: _Tables, folder: Path, number: int, part: tuple[int, int], report: Callable[[int], None]) -> None:
-    """The frames, then the episodes of a file: where the latter exists, both are complete."""
+    """The frames and videos, then the episodes of a file: where the latter exists, all are complete."""
     rows: list[pa.Table] = []
     with (
+        tables.video.files(folder / "videos", _file_name(number, ".mp4")) if tables.video else nullcontext() as film,
         new_file(folder / "data" / _file_name(number)) as file,
         # Dictionaries make files of measured numbers larger and take most of the time.
         pq.ParquetWriter(file, tables.schema, compression="snappy", use_dictionary=False) as writer,
@@ -61,7 +64,13 @@ def _write_part(tables: _Tables, folder: Path, number: int, part: tuple[int, int
             block = tables.source.block(first, end, tables.columns)
             arrays = tables.arrays(block)
             writer.write_table(tables.frames(arrays))
-            rows.append(tables.episodes(block, arrays, number))
+            measures = {name: statistics.of_episodes(array, block.ends) for name, array in arrays.items()}
+            if tables.video and film:
+                levels = tables.video.levels(block)
+                film(levels)
+                measures |= tables.video.statistics(levels, block.ends)
+            begin = int(tables.source.ends[part[0] - 1]) if part[0] else 0
+            rows.append(tables.episodes(block, measures, number, begin))
             report(block.num_frames)
     with new_file(folder / "meta/episodes" / _file_name(number)) as file:
         pq.write_table(pa.concat_tables(rows), file, compression="snappy")
@@ -73,7 +82,7 @@ def _add_statistics(total: dict[str, statistics.Total], file: Path) -> None:
             table = episodes.read_row_group(group)
             for name, values in total.items():
                 columns = {measure: table[f"stats/{name}/{measure}"].to_pylist() for measure in statistics.MEASURES}
-                values.add({measure: np.array(column, np.float64) for measure, column in columns.items()})
+                values.add({measure: np.array(column, np.float64).reshape(len(column), -1) for measure, column in columns.items()})
 
 
 def _write_tasks(file: Path, tasks: list[str]) -> None:
@@ -100,9 +109,12 @@ class _Tables:
         self.flags = {"next.done": "bool"} | ({"next.reward": "float32", "next.success": "bool"} if source.has_success else {})
         self.tasks = sorted(self._tasks())
         self._task_indices = {task: index for index, task in enumerate(self.tasks)}
-        self.features = self._features()
-        self.schema = pa.schema([(name, _arrow_type(feature)) for name, feature in self.features.items()])
-        self.bytes_per_frame = sum(4 * feature["shape"][0] for feature in self.features.values())
+        self.video = _video_of(source, self.rate)
+        self._numbers = self._features()
+        self._videos = {key: self.video.feature() for key in self.video.keys} if self.video else {}
+        self.features = self._numbers | self._videos
+        self.schema = pa.schema([(name, _arrow_type(feature)) for name, feature in self._numbers.items()])
+        self.bytes_per_frame = sum(4 * feature["shape"][0] for feature in self._numbers.values())
 
     def _task(self, name: str) -> str:
         return self.source.options.task.replace("{scene}", self.source.scene_name).replace("{object}", name)
@@ -132,13 +144,19 @@ class _Tables:
             arrays["next.reward"] = arrays["next.success"].astype(np.float32)
         arrays |= {"timestamp": (frame / self.rate).astype(np.float32), "frame_index": frame, "task_index": tasks[episode]}
         arrays |= {"episode_index": episode + block.first_episode, "index": np.arange(first, first + block.num_frames)}
-        return {name: arrays[name].reshape(block.num_frames, -1) for name in self.features}
+        return {name: arrays[name].reshape(block.num_frames, -1) for name in self._numbers}
 
     def frames(self, arrays: dict[str, NDArray[Any]]) -> pa.Table:
         return pa.table([_arrow_array(array, self.schema.field(name).type) for name, array in arrays.items()], schema=self.schema)
 
-    def episodes(self, block: Block, arrays: dict[str, NDArray[Any]], number: int) -> pa.Table:
-        """One row per episode: where it is, its task, its statistics."""
+    def shaped(self, name: str, measures: dict[str, list[Any]]) -> dict[str, list[Any]]:
+        """Statistics of a feature (D), of a video (3, 1, 1); counts as they are."""
+        if name not in self._videos:
+            return measures
+        return {key: numbers if key == "count" else [[[number]] for number in numbers] for key, numbers in measures.items()}
+
+    def episodes(self, block: Block, measures: dict[str, statistics.Statistics], number: int, begin: int) -> pa.Table:
+        """One row per episode: where it is, its task, its statistics. begin: first frame of the file."""
         count, ends = block.num_episodes, block.ends + block.first_frame
         columns: dict[str, Any] = {
             "episode_index": np.arange(block.first_episode, block.first_episode + count),
@@ -150,9 +168,19 @@ class _Tables:
         for place in ("data", "meta/episodes"):
             columns[f"{place}/chunk_index"] = np.full(count, number // CHUNK_FILES)
             columns[f"{place}/file_index"] = np.full(count, number % CHUNK_FILES)
-        for name, array in arrays.items():
-            for measure, values in statistics.of_episodes(array, block.ends).items():
-                columns[f"stats/{name}/{measure}"] = _arrow_array(values, pa.list_(pa.from_numpy_dtype(values.dtype)))
+        for key in self._videos:
+            columns[f"videos/{key}/chunk_index"], columns[f"videos/{key}/file_index"] = (
+                columns["data/chunk_index"],
+                columns["data/file_index"],
+            )
+            columns[f"videos/{key}/from_timestamp"] = (ends - block.lengths - begin) / self.rate
+            columns[f"videos/{key}/to_timestamp"] = (ends - begin) / self.rate
+        for name, found in measures.items():
+            for measure, values in found.items():
+                rows = _arrow_array(values, pa.list_(pa.from_numpy_dtype(values.dtype)))
+                if name in self._videos and measure != "count":
+                    rows = pa.array(values[:, :, None, None].tolist())
+                columns[f"stats/{name}/{measure}"] = rows
         return pa.table(columns)
 
     def info(self) -> dict[str, Any]:
@@ -169,10 +197,14 @@ class _Tables:
             "video_files_size_in_mb": 500,
             "fps": self.rate,
             "splits": {"train": f"0:{source.num_episodes}"},
-            "data_path": f"data/{_NAME}",
-            "video_path": None,
+            "data_path": f"data/{_NAME}.parquet",
+            "video_path": f"videos/{{video_key}}/{_NAME}.mp4" if self.video else None,
             "features": self.features,
         }
+
+
+def _video_of(source: Source, rate: float) -> ArrayVideo | None:
+    return ArrayVideo(source, rate) if source.options.video else None
 
 
 def _checked_key(key: str, others: Collection[str]) -> str:

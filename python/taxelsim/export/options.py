@@ -15,5 +15,7 @@ class Options:
     tactile_in_state: bool = False  #: Appends the tactile image to the state, for policies that read the state only.
     task: str = "{scene}: {object}"  #: LeRobot: text of the task. {scene}, {object}: names of the scene and of the episode's object.
     tactile_key: str = "observation.tactile"  #: LeRobot: name of the tactile image.
+    video: bool = False  #: LeRobot: the tactile image as a video as well.
+    assets: tuple[str, ...] = ()  #: LeRobot: folders that are searched for a taxel mesh or URDF of the scene, which a video needs.
     zarr_format: int = 2  #: Zarr: 2 or 3. 3 packs chunks into shards.
     next_observations: bool = False  #: robomimic: next_obs as well, for offline reinforcement learning.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import importlib
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -30,7 +30,7 @@ class Format:
 _VECTORS = ("state", "columns", "tactile_in_state")
 
 FORMATS = {
-    "lerobot": Format("lerobot", ("pyarrow",), (*_VECTORS, "task", "tactile_key"), "a folder: LeRobotDataset v3.0"),
+    "lerobot": Format("lerobot", ("pyarrow",), (*_VECTORS, "task", "tactile_key", "video", "assets"), "a folder: LeRobotDataset v3.0"),
     "zarr": Format("replay_buffer", ("zarr",), (*_VECTORS, "zarr_format"), "a folder: data/ and meta/episode_ends, as in Diffusion Policy"),
     "robomimic": Format("robomimic", ("h5py",), (*_VECTORS, "next_observations"), "a file: HDF5 with data/demo_N"),
     "mcap": Format("ros2", ("mcap_ros2",), (), "a folder: one MCAP file with ROS 2 messages per episode"),
@@ -56,7 +56,7 @@ def export(
     """
     options = options or Options()
     chosen = _checked(format_name, options)
-    _check_packages(format_name, chosen)
+    _check_packages(format_name, (*chosen.packages, "av") if options.video else chosen.packages)
     source = Source(folder, options)
     done = 0
 
@@ -88,8 +88,8 @@ def _checked(format_name: str, options: Options) -> Format:
     return chosen
 
 
-def _check_packages(format_name: str, chosen: Format) -> None:
-    for package in chosen.packages:
+def _check_packages(format_name: str, packages: Iterable[str]) -> None:
+    for package in packages:
         try:
             importlib.import_module(package)
         except ImportError as error:

@@ -22,6 +22,7 @@ class OnnxPolicy:
     The first axis of all inputs and of the first output is the batch; a fixed batch size is filled up by repeated rows.
     One input takes the observation, flattened if the input has two axes; several observations are flattened and joined in
     their order. Several inputs take the observations of their names. Computes on the processor in one thread, deterministically.
+    May be pickled: the process that unpickles it reads the same file.
 
     Settings of the policy can be stored in the file as metadata `taxelsim.observations` ("contact" or
     "contact,proprioception"), `taxelsim.action`, `taxelsim.actions`, `taxelsim.image_unit`,
@@ -86,6 +87,9 @@ class OnnxPolicy:
             results.append(self._run({name: values[rows] for name, values in feeds.items()})[: n - first])
         return np.concatenate(results)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _reopened, (str(self.file.absolute()), self.identity)
+
     def _run(self, feeds: dict[str, NDArray[Any]]) -> NDArray[Any]:
         actions: NDArray[Any] = self._session.run([self._output], feeds)[0]
         return actions
@@ -111,6 +115,14 @@ class OnnxPolicy:
         if len(self._inputs) == 1:
             return np.concatenate([values.reshape(len(values), -1) for values in observation.values()], axis=1)
         raise InputError(f"{self.file}: input {tensor.name!r} found, the observations are {', '.join(observation)}")
+
+
+def _reopened(file: str, identity: str) -> OnnxPolicy:
+    """Unpickles a policy: reads its file again."""
+    policy = OnnxPolicy(file)
+    if policy.identity != identity:
+        raise InputError(f"{file}: is another network than when the policy was pickled")
+    return policy
 
 
 def _identity(path: Path, content: bytes) -> str:

@@ -15,5 +15,6 @@ except ImportError as error:
 
 from .cluster import Workers
 from .data_set import Summary, generate
+from .evaluation import evaluate
 
-__all__ = ["Summary", "Workers", "generate"]
+__all__ = ["Summary", "Workers", "evaluate", "generate"]

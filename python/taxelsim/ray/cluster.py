@@ -67,7 +67,13 @@ def connected(address: str | None, num_cpus: int | None) -> Iterator[None]:
 
     Joining waits for Ray's own time limit. Raises InputError if no cluster answers at the address.
     """
+    if num_cpus is not None and num_cpus < 1:
+        raise InputError(f"num_cpus: {num_cpus} found, at least 1 needed")
+    if num_cpus is not None and (address is not None or ray.is_initialized()):
+        raise InputError("num_cpus: belongs to a local cluster, and this is another one")
     if ray.is_initialized():
+        if address is not None:
+            raise InputError(f"address: {address} found, and this process is connected to a cluster already")
         yield
         return
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # Ray sends nothing to its makers

@@ -8,7 +8,7 @@ import math
 import os
 import tempfile
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,16 +18,12 @@ from .._core import Scene
 from ..errors import InputError, IoError
 from ..policies.policy import PolicyLike, as_policy
 from ..progress_line import ProgressLine
-from ..runs import ScenePath, finish
+from ..runs import ScenePath, finish, loaded_scene
 from .cluster import Workers, connected, slots
+from .node import SceneName, pickled
+from .shards import Made, ShardJob, make_shards, runs_of
 from .storage import ATTEMPTS, CHECKSUMS, FIRST_DELAY, MANIFEST, VIEW, Storage, is_remote, shard_name
-from .tasks import MAX_RETRIES, Tasks
-from .worker import Job, Made, SceneName, make_shards, runs_of
-
-TASK_SECONDS = 10.0
-SETUP_SHARE = 0.03  # of a task, at most: a scene whose setup is slow gets longer tasks
-
-OnProgress = Callable[[int, int], object]
+from .tasks import MAX_RETRIES, OnProgress, Tasks, check_tasks, task_length
 
 
 @dataclass(frozen=True)
@@ -66,7 +62,7 @@ def generate(
     scene: a Scene, or the path of a scene file. The nodes read it from the same path; scenes of the package may be elsewhere there.
     out: a directory that all nodes have under this path (one machine, NFS), or an address of fsspec, e.g. `s3://bucket/set`. Shards of an
         address are made in `scratch` of the node, uploaded, read back, and count when their checksum file is there.
-    policy: as in taxelsim.generate(), with an identity. It is pickled; an ONNX file is read on this machine.
+    policy: as in taxelsim.generate(), with an identity. It is pickled; an ONNX file is read by the nodes from the same path.
     address: of a cluster to join, e.g. "auto" or "host:6379". Default: the cluster that this process is connected to, or a local one that
         ends with the call. The local one listens on loopback only; Ray's dashboard is off.
     workers: what a task needs of a node, and the kind of the nodes. Default: one processor, any node.
@@ -83,27 +79,23 @@ def generate(
     compute other values than the data set has; IoError if a task fails after its retries, a storage is out of reach, or no node has room
     for a task for 300 s. Ctrl-C raises KeyboardInterrupt. Complete shards are kept, and the same call resumes.
     """
-    loaded = scene if isinstance(scene, Scene) else _core.load_scene(os.fspath(scene))
-    if task_seconds is not None and not task_seconds > 0:
-        raise InputError(f"task_seconds: {task_seconds} found, more than 0 allowed")
-    needs = workers or Workers()
+    loaded, needs = loaded_scene(scene), workers or Workers()
+    check_tasks(task_seconds, max_retries, batch_size, num_slices)
     needs.needs()
     chosen = None if policy is None else as_policy(policy)
     if chosen is not None and not chosen.identity:
         raise InputError(f"policy {chosen.name}: the identity is empty, which a data set needs")
     target = os.fspath(out)
-    job = Job(
+    job = ShardJob(
         scene=SceneName.of(loaded),
-        version=_core.version,
         threads=needs.threads,
         out=target if is_remote(target) else str(Path(target.partition("://")[2] or target).absolute()),
         storage_options=dict(storage_options or {}),
-        policy=chosen,
+        policy=pickled(chosen),
         batch_size=batch_size,
         num_slices=num_slices,
         repair=repair,
         scratch=os.fspath(scratch),
-        manifest_sha256="",
     )
     line = ProgressLine("episodes")
     with connected(address, num_cpus):
@@ -114,7 +106,7 @@ def generate(
 
 
 class _Run:
-    def __init__(self, scene: Scene, job: Job, tasks: Tasks[range], on_progress: OnProgress) -> None:
+    def __init__(self, scene: Scene, job: ShardJob, tasks: Tasks[range], on_progress: OnProgress) -> None:
         self._scene = scene
         self._job = job
         self._tasks = tasks
@@ -184,7 +176,7 @@ class _Run:
         first = self._first
         size = 1
         if first is not None and first.num_episodes > 0:
-            seconds = task_seconds or max(TASK_SECONDS, first.setup_seconds / SETUP_SHARE)
+            seconds = task_length(task_seconds, first.setup_seconds)
             size = max(1, round(seconds / max(first.seconds, 1e-3)))
         fair = math.ceil(len(shards) / max(1, slots(self._tasks.workers, self._tasks.refused)))
         size = max(1, min(size, fair))

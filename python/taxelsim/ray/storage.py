@@ -1,4 +1,4 @@
-"""Files of one data set in a directory that fsspec reaches: an object store, a remote file system."""
+"""Files in a directory that fsspec reaches: an object store, a remote file system."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _BLOCK_BYTES = 8 << 20
 MANIFEST = "dataset.yaml"
 VIEW = "dataset.h5"
 CHECKSUMS = "dataset.checksums"
-_NAMES = re.compile(r"shard-\d{6,}\.h5(\.sha256)?|dataset\.(yaml|h5|h5\.sha256|checksums)")
+NAMES = re.compile(r"shard-\d{6,}\.h5(\.sha256)?|dataset\.(yaml|h5|h5\.sha256|checksums)")
 
 
 def shard_name(shard: int) -> str:
@@ -55,15 +55,16 @@ def _digest(files: Any, path: str) -> tuple[str, int]:
 
 
 class Storage:
-    """Reads and writes the files of a data set by name. Every method waits, and tries again with back-off if the storage fails.
+    """Reads and writes the files of a data set, or others with certain names.
 
-    A file system of its own for each attempt: it reads credentials that were renewed. Raises IoError with one line after the last attempt.
+    Every method waits, and tries again with back-off if the storage fails. After a failure it opens the file system again, which reads
+    credentials that were renewed. Raises IoError with one line after the last attempt.
     """
 
-    def __init__(self, url: str, options: Mapping[str, Any], attempts: int = ATTEMPTS) -> None:
+    def __init__(self, url: str, options: Mapping[str, Any], names: re.Pattern[str] = NAMES) -> None:
         self.url = url.rstrip("/")
         self._options = dict(options)
-        self._attempts = attempts
+        self._names = names
         self._open: tuple[Any, str] | None = None
         protocol = self.url.partition("://")[0]
         try:
@@ -80,11 +81,11 @@ class Storage:
         return self._present(_digest, name)
 
     def sizes(self) -> dict[str, int]:
-        """Bytes of the files of a data set, by name; other files are left out. Empty if the directory is missing."""
+        """Bytes of the files, by name; those with other names are left out. Empty if the directory is missing."""
 
         def listed(files: Any, path: str) -> dict[str, int]:
             entries = ((entry["name"].rpartition("/")[2], entry) for entry in files.ls(path, detail=True))
-            return {name: entry["size"] for name, entry in entries if entry["type"] == "file" and _NAMES.fullmatch(name)}
+            return {name: entry["size"] for name, entry in entries if entry["type"] == "file" and self._names.fullmatch(name)}
 
         return self._present(listed, "") or {}
 
@@ -127,8 +128,8 @@ class Storage:
         return self._retried(read, name)
 
     def _once(self, action: Callable[[Any, str], T], name: str) -> T:
-        if name and not _NAMES.fullmatch(name):
-            raise InputError(f"{self.url}: {name!r} is no name of a file of a data set")
+        if name and not self._names.fullmatch(name):
+            raise InputError(f"{self.url}: {name!r} is no name of a file that belongs there")
         if self._open is None:
             self._open = fsspec.core.url_to_fs(self.url, skip_instance_cache=True, **self._options)
         files, root = self._open
@@ -136,14 +137,14 @@ class Storage:
         return action(files, f"{root}/{name}" if name else root)
 
     def _retried(self, action: Callable[[], T], name: str) -> T:
-        for attempt in range(self._attempts):
+        for attempt in range(ATTEMPTS):
             try:
                 return action()
             except InputError:
                 raise
             except Exception as error:  # libraries of storages raise what they like
                 self._open = None
-                if attempt + 1 == self._attempts:
+                if attempt + 1 == ATTEMPTS:
                     raise IoError(f"{self.url}/{name}: {one_line(error)}") from error
                 time.sleep(FIRST_DELAY * 2**attempt)
         raise AssertionError("no attempts")

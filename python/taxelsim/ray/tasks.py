@@ -5,6 +5,7 @@ from __future__ import annotations
 import heapq
 import itertools
 import logging
+import math
 import time
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
@@ -16,19 +17,36 @@ import ray.exceptions
 
 from ..errors import InputError, IoError
 from .cluster import Workers, slots
+from .node import Outcome
 from .storage import one_line
-from .worker import Outcome
 
 T = TypeVar("T")
+OnProgress = Callable[[int, int], object]
 
 MAX_RETRIES = 10  # of one task
 FIRST_DELAY = 0.5  # s, doubled after each retry of a task
 MAX_DELAY = 30.0  # s
 NODE_PATIENCE = 300.0  # s without a node that may run tasks
+TASK_SECONDS = 10.0
+SETUP_SHARE = 0.03  # of a task, at most: a scene whose setup is slow gets longer tasks
 _POLL = 1.0  # s
 _TASKS_PER_SLOT = 2  # sent to the cluster at once: nodes need not wait for this process
 
 _log = logging.getLogger("taxelsim")
+
+
+def check_tasks(task_seconds: float | None, max_retries: int, batch_size: int, num_slices: int) -> None:
+    """Raises InputError for arguments out of range."""
+    if task_seconds is not None and not 0 < task_seconds < math.inf:
+        raise InputError(f"task_seconds: {task_seconds} found, a finite number above 0 allowed")
+    for name, value, least in (("max_retries", max_retries, 0), ("batch_size", batch_size, 1), ("num_slices", num_slices, 1)):
+        if value < least:
+            raise InputError(f"{name}: {value} found, at least {least} allowed")
+
+
+def task_length(task_seconds: float | None, setup_seconds: float) -> float:
+    """Simulation in a task whose setup takes `setup_seconds`, in s."""
+    return task_seconds or max(TASK_SECONDS, setup_seconds / SETUP_SHARE)
 
 
 @dataclass
@@ -88,8 +106,10 @@ class _Run(Generic[T]):
         if not self._running:
             time.sleep(min(_POLL, max(0.0, self._delayed[0][0] - now)))
             return
-        for task in ray.wait(list(self._running), num_returns=1, timeout=_POLL)[0]:
-            self._end(*self._running.pop(task), self._outcome(task))
+        sent = list(self._running)
+        if ray.wait(sent, num_returns=1, timeout=_POLL)[0]:
+            for task in ray.wait(sent, num_returns=len(sent), timeout=0)[0]:  # all at once: a wait costs time per task that runs
+                self._end(*self._running.pop(task), self._outcome(task))
 
     def _outcome(self, task: Any) -> Outcome:
         try:
@@ -128,7 +148,7 @@ class _Run(Generic[T]):
         if self._slots > 0:
             self._alive = self._counted
         elif tasks.refused and slots(tasks.workers, {}) > 0:
-            raise InputError(f"all {len(tasks.refused)} nodes are refused: {next(iter(tasks.refused.values()))}")
+            raise InputError(f"{next(iter(tasks.refused.values()))} (all {len(tasks.refused)} nodes are refused)")
         elif self._counted - self._alive > tasks.node_patience:
             raise IoError(f"no node has room for a task for {tasks.node_patience:.0f} s: a task needs {_text(tasks.workers.needs())}")
 

@@ -12,9 +12,11 @@ import pytest
 import torch
 
 import taxelsim
+from taxelsim.pictures import pictures, taxel_map
 
 EXPORTS = Path(__file__).resolve().parents[3] / "build/exports"
 BATCH = 64
+VIDEO_TOLERANCE = 6  # levels of a colour, mean: x264 at this quality, as in test_video.py
 
 
 @pytest.fixture(scope="module")
@@ -60,6 +62,22 @@ def test_lerobot_reads_windows_inside_episodes(data):
     item = dataset[end - 2]
     np.testing.assert_array_equal(item["action"].numpy(), data["data/action"][[end - 2, end - 1, end - 1]])
     assert item["action_is_pad"].tolist() == [False, False, True]
+
+
+def test_lerobot_decodes_the_video_of_the_array(data):
+    from lerobot.datasets.lerobot_dataset import LeRobotDataset
+
+    dataset = LeRobotDataset("local/video", root=EXPORTS / "lerobot_video", video_backend="pyav")  # torchcodec needs FFmpeg's libraries
+    key = "observation.images.tactile"
+    assert dataset.meta.video_keys == [key]
+    assert dataset.meta.stats[key]["mean"].shape == (3, 1, 1)
+    sensor = taxelsim.load_scene(taxelsim.SCENES / "servo_mix.yaml").sensor
+    ends = data.episode_ends
+    for frame in (0, 1, ends[0] - 1, ends[0], ends[7] + 11, data.num_frames - 1):
+        images = data["data/tactile_image"][int(frame)][None]
+        expected = pictures(images.reshape(1, -1), sensor.readout.saturation, taxel_map(sensor.taxel_positions))[0]
+        found = 255 * dataset[int(frame)][key].numpy().transpose(1, 2, 0)
+        assert np.abs(found - expected).mean() < VIDEO_TOLERANCE
 
 
 def test_act_of_lerobot_trains_one_epoch():

@@ -13,42 +13,37 @@ import pytest
 
 import taxelsim
 
+from ..envs.conftest import write_scene
+
 KIND = "software"
 
-SERVO = """format_version: 1
-name: servo
-kind: servo
-sensor: {sensor}
-objects: [{{cylinder: {{radius_mm: 8, length_mm: 60}}, orientation: {{rpy_deg: [90, 0, 0]}}}}]
-episode: {{num_steps: 6, simulation_rate: 100, control_rate: 100}}
-randomization: {{x_mm: [-3, 3], load: [0.5, 5]}}
-controller:
-  tactile_servo:
-    total_force: {{kp: 2}}
-record: [tactile_image, actions]
-data_set: {{episodes: 21, seed: 1, episodes_per_shard: 4}}
-"""
+
+def write_sharded_scene(folder: Path, episodes_per_shard: int, num_frames: int | None = None) -> Path:
+    """A scene with a task, as of the tests of environments, in small shards."""
+    file = write_scene(folder, num_frames=num_frames)
+    file.write_text(file.read_text().replace("episodes: 24,", f"episodes: 21, episodes_per_shard: {episodes_per_shard},"))
+    return file
 
 
 @pytest.fixture(scope="session")
 def scene(tmp_path_factory: pytest.TempPathFactory) -> taxelsim.Scene:
-    file = tmp_path_factory.mktemp("scene") / "servo.yaml"
-    file.write_text(SERVO.format(sensor=(taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml").resolve()))
-    return taxelsim.load_scene(file)
+    return taxelsim.load_scene(write_sharded_scene(tmp_path_factory.mktemp("scene"), 4))
 
 
 @pytest.fixture(scope="session")
 def cluster() -> Iterator[Any]:
-    """Nodes: two of one kind; one of a driver with other vectors, whose values may differ in the last bit; this process has none."""
+    """Two nodes of one kind, and a head whose driver has other vectors: its values may differ in the last bit."""
     os.environ["RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER"] = "0"  # loopback
     import ray
     from ray.cluster_utils import Cluster
 
     ray._private.ray_constants.ENABLE_RAY_CLUSTER = False
-    quick = {"health_check_period_ms": 500}  # a killed node is noticed after five periods, by default of 3 s
-    made = Cluster(initialize_head=True, head_node_args={"num_cpus": 0, "include_dashboard": False, "_system_config": quick})
-    made.same = [made.add_node(num_cpus=1, resources={KIND: 1}, wait=False) for _ in range(2)]
-    made.other = made.add_node(num_cpus=1, env_vars={"LP_NATIVE_VECTOR_WIDTH": "128"}, wait=False)
+    # A killed node is noticed after 1 s instead of 15.
+    quick = {"health_check_period_ms": 500, "health_check_failure_threshold": 2}
+    head = {"num_cpus": 1, "include_dashboard": False, "_system_config": quick, "env_vars": {"LP_NATIVE_VECTOR_WIDTH": "128"}}
+    made = Cluster(initialize_head=True, head_node_args=head)
+    made.same = [add_node(made) for _ in range(2)]
+    made.other = made.head_node
     made.wait_for_nodes()
     ray.init(address=made.address, log_to_driver=False, configure_logging=False)
     yield made
@@ -69,6 +64,18 @@ def s3() -> Iterator[dict[str, Any]]:
     urllib.request.urlopen(urllib.request.Request(f"http://{host}:{port}/bucket", method="PUT")).close()
     yield options
     server.stop()
+
+
+def add_node(cluster: Any) -> Any:
+    """A node of the kind of this process."""
+    return cluster.add_node(num_cpus=1, resources={KIND: 1}, wait=False)
+
+
+def replace_node(cluster: Any, node_id: str) -> None:
+    """Kills what is left of a node and adds another. In the main thread only: Ray sets a handler of signals."""
+    lost = next(node for node in cluster.same if node.node_id == node_id)
+    cluster.remove_node(lost, allow_graceful=False)
+    cluster.same[cluster.same.index(lost)] = add_node(cluster)
 
 
 def files_of(folder: Path) -> dict[str, bytes]:

@@ -1,6 +1,6 @@
 """Workers and nodes that are killed at random moments: the bytes stay those of one process. Run by `scripts/campaign ray kills`.
 
-TAXELSIM_RAY_KILLS: number of kills, default 500. Every tenth kills a node, the others a process that runs a task.
+TAXELSIM_RAY_KILLS: number of kills, default 500. One in ten kills a node, the others a process that runs a task.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ import contextlib
 import os
 import random
 import signal
-import threading
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,7 @@ import taxelsim
 import taxelsim.ray
 from taxelsim.ray import tasks
 
-from .conftest import KIND, SERVO, files_of
+from .conftest import KIND, files_of, replace_node, write_sharded_scene
 
 pytestmark = pytest.mark.filterwarnings("ignore")
 NUM_KILLS = int(os.environ.get("TAXELSIM_RAY_KILLS", "500"))
@@ -40,34 +40,26 @@ def running_tasks(raylets: set[int]) -> list[int]:
     return found
 
 
-class Killer(threading.Thread):
+class Killer:
     def __init__(self, cluster: Any, seed: int) -> None:
-        super().__init__()
         self._cluster = cluster
         self._random = random.Random(seed)
-        self._end = threading.Event()
         self.num_kills = 0
         self.num_nodes = 0
 
-    def run(self) -> None:
-        while not self._end.wait(self._random.uniform(*PAUSES)):
-            if (self.num_kills + 1) % KILLS_PER_NODE == 0:
+    def kill_until(self, run: Future[Any]) -> None:
+        """In the main thread: Ray starts nodes nowhere else."""
+        while not wait([run], timeout=self._random.uniform(*PAUSES)).done:
+            if self._random.randrange(KILLS_PER_NODE) == 0:
                 self._kill_node()
             else:
                 self._kill_task()
 
-    def stop(self) -> None:
-        self._end.set()
-        self.join()
-
     def _kill_node(self) -> None:
-        same = self._cluster.same
         try:
-            same.append(self._cluster.add_node(num_cpus=1, resources={KIND: 1}, wait=False))
+            replace_node(self._cluster, self._random.choice(self._cluster.same).node_id)
         except Exception as error:  # a busy machine starts no raylet within Ray's time limit
             print(f"no new node: {error}")
-            return
-        self._cluster.remove_node(same.pop(self._random.randrange(len(same) - 1)), allow_graceful=False)
         self.num_kills += 1
         self.num_nodes += 1
 
@@ -80,10 +72,7 @@ class Killer(threading.Thread):
 
 def test_kills(cluster, s3, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(tasks, "FIRST_DELAY", 0.05)
-    file = tmp_path / "servo.yaml"
-    text = SERVO.format(sensor=(taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml").resolve())
-    file.write_text(text.replace("num_steps: 6", "num_steps: 200").replace("episodes_per_shard: 4", "episodes_per_shard: 32"))
-    scene = taxelsim.load_scene(file, num_episodes=2000)
+    scene = taxelsim.load_scene(write_sharded_scene(tmp_path, 32, num_frames=200), num_episodes=2000)
     taxelsim.generate(scene, tmp_path / "one")
     expected = files_of(tmp_path / "one")
     files = fsspec.filesystem("s3", skip_instance_cache=True, **s3)
@@ -92,9 +81,9 @@ def test_kills(cluster, s3, tmp_path, monkeypatch, capsys):
         name = f"set-{num_runs}"
         out = f"s3://bucket/{name}" if num_runs % 2 else str(tmp_path / name)
         killer = Killer(cluster, num_runs)
-        killer.start()
-        try:
-            summary = taxelsim.ray.generate(
+        with ThreadPoolExecutor(1) as pool:
+            run = pool.submit(
+                taxelsim.ray.generate,
                 scene,
                 out,
                 workers=taxelsim.ray.Workers(kind=KIND),
@@ -102,8 +91,8 @@ def test_kills(cluster, s3, tmp_path, monkeypatch, capsys):
                 max_retries=1000,
                 storage_options=s3 if num_runs % 2 else None,
             )
-        finally:
-            killer.stop()
+            killer.kill_until(run)
+        summary = run.result()
         files.invalidate_cache()
         stored = {p.rpartition("/")[2]: files.cat_file(p) for p in files.ls(out)} if num_runs % 2 else files_of(tmp_path / name)
         assert stored == expected, f"run {num_runs}"

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-import time
+import os
+import signal
 from pathlib import Path
 from typing import Any
 
@@ -14,20 +15,10 @@ import taxelsim
 import taxelsim.ray
 from taxelsim.ray.storage import checksum_line, shard_name
 
-from .conftest import KIND, files_of
+from .conftest import KIND, files_of, replace_node
 
 pytestmark = pytest.mark.filterwarnings("ignore")  # of Ray and of the libraries of the storage
 WORKERS = taxelsim.ray.Workers(kind=KIND)
-
-
-def alive(cluster: Any, node_id: str) -> bool:
-    return any(node["NodeID"] == node_id and node["Alive"] for node in cluster_nodes())
-
-
-def cluster_nodes() -> list[dict[str, Any]]:
-    import ray
-
-    return ray.nodes()
 
 
 @pytest.fixture(scope="module")
@@ -55,10 +46,44 @@ def test_all_nodes_of_another_kind_are_one_line(cluster, scene, expected, tmp_pa
     text = manifest.read_text()
     probe = text.partition("probe_sha256: ")[2][:64]
     manifest.write_text(text.replace(probe, "0" * 64))
-    with pytest.raises(taxelsim.InputError, match=r"all 2 nodes are refused: .*probe_sha256") as error:
+    with pytest.raises(taxelsim.InputError, match=r"probe_sha256.* \(all 2 nodes are refused\)$") as error:
         taxelsim.ray.generate(scene, tmp_path, workers=WORKERS)
     assert "\n" not in str(error.value)
     assert files_of(tmp_path).keys() == {"dataset.yaml", "shard-000000.h5", "shard-000000.h5.sha256"}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"task_seconds": 0.0}, "task_seconds: 0.0 found, a finite number above 0 allowed"),
+        ({"max_retries": -1}, "max_retries: -1 found, at least 0 allowed"),
+        ({"workers": taxelsim.ray.Workers(cpus=0)}, "workers: 0 processors"),
+        ({"address": "127.0.0.1:1"}, "address: 127.0.0.1:1 found, and this process is connected to a cluster already"),
+        ({"num_cpus": 2}, "num_cpus: belongs to a local cluster"),
+        ({"num_cpus": 0}, "num_cpus: 0 found"),
+        ({"policy": lambda observation: observation}, "the identity is empty, which a data set needs"),
+    ],
+)
+def test_bad_arguments_are_refused(cluster, scene, tmp_path, arguments, message):
+    with pytest.raises(taxelsim.InputError, match=message):
+        taxelsim.ray.generate(scene, tmp_path / "out", **arguments)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_directory_that_nodes_do_not_share_is_refused(cluster, scene, tmp_path, monkeypatch):
+    """This machine does not see what a node wrote."""
+    monkeypatch.setattr(taxelsim.ray.data_set._Run, "_manifest", lambda self: None)
+    with pytest.raises(taxelsim.InputError, match="give a directory that all share"):
+        taxelsim.ray.generate(scene, tmp_path / "out", workers=WORKERS)
+
+
+def test_a_mount_that_vanished_is_no_new_data_set(cluster, scene, tmp_path, monkeypatch):
+    """Nodes find the directory without its manifest."""
+    monkeypatch.setattr(taxelsim.ray.tasks, "FIRST_DELAY", 0.0)
+    monkeypatch.setattr(taxelsim.ray.data_set._Run, "_manifest", lambda self: b"of the mount")
+    with pytest.raises(taxelsim.IoError, match=r"a task failed 3 times, lastly: .*dataset.yaml cannot be seen on"):
+        taxelsim.ray.generate(scene, tmp_path / "out", workers=WORKERS, max_retries=2)
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_set_of_s3_has_the_bytes_of_one_process(cluster, scene, expected, s3):
@@ -91,35 +116,24 @@ def test_a_set_of_s3_has_the_bytes_of_one_process(cluster, scene, expected, s3):
 
 
 def test_a_node_killed_in_the_middle_of_a_shard_changes_no_byte(cluster, scene, tmp_path):
-    """Last: the cluster has a node less afterwards."""
-    started = tmp_path / "started"
+    lost = tmp_path / "lost"
 
     def act(observation: Any) -> Any:
         import ray
 
-        if ray.is_initialized() and not started.exists():
-            started.write_text(ray.get_runtime_context().get_node_id())
-            time.sleep(600)  # until its node is killed
+        if ray.is_initialized() and not lost.exists():
+            lost.write_text(ray.get_runtime_context().get_node_id())
+            for process in (os.getppid(), os.getpid()):  # Ray's process of the node, and its worker
+                os.kill(process, signal.SIGKILL)
         return np.zeros((len(observation), 6), np.float32)
 
     policy = taxelsim.Policy(act, identity="zero", check_batch=False)
     one, many = tmp_path / "one", tmp_path / "many"
-    started.write_text("not in this process")
+    lost.touch()  # not in this process
     taxelsim.generate(scene, one, policy=policy)
-    started.unlink()
-
-    import threading
-
-    def kill() -> None:
-        while not started.exists() or not started.read_text():
-            time.sleep(0.05)
-        lost = next(node for node in cluster.same if node.node_id == started.read_text())
-        cluster.remove_node(lost, allow_graceful=False)
-
-    killer = threading.Thread(target=kill)
-    killer.start()
+    lost.unlink()
     summary = taxelsim.ray.generate(scene, many, policy=policy, workers=WORKERS)
-    killer.join()
+    replace_node(cluster, lost.read_text())
     assert summary.num_retries >= 1
     assert summary.num_simulated == 21
     assert files_of(many) == files_of(one)

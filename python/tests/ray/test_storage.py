@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import shutil
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, ClassVar
 
 import fsspec
@@ -13,9 +14,13 @@ from fsspec.implementations.memory import MemoryFileSystem
 
 import taxelsim
 from taxelsim import _core
+from taxelsim.ray import node
 from taxelsim.ray import storage as module
+from taxelsim.ray.node import SceneName
+from taxelsim.ray.shards import ShardJob, _scratch, runs_of
 from taxelsim.ray.storage import Storage, is_remote
-from taxelsim.ray.worker import Job, SceneName, _scratch, runs_of
+
+from .conftest import write_sharded_scene
 
 
 class Flaky(MemoryFileSystem):
@@ -85,7 +90,7 @@ def test_the_last_failure_is_one_line(flaky, shard):
 def test_names_cannot_leave_the_directory(flaky, tmp_path):
     storage = Storage("flaky://bucket/set", {})
     for name in ("../dataset.yaml", "/etc/passwd", "a/shard-000000.h5", "shard-000000.h5/../../x", "dataset.yaml\n"):
-        with pytest.raises(taxelsim.InputError, match="is no name of a file of a data set"):
+        with pytest.raises(taxelsim.InputError, match="is no name of a file that belongs there"):
             storage.read(name)
     (tmp_path / "evil.h5").write_bytes(b"")
     with pytest.raises(taxelsim.InputError, match="is no name"):
@@ -108,7 +113,7 @@ def test_the_view_of_shards_that_are_elsewhere(device, scene, tmp_path):
 
 
 def test_scratch_of_killed_processes_is_removed(tmp_path, scene):
-    job = Job(SceneName.of(scene), "", 1, scratch=str(tmp_path))
+    job = ShardJob(SceneName.of(scene), 1, scratch=str(tmp_path))
     left = tmp_path / "taxelsim-scratch-left"
     left.mkdir()
     (left / "shard-000000.h5").write_bytes(b"")
@@ -135,3 +140,24 @@ def test_addresses():
     assert is_remote("s3://bucket/set")
     assert not is_remote("file:///data/set")
     assert not is_remote("/data/set")
+
+
+def test_a_node_that_reads_another_scene_is_refused(tmp_path):
+    file = write_sharded_scene(tmp_path, 4)
+    name = SceneName.of(taxelsim.load_scene(file, num_episodes=9))
+    assert name.load().num_episodes == 9
+    file.write_text(file.read_text().replace("load: [1, 3]", "load: [1, 4]"))
+    with pytest.raises(taxelsim.InputError, match=r"short.yaml: is another scene on .* than where the run was started"):
+        name.load()
+
+
+def test_a_device_that_was_lost_is_opened_again(monkeypatch):
+    monkeypatch.setattr(node.ray, "get_runtime_context", lambda: SimpleNamespace(get_node_id=lambda: "node"))
+    found: list[node.Outcome] = []
+    opened = node._opened()
+    for error in (taxelsim.IoError("full"), taxelsim.DeviceError("lost\ndevice")):
+        assert node._opened() is opened
+        with node.outcomes(found):
+            raise error
+    assert node._opened() is not opened
+    assert [outcome.failure for outcome in found] == ["full", "lost device"]

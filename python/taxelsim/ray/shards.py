@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import fcntl
-import functools
 import hashlib
 import os
 import shutil
@@ -16,71 +15,22 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import ray
-
-from .. import _core
-from .._core import Device, Progress, Scene
-from ..errors import Error, InputError, IoError
-from ..policies.policy import Policy
-from ..program import SCENES
+from .._core import Progress
+from ..errors import InputError, IoError
 from ..runs import generate
-from .storage import MANIFEST, Storage, checksum_line, is_remote, one_line, shard_name
+from .node import DamagedError, Job, Outcome, outcomes, policy_of, scene_and_device
+from .storage import MANIFEST, Storage, checksum_line, is_remote, shard_name
 from .upload import Uploader
 
 _SCRATCH = "taxelsim-scratch-"
-_PACKAGE = "package:"  # a scene that ships with taxelsim: nodes have it elsewhere
-
-
-class DamagedError(InputError):
-    """A shard that is stored has other bytes than its checksum says."""
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """What a task came to. At most one of refusal, failure and error is not empty."""
+class ShardJob(Job):
+    """Shards of a data set."""
 
-    node: str  #: Ray's number of the node.
-    value: Any = None
-    refusal: str = ""  #: This node must not work on the run: it is of another kind.
-    failure: str = ""  #: May pass: tried again.
-    error: str = ""  #: Bad input: ends the run.
-
-
-@dataclass(frozen=True)
-class SceneName:
-    """A scene by what it was loaded from."""
-
-    file: str
-    num_episodes: int
-    seed: int
-    condition: str
-
-    @staticmethod
-    def of(scene: Scene) -> SceneName:
-        """The name of a scene on all nodes. Files must be at the same place there, except those of the package."""
-        file = Path(scene.file).absolute()
-        inside = file.is_relative_to(SCENES.absolute())
-        name = _PACKAGE + str(file.relative_to(SCENES.absolute())) if inside else str(file)
-        return SceneName(name, scene.num_episodes, scene.seed, scene.condition)
-
-    def load(self) -> Scene:
-        """Reads the scene on this node."""
-        file = str(SCENES / self.file.removeprefix(_PACKAGE)) if self.file.startswith(_PACKAGE) else self.file
-        return _core.load_scene(file, self.num_episodes, self.seed, self.condition)
-
-
-@dataclass(frozen=True)
-class Job:
-    """What all tasks of a run have in common."""
-
-    scene: SceneName
-    version: str
-    threads: int  #: Threads of a software driver.
     out: str = ""
     storage_options: Mapping[str, Any] = field(default_factory=dict)
-    policy: Policy | None = None
-    batch_size: int = 2048
-    num_slices: int = 2
     repair: bool = False
     scratch: str = ""  #: Folder for shards before they are uploaded; empty: that of the system.
     manifest_sha256: str = ""  #: Of dataset.yaml; empty until the first task has written it.
@@ -96,33 +46,7 @@ class Made:
     stored: dict[int, tuple[str, int]]  #: SHA-256 and bytes by shard; of remote data sets.
 
 
-_loaded = functools.lru_cache(maxsize=4)(SceneName.load)
-_opened = functools.lru_cache(maxsize=1)(Device.open)
-
-
-def scene_and_device(job: Job) -> tuple[Scene, Device]:
-    """Loaded and opened once per process. Raises InputError if this node has another version of taxelsim."""
-    if job.version != _core.version:
-        raise InputError(f"taxelsim {_core.version} is installed, the run is of {job.version}")
-    os.environ.setdefault("LP_NUM_THREADS", str(job.threads))
-    return _loaded(job.scene), _opened()
-
-
-@contextmanager
-def outcomes(found: list[Outcome]) -> Iterator[str]:
-    """Appends an Outcome for an exception of taxelsim or of the system. Yields the node."""
-    node = ray.get_runtime_context().get_node_id()
-    try:
-        yield node
-    except DamagedError as error:
-        found.append(Outcome(node, error=one_line(error)))
-    except InputError as error:
-        found.append(Outcome(node, refusal=one_line(error)))
-    except (Error, OSError) as error:
-        found.append(Outcome(node, failure=one_line(error)))
-
-
-def make_shards(job: Job, shards: range) -> Outcome:
+def make_shards(job: ShardJob, shards: range) -> Outcome:
     """Makes the shards of a range that the data set lacks. Waits until they are stored."""
     found: list[Outcome] = []
     with outcomes(found) as node:
@@ -130,12 +54,12 @@ def make_shards(job: Job, shards: range) -> Outcome:
     return found[0]
 
 
-def _generated(job: Job, folder: Path, shards: range, on_progress: Callable[[Progress], object] | None = None) -> Made:
+def _generated(job: ShardJob, folder: Path, shards: range, on_progress: Callable[[Progress], object] | None = None) -> Made:
     scene, device = scene_and_device(job)
     result = generate(
         scene,
         folder,
-        policy=job.policy,
+        policy=policy_of(job),
         device=device,
         batch_size=job.batch_size,
         num_slices=job.num_slices,
@@ -149,7 +73,7 @@ def _generated(job: Job, folder: Path, shards: range, on_progress: Callable[[Pro
     return Made(progress.episodes_done - progress.episodes_resumed, 0.0, progress.seconds, {})
 
 
-def _require_manifest(job: Job, content: bytes | None) -> None:
+def _require_manifest(job: ShardJob, content: bytes | None) -> None:
     """The manifest of the first task, on this node: a mount may have vanished, and another run may have begun in the same place."""
     if not job.manifest_sha256:
         return
@@ -159,7 +83,7 @@ def _require_manifest(job: Job, content: bytes | None) -> None:
         raise InputError(f"{job.out}: another run writes here, with another {MANIFEST}")
 
 
-def _written(job: Job, shards: range) -> Made:
+def _written(job: ShardJob, shards: range) -> Made:
     """Directly into a directory that the nodes share, with claims."""
     begin = os.times().elapsed
     folder = Path(job.out)
@@ -169,7 +93,7 @@ def _written(job: Job, shards: range) -> Made:
     return dataclasses.replace(made, setup_seconds=os.times().elapsed - begin - made.seconds)
 
 
-def _uploaded(job: Job, shards: range) -> Made:
+def _uploaded(job: ShardJob, shards: range) -> Made:
     """In a scratch folder, from which another thread uploads."""
     begin = os.times().elapsed
     storage = Storage(job.out, job.storage_options)
@@ -193,7 +117,7 @@ def _uploaded(job: Job, shards: range) -> Made:
     return Made(num_episodes, os.times().elapsed - begin - seconds, seconds, stored | uploader.stored)
 
 
-def _stored(job: Job, storage: Storage, shard: int) -> tuple[str, int] | None:
+def _stored(job: ShardJob, storage: Storage, shard: int) -> tuple[str, int] | None:
     """SHA-256 and bytes of a shard that counts: it has a checksum file, and the bytes that this says."""
     name = shard_name(shard)
     line = storage.read(name + ".sha256")
@@ -222,7 +146,7 @@ def runs_of(shards: list[int]) -> list[range]:
 
 
 @contextmanager
-def _scratch(job: Job) -> Iterator[Path]:
+def _scratch(job: ShardJob) -> Iterator[Path]:
     """A folder that this process locks. Removes those of processes that were killed: their locks are free."""
     root = Path(job.scratch or tempfile.gettempdir())
     root.mkdir(parents=True, exist_ok=True)
