@@ -142,7 +142,7 @@ TEST(Arguments, FilesThatAreNotRegularAreRefused) {
       {"evaluate", yaml},
       {"experiment", yaml},
       {"characterize", yaml, "-o", root / "out"},
-      {"frame", "--sensor", yaml, "--object", "sphere:0.01"},
+      {"frame", "--sensor", yaml, "--object", "sphere:0.01", "--load", "1"},
       {"frame", "--sensor", sensor, "--contacts", csv},
       {"frame", "--sensor", sensor, "--contacts", zero},
       {"devices", "--plan", yaml},
