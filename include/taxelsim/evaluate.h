@@ -69,6 +69,9 @@ struct EvaluateOptions {
   /// Called after every step of a slice from the thread of evaluate()'s scheduler; Progress::num_episodes counts the episodes of all
   /// controllers. An exception that it throws ends evaluate() and is thrown by it. Default: none.
   std::function<void(const Progress&)> on_progress{};
+  /// Called with each evaluation as soon as it is complete, in the order of the result, so that an exception later loses none of them.
+  /// Called from the thread of evaluate()'s caller. Default: none.
+  std::function<void(const Evaluation&)> on_evaluation{};
   /// Graceful stop: when *stop becomes true, evaluate() returns the controllers that are complete. May be set from any thread. Not owned;
   /// must outlive the call. Default: none.
   const std::atomic<bool>* stop = nullptr;

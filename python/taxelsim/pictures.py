@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import Sensor
+from ._files import write_whole
 from .errors import InputError
 
 # Anchors of a dark blue, green, yellow scale with rising luminance.
@@ -82,5 +83,5 @@ def png_of(picture: NDArray[np.uint8]) -> bytes:
 
 
 def save_png(file: str | os.PathLike[str], picture: NDArray[np.uint8]) -> None:
-    """Writes a picture (height, width, 3)."""
-    Path(file).write_bytes(png_of(picture))
+    """Writes a picture (height, width, 3), whole or not at all. Raises IoError."""
+    write_whole(Path(file), png_of(picture))

@@ -18,6 +18,7 @@
 #include "cli/progress.h"
 #include "cli/scene_options.h"
 #include "figures/text.h"
+#include "taxelsim/error.h"
 
 namespace taxelsim::cli {
 
@@ -93,11 +94,21 @@ int runEvaluate(const Arguments& arguments) {
     printer.show(progress);
   };
   if (options.episodes) return playPart(arguments, device, scene, options, activity);
-  const std::vector<Evaluation> evaluations = evaluate(device, scene, arguments.controllers, options);
-  activity.end();
-  printer.clear();
+  std::vector<Evaluation> evaluations;
+  options.on_evaluation = [&](const Evaluation& evaluation) { evaluations.push_back(evaluation); };
+  const auto report = [&] {
+    activity.end();
+    printer.clear();
+    if (!evaluations.empty()) reportEvaluations(arguments.report, scene, deviceText(device.info()), evaluations);
+  };
+  try {
+    evaluate(device, scene, arguments.controllers, options);
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::kDevice) report();  // what was evaluated before the device was lost
+    throw;
+  }
   const bool stopped = *options.stop;
-  if (!evaluations.empty()) reportEvaluations(arguments.report, scene, deviceText(device.info()), evaluations);
+  report();
   if (!stopped) return kExitOk;
   spdlog::warn("stopped: {} of {} controllers are evaluated", evaluations.size(), namesOf(arguments, scene).size());
   return kExitInterrupted;

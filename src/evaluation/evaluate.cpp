@@ -11,9 +11,10 @@ std::vector<Evaluation> evaluate(const Device& device, const Scene& scene, const
   const Players players(scene, controllers, options);
   const Model model(device, modelOptionsOf(scene));
   std::vector<Evaluation> evaluations;
-  for (EvaluationPart::Verdicts& played : play(model, scene, players, options)) {
+  play(model, scene, players, options, [&](EvaluationPart::Verdicts played) {
     evaluations.push_back(evaluationOf(scene, played.controller, std::move(played.verdicts)));
-  }
+    if (options.on_evaluation) options.on_evaluation(evaluations.back());
+  });
   return evaluations;
 }
 

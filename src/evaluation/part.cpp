@@ -53,16 +53,18 @@ EvaluationPart evaluatePart(const Device& device, const Scene& scene, const std:
                             const EvaluateOptions& options) {
   const Players players(scene, controllers, options);
   const Model model(device, modelOptionsOf(scene));
-  return {.program_version = kVersion,
-          .device = deviceText(device.info()),
-          .probe_sha256 = featureProbe(model, scene),
-          .scene = scene.resolved,
-          .condition = scene.condition,
-          .seed = scene.seed,
-          .num_episodes = scene.num_episodes,
-          .policy = options.policy ? options.policy->id : "",
-          .episodes = players.episodes,
-          .evaluations = play(model, scene, players, options)};
+  EvaluationPart part{.program_version = kVersion,
+                      .device = deviceText(device.info()),
+                      .probe_sha256 = featureProbe(model, scene),
+                      .scene = scene.resolved,
+                      .condition = scene.condition,
+                      .seed = scene.seed,
+                      .num_episodes = scene.num_episodes,
+                      .policy = options.policy ? options.policy->id : "",
+                      .episodes = players.episodes,
+                      .evaluations = {}};
+  play(model, scene, players, options, [&](EvaluationPart::Verdicts played) { part.evaluations.push_back(std::move(played)); });
+  return part;
 }
 
 void checkEvaluationPart(const NamedPart& named, const Scene& scene) {

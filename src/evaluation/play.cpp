@@ -55,7 +55,8 @@ Players::Players(const Scene& scene, const std::vector<std::string>& names, cons
   episodes = rangeOf(scene, options);
 }
 
-std::vector<EvaluationPart::Verdicts> play(const Model& model, const Scene& scene, const Players& players, const EvaluateOptions& options) {
+void play(const Model& model, const Scene& scene, const Players& players, const EvaluateOptions& options,
+          const std::function<void(EvaluationPart::Verdicts)>& on_complete) {
   // The policy is the first, so that its exceptions lose no complete evaluation.
   std::vector<SlicePlan> plans;
   std::vector<std::string> names;
@@ -74,7 +75,6 @@ std::vector<EvaluationPart::Verdicts> play(const Model& model, const Scene& scen
   progress.num_episodes = num_episodes * plans.size();
   progress.num_frames = progress.num_episodes * static_cast<std::uint64_t>(numFrames(scene));
   const auto start = std::chrono::steady_clock::now();
-  std::vector<EvaluationPart::Verdicts> complete;
   for (std::size_t p = 0; p < plans.size(); ++p) {
     const SlicePlan& plan = plans[p];
     std::vector<Verdict> verdicts(num_episodes);
@@ -94,9 +94,8 @@ std::vector<EvaluationPart::Verdicts> play(const Model& model, const Scene& scen
       if (options.on_progress) options.on_progress(progress);
     });
     if (options.stop && *options.stop) break;
-    complete.push_back({names[p], std::move(verdicts)});
+    on_complete({names[p], std::move(verdicts)});
   }
-  return complete;
 }
 
 }  // namespace taxelsim

@@ -1,6 +1,7 @@
 // Plays a range of the episodes of a scene with a policy and controllers.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -20,7 +21,9 @@ struct Players {
   EpisodeRange episodes;
 };
 
-// Verdicts of the policy of the options, if any, then of the controllers; of the complete ones only after a stop. `model`: of the scene.
-std::vector<EvaluationPart::Verdicts> play(const Model& model, const Scene& scene, const Players& players, const EvaluateOptions& options);
+// Plays the policy of the options, if any, then the controllers. Calls on_complete with the verdicts of each; of the complete ones only
+// after a stop. `model`: of the scene.
+void play(const Model& model, const Scene& scene, const Players& players, const EvaluateOptions& options,
+          const std::function<void(EvaluationPart::Verdicts)>& on_complete);
 
 }  // namespace taxelsim

@@ -6,8 +6,10 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <span>
 #include <system_error>
 
+#include "base/files.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim::figures {
@@ -16,6 +18,11 @@ namespace {
 constexpr const char* kFont = "DejaVu Sans";
 constexpr int kTicks = 5;
 constexpr double kRounding = 1e-9;  // of a tick, relative to the step
+
+cairo_status_t append(void* png, const unsigned char* data, unsigned length) {
+  static_cast<std::string*>(png)->append(reinterpret_cast<const char*>(data), length);
+  return CAIRO_STATUS_SUCCESS;
+}
 
 }  // namespace
 
@@ -67,12 +74,13 @@ void Canvas::heading(const std::string& title, const std::string& subtitle, doub
 }
 
 void Canvas::save(const std::filesystem::path& file) const {
-  const cairo_status_t status = cairo_surface_write_to_png(surface_.get(), file.c_str());
-  if (status == CAIRO_STATUS_SUCCESS) return;
   std::error_code error;
-  const bool has_folder = file.parent_path().empty() || std::filesystem::is_directory(file.parent_path(), error);
-  throw Error(ErrorKind::kIo,
-              "cannot write " + file.string() + ": " + (has_folder ? cairo_status_to_string(status) : "its folder does not exist"));
+  if (!file.parent_path().empty() && !std::filesystem::is_directory(file.parent_path(), error))
+    throw Error(ErrorKind::kIo, "cannot write " + file.string() + ": its folder does not exist");
+  std::string png;
+  const cairo_status_t status = cairo_surface_write_to_png_stream(surface_.get(), append, &png);
+  if (status != CAIRO_STATUS_SUCCESS) throw Error(ErrorKind::kIo, "cannot write " + file.string() + ": " + cairo_status_to_string(status));
+  writeFileAtomically(file, std::as_bytes(std::span(png)));
 }
 
 void Canvas::appendPpm(std::FILE* stream, const std::string& comment) const {

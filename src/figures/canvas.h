@@ -48,7 +48,7 @@ class Canvas {
   // Draws title and subtitle at the top of the page.
   void heading(const std::string& title, const std::string& subtitle, double width) const;
 
-  // Writes a PNG. Throws Error(kIo) if the file cannot be written.
+  // Writes a PNG, whole or not at all. Throws Error(kIo) if the file cannot be written.
   void save(const std::filesystem::path& file) const;
 
   // Appends a binary portable pixmap (PPM) to a stream, with a comment of one line in its header. Throws Error(kIo) if it cannot be

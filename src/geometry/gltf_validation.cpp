@@ -1,5 +1,6 @@
 #include "geometry/gltf_validation.h"
 
+#include <array>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string_view>
@@ -116,6 +117,24 @@ std::optional<std::uint64_t> countTriangles(const Json& json) {
   return count;
 }
 
+// Whether item[key] is an index of json[list].
+bool refersTo(const Json& json, const char* list, const Json& item, const char* key) {
+  return item.contains(key) && item[key].is_number_unsigned() && json.contains(list) && json[list].is_array() &&
+         item[key].get<std::uint64_t>() < json[list].size();
+}
+
+// Assimp reads from address zero where a buffer is missing.
+std::string missingData(const Json& json) {
+  for (const auto& [list, key, target] : {std::array{"accessors", "bufferView", "bufferViews"}, {"bufferViews", "buffer", "buffers"}}) {
+    if (!json.contains(list) || !json[list].is_array()) continue;
+    for (std::size_t i = 0; i < json[list].size(); ++i) {
+      if (!refersTo(json, target, json[list][i], key))
+        return "entry " + std::to_string(i) + " of its " + list + " names no " + key + " that it has";
+    }
+  }
+  return {};
+}
+
 // The first buffer of a .glb that is not in it; empty if there is none.
 std::string externalBuffer(const Json& buffers) {
   for (std::size_t i = 0; i < buffers.size(); ++i) {
@@ -149,6 +168,7 @@ std::string validateGltf(const std::filesystem::path& file, bool is_binary) {
       }
     }
   }
+  if (const std::string problem = missingData(json); !problem.empty()) return problem;
   if (is_binary && json.contains("buffers") && json["buffers"].is_array()) return externalBuffer(json["buffers"]);
   return {};
 }

@@ -1,5 +1,8 @@
 // Help, version and wrong arguments: one line, exit status 2.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <fstream>
 
 #include "cli/command_line.h"
 #include "taxelsim/version.h"
@@ -117,6 +120,47 @@ TEST(Arguments, PosesAreRefusedInOneLine) {
 TEST(Arguments, FilesThatAreNotThere) {
   expectRefused(runTaxelsim({"inspect", "/nowhere"}), "/nowhere");
   expectRefused(runTaxelsim({"render", "/nowhere", "-o", "/tmp/x.png"}), "/nowhere");
+}
+
+// A pipe would block the program, and a device may have no end. Each kind of file, named on the command line or by another file.
+TEST(Arguments, FilesThatAreNotRegularAreRefused) {
+  const TemporaryDirectory root;
+  const std::string sensor = TAXELSIM_SOURCE_DIR "/scenes/sensors/wts0614_soft_cover.yaml", zero = "/dev/zero";
+  const auto written = [&](const std::string& name, const std::string& text) {
+    std::ofstream(root / name) << text;
+    return std::string(root / name);
+  };
+  const auto scene = [&](const std::string& name, const std::string& sensor_file, const std::string& object) {
+    return written(name, "format_version: 1\nname: a\nkind: contacts\nsensor: " + sensor_file + "\nobjects: [" + object + "]\n");
+  };
+  for (const std::string extension : {"yaml", "obj", "stl", "ply", "glb", "gltf", "csv", "urdf"})
+    ASSERT_EQ(mkfifo((root / ("pipe." + extension)).c_str(), 0600), 0);
+  const std::string pipe = root / "pipe.", yaml = pipe + "yaml", csv = pipe + "csv";
+  std::vector<std::vector<std::string>> commands{
+      {"generate", yaml, "-o", root / "out"},
+      {"generate", zero, "-o", root / "out"},
+      {"evaluate", yaml},
+      {"experiment", yaml},
+      {"characterize", yaml, "-o", root / "out"},
+      {"frame", "--sensor", yaml, "--object", "sphere:0.01", "--load", "1"},
+      {"frame", "--sensor", sensor, "--contacts", csv},
+      {"frame", "--sensor", sensor, "--contacts", zero},
+      {"devices", "--plan", yaml},
+      {"devices", "--plan", scene("sensor.yaml", yaml, "{sphere: {radius_mm: 5}}")},
+      {"devices", "--plan", scene("mesh.yaml", sensor, "{mesh: pipe.obj}")},
+      {"devices", "--plan", scene("waypoints.yaml", sensor, "{sphere: {radius_mm: 5}, motion: {waypoints: {file: pipe.csv}}}")},
+      {"devices", "--plan", scene("contour.yaml", sensor, "{box: {size_mm: [9, 9, 9]}, contour: {file: pipe.csv}}")},
+      {"characterize", "-o", root / "out",
+       written("table.yaml", "format_version: 1\nmeasurement: force_depth\nsensor: " + sensor +
+                                 "\ntable: pipe.csv\nindenter: {flat_pin: {radius_mm: 0.5}}\n")},
+  };
+  for (const char* extension : {"obj", "stl", "ply", "glb", "gltf"})
+    commands.push_back({"frame", "--sensor", sensor, "--object", pipe + extension, "--pose", "0 0 0.01"});
+  for (const auto& command : commands) {
+    const Outcome outcome = runTaxelsim(command);
+    SCOPED_TRACE(command[0] + " " + command[1] + " " + command.back());
+    expectRefused(outcome, "not a");  // regular file, or file
+  }
 }
 
 }  // namespace

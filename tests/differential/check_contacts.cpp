@@ -104,9 +104,14 @@ void checkLayer(const LawCheck& check, std::size_t i) {
   const double slack = deepest > margin_z ? std::min(1.0, solution + 2 * margin_z / deepest) * force + kAbsoluteForce
                                           : force + foundationOf(sensor.skin).normal_contact_stiffness * margin_z * 1e-4 + kAbsoluteForce;
   const std::span<const float> forces = forcesOf(check.frame, i, twin.taxel_force.size());
+  // A deflection between contacts changes no more than the largest one at them; a steep face moves sideways, too.
+  const Bounded overlap = frameEnvelope(sensor, placed, roundingWithin(sensor, placed)).penetration;
+  double depth_slack = 2 * margin_z;
+  for (std::size_t n = 0; n < overlap.low.size(); ++n)
+    if (overlap.low[n] > 0) depth_slack = std::max(depth_slack, overlap.high[n] - overlap.low[n]);
   for (std::size_t t = 0; t < forces.size(); ++t) {
     EXPECT_NEAR(forces[t], twin.taxel_force[t], slack) << "taxel " << t;
-    EXPECT_NEAR(check.frame.ground_truth.penetration_depth[i * forces.size() + t], twin.mean_penetration[t], 2 * margin_z) << "taxel " << t;
+    EXPECT_NEAR(check.frame.ground_truth.penetration_depth[i * forces.size() + t], twin.mean_penetration[t], depth_slack) << "taxel " << t;
   }
   for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(check.frame.ground_truth.contact_wrench[6 * i + k], twin.wrench[k], slack) << "force";
 }

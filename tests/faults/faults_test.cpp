@@ -3,21 +3,19 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
-#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <fstream>
 #include <iostream>
 #include <map>
 
-#include "cli/command_line.h"
+#include "faults/failing.h"
 #include "support/cases.h"
 
 namespace taxelsim::testing {
 namespace {
 
 constexpr int kNumShards = 6;           // of two episodes
-constexpr int kManyFaults = 10'000;     // a bound for loops that end earlier
 constexpr int kProgramNotLoaded = 127;  // exit status of the loader of shared libraries
 
 using Files = std::map<std::string, std::string>;
@@ -47,18 +45,6 @@ class Faults : public ::testing::Test {
   // A batch of one, so that each episode is a submit of its own.
   Outcome generate(const std::filesystem::path& out, const RunOptions& options = {}) {
     return runTaxelsim({"--log-level", "error", "generate", root_ / "scene.yaml", "-o", out, "--batch-size", "1"}, options);
-  }
-
-  static RunOptions failing(const std::string& variable, int number) {
-    return {.environment = {"VK_LAYER_PATH=" TAXELSIM_LAYERS, "VK_INSTANCE_LAYERS=VK_LAYER_TAXELSIM_failing_driver",
-                            variable + "=" + std::to_string(number)}};
-  }
-
-  // Expects exit status 1 and one line with `part`.
-  static void expectDeviceError(const Outcome& outcome, const std::string& part) {
-    EXPECT_EQ(outcome.status, 1) << outcome.err;
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
-    EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
   }
 
   // Whole shards in `out`, which must have the bytes of an undisturbed run.

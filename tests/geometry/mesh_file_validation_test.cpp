@@ -176,6 +176,18 @@ TEST_F(InvalidMeshFile, RejectsGlbWithGeometryInOtherFiles) {
   EXPECT_NO_THROW(loadMesh(directory_.write("inside.glb", glbBytes(brick(), nodes, dataUri(gltfBuffer(brick()))))));
 }
 
+TEST_F(InvalidMeshFile, RejectsGltfWithoutItsBuffers) {
+  directory_.write("brick.bin", gltfBuffer(brick()));
+  const std::string whole = gltfJson(brick(), "brick.bin", R"([{"mesh":0}])");
+  for (const auto& [from, to] :
+       {std::pair{"\"buffers\"", "\"others\""}, {"\"bufferView\":", "\"others\":"}, {"\"buffer\":0", "\"buffer\":9"}}) {
+    std::string text = whole;
+    ASSERT_NE(text.find(from), std::string::npos) << from << text;
+    text.replace(text.find(from), std::string(from).size(), to);
+    expectRejected(directory_.write("brick.gltf", text), "that it has");
+  }
+}
+
 TEST_F(InvalidMeshFile, RejectsFacesWithoutCorners) {
   const std::string vertices = "0 0 0\n1 0 0\n0 1 0\n";
   expectRejected(directory_.write("face.ply", plyHeader("ascii", 3, 2) + vertices + "3 0 1 2\n0\n"), "face 1 has no corners");

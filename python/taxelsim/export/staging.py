@@ -46,7 +46,7 @@ def _named(staged: Path) -> Iterator[None]:
 
 @contextmanager
 def _locked(file: Path, out: Path) -> Iterator[None]:
-    descriptor = os.open(file, os.O_RDWR | os.O_CREAT, 0o644)
+    descriptor = os.open(file, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o644)
     try:
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -59,9 +59,11 @@ def _locked(file: Path, out: Path) -> Iterator[None]:
 
 @contextmanager
 def new_file(file: Path) -> Iterator[Path]:
-    """A temporary name in the same folder. The file is flushed and renamed to `file` at the end, and removed on an exception."""
+    """A new, empty file in the same folder. It is flushed and renamed to `file` at the end, and removed on an exception."""
     file.parent.mkdir(parents=True, exist_ok=True)
     temporary = file.with_name(f".{file.name}.tmp")
+    temporary.unlink(missing_ok=True)  # of a program that was killed, or a link that somebody else put there
+    os.close(os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o666))
     try:
         yield temporary
         sync(temporary)
@@ -103,6 +105,7 @@ def staged_folder(out: Path, plan: dict[str, Any]) -> Iterator[Path]:
 
     Throws InputError if `out` exists and is not an empty folder, if another program writes it, or if the folder holds something else.
     """
+    _take_back(out)
     staged = _staged(out)
     if staged.is_file():
         raise InputError(f"{staged}: is a file; remove it or choose another output")
@@ -111,11 +114,20 @@ def staged_folder(out: Path, plan: dict[str, Any]) -> Iterator[Path]:
     with _named(staged), _locked(staged / _LOCK, out):
         _check_plan(staged, plan)
         yield staged
-        (staged / PLAN).unlink()
-        (staged / _LOCK).unlink()
         sync(staged)
         staged.rename(out)
+        (out / PLAN).unlink()  # last: where it is, the same export can be run again
+        (out / _LOCK).unlink()
+        sync(out)
         sync(out.parent)
+
+
+def _take_back(out: Path) -> None:
+    """Gives an export that was killed after its rename, and before its plan was removed, the name of an incomplete one."""
+    staged = out.with_name(out.name + ".incomplete")
+    if (out / PLAN).is_file() and not staged.exists():
+        with _named(out), _locked(out / _LOCK, out):
+            out.rename(staged)
 
 
 @contextmanager
