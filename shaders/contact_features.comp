@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Contact features pass: moments, edge angle under a window, tilt of a flat face and type of the contact, of the sensor, of each of its patches and of each
+// Contact features pass: moments, edge angle under a window and of a fitted ridge, tilt of a flat face and type of the contact, of the sensor, of each of its patches and of each
 // region. Runs after contact_regions.comp.
 //
 // TEAM invocations share a part (one row of an instance); a workgroup has WORKGROUP / TEAM teams, and each team processes REPEAT parts in sequence. Parts of
@@ -26,12 +26,14 @@ const uint kTeams = WORKGROUP / TEAM;
 #include "features/moments.glsl"
 #include "features/contact_parts.glsl"
 #include "features/part_sums.glsl"
+#include "features/ridge.glsl"
 #include "features/contact_sums.glsl"
 #include "features/windowed_axes.glsl"
+#include "features/ridge_edge.glsl"
 #include "features/tilt.glsl"
 #include "features/contact_type.glsl"
 
-void writeRow(uint row, uint num_rows, PlaneRecord plane, float patch_number, Moments moments, vec3 middle, Axes windowed, Tilt tilt, float type) {
+void writeRow(uint row, uint num_rows, PlaneRecord plane, float patch_number, Moments moments, vec3 middle, Axes windowed, Axes ridge, Tilt tilt, float type) {
   writeMoments(0, row, num_rows, moments, middle, plane.X_SC_row0, plane.X_SC_row1, plane.X_SC_row2);
   features[kContactWindowedEdgeAngle * num_rows + row] = windowed.angle;
   features[kContactWindowedEdgeConfidence * num_rows + row] = windowed.confidence;
@@ -40,6 +42,8 @@ void writeRow(uint row, uint num_rows, PlaneRecord plane, float patch_number, Mo
   features[kContactTiltConfidence * num_rows + row] = tilt.confidence;
   features[kContactType * num_rows + row] = type;
   features[kContactPatch * num_rows + row] = patch_number;
+  features[kContactRidgeEdgeAngle * num_rows + row] = ridge.angle;
+  features[kContactRidgeEdgeConfidence * num_rows + row] = ridge.confidence;
 }
 
 // For lists of taxels: the plane of a region is that of its taxel with the largest force, and its sums are computed again in that plane.
@@ -70,21 +74,22 @@ void computePart(uint number, bool is_valid, uint num_instances) {
   moments.first = vec3(core.s[0], core.s[1], core.s[2]);
   moments.second = vec3(core.s[3], core.s[4], core.s[5]);
   Axes axes = windowedAxes(part, center, moments.force);
+  vec3 second = vec3(0);
+  if (moments.force > 0.0) second = centralMoments(moments.force, moments.first.xy, moments.second);
+  float noise = forceNoise(instance);
+  Axes ridge = ridgeEdge(part, second, center, moments.peak, noise);
   if (!is_due || gl_LocalInvocationIndex % TEAM > 0) return;
 
   PlaneRecord plane = planes[part.plane];
   Tilt tilt = Tilt(vec2(0), 0.0);
   if (part.is_grid) tilt = tiltOf(plane, core, mean_force);
   float num_taxels = which >= kFirstRegion ? num_reporting : float(part.end - part.first);
-  float noise = forceNoise(instance);
-  vec3 second = vec3(0);
-  if (moments.force > 0.0) second = centralMoments(moments.force, moments.first.xy, moments.second);
   float type = typeOf(plane, second, moments.force, kNoiseFactor * noise * sqrt(num_taxels));
   uint num_rows = num_instances * kRows;
   uint row = instance * kRows + which + (kOnePatch && which > 0 ? 1 : 0);
   float patch_number = part.plane == LAST_PLANE ? -1.0 : float(part.plane);
-  writeRow(row, num_rows, plane, patch_number, moments, center, axes, tilt, type);
-  if (kOnePatch && which == 0) writeRow(row + 1, num_rows, plane, patch_number, moments, center, axes, tilt, type);
+  writeRow(row, num_rows, plane, patch_number, moments, center, axes, ridge, tilt, type);
+  if (kOnePatch && which == 0) writeRow(row + 1, num_rows, plane, patch_number, moments, center, axes, ridge, tilt, type);
 }
 
 void main() {

@@ -303,6 +303,9 @@ struct Readout {
   double noise = 0;                   ///< Counts, >= 0, standard deviation of white Gaussian noise per frame and taxel. Default 0.
   std::vector<double> taxel_gain;     ///< (num_taxels), >= 0; empty (default): 1.
   std::vector<double> taxel_trigger;  ///< (num_taxels), N; empty (default): `trigger`.
+  /// (num_taxels), >= 0; empty (default): 1. Gains that a calibration found, by which ContactFeatureView::ridge_edge_angle divides. No
+  /// output depends on them otherwise. 0: the taxel is left out.
+  std::vector<double> calibrated_gain{};
 
   /// (num_elements), Prandtl-Ishlinskii hysteresis, 0 to kMaxHysteresisElements weights, each >= 0, sum < 1. The output is
   /// (1 - sum of strengths) x + sum of strength play(x), with play operators of half-width `hysteresis_width`. Default none.

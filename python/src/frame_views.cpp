@@ -60,6 +60,8 @@ void addContact(const ContactFeatureView& view, std::size_t num_instances, nb::h
   addFeatures(view, arrays);
   arrays.add("windowed_edge_angle", view.windowed_edge_angle);
   arrays.add("windowed_edge_confidence", view.windowed_edge_confidence);
+  arrays.add("ridge_edge_angle", view.ridge_edge_angle);
+  arrays.add("ridge_edge_confidence", view.ridge_edge_confidence);
   arrays.add("tilt", view.tilt, {2});
   arrays.add("tilt_confidence", view.tilt_confidence);
   arrays.add("contact_type", view.contact_type);

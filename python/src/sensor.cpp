@@ -126,6 +126,7 @@ x = gain F - trigger; y = sum of curve[m] x^(m+1); counts = clip(round(output_sc
             field("noise", &Readout::noise, "Counts, >= 0, standard deviation of white noise per frame and taxel."),
             field("taxel_gain", &Readout::taxel_gain, "(num_taxels), >= 0; empty: 1."),
             field("taxel_trigger", &Readout::taxel_trigger, "(num_taxels), N; empty: `trigger`."),
+            field("calibrated_gain", &Readout::calibrated_gain, "(num_taxels), >= 0, by which ridge_edge_angle divides; empty: 1."),
             field("hysteresis_strength", &Readout::hysteresis_strength, "(num_elements), each >= 0, sum < 1."),
             field("hysteresis_width", &Readout::hysteresis_width, "(num_elements), N, >= 0."),
             field("creep", &Readout::creep, "0 to 4 terms."), field("low_pass_time", &Readout::low_pass_time, "s, >= 0."),

@@ -101,6 +101,10 @@ class ContactFeatures(Features):
     """(N, num_rows), rad: angle of an edge that the array cuts off."""
     windowed_edge_confidence: FloatArray
     """(N, num_rows), 0 to 1."""
+    ridge_edge_angle: FloatArray
+    """(N, num_rows), rad: angle of an edge from taxels whose gains differ."""
+    ridge_edge_confidence: FloatArray
+    """(N, num_rows), 0 to 1."""
     tilt: FloatArray
     """(N, num_rows, 2), rad: rotation of a flat face against the patch, about its x and y."""
     tilt_confidence: FloatArray

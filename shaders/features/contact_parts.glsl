@@ -38,6 +38,13 @@ Part loadPart(uint instance, uint number, bool is_due) {
   return Part(instance * NUM_TAXELS, first, end, region, plane, is_grid, planes[plane].pitch, vec2(planes[plane].grid.xy));
 }
 
+// A direction of the frame of `taxels` in C.
+vec3 inPlane(Part part, vec3 d) {
+  if (kOnePatch || part.plane == LAST_PLANE) return d;
+  PlaneRecord plane = planes[part.plane];
+  return plane.X_SC_row0.xyz * d.x + plane.X_SC_row1.xyz * d.y + plane.X_SC_row2.xyz * d.z;
+}
+
 // Position of a taxel in C, m.
 vec3 positionOf(Part part, uint t) {
   if (kOnePatch || part.is_grid) {
@@ -49,6 +56,5 @@ vec3 positionOf(Part part, uint t) {
   vec3 p_S = taxels[t].chart.xyz;
   if (!kList || part.plane == LAST_PLANE) return p_S;
   PlaneRecord plane = planes[part.plane];
-  vec3 d = p_S - vec3(plane.X_SC_row0.w, plane.X_SC_row1.w, plane.X_SC_row2.w);
-  return plane.X_SC_row0.xyz * d.x + plane.X_SC_row1.xyz * d.y + plane.X_SC_row2.xyz * d.z;
+  return inPlane(part, p_S - vec3(plane.X_SC_row0.w, plane.X_SC_row1.w, plane.X_SC_row2.w));
 }

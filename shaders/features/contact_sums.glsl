@@ -9,15 +9,16 @@ const uint kSumsForce = 0u;   // the largest force; force, first moments (3), ar
 const uint kSumsPeak = 1u;    // of lists: kTaxelNumbers less the first taxel with the largest force
 const uint kSumsSecond = 2u;  // first (3) and second (3) moments about a point; the sums over core taxels
 const uint kSumsWindow = 3u;  // first (2) moments, force and second (3) moments about a point, weighted by a Gaussian window around it
-
-uint numSums(uint kind) { return kind == kSumsForce ? 7u : kind == kSumsPeak ? 1u : kind == kSumsSecond ? kMostSums : 6u; }
-
-// Whether the first value is the largest one instead of a sum.
-bool hasLargest(uint kind) { return kind <= kSumsPeak; }
+const uint kSumsRidge = 4u;   // normal equations of a step of the fit of a ridge (features/ridge.glsl)
 
 // With kSumsSecond, the sums over core taxels begin here: their number, first (2) and second (3) moments of their positions (pitches), forces less `force`,
 // first moments (2) and squares of these.
 const uint kCore = 6u;
+
+uint numSums(uint kind) { return kind == kSumsForce ? 7u : kind == kSumsPeak ? 1u : kind == kSumsSecond ? kCore + 10u : kind == kSumsRidge ? kMostSums : 6u; }
+
+// Whether the first value is the largest one instead of a sum.
+bool hasLargest(uint kind) { return kind <= kSumsPeak; }
 
 void addSums(uint kind, inout PartSums total, PartSums more) {
   float largest = max(total.s[0], more.s[0]);
@@ -26,7 +27,11 @@ void addSums(uint kind, inout PartSums total, PartSums more) {
 }
 
 // Adds taxel `t`. `middle`: the point of the moments, in C; `force`: the largest force (kSumsPeak) or the mean force (kSumsSecond), N.
-void addTaxel(uint kind, Part part, uint t, vec3 middle, float force, inout PartSums sums) {
+void addTaxel(uint kind, Part part, uint t, vec3 middle, float force, Ridge ridge, inout PartSums sums) {
+  if (kind == kSumsRidge) {
+    addToRidge(part, t, ridge, sums);
+    return;
+  }
   uint word = taxel_regions[part.first_taxel + t];
   uint name = word & kNoRegion;
   float weight = forces[part.first_taxel + t];
@@ -74,14 +79,14 @@ void addTaxel(uint kind, Part part, uint t, vec3 middle, float force, inout Part
 }
 
 // Sums of one kind over all taxels of a part; every invocation of the team gets them.
-PartSums sumPart(uint kind, Part part, vec3 middle, float force) {
+PartSums sumPart(uint kind, Part part, vec3 middle, float force, Ridge ridge) {
   uint lane = gl_LocalInvocationIndex % TEAM;
   uint first_partial = gl_LocalInvocationIndex / TEAM * kMostSums * LANES;
   PartSums total = noSums();
   for (uint v = lane; v < LANES; v += TEAM) {
     PartSums sums = noSums();
     uint t = part.first + v;
-    for (; t < part.end; t += LANES) addTaxel(kind, part, t, middle, force, sums);
+    for (; t < part.end; t += LANES) addTaxel(kind, part, t, middle, force, ridge, sums);
     checkLoop(t < part.end);
     if (TEAM == 1) {
       addSums(kind, total, sums);
@@ -100,3 +105,5 @@ PartSums sumPart(uint kind, Part part, vec3 middle, float force) {
   }
   return total;
 }
+
+PartSums sumPart(uint kind, Part part, vec3 middle, float force) { return sumPart(kind, part, middle, force, noRidge()); }

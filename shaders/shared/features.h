@@ -62,10 +62,14 @@ TAXELSIM_CONSTANT kNumFeatures = 40u;
   X(kContactTiltConfidence, tilt_confidence, 17u, 1u, "1", "-", "always", "How well a flat face explains {} inside the contact, 0 to 1.") \
   X(kContactType, contact_type, 18u, 1u, "1", "-", "always", "0 none, 1 point, 2 edge, 3 area.")                                          \
   X(kContactPatch, patch, 19u, 1u, "1", "-", "always",                                                                                    \
-    "Number of the patch, of a list the taxel, in whose plane moments and angles are; -1 the xy plane of the sensor frame.")
-TAXELSIM_CONSTANT kNumContactFeatures = 20u;
+    "Number of the patch, of a list the taxel, in whose plane moments and angles are; -1 the xy plane of the sensor frame.")  \
+  X(kContactRidgeEdgeAngle, ridge_edge_angle, 20u, 1u, "rad", "P", "always",                                                              \
+    "Angle of the ridge of a Gaussian fitted to {}, in (-pi/2, pi/2]; 0 where undefined. Robust to gains that differ between taxels.")    \
+  X(kContactRidgeEdgeConfidence, ridge_edge_confidence, 21u, 1u, "1", "-", "always",                                                      \
+    "Difference of the curvatures of that Gaussian across and along the ridge over their sum, 0 to 1.")
+TAXELSIM_CONSTANT kNumContactFeatures = 22u;
 #define TAXELSIM_REGION_FEATURES(X) \
-  X(kContactNumRegions, num_regions, 20u, 1u, "1", "-", "always", "Regions of connected taxels; the largest have rows.")
+  X(kContactNumRegions, num_regions, 22u, 1u, "1", "-", "always", "Regions of connected taxels; the largest have rows.")
 
 // Tactile Jacobian: derivatives of features by the six coordinates (v, w) of the sensor's twist in S. Rows as for contact features, without
 // regions. Block after block, each (num_instances x num_rows x width), then the wrench's (num_instances x 36). Each width is 6 per

@@ -4,6 +4,8 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -58,12 +60,22 @@ std::map<std::string, std::string> notesOf(const Characterization& result, const
   return notes;
 }
 
+// Standard deviation of the logarithm of the gains of live taxels: `gain_spread` of an array like this one.
+double logDeviation(const std::vector<double>& gains) {
+  double sum = 0, squares = 0, num = 0;
+  for (const double gain : gains) {
+    if (gain <= 0) continue;
+    sum += std::log(gain), squares += std::log(gain) * std::log(gain), ++num;
+  }
+  return num > 1 ? std::sqrt(std::max(squares - sum * sum / num, 0.0) / (num - 1)) : 0;
+}
+
 void printTable(const Characterization& result) {
   std::vector<std::vector<std::string>> rows{{"parameter", "value", "from", "to", "unit", ""}};
-  std::size_t num_gains = 0;
+  std::vector<double> gains;
   for (const Estimate& estimate : result.estimates) {
     if (estimate.parameter.starts_with("readout.taxel_gain[")) {
-      ++num_gains;
+      gains.push_back(estimate.value);
     } else if (estimate.determined) {
       rows.push_back({estimate.parameter, roundedText(estimate.value), roundedText(estimate.low), roundedText(estimate.high), estimate.unit,
                       estimate.remark});
@@ -77,7 +89,10 @@ void printTable(const Characterization& result) {
     fits.push_back({fit.measurement, roundedText(fit.rms) + " " + fit.unit, countText(fit.num_rows), countText(fit.num_outliers)});
   }
   printOut("{}\n", tableText(fits));
-  if (num_gains > 0) printOut("the gains of {} taxels are in the sensor file\n", num_gains);
+  if (gains.size() > 1) {
+    printOut("the gains of {} taxels are in the sensor file; standard deviation of their logarithm: {}\n", gains.size(),
+             roundedText(logDeviation(gains)));
+  }
   if (!result.dead_taxels.empty()) printOut("taxels without a response: {}\n", fmt::join(result.dead_taxels, ", "));
   for (const std::string& remark : result.remarks) printOut("{}\n", remark);
 }

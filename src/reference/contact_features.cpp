@@ -5,7 +5,9 @@
 #include <iterator>
 
 #include "base/vector3.h"
+#include "reference/psf.h"
 #include "reference/readout.h"
+#include "reference/ridge_edge.h"
 #include "sensor/curve.h"
 #include "sensor/regions.h"
 
@@ -35,6 +37,7 @@ struct TaxelLayout {
         for (int j = 0; j < sensor.patches[p].num_cols; ++j) at.push_back({p, i, j});
       }
     }
+    setReception();
     if (!isTaxelList(sensor)) return;
     const std::vector<std::vector<int>> lower = listNeighbours(sensor);
     neighbours.resize(at.size());
@@ -46,8 +49,25 @@ struct TaxelLayout {
     }
   }
 
+  // Where the forces of a taxel come from, and what they sum up to, if every taxel has a force of 1 N.
+  void setReception() {
+    const std::vector<double>& gain = sensor.readout.calibrated_gain;
+    receives.assign(positions.size(), 0);
+    received_from.assign(positions.size(), Vector3{0, 0, 0});
+    for (const Share& share : spreadMatrix(sensor)) {
+      receives[share.taxel] += share.share;
+      received_from[share.taxel] = add(received_from[share.taxel], scale(share.share, positions[share.source]));
+    }
+    for (std::size_t t = 0; t < positions.size(); ++t) {
+      received_from[t] = receives[t] > 0 ? scale(1 / receives[t], received_from[t]) : positions[t];
+      if (!gain.empty()) receives[t] *= gain[t];
+    }
+  }
+
   const Sensor& sensor;
   std::vector<Vector3> positions;
+  std::vector<Vector3> received_from{};      // (num_taxels), in S, m
+  std::vector<double> receives{};            // (num_taxels), over the calibrated gain
   std::vector<int> first;                    // (num_patches): index of the first taxel
   std::vector<TaxelOnPatch> at;              // (num_taxels)
   std::vector<std::vector<int>> neighbours;  // (num_taxels x any); only for a list of taxels
@@ -160,6 +180,36 @@ void setWindowedEdge(std::span<const TaxelPlace> places, std::span<const double>
   }
 }
 
+// Edge angle from the ridge of a fitted Gaussian. A region has silent taxels of the whole patch, but none of another region.
+void setRidgeEdge(const TaxelLayout& layout, const ContactImage& image, const MomentPlane& plane, const std::vector<int>& taxels,
+                  ContactFeatures& features) {
+  std::vector<bool> of_part(image.force.size(), false);
+  for (const int t : taxels) of_part[t] = true;
+  std::vector<int> fitted;
+  for (int t = 0; t < static_cast<int>(image.force.size()); ++t) {
+    const bool in_plane = !plane.is_grid || layout.at[t].patch == plane.patch;
+    if (in_plane && layout.receives[t] > 0 && (of_part[t] || !image.reports[t])) fitted.push_back(t);
+  }
+  std::vector<RidgeTaxel> ridge;
+  const Pose X_CS = plane.patch < 0 ? Pose{} : inverse(layout.sensor.patches[plane.patch].X_SP);
+  for (const int t : fitted) {
+    const Vector3 place = X_CS * layout.received_from[t];
+    const double over = layout.receives[t];
+    ridge.push_back({.place = {place[0], place[1]},
+                     .force = image.reports[t] ? image.force[t] / over : 0,
+                     .trigger = triggerOf(layout.sensor.readout, static_cast<std::size_t>(t)) / over,
+                     .noise = image.noise / over});
+  }
+  std::array<double, 2> center{0, 0};
+  const std::vector<TaxelPlace> places = placesIn(layout, plane, taxels);
+  for (std::size_t k = 0; k < taxels.size(); ++k) {
+    for (int axis = 0; axis < 2; ++axis) center[axis] += image.force[taxels[k]] / features.total_force * places[k].in_plane[axis];
+  }
+  const RidgeEdge edge = ridgeEdge(ridge, {center, features.second_moments, features.peak_force, std::max(plane.pitch[0], plane.pitch[1])});
+  features.ridge_edge_angle = edge.angle;
+  features.ridge_edge_confidence = edge.confidence;
+}
+
 // Whether the taxel is not on the rim of its patch and all taxels within `margin` report. At the rim the contact may end anywhere
 // outside the patch.
 bool isCore(const TaxelLayout& layout, const std::vector<bool>& reports, int taxel, int margin) {
@@ -267,6 +317,7 @@ ContactFeatures featuresOf(const TaxelLayout& layout, const ContactImage& image,
   features.patch = patch;
   if (features.total_force <= 0) return features;
   setWindowedEdge(places, force, std::max(plane.pitch[0], plane.pitch[1]), features);
+  setRidgeEdge(layout, image, plane, taxels, features);
   if (plane.is_grid) setTilt(layout, image, plane, taxels, features);
   features.least_force = kNoiseFactor * image.noise * std::sqrt(static_cast<double>(taxels.size()));
   features.contact_type = classifyContact(layout, plane, features);

@@ -4,6 +4,7 @@
 //   region               connected component of the reporting taxels of a patch, 8-connected on a grid; found by breadth-first search
 //   windowed edge angle  principal axis under a Gaussian window of 1.15 pitches that converges on the contact by mean shift, 4 rounds
 //                        (D. Comaniciu and P. Meer, IEEE Trans. PAMI 24(5), 2002); less biased than plain moments on truncated edges
+//   ridge edge angle     major axis of a Gaussian fitted to the forces on a logarithmic scale (reference/ridge_edge.h)
 //   tilt                 slope of the least-squares plane through the pressures of the core, over the stiffness of the skin. Core: the
 //                        taxels so far inside the contact that neither its rim nor saturation changes their force
 //   contact type         from length and width of the uniform rectangle with the same second moments, less those of the PSF and of a taxel
@@ -24,6 +25,8 @@ namespace taxelsim::reference {
 struct ContactFeatures : Features {
   double windowed_edge_angle = 0;       // rad in (-pi/2, pi/2]; 0 where undefined
   double windowed_edge_confidence = 0;  // 0 to 1
+  double ridge_edge_angle = 0;          // rad in (-pi/2, pi/2]; 0 where undefined
+  double ridge_edge_confidence = 0;     // 0 to 1
   std::array<double, 2> tilt{0, 0};     // rad, about x and y of the plane; 0 where undefined
   double tilt_confidence = 0;           // 0 to 1
   ContactType contact_type = ContactType::kNone;

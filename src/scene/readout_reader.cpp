@@ -83,7 +83,7 @@ Readout readReadout(const YamlMap& sensor, const std::vector<GridPatch>& patches
   addKeys(kOutputFields, keys);
   keys.push_back("saturation");
   addKeys(kNoiseFields, keys);
-  for (const std::string_view key : {"taxel_gain", "taxel_trigger", "hysteresis_strength", "hysteresis_width", "creep"})
+  for (const std::string_view key : {"taxel_gain", "taxel_trigger", "calibrated_gain", "hysteresis_strength", "hysteresis_width", "creep"})
     keys.push_back(key);
   addKeys(kTimeFields, keys);
   addKeys(kImperfectionFields, keys);
@@ -96,6 +96,7 @@ Readout readReadout(const YamlMap& sensor, const std::vector<GridPatch>& patches
   readFields(map, kNoiseFields, readout);
   readout.taxel_gain = readPerTaxel(map, "taxel_gain", "", patches);
   readout.taxel_trigger = readPerTaxel(map, "taxel_trigger", "N", patches);
+  readout.calibrated_gain = readPerTaxel(map, "calibrated_gain", "", patches);
   readHysteresis(map, readout);
   readout.creep = readTerms(map, "creep", kMaxCreepTerms, kCreepFields);
   readFields(map, kTimeFields, readout);

@@ -157,6 +157,7 @@ void writeReadout(const Readout& readout, Writer& out) {
   writeFields(kNoiseFields, readout, out);
   if (!readout.taxel_gain.empty()) out.line("taxel_gain", readout.taxel_gain);
   if (!readout.taxel_trigger.empty()) out.line("taxel_trigger", readout.taxel_trigger);
+  if (!readout.calibrated_gain.empty()) out.line("calibrated_gain", readout.calibrated_gain);
   if (!readout.hysteresis_strength.empty()) {
     out.line("hysteresis_strength", readout.hysteresis_strength);
     out.line("hysteresis_width", readout.hysteresis_width);

@@ -156,6 +156,7 @@ void checkReadout(const Sensor& sensor) {
   checkFields("readout.", kNoiseFields, readout);
   checkTaxelList("readout.taxel_gain", readout.taxel_gain, numTaxels(sensor), "");
   checkTaxelList("readout.taxel_trigger", readout.taxel_trigger, numTaxels(sensor), "N");
+  checkTaxelList("readout.calibrated_gain", readout.calibrated_gain, numTaxels(sensor), "");
   checkTime(sensor);
   checkFields("readout.", kImperfectionFields, readout);
   checkCurve(sensor);

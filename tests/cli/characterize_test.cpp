@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -28,6 +30,20 @@ const Json& estimateOf(const Json& json, const std::string& parameter) {
     if (estimate["parameter"] == parameter) return estimate;
   }
   throw std::runtime_error("no estimate of " + parameter);
+}
+
+// Standard deviation of the logarithm of the gains of live taxels, to four digits.
+std::string scatterOfGains(const Sensor& sensor) {
+  std::vector<double> logs;
+  double mean = 0, squares = 0;
+  for (const double gain : sensor.readout.taxel_gain) {
+    if (gain > 0) logs.push_back(std::log(gain));
+  }
+  for (const double value : logs) mean += value / static_cast<double>(logs.size());
+  for (const double value : logs) squares += (value - mean) * (value - mean);
+  char text[16];
+  std::snprintf(text, sizeof text, "%.4g", std::sqrt(squares / static_cast<double>(logs.size() - 1)));
+  return text;
 }
 
 // TRUTH of scripts/make_measurements.py.
@@ -73,6 +89,7 @@ TEST(Characterize, ReportIsSelfContained) {
   EXPECT_THAT(outcome.out, HasSubstr("skin.normal_contact_stiffness"));
   EXPECT_THAT(outcome.err, HasSubstr("info: wrote " + (directory / "s.yaml").string() + "\n"));
   EXPECT_THAT(outcome.err, HasSubstr("info: wrote " + report + " and 3 figures in its folder\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("standard deviation of their logarithm: " + scatterOfGains(loadSensor(directory / "s.yaml"))));
   EXPECT_THAT(outcome.out, HasSubstr("taxels without a response: 40"));
   EXPECT_EQ(loadSensor(directory / "s.yaml").name, "mine");
   const std::string page = contentOf(report);

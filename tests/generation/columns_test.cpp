@@ -66,8 +66,15 @@ TEST(Columns, EveryGroupHasItsColumns) {
   clean.insert({"data/ground_truth/off_array_load", "data/ground_truth/contact_residual", "data/ground_truth/contact_iterations"});
   EXPECT_EQ(namesOf(elastic), clean);
 
-  const std::set<std::string> contact = {
-      "windowed_edge_angle", "windowed_edge_confidence", "tilt", "tilt_confidence", "contact_type", "patch", "num_regions"};
+  const std::set<std::string> contact = {"windowed_edge_angle",
+                                         "windowed_edge_confidence",
+                                         "ridge_edge_angle",
+                                         "ridge_edge_confidence",
+                                         "tilt",
+                                         "tilt_confidence",
+                                         "contact_type",
+                                         "patch",
+                                         "num_regions"};
   for (const auto& [group, prefix] :
        {std::pair{"contact_features", "data/contact/"}, {"clean_contact_features", "data/ground_truth/contact/"}}) {
     std::set<std::string> expected = kAlways;

@@ -26,6 +26,7 @@ TEST(ShippedScenes, AllLoad) {
     SCOPED_TRACE(file);
     const Scene scene = loadScene(file);
     EXPECT_EQ(scene.name, file.stem().string());
+    EXPECT_TRUE(scene.sensor.name.ends_with("_realistic")) << "makes data for learning";
     EXPECT_EQ(scene.resolved.find(TAXELSIM_SOURCE_DIR), std::string::npos) << "contains a path of this machine";
   }
 }
@@ -104,6 +105,34 @@ TEST(ShippedSensors, SensorTextReadsBackAsTheSameSensor) {
     EXPECT_EQ(again.skin.relaxation, sensor.skin.relaxation);
     EXPECT_EQ(taxelPositions(again), taxelPositions(sensor));
   }
+}
+
+// Scatter of gains of real matrices, which scripts/make_sensors.py cites.
+TEST(ShippedSensors, RealisticVariantsHaveTheScatterOfRealArraysAndNothingElse) {
+  constexpr double kLeastScatter = 0.3, kMostScatter = 0.6;
+  int num_variants = 0;
+  for (const std::filesystem::path& file : yamlFiles(kScenes / "sensors")) {
+    const std::string name = file.stem().string();
+    const std::size_t end = name.find("_realistic");
+    if (end == std::string::npos) continue;
+    SCOPED_TRACE(file);
+    ++num_variants;
+    const Sensor base = loadSensor(kScenes / "sensors" / (name.substr(0, end) + ".yaml"));
+    const Sensor variant = loadSensor(file);
+    EXPECT_EQ(taxelPositions(variant), taxelPositions(base));
+    EXPECT_EQ(variant.skin.law, base.skin.law);
+    EXPECT_EQ(variant.psf.kernel, base.psf.kernel);
+    EXPECT_EQ(variant.psf.sigma, base.psf.sigma);
+    EXPECT_EQ(variant.depth_sampling, base.depth_sampling);
+    EXPECT_EQ(variant.frame_rate, base.frame_rate);
+    EXPECT_EQ(variant.readout.curve, base.readout.curve);
+    EXPECT_GE(variant.readout.gain_spread, kLeastScatter);
+    EXPECT_LE(variant.readout.gain_spread, kMostScatter);
+    EXPECT_GT(variant.readout.press_gain_spread, 0);
+    EXPECT_GT(variant.readout.noise, 0);
+    EXPECT_GE(variant.readout.trigger, base.readout.trigger);
+  }
+  EXPECT_EQ(num_variants, 7);
 }
 
 TEST(ShippedSensors, WeissArrayHasThePapersNumbers) {

@@ -42,6 +42,17 @@ void expectAxes(double angle, double confidence, double expected_angle, double e
   }
 }
 
+// The normal equations of the ridge have a condition number of some 1e3 (prior of 0.1 taxel; moments of tens of taxels), which four rounds
+// multiply with the rounding of sums and exponentials.
+constexpr double kRidge = 4 * 1e3 * kSum;
+
+void expectRidge(const Row& row, const ContactFeatures& expected) {
+  EXPECT_NEAR(row(row.view.ridge_edge_confidence), expected.ridge_edge_confidence, kRidge);
+  if (expected.ridge_edge_confidence < 0.1) return;
+  const double error = row(row.view.ridge_edge_angle) - expected.ridge_edge_angle;
+  EXPECT_NEAR(std::remainder(error, std::numbers::pi), 0, kRidge / expected.ridge_edge_confidence);
+}
+
 void expectTilt(const Row& row, const Sensor& sensor, const ContactFeatures& expected, const reference::ContactImage& image,
                 double rounding) {
   if (expected.core.empty()) {
@@ -140,14 +151,16 @@ void expectRow(const Row& row, const Sensor& sensor, const ContactFeatures& expe
     expectAxes(row(view.windowed_edge_angle), row(view.windowed_edge_confidence), expected.windowed_edge_angle,
                expected.windowed_edge_confidence, expected.windowed_trace, windowed);
   }
+  expectRidge(row, expected);
   expectTilt(row, sensor, expected, image, rounding);
   expectType(row, expected, moment);
 }
 
 void expectEmpty(const Row& row, int num_patches) {
   const ContactFeatureView& view = row.view;
-  for (const std::span<const float> values : {view.total_force, view.peak_force, view.edge_angle, view.edge_confidence, view.contact_area,
-                                              view.windowed_edge_angle, view.windowed_edge_confidence, view.tilt_confidence}) {
+  for (const std::span<const float> values :
+       {view.total_force, view.peak_force, view.edge_angle, view.edge_confidence, view.contact_area, view.windowed_edge_angle,
+        view.windowed_edge_confidence, view.ridge_edge_angle, view.ridge_edge_confidence, view.tilt_confidence}) {
     EXPECT_EQ(row(values), 0);
   }
   EXPECT_EQ(row(view.contact_type), ContactType::kNone);

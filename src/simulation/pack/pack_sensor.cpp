@@ -49,7 +49,8 @@ void packTaxels(const Sensor& sensor, bool one_patch, std::vector<layout::TaxelR
       const double gain = sensor.readout.taxel_gain.empty() ? 1 : sensor.readout.taxel_gain[taxel];
       const double trigger = sensor.readout.taxel_trigger.empty() ? sensor.readout.trigger : sensor.readout.taxel_trigger[taxel];
       taxels.push_back({{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2]), static_cast<float>(area)},
-                        {static_cast<float>(gain), static_cast<float>(trigger), patch_number, 0.0f}});
+                        {static_cast<float>(gain), static_cast<float>(trigger), patch_number, 0.0f},
+                        {0.0f, 0.0f, 0.0f, 1.0f}});
     }
     ++patch_number;
   }

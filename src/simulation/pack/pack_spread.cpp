@@ -46,6 +46,23 @@ void packSources(const Sensor& sensor, const Sources& sources, PackedSensor& pac
   packed.spread_rows = inRows(pairs);
 }
 
+// Mean place of a taxel's sources, and the sum of what they give per newton: near a border the sources are on one side.
+void packReception(const Sensor& sensor, const Sources& sources, PackedSensor& packed) {
+  for (std::size_t t = 0; t < sources.size(); ++t) {
+    layout::TaxelRecord& taxel = packed.taxels[t];
+    glm::dvec3 offset{0};
+    double sum = 0;
+    for (const glm::vec2& entry : sources[t]) {
+      const std::uint32_t source = std::bit_cast<std::uint32_t>(entry.x);
+      const double share = static_cast<double>(entry.y) * static_cast<double>(packed.spread_scale[source]);
+      offset += share * glm::dvec3(packed.taxels[source].chart - taxel.chart);
+      sum += share;
+    }
+    const double gain = sensor.readout.calibrated_gain.empty() ? 1 : sensor.readout.calibrated_gain[t];
+    taxel.reception = glm::dvec4(sum > 0 ? offset / sum : glm::dvec3(0), sum * gain);
+  }
+}
+
 // The spread by distance along the skin. Neighbourhood and weights are symmetric.
 void packSkinSpread(const Sensor& sensor, PackedSensor& packed) {
   Sources sources;
@@ -59,6 +76,7 @@ void packSkinSpread(const Sensor& sensor, PackedSensor& packed) {
     const bool per_source = sensor.psf.normalization == Psf::Normalization::kPerSource;
     packed.spread_scale.push_back(per_source ? static_cast<float>(1 / arriving) : 1.0f);
   }
+  packReception(sensor, sources, packed);
   packSources(sensor, sources, packed);
 }
 
@@ -92,6 +110,7 @@ void packKernelSpread(const Sensor& sensor, PackedSensor& packed) {
     }
     first += patch.num_rows * patch.num_cols;
   }
+  packReception(sensor, sources, packed);
   if (packed.one_grid) {
     packed.spread_rows = inRows({sensor.psf.kernel.begin(), sensor.psf.kernel.end()});
   } else {
