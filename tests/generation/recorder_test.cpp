@@ -58,9 +58,9 @@ struct ExampleFrame {
     constexpr std::size_t kRows = 4;
     contact.num_rows = kRows;
     contact.num_patches = 1;
-    for (std::span<const float>* values :
-         {&contact.total_force, &contact.peak_force, &contact.edge_angle, &contact.edge_confidence, &contact.contact_area,
-          &contact.windowed_edge_angle, &contact.windowed_edge_confidence, &contact.tilt_confidence}) {
+    for (std::span<const float>* values : {&contact.total_force, &contact.peak_force, &contact.edge_angle, &contact.edge_confidence,
+                                           &contact.contact_area, &contact.windowed_edge_angle, &contact.windowed_edge_confidence,
+                                           &contact.ridge_edge_angle, &contact.ridge_edge_confidence, &contact.tilt_confidence}) {
       *values = next(kRows);
     }
     for (std::span<const float>* values : {&contact.center_of_pressure, &contact.second_moments}) *values = next(3 * kRows);
@@ -73,7 +73,7 @@ struct ExampleFrame {
   }
 
   ExampleFrame() : counts(kNumInstances * kNumTaxels) {
-    arrays.reserve(64);
+    arrays.reserve(96);
     fill(view);
     fill(view.ground_truth);
     view.saturated = next(1);
