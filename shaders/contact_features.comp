@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Contact features pass: moments, edge angle under a window and of a fitted ridge, tilt of a flat face and type of the contact, of the sensor, of each of its patches and of each
-// region. Runs after contact_regions.comp.
+// Contact features pass: moments, edge angle under a window and of a fitted ridge, tilt of a flat face and type of the contact, of the sensor, of each of its
+// patches and of each region. Runs after contact_regions.comp.
 //
 // TEAM invocations share a part (one row of an instance); a workgroup has WORKGROUP / TEAM teams, and each team processes REPEAT parts in sequence. Parts of
 // the same kind of all instances are consecutive.

@@ -333,8 +333,8 @@ enum class DepthSampling {
   kPoint,
   /// The mean over its cell of min(max(-z, 0), thickness), z (m, in P) the lowest surface of the object, 0 where there is none. Forces then
   /// change continuously with the pose, and objects narrower than a cell press with all their area. A mesh that is not closed has the depth
-  /// of kPoint; of several objects the one with the largest mean counts. With exponents other than 1, and for friction, two points with the
-  /// mean and the variance of the depth stand for the part of a cell that the object covers.
+  /// of kPoint; of several objects the one with the largest mean counts. With exponents other than 1, and for friction, two points
+  /// represent the part of a cell that the object covers; they have the mean and the variance of its depth.
   kArea,
 };
 

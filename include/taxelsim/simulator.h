@@ -95,8 +95,8 @@ struct ContactFeatureView : FeatureView {
   std::span<const float> windowed_edge_confidence;  ///< (N), 0 to 1.
   /// (N), rad in (-pi/2, pi/2]; 0 where undefined: angle of an edge from taxels whose gains differ.
   ///
-  /// Ridge of a Gaussian that is fitted to the forces on a logarithmic scale, so that a taxel counts by its relative error. The fit takes
-  /// no harm from the array's border. Forces are divided by Readout::calibrated_gain, which halves the error of scattered gains.
+  /// Ridge of a Gaussian that is fitted to the forces on a logarithmic scale, so that a taxel counts by its relative error. A border
+  /// of the array does not bias the angle. Forces are divided by Readout::calibrated_gain, which halves the error of scattered gains.
   std::span<const float> ridge_edge_angle;
   std::span<const float> ridge_edge_confidence;  ///< (N), 0 to 1: curvatures of the logarithm across and along the ridge.
   /// (N x 2), rad: rotation of a flat face against `patch`, about its x and y, right-handed.

@@ -1,19 +1,19 @@
-// Two points that stand for the covered part of a cell, with VARIATION: they have the mean and the variance of its depth and its polar moment of area. Pressures
-// that are not proportional to the depth are summed over them, and each has friction of its own: the thin part of a cell on the edge of a contact slips first.
+// Two points that represent the covered part of a cell, with VARIATION. They have the mean and the variance of its depth and its polar moment of area. Pressures
+// that are not proportional to the depth are summed over both, and each has its own friction: in a cell on the edge of a contact the shallow part slips first.
 //
-//      deeper ->          The covered part is taken for a strip on the deeper side of the cell. For exponents 2 and 3 the mean pressure is exact where
-//   +----+-------+        depths are distributed evenly, as under a paraboloid; for 1.5 it is 0.3 % low at its edge.
+//      deeper ->          The covered part is modelled as a strip on the deeper side of the cell. The mean pressure is exact for exponent 2, and for exponent 3
+//   +----+-------+        where depths are distributed evenly, as under a paraboloid; for 1.5 it is 0.3 % low on its edge.
 //   |    | o   o |
 //   +----+-------+        Twin: src/reference/cell_points.cpp.
 
 const uint kCellPoints = VARIATION ? 2u : 1u;  // of a sample
 
-// Of a tile, in friction_state.
+// Where a tile begins in friction_state.
 uint frictionStart(uint tile_index) { return tile_index * (kFrictionHeader + TILE_SAMPLES * kCellPoints); }
 
 struct CellPoints {
-  float weight[2];  // of the covered part; 1 together
-  float depth[2];   // m
+  float weight[2];      // of the covered part; their sum is 1
+  float depth[2];       // m
   vec2 from_middle[2];  // m, in P
 };
 

@@ -169,7 +169,7 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
         addToCell(tile, cell, change, uvec2(a, b), rim, position, f, stiffness);
       }
       if (kShears) {
-        // Two points share the pressure as they would at rest.
+        // The pressure of a cell is divided between its points as it would be at rest.
         float at_rest = VARIATION ? cellPressure(points, 1.0, 0.0) : 1.0, per_rest = at_rest > 0.0 ? 1.0 / at_rest : 0.0;
         for (uint k = 0; k < kCellPoints; ++k) {
           uint state_index = step.friction_state + kFrictionHeader + address * kCellPoints + k;

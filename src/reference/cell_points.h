@@ -1,9 +1,9 @@
-// Two points that stand for the covered part of a cell of area sampling, where its mean depth is not enough: exponents other than 1, and
-// friction.
+// Two points that represent the covered part of a cell of area sampling, where its mean depth does not determine the forces: exponents
+// other than 1, and friction.
 //
-// The points have the part's mean depth and the variance of its depth. They lie on a line in the direction in which the cell is deeper,
-// about the middle of the part, as far from it as gives them the part's polar moment of area. The part is taken for a strip of the cell's
-// width on its deeper side.
+// The points have the mean and the variance of the part's depth. They lie on a line through the middle of the part, in the direction in
+// which the cell is deeper. Their distance gives them the part's polar moment of area. The part is modelled as a strip on the deeper side
+// of the cell.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ struct CellPoint {
 };
 using CellPoints = std::array<CellPoint, 2>;  // the shallower first
 
-// A part whose pressure acts closer to the cell's middle than this part of a cell is deeper in no direction: the points lie along x.
+// Where the pressure acts closer to the middle of the cell than this part of a cell, no direction is deeper: the points lie along x.
 inline constexpr double kEvenCell = 0.01;
 
 // `cell` with a mean > 0; `step`: size of the cell, m.

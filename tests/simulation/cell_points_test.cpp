@@ -147,8 +147,8 @@ double shearError(Simulator& simulator, int id, const Round& round, double depth
   return worst;
 }
 
-// What shear may err by at 4 x 4 samples. A ball of 4 mm that turns by 0.1 rad slips but for a core of half of a cell, whose lever two
-// points in each cell do not resolve.
+// Errors that are allowed at 4 x 4 samples. A ball of 4 mm that turns by 0.1 rad slips everywhere except in a core of half of a cell. Two
+// points in each cell do not resolve the lever of that core.
 TEST(CellPoints, ShearOfDiscsAndBalls) {
   constexpr double kDepth = 0.5e-3, kAim = 0.05, kSlippingBall = 0.08;
   const std::vector<Round> rounds{pin(2e-3, kDepth), ball(8e-3, kDepth), ball(4e-3, kDepth)};

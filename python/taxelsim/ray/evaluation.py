@@ -134,7 +134,7 @@ class _Run:
         return gaps(self._scene.num_episodes, [part.episodes for part in self.parts])
 
     def complete(self, task_seconds: float | None) -> None:
-        # One task first. It tells how long an episode takes, and without parts it tells the kind of the evaluation.
+        # One task runs alone: its time per episode sets the size of the others. Without parts, its device and probe are those of all.
         first = self.missing()[0][: self._scene.episodes_per_shard]
         self._send([first])
         self._send(self._split(task_seconds))

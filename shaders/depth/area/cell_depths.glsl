@@ -69,11 +69,11 @@ void addToSums(Tile tile, uint address, CellSums sums, bool subtract, bool alone
   }
 }
 
-// How the depth varies over the covered part of a cell, on which its mean is `mean`: a vector in the direction in which the cell is deeper, as long as the
-// depth's standard deviation over the mean, as two half floats. Along x where no direction is deeper.
+// How the depth varies over the covered part of a cell, on which its mean is `mean`: a vector, as two half floats. Its direction is the one in which the
+// cell is deeper, or x where there is none; its length is the standard deviation of the depth over the mean.
 uint variationOf(Tile tile, CellSums sums, float mean) {
-  const float kEven = 0.01;                     // of a cell: how far from its middle the pressure acts
-  const float kLeast = 1e-3, kMost = 8.0;       // of the mean
+  const float kEven = 0.01;                // of a cell: how far from its middle the pressure acts
+  const float kLeast = 1e-3, kMost = 8.0;  // of the mean
   float covered = max(sums.covered, 1.0 / kCoveredUnits), before = sums.volume / covered;
   float deviation = sqrt(max(sums.square / covered - before * before, 0.0));
   vec2 deeper = sums.moment * tile.spacing;
