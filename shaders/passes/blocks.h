@@ -35,7 +35,7 @@
 #define BLOCK_Work BLOCK(Work, uvec4, work[])                                // (kNumLists + 1)
 #define BLOCK_WorkInstances BLOCK(WorkInstances, uint, work_instances[])     // (kNumLists x n)
 #define BLOCK_State BLOCK(State, float, state[])                             // of every sample: depth, or strain and overstresses
-#define BLOCK_FrictionState BLOCK(FrictionState, Pair, friction_state[])     // of every tile: kFrictionHeader, then one of every sample, or of both of its points
+#define BLOCK_FrictionState BLOCK(FrictionState, Pair, friction_state[])     // of every tile: kFrictionHeader, then one or two of a sample
 #define BLOCK_LawState BLOCK(LawState, vec2, law_state[])                    // (n x t), of laws with taxel passes
 #define BLOCK_ContactNormal BLOCK(ContactNormal, float, contact_normal[])    // (n x t), N
 #define BLOCK_ContactShear BLOCK(ContactShear, float, contact_shear[])       // (n x t x 2), N

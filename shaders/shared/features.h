@@ -62,7 +62,7 @@ TAXELSIM_CONSTANT kNumFeatures = 40u;
   X(kContactTiltConfidence, tilt_confidence, 17u, 1u, "1", "-", "always", "How well a flat face explains {} inside the contact, 0 to 1.") \
   X(kContactType, contact_type, 18u, 1u, "1", "-", "always", "0 none, 1 point, 2 edge, 3 area.")                                          \
   X(kContactPatch, patch, 19u, 1u, "1", "-", "always",                                                                                    \
-    "Number of the patch, of a list the taxel, in whose plane moments and angles are; -1 the xy plane of the sensor frame.")  \
+    "Number of the patch, of a list the taxel, in whose plane moments and angles are; -1 the xy plane of the sensor frame.")              \
   X(kContactRidgeEdgeAngle, ridge_edge_angle, 20u, 1u, "rad", "P", "always",                                                              \
     "Angle of the ridge of a Gaussian fitted to {}, in (-pi/2, pi/2]; 0 where undefined. Robust to gains that differ between taxels.")    \
   X(kContactRidgeEdgeConfidence, ridge_edge_confidence, 21u, 1u, "1", "-", "always",                                                      \

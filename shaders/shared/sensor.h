@@ -23,8 +23,8 @@ struct TileRecord {
 struct TaxelRecord {
   vec4 chart;    // position in C, m; area, m^2
   vec4 readout;  // gain; trigger, N; patch; 0
-  // What the point spread brings to the taxel if every taxel has the same force: the mean place it comes from less the taxel's, in C, m; its
-  // sum over that force, times the calibrated gain.
+  // What the point spread brings to the taxel if every taxel has the same force: the mean place it comes from less the taxel's, in C, m;
+  // its sum over that force, times the calibrated gain.
   vec4 reception;
 };
 
