@@ -95,7 +95,11 @@ int runEvaluate(const Arguments& arguments) {
   };
   if (options.episodes) return playPart(arguments, device, scene, options, activity);
   std::vector<Evaluation> evaluations;
-  options.on_evaluation = [&](const Evaluation& evaluation) { evaluations.push_back(evaluation); };
+  const std::size_t num_controllers = namesOf(arguments, scene).size();
+  options.on_evaluation = [&](const Evaluation& evaluation) {
+    evaluations.push_back(evaluation);
+    if (num_controllers > 1) spdlog::info("controller {} evaluated ({} of {})", evaluation.controller, evaluations.size(), num_controllers);
+  };
   const auto report = [&] {
     activity.end();
     printer.clear();
@@ -110,7 +114,7 @@ int runEvaluate(const Arguments& arguments) {
   const bool stopped = *options.stop;
   report();
   if (!stopped) return kExitOk;
-  spdlog::warn("stopped: {} of {} controllers are evaluated", evaluations.size(), namesOf(arguments, scene).size());
+  spdlog::warn("stopped: {} of {} controllers are evaluated", evaluations.size(), num_controllers);
   return kExitInterrupted;
 }
 

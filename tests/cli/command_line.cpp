@@ -22,6 +22,19 @@ std::string contentOf(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
+namespace {
+
+// Waits until the file has the text, or the process has ended.
+void waitForText(const std::filesystem::path& file, const std::string& text, pid_t process) {
+  siginfo_t ended{};
+  while (contentOf(file).find(text) == std::string::npos) {
+    if (waitid(P_PID, static_cast<id_t>(process), &ended, WEXITED | WNOHANG | WNOWAIT) != 0 || ended.si_pid != 0) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
+}  // namespace
+
 Outcome runTaxelsim(const std::vector<std::string>& arguments, const RunOptions& options) {
   const TemporaryDirectory directory;
   const std::string out = directory / "out", err = directory / "err";
@@ -40,6 +53,7 @@ Outcome runTaxelsim(const std::vector<std::string>& arguments, const RunOptions&
     execv(TAXELSIM_EXECUTABLE, argv.data());
     _exit(127);
   }
+  if (!options.signal_at.empty()) waitForText(err, options.signal_at, child);
   for (int n = 0; options.signal != 0 && n < options.num_signals; ++n) {
     std::this_thread::sleep_for(std::chrono::duration<double>(options.signal_after));
     kill(child, options.signal);

@@ -17,9 +17,10 @@ struct Outcome {
 };
 
 struct RunOptions {
-  // Signal sent after `signal_after` seconds; 0 for none.
+  // Signal sent after `signal_after` seconds, counted from when `signal_at` is on stderr; 0 for none.
   int signal = 0;
   double signal_after = 0;
+  std::string signal_at{};
   int num_signals = 1;                     // sent one after the other, `signal_after` apart
   std::vector<std::string> environment{};  // "NAME=value", added to the test's environment
   std::map<int, std::uint64_t> limits{};   // by resource of setrlimit(), for example RLIMIT_AS
