@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Tactile Jacobian pass, last step: spreads the taxels' derivatives, and differentiates total force, centre of pressure and edge angle of the sensor and its
+// Tactile Jacobian pass, last step: differentiates total force, centre of pressure and edge angle of the sensor and its
 // patches by the six coordinates of the sensor's twist. Runs after the image pass; of clean forces, or of what the readout makes of them before noise.
 //
 // TEAM invocations share a part (one row of an instance); a workgroup has WORKGROUP / TEAM teams, and each team processes REPEAT parts in sequence. Parts of
@@ -53,10 +53,10 @@ void computePart(uint number, bool is_valid, uint num_instances) {
   Axes axes = axesOf(second);
   uint num_rows = num_instances * kRows;
   uint row = instance * kRows + which;
+  Changes changes = sumChanges(part, center);
   for (uint k = 0; k < 6; ++k) {
-    PartSums sums = sumPart(kSumsChange, part, center, k);
     Change change = noChange();
-    if (touches) change = changeOf(sums, force, second, axes);
+    if (touches) change = changeOf(changes.by[k], force, second, axes);
     if (writes) {
       writeChange(row, num_rows, k, plane, change);
       if (kOnePatch) writeChange(row + 1, num_rows, k, plane, change);

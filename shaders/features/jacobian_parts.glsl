@@ -13,6 +13,8 @@ struct Part {
   bool is_grid;     // the taxels are those of the plane's grid; else their positions are in S
   vec2 pitch;       // of the plane
   vec2 size;        // of the grid, rows and columns
+  vec2 gains;       // of the instance: factor on all gains, spread between taxels
+  uvec2 keys;       // of the instance, for random numbers
 };
 
 // Part `number` (< kParts) of an instance; empty if it is not due.
@@ -22,7 +24,8 @@ Part loadPart(uint instance, uint number, bool is_due) {
   bool is_grid = kOnePatch || number > 0;
   uint first = number > 0 ? grid.z : 0;
   uint end = number > 0 ? grid.z + grid.x * grid.y : NUM_TAXELS;
-  return Part(instance, first, is_due ? end : first, plane, is_grid, planes[plane].pitch.xy, vec2(grid.xy));
+  return Part(instance, first, is_due ? end : first, plane, is_grid, planes[plane].pitch.xy, vec2(grid.xy),
+              instances[instance].drive.yz, instances[instance].keys.xy);
 }
 
 // Position of a taxel in C, m.

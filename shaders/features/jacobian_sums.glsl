@@ -1,31 +1,42 @@
 // Sums over the taxels of a part (features/jacobian_parts.glsl) or the tiles of its instance, in a fixed order. `middle`: the point of the moments, in C, m;
 // `k`: a coordinate of the sensor's twist. Twin: src/reference/tactile_jacobian.cpp.
+//
+// The moments of a part are sums over its taxels t of a weight of t times the changes of the contact forces that spread to t. The kernel of a grid is applied
+// to the weights rather than to the changes: one kernel serves six coordinates of the twist.
 
 // What is summed over the taxels of a part.
 const uint kSumsFirst = 0u;   // force, first moments (3)
 const uint kSumsSecond = 1u;  // second moments (3) about a point
-const uint kSumsChange = 2u;  // derivatives of force, first (3) and second (3) moments about a point by one coordinate of the twist
-const uint kSumsWrench = 3u;  // derivatives of the wrench (6), over tiles
+const uint kSumsWrench = 2u;  // derivatives of the wrench (6), over tiles
 
-void addTaxel(uint kind, Part part, uint t, vec3 middle, uint k, inout PartSums sums) {
-  vec2 reading = vec2(0, 1);
-  if (!CLEAN || kind != kSumsChange) reading = readingOf(part, t);
-  vec3 p = positionOf(part, t) - middle;
-  if (kind == kSumsSecond) {
-    sums.s[0] += reading.x * p.x * p.x;
-    sums.s[1] += reading.x * p.x * p.y;
-    sums.s[2] += reading.x * p.y * p.y;
-    return;
-  }
-  float weight = kind == kSumsFirst ? reading.x : reading.y * spreadChange(part.instance, t, k);
+// Derivatives of force, first (3) and second (3) moments about a point by the coordinates of the twist.
+struct Changes {
+  PartSums by[6];
+};
+
+Changes noChanges() { return Changes(PartSums[6](noSums(), noSums(), noSums(), noSums(), noSums(), noSums())); }
+
+void addSecond(float weight, vec3 p, uint first, inout PartSums sums) {
+  sums.s[first] += weight * p.x * p.x;
+  sums.s[first + 1] += weight * p.x * p.y;
+  sums.s[first + 2] += weight * p.y * p.y;
+}
+
+void addFirst(float weight, vec3 p, inout PartSums sums) {
   sums.s[0] += weight;
   sums.s[1] += weight * p.x;
   sums.s[2] += weight * p.y;
   sums.s[3] += weight * p.z;
-  if (kind == kSumsFirst) return;
-  sums.s[4] += weight * p.x * p.x;
-  sums.s[5] += weight * p.x * p.y;
-  sums.s[6] += weight * p.y * p.y;
+}
+
+void addTaxel(uint kind, Part part, uint t, vec3 middle, inout PartSums sums) {
+  float reading = readingOf(part, t).x;
+  vec3 p = positionOf(part, t) - middle;
+  if (kind == kSumsSecond) {
+    addSecond(reading, p, 0, sums);
+  } else {
+    addFirst(reading, p, sums);
+  }
 }
 
 void addTile(Part part, uint tile, uint k, inout PartSums sums) {
@@ -33,37 +44,86 @@ void addTile(Part part, uint tile, uint k, inout PartSums sums) {
   for (uint c = 0; c < 6; ++c) sums.s[c] += wrench_jacobian[first + 6 * c];
 }
 
-// Sums of one kind over all taxels of the part, or all tiles of the instance; every invocation of the team gets them.
-PartSums sumPart(uint kind, Part part, vec3 middle, uint k) {
+// Adds `weight` times the derivatives by the spread force of taxel t.
+void addMoments(Part part, uint t, float weight, vec3 middle, inout PartSums moments) {
+  if (!CLEAN) weight *= readingOf(part, t).y;
+  vec3 p = positionOf(part, t) - middle;
+  addFirst(weight, p, moments);
+  addSecond(weight, p, 4, moments);
+}
+
+// Derivatives of the sums by the contact force of taxel t; of a sensor that is not a grid, by its spread force.
+PartSums momentsBy(Part part, uint t, vec3 middle) {
+  PartSums moments = noSums();
+  if (NUM_ROWS == 0) {
+    addMoments(part, t, 1.0, middle, moments);
+    return moments;
+  }
+  const int kRadius = int(KERNEL) / 2;
+  ivec2 at = ivec2(t / NUM_COLS, t % NUM_COLS);
+  for (int a = -kRadius; a <= kRadius; ++a) {
+    for (int b = -kRadius; b <= kRadius; ++b) {
+      uvec2 receiver = uvec2(at + ivec2(a, b));  // wraps to large numbers outside
+      if (all(lessThan(receiver, uvec2(NUM_ROWS, NUM_COLS)))) {
+        addMoments(part, receiver.x * NUM_COLS + receiver.y, kernelAt(a, b), middle, moments);
+      }
+    }
+  }
+  return moments;
+}
+
+void addChanges(Part part, uint t, vec3 middle, inout Changes changes) {
+  PartSums moments = momentsBy(part, t, middle);
+  for (uint k = 0; k < 6; ++k) {
+    float change = NUM_ROWS == 0 ? spreadChange(part.instance, t, k) : taxel_jacobian[(part.instance * 6 + k) * NUM_TAXELS + t];
+    for (uint s = 0; s < kMostSums; ++s) changes.by[k].s[s] += change * moments.s[s];
+  }
+}
+
+// Adds the sums of lane `v` and of those of the rest of the team, in their order; every invocation of the team gets the total.
+void addTeam(PartSums sums, uint v, inout PartSums total) {
+  if (TEAM == 1) {
+    for (uint s = 0; s < kMostSums; ++s) total.s[s] += sums.s[s];
+    return;
+  }
   uint lane = gl_LocalInvocationIndex % TEAM;
-  uint first_partial = gl_LocalInvocationIndex / TEAM * kMostSums * LANES;
+  uint first_partial = gl_LocalInvocationIndex / TEAM * kMostSums * TEAM;
+  for (uint s = 0; s < kMostSums; ++s) partial[first_partial + s * TEAM + lane] = sums.s[s];
+  barrier();
+  for (uint n = 0; n < TEAM; ++n) {
+    for (uint s = 0; s < kMostSums; ++s) total.s[s] += partial[first_partial + s * TEAM + n];
+  }
+  barrier();
+}
+
+// Sums of one kind over all taxels of the part, or all tiles of the instance.
+PartSums sumPart(uint kind, Part part, vec3 middle, uint k) {
   uint first = kind == kSumsWrench ? 0 : part.first, end = kind == kSumsWrench ? NUM_TILES : part.end;
   PartSums total = noSums();
-  for (uint v = lane; v < LANES; v += TEAM) {
+  for (uint v = gl_LocalInvocationIndex % TEAM; v < LANES; v += TEAM) {
     PartSums sums = noSums();
     uint t = first + v;
     for (; t < end; t += LANES) {
       if (kind == kSumsWrench) {
         addTile(part, t, k, sums);
       } else {
-        addTaxel(kind, part, t, middle, k, sums);
+        addTaxel(kind, part, t, middle, sums);
       }
     }
     checkLoop(t < end);
-    for (uint s = 0; s < kMostSums; ++s) {
-      if (TEAM == 1) {
-        total.s[s] += sums.s[s];
-      } else {
-        partial[first_partial + s * LANES + v] = sums.s[s];
-      }
-    }
+    addTeam(sums, v, total);
   }
-  if (TEAM > 1) {
-    barrier();
-    for (uint v = 0; v < LANES; ++v) {
-      for (uint s = 0; s < kMostSums; ++s) total.s[s] += partial[first_partial + s * LANES + v];
-    }
-    barrier();
+  return total;
+}
+
+Changes sumChanges(Part part, vec3 middle) {
+  Changes total = noChanges();
+  for (uint v = gl_LocalInvocationIndex % TEAM; v < LANES; v += TEAM) {
+    Changes changes = noChanges();
+    uint t = part.first + v;
+    for (; t < part.end; t += LANES) addChanges(part, t, middle, changes);
+    checkLoop(t < part.end);
+    for (uint k = 0; k < 6; ++k) addTeam(changes.by[k], v, total.by[k]);
   }
   return total;
 }

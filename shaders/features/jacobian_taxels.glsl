@@ -5,13 +5,11 @@
 vec2 readingOf(Part part, uint t) {
   float force = spread_normal[part.instance * NUM_TAXELS + t];
   if (CLEAN) return vec2(force, 1);
-  vec4 drive = instances[part.instance].drive;
-  uvec4 keys = instances[part.instance].keys;
   uvec2 seed = step_record.batch.zw;
-  float gain = drive.y * taxels[t].readout.x;
-  if (RANDOM && drive.z > 0.0) gain *= exp(drive.z * gaussian(seed, keys.xy, 0, t, kPurposeTaxelGain));
+  float gain = part.gains.x * taxels[t].readout.x;
+  if (RANDOM && part.gains.y > 0.0) gain *= exp(part.gains.y * gaussian(seed, part.keys, 0, t, kPurposeTaxelGain));
   float trigger = taxels[t].readout.y, x = gain * force - trigger;
-  if (isDead(seed, keys.xy, t)) return vec2(0);
+  if (isDead(seed, part.keys, t)) return vec2(0);
   // Without a trigger, forces of 0 change too: a contact may be about to cross the taxel's side.
   bool follows = (x > 0.0 || trigger <= 0.0) && x < SATURATION_FORCE;
   return vec2(x > 0.0 ? min(x, SATURATION_FORCE) + TRIGGER : 0.0, follows ? gain : 0.0);

@@ -11,6 +11,13 @@ void loadKernel() {
   }
 }
 
+// Weight of the kernel at an offset of rows and columns from the source to the receiver.
+float kernelAt(int a, int b) {
+  const int kRadius = int(KERNEL) / 2;
+  uint number = uint((a + kRadius) * int(KERNEL) + b + kRadius);
+  return KERNEL == 3 ? small_kernel[min(number, 8u)] : spread_rows[number >> 2][number & 3u];
+}
+
 // Derivative of a taxel's spread force by coordinate `k` of the twist, N/m or N/rad.
 float spreadChange(uint instance, uint t, uint k) {
   uint first = (instance * 6 + k) * NUM_TAXELS;
@@ -29,9 +36,7 @@ float spreadChange(uint instance, uint t, uint k) {
     for (int b = -kRadius; b <= kRadius; ++b) {
       uvec2 source = uvec2(at - ivec2(a, b));  // wraps to large numbers outside
       if (any(greaterThanEqual(source, uvec2(NUM_ROWS, NUM_COLS)))) continue;
-      uint number = uint((a + kRadius) * int(KERNEL) + b + kRadius);
-      float weight = KERNEL == 3 ? small_kernel[min(number, 8u)] : spread_rows[number >> 2][number & 3u];
-      sum += weight * taxel_jacobian[first + source.x * NUM_COLS + source.y];
+      sum += kernelAt(a, b) * taxel_jacobian[first + source.x * NUM_COLS + source.y];
     }
   }
   return sum;

@@ -14,12 +14,29 @@
 // follows from the slope and the cell's size. This needs surfaces up to cellReach() over the skin. With area sampling the covered share of a cell is known, and
 // f is the mean over the cell.
 
+// Sums over the samples of a taxel, without the factor of a sample's area. A side has those of the samples next to it, by sideWeight(), where c is the
+// coordinate along the side.
 struct Cell {
-  vec3 side[4];  // at the lower and upper end along x, along y: sums of f, G, f times the coordinate along the side, Pa, Pa m, Pa m
-  vec3 slope;    // sums of f', f' x, f' y, Pa/m, Pa, Pa
+  vec3 pressure;          // f times 1, x, y: Pa, Pa m, Pa m
+  float G;                // Pa m
+  vec3 slope;             // f' times 1, x, y: Pa/m, Pa, Pa
+  vec3 slope_moment;      // f' times x^2, x y, y^2: Pa m
+  vec3 side_pressure[4];  // at the lower and upper end along x, along y: f times 1, c, c^2
+  vec2 side_G[4];         // G times 1, c
 };
 
-Cell noCell() { return Cell(vec3[4](vec3(0), vec3(0), vec3(0), vec3(0)), vec3(0)); }
+Cell noCell() {
+  return Cell(vec3(0), 0.0, vec3(0), vec3(0), vec3[4](vec3(0), vec3(0), vec3(0), vec3(0)), vec2[4](vec2(0), vec2(0), vec2(0), vec2(0)));
+}
+
+// The same over the samples of one x.
+struct CellRow {
+  vec3 pressure, slope;  // f, f' times 1, y, y^2
+  vec2 G;                // times 1, y
+  vec2 low_y, high_y;    // f, G at the sides along y
+};
+
+CellRow noCellRow() { return CellRow(vec3(0), vec3(0), vec2(0), vec2(0), vec2(0)); }
 
 // The smaller step of depth from a sample, the `k`th of its taxel along an axis, to its neighbours in the taxel, m; 0 for a wall, a step of more than 63
 // degrees. `surface`: depth where the tile's height is 0, m.
@@ -50,13 +67,6 @@ float meanSlope(float d, float width) {
 float sideWeight(bool is_rim, uint k) {
   if (k == 0) return is_rim ? (SAMPLES > 1 ? 1.5 : 1.0) : 0.5;
   return k == 1 && is_rim ? -0.5 : 0.0;
-}
-
-// Through the patch's rim, across x (axis 0) or y (axis 1): `phi` is (1, x, y) there.
-void addThroughRim(inout vec3 change[6], uint axis, float flux, float f, float G, vec3 phi) {
-  change[axis] -= flux * f * phi;
-  change[axis == 0 ? 4 : 3] += (axis == 0 ? flux : -flux) * G * phi;
-  change[5] += (axis == 0 ? flux * phi.z : -flux * phi.y) * f * phi;
 }
 
 // A sample under the pressure f: f' and G.
@@ -92,40 +102,71 @@ Stiffness stiffnessOf(CellPoints points, float d, float covered, float f) {
   return Stiffness(share * max(covered, 0.0) * lawSlope(d), share * elastic * 0.5 * d / abs(covered));
 }
 
-// Adds sample `at` of a taxel, at `position`, under the pressure f (Pa). `rim`: which sides of the taxel are at the patch's rim. `change`: derivatives of force
-// and first moments of the tile by the object's twist, without the factor of a sample's area.
-void addToCell(Tile tile, inout Cell cell, inout vec3 change[6], uvec2 at, bvec4 rim, vec2 position, float f, Stiffness stiffness) {
-  float slope = stiffness.slope, G = stiffness.G, x = position.x, y = position.y;
-  vec3 phi = vec3(1, x, y);
-  cell.slope += slope * phi;
-  uvec4 rows = uvec4(at.x, SAMPLES - 1 - at.x, at.y, SAMPLES - 1 - at.y);
-  vec3 across_x = vec3(f, G, f * y), across_y = vec3(f, G, f * x);
-  for (uint side = 0; side < 4; ++side) cell.side[side] += sideWeight(rim[side], rows[side]) * (side < 2 ? across_x : across_y);
-
-  change[0].y += f;
-  change[1].z += f;
-  change[2] -= slope * phi;
-  change[3] -= slope * y * phi;
-  change[3].z += G;
-  change[4] += slope * x * phi;
-  change[4].y -= G;
-  change[5] += f * vec3(0, -y, x);
-  if (!any(rim)) return;
-  for (uint side = 0; side < 4; ++side) {
-    uint axis = side / 2;
-    float outward = (side & 1u) == 0 ? -1.0 : 1.0;
-    vec3 there = phi;
-    there[axis + 1] += outward * (float(rows[side]) + 0.5) * tile.spacing[axis];
-    if (rim[side]) addThroughRim(change, axis, outward * sideWeight(true, rows[side]) / tile.spacing[axis], f, G, there);
-  }
+// Adds the `b`th sample of a row, at `y`, under the pressure f (Pa). `rim`: which sides of the taxel are at the patch's rim.
+void addSample(inout CellRow row, uint b, bvec4 rim, float y, float f, Stiffness stiffness) {
+  vec3 powers = vec3(1, y, y * y);
+  row.pressure += f * powers;
+  row.slope += stiffness.slope * powers;
+  row.G += stiffness.G * powers.xy;
+  vec2 across = vec2(f, stiffness.G);
+  row.low_y += sideWeight(rim.z, b) * across;
+  row.high_y += sideWeight(rim.w, SAMPLES - 1 - b) * across;
 }
+
+// Adds the `a`th row of a taxel, at `x`.
+void addRow(inout Cell cell, CellRow row, uint a, bvec4 rim, float x) {
+  vec3 powers = vec3(1, x, x * x);
+  cell.pressure += row.pressure.xxy * vec3(1, x, 1);
+  cell.G += row.G.x;
+  cell.slope += row.slope.xxy * vec3(1, x, 1);
+  cell.slope_moment += row.slope * powers.zyx;
+  float low = sideWeight(rim.x, a), high = sideWeight(rim.y, SAMPLES - 1 - a);
+  cell.side_pressure[0] += low * row.pressure;
+  cell.side_pressure[1] += high * row.pressure;
+  cell.side_pressure[2] += row.low_y.x * powers;
+  cell.side_pressure[3] += row.high_y.x * powers;
+  cell.side_G[0] += low * row.G;
+  cell.side_G[1] += high * row.G;
+  cell.side_G[2] += row.low_y.y * powers.xy;
+  cell.side_G[3] += row.high_y.y * powers.xy;
+}
+
+// Sums of a side times (1, x, y), from those times (1, c); the side is at `at` (m) of axis x (0) or y (1).
+vec3 momentsOfSide(uint axis, float at, vec2 sums) { return axis == 0 ? vec3(sums.x, at * sums.x, sums.y) : vec3(sums.x, sums.y, at * sums.x); }
+
+// Through a side at the patch's rim a share of `flux` (1/m) of its sums of f and G; the share is negative at the lower end of the axis.
+void addThroughRim(inout vec3 change[6], uint axis, float flux, float at, vec3 f, vec2 G) {
+  float turn = axis == 0 ? flux : -flux;
+  change[axis] -= flux * momentsOfSide(axis, at, f.xy);
+  change[axis == 0 ? 4 : 3] += turn * momentsOfSide(axis, at, G);
+  change[5] += turn * momentsOfSide(axis, at, f.yz);
+}
+
+// Adds a taxel to the derivatives of force and first moments of its tile by the object's twist, without the factor of a sample's area. `first_sample`: of the
+// taxel, in samples of the patch.
+void addToChange(Tile tile, inout vec3 change[6], Cell cell, bvec4 rim, vec2 first_sample) {
+  change[0].y += cell.pressure.x;
+  change[1].z += cell.pressure.x;
+  change[2] -= cell.slope;
+  change[3] -= vec3(cell.slope.z, cell.slope_moment.y, cell.slope_moment.z - cell.G);
+  change[4] += vec3(cell.slope.y, cell.slope_moment.x - cell.G, cell.slope_moment.y);
+  change[5] += vec3(0, -cell.pressure.z, cell.pressure.y);
+  vec2 low = samplePosition(tile, first_sample - 0.5), high = samplePosition(tile, first_sample + float(SAMPLES) - 0.5);
+  vec2 per_spacing = 1.0 / tile.spacing;
+  if (rim.x) addThroughRim(change, 0, -per_spacing.x, low.x, cell.side_pressure[0], cell.side_G[0]);
+  if (rim.y) addThroughRim(change, 0, per_spacing.x, high.x, cell.side_pressure[1], cell.side_G[1]);
+  if (rim.z) addThroughRim(change, 1, -per_spacing.y, low.y, cell.side_pressure[2], cell.side_G[2]);
+  if (rim.w) addThroughRim(change, 1, per_spacing.y, high.y, cell.side_pressure[3], cell.side_G[3]);
+}
+
+vec3 sideOf(Cell cell, uint side) { return vec3(cell.side_pressure[side].x, cell.side_G[side].x, cell.side_pressure[side].y); }
 
 void writeCell(Tile tile, uint taxel, Cell cell) {
   vec3 slope = cell.slope * tile.force_area;
-  contact_cells[taxel].low_x = vec4(cell.side[0] * tile.spacing.y, slope.x);
-  contact_cells[taxel].high_x = vec4(cell.side[1] * tile.spacing.y, slope.y);
-  contact_cells[taxel].low_y = vec4(cell.side[2] * tile.spacing.x, slope.z);
-  contact_cells[taxel].high_y = vec4(cell.side[3] * tile.spacing.x, 1);
+  contact_cells[taxel].low_x = vec4(sideOf(cell, 0) * tile.spacing.y, slope.x);
+  contact_cells[taxel].high_x = vec4(sideOf(cell, 1) * tile.spacing.y, slope.y);
+  contact_cells[taxel].low_y = vec4(sideOf(cell, 2) * tile.spacing.x, slope.z);
+  contact_cells[taxel].high_y = vec4(sideOf(cell, 3) * tile.spacing.x, 1);
 }
 
 // Outputs of a taxel that nothing is near; of such a tile.

@@ -117,7 +117,7 @@ float depthRate(TileStep step, uint address, float d) {
   return rate;
 }
 
-// Sums over the samples of the taxel at `in_tile`; `cell` and `change` are those of the tactile Jacobian.
+// Sums over the samples of the taxel at `in_tile`; adds it to `cell` and `change` of the tactile Jacobian.
 TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found, inout Cell cell, inout vec3 change[6]) {
   uvec2 base = in_tile * SAMPLES;
   uvec2 in_patch = in_tile + tile.first_taxel;
@@ -135,6 +135,7 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
   for (uint a = 0; a < SAMPLES; ++a) {
     float x = samplePosition(tile, first_sample + vec2(a, 0)).x;
     if (!usesTile() && kOnlyPolyhedra) startRow(x);
+    CellRow row = noCellRow();
     for (uint b = 0; b < SAMPLES; ++b) {
       uint address = (base.x + a) * tile.stride + base.y + b;
       vec2 position = vec2(x, samplePosition(tile, first_sample + vec2(0, b)).y);
@@ -166,7 +167,7 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
         float signed_d = step.surface - height;
         vec2 steps = vec2(stepOfDepth(tile, signed_d, a, address, tile.stride, step.surface), stepOfDepth(tile, signed_d, b, address, 1, step.surface));
         Stiffness stiffness = AREA ? stiffnessOf(points, d, share, f) : stiffnessAt(tile, signed_d, length(steps), f);
-        addToCell(tile, cell, change, uvec2(a, b), rim, position, f, stiffness);
+        addSample(row, b, rim, position.y, f, stiffness);
       }
       if (kShears) {
         // The pressure of a cell is divided between its points as it would be at rest.
@@ -181,7 +182,9 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
         }
       }
     }
+    if (OUTPUT_JACOBIAN) addRow(cell, row, a, rim, x);
   }
+  if (OUTPUT_JACOBIAN) addToChange(tile, change, cell, rim, first_sample);
   return TaxelSums(depth_sum, force, moment, shear, shear_moment, deep, slope);
 }
 

@@ -74,6 +74,7 @@ void recordImage(const Model::Impl& model, const BatchShape& shape, Recorder& re
     model.contact_features.record(recorder, {.clean = clean, .max_regions = shape.options.max_regions});
   }
   if (shape.outputsJacobian()) model.tactile_jacobian.recordTaxels(recorder);
+  if (outputs.clean_tactile_jacobian) model.tactile_jacobian.recordWrench(recorder);
   if (outputs.taxel_jacobian) model.tactile_jacobian.recordSpread(recorder);
   for (const bool clean : {false, true}) {
     if (!(clean ? outputs.clean_tactile_jacobian : outputs.tactile_jacobian)) continue;

@@ -70,6 +70,10 @@ struct TaxelJacobianInterface {
 #include "passes/taxel_jacobian.h"
 };
 
+struct WrenchJacobianInterface {
+#include "passes/wrench_jacobian.h"
+};
+
 struct MaskJacobianInterface {
 #include "passes/mask_jacobian.h"
 };

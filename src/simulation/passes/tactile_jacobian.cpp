@@ -6,6 +6,8 @@
 #include "spread_jacobian.spv.h"
 #include "tactile_jacobian.spv.h"
 #include "taxel_jacobian.spv.h"
+#include "taxel_jacobian_lockstep.spv.h"
+#include "wrench_jacobian.spv.h"
 
 namespace taxelsim {
 namespace {
@@ -16,10 +18,10 @@ constexpr std::uint64_t kNumTwist = 6;  // coordinates
 
 // Loop iterations that one invocation alone would take for a part.
 std::uint64_t partIterations(const ModelData& model) {
-  constexpr std::uint64_t kNumScans = 14;  // over the taxels of a part, or tiles, at most
-  const int kernel = model.sensor.psf.size;
-  const std::uint64_t sources = model.packed.one_grid ? static_cast<std::uint64_t>(kernel * kernel) : model.packed.num_entries;
-  return model.num_taxels * (kNumScans + kNumTwist * sources) + kNumScans * kMostSums * model.packed_contact.lanes;
+  constexpr std::uint64_t kNumScans = 8;  // over the taxels of a part, or tiles
+  const auto kernel = static_cast<std::uint64_t>(model.sensor.psf.size);
+  const std::uint64_t sources = model.packed.one_grid ? kernel * kernel : kNumTwist * model.packed.num_entries;
+  return model.num_taxels * (kNumScans + sources + kNumTwist) + kNumScans * kMostSums * model.packed_contact.lanes;
 }
 
 }  // namespace
@@ -30,6 +32,17 @@ void TactileJacobianPasses::recordTaxels(Recorder& recorder) const {
   if (kernels.taxels) recorder.dispatch(*kernels.taxels, numWorkgroups(num_taxels, kWorkgroup));
   if (kernels.mask) recorder.dispatch(*kernels.mask, numWorkgroups(num_taxels, kWorkgroup));
   if (kernels.rescale) recorder.dispatch(*kernels.rescale, numWorkgroups(kNumTwist * recorder.num_instances, kWorkgroup));
+}
+
+void TactileJacobianPasses::recordWrench(Recorder& recorder) const {
+  if (model_.layer) return;
+  const auto& kernel = wrench_kernel_.get({}, [&] {
+    return gpu::PassKernel<WrenchJacobianInterface>(
+        model_.context(), "wrench_jacobian", k_wrench_jacobian_spirv,
+        commonConstants(model_.sensor, model_.packed, {.workgroup = kWorkgroup, .lanes = model_.packed.contact_lanes}),
+        WrenchJacobianInterface{.HAS_FORCES = !std::holds_alternative<Proximity>(model_.sensor.skin.law)});
+  });
+  recorder.dispatch(kernel, numWorkgroups(recorder.num_instances * model_.packed.tiles.size(), kWorkgroup));
 }
 
 void TactileJacobianPasses::recordSpread(Recorder& recorder) const {
@@ -50,20 +63,19 @@ void TactileJacobianPasses::recordFeatures(Recorder recorder, const Variant& var
 }
 
 TactileJacobianPasses::TaxelKernels TactileJacobianPasses::makeTaxelKernels() const {
-  const auto common = [&](std::uint32_t lanes) {
-    return commonConstants(model_.sensor, model_.packed, {.workgroup = kWorkgroup, .lanes = lanes});
-  };
+  const CommonConstants common = commonConstants(model_.sensor, model_.packed, {.workgroup = kWorkgroup, .lanes = 1});
   const bool scaled = model_.packed.scalesSpread();
   TaxelKernels kernels;
   if (!model_.layer) {
-    const bool has_forces = !std::holds_alternative<Proximity>(model_.sensor.skin.law);
-    kernels.taxels.emplace(model_.context(), "taxel_jacobian", k_taxel_jacobian_spirv, common(model_.packed.contact_lanes),
-                           TaxelJacobianInterface{.SCALED = scaled && !model_.hasMask(), .HAS_FORCES = has_forces});
+    constexpr std::uint32_t kNoneWaits = 1;  // invocations that wait for each other
+    kernels.taxels.emplace(model_.context(), "taxel_jacobian",
+                           model_.profile.select({k_taxel_jacobian_spirv, k_taxel_jacobian_lockstep_spirv}, kNoneWaits), common,
+                           TaxelJacobianInterface{.SCALED = scaled && !model_.hasMask()});
   }
   if (model_.hasMask()) {
-    kernels.mask.emplace(model_.context(), "mask_jacobian", k_mask_jacobian_spirv, common(1),
+    kernels.mask.emplace(model_.context(), "mask_jacobian", k_mask_jacobian_spirv, common,
                          MaskJacobianInterface{.LAW_0 = model_.law.taxel_parameters[0]});
-    kernels.rescale.emplace(model_.context(), "rescale_jacobian", k_rescale_jacobian_spirv, common(1),
+    kernels.rescale.emplace(model_.context(), "rescale_jacobian", k_rescale_jacobian_spirv, common,
                             RescaleJacobianInterface{.SCALED = scaled});
   }
   return kernels;

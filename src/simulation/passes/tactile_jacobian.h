@@ -1,5 +1,5 @@
-// Tactile Jacobian, shaders/taxel_jacobian.comp, mask_jacobian.comp, rescale_jacobian.comp, spread_jacobian.comp, tactile_jacobian.comp:
-// how forces, then features change with the sensor's twist. They follow the image pass.
+// Tactile Jacobian, shaders/taxel_jacobian.comp, mask_jacobian.comp, rescale_jacobian.comp, wrench_jacobian.comp, spread_jacobian.comp,
+// tactile_jacobian.comp: how forces, then features change with the sensor's twist. They follow the image pass.
 #pragma once
 
 #include <optional>
@@ -21,8 +21,10 @@ class TactileJacobianPasses {
 
   TactileJacobianPasses(const ModelData& model, const ModelOptions& options) : model_(model), wanted_workgroup_(options.image_workgroup) {}
 
-  // Changes of the forces of all taxels and of the wrenches of all tiles.
+  // Changes of the forces of all taxels.
   void recordTaxels(Recorder& recorder) const;
+  // Changes of the wrenches of all tiles, which the features of the clean forces need.
+  void recordWrench(Recorder& recorder) const;
   // Changes of the forces after the point spread function; after recordTaxels().
   void recordSpread(Recorder& recorder) const;
   // Changes of the features; after recordTaxels().
@@ -30,7 +32,7 @@ class TactileJacobianPasses {
 
  private:
   struct TaxelKernels {
-    std::optional<gpu::PassKernel<TaxelJacobianInterface>> taxels;  // none for a globally coupled law, whose pass writes the result
+    std::optional<gpu::PassKernel<TaxelJacobianInterface>> taxels;  // none for a globally coupled law, whose pass writes the results
     // Of a law with a mask.
     std::optional<gpu::PassKernel<MaskJacobianInterface>> mask;
     std::optional<gpu::PassKernel<RescaleJacobianInterface>> rescale;
@@ -45,6 +47,7 @@ class TactileJacobianPasses {
   const ModelData& model_;
   int wanted_workgroup_;  // 0: chosen here
   KernelCache<OnlyVariant, TaxelKernels> taxel_kernels_;
+  KernelCache<OnlyVariant, gpu::PassKernel<WrenchJacobianInterface>> wrench_kernel_;
   KernelCache<OnlyVariant, gpu::PassKernel<SpreadJacobianInterface>> spread_kernel_;
   KernelCache<Variant, FeatureKernel> feature_kernels_;
 };
