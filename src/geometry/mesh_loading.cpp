@@ -22,7 +22,7 @@
 #include "geometry/binary_file.h"
 #include "geometry/gltf_validation.h"
 #include "geometry/mesh_bounds.h"
-#include "geometry/mesh_file_validation.h"
+#include "geometry/obj_file.h"
 #include "geometry/object_fields.h"
 #include "geometry/ply_file.h"
 #include "geometry/simplification_cache.h"
@@ -39,6 +39,8 @@ namespace {
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& reason) {
   throw Error(ErrorKind::kInput, oneLine(file.string()) + ": " + oneLine(reason));
 }
+
+enum class MeshFormat { kObj, kStl, kPly, kGltf, kGlb };
 
 struct Extension {
   std::string text;  // lower case, without the dot
@@ -249,25 +251,32 @@ void checkTriangleCount(const aiScene& scene, const std::filesystem::path& file,
   }
 }
 
+// glTF.
 Mesh importMesh(const std::filesystem::path& file, const Extension& extension, const MeshOptions& options) {
+  if (const std::string problem = validateGltf(file, extension.format == MeshFormat::kGlb); !problem.empty())
+    fail(file, "is not a mesh: " + problem);
   Assimp::Importer importer;
   keepOnlyImporterFor(importer, extension.text);
-  const bool is_gltf = extension.format == MeshFormat::kGltf || extension.format == MeshFormat::kGlb;
   importer.SetIOHandler(new RestrictedIOSystem(file, extension.format == MeshFormat::kGltf));  // owned by the importer
   const aiScene* scene = importer.ReadFile(file.string(), 0);
   if (scene == nullptr) fail(file, std::string("is not a mesh: ") + importer.GetErrorString());
   checkScene(*scene, file);
-  if (is_gltf) checkTriangleCount(*scene, file, extension.format);
+  checkTriangleCount(*scene, file, extension.format);
   scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
   if (scene == nullptr || scene->mRootNode == nullptr) fail(file, "is not a mesh: its polygons cannot be triangulated");
   return weld(SceneFlattener(file, options).flatten(*scene));
 }
 
-// STL and PLY.
+// OBJ, STL and PLY.
 Mesh readMesh(const std::filesystem::path& file, MeshFormat format, const MeshOptions& options) {
   Mesh mesh;
-  const std::string problem =
-      format == MeshFormat::kStl ? readStl(file, mesh) : readPly(readStart(file, static_cast<std::size_t>(kMaxMeshFileBytes)), mesh);
+  std::string problem;
+  if (format == MeshFormat::kStl) {
+    problem = readStl(file, mesh);
+  } else {
+    const std::string bytes = readStart(file, static_cast<std::size_t>(kMaxMeshFileBytes));
+    problem = format == MeshFormat::kObj ? readObj(bytes, mesh) : readPly(bytes, mesh);
+  }
   if (!problem.empty()) fail(file, "is not a mesh: " + problem);
   const Placement place(file, options);
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
@@ -290,9 +299,8 @@ Mesh loadMesh(const std::filesystem::path& file, const MeshOptions& options) {
   const Extension extension = extensionOf(file);
   Mesh mesh;
   try {
-    if (const std::string problem = validateMeshFile(file, extension.format); !problem.empty()) fail(file, "is not a mesh: " + problem);
-    const bool is_own = extension.format == MeshFormat::kStl || extension.format == MeshFormat::kPly;
-    const Mesh full = is_own ? readMesh(file, extension.format, options) : importMesh(file, extension, options);
+    const bool is_gltf = extension.format == MeshFormat::kGltf || extension.format == MeshFormat::kGlb;
+    const Mesh full = is_gltf ? importMesh(file, extension, options) : readMesh(file, extension.format, options);
     if (const std::string size = implausibleSize(meshBounds(full)); !size.empty()) {
       logWarning(oneLine(file.string()) + ": the mesh " + size +
                  "; is the file in millimetres? scale: " + numberText(options.scale / 1000));

@@ -10,6 +10,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <ctime>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
@@ -24,10 +25,21 @@ std::string contentOf(const std::filesystem::path& file) {
 
 namespace {
 
-// Waits until the file has the text, or the process has ended.
-void waitForText(const std::filesystem::path& file, const std::string& text, pid_t process) {
+double secondsOf(const timeval& time) {
+  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+}
+
+double cpuSeconds(pid_t process) {
+  clockid_t clock{};
+  timespec time{};
+  if (clock_getcpuclockid(process, &clock) != 0 || clock_gettime(clock, &time) != 0) return 0;
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+// Waits until the file has the text and the process has used the seconds, or the process has ended.
+void waitFor(const std::filesystem::path& file, const std::string& text, double cpu_seconds, pid_t process) {
   siginfo_t ended{};
-  while (contentOf(file).find(text) == std::string::npos) {
+  while (contentOf(file).find(text) == std::string::npos || cpuSeconds(process) < cpu_seconds) {
     if (waitid(P_PID, static_cast<id_t>(process), &ended, WEXITED | WNOHANG | WNOWAIT) != 0 || ended.si_pid != 0) return;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
@@ -53,14 +65,20 @@ Outcome runTaxelsim(const std::vector<std::string>& arguments, const RunOptions&
     execv(TAXELSIM_EXECUTABLE, argv.data());
     _exit(127);
   }
-  if (!options.signal_at.empty()) waitForText(err, options.signal_at, child);
+  if (options.signal != 0) waitFor(err, options.signal_at, options.signal_at_cpu, child);
+  double cpu_at_signal = 0;
   for (int n = 0; options.signal != 0 && n < options.num_signals; ++n) {
     std::this_thread::sleep_for(std::chrono::duration<double>(options.signal_after));
+    cpu_at_signal = cpuSeconds(child);
     kill(child, options.signal);
   }
   int status = 0;
-  waitpid(child, &status, 0);
-  return {WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status), contentOf(out), contentOf(err)};
+  rusage used{};
+  wait4(child, &status, 0, &used);
+  return {.status = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status),
+          .out = contentOf(out),
+          .err = contentOf(err),
+          .cpu_after_signal = secondsOf(used.ru_utime) + secondsOf(used.ru_stime) - cpu_at_signal};
 }
 
 void expectRefused(const Outcome& outcome, const std::string& part) {

@@ -105,22 +105,6 @@ TEST(Generate, AnInterruptLeavesWholeShardsAndAResumableSet) {
   expectSame(filesOf(root / "out"), filesOf(root / "whole"), "after the interrupt");
 }
 
-// A sparse shard of 64 GiB takes minutes to verify.
-TEST(Generate, HearsASignalWhileItVerifies) {
-  const TemporaryDirectory root;
-  const std::string scene = writeScene(root / "scene.yaml");
-  const std::vector<std::string> command{"generate", scene, "-o", root / "out"};
-  ASSERT_EQ(runTaxelsim(command).status, 0);
-  std::filesystem::resize_file(root / "out/shard-000000.h5", std::uintmax_t{64} << 30);
-  constexpr double kAfter = 8;  // s; a log shows progress every 5 s
-  const auto start = std::chrono::steady_clock::now();
-  const Outcome outcome = runTaxelsim(command, {.signal = SIGTERM, .signal_after = kAfter});
-  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::duration<double>(kAfter + 1)) << "with the exit of the driver";
-  EXPECT_EQ(outcome.status, 130) << outcome.err;
-  EXPECT_NE(outcome.err.find("verifying: 0 of 5 shards"), std::string::npos) << outcome.err;
-  EXPECT_NE(outcome.err.find("stopped before the shards in"), std::string::npos) << outcome.err;
-}
-
 TEST(Generate, RepairsABrokenShard) {
   const TemporaryDirectory root;
   const std::string scene = writeScene(root / "scene.yaml");

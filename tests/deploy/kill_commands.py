@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Kills commands that write files, and compares the files with those of undisturbed runs.
 
-    kill_commands.py TAXELSIM [--kills N] [--seed S] [--export-python PYTHON]
+    kill_commands.py TAXELSIM [--kills N] [--seed S] [--export-python PYTHON] [--only KIND ...]
 
 Kinds in turn: `generate` by one process, a part of `evaluate`, `characterize` with a report, `experiment` with figures, and with
 --export-python each format of `export` (a Python with the package taxelsim and what the formats need). SIGKILL, SIGTERM or SIGINT end the
@@ -132,10 +132,12 @@ def main():
     parser.add_argument("--kills", type=int, default=4, help="over all kinds")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--export-python", default="")
+    parser.add_argument("--only", nargs="+", metavar="KIND", help='some kinds alone, for example "export mcap"; default: all')
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as directory:
         folder = pathlib.Path(directory)
         kinds = commands(options.program.resolve(), options.export_python, folder)
+        kinds = {name: kinds[name] for name in options.only or kinds}
         campaign = Campaign(folder, options.seed)
         for number, (name, command) in enumerate(kinds.items()):
             before = campaign.kills.total()
