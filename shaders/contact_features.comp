@@ -7,7 +7,8 @@
 // the same kind of all instances are consecutive.
 // In:  forces (num_instances x num_taxels), N; taxel_regions (num_instances x num_taxels), shared/features.h; regions (num_instances x REGIONS).
 // Out: features (block after block, each num_instances x num_rows x components, shared/features.h).
-// Shared memory: 4 PARTIALS bytes.
+// Parts without force skip all scans but the first.
+// Shared memory: 4 PARTIALS + 4 bytes.
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of team and workgroup.
 // Mutable globals: any_unfinished_loop (driver/loop_limit.glsl).
 // Twin: src/reference/contact_features.cpp.
@@ -15,6 +16,7 @@
 #include "shared/batch.h"
 #include "shared/features.h"
 #include "shared/sensor.h"
+#include "driver/texels.glsl"
 #include "passes/declare.glsl"
 #include "passes/contact_features.h"
 
@@ -49,13 +51,25 @@ void writeRow(uint row, uint num_rows, PlaneRecord plane, float patch_number, Mo
 // For lists of taxels: the plane of a region is that of its taxel with the largest force, and its sums are computed again in that plane.
 void choosePlane(inout Part part, inout PartSums sums) {
   PartSums peak = sumPart(kSumsPeak, part, vec3(0), sums.s[0]);
-  if (part.region != kNoRegion) part.plane = uint(taxels[uint(kTaxelNumbers - peak.s[0])].readout.z);
+  if (part.region != kNoRegion) part.plane = uint(readoutOf(uint(kTaxelNumbers - peak.s[0])).z);
   sums = sumPart(kSumsForce, part, vec3(0), 0.0);
 }
+
+shared uint any_team;  // of isTrueForAnyTeam(); a scan's barriers lie between its last read and the next write
 
 // Standard deviation of a taxel's force from noise, N.
 float forceNoise(uint instance) {
   return CLEAN ? 0.0 : sqrt(NOISE * NOISE + instances[instance].drive.w * instances[instance].drive.w) / SLOPE;
+}
+
+// Whether the condition holds for any team of the workgroup: all execute the same barriers. A team of one invocation has none, and decides alone.
+bool isTrueForAnyTeam(bool condition) {
+  if (TEAM == 1) return condition;
+  if (gl_LocalInvocationIndex == 0) any_team = 0;
+  barrier();
+  if (condition) any_team = 1;
+  barrier();
+  return any_team != 0;
 }
 
 // All teams execute the same barriers; a team without a part of its own (`is_valid` false) writes nothing.
@@ -68,16 +82,19 @@ void computePart(uint number, bool is_valid, uint num_instances) {
   Moments moments = Moments(sums.s[1], vec3(0), vec3(0), sums.s[0], sums.s[5]);
   float num_reporting = sums.s[6];
   float mean_force = moments.force / max(num_reporting, 1.0);
-  vec3 center = vec3(0);
-  if (moments.force > 0.0) center = vec3(sums.s[2], sums.s[3], sums.s[4]) / moments.force;
-  PartSums core = sumPart(kSumsSecond, part, center, mean_force);
-  moments.first = vec3(core.s[0], core.s[1], core.s[2]);
-  moments.second = vec3(core.s[3], core.s[4], core.s[5]);
-  Axes axes = windowedAxes(part, center, moments.force);
-  vec3 second = vec3(0);
-  if (moments.force > 0.0) second = centralMoments(moments.force, moments.first.xy, moments.second);
   float noise = forceNoise(instance);
-  Axes ridge = ridgeEdge(part, second, center, moments.peak, noise);
+  vec3 center = vec3(0), second = vec3(0);
+  PartSums core = noSums();
+  Axes axes = Axes(0.0, 0.0, 0.0, 0.0), ridge = axes;
+  if (isTrueForAnyTeam(moments.force > 0.0)) {
+    if (moments.force > 0.0) center = vec3(sums.s[2], sums.s[3], sums.s[4]) / moments.force;
+    core = sumPart(kSumsSecond, part, center, mean_force);
+    moments.first = vec3(core.s[0], core.s[1], core.s[2]);
+    moments.second = vec3(core.s[3], core.s[4], core.s[5]);
+    axes = windowedAxes(part, center, moments.force);
+    if (moments.force > 0.0) second = centralMoments(moments.force, moments.first.xy, moments.second);
+    ridge = ridgeEdge(part, second, center, moments.peak, noise);
+  }
   if (!is_due || gl_LocalInvocationIndex % TEAM > 0) return;
 
   PlaneRecord plane = planes[part.plane];

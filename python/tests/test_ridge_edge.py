@@ -8,7 +8,7 @@ import taxelsim
 
 PITCH, SHAPE = 0.0034, (6, 14)  # m
 NUM_STRIPS = 96
-ROUNDING = 2e-4  # rad: float32 sums and four rounds of a fit with a condition number of some hundreds
+ROUNDING = 2e-4  # rad: float32 sums and two rounds of a fit with a condition number of some hundreds
 SCATTER = 0.3  # of the gains of real arrays
 
 
@@ -40,15 +40,14 @@ def fitted_angle(force, gain, noise, trigger):
     over, peak = sums * gain, force.max()
     f = force / over
     prior, prior_target = np.sqrt(0.1) * np.eye(6)[1:], np.sqrt(0.1) * np.array([0, 0, -0.5, 0, -0.5])
-    b = None
-    for _ in range(4):
-        log = np.log(np.where(f > 0, f, peak) / peak) if b is None else np.clip(monomials @ b, -20, 1)
-        expected = f if b is None else peak * np.exp(log)
-        excess = 0 if b is None else np.clip(f / expected - 1, -1, 1)
+    b = np.array([0, 0, 0, -0.5, 0, -0.5])
+    for _ in range(2):
+        log = np.clip(monomials @ b, -20, 1)
+        expected = peak * np.exp(log)
+        excess = np.clip(f / expected - 1, -1, 1)
         error = np.hypot(noise / over, 0.03 * peak) / 0.2
         weight = expected**2 / (expected**2 + error**2)
-        if b is not None:
-            weight = np.where(f > 0, weight, weight * np.maximum(1 - trigger / (over * expected), 0))
+        weight = np.where(f > 0, weight, weight * np.maximum(1 - trigger / (over * expected), 0))
         root = np.sqrt(weight)[:, None]
         b = np.linalg.lstsq(np.vstack([root * monomials, prior]), np.append(root[:, 0] * (log + excess), prior_target), rcond=None)[0]
     to_xy = axes[:, ::-1] / unit

@@ -7,6 +7,15 @@ const uint kRows = 1 + PATCHES + REGIONS;
 const uint kFirstRegion = kOnePatch ? 1u : 1u + PATCHES;  // among the parts that are computed
 const uint kParts = kFirstRegion + REGIONS;
 
+// The record of a taxel, shared/sensor.h.
+const uint kFoursOfTaxel = 3u;
+vec4 chartOf(uint t) { return floatsOfFour(Taxels, kFoursOfTaxel * t); }
+vec4 readoutOf(uint t) { return floatsOfFour(Taxels, kFoursOfTaxel * t + 1u); }
+vec4 receptionOf(uint t) { return floatsOfFour(Taxels, kFoursOfTaxel * t + 2u); }
+
+// Whether a taxel of this force reports; `trigger`: N. Agrees with taxel_regions, which software drivers read more slowly.
+bool reportsForce(float force, float trigger) { return force > (CLEAN ? trigger : 0.0); }
+
 // The taxels of one row of an instance: the sensor's, a patch's or a region's.
 struct Part {
   uint first_taxel;  // of the instance
@@ -28,7 +37,7 @@ Part loadPart(uint instance, uint number, bool is_due) {
     if (region == kNoRegion) end = 0;
   }
   if (!kOnePatch && !kList && number > 0 && end > 0) {
-    plane = number < kFirstRegion ? number - 1 : uint(taxels[region].readout.z);
+    plane = number < kFirstRegion ? number - 1 : uint(readoutOf(region).z);
     uvec4 grid = planes[plane].grid;
     first = grid.z;
     end = grid.z + grid.x * grid.y;
@@ -36,6 +45,11 @@ Part loadPart(uint instance, uint number, bool is_due) {
   }
   if (!is_due) end = 0;
   return Part(instance * NUM_TAXELS, first, end, region, plane, is_grid, planes[plane].pitch, vec2(planes[plane].grid.xy));
+}
+
+// Whether a taxel of the part's range is one of its taxels.
+bool isIn(Part part, uint t) {
+  return REGIONS == 0 || part.region == kNoRegion || (taxel_regions[part.first_taxel + t] & kNoRegion) == part.region;
 }
 
 // A direction of the frame of `taxels` in C.
@@ -53,7 +67,7 @@ vec3 positionOf(Part part, uint t) {
     float i = floor((number + 0.5) / part.size.y);
     return vec3((vec2(i, number - i * part.size.y) - 0.5 * (part.size - 1.0)) * part.pitch.xy, 0);
   }
-  vec3 p_S = taxels[t].chart.xyz;
+  vec3 p_S = chartOf(t).xyz;
   if (!kList || part.plane == LAST_PLANE) return p_S;
   PlaneRecord plane = planes[part.plane];
   return inPlane(part, p_S - vec3(plane.X_SC_row0.w, plane.X_SC_row1.w, plane.X_SC_row2.w));

@@ -32,23 +32,22 @@ void addTaxel(uint kind, Part part, uint t, vec3 middle, float force, Ridge ridg
     addToRidge(part, t, ridge, sums);
     return;
   }
-  uint word = taxel_regions[part.first_taxel + t];
-  uint name = word & kNoRegion;
   float weight = forces[part.first_taxel + t];
-  if (part.region != kNoRegion && name != part.region) weight = 0.0;
+  bool is_in = isIn(part, t);
+  if (!is_in) weight = 0.0;
   if (kind == kSumsPeak) {
     if (weight == force) sums.s[0] = max(sums.s[0], kTaxelNumbers - float(t));
     return;
   }
   vec3 p = positionOf(part, t) - middle;
   if (kind == kSumsForce) {
-    bool counts = name != kNoRegion && (part.region == kNoRegion || name == part.region);
+    bool counts = is_in && reportsForce(weight, CLEAN ? readoutOf(t).y : 0.0);
     sums.s[0] = max(sums.s[0], weight);
     sums.s[1] += weight;
     sums.s[2] += weight * p.x;
     sums.s[3] += weight * p.y;
     sums.s[4] += weight * p.z;
-    sums.s[5] += counts ? (kOnePatch ? PITCH_X * PITCH_Y : taxels[t].chart.w) : 0.0;
+    sums.s[5] += counts ? (kOnePatch ? PITCH_X * PITCH_Y : chartOf(t).w) : 0.0;
     sums.s[6] += counts ? 1.0 : 0.0;
     return;
   }
@@ -64,7 +63,7 @@ void addTaxel(uint kind, Part part, uint t, vec3 middle, float force, Ridge ridg
   sums.s[5] += weight * p.y * p.y;
   if (kList || kind != kSumsSecond) return;
   vec2 at = p.xy / part.pitch.xy;
-  float one = (word & kCoreTaxel) != 0 && weight > 0.0 ? 1.0 : 0.0;
+  float one = (taxel_regions[part.first_taxel + t] & kCoreTaxel) != 0 && weight > 0.0 ? 1.0 : 0.0;
   float more = one * (weight - force);
   sums.s[kCore] += one;
   sums.s[kCore + 1] += one * at.x;

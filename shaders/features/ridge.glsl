@@ -4,14 +4,16 @@
 //
 //   log(force / peak) = b0 + b1 u + b2 v + b3 u^2 + b4 u v + b5 v^2,    weight 1 / (1 + (noise / (scatter force))^2)
 //
-// u and v run along the principal axes of the forces, in units of their standard deviations. The place of a taxel is the mean place of what it receives
-// (TaxelRecord::reception), which near a border is not its middle. A silent taxel counts where the fit expects more than its trigger.
+// u and v run along the principal axes of the forces, in units of their standard deviations. The fit starts from the Gaussian with these moments, so that two
+// rounds suffice; from a regression of the logarithms of the forces, which silent taxels do not have, it took four. The place of a taxel is the mean place of
+// what it receives (TaxelRecord::reception), which near a border is not its middle. A silent taxel counts where the fit expects more than its trigger.
 
-const uint kRidgeIterations = 4u;
+const uint kRidgeIterations = 2u;
 const uint kRidgeUnknowns = 6u, kRidgeMoments = 15u;  // moments of u and v up to the fourth
 const float kGainScatter = 0.2;                       // of the weights: relative standard deviation of a force
 const float kProfileError = 0.03;                     // of the peak force: by how much a contact differs from a Gaussian
 const float kRidgePrior = 0.1;                        // weight, in taxels, of the Gaussian with the second moments of the forces
+const float kLeastWeight = 1e-6;                      // taxels; a sensor may be calibrated to have no taxel that counts
 const float kLeastWidth = 0.5;                        // pitches, of the unit of u and v
 const float kLeastLog = -20.0, kMostLog = 1.0;        // of a fitted force over the peak
 const float kLeastAnisotropy = 1e-6;                  // of the curvature across the ridge
@@ -22,43 +24,35 @@ struct Ridge {
   vec2 unit;      // of u and v, m
   float peak;     // N
   float noise;    // of a taxel, N
-  bool is_first;  // the weights follow from the forces, not from the fit
   float b[kRidgeUnknowns];
 };
 
 Ridge noRidge() {
-  Ridge ridge = Ridge(vec3(0), vec2(1, 0), vec2(1), 0.0, 0.0, true, float[kRidgeUnknowns](0.0, 0.0, 0.0, 0.0, 0.0, 0.0));
+  Ridge ridge = Ridge(vec3(0), vec2(1, 0), vec2(1), 1.0, 0.0, float[kRidgeUnknowns](0.0, 0.0, 0.0, -0.5, 0.0, -0.5));
   return ridge;
 }
 
-// Place of the moment u^a v^b, or of the unknown of that monomial.
-uint momentOf(uint a, uint b) { return (a + b) * (a + b + 1) / 2 + b; }
-
 // Adds a taxel to the normal equations: 15 moments of the weights, 6 right sides.
 void addToRidge(Part part, uint t, Ridge ridge, inout PartSums sums) {
-  uint name = taxel_regions[part.first_taxel + t] & kNoRegion;
-  bool is_silent = name == kNoRegion;
-  vec4 reception = taxels[t].reception;
-  if (reception.w <= 0.0 || part.region != kNoRegion && !is_silent && name != part.region) return;
+  float measured = forces[part.first_taxel + t];
+  float trigger = readoutOf(t).y;
+  bool is_silent = !reportsForce(measured, trigger);
+  vec4 reception = receptionOf(t);
+  if (reception.w <= 0.0 || !is_silent && !isIn(part, t)) return;
   vec2 p = (positionOf(part, t) + inPlane(part, reception.xyz) - ridge.middle).xy;
   float u = dot(ridge.along, p) / ridge.unit.x, v = dot(vec2(-ridge.along.y, ridge.along.x), p) / ridge.unit.y;
   float uu = u * u, uv = u * v, vv = v * v;
-  // By momentOf(); written out, because drivers do not unroll loops with such bounds.
+  // By degree; written out, because drivers do not unroll loops with such bounds.
   float monomials[kRidgeMoments] = float[](1.0, u, v, uu, uv, vv, uu * u, uu * v, u * vv, v * vv, uu * uu, uu * uv, uu * vv, uv * vv, vv * vv);
-  float force = is_silent ? 0.0 : forces[part.first_taxel + t] / reception.w;
-  float expected = force, logarithm = 0.0, excess = 0.0;
-  if (ridge.is_first) {
-    if (is_silent) return;
-    logarithm = log(force / ridge.peak);
-  } else {
-    for (uint k = 0; k < kRidgeUnknowns; ++k) logarithm += ridge.b[k] * monomials[k];
-    logarithm = clamp(logarithm, kLeastLog, kMostLog);
-    expected = ridge.peak * exp(logarithm);
-    excess = clamp(force / expected - 1.0, -1.0, 1.0);
-  }
+  float force = is_silent ? 0.0 : measured / reception.w;
+  float logarithm = 0.0;
+  for (uint k = 0; k < kRidgeUnknowns; ++k) logarithm += ridge.b[k] * monomials[k];
+  logarithm = clamp(logarithm, kLeastLog, kMostLog);
+  float expected = ridge.peak * exp(logarithm);
+  float excess = clamp(force / expected - 1.0, -1.0, 1.0);
   vec2 errors = vec2(ridge.noise / reception.w, kProfileError * ridge.peak) / kGainScatter;
   float weight = expected * expected / (expected * expected + dot(errors, errors));
-  if (is_silent) weight *= max(1.0 - taxels[t].readout.y / (reception.w * expected), 0.0);
+  if (is_silent) weight *= max(1.0 - trigger / (reception.w * expected), 0.0);
   for (uint k = 0; k < kRidgeMoments; ++k) sums.s[k] += weight * monomials[k];
   for (uint k = 0; k < kRidgeUnknowns; ++k) sums.s[kRidgeMoments + k] += weight * (logarithm + excess) * monomials[k];
 }

@@ -1,27 +1,18 @@
 // The fit of a ridge to a part (features/ridge.glsl), and its angle. Twin: src/reference/ridge_edge.cpp.
 
-// Solves the normal equations, with the prior, by Cholesky's decomposition. They are positive definite: a part with force has a taxel that reports.
+// Solves the normal equations, with the prior, by the Schur complement of the linear part: matrices of three rows, because drivers do not unroll loops over
+// six.
 void solveRidge(PartSums sums, inout Ridge ridge) {
-  const uvec2 kPowers[kRidgeUnknowns] = uvec2[](uvec2(0, 0), uvec2(1, 0), uvec2(0, 1), uvec2(2, 0), uvec2(1, 1), uvec2(0, 2));
-  float lower[kRidgeUnknowns][kRidgeUnknowns];
-  float y[kRidgeUnknowns];
-  for (uint i = 0; i < kRidgeUnknowns; ++i) {
-    for (uint j = 0; j <= i; ++j) {
-      uvec2 powers = kPowers[i] + kPowers[j];
-      float sum = sums.s[momentOf(powers.x, powers.y)] + (i == j && i > 0 ? kRidgePrior : 0.0);
-      for (uint k = 0; k < j; ++k) sum -= lower[i][k] * lower[j][k];
-      lower[i][j] = i == j ? sqrt(max(sum, 1e-6)) : sum / lower[j][j];
-    }
-    y[i] = sums.s[kRidgeMoments + i] - (i == 3 || i == 5 ? 0.5 * kRidgePrior : 0.0);
-    for (uint k = 0; k < i; ++k) y[i] -= lower[i][k] * y[k];
-    y[i] /= lower[i][i];
-  }
-  for (uint n = 0; n < kRidgeUnknowns; ++n) {
-    uint i = kRidgeUnknowns - 1 - n;
-    for (uint k = i + 1; k < kRidgeUnknowns; ++k) y[i] -= lower[k][i] * y[k];
-    y[i] /= lower[i][i];
-  }
-  ridge.b = y;
+  float m[kMostSums] = sums.s;
+  mat3 linear = mat3(m[0] + kLeastWeight, m[1], m[2], m[1], m[3] + kRidgePrior, m[4], m[2], m[4], m[5] + kRidgePrior);
+  mat3 mixed = mat3(m[3], m[6], m[7], m[4], m[7], m[8], m[5], m[8], m[9]);  // a column per quadratic monomial
+  mat3 quadratic = mat3(m[10], m[11], m[12], m[11], m[12], m[13], m[12], m[13], m[14]) + mat3(kRidgePrior);
+  vec3 right = vec3(m[15], m[16], m[17]), quadratic_right = vec3(m[18], m[19], m[20]) - 0.5 * kRidgePrior * vec3(1, 0, 1);
+  mat3 inverse_linear = inverse(linear);
+  mat3 reduced = transpose(mixed) * inverse_linear;
+  vec3 curvature = inverse(quadratic - reduced * mixed) * (quadratic_right - reduced * right);
+  vec3 slope = inverse_linear * (right - mixed * curvature);
+  ridge.b = float[](slope.x, slope.y, slope.z, curvature.x, curvature.y, curvature.z);
 }
 
 // Cosine and sine of twice the angle of the major axis of second moments; without an axis that of x.
@@ -48,11 +39,7 @@ Axes ridgeEdge(Part part, vec3 second, vec3 middle, float peak, float noise) {
   ridge.unit = sqrt(max(vec2(start.large, start.small), vec2(kLeastWidth * kLeastWidth * part.pitch.z * part.pitch.z)));
   ridge.peak = peak > 0.0 ? peak : 1.0;
   ridge.noise = noise;
-  for (uint n = 0; n < kRidgeIterations; ++n) {
-    PartSums sums = sumPart(kSumsRidge, part, middle, 0.0, ridge);
-    solveRidge(sums, ridge);
-    ridge.is_first = false;
-  }
+  for (uint n = 0; n < kRidgeIterations; ++n) solveRidge(sumPart(kSumsRidge, part, middle, 0.0, ridge), ridge);
   // Curvatures of the logarithm, times unit.x unit.y.
   float uu = ridge.b[3] * ridge.unit.y / ridge.unit.x, vv = ridge.b[5] * ridge.unit.x / ridge.unit.y;
   vec2 difference = vec2(uu - vv, ridge.b[4]);

@@ -15,7 +15,7 @@ CONSTANT(20, float, EXPONENT)
 
 BUFFER(0, readonly, Instances)
 BUFFER(1, readonly, Step)
-BUFFER(2, readonly, Taxels)
+TEXELS(2, Taxels)
 BUFFER(3, readonly, Planes)
 BUFFER(4, readonly, Forces)
 BUFFER(5, readonly, TaxelRegions)

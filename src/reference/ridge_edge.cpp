@@ -7,11 +7,12 @@
 namespace taxelsim::reference {
 namespace {
 
-constexpr int kIterations = 4;
+constexpr int kIterations = 2;
 constexpr int kUnknowns = 6;
 constexpr double kGainScatter = 0.2;    // of the weights
 constexpr double kProfileError = 0.03;  // of the peak
 constexpr double kPrior = 0.1;          // weight, taxels
+constexpr double kLeastWeight = 1e-6;   // taxels
 constexpr double kLeastWidth = 0.5;     // pitches
 constexpr double kLeastAnisotropy = 1e-6;
 
@@ -33,25 +34,20 @@ Vector solved(std::array<Vector, kUnknowns> matrix, Vector right) {
   return right;
 }
 
-// One round of the fit: the coefficients that follow from `before`, or from the forces alone if `is_first`.
-Vector improved(std::span<const RidgeTaxel> taxels, std::span<const Vector> monomials, double peak, const Vector& before, bool is_first) {
+// One round of the fit: the coefficients that follow from `before`.
+Vector improved(std::span<const RidgeTaxel> taxels, std::span<const Vector> monomials, double peak, const Vector& before) {
   std::array<Vector, kUnknowns> matrix{};
   Vector right{};
+  matrix[0][0] = kLeastWeight;
   for (int i = 1; i < kUnknowns; ++i) matrix[i][i] = kPrior;
   right[3] = right[5] = -0.5 * kPrior;
   for (std::size_t t = 0; t < taxels.size(); ++t) {
     const RidgeTaxel& taxel = taxels[t];
     const bool silent = taxel.force <= 0;
-    double logarithm = 0, expected = taxel.force, excess = 0;
-    if (is_first) {
-      if (silent) continue;
-      logarithm = std::log(taxel.force / peak);
-    } else {
-      for (int k = 0; k < kUnknowns; ++k) logarithm += before[k] * monomials[t][k];
-      logarithm = std::clamp(logarithm, -20.0, 1.0);
-      expected = peak * std::exp(logarithm);
-      excess = std::clamp(taxel.force / expected - 1, -1.0, 1.0);
-    }
+    double logarithm = 0;
+    for (int k = 0; k < kUnknowns; ++k) logarithm += before[k] * monomials[t][k];
+    logarithm = std::clamp(logarithm, -20.0, 1.0);
+    const double expected = peak * std::exp(logarithm), excess = std::clamp(taxel.force / expected - 1, -1.0, 1.0);
     const double error = std::hypot(taxel.noise, kProfileError * peak) / kGainScatter;
     double weight = expected * expected / (expected * expected + error * error);
     if (silent) weight *= std::max(1 - taxel.trigger / expected, 0.0);
@@ -77,8 +73,8 @@ RidgeEdge ridgeEdge(std::span<const RidgeTaxel> taxels, const RidgeStart& start)
     const double u = (c * x + s * y) / unit_u, v = (c * y - s * x) / unit_v;
     monomials.push_back({1, u, v, u * u, u * v, v * v});
   }
-  Vector fit{};
-  for (int n = 0; n < kIterations; ++n) fit = improved(taxels, monomials, start.peak, fit, n == 0);
+  Vector fit{0, 0, 0, -0.5, 0, -0.5};  // the Gaussian with the second moments
+  for (int n = 0; n < kIterations; ++n) fit = improved(taxels, monomials, start.peak, fit);
   const double uu = fit[3] / (unit_u * unit_u), uv = fit[4] / (2 * unit_u * unit_v), vv = fit[5] / (unit_v * unit_v);
   const double radius = std::hypot((uu - vv) / 2, uv), across = radius - (uu + vv) / 2, along = std::max(across - 2 * radius, 0.0);
   if (across <= 0 || radius <= kLeastAnisotropy * across) return {};

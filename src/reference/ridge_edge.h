@@ -1,7 +1,8 @@
 // Ridge of the reference: direction of an edge from taxels whose gains differ. The forces of a part are fitted by the exponential of a
 // quadratic in the place, as a regression with a log link whose deviations grow with the force (P. McCullagh and J. A. Nelder, Generalized
-// Linear Models, 1989, chapter 8): iteratively reweighted least squares, four rounds, a weak prior with the second moments of the forces.
-// The major axis of the quadratic is the ridge. A Gaussian that the array cuts off is the same Gaussian, so that borders do not turn it.
+// Linear Models, 1989, chapter 8): iteratively reweighted least squares, two rounds from the Gaussian with the second moments of the
+// forces, which is a weak prior as well. The major axis of the quadratic is the ridge. A Gaussian that the array cuts off is the same
+// Gaussian, so that borders do not turn it.
 #pragma once
 
 #include <array>

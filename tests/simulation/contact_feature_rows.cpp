@@ -42,7 +42,7 @@ void expectAxes(double angle, double confidence, double expected_angle, double e
   }
 }
 
-// The normal equations of the ridge have a condition number of some 1e3 (prior of 0.1 taxel; moments of tens of taxels), which four rounds
+// The normal equations of the ridge have a condition number of some 1e3 (prior of 0.1 taxel; moments of tens of taxels), which two rounds
 // multiply with the rounding of sums and exponentials.
 constexpr double kRidge = 4 * 1e3 * kSum;
 

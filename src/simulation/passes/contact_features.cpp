@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "contact_features.spv.h"
+#include "contact_features_lockstep.spv.h"
 #include "contact_regions.spv.h"
 #include "sensor/curve.h"
 #include "shared/features.h"
@@ -27,7 +28,7 @@ std::uint64_t regionIterations(const ModelData& model, int max_regions) {
 
 // The same for a part.
 std::uint64_t partIterations(const ModelData& model) {
-  constexpr std::uint64_t kNumScans = 12;  // over the taxels of a part, at most
+  constexpr std::uint64_t kNumScans = 10;  // over the taxels of a part, at most
   return kNumScans * (model.num_taxels + 2ull * kMostSums * model.packed_contact.lanes);
 }
 
@@ -75,7 +76,9 @@ gpu::PassKernel<ContactRegionsInterface> ContactFeaturePasses::makeRegions(const
 gpu::PassKernel<ContactFeaturesInterface> ContactFeaturePasses::makeFeatures(const Variant& variant, const TeamSizes& sizes) const {
   const Readout& readout = model_.sensor.readout;
   const PackedContactFeatures& packed = model_.packed_contact;
-  return {model_.context(), "contact_features", k_contact_features_spirv, commonConstants(model_.sensor, model_.packed, sizes.pass),
+  return {model_.context(), "contact_features",
+          model_.profile.select({k_contact_features_spirv, k_contact_features_lockstep_spirv}, sizes.pass.workgroup),
+          commonConstants(model_.sensor, model_.packed, sizes.pass),
           ContactFeaturesInterface{.CLEAN = variant.clean,
                                    .TEAM = sizes.team,
                                    .REGIONS = variant.max_regions,
