@@ -33,6 +33,9 @@ ObjectRecord objectOf(int id) {
 
 int objectInSlot(uint slot_index) { return wholeNumber(poseOf(slot_index).object.x); }
 
+// Number of the slot that a pose is of; the host leaves out slots whose object is far.
+uint slotNumber(uint slot_index) { return uint(wholeNumber(poseOf(slot_index).object.y)); }
+
 Body bodyInSlot(Tile tile, uint slot_index, int id) {
   PoseRecord pose = poseOf(slot_index);
   ObjectRecord object = objectOf(id);

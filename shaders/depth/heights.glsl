@@ -102,9 +102,10 @@ Box rasterHeights(Tile tile, uint instance, uint num_slots, inout Reach reach, i
     if (isKind(reach.body.kind_groups.x, kKindPolyhedron)) loadFaces(reach.body.kind_groups.y, reach.body.X_PO);
     return reach.samples;
   }
-  for (uint slot = 0; slot < num_slots; ++slot) {
-    if (MANY_SLOTS) reach.body = nearBodyInSlot(tile, instance * num_slots + slot, reach.id);
-    if (reach.body.near) rasterBody(tile, instance, slot, reach.body, reach.id, found);
+  for (uint k = 0; k < num_slots; ++k) {
+    uint index = instance * num_slots + k;
+    if (MANY_SLOTS) reach.body = nearBodyInSlot(tile, index, reach.id);
+    if (reach.body.near) rasterBody(tile, instance, kKeepsSlots ? slotNumber(index) : 0u, reach.body, reach.id, found);
   }
   return boxAround(found.samples);
 }

@@ -21,8 +21,8 @@
 #define BLOCK_Neighbours BLOCK(Neighbours, uint, neighbours[])  // (NUM_NEIGHBOURS x t), of lower number
 
 // ---- a batch: inputs ----
-#define BLOCK_Poses BLOCK(Poses, PoseRecord, poses[])          // (n x num_slots)
-#define BLOCK_Motions BLOCK(Motions, MotionRecord, motions[])  // (n x num_slots)
+#define BLOCK_Poses BLOCK(Poses, PoseRecord, poses[])          // (n x poses of the step), up to (n x num_slots)
+#define BLOCK_Motions BLOCK(Motions, MotionRecord, motions[])  // as Poses
 #define BLOCK_Instances BLOCK(Instances, InstanceRecord, instances[])
 #define BLOCK_Step BLOCK(Step, StepRecord, step_record)
 #define BLOCK_Loads BLOCK(Loads, LoadRecord, loads[])

@@ -11,7 +11,7 @@ CONSTANT(13, bool, HAS_STATE)     // the law needs the depth of the step before
 CONSTANT(14, uint, SEARCH)        // kNoSearch, kSearchInTile ...
 CONSTANT(15, float, THICKNESS)    // m
 CONSTANT(16, bool, SCALED)        // sources near a border give more to the taxels that are there, readout/spread.glsl
-CONSTANT(17, bool, MANY_SLOTS)    // an instance may touch several objects
+CONSTANT(17, bool, MANY_SLOTS)    // several objects may be near an instance
 CONSTANT(18, uint, OBJECT_KINDS)  // bit per kind of object in the model
 CONSTANT(19, uint,
          TRIANGLE_SIZES)  // bit 0: meshes of small triangles, bit 1: of large ones, bits 2 and 3: the same for closed ones, with AREA
@@ -41,6 +41,7 @@ CONSTANT(42, bool, IS_LAST)             // writes contact_normal and tile_result
 CONSTANT(43, bool, AREA)                // the depth of a sample is the mean over its cell, depth/area/cell_depths.glsl
 CONSTANT(44, bool, RANDOM_SKIN)         // every instance has factors of its own on stiffness and friction
 CONSTANT(45, bool, VARIATION)           // with AREA, for friction and exponents: cells know how the depth varies within them
+CONSTANT(46, bool, KEEPS_SLOTS)         // an instance has several slots, of which friction knows which object it was with
 
 TEXELS(0, Poses)
 BUFFER(1, readonly, Instances)

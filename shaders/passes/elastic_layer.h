@@ -12,7 +12,7 @@ CONSTANT(19, float, TOLERANCE)             // the solver ends when contact_resid
 CONSTANT(20, uint, NUM_HEIGHT_TILES)       // of the contact pass
 CONSTANT(21, bool, LOADS)                  // some instance is driven by load
 CONSTANT(22, bool, OUTPUT_DEPTH)           // writes contact_depth
-CONSTANT(23, bool, MANY_SLOTS)             // an instance may touch several objects
+CONSTANT(23, bool, KEEPS_SLOTS)            // as in contact.h
 CONSTANT(24, bool, FRICTION)               // shear with memory, skin/friction.glsl
 CONSTANT(25, float, TANGENTIAL_STIFFNESS)  // N/m^3
 CONSTANT(26, float, FRICTION_COEFFICIENT)

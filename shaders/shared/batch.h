@@ -8,17 +8,18 @@ TAXELSIM_LAYOUT_BEGIN
 
 // ---- inputs ----
 
-// Pose of the object in a slot.
+// Pose of the object in a slot. Slots whose object is far from the sensor are left out.
 struct PoseRecord {
   vec4 row0, row1, row2;  // X_SO: rows of (R_SO | p), m
-  vec4 object;            // index, or -1 for an empty slot; 0, 0, 0
+  vec4 object;            // index, or -1 without an object; number of the slot; 0, 0
 };
 
-// Motion of the object in a slot since the previous step, without what a load search adds: a point p of the object (in S, m) was displaced
+// Motion of the object of a pose since the previous step, without what a load search adds: a point p of the object (in S, m) was displaced
 // by A p + t. Computed in double on the host, because the difference of two float32 poses would make a resting object creep.
 struct MotionRecord {
   vec4 row0, row1, row2;  // rows of (A | t), t in m
-  vec4 known;             // 1; or 0 with A = t = 0 if the slot's object has changed or the instance was reset; 0, 0, 0
+  vec4 known;             // 1; or 0 with A = t = 0 if the slot's object has changed or the instance was reset; number of the slot, or -1
+                          // without an object; 0, 0
 };
 
 TAXELSIM_CONSTANT kSlotBits = 3u;  // bits of a slot's number
@@ -39,7 +40,7 @@ struct InstanceRecord {
 
 // One step of the whole batch.
 struct StepRecord {
-  uvec4 batch;       // instances; slots, or capacity for contacts of an instance; seed (low word, high word)
+  uvec4 batch;       // instances; poses, or capacity for contacts, of an instance; seed (low word, high word)
   vec4 time;         // dt, s; 1/dt, 1/s; low-pass coefficient; standard deviation of the random walk's step, counts
   vec4 creep;        // relaxation of each creep term towards its end value in dt, as a fraction
   uvec4 delay;       // slot of this step in the ring of forces; steps back to the force that a frame shows; 0, 0

@@ -7,7 +7,7 @@
 // Where contact began within the step only the part of u after touch counts; the state of a sample that nothing touches is cleared.
 // The law lugre has its own rule for the traction (skin/laws/lugre.glsl) and shares the rest.
 //
-// The includer defines kShears (shear is computed) and FLAT (the patch's frame is the sensor's).
+// The includer defines kShears (shear is computed), kManyMotions (several objects may be in contact) and FLAT (the patch's frame is the sensor's).
 // Shared memory: 64 bytes per slot where an instance may touch several objects, and 8 LANES bytes.
 
 #include "skin/cone.glsl"
@@ -31,7 +31,7 @@ struct Motion {
 };
 
 const uint kSlotRows = 4u;  // rows of a slot in slot_motions[]
-shared vec4 slot_motions[kKeepsSlots ? kSlotRows << kSlotBits : 1u];
+shared vec4 slot_motions[kManyMotions ? kSlotRows << kSlotBits : 1u];
 shared vec2 partial_shear[kShears ? LANES : 1u];
 
 // In the frame of the patch: R_PS D X_SP for the displacement D in S.
@@ -58,11 +58,14 @@ Motion motionInSlot(uint slot_index, float moved_z, Affine X_PS) {
   return Motion(motion, known);
 }
 
-// Loads the motions of an instance into shared memory; returns that of an instance with one slot.
+// Loads the motions of an instance into shared memory with kManyMotions; otherwise returns the only one.
 Motion loadMotions(uint instance, uint num_slots, float moved_z, Affine X_PS) {
-  if (!kKeepsSlots) return motionInSlot(instance, moved_z, X_PS);
-  for (uint slot = gl_LocalInvocationIndex; slot < num_slots; slot += WORKGROUP) {
-    Motion motion = motionInSlot(instance * num_slots + slot, moved_z, X_PS);
+  if (!kManyMotions) return motionInSlot(instance * num_slots, moved_z, X_PS);
+  for (uint k = gl_LocalInvocationIndex; k < num_slots; k += WORKGROUP) {
+    float number = motions[instance * num_slots + k].known.y;
+    if (number < 0.0) continue;
+    uint slot = uint(wholeNumber(number));
+    Motion motion = motionInSlot(instance * num_slots + k, moved_z, X_PS);
     slot_motions[kSlotRows * slot] = motion.displacement.row0;
     slot_motions[kSlotRows * slot + 1] = motion.displacement.row1;
     slot_motions[kSlotRows * slot + 2] = motion.displacement.row2;
@@ -73,7 +76,7 @@ Motion loadMotions(uint instance, uint num_slots, float moved_z, Affine X_PS) {
 }
 
 Motion motionOf(uint slot, Motion only_motion) {
-  if (!kKeepsSlots) return only_motion;
+  if (!kManyMotions) return only_motion;
   return Motion(Affine(slot_motions[kSlotRows * slot], slot_motions[kSlotRows * slot + 1], slot_motions[kSlotRows * slot + 2]),
                 slot_motions[kSlotRows * slot + 3].x > 0.0);
 }

@@ -48,6 +48,7 @@ struct TileStep {
   Motion only_motion;   // of the object in the only slot
   float friction;       // the instance's factor on friction
   Body body;            // the one solid of a pass without a tile
+  uint slot;            // of that solid
   vec4 parameters;      // of that solid
 };
 
@@ -91,6 +92,7 @@ TileStep beginPressures(Tile tile, uint instance, uint tile_number, uint num_slo
     step.only_motion = loadMotions(instance, num_slots, search_here ? step.found.offset : tile.offset_z, tile.X_PS);
   }
   step.body = reach.body;
+  step.slot = kKeepsSlots && !usesTile() ? slotNumber(instance * num_slots) : 0u;
   step.parameters = vec4(0);
   if (!usesTile()) step.parameters = objectOf(max(reach.id, 0)).parameters;
   step.per_dt = HAS_STATE || BRISTLES ? step_record.time.y : 0.0;
@@ -106,7 +108,9 @@ float sampleHeight(Tile tile, TileStep step, uint address, vec2 position, inout 
   }
   float z = kOnlyPolyhedra ? heightInRow(position.y, tile.z_floor, found)
                            : analyticHeight(step.body.kind_groups.x, step.parameters, step.body.X_PO, position, tile.z_floor, found);
-  return NUM_ROWS > 0 || isVisible(tile, z, found) ? max(z - tile.z_base, 0.0) : kMiss;
+  if (NUM_ROWS == 0 && !isVisible(tile, z, found)) return kMiss;
+  word = withSlot(max(z - tile.z_base, 0.0), step.slot);
+  return withoutSlot(word);
 }
 
 // Rate of the depth since the step before, m/s; stores the depth.

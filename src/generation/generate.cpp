@@ -4,13 +4,13 @@
 #include <chrono>
 #include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "base/memory.h"
 #include "episodes/batch.h"
 #include "generation/generate_grasp.h"
 #include "generation/probe.h"
+#include "generation/shard_run.h"
 #include "generation/shard_sink.h"
 #include "scene/scene_checks.h"
 #include "taxelsim/error.h"
@@ -20,8 +20,6 @@ namespace taxelsim {
 namespace {
 
 using SteadyClock = std::chrono::steady_clock;
-
-constexpr auto kProgressPeriod = std::chrono::milliseconds(250);
 
 // Of the data set.
 std::uint64_t numEpisodes(const Scene& scene, const GenerateOptions& options) {
@@ -92,135 +90,38 @@ Manifest manifestOf(const Scene& scene, const Device& device, const GenerateOpti
           .columns = columnsOf(scene)};
 }
 
-// The state of one generate() call.
-class Run {
- public:
-  // num_frames: per episode.
-  Run(const GenerateOptions& options, DatasetWriter& writer, const Manifest& manifest, int num_frames)
-      : options_(options), writer_(writer), manifest_(manifest), num_frames_(static_cast<std::uint64_t>(num_frames)) {
-    const ShardRange range = options.shards.value_or(ShardRange{.first = 0, .end = manifest.numShards()});
-    complete_.resize(manifest.numShards());
-    for (std::uint64_t shard = 0; shard < manifest.numShards(); ++shard) {
-      complete_[shard] = !range.contains(shard);
-      if (complete_[shard]) continue;
-      progress().num_episodes += episodesOf(shard);
-      if (writer.isComplete(shard)) addFound(shard);
-    }
-    progress().num_frames = (progress().num_episodes - progress().episodes_resumed) * num_frames_;
-  }
-
-  void simulateAll(const Model& model, const SlicePlan& plan);
-
-  GenerateResult end() {
-    result_.complete = isComplete();
-    if (result_.complete && !options_.shards) writer_.finish();
-    if (options_.on_progress) options_.on_progress(progress());
-    return result_;
-  }
-
- private:
-  Progress& progress() { return result_.progress; }
-  bool isComplete() const { return std::find(complete_.begin(), complete_.end(), false) == complete_.end(); }
-  bool isStopped() const { return options_.stop != nullptr && *options_.stop; }
-  std::uint64_t episodesOf(std::uint64_t shard) const {
-    return std::min(manifest_.episodes_per_shard, manifest_.num_episodes - shard * manifest_.episodes_per_shard);
-  }
-  // Of a shard that this run did not make.
-  void addFound(std::uint64_t shard);
-  void findShards();
-  bool claimsAny();
-  void simulate(const Model& model, const SlicePlan& plan);
-  void report(SteadyClock::time_point now);
-
-  const GenerateOptions& options_;
-  DatasetWriter& writer_;
-  const Manifest& manifest_;
-  const std::uint64_t num_frames_;
-  std::vector<bool> complete_;  // (num_shards), true for those that are not requested
-  std::uint64_t episodes_written_ = 0;
-  GenerateResult result_;
-  SteadyClock::time_point start_;
-  SteadyClock::time_point last_report_;
-};
-
-void Run::addFound(std::uint64_t shard) {
-  complete_[shard] = true;
-  progress().episodes_resumed += episodesOf(shard);
-  progress().episodes_done += episodesOf(shard);
-}
-
-// Looks for the shards that others have written.
-void Run::findShards() {
-  for (std::uint64_t shard = 0; shard < complete_.size(); ++shard) {
-    if (complete_[shard]) continue;
-    if (writer_.isComplete(shard)) {
-      complete_[shard] = true;
-    } else if (writer_.isOnDisk(shard)) {
-      addFound(shard);
-      progress().num_frames -= episodesOf(shard) * num_frames_;
-    }
-  }
-}
-
-bool Run::claimsAny() {
-  for (std::uint64_t shard = 0; shard < complete_.size(); ++shard) {
-    if (!complete_[shard] && writer_.claim(shard)) return true;
-  }
-  return false;
-}
-
-void Run::report(SteadyClock::time_point now) {
-  progress().seconds = std::chrono::duration<double>(now - start_).count();
-  if (!options_.on_progress || now - last_report_ < kProgressPeriod) return;
-  last_report_ = now;
-  options_.on_progress(progress());
-}
-
-// Other processes hold the claims of the shards that are left after a round. Those of a lost process are free in a later one.
-void Run::simulateAll(const Model& model, const SlicePlan& plan) {
-  start_ = last_report_ = SteadyClock::now();
-  while (!isComplete() && !isStopped()) {
-    if (claimsAny()) {
-      simulate(model, plan);
-    } else {
-      std::this_thread::sleep_for(kProgressPeriod);
-      report(SteadyClock::now());
-    }
-    findShards();
-  }
-}
-
-void Run::simulate(const Model& model, const SlicePlan& plan) {
-  ShardQueue queue(manifest_, complete_, plan.num_frames, [this](std::uint64_t shard) { return writer_.claim(shard); });
-  const int batch_size = static_cast<int>(std::min<std::uint64_t>(options_.batch_size, queue.numEpisodesLeft()));
+// Makes the shards that this process can claim now.
+void simulate(ShardRun& run, DatasetWriter& writer, const Manifest& manifest, const Model& model, const SlicePlan& plan,
+              const GenerateOptions& options) {
+  ShardQueue queue(manifest, run.complete(), plan.num_frames, [&writer](std::uint64_t shard) { return writer.claim(shard); });
+  const int batch_size = static_cast<int>(std::min<std::uint64_t>(options.batch_size, queue.numEpisodesLeft()));
   const Recorder recorder(planColumns(plan.scene), plan.edges);
   // All episodes of a batch end at the same time, and with them up to maxOpenShards() shards: the queue takes them without blocking.
-  ShardWriter shard_writer(writer_, maxOpenShards(plan.scene, options_));
-  result_.load_misses.resize(plan.scene.objects.size());
+  ShardWriter shard_writer(writer, maxOpenShards(plan.scene, options));
+  GenerateResult& result = run.result();
+  result.load_misses.resize(plan.scene.objects.size());
   std::vector<std::unique_ptr<ShardSink>> sinks;
   std::vector<std::unique_ptr<Slice>> slices;
   int first_instance = 0;
-  for (const int size : splitBatch(model, plan, batch_size, options_.num_slices)) {
-    sinks.push_back(std::make_unique<ShardSink>(plan, recorder, queue, shard_writer, result_.load_misses, size));
+  for (const int size : splitBatch(model, plan, batch_size, options.num_slices)) {
+    sinks.push_back(std::make_unique<ShardSink>(plan, recorder, queue, shard_writer, result.load_misses, size));
     slices.push_back(std::make_unique<Slice>(model, plan, size, *sinks.back(), first_instance));
     first_instance += size;
   }
-  if (episodes_written_ == 0) start_ = last_report_ = SteadyClock::now();  // without the time to compile the kernels
-  runEpisodes(model.device(), slices, options_.stop, [&](const Slice::Stats& stats) {
-    progress().frames_done += stats.num_frames;
-    progress().episodes_done += stats.num_episodes;
-    result_.num_load_misses += stats.num_load_misses;
-    result_.times.device_busy += stats.device_seconds;
-    result_.times.device_wait += stats.wait_seconds;
-    report(SteadyClock::now());
+  run.restartClock();
+  runEpisodes(model.device(), slices, options.stop, [&](const Slice::Stats& stats) {
+    result.progress.frames_done += stats.num_frames;
+    result.progress.episodes_done += stats.num_episodes;
+    result.num_load_misses += stats.num_load_misses;
+    result.times.device_busy += stats.device_seconds;
+    result.times.device_wait += stats.wait_seconds;
+    run.report();
   });
   const SteadyClock::time_point last_frame = SteadyClock::now();
   shard_writer.close();
-  result_.times.writing_last += std::chrono::duration<double>(SteadyClock::now() - last_frame).count();
-  result_.times.writer_wait += shard_writer.secondsWaited();
-  episodes_written_ += shard_writer.numEpisodesWritten();
-  progress().episodes_done = progress().episodes_resumed + episodes_written_;
-  progress().seconds = std::chrono::duration<double>(SteadyClock::now() - start_).count();
+  result.times.writing_last += std::chrono::duration<double>(SteadyClock::now() - last_frame).count();
+  result.times.writer_wait += shard_writer.secondsWaited();
+  run.addWritten(shard_writer.numEpisodesWritten());
 }
 
 }  // namespace
@@ -244,8 +145,8 @@ GenerateResult generate(const Device& device, const Scene& scene, const std::fil
     stopped.verified = false;
     return stopped;
   }
-  Run run(options, writer, manifest, plan.num_frames);
-  run.simulateAll(model, plan);
+  ShardRun run(options, writer, manifest, plan.num_frames);
+  run.simulateAll([&] { simulate(run, writer, manifest, model, plan, options); });
   return run.end();
 }
 

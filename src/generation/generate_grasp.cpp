@@ -1,11 +1,11 @@
 #include "generation/generate_grasp.h"
 
 #include <algorithm>
-#include <chrono>
 #include <vector>
 
 #include "base/sha256.h"
 #include "generation/grasp_columns.h"
+#include "generation/shard_run.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -18,7 +18,6 @@ void refuseOptions(const Scene& scene, const GenerateOptions& options) {
     if (given) throw Error(ErrorKind::kInput, scene.file.generic_string() + ": a scene of kind grasp takes no " + what);
   };
   refuse(options.policy.has_value(), "policy");
-  refuse(options.shards.has_value(), "range of shards: it is written by one process");
   refuse(!options.episodes.empty(), "list of episodes");
 }
 
@@ -88,41 +87,31 @@ std::string probeOf(GraspRun& run) {
 
 GenerateResult generateGrasp(const Device& device, const Scene& scene, const std::filesystem::path& directory, Manifest manifest,
                              const GenerateOptions& options) {
-  using SteadyClock = std::chrono::steady_clock;
   refuseOptions(scene, options);
-  GraspRun run(device, scene, manifest, options);
-  manifest.probe_sha256 = probeOf(run);
-  DatasetWriter writer(directory, manifest, {.repair = options.repair, .on_verify = options.on_verify, .stop = options.stop});
-  GenerateResult result;
-  Progress& progress = result.progress;
-  progress.num_episodes = manifest.num_episodes;
-  result.verified = writer.isVerified();
-  if (!result.verified) return result;
-  const auto episodesOf = [&](std::uint64_t shard) {
-    return std::min(manifest.episodes_per_shard, manifest.num_episodes - shard * manifest.episodes_per_shard);
-  };
-  for (std::uint64_t shard = 0; shard < manifest.numShards(); ++shard) {
-    if (writer.isComplete(shard)) progress.episodes_resumed += episodesOf(shard);
+  GraspRun grasps(device, scene, manifest, options);
+  manifest.probe_sha256 = probeOf(grasps);
+  DatasetWriter writer(directory, manifest,
+                       {.repair = options.repair, .shards = options.shards, .on_verify = options.on_verify, .stop = options.stop});
+  if (!writer.isVerified()) {
+    GenerateResult stopped;
+    stopped.progress.num_episodes = manifest.num_episodes;
+    stopped.verified = false;
+    return stopped;
   }
-  progress.episodes_done = progress.episodes_resumed;
-  progress.num_frames = (progress.num_episodes - progress.episodes_resumed) * static_cast<std::uint64_t>(scene.num_steps);
-  const SteadyClock::time_point start = SteadyClock::now();
-  const auto report = [&] {
-    progress.seconds = std::chrono::duration<double>(SteadyClock::now() - start).count();
-    if (options.on_progress) options.on_progress(progress);
-  };
-  for (std::uint64_t shard = 0; shard < manifest.numShards(); ++shard) {
-    if (writer.isComplete(shard)) continue;
-    const ShardData data = run.simulate(shard * manifest.episodes_per_shard, episodesOf(shard), scene.num_steps, progress);
-    if (data.columns.empty()) break;
-    writer.writeShard(shard, data);
-    progress.episodes_done += episodesOf(shard);
-    report();
-  }
-  result.complete = progress.episodes_done == progress.num_episodes;
-  if (result.complete) writer.finish();
-  report();
-  return result;
+  ShardRun run(options, writer, manifest, scene.num_steps);
+  run.restartClock();
+  run.simulateAll([&] {
+    for (std::uint64_t shard = 0; shard < manifest.numShards(); ++shard) {
+      if (run.complete()[shard] || !writer.claim(shard)) continue;
+      const ShardData data =
+          grasps.simulate(shard * manifest.episodes_per_shard, run.episodesOf(shard), scene.num_steps, run.result().progress);
+      if (data.columns.empty()) return;
+      writer.writeShard(shard, data);
+      run.addWritten(run.episodesOf(shard));
+      if (options.on_progress) options.on_progress(run.result().progress);
+    }
+  });
+  return run.end();
 }
 
 }  // namespace taxelsim

@@ -1,4 +1,4 @@
-// generate() for scenes of kind grasp: one shard after another, episodes in lockstep.
+// generate() for scenes of kind grasp: the shards one after another, with episodes in lockstep.
 #pragma once
 
 #include "taxelsim/generate.h"

@@ -8,6 +8,7 @@
 #include "scene/hashed_file.h"
 #include "scene/pose_reader.h"
 #include "scene/sensor_file.h"
+#include "scene/urdf_taxels.h"
 #include "taxelsim/scene.h"
 
 namespace taxelsim {
@@ -28,11 +29,37 @@ YamlMap::Keys withManipulatorKeys(YamlMap::Keys keys) {
   return keys;
 }
 
-// The folder of sensor files, and the list of a scene whose mounts have sensors of their own.
+// Where mounts come from.
 struct SensorFiles {
-  const std::filesystem::path& directory;
-  std::vector<RobotSensor>* sensors;  // null: mounts have none
+  const std::filesystem::path& directory;          // of sensor files
+  std::vector<RobotSensor>* sensors;               // of a scene whose mounts have sensors of their own, else null
+  const std::filesystem::path* robot_description;  // the URDF of the robot, else null
 };
+
+void writeMount(const SensorMount& mount, Canonical& canonical) {
+  canonical.line("link", canonicalText(mount.link));
+  canonical.open("mount");
+  canonical.line("position", canonicalList(mount.X_LS.position));
+  canonical.line("rotation", canonicalList(mount.X_LS.rotation));
+  canonical.close();
+}
+
+// A mount by the name of a link, or as a tactile sensor of the URDF has it.
+SensorMount readMount(const YamlMap& mount, const SensorFiles& files) {
+  const std::optional<YamlNode> node = mount.find("urdf_sensor");
+  if (!node) {
+    SensorMount result{.link = mount.text("link", "the name of a link"), .X_LS = {}};
+    result.X_LS = readPose(mount, "mount");
+    return result;
+  }
+  if (files.robot_description == nullptr) node->fail("only a robot from a urdf has sensors in its description");
+  for (const std::string_view key : {"link", "mount"}) {
+    if (mount.has(key)) node->fail("not allowed with " + std::string(key) + ": the description says where the sensor is");
+  }
+  const SensorMount result = loadUrdfMount(*files.robot_description, node->text("the name of a tactile sensor in the URDF"));
+  writeMount(result, mount.canonical());
+  return result;
+}
 
 // The name and the sensor of a mount.
 RobotSensor readRobotSensor(const YamlMap& mount, const SensorFiles& files) {
@@ -62,11 +89,7 @@ std::vector<SensorMount> readMounts(const YamlMap& map, const std::vector<Sensor
     canonical.open("sensors");
     for (const SensorMount& mount : otherwise) {
       canonical.openItem();
-      canonical.line("link", canonicalText(mount.link));
-      canonical.open("mount");
-      canonical.line("position", canonicalList(mount.X_LS.position));
-      canonical.line("rotation", canonicalList(mount.X_LS.rotation));
-      canonical.close();
+      writeMount(mount, canonical);
       canonical.close();
     }
     canonical.close();
@@ -75,15 +98,13 @@ std::vector<SensorMount> readMounts(const YamlMap& map, const std::vector<Sensor
   const YamlNode list = map.require("sensors", what);
   canonical.open("sensors");
   for (const YamlNode& item : list.items(what)) {
-    const YamlMap mount(YamlMap::item(item, {"name", "link", "mount", "sensor"}, canonical));
+    const YamlMap mount(YamlMap::item(item, {"name", "link", "mount", "sensor", "urdf_sensor"}, canonical));
     if (files.sensors != nullptr) files.sensors->push_back(readRobotSensor(mount, files));
     for (const std::string_view key : {"name", "sensor"}) {
       const std::optional<YamlNode> node = mount.find(key);
       if (node && files.sensors == nullptr) node->fail("only a scene of kind grasp takes the sensors of its robot; this one has its own");
     }
-    SensorMount result{.link = mount.text("link", "the name of a link"), .X_LS = {}};
-    result.X_LS = readPose(mount, "mount");
-    mounts.push_back(std::move(result));
+    mounts.push_back(readMount(mount, files));
   }
   canonical.close();
   if (mounts.empty()) list.refuse(what);
@@ -174,7 +195,7 @@ Manipulator readUrdf(const YamlMap& parent, const SensorFiles& files) {
   readFields(map, kUrdfFields, options);
   JointDrive drive;
   readFields(map, kDriveFields, drive);
-  options.sensors = readMounts(map, {}, files);
+  options.sensors = readMounts(map, {}, {files.directory, files.sensors, &file});
   Manipulator robot = atNode(map.node(), [&] { return loadUrdf(file, options); });
   robot.drive = drive;
   readManipulator(map, robot);
@@ -206,7 +227,7 @@ Robot readRobotBlock(const YamlMap& scene, const std::filesystem::path& director
   if (!node) {
     canonical.line("free_flying", "{}");
   } else if (node->isMap()) {
-    robot = readRobot(*node, {directory, sensors}, canonical, false);
+    robot = readRobot(*node, {directory, sensors, nullptr}, canonical, false);
   } else {
     const std::filesystem::path file = directory / node->text(kRobotBlock);
     std::error_code error;
@@ -217,7 +238,7 @@ Robot readRobotBlock(const YamlMap& scene, const std::filesystem::path& director
     const YamlNode root(tree, name);
     checkFormatVersion(root);
     const std::filesystem::path folder = file.parent_path();
-    robot = readRobot(root, {folder, sensors}, canonical, true);
+    robot = readRobot(root, {folder, sensors, nullptr}, canonical, true);
   }
   canonical.close();
   return robot;

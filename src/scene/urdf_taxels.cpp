@@ -26,6 +26,7 @@ class Urdf {
   Urdf(const std::filesystem::path& file, int max_taxels) : file_(file, kMaxUrdfBytes), max_taxels_(max_taxels) {}
 
   std::vector<GridPatch> taxelsOf(const std::string& sensor) const;
+  SensorMount mountOf(const std::string& sensor) const;
 
  private:
   [[noreturn]] void fail(int line, const std::string& what) const { file_.fail(line, what); }
@@ -40,6 +41,7 @@ class Urdf {
 
   // `count` numbers separated by blanks; none if the attribute is missing.
   std::optional<std::vector<double>> numbers(const XMLElement& element, const char* attribute, std::size_t count) const;
+  Pose poseOf(const XMLElement& element) const;  // of its xyz and rpy, 0 by default
   int whole(const XMLElement& element, const char* attribute, int min, int max) const;
   const XMLElement& tactileOf(const std::string& sensor) const;
   std::vector<GridPatch> arrayOf(const XMLElement& array) const;
@@ -64,6 +66,12 @@ std::optional<std::vector<double>> Urdf::numbers(const XMLElement& element, cons
   }
   if (!good || result.size() != count) refuse(element, attribute, std::to_string(count) + " numbers between blanks");
   return result;
+}
+
+Pose Urdf::poseOf(const XMLElement& element) const {
+  const std::vector<double> xyz = numbers(element, "xyz", 3).value_or(std::vector<double>{0, 0, 0});
+  const std::vector<double> rpy = numbers(element, "rpy", 3).value_or(std::vector<double>{0, 0, 0});
+  return {{xyz[0], xyz[1], xyz[2]}, axisAngle({0, 0, 1}, rpy[2]) * axisAngle({0, 1, 0}, rpy[1]) * axisAngle({1, 0, 0}, rpy[0])};
 }
 
 int Urdf::whole(const XMLElement& element, const char* attribute, int min, int max) const {
@@ -164,11 +172,8 @@ std::vector<GridPatch> Urdf::listOf(const XMLElement& tactile) const {
   for (const XMLElement* taxel = tactile.FirstChildElement("taxel"); taxel != nullptr; taxel = taxel->NextSiblingElement("taxel")) {
     last = taxel;
     const int index = whole(*taxel, "idx", 0, max_taxels_ - 1);
-    const std::vector<double> xyz = numbers(*taxel, "xyz", 3).value_or(std::vector<double>{0, 0, 0});
-    const std::vector<double> rpy = numbers(*taxel, "rpy", 3).value_or(std::vector<double>{0, 0, 0});
-    GridPatch patch{.name = "taxel_" + std::to_string(index), .num_rows = 1, .num_cols = 1, .pitch = sizeOf(*taxel), .X_SP = {}};
-    patch.X_SP.position = {xyz[0], xyz[1], xyz[2]};
-    patch.X_SP.rotation = axisAngle({0, 0, 1}, rpy[2]) * axisAngle({0, 1, 0}, rpy[1]) * axisAngle({1, 0, 0}, rpy[0]);
+    const Pose X_SP = poseOf(*taxel);
+    GridPatch patch{.name = "taxel_" + std::to_string(index), .num_rows = 1, .num_cols = 1, .pitch = sizeOf(*taxel), .X_SP = X_SP};
     if (!by_index.emplace(index, std::move(patch)).second) fail(*taxel, "idx: an earlier taxel has " + std::to_string(index));
   }
   std::vector<GridPatch> taxels;
@@ -192,10 +197,23 @@ std::vector<GridPatch> Urdf::taxelsOf(const std::string& sensor) const {
   return arrayOf(*array);
 }
 
+SensorMount Urdf::mountOf(const std::string& sensor) const {
+  const XMLElement& element = *tactileOf(sensor).Parent()->ToElement();
+  const XMLElement* parent = element.FirstChildElement("parent");
+  const char* link = parent == nullptr ? nullptr : parent->Attribute("link");
+  if (link == nullptr) fail(element, sensor + " has no <parent link>");
+  const XMLElement* origin = element.FirstChildElement("origin");
+  return {.link = link, .X_LS = origin == nullptr ? Pose{} : poseOf(*origin)};
+}
+
 }  // namespace
 
 std::vector<GridPatch> loadUrdfTaxels(const std::filesystem::path& file, const std::string& name, int max_taxels) {
   return Urdf(file, max_taxels).taxelsOf(name);
+}
+
+SensorMount loadUrdfMount(const std::filesystem::path& file, const std::string& name) {
+  return Urdf(file, kMaxTaxels).mountOf(name);
 }
 
 }  // namespace taxelsim

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "taxelsim/robot.h"
 #include "taxelsim/sensor.h"
 
 namespace taxelsim {
@@ -25,5 +26,8 @@ inline constexpr std::uintmax_t kMaxUrdfBytes = std::uintmax_t{16} << 20;
 // is a patch. A <taxel> is a box's x and y, or the square of the area of a cylinder's or sphere's disc; `idx` counts from 0. Throws
 // Error(kInput), "file:line: ...", for what is missing, malformed, or more than `max_taxels` (of one grid: 128 x 128).
 std::vector<GridPatch> loadUrdfTaxels(const std::filesystem::path& file, const std::string& name, int max_taxels);
+
+// The place of sensor `name` on the robot: its <parent link> and its <origin xyz rpy>, identity without one. Throws as above.
+SensorMount loadUrdfMount(const std::filesystem::path& file, const std::string& name);
 
 }  // namespace taxelsim

@@ -94,7 +94,7 @@ void checkSource(const ModelData& model, const SimulatorOptions& options) {
 
 BatchShape shapeOf(const ModelData& model, const SimulatorOptions& options) {
   const BatchShape with_candidates{model, options, true};
-  const bool can_keep = model.keeps_candidates && options.num_slots == 1 && options.max_contacts == 0;
+  const bool can_keep = model.keeps_candidates && options.max_contacts == 0;
   if (can_keep && static_cast<std::uint64_t>(options.num_instances) <= roomFor(with_candidates)) return with_candidates;
   return {model, options, false};
 }

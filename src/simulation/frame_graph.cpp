@@ -32,7 +32,8 @@ void recordObjects(const Model::Impl& model, const BatchShape& shape, Recorder& 
   const bool coupled = model.data.layer.has_value();
   // A globally coupled law needs heights only; its own pass writes the outputs.
   ContactPass::Variant variant{.search = kind.loads ? ContactInterface::kSearchInTile : ContactInterface::kNoSearch,
-                               .many_slots = shape.options.num_slots > 1,
+                               .many_slots = kind.many_near,
+                               .keeps_slots = shape.options.num_slots > 1 && shape.hasFriction(),
                                .with_depth = !coupled && shape.options.outputs.penetration_depth,
                                .with_shear = !coupled && shape.outputsShear(),
                                .with_jacobian = !coupled && shape.outputsJacobian(),
@@ -53,7 +54,7 @@ void recordObjects(const Model::Impl& model, const BatchShape& shape, Recorder& 
   if (model.pasternak) model.pasternak->record(recorder, {.loads = kind.loads, .with_depth = shape.options.outputs.penetration_depth});
   if (model.elastic_layer) {
     model.elastic_layer->record(recorder, {.loads = kind.loads,
-                                           .many_slots = variant.many_slots,
+                                           .keeps_slots = variant.keeps_slots,
                                            .with_depth = shape.options.outputs.penetration_depth,
                                            .with_shear = shape.outputsShear(),
                                            .with_jacobian = shape.outputsJacobian()});

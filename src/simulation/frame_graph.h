@@ -17,8 +17,9 @@ struct FrameKind {
     kLeft,     // both passes are skipped, and the contact pass takes all instances: candidates and lists stay for the next step
   };
 
-  bool loads = false;   // some instance is driven by load
-  bool random = false;  // some instance draws noise or gains
+  bool loads = false;      // some instance is driven by load
+  bool random = false;     // some instance draws noise or gains
+  bool many_near = false;  // some instance has several near objects
   Candidates candidates = Candidates::kSkipped;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "gpu/device_access.h"
 #include "shared/candidates.h"
@@ -114,9 +115,10 @@ ModelData::ModelData(const Device& opened, const ModelOptions& options)
   num_taxels = static_cast<std::uint32_t>(numTaxels(sensor));
 
   const Shapes shapes = area() ? Shapes::kOutward : profile.paths().polyhedra ? Shapes::kPolyhedra : Shapes::kMeshes;
-  const PackedObjects packed_objects = packObjects(objects, sampleGrid(contact_sensor, contact_packed), shapes);
+  PackedObjects packed_objects = packObjects(objects, sampleGrid(contact_sensor, contact_packed), shapes);
   object_kinds = kindsOf(objects, packed_objects);
   uploadObjects(packed_objects, buffers);
+  object_records = std::move(packed_objects.objects);
   uploadSensor(*this, buffers);
   keeps_candidates = profile.paths().candidates && object_kinds.max_groups >= layout::kMinGroups && contact_packed.one_grid &&
                      contact_packed.tiles.size() == 1;

@@ -69,7 +69,8 @@ struct ModelData {
   gpu::DriverProfile profile;
   Sensor sensor;
   std::vector<Object> objects;
-  std::vector<Bounds> bounds;        // of the objects, in O; infinite ones cut at 1 m
+  std::vector<Bounds> bounds;  // of the objects, in O; infinite ones cut at 1 m
+  std::vector<layout::ObjectRecord> object_records;
   std::optional<PackedLayer> layer;  // for globally coupled laws
   PackedSensor packed;
   // What the contact pass works on: the sensor, or the solver nodes of its layer as taxels.
@@ -79,7 +80,7 @@ struct ModelData {
   PackedContactFeatures packed_contact;
   std::uint32_t num_taxels = 0;
   ObjectKinds object_kinds;
-  // Whether batches of one slot may keep candidates: shaders/keep_candidates.comp.
+  // Whether batches may keep candidates: shaders/keep_candidates.comp.
   bool keeps_candidates = false;
   ModelBuffers buffers;
 };

@@ -59,14 +59,22 @@ void Motions::forget(std::size_t instance) {
   for (std::size_t slot = 0; slot < num_slots_; ++slot) before_[instance * num_slots_ + slot].id = kNoObject;
 }
 
-void Motions::pack(std::size_t instance, float load_offset, std::span<layout::MotionRecord> records) {
-  for (std::size_t i = instance * num_slots_; i < (instance + 1) * num_slots_; ++i) {
-    Placed& before = before_[i];
+void Motions::pack(std::size_t instance, float load_offset, std::uint32_t near, std::span<layout::MotionRecord> records) {
+  std::size_t num_packed = 0;
+  for (std::size_t slot = 0; slot < num_slots_; ++slot) {
+    const Placed& now = now_[instance * num_slots_ + slot];
+    Placed& before = before_[instance * num_slots_ + slot];
     before.X_SO.position[2] += load_offset;
-    const bool is_known = now_[i].id != kNoObject && now_[i].id == before.id;
-    records[i] = is_known ? motionBetween(before.X_SO, now_[i].X_SO) : layout::MotionRecord{};
-    before = now_[i];
+    if ((near >> slot & 1u) != 0) {
+      const bool is_known = now.id != kNoObject && now.id == before.id;
+      layout::MotionRecord& record = records[num_packed++];
+      record = is_known ? motionBetween(before.X_SO, now.X_SO) : layout::MotionRecord{};
+      record.known.y = static_cast<float>(slot);
+    }
+    before = now;
   }
+  constexpr layout::MotionRecord kEmpty{{}, {}, {}, {0, -1, 0, 0}};
+  std::fill(records.begin() + static_cast<std::ptrdiff_t>(num_packed), records.end(), kEmpty);
 }
 
 }  // namespace taxelsim

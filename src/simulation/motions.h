@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -19,9 +20,9 @@ class Motions {
   // Discards the poses of the step before: the instance's next step is its first.
   void forget(std::size_t instance);
 
-  // Writes the displacements of an instance since its last call, to its slots of (num_instances x num_slots). `load_offset`: how far a load
-  // search has moved the objects of its last step, m along z of S.
-  void pack(std::size_t instance, float load_offset, std::span<layout::MotionRecord> records);
+  // Writes the displacements of an instance since its last call: of the slots in `near`, bits, in their order, then empty records.
+  // `load_offset`: how far a load search has moved the objects of its last step, m along z of S.
+  void pack(std::size_t instance, float load_offset, std::uint32_t near, std::span<layout::MotionRecord> records);
 
  private:
   struct Placed {

@@ -18,7 +18,6 @@
 #include "simulation/frame_view.h"
 #include "simulation/model_access.h"
 #include "simulation/pack/pack_contacts.h"
-#include "simulation/rows.h"
 #include "simulation/simulator_impl.h"
 #include "taxelsim/error.h"
 
@@ -54,17 +53,6 @@ void checkSlot(int id, const Pose& X_SO, std::size_t instance, int num_objects) 
   }
 }
 
-layout::PoseRecord packPose(int id, const Pose& X_SO) {
-  if (id == kNoObject) return {{}, {}, {}, glm::vec4(kNoObject, 0, 0, 0)};
-  const auto& [w, x, y, z] = X_SO.rotation;
-  const double length = lengthOf(X_SO.rotation);
-  const std::array<double, 9> rotation = rotationMatrix({w / length, x / length, y / length, z / length});
-  return {row(rotation, X_SO.position, 0),
-          row(rotation, X_SO.position, 1),
-          row(rotation, X_SO.position, 2),
-          {static_cast<float>(id), 0.0f, 0.0f, 0.0f}};
-}
-
 // 1 - exp(-dt / time): the step of a first-order system towards its input.
 float firstOrderStep(double dt, double time) {
   return time > 0 ? static_cast<float>(-std::expm1(-dt / time)) : 1.0f;
@@ -76,9 +64,9 @@ Simulator::Impl::Impl(const Model& shared_model, const SimulatorOptions& simulat
     : model(shared_model),
       options((checkBatchFits(implOf(shared_model).data, simulator_options), simulator_options)),
       buffers(shapeOf(data(), options)),
-      keeps_candidates(shapeOf(data(), options).keeps_candidates) {
+      keeps_candidates(shapeOf(data(), options).keeps_candidates),
+      near(data(), takesContacts() ? 0 : static_cast<std::size_t>(options.num_instances), static_cast<std::size_t>(options.num_slots)) {
   clocks.resize(static_cast<std::size_t>(options.num_instances));
-  for (layout::PoseRecord& pose : buffers.input<block::Poses>()) pose = packPose(kNoObject, {});
   for (layout::InstanceRecord& instance : records()) {
     instance.drive.x = kPoseDriven;
     setVariation(instance, 0, {});
@@ -102,13 +90,13 @@ void Simulator::Impl::checkTakesContacts() const {
 }
 
 void Simulator::Impl::place(std::size_t slot_index, int id, const Pose& X_SO) {
-  buffers.input<block::Poses>()[slot_index] = packPose(id, X_SO);
+  near.place(slot_index, id, X_SO);
   if (motions) motions->place(slot_index, id, X_SO);
 }
 
 gpu::Commands& Simulator::Impl::commands(const FrameKind& kind) {
   std::optional<gpu::Commands>& list =
-      recorded[(kind.loads ? 1u : 0u) + (kind.random ? 2u : 0u) + 4u * static_cast<unsigned>(kind.candidates)];
+      recorded[(kind.loads ? 1u : 0u) + (kind.random ? 2u : 0u) + (kind.many_near ? 4u : 0u) + 8u * static_cast<unsigned>(kind.candidates)];
   if (!list) list = recordFrame(implOf(model), {data(), options, keeps_candidates}, buffers, kind);
   return *list;
 }
@@ -288,11 +276,16 @@ void Simulator::prepare(bool loads) {
     for (const auto candidates : {FrameKind::Candidates::kKept, FrameKind::Candidates::kUsed})
       kinds.push_back({.random = random, .candidates = candidates});
   }
+  if (impl_->options.num_slots > 1) {
+    for (std::size_t k = 0; k < (loads ? 2u : 1u); ++k) {
+      kinds.push_back({.loads = kinds[k].loads, .random = random, .many_near = true});
+    }
+  }
   for (const FrameKind& kind : kinds) impl_->commands(kind);  // the kernels of all are compiled at once
   for (const FrameKind& kind : kinds) impl_->commands(kind).finish();
 }
 
-void Simulator::Impl::startFrame(std::size_t instance, double dt) {
+void Simulator::Impl::startFrame(std::size_t instance, double dt, std::size_t num_near) {
   const Sensor& sensor = model.sensor();
   const FrameTiming frame_timing{.rate = sensor.frame_rate, .jitter = sensor.readout.jitter, .seed = options.seed};
   layout::InstanceRecord& record = records()[instance];
@@ -311,34 +304,36 @@ void Simulator::Impl::startFrame(std::size_t instance, double dt) {
   clock.time += dt;
   if (!motions) return;
   const float load_offset = buffers.output<block::Features>()[layout::kFeatureLoadOffset * clocks.size() + instance];
-  motions->pack(instance, load_offset, buffers.input<block::Motions>());
+  motions->pack(instance, load_offset, near.of(instance), buffers.input<block::Motions>().subspan(instance * num_near, num_near));
 }
 
-FrameKind::Candidates Simulator::Impl::candidatesOf(const Selection& selection, bool any_load) {
+FrameKind::Candidates Simulator::Impl::candidatesOf(const Selection& selection, bool any_load, bool one_near) {
   using Candidates = FrameKind::Candidates;
-  keeping = selection.isAll() && keeps_candidates && !any_load && candidate_schedule.keeps();
+  keeping = selection.isAll() && keeps_candidates && one_near && !any_load && candidate_schedule.keeps();
   if (keeping) return any_candidates ? Candidates::kUsed : Candidates::kKept;
-  return selection.isAll() || !keeps_candidates || any_load ? Candidates::kSkipped : Candidates::kLeft;
+  return (selection.isAll() && one_near) || !keeps_candidates || any_load ? Candidates::kSkipped : Candidates::kLeft;
 }
 
 void Simulator::Impl::step(double dt, const Selection& selection) {
   layout::StepRecord& step_record = buffers.input<block::Step>()[0];
   step_record = stepRecord(dt, selection);
+  const std::size_t num_near = takesContacts() ? 0 : near.pack(records(), buffers.input<block::Poses>());
+  if (!takesContacts()) step_record.batch.y = static_cast<std::uint32_t>(num_near);
   bool any_load = false;
   for (std::size_t i = 0; i < clocks.size(); ++i) {
     if (selection.has(i)) {
-      startFrame(i, dt);
+      startFrame(i, dt, num_near);
       any_load = any_load || (records()[i].keys.w & layout::kFlagLoadDriven) != 0;
     } else {
       records()[i].keys.w = layout::kFlagHeld;
     }
   }
   if (any_load && !data().layer && !data().packed.searches_in_tile) {
-    startLoadSearch(data(), records(), buffers.input<block::Poses>(), buffers.input<block::Loads>());
+    startLoadSearch(data(), records(), buffers.input<block::Poses>().first(clocks.size() * num_near), buffers.input<block::Loads>());
   }
-  const FrameKind::Candidates candidates = candidatesOf(selection, any_load);
+  const FrameKind::Candidates candidates = candidatesOf(selection, any_load, num_near == 1);
   step_record.candidates.x = candidates == FrameKind::Candidates::kUsed;
-  gpu::Commands& frame = commands({.loads = any_load, .random = anyRandom(), .candidates = candidates});
+  gpu::Commands& frame = commands({.loads = any_load, .random = anyRandom(), .many_near = num_near > 1, .candidates = candidates});
   frame.submit();
   running = &frame;
 }

@@ -15,6 +15,7 @@
 #include "simulation/frame_view.h"
 #include "simulation/model_access.h"
 #include "simulation/motions.h"
+#include "simulation/near_slots.h"
 #include "taxelsim/simulator.h"
 
 namespace taxelsim {
@@ -41,7 +42,7 @@ struct Simulator::Impl {
   bool takesContacts() const { return options.max_contacts > 0; }
   const ModelData& data() const { return implOf(model).data; }
   void takeContacts(std::size_t instance, std::span<const ContactPoint> contacts) const;
-  // Sets a slot of (num_instances x num_slots).
+  // Sets a slot of (num_instances x num_slots). Step() sends those that are near to the device.
   void place(std::size_t slot_index, int id, const Pose& X_SO);
 
   std::span<layout::InstanceRecord> records() const { return buffers.input<block::Instances>(); }
@@ -55,10 +56,11 @@ struct Simulator::Impl {
   float longestDelay() const;
   // The record of a step of dt. Throws Error(kInput) when the delay is longer than the device keeps.
   layout::StepRecord stepRecord(double dt, const Selection& selection);
-  // Advances the clock of an instance by dt and writes its record.
-  void startFrame(std::size_t instance, double dt);
-  // Which candidate passes the frame runs.
-  FrameKind::Candidates candidatesOf(const Selection& selection, bool any_load);
+  // Advances the clock of an instance by dt and writes its record, and the motions of its near objects, of which an instance has up to
+  // num_near.
+  void startFrame(std::size_t instance, double dt, std::size_t num_near);
+  // Which candidate passes the frame runs; `one_near`: no instance has several near objects.
+  FrameKind::Candidates candidatesOf(const Selection& selection, bool any_load, bool one_near);
   // Both overloads of Simulator::step(). The selection must be valid.
   void step(double dt, const Selection& selection);
 
@@ -76,8 +78,9 @@ struct Simulator::Impl {
   bool any_candidates = false;  // after the last frame
   bool keeping = false;         // in the frame that is running
   CandidateSchedule candidate_schedule;
+  NearSlots near;
   std::optional<Motions> motions;  // of a sensor with friction
-  std::array<std::optional<gpu::Commands>, 16> recorded;
+  std::array<std::optional<gpu::Commands>, 32> recorded;
   gpu::Commands* running = nullptr;
   StepTiming timing;
 };

@@ -109,6 +109,25 @@ TEST(ShadowHand, HoldsTheTargetForceOfEveryFinger) {
   expectTargetsReached(scene, 2);
 }
 
+// A finger meets the object at its closing speed, which the control law can only correct a frame later.
+TEST(ShadowHand, TouchesSoftly) {
+  const Scene scene = loadScene(kScenes / "shadow_grasp.yaml");
+  GraspBatch batch(device(), scene, {}, 4);
+  batch.begin(0, 4);
+  double largest = 0;
+  for (int frame = 0; frame < scene.num_steps; ++frame) {
+    batch.step();
+    for (int i = 0; i < 4; ++i) {
+      for (std::size_t f = 0; f < scene.grasp->fingers.size(); ++f) {
+        const int sensor = scene.grasp->fingers[f].sensor;
+        const double target = batch.targetForces()[static_cast<std::size_t>(i) * scene.grasp->fingers.size() + f];
+        largest = std::max(largest, batch.robots().frame(sensor).total_force[batch.robots().row(sensor, i)] / target);
+      }
+    }
+  }
+  EXPECT_LT(largest, 1.1);  // 3.7 at five times the closing speed
+}
+
 // The finger follows an object that recedes and comes back.
 TEST(Grasp, HoldsTheForceOnAMovingObject) {
   Scene scene = gripperScene();

@@ -3,6 +3,7 @@
 
 #include <fstream>
 #include <iterator>
+#include <numbers>
 
 #include "scene_text.h"
 #include "taxelsim/scene.h"
@@ -95,6 +96,56 @@ TEST(GraspScene, RefusesBadRobots) {
   EXPECT_THAT(robotRefusal("name: right", "name: time"), HasSubstr("data sets have a column"));
   EXPECT_THAT(robotRefusal("fingertip_6x4.yaml", "wts0614_proximity.yaml"), HasSubstr("proximity has no forces"));
   EXPECT_THAT(robotRefusal("name: right, ", ""), HasSubstr("name is missing"));
+}
+
+// The gripper, whose first sensor has the place that the URDF gives it.
+std::string gripperWith(const ScratchDirectory& directory, const std::string& place, const std::string& sensor) {
+  std::filesystem::create_directory(directory.path() / "robots");
+  std::filesystem::create_directory(directory.path() / "sensors");
+  for (const char* const file : {"sensors/fingertip_6x4.yaml", "sensors/wts0614_soft_cover.yaml"})
+    std::filesystem::copy_file(kScenes / file, directory.path() / file);
+  directory.write("robots/gripper.urdf", replaced(textOf(kScenes / "robots/gripper.urdf"), "</robot>", sensor + "</robot>"));
+  directory.write("robots/gripper.yaml",
+                  replaced(textOf(kScenes / "robots/gripper.yaml"), "link: left_jaw, mount: {rpy_deg: [90, 0, 0]}", place));
+  return directory.write("scene.yaml", textOf(kScenes / "gripper_grasp.yaml"));
+}
+
+TEST(GraspScene, MountsAreReadFromTheTactileSensorsOfAUrdf) {
+  const ScratchDirectory directory;
+  const std::string array = R"(<tactile channel="c"><array rows="6" cols="4" size="0.0025 0.0025"/></tactile></sensor>)";
+  const std::string file = gripperWith(directory, "urdf_sensor: pad",
+                                       R"(<sensor name="pad"><parent link="right_jaw"/><origin xyz="0.1 0 0" rpy="0 0 1"/>)" + array);
+  const Scene scene = loadScene(file);
+  const auto& robot = std::get<Manipulator>(scene.robot);
+  EXPECT_EQ(robot.sensors[0].link, "right_jaw");
+  const Manipulator plain = std::get<Manipulator>(loadScene(kScenes / "gripper_grasp.yaml").robot);
+  const Pose X_RL = plain.sensors[1].X_JS * inverse(Pose{{}, axisAngle({1, 0, 0}, -std::numbers::pi / 2)});  // from rpy_deg [-90, 0, 0]
+  const Pose expected = X_RL * Pose{{0.1, 0, 0}, axisAngle({0, 0, 1}, 1)};
+  for (std::size_t axis = 0; axis < 3; ++axis) EXPECT_NEAR(robot.sensors[0].X_JS.position[axis], expected.position[axis], 1e-12);
+  double cosine = 0;
+  for (std::size_t k = 0; k < 4; ++k) cosine += robot.sensors[0].X_JS.rotation[k] * expected.rotation[k];
+  EXPECT_NEAR(std::abs(cosine), 1, 1e-12);
+  EXPECT_THAT(scene.resolved, HasSubstr("link: right_jaw"));  // resolved scenes read no URDF for it
+}
+
+TEST(GraspScene, RefusesBadMountsOfAUrdf) {
+  const auto message = [](const std::string& place, const std::string& sensor) {
+    const ScratchDirectory directory;
+    const std::string file = gripperWith(directory, place, sensor);
+    try {
+      loadScene(file);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string("was accepted");
+  };
+  const std::string tactile = R"(<tactile><array rows="6" cols="4" size="0.0025 0.0025"/></tactile></sensor>)";
+  EXPECT_THAT(message("urdf_sensor: pad", ""), HasSubstr("has no tactile sensor pad"));
+  EXPECT_THAT(message("urdf_sensor: pad", R"(<sensor name="pad">)" + tactile), HasSubstr("pad has no <parent link>"));
+  EXPECT_THAT(message("urdf_sensor: pad", R"(<sensor name="pad"><parent link="jw"/>)" + tactile), HasSubstr("no link jw"));
+  EXPECT_THAT(message("urdf_sensor: pad", R"(<sensor name="pad"><parent link="tip"/><origin xyz="1 2"/>)" + tactile), HasSubstr("xyz"));
+  EXPECT_THAT(message("urdf_sensor: pad, link: tip", R"(<sensor name="pad"><parent link="tip"/>)" + tactile),
+              HasSubstr("not allowed with link"));
 }
 
 TEST(GraspScene, RobotsWithSensorsAreForThisKindOnly) {

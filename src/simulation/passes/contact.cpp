@@ -143,6 +143,7 @@ ContactPass::Kernel ContactPass::makeKernel(const Variant& variant) const {
       .AREA = model_.area(),
       .RANDOM_SKIN = variant.random_skin,
       .VARIATION = model_.area() && (friction || law.parameters[1] != 1),
+      .KEEPS_SLOTS = variant.keeps_slots,
   };
   const PassSizes sizes{sizes_.workgroup, sizes_.lanes, repeatOf(variant)};
   return {model_.context(), law.kernel, model_.profile.select(law.spirv, sizes.workgroup),

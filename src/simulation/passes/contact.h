@@ -17,7 +17,8 @@ class ContactPass {
  public:
   struct Variant {
     std::uint32_t search = ContactInterface::kNoSearch;
-    bool many_slots = false;
+    bool many_slots = false;                           // several objects may be near an instance
+    bool keeps_slots = false;                          // of a batch with several slots and friction
     bool with_depth = false;                           // outputs penetration_depth
     bool with_shear = false;                           // outputs tactile_shear_force of a sensor with friction
     bool with_jacobian = false;                        // outputs what a tactile Jacobian is computed from

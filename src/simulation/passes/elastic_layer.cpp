@@ -53,7 +53,7 @@ ElasticLayerPass::Kernel ElasticLayerPass::makeKernel(const Variant& variant) co
                                 .NUM_HEIGHT_TILES = model_.contact_packed.tiles.size(),
                                 .LOADS = variant.loads,
                                 .OUTPUT_DEPTH = variant.with_depth,
-                                .MANY_SLOTS = variant.many_slots,
+                                .KEEPS_SLOTS = variant.keeps_slots,
                                 .FRICTION = model_.hasFriction(),
                                 .TANGENTIAL_STIFFNESS = skin.friction.tangential_stiffness,
                                 .FRICTION_COEFFICIENT = skin.friction.friction_coefficient,

@@ -11,10 +11,10 @@ namespace taxelsim {
 class ElasticLayerPass {
  public:
   struct Variant {
-    bool loads = false;  // some instance is driven by load
-    bool many_slots = false;
-    bool with_depth = false;  // outputs penetration_depth
-    bool with_shear = false;  // outputs tactile_shear_force of a sensor with friction
+    bool loads = false;        // some instance is driven by load
+    bool keeps_slots = false;  // of a batch with several slots and friction
+    bool with_depth = false;   // outputs penetration_depth
+    bool with_shear = false;   // outputs tactile_shear_force of a sensor with friction
     bool with_jacobian = false;
     auto operator<=>(const Variant&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 misreads it
   };

@@ -29,7 +29,7 @@ class LoadSearchPass {
 };
 
 // Brackets of a search over tiles, from all objects just clear of the sensor to all of them past its skin. `poses`: (num_instances x
-// num_slots).
+// those of the step).
 void startLoadSearch(const ModelData& model, std::span<const layout::InstanceRecord> instances, std::span<const layout::PoseRecord> poses,
                      std::span<layout::LoadRecord> loads);
 

@@ -1,0 +1,127 @@
+#include "simulation/near_slots.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "simulation/rows.h"
+#include "taxelsim/simulator.h"
+
+namespace taxelsim {
+namespace {
+
+static_assert(kMaxSlots <= 8, "a slot is a bit of a byte");
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+layout::PoseRecord packPose(int id, const Pose& X_SO, std::size_t slot) {
+  const auto& [w, x, y, z] = X_SO.rotation;
+  const double length = std::sqrt(w * w + x * x + y * y + z * z);
+  const std::array<double, 9> rotation = rotationMatrix({w / length, x / length, y / length, z / length});
+  return {row(rotation, X_SO.position, 0),
+          row(rotation, X_SO.position, 1),
+          row(rotation, X_SO.position, 2),
+          {static_cast<float>(id), static_cast<float>(slot), 0.0f, 0.0f}};
+}
+
+float largestSpacing(const PackedSensor& packed) {
+  float spacing = 0;
+  for (const layout::PatchRecord& patch : packed.patches) spacing = std::max({spacing, patch.spacing.x, patch.spacing.y});
+  return spacing;
+}
+
+// The rotation of three rows (R | p).
+template <typename Rows>
+glm::mat3 rotationOf(const Rows& rows) {
+  return glm::transpose(glm::mat3(glm::vec3(rows.row0), glm::vec3(rows.row1), glm::vec3(rows.row2)));
+}
+
+template <typename Rows>
+glm::vec3 positionOf(const Rows& rows) {
+  return {rows.row0.w, rows.row1.w, rows.row2.w};
+}
+
+}  // namespace
+
+NearSlots::NearSlots(const ModelData& model, std::size_t num_instances, std::size_t num_slots)
+    : model_(model),
+      num_slots_(num_slots),
+      placed_(num_instances * num_slots),
+      occupied_(num_instances, 0),
+      near_(num_instances, 0),
+      packed_(num_instances, 0) {
+  const PackedSensor& packed = model.contact_packed;
+  // The cell of a sample ends half a spacing from it; slopes of depth are read up to a spacing over the skin. The rest covers rounding.
+  const float margin = largestSpacing(packed);
+  const float top = std::max(model.law.reach, margin) + margin;
+  const auto samples = static_cast<float>(model.contact_sensor.samples_per_taxel);
+  for (const layout::PatchRecord& patch : packed.patches) {
+    const glm::vec2 half = 0.5f * samples * glm::vec2(patch.grid) * glm::vec2(patch.spacing) + margin;
+    const glm::mat3 R_PS = rotationOf(patch), R_SP = glm::transpose(R_PS);
+    if (packed.patches.size() == 1) {
+      // Surfaces count however deep they are.
+      region_ = {R_PS, positionOf(patch), {-half.x, -half.y, -kInfinity}, {half.x, half.y, top}};
+      return;
+    }
+    const float bottom = -patch.spacing.w - margin;
+    for (unsigned corner = 0; corner < 8; ++corner) {
+      const glm::vec3 p_PQ((corner & 1u) != 0 ? half.x : -half.x, (corner & 2u) != 0 ? half.y : -half.y, (corner & 4u) != 0 ? top : bottom);
+      const glm::vec3 p_SQ = R_SP * (p_PQ - positionOf(patch));
+      region_.low = glm::min(region_.low, p_SQ);
+      region_.high = glm::max(region_.high, p_SQ);
+    }
+  }
+}
+
+bool NearSlots::reaches(int id, const Pose& X_SO) const {
+  constexpr float kRounding = 1e-5f;  // of the object's size and distance
+  const layout::ObjectRecord& object = model_.object_records[static_cast<std::size_t>(id)];
+  const auto isOutside = [this](const glm::vec3& center, const glm::vec3& half) {
+    const glm::vec3 reach = half + kRounding * (half + glm::abs(center));
+    // Written so that NaN is near.
+    return glm::any(glm::greaterThan(center - reach, region_.high)) || glm::any(glm::lessThan(center + reach, region_.low));
+  };
+  const auto& [x, y, z] = X_SO.position;
+  const glm::vec3 origin = region_.R_RS * glm::vec3(x, y, z) + region_.p_RS;
+  // A sphere about the origin of O costs no rotation.
+  if (isOutside(origin, glm::vec3(glm::length(glm::abs(glm::vec3(object.center)) + glm::vec3(object.half_size))))) return false;
+  const glm::mat3 R_RO = region_.R_RS * rotationOf(packPose(id, X_SO, 0));
+  const glm::vec3 size(object.half_size);
+  return !isOutside(origin + R_RO * glm::vec3(object.center),
+                    glm::abs(R_RO[0]) * size.x + glm::abs(R_RO[1]) * size.y + glm::abs(R_RO[2]) * size.z);
+}
+
+void NearSlots::place(std::size_t index, int id, const Pose& X_SO) {
+  placed_[index] = {id, X_SO};
+  const std::size_t instance = index / num_slots_, slot = index % num_slots_;
+  const bool is_occupied = id != kNoObject;
+  const auto set = [bit = 1u << slot](std::uint8_t& bits, bool value) {
+    bits = static_cast<std::uint8_t>(value ? bits | bit : bits & ~bit);
+  };
+  set(occupied_[instance], is_occupied);
+  set(near_[instance], is_occupied && (num_slots_ == 1 || reaches(id, X_SO)));
+}
+
+std::size_t NearSlots::pack(std::span<const layout::InstanceRecord> instances, std::span<layout::PoseRecord> poses) {
+  int most = 1;
+  for (std::size_t i = 0; i < near_.size(); ++i) {
+    packed_[i] = std::isnan(instances[i].drive.x) ? near_[i] : occupied_[i];
+    most = std::max(most, std::popcount(packed_[i]));
+  }
+  const auto stride = static_cast<std::size_t>(most);
+  constexpr layout::PoseRecord kEmpty{{}, {}, {}, {kNoObject, 0, 0, 0}};
+  for (std::size_t i = 0; i < near_.size(); ++i) {
+    const std::span<layout::PoseRecord> of_instance = poses.subspan(i * stride, stride);
+    std::size_t count = 0;
+    for (std::uint32_t left = packed_[i]; left != 0; left &= left - 1) {
+      const auto slot = static_cast<std::size_t>(std::countr_zero(left));
+      const Placed& placed = placed_[i * num_slots_ + slot];
+      of_instance[count++] = packPose(placed.id, placed.X_SO, slot);
+    }
+    std::fill(of_instance.begin() + static_cast<std::ptrdiff_t>(count), of_instance.end(), kEmpty);
+  }
+  return stride;
+}
+
+}  // namespace taxelsim

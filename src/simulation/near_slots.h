@@ -1,0 +1,53 @@
+// The objects of an instance that can reach its sensor. The passes of a frame get these alone, so that an object that is far away costs the
+// device nothing.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "shared/batch.h"
+#include "simulation/model_data.h"
+
+namespace taxelsim {
+
+class NearSlots {
+ public:
+  // `model` must outlive this.
+  NearSlots(const ModelData& model, std::size_t num_instances, std::size_t num_slots);
+
+  // Sets slot `index` of (num_instances x num_slots).
+  void place(std::size_t index, int id, const Pose& X_SO);
+
+  // Writes the poses of the near objects to `poses` (num_instances x the result), in the order of their slots, then empty slots. Returns
+  // the largest number of near objects of an instance, at least 1. A load search moves objects: where an instance is driven by load, all
+  // its objects are near.
+  std::size_t pack(std::span<const layout::InstanceRecord> instances, std::span<layout::PoseRecord> poses);
+
+  // The near slots of an instance after pack(), as bits.
+  std::uint32_t of(std::size_t instance) const { return packed_[instance]; }
+
+ private:
+  bool reaches(int id, const Pose& X_SO) const;
+
+  struct Placed {
+    int id;
+    Pose X_SO;
+  };
+
+  // Box around all points that can touch the sensor, m, in the frame R of its one patch, or in S.
+  struct Region {
+    glm::mat3 R_RS{1};
+    glm::vec3 p_RS{};
+    glm::vec3 low{std::numeric_limits<float>::infinity()}, high{-std::numeric_limits<float>::infinity()};
+  };
+
+  const ModelData& model_;
+  std::size_t num_slots_;
+  Region region_;
+  std::vector<Placed> placed_;                          // (num_instances x num_slots)
+  std::vector<std::uint8_t> occupied_, near_, packed_;  // (num_instances), a bit per slot
+};
+
+}  // namespace taxelsim
