@@ -10,6 +10,7 @@
 #include "base/memory.h"
 #include "episodes/batch.h"
 #include "generation/generate_grasp.h"
+#include "generation/open_shards.h"
 #include "generation/probe.h"
 #include "generation/shard_sink.h"
 #include "scene/scene_checks.h"
@@ -22,6 +23,7 @@ namespace {
 using SteadyClock = std::chrono::steady_clock;
 
 constexpr auto kProgressPeriod = std::chrono::milliseconds(250);
+constexpr auto kWorkersPeriod = std::chrono::milliseconds(20);  // between looks for shards that processes of this machine finish
 
 // Of the data set.
 std::uint64_t numEpisodes(const Scene& scene, const GenerateOptions& options) {
@@ -31,6 +33,7 @@ std::uint64_t numEpisodes(const Scene& scene, const GenerateOptions& options) {
 void checkRun(const Scene& scene, const GenerateOptions& options) {
   checkCount("batch size", options.batch_size);
   checkCount("slices", options.num_slices);
+  checkCount("processes", options.workers.num_processes);
   checkScene(scene);
   if (options.policy && options.policy->id.empty()) {
     throw Error(ErrorKind::kInput, "policy " + options.policy->name + ": the id is empty, which a data set needs");
@@ -47,16 +50,10 @@ std::uint64_t maxOpenShards(const Scene& scene, const GenerateOptions& options) 
   return std::min(batch_size / scene.episodes_per_shard + 2, (numEpisodes(scene, options) - 1) / scene.episodes_per_shard + 1);
 }
 
-// Checked in advance, because Linux overcommits memory and kills the process later, as it does with a control group beyond its limit. In
-// double: the product may exceed 2^64.
+// Checked in advance, because Linux overcommits memory and kills the process later, as it does with a control group beyond its limit.
 void checkHostMemory(const Scene& scene, const GenerateOptions& options) {
-  double episode_bytes = 0;
-  for (const Column& column : columnsOf(scene)) {
-    episode_bytes += static_cast<double>(rowBytes(column)) * (column.per_episode ? 1 : numFrames(scene));
-  }
-  const double episodes = static_cast<double>(std::min(scene.episodes_per_shard, numEpisodes(scene, options)));
-  const double needed = static_cast<double>(maxOpenShards(scene, options)) * episodes * episode_bytes;
-  const double available = static_cast<double>(usableMemory());
+  const double needed = openShardBytes(scene, options);
+  const double available = static_cast<double>(usableMemory()) / options.workers.num_processes;
   if (needed <= available) return;
   const auto mebibytes = [](double bytes) { return std::to_string(static_cast<long long>(std::min(bytes / 0x1p20, 9e18))) + " MiB"; };
   throw Error(ErrorKind::kInput, "open shards of " + std::to_string(scene.episodes_per_shard) + " episodes with " +
@@ -111,7 +108,15 @@ class Run {
 
   void simulateAll(const Model& model, const SlicePlan& plan);
 
-  GenerateResult end() {
+  // Of the shards to make.
+  std::uint64_t numEpisodesLeft() const { return result_.progress.num_episodes - result_.progress.episodes_resumed; }
+
+  GenerateResult end(bool has_workers) {
+    if (has_workers) {
+      options_.workers.join();
+      findShards();
+      if (!options_.shards && !writer_.takeBack(options_.stop) && isComplete()) return result_;
+    }
     result_.complete = isComplete();
     if (result_.complete && !options_.shards) writer_.finish();
     if (options_.on_progress) options_.on_progress(progress());
@@ -183,7 +188,7 @@ void Run::simulateAll(const Model& model, const SlicePlan& plan) {
     if (claimsAny()) {
       simulate(model, plan);
     } else {
-      std::this_thread::sleep_for(kProgressPeriod);
+      std::this_thread::sleep_for(options_.workers.start ? kWorkersPeriod : kProgressPeriod);
       report(SteadyClock::now());
     }
     findShards();
@@ -225,6 +230,15 @@ void Run::simulate(const Model& model, const SlicePlan& plan) {
 
 }  // namespace
 
+double openShardBytes(const Scene& scene, const GenerateOptions& options) {
+  double episode_bytes = 0;
+  for (const Column& column : columnsOf(scene)) {
+    episode_bytes += static_cast<double>(rowBytes(column)) * (column.per_episode ? 1 : numFrames(scene));
+  }
+  const double episodes = static_cast<double>(std::min(scene.episodes_per_shard, numEpisodes(scene, options)));
+  return static_cast<double>(maxOpenShards(scene, options)) * episodes * episode_bytes;
+}
+
 GenerateResult generate(const Device& device, const Scene& scene, const std::filesystem::path& directory, const GenerateOptions& options) {
   checkRun(scene, options);
   checkHostMemory(scene, options);
@@ -245,8 +259,13 @@ GenerateResult generate(const Device& device, const Scene& scene, const std::fil
     return stopped;
   }
   Run run(options, writer, manifest, plan.num_frames);
+  const bool has_workers = options.workers.start && run.numEpisodesLeft() > 0;
+  if (has_workers) {
+    if (!options.shards) writer.share();
+    options.workers.start(run.numEpisodesLeft());
+  }
   run.simulateAll(model, plan);
-  return run.end();
+  return run.end(has_workers);
 }
 
 }  // namespace taxelsim

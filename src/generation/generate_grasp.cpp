@@ -19,6 +19,7 @@ void refuseOptions(const Scene& scene, const GenerateOptions& options) {
   };
   refuse(options.policy.has_value(), "policy");
   refuse(options.shards.has_value(), "range of shards: it is written by one process");
+  refuse(static_cast<bool>(options.workers.start), "workers: it is written by one process");
   refuse(!options.episodes.empty(), "list of episodes");
 }
 

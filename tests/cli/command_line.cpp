@@ -22,24 +22,11 @@ std::string contentOf(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-namespace {
-
-// Waits until the file has the text, or the process has ended.
-void waitForText(const std::filesystem::path& file, const std::string& text, pid_t process) {
-  siginfo_t ended{};
-  while (contentOf(file).find(text) == std::string::npos) {
-    if (waitid(P_PID, static_cast<id_t>(process), &ended, WEXITED | WNOHANG | WNOWAIT) != 0 || ended.si_pid != 0) return;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-}
-
-}  // namespace
-
-Outcome runTaxelsim(const std::vector<std::string>& arguments, const RunOptions& options) {
-  const TemporaryDirectory directory;
-  const std::string out = directory / "out", err = directory / "err";
-  const pid_t child = fork();
-  if (child == 0) {
+RunningTaxelsim::RunningTaxelsim(const std::vector<std::string>& arguments, const RunOptions& options) {
+  const std::string out = directory_ / "out", err = directory_ / "err";
+  process_ = fork();
+  if (process_ == 0) {
+    setpgid(0, 0);
     dup2(open(out.c_str(), O_WRONLY | O_CREAT, 0600), STDOUT_FILENO);
     dup2(open(err.c_str(), O_WRONLY | O_CREAT, 0600), STDERR_FILENO);
     std::vector<char*> argv{const_cast<char*>("taxelsim")};
@@ -53,14 +40,32 @@ Outcome runTaxelsim(const std::vector<std::string>& arguments, const RunOptions&
     execv(TAXELSIM_EXECUTABLE, argv.data());
     _exit(127);
   }
-  if (!options.signal_at.empty()) waitForText(err, options.signal_at, child);
+  setpgid(process_, process_);  // in both, so that neither is too late
+}
+
+void RunningTaxelsim::waitForStderr(const std::string& text) const {
+  siginfo_t ended{};
+  while (contentOf(directory_ / "err").find(text) == std::string::npos) {
+    if (waitid(P_PID, static_cast<id_t>(process_), &ended, WEXITED | WNOHANG | WNOWAIT) != 0 || ended.si_pid != 0) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
+Outcome RunningTaxelsim::wait() {
+  if (!is_waited_for_) waitpid(process_, &status_, 0);
+  is_waited_for_ = true;
+  return {WIFSIGNALED(status_) ? 128 + WTERMSIG(status_) : WEXITSTATUS(status_), contentOf(directory_ / "out"),
+          contentOf(directory_ / "err")};
+}
+
+Outcome runTaxelsim(const std::vector<std::string>& arguments, const RunOptions& options) {
+  RunningTaxelsim program(arguments, options);
+  if (!options.signal_at.empty()) program.waitForStderr(options.signal_at);
   for (int n = 0; options.signal != 0 && n < options.num_signals; ++n) {
     std::this_thread::sleep_for(std::chrono::duration<double>(options.signal_after));
-    kill(child, options.signal);
+    kill(program.process(), options.signal);
   }
-  int status = 0;
-  waitpid(child, &status, 0);
-  return {WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status), contentOf(out), contentOf(err)};
+  return program.wait();
 }
 
 void expectRefused(const Outcome& outcome, const std::string& part) {

@@ -1,6 +1,8 @@
 // Runs the built `taxelsim` as a user does.
 #pragma once
 
+#include <sys/types.h>
+
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -26,7 +28,27 @@ struct RunOptions {
   std::map<int, std::uint64_t> limits{};   // by resource of setrlimit(), for example RLIMIT_AS
 };
 
-// Runs the program without a shell.
+// The program while it runs, without a shell, as the leader of a process group. Waits for it at the end.
+class RunningTaxelsim {
+ public:
+  explicit RunningTaxelsim(const std::vector<std::string>& arguments, const RunOptions& options = {});
+  ~RunningTaxelsim() { wait(); }
+  RunningTaxelsim(const RunningTaxelsim&) = delete;
+  RunningTaxelsim& operator=(const RunningTaxelsim&) = delete;
+
+  pid_t process() const { return process_; }
+  // Waits until the text is on stderr, or the program has ended.
+  void waitForStderr(const std::string& text) const;
+  Outcome wait();
+
+ private:
+  TemporaryDirectory directory_;
+  pid_t process_ = 0;
+  bool is_waited_for_ = false;
+  int status_ = 0;
+};
+
+// Runs the program to its end.
 Outcome runTaxelsim(const std::vector<std::string>& arguments, const RunOptions& options = {});
 
 std::string contentOf(const std::filesystem::path& file);
