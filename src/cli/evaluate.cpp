@@ -78,7 +78,7 @@ int playPart(const Arguments& arguments, const Team& team, const Scene& scene, c
 
 int runEvaluate(const Arguments& arguments) {
   if (!arguments.merged.empty()) return mergeParts(arguments);
-  const Scene scene = loadShown(arguments);
+  const Scene scene = loadSceneOf(arguments, arguments.role.empty());
   EvaluateOptions options;
   options.episodes = chosenEpisodes(arguments, scene.num_episodes);
   if (options.episodes && options.episodes->size() == 0) {

@@ -57,7 +57,7 @@ int usableWorkers(const Arguments& arguments, const Scene& scene, const Generate
 }
 
 int runGenerate(const Arguments& arguments) {
-  const Scene scene = loadShown(arguments);
+  const Scene scene = loadSceneOf(arguments, arguments.role.empty());
   const std::uint64_t num_shards = (scene.num_episodes + scene.episodes_per_shard - 1) / scene.episodes_per_shard;
   const std::optional<ShardRange> shards = chosenShards(arguments, num_shards);
   if (shards && shards->first == shards->end) {

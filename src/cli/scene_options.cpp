@@ -41,8 +41,9 @@ void addDeviceOptions(CLI::App& command, std::string& device, bool& validation) 
   command.add_flag("--validation", validation, "Enable the Vulkan validation layers; slow");
 }
 
-Scene loadShown(const SceneOptions& options) {
-  const Activity activity("loading " + options.scene);
+Scene loadSceneOf(const SceneOptions& options, bool is_shown) {
+  std::optional<Activity> activity;
+  if (is_shown) activity.emplace("loading " + options.scene);
   return loadScene(options.scene, options.overrides);
 }
 

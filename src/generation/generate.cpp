@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <climits>
 #include <memory>
 #include <string>
 #include <thread>
@@ -188,7 +189,7 @@ void Run::simulateAll(const Model& model, const SlicePlan& plan) {
     if (claimsAny()) {
       simulate(model, plan);
     } else {
-      std::this_thread::sleep_for(options_.workers.start ? kWorkersPeriod : kProgressPeriod);
+      std::this_thread::sleep_for(options_.workers.num_processes > 1 ? kWorkersPeriod : kProgressPeriod);
       report(SteadyClock::now());
     }
     findShards();
@@ -248,7 +249,9 @@ GenerateResult generate(const Device& device, const Scene& scene, const std::fil
   Manifest manifest = manifestOf(scene, device, options);
   // Model and batch are checked before the directory is created.
   const Model model(device, modelOptionsOf(scene));
-  splitBatch(model, plan, static_cast<int>(std::min<std::uint64_t>(options.batch_size, manifest.num_episodes)), options.num_slices);
+  const std::uint64_t team_size =
+      static_cast<std::uint64_t>(options.batch_size) * static_cast<std::uint64_t>(options.workers.num_processes);
+  splitBatch(model, plan, static_cast<int>(std::min<std::uint64_t>({team_size, manifest.num_episodes, INT_MAX})), options.num_slices);
   manifest.probe_sha256 = probeHash(model, scene);
   DatasetWriter writer(directory, manifest,
                        {.repair = options.repair, .shards = options.shards, .on_verify = options.on_verify, .stop = options.stop});

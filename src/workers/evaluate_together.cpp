@@ -1,5 +1,7 @@
 #include "workers/evaluate_together.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <chrono>
 #include <exception>
@@ -23,6 +25,14 @@ EpisodeRange allOf(const Scene& scene, const EvaluateOptions& options) {
 EpisodeRange rangeOf(const EpisodeRange& all, int number, int num_processes) {
   const EpisodeRange part = partOfEpisodes(all.size(), static_cast<std::uint64_t>(number), static_cast<std::uint64_t>(num_processes));
   return {.first = all.first + part.first, .end = all.first + part.end};
+}
+
+// Whether the worker read the same scene: its file may have changed since.
+bool isOf(const Scene& scene, const WorkerReport& report) {
+  const auto found = std::find_if(report.messages.begin(), report.messages.end(),
+                                  [](const Message& message) { return message.kind == MessageKind::kScene; });
+  const std::span<const char> resolved(scene.resolved);
+  return found != report.messages.end() && std::ranges::equal(found->values<char>(), resolved);
 }
 
 // One array of verdicts for each controller that is complete.
@@ -97,6 +107,8 @@ Played playTogether(const Device& device, const Scene& scene, const std::vector<
   // Everything that can be refused is checked before the workers start, and what they compile is in the driver's cache.
   Players players(scene, controllers, options);
   const Model model(device, modelOptionsOf(scene));
+  const std::uint64_t team_size = std::min<std::uint64_t>(static_cast<std::uint64_t>(batch_size), all.size());
+  splitBatch(model, SlicePlan(scene, kNoOutputs, players.controllers.front()), static_cast<int>(team_size), options.num_slices);
   Played played{.part = partWithoutVerdicts(device, model, scene, players, options), .failure = {}};
   WorkerProcesses workers("its episodes are played again");
   SharedProgress progress(all, workers, std::exchange(options.on_progress, {}));
@@ -118,8 +130,13 @@ Played playTogether(const Device& device, const Scene& scene, const std::vector<
   options.batch_size = batch_size;
   for (int number = 2; number <= num_processes; ++number) {
     const WorkerReport& report = workers.reports()[static_cast<std::size_t>(number - 2)];
-    VerdictsOfControllers verdicts = verdictsIn(report);
-    if (!report.problem.empty() && !played.failure)
+    const bool has_played = report.problem.empty() && isOf(scene, report);
+    if (report.problem.empty() && !has_played)
+      spdlog::warn("worker {} of {}: its scene differs: a file has changed; its episodes are played again", number, num_processes);
+    VerdictsOfControllers verdicts;
+    if (has_played)
+      verdicts = verdictsIn(report);
+    else if (!played.failure)
       playRange(number, [&](EvaluationPart::Verdicts again) { verdicts.push_back(std::move(again.verdicts)); });
     append(played.part, verdicts);
   }
@@ -152,6 +169,7 @@ int evaluateAsWorker(const Device& device, const Scene& scene, const std::vector
     options.episodes = rangeOf(allOf(scene, options), number, num_processes);
     options.stop = worker.stop();
     options.on_progress = [&](const Progress& progress) { worker.report(progress); };
+    worker.sendValues(MessageKind::kScene, std::span<const char>(scene.resolved));
     for (const Evaluation& evaluation : evaluate(device, scene, controllers, options))
       worker.sendValues(MessageKind::kVerdicts, std::span<const Verdict>(evaluation.verdicts));
   });

@@ -74,7 +74,12 @@ GenerateResult generateTogether(const Device& device, const Scene& scene, const 
                            num_left = num_episodes;
                            workers.start(num_processes);
                          },
-                     .join = [&] { workers.join(options.stop, [&] { options.on_progress(last); }); }};
+                     .join =
+                         [&] {
+                           workers.join(options.stop, [&] {
+                             if (last.num_episodes > 0) options.on_progress(last);
+                           });
+                         }};
   GenerateResult result = generate(device, scene, directory, options);
   for (const WorkerReport& report : workers.reports())
     for (const Message& message : report.messages)

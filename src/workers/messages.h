@@ -13,6 +13,7 @@ namespace taxelsim::workers {
 
 enum class MessageKind : std::uint32_t {
   kProgress,    // one Progress
+  kScene,       // text: Scene::resolved
   kLoadMisses,  // (num_objects) LoadMisses
   kVerdicts,    // (num_episodes) Verdict of one controller
   kProblem,     // text of one line: why it did not do its work

@@ -8,7 +8,7 @@
 namespace taxelsim::workers {
 
 inline constexpr std::uint64_t kMinEpisodes = 4096;           // fewer are not worth the start of a process
-inline constexpr std::uint64_t kMinEpisodesPerWorker = 1024;  // half of a second and more on one processor
+inline constexpr std::uint64_t kMinEpisodesPerWorker = 1024;  // seconds of one processor
 inline constexpr int kMaxWorkers = 1024;
 
 // Processes, with this one, for a run of so many episodes: on a device of software one for each of `num_processors`, else 1. A software

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <fstream>
 #include <optional>
+#include <system_error>
 
 #include "taxelsim/error.h"
 
@@ -82,7 +83,13 @@ void WorkerProcesses::startOne(std::size_t index) {
   child.process = spawn(argumentsWith({"--worker", role}), control.read, messages.write);
   child.control = std::move(control.write);
   child.messages = std::move(messages.read);
-  child.reader = std::thread([this, index] { read(index); });
+  try {
+    child.reader = std::thread([this, index] { read(index); });
+  } catch (const std::system_error&) {
+    ::kill(child.process, SIGKILL);
+    ::waitpid(child.process, nullptr, 0);
+    throw;
+  }
 }
 
 void WorkerProcesses::read(std::size_t index) {
