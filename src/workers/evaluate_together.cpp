@@ -31,8 +31,7 @@ EpisodeRange rangeOf(const EpisodeRange& all, int number, int num_processes) {
 bool isOf(const Scene& scene, const WorkerReport& report) {
   const auto found = std::find_if(report.messages.begin(), report.messages.end(),
                                   [](const Message& message) { return message.kind == MessageKind::kScene; });
-  const std::span<const char> resolved(scene.resolved);
-  return found != report.messages.end() && std::ranges::equal(found->values<char>(), resolved);
+  return found != report.messages.end() && found->text() == scene.resolved;
 }
 
 // One array of verdicts for each controller that is complete.
@@ -148,7 +147,9 @@ Played playTogether(const Device& device, const Scene& scene, const std::vector<
 std::vector<Evaluation> evaluateTogether(const Device& device, const Scene& scene, const std::vector<std::string>& controllers,
                                          const EvaluateOptions& options, int num_processes) {
   Played played = playTogether(device, scene, controllers, options, num_processes);
-  std::vector<Evaluation> evaluations = mergeEvaluationParts(scene, {{.name = "this evaluation", .part = std::move(played.part)}});
+  std::vector<NamedPart> parts(1);
+  parts[0] = {.name = "this evaluation", .part = std::move(played.part)};
+  const std::vector<Evaluation> evaluations = mergeEvaluationParts(scene, parts);
   for (const Evaluation& evaluation : evaluations)
     if (options.on_evaluation) options.on_evaluation(evaluation);
   if (played.failure) std::rethrow_exception(played.failure);

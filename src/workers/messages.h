@@ -6,6 +6,7 @@
 #include <cstring>
 #include <optional>
 #include <span>
+#include <string>
 #include <type_traits>
 #include <vector>
 
@@ -23,6 +24,8 @@ enum class MessageKind : std::uint32_t {
 struct Message {
   MessageKind kind = MessageKind::kEnd;
   std::vector<std::byte> bytes;
+
+  std::string text() const { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
   template <class T>
   std::vector<T> values() const {

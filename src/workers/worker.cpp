@@ -28,7 +28,7 @@ void waitForEndOfInput() {
 void endWithParent() {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   pollfd input{STDIN_FILENO, POLLIN, 0};
-  if (::poll(&input, 1, 0) > 0) std::_Exit(EXIT_FAILURE);  // it ended before that call
+  if (::poll(&input, 1, 0) > 0) std::_Exit(EXIT_FAILURE);  // it ended before that call, or asked to stop
 }
 
 }  // namespace

@@ -99,9 +99,9 @@ void WorkerProcesses::read(std::size_t index) {
   while (std::optional<Message> message = receive(children_[index].messages.number())) {
     const std::lock_guard lock(mutex_);
     if (message->kind == MessageKind::kProgress)
-      report.progress = message->values<Progress>().at(0);
+      for (const Progress& last : message->values<Progress>()) report.progress = last;
     else if (message->kind == MessageKind::kProblem)
-      problem.assign(reinterpret_cast<const char*>(message->bytes.data()), message->bytes.size());
+      problem = message->text();
     else if (message->kind == MessageKind::kEnd)
       has_ended = true;
     else
@@ -118,7 +118,7 @@ void WorkerProcesses::read(std::size_t index) {
 void WorkerProcesses::lose(std::size_t index, const std::string& problem) {
   const std::lock_guard lock(mutex_);
   reports_[index] = {.progress = {}, .messages = {}, .problem = problem};
-  spdlog::warn("worker {} of {}: {}; {}", index + 2, children_.size() + 1, problem, consequence_);
+  if (!is_stopping_) spdlog::warn("worker {} of {}: {}; {}", index + 2, children_.size() + 1, problem, consequence_);
   ++num_ended_;
   ended_.notify_one();
 }
@@ -137,6 +137,7 @@ Progress WorkerProcesses::progress() const {
 }
 
 void WorkerProcesses::askToStop() {
+  is_stopping_ = true;
   for (Child& child : children_) child.control.close();
 }
 
@@ -155,7 +156,10 @@ void WorkerProcesses::join(const std::atomic<bool>* stop, const std::function<vo
 }
 
 WorkerProcesses::~WorkerProcesses() {
-  askToStop();
+  {
+    const std::lock_guard lock(mutex_);
+    askToStop();
+  }
   for (Child& child : children_)
     if (child.reader.joinable()) child.reader.join();
 }

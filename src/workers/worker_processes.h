@@ -58,13 +58,14 @@ class WorkerProcesses {
   void startOne(std::size_t index);
   void read(std::size_t index);
   void lose(std::size_t index, const std::string& problem);
-  void askToStop();
+  void askToStop();  // with mutex_ locked
 
   const std::string consequence_;
   std::vector<Child> children_;
   mutable std::mutex mutex_;
   std::condition_variable ended_;
   std::size_t num_ended_ = 0;
+  bool is_stopping_ = false;  // a worker that ends before it listens for the stop is no loss
   std::vector<WorkerReport> reports_;
 };
 

@@ -149,6 +149,7 @@ TEST_F(Workers, AreStoppedByAnInterruptAndResume) {
     const Outcome stopped = program.wait();
     EXPECT_EQ(stopped.status, 130) << stopped.err;
     EXPECT_EQ(count(stopped.err, "stopped: " + std::to_string(numShards(root_ / name)) + " of 40 episodes are in"), 1u) << stopped.err;
+    EXPECT_EQ(count(stopped.err, "worker"), 0u) << stopped.err;
     for (const pid_t worker : workers) EXPECT_EQ(statusOf(worker).state, 'X') << "ended before the program";
     const Outcome resumed = runTaxelsim(generating(name, {"--workers", "2"}));
     EXPECT_EQ(resumed.status, 0) << resumed.err;
@@ -160,6 +161,20 @@ TEST_F(Workers, AreStoppedByAnInterruptAndResume) {
   const Outcome stopped = program.wait();
   EXPECT_EQ(stopped.status, 130) << stopped.err;
   EXPECT_NE(stopped.err.find(" of 2 controllers are evaluated"), std::string::npos) << stopped.err;
+}
+
+TEST_F(Workers, AreLeftBehindByNoSecondInterrupt) {
+  RunningTaxelsim program(generating("out", long_run_));
+  const std::vector<pid_t> workers = workersOf(program, 2);
+  ASSERT_EQ(workers.size(), 2u) << program.wait().err;
+  kill(workers[0], SIGSTOP);  // the first interrupt waits for it without end
+  while (statusOf(program.process()).state != 'Z') {
+    kill(program.process(), SIGINT);
+    std::this_thread::sleep_for(kPeriod);
+  }
+  EXPECT_EQ(program.wait().status, 128 + SIGINT);
+  kill(workers[0], SIGCONT);  // it may have been stopped before it asked the kernel to end with its parent
+  for (const pid_t worker : workers) waitForEnd(worker);
 }
 
 TEST_F(Workers, EndWithTheProcessThatStartedThem) {
@@ -189,7 +204,9 @@ TEST_F(Workers, ThatAreKilledGiveOneLineAndLoseNothing) {
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_EQ(count(outcome.err, "killed by signal 9 (Killed); its "), 1u) << outcome.err;
     EXPECT_EQ(count(outcome.err, "warning: worker "), 1u) << outcome.err;
-    if (!is_generate) EXPECT_EQ(outcome.out, table.out);
+    if (!is_generate) {
+      EXPECT_EQ(outcome.out, table.out);
+    }
   }
   EXPECT_EQ(filesOf(root_ / "out"), filesOf(root_ / "one"));
 }

@@ -37,7 +37,8 @@ TEST(Messages, ArriveAsTheyWereSent) {
 
 TEST(Messages, ThatAreCutAreNone) {
   Pipe whole = makePipe();
-  send(whole.write.number(), MessageKind::kProblem, std::as_bytes(std::span(std::string("a message"))));
+  const std::string text = "a message";
+  send(whole.write.number(), MessageKind::kProblem, std::as_bytes(std::span(text)));
   whole.write.close();
   std::string bytes(100, '\0');
   bytes.resize(static_cast<std::size_t>(::read(whole.read.number(), bytes.data(), bytes.size())));
