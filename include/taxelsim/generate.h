@@ -18,6 +18,18 @@
 
 namespace taxelsim {
 
+/// Other processes of this machine that make shards of the same data set at the same time. generate() starts none by itself.
+struct GenerateWorkers {
+  /// Processes, with this one, >= 1; each plans with its share of the memory. Default 1, this process alone.
+  int num_processes = 1;
+  /// Called once, from the caller's thread, when the directory is verified and shards are missing, with the number of episodes in them. May
+  /// start processes that call generate() with GenerateOptions::shards. generate() makes the shards that they do not. Default: none.
+  std::function<void(std::uint64_t num_episodes)> start{};
+  /// Called from the caller's thread at the end, also after a stop: returns when the processes that start() started have ended. Required
+  /// with `start`.
+  std::function<void()> join{};
+};
+
 /// Options of generate(). The others than `policy` and `episodes` do not change a byte of a shard.
 struct GenerateOptions {
   int batch_size = 2048;      ///< Instances over all slices, >= 1. Default 2048.
@@ -32,6 +44,8 @@ struct GenerateOptions {
   /// of device; see DatasetWriterOptions::shards. finishDataset() completes the data set. Default: none, the whole data set by this
   /// process.
   std::optional<ShardRange> shards{};
+  /// Other processes that make shards at the same time. Scenes of kind servo and contacts only. Default: none.
+  GenerateWorkers workers{};
   /// Called while the shards on disk are verified; see DatasetWriterOptions::on_verify. Default: none.
   std::function<void(std::uint64_t num_verified, std::uint64_t num_shards)> on_verify{};
   /// Graceful stop: when *stop becomes true, generate() abandons unfinished shards, keeps complete ones, and returns. May be set from any

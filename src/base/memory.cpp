@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <fstream>
 #include <limits>
-#include <string>
+
+#include "base/control_groups.h"
 
 namespace taxelsim {
 namespace {
@@ -20,28 +21,13 @@ std::uint64_t limitIn(const std::filesystem::path& file) {
   return stream >> limit ? limit : kNoLimit;
 }
 
-// Of a group and all groups around it.
-std::uint64_t leastLimit(std::filesystem::path group, const std::filesystem::path& mount, const char* name) {
-  std::uint64_t least = limitIn(mount / name);  // inside a container the mount is its own group
-  for (; group.has_relative_path(); group = group.parent_path()) least = std::min(least, limitIn(mount / group.relative_path() / name));
-  return least;
-}
-
 }  // namespace
 
 std::uint64_t controlGroupMemory(const std::filesystem::path& groups, const std::filesystem::path& mount) {
-  std::ifstream stream(groups);
+  const ControlGroups folders = controlGroups(groups, mount, "memory");
   std::uint64_t least = kNoLimit;
-  for (std::string line; std::getline(stream, line);) {  // "0::/user.slice", "4:memory:/jobs/7"
-    const std::size_t first = line.find(':');
-    const std::size_t second = line.find(':', first + 1);
-    if (first == std::string::npos || second == std::string::npos) continue;
-    const std::string controllers = "," + line.substr(first + 1, second - first - 1) + ",";
-    const std::filesystem::path group = line.substr(second + 1);
-    if (controllers == ",,") least = std::min(least, leastLimit(group, mount, "memory.max"));
-    if (controllers.find(",memory,") != std::string::npos)
-      least = std::min(least, leastLimit(group, mount / "memory", "memory.limit_in_bytes"));
-  }
+  for (const std::filesystem::path& group : folders.version_2) least = std::min(least, limitIn(group / "memory.max"));
+  for (const std::filesystem::path& group : folders.version_1) least = std::min(least, limitIn(group / "memory.limit_in_bytes"));
   return least;
 }
 

@@ -10,15 +10,16 @@
 #include "base/files.h"
 #include "cli/activity.h"
 #include "cli/commands.h"
-#include "cli/driver_threads.h"
 #include "cli/evaluation_parts.h"
 #include "cli/evaluation_report.h"
 #include "cli/interrupt.h"
 #include "cli/print.h"
 #include "cli/progress.h"
 #include "cli/scene_options.h"
+#include "cli/worker_options.h"
 #include "figures/text.h"
 #include "taxelsim/error.h"
+#include "workers/evaluate_together.h"
 
 namespace taxelsim::cli {
 
@@ -26,7 +27,7 @@ using namespace figures;
 
 namespace {
 
-struct Arguments : SceneOptions, PartOptions {
+struct Arguments : SceneOptions, PartOptions, WorkerOptions {
   EvaluationReport report;
   std::vector<std::string> controllers;
 };
@@ -46,13 +47,21 @@ int mergeParts(const Arguments& arguments) {
   return kExitOk;
 }
 
+// Calls options.on_evaluation with the controllers that are complete, also if it throws after them.
+void evaluateAll(const Arguments& arguments, const Team& team, const Scene& scene, const EvaluateOptions& options) {
+  if (team.num_processes == 1)
+    evaluate(team.device, scene, arguments.controllers, options);
+  else
+    workers::evaluateTogether(team.device, scene, arguments.controllers, options, team.num_processes);
+}
+
 // Plays a part and writes it to its file.
-int playPart(const Arguments& arguments, const Device& device, const Scene& scene, const EvaluateOptions& options, Activity& activity) {
+int playPart(const Arguments& arguments, const Team& team, const Scene& scene, const EvaluateOptions& options, Activity& activity) {
   const std::filesystem::path file = partFile(arguments.directory, *options.episodes);
   const std::vector<std::string> names = namesOf(arguments, scene);
-  const bool is_played = isPlayed(file, scene, deviceText(device.info()), names);
+  const bool is_played = isPlayed(file, scene, deviceText(team.device.info()), names);
   if (!is_played) {
-    const EvaluationPart part = evaluatePart(device, scene, arguments.controllers, options);
+    const EvaluationPart part = workers::evaluatePartTogether(team.device, scene, arguments.controllers, options, team.num_processes);
     activity.end();
     if (*options.stop) {
       spdlog::warn("stopped: {} of {} controllers were evaluated, nothing is written", part.evaluations.size(), names.size());
@@ -69,31 +78,33 @@ int playPart(const Arguments& arguments, const Device& device, const Scene& scen
 
 int runEvaluate(const Arguments& arguments) {
   if (!arguments.merged.empty()) return mergeParts(arguments);
-  useTwoDriverThreadsPerCore();
-  Activity activity("loading " + arguments.scene);
-  const Scene scene = loadScene(arguments.scene, arguments.overrides);
+  const Scene scene = loadSceneOf(arguments, arguments.role.empty());
   EvaluateOptions options;
   options.episodes = chosenEpisodes(arguments, scene.num_episodes);
   if (options.episodes && options.episodes->size() == 0) {
-    activity.end();
     printOut("{}: part {} of {} episodes is empty\n", arguments.directory, arguments.part, countText(scene.num_episodes));
     return kExitOk;
   }
-  activity.next("preparing the simulation");
-  const Device device = Device::open({.device = arguments.device, .validation = arguments.validation});
-  ProgressPrinter printer;
   options.batch_size = arguments.batch_size;
+  const std::uint64_t num_episodes = options.episodes ? options.episodes->size() : scene.num_episodes;
+  const Team team = openTeam(arguments, arguments, num_episodes, [&](int num_requested) {
+    return static_cast<int>(std::min<std::uint64_t>(static_cast<std::uint64_t>(num_requested), num_episodes));
+  });
+  if (team.number > 1)
+    return workers::evaluateAsWorker(team.device, scene, arguments.controllers, options, team.number, team.num_processes);
+  Activity activity("preparing the simulation");
+  ProgressPrinter printer;
   options.stop = &stopOnSignals();
   bool announced = false;
   options.on_progress = [&](const Progress& progress) {
     if (!std::exchange(announced, true)) {
       activity.end();
-      spdlog::info("{}: {} episodes per controller on {} ({})", sceneTitle(scene),
-                   countText(options.episodes ? options.episodes->size() : scene.num_episodes), device.info().name, device.info().driver);
+      spdlog::info("{}: {} episodes per controller on {} ({})", sceneTitle(scene), countText(num_episodes), team.device.info().name,
+                   team.device.info().driver);
     }
     printer.show(progress);
   };
-  if (options.episodes) return playPart(arguments, device, scene, options, activity);
+  if (options.episodes) return playPart(arguments, team, scene, options, activity);
   std::vector<Evaluation> evaluations;
   const std::size_t num_controllers = namesOf(arguments, scene).size();
   options.on_evaluation = [&](const Evaluation& evaluation) {
@@ -103,10 +114,10 @@ int runEvaluate(const Arguments& arguments) {
   const auto report = [&] {
     activity.end();
     printer.clear();
-    if (!evaluations.empty()) reportEvaluations(arguments.report, scene, deviceText(device.info()), evaluations);
+    if (!evaluations.empty()) reportEvaluations(arguments.report, scene, deviceText(team.device.info()), evaluations);
   };
   try {
-    evaluate(device, scene, arguments.controllers, options);
+    evaluateAll(arguments, team, scene, options);
   } catch (const Error& error) {
     if (error.kind() == ErrorKind::kDevice) report();  // what was evaluated before the device was lost
     throw;
@@ -136,6 +147,8 @@ void addEvaluate(CLI::App& app, Action& action) {
   command->add_option("--controller", arguments->controllers, "Name of a controller of the scene; may be repeated. Default: all")
       ->type_name("NAME");
   addPartOptions(*command, *arguments);
+  addWorkerOptions(*command, *arguments);
+  command->get_option("--workers")->excludes("--merge");
   command->add_option("--png", arguments->report.png, "Figure to write (PNG): settling, errors and success by start error")
       ->check(requirePngName)
       ->type_name("FILE");

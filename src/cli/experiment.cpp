@@ -246,7 +246,7 @@ void report(const Arguments& arguments, const CharacterizationExperiment& experi
 }
 
 int runExperiment(const Arguments& arguments) {
-  useTwoDriverThreadsPerCore();
+  setDriverThreads(1);
   Activity activity("loading " + arguments.file);
   const Experiment experiment = loadExperiment(arguments.file);
   activity.end();

@@ -8,13 +8,15 @@
 
 #include "cli/activity.h"
 #include "cli/commands.h"
-#include "cli/driver_threads.h"
 #include "cli/interrupt.h"
 #include "cli/print.h"
 #include "cli/progress.h"
 #include "cli/scene_options.h"
 #include "cli/shard_options.h"
+#include "cli/worker_options.h"
 #include "figures/text.h"
+#include "taxelsim/error.h"
+#include "workers/generate_together.h"
 
 namespace taxelsim::cli {
 
@@ -22,7 +24,7 @@ using namespace figures;
 
 namespace {
 
-struct Arguments : SceneOptions, ShardOptions {
+struct Arguments : SceneOptions, ShardOptions, WorkerOptions {
   std::string directory;
   bool repair = false;
 };
@@ -45,28 +47,37 @@ std::string shardsText(const ShardRange& shards, std::uint64_t num_shards) {
                               : fmt::format("shards {} to {} of {}", shards.first, last, countText(num_shards));
 }
 
+// Processes that this scene can use of `num_processes`.
+int usableWorkers(const Arguments& arguments, const Scene& scene, const GenerateOptions& options, int num_processes) {
+  const bool is_grasp = scene.kind == Scene::Kind::kGrasp;
+  if (is_grasp && arguments.num_workers.value_or(1) > 1)
+    throw Error(ErrorKind::kInput, fmt::format("--workers: {} found, one process makes the data set of a scene of kind grasp; 1 allowed",
+                                               *arguments.num_workers));
+  return is_grasp ? 1 : workers::fittingWorkers(scene, options, num_processes);
+}
+
 int runGenerate(const Arguments& arguments) {
-  useTwoDriverThreadsPerCore();
-  Activity activity("loading " + arguments.scene);
-  const Scene scene = loadScene(arguments.scene, arguments.overrides);
+  const Scene scene = loadSceneOf(arguments, arguments.role.empty());
   const std::uint64_t num_shards = (scene.num_episodes + scene.episodes_per_shard - 1) / scene.episodes_per_shard;
   const std::optional<ShardRange> shards = chosenShards(arguments, num_shards);
   if (shards && shards->first == shards->end) {
-    activity.end();
     printOut("{}: part {} of {} shards is empty\n", arguments.directory, arguments.part, num_shards);
     return kExitOk;
   }
-  activity.next("preparing the simulation");
-  const Device device = Device::open({.device = arguments.device, .validation = arguments.validation});
+  GenerateOptions options;
+  options.batch_size = arguments.batch_size;
+  options.repair = arguments.repair;
+  options.shards = shards;
+  const std::uint64_t num_episodes = shards ? (shards->end - shards->first) * scene.episodes_per_shard : scene.num_episodes;
+  const auto [device, num_processes, number] = openTeam(
+      arguments, arguments, num_episodes, [&](int num_requested) { return usableWorkers(arguments, scene, options, num_requested); });
+  if (number > 1) return workers::generateAsWorker(device, scene, arguments.directory, options, num_processes);
+  Activity activity("preparing the simulation");
   spdlog::info("{}: {} episodes on {} ({})", sceneTitle(scene), countText(scene.num_episodes), device.info().name, device.info().driver);
 
   ProgressPrinter printer;
   bool announced = false;
-  GenerateOptions options;
-  options.batch_size = arguments.batch_size;
   options.stop = &stopOnSignals();
-  options.repair = arguments.repair;
-  options.shards = shards;
   options.on_verify = [&](std::uint64_t num_verified, std::uint64_t num_found) {
     if (num_verified == num_found) return activity.next("preparing the simulation");
     if (num_verified == 0) activity.next("verifying");
@@ -81,7 +92,8 @@ int runGenerate(const Arguments& arguments) {
     announced = true;
     printer.show(progress);
   };
-  const GenerateResult result = generate(device, scene, arguments.directory, options);
+  const GenerateResult result = num_processes > 1 ? workers::generateTogether(device, scene, arguments.directory, options, num_processes)
+                                                  : generate(device, scene, arguments.directory, options);
   activity.end();
   printer.clear();
   warnOfLoads(scene, result);
@@ -122,6 +134,7 @@ void addGenerate(CLI::App& app, Action& action) {
   addSceneOptions(*command, *arguments, GenerateOptions{}.batch_size);
   command->add_option("-o,--output", arguments->directory, "Directory of the data set; created if missing")->required()->type_name("DIR");
   addShardOptions(*command, *arguments);
+  addWorkerOptions(*command, *arguments);
   command->add_flag("--repair", arguments->repair, "Make damaged and foreign shards again; without it they are an error");
   command->callback([=, &action] { action = [=] { return runGenerate(*arguments); }; });
 }

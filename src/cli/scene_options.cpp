@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "cli/activity.h"
 #include "cli/commands.h"
 
 namespace taxelsim::cli {
@@ -38,6 +39,12 @@ void addDeviceOptions(CLI::App& command, std::string& device, bool& validation) 
                   "Device: gpu, discrete, integrated, cpu, a number from `taxelsim devices`, or part of its name; default: the best")
       ->type_name("D");
   command.add_flag("--validation", validation, "Enable the Vulkan validation layers; slow");
+}
+
+Scene loadSceneOf(const SceneOptions& options, bool is_shown) {
+  std::optional<Activity> activity;
+  if (is_shown) activity.emplace("loading " + options.scene);
+  return loadScene(options.scene, options.overrides);
 }
 
 std::string sceneTitle(const Scene& scene) {

@@ -26,6 +26,9 @@ CLI::Option* addConditionOption(CLI::App& command, SceneOverrides& overrides);
 // Adds --device and --validation; the references must outlive the parsing.
 void addDeviceOptions(CLI::App& command, std::string& device, bool& validation);
 
+// Loads the scene. `is_shown`: shows the time that it takes if that is long.
+Scene loadSceneOf(const SceneOptions& options, bool is_shown);
+
 // Name of the scene, with its condition in brackets if it is not nominal.
 std::string sceneTitle(const Scene& scene);
 

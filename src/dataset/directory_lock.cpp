@@ -24,11 +24,11 @@ DirectoryLock::DirectoryLock(const std::filesystem::path& directory, LockMode mo
   while (true) {
     descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
     if (descriptor_ < 0) throwIo("create", file_, errno);
-    if (::flock(descriptor_, (mode == LockMode::kShared ? LOCK_SH : LOCK_EX) | LOCK_NB) != 0) {
-      const int code = errno;
+    try {
+      lock(mode);
+    } catch (...) {
       ::close(descriptor_);
-      if (code == EWOULDBLOCK) throw Error(ErrorKind::kIo, directory.string() + ": another process is writing this data set");
-      throwIo("lock", file_, code);
+      throw;
     }
     // The previous holder may have removed the file between open() and flock(). The lock is then on an unlinked file, and must be retried.
     struct stat locked {
@@ -38,6 +38,23 @@ DirectoryLock::DirectoryLock(const std::filesystem::path& directory, LockMode mo
       return;
     ::close(descriptor_);
   }
+}
+
+void DirectoryLock::change(LockMode mode) {
+  mode_ = LockMode::kShared;  // the destructor must not remove the file without an exclusive lock
+  try {
+    lock(mode);
+  } catch (const Error&) {
+    ::flock(descriptor_, LOCK_SH | LOCK_NB);  // Linux has released the old lock
+    throw;
+  }
+  mode_ = mode;
+}
+
+void DirectoryLock::lock(LockMode mode) {
+  if (::flock(descriptor_, (mode == LockMode::kShared ? LOCK_SH : LOCK_EX) | LOCK_NB) == 0) return;
+  if (errno == EWOULDBLOCK) throw Error(ErrorKind::kIo, file_.parent_path().string() + ": another process is writing this data set");
+  throwIo("lock", file_, errno);
 }
 
 DirectoryLock::~DirectoryLock() {

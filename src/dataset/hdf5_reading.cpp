@@ -7,6 +7,11 @@
 #include "taxelsim/error.h"
 
 namespace taxelsim::dataset {
+namespace {
+
+constexpr const char* kReadFailed = "file read failed";  // in HDF5's message: the system refused a read, the file may be intact
+
+}  // namespace
 
 void readHdf5(const std::filesystem::path& file, const std::string& what, const std::string& remedy, Isolation isolation,
               std::span<std::byte> bytes, const std::function<void(std::span<std::byte>)>& read) {
@@ -17,6 +22,8 @@ void readHdf5(const std::filesystem::path& file, const std::string& what, const 
       const Hdf5Session session;
       read(buffer);
     } catch (const Hdf5Error& problem) {
+      if (std::string(problem.what()).find(kReadFailed) != std::string::npos)
+        throw Error(ErrorKind::kIo, file.string() + ": " + problem.what());
       throw Error(ErrorKind::kInput, file.string() + ": broken or foreign " + what + ": " + problem.what() + "; " + remedy);
     }
   };

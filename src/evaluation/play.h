@@ -26,4 +26,8 @@ struct Players {
 void play(const Model& model, const Scene& scene, const Players& players, const EvaluateOptions& options,
           const std::function<void(EvaluationPart::Verdicts)>& on_complete);
 
+// The part that these players give, still without verdicts. Computes its probe, and compiles most kernels with it.
+EvaluationPart partWithoutVerdicts(const Device& device, const Model& model, const Scene& scene, const Players& players,
+                                   const EvaluateOptions& options);
+
 }  // namespace taxelsim

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <climits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "base/memory.h"
 #include "episodes/batch.h"
 #include "generation/generate_grasp.h"
+#include "generation/open_shards.h"
 #include "generation/probe.h"
 #include "generation/shard_run.h"
 #include "generation/shard_sink.h"
@@ -29,6 +31,7 @@ std::uint64_t numEpisodes(const Scene& scene, const GenerateOptions& options) {
 void checkRun(const Scene& scene, const GenerateOptions& options) {
   checkCount("batch size", options.batch_size);
   checkCount("slices", options.num_slices);
+  checkCount("processes", options.workers.num_processes);
   checkScene(scene);
   if (options.policy && options.policy->id.empty()) {
     throw Error(ErrorKind::kInput, "policy " + options.policy->name + ": the id is empty, which a data set needs");
@@ -45,16 +48,10 @@ std::uint64_t maxOpenShards(const Scene& scene, const GenerateOptions& options) 
   return std::min(batch_size / scene.episodes_per_shard + 2, (numEpisodes(scene, options) - 1) / scene.episodes_per_shard + 1);
 }
 
-// Checked in advance, because Linux overcommits memory and kills the process later, as it does with a control group beyond its limit. In
-// double: the product may exceed 2^64.
+// Checked in advance, because Linux overcommits memory and kills the process later, as it does with a control group beyond its limit.
 void checkHostMemory(const Scene& scene, const GenerateOptions& options) {
-  double episode_bytes = 0;
-  for (const Column& column : columnsOf(scene)) {
-    episode_bytes += static_cast<double>(rowBytes(column)) * (column.per_episode ? 1 : numFrames(scene));
-  }
-  const double episodes = static_cast<double>(std::min(scene.episodes_per_shard, numEpisodes(scene, options)));
-  const double needed = static_cast<double>(maxOpenShards(scene, options)) * episodes * episode_bytes;
-  const double available = static_cast<double>(usableMemory());
+  const double needed = openShardBytes(scene, options);
+  const double available = static_cast<double>(usableMemory()) / options.workers.num_processes;
   if (needed <= available) return;
   const auto mebibytes = [](double bytes) { return std::to_string(static_cast<long long>(std::min(bytes / 0x1p20, 9e18))) + " MiB"; };
   throw Error(ErrorKind::kInput, "open shards of " + std::to_string(scene.episodes_per_shard) + " episodes with " +
@@ -126,6 +123,15 @@ void simulate(ShardRun& run, DatasetWriter& writer, const Manifest& manifest, co
 
 }  // namespace
 
+double openShardBytes(const Scene& scene, const GenerateOptions& options) {
+  double episode_bytes = 0;
+  for (const Column& column : columnsOf(scene)) {
+    episode_bytes += static_cast<double>(rowBytes(column)) * (column.per_episode ? 1 : numFrames(scene));
+  }
+  const double episodes = static_cast<double>(std::min(scene.episodes_per_shard, numEpisodes(scene, options)));
+  return static_cast<double>(maxOpenShards(scene, options)) * episodes * episode_bytes;
+}
+
 GenerateResult generate(const Device& device, const Scene& scene, const std::filesystem::path& directory, const GenerateOptions& options) {
   checkRun(scene, options);
   checkHostMemory(scene, options);
@@ -135,7 +141,9 @@ GenerateResult generate(const Device& device, const Scene& scene, const std::fil
   Manifest manifest = manifestOf(scene, device, options);
   // Model and batch are checked before the directory is created.
   const Model model(device, modelOptionsOf(scene));
-  splitBatch(model, plan, static_cast<int>(std::min<std::uint64_t>(options.batch_size, manifest.num_episodes)), options.num_slices);
+  const std::uint64_t team_size =
+      static_cast<std::uint64_t>(options.batch_size) * static_cast<std::uint64_t>(options.workers.num_processes);
+  splitBatch(model, plan, static_cast<int>(std::min<std::uint64_t>({team_size, manifest.num_episodes, INT_MAX})), options.num_slices);
   manifest.probe_sha256 = probeHash(model, scene);
   DatasetWriter writer(directory, manifest,
                        {.repair = options.repair, .shards = options.shards, .on_verify = options.on_verify, .stop = options.stop});
@@ -146,6 +154,7 @@ GenerateResult generate(const Device& device, const Scene& scene, const std::fil
     return stopped;
   }
   ShardRun run(options, writer, manifest, plan.num_frames);
+  run.startWorkers();
   run.simulateAll([&] { simulate(run, writer, manifest, model, plan, options); });
   return run.end();
 }

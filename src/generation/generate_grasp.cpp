@@ -18,6 +18,7 @@ void refuseOptions(const Scene& scene, const GenerateOptions& options) {
     if (given) throw Error(ErrorKind::kInput, scene.file.generic_string() + ": a scene of kind grasp takes no " + what);
   };
   refuse(options.policy.has_value(), "policy");
+  refuse(static_cast<bool>(options.workers.start), "workers");
   refuse(!options.episodes.empty(), "list of episodes");
 }
 

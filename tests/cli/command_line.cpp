@@ -10,7 +10,6 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
-#include <ctime>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
@@ -36,22 +35,13 @@ double cpuSeconds(pid_t process) {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-// Waits until the file has the text and the process has used the seconds, or the process has ended.
-void waitFor(const std::filesystem::path& file, const std::string& text, double cpu_seconds, pid_t process) {
-  siginfo_t ended{};
-  while (contentOf(file).find(text) == std::string::npos || cpuSeconds(process) < cpu_seconds) {
-    if (waitid(P_PID, static_cast<id_t>(process), &ended, WEXITED | WNOHANG | WNOWAIT) != 0 || ended.si_pid != 0) return;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-}
-
 }  // namespace
 
-Outcome runTaxelsim(const std::vector<std::string>& arguments, const RunOptions& options) {
-  const TemporaryDirectory directory;
-  const std::string out = directory / "out", err = directory / "err";
-  const pid_t child = fork();
-  if (child == 0) {
+RunningTaxelsim::RunningTaxelsim(const std::vector<std::string>& arguments, const RunOptions& options) {
+  const std::string out = directory_ / "out", err = directory_ / "err";
+  process_ = fork();
+  if (process_ == 0) {
+    setpgid(0, 0);
     dup2(open(out.c_str(), O_WRONLY | O_CREAT, 0600), STDOUT_FILENO);
     dup2(open(err.c_str(), O_WRONLY | O_CREAT, 0600), STDERR_FILENO);
     std::vector<char*> argv{const_cast<char*>("taxelsim")};
@@ -65,20 +55,39 @@ Outcome runTaxelsim(const std::vector<std::string>& arguments, const RunOptions&
     execv(TAXELSIM_EXECUTABLE, argv.data());
     _exit(127);
   }
-  if (options.signal != 0) waitFor(err, options.signal_at, options.signal_at_cpu, child);
-  double cpu_at_signal = 0;
+  setpgid(process_, process_);  // in both, so that neither is too late
+}
+
+void RunningTaxelsim::waitForStderr(const std::string& text, double cpu_seconds) const {
+  siginfo_t ended{};
+  while (contentOf(directory_ / "err").find(text) == std::string::npos || cpuSeconds(process_) < cpu_seconds) {
+    if (waitid(P_PID, static_cast<id_t>(process_), &ended, WEXITED | WNOHANG | WNOWAIT) != 0 || ended.si_pid != 0) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
+void RunningTaxelsim::send(int signal) {
+  cpu_at_signal_ = cpuSeconds(process_);
+  kill(process_, signal);
+}
+
+Outcome RunningTaxelsim::wait() {
+  if (!is_waited_for_) wait4(process_, &status_, 0, &used_);
+  is_waited_for_ = true;
+  return {.status = WIFSIGNALED(status_) ? 128 + WTERMSIG(status_) : WEXITSTATUS(status_),
+          .out = contentOf(directory_ / "out"),
+          .err = contentOf(directory_ / "err"),
+          .cpu_after_signal = secondsOf(used_.ru_utime) + secondsOf(used_.ru_stime) - cpu_at_signal_};
+}
+
+Outcome runTaxelsim(const std::vector<std::string>& arguments, const RunOptions& options) {
+  RunningTaxelsim program(arguments, options);
+  if (options.signal != 0) program.waitForStderr(options.signal_at, options.signal_at_cpu);
   for (int n = 0; options.signal != 0 && n < options.num_signals; ++n) {
     std::this_thread::sleep_for(std::chrono::duration<double>(options.signal_after));
-    cpu_at_signal = cpuSeconds(child);
-    kill(child, options.signal);
+    program.send(options.signal);
   }
-  int status = 0;
-  rusage used{};
-  wait4(child, &status, 0, &used);
-  return {.status = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status),
-          .out = contentOf(out),
-          .err = contentOf(err),
-          .cpu_after_signal = secondsOf(used.ru_utime) + secondsOf(used.ru_stime) - cpu_at_signal};
+  return program.wait();
 }
 
 void expectRefused(const Outcome& outcome, const std::string& part) {

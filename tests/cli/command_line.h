@@ -1,6 +1,9 @@
 // Runs the built `taxelsim` as a user does.
 #pragma once
 
+#include <sys/resource.h>
+#include <sys/types.h>
+
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -29,7 +32,30 @@ struct RunOptions {
   std::map<int, std::uint64_t> limits{};   // by resource of setrlimit(), for example RLIMIT_AS
 };
 
-// Runs the program without a shell.
+// The program while it runs, without a shell, as the leader of a process group. Waits for it at the end.
+class RunningTaxelsim {
+ public:
+  explicit RunningTaxelsim(const std::vector<std::string>& arguments, const RunOptions& options = {});
+  ~RunningTaxelsim() { wait(); }
+  RunningTaxelsim(const RunningTaxelsim&) = delete;
+  RunningTaxelsim& operator=(const RunningTaxelsim&) = delete;
+
+  pid_t process() const { return process_; }
+  // Waits until the text is on stderr and the program has used the seconds of the processor, or it has ended.
+  void waitForStderr(const std::string& text, double cpu_seconds = 0) const;
+  void send(int signal);
+  Outcome wait();
+
+ private:
+  TemporaryDirectory directory_;
+  pid_t process_ = 0;
+  bool is_waited_for_ = false;
+  int status_ = 0;
+  double cpu_at_signal_ = 0;
+  rusage used_{};
+};
+
+// Runs the program to its end.
 Outcome runTaxelsim(const std::vector<std::string>& arguments, const RunOptions& options = {});
 
 std::string contentOf(const std::filesystem::path& file);

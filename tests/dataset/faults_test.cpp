@@ -1,6 +1,6 @@
-// A disk that fails at the nth call: full at a write, or an error of fsync(), rename() or ftruncate(), once or from then on. Every file
-// that has its name is complete, no temporary file remains, and resuming gives the same bytes. The calls of the library arrive here,
-// because a program's functions take precedence over libc's.
+// A disk or a network file system that fails at the nth call: full at a write, an error of fsync(), rename() or ftruncate(), a stale mount
+// at any of them or at a read, once or from then on. Every file that has its name is complete, no temporary file remains, and resuming
+// gives the same bytes. The calls of the library arrive here, because a program's functions take precedence over libc's.
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -15,16 +15,17 @@
 
 namespace {
 
-enum class Call { kWrite, kFsync, kRename, kTruncate };
+enum class Call { kWrite, kFsync, kRename, kTruncate, kRead, kAllButRead };
 
 std::atomic<Call> failing_call;
+std::atomic<int> failing_code;                            // errno; 0: that of a disk, ENOSPC or EIO
 std::atomic<int> num_calls, first_failing, last_failing;  // of that kind, from 1; counted where first_failing is not 0
 
 bool fails(Call call, int code) {
-  if (first_failing == 0 || call != failing_call) return false;
+  if (first_failing == 0 || (call != failing_call && (failing_call != Call::kAllButRead || call == Call::kRead))) return false;
   const int number = ++num_calls;
   if (number < first_failing || number > last_failing) return false;
-  errno = code;
+  errno = failing_code != 0 ? failing_code.load() : code;
   return true;
 }
 
@@ -33,6 +34,12 @@ bool fails(Call call, int code) {
 extern "C" {
 ssize_t pwrite(int file, const void* data, size_t size, off_t offset) {
   return fails(Call::kWrite, ENOSPC) ? -1 : syscall(SYS_pwrite64, file, data, size, offset);
+}
+ssize_t read(int file, void* data, size_t size) {
+  return fails(Call::kRead, EIO) ? -1 : syscall(SYS_read, file, data, size);
+}
+ssize_t pread(int file, void* data, size_t size, off_t offset) {
+  return fails(Call::kRead, EIO) ? -1 : syscall(SYS_pread64, file, data, size, offset);
 }
 int fsync(int file) {
   return fails(Call::kFsync, EIO) ? -1 : static_cast<int>(syscall(SYS_fsync, file));
@@ -56,16 +63,18 @@ constexpr int kSharedFaults = 8;  // first failing calls of several writers: tho
 struct Fault {
   Call call;
   bool lasts;  // all later calls fail as well
+  int code = 0;
 };
 
 class FailingDisk : public ::testing::TestWithParam<Fault> {
  protected:
-  ~FailingDisk() override { first_failing = 0; }
+  ~FailingDisk() override { first_failing = failing_code = 0; }
 
   // Writes or resumes the data set while calls from the nth on fail. Returns the number of calls.
   int writeWithFault(const std::filesystem::path& target, int first) {
     num_calls = 0;
     failing_call = GetParam().call;
+    failing_code = GetParam().code;
     last_failing = GetParam().lasts ? kNever : first;
     first_failing = first;
     try {
@@ -166,14 +175,47 @@ TEST(FullDisk, OfSeveralWritersLosesNothing) {
   EXPECT_GT(num_errors, kSharedFaults) << "the calls do not arrive here";
 }
 
+class FailingReads : public FailingDisk {};
+
+// A complete data set is verified, resumed and read while reads fail: an error, or the values; no file changes.
+TEST_P(FailingReads, AreErrorsAndChangeNothing) {
+  const std::filesystem::path target = directory_ / "d";
+  resume(target);
+  std::filesystem::remove(target / "dataset.checksums");  // otherwise its list vouches for the shards
+  const auto complete = filesIn(target);
+  const auto withoutList = [](std::map<std::string, std::string> files) {
+    files.erase("dataset.checksums");
+    return files;
+  };
+  const int total = writeWithFault(target, kNever);
+  ASSERT_GT(total, 8) << "the calls do not arrive here";
+  int num_errors = 0;
+  for (int n = 1; n <= total; ++n) {
+    std::filesystem::remove(target / "dataset.checksums");
+    writeWithFault(target, n);
+    num_errors += !is_written_;
+    EXPECT_TRUE(withoutList(filesIn(target)) == complete) << "call " << n;
+  }
+  std::cout << total << " faults, " << num_errors << " errors" << std::endl;
+  EXPECT_GT(4 * num_errors, 3 * total) << "others are those of an old view, which is written again";
+}
+
 std::string nameOf(const ::testing::TestParamInfo<Fault>& tested) {
-  constexpr std::array<const char*, 4> kNames{"Write", "Fsync", "Rename", "Truncate"};
-  return std::string(kNames[static_cast<std::size_t>(tested.param.call)]) + (tested.param.lasts ? "Lasting" : "Once");
+  constexpr std::array<const char*, 6> kNames{"Write", "Fsync", "Rename", "Truncate", "Read", "Mount"};
+  const std::string code = tested.param.code == ESTALE ? "Stale" : tested.param.code == EIO ? "InputOutput" : "";
+  return kNames[static_cast<std::size_t>(tested.param.call)] + code + (tested.param.lasts ? "Lasting" : "Once");
 }
 
 INSTANTIATE_TEST_SUITE_P(Calls, FailingDisk,
                          ::testing::Values(Fault{Call::kWrite, false}, Fault{Call::kWrite, true}, Fault{Call::kFsync, false},
-                                           Fault{Call::kFsync, true}, Fault{Call::kRename, false}, Fault{Call::kTruncate, false}),
+                                           Fault{Call::kFsync, true}, Fault{Call::kRename, false}, Fault{Call::kTruncate, false},
+                                           Fault{Call::kWrite, false, EIO}, Fault{Call::kRename, false, ESTALE},
+                                           Fault{Call::kAllButRead, true, ESTALE}),
+                         nameOf);
+
+INSTANTIATE_TEST_SUITE_P(Calls, FailingReads,
+                         ::testing::Values(Fault{Call::kRead, false, EIO}, Fault{Call::kRead, true, EIO}, Fault{Call::kRead, false, ESTALE},
+                                           Fault{Call::kRead, true, ESTALE}),
                          nameOf);
 
 }  // namespace

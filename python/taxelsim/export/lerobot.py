@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Collection
-from contextlib import nullcontext
+from contextlib import ExitStack, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +24,7 @@ from .staging import new_file, staged_folder, write_json
 FILE_BYTES = 100 << 20  # of a file with frames, before compression; the format's default limit of a file
 CHUNK_FILES = 1000  # files of a folder chunk-NNN
 BLOCK_FRAMES = 1 << 14  # frames of a row group, that are in memory at once
+VIDEO_FRAMES = 1 << 15  # of a file, with videos: the encoder keeps the index of a video in memory until it is complete
 _INDICES = {"timestamp": "float32", "frame_index": "int64", "episode_index": "int64", "index": "int64", "task_index": "int64"}
 _NAME = "chunk-{chunk_index:03d}/file-{file_index:03d}"
 
@@ -34,6 +35,8 @@ def write(source: Source, out: Path, plan: dict[str, Any], report: Callable[[int
     with staged_folder(out, plan) as folder:
         total = {name: statistics.Total() for name in tables.features}
         frames_per_file = max(BLOCK_FRAMES, FILE_BYTES // tables.bytes_per_frame)
+        if tables.video:
+            frames_per_file = min(frames_per_file, VIDEO_FRAMES)
         for number, (first, end) in enumerate(source.parts(frames_per_file)):
             episodes = folder / "meta/episodes" / _file_name(number)
             if episodes.exists():
@@ -52,14 +55,17 @@ def _file_name(number: int, suffix: str = ".parquet") -> str:
 
 
 def _write_part(tables: _Tables, folder: Path, number: int, part: tuple[int, int], report: Callable[[int], None]) -> None:
-    """The frames and videos, then the episodes of a file: where the latter exists, all are complete."""
-    rows: list[pa.Table] = []
+    """The frames, videos and episodes of a file. That of the episodes gets its name last: where it exists, all are complete."""
     with (
+        new_file(folder / "meta/episodes" / _file_name(number)) as episodes_file,
         tables.video.files(folder / "videos", _file_name(number, ".mp4")) if tables.video else nullcontext() as film,
         new_file(folder / "data" / _file_name(number)) as file,
         # Dictionaries make files of measured numbers larger and take most of the time.
         pq.ParquetWriter(file, tables.schema, compression="snappy", use_dictionary=False) as writer,
+        ExitStack() as stack,
     ):
+        episodes: pq.ParquetWriter | None = None
+        begin = int(tables.source.ends[part[0] - 1]) if part[0] else 0
         for first, end in tables.source.parts(BLOCK_FRAMES, *part):
             block = tables.source.block(first, end, tables.columns)
             arrays = tables.arrays(block)
@@ -69,11 +75,11 @@ def _write_part(tables: _Tables, folder: Path, number: int, part: tuple[int, int
                 levels = tables.video.levels(block)
                 film(levels)
                 measures |= tables.video.statistics(levels, block.ends)
-            begin = int(tables.source.ends[part[0] - 1]) if part[0] else 0
-            rows.append(tables.episodes(block, measures, number, begin))
+            rows = tables.episodes(block, measures, number, begin)
+            if episodes is None:
+                episodes = stack.enter_context(pq.ParquetWriter(episodes_file, rows.schema, compression="snappy"))
+            episodes.write_table(rows)
             report(block.num_frames)
-    with new_file(folder / "meta/episodes" / _file_name(number)) as file:
-        pq.write_table(pa.concat_tables(rows), file, compression="snappy")
 
 
 def _add_statistics(total: dict[str, statistics.Total], file: Path) -> None:

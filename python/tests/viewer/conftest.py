@@ -50,7 +50,7 @@ class Recorded:
         self.reader = chunk.RrdReader(file)
         self.static: dict[tuple[str, str], object] = {}
         self.columns: dict[tuple[str, str], list[object]] = defaultdict(list)
-        for part in self.reader.stream():
+        for part in self.reader.stream() if self.reader.recordings() else ():  # a file may have a layout only
             batch = part.to_record_batch()
             for name in set(batch.schema.names) - {"rerun.controls.RowId"}:
                 key = (part.entity_path.lstrip("/"), name)

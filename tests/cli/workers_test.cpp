@@ -1,0 +1,237 @@
+// `generate --workers` and `evaluate --workers`: the bytes of one process, interruptions, and processes that are killed. Small batches make
+// runs that are long enough to be interrupted; the bytes do not depend on them.
+#include <dirent.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <thread>
+
+#include "cli/command_line.h"
+#include "cli/small_task.h"
+
+namespace taxelsim::testing {
+namespace {
+
+constexpr auto kPeriod = std::chrono::milliseconds(5);
+
+struct ProcessStatus {
+  pid_t parent = 0;
+  char state = 'X';
+};
+
+// State X if there is no such process, Z if it has ended.
+ProcessStatus statusOf(pid_t process) {
+  std::ifstream stream("/proc/" + std::to_string(process) + "/stat");
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  ProcessStatus status;
+  if (const std::size_t name_end = text.rfind(')'); name_end != std::string::npos) {
+    status.state = text[name_end + 2];
+    status.parent = std::stoi(text.substr(name_end + 4));
+  }
+  return status;
+}
+
+std::vector<pid_t> childrenOf(pid_t parent) {
+  std::vector<pid_t> children;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+    const std::string name = entry.path().filename().string();
+    if (!std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isdigit(c) != 0; })) continue;
+    const ProcessStatus status = statusOf(std::stoi(name));
+    if (status.parent == parent && status.state != 'Z') children.push_back(std::stoi(name));
+  }
+  return children;
+}
+
+// The workers of a program, once all run. Empty if the program ends before.
+std::vector<pid_t> workersOf(const RunningTaxelsim& program, std::size_t num_workers) {
+  while (statusOf(program.process()).state != 'Z') {
+    std::vector<pid_t> workers = childrenOf(program.process());
+    if (workers.size() == num_workers) return workers;
+    std::this_thread::sleep_for(kPeriod);
+  }
+  return {};
+}
+
+// Returns when a process has ended. The test's limit of time ends the wait for one that does not.
+void waitForEnd(pid_t process) {
+  for (char state = 'R'; state != 'X' && state != 'Z'; state = statusOf(process).state) std::this_thread::sleep_for(kPeriod);
+}
+
+std::map<std::string, std::string> filesOf(const std::string& directory) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(directory))
+    files[entry.path().filename().string()] = contentOf(entry.path());
+  return files;
+}
+
+std::size_t numShards(const std::string& directory) {
+  if (!std::filesystem::exists(directory)) return 0;
+  return static_cast<std::size_t>(std::count_if(std::filesystem::directory_iterator(directory), {},
+                                                [](const auto& entry) { return entry.path().extension() == ".h5"; }));
+}
+
+std::size_t count(const std::string& text, const std::string& part) {
+  std::size_t number = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++number;
+  return number;
+}
+
+// Without progress, whose lines depend on time.
+std::string warningsIn(const std::string& text) {
+  std::string warnings;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with("warning: ")) warnings += line + "\n";
+  return warnings;
+}
+
+class Workers : public ::testing::Test {
+ protected:
+  Workers() {
+    // 40 shards of one episode, with loads out of reach.
+    std::string text = kSmallTask;
+    text.replace(text.find("load: [1, 3]"), 12, "load: [1, 900]");
+    text.replace(text.find("seed: 3"), 7, "seed: 3, episodes_per_shard: 1");
+    std::ofstream(scene_) << text;
+  }
+
+  std::vector<std::string> generating(const std::string& directory, const std::vector<std::string>& options) const {
+    std::vector<std::string> command{"generate", "-o", root_ / directory};
+    command.insert(command.end(), options.begin(), options.end());
+    command.insert(command.end(), {"--", scene_});
+    return command;
+  }
+  std::vector<std::string> evaluating(const std::vector<std::string>& options) const {
+    std::vector<std::string> command{"evaluate", scene_};
+    command.insert(command.end(), options.begin(), options.end());
+    return command;
+  }
+
+  TemporaryDirectory root_;
+  const std::string scene_ = root_ / "small.yaml";
+  const std::vector<std::string> long_run_{"--workers", "3", "--batch-size", "3"};
+};
+
+TEST_F(Workers, GiveTheBytesAndTheTableOfOneProcess) {
+  const Outcome one = runTaxelsim(generating("one", {}));
+  ASSERT_EQ(one.status, 0) << one.err;
+  EXPECT_EQ(count(one.err, "load out of reach"), 1u) << one.err;
+  const Outcome table = runTaxelsim(evaluating({"--json"}));
+  for (const std::string num_workers : {"1", "2", "3"}) {
+    const Outcome several = runTaxelsim(generating(num_workers, {"--workers", num_workers}));
+    EXPECT_EQ(several.status, 0) << several.err;
+    EXPECT_EQ(filesOf(root_ / num_workers), filesOf(root_ / "one"));
+    EXPECT_EQ(warningsIn(several.err), warningsIn(one.err)) << "loads out of reach of all processes together";
+    EXPECT_EQ(count(several.err, "40 of 40 episodes"), 1u) << "one line of progress: " << several.err;
+    EXPECT_NE(several.out.find(": 40 episodes (0 found on disk), 2,400 frames simulated"), std::string::npos) << several.out;
+    EXPECT_EQ(runTaxelsim(evaluating({"--json", "--workers", num_workers})).out, table.out);
+  }
+}
+
+TEST_F(Workers, ExtendARangeAndPartsAsOneProcessDoes) {
+  ASSERT_EQ(runTaxelsim(generating("one", {})).status, 0);
+  const std::string out = root_ / "out";
+  ASSERT_EQ(runTaxelsim(generating("out", {"--episodes", "8", "--workers", "2"})).status, 0);
+  const Outcome part = runTaxelsim(generating("out", {"--episodes", "8", "--workers", "2", "--part", "1/2"}));
+  EXPECT_NE(part.out.find("shards 0 to 3 of 8 complete, 4 episodes (4 found on disk)"), std::string::npos) << part.out << part.err;
+  const Outcome extended = runTaxelsim(generating("out", {"--workers", "2"}));
+  EXPECT_NE(extended.out.find("40 episodes (8 found on disk), 1,920 frames"), std::string::npos) << extended.out << extended.err;
+  EXPECT_EQ(filesOf(out), filesOf(root_ / "one"));
+  const Outcome played = runTaxelsim(evaluating({"--episode-range", "0..39", "-o", root_ / "parts", "--workers", "2"}));
+  EXPECT_EQ(played.status, 0) << played.err;
+  EXPECT_EQ(runTaxelsim(evaluating({"--merge", root_ / "parts", "--json"})).out, runTaxelsim(evaluating({"--json"})).out);
+}
+
+TEST_F(Workers, AreStoppedByAnInterruptAndResume) {
+  ASSERT_EQ(runTaxelsim(generating("one", {})).status, 0);
+  for (const bool to_group : {true, false}) {  // of a terminal, or of `kill`
+    const std::string name = to_group ? "group" : "parent";
+    RunningTaxelsim program(generating(name, long_run_));
+    const std::vector<pid_t> workers = workersOf(program, 2);
+    ASSERT_EQ(workers.size(), 2u) << program.wait().err;
+    while (numShards(root_ / name) == 0) std::this_thread::sleep_for(kPeriod);
+    kill(to_group ? -program.process() : program.process(), SIGINT);
+    const Outcome stopped = program.wait();
+    EXPECT_EQ(stopped.status, 130) << stopped.err;
+    EXPECT_EQ(count(stopped.err, "stopped: " + std::to_string(numShards(root_ / name)) + " of 40 episodes are in"), 1u) << stopped.err;
+    EXPECT_EQ(count(stopped.err, "worker"), 0u) << stopped.err;
+    for (const pid_t worker : workers) EXPECT_EQ(statusOf(worker).state, 'X') << "ended before the program";
+    const Outcome resumed = runTaxelsim(generating(name, {"--workers", "2"}));
+    EXPECT_EQ(resumed.status, 0) << resumed.err;
+    EXPECT_EQ(filesOf(root_ / name), filesOf(root_ / "one"));
+  }
+  RunningTaxelsim program(evaluating(long_run_));
+  ASSERT_EQ(workersOf(program, 2).size(), 2u) << program.wait().err;
+  kill(-program.process(), SIGINT);
+  const Outcome stopped = program.wait();
+  EXPECT_EQ(stopped.status, 130) << stopped.err;
+  EXPECT_NE(stopped.err.find(" of 2 controllers are evaluated"), std::string::npos) << stopped.err;
+}
+
+TEST_F(Workers, AreLeftBehindByNoSecondInterrupt) {
+  RunningTaxelsim program(generating("out", long_run_));
+  const std::vector<pid_t> workers = workersOf(program, 2);
+  ASSERT_EQ(workers.size(), 2u) << program.wait().err;
+  kill(workers[0], SIGSTOP);  // the first interrupt waits for it without end
+  while (statusOf(program.process()).state != 'Z') {
+    kill(program.process(), SIGINT);
+    std::this_thread::sleep_for(kPeriod);
+  }
+  EXPECT_EQ(program.wait().status, 128 + SIGINT);
+  kill(workers[0], SIGCONT);  // it may have been stopped before it asked the kernel to end with its parent
+  for (const pid_t worker : workers) waitForEnd(worker);
+}
+
+TEST_F(Workers, EndWithTheProcessThatStartedThem) {
+  for (const bool is_generate : {true, false}) {
+    RunningTaxelsim program(is_generate ? generating("out", long_run_) : evaluating(long_run_));
+    const std::vector<pid_t> workers = workersOf(program, 2);
+    ASSERT_EQ(workers.size(), 2u) << program.wait().err;
+    kill(program.process(), SIGKILL);
+    for (const pid_t worker : workers) waitForEnd(worker);
+    EXPECT_EQ(program.wait().status, 128 + SIGKILL);
+  }
+  const Outcome resumed = runTaxelsim(generating("out", {}));
+  EXPECT_EQ(resumed.status, 0) << resumed.err;
+}
+
+TEST_F(Workers, ThatAreKilledGiveOneLineAndLoseNothing) {
+  ASSERT_EQ(runTaxelsim(generating("one", {})).status, 0);
+  const Outcome table = runTaxelsim(evaluating({"--json"}));
+  for (const bool is_generate : {true, false}) {
+    std::vector<std::string> options = long_run_;
+    if (!is_generate) options.push_back("--json");
+    RunningTaxelsim program(is_generate ? generating("out", options) : evaluating(options));
+    const std::vector<pid_t> workers = workersOf(program, 2);
+    ASSERT_EQ(workers.size(), 2u) << program.wait().err;
+    kill(workers[0], SIGKILL);
+    const Outcome outcome = program.wait();
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(count(outcome.err, "killed by signal 9 (Killed); its "), 1u) << outcome.err;
+    EXPECT_EQ(count(outcome.err, "warning: worker "), 1u) << outcome.err;
+    if (!is_generate) {
+      EXPECT_EQ(outcome.out, table.out);
+    }
+  }
+  EXPECT_EQ(filesOf(root_ / "out"), filesOf(root_ / "one"));
+}
+
+TEST_F(Workers, NumbersThatAreNoneAreRefused) {
+  for (const char* value : {"0", "-1", "x", "1000000000", "1.5"}) {
+    expectRefused(runTaxelsim(generating("out", {"--workers", value})), "--workers: ");
+    expectRefused(runTaxelsim(evaluating({"--workers", value})), "--workers: ");
+  }
+  expectRefused(runTaxelsim(evaluating({"--workers", "2", "--controller", "unknown"})), "--controller unknown: not in this scene");
+  expectRefused(runTaxelsim({"generate", TAXELSIM_SOURCE_DIR "/scenes/gripper_grasp.yaml", "-o", root_ / "out", "--workers", "2"}),
+                "--workers: 2 found, one process makes the data set of a scene of kind grasp");
+  EXPECT_FALSE(std::filesystem::exists(root_ / "out"));
+}
+
+}  // namespace
+}  // namespace taxelsim::testing
