@@ -47,17 +47,17 @@ static_assert(!std::is_assignable_v<gpu::SpecConstant<2, float>&, gpu::SpecConst
 static_assert(!std::is_default_constructible_v<TaxelJacobianInterface>);
 template <typename Interface>
 concept TakesAFloatForABool = requires {
-  Interface{.SCALED = 1.0f, .HAS_FORCES = true};
+  Interface{.SCALED = 1.0f};
 };
 template <typename Interface>
-concept TakesBools = requires {
-  Interface{.SCALED = false, .HAS_FORCES = true};
+concept TakesABool = requires {
+  Interface{.SCALED = false};
 };
 template <typename Interface>
 concept TakesTooFew = requires {
-  Interface{.SCALED = true};
+  Interface{};
 };
-static_assert(TakesBools<TaxelJacobianInterface> && !TakesAFloatForABool<TaxelJacobianInterface> && !TakesTooFew<TaxelJacobianInterface>);
+static_assert(TakesABool<TaxelJacobianInterface> && !TakesAFloatForABool<TaxelJacobianInterface> && !TakesTooFew<TaxelJacobianInterface>);
 
 // A kernel is bound by the blocks of its own pass, each of a type of its own.
 static_assert(!std::is_convertible_v<gpu::PassKernel<LoadInterface>, gpu::PassKernel<ImageInterface>>);
