@@ -157,7 +157,7 @@ TEST(MeasurementFile, RejectsBadMeasurements) {
       {point + pin, "x_mm,y_mm,r0_c0\n0,0,1\n", "missing column of taxel 1"},
       {point + pin, "x_mm,r0_c0,r0_c1\n0,0,1\n", "missing column of the position along y"},
       {"measurement: footprint_images\n", "r0_c0,r0_c1\n0,1\n", "indenter is missing"},
-      {"measurement: footprint_images\nmask: mask.csv\n", "r0_c0,r0_c1\n0,1\n", "pixel is missing"},
+      {"measurement: footprint_images\nmask: mask.csv\n", "r0_c0,r0_c1\n0,1\n", "pixel[_mm] is missing"},
       {"measurement: footprint_images\npixel_mm: 1\n" + pin, "r0_c0,r0_c1\n0,1\n", "pixel_mm: needs a `mask`"},
       {"measurement: footprint_images\nmask: mask.csv\npixel_mm: 1\n" + pin, "r0_c0,r0_c1\n0,1\n", "give only one of them"},
       {"measurement: footprint_images\nmask: none.csv\npixel_mm: 1\n", "r0_c0,r0_c1\n0,1\n", "none.csv"},
