@@ -92,7 +92,8 @@ TEST(Characterize, RecoversSpreadAndGainsWithoutALoadCell) {
   EXPECT_LT(spread["low"].get<double>(), 0.174);
   EXPECT_GT(spread["high"].get<double>(), 0.174);
   EXPECT_EQ(json["dead_taxels"], Json({40}));
-  ASSERT_EQ(runTaxelsim(characterized({"force_curve"}, directory / "line.yaml")).status, 0);
+  // With images of points: gains near the border depend on the spread.
+  ASSERT_EQ(runTaxelsim(characterized({"force_curve", "point_images"}, directory / "line.yaml")).status, 0);
   const std::vector<double> gains = loadSensor(directory / "s.yaml").readout.taxel_gain,
                             by_curves = loadSensor(directory / "line.yaml").readout.taxel_gain;
   // 4 % in five presses is 1.8 %; four times that.
