@@ -165,11 +165,48 @@ def stamp_images(directory):
               "time_s," + columns(), rows)
 
 
+def footprint_images(directory):
+    """An L with bars of 2 mm, 8 x 6 mm, in pixels of 0.2 mm."""
+    pixel, shape = 0.2e-3, (40, 30)
+    mask = [[1 if i < 10 or j < 10 else 0 for j in range(shape[1])] for i in range(shape[0])]
+    (directory / "footprint_mask.csv").write_text("\n".join(",".join(map(str, row)) for row in mask) + "\n")
+    points = [(i, j) for i in range(shape[0]) for j in range(shape[1]) if mask[i][j]]
+    rows = []
+    for _ in range(12):
+        x, y, yaw, load = draw.uniform(-5e-3, 5e-3), draw.uniform(-18e-3, 18e-3), draw.uniform(-0.5, 0.5), draw.uniform(3, 6)
+        force = {}
+        for i, j in points:
+            for k in range(9):  # of each pixel
+                u = (i + (k // 3 + 0.5) / 3 - shape[0] / 2) * pixel
+                v = (j + (k % 3 + 0.5) / 3 - shape[1] / 2) * pixel
+                row = math.floor((x + math.cos(yaw) * u - math.sin(yaw) * v) / PITCH + ROWS / 2)
+                col = math.floor((y + math.sin(yaw) * u + math.cos(yaw) * v) / PITCH + COLS / 2)
+                if 0 <= row < ROWS and 0 <= col < COLS:
+                    force[row, col] = force.get((row, col), 0) + load / (9 * len(points))
+        image = spread(force)
+        rows.append([f"{x * 1e3:.3f}", f"{y * 1e3:.3f}", f"{math.degrees(yaw):.3f}"] + [str(read(t, image[t])) for t in range(ROWS * COLS)])
+    write(directory, "footprint_images", {"measurement": "footprint_images", "mask": "footprint_mask.csv", "pixel_mm": pixel * 1e3},
+          "x_mm,y_mm,yaw_deg," + columns(), rows)
+
+
+def uniform_press(directory):
+    """Five presses of an air cushion, five frames each; presses differ by 17.4 %, taxels in one press by 4 %."""
+    rows = []
+    for press in range(5):
+        pressure = 30e3 * (1 + 0.2 * press)
+        gain = math.exp(draw.gauss(0, 0.174))
+        image = spread({(row, col): pressure * gain * PITCH**2 for row in range(ROWS) for col in range(COLS)})
+        image = [force * math.exp(draw.gauss(0, 0.04)) for force in image]
+        for _ in range(5):
+            rows.append([str(press), f"{pressure * 1e-3:.1f}"] + [str(read(t, image[t])) for t in range(ROWS * COLS)])
+    write(directory, "uniform_press", {"measurement": "uniform_press"}, "press,pressure_kPa," + columns(), rows)
+
+
 def main():
     root = Path(__file__).resolve().parent.parent
     directory = Path(sys.argv[1]) if len(sys.argv) > 1 else root / "scenes" / "measurements"
     directory.mkdir(parents=True, exist_ok=True)
-    for make in (force_curve, force_depth, point_images, step_response, stamp_images):
+    for make in (force_curve, force_depth, point_images, step_response, stamp_images, footprint_images, uniform_press):
         make(directory)
 
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -49,6 +50,14 @@ struct FitFigure {
   std::vector<Curve> curves;  ///< Data series, in drawing order.
 };
 
+/// Gain and trigger of all taxels as functions of the temperature T: gain exp(gain_per_kelvin (T - reference)),
+/// trigger + trigger_per_kelvin (T - reference).
+struct TemperatureTerm {
+  double reference = 0;           ///< Degrees Celsius, mean of the measurements that recorded it.
+  double gain_per_kelvin = 0;     ///< 1/K.
+  double trigger_per_kelvin = 0;  ///< N/K.
+};
+
 /// Result of characterize().
 struct Characterization {
   Sensor sensor;                     ///< The sensor of the measurements with the fitted parameters.
@@ -57,7 +66,12 @@ struct Characterization {
   std::vector<FitFigure> figures;    ///< Figures for a report.
   std::vector<int> dead_taxels;      ///< Taxels that did not respond to force, by index in storage order.
   std::vector<std::string> remarks;  ///< Warnings, one line each.
+  /// Where measurements at several temperatures recorded it. `sensor` is the one at the reference temperature.
+  std::optional<TemperatureTerm> temperature{};
 };
+
+/// The fitted sensor at a temperature (degrees Celsius); without a TemperatureTerm at any.
+Sensor sensorAt(const Characterization& fitted, double temperature);
 
 /// Fits every parameter that the measurements identify.
 ///

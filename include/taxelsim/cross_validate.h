@@ -25,8 +25,10 @@ struct PredictionScore {
 
 /// A way to predict, and its scores.
 struct Predictor {
-  std::string name;                       ///< Name in reports.
-  bool is_measured = false;               ///< Another recording of the same contact: a limit for every simulation, not a baseline.
+  std::string name;  ///< Name in reports.
+  /// Whether it has no model of the sensor. False for the fitted sensor, a variant of it, and another recording of the same contact, which
+  /// is a limit for every simulation.
+  bool is_baseline = false;
   std::vector<PredictionScore> scores{};  ///< One entry per prediction, in the same order for all predictors.
 };
 
@@ -41,8 +43,10 @@ struct CrossValidation {
 ///
 /// Stamps: all stamps of one load are left out together, and the rest needs another load. The reference in double precision simulates the
 /// prediction. A stamp stands where the training stamps of its fixture stand, or without a fixture at the mean pose of all training stamps:
-/// the scored image has no part in it. Baselines: an image of zeros; the footprint under a Gaussian with one gain; the same with a trigger
-/// and a ridge-regularised gain per taxel; a straight line in the load per taxel; another recorded press of the same load.
+/// the scored image has no part in it. If the training presses have gains, a smooth function of the load predicts the gain of a load
+/// between two of theirs; the sensor without it is scored, too. Baselines: an image of zeros; the footprint under a Gaussian with one gain;
+/// the same with a trigger and a ridge-regularised gain per taxel; a straight line in the load per taxel; another recorded press of the
+/// same load.
 ///
 /// Force curves: each measurement is cut into cycles of the force, and odd cycles predict even ones and vice versa; with fewer than four
 /// cycles, its halves. Baselines: zeros; a straight line in the force per taxel; the median reading of the other half at the same force.

@@ -150,9 +150,10 @@ CalibrationExperiment loadCalibrationExperiment(const std::filesystem::path& fil
 struct CharacterizationExperiment {
   std::string name;                       ///< Name in reports.
   std::string missing;                    ///< One line that says where the recordings were looked for; empty if they are there.
+  std::string skipped;                    ///< One line that names recordings whose tables are not there; empty if all are.
   double light_below = 0;                 ///< N, loads below are scored apart; 0: all together.
   bool separate = false;                  ///< Whether each recording is of a sensor of its own.
-  std::vector<Measurement> measurements;  ///< The recordings; empty if they are missing.
+  std::vector<Measurement> measurements;  ///< The recordings that are there.
 };
 
 /// An experiment of any kind.

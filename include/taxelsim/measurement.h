@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -60,12 +61,23 @@ struct ForceDepth {
   std::vector<double> force;  ///< (rows), N.
 };
 
-/// (c) Images of an indenter at known positions.
+/// A footprint as a picture of high resolution, for example of a pressure film. Its middle is the origin of the footprint.
+struct FootprintMask {
+  std::size_t num_rows = 0;     ///< Pixels along x.
+  std::size_t num_cols = 0;     ///< Pixels along y.
+  double pixel = 0;             ///< m, > 0: side of a square pixel.
+  std::vector<float> pressure;  ///< (num_rows x num_cols), >= 0, in any unit; 1 and 0 for a shape.
+};
+
+/// (c) Images of an indenter at known positions (`point_images`), or of a footprint (`footprint_images`).
 struct PointImages {
-  Indenter indenter;                            ///< What presses.
+  Indenter indenter;                            ///< What presses, unless there is a mask.
   std::vector<std::array<double, 2>> position;  ///< (rows), m, x and y in the frame of the sensor's first patch.
   std::vector<double> force;                    ///< (rows), N; empty if not measured.
   Images images;                                ///< One image per row.
+  std::vector<double> yaw{};                    ///< (rows), rad, turn of the footprint about z; empty: 0.
+  std::optional<FootprintMask> mask{};          ///< The footprint.
+  double position_error = 0;                    ///< m, >= 0, standard deviation of x and of y of an image; 0: they are exact.
 };
 
 /// (d) Output over time after one step of the load.
@@ -83,6 +95,13 @@ struct StampImages {
   std::string fixture{};  ///< Stamps of one fixture have the same pose; empty: each stamp has its own.
 };
 
+/// (f) Images at rest under a pressure that is the same on the whole array, as under an air cushion.
+struct UniformPress {
+  std::vector<double> pressure;  ///< (rows), Pa; empty if not measured.
+  std::vector<int> press;        ///< (rows), number of the press; rows of one press are frames that are averaged. Empty: a press per row.
+  Images images;                 ///< One image per row.
+};
+
 /// Images for comparison only, of an unknown contact.
 struct ImageSequence {
   Images images;  ///< Images over time.
@@ -94,7 +113,8 @@ struct Measurement {
   std::string name;             ///< File name without extension.
   Sensor sensor;                ///< Prior: the layout, and all parameters that the measurements do not identify.
   std::string resolved_sensor;  ///< The sensor as canonical YAML text with all settings.
-  std::variant<ForceCurve, ForceDepth, PointImages, StepResponse, StampImages, ImageSequence> data;  ///< The data, by kind.
+  std::variant<ForceCurve, ForceDepth, PointImages, StepResponse, StampImages, UniformPress, ImageSequence> data;  ///< The data, by kind.
+  std::optional<double> temperature{};  ///< Degrees Celsius of the sensor; none if not recorded. Force curves and stamps only.
 };
 
 /// Reads a measurement. Throws Error(kInput), one line with file, line, column, key or column of the table, the value and what is allowed.

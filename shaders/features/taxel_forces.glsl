@@ -9,7 +9,7 @@ bool reports(uint word) { return (word & kNoRegion) != kNoRegion; }
 float forceOf(uint first_taxel, uint t) {
   if (CLEAN) {
     float force = spread_normal[first_taxel + t];
-    taxel_regions[first_taxel + t] = force > taxels[t].readout.y ? t : kNoRegion;
+    taxel_regions[first_taxel + t] = force > max(taxels[t].readout.y, 0.0) ? t : kNoRegion;
     return force;
   }
   uint counts = image[first_taxel + t];

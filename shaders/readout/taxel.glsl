@@ -52,7 +52,7 @@ void readTaxel(Instance instance, Lag lag, uint t, uvec2 at, Spread spread, uvec
   }
   vec4 chart = chartOf(at, instance.origin);
   float nominal_trigger = TAXELS_ALIKE ? TRIGGER : taxels[t].readout.y;
-  addForce(sums.clean, spread.normal, chart, spread.normal > nominal_trigger);
+  addForce(sums.clean, spread.normal, chart, spread.normal > max(nominal_trigger, 0.0));
   LagState states = statesOf(instance.number, t, instance.step);
   float force = laggedForce(lag, states, spread.normal);
   float drift = 0.0;

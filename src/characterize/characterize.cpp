@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "characterize/fits.h"
+#include "characterize/temperature.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -93,6 +94,14 @@ void fitStamps(Measured stamps, Characterization& result) {
     after.taxel_trigger = before.taxel_trigger;
     after.taxel_gain = before.taxel_gain;
   }
+  if (isDetermined(result, "readout.taxel_gain") && !isDetermined(result, "readout.curve.")) {
+    kept.emplace_back("readout.taxel_gain");
+    after.taxel_gain = before.taxel_gain;
+  }
+  if (isDetermined(result, "temperature.")) {
+    kept.emplace_back("temperature.");
+    fitted.temperature = result.temperature;
+  }
   if (isDetermined(result, "readout.creep")) {
     kept.push_back("readout.creep");
     after.creep = before.creep;
@@ -130,22 +139,29 @@ Characterization characterize(std::span<const Measurement> measurements) {
   checkSameSensor(measurements);
   Characterization result;
   result.sensor = measurements.front().sensor;
+  result.temperature = temperatureTermOf(measurements);
   const std::vector<const Measurement*> curves = ofKind<ForceCurve>(measurements);
-  std::optional<PsfRange> psf_range;
+  std::optional<PsfRange> psf_range, found_range;
+  const std::vector<const Measurement*> presses = ofKind<UniformPress>(measurements);
+  if (!curves.empty() && !presses.empty()) {
+    result.remarks.push_back("uniform presses are not used: the force curves determine the gains");
+  }
+  const auto fitGains = [&](Characterization& to) -> ReadoutCovariance {
+    if (!curves.empty()) return fitReadout(curves, psf_range, to);
+    return presses.empty() ? ReadoutCovariance{} : fitUniformPress(presses, to);
+  };
   // Readout and point spread function depend on each other: images are read through the readout, and the point spread function moves a
   // share of the force on a taxel to others. Alternates until the point spread function converges.
   const std::vector<const Measurement*> points = ofKind<PointImages>(measurements);
   for (int round = 0; round < kMaxRounds && !points.empty(); ++round) {
     Characterization draft = result;
-    ReadoutCovariance covariance;
-    if (!curves.empty()) covariance = fitReadout(curves, {}, draft);
-    fitPointSpread(points, covariance, draft);
+    fitPointSpread(points, fitGains(draft), draft);
     const bool converged = differenceOf(std::exchange(result.sensor.psf, draft.sensor.psf), draft.sensor.psf) < kConverged;
-    psf_range = rangeOf(draft);
-    if (converged || curves.empty()) break;
+    found_range = rangeOf(draft);
+    if (converged || (curves.empty() && presses.empty())) break;
   }
-  ReadoutCovariance covariance;
-  if (!curves.empty()) covariance = fitReadout(curves, psf_range, result);
+  psf_range = found_range;
+  const ReadoutCovariance covariance = fitGains(result);
   if (!points.empty()) fitPointSpread(points, covariance, result);
   fitKind<ForceDepth>(measurements, result, fitStiffness);
   fitKind<StepResponse>(measurements, result, fitCreep);

@@ -136,7 +136,7 @@ std::vector<double> predictedBySameForce(const ForceCurve& training, const Force
 CrossValidation validateForceCurves(const std::vector<Measurement>& curves, const std::vector<Measurement>& others) {
   CrossValidation result{.left_out = "cycles or halves", .predictors = {}};
   for (const char* const name : {"fitted sensor", "zeros", "line in the force per taxel", "median of the other half at the same force"}) {
-    result.predictors.push_back({.name = name, .scores = {}});
+    result.predictors.push_back({.name = name, .is_baseline = !result.predictors.empty(), .scores = {}});
   }
   for (std::size_t m = 0; m < curves.size(); ++m) {
     const auto& whole = std::get<ForceCurve>(curves[m].data);
@@ -149,7 +149,8 @@ CrossValidation validateForceCurves(const std::vector<Measurement>& curves, cons
         if (k == m) measurement.data = seen;
       }
       const Characterization fitted = timedFit(training, result.longest_fit);
-      const std::array<std::vector<double>, 4> predictions{predictedBySensor(fitted.sensor, wanted),
+      const Sensor at_temperature = curves[m].temperature ? sensorAt(fitted, *curves[m].temperature) : fitted.sensor;
+      const std::array<std::vector<double>, 4> predictions{predictedBySensor(at_temperature, wanted),
                                                            std::vector<double>(wanted.counts.size()), predictedByLine(seen, wanted),
                                                            predictedBySameForce(seen, wanted)};
       for (std::size_t p = 0; p < predictions.size(); ++p) {

@@ -30,6 +30,8 @@ using ReadoutCovariance = std::vector<std::array<double, 4>>;
 // Fits curve, trigger, saturation, hysteresis, noise, taxel_gain, taxel_trigger and dead taxels. `psf_range` is the uncertainty of the
 // point spread function, if it was measured.
 ReadoutCovariance fitReadout(Measured force_curves, const std::optional<PsfRange>& psf_range, Characterization& result);
+// Fits taxel_gain, and the scatter between presses where the pressure is known. Force curves that have determined the gains exclude it.
+ReadoutCovariance fitUniformPress(Measured uniform_presses, Characterization& result);
 // Fits psf.
 void fitPointSpread(Measured point_images, const ReadoutCovariance& covariance, Characterization& result);
 // Fits skin.normal_contact_stiffness.

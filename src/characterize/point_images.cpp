@@ -1,10 +1,10 @@
 #include "characterize/point_images.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "base/text.h"
-#include "characterize/footprint.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -14,15 +14,14 @@ constexpr double kStill = 2;             // counts: an image with no more has no
 constexpr std::size_t kMaxImages = 600;  // more are subsampled evenly
 constexpr double kLeastOnArray = 1e-3;   // of an indenter's force
 
-// Share of the indenter's force on each taxel; `place` in m, in P.
-std::vector<double> sharesOf(const GridPatch& patch, const Indenter& indenter, const std::array<double, 2>& place,
-                             const std::vector<PressedSection>& sections) {
-  std::vector<double> shares(static_cast<std::size_t>(patch.num_rows * patch.num_cols));
+// Adds the share of the indenter's force on each taxel; `place` in m, in P.
+void addShares(const GridPatch& patch, const Indenter& indenter, const std::array<double, 2>& place, double yaw,
+               const std::vector<PressedSection>& sections, std::vector<double>& shares) {
   double total = 0;
+  for (const PressedSection& section : sections) total += section.volume;
   for (const PressedSection& section : sections) {
-    const Polygon polygon = moved(sectionOf(indenter, section.height), place);
-    const double per_area = section.volume / indenter.sectionAt(section.height);
-    total += section.volume;
+    const Polygon polygon = moved(sectionOf(indenter, section.height), place, yaw);
+    const double per_area = section.volume / (indenter.sectionAt(section.height) * total);
     for (int i = 0; i < patch.num_rows; ++i) {
       for (int j = 0; j < patch.num_cols; ++j) {
         const double x = (i - patch.num_rows / 2.0) * patch.pitch[0], y = (j - patch.num_cols / 2.0) * patch.pitch[1];
@@ -31,8 +30,37 @@ std::vector<double> sharesOf(const GridPatch& patch, const Indenter& indenter, c
       }
     }
   }
-  for (double& share : shares) share /= total;
-  return shares;
+}
+
+// The same of a mask. A pixel that is turned counts as the square with sides along x and y around its middle.
+void addShares(const GridPatch& patch, const FootprintMask& mask, const std::array<double, 2>& place, double yaw,
+               std::vector<double>& shares) {
+  const double c = std::cos(yaw), s = std::sin(yaw), half = mask.pixel / 2;
+  double total = 0;
+  for (const float pressure : mask.pressure) total += pressure;
+  // Part of [middle - half, middle + half] in cell k of `count` cells around 0.
+  const auto part = [&](double middle, int k, int count, double pitch) {
+    const double low = (k - count / 2.0) * pitch;
+    return std::max(0.0, std::min(middle + half, low + pitch) - std::max(middle - half, low)) / mask.pixel;
+  };
+  const auto firstCell = [&](double middle, int count, double pitch) {
+    return std::max(0, static_cast<int>(std::floor(std::max(-1.0, (middle - half) / pitch + count / 2.0))));
+  };
+  for (std::size_t p = 0; p < mask.pressure.size(); ++p) {
+    if (!(mask.pressure[p] > 0)) continue;
+    const double u = (static_cast<double>(p / mask.num_cols) - (static_cast<double>(mask.num_rows) - 1) / 2) * mask.pixel;
+    const double v = (static_cast<double>(p % mask.num_cols) - (static_cast<double>(mask.num_cols) - 1) / 2) * mask.pixel;
+    const double x = place[0] + c * u - s * v, y = place[1] + s * u + c * v;
+    for (int i = firstCell(x, patch.num_rows, patch.pitch[0]); i < patch.num_rows; ++i) {
+      const double along_x = part(x, i, patch.num_rows, patch.pitch[0]);
+      if (along_x <= 0) break;
+      for (int j = firstCell(y, patch.num_cols, patch.pitch[1]); j < patch.num_cols; ++j) {
+        const double along_y = part(y, j, patch.num_cols, patch.pitch[1]);
+        if (along_y <= 0) break;
+        shares[static_cast<std::size_t>(i * patch.num_cols + j)] += mask.pressure[p] / total * along_x * along_y;
+      }
+    }
+  }
 }
 
 double sumOf(const std::vector<double>& values) {
@@ -50,24 +78,36 @@ Contact readRow(const PointImages& points, std::size_t row, const Sensor& sensor
   for (std::size_t t = 0; t < points.images.num_taxels; ++t) {
     const double counts = image.counts[t];
     most = std::max(most, counts);
-    image.amplitude += nominalForce(sensor.readout, counts);
+    image.amplitude += std::max(0.0, nominalForce(sensor.readout, counts));
   }
   if (most <= kStill) return Contact::kNone;
   if (!points.force.empty()) image.force = std::max(0.0, points.force[row]);
-  const double force = image.force > 0 ? image.force : image.amplitude;
-  const double depth = depthOfVolume(points.indenter, foundation.normal_exponent, force / foundation.normal_contact_stiffness);
-  image.share = sharesOf(sensor.patches[0], points.indenter, points.position[row],
-                         pressedSections(points.indenter, foundation.normal_exponent, depth));
+  if (!points.mask) {
+    const double force = image.force > 0 ? image.force : image.amplitude;
+    const double depth = depthOfVolume(points.indenter, foundation.normal_exponent, force / foundation.normal_contact_stiffness);
+    image.sections = pressedSections(points.indenter, foundation.normal_exponent, depth);
+  }
+  image.points = &points;
+  image.row = row;
+  image.place(sensor.patches[0], {0, 0});
   const double on_array = sumOf(image.share);
   if (on_array < kLeastOnArray) return Contact::kOffArray;
   image.amplitude = std::max(image.amplitude, 1e-6) / on_array;
-  for (std::size_t t = 0; t < image.share.size(); ++t) {
-    if (image.share[t] > 0) image.loaded.push_back(t);
-  }
   return Contact::kOnArray;
 }
 
 }  // namespace
+
+void PointImage::place(const GridPatch& patch, const std::array<double, 2>& offset) {
+  const std::array<double, 2> at{points->position[row][0] + offset[0], points->position[row][1] + offset[1]};
+  const double yaw = points->yaw.empty() ? 0 : points->yaw[row];
+  share.assign(static_cast<std::size_t>(patch.num_rows * patch.num_cols), 0);
+  points->mask ? addShares(patch, *points->mask, at, yaw, share) : addShares(patch, points->indenter, at, yaw, sections, share);
+  loaded.clear();
+  for (std::size_t t = 0; t < share.size(); ++t) {
+    if (share[t] > 0) loaded.push_back(t);
+  }
+}
 
 std::vector<PointImage> pointImages(Measured measurements, const Sensor& sensor, std::size_t& num_off) {
   std::vector<PointImage> images;

@@ -65,7 +65,8 @@ std::string rounded(double value) {
 
 PointSpreadModel modelOf(Measured measurements, const ReadoutCovariance& covariance, Characterization& result) {
   if (result.sensor.patches.size() != 1) {
-    throw Error(ErrorKind::kInput, measurements.front()->file.generic_string() + ": point_images need a sensor with one grid; it has " +
+    throw Error(ErrorKind::kInput, measurements.front()->file.generic_string() +
+                                       ": point_images and footprint_images need a sensor with one grid; it has " +
                                        std::to_string(result.sensor.patches.size()) + " patches");
   }
   PointSpreadModel model{.sensor = result.sensor, .covariance = covariance, .images = {}};

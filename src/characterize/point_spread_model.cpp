@@ -1,6 +1,7 @@
 #include "characterize/point_spread_model.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 
@@ -68,13 +69,25 @@ void addReadoutUncertainty(const PointSpreadModel& model, const std::function<Ps
 // `psf` maps the shared parameters to a point spread function; no parameters: a constant one.
 PsfFit fitPsf(const PointSpreadModel& model, const std::vector<FitParameter>& shared, const std::function<Psf(const double*)>& psf) {
   GroupedProblem problem{.shared = shared, .own = {}, .num_rows = {}, .noise = model.noise, .residuals = {}};
+  std::vector<PointImage> moved = model.images;
+  std::vector<std::array<double, 2>> at(moved.size(), {0, 0});  // m, where the shares of `moved` are
   for (const PointImage& image : model.images) {
-    problem.own.push_back({{.start = image.amplitude, .scale = image.amplitude, .low = 1e-3 * image.amplitude}});
+    std::vector<FitParameter>& own = problem.own.emplace_back(
+        std::vector<FitParameter>{{.start = image.amplitude, .scale = image.amplitude, .low = 1e-3 * image.amplitude}});
     problem.num_rows.push_back(image.taxels.size());
+    if (!(image.points->position_error > 0)) continue;
+    own.resize(3, {.start = 0, .scale = image.points->position_error});
+    problem.num_rows.back() += 2;  // their prior
   }
   std::vector<double> spread;
   problem.residuals = [&](std::size_t g, const double* values, const double* own, double* residuals) {
-    const PointImage& image = model.images[g];
+    PointImage& image = moved[g];
+    if (const double error = image.points->position_error; error > 0) {
+      const std::array<double, 2> offset{own[1], own[2]};
+      if (offset != at[g]) image.place(model.sensor.patches[0], offset);
+      at[g] = offset;
+      for (std::size_t axis = 0; axis < 2; ++axis) residuals[image.taxels.size() + axis] = model.noise * offset[axis] / error;
+    }
     spreadShares(model.sensor.patches[0], psf(values), image, spread);
     for (std::size_t k = 0; k < image.taxels.size(); ++k) {
       const std::size_t t = image.taxels[k];

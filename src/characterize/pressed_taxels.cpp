@@ -19,11 +19,12 @@ constexpr std::size_t kMaxRows = 200'000;  // of all taxels; more are subsampled
 
 using RowsByTaxel = std::map<int, std::vector<Reading>>;
 
-RowsByTaxel rowsByTaxel(Measured measurements) {
+RowsByTaxel rowsByTaxel(Measured measurements, double reference) {
   RowsByTaxel rows;
   for (const Measurement* measurement : measurements) {
     const auto& curve = std::get<ForceCurve>(measurement->data);
-    for (std::size_t r = 0; r < curve.taxel.size(); ++r) rows[curve.taxel[r]].push_back({curve.force[r], curve.counts[r]});
+    const double warmth = measurement->temperature.value_or(reference) - reference;
+    for (std::size_t r = 0; r < curve.taxel.size(); ++r) rows[curve.taxel[r]].push_back({curve.force[r], curve.counts[r], warmth});
   }
   const std::size_t most = std::max(kMaxRows / std::max<std::size_t>(rows.size(), 1), 10 * kLeastReadings);
   for (auto& [taxel, all] : rows) {
@@ -93,8 +94,8 @@ double ownShareHalfWidth(const Sensor& sensor, const PsfRange& range, int taxel)
 
 }  // namespace
 
-PressedTaxels pressedTaxels(Measured force_curves, const Sensor& sensor, const std::optional<PsfRange>& psf_range) {
-  RowsByTaxel rows = rowsByTaxel(force_curves);
+PressedTaxels pressedTaxels(Measured force_curves, const Sensor& sensor, const std::optional<PsfRange>& psf_range, double reference) {
+  RowsByTaxel rows = rowsByTaxel(force_curves, reference);
   PressedTaxels result;
   result.plateau = plateauOf(rows);
   result.top = result.plateau.counts > 0 ? result.plateau.top : sensor.readout.saturation;

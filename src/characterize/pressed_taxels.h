@@ -25,7 +25,8 @@ struct PressedTaxels {
   std::vector<int> too_few_rows;  // taxels with fewer than kLeastReadings rows between trigger and saturation
 };
 
-// `psf_range` gives the uncertainty of the share of a force that stays on its taxel. Throws Error(kInput) if no taxel can be fitted.
-PressedTaxels pressedTaxels(Measured force_curves, const Sensor& sensor, const std::optional<PsfRange>& psf_range);
+// `reference`: degrees Celsius, of measurements with a temperature. `psf_range` gives the uncertainty of the share of a force that stays on
+// its taxel. Throws Error(kInput) if no taxel can be fitted.
+PressedTaxels pressedTaxels(Measured force_curves, const Sensor& sensor, const std::optional<PsfRange>& psf_range, double reference);
 
 }  // namespace taxelsim

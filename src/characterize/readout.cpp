@@ -69,7 +69,7 @@ ReadoutCovariance covarianceOf(const ReadoutFit& found, const Sensor& sensor, do
 
 ReadoutCovariance fitReadout(Measured force_curves, const std::optional<PsfRange>& psf_range, Characterization& result) {
   const RequestedCurve requested = requestedCurve(force_curves);
-  PressedTaxels pressed = pressedTaxels(force_curves, result.sensor, psf_range);
+  PressedTaxels pressed = pressedTaxels(force_curves, result.sensor, psf_range, result.temperature ? result.temperature->reference : 0);
   result.dead_taxels.insert(result.dead_taxels.end(), pressed.dead.begin(), pressed.dead.end());
   for (const int taxel : pressed.too_few_rows) {
     result.remarks.push_back("taxel " + std::to_string(taxel) + ": left out, fewer than " + std::to_string(kLeastReadings) +
@@ -77,7 +77,11 @@ ReadoutCovariance fitReadout(Measured force_curves, const std::optional<PsfRange
   }
   ReadoutFit found{.taxels = std::move(pressed.taxels),
                    .plateau = pressed.plateau,
-                   .model = {.num_bends = requested.num_bends, .divider = requested.divider, .top = pressed.top, .noise = pressed.noise},
+                   .model = {.num_bends = requested.num_bends,
+                             .divider = requested.divider,
+                             .warms = result.temperature.has_value(),
+                             .top = pressed.top,
+                             .noise = pressed.noise},
                    .pieces = {},
                    .fit = {}};
   if (requested.num_pieces > 0) {

@@ -16,6 +16,8 @@ constexpr double kMostOfLimit = 0.999;                      // upper bound of (e
 constexpr double kUnloading = 0.2;                          // fall of the force that counts as unloading, of the largest force
 constexpr std::array<double, 3> kWidths{0.02, 0.06, 0.15};  // of the largest force: start values of the play's width
 
+constexpr double kMostPerKelvin = 0.1;  // bound of the growth of the gain
+
 // Effective force of each row after hysteresis.
 std::vector<double> playedForces(const PressedTaxel& taxel, double strength, double width) {
   std::vector<double> forces;
@@ -38,7 +40,9 @@ std::vector<double> outputs(const PressedTaxel& taxel, const ReadoutModel& model
   for (const std::size_t r : taxel.used) {
     const double force = model.hysteresis ? played[r] : taxel.rows[r].force;
     const double drift = own[2] * (static_cast<double>(r) / static_cast<double>(taxel.rows.size()) - 0.5);
-    result.push_back(model.output(own[0] * (force - own[1] - drift), shared));
+    const double warmth = taxel.rows[r].warmth, growth = model.warms ? std::exp(shared[model.warm()] * warmth) : 1;
+    const double shift = model.warms ? shared[model.warm() + 1] * warmth : 0;
+    result.push_back(model.output(own[0] * (growth * force - own[1] - drift) - shift, shared));
   }
   return result;
 }
@@ -119,6 +123,10 @@ GroupedFit fitReadoutModel(const std::vector<PressedTaxel>& taxels, const std::v
   if (model.hysteresis) {
     problem.shared.push_back({.start = 0.05, .scale = 0.1, .low = 0, .high = 0.99});
     problem.shared.push_back({.start = width * most, .scale = 0.1 * most, .low = 0, .high = most});
+  }
+  if (model.warms) {
+    problem.shared.push_back({.start = 0, .scale = 1e-3, .low = -kMostPerKelvin, .high = kMostPerKelvin});
+    problem.shared.push_back({.start = 0, .scale = 1e-4 * model.top, .low = -model.top, .high = model.top});
   }
   for (std::size_t t = 0; t < taxels.size(); ++t) {
     const double force = largestForce(taxels[t].rows);

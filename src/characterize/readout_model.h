@@ -7,7 +7,8 @@
 // With z = a (F - f) and the end of the range K, a polynomial is y = z (1 + b2 z/K + b3 (z/K)^2 + ...).
 // A piecewise linear curve starts at (0, 0) and passes (Z, Z) at one knot, the pinned one: S is the slope of the chord up to it. Its
 // parameters are the rises of the pieces relative to the largest rise.
-// Shared by all taxels: b2, b3, ... or the rises; K/L; s; the width of the play.
+// At a temperature of W above the reference, z = a (e^(g W) F - f) - b W, with g in 1/K and b in counts/K.
+// Shared by all taxels: b2, b3, ... or the rises; K/L; s; the width of the play; g and b.
 #pragma once
 
 #include <cstddef>
@@ -24,6 +25,7 @@ inline constexpr std::size_t kLeastReadings = 4;
 struct Reading {
   double force;  // N
   double counts;
+  double warmth = 0;  // K above the reference temperature
 };
 
 struct PressedTaxel {
@@ -39,6 +41,7 @@ struct ReadoutModel {
   bool divider = false;       // K/L follows the bends
   bool hysteresis = false;    // s and the play's width (N) come last
   bool drifts = false;        // each taxel has a drift d
+  bool warms = false;         // two parameters of the temperature follow the hysteresis
   double top = 0;             // counts
   double noise = 1;           // counts
 
@@ -59,6 +62,7 @@ struct ReadoutModel {
   // True if the output rises strictly from z = 0 to `last` or to the end of the range.
   bool rises(double last, const double* shared) const;
   std::size_t lag() const { return (knots.empty() ? num_bends : knots.size() - 1) + (divider ? 1 : 0); }  // index of s
+  std::size_t warm() const { return lag() + (hysteresis ? 2 : 0); }  // index of the gain per kelvin; the trigger's follows
 
   // Relative to the largest rise.
   double rise(std::size_t piece, const double* shared) const {

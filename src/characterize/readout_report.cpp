@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "base/text.h"
 #include "characterize/clipped_mean.h"
+#include "characterize/temperature.h"
 
 namespace taxelsim {
 namespace {
@@ -44,6 +46,7 @@ class ReadoutReport {
   void reportSaturation(const Plateau& plateau);
   void reportHysteresis();
   void reportDrift();
+  void reportTemperature();
   void reportNoise();
   void reportGains();
   void draw() const;
@@ -72,6 +75,7 @@ class ReadoutReport {
   Characterization& result_;
   Readout& readout_;
   double slope_;               // S, counts/N
+  double least_trigger_ = 0;   // N: 0 unless the output at rest is above 0
   double slope_by_share_ = 0;  // change of S over half of the shares' interval
 };
 
@@ -95,7 +99,9 @@ void ReadoutReport::reportCurve() {
   readout_.curve = {slope_};
   readout_.curve_points.clear();
   readout_.output_scale = 1;
-  readout_.trigger = std::max(0.0, trigger);
+  const double trigger_half = std::hypot(fit_.meanHalfWidth(of_trigger, no_shared), trigger * slope_by_share_ / slope_);
+  least_trigger_ = trigger < -trigger_half ? -std::numeric_limits<double>::infinity() : 0;
+  readout_.trigger = std::max(least_trigger_, trigger);
   if (!model_.knots.empty()) {
     reportPoints(of_slope);
     result_.remarks.push_back("readout.curve.points: " + over);
@@ -104,15 +110,13 @@ void ReadoutReport::reportCurve() {
   }
   readout_.curve_limit = 0;
   if (model_.divider) reportLimit();
-  reportTrigger(trigger, std::hypot(fit_.meanHalfWidth(of_trigger, no_shared), trigger * slope_by_share_ / slope_), share);
+  reportTrigger(trigger, trigger_half, share);
 }
 
 void ReadoutReport::reportTrigger(double trigger, double half_width, double share) {
   add("readout.trigger", "N", trigger, half_width, "");
-  if (trigger < -half_width) {
-    result_.remarks.push_back("the output begins at a force of " + rounded(trigger) +
-                              " N, below 0, which no readout does: the trigger is set to 0, which shifts the curve by as much");
-  }
+  if (least_trigger_ < 0)
+    result_.remarks.push_back("the output begins at a force of " + rounded(trigger) + " N, below 0: taxels read without a load");
   const double line_end = (trigger + model_.top / slope_) / share;
   result_.remarks.push_back("force on one taxel: detection threshold " + rounded(trigger / share) + " N" +
                             (model_.knots.empty() ? "; linear range to " + numberText(std::round(line_end * 100) / 100) + " N" : ""));
@@ -218,6 +222,13 @@ void ReadoutReport::reportDrift() {
                             " N: fitted, but not part of the sensor file");
 }
 
+void ReadoutReport::reportTemperature() {
+  if (!model_.warms) return;
+  const std::size_t at = model_.warm();
+  const double of_trigger = fit_.shared[at + 1] / slope_;
+  addTemperature(result_, {fit_.shared[at], fit_.halfWidth(at)}, {of_trigger, fit_.halfWidth(at + 1) / slope_});
+}
+
 void ReadoutReport::reportNoise() {
   const ReadingNoise noise = noiseOf(taxels_, model_, fit_);
   if (noise.degrees_of_freedom == 0) return;
@@ -240,7 +251,7 @@ void ReadoutReport::reportGains() {
     const double by_share = gain * (-taxels_[t].share_half_width / taxels_[t].share - slope_by_share_ / slope_);
     const auto at = static_cast<std::size_t>(taxels_[t].taxel);
     readout_.taxel_gain[at] = gain;
-    readout_.taxel_trigger[at] = std::max(0.0, fit_.own[t][0] * fit_.own[t][1] / slope_);
+    readout_.taxel_trigger[at] = std::max(least_trigger_, fit_.own[t][0] * fit_.own[t][1] / slope_);
     add("readout.taxel_gain[" + std::to_string(at) + "]", "", gain,
         std::hypot(fit_.ownHalfWidth(t, 0) / taxels_[t].share / slope_, by_share), "");
     squares += (gain - 1) * (gain - 1);
@@ -304,6 +315,7 @@ void reportReadout(const ReadoutFit& found, Characterization& result) {
   report.reportSaturation(found.plateau);
   report.reportHysteresis();
   report.reportDrift();
+  report.reportTemperature();
   report.reportNoise();
   report.reportGains();
   report.draw();

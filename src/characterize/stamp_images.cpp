@@ -36,9 +36,14 @@ FitFigure figureOf(const StampModel& model, const StampFit& found) {
 void fitStampImages(Measured measurements, Characterization& result) {
   const Sensor sensor = result.sensor;
   StampModel model(sensor);
+  model.with_temperature = result.temperature.has_value();
+  model.knows_gains = std::any_of(result.estimates.begin(), result.estimates.end(), [](const Estimate& estimate) {
+    return estimate.determined && estimate.parameter.starts_with("readout.taxel_gain");
+  });
   for (const int dead : result.dead_taxels) model.gain[static_cast<std::size_t>(dead)] = 0;
   for (const Measurement* measurement : measurements) {
     Stamp& stamp = model.stamps.emplace_back(stampOf(*measurement));
+    if (result.temperature) stamp.warmth = *measurement->temperature - result.temperature->reference;
     if (stamp.data->fixture.empty()) continue;
     const auto known = std::find(model.fixtures.begin(), model.fixtures.end(), stamp.data->fixture);
     stamp.fixture = static_cast<std::size_t>(known - model.fixtures.begin());

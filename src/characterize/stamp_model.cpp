@@ -22,6 +22,7 @@ constexpr double kPlane = 1e-6;         // m and rad: deviation up to which a sk
 constexpr double kMostOfLimit = 0.999;  // upper bound of (end of the range) / (limit of the divider)
 constexpr double kMostBend = 100;       // upper bound of the quadratic term at the end of the range, relative to the linear one
 constexpr double kLeastGain = 0.01;     // of the nominal gain
+constexpr double kMostPerKelvin = 0.1;  // bound of the growth of the gain
 constexpr int kMaxKernelReach = kMaxKernelSize / 2;
 
 // (num_taxels x num_taxels): taxels^2 within a grid, infinite beyond the largest kernel; m^2 along the skin for a list of taxels.
@@ -126,6 +127,11 @@ std::vector<FitParameter> sharedParameters(const StampModel& model, const std::v
       freeFrom(start[kSigma], 0.1 * unit, 0.15 * unit, 4 * unit), freeFrom(start[kScale], start[kScale], 0, 1e12),
       freeFrom(start[kTrigger], 10, 0, 1e6),
       model.is_plane ? fixedAt(start[kStiffness]) : freeFrom(start[kStiffness], 1, start[kStiffness] - 5, start[kStiffness] + 5)};
+  const auto ofTemperature = [&](std::size_t at, double scale, double most) {
+    parameters.push_back(model.with_temperature ? freeFrom(at < start.size() ? start[at] : 0, scale, -most, most) : fixedAt(0));
+  };
+  ofTemperature(kWarmGain, 1e-3, kMostPerKelvin);
+  ofTemperature(kWarmTrigger, 1, model.curve.top);
   // Press gains and curve parameters are confounded: the curve is constant while press gains are fitted.
   const auto curveParameter = [&](double high) {
     const double value = parameters.size() < start.size() ? start[parameters.size()] : 0;
@@ -184,8 +190,9 @@ bool StampModel::isLoaded(std::size_t taxel) const {
   return gain[taxel] > 0 && std::any_of(stamps.begin(), stamps.end(), [&](const Stamp& stamp) { return stamp.image[taxel] > 0; });
 }
 
-double outputOf(const StampModel& model, const std::vector<double>& shared, std::size_t taxel, double force) {
-  const double z = shared[model.gainsAt() + taxel] * shared[kScale] * force - shared[kTrigger] - shared[model.offsetsAt() + taxel];
+double outputOf(const StampModel& model, const Stamp& stamp, const std::vector<double>& shared, std::size_t taxel, double force) {
+  const double z = shared[model.gainsAt() + taxel] * shared[kScale] * force - shared[kTrigger] - shared[kWarmTrigger] * stamp.warmth -
+                   shared[model.offsetsAt() + taxel];
   return model.curve.output(z, shared.data() + kCurve);
 }
 
@@ -260,8 +267,10 @@ StampFit fitStampModel(const StampModel& model, const std::vector<double>& share
     const Stamp& stamp = model.stamps[g];
     const std::array<double, 6> at = ownOf(model, stamp, values, own);
     const std::vector<double>& force = forces.spread(g, at.data(), std::exp(values[kStiffness]), values[kSigma]);
+    const double scale = at[kPress] * std::exp(values[kWarmGain] * stamp.warmth) * values[kScale];
+    const double trigger = values[kTrigger] + values[kWarmTrigger] * stamp.warmth;
     for (const std::size_t t : stamp.taxels) {
-      const double z = gains[t] * at[kPress] * values[kScale] * force[t] - values[kTrigger] - offsets[t];
+      const double z = gains[t] * scale * force[t] - trigger - offsets[t];
       *residuals++ = stamp.weightOf(t) * (clippedMean(model.curve.output(z, values + kCurve), noise, model.curve.top) - stamp.image[t]);
     }
     if (!stamp.fixture) residuals = writePosePrior(own, noise, residuals);
@@ -271,7 +280,8 @@ StampFit fitStampModel(const StampModel& model, const std::vector<double>& share
   for (std::size_t g = 0; g < model.stamps.size(); ++g) {
     const std::array<double, 6> own = ownOf(model, model.stamps[g], result.fit.shared.data(), result.fit.own[g].data());
     result.force.push_back(forces.spread(g, own.data(), std::exp(result.fit.shared[kStiffness]), result.fit.shared[kSigma]));
-    for (double& force : result.force.back()) force *= own[kPress];
+    const double gain = own[kPress] * std::exp(result.fit.shared[kWarmGain] * model.stamps[g].warmth);
+    for (double& force : result.force.back()) force *= gain;
   }
   return result;
 }

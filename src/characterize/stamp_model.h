@@ -33,10 +33,11 @@ inline constexpr std::size_t kPoseSize = 5;
 inline constexpr std::size_t kX = 0, kY = 1, kYaw = 2, kSlopeX = 3, kSlopeY = 4, kPress = 5;
 }  // namespace stamp_own
 
-// Indices of the shared parameters: sigma (taxels; m for a list), scale (counts/N), trigger (counts), log(stiffness), curve parameters of
-// ReadoutModel, gains of all taxels, offsets of all taxels (counts), poses of the fixtures.
+// Indices of the shared parameters: sigma (taxels; m for a list), scale (counts/N), trigger (counts), log(stiffness), growth of the gain
+// (1/K) and of the trigger (counts/K) with the temperature, curve parameters of ReadoutModel, gains of all taxels, offsets of all taxels
+// (counts), poses of the fixtures.
 namespace stamp_shared {
-inline constexpr std::size_t kSigma = 0, kScale = 1, kTrigger = 2, kStiffness = 3, kCurve = 4;
+inline constexpr std::size_t kSigma = 0, kScale = 1, kTrigger = 2, kStiffness = 3, kWarmGain = 4, kWarmTrigger = 5, kCurve = 6;
 }  // namespace stamp_shared
 
 struct Stamp {
@@ -47,6 +48,7 @@ struct Stamp {
   std::vector<std::size_t> taxels{};  // fitted taxels
   std::vector<double> weight{};       // (num_taxels): noise / standard deviation of the reading; empty: 1
   std::optional<std::size_t> fixture{};
+  double warmth = 0;  // K above the reference temperature
 
   double weightOf(std::size_t taxel) const { return weight.empty() ? 1 : weight[taxel]; }
 };
@@ -79,6 +81,8 @@ struct StampModel {
   bool with_gains = false;
   bool with_offsets = false;
   bool with_tilt = false;
+  bool with_temperature = false;
+  bool knows_gains = false;       // another measurement determined them
   double gain_deviation = 0.5;    // prior standard deviation of log(gain)
   double offset_deviation = 100;  // counts: prior standard deviation of the offsets
   double press_spread = 0;        // prior standard deviation of press gains; 0: not fitted
@@ -86,15 +90,15 @@ struct StampModel {
 
 struct StampFit {
   GroupedFit fit;                          // groups: stamps, and with gains one more for their prior
-  std::vector<std::vector<double>> force;  // (stamps, num_taxels), N: after the spread, times the press gain
+  std::vector<std::vector<double>> force;  // (stamps, num_taxels), N: after the spread, times the gains of press and temperature
   std::optional<GroupedFit> curve{};       // fit that determined the curve, with equal press gains
 };
 
 // Fits the model from these start values; missing shared values get defaults.
 StampFit fitStampModel(const StampModel& model, const std::vector<double>& shared_start, const std::vector<std::vector<double>>& own_start);
 
-// Output (counts) of a taxel before noise and clipping, for a force (N) after the spread, times the press gain.
-double outputOf(const StampModel& model, const std::vector<double>& shared, std::size_t taxel, double force);
+// Output (counts) of a taxel under a stamp before noise and clipping, for a force (N) as in StampFit::force.
+double outputOf(const StampModel& model, const Stamp& stamp, const std::vector<double>& shared, std::size_t taxel, double force);
 
 // A stamp's parameters (stamp_own), with the pose of its fixture if it has one.
 std::array<double, 6> ownOf(const StampModel& model, const Stamp& stamp, const double* shared, const double* own);

@@ -8,6 +8,7 @@
 #include "characterize/creep.h"
 #include "characterize/fits.h"
 #include "characterize/stamp_selection.h"
+#include "characterize/temperature.h"
 
 namespace taxelsim {
 namespace {
@@ -50,6 +51,7 @@ class StampReport {
   void reportTriggers(double slope, const Eigen::VectorXd& of_slope, double by_creep);
   void reportPressGains();
   void reportStiffness();
+  void reportTemperature();
   void reportGains();
   void reportPoses();
 
@@ -223,6 +225,9 @@ void StampReport::reportPressGains() {
                                .high = model_.press_spread * factor,
                                .remark = "between the " + over_});
   result_.sensor.readout.press_gain_spread = std::min(model_.press_spread, kMaxGainSpread);
+  for (std::size_t g = 0; g < model_.stamps.size(); ++g) {
+    add(result_, model_.stamps[g].measurement->name + ".press_gain", "", fit_.own[g][kPress], fit_.ownHalfWidth(g, kPress), "", "");
+  }
 }
 
 void StampReport::reportStiffness() {
@@ -233,6 +238,13 @@ void StampReport::reportStiffness() {
   if (auto* const law = std::get_if<Winkler>(&result_.sensor.skin.law); law != nullptr && result_.estimates.back().determined) {
     law->normal_contact_stiffness = stiffness;
   }
+}
+
+void StampReport::reportTemperature() {
+  if (!model_.with_temperature) return;
+  const double slope = fit_.shared[kScale] * mean_gain_ / grown_;
+  addTemperature(result_, {fit_.shared[kWarmGain], fit_.halfWidth(kWarmGain)},
+                 {fit_.shared[kWarmTrigger] / slope, fit_.halfWidth(kWarmTrigger) / slope});
 }
 
 void StampReport::reportGains() {
@@ -286,6 +298,7 @@ void reportStamps(const StampModel& model, const StampFit& found, Characterizati
   report.reportCurve();
   report.reportPressGains();
   report.reportStiffness();
+  report.reportTemperature();
   report.reportGains();
   report.reportPoses();
 }

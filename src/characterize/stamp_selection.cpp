@@ -44,7 +44,7 @@ double pressSpread(const StampModel& model, const StampFit& found) {
     for (const std::size_t t : model.stamps[g].taxels) {
       const double counts = model.stamps[g].image[t], force = found.force[g][t], weight = std::pow(model.stamps[g].weightOf(t), 2);
       if (counts <= 0 || counts >= model.curve.top) continue;
-      const auto output = [&](double press) { return outputOf(model, found.fit.shared, t, press * force); };
+      const auto output = [&](double press) { return outputOf(model, model.stamps[g], found.fit.shared, t, press * force); };
       const double growth = (output(1 + kStep) - output(1 - kStep)) / (2 * kStep);
       product += weight * (counts - output(1)) * growth;
       power += weight * growth * growth;
@@ -139,7 +139,7 @@ void weighReadings(StampModel& model, const StampFit& found) {
     Stamp& stamp = model.stamps[g];
     stamp.weight.clear();
     for (std::size_t t = 0; t < stamp.image.size(); ++t) {
-      const double mean = std::clamp(outputOf(model, found.fit.shared, t, found.force[g][t]), 0.0, model.curve.top);
+      const double mean = std::clamp(outputOf(model, stamp, found.fit.shared, t, found.force[g][t]), 0.0, model.curve.top);
       stamp.weight.push_back(best.noise / std::hypot(best.noise, best.relative * mean));
     }
   }
@@ -267,7 +267,7 @@ StampFit Selection::run(std::vector<std::string>& remarks) {
   model_.chooseTaxels(true);
   found = fitted(model_, found);
   model_.curve.noise = noiseOf(model_, found);
-  model_.with_gains = model_.stamps.size() >= kLeastImagesForGains;
+  model_.with_gains = !model_.knows_gains && model_.stamps.size() >= kLeastImagesForGains;
   if (model_.with_gains) {
     found = fitted(model_, found);
     refitUntilConverged(model_, found);

@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include "characterize/load_deviation.h"
 #include "characterize/prediction_score.h"
 #include "characterize/stamp_baselines.h"
 #include "characterize/stamp_recording.h"
@@ -38,8 +39,12 @@ double meanOfPose(const Characterization& result, const std::vector<Measurement>
   return count > 0 ? sum / count : 0;
 }
 
-std::vector<double> predictedBySensor(const Characterization& result, const std::vector<Measurement>& training, const StampImages& stamp) {
-  Sensor sensor = result.sensor;
+std::vector<double> predictedBySensor(const Characterization& result, const std::vector<Measurement>& training,
+                                      const Measurement& measurement, double press_gain) {
+  const auto& stamp = std::get<StampImages>(measurement.data);
+  Sensor sensor = measurement.temperature ? sensorAt(result, *measurement.temperature) : result.sensor;
+  sensor.readout.taxel_gain.resize(static_cast<std::size_t>(numTaxels(sensor)), 1);
+  for (double& gain : sensor.readout.taxel_gain) gain *= press_gain;
   sensor.samples_per_taxel = kSamplesPerTaxel;
   const auto mean = [&](const char* key) { return meanOfPose(result, training, stamp.fixture, key); };
   const Quaternion tilt = axisAngle({0, 1, 0}, -std::atan(mean(".slope_x"))) * axisAngle({1, 0, 0}, std::atan(mean(".slope_y")));
@@ -57,16 +62,30 @@ std::vector<double> predictedBySensor(const Characterization& result, const std:
   return {frame.counts.begin(), frame.counts.end()};
 }
 
+// Press gains of the training stamps as a function of the load; none if they were not fitted.
+LoadDeviation loadDeviationOf(const Characterization& result, const std::vector<Measurement>& training) {
+  std::vector<LoadDeviation::Press> presses;
+  for (const Measurement& measurement : training) {
+    if (!std::holds_alternative<StampImages>(measurement.data)) continue;
+    const std::string name = measurement.name + ".press_gain";
+    for (const Estimate& estimate : result.estimates) {
+      if (estimate.parameter == name) presses.push_back({loadOf(measurement), std::log(estimate.value)});
+    }
+  }
+  return LoadDeviation(std::move(presses));
+}
+
 // Predictors in the order of CrossValidation.
-enum : std::size_t { kSensor, kZero, kBlur, kBlurWithGains, kLine, kRepeat, kNumPredictors };
+enum : std::size_t { kSensor, kZero, kBlur, kBlurWithGains, kLine, kRepeat, kSensorAlone };
 
 }  // namespace
 
 CrossValidation validateStamps(const std::vector<Measurement>& stamps, const std::vector<Measurement>& others) {
   CrossValidation result{.left_out = "loads", .predictors = {}};
   for (const char* const name : {"fitted sensor", "zeros", "blurred footprint, one gain", "blurred footprint, trigger and gains",
-                                 "line in the load per taxel", "repeated real press"}) {
-    result.predictors.push_back({.name = name, .is_measured = result.predictors.size() == kRepeat, .scores = {}});
+                                 "line in the load per taxel", "repeated real press", "fitted sensor without the bench's deviation"}) {
+    const std::size_t predictor = result.predictors.size();
+    result.predictors.push_back({.name = name, .is_baseline = predictor != kSensor && predictor < kRepeat, .scores = {}});
   }
   std::vector<RecordedPress> presses;
   for (const Measurement& stamp : stamps) {
@@ -89,6 +108,7 @@ CrossValidation validateStamps(const std::vector<Measurement>& stamps, const std
       seen.push_back(presses[k]);
     }
     const Characterization fitted = timedFit(training, result.longest_fit);
+    const double press_gain = std::exp(loadDeviationOf(fitted, training).at(load));
     for (std::size_t k = 0; k < stamps.size(); ++k) {
       if (loadOf(stamps[k]) != load) continue;
       const Sensor& sensor = stamps[k].sensor;
@@ -99,13 +119,14 @@ CrossValidation validateStamps(const std::vector<Measurement>& stamps, const std
         score.load = load;
         result.predictors[predictor].scores.push_back(std::move(score));
       };
-      add(kSensor, predictedBySensor(fitted, training, std::get<StampImages>(stamps[k].data)));
+      add(kSensor, predictedBySensor(fitted, training, stamps[k], press_gain));
       add(kZero, std::vector<double>(real.size()));
       add(kBlur, blurredFootprint(sensor, seen, presses[k]));
       add(kBlurWithGains, blurredFootprintWithGains(sensor, seen, presses[k]));
       add(kLine, linePerTaxel(seen, presses[k]));
       const auto repeats = [&](const RecordedPress& press) { return press.load == load && &press != &presses[k]; };
       const auto other = std::find_if(presses.begin(), presses.end(), repeats);
+      add(kSensorAlone, predictedBySensor(fitted, training, stamps[k], 1));
       add(kRepeat, other != presses.end() ? other->image : std::vector<double>(real.size(), std::nan("")));
     }
   }

@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "base/files.h"
 #include "cli/activity.h"
@@ -17,6 +18,7 @@
 #include "figures/characterize_report.h"
 #include "figures/cross_validation_text.h"
 #include "figures/text.h"
+#include "taxelsim/error.h"
 #include "taxelsim/version.h"
 
 namespace taxelsim::cli {
@@ -30,7 +32,8 @@ struct Arguments {
   std::string sensor;
   std::string name;
   std::string report;
-  double light_below = 0;  // N
+  double light_below = 0;               // N
+  std::optional<double> temperature{};  // degrees Celsius
   bool cross_validate = false;
   bool json = false;
 };
@@ -131,6 +134,13 @@ int runCharacterize(const Arguments& arguments) {
   Activity activity("fitting");
   Characterization result = characterize(measurements);
   activity.end();
+  if (arguments.temperature) {
+    if (!result.temperature) {
+      throw Error(ErrorKind::kInput,
+                  "--temperature: the measurements have no temperature_degC, or all the same: the sensor cannot depend on it");
+    }
+    result.sensor = sensorAt(result, *arguments.temperature);
+  }
   std::vector<CrossValidation> validation;
   if (arguments.cross_validate) {
     Activity fits("fitting without each load in turn");
@@ -182,6 +192,11 @@ void addCharacterize(CLI::App& app, Action& action) {
       ->needs(validate)
       ->check(CLI::PositiveNumber)
       ->type_name("N");
+  command
+      ->add_option("--temperature", arguments->temperature,
+                   "Write the sensor at this temperature (degrees Celsius); default: at the mean of the measurements")
+      ->check(CLI::Range(-100.0, 300.0))
+      ->type_name("DEGC");
   command->add_flag("--json", arguments->json, "Print JSON instead of tables");
   command->callback([=, &action] { action = [=] { return runCharacterize(*arguments); }; });
 }

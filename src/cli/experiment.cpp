@@ -233,6 +233,7 @@ void report(const Arguments& arguments, const CharacterizationExperiment& experi
     spdlog::warn("{}: skipped, {}", experiment.name, experiment.missing);
     return;
   }
+  if (!experiment.skipped.empty()) spdlog::warn("{}: {}", experiment.name, experiment.skipped);
   Activity activity("running " + experiment.name);
   const std::vector<CrossValidation> results = crossValidate(experiment);
   activity.end();

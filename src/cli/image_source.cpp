@@ -56,10 +56,14 @@ ImageSource loadFile(const std::filesystem::path& file) {
     source.images = std::move(points->images);
   } else if (auto* stamp = std::get_if<StampImages>(&measurement.data)) {
     source.images = std::move(stamp->images);
+  } else if (auto* uniform = std::get_if<UniformPress>(&measurement.data)) {
+    source.images = std::move(uniform->images);
   } else if (auto* sequence = std::get_if<ImageSequence>(&measurement.data)) {
     source.images = std::move(sequence->images);
   } else {
-    throw Error(ErrorKind::kInput, file.generic_string() + ": a measurement without images; use images, point_images or stamp_images");
+    throw Error(ErrorKind::kInput,
+                file.generic_string() +
+                    ": a measurement without images; use images, point_images, footprint_images, stamp_images or uniform_press");
   }
   return source;
 }

@@ -44,7 +44,7 @@ const Predictor& bestBaseline(const CrossValidation& result, const LoadClass& lo
   double least = kAll;
   for (std::size_t p = 1; p < result.predictors.size(); ++p) {
     const double score = medianScore(result.predictors[p], loads.from, loads.to).*value;
-    if (result.predictors[p].is_measured || !(best == nullptr || score < least)) continue;
+    if (!result.predictors[p].is_baseline || !(best == nullptr || score < least)) continue;
     best = &result.predictors[p];
     least = score;
   }

@@ -353,7 +353,7 @@ ContactImage cleanContactImage(const Sensor& sensor, std::span<const double> spr
   ContactImage image;
   for (std::size_t t = 0; t < spread_force.size(); ++t) {
     image.force.push_back(spread_force[t]);
-    image.reports.push_back(spread_force[t] > triggerOf(sensor.readout, t));
+    image.reports.push_back(spread_force[t] > std::max(0.0, triggerOf(sensor.readout, t)));
     image.saturated.push_back(false);
   }
   return image;

@@ -84,7 +84,7 @@ Features featuresOf(const Sensor& sensor, std::span<const double> force, const s
 Features cleanFeatures(const Sensor& sensor, std::span<const double> spread_force) {
   std::vector<bool> is_touched;
   for (std::size_t t = 0; t < spread_force.size(); ++t) {
-    is_touched.push_back(spread_force[t] > triggerOf(sensor.readout, t));
+    is_touched.push_back(spread_force[t] > std::max(0.0, triggerOf(sensor.readout, t)));
   }
   return featuresOf(sensor, spread_force, is_touched);
 }

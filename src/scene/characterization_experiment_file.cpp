@@ -65,14 +65,25 @@ CharacterizationExperiment readCharacterizationExperiment(const YamlNode& root, 
     if (!item.isMap()) item.refuse("a recording, such as {table: a.csv, load: 2}");
   }
   experiment.missing = folder.missing;
+  std::vector<std::string> skipped;
   for (const YamlNode& item : items) {
     if (!folder.missing.empty()) break;
     const YamlTree tree = common ? joined(common->tree(), item.tree()) : item.tree();
     const std::optional<YamlNode> table = item.child("table");
     if (!table) item.fail("table is missing: a table of numbers (CSV)");
-    const std::string name = std::filesystem::path(table->text("a table of numbers (CSV)")).stem().string();
+    const std::filesystem::path file = table->text("a table of numbers (CSV)");
+    const std::string name = file.stem().string();
+    if (std::error_code error; !std::filesystem::exists(folder.path / file, error)) {
+      skipped.push_back(file.generic_string());
+      continue;
+    }
     experiment.measurements.push_back(readMeasurement(
         YamlNode(tree, item.file()), {.file = item.file(), .name = name, .sensors = directory, .tables = folder.path, .is_file = false}));
+  }
+  if (!skipped.empty()) {
+    std::string& line = skipped.size() == items.size() ? experiment.missing : experiment.skipped;
+    line = "no recordings: " + folder.path.generic_string() + " has no " + skipped.front();
+    if (skipped.size() > 1) line += " and " + std::to_string(skipped.size() - 1) + " more of the tables";
   }
   return experiment;
 }

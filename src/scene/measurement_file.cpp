@@ -6,6 +6,7 @@
 
 #include "base/text.h"
 #include "scene/hashed_file.h"
+#include "scene/mask_file.h"
 #include "scene/measurement_reader.h"
 #include "scene/number_table.h"
 #include "scene/sensor_file.h"
@@ -14,6 +15,8 @@
 namespace taxelsim {
 namespace {
 
+// From dry ice to above what electronics bear.
+constexpr Allowed kTemperature = Allowed::within(-100, 300, "degrees Celsius");
 constexpr std::uintmax_t kMaxTableBytes = std::uintmax_t{4} << 30;
 
 double positive(const YamlMap& map, std::string_view key) {
@@ -73,7 +76,8 @@ struct Source {
   const YamlMap& map;
   const NumberTable& table;
   const Sensor& sensor;
-  double full_scale;  // counts
+  double full_scale;                    // counts
+  const std::filesystem::path& tables;  // folder
 };
 
 std::vector<std::size_t> taxelColumns(const Source& source) {
@@ -153,6 +157,46 @@ PointImages readPointImages(const Source& source) {
   return points;
 }
 
+// A footprint is an indenter or a mask. Without columns of the place, all of them are in the middle of the patch.
+PointImages readFootprintImages(const Source& source) {
+  PointImages points{.indenter = {}, .position = {}, .force = source.table.find(kForce), .images = readImages(source)};
+  if (source.map.has("mask")) {
+    source.map.rejectBoth("indenter", "mask");
+    const std::filesystem::path file =
+        source.tables / source.map.text("mask", "a picture of the footprint as numbers (CSV), rows of pixels along x");
+    points.mask = readMask(file, positive(source.map, "pixel"));
+  } else {
+    if (const std::optional<YamlNode> pixel = source.map.find("pixel")) pixel->fail("needs a `mask`");
+    points.indenter = readIndenter(source.map);
+  }
+  points.position_error = source.map.number("position_error", Allowed::atLeast(0, "m"), 0.0);
+  points.yaw = source.table.find(kYaw);
+  const std::vector<double> x = source.table.find(kPositionX), y = source.table.find(kPositionY);
+  if (x.empty() != y.empty()) source.table.fail("x and y are given together or not at all");
+  for (std::size_t row = 0; row < source.table.numRows(); ++row) {
+    points.position.push_back(x.empty() ? std::array<double, 2>{0, 0} : std::array<double, 2>{x[row], y[row]});
+  }
+  return points;
+}
+
+UniformPress readUniformPress(const Source& source) {
+  UniformPress uniform{.pressure = source.table.find(kPressure), .press = {}, .images = readImages(source)};
+  const auto check = [&](const Quantity& quantity, const std::vector<double>& values, bool is_allowed(double), const char* allowed) {
+    for (std::size_t row = 0; row < values.size(); ++row) {
+      if (is_allowed(values[row])) continue;
+      source.table.failAtValue(row, source.table.columnOf(quantity), numberText(values[row]) + " is not allowed: " + allowed);
+    }
+  };
+  check(
+      kPressure, uniform.pressure, [](double value) { return value > 0; }, "above 0 Pa");
+  const std::vector<double> press = source.table.find(kPress);
+  check(
+      kPress, press, [](double value) { return value >= 0 && value <= 1e6 && value == std::floor(value); },
+      "a whole number from 0 to 1000000");
+  uniform.press.assign(press.begin(), press.end());
+  return uniform;
+}
+
 StepResponse readStepResponse(const Source& source) {
   StepResponse step;
   step.load = source.map.number("load", Allowed::above(0, "N"));
@@ -183,13 +227,17 @@ struct Kind {
 const std::vector<Kind>& kinds() {
   static const std::vector<Kind> all{
       {"force_curve",
-       {"curve_degree", "divider", "curve_segments"},
+       {"curve_degree", "divider", "curve_segments", "temperature_degC"},
        [](const Source& s) -> decltype(Measurement::data) { return readForceCurve(s); }},
       {"force_depth", {"indenter"}, [](const Source& s) -> decltype(Measurement::data) { return readForceDepth(s); }},
       {"point_images", {"indenter", "taxel_columns"}, [](const Source& s) -> decltype(Measurement::data) { return readPointImages(s); }},
+      {"footprint_images",
+       {"indenter", "taxel_columns", "mask", "pixel[_mm]", "position_error[_mm]"},
+       [](const Source& s) -> decltype(Measurement::data) { return readFootprintImages(s); }},
+      {"uniform_press", {"taxel_columns"}, [](const Source& s) -> decltype(Measurement::data) { return readUniformPress(s); }},
       {"step_response", {"load"}, [](const Source& s) -> decltype(Measurement::data) { return readStepResponse(s); }},
       {"stamp_images",
-       {"indenter", "load", "taxel_columns", "fixture"},
+       {"indenter", "load", "taxel_columns", "fixture", "temperature_degC"},
        [](const Source& s) -> decltype(Measurement::data) { return readStampImages(s); }},
       {"images", {"taxel_columns"}, [](const Source& s) -> decltype(Measurement::data) { return ImageSequence{readImages(s)}; }},
   };
@@ -204,8 +252,8 @@ Measurement readMeasurement(const YamlNode& root, const MeasurementPlace& place)
   Canonical canonical;
   const YamlMap map(root, keys, canonical);
   if (place.is_file) map.integer("format_version", 1, kFormatVersion);
-  const std::string name =
-      map.choice("measurement", {"force_curve", "force_depth", "point_images", "step_response", "stamp_images", "images"});
+  const std::string name = map.choice("measurement", {"force_curve", "force_depth", "point_images", "footprint_images", "uniform_press",
+                                                      "step_response", "stamp_images", "images"});
   const Kind& kind = *std::find_if(kinds().begin(), kinds().end(), [&](const Kind& candidate) { return candidate.name == name; });
   for (const Kind& other : kinds()) {
     for (const std::string_view key : other.keys) {
@@ -219,7 +267,8 @@ Measurement readMeasurement(const YamlNode& root, const MeasurementPlace& place)
   measurement.resolved_sensor = sensor_text.text();
   const NumberTable table(readHashedFile(map, "table", "a table of numbers (CSV)", place.tables, kMaxTableBytes));
   const double full_scale = (1 << measurement.sensor.readout.adc_bits) - 1;
-  measurement.data = kind.read({map, table, measurement.sensor, full_scale});
+  measurement.data = kind.read({map, table, measurement.sensor, full_scale, place.tables});
+  if (map.has("temperature_degC")) measurement.temperature = map.number("temperature_degC", kTemperature);
   return measurement;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <filesystem>
+#include <numbers>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,6 +34,9 @@ inline constexpr Quantity kDepth{"the depth", {{{"depth_m", 1}, {"depth_mm", 1e-
 inline constexpr Quantity kTime{"the time", {{{"time_s", 1}, {"time_ms", 1e-3}, {"t_s", 1}}}};
 inline constexpr Quantity kPositionX{"the position along x", {{{"x_m", 1}, {"x_mm", 1e-3}}}};
 inline constexpr Quantity kPositionY{"the position along y", {{{"y_m", 1}, {"y_mm", 1e-3}}}};
+inline constexpr Quantity kYaw{"the turn about z", {{{"yaw_rad", 1}, {"yaw_deg", std::numbers::pi / 180}}}};
+inline constexpr Quantity kPressure{"the pressure", {{{"pressure_Pa", 1}, {"pressure_kPa", 1e3}}}};
+inline constexpr Quantity kPress{"the number of the press", {{{"press", 1}}}};
 inline constexpr Quantity kCounts{"the output", {{{"counts", 1}}}};
 inline constexpr Quantity kTaxel{"the index of the taxel in storage order", {{{"taxel", 1}}}};
 

@@ -27,14 +27,14 @@ std::vector<double> flatNumbers(const YamlNode& node, const Allowed& allowed, st
 }
 
 // One number per taxel, or none.
-std::vector<double> readPerTaxel(const YamlMap& map, std::string_view key, std::string_view unit, const std::vector<GridPatch>& patches) {
+std::vector<double> readPerTaxel(const YamlMap& map, std::string_view key, const Allowed& allowed, const std::vector<GridPatch>& patches) {
   std::vector<double> values;
   if (const std::optional<YamlNode> node = map.find(key)) {
     std::size_t num_taxels = 0;
     for (const GridPatch& patch : patches)
       num_taxels += static_cast<std::size_t>(patch.num_rows) * static_cast<std::size_t>(patch.num_cols);
     std::vector<std::size_t> row_lengths;
-    values = flatNumbers(*node, Allowed::atLeast(0, unit), row_lengths);
+    values = flatNumbers(*node, allowed, row_lengths);
     if (!values.empty() && values.size() != num_taxels) {
       node->fail(std::to_string(values.size()) + " numbers are not allowed: one for each of the " + std::to_string(num_taxels) + " taxels");
     }
@@ -94,9 +94,9 @@ Readout readReadout(const YamlMap& sensor, const std::vector<GridPatch>& patches
   const std::uint64_t full_scale = (std::uint64_t{1} << readout.adc_bits) - 1;
   readout.saturation = static_cast<int>(map.integer("saturation", 1, full_scale, full_scale));
   readFields(map, kNoiseFields, readout);
-  readout.taxel_gain = readPerTaxel(map, "taxel_gain", "", patches);
-  readout.taxel_trigger = readPerTaxel(map, "taxel_trigger", "N", patches);
-  readout.calibrated_gain = readPerTaxel(map, "calibrated_gain", "", patches);
+  readout.taxel_gain = readPerTaxel(map, "taxel_gain", Allowed::atLeast(0, ""), patches);
+  readout.taxel_trigger = readPerTaxel(map, "taxel_trigger", Allowed::any("N"), patches);
+  readout.calibrated_gain = readPerTaxel(map, "calibrated_gain", Allowed::atLeast(0, ""), patches);
   readHysteresis(map, readout);
   readout.creep = readTerms(map, "creep", kMaxCreepTerms, kCreepFields);
   readFields(map, kTimeFields, readout);

@@ -42,11 +42,11 @@ double largestForce(const Sensor& sensor) {
   return law.normal_contact_stiffness * std::pow(sensor.skin.thickness, law.normal_exponent) * area * gain;
 }
 
-void checkTaxelList(const std::string& field, const std::vector<double>& values, int num_taxels, const char* unit) {
+void checkTaxelList(const std::string& field, const std::vector<double>& values, int num_taxels, const Allowed& allowed) {
   if (!values.empty() && values.size() != static_cast<std::size_t>(num_taxels)) {
     failField(field, std::to_string(values.size()) + " values", std::to_string(num_taxels) + ", one per taxel, or none");
   }
-  for (std::size_t i = 0; i < values.size(); ++i) checkNumber(elementOf(field, i), values[i], Allowed::atLeast(0, unit));
+  for (std::size_t i = 0; i < values.size(); ++i) checkNumber(elementOf(field, i), values[i], allowed);
 }
 
 void checkCurvePoints(const Readout& readout) {
@@ -154,9 +154,9 @@ void checkReadout(const Sensor& sensor) {
     failField("readout.saturation", std::to_string(readout.saturation), describeWhole(Allowed::within(1, full_scale, "")));
   }
   checkFields("readout.", kNoiseFields, readout);
-  checkTaxelList("readout.taxel_gain", readout.taxel_gain, numTaxels(sensor), "");
-  checkTaxelList("readout.taxel_trigger", readout.taxel_trigger, numTaxels(sensor), "N");
-  checkTaxelList("readout.calibrated_gain", readout.calibrated_gain, numTaxels(sensor), "");
+  checkTaxelList("readout.taxel_gain", readout.taxel_gain, numTaxels(sensor), Allowed::atLeast(0, ""));
+  checkTaxelList("readout.taxel_trigger", readout.taxel_trigger, numTaxels(sensor), Allowed::any("N"));
+  checkTaxelList("readout.calibrated_gain", readout.calibrated_gain, numTaxels(sensor), Allowed::atLeast(0, ""));
   checkTime(sensor);
   checkFields("readout.", kImperfectionFields, readout);
   checkCurve(sensor);

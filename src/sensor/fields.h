@@ -109,7 +109,7 @@ void visitFields(const Pasternak&, Visit visit) {
 
 inline constexpr std::array kOutputFields{
     Field<Readout>{"output_scale", &Readout::output_scale, Allowed::above(0, "")},
-    Field<Readout>{"trigger", &Readout::trigger, Allowed::atLeast(0, "N")},
+    Field<Readout>{"trigger", &Readout::trigger, Allowed::any("N")},
     Field<Readout>{"adc_bits", &Readout::adc_bits, Allowed::within(1, kMaxAdcBits, "")},
 };
 inline constexpr std::array kNoiseFields{

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "characterize/bench_session.h"
+#include "characterize/load_deviation.h"
 #include "characterize/prediction_score.h"
 #include "characterize/stamp_baselines.h"
 #include "characterize/stamp_bench.h"
@@ -46,11 +47,11 @@ TEST(CrossValidate, AFittedSensorBeatsEveryBaselineOnItsOwnBench) {
   const std::vector<CrossValidation> results = crossValidate(measured(truth, loads(truth)));
   ASSERT_EQ(results.size(), 1u);
   const std::vector<Predictor>& predictors = results[0].predictors;
-  ASSERT_EQ(predictors.size(), 6u);
+  ASSERT_EQ(predictors.size(), 7u);
   const PredictionScore own = medianScore(predictors[0], 0, kAll);
   for (std::size_t p = 1; p < predictors.size(); ++p) {
     ASSERT_EQ(predictors[p].scores.size(), 10u) << predictors[p].name;
-    if (predictors[p].is_measured) continue;
+    if (!predictors[p].is_baseline) continue;
     EXPECT_LT(own.relative_l1, medianScore(predictors[p], 0, kAll).relative_l1) << predictors[p].name;
   }
   // The simulation samples the skin every 0.43 mm, the fit uses covered areas: 4 % of the side of the stamp.
@@ -79,7 +80,8 @@ TEST(CrossValidate, APlacementDoesNotSeeTheScoredImage) {
 TEST(CrossValidate, TheVerdictNamesABetterBaseline) {
   CrossValidation result{
       .left_out = "loads",
-      .predictors = {{.name = "fitted sensor"}, {.name = "zeros"}, {.name = "line"}, {.name = "repeat", .is_measured = true}}};
+      .predictors = {
+          {.name = "fitted sensor"}, {.name = "zeros", .is_baseline = true}, {.name = "line", .is_baseline = true}, {.name = "repeat"}}};
   const std::vector<double> m4{0.2, 1, 0.1, 0.01};
   for (std::size_t p = 0; p < m4.size(); ++p) {
     result.predictors[p].scores = {{.load = 1, .relative_l1 = m4[p], .sum_ratio = 1.05},
@@ -90,6 +92,39 @@ TEST(CrossValidate, TheVerdictNamesABetterBaseline) {
   EXPECT_THAT(figures::verdictText(result, 3), ::testing::Not(HasSubstr("repeat")));
   result.predictors[0].scores[0].relative_l1 = 0.1;
   EXPECT_THAT(figures::verdictText(result, 3), StartsWith("left-out loads: the fitted sensor predicts better"));
+}
+
+// A bench whose stamp carries 10 % less from 3 to 6 N: repeated presses and neighbouring loads tell it, single presses scatter by 3 %.
+TEST(CrossValidate, ABenchThatDeviatesSmoothlyWithTheLoad) {
+  const auto deviates = [](double load) { return -0.1 * std::exp(-std::pow(std::log(load / 4.2) / 0.4, 2)); };
+  std::vector<LoadDeviation::Press> presses, scattered;
+  for (int n = 0; n < 20; ++n) {
+    const double load = 2.0 + n / 2, off = 0.03 * std::sin(7.0 * n);
+    presses.push_back({load, deviates(load) + off});
+    scattered.push_back({load, off});
+  }
+  const LoadDeviation bench(presses), steady(scattered);
+  for (const double load : {2.5, 3.5, 4.5, 7.5}) {
+    EXPECT_NEAR(bench.at(load), deviates(load), 0.035) << load;
+    EXPECT_NEAR(steady.at(load), 0, 0.03) << load;
+  }
+  EXPECT_LT(bench.at(4), -0.06);
+  EXPECT_EQ(bench.at(1.9), 0) << "not beyond the loads of the presses";
+  EXPECT_EQ(LoadDeviation({{2, -0.1}, {3, -0.1}, {4, -0.1}}).at(3), 0) << "too few loads";
+}
+
+// The same bench through the fit: every stamp carries less of the middle loads.
+TEST(CrossValidateStudy, PredictsLoadsOfADeviatingBench) {
+  const Sensor truth = bentSensor();
+  std::vector<StampImages> stamps;
+  for (int n = 0; n < 14; ++n) {
+    const double load = 1.5 + n / 2 * 1.2, gain = 1 - 0.25 * std::exp(-std::pow((load - 5) / 1.5, 2));
+    stamps.push_back(recorded(truth, {.load = load, .x = 0.5e-3, .gain = gain, .seed = 170 + static_cast<std::uint64_t>(n)}));
+    stamps.back().fixture = "holder";
+  }
+  const CrossValidation result = crossValidate(measured(truth, stamps)).front();
+  const double with = medianScore(result.predictors[0], 2, 8).sum_ratio, without = medianScore(result.predictors[6], 2, 8).sum_ratio;
+  EXPECT_LT(with, 0.7 * without);
 }
 
 TEST(CrossValidate, ScoresByHand) {

@@ -246,7 +246,7 @@ TEST(PointSpread, RejectsBadImages) {
   EXPECT_THAT(refusal(truth, off), HasSubstr("points.yaml: the indenter is off the array"));
   Sensor two = truth;
   two.patches.push_back({.name = "q", .num_rows = 1, .num_cols = 1, .pitch = {kPitch, kPitch}, .X_SP = {.position = {0.1, 0, 0}}});
-  EXPECT_THAT(refusal(two, off), HasSubstr("points.yaml: point_images need a sensor with one grid"));
+  EXPECT_THAT(refusal(two, off), HasSubstr("points.yaml: point_images and footprint_images need a sensor with one grid"));
   Sensor shallow = truth;
   shallow.readout.saturation = 30;  // of 1000: loaded taxels read 30, others almost 0
   const Characterization clipped = fitted(shallow, imagesOf(shallow, {.num_images = 3}));

@@ -69,6 +69,23 @@ TEST(ReadoutFit, FittedSensorReproducesTheMeasurement) {
   }
 }
 
+// A foil that reads a quarter of its range without a load.
+TEST(ReadoutFit, FindsAnOutputAtRest) {
+  constexpr double kFirst = -0.5;  // N
+  std::mt19937 random(5);
+  ForceCurve curve;
+  for (int k = 0; k < 200; ++k) {
+    curve.taxel.push_back(0), curve.force.push_back(1.5 * std::min(k, 199 - k) / 99);
+    curve.counts.push_back(reading({2000, kFirst}, curve.force.back(), kNoise, 4095, random));
+  }
+  const Characterization result = characterize(std::vector{measurementOf("foil", benchSensor(1, 1), curve)});
+  EXPECT_TRUE(holds(estimateOf(result, "readout.trigger"), kFirst));
+  EXPECT_NEAR(result.sensor.readout.trigger, kFirst, 0.01);
+  EXPECT_NEAR(result.sensor.readout.taxel_trigger.at(0), kFirst, 0.01);
+  EXPECT_THAT(result.remarks, ::testing::Contains(HasSubstr("taxels read without a load")));
+  EXPECT_NO_THROW(checkSensor(result.sensor));
+}
+
 TEST(ReadoutFit, FindsDeadTaxels) {
   std::mt19937 random(5);
   std::vector<TrueTaxel> taxels = kTaxels;

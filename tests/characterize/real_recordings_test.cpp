@@ -2,10 +2,12 @@
 // and force curves of single taxels; `taxelsim experiment` scores all of them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <iterator>
 #include <string>
 #include <variant>
 
@@ -44,6 +46,35 @@ TEST(RealRecordingsStudy, AMatrixPredictsLoadsThatWereLeftOut) {
   EXPECT_LT(m4(predictors[0], 0), m4(predictors[2], 0)) << "a blurred footprint with one gain";
   // Processor time, since other programs share the machine: four fits of at most 60 s.
   EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, 4 * 60);
+}
+
+// First presses against second ones: intervals of one finger's parameters overlap.
+TEST(RealRecordingsStudy, TwoHalvesOfTheRecordingsAgree) {
+  const CharacterizationExperiment experiment = loaded("weiss_dsa", TAXELSIM_REAL_DATA);
+  ASSERT_EQ(experiment.missing, "");
+  std::vector<Characterization> halves;
+  for (const char last : {'1', '2'}) {
+    std::vector<Measurement> half;
+    std::copy_if(experiment.measurements.begin(), experiment.measurements.end(), std::back_inserter(half),
+                 [&](const Measurement& m) { return m.name.back() == last; });
+    ASSERT_EQ(half.size(), 8u);
+    halves.push_back(characterize(half));
+  }
+  int both = 0, overlap = 0;
+  for (const Estimate& first : halves[0].estimates) {
+    for (const Estimate& second : halves[1].estimates) {
+      if (first.parameter != second.parameter || !first.determined || !second.determined) continue;
+      ++both;
+      const bool overlaps = first.low <= second.high && second.low <= first.high;
+      overlap += overlaps;
+      if (overlaps && first.parameter.find('[') != std::string::npos) continue;
+      std::printf("%s %s: %.4g (%.4g to %.4g), %.4g (%.4g to %.4g)\n", overlaps ? "" : "APART", first.parameter.c_str(), first.value,
+                  first.low, first.high, second.value, second.low, second.high);
+    }
+  }
+  std::printf("%d of %d intervals overlap\n", overlap, both);
+  EXPECT_GE(both, 30);
+  EXPECT_GE(overlap, 0.9 * both);
 }
 
 TEST(RealRecordingsStudy, SingleTaxelsPredictTheirOtherHalf) {

@@ -79,6 +79,35 @@ TEST(Characterize, RecoversTheParametersOfTheShippedMeasurements) {
   EXPECT_THAT(contentOf(directory / "s.yaml"), HasSubstr("saturation: 3840  # 3840 counts, plateau in the output"));
 }
 
+// A pressure film and an air cushion alone: spread and gains.
+TEST(Characterize, RecoversSpreadAndGainsWithoutALoadCell) {
+  const TemporaryDirectory directory;
+  std::vector<std::string> arguments = characterized({"footprint_images", "uniform_press"}, directory / "s.yaml");
+  arguments.emplace_back("--json");
+  const Outcome outcome = runTaxelsim(arguments);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const Json json = Json::parse(outcome.out);
+  const Json &sigma = estimateOf(json, "psf.gaussian.sigma"), &spread = estimateOf(json, "readout.press_gain_spread");
+  EXPECT_NEAR(sigma["value"].get<double>(), 0.6, 0.02);
+  EXPECT_LT(spread["low"].get<double>(), 0.174);
+  EXPECT_GT(spread["high"].get<double>(), 0.174);
+  EXPECT_EQ(json["dead_taxels"], Json({40}));
+  // With images of points: gains near the border depend on the spread.
+  ASSERT_EQ(runTaxelsim(characterized({"force_curve", "point_images"}, directory / "line.yaml")).status, 0);
+  const std::vector<double> gains = loadSensor(directory / "s.yaml").readout.taxel_gain,
+                            by_curves = loadSensor(directory / "line.yaml").readout.taxel_gain;
+  // 4 % in five presses is 1.8 %; four times that.
+  for (std::size_t t = 0; t < gains.size(); ++t) EXPECT_NEAR(gains[t], by_curves[t], 0.075) << t;
+}
+
+TEST(Characterize, RefusesATemperatureThatNoMeasurementHas) {
+  const TemporaryDirectory directory;
+  std::vector<std::string> arguments = characterized({"force_curve"}, directory / "s.yaml");
+  arguments.insert(arguments.end(), {"--temperature", "40"});
+  expectRefused(runTaxelsim(arguments), "--temperature: the measurements have no temperature_degC");
+  EXPECT_FALSE(std::filesystem::exists(directory / "s.yaml"));
+}
+
 TEST(Characterize, ReportIsSelfContained) {
   const TemporaryDirectory directory;
   std::vector<std::string> arguments = characterized({"force_curve", "force_depth"}, directory / "s.yaml");

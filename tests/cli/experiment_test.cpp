@@ -205,12 +205,21 @@ TEST(Experiment, PredictsRecordingsInAFolder) {
   const Outcome outcome = runTaxelsim({"experiment", written(root, "x.yaml", head + common + "recordings: [{table: a.csv}]\n")});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, ::testing::HasSubstr("a, first part"));
+  // A table that is not there is named in one line; the others are run.
+  const Outcome some = runTaxelsim(
+      {"experiment", written(root, "x.yaml", head + common + "recordings: [{table: b.csv}, {table: a.csv}, {table: c.csv}]\n")});
+  EXPECT_EQ(some.status, 0);
+  EXPECT_EQ(some.out.substr(0, some.out.find("longest")), outcome.out.substr(0, outcome.out.find("longest")));
+  EXPECT_THAT(some.err, ::testing::HasSubstr("/data has no b.csv and 1 more of the tables"));
+  const Outcome none = runTaxelsim({"experiment", written(root, "x.yaml", head + common + "recordings: [{table: b.csv}]\n")});
+  EXPECT_EQ(none.status, 0);
+  EXPECT_EQ(none.out, "");
+  EXPECT_THAT(none.err, ::testing::HasSubstr("mine: skipped, no recordings: "));
   const auto refused = [&](const std::string& text, const std::string& part) {
     expectRefused(runTaxelsim({"experiment", written(root, "x.yaml", text)}), part);
   };
   refused(head + common + "recordings: []\n", "a list of 1 to 1000 recordings");
   refused(head + common + "recordings: [{divider: true}]\n", "table is missing");
-  refused(head + common + "recordings: [{table: b.csv}]\n", "b.csv");
   refused(head + common + "recordings: [{table: a.csv, lod: 1}]\n", "lod");
   refused(head + "common: 3\nrecordings: [{table: a.csv}]\n", "common");
   refused(head + common + "light_below: 0\nrecordings: [{table: a.csv}]\n", "light_below");

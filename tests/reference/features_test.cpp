@@ -1,12 +1,15 @@
 // Moments, edge angle and area of images with known values.
 #include "reference/features.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
+#include "reference/contact_features.h"
 #include "reference/frame.h"
+#include "reference/readout.h"
 #include "support/random_scene.h"
 
 namespace taxelsim {
@@ -120,6 +123,19 @@ TEST(Features, ContactAreaCountsTaxelsAboveTheirTrigger) {
   sensor.readout.taxel_gain = {1, 1, 1, 1};
   sensor.readout.taxel_trigger = {0.4, 0.7, 0.3, 10};
   EXPECT_NEAR(featuresOf(sensor, {0.5, 0.6, 0.4, 9}).contact_area, 2 * kPitch * kPitch, kRounding);
+}
+
+// Taxels that read without a load are not in contact.
+TEST(Features, ATriggerBelowZeroIsNoContact) {
+  Sensor sensor = square(2);
+  sensor.readout.trigger = -0.5;
+  sensor.readout.curve = {100};
+  const Features features = featuresOf(sensor, {0, 0.6, 0, 0});
+  EXPECT_NEAR(features.contact_area, kPitch * kPitch, kRounding);
+  EXPECT_THAT(reference::cleanContactImage(sensor, std::vector<double>{0, 0.6, 0, 0}).reports,
+              ::testing::ElementsAre(false, true, false, false));
+  EXPECT_THAT(reference::readOut(sensor, std::vector<double>{0, 0.6, 0, 0}), ::testing::ElementsAre(50, 110, 50, 50));
+  EXPECT_NEAR(reference::measuredFeatures(sensor, std::vector<std::uint32_t>{50, 110, 50, 50}).total_force, 0.6, 1e-9);
 }
 
 TEST(Features, MeasuredFeaturesUseTheNominalCurve) {

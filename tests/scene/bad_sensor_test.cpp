@@ -174,7 +174,7 @@ TEST(BadSensors, TaxelsAndCounts) {
        BadScene{"trigger: 0.02", "taxel_gain: [[1, 1], 1]", ":13:17: sensor.readout.taxel_gain: numbers and rows are mixed"},
        BadScene{"trigger: 0.02", "taxel_gain: [[1, 1, 1], [1, 1, 1], [1, 1, 1], [1, 1, 1]]",
                 ":13:17: sensor.readout.taxel_gain: a row of 3 is not allowed: rows of 4 (num_cols)"},
-       BadScene{"trigger: 0.02", "taxel_trigger: [-1]", ":13:21: sensor.readout.taxel_trigger[0]: -1 is not allowed: a number >= 0 N"},
+       BadScene{"trigger: 0.02", "taxel_gain: [-1]", ":13:18: sensor.readout.taxel_gain[0]: -1 is not allowed: a number >= 0"},
        BadScene{"  num_rows: 3\n", "  patches: []\n", ":7:13: sensor.num_cols: conflicts with `patches`"}});
 }
 

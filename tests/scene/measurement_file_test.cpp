@@ -28,6 +28,9 @@ class Bench {
   Bench(const std::string& keys, std::string_view table) {
     directory_.write("sensor.yaml", kSensor);
     directory_.write("table.csv", table);
+    directory_.write("mask.csv", "0,1,1\n# a comment\n0,0.5,0\n");
+    directory_.write("empty.csv", "0,0\n");
+    directory_.write("ragged.csv", "1,1\n1\n");
     file_ = directory_.write("bench.yaml", "format_version: 1\nsensor: sensor.yaml\ntable: table.csv\n" + keys);
   }
   Measurement load() const { return loadMeasurement(file_); }
@@ -93,6 +96,35 @@ TEST(MeasurementFile, ReadsColumnsByNameAndTheFixture) {
               HasSubstr("not a key of force_curve"));
 }
 
+TEST(MeasurementFile, ReadsFootprintsAndUniformPresses) {
+  const Measurement film =
+      Bench("measurement: footprint_images\nmask: mask.csv\npixel_mm: 0.5\nposition_error_mm: 0.2\n", "yaw_deg,r0_c0,r0_c1\n90,8,7\n")
+          .load();
+  const auto& footprint = std::get<PointImages>(film.data);
+  ASSERT_TRUE(footprint.mask.has_value());
+  EXPECT_EQ(footprint.mask->num_rows, 2u);
+  EXPECT_EQ(footprint.mask->num_cols, 3u);
+  EXPECT_EQ(footprint.mask->pixel, 0.0005);
+  EXPECT_THAT(footprint.mask->pressure, ElementsAre(0, 1, 1, 0, 0.5f, 0));
+  EXPECT_EQ(footprint.position_error, 0.0002);
+  EXPECT_THAT(footprint.position, ElementsAre(std::array<double, 2>{0, 0})) << "without columns of the place: in the middle";
+  EXPECT_THAT(footprint.yaw, ElementsAre(testing::DoubleEq(std::numbers::pi / 2)));
+
+  const Measurement stamp =
+      Bench("measurement: footprint_images\nindenter: {stamp: {size_mm: [4, 5]}}\n", "x_mm,y_mm,r0_c0,r0_c1\n1,2,8,7\n").load();
+  EXPECT_FALSE(std::get<PointImages>(stamp.data).mask.has_value());
+  EXPECT_THAT(std::get<PointImages>(stamp.data).position, ElementsAre(std::array<double, 2>{0.001, 0.002}));
+
+  const Measurement air = Bench("measurement: uniform_press\n", "press,pressure_kPa,r0_c0,r0_c1\n1,20,8,7\n1,20,9,7\n").load();
+  EXPECT_THAT(std::get<UniformPress>(air.data).pressure, ElementsAre(20e3, 20e3));
+  EXPECT_THAT(std::get<UniformPress>(air.data).press, ElementsAre(1, 1));
+  EXPECT_THAT(std::get<UniformPress>(air.data).images.counts, ElementsAre(8, 7, 9, 7));
+
+  const Measurement warm = Bench("measurement: force_curve\ntemperature_degC: -3.5\n", "taxel,force_N,counts\n0,0.5,100\n").load();
+  EXPECT_EQ(warm.temperature, -3.5);
+  EXPECT_FALSE(air.temperature.has_value());
+}
+
 TEST(MeasurementFile, RejectsBadMeasurements) {
   const std::string step = "measurement: step_response\nload: 2\n", point = "measurement: point_images\n";
   const std::string pin = "indenter: {flat_pin: {radius_mm: 0.5}}\n";
@@ -124,6 +156,23 @@ TEST(MeasurementFile, RejectsBadMeasurements) {
       {"measurement: force_depth\nindenter: {sphere: {radius: 1, length: 1}}\n", "depth_mm,force_N\n0,1\n", "length"},
       {point + pin, "x_mm,y_mm,r0_c0\n0,0,1\n", "missing column of taxel 1"},
       {point + pin, "x_mm,r0_c0,r0_c1\n0,0,1\n", "missing column of the position along y"},
+      {"measurement: footprint_images\n", "r0_c0,r0_c1\n0,1\n", "indenter is missing"},
+      {"measurement: footprint_images\nmask: mask.csv\n", "r0_c0,r0_c1\n0,1\n", "pixel[_mm] is missing"},
+      {"measurement: footprint_images\npixel_mm: 1\n" + pin, "r0_c0,r0_c1\n0,1\n", "pixel_mm: needs a `mask`"},
+      {"measurement: footprint_images\nmask: mask.csv\npixel_mm: 1\n" + pin, "r0_c0,r0_c1\n0,1\n", "give only one of them"},
+      {"measurement: footprint_images\nmask: none.csv\npixel_mm: 1\n", "r0_c0,r0_c1\n0,1\n", "none.csv"},
+      {"measurement: footprint_images\nmask: empty.csv\npixel_mm: 1\n", "r0_c0,r0_c1\n0,1\n", "empty.csv: no pixel above 0"},
+      {"measurement: footprint_images\nmask: ragged.csv\npixel_mm: 1\n", "r0_c0,r0_c1\n0,1\n",
+       "ragged.csv:2:1: 1 pixels found, the first row has 2"},
+      {"measurement: footprint_images\nmask: mask.csv\npixel_mm: 0\n", "r0_c0,r0_c1\n0,1\n", "pixel_mm: 0 is not allowed"},
+      {"measurement: footprint_images\nposition_error: -1\n" + pin, "r0_c0,r0_c1\n0,1\n", "position_error: -1 is not allowed"},
+      {"measurement: footprint_images\n" + pin, "x_mm,r0_c0,r0_c1\n0,0,1\n", "x and y are given together or not at all"},
+      {"measurement: uniform_press\n" + pin, "r0_c0,r0_c1\n0,1\n", "indenter: not a key of uniform_press"},
+      {"measurement: uniform_press\n", "pressure_Pa,r0_c0,r0_c1\n0,1,1\n", "table.csv:2:1: pressure_Pa: 0 is not allowed: above 0 Pa"},
+      {"measurement: uniform_press\n", "press,r0_c0,r0_c1\n0.5,1,1\n", "press: 0.5 is not allowed: a whole number"},
+      {"measurement: uniform_press\ntemperature_degC: 20\n", "r0_c0,r0_c1\n0,1\n", "temperature_degC: not a key of uniform_press"},
+      {"measurement: force_curve\ntemperature_degC: 400\n", "taxel,force_N,counts\n0,1,1\n",
+       "temperature_degC: 400 is not allowed: a number from -100 to 300 degrees Celsius"},
       {"measurement: stamp_images\nload: 1\nindenter: {sphere: {radius_mm: 1}}\n", "time_s,r0_c0,r0_c1\n0,0,1\n",
        "stamp_images need a flat indenter"},
       {"measurement: stamp_images\nload: 1\n" + pin, "r0_c0,r0_c1\n0,1\n", "missing column of the time"},

@@ -263,13 +263,16 @@ TEST(CheckSensor, Readout) {
   for (const double bad : {0.0, -1.0, kNan, kInfinity})
     expectRefused("readout.output_scale", [&](Sensor& s) { s.readout.output_scale = bad; });
   for (const double bad : {-1.0, kNan, kInfinity}) {
-    expectRefused("readout.trigger", [&](Sensor& s) { s.readout.trigger = bad; });
     expectRefused("readout.noise", [&](Sensor& s) { s.readout.noise = bad; });
     expectRefused("frame_rate", [&](Sensor& s) { s.frame_rate = bad; });
     expectRefused("readout.taxel_gain[83]", [&](Sensor& s) { s.readout.taxel_gain.assign(84, 1.0), s.readout.taxel_gain[83] = bad; });
+  }
+  for (const double bad : {kNan, kInfinity}) {
+    expectRefused("readout.trigger", [&](Sensor& s) { s.readout.trigger = bad; });
     expectRefused("readout.taxel_trigger[0]",
                   [&](Sensor& s) { s.readout.taxel_trigger.assign(84, 0.0), s.readout.taxel_trigger[0] = bad; });
   }
+  expectAccepted([](Sensor& s) { s.readout.trigger = -1, s.readout.taxel_trigger.assign(84, -1.0); });
   for (const int bad : {0, 17, -1, 64}) expectRefused("readout.adc_bits", [&](Sensor& s) { s.readout.adc_bits = bad; });
   for (const int bad : {0, -1, 4096}) expectRefused("readout.saturation", [&](Sensor& s) { s.readout.saturation = bad; });
   expectAccepted([](Sensor& s) { s.readout.adc_bits = 16, s.readout.saturation = 65535; });

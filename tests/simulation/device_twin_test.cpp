@@ -193,7 +193,7 @@ TEST(ReadoutOnEveryDriver, PolynomialsGainsTriggersAndBits) {
     readout.output_scale = random.uniform(0.2, 3);
     for (int t = 0; t < numTaxels(sensor); ++t) {
       readout.taxel_gain.push_back(random.uniform(0, 2));
-      readout.taxel_trigger.push_back(random.uniform(0, 0.3));
+      readout.taxel_trigger.push_back(random.uniform(-0.1, 0.3));
     }
     runSensor(sensor, 0.01);
   }

@@ -18,12 +18,15 @@ def main(arguments: Sequence[str]) -> int:
     return run_command("import", lambda: _run(options))
 
 
+KEYS = ("indenter", "load", "fixture", "mask", "pixel_mm", "temperature_degC")  # of the measurement file that options give
+
+
 def _run(options: argparse.Namespace) -> None:
     is_folder = options.source.is_dir()
     if options.episode is not None and not is_folder:
         raise InputError("--episode: for folders of a LeRobotDataset only")
     recording = read_lerobot(options.source, options.episode) if is_folder else read_csv(options.source, options.delimiter)
-    keys = {key: getattr(options, key) for key in ("indenter", "load", "fixture") if getattr(options, key) is not None}
+    keys = {key: getattr(options, key) for key in KEYS if getattr(options, key) is not None}
     what = Measurement(
         kind=options.measurement,
         sensor=options.sensor,
@@ -59,6 +62,9 @@ def _parser() -> argparse.ArgumentParser:
     add("--indenter", metavar="YAML", help='e.g. "{stamp: {size_mm: [10, 10]}}"')
     add("--load", metavar="N", help="weight in newtons")
     add("--fixture", metavar="NAME", help="stamps of one fixture have one pose")
+    add("--mask", metavar="CSV", help="footprint_images: a picture of the footprint, relative to the measurement")
+    add("--pixel-mm", dest="pixel_mm", metavar="MM", help="side of a pixel of the mask")
+    add("--temperature", dest="temperature_degC", metavar="DEGC", help="of the sensor, degrees Celsius")
     return parser
 
 

@@ -17,8 +17,8 @@ from ..errors import InputError
 from ..export.staging import new_file
 from .recording import Recording
 
-KINDS = ("images", "stamp_images", "point_images", "step_response", "force_curve")
-QUANTITIES = ("x_m", "x_mm", "y_m", "y_mm", "force_N", "force_mN")
+KINDS = ("images", "stamp_images", "point_images", "footprint_images", "uniform_press", "step_response", "force_curve")
+QUANTITIES = ("x_m", "x_mm", "y_m", "y_mm", "yaw_rad", "yaw_deg", "force_N", "force_mN", "pressure_Pa", "pressure_kPa", "press")
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
 
@@ -35,7 +35,7 @@ class Measurement:
     taxel: int | None = None  #: force_curve: the taxel that is pressed.
     falling: bool = False  #: Readings fall with force: counts are what a reading is below the largest one of its taxel.
     scale: float = 1.0  #: Counts per unit of the readings.
-    keys: Mapping[str, str] = field(default_factory=dict)  #: Further keys of the YAML file (indenter, load, fixture), as text.
+    keys: Mapping[str, str] = field(default_factory=dict)  #: Further keys of the YAML file (indenter, load, ...), as text.
 
 
 def write_measurement(recording: Recording, what: Measurement, out: Path) -> Path:
