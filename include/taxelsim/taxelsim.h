@@ -40,6 +40,7 @@ namespace taxelsim {}
 #include "taxelsim/robot.h"
 #include "taxelsim/scene.h"
 #include "taxelsim/sensor.h"
+#include "taxelsim/simplification_stop.h"
 #include "taxelsim/simulator.h"
 #include "taxelsim/skin_variation.h"
 #include "taxelsim/stiffness.h"

@@ -12,6 +12,7 @@
 #include "bind.h"
 #include "calling_thread.h"
 #include "taxelsim/progress.h"
+#include "taxelsim/simplification_stop.h"
 
 namespace taxelsim::python {
 
@@ -78,6 +79,17 @@ Result runInterruptibly(const nb::object& on_progress, Run run, Keep keep) {
   }
   if (failure) std::rethrow_exception(failure);
   return std::move(*result);
+}
+
+// The same for `load()`, which reads files and may simplify meshes; call it with the GIL.
+template <typename Load>
+auto loadInterruptibly(Load load) {
+  using Result = decltype(load());
+  const auto run = [&](auto, const std::atomic<bool>& stop, CallingThread&) {
+    const SimplificationStop simplification_stop(stop);
+    return load();
+  };
+  return runInterruptibly<Result>(nb::none(), run, [](const Result&) {});
 }
 
 }  // namespace taxelsim::python

@@ -11,6 +11,7 @@
 #include <cstring>
 
 #include "any_object.h"
+#include "interruptible.h"
 #include "structs.h"
 
 namespace taxelsim::python {
@@ -72,10 +73,10 @@ Raises InputError for another shape or dtype, NaN, an index out of range, or no 
   module.def(
       "load_mesh",
       [](const std::filesystem::path& file, double scale, UpAxis up_axis, double max_depth_error) {
-        return loadMesh(file, {.scale = scale, .up_axis = up_axis, .max_depth_error = max_depth_error});
+        return loadInterruptibly([&] { return loadMesh(file, {.scale = scale, .up_axis = up_axis, .max_depth_error = max_depth_error}); });
       },
       "file"_a, nb::kw_only(), "scale"_a = 1.0, "up_axis"_a = UpAxis::kZ, "max_depth_error"_a = MeshOptions{}.max_depth_error,
-      nb::call_guard<nb::gil_scoped_release>(), R"(Reads OBJ, STL, PLY or glTF as a Mesh.
+      R"(Reads OBJ, STL, PLY or glTF as a Mesh.
 
 scale: metres per unit of the file, 0.001 for millimetres.
 up_axis: axis of the file that becomes z.
@@ -122,10 +123,11 @@ void bindObjects(nb::module_& module) {
   module.def(
       "parse_object",
       [](std::string_view text, double scale, UpAxis up_axis, double max_depth_error) {
-        return parseObject(text, {.scale = scale, .up_axis = up_axis, .max_depth_error = max_depth_error});
+        return loadInterruptibly(
+            [&] { return parseObject(text, {.scale = scale, .up_axis = up_axis, .max_depth_error = max_depth_error}); });
       },
       "text"_a, nb::kw_only(), "scale"_a = 1.0, "up_axis"_a = UpAxis::kZ, "max_depth_error"_a = MeshOptions{}.max_depth_error,
-      nb::call_guard<nb::gil_scoped_release>(), R"(An Object from the notation of the command line.
+      R"(An Object from the notation of the command line.
 
 text: a mesh file, or sphere:R, cylinder:R,L, capsule:R,L, box:X,Y,Z, half_space, cone:R,H, torus:MAJOR,MINOR, in metres.
 scale, up_axis, max_depth_error: of a mesh file, as in load_mesh().)");

@@ -12,13 +12,16 @@
 #include <utility>
 
 #include "bind.h"
+#include "interruptible.h"
 
 namespace taxelsim::python {
 namespace {
 
 Scene loadSceneWith(const std::filesystem::path& file, std::optional<std::uint64_t> num_episodes, std::optional<std::uint64_t> seed,
                     const std::string& condition, bool refuse_folders) {
-  return loadScene(file, {.num_episodes = num_episodes, .seed = seed, .condition = condition, .refuse_folders = refuse_folders});
+  return loadInterruptibly([&] {
+    return loadScene(file, {.num_episodes = num_episodes, .seed = seed, .condition = condition, .refuse_folders = refuse_folders});
+  });
 }
 
 // Ranges of the random variables of an episode. One of load and depth is missing; so is exploration_velocity if it is the controller's.
@@ -117,7 +120,7 @@ void bindScene(nb::module_& module) {
                std::to_string(self.num_steps) + " frames>";
       });
   module.def("load_scene", &loadSceneWith, "file"_a, "num_episodes"_a = nb::none(), "seed"_a = nb::none(),
-             "condition"_a = std::string(kNominalCondition), "refuse_folders"_a = false, nb::call_guard<nb::gil_scoped_release>(),
+             "condition"_a = std::string(kNominalCondition), "refuse_folders"_a = false,
              R"(Reads and checks a scene and all files that it names.
 
 num_episodes, seed: replace those of the file. condition: name of one of the scene's conditions, whose overrides of sensor and randomization

@@ -16,6 +16,7 @@
 #include "base/log.h"
 #include "base/sha256.h"
 #include "geometry/simplify.h"
+#include "geometry/triangle_tree.h"
 #include "taxelsim/version.h"
 
 namespace taxelsim {
@@ -125,6 +126,7 @@ Mesh simplifyMeshOnce(const Mesh& mesh, double max_error) {
     logDebug(std::string("simplified mesh not read: ") + error.what());
   }
   Mesh simplified = simplifyMesh(mesh, max_error);
+  if (const std::atomic<bool>* const stop = stopOfThisThread(); stop != nullptr && *stop) return simplified;
   try {
     writeSimplified(file, simplified.triangles.size() < mesh.triangles.size() ? simplified : Mesh{});
     removeOldest(file.parent_path());

@@ -35,7 +35,7 @@ SimplificationRepair::SimplificationRepair(const Mesh& original, double max_erro
     : original_(original),
       original_tree_(original),
       max_error_(max_error),
-      budget_{.max = std::min(kMaxVisits, kMaxVisitsPerTriangle * original.triangles.size())} {
+      budget_{.max = std::min(kMaxVisits, kMaxVisitsPerTriangle * original.triangles.size()), .stop = stopOfThisThread()} {
   std::vector<bool> is_used(original.vertices.size(), false);
   for (const Triangle& triangle : original.triangles) {
     for (const std::uint32_t vertex : triangle) is_used[vertex] = true;

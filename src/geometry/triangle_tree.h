@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -24,9 +25,14 @@ double squaredDistance(const Vector3& point, const TriangleCorners& triangle);
 struct SearchBudget {
   std::uint64_t max = std::numeric_limits<std::uint64_t>::max();
   std::uint64_t spent = 0;
+  const std::atomic<bool>* stop = nullptr;  // exhausts it when *stop becomes true
 
-  bool isExhausted() const { return spent > max; }
+  bool isExhausted() const { return spent > max || isStopped(); }
+  bool isStopped() const { return stop != nullptr && *stop; }
 };
+
+// That of the SimplificationStop of this thread, else null.
+const std::atomic<bool>* stopOfThisThread();
 
 class TriangleTree {
  public:

@@ -32,6 +32,7 @@ HEADERS = {
     "task.h": None,
     "progress.h": None,
     "verdict.h": None,
+    "simplification_stop.h": "geometry",
     "skin_variation.h": "sensor",
     "stiffness.h": "sensor",
     "device.h": "gpu",

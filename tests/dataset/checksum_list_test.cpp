@@ -92,6 +92,22 @@ TEST(ChecksumList, AShardOfTheSameTickAsTheListIsRead) {
   EXPECT_FALSE(dataset::ChecksumList(directory / "d", 3).vouchesFor(0, shard)) << "equal times";
 }
 
+// A list that is written again is later than the change, as if the clock had been set back for the change.
+TEST(ChecksumList, AChangeThatSeemsOlderThanTheListIsFoundBeforeItsRowsAreUsed) {
+  const TemporaryDirectory directory;
+  writeListedExample(directory / "d");
+  const auto files = filesIn(directory / "d");
+  std::string changed = files.at("shard-000001.h5");
+  changed[changed.size() / 2] ^= 1;
+  overwrite(directory / "d/shard-000001.h5", changed);
+  waitForClockOfFiles(directory / "d/shard-000001.h5");
+  overwrite(directory / "d/dataset.checksums", files.at("dataset.checksums"));
+  EXPECT_TRUE(quick(directory / "d")[1].is_vouched_for);
+  EXPECT_EQ(checkShards(directory / "d", /*contents=*/true)[1].state, ShardStatus::State::kBroken);
+  const DatasetReader reader(directory / "d");
+  expectError(ErrorKind::kInput, "shard-000001.h5", [&] { reader.readAsDouble(exampleManifest().columns[0].name, 0, reader.numFrames()); });
+}
+
 TEST(ChecksumList, DamagedListsVouchForNothing) {
   const TemporaryDirectory directory;
   writeListedExample(directory / "d");

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -15,6 +16,7 @@
 #include "geometry/simplify.h"
 #include "support/random_scene.h"
 #include "support/temporary_directory.h"
+#include "taxelsim/simplification_stop.h"
 
 namespace taxelsim {
 namespace {
@@ -124,6 +126,19 @@ TEST_F(SimplificationCache, RemembersMeshesThatCannotBeSimplified) {
     EXPECT_EQ(simplifyMeshOnce(ball(), kTooSmall).triangles, ball().triangles);
     EXPECT_LT(contentOf(stored().at(0)).size(), 100u);
   }
+}
+
+TEST_F(SimplificationCache, AStoppedSimplificationIsNotStored) {
+  std::atomic<bool> stop = true;
+  {
+    const SimplificationStop scope(stop);
+    EXPECT_EQ(simplifyMeshOnce(ball(), kMaxError).triangles.size(), ball().triangles.size());
+    EXPECT_TRUE(stored().empty());
+    stop = false;
+    EXPECT_LT(simplifyMeshOnce(ball(), kMaxError).triangles.size(), ball().triangles.size());
+  }
+  stop = true;
+  EXPECT_LT(simplifyMesh(ball(), kMaxError).triangles.size(), ball().triangles.size()) << "after the scope";
 }
 
 TEST_F(SimplificationCache, WorksWithoutADirectory) {
