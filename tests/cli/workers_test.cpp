@@ -28,7 +28,8 @@ struct ProcessStatus {
 // State X if there is no such process, Z if it has ended.
 ProcessStatus statusOf(pid_t process) {
   std::ifstream stream("/proc/" + std::to_string(process) + "/stat");
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  std::string text;
+  std::getline(stream, text);  // fails without an exception if the process ends meanwhile
   ProcessStatus status;
   if (const std::size_t name_end = text.rfind(')'); name_end != std::string::npos) {
     status.state = text[name_end + 2];
@@ -91,6 +92,11 @@ std::string warningsIn(const std::string& text) {
   return warnings;
 }
 
+std::vector<std::string> joined(std::vector<std::string> first, const std::vector<std::string>& second) {
+  first.insert(first.end(), second.begin(), second.end());
+  return first;
+}
+
 class Workers : public ::testing::Test {
  protected:
   Workers() {
@@ -102,16 +108,9 @@ class Workers : public ::testing::Test {
   }
 
   std::vector<std::string> generating(const std::string& directory, const std::vector<std::string>& options) const {
-    std::vector<std::string> command{"generate", "-o", root_ / directory};
-    command.insert(command.end(), options.begin(), options.end());
-    command.insert(command.end(), {"--", scene_});
-    return command;
+    return joined(joined({"generate", "-o", root_ / directory}, options), {"--", scene_});
   }
-  std::vector<std::string> evaluating(const std::vector<std::string>& options) const {
-    std::vector<std::string> command{"evaluate", scene_};
-    command.insert(command.end(), options.begin(), options.end());
-    return command;
-  }
+  std::vector<std::string> evaluating(const std::vector<std::string>& options) const { return joined({"evaluate", scene_}, options); }
 
   TemporaryDirectory root_;
   const std::string scene_ = root_ / "small.yaml";
@@ -149,24 +148,25 @@ TEST_F(Workers, ExtendARangeAndPartsAsOneProcessDoes) {
 }
 
 TEST_F(Workers, AreStoppedByAnInterruptAndResume) {
-  ASSERT_EQ(runTaxelsim(generating("one", {})).status, 0);
+  const std::vector<std::string> episodes{"--episodes", "400"};  // seconds in small batches, interrupted at the first shard
+  ASSERT_EQ(runTaxelsim(generating("one", episodes)).status, 0);
   for (const bool to_group : {true, false}) {  // of a terminal, or of `kill`
     const std::string name = to_group ? "group" : "parent";
-    RunningTaxelsim program(generating(name, long_run_));
+    RunningTaxelsim program(generating(name, joined(long_run_, episodes)));
     const std::vector<pid_t> workers = workersOf(program, 2);
     ASSERT_EQ(workers.size(), 2u) << program.wait().err;
     while (numShards(root_ / name) == 0) std::this_thread::sleep_for(kPeriod);
     kill(to_group ? -program.process() : program.process(), SIGINT);
     const Outcome stopped = program.wait();
     EXPECT_EQ(stopped.status, 130) << stopped.err;
-    EXPECT_EQ(count(stopped.err, "stopped: " + std::to_string(numShards(root_ / name)) + " of 40 episodes are in"), 1u) << stopped.err;
+    EXPECT_EQ(count(stopped.err, "stopped: " + std::to_string(numShards(root_ / name)) + " of 400 episodes are in"), 1u) << stopped.err;
     EXPECT_EQ(count(stopped.err, "worker"), 0u) << stopped.err;
     for (const pid_t worker : workers) EXPECT_EQ(statusOf(worker).state, 'X') << "ended before the program";
-    const Outcome resumed = runTaxelsim(generating(name, {"--workers", "2"}));
+    const Outcome resumed = runTaxelsim(generating(name, joined({"--workers", "2"}, episodes)));
     EXPECT_EQ(resumed.status, 0) << resumed.err;
     EXPECT_EQ(filesOf(root_ / name), filesOf(root_ / "one"));
   }
-  RunningTaxelsim program(evaluating(long_run_));
+  RunningTaxelsim program(evaluating(joined(long_run_, episodes)));
   ASSERT_EQ(workersOf(program, 2).size(), 2u) << program.wait().err;
   kill(-program.process(), SIGINT);
   const Outcome stopped = program.wait();
