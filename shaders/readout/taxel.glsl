@@ -21,7 +21,7 @@ Instance loadInstance(uint number) {
   instance.new_frame = (instance.keys.w & kFlagNewFrame) != 0;
   instance.noise_level = sqrt(NOISE * NOISE + instance.drive.w * instance.drive.w);
   instance.step = hasState() ? instances[number].clock.x : 0;
-  instance.window = imageWindow(number, hasState() || BIAS > 0.0 || RANDOM && instance.noise_level > 0.0);
+  instance.window = imageWindow(number, READS_AT_REST || hasState() || BIAS > 0.0 || RANDOM && instance.noise_level > 0.0);
   instance.origin = instance.window.first + instance.window.count / 2;
   return instance;
 }

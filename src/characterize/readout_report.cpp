@@ -243,7 +243,10 @@ void ReadoutReport::reportGains() {
   const auto num_taxels = static_cast<std::size_t>(numTaxels(result_.sensor));
   readout_.taxel_gain.assign(num_taxels, 1);
   readout_.taxel_trigger.assign(num_taxels, readout_.trigger);
-  for (const int dead : result_.dead_taxels) readout_.taxel_gain[static_cast<std::size_t>(dead)] = 0;
+  for (const int dead : result_.dead_taxels) {
+    readout_.taxel_gain[static_cast<std::size_t>(dead)] = 0;
+    readout_.taxel_trigger[static_cast<std::size_t>(dead)] = std::max(0.0, readout_.trigger);
+  }
   double squares = 0;
   std::array<double, 2> sum{}, count{};  // inner taxels, border taxels
   for (std::size_t t = 0; t < taxels_.size(); ++t) {

@@ -82,11 +82,11 @@ TEST(RealRecordingsStudy, SingleTaxelsPredictTheirOtherHalf) {
   const std::string command =
       "python3 -B " TAXELSIM_SOURCE_DIR "/scripts/convert_recordings.py " TAXELSIM_REAL_DATA " " + (directory / "single_taxels").string();
   ASSERT_EQ(std::system(command.c_str()), 0);
-  for (const auto& [name, most] : {std::pair{"tams", 0.08}, {"velostat", 0.6}}) {
+  for (const auto& [name, most] : {std::pair{"tams", 0.08}, {"velostat", 0.09}}) {
     const std::vector<CrossValidation> results = crossValidate(loaded(name, directory.path().string()));
     std::printf("%s", figures::crossValidationText(results, 0).c_str());
     EXPECT_LT(m4(results.front().predictors[0], 0), most) << name;
-    EXPECT_LT(m4(results.front().predictors[0], 0), m4(results.front().predictors[1], 0)) << name << ": zeros";
+    EXPECT_LT(m4(results.front().predictors[0], 0), m4(results.front().predictors[2], 0)) << name << ": a line in the force";
   }
 }
 

@@ -289,7 +289,8 @@ void expectMatches(const FrameView& frame, int instance, const Sensor& sensor, c
   for (std::size_t t = 0; t < counts.size(); ++t) {
     const double gain = reference::gainOf(readout, t), trigger = reference::triggerOf(readout, t);
     const double value = reference::analogueOutput(readout, force[t], gain, trigger, 0);
-    const double size = std::max(reference::analogueOutput(readout, force[t], gain, -trigger, 0), steepest * (gain * force[t] + trigger));
+    const double size = std::max(reference::analogueOutput(readout, force[t], gain, -std::abs(trigger), 0),
+                                 steepest * (gain * force[t] + std::abs(trigger)));
     const auto clip = [&](double v) { return std::clamp(std::round(v), 0.0, static_cast<double>(readout.saturation)); };
     num_wrong += !(counts[t] >= clip(value - 32 * kUlp * size) && counts[t] <= clip(value + 32 * kUlp * size));
     if (std::abs(force[t] - trigger) <= 2 * kUlp * trigger) {

@@ -63,6 +63,8 @@ ImagePass::Kernel ImagePass::makeKernel(const Variant& variant) const {
   const bool taxels_alike = std::all_of(packed.taxels.begin(), packed.taxels.end(), [&](const layout::TaxelRecord& taxel) {
     return taxel.readout.x == 1.0f && taxel.readout.y == static_cast<float>(readout.trigger);
   });
+  const bool reads_at_rest =
+      std::any_of(packed.taxels.begin(), packed.taxels.end(), [](const layout::TaxelRecord& taxel) { return taxel.readout.y < 0; });
   return {model_.context(), "image", k_image_spirv, commonConstants(model_.sensor, packed, sizes_.pass),
           ImageInterface{.SHEAR = variant.with_shear,
                          .NUM_ENTRIES = packed.num_entries,
@@ -90,7 +92,8 @@ ImagePass::Kernel ImagePass::makeKernel(const Variant& variant) const {
                          .CURVE_PIECES = readout.curve_points.size(),
                          .KEEPS_WINDOW = model_.profile.paths().untouched && model_.sensor.frame_rate == 0,
                          .RANDOM_SKIN = variant.random_skin,
-                         .SCALED = packed.scalesSpread()}};
+                         .SCALED = packed.scalesSpread(),
+                         .READS_AT_REST = reads_at_rest}};
 }
 
 }  // namespace taxelsim
