@@ -2,7 +2,7 @@
 r"""Measures what several processes make of a run of `taxelsim generate` or `evaluate`, compared with one process, in turns.
 
     PYTHONPATH=build/release/python build/venv/bin/python bench/python/workers_rate.py build/release/bin/taxelsim \
-        [--command generate] [--episodes N] [--workers N] [--pairs N] [--cold] [--json FILE]
+        [--command generate] [--episodes N] [--workers N] [--pairs N] [--threads N] [--cold] [--json FILE]
 
 A pair is one run with `--workers 1` and one with `--workers N`, the first of them alternating. All times are of whole processes, from start
 to end, with the compilation of kernels that the driver's cache holds. The processor time includes the workers. Ratios are medians of
@@ -34,6 +34,8 @@ def run(arguments: argparse.Namespace, workers: int, folder: Path) -> tuple[floa
     command += ["--episodes", str(arguments.episodes), "--workers", str(workers)]
     command += ["-o", str(out)] if arguments.command == "generate" else []
     environment = dict(os.environ)
+    if workers == 1 and arguments.threads:
+        environment["LP_NUM_THREADS"] = str(arguments.threads)
     if arguments.cold:
         cache = folder / "cache"
         shutil.rmtree(cache, ignore_errors=True)
@@ -57,6 +59,7 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--pairs", type=int, default=5)
     parser.add_argument("--cold", action="store_true")
+    parser.add_argument("--threads", type=int, default=0, help="driver threads of the one process; default: what the program sets")
     parser.add_argument("--json", type=Path)
     arguments = parser.parse_args()
     pairs: list[dict[int, tuple[float, float]]] = []
@@ -79,6 +82,7 @@ def main() -> None:
         "episodes": arguments.episodes,
         "workers": arguments.workers,
         "cold": arguments.cold,
+        "threads_of_one_process": arguments.threads or "default",
         "rate": rate,
         "processor_time": work,
         "pairs": [{str(workers): times for workers, times in pair.items()} for pair in pairs],
