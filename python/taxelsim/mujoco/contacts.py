@@ -29,7 +29,7 @@ class Contacts:
         outputs = OutputOptions(
             tactile_normal_force=self.shear is not None,
             tactile_shear_force=False,
-            penetration_depth=False,
+            penetration_depth=not jacobian,
             clean_tactile_jacobian=jacobian,
         )
         count = self.shape[0] * geoms
@@ -49,7 +49,11 @@ class Contacts:
         self.simulator.step(dt, None if instances is None else self.pairs(instances))
         self.truth = self.simulator.read().ground_truth
         self.wrench = self.truth.contact_wrench.astype(np.float64).reshape(*self.shape, 6)
-        stiffness = self.probe.stiffness(ids, rows, dt) if self.probe else self.truth.jacobian.contact_wrench.astype(np.float64)
+        if self.probe:
+            depths = self.truth.penetration_depth.reshape(len(ids), -1).max(axis=1).astype(np.float64)
+            stiffness = self.probe.stiffness(ids, rows, depths, dt)
+        else:
+            stiffness = self.truth.jacobian.contact_wrench.astype(np.float64)
         factor = damping_factor(self.sensor, dt)
         self.normal_stiffness = factor * restoring(stiffness, self.lever).reshape(*self.shape, 6, 6)
         if self.shear is not None:

@@ -13,7 +13,7 @@ from ..frame import GroundTruth
 from ..simulator import Simulator
 from .poses import Array, product
 
-PROBE_SHIFT = 1e-6  # m: a thousandth of a usual depth, and a thousand times the rounding of heights
+PROBE_SHIFTS = (1e-7, 1e-6)  # m, least and most: hundreds of times the rounding of heights; a thousandth of a usual depth
 
 
 def check_law(sensor: Sensor, site: str) -> None:
@@ -57,7 +57,11 @@ def restoring(stiffness: Array, lever: float) -> Array:
 
 
 class Probe:
-    """Finite differences of the normal wrench: seven poses per contact in one batch, of the sensor without friction and relaxation."""
+    """Finite differences of the normal wrench: seven poses per contact in one batch, of the sensor without friction and relaxation.
+
+    An object is shifted by at most its depth: a light one on a stiff skin is less deep than the usual shift, which would lift a side of it
+    off the skin.
+    """
 
     def __init__(self, model: Model, num_contacts: int, lever: float) -> None:
         sensor = model.sensor
@@ -65,21 +69,23 @@ class Probe:
         bare = Model(model.device, sensor.replace(skin=skin), model.objects)
         outputs = OutputOptions(tactile_normal_force=False, tactile_shear_force=False, penetration_depth=False)
         self.simulator = Simulator(bare, 7 * num_contacts, outputs=outputs)
-        self.shifts = np.repeat([PROBE_SHIFT, PROBE_SHIFT / lever], 3)
-        self.twists = np.vstack((np.zeros(6), np.diag(self.shifts)))  # of the sensor
+        self.units = np.repeat([1, 1 / lever], 3)  # of the twist's coordinates: all move the edge of the sensor by about a shift
 
-    def stiffness(self, ids: NDArray[np.int32], poses: Array, dt: float) -> Array:
-        """(C, 6, 6): columns are derivatives of the wrench by the twist of the sensor. ids (C), poses X_SO (C, 7)."""
-        v, w = self.twists[:, :3], self.twists[:, 3:]
+    def stiffness(self, ids: NDArray[np.int32], poses: Array, depths: Array, dt: float) -> Array:
+        """(C, 6, 6): columns are derivatives of the wrench by the twist of the sensor. ids (C), poses X_SO (C, 7), depths (C), m."""
+        shifts = np.clip(depths, *PROBE_SHIFTS)[:, np.newaxis] * self.units
+        twists = np.zeros((len(ids), 7, 6))
+        twists[:, 1:] = shifts[:, :, np.newaxis] * np.eye(6)
+        v, w = twists[..., :3], twists[..., 3:]
         p = poses[:, np.newaxis, :3]
         positions = p - v - np.cross(w, p)
-        turned = product(np.concatenate((np.ones((7, 1)), -w / 2), axis=1), poses[:, np.newaxis, 3:])
+        turned = product(np.concatenate((np.ones((*w.shape[:2], 1)), -w / 2), axis=2), poses[:, np.newaxis, 3:])
         moved = np.concatenate((positions, turned / np.linalg.norm(turned, axis=2, keepdims=True)), axis=2)
         self.simulator.reset()
         self.simulator.set_objects(np.repeat(ids, 7), moved.reshape(-1, 7))
         self.simulator.step(dt)
         wrench = self.simulator.read().ground_truth.contact_wrench.astype(np.float64).reshape(-1, 7, 6)
-        return np.asarray(np.swapaxes((wrench[:, 1:] - wrench[:, :1]) / self.shifts[:, np.newaxis], 1, 2))
+        return np.asarray(np.swapaxes((wrench[:, 1:] - wrench[:, :1]) / shifts[:, :, np.newaxis], 1, 2))
 
 
 class Shear:

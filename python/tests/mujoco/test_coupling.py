@@ -77,6 +77,21 @@ def test_large_contact_on_an_elastic_layer(device: taxelsim.Device) -> None:
     assert 0 < batch.qvel[0, 2] < 0.2  # thrown back, with less than it had
 
 
+def test_light_weight_on_an_elastic_layer(device: taxelsim.Device) -> None:
+    """20 g on the whole array press this stiff skin by 0.1 um, less than the usual shift of the finite differences."""
+    batch = batch_of(model_of(BOX), np.array([0.02]))
+    elastic = taxelsim.load_sensor(taxelsim.SCENES / "sensors/wts0614_elastic_layer.yaml")
+    tactile = taxelsim.mujoco.couple(batch.model, {"palm": elastic}, device=device)
+    tactile.step(batch, 20)
+    wrenches = []
+    for _ in range(20):
+        tactile.step(batch)
+        wrenches.append(-tactile.wrenches["palm"][0, 0, 2] / (0.02 * GRAVITY))
+    assert np.mean(wrenches) == pytest.approx(1, abs=WEIGHT_TOLERANCE)
+    # One nanometre, two float32 roundings of heights of 10 mm, is 1 % of the weight.
+    assert np.abs(np.array(wrenches) - 1).max() < 0.02
+
+
 @pytest.mark.parametrize("skin", ["stiff", "lugre"])
 def test_energy_after_release(device: taxelsim.Device, skin: str) -> None:
     """Boxes hit the skin with an edge; every other one is pressed against it by a force."""
