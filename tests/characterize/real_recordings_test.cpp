@@ -13,6 +13,7 @@
 
 #include "figures/cross_validation_text.h"
 #include "support/temporary_directory.h"
+#include "taxelsim/characterize.h"
 #include "taxelsim/cross_validate.h"
 
 namespace taxelsim::testing {
