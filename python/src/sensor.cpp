@@ -121,7 +121,7 @@ x = gain F - trigger; y = sum of curve[m] x^(m+1); counts = clip(round(output_sc
             field("curve_points", &Readout::curve_points, "Piecewise linear curve from (0, 0); replaces `curve`."),
             field("curve_limit", &Readout::curve_limit, "Asymptote in counts; 0: none."),
             field("output_scale", &Readout::output_scale, "> 0."),
-            field("trigger", &Readout::trigger, "N, >= 0, smallest force that is visible."),
+            field("trigger", &Readout::trigger, "N, smallest force that is visible; below 0: the taxel reads without a load."),
             field("adc_bits", &Readout::adc_bits, "1 to 16."), field("saturation", &Readout::saturation, "Counts, 1 to 2^adc_bits - 1."),
             field("noise", &Readout::noise, "Counts, >= 0, standard deviation of white noise per frame and taxel."),
             field("taxel_gain", &Readout::taxel_gain, "(num_taxels), >= 0; empty: 1."),
