@@ -22,9 +22,12 @@ NUM_STEPS = 20
 NUM_ROUNDS = 5
 
 
-def batch(device: ts.Device, sensor: str, touching: ts.Object, count: int, slots: int = 1) -> ts.Simulator:
-    """`count` instances, each 0.2 mm deep in the object at places of their own; in all slots but the first the object is 0.2 m away."""
-    model = ts.Model(device, ts.load_sensor(SCENES / "sensors" / sensor), [touching])
+def batch(device: ts.Device, sensor: str, touching: ts.Object, count: int, slots: int = 1, samples: int = 4) -> ts.Simulator:
+    """`count` instances, each 0.2 mm deep in the object at places of their own; in all slots but the first the object is 0.2 m away.
+
+    samples: per side of a taxel.
+    """
+    model = ts.Model(device, ts.load_sensor(SCENES / "sensors" / sensor).replace(samples_per_taxel=samples), [touching])
     simulator = ts.Simulator(model, count, num_slots=slots, outputs=ts.OutputOptions(tactile_normal_force=True))
     poses = np.zeros((count, slots, 7))
     poses[..., 3] = 1
@@ -57,10 +60,14 @@ def main() -> None:
     cylinder = ts.Object(ts.Cylinder(radius=0.01, length=0.03), "cylinder")
     print(device.info.name)
     palm = batch(device, PALM, knob, NUM_HANDS)
-    fingers = batch(device, "fingertip_6x4.yaml", knob, 5 * NUM_HANDS)
-    alone, hand = seconds([palm], [palm, fingers])
-    rate, hand_rate = 84 * NUM_HANDS / alone, (84 + 5 * 24) * NUM_HANDS / hand
-    print(f"palm alone {rate:,.0f} taxels/s, hand {hand_rate:,.0f} taxels/s: {hand_rate / rate:.2f}")
+    for samples in (4, 3):
+        fingers = batch(device, "fingertip_6x4.yaml", knob, 5 * NUM_HANDS, samples=samples)
+        alone, hand = seconds([palm], [palm, fingers])
+        loaded = [np.count_nonzero(simulator.read().tactile_image) / simulator.num_instances for simulator in (palm, fingers)]
+        rate, hand_rate = 84 * NUM_HANDS / alone, (84 + 5 * 24) * NUM_HANDS / hand
+        print(f"samples {3.4 / 4:.2f} mm apart on the palm, {2.5 / samples:.2f} mm on fingertips; ", end="")
+        print(f"loaded taxels of a palm {loaded[0]:.0f} of 84, of a fingertip {loaded[1]:.0f} of 24")
+        print(f"palm alone {rate:,.0f} taxels/s, hand {hand_rate:,.0f} taxels/s: {hand_rate / rate:.2f}")
     for touching in (knob, cylinder):
         for sensor in (PALM, "wts0614_lugre.yaml"):
             one, eight = seconds([batch(device, sensor, touching, NUM_HANDS)], [batch(device, sensor, touching, NUM_HANDS, 8)])

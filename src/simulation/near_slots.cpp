@@ -74,33 +74,31 @@ NearSlots::NearSlots(const ModelData& model, std::size_t num_instances, std::siz
   }
 }
 
-bool NearSlots::reaches(int id, const Pose& X_SO) const {
+bool NearSlots::reaches(const layout::ObjectRecord& object, const layout::PoseRecord& X_SO) const {
   constexpr float kRounding = 1e-5f;  // of the object's size and distance
-  const layout::ObjectRecord& object = model_.object_records[static_cast<std::size_t>(id)];
   const auto isOutside = [this](const glm::vec3& center, const glm::vec3& half) {
     const glm::vec3 reach = half + kRounding * (half + glm::abs(center));
     // Written so that NaN is near.
     return glm::any(glm::greaterThan(center - reach, region_.high)) || glm::any(glm::lessThan(center + reach, region_.low));
   };
-  const auto& [x, y, z] = X_SO.position;
-  const glm::vec3 origin = region_.R_RS * glm::vec3(x, y, z) + region_.p_RS;
+  const glm::vec3 origin = region_.R_RS * positionOf(X_SO) + region_.p_RS;
   // A sphere about the origin of O costs no rotation.
   if (isOutside(origin, glm::vec3(glm::length(glm::abs(glm::vec3(object.center)) + glm::vec3(object.half_size))))) return false;
-  const glm::mat3 R_RO = region_.R_RS * rotationOf(packPose(id, X_SO, 0));
+  const glm::mat3 R_RO = region_.R_RS * rotationOf(X_SO);
   const glm::vec3 size(object.half_size);
   return !isOutside(origin + R_RO * glm::vec3(object.center),
                     glm::abs(R_RO[0]) * size.x + glm::abs(R_RO[1]) * size.y + glm::abs(R_RO[2]) * size.z);
 }
 
 void NearSlots::place(std::size_t index, int id, const Pose& X_SO) {
-  placed_[index] = {id, X_SO};
   const std::size_t instance = index / num_slots_, slot = index % num_slots_;
   const bool is_occupied = id != kNoObject;
+  if (is_occupied) placed_[index] = packPose(id, X_SO, slot);
   const auto set = [bit = 1u << slot](std::uint8_t& bits, bool value) {
     bits = static_cast<std::uint8_t>(value ? bits | bit : bits & ~bit);
   };
   set(occupied_[instance], is_occupied);
-  set(near_[instance], is_occupied && (num_slots_ == 1 || reaches(id, X_SO)));
+  set(near_[instance], is_occupied && (num_slots_ == 1 || reaches(model_.object_records[static_cast<std::size_t>(id)], placed_[index])));
 }
 
 std::size_t NearSlots::pack(std::span<const layout::InstanceRecord> instances, std::span<layout::PoseRecord> poses) {
@@ -115,9 +113,7 @@ std::size_t NearSlots::pack(std::span<const layout::InstanceRecord> instances, s
     const std::span<layout::PoseRecord> of_instance = poses.subspan(i * stride, stride);
     std::size_t count = 0;
     for (std::uint32_t left = packed_[i]; left != 0; left &= left - 1) {
-      const auto slot = static_cast<std::size_t>(std::countr_zero(left));
-      const Placed& placed = placed_[i * num_slots_ + slot];
-      of_instance[count++] = packPose(placed.id, placed.X_SO, slot);
+      of_instance[count++] = placed_[i * num_slots_ + static_cast<std::size_t>(std::countr_zero(left))];
     }
     std::fill(of_instance.begin() + static_cast<std::ptrdiff_t>(count), of_instance.end(), kEmpty);
   }

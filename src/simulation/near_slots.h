@@ -29,12 +29,7 @@ class NearSlots {
   std::uint32_t of(std::size_t instance) const { return packed_[instance]; }
 
  private:
-  bool reaches(int id, const Pose& X_SO) const;
-
-  struct Placed {
-    int id;
-    Pose X_SO;
-  };
+  bool reaches(const layout::ObjectRecord& object, const layout::PoseRecord& X_SO) const;
 
   // Box around all points that can touch the sensor, m, in the frame R of its one patch, or in S.
   struct Region {
@@ -46,7 +41,7 @@ class NearSlots {
   const ModelData& model_;
   std::size_t num_slots_;
   Region region_;
-  std::vector<Placed> placed_;                          // (num_instances x num_slots)
+  std::vector<layout::PoseRecord> placed_;              // (num_instances x num_slots), of objects
   std::vector<std::uint8_t> occupied_, near_, packed_;  // (num_instances), a bit per slot
 };
 
