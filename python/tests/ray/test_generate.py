@@ -13,7 +13,7 @@ import pytest
 
 import taxelsim
 import taxelsim.ray
-from taxelsim.ray.storage import checksum_line, shard_name
+from taxelsim.ray.storage import MANIFEST, checksum_line, shard_name
 
 from .conftest import KIND, files_of, replace_node
 
@@ -29,27 +29,33 @@ def expected(scene, tmp_path_factory) -> dict[str, bytes]:
     return files_of(out)
 
 
-def test_nodes_of_another_kind_are_refused_and_their_tasks_made_elsewhere(cluster, scene, expected, tmp_path):
-    taxelsim.generate(scene, tmp_path, shards=range(1))  # the kind of this process
+@pytest.fixture
+def begun(expected, tmp_path) -> Path:
+    """The directory of a data set with one shard, of the kind of this process."""
+    for name in (MANIFEST, shard_name(0), shard_name(0) + ".sha256"):
+        (tmp_path / name).write_bytes(expected[name])
+    return tmp_path
+
+
+def test_nodes_of_another_kind_are_refused_and_their_tasks_made_elsewhere(cluster, scene, expected, begun):
     seen: list[tuple[int, int]] = []
-    summary = taxelsim.ray.generate(scene, tmp_path, on_progress=lambda *progress: seen.append(progress))
-    assert files_of(tmp_path) == expected
+    summary = taxelsim.ray.generate(scene, begun, on_progress=lambda *progress: seen.append(progress))
+    assert files_of(begun) == expected
     assert list(summary.refused) in ([], [cluster.other.node_id])
     assert [done for done, _ in seen] == sorted(done for done, _ in seen)
     assert seen[-1] == (21, 21)
     assert summary.num_simulated == 17
 
 
-def test_all_nodes_of_another_kind_are_one_line(cluster, scene, expected, tmp_path):
-    taxelsim.generate(scene, tmp_path, shards=range(1))
-    manifest = tmp_path / "dataset.yaml"
+def test_all_nodes_of_another_kind_are_one_line(cluster, scene, begun):
+    manifest = begun / MANIFEST
     text = manifest.read_text()
     probe = text.partition("probe_sha256: ")[2][:64]
     manifest.write_text(text.replace(probe, "0" * 64))
     with pytest.raises(taxelsim.InputError, match=r"probe_sha256.* \(all 2 nodes are refused\)$") as error:
-        taxelsim.ray.generate(scene, tmp_path, workers=WORKERS)
+        taxelsim.ray.generate(scene, begun, workers=WORKERS)
     assert "\n" not in str(error.value)
-    assert files_of(tmp_path).keys() == {"dataset.yaml", "shard-000000.h5", "shard-000000.h5.sha256"}
+    assert files_of(begun).keys() == {"dataset.yaml", "shard-000000.h5", "shard-000000.h5.sha256"}
 
 
 @pytest.mark.parametrize(
@@ -108,8 +114,8 @@ def test_a_set_of_s3_has_the_bytes_of_one_process(cluster, scene, expected, s3):
     assert summary.num_simulated == 4 * 4
     assert stored() == expected
 
-    files.pipe_file("bucket/a/set/shard-000002.h5", b"damaged")
-    with pytest.raises(taxelsim.InputError, match=r"shard-000002.h5: its SHA-256 is .* repair=True makes it again"):
+    files.pipe_file("bucket/a/set/shard-000000.h5", b"damaged")
+    with pytest.raises(taxelsim.InputError, match=r"shard-000000.h5: its SHA-256 is .* repair=True makes it again"):
         taxelsim.ray.generate(scene, "s3://bucket/a/set", workers=WORKERS, storage_options=s3)
     taxelsim.ray.generate(scene, "s3://bucket/a/set", workers=WORKERS, storage_options=s3, repair=True)
     assert stored() == expected
