@@ -44,9 +44,9 @@ struct CrossValidation {
 /// Stamps: all stamps of one load are left out together, and the rest needs another load. The reference in double precision simulates the
 /// prediction. A stamp stands where the training stamps of its fixture stand, or without a fixture at the mean pose of all training stamps:
 /// the scored image has no part in it. If the training presses have gains, a smooth function of the load predicts the gain of a load
-/// between two of theirs; the sensor without it is scored, too. Baselines: an image of zeros; the footprint under a Gaussian with one gain;
-/// the same with a trigger and a ridge-regularised gain per taxel; a straight line in the load per taxel; another recorded press of the
-/// same load.
+/// between two of theirs, and the sensor times this gain is scored as well. Baselines: an image of zeros; the footprint under a Gaussian
+/// with one gain; the same with a trigger and a ridge-regularised gain per taxel; a straight line in the load per taxel; another recorded
+/// press of the same load.
 ///
 /// Force curves: each measurement is cut into cycles of the force, and odd cycles predict even ones and vice versa; with fewer than four
 /// cycles, its halves. Baselines: zeros; a straight line in the force per taxel; the median reading of the other half at the same force.

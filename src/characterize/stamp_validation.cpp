@@ -76,14 +76,14 @@ LoadDeviation loadDeviationOf(const Characterization& result, const std::vector<
 }
 
 // Predictors in the order of CrossValidation.
-enum : std::size_t { kSensor, kZero, kBlur, kBlurWithGains, kLine, kRepeat, kSensorAlone };
+enum : std::size_t { kSensor, kZero, kBlur, kBlurWithGains, kLine, kRepeat, kSensorOnBench };
 
 }  // namespace
 
 CrossValidation validateStamps(const std::vector<Measurement>& stamps, const std::vector<Measurement>& others) {
   CrossValidation result{.left_out = "loads", .predictors = {}};
   for (const char* const name : {"fitted sensor", "zeros", "blurred footprint, one gain", "blurred footprint, trigger and gains",
-                                 "line in the load per taxel", "repeated real press", "fitted sensor without the bench's deviation"}) {
+                                 "line in the load per taxel", "repeated real press", "fitted sensor with the bench's deviation"}) {
     const std::size_t predictor = result.predictors.size();
     result.predictors.push_back({.name = name, .is_baseline = predictor != kSensor && predictor < kRepeat, .scores = {}});
   }
@@ -119,14 +119,14 @@ CrossValidation validateStamps(const std::vector<Measurement>& stamps, const std
         score.load = load;
         result.predictors[predictor].scores.push_back(std::move(score));
       };
-      add(kSensor, predictedBySensor(fitted, training, stamps[k], press_gain));
+      add(kSensor, predictedBySensor(fitted, training, stamps[k], 1));
       add(kZero, std::vector<double>(real.size()));
       add(kBlur, blurredFootprint(sensor, seen, presses[k]));
       add(kBlurWithGains, blurredFootprintWithGains(sensor, seen, presses[k]));
       add(kLine, linePerTaxel(seen, presses[k]));
       const auto repeats = [&](const RecordedPress& press) { return press.load == load && &press != &presses[k]; };
       const auto other = std::find_if(presses.begin(), presses.end(), repeats);
-      add(kSensorAlone, predictedBySensor(fitted, training, stamps[k], 1));
+      add(kSensorOnBench, predictedBySensor(fitted, training, stamps[k], press_gain));
       add(kRepeat, other != presses.end() ? other->image : std::vector<double>(real.size(), std::nan("")));
     }
   }

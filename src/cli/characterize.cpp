@@ -195,7 +195,7 @@ void addCharacterize(CLI::App& app, Action& action) {
   command
       ->add_option("--temperature", arguments->temperature,
                    "Write the sensor at this temperature (degrees Celsius); default: at the mean of the measurements")
-      ->check(CLI::Range(-100.0, 300.0))
+      ->check(silent(CLI::Range(-100.0, 300.0)))
       ->type_name("DEGC");
   command->add_flag("--json", arguments->json, "Print JSON instead of tables");
   command->callback([=, &action] { action = [=] { return runCharacterize(*arguments); }; });

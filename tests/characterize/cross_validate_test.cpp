@@ -123,7 +123,7 @@ TEST(CrossValidateStudy, PredictsLoadsOfADeviatingBench) {
     stamps.back().fixture = "holder";
   }
   const CrossValidation result = crossValidate(measured(truth, stamps)).front();
-  const double with = medianScore(result.predictors[0], 2, 8).sum_ratio, without = medianScore(result.predictors[6], 2, 8).sum_ratio;
+  const double with = medianScore(result.predictors[6], 2, 8).sum_ratio, without = medianScore(result.predictors[0], 2, 8).sum_ratio;
   EXPECT_LT(with, 0.7 * without);
 }
 
