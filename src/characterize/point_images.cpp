@@ -48,8 +48,9 @@ void addShares(const GridPatch& patch, const FootprintMask& mask, const std::arr
   };
   for (std::size_t p = 0; p < mask.pressure.size(); ++p) {
     if (!(mask.pressure[p] > 0)) continue;
-    const double u = (static_cast<double>(p / mask.num_cols) - (static_cast<double>(mask.num_rows) - 1) / 2) * mask.pixel;
-    const double v = (static_cast<double>(p % mask.num_cols) - (static_cast<double>(mask.num_cols) - 1) / 2) * mask.pixel;
+    const std::size_t row = p / mask.num_cols, col = p % mask.num_cols;
+    const double u = (static_cast<double>(row) - (static_cast<double>(mask.num_rows) - 1) / 2) * mask.pixel;
+    const double v = (static_cast<double>(col) - (static_cast<double>(mask.num_cols) - 1) / 2) * mask.pixel;
     const double x = place[0] + c * u - s * v, y = place[1] + s * u + c * v;
     for (int i = firstCell(x, patch.num_rows, patch.pitch[0]); i < patch.num_rows; ++i) {
       const double along_x = part(x, i, patch.num_rows, patch.pitch[0]);
