@@ -148,6 +148,11 @@ std::vector<std::string> readRecord(const YamlMap& map, Scene::Kind kind) {
   return record;
 }
 
+void checkTaxelCounts(const YamlMap& map, const Scene& scene) {
+  if (scene.sensor.readout.three_axis || std::find(scene.record.begin(), scene.record.end(), "taxel_counts") == scene.record.end()) return;
+  map.require("record", "").fail("taxel_counts needs readout.three_axis of the sensor");
+}
+
 // Only scenes with contact features have this key.
 void readMaxRegions(const YamlMap& map, Scene& scene) {
   const bool has_rows = std::any_of(kContactColumns.begin(), kContactColumns.end(), [&](std::string_view column) {
@@ -299,6 +304,7 @@ Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrid
   }
   scene.task = readTask(map, scene);
   scene.record = readRecord(map, scene.kind);
+  checkTaxelCounts(map, scene);
   readMaxRegions(map, scene);
   readDataSet(map, overrides, scene);
   checkConditions(file_tree, name, directory, scene);

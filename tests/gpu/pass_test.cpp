@@ -24,6 +24,7 @@
 #include "spread_jacobian.spv.h"
 #include "tactile_jacobian.spv.h"
 #include "taxel_jacobian.spv.h"
+#include "three_axis.spv.h"
 
 namespace taxelsim {
 namespace {
@@ -93,6 +94,7 @@ TEST(PassInterfaces, MatchTheShaders) {
   expectMatches<TaxelLawInterface>(k_mass_spring_damper_spirv, "taxel_law");
   expectMatches<ContactsInterface>(k_contacts_spirv, "contacts");
   expectMatches<ImageInterface>(k_image_spirv, "image");
+  expectMatches<ThreeAxisInterface>(k_three_axis_spirv, "three_axis");
   expectMatches<ContactRegionsInterface>(k_contact_regions_spirv, "contact_regions");
   expectMatches<ContactFeaturesInterface>(k_contact_features_spirv, "contact_features");
   expectMatches<TaxelJacobianInterface>(k_taxel_jacobian_spirv, "taxel_jacobian");

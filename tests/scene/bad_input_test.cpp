@@ -159,6 +159,7 @@ TEST(BadScenes, Scenes) {
        BadScene{"[tactile_image, features]", "[]", ":27:9: record: a list of 0 is not allowed: a list of at least one of tactile_image"},
        BadScene{"[tactile_image, features]", "[contact_features]\nmax_regions: 9",
                 ":28:14: max_regions: 9 is not allowed: a whole number from 0 to 8"},
+       BadScene{"[tactile_image, features]", "[taxel_counts]", ":27:9: record: taxel_counts needs readout.three_axis of the sensor"},
        BadScene{"[tactile_image, features]", "[features]\nmax_regions: 1",
                 ":28:14: max_regions: needs contact_features or clean_contact_features in record"},
        BadScene{"{edge_angle: {kp: 0.78}}", "{}\n  pid: {}", ":27:3: controller.pid: unknown key; allowed: tactile_servo"},
