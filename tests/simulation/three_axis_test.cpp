@@ -48,6 +48,17 @@ Touch touchAt(int step) {
   return {{0}, {{.position = {3e-4 * step, -2e-4 * step, 0.012 - depth}}}};
 }
 
+// The frame after steps `begin` to `end` of that path, of all instances.
+FrameView follow(Simulator& simulator, int num_instances, int begin, int end) {
+  FrameView frame;
+  for (int n = begin; n < end; ++n) {
+    support::setTouches(simulator, std::vector<Touch>(static_cast<std::size_t>(num_instances), touchAt(n)));
+    simulator.step(kDt);
+    frame = simulator.read();
+  }
+  return frame;
+}
+
 std::vector<Vector3> forcesOf(const FrameView& frame, int instance, int num_taxels) {
   std::vector<Vector3> forces;
   for (std::size_t t = 0; t < static_cast<std::size_t>(num_taxels); ++t) {
@@ -96,11 +107,7 @@ TEST(ThreeAxisOnDevice, CrossTalkIsTheMatrixTimesTheForce) {
   sensor.readout.taxel_gain.clear();
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects()});
   Simulator simulator(model, {.outputs = {.taxel_counts = true}});
-  for (int n = 0; n < 3; ++n) {
-    support::setTouches(simulator, {touchAt(n)});
-    simulator.step(kDt);
-  }
-  const FrameView frame = simulator.read();
+  const FrameView frame = follow(simulator, 1, 0, 3);
   const std::vector<Vector3> forces = forcesOf(frame, 0, numTaxels(sensor));
   for (std::size_t t = 0; t < forces.size(); ++t) {
     for (std::size_t a = 0; a < 3; ++a) {
@@ -116,36 +123,29 @@ TEST(ThreeAxisOnDevice, SaturatesOnBothSides) {
   axes.saturation = 1234;
   const Model model(support::sharedDevice(), {.sensor = frictionSensor(axes), .objects = objects()});
   Simulator simulator(model, {.outputs = {.tactile_normal_force = false, .tactile_shear_force = false, .taxel_counts = true}});
-  for (int n = 0; n < 3; ++n) {
-    support::setTouches(simulator, {touchAt(n)});
-    simulator.step(kDt);
-  }
-  const FrameView frame = simulator.read();
+  const FrameView frame = follow(simulator, 1, 0, 3);
   EXPECT_EQ(*std::max_element(frame.taxel_counts.begin(), frame.taxel_counts.end()), 1234);
   EXPECT_EQ(*std::min_element(frame.taxel_counts.begin(), frame.taxel_counts.end()), -1234);
 }
 
-// The play operators of an instance start anew at its reset, and stay while others step.
+// The play operators of an instance start anew at its reset, and stay while another instance steps.
 TEST(ThreeAxisOnDevice, DoesNotDependOnTheBatch) {
   const Sensor sensor = frictionSensor(kAxes);
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects()});
   constexpr int kNumInstances = 3;
   Simulator batch(model, {.num_instances = kNumInstances, .seed = kSeed, .outputs = {.taxel_counts = true}});
   Simulator alone(model, {.seed = kSeed, .outputs = {.taxel_counts = true}});
+  FrameView frame;
   for (int round = 0; round < 2; ++round) {
     for (int i = 0; i < kNumInstances; ++i) batch.reset(i, kEpisode);
-    for (int n = 0; n < kNumSteps; ++n) {
-      support::setTouches(batch, std::vector<Touch>(kNumInstances, touchAt(n)));
-      batch.step(kDt);
-    }
+    follow(batch, kNumInstances, 0, 3);
+    batch.step(kDt, std::vector<std::uint8_t>{1, 0, 0});
+    batch.read();
+    frame = follow(batch, kNumInstances, 3, kNumSteps);
   }
   alone.reset(0, kEpisode);
-  for (int n = 0; n < kNumSteps; ++n) {
-    support::setTouches(alone, {touchAt(n)});
-    alone.step(kDt);
-  }
-  const std::vector<std::int32_t> expected = countsOf(alone.read(), 0, numTaxels(sensor));
-  for (int i = 0; i < kNumInstances; ++i) EXPECT_EQ(countsOf(batch.read(), i, numTaxels(sensor)), expected) << "instance " << i;
+  const std::vector<std::int32_t> expected = countsOf(follow(alone, 1, 0, kNumSteps), 0, numTaxels(sensor));
+  for (int i = 1; i < kNumInstances; ++i) EXPECT_EQ(countsOf(frame, i, numTaxels(sensor)), expected) << "instance " << i;
 }
 
 TEST(ThreeAxisOnDevice, IsRefusedWithoutTheElectronics) {
