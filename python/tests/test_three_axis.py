@@ -42,7 +42,7 @@ def test_counts_are_the_gain_matrix_times_the_force(device, name):
     for x in (0.0, 0.0004, 0.0008):
         simulator.set_objects(0, np.array([[x, 0, 0.011, 1, 0, 0, 0.0]] * 2))
         simulator.step(0.01)
-    frame = simulator.read()
+        frame = simulator.read()
     truth = frame.ground_truth
     force = np.concatenate([truth.tactile_shear_force, truth.tactile_normal_force[..., None]], axis=-1).astype(float)
     expected = force @ np.array(sensor.readout.three_axis.gain).T

@@ -154,7 +154,7 @@ TEST(BadScenes, Scenes) {
        BadScene{"kind: servo", "kind: contacts", ":20:22: episode.num_steps: 20 is not allowed: a whole number from 1 to 1"},
        BadScene{kEpisode, "fast", ":20:10: episode: fast is not allowed: a mapping of num_steps"},
        BadScene{"[tactile_image, features]", "[tactile_image, taste]",
-                ":27:25: record[1]: taste is not allowed: tactile_image | features | ground_truth"},
+                ":27:25: record[1]: taste is not allowed: tactile_image | taxel_counts | features | ground_truth"},
        BadScene{"[tactile_image, features]", "[poses, poses]", ":27:17: record[1]: poses is given twice"},
        BadScene{"[tactile_image, features]", "[]", ":27:9: record: a list of 0 is not allowed: a list of at least one of tactile_image"},
        BadScene{"[tactile_image, features]", "[contact_features]\nmax_regions: 9",

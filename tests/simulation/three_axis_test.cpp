@@ -139,6 +139,7 @@ TEST(ThreeAxisOnDevice, DoesNotDependOnTheBatch) {
   for (int round = 0; round < 2; ++round) {
     for (int i = 0; i < kNumInstances; ++i) batch.reset(i, kEpisode);
     follow(batch, kNumInstances, 0, 3);
+    batch.reset(0, kEpisode);
     batch.step(kDt, std::vector<std::uint8_t>{1, 0, 0});
     batch.read();
     frame = follow(batch, kNumInstances, 3, kNumSteps);
