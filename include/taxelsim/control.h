@@ -26,6 +26,7 @@ inline constexpr int kNumServoFeatures = 7;  ///< Number of ServoFeature values.
 enum class EdgeAngleSource {
   kPrincipalAxis,  ///< Principal axis of all forces: FeatureView::edge_angle (paper, equation (3)).
   kWindow,         ///< Principal axis under a window: ContactFeatureView::windowed_edge_angle. Little biased by the border of the array.
+  kRidge,          ///< Ridge of a fitted Gaussian: ContactFeatureView::ridge_edge_angle. Robust to gains that differ between taxels.
   kExact,          ///< Pose of the object and the edge that the scene gives it. Not measurable; a reference for comparisons.
 };
 

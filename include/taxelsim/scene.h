@@ -65,12 +65,13 @@ struct Randomization {
   /// @name Skin
   /// Factors of SkinVariation, the same for all sensors of a robot; checkVariation() must accept both limits. Default: as the sensor.
   /// @{
-  std::optional<Range> stiffness{};   ///< SkinVariation::stiffness.
-  std::optional<Range> friction{};    ///< SkinVariation::friction.
-  std::optional<Range> trigger{};     ///< SkinVariation::trigger.
-  std::optional<Range> hysteresis{};  ///< SkinVariation::hysteresis.
-  std::optional<Range> delay{};       ///< SkinVariation::delay.
-  std::optional<Range> psf_width{};   ///< SkinVariation::psf_width.
+  std::optional<Range> stiffness{};       ///< SkinVariation::stiffness.
+  std::optional<Range> friction{};        ///< SkinVariation::friction.
+  std::optional<Range> trigger{};         ///< SkinVariation::trigger.
+  std::optional<Range> hysteresis{};      ///< SkinVariation::hysteresis.
+  std::optional<Range> delay{};           ///< SkinVariation::delay.
+  std::optional<Range> psf_width{};       ///< SkinVariation::psf_width.
+  std::optional<Range> trigger_spread{};  ///< SkinVariation::trigger_spread.
   /// @}
 
   /// @name Mounting
@@ -90,7 +91,8 @@ struct Randomization {
 };
 
 /// Allowed values of Scene::record, in file order. The last two need a controller.
-inline constexpr std::array<std::string_view, 13> kRecordWords = {"tactile_image",
+inline constexpr std::array<std::string_view, 14> kRecordWords = {"tactile_image",
+                                                                  "taxel_counts",
                                                                   "features",
                                                                   "ground_truth",
                                                                   "tactile_normal_force",

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "taxelsim/pose.h"
+#include "taxelsim/three_axis_readout.h"
 
 namespace taxelsim {
 
@@ -94,7 +95,8 @@ struct MassSpringDamper {
 /// cells saturate; the result is rescaled to the contact force.
 ///
 /// The mask is that of RobWorkSim's TactileArraySensor, integrated over taxels: centre .52464, edge .10387, corner .01497. At a border the
-/// part on the patch is normalised.
+/// part on the patch is normalised. On a list of taxels the distance runs along the skin (skinDistance()), over the mean size of both
+/// taxels (square root of the area), and the sum that is kept is that of the taxels' normal forces.
 struct DeformationMask {
   double normal_contact_stiffness = 3.5e8;  ///< N/m^3, > 0. Default: RobWorkSim's 700 kPa over 2 mm.
   double saturation_pressure = 250e3;       ///< Pa, > 0. Default: RobWorkSim's.
@@ -306,6 +308,7 @@ struct Readout {
   /// (num_taxels), >= 0; empty (default): 1. Gains that a calibration found, by which ContactFeatureView::ridge_edge_angle divides. No
   /// output depends on them otherwise. 0: the taxel is left out.
   std::vector<double> calibrated_gain{};
+  std::optional<ThreeAxisReadout> three_axis{};  ///< Electronics for shear, FrameView::taxel_counts; needs a skin with friction.
 
   /// (num_elements), Prandtl-Ishlinskii hysteresis, 0 to kMaxHysteresisElements weights, each >= 0, sum < 1. The output is
   /// (1 - sum of strengths) x + sum of strength play(x), with play operators of half-width `hysteresis_width`. Default none.

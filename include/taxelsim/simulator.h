@@ -27,6 +27,7 @@ struct OutputOptions {
   bool tactile_normal_force = true;     ///< GroundTruthView::tactile_normal_force.
   bool tactile_shear_force = true;      ///< GroundTruthView::tactile_shear_force.
   bool penetration_depth = true;        ///< GroundTruthView::penetration_depth.
+  bool taxel_counts = false;            ///< FrameView::taxel_counts; one more device pass. Needs Readout::three_axis.
   bool contact_features = false;        ///< FrameView::contact; two more device passes.
   bool clean_contact_features = false;  ///< GroundTruthView::contact; two more device passes.
   /// FrameView::jacobian.
@@ -169,7 +170,10 @@ struct GroundTruthView : FeatureView {
 struct FrameView : FeatureView {
   std::span<const std::uint32_t> tactile_image;  ///< (N x num_taxels), counts.
   std::span<const float> saturated;              ///< (N), fraction of taxels at the upper end of their range.
-  ContactFeatureView contact;                    ///< From `tactile_image`; empty unless requested.
+  /// (N x num_taxels x 3), counts of three-axis taxels along x, y and the normal of each, -saturation to saturation (ThreeAxisReadout).
+  /// Shear has the sign of tactile_shear_force, a press is positive. Empty unless requested.
+  std::span<const std::int32_t> taxel_counts;
+  ContactFeatureView contact;  ///< From `tactile_image`; empty unless requested.
   /// Of the readout of the clean forces, without noise, bias, time behaviour and rounding. The derivative of a taxel is its gain, or 0 for
   /// a taxel that is below its trigger, saturated or dead. Empty unless requested.
   TactileJacobianView jacobian;

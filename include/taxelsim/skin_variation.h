@@ -11,7 +11,7 @@ namespace taxelsim {
 inline constexpr double kMinStiffnessFactor = 0.05;  ///< SkinVariation::stiffness.
 inline constexpr double kMaxSkinFactor = 20;         ///< Of every factor of SkinVariation.
 
-/// Factors on settings of a sensor; 1 leaves the setting as it is.
+/// Factors on settings of a sensor; the defaults leave it as it is.
 struct SkinVariation {
   /// On all moduli of the skin alike: springs, dampers and tangential springs. kMinStiffnessFactor to kMaxSkinFactor. Only with Winkler,
   /// MassSpringDamper and LuGre.
@@ -26,6 +26,8 @@ struct SkinVariation {
   /// function and 1 - w^2 stays on its taxel, which keeps the sum of forces. Above 1 the weight of a kernel's middle stays positive; at
   /// most 1 for a function given by `sigma`.
   float psf_width = 1;
+  /// Standard deviation of the logarithm of a further factor on the trigger of each taxel, drawn once per episode; 0 to kMaxGainSpread.
+  float trigger_spread = 0;
 
   bool operator==(const SkinVariation&) const = default;  ///< Exact comparison.
 };
@@ -33,7 +35,7 @@ struct SkinVariation {
 /// Throws Error(kInput) with the field, its value and what this sensor allows.
 void checkVariation(const Sensor& sensor, const SkinVariation& variation);
 
-/// The sensor whose own settings include the variation, apart from `psf_width`.
+/// The sensor whose own settings include the variation, apart from `psf_width` and `trigger_spread`.
 Sensor variedSensor(const Sensor& sensor, const SkinVariation& variation);
 
 }  // namespace taxelsim

@@ -81,15 +81,18 @@ void addJacobian(const TactileJacobianView& view, std::span<const float> contact
   parent.add("jacobian", arrays.take());
 }
 
-// The taxels of an instance: (rows, columns) of a sensor with one patch, else a flat list. `shape`: of what comes before them.
+// The taxels of an instance: (rows, columns) of a sensor with one patch, else a flat list. `shape`: of what comes before them; `vector`: of
+// a taxel's values.
 template <typename T>
-void addTaxels(const char* name, std::span<const T> values, const Sensor& sensor, Arrays& arrays, std::vector<std::size_t> shape = {}) {
+void addTaxels(const char* name, std::span<const T> values, const Sensor& sensor, Arrays& arrays, std::vector<std::size_t> shape = {},
+               const std::vector<std::size_t>& vector = {}) {
   if (sensor.patches.size() == 1) {
     shape.push_back(static_cast<std::size_t>(sensor.patches[0].num_rows));
     shape.push_back(static_cast<std::size_t>(sensor.patches[0].num_cols));
   } else {
     shape.push_back(static_cast<std::size_t>(numTaxels(sensor)));
   }
+  shape.insert(shape.end(), vector.begin(), vector.end());
   arrays.add(name, values, shape);
 }
 
@@ -99,12 +102,7 @@ nb::dict groundTruthOf(const GroundTruthView& view, const Sensor& sensor, std::s
   addTaxels("tactile_normal_force", view.tactile_normal_force, sensor, arrays);
   addTaxels("penetration_depth", view.penetration_depth, sensor, arrays);
   addTaxels("taxel_jacobian", view.taxel_jacobian, sensor, arrays, {6});
-  if (sensor.patches.size() == 1) {
-    arrays.add("tactile_shear_force", view.tactile_shear_force,
-               {static_cast<std::size_t>(sensor.patches[0].num_rows), static_cast<std::size_t>(sensor.patches[0].num_cols), 2});
-  } else {
-    arrays.add("tactile_shear_force", view.tactile_shear_force, {static_cast<std::size_t>(numTaxels(sensor)), 2});
-  }
+  addTaxels("tactile_shear_force", view.tactile_shear_force, sensor, arrays, {}, {2});
   arrays.add("contact_wrench", view.contact_wrench, {6});
   arrays.add("over_penetration", view.over_penetration);
   arrays.add("load_offset", view.load_offset);
@@ -125,6 +123,7 @@ nb::dict arraysOf(const FrameView& frame, const Sensor& sensor, int num_instance
   Arrays arrays({n}, owner);
   addFeatures(frame, arrays);
   addTaxels("tactile_image", frame.tactile_image, sensor, arrays);
+  addTaxels("taxel_counts", frame.taxel_counts, sensor, arrays, {}, {3});
   arrays.add("saturated", frame.saturated);
   addContact(frame.contact, n, owner, arrays);
   addJacobian(frame.jacobian, {}, n, owner, arrays);

@@ -46,6 +46,7 @@ std::map<std::string, std::pair<double, double>> rangesOf(const Scene& scene) {
   add("hysteresis", random.hysteresis);
   add("delay", random.delay);
   add("psf_width", random.psf_width);
+  add("trigger_spread", random.trigger_spread);
   add("mounting_x", random.mounting_x);
   add("mounting_y", random.mounting_y);
   add("mounting_yaw", random.mounting_yaw);

@@ -114,6 +114,14 @@ void bindReadout(nb::module_& module) {
   nb::class_<CurvePoint> point(module, "CurvePoint", "A point of a piecewise linear readout curve.");
   addFields(point, field("force", &CurvePoint::force, "N, gain F - trigger."),
             field("counts", &CurvePoint::counts, "Counts before output_scale."));
+  nb::class_<ThreeAxisReadout> axes(module, "ThreeAxisReadout", R"(Electronics of three-axis taxels: force to signed counts.
+
+counts[a] = clip(round(g sum_b gain[a][b] h_b(F[b]) + noise[a] n), -saturation, saturation), axes x, y, normal.)");
+  addFields(axes, field("gain", &ThreeAxisReadout::gain, "(3, 3), counts/N: output axis x axis of force; cross-talk off the diagonal."),
+            field("noise", &ThreeAxisReadout::noise, "(3), counts, >= 0, standard deviation."),
+            field("hysteresis_strength", &ThreeAxisReadout::hysteresis_strength, "(3), 0 to < 1, of each axis of force."),
+            field("hysteresis_width", &ThreeAxisReadout::hysteresis_width, "(3), N, >= 0, of each axis of force."),
+            field("saturation", &ThreeAxisReadout::saturation, "Counts, 1 to 2^24 - 1, the largest absolute value."));
   nb::class_<Readout> readout(module, "Readout", R"(Electronics: force after the spread to counts, per taxel.
 
 x = gain F - trigger; y = sum of curve[m] x^(m+1); counts = clip(round(output_scale y / (1 + y / curve_limit) + noise), 0, saturation).)");
@@ -127,6 +135,7 @@ x = gain F - trigger; y = sum of curve[m] x^(m+1); counts = clip(round(output_sc
             field("taxel_gain", &Readout::taxel_gain, "(num_taxels), >= 0; empty: 1."),
             field("taxel_trigger", &Readout::taxel_trigger, "(num_taxels), N; empty: `trigger`."),
             field("calibrated_gain", &Readout::calibrated_gain, "(num_taxels), >= 0, by which ridge_edge_angle divides; empty: 1."),
+            field("three_axis", &Readout::three_axis, "Electronics for shear, or None. Needs a skin with friction."),
             field("hysteresis_strength", &Readout::hysteresis_strength, "(num_elements), each >= 0, sum < 1."),
             field("hysteresis_width", &Readout::hysteresis_width, "(num_elements), N, >= 0."),
             field("creep", &Readout::creep, "0 to 4 terms."), field("low_pass_time", &Readout::low_pass_time, "s, >= 0."),

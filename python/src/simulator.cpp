@@ -97,6 +97,7 @@ void bindOptions(nb::module_& module) {
   addFields(outputs, field("tactile_normal_force", &OutputOptions::tactile_normal_force, "frame.ground_truth.tactile_normal_force."),
             field("tactile_shear_force", &OutputOptions::tactile_shear_force, "frame.ground_truth.tactile_shear_force."),
             field("penetration_depth", &OutputOptions::penetration_depth, "frame.ground_truth.penetration_depth."),
+            field("taxel_counts", &OutputOptions::taxel_counts, "frame.taxel_counts; needs Readout.three_axis."),
             field("contact_features", &OutputOptions::contact_features, "frame.contact."),
             field("clean_contact_features", &OutputOptions::clean_contact_features, "frame.ground_truth.contact."),
             field("tactile_jacobian", &OutputOptions::tactile_jacobian, "frame.jacobian."),

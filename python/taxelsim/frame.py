@@ -183,10 +183,13 @@ class Frame(Features):
     """One frame of the whole batch. Features come from `tactile_image`, converted to newtons by the nominal curve."""
 
     _nested: ClassVar = {"contact": ContactFeatures, "jacobian": TactileJacobian, "ground_truth": GroundTruth}
-    _requests: ClassVar = {"contact": "contact_features", "jacobian": "tactile_jacobian"}
+    _requests: ClassVar = {"taxel_counts": "taxel_counts", "contact": "contact_features", "jacobian": "tactile_jacobian"}
 
     tactile_image: CountArray
     """(N, num_rows, num_cols), counts; (N, num_taxels) for sensors of several patches."""
+    taxel_counts: IntArray
+    """(N, num_rows, num_cols, 3), counts of three-axis taxels along x, y and the normal, if requested; (N, num_taxels, 3) for sensors of
+    several patches."""
     saturated: FloatArray
     """(N), fraction of taxels at the upper end of their range."""
     contact: ContactFeatures

@@ -15,7 +15,7 @@
 #define BLOCK_Taxels BLOCK(Taxels, TaxelRecord, taxels[])
 #define BLOCK_SpreadRows BLOCK(SpreadRows, vec4, spread_rows[])
 #define BLOCK_SpreadScale BLOCK(SpreadScale, float, spread_scale[])  // (t)
-#define BLOCK_Mask BLOCK(Mask, vec2, mask[])                         // of deformation_mask (9 x t): source taxel (as bits), weight
+#define BLOCK_Mask BLOCK(Mask, vec2, mask[])                         // of deformation_mask (MASK_SOURCES x t): source taxel (as bits), weight
 #define BLOCK_Influence BLOCK(Influence, float, influence[])         // of an elastic layer (node rows x 2 rows of strips)
 #define BLOCK_Planes BLOCK(Planes, PlaneRecord, planes[])
 #define BLOCK_Neighbours BLOCK(Neighbours, uint, neighbours[])  // (NUM_NEIGHBOURS x t), of lower number
@@ -47,6 +47,7 @@
 #define BLOCK_Foundation BLOCK(Foundation, uint, foundation[])          // (n x 3 x num_nodes), pasternak/solver.glsl
 #define BLOCK_TaxelStates BLOCK(TaxelStates, float, taxel_states[])     // (n x num_states x t), readout/lag.glsl
 #define BLOCK_ImageWindows BLOCK(ImageWindows, uvec4, image_windows[])  // of the step before: first row and column, their numbers
+#define BLOCK_AxisPlays BLOCK(AxisPlays, float, axis_plays[])           // (n x 3 x t), N, three_axis.comp
 #define BLOCK_Forces BLOCK(Forces, float, forces[])                     // (n x t), N, that contact features are computed from
 #define BLOCK_TaxelRegions BLOCK(TaxelRegions, uint, taxel_regions[])   // (n x t)
 #define BLOCK_RegionSums BLOCK(RegionSums, uint, region_sums[])         // (n x t)
@@ -59,6 +60,7 @@
 
 // ---- a batch: results ----
 #define BLOCK_Image BLOCK(Image, uint, image[])                         // (n x t), counts
+#define BLOCK_TaxelCounts BLOCK(TaxelCounts, int, taxel_counts[])       // (n x t x 3), counts
 #define BLOCK_SpreadNormal BLOCK(SpreadNormal, float, spread_normal[])  // (n x t), N
 #define BLOCK_SpreadShear BLOCK(SpreadShear, float, spread_shear[])     // (n x t x 2), N
 #define BLOCK_Features BLOCK(Features, float, features[])               // kFeature..., block after block
@@ -81,10 +83,10 @@
   BLOCK_Poses BLOCK_Motions BLOCK_Instances BLOCK_Step BLOCK_Loads BLOCK_Contacts BLOCK_NumContacts              \
   BLOCK_Candidates BLOCK_CandidateQuads BLOCK_Work BLOCK_WorkInstances                                          \
   BLOCK_State BLOCK_FrictionState BLOCK_LawState BLOCK_ContactNormal BLOCK_ContactShear BLOCK_ContactDepth       \
-  BLOCK_TileResults BLOCK_Heights BLOCK_Windows BLOCK_Layer BLOCK_Foundation BLOCK_TaxelStates BLOCK_ImageWindows \
+  BLOCK_TileResults BLOCK_Heights BLOCK_Windows BLOCK_Layer BLOCK_Foundation BLOCK_TaxelStates BLOCK_ImageWindows BLOCK_AxisPlays \
   BLOCK_Forces BLOCK_TaxelRegions BLOCK_RegionSums BLOCK_Regions                                                \
   BLOCK_ContactCells BLOCK_TileChanges BLOCK_TaxelJacobian BLOCK_MaskedJacobian BLOCK_WrenchJacobian             \
-  BLOCK_Image BLOCK_SpreadNormal BLOCK_SpreadShear BLOCK_Features BLOCK_ContactFeatures BLOCK_TactileJacobian    \
+  BLOCK_Image BLOCK_TaxelCounts BLOCK_SpreadNormal BLOCK_SpreadShear BLOCK_Features BLOCK_ContactFeatures BLOCK_TactileJacobian    \
   BLOCK_SpreadJacobian BLOCK_Problems                                                                           \
   BLOCK_EmptyWork BLOCK_CleanContactFeatures BLOCK_CleanTactileJacobian
 // clang-format on

@@ -1,6 +1,7 @@
 // Tactile Jacobian of the law deformation_mask, through its mask, mask_jacobian.comp.
 
-CONSTANT(11, float, LAW_0)  // saturation pressure, Pa
+CONSTANT(11, float, LAW_0)        // saturation pressure, Pa
+CONSTANT(12, uint, MASK_SOURCES)  // of a taxel
 
 BUFFER(0, readonly, Step)
 BUFFER(1, readonly, Mask)

@@ -6,6 +6,7 @@ CONSTANT(12, float, LAW_0)  // parameters of the law
 CONSTANT(13, float, LAW_1)
 CONSTANT(14, bool, SHEAR)  // contact_shear is an output
 CONSTANT(15, float, FRICTION_COEFFICIENT)
+CONSTANT(16, uint, MASK_SOURCES)  // of a taxel
 
 BUFFER(0, readonly, Instances)
 BUFFER(1, readonly, Step)

@@ -42,6 +42,12 @@ Spread narrowed(Instance instance, uint t, uvec2 at, Spread spread) {
   return spread;
 }
 
+// The factor of an instance and a taxel on the trigger.
+float triggerFactor(Instance instance, uint t, uvec2 seed) {
+  float factor = instances[instance.number].skin.z, spread = instances[instance.number].spread.z;
+  return spread > 0.0 ? factor * exp(spread * gaussian(seed, instance.keys.xy, 0, t, kPurposeTaxelTrigger)) : factor;
+}
+
 // Writes one taxel's outputs and adds it to the sums.
 void readTaxel(Instance instance, Lag lag, uint t, uvec2 at, Spread spread, uvec2 seed, inout ImageSums sums) {
   if (RANDOM_SKIN) spread = narrowed(instance, t, at, spread);
@@ -61,7 +67,8 @@ void readTaxel(Instance instance, Lag lag, uint t, uvec2 at, Spread spread, uvec
   float gain = TAXELS_ALIKE ? instance.drive.y : instance.drive.y * taxels[t].readout.x;
   if (RANDOM && instance.drive.z > 0.0) gain *= exp(instance.drive.z * gaussian(seed, instance.keys.xy, 0, t, kPurposeTaxelGain));
   float offset = offsetOf(seed, instance.keys.xy, instance.keys.z, t, instance.noise_level) + drift;
-  uint counts = countsOf(force, gain, RANDOM_SKIN ? nominal_trigger * instances[instance.number].skin.z : nominal_trigger, offset);
+  float trigger = RANDOM_SKIN ? nominal_trigger * triggerFactor(instance, t, seed) : nominal_trigger;
+  uint counts = countsOf(force, gain, trigger, offset);
   if (isDead(seed, instance.keys.xy, t)) counts = 0;
   image[instance.first_taxel + t] = counts;
   addForce(sums.measured, nominalForce(counts), chart, counts > 0);

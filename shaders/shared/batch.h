@@ -35,7 +35,7 @@ struct InstanceRecord {
   uvec4 keys;   // episode (low word, high word), frame, flags
   uvec4 clock;  // steps since reset; steps back to the force that a frame shows, with RANDOM_SKIN; 0, 0
   vec4 skin;    // with RANDOM_SKIN factors on stiffness, friction, trigger, hysteresis
-  vec4 spread;  // with RANDOM_SKIN share of a force that the spread takes; for the host the factor on the delay; 0, 0
+  vec4 spread;  // with RANDOM_SKIN share of a force that the spread takes; for the host the factor on the delay; spread of the triggers; 0
 };
 
 // One step of the whole batch.

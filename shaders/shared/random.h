@@ -11,6 +11,8 @@ TAXELSIM_CONSTANT kPurposeTaxelGain = 2u;
 TAXELSIM_CONSTANT kPurposeBias = 4u;
 TAXELSIM_CONSTANT kPurposeDeadTaxel = 5u;
 TAXELSIM_CONSTANT kPurposeRandomWalk = 6u;
+TAXELSIM_CONSTANT kPurposeAxisNoise = 12u;  // and the two after it: one per axis
+TAXELSIM_CONSTANT kPurposeTaxelTrigger = 15u;
 
 TAXELSIM_LAYOUT_END
 

@@ -21,6 +21,8 @@ enum class Purpose : std::uint32_t {
   kMotion = 9,        // of objects; host only
   kActionNoise = 10,  // host only
   kEpisodeKey = 11,   // host only
+  kAxisNoise = 12,    // of x, and the two after it: of y and the normal
+  kTaxelTrigger = 15,
 };
 
 // The generator itself: four words, each uniform on [0, 2^32).

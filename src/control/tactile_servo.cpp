@@ -79,7 +79,8 @@ TactileServo edgeServo() {
 }
 
 bool needsContactFeatures(const TactileServo& servo) {
-  return servo.edge_angle_source == EdgeAngleSource::kWindow || servo.contact != ServoContact::kWhole ||
+  const EdgeAngleSource source = servo.edge_angle_source;
+  return source == EdgeAngleSource::kWindow || source == EdgeAngleSource::kRidge || servo.contact != ServoContact::kWhole ||
          servo[ServoFeature::kTiltX].selected || servo[ServoFeature::kTiltY].selected;
 }
 
@@ -318,6 +319,9 @@ TactileServoController::ContactState TactileServoController::contactState(const 
   if (servo.edge_angle_source == EdgeAngleSource::kWindow) {
     contact.angle = input.windowed_edge_angle[row];
     contact.confidence = input.windowed_edge_confidence[row];
+  } else if (servo.edge_angle_source == EdgeAngleSource::kRidge) {
+    contact.angle = input.ridge_edge_angle[row];
+    contact.confidence = input.ridge_edge_confidence[row];
   } else if (servo.edge_angle_source == EdgeAngleSource::kExact) {
     const bool known = !std::isnan(input.exact_edge_angle[i]);
     contact.angle = known ? input.exact_edge_angle[i] : 0;

@@ -45,6 +45,8 @@ struct ServoInput {
   // (N x num_rows); may be empty if no servo needs contact features (needsContactFeatures()).
   std::span<const float> windowed_edge_angle = {};       // rad
   std::span<const float> windowed_edge_confidence = {};  // 0 to 1
+  std::span<const float> ridge_edge_angle = {};          // rad
+  std::span<const float> ridge_edge_confidence = {};     // 0 to 1
   std::span<const float> tilt = {};                      // (N x num_rows x 2), rad
   std::span<const float> tilt_confidence = {};           // 0 to 1
   // Tactile Jacobian with respect to (v, w) of S: row 0 of each instance's num_jacobian_rows is used. May be empty if no servo

@@ -64,6 +64,8 @@ void ServoController::command(EpisodeBatch& batch) {
                        .contact_area = features.contact_area,
                        .windowed_edge_angle = frame.contact.windowed_edge_angle,
                        .windowed_edge_confidence = frame.contact.windowed_edge_confidence,
+                       .ridge_edge_angle = frame.contact.ridge_edge_angle,
+                       .ridge_edge_confidence = frame.contact.ridge_edge_confidence,
                        .tilt = frame.contact.tilt,
                        .tilt_confidence = frame.contact.tilt_confidence,
                        .num_jacobian_rows = plan.num_sensors * frame.jacobian.num_rows,

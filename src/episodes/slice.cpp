@@ -26,6 +26,7 @@ OutputOptions operator|(const OutputOptions& a, const OutputOptions& b) {
   return {.tactile_normal_force = a.tactile_normal_force || b.tactile_normal_force,
           .tactile_shear_force = a.tactile_shear_force || b.tactile_shear_force,
           .penetration_depth = a.penetration_depth || b.penetration_depth,
+          .taxel_counts = a.taxel_counts || b.taxel_counts,
           .contact_features = a.contact_features || b.contact_features,
           .clean_contact_features = a.clean_contact_features || b.clean_contact_features,
           .tactile_jacobian = a.tactile_jacobian || b.tactile_jacobian,

@@ -15,6 +15,7 @@ inline std::optional<double> feltAngle(const TactileServo& servo, const FrameVie
   const ContactFeatureView& contact = view.contact;
   const auto region = static_cast<std::size_t>(servo.contact == ServoContact::kLargestRegion ? 1 + contact.num_patches : 0);
   const std::size_t row = instance * static_cast<std::size_t>(contact.num_rows) + region;
+  if (servo.edge_angle_source == EdgeAngleSource::kRidge) return contact.ridge_edge_angle[row];
   return servo.edge_angle_source == EdgeAngleSource::kWindow ? contact.windowed_edge_angle[row] : contact.edge_angle[row];
 }
 

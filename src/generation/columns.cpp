@@ -9,6 +9,7 @@
 
 #include "episodes/draw.h"
 #include "generation/grasp_columns.h"
+#include "generation/taxel_columns.h"
 #include "sensor/regions.h"
 #include "taxelsim/error.h"
 #include "taxelsim/generate.h"
@@ -29,12 +30,6 @@ std::set<std::string> groupsOf(const Scene& scene) {
     groups.insert(name);
   }
   return groups;
-}
-
-// (num_rows, num_cols) of one grid patch, else (num_taxels).
-std::vector<std::size_t> taxelShape(const Sensor& sensor) {
-  if (sensor.patches.size() != 1) return {static_cast<std::size_t>(numTaxels(sensor))};
-  return {static_cast<std::size_t>(sensor.patches[0].num_rows), static_cast<std::size_t>(sensor.patches[0].num_cols)};
 }
 
 constexpr const char* kMeasuredForces = "the measured taxel forces";
@@ -156,25 +151,6 @@ void addGroundTruth(const Scene& scene, std::vector<FrameColumn>& columns) {
                      Source::kExactEdgeKnown});
 }
 
-// Arrays over the taxels.
-void addTaxels(const Scene& scene, const std::set<std::string>& groups, std::vector<FrameColumn>& columns) {
-  const auto add = [&](const std::string& name, std::vector<std::size_t> shape, const char* unit, const char* description,
-                       std::span<const float> GroundTruthView::*member) {
-    if (!groups.contains(name)) return;
-    columns.push_back(floatColumn("ground_truth/" + name, std::move(shape), unit, description,
-                                  [member](const FrameView& frame) { return FeatureValues(frame.ground_truth.*member); }));
-  };
-  const std::vector<std::size_t> taxels = taxelShape(scene.sensor);
-  std::vector<std::size_t> taxel_vectors = taxels;
-  taxel_vectors.push_back(2);
-  add("tactile_normal_force", taxels, "N", "Normal force of each taxel after the point spread function, before the readout.",
-      &GroundTruthView::tactile_normal_force);
-  add("tactile_shear_force", taxel_vectors, "N",
-      "Shear force of each taxel along its x and y after the point spread function, before the readout.",
-      &GroundTruthView::tactile_shear_force);
-  add("penetration_depth", taxels, "m", "Depth of the object in the skin, mean over each taxel.", &GroundTruthView::penetration_depth);
-}
-
 // Contact features: rows for the sensor, its patches, its regions. Tactile Jacobian: rows for the sensor and its patches.
 void addRows(const Scene& scene, const std::set<std::string>& groups, std::vector<FrameColumn>& columns) {
   const auto num_rows = static_cast<std::size_t>(1 + numFeaturePatches(scene.sensor));
@@ -248,17 +224,14 @@ bool isOfSensor(Source source) {
 std::vector<FrameColumn> frameColumns(const Scene& scene, const std::set<std::string>& groups) {
   std::vector<FrameColumn> columns;
   columns.push_back({{"data/time", ScalarType::kFloat64, {}, "s", "Time since the episode's first frame.", false}, Source::kTime});
-  if (groups.contains("tactile_image")) {
-    columns.push_back(
-        {{"data/tactile_image", ScalarType::kUint16, taxelShape(scene.sensor), "counts", "Output of the sensor.", false}, Source::kImage});
-  }
+  addMeasuredTaxels(scene.sensor, groups, columns);
   if (groups.contains("features")) {
     const auto frame_itself = [](const FrameView& frame) -> const FrameView& { return frame; };
     addFeatures(columns, imageFeatures(), {"", kMeasuredForces, scene.sensor}, frame_itself);
     addFeatures(columns, readoutFeatures(), {"", kMeasuredForces, scene.sensor}, frame_itself);
   }
   if (groups.contains("ground_truth")) addGroundTruth(scene, columns);
-  addTaxels(scene, groups, columns);
+  addTrueTaxels(scene.sensor, groups, columns);
   addRows(scene, groups, columns);
   if (groups.contains("poses")) addPoses(columns);
   if (groups.contains("actions")) addActions(scene, columns);
@@ -375,6 +348,7 @@ OutputOptions outputsOf(const Scene& scene) {
   return {.tactile_normal_force = groups.contains("tactile_normal_force"),
           .tactile_shear_force = groups.contains("tactile_shear_force"),
           .penetration_depth = groups.contains("penetration_depth"),
+          .taxel_counts = groups.contains("taxel_counts"),
           .contact_features = groups.contains("contact_features"),
           .clean_contact_features = groups.contains("clean_contact_features"),
           .tactile_jacobian = groups.contains("tactile_jacobian"),

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/vector3.h"
+
 namespace taxelsim::reference {
 namespace {
 
@@ -28,6 +30,30 @@ Matrix exponential(const Matrix& A, double t) {
   }
   for (int n = 0; n < halvings; ++n) sum = product(sum, sum);
   return sum;
+}
+
+// Mask function of TactileArraySensor in RobWorkSim; `r`: 4/3 of the distance in taxel pitches.
+double maskFunction(double r) {
+  return std::max(0.0, -0.34766355 + 1.22429907 / (1 + r * r));
+}
+
+// Integral of the mask around the middle of one taxel of a list over the rectangle of another, by the midpoint rule, over the square of
+// their mean size. The size is the square root of the area; distances run along the skin.
+double maskIntegral(const GridPatch& source, const GridPatch& target) {
+  const Vector3 n = rotate(source.X_SP.rotation, {0, 0, 1}), m = rotate(target.X_SP.rotation, {0, 0, 1});
+  if (dot(n, m) <= 0) return 0;
+  const double size = (std::sqrt(source.pitch[0] * source.pitch[1]) + std::sqrt(target.pitch[0] * target.pitch[1])) / 2;
+  constexpr double kReach = 1.2;  // the mask ends at 1.191 taxels
+  if (length(subtract(source.X_SP.position, target.X_SP.position)) > kReach * size + std::hypot(target.pitch[0], target.pitch[1])) return 0;
+  constexpr int kCells = 40;
+  double sum = 0;
+  for (int i = 0; i < kCells; ++i) {
+    for (int j = 0; j < kCells; ++j) {
+      const Vector3 point_P{((i + 0.5) / kCells - 0.5) * target.pitch[0], ((j + 0.5) / kCells - 0.5) * target.pitch[1], 0};
+      sum += maskFunction(4.0 / 3 * skinDistance(source.X_SP.position, n, target.X_SP * point_P, m) / size);
+    }
+  }
+  return sum * target.pitch[0] * target.pitch[1] / (kCells * kCells * size * size);
 }
 
 // Readings of the taxels, one overload per law.
@@ -65,6 +91,7 @@ struct Respond {
 
   std::vector<double> operator()(const DeformationMask& law) const {
     const std::array<double, 3> weights = maskWeights();
+    if (isTaxelList(sensor)) return rescaled(saturated(spreadOverList(), law));
     std::vector<double> response(pressed.size(), 0);
     std::size_t first = 0;
     for (const GridPatch& patch : sensor.patches) {
@@ -84,12 +111,38 @@ struct Respond {
           }
         }
       }
-      const auto num_taxels = static_cast<std::size_t>(patch.num_rows) * patch.num_cols;
-      for (std::size_t t = first; t < first + num_taxels; ++t) {
+      first += static_cast<std::size_t>(patch.num_rows) * patch.num_cols;
+    }
+    return rescaled(saturated(std::move(response), law));
+  }
+
+ private:
+  // The mask over a list: a share of every force for every taxel, from all pairs.
+  std::vector<double> spreadOverList() const {
+    std::vector<double> response(pressed.size(), 0);
+    for (std::size_t source = 0; source < pressed.size(); ++source) {
+      std::vector<double> share;
+      double total = 0;
+      for (const GridPatch& target : sensor.patches) {
+        share.push_back(maskIntegral(sensor.patches[source], target));
+        total += share.back();
+      }
+      for (std::size_t t = 0; t < share.size(); ++t) response[t] += pressed[source] * share[t] / total;
+    }
+    return response;
+  }
+
+  std::vector<double> saturated(std::vector<double> response, const DeformationMask& law) const {
+    std::size_t t = 0;
+    for (const GridPatch& patch : sensor.patches) {
+      for (int n = 0; n < patch.num_rows * patch.num_cols; ++n, ++t) {
         response[t] = std::min(response[t], law.saturation_pressure * patch.pitch[0] * patch.pitch[1]);
       }
-      first += num_taxels;
     }
+    return response;
+  }
+
+  std::vector<double> rescaled(std::vector<double> response) const {
     double pressed_sum = 0;
     double response_sum = 0;
     for (const double force : pressed) pressed_sum += force;
@@ -117,8 +170,6 @@ std::vector<Shear> taxelShear(const Sensor& sensor, std::span<const Shear> shear
 }
 
 std::array<double, 3> maskWeights() {
-  // Mask function of TactileArraySensor in RobWorkSim: max(0, -0.34766355 + 1.22429907 / (1 + r^2)), r = 4/3 of the distance in taxel
-  // pitches. Integrated by the midpoint rule.
   constexpr int kCells = 400;
   std::array<double, 3> weights{};
   for (int a = 0; a <= 1; ++a) {
@@ -128,7 +179,7 @@ std::array<double, 3> maskWeights() {
         for (int j = 0; j < kCells; ++j) {
           const double x = a + (i + 0.5) / kCells - 0.5;
           const double y = b + (j + 0.5) / kCells - 0.5;
-          sum += std::max(0.0, -0.34766355 + 1.22429907 / (1 + 16.0 / 9 * (x * x + y * y)));
+          sum += maskFunction(4.0 / 3 * std::hypot(x, y));
         }
       }
       weights[static_cast<std::size_t>(a + b)] = sum;

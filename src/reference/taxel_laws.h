@@ -2,8 +2,8 @@
 //
 //   MassSpringDamper  m x" + c x' + k x = F per taxel (SkinSim: Habib et al., CASE 2014). The reading is the spring force k x. Integrated
 //                     exactly for F constant over a step: matrix exponential of the 2 x 2 system by scaling and squaring.
-//   DeformationMask   3 x 3 mask over the neighbouring taxels, saturation, then rescaling to the total force (class TactileArraySensor of
-//                     RobWorkSim: Jorgensen, Ellekilde and Petersen, ISR 2010).
+//   DeformationMask   mask over the neighbouring taxels (3 x 3 on grids), saturation, then rescaling to the total force (class
+//                     TactileArraySensor of RobWorkSim: Jorgensen, Ellekilde and Petersen, ISR 2010).
 //   all others        the reading is the contact force.
 #pragma once
 

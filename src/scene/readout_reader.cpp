@@ -1,5 +1,6 @@
 #include "scene/readout_reader.h"
 
+#include <algorithm>
 #include <optional>
 #include <string>
 
@@ -76,6 +77,30 @@ void readHysteresis(const YamlMap& map, Readout& readout) {
              std::to_string(readout.hysteresis_width.size()) + " of hysteresis_width: as many of both");
 }
 
+// The electronics for shear, if the file has them.
+std::optional<ThreeAxisReadout> readThreeAxis(const YamlMap& readout) {
+  if (!readout.has("three_axis")) return {};
+  const YamlMap map(readout, "three_axis", {"gain", "noise", "hysteresis_strength", "hysteresis_width", "saturation"});
+  ThreeAxisReadout axes;
+  const std::string what = "three rows (x, y, normal) of three numbers, counts/N";
+  const YamlNode gain = map.require("gain", what);
+  const std::vector<YamlNode> rows = gain.items(what);
+  if (rows.size() != axes.gain.size()) gain.refuse(what);
+  std::string text;
+  for (std::size_t a = 0; a < rows.size(); ++a) {
+    const std::vector<double> row = rows[a].numbers(Allowed::within(-kMaxAxisGain, kMaxAxisGain, "counts/N"), axes.gain[a].size());
+    std::copy(row.begin(), row.end(), axes.gain[a].begin());
+    text += (text.empty() ? "" : ", ") + canonicalList(row);
+  }
+  map.canonical().line("gain", "[" + text + "]");
+  const Vector3 none{0, 0, 0};
+  axes.noise = map.numbers<3>("noise", Allowed::within(0, kMaxAxisCounts, "counts"), none);
+  axes.hysteresis_strength = map.numbers<3>("hysteresis_strength", kAxisHysteresis, none);
+  axes.hysteresis_width = map.numbers<3>("hysteresis_width", Allowed::atLeast(0, "N"), none);
+  axes.saturation = static_cast<int>(map.integer("saturation", 1, kMaxAxisCounts, static_cast<std::uint64_t>(axes.saturation)));
+  return axes;
+}
+
 }  // namespace
 
 Readout readReadout(const YamlMap& sensor, const std::vector<GridPatch>& patches) {
@@ -83,7 +108,8 @@ Readout readReadout(const YamlMap& sensor, const std::vector<GridPatch>& patches
   addKeys(kOutputFields, keys);
   keys.push_back("saturation");
   addKeys(kNoiseFields, keys);
-  for (const std::string_view key : {"taxel_gain", "taxel_trigger", "calibrated_gain", "hysteresis_strength", "hysteresis_width", "creep"})
+  for (const std::string_view key :
+       {"taxel_gain", "taxel_trigger", "calibrated_gain", "hysteresis_strength", "hysteresis_width", "creep", "three_axis"})
     keys.push_back(key);
   addKeys(kTimeFields, keys);
   addKeys(kImperfectionFields, keys);
@@ -101,6 +127,7 @@ Readout readReadout(const YamlMap& sensor, const std::vector<GridPatch>& patches
   readout.creep = readTerms(map, "creep", kMaxCreepTerms, kCreepFields);
   readFields(map, kTimeFields, readout);
   readFields(map, kImperfectionFields, readout);
+  readout.three_axis = readThreeAxis(map);
   return readout;
 }
 

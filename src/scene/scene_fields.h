@@ -73,6 +73,7 @@ inline constexpr std::array kRandomizationFields{
     RangeField{"hysteresis", &Randomization::hysteresis, kSkinFactor},
     RangeField{"delay", &Randomization::delay, kSkinFactor},
     RangeField{"psf_width", &Randomization::psf_width, kSkinFactor},
+    RangeField{"trigger_spread", &Randomization::trigger_spread, Allowed::within(0, kMaxGainSpread, "")},
     RangeField{"mounting_x[_mm]", &Randomization::mounting_x, kMountingShift},
     RangeField{"mounting_y[_mm]", &Randomization::mounting_y, kMountingShift},
     RangeField{"mounting_yaw[_deg]", &Randomization::mounting_yaw, kMountingAngle},

@@ -148,6 +148,12 @@ std::vector<std::string> readRecord(const YamlMap& map, Scene::Kind kind) {
   return record;
 }
 
+// `which`: of the sensors of a robot.
+void checkTaxelCounts(const YamlMap& map, const Scene& scene, const Sensor& sensor, const std::string& which = "") {
+  if (sensor.readout.three_axis || std::find(scene.record.begin(), scene.record.end(), "taxel_counts") == scene.record.end()) return;
+  map.require("record", "").fail("taxel_counts needs readout.three_axis of the sensor" + which);
+}
+
 // Only scenes with contact features have this key.
 void readMaxRegions(const YamlMap& map, Scene& scene) {
   const bool has_rows = std::any_of(kContactColumns.begin(), kContactColumns.end(), [&](std::string_view column) {
@@ -209,6 +215,7 @@ void readGraspScene(const YamlMap& map, const std::filesystem::path& directory, 
   for (const RobotSensor& sensor : grasp.sensors) checkDelay(map.require("robot", ""), sensor.sensor, scene);
   readGrasp(map, *robot, scene.simulation_rate, grasp);
   scene.record = readRecord(map, scene.kind);
+  for (const RobotSensor& sensor : grasp.sensors) checkTaxelCounts(map, scene, sensor.sensor, " " + sensor.name);
   readMaxRegions(map, scene);
 }
 
@@ -299,6 +306,7 @@ Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrid
   }
   scene.task = readTask(map, scene);
   scene.record = readRecord(map, scene.kind);
+  checkTaxelCounts(map, scene, scene.sensor);
   readMaxRegions(map, scene);
   readDataSet(map, overrides, scene);
   checkConditions(file_tree, name, directory, scene);

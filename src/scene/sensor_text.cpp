@@ -137,6 +137,14 @@ void writePsf(const Psf& psf, Writer& out) {
   out.line("normalization", psf.normalization == Psf::Normalization::kPerSource ? "per_source" : "none");
 }
 
+void writeThreeAxis(const ThreeAxisReadout& axes, Writer& out) {
+  out.line("gain", "[" + canonicalList(axes.gain[0]) + ", " + canonicalList(axes.gain[1]) + ", " + canonicalList(axes.gain[2]) + "]");
+  out.line("noise", axes.noise);
+  out.line("hysteresis_strength", axes.hysteresis_strength);
+  out.line("hysteresis_width", axes.hysteresis_width);
+  out.line("saturation", axes.saturation);
+}
+
 void writeReadout(const Readout& readout, Writer& out) {
   out.block("curve", [&] {
     if (!readout.curve_points.empty()) {
@@ -165,6 +173,7 @@ void writeReadout(const Readout& readout, Writer& out) {
   writeTerms("creep", readout.creep, kCreepFields, out);
   writeFields(kTimeFields, readout, out);
   writeFields(kImperfectionFields, readout, out);
+  if (readout.three_axis) out.block("three_axis", [&] { writeThreeAxis(*readout.three_axis, out); });
 }
 
 }  // namespace

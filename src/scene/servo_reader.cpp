@@ -19,8 +19,9 @@ TactileServo readServo(const YamlMap& outer) {
     servo.loops[f].selected = true;
     readFields(YamlMap(map, kServoFeatureNames[f], keysOf(fields)), fields, servo.loops[f]);
   }
-  const std::string source = map.choice("edge_angle_source", {"principal_axis", "window", "exact"}, "principal_axis");
+  const std::string source = map.choice("edge_angle_source", {"principal_axis", "window", "ridge", "exact"}, "principal_axis");
   servo.edge_angle_source = source == "window"  ? EdgeAngleSource::kWindow
+                            : source == "ridge" ? EdgeAngleSource::kRidge
                             : source == "exact" ? EdgeAngleSource::kExact
                                                 : EdgeAngleSource::kPrincipalAxis;
   const bool whole = map.choice("contact", {"whole", "largest_region"}, "whole") == "whole";

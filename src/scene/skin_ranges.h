@@ -25,6 +25,8 @@ inline constexpr std::array kSkinRanges{
     SkinRange{"delay", &Randomization::delay, &SkinVariation::delay, "1", "Factor on the delay of the readout."},
     SkinRange{"psf_width", &Randomization::psf_width, &SkinVariation::psf_width, "1",
               "Factor on the RMS width of the point spread function."},
+    SkinRange{"trigger_spread", &Randomization::trigger_spread, &SkinVariation::trigger_spread, "1",
+              "Standard deviation of the logarithm of a further factor on each taxel's trigger."},
 };
 
 // Pose X_NS of a sensor in the frame where its robot believes it.

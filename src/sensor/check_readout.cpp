@@ -144,6 +144,27 @@ void checkTime(const Sensor& sensor) {
   }
 }
 
+// The electronics for shear.
+void checkThreeAxis(const Sensor& sensor) {
+  if (!sensor.readout.three_axis) return;
+  const ThreeAxisReadout& axes = *sensor.readout.three_axis;
+  const std::string field = "readout.three_axis";
+  if (!hasFriction(sensor.skin)) failField(field, "a value", "none on a skin without friction, which has no shear");
+  for (std::size_t a = 0; a < axes.gain.size(); ++a) {
+    const std::string row = elementOf(field + ".gain", a);
+    for (std::size_t b = 0; b < axes.gain[a].size(); ++b) {
+      checkNumber(elementOf(row, b), axes.gain[a][b], Allowed::within(-kMaxAxisGain, kMaxAxisGain, "counts/N"));
+    }
+    if (axes.gain[a] == Vector3{0, 0, 0}) failField(row, "a row of 0", "one value that is not 0, counts/N");
+    checkNumber(elementOf(field + ".noise", a), axes.noise[a], Allowed::within(0, kMaxAxisCounts, "counts"));
+    checkNumber(elementOf(field + ".hysteresis_strength", a), axes.hysteresis_strength[a], kAxisHysteresis);
+    checkNumber(elementOf(field + ".hysteresis_width", a), axes.hysteresis_width[a], Allowed::atLeast(0, "N"));
+  }
+  if (axes.saturation < 1 || axes.saturation > kMaxAxisCounts) {
+    failField(field + ".saturation", std::to_string(axes.saturation), describeWhole(Allowed::within(1, kMaxAxisCounts, "")));
+  }
+}
+
 }  // namespace
 
 void checkReadout(const Sensor& sensor) {
@@ -159,6 +180,7 @@ void checkReadout(const Sensor& sensor) {
   checkTaxelList("readout.calibrated_gain", readout.calibrated_gain, numTaxels(sensor), Allowed::atLeast(0, ""));
   checkTime(sensor);
   checkFields("readout.", kImperfectionFields, readout);
+  checkThreeAxis(sensor);
   checkCurve(sensor);
 }
 

@@ -54,10 +54,6 @@ void checkSensor(const Sensor& sensor) {
     failField("psf.sigma", numberText(sensor.psf.sigma),
               "a kernel over the grid, or none, for the law " + std::string(kLawNames[sensor.skin.law.index()]));
   }
-  if (isTaxelList(sensor) && std::holds_alternative<DeformationMask>(sensor.skin.law)) {
-    failField("skin.law", "deformation_mask",
-              "winkler, mass_spring_damper or proximity for a taxel list, as its mask covers rows and columns of a grid");
-  }
   checkPsf(sensor);
   checkReadout(sensor);
   checkFields("", kFrameRateFields, sensor);

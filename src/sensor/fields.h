@@ -115,6 +115,9 @@ inline constexpr std::array kOutputFields{
 inline constexpr std::array kNoiseFields{
     Field<Readout>{"noise", &Readout::noise, Allowed::atLeast(0, "counts")},
 };
+// Of each axis of ThreeAxisReadout.
+inline constexpr double kMaxAxisGain = 1e12;
+inline constexpr Allowed kAxisHysteresis{.min = 0, .max = 1, .below_max = true};
 inline constexpr std::array kCreepFields{
     Field<CreepTerm>{"fraction", &CreepTerm::fraction, Allowed::within(0, kMaxCreepFraction, "of the force"), kRequired},
     Field<CreepTerm>{"time", &CreepTerm::time, Allowed::above(0, "s"), kRequired},

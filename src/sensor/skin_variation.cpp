@@ -68,6 +68,10 @@ void checkVariation(const Sensor& sensor, const SkinVariation& variation) {
   checkNumber("delay", variation.delay, Allowed::within(0, kMaxSkinFactor, ""));
   checkHasUse("delay", variation.delay, readout.delay > 0, "the sensor has no delay");
   checkWidth(sensor.psf, variation.psf_width);
+  checkNumber("trigger_spread", variation.trigger_spread, Allowed::within(0, kMaxGainSpread, ""));
+  if (variation.trigger_spread != 0 && !has_trigger) {
+    failField("trigger_spread", numberText(variation.trigger_spread), "0, because the trigger of the sensor is 0");
+  }
 }
 
 Sensor variedSensor(const Sensor& sensor, const SkinVariation& variation) {

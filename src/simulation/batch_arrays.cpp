@@ -110,6 +110,7 @@ constexpr BatchArray kArrays[] = {
     internal<block::Layer>("layer", layerPairs),
     internal<block::Foundation>("foundation", [](Shape s) { return countIf(s.hasLayer() && s.model.isPasternak(), 3 * nodes(s)); }),
 
+    internal<block::AxisPlays>("hysteresis of axes", [](Shape s) { return countIf(s.options.outputs.taxel_counts, 3 * taxels(s)); }),
     internal<block::Forces>("forces", [](Shape s) { return countIf(s.outputsContactFeatures(), taxels(s)); }),
     internal<block::TaxelRegions>("taxel regions", [](Shape s) { return countIf(s.outputsContactFeatures(), taxels(s)); }),
     internal<block::RegionSums>("region sums",
@@ -135,8 +136,12 @@ constexpr BatchArray kArrays[] = {
     output<block::Image>("tactile_image", taxels, always),
     output<block::SpreadNormal>("tactile_normal_force", taxels, [](const OutputOptions& o) { return o.tactile_normal_force; }),
     output<block::SpreadShear>(
-        "tactile_shear_force", [](Shape s) { return countIf(s.options.outputs.tactile_shear_force, 2 * taxels(s)); },
+        "tactile_shear_force",
+        [](Shape s) { return countIf(s.options.outputs.tactile_shear_force || s.options.outputs.taxel_counts, 2 * taxels(s)); },
         [](const OutputOptions& o) { return o.tactile_shear_force; }),
+    output<block::TaxelCounts>(
+        "taxel_counts", [](Shape s) { return countIf(s.options.outputs.taxel_counts, 3 * taxels(s)); },
+        [](const OutputOptions& o) { return o.taxel_counts; }),
     output<block::Features>(
         "features", [](Shape) { return std::uint64_t{layout::kNumFeatures}; }, always),
     output<block::ContactFeatures>(

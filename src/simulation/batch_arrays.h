@@ -20,7 +20,7 @@ struct BatchShape {
   bool takesContacts() const { return options.max_contacts > 0; }
   bool hasFriction() const { return model.hasFriction() && !takesContacts(); }
   bool hasLayer() const { return model.layer.has_value() && !takesContacts(); }
-  bool outputsShear() const { return hasFriction() && options.outputs.tactile_shear_force; }
+  bool outputsShear() const { return hasFriction() && (options.outputs.tactile_shear_force || options.outputs.taxel_counts); }
   bool outputsContactFeatures() const { return options.outputs.contact_features || options.outputs.clean_contact_features; }
   bool outputsJacobian() const {
     return options.outputs.tactile_jacobian || options.outputs.clean_tactile_jacobian || options.outputs.taxel_jacobian;

@@ -68,6 +68,15 @@ void checkJacobian(const ModelData& model, const SimulatorOptions& options) {
   if (model.isPasternak()) refuse("with the law pasternak, which has no Jacobian");
 }
 
+void checkTaxelCounts(const ModelData& model, const SimulatorOptions& options) {
+  if (!options.outputs.taxel_counts) return;
+  const auto refuse = [](const char* why) {
+    throw Error(ErrorKind::kInput, std::string("outputs.taxel_counts: true is not allowed ") + why);
+  };
+  if (!model.sensor.readout.three_axis) refuse("for a sensor without readout.three_axis");
+  if (options.max_contacts > 0) refuse("where max_contacts > 0: contacts have no shear");
+}
+
 // Objects or contacts.
 void checkSource(const ModelData& model, const SimulatorOptions& options) {
   constexpr double kMaxContactBand = 1;  // m
@@ -118,6 +127,7 @@ void checkBatchFits(const ModelData& model, const SimulatorOptions& options) {
   checkSource(model, options);
   checkRegions(options);
   checkJacobian(model, options);
+  checkTaxelCounts(model, options);
   const MemoryPlan plan = planBatch(model, options);
   if (static_cast<std::uint64_t>(options.num_instances) <= plan.max_instances) return;
   throw Error(ErrorKind::kInput, "a batch of " + std::to_string(options.num_instances) + " instances of " +

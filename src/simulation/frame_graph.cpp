@@ -67,9 +67,11 @@ void recordImage(const Model::Impl& model, const BatchShape& shape, Recorder& re
   const OutputOptions& outputs = shape.options.outputs;
   model.image.record(recorder, {.random = kind.random,
                                 .whole_array = model.data.law.whole_array && !shape.takesContacts(),
-                                .with_normal = outputs.tactile_normal_force || outputs.clean_contact_features || shape.outputsJacobian(),
+                                .with_normal = outputs.tactile_normal_force || outputs.clean_contact_features || shape.outputsJacobian() ||
+                                               outputs.taxel_counts,
                                 .with_shear = shape.outputsShear(),
                                 .random_skin = shape.options.vary_skin});
+  if (outputs.taxel_counts) model.three_axis.record(recorder, kind.random);
   for (const bool clean : {false, true}) {
     if (!(clean ? outputs.clean_contact_features : outputs.contact_features)) continue;
     model.contact_features.record(recorder, {.clean = clean, .max_regions = shape.options.max_regions});

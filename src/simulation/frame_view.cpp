@@ -75,6 +75,7 @@ Blocks fillJacobian(const ModelData& model, const SimulatorOptions& options, std
 void fillTaxels(const OutputOptions& outputs, const BatchBuffers& buffers, std::size_t num_taxels, FrameView& frame) {
   GroundTruthView& truth = frame.ground_truth;
   frame.tactile_image = buffers.output<block::Image>().first(num_taxels);
+  if (outputs.taxel_counts) frame.taxel_counts = buffers.output<block::TaxelCounts>().first(3 * num_taxels);
   if (outputs.tactile_normal_force) truth.tactile_normal_force = buffers.output<block::SpreadNormal>().first(num_taxels);
   if (outputs.tactile_shear_force) truth.tactile_shear_force = buffers.output<block::SpreadShear>().first(2 * num_taxels);
   if (outputs.taxel_jacobian) truth.taxel_jacobian = buffers.output<block::SpreadJacobian>().first(6 * num_taxels);

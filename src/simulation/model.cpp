@@ -12,6 +12,7 @@ Model::Impl::Impl(const Device& device, const ModelOptions& options, const Tunin
       candidates(data, contact),
       taxel_laws(data),
       image(data, options, tuning),
+      three_axis(data),
       load_search(data, image.sizes().pass.workgroup),
       contacts(data, image),
       contact_features(data, options),

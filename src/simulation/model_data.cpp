@@ -68,7 +68,7 @@ void uploadSensor(const ModelData& model, ModelBuffers& buffers) {
   buffers.upload<block::Taxels>("taxels", packed.taxels);
   buffers.upload<block::SpreadRows>("spread rows", packed.spread_rows);
   buffers.upload<block::SpreadScale>("spread scale", packed.spread_scale);
-  buffers.upload<block::Mask>("mask", model.hasMask() ? packMask(model.sensor) : std::vector<glm::vec2>(1));
+  buffers.upload<block::Mask>("mask", model.mask.empty() ? std::vector<glm::vec2>(1) : model.mask);
   buffers.upload<block::Planes>("planes", model.packed_contact.planes);
   buffers.upload<block::Neighbours>("neighbours", model.packed_contact.neighbours);
   if (model.layer && !model.isPasternak()) buffers.upload<block::Influence>("influence", model.layer->influence);
@@ -113,6 +113,7 @@ ModelData::ModelData(const Device& opened, const ModelOptions& options)
   law = packLaw(sensor.skin, layer ? layer->reach : 0);
   packed_contact = packContactFeatures(sensor);
   num_taxels = static_cast<std::uint32_t>(numTaxels(sensor));
+  if (hasMask()) mask = packMask(sensor);
 
   const Shapes shapes = area() ? Shapes::kOutward : profile.paths().polyhedra ? Shapes::kPolyhedra : Shapes::kMeshes;
   PackedObjects packed_objects = packObjects(objects, sampleGrid(contact_sensor, contact_packed), shapes);

@@ -64,6 +64,8 @@ struct ModelData {
   bool variation() const { return area() && (hasFriction() || foundationOf(sensor.skin).normal_exponent != 1); }
   bool isPasternak() const { return std::holds_alternative<Pasternak>(sensor.skin.law); }
   bool hasMask() const { return std::holds_alternative<DeformationMask>(sensor.skin.law); }
+  // Sources of a taxel in the mask.
+  std::uint32_t numMaskSources() const { return static_cast<std::uint32_t>(mask.size() / num_taxels); }
 
   Device device;
   gpu::DriverProfile profile;
@@ -78,6 +80,7 @@ struct ModelData {
   PackedSensor contact_packed;
   PackedLaw law;
   PackedContactFeatures packed_contact;
+  std::vector<glm::vec2> mask;  // packMask(), of the law deformation_mask
   std::uint32_t num_taxels = 0;
   ObjectKinds object_kinds;
   // Whether batches may keep candidates: shaders/keep_candidates.comp.

@@ -14,6 +14,7 @@
 #include "simulation/passes/pasternak.h"
 #include "simulation/passes/tactile_jacobian.h"
 #include "simulation/passes/taxel_laws.h"
+#include "simulation/passes/three_axis.h"
 
 namespace taxelsim {
 
@@ -33,6 +34,7 @@ struct Model::Impl {
   std::optional<PasternakPass> pasternak;
   TaxelLawPasses taxel_laws;
   ImagePass image;
+  ThreeAxisPass three_axis;
   LoadSearchPass load_search;
   ContactsPass contacts;
   ContactFeaturePasses contact_features;

@@ -130,7 +130,7 @@ float Simulator::Impl::longestDelay() const {
 
 void Simulator::Impl::setSkin(layout::InstanceRecord& record, const SkinVariation& skin) {
   record.skin = {skin.stiffness, skin.friction, skin.trigger, skin.hysteresis};
-  record.spread = {skin.psf_width * skin.psf_width, skin.delay, 0.0f, 0.0f};
+  record.spread = {skin.psf_width * skin.psf_width, skin.delay, skin.trigger_spread, 0.0f};
 }
 
 layout::StepRecord Simulator::Impl::stepRecord(double dt, const Selection& selection) {

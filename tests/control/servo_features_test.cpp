@@ -25,6 +25,8 @@ struct FeatureRows {
         area(num_rows, 4e-5f),
         window(num_rows, 0),
         window_confidence(num_rows, 1),
+        ridge(num_rows, 0),
+        ridge_confidence(num_rows, 1),
         tilt_confidence(num_rows, 1),
         center(3 * num_rows, 0),
         tilt(2 * num_rows, 0) {}
@@ -39,6 +41,8 @@ struct FeatureRows {
             .contact_area = area,
             .windowed_edge_angle = window,
             .windowed_edge_confidence = window_confidence,
+            .ridge_edge_angle = ridge,
+            .ridge_edge_confidence = ridge_confidence,
             .tilt = tilt,
             .tilt_confidence = tilt_confidence,
             .exact_edge_angle = {&exact, 1},
@@ -46,7 +50,7 @@ struct FeatureRows {
             .due = {&kDue, 1}};
   }
 
-  std::vector<float> angle, confidence, force, area, window, window_confidence, tilt_confidence, center, tilt;
+  std::vector<float> angle, confidence, force, area, window, window_confidence, ridge, ridge_confidence, tilt_confidence, center, tilt;
   float exact = 0, start_force = 2;
 };
 
@@ -119,6 +123,7 @@ TEST(ServoFeatures, UsesTheSelectedAngleSource) {
   FeatureRows rows(1);
   rows.angle[0] = 0.1f;
   rows.window[0] = 0.2f;
+  rows.ridge[0] = 0.25f;
   rows.exact = 0.3f;
   TactileServo servo = fastServo();
   servo[ServoFeature::kEdgeAngle] = {.selected = true, .kp = 1};
@@ -126,6 +131,10 @@ TEST(ServoFeatures, UsesTheSelectedAngleSource) {
   servo.edge_angle_source = EdgeAngleSource::kWindow;
   EXPECT_NEAR(commanded(servo, rows).w[2], 0.2, kFloat);
   rows.window_confidence[0] = 0.1f;
+  EXPECT_EQ(commanded(servo, rows), Twist{}) << "confidence below min_confidence";
+  servo.edge_angle_source = EdgeAngleSource::kRidge;
+  EXPECT_NEAR(commanded(servo, rows).w[2], 0.25, kFloat);
+  rows.ridge_confidence[0] = 0.1f;
   EXPECT_EQ(commanded(servo, rows), Twist{}) << "confidence below min_confidence";
   servo.edge_angle_source = EdgeAngleSource::kExact;
   EXPECT_NEAR(commanded(servo, rows).w[2], 0.3, kFloat);

@@ -89,6 +89,7 @@ TEST(Columns, EveryGroupHasItsColumns) {
                                                                      {"tactile_normal_force", {"data/ground_truth/tactile_normal_force"}},
                                                                      {"tactile_shear_force", {"data/ground_truth/tactile_shear_force"}},
                                                                      {"penetration_depth", {"data/ground_truth/penetration_depth"}},
+                                                                     {"taxel_counts", {"data/taxel_counts"}},
                                                                      {"poses", {"data/pose", "data/sensor_pose"}},
                                                                      {"actions", {"data/action"}}}) {
     std::set<std::string> expected = kAlways;
@@ -163,8 +164,14 @@ TEST(Columns, ImageShapeIsTheGridOrAListForSeveralPatches) {
   EXPECT_EQ(columnNamed(columns, "data/tactile_image").shape, (std::vector<std::size_t>{6, 14}));
   EXPECT_EQ(columnNamed(columns, "data/tactile_image").type, ScalarType::kUint16);
   EXPECT_EQ(columnNamed(columns, "data/ground_truth/tactile_shear_force").shape, (std::vector<std::size_t>{6, 14, 2}));
+  scene.record.emplace_back("taxel_counts");
+  columns = columnsOf(scene);
+  EXPECT_EQ(columnNamed(columns, "data/taxel_counts").shape, (std::vector<std::size_t>{6, 14, 3}));
+  EXPECT_EQ(columnNamed(columns, "data/taxel_counts").type, ScalarType::kInt32);
+  EXPECT_TRUE(outputsOf(scene).taxel_counts);
   scene.sensor.patches.push_back(scene.sensor.patches[0]);
   columns = columnsOf(scene);
+  EXPECT_EQ(columnNamed(columns, "data/taxel_counts").shape, (std::vector<std::size_t>{168, 3}));
   EXPECT_EQ(columnNamed(columns, "data/tactile_image").shape, (std::vector<std::size_t>{168}));
   EXPECT_EQ(columnNamed(columns, "data/ground_truth/tactile_shear_force").shape, (std::vector<std::size_t>{168, 2}));
 }

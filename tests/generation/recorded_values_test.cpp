@@ -94,6 +94,7 @@ TEST(RecordedValues, SkinAndMountingHaveColumns) {
   Randomization& random = scene.randomization;
   random.stiffness = Range{0.6, 1.5};
   random.trigger = Range{0.5, 2};
+  random.trigger_spread = Range{0.1, 0.6};
   random.mounting_x = Range{-5e-4, 5e-4};
   random.mounting_yaw = Range{-0.1, 0.1};
   const TestDirectory directory, other;
@@ -101,12 +102,15 @@ TEST(RecordedValues, SkinAndMountingHaveColumns) {
   const DatasetReader reader(directory.path());
   const auto column = [&](const std::string& name) { return reader.readAsDouble(name, 0, scene.num_episodes); };
   const std::vector<double> stiffness = column("meta/stiffness"), trigger = column("meta/trigger"), x = column("meta/mounting_x"),
-                            yaw = column("meta/mounting_yaw"), depth = column("meta/depth"), pose = column("data/pose");
+                            yaw = column("meta/mounting_yaw"), spread = column("meta/trigger_spread"), depth = column("meta/depth"),
+                            pose = column("data/pose");
   const EpisodeDrawer drawer(scene);
   for (std::uint64_t i = 0; i < scene.num_episodes; ++i) {
     const EpisodeDraw draw = drawer.draw(i);
     EXPECT_EQ(stiffness[i], draw.skin.stiffness);
     EXPECT_EQ(trigger[i], draw.skin.trigger);
+    EXPECT_EQ(spread[i], draw.skin.trigger_spread);
+    EXPECT_GE(spread[i], 0.1f);
     EXPECT_EQ(x[i], draw.mounting.x);
     EXPECT_EQ(yaw[i], draw.mounting.yaw);
     EXPECT_NE(draw.skin.stiffness, 1);

@@ -24,6 +24,7 @@
 #include "spread_jacobian.spv.h"
 #include "tactile_jacobian.spv.h"
 #include "taxel_jacobian.spv.h"
+#include "three_axis.spv.h"
 
 namespace taxelsim {
 namespace {
@@ -93,6 +94,7 @@ TEST(PassInterfaces, MatchTheShaders) {
   expectMatches<TaxelLawInterface>(k_mass_spring_damper_spirv, "taxel_law");
   expectMatches<ContactsInterface>(k_contacts_spirv, "contacts");
   expectMatches<ImageInterface>(k_image_spirv, "image");
+  expectMatches<ThreeAxisInterface>(k_three_axis_spirv, "three_axis");
   expectMatches<ContactRegionsInterface>(k_contact_regions_spirv, "contact_regions");
   expectMatches<ContactFeaturesInterface>(k_contact_features_spirv, "contact_features");
   expectMatches<TaxelJacobianInterface>(k_taxel_jacobian_spirv, "taxel_jacobian");
@@ -103,11 +105,11 @@ TEST(PassInterfaces, MatchTheShaders) {
 }
 
 TEST(PassInterfaces, ConstantsKeepIdAndBits) {
-  const auto list =
-      gpu::constantsOf<11>(TaxelLawInterface{.SCALED = true, .LAW_0 = 0.5, .LAW_1 = 2.0f, .SHEAR = false, .FRICTION_COEFFICIENT = -1.0});
-  ASSERT_EQ(list.size(), 5u);
-  const std::array<std::uint32_t, 5> bits{1, 0x3F000000u, 0x40000000u, 0, 0xBF800000u};
-  for (std::uint32_t k = 0; k < 5; ++k) {
+  const auto list = gpu::constantsOf<11>(
+      TaxelLawInterface{.SCALED = true, .LAW_0 = 0.5, .LAW_1 = 2.0f, .SHEAR = false, .FRICTION_COEFFICIENT = -1.0, .MASK_SOURCES = 9u});
+  const std::array<std::uint32_t, 6> bits{1, 0x3F000000u, 0x40000000u, 0, 0xBF800000u, 9};
+  ASSERT_EQ(list.size(), bits.size());
+  for (std::uint32_t k = 0; k < bits.size(); ++k) {
     EXPECT_EQ(list[k].id, 11 + k);
     EXPECT_EQ(list[k].value, bits[k]) << k;
   }

@@ -175,7 +175,29 @@ TEST(BadSensors, TaxelsAndCounts) {
        BadScene{"trigger: 0.02", "taxel_gain: [[1, 1, 1], [1, 1, 1], [1, 1, 1], [1, 1, 1]]",
                 ":13:17: sensor.readout.taxel_gain: a row of 3 is not allowed: rows of 4 (num_cols)"},
        BadScene{"trigger: 0.02", "taxel_gain: [-1]", ":13:18: sensor.readout.taxel_gain[0]: -1 is not allowed: a number >= 0"},
+       BadScene{"trigger: 0.02", "calibrated_gain: [1, 1]",
+                ":13:22: sensor.readout.calibrated_gain: 2 numbers are not allowed: one for each of the 12 taxels"},
+       BadScene{"trigger: 0.02", "calibrated_gain: [-1]", ":13:23: sensor.readout.calibrated_gain[0]: -1 is not allowed: a number >= 0"},
+       BadScene{"trigger: 0.02", "calibrated_gain: all", ":13:22: sensor.readout.calibrated_gain: all is not allowed: a list of numbers"},
        BadScene{"  num_rows: 3\n", "  patches: []\n", ":7:13: sensor.num_cols: conflicts with `patches`"}});
+}
+
+TEST(BadSensors, ThreeAxisTaxels) {
+  const auto axes = [](const std::string& keys) { return "three_axis: {" + keys + "}"; };
+  const std::string gain = "gain: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]";
+  expectRefusals(
+      {BadScene{"trigger: 0.02", axes("noise: [1, 1, 1]"), ":13:17: sensor.readout.three_axis: gain is missing: three rows"},
+       BadScene{"trigger: 0.02", axes("gain: [[1, 0, 0], [0, 1, 0]]"),
+                ":13:24: sensor.readout.three_axis.gain: a list of 2 is not allowed: three rows (x, y, normal) of three numbers, counts/N"},
+       BadScene{"trigger: 0.02", axes("gain: [[1, 0], [0, 1, 0], [0, 0, 1]]"),
+                ":13:25: sensor.readout.three_axis.gain[0]: a list of 2 is not allowed: a list of 3 numbers"},
+       BadScene{"trigger: 0.02", axes(gain + ", hysteresis_strength: [0, 0, 1]"),
+                ":13:87: sensor.readout.three_axis.hysteresis_strength[2]: 1 is not allowed: a number >= 0 and < 1"},
+       BadScene{"trigger: 0.02", axes(gain + ", saturation: 0"),
+                ":13:71: sensor.readout.three_axis.saturation: 0 is not allowed: a whole number from 1 to"},
+       BadScene{"trigger: 0.02", axes(gain + ", colour: red"), ":13:59: sensor.readout.three_axis.colour: unknown key"},
+       BadScene{"trigger: 0.02", axes(gain),
+                ":13:17: sensor.readout.three_axis: a value is not allowed: none on a skin without friction, which has no shear"}});
 }
 
 TEST(BadSensors, ReadoutOverTimeAndImperfections) {

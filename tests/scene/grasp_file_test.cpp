@@ -79,6 +79,8 @@ TEST(GraspScene, RefusesBadScenes) {
   EXPECT_THAT(refusalOf("  fingers:", "  gain: 101\n  fingers:"), HasSubstr("gain: 101 is not allowed"));
   EXPECT_THAT(refusalOf("num_steps: 150", "num_steps: 150, control_rate: 50"), HasSubstr("control_rate 50 Hz is not allowed"));
   EXPECT_THAT(refusalOf("objects:", "record: [poses]\nobjects:"), HasSubstr("always records"));
+  EXPECT_THAT(refusalOf("objects:", "record: [taxel_counts]\nobjects:"),
+              HasSubstr("record: taxel_counts needs readout.three_axis of the sensor "));
   EXPECT_THAT(refusalOf("objects:", "sensor: sensors/fingertip_6x4.yaml\nobjects:"), HasSubstr("unknown key"));
   EXPECT_THAT(refusalOf("box: {size_mm: [60, 30, 30]}", "box: {size_mm: [60, 30, 30]}\n    weight: 2"), HasSubstr("unknown key"));
   EXPECT_THAT(refusalOf("robots/gripper.yaml", "{free_flying: {}}"), HasSubstr("a robot with joints"));

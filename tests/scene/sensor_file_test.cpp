@@ -69,7 +69,9 @@ psf: {kernel: [[0, 1, 0], [2, 4, 2], [0, 1, 0.5]], normalization: none}
 readout: {curve: {coefficients: [100, 2, 0.5]}, output_scale: 2, trigger: 0.1, adc_bits: 10, saturation: 1000, noise: 3,
           taxel_gain: [1, 2, 3], taxel_trigger: [0.1, 0.2, 0.3], hysteresis_strength: [0.1, 0.2], hysteresis_width: [0.3, 0.4],
           creep: [{fraction: 0.5, time: 6}, {time: 8, fraction: 0.7}], low_pass_time: 0.01, delay: 0.02, jitter: 0.03, bias: 4,
-          random_walk: 5, gain_spread: 0.6, press_gain_spread: 0.7, dead_taxel_probability: 0.8}
+          random_walk: 5, gain_spread: 0.6, press_gain_spread: 0.7, dead_taxel_probability: 0.8,
+          three_axis: {gain: [[1, 2, 3], [4, 5, 6], [7, 8, 9]], noise: [1, 2, 3], hysteresis_strength: [0.1, 0.2, 0.3],
+                       hysteresis_width: [0.4, 0.5, 0.6], saturation: 99}}
 )");
   ASSERT_EQ(sensor.patches.size(), 2u);
   EXPECT_EQ(sensor.patches[0].name, "a");
@@ -106,6 +108,11 @@ readout: {curve: {coefficients: [100, 2, 0.5]}, output_scale: 2, trigger: 0.1, a
   EXPECT_EQ(sensor.readout.gain_spread, 0.6);
   EXPECT_EQ(sensor.readout.press_gain_spread, 0.7);
   EXPECT_EQ(sensor.readout.dead_taxel_probability, 0.8);
+  EXPECT_EQ(sensor.readout.three_axis, (ThreeAxisReadout{.gain = {{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}}},
+                                                         .noise = {1, 2, 3},
+                                                         .hysteresis_strength = {0.1, 0.2, 0.3},
+                                                         .hysteresis_width = {0.4, 0.5, 0.6},
+                                                         .saturation = 99}));
 }
 
 TEST(SensorFile, ReadsTheKeysOfElasticLayer) {

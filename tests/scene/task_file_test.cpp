@@ -65,8 +65,9 @@ TEST(TaskFile, ReadsNamesAndWeightsOfControllers) {
       loaded(edited(sceneText(""), kController,
                     "controllers:\n  - name: a\n    tactile_servo: {edge_angle_source: window, contact: largest_region, "
                     "tilt_x: {kp: 2, reference_deg: 1}, center_x: {kp: 1, rolling_radius_mm: 20}, exploration_direction_deg: 90}\n"
-                    "  - {name: b, weight: 3, tactile_servo: {edge_angle_source: exact, edge_angle: {kp: 1}}}\n"));
-  ASSERT_EQ(scene.controllers.size(), 2u);
+                    "  - {name: b, weight: 3, tactile_servo: {edge_angle_source: exact, edge_angle: {kp: 1}}}\n"
+                    "  - {name: c, tactile_servo: {edge_angle_source: ridge, edge_angle: {kp: 1}}}\n"));
+  ASSERT_EQ(scene.controllers.size(), 3u);
   EXPECT_EQ(scene.controllers[0].name, "a");
   EXPECT_EQ(scene.controllers[0].weight, 1);
   EXPECT_EQ(scene.controllers[1].weight, 3);
@@ -77,6 +78,7 @@ TEST(TaskFile, ReadsNamesAndWeightsOfControllers) {
   EXPECT_EQ(servo[ServoFeature::kCenterX].rolling_radius, 0.02);
   EXPECT_NEAR(servo.exploration_direction, 90 * kDegree, kRounding);
   EXPECT_EQ(scene.controllers[1].servo.edge_angle_source, EdgeAngleSource::kExact);
+  EXPECT_EQ(scene.controllers[2].servo.edge_angle_source, EdgeAngleSource::kRidge);
 }
 
 TEST(TaskFile, ResolvedSceneResolvesToItself) {

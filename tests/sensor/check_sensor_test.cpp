@@ -52,15 +52,16 @@ TEST(CheckSensor, AcceptsTheExampleAndTheEndsOfRanges) {
   expectAccepted([](Sensor& s) { s.patches[0].X_SP.rotation = {0.7071, 0.7071, 0, 0}; });
 }
 
-TEST(CheckSensor, RefusesDeformationMaskOnLists) {
+TEST(CheckSensor, LawsOnLists) {
   const auto list = [](Sensor& s) {
     s.skin.law = DeformationMask{};
+    s.skin.friction = {};
     s.psf = {};
     s.readout.taxel_gain.clear();
     s.readout.taxel_trigger.clear();
     s.patches = {taxelPatch("a", {0, 0, 0}, {0, 0, 1}, {1e-3, 1e-3}), taxelPatch("b", {1e-3, 0, 0}, {0.1, 0, 1}, {1e-3, 1e-3})};
   };
-  expectRefused("skin.law", list);
+  expectAccepted(list);
   expectRefused("patches", [&](Sensor& s) { list(s), s.skin.law = ElasticLayer{.elastic_modulus = 1e5}; });
   expectRefused("psf.sigma", [&](Sensor& s) {
     list(s), s.patches.pop_back(), s.skin.law = ElasticLayer{.elastic_modulus = 1e5};
@@ -271,6 +272,8 @@ TEST(CheckSensor, Readout) {
     expectRefused("readout.trigger", [&](Sensor& s) { s.readout.trigger = bad; });
     expectRefused("readout.taxel_trigger[0]",
                   [&](Sensor& s) { s.readout.taxel_trigger.assign(84, 0.0), s.readout.taxel_trigger[0] = bad; });
+    expectRefused("readout.calibrated_gain[41]",
+                  [&](Sensor& s) { s.readout.calibrated_gain.assign(84, 1.0), s.readout.calibrated_gain[41] = bad; });
   }
   expectAccepted([](Sensor& s) { s.readout.trigger = -1, s.readout.taxel_trigger.assign(84, -1.0); });
   for (const int bad : {0, 17, -1, 64}) expectRefused("readout.adc_bits", [&](Sensor& s) { s.readout.adc_bits = bad; });
@@ -278,6 +281,27 @@ TEST(CheckSensor, Readout) {
   expectAccepted([](Sensor& s) { s.readout.adc_bits = 16, s.readout.saturation = 65535; });
   expectRefused("readout.taxel_gain", [](Sensor& s) { s.readout.taxel_gain.assign(83, 1.0); });
   expectRefused("readout.taxel_trigger", [](Sensor& s) { s.readout.taxel_trigger.assign(85, 0.0); });
+  expectRefused("readout.calibrated_gain", [](Sensor& s) { s.readout.calibrated_gain.assign(2, 1.0); });
+}
+
+TEST(CheckSensor, ThreeAxisTaxels) {
+  const ThreeAxisReadout axes{.gain = {{{100, 0, 0}, {0, 100, 0}, {0, 0, 100}}}};
+  const auto refused = [&](const char* field, const std::function<void(ThreeAxisReadout&)>& change) {
+    expectRefused(field, [&](Sensor& s) { s.skin.friction = {1e9, 0.5}, s.readout.three_axis = axes, change(*s.readout.three_axis); });
+  };
+  expectAccepted([&](Sensor& s) { s.skin.friction = {1e9, 0.5}, s.readout.three_axis = axes; });
+  expectRefused("readout.three_axis", [&](Sensor& s) { s.skin.friction = {}, s.readout.three_axis = axes; });
+  refused("readout.three_axis.gain[1]", [](ThreeAxisReadout& a) { a.gain[1] = {0, 0, 0}; });
+  for (const double bad : {-1.0, kNan, kInfinity}) {
+    refused("readout.three_axis.noise[0]", [&](ThreeAxisReadout& a) { a.noise[0] = bad; });
+    refused("readout.three_axis.hysteresis_width[2]", [&](ThreeAxisReadout& a) { a.hysteresis_width[2] = bad; });
+    refused("readout.three_axis.hysteresis_strength[1]", [&](ThreeAxisReadout& a) { a.hysteresis_strength[1] = bad; });
+  }
+  refused("readout.three_axis.hysteresis_strength[0]", [](ThreeAxisReadout& a) { a.hysteresis_strength[0] = 1; });
+  refused("readout.three_axis.gain[2][1]", [](ThreeAxisReadout& a) { a.gain[2][1] = kNan; });
+  for (const int bad : {0, -1, kMaxAxisCounts + 1}) {
+    refused("readout.three_axis.saturation", [&](ThreeAxisReadout& a) { a.saturation = bad; });
+  }
 }
 
 TEST(CheckSensor, ReadoutOverTime) {

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <string>
 
+#include "base/philox.h"
 #include "reference/frame.h"
 #include "simulation/comparison.h"
 #include "simulation/input_error.h"
@@ -204,6 +205,25 @@ TEST(SkinVariationOnDevice, DoesNotDependOnTheBatch) {
   }
 }
 
+// Triggers of an episode are those of a sensor whose list of triggers has the same draws.
+TEST(SkinVariationOnDevice, SpreadsTheTriggersOfAnEpisode) {
+  constexpr std::uint64_t kSeed = 4, kEpisode = 3;  // that of run()
+  const Sensor sensor = gridSensor();
+  const SkinVariation variation{.trigger = 1.5f, .trigger_spread = 0.8f};
+  Sensor varied = variedSensor(sensor, variation);
+  std::vector<double>& triggers = varied.readout.taxel_trigger;
+  for (int t = 0; t < numTaxels(sensor); ++t) {
+    const double drawn =
+        gaussian({.seed = kSeed, .episode = kEpisode, .taxel = static_cast<std::uint32_t>(t), .purpose = Purpose::kTaxelTrigger});
+    triggers.push_back(varied.readout.trigger * std::exp(variation.trigger_spread * drawn));
+  }
+  EXPECT_GT(*std::max_element(triggers.begin(), triggers.end()), 3 * *std::min_element(triggers.begin(), triggers.end()));
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects()});
+  const Model spread(support::sharedDevice(), {.sensor = varied, .objects = objects()});
+  Simulator simulator(model, {.seed = kSeed, .vary_skin = true}), expected(spread, {.seed = kSeed});
+  expectSame(run(simulator, variation), run(expected, {}));
+}
+
 TEST(SkinVariationOnDevice, WidthKeepsTheForceAndScalesItsSpread) {
   const Sensor sensor = gridSensor();
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{1e-3})}});
@@ -243,6 +263,8 @@ TEST(SkinVariationOnDevice, RefusesWhatTheSensorCannotDo) {
   EXPECT_EQ(refusal(other, {.trigger = 2}), "trigger: 2 is not allowed: 1, because the trigger of the sensor is 0");
   EXPECT_EQ(refusal(other, {.hysteresis = 2}), "hysteresis: 2 is not allowed: 1, because the sensor has no hysteresis");
   EXPECT_EQ(refusal(other, {.delay = 2}), "delay: 2 is not allowed: 1, because the sensor has no delay");
+  EXPECT_EQ(refusal(grid, {.trigger_spread = 3}), "trigger_spread: 3 is not allowed: a number from 0 to 2");
+  EXPECT_EQ(refusal(other, {.trigger_spread = 1}), "trigger_spread: 1 is not allowed: 0, because the trigger of the sensor is 0");
   EXPECT_EQ(refusal(other, {.psf_width = 0.5f}), "psf_width: 0.5 is not allowed: 1, because the sensor has no point spread function");
 
   const Model model(support::sharedDevice(), {.sensor = grid, .objects = objects()});

@@ -33,7 +33,7 @@ TOUCH_OBSERVATIONS = ("tactile_image", "contact")
 _LOGIT_SCALE = 10.0  # logit of a class at action 1
 _STEP_TIME = 0.5  # s: the sensor is lifted, then pressed, for this long
 _PLACEMENT = 0.004  # m, largest offset of an object from the middle of the workspace, along x and y
-_FIXED = ("stiffness", "friction", "trigger", "hysteresis", "delay", "psf_width")  # ranges that touches do not draw
+_FIXED = ("stiffness", "friction", "trigger", "hysteresis", "delay", "psf_width", "trigger_spread")  # ranges that touches do not draw
 
 
 class TouchClassifyVectorEnv(EpisodicVectorEnv):

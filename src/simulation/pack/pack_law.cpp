@@ -14,6 +14,7 @@
 #include "mass_spring_damper.spv.h"
 #include "proximity.spv.h"
 #include "rescale.spv.h"
+#include "sensor/deformation_mask.h"
 
 namespace taxelsim {
 namespace {
@@ -105,12 +106,36 @@ void packRelaxation(std::span<const RelaxationTerm> terms, double dt, layout::St
   record.relaxation.y = static_cast<float>(settled + added);
 }
 
+namespace {
+
+// A taxel as a source, in the bits of a float.
+float bitsOf(std::size_t taxel) {
+  return std::bit_cast<float>(static_cast<std::uint32_t>(taxel));
+}
+
+std::vector<glm::vec2> packMaskOfList(const Sensor& sensor) {
+  const std::vector<std::vector<MaskSource>> sources = maskSources(sensor);
+  std::size_t most = 0;
+  for (const std::vector<MaskSource>& list : sources) most = std::max(most, list.size());
+  std::vector<glm::vec2> pairs;
+  for (std::size_t e = 0; e < most; ++e) {
+    for (std::size_t t = 0; t < sources.size(); ++t) {
+      const MaskSource source = e < sources[t].size() ? sources[t][e] : MaskSource{static_cast<int>(t), 0};
+      pairs.emplace_back(bitsOf(static_cast<std::size_t>(source.taxel)), static_cast<float>(source.weight));
+    }
+  }
+  return pairs;
+}
+
+}  // namespace
+
 std::vector<glm::vec2> packMask(const Sensor& sensor) {
+  if (isTaxelList(sensor)) return packMaskOfList(sensor);
   // RobWorkSim's mask integrated over taxels; include/taxelsim/sensor.h, DeformationMask.
   constexpr std::array<double, 3> kWeights{0.52464, 0.10387, 0.01497};  // by the number of steps to the neighbour
   const auto num_taxels = static_cast<std::size_t>(numTaxels(sensor));
   std::vector<glm::vec2> pairs(9 * num_taxels);
-  for (std::size_t e = 0; e < pairs.size(); ++e) pairs[e] = {std::bit_cast<float>(static_cast<std::uint32_t>(e % num_taxels)), 0.0f};
+  for (std::size_t e = 0; e < pairs.size(); ++e) pairs[e] = {bitsOf(e % num_taxels), 0.0f};
   std::vector<std::size_t> num_sources(num_taxels, 0);
   int first = 0;
   for (const GridPatch& patch : sensor.patches) {
@@ -128,8 +153,7 @@ std::vector<glm::vec2> packMask(const Sensor& sensor) {
       forNeighbours(i, j, [&](int, double weight) { inside += weight; });
       forNeighbours(i, j, [&](int taxel, double weight) {
         const auto t = static_cast<std::size_t>(taxel);
-        pairs[num_sources[t]++ * num_taxels + t] = {std::bit_cast<float>(static_cast<std::uint32_t>(first + source)),
-                                                    static_cast<float>(weight / inside)};
+        pairs[num_sources[t]++ * num_taxels + t] = {bitsOf(static_cast<std::size_t>(first + source)), static_cast<float>(weight / inside)};
       });
     }
     first += patch.num_rows * patch.num_cols;

@@ -46,7 +46,7 @@ std::array<float, 4> transitionOf(const ContactLaw& law, double dt);
 // Writes the coefficients of relaxation over a step of `dt` s.
 void packRelaxation(std::span<const RelaxationTerm> terms, double dt, layout::StepRecord& record);
 
-// The mask of DeformationMask: (9 x num_taxels) pairs of source (as bits) and weight.
+// The mask of DeformationMask: (num_sources x num_taxels) pairs of source (as bits) and weight; nine sources on grids.
 std::vector<glm::vec2> packMask(const Sensor& sensor);
 
 }  // namespace taxelsim

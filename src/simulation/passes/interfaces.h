@@ -58,6 +58,10 @@ struct ImageInterface {
 #include "passes/image.h"
 };
 
+struct ThreeAxisInterface {
+#include "passes/three_axis.h"
+};
+
 struct ContactRegionsInterface {
 #include "passes/contact_regions.h"
 };

@@ -74,7 +74,7 @@ TactileJacobianPasses::TaxelKernels TactileJacobianPasses::makeTaxelKernels() co
   }
   if (model_.hasMask()) {
     kernels.mask.emplace(model_.context(), "mask_jacobian", k_mask_jacobian_spirv, common,
-                         MaskJacobianInterface{.LAW_0 = model_.law.taxel_parameters[0]});
+                         MaskJacobianInterface{.LAW_0 = model_.law.taxel_parameters[0], .MASK_SOURCES = model_.numMaskSources()});
     kernels.rescale.emplace(model_.context(), "rescale_jacobian", k_rescale_jacobian_spirv, common,
                             RescaleJacobianInterface{.SCALED = scaled});
   }

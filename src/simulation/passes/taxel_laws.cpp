@@ -31,7 +31,8 @@ TaxelLawPasses::Kernels TaxelLawPasses::makeKernels(bool with_shear) const {
                                            .LAW_0 = model_.law.taxel_parameters[0],
                                            .LAW_1 = model_.law.taxel_parameters[1],
                                            .SHEAR = with_shear,
-                                           .FRICTION_COEFFICIENT = model_.sensor.skin.friction.friction_coefficient});
+                                           .FRICTION_COEFFICIENT = model_.sensor.skin.friction.friction_coefficient,
+                                           .MASK_SOURCES = model_.numMaskSources()});
   }
   return kernels;
 }
