@@ -15,8 +15,8 @@
 #define BLOCK_Taxels BLOCK(Taxels, TaxelRecord, taxels[])
 #define BLOCK_SpreadRows BLOCK(SpreadRows, vec4, spread_rows[])
 #define BLOCK_SpreadScale BLOCK(SpreadScale, float, spread_scale[])  // (t)
-#define BLOCK_Mask BLOCK(Mask, vec2, mask[])                         // of deformation_mask (MASK_SOURCES x t): source taxel (as bits), weight
-#define BLOCK_Influence BLOCK(Influence, float, influence[])         // of an elastic layer (node rows x 2 rows of strips)
+#define BLOCK_Mask BLOCK(Mask, vec2, mask[])                  // of deformation_mask (MASK_SOURCES x t): source taxel (as bits), weight
+#define BLOCK_Influence BLOCK(Influence, float, influence[])  // of an elastic layer (node rows x 2 rows of strips)
 #define BLOCK_Planes BLOCK(Planes, PlaneRecord, planes[])
 #define BLOCK_Neighbours BLOCK(Neighbours, uint, neighbours[])  // (NUM_NEIGHBOURS x t), of lower number
 
