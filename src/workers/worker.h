@@ -1,6 +1,6 @@
 // The side of a worker: a child process of the program that does a share of its work.
 //
-// Its standard input is a pipe whose end asks it to stop; its standard output takes its messages. It ends with the process that started it:
+// Its standard input is a pipe whose end stops it; its standard output takes its messages. It ends with the process that started it:
 // the kernel kills it (PR_SET_PDEATHSIG) when that process ends for any reason.
 #pragma once
 

@@ -25,7 +25,7 @@ struct WorkerReport {
   std::string problem;            // one line if it did not do its work: its error, or how it ended
 };
 
-// Thread-safe, but for start() and join().
+// Thread-safe, except start() and join().
 class WorkerProcesses {
  public:
   // `consequence`: what happens to the work of a worker that is lost, for the line in the log.

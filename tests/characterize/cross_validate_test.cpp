@@ -94,7 +94,7 @@ TEST(CrossValidate, TheVerdictNamesABetterBaseline) {
   EXPECT_THAT(figures::verdictText(result, 3), StartsWith("left-out loads: the fitted sensor predicts better"));
 }
 
-// A bench whose stamp carries 10 % less from 3 to 6 N: repeated presses and neighbouring loads tell it, single presses scatter by 3 %.
+// A bench whose stamp carries 10 % less from 3 to 6 N: repeated presses and neighbouring loads show it, single presses scatter by 3 %.
 TEST(CrossValidate, ABenchThatDeviatesSmoothlyWithTheLoad) {
   const auto deviates = [](double load) { return -0.1 * std::exp(-std::pow(std::log(load / 4.2) / 0.4, 2)); };
   std::vector<LoadDeviation::Press> presses, scattered;
