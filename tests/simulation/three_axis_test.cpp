@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -126,6 +127,45 @@ TEST(ThreeAxisOnDevice, SaturatesOnBothSides) {
   const FrameView frame = follow(simulator, 1, 0, 3);
   EXPECT_EQ(*std::max_element(frame.taxel_counts.begin(), frame.taxel_counts.end()), 1234);
   EXPECT_EQ(*std::min_element(frame.taxel_counts.begin(), frame.taxel_counts.end()), -1234);
+}
+
+// Without contact the counts are the noise: of its level on each axis, rounded, and of no axis the same as of another.
+TEST(ThreeAxisOnDevice, NoiseHasItsLevelAndIsIndependent) {
+  constexpr int kNumInstances = 100;
+  const Sensor sensor = frictionSensor(kAxes);
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects()});
+  Simulator simulator(model, {.num_instances = kNumInstances, .seed = kSeed, .outputs = {.taxel_counts = true}});
+  for (int i = 0; i < kNumInstances; ++i) simulator.reset(i, static_cast<std::uint64_t>(i));
+  simulator.step(kDt);
+  const auto counts = simulator.read().taxel_counts;
+  std::array<Vector3, 3> products{};
+  for (std::size_t k = 0; k < counts.size(); k += 3) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      for (std::size_t b = 0; b < 3; ++b) products[a][b] += static_cast<double>(counts[k + a]) * counts[k + b];
+    }
+  }
+  const double num_draws = static_cast<double>(counts.size()) / 3;
+  const double five_deviations = 5 / std::sqrt(num_draws);  // of a correlation; of a variance sqrt(2) as much
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double variance = kAxes.noise[a] * kAxes.noise[a] + 1.0 / 12;
+    EXPECT_NEAR(products[a][a] / num_draws, variance, std::sqrt(2) * five_deviations * variance) << "axis " << a;
+    const std::size_t b = (a + 1) % 3;
+    EXPECT_NEAR(products[a][b] / std::sqrt(products[a][a] * products[b][b]), 0, five_deviations) << "axes " << a << " and " << b;
+  }
+}
+
+// At half the rate of the steps every second frame is the one before.
+TEST(ThreeAxisOnDevice, CountsStayBetweenTheSensorsFrames) {
+  Sensor sensor = frictionSensor(kAxes);
+  sensor.frame_rate = 0.5 / kDt;
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects()});
+  Simulator simulator(model, {.seed = kSeed, .outputs = {.taxel_counts = true}});
+  std::vector<std::int32_t> last;
+  for (int n = 0; n < kNumSteps; ++n) {
+    const std::vector<std::int32_t> counts = countsOf(follow(simulator, 1, n, n + 1), 0, numTaxels(sensor));
+    EXPECT_EQ(counts == last, n % 2 == 1) << "step " << n;
+    last = counts;
+  }
 }
 
 // The play operators of an instance start anew at its reset, and stay while another instance steps.
