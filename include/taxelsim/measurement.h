@@ -75,7 +75,7 @@ struct PointImages {
   std::vector<std::array<double, 2>> position;  ///< (rows), m, x and y in the frame of the sensor's first patch.
   std::vector<double> force;                    ///< (rows), N; empty if not measured.
   Images images;                                ///< One image per row.
-  std::vector<double> yaw{};                    ///< (rows), rad, turn of the footprint about z; empty: 0.
+  std::vector<double> yaw{};                    ///< (rows), rad, rotation of each footprint about z. Empty: all 0.
   std::optional<FootprintMask> mask{};          ///< The footprint.
   double position_error = 0;                    ///< m, >= 0, standard deviation of x and of y of an image; 0: they are exact.
 };

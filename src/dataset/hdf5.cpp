@@ -75,7 +75,7 @@ std::string readVariableText(hid_t attribute) {
 }  // namespace
 
 Hdf5Session::Hdf5Session() : lock_(libraryMutex()) {
-  // Its handler prints a line of its own for what stays open after a read that failed. Files that are written are closed by then.
+  // Its handler prints an additional line for each object that a failed read leaves open. Files that are written are closed by then.
   [[maybe_unused]] static const herr_t no_exit_handler = H5dont_atexit();
   H5Eget_auto2(H5E_DEFAULT, &printer_, &printer_data_);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);

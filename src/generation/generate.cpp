@@ -145,14 +145,8 @@ GenerateResult generate(const Device& device, const Scene& scene, const std::fil
       static_cast<std::uint64_t>(options.batch_size) * static_cast<std::uint64_t>(options.workers.num_processes);
   splitBatch(model, plan, static_cast<int>(std::min<std::uint64_t>({team_size, manifest.num_episodes, INT_MAX})), options.num_slices);
   manifest.probe_sha256 = probeHash(model, scene);
-  DatasetWriter writer(directory, manifest,
-                       {.repair = options.repair, .shards = options.shards, .on_verify = options.on_verify, .stop = options.stop});
-  if (!writer.isVerified()) {
-    GenerateResult stopped;
-    stopped.progress.num_episodes = manifest.num_episodes;
-    stopped.verified = false;
-    return stopped;
-  }
+  DatasetWriter writer(directory, manifest, writerOptions(options));
+  if (!writer.isVerified()) return unverifiedResult(manifest);
   ShardRun run(options, writer, manifest, plan.num_frames);
   run.startWorkers();
   run.simulateAll([&] { simulate(run, writer, manifest, model, plan, options); });

@@ -91,14 +91,8 @@ GenerateResult generateGrasp(const Device& device, const Scene& scene, const std
   refuseOptions(scene, options);
   GraspRun grasps(device, scene, manifest, options);
   manifest.probe_sha256 = probeOf(grasps);
-  DatasetWriter writer(directory, manifest,
-                       {.repair = options.repair, .shards = options.shards, .on_verify = options.on_verify, .stop = options.stop});
-  if (!writer.isVerified()) {
-    GenerateResult stopped;
-    stopped.progress.num_episodes = manifest.num_episodes;
-    stopped.verified = false;
-    return stopped;
-  }
+  DatasetWriter writer(directory, manifest, writerOptions(options));
+  if (!writer.isVerified()) return unverifiedResult(manifest);
   ShardRun run(options, writer, manifest, scene.num_steps);
   run.restartClock();
   run.simulateAll([&] {

@@ -11,6 +11,17 @@ constexpr auto kWorkersPeriod = std::chrono::milliseconds(20);  // between looks
 
 }  // namespace
 
+DatasetWriterOptions writerOptions(const GenerateOptions& options) {
+  return {.repair = options.repair, .shards = options.shards, .on_verify = options.on_verify, .stop = options.stop};
+}
+
+GenerateResult unverifiedResult(const Manifest& manifest) {
+  GenerateResult result;
+  result.progress.num_episodes = manifest.num_episodes;
+  result.verified = false;
+  return result;
+}
+
 ShardRun::ShardRun(const GenerateOptions& options, DatasetWriter& writer, const Manifest& manifest, int num_frames)
     : options_(options), writer_(writer), manifest_(manifest), num_frames_(static_cast<std::uint64_t>(num_frames)) {
   const ShardRange range = options.shards.value_or(ShardRange{.first = 0, .end = manifest.numShards()});

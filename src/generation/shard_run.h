@@ -9,6 +9,11 @@
 
 namespace taxelsim {
 
+// How a run writes its directory.
+DatasetWriterOptions writerOptions(const GenerateOptions& options);
+// Result of a run that was stopped while it verified the shards on disk.
+GenerateResult unverifiedResult(const Manifest& manifest);
+
 class ShardRun {
  public:
   // num_frames: per episode. All references must outlive this.

@@ -40,7 +40,7 @@ def test_a_notebook_gets_a_widget_and_the_whole_recording(messages, viewed, reco
     assert shown, captured.outputs
     assert shown[-1][WIDGET]["model_id"]
 
-    # Each message is a recording of its own.
+    # Each message is a complete recording.
     columns: dict[tuple[str, str], list[object]] = defaultdict(list)
     static: dict[tuple[str, str], object] = {}
     for number, part in enumerate(part for content, parts in messages if content["type"] == "rrd" for part in parts):
