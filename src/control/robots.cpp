@@ -123,29 +123,34 @@ void Robots::stepFreeFlying(int i, const Twist& twist, double dt) {
   if (status_[i] == 0) X_WS_[i] = X_WS;
 }
 
-// Steps 1 to 3 of robots.h: joint velocities (num_joints) that respect all limits. Returns false if they are not finite.
-bool Robots::solveVelocities(int i, const Twist& twist, double dt, double* velocities) {
-  const double* const jacobian = instanceJacobian(i);
+// Steps 1 to 3 of robots.h: velocities (num_joints) of the free joints that respect all limits; 0 for the others. Returns flags of
+// RobotStatus.
+std::uint8_t Robots::solveVelocities(int i, const double* jacobian, std::array<bool, kMaxJoints> is_free, const Twist& twist, double dt,
+                                     double* velocities) const {
+  const auto lost = [&] {
+    std::fill_n(velocities, num_joints_, 0.0);
+    return static_cast<std::uint8_t>(kLost);
+  };
+  if (!isFinite(twist)) return lost();
   const double* const commands = instanceRow(commands_, i);
   std::array<double, 6> target{twist.v[0], twist.v[1], twist.v[2], twist.w[0], twist.w[1], twist.w[2]};
-  std::array<bool, kMaxJoints> is_free;
   std::array<double, kMaxJoints> limited{};  // velocities of joints that are not free: they reach their limit in this tick
-  is_free.fill(true);
+  std::uint8_t status = 0;
   for (;;) {
     std::array<double, 6> rest = target;
     for (int j = 0; j < num_joints_; ++j) {
       for (int k = 0; k < 6; ++k) rest[k] -= jacobian[6 * j + k] * limited[j];
     }
-    if (solver_[0].solve(jacobian, rest, is_free.data(), velocities)) status_[i] |= kSingular;
+    if (solver_[0].solve(jacobian, rest, is_free.data(), velocities)) status |= kSingular;
 
     double factor = 1;
     for (int j = 0; j < num_joints_; ++j) {
       velocities[j] += limited[j];
-      if (!std::isfinite(velocities[j])) return false;
+      if (!std::isfinite(velocities[j])) return lost();
       if (std::abs(velocities[j]) > limits_[j].max_velocity) factor = std::min(factor, limits_[j].max_velocity / std::abs(velocities[j]));
     }
     if (factor < 1) {
-      status_[i] |= kVelocityLimit;
+      status |= kVelocityLimit;
       for (double& component : target) component *= factor;
       for (int j = 0; j < num_joints_; ++j) velocities[j] *= factor, limited[j] *= factor;
     }
@@ -158,9 +163,19 @@ bool Robots::solveVelocities(int i, const Twist& twist, double dt, double* veloc
       is_free[j] = false;
       any_limited = true;
     }
-    if (!any_limited) return true;
-    status_[i] |= kJointLimit;
+    if (!any_limited) return status;
+    status |= kJointLimit;
   }
+}
+
+std::uint8_t Robots::solve(int i, int sensor, const Twist& twist, std::span<const std::uint8_t> follows, double dt,
+                           std::span<double> velocities) const {
+  assert(static_cast<int>(follows.size()) == num_joints_ && static_cast<int>(velocities.size()) == num_joints_ && dt > 0);
+  std::array<double, std::size_t{6} * kMaxJoints> jacobian;
+  chains_[sensor].poseAt(instanceRow(positions_, i), jacobian.data());
+  std::array<bool, kMaxJoints> is_free{};
+  for (int j = 0; j < num_joints_; ++j) is_free[j] = follows[j] != 0;
+  return solveVelocities(i, jacobian.data(), is_free, twist, dt, velocities.data());
 }
 
 // The drive's target for a command: the nearest multiple of position_step within the limits.
@@ -171,12 +186,10 @@ double Robots::quantized(int joint, double command) const {
 }
 
 void Robots::stepManipulator(int i, const Twist& twist, double dt) {
-  status_[i] = 0;
   std::array<double, kMaxJoints> solution{};
-  if (!isFinite(twist) || !solveVelocities(i, twist, dt, solution.data())) {
-    status_[i] = kLost;
-    solution.fill(0);
-  }
+  std::array<bool, kMaxJoints> all;
+  all.fill(true);
+  status_[i] = solveVelocities(i, instanceJacobian(i), all, twist, dt, solution.data());
   drive(i, solution.data(), dt);
 }
 
@@ -217,7 +230,7 @@ Twist Robots::twistOf(int i, std::span<const double> joint_velocities) const {
 
 Twist Robots::twistOf(int i, int sensor, std::span<const double> joint_velocities) const {
   std::array<double, std::size_t{6} * kMaxJoints> jacobian;
-  chains_[sensor].poseAt(positions_.data() + static_cast<std::ptrdiff_t>(i) * num_joints_, jacobian.data());
+  chains_[sensor].poseAt(instanceRow(positions_, i), jacobian.data());
   return twistBy(jacobian.data(), joint_velocities);
 }
 

@@ -11,6 +11,7 @@
 //      velocity limit.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -51,6 +52,12 @@ class Robots {
   // instead of the twist: steps 2 to 4, where step 3 stops each joint at its limit.
   void command(std::span<const Twist> twists, std::span<const double> joint_velocities, std::span<const std::uint8_t> by_joints, double dt);
 
+  // Steps 1 to 3 for a part of the joints: writes the velocities (num_joints) at which the joints with follows[j] != 0 (num_joints) move
+  // `sensor` by the twist, in S, within their limits in a tick of dt; 0 for the other joints. Returns what limits them, flags of
+  // RobotStatus; all are 0 if that is kLost. Moves nothing. Manipulators only.
+  std::uint8_t solve(int i, int sensor, const Twist& twist, std::span<const std::uint8_t> follows, double dt,
+                     std::span<double> velocities) const;
+
   // Twist of the first sensor of an instance, in S, at joint velocities (num_joints) in its present posture. Manipulators only.
   Twist twistOf(int i, std::span<const double> joint_velocities) const;
   // The same of any sensor.
@@ -70,12 +77,16 @@ class Robots {
   void stepManipulator(int i, const Twist& twist, double dt);
   void stepJoints(int i, std::span<const double> joint_velocities, double dt);
   void drive(int i, const double* joint_velocities, double dt);
-  bool solveVelocities(int i, const Twist& twist, double dt, double* velocities);
+  std::uint8_t solveVelocities(int i, const double* jacobian, std::array<bool, kMaxJoints> is_free, const Twist& twist, double dt,
+                               double* velocities) const;
   bool limitVelocities(int i, double dt, double* velocities);
   void setAtRest(int i, std::span<const double> positions, const Pose& X_WB);
   double quantized(int joint, double command) const;
   void updateSensors(int i);
   double* instanceRow(std::vector<double>& values, int i) { return values.data() + static_cast<std::ptrdiff_t>(i) * num_joints_; }
+  const double* instanceRow(const std::vector<double>& values, int i) const {
+    return values.data() + static_cast<std::ptrdiff_t>(i) * num_joints_;
+  }
   double* instanceJacobian(int i) { return jacobians_.data() + static_cast<std::ptrdiff_t>(i) * num_joints_ * 6; }
 
   int num_instances_;
