@@ -292,7 +292,7 @@ Twist TactileServoController::commandInstance(const TactileServo& servo, const C
 TactileServoController::ContactState TactileServoController::contactState(const TactileServo& servo, const ServoInput& input,
                                                                           std::size_t i) const {
   const std::size_t row = i * static_cast<std::size_t>(input.num_rows) +
-                          static_cast<std::size_t>(servo.contact == ServoContact::kLargestRegion ? input.region_row : 0);
+                          static_cast<std::size_t>(servo.contact == ServoContact::kLargestRegion ? input.region_row : input.whole_row);
   ContactState contact{.angle = input.edge_angle[row],
                        .confidence = input.edge_confidence[row],
                        .force = input.total_force[row],
@@ -306,7 +306,7 @@ TactileServoController::ContactState TactileServoController::contactState(const 
                        .force_jacobian = nullptr,
                        .angle_jacobian = nullptr};
   if (needsTactileJacobian(servo)) {
-    const std::size_t jacobian_row = i * static_cast<std::size_t>(input.num_jacobian_rows);
+    const std::size_t jacobian_row = i * static_cast<std::size_t>(input.num_jacobian_rows) + static_cast<std::size_t>(input.jacobian_row);
     contact.center_jacobian = &input.center_jacobian[18 * jacobian_row];
     contact.force_jacobian = &input.force_jacobian[6 * jacobian_row];
     contact.angle_jacobian = &input.edge_angle_jacobian[6 * jacobian_row];

@@ -34,8 +34,9 @@ namespace taxelsim {
 
 // Features of N instances, all in S.
 struct ServoInput {
-  // (N x num_rows): row 0 of each instance describes the whole contact, row `region_row` its largest region.
+  // (N x num_rows): row `whole_row` of each instance describes the whole contact, row `region_row` its largest region.
   int num_rows = 1;
+  int whole_row = 0;
   int region_row = 0;
   std::span<const float> edge_angle;          // rad, of the principal axis, modulo pi
   std::span<const float> edge_confidence;     // 0 to 1
@@ -49,9 +50,10 @@ struct ServoInput {
   std::span<const float> ridge_edge_confidence = {};     // 0 to 1
   std::span<const float> tilt = {};                      // (N x num_rows x 2), rad
   std::span<const float> tilt_confidence = {};           // 0 to 1
-  // Tactile Jacobian with respect to (v, w) of S: row 0 of each instance's num_jacobian_rows is used. May be empty if no servo
-  // needs it (needsTactileJacobian()).
+  // Tactile Jacobian with respect to (v, w) of S: row `jacobian_row` of each instance's num_jacobian_rows is used. May be empty if no
+  // servo needs it (needsTactileJacobian()).
   int num_jacobian_rows = 1;
+  int jacobian_row = 0;
   std::span<const float> center_jacobian = {};      // (N x num_jacobian_rows x 3 x 6), m/m, m/rad
   std::span<const float> force_jacobian = {};       // (... x 6), N/m, N/rad
   std::span<const float> edge_angle_jacobian = {};  // (... x 6), rad/m, rad/rad, of the principal axis

@@ -1,5 +1,7 @@
 #include "episodes/servo_controller.h"
 
+#include "episodes/sensor_features.h"
+
 namespace taxelsim {
 namespace {
 
@@ -46,7 +48,6 @@ void ServoController::describe(int instance, EpisodeRecord& record) const {
 
 void ServoController::command(EpisodeBatch& batch) {
   const EpisodePlan& plan = batch.plan();
-  const FrameView& frame = batch.frame();
   if (servos_.needs_true_angle) {
     for (int i = 0; i < batch.numInstances(); ++i) {
       if (!batch.controlDue()[i]) continue;
@@ -54,28 +55,11 @@ void ServoController::command(EpisodeBatch& batch) {
       true_angles_[i] = static_cast<float>(edge.project(batch.X_SO()[i * plan.num_sensors]).angle);
     }
   }
-  const FeatureView& features = servos_.needs_contact_features ? static_cast<const FeatureView&>(frame.contact) : frame;
-  controller_.command({.num_rows = plan.num_sensors * (servos_.needs_contact_features ? frame.contact.num_rows : 1),
-                       .region_row = 1 + frame.contact.num_patches,
-                       .edge_angle = features.edge_angle,
-                       .edge_confidence = features.edge_confidence,
-                       .total_force = features.total_force,
-                       .center_of_pressure = features.center_of_pressure,
-                       .contact_area = features.contact_area,
-                       .windowed_edge_angle = frame.contact.windowed_edge_angle,
-                       .windowed_edge_confidence = frame.contact.windowed_edge_confidence,
-                       .ridge_edge_angle = frame.contact.ridge_edge_angle,
-                       .ridge_edge_confidence = frame.contact.ridge_edge_confidence,
-                       .tilt = frame.contact.tilt,
-                       .tilt_confidence = frame.contact.tilt_confidence,
-                       .num_jacobian_rows = plan.num_sensors * frame.jacobian.num_rows,
-                       .center_jacobian = frame.jacobian.center_of_pressure,
-                       .force_jacobian = frame.jacobian.total_force,
-                       .edge_angle_jacobian = frame.jacobian.edge_angle,
-                       .exact_edge_angle = true_angles_,
-                       .start_force = batch.startForces(),
-                       .due = batch.controlDue()},
-                      plan.control_period * plan.dt, twists_);
+  ServoInput input = featuresOfSensor(batch.frame(), plan.num_sensors, 0, servos_.needs_contact_features);
+  input.exact_edge_angle = true_angles_;
+  input.start_force = batch.startForces();
+  input.due = batch.controlDue();
+  controller_.command(input, plan.control_period * plan.dt, twists_);
   batch.act(twists_);
 }
 

@@ -235,6 +235,49 @@ TEST(ServoFeatures, MeasuredJacobianOfAPointContactGivesTheNominalTwist) {
   }
 }
 
+// The second of two sensors per instance, whose neighbour has other features, commands what it commands alone.
+TEST(ServoFeatures, ReadsTheRowsOfItsSensor) {
+  for (const ServoContact contact : {ServoContact::kWhole, ServoContact::kLargestRegion}) {
+    TactileServo servo = fastServo();
+    servo[ServoFeature::kTotalForce] = {.selected = true, .reference = 3, .kp = 4};
+    servo.contact = contact;
+    FeatureRows alone(2), both(4);
+    alone.angle = {0.1f, 0.2f};
+    alone.force = {2.0f, 1.0f};
+    both.angle = {0.5f, 0.6f, 0.1f, 0.2f};
+    both.force = {7.0f, 8.0f, 2.0f, 1.0f};
+    ServoInput input = both.input();
+    input.whole_row = 2;
+    TactileServoController controller(servo, gridSensor(), 1);
+    Twist twist;
+    controller.command(input, kPeriod, {&twist, 1});
+    EXPECT_EQ(twist, commanded(servo, alone));
+    EXPECT_NE(twist, Twist{});
+  }
+  TactileServo servo = fastServo();
+  servo[ServoFeature::kTotalForce] = {.selected = true, .reference = 3, .kp = 4};
+  servo.jacobian = TactileJacobianSource::kMeasured;
+  const FeatureRows rows(1);
+  std::array<float, 36> center{};
+  std::array<float, 12> force{}, angle{};
+  center[18] = center[25] = -1;
+  force[8] = 2e4f;
+  angle[11] = -1;
+  Twist expected, found;
+  for (const int row : {0, 1}) {
+    ServoInput input = rows.input();
+    input.num_jacobian_rows = row + 1;
+    input.jacobian_row = row;
+    input.center_jacobian = std::span(center).subspan(row == 0 ? 18 : 0);
+    input.force_jacobian = std::span(force).subspan(row == 0 ? 6 : 0);
+    input.edge_angle_jacobian = std::span(angle).subspan(row == 0 ? 6 : 0);
+    TactileServoController controller(servo, gridSensor(), 1);
+    controller.command(input, kPeriod, {row == 0 ? &expected : &found, 1});
+  }
+  EXPECT_EQ(found, expected);
+  EXPECT_NE(found, Twist{});
+}
+
 TEST(ServoFeatures, ZeroJacobianGivesZeroTwist) {
   TactileServo servo = fastServo();
   servo[ServoFeature::kCenterX] = {.selected = true, .kp = 4};
