@@ -3,9 +3,11 @@
 /// Part of a Scene of kind grasp. Objects move as prescribed; contact does not act back on them.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "taxelsim/control.h"
 #include "taxelsim/sensor.h"
 
 namespace taxelsim {
@@ -30,18 +32,27 @@ struct GraspFinger {
   std::vector<FingerJoint> joints;  ///< At least one; a joint belongs to one finger.
 };
 
+/// A tactile servo of one sensor, which moves joints that belong to no finger: an arm that carries the hand. It runs in every frame.
+struct GraspServo {
+  int sensor = 0;                    ///< Index into Grasp::sensors; the sensor of no finger.
+  std::vector<int> joints;           ///< Indices into Manipulator::joints, at least one: joints that move the sensor.
+  TactileServo servo = edgeServo();  ///< Its parameters. Not EdgeAngleSource::kExact. The force at the start is that of the first frame.
+};
+
 /// The grasp of a scene.
 ///
 /// In every frame each finger moves its joints at s times their closing velocities, with
 ///
-///     s = clamp(gain (F* - F) / (dF/ds), -1, 1),    dF/ds = T J q'
+///     s = clamp((gain (F* - F) - T J a') / (dF/ds), -1, 1),    dF/ds = T J q'
 ///
 /// F is the measured total force, F* its target, T the measured tactile Jacobian of the total force (1 x 6), J the Jacobian of the sensor
-/// by the joints and q' the closing velocities. Where dF/ds is not positive, as without contact, s is the sign of F* - F. The error of a
-/// contact of constant stiffness decays by the factor 1 - gain / simulation_rate per frame.
+/// by the joints, q' the closing velocities, and a' the velocities that the servo commands in this frame (0 without one): the finger
+/// compensates the motion of the arm. Where dF/ds is not positive, as without contact, s is the sign of F* - F. The error of a contact of
+/// constant stiffness decays by the factor 1 - gain / simulation_rate per frame.
 struct Grasp {
   std::vector<RobotSensor> sensors;  ///< Sensors of the robot.
   std::vector<GraspFinger> fingers;  ///< At least one.
+  std::optional<GraspServo> servo;   ///< Default: no joint moves but those of fingers.
   double gain = 10;                  ///< 1/s, > 0 to simulation_rate. Default 10.
   double offset = 0;                 ///< m, >= 0: each object starts displaced uniformly by up to this along x, y and z of W. Default 0.
   double yaw = 0;                    ///< rad, >= 0: and rotated by up to this about the z axis of W through its origin. Default 0.

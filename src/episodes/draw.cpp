@@ -48,10 +48,12 @@ int numJoints(const Scene& scene) {
 }
 
 int numRegions(const Scene& scene) {
-  const bool is_controlled = scene.kind == Scene::Kind::kServo &&
-                             std::any_of(scene.controllers.begin(), scene.controllers.end(), [](const SceneController& controller) {
-                               return controller.servo.contact == ServoContact::kLargestRegion;
-                             });
+  const auto readsRegion = [](const TactileServo& servo) { return servo.contact == ServoContact::kLargestRegion; };
+  bool is_controlled = scene.grasp && scene.grasp->servo && readsRegion(scene.grasp->servo->servo);
+  if (scene.kind == Scene::Kind::kServo) {
+    is_controlled = std::any_of(scene.controllers.begin(), scene.controllers.end(),
+                                [&](const SceneController& controller) { return readsRegion(controller.servo); });
+  }
   return std::max(scene.max_regions, is_controlled ? 1 : 0);
 }
 

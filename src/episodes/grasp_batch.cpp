@@ -4,6 +4,7 @@
 #include <array>
 
 #include "base/philox.h"
+#include "episodes/draw.h"
 
 namespace taxelsim {
 namespace {
@@ -14,16 +15,18 @@ std::vector<Object> objectsOf(const Scene& scene) {
   return objects;
 }
 
-OutputOptions withJacobian(OutputOptions outputs) {
+// The outputs that the control laws read, in addition to those of the caller.
+OutputOptions controlOutputs(OutputOptions outputs, const Grasp& grasp) {
   outputs.tactile_jacobian = true;
+  outputs.contact_features = outputs.contact_features || (grasp.servo && needsContactFeatures(grasp.servo->servo));
   return outputs;
 }
 
 }  // namespace
 
-double closingSpeed(double force, double target, double slope, double gain) {
+double closingSpeed(double force, double target, double slope, double gain, double disturbance) {
   const double error = target - force;
-  if (slope > 0) return std::clamp(gain * error / slope, -1.0, 1.0);
+  if (slope > 0) return std::clamp((gain * error - disturbance) / slope, -1.0, 1.0);
   return error > 0 ? 1 : error < 0 ? -1 : 0;
 }
 
@@ -32,18 +35,24 @@ GraspBatch::GraspBatch(const Device& device, const Scene& scene, const OutputOpt
       grasp_(*scene.grasp),
       dt_(1 / scene.simulation_rate),
       robots_(device, std::get<Manipulator>(scene.robot), grasp_.sensors, objectsOf(scene),
-              {.num_instances = num_instances, .seed = scene.seed, .outputs = withJacobian(outputs), .max_regions = scene.max_regions}) {
+              {.num_instances = num_instances,
+               .seed = scene.seed,
+               .outputs = controlOutputs(outputs, grasp_),
+               .max_regions = numRegions(scene)}) {
   const auto size = static_cast<std::size_t>(num_instances);
   X_WO_.resize(size * scene.objects.size());
   trajectories_.resize(X_WO_.size());
   target_forces_.resize(size * grasp_.fingers.size());
   velocities_.resize(size * static_cast<std::size_t>(robots_.robots().numJoints()));
+  arm_velocities_.resize(velocities_.size());
+  if (grasp_.servo) servo_.emplace(*grasp_.servo, grasp_.sensors, robots_.robots().numJoints(), num_instances);
   no_twists_.resize(size);
   by_joints_.assign(size, 1);
 }
 
 void GraspBatch::begin(std::uint64_t first, int count) {
   frame_ = -1;
+  if (servo_) servo_->begin();
   for (int i = 0; i < numInstances(); ++i) {
     const auto instance = static_cast<std::size_t>(i);
     const std::uint64_t episode = first + static_cast<std::uint64_t>(std::min(i, count - 1));
@@ -76,26 +85,36 @@ void GraspBatch::step() {
   robots_.step(dt_, X_WO_);
 }
 
-// Moves all fingers by one frame, from the forces and the tactile Jacobians of the last one.
+// N/s: change of the total force that a sensor reads, by its measured tactile Jacobian.
+double GraspBatch::forceRate(int instance, int sensor, std::span<const double> joint_velocities) const {
+  const Twist twist = robots_.robots().twistOf(instance, sensor, joint_velocities);
+  const FrameView& frame = robots_.frame(sensor);
+  const float* const by_twist =
+      &frame.jacobian.total_force[robots_.row(sensor, instance) * static_cast<std::size_t>(frame.jacobian.num_rows) * 6];
+  double rate = 0;
+  for (std::size_t k = 0; k < 3; ++k) rate += by_twist[k] * twist.v[k] + by_twist[3 + k] * twist.w[k];
+  return rate;
+}
+
+// Moves arm and fingers by one frame, from the forces and the tactile Jacobians of the last one.
 void GraspBatch::command() {
   Robots& robots = robots_.robots();
   const auto num_joints = static_cast<std::size_t>(robots.numJoints());
+  if (servo_) servo_->command(robots_, dt_, arm_velocities_);
   std::array<double, kMaxJoints> closing;
   for (int i = 0; i < numInstances(); ++i) {
+    const std::span<const double> arm =
+        std::span<const double>(arm_velocities_).subspan(static_cast<std::size_t>(i) * num_joints, num_joints);
     double* const velocities = velocities_.data() + static_cast<std::size_t>(i) * num_joints;
-    std::fill_n(velocities, num_joints, 0.0);
+    std::copy(arm.begin(), arm.end(), velocities);
     for (std::size_t f = 0; f < grasp_.fingers.size(); ++f) {
       const GraspFinger& finger = grasp_.fingers[f];
       closing.fill(0);
       for (const FingerJoint& joint : finger.joints) closing[static_cast<std::size_t>(joint.joint)] = joint.velocity;
-      const Twist twist = robots.twistOf(i, finger.sensor, std::span(closing).first(num_joints));
-      const FrameView& frame = robots_.frame(finger.sensor);
-      const std::size_t row = robots_.row(finger.sensor, i);
-      const float* const by_twist = &frame.jacobian.total_force[row * static_cast<std::size_t>(frame.jacobian.num_rows) * 6];
-      double slope = 0;
-      for (std::size_t k = 0; k < 3; ++k) slope += by_twist[k] * twist.v[k] + by_twist[3 + k] * twist.w[k];
+      const double slope = forceRate(i, finger.sensor, std::span(closing).first(num_joints));
       const double target = target_forces_[static_cast<std::size_t>(i) * grasp_.fingers.size() + f];
-      const double speed = closingSpeed(frame.total_force[row], target, slope, grasp_.gain);
+      const double force = robots_.frame(finger.sensor).total_force[robots_.row(finger.sensor, i)];
+      const double speed = closingSpeed(force, target, slope, grasp_.gain, servo_ ? forceRate(i, finger.sensor, arm) : 0);
       for (const FingerJoint& joint : finger.joints) velocities[joint.joint] = speed * joint.velocity;
     }
   }

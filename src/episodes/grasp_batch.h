@@ -1,5 +1,6 @@
 // Episodes of a scene of kind grasp, in lockstep on the instances of one batch: objects move as prescribed, fingers close until each reads
-// its target force (taxelsim/grasp.h has the control law). An episode is a function of the scene and its number. Not thread-safe.
+// its target force, a tactile servo moves the arm (taxelsim/grasp.h has the control law). An episode is a function of the scene and its
+// number. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -7,13 +8,15 @@
 #include <span>
 #include <vector>
 
+#include "episodes/grasp_servo.h"
 #include "episodes/sensed_robots.h"
 #include "taxelsim/scene.h"
 
 namespace taxelsim {
 
 // Factor on a finger's closing velocities. force, target: N. slope: N/s, change of the force at full closing speed; gain: 1/s.
-double closingSpeed(double force, double target, double slope, double gain);
+// disturbance: N/s, change of the force by the motion of other joints.
+double closingSpeed(double force, double target, double slope, double gain, double disturbance = 0);
 
 class GraspBatch {
  public:
@@ -33,17 +36,20 @@ class GraspBatch {
   std::span<const double> targetForces() const { return target_forces_; }  // (num_instances x num_fingers), N
 
  private:
+  double forceRate(int instance, int sensor, std::span<const double> joint_velocities) const;
   void command();
 
   const Scene& scene_;
   const Grasp& grasp_;
   double dt_;
   SensedRobots robots_;
+  std::optional<GraspServoLoop> servo_;
   std::int64_t frame_ = -1;
   std::vector<Pose> X_WO_;                               // (num_instances x num_objects)
   std::vector<std::optional<Trajectory>> trajectories_;  // (num_instances x num_objects), of objects that move
   std::vector<double> target_forces_;                    // (num_instances x num_fingers)
   std::vector<double> velocities_;                       // (num_instances x num_joints), rad/s or m/s
+  std::vector<double> arm_velocities_;                   // the same, of the servo's joints; 0 for all others
   std::vector<Twist> no_twists_;                         // (num_instances)
   std::vector<std::uint8_t> by_joints_;
 };

@@ -3,6 +3,7 @@
 #include <cstring>
 #include <string>
 
+#include "episodes/draw.h"
 #include "generation/recorder.h"
 
 namespace taxelsim {
@@ -50,7 +51,7 @@ ColumnPlan planSensorColumns(const Scene& scene, const RobotSensor& sensor) {
   alone.kind = Scene::Kind::kContacts;
   alone.sensor = sensor.sensor;
   alone.record = scene.record;
-  alone.max_regions = scene.max_regions;
+  alone.max_regions = numRegions(scene);
   ColumnPlan plan = planColumns(alone);
   std::erase_if(plan.frame, [](const FrameColumn& entry) {
     return entry.source != FrameColumn::Source::kImage && entry.source != FrameColumn::Source::kFeature;

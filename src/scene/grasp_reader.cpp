@@ -6,6 +6,8 @@
 #include <set>
 #include <string>
 
+#include "scene/servo_reader.h"
+
 namespace taxelsim {
 namespace {
 
@@ -15,20 +17,32 @@ constexpr std::array kRandomFields{
     Field<Grasp>{"force_spread", &Grasp::force_spread, Allowed::within(0, 1, "")},
 };
 constexpr const char* kFingers = "a list of at least one {sensor, force, joints}";
+constexpr const char* kServoJoints = "a list of at least one name of a joint that moves the sensor";
 constexpr const char* kFingerJoints = "a list of at least one {joint, velocity}";
 constexpr double kMaxVelocity = 1e6;  // rad/s or m/s, of a joint without a limit
 constexpr Allowed kForce = Allowed::aboveUpTo(0, 1e6, "N");
 
-// Index of the item of that name; fails with all names if there is none.
+// Index of the item that the node names; fails with all names if there is none. kind: of the items.
 template <typename Named>
-int indexOf(const YamlMap& map, std::string_view key, const std::string& what, const std::vector<Named>& list) {
-  const std::string name = map.text(key, what);
+int indexOf(const YamlNode& node, const std::string& kind, const std::string& what, const std::vector<Named>& list) {
+  const std::string name = node.text(what);
   std::string names;
   for (std::size_t i = 0; i < list.size(); ++i) {
     if (list[i].name == name) return static_cast<int>(i);
     names += (names.empty() ? "" : ", ") + list[i].name;
   }
-  map.require(key, what).fail("no " + std::string(key) + " " + name + ": " + names);
+  node.fail("no " + kind + " " + name + ": " + names);
+}
+
+// The same for a key, which is also the kind.
+template <typename Named>
+int indexOf(const YamlMap& map, const std::string& key, const std::string& what, const std::vector<Named>& list) {
+  map.text(key, what);
+  return indexOf(map.require(key, what), key, what, list);
+}
+
+void refuseProximity(const YamlNode& node, const RobotSensor& sensor) {
+  if (std::holds_alternative<Proximity>(sensor.sensor.skin.law)) node.fail("the sensor's law proximity has no forces");
 }
 
 FingerJoint readJoint(const YamlNode& item, const Manipulator& robot, std::set<int>& taken, Canonical& canonical) {
@@ -55,9 +69,7 @@ GraspFinger readFinger(const YamlNode& item, const Manipulator& robot, const Gra
   for (const GraspFinger& other : grasp.fingers) {
     if (other.sensor == finger.sensor) sensor.fail("an earlier finger has this sensor");
   }
-  if (std::holds_alternative<Proximity>(grasp.sensors[static_cast<std::size_t>(finger.sensor)].sensor.skin.law)) {
-    sensor.fail("the sensor's law proximity has no forces");
-  }
+  refuseProximity(sensor, grasp.sensors[static_cast<std::size_t>(finger.sensor)]);
   finger.force = map.number("force", kForce);
   const YamlNode joints = map.require("joints", kFingerJoints);
   canonical.open("joints");
@@ -67,12 +79,53 @@ GraspFinger readFinger(const YamlNode& item, const Manipulator& robot, const Gra
   return finger;
 }
 
+// taken: joints of the fingers.
+std::vector<int> readServoJoints(const YamlMap& map, const Manipulator& robot, const Grasp& grasp, int sensor, const std::set<int>& taken) {
+  const std::vector<ChainJoint>& chain = robot.sensors[static_cast<std::size_t>(sensor)].chain;
+  const YamlNode list = map.require("joints", kServoJoints);
+  std::vector<int> joints;
+  std::string text;
+  for (const YamlNode& item : list.items(kServoJoints)) {
+    const int index = indexOf(item, "joint", "the name of a joint that moves the sensor", robot.joints);
+    const std::string& name = robot.joints[static_cast<std::size_t>(index)].name;
+    if (taken.contains(index)) item.fail("joint " + name + " belongs to a finger: a joint follows the servo or closes one finger");
+    if (std::find(joints.begin(), joints.end(), index) != joints.end()) item.fail("joint " + name + " is given twice");
+    if (std::none_of(chain.begin(), chain.end(), [&](const ChainJoint& joint) { return joint.joint == index; })) {
+      item.fail("joint " + name + " does not move the sensor " + grasp.sensors[static_cast<std::size_t>(sensor)].name);
+    }
+    joints.push_back(index);
+    text += (text.empty() ? "" : ", ") + canonicalText(name);
+  }
+  if (joints.empty()) list.refuse(kServoJoints);
+  map.canonical().line("joints", "[" + text + "]");
+  return joints;
+}
+
+GraspServo readGraspServo(const YamlMap& outer, const Manipulator& robot, const Grasp& grasp, const std::set<int>& taken) {
+  const YamlMap map(outer, "servo", {"sensor", "joints", "tactile_servo"});
+  GraspServo servo;
+  servo.sensor = indexOf(map, "sensor", "the name of a sensor of the robot", grasp.sensors);
+  const YamlNode sensor = map.require("sensor", "");
+  for (const GraspFinger& finger : grasp.fingers) {
+    if (finger.sensor == servo.sensor) sensor.fail("a finger has this sensor; the servo needs another one");
+  }
+  refuseProximity(sensor, grasp.sensors[static_cast<std::size_t>(servo.sensor)]);
+  servo.joints = readServoJoints(map, robot, grasp, servo.sensor, taken);
+  servo.servo = readTactileServo(map);
+  if (servo.servo.edge_angle_source == EdgeAngleSource::kExact) {
+    map.require("tactile_servo", "")
+        .child("edge_angle_source")
+        ->refuse("principal_axis, window or ridge in a scene of kind grasp, whose objects have no edge");
+  }
+  return servo;
+}
+
 }  // namespace
 
 void readGrasp(const YamlMap& scene, const Manipulator& robot, double simulation_rate, Grasp& grasp) {
   scene.require("grasp", "the fingers and their target forces");
   {
-    const YamlMap map(scene, "grasp", {"gain", "fingers"});
+    const YamlMap map(scene, "grasp", {"gain", "fingers", "servo"});
     const YamlNode fingers = map.require("fingers", kFingers);
     Canonical& canonical = map.canonical();
     grasp.gain = map.number("gain", Allowed::aboveUpTo(0, simulation_rate, "1/s"), std::min(grasp.gain, simulation_rate));
@@ -81,6 +134,7 @@ void readGrasp(const YamlMap& scene, const Manipulator& robot, double simulation
     for (const YamlNode& item : fingers.items(kFingers)) grasp.fingers.push_back(readFinger(item, robot, grasp, taken, canonical));
     canonical.close();
     if (grasp.fingers.empty()) fingers.refuse(kFingers);
+    if (map.has("servo")) grasp.servo = readGraspServo(map, robot, grasp, taken);
   }
   const YamlMap random(scene, "randomization", keysOf(kRandomFields));
   readFields(random, kRandomFields, grasp);

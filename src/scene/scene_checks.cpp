@@ -50,6 +50,17 @@ void checkControllers(const Scene& scene) {
   }
 }
 
+void checkGraspServo(const Scene& scene) {
+  if (!scene.grasp || !scene.grasp->servo) return;
+  checkBelow("grasp.servo.tactile_servo", [&] {
+    const TactileServo& servo = scene.grasp->servo->servo;
+    checkServo(servo);
+    if (servo.edge_angle_source == EdgeAngleSource::kExact) {
+      failField("edge_angle_source", "exact", "principal_axis, window or ridge in a scene of kind grasp, whose objects have no edge");
+    }
+  });
+}
+
 void checkRange(const std::string& field, const Range& range, const Allowed& allowed) {
   checkNumber(field + ".min", range.min, allowed);
   checkNumber(field + ".max", range.max, allowed);
@@ -133,6 +144,7 @@ void checkScene(const Scene& scene) {
   checkRates(scene);
   checkObjects(scene);
   checkControllers(scene);
+  checkGraspServo(scene);
   checkRandomization(scene);
   if (scene.task) checkBelow("task", [&] { checkTask(*scene.task, scene); });
   checkBelow("robot", [&] { checkRobot(scene.robot); });

@@ -4,9 +4,8 @@
 #include "scene/scene_fields.h"
 
 namespace taxelsim {
-namespace {
 
-TactileServo readServo(const YamlMap& outer) {
+TactileServo readTactileServo(const YamlMap& outer) {
   outer.require("tactile_servo", "the controller's gains and limits");
   YamlMap::Keys keys{"jacobian", "edge_angle_source", "contact"};
   addKeys(kServoFields, keys);
@@ -33,14 +32,13 @@ TactileServo readServo(const YamlMap& outer) {
   return servo;
 }
 
-}  // namespace
-
 std::vector<SceneController> readControllers(const YamlMap& scene) {
   const std::optional<YamlNode> list = scene.find("controllers");
   std::vector<SceneController> controllers;
   if (!list) {
     scene.require("controller", "the controller of a scene of kind servo, {tactile_servo: {...}}; or controllers, a list of them");
-    controllers.push_back({.name = "tactile_servo", .weight = 1, .servo = readServo(YamlMap(scene, "controller", {"tactile_servo"}))});
+    controllers.push_back(
+        {.name = "tactile_servo", .weight = 1, .servo = readTactileServo(YamlMap(scene, "controller", {"tactile_servo"}))});
     return controllers;
   }
   scene.rejectBoth("controller", "controllers");
@@ -58,7 +56,7 @@ std::vector<SceneController> readControllers(const YamlMap& scene) {
       if (other.name == controller.name) map.require("name", "").fail("an earlier controller has this name");
     }
     readFields(map, kControllerFields, controller);
-    controller.servo = readServo(map);
+    controller.servo = readTactileServo(map);
     total_weight += controller.weight;
     controllers.push_back(std::move(controller));
   }

@@ -1,4 +1,4 @@
-// The `controller` block of a scene, or its list of `controllers`.
+// The `controller` block of a scene, or its list of `controllers`, and the block `tactile_servo` of each.
 #pragma once
 
 #include <vector>
@@ -7,6 +7,9 @@
 #include "taxelsim/scene.h"
 
 namespace taxelsim {
+
+// The block `tactile_servo` of `outer`, which must have it.
+TactileServo readTactileServo(const YamlMap& outer);
 
 std::vector<SceneController> readControllers(const YamlMap& scene);
 

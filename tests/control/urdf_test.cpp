@@ -4,6 +4,8 @@
 // After gtest.h, whose macros it uses.
 #include <rapidcheck/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <kdl/chainfksolverpos_recursive.hpp>
 #include <kdl/chainjnttojacsolver.hpp>
 #include <kdl/tree.hpp>
@@ -348,6 +350,46 @@ RC_GTEST_PROP(FuzzedUrdf, LoadsOrIsRejected, ()) {
     RC_ASSERT(!message.empty());
     RC_ASSERT(message.find('\n') == std::string::npos);
   }
+}
+
+// The arm of lwr_palm.urdf with the hand of shadow_hand.urdf: palm and fingertips are where those two files place them.
+TEST(LwrShadowHand, JoinsTheArmAndTheHand) {
+  // m: lwr_palm.urdf rounds the height of the wrist to 0.1 mm, 0.213 instead of 0.21301.
+  constexpr double kWristRounding = 1.1e-5;
+  const std::vector<SensorMount> mounts{{"palm", {}},     {"ffdistal", {}}, {"mfdistal", {}},
+                                        {"rfdistal", {}}, {"lfdistal", {}}, {"thdistal", {}}};
+  const Manipulator joined = loadUrdf(kRobots / "lwr_shadow_hand.urdf", {.base_link = "", .sensors = mounts});
+  const Manipulator hand = loadUrdf(kRobots / "shadow_hand.urdf", {.base_link = "palm", .sensors = mounts});
+  const Manipulator arm = loadUrdf(kRobots / "lwr_palm.urdf", {.base_link = "", .sensors = {{"palm", {}}}});
+  ASSERT_EQ(joined.joints.size(), 31u);
+  std::vector<double> q(joined.joints.size(), 0.0);
+  for (std::size_t j = 0; j < q.size(); ++j) {
+    const Joint& joint = joined.joints[j];
+    if (!joint.name.starts_with("WRJ"))
+      q[j] = joint.lower + (joint.upper - joint.lower) * (0.3 + 0.4 * std::fmod(0.618 * static_cast<double>(j), 1));
+  }
+  const auto poseAt = [&](const Manipulator& robot, std::size_t sensor) {
+    std::vector<double> positions;
+    for (const Joint& joint : robot.joints) {
+      const auto same = [&](const Joint& other) { return other.name == joint.name; };
+      const auto found = std::find_if(joined.joints.begin(), joined.joints.end(), same);
+      EXPECT_NE(found, joined.joints.end());
+      EXPECT_EQ(found->lower, joint.lower);
+      EXPECT_EQ(found->upper, joint.upper);
+      EXPECT_EQ(found->max_velocity, joint.max_velocity);
+      positions.push_back(q[static_cast<std::size_t>(found - joined.joints.begin())]);
+    }
+    return Chain(robot.sensors[sensor], static_cast<int>(robot.joints.size())).poseAt(positions.data());
+  };
+  const auto expectNear = [](const Pose& found, const Pose& expected, double tolerance) {
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(found.position[k], expected.position[k], tolerance);
+    double cosine = 0;
+    for (std::size_t k = 0; k < 4; ++k) cosine += found.rotation[k] * expected.rotation[k];
+    EXPECT_NEAR(std::abs(cosine), 1, 1e-12);
+  };
+  const Pose X_BP = poseAt(joined, 0);
+  expectNear(X_BP, poseAt(arm, 0), kWristRounding);
+  for (std::size_t s = 1; s < mounts.size(); ++s) expectNear(inverse(X_BP) * poseAt(joined, s), poseAt(hand, s), 1e-12);
 }
 
 }  // namespace

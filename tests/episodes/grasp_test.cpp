@@ -174,6 +174,9 @@ TEST(ClosingSpeed, IsLimitedAndPointsToTheTarget) {
   EXPECT_EQ(closingSpeed(0, 1, 5, 10), 1);
   EXPECT_EQ(closingSpeed(0.9, 1, 5, 10), 10 * (1 - 0.9) / 5);
   EXPECT_EQ(closingSpeed(0, 1, -5, 10), 1);
+  // Compensates a motion that would change the force by 2 N/s.
+  EXPECT_EQ(closingSpeed(1, 1, 5, 10, 2), -2.0 / 5);
+  EXPECT_EQ(closingSpeed(0, 1, 0, 10, 2), 1);
 }
 
 }  // namespace

@@ -58,6 +58,35 @@ TEST(GraspDataSet, HasTheSameBytesForAnyBatchAndAfterAStop) {
   EXPECT_TRUE(expected == shardsOf(path));
 }
 
+// 70 episodes of an arm that follows a human, in one shard: batches of 1, of 7 and of 64 and 6. The fingers start 1.2 s further closed, so
+// that all of them touch within 45 frames.
+TEST(GraspDataSet, OfAHandOnAnArmHasTheSameBytesForAnyBatch) {
+  Scene scene =
+      loadScene(std::filesystem::path(TAXELSIM_SOURCE_DIR) / "scenes/experiments/paper/arm_hand_given_scene.yaml", {.num_episodes = 70});
+  scene.num_steps = 45;
+  scene.episodes_per_shard = 70;
+  for (const GraspFinger& finger : scene.grasp->fingers) {
+    for (const FingerJoint& joint : finger.joints) {
+      std::get<Manipulator>(scene.robot).joints[static_cast<std::size_t>(joint.joint)].initial_position += 1.2 * joint.velocity;
+    }
+  }
+  const TestDirectory directory;
+  std::map<std::string, std::string> expected;
+  for (const int batch_size : {1, 7, 64}) {
+    const std::filesystem::path path = directory.path() / std::to_string(batch_size);
+    EXPECT_TRUE(generate(device(), scene, path, {.batch_size = batch_size}).complete);
+    if (batch_size == 1) expected = shardsOf(path);
+    EXPECT_EQ(expected.size(), 2u);  // a shard and the view
+    EXPECT_TRUE(expected == shardsOf(path)) << batch_size;
+  }
+  const DatasetReader reader(directory.path() / "64");
+  for (const char* const sensor : {"palm", "first", "middle", "ring", "little", "thumb"}) {
+    EXPECT_GT(reader.readAsDouble("data/" + std::string(sensor) + "/total_force", 70 * 45 - 1, 1)[0], 0) << sensor;
+  }
+  const std::vector<double> joints = reader.readAsDouble("data/robot/joint_position", 0, 45);
+  EXPECT_NE(joints[0], joints[joints.size() - 31]);  // a1 moves
+}
+
 TEST(GraspDataSet, PartsHaveTheBytesOfTheWhole) {
   const TestDirectory directory;
   const std::filesystem::path whole = directory.path() / "whole", parts = directory.path() / "parts";

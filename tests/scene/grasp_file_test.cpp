@@ -90,6 +90,55 @@ TEST(GraspScene, RefusesBadScenes) {
   EXPECT_THAT(refusalOf("objects:\n", objects), HasSubstr("objects: 9 objects are not allowed: at most 8"));
 }
 
+// The gripper whose jaws follow the palm servo of its right sensor, after one change.
+std::string servoRefusal(const std::string& from, const std::string& to) {
+  const std::string left = "    - {sensor: left, force: 2, joints: [{joint: jaw, velocity_mm: 50}]}\n";
+  const std::string below = "    - {sensor: below, force: 0.5, joints: [{joint: bend, velocity_deg: 60}]}\n";
+  const std::string servo = "  servo:\n    sensor: right\n    joints: [jaw]\n    tactile_servo: {total_force: {reference: 2, kp: 5}}\n";
+  return refusalOf(left + below, replaced(below + servo, from, to));
+}
+
+TEST(GraspScene, RefusesBadServos) {
+  EXPECT_EQ(servoRefusal("right", "right"), "was accepted");
+  EXPECT_THAT(servoRefusal("sensor: right", "sensor: rght"), HasSubstr("grasp.servo.sensor: no sensor rght: left, right, below"));
+  EXPECT_THAT(servoRefusal("sensor: right", "sensor: below"), HasSubstr("grasp.servo.sensor: a finger has this sensor"));
+  EXPECT_THAT(servoRefusal("    sensor: right\n", ""), HasSubstr("sensor is missing"));
+  EXPECT_THAT(servoRefusal("[jaw]", "[jaw, jw]"), HasSubstr("grasp.servo.joints[1]: no joint jw: jaw, bend"));
+  EXPECT_THAT(servoRefusal("[jaw]", "[jaw, bend]"), HasSubstr("joints[1]: joint bend belongs to a finger"));
+  EXPECT_THAT(servoRefusal("[jaw]", "[jaw, jaw]"), HasSubstr("joints[1]: joint jaw is given twice"));
+  EXPECT_THAT(servoRefusal("[jaw]", "[]"), HasSubstr("joints: a list of 0 is not allowed: a list of at least one"));
+  EXPECT_THAT(servoRefusal("    joints: [jaw]\n", ""), HasSubstr("joints is missing"));
+  EXPECT_THAT(servoRefusal("kp: 5", "kp: -5"), HasSubstr("tactile_servo.total_force.kp: -5 is not allowed"));
+  EXPECT_THAT(servoRefusal("{total_force: {reference: 2, kp: 5}}", "{}"), HasSubstr("no feature to control"));
+  EXPECT_THAT(servoRefusal("kp: 5}}", "kp: 5}, edge_angle_source: exact}"),
+              HasSubstr("tactile_servo.edge_angle_source: exact is not allowed: principal_axis, window or ridge"));
+  EXPECT_THAT(servoRefusal("tactile_servo:", "tactile_srvo:"), HasSubstr("unknown key"));
+}
+
+// A joint that moves another sensor only.
+TEST(GraspScene, RefusesServoJointsThatDoNotMoveTheSensor) {
+  const std::string below = "    - {sensor: below, force: 0.5, joints: [{joint: bend, velocity_deg: 60}]}\n";
+  EXPECT_THAT(refusalOf(below, "  servo: {sensor: right, joints: [bend], tactile_servo: {total_force: {kp: 5}}}\n"),
+              HasSubstr("grasp.servo.joints[0]: joint bend does not move the sensor right"));
+}
+
+TEST(GraspScene, ReadsTheServoOfThePalm) {
+  const Scene scene = loadScene(kScenes / "experiments/paper/arm_hand_given_scene.yaml");
+  ASSERT_TRUE(scene.grasp.has_value() && scene.grasp->servo.has_value());
+  const GraspServo& servo = *scene.grasp->servo;
+  const auto& robot = std::get<Manipulator>(scene.robot);
+  EXPECT_EQ(scene.grasp->sensors[static_cast<std::size_t>(servo.sensor)].name, "palm");
+  ASSERT_EQ(servo.joints.size(), 7u);
+  for (std::size_t k = 0; k < 7; ++k) {
+    EXPECT_EQ(robot.joints[static_cast<std::size_t>(servo.joints[k])].name, "a" + std::to_string(k + 1));
+  }
+  EXPECT_EQ(servo.servo[ServoFeature::kTotalForce].ki, 150);
+  EXPECT_EQ(servo.servo.edge_angle_source, EdgeAngleSource::kWindow);
+  const ScratchDirectory directory;
+  std::filesystem::copy_file(kScenes / "robots/lwr_shadow_hand.urdf", directory.path() / "lwr_shadow_hand.urdf");
+  EXPECT_EQ(loadScene(directory.write("scene.yaml", scene.resolved)).resolved, scene.resolved);
+}
+
 TEST(GraspScene, RefusesBadRobots) {
   EXPECT_THAT(robotRefusal("link: tip", "link: tp"), HasSubstr("no link tp"));
   EXPECT_THAT(robotRefusal("fingertip_6x4.yaml", "missing.yaml"), HasSubstr("missing.yaml is not there"));
