@@ -118,7 +118,9 @@ def draw(file: Path, sets: dict[str, Grasps]) -> None:
     mpl.use("Agg")
     from matplotlib import pyplot as plt
 
-    figure, axes = plt.subplots(len(sets), 5, figsize=(20, 4 * len(sets)), width_ratios=(1, 1, 1, 0.75, 0.75), squeeze=False, layout="constrained")
+    figure, axes = plt.subplots(
+        len(sets), 5, figsize=(20, 4 * len(sets)), width_ratios=(1, 1, 1, 0.75, 0.75), squeeze=False, layout="constrained"
+    )
     for row, (name, grasps) in zip(axes, sets.items(), strict=True):
         angles = grasps.edge_angle()
         row[0].plot(grasps.time, angles.T, color="0.8", lw=0.7)

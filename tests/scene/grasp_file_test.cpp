@@ -5,6 +5,7 @@
 #include <iterator>
 #include <numbers>
 
+#include "scene/scene_checks.h"
 #include "scene_text.h"
 #include "taxelsim/scene.h"
 
@@ -137,6 +138,25 @@ TEST(GraspScene, ReadsTheServoOfThePalm) {
   const ScratchDirectory directory;
   std::filesystem::copy_file(kScenes / "robots/lwr_shadow_hand.urdf", directory.path() / "lwr_shadow_hand.urdf");
   EXPECT_EQ(loadScene(directory.write("scene.yaml", scene.resolved)).resolved, scene.resolved);
+}
+
+// Scenes of programs, which no reader has checked.
+TEST(GraspScene, ChecksTheServoOfAProgram) {
+  Scene scene = loadScene(kScenes / "experiments/paper/arm_hand_rest_scene.yaml");
+  checkScene(scene);
+  const auto message = [&] {
+    try {
+      checkScene(scene);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string("was accepted");
+  };
+  TactileServo& servo = scene.grasp->servo->servo;
+  servo.edge_angle_source = EdgeAngleSource::kExact;
+  EXPECT_THAT(message(), HasSubstr("grasp.servo.tactile_servo.edge_angle_source: exact is not allowed"));
+  servo = TactileServo{};
+  EXPECT_THAT(message(), HasSubstr("no feature to control"));
 }
 
 TEST(GraspScene, RefusesBadRobots) {
