@@ -39,6 +39,17 @@ std::vector<double> toDoubles(std::span<const std::byte> bytes) {
   return values;
 }
 
+// Calls `check`; the shard is broken if it throws an Error.
+template <typename Check>
+void orBroken(ShardStatus& status, const Check& check) {
+  try {
+    check();
+  } catch (const Error& error) {
+    status.state = ShardStatus::State::kBroken;
+    status.problem = error.what();
+  }
+}
+
 }  // namespace
 
 Manifest readManifest(const fs::path& directory) {
@@ -61,20 +72,12 @@ std::vector<ShardStatus> checkShards(const fs::path& directory, bool contents, b
     else
       result[shard].state = ShardStatus::State::kMissing;
   }
-  const auto orBroken = [&](std::uint64_t shard, const auto& check) {
-    try {
-      check();
-    } catch (const Error& error) {
-      result[shard].state = ShardStatus::State::kBroken;
-      result[shard].problem = error.what();
-    }
-  };
   std::vector<ShardFile> unread;
   const auto use = [&](const VerifiedShard& verified) {
     result[verified.shard].is_vouched_for = verified.is_vouched_for;
     if (verified.is_vouched_for) return;  // its content was checked before it was listed
     if (verified.problem)
-      orBroken(verified.shard, [&] { std::rethrow_exception(verified.problem); });
+      orBroken(result[verified.shard], [&] { std::rethrow_exception(verified.problem); });
     else
       unread.push_back({directory / shardName(verified.shard), verified.shard});
   };
@@ -88,7 +91,7 @@ std::vector<ShardStatus> checkShards(const fs::path& directory, bool contents, b
     try {
       checkShardContents(some, manifest, contents, isolation);
     } catch (const Error&) {
-      for (const ShardFile& one : some) orBroken(one.shard, [&] { checkShardContents({&one, 1}, manifest, contents, isolation); });
+      for (const ShardFile& one : some) orBroken(result[one.shard], [&] { checkShardContents({&one, 1}, manifest, contents, isolation); });
     }
     left = left.subspan(some.size());
   }
@@ -159,7 +162,7 @@ void DatasetReader::Impl::check(std::span<Shard> parts) const {
     unchecked.push_back(&shard);
     files.push_back(shard.source);
   }
-  const std::vector<std::vector<std::uint64_t>> ends = checkShards(files, manifest, /*contents=*/true, isolation);
+  const std::vector<std::vector<std::uint64_t>> ends = checkShardFiles(files, manifest, /*contents=*/true, isolation);
   for (std::size_t k = 0; k < unchecked.size(); ++k) {
     Shard& shard = *unchecked[k];
     for (std::size_t i = 0; i < ends[k].size(); ++i) {
@@ -192,7 +195,7 @@ DatasetReader::DatasetReader(fs::path directory, bool allow_incomplete, bool iso
       throw Error(ErrorKind::kInput, one.file.string() + ": this shard is missing: the data set is not complete");
   }
   if (all_ends.empty()) {
-    const auto ends = checkShards(files, impl_->manifest, /*contents=*/false, impl_->isolation);
+    const auto ends = checkShardFiles(files, impl_->manifest, /*contents=*/false, impl_->isolation);
     const bool are_checked = impl_->manifest.format_version > 1;
     for (std::size_t i = 0; i < files.size(); ++i) impl_->addShard(files[i], are_checked, ends[i]);
     return;

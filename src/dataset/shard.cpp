@@ -198,8 +198,8 @@ FileContent shardImage(const Manifest& manifest, std::uint64_t shard, const Shar
   }
 }
 
-std::vector<std::vector<std::uint64_t>> checkShards(std::span<const ShardFile> shards, const Manifest& manifest, bool contents,
-                                                    Isolation isolation) {
+std::vector<std::vector<std::uint64_t>> checkShardFiles(std::span<const ShardFile> shards, const Manifest& manifest, bool contents,
+                                                        Isolation isolation) {
   if (manifest.format_version > 1)
     for (const ShardFile& one : shards) verifyChecksum(one.file);
   return checkShardContents(shards, manifest, contents, isolation);

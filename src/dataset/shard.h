@@ -28,8 +28,8 @@ struct ShardFile {
 // it; in format 1, which has none, the SHA-256 of all rows if `contents`. A child process reads several files. Returns for each shard the
 // end of each episode in frames from the start of the shard (num_episodes). Throws Error(kInput) with the first file that has a problem,
 // also where it is too small for its counts.
-std::vector<std::vector<std::uint64_t>> checkShards(std::span<const ShardFile> shards, const Manifest& manifest, bool contents,
-                                                    Isolation isolation);
+std::vector<std::vector<std::uint64_t>> checkShardFiles(std::span<const ShardFile> shards, const Manifest& manifest, bool contents,
+                                                        Isolation isolation);
 
 // The same for shards whose checksums are verified or vouched for.
 std::vector<std::vector<std::uint64_t>> checkShardContents(std::span<const ShardFile> shards, const Manifest& manifest, bool contents,

@@ -144,7 +144,7 @@ TEST(FormatOneBitFlipsStudy, ShardsHarmNobody) {
   const Manifest manifest = readManifest(directory / "d");
   const std::vector<Outcome> outcomes = readSerially(numDamages(whole) / stride(), [&](std::size_t i) {
     overwrite(file, damaged(whole, i * stride()));
-    dataset::checkShards(std::array{dataset::ShardFile{file, 0}}, manifest, /*contents=*/true, dataset::Isolation::kNone);
+    dataset::checkShardFiles(std::array{dataset::ShardFile{file, 0}}, manifest, /*contents=*/true, dataset::Isolation::kNone);
   });
   Tally tally{.num_files = outcomes.size()};
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
