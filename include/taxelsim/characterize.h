@@ -73,6 +73,14 @@ struct Characterization {
 /// The fitted sensor at a temperature (degrees Celsius); without a TemperatureTerm at any.
 Sensor sensorAt(const Characterization& fitted, double temperature);
 
+/// Standard deviation of the logarithm of the fitted gains; none where fewer than two taxels above 0 have one.
+std::optional<double> gainSpreadOf(const Characterization& fitted);
+
+/// An array of the same kind as the fitted one, for data sets: Readout::gain_spread in place of the gains and triggers of its taxels, which
+/// are then drawn in every episode. The median taxel keeps the gain of the fitted ones, in the logarithmic mean, and Readout::trigger.
+/// Throws Error(kInput) if there is no gainSpreadOf().
+Sensor withRandomGains(const Characterization& fitted);
+
 /// Fits every parameter that the measurements identify.
 ///
 /// The readout is fitted to force curves, the stiffness to force against depth, the point spread function to images of pins and stamps, and

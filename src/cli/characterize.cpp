@@ -35,6 +35,7 @@ struct Arguments {
   double light_below = 0;               // N
   std::optional<double> temperature{};  // degrees Celsius
   bool cross_validate = false;
+  bool random_gains = false;
   bool json = false;
 };
 
@@ -63,22 +64,12 @@ std::map<std::string, std::string> notesOf(const Characterization& result, const
   return notes;
 }
 
-// Standard deviation of the logarithm of the gains of live taxels: `gain_spread` of an array like this one.
-double logDeviation(const std::vector<double>& gains) {
-  double sum = 0, squares = 0, num = 0;
-  for (const double gain : gains) {
-    if (gain <= 0) continue;
-    sum += std::log(gain), squares += std::log(gain) * std::log(gain), ++num;
-  }
-  return num > 1 ? std::sqrt(std::max(squares - sum * sum / num, 0.0) / (num - 1)) : 0;
-}
-
 void printTable(const Characterization& result) {
   std::vector<std::vector<std::string>> rows{{"parameter", "value", "from", "to", "unit", ""}};
-  std::vector<double> gains;
+  std::size_t num_gains = 0;
   for (const Estimate& estimate : result.estimates) {
     if (estimate.parameter.starts_with("readout.taxel_gain[")) {
-      gains.push_back(estimate.value);
+      ++num_gains;
     } else if (estimate.determined) {
       rows.push_back({estimate.parameter, roundedText(estimate.value), roundedText(estimate.low), roundedText(estimate.high), estimate.unit,
                       estimate.remark});
@@ -92,10 +83,8 @@ void printTable(const Characterization& result) {
     fits.push_back({fit.measurement, roundedText(fit.rms) + " " + fit.unit, countText(fit.num_rows), countText(fit.num_outliers)});
   }
   printOut("{}\n", tableText(fits));
-  if (gains.size() > 1) {
-    printOut("the gains of {} taxels are in the sensor file; standard deviation of their logarithm: {}\n", gains.size(),
-             roundedText(logDeviation(gains)));
-  }
+  if (const std::optional<double> spread = gainSpreadOf(result))
+    printOut("gains of {} taxels; standard deviation of their logarithm: {}\n", num_gains, roundedText(*spread));
   if (!result.dead_taxels.empty()) printOut("taxels without a response: {}\n", fmt::join(result.dead_taxels, ", "));
   for (const std::string& remark : result.remarks) printOut("{}\n", remark);
 }
@@ -149,7 +138,15 @@ int runCharacterize(const Arguments& arguments) {
   }
   const std::string scores = crossValidationText(validation, arguments.light_below);
   if (!arguments.name.empty()) result.sensor.name = arguments.name;
-  const std::string text = sensorText(result.sensor, notesOf(result, measurements));
+  std::map<std::string, std::string> notes = notesOf(result, measurements);
+  if (arguments.random_gains) {
+    if (!gainSpreadOf(result))
+      throw Error(ErrorKind::kInput,
+                  "--random-gains: the measurements determine the gains of fewer than two taxels, which have no scatter");
+    result.sensor = withRandomGains(result);
+    notes["readout.gain_spread"] = "standard deviation of the logarithm of the fitted gains";
+  }
+  const std::string text = sensorText(result.sensor, notes);
   writeFileAtomically(arguments.sensor, std::as_bytes(std::span(text)));
   spdlog::info("wrote {}", arguments.sensor);
   if (!arguments.report.empty()) {
@@ -197,6 +194,9 @@ void addCharacterize(CLI::App& app, Action& action) {
                    "Write the sensor at this temperature (degrees Celsius); default: at the mean of the measurements")
       ->check(silent(CLI::Range(-100.0, 300.0)))
       ->type_name("DEGC");
+  command->add_flag("--random-gains", arguments->random_gains,
+                    "Write the scatter of the fitted gains (gain_spread), so that every episode has a new array of this kind, instead of "
+                    "the gains and triggers of the taxels of this one");
   command->add_flag("--json", arguments->json, "Print JSON instead of tables");
   command->callback([=, &action] { action = [=] { return runCharacterize(*arguments); }; });
 }

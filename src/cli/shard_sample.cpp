@@ -5,7 +5,7 @@
 namespace taxelsim::cli {
 namespace {
 
-// A shard is read in a child process per column, and its bytes are hashed first.
+// The bytes of a shard are hashed before it is read.
 constexpr std::uint64_t kMaxShards = 16;
 constexpr double kMaxBytes = 256 << 20;
 
@@ -40,6 +40,14 @@ std::vector<RowRange> episodesOf(const DatasetReader& reader) {
   return episodes;
 }
 
+// Extends the last range if `rows` follow it.
+void append(std::vector<RowRange>& ranges, const RowRange& rows) {
+  if (!ranges.empty() && ranges.back().first + ranges.back().count == rows.first)
+    ranges.back().count += rows.count;
+  else
+    ranges.push_back(rows);
+}
+
 }  // namespace
 
 ShardSample sampleShards(const DatasetReader& reader, bool all) {
@@ -56,8 +64,8 @@ ShardSample sampleShards(const DatasetReader& reader, bool all) {
     const RowRange& episodes = shards[num_read > 1 ? i * (shards.size() - 1) / (num_read - 1) : 0];
     const std::vector<std::uint64_t>& ends = reader.episodeEnds();
     const std::uint64_t first_frame = episodes.first > 0 ? ends[episodes.first - 1] : 0;
-    sample.episodes.push_back(episodes);
-    sample.frames.push_back({first_frame, ends[episodes.first + episodes.count - 1] - first_frame});
+    append(sample.episodes, episodes);
+    append(sample.frames, {first_frame, ends[episodes.first + episodes.count - 1] - first_frame});
   }
   return sample;
 }

@@ -15,7 +15,7 @@ struct RowRange {
 
 struct ShardSample {
   std::uint64_t num_shards = 0;  // that are read
-  std::vector<RowRange> frames;  // their rows, in order
+  std::vector<RowRange> frames;  // their rows, in order; those of adjacent shards are one range
   std::vector<RowRange> episodes;
 };
 

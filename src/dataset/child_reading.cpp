@@ -27,8 +27,6 @@
 namespace taxelsim::dataset {
 namespace {
 
-constexpr std::uint64_t kBytesPerSecond = std::uint64_t{16} << 20;
-
 using Clock = std::chrono::steady_clock;
 
 // The start of the shared memory; the buffer follows.
@@ -117,7 +115,7 @@ void readInChild(const std::filesystem::path& file, std::span<std::byte> bytes, 
   const SharedMemory memory(bytes.size());
   std::error_code error;
   const std::uintmax_t file_bytes = std::filesystem::file_size(file, error);
-  const std::uint64_t seconds = limits.seconds + (bytes.size() + (error ? 0 : file_bytes)) / kBytesPerSecond;
+  const std::uint64_t seconds = limits.seconds + (bytes.size() + (error ? 0 : file_bytes)) / kChildBytesPerSecond;
   const std::uint64_t max_address_space = addressSpace() + 2 * bytes.size() + limits.bytes;
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) throwIo(file, errno);

@@ -17,7 +17,9 @@
 
 namespace taxelsim::dataset {
 
-// For an empty file. A second is added per 16 MiB of file and buffer, which a slow disk may take, and memory for twice the buffer.
+inline constexpr std::uint64_t kChildBytesPerSecond = std::uint64_t{16} << 20;  // of a slow disk
+
+// For an empty file. Time is added for the bytes of file and buffer at kChildBytesPerSecond, and memory for twice the buffer.
 struct ChildLimits {
   std::uint64_t bytes = std::uint64_t{512} << 20;
   std::uint64_t seconds = 5;

@@ -69,8 +69,8 @@ class Compressor::Deflater {
   std::vector<std::byte> shuffled_, deflated_;
 };
 
-Compressor::Compressor(int level, int num_threads) : workers_(num_threads) {
-  for (int worker = 0; worker < num_threads; ++worker) deflaters_.emplace_back(level);
+Compressor::Compressor(int level, int num_threads) : threads_(num_threads) {
+  for (int thread = 0; thread < num_threads; ++thread) deflaters_.emplace_back(level);
 }
 
 Compressor::~Compressor() = default;
@@ -85,12 +85,12 @@ std::vector<std::vector<StoredChunk>> Compressor::compress(std::span<const Rows>
     stored[c].resize((columns[c].bytes.size() + columns[c].chunk_bytes - 1) / columns[c].chunk_bytes);
     for (std::size_t k = 0; k < stored[c].size(); ++k) jobs.push_back({c, k});
   }
-  workers_.run(jobs.size(), [&](int worker, std::size_t index) {
+  threads_.run(jobs.size(), [&](int thread, std::size_t index) {
     const auto [c, k] = jobs[index];
     const Rows& column = columns[c];
     const std::size_t first = k * column.chunk_bytes;
     const std::span rows = column.bytes.subspan(first, std::min(column.chunk_bytes, column.bytes.size() - first));
-    stored[c][k] = deflaters_[static_cast<std::size_t>(worker)].store(rows, column);
+    stored[c][k] = deflaters_[static_cast<std::size_t>(thread)].store(rows, column);
   });
   return stored;
 }

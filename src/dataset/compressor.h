@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "dataset/workers.h"
+#include "dataset/thread_pool.h"
 
 namespace taxelsim::dataset {
 
@@ -43,7 +43,7 @@ class Compressor {
   class Deflater;
 
   std::vector<Deflater> deflaters_;  // (num_threads)
-  Workers workers_;
+  ThreadPool threads_;
 };
 
 }  // namespace taxelsim::dataset

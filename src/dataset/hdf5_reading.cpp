@@ -1,6 +1,8 @@
 #include "dataset/hdf5_reading.h"
 
+#include <algorithm>
 #include <system_error>
+#include <vector>
 
 #include "dataset/child_reading.h"
 #include "dataset/hdf5.h"
@@ -29,6 +31,40 @@ void readHdf5(const std::filesystem::path& file, const std::string& what, const 
   };
   if (isolation == Isolation::kChild) return readInChild(file, bytes, readHere);
   readHere(bytes);
+}
+
+bool readHdf5Together(std::span<const Hdf5Read> reads) {
+  std::size_t num_bytes = 0;
+  std::uint64_t file_bytes = 0;
+  for (const Hdf5Read& one : reads) {
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(one.file, error)) return false;
+    file_bytes += std::filesystem::file_size(one.file, error);
+    if (error) return false;
+    num_bytes += one.bytes.size();
+  }
+  std::vector<std::byte> all(num_bytes);
+  const auto readAll = [&](std::span<std::byte> buffer) {
+    const Hdf5Session session;
+    for (const Hdf5Read& one : reads) {
+      one.read(buffer.first(one.bytes.size()));
+      buffer = buffer.subspan(one.bytes.size());
+    }
+  };
+  try {
+    ChildLimits limits;
+    limits.seconds += file_bytes / kChildBytesPerSecond;
+    readInChild(reads.front().file, all, readAll, limits);
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::kIo) throw;
+    return false;
+  }
+  std::size_t at = 0;
+  for (const Hdf5Read& one : reads) {
+    std::copy_n(all.begin() + static_cast<std::ptrdiff_t>(at), one.bytes.size(), one.bytes.begin());
+    at += one.bytes.size();
+  }
+  return true;
 }
 
 void checkCounts(const std::filesystem::path& file, std::uint64_t num_episodes) {

@@ -20,6 +20,17 @@ enum class Isolation {
 void readHdf5(const std::filesystem::path& file, const std::string& what, const std::string& remedy, Isolation isolation,
               std::span<std::byte> bytes, const std::function<void(std::span<std::byte>)>& read);
 
+// A file, and a buffer for what `read` reads from it.
+struct Hdf5Read {
+  std::filesystem::path file;
+  std::span<std::byte> bytes;
+  std::function<void(std::span<std::byte>)> read;
+};
+
+// Reads all files in one child process: a process for each takes longer than reading a small file. Returns false if one of them fails; no
+// bytes are valid then, and readHdf5() of each file finds which one and why. Throws Error(kIo) if there is no child.
+bool readHdf5Together(std::span<const Hdf5Read> reads);
+
 // Throws Error(kInput) if the file is too small for the ends of so many episodes, before anything of that size is allocated.
 void checkCounts(const std::filesystem::path& file, std::uint64_t num_episodes);
 

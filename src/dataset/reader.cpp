@@ -21,6 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t kShardsAtOnce = 256;
+
 // Format 1 has texts of variable length, whose lengths HDF5 1.10 does not check, and no checksums of files.
 Isolation isolationOf(const Manifest& manifest, bool isolated) {
   return isolated || manifest.format_version == 1 ? Isolation::kChild : Isolation::kNone;
@@ -35,6 +37,17 @@ std::vector<double> toDoubles(std::span<const std::byte> bytes) {
     values[i] = static_cast<double>(value);
   }
   return values;
+}
+
+// Calls `check`; the shard is broken if it throws an Error.
+template <typename Check>
+void orBroken(ShardStatus& status, const Check& check) {
+  try {
+    check();
+  } catch (const Error& error) {
+    status.state = ShardStatus::State::kBroken;
+    status.problem = error.what();
+  }
 }
 
 }  // namespace
@@ -59,22 +72,28 @@ std::vector<ShardStatus> checkShards(const fs::path& directory, bool contents, b
     else
       result[shard].state = ShardStatus::State::kMissing;
   }
-  const auto check = [&](const VerifiedShard& verified) {
-    ShardStatus& status = result[verified.shard];
-    status.is_vouched_for = verified.is_vouched_for;
-    if (status.is_vouched_for) return;  // its content was checked before it was listed
-    try {
-      if (verified.problem) std::rethrow_exception(verified.problem);
-      checkShardContent(directory / shardName(verified.shard), manifest, verified.shard, contents, isolation);
-    } catch (const Error& error) {
-      status.state = ShardStatus::State::kBroken;
-      status.problem = error.what();
-    }
+  std::vector<ShardFile> unread;
+  const auto use = [&](const VerifiedShard& verified) {
+    result[verified.shard].is_vouched_for = verified.is_vouched_for;
+    if (verified.is_vouched_for) return;  // its content was checked before it was listed
+    if (verified.problem)
+      orBroken(result[verified.shard], [&] { std::rethrow_exception(verified.problem); });
+    else
+      unread.push_back({directory / shardName(verified.shard), verified.shard});
   };
   if (manifest.format_version == 1) {
-    for (const std::uint64_t shard : shards) check({.shard = shard, .hashed = {}, .is_vouched_for = false, .problem = nullptr});
+    for (const std::uint64_t shard : shards) use({.shard = shard, .hashed = {}, .is_vouched_for = false, .problem = nullptr});
   } else {
-    verifyShards(directory, ChecksumList(directory, manifest.numShards()), shards, {.verify_all = contents}, check);
+    verifyShards(directory, ChecksumList(directory, manifest.numShards()), shards, {.verify_all = contents}, use);
+  }
+  for (std::span<const ShardFile> left = unread; !left.empty();) {
+    const auto some = left.first(std::min(left.size(), kShardsAtOnce));
+    try {
+      checkShardContents(some, manifest, contents, isolation);
+    } catch (const Error&) {
+      for (const ShardFile& one : some) orBroken(result[one.shard], [&] { checkShardContents({&one, 1}, manifest, contents, isolation); });
+    }
+    left = left.subspan(some.size());
   }
   return result;
 }
@@ -95,8 +114,7 @@ ViewStatus checkView(const fs::path& directory, bool isolated) {
 
 struct DatasetReader::Impl {
   struct Shard {
-    fs::path file;
-    std::uint64_t number = 0;
+    ShardFile source;
     std::uint64_t first_frame = 0, num_frames = 0;
     std::uint64_t first_episode = 0, num_episodes = 0;  // counted over the shards present
     bool is_checked = false;
@@ -111,9 +129,9 @@ struct DatasetReader::Impl {
   // Ends of all episodes of the data set if the view is whole, else empty.
   std::vector<std::uint64_t> endsOfView(const fs::path& directory) const;
   // `ends`: of the shard's episodes, from its start.
-  void addShard(Shard shard, std::span<const std::uint64_t> ends);
-  // Checks a shard before its first row is read.
-  void check(Shard& shard) const;
+  void addShard(const ShardFile& file, bool is_checked, std::span<const std::uint64_t> ends);
+  // Checks shards before the first row of each is read.
+  void check(std::span<Shard> parts) const;
   const Column& column(const std::string& name) const;
 };
 
@@ -126,7 +144,8 @@ std::vector<std::uint64_t> DatasetReader::Impl::endsOfView(const fs::path& direc
   }
 }
 
-void DatasetReader::Impl::addShard(Shard shard, std::span<const std::uint64_t> ends) {
+void DatasetReader::Impl::addShard(const ShardFile& file, bool is_checked, std::span<const std::uint64_t> ends) {
+  Shard shard{.source = file, .is_checked = is_checked};
   shard.first_frame = episode_ends.empty() ? 0 : episode_ends.back();
   shard.num_frames = ends.back();
   shard.first_episode = episode_ends.size();
@@ -135,14 +154,23 @@ void DatasetReader::Impl::addShard(Shard shard, std::span<const std::uint64_t> e
   shards.push_back(std::move(shard));
 }
 
-void DatasetReader::Impl::check(Shard& shard) const {
-  if (shard.is_checked) return;
-  const std::vector<std::uint64_t> ends = checkShard(shard.file, manifest, shard.number, /*contents=*/true, isolation);
-  for (std::size_t i = 0; i < ends.size(); ++i) {
-    if (shard.first_frame + ends[i] != episode_ends[shard.first_episode + i])
-      throw Error(ErrorKind::kInput, shard.file.string() + ": its episodes have other lengths than in " + kViewName);
+void DatasetReader::Impl::check(std::span<Shard> parts) const {
+  std::vector<Shard*> unchecked;
+  std::vector<ShardFile> files;
+  for (Shard& shard : parts) {
+    if (shard.is_checked) continue;
+    unchecked.push_back(&shard);
+    files.push_back(shard.source);
   }
-  shard.is_checked = true;
+  const std::vector<std::vector<std::uint64_t>> ends = checkShardFiles(files, manifest, /*contents=*/true, isolation);
+  for (std::size_t k = 0; k < unchecked.size(); ++k) {
+    Shard& shard = *unchecked[k];
+    for (std::size_t i = 0; i < ends[k].size(); ++i) {
+      if (shard.first_frame + ends[k][i] != episode_ends[shard.first_episode + i])
+        throw Error(ErrorKind::kInput, shard.source.file.string() + ": its episodes have other lengths than in " + kViewName);
+    }
+    shard.is_checked = true;
+  }
 }
 
 const Column& DatasetReader::Impl::column(const std::string& name) const {
@@ -156,23 +184,28 @@ DatasetReader::DatasetReader(fs::path directory, bool allow_incomplete, bool iso
   impl_->isolation = isolationOf(impl_->manifest, isolated);
   const std::vector<std::uint64_t> all_ends = impl_->endsOfView(directory);
   const std::vector<bool> on_disk = shardsOnDisk(directory, impl_->manifest);
+  std::vector<ShardFile> files;
   for (std::uint64_t number = 0; number < impl_->manifest.numShards(); ++number) {
-    Impl::Shard shard{.file = directory / shardName(number), .number = number};
-    if (!on_disk[number]) {
-      if (!allow_incomplete) throw Error(ErrorKind::kInput, shard.file.string() + ": this shard is missing: the data set is not complete");
+    const ShardFile one{directory / shardName(number), number};
+    if (on_disk[number])
+      files.push_back(one);
+    else if (allow_incomplete)
       impl_->missing.push_back(number);
-      continue;
-    }
+    else
+      throw Error(ErrorKind::kInput, one.file.string() + ": this shard is missing: the data set is not complete");
+  }
+  if (all_ends.empty()) {
+    const auto ends = checkShardFiles(files, impl_->manifest, /*contents=*/false, impl_->isolation);
+    const bool are_checked = impl_->manifest.format_version > 1;
+    for (std::size_t i = 0; i < files.size(); ++i) impl_->addShard(files[i], are_checked, ends[i]);
+    return;
+  }
+  for (const ShardFile& one : files) {
+    const std::uint64_t first = firstEpisode(impl_->manifest, one.shard);
+    const std::uint64_t first_frame = first > 0 ? all_ends[first - 1] : 0;
     std::vector<std::uint64_t> ends;
-    if (all_ends.empty()) {
-      ends = checkShard(shard.file, impl_->manifest, number, /*contents=*/false, impl_->isolation);
-      shard.is_checked = impl_->manifest.format_version > 1;
-    } else {
-      const std::uint64_t first = firstEpisode(impl_->manifest, number);
-      const std::uint64_t first_frame = first > 0 ? all_ends[first - 1] : 0;
-      for (std::uint64_t i = 0; i < dataset::numEpisodes(impl_->manifest, number); ++i) ends.push_back(all_ends[first + i] - first_frame);
-    }
-    impl_->addShard(std::move(shard), ends);
+    for (std::uint64_t i = 0; i < dataset::numEpisodes(impl_->manifest, one.shard); ++i) ends.push_back(all_ends[first + i] - first_frame);
+    impl_->addShard(one, /*is_checked=*/false, ends);
   }
 }
 
@@ -201,17 +234,22 @@ std::vector<std::byte> DatasetReader::read(const std::string& name, std::uint64_
   if (first > num_rows || count > num_rows - first)
     throw Error(ErrorKind::kInput, "data set: column " + name + " has " + std::to_string(num_rows) +
                                        " rows; requested: " + std::to_string(count) + " from row " + std::to_string(first));
-  const std::size_t row_bytes = rowBytes(*column);
-  std::vector<std::byte> rows(row_bytes * count);  // of rows that shards on disk hold, so that the product fits
-  for (Impl::Shard& shard : impl_->shards) {
-    const std::uint64_t begin = column->per_episode ? shard.first_episode : shard.first_frame;
-    const std::uint64_t end = begin + (column->per_episode ? shard.num_episodes : shard.num_frames);
-    const std::uint64_t from = std::max(first, begin);
-    const std::uint64_t to = std::min(first + count, end);
-    if (from >= to) continue;
-    impl_->check(shard);
-    readShardRows(shard.file, *column, from - begin, to - from, impl_->isolation, rows.data() + (from - first) * row_bytes);
+  std::vector<std::byte> rows(rowBytes(*column) * count);  // of rows that shards on disk hold, so that the product fits
+  if (count == 0) return rows;
+  const auto beginOf = [&](const Impl::Shard& shard) { return column->per_episode ? shard.first_episode : shard.first_frame; };
+  const auto endOf = [&](const Impl::Shard& shard) {
+    return beginOf(shard) + (column->per_episode ? shard.num_episodes : shard.num_frames);
+  };
+  std::vector<Impl::Shard>& all = impl_->shards;
+  const auto begin = std::ranges::upper_bound(all, first, {}, endOf);
+  const auto end = std::ranges::lower_bound(begin, all.end(), first + count, {}, beginOf);
+  std::vector<ShardRows> parts;
+  for (const Impl::Shard& shard : std::span(begin, end)) {
+    const std::uint64_t from = std::max(first, beginOf(shard));
+    parts.push_back({.file = shard.source.file, .first = from - beginOf(shard), .count = std::min(first + count, endOf(shard)) - from});
   }
+  impl_->check({begin, end});
+  readShardRows(parts, *column, impl_->isolation, rows.data());
   return rows;
 }
 

@@ -17,6 +17,7 @@ namespace {
 constexpr std::size_t kMetadataBytes = 4096;                // headers and attributes of a shard, estimate
 constexpr std::size_t kColumnMetadataBytes = 640;           // the same of each column, without its texts
 constexpr std::size_t kPieceBytes = std::size_t{16} << 20;  // of a column that is verified
+constexpr std::size_t kFilesPerChild = 256;                 // HDF5 keeps some memory of each file
 constexpr const char* kHashAttribute = "sha256";
 
 // For compressed columns HDF5 places chunk indices between the rows, regardless of the size of the metadata block.
@@ -128,9 +129,39 @@ void verifyRows(hid_t data, const Column& column, std::uint64_t num_rows, std::u
   expect(digest.finish() == readTextAttribute(data, kHashAttribute, format), "SHA-256 mismatch of " + column.name);
 }
 
-void readShard(const std::filesystem::path& file, Isolation isolation, std::span<std::byte> bytes,
-               const std::function<void(std::span<std::byte>)>& read) {
-  readHdf5(file, "shard", "generate --repair makes it again", isolation, bytes, read);
+// Reads shards in the order given; in child processes, up to kFilesPerChild in each.
+void readShards(std::span<const Hdf5Read> reads, Isolation isolation) {
+  while (!reads.empty()) {
+    const std::size_t count = isolation == Isolation::kChild ? std::min(reads.size(), kFilesPerChild) : 1;
+    if (count == 1 || !readHdf5Together(reads.first(count))) {
+      for (const Hdf5Read& one : reads.first(count))
+        readHdf5(one.file, "shard", "generate --repair makes it again", isolation, one.bytes, one.read);
+    }
+    reads = reads.subspan(count);
+  }
+}
+
+// Checks attributes and columns of an open shard, and reads the ends of its episodes.
+void checkContent(hid_t file, const Manifest& manifest, std::uint64_t shard, bool contents, std::span<std::uint64_t> ends) {
+  const std::uint64_t format = manifest.format_version;
+  expectNumber(file, "format_version", format);
+  expectText(file, "scene_sha256", sceneHash(manifest), format);
+  expectNumber(file, "seed", manifest.seed);
+  expectText(file, "program_version", manifest.program_version, format);
+  expectText(file, "device", manifest.device, format);
+  if (format > 1) expectText(file, "policy", manifest.policy, format);
+  expectNumber(file, "shard", shard);
+  expectNumber(file, "first_episode", firstEpisode(manifest, shard));
+  expectNumber(file, "num_episodes", ends.size());
+  const Column ends_column = episodeEndsColumn();
+  const Handle ends_data = openColumn(file, ends_column, ends.size(), format);
+  if (format == 1) verifyRows(ends_data, ends_column, ends.size(), format);
+  readEnds(ends_data, ends_column, ends);
+  for (const Column& column : manifest.columns) {
+    const std::uint64_t num_rows = column.per_episode ? ends.size() : ends.back();
+    const Handle data = openColumn(file, column, num_rows, format);
+    if (format == 1 && contents) verifyRows(data, column, num_rows, format);
+  }
 }
 
 }  // namespace
@@ -167,50 +198,42 @@ FileContent shardImage(const Manifest& manifest, std::uint64_t shard, const Shar
   }
 }
 
-std::vector<std::uint64_t> checkShard(const std::filesystem::path& file, const Manifest& manifest, std::uint64_t shard, bool contents,
-                                      Isolation isolation) {
-  if (manifest.format_version > 1) verifyChecksum(file);
-  return checkShardContent(file, manifest, shard, contents, isolation);
+std::vector<std::vector<std::uint64_t>> checkShardFiles(std::span<const ShardFile> shards, const Manifest& manifest, bool contents,
+                                                        Isolation isolation) {
+  if (manifest.format_version > 1)
+    for (const ShardFile& one : shards) verifyChecksum(one.file);
+  return checkShardContents(shards, manifest, contents, isolation);
 }
 
-std::vector<std::uint64_t> checkShardContent(const std::filesystem::path& file, const Manifest& manifest, std::uint64_t shard,
-                                             bool contents, Isolation isolation) {
-  const std::uint64_t format = manifest.format_version;
-  const std::uint64_t num_episodes = numEpisodes(manifest, shard);
-  checkCounts(file, num_episodes);
-  std::vector<std::uint64_t> all_ends(num_episodes);
-  readShard(file, isolation, std::as_writable_bytes(std::span(all_ends)), [&](std::span<std::byte> bytes) {
-    const Handle handle = openForReading(file);
-    expectNumber(handle, "format_version", format);
-    expectText(handle, "scene_sha256", sceneHash(manifest), format);
-    expectNumber(handle, "seed", manifest.seed);
-    expectText(handle, "program_version", manifest.program_version, format);
-    expectText(handle, "device", manifest.device, format);
-    if (format > 1) expectText(handle, "policy", manifest.policy, format);
-    expectNumber(handle, "shard", shard);
-    expectNumber(handle, "first_episode", firstEpisode(manifest, shard));
-    expectNumber(handle, "num_episodes", num_episodes);
-    const Column ends_column = episodeEndsColumn();
-    const Handle ends_data = openColumn(handle, ends_column, num_episodes, format);
-    if (format == 1) verifyRows(ends_data, ends_column, num_episodes, format);
-    const std::span<std::uint64_t> ends = episodeEnds(bytes);
-    readEnds(ends_data, ends_column, ends);
-    for (const Column& column : manifest.columns) {
-      const std::uint64_t num_rows = column.per_episode ? ends.size() : ends.back();
-      const Handle data = openColumn(handle, column, num_rows, format);
-      if (format == 1 && contents) verifyRows(data, column, num_rows, format);
-    }
-  });
+std::vector<std::vector<std::uint64_t>> checkShardContents(std::span<const ShardFile> shards, const Manifest& manifest, bool contents,
+                                                           Isolation isolation) {
+  std::vector<std::vector<std::uint64_t>> all_ends;
+  std::vector<Hdf5Read> reads;
+  all_ends.reserve(shards.size());
+  for (const ShardFile& one : shards) {
+    const std::uint64_t num_episodes = numEpisodes(manifest, one.shard);
+    checkCounts(one.file, num_episodes);
+    all_ends.emplace_back(num_episodes);
+    reads.push_back({one.file, std::as_writable_bytes(std::span(all_ends.back())), [&](std::span<std::byte> bytes) {
+                       checkContent(openForReading(one.file), manifest, one.shard, contents, episodeEnds(bytes));
+                     }});
+  }
+  readShards(reads, isolation);
   return all_ends;
 }
 
-void readShardRows(const std::filesystem::path& file, const Column& column, std::uint64_t first, std::uint64_t count, Isolation isolation,
-                   std::byte* rows) {
-  readShard(file, isolation, {rows, rowBytes(column) * count}, [&](std::span<std::byte> bytes) {
-    const Handle handle = openForReading(file);
-    const Handle data(H5Dopen2(handle, column.name.c_str(), H5P_DEFAULT), H5Dclose);
-    readRows(data, column, first, count, bytes.data());
-  });
+void readShardRows(std::span<const ShardRows> parts, const Column& column, Isolation isolation, std::byte* rows) {
+  std::vector<Hdf5Read> reads;
+  for (const ShardRows& part : parts) {
+    const std::span<std::byte> bytes{rows, rowBytes(column) * part.count};
+    reads.push_back({part.file, bytes, [&](std::span<std::byte> buffer) {
+                       const Handle file = openForReading(part.file);
+                       const Handle data(H5Dopen2(file, column.name.c_str(), H5P_DEFAULT), H5Dclose);
+                       readRows(data, column, part.first, part.count, buffer.data());
+                     }});
+    rows += bytes.size();
+  }
+  readShards(reads, isolation);
 }
 
 }  // namespace taxelsim::dataset

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -18,19 +19,30 @@ class Compressor;
 // level, null if that is 0. Throws Error(kInput) if `data` does not match the manifest, Error(kIo) if HDF5 fails.
 FileContent shardImage(const Manifest& manifest, std::uint64_t shard, const ShardData& data, Compressor* compressor);
 
-// Checks that the file is that shard of that data set, with all columns in their types and shapes. Verifies its checksum before HDF5 opens
-// it; in format 1, which has none, the SHA-256 of all rows if `contents`. Returns the end of each episode in frames from the start of the
-// shard (num_episodes). Throws Error(kInput) with the file and the problem, also where the file is too small for its counts.
-std::vector<std::uint64_t> checkShard(const std::filesystem::path& file, const Manifest& manifest, std::uint64_t shard, bool contents,
-                                      Isolation isolation);
+struct ShardFile {
+  std::filesystem::path file;
+  std::uint64_t shard = 0;  // its number
+};
 
-// The same for a shard whose checksum is verified or vouched for.
-std::vector<std::uint64_t> checkShardContent(const std::filesystem::path& file, const Manifest& manifest, std::uint64_t shard,
-                                             bool contents, Isolation isolation);
+// Checks that each file is that shard of that data set, with all columns in their types and shapes. Verifies its checksum before HDF5 opens
+// it; in format 1, which has none, the SHA-256 of all rows if `contents`. A child process reads several files. Returns for each shard the
+// end of each episode in frames from the start of the shard (num_episodes). Throws Error(kInput) with the first file that has a problem,
+// also where it is too small for its counts.
+std::vector<std::vector<std::uint64_t>> checkShardFiles(std::span<const ShardFile> shards, const Manifest& manifest, bool contents,
+                                                        Isolation isolation);
 
-// Reads rows [first, first + count) of a column, which must be in range, to `rows`. The shard must have passed checkShard(). Throws
-// Error(kInput) if HDF5 fails.
-void readShardRows(const std::filesystem::path& file, const Column& column, std::uint64_t first, std::uint64_t count, Isolation isolation,
-                   std::byte* rows);
+// The same for shards whose checksums are verified or vouched for.
+std::vector<std::vector<std::uint64_t>> checkShardContents(std::span<const ShardFile> shards, const Manifest& manifest, bool contents,
+                                                           Isolation isolation);
+
+// Rows [first, first + count) of a column in a shard.
+struct ShardRows {
+  std::filesystem::path file;
+  std::uint64_t first = 0, count = 0;
+};
+
+// Reads rows of several shards, one after another, to `rows`. The shards must have passed checkShard(), and the rows must be in range. A
+// child process reads several shards. Throws Error(kInput) if HDF5 fails.
+void readShardRows(std::span<const ShardRows> parts, const Column& column, Isolation isolation, std::byte* rows);
 
 }  // namespace taxelsim::dataset

@@ -6,7 +6,7 @@
 #include "base/sha256.h"
 #include "dataset/checksum.h"
 #include "dataset/manifest.h"
-#include "dataset/workers.h"
+#include "dataset/thread_pool.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim::dataset {
@@ -39,13 +39,13 @@ bool verifyShards(const std::filesystem::path& directory, const ChecksumList& li
   };
   if (!shards.empty()) {
     const std::size_t num_threads = std::min<std::size_t>(std::max(1u, std::thread::hardware_concurrency()), shards.size());
-    Workers workers(static_cast<int>(num_threads));
+    ThreadPool threads(static_cast<int>(num_threads));
     std::vector<VerifiedShard> results(std::min(num_threads * kShardsPerThread, shards.size()));
     for (std::size_t first = 0; first < shards.size(); first += results.size()) {
       const std::size_t count = std::min(results.size(), shards.size() - first);
       report(first);
       try {
-        workers.run(count, [&](int, std::size_t i) { results[i] = verified(directory, list, shards[first + i], options); });
+        threads.run(count, [&](int, std::size_t i) { results[i] = verified(directory, list, shards[first + i], options); });
       } catch (const Stopped&) {
         return false;
       }

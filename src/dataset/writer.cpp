@@ -1,6 +1,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <optional>
 #include <span>
@@ -168,7 +169,8 @@ struct DatasetWriter::Impl {
     const fs::path file = shardFile(result.shard);
     try {
       if (result.problem) std::rethrow_exception(result.problem);
-      shard_ends[result.shard] = checkShardContent(file, manifest, result.shard, /*contents=*/true, Isolation::kNone);
+      shard_ends[result.shard] =
+          checkShardContents(std::array{ShardFile{file, result.shard}}, manifest, /*contents=*/true, Isolation::kNone).front();
       hashes[result.shard] = result.hashed;
       is_list_complete = is_list_complete && result.is_vouched_for;
     } catch (const Error& problem) {

@@ -32,6 +32,12 @@ const Json& estimateOf(const Json& json, const std::string& parameter) {
   throw std::runtime_error("no estimate of " + parameter);
 }
 
+std::string scatterText(double scatter) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%.4g", scatter);
+  return text;
+}
+
 // Standard deviation of the logarithm of the gains of live taxels, to four digits.
 std::string scatterOfGains(const Sensor& sensor) {
   std::vector<double> logs;
@@ -41,9 +47,7 @@ std::string scatterOfGains(const Sensor& sensor) {
   }
   for (const double value : logs) mean += value / static_cast<double>(logs.size());
   for (const double value : logs) squares += (value - mean) * (value - mean);
-  char text[16];
-  std::snprintf(text, sizeof text, "%.4g", std::sqrt(squares / static_cast<double>(logs.size() - 1)));
-  return text;
+  return scatterText(std::sqrt(squares / static_cast<double>(logs.size() - 1)));
 }
 
 // TRUTH of scripts/make_measurements.py.
@@ -106,6 +110,23 @@ TEST(Characterize, RefusesATemperatureThatNoMeasurementHas) {
   arguments.insert(arguments.end(), {"--temperature", "40"});
   expectRefused(runTaxelsim(arguments), "--temperature: the measurements have no temperature_degC");
   EXPECT_FALSE(std::filesystem::exists(directory / "s.yaml"));
+}
+
+TEST(Characterize, WritesAnArrayOfTheSameKind) {
+  const TemporaryDirectory directory;
+  ASSERT_EQ(runTaxelsim(characterized({"force_curve"}, directory / "one.yaml")).status, 0);
+  std::vector<std::string> arguments = characterized({"force_curve"}, directory / "kind.yaml");
+  arguments.emplace_back("--random-gains");
+  const Outcome outcome = runTaxelsim(arguments);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const Sensor one = loadSensor(directory / "one.yaml"), kind = loadSensor(directory / "kind.yaml");
+  EXPECT_TRUE(kind.readout.taxel_gain.empty());
+  EXPECT_EQ(scatterText(kind.readout.gain_spread), scatterOfGains(one));
+  EXPECT_THAT(contentOf(directory / "kind.yaml"), HasSubstr("# standard deviation of the logarithm of the fitted gains"));
+  arguments = characterized({"force_depth"}, directory / "none.yaml");
+  arguments.emplace_back("--random-gains");
+  expectRefused(runTaxelsim(arguments), "--random-gains: the measurements determine the gains of fewer than two taxels");
+  EXPECT_FALSE(std::filesystem::exists(directory / "none.yaml"));
 }
 
 TEST(Characterize, ReportIsSelfContained) {

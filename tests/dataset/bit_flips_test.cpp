@@ -1,6 +1,7 @@
 // Every flipped bit and every truncation of a small data set's files: minutes to an hour, so that the suites are studies (scripts/campaign
 // flips). TAXELSIM_FLIP_STRIDE takes each n-th bit and truncation only.
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdlib>
 
@@ -143,7 +144,7 @@ TEST(FormatOneBitFlipsStudy, ShardsHarmNobody) {
   const Manifest manifest = readManifest(directory / "d");
   const std::vector<Outcome> outcomes = readSerially(numDamages(whole) / stride(), [&](std::size_t i) {
     overwrite(file, damaged(whole, i * stride()));
-    dataset::checkShard(file, manifest, 0, /*contents=*/true, dataset::Isolation::kNone);
+    dataset::checkShardFiles(std::array{dataset::ShardFile{file, 0}}, manifest, /*contents=*/true, dataset::Isolation::kNone);
   });
   Tally tally{.num_files = outcomes.size()};
   for (std::size_t i = 0; i < outcomes.size(); ++i) {

@@ -112,6 +112,31 @@ class HostileColumn : public ::testing::Test {
   std::filesystem::path shard_ = directory_ / "d/shard-000000.h5";
 };
 
+// One child process reads several shards; a broken one among them is found and named, and does not harm the others.
+TEST(Hostile, ShardsThatAreReadTogetherDoNotHideABrokenOne) {
+  const TemporaryDirectory directory;
+  const Manifest manifest = exampleManifest();
+  writeExample(directory / "d", manifest);
+  const auto rowsOf = [&](bool isolated) {
+    const DatasetReader reader(directory / "d", /*allow_incomplete=*/false, isolated);
+    std::vector<std::vector<std::byte>> rows;
+    for (const Column& column : manifest.columns)
+      rows.push_back(reader.read(column.name, 1, (column.per_episode ? reader.numEpisodes() : reader.numFrames()) - 2));
+    return rows;
+  };
+  EXPECT_EQ(rowsOf(/*isolated=*/true), rowsOf(/*isolated=*/false)) << "from within the first shard to within the last one";
+  const std::filesystem::path file = directory / "d/shard-000001.h5";
+  std::string bytes = filesIn(directory / "d")["shard-000001.h5"];
+  bytes.replace(0, 8, "no HDF5.");
+  overwrite(file, bytes);
+  renewChecksum(file);
+  const std::vector<ShardStatus> statuses = checkShards(directory / "d", /*contents=*/true, /*isolated=*/true);
+  ASSERT_EQ(statuses.size(), 3u);
+  for (const ShardStatus& status : statuses)
+    EXPECT_EQ(status.state, status.shard == 1 ? ShardStatus::State::kBroken : ShardStatus::State::kWhole) << status.problem;
+  expectError(ErrorKind::kInput, "shard-000001.h5: broken or foreign shard", [&] { rowsOf(/*isolated=*/true); });
+}
+
 TEST_F(HostileColumn, HasItsRowsInTheFile) {
   replaceColumn(shard_, num_rows_, createColumn);
   EXPECT_NE(problemOf(directory_ / "d").find("more than its 0 bytes"), std::string::npos) << "never written, so that HDF5 reads zeros";

@@ -63,7 +63,7 @@ TEST_F(FaultsOfResults, EvaluatedControllersSurviveALostDevice) {
   const nlohmann::json complete = nlohmann::json::parse(evaluate({"--json"}).out)["controllers"];
   std::size_t kept = 0;
   const int num_lost = failAtEach(
-      support::numCases(90, 1), "TAXELSIM_FAIL_SUBMIT", [&](const RunOptions& lost) { return evaluate({"--json"}, lost); },
+      support::numCases(90, 9), "TAXELSIM_FAIL_SUBMIT", [&](const RunOptions& lost) { return evaluate({"--json"}, lost); },
       [&](const Outcome& outcome) {
         const nlohmann::json found = outcome.out.empty() ? nlohmann::json::array() : nlohmann::json::parse(outcome.out)["controllers"];
         ASSERT_LE(found.size(), complete.size());
@@ -78,7 +78,7 @@ TEST_F(FaultsOfResults, EvaluatedControllersSurviveALostDevice) {
 TEST_F(FaultsOfResults, PartOfAnEvaluationIsWrittenWholeOrNotAtAll) {
   const std::filesystem::path out = root_ / "parts";
   const int num_lost = failAtEach(
-      support::numCases(150, 1), "TAXELSIM_FAIL_SUBMIT",
+      support::numCases(150, 15), "TAXELSIM_FAIL_SUBMIT",
       [&](const RunOptions& lost) {
         return evaluate({"--part", "1/2", "-o", out}, lost);
       },

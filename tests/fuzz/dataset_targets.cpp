@@ -43,7 +43,7 @@ std::span<std::byte> coverage() {
 }
 
 // Reads a file of a data set in a child process, which HDF5 may crash, with the checksum that an attacker would make. The child's coverage
-// is added to that of this process. `read`: checkShard() or viewEnds().
+// is added to that of this process. `read`: checkShardFiles() or viewEnds().
 template <typename ReadFile>
 void readHdf5File(const std::string& name, const char* manifest_name, std::string_view input, ReadFile read) {
   const auto manifest_file = std::filesystem::path(TAXELSIM_SOURCE_DIR) / "tests/fuzz/data" / manifest_name;
@@ -71,7 +71,7 @@ void readHdf5File(const std::string& name, const char* manifest_name, std::strin
 
 void readShard(const char* manifest_name, std::string_view input) {
   readHdf5File(shardName(0), manifest_name, input, [](const auto& file, const Manifest& manifest, Isolation isolation) {
-    checkShard(file, manifest, 0, /*contents=*/true, isolation);
+    checkShardFiles(std::array{ShardFile{file, 0}}, manifest, /*contents=*/true, isolation);
   });
 }
 

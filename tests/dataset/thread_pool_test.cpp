@@ -1,4 +1,4 @@
-#include "dataset/workers.h"
+#include "dataset/thread_pool.h"
 
 #include <gtest/gtest.h>
 
@@ -9,16 +9,16 @@
 namespace taxelsim::dataset {
 namespace {
 
-TEST(Workers, RunEveryJobOnce) {
+TEST(ThreadPool, RunsEveryJobOnce) {
   for (const int num_threads : {1, 2, 7}) {
-    Workers workers(num_threads);
-    EXPECT_EQ(workers.numThreads(), num_threads);
+    ThreadPool threads(num_threads);
+    EXPECT_EQ(threads.numThreads(), num_threads);
     for (const std::size_t num_jobs : {0u, 1u, 2u, 1000u}) {
       std::vector<std::atomic<int>> times(num_jobs);
       std::atomic<bool> out_of_range = false;
-      workers.run(num_jobs, [&](int worker, std::size_t index) {
+      threads.run(num_jobs, [&](int thread, std::size_t index) {
         ++times[index];
-        if (worker < 0 || worker >= num_threads) out_of_range = true;
+        if (thread < 0 || thread >= num_threads) out_of_range = true;
       });
       for (std::size_t i = 0; i < num_jobs; ++i) EXPECT_EQ(times[i], 1) << "job " << i << " of " << num_jobs;
       EXPECT_FALSE(out_of_range);
@@ -26,12 +26,12 @@ TEST(Workers, RunEveryJobOnce) {
   }
 }
 
-TEST(Workers, RethrowTheFirstException) {
+TEST(ThreadPool, RethrowsTheFirstException) {
   for (const int num_threads : {1, 3}) {
-    Workers workers(num_threads);
+    ThreadPool threads(num_threads);
     std::atomic<int> num_done = 0;
     try {
-      workers.run(1000, [&](int, std::size_t index) {
+      threads.run(1000, [&](int, std::size_t index) {
         if (index == 5) throw std::runtime_error("five");
         ++num_done;
       });
@@ -45,7 +45,7 @@ TEST(Workers, RethrowTheFirstException) {
       EXPECT_EQ(num_done, 5) << "jobs were started after an exception";
     }
     num_done = 0;
-    workers.run(20, [&](int, std::size_t) { ++num_done; });
+    threads.run(20, [&](int, std::size_t) { ++num_done; });
     EXPECT_EQ(num_done, 20) << "the pool is usable after an exception";
   }
 }

@@ -1,4 +1,4 @@
-#include "dataset/workers.h"
+#include "dataset/thread_pool.h"
 
 #include <utility>
 
@@ -6,20 +6,20 @@
 
 namespace taxelsim::dataset {
 
-Workers::Workers(int num_threads) {
+ThreadPool::ThreadPool(int num_threads) {
   try {
-    for (int worker = 0; worker < num_threads; ++worker) threads_.emplace_back([this, worker] { work(worker); });
+    for (int thread = 0; thread < num_threads; ++thread) threads_.emplace_back([this, thread] { work(thread); });
   } catch (...) {
     stop();
     throw;
   }
 }
 
-Workers::~Workers() {
+ThreadPool::~ThreadPool() {
   stop();
 }
 
-void Workers::stop() {
+void ThreadPool::stop() {
   {
     const std::lock_guard lock(mutex_);
     closing_ = true;
@@ -28,7 +28,7 @@ void Workers::stop() {
   for (std::thread& thread : threads_) thread.join();
 }
 
-void Workers::work(int worker) {
+void ThreadPool::work(int thread) {
   lowerThreadPriority();
   std::unique_lock lock(mutex_);
   for (;;) {
@@ -40,7 +40,7 @@ void Workers::work(int worker) {
     lock.unlock();
     std::exception_ptr error;
     try {
-      job(worker, index);
+      job(thread, index);
     } catch (...) {
       error = std::current_exception();
     }
@@ -53,7 +53,7 @@ void Workers::work(int worker) {
   }
 }
 
-void Workers::run(std::size_t num_jobs, const std::function<void(int worker, std::size_t index)>& job) {
+void ThreadPool::run(std::size_t num_jobs, const std::function<void(int thread, std::size_t index)>& job) {
   std::unique_lock lock(mutex_);
   job_ = &job;
   num_jobs_ = num_jobs;

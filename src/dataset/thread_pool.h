@@ -1,4 +1,4 @@
-// A fixed pool of threads that process the iterations of a loop.
+// A fixed number of threads that run the iterations of a loop.
 #pragma once
 
 #include <condition_variable>
@@ -11,23 +11,23 @@
 
 namespace taxelsim::dataset {
 
-class Workers {
+class ThreadPool {
  public:
   // `num_threads` >= 1, with lowered priority (base/thread_priority.h). Throws std::system_error if a thread cannot be created.
-  explicit Workers(int num_threads);
-  ~Workers();
-  Workers(const Workers&) = delete;
-  Workers& operator=(const Workers&) = delete;
+  explicit ThreadPool(int num_threads);
+  ~ThreadPool();
+  ThreadPool(const ThreadPool&) = delete;
+  ThreadPool& operator=(const ThreadPool&) = delete;
 
   int numThreads() const { return static_cast<int>(threads_.size()); }
 
-  // Calls job(worker, index) once for every index < num_jobs, in ascending order of start, on thread `worker` < numThreads(). Waits
+  // Calls job(thread, index) once for every index < num_jobs, in ascending order of start, on thread `thread` < numThreads(). Waits
   // for all. After a job has thrown no further job is started, and the first exception is rethrown here. Must be called from one
   // thread at a time.
-  void run(std::size_t num_jobs, const std::function<void(int worker, std::size_t index)>& job);
+  void run(std::size_t num_jobs, const std::function<void(int thread, std::size_t index)>& job);
 
  private:
-  void work(int worker);
+  void work(int thread);
   void stop();
 
   std::mutex mutex_;
