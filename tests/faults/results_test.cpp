@@ -103,9 +103,9 @@ TEST_F(FaultsOfResults, ExperimentOnALostDeviceDrawsNothing) {
 
 TEST_F(FaultsOfResults, PictureOnAFullDiskIsWrittenWholeOrNotAtAll) {
   const std::filesystem::path png = root_ / "picture.png";
-  const std::vector<std::string> command{"frame",    "--sensor",    TAXELSIM_SOURCE_DIR "/scenes/sensors/wts0614_soft_cover.yaml",
-                                         "--object", "sphere:0.01", "--load",
-                                         "1",        "--png",       png};
+  const std::vector<std::string> command{
+      "--log-level", "error", "frame", "--sensor", TAXELSIM_SOURCE_DIR "/scenes/sensors/wts0614_soft_cover.yaml", "--object", "sphere:0.01",
+      "--load",      "1",     "--png", png};
   expectDeviceError(runTaxelsim(command, {.limits = {{RLIMIT_FSIZE, 4096}}}), "cannot write");
   EXPECT_FALSE(std::filesystem::exists(png));
 }
