@@ -21,8 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kShardsAtOnce = 256;
-
 // Format 1 has texts of variable length, whose lengths HDF5 1.10 does not check, and no checksums of files.
 Isolation isolationOf(const Manifest& manifest, bool isolated) {
   return isolated || manifest.format_version == 1 ? Isolation::kChild : Isolation::kNone;
@@ -37,17 +35,6 @@ std::vector<double> toDoubles(std::span<const std::byte> bytes) {
     values[i] = static_cast<double>(value);
   }
   return values;
-}
-
-// Calls `check`; the shard is broken if it throws an Error.
-template <typename Check>
-void orBroken(ShardStatus& status, const Check& check) {
-  try {
-    check();
-  } catch (const Error& error) {
-    status.state = ShardStatus::State::kBroken;
-    status.problem = error.what();
-  }
 }
 
 }  // namespace
@@ -73,28 +60,27 @@ std::vector<ShardStatus> checkShards(const fs::path& directory, bool contents, b
       result[shard].state = ShardStatus::State::kMissing;
   }
   std::vector<ShardFile> unread;
+  const auto markBroken = [&](const ShardFile& one, const Error& error) {
+    result[one.shard].state = ShardStatus::State::kBroken;
+    result[one.shard].problem = error.what();
+  };
   const auto use = [&](const VerifiedShard& verified) {
     result[verified.shard].is_vouched_for = verified.is_vouched_for;
     if (verified.is_vouched_for) return;  // its content was checked before it was listed
-    if (verified.problem)
-      orBroken(result[verified.shard], [&] { std::rethrow_exception(verified.problem); });
-    else
-      unread.push_back({directory / shardName(verified.shard), verified.shard});
+    const ShardFile one{directory / shardName(verified.shard), verified.shard};
+    try {
+      if (verified.problem) std::rethrow_exception(verified.problem);
+      unread.push_back(one);
+    } catch (const Error& error) {
+      markBroken(one, error);
+    }
   };
   if (manifest.format_version == 1) {
     for (const std::uint64_t shard : shards) use({.shard = shard, .hashed = {}, .is_vouched_for = false, .problem = nullptr});
   } else {
     verifyShards(directory, ChecksumList(directory, manifest.numShards()), shards, {.verify_all = contents}, use);
   }
-  for (std::span<const ShardFile> left = unread; !left.empty();) {
-    const auto some = left.first(std::min(left.size(), kShardsAtOnce));
-    try {
-      checkShardContents(some, manifest, contents, isolation);
-    } catch (const Error&) {
-      for (const ShardFile& one : some) orBroken(result[one.shard], [&] { checkShardContents({&one, 1}, manifest, contents, isolation); });
-    }
-    left = left.subspan(some.size());
-  }
+  checkShardContents(unread, manifest, contents, isolation, markBroken);
   return result;
 }
 

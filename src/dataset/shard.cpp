@@ -129,15 +129,18 @@ void verifyRows(hid_t data, const Column& column, std::uint64_t num_rows, std::u
   expect(digest.finish() == readTextAttribute(data, kHashAttribute, format), "SHA-256 mismatch of " + column.name);
 }
 
-// Reads shards in the order given; in child processes, up to kFilesPerChild in each.
-void readShards(std::span<const Hdf5Read> reads, Isolation isolation) {
-  while (!reads.empty()) {
-    const std::size_t count = isolation == Isolation::kChild ? std::min(reads.size(), kFilesPerChild) : 1;
-    if (count == 1 || !readHdf5Together(reads.first(count))) {
-      for (const Hdf5Read& one : reads.first(count))
-        readHdf5(one.file, "shard", "generate --repair makes it again", isolation, one.bytes, one.read);
+// Reads shards in the order given; in child processes, up to kFilesPerChild in each. on_problem: with the number of a read that fails.
+void readShards(std::span<const Hdf5Read> reads, Isolation isolation, const std::function<void(std::size_t, const Error&)>& on_problem) {
+  for (std::size_t first = 0, count = 0; first < reads.size(); first += count) {
+    count = isolation == Isolation::kChild ? std::min(reads.size() - first, kFilesPerChild) : 1;
+    if (count > 1 && readHdf5Together(reads.subspan(first, count))) continue;
+    for (std::size_t i = first; i < first + count; ++i) {
+      try {
+        readHdf5(reads[i].file, "shard", "generate --repair makes it again", isolation, reads[i].bytes, reads[i].read);
+      } catch (const Error& error) {
+        on_problem(i, error);
+      }
     }
-    reads = reads.subspan(count);
   }
 }
 
@@ -206,19 +209,30 @@ std::vector<std::vector<std::uint64_t>> checkShardFiles(std::span<const ShardFil
 }
 
 std::vector<std::vector<std::uint64_t>> checkShardContents(std::span<const ShardFile> shards, const Manifest& manifest, bool contents,
-                                                           Isolation isolation) {
-  std::vector<std::vector<std::uint64_t>> all_ends;
+                                                           Isolation isolation, const OnShardProblem& on_problem) {
+  const auto report = [&](const ShardFile& one, const Error& error) {
+    if (!on_problem) throw;  // called in a handler
+    on_problem(one, error);
+  };
+  std::vector<std::vector<std::uint64_t>> all_ends(shards.size());
   std::vector<Hdf5Read> reads;
-  all_ends.reserve(shards.size());
-  for (const ShardFile& one : shards) {
+  std::vector<const ShardFile*> files;  // of the reads
+  for (std::size_t i = 0; i < shards.size(); ++i) {
+    const ShardFile& one = shards[i];
     const std::uint64_t num_episodes = numEpisodes(manifest, one.shard);
-    checkCounts(one.file, num_episodes);
-    all_ends.emplace_back(num_episodes);
-    reads.push_back({one.file, std::as_writable_bytes(std::span(all_ends.back())), [&](std::span<std::byte> bytes) {
+    try {
+      checkCounts(one.file, num_episodes);
+    } catch (const Error& error) {
+      report(one, error);
+      continue;
+    }
+    all_ends[i].resize(num_episodes);
+    files.push_back(&one);
+    reads.push_back({one.file, std::as_writable_bytes(std::span(all_ends[i])), [&](std::span<std::byte> bytes) {
                        checkContent(openForReading(one.file), manifest, one.shard, contents, episodeEnds(bytes));
                      }});
   }
-  readShards(reads, isolation);
+  readShards(reads, isolation, [&](std::size_t i, const Error& error) { report(*files[i], error); });
   return all_ends;
 }
 
@@ -233,7 +247,7 @@ void readShardRows(std::span<const ShardRows> parts, const Column& column, Isola
                      }});
     rows += bytes.size();
   }
-  readShards(reads, isolation);
+  readShards(reads, isolation, [](std::size_t, const Error&) { throw; });
 }
 
 }  // namespace taxelsim::dataset

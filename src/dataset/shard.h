@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "base/files.h"
 #include "dataset/hdf5_reading.h"
 #include "taxelsim/dataset.h"
+#include "taxelsim/error.h"
 
 namespace taxelsim::dataset {
 
@@ -31,9 +33,12 @@ struct ShardFile {
 std::vector<std::vector<std::uint64_t>> checkShardFiles(std::span<const ShardFile> shards, const Manifest& manifest, bool contents,
                                                         Isolation isolation);
 
-// The same for shards whose checksums are verified or vouched for.
+using OnShardProblem = std::function<void(const ShardFile&, const Error&)>;
+
+// The same for shards whose checksums are verified or vouched for. With `on_problem` it does not throw an Error: it calls on_problem for
+// each shard that has a problem, and checks the others.
 std::vector<std::vector<std::uint64_t>> checkShardContents(std::span<const ShardFile> shards, const Manifest& manifest, bool contents,
-                                                           Isolation isolation);
+                                                           Isolation isolation, const OnShardProblem& on_problem = {});
 
 // Rows [first, first + count) of a column in a shard.
 struct ShardRows {
@@ -41,8 +46,8 @@ struct ShardRows {
   std::uint64_t first = 0, count = 0;
 };
 
-// Reads rows of several shards, one after another, to `rows`. The shards must have passed checkShard(), and the rows must be in range. A
-// child process reads several shards. Throws Error(kInput) if HDF5 fails.
+// Reads rows of several shards, one after another, to `rows`. The shards must have passed checkShardFiles(), and the rows must be in range.
+// A child process reads several shards. Throws Error(kInput) if HDF5 fails.
 void readShardRows(std::span<const ShardRows> parts, const Column& column, Isolation isolation, std::byte* rows);
 
 }  // namespace taxelsim::dataset
