@@ -32,6 +32,7 @@ const uint kTeams = WORKGROUP / TEAM;
 #include "features/jacobian_taxels.glsl"
 #include "features/spread_change.glsl"
 #include "features/part_sums.glsl"
+#include "features/team_sums.glsl"
 #include "features/jacobian_sums.glsl"
 #include "features/jacobian_rows.glsl"
 

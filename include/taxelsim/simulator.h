@@ -37,6 +37,7 @@ struct OutputOptions {
   bool tactile_jacobian = false;
   bool clean_tactile_jacobian = false;  ///< GroundTruthView::jacobian.
   bool taxel_jacobian = false;          ///< GroundTruthView::taxel_jacobian; one device pass, and one that the others share.
+  bool vjp = false;                     ///< Simulator::vjp(); only the pass that the others share. No Jacobian is read back.
 };
 
 /// Options of a Simulator.
@@ -180,6 +181,13 @@ struct FrameView : FeatureView {
   GroundTruthView ground_truth;  ///< Values that no sensor could measure.
 };
 
+/// Gradient of a loss, Simulator::vjp(). Arrays are instance-major; N = num_instances.
+struct GradientView {
+  /// (N x 6), per m and per rad: by a small twist of the sensor, v of the origin of S, then w, in S, while the objects stay.
+  std::span<const float> twist;
+  std::span<const float> gain;  ///< (N x num_taxels): by the gain of each taxel.
+};
+
 /// Device memory of a simulator, for planning.
 struct MemoryPlan {
   /// Bytes per instance in a batch of the given size. A batch with one instance more may take less, if it has no room for the buffers that
@@ -199,8 +207,8 @@ struct StepTiming {
 
 /// A batch of sensor instances.
 ///
-/// A step: setObjects() or setContacts(), step(), read(). Threads: one thread at a time per simulator; simulators of one Model may run in
-/// different threads.
+/// A step: setObjects() or setContacts(), step(), read(); then vjp() if wanted. Threads: one thread at a time per simulator; simulators of
+/// one Model may run in different threads.
 class Simulator {
  public:
   /// Allocates all device memory. Throws Error(kInput), with the largest size that fits, if the batch does not fit.
@@ -253,8 +261,9 @@ class Simulator {
 
   /// Compiles all kernels that steps need, so that no step waits for the driver. `loads`: also those of load-driven instances.
   ///
-  /// Call after reset(), because random gains and noise need further kernels. Without this call a step compiles what it needs, and so does
-  /// a step of some instances: with meshes one kernel more. Waits. Throws Error(kDevice) if the driver refuses.
+  /// With OutputOptions::vjp also that of vjp(). Call after reset(), because random gains and noise need further kernels. Without this call
+  /// a step compiles what it needs, and so does a step of some instances: with meshes one kernel more. Waits. Throws Error(kDevice) if the
+  /// driver refuses.
   void prepare(bool loads = false);
 
   /// Advances every instance by `dt` (s, > 0) and computes its frame. Submits, does not wait.
@@ -273,6 +282,19 @@ class Simulator {
 
   /// Waits for the last step() and returns its frame. Throws Error(kDevice) if the device was lost.
   FrameView read();
+
+  /// Pulls the gradient of a loss by the forces of taxels back to the sensor's pose and to the gains (vector-Jacobian product).
+  ///
+  /// The forces are gain x tactile_normal_force of the last frame that was read (GroundTruthView, also where it is not an output).
+  /// `cotangent` (N x num_taxels): the loss's gradient by them, per N. `gain` (N x num_taxels): of each taxel; empty: 1. By twist the
+  /// result is the sum over taxels of cotangent x gain x the row of GroundTruthView::taxel_jacobian, by gain cotangent x
+  /// tactile_normal_force. Forces are smooth in the pose with DepthSampling::kArea.
+  ///
+  /// Submits a dispatch over the derivatives that lie on the device, and waits. Frames, states and clocks stay as they are. The spans stay
+  /// valid until the next vjp() of the same simulator. Sums are in float32 in a fixed order: the batch changes no bit. Throws Error(kInput)
+  /// without OutputOptions::vjp, for a wrong length, and for a number or a product of cotangent and gain that is not finite; Error(kDevice)
+  /// if the device was lost; std::logic_error between step() and read(), and before the first frame.
+  GradientView vjp(std::span<const float> cotangent, std::span<const float> gain = {});
 
   StepTiming timing() const;  ///< Times of the last frame read.
 

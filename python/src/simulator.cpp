@@ -4,6 +4,7 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/shared_ptr.h>
 
+#include <algorithm>
 #include <mutex>
 #include <stdexcept>
 
@@ -16,9 +17,10 @@ namespace {
 
 using Ids = nb::ndarray<const int, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Poses = nb::ndarray<const double, nb::shape<-1, 7>, nb::c_contig, nb::device::cpu>;
-using Loads = nb::ndarray<const float, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Points = nb::ndarray<const double, nb::shape<-1, 4>, nb::c_contig, nb::device::cpu>;
 using Mask = nb::ndarray<const std::uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Floats = nb::ndarray<const float, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using FloatResults = nb::ndarray<float, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Episodes = nb::ndarray<const std::uint64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
 static_assert(sizeof(Pose) == 7 * sizeof(double) && sizeof(ContactPoint) == 4 * sizeof(double));
@@ -91,6 +93,16 @@ void setContacts(SharedSimulator& self, const Points& contacts, const Ids& offse
   self.input("set_contacts", [&](Simulator& simulator) { simulator.setContacts(rows<ContactPoint>(contacts), rows<int>(offsets)); });
 }
 
+// `gain`: empty for 1. Results: `twist` (N x 6), `by_gain` (N x num_taxels).
+void vjp(SharedSimulator& self, const Floats& cotangent, const Floats& gain, const FloatResults& twist, const FloatResults& by_gain) {
+  self.input("vjp", [&](Simulator& simulator) {
+    const GradientView gradient = simulator.vjp(rows<float>(cotangent), rows<float>(gain));
+    if (twist.size() != gradient.twist.size() || by_gain.size() != gradient.gain.size()) throw std::logic_error("vjp(): wrong results");
+    std::copy(gradient.twist.begin(), gradient.twist.end(), twist.data());
+    std::copy(gradient.gain.begin(), gradient.gain.end(), by_gain.data());
+  });
+}
+
 void bindOptions(nb::module_& module) {
   nb::class_<OutputOptions> outputs(module, "OutputOptions",
                                     "Optional outputs of a Simulator. Features and the tactile image are always computed.");
@@ -102,7 +114,8 @@ void bindOptions(nb::module_& module) {
             field("clean_contact_features", &OutputOptions::clean_contact_features, "frame.ground_truth.contact."),
             field("tactile_jacobian", &OutputOptions::tactile_jacobian, "frame.jacobian."),
             field("clean_tactile_jacobian", &OutputOptions::clean_tactile_jacobian, "frame.ground_truth.jacobian."),
-            field("taxel_jacobian", &OutputOptions::taxel_jacobian, "frame.ground_truth.taxel_jacobian."));
+            field("taxel_jacobian", &OutputOptions::taxel_jacobian, "frame.ground_truth.taxel_jacobian."),
+            field("vjp", &OutputOptions::vjp, "Simulator.vjp()."));
   nb::class_<SimulatorOptions> options(module, "SimulatorOptions", "Options of a Simulator.");
   addFields(options, field("num_instances", &SimulatorOptions::num_instances, "N, >= 1."),
             field("num_slots", &SimulatorOptions::num_slots, "Objects per instance, 1 to 8."),
@@ -150,7 +163,7 @@ void bindSimulator(nb::module_& module) {
           "ids"_a, "poses"_a)
       .def(
           "set_loads",
-          [](SharedSimulator& self, const Loads& loads) {
+          [](SharedSimulator& self, const Floats& loads) {
             self.input("set_loads", [&](Simulator& simulator) { simulator.setLoads(rows<float>(loads)); });
           },
           "loads"_a)
@@ -162,6 +175,7 @@ void bindSimulator(nb::module_& module) {
           "step", [](SharedSimulator& self, double dt) { self.step(dt, {}); }, "dt"_a)
       .def(
           "step", [](SharedSimulator& self, double dt, const Mask& mask) { self.step(dt, rows<std::uint8_t>(mask)); }, "dt"_a, "mask"_a)
+      .def("vjp", &vjp, "cotangent"_a, "gain"_a, "twist"_a, "by_gain"_a)
       .def("read", [](SharedSimulator& self) { self.read(); })
       .def(
           "arrays",

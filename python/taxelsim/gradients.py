@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -12,11 +12,11 @@ from .frame import Frame
 
 
 class Gradient(NamedTuple):
-    """Gradient of a loss, one row per instance."""
+    """Gradient of a loss, one row per instance: float32 from Simulator.vjp(), float64 from vjp()."""
 
-    twist: npt.NDArray[np.float64]
+    twist: npt.NDArray[np.floating[Any]]
     """(N, 6), per m and per rad: by a small twist of the sensor, v of the origin of S, then w, in S. By one of the objects: minus this."""
-    gain: npt.NDArray[np.float64]
+    gain: npt.NDArray[np.floating[Any]]
     """(N, num_rows, num_cols): by the gain of each taxel; (N, num_taxels) for sensors of several patches."""
 
 
@@ -26,7 +26,8 @@ def vjp(frame: Frame, cotangent: npt.ArrayLike, gain: npt.ArrayLike = 1.0) -> Gr
     `cotangent`: the loss's gradient, in the shape of frame.ground_truth.tactile_normal_force, per N. `gain`: of each taxel, broadcast to
     that shape. The frame needs OutputOptions(taxel_jacobian=True). Forces are smooth in the pose with DepthSampling.AREA; with POINT the
     derivative ignores the samples that come into contact and leave it within a step. Raises InputError for other shapes and for numbers
-    that are not finite. Computed on the host from the frame's arrays; nothing is submitted.
+    that are not finite. Computed on the host in float64 from the frame's arrays; nothing is submitted. Simulator.vjp() computes the same on
+    the device.
     """
     truth = frame.ground_truth
     force = np.asarray(truth.tactile_normal_force, dtype=np.float64)

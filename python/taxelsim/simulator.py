@@ -13,6 +13,7 @@ from ._arrays import Dimension, to_array
 from ._core import MemoryPlan, Model, OutputOptions, SimulatorOptions, StepTiming
 from .errors import InputError
 from .frame import Frame
+from .gradients import Gradient
 
 NO_OBJECT = -1
 """Id of an empty slot."""
@@ -21,8 +22,8 @@ NO_OBJECT = -1
 class Simulator:
     """A batch of sensor instances over one Model.
 
-    A step: set_objects() or set_contacts(), step(), read(). Threads may share a simulator; calls wait for each other. Whatever waits for
-    the device releases the GIL. Inputs may not be set between step() and read().
+    A step: set_objects() or set_contacts(), step(), read(); then vjp() if wanted. Threads may share a simulator; calls wait for each other.
+    Whatever waits for the device releases the GIL. Inputs may not be set between step() and read().
     """
 
     def __init__(
@@ -224,6 +225,33 @@ class Simulator:
         """
         self._batch.read()
         return self._frame
+
+    def vjp(self, cotangent: npt.ArrayLike, gain: npt.ArrayLike = 1.0) -> Gradient:
+        """Pulls the gradient of a loss by the forces of taxels back to the sensor's pose and to the gains, on the device.
+
+        The forces are gain * tactile_normal_force of the last frame that was read, whether or not that array is an output.
+
+        cotangent: (N, num_rows, num_cols), or (N, num_taxels) for sensors of several patches, per N: the loss's gradient by these forces.
+        gain: of each taxel, broadcast to that shape.
+
+        Needs OutputOptions(vjp=True). The derivatives of forces stay on the device; the result is float32 and does not change with later
+        frames. Forces are smooth in the pose with DepthSampling.AREA. Submits and waits; frames, states and clocks stay as they are. The
+        numbers are those of taxelsim.vjp(), rounded to float32. Raises InputError for another shape, for numbers that are not finite, and
+        without the option; RuntimeError between step() and read(), and before the first frame; DeviceError if the device was lost.
+        """
+        shape = self._frame.tactile_image.shape
+        sizes: list[Dimension] = [self._N, *shape[1:]]
+        pulled = to_array("cotangent", cotangent, np.float32, [sizes])
+        gains = np.empty(0, np.float32)
+        if not np.array_equal(gain, 1.0):
+            try:
+                broadcast = np.broadcast_to(np.asarray(gain), shape)
+            except ValueError:
+                raise InputError(f"gain: shape {np.shape(gain)} is not allowed: {shape}, or one that broadcasts to it") from None
+            gains = to_array("gain", broadcast, np.float32, [sizes]).reshape(-1)
+        twist, by_gain = np.empty((self.num_instances, 6), np.float32), np.empty(shape, np.float32)
+        self._batch.vjp(pulled.reshape(-1), gains, twist.reshape(-1), by_gain.reshape(-1))
+        return Gradient(twist, by_gain)
 
     @property
     def timing(self) -> StepTiming:

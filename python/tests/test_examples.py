@@ -47,6 +47,13 @@ def test_pose_from_image() -> None:
     assert int(found.group(1)) > 100
 
 
+def test_gains_from_images() -> None:
+    found = re.findall(r"off at first, ([\d.]+) (?:%|um) now", run("gains_from_images.py"))
+    gains, places = map(float, found)
+    assert gains < 1  # of 13 %
+    assert places < 20  # of 821 um
+
+
 def test_classify_images() -> None:
     right, chance = percentages(run("classify_images.py", 1500).splitlines()[-1])
     assert right > 3 * chance

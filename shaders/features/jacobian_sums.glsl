@@ -80,22 +80,6 @@ void addChanges(Part part, uint t, vec3 middle, inout Changes changes) {
   }
 }
 
-// Adds the sums of lane `v` and of those of the rest of the team, in their order; every invocation of the team gets the total.
-void addTeam(PartSums sums, uint v, inout PartSums total) {
-  if (TEAM == 1) {
-    for (uint s = 0; s < kMostSums; ++s) total.s[s] += sums.s[s];
-    return;
-  }
-  uint lane = gl_LocalInvocationIndex % TEAM;
-  uint first_partial = gl_LocalInvocationIndex / TEAM * kMostSums * TEAM;
-  for (uint s = 0; s < kMostSums; ++s) partial[first_partial + s * TEAM + lane] = sums.s[s];
-  barrier();
-  for (uint n = 0; n < TEAM; ++n) {
-    for (uint s = 0; s < kMostSums; ++s) total.s[s] += partial[first_partial + s * TEAM + n];
-  }
-  barrier();
-}
-
 // Sums of one kind over all taxels of the part, or all tiles of the instance.
 PartSums sumPart(uint kind, Part part, vec3 middle, uint k) {
   uint first = kind == kSumsWrench ? 0 : part.first, end = kind == kSumsWrench ? NUM_TILES : part.end;

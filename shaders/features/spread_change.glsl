@@ -18,14 +18,19 @@ float kernelAt(int a, int b) {
   return KERNEL == 3 ? small_kernel[min(number, 8u)] : spread_rows[number >> 2][number & 3u];
 }
 
+// Entry `e` of the list of a taxel, where the sensor is not one grid patch: source (as bits) and weight.
+vec2 spreadEntry(uint e, uint t) {
+  uint number = e * NUM_TAXELS + t;
+  return (number & 1u) == 0 ? spread_rows[number >> 1].xy : spread_rows[number >> 1].zw;
+}
+
 // Derivative of a taxel's spread force by coordinate `k` of the twist, N/m or N/rad.
 float spreadChange(uint instance, uint t, uint k) {
   uint first = (instance * 6 + k) * NUM_TAXELS;
   float sum = 0.0;
   if (NUM_ROWS == 0) {
     for (uint e = 0; e < NUM_ENTRIES; ++e) {
-      uint number = e * NUM_TAXELS + t;
-      vec2 entry = (number & 1u) == 0 ? spread_rows[number >> 1].xy : spread_rows[number >> 1].zw;
+      vec2 entry = spreadEntry(e, t);
       sum += entry.y * taxel_jacobian[first + floatBitsToUint(entry.x)];
     }
     return sum;

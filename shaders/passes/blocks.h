@@ -28,6 +28,8 @@
 #define BLOCK_Loads BLOCK(Loads, LoadRecord, loads[])
 #define BLOCK_Contacts BLOCK(Contacts, ContactRecord, contacts[])  // (n x max_contacts)
 #define BLOCK_NumContacts BLOCK(NumContacts, uint, num_contacts[])
+#define BLOCK_Cotangents BLOCK(Cotangents, float, cotangents[])                  // (n x t), per N
+#define BLOCK_ForceCotangents BLOCK(ForceCotangents, float, force_cotangents[])  // (n x t), per N: times the gains of the taxels
 
 // ---- a batch: between steps and between passes ----
 #define BLOCK_Candidates BLOCK(Candidates, CandidateRecord, candidates[])
@@ -67,6 +69,8 @@
 #define BLOCK_ContactFeatures BLOCK(ContactFeatures, float, features[])
 #define BLOCK_TactileJacobian BLOCK(TactileJacobian, float, features[])       // kJacobian..., block after block
 #define BLOCK_SpreadJacobian BLOCK(SpreadJacobian, float, spread_jacobian[])  // (n x 6 x t), N/m and N/rad
+#define BLOCK_TwistGradient BLOCK(TwistGradient, float, twist_gradient[])     // (n x 6), per m and per rad
+#define BLOCK_GainGradient BLOCK(GainGradient, float, gain_gradient[])        // (n x t)
 #define BLOCK_Problems BLOCK(Problems, uint, problems[])                      // (1): 1 where a driver ended a loop early
 
 // ---- host only: copied from, or bound in place of another block ----
@@ -81,12 +85,13 @@
   BLOCK_SensorBlock BLOCK_Patches BLOCK_Tiles BLOCK_Taxels BLOCK_SpreadRows BLOCK_SpreadScale BLOCK_Mask         \
   BLOCK_Influence BLOCK_Planes BLOCK_Neighbours                                                                 \
   BLOCK_Poses BLOCK_Motions BLOCK_Instances BLOCK_Step BLOCK_Loads BLOCK_Contacts BLOCK_NumContacts              \
+  BLOCK_Cotangents BLOCK_ForceCotangents                                                                        \
   BLOCK_Candidates BLOCK_CandidateQuads BLOCK_Work BLOCK_WorkInstances                                          \
   BLOCK_State BLOCK_FrictionState BLOCK_LawState BLOCK_ContactNormal BLOCK_ContactShear BLOCK_ContactDepth       \
   BLOCK_TileResults BLOCK_Heights BLOCK_Windows BLOCK_Layer BLOCK_Foundation BLOCK_TaxelStates BLOCK_ImageWindows BLOCK_AxisPlays \
   BLOCK_Forces BLOCK_TaxelRegions BLOCK_RegionSums BLOCK_Regions                                                \
   BLOCK_ContactCells BLOCK_TileChanges BLOCK_TaxelJacobian BLOCK_MaskedJacobian BLOCK_WrenchJacobian             \
   BLOCK_Image BLOCK_TaxelCounts BLOCK_SpreadNormal BLOCK_SpreadShear BLOCK_Features BLOCK_ContactFeatures BLOCK_TactileJacobian    \
-  BLOCK_SpreadJacobian BLOCK_Problems                                                                           \
+  BLOCK_SpreadJacobian BLOCK_TwistGradient BLOCK_GainGradient BLOCK_Problems                                                                     \
   BLOCK_EmptyWork BLOCK_CleanContactFeatures BLOCK_CleanTactileJacobian
 // clang-format on

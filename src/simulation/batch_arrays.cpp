@@ -30,6 +30,11 @@ constexpr BatchArray perBatch(BatchArray array) {
   return array;
 }
 
+constexpr BatchArray readAfter(unsigned read_after, BatchArray array) {
+  array.read_after = read_after;
+  return array;
+}
+
 constexpr bool always(const OutputOptions&) {
   return true;
 }
@@ -84,6 +89,10 @@ std::uint64_t jacobianFeatures(Shape s) {
   return std::uint64_t{layout::kNumJacobian} * numContactRows(s.model.packed_contact, 0);
 }
 
+std::uint64_t gradientTaxels(Shape s) {
+  return countIf(s.options.outputs.vjp, taxels(s));
+}
+
 constexpr BatchArray kArrays[] = {
     input<block::Poses>("poses", [](Shape s) { return countIf(!s.takesContacts(), slots(s)); }),
     input<block::Motions>("motions", [](Shape s) { return countIf(s.hasFriction(), slots(s)); }),
@@ -92,6 +101,8 @@ constexpr BatchArray kArrays[] = {
     input<block::Contacts>("contacts", [](Shape s) { return static_cast<std::uint64_t>(s.options.max_contacts); }),
     input<block::NumContacts>("num_contacts", [](Shape s) { return countIf(s.takesContacts(), 1); }),
     perBatch(input<block::Step>("step", [](Shape) { return std::uint64_t{1}; })),
+    input<block::Cotangents>("cotangents", gradientTaxels),
+    input<block::ForceCotangents>("cotangents of forces", gradientTaxels),
 
     internal<block::Candidates>("candidates", [](Shape s) { return countIf(s.keeps_candidates, 1); }),
     internal<block::CandidateQuads>("candidate quads", [](Shape s) { return countIf(s.keeps_candidates, layout::kMaxCandidates); }),
@@ -160,8 +171,11 @@ constexpr BatchArray kArrays[] = {
     output<block::SpreadJacobian>(
         "taxel_jacobian", [](Shape s) { return countIf(s.options.outputs.taxel_jacobian, 6 * taxels(s)); },
         [](const OutputOptions& o) { return o.taxel_jacobian; }),
-    perBatch(output<block::Problems>(
-        "problems", [](Shape) { return std::uint64_t{1}; }, always)),
+    readAfter(kAfterGradient, output<block::TwistGradient>(
+                                  "twist gradient", [](Shape s) { return countIf(s.options.outputs.vjp, 6); }, always)),
+    readAfter(kAfterGradient, output<block::GainGradient>("gain gradient", gradientTaxels, always)),
+    readAfter(kAfterFrame | kAfterGradient, perBatch(output<block::Problems>(
+                                                "problems", [](Shape) { return std::uint64_t{1}; }, always))),
     perBatch(output<block::Work>(
         "work", [](Shape) { return std::uint64_t{layout::kNumLists + 1}; }, always)),
 };

@@ -23,9 +23,13 @@ struct BatchShape {
   bool outputsShear() const { return hasFriction() && (options.outputs.tactile_shear_force || options.outputs.taxel_counts); }
   bool outputsContactFeatures() const { return options.outputs.contact_features || options.outputs.clean_contact_features; }
   bool outputsJacobian() const {
-    return options.outputs.tactile_jacobian || options.outputs.clean_tactile_jacobian || options.outputs.taxel_jacobian;
+    const OutputOptions& outputs = options.outputs;
+    return outputs.tactile_jacobian || outputs.clean_tactile_jacobian || outputs.taxel_jacobian || outputs.vjp;
   }
 };
+
+// After what the host reads an array.
+enum ReadAfter : unsigned { kAfterFrame = 1, kAfterGradient = 2 };
 
 struct BatchArray {
   std::size_t block_index;  // block::...::kIndex
@@ -35,6 +39,7 @@ struct BatchArray {
   gpu::Domain domain;
   bool (*is_read)(const OutputOptions&) = nullptr;  // whether the host reads it; nullptr: it stays on the device
   bool per_instance = true;
+  unsigned read_after = kAfterFrame;  // bits of ReadAfter
 
   std::uint64_t bytes(const BatchShape& shape) const { return count(shape) * element_bytes; }
   bool isReadable() const { return is_read != nullptr; }

@@ -21,11 +21,12 @@ void BatchBuffers::bindTo(gpu::Bindings& bindings) const {
   for (const BatchArray& array : batchArrays()) bindings.bind(array.block_index, arrays_[array.block_index].device);
 }
 
-void BatchBuffers::recordReadback(gpu::Commands& commands, const OutputOptions& outputs) const {
+void BatchBuffers::recordReadback(gpu::Commands& commands, const OutputOptions& outputs, ReadAfter after) const {
   commands.barrier(gpu::Access::kKernel, gpu::Access::kCopy);
   for (const BatchArray& array : batchArrays()) {
     const Array& found = arrays_[array.block_index];
-    if (found.isCopied() && array.is_read(outputs)) commands.copy(found.device, found.readback, found.device.size());
+    const bool is_read = found.isCopied() && (array.read_after & after) != 0 && array.is_read(outputs);
+    if (is_read) commands.copy(found.device, found.readback, found.device.size());
   }
   commands.barrier(gpu::Access::kCopy, gpu::Access::kHostRead);
   commands.barrier(gpu::Access::kKernel, gpu::Access::kHostRead);

@@ -29,7 +29,7 @@ class BatchBuffers {
   void bindTo(gpu::Bindings& bindings) const;
 
   // Copies to where the host reads them, as far as the host cannot read device memory.
-  void recordReadback(gpu::Commands& commands, const OutputOptions& outputs) const;
+  void recordReadback(gpu::Commands& commands, const OutputOptions& outputs, ReadAfter after) const;
 
  private:
   struct Array {

@@ -57,9 +57,12 @@ void checkRegions(const SimulatorOptions& options) {
 
 void checkJacobian(const ModelData& model, const SimulatorOptions& options) {
   const OutputOptions& outputs = options.outputs;
-  const bool has_jacobian = outputs.tactile_jacobian || outputs.clean_tactile_jacobian || outputs.taxel_jacobian;
-  if (!has_jacobian) return;
-  const char* name = outputs.tactile_jacobian ? "tactile_jacobian" : outputs.taxel_jacobian ? "taxel_jacobian" : "clean_tactile_jacobian";
+  const char* name = outputs.tactile_jacobian         ? "tactile_jacobian"
+                     : outputs.taxel_jacobian         ? "taxel_jacobian"
+                     : outputs.clean_tactile_jacobian ? "clean_tactile_jacobian"
+                     : outputs.vjp                    ? "vjp"
+                                                      : nullptr;
+  if (name == nullptr) return;
   const auto refuse = [&](const char* why) {
     throw Error(ErrorKind::kInput, std::string("outputs.") + name + ": true is not allowed " + why);
   };

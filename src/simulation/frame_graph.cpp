@@ -85,15 +85,19 @@ void recordImage(const Model::Impl& model, const BatchShape& shape, Recorder& re
   }
 }
 
+Recorder recorderOf(const Model::Impl& model, const BatchShape& shape, const BatchBuffers& buffers, gpu::Commands& commands) {
+  Recorder recorder{commands, {}, static_cast<std::uint64_t>(shape.options.num_instances)};
+  model.data.buffers.bindTo(recorder.bindings);
+  buffers.bindTo(recorder.bindings);
+  return recorder;
+}
+
 }  // namespace
 
 gpu::Commands recordFrame(const Model::Impl& model, const BatchShape& shape, const BatchBuffers& buffers, const FrameKind& kind) {
   constexpr std::uint32_t kNumTimestamps = 3;
   gpu::Commands commands(model.data.context(), "a frame", shape.options.device_clock ? kNumTimestamps : 0);
-  Recorder recorder{commands, {}, static_cast<std::uint64_t>(shape.options.num_instances)};
-  model.data.buffers.bindTo(recorder.bindings);
-  buffers.bindTo(recorder.bindings);
-
+  Recorder recorder = recorderOf(model, shape, buffers, commands);
   commands.barrier(gpu::Access::kHostWrite, gpu::Access::kKernel);
   commands.timestamp(0);
   if (shape.takesContacts()) {
@@ -104,7 +108,17 @@ gpu::Commands recordFrame(const Model::Impl& model, const BatchShape& shape, con
   commands.timestamp(1);
   recordImage(model, shape, recorder, kind);
   commands.timestamp(2);
-  buffers.recordReadback(commands, shape.options.outputs);
+  buffers.recordReadback(commands, shape.options.outputs, kAfterFrame);
+  commands.end();
+  return commands;
+}
+
+gpu::Commands recordGradient(const Model::Impl& model, const BatchShape& shape, const BatchBuffers& buffers, bool with_gains) {
+  gpu::Commands commands(model.data.context(), "a gradient");
+  const Recorder recorder = recorderOf(model, shape, buffers, commands);
+  commands.barrier(gpu::Access::kHostWrite, gpu::Access::kKernel);
+  model.tactile_jacobian.recordGradient(recorder, with_gains);
+  buffers.recordReadback(commands, shape.options.outputs, kAfterGradient);
   commands.end();
   return commands;
 }

@@ -27,4 +27,7 @@ struct FrameKind {
 // 2 and 3 to 6. `shape` must be that of `buffers`.
 gpu::Commands recordFrame(const Model::Impl& model, const BatchShape& shape, const BatchBuffers& buffers, const FrameKind& kind);
 
+// Commands of Simulator::vjp() after a frame, not finished. `shape` must be that of `buffers`.
+gpu::Commands recordGradient(const Model::Impl& model, const BatchShape& shape, const BatchBuffers& buffers, bool with_gains);
+
 }  // namespace taxelsim

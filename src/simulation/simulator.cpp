@@ -101,6 +101,13 @@ gpu::Commands& Simulator::Impl::commands(const FrameKind& kind) {
   return *list;
 }
 
+void Simulator::Impl::checkLoops() const {
+  if (buffers.output<block::Problems>()[0] == 0) return;
+  throw Error(ErrorKind::kDevice,
+              "the driver cut loops of a kernel short (software Vulkan stops after 65,535 iterations), so this frame is incomplete; "
+              "use simpler meshes, fewer samples or contacts, or a larger contact_workgroup or image_workgroup");
+}
+
 bool Simulator::Impl::anyRandom() const {
   const std::span<const layout::InstanceRecord> all = records();
   return model.sensor().readout.noise > 0 ||
@@ -282,6 +289,7 @@ void Simulator::prepare(bool loads) {
     }
   }
   for (const FrameKind& kind : kinds) impl_->commands(kind);  // the kernels of all are compiled at once
+  if (impl_->options.outputs.vjp) impl_->gradientCommands(false).finish();
   for (const FrameKind& kind : kinds) impl_->commands(kind).finish();
 }
 
@@ -374,11 +382,8 @@ FrameView Simulator::read() {
       impl.any_candidates = work[layout::kNumLists].x > 0;
       impl.candidate_schedule.found(impl.any_candidates);
     }
-    if (impl.buffers.output<block::Problems>()[0] != 0) {
-      throw Error(ErrorKind::kDevice,
-                  "the driver cut loops of a kernel short (software Vulkan stops after 65,535 iterations), so this frame is incomplete; "
-                  "use simpler meshes, fewer samples or contacts, or a larger contact_workgroup or image_workgroup");
-    }
+    impl.checkLoops();
+    impl.has_frame = true;
   }
   return viewOf(impl.data(), impl.options, impl.buffers, impl.integer_features);
 }

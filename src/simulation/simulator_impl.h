@@ -66,6 +66,9 @@ struct Simulator::Impl {
 
   // Recorded when first needed; not finished.
   gpu::Commands& commands(const FrameKind& kind);
+  gpu::Commands& gradientCommands(bool with_gains);
+  // Throws Error(kDevice) if the driver has cut a loop of the last commands short.
+  void checkLoops() const;
 
   Model model;
   SimulatorOptions options;
@@ -81,7 +84,9 @@ struct Simulator::Impl {
   NearSlots near;
   std::optional<Motions> motions;  // of a sensor with friction
   std::array<std::optional<gpu::Commands>, 32> recorded;
+  std::array<std::optional<gpu::Commands>, 2> recorded_gradients;  // without and with gains
   gpu::Commands* running = nullptr;
+  bool has_frame = false;  // some step has been read
   StepTiming timing;
 };
 

@@ -10,6 +10,7 @@
 #include "contacts.spv.h"
 #include "elastic_layer.spv.h"
 #include "find_candidates.spv.h"
+#include "force_gradient.spv.h"
 #include "gpu/bindings.h"
 #include "gpu/pass_kernel.h"
 #include "gpu/reflection.h"
@@ -102,6 +103,7 @@ TEST(PassInterfaces, MatchTheShaders) {
   expectMatches<RescaleJacobianInterface>(k_rescale_jacobian_spirv, "rescale_jacobian");
   expectMatches<SpreadJacobianInterface>(k_spread_jacobian_spirv, "spread_jacobian");
   expectMatches<TactileJacobianInterface>(k_tactile_jacobian_spirv, "tactile_jacobian");
+  expectMatches<ForceGradientInterface>(k_force_gradient_spirv, "force_gradient");
 }
 
 TEST(PassInterfaces, ConstantsKeepIdAndBits) {

@@ -52,6 +52,8 @@ class Stepper {
       X_SO_.push_back(support::randomContact(random_, sensor_, model_.objects()[static_cast<std::size_t>(i % 2)]));
     }
     forces_.assign(kNumInstances, kind.loads ? 1.0f : kPoseDriven);
+    cotangent_.assign(static_cast<std::size_t>(kNumInstances * numTaxels(sensor_)), 1.0f);
+    simulates_gradients_ = kind.everything;
   }
 
   Simulator& simulator() { return simulator_; }
@@ -62,6 +64,7 @@ class Stepper {
     simulator_.setLoads(forces_);
     simulator_.step(kDt);
     simulator_.read();
+    if (simulates_gradients_) simulator_.vjp(cotangent_);
   }
 
  private:
@@ -75,7 +78,8 @@ class Stepper {
             .outputs = {.contact_features = kind.everything,
                         .clean_contact_features = kind.everything,
                         .tactile_jacobian = kind.everything,
-                        .clean_tactile_jacobian = kind.everything}};
+                        .clean_tactile_jacobian = kind.everything,
+                        .vjp = kind.everything}};
   }
 
   support::Random random_;
@@ -84,7 +88,8 @@ class Stepper {
   Simulator simulator_;
   std::vector<int> ids_;
   std::vector<Pose> X_SO_;
-  std::vector<float> forces_;
+  std::vector<float> forces_, cotangent_;
+  bool simulates_gradients_ = false;
 };
 
 TEST_P(SteadyStep, AllocatesNothing) {

@@ -94,6 +94,10 @@ struct TactileJacobianInterface {
 #include "passes/tactile_jacobian.h"
 };
 
+struct ForceGradientInterface {
+#include "passes/force_gradient.h"
+};
+
 #undef CONSTANT
 #undef VALUE
 #undef BUFFER

@@ -1,5 +1,8 @@
 #include "simulation/passes/tactile_jacobian.h"
 
+#include <algorithm>
+
+#include "force_gradient.spv.h"
 #include "mask_jacobian.spv.h"
 #include "rescale_jacobian.spv.h"
 #include "sensor/curve.h"
@@ -16,12 +19,29 @@ constexpr std::uint32_t kWorkgroup = gpu::DriverProfile::kIndependentWorkgroup; 
 constexpr std::uint32_t kMostSums = TactileJacobianInterface::kMostSums;
 constexpr std::uint64_t kNumTwist = 6;  // coordinates
 
+// Sources or receivers of a taxel that an invocation goes through: of a kernel once, of a list for each coordinate.
+std::uint64_t numSpreads(const ModelData& model) {
+  const auto kernel = static_cast<std::uint64_t>(model.sensor.psf.size);
+  return model.packed.one_grid ? kernel * kernel : kNumTwist * model.packed.num_entries;
+}
+
 // Loop iterations that one invocation alone would take for a part.
 std::uint64_t partIterations(const ModelData& model) {
   constexpr std::uint64_t kNumScans = 8;  // over the taxels of a part, or tiles
-  const auto kernel = static_cast<std::uint64_t>(model.sensor.psf.size);
-  const std::uint64_t sources = model.packed.one_grid ? kernel * kernel : kNumTwist * model.packed.num_entries;
-  return model.num_taxels * (kNumScans + sources + kNumTwist) + kNumScans * kMostSums * model.packed_contact.lanes;
+  return model.num_taxels * (kNumScans + numSpreads(model) + kNumTwist) + kNumScans * kMostSums * model.packed_contact.lanes;
+}
+
+// Whether a taxel gives each of its sources what it takes from it: a spread by distance, or a kernel that is the same when it is turned by
+// half a turn.
+bool isSymmetric(const Psf& psf) {
+  return psf.sigma > 0 || std::equal(psf.kernel.begin(), psf.kernel.end(), psf.kernel.rbegin());
+}
+
+// And for the gradient of an instance.
+std::uint64_t gradientIterations(const ModelData& model) {
+  const bool lists_once = !model.packed.one_grid && isSymmetric(model.sensor.psf);
+  const std::uint64_t spreads = lists_once ? model.packed.num_entries : numSpreads(model);
+  return model.num_taxels * (1 + spreads + kNumTwist) + ForceGradientInterface::kMostSums * model.packed_contact.lanes;
 }
 
 }  // namespace
@@ -62,6 +82,12 @@ void TactileJacobianPasses::recordFeatures(Recorder recorder, const Variant& var
   recorder.dispatch(features.kernel, numWorkgroups(recorder.num_instances * num_parts, features.parts_per_workgroup));
 }
 
+void TactileJacobianPasses::recordGradient(Recorder recorder, bool with_gains) const {
+  if (!with_gains) recorder.bindings.redirect<block::ForceCotangents, block::Cotangents>();
+  const GradientKernel& gradient = gradient_kernel_.get({}, [&] { return makeGradientKernel(); });
+  recorder.dispatch(gradient.kernel, numWorkgroups(recorder.num_instances, gradient.instances_per_workgroup));
+}
+
 TactileJacobianPasses::TaxelKernels TactileJacobianPasses::makeTaxelKernels() const {
   const CommonConstants common = commonConstants(model_.sensor, model_.packed, {.workgroup = kWorkgroup, .lanes = 1});
   const bool scaled = model_.packed.scalesSpread();
@@ -96,6 +122,17 @@ TactileJacobianPasses::FeatureKernel TactileJacobianPasses::makeFeatureKernel(co
                                     .SATURATION_FORCE = nominalForce(readout, readout.saturation) - readout.trigger,
                                     .RANDOM = variant.random,
                                     .DEAD_TAXEL_PROBABILITY = readout.dead_taxel_probability}},
+          sizes.itemsPerWorkgroup()};
+}
+
+TactileJacobianPasses::GradientKernel TactileJacobianPasses::makeGradientKernel() const {
+  const std::uint32_t lanes = model_.packed_contact.lanes;
+  const TeamSizes sizes = teamSizes(wanted_workgroup_, model_.profile, gradientIterations(model_), lanes, lanes);
+  return {{model_.context(), "force_gradient", k_force_gradient_spirv, commonConstants(model_.sensor, model_.packed, sizes.pass),
+           ForceGradientInterface{.TEAM = sizes.team,
+                                  .PARTIALS = sizes.numPartials(ForceGradientInterface::kMostSums),
+                                  .NUM_ENTRIES = model_.packed.num_entries,
+                                  .SYMMETRIC = isSymmetric(model_.sensor.psf)}},
           sizes.itemsPerWorkgroup()};
 }
 

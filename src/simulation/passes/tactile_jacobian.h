@@ -1,5 +1,6 @@
 // Tactile Jacobian, shaders/taxel_jacobian.comp, mask_jacobian.comp, rescale_jacobian.comp, wrench_jacobian.comp, spread_jacobian.comp,
-// tactile_jacobian.comp: how forces, then features change with the sensor's twist. They follow the image pass.
+// tactile_jacobian.comp: how forces, then features change with the sensor's twist. They follow the image pass. And force_gradient.comp,
+// which contracts the changes of forces with the gradient of a loss.
 #pragma once
 
 #include <optional>
@@ -29,6 +30,8 @@ class TactileJacobianPasses {
   void recordSpread(Recorder& recorder) const;
   // Changes of the features; after recordTaxels().
   void recordFeatures(Recorder recorder, const Variant& variant) const;
+  // Gradients by twists and gains, from the changes of forces of an earlier frame. Without gains, they are 1.
+  void recordGradient(Recorder recorder, bool with_gains) const;
 
  private:
   struct TaxelKernels {
@@ -41,8 +44,13 @@ class TactileJacobianPasses {
     gpu::PassKernel<TactileJacobianInterface> kernel;
     std::uint32_t parts_per_workgroup = 1;
   };
+  struct GradientKernel {
+    gpu::PassKernel<ForceGradientInterface> kernel;
+    std::uint32_t instances_per_workgroup = 1;
+  };
   TaxelKernels makeTaxelKernels() const;
   FeatureKernel makeFeatureKernel(const Variant& variant) const;
+  GradientKernel makeGradientKernel() const;
 
   const ModelData& model_;
   int wanted_workgroup_;  // 0: chosen here
@@ -50,6 +58,7 @@ class TactileJacobianPasses {
   KernelCache<OnlyVariant, gpu::PassKernel<WrenchJacobianInterface>> wrench_kernel_;
   KernelCache<OnlyVariant, gpu::PassKernel<SpreadJacobianInterface>> spread_kernel_;
   KernelCache<Variant, FeatureKernel> feature_kernels_;
+  KernelCache<OnlyVariant, GradientKernel> gradient_kernel_;
 };
 
 }  // namespace taxelsim
