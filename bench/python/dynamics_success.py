@@ -43,7 +43,7 @@ def main() -> None:
                 evaluation = evaluate(envs, SCRIPTS[task](sense), options.seed)  # type: ignore[arg-type]
                 envs.close()
                 cells.append(str(evaluation))
-                results[f"{task}/{sense}/{condition}"] = {"rate": evaluation.rate}
+                results[f"{task}/{sense}/{condition}"] = {"successes": "".join("01"[int(success)] for success in evaluation.success)}
             print(f"| `{task}` | {LABELS[sense]} | {' | '.join(cells)} |", flush=True)
     write_json(options.json, results)
 
