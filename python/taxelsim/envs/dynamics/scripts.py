@@ -125,7 +125,8 @@ class PegInsert(Script):
         """Moments about y and z of S of the force that pushes the peg up, N m, and force along y of S, N; changes since the start.
 
         The moment about y is the shift of the centre of pressure times the first force: the reading of a constant force creeps, its centre
-        does not. Friction under a peg that moves is a force along the plate with a lever of GRIP, which is subtracted from the other moment.
+        does not. Friction under a peg that moves is a force along the plate with a lever of GRIP, which is subtracted from the moment about
+        z.
         """
         now, then = (frame["contact"].astype(np.float64) for frame in (observation, self.first))
         shear = observation["shear"].astype(np.float64) - self.first["shear"]
