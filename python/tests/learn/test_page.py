@@ -69,6 +69,7 @@ def test_findings_name_the_policies_that_are_better(learn_page):
     lines = learn_page.findings("EdgeAlign", evaluations(100, 140, 20, 0))
     assert lines[0] == "- `EdgeAlign`, `randomized`: behaviour cloning and PPO beat the blind PPO."
     assert lines[2] == "- `EdgeAlign`, `unseen`: behaviour cloning beats the scripted servo."
+    assert lines[3] == "- `EdgeAlign`, `randomized`: behaviour cloning beats the scripted servo."
     assert learn_page.findings("EdgeAlign", evaluations(100, 100, 20, 0))[2].endswith("no learned policy beats the scripted servo.")
 
 
