@@ -13,7 +13,7 @@ import taxelsim
 from taxelsim.policies import FEATURES, Policy
 
 SCENE = taxelsim.SCENES / "benchmark/edge_align.yaml"
-SERVO = 0  # index of the controller that is cloned: `window`
+SERVO = 0  # index of the controller that is cloned: `principal_axis`
 RIDGE = 1e-3
 LIMITS = np.repeat([0.02, 1.0], 3)  # m/s and rad/s, those of the servo: a policy's actions are in these units
 

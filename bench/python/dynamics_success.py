@@ -1,20 +1,22 @@
 #!/usr/bin/env python3
 """Success of the scripted policies on the tasks with dynamics: with touch, without shear, blind; three conditions.
 
-    PYTHONPATH=build/release/python build/venv/bin/python bench/python/dynamics_success.py
+    PYTHONPATH=build/release/python build/venv/bin/python bench/python/dynamics_success.py --json bench/results/dynamics.json
 
-Prints a table in Markdown, in % with 95 % Wilson intervals. All policies play the same episodes.
+Prints a table in Markdown, in % with 95 % Wilson intervals. All policies play the same episodes. `scripts/campaign learn dynamics` writes
+the file of results and docs/benchmark.md.
 """
 
 from __future__ import annotations
 
 import argparse
+import subprocess
 from pathlib import Path
 from typing import Any
 
 import gymnasium
 import mujoco
-from report import machine, write_json
+from report import ROOT, machine, write_json
 
 import taxelsim
 from taxelsim.envs import CONDITIONS, DYNAMIC_TASKS
@@ -33,9 +35,11 @@ def main() -> None:
     parser.add_argument("--json", type=Path, help="file of results to write")
     options = parser.parse_args()
     device = taxelsim.Device.open()
-    results: dict[str, Any] = {**machine(device), "mujoco": mujoco.__version__, "episodes": options.episodes, "seed": options.seed}
+    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.strip()
     print(f"| task | script | {' | '.join(f'`{name}`' for name in CONDITIONS)} |\n|---|---|---|---|---|")
+    evaluations: dict[str, dict[str, dict[str, Any]]] = {}
     for task in options.tasks.split(","):
+        evaluations[task] = {condition: {} for condition in CONDITIONS}
         for sense in SENSES:
             cells = []
             for condition in CONDITIONS:
@@ -43,8 +47,16 @@ def main() -> None:
                 evaluation = evaluate(envs, SCRIPTS[task](sense), options.seed)  # type: ignore[arg-type]
                 envs.close()
                 cells.append(str(evaluation))
-                results[f"{task}/{sense}/{condition}"] = {"rate": evaluation.rate}
+                evaluations[task][condition][sense] = {"successes": "".join("01"[int(success)] for success in evaluation.success)}
             print(f"| `{task}` | {LABELS[sense]} | {' | '.join(cells)} |", flush=True)
+    results = {
+        "machine": machine(device),
+        "mujoco": mujoco.__version__,
+        "commit": commit,
+        "episodes": options.episodes,
+        "seed": options.seed,
+        "evaluations": evaluations,
+    }
     write_json(options.json, results)
 
 

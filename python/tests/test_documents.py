@@ -58,7 +58,7 @@ def test_the_tour_runs_and_makes_its_pictures(monkeypatch, tmp_path, capsys):
     assert 0 < names["mine"].mean() < 1  # so there are failures to draw
     output = capsys.readouterr().out
     assert "(4, 6, 14)" in output
-    assert "align - window: " in output
+    assert "align - principal_axis: " in output
     shown = re.findall(r"\(images/(\w+\.png)\)", text)
     assert sorted(file.name for file in tmp_path.glob("*.png")) == sorted(shown)
     for name in shown:

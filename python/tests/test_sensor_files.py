@@ -9,11 +9,12 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 GENERATED = ("fingertip_cylinder.yaml", "fingertip_sphere.yaml")
+VARIANTS = ("realistic", "calibrated")
 
 
 def test_the_script_writes_the_committed_files(tmp_path):
     committed = ROOT / "scenes/sensors"
-    generated = [*GENERATED, *(file.name for file in committed.glob("*_realistic.yaml"))]
+    generated = [*GENERATED, *(file.name for suffix in VARIANTS for file in committed.glob(f"*_{suffix}.yaml"))]
     for file in committed.glob("*.yaml"):
         if file.name not in generated:
             shutil.copy(file, tmp_path)

@@ -16,6 +16,7 @@ import taxelsim
 from taxelsim.envs.touch_classify import TouchClassifyVectorEnv
 
 K = 8
+NO_CHANGE = ("", "")
 
 
 def make(device: taxelsim.Device, num_envs: int, **kwargs: Any) -> TouchClassifyVectorEnv:
@@ -37,6 +38,16 @@ def record(envs: TouchClassifyVectorEnv, num_steps: int, keep: int) -> list[byte
         arrays = [*observation.values(), reward, terminated, truncated, infos["label"], infos["peak_force"], infos["success"]]
         trajectory += [array[:keep].tobytes() for array in arrays]
     return trajectory
+
+
+def scene_with(folder: Path, sensors: tuple[str, str], key: str) -> Path:
+    """The scene of the benchmark with the first sensor replaced by the second, and a further key of `randomization`."""
+    scenes = taxelsim.SCENES
+    text = (scenes / "benchmark/touch_classify.yaml").read_text().replace("../", f"{scenes}/").replace(*sensors)
+    assert text.count("\nrandomization:\n") == 1
+    file = folder / "scene.yaml"
+    file.write_text(text.replace("\nrandomization:\n", f"\nrandomization:\n  {key}\n"))
+    return file
 
 
 @pytest.mark.parametrize("condition", ["nominal", "unseen"])
@@ -104,8 +115,9 @@ def test_observation_shows_the_touch_and_the_touches_left(device: taxelsim.Devic
     assert not observation["tactile_image"].any()
 
 
-def test_a_touch_over_the_middle_looks_the_same_for_all_objects(device: taxelsim.Device) -> None:
-    envs = make(device, 256)
+def test_a_touch_over_the_middle_looks_the_same_for_all_objects(device: taxelsim.Device, tmp_path: Path) -> None:
+    # With equal gains: the gains of the benchmark's sensors differ between episodes, whatever the object is.
+    envs = make(device, 256, scene=scene_with(tmp_path, ("wts0614_soft_cover_calibrated", "wts0614_soft_cover"), "noise: 5"))
     labels = envs.reset(seed=2)[1]["label"]
     envs._object_poses[:] = 0
     image = envs.step(np.zeros((256, 3 + K), np.float32))[0]["tactile_image"]
@@ -132,10 +144,7 @@ def test_rejects_wrong_arguments(device: taxelsim.Device, arguments: dict[str, A
 
 @pytest.mark.parametrize(("name", "key"), [("stiffness", "stiffness: [0.5, 2]"), ("mounting_yaw", "mounting_yaw_deg: [0, 2]")])
 def test_rejects_ranges_that_touches_do_not_draw(device: taxelsim.Device, tmp_path: Path, name: str, key: str) -> None:
-    folder = taxelsim.SCENES / "benchmark"
-    text = (folder / "touch_classify.yaml").read_text().replace("../", f"{folder.parent}/")
-    file = tmp_path / "scene.yaml"
-    file.write_text(text.replace("\nrandomization:\n", f"\nrandomization:\n  {key}\n"))
+    file = scene_with(tmp_path, NO_CHANGE, key)
     with pytest.raises(taxelsim.InputError, match=f"randomization.{name}: this environment touches with the sensor's own skin"):
         make(device, 1, scene=file)
 
@@ -240,7 +249,7 @@ def test_touches_tell_the_objects_apart(device: taxelsim.Device) -> None:
     of_scan = accuracy(describe(touches, images, workspace), labels)
     one = accuracy(describe(touches[:, :1], images[:, :1], workspace), labels)
     print(f"right answers: {of_scan:.3f} of a scan, {of_random:.3f} of random touches, {one:.3f} of one touch, {blind:.3f} blind")
-    # With 1600 environments: 0.62, 0.39, 0.12 and 0.11. The test part has 250 episodes, the standard deviation of a share is 0.03.
+    # With 1600 environments: 0.61, 0.43, 0.12 and 0.11. The test part has 250 episodes, the standard deviation of a share is 0.03.
     assert of_random > 0.25
     assert of_scan > 0.4
     # 5 standard deviations of chance

@@ -1,5 +1,6 @@
 // Every scene and sensor file of the project loads and states the source of its numbers.
 #include <algorithm>
+#include <cmath>
 
 #include "scene_text.h"
 #include "taxelsim/scene.h"
@@ -43,7 +44,10 @@ TEST(ShippedTasks, LoadAndHaveTasks) {
   }
 }
 
-// Every condition of a benchmark scene loads.
+// Scatter of gains of real matrices, which scripts/make_sensors.py cites.
+constexpr double kLeastScatter = 0.3, kMostScatter = 0.6;
+
+// Every condition of a benchmark scene loads, with a sensor that has the faults of a real one.
 TEST(ShippedBenchmark, HasTasksAndConditions) {
   const std::vector<std::filesystem::path> files = yamlFiles(kScenes / "benchmark");
   EXPECT_GE(files.size(), 6u);
@@ -54,8 +58,17 @@ TEST(ShippedBenchmark, HasTasksAndConditions) {
     EXPECT_EQ(scene.task.has_value(), scene.kind == Scene::Kind::kServo);
     EXPECT_EQ(scene.conditions, (std::vector<std::string>{"randomized", "unseen"}));
     const Scene randomized = loadScene(file, {.condition = "randomized"}), unseen = loadScene(file, {.condition = "unseen"});
-    EXPECT_EQ(randomized.sensor.name, scene.sensor.name);
-    EXPECT_NE(unseen.sensor.name, scene.sensor.name);
+    EXPECT_TRUE(scene.sensor.name.ends_with("_calibrated")) << scene.sensor.name;
+    EXPECT_TRUE(randomized.sensor.name.ends_with("_realistic")) << randomized.sensor.name;
+    EXPECT_EQ(unseen.sensor.name, "wts0614_unseen");
+    for (const Scene* condition : {&randomized, &unseen}) {
+      const double least = condition->sensor.readout.gain_spread, most = std::hypot(least, condition->randomization.gain_spread.max);
+      EXPECT_GE(least, kLeastScatter);
+      EXPECT_LE(most, kMostScatter);
+      EXPECT_GT(condition->sensor.readout.press_gain_spread, 0);
+      EXPECT_GT(condition->sensor.readout.noise, 0);
+      EXPECT_FALSE(condition->sensor.readout.creep.empty());
+    }
     EXPECT_GT(unseen.randomization.gain.min, randomized.randomization.gain.max);
     EXPECT_GT(unseen.randomization.gain_spread.min, randomized.randomization.gain_spread.max);
     EXPECT_GT(unseen.randomization.noise.min, randomized.randomization.noise.max);
@@ -108,9 +121,7 @@ TEST(ShippedSensors, SensorTextReadsBackAsTheSameSensor) {
   }
 }
 
-// Scatter of gains of real matrices, which scripts/make_sensors.py cites.
 TEST(ShippedSensors, RealisticVariantsHaveTheScatterOfRealArraysAndNothingElse) {
-  constexpr double kLeastScatter = 0.3, kMostScatter = 0.6;
   int num_variants = 0;
   for (const std::filesystem::path& file : yamlFiles(kScenes / "sensors")) {
     const std::string name = file.stem().string();
@@ -134,6 +145,17 @@ TEST(ShippedSensors, RealisticVariantsHaveTheScatterOfRealArraysAndNothingElse) 
     EXPECT_GE(variant.readout.trigger, base.readout.trigger);
   }
   EXPECT_EQ(num_variants, 7);
+}
+
+// A calibration removes the scatter of gains between taxels, and nothing else of what makes an array real.
+TEST(ShippedSensors, CalibratedVariantDiffersFromTheRealisticOneInGainsAlone) {
+  Sensor calibrated = loadSensor(kScenes / "sensors/wts0614_soft_cover_calibrated.yaml");
+  const Sensor realistic = loadSensor(kScenes / "sensors/wts0614_soft_cover_realistic.yaml");
+  // Repeated presses of real fingers, per taxel (docs/measurements.md).
+  EXPECT_EQ(calibrated.readout.gain_spread, 0.04);
+  calibrated.name = realistic.name;
+  calibrated.readout.gain_spread = realistic.readout.gain_spread;
+  EXPECT_EQ(sensorText(calibrated), sensorText(realistic));
 }
 
 TEST(ShippedSensors, WeissArrayHasThePapersNumbers) {

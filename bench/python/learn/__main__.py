@@ -22,10 +22,12 @@ from report import ROOT, machine, write_json
 
 from taxelsim import Device
 
+from . import dynamics
 from .page import page
 from .recipe import RECIPES, recipe_of
 
 RESULTS = ROOT / "bench/results"
+DYNAMICS = RESULTS / "dynamics.json"  # of bench/python/dynamics_success.py
 PAGE, PICTURE = ROOT / "docs/benchmark.md", ROOT / "docs/images/benchmark_curves.png"
 HERE = Path(__file__).parent
 
@@ -66,7 +68,8 @@ def page_text() -> str:
     """docs/benchmark.md."""
     found = results()
     notes = {task: file.read_text() for task in found if (file := HERE / "notes" / f"{task}.md").exists()}
-    return page((HERE / "page.md").read_text(), found, notes)
+    scripted = dynamics.section(json.loads(DYNAMICS.read_text()), (HERE / "notes/dynamics.md").read_text())
+    return page((HERE / "page.md").read_text(), found, notes, scripted)
 
 
 def write_page() -> None:

@@ -84,9 +84,9 @@ def measures(evaluations: Evaluations) -> str:
 
 
 def findings(task: str, evaluations: Evaluations) -> list[str]:
-    """Whether a learned policy beats the blind one, and the servo on the unseen sensor."""
+    """Whether a learned policy beats the blind one and the servo."""
     lines = []
-    for control, condition in (("blind", TRAINING_CONDITION), ("blind", "unseen"), ("servo", "unseen")):
+    for control, condition in (("blind", TRAINING_CONDITION), ("blind", "unseen"), ("servo", "unseen"), ("servo", TRAINING_CONDITION)):
         results = evaluations[condition]
         if control not in results:
             continue
@@ -138,11 +138,20 @@ def section(task: str, result: Mapping[str, Any], notes: str) -> str:
     return "\n\n".join(part for part in [*parts, notes.strip()] if part)
 
 
-def page(template: str, results: Mapping[str, Mapping[str, Any]], notes: Mapping[str, str]) -> str:
-    """The whole page. `template` has the fields {findings}, {history}, {recipes} and {sections}; notes: text by task."""
+def page(template: str, results: Mapping[str, Mapping[str, Any]], notes: Mapping[str, str], dynamics: str) -> str:
+    """The whole page. `template` has the fields {findings}, {history}, {recipes}, {sections} and {dynamics}.
+
+    notes: text by task. dynamics: the section of dynamics.py.
+    """
     lines = [line for task, result in results.items() for line in findings(task, result["evaluations"])]
     sections = "\n\n".join(section(task, result, notes.get(task, "")) for task, result in results.items())
-    fields = {"findings": "\n".join(lines), "history": str(HISTORY), "recipes": recipes(results), "sections": sections}
+    fields = {
+        "findings": "\n".join(lines),
+        "history": str(HISTORY),
+        "recipes": recipes(results),
+        "sections": sections,
+        "dynamics": dynamics,
+    }
     text = template
     for name, value in fields.items():
         text = text.replace("{" + name + "}", value)

@@ -47,7 +47,7 @@ class Recipe:
     num_validations: int = 100  #: Episodes.
 
 
-_FOLLOW = Recipe(linear_scale=0.03, num_demonstrations=1000, num_steps=1_200_000)
+_FOLLOW = Recipe(linear_scale=0.03, num_demonstrations=4000, num_steps=600_000)
 
 RECIPES = {
     "EdgeFollow": _FOLLOW,

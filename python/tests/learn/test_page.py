@@ -69,6 +69,7 @@ def test_findings_name_the_policies_that_are_better(learn_page):
     lines = learn_page.findings("EdgeAlign", evaluations(100, 140, 20, 0))
     assert lines[0] == "- `EdgeAlign`, `randomized`: behaviour cloning and PPO beat the blind PPO."
     assert lines[2] == "- `EdgeAlign`, `unseen`: behaviour cloning beats the scripted servo."
+    assert lines[3] == "- `EdgeAlign`, `randomized`: behaviour cloning beats the scripted servo."
     assert learn_page.findings("EdgeAlign", evaluations(100, 100, 20, 0))[2].endswith("no learned policy beats the scripted servo.")
 
 
@@ -88,3 +89,39 @@ def test_committed_results_are_complete(learn_page):
             assert list(policies) == ["servo", "clone", "ppo", "blind"]
             assert {len(entry["successes"]) for entry in policies.values()} == {entry["num_episodes"] for entry in policies.values()}
             assert min(entry["num_episodes"] for entry in policies.values()) >= 1000
+
+
+@pytest.fixture
+def dynamics():
+    from learn import dynamics
+
+    return dynamics
+
+
+def scripted(shear: int, normal: int, blind: int) -> dict:
+    row = {"shear": result(shear), "normal": result(normal), "blind": result(blind)}
+    return {"Push": dict.fromkeys(("nominal", "randomized", "unseen"), row)}
+
+
+def test_scripts_of_the_tasks_with_dynamics_are_rows(learn_page, dynamics):
+    lines = dynamics.rates(scripted(150, 100, 0)).splitlines()
+    assert lines[0] == "| task | script | `nominal` | `randomized` | `unseen` |"
+    assert lines[3] == f"| `Push` | without shear | {' | '.join([learn_page.rate_cell(result(100))] * 3)} |"
+    assert [line.split(" | ")[1] for line in lines[2:]] == ["with touch", "without shear", "blind"]
+
+
+def test_differences_are_those_of_the_script_with_touch(dynamics):
+    lines = dynamics.differences(scripted(150, 100, 150)).splitlines()
+    assert lines[2].startswith("| `Push` | with touch - without shear | **+25.0 (")
+    assert lines[3].startswith("| `Push` | with touch - blind | +0.0 (")
+
+
+def test_committed_results_of_dynamics_are_complete(dynamics):
+    content = json.loads((ROOT / "bench/results/dynamics.json").read_text())
+    assert list(content["evaluations"]) == ["Push", "Roll", "GraspHold", "PegInsert"]
+    for task in content["evaluations"].values():
+        assert list(task) == ["nominal", "randomized", "unseen"]
+        for scripts in task.values():
+            assert list(scripts) == list(dynamics.SCRIPTS)
+            assert {len(entry["successes"]) for entry in scripts.values()} == {content["episodes"]}
+    assert content["episodes"] >= 100

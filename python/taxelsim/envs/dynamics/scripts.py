@@ -107,30 +107,31 @@ class PegInsert(Script):
         force = SERVO * lag
         standing = force > 1
         down = np.where(standing, -0.4 * (4 - force), -1.0)
-        lever, twist, side, press = self._felt(observation)
+        lever, twist, side = self._felt(observation)
         angle, radius = steps * 0.06, 0.003 * np.minimum(steps / 200, 1)
         spiral = np.column_stack((radius * np.cos(angle), radius * np.sin(angle)))
         move = 100 * (spiral - joints[:, :2])
         felt = np.zeros_like(move)
         inside = joints[:, 2] < -peg_insert.START_HEIGHT - 0.0012  # then walls push from the sides: give way
         if self.sense != "blind":
-            felt[:, 0] = np.where(inside, -0.1 * press, np.where(np.abs(lever) > self.FELT, 100 * lever, 0))
+            felt[:, 0] = np.where(~inside & (np.abs(lever) > self.FELT), 100 * lever, 0)
         if self.sense == "shear":
             felt[:, 1] = np.where(inside, 0.1 * side, np.where(np.abs(twist) > self.FELT, -100 * twist, 0))
         follow = (felt.any(axis=1) & standing) | (inside & (self.sense != "blind"))
         move = np.where(follow[:, np.newaxis], felt, move)
         return np.column_stack((np.clip(move, -0.7, 0.7), down))
 
-    def _felt(self, observation: Observation) -> tuple[Array, Array, Array, Array]:
-        """Moments about y and z of S of the force that pushes the peg up, N m, and forces along y and z of S, N; changes since the start.
+    def _felt(self, observation: Observation) -> tuple[Array, Array, Array]:
+        """Moments about y and z of S of the force that pushes the peg up, N m, and force along y of S, N; changes since the start.
 
-        Friction under a peg that moves is a force along the plate with a lever of GRIP, which is subtracted from the moments.
+        The moment about y is the shift of the centre of pressure times the first force: the reading of a constant force creeps, its centre
+        does not. Friction under a peg that moves is a force along the plate with a lever of GRIP, which is subtracted from the moment about
+        z.
         """
         now, then = (frame["contact"].astype(np.float64) for frame in (observation, self.first))
-        press = now[:, 3] - then[:, 3]
         shear = observation["shear"].astype(np.float64) - self.first["shear"]
-        lever = now[:, 0] * now[:, 3] - then[:, 0] * then[:, 3] - peg_insert.GRIP * press
-        return lever, shear[:, 2] - peg_insert.GRIP * shear[:, 1], shear[:, 1], press
+        lever = then[:, 3] * (now[:, 0] - then[:, 0])
+        return lever, shear[:, 2] - peg_insert.GRIP * shear[:, 1], shear[:, 1]
 
 
 SCRIPTS = {"Push": Push, "Roll": Roll, "GraspHold": GraspHold, "PegInsert": PegInsert}

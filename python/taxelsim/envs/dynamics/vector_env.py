@@ -41,7 +41,7 @@ class Condition:
 
     sensor: str
     gain: tuple[float, float]
-    gain_spread: tuple[float, float]
+    gain_spread: tuple[float, float]  #: In addition to the sensor's own, as is the noise.
     noise: tuple[float, float]  #: counts
 
 
@@ -49,9 +49,9 @@ CONDITION_OF = dict(
     zip(
         CONDITIONS,
         (
-            Condition("wts0614_soft_cover", (1, 1), (0, 0), (5, 5)),
-            Condition("wts0614_soft_cover", (0.8, 1.2), (0, 0.15), (0, 20)),
-            Condition("wts0614_unseen", (1.25, 1.4), (0.25, 0.35), (25, 40)),
+            Condition("wts0614_soft_cover_calibrated", (1, 1), (0, 0), (0, 0)),
+            Condition("wts0614_soft_cover_realistic", (0.8, 1.2), (0, 0.3), (0, 20)),
+            Condition("wts0614_unseen", (1.25, 1.4), (0.35, 0.44), (25, 40)),
         ),
         strict=True,
     )
