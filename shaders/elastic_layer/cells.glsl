@@ -4,7 +4,7 @@
 // cells. Both go into the node's own compliance, so that influence still depends on distance alone (elastic_layer/influence.glsl). With the share s that is
 // covered, the centroid c, and the disc of the cell's area as the shape of what carries the edge of a rigid object:
 //
-//   own(s) = 1 + (CELL_DISC (1 - s^6) + CELL_FREE s^6) / sqrt(s) - CELL_FREE + CELL_BASE (1 - s)
+//   own(s) = 1 + (CELL_DISC (1 - s^8) + CELL_FREE s^8) / sqrt(s) - CELL_FREE + CELL_BASE (1 - s)
 //   compliance_i = own(s_i) + POINT_COMPLIANCE sum_j sqrt(s_j / s_i) [m(|c_j - c_i|, w_ij) - m(distance of the nodes, w_11)]      over the eight neighbours
 //   m(r, w) = erf(r / w) / r - 1 / sqrt(r^2 + IMAGE_DEPTH^2)        of two round clouds whose forces act over w; their image is the base
 //
@@ -60,8 +60,8 @@ float mutualCompliance(vec2 distance_of, float shares) {
 }
 
 float ownCompliance(float s) {
-  float s6 = s * s * s * s * s * s;
-  return 1.0 + mix(CELL_DISC, CELL_FREE, s6) * inversesqrt(s) - CELL_FREE + CELL_BASE * (1.0 - s);
+  float s2 = s * s, s4 = s2 * s2, s8 = s4 * s4;
+  return 1.0 + mix(CELL_DISC, CELL_FREE, s8) * inversesqrt(s) - CELL_FREE + CELL_BASE * (1.0 - s);
 }
 
 float complianceOf(Surface surface, uvec2 node) {

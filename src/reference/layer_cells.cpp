@@ -39,7 +39,7 @@ double mutual(double r, double w, double image_depth) {
 
 // Own compliance of a part of a cell over that of a whole cell.
 double ownCompliance(const CellCompliance& c, double share) {
-  const double whole = std::pow(share, 6);
+  const double whole = std::pow(share, 8);
   return 1 + (c.disc * (1 - whole) + c.free * whole) / std::sqrt(share) - c.free + c.base * (1 - share);
 }
 
