@@ -9,7 +9,7 @@
 //      (num_instances x num_taxels x 2), N, likewise; contact_depth (num_instances x num_taxels), m; tile_results (num_instances x num_tiles);
 //      loads (num_instances); contact_cells (num_instances x num_taxels), tile_changes (num_instances x num_tiles x LANES), skin/cell_fluxes.glsl.
 //      A sensor of one tile writes taxels only inside the window of its result. For a globally coupled law contact_normal holds, instead of forces, the
-//      surface height (m, in P) at each solver node, with the slot in its lowest bits (depth/slots.glsl); kMiss without a surface.
+//      surface height (m, in P) at each solver node, with the slot in its lowest bits (depth/slots.glsl); kMiss without a surface. With AREA: node_cells instead.
 // State per sample, between steps: depth, strain and overstresses of a skin that relaxes, shear traction or bristle deflection.
 // Shared memory: 4 TILE_SAMPLES (9 with AREA, 17 with MANY_SLOTS, too) + 16 LANES + 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 4 REPEAT + 84 bytes; friction
 //      adds 8 LANES + 512, lockstep 16 NUM_FACES, AREA with meshes 4 kMostFacets, VARIATION 16 TILE_SAMPLES.
@@ -93,6 +93,7 @@ void computeTile(uint instance, uint tile_number, uint num_slots) {
     lowest_bits = kEmpty;
   }
   Reach reach = objectsNear(tile, instance, num_slots);
+  if (kWritesCells && search_here) sinkObjects(tile, instance, num_slots, reach);
   if (kLeavesUntouched && !isAny(reach.samples)) {
     clearTile(tile, instance, tile_number, gl_LocalInvocationIndex, WORKGROUP);
     return;

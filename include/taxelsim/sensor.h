@@ -337,7 +337,8 @@ enum class DepthSampling {
   /// The mean over its cell of min(max(-z, 0), thickness), z (m, in P) the lowest surface of the object, 0 where there is none. Forces then
   /// change continuously with the pose, and objects narrower than a cell press with all their area. A mesh that is not closed has the depth
   /// of kPoint; of several objects the one with the largest mean counts. With exponents other than 1, and for friction, two points
-  /// represent the part of a cell that the object covers; they have the mean and the variance of its depth.
+  /// represent the part of a cell that the object covers; they have the mean and the variance of its depth. On an ElasticLayer an edge cuts
+  /// cells, whose covered part then has this mean; smooth surfaces are met as with kPoint. Not for Pasternak.
   kArea,
 };
 

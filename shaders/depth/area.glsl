@@ -5,6 +5,7 @@
 //   half-space, cone, upright cylinder  round_facets.glsl         facets.glsl
 //   sphere, capsule, lying cylinder   solid_cells.glsl            chords.glsl, cell_depths.glsl
 //   mesh that is not closed           as with point sampling, depth/raster.glsl
+#include "shared/elastic_layer.h"
 #include "depth/area/edge_sums.glsl"
 #include "depth/area/cell_depths.glsl"
 #include "depth/area/facets.glsl"

@@ -63,6 +63,13 @@ Reach objectsNear(Tile tile, uint instance, uint num_slots) {
   return reach;
 }
 
+// Moves the objects to full depth, for the cells of a globally coupled law whose load search has yet to find the depth.
+void sinkObjects(inout Tile tile, uint instance, uint num_slots, inout Reach reach) {
+  if (reach.lowest_bound >= kMiss) return;
+  tile.offset_z = -THICKNESS - reach.lowest_bound;
+  reach = objectsNear(tile, instance, num_slots);
+}
+
 // Lowers the heights of the tile to one object.
 void rasterBody(Tile tile, uint instance, uint slot, Body body, int id, inout Found found) {
   bool is_mesh = body.kind_groups.x == kKindMesh;

@@ -40,5 +40,8 @@ Strip displacementAt(Window window, uvec2 at, uint array) {
     checkLoop(k < end);
   }
   checkLoop(row < end_row);
+  if (AREA && at.y >= source_first[at.x] && at.y < source_end[at.x]) {
+    w = sumOf(w, productOf(readStrip(window, kLayerCompliance, at), readStrip(window, array, at)));
+  }
   return w;
 }

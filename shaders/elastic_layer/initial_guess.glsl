@@ -79,7 +79,7 @@ void initializePressures(Window window, float shift, Drive drive) {
       uvec2 at = stripAt(window, k);
       Strip target = readStrip(window, kLayerTarget, at);
       Strip p = readStrip(window, kLayerPressure, at);
-      if (!warm) p = Strip(max(target.low + shift, 0.0), max(target.high + shift, 0.0));
+      if (!warm) p = weighted(window, at, Strip(max(target.low + shift, 0.0), max(target.high + shift, 0.0)));
       writeStrip(window, kLayerPressure, at, p);
       writeStrip(window, kLayerDirection, at, strip(0.0));
       if (largestOf(p) > 0.0) addSource(at);

@@ -32,7 +32,7 @@ uvec4 writeTaxels(uint instance, Surface surface, Window window, uvec4 pressed, 
         // A taxel may be reached in part; the surface over its other nodes is unknown.
         if (any(lessThan(node, first_node)) || any(greaterThanEqual(node, end_node))) continue;
         pressure += valueAt(window.layer_start, kLayerPressure, node);
-        if (OUTPUT_DEPTH) depth += max(overlapAt(surface, node) + shift, 0.0);
+        if (OUTPUT_DEPTH) depth += max(overlapAt(surface, node) + shift, 0.0) * (AREA ? cellAt(surface, node).share : 1.0);
         if (OUTPUT_SHEAR && isInWindow(node, pressed)) traction += sampleState(shearState(instance, node));
       }
     }
@@ -48,6 +48,10 @@ uvec4 writeTaxels(uint instance, Surface surface, Window window, uvec4 pressed, 
   return uvec4(first.x, first.x + count.x, first.y, first.y + count.y);
 }
 
+// As of cells without coupling, depth/area/cell_depths.glsl.
+const float kSliver = 0.25;
+const float kFull = 0.999;
+
 // Adds to num_deep the nodes of taxels at full depth. Returns the sums over the window of pressure, pressure times x and y of P, and pressure on taxels.
 vec4 sumPressures(Surface surface, Window window, float shift) {
   for (uint v = gl_LocalInvocationIndex; v < window.num_parts; v += WORKGROUP) {
@@ -60,7 +64,12 @@ vec4 sumPressures(Surface surface, Window window, float shift) {
       if (RELAXATION > 0) overlap = overlapsOver(surface, at);
       float sum = sumOf(p), x = nodePosition(uvec2(at.x, at.y * kStrip)).x;
       sums += vec4(sum, sum * x, dotOf(p, columnPositions(at)), dotOf(p, on_taxels));
-      deep += dotOf(on_taxels, whereAbove(Strip(overlap.low + shift, overlap.high + shift), 0.9999999));
+      if (AREA) {
+        StripCells cells = cellsOver(surface, at);
+        sums.yz += vec2(dotOf(p, cells.x), dotOf(p, cells.y));
+        on_taxels = productOf(on_taxels, whereAbove(cells.share, kSliver));
+      }
+      deep += dotOf(on_taxels, whereAbove(Strip(overlap.low + shift, overlap.high + shift), AREA ? kFull : 0.9999999));
     }
     checkLoop(k < window.num_strips);
     partial[v] = sums;

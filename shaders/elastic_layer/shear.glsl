@@ -44,9 +44,11 @@ Shear shearNodes(uint instance, uint num_slots, Surface surface, uint layer_star
     for (; k < count.x * count.y; k += LANES) {
       uvec2 node = first + cellNumbered(k, count.y);
       float pressure = valueAt(layer_start, kLayerPressure, node) * (node_force / nodeArea());
-      uint slot = slotOf(heights[surface.first_height + node.x * NODE_COLS + node.y]);
-      vec3 p = vec3(nodePosition(node), -(overlapAt(surface, node) + shift) * THICKNESS);
-      vec2 q = shearTraction(shearState(instance, node), isInWindow(node, state_window), pressure > 0.0, slot, only_motion, p, 1.0, pressure, 0.0);
+      NodeCell cell = cellAt(surface, node);
+      uint slot = cell.edge > 0.0 ? cell.slot : slotOf(heights[surface.first_height + node.x * NODE_COLS + node.y]);
+      vec3 p = vec3(nodePosition(node) + cell.place, -(overlapAt(surface, node) + shift) * THICKNESS);
+      float covered = cell.share > 0.0 ? cell.share : 1.0;  // skin that bulges meets a surface above it
+      vec2 q = shearTraction(shearState(instance, node), isInWindow(node, state_window), pressure > 0.0, slot, only_motion, p, covered, pressure, 0.0);
       force += q;
       torque += cross(p, vec3(q, 0));
     }

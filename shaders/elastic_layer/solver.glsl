@@ -5,12 +5,15 @@
 //   t                          kLayerDirection
 //   q = A t                    kLayerProduct
 //
+// With area sampling A has compliances on its diagonal, which are larger where little of a cell is covered. Residuals are then divided by them: in directions,
+// and as weights of the sums of r, r^2 and the number of nodes. All is as without where the compliance is 1.
+//
 // With a load the shift is an unknown: it takes up the mean of r over the nodes in contact, and pressures are scaled to the load after every step.
 
 struct Solution {
   float shift;             // thicknesses
   float squared_residual;  // sum of r^2 over the nodes in contact
-  float num_pressed;       // nodes in contact
+  float num_pressed;       // nodes in contact, weighted
   float error;             // root mean square over the nodes in contact of r there and of penetrations elsewhere; as a share of the deepest overlap
 };
 
@@ -43,7 +46,8 @@ void updateResidual(Window window, Drive drive, float factor, inout Solution fou
       Strip pressed = whereAbove(p, 0.0);
       Strip inside = productOf(residual, pressed);
       Strip outside = Strip(min(residual.low, 0.0) * (1.0 - pressed.low), min(residual.high, 0.0) * (1.0 - pressed.high));
-      sums += vec4(sumOf(inside), dotOf(inside, inside), sumOf(pressed), dotOf(outside, outside));
+      Strip step_inside = weighted(window, at, inside);
+      sums += vec4(sumOf(step_inside), dotOf(inside, step_inside), sumOf(weighted(window, at, pressed)), dotOf(outside, weighted(window, at, outside)));
     }
     checkLoop(k < window.num_strips);
     partial[v] = sums;
@@ -67,7 +71,7 @@ void updateDirection(Window window, float shift, float beta) {
       Strip pressed = whereAbove(readStrip(window, kLayerPressure, at), 0.0);
       if (sumOf(pressed) > 0.0) addSource(at);
       Strip residual = productOf(pressed, minus(readStrip(window, kLayerResidual, at), shift));
-      Strip t = sumOf(residual, productOf(pressed, scaled(readStrip(window, kLayerDirection, at), beta)));
+      Strip t = sumOf(weighted(window, at, residual), productOf(pressed, scaled(readStrip(window, kLayerDirection, at), beta)));
       writeStrip(window, kLayerDirection, at, t);
       descent += dotOf(residual, t);
     }
@@ -88,7 +92,7 @@ float applyToDirection(Window window, Drive drive, float num_pressed) {
       Strip t = readStrip(window, kLayerDirection, at);
       sums.y += dotOf(q, t);
       if (LOADS && drive.by_load) {
-        sums.z += sumOf(productOf(q, whereAbove(readStrip(window, kLayerPressure, at), 0.0)));
+        sums.z += sumOf(weighted(window, at, productOf(q, whereAbove(readStrip(window, kLayerPressure, at), 0.0))));
         sums.w += sumOf(t);
       }
     }
@@ -115,6 +119,7 @@ vec2 takeStep(Window window, float shift, float step_length) {
       Strip plain = minus(readStrip(window, kLayerPressure, at), scaled(readStrip(window, kLayerDirection, at), step_length));
       Strip entering = Strip((1.0 - vec4(greaterThan(plain.low, vec4(0)))) * max(-residual.low, 0.0),
                              (1.0 - vec4(greaterThan(plain.high, vec4(0)))) * max(-residual.high, 0.0));
+      entering = weighted(window, at, entering);
       Strip p = Strip(max(plain.low, 0.0) + press * entering.low, max(plain.high, 0.0) + press * entering.high);
       Strip change = minus(p, plain);
       if (largestOf(change) > 0.0) addSource(at);

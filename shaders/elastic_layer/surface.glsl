@@ -23,7 +23,12 @@ Strip columnPositions(uvec2 at) {
 
 // ---- heights ----
 
-float heightAt(Surface surface, uvec2 node) { return withoutSlot(heights[surface.first_height + node.x * NODE_COLS + node.y]); }
+#include "elastic_layer/cells.glsl"
+
+float heightAt(Surface surface, uvec2 node) {
+  float height = withoutSlot(heights[surface.first_height + node.x * NODE_COLS + node.y]);
+  return AREA ? heightOf(cellAt(surface, node), height) : height;
+}
 
 // Heights over a strip; kMiss outside the nodes that were reached.
 Strip heightsOver(Surface surface, uvec2 at) {

@@ -44,6 +44,7 @@
 #define BLOCK_ContactDepth BLOCK(ContactDepth, float, contact_depth[])       // (n x t), m
 #define BLOCK_TileResults BLOCK(TileResults, TileResult, tile_results[])     // (n x num_tiles)
 #define BLOCK_Heights BLOCK(Heights, uint, heights[])                   // of an elastic layer (n x num_nodes): m as bits, depth/slots.glsl
+#define BLOCK_NodeCells BLOCK(NodeCells, uint, node_cells[])            // of an elastic layer (n x num_nodes x kNodeCellWords), shared/elastic_layer.h
 #define BLOCK_Windows BLOCK(Windows, TileResult, windows[])             // of an elastic layer (n x tiles of its heights)
 #define BLOCK_Layer BLOCK(Layer, Pair, layer[])                         // arrays over strips of nodes, kLayer...
 #define BLOCK_Foundation BLOCK(Foundation, uint, foundation[])          // (n x 3 x num_nodes), pasternak/solver.glsl
@@ -88,7 +89,7 @@
   BLOCK_Cotangents BLOCK_ForceCotangents                                                                        \
   BLOCK_Candidates BLOCK_CandidateQuads BLOCK_Work BLOCK_WorkInstances                                          \
   BLOCK_State BLOCK_FrictionState BLOCK_LawState BLOCK_ContactNormal BLOCK_ContactShear BLOCK_ContactDepth       \
-  BLOCK_TileResults BLOCK_Heights BLOCK_Windows BLOCK_Layer BLOCK_Foundation BLOCK_TaxelStates BLOCK_ImageWindows BLOCK_AxisPlays \
+  BLOCK_TileResults BLOCK_Heights BLOCK_NodeCells BLOCK_Windows BLOCK_Layer BLOCK_Foundation BLOCK_TaxelStates BLOCK_ImageWindows BLOCK_AxisPlays \
   BLOCK_Forces BLOCK_TaxelRegions BLOCK_RegionSums BLOCK_Regions                                                \
   BLOCK_ContactCells BLOCK_TileChanges BLOCK_TaxelJacobian BLOCK_MaskedJacobian BLOCK_WrenchJacobian             \
   BLOCK_Image BLOCK_TaxelCounts BLOCK_SpreadNormal BLOCK_SpreadShear BLOCK_Features BLOCK_ContactFeatures BLOCK_TactileJacobian    \

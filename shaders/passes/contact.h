@@ -42,6 +42,7 @@ CONSTANT(43, bool, AREA)                // the depth of a sample is the mean ove
 CONSTANT(44, bool, RANDOM_SKIN)         // every instance has factors of its own on stiffness and friction
 CONSTANT(45, bool, VARIATION)           // with AREA, for friction and exponents: cells know how the depth varies within them
 CONSTANT(46, bool, KEEPS_SLOTS)         // an instance has several slots, of which friction knows which object it was with
+CONSTANT(47, bool, HAS_CELLS)           // the law is coupled and sampled by area: the pass runs again, with AREA, and adds node_cells
 
 TEXELS(0, Poses)
 BUFFER(1, readonly, Instances)
@@ -69,3 +70,4 @@ BUFFER(22, readonly, Candidates)
 BUFFER(23, readonly, CandidateQuads)
 BUFFER(24, readwrite, Work)
 BUFFER(25, readwrite, WorkInstances)
+BUFFER(26, writeonly, NodeCells)

@@ -19,6 +19,12 @@ CONSTANT(26, float, FRICTION_COEFFICIENT)
 CONSTANT(27, bool, OUTPUT_SHEAR)     // writes contact_shear
 CONSTANT(28, uint, RELAXATION)       // terms of the skin's relaxation
 CONSTANT(29, bool, OUTPUT_JACOBIAN)  // writes taxel_jacobian and wrench_jacobian, elastic_layer/jacobian.glsl
+CONSTANT(30, bool, AREA)             // nodes are partly covered cells, elastic_layer/cells.glsl, which uses the following
+CONSTANT(31, float, CELL_DISC)       // compliances over a whole cell's
+CONSTANT(32, float, CELL_FREE)
+CONSTANT(33, float, CELL_BASE)
+CONSTANT(34, float, POINT_COMPLIANCE)  // of a point, times distance, m
+CONSTANT(35, float, IMAGE_DEPTH)       // of the base, m; 0 without one
 
 BUFFER(0, readonly, Instances)
 BUFFER(1, readonly, Step)
@@ -39,3 +45,4 @@ BUFFER(15, coherent, FrictionState)
 BUFFER(16, writeonly, ContactShear)
 BUFFER(17, writeonly, TaxelJacobian)
 BUFFER(18, writeonly, WrenchJacobian)
+BUFFER(19, readonly, NodeCells)

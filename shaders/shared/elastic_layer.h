@@ -17,6 +17,14 @@ TAXELSIM_CONSTANT kNumLayerArrays = 5u;
 // A skin that relaxes has these as well, kept from frame to frame, in the units of p. A further array follows for each further term.
 TAXELSIM_CONSTANT kLayerStrain = 5u;
 TAXELSIM_CONSTANT kLayerOverstress = 6u;
+// With area sampling the last array is a node's own compliance less that of a whole cell, 1.
+
+// What an object covers of the cell of a node, with area sampling. Words: mean height (m, as bits, with the slot in the lowest ones) over
+// what is covered; covered share (a float's bits), 0 where nothing touches; centroid from the middle of the cell in its widths (2 x
+// kCentroidBits, times kCentroidUnit) and how far an edge bounds what is covered (kEdgeBits, 0 to 1), from the lowest bits.
+TAXELSIM_CONSTANT kNodeCellWords = 3u;
+TAXELSIM_CONSTANT kCentroidBits = 11u;
+TAXELSIM_CONSTANT kEdgeBits = 10u;
 
 TAXELSIM_LAYOUT_END
 

@@ -2,7 +2,7 @@
 // friction.
 //
 // In:  heights of the tile or of one solid (depth/heights.glsl).
-// Out: contact_normal, contact_depth, contact_shear, contact_cells, tile_changes; partial sums of the wrench in partial[] and partial_shear[]; num_deep and
+// Out: contact_normal, contact_depth, contact_shear, contact_cells, node_cells, tile_changes; partial sums of the wrench in partial[] and partial_shear[]; num_deep and
 //      any_behind.
 // Shared memory: 8 bytes.
 // Twins: src/reference/contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp.
@@ -16,6 +16,16 @@ shared uint any_behind;  // 1: a surface below Tile::z_floor, on a patch that lo
 void writeShear(uint taxel, vec2 shear) {
   contact_shear[2 * taxel] = shear.x;
   contact_shear[2 * taxel + 1] = shear.y;
+}
+
+// The second run of the pass for a globally coupled law with area sampling, which leaves the heights of the first one alone.
+const bool kWritesCells = kGlobalSolve && AREA;
+
+// `height`: mean over what is covered, m; `word`: of the tile.
+void writeNodeCell(uint node, float height, uint word, uint address) {
+  node_cells[kNodeCellWords * node] = withSlot(height, slotOf(word));
+  node_cells[kNodeCellWords * node + 1u] = word >= kNoDepth ? 0u : cell_shares[address];
+  node_cells[kNodeCellWords * node + 2u] = cell_variations[address];
 }
 
 // Taxels of a tile that can carry force: a rectangle, in taxels of the tile, half-open.
@@ -145,6 +155,7 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
       vec2 position = vec2(x, samplePosition(tile, first_sample + vec2(0, b)).y);
       uint word;
       float height = sampleHeight(tile, step, address, position, found, word);
+      if (kWritesCells) writeNodeCell(step.first_taxel + in_patch.x * tile.grid.y + in_patch.y, -tile.offset_z - depthOfWord(word), word, address);
       if (kGlobalSolve) {
         force = height >= kMiss ? kMiss : uintBitsToFloat(withSlot(tile.z_base + height, slotOf(word)));
         continue;
@@ -199,7 +210,7 @@ void writeTaxel(Tile tile, uint instance, uvec2 in_patch, TaxelSums sums, Cell c
   vec2 moment = sums.moment * tile.force_area;
   uint in_sensor = tile.grid.z + in_patch.x * tile.grid.y + in_patch.y;
   uint taxel = instance * NUM_TAXELS + in_sensor;
-  contact_normal[taxel] = SCALED ? force * spread_scale[in_sensor] : force;
+  if (!kWritesCells) contact_normal[taxel] = SCALED ? force * spread_scale[in_sensor] : force;
   if (OUTPUT_DEPTH) contact_depth[taxel] = sums.depth * kPerSample;
   if (OUTPUT_JACOBIAN) writeCell(tile, taxel, cell);
   // The skin is pressed along -z: torque (x, y, 0) x (0, 0, -f).
@@ -241,12 +252,16 @@ void pressTaxels(Tile tile, TileStep step, ActiveTaxels taxels, inout Found foun
 // Clears the taxels that nothing reaches. The image pass reads nothing outside the window of a sensor of one tile with a kernel.
 void clearUntouched(Tile tile, TileStep step, ActiveTaxels taxels) {
   if (!kClearsHeights) return;
-  if (!(OUTPUT_JACOBIAN || NUM_TILES > 1 || NUM_ROWS == 0 || OUTPUT_DEPTH || HAS_STATE)) return;
+  if (!(OUTPUT_JACOBIAN || NUM_TILES > 1 || NUM_ROWS == 0 || OUTPUT_DEPTH || HAS_STATE || HAS_CELLS)) return;
   for (uint k = gl_LocalInvocationIndex; k < tile.size.x * tile.size.y; k += WORKGROUP) {
     uvec2 in_tile = cellNumbered(k, tile.size.y);
     if (all(greaterThanEqual(in_tile, taxels.first)) && all(lessThan(in_tile, taxels.first + taxels.count))) continue;
     uvec2 in_patch = in_tile + tile.first_taxel;
     uint taxel = step.first_taxel + in_patch.x * tile.grid.y + in_patch.y;
+    if (kWritesCells) {
+      node_cells[kNodeCellWords * taxel + 1u] = 0;
+      continue;
+    }
     contact_normal[taxel] = kGlobalSolve ? kMiss : 0.0;
     if (OUTPUT_SHEAR) writeShear(taxel, vec2(0));
     if (OUTPUT_DEPTH) contact_depth[taxel] = 0.0;

@@ -22,6 +22,12 @@ void writeTileResult(Tile tile, TileStep step, ActiveTaxels taxels, Box samples)
   uvec4 window = none ? uvec4(0) : uvec4(first.x, first.x + taxels.count.x, first.y, first.y + taxels.count.y);
   if (kShears && gl_LocalInvocationIndex == 0) writeStateWindow(step.friction_state, window);
   if (NUM_ROWS == 0) window = uvec4(any_behind, 0, 0, 0);
+  if (kWritesCells) {  // the window of heights grows to that of the cells
+    uvec4 heights = tile_results[step.result].window;
+    workgroupBarrier();
+    if (none) window = heights;
+    if (!none && heights.x < heights.y) window = uvec4(min(window.xz, heights.xz), max(window.yw, heights.yw)).xzyw;
+  }
   vec4 force_row = vec4(force, float(num_deep));
   vec4 torque_row = vec4(torque, kSumsSlopes ? total.w * tile.X_PS.row2.z * tile.X_PS.row2.z : total.x);
   for (uint k = gl_LocalInvocationIndex; k < 4; k += WORKGROUP) {  // one word per invocation

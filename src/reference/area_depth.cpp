@@ -126,6 +126,16 @@ AreaDepths AreaDepth::at(double offset) const {
   return depths;
 }
 
+std::vector<CellDepth> AreaDepth::cellsOf(std::size_t number, double offset) const {
+  std::vector<CellDepth> cells;
+  for (std::size_t p = 0; p < sensor_.patches.size(); ++p) {
+    const DepthRange range{.thickness = sensor_.skin.thickness, .view_depth = view_depths_[p]};
+    const std::vector<CellDepth> of_patch = cellDepths(objects_[number], sensor_.patches[p], range, offset);
+    cells.insert(cells.end(), of_patch.begin(), of_patch.end());
+  }
+  return cells;
+}
+
 double AreaDepth::lowestAlong(const Placed& object, const GridPatch& patch, const Vector3& direction_P) const {
   const Pose X_PO = inverse(patch.X_SP) * object.placed.X_SO;
   const Shape& shape = object.placed.object->shape;
@@ -152,7 +162,8 @@ double AreaDepth::firstTouch() const {
 }
 
 bool varies(const Sensor& sensor) {
-  return sensor.depth_sampling == DepthSampling::kArea && (hasFriction(sensor.skin) || foundationOf(sensor.skin).normal_exponent != 1);
+  return sensor.depth_sampling == DepthSampling::kArea && (std::holds_alternative<ElasticLayer>(sensor.skin.law) ||
+                                                           hasFriction(sensor.skin) || foundationOf(sensor.skin).normal_exponent != 1);
 }
 
 std::vector<double> meanPenetrations(const Sensor& sensor, std::span<const PlacedObject> objects) {

@@ -31,7 +31,7 @@ struct AreaDepths {
 // what is covered.
 inline constexpr double kLeastShareOfFull = 0.25, kFullDepth = 0.999;
 
-// Whether forces depend on how the depth varies within a cell: with friction, and for exponents other than 1.
+// Whether forces depend on how the depth varies within a cell: with friction, for exponents other than 1, and on an elastic layer.
 bool varies(const Sensor& sensor);
 
 // Mean depth of the covered part of a cell, m; 0 for less than kLeastShareOfFull.
@@ -44,6 +44,9 @@ class AreaDepth {
 
   // After a translation of the objects by `offset` (m) along z of S.
   AreaDepths at(double offset = 0) const;
+
+  // Of one object alone, over the cells of all patches, after that translation.
+  std::vector<CellDepth> cellsOf(std::size_t number, double offset) const;
 
   // Offset at which a surface first reaches a cell along z of S; a mesh that is not closed: a sample. -infinity if no object is over any.
   double firstTouch() const;

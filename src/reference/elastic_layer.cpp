@@ -17,6 +17,7 @@ struct NodeSubset {
   const Layer& layer;
   std::vector<std::array<int, 2>> node;  // (row, column)
   std::vector<double> d;
+  std::vector<double> compliance{};  // on the diagonal of A besides influence, m/Pa; empty: none
 
   // A x, restricted to the subset.
   std::vector<double> displacements(const std::vector<double>& x) const {
@@ -29,6 +30,7 @@ struct NodeSubset {
         const auto u = static_cast<std::size_t>(std::abs(node[m][0] - row)), v = static_cast<std::size_t>(std::abs(node[m][1] - col));
         w[m] += layer.influence[u * cols + v] * x[n];
       }
+      if (!compliance.empty()) w[n] += compliance[n] * x[n];
     }
     return w;
   }
@@ -107,7 +109,8 @@ ResidualDent residualDent(const Layer& layer, const SkinStep& skin) {
   return dent;
 }
 
-LayerContact solveContact(const Sensor& sensor, const Layer& layer, std::span<const double> heights, const ResidualDent& dent) {
+LayerContact solveContact(const Sensor& sensor, const Layer& layer, std::span<const double> heights, const ResidualDent& dent,
+                          const LayerCells& cells) {
   const LayerNodes& nodes = layer.nodes;
   const double thickness = sensor.skin.thickness;
   LayerContact contact;
@@ -117,7 +120,8 @@ LayerContact solveContact(const Sensor& sensor, const Layer& layer, std::span<co
     contact.overlap.push_back(std::min(-heights[n], thickness));
     elastic_overlap.push_back(contact.overlap[n] - dent.depth[n]);
   }
-  contact.solution = solveLayer(layer, elastic_overlap);
+  contact.cells = cells;
+  contact.solution = solveLayer(layer, elastic_overlap, 1e-10, cells.compliance);
   for (std::size_t n = 0; n < heights.size(); ++n) {
     double& pressure = contact.solution.pressure[n];
     contact.strain.push_back(dent.strain[n] + pressure);
@@ -141,7 +145,9 @@ void sumForces(const Sensor& sensor, const LayerNodes& nodes, LayerContact& cont
     const double node_force = contact.solution.pressure[n] * nodes.area(), d = contact.overlap[n];
     const Vector3 force_S = rotate(X_SP.rotation, {0, 0, -node_force});
     force = add(force, force_S);
-    torque = add(torque, cross(X_SP * samples[n].position_P, force_S));
+    Vector3 place_P = samples[n].position_P;
+    for (std::size_t axis = 0; !contact.cells.place.empty() && axis < 2; ++axis) place_P[axis] += contact.cells.place[n][axis];
+    torque = add(torque, cross(X_SP * place_P, force_S));
     if (samples[n].taxel == kNoTaxel) {
       contact.off_array_load += node_force;
       continue;
@@ -149,8 +155,10 @@ void sumForces(const Sensor& sensor, const LayerNodes& nodes, LayerContact& cont
     const auto taxel = static_cast<std::size_t>(samples[n].taxel);
     contact.total_force += node_force;
     contact.taxel_force[taxel] += node_force;
-    contact.mean_penetration[taxel] += std::max(d, 0.0) / per_taxel;
-    contact.over_penetration += d >= thickness ? 1 / (per_taxel * numTaxels(sensor)) : 0;
+    const double share = contact.cells.share.empty() ? 1 : contact.cells.share[n];
+    contact.mean_penetration[taxel] += share * std::max(d, 0.0) / per_taxel;
+    const bool is_deep = contact.cells.share.empty() ? d >= thickness : share >= kLeastShareOfFull && d >= kFullDepth * thickness;
+    contact.over_penetration += is_deep ? 1 / (per_taxel * numTaxels(sensor)) : 0;
   }
   contact.wrench = {force[0], force[1], force[2], torque[0], torque[1], torque[2]};
 }
@@ -173,7 +181,7 @@ Layer makeLayer(const Sensor& sensor) {
   return layer;
 }
 
-LayerSolution solveLayer(const Layer& layer, std::span<const double> overlap, double tolerance) {
+LayerSolution solveLayer(const Layer& layer, std::span<const double> overlap, double tolerance, std::span<const double> compliance) {
   LayerSolution solution;
   solution.pressure.assign(overlap.size(), 0);
   const double deepest = *std::max_element(overlap.begin(), overlap.end());
@@ -183,6 +191,7 @@ LayerSolution solveLayer(const Layer& layer, std::span<const double> overlap, do
     if (!std::isfinite(overlap[n])) continue;
     problem.node.push_back({static_cast<int>(n) / layer.nodes.num_cols, static_cast<int>(n) % layer.nodes.num_cols});
     problem.d.push_back(overlap[n]);
+    if (!compliance.empty()) problem.compliance.push_back(compliance[n]);
   }
   const NonNegativeSolution found = solveNonNegative(problem, deepest, tolerance);
   if (!(found.residual <= tolerance)) throw std::runtime_error("elastic layer: no convergence, residual " + std::to_string(found.residual));
@@ -293,27 +302,38 @@ PressedSkin pressedNodes(const Sensor& sensor, std::span<const PlacedObject> obj
   const LayerNodes nodes = layerNodes(sensor);
   const std::vector<double>& pressure = contact.solution.pressure;
   PressedSkin skin{layerSamples(sensor, nodes), std::vector<int>(pressure.size(), kNoContact), contact.overlap, pressure};
+  const LayerCells& cells = contact.cells;
+  for (std::size_t n = 0; n < cells.share.size(); ++n) {
+    skin.share.push_back(cells.share[n] > 0 ? cells.share[n] : 1);  // skin that bulges meets a surface above it
+    for (std::size_t axis = 0; axis < 2; ++axis) skin.points[n].position_P[axis] += cells.place[n][axis];
+  }
   if (!hasFriction(sensor.skin) || objects.empty()) return skin;
   const auto heightsUnder = [&](std::span<const PlacedObject> object) { return layerHeights(sensor, nodes, object); };
   const std::vector<int> lowest = lowestObjects(objects, sensor.skin.thickness, heightsUnder);
-  for (std::size_t n = 0; n < pressure.size(); ++n) skin.touching[n] = pressure[n] > 0 ? lowest[n] : kNoContact;
+  for (std::size_t n = 0; n < pressure.size(); ++n) {
+    const int touching = !cells.edge.empty() && cells.edge[n] > 0 ? cells.touching[n] : lowest[n];
+    skin.touching[n] = pressure[n] > 0 ? touching : kNoContact;
+  }
   return skin;
 }
 
 LayerContact layerContact(const Sensor& sensor, std::span<const PlacedObject> objects, const SkinStep& skin) {
   const Layer layer = makeLayer(sensor);
-  return solveContact(sensor, layer, layerHeights(sensor, layer.nodes, objects), residualDent(layer, skin));
+  const LayerCells cells = layerCells(sensor, layer.nodes, objects);
+  const std::vector<double> heights = heightsOfCells(cells, layerHeights(sensor, layer.nodes, objects));
+  return solveContact(sensor, layer, heights, residualDent(layer, skin), cells);
 }
 
 LayerContact loadedLayerContact(const Sensor& sensor, std::span<const PlacedObject> objects, double load, const SkinStep& skin) {
   const Layer layer = makeLayer(sensor);
   const ResidualDent dent = residualDent(layer, skin);
-  const std::vector<double> heights = layerHeights(sensor, layer.nodes, objects);
+  const LayerCells cells = layerCellsAtFullDepth(sensor, layer.nodes, objects);
+  const std::vector<double> heights = heightsOfCells(cells, layerHeights(sensor, layer.nodes, objects));
   double bottom = std::numeric_limits<double>::infinity();
   const double lowest = *std::min_element(heights.begin(), heights.end());
   for (std::size_t n = 0; n < heights.size(); ++n) bottom = std::min(bottom, heights[n] - lowest + dent.depth[n]);
   return searchDepth(heights, bottom, sensor.skin.thickness, load,
-                     [&](std::span<const double> moved) { return solveContact(sensor, layer, moved, dent); });
+                     [&](std::span<const double> moved) { return solveContact(sensor, layer, moved, dent, cells); });
 }
 
 }  // namespace taxelsim::reference

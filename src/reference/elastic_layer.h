@@ -25,6 +25,7 @@
 
 #include "reference/depth.h"
 #include "reference/friction.h"
+#include "reference/layer_cells.h"
 #include "reference/relaxation.h"
 #include "sensor/elastic_layer.h"
 
@@ -45,9 +46,10 @@ struct LayerSolution {
   int iterations = 0;
 };
 
-// Solves for the pressures under the signed overlap d, (num_rows x num_cols), m; -infinity where there is no surface. Throws
-// std::runtime_error if the residual does not reach `tolerance`.
-LayerSolution solveLayer(const Layer& layer, std::span<const double> overlap, double tolerance = 1e-10);
+// Solves for the pressures under the signed overlap d, (num_rows x num_cols), m; -infinity where there is no surface. `compliance`: of
+// LayerCells, added to the diagonal of A; empty for whole cells. Throws std::runtime_error if the residual does not reach `tolerance`.
+LayerSolution solveLayer(const Layer& layer, std::span<const double> overlap, double tolerance = 1e-10,
+                         std::span<const double> compliance = {});
 
 // Sum of p dA over all nodes, N.
 double totalForce(const Layer& layer, std::span<const double> pressure);
@@ -57,6 +59,7 @@ struct LayerContact {
   LayerSolution solution;                // relaxing skin: residual and iterations are those of the problem with residual strains
   std::vector<double> strain;            // (nodes), Pa: strain measure of a relaxing skin, see relaxation.h
   std::vector<double> overlap;           // (nodes), m: d, at most the thickness
+  LayerCells cells;                      // with DepthSampling::kArea
   std::vector<double> taxel_force;       // (num_taxels), N
   std::vector<double> mean_penetration;  // (num_taxels), m: mean of clamp(d, 0, thickness)
   std::array<double, 6> wrench{};        // force (N) and torque (N m) on the sensor at the origin of S, in S; margin included
@@ -77,8 +80,8 @@ void sumForces(const Sensor& sensor, const LayerNodes& nodes, LayerContact& cont
 LayerContact searchDepth(std::span<const double> heights, double first_touch, double thickness, double load,
                          const std::function<LayerContact(std::span<const double>)>& contactAt);
 
-// Linearisation of the solution: rates of the pressures, (nodes), Pa, for rates of the overlap, (nodes), m, both per unit of the same
-// parameter. The active set is held fixed: A p' = d' on the nodes with pressure. Instantaneous, also for a relaxing skin.
+// Linearisation of the solution, of whole cells: rates of the pressures, (nodes), Pa, for rates of the overlap, (nodes), m, both per unit
+// of the same parameter. The active set is held fixed: A p' = d' on the nodes with pressure. Instantaneous, also for a relaxing skin.
 std::vector<double> pressureRates(const Layer& layer, const LayerContact& contact, std::span<const double> overlap_rates);
 
 // The nodes as samples of the first patch; taxel kNoTaxel in the margin.

@@ -33,10 +33,24 @@ void checkPatches(const std::vector<GridPatch>& patches) {
   }
 }
 
-// How deep each cell is determines its mean pressure on a skin without coupling between cells.
+// An elastic layer knows how soft the covered part of a cell is, of cells that are not much wider than the layer is thick.
+void checkCellsOfLayer(const Sensor& sensor, const ElasticLayer& law) {
+  const std::array<double, 2>& pitch = sensor.patches.front().pitch;
+  const double spacing = std::max(pitch[0], pitch[1]) / sensor.samples_per_taxel;
+  if (law.base == ElasticLayer::Base::kBonded && spacing > sensor.skin.thickness) {
+    failField("samples_per_taxel", std::to_string(sensor.samples_per_taxel),
+              "samples at most a thickness (" + numberText(sensor.skin.thickness) +
+                  " m) apart with a bonded elastic_layer and depth_sampling: area");
+  }
+  if (!sensor.skin.relaxation.empty()) {
+    failField("skin.relaxation", std::to_string(sensor.skin.relaxation.size()) + " terms",
+              "none with the law elastic_layer and depth_sampling: area");
+  }
+}
+
 void checkDepthSampling(const Sensor& sensor) {
   if (sensor.depth_sampling == DepthSampling::kPoint) return;
-  if (std::holds_alternative<ElasticLayer>(sensor.skin.law)) failField("depth_sampling", "area", "point with the law elastic_layer");
+  if (const auto* layer = std::get_if<ElasticLayer>(&sensor.skin.law)) checkCellsOfLayer(sensor, *layer);
   if (std::holds_alternative<Pasternak>(sensor.skin.law)) failField("depth_sampling", "area", "point with the law pasternak");
 }
 

@@ -120,6 +120,21 @@ double layerKernel(double x, double poisson_ratio) {
   return (2 * c * sinhExcess(2 * x) + 4 * (c - 1) * x) / (2 * c * std::cosh(2 * x) + 4 * x * x + 1 + c * c);
 }
 
+CellCompliance cellCompliance(const ElasticLayer& layer, double thickness, const std::array<double, 2>& spacing) {
+  const double area = spacing[0] * spacing[1], free = lovePatch(0, 0, spacing) / std::numbers::pi;  // times E*
+  CellCompliance compliance{.disc = std::sqrt(std::numbers::pi * area) / 2, .free = free, .point = area / std::numbers::pi};
+  double own = free;
+  if (layer.base == ElasticLayer::Base::kBonded) {
+    const BaseCorrection gamma(layer.poisson_ratio);
+    const double of_cell = correctionOverCell(gamma, thickness, 0, 0, spacing) / std::numbers::pi;
+    compliance.base = gamma(0) / thickness * area / std::numbers::pi - of_cell;
+    compliance.image_depth = -thickness / gamma(0);
+    own += of_cell;
+  }
+  for (double* value : {&compliance.disc, &compliance.free, &compliance.base, &compliance.point}) *value /= own;
+  return compliance;
+}
+
 std::vector<double> layerInfluence(const ElasticLayer& layer, double thickness, const std::array<double, 2>& spacing, int num_rows,
                                    int num_cols) {
   const double plane_modulus = planeModulus(layer.elastic_modulus, layer.poisson_ratio);

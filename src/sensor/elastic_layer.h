@@ -37,4 +37,19 @@ inline constexpr double kLayerKernelEnd = 24;  // 1 - L is below 1e-14 beyond
 std::vector<double> layerInfluence(const ElasticLayer& layer, double thickness, const std::array<double, 2>& spacing, int num_rows,
                                    int num_cols);
 
+// Compliances of nodes whose cells an object covers in part, relative to that of a whole cell on itself (the first of layerInfluence()).
+//
+// A rigid disc of area s A on a half-space sinks by F / (2 E* a), a = sqrt(s A / pi): the shape that stands for a part with the share s of
+// a cell of area A. The base takes from a point what it does not take from a cell; between two parts it acts as the image of a point in a
+// mirror at half of `image_depth`, exact at distance 0. shaders/elastic_layer/cells.glsl has the formula.
+struct CellCompliance {
+  double disc = 0;         // of the disc with the cell's area, on a half-space
+  double free = 0;         // of the cell, on a half-space
+  double base = 0;         // of a point less that of a cell, what the base adds to each; 0 without a base
+  double point = 0;        // m: of a point on a half-space, times distance
+  double image_depth = 0;  // m; 0 without a base
+};
+
+CellCompliance cellCompliance(const ElasticLayer& layer, double thickness, const std::array<double, 2>& spacing);
+
 }  // namespace taxelsim

@@ -79,7 +79,7 @@ std::uint64_t frictionStates(Shape s) {
 std::uint64_t layerPairs(Shape s) {
   if (!s.hasLayer()) return 0;
   const std::uint64_t padded_nodes = s.model.layer->influence.size() / 2;
-  return (layout::kNumLayerArrays + relaxationStates(s)) * padded_nodes / 2;
+  return (layout::kNumLayerArrays + relaxationStates(s) + (s.model.area() ? 1 : 0)) * padded_nodes / 2;
 }
 
 std::uint64_t contactFeatures(Shape s) {
@@ -117,6 +117,8 @@ constexpr BatchArray kArrays[] = {
     internal<block::ImageWindows>("image windows",
                                   [](Shape s) { return countIf(s.model.packed.one_grid && s.model.sensor.frame_rate == 0, 1); }),
     internal<block::Heights>("heights", [](Shape s) { return countIf(s.hasLayer(), nodes(s)); }),
+    internal<block::NodeCells>("cells of nodes",
+                               [](Shape s) { return countIf(s.hasLayer() && s.model.area(), layout::kNodeCellWords * nodes(s)); }),
     internal<block::Windows>("windows", [](Shape s) { return countIf(s.hasLayer(), s.model.contact_packed.tiles.size()); }),
     internal<block::Layer>("layer", layerPairs),
     internal<block::Foundation>("foundation", [](Shape s) { return countIf(s.hasLayer() && s.model.isPasternak(), 3 * nodes(s)); }),

@@ -51,6 +51,11 @@ void recordObjects(const Model::Impl& model, const BatchShape& shape, Recorder& 
   } else {
     model.contact.record(recorder, variant);
   }
+  if (coupled && model.data.area()) {
+    variant.list = layout::kNumLists;
+    variant.cells = true;
+    model.contact.record(recorder, variant);
+  }
   if (model.pasternak) model.pasternak->record(recorder, {.loads = kind.loads, .with_depth = shape.options.outputs.penetration_depth});
   if (model.elastic_layer) {
     model.elastic_layer->record(recorder, {.loads = kind.loads,

@@ -50,7 +50,7 @@ void warnOfSmallObjects(const Sensor& sensor, std::span<const Object> objects) {
     const double width = narrowest(objects[i]);
     if (!(width < kFewSamples * spacing)) continue;
     const double count = std::ceil(kEnoughSamples * pitch / width);
-    const bool may_be_area = !is_foundation && !std::holds_alternative<ElasticLayer>(sensor.skin.law);
+    const bool may_be_area = !is_foundation;
     const std::string name = objects[i].name.empty() ? std::to_string(i) : oneLine(objects[i].name);
     std::string line = "object " + name + " is " + millimetres(width) + " wide, " + (is_foundation ? "nodes" : "samples") + " are " +
                        millimetres(spacing) + " apart: its force depends on where it lies between them; ";

@@ -81,8 +81,50 @@ uint variationOf(Tile tile, CellSums sums, float mean) {
   return packHalf2x16(clamp(deviation / max(mean, kLeastDepth), kLeast, kMost) * (is_even ? vec2(1, 0) : deeper / max(length(deeper), 1e-30)));
 }
 
+// ---- cells of nodes, for a globally coupled law ----
+//
+// An edge of an object cuts a cell where the depth hardly varies over what is covered; where a smooth surface leaves the skin it varies from 0. Only an edge
+// makes a cell smaller: of a smooth surface the height in the middle of the cell says more. Twin: src/reference/layer_cells.cpp.
+
+// How far an edge bounds what is covered, 1 to 0, by the variance of the depth over the square of its mean.
+const float kSureEdge = 0.05;  // a plane whose shallow side is half as deep as the deep one has 0.04
+const float kNearlyWhole = 20.0;  // times the share that is not covered, below 1, is how far the height in the middle still counts
+const float kNoEdge = 0.15;    // a parabola that ends in the skin on both sides has 0.2, a plane that ends there on one side 0.33
+
+float edgeOf(CellSums sums) {
+  float mean = sums.volume / max(sums.covered, 1.0 / kCoveredUnits), square = sums.square / max(sums.covered, 1.0 / kCoveredUnits);
+  float variance = square / max(mean * mean, kLeastDepth * kLeastDepth) - 1.0;
+  return clamp((kNoEdge - variance) / (kNoEdge - kSureEdge), 0.0, 1.0) * clamp(kNearlyWhole * (1.0 - sums.covered), 0.0, 1.0);
+}
+
+uint packedCentroid(CellSums sums, float edge) {
+  const float kMost = float((1u << (kCentroidBits - 1u)) - 1u);
+  ivec2 place = ivec2(round(clamp(2.0 * edge * sums.moment / max(sums.volume, 1e-30), -1.0, 1.0) * kMost));
+  uint mask = (1u << kCentroidBits) - 1u;
+  return (uint(place.x) & mask) | (uint(place.y) & mask) << kCentroidBits | uint(round(edge * float((1u << kEdgeBits) - 1u))) << (2u * kCentroidBits);
+}
+
+// Gives a cell of a node to the object in a slot if that is the deepest over what it covers, which is the depth that the word of the tile then holds.
+void giveNodeCell(Tile tile, uint address, uint slot, CellSums sums) {
+  float share = clamp(sums.covered, 1.0 / kCoveredUnits, 1.0), depth = clamp(sums.volume / max(sums.covered, 1.0 / kCoveredUnits), 0.0, THICKNESS);
+  const float kLeastCovered = 8.0 / kCoveredUnits;  // less is rounding
+  uint word = depth > 0.0 && sums.covered > kLeastCovered ? wordOfDepth(depth, slot) : kEmpty;
+  if (MANY_SLOTS) {
+    if (word >= atomicMin(tile_heights[address], word)) return;
+  } else {
+    tile_heights[address] = word;
+  }
+  float edge = edgeOf(sums);
+  cell_shares[address] = floatBitsToUint(share);
+  cell_variations[address] = packedCentroid(sums, edge);
+}
+
 // Gives a cell to the object in a slot if that is the deepest.
 void giveCell(Tile tile, uint address, uint slot, CellSums sums) {
+  if (kGlobalSolve) {
+    giveNodeCell(tile, address, slot, sums);
+    return;
+  }
   float share = clamp(sums.covered, 1.0 / kCoveredUnits, 1.0);
   // Surfaces of one object above each other share the cell. A lower level of the skin makes what is covered deeper.
   float depth = clamp(sums.volume / max(sums.covered, 1.0) + tile.level * share, 0.0, THICKNESS);

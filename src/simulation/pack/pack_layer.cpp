@@ -41,6 +41,7 @@ PackedLayer packLayer(const Sensor& sensor) {
   packed.node_sensor = sensorOfNodes(sensor, nodes);
 
   const std::vector<double> influence = layerInfluence(law, sensor.skin.thickness, nodes.spacing, nodes.num_rows, nodes.num_cols);
+  packed.cells = cellCompliance(law, sensor.skin.thickness, nodes.spacing);
   const double own = influence.front();
   const int strips = (nodes.num_cols + static_cast<int>(layout::kStrip) - 1) / static_cast<int>(layout::kStrip);
   const int half = strips * static_cast<int>(layout::kStrip);

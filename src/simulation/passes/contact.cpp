@@ -60,6 +60,11 @@ std::uint64_t iterationsOf(const ModelData& model) {
   return 2 * model.object_kinds.max_triangles + model.contact_packed.max_tile_samples * per_ray;
 }
 
+// Without area sampling closed meshes are drawn as others.
+std::uint32_t triangleSizes(const ObjectKinds& kinds, bool area) {
+  return area ? kinds.triangle_sizes : (kinds.triangle_sizes | kinds.triangle_sizes >> 2) & 3u;
+}
+
 }  // namespace
 
 std::uint32_t maxTileSamples(const DeviceInfo& info, bool area, bool variation) {
@@ -107,6 +112,7 @@ ContactPass::Kernel ContactPass::makeKernel(const Variant& variant) const {
   // A search over tiles leaves the state of the samples alone under friction or relaxation; its last evaluation, kSearchEnded, updates it.
   const bool only_searches = model_.hasFriction() && variant.search == ContactInterface::kSearchOverTiles;
   const bool friction = model_.hasFriction() && !only_searches;
+  const bool area = model_.area() && (!model_.layer || variant.cells);
   const ContactInterface constants{
       .TILE_SAMPLES = model_.contact_packed.max_tile_samples,
       .FLAT = model_.contact_packed.flat,
@@ -116,7 +122,7 @@ ContactPass::Kernel ContactPass::makeKernel(const Variant& variant) const {
       .SCALED = model_.packed.scalesSpread() && !taxels_follow && !model_.layer,
       .MANY_SLOTS = variant.many_slots,
       .OBJECT_KINDS = variant.list == layout::kListCandidates ? 1u << layout::kKindMesh : model_.object_kinds.kinds,
-      .TRIANGLE_SIZES = model_.object_kinds.triangle_sizes,
+      .TRIANGLE_SIZES = triangleSizes(model_.object_kinds, area),
       .OUTPUT_DEPTH = variant.with_depth,
       .NUM_FACES = model_.object_kinds.num_faces,
       .LAW_0 = law.parameters[0],
@@ -140,10 +146,11 @@ ContactPass::Kernel ContactPass::makeKernel(const Variant& variant) const {
       .REACH = law.reach,
       .LIST = variant.list,
       .IS_LAST = law.taxel_passes.empty(),
-      .AREA = model_.area(),
+      .AREA = area,
       .RANDOM_SKIN = variant.random_skin,
-      .VARIATION = model_.area() && (friction || law.parameters[1] != 1),
+      .VARIATION = area && (model_.layer || friction || law.parameters[1] != 1),
       .KEEPS_SLOTS = variant.keeps_slots,
+      .HAS_CELLS = model_.layer && model_.area(),
   };
   const PassSizes sizes{sizes_.workgroup, sizes_.lanes, repeatOf(variant)};
   return {model_.context(), law.kernel, model_.profile.select(law.spirv, sizes.workgroup),

@@ -24,6 +24,7 @@ class ContactPass {
     bool with_jacobian = false;                        // outputs what a tactile Jacobian is computed from
     std::uint32_t list = layout::kNumLists;            // instances that it processes, kList...; kNumLists: all
     bool random_skin = false;                          // every instance has factors of its own, SkinVariation
+    bool cells = false;                                // second run of a coupled law with area sampling: writes node_cells
     auto operator<=>(const Variant&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 misreads it
   };
 
@@ -34,7 +35,7 @@ class ContactPass {
   // Groups of a mesh's clusters that are culled between two barriers.
   std::uint32_t groupsPerBatch() const { return groups_per_batch_; }
 
-  // For a globally coupled law writes heights and windows instead of forces.
+  // For a globally coupled law writes heights and windows instead of forces, or with `cells` node_cells and the windows of both.
   void record(Recorder recorder, const Variant& variant) const;
 
  private:

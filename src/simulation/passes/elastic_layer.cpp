@@ -59,7 +59,13 @@ ElasticLayerPass::Kernel ElasticLayerPass::makeKernel(const Variant& variant) co
                                 .FRICTION_COEFFICIENT = skin.friction.friction_coefficient,
                                 .OUTPUT_SHEAR = variant.with_shear,
                                 .RELAXATION = skin.relaxation.size(),
-                                .OUTPUT_JACOBIAN = variant.with_jacobian}};
+                                .OUTPUT_JACOBIAN = variant.with_jacobian,
+                                .AREA = model_.area(),
+                                .CELL_DISC = model_.layer->cells.disc,
+                                .CELL_FREE = model_.layer->cells.free,
+                                .CELL_BASE = model_.layer->cells.base,
+                                .POINT_COMPLIANCE = model_.layer->cells.point,
+                                .IMAGE_DEPTH = model_.layer->cells.image_depth}};
 }
 
 }  // namespace taxelsim

@@ -1,0 +1,132 @@
+// Cells that an edge of an object covers in part, with area sampling: the height over what is covered, its centroid, and the own compliance of such a node.
+//
+// A pressed part of a cell is softer than the cell under the same force, and parts of neighbouring cells are closer to each other than the middles of their
+// cells. Both go into the node's own compliance, so that influence still depends on distance alone (elastic_layer/influence.glsl). With the share s that is
+// covered, the centroid c, and the disc of the cell's area as the shape of what carries the edge of a rigid object:
+//
+//   own(s) = 1 + (CELL_DISC (1 - s^8) + CELL_FREE s^8) / sqrt(s) - CELL_FREE + CELL_BASE (1 - s)
+//   compliance_i = own(s_i) + POINT_COMPLIANCE sum_j sqrt(s_j / s_i) [m(|c_j - c_i|, w_ij) - m(distance of the nodes, w_11)]      over the eight neighbours
+//   m(r, w) = erf(r / w) / r - 1 / sqrt(r^2 + IMAGE_DEPTH^2)        of two round clouds whose forces act over w; their image is the base
+//
+// sqrt(s_j / s_i) is the ratio of forces under a flat object; a surface that only enters a cell has the share that it covers there. Compliances are relative to
+// a whole cell's. Constants: src/sensor/elastic_layer.h. Twin:
+// src/reference/layer_cells.cpp.
+
+const float kPi = 3.14159265358979;
+const uint kLayerCompliance = kLayerArrays - 1u;  // array of compliance - 1
+const float kLeastCompliance = 0.5;               // of a node, for layers much thinner than a cell
+
+struct NodeCell {
+  float height;   // over what is covered, m
+  float share;    // that counts as covered: 1 without an edge; 0: nothing touches
+  float covered;  // share that is covered
+  vec2 place;      // of the centroid, from the node, m
+  float edge;     // how far an edge bounds what is covered
+  uint slot;
+};
+
+NodeCell noNodeCell() { return NodeCell(0.0, 0.0, 0.0, vec2(0), 0.0, 0u); }
+
+NodeCell cellAt(Surface surface, uvec2 node) {
+  if (!AREA) return NodeCell(0.0, 1.0, 1.0, vec2(0), 0.0, 0u);
+  uint first = kNodeCellWords * (surface.first_height + node.x * NODE_COLS + node.y);
+  float covered = uintBitsToFloat(node_cells[first + 1u]);
+  if (covered == 0.0) return noNodeCell();
+  uint height = node_cells[first], word = node_cells[first + 2u];
+  const int kBits = int(kCentroidBits);
+  vec2 place = vec2(bitfieldExtract(int(word), 0, kBits), bitfieldExtract(int(word), kBits, kBits)) * (0.5 / float((1 << (kBits - 1)) - 1));
+  float edge = float(word >> (2u * kCentroidBits)) / float((1u << kEdgeBits) - 1u);
+  return NodeCell(withoutSlot(height), mix(1.0, covered, edge), covered, place * nodeSpacing(), edge, slotOf(height));
+}
+
+// Height that a node meets, m: in the middle of its cell, or over what an edge bounds.
+float heightOf(NodeCell cell, float height) {
+  if (cell.edge == 0.0) return height;
+  return height >= kMiss ? cell.height : mix(height, cell.height, cell.edge);
+}
+
+// Error function, to 1.5e-7 (Abramowitz and Stegun, 7.1.26).
+float errorFunction(float x) {
+  float t = 1.0 / (1.0 + 0.3275911 * x);
+  return 1.0 - t * (0.254829592 + t * (-0.284496736 + t * (1.421413741 + t * (-1.453152027 + t * 1.061405429)))) * exp(-x * x);
+}
+
+// m(r, w), 1/m. `shares`: sum of both.
+float mutualCompliance(vec2 distance_of, float shares) {
+  const float kCloud = 8.0 / (kPi * kPi * kPi * kPi);  // w^2 of two clouds, of the sum of their areas
+  float r = length(distance_of), w = sqrt(kCloud * shares * nodeArea()), x = r / w;
+  float between = x > 1e-3 ? errorFunction(x) / r : 2.0 / (sqrt(kPi) * w);
+  return between - (IMAGE_DEPTH > 0.0 ? inversesqrt(r * r + IMAGE_DEPTH * IMAGE_DEPTH) : 0.0);
+}
+
+float ownCompliance(float s) {
+  float s2 = s * s, s4 = s2 * s2, s8 = s4 * s4;
+  return 1.0 + mix(CELL_DISC, CELL_FREE, s8) * inversesqrt(s) - CELL_FREE + CELL_BASE * (1.0 - s);
+}
+
+float complianceOf(Surface surface, uvec2 node) {
+  NodeCell cell = cellAt(surface, node);
+  if (cell.share == 0.0) return 1.0;
+  float mutual = 0.0;
+  for (uint k = 0; k < 9; ++k) {
+    ivec2 step_to = ivec2(k / 3, k % 3) - 1, at = ivec2(node) + step_to;
+    bool is_reached = at.x >= int(surface.reached.x) && at.x < int(surface.reached.y) && at.y >= int(surface.reached.z) && at.y < int(surface.reached.w);
+    if (k == 4 || !is_reached) continue;
+    NodeCell other = cellAt(surface, uvec2(at));
+    if (other.share == 0.0 || cell.share >= 1.0 && other.share >= 1.0) continue;
+    vec2 nodes = vec2(step_to) * nodeSpacing();
+    mutual += sqrt(other.covered) * (mutualCompliance(nodes + other.place - cell.place, cell.share + other.share) - mutualCompliance(nodes, 2.0));
+  }
+  return max(ownCompliance(cell.share) + POINT_COMPLIANCE * mutual * inversesqrt(cell.share), kLeastCompliance);
+}
+
+// Stores the compliances of the window.
+void setCompliances(Surface surface, Window window) {
+  if (!AREA) return;
+  uint k = gl_LocalInvocationIndex;
+  for (; k < window.num_strips; k += WORKGROUP) {
+    uvec2 at = stripAt(window, k);
+    Strip more = strip(0.0);
+    for (uint c = 0; c < kStrip; ++c) {
+      uint col = at.y * kStrip + c;
+      bool inside = at.x >= surface.reached.x && at.x < surface.reached.y && col >= surface.reached.z && col < surface.reached.w;
+      float value = inside ? complianceOf(surface, uvec2(at.x, col)) - 1.0 : 0.0;
+      if (c < 4) more.low[c] = value; else more.high[c - 4] = value;
+    }
+    writeStrip(window, kLayerCompliance, at, more);
+  }
+  checkLoop(k < window.num_strips);
+  workgroupBarrierWithBuffers();
+}
+
+// Over a strip: x and y from the nodes to the places of their forces, m, and the shares that count as covered.
+struct StripCells {
+  Strip x, y, share;
+};
+
+StripCells cellsOver(Surface surface, uvec2 at) {
+  StripCells cells = StripCells(strip(0.0), strip(0.0), strip(0.0));
+  for (uint c = 0; c < kStrip; ++c) {
+    uint col = at.y * kStrip + c;
+    bool inside = at.x >= surface.reached.x && at.x < surface.reached.y && col >= surface.reached.z && col < surface.reached.w;
+    NodeCell cell = noNodeCell();
+    if (inside) cell = cellAt(surface, uvec2(at.x, col));
+    if (c < 4) {
+      cells.x.low[c] = cell.place.x;
+      cells.y.low[c] = cell.place.y;
+      cells.share.low[c] = cell.share;
+    } else {
+      cells.x.high[c - 4] = cell.place.x;
+      cells.y.high[c - 4] = cell.place.y;
+      cells.share.high[c - 4] = cell.share;
+    }
+  }
+  return cells;
+}
+
+// What the solver weights the residual of a node with: one over its own compliance.
+Strip weighted(Window window, uvec2 at, Strip values) {
+  if (!AREA) return values;
+  Strip more = readStrip(window, kLayerCompliance, at);
+  return Strip(values.low / (1.0 + more.low), values.high / (1.0 + more.high));
+}
