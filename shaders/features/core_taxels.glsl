@@ -1,42 +1,46 @@
 // Core taxels of a contact: those so far inside it that the spread brings them as much force as it takes away. All taxels of the patch around a core taxel
 // report. A taxel at the patch's border is never one, since the contact may end anywhere beyond it. Twin: src/reference/contact_features.cpp.
+//
+// A taxel is one where all taxels of its row within the patch's core distance report, and the same holds for all of its column within that distance. A line of
+// taxels is read once: a window ends at taxel j, and `run` counts the taxels up to j that have the wanted mark.
 
-// Whether all taxels of a taxel's row within the patch's core distance report, and the taxel is not at the end of the row.
-bool isCoreInRow(uint first_taxel, uint t) {
-  Place place = placeOf(t);
-  uint row = place.grid.z + place.at.x * place.grid.y;
-  uint last = min(place.at.y + place.grid.w, place.grid.y - 1);
-  bool core = place.at.y > 0 && place.at.y + 1 < place.grid.y;
-  for (uint j = place.at.y - min(place.at.y, place.grid.w); j <= last && core; ++j) core = reportsAt(first_taxel, row + j);
-  return core;
+// Whether the window of taxel j - distance, the part of it on the line, has the mark throughout; false for the ends of the line.
+bool isInside(uint j, uint distance, uint size, uint run) {
+  uint middle = j - distance;  // wraps to a large number before the first window
+  uint first = middle - min(middle, distance), last = min(j, size - 1u);
+  return middle > 0u && middle + 1u < size && run > last - first;
 }
 
-// The same for the block of taxels around it, once every taxel's kCoreInRow has been set.
-bool isCore(uint first_taxel, uint t) {
-  Place place = placeOf(t);
-  uint column = place.grid.z + place.at.y;
-  uint last = min(place.at.x + place.grid.w, place.grid.x - 1);
-  bool core = place.at.x > 0 && place.at.x + 1 < place.grid.x;
-  for (uint i = place.at.x - min(place.at.x, place.grid.w); i <= last && core; ++i) {
-    core = (taxel_regions[first_taxel + column + i * place.grid.y] & kCoreInRow) != 0;
+// Marks the taxels of a row whose window reports. `first`: taxel of the instance.
+void markCoreInRow(uint first_taxel, uint first, uvec4 grid) {
+  uint run = 0, j = 0, distance = min(grid.w, grid.y);
+  for (; j < grid.y + distance; ++j) {
+    if (j < grid.y) run = reportsAt(first_taxel, first + j) ? run + 1u : 0u;
+    if (isInside(j, distance, grid.y, run)) taxel_regions[first_taxel + first + j - distance] |= kCoreInRow;
   }
-  return core;
+  checkLoop(j < grid.y + distance);
 }
 
-// Marks the core taxels of grid patches.
+// Marks the core taxels of a column, whose rows have been marked.
+void markCoreInColumn(uint first_taxel, uint first, uvec4 grid) {
+  uint run = 0, i = 0, distance = min(grid.w, grid.x);
+  for (; i < grid.x + distance; ++i) {
+    if (i < grid.x) run = (taxel_regions[first_taxel + first + i * grid.y] & kCoreInRow) != 0 ? run + 1u : 0u;
+    if (!isInside(i, distance, grid.x, run)) continue;
+    uint taxel = first_taxel + first + (i - distance) * grid.y;
+    if (CLEAN || float(image[taxel]) < SATURATION) taxel_regions[taxel] |= kCoreTaxel;
+  }
+  checkLoop(i < grid.x + distance);
+}
+
+// Marks the core taxels of grid patches. An invocation owns rows, then columns.
 void markCore(Instance instance, uint lane) {
-  uint t = lane;
-  if (kGrids) {
-    for (; t < instance.end; t += TEAM) {
-      uint word = taxel_regions[instance.first_taxel + t];
-      if (reports(word) && isCoreInRow(instance.first_taxel, t)) taxel_regions[instance.first_taxel + t] = word | kCoreInRow;
-    }
+  if (!kGrids) return;
+  for (uint patch_number = 0; patch_number < NUM_PATCHES; ++patch_number) {
+    uvec4 grid = planes[patch_number].grid;
+    uint rows = instance.end > 0 ? grid.x : 0u, cols = instance.end > 0 ? grid.y : 0u;
+    for (uint row = lane; row < rows; row += TEAM) markCoreInRow(instance.first_taxel, grid.z + row * grid.y, grid);
     teamBarrier();
-    for (t = lane; t < instance.end; t += TEAM) {
-      uint word = taxel_regions[instance.first_taxel + t];
-      bool in_range = CLEAN || float(image[instance.first_taxel + t]) < SATURATION;
-      if (in_range && isCore(instance.first_taxel, t)) taxel_regions[instance.first_taxel + t] = word | kCoreTaxel;
-    }
+    for (uint col = lane; col < cols; col += TEAM) markCoreInColumn(instance.first_taxel, grid.z + col, grid);
   }
-  checkLoop(kGrids && t < instance.end);
 }

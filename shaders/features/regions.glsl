@@ -43,8 +43,8 @@ struct Place {
 };
 
 Place placeOf(uint t) {
-  uvec4 grid = planes[ONE_PATCH ? 0 : uint(taxels[t].readout.z)].grid;
-  uint cols = ONE_PATCH && NUM_ROWS > 0 ? NUM_COLS : grid.y;
+  uvec4 grid = planes[NUM_PATCHES == 1 ? 0 : uint(taxels[t].readout.z)].grid;
+  uint cols = NUM_PATCHES == 1 && NUM_ROWS > 0 ? NUM_COLS : grid.y;
   return Place(grid, uvec2((t - grid.z) / cols, (t - grid.z) % cols));
 }
 

@@ -6,7 +6,7 @@ CONSTANT(13, uint, REGIONS)         // rows of regions
 CONSTANT(14, uint, NUM_NEIGHBOURS)  // in the list of each taxel; 0: patches are grids
 CONSTANT(15, uint, FORCE_STEPS)     // of the largest force of an image: the sum over all taxels fits into 31 bits
 CONSTANT(16, uint, FIRST_COUNT)     // features per instance before the number of regions
-CONSTANT(17, bool, ONE_PATCH)       // a grid
+CONSTANT(17, uint, NUM_PATCHES)     // grids
 CONSTANT(18, int, CURVE_DEGREE)     // this and the rest as in image.h
 CONSTANT(19, float, CURVE_SLOPE)
 CONSTANT(20, float, OUTPUT_SCALE)

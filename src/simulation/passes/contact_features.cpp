@@ -63,7 +63,7 @@ gpu::PassKernel<ContactRegionsInterface> ContactFeaturePasses::makeRegions(const
                                   .NUM_NEIGHBOURS = packed.num_neighbours,
                                   .FORCE_STEPS = packed.force_steps,
                                   .FIRST_COUNT = layout::kNumContactFeatures * numContactRows(packed, variant.max_regions),
-                                  .ONE_PATCH = model_.sensor.patches.size() == 1,
+                                  .NUM_PATCHES = model_.sensor.patches.size(),
                                   .CURVE_DEGREE = readout.curve.size(),
                                   .CURVE_SLOPE = slopeAtZero(readout),
                                   .OUTPUT_SCALE = readout.output_scale,
