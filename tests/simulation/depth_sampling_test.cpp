@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <regex>
 
 #include "simulation/comparison.h"
 #include "simulation/input_error.h"
@@ -24,7 +25,8 @@ TEST(SmallObjects, AreWarnedOfWithPoints) {
   const auto warnings = [&](const Sensor& sensor) {
     testing::internal::CaptureStderr();
     warnOfSmallObjects(sensor, objects);
-    return testing::internal::GetCapturedStderr();
+    static const std::regex kTime(R"(\[[-0-9]+ [:.0-9]+\] )");
+    return std::regex_replace(testing::internal::GetCapturedStderr(), kTime, "");
   };
   Sensor sensor = sensorWith(DepthSampling::kPoint);
   const std::string points = warnings(sensor);
