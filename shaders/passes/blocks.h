@@ -43,18 +43,19 @@
 #define BLOCK_ContactShear BLOCK(ContactShear, float, contact_shear[])       // (n x t x 2), N
 #define BLOCK_ContactDepth BLOCK(ContactDepth, float, contact_depth[])       // (n x t), m
 #define BLOCK_TileResults BLOCK(TileResults, TileResult, tile_results[])     // (n x num_tiles)
-#define BLOCK_Heights BLOCK(Heights, uint, heights[])                   // of an elastic layer (n x num_nodes): m as bits, depth/slots.glsl
-#define BLOCK_NodeCells BLOCK(NodeCells, uint, node_cells[])            // of an elastic layer (n x num_nodes x kNodeCellWords), shared/elastic_layer.h
-#define BLOCK_Windows BLOCK(Windows, TileResult, windows[])             // of an elastic layer (n x tiles of its heights)
-#define BLOCK_Layer BLOCK(Layer, Pair, layer[])                         // arrays over strips of nodes, kLayer...
-#define BLOCK_Foundation BLOCK(Foundation, uint, foundation[])          // (n x 3 x num_nodes), pasternak/solver.glsl
-#define BLOCK_TaxelStates BLOCK(TaxelStates, float, taxel_states[])     // (n x num_states x t), readout/lag.glsl
-#define BLOCK_ImageWindows BLOCK(ImageWindows, uvec4, image_windows[])  // of the step before: first row and column, their numbers
-#define BLOCK_AxisPlays BLOCK(AxisPlays, float, axis_plays[])           // (n x 3 x t), N, three_axis.comp
-#define BLOCK_Forces BLOCK(Forces, float, forces[])                     // (n x t), N, that contact features are computed from
-#define BLOCK_TaxelRegions BLOCK(TaxelRegions, uint, taxel_regions[])   // (n x t)
-#define BLOCK_RegionSums BLOCK(RegionSums, uint, region_sums[])         // (n x t)
-#define BLOCK_Regions BLOCK(Regions, uint, regions[])                   // (n x max_regions)
+#define BLOCK_Heights BLOCK(Heights, uint, heights[])  // of an elastic layer (n x num_nodes): m as bits, depth/slots.glsl
+#define BLOCK_NodeCells \
+  BLOCK(NodeCells, uint, node_cells[])                       // of an elastic layer (n x num_nodes x kNodeCellWords), shared/elastic_layer.h
+#define BLOCK_Windows BLOCK(Windows, TileResult, windows[])  // of an elastic layer (n x tiles of its heights)
+#define BLOCK_Layer BLOCK(Layer, Pair, layer[])              // arrays over strips of nodes, kLayer...
+#define BLOCK_Foundation BLOCK(Foundation, uint, foundation[])               // (n x 3 x num_nodes), pasternak/solver.glsl
+#define BLOCK_TaxelStates BLOCK(TaxelStates, float, taxel_states[])          // (n x num_states x t), readout/lag.glsl
+#define BLOCK_ImageWindows BLOCK(ImageWindows, uvec4, image_windows[])       // of the step before: first row and column, their numbers
+#define BLOCK_AxisPlays BLOCK(AxisPlays, float, axis_plays[])                // (n x 3 x t), N, three_axis.comp
+#define BLOCK_Forces BLOCK(Forces, float, forces[])                          // (n x t), N, that contact features are computed from
+#define BLOCK_TaxelRegions BLOCK(TaxelRegions, uint, taxel_regions[])        // (n x t)
+#define BLOCK_RegionSums BLOCK(RegionSums, uint, region_sums[])              // (n x t)
+#define BLOCK_Regions BLOCK(Regions, uint, regions[])                        // (n x max_regions)
 #define BLOCK_ContactCells BLOCK(ContactCells, CellRecord, contact_cells[])  // (n x t)
 #define BLOCK_TileChanges BLOCK(TileChanges, float, tile_changes[])          // (n x num_tiles x LANES x kTileChanges)
 #define BLOCK_TaxelJacobian BLOCK(TaxelJacobian, float, taxel_jacobian[])    // (n x 6 x t), N/m and N/rad
