@@ -20,7 +20,7 @@ struct NodeCell {
   float height;   // over what is covered, m
   float share;    // that counts as covered: 1 without an edge; 0: nothing touches
   float covered;  // share that is covered
-  vec2 place;      // of the centroid, from the node, m
+  vec2 place;     // of the centroid, from the node, m
   float edge;     // how far an edge bounds what is covered
   uint slot;
 };
@@ -69,10 +69,10 @@ float complianceOf(Surface surface, uvec2 node) {
   if (cell.share == 0.0) return 1.0;
   float mutual = 0.0;
   for (uint k = 0; k < 9; ++k) {
-    ivec2 step_to = ivec2(k / 3, k % 3) - 1, at = ivec2(node) + step_to;
-    bool is_reached = at.x >= int(surface.reached.x) && at.x < int(surface.reached.y) && at.y >= int(surface.reached.z) && at.y < int(surface.reached.w);
-    if (k == 4 || !is_reached) continue;
-    NodeCell other = cellAt(surface, uvec2(at));
+    ivec2 step_to = ivec2(k / 3, k % 3) - 1;
+    uvec2 at = uvec2(ivec2(node) + step_to);  // -1 wraps to a large number
+    if (k == 4 || !isReached(surface, at)) continue;
+    NodeCell other = cellAt(surface, at);
     if (other.share == 0.0 || cell.share >= 1.0 && other.share >= 1.0) continue;
     vec2 nodes = vec2(step_to) * nodeSpacing();
     mutual += sqrt(other.covered) * (mutualCompliance(nodes + other.place - cell.place, cell.share + other.share) - mutualCompliance(nodes, 2.0));
@@ -88,9 +88,8 @@ void setCompliances(Surface surface, Window window) {
     uvec2 at = stripAt(window, k);
     Strip more = strip(0.0);
     for (uint c = 0; c < kStrip; ++c) {
-      uint col = at.y * kStrip + c;
-      bool inside = at.x >= surface.reached.x && at.x < surface.reached.y && col >= surface.reached.z && col < surface.reached.w;
-      float value = inside ? complianceOf(surface, uvec2(at.x, col)) - 1.0 : 0.0;
+      uvec2 node = uvec2(at.x, at.y * kStrip + c);
+      float value = isReached(surface, node) ? complianceOf(surface, node) - 1.0 : 0.0;
       if (c < 4) more.low[c] = value; else more.high[c - 4] = value;
     }
     writeStrip(window, kLayerCompliance, at, more);
@@ -107,10 +106,9 @@ struct StripCells {
 StripCells cellsOver(Surface surface, uvec2 at) {
   StripCells cells = StripCells(strip(0.0), strip(0.0), strip(0.0));
   for (uint c = 0; c < kStrip; ++c) {
-    uint col = at.y * kStrip + c;
-    bool inside = at.x >= surface.reached.x && at.x < surface.reached.y && col >= surface.reached.z && col < surface.reached.w;
+    uvec2 node = uvec2(at.x, at.y * kStrip + c);
     NodeCell cell = noNodeCell();
-    if (inside) cell = cellAt(surface, uvec2(at.x, col));
+    if (isReached(surface, node)) cell = cellAt(surface, node);
     if (c < 4) {
       cells.x.low[c] = cell.place.x;
       cells.y.low[c] = cell.place.y;

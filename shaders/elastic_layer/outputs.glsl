@@ -48,10 +48,6 @@ uvec4 writeTaxels(uint instance, Surface surface, Window window, uvec4 pressed, 
   return uvec4(first.x, first.x + count.x, first.y, first.y + count.y);
 }
 
-// As of cells without coupling, depth/area/cell_depths.glsl.
-const float kSliver = 0.25;
-const float kFull = 0.999;
-
 // Adds to num_deep the nodes of taxels at full depth. Returns the sums over the window of pressure, pressure times x and y of P, and pressure on taxels.
 vec4 sumPressures(Surface surface, Window window, float shift) {
   for (uint v = gl_LocalInvocationIndex; v < window.num_parts; v += WORKGROUP) {
@@ -67,9 +63,9 @@ vec4 sumPressures(Surface surface, Window window, float shift) {
       if (AREA) {
         StripCells cells = cellsOver(surface, at);
         sums.yz += vec2(dotOf(p, cells.x), dotOf(p, cells.y));
-        on_taxels = productOf(on_taxels, whereAbove(cells.share, kSliver));
+        on_taxels = productOf(on_taxels, whereAbove(cells.share, kLeastShareOfFull));
       }
-      deep += dotOf(on_taxels, whereAbove(Strip(overlap.low + shift, overlap.high + shift), AREA ? kFull : 0.9999999));
+      deep += dotOf(on_taxels, whereAbove(Strip(overlap.low + shift, overlap.high + shift), AREA ? kFullDepth : 0.9999999));
     }
     checkLoop(k < window.num_strips);
     partial[v] = sums;

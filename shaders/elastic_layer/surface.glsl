@@ -21,6 +21,10 @@ Strip columnPositions(uvec2 at) {
   return Strip(first + vec4(0, 1, 2, 3) * spacing, first + vec4(4, 5, 6, 7) * spacing);
 }
 
+bool isReached(Surface surface, uvec2 node) {
+  return all(greaterThanEqual(node, surface.reached.xz)) && all(lessThan(node, surface.reached.yw));
+}
+
 // ---- heights ----
 
 #include "elastic_layer/cells.glsl"

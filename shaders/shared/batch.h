@@ -88,6 +88,13 @@ struct LoadRecord {
   vec4 forces;   // force along -z of S at the lower bound, at the upper bound, N; rest, m; number of evaluations
 };
 
+// ---- area sampling ----
+
+// A cell is at the full thickness of the skin if an object covers more than this share of it, with this part of the thickness as the mean
+// depth of what is covered.
+TAXELSIM_FLOAT kLeastShareOfFull = 0.25f;
+TAXELSIM_FLOAT kFullDepth = 0.999f;
+
 // ---- outputs of the contact pass ----
 
 TAXELSIM_FLOAT kNoHeight = 1.2676506e30f;  // height without a surface, m: 2^100, whose lowest kSlotBits bits are free

@@ -15,16 +15,6 @@ constexpr double kNearlyWhole = 20;
 constexpr double kLeastCovered = 8.0 / 1048576;
 constexpr double kLeastCompliance = 0.5;
 
-Sensor sensorOfNodes(const Sensor& sensor, const LayerNodes& nodes) {
-  Sensor result = sensor;
-  GridPatch& grid = result.patches.front();
-  grid.num_rows = nodes.num_rows;
-  grid.num_cols = nodes.num_cols;
-  grid.pitch = nodes.spacing;
-  result.samples_per_taxel = 1;
-  return result;
-}
-
 double edgeOf(const CellDepth& cell) {
   const double mean = cell.mean / cell.share, variance = cell.square / cell.share / (mean * mean) - 1;
   return std::clamp((kNoEdge - variance) / (kNoEdge - kSureEdge), 0.0, 1.0) * std::clamp(kNearlyWhole * (1 - cell.share), 0.0, 1.0);

@@ -106,6 +106,18 @@ LayerNodes layerNodes(const Sensor& sensor) {
   return nodes;
 }
 
+Sensor sensorOfNodes(const Sensor& sensor, const LayerNodes& nodes) {
+  Sensor result = sensor;
+  GridPatch& grid = result.patches.front();
+  grid.num_rows = nodes.num_rows;
+  grid.num_cols = nodes.num_cols;
+  grid.pitch = nodes.spacing;
+  result.samples_per_taxel = 1;
+  result.psf = Psf{};
+  result.readout = Readout{};
+  return result;
+}
+
 double planeModulus(double elastic_modulus, double poisson_ratio) {
   return elastic_modulus / (1 - poisson_ratio * poisson_ratio);
 }

@@ -24,6 +24,9 @@ struct LayerNodes {
 // Of the sensor's first patch.
 LayerNodes layerNodes(const Sensor& sensor);
 
+// The sensor with the nodes as taxels of one sample, without spread and readout.
+Sensor sensorOfNodes(const Sensor& sensor, const LayerNodes& nodes);
+
 // Modulus E* = E / (1 - nu^2) of a half-space under a rigid indenter.
 double planeModulus(double elastic_modulus, double poisson_ratio);
 

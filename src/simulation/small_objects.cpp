@@ -50,14 +50,13 @@ void warnOfSmallObjects(const Sensor& sensor, std::span<const Object> objects) {
     const double width = narrowest(objects[i]);
     if (!(width < kFewSamples * spacing)) continue;
     const double count = std::ceil(kEnoughSamples * pitch / width);
-    const bool may_be_area = !is_foundation;
     const std::string name = objects[i].name.empty() ? std::to_string(i) : oneLine(objects[i].name);
     std::string line = "object " + name + " is " + millimetres(width) + " wide, " + (is_foundation ? "nodes" : "samples") + " are " +
                        millimetres(spacing) + " apart: its force depends on where it lies between them; ";
-    if (may_be_area) line += "depth_sampling: area counts all of it";
-    if (may_be_area && count <= kMaxSamplesPerTaxel) line += ", ";
+    if (!is_foundation) line += "depth_sampling: area counts all of it";
+    if (!is_foundation && count <= kMaxSamplesPerTaxel) line += ", ";
     if (count <= kMaxSamplesPerTaxel) line += "samples_per_taxel: " + std::to_string(static_cast<int>(count)) + " sees it";
-    if (!may_be_area && count > kMaxSamplesPerTaxel)
+    if (is_foundation && count > kMaxSamplesPerTaxel)
       line += std::string(kLawNames[sensor.skin.law.index()]) + " cannot see it, other laws can with depth_sampling: area";
     logWarning(line);
   }

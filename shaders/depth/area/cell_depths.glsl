@@ -6,8 +6,6 @@
 const float kVolumeUnits = 134217728.0;   // of the cell's area times Tile::deepest; 2^27 leaves room for sixteen surfaces above each other
 const float kLeastDepth = 1e-9;           // m
 const float kCoveredUnits = 1048576.0;    // of the cell's area
-const float kSliver = 0.25;               // of a cell: what covers less does not count as deep
-const float kFull = 0.999;                // of THICKNESS: mean depth of the covered part that counts as the skin's full thickness
 
 // A list of cells that need more work than the others.
 const uint kMostListed = (TILE_SAMPLES + 3u) / 4u;
@@ -134,7 +132,7 @@ void giveCell(Tile tile, uint address, uint slot, CellSums sums) {
   } else {
     tile_heights[address] = word;
   }
-  cell_shares[address] = floatBitsToUint(share > kSliver && depth >= kFull * THICKNESS * share ? -share : share);
+  cell_shares[address] = floatBitsToUint(share > kLeastShareOfFull && depth >= kFullDepth * THICKNESS * share ? -share : share);
   if (VARIATION) cell_variations[address] = variationOf(tile, sums, depth / share);
 }
 

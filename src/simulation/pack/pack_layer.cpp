@@ -13,19 +13,6 @@ namespace taxelsim {
 
 namespace {
 
-// The nodes as taxels of one sample.
-Sensor sensorOfNodes(const Sensor& sensor, const LayerNodes& nodes) {
-  Sensor result = sensor;
-  GridPatch& grid = result.patches.front();
-  grid.num_rows = nodes.num_rows;
-  grid.num_cols = nodes.num_cols;
-  grid.pitch = nodes.spacing;
-  result.samples_per_taxel = 1;
-  result.psf = Psf{};
-  result.readout = Readout{};
-  return result;
-}
-
 bool fitsFloat(double force) {
   const auto rounded = static_cast<float>(force);
   return std::isnormal(rounded) && std::isfinite(rounded * 1e6f * static_cast<float>(kMaxLayerNodes));
