@@ -25,6 +25,8 @@ MAX_RATES = {".mp4": 50, ".gif": 25}
 
 _MP4_TICKS = 90_000  # per second: the unit of a picture's time
 _MP4_OPTIONS = {"crf": "18"}  # of x264; visually lossless
+# The lookahead of x264 makes about 1 file in 100 differ if the width of its pictures is not a multiple of 16.
+_SAME_BYTES = {"rc-lookahead": "0"}
 _GIF_TICKS = 100  # defined by the format
 _MIN_RATE = 0.01  # a GIF counts up to 2^16 ticks for one picture
 
@@ -80,7 +82,7 @@ def mp4_encoder(target: Any, rate: float, options: Mapping[str, str]) -> Iterato
     av = _import(".mp4")
     with av.open(target, "w", format="mp4") as container:
         # The rate gives the last picture its duration; the times of pictures are theirs.
-        stream = container.add_stream("libx264", rate=Fraction(rate).limit_denominator(1000), options=dict(options))
+        stream = container.add_stream("libx264", rate=Fraction(rate).limit_denominator(1000), options={**_SAME_BYTES, **options})
         stream.pix_fmt, stream.codec_context.time_base = "yuv420p", Fraction(1, _MP4_TICKS)
         count = 0
 
