@@ -24,7 +24,7 @@ constexpr double kStride = 1e-5;  // m, along x, back and forth between frames: 
 
 struct Options {
   std::string sensor = TAXELSIM_BENCH "/sensors/wts0614.yaml";
-  std::string json, device;
+  std::string json, device, only;
   int num_instances = 512;  // 520 of pasternak fit into Debian's lavapipe
   int repetitions = 11;
 };
@@ -162,7 +162,9 @@ nlohmann::ordered_json runObject(const Device& device, const Sensor& sensor, con
                                  const Options& options) {
   const std::vector<Pose> X_SO = randomPoses(object, spread, options.num_instances, kPoseSeed);
   std::vector<Run> runs;
-  for (const Case& work : allCases()) runs.emplace_back(device, work, sensor, object, X_SO);
+  for (const Case& work : allCases()) {
+    if (runs.empty() || options.only.empty() || work.name == options.only) runs.emplace_back(device, work, sensor, object, X_SO);
+  }
   std::vector<std::vector<double>> seconds(runs.size()), ratios(runs.size());
   for (int r = -kWarmUps; r < options.repetitions; ++r) {
     for (std::size_t k = 0; k < runs.size(); ++k) {
@@ -220,6 +222,7 @@ int main(int argc, char** argv) {
   app.add_option("--json", options.json, "Write the results to this JSON file");
   app.add_option("--instances", options.num_instances, "Instances of the batch")->check(CLI::Range(1, 1 << 20))->capture_default_str();
   app.add_option("--repetitions", options.repetitions, "Timed frames per case")->check(CLI::Range(1, 10000))->capture_default_str();
+  app.add_option("--only", options.only, "Only winkler and the case of this name");
   app.add_option("--sensor", options.sensor, "Sensor file, with law winkler on one grid")->capture_default_str();
   app.add_option("--device", options.device, "Device, as for `taxelsim frame --device`");
   CLI11_PARSE(app, argc, argv);

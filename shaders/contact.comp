@@ -1,23 +1,22 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // Contact pass: stages 1 (depth) and 2 (contact law) of one frame, and the load search over one tile. Interface: passes/contact.h.
 //
-// A workgroup owns REPEAT tiles in sequence; tile number = instance NUM_TILES + tile of the sensor. An invocation owns boxes, then quads of
-// triangles, then taxels.
+// A workgroup owns REPEAT tiles in sequence; tile number = instance NUM_TILES + tile of the sensor. An invocation owns boxes, quads of triangles, then taxels.
 // In:  poses (num_instances x those of the step), objects, groups, clusters, quads of triangles, faces, the sensor's patches and tiles.
 // Out: contact_normal (num_instances x num_taxels), N, divided by the part of the spread's kernel that stays on the sensor; contact_shear
 //      (num_instances x num_taxels x 2), N, likewise; contact_depth (num_instances x num_taxels), m; tile_results (num_instances x num_tiles);
 //      loads (num_instances); contact_cells (num_instances x num_taxels), tile_changes (num_instances x num_tiles x LANES), skin/cell_fluxes.glsl.
 //      A sensor of one tile writes taxels only inside the window of its result. For a globally coupled law contact_normal holds, instead of forces, the
 //      surface height (m, in P) at each solver node, with the slot in its lowest bits (depth/slots.glsl); kMiss without a surface. With AREA: node_cells instead.
-// State per sample, between steps: depth, strain and overstresses of a skin that relaxes, shear traction or bristle deflection.
+// State per sample, between steps: skin/sample_states.glsl.
 // Shared memory: 4 TILE_SAMPLES (9 with AREA, 17 with MANY_SLOTS, too) + 16 LANES + 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 4 REPEAT + 84 bytes; friction
 //      adds 8 LANES + 512, lockstep 16 NUM_FACES, AREA with meshes 4 kMostFacets, VARIATION 16 TILE_SAMPLES.
 // Deterministic: the tile is a minimum of integers, which sum cells; LANES partial sums are added in a fixed order, whatever the size of the workgroup.
 // Mutable globals: any_unfinished_loop (driver/loop_limit.glsl); the planes of a polyhedron (depth/polyhedron.glsl).
 // Twins: src/reference/depth.cpp, contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp, load.cpp.
 
-#include "driver/pairs.glsl"
 #include "driver/barrier.glsl"
 #include "driver/texels.glsl"
 #include "passes/declare.glsl"
@@ -49,6 +48,7 @@ const bool kManyMotions = kKeepsSlots && MANY_SLOTS;
 #include "depth/area.glsl"
 #include "depth/raster.glsl"
 #include "depth/heights.glsl"
+#include "skin/sample_states.glsl"
 #include "skin/relaxation.glsl"
 #include "skin/load_search.glsl"
 #include "skin/friction.glsl"
@@ -56,6 +56,7 @@ const bool kManyMotions = kKeepsSlots && MANY_SLOTS;
 #include "skin/cell_points.glsl"
 #include "skin/cell_fluxes.glsl"
 #include "depth/polyhedron_taxels.glsl"
+#include "skin/sample_heights.glsl"
 #include "skin/tile_pressures.glsl"
 #include "skin/tile_result.glsl"
 #include "depth/untouched_tiles.glsl"

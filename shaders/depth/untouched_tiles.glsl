@@ -43,11 +43,8 @@ void clearTile(Tile tile, uint instance, uint tile_number, uint first, uint step
       if (OUTPUT_JACOBIAN) clearCell(taxel);
     }
   }
-  if (HAS_STATE) {
-    for (uint k = first; k < tile.size.x * tile.stride * SAMPLES; k += step) state[result * TILE_SAMPLES + k] = 0.0;
-  }
   if (first > 0) return;
-  if (kShears) writeStateWindow(frictionStart(result), uvec4(0));
+  if (kStoresTouched) state[stateStart(result) + kTouchedTaxels] = uvec4(0);
   if (OUTPUT_JACOBIAN) clearChange(result);
   tile_results[result] = TileResult(vec4(0), vec4(0), uvec4(0));
 }

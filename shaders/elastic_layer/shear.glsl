@@ -9,8 +9,24 @@ vec2 tractionAfter(inout vec2 traction, vec2 u, float share, float covered, floa
   return traction = springTraction(traction, u, share, covered, pressure);
 }
 
+// The rectangle of nodes that have a state: first row, end row, first col, end col.
+uvec4 readStateWindow(uint start) { return uvec4(wordsOf(friction_state[start]), wordsOf(friction_state[start + 1])); }
+
+void writeStateWindow(uint start, uvec4 window) {
+  friction_state[start] = pairOf(window.xy);
+  friction_state[start + 1] = pairOf(window.zw);
+}
+
+bool isInWindow(uvec2 at, uvec4 window) { return all(greaterThanEqual(at, window.xz)) && all(lessThan(at, window.yw)); }
+
 uint frictionStart(uint instance) { return instance * (kFrictionHeader + NODE_ROWS * NODE_COLS); }
 uint shearState(uint instance, uvec2 node) { return frictionStart(instance) + kFrictionHeader + node.x * NODE_COLS + node.y; }
+
+// Of a node inside the rectangle that this step has stored, Pa.
+vec2 tractionAt(uint instance, uvec2 node) {
+  uvec2 words = wordsOf(friction_state[shearState(instance, node)]);
+  return hasContact(words) ? shearOf(words) : vec2(0);
+}
 
 // The rectangle of nodes outside which there is no pressure: first row, end row, first col, end col.
 uvec4 pressedNodes(Window window) {
@@ -48,7 +64,9 @@ Shear shearNodes(uint instance, uint num_slots, Surface surface, uint layer_star
       uint slot = cell.edge > 0.0 ? cell.slot : slotOf(heights[surface.first_height + node.x * NODE_COLS + node.y]);
       vec3 p = vec3(nodePosition(node) + cell.place, -(overlapAt(surface, node) + shift) * THICKNESS);
       float covered = cell.share > 0.0 ? cell.share : 1.0;  // skin that bulges meets a surface above it
-      vec2 q = shearTraction(shearState(instance, node), isInWindow(node, state_window), pressure > 0.0, slot, only_motion, p, covered, pressure, 0.0);
+      uvec2 words = isInWindow(node, state_window) ? wordsOf(friction_state[shearState(instance, node)]) : uvec2(kNoFrictionState, 0u);
+      vec2 q = shearTraction(words, pressure > 0.0, slot, only_motion, p, covered, pressure, 0.0);
+      friction_state[shearState(instance, node)] = pairOf(words);
       force += q;
       torque += cross(p, vec3(q, 0));
     }

@@ -36,8 +36,8 @@
 #define BLOCK_CandidateQuads BLOCK(CandidateQuads, uint, candidate_quads[])  // (n x kMaxCandidates)
 #define BLOCK_Work BLOCK(Work, uvec4, work[])                                // (kNumLists + 1)
 #define BLOCK_WorkInstances BLOCK(WorkInstances, uint, work_instances[])     // (kNumLists x n)
-#define BLOCK_State BLOCK(State, float, state[])                             // of every sample: depth, or strain and overstresses
-#define BLOCK_FrictionState BLOCK(FrictionState, Pair, friction_state[])     // of every tile: kFrictionHeader, then one or two of a sample
+#define BLOCK_State BLOCK(State, uvec4, state[])                             // of every tile and its samples, skin/sample_states.glsl
+#define BLOCK_FrictionState BLOCK(FrictionState, Pair, friction_state[])     // of an elastic layer: kFrictionHeader, then one of every node
 #define BLOCK_LawState BLOCK(LawState, vec2, law_state[])                    // (n x t), of laws with taxel passes
 #define BLOCK_ContactNormal BLOCK(ContactNormal, float, contact_normal[])    // (n x t), N
 #define BLOCK_ContactShear BLOCK(ContactShear, float, contact_shear[])       // (n x t x 2), N
@@ -77,6 +77,7 @@
 
 // ---- host only: copied from, or bound in place of another block ----
 #define BLOCK_EmptyWork BLOCK(EmptyWork, uvec4, empty_work[])  // what Work starts from in every frame
+#define BLOCK_PastState BLOCK(PastState, uvec4, past_state[])  // State, to be fetched as texels
 #define BLOCK_CleanContactFeatures BLOCK(CleanContactFeatures, float, features[])
 #define BLOCK_CleanTactileJacobian BLOCK(CleanTactileJacobian, float, features[])  // with the wrench's after that of the features
 
@@ -95,5 +96,5 @@
   BLOCK_ContactCells BLOCK_TileChanges BLOCK_TaxelJacobian BLOCK_MaskedJacobian BLOCK_WrenchJacobian             \
   BLOCK_Image BLOCK_TaxelCounts BLOCK_SpreadNormal BLOCK_SpreadShear BLOCK_Features BLOCK_ContactFeatures BLOCK_TactileJacobian    \
   BLOCK_SpreadJacobian BLOCK_TwistGradient BLOCK_GainGradient BLOCK_Problems                                                                     \
-  BLOCK_EmptyWork BLOCK_CleanContactFeatures BLOCK_CleanTactileJacobian
+  BLOCK_EmptyWork BLOCK_PastState BLOCK_CleanContactFeatures BLOCK_CleanTactileJacobian
 // clang-format on

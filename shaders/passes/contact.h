@@ -43,6 +43,7 @@ CONSTANT(44, bool, RANDOM_SKIN)         // every instance has factors of its own
 CONSTANT(45, bool, VARIATION)           // with AREA, for friction and exponents: cells know how the depth varies within them
 CONSTANT(46, bool, KEEPS_SLOTS)         // an instance has several slots, of which friction knows which object it was with
 CONSTANT(47, bool, HAS_CELLS)           // the law is coupled and sampled by area: the pass runs again, with AREA, and adds node_cells
+CONSTANT(48, uint, NUM_STATES)          // words that a sample keeps between steps, skin/sample_states.glsl
 
 TEXELS(0, Poses)
 BUFFER(1, readonly, Instances)
@@ -61,8 +62,8 @@ BUFFER(13, readwrite, TileResults)  // Windows for globally coupled laws
 BUFFER(14, readwrite, Loads)
 BUFFER(15, writeonly, Problems)
 TEXELS(16, Faces)
-BUFFER(17, readonly, Motions)
-BUFFER(18, readwrite, FrictionState)
+TEXELS(17, Motions)
+TEXELS(18, PastState)
 BUFFER(19, writeonly, ContactShear)
 BUFFER(20, writeonly, ContactCells)
 BUFFER(21, writeonly, TileChanges)

@@ -64,14 +64,13 @@ struct ContactRecord {
 
 TAXELSIM_CONSTANT kMaxDelaySteps = 32u;  // forces in the ring of a delay, one per step
 
-// Friction state of a tile: kFrictionHeader pairs of words with the rectangle of taxels that have state (first row, end row, first col, end
-// col, of the patch), then a pair per sample, along x and y of P: the traction (Pa), or for the law lugre the bristle deflection in units
-// of friction. A sample without contact has kNoFrictionState. An elastic layer is one tile, and its nodes are the taxels and the samples.
-TAXELSIM_CONSTANT kFrictionHeader = 2u;
-TAXELSIM_CONSTANT kNoFrictionState = 0x7F7FFFF8u;  // bits of x: larger than any value, with kSlotBits free bits
+// State of a tile: this many elements of four words with rectangles of taxels, then those of its samples, skin/sample_states.glsl.
+TAXELSIM_CONSTANT kStateHeader = 2u;
 
-// Relaxation state of a tile: this many words with the rectangle of taxels that have been reached, then the words of the samples.
-TAXELSIM_CONSTANT kRelaxationHeader = 4u;
+// Friction state of an elastic layer: this many pairs of words with the rectangle of nodes that have state (first row, end row, first col,
+// end col), then a pair per node.
+TAXELSIM_CONSTANT kFrictionHeader = 2u;
+TAXELSIM_CONSTANT kNoFrictionState = 0x7F7FFFF8u;  // bits of x without contact: larger than any value, with kSlotBits free bits
 
 // Status of a load search. In the closing states the contact is evaluated once more, at the upper bound.
 TAXELSIM_FLOAT kLoadSearching = 0.0f;

@@ -8,9 +8,6 @@
 
 const uint kCellPoints = VARIATION ? 2u : 1u;  // of a sample
 
-// Where a tile begins in friction_state.
-uint frictionStart(uint tile_index) { return tile_index * (kFrictionHeader + TILE_SAMPLES * kCellPoints); }
-
 struct CellPoints {
   float weight[2];      // of the covered part; their sum is 1
   float depth[2];       // m

@@ -51,8 +51,9 @@ Affine motionInPatch(Affine motion, Affine X_PS) {
 
 // `moved_z`: by how much a load search moves the objects along z of S in this step, m.
 Motion motionInSlot(uint slot_index, float moved_z, Affine X_PS) {
-  Affine motion = Affine(motions[slot_index].row0, motions[slot_index].row1, motions[slot_index].row2);
-  bool known = motions[slot_index].known.x > 0.0;
+  uint row = 4 * slot_index;
+  Affine motion = Affine(floatsOfFour(Motions, row), floatsOfFour(Motions, row + 1), floatsOfFour(Motions, row + 2));
+  bool known = floatsOfFour(Motions, row + 3).x > 0.0;
   if (known) motion.row2.w += moved_z;
   if (!FLAT) motion = motionInPatch(motion, X_PS);
   return Motion(motion, known);
@@ -62,7 +63,7 @@ Motion motionInSlot(uint slot_index, float moved_z, Affine X_PS) {
 Motion loadMotions(uint instance, uint num_slots, float moved_z, Affine X_PS) {
   if (!kManyMotions) return motionInSlot(instance * num_slots, moved_z, X_PS);
   for (uint k = gl_LocalInvocationIndex; k < num_slots; k += WORKGROUP) {
-    float number = motions[instance * num_slots + k].known.y;
+    float number = floatsOfFour(Motions, 4 * (instance * num_slots + k) + 3).y;
     if (number < 0.0) continue;
     uint slot = uint(wholeNumber(number));
     Motion motion = motionInSlot(instance * num_slots + k, moved_z, X_PS);
@@ -83,40 +84,24 @@ Motion motionOf(uint slot, Motion only_motion) {
 
 // ---- state of the samples ----
 
-// State of a sample, 0 where nothing touched it.
-vec2 sampleState(uint state_index) {
-  uvec2 words = wordsOf(friction_state[state_index]);
-  return (words.x & ~kSlotMask) == kNoFrictionState ? vec2(0) : vec2(withoutSlot(words.x), uintBitsToFloat(words.y));
-}
+// Two words, along x and y of P: the traction (Pa), or for the law lugre the bristle deflection in units of friction; the slot in the lowest bits of x.
+// kNoFrictionState without contact.
+
+bool hasContact(uvec2 words) { return (words.x & ~kSlotMask) != kNoFrictionState; }
+vec2 shearOf(uvec2 words) { return vec2(withoutSlot(words.x), uintBitsToFloat(words.y)); }
 
 // Shear traction (Pa) at the sample p of P under `pressure` (Pa), if the object in `slot` touches it and covers
-// `covered` of its cell; stores the sample's state for the next step.
-// `has_state`: the step before has stored a state of the sample. `only_motion`: as loadMotions() returned it.
-vec2 shearTraction(uint state_index, bool has_state, bool touches, uint slot, Motion only_motion, vec3 p, float covered, float pressure, float per_dt) {
-  uvec2 before = uvec2(kNoFrictionState, 0u), after = before;
-  vec2 q = vec2(0), sample_state = vec2(0);
-  if (touches) {
-    if (has_state) before = wordsOf(friction_state[state_index]);
-    bool touched = (before.x & ~kSlotMask) != kNoFrictionState && slotOf(before.x) == slot;
-    Motion motion = motionOf(slot, only_motion);
-    if (motion.known) {
-      vec3 u = apply(motion.displacement, p);
-      float share = !touched && u.z < 0.0 ? clamp(p.z / u.z, 0.0, 1.0) : 1.0;  // skin that bulges touches objects at p.z > 0
-      if (touched) sample_state = vec2(withoutSlot(before.x), uintBitsToFloat(before.y));
-      q = tractionAfter(sample_state, u.xy, share, covered, pressure, per_dt);
-    }
-    after = uvec2(withSlot(sample_state.x, slot), floatBitsToUint(sample_state.y));
-  }
-  friction_state[state_index] = pairOf(after);
-  return q;
+// `covered` of its cell; updates the sample's state. `only_motion`: as loadMotions() returned it.
+// Without branches, which cost software drivers more than what they skip.
+vec2 shearTraction(inout uvec2 words, bool touches, uint slot, Motion only_motion, vec3 p, float covered, float pressure, float per_dt) {
+  Motion motion = motionOf(slot, only_motion);
+  bool known = motion.known, same_slot = slotOf(words.x) == slot;  // locals, because glslang branches on && with other operands
+  bool drags = touches && known, touched = hasContact(words) && same_slot;
+  vec3 u = apply(motion.displacement, p);
+  float share = !touched && u.z < 0.0 ? clamp(p.z / u.z, 0.0, 1.0) : 1.0;  // skin that bulges touches objects at p.z > 0
+  vec2 sample_state = mix(vec2(0), shearOf(words), bvec2(touched));
+  vec2 q = tractionAfter(sample_state, u.xy, share, covered, pressure, per_dt);
+  sample_state = mix(vec2(0), sample_state, bvec2(drags));
+  words = mix(uvec2(kNoFrictionState, 0u), uvec2(withSlot(sample_state.x, slot), floatBitsToUint(sample_state.y)), bvec2(touches));
+  return mix(vec2(0), q, bvec2(drags));
 }
-
-// The rectangle of taxels whose samples have a state, or of nodes of an elastic layer: first row, end row, first col, end col.
-uvec4 readStateWindow(uint tile_state) { return uvec4(wordsOf(friction_state[tile_state]), wordsOf(friction_state[tile_state + 1])); }
-
-void writeStateWindow(uint tile_state, uvec4 window) {
-  friction_state[tile_state] = pairOf(window.xy);
-  friction_state[tile_state + 1] = pairOf(window.zw);
-}
-
-bool isInWindow(uvec2 at, uvec4 window) { return all(greaterThanEqual(at, window.xz)) && all(lessThan(at, window.yw)); }

@@ -52,14 +52,12 @@ struct TileStep {
   float per_dt;         // 1 / the step's time, 1/s, for laws that need it
   Search found;         // result of that search
   float surface;        // depth where the tile's height is 0, m
-  TileSkin skin;        // state of relaxation
-  uint friction_state;  // index of the tile's header in friction_state
-  uvec4 state_window;   // window of taxels that friction_state holds
+  uint state;           // where the states of the tile's samples begin, skin/sample_states.glsl
+  uvec4 touched;        // taxels whose samples have states of shear and depth
+  TileSkin skin;        // that relaxes
   Motion only_motion;   // of the object in the only slot
   float friction;       // the instance's factor on friction
-  Body body;            // the one solid of a pass without a tile
-  uint slot;            // of that solid
-  vec4 parameters;      // of that solid
+  OneSolid solid;       // of a pass without a tile
 };
 
 // Sums over the samples of a taxel.
@@ -85,7 +83,9 @@ TileStep beginPressures(Tile tile, uint instance, uint tile_number, uint num_slo
   step.load_driven = search_here;
   bool is_first = (instances[instance].keys.w & kFlagFirstStep) != 0;
   step.at_rest = is_first || load_driven;
-  if (RELAXATION > 0) step.skin = loadTileSkin(step.result, is_first);
+  step.state = stateStart(step.result);
+  step.touched = kStoresTouched ? readRectangle(step.state, kTouchedTaxels, is_first) : uvec4(0);
+  if (RELAXATION > 0) step.skin = loadTileSkin(step.state, is_first);
   step.found = Search(0.0, 0.0, 0.0, kLoadOutOfReach);
   if (!kGlobalSolve && SEARCH == kSearchInTile && search_here) {
     if (taxels.count.x * taxels.count.y > 0) {
@@ -94,41 +94,65 @@ TileStep beginPressures(Tile tile, uint instance, uint tile_number, uint num_slo
     if (gl_LocalInvocationIndex == 0) loads[instance] = LoadRecord(vec4(step.found.offset, 0, 0, step.found.status), vec4(0));
   }
   step.surface = search_here ? step.found.depth + step.found.lowest : THICKNESS;
-  step.friction_state = frictionStart(step.result);
-  step.state_window = uvec4(0);
   step.friction = RANDOM_SKIN ? instances[instance].skin.y : 1.0;
-  if (kShears) {
-    step.state_window = readStateWindow(step.friction_state);
-    step.only_motion = loadMotions(instance, num_slots, search_here ? step.found.offset : tile.offset_z, tile.X_PS);
-  }
-  step.body = reach.body;
-  step.slot = kKeepsSlots && !usesTile() ? slotNumber(instance * num_slots) : 0u;
-  step.parameters = vec4(0);
-  if (!usesTile()) step.parameters = objectOf(max(reach.id, 0)).parameters;
+  if (kShears) step.only_motion = loadMotions(instance, num_slots, search_here ? step.found.offset : tile.offset_z, tile.X_PS);
+  step.solid = OneSolid(reach.body, kKeepsSlots && !usesTile() ? slotNumber(instance * num_slots) : 0u, vec4(0));
+  if (!usesTile()) step.solid.parameters = objectOf(max(reach.id, 0)).parameters;
   step.per_dt = HAS_STATE || BRISTLES ? step_record.time.y : 0.0;
   return step;
 }
 
-// Height of a sample over Tile::z_base, m, with or without a tile: a batch may change between the two, and both give the same bits. `word`: the tile's word.
-float sampleHeight(Tile tile, TileStep step, uint address, vec2 position, inout Found found, out uint word) {
-  word = 0;
-  if (usesTile()) {
-    word = tile_heights[address];
-    return withoutSlot(word);
+const bool kReadsStates = kStoresTouched || RELAXATION > 0, kStoresStates = kStoresTouched || RELAXATION > 0 && kUpdatesSkin;
+const bool kByFours = kReadsStates || OUTPUT_JACOBIAN;  // samples of a row
+const uint kSamplesAtOnce = kByFours ? 4u : SAMPLES, kFoursAtOnce = kByFours ? kFoursOfRow : 1u;
+
+// States of four samples of the taxel at `in_tile`; of samples without a state, the values that mean so.
+SampleStates statesBefore(TileStep step, uvec2 in_tile, uint first) {
+  SampleStates states = readStates(first);
+  bool has_state = isInside(in_tile, step.touched);
+  if (HAS_STATE) states.words[kDepthState] = mix(uvec4(0), states.words[kDepthState], bvec4(has_state));
+  for (uint k = 0; kShears && k < kCellPoints; ++k) {
+    states.words[kShearStates + 2u * k] = mix(uvec4(kNoFrictionState), states.words[kShearStates + 2u * k], bvec4(has_state));
   }
-  float z = kOnlyPolyhedra ? heightInRow(position.y, tile.z_floor, found)
-                           : analyticHeight(step.body.kind_groups.x, step.parameters, step.body.X_PO, position, tile.z_floor, found);
-  if (NUM_ROWS == 0 && !isVisible(tile, z, found)) return kMiss;
-  word = withSlot(max(z - tile.z_base, 0.0), step.slot);
-  return withoutSlot(word);
+  return states;
 }
 
-// Rate of the depth since the step before, m/s; stores the depth.
-float depthRate(TileStep step, uint address, float d) {
-  uint where = step.result * TILE_SAMPLES + address;
-  float rate = step.at_rest ? 0.0 : (d - state[where]) * step.per_dt;
-  state[where] = d;
+// Rate of the depth since the step before, m/s; stores the depth as the state of sample `i`.
+float depthRate(TileStep step, inout SampleStates states, uint i, float d) {
+  float rate = step.at_rest ? 0.0 : (d - uintBitsToFloat(states.words[kDepthState][i])) * step.per_dt;
+  states.words[kDepthState][i] = floatBitsToUint(d);
   return rate;
+}
+
+// Shear of a sample under the pressure f (Pa), as its traction (Pa) and the moment of that about P's origin (Pa m). `height_word`: of the tile.
+struct SampleShear {
+  vec2 traction;
+  vec3 moment;
+};
+
+SampleShear sampleShear(TileStep step, inout SampleStates states, uint i, CellPoints points, uint height_word, vec2 position, float d, float share, float f) {
+  SampleShear sum = SampleShear(vec2(0), vec3(0));
+  // The pressure of a cell is divided between its points as it would be at rest.
+  float at_rest = VARIATION ? cellPressure(points, 1.0, 0.0) : 1.0, per_rest = at_rest > 0.0 ? 1.0 / at_rest : 0.0;
+  for (uint k = 0; k < kCellPoints; ++k) {
+    float weight = VARIATION ? points.weight[k] : 1.0, part = VARIATION ? pressureAt(points, k, 1.0, 0.0) * per_rest : 1.0;
+    vec3 p = VARIATION ? vec3(position + points.from_middle[k], -points.depth[k]) : vec3(position, -d);
+    uint x = kShearStates + 2u * k, y = x + 1u;
+    uvec2 words = uvec2(states.words[x][i], states.words[y][i]);
+    vec2 q = shearTraction(words, d > 0.0, slotOf(height_word), step.only_motion, p, weight * abs(share), part * f * step.friction, step.per_dt);
+    states.words[x][i] = words.x;
+    states.words[y][i] = words.y;
+    sum.traction += q;
+    sum.moment += cross(p, vec3(q, 0));
+  }
+  return sum;
+}
+
+// f' and G of sample `i` of four, the `b`th of its row, under the pressure f (Pa), from the depths around it. `surface`: depth where the tile's height is 0, m.
+Stiffness stiffnessAmong(Tile tile, float surface, Neighbours words, uint address, uint i, uint b, float f) {
+  float d = surface - withoutSlot(words.here[i]);
+  vec2 steps = vec2(stepOfDepth(tile, d, uvec2(words.before[i], words.after[i]), surface), stepOfDepth(tile, d, wordsAlongRow(words, address, i, b), surface));
+  return stiffnessAt(tile, d, length(steps), f);
 }
 
 // Sums over the samples of the taxel at `in_tile`; adds it to `cell` and `change` of the tactile Jacobian.
@@ -143,59 +167,60 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
   uint deep = 0;
   float slope = 0.0;
   bool is_reached = RELAXATION > 0 && isReached(step.skin, in_tile);
-  bool has_state = kShears && isInWindow(in_patch, step.state_window);
   bvec4 rim = bvec4(equal(in_patch, uvec2(0)), equal(in_patch + 1u, tile.grid.xy)).xzyw;
   vec2 first_sample = vec2(base + tile.first_taxel * SAMPLES);
+  Neighbours neighbours;
+  if (OUTPUT_JACOBIAN) neighbours = firstNeighbours(tile, step.solid, base, found);
   for (uint a = 0; a < SAMPLES; ++a) {
     float x = samplePosition(tile, first_sample + vec2(a, 0)).x;
-    if (!usesTile() && kOnlyPolyhedra) startRow(x);
+    if (!usesTile() && kOnlyPolyhedra && !OUTPUT_JACOBIAN) startRow(x);
     CellRow row = noCellRow();
-    for (uint b = 0; b < SAMPLES; ++b) {
-      uint address = (base.x + a) * tile.stride + base.y + b;
-      vec2 position = vec2(x, samplePosition(tile, first_sample + vec2(0, b)).y);
-      uint word;
-      float height = sampleHeight(tile, step, address, position, found, word);
-      if (kWritesCells) writeNodeCell(step.first_taxel + in_patch.x * tile.grid.y + in_patch.y, -tile.offset_z - depthOfWord(word), word, address);
-      if (kGlobalSolve) {
-        force = height >= kMiss ? kMiss : uintBitsToFloat(withSlot(tile.z_base + height, slotOf(word)));
-        continue;
-      }
-      float d = clamp(step.load_driven ? step.found.depth - (height - step.found.lowest) : THICKNESS - height, 0.0, THICKNESS);
-      if (AREA) d = depthOfWord(word);
-      float d_rate = HAS_STATE ? depthRate(step, address, d) : 0.0;
-      float share = AREA ? uintBitsToFloat(cell_shares[address]) : 1.0;
-      deep += d >= THICKNESS || share < 0.0 ? 1u : 0u;
-      CellPoints points;
-      if (VARIATION) points = cellPoints(tile, d / abs(share), abs(share), cell_variations[address]);
-      bool is_uneven = VARIATION && LAW_1 != 1.0;
-      float f = is_uneven ? cellPressure(points, abs(share), d_rate) : lawPressure(d, d_rate);
-      if (RELAXATION > 0) {
-        SkinState skin = skinAt(step.skin, address, is_reached);
-        if (kUpdatesSkin) updateSkin(step.skin, address, skin, f);
-        f = relaxedPressure(step.skin, skin, f);
-      }
-      force += f;
-      moment += f * position;
-      if (kSumsSlopes && f > 0.0) slope += stiffnessOf(points, d, share, f).slope;
-      depth_sum += d;
-      if (OUTPUT_JACOBIAN) {
-        float signed_d = step.surface - height;
-        vec2 steps = vec2(stepOfDepth(tile, signed_d, a, address, tile.stride, step.surface), stepOfDepth(tile, signed_d, b, address, 1, step.surface));
-        Stiffness stiffness = AREA ? stiffnessOf(points, d, share, f) : stiffnessAt(tile, signed_d, length(steps), f);
-        addSample(row, b, rim, position.y, f, stiffness);
-      }
-      if (kShears) {
-        // The pressure of a cell is divided between its points as it would be at rest.
-        float at_rest = VARIATION ? cellPressure(points, 1.0, 0.0) : 1.0, per_rest = at_rest > 0.0 ? 1.0 / at_rest : 0.0;
-        for (uint k = 0; k < kCellPoints; ++k) {
-          uint state_index = step.friction_state + kFrictionHeader + address * kCellPoints + k;
-          float weight = VARIATION ? points.weight[k] : 1.0, part = VARIATION ? pressureAt(points, k, 1.0, 0.0) * per_rest : 1.0;
-          vec3 p = VARIATION ? vec3(position + points.from_middle[k], -points.depth[k]) : vec3(position, -d);
-          vec2 q = shearTraction(state_index, has_state, d > 0.0, slotOf(word), step.only_motion, p, weight * abs(share), part * f * step.friction, step.per_dt);
-          shear += q;
-          shear_moment += cross(p, vec3(q, 0));
+    for (uint four = 0; four < kFoursAtOnce; ++four) {
+      uint states_at = statesOf(tile, step.state, in_tile, a, four);
+      SampleStates states;
+      if (kReadsStates) states = statesBefore(step, in_tile, states_at);
+      if (OUTPUT_JACOBIAN) slideNeighbours(tile, step.solid, base, a, 4u * four, neighbours, found);
+      [[unroll]] for (uint i = 0; i < kSamplesAtOnce; ++i) {
+        uint b = 4u * four + i;
+        if (kByFours && SAMPLES % 4u != 0u && b >= SAMPLES) break;
+        uint address = (base.x + a) * tile.stride + base.y + b;
+        vec2 position = vec2(x, samplePosition(tile, first_sample + vec2(0, b)).y);
+        uint word = OUTPUT_JACOBIAN ? neighbours.here[i] : usesTile() ? tile_heights[address] : wordOver(tile, step.solid, position, found);
+        float height = withoutSlot(word);
+        if (kWritesCells) writeNodeCell(step.first_taxel + in_patch.x * tile.grid.y + in_patch.y, -tile.offset_z - depthOfWord(word), word, address);
+        if (kGlobalSolve) {
+          force = height >= kMiss ? kMiss : uintBitsToFloat(withSlot(tile.z_base + height, slotOf(word)));
+          continue;
+        }
+        float d = clamp(step.load_driven ? step.found.depth - (height - step.found.lowest) : THICKNESS - height, 0.0, THICKNESS);
+        if (AREA) d = depthOfWord(word);
+        float d_rate = HAS_STATE ? depthRate(step, states, i, d) : 0.0;
+        float share = AREA ? uintBitsToFloat(cell_shares[address]) : 1.0;
+        deep += d >= THICKNESS || share < 0.0 ? 1u : 0u;
+        CellPoints points;
+        if (VARIATION) points = cellPoints(tile, d / abs(share), abs(share), cell_variations[address]);
+        bool is_uneven = VARIATION && LAW_1 != 1.0;
+        float f = is_uneven ? cellPressure(points, abs(share), d_rate) : lawPressure(d, d_rate);
+        if (RELAXATION > 0) {
+          SkinState skin = skinAt(step.skin, states, i, is_reached);
+          if (kUpdatesSkin) updateSkin(step.skin, states, i, skin, f);
+          f = relaxedPressure(step.skin, skin, f);
+        }
+        force += f;
+        moment += f * position;
+        if (kSumsSlopes && f > 0.0) slope += stiffnessOf(points, d, share, f).slope;
+        depth_sum += d;
+        if (OUTPUT_JACOBIAN) {
+          Stiffness stiffness = AREA ? stiffnessOf(points, d, share, f) : stiffnessAmong(tile, step.surface, neighbours, address, i, b, f);
+          addSample(row, b, rim, position.y, f, stiffness);
+        }
+        if (kShears) {
+          SampleShear sample_shear = sampleShear(step, states, i, points, word, position, d, share, f);
+          shear += sample_shear.traction;
+          shear_moment += sample_shear.moment;
         }
       }
+      if (kStoresStates) writeStates(states_at, states);
     }
     if (OUTPUT_JACOBIAN) addRow(cell, row, a, rim, x);
   }
@@ -252,7 +277,7 @@ void pressTaxels(Tile tile, TileStep step, ActiveTaxels taxels, inout Found foun
 // Clears the taxels that nothing reaches. The image pass reads nothing outside the window of a sensor of one tile with a kernel.
 void clearUntouched(Tile tile, TileStep step, ActiveTaxels taxels) {
   if (!kClearsHeights) return;
-  if (!(OUTPUT_JACOBIAN || NUM_TILES > 1 || NUM_ROWS == 0 || OUTPUT_DEPTH || HAS_STATE || HAS_CELLS)) return;
+  if (!(OUTPUT_JACOBIAN || NUM_TILES > 1 || NUM_ROWS == 0 || OUTPUT_DEPTH || HAS_CELLS)) return;
   for (uint k = gl_LocalInvocationIndex; k < tile.size.x * tile.size.y; k += WORKGROUP) {
     uvec2 in_tile = cellNumbered(k, tile.size.y);
     if (all(greaterThanEqual(in_tile, taxels.first)) && all(lessThan(in_tile, taxels.first + taxels.count))) continue;
@@ -266,11 +291,5 @@ void clearUntouched(Tile tile, TileStep step, ActiveTaxels taxels) {
     if (OUTPUT_SHEAR) writeShear(taxel, vec2(0));
     if (OUTPUT_DEPTH) contact_depth[taxel] = 0.0;
     if (OUTPUT_JACOBIAN) clearCell(taxel);
-    if (HAS_STATE) {
-      for (uint a = 0; a < SAMPLES * SAMPLES; ++a) {
-        uvec2 at = in_tile * SAMPLES + uvec2(a / SAMPLES, a % SAMPLES);
-        state[step.result * TILE_SAMPLES + at.x * tile.stride + at.y] = 0.0;
-      }
-    }
   }
 }

@@ -20,7 +20,7 @@ void writeTileResult(Tile tile, TileStep step, ActiveTaxels taxels, Box samples)
   uvec2 first = tile.first_taxel + taxels.first;
   bool none = taxels.count.x * taxels.count.y == 0;
   uvec4 window = none ? uvec4(0) : uvec4(first.x, first.x + taxels.count.x, first.y, first.y + taxels.count.y);
-  if (kShears && gl_LocalInvocationIndex == 0) writeStateWindow(step.friction_state, window);
+  if (kStoresTouched) writeRectangle(step.state, kTouchedTaxels, none ? uvec4(0) : uvec4(taxels.first, taxels.first + taxels.count).xzyw);
   if (NUM_ROWS == 0) window = uvec4(any_behind, 0, 0, 0);
   if (kWritesCells) {  // the window of heights grows to that of the cells
     uvec4 heights = tile_results[step.result].window;

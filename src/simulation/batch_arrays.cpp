@@ -49,9 +49,6 @@ std::uint64_t taxels(Shape s) {
 std::uint64_t tiles(Shape s) {
   return s.model.packed.tiles.size();
 }
-std::uint64_t tileSamples(Shape s) {
-  return tiles(s) * s.model.packed.max_tile_samples;
-}
 std::uint64_t nodes(Shape s) {
   return static_cast<std::uint64_t>(numTaxels(s.model.contact_sensor));
 }
@@ -64,15 +61,16 @@ std::uint64_t relaxationStates(Shape s) {
   return s.model.relaxes() ? 1 + s.model.sensor.skin.relaxation.size() : 0;
 }
 
+// Elements of four words: a sample's states lie in its group of four samples of a row, shaders/skin/sample_states.glsl.
 std::uint64_t contactStates(Shape s) {
-  if (s.takesContacts()) return 0;
-  if (s.model.relaxes() && !s.model.layer) return tiles(s) * layout::kRelaxationHeader + relaxationStates(s) * tileSamples(s);
-  return countIf(s.model.law.has_state, tileSamples(s));
+  const std::uint64_t states = s.model.numSampleStates();
+  if (s.takesContacts() || states == 0) return 0;
+  const auto side = static_cast<std::uint64_t>(s.model.contact_sensor.samples_per_taxel);
+  return tiles(s) * (layout::kStateHeader + s.model.contact_packed.max_tile_samples / side * ((side + 3) / 4) * states);
 }
 
-std::uint64_t frictionStates(Shape s) {
-  const std::uint64_t points = s.model.variation() ? 2 : 1;  // of a sample, cell_points.glsl
-  return countIf(s.hasFriction(), tiles(s) * layout::kFrictionHeader + (s.model.layer ? nodes(s) : points * tileSamples(s)));
+std::uint64_t layerFrictionStates(Shape s) {
+  return countIf(s.hasFriction() && s.hasLayer(), tiles(s) * layout::kFrictionHeader + nodes(s));
 }
 
 // Pairs of words of all arrays over strips of nodes.
@@ -109,7 +107,7 @@ constexpr BatchArray kArrays[] = {
     internal<block::WorkInstances>("work lists", [](Shape s) { return countIf(s.keeps_candidates, layout::kNumLists); }),
     internal<block::State>("contact state", contactStates),
     internal<block::LawState>("law state", [](Shape s) { return countIf(!s.model.law.taxel_passes.empty(), taxels(s)); }),
-    internal<block::FrictionState>("friction state", frictionStates),
+    internal<block::FrictionState>("friction state", layerFrictionStates),
     internal<block::ContactNormal>("contact_normal", taxels),
     internal<block::ContactShear>("contact_shear", [](Shape s) { return countIf(s.outputsShear(), 2 * taxels(s)); }),
     internal<block::TaxelStates>("taxel states", [](Shape s) { return s.model.packed.num_states * taxels(s); }),

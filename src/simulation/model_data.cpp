@@ -134,4 +134,11 @@ gpu::Context& ModelData::context() const {
   return gpu::contextOf(device);
 }
 
+std::uint32_t ModelData::numSampleStates() const {
+  if (layer) return 0;
+  const auto terms = static_cast<std::uint32_t>(sensor.skin.relaxation.size());
+  const std::uint32_t points = variation() ? 2 : 1;  // of a sample, cell_points.glsl
+  return (terms > 0 ? 1 + terms : 0) + (hasFriction() ? 2 * points : 0) + (law.has_state ? 1 : 0);
+}
+
 }  // namespace taxelsim

@@ -65,6 +65,28 @@ TEST(DampingOnEveryDriver, ClosedFormOnAFlatPunch) {
   }
 }
 
+// Skin that an object has left is at full height again, so that it is pressed anew by an object that returns after a step elsewhere.
+TEST(DampingOnEveryDriver, ForgetsTheDepthOfTaxelsThatTheObjectHasLeft) {
+  constexpr double kStiffness = 1e8, kDamping = 2e5, kDt = 0.01, kDepth = 0.4e-3, kAway = 8e-3;
+  const Sensor sensor = support::gridSensor({.law = {kStiffness, 1, kDamping}});
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Box{{3e-3, 3e-3, 3e-3}})}});
+  Simulator simulator(model, {});
+  std::vector<double> forces;
+  for (const double x : {-kAway, kAway, -kAway, -kAway}) {
+    simulator.setObjects(std::vector<int>{0}, std::vector<Pose>{{.position = {x, 0, 1.5e-3 - kDepth}}});
+    simulator.step(kDt);
+    forces.push_back(simulator.read().ground_truth.total_force[0]);
+  }
+  const double at_rest = forces[0];  // the first step after a reset has no rate
+  ASSERT_GT(at_rest, 0);
+  const double pressed_anew = at_rest * (1 + kDamping / (kStiffness * kDt));
+  // A float32 pose is off by its rounding, once in the depth and once in its rate.
+  const double slack = at_rest * (1 + 2 * kDamping / (kStiffness * kDt)) * support::kMarginZ / kDepth;
+  EXPECT_NEAR(forces[1], pressed_anew, slack);
+  EXPECT_NEAR(forces[2], pressed_anew, slack);
+  EXPECT_NEAR(forces[3], at_rest, slack);
+}
+
 TEST(FrameRateOnEveryDriver, HoldsMeasuredValuesBetweenFrames) {
   constexpr int kStepsPerFrame = 10, kNumSteps = 100;
   Sensor sensor = support::gridSensor();

@@ -95,6 +95,7 @@ void ContactPass::record(Recorder recorder, const Variant& variant) const {
     recorder.bindings.redirect<block::ContactNormal, block::Heights>();
     recorder.bindings.redirect<block::TileResults, block::Windows>();
   }
+  recorder.bindings.redirect<block::PastState, block::State>();
   const Kernel& kernel = kernels_.get(variant, [&] { return makeKernel(variant); });
   if (variant.list == layout::kNumLists) {
     recorder.dispatch(kernel, numWorkgroups(recorder.num_instances * model_.contact_packed.tiles.size(), repeatOf(variant)));
@@ -151,6 +152,7 @@ ContactPass::Kernel ContactPass::makeKernel(const Variant& variant) const {
       .VARIATION = area && (model_.layer || friction || law.parameters[1] != 1),
       .KEEPS_SLOTS = variant.keeps_slots,
       .HAS_CELLS = model_.layer && model_.area(),
+      .NUM_STATES = model_.numSampleStates(),
   };
   const PassSizes sizes{sizes_.workgroup, sizes_.lanes, repeatOf(variant)};
   return {model_.context(), law.kernel, model_.profile.select(law.spirv, sizes.workgroup),
