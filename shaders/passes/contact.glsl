@@ -5,11 +5,8 @@ const bool kHasMesh = (OBJECT_KINDS & 1u) != 0;
 const bool kHasAnalytic = (OBJECT_KINDS & ~1u) != 0;
 const bool kOnlyPolyhedra = OBJECT_KINDS == (1u << kKindPolyhedron);
 // Heights go through the tile, except for a single analytic solid, whose heights are computed where they are summed. A torus needs the tile since its heights
-// are expensive; the Jacobian needs it since it reads a sample's neighbours, which it has at hand with up to four samples in a row.
-bool usesTile() {
-  if (OUTPUT_JACOBIAN && SAMPLES > 4u) return true;  // not with "||": Mesa 22.3 builds no pipeline with this in one
-  return AREA || kHasMesh || MANY_SLOTS || SEARCH == kSearchInTile || (OBJECT_KINDS & (1u << kKindTorus)) != 0;
-}
+// are expensive; the Jacobian needs it since it reads a sample's neighbours.
+bool usesTile() { return AREA || OUTPUT_JACOBIAN || kHasMesh || MANY_SLOTS || SEARCH == kSearchInTile || (OBJECT_KINDS & (1u << kKindTorus)) != 0; }
 
 // How triangles are drawn: depth/raster.glsl, depth/area/facets.glsl. The constant TRIANGLE_SIZES removes the ways that the model does not need, and the test of the only one.
 const uint kBySamples = 1u, kBySpans = 2u, kBySums = 4u, kByLargeSums = 8u;

@@ -38,7 +38,7 @@ vec2 forceAtDepth(Tile tile, TileSkin tile_skin, float depth, float lowest, uvec
       float f = lawPressure(d, 0.0), f_slope = lawSlope(d);
       if (RELAXATION > 0) {
         uvec2 taxel = at / SAMPLES, in_taxel = at - taxel * SAMPLES;
-        SampleStates states = readStates(statesOf(tile, tile_skin.state, taxel, in_taxel.x, in_taxel.y / 4u));
+        SkinStates states = readSkin(statesOf(tile, tile_skin.state, taxel, in_taxel.x, in_taxel.y / 4u));
         f = relaxedPressure(tile_skin, skinAt(tile_skin, states, in_taxel.y % 4u, isReached(tile_skin, taxel)), f);
         f_slope = f > 0.0 ? tile_skin.step.gain * f_slope : 0.0;
       }

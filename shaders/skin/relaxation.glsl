@@ -22,6 +22,28 @@ struct SkinState {
   float held;
 };
 
+// States of four samples, by members instead of an array, whose elements some compilers keep in memory.
+struct SkinStates {
+  uvec4 strain, overstress_0, overstress_1, overstress_2, overstress_3;
+};
+
+// `first`: statesOf().
+SkinStates readSkin(uint first) {
+  SkinStates states = SkinStates(fourOf(PastState, first), fourOf(PastState, first + 1u), uvec4(0), uvec4(0), uvec4(0));
+  if (RELAXATION > 1) states.overstress_1 = fourOf(PastState, first + 2u);
+  if (RELAXATION > 2) states.overstress_2 = fourOf(PastState, first + 3u);
+  if (RELAXATION > 3) states.overstress_3 = fourOf(PastState, first + 4u);
+  return states;
+}
+
+void writeSkin(uint first, SkinStates states) {
+  state[first] = states.strain;
+  state[first + 1u] = states.overstress_0;
+  if (RELAXATION > 1) state[first + 2u] = states.overstress_1;
+  if (RELAXATION > 2) state[first + 3u] = states.overstress_2;
+  if (RELAXATION > 3) state[first + 4u] = states.overstress_3;
+}
+
 // The skin of a tile in one step.
 struct TileSkin {
   SkinStep step;
@@ -40,11 +62,11 @@ TileSkin loadTileSkin(uint tile_state, bool is_new) {
 bool isReached(TileSkin tile_skin, uvec2 taxel) { return isInside(taxel, tile_skin.reached); }
 
 // Skin of sample `i` of `states`. `reached`: the sample's taxel was.
-SkinState skinAt(TileSkin tile_skin, SampleStates states, uint i, bool reached) {
-  vec4 h = vec4(0);
-  for (uint term = 0; term < RELAXATION; ++term) h[term] = reached ? uintBitsToFloat(states.words[1u + term][i]) : 0.0;
+SkinState skinAt(TileSkin tile_skin, SkinStates states, uint i, bool reached) {
+  uvec4 words = uvec4(component(states.overstress_0, i), component(states.overstress_1, i), component(states.overstress_2, i), component(states.overstress_3, i));
+  vec4 h = uintBitsToFloat(mix(uvec4(0), words, bvec4(reached)));
   SkinState skin;
-  skin.strain = reached ? uintBitsToFloat(states.words[0][i]) : 0.0;
+  skin.strain = uintBitsToFloat(reached ? component(states.strain, i) : 0u);
   skin.overstress = tile_skin.step.fade * h + tile_skin.step.fade_rest * h;
   skin.held = tile_skin.step.settled * skin.strain + (skin.overstress.x + skin.overstress.y + skin.overstress.z + skin.overstress.w);
   return skin;
@@ -55,11 +77,21 @@ float relaxedPressure(TileSkin tile_skin, SkinState skin, float elastic) {
   return elastic > 0.0 ? max(skin.held + tile_skin.step.gain * (elastic - skin.strain), 0.0) : 0.0;
 }
 
-void updateSkin(TileSkin tile_skin, inout SampleStates states, uint i, SkinState skin, float elastic) {
+void updateSkin(TileSkin tile_skin, inout SkinStates states, uint i, SkinState skin, float elastic) {
   float strain = max(elastic, skin.strain - skin.held / tile_skin.step.gain);
   vec4 h = skin.overstress + tile_skin.step.growth * (strain - skin.strain);
-  states.words[0][i] = floatBitsToUint(strain);
-  for (uint term = 0; term < RELAXATION; ++term) states.words[1u + term][i] = floatBitsToUint(h[term]);
+  states.strain = withComponent(states.strain, i, floatBitsToUint(strain));
+  states.overstress_0 = withComponent(states.overstress_0, i, floatBitsToUint(h.x));
+  states.overstress_1 = withComponent(states.overstress_1, i, floatBitsToUint(h.y));
+  states.overstress_2 = withComponent(states.overstress_2, i, floatBitsToUint(h.z));
+  states.overstress_3 = withComponent(states.overstress_3, i, floatBitsToUint(h.w));
+}
+
+// Relaxed pressure (Pa) of sample `i`, and updates its skin.
+float relax(TileSkin tile_skin, inout SkinStates states, uint i, bool reached, float elastic) {
+  SkinState skin = skinAt(tile_skin, states, i, reached);
+  if (kUpdatesSkin) updateSkin(tile_skin, states, i, skin, elastic);
+  return relaxedPressure(tile_skin, skin, elastic);
 }
 
 // Updates the skin that earlier steps have reached and this one has not, outside the `count` taxels from `first` on; and the rectangle of reached taxels.
@@ -75,10 +107,10 @@ void updateRestOfSkin(Tile tile, TileSkin tile_skin, uvec2 first, uvec2 count) {
     uvec2 taxel = reached.xz + cellNumbered(k / kGroups, size.y);
     if (all(greaterThanEqual(taxel, first)) && all(lessThan(taxel, first + count))) continue;
     uint at = statesOf(tile, tile_skin.state, taxel, group / kFoursOfRow, group % kFoursOfRow);
-    SampleStates states = readStates(at);
+    SkinStates states = readSkin(at);
     bool is_reached = isReached(tile_skin, taxel);
     for (uint i = 0; i < 4u; ++i) updateSkin(tile_skin, states, i, skinAt(tile_skin, states, i, is_reached), 0.0);
-    writeStates(at, states);
+    writeSkin(at, states);
   }
   checkLoop(k < size.x * size.y * kGroups);
   writeRectangle(tile_skin.state, kReachedTaxels, reached);

@@ -12,26 +12,15 @@ const uint kDepthState = NUM_STATES - 1u;
 const uint kFoursOfRow = (SAMPLES + 3u) / 4u;
 const bool kStoresTouched = kShears || HAS_STATE;  // states of the touched samples only
 
-const uint kMostStates = 10u;  // strain, four overstresses, x and y of two points, depth
-struct SampleStates {
-  uvec4 words[kMostStates];  // of four samples
-};
+// Component `i`, and all with another component `i`. By selection, because compilers keep in memory what has an index that is not constant.
+uint component(uvec4 four, uint i) { return mix(mix(four.x, four.y, i == 1u), mix(four.z, four.w, i == 3u), i > 1u); }
+uvec4 withComponent(uvec4 four, uint i, uint value) { return mix(four, uvec4(value), equal(uvec4(0, 1, 2, 3), uvec4(i))); }
 
 uint stateStart(uint tile_index) { return tile_index * (kStateHeader + TILE_SAMPLES / SAMPLES * kFoursOfRow * NUM_STATES); }
 
 // Where the states of the samples `4 four` to `4 four + 3` in the `row`th row of a taxel begin.
 uint statesOf(Tile tile, uint tile_state, uvec2 taxel, uint row, uint four) {
   return tile_state + kStateHeader + (((taxel.x * tile.size.y + taxel.y) * SAMPLES + row) * kFoursOfRow + four) * NUM_STATES;
-}
-
-SampleStates readStates(uint first) {
-  SampleStates states;
-  for (uint w = 0; w < NUM_STATES; ++w) states.words[w] = fourOf(PastState, first + w);
-  return states;
-}
-
-void writeStates(uint first, SampleStates states) {
-  for (uint w = 0; w < NUM_STATES; ++w) state[first + w] = states.words[w];
 }
 
 const uint kTouchedTaxels = 0u, kReachedTaxels = 1u;  // elements of the header

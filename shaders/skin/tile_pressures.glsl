@@ -57,7 +57,9 @@ struct TileStep {
   TileSkin skin;        // that relaxes
   Motion only_motion;   // of the object in the only slot
   float friction;       // the instance's factor on friction
-  OneSolid solid;       // of a pass without a tile
+  Body body;            // the one solid of a pass without a tile
+  uint slot;            // of that solid
+  vec4 parameters;      // of that solid
 };
 
 // Sums over the samples of a taxel.
@@ -96,62 +98,99 @@ TileStep beginPressures(Tile tile, uint instance, uint tile_number, uint num_slo
   step.surface = search_here ? step.found.depth + step.found.lowest : THICKNESS;
   step.friction = RANDOM_SKIN ? instances[instance].skin.y : 1.0;
   if (kShears) step.only_motion = loadMotions(instance, num_slots, search_here ? step.found.offset : tile.offset_z, tile.X_PS);
-  step.solid = OneSolid(reach.body, kKeepsSlots && !usesTile() ? slotNumber(instance * num_slots) : 0u, vec4(0));
-  if (!usesTile()) step.solid.parameters = objectOf(max(reach.id, 0)).parameters;
+  step.body = reach.body;
+  step.slot = kKeepsSlots && !usesTile() ? slotNumber(instance * num_slots) : 0u;
+  step.parameters = vec4(0);
+  if (!usesTile()) step.parameters = objectOf(max(reach.id, 0)).parameters;
   step.per_dt = HAS_STATE || BRISTLES ? step_record.time.y : 0.0;
   return step;
 }
 
-const bool kReadsStates = kStoresTouched || RELAXATION > 0, kStoresStates = kStoresTouched || RELAXATION > 0 && kUpdatesSkin;
-const bool kByFours = kReadsStates || OUTPUT_JACOBIAN;  // samples of a row
-const uint kSamplesAtOnce = kByFours ? 4u : SAMPLES, kFoursAtOnce = kByFours ? kFoursOfRow : 1u;
+// States of shear of four samples, at the first and the second of their points.
+struct ShearStates {
+  uvec4 x_0, y_0, x_1, y_1;
+};
 
-// States of four samples of the taxel at `in_tile`; of samples without a state, the values that mean so.
-SampleStates statesBefore(TileStep step, uvec2 in_tile, uint first) {
-  SampleStates states = readStates(first);
-  bool has_state = isInside(in_tile, step.touched);
-  if (HAS_STATE) states.words[kDepthState] = mix(uvec4(0), states.words[kDepthState], bvec4(has_state));
-  for (uint k = 0; kShears && k < kCellPoints; ++k) {
-    states.words[kShearStates + 2u * k] = mix(uvec4(kNoFrictionState), states.words[kShearStates + 2u * k], bvec4(has_state));
-  }
+// `first`: statesOf() the samples of a taxel that the step before has `touched`, or has not.
+ShearStates readShears(uint first, bool touched) {
+  ShearStates states = ShearStates(fourOf(PastState, first + kShearStates), fourOf(PastState, first + kShearStates + 1u), uvec4(0), uvec4(0));
+  if (VARIATION) states.x_1 = fourOf(PastState, first + kShearStates + 2u);
+  if (VARIATION) states.y_1 = fourOf(PastState, first + kShearStates + 3u);
+  states.x_0 = mix(uvec4(kNoFrictionState), states.x_0, bvec4(touched));
+  states.x_1 = mix(uvec4(kNoFrictionState), states.x_1, bvec4(touched));
   return states;
 }
 
+void writeShears(uint first, ShearStates states) {
+  state[first + kShearStates] = states.x_0;
+  state[first + kShearStates + 1u] = states.y_0;
+  if (VARIATION) state[first + kShearStates + 2u] = states.x_1;
+  if (VARIATION) state[first + kShearStates + 3u] = states.y_1;
+}
+
+// Height of a sample over Tile::z_base, m, with or without a tile: a batch may change between the two, and both give the same bits. `word`: the tile's word.
+float sampleHeight(Tile tile, TileStep step, uint address, vec2 position, inout Found found, out uint word) {
+  word = 0;
+  if (usesTile()) {
+    word = tile_heights[address];
+    return withoutSlot(word);
+  }
+  float z = kOnlyPolyhedra ? heightInRow(position.y, tile.z_floor, found)
+                           : analyticHeight(step.body.kind_groups.x, step.parameters, step.body.X_PO, position, tile.z_floor, found);
+  if (NUM_ROWS == 0 && !isVisible(tile, z, found)) return kMiss;
+  word = withSlot(max(z - tile.z_base, 0.0), step.slot);
+  return withoutSlot(word);
+}
+
+const bool kHasStates = kStoresTouched || RELAXATION > 0;
+const uint kSamplesAtOnce = kHasStates ? 4u : 1u;  // of a row
+
 // Rate of the depth since the step before, m/s; stores the depth as the state of sample `i`.
-float depthRate(TileStep step, inout SampleStates states, uint i, float d) {
-  float rate = step.at_rest ? 0.0 : (d - uintBitsToFloat(states.words[kDepthState][i])) * step.per_dt;
-  states.words[kDepthState][i] = floatBitsToUint(d);
+float depthRate(TileStep step, inout uvec4 depths, uint i, float d) {
+  float rate = step.at_rest ? 0.0 : (d - uintBitsToFloat(component(depths, i))) * step.per_dt;
+  depths = withComponent(depths, i, floatBitsToUint(d));
   return rate;
 }
 
-// Shear of a sample under the pressure f (Pa), as its traction (Pa) and the moment of that about P's origin (Pa m). `height_word`: of the tile.
+// Shear of a sample: its traction (Pa) and the moment of that about P's origin (Pa m).
 struct SampleShear {
   vec2 traction;
   vec3 moment;
 };
 
-SampleShear sampleShear(TileStep step, inout SampleStates states, uint i, CellPoints points, uint height_word, vec2 position, float d, float share, float f) {
+// Adds the traction at a point p of P, which has a part `weight` of the cell, under `pressure` (Pa). `x`, `y`: states of four samples, of which this is the `i`th.
+void addPoint(inout SampleShear sum, TileStep step, inout uvec4 x, inout uvec4 y, uint i, bool touches, uint slot, vec3 p, float weight, float pressure) {
+  uvec2 words = uvec2(component(x, i), component(y, i));
+  vec2 q = shearTraction(words, touches, slot, step.only_motion, p, weight, pressure, step.per_dt);
+  x = withComponent(x, i, words.x);
+  y = withComponent(y, i, words.y);
+  sum.traction += q;
+  sum.moment += cross(p, vec3(q, 0));
+}
+
+// Of sample `i` under the pressure f (Pa). `height_word`: of the tile.
+SampleShear sampleShear(TileStep step, inout ShearStates states, uint i, CellPoints points, uint height_word, vec2 position, float d, float share, float f) {
   SampleShear sum = SampleShear(vec2(0), vec3(0));
-  // The pressure of a cell is divided between its points as it would be at rest.
-  float at_rest = VARIATION ? cellPressure(points, 1.0, 0.0) : 1.0, per_rest = at_rest > 0.0 ? 1.0 / at_rest : 0.0;
-  for (uint k = 0; k < kCellPoints; ++k) {
-    float weight = VARIATION ? points.weight[k] : 1.0, part = VARIATION ? pressureAt(points, k, 1.0, 0.0) * per_rest : 1.0;
-    vec3 p = VARIATION ? vec3(position + points.from_middle[k], -points.depth[k]) : vec3(position, -d);
-    uint x = kShearStates + 2u * k, y = x + 1u;
-    uvec2 words = uvec2(states.words[x][i], states.words[y][i]);
-    vec2 q = shearTraction(words, d > 0.0, slotOf(height_word), step.only_motion, p, weight * abs(share), part * f * step.friction, step.per_dt);
-    states.words[x][i] = words.x;
-    states.words[y][i] = words.y;
-    sum.traction += q;
-    sum.moment += cross(p, vec3(q, 0));
+  bool touches = d > 0.0;
+  uint slot = slotOf(height_word);
+  if (!VARIATION) {
+    addPoint(sum, step, states.x_0, states.y_0, i, touches, slot, vec3(position, -d), abs(share), f * step.friction);
+    return sum;
   }
+  // The pressure of a cell is divided between its points as it would be at rest.
+  float at_rest = cellPressure(points, 1.0, 0.0), per_rest = at_rest > 0.0 ? 1.0 / at_rest : 0.0;
+  vec2 pressures = vec2(pressureAt(points, 0, 1.0, 0.0), pressureAt(points, 1, 1.0, 0.0)) * per_rest * f * step.friction;
+  vec3 p = vec3(position + points.from_middle[0], -points.depth[0]);
+  addPoint(sum, step, states.x_0, states.y_0, i, touches, slot, p, points.weight[0] * abs(share), pressures.x);
+  p = vec3(position + points.from_middle[1], -points.depth[1]);
+  addPoint(sum, step, states.x_1, states.y_1, i, touches, slot, p, points.weight[1] * abs(share), pressures.y);
   return sum;
 }
 
-// f' and G of sample `i` of four, the `b`th of its row, under the pressure f (Pa), from the depths around it. `surface`: depth where the tile's height is 0, m.
-Stiffness stiffnessAmong(Tile tile, float surface, Neighbours words, uint address, uint i, uint b, float f) {
-  float d = surface - withoutSlot(words.here[i]);
-  vec2 steps = vec2(stepOfDepth(tile, d, uvec2(words.before[i], words.after[i]), surface), stepOfDepth(tile, d, wordsAlongRow(words, address, i, b), surface));
+// f' and G of the sample `at` of its taxel under the pressure f (Pa), from the depths around it. `surface`: depth where the tile's height is 0, m.
+Stiffness stiffnessAmong(Tile tile, float surface, uvec2 at, uint address, float height, float f) {
+  float d = surface - height;
+  vec2 steps = vec2(stepOfDepth(tile, d, at.x, address, tile.stride, surface), stepOfDepth(tile, d, at.y, address, 1, surface));
   return stiffnessAt(tile, d, length(steps), f);
 }
 
@@ -166,27 +205,28 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
   precise vec3 shear_moment = vec3(0);
   uint deep = 0;
   float slope = 0.0;
-  bool is_reached = RELAXATION > 0 && isReached(step.skin, in_tile);
+  bool is_reached = RELAXATION > 0 && isReached(step.skin, in_tile), touched = kStoresTouched && isInside(in_tile, step.touched);
   bvec4 rim = bvec4(equal(in_patch, uvec2(0)), equal(in_patch + 1u, tile.grid.xy)).xzyw;
   vec2 first_sample = vec2(base + tile.first_taxel * SAMPLES);
-  Neighbours neighbours;
-  if (OUTPUT_JACOBIAN) neighbours = firstNeighbours(tile, step.solid, base, found);
   for (uint a = 0; a < SAMPLES; ++a) {
     float x = samplePosition(tile, first_sample + vec2(a, 0)).x;
-    if (!usesTile() && kOnlyPolyhedra && !OUTPUT_JACOBIAN) startRow(x);
+    if (!usesTile() && kOnlyPolyhedra) startRow(x);
     CellRow row = noCellRow();
-    for (uint four = 0; four < kFoursAtOnce; ++four) {
-      uint states_at = statesOf(tile, step.state, in_tile, a, four);
-      SampleStates states;
-      if (kReadsStates) states = statesBefore(step, in_tile, states_at);
-      if (OUTPUT_JACOBIAN) slideNeighbours(tile, step.solid, base, a, 4u * four, neighbours, found);
+    for (uint first = 0; first < SAMPLES; first += kSamplesAtOnce) {
+      uint states_at = statesOf(tile, step.state, in_tile, a, first / 4u);
+      SkinStates skin_states;
+      ShearStates shear_states;
+      uvec4 depths;
+      if (RELAXATION > 0) skin_states = readSkin(states_at);
+      if (kShears) shear_states = readShears(states_at, touched);
+      if (HAS_STATE) depths = mix(uvec4(0), fourOf(PastState, states_at + kDepthState), bvec4(touched));
       [[unroll]] for (uint i = 0; i < kSamplesAtOnce; ++i) {
-        uint b = 4u * four + i;
-        if (kByFours && SAMPLES % 4u != 0u && b >= SAMPLES) break;
+        uint b = first + i;
+        if (kHasStates && b >= SAMPLES) break;
         uint address = (base.x + a) * tile.stride + base.y + b;
         vec2 position = vec2(x, samplePosition(tile, first_sample + vec2(0, b)).y);
-        uint word = OUTPUT_JACOBIAN ? neighbours.here[i] : usesTile() ? tile_heights[address] : wordOver(tile, step.solid, position, found);
-        float height = withoutSlot(word);
+        uint word;
+        float height = sampleHeight(tile, step, address, position, found, word);
         if (kWritesCells) writeNodeCell(step.first_taxel + in_patch.x * tile.grid.y + in_patch.y, -tile.offset_z - depthOfWord(word), word, address);
         if (kGlobalSolve) {
           force = height >= kMiss ? kMiss : uintBitsToFloat(withSlot(tile.z_base + height, slotOf(word)));
@@ -194,33 +234,31 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
         }
         float d = clamp(step.load_driven ? step.found.depth - (height - step.found.lowest) : THICKNESS - height, 0.0, THICKNESS);
         if (AREA) d = depthOfWord(word);
-        float d_rate = HAS_STATE ? depthRate(step, states, i, d) : 0.0;
+        float d_rate = HAS_STATE ? depthRate(step, depths, i, d) : 0.0;
         float share = AREA ? uintBitsToFloat(cell_shares[address]) : 1.0;
         deep += d >= THICKNESS || share < 0.0 ? 1u : 0u;
         CellPoints points;
         if (VARIATION) points = cellPoints(tile, d / abs(share), abs(share), cell_variations[address]);
         bool is_uneven = VARIATION && LAW_1 != 1.0;
         float f = is_uneven ? cellPressure(points, abs(share), d_rate) : lawPressure(d, d_rate);
-        if (RELAXATION > 0) {
-          SkinState skin = skinAt(step.skin, states, i, is_reached);
-          if (kUpdatesSkin) updateSkin(step.skin, states, i, skin, f);
-          f = relaxedPressure(step.skin, skin, f);
-        }
+        if (RELAXATION > 0) f = relax(step.skin, skin_states, i, is_reached, f);
         force += f;
         moment += f * position;
         if (kSumsSlopes && f > 0.0) slope += stiffnessOf(points, d, share, f).slope;
         depth_sum += d;
         if (OUTPUT_JACOBIAN) {
-          Stiffness stiffness = AREA ? stiffnessOf(points, d, share, f) : stiffnessAmong(tile, step.surface, neighbours, address, i, b, f);
+          Stiffness stiffness = AREA ? stiffnessOf(points, d, share, f) : stiffnessAmong(tile, step.surface, uvec2(a, b), address, height, f);
           addSample(row, b, rim, position.y, f, stiffness);
         }
         if (kShears) {
-          SampleShear sample_shear = sampleShear(step, states, i, points, word, position, d, share, f);
+          SampleShear sample_shear = sampleShear(step, shear_states, i, points, word, position, d, share, f);
           shear += sample_shear.traction;
           shear_moment += sample_shear.moment;
         }
       }
-      if (kStoresStates) writeStates(states_at, states);
+      if (RELAXATION > 0 && kUpdatesSkin) writeSkin(states_at, skin_states);
+      if (kShears) writeShears(states_at, shear_states);
+      if (HAS_STATE) state[states_at + kDepthState] = depths;
     }
     if (OUTPUT_JACOBIAN) addRow(cell, row, a, rim, x);
   }

@@ -60,9 +60,9 @@ struct ModelData {
   bool hasFriction() const { return taxelsim::hasFriction(sensor.skin); }
   bool relaxes() const { return !sensor.skin.relaxation.empty(); }
   bool area() const { return sensor.depth_sampling == DepthSampling::kArea; }
-  // Whether cells of area sampling know how the depth varies within them, cell_points.glsl.
   // Words that a sample of the contact pass keeps between steps, shaders/skin/sample_states.glsl.
   std::uint32_t numSampleStates() const;
+  // Whether cells of area sampling know how the depth varies within them, cell_points.glsl.
   bool variation() const { return area() && (isElasticLayer() || hasFriction() || foundationOf(sensor.skin).normal_exponent != 1); }
   bool isElasticLayer() const { return std::holds_alternative<ElasticLayer>(sensor.skin.law); }
   bool isPasternak() const { return std::holds_alternative<Pasternak>(sensor.skin.law); }
