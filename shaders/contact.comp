@@ -3,8 +3,7 @@
 #extension GL_EXT_control_flow_attributes : require
 // Contact pass: stages 1 (depth) and 2 (contact law) of one frame, and the load search over one tile. Interface: passes/contact.h.
 //
-// A workgroup owns REPEAT tiles in sequence; tile number = instance NUM_TILES + tile of the sensor. An invocation owns boxes, then quads of
-// triangles, then taxels.
+// A workgroup owns REPEAT tiles in sequence; tile number = instance NUM_TILES + tile of the sensor. An invocation owns boxes, then quads, then taxels.
 // In:  poses (num_instances x those of the step), objects, groups, clusters, quads of triangles, faces, the sensor's patches and tiles.
 // Out: contact_normal (num_instances x num_taxels), N, divided by the part of the spread's kernel that stays on the sensor; contact_shear
 //      (num_instances x num_taxels x 2), N, likewise; contact_depth (num_instances x num_taxels), m; tile_results (num_instances x num_tiles);
