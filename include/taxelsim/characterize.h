@@ -58,6 +58,19 @@ struct TemperatureTerm {
   double trigger_per_kelvin = 0;  ///< N/K.
 };
 
+/// Gains of presses of stamps that depend on their load, because a bench does not carry every weight alike. They belong to the bench and
+/// are no part of the sensor. log(gain) is a Gaussian process in log(load) with a mean of 0 and a squared-exponential covariance.
+struct BenchGains {
+  std::vector<double> loads;      ///< (num_presses), N.
+  std::vector<double> log_gains;  ///< (num_presses), log(gain) relative to the sensor's gain.
+  double load_spread = 0;         ///< Standard deviation of the process.
+  double length = 1;              ///< Length of its covariance, in log(load).
+  double press_spread = 0;        ///< Standard deviation between presses of one load, > 0.
+
+  /// Expected log(gain) of a press under `load` (N); 0 beyond the loads of the presses, where nothing is known of the bench.
+  double at(double load) const;
+};
+
 /// Result of characterize().
 struct Characterization {
   Sensor sensor;                     ///< The sensor of the measurements with the fitted parameters.
@@ -68,6 +81,7 @@ struct Characterization {
   std::vector<std::string> remarks;  ///< Warnings, one line each.
   /// Where measurements at several temperatures recorded it. `sensor` is the one at the reference temperature.
   std::optional<TemperatureTerm> temperature{};
+  std::optional<BenchGains> bench_gains{};  ///< Where the evidence says that gains of presses depend on their load.
 };
 
 /// The fitted sensor at a temperature (degrees Celsius); without a TemperatureTerm at any.

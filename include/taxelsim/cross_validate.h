@@ -43,8 +43,8 @@ struct CrossValidation {
 ///
 /// Stamps: all stamps of one load are left out together, and the rest needs another load. The reference in double precision simulates the
 /// prediction. A stamp stands where the training stamps of its fixture stand, or without a fixture at the mean pose of all training stamps:
-/// the scored image has no part in it. If the training presses have gains, a smooth function of the load predicts the gain of a load
-/// between two of theirs, and the sensor times this gain is scored as well. Baselines: an image of zeros; the footprint under a Gaussian
+/// the scored image has no part in it. If the gains of the training presses depend on the load (Characterization::bench_gains), the sensor
+/// times the expected gain is scored as well. Baselines: an image of zeros; the footprint under a Gaussian
 /// with one gain; the same with a trigger and a ridge-regularised gain per taxel; a straight line in the load per taxel; another recorded
 /// press of the same load.
 ///

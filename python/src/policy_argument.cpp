@@ -29,12 +29,12 @@ void callPolicy(const nb::callable& act, const Sensor& sensor, const PolicyInput
 
 std::optional<Policy> policyOf(const PolicyArgument& argument, const Scene& scene, CallingThread& calling_thread) {
   if (!argument) return {};
-  const auto& [name, id, by_joints, function] = *argument;
+  const auto& [name, id, by_joints, outputs, function] = *argument;
   const auto call = [&](const PolicyInput& input, std::span<double> commands) {
     calling_thread.run([&] { callPolicy(function, scene.sensor, input, commands); });
   };
-  if (by_joints) return Policy{.name = name, .id = id, .act_joints = call};
-  return Policy{.name = name, .id = id, .act = [call](const PolicyInput& input, std::span<Twist> twists) {
+  if (by_joints) return Policy{.name = name, .id = id, .outputs = outputs, .act_joints = call};
+  return Policy{.name = name, .id = id, .outputs = outputs, .act = [call](const PolicyInput& input, std::span<Twist> twists) {
                   call(input, {reinterpret_cast<double*>(twists.data()), 6 * twists.size()});
                 }};
 }

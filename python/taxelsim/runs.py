@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from . import _core
-from ._core import Device, Evaluation, GenerateResult, Progress, Scene
+from ._core import Device, Evaluation, GenerateResult, OutputOptions, Progress, Scene
 from .errors import InputError
 from .policies.failures import check_failures, failed_episodes
 from .policies.policy import PolicyCalls, PolicyLike, as_policy
@@ -33,9 +33,9 @@ def policy_calls(policy: PolicyLike | None, scene: Scene) -> PolicyCalls | None:
     return None if policy is None else PolicyCalls(as_policy(policy), scene)
 
 
-def policy_argument(calls: PolicyCalls | None) -> tuple[str, str, bool, PolicyCalls] | None:
+def policy_argument(calls: PolicyCalls | None) -> tuple[str, str, bool, OutputOptions, PolicyCalls] | None:
     """The argument `policy` of runs in C++."""
-    return None if calls is None else (calls.policy.name, calls.policy.identity, calls.by_joints, calls)
+    return None if calls is None else (calls.policy.name, calls.policy.identity, calls.by_joints, calls.outputs, calls)
 
 
 def reload_scene(file: os.PathLike[str], num_episodes: int, seed: int, condition: str) -> Scene:

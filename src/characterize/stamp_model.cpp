@@ -1,5 +1,6 @@
 #include "characterize/stamp_model.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -22,6 +23,7 @@ constexpr double kPlane = 1e-6;         // m and rad: deviation up to which a sk
 constexpr double kMostOfLimit = 0.999;  // upper bound of (end of the range) / (limit of the divider)
 constexpr double kMostBend = 100;       // upper bound of the quadratic term at the end of the range, relative to the linear one
 constexpr double kLeastGain = 0.01;     // of the nominal gain
+constexpr double kLeastPress = 0.2, kMostPress = 5;
 constexpr double kMostPerKelvin = 0.1;  // bound of the growth of the gain
 constexpr int kMaxKernelReach = kMaxKernelSize / 2;
 
@@ -186,6 +188,12 @@ void StampModel::chooseTaxels(bool all) {
   }
 }
 
+std::vector<double> StampModel::loads() const {
+  std::vector<double> loads;
+  for (const Stamp& stamp : stamps) loads.push_back(stamp.data->load);
+  return loads;
+}
+
 bool StampModel::isLoaded(std::size_t taxel) const {
   return gain[taxel] > 0 && std::any_of(stamps.begin(), stamps.end(), [&](const Stamp& stamp) { return stamp.image[taxel] > 0; });
 }
@@ -196,10 +204,12 @@ double outputOf(const StampModel& model, const Stamp& stamp, const std::vector<d
   return model.curve.output(z, shared.data() + kCurve);
 }
 
-std::array<double, 6> ownOf(const StampModel& model, const Stamp& stamp, const double* shared, const double* own) {
+std::array<double, 6> ownOf(const StampModel& model, std::size_t stamp, const double* shared, const double* own) {
   std::array<double, 6> values{};
   std::copy_n(own, values.size(), values.begin());
-  if (stamp.fixture) std::copy_n(shared + model.fixturesAt() + kPoseSize * *stamp.fixture, kPoseSize, values.begin());
+  const std::optional<std::size_t>& fixture = model.stamps[stamp].fixture;
+  if (fixture) std::copy_n(shared + model.fixturesAt() + kPoseSize * *fixture, kPoseSize, values.begin());
+  if (model.press_prior) values[kPress] = std::exp(shared[model.pressesAt() + stamp]);
   return values;
 }
 
@@ -220,13 +230,18 @@ GroupedProblem problemOf(const StampModel& model, const std::vector<double>& sha
         at < shared_start.size() ? &shared_start[at] : own_start[static_cast<std::size_t>(first - model.stamps.begin())].data();
     for (const FitParameter& parameter : poseParameters(start, isRound(*first), false)) problem.shared.push_back(parameter);
   }
+  for (std::size_t g = 0; model.press_prior && g < model.stamps.size(); ++g) {
+    const std::size_t at = model.pressesAt() + g;
+    problem.shared.push_back(freeFrom(at < shared_start.size() ? shared_start[at] : 0, 0.1, std::log(kLeastPress), std::log(kMostPress)));
+  }
+  const bool has_own_press = model.press_spread > 0 && !model.press_prior;
   for (std::size_t g = 0; g < model.stamps.size(); ++g) {
     const std::vector<double>& at = own_start[g];
     const Stamp& stamp = model.stamps[g];
     std::vector<FitParameter>& own = problem.own.emplace_back(poseParameters(at.data(), isRound(stamp), model.with_tilt));
     if (stamp.fixture) own.assign(kPoseSize, fixedAt(0));
-    own.push_back(model.press_spread > 0 ? freeFrom(at[kPress], 0.1, 0.2, 5) : fixedAt(1));
-    problem.num_rows.push_back(stamp.taxels.size() + (model.press_spread > 0 ? 1 : 0) + (stamp.fixture ? 0 : kPosePriorRows));
+    own.push_back(has_own_press ? freeFrom(at[kPress], 0.1, kLeastPress, kMostPress) : fixedAt(1));
+    problem.num_rows.push_back(stamp.taxels.size() + (has_own_press ? 1 : 0) + (stamp.fixture ? 0 : kPosePriorRows));
   }
   return problem;
 }
@@ -242,8 +257,10 @@ StampFit fitStampModel(const StampModel& model, const std::vector<double>& share
     if (model.isLoaded(t)) loaded.push_back(t);
   }
   // One more group holds the priors of the shared parameters.
-  const std::size_t num_priors =
-      ((model.with_gains ? 1U : 0U) + (model.with_offsets ? 1U : 0U)) * loaded.size() + kPosePriorRows * model.fixtures.size();
+  const std::size_t num_priors = ((model.with_gains ? 1U : 0U) + (model.with_offsets ? 1U : 0U)) * loaded.size() +
+                                 kPosePriorRows * model.fixtures.size() + (model.press_prior ? model.stamps.size() : 0);
+  Eigen::LLT<Eigen::MatrixXd> press_covariance;
+  if (model.press_prior) press_covariance.compute(model.press_prior->covariance(model.loads()));
   if (num_priors > 0) {
     problem.own.emplace_back();
     problem.num_rows.push_back(num_priors);
@@ -262,10 +279,14 @@ StampFit fitStampModel(const StampModel& model, const std::vector<double>& share
       for (std::size_t f = 0; f < model.fixtures.size(); ++f) {
         residuals = writePosePrior(values + model.fixturesAt() + kPoseSize * f, noise, residuals);
       }
+      if (!model.press_prior) return;
+      const auto count = static_cast<Eigen::Index>(model.stamps.size());
+      Eigen::Map<Eigen::VectorXd> whitened(residuals, count);
+      whitened = noise * press_covariance.matrixL().solve(Eigen::Map<const Eigen::VectorXd>(values + model.pressesAt(), count));
       return;
     }
     const Stamp& stamp = model.stamps[g];
-    const std::array<double, 6> at = ownOf(model, stamp, values, own);
+    const std::array<double, 6> at = ownOf(model, g, values, own);
     const std::vector<double>& force = forces.spread(g, at.data(), std::exp(values[kStiffness]), values[kSigma]);
     const double scale = at[kPress] * std::exp(values[kWarmGain] * stamp.warmth) * values[kScale];
     const double trigger = values[kTrigger] + values[kWarmTrigger] * stamp.warmth;
@@ -274,11 +295,11 @@ StampFit fitStampModel(const StampModel& model, const std::vector<double>& share
       *residuals++ = stamp.weightOf(t) * (clippedMean(model.curve.output(z, values + kCurve), noise, model.curve.top) - stamp.image[t]);
     }
     if (!stamp.fixture) residuals = writePosePrior(own, noise, residuals);
-    if (model.press_spread > 0) *residuals = noise * (own[kPress] - 1) / model.press_spread;
+    if (model.press_spread > 0 && !model.press_prior) *residuals = noise * (own[kPress] - 1) / model.press_spread;
   };
   StampFit result{.fit = fitGroups(problem), .force = {}};
   for (std::size_t g = 0; g < model.stamps.size(); ++g) {
-    const std::array<double, 6> own = ownOf(model, model.stamps[g], result.fit.shared.data(), result.fit.own[g].data());
+    const std::array<double, 6> own = ownOf(model, g, result.fit.shared.data(), result.fit.own[g].data());
     result.force.push_back(forces.spread(g, own.data(), std::exp(result.fit.shared[kStiffness]), result.fit.shared[kSigma]));
     const double gain = own[kPress] * std::exp(result.fit.shared[kWarmGain] * model.stamps[g].warmth);
     for (double& force : result.force.back()) force *= gain;

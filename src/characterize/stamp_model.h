@@ -7,7 +7,7 @@
 //
 // Priors: log(gain) and offset are Gaussian, and their standard deviations are estimated from the fit itself (empirical Bayes). A stamp
 // that is placed by hand is turned and tilted by a few degrees. Stamps of one fixture share one pose without tilt, which
-// is a shared parameter.
+// is a shared parameter. Gains of presses are independent, or depend on the load (press_prior.h); then they are shared parameters.
 // A reading has the variance noise^2 + (relative_noise x fitted reading)^2.
 #pragma once
 
@@ -20,6 +20,7 @@
 #include "base/vector3.h"
 #include "characterize/creep.h"
 #include "characterize/least_squares.h"
+#include "characterize/press_prior.h"
 #include "characterize/readout_model.h"
 #include "reference/samples.h"
 #include "taxelsim/measurement.h"
@@ -35,7 +36,7 @@ inline constexpr std::size_t kX = 0, kY = 1, kYaw = 2, kSlopeX = 3, kSlopeY = 4,
 
 // Indices of the shared parameters: sigma (taxels; m for a list), scale (counts/N), trigger (counts), log(stiffness), growth of the gain
 // (1/K) and of the trigger (counts/K) with the temperature, curve parameters of ReadoutModel, gains of all taxels, offsets of all taxels
-// (counts), poses of the fixtures.
+// (counts), poses of the fixtures, and log(press gain) of each stamp if they depend on the load.
 namespace stamp_shared {
 inline constexpr std::size_t kSigma = 0, kScale = 1, kTrigger = 2, kStiffness = 3, kWarmGain = 4, kWarmTrigger = 5, kCurve = 6;
 }  // namespace stamp_shared
@@ -59,6 +60,8 @@ struct StampModel {
   std::size_t gainsAt() const { return stamp_shared::kCurve + curve.lag(); }  // index of the first gain
   std::size_t offsetsAt() const { return gainsAt() + gain.size(); }
   std::size_t fixturesAt() const { return offsetsAt() + gain.size(); }
+  std::size_t pressesAt() const { return fixturesAt() + stamp_own::kPoseSize * fixtures.size(); }
+  std::vector<double> loads() const;  // (stamps), N
   bool isListOfTaxels() const { return isTaxelList(*sensor); }
   // Unit of sigma: 1 taxel, or the length of a taxel (m).
   double sigmaUnit() const { return isListOfTaxels() ? sensor->patches[0].pitch[0] : 1; }
@@ -82,10 +85,11 @@ struct StampModel {
   bool with_offsets = false;
   bool with_tilt = false;
   bool with_temperature = false;
-  bool knows_gains = false;       // another measurement determined them
-  double gain_deviation = 0.5;    // prior standard deviation of log(gain)
-  double offset_deviation = 100;  // counts: prior standard deviation of the offsets
-  double press_spread = 0;        // prior standard deviation of press gains; 0: not fitted
+  bool knows_gains = false;                 // another measurement determined them
+  double gain_deviation = 0.5;              // prior standard deviation of log(gain)
+  double offset_deviation = 100;            // counts: prior standard deviation of the offsets
+  double press_spread = 0;                  // prior standard deviation of press gains; 0: not fitted
+  std::optional<PressPrior> press_prior{};  // of press gains that depend on the load
 };
 
 struct StampFit {
@@ -100,7 +104,7 @@ StampFit fitStampModel(const StampModel& model, const std::vector<double>& share
 // Output (counts) of a taxel under a stamp before noise and clipping, for a force (N) as in StampFit::force.
 double outputOf(const StampModel& model, const Stamp& stamp, const std::vector<double>& shared, std::size_t taxel, double force);
 
-// A stamp's parameters (stamp_own), with the pose of its fixture if it has one.
-std::array<double, 6> ownOf(const StampModel& model, const Stamp& stamp, const double* shared, const double* own);
+// A stamp's parameters (stamp_own), with the pose of its fixture if it has one, and with its press gain.
+std::array<double, 6> ownOf(const StampModel& model, std::size_t stamp, const double* shared, const double* own);
 
 }  // namespace taxelsim

@@ -50,6 +50,7 @@ class StampReport {
   // `of_slope`: gradient of the relative slope; `by_creep`: its relative half width by the creep.
   void reportTriggers(double slope, const Eigen::VectorXd& of_slope, double by_creep);
   void reportPressGains();
+  void reportDeviation(std::string parameter, double value, std::size_t freedom, std::string remark);
   void reportStiffness();
   void reportTemperature();
   void reportGains();
@@ -212,21 +213,46 @@ void StampReport::reportTriggers(double slope, const Eigen::VectorXd& of_slope, 
   }
 }
 
-void StampReport::reportPressGains() {
-  if (!(model_.press_spread > 0)) return;
-  const std::size_t freedom = model_.stamps.size() - 1;
-  // The logarithm of a standard deviation of few values is closer to Gaussian.
+// A standard deviation of `freedom` values. Its logarithm is closer to Gaussian than itself.
+void StampReport::reportDeviation(std::string parameter, double value, std::size_t freedom, std::string remark) {
   const double factor = std::exp(studentFactor(freedom) / std::sqrt(2.0 * static_cast<double>(freedom)));
-  result_.estimates.push_back({.parameter = "readout.press_gain_spread",
+  result_.estimates.push_back({.parameter = std::move(parameter),
                                .unit = "",
                                .determined = true,
-                               .value = model_.press_spread,
-                               .low = model_.press_spread / factor,
-                               .high = model_.press_spread * factor,
-                               .remark = "between the " + over_});
+                               .value = value,
+                               .low = value / factor,
+                               .high = value * factor,
+                               .remark = std::move(remark)});
+}
+
+void StampReport::reportPressGains() {
+  if (!(model_.press_spread > 0)) return;
+  const std::size_t num_stamps = model_.stamps.size();
+  if (model_.press_prior) {
+    std::vector<double> loads = model_.loads();
+    std::sort(loads.begin(), loads.end());
+    const auto num_loads = static_cast<std::size_t>(std::unique(loads.begin(), loads.end()) - loads.begin());
+    reportDeviation("bench.load_gain_spread", model_.press_prior->load_spread, num_loads - 1,
+                    "of this bench: the gain depends on the load, over a factor of " +
+                        numberText(std::round(100 * std::exp(model_.press_prior->length)) / 100) + " in the load");
+    if (num_stamps > num_loads)
+      reportDeviation("readout.press_gain_spread", model_.press_spread, num_stamps - num_loads, "between presses of one load");
+  } else {
+    reportDeviation("readout.press_gain_spread", model_.press_spread, num_stamps - 1, "between the " + over_);
+  }
+  if (model_.press_prior) {
+    const auto first = fit_.shared.begin() + static_cast<std::ptrdiff_t>(model_.pressesAt());
+    result_.bench_gains = BenchGains{.loads = model_.loads(),
+                                     .log_gains = {first, first + static_cast<std::ptrdiff_t>(num_stamps)},
+                                     .load_spread = model_.press_prior->load_spread,
+                                     .length = model_.press_prior->length,
+                                     .press_spread = model_.press_prior->press_spread};
+  }
   result_.sensor.readout.press_gain_spread = std::min(model_.press_spread, kMaxGainSpread);
-  for (std::size_t g = 0; g < model_.stamps.size(); ++g) {
-    add(result_, model_.stamps[g].measurement->name + ".press_gain", "", fit_.own[g][kPress], fit_.ownHalfWidth(g, kPress), "", "");
+  for (std::size_t g = 0; g < num_stamps; ++g) {
+    const double log_gain = model_.press_prior ? fit_.shared[model_.pressesAt() + g] : std::log(fit_.own[g][kPress]);
+    const double half = model_.press_prior ? std::exp(log_gain) * fit_.halfWidth(model_.pressesAt() + g) : fit_.ownHalfWidth(g, kPress);
+    add(result_, model_.stamps[g].measurement->name + ".press_gain", "", std::exp(log_gain), half, "", "");
   }
 }
 

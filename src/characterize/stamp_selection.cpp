@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "characterize/clipped_mean.h"
@@ -17,6 +18,9 @@ constexpr std::size_t kLeastImagesForGains = 6;
 constexpr double kLeastGainDeviation = 0.02, kMostGainDeviation = 1.5;  // bounds of the prior's width
 constexpr std::array<double, 8> kRelativeNoises{0, 0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15};
 constexpr double kLikelihoodRatio = 5.4;  // half of chi-squared of 1 degree of freedom at 0.001
+// Gains that depend on the load: half of chi-squared of 2 degrees of freedom at 0.01, because loads are few.
+constexpr double kLoadRatio = 4.6;
+constexpr std::size_t kLeastLoads = 5, kMostPresses = 100;
 
 // Standard deviation (counts) of unclipped readings.
 double noiseOf(const StampModel& model, const StampFit& found) {
@@ -100,8 +104,8 @@ void updatePriors(StampModel& model, const StampFit& found) {
   if (model.with_offsets) model.offset_deviation = offsets.orElse(model.offset_deviation, kLeastNoise, model.curve.top);
 }
 
-// Estimates the part of the noise that is proportional to the reading, by maximum likelihood, and weighs the readings by it. Keeps equal
-// weights unless the likelihood ratio is significant.
+// Estimates the part of the noise that is proportional to the reading, by maximum likelihood, and weighs the readings by it. Keeps
+// or restores equal weights unless the likelihood ratio is significant.
 void weighReadings(StampModel& model, const StampFit& found) {
   struct Reading {
     double residual, mean;
@@ -133,7 +137,10 @@ void weighReadings(StampModel& model, const StampFit& found) {
       if (relative == 0 && likelihood > equal.likelihood) equal = {likelihood, noise, relative};
     }
   }
-  if (!(best.likelihood - equal.likelihood > kLikelihoodRatio)) return;
+  if (!(best.likelihood - equal.likelihood > kLikelihoodRatio)) {
+    for (Stamp& stamp : model.stamps) stamp.weight.clear();
+    return;
+  }
   model.curve.noise = best.noise;
   for (std::size_t g = 0; g < model.stamps.size(); ++g) {
     Stamp& stamp = model.stamps[g];
@@ -188,6 +195,8 @@ class Selection {
   // Fits gains of presses if they differ significantly. Their prior's width is estimated from the gains themselves (empirical Bayes).
   void fitPressGains(StampModel& model, StampFit& found) const;
   void chooseCurveOrPresses(StampFit& found);
+  // Lets the gains of presses depend on the load if the evidence says so.
+  void shareGainsOfLoads(StampFit& found);
   // Fits an offset of each loaded taxel's trigger if they improve the fit significantly.
   void chooseOffsets(StampFit& found);
 
@@ -254,6 +263,73 @@ void Selection::chooseCurveOrPresses(StampFit& found) {
   }
 }
 
+// Moves the mean of log(press gain), weighted by the counts of the presses, to the scale: the gains are then deviations from the gain of
+// the sensor. The fitted readings stay.
+void centreGains(const StampModel& model, StampFit& found) {
+  const auto presses = static_cast<Eigen::Index>(model.pressesAt()), count = static_cast<Eigen::Index>(model.stamps.size());
+  const auto scale_at = static_cast<Eigen::Index>(kScale);
+  Eigen::VectorXd weights(count);
+  for (Eigen::Index g = 0; g < count; ++g) {
+    const std::vector<double>& image = model.stamps[static_cast<std::size_t>(g)].image;
+    weights[g] = std::accumulate(image.begin(), image.end(), 0.0);
+  }
+  weights /= weights.sum();
+  std::vector<double>& shared = found.fit.shared;
+  const double mean = weights.dot(Eigen::Map<const Eigen::VectorXd>(&shared[model.pressesAt()], count)), factor = std::exp(mean);
+  const double scale = shared[kScale];
+  shared[kScale] *= factor;
+  for (Eigen::Index g = 0; g < count; ++g) shared[static_cast<std::size_t>(presses + g)] -= mean;
+  for (std::vector<double>& forces : found.force) {
+    for (double& force : forces) force /= factor;
+  }
+  // d(scale') = factor (d(scale) + scale w' d(gains)); d(gains') = d(gains) - w' d(gains).
+  Eigen::MatrixXd& covariance = found.fit.covariance;
+  const auto transform = [&](Eigen::Ref<Eigen::MatrixXd> rows) {
+    const Eigen::RowVectorXd of_mean = weights.transpose() * rows.middleRows(presses, count);
+    rows.row(scale_at) = factor * (rows.row(scale_at) + scale * of_mean);
+    rows.middleRows(presses, count).rowwise() -= of_mean;
+  };
+  transform(covariance);
+  covariance.transposeInPlace();
+  transform(covariance);
+}
+
+void Selection::shareGainsOfLoads(StampFit& found) {
+  constexpr int kRounds = 5;
+  std::vector<double> loads = model_.loads();
+  std::sort(loads.begin(), loads.end());
+  const auto num_loads = static_cast<std::size_t>(std::unique(loads.begin(), loads.end()) - loads.begin());
+  if (!(model_.press_spread > 0) || num_loads < kLeastLoads || model_.stamps.size() > kMostPresses) return;
+
+  StampModel joint = model_;
+  joint.press_prior = PressPrior{.load_spread = 0, .length = 1, .press_spread = model_.press_spread};
+  StampFit start = found;
+  for (std::vector<double>& own : start.fit.own) {
+    if (own.size() <= kPress) continue;  // the group of the priors
+    start.fit.shared.push_back(std::log(own[kPress]));
+    own[kPress] = 1;
+  }
+  StampFit other = fitted(joint, start);
+  const auto presses = static_cast<Eigen::Index>(joint.pressesAt()), count = static_cast<Eigen::Index>(joint.stamps.size());
+  double gain = 0;
+  for (int round = 0; round < kRounds; ++round) {
+    weighReadings(joint, other);
+    refit(joint, other);
+    const Eigen::MatrixXd covariance = other.fit.covariance.block(presses, presses, count, count);
+    if (!covariance.allFinite()) return;
+    const Eigen::VectorXd gains = Eigen::Map<const Eigen::VectorXd>(&other.fit.shared[joint.pressesAt()], count);
+    const PressPriorChoice choice = choosePressPrior(joint.loads(), gains, covariance, *joint.press_prior);
+    gain = choice.gain;
+    if (gain <= kLoadRatio || choice.prior == *joint.press_prior) break;
+    joint.press_prior = choice.prior;
+  }
+  if (gain <= kLoadRatio || !(joint.press_prior->load_spread > 0)) return;
+  joint.press_spread = joint.press_prior->press_spread;
+  centreGains(joint, other);
+  model_ = std::move(joint);
+  found = std::move(other);
+}
+
 StampFit Selection::run(std::vector<std::string>& remarks) {
   double counts = 0, load = 0;
   for (const Stamp& stamp : model_.stamps) {
@@ -276,6 +352,7 @@ StampFit Selection::run(std::vector<std::string>& remarks) {
   weighReadings(model_, found);
   refit(model_, found);
   chooseCurveOrPresses(found);
+  shareGainsOfLoads(found);
 
   double num_free = 0;  // stamps without a fixture, which may be tilted
   for (const Stamp& stamp : model_.stamps) num_free += stamp.fixture ? 0 : 1;

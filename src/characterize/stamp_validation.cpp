@@ -3,7 +3,6 @@
 #include <string>
 #include <utility>
 
-#include "characterize/load_deviation.h"
 #include "characterize/prediction_score.h"
 #include "characterize/stamp_baselines.h"
 #include "characterize/stamp_recording.h"
@@ -62,19 +61,6 @@ std::vector<double> predictedBySensor(const Characterization& result, const std:
   return {frame.counts.begin(), frame.counts.end()};
 }
 
-// Press gains of the training stamps as a function of the load; none if they were not fitted.
-LoadDeviation loadDeviationOf(const Characterization& result, const std::vector<Measurement>& training) {
-  std::vector<LoadDeviation::Press> presses;
-  for (const Measurement& measurement : training) {
-    if (!std::holds_alternative<StampImages>(measurement.data)) continue;
-    const std::string name = measurement.name + ".press_gain";
-    for (const Estimate& estimate : result.estimates) {
-      if (estimate.parameter == name) presses.push_back({loadOf(measurement), std::log(estimate.value)});
-    }
-  }
-  return LoadDeviation(std::move(presses));
-}
-
 // Predictors in the order of CrossValidation.
 enum : std::size_t { kSensor, kZero, kBlur, kBlurWithGains, kLine, kRepeat, kSensorOnBench };
 
@@ -108,7 +94,7 @@ CrossValidation validateStamps(const std::vector<Measurement>& stamps, const std
       seen.push_back(presses[k]);
     }
     const Characterization fitted = timedFit(training, result.longest_fit);
-    const double press_gain = std::exp(loadDeviationOf(fitted, training).at(load));
+    const double press_gain = fitted.bench_gains ? std::exp(fitted.bench_gains->at(load)) : 1;
     for (std::size_t k = 0; k < stamps.size(); ++k) {
       if (loadOf(stamps[k]) != load) continue;
       const Sensor& sensor = stamps[k].sensor;

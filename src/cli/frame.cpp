@@ -6,18 +6,20 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
-#include <numbers>
 #include <numeric>
+#include <optional>
+#include <span>
 
+#include "base/vector3.h"
 #include "cli/activity.h"
 #include "cli/commands.h"
 #include "cli/contacts_file.h"
+#include "cli/frame_figure.h"
 #include "cli/frame_objects.h"
 #include "cli/frame_output.h"
+#include "cli/pose_argument.h"
 #include "cli/print.h"
 #include "cli/scene_options.h"
-#include "figures/tactile_figure.h"
-#include "figures/taxel_chart.h"
 #include "taxelsim/device.h"
 #include "taxelsim/error.h"
 #include "taxelsim/model.h"
@@ -25,11 +27,10 @@
 
 namespace taxelsim::cli {
 
-using namespace figures;
-
 namespace {
 
 constexpr double kDefaultStep = 0.01;  // s, for sensors with a frame at every step
+constexpr int kSlideSteps = 10;        // of --slide
 
 struct Arguments {
   std::string sensor, contacts, picture, device;
@@ -38,55 +39,13 @@ struct Arguments {
   bool validation = false;
 };
 
-// One panel per patch; one panel for a list of taxels.
-std::vector<TactilePanel> panelsOf(const Sensor& sensor, const FrameView& frame) {
-  std::vector<TactilePanel> panels;
-  if (isTaxelList(sensor)) {
-    TactilePanel panel;
-    panel.values.assign(frame.tactile_image.begin(), frame.tactile_image.end());
-    panel.outlines = unrolled(sensor);
-    panel.caption = kUnrolled;
-    panel.neighbours = false;
-    panels.push_back(std::move(panel));
-    return panels;
-  }
-  std::size_t first = 0;
-  for (const GridPatch& patch : sensor.patches) {
-    TactilePanel panel;
-    panel.num_rows = patch.num_rows;
-    panel.num_cols = patch.num_cols;
-    panel.pitch = patch.pitch;
-    const std::size_t count = static_cast<std::size_t>(patch.num_rows) * patch.num_cols;
-    for (const std::uint32_t counts : frame.tactile_image.subspan(first, count)) panel.values.push_back(counts);
-    first += count;
-    panel.title = sensor.patches.size() > 1 ? patch.name : "";
-    panel.axes = axesOfImage(panel);
-    if (panel.axes && sensor.patches.size() == 1) {
-      const Vector3 p_SC_S{frame.center_of_pressure[0], frame.center_of_pressure[1], frame.center_of_pressure[2]};
-      const Vector3 p_PC_P = inverse(patch.X_SP) * p_SC_S;
-      panel.axes = ContactAxes{{p_PC_P[0], p_PC_P[1]}, frame.edge_angle[0], {frame.eigenvalues[0], frame.eigenvalues[1]}};
-    }
-    panels.push_back(std::move(panel));
-  }
-  return panels;
-}
-
-void drawFrame(const std::string& file, const Sensor& sensor, const FrameView& frame, const std::string& what) {
-  const std::vector<TactilePanel> panels = panelsOf(sensor, frame);
-  writeTactileFigure(
-      file, panels,
-      {.title = fmt::format("{} on {}", what, sensor.name),
-       .subtitle = fmt::format("{:.4g} N   angle {:.1f}°   confidence {:.2f}   area {:.3g} mm²", frame.total_force[0],
-                               frame.edge_angle[0] * 180 / std::numbers::pi, frame.edge_confidence[0], frame.contact_area[0] * 1e6)});
-}
-
 void show(const Arguments& arguments, const Sensor& sensor, const FrameView& frame, const std::string& what) {
   if (arguments.json)
     printOut("{}\n", frameJson(sensor, frame));
   else
     printFrame(sensor, frame);
   if (arguments.picture.empty()) return;
-  drawFrame(arguments.picture, sensor, frame, what);
+  writeFrameFigure(arguments.picture, sensor, frame, what);
   spdlog::info("wrote {}", arguments.picture);
 }
 
@@ -99,17 +58,20 @@ Device openDevice(const Arguments& arguments) {
 }
 
 int runContacts(const Arguments& arguments) {
-  if (!arguments.objects.objects.empty() || !arguments.objects.poses.empty() || !arguments.objects.rotations.empty() ||
-      arguments.objects.load || arguments.objects.has_mesh_options) {
-    throw Error(ErrorKind::kInput, "--contacts excludes --object, --pose, --rpy-deg, --load, --scale and --up-axis");
+  const ObjectArguments& objects = arguments.objects;
+  if (!objects.objects.empty() || !objects.poses.empty() || !objects.rotations.empty() || objects.load || !objects.slide.empty() ||
+      objects.has_mesh_options) {
+    throw Error(ErrorKind::kInput, "--contacts excludes --object, --pose, --rpy-deg, --load, --slide, --scale and --up-axis");
   }
   const std::vector<ContactPoint> contacts = readContacts(arguments.contacts);
   const Sensor sensor = loadSensor(arguments.sensor);
   Activity activity("computing a frame");
-  Simulator simulator(Model(openDevice(arguments), {.sensor = sensor}),
-                      {.outputs = {.penetration_depth = false, .contact_features = true, .clean_contact_features = true},
-                       .max_contacts = std::max(1, static_cast<int>(contacts.size())),
-                       .max_regions = kMaxRegions});
+  Simulator simulator(Model(openDevice(arguments), {.sensor = sensor}), {.outputs = {.penetration_depth = false,
+                                                                                     .taxel_counts = sensor.readout.three_axis.has_value(),
+                                                                                     .contact_features = true,
+                                                                                     .clean_contact_features = true},
+                                                                         .max_contacts = std::max(1, static_cast<int>(contacts.size())),
+                                                                         .max_regions = kMaxRegions});
   simulator.setContacts(0, contacts);
   simulator.step(stepOf(sensor));
   const FrameView frame = simulator.read();
@@ -135,8 +97,24 @@ void warnOfOverPenetration(const Sensor& sensor, const GroundTruthView& truth) {
                100 * truth.over_penetration[0], 1e3 * sensor.skin.thickness);
 }
 
+// The frame with the objects at `X_SO`, or the last one after they have slid by `slide`, if any, m in S.
+FrameView pressAndSlide(Simulator& simulator, std::span<const int> ids, std::vector<Pose> X_SO, const Vector3& slide) {
+  const double step = stepOf(simulator.model().sensor());
+  simulator.setObjects(ids, X_SO);
+  simulator.step(step);
+  FrameView frame = simulator.read();
+  for (int k = 0; k < kSlideSteps && slide != Vector3{0, 0, 0}; ++k) {
+    for (Pose& pose : X_SO) pose.position = add(pose.position, scale(1.0 / kSlideSteps, slide));
+    simulator.setObjects(ids, X_SO);
+    simulator.step(step);
+    frame = simulator.read();
+  }
+  return frame;
+}
+
 int runObjects(const Arguments& arguments) {
   const ObjectPlan plan(arguments.objects);
+  const Vector3 slide = arguments.objects.slide.empty() ? Vector3{0, 0, 0} : parseSlide(arguments.objects.slide);
   Sensor sensor = loadSensor(arguments.sensor);
   sensor.readout.delay = sensor.readout.low_pass_time = 0;  // the single frame shows the steady state
   ModelOptions options{.sensor = sensor, .objects = {}};
@@ -147,15 +125,14 @@ int runObjects(const Arguments& arguments) {
 
   activity.next("computing a frame");
   const Model model(openDevice(arguments), options);
-  Simulator simulator(model, {.num_instances = 1,
-                              .num_slots = static_cast<int>(ids.size()),
-                              .outputs = {.contact_features = true, .clean_contact_features = true},
-                              .max_regions = kMaxRegions});
-  simulator.setObjects(ids, plan.posesOf(options.objects));
+  Simulator simulator(
+      model, {.num_instances = 1,
+              .num_slots = static_cast<int>(ids.size()),
+              .outputs = {.taxel_counts = sensor.readout.three_axis.has_value(), .contact_features = true, .clean_contact_features = true},
+              .max_regions = kMaxRegions});
   const std::optional<double>& load = arguments.objects.load;
   simulator.setLoad(0, load ? static_cast<float>(*load) : kPoseDriven);
-  simulator.step(stepOf(sensor));
-  const FrameView frame = simulator.read();
+  const FrameView frame = pressAndSlide(simulator, ids, plan.posesOf(options.objects), slide);
   activity.end();
   if (load) checkLoad(*load, frame.ground_truth);
   warnOfOverPenetration(sensor, frame.ground_truth);
@@ -183,6 +160,10 @@ void addObjectOptions(CLI::App& command, ObjectArguments& objects) {
       ->allow_extra_args(false)
       ->type_name("RPY");
   command.add_option("--load", objects.load, "Move the objects along z until they press with this force, N")->type_name("N");
+  command
+      .add_option("--slide", objects.slide,
+                  "\"x y\": then slide the objects by so much in the sensor frame, m; friction of the skin, if it has any, makes shear")
+      ->type_name("XY");
   command.add_option("--scale", objects.mesh.scale, "Metres per unit of the mesh files: 0.001 for files in millimetres")
       ->capture_default_str()
       ->each([&objects](const std::string&) { objects.has_mesh_options = true; })

@@ -15,6 +15,7 @@ namespace taxelsim::cli {
 struct ObjectArguments {
   std::vector<std::string> objects, poses, rotations;  // --object, --pose, --rpy-deg
   std::optional<double> load;                          // N
+  std::string slide;                                   // --slide, empty for none
   MeshOptions mesh;
   bool has_mesh_options = false;  // --scale or --up-axis
 };

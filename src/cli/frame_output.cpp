@@ -4,11 +4,13 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "simulation/feature_table.h"
@@ -118,6 +120,7 @@ std::string frameJson(const Sensor& sensor, const FrameView& frame) {
   Json json;
   json["sensor"] = sensor.name;
   json["tactile_image"] = taxelsOf(sensor, frame.tactile_image);
+  if (!frame.taxel_counts.empty()) json["taxel_counts"] = taxelsOf(sensor, frame.taxel_counts, 3);
   addFeatures(json, imageFeatures(), frame);
   addFeatures(json, readoutFeatures(), frame);
   json["contact"] = contactJson(frame.contact);
@@ -134,25 +137,38 @@ std::string frameJson(const Sensor& sensor, const FrameView& frame) {
 
 namespace {
 
-void printImage(const Sensor& sensor, std::span<const std::uint32_t> image) {
-  const auto width = std::to_string(*std::max_element(image.begin(), image.end())).size();
+// Counts in the form of the sensor: one number per taxel, the first of each `width` values.
+template <typename T>
+void printTaxels(const Sensor& sensor, std::string_view name, std::span<const T> values, std::size_t width = 1) {
+  std::size_t digits = 0;
+  for (std::size_t v = 0; v < values.size(); v += width) digits = std::max(digits, std::to_string(values[v]).size());
+  const std::size_t num_taxels = (values.size() + width - 1) / width;
   std::size_t taxel = 0;
   if (isTaxelList(sensor)) {
     constexpr std::size_t kTaxelsPerLine = 16;
-    printOut("tactile_image, counts ({} taxels, {} a line)\n", image.size(), kTaxelsPerLine);
-    for (; taxel < image.size(); ++taxel)
-      printOut("{} {:>{}}{}", taxel % kTaxelsPerLine == 0 ? " " : "", image[taxel], width,
-               (taxel + 1) % kTaxelsPerLine == 0 || taxel + 1 == image.size() ? "\n" : "");
+    printOut("{}, counts ({} taxels, {} a line)\n", name, num_taxels, kTaxelsPerLine);
+    for (; taxel < num_taxels; ++taxel)
+      printOut("{} {:>{}}{}", taxel % kTaxelsPerLine == 0 ? " " : "", values[taxel * width], digits,
+               (taxel + 1) % kTaxelsPerLine == 0 || taxel + 1 == num_taxels ? "\n" : "");
     return;
   }
   for (const GridPatch& patch : sensor.patches) {
-    printOut("tactile_image{}{}, counts ({} rows along x, {} columns along y)\n", patch.name.empty() ? "" : " of ", patch.name,
-             patch.num_rows, patch.num_cols);
+    printOut("{}{}{}, counts ({} rows along x, {} columns along y)\n", name, patch.name.empty() ? "" : " of ", patch.name, patch.num_rows,
+             patch.num_cols);
     for (int i = 0; i < patch.num_rows; ++i) {
       std::string line = " ";
-      for (int j = 0; j < patch.num_cols; ++j) line += fmt::format(" {:>{}}", image[taxel++], width);
+      for (int j = 0; j < patch.num_cols; ++j) line += fmt::format(" {:>{}}", values[taxel++ * width], digits);
       printOut("{}\n", line);
     }
+  }
+}
+
+void printImages(const Sensor& sensor, const FrameView& frame) {
+  printTaxels(sensor, "tactile_image", frame.tactile_image);
+  if (frame.taxel_counts.empty()) return;
+  constexpr std::array kAxes{"along x", "along y", "along the normal"};
+  for (std::size_t axis = 0; axis < kAxes.size(); ++axis) {
+    printTaxels(sensor, fmt::format("taxel_counts {}", kAxes[axis]), frame.taxel_counts.subspan(axis), kAxes.size());
   }
 }
 
@@ -205,7 +221,7 @@ void printBoth(std::span<const Field> table, const View& measured, const View& c
 }  // namespace
 
 void printFrame(const Sensor& sensor, const FrameView& frame) {
-  printImage(sensor, frame.tactile_image);
+  printImages(sensor, frame);
   const GroundTruthView& truth = frame.ground_truth;
   printOut("\n");
   printRow("feature", "unit", "measured", "ground truth");

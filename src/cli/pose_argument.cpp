@@ -71,4 +71,11 @@ Quaternion parseRollPitchYaw(const std::string& text) {
          axisAngle({1, 0, 0}, degrees[0] * kDegree);
 }
 
+Vector3 parseSlide(const std::string& text) {
+  const Argument argument{"--slide", text, "it is \"x y\", m in the sensor frame"};
+  const std::vector<double> n = argument.numbers(2);
+  if (n.size() != 2) throw argument.refuse(fmt::format("has {} numbers, not 2", n.size()));
+  return {n[0], n[1], 0};
+}
+
 }  // namespace taxelsim::cli

@@ -22,4 +22,7 @@ PoseArgument parsePose(const std::string& text);
 // Error(kInput).
 Quaternion parseRollPitchYaw(const std::string& text);
 
+// Reads the value of --slide, "x y": m along x and y of the sensor frame. Throws Error(kInput).
+Vector3 parseSlide(const std::string& text);
+
 }  // namespace taxelsim::cli

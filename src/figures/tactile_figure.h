@@ -39,9 +39,11 @@ struct TactilePanel {
   std::string caption;
   std::optional<ContactAxes> axes;
   std::vector<TactileLine> lines{};
-  bool numbers = true;     // writes values into cells that are large enough
-  bool neighbours = true;  // false if adjacent cells are not adjacent on the sensor: no outline and no axes
-  bool is_signed = false;  // differences: blue below 0, red above, with their own scale
+  std::vector<std::array<double, 2>> arrows{};  // (num_values) along x and y of each taxel, or none
+  double longest_arrow = 0;                     // length that is drawn as long as the taxel; 0: no arrows
+  bool numbers = true;                          // writes values into cells that are large enough
+  bool neighbours = true;                       // false if adjacent cells are not adjacent on the sensor: no outline and no axes
+  bool is_signed = false;                       // differences: blue below 0, red above, with their own scale
 };
 
 struct FigureOptions {

@@ -22,6 +22,7 @@ constexpr double kDarkTextFrom = 0.52;  // luminance of a cell above which dark 
 constexpr double kSmallestValue = 5.5, kLargestValue = 12;  // type sizes in cells
 constexpr double kPanelLength = 300;                        // longer side of a panel
 constexpr double kSmallestPanel = 90;                       // shorter side, for the captions
+constexpr double kArrowHead = 6, kShortestArrow = 2;        // of the arrows of taxels; shorter ones are not drawn
 
 // Interpolates equidistant colours at t, 0 to 1.
 Colour along(std::span<const Colour> colours, double t) {
@@ -239,6 +240,47 @@ void drawLines(const Canvas& canvas, const TactilePanel& panel, const PanelSize&
   cairo_restore(canvas);
 }
 
+// An arrow of `length` points from (x, y) in the direction (dx, dy) of length 1, with a halo.
+void drawArrow(const Canvas& canvas, double x, double y, double dx, double dy, double length) {
+  const double head = std::min(kArrowHead, 0.6 * length), tip_x = x + length * dx, tip_y = y + length * dy;
+  for (const auto& [colour, halo] : {std::pair{kPaper, 1.6}, std::pair{kArrow, 0.0}}) {
+    cairo_move_to(canvas, x, y);
+    cairo_line_to(canvas, tip_x, tip_y);
+    cairo_move_to(canvas, tip_x - head * (dx + 0.6 * dy), tip_y - head * (dy - 0.6 * dx));
+    cairo_line_to(canvas, tip_x, tip_y);
+    cairo_line_to(canvas, tip_x - head * (dx - 0.6 * dy), tip_y - head * (dy + 0.6 * dx));
+    canvas.colour(colour);
+    cairo_set_line_width(canvas, 2 + halo);
+    cairo_stroke(canvas);
+  }
+}
+
+// One arrow per taxel, from its centre; the longest is as long as the smallest side of a taxel.
+void drawArrows(const Canvas& canvas, const TactilePanel& panel, const PanelSize& size, const ColourScale& scale) {
+  if (panel.arrows.empty() || !(panel.longest_arrow > 0)) return;
+  const double points = std::min(size.cell_width, size.cell_height) / panel.longest_arrow;
+  // (right, down) of the arrow of taxel t, whose x and y axes have these directions on the page.
+  const auto draw = [&](std::size_t t, double x, double y, const std::array<double, 2>& x_axis, const std::array<double, 2>& y_axis) {
+    const auto [along_x, along_y] = panel.arrows[t];
+    const double right = along_x * x_axis[0] + along_y * y_axis[0], down = along_x * x_axis[1] + along_y * y_axis[1];
+    const double length = std::hypot(right, down);
+    if (length * points >= kShortestArrow) drawArrow(canvas, x, y, right / length, down / length, length * points);
+  };
+  std::size_t t = 0;
+  if (panel.outlines.empty()) {
+    for (int i = 0; i < panel.num_rows; ++i)
+      for (int j = 0; j < panel.num_cols; ++j) draw(t++, (j + 0.5) * size.cell_width, (i + 0.5) * size.cell_height, {0, 1}, {1, 0});
+    return;
+  }
+  eachOutline(panel, size, scale, [&](const TaxelOutline& c, double, const Colour&) {
+    const auto direction = [&c](std::size_t corner) {
+      const double right = c[corner][0] - c[0][0], down = c[corner][1] - c[0][1], side = std::hypot(right, down);
+      return std::array{right / side, down / side};
+    };
+    draw(t++, (c[0][0] + c[2][0]) / 2, (c[0][1] + c[2][1]) / 2, direction(3), direction(1));
+  });
+}
+
 }  // namespace
 
 Colour ColourScale::at(double value) const {
@@ -269,6 +311,7 @@ void drawPanel(const Canvas& canvas, const TactilePanel& panel, const PanelSize&
     drawContour(canvas, panel, size);
   }
   drawLines(canvas, panel, size);
+  drawArrows(canvas, panel, size, scale);
   if (panel.numbers) drawValues(canvas, panel, size, scale);
 }
 

@@ -1,5 +1,5 @@
-// Draws one panel of a tactile figure: heat map, values, contact outline, principal axes, lines. The origin is the panel's upper left
-// corner.
+// Draws one panel of a tactile figure: heat map, values, contact outline, principal axes, lines, arrows. The origin is the panel's upper
+// left corner.
 #pragma once
 
 #include <span>
@@ -8,7 +8,7 @@
 
 namespace taxelsim::figures {
 
-inline constexpr Colour kContour = kRed, kAxis = kBlue;
+inline constexpr Colour kContour = kRed, kAxis = kBlue, kArrow = kRed;
 
 // A colour scale from 0 to `max`, or from -`max` to `max` for signed values.
 struct ColourScale {

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "characterize/bench_session.h"
-#include "characterize/load_deviation.h"
 #include "characterize/prediction_score.h"
 #include "characterize/stamp_baselines.h"
 #include "characterize/stamp_bench.h"
@@ -94,26 +93,7 @@ TEST(CrossValidate, TheVerdictNamesABetterBaseline) {
   EXPECT_THAT(figures::verdictText(result, 3), StartsWith("left-out loads: the fitted sensor predicts better"));
 }
 
-// A bench whose stamp carries 10 % less from 3 to 6 N: repeated presses and neighbouring loads show it, single presses scatter by 3 %.
-TEST(CrossValidate, ABenchThatDeviatesSmoothlyWithTheLoad) {
-  const auto deviates = [](double load) { return -0.1 * std::exp(-std::pow(std::log(load / 4.2) / 0.4, 2)); };
-  std::vector<LoadDeviation::Press> presses, scattered;
-  for (int n = 0; n < 20; ++n) {
-    const double load = 2.0 + n / 2, off = 0.03 * std::sin(7.0 * n);
-    presses.push_back({load, deviates(load) + off});
-    scattered.push_back({load, off});
-  }
-  const LoadDeviation bench(presses), steady(scattered);
-  for (const double load : {2.5, 3.5, 4.5, 7.5}) {
-    EXPECT_NEAR(bench.at(load), deviates(load), 0.035) << load;
-    EXPECT_NEAR(steady.at(load), 0, 0.03) << load;
-  }
-  EXPECT_LT(bench.at(4), -0.06);
-  EXPECT_EQ(bench.at(1.9), 0) << "not beyond the loads of the presses";
-  EXPECT_EQ(LoadDeviation({{2, -0.1}, {3, -0.1}, {4, -0.1}}).at(3), 0) << "too few loads";
-}
-
-// The same bench through the fit: every stamp carries less of the middle loads.
+// A bench whose stamps carry less of the middle loads.
 TEST(CrossValidateStudy, PredictsLoadsOfADeviatingBench) {
   const Sensor truth = bentSensor();
   std::vector<StampImages> stamps;

@@ -261,7 +261,7 @@ TEST_F(FrameOfContacts, RejectsBadFilesByLine) {
   expectRefused(runTaxelsim({"frame", "--sensor", kSensor, "--contacts", root_ / "missing.csv"}), "missing.csv");
   expectRefused(runTaxelsim({"frame", "--sensor", kSensor, "--contacts", root_ / ""}), "a directory, not a file");
   expectRefused(run("0,0,0,1\n", {"--object", "sphere:0.01", "--pose", "0 0 0 1 0 0 0"}),
-                "--contacts excludes --object, --pose, --rpy-deg, --load, --scale and --up-axis");
+                "--contacts excludes --object, --pose, --rpy-deg, --load, --slide, --scale and --up-axis");
   expectRefused(run("0,0,0,1\n", {"--load", "1"}), "--contacts excludes --object");
 }
 

@@ -1,6 +1,7 @@
 // Geometry of figures: axes of an image, and positions of colours.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 
@@ -81,6 +82,38 @@ TEST(Figure, DrawsLinesAtTheirPlace) {
       }
     }
   }
+  std::filesystem::remove(file);
+}
+
+// Arrows begin in the middle of their taxel: along x down, along y to the right; in grids and in outlines.
+TEST(Figure, DrawsArrowsAlongTheAxesOfTheTaxels) {
+  TactilePanel grid;
+  grid.num_rows = grid.num_cols = 1;
+  grid.values = {1};
+  grid.numbers = grid.neighbours = false;
+  grid.longest_arrow = 2;
+  TactilePanel outline = grid, turned = grid;
+  outline.outlines = {{{{-1, -1}, {-1, 1}, {1, 1}, {1, -1}}}};
+  turned.outlines = {{{{1, -1}, {-1, -1}, {-1, 1}, {1, 1}}}};  // its x points right, its y up
+  const std::filesystem::path file = std::filesystem::temp_directory_path() / "taxelsim-arrows-test.png";
+  const auto drawn = [&](TactilePanel panel, std::array<double, 2> arrow) {
+    panel.arrows = {arrow};
+    writeTactileFigure(file, {panel}, {.title = "", .subtitle = "", .unit = "counts"});
+    return testing::Picture(file).of(0xe5322d);
+  };
+  const auto isTall = [](const testing::Picture::Spot& spot) { return spot.bottom - spot.top > 3 * (spot.right - spot.left); };
+  const auto isWide = [](const testing::Picture::Spot& spot) { return spot.right - spot.left > 3 * (spot.bottom - spot.top); };
+  for (const TactilePanel& panel : {grid, outline}) {
+    EXPECT_TRUE(isTall(drawn(panel, {1, 0})));
+    EXPECT_TRUE(isWide(drawn(panel, {0, 1})));
+    EXPECT_GT(drawn(panel, {1, 0}).y, drawn(panel, {-1, 0}).y + 100);
+    EXPECT_GT(drawn(panel, {0, 1}).x, drawn(panel, {0, -1}).x + 100);
+    const auto full = drawn(panel, {1, 0}), half = drawn(panel, {0.5, 0});
+    EXPECT_NEAR(full.bottom - full.top, 2 * (half.bottom - half.top), 12) << "pixels; the ends have a width";
+  }
+  EXPECT_TRUE(isWide(drawn(turned, {1, 0})));
+  EXPECT_GT(drawn(turned, {1, 0}).x, drawn(turned, {-1, 0}).x + 100);
+  EXPECT_LT(drawn(turned, {0, 1}).y, drawn(turned, {0, -1}).y - 100);
   std::filesystem::remove(file);
 }
 

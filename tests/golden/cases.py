@@ -1,4 +1,4 @@
-"""The cases of the golden test: twelve scenes for `taxelsim generate` and forty calls of `taxelsim frame`.
+"""The cases of the golden test: thirteen scenes for `taxelsim generate` and forty-two calls of `taxelsim frame`.
 
 Scenes are made from the sensors that ship, on small changes of their own, so that every contact law, every form of sensor and every kind of
 object is computed at least once.
@@ -89,6 +89,8 @@ DATA_SETS = {
     "friction": servo(
         pad(["law: winkler", "normal_contact_stiffness: 1.73e8", "normal_exponent: 1.5", "friction_coefficient: 0.8", "tangential_stiffness: 1e8"]),
         MIXED, ["load: [1, 3]"], record=IMAGES + ["tactile_shear_force", "tactile_jacobian", "contact_features", "actions"]),
+    "three_axis": servo(SENSORS + "uskin_like_4x4.yaml", MIXED[:2] + SOLIDS[:1], ["load: [1, 3]", *NOISY],
+                        record=["tactile_image", "taxel_counts", "tactile_shear_force", "actions"]),
     "relaxation": servo(
         pad(["law: winkler", "normal_contact_stiffness: 1.73e8", "relaxation: [{fraction: 0.3, time: 0.05}, {fraction: 0.1, time: 0.5}]"],
             ["hysteresis_strength: [0.1, 0.05]", "hysteresis_width: [0.02, 0.1]", "creep: [{fraction: 0.1, time: 0.2}]", "low_pass_time: 0.01",
@@ -140,6 +142,7 @@ def frames():
         cases[f"wts0614_soft_cover_{name}"] = pressed("wts0614_soft_cover", shape, pose)
     cases["wts0614_soft_cover_two_objects"] = pressed("wts0614_soft_cover", "sphere:0.005", f"0 0.01 0.0045 {UPRIGHT}") + [
         "--object", "sphere:0.006", "--pose", f"0.002 -0.01 0.0054 {UPRIGHT}"]
+    cases["papillarray_like_3x3_slide"] = pressed("papillarray_like_3x3", "sphere:0.01", f"0.001 0.0005 0.0095 {UPRIGHT}", "--slide", "0.0005 0.0002")
     cases["wts0614_soft_cover_contacts"] = ["--sensor", SENSORS + "wts0614_soft_cover.yaml", "--contacts", "tests/golden/contacts.csv"]
     cases["digitacts_contacts"] = ["--sensor", SENSORS + "digitacts_6x4.yaml", "--contacts", "tests/golden/contacts.csv"]
     cases["wts0614_soft_cover_banana_load"] = pressed("wts0614_soft_cover", OBJECTS + "YcbBanana.obj", f"0 0 0.05 {UPRIGHT}", "--load", "3")

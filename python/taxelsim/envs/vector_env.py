@@ -18,7 +18,7 @@ from ..environment import Environment, Task, TaskState
 from ..errors import InputError
 from ..pictures import pictures, taxel_map
 from ..policies.actions import ActionMap
-from ..policies.observations import Bounds, ObservationBuilder
+from ..policies.observations import Bounds, ObservationBuilder, outputs_of
 from .episodic import EpisodicVectorEnv, Mask
 from .rewards import Reward
 
@@ -69,7 +69,8 @@ class TactileVectorEnv(EpisodicVectorEnv):
         self.scene = scene if isinstance(scene, Scene) else _core.load_scene(os.fspath(scene))
         self._task = Task.of(self.scene)
         opened = device if isinstance(device, Device) else Device.open(device)
-        self._environment: Environment | None = Environment(opened, self.scene, self.num_envs)
+        outputs = outputs_of(observations, self.scene.sensor)
+        self._environment: Environment | None = Environment(opened, self.scene, self.num_envs, outputs=outputs)
         self._period, self._num_frames = self._environment.control_period, self._environment.num_frames
         self.step_time = self._period * self._environment.dt  #: s, simulated time of one step
         self.max_episode_steps = -(-(self._num_frames - 1) // self._period)  #: steps of an episode that is not terminated

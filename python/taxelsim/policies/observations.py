@@ -4,13 +4,15 @@
 |---|---|---|
 | `contact` | (6) | centre of pressure (x, y, z), m, then force on the sensor (x, y, z), N, both in S |
 | `tactile_image` | (rows, cols) of one patch, else (taxels) | counts, int32; or newtons by the nominal curve, float32 |
+| `taxel_counts` | (rows, cols, 3) of one patch, else (taxels, 3) | counts of three-axis taxels along x, y and the normal, int32 |
 | `features` | (13) | moments of the tactile image, in the order of FEATURES |
 | `proprioception` | (7 + joints) | pose of S relative to its start: position, m, quaternion (w, x, y, z); joint positions, rad or m |
 | `start_contact` | (6) | `contact` in the first frame of the episode |
 
 All but counts are float32. With several sensors per environment all but `proprioception` have an axis (sensors) in front; `proprioception`
 has 7 numbers per sensor. Centre, z of the force and features come from the tactile image, so gain and noise of the sensor affect them. A
-tactile image has no shear, so x and y of the force are the true ones; they are 0 on a flat skin without friction.
+tactile image has no shear, so x and y of the force are the true ones; they are 0 on a flat skin without friction. `taxel_counts` needs a
+sensor with `readout: {three_axis}`, which measures shear with its noise and cross-talk.
 
 Normalised observations are divided by SCALES, counts by the largest count of the sensor.
 """
@@ -25,11 +27,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._arguments import checked_count, checked_names
-from ..environment import EnvironmentFrame, EnvironmentLayout
+from .._core import OutputOptions, Sensor
+from ..environment import NO_OUTPUTS, EnvironmentFrame, EnvironmentLayout
+from ..errors import InputError
 
 Values = NDArray[Any]
 
-OBSERVATIONS = ("contact", "tactile_image", "features", "proprioception", "start_contact")
+OBSERVATIONS = ("contact", "tactile_image", "taxel_counts", "features", "proprioception", "start_contact")
 """Names of observations."""
 
 SCALES = {"m": 0.01, "N": 1.0, "m^2": 1e-4, "rad": 1.0, "1": 1.0}
@@ -96,6 +100,19 @@ def _counts(layout: EnvironmentLayout) -> _Block:
     return _Block(bounds, np.array(layout.saturation, np.float32), lambda frame: frame.tactile_image.view(np.int32), live=True)
 
 
+def _largest_count(sensor: Sensor) -> int:
+    axes = sensor.readout.three_axis
+    if axes is None:
+        raise InputError(f"observations: 'taxel_counts' needs a sensor with readout.three_axis, which {sensor.name} has not")
+    return axes.saturation
+
+
+def _taxel_counts(layout: EnvironmentLayout) -> _Block:
+    shape, largest = (*_sensors(layout), *layout.image_shape, 3), _largest_count(layout.sensor)
+    bounds = Bounds(np.full(shape, -largest, np.int32), np.full(shape, largest, np.int32))
+    return _Block(bounds, np.array(largest, np.float32), lambda frame: frame.taxel_counts, live=True)
+
+
 def _newtons(layout: EnvironmentLayout) -> _Block:
     shape, table = (*_sensors(layout), *layout.image_shape), layout.newtons_of_counts()
     bounds = Bounds(np.zeros(shape, np.float32), np.full(shape, table[-1], np.float32))
@@ -127,6 +144,15 @@ def _column(mask: NDArray[np.bool_], values: Values) -> NDArray[np.bool_]:
     return mask.reshape(-1, *[1] * (values.ndim - 1))
 
 
+def outputs_of(names: str | Sequence[str], sensor: Sensor) -> OutputOptions:
+    """Optional outputs that frames of the sensor need for these observations.
+
+    Raises InputError for an unknown name, and for `taxel_counts` of a sensor without readout.three_axis.
+    """
+    needs_counts = "taxel_counts" in checked_names("observations", names, OBSERVATIONS)
+    return NO_OUTPUTS.replace(taxel_counts=needs_counts and _largest_count(sensor) > 0)
+
+
 class ObservationBuilder:
     """Builds batched observations from the frames of a batch.
 
@@ -135,6 +161,8 @@ class ObservationBuilder:
     normalized: whether values are divided by SCALES.
     history: number of latest frames, oldest first, on an axis before the shape of one frame. It starts with copies of the first frame.
     copy: False returns live arrays that the next step overwrites. A rollout buffer must not keep them.
+
+    Raises what outputs_of() raises, which names the outputs that frames need.
     """
 
     def __init__(
@@ -152,6 +180,7 @@ class ObservationBuilder:
         makers = {
             "contact": _contact,
             "tactile_image": _counts if image_unit == "counts" else _newtons,
+            "taxel_counts": _taxel_counts,
             "features": _features,
             "proprioception": _proprioception,
             "start_contact": _start_contact,

@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._arguments import checked_actions
-from .._core import Scene
+from .._core import OutputOptions, Scene
 from ..environment import EnvironmentFrame, EnvironmentLayout, frame_of
 from ..errors import InputError
 from .actions import ActionMap
 from .batching import independent_of_batch
-from .observations import ObservationBuilder
+from .observations import ObservationBuilder, outputs_of
 from .onnx import OnnxPolicy
 
 _log = logging.getLogger("taxelsim")
@@ -99,6 +99,11 @@ class PolicyCalls:
     def by_joints(self) -> bool:
         """Whether it answers with joint velocities."""
         return self._actions.by_joints
+
+    @property
+    def outputs(self) -> OutputOptions:
+        """Optional outputs of the frames that it is called with."""
+        return outputs_of(self.policy.observations, self._scene.sensor)
 
     def _commands(self, frame: EnvironmentFrame, instances: NDArray[np.int32], first_instance: int) -> NDArray[np.float64]:
         num_instances, num_sensors = frame.X_WS.shape[:2]

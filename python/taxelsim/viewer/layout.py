@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import rerun.blueprint as rrb
 
-from .recording import EpisodeWriter
+from .recording import COUNT_AXES, EpisodeWriter
 from .series import Series
 
 # Plots by title: patterns of the paths of their time series. A plot has one unit.
@@ -39,6 +39,12 @@ def _episode_tab(writer: EpisodeWriter) -> rrb.Horizontal:
     frames = [*((writer.sensor_path(k), f"sensor {k}" if k else "sensor") for k in sensors), ("world", "world")]
     spaces = [rrb.Spatial3DView(name=name, origin=f"{root}/{path}", contents=[f"/{root}/world/**"]) for path, name in frames]
     images = [rrb.Spatial2DView(name="tactile image, counts", origin=f"{root}/{writer.image_path(k)}") for k in sensors]
+    if writer.has_taxel_counts:
+        images += [
+            rrb.Spatial2DView(name=f"counts along {axis}", origin=f"{root}/{writer.counts_path(k, axis)}")
+            for k in sensors
+            for axis in COUNT_AXES
+        ]
     words = rrb.TextDocumentView(name="episode", origin=f"{root}/summary")
     return rrb.Horizontal(
         rrb.Vertical(rrb.Tabs(*spaces), rrb.Tabs(*images), row_shares=[2, 1]),

@@ -18,6 +18,8 @@ from .source import Episode
 
 OBJECT_COLOUR = (190, 190, 200)
 ARROW_COLOUR = (230, 60, 60)
+COUNTS_ARROW_COLOUR = (240, 160, 30)
+COUNT_AXES = ("x", "y", "normal")
 LONGEST_ARROW = 2.0  # in pitches of the sensor
 
 
@@ -72,27 +74,57 @@ class EpisodeWriter:
     def _write_shear(self, k: int) -> None:
         sensor = self._episode.sensor
         shear = self._episode.per_sensor("data/ground_truth/tactile_shear_force", (sensor.num_taxels, 2))
-        if shear is None:
-            return
+        if shear is not None:
+            self._write_arrows(k, "shear", shear, ARROW_COLOUR)
+        if self.has_taxel_counts:
+            self._write_arrows(k, "shear_counts", self._taxel_counts()[..., :2].astype(np.float64), COUNTS_ARROW_COLOUR)
+
+    def _write_arrows(self, k: int, name: str, values: NDArray[Any], colour: tuple[int, int, int]) -> None:
+        """Arrows of sensor k along x and y of the taxels. values: (F, num_sensors, num_taxels, 2)."""
+        sensor = self._episode.sensor
         pitch = max(sensor.patches[0].pitch)
-        largest = float(np.linalg.norm(shear, axis=-1).max())
+        largest = float(np.linalg.norm(values, axis=-1).max())
         scale = LONGEST_ARROW * pitch / largest if largest > 0 else 1.0
-        vectors = np.einsum("fta,tas->fts", shear[:, k], taxel_axes(sensor)) * scale
-        entity = f"{self.sensor_path(k)}/shear"
-        fixed = rr.Arrows3D.from_fields(origins=sensor.taxel_positions, colors=[ARROW_COLOUR], radii=[pitch / 20])
+        vectors = np.einsum("fta,tas->fts", values[:, k], taxel_axes(sensor)) * scale
+        entity = f"{self.sensor_path(k)}/{name}"
+        fixed = rr.Arrows3D.from_fields(origins=sensor.taxel_positions, colors=[colour], radii=[pitch / 20])
         self._static(entity, fixed)
         self._columns(entity, rr.Arrows3D.columns(vectors=vectors.reshape(-1, 3)).partition([sensor.num_taxels] * len(vectors)))
+
+    @property
+    def has_taxel_counts(self) -> bool:
+        """Whether counts of three-axis taxels are recorded."""
+        return "data/taxel_counts" in self._episode.columns
+
+    def _taxel_counts(self) -> NDArray[np.int32]:
+        """(F, num_sensors, num_taxels, 3)."""
+        counts = self._episode.per_sensor("data/taxel_counts", (self._episode.sensor.num_taxels, 3))
+        return np.asarray(counts, np.int32)
 
     def _write_image(self, k: int) -> None:
         episode, entity = self._episode, self.image_path(k)
         counts = episode.image.astype(np.uint16, copy=False).reshape(len(episode), episode.num_sensors, episode.sensor.num_taxels)[:, k]
-        if len(episode.sensor.patches) == 1:
-            patch = episode.sensor.patches[0]
-            images = counts.reshape(len(episode), patch.num_rows, patch.num_cols)
+        self._write_images(entity, counts, "viridis", [0, episode.sensor.readout.saturation])
+        axes = episode.sensor.readout.three_axis
+        if axes is None or not self.has_taxel_counts:
+            return
+        for axis, name in enumerate(COUNT_AXES):
+            colormap, lowest = ("viridis", 0) if name == "normal" else ("cyantoyellow", -axes.saturation)
+            self._write_images(self.counts_path(k, name), self._taxel_counts()[:, k, :, axis], colormap, [lowest, axes.saturation])
+
+    def counts_path(self, k: int, axis: str) -> str:
+        """Entity of the counts of three-axis taxels of sensor k along an axis out of COUNT_AXES."""
+        return f"taxel_counts/{axis}" if self.num_sensors == 1 else f"taxel_counts_{k}/{axis}"
+
+    def _write_images(self, entity: str, counts: NDArray[Any], colormap: str, limits: list[int]) -> None:
+        """Images of one sensor. counts: (F, num_taxels)."""
+        sensor = self._episode.sensor
+        if len(sensor.patches) == 1:
+            images = counts.reshape(len(counts), sensor.patches[0].num_rows, sensor.patches[0].num_cols)
         else:
-            images = counts[:, taxel_map(episode.sensor.taxel_positions)]
-        self._static(entity, _image_format(images, episode.sensor.readout.saturation))
-        rows = np.ascontiguousarray(images).reshape(len(episode), -1)
+            images = counts[:, taxel_map(sensor.taxel_positions)]
+        self._static(entity, _image_format(images, colormap, limits))
+        rows = np.ascontiguousarray(images).reshape(len(counts), -1)
         self._columns(entity, rr.DepthImage.columns(buffer=rows.view(np.uint8)))
 
     def _static(self, path: str, archetype: Any) -> None:
@@ -111,7 +143,8 @@ def _packed(colours: NDArray[np.uint8]) -> NDArray[np.uint32]:
     return np.asarray(red << 24 | green << 16 | blue << 8 | 0xFF, np.uint32)
 
 
-def _image_format(images: NDArray[np.uint16], saturation: int) -> rr.DepthImage:
+def _image_format(images: NDArray[Any], colormap: str, limits: list[int]) -> rr.DepthImage:
     """What all images (F, height, width) have in common. An image of counts, so that the viewer shows the counts below the cursor."""
-    size = rr.components.ImageFormat(width=images.shape[2], height=images.shape[1], channel_datatype="U16")
-    return rr.DepthImage.from_fields(format=size, meter=1.0, colormap="viridis", depth_range=[0, saturation])
+    datatype = {"uint16": "U16", "int32": "I32"}[images.dtype.name]
+    size = rr.components.ImageFormat(width=images.shape[2], height=images.shape[1], channel_datatype=datatype)
+    return rr.DepthImage.from_fields(format=size, meter=1.0, colormap=colormap, depth_range=limits)

@@ -22,7 +22,16 @@ _NAMES = {
     "action": _TWIST,
     "controller_action": _TWIST,
 }
-_ARRAYS = ("tactile_image", "tactile_normal_force", "tactile_shear_force", "penetration_depth", "pose", "sensor_pose", "time")
+_ARRAYS = (
+    "tactile_image",
+    "taxel_counts",
+    "tactile_normal_force",
+    "tactile_shear_force",
+    "penetration_depth",
+    "pose",
+    "sensor_pose",
+    "time",
+)
 _NOT_PER_SENSOR = ("data/action", "data/controller_action", "data/robot/")
 _ERRORS = ("total_force", "peak_force", "center_of_pressure", "edge_angle", "contact_area")
 

@@ -8,9 +8,12 @@ import numpy as np
 import pytest
 
 import taxelsim
-from taxelsim.envs import TactileVectorEnv
+from taxelsim.envs import OBSERVATIONS, TactileVectorEnv
 
 NUM_STEPS = 12  # of an episode of the scene below
+
+OF_ANY_SENSOR = tuple(name for name in OBSERVATIONS if name != "taxel_counts")
+"""Observations that need no three-axis taxels."""
 
 RECORD = "tactile_image, poses, actions"
 

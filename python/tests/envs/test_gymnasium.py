@@ -13,14 +13,14 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import taxelsim
-from taxelsim.envs import CONDITIONS, OBSERVATIONS, TASKS, TactileEnv, TactileVectorEnv
+from taxelsim.envs import CONDITIONS, TASKS, TactileEnv, TactileVectorEnv
 from taxelsim.envs.tasks import task_arguments
 
-from .conftest import actions_of, write_scene
+from .conftest import OF_ANY_SENSOR, actions_of, write_scene
 
 
 @pytest.mark.filterwarnings("ignore:.*A Box observation space:UserWarning", "ignore:.*not having a spec:UserWarning")
-@pytest.mark.parametrize("observations", ["contact", OBSERVATIONS])
+@pytest.mark.parametrize("observations", ["contact", OF_ANY_SENSOR])
 def test_single_environment_passes_check_env(device, scene, observations):
     env = TactileEnv(scene, observations=observations, device=device, render_mode="rgb_array")
     with warnings.catch_warnings(record=True) as caught:

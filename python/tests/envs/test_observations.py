@@ -7,13 +7,13 @@ import pytest
 from gymnasium import spaces
 
 import taxelsim
-from taxelsim.envs import ACTIONS, FEATURES, OBSERVATIONS, SCALES, Reward, TactileVectorEnv
+from taxelsim.envs import ACTIONS, FEATURES, SCALES, Reward, TactileVectorEnv
 
-from .conftest import NUM_STEPS, actions_of, write_scene
+from .conftest import NUM_STEPS, OF_ANY_SENSOR, actions_of, write_scene
 
 
 def test_observations_are_in_their_spaces_and_in_si_units(make):
-    env = make(3, observations=OBSERVATIONS)
+    env = make(3, observations=OF_ANY_SENSOR)
     observation, _ = env.reset(seed=0)
     assert observation in env.observation_space
     assert {name: values.shape[1:] for name, values in observation.items()} == {
@@ -46,8 +46,8 @@ def test_newtons_follow_the_nominal_curve(make, sensor):
 
 
 def test_normalized_observations_are_divided_by_their_scales(make, sensor):
-    plain = make(2, observations=OBSERVATIONS).reset(seed=0)[0]
-    env = make(2, observations=OBSERVATIONS, normalized=True)
+    plain = make(2, observations=OF_ANY_SENSOR).reset(seed=0)[0]
+    env = make(2, observations=OF_ANY_SENSOR, normalized=True)
     normalized = env.reset(seed=0)[0]
     assert normalized in env.observation_space
     assert np.allclose(normalized["tactile_image"], plain["tactile_image"] / sensor.readout.saturation)

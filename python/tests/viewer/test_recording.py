@@ -122,3 +122,24 @@ def test_without_forces_the_counts_give_the_colours(recorded, tmp_path, device):
     assert colours.ravel()[order[-1]] == 0xFDE725FF  # the brightest colour
     assert len(np.unique(colours[counts == 0])) <= 1
     assert "episode_0/world/sensor/shear" not in found.entities
+
+
+def test_counts_of_three_axis_taxels_are_images_and_arrows(recorded, tmp_path, device):
+    scene = write_viewed_scene(tmp_path, record="tactile_image, taxel_counts, poses", friction=False, episodes=1)
+    shipped = str((taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml").resolve())
+    scene.write_text(scene.read_text().replace(shipped, str((taxelsim.SCENES / "sensors/uskin_like_4x4.yaml").resolve())))
+    taxelsim.generate(scene, tmp_path / "data", device=device)
+    found = recorded(tmp_path / "data")
+    dataset = taxelsim.Dataset(tmp_path / "data")
+    counts = dataset.episode(0)["data/taxel_counts"]
+    assert counts.shape == (13, 4, 4, 3)
+    for axis, name in enumerate(("x", "y", "normal")):
+        images = found[f"episode_0/taxel_counts/{name}", "DepthImage:buffer"].astype(np.uint8).reshape(13, -1).view(np.int32)
+        np.testing.assert_array_equal(images.reshape(13, 4, 4), counts[..., axis])
+        low, high = found[f"episode_0/taxel_counts/{name}", "DepthImage:depth_range"].ravel()
+        assert (low, high) == (0 if name == "normal" else -32767, 32767)
+    arrows = found["episode_0/world/sensor/shear_counts", "Arrows3D:vectors"].reshape(13, 4, 4, 3)
+    longest = np.linalg.norm(counts[..., :2], axis=-1).max()
+    np.testing.assert_allclose(arrows[..., :2], counts[..., :2] * (2 * 4.7e-3 / longest), atol=4 * FLOAT32)
+    assert not arrows[..., 2].any()
+    assert not any("taxel_counts" in entity for entity in found.entities if "features" in entity)

@@ -10,7 +10,7 @@
 | `proprioception` | (2 x joints) | positions of the actuated joints, and their targets, m or rad |
 | `goal` | of the task | what the task asks, in the sensor's plane |
 
-Shear is the true one: a tactile image has none, and no readout of shear is modelled. All in the sensor frame S.
+Shear is the true one: a tactile image has none, and these sensors have no three-axis taxels. All in the sensor frame S.
 """
 
 from __future__ import annotations
