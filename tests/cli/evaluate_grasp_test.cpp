@@ -1,6 +1,7 @@
-// `evaluate` of a scene of kind grasp: table, JSON and figure, gains, and refusals.
+// `evaluate` of a scene of kind grasp: table, JSON and figure, gains, and refusals. `experiment` with one.
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "cli/command_line.h"
@@ -64,6 +65,37 @@ TEST(EvaluateGraspScene, RefusesOptionsOfOtherScenes) {
   const Outcome servo = runTaxelsim({"evaluate", root / "small.yaml", "--gain", "5"});
   EXPECT_EQ(servo.status, 2);
   EXPECT_NE(servo.err.find("--gain is for scenes of kind grasp"), std::string::npos) << servo.err;
+}
+
+TEST(GraspExperimentFile, TableJsonAndFigure) {
+  const TemporaryDirectory root;
+  const std::string file = std::string(TAXELSIM_SOURCE_DIR) + "/scenes/experiments/gripper_gains.yaml";
+  const Outcome table = runTaxelsim({"experiment", file, "-o", root / "figures"});
+  ASSERT_EQ(table.status, 0) << table.err;
+  for (const char* const text : {"gripper_gains: settling", "decay per frame", "in theory", "left", "below"})
+    EXPECT_NE(table.out.find(text), std::string::npos) << text << table.out;
+  const Picture picture(root / "figures/forces.png");
+  EXPECT_GT(picture.width(), picture.height());
+  const nlohmann::json json = nlohmann::json::parse(runTaxelsim({"experiment", file, "--json"}).out);
+  ASSERT_EQ(json["runs"].size(), 3u);
+  EXPECT_EQ(json["runs"][1]["gain"], 10);
+  EXPECT_EQ(json["runs"][1]["fingers"][0]["force"].size(), 150u);
+}
+
+TEST(GraspExperimentFile, RefusesBadFiles) {
+  const TemporaryDirectory root;
+  const auto refused = [&](const std::string& scene, const std::string& rest, const std::string& expected) {
+    std::ofstream(root / "e.yaml") << "format_version: 1\nname: e\nexperiment: grasp\nscene: " + scene + "\n" + rest;
+    const Outcome outcome = runTaxelsim({"experiment", root / "e.yaml"});
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_NE(outcome.err.find(expected), std::string::npos) << outcome.err;
+    EXPECT_EQ(outcome.err.find('\n'), outcome.err.size() - 1) << outcome.err;
+  };
+  const std::string scenes = std::string(TAXELSIM_SOURCE_DIR) + "/scenes/";
+  refused(scenes + "edge_servo.yaml", "gains: [10]\n", "is a scene of kind servo: one of kind grasp");
+  refused(kScene, "gains: [101]\n", "gains[0]: 101 is not allowed: a number > 0 and <= 100 1/s");
+  refused(kScene, "", "gains is missing");
+  refused(kScene, "gains: [10]\nruns: []\n", "unknown key");
 }
 
 }  // namespace
