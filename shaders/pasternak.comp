@@ -2,11 +2,11 @@
 #extension GL_GOOGLE_include_directive : require
 // Two-parameter foundation pass: stage 2 (contact law) of one frame for the law `pasternak`, with its load search.
 //
-// A workgroup owns an instance; an invocation owns nodes. Every frame starts from the object's surface, so that it depends on nothing but the pose.
+// A workgroup owns an instance; an invocation owns blocks of nodes. Every frame starts from the object's surface, so that it depends on nothing but the pose.
 // In:  heights (num_instances x num_nodes), m, and windows (num_instances x NUM_HEIGHT_TILES), from the contact pass.
 // Out: contact_normal (num_instances x num_taxels), N; contact_depth (num_instances x num_taxels), m; tile_results (num_instances); loads (num_instances).
-// Shared memory: 16 LANES + 16 bytes.
-// Deterministic: nodes of one colour move independently; sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
+// Shared memory: 16 LANES + 8 kNumBlocks + 20 bytes.
+// Deterministic: a sweep writes another array than it reads; sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
 // Mutable globals: any_unfinished_loop (driver/loop_limit.glsl).
 // Twin: src/reference/pasternak.cpp.
 
@@ -27,6 +27,7 @@ const float kMiss = kNoHeight;  // height where there is no surface
 #include "common/partial_sums.glsl"
 #include "driver/loop_limit.glsl"
 #include "pasternak/nodes.glsl"
+#include "pasternak/blocks.glsl"
 #include "pasternak/solver.glsl"
 #include "pasternak/outputs.glsl"
 
@@ -86,11 +87,10 @@ void solveInstance(uint instance, uint num_instances) {
     search.low_excess = -search.load;
     if (search.load > 0.0) surface.depth = THICKNESS;
   }
-  Window window;
   vec4 sums;
   for (int n = 0; n < (LOADS ? kMaxEvaluations : 1); ++n) {
     if (n > 0) surface.depth = nextDepth(search);
-    sums = solveContact(instance, surface, window);
+    sums = solveContact(instance, surface);
     if (!takeForce(search, n, surface.depth, sums.x)) break;
   }
   if (by_load && gl_LocalInvocationIndex == 0) {
@@ -98,7 +98,7 @@ void solveInstance(uint instance, uint num_instances) {
     float offset = no_surface ? 0.0 : -surface.origin - surface.depth;
     loads[instance] = LoadRecord(vec4(offset, 0, 0, carried ? kLoadCarried : kLoadOutOfReach), vec4(0));
   }
-  writeResults(instance, num_instances, sums, writeTaxels(instance, window));
+  writeResults(instance, num_instances, sums, writeTaxels(instance));
 }
 
 void main() {

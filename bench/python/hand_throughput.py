@@ -1,6 +1,6 @@
-"""Taxels per second of a hand (five fingertips of 6 x 4 taxels and a palm of 6 x 14, all in contact with a mesh of 5,000 triangles)
-compared with one palm alone, and of eight slots of which one is near, compared with one slot. Processor time of this process, which is what
-counts on software Vulkan where others use the processor too. Run with LP_NUM_THREADS=1:
+"""Taxels per second of a hand (five fingertips and a palm of 6 x 14 taxels, all in contact with a mesh of 5,000 triangles) compared with
+one palm alone: fingertips as flat grids of 6 x 4 taxels, and curved ones. And of eight slots of which one is near, compared with one slot.
+Processor time of this process, which is what counts on software Vulkan where others use the processor too. Run with LP_NUM_THREADS=1:
 
     python bench/python/hand_throughput.py
 """
@@ -16,14 +16,18 @@ import taxelsim as ts
 
 SCENES = Path(__file__).parents[2] / "scenes"
 PALM = "wts0614_soft_cover.yaml"
-LOWEST = {"knob": 0.0, "cylinder": 0.015}  # m, from the lowest point to the origin
-NUM_HANDS = 64
-NUM_STEPS = 20
+LOWEST = {"knob": 0.009, "cylinder": 0.015}  # m, from the lowest point to the origin
+FINGERTIPS = (("fingertip_6x4", 4), ("fingertip_6x4", 3), ("fingertip_sphere", 4), ("fingertip_cylinder", 4))  # samples per side of a taxel
+DEPTHS = (2e-4, 1e-3)  # m, of the mesh in each sensor
+NUM_HANDS = 256  # more than the processor's caches hold
+NUM_STEPS = 5
 NUM_ROUNDS = 5
 
 
-def batch(device: ts.Device, sensor: str, touching: ts.Object, count: int, slots: int = 1, samples: int = 4) -> ts.Simulator:
-    """`count` instances, each 0.2 mm deep in the object at places of their own; in all slots but the first the object is 0.2 m away.
+def batch(
+    device: ts.Device, sensor: str, touching: ts.Object, count: int, slots: int = 1, samples: int = 4, depth: float = 2e-4
+) -> ts.Simulator:
+    """`count` instances, each `depth` (m) deep in the object at places of their own; in all slots but the first the object is 0.2 m away.
 
     samples: per side of a taxel.
     """
@@ -32,7 +36,7 @@ def batch(device: ts.Device, sensor: str, touching: ts.Object, count: int, slots
     poses = np.zeros((count, slots, 7))
     poses[..., 3] = 1
     poses[:, 0, :2] = np.random.default_rng(1).uniform(-1e-3, 1e-3, (count, 2))
-    poses[:, 0, 2] = LOWEST[touching.name] - 2e-4
+    poses[:, 0, 2] = LOWEST[touching.name] - depth
     poses[:, 1:, 2] = 0.2
     simulator.set_objects(np.zeros((count, slots), dtype=np.int32), poses)
     return simulator
@@ -59,15 +63,17 @@ def main() -> None:
     knob = ts.Object(ts.load_mesh(SCENES / "objects" / "knob_5k.obj"), "knob")
     cylinder = ts.Object(ts.Cylinder(radius=0.01, length=0.03), "cylinder")
     print(device.info.name)
-    palm = batch(device, PALM, knob, NUM_HANDS)
-    for samples in (4, 3):
-        fingers = batch(device, "fingertip_6x4.yaml", knob, 5 * NUM_HANDS, samples=samples)
-        alone, hand = seconds([palm], [palm, fingers])
-        loaded = [np.count_nonzero(simulator.read().tactile_image) / simulator.num_instances for simulator in (palm, fingers)]
-        rate, hand_rate = 84 * NUM_HANDS / alone, (84 + 5 * 24) * NUM_HANDS / hand
-        print(f"samples {3.4 / 4:.2f} mm apart on the palm, {2.5 / samples:.2f} mm on fingertips; ", end="")
-        print(f"loaded taxels of a palm {loaded[0]:.0f} of 84, of a fingertip {loaded[1]:.0f} of 24")
-        print(f"palm alone {rate:,.0f} taxels/s, hand {hand_rate:,.0f} taxels/s: {hand_rate / rate:.2f}")
+    for depth in DEPTHS:
+        palm = batch(device, PALM, knob, NUM_HANDS, depth=depth)
+        for sensor, samples in FINGERTIPS:
+            fingers = batch(device, f"{sensor}.yaml", knob, 5 * NUM_HANDS, samples=samples, depth=depth)
+            alone, hand = seconds([palm], [palm, fingers])
+            num_taxels = fingers.read().tactile_image[0].size
+            ratio = (84 + 5 * num_taxels) / hand / (84 / alone)
+            loaded = [np.count_nonzero(simulator.read().tactile_image) / simulator.num_instances for simulator in (palm, fingers)]
+            us_alone, us_finger = (1e6 * time / NUM_HANDS for time in (alone, (hand - alone) / 5))
+            print(f"{1e3 * depth:.1f} mm deep, {sensor}, {num_taxels} taxels with {samples} x {samples} samples: {ratio:.2f}; ", end="")
+            print(f"palm {us_alone:.1f} us, {loaded[0]:.0f} loaded taxels; a fingertip {us_finger:.1f} us, {loaded[1]:.0f}", flush=True)
     for touching in (knob, cylinder):
         for sensor in (PALM, "wts0614_lugre.yaml"):
             one, eight = seconds([batch(device, sensor, touching, NUM_HANDS)], [batch(device, sensor, touching, NUM_HANDS, 8)])

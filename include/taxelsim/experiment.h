@@ -156,8 +156,18 @@ struct CharacterizationExperiment {
   std::vector<Measurement> measurements;  ///< The recordings that are there.
 };
 
+/// Fingers that close with several gains, in the same episode.
+struct GraspExperiment {
+  std::string name;           ///< Name in reports.
+  Scene scene;                ///< Of kind grasp; its episode 0 is run.
+  std::vector<double> gains;  ///< 1/s, each > 0 to the simulation rate.
+};
+
+/// Reads an experiment with a grasp and its scene (docs/file_formats.md). Throws Error(kInput) with file, line, column and key.
+GraspExperiment loadGraspExperiment(const std::filesystem::path& file);
+
 /// An experiment of any kind.
-using Experiment = std::variant<StaticExperiment, ServoExperiment, CalibrationExperiment, CharacterizationExperiment>;
+using Experiment = std::variant<StaticExperiment, ServoExperiment, CalibrationExperiment, CharacterizationExperiment, GraspExperiment>;
 
 /// Reads an experiment of the kind that the file's key `experiment` names. Throws Error(kInput) with file, line, column and key.
 Experiment loadExperiment(const std::filesystem::path& file);
@@ -245,6 +255,32 @@ struct ServoResult {
   std::vector<ServoRunResult> runs;      ///< In the order of ServoExperiment::runs.
   std::vector<ServoSweepResult> sweeps;  ///< In the order of ServoExperiment::sweeps.
 };
+
+/// A finger in one run. Errors are clean total force - target.
+struct GraspFingerTrace {
+  std::string name;           ///< Name of the finger's sensor.
+  double target = 0;          ///< N.
+  std::vector<double> force;  ///< (num_frames), N, clean.
+  double first_contact = 0;   ///< s, first frame in contact; NaN without contact.
+  double settling_time = 0;   ///< s until the error stays within GraspTask::tolerance to the end; NaN if it does not.
+  double overshoot = 0;       ///< Largest force over the target, as a fraction of the target; 0 if it is not exceeded.
+  double steady_rms = 0;      ///< N, root mean square error over the last GraspTask::hold seconds.
+  /// Factor of the error per frame while it falls from a half to a tenth of the target, mean of its logarithm; NaN if that takes less than
+  /// two frames or a frame is not in contact.
+  double decay = 0;
+};
+
+/// A run with one gain.
+struct GraspRun {
+  double gain = 0;            ///< 1/s.
+  double expected_decay = 0;  ///< In theory, for a contact of constant stiffness: 1 - gain / simulation_rate (taxelsim/grasp.h).
+  std::vector<double> time;   ///< (num_frames), s.
+  std::vector<GraspFingerTrace> fingers;  ///< In the order of Grasp::fingers.
+};
+
+/// Runs episode 0 with each gain. Submits and waits. Throws Error(kInput) if the scene cannot be run or is not of kind grasp, and for a
+/// gain out of range.
+std::vector<GraspRun> runGraspExperiment(const Device& device, const GraspExperiment& experiment);
 
 /// Runs all episodes and sweeps. Submits and waits. Throws Error(kInput) if a scene cannot be run or its load is out of reach.
 ServoResult runServoExperiment(const Device& device, const ServoExperiment& experiment);

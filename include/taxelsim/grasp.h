@@ -39,6 +39,14 @@ struct GraspServo {
   TactileServo servo = edgeServo();  ///< Its parameters. Not EdgeAngleSource::kExact. The force at the start is that of the first frame.
 };
 
+/// What a grasp must achieve. An episode succeeds if every finger holds: in every frame of the last `hold` seconds its clean total force is
+/// within `tolerance` of its target, and its clean centre of pressure within `drift` of where it was when they began.
+struct GraspTask {
+  double tolerance = 0.1;         ///< Fraction of the target, > 0 to 1. Default 0.1.
+  double hold = 0.5;              ///< s, > 0, at most the duration of the episode. Default 0.5, or the duration if that is shorter.
+  std::optional<double> drift{};  ///< m, > 0, in the xy plane of S. Default: not judged.
+};
+
 /// The grasp of a scene.
 ///
 /// In every frame each finger moves its joints at s times their closing velocities, with
@@ -53,6 +61,7 @@ struct Grasp {
   std::vector<RobotSensor> sensors;  ///< Sensors of the robot.
   std::vector<GraspFinger> fingers;  ///< At least one.
   std::optional<GraspServo> servo;   ///< Default: no joint moves but those of fingers.
+  GraspTask task{};                  ///< What `evaluate` judges.
   double gain = 10;                  ///< 1/s, > 0 to simulation_rate. Default 10.
   double offset = 0;                 ///< m, >= 0: each object starts displaced uniformly by up to this along x, y and z of W. Default 0.
   double yaw = 0;                    ///< rad, >= 0: and rotated by up to this about the z axis of W through its origin. Default 0.

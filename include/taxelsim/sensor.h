@@ -176,7 +176,9 @@ struct ElasticLayer {
 struct Pasternak {
   double normal_contact_stiffness = 0;  ///< N/m^3, > 0, of the springs: the foundation modulus.
   double shear_stiffness = 0;           ///< N/m, > 0, of the shear layer, or tension of the membrane.
-  int iterations = 8;                   ///< Sweeps of the solver per frame or step of the load search, 1 to kMaxLayerIterations.
+  /// Sweeps of the solver per frame or step of the load search, 1 to kMaxLayerIterations. 0, the default: as many as leave an error of the
+  /// force below 0.8 %, from the decay length and the spacing of the nodes; 6 for nodes a third of the decay length apart.
+  int iterations = 0;
 
   bool operator==(const Pasternak&) const = default;  ///< Exact comparison.
 };

@@ -31,6 +31,7 @@ namespace taxelsim {}
 #include "taxelsim/evaluation_part.h"
 #include "taxelsim/experiment.h"
 #include "taxelsim/generate.h"
+#include "taxelsim/grasp_evaluation.h"
 #include "taxelsim/measurement.h"
 #include "taxelsim/model.h"
 #include "taxelsim/object.h"

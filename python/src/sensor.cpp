@@ -70,7 +70,8 @@ pressure = max(0, normal_contact_stiffness d^normal_exponent + normal_damping d'
                                   "Contact law: two-parameter foundation, springs that a shear layer (Pasternak) or a membrane joins.");
   addFields(pasternak, field("normal_contact_stiffness", &Pasternak::normal_contact_stiffness, "N/m^3, > 0, of the springs."),
             field("shear_stiffness", &Pasternak::shear_stiffness, "N/m, > 0, of the shear layer, or tension of the membrane."),
-            field("iterations", &Pasternak::iterations, "Sweeps of the solver, 1 to 1000."));
+            field("iterations", &Pasternak::iterations,
+                  "Sweeps of the solver, 1 to 1000; 0, the default, for as many as leave an error of the force below 0.8 %."));
 }
 
 void bindSkin(nb::module_& module) {

@@ -38,10 +38,28 @@ struct Reach {
   int id;              // -1: the slot is empty
 };
 
+// Whether a face of the object's bounds has what the tile sees in front of it: surfaces over its samples between z_floor and z_limit. The bounds in P of an
+// object that is turned against the tile, as against most taxels of a curved sensor, are much larger than the object. Only rejects bodies of which no sample
+// sees anything. A load search looks below z_floor as well.
+const bool kTestsFaces = NUM_ROWS == 0 && SEARCH == kNoSearch;
+bool isInFrontOfFace(Tile tile, Body body, int id) {
+  const float kMargin = 1e-6;  // m, more than the rounding of poses and of the lattice of a mesh
+  ObjectRecord object = objectOf(id);
+  vec2 spread = (kSampleReach + 1e-3) * tile.spacing;
+  vec3 low = vec3(samplePosition(tile, tile.first) - spread, tile.z_floor), high = vec3(samplePosition(tile, tile.end - 1.0) + spread, tile.z_limit);
+  Affine X = body.X_PO;
+  mat3 R_OP = mat3(X.row0.xyz, X.row1.xyz, X.row2.xyz);  // by columns
+  vec3 half_size = 0.5 * (high - low);
+  vec3 offset = R_OP * (0.5 * (low + high) - vec3(X.row0.w, X.row1.w, X.row2.w)) - object.center.xyz;
+  vec3 reach = abs(X.row0.xyz) * half_size.x + abs(X.row1.xyz) * half_size.y + abs(X.row2.xyz) * half_size.z + object.half_size.xyz * (1.0 + 1e-6) + kMargin;
+  return any(greaterThan(abs(offset), reach));
+}
+
 Body nearBodyInSlot(Tile tile, uint slot_index, out int id) {
   id = objectInSlot(slot_index);
   Body body = bodyInSlot(tile, slot_index, max(id, 0));
   body.near = body.near && id >= 0;
+  if (kTestsFaces) body.near = body.near && !isInFrontOfFace(tile, body, max(id, 0));
   return body;
 }
 

@@ -19,8 +19,8 @@ uint tileNumbered(uint place) { return LIST < kNumLists ? work_instances[placeIn
 bool anyObjectNear(Tile tile, uint instance, uint num_slots) {
   bool near = false;
   for (uint slot = 0; slot < num_slots; ++slot) {
-    int id = objectInSlot(instance * num_slots + slot);
-    near = near || (id >= 0 && bodyInSlot(tile, instance * num_slots + slot, max(id, 0)).near);
+    int id;
+    near = near || nearBodyInSlot(tile, instance * num_slots + slot, id).near;
   }
   return near;
 }

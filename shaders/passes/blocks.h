@@ -48,7 +48,7 @@
   BLOCK(NodeCells, uint, node_cells[])                       // of an elastic layer (n x num_nodes x kNodeCellWords), shared/elastic_layer.h
 #define BLOCK_Windows BLOCK(Windows, TileResult, windows[])  // of an elastic layer (n x tiles of its heights)
 #define BLOCK_Layer BLOCK(Layer, Pair, layer[])              // arrays over strips of nodes, kLayer...
-#define BLOCK_Foundation BLOCK(Foundation, uint, foundation[])               // (n x 3 x num_nodes), pasternak/solver.glsl
+#define BLOCK_Foundation BLOCK(Foundation, Pair, foundation[])               // arrays over blocks of nodes, pasternak/blocks.glsl
 #define BLOCK_TaxelStates BLOCK(TaxelStates, float, taxel_states[])          // (n x num_states x t), readout/lag.glsl
 #define BLOCK_ImageWindows BLOCK(ImageWindows, uvec4, image_windows[])       // of the step before: first row and column, their numbers
 #define BLOCK_AxisPlays BLOCK(AxisPlays, float, axis_plays[])                // (n x 3 x t), N, three_axis.comp

@@ -9,10 +9,13 @@ CONSTANT(16, float, DECAY_X)  // of the free surface over a spacing
 CONSTANT(17, float, DECAY_Y)
 CONSTANT(18, float, OVER_RELAXATION)  // of a sweep
 CONSTANT(19, uint, SWEEPS)
-CONSTANT(20, uint, MARGIN)            // nodes around the overlap that move
+CONSTANT(20, uint, MARGIN)            // nodes around the overlap that move, at least
 CONSTANT(21, uint, NUM_HEIGHT_TILES)  // of the contact pass
 CONSTANT(22, bool, LOADS)             // some instance is driven by load
 CONSTANT(23, bool, OUTPUT_DEPTH)      // writes contact_depth
+
+VALUE(kBlockRows, 4)  // nodes of a block, pasternak/blocks.glsl
+VALUE(kBlockCols, 16)
 
 BUFFER(0, readonly, Instances)
 BUFFER(1, readonly, Step)

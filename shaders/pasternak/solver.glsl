@@ -2,125 +2,253 @@
 //
 //   spring w + sum over links of c link (w - w') = f >= 0,   w >= d,   f (w - d) = 0
 //
-// A link has c = 2 where an outline of the object crosses it, which on average is half-way (src/reference/pasternak.h). Beyond the window and beyond the array
-// the surface decays exponentially. foundation[] holds three arrays per instance: w (m), d (m), and the factors c - 1 of the four links of each node as bytes, which
-// the forces f (N) replace in the end. Twin: src/reference/pasternak.cpp.
+// A link has c = 2 where an outline of the object crosses it, which on average is half-way (src/reference/pasternak.h). Beyond the active blocks and beyond the
+// array the surface decays exponentially. Twin: src/reference/pasternak.cpp.
+//
+// An invocation sweeps a block in one pass over its columns, from one array into another, and needs nothing that others compute in the same sweep: it moves the
+// red nodes around the block's black ones again. Nodes are red where row plus column is even.
+//
+//          before   q     p     e     o           columns 2n - 3 to 2n + 1 in step n
+//   rows     .      .     .     .     .  -2       read: e and o, rows -2 to 5
+//            .      .     r     .     .  -1       red:  p and e, rows -1 to 4
+//            .      .     b     r     .   0       black, and then written: q and p, rows 0 to 3
+//            .      b     r     .     .   1
 
-const uint kDisplacement = 0u, kOverlap = 1u, kLinks = 2u, kForce = 2u, kNumFoundationArrays = 3u;
+// A column of a block and of two rows more on either side. `even`: rows -2, 0, 2, 4; `odd`: rows -1, 1, 3, 5.
+struct Column {
+  vec4 even, odd;                  // displacements w, m
+  vec4 even_overlap, odd_overlap;  // d, m; -kMiss at dead nodes
+  vec4 even_alive, odd_alive;      // 1 or 0
+  vec4 even_odd, odd_even;         // links from even[i] to odd[i] and from odd[i] to even[i + 1], N/m
+};
 
-uint nodeAddress(uint instance, uint array, uvec2 node) {
-  return ((instance * kNumFoundationArrays + array) * kNodes.x + node.x) * kNodes.y + node.y;
-}
+// Links between two columns, N/m.
+struct Links {
+  vec4 even, odd;
+};
 
-float valueAt(uint instance, uint array, uvec2 node) { return uintBitsToFloat(foundation[nodeAddress(instance, array, node)]); }
-float displacementAt(uint instance, uvec2 node) { return valueAt(instance, kDisplacement, node); }
+// Three blocks, one below another along x, of which the second has the columns to be swept next to it or in it.
+struct Stack {
+  uvec3 blocks;
+  bvec3 alive;
+};
 
-// c - 1: grows from 0 to 1 while the surface falls by one to two spacings between two nodes, of which one overlaps.
-vec2 linkFactors(float a, vec2 b, float spacing) {
-  vec2 steep = clamp(abs(a - b) / spacing - 1.0, 0.0, 1.0);
-  return steep * vec2(greaterThan(max(vec2(a), b), vec2(0)));
-}
-
-// Copies the overlaps of the window; elsewhere than under the object there is none.
-void copyOverlaps(uint instance, Surface surface, Window window) {
-  uint total = window.count.x * window.count.y, k = gl_LocalInvocationIndex;
-  for (; k < total; k += WORKGROUP) {
-    foundation[nodeAddress(instance, kOverlap, window.first + cellNumbered(k, window.count.y))] = floatBitsToUint(-kMiss);
+Stack stackAt(uvec2 block, int step_to) {
+  uint col = block.y + uint(step_to);
+  Stack stack;
+  for (uint k = 0; k < 3; ++k) {
+    uint row = block.x + k - 1u;  // -1 wraps to a large number
+    bool exists = row < kBlocks.x && col < kBlocks.y;
+    uint number = exists ? row * kBlocks.y + col : block.x * kBlocks.y + block.y;
+    stack.blocks[k] = number;
+    stack.alive[k] = exists && active_blocks[number] != 0;
   }
-  checkLoop(k < total);
-  workgroupBarrierWithBuffers();
-  for (uint t = 0; t < NUM_HEIGHT_TILES; ++t) {
-    Window part = intersectionOf(window, reachedNodes(surface, t));
-    total = part.count.x * part.count.y;
-    k = gl_LocalInvocationIndex;
-    for (; k < total; k += WORKGROUP) {
-      uvec2 node = part.first + cellNumbered(k, part.count.y);
-      foundation[nodeAddress(instance, kOverlap, node)] = floatBitsToUint(overlapAt(surface, node));
-    }
-    checkLoop(k < total);
+  return stack;
+}
+
+// c of a link: grows from 1 to 2 while the surface falls by one to two spacings between two nodes, of which one overlaps.
+vec4 linkFactor(vec4 a, vec4 b, float spacing) {
+  vec4 steep = clamp(abs(a - b) / spacing - 1.0, 0.0, 1.0);
+  return 1.0 + steep * vec4(greaterThan(max(a, b), vec4(0)));
+}
+
+// A link to a dead node pulls as much as the displacement falls on the way to it.
+vec4 linkBetween(vec4 a, vec4 b, vec4 both_alive, float link, float decay, float spacing) {
+  return link * mix(vec4(1.0 - decay), linkFactor(a, b, spacing), greaterThan(both_alive, vec4(0)));
+}
+
+vec4 previous(vec4 v) { return vec4(0, v.xyz); }
+vec4 next(vec4 v) { return vec4(v.yzw, 0); }
+
+// Rows 0 to 3 of a column.
+vec4 ownRows(vec4 even, vec4 odd) { return vec4(even.y, odd.y, even.z, odd.z); }
+
+Links linksBetween(Column a, Column b) {
+  float spacing = nodeSpacing().y;
+  return Links(linkBetween(a.even_overlap, b.even_overlap, a.even_alive * b.even_alive, LINK_Y, DECAY_Y, spacing),
+               linkBetween(a.odd_overlap, b.odd_overlap, a.odd_alive * b.odd_alive, LINK_Y, DECAY_Y, spacing));
+}
+
+Column deadColumn() {
+  return Column(vec4(0), vec4(0), vec4(-kMiss), vec4(-kMiss), vec4(0), vec4(0), vec4(0), vec4(0));
+}
+
+// Reads column `col` of the blocks of a stack, whose second one starts at node `corner`; `source`: array of displacements.
+Column readColumn(uint instance, uint source, Stack stack, uvec2 corner, uint col) {
+  Column column;
+  uint up = columnAddress(instance, 0, stack.blocks.x, col), own = columnAddress(instance, 0, stack.blocks.y, col);
+  uint down = columnAddress(instance, 0, stack.blocks.z, col), to_source = source * kNumBlocks * kBlockCols * kColumnPairs;
+  vec2 d0 = pairAt(up + 1u), d1 = pairAt(own), d2 = pairAt(own + 1u), d3 = pairAt(down);
+  vec2 w0 = d0, w1 = d1, w2 = d2, w3 = d3;  // what the first sweep starts from
+  if (source != kOverlap) {
+    w0 = pairAt(up + to_source + 1u);
+    w1 = pairAt(own + to_source);
+    w2 = pairAt(own + to_source + 1u);
+    w3 = pairAt(down + to_source);
   }
-  workgroupBarrierWithBuffers();
+  bvec4 alive = bvec4(stack.alive.x, stack.alive.y, stack.alive.y, stack.alive.z);
+  uint row = corner.x;
+  bool exists = corner.y + col < kNodes.y;
+  bvec4 even_alive = bvec4(exists && alive.x, exists && alive.y && row < kNodes.x, exists && alive.z && row + 2u < kNodes.x,
+                           exists && alive.w && row + 4u < kNodes.x);
+  bvec4 odd_alive = bvec4(exists && alive.x, exists && alive.y && row + 1u < kNodes.x, exists && alive.z && row + 3u < kNodes.x,
+                          exists && alive.w && row + 5u < kNodes.x);
+  column.even_alive = vec4(even_alive);
+  column.odd_alive = vec4(odd_alive);
+  column.even_overlap = mix(vec4(-kMiss), vec4(d0.x, d1.x, d2.x, d3.x), even_alive);
+  column.odd_overlap = mix(vec4(-kMiss), vec4(d0.y, d1.y, d2.y, d3.y), odd_alive);
+  column.even = mix(vec4(0), max(vec4(w0.x, w1.x, w2.x, w3.x), 0.0), even_alive);
+  column.odd = mix(vec4(0), max(vec4(w0.y, w1.y, w2.y, w3.y), 0.0), odd_alive);
+  float spacing = nodeSpacing().x;
+  column.even_odd = linkBetween(column.even_overlap, column.odd_overlap, column.even_alive * column.odd_alive, LINK_X, DECAY_X, spacing);
+  column.odd_even = linkBetween(column.odd_overlap, next(column.even_overlap), column.odd_alive * next(column.even_alive), LINK_X, DECAY_X, spacing);
+  return column;
 }
 
-// Sets links and first displacements of the window.
-void startNodes(uint instance, Window window) {
-  vec2 spacing = nodeSpacing();
-  uint total = window.count.x * window.count.y, k = gl_LocalInvocationIndex;
-  for (; k < total; k += WORKGROUP) {
-    uvec2 in_window = cellNumbered(k, window.count.y), node = window.first + in_window;
-    float own = valueAt(instance, kOverlap, node);
-    vec4 neighbours = vec4(own);  // beyond the window or the array there is no outline
-    if (in_window.x > 0) neighbours.x = valueAt(instance, kOverlap, node - uvec2(1, 0));
-    if (in_window.x + 1u < window.count.x) neighbours.y = valueAt(instance, kOverlap, node + uvec2(1, 0));
-    if (in_window.y > 0) neighbours.z = valueAt(instance, kOverlap, node - uvec2(0, 1));
-    if (in_window.y + 1u < window.count.y) neighbours.w = valueAt(instance, kOverlap, node + uvec2(0, 1));
-    vec4 factors = vec4(linkFactors(own, neighbours.xy, spacing.x), linkFactors(own, neighbours.zw, spacing.y));
-    foundation[nodeAddress(instance, kLinks, node)] = packUnorm4x8(factors);
-    foundation[nodeAddress(instance, kDisplacement, node)] = floatBitsToUint(max(own, 0.0));
+// The equation of nodes: sum of link w', N, and the diagonal, N/m.
+struct Equation {
+  vec4 pull, diagonal;
+};
+
+Equation evenEquation(Column column, Column left, Column right, Links to_left, Links to_right) {
+  vec4 up = previous(column.odd_even), down = column.even_odd;
+  precise vec4 pull = up * previous(column.odd) + down * column.odd + to_left.even * left.even + to_right.even * right.even;
+  precise vec4 diagonal = SPRING + up + down + to_left.even + to_right.even;
+  return Equation(pull, diagonal);
+}
+
+Equation oddEquation(Column column, Column left, Column right, Links to_left, Links to_right) {
+  vec4 up = column.even_odd, down = column.odd_even;
+  precise vec4 pull = up * column.even + down * next(column.even) + to_left.odd * left.odd + to_right.odd * right.odd;
+  precise vec4 diagonal = SPRING + up + down + to_left.odd + to_right.odd;
+  return Equation(pull, diagonal);
+}
+
+vec4 relaxed(vec4 w, vec4 overlap, vec4 alive, Equation equation) {
+  precise vec4 free = w + OVER_RELAXATION * (equation.pull / equation.diagonal - w);
+  return alive * max(free, max(overlap, 0.0));
+}
+
+// The columns of a block and around it that a pass over it holds.
+struct Columns {
+  Column before, q, p, e, o;
+  Links before_q, q_p, p_e, e_o;
+};
+
+// Starts with columns -2 and -1 of the block; the others are never used.
+Columns noColumns() {
+  Columns c;
+  c.before = c.q = c.p = c.e = c.o = deadColumn();
+  c.before_q = c.q_p = c.p_e = c.e_o = Links(vec4(0), vec4(0));
+  return c;
+}
+
+const int kFirstStep = -1, kEndStep = int(kBlockCols) / 2 + 1;
+
+// Reads columns 2n and 2n + 1 as `e` and `o`. `stacks` are those to the left of the block, its own, and those to its right.
+void advance(inout Columns c, uint instance, uint source, Stack stacks[3], uvec2 corner, int n) {
+  c.before = c.p;
+  c.before_q = c.p_e;
+  c.q = c.e;
+  c.q_p = c.e_o;
+  c.p = c.o;
+  int last = int(kBlockCols) / 2 - 1;
+  uint side = n < 0 ? 0u : n > last ? 2u : 1u;
+  Stack stack = stacks[1];
+  if (side == 0u) stack = stacks[0];
+  if (side == 2u) stack = stacks[2];
+  uvec2 start = uvec2(corner.x, corner.y + kBlockCols * side - kBlockCols);
+  uint col = uint(2 * n) % kBlockCols;
+  c.e = readColumn(instance, source, stack, start, col);
+  c.o = readColumn(instance, source, stack, start, col + 1u);
+  c.p_e = linksBetween(c.p, c.e);
+  c.e_o = linksBetween(c.e, c.o);
+}
+
+void sweepBlock(uint instance, uint source, uint destination, uint number) {
+  uvec2 block = cellNumbered(number, kBlocks.y), corner = block * kBlockSize;
+  Stack stacks[3] = Stack[3](stackAt(block, -1), stackAt(block, 0), stackAt(block, 1));
+  uint address = columnAddress(instance, destination, number, 0);
+  Columns c = noColumns();
+  for (int n = kFirstStep; n < kEndStep; ++n) {
+    advance(c, instance, source, stacks, corner, n);
+    c.p.odd = relaxed(c.p.odd, c.p.odd_overlap, c.p.odd_alive, oddEquation(c.p, c.q, c.e, c.q_p, c.p_e));
+    c.e.even = relaxed(c.e.even, c.e.even_overlap, c.e.even_alive, evenEquation(c.e, c.p, c.o, c.p_e, c.e_o));
+    vec4 q_odd = relaxed(c.q.odd, c.q.odd_overlap, c.q.odd_alive, oddEquation(c.q, c.before, c.p, c.before_q, c.q_p));
+    vec4 p_even = relaxed(c.p.even, c.p.even_overlap, c.p.even_alive, evenEquation(c.p, c.q, c.e, c.q_p, c.p_e));
+    if (n < 1) continue;
+    uint at = address + uint(2 * n - 2) * kColumnPairs;
+    writeRows(at, ownRows(c.q.even, q_odd));
+    writeRows(at + kColumnPairs, ownRows(p_even, c.p.odd));
   }
-  checkLoop(k < total);
-  workgroupBarrierWithBuffers();
 }
 
-// The equation of a node: x: sum of link w', y: its diagonal, N/m.
-vec2 nodeEquation(uint instance, Window window, uvec2 node, float own) {
-  vec4 links = (1.0 + unpackUnorm4x8(foundation[nodeAddress(instance, kLinks, node)])) * vec4(LINK_X, LINK_X, LINK_Y, LINK_Y);
-  vec4 neighbours = own * vec4(DECAY_X, DECAY_X, DECAY_Y, DECAY_Y);
-  uvec2 in_window = node - window.first;
-  if (in_window.x > 0) neighbours.x = displacementAt(instance, node - uvec2(1, 0));
-  if (in_window.x + 1u < window.count.x) neighbours.y = displacementAt(instance, node + uvec2(1, 0));
-  if (in_window.y > 0) neighbours.z = displacementAt(instance, node - uvec2(0, 1));
-  if (in_window.y + 1u < window.count.y) neighbours.w = displacementAt(instance, node + uvec2(0, 1));
-  precise float pull = links.x * neighbours.x + links.y * neighbours.y + links.z * neighbours.z + links.w * neighbours.w;
-  precise float diagonal = SPRING + links.x + links.y + links.z + links.w;
-  return vec2(pull, diagonal);
+// Forces on rows 0 to 3 of a column, N.
+vec4 forcesOn(Column column, Column left, Column right, Links to_left, Links to_right) {
+  Equation even = evenEquation(column, left, right, to_left, to_right), odd = oddEquation(column, left, right, to_left, to_right);
+  vec4 w = ownRows(column.even, column.odd);
+  precise vec4 reaction = ownRows(even.diagonal, odd.diagonal) * w - ownRows(even.pull, odd.pull);
+  return mix(vec4(0), max(reaction, 0.0), lessThanEqual(w, ownRows(column.even_overlap, column.odd_overlap)));
 }
 
-// Moves the nodes of one colour.
-void sweep(uint instance, Window window, uint colour) {
-  uint half_row = (window.count.y + 1u) / 2u;
-  uint total = window.count.x * half_row, k = gl_LocalInvocationIndex;
-  for (; k < total; k += WORKGROUP) {
-    uvec2 at = cellNumbered(k, half_row);
-    at.y = 2u * at.y + ((at.x + colour) & 1u);
-    if (at.y >= window.count.y) continue;
-    uvec2 node = window.first + at;
-    float own = displacementAt(instance, node);
-    vec2 equation = nodeEquation(instance, window, node, own);
-    precise float next = own + OVER_RELAXATION * (equation.x / equation.y - own);
-    foundation[nodeAddress(instance, kDisplacement, node)] = floatBitsToUint(max(next, max(valueAt(instance, kOverlap, node), 0.0)));
+// Sums over the columns of a block.
+struct BlockSums {
+  vec4 total;     // force (N), force times x and y of P (N m), nodes at full depth
+  vec4 of_taxel;  // forces on the rows of the last taxel, N
+};
+
+// Adds the forces on column `col` of a block whose first node is `corner`. Column i of the block in foundation[], from `address` on, becomes the sums over the
+// taxel that is i taxels after that of the block's first column.
+void addForces(inout BlockSums sums, vec4 force, vec4 overlap, uvec2 corner, uint col, uint address) {
+  vec2 place = nodePosition(vec2(corner) + vec2(0, col));
+  vec4 x = place.x + vec4(0, 1, 2, 3) * nodeSpacing().x;
+  precise float total = dot(force, vec4(1)), moment = dot(force, x);
+  sums.total += vec4(total, moment, total * place.y, dot(vec4(greaterThanEqual(overlap, vec4(THICKNESS))), vec4(1)));
+  sums.of_taxel += force;
+  uint node = corner.y + col;
+  if ((node + 1u) % kPerTaxel != 0 && col + 1u < kBlockCols) return;
+  writeRows(address + (node / kPerTaxel - corner.y / kPerTaxel) * kColumnPairs, sums.of_taxel);
+  sums.of_taxel = vec4(0);
+}
+
+// Computes the forces on a block: their sums for the taxels, and in all.
+vec4 forcesOfBlock(uint instance, uint source, uint destination, uint number) {
+  uvec2 block = cellNumbered(number, kBlocks.y), corner = block * kBlockSize;
+  Stack stacks[3] = Stack[3](stackAt(block, -1), stackAt(block, 0), stackAt(block, 1));
+  uint address = columnAddress(instance, destination, number, 0);
+  BlockSums sums = BlockSums(vec4(0), vec4(0));
+  Columns c = noColumns();
+  for (int n = kFirstStep; n < kEndStep; ++n) {
+    advance(c, instance, source, stacks, corner, n);
+    vec4 on_p = forcesOn(c.p, c.q, c.e, c.q_p, c.p_e), on_e = forcesOn(c.e, c.p, c.o, c.p_e, c.e_o);
+    uint col = uint(2 * n);
+    if (n >= 1) addForces(sums, on_p, ownRows(c.p.even_overlap, c.p.odd_overlap), corner, col - 1u, address);
+    if (n >= 0 && n + 1 < kEndStep) addForces(sums, on_e, ownRows(c.e.even_overlap, c.e.odd_overlap), corner, col, address);
   }
-  checkLoop(k < total);
-  workgroupBarrierWithBuffers();
+  return sums.total;
 }
 
-// Replaces the links of the window by the forces. Returns the sums of force (N), force times x and y of P (N m), and nodes at full depth.
-vec4 nodeForces(uint instance, Window window) {
-  uint total = window.count.x * window.count.y;
+// Where solveContact() has left the forces.
+uint forceArray() { return SWEEPS % 2u == 0u ? kFirst : kSecond; }
+
+// Solves the contact of a surface; returns the sums of BlockSums::total over all blocks.
+vec4 solveContact(uint instance, Surface surface) {
+  startBlocks(instance, surface);
+  uint source = kOverlap, num = num_listed_blocks;
+  for (uint s = 0; s < SWEEPS; ++s) {
+    uint destination = s % 2u == 0u ? kFirst : kSecond, k = gl_LocalInvocationIndex;
+    for (; k < num; k += WORKGROUP) sweepBlock(instance, source, destination, block_list[k]);
+    checkLoop(k < num);
+    workgroupBarrierWithBuffers();
+    source = destination;
+  }
   for (uint v = gl_LocalInvocationIndex; v < LANES; v += WORKGROUP) {
     vec4 sums = vec4(0);
     uint k = v;
-    for (; k < total; k += LANES) {
-      uvec2 node = window.first + cellNumbered(k, window.count.y);
-      float own = displacementAt(instance, node), overlap = valueAt(instance, kOverlap, node);
-      vec2 equation = nodeEquation(instance, window, node, own);
-      precise float reaction = equation.y * own - equation.x;
-      float force = own <= overlap ? max(reaction, 0.0) : 0.0;
-      foundation[nodeAddress(instance, kForce, node)] = floatBitsToUint(force);
-      sums += vec4(force, force * nodePosition(node), overlap >= THICKNESS ? 1.0 : 0.0);
-    }
-    checkLoop(k < total);
+    for (; k < num; k += LANES) sums += forcesOfBlock(instance, source, forceArray(), block_list[k]);
+    checkLoop(k < num);
     partial[v] = sums;
   }
   workgroupBarrierWithBuffers();
   return sumOfPartials();
-}
-
-// Solves the contact of a surface; returns the sums of nodeForces().
-vec4 solveContact(uint instance, Surface surface, out Window window) {
-  window = overlapWindow(surface);
-  copyOverlaps(instance, surface, window);
-  startNodes(instance, window);
-  for (uint s = 0; s < 2u * SWEEPS; ++s) sweep(instance, window, s & 1u);
-  return nodeForces(instance, window);
 }

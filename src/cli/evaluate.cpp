@@ -10,6 +10,7 @@
 #include "base/files.h"
 #include "cli/activity.h"
 #include "cli/commands.h"
+#include "cli/evaluate_grasp.h"
 #include "cli/evaluation_parts.h"
 #include "cli/evaluation_report.h"
 #include "cli/interrupt.h"
@@ -30,6 +31,7 @@ namespace {
 struct Arguments : SceneOptions, PartOptions, WorkerOptions {
   EvaluationReport report;
   std::vector<std::string> controllers;
+  std::vector<double> gains;  // 1/s
 };
 
 // Names of the controllers to evaluate.
@@ -42,6 +44,7 @@ std::vector<std::string> namesOf(const Arguments& arguments, const Scene& scene)
 
 int mergeParts(const Arguments& arguments) {
   const Scene scene = loadScene(arguments.scene, arguments.overrides);
+  if (scene.kind == Scene::Kind::kGrasp) throw Error(ErrorKind::kInput, "--merge: a scene of kind grasp has no parts of an evaluation");
   const std::vector<NamedPart> parts = partsIn(arguments.merged, namesOf(arguments, scene));
   reportEvaluations(arguments.report, scene, parts.front().part.device, mergeEvaluationParts(scene, parts));
   return kExitOk;
@@ -76,9 +79,23 @@ int playPart(const Arguments& arguments, const Team& team, const Scene& scene, c
   return kExitOk;
 }
 
+int runGrasp(const Arguments& arguments, const Scene& scene) {
+  const auto refuse = [](bool given, const std::string& what) {
+    if (given) throw Error(ErrorKind::kInput, what + ": a scene of kind grasp is evaluated by one process, and has no controllers; --gain");
+  };
+  refuse(!arguments.controllers.empty(), "--controller");
+  refuse(!arguments.episodes.empty(), "--episode-range");
+  refuse(!arguments.part.empty(), "--part");
+  refuse(arguments.num_workers.value_or(1) > 1, "--workers " + std::to_string(arguments.num_workers.value_or(1)));
+  return evaluateGraspScene(arguments, scene, arguments.gains, arguments.report);
+}
+
 int runEvaluate(const Arguments& arguments) {
   if (!arguments.merged.empty()) return mergeParts(arguments);
   const Scene scene = loadSceneOf(arguments, arguments.role.empty());
+  if (scene.kind == Scene::Kind::kGrasp) return runGrasp(arguments, scene);
+  if (!arguments.gains.empty())
+    throw Error(ErrorKind::kInput, "--gain is for scenes of kind grasp: the controllers of this scene have their gains");
   EvaluateOptions options;
   options.episodes = chosenEpisodes(arguments, scene.num_episodes);
   if (options.episodes && options.episodes->size() == 0) {
@@ -136,6 +153,7 @@ void addEvaluate(CLI::App& app, Action& action) {
   command->footer(
       "Examples:\n  taxelsim evaluate scenes/tasks/align_edge.yaml --episodes 10000\n"
       "  taxelsim evaluate scenes/benchmark/edge_align.yaml --policy p.onnx --controller window\n"
+      "  taxelsim evaluate scenes/shadow_grasp.yaml --gain 5 --gain 10 --gain 20\n"
       "Scored on ground truth, not on sensor readings. Results do not depend on the batch size. Ctrl-C keeps the controllers that are\n"
       "complete.\n"
       "On several machines of one kind, which share out/, K = 1 to 16:\n"
@@ -146,6 +164,10 @@ void addEvaluate(CLI::App& app, Action& action) {
   addSceneOptions(*command, *arguments, EvaluateOptions{}.batch_size);
   command->add_option("--controller", arguments->controllers, "Name of a controller of the scene; may be repeated. Default: all")
       ->type_name("NAME");
+  command
+      ->add_option("--gain", arguments->gains,
+                   "Of a scene of kind grasp, 1/s: gain of the fingers; may be repeated. Default: that of the scene")
+      ->type_name("GAIN");
   addPartOptions(*command, *arguments);
   addWorkerOptions(*command, *arguments);
   command->get_option("--workers")->excludes("--merge");

@@ -173,21 +173,6 @@ std::array<double, 2> rangeFromZero(const std::vector<LineSeries>& all, double o
   return {0, most > 0 ? most : otherwise};
 }
 
-// Cumulative share of episodes (%) over their values; values that are not finite count in the total only.
-LineSeries cumulative(const std::string& name, std::vector<double> values) {
-  const double all = static_cast<double>(values.size());
-  std::erase_if(values, [](double value) { return !std::isfinite(value); });
-  std::sort(values.begin(), values.end());
-  LineSeries series{.name = name, .x = {}, .y = {}};
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    for (const double count : {static_cast<double>(k), static_cast<double>(k + 1)}) {
-      series.x.push_back(values[k]);
-      series.y.push_back(100 * count / all);
-    }
-  }
-  return series;
-}
-
 void drawChart(const std::string& file, const Scene& scene, const std::vector<Evaluation>& evaluations) {
   const auto collect = [](const Evaluation& evaluation, auto value) {
     std::vector<double> values;
@@ -201,7 +186,7 @@ void drawChart(const std::string& file, const Scene& scene, const std::vector<Ev
                     .x_range = std::array{0.0, scene.num_steps / scene.simulation_rate},
                     .y_range = kPercent};
   for (const Evaluation& evaluation : evaluations) {
-    settled.series.push_back(cumulative(evaluation.controller, collect(evaluation, [](const Verdict& v) { return v.settling_time; })));
+    settled.series.push_back(cumulativeShare(evaluation.controller, collect(evaluation, [](const Verdict& v) { return v.settling_time; })));
   }
   std::vector<LinePanel> panels{settled};
   for (std::size_t m = 0; m < scene.task->criteria.size(); ++m) {
@@ -213,7 +198,7 @@ void drawChart(const std::string& file, const Scene& scene, const std::vector<Ev
                     .marks = {{scene.task->criteria[m]->tolerance * per_si, "tolerance"}},
                     .y_range = kPercent};
     for (const Evaluation& evaluation : evaluations) {
-      panel.series.push_back(cumulative(
+      panel.series.push_back(cumulativeShare(
           evaluation.controller, collect(evaluation, [m, factor = per_si](const Verdict& v) { return v.steady_error[m] * factor; })));
     }
     panel.x_range = rangeFromZero(panel.series, panel.marks.front().x);

@@ -17,6 +17,7 @@
 #include "cli/scene_options.h"
 #include "figures/calibration_report.h"
 #include "figures/cross_validation_text.h"
+#include "figures/grasp_report.h"
 #include "figures/servo_report.h"
 #include "figures/tactile_figure.h"
 #include "figures/taxel_chart.h"
@@ -227,6 +228,20 @@ void report(const Arguments& arguments, const Device& device, const CalibrationE
   spdlog::info("wrote 1 figure to {}", arguments.directory);
 }
 
+void report(const Arguments& arguments, const Device& device, const GraspExperiment& experiment) {
+  Activity activity("running " + experiment.name);
+  const std::vector<GraspRun> runs = runGraspExperiment(device, experiment);
+  activity.end();
+  if (arguments.json) {
+    printJsonText(graspJson(experiment, runs), -1);
+  } else {
+    printOut("{}", graspTable(experiment, runs));
+  }
+  if (arguments.directory.empty()) return;
+  drawGrasp(arguments.directory, experiment, runs);
+  spdlog::info("wrote 1 figure to {}", arguments.directory);
+}
+
 // Needs no device.
 void report(const Arguments& arguments, const CharacterizationExperiment& experiment) {
   if (!experiment.missing.empty()) {
@@ -258,6 +273,7 @@ int runExperiment(const Arguments& arguments) {
   const Device device = Device::open({.device = arguments.device, .validation = arguments.validation});
   if (const auto* const contacts = std::get_if<StaticExperiment>(&experiment)) report(arguments, device, *contacts);
   if (const auto* const servo = std::get_if<ServoExperiment>(&experiment)) report(arguments, device, *servo);
+  if (const auto* const grasp = std::get_if<GraspExperiment>(&experiment)) report(arguments, device, *grasp);
   if (const auto* const calibration = std::get_if<CalibrationExperiment>(&experiment)) report(arguments, device, *calibration);
   return kExitOk;
 }
@@ -267,14 +283,15 @@ int runExperiment(const Arguments& arguments) {
 void addExperiment(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
       "experiment",
-      "Run an experiment of the paper: indenters under dead weights, a robot that aligns with an edge, or a calibration with a pin");
+      "Run an experiment: indenters under dead weights, a robot that aligns with an edge, a calibration with a pin, or fingers that close");
   command->footer(
       "Example:\n  taxelsim experiment scenes/experiments/paper/static_indenters.yaml -o figures/\n"
       "  taxelsim experiment scenes/experiments/paper/pan_tilt.yaml -o figures/\n"
       "  taxelsim experiment scenes/experiments/paper/calibration.yaml -o figures/\n"
+      "  taxelsim experiment scenes/experiments/gripper_gains.yaml -o figures/\n"
       "Static experiments compare the images of each sensor model, in newtons, with those of a reference model. Servo experiments\n"
-      "compare each run with theory where there is one. Calibrations compare force against depth and counts against force with measured\n"
-      "values.");
+      "and grasps compare each run with theory where there is one. Calibrations compare force against depth and counts against force\n"
+      "with measured values.");
   const auto arguments = std::make_shared<Arguments>();
   command->add_option("experiment", arguments->file, "Experiment file (YAML)")->required()->type_name("FILE");
   command->add_option("-o,--output", arguments->directory, "Draw figures into this directory")->type_name("DIR");

@@ -42,15 +42,19 @@ EpisodeRange rangeOf(const Scene& scene, const EvaluateOptions& options) {
 
 }  // namespace
 
+void checkEpisodesOfEvaluation(std::uint64_t num_episodes) {
+  if (num_episodes <= kMaxEpisodes) return;
+  throw Error(ErrorKind::kInput, "episodes: " + std::to_string(num_episodes) + " found, at most " + std::to_string(kMaxEpisodes) +
+                                     " allowed in one evaluation");
+}
+
 Players::Players(const Scene& scene, const std::vector<std::string>& names, const EvaluateOptions& options) {
   checkCount("batch size", options.batch_size);
   checkCount("slices", options.num_slices);
   checkScene(scene);
+  if (scene.grasp) throw Error(ErrorKind::kInput, scene.file.generic_string() + ": a scene of kind grasp has no controllers to evaluate");
   if (!scene.task) throw Error(ErrorKind::kInput, scene.file.generic_string() + ": this scene has no `task`, which `evaluate` needs");
-  if (scene.num_episodes > kMaxEpisodes) {
-    throw Error(ErrorKind::kInput, "episodes: " + std::to_string(scene.num_episodes) + " found, at most " + std::to_string(kMaxEpisodes) +
-                                       " allowed in one evaluation");
-  }
+  checkEpisodesOfEvaluation(scene.num_episodes);
   controllers = numbersOf(scene, names, names.empty() && !options.policy);
   episodes = rangeOf(scene, options);
 }

@@ -1,6 +1,7 @@
 // Plays a range of the episodes of a scene with a policy and controllers.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -12,6 +13,9 @@ namespace taxelsim {
 
 // Outputs beyond the features, which an evaluation does not need.
 inline constexpr OutputOptions kNoOutputs{.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false};
+
+// Throws Error(kInput) for more episodes than one evaluation keeps.
+void checkEpisodesOfEvaluation(std::uint64_t num_episodes);
 
 // Names and numbers of the controllers, checked against the scene. Throws what evaluate() throws for them, the scene and the options.
 struct Players {

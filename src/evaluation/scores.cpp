@@ -11,18 +11,6 @@ constexpr int kNumStarts = 5;
 constexpr double kLeastRange = 0.1;              // smallest range of start errors, in tolerances, for scores by start
 constexpr double kNormal95 = 1.959963984540054;  // quantile 0.975 of the standard normal
 
-Quantiles quantilesOf(std::vector<double> values) {
-  std::erase_if(values, [](double value) { return !std::isfinite(value); });
-  if (values.empty()) return {};
-  std::sort(values.begin(), values.end());
-  // Smallest value that at least this share of the values does not exceed.
-  const auto at = [&](double part) {
-    const double rank = std::ceil(part * static_cast<double>(values.size()));
-    return values[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
-  };
-  return {at(0.5), at(0.95), values.back()};
-}
-
 // Range of the start errors of the measure with the widest range, relative to its tolerance.
 struct Starts {
   std::size_t measure = 0;
@@ -71,6 +59,25 @@ std::vector<Score> scoresByStart(const Starts& starts, const std::vector<Verdict
 
 }  // namespace
 
+Quantiles quantilesOf(std::vector<double> values) {
+  std::erase_if(values, [](double value) { return !std::isfinite(value); });
+  if (values.empty()) return {};
+  std::sort(values.begin(), values.end());
+  // Smallest value that at least this share of the values does not exceed.
+  const auto at = [&](double part) {
+    const double rank = std::ceil(part * static_cast<double>(values.size()));
+    return values[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
+  };
+  return {at(0.5), at(0.95), values.back()};
+}
+
+std::array<double, 2> wilsonInterval(std::uint64_t num_successes, std::uint64_t num_all) {
+  const double n = static_cast<double>(num_all), rate = static_cast<double>(num_successes) / n;
+  const double z2 = kNormal95 * kNormal95, middle = (rate + z2 / (2 * n)) / (1 + z2 / n);
+  const double half = kNormal95 / (1 + z2 / n) * std::sqrt(rate * (1 - rate) / n + z2 / (4 * n * n));
+  return {std::max(0.0, middle - half), std::min(1.0, middle + half)};
+}
+
 Evaluation evaluationOf(const Scene& scene, const std::string& controller, std::vector<Verdict> verdicts) {
   Evaluation evaluation;
   evaluation.controller = controller;
@@ -108,12 +115,10 @@ Score scoreOf(const std::string& name, const std::vector<Verdict>& verdicts) {
   score.peak_force = quantilesOf(std::move(peak));
   for (std::size_t m = 0; m < steady.size(); ++m) score.steady_error[m] = quantilesOf(std::move(steady[m]));
   if (score.num_episodes == 0) return score;
-  const double n = static_cast<double>(score.num_episodes), rate = static_cast<double>(score.num_successes) / n;
-  const double z2 = kNormal95 * kNormal95, middle = (rate + z2 / (2 * n)) / (1 + z2 / n);
-  const double half = kNormal95 / (1 + z2 / n) * std::sqrt(rate * (1 - rate) / n + z2 / (4 * n * n));
-  score.success_rate = rate;
-  score.success_low = std::max(0.0, middle - half);
-  score.success_high = std::min(1.0, middle + half);
+  score.success_rate = static_cast<double>(score.num_successes) / static_cast<double>(score.num_episodes);
+  const auto [low, high] = wilsonInterval(score.num_successes, score.num_episodes);
+  score.success_low = low;
+  score.success_high = high;
   return score;
 }
 

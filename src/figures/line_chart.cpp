@@ -329,6 +329,20 @@ Colour seriesColour(std::size_t number) {
   return kSeries[number % kSeries.size()];
 }
 
+LineSeries cumulativeShare(const std::string& name, std::vector<double> values) {
+  const double all = static_cast<double>(values.size());
+  std::erase_if(values, [](double value) { return !std::isfinite(value); });
+  std::sort(values.begin(), values.end());
+  LineSeries series{.name = name, .x = {}, .y = {}};
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    for (const double count : {static_cast<double>(k), static_cast<double>(k + 1)}) {
+      series.x.push_back(values[k]);
+      series.y.push_back(100 * count / all);
+    }
+  }
+  return series;
+}
+
 void writeLineChart(const std::filesystem::path& file, const std::vector<LinePanel>& panels, const LineChartOptions& options) {
   checkPanels(panels);
   const int count = static_cast<int>(panels.size());

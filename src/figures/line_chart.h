@@ -61,6 +61,9 @@ struct LineChartOptions {
 // Colours of successive series, distinguishable with colour vision deficiency.
 Colour seriesColour(std::size_t number);
 
+// Cumulative share of episodes (%) over their values; values that are not finite count in the total only.
+LineSeries cumulativeShare(const std::string& name, std::vector<double> values);
+
 // Writes a PNG of all panels. Throws Error(kIo) if the file cannot be written; Error(kInput) if there is no panel, the arrays of a series
 // differ in length, a range is empty, or the picture is larger than Cairo supports.
 void writeLineChart(const std::filesystem::path& file, const std::vector<LinePanel>& panels, const LineChartOptions& options);

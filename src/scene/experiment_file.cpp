@@ -76,13 +76,18 @@ ServoExperiment loadServoExperiment(const std::filesystem::path& file) {
   return readVersionedFile(file, readServoExperiment);
 }
 
+GraspExperiment loadGraspExperiment(const std::filesystem::path& file) {
+  return readVersionedFile(file, readGraspExperiment);
+}
+
 Experiment loadExperiment(const std::filesystem::path& file) {
   return readVersionedFile(file, [](const YamlNode& root, const std::filesystem::path& directory) -> Experiment {
     const std::optional<YamlNode> kind = root.child("experiment");
-    if (!kind) root.fail("experiment is missing: static | servo | calibration | characterization");
-    const std::string word = kind->choice({"static", "servo", "calibration", "characterization"});
+    if (!kind) root.fail("experiment is missing: static | servo | calibration | characterization | grasp");
+    const std::string word = kind->choice({"static", "servo", "calibration", "characterization", "grasp"});
     if (word == "static") return readStaticExperiment(root, directory);
     if (word == "servo") return readServoExperiment(root, directory);
+    if (word == "grasp") return readGraspExperiment(root, directory);
     if (word == "calibration") return readCalibrationExperiment(root, directory);
     return readCharacterizationExperiment(root, directory);
   });

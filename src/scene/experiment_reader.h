@@ -16,6 +16,7 @@ std::vector<double> readList(const YamlMap& map, std::string_view key, const All
 StaticExperiment readStaticExperiment(const YamlNode& root, const std::filesystem::path& directory);
 CharacterizationExperiment readCharacterizationExperiment(const YamlNode& root, const std::filesystem::path& directory);
 ServoExperiment readServoExperiment(const YamlNode& root, const std::filesystem::path& directory);
+GraspExperiment readGraspExperiment(const YamlNode& root, const std::filesystem::path& directory);
 CalibrationExperiment readCalibrationExperiment(const YamlNode& root, const std::filesystem::path& directory);
 
 }  // namespace taxelsim

@@ -6,6 +6,8 @@
 #include <set>
 #include <string>
 
+#include "scene/scene_checks.h"
+#include "scene/scene_fields.h"
 #include "scene/servo_reader.h"
 
 namespace taxelsim {
@@ -16,6 +18,7 @@ constexpr std::array kRandomFields{
     Field<Grasp>{"yaw[_deg]", &Grasp::yaw, Allowed::within(0, std::numbers::pi, "rad")},
     Field<Grasp>{"force_spread", &Grasp::force_spread, Allowed::within(0, 1, "")},
 };
+constexpr double kDefaultHold = 0.5;  // s, for episodes that last at least as long
 constexpr const char* kFingers = "a list of at least one {sensor, force, joints}";
 constexpr const char* kServoJoints = "a list of at least one name of a joint that moves the sensor";
 constexpr const char* kFingerJoints = "a list of at least one {joint, velocity}";
@@ -120,9 +123,18 @@ GraspServo readGraspServo(const YamlMap& outer, const Manipulator& robot, const 
   return servo;
 }
 
+// duration: s, of an episode. A scene without this key has the defaults.
+void readGraspTask(const YamlMap& scene, double duration, GraspTask& task) {
+  task.hold = std::min(kDefaultHold, duration);
+  if (!scene.has("task")) return;
+  const YamlMap map(scene, "task", keysOf(kGraspTaskFields));
+  readFields(map, kGraspTaskFields, task);
+  atNode(map.node(), [&] { checkGraspTask(task, duration); });
+}
+
 }  // namespace
 
-void readGrasp(const YamlMap& scene, const Manipulator& robot, double simulation_rate, Grasp& grasp) {
+void readGrasp(const YamlMap& scene, const Manipulator& robot, double simulation_rate, int num_steps, Grasp& grasp) {
   scene.require("grasp", "the fingers and their target forces");
   {
     const YamlMap map(scene, "grasp", {"gain", "fingers", "servo"});
@@ -136,8 +148,8 @@ void readGrasp(const YamlMap& scene, const Manipulator& robot, double simulation
     if (grasp.fingers.empty()) fingers.refuse(kFingers);
     if (map.has("servo")) grasp.servo = readGraspServo(map, robot, grasp, taken);
   }
-  const YamlMap random(scene, "randomization", keysOf(kRandomFields));
-  readFields(random, kRandomFields, grasp);
+  readFields(YamlMap(scene, "randomization", keysOf(kRandomFields)), kRandomFields, grasp);
+  readGraspTask(scene, num_steps / simulation_rate, grasp.task);
 }
 
 }  // namespace taxelsim

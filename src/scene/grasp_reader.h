@@ -8,6 +8,6 @@
 namespace taxelsim {
 
 // Completes `grasp`, whose sensors have been read. simulation_rate: Hz.
-void readGrasp(const YamlMap& scene, const Manipulator& robot, double simulation_rate, Grasp& grasp);
+void readGrasp(const YamlMap& scene, const Manipulator& robot, double simulation_rate, int num_steps, Grasp& grasp);
 
 }  // namespace taxelsim

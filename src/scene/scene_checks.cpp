@@ -87,6 +87,12 @@ void checkRandomization(const Scene& scene) {
   if (random.load.has_value() == random.depth.has_value()) throw Error("randomization", "exactly one of load and depth must be set");
 }
 
+// duration: s, of an episode.
+void checkHold(double hold, double duration) {
+  if (hold <= duration * (1 + kRounding)) return;
+  failField("hold", numberText(hold), describe(Allowed::aboveUpTo(0, duration, "s")) + ", the duration of an episode");
+}
+
 }  // namespace
 
 void checkRates(const Scene& scene) {
@@ -94,6 +100,11 @@ void checkRates(const Scene& scene) {
   if (ratio >= 1 - kRounding && std::abs(ratio - std::round(ratio)) <= kRounding * ratio) return;
   failField("control_rate", numberText(scene.control_rate) + " Hz",
             "simulation_rate (" + numberText(scene.simulation_rate) + " Hz) divided by a whole number");
+}
+
+void checkGraspTask(const GraspTask& task, double duration) {
+  checkFields("", kGraspTaskFields, task);
+  checkHold(task.hold, duration);
 }
 
 void checkTask(const Task& task, const Scene& scene) {
@@ -105,10 +116,7 @@ void checkTask(const Task& task, const Scene& scene) {
   }
   if (!any) throw Error(ErrorKind::kInput, "no success criterion: at least one of edge_angle, total_force, center, contour");
   checkFields("", kTaskFields, task);
-  const double duration = scene.num_steps / scene.simulation_rate;
-  if (task.hold > duration * (1 + kRounding)) {
-    failField("hold", numberText(task.hold), describe(Allowed::aboveUpTo(0, duration, "s")) + ", the duration of an episode");
-  }
+  checkHold(task.hold, scene.num_steps / scene.simulation_rate);
   const auto& objects = scene.objects;
   if (task[TaskMeasure::kEdgeAngle] && !std::all_of(objects.begin(), objects.end(), hasEdge)) {
     throw Error("edge_angle", "needs an edge or a contour of every object of the scene");

@@ -17,4 +17,7 @@ void checkScene(const Scene& scene);
 void checkRates(const Scene& scene);                   // control_rate, a whole fraction of simulation_rate
 void checkTask(const Task& task, const Scene& scene);  // criteria, duration of the episode, edges of the objects
 
+// Not a part of checkScene(), because only an evaluation uses the task of a grasp. duration: s, of an episode.
+void checkGraspTask(const GraspTask& task, double duration);
+
 }  // namespace taxelsim

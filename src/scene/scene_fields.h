@@ -43,6 +43,11 @@ inline constexpr std::array kTaskFields{
     Field<Task>{"laps", &Task::laps, Allowed::within(0, 1000, "")},
     Field<Task>{"travel[_mm]", &Task::travel, Allowed::within(0, 1000, "m")},
 };
+inline constexpr std::array kGraspTaskFields{
+    Field<GraspTask>{"tolerance", &GraspTask::tolerance, Allowed::aboveUpTo(0, 1, "")},
+    Field<GraspTask>{"hold", &GraspTask::hold, Allowed::above(0, "s")},
+    Field<GraspTask>{"drift[_mm]", &GraspTask::drift, Allowed::aboveUpTo(0, 1, "m")},
+};
 std::span<const Field<TaskCriterion>> criterionFields(TaskMeasure measure);
 
 // A field of Randomization: a number, or [min, max].

@@ -188,7 +188,8 @@ void readDataSet(const YamlMap& parent, const SceneOverrides& overrides, Scene& 
 }
 
 YamlMap::Keys graspKeys() {
-  return {"format_version", "name", "kind", "robot", "objects", "grasp", "episode", "randomization", "record", "max_regions", "data_set"};
+  return {"format_version", "name",          "kind", "robot",  "objects",     "grasp",
+          "episode",        "randomization", "task", "record", "max_regions", "data_set"};
 }
 
 bool isGrasp(const YamlNode& root) {
@@ -213,7 +214,7 @@ void readGraspScene(const YamlMap& map, const std::filesystem::path& directory, 
               " Hz is not allowed: a hand moves in every frame, at the simulation_rate");
   }
   for (const RobotSensor& sensor : grasp.sensors) checkDelay(map.require("robot", ""), sensor.sensor, scene);
-  readGrasp(map, *robot, scene.simulation_rate, grasp);
+  readGrasp(map, *robot, scene.simulation_rate, scene.num_steps, grasp);
   scene.record = readRecord(map, scene.kind);
   for (const RobotSensor& sensor : grasp.sensors) checkTaxelCounts(map, scene, sensor.sensor, " " + sensor.name);
   readMaxRegions(map, scene);

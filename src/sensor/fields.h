@@ -70,7 +70,7 @@ inline constexpr std::array kLuGreFields{
 inline constexpr std::array kPasternakFields{
     Field<Pasternak>{"normal_contact_stiffness", &Pasternak::normal_contact_stiffness, Allowed::above(0, "N/m^3"), kRequired},
     Field<Pasternak>{"shear_stiffness", &Pasternak::shear_stiffness, Allowed::above(0, "N/m"), kRequired},
-    Field<Pasternak>{"iterations", &Pasternak::iterations, Allowed::within(1, kMaxLayerIterations, "")},
+    Field<Pasternak>{"iterations", &Pasternak::iterations, Allowed::within(0, kMaxLayerIterations, "")},
 };
 
 // Names of the laws in files, in the order of ContactLaw.

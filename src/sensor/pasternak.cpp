@@ -42,6 +42,16 @@ double sweepRelaxation(const Pasternak& law, const LayerNodes& nodes) {
   return 2 / (1 + std::sqrt(1 - jacobi * jacobi));
 }
 
+int pasternakSweeps(const Sensor& sensor) {
+  constexpr double kReduction = 0.4;
+  const auto& law = std::get<Pasternak>(sensor.skin.law);
+  if (law.iterations > 0) return law.iterations;
+  const double rate = sweepRelaxation(law, pasternakNodes(sensor)) - 1;
+  int sweeps = 1;
+  while (sweeps < kMaxLayerIterations && (sweeps < 1 / -std::log(rate) || sweeps * std::pow(rate, sweeps) > kReduction)) ++sweeps;
+  return sweeps;
+}
+
 double besselRatio(double x) {
   // Beyond, K0 underflows; the asymptotic series is right to 1e-6.
   constexpr double kFar = 100;

@@ -2,6 +2,7 @@
 
 #include "shared/elastic_layer.h"
 #include "shared/features.h"
+#include "simulation/passes/interfaces.h"
 
 namespace taxelsim {
 namespace {
@@ -80,6 +81,15 @@ std::uint64_t layerPairs(Shape s) {
   return (layout::kNumLayerArrays + relaxationStates(s) + (s.model.area() ? 1 : 0)) * padded_nodes / 2;
 }
 
+// Pairs of words of all arrays over blocks of nodes.
+std::uint64_t foundationPairs(Shape s) {
+  if (!s.hasLayer() || !s.model.isPasternak()) return 0;
+  constexpr std::uint64_t kRows = PasternakInterface::kBlockRows, kCols = PasternakInterface::kBlockCols, kNumArrays = 3;
+  const LayerNodes& nodes = s.model.layer->nodes;
+  const auto blocksOf = [](int count, std::uint64_t size) { return (static_cast<std::uint64_t>(count) + size - 1) / size; };
+  return kNumArrays * blocksOf(nodes.num_rows, kRows) * blocksOf(nodes.num_cols, kCols) * kRows * kCols / 2;
+}
+
 std::uint64_t contactFeatures(Shape s) {
   return 1 + std::uint64_t{layout::kNumContactFeatures} * numContactRows(s.model.packed_contact, s.options.max_regions);
 }
@@ -119,7 +129,7 @@ constexpr BatchArray kArrays[] = {
                                [](Shape s) { return countIf(s.hasLayer() && s.model.area(), layout::kNodeCellWords * nodes(s)); }),
     internal<block::Windows>("windows", [](Shape s) { return countIf(s.hasLayer(), s.model.contact_packed.tiles.size()); }),
     internal<block::Layer>("layer", layerPairs),
-    internal<block::Foundation>("foundation", [](Shape s) { return countIf(s.hasLayer() && s.model.isPasternak(), 3 * nodes(s)); }),
+    internal<block::Foundation>("foundation", foundationPairs),
 
     internal<block::AxisPlays>("hysteresis of axes", [](Shape s) { return countIf(s.options.outputs.taxel_counts, 3 * taxels(s)); }),
     internal<block::Forces>("forces", [](Shape s) { return countIf(s.outputsContactFeatures(), taxels(s)); }),

@@ -52,6 +52,7 @@ HEADERS = {
     "generate.h": "generation",
     "evaluate.h": "evaluation",
     "evaluation_part.h": "evaluation",
+    "grasp_evaluation.h": "evaluation",
     "characterize.h": "characterize",
     "compare.h": "characterize",
     "cross_validate.h": "characterize",

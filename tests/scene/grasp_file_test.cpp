@@ -27,15 +27,21 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return at == std::string::npos ? text : text.replace(at, from.size(), to);
 }
 
-// The message for the gripper's scene and robot after one change each.
-std::string refusalOf(const std::string& scene_from, const std::string& scene_to, const std::string& robot_from = "name",
-                      const std::string& robot_to = "name") {
-  const ScratchDirectory directory;
+// The files that the gripper's scene names.
+void copyParts(const ScratchDirectory& directory) {
   for (const char* const folder : {"robots", "sensors"}) std::filesystem::create_directory(directory.path() / folder);
   for (const char* const file : {"sensors/fingertip_6x4.yaml", "sensors/wts0614_soft_cover.yaml", "sensors/wts0614_proximity.yaml",
                                  "robots/gripper.urdf", "robots/pan_tilt.yaml"}) {
     std::filesystem::copy_file(kScenes / file, directory.path() / file);
   }
+  directory.write("robots/gripper.yaml", textOf(kScenes / "robots/gripper.yaml"));
+}
+
+// The message for the gripper's scene and robot after one change each.
+std::string refusalOf(const std::string& scene_from, const std::string& scene_to, const std::string& robot_from = "name",
+                      const std::string& robot_to = "name") {
+  const ScratchDirectory directory;
+  copyParts(directory);
   directory.write("robots/gripper.yaml", replaced(textOf(kScenes / "robots/gripper.yaml"), robot_from, robot_to));
   const std::filesystem::path file = directory.write("scene.yaml", replaced(textOf(kScenes / "gripper_grasp.yaml"), scene_from, scene_to));
   try {
@@ -97,6 +103,32 @@ std::string servoRefusal(const std::string& from, const std::string& to) {
   const std::string below = "    - {sensor: below, force: 0.5, joints: [{joint: bend, velocity_deg: 60}]}\n";
   const std::string servo = "  servo:\n    sensor: right\n    joints: [jaw]\n    tactile_servo: {total_force: {reference: 2, kp: 5}}\n";
   return refusalOf(left + below, replaced(below + servo, from, to));
+}
+
+TEST(GraspScene, ReadsItsTask) {
+  const Scene plain = loadScene(kScenes / "gripper_grasp.yaml");
+  EXPECT_EQ(plain.grasp->task.tolerance, 0.1);
+  EXPECT_EQ(plain.grasp->task.hold, 0.5);
+  EXPECT_FALSE(plain.grasp->task.drift);
+  EXPECT_EQ(plain.resolved.find("task"), std::string::npos);  // the text of a scene without a task is that of its data sets so far
+  const ScratchDirectory directory;
+  copyParts(directory);
+  const std::string given = textOf(kScenes / "gripper_grasp.yaml") + "task: {tolerance: 0.05, hold: 1, drift_mm: 0.5}\n";
+  const Scene scene = loadScene(directory.write("scene.yaml", given));
+  EXPECT_EQ(scene.grasp->task.tolerance, 0.05);
+  EXPECT_EQ(scene.grasp->task.hold, 1);
+  EXPECT_DOUBLE_EQ(*scene.grasp->task.drift, 0.5e-3);
+  const Scene again = loadScene(directory.write("robots/resolved.yaml", scene.resolved));  // next to the URDF
+  EXPECT_EQ(again.resolved, scene.resolved);
+}
+
+TEST(GraspScene, RefusesBadTasks) {
+  const auto refusal = [](const std::string& task) { return refusalOf("objects:\n", "task: {" + task + "}\nobjects:\n"); };
+  EXPECT_EQ(refusal(""), "was accepted");
+  EXPECT_THAT(refusal("tolerance: 0"), HasSubstr("task.tolerance: 0 is not allowed: a number > 0 and <= 1"));
+  EXPECT_THAT(refusal("hold: 1.6"), HasSubstr("task.hold: 1.6 is not allowed: a number > 0 and <= 1.5 s, the duration of an episode"));
+  EXPECT_THAT(refusal("drift_mm: 0"), HasSubstr("task.drift_mm: 0 is not allowed"));
+  EXPECT_THAT(refusal("laps: 1"), HasSubstr("unknown key"));
 }
 
 TEST(GraspScene, RefusesBadServos) {

@@ -1,6 +1,7 @@
 """The benchmark of learned policies.
 
 python -m learn run TASK --folder DIR    trains, evaluates, writes bench/results/learn-TASK.json and the page
+python -m learn dynamics --folder DIR    the same by PPO for the tasks with dynamics; bench/results/dynamics-ppo.json
 python -m learn page                     writes docs/benchmark.md and its picture from bench/results/
 
 DIR keeps networks and evaluations: a run that was stopped skips what is complete. --episodes N: of an evaluation, default 1000.
@@ -28,6 +29,7 @@ from .recipe import RECIPES, recipe_of
 
 RESULTS = ROOT / "bench/results"
 DYNAMICS = RESULTS / "dynamics.json"  # of bench/python/dynamics_success.py
+TRAINED_DYNAMICS = RESULTS / "dynamics-ppo.json"
 PAGE, PICTURE = ROOT / "docs/benchmark.md", ROOT / "docs/images/benchmark_curves.png"
 HERE = Path(__file__).parent
 
@@ -44,18 +46,53 @@ def run(task: str, folder: Path, num_episodes: int, changes: dict[str, Any]) -> 
         if not (folder / f"{name}.curve.json").exists():
             training.train(task, name, recipe, folder, blind=name == "blind")
     files = {name: folder / f"{name}.onnx" for name in ("clone", "ppo", "blind")}
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.strip()
     result = {
         "task": task,
         "machine": machine(Device.open()),
-        "versions": {name: importlib.metadata.version(name) for name in ("torch", "stable_baselines3", "onnxruntime", "numpy")},
-        "commit": commit,
+        "versions": versions("torch", "stable_baselines3", "onnxruntime", "numpy"),
+        "commit": commit(),
         "recipe": dataclasses.asdict(recipe),
         "cloning": json.loads((folder / "clone.json").read_text()),
         "curves": {name: json.loads((folder / f"{name}.curve.json").read_text()) for name in ("ppo", "blind")},
         "evaluations": evaluation.evaluate_all(task, files, folder, num_episodes),
     }
     write_json(RESULTS / f"learn-{task}.json", result)
+
+
+def versions(*names: str) -> dict[str, str]:
+    """Versions of packages."""
+    return {name: importlib.metadata.version(name) for name in names}
+
+
+def commit() -> str:
+    """The commit that is checked out."""
+    return subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.strip()
+
+
+def run_dynamics(tasks: list[str], folder: Path, num_episodes: int) -> None:
+    """Trains and evaluates the policies of the tasks with dynamics."""
+    from . import dynamic_training
+
+    folder.mkdir(parents=True, exist_ok=True)
+    device = Device.open()
+    evaluations, trainings = {}, {}
+    for task in tasks:
+        for sense in dynamics.SCRIPTS:
+            if not (folder / f"{task}-{sense}.json").exists():
+                dynamic_training.train(task, sense, dynamic_training.DYNAMIC_RECIPES[task], folder, device)
+        evaluations[task] = dynamic_training.evaluations(task, list(dynamics.SCRIPTS), folder, num_episodes, device)
+        trainings[task] = {sense: json.loads((folder / f"{task}-{sense}.json").read_text()) for sense in dynamics.SCRIPTS}
+    result = {
+        "machine": machine(device),
+        "versions": versions("torch", "stable_baselines3", "mujoco", "numpy"),
+        "commit": commit(),
+        "episodes": num_episodes,
+        "seed": dynamic_training.EVALUATION_SEED,
+        "recipes": {task: dataclasses.asdict(dynamic_training.DYNAMIC_RECIPES[task]) for task in tasks},
+        "trainings": trainings,
+        "evaluations": evaluations,
+    }
+    write_json(TRAINED_DYNAMICS, result)
 
 
 def results() -> dict[str, dict[str, Any]]:
@@ -68,7 +105,9 @@ def page_text() -> str:
     """docs/benchmark.md."""
     found = results()
     notes = {task: file.read_text() for task in found if (file := HERE / "notes" / f"{task}.md").exists()}
-    scripted = dynamics.section(json.loads(DYNAMICS.read_text()), (HERE / "notes/dynamics.md").read_text())
+    trained = json.loads(TRAINED_DYNAMICS.read_text()) if TRAINED_DYNAMICS.exists() else None
+    texts = [(HERE / f"notes/{name}.md").read_text() for name in ("dynamics", "dynamics-ppo")]
+    scripted = dynamics.section(json.loads(DYNAMICS.read_text()), texts[0], trained, texts[1])
     return page((HERE / "page.md").read_text(), found, notes, scripted)
 
 
@@ -90,11 +129,17 @@ def main() -> None:
     runner.add_argument("--folder", type=Path, required=True)
     runner.add_argument("--episodes", type=int, default=1000)
     runner.add_argument("--set", action="append", default=[], metavar="KEY=VALUE")
+    dynamic = commands.add_parser("dynamics")
+    dynamic.add_argument("--tasks", default="GraspHold,PegInsert", help="list, separated by commas")
+    dynamic.add_argument("--folder", type=Path, required=True)
+    dynamic.add_argument("--episodes", type=int, default=100)
     commands.add_parser("page")
     options = parser.parse_args()
     if options.command == "run":
         changes = {key: ast.literal_eval(value) for key, _, value in (text.partition("=") for text in options.set)}
         run(options.task, options.folder, options.episodes, changes)
+    if options.command == "dynamics":
+        run_dynamics(options.tasks.split(","), options.folder, options.episodes)
     write_page()
 
 

@@ -161,13 +161,14 @@ def page(template: str, results: Mapping[str, Mapping[str, Any]], notes: Mapping
 def recipes(results: Mapping[str, Mapping[str, Any]]) -> str:
     """Settings of the trainings, tasks in columns."""
     keys = list(next(iter(results.values()))["recipe"])
-    rows = [[f"`{key}`", *(_setting(result["recipe"][key]) for result in results.values())] for key in keys]
+    rows = [[f"`{key}`", *(setting_text(result["recipe"][key]) for result in results.values())] for key in keys]
     return table(["setting", *results], rows)
 
 
-def _setting(value: Any) -> str:
+def setting_text(value: Any) -> str:
+    """A setting of a recipe."""
     if isinstance(value, dict):
-        return ", ".join(f"{key} {_setting(item)}" for key, item in value.items())
+        return ", ".join(f"{key} {setting_text(item)}" for key, item in value.items())
     if isinstance(value, list | tuple):
-        return " ".join(_setting(item) for item in value)
+        return " ".join(setting_text(item) for item in value)
     return f"{value:,}" if isinstance(value, int) else f"{value:g}"

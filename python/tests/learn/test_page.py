@@ -125,3 +125,24 @@ def test_committed_results_of_dynamics_are_complete(dynamics):
             assert list(scripts) == list(dynamics.SCRIPTS)
             assert {len(entry["successes"]) for entry in scripts.values()} == {content["episodes"]}
     assert content["episodes"] >= 100
+
+
+def test_policies_are_compared_with_the_script_and_with_each_other(dynamics):
+    lines = dynamics.trained_differences(scripted(150, 100, 50), scripted(90, 100, 0)).splitlines()
+    assert lines[2].startswith("| `Push` | PPO with touch - script with touch | **+30.0 (")
+    assert lines[3].startswith("| `Push` | PPO with touch - PPO without shear | **+25.0 (")
+    assert lines[4].startswith("| `Push` | PPO with touch - blind PPO | **+50.0 (")
+
+
+def test_committed_results_of_ppo_are_complete(dynamics):
+    file = ROOT / "bench/results/dynamics-ppo.json"
+    if not file.exists():
+        pytest.skip("not trained")
+    content, scripts = json.loads(file.read_text()), json.loads((ROOT / "bench/results/dynamics.json").read_text())
+    assert (content["seed"], content["episodes"]) == (scripts["seed"], scripts["episodes"])
+    for task, conditions in content["evaluations"].items():
+        assert list(conditions) == ["nominal", "randomized", "unseen"]
+        assert list(content["trainings"][task]) == list(dynamics.SCRIPTS)
+        for policies in conditions.values():
+            assert list(policies) == list(dynamics.SCRIPTS)
+            assert {len(entry["successes"]) for entry in policies.values()} == {content["episodes"]}

@@ -9,7 +9,7 @@ from gymnasium.vector import AutoresetMode
 
 import taxelsim
 from taxelsim.envs import DYNAMIC_TASKS
-from taxelsim.envs.dynamics import observations, scripts
+from taxelsim.envs.dynamics import observations, peg_insert, scripts
 from taxelsim.envs.dynamics.evaluation import evaluate
 
 ALL = observations.OBSERVATIONS
@@ -111,6 +111,24 @@ def test_touch_helps(device: taxelsim.Device, task: str, episodes: int) -> None:
 def test_shear_helps_to_hold(device: taxelsim.Device) -> None:
     rates = [evaluate(make("GraspHold", 24, device), scripts.GraspHold(sense), seed=1).rate for sense in ("shear", "normal")]
     assert rates[0][1] > rates[1][0], rates
+
+
+def test_the_reward_of_the_peg_is_its_progress(device: taxelsim.Device) -> None:
+    """Over the plate the rewards add up to the way towards the axis of the hole, and waiting wins nothing."""
+    envs = make("PegInsert", 6, device)
+    envs.reset(seed=3)
+    hole = envs.unwrapped._hole()
+    total = np.zeros(6)
+    for step in range(30):
+        observation, rewards, terminated, truncated, _ = envs.step(np.full((6, 3), (0.4, -0.2, 0) if step < 15 else 0.0, np.float32))
+        total += rewards
+        assert not (terminated | truncated).any()
+    moved = observation["proprioception"][:, :2]
+    way = np.linalg.norm(hole, axis=1) - np.linalg.norm(moved - hole, axis=1)
+    np.testing.assert_allclose(total, way / peg_insert.OFFSET, atol=1e-4)  # float32 positions of 2 mm, over 3 mm
+    for _ in range(20):
+        rewards = envs.step(np.zeros((6, 3), np.float32))[1]
+    assert np.abs(rewards).max() < 1e-3
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,8 @@
 
 #include "pasternak.spv.h"
 #include "pasternak_lockstep.spv.h"
+#include "pasternak_pairs.spv.h"
+#include "pasternak_pairs_lockstep.spv.h"
 #include "sensor/pasternak.h"
 
 namespace taxelsim {
@@ -14,9 +16,11 @@ namespace {
 // Loop iterations that one invocation alone would take in a third of the largest contact, one that covers the array: a driver allows three
 // times as many as small workgroups are chosen for.
 std::uint64_t iterationsOf(const ModelData& model, std::uint64_t evaluations) {
+  constexpr std::uint64_t kRows = PasternakInterface::kBlockRows, kCols = PasternakInterface::kBlockCols;
+  constexpr std::uint64_t kColumnsOfStart = 2 * kCols, kStepsOfSweep = kCols / 2 + 2;
   const auto nodes = static_cast<std::uint64_t>(numTaxels(model.contact_sensor));
-  const auto sweeps = static_cast<std::uint64_t>(std::get<Pasternak>(model.sensor.skin.law).iterations);
-  return nodes * (evaluations * (sweeps + 3) + 2) / 3;
+  const auto sweeps = static_cast<std::uint64_t>(pasternakSweeps(model.sensor));
+  return (nodes / (kRows * kCols) + 1) * evaluations * (kColumnsOfStart + (sweeps + 1) * kStepsOfSweep) / 3;
 }
 
 }  // namespace
@@ -40,8 +44,11 @@ PasternakPass::Kernel PasternakPass::makeKernel(const Variant& variant) const {
   const LayerNodes nodes = pasternakNodes(model_.sensor);
   const auto [along_x, along_y] = nodes.spacing;
   const double decay = decayLength(law);
+  const gpu::ShaderVariants shaders = model_.profile.prefers64BitLoads()
+                                          ? gpu::ShaderVariants{k_pasternak_pairs_spirv, k_pasternak_pairs_lockstep_spirv}
+                                          : gpu::ShaderVariants{k_pasternak_spirv, k_pasternak_lockstep_spirv};
   const PassSizes& sizes = variant.loads ? load_sizes_ : sizes_;
-  return {model_.context(), "pasternak", model_.profile.select({k_pasternak_spirv, k_pasternak_lockstep_spirv}, sizes.workgroup),
+  return {model_.context(), "pasternak", model_.profile.select(shaders, sizes.workgroup),
           commonConstants(model_.sensor, model_.packed, sizes),
           PasternakInterface{.NODES_PER_SAMPLE = pasternakRefinement(model_.sensor),
                              .THICKNESS = model_.sensor.skin.thickness,
@@ -51,7 +58,7 @@ PasternakPass::Kernel PasternakPass::makeKernel(const Variant& variant) const {
                              .DECAY_X = std::exp(-along_x / decay),
                              .DECAY_Y = std::exp(-along_y / decay),
                              .OVER_RELAXATION = sweepRelaxation(law, nodes),
-                             .SWEEPS = law.iterations,
+                             .SWEEPS = pasternakSweeps(model_.sensor),
                              .MARGIN = static_cast<std::uint32_t>(std::ceil(kMarginDecays * decay / std::min(along_x, along_y))),
                              .NUM_HEIGHT_TILES = model_.contact_packed.tiles.size(),
                              .LOADS = variant.loads,

@@ -1,0 +1,81 @@
+/// @file
+/// How well the fingers of a scene of kind grasp hold their forces: the same episodes for every gain, judged one by one, then counted.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "taxelsim/device.h"
+#include "taxelsim/evaluate.h"
+#include "taxelsim/progress.h"
+#include "taxelsim/scene.h"
+
+namespace taxelsim {
+
+/// Judgement of one finger in one episode, by clean forces. "End": the last GraspTask::hold seconds.
+struct FingerVerdict {
+  bool held = false;         ///< Whether the finger met GraspTask.
+  double target = 0;         ///< N, target force of the episode.
+  double force_error = 0;    ///< N, root mean square of the force minus its target, over the frames of the end.
+  double settling_time = 0;  ///< s until the force stays within its tolerance to the end of the episode; NaN if it does not.
+  double peak_force = 0;     ///< N, largest force.
+  double drift = 0;    ///< m, largest distance of the centre of pressure from where it was when the end began; NaN if it lost contact.
+  int num_losses = 0;  ///< Times that contact was lost.
+};
+
+/// Judgement of one episode.
+struct GraspVerdict {
+  std::uint64_t episode = 0;           ///< Number of the episode.
+  bool success = false;                ///< Whether every finger held.
+  std::vector<FingerVerdict> fingers;  ///< (num_fingers), in the order of Grasp::fingers.
+};
+
+/// Statistics of one finger, or of all fingers of an episode together: then with the largest value of its fingers, and the sum of losses.
+struct FingerScore {
+  std::string name;                ///< Name of the finger's sensor, or "all fingers".
+  std::uint64_t num_episodes = 0;  ///< Number of verdicts.
+  std::uint64_t num_held = 0;      ///< Episodes in which the finger, or every finger, held.
+  double held_rate = 0;            ///< num_held / num_episodes; 0 of none.
+  double held_low = 0;             ///< Lower end of the 95 % Wilson interval (E. B. Wilson 1927).
+  double held_high = 1;            ///< Upper end of that interval.
+  Quantiles force_error;           ///< N, of FingerVerdict::force_error.
+  Quantiles settling_time;         ///< s, over the episodes that settle.
+  Quantiles peak_force;            ///< N.
+  Quantiles drift;                 ///< m, over the episodes in contact to the end.
+  std::uint64_t num_lost = 0;      ///< Episodes that lost contact at least once.
+};
+
+/// Evaluation of one gain.
+struct GraspEvaluation {
+  double gain = 0;                     ///< 1/s, Grasp::gain.
+  std::vector<GraspVerdict> verdicts;  ///< (num_episodes), in order of episodes.
+  FingerScore total;                   ///< Over all fingers of each episode.
+  std::vector<FingerScore> fingers;    ///< (num_fingers), in the order of Grasp::fingers.
+};
+
+/// Options of evaluateGrasp(). They do not change a verdict.
+struct GraspEvaluateOptions {
+  int batch_size = 256;  ///< Instances of the hand, >= 1. Default 256.
+  /// Called after every frame of a batch from the caller's thread; Progress::num_episodes counts the episodes of all gains. Default: none.
+  std::function<void(const Progress&)> on_progress{};
+  /// Called with each evaluation as soon as it is complete, in the order of the result. Default: none.
+  std::function<void(const GraspEvaluation&)> on_evaluation{};
+  /// Graceful stop: when *stop becomes true, evaluateGrasp() returns the gains that are complete. May be set from any thread. Not owned;
+  /// must outlive the call. Default: none.
+  const std::atomic<bool>* stop = nullptr;
+};
+
+/// Plays the episodes of a scene of kind grasp with each gain, and judges them by Grasp::task. Submits and waits; blocks until all are
+/// judged or *stop is true.
+///
+/// `gains`: 1/s, > 0 to the simulation rate; empty for that of the scene. At most 2^24 episodes. Throws Error(kInput) for a scene of
+/// another kind, a gain out of range and options out of range, and what Model and Simulator throw.
+///
+/// Threads: may be called from several threads at once.
+std::vector<GraspEvaluation> evaluateGrasp(const Device& device, const Scene& scene, const std::vector<double>& gains = {},
+                                           const GraspEvaluateOptions& options = {});
+
+}  // namespace taxelsim
