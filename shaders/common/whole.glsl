@@ -14,3 +14,6 @@ uvec2 cellNumbered(uint i, uint num_cols) {
   uint row = uint(wholeNumber((float(int(i)) + 0.5) / float(int(num_cols)) - 0.5));
   return uvec2(row, i - row * num_cols);
 }
+
+// `rectangle`: first row, end row, first col, end col.
+bool isInside(uvec2 cell, uvec4 rectangle) { return all(greaterThanEqual(cell, rectangle.xz)) && all(lessThan(cell, rectangle.yw)); }

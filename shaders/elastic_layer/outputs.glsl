@@ -33,7 +33,7 @@ uvec4 writeTaxels(uint instance, Surface surface, Window window, uvec4 pressed, 
         if (any(lessThan(node, first_node)) || any(greaterThanEqual(node, end_node))) continue;
         pressure += valueAt(window.layer_start, kLayerPressure, node);
         if (OUTPUT_DEPTH) depth += max(overlapAt(surface, node) + shift, 0.0) * (AREA ? cellAt(surface, node).share : 1.0);
-        if (OUTPUT_SHEAR && isInWindow(node, pressed)) traction += tractionAt(instance, node);
+        if (OUTPUT_SHEAR && isInside(node, pressed)) traction += tractionAt(instance, node);
       }
     }
     uint taxel = instance * NUM_TAXELS + k;

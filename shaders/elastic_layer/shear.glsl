@@ -17,8 +17,6 @@ void writeStateWindow(uint start, uvec4 window) {
   friction_state[start + 1] = pairOf(window.zw);
 }
 
-bool isInWindow(uvec2 at, uvec4 window) { return all(greaterThanEqual(at, window.xz)) && all(lessThan(at, window.yw)); }
-
 uint frictionStart(uint instance) { return instance * (kFrictionHeader + NODE_ROWS * NODE_COLS); }
 uint shearState(uint instance, uvec2 node) { return frictionStart(instance) + kFrictionHeader + node.x * NODE_COLS + node.y; }
 
@@ -64,7 +62,7 @@ Shear shearNodes(uint instance, uint num_slots, Surface surface, uint layer_star
       uint slot = cell.edge > 0.0 ? cell.slot : slotOf(heights[surface.first_height + node.x * NODE_COLS + node.y]);
       vec3 p = vec3(nodePosition(node) + cell.place, -(overlapAt(surface, node) + shift) * THICKNESS);
       float covered = cell.share > 0.0 ? cell.share : 1.0;  // skin that bulges meets a surface above it
-      uvec2 words = isInWindow(node, state_window) ? wordsOf(friction_state[shearState(instance, node)]) : uvec2(kNoFrictionState, 0u);
+      uvec2 words = isInside(node, state_window) ? wordsOf(friction_state[shearState(instance, node)]) : uvec2(kNoFrictionState, 0u);
       vec2 q = shearTraction(words, pressure > 0.0, slot, only_motion, p, covered, pressure, 0.0);
       friction_state[shearState(instance, node)] = pairOf(words);
       force += q;

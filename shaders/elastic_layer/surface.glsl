@@ -21,9 +21,7 @@ Strip columnPositions(uvec2 at) {
   return Strip(first + vec4(0, 1, 2, 3) * spacing, first + vec4(4, 5, 6, 7) * spacing);
 }
 
-bool isReached(Surface surface, uvec2 node) {
-  return all(greaterThanEqual(node, surface.reached.xz)) && all(lessThan(node, surface.reached.yw));
-}
+bool isReached(Surface surface, uvec2 node) { return isInside(node, surface.reached); }
 
 // ---- heights ----
 

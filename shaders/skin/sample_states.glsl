@@ -28,8 +28,6 @@ const uint kTouchedTaxels = 0u, kReachedTaxels = 1u;  // elements of the header
 // `is_new`: in the first step since reset there are no states.
 uvec4 readRectangle(uint tile_state, uint which, bool is_new) { return is_new ? uvec4(0) : fourOf(PastState, tile_state + which); }
 
-bool isInside(uvec2 taxel, uvec4 rectangle) { return all(greaterThanEqual(taxel, rectangle.xz)) && all(lessThan(taxel, rectangle.yw)); }
-
 // Called by all invocations.
 void writeRectangle(uint tile_state, uint which, uvec4 rectangle) {
   for (uint k = gl_LocalInvocationIndex; k < 4u; k += WORKGROUP) state[tile_state + which][k] = rectangle[k];

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "scene/object_reader.h"
+#include "scene/scene_checks.h"
 #include "scene/scene_fields.h"
 #include "scene/sensor_file.h"
 
@@ -32,6 +33,14 @@ std::vector<double> readList(const YamlMap& map, std::string_view key, const All
   for (const YamlNode& item : items) values.push_back(item.number(allowed));
   map.canonical().line(key, canonicalList(values));
   return values;
+}
+
+Scene readSceneOfKind(const YamlMap& map, const std::filesystem::path& directory, Scene::Kind kind) {
+  const YamlNode node = map.require("scene", "a scene file");
+  const std::filesystem::path file = directory / node.text("a scene file");
+  Scene scene = loadScene(file);
+  if (scene.kind != kind) node.fail(file.generic_string() + " is a scene of kind " + wordOf(scene.kind) + ": one of kind " + wordOf(kind));
+  return scene;
 }
 
 StaticExperiment readStaticExperiment(const YamlNode& root, const std::filesystem::path& directory) {

@@ -12,6 +12,9 @@ namespace taxelsim {
 // The list of 1 to 1000 numbers `key` of `map`.
 std::vector<double> readList(const YamlMap& map, std::string_view key, const Allowed& allowed);
 
+// The scene that the key `scene` names, of one kind.
+Scene readSceneOfKind(const YamlMap& map, const std::filesystem::path& directory, Scene::Kind kind);
+
 // Files are relative to `directory`.
 StaticExperiment readStaticExperiment(const YamlNode& root, const std::filesystem::path& directory);
 CharacterizationExperiment readCharacterizationExperiment(const YamlNode& root, const std::filesystem::path& directory);

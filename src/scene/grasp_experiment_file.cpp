@@ -1,5 +1,4 @@
 #include "scene/experiment_reader.h"
-#include "scene/scene_checks.h"
 #include "scene/sensor_file.h"
 
 namespace taxelsim {
@@ -11,11 +10,7 @@ GraspExperiment readGraspExperiment(const YamlNode& root, const std::filesystem:
   map.integer("format_version", 1, kFormatVersion);
   experiment.name = map.text("name", "a name");
   map.choice("experiment", {"grasp"});
-  const YamlNode scene_node = map.require("scene", "a scene file");
-  const std::filesystem::path scene_file = directory / scene_node.text("a scene file");
-  experiment.scene = loadScene(scene_file);
-  if (experiment.scene.kind != Scene::Kind::kGrasp)
-    scene_node.fail(scene_file.generic_string() + " is a scene of kind " + wordOf(experiment.scene.kind) + ": one of kind grasp");
+  experiment.scene = readSceneOfKind(map, directory, Scene::Kind::kGrasp);
   experiment.gains = readList(map, "gains", Allowed::aboveUpTo(0, experiment.scene.simulation_rate, "1/s"));
   return experiment;
 }

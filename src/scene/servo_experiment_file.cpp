@@ -147,11 +147,7 @@ ServoExperiment readServoExperiment(const YamlNode& root, const std::filesystem:
   map.integer("format_version", 1, kFormatVersion);
   experiment.name = map.text("name", "a name");
   map.choice("experiment", {"servo"});
-  const YamlNode scene_node = map.require("scene", "a scene file");
-  const std::filesystem::path scene_file = directory / scene_node.text("a scene file");
-  const Scene scene = loadScene(scene_file);
-  if (scene.kind != Scene::Kind::kServo)
-    scene_node.fail(scene_file.generic_string() + " is a scene of kind " + wordOf(scene.kind) + ": one of kind servo");
+  const Scene scene = readSceneOfKind(map, directory, Scene::Kind::kServo);
   readFields(map, kServoExperimentFields, experiment);
 
   const YamlNode runs = map.require("runs", kRuns);
