@@ -60,11 +60,11 @@ const bool kManyMotions = kKeepsSlots && MANY_SLOTS;
 #include "skin/tile_result.glsl"
 #include "depth/untouched_tiles.glsl"
 
-// Loads a tile. False when the load search of its instance has ended, and for an instance that is held: the results of the last evaluation stay.
+// Loads a tile. False when the load search of its instance has ended, and for an instance that is held or of another dispatch: its results stay.
 bool beginTile(uint instance, uint tile_number, out Tile tile) {
   tile = loadTile(tile_number);
   tile.z_base = -THICKNESS;
-  if (isHeld(instance)) return false;
+  if (isHeld(instance) || !hasKind(instance)) return false;
   if (RANDOM_SKIN) tile.force_area *= instances[instance].skin.x;
   if (SEARCH == kSearchInTile && (instances[instance].keys.w & kFlagLoadDriven) != 0) tile.z_limit = kMiss;
   if (SEARCH == kSearchOverTiles) {

@@ -55,6 +55,12 @@ bool isInFrontOfFace(Tile tile, Body body, int id) {
   return any(greaterThan(abs(offset), reach));
 }
 
+// Whether this dispatch processes the instance. One without an object is processed as if it had the first of the model.
+bool hasKind(uint instance) {
+  if (!SELECTS_KINDS) return true;
+  return (OBJECT_KINDS & (1u << objectOf(max(objectInSlot(instance), 0)).kind_groups.x)) != 0;
+}
+
 Body nearBodyInSlot(Tile tile, uint slot_index, out int id) {
   id = objectInSlot(slot_index);
   Body body = bodyInSlot(tile, slot_index, max(id, 0));

@@ -7,8 +7,8 @@ const bool kLeavesUntouched = EARLY_EXIT && NUM_ROWS > 0 && RELAXATION == 0 && !
 // One invocation per tile first finds the tiles that objects reach; then all invocations process these one after another: a software driver's vectors compute
 // all of a tile even where every lane has left. This does not pay where a large tile would be cleared every time, or where the workgroup has only one tile.
 bool findsNear() { return kManySmallTiles || kLeavesUntouched && IS_LAST && REPEAT > 1; }
-// Likewise the tiles whose load search has not ended.
-bool listsTiles() { return findsNear() || SEARCH == kSearchOverTiles && EARLY_EXIT && REPEAT > 1; }
+// Likewise the tiles whose load search has not ended, and those whose object is of the dispatch's kinds.
+bool listsTiles() { return findsNear() || (SEARCH == kSearchOverTiles || SELECTS_KINDS) && EARLY_EXIT && REPEAT > 1; }
 
 shared uint tile_list[REPEAT];  // tiles to be computed
 shared uint num_listed_tiles;

@@ -13,8 +13,9 @@
 namespace taxelsim::gpu {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, bool FastPaths::*>, 6> kNames{{{"pairs", &FastPaths::pairs},
+constexpr std::array<std::pair<std::string_view, bool FastPaths::*>, 7> kNames{{{"pairs", &FastPaths::pairs},
                                                                                 {"polyhedra", &FastPaths::polyhedra},
+                                                                                {"kinds", &FastPaths::kinds},
                                                                                 {"untouched", &FastPaths::untouched},
                                                                                 {"candidates", &FastPaths::candidates},
                                                                                 {"lockstep", &FastPaths::lockstep},

@@ -13,6 +13,7 @@ namespace taxelsim::gpu {
 struct FastPaths {
   bool pairs = true;       // loads of 64 bits
   bool polyhedra = true;   // convex meshes of few faces as half-spaces: the same surface, other roundings
+  bool kinds = true;       // the contact pass runs once for each kind of object
   bool untouched = true;   // early exit where no object is near; values that are 0 are not cleared again
   bool candidates = true;  // triangles of a slow mesh are culled once in several steps
   bool lockstep = true;    // no barriers in workgroups that are one vector of a software driver, and loads through texel buffers

@@ -1,5 +1,7 @@
 #include "simulation/frame_graph.h"
 
+#include <span>
+
 namespace taxelsim {
 namespace {
 
@@ -8,6 +10,22 @@ using Candidates = FrameKind::Candidates;
 // Sensors that are not one tile facing along z of S search for loads with a pass of their own.
 bool searchesOverTiles(const ModelData& data, const FrameKind& kind) {
   return kind.loads && !data.layer && !data.packed.searches_in_tile;
+}
+
+// The contact pass from poses. In a large batch of a model of several kinds of objects it is a dispatch for each kind, compiled for what
+// this kind needs: the same results in less time, for more kernels to compile. Most of the time of a coupled law is that of its solver.
+void recordContact(const Model::Impl& model, const BatchShape& shape, Recorder& recorder, ContactPass::Variant variant) {
+  constexpr int kMinInstances = 256;
+  const std::span<const std::uint32_t> kinds = model.data.object_kinds.passes;
+  const bool divides = kinds.size() > 1 && !model.data.layer && shape.options.num_instances >= kMinInstances && !variant.many_slots &&
+                       variant.search == ContactInterface::kNoSearch;
+  if (!divides) return model.contact.record(recorder, variant);
+  const std::uint32_t list = variant.list;
+  for (const std::uint32_t mask : kinds) {
+    variant.kinds = mask;
+    variant.list = (mask & (1u << layout::kKindMesh)) != 0 ? list : layout::kNumLists;  // lists are made for meshes
+    model.contact.record(recorder, variant);
+  }
 }
 
 // Evaluates the contact pass at the offsets of the search until it has ended.
@@ -49,7 +67,7 @@ void recordObjects(const Model::Impl& model, const BatchShape& shape, Recorder& 
   if (searchesOverTiles(model.data, kind)) {
     recordSearchOverTiles(model, recorder, variant);
   } else {
-    model.contact.record(recorder, variant);
+    recordContact(model, shape, recorder, variant);
   }
   if (coupled && model.data.area()) {
     variant.list = layout::kNumLists;

@@ -34,7 +34,8 @@ Bounds finiteBounds(const Object& object) {
 }
 
 ObjectKinds kindsOf(const std::vector<Object>& objects, const PackedObjects& packed) {
-  ObjectKinds kinds{.num_faces = packed.num_faces};
+  ObjectKinds kinds;
+  kinds.num_faces = packed.num_faces;
   for (const Object& object : objects) {
     if (const Mesh* mesh = std::get_if<Mesh>(&object.shape))
       kinds.max_triangles = std::max<std::uint64_t>(kinds.max_triangles, mesh->triangles.size());
@@ -50,6 +51,14 @@ ObjectKinds kindsOf(const std::vector<Object>& objects, const PackedObjects& pac
     kinds.triangle_sizes |= ((flags & layout::kLargeTriangles) != 0 ? 2u : 1u) << ((flags & layout::kClosed) != 0 ? 2 : 0);
   }
   return kinds;
+}
+
+// Meshes, polyhedra and solids: what the contact pass needs for one of them makes it slower for the others.
+std::vector<std::uint32_t> passesOf(std::uint32_t kinds) {
+  constexpr std::uint32_t kMeshes = 1u << layout::kKindMesh, kPolyhedra = 1u << layout::kKindPolyhedron;
+  std::vector<std::uint32_t> passes{kinds & kMeshes, kinds & kPolyhedra, kinds & ~(kMeshes | kPolyhedra)};
+  std::erase(passes, 0u);
+  return passes;
 }
 
 void uploadObjects(const PackedObjects& packed, ModelBuffers& buffers) {
@@ -118,6 +127,7 @@ ModelData::ModelData(const Device& opened, const ModelOptions& options)
   const Shapes shapes = area() ? Shapes::kOutward : profile.paths().polyhedra ? Shapes::kPolyhedra : Shapes::kMeshes;
   PackedObjects packed_objects = packObjects(objects, sampleGrid(contact_sensor, contact_packed), shapes);
   object_kinds = kindsOf(objects, packed_objects);
+  if (profile.paths().kinds) object_kinds.passes = passesOf(object_kinds.kinds);
   uploadObjects(packed_objects, buffers);
   object_records = std::move(packed_objects.objects);
   uploadSensor(*this, buffers);

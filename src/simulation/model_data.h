@@ -45,11 +45,12 @@ class ModelBuffers {
 
 // What the contact pass is compiled for.
 struct ObjectKinds {
-  std::uint32_t kinds = 0;           // bit per kind of object
-  std::uint32_t triangle_sizes = 0;  // bit 0: meshes of small triangles, bit 1: of large ones, bits 2 and 3: closed ones for area sampling
-  std::uint32_t num_faces = 1;       // of each polyhedron
-  std::uint32_t max_groups = 0;      // of clusters, of any mesh
-  std::uint64_t max_triangles = 0;   // of any mesh
+  std::uint32_t kinds = 0;            // bit per kind of object
+  std::vector<std::uint32_t> passes;  // the kinds that the contact pass processes in one dispatch, where each instance has one object
+  std::uint32_t triangle_sizes = 0;   // bit 0: meshes of small triangles, bit 1: of large ones, bits 2 and 3: closed ones for area sampling
+  std::uint32_t num_faces = 1;        // of each polyhedron
+  std::uint32_t max_groups = 0;       // of clusters, of any mesh
+  std::uint64_t max_triangles = 0;    // of any mesh
 };
 
 struct ModelData {

@@ -66,6 +66,55 @@ TEST(FasterPathsOnEveryDriver, ChangeNoBit) {
   }
 }
 
+// Solids, polyhedra and meshes in one model, some instances without an object, over two steps. Only a batch of this size is divided by
+// kinds.
+void expectKindsDoNotShow(const Sensor& sensor) {
+  constexpr int kNumInstances = 256;
+  Sensor springs = sensor;  // whose contacts can be drawn
+  springs.skin = {.thickness = sensor.skin.thickness, .law = Winkler{1.73e8, 1, 0}};
+  Random random(13);
+  const std::vector<Object> objects{Object("cylinder", Cylinder{.radius = 8e-3, .length = 30e-3}), support::randomPolyhedron(random, 0.02),
+                                    Object("bumps", support::icosphere(10e-3, 4, 0.02, random)), Object("ball", Sphere{.radius = 6e-3})};
+  std::vector<std::vector<Touch>> steps(2);
+  for (int i = 0; i < kNumInstances; ++i) {
+    const int id = i % 4;
+    Touch touch{{i % 9 == 4 ? kNoObject : id}, {support::randomContact(random, springs, objects[id])}};
+    steps[0].push_back(touch);
+    touch.ids[0] = i % 9 == 5 ? kNoObject : (id + i % 7 / 6) % 4;  // some leave, some change their object
+    touch.X_SO[0].position[0] += 0.1e-3;
+    steps[1].push_back(touch);
+  }
+  const auto bits = [&](const char* plain) {
+    const Plain without(plain);
+    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+    Simulator simulator(model, {.num_instances = kNumInstances});
+    std::vector<std::vector<std::uint32_t>> all;
+    for (const std::vector<Touch>& touches : steps) {
+      support::setTouches(simulator, touches);
+      simulator.step(1e-3);
+      const FrameView frame = simulator.read();
+      for (int i = 0; i < kNumInstances; ++i) all.push_back(support::bitsOf(frame, i, kNumInstances));
+    }
+    return all;
+  };
+  EXPECT_EQ(bits(""), bits("kinds"));
+}
+
+TEST(FasterPathsOnEveryDriver, KindsOfObjectsChangeNoBit) {
+  Sensor sensor = support::gridSensor();
+  sensor.skin.friction = {.tangential_stiffness = 5e7, .friction_coefficient = 0.8};
+  expectKindsDoNotShow(sensor);
+  GridPatch patch = sensor.patches[0];
+  patch.name = "second";
+  patch.X_SP.position = {0.03, 0, 0};
+  sensor.patches.push_back(patch);
+  sensor.skin.friction = {};
+  expectKindsDoNotShow(sensor);
+  sensor = support::gridSensor({.num_rows = 5, .num_cols = 6, .samples_per_taxel = 2});
+  sensor.depth_sampling = DepthSampling::kArea;
+  expectKindsDoNotShow(sensor);
+}
+
 // Covers every pass with barriers for two steps; on a software driver each workgroup is one vector.
 void expectLockstepDoesNotShow(const Sensor& sensor) {
   constexpr int kNumInstances = 6;
@@ -188,7 +237,8 @@ TEST(FasterPathsOnEveryDriver, RejectsAnUnknownName) {
     FAIL() << "taken";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    EXPECT_STREQ(error.what(), "TAXELSIM_PLAIN: \"pears\" is not allowed: pairs, polyhedra, untouched, candidates, lockstep, alone, all");
+    EXPECT_STREQ(error.what(),
+                 "TAXELSIM_PLAIN: \"pears\" is not allowed: pairs, polyhedra, kinds, untouched, candidates, lockstep, alone, all");
   }
 }
 

@@ -110,17 +110,13 @@ bool packOutward(const Object& object, const SampleGrid& grid, PackedObjects& pa
   return false;
 }
 
-// The faces of all meshes if each of them is a polyhedron, else nothing: rastering all meshes is faster than both paths in one model.
-std::vector<std::vector<Face>> polyhedra(std::span<const Object> objects) {
-  std::vector<std::vector<Face>> all;
-  for (const Object& object : objects) {
-    const Mesh* mesh = std::get_if<Mesh>(&object.shape);
-    if (mesh == nullptr) continue;
-    const std::optional<std::vector<Face>> faces = convexFaces(*mesh, kMaxFaces);
-    if (!faces) return {};
-    all.push_back(*faces);
+// Of each object, the faces of a mesh that is a polyhedron.
+std::vector<std::optional<std::vector<Face>>> polyhedra(std::span<const Object> objects) {
+  std::vector<std::optional<std::vector<Face>>> faces(objects.size());
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    if (const Mesh* mesh = std::get_if<Mesh>(&objects[i].shape)) faces[i] = convexFaces(*mesh, kMaxFaces);
   }
-  return all;
+  return faces;
 }
 
 void packFaces(const std::vector<Face>& faces, PackedObjects& packed, layout::ObjectRecord& record) {
@@ -153,10 +149,13 @@ struct PackSolid {
 
 PackedObjects packObjects(std::span<const Object> objects, const SampleGrid& grid, Shapes shapes) {
   PackedObjects packed;
-  const std::vector<std::vector<Face>> faces = shapes == Shapes::kPolyhedra ? polyhedra(objects) : std::vector<std::vector<Face>>{};
-  for (const std::vector<Face>& of_one : faces) packed.num_faces = std::max(packed.num_faces, static_cast<std::uint32_t>(of_one.size()));
-  std::size_t num_meshes = 0;
-  for (const Object& object : objects) {
+  std::vector<std::optional<std::vector<Face>>> faces(objects.size());
+  if (shapes == Shapes::kPolyhedra) faces = polyhedra(objects);
+  for (const std::optional<std::vector<Face>>& of_one : faces) {
+    if (of_one) packed.num_faces = std::max(packed.num_faces, static_cast<std::uint32_t>(of_one->size()));
+  }
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const Object& object = objects[i];
     layout::ObjectRecord record{};
     const Bounds bounds = boundsOf(object);
     for (int axis = 0; axis < 3; ++axis) {
@@ -169,10 +168,10 @@ PackedObjects packObjects(std::span<const Object> objects, const SampleGrid& gri
     const bool is_packed = shapes == Shapes::kOutward && packOutward(object, grid, packed, record);
     if (!is_packed && mesh == nullptr) {
       std::visit(PackSolid{record}, object.shape);
-    } else if (!is_packed && faces.empty()) {
-      packMesh(*mesh, false, grid, packed, record);
+    } else if (!is_packed && faces[i]) {
+      packFaces(*faces[i], packed, record);
     } else if (!is_packed) {
-      packFaces(faces[num_meshes++], packed, record);
+      packMesh(*mesh, false, grid, packed, record);
     }
     packed.objects.push_back(record);
   }

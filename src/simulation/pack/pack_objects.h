@@ -23,7 +23,7 @@ struct PackedObjects {
 // How packObjects() packs shapes for which there is more than one way.
 enum class Shapes {
   kMeshes,     // meshes stay meshes
-  kPolyhedra,  // meshes become polyhedra if all of them are convex and have few faces
+  kPolyhedra,  // convex meshes of few faces become polyhedra
   kOutward,    // for area sampling: boxes and tori become meshes, and closed meshes wind outward
 };
 

@@ -49,15 +49,16 @@ std::uint32_t chooseGroupsPerBatch(const ModelData& model) {
   return groups;
 }
 
-// Loop iterations that one invocation alone would take for a tile.
-std::uint64_t iterationsOf(const ModelData& model) {
+// Loop iterations that one invocation alone would take for a tile and objects of these kinds.
+std::uint64_t iterationsOf(const ModelData& model, std::uint32_t kinds) {
   constexpr std::uint64_t kPerSample = 3, kPerSampleOfTorus = 48;  // of at most 96
   // With area sampling: triangles next to each other share cells; of a solid, most cells on an edge take scan lines.
   constexpr std::uint64_t kPerTriangle = 4, kPerCell = 8;
-  const bool has_torus = (model.object_kinds.kinds & (1u << layout::kKindTorus)) != 0;
+  const bool has_torus = (kinds & (1u << layout::kKindTorus)) != 0;
   const std::uint64_t per_ray = has_torus ? kPerSampleOfTorus : kPerSample;
-  if (model.area()) return kPerTriangle * model.object_kinds.max_triangles + kPerCell * model.contact_packed.max_tile_samples;
-  return 2 * model.object_kinds.max_triangles + model.contact_packed.max_tile_samples * per_ray;
+  const std::uint64_t num_triangles = (kinds & (1u << layout::kKindMesh)) != 0 ? model.object_kinds.max_triangles : 0;
+  if (model.area()) return kPerTriangle * num_triangles + kPerCell * model.contact_packed.max_tile_samples;
+  return 2 * num_triangles + model.contact_packed.max_tile_samples * per_ray;
 }
 
 // Without area sampling closed meshes are drawn as others.
@@ -72,12 +73,11 @@ std::uint32_t maxTileSamples(const DeviceInfo& info, bool area, bool variation) 
 }
 
 ContactPass::ContactPass(const ModelData& model, const ModelOptions& options, const Tuning& tuning) : model_(model) {
-  const std::uint64_t iterations = iterationsOf(model);
+  const std::uint64_t iterations = iterationsOf(model, model.object_kinds.kinds);
   sizes_.workgroup = tunedWorkgroup(options.contact_workgroup, model.profile, iterations, "contact_workgroup");
   sizes_.lanes = model.contact_packed.contact_lanes;
-  const std::uint32_t max_repeat = model.packed.tiles.size() > 1 ? kMaxTileRepeat : kMaxRepeat;
-  sizes_.repeat =
-      tunedRepeat(tuning.contact_repeat, model.profile.itemsInSequence(iterations / sizes_.workgroup, max_repeat), "tuning.contact_repeat");
+  tuned_repeat_ = tuning.contact_repeat;
+  sizes_.repeat = repeatFor(model.object_kinds.kinds);
   groups_per_batch_ =
       tunedSize(tuning.groups_per_batch, chooseGroupsPerBatch(model), kMinGroupsPerBatch, kMaxGroupsPerBatch, "tuning.groups_per_batch");
   if (tuning.groups_per_batch != 0 || tuning.contact_repeat != 0) {
@@ -85,9 +85,16 @@ ContactPass::ContactPass(const ModelData& model, const ModelOptions& options, co
   }
 }
 
-// A load search in a tile takes all the iterations that a workgroup may.
+std::uint32_t ContactPass::repeatFor(std::uint32_t kinds) const {
+  const std::uint32_t most = model_.packed.tiles.size() > 1 ? kMaxTileRepeat : kMaxRepeat;
+  return tunedRepeat(tuned_repeat_, model_.profile.itemsInSequence(iterationsOf(model_, kinds) / sizes_.workgroup, most),
+                     "tuning.contact_repeat");
+}
+
+// A load search in a tile takes all the iterations that a workgroup may. Lists count workgroups of sizes_.repeat.
 std::uint32_t ContactPass::repeatOf(const Variant& variant) const {
-  return variant.search == ContactInterface::kSearchInTile ? 1 : sizes_.repeat;
+  if (variant.search == ContactInterface::kSearchInTile) return 1;
+  return variant.kinds == 0 || variant.list != layout::kNumLists ? sizes_.repeat : repeatFor(variant.kinds);
 }
 
 void ContactPass::record(Recorder recorder, const Variant& variant) const {
@@ -114,6 +121,8 @@ ContactPass::Kernel ContactPass::makeKernel(const Variant& variant) const {
   const bool only_searches = model_.hasFriction() && variant.search == ContactInterface::kSearchOverTiles;
   const bool friction = model_.hasFriction() && !only_searches;
   const bool area = model_.area() && (!model_.layer || variant.cells);
+  std::uint32_t kinds = variant.kinds != 0 ? variant.kinds : model_.object_kinds.kinds;
+  if (variant.list == layout::kListCandidates) kinds = 1u << layout::kKindMesh;
   const ContactInterface constants{
       .TILE_SAMPLES = model_.contact_packed.max_tile_samples,
       .FLAT = model_.contact_packed.flat,
@@ -122,7 +131,7 @@ ContactPass::Kernel ContactPass::makeKernel(const Variant& variant) const {
       .THICKNESS = skin.thickness,
       .SCALED = model_.packed.scalesSpread() && !taxels_follow && !model_.layer,
       .MANY_SLOTS = variant.many_slots,
-      .OBJECT_KINDS = variant.list == layout::kListCandidates ? 1u << layout::kKindMesh : model_.object_kinds.kinds,
+      .OBJECT_KINDS = kinds,
       .TRIANGLE_SIZES = triangleSizes(model_.object_kinds, area),
       .OUTPUT_DEPTH = variant.with_depth,
       .NUM_FACES = model_.object_kinds.num_faces,
@@ -153,6 +162,7 @@ ContactPass::Kernel ContactPass::makeKernel(const Variant& variant) const {
       .KEEPS_SLOTS = variant.keeps_slots,
       .HAS_CELLS = model_.layer && model_.area(),
       .NUM_STATES = model_.numSampleStates(),
+      .SELECTS_KINDS = kinds != model_.object_kinds.kinds && variant.list != layout::kListCandidates,
   };
   const PassSizes sizes{sizes_.workgroup, sizes_.lanes, repeatOf(variant)};
   return {model_.context(), law.kernel, model_.profile.select(law.spirv, sizes.workgroup),

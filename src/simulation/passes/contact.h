@@ -23,6 +23,7 @@ class ContactPass {
     bool with_shear = false;                           // outputs tactile_shear_force of a sensor with friction
     bool with_jacobian = false;                        // outputs what a tactile Jacobian is computed from
     std::uint32_t list = layout::kNumLists;            // instances that it processes, kList...; kNumLists: all
+    std::uint32_t kinds = 0;                           // bit per kind of object that it processes; 0: all of the model
     bool random_skin = false;                          // every instance has factors of its own, SkinVariation
     bool cells = false;                                // second run of a coupled law with area sampling: writes node_cells
     auto operator<=>(const Variant&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 misreads it
@@ -41,10 +42,12 @@ class ContactPass {
  private:
   using Kernel = gpu::PassKernel<ContactInterface>;
   Kernel makeKernel(const Variant& variant) const;
+  std::uint32_t repeatFor(std::uint32_t kinds) const;
   std::uint32_t repeatOf(const Variant& variant) const;
 
   const ModelData& model_;
   PassSizes sizes_;
+  int tuned_repeat_ = 0;
   std::uint32_t groups_per_batch_ = 0;
   KernelCache<Variant, Kernel> kernels_;
 };
