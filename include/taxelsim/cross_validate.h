@@ -26,8 +26,8 @@ struct PredictionScore {
 /// A way to predict, and its scores.
 struct Predictor {
   std::string name;  ///< Name in reports.
-  /// Whether it has no model of the sensor. False for the fitted sensor, a variant of it, and another recording of the same contact, which
-  /// is a limit for every simulation.
+  /// Whether it has no model of the sensor. False for the fitted sensor, a variant of it, and other recordings of the same contact, which
+  /// are limits for every simulation.
   bool is_baseline = false;
   std::vector<PredictionScore> scores{};  ///< One entry per prediction, in the same order for all predictors.
 };
@@ -36,7 +36,7 @@ struct Predictor {
 struct CrossValidation {
   std::string left_out;               ///< What each fit has not seen, such as "loads".
   std::vector<Predictor> predictors;  ///< The fitted sensor first, then the baselines.
-  double longest_fit = 0;             ///< s, wall clock, of one characterize().
+  double longest_fit = 0;             ///< s of processor time of the process, during one characterize().
 };
 
 /// Fits the sensor without a part of the measurements, predicts that part, and repeats this for each part.
@@ -44,9 +44,11 @@ struct CrossValidation {
 /// Stamps: all stamps of one load are left out together, and the rest needs another load. The reference in double precision simulates the
 /// prediction. A stamp stands where the training stamps of its fixture stand, or without a fixture at the mean pose of all training stamps:
 /// the scored image has no part in it. If the gains of the training presses depend on the load (Characterization::bench_gains), the sensor
-/// times the expected gain is scored as well. Baselines: an image of zeros; the footprint under a Gaussian
-/// with one gain; the same with a trigger and a ridge-regularised gain per taxel; a straight line in the load per taxel; another recorded
-/// press of the same load.
+/// times the expected gain is scored as well, and so is the sensor with one gain and one trigger for all taxels. Baselines: an image of
+/// zeros; the footprint under a Gaussian with one gain; the same with a trigger and a ridge-regularised gain per taxel; a straight line in
+/// the load per taxel. Limits: another recorded press of the same load; and what a prediction that is exactly the mean of all presses of
+/// this load would score, estimated from its n recorded presses: the error of the mean of the n - 1 others, times sqrt(1 - 1/n) because
+/// that mean has an error too.
 ///
 /// Force curves: each measurement is cut into cycles of the force, and odd cycles predict even ones and vice versa; with fewer than four
 /// cycles, its halves. Baselines: zeros; a straight line in the force per taxel; the median reading of the other half at the same force.

@@ -1,7 +1,7 @@
 #include "taxelsim/cross_validate.h"
 
 #include <algorithm>
-#include <chrono>
+#include <ctime>
 
 #include "characterize/validation_parts.h"
 #include "taxelsim/error.h"
@@ -9,9 +9,9 @@
 namespace taxelsim {
 
 Characterization timedFit(const std::vector<Measurement>& measurements, double& longest) {
-  const auto start = std::chrono::steady_clock::now();
+  const std::clock_t start = std::clock();
   Characterization result = characterize(measurements);
-  longest = std::max(longest, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  longest = std::max(longest, static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
   return result;
 }
 

@@ -53,6 +53,23 @@ PredictionScore scoreOfImage(const Sensor& sensor, std::span<const double> predi
   return score;
 }
 
+PredictionScore scoreOfMeanPress(const Sensor& sensor, std::span<const std::vector<double>> others, std::span<const double> real) {
+  const auto count = static_cast<double>(others.size());  // without others 0 / 0 is NaN
+  std::vector<double> mean(real.size());
+  for (std::size_t t = 0; t < mean.size(); ++t) {
+    for (const std::vector<double>& image : others) mean[t] += image[t];
+    mean[t] /= count;
+  }
+  PredictionScore score = scoreOfImage(sensor, mean, real);
+  const double part = std::sqrt(count / (count + 1));
+  score.median_difference *= part;
+  score.relative_l1 *= part;
+  score.sum_ratio = 1 + part * (score.sum_ratio - 1);
+  score.center_distance *= part;
+  score.active_ratio = kNone;
+  return score;
+}
+
 PredictionScore medianScore(const Predictor& predictor, double from, double to) {
   std::vector<double> m1, m4, sum, centre, active;
   for (const PredictionScore& score : predictor.scores) {

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -27,23 +28,26 @@ void scaleGain(Readout& readout, double gain) {
   readout.trigger /= gain;
 }
 
-}  // namespace
-
-std::optional<double> gainSpreadOf(const Characterization& fitted) {
-  const std::vector<double> logs = logGainsOf(fitted);
-  if (logs.size() < 2) return {};
-  const double num = static_cast<double>(logs.size());
+// Standard deviation; none of fewer than two values.
+std::optional<double> deviationOf(const std::vector<double>& values) {
+  if (values.size() < 2) return {};
+  const double num = static_cast<double>(values.size());
   double sum = 0, squares = 0;
-  for (const double log : logs) sum += log, squares += log * log;
+  for (const double value : values) sum += value, squares += value * value;
   return std::sqrt(std::max(squares - sum * sum / num, 0.0) / (num - 1));
 }
 
+}  // namespace
+
+std::optional<double> gainSpreadOf(const Characterization& fitted) {
+  return deviationOf(logGainsOf(fitted));
+}
+
 Sensor withRandomGains(const Characterization& fitted) {
-  const std::optional<double> spread = gainSpreadOf(fitted);
-  if (!spread) throw Error(ErrorKind::kInput, "the measurements determine the gains of fewer than two taxels: they have no scatter");
-  double mean = 0;
   const std::vector<double> logs = logGainsOf(fitted);
-  for (const double log : logs) mean += log / static_cast<double>(logs.size());
+  const std::optional<double> spread = deviationOf(logs);
+  if (!spread) throw Error(ErrorKind::kInput, "the measurements determine the gains of fewer than two taxels: they have no scatter");
+  const double mean = std::accumulate(logs.begin(), logs.end(), 0.0) / static_cast<double>(logs.size());
   Sensor sensor = fitted.sensor;
   Readout& readout = sensor.readout;
   readout.taxel_gain.clear();

@@ -38,6 +38,13 @@ double meanOfPose(const Characterization& result, const std::vector<Measurement>
   return count > 0 ? sum / count : 0;
 }
 
+// The fitted sensor with one gain and one trigger for all taxels that respond.
+Characterization withEqualGains(Characterization fitted) {
+  for (double& gain : fitted.sensor.readout.taxel_gain) gain = gain > 0 ? 1 : 0;
+  fitted.sensor.readout.taxel_trigger.clear();
+  return fitted;
+}
+
 std::vector<double> predictedBySensor(const Characterization& result, const std::vector<Measurement>& training,
                                       const Measurement& measurement, double press_gain) {
   const auto& stamp = std::get<StampImages>(measurement.data);
@@ -61,15 +68,25 @@ std::vector<double> predictedBySensor(const Characterization& result, const std:
   return {frame.counts.begin(), frame.counts.end()};
 }
 
+// Images of the other presses of the same load.
+std::vector<std::vector<double>> repeatsOf(const std::vector<RecordedPress>& presses, std::size_t k) {
+  std::vector<std::vector<double>> images;
+  for (std::size_t other = 0; other < presses.size(); ++other) {
+    if (other != k && presses[other].load == presses[k].load) images.push_back(presses[other].image);
+  }
+  return images;
+}
+
 // Predictors in the order of CrossValidation.
-enum : std::size_t { kSensor, kZero, kBlur, kBlurWithGains, kLine, kRepeat, kSensorOnBench };
+enum : std::size_t { kSensor, kZero, kBlur, kBlurWithGains, kLine, kRepeat, kSensorOnBench, kMeanPress, kEqualGains };
 
 }  // namespace
 
 CrossValidation validateStamps(const std::vector<Measurement>& stamps, const std::vector<Measurement>& others) {
   CrossValidation result{.left_out = "loads", .predictors = {}};
   for (const char* const name : {"fitted sensor", "zeros", "blurred footprint, one gain", "blurred footprint, trigger and gains",
-                                 "line in the load per taxel", "repeated real press", "fitted sensor with the bench's deviation"}) {
+                                 "line in the load per taxel", "repeated real press", "fitted sensor with the bench's deviation",
+                                 "exact mean of the presses, from repeats", "fitted sensor, every gain 1"}) {
     const std::size_t predictor = result.predictors.size();
     result.predictors.push_back({.name = name, .is_baseline = predictor != kSensor && predictor < kRepeat, .scores = {}});
   }
@@ -94,26 +111,30 @@ CrossValidation validateStamps(const std::vector<Measurement>& stamps, const std
       seen.push_back(presses[k]);
     }
     const Characterization fitted = timedFit(training, result.longest_fit);
+    const Characterization equal = withEqualGains(fitted);
     const double press_gain = fitted.bench_gains ? std::exp(fitted.bench_gains->at(load)) : 1;
     for (std::size_t k = 0; k < stamps.size(); ++k) {
       if (loadOf(stamps[k]) != load) continue;
       const Sensor& sensor = stamps[k].sensor;
       const std::vector<double>& real = presses[k].image;
-      const auto add = [&](std::size_t predictor, const std::vector<double>& predicted) {
-        PredictionScore score = scoreOfImage(sensor, predicted, real);
+      const auto addScore = [&](std::size_t predictor, PredictionScore score) {
         score.measurement = stamps[k].name;
         score.load = load;
         result.predictors[predictor].scores.push_back(std::move(score));
+      };
+      const auto add = [&](std::size_t predictor, const std::vector<double>& predicted) {
+        addScore(predictor, scoreOfImage(sensor, predicted, real));
       };
       add(kSensor, predictedBySensor(fitted, training, stamps[k], 1));
       add(kZero, std::vector<double>(real.size()));
       add(kBlur, blurredFootprint(sensor, seen, presses[k]));
       add(kBlurWithGains, blurredFootprintWithGains(sensor, seen, presses[k]));
       add(kLine, linePerTaxel(seen, presses[k]));
-      const auto repeats = [&](const RecordedPress& press) { return press.load == load && &press != &presses[k]; };
-      const auto other = std::find_if(presses.begin(), presses.end(), repeats);
+      const std::vector<std::vector<double>> repeats = repeatsOf(presses, k);
       add(kSensorOnBench, predictedBySensor(fitted, training, stamps[k], press_gain));
-      add(kRepeat, other != presses.end() ? other->image : std::vector<double>(real.size(), std::nan("")));
+      add(kRepeat, repeats.empty() ? std::vector<double>(real.size(), std::nan("")) : repeats.front());
+      add(kEqualGains, predictedBySensor(equal, training, stamps[k], 1));
+      addScore(kMeanPress, scoreOfMeanPress(sensor, repeats, real));
     }
   }
   return result;

@@ -14,7 +14,7 @@ CrossValidation validateStamps(const std::vector<Measurement>& stamps, const std
 // Each measurement is cut into two parts, which predict each other.
 CrossValidation validateForceCurves(const std::vector<Measurement>& curves, const std::vector<Measurement>& others);
 
-// As characterize(). Raises `longest` (s) to the time that it took.
+// As characterize(). Raises `longest` (s) to the processor time that it took.
 Characterization timedFit(const std::vector<Measurement>& measurements, double& longest);
 
 }  // namespace taxelsim

@@ -103,9 +103,11 @@ std::string crossValidationText(std::span<const CrossValidation> results, double
   std::string text;
   for (const CrossValidation& result : results) text += verdictText(result, light_below) + "\n";
   for (const CrossValidation& result : results) {
-    for (const LoadClass& loads : classesOf(result, light_below)) text += "\n" + mediansTable(result, loads);
+    std::vector<LoadClass> classes = classesOf(result, light_below);
+    if (classes.size() > 1) classes.push_back({.name = " over all loads"});
+    for (const LoadClass& loads : classes) text += "\n" + mediansTable(result, loads);
     text += "\n" + scoresTable(result);
-    text += fmt::format("\nlongest fit: {:.1f} s\n", result.longest_fit);
+    text += fmt::format("\nlongest fit: {:.1f} s of processor time\n", result.longest_fit);
   }
   return text;
 }

@@ -41,12 +41,23 @@ std::vector<StampImages> loads(const Sensor& sensor) {
   return stamps;
 }
 
+// M4 of the true sensor without the gains of its taxels, under the middle load.
+double errorWithoutGains(const Sensor& truth) {
+  Sensor equal = truth;
+  equal.readout.taxel_gain.clear();
+  const auto imageOf = [](const Sensor& sensor) {
+    const StampImages stamp = recorded(sensor, {.load = 4.5, .x = 0.5e-3, .noise = 0});
+    return std::vector<double>(stamp.images.counts.end() - 48, stamp.images.counts.end());
+  };
+  return scoreOfImage(truth, imageOf(equal), imageOf(truth)).relative_l1;
+}
+
 TEST(CrossValidate, AFittedSensorBeatsEveryBaselineOnItsOwnBench) {
   const Sensor truth = bentSensor();
   const std::vector<CrossValidation> results = crossValidate(measured(truth, loads(truth)));
   ASSERT_EQ(results.size(), 1u);
   const std::vector<Predictor>& predictors = results[0].predictors;
-  ASSERT_EQ(predictors.size(), 7u);
+  ASSERT_EQ(predictors.size(), 9u);
   const PredictionScore own = medianScore(predictors[0], 0, kAll);
   for (std::size_t p = 1; p < predictors.size(); ++p) {
     ASSERT_EQ(predictors[p].scores.size(), 10u) << predictors[p].name;
@@ -57,6 +68,11 @@ TEST(CrossValidate, AFittedSensorBeatsEveryBaselineOnItsOwnBench) {
   EXPECT_LT(own.relative_l1, 0.06);
   EXPECT_LT(own.center_distance, 0.2e-3);
   EXPECT_EQ(medianScore(predictors[1], 0, kAll).relative_l1, 1) << "zeros";
+  // The fit has 1 as the mean gain of the loaded taxels, whose true gains have a mean within 0.05 of it. A taxel reads gain times force
+  // minus trigger, which is 1.4 times as sensitive as the force.
+  EXPECT_EQ(predictors[8].name, "fitted sensor, every gain 1");
+  EXPECT_NEAR(medianScore(predictors[8], 0, kAll).relative_l1, errorWithoutGains(truth), 1.4 * 0.05);
+  EXPECT_GT(errorWithoutGains(truth), 0.2);
   EXPECT_THAT(figures::crossValidationText(results, 0),
               StartsWith("left-out loads: the fitted sensor predicts better than every baseline"));
 }
@@ -89,6 +105,8 @@ TEST(CrossValidate, TheVerdictNamesABetterBaseline) {
   EXPECT_THAT(figures::verdictText(result, 3),
               StartsWith("left-out loads: a baseline predicts better than the fitted sensor: M4 below 3 N 20.0 % against 10.0 % (line)"));
   EXPECT_THAT(figures::verdictText(result, 3), ::testing::Not(HasSubstr("repeat")));
+  EXPECT_THAT(figures::crossValidationText(std::vector{result}, 3), HasSubstr("median over all loads"));
+  EXPECT_THAT(figures::crossValidationText(std::vector{result}, 0), ::testing::Not(HasSubstr("over all loads")));
   result.predictors[0].scores[0].relative_l1 = 0.1;
   EXPECT_THAT(figures::verdictText(result, 3), StartsWith("left-out loads: the fitted sensor predicts better"));
 }
@@ -113,6 +131,36 @@ TEST(CrossValidate, ScoresByHand) {
   EXPECT_DOUBLE_EQ(score.relative_l1, 40.0 / 50);
   EXPECT_DOUBLE_EQ(score.sum_ratio, 1);
   EXPECT_DOUBLE_EQ(score.active_ratio, 2.0 / 3);
+}
+
+// Presses of one load whose sums scatter by a known standard deviation: the median error of their exact mean is that of a Gaussian,
+// whatever the number of presses. The mean of the others alone would give 1.41 or 1.22 times as much.
+TEST(CrossValidate, TheExactMeanOfPressesFromRepeats) {
+  constexpr double kScatter = 0.05, kMedianOfGaussian = 0.6745;
+  constexpr int kLoads = 4000;
+  Sensor sensor = baseSensor();
+  const auto num_taxels = static_cast<std::size_t>(numTaxels(sensor));
+  std::mt19937 random(11);
+  std::normal_distribution<double> scatter(0, kScatter);
+  for (const std::size_t num_presses : {2u, 3u}) {
+    Predictor mean{.name = "mean"};
+    for (int load = 0; load < kLoads; ++load) {
+      std::vector<std::vector<double>> images;
+      for (std::size_t p = 0; p < num_presses; ++p) images.emplace_back(num_taxels, 1000 * (1 + scatter(random)));
+      for (std::size_t p = 0; p < num_presses; ++p) {
+        std::vector<std::vector<double>> others = images;
+        others.erase(others.begin() + static_cast<std::ptrdiff_t>(p));
+        mean.scores.push_back(scoreOfMeanPress(sensor, others, images[p]));
+      }
+    }
+    // Errors of two presses of one load are almost equal. A median of n absolute Gaussian values has a standard deviation of
+    // 0.787 / sqrt(n), 1.8 % of it at 4000; the ratio of two Gaussians adds the square of their scatter, 0.3 %.
+    const PredictionScore found = medianScore(mean, 0, 1);
+    EXPECT_NEAR(found.sum_ratio, kMedianOfGaussian * kScatter, 0.08 * kMedianOfGaussian * kScatter) << num_presses;
+    EXPECT_NEAR(found.relative_l1, kMedianOfGaussian * kScatter, 0.08 * kMedianOfGaussian * kScatter) << num_presses;
+    EXPECT_TRUE(std::isnan(found.active_ratio));
+  }
+  EXPECT_TRUE(std::isnan(scoreOfMeanPress(sensor, {}, std::vector<double>(num_taxels, 1)).sum_ratio)) << "a single press";
 }
 
 TEST(CrossValidate, BaselinesOfPlainPresses) {

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <ctime>
 #include <iterator>
+#include <set>
 #include <string>
 #include <variant>
 
@@ -49,7 +50,14 @@ TEST(RealRecordingsStudy, AMatrixPredictsLoadsThatWereLeftOut) {
   EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, 4 * 60);
 }
 
-// First presses against second ones: intervals of one finger's parameters overlap.
+bool isOfList(const Estimate& estimate) {
+  return estimate.parameter.find('[') != std::string::npos;
+}
+
+// First presses of all eight loads against second ones; the third press of 200 g is left out. Each half has more loads than the five from
+// which on gains of presses may depend on the load. Intervals of one finger's parameters overlap: single values (curve, spread, trigger,
+// pose) and those of lists (gains of taxels, terms of the creep) are counted separately, because 26 gains are relative to their mean and
+// agree whatever the rest does.
 TEST(RealRecordingsStudy, TwoHalvesOfTheRecordingsAgree) {
   const CharacterizationExperiment experiment = loaded("weiss_dsa", TAXELSIM_REAL_DATA);
   ASSERT_EQ(experiment.missing, "");
@@ -58,24 +66,34 @@ TEST(RealRecordingsStudy, TwoHalvesOfTheRecordingsAgree) {
     std::vector<Measurement> half;
     std::copy_if(experiment.measurements.begin(), experiment.measurements.end(), std::back_inserter(half),
                  [&](const Measurement& m) { return m.name.back() == last; });
+    std::set<double> loads;
+    for (const Measurement& m : half) loads.insert(std::get<StampImages>(m.data).load);
     ASSERT_EQ(half.size(), 8u);
+    ASSERT_EQ(loads.size(), 8u);
     halves.push_back(characterize(half));
   }
-  int both = 0, overlap = 0;
+  struct Count {
+    int both = 0, overlap = 0;
+  };
+  Count single, listed;
   for (const Estimate& first : halves[0].estimates) {
     for (const Estimate& second : halves[1].estimates) {
       if (first.parameter != second.parameter || !first.determined || !second.determined) continue;
-      ++both;
+      Count& count = isOfList(first) ? listed : single;
       const bool overlaps = first.low <= second.high && second.low <= first.high;
-      overlap += overlaps;
-      if (overlaps && first.parameter.find('[') != std::string::npos) continue;
+      ++count.both;
+      count.overlap += overlaps ? 1 : 0;
+      if (overlaps && isOfList(first)) continue;
       std::printf("%s %s: %.4g (%.4g to %.4g), %.4g (%.4g to %.4g)\n", overlaps ? "" : "APART", first.parameter.c_str(), first.value,
                   first.low, first.high, second.value, second.low, second.high);
     }
   }
-  std::printf("%d of %d intervals overlap\n", overlap, both);
-  EXPECT_GE(both, 30);
-  EXPECT_GE(overlap, 0.9 * both);
+  std::printf("intervals that overlap: %d of %d single values, %d of %d of lists\n", single.overlap, single.both, listed.overlap,
+              listed.both);
+  EXPECT_GE(single.both, 7);
+  EXPECT_GE(listed.both, 25);
+  EXPECT_GE(single.overlap, 0.9 * single.both);
+  EXPECT_GE(listed.overlap, 0.9 * listed.both);
 }
 
 TEST(RealRecordingsStudy, SingleTaxelsPredictTheirOtherHalf) {

@@ -3,11 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <string>
 #include <vector>
 
 #include "characterize/estimates.h"
+#include "characterize/prediction_score.h"
 #include "characterize/stamp_bench.h"
 
 namespace taxelsim::testing {
@@ -66,6 +69,41 @@ TEST(StampPriors, FindsWidelyScatteredGainsAndTriggers) {
   // P(X <= n - 6) of a binomial (n, .95) is below .01 for n of 16 to 48; errors of neighbours are correlated, and all depend on one mean.
   EXPECT_GE(gains, static_cast<int>(loaded.size()) - 5);
   EXPECT_GE(triggers, static_cast<int>(loaded.size()) - 5);
+}
+
+// Gains belong to the taxels and not to the places of the stamp: those of two places predict the image at a third one between them, which
+// no fit has seen, as well as the images at the two places. Mean over three sensors of M4 of images without noise.
+TEST(StampPriors, GainsOfTwoPlacesPredictAThird) {
+  constexpr std::array<double, 2> kFirst{-1.9e-3, -1.2e-3}, kSecond{2.3e-3, 1.4e-3}, kThird{0.1e-3, 0.2e-3};
+  constexpr int kSensors = 3;
+  double fitted_places = 0, third = 0, equal_gains = 0;
+  for (int n = 0; n < kSensors; ++n) {
+    const Sensor truth = scatteredSensor(31 + static_cast<std::uint64_t>(n));
+    std::vector<StampImages> stamps;
+    for (int k = 0; k < 12; ++k) {
+      const std::array<double, 2>& place = k % 2 == 0 ? kFirst : kSecond;
+      stamps.push_back(recorded(truth, {.load = 2.5 + k / 2, .x = place[0], .y = place[1], .seed = 200 + static_cast<std::uint64_t>(k)}));
+      stamps.back().fixture = k % 2 == 0 ? "first" : "second";
+    }
+    Sensor sensor = fitted(truth, stamps).sensor;
+    const auto errorAt = [&](const std::array<double, 2>& place) {
+      const auto imageOf = [&](const Sensor& pressed) {
+        const StampImages stamp = recorded(pressed, {.load = 5, .x = place[0], .y = place[1], .noise = 0});
+        return std::vector<double>(stamp.images.counts.end() - 48, stamp.images.counts.end());
+      };
+      return scoreOfImage(truth, imageOf(sensor), imageOf(truth)).relative_l1 / kSensors;
+    };
+    fitted_places += (errorAt(kFirst) + errorAt(kSecond)) / 2;
+    third += errorAt(kThird);
+    sensor.readout.taxel_gain.clear();
+    sensor.readout.taxel_trigger.clear();
+    equal_gains += errorAt(kThird);
+  }
+  std::printf("M4 at the fitted places %.2f %%, at a third one %.2f %%, there with every gain 1 %.1f %%\n", 100 * fitted_places,
+              100 * third, 100 * equal_gains);
+  // Errors of one place scatter by half of their mean from sensor to sensor: the mean of three by 0.3, that of six by 0.2 of it.
+  EXPECT_LT(third, 1.5 * fitted_places);
+  EXPECT_LT(third, 0.2 * equal_gains);
 }
 
 TEST(StampPriors, AFixtureHasOnePose) {
