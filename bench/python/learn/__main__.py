@@ -22,6 +22,7 @@ from typing import Any
 from report import ROOT, machine, write_json
 
 from taxelsim import Device
+from taxelsim.envs import DYNAMIC_TASKS
 
 from . import dynamics
 from .page import page
@@ -70,29 +71,27 @@ def commit() -> str:
 
 
 def run_dynamics(tasks: list[str], folder: Path, num_episodes: int) -> None:
-    """Trains and evaluates the policies of the tasks with dynamics."""
+    """Trains and evaluates the policies of some tasks with dynamics. The results of other tasks stay in the file."""
     from . import dynamic_training
 
     folder.mkdir(parents=True, exist_ok=True)
     device = Device.open()
-    evaluations, trainings = {}, {}
+    found = json.loads(TRAINED_DYNAMICS.read_text())["tasks"] if TRAINED_DYNAMICS.exists() else {}
     for task in tasks:
         for sense in dynamics.SCRIPTS:
             if not (folder / f"{task}-{sense}.json").exists():
                 dynamic_training.train(task, sense, dynamic_training.DYNAMIC_RECIPES[task], folder, device)
-        evaluations[task] = dynamic_training.evaluations(task, list(dynamics.SCRIPTS), folder, num_episodes, device)
-        trainings[task] = {sense: json.loads((folder / f"{task}-{sense}.json").read_text()) for sense in dynamics.SCRIPTS}
-    result = {
-        "machine": machine(device),
-        "versions": versions("torch", "stable_baselines3", "mujoco", "numpy"),
-        "commit": commit(),
-        "episodes": num_episodes,
-        "seed": dynamic_training.EVALUATION_SEED,
-        "recipes": {task: dataclasses.asdict(dynamic_training.DYNAMIC_RECIPES[task]) for task in tasks},
-        "trainings": trainings,
-        "evaluations": evaluations,
-    }
-    write_json(TRAINED_DYNAMICS, result)
+        found[task] = {
+            "commit": commit(),
+            "machine": machine(device),
+            "versions": versions("torch", "stable_baselines3", "mujoco", "numpy"),
+            "episodes": num_episodes,
+            "seed": dynamic_training.EVALUATION_SEED,
+            "recipe": dataclasses.asdict(dynamic_training.DYNAMIC_RECIPES[task]),
+            "trainings": {sense: json.loads((folder / f"{task}-{sense}.json").read_text()) for sense in dynamics.SCRIPTS},
+            "evaluations": dynamic_training.evaluations(task, list(dynamics.SCRIPTS), folder, num_episodes, device),
+        }
+        write_json(TRAINED_DYNAMICS, {"tasks": {name: found[name] for name in DYNAMIC_TASKS if name in found}})
 
 
 def results() -> dict[str, dict[str, Any]]:
@@ -105,7 +104,7 @@ def page_text() -> str:
     """docs/benchmark.md."""
     found = results()
     notes = {task: file.read_text() for task in found if (file := HERE / "notes" / f"{task}.md").exists()}
-    trained = json.loads(TRAINED_DYNAMICS.read_text()) if TRAINED_DYNAMICS.exists() else None
+    trained = json.loads(TRAINED_DYNAMICS.read_text())["tasks"] if TRAINED_DYNAMICS.exists() else None
     texts = [(HERE / f"notes/{name}.md").read_text() for name in ("dynamics", "dynamics-ppo")]
     scripted = dynamics.section(json.loads(DYNAMICS.read_text()), texts[0], trained, texts[1])
     return page((HERE / "page.md").read_text(), found, notes, scripted)
@@ -130,7 +129,7 @@ def main() -> None:
     runner.add_argument("--episodes", type=int, default=1000)
     runner.add_argument("--set", action="append", default=[], metavar="KEY=VALUE")
     dynamic = commands.add_parser("dynamics")
-    dynamic.add_argument("--tasks", default="GraspHold,PegInsert", help="list, separated by commas")
+    dynamic.add_argument("--tasks", default=",".join(DYNAMIC_TASKS), help="list, separated by commas")
     dynamic.add_argument("--folder", type=Path, required=True)
     dynamic.add_argument("--episodes", type=int, default=100)
     commands.add_parser("page")

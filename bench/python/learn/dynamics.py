@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from .page import compared, difference_cell, minutes, rate_cell, setting_text, table
+from .page import compared, difference_cell, minutes, rate_cell, recipes, table
 from .recipe import CONDITIONS
 
 SCRIPTS = {"shear": "with touch", "normal": "without shear", "blind": "blind"}
@@ -36,45 +36,76 @@ def differences(evaluations: Mapping[str, Scripted]) -> str:
     return table(["task", "difference", *(f"`{condition}`" for condition in CONDITIONS)], rows)
 
 
+def with_script(trained: Scripted, scripted: Scripted) -> Scripted:
+    """Evaluations of PPO on a task, by condition, together with the script with touch, `script`."""
+    return {c: {**trained[c], "script": scripted[c]["shear"]} for c in CONDITIONS}
+
+
+OPPONENTS = {"script": "the script with touch", "normal": "PPO without shear", "blind": "blind PPO"}
+"""What PPO with touch is compared with."""
+
+
 def trained_differences(trained: Mapping[str, Scripted], scripted: Mapping[str, Scripted]) -> str:
     """Paired differences of PPO with touch from the script with touch and from the two other policies."""
     rows = []
     for task, results in trained.items():
-        pairs = {c: {**results[c], "script": scripted[task][c]["shear"]} for c in CONDITIONS}
-        for other, name in (("script", "script with touch"), ("normal", "PPO without shear"), ("blind", "blind PPO")):
+        pairs = with_script(results, scripted[task])
+        for other, name in OPPONENTS.items():
             rows.append(
                 [f"`{task}`", f"PPO with touch - {name}", *(difference_cell(compared(pairs[c], "shear", other)) for c in CONDITIONS)]
             )
     return table(["task", "difference", *(f"`{condition}`" for condition in CONDITIONS)], rows)
 
 
+def trained_findings(trained: Mapping[str, Scripted], scripted: Mapping[str, Scripted]) -> str:
+    """Under which conditions PPO with touch beats the script and the other policies, and under which it loses to them; a line per task."""
+    lines = []
+    for task, results in trained.items():
+        pairs = with_script(results, scripted[task])
+        parts = []
+        for other, name in OPPONENTS.items():
+            found = {c: compared(pairs[c], "shear", other) for c in CONDITIONS}
+            better = ", ".join(f"`{c}`" for c in CONDITIONS if found[c].low > 0)
+            worse = ", ".join(f"`{c}`" for c in CONDITIONS if found[c].high < 0)
+            parts += [f"better than {name} under {better}"] * bool(better) + [f"worse than {name} under {worse}"] * bool(worse)
+            if not better and not worse:
+                parts.append(f"not different from {name}")
+        lines.append(f"- `{task}`: PPO with touch is {'; '.join(parts)}.")
+    return "\n".join(lines)
+
+
 def trained_parts(trained: Mapping[str, Any], scripted: Mapping[str, Scripted], notes: str) -> list[str]:
-    """Paragraphs and tables about the policies of `trained`, bench/results/dynamics-ppo.json."""
-    tasks = " and ".join(f"`{task}`" for task in trained["evaluations"])
+    """Paragraphs and tables about the policies of `trained`, by task, as in bench/results/dynamics-ppo.json."""
+    evaluations = {task: results["evaluations"] for task, results in trained.items()}
+    tasks = ", ".join(f"`{task}`" for task in trained)
     rows = [
         [f"`{task}`", f"PPO {SCRIPTS[sense]}" if sense != "blind" else "blind PPO", f"{training['steps']:,}", minutes(training)]
-        for task, trainings in trained["trainings"].items()
-        for sense, training in trainings.items()
+        for task, results in trained.items()
+        for sense, training in results["trainings"].items()
     ]
-    recipes = trained["recipes"]
-    settings = ", ".join(f"`{key}` {setting_text(value)}" for key, value in next(iter(recipes.values())).items() if key != "num_steps")
-    versions = trained["versions"]
     return [
         "### PPO",
         f"{tasks}: PPO of Stable-Baselines3 from random weights, under `randomized`, with the rewards of the environments. A policy gets "
         "what a script gets: contact, shear, joints, goal, the first frame of the episode and the number of the step; it has no memory. "
-        "Inputs are scaled by their mean and deviation in training. The same episodes as of the scripts; seed of training 102. Success of "
-        "the mean action in %, with 95 % Wilson intervals:",
-        rates(trained["evaluations"], "policy, PPO"),
-        trained_differences(trained["evaluations"], scripted),
+        "Inputs are scaled by mean and deviation in training. The same episodes as of the scripts; seed of training 102, one training "
+        "per policy. Success of the mean action in %, with 95 % Wilson intervals:",
+        rates(evaluations, "policy, PPO"),
+        trained_findings(evaluations, scripted),
+        trained_differences(evaluations, scripted),
         table(["task", "policy", "environment steps", "minutes of training; of processor time"], rows),
-        f"Settings: {settings}. Commit {trained['commit']}; Torch {versions['torch']}, Stable-Baselines3 {versions['stable_baselines3']}.",
+        "Settings:",
+        recipes(trained),
+        " ".join(
+            f"`{task}`: commit {results['commit']}, Torch {results['versions']['torch']}, Stable-Baselines3 "
+            f"{results['versions']['stable_baselines3']}."
+            for task, results in trained.items()
+        ),
         notes.strip(),
     ]
 
 
 def section(result: Mapping[str, Any], notes: str, trained: Mapping[str, Any] | None = None, trained_notes: str = "") -> str:
-    """The section, with tables and notes. trained: results of PPO, if there are any."""
+    """The section, with tables and notes. trained: results of PPO by task, if there are any."""
     evaluations, machine = result["evaluations"], result["machine"]
     device = f"{machine['driver']}, {machine['cores']} cores of {machine['cpu']}"
     parts = [
