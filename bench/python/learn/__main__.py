@@ -22,11 +22,10 @@ from typing import Any
 from report import ROOT, machine, write_json
 
 from taxelsim import Device
-from taxelsim.envs import DYNAMIC_TASKS
 
 from . import dynamics
 from .page import page
-from .recipe import RECIPES, recipe_of
+from .recipe import DYNAMIC_RECIPES, RECIPES, recipe_of
 
 RESULTS = ROOT / "bench/results"
 DYNAMICS = RESULTS / "dynamics.json"  # of bench/python/dynamics_success.py
@@ -80,18 +79,18 @@ def run_dynamics(tasks: list[str], folder: Path, num_episodes: int) -> None:
     for task in tasks:
         for sense in dynamics.SCRIPTS:
             if not (folder / f"{task}-{sense}.json").exists():
-                dynamic_training.train(task, sense, dynamic_training.DYNAMIC_RECIPES[task], folder, device)
+                dynamic_training.train(task, sense, DYNAMIC_RECIPES[task], folder, device)
         found[task] = {
             "commit": commit(),
             "machine": machine(device),
             "versions": versions("torch", "stable_baselines3", "mujoco", "numpy"),
             "episodes": num_episodes,
             "seed": dynamic_training.EVALUATION_SEED,
-            "recipe": dataclasses.asdict(dynamic_training.DYNAMIC_RECIPES[task]),
+            "recipe": dataclasses.asdict(DYNAMIC_RECIPES[task]),
             "trainings": {sense: json.loads((folder / f"{task}-{sense}.json").read_text()) for sense in dynamics.SCRIPTS},
             "evaluations": dynamic_training.evaluations(task, list(dynamics.SCRIPTS), folder, num_episodes, device),
         }
-        write_json(TRAINED_DYNAMICS, {"tasks": {name: found[name] for name in DYNAMIC_TASKS if name in found}})
+        write_json(TRAINED_DYNAMICS, {"tasks": {name: found[name] for name in DYNAMIC_RECIPES if name in found}})
 
 
 def results() -> dict[str, dict[str, Any]]:
@@ -129,7 +128,7 @@ def main() -> None:
     runner.add_argument("--episodes", type=int, default=1000)
     runner.add_argument("--set", action="append", default=[], metavar="KEY=VALUE")
     dynamic = commands.add_parser("dynamics")
-    dynamic.add_argument("--tasks", default=",".join(DYNAMIC_TASKS), help="list, separated by commas")
+    dynamic.add_argument("--tasks", default=",".join(DYNAMIC_RECIPES), help="list, separated by commas")
     dynamic.add_argument("--folder", type=Path, required=True)
     dynamic.add_argument("--episodes", type=int, default=100)
     commands.add_parser("page")

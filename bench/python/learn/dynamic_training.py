@@ -6,7 +6,6 @@ import json
 import time
 from collections import deque
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -26,33 +25,11 @@ from taxelsim.envs.dynamics.evaluation import evaluate
 from taxelsim.envs.dynamics.vector_env import DynamicVectorEnv
 from taxelsim.envs.sb3 import StableBaselinesVecEnv
 
-from .recipe import CONDITIONS, NUM_THREADS, TRAINING_CONDITION, TRAINING_SEED
+from .recipe import CONDITIONS, NUM_THREADS, TRAINING_CONDITION, TRAINING_SEED, DynamicRecipe
 
 EVALUATION_SEED = 1  # that of the scripts, in bench/python/dynamics_success.py
 LEAST_FORCE = 0.2  # N, of the start, by which later forces are divided
 LIMIT = 5.0  # of an input of the network, in standard deviations
-
-
-@dataclass(frozen=True)
-class DynamicRecipe:
-    """Settings of one task."""
-
-    num_steps: int  #: Environment steps.
-    num_envs: int = 256
-    hidden: tuple[int, ...] = (64, 64)  #: Widths of the hidden layers of policy and value, tanh.
-    rollout: int = 32  #: Steps of each environment between updates.
-    batch: int = 1024
-    num_updates: int = 5  #: Passes over a rollout.
-    learning_rate: float = 1e-3  #: Falls to 0 linearly.
-    gamma: float = 0.98
-    gae_lambda: float = 0.95
-    deviation: float = 0.4  #: Initial standard deviation of actions.
-
-
-DYNAMIC_RECIPES = {
-    "GraspHold": DynamicRecipe(600_000),
-    "PegInsert": DynamicRecipe(400_000),
-}
 
 
 class Inputs:
@@ -146,15 +123,8 @@ def train(task: str, sense: str, recipe: DynamicRecipe, folder: Path, device: ta
     model = PPO(
         "MlpPolicy",
         scaled,
-        n_steps=recipe.rollout,
-        batch_size=recipe.batch,
-        n_epochs=recipe.num_updates,
-        learning_rate=lambda left: recipe.learning_rate * left,
-        gamma=recipe.gamma,
-        gae_lambda=recipe.gae_lambda,
-        policy_kwargs={"net_arch": list(recipe.hidden), "activation_fn": nn.Tanh, "log_std_init": float(np.log(recipe.deviation))},
-        seed=TRAINING_SEED,
-        device="cpu",
+        policy_kwargs={"net_arch": recipe.layers, "activation_fn": nn.Tanh, "log_std_init": float(np.log(recipe.deviation))},
+        **recipe.arguments(),
     )
     successes = Successes(recipe.num_envs)
     begun, begun_cpu = time.monotonic(), time.process_time()
