@@ -77,11 +77,12 @@ def run_dynamics(tasks: list[str], folder: Path, num_episodes: int) -> None:
     device = Device.open()
     found = json.loads(TRAINED_DYNAMICS.read_text())["tasks"] if TRAINED_DYNAMICS.exists() else {}
     for task in tasks:
+        trained_at = commit()
         for sense in dynamics.SCRIPTS:
             if not (folder / f"{task}-{sense}.json").exists():
                 dynamic_training.train(task, sense, DYNAMIC_RECIPES[task], folder, device)
         found[task] = {
-            "commit": commit(),
+            "commit": trained_at,
             "machine": machine(device),
             "versions": versions("torch", "stable_baselines3", "mujoco", "numpy"),
             "episodes": num_episodes,

@@ -99,7 +99,7 @@ RECIPES = {
 
 
 DYNAMIC_RECIPES = {
-    "Push": DynamicRecipe(num_steps=1_000_000),
+    "Push": DynamicRecipe(num_steps=1_000_000, rollout=16, batch=512),
     "Roll": DynamicRecipe(num_steps=1_000_000),
     "GraspHold": DynamicRecipe(num_steps=600_000),
     "PegInsert": DynamicRecipe(num_steps=400_000),
