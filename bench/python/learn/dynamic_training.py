@@ -76,10 +76,10 @@ class Inputs:
 class InputsVecEnv(VecEnvWrapper):
     """A task with dynamics whose observations are the inputs of the network."""
 
-    def __init__(self, envs: DynamicVectorEnv, sense: str) -> None:
+    def __init__(self, envs: DynamicVectorEnv, sense: str, seed: int) -> None:
         self._inputs = Inputs(sense, envs.max_episode_steps)
         self._steps = np.zeros(envs.num_envs, np.int64)
-        observation, _ = envs.reset(seed=TRAINING_SEED)
+        observation, _ = envs.reset(seed=seed)
         size = self._inputs(observation, self._steps).shape[1]
         super().__init__(StableBaselinesVecEnv(envs), observation_space=spaces.Box(-np.inf, np.inf, (size,), np.float32))
 
@@ -115,16 +115,16 @@ class Successes(BaseCallback):
         return True
 
 
-def train(task: str, sense: str, recipe: DynamicRecipe, folder: Path, device: taxelsim.Device) -> None:
+def train(task: str, sense: str, recipe: DynamicRecipe, folder: Path, device: taxelsim.Device, seed: int = TRAINING_SEED) -> None:
     """Trains a policy; writes TASK-SENSE.zip, the policy, TASK-SENSE.npz, the scales of its inputs, and TASK-SENSE.json."""
     torch.set_num_threads(NUM_THREADS)
     envs = gymnasium.make_vec(f"taxelsim/{task}-v0", num_envs=recipe.num_envs, condition=TRAINING_CONDITION, device=device)
-    scaled = VecNormalize(InputsVecEnv(envs, sense), clip_obs=LIMIT, gamma=recipe.gamma)  # type: ignore[arg-type]
+    scaled = VecNormalize(InputsVecEnv(envs, sense, seed), clip_obs=LIMIT, gamma=recipe.gamma)  # type: ignore[arg-type]
     model = PPO(
         "MlpPolicy",
         scaled,
         policy_kwargs={"net_arch": recipe.layers, "activation_fn": nn.Tanh, "log_std_init": float(np.log(recipe.deviation))},
-        **recipe.arguments(),
+        **recipe.arguments(seed),
     )
     successes = Successes(recipe.num_envs)
     begun, begun_cpu = time.monotonic(), time.process_time()

@@ -4,11 +4,11 @@ policies trained by PPO, from bench/results/dynamics-ppo.json.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from .page import compared, difference_cell, minutes, rate_cell, recipes, table
-from .recipe import CONDITIONS
+from .recipe import CONDITIONS, TRAINING_SEED
 
 SCRIPTS = {"shear": "with touch", "normal": "without shear", "blind": "blind"}
 """Names of the scripts, by what they sense."""
@@ -41,6 +41,11 @@ def with_script(trained: Scripted, scripted: Scripted) -> Scripted:
     return {c: {**trained[c], "script": scripted[c]["shear"]} for c in CONDITIONS}
 
 
+REPEATED = (
+    "Trainings with other seeds, evaluated in the same episodes. The lines above state only what all trainings of a task show; intervals "
+    "cover the draw of episodes, not that of the training:"
+)
+
 OPPONENTS = {"script": "the script with touch", "normal": "PPO without shear", "blind": "blind PPO"}
 """What PPO with touch is compared with."""
 
@@ -57,21 +62,43 @@ def trained_differences(trained: Mapping[str, Scripted], scripted: Mapping[str, 
     return table(["task", "difference", *(f"`{condition}`" for condition in CONDITIONS)], rows)
 
 
-def trained_findings(trained: Mapping[str, Scripted], scripted: Mapping[str, Scripted]) -> str:
-    """Under which conditions PPO with touch beats the script and the other policies, and under which it loses to them; a line per task."""
+def trained_findings(trainings: Mapping[str, Sequence[Scripted]], scripted: Mapping[str, Scripted]) -> str:
+    """Under which conditions PPO with touch beats the script and the other policies, and under which it loses to them; a line per task.
+
+    trainings: evaluations by task, of each training. Only what all trainings of a task show is stated.
+    """
     lines = []
-    for task, results in trained.items():
-        pairs = with_script(results, scripted[task])
+    for task, repeated in trainings.items():
+        pairs = [with_script(results, scripted[task]) for results in repeated]
         parts = []
         for other, name in OPPONENTS.items():
-            found = {c: compared(pairs[c], "shear", other) for c in CONDITIONS}
-            better = ", ".join(f"`{c}`" for c in CONDITIONS if found[c].low > 0)
-            worse = ", ".join(f"`{c}`" for c in CONDITIONS if found[c].high < 0)
+            found = {c: [compared(pair[c], "shear", other) for pair in pairs] for c in CONDITIONS}
+            better = ", ".join(f"`{c}`" for c in CONDITIONS if all(one.low > 0 for one in found[c]))
+            worse = ", ".join(f"`{c}`" for c in CONDITIONS if all(one.high < 0 for one in found[c]))
             parts += [f"better than {name} under {better}"] * bool(better) + [f"worse than {name} under {worse}"] * bool(worse)
             if not better and not worse:
-                parts.append(f"not different from {name}")
-        lines.append(f"- `{task}`: PPO with touch is {'; '.join(parts)}.")
+                parts.append(f"not shown to differ from {name}")
+        both = "" if len(repeated) == 1 else f" in each of {len(repeated)} trainings"
+        lines.append(f"- `{task}`: PPO with touch is{both} {'; '.join(parts)}.")
     return "\n".join(lines)
+
+
+def repeated_rates(trained: Mapping[str, Any]) -> str:
+    """Success rates of all trainings of the tasks that were trained more than once, by seed."""
+    rows = [
+        [f"`{task}`", SCRIPTS[sense], str(seed), *(rate_cell(evaluations[condition][sense]) for condition in CONDITIONS)]
+        for task, results in trained.items()
+        if results.get("repetitions")
+        for sense in SCRIPTS
+        for seed, evaluations in evaluations_by_seed(results).items()
+    ]
+    return table(["task", "policy, PPO", "seed", *(f"`{condition}`" for condition in CONDITIONS)], rows) if rows else ""
+
+
+def evaluations_by_seed(results: Mapping[str, Any]) -> dict[int, Scripted]:
+    """Evaluations of a task by the seed of the training; that of all tasks is first."""
+    repeated = {int(seed): one["evaluations"] for seed, one in results.get("repetitions", {}).items()}
+    return {TRAINING_SEED: results["evaluations"], **repeated}
 
 
 def trained_parts(trained: Mapping[str, Any], scripted: Mapping[str, Scripted], notes: str) -> list[str]:
@@ -87,10 +114,12 @@ def trained_parts(trained: Mapping[str, Any], scripted: Mapping[str, Scripted], 
         "### PPO",
         f"{tasks}: PPO of Stable-Baselines3 from random weights, under `randomized`, with the rewards of the environments. A policy gets "
         "what a script gets: contact, shear, joints, goal, the first frame of the episode and the number of the step; it has no memory. "
-        "Inputs are scaled by mean and deviation in training. The same episodes as of the scripts; seed of training 102, one training "
-        "per policy. Success of the mean action in %, with 95 % Wilson intervals:",
+        "Inputs are scaled by mean and deviation in training. The same episodes as of the scripts; seed of training 102. Success of the "
+        "mean action in %, with 95 % Wilson intervals:",
         rates(evaluations, "policy, PPO"),
-        trained_findings(evaluations, scripted),
+        trained_findings({task: list(evaluations_by_seed(results).values()) for task, results in trained.items()}, scripted),
+        *([REPEATED, repeated] if (repeated := repeated_rates(trained)) else []),
+        f"Paired differences of the trainings with seed {TRAINING_SEED}, in points of %; bold where the interval excludes 0:",
         trained_differences(evaluations, scripted),
         table(["task", "policy", "environment steps", "minutes of training; of processor time"], rows),
         "Settings:",

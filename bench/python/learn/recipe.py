@@ -31,7 +31,7 @@ class PpoSettings:
     gamma: float
     gae_lambda: float
 
-    def arguments(self) -> dict[str, Any]:
+    def arguments(self, seed: int = TRAINING_SEED) -> dict[str, Any]:
         """Arguments of PPO of Stable-Baselines3, without policy and environments."""
         return {
             "n_steps": self.rollout,
@@ -40,7 +40,7 @@ class PpoSettings:
             "learning_rate": lambda left: self.learning_rate * left,
             "gamma": self.gamma,
             "gae_lambda": self.gae_lambda,
-            "seed": TRAINING_SEED,
+            "seed": seed,
             "device": "cpu",
         }
 

@@ -135,11 +135,19 @@ def test_policies_are_compared_with_the_script_and_with_each_other(dynamics):
 
 
 def test_findings_about_ppo_name_the_conditions(dynamics):
-    trained, scripts = scripted(100, 60, 100), scripted(150, 100, 0)
-    trained["Push"]["unseen"] = {"shear": result(20), "normal": result(60), "blind": result(20)}
-    assert dynamics.trained_findings(trained, scripts) == (
+    trained, scripts = scripted(100, 60, 100)["Push"], scripted(150, 100, 0)
+    trained["unseen"] = {"shear": result(20), "normal": result(60), "blind": result(20)}
+    assert dynamics.trained_findings({"Push": [trained]}, scripts) == (
         "- `Push`: PPO with touch is worse than the script with touch under `nominal`, `randomized`, `unseen`; better than PPO "
-        "without shear under `nominal`, `randomized`; worse than PPO without shear under `unseen`; not different from blind PPO."
+        "without shear under `nominal`, `randomized`; worse than PPO without shear under `unseen`; not shown to differ from blind PPO."
+    )
+
+
+def test_findings_about_ppo_are_those_of_all_trainings(dynamics):
+    first, second = scripted(100, 60, 0)["Push"], scripted(60, 60, 0)["Push"]
+    assert dynamics.trained_findings({"Push": [first, second]}, scripted(150, 100, 0)) == (
+        "- `Push`: PPO with touch is in each of 2 trainings worse than the script with touch under `nominal`, `randomized`, `unseen`; "
+        "not shown to differ from PPO without shear; better than blind PPO under `nominal`, `randomized`, `unseen`."
     )
 
 
@@ -148,7 +156,7 @@ def test_committed_results_of_ppo_are_complete(dynamics):
     if not file.exists():
         pytest.skip("not trained")
     tasks, scripts = json.loads(file.read_text())["tasks"], json.loads((ROOT / "bench/results/dynamics.json").read_text())
-    for content in tasks.values():
+    for content in [one for task in tasks.values() for one in (task, *task.get("repetitions", {}).values())]:
         assert (content["seed"], content["episodes"]) == (scripts["seed"], scripts["episodes"])
         assert list(content["evaluations"]) == ["nominal", "randomized", "unseen"]
         assert list(content["trainings"]) == list(dynamics.SCRIPTS)
