@@ -1,5 +1,9 @@
 """Taxels per second of a hand (five fingertips and a palm of 6 x 14 taxels, all in contact with a mesh of 5,000 triangles) compared with
-one palm alone: fingertips as flat grids of 6 x 4 taxels, and curved ones. And of eight slots of which one is near, compared with one slot.
+one palm alone: fingertips as flat grids of 6 x 4 taxels, and curved ones. The mesh is a knob, which is smaller than the palm, or a bar of
+soap, whose face covers it. And of eight slots of which one is near, compared with one slot.
+
+Two ratios: of all taxels, and of those that read a force. A taxel without a load costs little, so that a palm that is loaded in part has
+more taxels per second than one that is loaded everywhere.
 Processor time of this process, which is what counts on software Vulkan where others use the processor too. Run with LP_NUM_THREADS=1:
 
     python bench/python/hand_throughput.py
@@ -7,21 +11,41 @@ Processor time of this process, which is what counts on software Vulkan where ot
 
 from __future__ import annotations
 
+import sys
 import time
-from pathlib import Path
+from typing import Any
 
 import numpy as np
+from report import ROOT
 
 import taxelsim as ts
 
-SCENES = Path(__file__).parents[2] / "scenes"
+sys.path.insert(0, str(ROOT / "scripts"))
+from make_objects import icosphere
+
+SCENES = ROOT / "scenes"
 PALM = "wts0614_soft_cover.yaml"
-LOWEST = {"knob": 0.009, "cylinder": 0.015}  # m, from the lowest point to the origin
+SOAP = (0.03, 0.045, 0.015)  # m, half of its size along x, y and z: a bar of 60 x 90 x 30 mm
+SOAP_EXPONENT = 4  # of a superellipsoid: its faces are nearly flat, its edges round
 FINGERTIPS = (("fingertip_6x4", 4), ("fingertip_6x4", 3), ("fingertip_sphere", 4), ("fingertip_cylinder", 4))  # samples per side of a taxel
 DEPTHS = (2e-4, 1e-3)  # m, of the mesh in each sensor
 NUM_HANDS = 256  # more than the processor's caches hold
 NUM_STEPS = 5
 NUM_ROUNDS = 5
+
+
+def soap() -> ts.Object:
+    """A bar of soap: |x/a|^4 + |y/b|^4 + |z/c|^4 = 1, of 5,120 triangles, which stay as they are."""
+    vertices, triangles = icosphere(4)
+    points = np.array(vertices)
+    points /= (points**SOAP_EXPONENT).sum(axis=1, keepdims=True) ** (1 / SOAP_EXPONENT)
+    return ts.Object(ts.Mesh(points * SOAP, triangles), "soap")
+
+
+def lowest(touching: ts.Object) -> float:
+    """From the lowest point of an object to its origin, m."""
+    shape: Any = touching.shape
+    return float(-shape.vertices[:, 2].min() if isinstance(shape, ts.Mesh) else shape.length / 2)
 
 
 def batch(
@@ -36,7 +60,7 @@ def batch(
     poses = np.zeros((count, slots, 7))
     poses[..., 3] = 1
     poses[:, 0, :2] = np.random.default_rng(1).uniform(-1e-3, 1e-3, (count, 2))
-    poses[:, 0, 2] = LOWEST[touching.name] - depth
+    poses[:, 0, 2] = lowest(touching) - depth
     poses[:, 1:, 2] = 0.2
     simulator.set_objects(np.zeros((count, slots), dtype=np.int32), poses)
     return simulator
@@ -57,23 +81,31 @@ def seconds(*batches: list[ts.Simulator]) -> list[float]:
     return best
 
 
+def compare_hand(device: ts.Device, touching: ts.Object, depth: float) -> None:
+    """Prints the ratios of hand and palm for each kind of fingertip."""
+    palm = batch(device, PALM, touching, NUM_HANDS, depth=depth)
+    for sensor, samples in FINGERTIPS:
+        fingers = batch(device, f"{sensor}.yaml", touching, 5 * NUM_HANDS, samples=samples, depth=depth)
+        alone, hand = seconds([palm], [palm, fingers])
+        taxels = np.array([simulator.read().tactile_image[0].size for simulator in (palm, fingers)])
+        loaded = np.array([np.count_nonzero(simulator.read().tactile_image) / simulator.num_instances for simulator in (palm, fingers)])
+        ratios = [(count[0] + 5 * count[1]) / hand / (count[0] / alone) for count in (taxels, loaded)]
+        us_alone, us_finger = (1e6 * time / NUM_HANDS for time in (alone, (hand - alone) / 5))
+        print(f"{touching.name}, {1e3 * depth:.1f} mm deep, {sensor}, {taxels[1]} taxels with {samples} x {samples} samples: ", end="")
+        print(f"{ratios[0]:.2f} of all taxels, {ratios[1]:.2f} of those that read; ", end="")
+        print(f"palm {us_alone:.1f} us, {loaded[0]:.0f} read; a fingertip {us_finger:.1f} us, {loaded[1]:.1f} read", flush=True)
+
+
 def main() -> None:
     """Measures and prints."""
     device = ts.Device.open()
-    knob = ts.Object(ts.load_mesh(SCENES / "objects" / "knob_5k.obj"), "knob")
+    knob = ts.Object(ts.load_mesh(SCENES / "objects" / "knob_5k.obj", max_depth_error=0), "knob")
+    bar = soap()
     cylinder = ts.Object(ts.Cylinder(radius=0.01, length=0.03), "cylinder")
-    print(device.info.name)
-    for depth in DEPTHS:
-        palm = batch(device, PALM, knob, NUM_HANDS, depth=depth)
-        for sensor, samples in FINGERTIPS:
-            fingers = batch(device, f"{sensor}.yaml", knob, 5 * NUM_HANDS, samples=samples, depth=depth)
-            alone, hand = seconds([palm], [palm, fingers])
-            num_taxels = fingers.read().tactile_image[0].size
-            ratio = (84 + 5 * num_taxels) / hand / (84 / alone)
-            loaded = [np.count_nonzero(simulator.read().tactile_image) / simulator.num_instances for simulator in (palm, fingers)]
-            us_alone, us_finger = (1e6 * time / NUM_HANDS for time in (alone, (hand - alone) / 5))
-            print(f"{1e3 * depth:.1f} mm deep, {sensor}, {num_taxels} taxels with {samples} x {samples} samples: {ratio:.2f}; ", end="")
-            print(f"palm {us_alone:.1f} us, {loaded[0]:.0f} loaded taxels; a fingertip {us_finger:.1f} us, {loaded[1]:.0f}", flush=True)
+    print(device.info.name, *(f"{mesh.name}: {len(mesh.shape.triangles):,} triangles" for mesh in (knob, bar)), sep="; ")
+    for touching in (knob, bar):
+        for depth in DEPTHS:
+            compare_hand(device, touching, depth)
     for touching in (knob, cylinder):
         for sensor in (PALM, "wts0614_lugre.yaml"):
             one, eight = seconds([batch(device, sensor, touching, NUM_HANDS)], [batch(device, sensor, touching, NUM_HANDS, 8)])

@@ -6,8 +6,9 @@
 Bodies of 20 g to 1 kg, time step 1 ms. Rest: an object is put on the skin and left alone until the weights of all masses are right within
 0.5 % in 20 consecutive frames.
 Energy: without gravity, objects are thrown at the skin with random velocities, half of them pressed by five times their weight for 60 ms;
-kinetic energy at the end over initial energy plus the work of the pressing force. On curved skins the object at rest is on a vertical
-slide, because it would roll off.
+kinetic energy at the end over initial energy plus the work of the pressing force. That work is, in a time step, the force times the mean of
+the velocities before and after, by which it changes the kinetic energy. On curved skins the object at rest is on a vertical slide, because
+it would roll off.
 """
 
 from __future__ import annotations
@@ -101,9 +102,9 @@ def energy(sensor_name: str, object_name: str, num_throws: int, steps: int = 250
     for k in range(steps):
         force = np.where((np.arange(count) % 2 == 0) & (k < 60), 5 * masses * GRAVITY, 0)
         batch.xfrc_applied[:, -1, 2] = -force
-        height = batch.qpos[:, 2].copy()
+        velocity = batch.qvel[:, 2].copy()
         wrench = tactile.step(batch)["skin"].ground_truth.contact_wrench
-        put_in -= force * (batch.qpos[:, 2] - height)
+        put_in -= force * STEP * (velocity + batch.qvel[:, 2]) / 2
         load = np.maximum(load, np.linalg.norm(wrench[:, :3], axis=1))
         touched |= wrench.any(axis=1)
     released = touched & ~wrench.any(axis=1)

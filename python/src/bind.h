@@ -18,6 +18,7 @@ void bindModel(nb::module_& module);
 void bindSimulator(nb::module_& module);
 void bindScene(nb::module_& module);
 void bindEnvironment(nb::module_& module);
+void bindGrasps(nb::module_& module);
 void bindRuns(nb::module_& module);
 void bindEvaluationParts(nb::module_& module);
 void bindDataset(nb::module_& module);

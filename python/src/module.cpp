@@ -16,6 +16,7 @@ NB_MODULE(_core, module) {
   bindScene(module);
   bindEnvironment(module);
   bindRuns(module);
+  bindGrasps(module);
   bindEvaluationParts(module);
   bindDataset(module);
   bindDlpack(module);

@@ -30,8 +30,10 @@ from ._core import (
     DeviceType,
     ElasticLayer,
     Evaluation,
+    FingerScore,
     Friction,
     GenerateResult,
+    GraspEvaluation,
     GridPatch,
     HalfSpace,
     KnownModulus,
@@ -103,7 +105,7 @@ from .gradients import Gradient, vjp
 from .parts import EvaluationPart, evaluate_part, merge_evaluations
 from .policies import Comparison, OnnxPolicy, Policy, compare
 from .program import SCENES
-from .runs import Interrupted, evaluate, finish, generate
+from .runs import Interrupted, evaluate, evaluate_grasp, finish, generate
 from .simulator import NO_OBJECT, Simulator, split_patches
 from .vectorized import make_vec
 from .viewer import view
@@ -138,10 +140,12 @@ __all__ = [
     "Evaluation",
     "EvaluationPart",
     "Features",
+    "FingerScore",
     "Frame",
     "Friction",
     "GenerateResult",
     "Gradient",
+    "GraspEvaluation",
     "GridPatch",
     "GroundTruth",
     "HalfSpace",
@@ -198,6 +202,7 @@ __all__ = [
     "dlpack",
     "episode_keys",
     "evaluate",
+    "evaluate_grasp",
     "evaluate_part",
     "finish",
     "foundation_of",

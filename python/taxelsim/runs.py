@@ -5,9 +5,10 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
+from typing import Any
 
 from . import _core
-from ._core import Device, Evaluation, GenerateResult, OutputOptions, Progress, Scene
+from ._core import Device, Evaluation, GenerateResult, GraspEvaluation, OutputOptions, Progress, Scene
 from .errors import InputError
 from .policies.failures import check_failures, failed_episodes
 from .policies.policy import PolicyCalls, PolicyLike, as_policy
@@ -16,11 +17,11 @@ ScenePath = Scene | str | os.PathLike[str]
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C ended evaluate()."""
+    """Ctrl-C ended evaluate() or evaluate_grasp()."""
 
-    def __init__(self, partial: Sequence[Evaluation] = ()) -> None:
-        super().__init__("evaluate() was interrupted")
-        self.partial = list(partial)  #: Evaluations of the policy and the controllers that were complete, in their order.
+    def __init__(self, partial: Sequence[Any] = ()) -> None:
+        super().__init__("the evaluation was interrupted")
+        self.partial = list(partial)  #: Evaluations of the policy and the controllers, or of the gains, that were complete, in their order.
 
 
 def loaded_scene(scene: ScenePath) -> Scene:
@@ -141,3 +142,29 @@ def evaluate(
     except KeyboardInterrupt as interrupt:
         raise Interrupted(complete) from interrupt
     return complete
+
+
+def evaluate_grasp(
+    scene: ScenePath,
+    gains: Sequence[float] = (),
+    *,
+    device: Device | None = None,
+    batch_size: int = 256,
+    on_progress: Callable[[Progress], object] | None = None,
+) -> list[GraspEvaluation]:
+    """Plays the same episodes of a scene of kind grasp with each gain of its force control, and judges every finger by the scene's task.
+
+    scene: a Scene, or the path of a scene file. InputError for a scene of another kind.
+    gains: 1/s, > 0 to the simulation rate of the scene; empty for the gain of the scene.
+    device: default Device.open().
+    batch_size: instances of the hand, >= 1. It does not change a verdict.
+    on_progress: as in generate(); Progress.num_episodes counts the episodes of all gains.
+
+    Submits, waits, and releases the GIL. Ctrl-C raises Interrupted, a KeyboardInterrupt; its `partial` has the gains that are complete.
+    """
+    loaded = loaded_scene(scene)
+    complete: list[GraspEvaluation] = []
+    try:
+        return _core.evaluate_grasp(device or Device.open(), loaded, [float(gain) for gain in gains], batch_size, on_progress, complete)
+    except KeyboardInterrupt as interrupt:
+        raise Interrupted(complete) from interrupt

@@ -25,7 +25,7 @@ from taxelsim import Device
 
 from . import dynamics
 from .page import page
-from .recipe import RECIPES, recipe_of
+from .recipe import DYNAMIC_RECIPES, RECIPES, TRAINING_SEED, recipe_of
 
 RESULTS = ROOT / "bench/results"
 DYNAMICS = RESULTS / "dynamics.json"  # of bench/python/dynamics_success.py
@@ -69,30 +69,34 @@ def commit() -> str:
     return subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.strip()
 
 
-def run_dynamics(tasks: list[str], folder: Path, num_episodes: int) -> None:
-    """Trains and evaluates the policies of the tasks with dynamics."""
+def run_dynamics(tasks: list[str], folder: Path, num_episodes: int, seed: int) -> None:
+    """Trains and evaluates the policies of some tasks with dynamics. The results of other tasks and seeds stay in the file."""
     from . import dynamic_training
 
     folder.mkdir(parents=True, exist_ok=True)
     device = Device.open()
-    evaluations, trainings = {}, {}
+    found = json.loads(TRAINED_DYNAMICS.read_text())["tasks"] if TRAINED_DYNAMICS.exists() else {}
     for task in tasks:
+        trained_at, recipe = commit(), DYNAMIC_RECIPES[task]
         for sense in dynamics.SCRIPTS:
             if not (folder / f"{task}-{sense}.json").exists():
-                dynamic_training.train(task, sense, dynamic_training.DYNAMIC_RECIPES[task], folder, device)
-        evaluations[task] = dynamic_training.evaluations(task, list(dynamics.SCRIPTS), folder, num_episodes, device)
-        trainings[task] = {sense: json.loads((folder / f"{task}-{sense}.json").read_text()) for sense in dynamics.SCRIPTS}
-    result = {
-        "machine": machine(device),
-        "versions": versions("torch", "stable_baselines3", "mujoco", "numpy"),
-        "commit": commit(),
-        "episodes": num_episodes,
-        "seed": dynamic_training.EVALUATION_SEED,
-        "recipes": {task: dataclasses.asdict(dynamic_training.DYNAMIC_RECIPES[task]) for task in tasks},
-        "trainings": trainings,
-        "evaluations": evaluations,
-    }
-    write_json(TRAINED_DYNAMICS, result)
+                dynamic_training.train(task, sense, recipe, folder, device, seed)
+        result = {
+            "commit": trained_at,
+            "machine": machine(device),
+            "versions": versions("torch", "stable_baselines3", "mujoco", "numpy"),
+            "episodes": num_episodes,
+            "seed": dynamic_training.EVALUATION_SEED,
+            "training_seed": seed,
+            "recipe": dataclasses.asdict(recipe),
+            "trainings": {sense: json.loads((folder / f"{task}-{sense}.json").read_text()) for sense in dynamics.SCRIPTS},
+            "evaluations": dynamic_training.evaluations(task, list(dynamics.SCRIPTS), folder, num_episodes, device),
+        }
+        if seed == TRAINING_SEED:
+            found[task] = {**result, "repetitions": found.get(task, {}).get("repetitions", {})}
+        else:
+            found[task].setdefault("repetitions", {})[str(seed)] = result
+        write_json(TRAINED_DYNAMICS, {"tasks": {name: found[name] for name in DYNAMIC_RECIPES if name in found}})
 
 
 def results() -> dict[str, dict[str, Any]]:
@@ -105,7 +109,7 @@ def page_text() -> str:
     """docs/benchmark.md."""
     found = results()
     notes = {task: file.read_text() for task in found if (file := HERE / "notes" / f"{task}.md").exists()}
-    trained = json.loads(TRAINED_DYNAMICS.read_text()) if TRAINED_DYNAMICS.exists() else None
+    trained = json.loads(TRAINED_DYNAMICS.read_text())["tasks"] if TRAINED_DYNAMICS.exists() else None
     texts = [(HERE / f"notes/{name}.md").read_text() for name in ("dynamics", "dynamics-ppo")]
     scripted = dynamics.section(json.loads(DYNAMICS.read_text()), texts[0], trained, texts[1])
     return page((HERE / "page.md").read_text(), found, notes, scripted)
@@ -130,16 +134,17 @@ def main() -> None:
     runner.add_argument("--episodes", type=int, default=1000)
     runner.add_argument("--set", action="append", default=[], metavar="KEY=VALUE")
     dynamic = commands.add_parser("dynamics")
-    dynamic.add_argument("--tasks", default="GraspHold,PegInsert", help="list, separated by commas")
+    dynamic.add_argument("--tasks", default=",".join(DYNAMIC_RECIPES), help="list, separated by commas")
     dynamic.add_argument("--folder", type=Path, required=True)
     dynamic.add_argument("--episodes", type=int, default=100)
+    dynamic.add_argument("--seed", type=int, default=TRAINING_SEED, help="of the training; another one repeats it, in a folder of its own")
     commands.add_parser("page")
     options = parser.parse_args()
     if options.command == "run":
         changes = {key: ast.literal_eval(value) for key, _, value in (text.partition("=") for text in options.set)}
         run(options.task, options.folder, options.episodes, changes)
     if options.command == "dynamics":
-        run_dynamics(options.tasks.split(","), options.folder, options.episodes)
+        run_dynamics(options.tasks.split(","), options.folder, options.episodes, options.seed)
     write_page()
 
 

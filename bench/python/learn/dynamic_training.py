@@ -6,7 +6,6 @@ import json
 import time
 from collections import deque
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -26,33 +25,11 @@ from taxelsim.envs.dynamics.evaluation import evaluate
 from taxelsim.envs.dynamics.vector_env import DynamicVectorEnv
 from taxelsim.envs.sb3 import StableBaselinesVecEnv
 
-from .recipe import CONDITIONS, NUM_THREADS, TRAINING_CONDITION, TRAINING_SEED
+from .recipe import CONDITIONS, NUM_THREADS, TRAINING_CONDITION, TRAINING_SEED, DynamicRecipe
 
 EVALUATION_SEED = 1  # that of the scripts, in bench/python/dynamics_success.py
 LEAST_FORCE = 0.2  # N, of the start, by which later forces are divided
 LIMIT = 5.0  # of an input of the network, in standard deviations
-
-
-@dataclass(frozen=True)
-class DynamicRecipe:
-    """Settings of one task."""
-
-    num_steps: int  #: Environment steps.
-    num_envs: int = 256
-    hidden: tuple[int, ...] = (64, 64)  #: Widths of the hidden layers of policy and value, tanh.
-    rollout: int = 32  #: Steps of each environment between updates.
-    batch: int = 1024
-    num_updates: int = 5  #: Passes over a rollout.
-    learning_rate: float = 1e-3  #: Falls to 0 linearly.
-    gamma: float = 0.98
-    gae_lambda: float = 0.95
-    deviation: float = 0.4  #: Initial standard deviation of actions.
-
-
-DYNAMIC_RECIPES = {
-    "GraspHold": DynamicRecipe(600_000),
-    "PegInsert": DynamicRecipe(400_000),
-}
 
 
 class Inputs:
@@ -99,10 +76,10 @@ class Inputs:
 class InputsVecEnv(VecEnvWrapper):
     """A task with dynamics whose observations are the inputs of the network."""
 
-    def __init__(self, envs: DynamicVectorEnv, sense: str) -> None:
+    def __init__(self, envs: DynamicVectorEnv, sense: str, seed: int) -> None:
         self._inputs = Inputs(sense, envs.max_episode_steps)
         self._steps = np.zeros(envs.num_envs, np.int64)
-        observation, _ = envs.reset(seed=TRAINING_SEED)
+        observation, _ = envs.reset(seed=seed)
         size = self._inputs(observation, self._steps).shape[1]
         super().__init__(StableBaselinesVecEnv(envs), observation_space=spaces.Box(-np.inf, np.inf, (size,), np.float32))
 
@@ -138,23 +115,16 @@ class Successes(BaseCallback):
         return True
 
 
-def train(task: str, sense: str, recipe: DynamicRecipe, folder: Path, device: taxelsim.Device) -> None:
+def train(task: str, sense: str, recipe: DynamicRecipe, folder: Path, device: taxelsim.Device, seed: int = TRAINING_SEED) -> None:
     """Trains a policy; writes TASK-SENSE.zip, the policy, TASK-SENSE.npz, the scales of its inputs, and TASK-SENSE.json."""
     torch.set_num_threads(NUM_THREADS)
     envs = gymnasium.make_vec(f"taxelsim/{task}-v0", num_envs=recipe.num_envs, condition=TRAINING_CONDITION, device=device)
-    scaled = VecNormalize(InputsVecEnv(envs, sense), clip_obs=LIMIT, gamma=recipe.gamma)  # type: ignore[arg-type]
+    scaled = VecNormalize(InputsVecEnv(envs, sense, seed), clip_obs=LIMIT, gamma=recipe.gamma)  # type: ignore[arg-type]
     model = PPO(
         "MlpPolicy",
         scaled,
-        n_steps=recipe.rollout,
-        batch_size=recipe.batch,
-        n_epochs=recipe.num_updates,
-        learning_rate=lambda left: recipe.learning_rate * left,
-        gamma=recipe.gamma,
-        gae_lambda=recipe.gae_lambda,
-        policy_kwargs={"net_arch": list(recipe.hidden), "activation_fn": nn.Tanh, "log_std_init": float(np.log(recipe.deviation))},
-        seed=TRAINING_SEED,
-        device="cpu",
+        policy_kwargs={"net_arch": recipe.layers, "activation_fn": nn.Tanh, "log_std_init": float(np.log(recipe.deviation))},
+        **recipe.arguments(seed),
     )
     successes = Successes(recipe.num_envs)
     begun, begun_cpu = time.monotonic(), time.process_time()

@@ -17,25 +17,54 @@ TRAINING_CONDITION = "randomized"
 NUM_THREADS = 1  # of torch: results do not depend on the number of cores
 
 
-@dataclass(frozen=True)
-class Recipe:
+@dataclass(frozen=True, kw_only=True)
+class PpoSettings:
+    """Settings of PPO."""
+
+    num_steps: int  #: Environment steps.
+    num_envs: int = 256
+    hidden: tuple[int, ...] = (64, 64)  #: Widths of the hidden layers of policy and value, tanh.
+    rollout: int  #: Steps of each environment between updates.
+    batch: int
+    num_updates: int = 5  #: Passes over a rollout.
+    learning_rate: float = 1e-3  #: Falls to 0 linearly.
+    gamma: float
+    gae_lambda: float
+
+    def arguments(self, seed: int = TRAINING_SEED) -> dict[str, Any]:
+        """Arguments of PPO of Stable-Baselines3, without policy and environments."""
+        return {
+            "n_steps": self.rollout,
+            "batch_size": self.batch,
+            "n_epochs": self.num_updates,
+            "learning_rate": lambda left: self.learning_rate * left,
+            "gamma": self.gamma,
+            "gae_lambda": self.gae_lambda,
+            "seed": seed,
+            "device": "cpu",
+        }
+
+    @property
+    def layers(self) -> dict[str, list[int]]:
+        """`net_arch` of Stable-Baselines3."""
+        return {"pi": list(self.hidden), "vf": list(self.hidden)}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recipe(PpoSettings):
     """Settings of one task. Scales: m/s and rad/s at action 1."""
 
     linear_scale: float
     angular_scale: float = 1.0
-    hidden: tuple[int, ...] = (64, 64)  #: Widths of the hidden layers of every policy, tanh.
-    # Behaviour cloning.
+    # Behaviour cloning. Its network has the hidden layers of PPO's.
     num_demonstrations: int = 2000  #: Episodes of all controllers of the scene; those of the first one that succeed are cloned.
     num_epochs: int = 30
     cloning_rate: float = 2e-3  #: Learning rate, falls to 0 by a cosine.
     cloning_batch: int = 2048
     # PPO.
-    num_steps: int = 500_000  #: Environment steps.
-    num_envs: int = 256
-    rollout: int = 16  #: Steps of each environment between updates.
+    num_steps: int = 500_000
+    rollout: int = 16
     batch: int = 512
-    num_updates: int = 5  #: Passes over a rollout.
-    learning_rate: float = 1e-3  #: Falls to 0 linearly.
     gamma: float = 0.95
     gae_lambda: float = 0.9
     entropy: float = 0.0
@@ -47,6 +76,17 @@ class Recipe:
     num_validations: int = 100  #: Episodes.
 
 
+@dataclass(frozen=True, kw_only=True)
+class DynamicRecipe(PpoSettings):
+    """Settings of one task with dynamics."""
+
+    rollout: int = 32
+    batch: int = 1024
+    gamma: float = 0.98
+    gae_lambda: float = 0.95
+    deviation: float = 0.4  #: Initial standard deviation of actions.
+
+
 _FOLLOW = Recipe(linear_scale=0.03, num_demonstrations=4000, num_steps=600_000)
 
 RECIPES = {
@@ -55,6 +95,14 @@ RECIPES = {
     "EdgeAlign": Recipe(linear_scale=0.02),
     "RollTrack": Recipe(linear_scale=0.08),
     "ContourLap": Recipe(linear_scale=0.06),
+}
+
+
+DYNAMIC_RECIPES = {
+    "Push": DynamicRecipe(num_steps=1_000_000, rollout=16, batch=512),
+    "Roll": DynamicRecipe(num_steps=1_000_000),
+    "GraspHold": DynamicRecipe(num_steps=600_000),
+    "PegInsert": DynamicRecipe(num_steps=400_000),
 }
 
 

@@ -104,21 +104,14 @@ def train(task: str, name: str, recipe: Recipe, folder: Path, blind: bool) -> No
     model = PPO(
         "MultiInputPolicy",
         StableBaselinesVecEnv(envs),
-        n_steps=recipe.rollout,
-        batch_size=recipe.batch,
-        n_epochs=recipe.num_updates,
-        learning_rate=lambda left: recipe.learning_rate * left,
-        gamma=recipe.gamma,
-        gae_lambda=recipe.gae_lambda,
         ent_coef=recipe.entropy,
         policy_kwargs={
-            "net_arch": {"pi": list(recipe.hidden), "vf": list(recipe.hidden)},
+            "net_arch": recipe.layers,
             "activation_fn": nn.Tanh,
             "features_extractor_class": Extractor,
             "features_extractor_kwargs": {"blind": blind},
         },
-        seed=TRAINING_SEED,
-        device="cpu",
+        **recipe.arguments(),
     )
     deviations = [recipe.normal_deviation if action == "v_z" else recipe.planar_deviation for action in TASKS[task].actions]
     with torch.no_grad():

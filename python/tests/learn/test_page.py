@@ -129,20 +129,37 @@ def test_committed_results_of_dynamics_are_complete(dynamics):
 
 def test_policies_are_compared_with_the_script_and_with_each_other(dynamics):
     lines = dynamics.trained_differences(scripted(150, 100, 50), scripted(90, 100, 0)).splitlines()
-    assert lines[2].startswith("| `Push` | PPO with touch - script with touch | **+30.0 (")
+    assert lines[2].startswith("| `Push` | PPO with touch - the script with touch | **+30.0 (")
     assert lines[3].startswith("| `Push` | PPO with touch - PPO without shear | **+25.0 (")
     assert lines[4].startswith("| `Push` | PPO with touch - blind PPO | **+50.0 (")
+
+
+def test_findings_about_ppo_name_the_conditions(dynamics):
+    trained, scripts = scripted(100, 60, 100)["Push"], scripted(150, 100, 0)
+    trained["unseen"] = {"shear": result(20), "normal": result(60), "blind": result(20)}
+    assert dynamics.trained_findings({"Push": [trained]}, scripts) == (
+        "- `Push`: PPO with touch is worse than the script with touch under `nominal`, `randomized`, `unseen`; better than PPO "
+        "without shear under `nominal`, `randomized`; worse than PPO without shear under `unseen`; not shown to differ from blind PPO."
+    )
+
+
+def test_findings_about_ppo_are_those_of_all_trainings(dynamics):
+    first, second = scripted(100, 60, 0)["Push"], scripted(60, 60, 0)["Push"]
+    assert dynamics.trained_findings({"Push": [first, second]}, scripted(150, 100, 0)) == (
+        "- `Push`: PPO with touch is in each of 2 trainings worse than the script with touch under `nominal`, `randomized`, `unseen`; "
+        "not shown to differ from PPO without shear; better than blind PPO under `nominal`, `randomized`, `unseen`."
+    )
 
 
 def test_committed_results_of_ppo_are_complete(dynamics):
     file = ROOT / "bench/results/dynamics-ppo.json"
     if not file.exists():
         pytest.skip("not trained")
-    content, scripts = json.loads(file.read_text()), json.loads((ROOT / "bench/results/dynamics.json").read_text())
-    assert (content["seed"], content["episodes"]) == (scripts["seed"], scripts["episodes"])
-    for task, conditions in content["evaluations"].items():
-        assert list(conditions) == ["nominal", "randomized", "unseen"]
-        assert list(content["trainings"][task]) == list(dynamics.SCRIPTS)
-        for policies in conditions.values():
+    tasks, scripts = json.loads(file.read_text())["tasks"], json.loads((ROOT / "bench/results/dynamics.json").read_text())
+    for content in [one for task in tasks.values() for one in (task, *task.get("repetitions", {}).values())]:
+        assert (content["seed"], content["episodes"]) == (scripts["seed"], scripts["episodes"])
+        assert list(content["evaluations"]) == ["nominal", "randomized", "unseen"]
+        assert list(content["trainings"]) == list(dynamics.SCRIPTS)
+        for policies in content["evaluations"].values():
             assert list(policies) == list(dynamics.SCRIPTS)
             assert {len(entry["successes"]) for entry in policies.values()} == {content["episodes"]}

@@ -131,6 +131,37 @@ def test_the_reward_of_the_peg_is_its_progress(device: taxelsim.Device) -> None:
     assert np.abs(rewards).max() < 1e-3
 
 
+def test_a_push_that_loses_contact_wins_nothing(device: taxelsim.Device) -> None:
+    """Rewards are not negative, so that ending an episode gains nothing: a policy that backs off gets no more than one that stays."""
+    totals = {}
+    for name, forward in (("back off", -1), ("stay", 0)):
+        envs = make("Push", 6, device)
+        envs.reset(seed=3)
+        totals[name], lengths = np.zeros(6), np.zeros(6)
+        running = np.ones(6, np.bool_)
+        for _ in range(envs.max_episode_steps):
+            rewards, terminated, truncated = envs.step(np.tile(np.float32((forward, 0, 0)), (6, 1)))[1:4]
+            assert ((rewards >= 0) & (rewards <= 2)).all()
+            totals[name] += rewards * running
+            lengths += running
+            running &= ~(terminated | truncated)
+        assert (lengths < envs.max_episode_steps).all() == (name == "back off")
+    assert (totals["back off"] <= totals["stay"]).all(), totals
+
+
+def test_the_reward_of_a_push_is_largest_at_the_goal(device: taxelsim.Device) -> None:
+    """The script ends less than 5 mm from the goal, and from the path: at least (1 + 1 / e) / 2 (1 - 5 / 120) + 1 / e."""
+    envs = make("Push", 6, device)
+    observation, _ = envs.reset(seed=3)
+    script = scripts.Push("shear")
+    rewards = []
+    for step in range(envs.max_episode_steps):
+        observation, reward, *_ = envs.step(script(observation, np.full(6, step)))
+        rewards.append(reward)
+    assert (rewards[0] < 0.1).all(), rewards[0]
+    assert (rewards[-1] > (1 + np.exp(-1)) / 2 * (1 - 5 / 120) + np.exp(-1)).all(), rewards[-1]
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [

@@ -31,6 +31,9 @@ class PushVectorEnv(DynamicVectorEnv):
     Actions (3): forward (along z of S), to the side (along y of S), m/s of 60 mm/s, and turn to the side of y, of 1 rad/s.
     `goal` (4): target that moves along the path, then the goal, forward and to the side of the pad, m.
     Success: the disc is within 5 mm of the goal at the end. Metrics: `goal_distance`, `path_error` (mean distance from the path), m.
+    Reward, in [0, 2]: w (1 - d / 120 mm), at least 0, and exp(-(d / 5 mm)^2), where d is the distance from the goal,
+    w = (1 + exp(-(e / 5 mm)^2)) / 2, and e the distance from the path. It is about 0 at the start, and an episode that ends early because
+    contact is lost wins nothing.
     """
 
     geoms = ("disc",)
@@ -98,7 +101,8 @@ class PushVectorEnv(DynamicVectorEnv):
         error = np.abs(disc[:, 1] - self._path(disc[:, 0]))
         self._error_sum += error
         distance = self._distance()
-        reward = each(math.exp, -((error / TOLERANCE) ** 2)) - distance / LENGTH
+        on_path, at_goal = (each(math.exp, -((values / TOLERANCE) ** 2)) for values in (error, distance))
+        reward = np.maximum(1 - distance / LENGTH, 0) * (1 + on_path) / 2 + at_goal
         return Outcome(reward, np.zeros(self.num_envs, np.bool_), distance < TOLERANCE)
 
     def _metrics(self) -> dict[str, NDArray[Any]]:
