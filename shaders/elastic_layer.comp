@@ -44,6 +44,7 @@ shared uint num_deep;  // nodes of taxels at full depth
 #include "common/transform.glsl"
 #include "driver/loop_limit.glsl"
 #include "depth/slots.glsl"
+#include "common/node_cells.glsl"
 
 const bool kManyMotions = kKeepsSlots;
 

@@ -1,14 +1,16 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // Two-parameter foundation pass: stage 2 (contact law) of one frame for the law `pasternak`, with its load search.
 //
 // A workgroup owns an instance; an invocation owns blocks of nodes. Every frame starts from the object's surface, so that it depends on nothing but the pose.
-// In:  heights (num_instances x num_nodes), m, and windows (num_instances x NUM_HEIGHT_TILES), from the contact pass.
+// In:  heights (num_instances x num_nodes), m, and windows (num_instances x NUM_HEIGHT_TILES), from the contact pass, with area sampling node_cells
+//      (num_instances x num_nodes x kNodeCellWords).
 // Out: contact_normal (num_instances x num_taxels), N; contact_depth (num_instances x num_taxels), m; tile_results (num_instances); loads (num_instances).
 // Shared memory: 16 LANES + 8 kNumBlocks + 20 bytes.
 // Deterministic: a sweep writes another array than it reads; sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
 // Mutable globals: any_unfinished_loop (driver/loop_limit.glsl).
-// Twin: src/reference/pasternak.cpp.
+// Twins: src/reference/pasternak.cpp, foundation_cells.cpp.
 
 #include "driver/pairs.glsl"
 #include "driver/barrier.glsl"
@@ -16,6 +18,7 @@
 #include "shared/batch.h"
 #include "shared/features.h"
 #include "shared/sensor.h"
+#include "shared/elastic_layer.h"
 #include "passes/declare.glsl"
 #include "passes/pasternak.h"
 
@@ -26,7 +29,10 @@ const float kMiss = kNoHeight;  // height where there is no surface
 #include "common/instances.glsl"
 #include "common/partial_sums.glsl"
 #include "driver/loop_limit.glsl"
+#include "common/node_cells.glsl"
 #include "pasternak/nodes.glsl"
+#include "pasternak/arrays.glsl"
+#include "pasternak/cells.glsl"
 #include "pasternak/blocks.glsl"
 #include "pasternak/solver.glsl"
 #include "pasternak/outputs.glsl"
@@ -98,7 +104,7 @@ void solveInstance(uint instance, uint num_instances) {
     float offset = no_surface ? 0.0 : -surface.origin - surface.depth;
     loads[instance] = LoadRecord(vec4(offset, 0, 0, carried ? kLoadCarried : kLoadOutOfReach), vec4(0));
   }
-  writeResults(instance, num_instances, sums, writeTaxels(instance));
+  writeResults(instance, num_instances, sums, writeTaxels(instance, surface));
 }
 
 void main() {

@@ -170,9 +170,10 @@ struct ElasticLayer {
 ///
 /// with the overlap d of object and undeformed skin. The surface around a contact is drawn down over the decay length
 /// sqrt(shear_stiffness / normal_contact_stiffness), so that edges carry a line force. Solved by finite differences on nodes that are at
-/// most a third of the decay length apart: samples_per_taxel is refined by a whole number. A link between a node under the object and one
-/// beyond its outline ends half-way. Beyond the array the surface goes on without contact. One grid patch; without friction, relaxation,
-/// margin, tactile Jacobian and area sampling.
+/// most a third of the decay length apart, with DepthSampling::kArea four ninths: samples_per_taxel is refined by a whole number. A link
+/// between a node under the object and one beyond its outline ends half-way, with kArea where the outline crosses it, which makes the
+/// force a continuous function of the pose; under a load that is where it crosses with the object's bounds at full depth. Beyond the array
+/// the surface goes on without contact. One grid patch; without friction, relaxation, margin and tactile Jacobian.
 struct Pasternak {
   double normal_contact_stiffness = 0;  ///< N/m^3, > 0, of the springs: the foundation modulus.
   double shear_stiffness = 0;           ///< N/m, > 0, of the shear layer, or tension of the membrane.
@@ -340,7 +341,7 @@ enum class DepthSampling {
   /// change continuously with the pose, and objects narrower than a cell press with all their area. A mesh that is not closed has the depth
   /// of kPoint; of several objects the one with the largest mean counts. With exponents other than 1, and for friction, two points
   /// represent the part of a cell that the object covers; they have the mean and the variance of its depth. On an ElasticLayer an edge cuts
-  /// cells, whose covered part then has this mean; smooth surfaces are met as with kPoint. Not for Pasternak.
+  /// cells, whose covered part then has this mean; smooth surfaces are met as with kPoint. On Pasternak an outline cuts the links of nodes.
   kArea,
 };
 

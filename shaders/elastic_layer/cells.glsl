@@ -29,14 +29,9 @@ NodeCell noNodeCell() { return NodeCell(0.0, 0.0, 0.0, vec2(0), 0.0, 0u); }
 
 NodeCell cellAt(Surface surface, uvec2 node) {
   if (!AREA) return NodeCell(0.0, 1.0, 1.0, vec2(0), 0.0, 0u);
-  uint first = kNodeCellWords * (surface.first_height + node.x * NODE_COLS + node.y);
-  float covered = uintBitsToFloat(node_cells[first + 1u]);
-  if (covered == 0.0) return noNodeCell();
-  uint height = node_cells[first], word = node_cells[first + 2u];
-  const int kBits = int(kCentroidBits);
-  vec2 place = vec2(bitfieldExtract(int(word), 0, kBits), bitfieldExtract(int(word), kBits, kBits)) * (0.5 / float((1 << (kBits - 1)) - 1));
-  float edge = float(word >> (2u * kCentroidBits)) / float((1u << kEdgeBits) - 1u);
-  return NodeCell(withoutSlot(height), mix(1.0, covered, edge), covered, place * nodeSpacing(), edge, slotOf(height));
+  CellPart part = cellPart(surface.first_height + node.x * NODE_COLS + node.y);
+  if (part.covered == 0.0) return noNodeCell();
+  return NodeCell(withoutSlot(part.height), mix(1.0, part.covered, part.edge), part.covered, part.center * nodeSpacing(), part.edge, slotOf(part.height));
 }
 
 // Height that a node meets, m: in the middle of its cell, or over what an edge bounds.

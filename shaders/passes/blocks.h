@@ -43,12 +43,11 @@
 #define BLOCK_ContactShear BLOCK(ContactShear, float, contact_shear[])       // (n x t x 2), N
 #define BLOCK_ContactDepth BLOCK(ContactDepth, float, contact_depth[])       // (n x t), m
 #define BLOCK_TileResults BLOCK(TileResults, TileResult, tile_results[])     // (n x num_tiles)
-#define BLOCK_Heights BLOCK(Heights, uint, heights[])  // of an elastic layer (n x num_nodes): m as bits, depth/slots.glsl
-#define BLOCK_NodeCells \
-  BLOCK(NodeCells, uint, node_cells[])                       // of an elastic layer (n x num_nodes x kNodeCellWords), shared/elastic_layer.h
-#define BLOCK_Windows BLOCK(Windows, TileResult, windows[])  // of an elastic layer (n x tiles of its heights)
-#define BLOCK_Layer BLOCK(Layer, Pair, layer[])              // arrays over strips of nodes, kLayer...
-#define BLOCK_Foundation BLOCK(Foundation, Pair, foundation[])               // arrays over blocks of nodes, pasternak/blocks.glsl
+#define BLOCK_Heights BLOCK(Heights, uint, heights[])           // of an elastic layer (n x num_nodes): m as bits, depth/slots.glsl
+#define BLOCK_NodeCells BLOCK(NodeCells, uint, node_cells[])    // of a coupled law (n x num_nodes x kNodeCellWords), shared/elastic_layer.h
+#define BLOCK_Windows BLOCK(Windows, TileResult, windows[])     // of an elastic layer (n x tiles of its heights)
+#define BLOCK_Layer BLOCK(Layer, Pair, layer[])                 // arrays over strips of nodes, kLayer...
+#define BLOCK_Foundation BLOCK(Foundation, Pair, foundation[])  // arrays over blocks of nodes, pasternak/blocks.glsl
 #define BLOCK_TaxelStates BLOCK(TaxelStates, float, taxel_states[])          // (n x num_states x t), readout/lag.glsl
 #define BLOCK_ImageWindows BLOCK(ImageWindows, uvec4, image_windows[])       // of the step before: first row and column, their numbers
 #define BLOCK_AxisPlays BLOCK(AxisPlays, float, axis_plays[])                // (n x 3 x t), N, three_axis.comp

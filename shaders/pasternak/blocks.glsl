@@ -1,33 +1,11 @@
-// Blocks of kBlockRows x kBlockCols nodes: their storage in foundation[], and which of them are solved.
-//
-// foundation[] holds kNumArrays arrays per instance, each (num_blocks x kBlockCols x kBlockRows) floats in pairs of words. The nodes of a block that lie beyond
-// the array, if any, are dead, and so are those of blocks that are not active. Active are the blocks within MARGIN nodes of an overlap.
+// Which blocks of nodes are solved: the active ones, within MARGIN nodes of an overlap. The nodes of a block that lie beyond the array, if any, are dead, and so
+// are those of blocks that are not active.
 // Shared memory: 8 kNumBlocks + 20 bytes.
-
-const uint kOverlap = 0u, kFirst = 1u, kSecond = 2u, kNumArrays = 3u;  // signed overlap, m; displacements, m, of which one becomes the forces, N
-const uint kColumnPairs = kBlockRows / 2u;                            // of a column of a block
-const uvec2 kBlockSize = uvec2(kBlockRows, kBlockCols);
-const uvec2 kBlocks = (kNodes + kBlockSize - 1u) / kBlockSize;
-const uint kNumBlocks = kBlocks.x * kBlocks.y;
 
 shared uint active_blocks[kNumBlocks];  // 1 or 0
 shared uint block_list[kNumBlocks];     // numbers of the active ones, in ascending order
 shared uint num_listed_blocks;
 shared uint block_bounds[4];  // of the active ones: first row, end row, first col, end col
-
-// The first pair of a column.
-uint columnAddress(uint instance, uint array, uint block, uint col) {
-  return (((instance * kNumArrays + array) * kNumBlocks + block) * kBlockCols + col) * kColumnPairs;
-}
-
-vec2 pairAt(uint address) { return uintBitsToFloat(wordsOf(foundation[address])); }
-
-vec4 readRows(uint address) { return vec4(pairAt(address), pairAt(address + 1u)); }
-
-void writeRows(uint address, vec4 rows) {
-  foundation[address] = pairOf(floatBitsToUint(rows.xy));
-  foundation[address + 1u] = pairOf(floatBitsToUint(rows.zw));
-}
 
 bool isWithin(uint value, uint first, uint count) { return value - first < count; }  // wraps below first
 
@@ -95,11 +73,52 @@ void listBlocks() {
   workgroupBarrierWithBuffers();
 }
 
+// With AREA stores overlaps and arms of a block. The contact pass has written heights and cells of all nodes.
+void setCutNodes(uint instance, Surface surface, uvec2 block) {
+  uvec2 corner = block * kBlockSize, first = kNodes, last = uvec2(0);
+  uint address = columnAddress(instance, kOverlap, block.x * kBlocks.y + block.y, 0);
+  for (uint col = 0; col < kBlockCols; ++col) {
+    vec4 height = vec4(kMiss);
+    Arms arms = noArms();
+    [[unroll]] for (uint r = 0; r < kBlockRows; ++r) {
+      uvec2 node = corner + uvec2(r, col);
+      if (all(lessThan(node, kNodes))) height[r] = cutNode(surface, node, r, arms);
+    }
+    vec4 overlap = overlapOf(surface, height);
+    writeRows(address + col * kColumnPairs, overlap);
+    writeArms(address + col * kColumnPairs, arms);
+    [[unroll]] for (uint r = 0; r < kBlockRows; ++r) {
+      if (overlap[r] <= 0.0) continue;
+      first = min(first, corner + uvec2(r, col));
+      last = max(last, corner + uvec2(r, col));
+    }
+  }
+  if (first.x < kNodes.x) activateAround(first, last);
+}
+
+// With AREA sets overlaps, active blocks and links of the blocks around the object.
+void startLinks(uint instance, Surface surface, Window near) {
+  workgroupBarrier();
+  uint total = near.count.x * near.count.y, k = gl_LocalInvocationIndex;
+  for (; k < total; k += WORKGROUP) setCutNodes(instance, surface, near.first + cellNumbered(k, near.count.y));
+  checkLoop(k < total);
+  workgroupBarrierWithBuffers();
+  listBlocks();
+  k = gl_LocalInvocationIndex;
+  for (; k < num_listed_blocks; k += WORKGROUP) setLinks(instance, block_list[k]);
+  checkLoop(k < num_listed_blocks);
+  workgroupBarrierWithBuffers();
+}
+
 // Sets the overlaps of the blocks around the object, and which of them are active.
 void startBlocks(uint instance, Surface surface) {
   for (uint block = gl_LocalInvocationIndex; block < kNumBlocks; block += WORKGROUP) active_blocks[block] = 0;
   Window near = blocksOf(widened(allReachedNodes(surface), MARGIN));
   uint total = near.count.x * near.count.y, k = gl_LocalInvocationIndex;
+  if (AREA) {
+    startLinks(instance, surface, near);
+    return;
+  }
   for (; k < total; k += WORKGROUP) {
     uvec2 block = near.first + cellNumbered(k, near.count.y);
     uint address = columnAddress(instance, kOverlap, block.x * kBlocks.y + block.y, 0);

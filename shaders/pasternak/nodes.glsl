@@ -43,22 +43,3 @@ Window allReachedNodes(Surface surface) {
   }
   return end.x == 0 ? Window(uvec2(0), uvec2(0)) : Window(first, end - first);
 }
-
-// Height of the lowest node, m; kMiss without any.
-float lowestHeight(Surface surface) {
-  for (uint v = gl_LocalInvocationIndex; v < LANES; v += WORKGROUP) {
-    float deepest = -kMiss;
-    for (uint t = 0; t < NUM_HEIGHT_TILES; ++t) {
-      Window window = reachedNodes(surface, t);
-      uint total = window.count.x * window.count.y, k = v;
-      for (; k < total; k += LANES) deepest = max(deepest, -heightAt(surface, window.first + cellNumbered(k, window.count.y)));
-      checkLoop(k < total);
-    }
-    partial[v] = vec4(deepest, 0, 0, 0);
-  }
-  workgroupBarrier();
-  float deepest = -kMiss;
-  for (uint v = 0; v < LANES; ++v) deepest = max(deepest, partial[v].x);
-  workgroupBarrier();
-  return -deepest;
-}

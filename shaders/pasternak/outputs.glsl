@@ -15,18 +15,27 @@ float sumOfRows(vec2 rows, uint first_row, uint taxel_row) {
   return (isWithin(first_row, taxel_row, kPerTaxel) ? rows.x : 0.0) + (isWithin(first_row + 1u, taxel_row, kPerTaxel) ? rows.y : 0.0);
 }
 
+// The sum of the mean overlaps of the cells of a taxel, m; `first`: its first node.
+float cellSums(Surface surface, uvec2 first) {
+  float depth = 0.0;
+  for (uint k = 0; k < kPerTaxel * kPerTaxel; ++k) {
+    depth += meanOverlap(surface, first + cellNumbered(k, kPerTaxel));
+  }
+  return depth;
+}
+
 // Force on a taxel, N, and the sum of its overlaps, m; `at`: its row and col.
-vec2 taxelSums(uint instance, uvec2 at) {
+vec2 taxelSums(uint instance, Surface surface, uvec2 at) {
   const uint kPairsOfRows = (kPerTaxel + 1u) / 2u;
   uvec2 node = at * kPerTaxel, end = node + kPerTaxel;
-  float force = 0.0, depth = 0.0;
+  float force = 0.0, depth = AREA && OUTPUT_DEPTH ? cellSums(surface, node) : 0.0;
   for (uint col = node.y / kBlockCols; col * kBlockCols < end.y; ++col) {
     uint place = at.y - col * kBlockCols / kPerTaxel;  // of the taxel among those over the columns of the block
     for (uint a = 0; a < kPairsOfRows; ++a) {
       uint row = (node.x / 2u + a) * 2u, block = row / kBlockRows * kBlocks.y + col, pair = row % kBlockRows / 2u;
       if (row >= kNodes.x || active_blocks[block] == 0) continue;
       force += sumOfRows(pairAt(columnAddress(instance, forceArray(), block, place) + pair), row, node.x);
-      if (!OUTPUT_DEPTH) continue;
+      if (!OUTPUT_DEPTH || AREA) continue;
       for (uint b = max(node.y, col * kBlockCols); b < min(end.y, (col + 1u) * kBlockCols); ++b) {
         vec2 overlap = pairAt(columnAddress(instance, kOverlap, block, b - col * kBlockCols) + pair);
         depth += sumOfRows(max(overlap, 0.0), row, node.x);
@@ -37,7 +46,7 @@ vec2 taxelSums(uint instance, uvec2 at) {
 }
 
 // Writes force (N) and mean depth (m) of the taxels that active blocks cover; returns their rectangle: first row, end row, first col, end col.
-uvec4 writeTaxels(uint instance) {
+uvec4 writeTaxels(uint instance, Surface surface) {
   Window touched = touchedTaxels();
   uint k = gl_LocalInvocationIndex;
   for (; k < NUM_TAXELS; k += WORKGROUP) {
@@ -45,7 +54,7 @@ uvec4 writeTaxels(uint instance) {
     bool inside = all(lessThan(at - touched.first, touched.count));
     if (!inside && !OUTPUT_DEPTH) continue;
     vec2 sums = vec2(0);
-    if (inside) sums = taxelSums(instance, at);
+    if (inside) sums = taxelSums(instance, surface, at);
     uint taxel = instance * NUM_TAXELS + k;
     contact_normal[taxel] = sums.x * spread_scale[k];
     if (OUTPUT_DEPTH) contact_depth[taxel] = sums.y / float(kPerTaxel * kPerTaxel);

@@ -2,8 +2,8 @@
 //
 //   spring w + sum over links of c link (w - w') = f >= 0,   w >= d,   f (w - d) = 0
 //
-// A link has c = 2 where an outline of the object crosses it, which on average is half-way (src/reference/pasternak.h). Beyond the active blocks and beyond the
-// array the surface decays exponentially. Twin: src/reference/pasternak.cpp.
+// A link has c = 2 where an outline of the object crosses it, which on average is half-way (src/reference/pasternak.h); with AREA cells.glsl has c. Beyond the
+// active blocks and beyond the array the surface decays exponentially. Twin: src/reference/pasternak.cpp.
 //
 // An invocation sweeps a block in one pass over its columns, from one array into another, and needs nothing that others compute in the same sweep: it moves the
 // red nodes around the block's black ones again. Nodes are red where row plus column is even.
@@ -20,6 +20,7 @@ struct Column {
   vec4 even_overlap, odd_overlap;  // d, m; -kMiss at dead nodes
   vec4 even_alive, odd_alive;      // 1 or 0
   vec4 even_odd, odd_even;         // links from even[i] to odd[i] and from odd[i] to even[i + 1], N/m
+  uvec4 even_links, odd_links;     // with AREA: words of kLinks
 };
 
 // Links between two columns, N/m.
@@ -53,8 +54,8 @@ vec4 linkFactor(vec4 a, vec4 b, float spacing) {
 }
 
 // A link to a dead node pulls as much as the displacement falls on the way to it.
-vec4 linkBetween(vec4 a, vec4 b, vec4 both_alive, float link, float decay, float spacing) {
-  return link * mix(vec4(1.0 - decay), linkFactor(a, b, spacing), greaterThan(both_alive, vec4(0)));
+vec4 linkBetween(vec4 factor, vec4 both_alive, float link, float decay) {
+  return link * mix(vec4(1.0 - decay), factor, greaterThan(both_alive, vec4(0)));
 }
 
 vec4 previous(vec4 v) { return vec4(0, v.xyz); }
@@ -65,12 +66,22 @@ vec4 ownRows(vec4 even, vec4 odd) { return vec4(even.y, odd.y, even.z, odd.z); }
 
 Links linksBetween(Column a, Column b) {
   float spacing = nodeSpacing().y;
-  return Links(linkBetween(a.even_overlap, b.even_overlap, a.even_alive * b.even_alive, LINK_Y, DECAY_Y, spacing),
-               linkBetween(a.odd_overlap, b.odd_overlap, a.odd_alive * b.odd_alive, LINK_Y, DECAY_Y, spacing));
+  vec4 even = AREA ? colFactors(a.even_links) : linkFactor(a.even_overlap, b.even_overlap, spacing);
+  vec4 odd = AREA ? colFactors(a.odd_links) : linkFactor(a.odd_overlap, b.odd_overlap, spacing);
+  return Links(linkBetween(even, a.even_alive * b.even_alive, LINK_Y, DECAY_Y), linkBetween(odd, a.odd_alive * b.odd_alive, LINK_Y, DECAY_Y));
 }
 
 Column deadColumn() {
-  return Column(vec4(0), vec4(0), vec4(-kMiss), vec4(-kMiss), vec4(0), vec4(0), vec4(0), vec4(0));
+  return Column(vec4(0), vec4(0), vec4(-kMiss), vec4(-kMiss), vec4(0), vec4(0), vec4(0), vec4(0), uvec4(0), uvec4(0));
+}
+
+// Sets the links along x.
+void setRowLinks(inout Column c) {
+  float spacing = nodeSpacing().x;
+  vec4 even = AREA ? rowFactors(c.even_links) : linkFactor(c.even_overlap, c.odd_overlap, spacing);
+  vec4 odd = AREA ? rowFactors(c.odd_links) : linkFactor(c.odd_overlap, next(c.even_overlap), spacing);
+  c.even_odd = linkBetween(even, c.even_alive * c.odd_alive, LINK_X, DECAY_X);
+  c.odd_even = linkBetween(odd, c.odd_alive * next(c.even_alive), LINK_X, DECAY_X);
 }
 
 // Reads column `col` of the blocks of a stack, whose second one starts at node `corner`; `source`: array of displacements.
@@ -99,9 +110,15 @@ Column readColumn(uint instance, uint source, Stack stack, uvec2 corner, uint co
   column.odd_overlap = mix(vec4(-kMiss), vec4(d0.y, d1.y, d2.y, d3.y), odd_alive);
   column.even = mix(vec4(0), max(vec4(w0.x, w1.x, w2.x, w3.x), 0.0), even_alive);
   column.odd = mix(vec4(0), max(vec4(w0.y, w1.y, w2.y, w3.y), 0.0), odd_alive);
-  float spacing = nodeSpacing().x;
-  column.even_odd = linkBetween(column.even_overlap, column.odd_overlap, column.even_alive * column.odd_alive, LINK_X, DECAY_X, spacing);
-  column.odd_even = linkBetween(column.odd_overlap, next(column.even_overlap), column.odd_alive * next(column.even_alive), LINK_X, DECAY_X, spacing);
+  column.even_links = column.odd_links = uvec4(0);
+  if (AREA) {
+    uint to_links = kLinks * kNumBlocks * kBlockCols * kColumnPairs;
+    uvec2 l0 = wordsOf(foundation[up + to_links + 1u]), l3 = wordsOf(foundation[down + to_links]);
+    uvec4 l12 = readWords(own + to_links);
+    column.even_links = uvec4(l0.x, l12.xz, l3.x);
+    column.odd_links = uvec4(l0.y, l12.yw, l3.y);
+  }
+  setRowLinks(column);
   return column;
 }
 
@@ -124,8 +141,15 @@ Equation oddEquation(Column column, Column left, Column right, Links to_left, Li
   return Equation(pull, diagonal);
 }
 
+// Over-relaxation of nodes. Less where a link is cut short: a free node that moves too far would lift the node under the object that it hardly differs from.
+vec4 relaxationOf(vec4 diagonal) {
+  if (!AREA) return vec4(OVER_RELAXATION);
+  float whole = SPRING + 2.0 * (LINK_X + LINK_Y);
+  return 1.0 + (OVER_RELAXATION - 1.0) * whole / max(diagonal, whole);
+}
+
 vec4 relaxed(vec4 w, vec4 overlap, vec4 alive, Equation equation) {
-  precise vec4 free = w + OVER_RELAXATION * (equation.pull / equation.diagonal - w);
+  precise vec4 free = w + relaxationOf(equation.diagonal) * (equation.pull / equation.diagonal - w);
   return alive * max(free, max(overlap, 0.0));
 }
 
@@ -203,7 +227,7 @@ void addForces(inout BlockSums sums, vec4 force, vec4 overlap, uvec2 corner, uin
   vec2 place = nodePosition(vec2(corner) + vec2(0, col));
   vec4 x = place.x + vec4(0, 1, 2, 3) * nodeSpacing().x;
   precise float total = dot(force, vec4(1)), moment = dot(force, x);
-  sums.total += vec4(total, moment, total * place.y, dot(vec4(greaterThanEqual(overlap, vec4(THICKNESS))), vec4(1)));
+  sums.total += vec4(total, moment, total * place.y, dot(vec4(greaterThanEqual(overlap, vec4(AREA ? kFullDepth * THICKNESS : THICKNESS))), vec4(1)));
   sums.of_taxel += force;
   uint node = corner.y + col;
   if ((node + 1u) % kPerTaxel != 0 && col + 1u < kBlockCols) return;

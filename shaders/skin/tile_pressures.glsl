@@ -314,7 +314,7 @@ void pressTaxels(Tile tile, TileStep step, ActiveTaxels taxels, inout Found foun
 
 // Clears the taxels that nothing reaches. The image pass reads nothing outside the window of a sensor of one tile with a kernel.
 void clearUntouched(Tile tile, TileStep step, ActiveTaxels taxels) {
-  if (!kClearsHeights) return;
+  if (!kClearsHeights && !HAS_CELLS) return;
   if (!(OUTPUT_JACOBIAN || NUM_TILES > 1 || NUM_ROWS == 0 || OUTPUT_DEPTH || HAS_CELLS)) return;
   for (uint k = gl_LocalInvocationIndex; k < tile.size.x * tile.size.y; k += WORKGROUP) {
     uvec2 in_tile = cellNumbered(k, tile.size.y);

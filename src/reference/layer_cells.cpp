@@ -65,8 +65,7 @@ void setCell(LayerCells& cells, std::size_t n, const CellDepth& cell, int number
   cells.touching[n] = number;
 }
 
-void setCompliances(LayerCells& cells, const Sensor& sensor, const LayerNodes& nodes) {
-  const ElasticLayer& law = std::get<ElasticLayer>(sensor.skin.law);
+void setCompliances(LayerCells& cells, const ElasticLayer& law, const Sensor& sensor, const LayerNodes& nodes) {
   const CellCompliance relative = cellCompliance(law, sensor.skin.thickness, nodes.spacing);
   const double own = layerInfluence(law, sensor.skin.thickness, nodes.spacing, 1, 1).front();
   for (int u = 0; u < nodes.num_rows; ++u) {
@@ -98,7 +97,7 @@ LayerCells layerCells(const Sensor& sensor, const LayerNodes& nodes, std::span<c
       setCell(cells, n, cell, static_cast<int>(number), offset);
     }
   }
-  setCompliances(cells, sensor, nodes);
+  if (const auto* law = std::get_if<ElasticLayer>(&sensor.skin.law)) setCompliances(cells, *law, sensor, nodes);
   return cells;
 }
 
@@ -106,7 +105,8 @@ LayerCells layerCellsAtFullDepth(const Sensor& sensor, const LayerNodes& nodes, 
   if (sensor.depth_sampling != DepthSampling::kArea) return {};
   const Sensor of_nodes = sensorOfNodes(sensor, nodes);
   const double first_touch = AreaDepth(of_nodes, objects).firstTouch();
-  return layerCells(sensor, nodes, objects, std::isfinite(first_touch) ? first_touch - sensor.skin.thickness : 0);
+  constexpr double kJustBelow = 1 - 1e-9;  // a level face at exactly the thickness has no sure side of it
+  return layerCells(sensor, nodes, objects, std::isfinite(first_touch) ? first_touch - kJustBelow * sensor.skin.thickness : 0);
 }
 
 std::vector<double> heightsOfCells(const LayerCells& cells, std::vector<double> heights) {

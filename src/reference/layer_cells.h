@@ -1,4 +1,4 @@
-// Cells of an elastic layer's nodes with DepthSampling::kArea: what an edge of an object covers of them, and how soft that makes the nodes.
+// Cells of a coupled law's nodes with DepthSampling::kArea: what an edge of an object covers of them, and how soft that makes the nodes.
 //
 //        object                    A smooth surface is met at the height in the middle of a cell, as with points: where it leaves the skin,
 //        |     |                   its depth varies over the cell from 0. An edge cuts a cell where the depth hardly varies over what is
@@ -26,7 +26,7 @@ struct LayerCells {
   std::vector<double> edge;                  // 0 to 1: how far an edge bounds what is covered
   std::vector<std::array<double, 2>> place;  // m, in P, from the node to the centroid
   std::vector<int> touching;                 // index of the object, or kNoContact
-  std::vector<double> compliance;            // m/Pa: what a node's own pressure moves it by more than that of a whole cell
+  std::vector<double> compliance;            // m/Pa: what a node's own pressure moves it by more than that of a whole cell; of ElasticLayer
 };
 
 // Cells under the objects at their poses, or after a translation by `offset` (m) along z of S, with the heights of their poses; by exact

@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "reference/area_depth.h"
 #include "sensor/pasternak.h"
 
 namespace taxelsim::reference {
@@ -30,7 +31,7 @@ struct NodeEquation {
   }
 };
 
-std::vector<NodeEquation> nodeEquations(const Foundation& foundation, std::span<const double> overlap) {
+std::vector<NodeEquation> nodeEquations(const Foundation& foundation, std::span<const double> overlap, std::span<const Arms> arms) {
   const LayerNodes& nodes = foundation.nodes;
   const double decay = decayLength(foundation.law);
   std::vector<NodeEquation> equations;
@@ -45,8 +46,11 @@ std::vector<NodeEquation> nodeEquations(const Foundation& foundation, std::span<
           equation.diagonal += plain * (1 - std::exp(-length / decay));
           return;
         }
-        equation.neighbour[number] = at(row, col);
-        equation.link[number] = plain * linkFactor(overlap[at(u, v)], overlap[at(row, col)], length);
+        const std::size_t here = at(u, v), there = at(row, col);
+        const double covered = arms.empty() ? 0 : arms[here][number] + arms[there][number ^ 1u];
+        equation.neighbour[number] = there;
+        equation.link[number] = plain * (arms.empty() ? linkFactor(overlap[here], overlap[there], length)
+                                                      : cutLinkFactor(overlap[here], overlap[there], covered, length));
         equation.diagonal += equation.link[number];
       };
       const auto [along_x, along_y] = nodes.spacing;
@@ -59,11 +63,36 @@ std::vector<NodeEquation> nodeEquations(const Foundation& foundation, std::span<
   return equations;
 }
 
+double sumOfPlainLinks(const Foundation& foundation) {
+  const auto [x, y] = foundation.nodes.spacing;
+  return 2 * foundation.law.shear_stiffness * (y / x + x / y);
+}
+
 LayerContact solveContact(const Sensor& sensor, const Foundation& foundation, std::span<const double> heights) {
   LayerContact contact;
   for (const double height : heights) contact.overlap.push_back(std::min(-height, sensor.skin.thickness));
   contact.solution.pressure = solveFoundation(foundation, contact.overlap).pressure;
   sumForces(sensor, foundation.nodes, contact);
+  return contact;
+}
+
+// The same with cut links, the objects `depth` (m) below their poses.
+LayerContact solveCutContact(const Sensor& sensor, const Foundation& foundation, const LayerCells& cells, const FoundationCells& cut,
+                             double depth) {
+  const double thickness = sensor.skin.thickness;
+  LayerContact contact;
+  for (const double height : cut.height) contact.overlap.push_back(std::min(depth - height, thickness));
+  contact.solution.pressure = solveFoundation(foundation, contact.overlap, armsAtDepth(cut, depth)).pressure;
+  sumForces(sensor, foundation.nodes, contact);
+  const std::vector<Sample> samples = layerSamples(sensor, foundation.nodes);
+  const double per_taxel = sensor.samples_per_taxel * sensor.samples_per_taxel;
+  std::fill(contact.mean_penetration.begin(), contact.mean_penetration.end(), 0);
+  contact.over_penetration = 0;
+  for (std::size_t n = 0; n < samples.size(); ++n) {
+    const double mean = cells.covered[n] * std::clamp(depth - cells.height[n], 0.0, thickness);
+    contact.mean_penetration[static_cast<std::size_t>(samples[n].taxel)] += mean / per_taxel;
+    contact.over_penetration += contact.overlap[n] >= kFullDepth * thickness ? 1 / static_cast<double>(samples.size()) : 0;
+  }
   return contact;
 }
 
@@ -80,20 +109,23 @@ Foundation makeFoundation(const Sensor& sensor) {
   return {std::get<Pasternak>(sensor.skin.law), pasternakNodes(sensor)};
 }
 
-FoundationSolution solveFoundation(const Foundation& foundation, std::span<const double> overlap) {
+FoundationSolution solveFoundation(const Foundation& foundation, std::span<const double> overlap, std::span<const Arms> arms) {
   constexpr int kMaxSweeps = 20000;
   constexpr double kTolerance = 1e-13;  // of the deepest overlap, by which no node moves any more
   FoundationSolution solution{std::vector<double>(overlap.size(), 0), std::vector<double>(overlap.size(), 0)};
   const double deepest = *std::max_element(overlap.begin(), overlap.end());
   if (deepest <= 0) return solution;
   std::vector<double>& w = solution.displacement;
-  const std::vector<NodeEquation> equations = nodeEquations(foundation, overlap);
-  const double relaxation = sweepRelaxation(foundation.law, foundation.nodes);
+  const std::vector<NodeEquation> equations = nodeEquations(foundation, overlap, arms);
+  const double largest = sweepRelaxation(foundation.law, foundation.nodes);
+  const double whole = foundation.law.normal_contact_stiffness * foundation.nodes.area() + sumOfPlainLinks(foundation);
   double change = std::numeric_limits<double>::infinity();
   for (int sweep = 0; change > kTolerance * deepest; ++sweep) {
     if (sweep == kMaxSweeps) throw std::runtime_error("two-parameter foundation: no convergence");
     change = 0;
     for (std::size_t n = 0; n < w.size(); ++n) {
+      // Less where a cut link holds a free node to one under the object, which it would lift by moving too far.
+      const double relaxation = 1 + (largest - 1) * std::min(whole / equations[n].diagonal, 1.0);
       const double free = w[n] + relaxation * (equations[n].pull(w) / equations[n].diagonal - w[n]);
       const double next = std::max({free, overlap[n], 0.0});
       change = std::max(change, std::abs(next - w[n]));
@@ -110,15 +142,27 @@ FoundationSolution solveFoundation(const Foundation& foundation, std::span<const
 LayerContact foundationContact(const Sensor& sensor, std::span<const PlacedObject> objects) {
   const Foundation foundation = makeFoundation(sensor);
   const Sensor nodes = refined(sensor);
-  return solveContact(nodes, foundation, layerHeights(nodes, foundation.nodes, objects));
+  const std::vector<double> heights = layerHeights(nodes, foundation.nodes, objects);
+  const LayerCells cells = layerCells(nodes, foundation.nodes, objects);
+  return cells.covered.empty() ? solveContact(nodes, foundation, heights)
+                               : solveCutContact(nodes, foundation, cells, foundationCells(cells, foundation.nodes, heights), 0);
 }
 
 LayerContact loadedFoundationContact(const Sensor& sensor, std::span<const PlacedObject> objects, double load) {
   const Foundation foundation = makeFoundation(sensor);
   const Sensor nodes = refined(sensor);
   const std::vector<double> heights = layerHeights(nodes, foundation.nodes, objects);
-  return searchDepth(heights, 0, sensor.skin.thickness, load,
-                     [&](std::span<const double> moved) { return solveContact(nodes, foundation, moved); });
+  const LayerCells cells = layerCellsAtFullDepth(nodes, foundation.nodes, objects);
+  if (cells.covered.empty()) {
+    return searchDepth(heights, 0, sensor.skin.thickness, load,
+                       [&](std::span<const double> moved) { return solveContact(nodes, foundation, moved); });
+  }
+  const FoundationCells cut = foundationCells(cells, foundation.nodes, heights);
+  const auto lowest = static_cast<std::size_t>(std::min_element(cut.height.begin(), cut.height.end()) - cut.height.begin());
+  return searchDepth(cut.height, 0, sensor.skin.thickness, load, [&](std::span<const double> moved) {
+    const double depth = std::isfinite(moved[lowest]) ? cut.height[lowest] - moved[lowest] : 0;
+    return solveCutContact(nodes, foundation, cells, cut, depth);
+  });
 }
 
 }  // namespace taxelsim::reference

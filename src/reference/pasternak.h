@@ -9,6 +9,8 @@
 // finite volumes: the cell of a node under the object is wholly covered, and the surface leaves the object at the cell's side. c grows
 // from 1 to 2 while the object's surface falls by one to two spacings, so that it is continuous in the pose.
 //
+// With DepthSampling::kArea the outline cuts links where the cells say, foundation_cells.h: c = 1 / (1 - s), s the covered share of a link.
+//
 // The surface beyond the array decays like exp(-x / l). Solved by projected successive over-relaxation (C. W. Cryer, "The solution of a
 // quadratic programming problem using systematic overrelaxation", SIAM J. Control 9 (1971) 385).
 #pragma once
@@ -17,6 +19,7 @@
 #include <vector>
 
 #include "reference/elastic_layer.h"
+#include "reference/foundation_cells.h"
 
 namespace taxelsim::reference {
 
@@ -33,9 +36,9 @@ struct FoundationSolution {
   std::vector<double> pressure;      // (num_rows x num_cols), Pa: f / A
 };
 
-// Solves for the signed overlap d, (num_rows x num_cols), m; -infinity where there is no surface. Throws std::runtime_error without
-// convergence.
-FoundationSolution solveFoundation(const Foundation& foundation, std::span<const double> overlap);
+// Solves for the signed overlap d, (num_rows x num_cols), m; -infinity where there is no surface. `arms` of the nodes, (num_rows x
+// num_cols), or empty: outlines cut links half-way. Throws std::runtime_error without convergence.
+FoundationSolution solveFoundation(const Foundation& foundation, std::span<const double> overlap, std::span<const Arms> arms = {});
 
 // One frame of contact; `strain` is empty.
 LayerContact foundationContact(const Sensor& sensor, std::span<const PlacedObject> objects);

@@ -116,7 +116,8 @@ void checkPasternak(const Sensor& sensor) {
   const int refinement = pasternakRefinement(sensor);
   if (refinement > kMaxRefinement) {
     failField("skin.shear_stiffness", "a decay length of " + numberText(decayLength(*law)) + " m",
-              "at least 3/16 of the spacing of samples; raise samples_per_taxel");
+              std::string("at least ") + (sensor.depth_sampling == DepthSampling::kArea ? "9/64" : "3/16") +
+                  " of the spacing of samples; raise samples_per_taxel");
   }
   const LayerNodes nodes = pasternakNodes(sensor);
   const double num_nodes = static_cast<double>(nodes.num_rows) * nodes.num_cols;

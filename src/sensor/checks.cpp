@@ -51,7 +51,6 @@ void checkCellsOfLayer(const Sensor& sensor, const ElasticLayer& law) {
 void checkDepthSampling(const Sensor& sensor) {
   if (sensor.depth_sampling == DepthSampling::kPoint) return;
   if (const auto* layer = std::get_if<ElasticLayer>(&sensor.skin.law)) checkCellsOfLayer(sensor, *layer);
-  if (std::holds_alternative<Pasternak>(sensor.skin.law)) failField("depth_sampling", "area", "point with the law pasternak");
 }
 
 }  // namespace

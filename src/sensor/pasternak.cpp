@@ -11,10 +11,11 @@ double decayLength(const Pasternak& law) {
 }
 
 int pasternakRefinement(const Sensor& sensor) {
-  constexpr double kNodesPerDecay = 3;
+  constexpr double kNodesPerDecay = 3, kCellsPerDecay = 2.25;
   const std::array<double, 2>& pitch = sensor.patches.front().pitch;
   const double spacing = std::max(pitch[0], pitch[1]) / sensor.samples_per_taxel;
-  const double parts = std::ceil(kNodesPerDecay * spacing / decayLength(std::get<Pasternak>(sensor.skin.law)));
+  const double per_decay = sensor.depth_sampling == DepthSampling::kArea ? kCellsPerDecay : kNodesPerDecay;
+  const double parts = std::ceil(per_decay * spacing / decayLength(std::get<Pasternak>(sensor.skin.law)));
   return static_cast<int>(std::clamp(parts, 1.0, kMaxRefinement + 1.0));
 }
 

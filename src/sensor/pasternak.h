@@ -10,7 +10,8 @@ namespace taxelsim {
 // Length (m) over which the free surface decays: sqrt(shear_stiffness / normal_contact_stiffness).
 double decayLength(const Pasternak& law);
 
-// Nodes per sample and side: at most a third of the decay length apart. May exceed kMaxRefinement, which checkSensor() refuses.
+// Nodes per sample and side: at most a third of the decay length apart, four ninths with DepthSampling::kArea. May exceed kMaxRefinement,
+// which checkSensor() refuses.
 int pasternakRefinement(const Sensor& sensor);
 
 // The solver's nodes, in the middle of equal parts of the samples' cells; no margin. The sensor's law must be Pasternak.

@@ -84,10 +84,11 @@ std::uint64_t layerPairs(Shape s) {
 // Pairs of words of all arrays over blocks of nodes.
 std::uint64_t foundationPairs(Shape s) {
   if (!s.hasLayer() || !s.model.isPasternak()) return 0;
-  constexpr std::uint64_t kRows = PasternakInterface::kBlockRows, kCols = PasternakInterface::kBlockCols, kNumArrays = 3;
+  constexpr std::uint64_t kRows = PasternakInterface::kBlockRows, kCols = PasternakInterface::kBlockCols;
+  const std::uint64_t num_arrays = s.model.area() ? 4 : 3;
   const LayerNodes& nodes = s.model.layer->nodes;
   const auto blocksOf = [](int count, std::uint64_t size) { return (static_cast<std::uint64_t>(count) + size - 1) / size; };
-  return kNumArrays * blocksOf(nodes.num_rows, kRows) * blocksOf(nodes.num_cols, kCols) * kRows * kCols / 2;
+  return num_arrays * blocksOf(nodes.num_rows, kRows) * blocksOf(nodes.num_cols, kCols) * kRows * kCols / 2;
 }
 
 std::uint64_t contactFeatures(Shape s) {

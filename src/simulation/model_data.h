@@ -64,7 +64,9 @@ struct ModelData {
   // Words that a sample of the contact pass keeps between steps, shaders/skin/sample_states.glsl.
   std::uint32_t numSampleStates() const;
   // Whether cells of area sampling know how the depth varies within them, cell_points.glsl.
-  bool variation() const { return area() && (isElasticLayer() || hasFriction() || foundationOf(sensor.skin).normal_exponent != 1); }
+  bool variation() const {
+    return area() && (isElasticLayer() || isPasternak() || hasFriction() || foundationOf(sensor.skin).normal_exponent != 1);
+  }
   bool isElasticLayer() const { return std::holds_alternative<ElasticLayer>(sensor.skin.law); }
   bool isPasternak() const { return std::holds_alternative<Pasternak>(sensor.skin.law); }
   bool hasMask() const { return std::holds_alternative<DeformationMask>(sensor.skin.law); }

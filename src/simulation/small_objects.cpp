@@ -18,6 +18,8 @@ namespace {
 
 // Samples across an object below which it is warned of, and from which its area is known to about a quarter.
 constexpr double kFewSamples = 2, kEnoughSamples = 4;
+// Nodes across an object below which their cells may miss it with area sampling: the outline is then within one cell.
+constexpr double kFewCells = 1.5;
 
 // The smallest extent of the object along its axes, m.
 double narrowest(const Object& object) {
@@ -42,13 +44,13 @@ double coarsestPitch(const Sensor& sensor) {
 }  // namespace
 
 void warnOfSmallObjects(const Sensor& sensor, std::span<const Object> objects) {
-  if (sensor.depth_sampling == DepthSampling::kArea) return;
-  const bool is_foundation = std::holds_alternative<Pasternak>(sensor.skin.law);
+  const bool is_foundation = std::holds_alternative<Pasternak>(sensor.skin.law), is_area = sensor.depth_sampling == DepthSampling::kArea;
+  if (is_area && !is_foundation) return;
   const int parts = is_foundation ? pasternakRefinement(sensor) : 1;
   const double pitch = coarsestPitch(sensor), spacing = pitch / (sensor.samples_per_taxel * parts);
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const double width = narrowest(objects[i]);
-    if (!(width < kFewSamples * spacing)) continue;
+    if (!(width < (is_area ? kFewCells : kFewSamples) * spacing)) continue;
     const double count = std::ceil(kEnoughSamples * pitch / width);
     const std::string name = objects[i].name.empty() ? std::to_string(i) : oneLine(objects[i].name);
     std::string line = "object " + name + " is " + millimetres(width) + " wide, " + (is_foundation ? "nodes" : "samples") + " are " +

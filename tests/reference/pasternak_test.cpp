@@ -117,5 +117,28 @@ INSTANTIATE_TEST_SUITE_P(Forms, FoundationForms,
                                            Accuracy{sphere("sphere_1_mm", 1e-3), 0.03, 1e-3},
                                            Accuracy{sphere("sphere_2_mm", 2e-3), 0.03, 1e-3}));
 
+// Cells that outlines cut, nodes of 0.283 mm: a pin 1 mm deep and a sphere of 5 mm with a contact radius of 1 mm.
+TEST(FoundationCells, ForceAtAnyPlace) {
+  constexpr double kPinError = 0.015, kSphereError = 0.01;
+  Sensor sensor = support::gridSensor({.num_rows = 3, .num_cols = 3, .thickness = 2e-3});
+  sensor.skin.law = kLaw;
+  sensor.depth_sampling = DepthSampling::kArea;
+  constexpr double kRadius = 5e-3, kContact = 1e-3;  // m
+  const double edge = std::sqrt(kRadius * kRadius - kContact * kContact), slope = kContact / edge;
+  const double depth = kRadius - edge + slope * kDecay / besselRatio(kContact / kDecay);
+  const double volume = kPi * kContact * kContact * (depth - kRadius) + 2 * kPi / 3 * (std::pow(kRadius, 3) - std::pow(edge, 3));
+  const double sphere_force = kStiffness * volume + 2 * kPi * kLaw.shear_stiffness * kContact * slope;
+  const double pin_force = 1e-3 * pasternakPunchStiffness(kLaw, 1e-3);
+  const Object flat(Cylinder{1e-3, 0.01}), ball(Sphere{kRadius});
+  Random random(2);
+  for (int n = 0; n < 10; ++n) {
+    const double x = random.uniform(-1e-3, 1e-3), y = random.uniform(-1e-3, 1e-3);
+    const std::vector<reference::PlacedObject> pressed_flat{{&flat, {{x, y, 4e-3}, {1, 0, 0, 0}}}};
+    const std::vector<reference::PlacedObject> pressed_ball{{&ball, {{x, y, kRadius - depth}, {1, 0, 0, 0}}}};
+    EXPECT_NEAR(reference::foundationContact(sensor, pressed_flat).total_force / pin_force, 1, kPinError);
+    EXPECT_NEAR(reference::foundationContact(sensor, pressed_ball).total_force / sphere_force, 1, kSphereError);
+  }
+}
+
 }  // namespace
 }  // namespace taxelsim

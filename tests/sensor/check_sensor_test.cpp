@@ -210,7 +210,7 @@ TEST(CheckSensor, Pasternak) {
   expectRefused("skin.margin", with([](Sensor& s, Pasternak&) { s.skin.margin = 1e-3; }));
   expectRefused("skin.relaxation", with([](Sensor& s, Pasternak&) { s.skin.relaxation = {{.fraction = 0.1, .time = 1}}; }));
   expectRefused("skin.friction_coefficient", with([](Sensor& s, Pasternak&) { s.skin.friction = {1e8, 0.5}; }));
-  expectRefused("depth_sampling", with([](Sensor& s, Pasternak&) { s.depth_sampling = DepthSampling::kArea; }));
+  expectAccepted(with([](Sensor& s, Pasternak&) { s.depth_sampling = DepthSampling::kArea; }));
   expectRefused("samples_per_taxel",
                 with([](Sensor& s, Pasternak&) { s.patches[0].num_rows = s.patches[0].num_cols = kMaxTaxelsPerSide; }));
   expectRefused("psf.sigma", with([](Sensor& s, Pasternak&) { s.psf = {.sigma = 1e-3}; }));

@@ -42,13 +42,5 @@ TEST(SmallObjects, AreWarnedOfWithPoints) {
   EXPECT_THAT(warnings(sensor), testing::HasSubstr("pasternak cannot see it"));
 }
 
-TEST(DepthSampling, AreaIsRefusedWhereMeansDoNotDetermineForces) {
-  Sensor sensor = sensorWith(DepthSampling::kArea);
-  sensor.skin.law = Pasternak{.normal_contact_stiffness = 5e8, .shear_stiffness = 218};
-  const std::string foundation =
-      support::inputError([&] { Model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{5e-3})}}); });
-  EXPECT_THAT(foundation, testing::AllOf(testing::HasSubstr("depth_sampling: area"), testing::HasSubstr("pasternak")));
-}
-
 }  // namespace
 }  // namespace taxelsim

@@ -1,5 +1,5 @@
 // A two-parameter foundation: include/taxelsim/sensor.h, Pasternak. As for an elastic layer the contact pass outputs heights, and pasternak.comp solves for the
-// pressures. That pass reads heights inside the windows of tiles only.
+// pressures. That pass reads heights inside the windows of tiles only, unless they have cells.
 
 const bool kGlobalSolve = true, kClearsHeights = false;
 

@@ -62,7 +62,8 @@ PasternakPass::Kernel PasternakPass::makeKernel(const Variant& variant) const {
                              .MARGIN = static_cast<std::uint32_t>(std::ceil(kMarginDecays * decay / std::min(along_x, along_y))),
                              .NUM_HEIGHT_TILES = model_.contact_packed.tiles.size(),
                              .LOADS = variant.loads,
-                             .OUTPUT_DEPTH = variant.with_depth}};
+                             .OUTPUT_DEPTH = variant.with_depth,
+                             .AREA = model_.area()}};
 }
 
 }  // namespace taxelsim
