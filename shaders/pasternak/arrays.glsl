@@ -5,8 +5,9 @@ const uint kLinks = 3u;                                 // with AREA: 1 / c of t
 const uint kNumArrays = AREA ? 4u : 3u;
 const uint kColumnPairs = kBlockRows / 2u;                            // of a column of a block
 const uvec2 kBlockSize = uvec2(kBlockRows, kBlockCols);
-const uvec2 kBlocks = (kNodes + kBlockSize - 1u) / kBlockSize;
-const uint kNumBlocks = kBlocks.x * kBlocks.y;
+const uint kBlocksAlongRows = (kNodeRows + kBlockRows - 1u) / kBlockRows, kBlocksAlongCols = (kNodeCols + kBlockCols - 1u) / kBlockCols;
+const uvec2 kBlocks = uvec2(kBlocksAlongRows, kBlocksAlongCols);
+const uint kNumBlocks = kBlocksAlongRows * kBlocksAlongCols;
 
 // The first pair of a column.
 uint columnAddress(uint instance, uint array, uint block, uint col) {

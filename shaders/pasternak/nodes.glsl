@@ -3,7 +3,10 @@
 // Nodes are numbered along x and y of P; node (0, 0) is at the corner of the array. Heights are in m, in P; kMiss without a surface.
 
 const uint kPerTaxel = SAMPLES * NODES_PER_SAMPLE;
-const uvec2 kNodes = uvec2(NUM_ROWS, NUM_COLS) * kPerTaxel;
+// One number at a time: the optimizer of the validation layers breaks the order of constants that come from vectors of specialization constants.
+const uint kNodeRows = NUM_ROWS * kPerTaxel, kNodeCols = NUM_COLS * kPerTaxel;
+const uint kLastRow = kNodeRows - 1u, kLastCol = kNodeCols - 1u;
+const uvec2 kNodes = uvec2(kNodeRows, kNodeCols), kLastNode = uvec2(kLastRow, kLastCol);
 
 struct Surface {
   uint first_height;  // of the instance in heights[]
@@ -18,7 +21,7 @@ struct Window {
 };
 
 vec2 nodeSpacing() { return vec2(PITCH_X, PITCH_Y) / float(kPerTaxel); }
-vec2 nodePosition(vec2 node) { return (node - 0.5 * vec2(kNodes - 1u)) * nodeSpacing(); }
+vec2 nodePosition(vec2 node) { return (node - 0.5 * vec2(kLastNode)) * nodeSpacing(); }
 
 // Height at a node that a tile of the contact pass has reached.
 float heightAt(Surface surface, uvec2 node) { return uintBitsToFloat(heights[surface.first_height + node.x * kNodes.y + node.y]); }
