@@ -66,6 +66,18 @@ TEST(FasterPathsOnEveryDriver, ChangeNoBit) {
   }
 }
 
+// The bits of all instances in all steps.
+std::vector<std::vector<std::uint32_t>> bitsOf(Simulator& simulator, const std::vector<std::vector<Touch>>& steps) {
+  std::vector<std::vector<std::uint32_t>> all;
+  for (const std::vector<Touch>& touches : steps) {
+    support::setTouches(simulator, touches);
+    simulator.step(1e-3);
+    const FrameView frame = simulator.read();
+    for (int i = 0; i < simulator.numInstances(); ++i) all.push_back(support::bitsOf(frame, i, simulator.numInstances()));
+  }
+  return all;
+}
+
 // Solids, polyhedra and meshes in one model, some instances without an object, over two steps. Only a batch of this size is divided by
 // kinds.
 void expectKindsDoNotShow(const Sensor& sensor) {
@@ -88,14 +100,7 @@ void expectKindsDoNotShow(const Sensor& sensor) {
     const Plain without(plain);
     const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
     Simulator simulator(model, {.num_instances = kNumInstances});
-    std::vector<std::vector<std::uint32_t>> all;
-    for (const std::vector<Touch>& touches : steps) {
-      support::setTouches(simulator, touches);
-      simulator.step(1e-3);
-      const FrameView frame = simulator.read();
-      for (int i = 0; i < kNumInstances; ++i) all.push_back(support::bitsOf(frame, i, kNumInstances));
-    }
-    return all;
+    return bitsOf(simulator, steps);
   };
   EXPECT_EQ(bits(""), bits("kinds"));
 }
@@ -139,14 +144,7 @@ void expectLockstepDoesNotShow(const Sensor& sensor) {
     Simulator simulator(
         model, {.num_instances = kNumInstances, .num_slots = 2, .outputs = {.tactile_jacobian = true, .clean_tactile_jacobian = true}});
     simulator.setLoads(loads);
-    std::vector<std::vector<std::uint32_t>> all;
-    for (const std::vector<Touch>& touches : steps) {
-      support::setTouches(simulator, touches);
-      simulator.step(1e-3);
-      const FrameView frame = simulator.read();
-      for (int i = 0; i < kNumInstances; ++i) all.push_back(support::bitsOf(frame, i, kNumInstances));
-    }
-    return all;
+    return bitsOf(simulator, steps);
   };
   EXPECT_EQ(bits(""), bits("lockstep"));
 }
