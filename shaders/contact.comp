@@ -14,7 +14,7 @@
 // Shared memory: 4 TILE_SAMPLES (9 with AREA, 17 with MANY_SLOTS, too) + 16 LANES + 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 4 REPEAT + 84 bytes; friction
 //      adds 8 LANES + 512, lockstep 16 NUM_FACES, AREA with meshes 4 kMostFacets, VARIATION 16 TILE_SAMPLES.
 // Deterministic: the tile is a minimum of integers, which sum cells; LANES partial sums are added in a fixed order, whatever the size of the workgroup.
-// Mutable globals: any_unfinished_loop (driver/loop_limit.glsl); the planes of a polyhedron (depth/polyhedron.glsl).
+// Mutable globals: any_unfinished_loop, num_iterations (driver/loop_limit.glsl); the planes of a polyhedron (depth/polyhedron.glsl).
 // Twins: src/reference/depth.cpp, contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp, load.cpp.
 
 #include "driver/barrier.glsl"
@@ -58,6 +58,7 @@ const bool kManyMotions = kKeepsSlots && MANY_SLOTS;
 #include "depth/polyhedron_taxels.glsl"
 #include "skin/tile_pressures.glsl"
 #include "skin/tile_result.glsl"
+#include "depth/tile_sequence.glsl"
 #include "depth/untouched_tiles.glsl"
 
 // Loads a tile. False when the load search of its instance has ended, and for an instance that is held or of another dispatch: its results stay.
@@ -103,6 +104,7 @@ void computeTile(uint instance, uint tile_number, uint num_slots) {
 
   Found found = Found(noSamples(), false);
   Box samples = rasterHeights(tile, instance, num_slots, reach, found);
+  countIterations(kIterationsOfSample * areaOf(samples));
   ActiveTaxels taxels = activeTaxels(samples);
   TileStep step = beginPressures(tile, instance, tile_number, num_slots, reach, taxels, load_driven, search_here);
   pressTaxels(tile, step, taxels, found);
@@ -110,41 +112,25 @@ void computeTile(uint instance, uint tile_number, uint num_slots) {
   writeTileResult(tile, step, taxels, samples);
 }
 
-// Lists the tiles from `first` to `end` that are to be computed, and writes the outputs of those that no object is near. Returns how many are listed.
-uint listTiles(uint first, uint end, uint num_slots) {
-  if (gl_LocalInvocationIndex == 0) num_listed_tiles = 0;
-  workgroupBarrier();
-  for (uint place = first + gl_LocalInvocationIndex; place < end; place += WORKGROUP) {
-    uint number = tileNumbered(place), instance = number / NUM_TILES, tile_number = number - instance * NUM_TILES;
-    Tile tile;
-    if (!beginTile(instance, tile_number, tile)) continue;
-    if (!findsNear() || anyObjectNear(tile, instance, num_slots)) {
-      tile_list[atomicAdd(num_listed_tiles, 1u)] = number;
-    } else {
-      clearTile(tile, instance, tile_number, 0, 1);
-    }
-  }
-  workgroupBarrier();
-  return num_listed_tiles;
-}
-
 void main() {
-  uvec4 batch = step_record.batch;
-  uint first = workgroupNumber() * REPEAT;
-  uint end = min(first + REPEAT, LIST < kNumLists ? work[LIST].w : batch.x * NUM_TILES);
-  uint count = max(first, end) - first;  // a dispatch in two dimensions may have more workgroups than work
-  if (listsTiles()) count = listTiles(first, end, batch.y);
+  uvec2 places = placesOfTiles();
+  uint count = places.y - places.x;
+  if (listsTiles()) count = listTiles(places.x, places.y);
   if (usesTile() && count > 0) {
     clearHeights();
     workgroupBarrier();
   }
   uint k = 0;
-  for (; k < count; ++k) {
-    uint number = listsTiles() ? tile_list[k] : tileNumbered(first + k);
+  for (; k < count && !leavesNextTile(); ++k) {
+    uint number = listsTiles() ? tile_list[k] : tileNumbered(places.x + k);
     uint instance = number / NUM_TILES;
-    computeTile(instance, number - instance * NUM_TILES, batch.y);
+    computeTile(instance, number - instance * NUM_TILES, step_record.batch.y);
     workgroupBarrier();
   }
-  checkLoop(k < count);
+  checkLoop(k < count && !leavesNextTile());
+  if (kLeavesTiles && gl_LocalInvocationIndex == 0) {
+    for (; k < count; ++k) leaveTile(listsTiles() ? tile_list[k] : tileNumbered(places.x + k));
+    checkLoop(k < count);
+  }
   reportUnfinishedLoops();
 }

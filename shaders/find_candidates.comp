@@ -83,7 +83,7 @@ void findCandidates(Tile tile, uint instance) {
     if (gives_up || num_found < kMaxCandidates / 4) candidates[instance].half_size.w = min(2.0 * share, 1.0);
     if (!fits && !gives_up) candidates[instance].half_size.w = 0.5 * share;
     if (fits) atomicAdd(work[kNumLists].x, 1u);
-    appendToList(fits && step_record.candidates.x != 0 ? kListCandidates : kListWholeMesh, instance, REPEAT);
+    appendToList(fits && step_record.candidates.x != 0 ? kListCandidates : kListWholeMesh, instance, LISTED_PER_WORKGROUP);
   }
   workgroupBarrier();
 }

@@ -101,5 +101,7 @@ uint listOf(Tile tile, uint instance) {
 void main() {
   Tile tile = loadTile(0);
   uint instance = workgroupNumber() * WORKGROUP + gl_LocalInvocationIndex;
-  if (instance < step_record.batch.x) appendToList(listOf(tile, instance), instance, LISTED_PER_WORKGROUP);
+  if (instance >= step_record.batch.x) return;
+  uint list = listOf(tile, instance);
+  appendToList(list, instance, list == kListFindCandidates ? FOUND_PER_WORKGROUP : LISTED_PER_WORKGROUP);
 }

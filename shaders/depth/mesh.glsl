@@ -87,6 +87,7 @@ void visitListedGroups(Tile tile, MeshView view, inout Found found) {
     for (; reaching != 0; reaching &= reaching - 1u) cluster_list[at++] = first + uint(findLSB(reaching)) * WORKGROUP;
   }
   workgroupBarrier();
+  countIterations(num_listed_groups * kClustersPerGroup);
   visitListedQuads(tile, view, num_listed_clusters * kQuadsPerCluster, found);
   workgroupBarrier();
 }
@@ -105,5 +106,6 @@ void visitMesh(Tile tile, Body body, MeshView view, inout Found found) {
     workgroupBarrier();
     visitListedGroups(tile, view, found);
   }
+  countIterations(body.kind_groups.z);
   checkLoop(start < end_group);
 }

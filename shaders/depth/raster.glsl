@@ -169,6 +169,7 @@ void drawQuad(Tile tile, MeshView view, uint quad, inout Found found) {
 uint quadNumbered(uint i, bool is_candidate, uint first) { return is_candidate ? candidate_quads[first + i] : listedQuad(i); }
 
 void visitQuads(Tile tile, MeshView view, bool is_candidate, uint first, uint count, inout Found found) {
+  countIterations(kIterationsOfTriangle * 2u * count);
   const uint kSums = kBySums | kByLargeSums;
   if ((TRIANGLE_SIZES & kSums) != 0) addQuads(tile, view, is_candidate, first, view.closed ? count : 0u, found);
   if ((TRIANGLE_SIZES & ~kSums) == 0) return;

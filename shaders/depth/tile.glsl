@@ -26,6 +26,7 @@ struct Box {
 };
 
 bool isAny(Box box) { return box.first.x <= box.last.x && box.first.y <= box.last.y; }
+uint areaOf(Box box) { return isAny(box) ? uint(box.last.x - box.first.x + 1) * uint(box.last.y - box.first.y + 1) : 0u; }
 Box noSamples() { return Box(ivec2(0x7FFFFFFF), ivec2(-1)); }
 
 void grow(inout Box box, Box other) {

@@ -1,4 +1,7 @@
-// Tiles that no object is near: how they are found, and their outputs.
+// Tiles that no object is near: how they are found, and their outputs. The includer defines beginTile(), which loads a tile, and is false for one that this
+// dispatch does not compute.
+
+bool beginTile(uint instance, uint tile_number, out Tile tile);
 
 // Sensors with many small tiles: objects reach few of them. Relaxation advances the state of every tile.
 const bool kManySmallTiles = EARLY_EXIT && NUM_ROWS == 0 && NUM_TILES > 1 && RELAXATION == 0;
@@ -9,12 +12,6 @@ const bool kLeavesUntouched = EARLY_EXIT && NUM_ROWS > 0 && RELAXATION == 0 && !
 bool findsNear() { return kManySmallTiles || kLeavesUntouched && IS_LAST && REPEAT > 1; }
 // Likewise the tiles whose load search has not ended, and those whose object is of the dispatch's kinds.
 bool listsTiles() { return findsNear() || (SEARCH == kSearchOverTiles || SELECTS_KINDS) && EARLY_EXIT && REPEAT > 1; }
-
-shared uint tile_list[REPEAT];  // tiles to be computed
-shared uint num_listed_tiles;
-
-// Number of a tile over all instances, by its place among those of the dispatch. Lists are of sensors with one tile.
-uint tileNumbered(uint place) { return LIST < kNumLists ? work_instances[placeInList(LIST, place)] : place; }
 
 bool anyObjectNear(Tile tile, uint instance, uint num_slots) {
   bool near = false;
@@ -47,4 +44,22 @@ void clearTile(Tile tile, uint instance, uint tile_number, uint first, uint step
   if (kStoresTouched) state[stateStart(result) + kTouchedTaxels] = uvec4(0);
   if (OUTPUT_JACOBIAN) clearChange(result);
   tile_results[result] = TileResult(vec4(0), vec4(0), uvec4(0));
+}
+
+// Lists the tiles from `first` to `end` that are to be computed, and writes the outputs of those that no object is near. Returns how many are listed.
+uint listTiles(uint first, uint end) {
+  if (gl_LocalInvocationIndex == 0) num_listed_tiles = 0;
+  workgroupBarrier();
+  for (uint place = first + gl_LocalInvocationIndex; place < end; place += WORKGROUP) {
+    uint number = tileNumbered(place), instance = number / NUM_TILES, tile_number = number - instance * NUM_TILES;
+    Tile tile;
+    if (!beginTile(instance, tile_number, tile)) continue;
+    if (!findsNear() || anyObjectNear(tile, instance, step_record.batch.y)) {
+      tile_list[atomicAdd(num_listed_tiles, 1u)] = number;
+    } else {
+      clearTile(tile, instance, tile_number, 0, 1);
+    }
+  }
+  workgroupBarrier();
+  return num_listed_tiles;
 }

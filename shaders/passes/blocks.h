@@ -34,8 +34,8 @@
 // ---- a batch: between steps and between passes ----
 #define BLOCK_Candidates BLOCK(Candidates, CandidateRecord, candidates[])
 #define BLOCK_CandidateQuads BLOCK(CandidateQuads, uint, candidate_quads[])  // (n x kMaxCandidates)
-#define BLOCK_Work BLOCK(Work, uvec4, work[])                                // (kNumLists + 1)
-#define BLOCK_WorkInstances BLOCK(WorkInstances, uint, work_instances[])     // (kNumLists x n)
+#define BLOCK_Work BLOCK(Work, uvec4, work[])                                // (kNumWorkRows)
+#define BLOCK_WorkInstances BLOCK(WorkInstances, uint, work_instances[])     // ((kNumLists + num_tiles) x n)
 #define BLOCK_State BLOCK(State, uvec4, state[])                             // of every tile and its samples, skin/sample_states.glsl
 #define BLOCK_FrictionState BLOCK(FrictionState, Pair, friction_state[])     // of an elastic layer: kFrictionHeader, then one of every node
 #define BLOCK_LawState BLOCK(LawState, vec2, law_state[])                    // (n x t), of laws with taxel passes
@@ -48,12 +48,12 @@
 #define BLOCK_Windows BLOCK(Windows, TileResult, windows[])     // of an elastic layer (n x tiles of its heights)
 #define BLOCK_Layer BLOCK(Layer, Pair, layer[])                 // arrays over strips of nodes, kLayer...
 #define BLOCK_Foundation BLOCK(Foundation, Pair, foundation[])  // arrays over blocks of nodes, pasternak/blocks.glsl
-#define BLOCK_TaxelStates BLOCK(TaxelStates, float, taxel_states[])          // (n x num_states x t), readout/lag.glsl
-#define BLOCK_ImageWindows BLOCK(ImageWindows, uvec4, image_windows[])       // of the step before: first row and column, their numbers
-#define BLOCK_AxisPlays BLOCK(AxisPlays, float, axis_plays[])                // (n x 3 x t), N, three_axis.comp
-#define BLOCK_Forces BLOCK(Forces, float, forces[])                          // (n x t), N, that contact features are computed from
-#define BLOCK_TaxelRegions BLOCK(TaxelRegions, uint, taxel_regions[])        // (n x t)
-#define BLOCK_RegionSums BLOCK(RegionSums, uint, region_sums[])              // (n x t)
+#define BLOCK_TaxelStates BLOCK(TaxelStates, float, taxel_states[])     // (n x num_states x t), readout/lag.glsl
+#define BLOCK_ImageWindows BLOCK(ImageWindows, uvec4, image_windows[])  // of the step before: first row and column, their numbers
+#define BLOCK_AxisPlays BLOCK(AxisPlays, float, axis_plays[])           // (n x 3 x t), N, three_axis.comp
+#define BLOCK_Forces BLOCK(Forces, float, forces[])  // (n x t, features/taxel_words.glsl), N, that contact features are computed from
+#define BLOCK_TaxelRegions BLOCK(TaxelRegions, uint, taxel_regions[])        // likewise
+#define BLOCK_RegionSums BLOCK(RegionSums, uint, region_sums[])              // likewise
 #define BLOCK_Regions BLOCK(Regions, uint, regions[])                        // (n x max_regions)
 #define BLOCK_ContactCells BLOCK(ContactCells, CellRecord, contact_cells[])  // (n x t)
 #define BLOCK_TileChanges BLOCK(TileChanges, float, tile_changes[])          // (n x num_tiles x LANES x kTileChanges)
@@ -75,7 +75,8 @@
 #define BLOCK_Problems BLOCK(Problems, uint, problems[])                      // (1): 1 where a driver ended a loop early
 
 // ---- host only: copied from, or bound in place of another block ----
-#define BLOCK_EmptyWork BLOCK(EmptyWork, uvec4, empty_work[])  // what Work starts from in every frame
+#define BLOCK_EmptyWork \
+  BLOCK(EmptyWork, uvec4, empty_work[])  // what Work starts from in every frame, and the row kSecondDispatch of a second dispatch
 #define BLOCK_PastState BLOCK(PastState, uvec4, past_state[])  // State, to be fetched as texels
 #define BLOCK_CleanContactFeatures BLOCK(CleanContactFeatures, float, features[])
 #define BLOCK_CleanTactileJacobian BLOCK(CleanTactileJacobian, float, features[])  // with the wrench's after that of the features

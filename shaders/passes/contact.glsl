@@ -3,6 +3,10 @@
 
 const bool kHasMesh = (OBJECT_KINDS & 1u) != 0;
 const bool kHasAnalytic = (OBJECT_KINDS & ~1u) != 0;
+// Estimated iterations of one invocation: shared/iterations.h.
+const uint kIterationsOfSample =
+    AREA ? kIterationsPerCell : (OBJECT_KINDS & (1u << kKindTorus)) != 0 ? kIterationsPerSampleOfTorus : kIterationsPerSample;
+const uint kIterationsOfTriangle = AREA ? kIterationsPerTriangleOfCells : kIterationsPerTriangle;
 const bool kOnlyPolyhedra = OBJECT_KINDS == (1u << kKindPolyhedron);
 // Heights go through the tile, except for a single analytic solid, whose heights are computed where they are summed. A torus needs the tile since its heights
 // are expensive; the Jacobian needs it since it reads a sample's neighbours.

@@ -45,6 +45,8 @@ CONSTANT(46, bool, KEEPS_SLOTS)         // an instance has several slots, of whi
 CONSTANT(47, bool, HAS_CELLS)           // the law is coupled and sampled by area: the pass runs again, with AREA, and adds node_cells
 CONSTANT(48, uint, NUM_STATES)          // words that a sample keeps between steps, skin/sample_states.glsl
 CONSTANT(49, bool, SELECTS_KINDS)       // the dispatch processes the instances whose one object is of OBJECT_KINDS; others process the rest
+CONSTANT(50, uint,
+         MOST_ITERATIONS)  // after which a workgroup leaves its other tiles to a second dispatch, depth/tile_sequence.glsl; 0: never
 
 TEXELS(0, Poses)
 BUFFER(1, readonly, Instances)

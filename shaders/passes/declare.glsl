@@ -9,6 +9,7 @@
 
 #include "shared/batch.h"
 #include "shared/candidates.h"
+#include "shared/iterations.h"
 #include "shared/objects.h"
 #include "shared/sensor.h"
 #include "passes/blocks.h"

@@ -5,6 +5,7 @@ CONSTANT(12, bool, OUTPUT_JACOBIAN)
 CONSTANT(13, float, REACH)
 CONSTANT(14, uint, GROUPS_PER_BATCH)
 CONSTANT(15, bool, AREA)
+CONSTANT(16, uint, LISTED_PER_WORKGROUP)  // instances of a list that one workgroup of the contact pass processes
 
 TEXELS(0, Poses)
 BUFFER(1, readonly, Step)

@@ -6,6 +6,7 @@ CONSTANT(12, bool, OUTPUT_JACOBIAN)
 CONSTANT(13, float, REACH)
 CONSTANT(14, uint, LISTED_PER_WORKGROUP)  // instances of a list that one workgroup of the contact pass processes
 CONSTANT(15, bool, AREA)
+CONSTANT(16, uint, FOUND_PER_WORKGROUP)  // the same of find_candidates.comp
 
 TEXELS(0, Poses)
 BUFFER(1, readonly, Step)

@@ -1,5 +1,5 @@
 // Mesh quads that the contact pass tests for an instance, kept from step to step (shaders/keep_candidates.comp), and the lists of
-// instances that the passes use.
+// instances and tiles that the passes use.
 #ifndef TAXELSIM_SHADERS_SHARED_CANDIDATES_H
 #define TAXELSIM_SHADERS_SHARED_CANDIDATES_H
 
@@ -28,6 +28,12 @@ TAXELSIM_CONSTANT kListWholeMesh = 1u;       // instances for which the contact 
 TAXELSIM_CONSTANT kListCandidates = 2u;      // instances for which the contact pass tests candidates
 TAXELSIM_CONSTANT kNumLists = 3u;
 TAXELSIM_CONSTANT kMaxColumns = 65535u;  // columns of workgroups, the smallest limit that Vulkan permits
+
+// Further rows: the tiles that workgroups of the contact pass have left to a second dispatch (shaders/depth/tile_sequence.glsl), and in the
+// first word of the last row, whether that dispatch runs. Their list follows those of instances.
+TAXELSIM_CONSTANT kLeftTiles = 4u;
+TAXELSIM_CONSTANT kSecondDispatch = 5u;
+TAXELSIM_CONSTANT kNumWorkRows = 6u;
 
 TAXELSIM_LAYOUT_END
 

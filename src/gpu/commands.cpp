@@ -164,9 +164,10 @@ void Commands::barrier(Access before, Access after) {
   });
 }
 
-void Commands::copy(const Buffer& from, const Buffer& to, std::size_t bytes) {
-  vulkan_->recorded.emplace_back([from = *from.vulkan().buffer, to = *to.vulkan().buffer, bytes](const vk::raii::CommandBuffer& commands) {
-    commands.copyBuffer(from, to, vk::BufferCopy(0, 0, bytes));
+void Commands::copy(const Buffer& from, const Buffer& to, std::size_t bytes, std::size_t from_offset, std::size_t to_offset) {
+  vulkan_->recorded.emplace_back([from = *from.vulkan().buffer, to = *to.vulkan().buffer,
+                                  region = vk::BufferCopy(from_offset, to_offset, bytes)](const vk::raii::CommandBuffer& commands) {
+    commands.copyBuffer(from, to, region);
   });
 }
 

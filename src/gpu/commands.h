@@ -40,7 +40,8 @@ class Commands {
     dispatchIndirect(static_cast<const Kernel&>(kernel), counts, offset, bindings.of<Pass>());
   }
   void barrier(Access before, Access after);
-  void copy(const Buffer& from, const Buffer& to, std::size_t bytes);
+  // Offsets in bytes.
+  void copy(const Buffer& from, const Buffer& to, std::size_t bytes, std::size_t from_offset = 0, std::size_t to_offset = 0);
   void fillZero(const Buffer& buffer);
   void timestamp(std::uint32_t mark);
   void end();

@@ -13,13 +13,14 @@
 namespace taxelsim::gpu {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, bool FastPaths::*>, 7> kNames{{{"pairs", &FastPaths::pairs},
+constexpr std::array<std::pair<std::string_view, bool FastPaths::*>, 8> kNames{{{"pairs", &FastPaths::pairs},
                                                                                 {"polyhedra", &FastPaths::polyhedra},
                                                                                 {"kinds", &FastPaths::kinds},
                                                                                 {"untouched", &FastPaths::untouched},
                                                                                 {"candidates", &FastPaths::candidates},
                                                                                 {"lockstep", &FastPaths::lockstep},
-                                                                                {"alone", &FastPaths::alone}}};
+                                                                                {"alone", &FastPaths::alone},
+                                                                                {"sequences", &FastPaths::sequences}}};
 
 // Two subgroups of 32 lanes, or one of 64.
 constexpr std::uint32_t kGpuWorkgroup = 64;

@@ -18,6 +18,7 @@ struct FastPaths {
   bool candidates = true;  // triangles of a slow mesh are culled once in several steps
   bool lockstep = true;    // no barriers in workgroups that are one vector of a software driver, and loads through texel buffers
   bool alone = true;       // one invocation per item of work instead of a team
+  bool sequences = true;   // long sequences of tiles under fine meshes, of which a workgroup may leave some to a second dispatch
 };
 
 // All of them, except those that the environment variable TAXELSIM_PLAIN names: names separated by commas, or "all". Throws Error(kInput)
@@ -50,6 +51,9 @@ class DriverProfile {
 
   // Items of so many iterations that an invocation does in sequence, 1 to `most`: starting a workgroup costs a software driver 1 to 3 us.
   std::uint32_t itemsInSequence(std::uint64_t iterations, std::uint32_t most) const;
+
+  // Whether itemsInSequence() depends on the iterations of an item.
+  bool limitsIterations() const { return is_software_; }
 
   // Partial sums of a reduction that every invocation of a workgroup reads.
   std::uint32_t partialSumsFor(std::uint64_t iterations) const;

@@ -98,6 +98,11 @@ std::uint64_t jacobianFeatures(Shape s) {
   return std::uint64_t{layout::kNumJacobian} * numContactRows(s.model.packed_contact, 0);
 }
 
+// shaders/features/taxel_words.glsl.
+std::uint64_t paddedTaxels(Shape s) {
+  return (taxels(s) + 3) / 4 * 4;
+}
+
 std::uint64_t gradientTaxels(Shape s) {
   return countIf(s.options.outputs.vjp, taxels(s));
 }
@@ -115,7 +120,11 @@ constexpr BatchArray kArrays[] = {
 
     internal<block::Candidates>("candidates", [](Shape s) { return countIf(s.keeps_candidates, 1); }),
     internal<block::CandidateQuads>("candidate quads", [](Shape s) { return countIf(s.keeps_candidates, layout::kMaxCandidates); }),
-    internal<block::WorkInstances>("work lists", [](Shape s) { return countIf(s.keeps_candidates, layout::kNumLists); }),
+    internal<block::WorkInstances>("work lists",
+                                   [](Shape s) {
+                                     return countIf(s.keeps_candidates || s.model.leaves_tiles, layout::kNumLists) +
+                                            countIf(s.model.leaves_tiles, tiles(s));
+                                   }),
     internal<block::State>("contact state", contactStates),
     internal<block::LawState>("law state", [](Shape s) { return countIf(!s.model.law.taxel_passes.empty(), taxels(s)); }),
     internal<block::FrictionState>("friction state", layerFrictionStates),
@@ -133,10 +142,10 @@ constexpr BatchArray kArrays[] = {
     internal<block::Foundation>("foundation", foundationPairs),
 
     internal<block::AxisPlays>("hysteresis of axes", [](Shape s) { return countIf(s.options.outputs.taxel_counts, 3 * taxels(s)); }),
-    internal<block::Forces>("forces", [](Shape s) { return countIf(s.outputsContactFeatures(), taxels(s)); }),
-    internal<block::TaxelRegions>("taxel regions", [](Shape s) { return countIf(s.outputsContactFeatures(), taxels(s)); }),
+    internal<block::Forces>("forces", [](Shape s) { return countIf(s.outputsContactFeatures(), paddedTaxels(s)); }),
+    internal<block::TaxelRegions>("taxel regions", [](Shape s) { return countIf(s.outputsContactFeatures(), paddedTaxels(s)); }),
     internal<block::RegionSums>("region sums",
-                                [](Shape s) { return countIf(s.outputsContactFeatures() && s.options.max_regions > 0, taxels(s)); }),
+                                [](Shape s) { return countIf(s.outputsContactFeatures() && s.options.max_regions > 0, paddedTaxels(s)); }),
     internal<block::Regions>(
         "regions", [](Shape s) { return countIf(s.outputsContactFeatures(), static_cast<std::uint64_t>(s.options.max_regions)); }),
 
@@ -188,7 +197,7 @@ constexpr BatchArray kArrays[] = {
     readAfter(kAfterFrame | kAfterGradient, perBatch(output<block::Problems>(
                                                 "problems", [](Shape) { return std::uint64_t{1}; }, always))),
     perBatch(output<block::Work>(
-        "work", [](Shape) { return std::uint64_t{layout::kNumLists + 1}; }, always)),
+        "work", [](Shape) { return std::uint64_t{layout::kNumWorkRows}; }, always)),
 };
 
 }  // namespace

@@ -133,9 +133,11 @@ ModelData::ModelData(const Device& opened, const ModelOptions& options)
   uploadSensor(*this, buffers);
   keeps_candidates = profile.paths().candidates && object_kinds.max_groups >= layout::kMinGroups && contact_packed.one_grid &&
                      contact_packed.tiles.size() == 1;
-  if (keeps_candidates) {
-    std::vector<glm::uvec4> empty(layout::kNumLists + 1, glm::uvec4(0, 1, 1, 0));
-    empty.back() = glm::uvec4(0);
+  leaves_tiles = profile.paths().sequences && profile.limitsIterations() && object_kinds.max_triangles > 0 && !layer;
+  if (keeps_candidates || leaves_tiles) {
+    std::vector<glm::uvec4> empty(layout::kNumWorkRows + 1, glm::uvec4(0, 1, 1, 0));
+    empty[layout::kNumLists] = empty[layout::kSecondDispatch] = glm::uvec4(0);
+    empty.back() = glm::uvec4(1, 0, 0, 0);  // of the second dispatch
     buffers.upload<block::EmptyWork>("empty work lists", empty);
   }
 }

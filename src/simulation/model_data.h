@@ -91,6 +91,8 @@ struct ModelData {
   ObjectKinds object_kinds;
   // Whether batches may keep candidates: shaders/keep_candidates.comp.
   bool keeps_candidates = false;
+  // Whether workgroups of the contact pass may leave tiles to a second dispatch: shaders/depth/tile_sequence.glsl.
+  bool leaves_tiles = false;
   ModelBuffers buffers;
 };
 

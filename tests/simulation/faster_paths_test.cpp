@@ -120,6 +120,39 @@ TEST(FasterPathsOnEveryDriver, KindsOfObjectsChangeNoBit) {
   expectKindsDoNotShow(sensor);
 }
 
+// Balls of 20,480 triangles that reach as far below the skin as above it, so that a workgroup can take few of them before it leaves its
+// other tiles to the second dispatch. The objects creep, so that some steps use candidates.
+void expectSequencesDoNotShow(const Sensor& sensor, int num_instances) {
+  constexpr double kRadius = 5e-3;
+  Random random(29);
+  const std::vector<Object> objects{Object("ball", support::icosphere(kRadius, 5, 0.01, random)), support::randomMeshObject(random, 0.02)};
+  std::vector<std::vector<Touch>> steps(4);
+  for (int i = 0; i < num_instances; ++i) {
+    Touch touch{{i % 5 == 4}, {{{random.uniform(-8e-3, 8e-3), random.uniform(-8e-3, 8e-3), i % 3 == 0 ? 0.9 * kRadius : 0}}}};
+    for (std::vector<Touch>& step : steps) {
+      step.push_back(touch);
+      touch.X_SO[0].position[0] += 0.01e-3;
+    }
+  }
+  const auto bits = [&](const char* plain) {
+    const Plain without(plain);
+    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+    Simulator simulator(model, {.num_instances = num_instances});
+    return bitsOf(simulator, steps);
+  };
+  EXPECT_EQ(bits(""), bits("sequences,candidates"));
+}
+
+TEST(FasterPathsOnEveryDriver, SequencesOfTilesChangeNoBit) {
+  Sensor sensor = support::gridSensor();
+  expectSequencesDoNotShow(sensor, 256);
+  GridPatch patch = sensor.patches[0];
+  patch.name = "second";
+  patch.X_SP.position = {0.01, 0, 0};
+  sensor.patches.push_back(patch);
+  expectSequencesDoNotShow(sensor, 128);
+}
+
 // Covers every pass with barriers for two steps; on a software driver each workgroup is one vector.
 void expectLockstepDoesNotShow(const Sensor& sensor) {
   constexpr int kNumInstances = 6;
@@ -235,8 +268,9 @@ TEST(FasterPathsOnEveryDriver, RejectsAnUnknownName) {
     FAIL() << "taken";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    EXPECT_STREQ(error.what(),
-                 "TAXELSIM_PLAIN: \"pears\" is not allowed: pairs, polyhedra, kinds, untouched, candidates, lockstep, alone, all");
+    EXPECT_STREQ(
+        error.what(),
+        "TAXELSIM_PLAIN: \"pears\" is not allowed: pairs, polyhedra, kinds, untouched, candidates, lockstep, alone, sequences, all");
   }
 }
 

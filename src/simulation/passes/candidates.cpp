@@ -8,10 +8,11 @@
 namespace taxelsim {
 
 void CandidatePasses::record(Recorder& recorder, bool with_jacobian) const {
-  const Kernels& kernels = kernels_.get(with_jacobian, [&] { return makeKernels(with_jacobian); });
+  const Variant variant{with_jacobian, contact_.repeatOfLists(recorder.num_instances)};
+  const Kernels& kernels = kernels_.get(variant, [&] { return makeKernels(variant); });
   gpu::Commands& commands = recorder.commands;
   const gpu::Buffer& empty = recorder.bindings.buffer<block::EmptyWork>();
-  commands.copy(empty, recorder.bindings.buffer<block::Work>(), empty.size());
+  commands.copy(empty, recorder.bindings.buffer<block::Work>(), (layout::kNumLists + 1) * sizeof(block::Work::Element));
   commands.barrier(gpu::Access::kCopy, gpu::Access::kKernel);
   recorder.dispatch(kernels.keep, numWorkgroups(recorder.num_instances, gpu::DriverProfile::kIndependentWorkgroup));
   commands.barrier(gpu::Access::kKernel, gpu::Access::kIndirect);
@@ -19,25 +20,27 @@ void CandidatePasses::record(Recorder& recorder, bool with_jacobian) const {
   commands.barrier(gpu::Access::kKernel, gpu::Access::kIndirect);
 }
 
-CandidatePasses::Kernels CandidatePasses::makeKernels(bool with_jacobian) const {
+CandidatePasses::Kernels CandidatePasses::makeKernels(const Variant& variant) const {
   const PassSizes& contact = contact_.sizes();
   const auto common = [&](std::uint32_t workgroup) {
     return commonConstants(model_.contact_sensor, model_.contact_packed, {workgroup, contact.lanes, contact.repeat});
   };
   return {.keep = {model_.context(), "keep_candidates", k_keep_candidates_spirv, common(gpu::DriverProfile::kIndependentWorkgroup),
                    KeepCandidatesInterface{.FLAT = model_.contact_packed.flat,
-                                           .OUTPUT_JACOBIAN = with_jacobian,
+                                           .OUTPUT_JACOBIAN = variant.with_jacobian,
                                            .REACH = model_.law.reach,
-                                           .LISTED_PER_WORKGROUP = contact.repeat,
-                                           .AREA = model_.area()}},
+                                           .LISTED_PER_WORKGROUP = variant.listed_per_workgroup,
+                                           .AREA = model_.area(),
+                                           .FOUND_PER_WORKGROUP = contact.repeat}},
           .find = {model_.context(), "find_candidates",
                    model_.profile.select({k_find_candidates_spirv, k_find_candidates_lockstep_spirv}, contact.workgroup),
                    common(contact.workgroup),
                    FindCandidatesInterface{.FLAT = model_.contact_packed.flat,
-                                           .OUTPUT_JACOBIAN = with_jacobian,
+                                           .OUTPUT_JACOBIAN = variant.with_jacobian,
                                            .REACH = model_.law.reach,
                                            .GROUPS_PER_BATCH = contact_.groupsPerBatch(),
-                                           .AREA = model_.area()}}};
+                                           .AREA = model_.area(),
+                                           .LISTED_PER_WORKGROUP = variant.listed_per_workgroup}}};
 }
 
 }  // namespace taxelsim

@@ -17,15 +17,20 @@ class CandidatePasses {
   void record(Recorder& recorder, bool with_jacobian) const;
 
  private:
+  struct Variant {
+    bool with_jacobian;
+    std::uint32_t listed_per_workgroup;                // instances of the contact pass
+    auto operator<=>(const Variant&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 misreads it
+  };
   struct Kernels {
     gpu::PassKernel<KeepCandidatesInterface> keep;
     gpu::PassKernel<FindCandidatesInterface> find;
   };
-  Kernels makeKernels(bool with_jacobian) const;
+  Kernels makeKernels(const Variant& variant) const;
 
   const ModelData& model_;
   const ContactPass& contact_;
-  KernelCache<bool, Kernels> kernels_;  // by with_jacobian
+  KernelCache<Variant, Kernels> kernels_;
 };
 
 }  // namespace taxelsim

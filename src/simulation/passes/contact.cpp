@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "shared/iterations.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -51,19 +52,26 @@ std::uint32_t chooseGroupsPerBatch(const ModelData& model) {
 
 // Loop iterations that one invocation alone would take for a tile and objects of these kinds.
 std::uint64_t iterationsOf(const ModelData& model, std::uint32_t kinds) {
-  constexpr std::uint64_t kPerSample = 3, kPerSampleOfTorus = 48;  // of at most 96
-  // With area sampling: triangles next to each other share cells; of a solid, most cells on an edge take scan lines.
-  constexpr std::uint64_t kPerTriangle = 4, kPerCell = 8;
   const bool has_torus = (kinds & (1u << layout::kKindTorus)) != 0;
-  const std::uint64_t per_ray = has_torus ? kPerSampleOfTorus : kPerSample;
+  const std::uint64_t per_ray = has_torus ? layout::kIterationsPerSampleOfTorus : layout::kIterationsPerSample;
   const std::uint64_t num_triangles = (kinds & (1u << layout::kKindMesh)) != 0 ? model.object_kinds.max_triangles : 0;
-  if (model.area()) return kPerTriangle * num_triangles + kPerCell * model.contact_packed.max_tile_samples;
-  return 2 * num_triangles + model.contact_packed.max_tile_samples * per_ray;
+  const std::uint64_t num_samples = model.contact_packed.max_tile_samples;
+  if (model.area()) return layout::kIterationsPerTriangleOfCells * num_triangles + layout::kIterationsPerCell * num_samples;
+  return layout::kIterationsPerTriangle * num_triangles + per_ray * num_samples;
 }
 
 // Without area sampling closed meshes are drawn as others.
 std::uint32_t triangleSizes(const ObjectKinds& kinds, bool area) {
   return area ? kinds.triangle_sizes : (kinds.triangle_sizes | kinds.triangle_sizes >> 2) & 3u;
+}
+
+// Copies rows of block EmptyWork to Work, between two dispatches.
+void copyWorkRows(Recorder& recorder, std::uint32_t from, std::uint32_t to, std::uint32_t count) {
+  constexpr std::size_t kRow = sizeof(block::Work::Element);
+  recorder.commands.barrier(gpu::Access::kKernel, gpu::Access::kCopy);
+  recorder.commands.copy(recorder.bindings.buffer<block::EmptyWork>(), recorder.bindings.buffer<block::Work>(), count * kRow, from * kRow,
+                         to * kRow);
+  recorder.commands.barrier(gpu::Access::kCopy, gpu::Access::kKernel);
 }
 
 }  // namespace
@@ -85,30 +93,53 @@ ContactPass::ContactPass(const ModelData& model, const ModelOptions& options, co
   }
 }
 
+std::uint32_t ContactPass::mostInSequence() const {
+  return model_.packed.tiles.size() > 1 ? kMaxTileRepeat : kMaxRepeat;
+}
+
 std::uint32_t ContactPass::repeatFor(std::uint32_t kinds) const {
-  const std::uint32_t most = model_.packed.tiles.size() > 1 ? kMaxTileRepeat : kMaxRepeat;
-  return tunedRepeat(tuned_repeat_, model_.profile.itemsInSequence(iterationsOf(model_, kinds) / sizes_.workgroup, most),
+  return tunedRepeat(tuned_repeat_, model_.profile.itemsInSequence(iterationsOf(model_, kinds) / sizes_.workgroup, mostInSequence()),
                      "tuning.contact_repeat");
+}
+
+// Not in small batches, where the second dispatch takes more time than it saves.
+bool ContactPass::leavesTiles(std::uint64_t num_instances) const {
+  constexpr std::uint64_t kMinTiles = 256;
+  return model_.leaves_tiles && tuned_repeat_ == 0 && sizes_.repeat < mostInSequence() &&
+         num_instances * model_.contact_packed.tiles.size() >= kMinTiles;
+}
+
+std::uint32_t ContactPass::repeatOfLists(std::uint64_t num_instances) const {
+  return leavesTiles(num_instances) ? mostInSequence() : sizes_.repeat;
 }
 
 // A load search in a tile takes all the iterations that a workgroup may. Lists count workgroups of sizes_.repeat.
 std::uint32_t ContactPass::repeatOf(const Variant& variant) const {
   if (variant.search == ContactInterface::kSearchInTile) return 1;
+  if (variant.leaves_tiles) return mostInSequence();
   return variant.kinds == 0 || variant.list != layout::kNumLists ? sizes_.repeat : repeatFor(variant.kinds);
 }
 
-void ContactPass::record(Recorder recorder, const Variant& variant) const {
+void ContactPass::record(Recorder recorder, Variant variant) const {
+  const std::uint32_t kinds = variant.kinds != 0 ? variant.kinds : model_.object_kinds.kinds;
+  variant.leaves_tiles =
+      variant.search == ContactInterface::kNoSearch && (kinds & (1u << layout::kKindMesh)) != 0 && leavesTiles(recorder.num_instances);
   if (model_.layer) {
     recorder.bindings.redirect<block::ContactNormal, block::Heights>();
     recorder.bindings.redirect<block::TileResults, block::Windows>();
   }
   recorder.bindings.redirect<block::PastState, block::State>();
   const Kernel& kernel = kernels_.get(variant, [&] { return makeKernel(variant); });
+  if (variant.leaves_tiles) copyWorkRows(recorder, layout::kLeftTiles, layout::kLeftTiles, 2);
   if (variant.list == layout::kNumLists) {
     recorder.dispatch(kernel, numWorkgroups(recorder.num_instances * model_.contact_packed.tiles.size(), repeatOf(variant)));
   } else {
     recorder.dispatchOverList(kernel, variant.list);
   }
+  if (!variant.leaves_tiles) return;
+  recorder.commands.barrier(gpu::Access::kKernel, gpu::Access::kIndirect);
+  copyWorkRows(recorder, layout::kNumWorkRows, layout::kSecondDispatch, 1);
+  recorder.dispatchOverList(kernel, layout::kLeftTiles);
 }
 
 ContactPass::Kernel ContactPass::makeKernel(const Variant& variant) const {
@@ -163,6 +194,7 @@ ContactPass::Kernel ContactPass::makeKernel(const Variant& variant) const {
       .HAS_CELLS = model_.layer && model_.area(),
       .NUM_STATES = model_.numSampleStates(),
       .SELECTS_KINDS = kinds != model_.object_kinds.kinds && variant.list != layout::kListCandidates,
+      .MOST_ITERATIONS = variant.leaves_tiles ? gpu::kMaxIterations : 0,
   };
   const PassSizes sizes{sizes_.workgroup, sizes_.lanes, repeatOf(variant)};
   return {model_.context(), law.kernel, model_.profile.select(law.spirv, sizes.workgroup),

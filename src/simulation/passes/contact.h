@@ -26,6 +26,7 @@ class ContactPass {
     std::uint32_t kinds = 0;                           // bit per kind of object that it processes; 0: all of the model
     bool random_skin = false;                          // every instance has factors of its own, SkinVariation
     bool cells = false;                                // second run of a coupled law with area sampling: writes node_cells
+    bool leaves_tiles = false;                         // to a second dispatch, shaders/depth/tile_sequence.glsl; set by record()
     auto operator<=>(const Variant&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 misreads it
   };
 
@@ -33,16 +34,20 @@ class ContactPass {
   ContactPass(const ModelData& model, const ModelOptions& options, const Tuning& tuning);
 
   const PassSizes& sizes() const { return sizes_; }
+  // Instances of a list that a workgroup takes in sequence, in a batch of so many.
+  std::uint32_t repeatOfLists(std::uint64_t num_instances) const;
   // Groups of a mesh's clusters that are culled between two barriers.
   std::uint32_t groupsPerBatch() const { return groups_per_batch_; }
 
   // For a globally coupled law writes heights and windows instead of forces, or with `cells` node_cells and the windows of both.
-  void record(Recorder recorder, const Variant& variant) const;
+  void record(Recorder recorder, Variant variant) const;
 
  private:
   using Kernel = gpu::PassKernel<ContactInterface>;
   Kernel makeKernel(const Variant& variant) const;
+  std::uint32_t mostInSequence() const;
   std::uint32_t repeatFor(std::uint32_t kinds) const;
+  bool leavesTiles(std::uint64_t num_instances) const;
   std::uint32_t repeatOf(const Variant& variant) const;
 
   const ModelData& model_;
