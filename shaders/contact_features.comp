@@ -1,11 +1,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // Contact features pass: moments, edge angle under a window and of a fitted ridge, tilt of a flat face and type of the contact, of the sensor, of each of its
 // patches and of each region. Runs after contact_regions.comp.
 //
 // TEAM invocations share a part (one row of an instance); a workgroup has WORKGROUP / TEAM teams, and each team processes REPEAT parts in sequence. Parts of
 // the same kind of all instances are consecutive.
-// In:  forces (num_instances x num_taxels), N; taxel_regions (num_instances x num_taxels), shared/features.h; regions (num_instances x REGIONS).
+// In:  forces, N, and taxel_regions, shared/features.h (num_instances x num_taxels, features/taxel_words.glsl); regions (num_instances x REGIONS).
 // Out: features (block after block, each num_instances x num_rows x components, shared/features.h).
 // Parts without force skip all scans but the first.
 // Shared memory: 4 PARTIALS + 4 bytes.
@@ -26,6 +27,7 @@ const uint kTeams = WORKGROUP / TEAM;
 #include "common/instances.glsl"
 #include "driver/loop_limit.glsl"
 #include "features/moments.glsl"
+#include "features/taxel_words.glsl"
 #include "features/contact_parts.glsl"
 #include "features/part_sums.glsl"
 #include "features/ridge.glsl"

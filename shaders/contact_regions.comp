@@ -1,14 +1,15 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // Regions pass: which taxels that report are connected, and which of these regions are the largest. Runs before contact_features.comp.
 //
 // A workgroup has WORKGROUP / TEAM teams; each team processes REPEAT instances in sequence. An invocation owns every TEAM-th taxel of an instance.
 // In:  image (num_instances x num_taxels), counts; with CLEAN spread_normal (num_instances x num_taxels), N.
-// Out: forces (num_instances x num_taxels), N; taxel_regions (num_instances x num_taxels), shared/features.h; regions (num_instances x REGIONS), largest first;
-//      features: the number of all regions (num_instances). region_sums (num_instances x num_taxels) is scratch.
+// Out: forces, N, and taxel_regions, shared/features.h (num_instances x num_taxels, features/taxel_words.glsl); regions (num_instances x REGIONS), largest first;
+//      features: the number of all regions (num_instances). region_sums, likewise, is scratch.
 // Shared memory: 16 WORKGROUP / TEAM bytes.
 // Deterministic: a region is named by its lowest taxel, whatever order taxels are united in; forces are summed as integers.
-// Mutable globals: any_unfinished_loop (driver/loop_limit.glsl).
+// Mutable globals: any_unfinished_loop (driver/loop_limit.glsl); the words of the rows (features/region_bits.glsl).
 // Twin: src/reference/contact_features.cpp.
 
 #include "shared/batch.h"
@@ -22,7 +23,9 @@ const bool kGrids = NUM_NEIGHBOURS == 0;
 
 // One instance, the same for all invocations of its team.
 struct Instance {
-  uint number, first_taxel;
+  uint number;
+  uint first_taxel;  // in image and spread_normal
+  uint first_word;   // in forces, taxel_regions and region_sums
   uint end;  // of its taxels; 0 where there is nothing to do
 };
 
@@ -40,22 +43,35 @@ void teamBarrier() {
   barrier();
 }
 
+#include "features/taxel_words.glsl"
 #include "features/taxel_forces.glsl"
 #include "features/regions.glsl"
 #include "features/core_taxels.glsl"
 #include "features/region_selection.glsl"
+#include "features/region_bits.glsl"
 
 // All teams execute the same barriers; a team without an instance of its own (`is_valid` false) writes nothing.
 void findRegions(uint number, bool is_valid, uint num_instances) {
   uint lane = gl_LocalInvocationIndex % TEAM, team = gl_LocalInvocationIndex / TEAM;
   bool is_due = is_valid && hasNewValues(number, CLEAN);
-  Instance instance = Instance(number, number * NUM_TAXELS, is_due ? NUM_TAXELS : 0);
+  Instance instance = Instance(number, number * NUM_TAXELS, 4u * kTaxelFours * number, is_due ? NUM_TAXELS : 0);
+  if (kByBits) {
+    float peak = writeForcesByBits(instance);
+    findCoreByBits();
+    if (REGIONS == 0) {
+      writeCoreByBits(instance);
+    } else {
+      uint count = findRegionsByBits(instance, peak);
+      if (is_due) features[FIRST_COUNT * num_instances + number] = float(count);
+    }
+    return;
+  }
   if (TEAM > 1 && lane == 0) peak_bits[team] = num_regions[team] = 0;
   teamBarrier();
   float peak = writeForces(instance, lane, team);
   if (REGIONS > 0) {
     for (uint t = lane; t < instance.end; t += TEAM) {
-      if (reports(taxel_regions[instance.first_taxel + t])) uniteNeighbours(instance.first_taxel, t);
+      if (reports(taxel_regions[instance.first_word + t])) uniteNeighbours(instance.first_word, t);
     }
     teamBarrier();
     sumRegions(instance, lane, peak);

@@ -18,13 +18,15 @@ bool reportsForce(float force, float trigger) { return force > (CLEAN ? trigger 
 
 // The taxels of one row of an instance: the sensor's, a patch's or a region's.
 struct Part {
-  uint first_taxel;  // of the instance
+  uint first_four;   // of the instance, in forces[] and taxel_regions[]
   uint first, end;   // range that holds its taxels
   uint region;       // its taxels are those of this region; kNoRegion: all in the range
   uint plane;
   bool is_grid;      // the taxels are those of the plane's grid; else their positions are in S
   vec4 pitch;        // of the plane
   vec2 size;         // of the grid, rows and columns
+  float per_col;     // 1 / columns
+  vec3 per_pitch;    // 1 / pitch
 };
 
 // Part `number` (< kParts) of an instance; empty if it is not due or its region does not exist.
@@ -44,13 +46,13 @@ Part loadPart(uint instance, uint number, bool is_due) {
     is_grid = true;
   }
   if (!is_due) end = 0;
-  return Part(instance * NUM_TAXELS, first, end, region, plane, is_grid, planes[plane].pitch, vec2(planes[plane].grid.xy));
+  vec4 pitch = planes[plane].pitch;
+  vec2 size = vec2(planes[plane].grid.xy);
+  return Part(instance * kTaxelFours, first, end, region, plane, is_grid, pitch, size, 1.0 / size.y, 1.0 / pitch.xyz);
 }
 
-// Whether a taxel of the part's range is one of its taxels.
-bool isIn(Part part, uint t) {
-  return REGIONS == 0 || part.region == kNoRegion || (taxel_regions[part.first_taxel + t] & kNoRegion) == part.region;
-}
+// Whether a taxel of the part's range is one of its taxels. `word`: its word in taxel_regions.
+bool isOfRegion(Part part, uint word) { return REGIONS == 0 || part.region == kNoRegion || (word & kNoRegion) == part.region; }
 
 // A direction of the frame of `taxels` in C.
 vec3 inPlane(Part part, vec3 d) {
@@ -62,9 +64,9 @@ vec3 inPlane(Part part, vec3 d) {
 // Position of a taxel in C, m.
 vec3 positionOf(Part part, uint t) {
   if (kOnePatch || part.is_grid) {
-    // The row by a float division: integer divisions are slow on software drivers. It is half a taxel from the next row, far more than rounding.
+    // The row by a float multiplication: divisions are slow on software drivers. It is half a taxel from the next row, far more than rounding.
     float number = float(t - part.first);
-    float i = floor((number + 0.5) / part.size.y);
+    float i = floor((number + 0.5) * part.per_col);
     return vec3((vec2(i, number - i * part.size.y) - 0.5 * (part.size - 1.0)) * part.pitch.xy, 0);
   }
   vec3 p_S = chartOf(t).xyz;

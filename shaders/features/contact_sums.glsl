@@ -26,14 +26,15 @@ void addSums(uint kind, inout PartSums total, PartSums more) {
   if (hasLargest(kind)) total.s[0] = largest;
 }
 
-// Adds taxel `t`. `middle`: the point of the moments, in C; `force`: the largest force (kSumsPeak) or the mean force (kSumsSecond), N.
-void addTaxel(uint kind, Part part, uint t, vec3 middle, float force, Ridge ridge, inout PartSums sums) {
+// Adds taxel `t`. `weight`: its force, N; `word`: its word in taxel_regions. `middle`: the point of the moments, in C; `force`: the largest force (kSumsPeak) or the
+// mean force (kSumsSecond), N.
+void addTaxel(uint kind, Part part, uint t, float weight, uint word, vec3 middle, float force, Ridge ridge, inout PartSums sums) {
+  bool is_in_range = t >= part.first && t < part.end, is_in = is_in_range && isOfRegion(part, word);
+  t = min(t, NUM_TAXELS - 1u);
   if (kind == kSumsRidge) {
-    addToRidge(part, t, ridge, sums);
+    if (is_in_range) addToRidge(part, t, weight, is_in, ridge, sums);
     return;
   }
-  float weight = forces[part.first_taxel + t];
-  bool is_in = isIn(part, t);
   if (!is_in) weight = 0.0;
   if (kind == kSumsPeak) {
     if (weight == force) sums.s[0] = max(sums.s[0], kTaxelNumbers - float(t));
@@ -52,8 +53,8 @@ void addTaxel(uint kind, Part part, uint t, vec3 middle, float force, Ridge ridg
     return;
   }
   if (kind == kSumsWindow) {
-    float width = kWindow * part.pitch.z;
-    weight *= exp(-0.5 * dot(p.xy, p.xy) / (width * width));
+    float per_width = part.per_pitch.z * (1.0 / kWindow);
+    weight *= exp(-0.5 * dot(p.xy, p.xy) * (per_width * per_width));
   }
   sums.s[0] += weight * p.x;
   sums.s[1] += weight * p.y;
@@ -62,8 +63,8 @@ void addTaxel(uint kind, Part part, uint t, vec3 middle, float force, Ridge ridg
   sums.s[4] += weight * p.x * p.y;
   sums.s[5] += weight * p.y * p.y;
   if (kList || kind != kSumsSecond) return;
-  vec2 at = p.xy / part.pitch.xy;
-  float one = (taxel_regions[part.first_taxel + t] & kCoreTaxel) != 0 && weight > 0.0 ? 1.0 : 0.0;
+  vec2 at = p.xy * part.per_pitch.xy;
+  float one = (word & kCoreTaxel) != 0 && weight > 0.0 ? 1.0 : 0.0;
   float more = one * (weight - force);
   sums.s[kCore] += one;
   sums.s[kCore + 1] += one * at.x;
@@ -77,16 +78,25 @@ void addTaxel(uint kind, Part part, uint t, vec3 middle, float force, Ridge ridg
   sums.s[kCore + 9] += more * more;
 }
 
-// Sums of one kind over all taxels of a part; every invocation of the team gets them.
+// Adds the taxels 4 four to 4 four + 3.
+void addFour(uint kind, Part part, uint four, vec3 middle, float force, Ridge ridge, inout PartSums sums) {
+  vec4 weights = floatsOfFour(Forces, part.first_four + four);
+  uvec4 words = uvec4(0);
+  if (REGIONS > 0 || kind == kSumsSecond) words = fourOf(TaxelRegions, part.first_four + four);
+  [[unroll]] for (uint k = 0; k < 4u; ++k) addTaxel(kind, part, 4u * four + k, weights[k], words[k], middle, force, ridge, sums);
+}
+
+// Sums of one kind over all taxels of a part; every invocation of the team gets them. A partial sum has every LANES-th four of taxels.
 PartSums sumPart(uint kind, Part part, vec3 middle, float force, Ridge ridge) {
   uint lane = gl_LocalInvocationIndex % TEAM;
   uint first_partial = gl_LocalInvocationIndex / TEAM * kMostSums * LANES;
   PartSums total = noSums();
-  for (uint v = lane; v < LANES; v += TEAM) {
+  bool skips = TEAM == 1 && part.end == part.first;
+  for (uint v = skips ? LANES : lane; v < LANES; v += TEAM) {
     PartSums sums = noSums();
-    uint t = part.first + v;
-    for (; t < part.end; t += LANES) addTaxel(kind, part, t, middle, force, ridge, sums);
-    checkLoop(t < part.end);
+    uint four = part.first / 4u + v;
+    for (; 4u * four < part.end; four += LANES) addFour(kind, part, four, middle, force, ridge, sums);
+    checkLoop(4u * four < part.end);
     if (TEAM == 1) {
       addSums(kind, total, sums);
     } else {

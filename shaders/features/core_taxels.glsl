@@ -12,23 +12,23 @@ bool isInside(uint j, uint distance, uint size, uint run) {
 }
 
 // Marks the taxels of a row whose window reports. `first`: taxel of the instance.
-void markCoreInRow(uint first_taxel, uint first, uvec4 grid) {
+void markCoreInRow(uint first_word, uint first, uvec4 grid) {
   uint run = 0, j = 0, distance = min(grid.w, grid.y);
   for (; j < grid.y + distance; ++j) {
-    if (j < grid.y) run = reportsAt(first_taxel, first + j) ? run + 1u : 0u;
-    if (isInside(j, distance, grid.y, run)) taxel_regions[first_taxel + first + j - distance] |= kCoreInRow;
+    if (j < grid.y) run = reportsAt(first_word, first + j) ? run + 1u : 0u;
+    if (isInside(j, distance, grid.y, run)) taxel_regions[first_word + first + j - distance] |= kCoreInRow;
   }
   checkLoop(j < grid.y + distance);
 }
 
 // Marks the core taxels of a column, whose rows have been marked.
-void markCoreInColumn(uint first_taxel, uint first, uvec4 grid) {
+void markCoreInColumn(Instance instance, uint first, uvec4 grid) {
   uint run = 0, i = 0, distance = min(grid.w, grid.x);
   for (; i < grid.x + distance; ++i) {
-    if (i < grid.x) run = (taxel_regions[first_taxel + first + i * grid.y] & kCoreInRow) != 0 ? run + 1u : 0u;
+    if (i < grid.x) run = (taxel_regions[instance.first_word + first + i * grid.y] & kCoreInRow) != 0 ? run + 1u : 0u;
     if (!isInside(i, distance, grid.x, run)) continue;
-    uint taxel = first_taxel + first + (i - distance) * grid.y;
-    if (CLEAN || float(image[taxel]) < SATURATION) taxel_regions[taxel] |= kCoreTaxel;
+    uint taxel = first + (i - distance) * grid.y;
+    if (CLEAN || float(image[instance.first_taxel + taxel]) < SATURATION) taxel_regions[instance.first_word + taxel] |= kCoreTaxel;
   }
   checkLoop(i < grid.x + distance);
 }
@@ -39,8 +39,8 @@ void markCore(Instance instance, uint lane) {
   for (uint patch_number = 0; patch_number < NUM_PATCHES; ++patch_number) {
     uvec4 grid = planes[patch_number].grid;
     uint rows = instance.end > 0 ? grid.x : 0u, cols = instance.end > 0 ? grid.y : 0u;
-    for (uint row = lane; row < rows; row += TEAM) markCoreInRow(instance.first_taxel, grid.z + row * grid.y, grid);
+    for (uint row = lane; row < rows; row += TEAM) markCoreInRow(instance.first_word, grid.z + row * grid.y, grid);
     teamBarrier();
-    for (uint col = lane; col < cols; col += TEAM) markCoreInColumn(instance.first_taxel, grid.z + col, grid);
+    for (uint col = lane; col < cols; col += TEAM) markCoreInColumn(instance, grid.z + col, grid);
   }
 }

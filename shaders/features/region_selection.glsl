@@ -9,14 +9,14 @@ shared uint selected_sum[kTeams], selected[kTeams];  // of the region that is be
 void sumRegions(Instance instance, uint lane, float peak) {
   float steps = peak > 0.0 ? float(FORCE_STEPS) / peak : 0.0;
   for (uint t = lane; t < instance.end; t += TEAM) {
-    if (!reports(taxel_regions[instance.first_taxel + t])) continue;
-    uint region = findRoot(instance.first_taxel, t);
-    taxel_regions[instance.first_taxel + t] = region;
-    uint share = uint(forces[instance.first_taxel + t] * steps + 0.5);
+    if (!reports(taxel_regions[instance.first_word + t])) continue;
+    uint region = findRoot(instance.first_word, t);
+    taxel_regions[instance.first_word + t] = region;
+    uint share = uint(forces[instance.first_word + t] * steps + 0.5);
     if (TEAM == 1) {
-      region_sums[instance.first_taxel + region] += share;
+      region_sums[instance.first_word + region] += share;
     } else {
-      atomicAdd(region_sums[instance.first_taxel + region], share);
+      atomicAdd(region_sums[instance.first_word + region], share);
     }
   }
 }
@@ -29,9 +29,9 @@ uint selectRegions(Instance instance, uint lane, uint team) {
     uint best = 0, best_name = kNoRegion;
     if (sum > 0) {
       for (uint t = lane; t < instance.end; t += TEAM) {
-        if (taxel_regions[instance.first_taxel + t] != t) continue;
+        if (taxel_regions[instance.first_word + t] != t) continue;
         if (r == 0) ++count;
-        uint other = region_sums[instance.first_taxel + t] + 1;
+        uint other = region_sums[instance.first_word + t] + 1;
         bool is_left = other < sum || (other == sum && t > name);
         if (is_left && other > best) {
           best = other;

@@ -2,11 +2,11 @@
 // are united in. Twin: src/reference/contact_features.cpp.
 
 // Root of taxel `t`: the taxel that names its region so far. Path halving.
-uint findRoot(uint first_taxel, uint t) {
-  uint next = taxel_regions[first_taxel + t];
+uint findRoot(uint first_word, uint t) {
+  uint next = taxel_regions[first_word + t];
   while (next != t) {
-    uint after = taxel_regions[first_taxel + next];
-    taxel_regions[first_taxel + t] = after;
+    uint after = taxel_regions[first_word + next];
+    taxel_regions[first_word + t] = after;
     t = next;
     next = after;
   }
@@ -16,20 +16,20 @@ uint findRoot(uint first_taxel, uint t) {
 
 // Unites the regions of two taxels under the lower of their names. If another invocation has changed the higher root meanwhile, its new parent is united as
 // well.
-void unite(uint first_taxel, uint a, uint b) {
+void unite(uint first_word, uint a, uint b) {
   bool done = false;
   while (!done) {
-    a = findRoot(first_taxel, a);
-    b = findRoot(first_taxel, b);
+    a = findRoot(first_word, a);
+    b = findRoot(first_word, b);
     uint high = max(a, b);
     b = min(a, b);
     if (high == b) {
       done = true;
     } else if (TEAM == 1) {
-      taxel_regions[first_taxel + high] = b;
+      taxel_regions[first_word + high] = b;
       done = true;
     } else {
-      a = atomicMin(taxel_regions[first_taxel + high], b);
+      a = atomicMin(taxel_regions[first_word + high], b);
       done = a == high;
     }
   }
@@ -48,13 +48,13 @@ Place placeOf(uint t) {
   return Place(grid, uvec2((t - grid.z) / cols, (t - grid.z) % cols));
 }
 
-bool reportsAt(uint first_taxel, uint t) { return reports(taxel_regions[first_taxel + t]); }
+bool reportsAt(uint first_word, uint t) { return reports(taxel_regions[first_word + t]); }
 
 // Unites the region of a taxel with those of its neighbours of lower number.
-void uniteNeighbours(uint first_taxel, uint t) {
+void uniteNeighbours(uint first_word, uint t) {
   for (uint e = 0; e < NUM_NEIGHBOURS; ++e) {
     uint other = neighbours[e * NUM_TAXELS + t];
-    if (reportsAt(first_taxel, other)) unite(first_taxel, t, other);
+    if (reportsAt(first_word, other)) unite(first_word, t, other);
   }
   if (!kGrids) return;
   // The taxel above is adjacent to the left one and to its own two neighbours in the row, so those that report form at most two regions:
@@ -62,13 +62,13 @@ void uniteNeighbours(uint first_taxel, uint t) {
   Place place = placeOf(t);
   uint before = t, after = t, above = t - place.grid.y;
   bool has_left = place.at.y > 0, has_row = place.at.x > 0;
-  if (has_row && has_left && reportsAt(first_taxel, above - 1)) before = above - 1;
-  if (has_left && reportsAt(first_taxel, t - 1)) before = t - 1;
-  if (has_row && place.at.y + 1 < place.grid.y && reportsAt(first_taxel, above + 1)) after = above + 1;
-  if (has_row && reportsAt(first_taxel, above)) {
+  if (has_row && has_left && reportsAt(first_word, above - 1)) before = above - 1;
+  if (has_left && reportsAt(first_word, t - 1)) before = t - 1;
+  if (has_row && place.at.y + 1 < place.grid.y && reportsAt(first_word, above + 1)) after = above + 1;
+  if (has_row && reportsAt(first_word, above)) {
     before = above;
     after = t;
   }
-  if (before != t) unite(first_taxel, t, before);
-  if (after != t) unite(first_taxel, t, after);
+  if (before != t) unite(first_word, t, before);
+  if (after != t) unite(first_word, t, after);
 }

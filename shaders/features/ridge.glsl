@@ -22,37 +22,38 @@ struct Ridge {
   vec3 middle;    // of u and v, in C, m
   vec2 along;     // direction of u
   vec2 unit;      // of u and v, m
+  vec2 per_unit;  // 1 / unit
   float peak;     // N
   float noise;    // of a taxel, N
   float b[kRidgeUnknowns];
 };
 
 Ridge noRidge() {
-  Ridge ridge = Ridge(vec3(0), vec2(1, 0), vec2(1), 1.0, 0.0, float[kRidgeUnknowns](0.0, 0.0, 0.0, -0.5, 0.0, -0.5));
+  Ridge ridge = Ridge(vec3(0), vec2(1, 0), vec2(1), vec2(1), 1.0, 0.0, float[kRidgeUnknowns](0.0, 0.0, 0.0, -0.5, 0.0, -0.5));
   return ridge;
 }
 
-// Adds a taxel to the normal equations: 15 moments of the weights, 6 right sides.
-void addToRidge(Part part, uint t, Ridge ridge, inout PartSums sums) {
-  float measured = forces[part.first_taxel + t];
+// Adds a taxel to the normal equations: 15 moments of the weights, 6 right sides. `measured`: its force, N; `is_in`: it is one of the part.
+void addToRidge(Part part, uint t, float measured, bool is_in, Ridge ridge, inout PartSums sums) {
   float trigger = readoutOf(t).y;
   bool is_silent = !reportsForce(measured, trigger);
   vec4 reception = receptionOf(t);
-  if (reception.w <= 0.0 || !is_silent && !isIn(part, t)) return;
+  if (reception.w <= 0.0 || !is_silent && !is_in) return;
   vec2 p = (positionOf(part, t) + inPlane(part, reception.xyz) - ridge.middle).xy;
-  float u = dot(ridge.along, p) / ridge.unit.x, v = dot(vec2(-ridge.along.y, ridge.along.x), p) / ridge.unit.y;
+  float u = dot(ridge.along, p) * ridge.per_unit.x, v = dot(vec2(-ridge.along.y, ridge.along.x), p) * ridge.per_unit.y;
   float uu = u * u, uv = u * v, vv = v * v;
   // By degree; written out, because drivers do not unroll loops with such bounds.
   float monomials[kRidgeMoments] = float[](1.0, u, v, uu, uv, vv, uu * u, uu * v, u * vv, v * vv, uu * uu, uu * uv, uu * vv, uv * vv, vv * vv);
-  float force = is_silent ? 0.0 : measured / reception.w;
   float logarithm = 0.0;
   for (uint k = 0; k < kRidgeUnknowns; ++k) logarithm += ridge.b[k] * monomials[k];
   logarithm = clamp(logarithm, kLeastLog, kMostLog);
   float expected = ridge.peak * exp(logarithm);
-  float excess = clamp(force / expected - 1.0, -1.0, 1.0);
-  vec2 errors = vec2(ridge.noise / reception.w, kProfileError * ridge.peak) / kGainScatter;
-  float weight = expected * expected / (expected * expected + dot(errors, errors));
-  if (is_silent) weight *= max(1.0 - trigger / (reception.w * expected), 0.0);
+  // Few divisions, which take most of a scan on software drivers: forces are compared as the taxel measures them.
+  float measurable = reception.w * expected, per_measurable = 1.0 / measurable;
+  float excess = is_silent ? -1.0 : clamp(measured * per_measurable - 1.0, -1.0, 1.0);
+  vec2 errors = vec2(ridge.noise, reception.w * kProfileError * ridge.peak) * (1.0 / kGainScatter);
+  float weight = measurable * measurable / (measurable * measurable + dot(errors, errors));
+  if (is_silent) weight *= max(1.0 - trigger * per_measurable, 0.0);
   for (uint k = 0; k < kRidgeMoments; ++k) sums.s[k] += weight * monomials[k];
   for (uint k = 0; k < kRidgeUnknowns; ++k) sums.s[kRidgeMoments + k] += weight * (logarithm + excess) * monomials[k];
 }

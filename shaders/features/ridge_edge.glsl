@@ -37,6 +37,7 @@ Axes ridgeEdge(Part part, vec3 second, vec3 middle, float peak, float noise) {
   ridge.middle = middle;
   ridge.along = halved(doubled);
   ridge.unit = sqrt(max(vec2(start.large, start.small), vec2(kLeastWidth * kLeastWidth * part.pitch.z * part.pitch.z)));
+  ridge.per_unit = 1.0 / ridge.unit;
   ridge.peak = peak > 0.0 ? peak : 1.0;
   ridge.noise = noise;
   for (uint n = 0; n < kRidgeIterations; ++n) solveRidge(sumPart(kSumsRidge, part, middle, 0.0, ridge), ridge);

@@ -5,26 +5,29 @@ shared uint peak_bits[kTeams];  // largest force of the team's instance, as bits
 
 bool reports(uint word) { return (word & kNoRegion) != kNoRegion; }
 
-// Force of a taxel, N. Sets its word in taxel_regions: itself, or kNoRegion where it does not report.
-float forceOf(uint first_taxel, uint t) {
+struct Measured {
+  float force;  // N
+  bool reports, saturated;
+};
+
+Measured measuredAt(Instance instance, uint t) {
   if (CLEAN) {
-    float force = spread_normal[first_taxel + t];
-    taxel_regions[first_taxel + t] = force > max(taxels[t].readout.y, 0.0) ? t : kNoRegion;
-    return force;
+    float force = spread_normal[instance.first_taxel + t];
+    return Measured(force, force > max(taxels[t].readout.y, 0.0), false);
   }
-  uint counts = image[first_taxel + t];
-  taxel_regions[first_taxel + t] = counts > 0 ? t : kNoRegion;
-  return nominalForce(counts);
+  uint counts = image[instance.first_taxel + t];
+  return Measured(nominalForce(counts), counts > 0, float(counts) >= SATURATION);
 }
 
-// Writes the forces of all taxels; returns the largest force of those that report.
+// Writes the forces of all taxels, and the words in taxel_regions: itself, or kNoRegion where one does not report. Returns the largest force of those that do.
 float writeForces(Instance instance, uint lane, uint team) {
   float peak = 0.0;
   for (uint t = lane; t < instance.end; t += TEAM) {
-    float force = forceOf(instance.first_taxel, t);
-    forces[instance.first_taxel + t] = force;
-    if (reports(taxel_regions[instance.first_taxel + t])) peak = max(peak, force);
-    if (REGIONS > 0) region_sums[instance.first_taxel + t] = 0;
+    Measured measured = measuredAt(instance, t);
+    forces[instance.first_word + t] = measured.force;
+    taxel_regions[instance.first_word + t] = measured.reports ? t : kNoRegion;
+    if (measured.reports) peak = max(peak, measured.force);
+    if (REGIONS > 0) region_sums[instance.first_word + t] = 0;
   }
   if (TEAM > 1) {
     atomicMax(peak_bits[team], floatBitsToUint(peak));

@@ -1,0 +1,139 @@
+// Regions and core taxels of one grid of at most 32 x 32 taxels by one invocation, a bit per taxel in a word per row: the results of regions.glsl,
+// region_selection.glsl and core_taxels.glsl, from which software drivers take several times as long, since they load and store words of memory lane by lane.
+// Mutable globals: the words of the rows.
+
+const uint kMostBits = 32u;
+const bool kByBits = TEAM == 1u && NUM_ROWS > 0u && NUM_ROWS <= kMostBits && NUM_COLS <= kMostBits;
+const uint kBitRows = kByBits ? NUM_ROWS : 1u;
+
+uint reporting[kBitRows];  // taxels that report and are in no region yet
+uint core[kBitRows];       // core taxels; until they are found, those that are not saturated
+uint grown[kBitRows];      // taxels of the region that is being found
+
+// Writes the forces of all taxels and the words of the silent ones; returns the largest force of those that report.
+float writeForcesByBits(Instance instance) {
+  float peak = 0.0;
+  uint row = 0, t = 0;
+  for (; row < kBitRows && instance.end > 0; ++row) {
+    uint reports = 0, below = 0;
+    for (uint col = 0; col < NUM_COLS; ++col, ++t) {
+      Measured measured = measuredAt(instance, t);
+      forces[instance.first_word + t] = measured.force;
+      taxel_regions[instance.first_word + t] = measured.reports ? t : kNoRegion;
+      if (measured.reports) peak = max(peak, measured.force);
+      reports |= (measured.reports ? 1u : 0u) << col;
+      below |= (measured.saturated ? 0u : 1u) << col;
+    }
+    reporting[row] = reports;
+    core[row] = below;
+  }
+  checkLoop(row < kBitRows && instance.end > 0);
+  return peak;
+}
+
+// The taxels of a row around which all taxels within `distance` report; taxels beyond its ends count as such that do, and its ends never are core taxels.
+uint coreOfRow(uint bits, uint distance) {
+  const uint kRow = 0xFFFFFFFFu >> (kMostBits - NUM_COLS), kEnds = 1u | 1u << (NUM_COLS - 1u);
+  uint found = bits & ~kEnds;
+  for (uint k = 1; k <= min(distance, NUM_COLS - 1u); ++k) found &= (bits >> k | ~(kRow >> k)) & (bits << k | (1u << k) - 1u);
+  return found;
+}
+
+void findCoreByBits() {
+  uint distance = planes[0].grid.w;
+  for (uint row = 0; row < kBitRows; ++row) {
+    uint found = row > 0 && row + 1 < kBitRows ? core[row] : 0u;
+    uint last = min(row + distance, kBitRows - 1u);
+    for (uint other = row - min(row, distance); other <= last; ++other) found &= coreOfRow(reporting[other], distance);
+    core[row] = found;
+  }
+}
+
+// Fills the runs of `free` that `seeds` has taxels of.
+uint filled(uint seeds, uint free) {
+  uint up = free, down = free, found = seeds & free;
+  [[unroll]] for (uint k = 1; k < kMostBits; k *= 2) {
+    found |= up & found << k | down & found >> k;
+    up &= up << k;
+    down &= down >> k;
+  }
+  return found;
+}
+
+// Grows the region into a row from the rows next to it. Returns whether it grew.
+bool growRow(uint row) {
+  uint next = (row > 0 ? grown[row - 1] : 0u) | (row + 1 < kBitRows ? grown[row + 1] : 0u);
+  uint before = grown[row];
+  grown[row] = filled(before | next | next << 1 | next >> 1, reporting[row]);
+  return grown[row] != before;
+}
+
+// The region with the lowest taxel `bit` of row `first`, above which no row has taxels of it.
+void growRegion(uint first, uint bit) {
+  for (uint row = 0; row < kBitRows; ++row) grown[row] = 0;
+  grown[first] = bit;
+  bool grows = true;
+  while (grows) {
+    grows = false;
+    for (uint row = first; row < kBitRows; ++row) grows = growRow(row) || grows;
+    for (uint row = kBitRows; row > first; --row) grows = growRow(row - 1) || grows;
+  }
+  checkLoop(grows);
+}
+
+// Writes the words of the region's taxels, and takes them from those without a region. Returns the sum of their forces, see FORCE_STEPS.
+uint takeRegion(Instance instance, uint name, float steps) {
+  uint sum = 0;
+  for (uint row = name / NUM_COLS; row < kBitRows; ++row) {
+    uint bits = grown[row];
+    reporting[row] &= ~bits;
+    while (bits != 0) {
+      uint col = uint(findLSB(bits)), t = row * NUM_COLS + col;
+      sum += uint(forces[instance.first_word + t] * steps + 0.5);
+      taxel_regions[instance.first_word + t] = name | ((core[row] >> col & 1u) != 0 ? kCoreTaxel : 0u);
+      bits &= bits - 1u;
+    }
+    checkLoop(bits != 0);
+  }
+  return sum;
+}
+
+// Finds all regions by rising name, and writes the names of the REGIONS largest. Returns the number of all.
+uint findRegionsByBits(Instance instance, float peak) {
+  const uint kRegions = REGIONS > 0u ? REGIONS : 1u;
+  float steps = peak > 0.0 ? float(FORCE_STEPS) / peak : 0.0;
+  uint sums[kRegions], names[kRegions], count = 0;  // sums plus 1, falling; 0: none
+  for (uint r = 0; r < REGIONS; ++r) {
+    sums[r] = 0;
+    names[r] = kNoRegion;
+  }
+  for (uint row = 0; row < kBitRows && instance.end > 0; ++row) {
+    while (reporting[row] != 0) {
+      uint name = row * NUM_COLS + uint(findLSB(reporting[row]));
+      growRegion(row, reporting[row] & (~reporting[row] + 1u));
+      uint sum = takeRegion(instance, name, steps) + 1u;
+      ++count;
+      for (uint r = 0; r < REGIONS; ++r) {
+        if (sum <= sums[r]) continue;
+        uint lesser = sums[r], lesser_name = names[r];
+        sums[r] = sum;
+        names[r] = name;
+        sum = lesser;
+        name = lesser_name;
+      }
+    }
+    checkLoop(reporting[row] != 0);
+  }
+  for (uint r = 0; r < REGIONS && instance.end > 0; ++r) regions[instance.number * REGIONS + r] = names[r];
+  return count;
+}
+
+// Without regions: the words of the core taxels.
+void writeCoreByBits(Instance instance) {
+  for (uint row = 0; row < kBitRows && instance.end > 0; ++row) {
+    for (uint bits = core[row]; bits != 0; bits &= bits - 1u) {
+      uint t = row * NUM_COLS + uint(findLSB(bits));
+      taxel_regions[instance.first_word + t] = t | kCoreTaxel;
+    }
+  }
+}
