@@ -114,6 +114,44 @@ def test_force_vectors_in_the_world_are_those_of_contact_points(device: taxelsim
     )
 
 
+POSES = "episode,step,x_m,y_m,z_m,qw,qx,qy,qz"
+MOVING = "contacts.csv, frame: world, sensor_poses: {file: poses.csv}}"
+
+
+def test_a_sensor_that_moves_sees_points_in_its_frame(device: taxelsim.Device, tmp_path: Path) -> None:
+    """A pose holds until the next one of the episode. Lines of both files are in any order."""
+    half = 0.5**0.5
+    X_WS = np.array([[1, 2, 3, half, 0, half, 0], [0, 0, 0.1, half, 0, 0, half], [0, 0, 0.1, 1, 0, 0, 0]])  # z of S: x, z, z of W
+    in_pose = {0: 0, 1: 0, 2: 1, 3: 1}  # of episode 0; episode 1 has pose 2
+    points = {(0, step): X_WS[pose, :3] + (0.0, 0.004, 0.0) for step, pose in in_pose.items()} | {(1, 3): X_WS[2, :3] + (0.0, -0.01, 0.0)}
+    rows = [",".join(map(repr, (*frame, *place.tolist(), 2.0))) for frame, place in reversed(points.items())]
+    poses = [(0, 2, 1), (1, 0, 2), (0, 0, 0)]
+    (tmp_path / "poses.csv").write_text("\n".join([POSES, *(",".join(map(repr, (e, s, *X_WS[k].tolist()))) for e, s, k in poses)]) + "\n")
+    scene = taxelsim.load_scene(written(tmp_path, [HEADING, *rows], SCENE.replace("contacts.csv}", MOVING)))
+    assert taxelsim.load_scene(resolved(tmp_path, scene)).resolved == scene.resolved
+    taxelsim.generate(scene, tmp_path / "out", device=device)
+    data = Dataset(tmp_path / "out")
+    simulator = taxelsim.Simulator(taxelsim.Model(device, taxelsim.load_sensor(SENSOR)), 1, max_contacts=4)
+    for (episode, step), place in points.items():
+        pose = X_WS[2] if episode else X_WS[in_pose[step]]
+        push = -2 * np.array([1, 0, 0]) if pose is X_WS[0] or np.array_equal(pose, X_WS[0]) else np.array([0, 0, -2])
+        simulator.set_contacts(*taxelsim.contact_points([0], [place], [push], [pose]))
+        simulator.step(0.01)
+        expected = simulator.read().ground_truth.tactile_normal_force[0]
+        assert expected.sum() == pytest.approx(2, rel=SUM_ERROR)
+        found = data["data/ground_truth/tactile_normal_force"][episode * NUM_STEPS + step]
+        np.testing.assert_allclose(found, expected, atol=1e-6)  # N: transforms in double, rounded to float32
+    lost = scene.resolved.replace("poses.csv", "other.csv").replace("contacts.csv", "others.csv")
+    assert scene_of(lost, [], tmp_path)[0].num_episodes == 2
+
+
+def resolved(folder: Path, scene: taxelsim.Scene) -> Path:
+    """The resolved scene as a file next to the files that it names."""
+    file = folder / "resolved.yaml"
+    file.write_text(scene.resolved)
+    return file
+
+
 def test_bytes_depend_on_neither_batch_nor_workers_nor_interruption(tmp_path: Path) -> None:
     scene = written(tmp_path)
     assert program("generate", scene, "-o", tmp_path / "1", "--batch-size", 1).returncode == 0
@@ -158,7 +196,24 @@ POINT = "0,0,0,0,0,1"
         ([HEADING] + [POINT] * 4097, str, "contacts.csv:4098:1: more than 4096 contact points in step 0 of episode 0"),
         ([HEADING], str, "contacts.csv:2:1: no contact point found"),
         (None, replaced("contacts.csv}", "contacts.csv, frame: earth}"), "contact_points.frame: earth is not allowed: sensor | world"),
-        (None, replaced("contacts.csv}", "contacts.csv, frame: world}"), "contact_points: sensor_pose is missing"),
+        (None, replaced("contacts.csv}", "contacts.csv, frame: world}"), "contact_points: sensor_pose is missing: X_WS"),
+        (
+            None,
+            replaced("contacts.csv}", "contacts.csv, sensor_poses: {file: poses.csv}}"),
+            "contact_points.sensor_poses: needs frame: world",
+        ),
+        (
+            None,
+            replaced("contacts.csv}", MOVING),
+            "contacts.csv:3:1: sensor_poses has no pose of the sensor at or before step 0 of episode 2",
+        ),
+        (None, replaced("contacts.csv}", MOVING.replace("poses.csv", "twice.csv")), "twice.csv:3:1: step 0 of episode 0 is given twice"),
+        (None, replaced("contacts.csv}", MOVING.replace("poses.csv", "long.csv")), "long.csv:2:11: qw,qx,qy,qz: length 0.5 is not allowed"),
+        (
+            None,
+            replaced("contacts.csv}", MOVING.replace("poses.csv", "late.csv")),
+            'late.csv:2:3: step: "4" is not allowed: a number from 0 to 3',
+        ),
         (None, replaced("contacts.csv}", "contacts.csv, sensor_pose: {}}"), "contact_points.sensor_pose: needs frame: world"),
         (None, replaced("contacts.csv}", "none.csv}"), "none.csv is not there, or not a file"),
         (None, replaced("contact_points: {file: contacts.csv}\n", ""), "contact_points is missing"),
@@ -171,6 +226,10 @@ POINT = "0,0,0,0,0,1"
     ],
 )
 def test_refused_input(tmp_path: Path, lines: list[str] | None, change: Callable[[str], str], message: str) -> None:
+    poses = {"poses": ["0,0"], "twice": ["0,0", "0,0"], "late": ["0,4"]}
+    for name, frames in poses.items():
+        (tmp_path / f"{name}.csv").write_text("\n".join([POSES, *(f"{frame},0,0,0,1,0,0,0" for frame in frames)]))
+    (tmp_path / "long.csv").write_text(f"{POSES}\n0,0,0,0,0,0.5,0,0,0\n")
     done = program("generate", written(tmp_path, lines, change(SCENE)), "-o", tmp_path / "out")
     assert done.returncode == 2
     assert message in done.stderr

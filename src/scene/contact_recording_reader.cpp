@@ -14,6 +14,7 @@
 #include "scene/hashed_file.h"
 #include "scene/pose_reader.h"
 #include "scene/scene_fields.h"
+#include "scene/sensor_poses_file.h"
 #include "sensor/skin.h"
 #include "taxelsim/simulator.h"
 
@@ -23,6 +24,7 @@ namespace {
 constexpr std::uintmax_t kMaxRecordingBytes = std::uintmax_t{1} << 30;
 constexpr std::size_t kMaxRecordedPoints = 10'000'000;
 constexpr const char* kFile = "a CSV file of contact points";
+constexpr const char* kPosesFile = "a CSV file of poses of the sensor";
 
 enum Column : std::size_t { kEpisode, kStep, kX, kNormalForce = 5, kForce = 5 };
 
@@ -38,8 +40,9 @@ struct Format {
   std::filesystem::path file;
   std::optional<std::uint64_t> num_episodes;  // empty: those that the file has
   int num_steps;
-  Pose X_SF;           // F: frame of positions and forces
-  bool takes_vectors;  // whether a force vector has one normal component for all taxels
+  Pose X_SF = {};                     // F: frame of positions and forces
+  std::optional<SensorPoses> X_WS{};  // where F is the world and the sensor moves; then X_SF is not used
+  bool takes_vectors = false;         // whether a force vector has one normal component for all taxels
 };
 
 // Rows of a file in its order.
@@ -83,19 +86,17 @@ std::vector<CsvColumn> columnsOf(const CsvReader& reader, const Format& format) 
   return columns;
 }
 
-std::uint64_t wholeNumber(const CsvReader& at, std::span<const CsvColumn> columns, Column column, double value) {
-  if (value != std::floor(value)) {
-    at.fail(at.fields()[column].column, std::string(columns[column].name) + ": " + numberText(value) +
-                                            " is not allowed: a whole number from 0 to " + numberText(columns[column].max));
-  }
-  return static_cast<std::uint64_t>(value);
+// X_SF in a frame of the recording.
+Pose frameAt(const CsvReader& at, const Format& format, std::uint64_t episode, std::uint64_t step) {
+  if (!format.X_WS) return format.X_SF;
+  if (const Pose* const X_WS = format.X_WS->find(episode, step)) return inverse(*X_WS);
+  at.fail(1, "sensor_poses has no pose of the sensor at or before step " + std::to_string(step) + " of episode " + std::to_string(episode));
 }
 
-ContactPoint pointOf(std::span<const double> n, const CsvReader& at, const Format& format) {
-  ContactPoint point{format.X_SF * Vector3{n[kX], n[kX + 1], n[kX + 2]}, n[kNormalForce]};
+ContactPoint pointOf(std::span<const double> n, const CsvReader& at, const Pose& X_SF) {
+  ContactPoint point{X_SF * Vector3{n[kX], n[kX + 1], n[kX + 2]}, n[kNormalForce]};
   // A point that pulls on the skin presses with no force.
-  if (n.size() > kNormalForce + 1)
-    point.normal_force = std::max(-rotate(format.X_SF.rotation, {n[kForce], n[kForce + 1], n[kForce + 2]})[2], 0.0);
+  if (n.size() > kNormalForce + 1) point.normal_force = std::max(-rotate(X_SF.rotation, {n[kForce], n[kForce + 1], n[kForce + 2]})[2], 0.0);
   for (const double c : point.position) {
     if (std::abs(c) > kMaxContactCoordinate) {
       at.fail(at.fields()[kX].column, "x_m,y_m,z_m: " + numberText(c) + " m in the frame of the sensor is not allowed: at most " +
@@ -118,13 +119,13 @@ Rows readRows(const Format& format) {
   while (reader.next()) {
     if (rows.points.size() == kMaxRecordedPoints) reader.fail(1, "more than " + std::to_string(kMaxRecordedPoints) + " contact points");
     const std::vector<double> numbers = reader.numbers(columns);
-    const std::uint64_t episode = wholeNumber(reader, columns, kEpisode, numbers[kEpisode]);
-    const std::uint64_t step = wholeNumber(reader, columns, kStep, numbers[kStep]);
+    const std::uint64_t episode = wholeNumber(reader, columns[kEpisode], kEpisode, numbers[kEpisode]);
+    const std::uint64_t step = wholeNumber(reader, columns[kStep], kStep, numbers[kStep]);
     if (++num_points[episode * static_cast<std::uint64_t>(format.num_steps) + step] > kMaxContacts) {
       reader.fail(1, "more than " + std::to_string(kMaxContacts) + " contact points in step " + std::to_string(step) + " of episode " +
                          std::to_string(episode));
     }
-    rows.points.push_back(pointOf(numbers, reader, format));
+    rows.points.push_back(pointOf(numbers, reader, frameAt(reader, format, episode, step)));
     rows.frames.push_back({.episode = episode, .step = static_cast<int>(step)});
   }
   if (rows.points.empty()) reader.fail(1, "no contact point found: the file needs at least one line after its heading");
@@ -150,14 +151,25 @@ void sortInto(const Rows& rows, ContactRecording& recording) {
   }
 }
 
-// X_SF of the frame of positions and forces.
-Pose readFrame(const YamlMap& map) {
-  if (map.choice("frame", {"sensor", "world"}, "sensor") == "world") {
-    map.require("sensor_pose", "the pose of the sensor in the world, X_WS");
-    return inverse(readPose(map, "sensor_pose"));
+// The frame of positions and forces.
+void readFrame(const YamlMap& map, const std::filesystem::path& directory, Format& format) {
+  if (map.choice("frame", {"sensor", "world"}, "sensor") == "sensor") {
+    for (const std::string_view key : {"sensor_pose", "sensor_poses"}) {
+      if (const std::optional<YamlNode> node = map.find(key)) node->fail("needs frame: world");
+    }
+    return;
   }
-  if (const std::optional<YamlNode> pose = map.find("sensor_pose")) pose->fail("needs frame: world");
-  return {};
+  map.rejectBoth("sensor_pose", "sensor_poses");
+  if (!map.has("sensor_poses")) {
+    map.require("sensor_pose", "X_WS, the pose of the sensor in the world; or sensor_poses of a sensor that moves");
+    format.X_SF = inverse(readPose(map, "sensor_pose"));
+    return;
+  }
+  const YamlMap block(map, "sensor_poses", {"file", "sha256"});
+  const std::filesystem::path file = readHashedFile(block, "file", kPosesFile, directory, kMaxRecordingBytes);
+  const auto last_step = static_cast<std::uint64_t>(format.num_steps - 1);
+  format.X_WS = atNode(block.require("file", kPosesFile),
+                       [&] { return SensorPoses(file, format.num_episodes.value_or(kMaxRecordedEpisodes) - 1, last_step); });
 }
 
 }  // namespace
@@ -180,17 +192,17 @@ int ContactRecording::maxPoints() const {
 
 ContactRecording readContactRecording(const YamlMap& map, const std::filesystem::path& directory, const Scene& scene) {
   map.require("contact_points", "a block with the file of contact points");
-  const YamlMap block(map, "contact_points", {"file", "sha256", "num_episodes", "frame", "sensor_pose", "contact_band[_mm]"});
+  const YamlMap block(map, "contact_points",
+                      {"file", "sha256", "num_episodes", "frame", "sensor_pose", "sensor_poses", "contact_band[_mm]"});
   ContactRecording recording;
   Format format{.file = readHashedFile(block, "file", kFile, directory, kMaxRecordingBytes, &recording.sha256),
                 .num_episodes = {},
                 .num_steps = scene.num_steps,
-                .X_SF = {},
                 .takes_vectors = isLevel(scene.sensor)};
-  recording.file_name = format.file.filename().string();
-  format.X_SF = readFrame(block);
-  recording.contact_band = block.number("contact_band", kContactBand, recording.contact_band);
   if (const std::optional<YamlNode> number = block.find("num_episodes")) format.num_episodes = number->integer(1, kMaxRecordedEpisodes);
+  recording.file_name = format.file.filename().string();
+  readFrame(block, directory, format);
+  recording.contact_band = block.number("contact_band", kContactBand, recording.contact_band);
   sortInto(atNode(block.require("file", kFile), [&] { return readRows(format); }), recording);
   recording.num_episodes = format.num_episodes.value_or(recording.frames.back().episode + 1);
   block.canonical().line("num_episodes", std::to_string(recording.num_episodes));

@@ -22,9 +22,12 @@ _FILE = re.compile(r'\b(mesh|file): (.+)\n +sha256: "([0-9a-f]{64})"$', re.MULTI
 _TETRAHEDRON = "v 0 0 0\nv 0.001 0 0.001\nv 0 0.001 0.001\nv -0.001 -0.001 0.001\nf 1 2 3\nf 1 3 4\nf 1 4 2\nf 2 4 3\n"
 
 
-# The same for recorded contact points, which only a simulation reads. The scene has the numbers of episodes and steps itself.
-_CONTACT_POINTS = "contact_points:\n  "
-_NO_CONTACT = "episode,step,x_m,y_m,z_m,normal_force_N\n0,0,0,0,0,0\n"
+# The same for the files of recorded contact points, which only a simulation reads, by the text in front of their key. The scene has the
+# numbers of episodes and steps itself.
+_RECORDINGS = {
+    "contact_points:\n  ": "episode,step,x_m,y_m,z_m,normal_force_N\n0,0,0,0,0,0\n",
+    "  sensor_poses:\n    ": "episode,step,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,0,1,0,0,0\n",
+}
 
 
 def _candidates(name: str, folders: Sequence[Path]) -> Iterator[Path]:
@@ -57,9 +60,10 @@ def scene_of(text: str, folders: Sequence[Path], origin: Path) -> tuple[Scene, s
             if file is not None:
                 shutil.copyfile(file, Path(root, name))
                 return found[0]
-            if text[: found.start()].endswith(_CONTACT_POINTS):
-                Path(root, "missing.csv").write_text(_NO_CONTACT)
-                return "file: missing.csv"
+            for place, (before, content) in enumerate(_RECORDINGS.items()):
+                if text[: found.start()].endswith(before):
+                    Path(root, f"missing_{place}.csv").write_text(content)
+                    return f"file: missing_{place}.csv"
             if key != "mesh":
                 raise InputError(f"{origin}: {name} with SHA-256 {sha256} is not found; --assets names the folder that holds it")
             Path(root, "missing.obj").write_text(_TETRAHEDRON)
