@@ -12,6 +12,7 @@ import pytest
 
 import taxelsim
 from taxelsim.dataset import Dataset
+from taxelsim.export import export
 from taxelsim.program import PROGRAM
 from taxelsim.report import summarize
 from taxelsim.viewer.scene_files import scene_of
@@ -260,3 +261,11 @@ def test_shipped_scene_and_its_report(device: taxelsim.Device, tmp_path: Path) -
     lost = text.replace(data["meta/contact_points_sha256"][0], "0" * 64)
     scene, missing = scene_of(lost, [], tmp_path)
     assert (scene.num_episodes, scene.num_steps, missing) == (2, 50, set())
+
+
+@pytest.mark.parametrize("name", ["lerobot", "zarr", "mcap"])
+def test_exports(device: taxelsim.Device, tmp_path: Path, name: str) -> None:
+    taxelsim.generate(SHIPPED, tmp_path / "data", device=device)
+    exported = export(tmp_path / "data", tmp_path / "out", name)
+    assert (exported.num_episodes, exported.num_frames, exported.label) == (2, 100, "meta/contact_points")
+    assert any((tmp_path / "out").iterdir())
