@@ -242,6 +242,12 @@ def main():
     )
 
     write_obj(
+        directory / "roof.obj",
+        ["Roof of 12 mm x 12 mm, 24 mm long along x, upside down: its ridge is cut to a face of 3 mm x 24 mm that looks down (-z)."],
+        *prism([(-0.0015, -0.006), (0.0015, -0.006), (0.006, 0.006), (-0.006, 0.006)], 0.024),
+    )
+
+    write_obj(
         directory / "cross.obj",
         ["Cross of two bars, 18 mm x 5 mm each, 20 mm long along x; they overlap in the middle."],
         *cross(0.018, 0.005, 0.02),

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "taxelsim/contact_recording.h"
 #include "taxelsim/control.h"
 #include "taxelsim/dataset.h"
 #include "taxelsim/grasp.h"
@@ -113,30 +114,32 @@ inline constexpr std::string_view kNominalCondition = "nominal";
 struct Scene {
   /// Kind of scene.
   enum class Kind {
-    kServo,     ///< Episodes of num_steps frames under a controller.
-    kContacts,  ///< Episodes of one frame each: labelled contact images.
-    kGrasp,     ///< Episodes of num_steps frames: the fingers of a hand close on all objects of the scene at once.
+    kServo,          ///< Episodes of num_steps frames under a controller.
+    kContacts,       ///< Episodes of one frame each: labelled contact images.
+    kGrasp,          ///< Episodes of num_steps frames: the fingers of a hand close on all objects of the scene at once.
+    kContactPoints,  ///< Episodes of num_steps frames from recorded contact points: no objects, no robot.
   };
 
-  std::filesystem::path file;                   ///< File that it was read from.
-  std::string name;                             ///< Name in data sets.
-  Kind kind = Kind::kServo;                     ///< Kind of scene.
-  Sensor sensor;                                ///< The sensor; of a kGrasp scene the first of the robot.
-  Robot robot;                                  ///< The robot that carries the sensor.
-  std::vector<SceneObject> objects;             ///< Objects, at least one; of a kGrasp scene at most kMaxSlots.
-  int num_steps = 1;                            ///< Frames per episode; 1 for kContacts.
-  double simulation_rate = 100;                 ///< Hz. Default 100.
-  double control_rate = 100;                    ///< Hz, an integer fraction of simulation_rate. Default 100.
-  Randomization randomization;                  ///< Random variables of an episode.
-  std::vector<SceneController> controllers{1};  ///< Controllers of a kServo scene, at least one.
-  std::optional<Task> task;                     ///< Task of a kServo scene, required by evaluate().
-  std::optional<Grasp> grasp;                   ///< Sensors and fingers of a kGrasp scene; none in others.
-  std::vector<std::string> record;              ///< Recorded outputs: a subset of kRecordWords in the same order.
-  int max_regions = 0;                          ///< Regions in recorded contact features, 0 to kMaxRegions; 0 if none are recorded.
-  std::uint64_t num_episodes = 1000;            ///< Episodes of the data set. Default 1000.
-  std::uint64_t seed = 0;                       ///< Seed of all random numbers. Default 0.
-  std::uint64_t episodes_per_shard = 256;       ///< Episodes per file. Default 256.
-  int compression = 0;                          ///< gzip level of the data set, 0 (none) to 9. Default 0.
+  std::filesystem::path file;                      ///< File that it was read from.
+  std::string name;                                ///< Name in data sets.
+  Kind kind = Kind::kServo;                        ///< Kind of scene.
+  Sensor sensor;                                   ///< The sensor; of a kGrasp scene the first of the robot.
+  Robot robot;                                     ///< The robot that carries the sensor.
+  std::vector<SceneObject> objects;                ///< Objects, at least one; of a kGrasp scene at most kMaxSlots; none of kContactPoints.
+  int num_steps = 1;                               ///< Frames per episode; 1 for kContacts.
+  double simulation_rate = 100;                    ///< Hz. Default 100.
+  double control_rate = 100;                       ///< Hz, an integer fraction of simulation_rate. Default 100.
+  Randomization randomization;                     ///< Random variables of an episode.
+  std::vector<SceneController> controllers{1};     ///< Controllers of a kServo scene, at least one.
+  std::optional<Task> task;                        ///< Task of a kServo scene, required by evaluate().
+  std::optional<Grasp> grasp;                      ///< Sensors and fingers of a kGrasp scene; none in others.
+  std::optional<ContactRecording> contact_points;  ///< Source of a kContactPoints scene; none in others.
+  std::vector<std::string> record;                 ///< Recorded outputs: a subset of kRecordWords in the same order.
+  int max_regions = 0;                             ///< Regions in recorded contact features, 0 to kMaxRegions; 0 if none are recorded.
+  std::uint64_t num_episodes = 1000;               ///< Episodes of the data set. Default 1000.
+  std::uint64_t seed = 0;                          ///< Seed of all random numbers. Default 0.
+  std::uint64_t episodes_per_shard = 256;          ///< Episodes per file. Default 256.
+  int compression = 0;                             ///< gzip level of the data set, 0 (none) to 9. Default 0.
   /// Bytes, kMinChunkBytes to kMaxChunkBytes: largest chunk of a compressed column before compression. Default 256 KiB.
   std::uint64_t chunk_bytes = kDefaultChunkBytes;
 

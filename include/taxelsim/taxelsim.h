@@ -21,6 +21,7 @@
 namespace taxelsim {}
 
 #include "taxelsim/contact_point.h"
+#include "taxelsim/contact_recording.h"
 #include "taxelsim/contact_type.h"
 #include "taxelsim/control.h"
 #include "taxelsim/dataset.h"

@@ -87,7 +87,9 @@ void bindScene(nb::module_& module) {
   nb::enum_<Scene::Kind>(scene, "Kind", "Kind of scene.")
       .value("SERVO", Scene::Kind::kServo, "Episodes of num_steps frames under a controller.")
       .value("CONTACTS", Scene::Kind::kContacts, "Episodes of one frame each: labelled contact images.")
-      .value("GRASP", Scene::Kind::kGrasp, "Episodes of num_steps frames: the fingers of a hand close on all objects at once.");
+      .value("GRASP", Scene::Kind::kGrasp, "Episodes of num_steps frames: the fingers of a hand close on all objects at once.")
+      .value("CONTACT_POINTS", Scene::Kind::kContactPoints,
+             "Episodes of num_steps frames from recorded contact points: no objects, no robot.");
   scene.def_ro("file", &Scene::file, "File that it was read from.")
       .def_ro("name", &Scene::name, "Name in data sets.")
       .def_ro("kind", &Scene::kind, "Kind of scene.")

@@ -118,6 +118,10 @@ EpisodeDraw EpisodeDrawer::draw(std::uint64_t episode) const {
       drawn.mounting.*entry.value = static_cast<float>(drawRange(random, *range));
   }
 
+  if (scene_.objects.empty()) {
+    drawn.object = kNoObject;
+    return drawn;
+  }
   const Vector3 tilt_axis{std::cos(tilt_direction), std::sin(tilt_direction), 0};
   const Quaternion R_before_yaw = axisAngle(tilt_axis, tilt) * scene_.objects[drawn.object].orientation;
   const TrueEdge& edge = edges_[drawn.object];

@@ -30,7 +30,7 @@ int numJoints(const Scene& scene);
 int numRegions(const Scene& scene);
 
 struct EpisodeDraw {
-  int object = 0;  // index into the scene's objects
+  int object = 0;  // index into the scene's objects; kNoObject if it has none
   Pose X_SO;       // initial pose: the object's anchor or lowest point is at (x, y, 0), or at (x, y, -depth) if depth-driven
   bool load_driven = false;
   float load = 0;    // N; 0 if depth-driven
@@ -54,7 +54,8 @@ class EpisodeDrawer {
 
   // Draws in this order: object, x, y, yaw, direction of the tilt axis, tilt, load or depth, gain, gain spread, noise, controller,
   // exploration velocity, linear and angular action noise, position on the contour, factors of the skin, mounting. New draws are appended,
-  // so that existing data sets can be reproduced. Throws Error(kInput) if the object has no lowest point in its orientation.
+  // so that existing data sets can be reproduced. Without objects X_SO is the identity. Throws Error(kInput) if the object has no lowest
+  // point in its orientation.
   EpisodeDraw draw(std::uint64_t episode) const;
 
  private:

@@ -98,7 +98,22 @@ void EpisodeBatch::resetSensors(int i) {
   }
 }
 
+// The points of the next frame of each instance.
+void EpisodeBatch::setContacts(const ContactRecording& recording) {
+  contacts_.clear();
+  offsets_.assign(1, 0);
+  for (int i = 0; i < numInstances(); ++i) {
+    if (busy_[i]) {
+      const std::span<const ContactPoint> points = recording.pointsOf(episodes_[i], frame_numbers_[i]);
+      contacts_.insert(contacts_.end(), points.begin(), points.end());
+    }
+    offsets_.push_back(static_cast<int>(contacts_.size()));
+  }
+  simulator_.setContacts(contacts_, offsets_);
+}
+
 void EpisodeBatch::setInputs() {
+  if (plan_.scene.contact_points) return setContacts(*plan_.scene.contact_points);
   simulator_.setObjects(ids_, X_SO_);
   if (loads_changed_) simulator_.setLoads(loads_);
   loads_changed_ = false;
@@ -118,6 +133,7 @@ void EpisodeBatch::initialContact(int i) {
     loads_[first] = kPoseDriven;
     loads_changed_ = true;
   }
+  if (draw.object == kNoObject) return;
   const std::optional<Motion>& motion = plan_.scene.objects[static_cast<std::size_t>(draw.object)].motion;
   if (motion) state.trajectory.emplace(*motion, X_WO_[i], MotionKey{.seed = plan_.scene.seed, .episode = episodes_[i]});
 }

@@ -39,7 +39,7 @@ class EpisodeBatch {
   // Compiles the kernels of all frames. Call once the first episodes have started. Waits.
   void prepare();
 
-  // Passes poses and loads to the simulator.
+  // Passes poses and loads, or recorded contact points, to the simulator.
   void setInputs();
   // Submits the next frame; does not wait.
   void submit() { simulator_.step(plan_.dt); }
@@ -72,12 +72,12 @@ class EpisodeBatch {
   const FrameView& frame() const { return frame_; }  // rows: num_instances x num_sensors
   FrameContext context() const;
   const Robots& robots() const { return robots_; }
-  std::span<const std::uint8_t> active() const { return active_; }             // (num_instances), 1: the frame belongs to an episode
-  std::span<const std::uint8_t> controlDue() const { return control_due_; }    // (num_instances)
-  std::span<const int> frameNumbers() const { return frame_numbers_; }         // (num_instances), from 0; -1 in a warm-up frame
-  std::span<const double> times() const { return times_; }                     // (num_instances), s
-  std::span<const std::uint64_t> episodes() const { return episodes_; }        // (num_instances)
-  std::span<const int> objects() const { return objects_; }                    // (num_instances), index into the scene's objects
+  std::span<const std::uint8_t> active() const { return active_; }           // (num_instances), 1: the frame belongs to an episode
+  std::span<const std::uint8_t> controlDue() const { return control_due_; }  // (num_instances)
+  std::span<const int> frameNumbers() const { return frame_numbers_; }       // (num_instances), from 0; -1 in a warm-up frame
+  std::span<const double> times() const { return times_; }                   // (num_instances), s
+  std::span<const std::uint64_t> episodes() const { return episodes_; }      // (num_instances)
+  std::span<const int> objects() const { return objects_; }  // (num_instances), index into the scene's objects, or kNoObject
   std::span<const std::uint8_t> loadReached() const { return load_reached_; }  // (num_instances)
   std::span<const float> startForces() const { return start_forces_; }         // (num_instances), N, of the first frame
   std::span<const Pose> X_SO() const { return X_SO_; }                         // (num_instances x num_sensors)
@@ -98,6 +98,7 @@ class EpisodeBatch {
     std::optional<Trajectory> trajectory;  // of a moving object, from its initial contact
   };
 
+  void setContacts(const ContactRecording& recording);
   Pose inSensor(int i, const Pose& X_NO) const;
   void resetSensors(int i);
   void initialContact(int i);
@@ -119,6 +120,8 @@ class EpisodeBatch {
   std::vector<int> ids_;
   std::vector<Pose> X_SO_;
   std::vector<float> loads_;
+  std::vector<ContactPoint> contacts_;  // of all instances, in their order
+  std::vector<int> offsets_;            // (num_instances + 1)
   std::vector<std::uint8_t> computed_;  // 1: the instance of the simulator is computed by computeFrames()
 
   // (num_instances)

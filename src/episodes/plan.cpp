@@ -30,13 +30,18 @@ EpisodePlan::EpisodePlan(const Scene& scene_to_run, const OutputOptions& read_ou
 }
 
 SimulatorOptions EpisodePlan::simulatorOptions(int num_instances) const {
-  return {.num_instances = num_instances * num_sensors,
-          .num_slots = 1,
-          .seed = scene.seed,
-          .outputs = outputs,
-          .max_regions = hasContactFeatures(outputs) ? max_regions : 0,
-          .vary_skin = variesSkin(scene.randomization),
-          .device_clock = device_clock};
+  const ContactRecording* const recording = scene.contact_points ? &*scene.contact_points : nullptr;
+  SimulatorOptions options{.num_instances = num_instances * num_sensors,
+                           .num_slots = 1,
+                           .seed = scene.seed,
+                           .outputs = outputs,
+                           .max_regions = hasContactFeatures(outputs) ? max_regions : 0,
+                           .vary_skin = variesSkin(scene.randomization),
+                           .device_clock = device_clock};
+  if (!recording) return options;
+  options.max_contacts = std::max(recording->maxPoints(), 1);
+  options.contact_band = recording->contact_band;
+  return options;
 }
 
 }  // namespace taxelsim

@@ -123,12 +123,14 @@ void addGroundTruth(const Scene& scene, std::vector<FrameColumn>& columns) {
   const FeatureGroup group{"ground_truth/", kTrueForces, scene.sensor};
   const auto truth = [](const FrameView& frame) -> const GroundTruthView& { return frame.ground_truth; };
   addFeatures(columns, imageFeatures(), group, truth);
-  const bool is_layer = std::holds_alternative<ElasticLayer>(scene.sensor.skin.law);
+  const bool has_points = scene.kind == Scene::Kind::kContactPoints;
+  const bool is_layer = std::holds_alternative<ElasticLayer>(scene.sensor.skin.law) && !has_points;
   for (const FeatureField<GroundTruthView>& field : truthFeatures()) {
     if (field.recorded == "always" || (field.recorded == "elastic_layer" && is_layer)) {
       addFeatures(columns, std::span(&field, 1), group, truth);
     }
   }
+  if (has_points) addOffArrayPoints(columns);
   const bool has_edge = std::any_of(scene.objects.begin(), scene.objects.end(),
                                     [](const SceneObject& object) { return object.edge || !object.contour.empty(); });
   if (!has_edge) return;
@@ -288,6 +290,13 @@ class EpisodeColumns {
     columns.back().column.text_length = length;
   }
 
+  // The same text in every episode.
+  void addText(const char* name, const char* description, const std::string& text) {
+    add(name, ScalarType::kText, "1", description,
+        [text](const EpisodeValues&, std::byte* row) { std::memcpy(row, text.data(), text.size()); });
+    columns.back().column.text_length = text.size();
+  }
+
   std::vector<EpisodeColumn> columns;
 
  private:
@@ -297,12 +306,10 @@ class EpisodeColumns {
   }
 };
 
-std::vector<EpisodeColumn> episodeColumns(const Scene& scene) {
-  EpisodeColumns columns;
-  std::vector<std::string> objects, controllers;
+// Where the contacts of an episode come from.
+void addObjectColumns(const Scene& scene, EpisodeColumns& columns) {
+  std::vector<std::string> objects;
   for (const SceneObject& object : scene.objects) objects.push_back(object.object.name);
-  for (const SceneController& controller : scene.controllers) controllers.push_back(controller.name);
-  columns.add("episode", "1", "Number of the episode; with the seed it keys all random numbers of the episode.", &EpisodeRecord::episode);
   columns.addChoice("object", "Index of the object in the scene, from 0.", "Name of the object in the scene.", objects,
                     &EpisodeRecord::object, false);
   columns.add("load", "N", "Normal force prescribed at the start; 0 if load_driven is 0.", &EpisodeRecord::load);
@@ -311,6 +318,19 @@ std::vector<EpisodeColumn> episodeColumns(const Scene& scene) {
   columns.add("depth", "m", "Depth of the object's lowest point below the undeformed skin in the first frame.", &EpisodeRecord::depth);
   columns.addFlag("load_reached", "0 if the skin could not carry the load; the first frame then shows the deepest contact.",
                   [](const EpisodeValues& values) { return values.record.load_reached != 0; });
+}
+
+std::vector<EpisodeColumn> episodeColumns(const Scene& scene) {
+  EpisodeColumns columns;
+  std::vector<std::string> controllers;
+  for (const SceneController& controller : scene.controllers) controllers.push_back(controller.name);
+  columns.add("episode", "1", "Number of the episode; with the seed it keys all random numbers of the episode.", &EpisodeRecord::episode);
+  if (scene.contact_points) {
+    columns.addText("contact_points", "Name of the file of contact points.", scene.contact_points->file_name);
+    columns.addText("contact_points_sha256", "SHA-256 of the file of contact points.", scene.contact_points->sha256);
+  } else {
+    addObjectColumns(scene, columns);
+  }
   columns.add("gain", "1", "Factor on the gain of every taxel.", &EpisodeRecord::gain);
   columns.add("gain_spread", "1", "Standard deviation of the logarithm of a further gain per taxel.", &EpisodeRecord::gain_spread);
   columns.add("noise", "counts", "Standard deviation of the noise added to the sensor's own.", &EpisodeRecord::noise);

@@ -38,6 +38,7 @@ void ShardSink::begin(int instance, const EpisodeRecord& record) {
   records_[instance] = record;
   frames_[instance] = {place.buffer->columns.data(), place.row * num_frames_, static_cast<std::size_t>(record.object)};
   if (judge_) judge_->begin(instance, record);
+  if (record.object == kNoObject) return;
   ++load_misses_[static_cast<std::size_t>(record.object)].num_episodes;
   if (record.load_reached == 0) missed_objects_[instance] = record.object;
 }

@@ -53,4 +53,15 @@ void addTrueTaxels(const Sensor& sensor, const std::set<std::string>& groups, st
       &GroundTruthView::penetration_depth);
 }
 
+void addOffArrayPoints(std::vector<FrameColumn>& columns) {
+  const auto add = [&](const char* name, ScalarType type, const char* unit, const char* description, auto member) {
+    columns.push_back({{std::string("data/ground_truth/") + name, type, {}, unit, description, false},
+                       Source::kFeature,
+                       [member](const FrameView& frame) { return FeatureValues(frame.ground_truth.*member); }});
+  };
+  add("off_array_load", ScalarType::kFloat32, "N", "Normal force of the contact points that lie on no taxel.",
+      &GroundTruthView::off_array_load);
+  add("off_array_contacts", ScalarType::kUint16, "1", "Contact points that lie on no taxel.", &GroundTruthView::off_array_contacts);
+}
+
 }  // namespace taxelsim

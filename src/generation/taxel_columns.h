@@ -15,4 +15,7 @@ void addMeasuredTaxels(const Sensor& sensor, const std::set<std::string>& groups
 // Forces and depths of the ground truth, where `groups` has them.
 void addTrueTaxels(const Sensor& sensor, const std::set<std::string>& groups, std::vector<FrameColumn>& columns);
 
+// Force and number of the contact points that lie on no taxel, of scenes of contact points.
+void addOffArrayPoints(std::vector<FrameColumn>& columns);
+
 }  // namespace taxelsim

@@ -64,6 +64,28 @@ FingerJoint readJoint(const YamlNode& item, const Manipulator& robot, std::set<i
   return {.joint = index, .velocity = velocity};
 }
 
+bool moves(const Manipulator& robot, int joint, int sensor) {
+  const std::vector<ChainJoint>& chain = robot.sensors[static_cast<std::size_t>(sensor)].chain;
+  return std::any_of(chain.begin(), chain.end(), [&](const ChainJoint& link) { return link.joint == joint; });
+}
+
+// A finger whose joints stay, or move other sensors only, never touches.
+void checkClosing(const YamlNode& node, const Manipulator& robot, const Grasp& grasp, const GraspFinger& finger) {
+  const std::string& sensor = grasp.sensors[static_cast<std::size_t>(finger.sensor)].name;
+  const auto moves_it = [&](const FingerJoint& joint) { return moves(robot, joint.joint, finger.sensor); };
+  if (std::none_of(finger.joints.begin(), finger.joints.end(), moves_it)) node.fail("no joint of the list moves the sensor " + sensor);
+  const auto is_at_limit = [&](const FingerJoint& closing) {
+    const Joint& joint = robot.joints[static_cast<std::size_t>(closing.joint)];
+    return closing.velocity > 0 ? joint.initial_position >= joint.upper : joint.initial_position <= joint.lower;
+  };
+  if (!std::all_of(finger.joints.begin(), finger.joints.end(), is_at_limit)) return;
+  const FingerJoint& first = finger.joints.front();
+  const Joint& joint = robot.joints[static_cast<std::size_t>(first.joint)];
+  const bool is_upper = first.velocity > 0;
+  node.fail("the finger cannot close: joint " + joint.name + " starts at its " + (is_upper ? "upper" : "lower") + " limit " +
+            canonicalNumber(is_upper ? joint.upper : joint.lower) + ", towards which its velocity points");
+}
+
 GraspFinger readFinger(const YamlNode& item, const Manipulator& robot, const Grasp& grasp, std::set<int>& taken, Canonical& canonical) {
   const YamlMap map(YamlMap::item(item, {"sensor", "force", "joints"}, canonical));
   GraspFinger finger;
@@ -79,12 +101,12 @@ GraspFinger readFinger(const YamlNode& item, const Manipulator& robot, const Gra
   for (const YamlNode& joint : joints.items(kFingerJoints)) finger.joints.push_back(readJoint(joint, robot, taken, canonical));
   canonical.close();
   if (finger.joints.empty()) joints.refuse(kFingerJoints);
+  checkClosing(joints, robot, grasp, finger);
   return finger;
 }
 
 // taken: joints of the fingers.
 std::vector<int> readServoJoints(const YamlMap& map, const Manipulator& robot, const Grasp& grasp, int sensor, const std::set<int>& taken) {
-  const std::vector<ChainJoint>& chain = robot.sensors[static_cast<std::size_t>(sensor)].chain;
   const YamlNode list = map.require("joints", kServoJoints);
   std::vector<int> joints;
   std::string text;
@@ -93,7 +115,7 @@ std::vector<int> readServoJoints(const YamlMap& map, const Manipulator& robot, c
     const std::string& name = robot.joints[static_cast<std::size_t>(index)].name;
     if (taken.contains(index)) item.fail("joint " + name + " belongs to a finger: a joint follows the servo or closes one finger");
     if (std::find(joints.begin(), joints.end(), index) != joints.end()) item.fail("joint " + name + " is given twice");
-    if (std::none_of(chain.begin(), chain.end(), [&](const ChainJoint& joint) { return joint.joint == index; })) {
+    if (!moves(robot, index, sensor)) {
       item.fail("joint " + name + " does not move the sensor " + grasp.sensors[static_cast<std::size_t>(sensor)].name);
     }
     joints.push_back(index);

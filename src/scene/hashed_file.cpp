@@ -17,7 +17,7 @@ bool isGltfName(const std::filesystem::path& file) {
 }  // namespace
 
 std::filesystem::path readHashedFile(const YamlMap& map, std::string_view key, std::string_view what,
-                                     const std::filesystem::path& directory, std::uintmax_t max_bytes) {
+                                     const std::filesystem::path& directory, std::uintmax_t max_bytes, std::string* sha256) {
   const YamlNode node = map.require(key, std::string(what));
   Canonical& canonical = map.canonical();
   std::filesystem::path file = directory / node.text(std::string(what));
@@ -35,6 +35,7 @@ std::filesystem::path readHashedFile(const YamlMap& map, std::string_view key, s
   if (const std::optional<YamlNode> expected = map.find("sha256"); expected && expected->text("64 hexadecimal digits") != digest) {
     expected->fail("not the SHA-256 of " + file.generic_string() + ", which is " + digest);
   }
+  if (sha256 != nullptr) *sha256 = digest;
   return file;
 }
 

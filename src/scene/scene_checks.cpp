@@ -33,7 +33,15 @@ void checkWeights(const std::string& list, const std::vector<Item>& items, const
   if (!(sum > 0)) throw Error(list, "every weight is 0: at least one must be chosen");
 }
 
+void checkRecording(const Scene& scene) {
+  if (scene.kind != Scene::Kind::kContactPoints) return;
+  if (!scene.contact_points) throw Error("contact_points", "missing: a scene of kind contact_points needs them");
+  checkNumber("contact_points.contact_band", scene.contact_points->contact_band, kContactBand);
+  checkRecordedEpisodes(scene);
+}
+
 void checkObjects(const Scene& scene) {
+  if (scene.kind == Scene::Kind::kContactPoints) return;
   checkWeights("objects", scene.objects, kObjectFields);
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const SceneObject& object = scene.objects[i];
@@ -70,6 +78,7 @@ void checkRange(const std::string& field, const Range& range, const Allowed& all
 
 void checkRandomization(const Scene& scene) {
   if (scene.kind == Scene::Kind::kGrasp) return;
+  const bool is_recorded = scene.kind == Scene::Kind::kContactPoints;
   const Randomization& random = scene.randomization;
   const auto check = [&](const auto& table) {
     for (const RangeField& field : table) {
@@ -84,7 +93,11 @@ void checkRandomization(const Scene& scene) {
   check(kRandomizationFields);
   check(kServoRandomizationFields);
   checkBelow("randomization", [&] { checkSkinRanges(random, scene.sensor); });
-  if (random.load.has_value() == random.depth.has_value()) throw Error("randomization", "exactly one of load and depth must be set");
+  if (is_recorded && (random.load || random.depth || variesSkin(random) || variesMounting(random))) {
+    throw Error("randomization", "a scene of kind contact_points varies gain, gain_spread and noise only");
+  }
+  if (!is_recorded && random.load.has_value() == random.depth.has_value())
+    throw Error("randomization", "exactly one of load and depth must be set");
 }
 
 // duration: s, of an episode.
@@ -126,6 +139,13 @@ void checkTask(const Task& task, const Scene& scene) {
   if (task.laps > 0) throw Error("laps", "needs a contour of every object of the scene");
 }
 
+void checkRecordedEpisodes(const Scene& scene) {
+  const std::uint64_t num_recorded = scene.contact_points->num_episodes;
+  if (scene.num_episodes <= num_recorded) return;
+  throw Error(ErrorKind::kInput, "episodes: " + std::to_string(scene.num_episodes) + " is not allowed: 1 to " +
+                                     std::to_string(num_recorded) + ", the episodes of " + scene.contact_points->file_name);
+}
+
 std::string wordOf(Scene::Kind kind) {
   switch (kind) {
     case Scene::Kind::kServo:
@@ -134,6 +154,8 @@ std::string wordOf(Scene::Kind kind) {
       return "contacts";
     case Scene::Kind::kGrasp:
       return "grasp";
+    case Scene::Kind::kContactPoints:
+      return "contact_points";
   }
   return {};
 }
@@ -150,6 +172,7 @@ void checkScene(const Scene& scene) {
   checkFields("", kDataSetFields, scene);
   checkFields("", kMaxRegionsFields, scene);
   checkRates(scene);
+  checkRecording(scene);
   checkObjects(scene);
   checkControllers(scene);
   checkGraspServo(scene);

@@ -35,6 +35,8 @@ inline constexpr std::array kDataSetFields{
     Field<Scene>{"chunk_bytes", &Scene::chunk_bytes, Allowed::within(kMinChunkBytes, kMaxChunkBytes, "")},
 };
 
+inline constexpr Allowed kContactBand = Allowed::within(0, 1, "m");  // SimulatorOptions::contact_band
+
 inline constexpr std::array kObjectFields{Field<SceneObject>{"weight", &SceneObject::weight, Allowed::atLeast(0, "")}};
 inline constexpr std::array kControllerFields{Field<SceneController>{"weight", &SceneController::weight, Allowed::atLeast(0, "")}};
 

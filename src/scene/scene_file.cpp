@@ -4,6 +4,7 @@
 
 #include "base/field_checks.h"
 #include "scene/conditions.h"
+#include "scene/contact_recording_reader.h"
 #include "scene/grasp_reader.h"
 #include "scene/object_reader.h"
 #include "scene/pose_reader.h"
@@ -26,6 +27,8 @@ constexpr int kDefaultRegions = 4;
 constexpr double kRateTolerance = 1e-9;  // relative; rates are decimal fractions
 constexpr std::array<std::string_view, 4> kFileKeys = {"file", "mesh", "robot", "sensor"};
 constexpr std::string_view kActions = "actions", kRobot = "robot", kPoses = "poses";
+constexpr std::array<std::string_view, 5> kOfSkin = {"taxel_counts", "tactile_shear_force", "penetration_depth", "tactile_jacobian",
+                                                     "clean_tactile_jacobian"};
 constexpr std::array<std::string_view, 5> kDefaultColumns = {"tactile_image", "features", "ground_truth", "poses", "actions"};
 
 // A number, or [min, max].
@@ -56,7 +59,10 @@ void readRanges(const YamlMap& map, std::span<const RangeField> table, Randomiza
 }
 
 void readEpisode(const YamlMap& parent, Scene& scene) {
-  const YamlMap map(parent, "episode", keysOf(kNumStepsFields, kSimulationRateFields, kControlRateFields));
+  const bool is_controlled = scene.kind != Scene::Kind::kContactPoints;
+  const YamlMap map(
+      parent, "episode",
+      is_controlled ? keysOf(kNumStepsFields, kSimulationRateFields, kControlRateFields) : keysOf(kNumStepsFields, kSimulationRateFields));
   if (scene.kind != Scene::Kind::kContacts) {
     readFields(map, kNumStepsFields, scene);
   } else {
@@ -64,6 +70,7 @@ void readEpisode(const YamlMap& parent, Scene& scene) {
   }
   readFields(map, kSimulationRateFields, scene);
   scene.control_rate = scene.simulation_rate;
+  if (!is_controlled) return;
   readFields(map, kControlRateFields, scene);
   atNode(map.node(), [&] { checkRates(scene); });
 }
@@ -103,6 +110,15 @@ Randomization readRandomization(const YamlMap& parent, const Scene& scene) {
   return random;
 }
 
+// Contact points do not press on a skin: only the readout varies.
+Randomization readReadoutVariation(const YamlMap& parent) {
+  const std::array fields{randomizationField("gain"), randomizationField("gain_spread"), randomizationField("noise")};
+  const YamlMap map(parent, "randomization", keysOf(fields));
+  Randomization random;
+  readRanges(map, fields, random);
+  return random;
+}
+
 // Exact edge angles need objects with an edge or a contour.
 void checkExactAngles(const YamlMap& map, const Scene& scene) {
   const bool wanted = std::any_of(scene.controllers.begin(), scene.controllers.end(), [](const SceneController& controller) {
@@ -113,9 +129,26 @@ void checkExactAngles(const YamlMap& map, const Scene& scene) {
   if (wanted && !known) map.require("objects", "").fail("edge_angle_source exact needs an edge or a contour of every object");
 }
 
+// Why a scene of this kind cannot record a word; empty if it can.
+std::string whyNotRecorded(std::string_view word, Scene::Kind kind) {
+  const bool is_motion = word == kActions || word == kRobot;
+  switch (kind) {
+    case Scene::Kind::kServo:
+      return "";
+    case Scene::Kind::kContacts:
+      if (word == kActions) return "a scene of kind contacts has no actions";
+      return word == kRobot ? "in a scene of kind contacts no robot moves" : "";
+    case Scene::Kind::kGrasp:
+      return is_motion || word == kPoses ? "a scene of kind grasp always records its joints and all poses" : "";
+    case Scene::Kind::kContactPoints:
+      if (is_motion || word == kPoses) return "a scene of kind contact_points has no objects and no robot";
+      return std::find(kOfSkin.begin(), kOfSkin.end(), word) != kOfSkin.end() ? "contact points do not determine it" : "";
+  }
+  return "";
+}
+
 std::vector<std::string> readRecord(const YamlMap& map, Scene::Kind kind) {
   std::vector<std::string> chosen;
-  const bool has_actions = kind == Scene::Kind::kServo, is_grasp = kind == Scene::Kind::kGrasp;
   if (const std::optional<YamlNode> node = map.find("record")) {
     std::string words;
     for (const std::string_view column : kRecordWords) words += (words.empty() ? "" : " | ") + std::string(column);
@@ -124,18 +157,13 @@ std::vector<std::string> readRecord(const YamlMap& map, Scene::Kind kind) {
     for (const YamlNode& item : items) {
       const std::string column = item.text(words);
       if (std::find(kRecordWords.begin(), kRecordWords.end(), column) == kRecordWords.end()) item.refuse(words);
-      if (is_grasp && (column == kActions || column == kRobot || column == kPoses)) {
-        item.fail("a scene of kind grasp always records its joints and all poses");
-      }
-      if (column == kActions && !has_actions) item.fail("a scene of kind contacts has no actions");
-      if (column == kRobot && !has_actions) item.fail("in a scene of kind contacts no robot moves");
+      if (const std::string why = whyNotRecorded(column, kind); !why.empty()) item.fail(why);
       if (std::find(chosen.begin(), chosen.end(), column) != chosen.end()) item.fail(column + " is given twice");
       chosen.push_back(column);
     }
   } else {
     chosen.assign(kDefaultColumns.begin(), kDefaultColumns.end());
-    if (!has_actions) std::erase(chosen, kActions);
-    if (is_grasp) std::erase(chosen, kPoses);
+    std::erase_if(chosen, [&](const std::string& word) { return !whyNotRecorded(word, kind).empty(); });
   }
   std::vector<std::string> record;
   std::string text;
@@ -187,14 +215,23 @@ void readDataSet(const YamlMap& parent, const SceneOverrides& overrides, Scene& 
   readFields(map, kDataSetFields, scene);
 }
 
+// The episodes of a recording: all of them, unless the scene names fewer.
+void readRecordedEpisodes(const YamlMap& map, const SceneOverrides& overrides, Scene& scene) {
+  scene.num_episodes = scene.contact_points->num_episodes;
+  readDataSet(map, overrides, scene);
+  const std::optional<YamlNode> block = map.find("data_set");
+  const std::optional<YamlNode> given = block ? block->child("episodes") : std::nullopt;
+  const YamlNode place = given && !overrides.num_episodes ? *given : map.require("contact_points", "");
+  atNode(place, [&] { checkRecordedEpisodes(scene); });
+}
+
 YamlMap::Keys graspKeys() {
   return {"format_version", "name",          "kind", "robot",  "objects",     "grasp",
           "episode",        "randomization", "task", "record", "max_regions", "data_set"};
 }
 
-bool isGrasp(const YamlNode& root) {
-  const std::optional<YamlNode> kind = root.isMap() ? root.child("kind") : std::nullopt;
-  return kind && kind->isScalar() && kind->tree().text == "grasp";
+YamlMap::Keys contactPointsKeys() {
+  return {"format_version", "name", "kind", "sensor", "contact_points", "episode", "randomization", "record", "max_regions", "data_set"};
 }
 
 // The rest of a scene of kind grasp.
@@ -220,9 +257,34 @@ void readGraspScene(const YamlMap& map, const std::filesystem::path& directory, 
   readMaxRegions(map, scene);
 }
 
+// The rest of a scene of kind contact_points.
+void readContactPointsScene(const YamlMap& map, const std::filesystem::path& directory, Scene& scene) {
+  const YamlNode sensor = map.require("sensor", kSensorBlock);
+  scene.sensor = readSensorBlock(sensor, directory, map.canonical());
+  readEpisode(map, scene);
+  checkDelay(sensor, scene.sensor, scene);
+  scene.contact_points = readContactRecording(map, directory, scene);
+  scene.randomization = readReadoutVariation(map);
+  scene.record = readRecord(map, scene.kind);
+  readMaxRegions(map, scene);
+}
+
 YamlMap::Keys sceneKeys() {
   return {"format_version", "name",       "kind",        "sensor", "robot",  "objects",     "episode", "randomization(randomisation)",
           "conditions",     "controller", "controllers", "task",   "record", "max_regions", "data_set"};
+}
+
+// Keys of the kind that the file names; those of sceneKeys() if it names none.
+YamlMap::Keys keysOfKind(const YamlNode& root) {
+  const std::optional<YamlNode> kind = root.isMap() ? root.child("kind") : std::nullopt;
+  const std::string_view word = kind && kind->isScalar() ? std::string_view(kind->tree().text) : std::string_view();
+  return word == "grasp" ? graspKeys() : word == "contact_points" ? contactPointsKeys() : sceneKeys();
+}
+
+Scene::Kind kindOf(const std::string& word) {
+  if (word == "servo") return Scene::Kind::kServo;
+  if (word == "grasp") return Scene::Kind::kGrasp;
+  return word == "contact_points" ? Scene::Kind::kContactPoints : Scene::Kind::kContacts;
 }
 
 // Reads the overrides of all conditions, whichever is loaded. `tree`: the file as it is.
@@ -272,18 +334,23 @@ Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrid
   const YamlNode root(tree, name);
 
   Canonical canonical;
-  const YamlMap map(root, isGrasp(root) ? graspKeys() : sceneKeys(), canonical);
+  const YamlMap map(root, keysOfKind(root), canonical);
   Scene scene;
   scene.file = file;
   scene.conditions = conditionNames(tree, name);
   scene.condition = condition;
   map.integer("format_version", 1, kFormatVersion);
   scene.name = map.text("name", "a name");
-  const std::string kind = map.choice("kind", {"servo", "contacts", "grasp"});
-  scene.kind = kind == "servo" ? Scene::Kind::kServo : kind == "grasp" ? Scene::Kind::kGrasp : Scene::Kind::kContacts;
+  scene.kind = kindOf(map.choice("kind", {"servo", "contacts", "grasp", "contact_points"}));
   if (scene.kind == Scene::Kind::kGrasp) {
     readGraspScene(map, directory, scene);
     readDataSet(map, overrides, scene);
+    scene.resolved = canonical.text();
+    return scene;
+  }
+  if (scene.kind == Scene::Kind::kContactPoints) {
+    readContactPointsScene(map, directory, scene);
+    readRecordedEpisodes(map, overrides, scene);
     scene.resolved = canonical.text();
     return scene;
   }

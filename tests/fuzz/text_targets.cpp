@@ -69,6 +69,16 @@ void readContacts(std::string_view input) {
   accepts([&] { cli::readContacts(file); });
 }
 
+// The input is the file of a scene of recorded contact points.
+void readRecording(std::string_view input) {
+  static const std::string scene =
+      "format_version: 1\nname: recording\nkind: contact_points\nsensor: sensors/wts0614_soft_cover.yaml\n"
+      "contact_points: {file: recording.csv}\nepisode: {num_steps: 100}\n";
+  inputFolder().write("recording.csv", input);
+  const auto file = inputFolder().write("recording.yaml", scene);
+  accepts([&] { loadScene(file); });
+}
+
 void readWaypoints(std::string_view input) {
   const auto file = inputFolder().write("waypoints.csv", input);
   accepts([&] { loadWaypoints(file); });
@@ -85,7 +95,8 @@ std::span<const Target> textTargets() {
   static constexpr std::array kTargets{
       Target{"scene", readScene},           Target{"sensor", readSensor},           Target{"task", readTask},
       Target{"experiment", readExperiment}, Target{"measurement", readMeasurement}, Target{"urdf", readUrdf},
-      Target{"contacts", readContacts},     Target{"waypoints", readWaypoints},     Target{"contour", readContour}};
+      Target{"contacts", readContacts},     Target{"recording", readRecording},     Target{"waypoints", readWaypoints},
+      Target{"contour", readContour}};
   return kTargets;
 }
 

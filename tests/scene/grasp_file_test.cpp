@@ -80,6 +80,12 @@ TEST(GraspScene, RefusesBadScenes) {
   EXPECT_THAT(refusalOf("joint: bend, velocity_deg", "joint: bend, velocity_mm"), HasSubstr("unknown key"));
   EXPECT_THAT(refusalOf("velocity_mm: 50", "velocity_mm: 0"), HasSubstr("velocity_mm: 0 is not allowed"));
   EXPECT_THAT(refusalOf("velocity_mm: 50", "velocity_mm: 101"), HasSubstr("101 is not allowed"));
+  EXPECT_THAT(refusalOf("velocity_mm: 50", "velocity_mm: -50"),
+              HasSubstr("joints: the finger cannot close: joint jaw starts at its lower limit 0, towards which its velocity points"));
+  EXPECT_THAT(
+      refusalOf("joints: [{joint: jaw, velocity_mm: 50}]}\n    - {sensor: below, force: 0.5, joints: [{joint: bend, velocity_deg: 60}]}",
+                "joints: [{joint: bend, velocity_deg: 60}]}\n    - {sensor: below, force: 0.5, joints: [{joint: jaw, velocity_mm: 50}]}"),
+      HasSubstr("joints: no joint of the list moves the sensor left"));
   EXPECT_THAT(refusalOf("force: 2", "force: 0"), HasSubstr("force: 0 is not allowed"));
   EXPECT_THAT(refusalOf("sensor: below", "sensor: left"), HasSubstr("an earlier finger has this sensor"));
   EXPECT_THAT(refusalOf("[{joint: jaw, velocity_mm: 50}]", "[]"), HasSubstr("joints: a list of 0 is not allowed"));

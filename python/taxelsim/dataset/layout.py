@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Container
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -51,6 +52,11 @@ class Layout:
 
     def shard_file(self, shard: int) -> Path:
         return self.folder / f"shard-{shard:06d}.h5"
+
+
+def label_of(columns: Container[str]) -> str:
+    """The column that names what touches in each episode: the object, or the file of recorded contact points."""
+    return "meta/contact_points" if "meta/contact_points" in columns else "meta/object_name"
 
 
 def hdf5() -> Any:

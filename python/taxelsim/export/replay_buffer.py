@@ -96,7 +96,7 @@ class _Store:
         """The arrays meta/NAME, with one value per episode, and attributes that say what was exported."""
         meta = self._root.require_group("meta")
         values: dict[str, NDArray[Any]] = {"episode_ends": self._source.ends}
-        for name in (SUCCESS, "meta/object") if SUCCESS in self._source.data else ("meta/object",):
+        for name in filter(self._source.data.__contains__, (SUCCESS, "meta/object")):
             values[name.removeprefix("meta/")] = np.concatenate([part[name] for part in self._source.per_episode([name])])
         for name, array in values.items():
             meta.create_array(name, data=array, chunks=array.shape, overwrite=True)

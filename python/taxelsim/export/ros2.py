@@ -70,7 +70,7 @@ _TOPICS = (
 def write(source: Source, out: Path, plan: dict[str, Any], report: Callable[[int], None]) -> None:
     """Writes the folder `out`. report: called with the number of frames since the last call. Throws InputError."""
     topics = [topic for topic in _TOPICS if topic.column in source.data]
-    labels = ("meta/object_name", *((SUCCESS,) if source.has_success else ()))
+    labels = (source.label, *((SUCCESS,) if source.has_success else ()))
     with staged_folder(out, plan) as folder:
         done = next(number for number in range(source.num_episodes + 1) if not (folder / _name(number)).exists())
         report(int(source.ends[done - 1]) if done else 0)

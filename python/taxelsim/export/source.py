@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..dataset import Dataset
-from ..dataset.layout import MANIFEST
+from ..dataset.layout import MANIFEST, label_of
 from ..errors import InputError
 from .features import ACTION, SUCCESS, TACTILE, feature_of, state_of, tactile_of
 from .options import Options
@@ -67,6 +67,7 @@ class Source:
             raise InputError(f"columns: {again[0]} found, which every export has")
         self.columns = {name: feature_of(self.data, (name,)) for name in options.columns}
         self.has_success = SUCCESS in self.data
+        self.label = label_of(self.data)  #: Column that names what touches in each episode.
 
     @property
     def num_episodes(self) -> int:

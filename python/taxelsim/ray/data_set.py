@@ -199,7 +199,7 @@ class _Run:
             if manifest is None or hashlib.sha256(manifest).hexdigest() != self._job.manifest_sha256:
                 raise InputError(f"{self._job.out}: another run writes here, with another {MANIFEST}")
             (folder / MANIFEST).write_bytes(manifest)
-            _core.write_view(folder, self._scene.num_steps if self._scene.kind == Scene.Kind.SERVO else 1)
+            _core.write_view(folder, self._scene.num_steps)
             checksum = (folder / f"{VIEW}.sha256").read_bytes()
             self._storage.upload(folder / VIEW, checksum[:64].decode())
             self._storage.upload_text(f"{VIEW}.sha256", checksum)

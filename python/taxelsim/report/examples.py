@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..dataset.layout import label_of
 from .sample import Sample
 from .summary import EXAMPLE_LEVELS, Example, Summary
 
@@ -11,14 +12,17 @@ MAX_OBJECTS = 12  # with examples
 
 
 def examples_of(sample: Sample, summary: Summary) -> list[Example]:
-    """One frame of each object at each of EXAMPLE_LEVELS, percentiles of the measured force, or of the sum of counts without features."""
+    """One frame of each object at each of EXAMPLE_LEVELS, percentiles of the measured force, or of the sum of counts without features.
+
+    Recorded contact points count as one object.
+    """
     force_name = "data/total_force" if "data/total_force" in sample.data else "data/tactile_image"
     forces = np.concatenate([block.reshape(len(block), -1).sum(1) for block in sample.frames(force_name)])
     frames = np.concatenate([np.arange(first, end) for first, end in sample.blocks])
     episodes = np.searchsorted(sample.data.episode_ends, frames, "right")
-    names = sample.column("meta/object_name")[np.searchsorted(sample.episodes, episodes)]
+    names = sample.column(label_of(sample.data))[np.searchsorted(sample.episodes, episodes)]
     examples = []
-    for name in list(summary.objects)[:MAX_OBJECTS]:
+    for name in list(summary.objects or np.unique(names))[:MAX_OBJECTS]:
         chosen = np.flatnonzero(names == name)
         if not len(chosen):
             continue

@@ -157,13 +157,15 @@ def _distributions(sample: Sample) -> list[Distribution]:
 
 
 def _count_episodes(sample: Sample, summary: Summary) -> None:
+    if "meta/success" in sample.data:
+        summary.successes = int(sample.column("meta/success").sum())
+    if not summary.scene.objects:
+        return
     names = sample.column("meta/object_name")
     reached = sample.column("meta/load_reached").astype(bool)
     for item in summary.scene.objects:
         summary.objects[item.name] = int((names == item.name).sum())
         summary.out_of_reach[item.name] = int((~reached & (names == item.name)).sum())
-    if "meta/success" in sample.data:
-        summary.successes = int(sample.column("meta/success").sum())
 
 
 def _count_images(sample: Sample, summary: Summary) -> None:

@@ -67,9 +67,9 @@ def place_warnings(source: Source) -> list[str]:
     """A line for each episode whose object is not where it should be."""
     lines = []
     for episode in source.episodes:
-        index = int(episode.columns["meta/object"])
-        line = None if index in source.missing else place_warning(source.scene.objects[index], episode)
+        index = episode.object_index
+        line = None if index is None or index in source.missing else place_warning(source.scene.objects[index], episode)
         lines += [] if line is None else [line]
-    if "data/pose" not in source.episodes[0].columns:
+    if source.scene.objects and "data/pose" not in source.episodes[0].columns:
         lines.append("poses are not recorded, so that objects are not drawn; add `poses` to `record` of the scene")
     return lines

@@ -22,6 +22,14 @@ _FILE = re.compile(r'\b(mesh|file): (.+)\n +sha256: "([0-9a-f]{64})"$', re.MULTI
 _TETRAHEDRON = "v 0 0 0\nv 0.001 0 0.001\nv 0 0.001 0.001\nv -0.001 -0.001 0.001\nf 1 2 3\nf 1 3 4\nf 1 4 2\nf 2 4 3\n"
 
 
+# The same for the files of recorded contact points, which only a simulation reads, by the text in front of their key. The scene has the
+# numbers of episodes and steps itself.
+_RECORDINGS = {
+    "contact_points:\n  ": "episode,step,x_m,y_m,z_m,normal_force_N\n0,0,0,0,0,0\n",
+    "  sensor_poses:\n    ": "episode,step,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,0,1,0,0,0\n",
+}
+
+
 def _candidates(name: str, folders: Sequence[Path]) -> Iterator[Path]:
     for folder in folders:
         yield from (file for file in sorted(folder.rglob(glob.escape(name))) if file.is_file())
@@ -29,7 +37,7 @@ def _candidates(name: str, folders: Sequence[Path]) -> Iterator[Path]:
 
 def scene_of(text: str, folders: Sequence[Path], origin: Path) -> tuple[Scene, set[int]]:
     """The scene of a data set, and the indices of objects whose mesh is not found: a tetrahedron of 1 mm keeps the
-    place of each, and the caller does not draw it.
+    place of each, and the caller does not draw it. Contact points that are not found are left out.
 
     text: the resolved scene. folders: searched with their subfolders for the files that it names, by name and SHA-256; then the scenes of
     the package. origin: data set, for messages. Raises InputError for another file that is not found, such as a URDF,
@@ -52,6 +60,10 @@ def scene_of(text: str, folders: Sequence[Path], origin: Path) -> tuple[Scene, s
             if file is not None:
                 shutil.copyfile(file, Path(root, name))
                 return found[0]
+            for place, (before, content) in enumerate(_RECORDINGS.items()):
+                if text[: found.start()].endswith(before):
+                    Path(root, f"missing_{place}.csv").write_text(content)
+                    return f"file: missing_{place}.csv"
             if key != "mesh":
                 raise InputError(f"{origin}: {name} with SHA-256 {sha256} is not found; --assets names the folder that holds it")
             Path(root, "missing.obj").write_text(_TETRAHEDRON)

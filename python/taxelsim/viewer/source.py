@@ -44,6 +44,12 @@ class Episode:
         return int(self.image.size // (len(self) * self.sensor.num_taxels))
 
     @property
+    def object_index(self) -> int | None:
+        """Index of the object in the scene; None for recorded contact points."""
+        index = self.columns.get("meta/object")
+        return None if index is None else int(index)
+
+    @property
     def image(self) -> NDArray[Any]:
         """Tactile images, as in the data set."""
         return np.asarray(self.columns["data/tactile_image"])

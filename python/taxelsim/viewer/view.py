@@ -52,7 +52,7 @@ def view(
     recording.send_recording_name(source.scene.name)
     writers = [EpisodeWriter(recording, episode, largest) for episode in source.episodes]
     for writer, episode in zip(writers, source.episodes, strict=True):
-        index = int(episode.columns["meta/object"])
-        writer.write(None if index in source.missing else source.scene.objects[index])
+        index = episode.object_index
+        writer.write(None if index is None or index in source.missing else source.scene.objects[index])
     recording.send_blueprint(blueprint_of(writers))
     return recording
