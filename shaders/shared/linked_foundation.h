@@ -1,0 +1,34 @@
+// Tables of a two-parameter foundation on several patches. Nodes are numbered by taxel, and within a taxel by color: nodes of one color
+// have no links with each other.
+#ifndef TAXELSIM_SHADERS_SHARED_LINKED_FOUNDATION_H
+#define TAXELSIM_SHADERS_SHARED_LINKED_FOUNDATION_H
+
+#include "shared/types.h"
+
+TAXELSIM_LAYOUT_BEGIN
+
+TAXELSIM_CONSTANT kMaxNodeColors = 8u;
+TAXELSIM_CONSTANT kLinkTaxelShift = 16u;  // of a link's first word: node below, its taxel above
+TAXELSIM_CONSTANT kNodeLinksShift = 24u;  // of a node's last word: tile below, fours of links above
+
+// A node: index in the heights of an instance; row << 16 | column in its patch; spring, N/m, as bits; tile of the contact pass and number
+// of its links in fours.
+struct FoundationNodeRecord {
+  uvec4 node;
+};
+
+// A link: node and taxel; stiffness, N/m, and 1 / length, 1/m, as bits; stiffness towards skin at rest, N/m, as bits. Unused links have the
+// stiffness 0.
+struct FoundationLinkRecord {
+  uvec4 link;
+};
+
+struct FoundationTaxelRecord {
+  uvec4 tiles;       // of the contact pass that have the corners of the taxel
+  uvec4 color_ends;  // first node after each color, from the first node of the taxel: 16 bits each, from the lowest on
+  uvec4 near;        // where its list in near_taxels[] begins and ends; its patch; 0
+};
+
+TAXELSIM_LAYOUT_END
+
+#endif
