@@ -2,7 +2,7 @@
 //
 //   spring w + sum over links of c link (w - w') = f >= 0,   w >= d,   f (w - d) = 0
 //
-// c as in pasternak/solver.glsl: 2 where an outline of the object crosses a link, on average half-way. Beyond the active taxels the surface decays
+// c as in pasternak/solver.glsl: 2 where an outline of the object crosses a link, on average half-way. Beyond the active blocks the surface decays
 // exponentially; the springs of nodes at the end of the skin include what the surface beyond it adds.
 
 // The equation of a node: sum of link (w - w'), N; its spring; sum of spring and links, N/m. The difference keeps what the pulls of the links have in common
@@ -20,8 +20,8 @@ Equation equationOf(uint instance, uint node, vec2 own) {
     [[unroll]] for (uint k = 0; k < 4; ++k) {
       uvec4 link = fourOf(FoundationLinks, (4u * i + k) * kNumNodes + node);
       vec3 numbers = uintBitsToFloat(link.yzw);  // stiffness, 1 / length, stiffness towards skin at rest
-      bool is_active = (taxel_flags[link.x >> kLinkTaxelShift] & kIsActive) != 0;
-      vec2 other = pairAt(pairAddress(instance, link.x & ((1u << kLinkTaxelShift) - 1u)));
+      bool is_active = (block_flags[link.x >> kLinkBlockShift] & kIsActive) != 0;
+      vec2 other = pairAt(pairAddress(instance, link.x & ((1u << kLinkBlockShift) - 1u)));
       float steep = clamp(abs(own.x - other.x) * numbers.y - 1.0, 0.0, 1.0);
       float factor = max(own.x, other.x) > 0.0 ? 1.0 + steep : 1.0;
       float stiffness = is_active ? numbers.x * factor : numbers.z;
@@ -32,21 +32,21 @@ Equation equationOf(uint instance, uint node, vec2 own) {
   return Equation(tension, uintBitsToFloat(record.z), diagonal);
 }
 
-// First and end of the nodes of a color, from the first node of the taxel on.
-uvec2 nodesOfColor(uint taxel, uint color) {
-  uvec4 ends = foundation_taxels[taxel].color_ends;
+// First and end of the nodes of a color, from the first node of the block on.
+uvec2 nodesOfColor(uint block, uint color) {
+  uvec4 ends = foundation_blocks[block].color_ends;
   uint end = ends[color / 2u] >> 16u * (color % 2u) & 0xFFFFu, before = color - 1u;
   return uvec2(color == 0u ? 0u : ends[before / 2u] >> 16u * (before % 2u) & 0xFFFFu, end);
 }
 
 void sweepColor(uint instance, uint color) {
-  uint total = num_listed_taxels * MOST_OF_COLOR, k = gl_LocalInvocationIndex;
+  uint total = num_listed_blocks * MOST_OF_COLOR, k = gl_LocalInvocationIndex;
   for (; k < total; k += WORKGROUP) {
     uvec2 at = cellNumbered(k, MOST_OF_COLOR);
-    uint taxel = taxel_list[at.x];
-    uvec2 nodes = nodesOfColor(taxel, color);
+    uint block = block_list[at.x];
+    uvec2 nodes = nodesOfColor(block, color);
     if (nodes.x + at.y >= nodes.y) continue;
-    uint node = taxel * kNodesPerTaxel + nodes.x + at.y;
+    uint node = block * kNodesPerBlock + nodes.x + at.y;
     vec2 own = pairAt(pairAddress(instance, node));
     Equation equation = equationOf(instance, node, own);
     precise float free = own.y - OVER_RELAXATION * (equation.tension + equation.spring * own.y) / equation.diagonal;
@@ -55,7 +55,7 @@ void sweepColor(uint instance, uint color) {
   checkLoop(k < total);
 }
 
-// Solves the contact and stores the forces on the nodes of the active taxels.
+// Solves the contact and stores the forces on the nodes of the active blocks.
 void solveContact(uint instance) {
   for (uint s = 0; s < SWEEPS; ++s) {
     for (uint color = 0; color < NUM_COLORS; ++color) {
@@ -63,7 +63,7 @@ void solveContact(uint instance) {
       workgroupBarrierWithBuffers();
     }
   }
-  uint total = num_listed_taxels * kNodesPerTaxel, k = gl_LocalInvocationIndex;
+  uint total = num_listed_blocks * kNodesPerBlock, k = gl_LocalInvocationIndex;
   for (; k < total; k += WORKGROUP) {
     uint node = listedNode(k).y;
     vec2 own = pairAt(pairAddress(instance, node));

@@ -241,24 +241,39 @@ LinkedNodes linkedNodes(const Sensor& sensor) {
   return LinkBuilder(sensor).build();
 }
 
-std::vector<std::vector<int>> taxelsWithin(const Sensor& sensor, double reach) {
-  const int per_side = sensor.samples_per_taxel * pasternakRefinement(sensor);
+std::vector<std::vector<int>> blocksWithin(const Sensor& sensor, int num_parts, double reach) {
+  const int per_side = sensor.samples_per_taxel * pasternakRefinement(sensor), side = per_side / num_parts,
+            num_blocks = num_parts * num_parts;
   const std::vector<Taxel> taxels = taxelsOf(sensor);
-  std::vector<std::vector<int>> near(taxels.size());
-  const auto isWithin = [&](const Taxel& a, const Taxel& b) {
-    const Chart chart = chartOf(a, b);
-    if (!chart.exists || std::hypot(chart.offset[0], chart.offset[1]) > halfDiagonal(a) + halfDiagonal(b) + reach) return false;
-    for (int k = 0; k < per_side * per_side; ++k) {
-      const Place place = chart(placeInTaxel(b, per_side, k / per_side, k % per_side));
-      const double x = std::max(std::abs(place[0]) - a.patch->pitch[0] / 2, 0.0);
-      const double y = std::max(std::abs(place[1]) - a.patch->pitch[1] / 2, 0.0);
-      if (x * x + y * y <= reach * reach) return true;
+  std::vector<std::vector<int>> near(taxels.size() * static_cast<std::size_t>(num_blocks));
+  // Of a place in a taxel, from a block of it.
+  const auto distance = [&](const Taxel& taxel, int block, const Place& place) {
+    double square = 0;
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      const double size = taxel.patch->pitch[axis] / num_parts, part = axis == 0 ? block / num_parts : block % num_parts;
+      const double middle = (part + 0.5 - num_parts / 2.0) * size, beyond = std::max(std::abs(place[axis] - middle) - size / 2, 0.0);
+      square += beyond * beyond;
     }
-    return false;
+    return std::sqrt(square);
   };
   for (std::size_t a = 0; a < taxels.size(); ++a) {
     for (std::size_t b = 0; b < taxels.size(); ++b) {
-      if (a == b || isWithin(taxels[a], taxels[b])) near[a].push_back(static_cast<int>(b));
+      Chart chart = a == b ? Chart{.offset = {}, .cosine = 1, .sine = 0, .exists = true} : chartOf(taxels[a], taxels[b]);
+      if (!chart.exists || std::hypot(chart.offset[0], chart.offset[1]) > halfDiagonal(taxels[a]) + halfDiagonal(taxels[b]) + reach)
+        continue;
+      for (int own = 0; own < num_blocks; ++own) {
+        for (int other = 0; other < num_blocks; ++other) {
+          const auto isNear = [&](int k) {
+            const int x = other / num_parts * side + k / side, y = other % num_parts * side + k % side;
+            return distance(taxels[a], own, chart(placeInTaxel(taxels[b], per_side, x, y))) <= reach;
+          };
+          bool is_near = false;
+          for (int k = 0; k < side * side && !is_near; ++k) is_near = isNear(k);
+          if (is_near)
+            near[a * static_cast<std::size_t>(num_blocks) + static_cast<std::size_t>(own)].push_back(static_cast<int>(b) * num_blocks +
+                                                                                                     other);
+        }
+      }
     }
   }
   return near;

@@ -38,8 +38,10 @@ inline constexpr int kMaxLinkedTaxels = 1024;    // of a foundation on several p
 // The sensor's law must be Pasternak.
 LinkedNodes linkedNodes(const Sensor& sensor);
 
-// For every taxel: the taxels, ascending and including itself, of which some node is within `reach` (m) of it along the skin.
-std::vector<std::vector<int>> taxelsWithin(const Sensor& sensor, double reach);
+// Taxels cut into num_parts x num_parts blocks of nodes each, a divisor of LinkedNodes::per_side; blocks are numbered by taxel, part along
+// x, part along y. For every block: the blocks, ascending and including itself, of which some node is within `reach` (m) of it along the
+// skin.
+std::vector<std::vector<int>> blocksWithin(const Sensor& sensor, int num_parts, double reach);
 
 // What a link to skin at rest pulls with, N/m: the displacement falls by the factor exp(-length / decay) on the way to it.
 double stiffnessAtRest(const FoundationLink& link, double decay);

@@ -42,7 +42,8 @@ double pasternakReach(const LayerNodes& nodes) {
 double largestPasternakPressure(const Sensor& sensor) {
   const auto& law = std::get<Pasternak>(sensor.skin.law);
   const LayerNodes nodes = finestPasternakNodes(sensor);
-  const auto links = [&](double spacing) { return 4 * law.shear_stiffness / (spacing * spacing); };
+  const double over_seams = sensor.patches.size() > 1 ? 2 : 1;  // where patches overlap, nodes are nearer to each other than in a grid
+  const auto links = [&](double spacing) { return 4 * over_seams * law.shear_stiffness / (spacing * spacing); };
   return sensor.skin.thickness * (law.normal_contact_stiffness + links(nodes.spacing[0]) + links(nodes.spacing[1]));
 }
 

@@ -83,8 +83,8 @@ void uploadSensor(const ModelData& model, ModelBuffers& buffers) {
   if (model.linked) {
     buffers.upload<block::FoundationNodes>("nodes of the foundation", model.linked->nodes);
     buffers.upload<block::FoundationLinks>("links of the foundation", model.linked->links);
-    buffers.upload<block::FoundationTaxels>("taxels of the foundation", model.linked->taxels);
-    buffers.upload<block::NearTaxels>("taxels near each other", model.linked->near);
+    buffers.upload<block::FoundationBlocks>("blocks of the foundation", model.linked->blocks);
+    buffers.upload<block::NearBlocks>("blocks near each other", model.linked->near);
   }
   if (model.layer && !model.isPasternak()) buffers.upload<block::Influence>("influence", model.layer->influence);
 }

@@ -136,10 +136,12 @@ TEST(FoundationLinks, BothNodesOfALinkHaveIt) {
   }
 }
 
-TEST(FoundationLinks, TaxelsWithinReach) {
+TEST(FoundationLinks, BlocksWithinReach) {
   const Sensor sensor = sensorOf({taxelAt(0, 0), taxelAt(2e-3, 0), taxelAt(4e-3, 0), taxelAt(2e-3, 0, {0, 0, -1})});
-  EXPECT_EQ(taxelsWithin(sensor, 1.3e-3), (std::vector<std::vector<int>>{{0, 1}, {0, 1, 2}, {1, 2}, {3}}));
-  EXPECT_EQ(taxelsWithin(sensor, 2.2e-3)[0], (std::vector<int>{0, 1, 2}));
+  EXPECT_EQ(blocksWithin(sensor, 1, 1.3e-3), (std::vector<std::vector<int>>{{0, 1}, {0, 1, 2}, {1, 2}, {3}}));
+  EXPECT_EQ(blocksWithin(sensor, 1, 2.2e-3)[0], (std::vector<int>{0, 1, 2}));
+  // Halves of 1 by 1.5 mm: the second along x and the first along y, next to the second taxel.
+  EXPECT_EQ(blocksWithin(sensor, 2, 0.3e-3)[2], (std::vector<int>{0, 1, 2, 3, 4, 5}));
 }
 
 }  // namespace

@@ -68,7 +68,7 @@ double forceOf(const Sensor& sensor, const Object& object, const Pose& X_SO) {
 
 // A list has the links of its grid.
 TEST(LinkedFoundationOnEveryDriver, FlatListEqualsItsGrid) {
-  // Active nodes end at taxels, not at blocks of nodes, some two decay lengths away: the surface there is not quite exponential.
+  // Active nodes end at other blocks, some two decay lengths away: the surface there is not quite exponential.
   constexpr double kMargin = 2e-4;  // of the force
   Random random(7);
   const Sensor grid = onFoundation(support::gridSensor({.num_rows = 4, .num_cols = 5, .pitch_x = 2e-3, .pitch_y = 3e-3}), 3, kManySweeps);

@@ -63,8 +63,6 @@ class NodePlaces {
     nodes_ = &nodes;
   }
 
-  std::uint32_t patchOf(std::size_t taxel) const { return taxels_[taxel].patch; }
-
   std::uint32_t tileAt(std::size_t taxel, std::uint32_t a, std::uint32_t b) const {
     const Taxel& in = taxels_[taxel];
     for (std::uint32_t t = in.first_tile; t < in.end_tile; ++t) {
@@ -81,9 +79,14 @@ class NodePlaces {
     return {{grid.z + row * grid.y + col, row << 16 | col, wordOf(spring), tileAt(taxel, a, b) | fours << layout::kNodeLinksShift}};
   }
 
-  glm::uvec4 cornerTiles(std::size_t taxel) const {
-    const std::uint32_t last = per_side_ - 1;
-    return {tileAt(taxel, 0, 0), tileAt(taxel, 0, last), tileAt(taxel, last, 0), tileAt(taxel, last, last)};
+  // Of the nodes of a taxel from (a, b) on, `side` along each side.
+  layout::FoundationBlockRecord blockOf(std::size_t taxel, std::uint32_t a, std::uint32_t b, std::uint32_t side) const {
+    const Taxel& in = taxels_[taxel];
+    const std::uint32_t c = a + side - 1, d = b + side - 1;
+    return {.tiles = {tileAt(taxel, a, b), tileAt(taxel, a, d), tileAt(taxel, c, b), tileAt(taxel, c, d)},
+            .nodes = {in.row + a, in.row + c + 1, in.col + b, in.col + d + 1},
+            .color_ends = {0, 0, 0, 0},
+            .near = {0, 0, in.patch, 0}};
   }
 
  private:
@@ -96,20 +99,34 @@ class NodePlaces {
   const PackedSensor* nodes_;
 };
 
-// Numbers the nodes by taxel, then by color; sets where the colors end. Returns the new number of every node.
-std::vector<std::uint32_t> numberNodes(const std::vector<std::uint32_t>& colors, std::size_t per_taxel, PackedLinks& packed) {
+// Blocks along a side of a taxel, of at least 4 nodes each: small blocks leave few nodes to be solved that need not be, and make long
+// lists.
+std::uint32_t partsOf(std::uint32_t per_side, std::size_t num_taxels) {
+  constexpr std::uint32_t kLeastSide = 4;
+  constexpr std::size_t kMostBlocks = 2048;  // in shared memory
+  std::uint32_t parts = std::max(per_side / kLeastSide, 1u);
+  while (per_side % parts != 0 || (parts > 1 && num_taxels * parts * parts > kMostBlocks)) --parts;
+  return parts;
+}
+
+// Numbers the nodes by block, then by color; sets where the colors end. Returns the new number of every node.
+std::vector<std::uint32_t> numberNodes(const std::vector<std::uint32_t>& colors, std::uint32_t per_side, std::uint32_t parts,
+                                       PackedLinks& packed) {
+  const std::uint32_t side = per_side / parts;
   std::vector<std::uint32_t> numbers(colors.size());
   packed.num_colors = *std::max_element(colors.begin(), colors.end()) + 1;
-  for (std::size_t first = 0; first < colors.size(); first += per_taxel) {
-    layout::FoundationTaxelRecord& record = packed.taxels[first / per_taxel];
-    std::uint32_t count = 0;
+  std::uint32_t next = 0;
+  for (std::size_t block = 0; block < packed.blocks.size(); ++block) {
+    const std::size_t taxel = block / (parts * parts), first_a = block / parts % parts * side, first_b = block % parts * side;
+    const std::uint32_t first = next;
     for (std::uint32_t color = 0; color < packed.num_colors; ++color) {
-      const std::uint32_t before = count;
-      for (std::size_t n = first; n < first + per_taxel; ++n) {
-        if (colors[n] == color) numbers[n] = static_cast<std::uint32_t>(first) + count++;
+      const std::uint32_t before = next;
+      for (std::size_t k = 0; k < std::size_t{side} * side; ++k) {
+        const std::size_t n = (taxel * per_side + first_a + k / side) * per_side + first_b + k % side;
+        if (colors[n] == color) numbers[n] = next++;
       }
-      record.color_ends[static_cast<int>(color / 2)] |= count << 16 * (color % 2);
-      packed.most_of_color = std::max(packed.most_of_color, count - before);
+      packed.blocks[block].color_ends[static_cast<int>(color / 2)] |= (next - first) << 16 * (color % 2);
+      packed.most_of_color = std::max(packed.most_of_color, next - before);
     }
   }
   return numbers;
@@ -124,8 +141,12 @@ PackedLinks packLinks(const Sensor& sensor, const PackedSensor& node_sensor) {
   const std::size_t per_taxel = std::size_t{per_side} * per_side, num_nodes = nodes.links.size();
   const NodePlaces places(sensor, node_sensor, per_side);
   PackedLinks packed;
-  packed.taxels.assign(num_nodes / per_taxel, {});
-  const std::vector<std::uint32_t> numbers = numberNodes(colorsOf(nodes), per_taxel, packed);
+  const std::uint32_t parts = partsOf(per_side, num_nodes / per_taxel), side = per_side / parts;
+  packed.blocks_per_taxel = parts * parts;
+  for (std::size_t t = 0; t < num_nodes / per_taxel; ++t) {
+    for (std::uint32_t k = 0; k < parts * parts; ++k) packed.blocks.push_back(places.blockOf(t, k / parts * side, k % parts * side, side));
+  }
+  const std::vector<std::uint32_t> numbers = numberNodes(colorsOf(nodes), per_side, parts, packed);
   std::size_t most = 1;
   for (const std::vector<FoundationLink>& list : nodes.links) most = std::max(most, list.size());
   packed.num_fours = static_cast<std::uint32_t>((most + 3) / 4);
@@ -139,18 +160,16 @@ PackedLinks packLinks(const Sensor& sensor, const PackedSensor& node_sensor) {
     for (std::size_t k = 0; k < 4 * packed.num_fours; ++k) {
       const FoundationLink link = k < list.size() ? list[k] : FoundationLink{static_cast<int>(n), 0, 1};
       const auto other = static_cast<std::size_t>(link.node);
-      const auto taxel = static_cast<std::uint32_t>(other / per_taxel);
-      packed.links[k * num_nodes + own] = {{numbers[other] | taxel << layout::kLinkTaxelShift, wordOf(link.stiffness),
+      const std::uint32_t block = numbers[other] / (side * side);
+      packed.links[k * num_nodes + own] = {{numbers[other] | block << layout::kLinkBlockShift, wordOf(link.stiffness),
                                             wordOf(1 / link.length), wordOf(stiffnessAtRest(link, decay))}};
     }
   }
-  const std::vector<std::vector<int>> near = taxelsWithin(sensor, kMarginDecays * decay);
-  for (std::size_t t = 0; t < near.size(); ++t) {
-    packed.taxels[t].tiles = places.cornerTiles(t);
-    packed.taxels[t].near.x = static_cast<std::uint32_t>(packed.near.size());
-    packed.near.insert(packed.near.end(), near[t].begin(), near[t].end());
-    packed.taxels[t].near.y = static_cast<std::uint32_t>(packed.near.size());
-    packed.taxels[t].near.z = places.patchOf(t);
+  const std::vector<std::vector<int>> near = blocksWithin(sensor, static_cast<int>(parts), kMarginDecays * decay);
+  for (std::size_t b = 0; b < near.size(); ++b) {
+    packed.blocks[b].near.x = static_cast<std::uint32_t>(packed.near.size());
+    packed.near.insert(packed.near.end(), near[b].begin(), near[b].end());
+    packed.blocks[b].near.y = static_cast<std::uint32_t>(packed.near.size());
   }
   return packed;
 }

@@ -10,14 +10,15 @@
 
 namespace taxelsim {
 
-// Nodes are numbered as the shader needs them: by taxel, then by color.
+// Nodes are numbered as the shader needs them: by taxel, block and color.
 struct PackedLinks {
   std::vector<layout::FoundationNodeRecord> nodes;    // (num_nodes)
   std::vector<layout::FoundationLinkRecord> links;    // (most links of a node, in fours, x num_nodes)
-  std::vector<layout::FoundationTaxelRecord> taxels;  // (num_taxels)
-  std::vector<std::uint32_t> near;                    // lists of the taxels
+  std::vector<layout::FoundationBlockRecord> blocks;  // (num_taxels x blocks_per_taxel)
+  std::vector<std::uint32_t> near;                    // lists of the blocks
+  std::uint32_t blocks_per_taxel = 1;
   std::uint32_t num_colors = 0;
-  std::uint32_t most_of_color = 0;  // nodes of one color in a taxel
+  std::uint32_t most_of_color = 0;  // nodes of one color in a block
   std::uint32_t num_fours = 0;      // of links of a node, at most
 };
 

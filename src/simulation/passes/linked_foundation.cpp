@@ -47,7 +47,8 @@ LinkedFoundationPass::Kernel LinkedFoundationPass::makeKernel(const Variant& var
                                     .NUM_FOURS = model_.linked->num_fours,
                                     .NUM_HEIGHT_TILES = model_.contact_packed.tiles.size(),
                                     .LOADS = variant.loads,
-                                    .OUTPUT_DEPTH = variant.with_depth}};
+                                    .OUTPUT_DEPTH = variant.with_depth,
+                                    .BLOCKS_PER_TAXEL = model_.linked->blocks_per_taxel}};
 }
 
 }  // namespace taxelsim
