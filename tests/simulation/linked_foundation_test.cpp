@@ -68,8 +68,8 @@ double forceOf(const Sensor& sensor, const Object& object, const Pose& X_SO) {
 
 // A list has the links of its grid.
 TEST(LinkedFoundationOnEveryDriver, FlatListEqualsItsGrid) {
-  // Active nodes end at other blocks, some two decay lengths away: the surface there is not quite exponential.
-  constexpr double kMargin = 2e-4;  // of the force
+  // Active nodes end at least a decay length away, those of the grid two: the surface there is not quite exponential. Measured: 7e-4.
+  constexpr double kMargin = 1e-3;  // of the force
   Random random(7);
   const Sensor grid = onFoundation(support::gridSensor({.num_rows = 4, .num_cols = 5, .pitch_x = 2e-3, .pitch_y = 3e-3}), 3, kManySweeps);
   Sensor list = grid;
@@ -197,6 +197,18 @@ std::string nameOf(const ::testing::TestParamInfo<int>& info) {
   return info.param == 0 ? "cylinder" : info.param == 1 ? "sphere" : "grids";
 }
 INSTANTIATE_TEST_SUITE_P(LinkedFoundation, Arrays, ::testing::Range(0, 3), nameOf);
+
+// The default number of sweeps is that of the grid: sensor/pasternak.h.
+TEST(LinkedFoundation, DefaultSweepsConverge) {
+  constexpr double kError = 8e-3;  // of the force
+  for (const bool is_sphere : {false, true}) {
+    const Pose pose{{0.7e-3, -0.4e-3, 5.6e-3}, {1, 0, 0, 0}};
+    const double found = forceOf(is_sphere ? sphere() : cylinder(), Sphere{6e-3}, pose);
+    const double converged = forceOf(is_sphere ? sphere(kManySweeps) : cylinder(kManySweeps), Sphere{6e-3}, pose);
+    EXPECT_NEAR(found / converged, 1, kError);
+    RecordProperty(is_sphere ? "sphere" : "cylinder", std::to_string(found / converged));
+  }
+}
 
 TEST(LinkedFoundation, LoadsBeyondTheSkinAreOutOfReach) {
   const Model model(support::sharedDevice(), {.sensor = cylinder(), .objects = {Sphere{2e-3}}});

@@ -12,7 +12,7 @@
 namespace taxelsim {
 namespace {
 
-constexpr double kMarginDecays = 2;  // around the overlap that move, at least
+constexpr double kMarginDecays = 1;  // around blocks with an overlap that move, at least: errors of 7e-4 of the force
 
 std::uint32_t wordOf(double number) {
   return std::bit_cast<std::uint32_t>(static_cast<float>(number));
