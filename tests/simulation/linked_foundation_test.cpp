@@ -119,16 +119,9 @@ void expectLikeTwin(const FrameView& frame, std::size_t i, const Sensor& sensor,
   EXPECT_NEAR(frame.ground_truth.over_penetration[i], twin.over_penetration, 2.0 / numTaxels(sensor));
 }
 
-struct Arrays : ::testing::TestWithParam<int> {
-  static Sensor sensorOf(int kind, int iterations) {
-    return kind == 0 ? cylinder(iterations) : kind == 1 ? sphere(iterations) : grids(iterations);
-  }
-};
-
-TEST_P(Arrays, RandomContactsMatchTheTwin) {
+void expectRandomContactsLikeTwin(const Sensor& sensor, int seed) {
   constexpr int kInstances = 9;
-  const Sensor sensor = sensorOf(GetParam(), kManySweeps);
-  Random random(5 + GetParam());
+  Random random(seed);
   const std::vector<Object> objects{Sphere{0.006}, support::icosphere(0.008, 3, 0.05, random), Box{{0.004, 0.01, 0.01}}};
   std::vector<Touch> touches;
   for (int i = 0; i < kInstances; ++i) {
@@ -158,6 +151,23 @@ TEST_P(Arrays, RandomContactsMatchTheTwin) {
     }
   }
   EXPECT_GE(num_touching, kInstances / 2);
+}
+
+struct Arrays : ::testing::TestWithParam<int> {
+  static Sensor sensorOf(int kind, int iterations) {
+    return kind == 0 ? cylinder(iterations) : kind == 1 ? sphere(iterations) : grids(iterations);
+  }
+};
+
+TEST_P(Arrays, RandomContactsMatchTheTwin) {
+  expectRandomContactsLikeTwin(sensorOf(GetParam(), kManySweeps), 5 + GetParam());
+}
+
+// Taxels of all sizes on an ellipsoid, with gaps and overlaps; the smallest nodes need more sweeps.
+TEST(LinkedFoundation, RandomTaxelsMatchTheTwin) {
+  constexpr int kSweepsOfSmallNodes = 200;
+  Random random(3);
+  expectRandomContactsLikeTwin(onFoundation(support::randomTaxels(random, 24), 1, kSweepsOfSmallNodes), 9);
 }
 
 TEST_P(Arrays, TheSkinCarriesTheLoad) {
