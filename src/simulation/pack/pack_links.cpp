@@ -103,7 +103,7 @@ class NodePlaces {
 // lists.
 std::uint32_t partsOf(std::uint32_t per_side, std::size_t num_taxels) {
   constexpr std::uint32_t kLeastSide = 4;
-  constexpr std::size_t kMostBlocks = 2048;  // in shared memory
+  constexpr std::size_t kMostBlocks = 2000;  // of 8 bytes in shared memory, of which every device has 16 KiB
   std::uint32_t parts = std::max(per_side / kLeastSide, 1u);
   while (per_side % parts != 0 || (parts > 1 && num_taxels * parts * parts > kMostBlocks)) --parts;
   return parts;
