@@ -48,7 +48,7 @@ std::vector<std::uint32_t> colorsOf(const LinkedNodes& nodes) {
 // Where the nodes of the foundation lie in the heights of the contact pass.
 class NodePlaces {
  public:
-  NodePlaces(const Sensor& sensor, const PackedSensor& nodes, std::uint32_t per_side) : per_side_(per_side) {
+  NodePlaces(const Sensor& sensor, const PackedSensor& nodes, std::uint32_t per_side) {
     std::vector<std::uint32_t> first_tile(nodes.patches.size() + 1, 0);
     for (const layout::TileRecord& tile : nodes.tiles) ++first_tile[tile.place.x + 1];
     for (std::size_t p = 0; p < nodes.patches.size(); ++p) first_tile[p + 1] += first_tile[p];
@@ -94,7 +94,6 @@ class NodePlaces {
     std::uint32_t patch, row, col, first_tile, end_tile;
   };
 
-  std::uint32_t per_side_;
   std::vector<Taxel> taxels_;
   const PackedSensor* nodes_;
 };
