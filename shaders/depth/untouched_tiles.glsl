@@ -31,7 +31,8 @@ void clearTile(Tile tile, uint instance, uint tile_number, uint first, uint step
     if (step > 1) workgroupBarrier();
     if (is_clear) return;
   }
-  for (uint row = 0; row < tile.size.x; ++row) {
+  // Heights are read inside of the windows only.
+  for (uint row = 0; row < (kGlobalSolve ? 0u : tile.size.x); ++row) {
     uint begin = instance * NUM_TAXELS + tile.grid.z + (row + tile.first_taxel.x) * tile.grid.y + tile.first_taxel.y;
     for (uint taxel = begin + first; taxel < begin + tile.size.y; taxel += step) {
       contact_normal[taxel] = 0.0;

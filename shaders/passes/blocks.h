@@ -17,6 +17,10 @@
 #define BLOCK_SpreadScale BLOCK(SpreadScale, float, spread_scale[])  // (t)
 #define BLOCK_Mask BLOCK(Mask, vec2, mask[])                  // of deformation_mask (MASK_SOURCES x t): source taxel (as bits), weight
 #define BLOCK_Influence BLOCK(Influence, float, influence[])  // of an elastic layer (node rows x 2 rows of strips)
+#define BLOCK_FoundationNodes BLOCK(FoundationNodes, FoundationNodeRecord, foundation_nodes[])      // of a linked foundation (num_nodes)
+#define BLOCK_FoundationLinks BLOCK(FoundationLinks, FoundationLinkRecord, foundation_links[])      // (most links of a node x num_nodes)
+#define BLOCK_FoundationBlocks BLOCK(FoundationBlocks, FoundationBlockRecord, foundation_blocks[])  // (num_blocks)
+#define BLOCK_NearBlocks BLOCK(NearBlocks, uint, near_blocks[])                                     // lists, one after another
 #define BLOCK_Planes BLOCK(Planes, PlaneRecord, planes[])
 #define BLOCK_Neighbours BLOCK(Neighbours, uint, neighbours[])  // (NUM_NEIGHBOURS x t), of lower number
 
@@ -43,11 +47,12 @@
 #define BLOCK_ContactShear BLOCK(ContactShear, float, contact_shear[])       // (n x t x 2), N
 #define BLOCK_ContactDepth BLOCK(ContactDepth, float, contact_depth[])       // (n x t), m
 #define BLOCK_TileResults BLOCK(TileResults, TileResult, tile_results[])     // (n x num_tiles)
-#define BLOCK_Heights BLOCK(Heights, uint, heights[])           // of an elastic layer (n x num_nodes): m as bits, depth/slots.glsl
-#define BLOCK_NodeCells BLOCK(NodeCells, uint, node_cells[])    // of a coupled law (n x num_nodes x kNodeCellWords), shared/elastic_layer.h
-#define BLOCK_Windows BLOCK(Windows, TileResult, windows[])     // of an elastic layer (n x tiles of its heights)
-#define BLOCK_Layer BLOCK(Layer, Pair, layer[])                 // arrays over strips of nodes, kLayer...
-#define BLOCK_Foundation BLOCK(Foundation, Pair, foundation[])  // arrays over blocks of nodes, pasternak/blocks.glsl
+#define BLOCK_Heights BLOCK(Heights, uint, heights[])         // of an elastic layer (n x num_nodes): m as bits, depth/slots.glsl
+#define BLOCK_NodeCells BLOCK(NodeCells, uint, node_cells[])  // of a coupled law (n x num_nodes x kNodeCellWords), shared/elastic_layer.h
+#define BLOCK_Windows BLOCK(Windows, TileResult, windows[])   // of an elastic layer (n x tiles of its heights)
+#define BLOCK_Layer BLOCK(Layer, Pair, layer[])               // arrays over strips of nodes, kLayer...
+#define BLOCK_Foundation \
+  BLOCK(Foundation, Pair, foundation[])  // arrays over nodes, pasternak/arrays.glsl, linked_foundation/active_blocks.glsl
 #define BLOCK_TaxelStates BLOCK(TaxelStates, float, taxel_states[])     // (n x num_states x t), readout/lag.glsl
 #define BLOCK_ImageWindows BLOCK(ImageWindows, uvec4, image_windows[])  // of the step before: first row and column, their numbers
 #define BLOCK_AxisPlays BLOCK(AxisPlays, float, axis_plays[])           // (n x 3 x t), N, three_axis.comp
@@ -86,7 +91,8 @@
 #define ALL_BLOCKS                                                                                              \
   BLOCK_Objects BLOCK_Groups BLOCK_Clusters BLOCK_Quads BLOCK_Faces                                             \
   BLOCK_SensorBlock BLOCK_Patches BLOCK_Tiles BLOCK_Taxels BLOCK_SpreadRows BLOCK_SpreadScale BLOCK_Mask         \
-  BLOCK_Influence BLOCK_Planes BLOCK_Neighbours                                                                 \
+  BLOCK_Influence BLOCK_FoundationNodes BLOCK_FoundationLinks BLOCK_FoundationBlocks BLOCK_NearBlocks            \
+  BLOCK_Planes BLOCK_Neighbours                                                                                 \
   BLOCK_Poses BLOCK_Motions BLOCK_Instances BLOCK_Step BLOCK_Loads BLOCK_Contacts BLOCK_NumContacts              \
   BLOCK_Cotangents BLOCK_ForceCotangents                                                                        \
   BLOCK_Candidates BLOCK_CandidateQuads BLOCK_Work BLOCK_WorkInstances                                          \

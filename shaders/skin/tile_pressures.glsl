@@ -229,7 +229,7 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
         float height = sampleHeight(tile, step, address, position, found, word);
         if (kWritesCells) writeNodeCell(step.first_taxel + in_patch.x * tile.grid.y + in_patch.y, -tile.offset_z - depthOfWord(word), word, address);
         if (kGlobalSolve) {
-          force = height >= kMiss ? kMiss : uintBitsToFloat(withSlot(tile.z_base + height, slotOf(word)));
+          force = height >= kMiss ? kMiss : uintBitsToFloat(withSlot(tile.z_base - tile.level + height, slotOf(word)));
           continue;
         }
         float d = clamp(step.load_driven ? step.found.depth - (height - step.found.lowest) : THICKNESS - height, 0.0, THICKNESS);

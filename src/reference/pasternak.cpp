@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "reference/area_depth.h"
+#include "reference/linked_foundation.h"
 #include "sensor/pasternak.h"
 
 namespace taxelsim::reference {
@@ -140,6 +141,7 @@ FoundationSolution solveFoundation(const Foundation& foundation, std::span<const
 }
 
 LayerContact foundationContact(const Sensor& sensor, std::span<const PlacedObject> objects) {
+  if (sensor.patches.size() > 1) return linkedContact(sensor, objects);
   const Foundation foundation = makeFoundation(sensor);
   const Sensor nodes = refined(sensor);
   const std::vector<double> heights = layerHeights(nodes, foundation.nodes, objects);
@@ -149,6 +151,7 @@ LayerContact foundationContact(const Sensor& sensor, std::span<const PlacedObjec
 }
 
 LayerContact loadedFoundationContact(const Sensor& sensor, std::span<const PlacedObject> objects, double load) {
+  if (sensor.patches.size() > 1) return loadedLinkedContact(sensor, objects, load);
   const Foundation foundation = makeFoundation(sensor);
   const Sensor nodes = refined(sensor);
   const std::vector<double> heights = layerHeights(nodes, foundation.nodes, objects);

@@ -40,7 +40,7 @@ struct FoundationSolution {
 // num_cols), or empty: outlines cut links half-way. Throws std::runtime_error without convergence.
 FoundationSolution solveFoundation(const Foundation& foundation, std::span<const double> overlap, std::span<const Arms> arms = {});
 
-// One frame of contact; `strain` is empty.
+// One frame of contact; `strain` is empty. Sensors of several patches: linked_foundation.h.
 LayerContact foundationContact(const Sensor& sensor, std::span<const PlacedObject> objects);
 
 // As loadedLayerContact().

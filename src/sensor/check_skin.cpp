@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sensor/checks.h"
+#include "sensor/foundation_links.h"
 #include "sensor/pasternak.h"
 
 namespace taxelsim {
@@ -105,11 +106,21 @@ void checkLayer(const Sensor& sensor) {
   }
 }
 
-// A two-parameter foundation is solved on nodes between the samples of one grid.
+// Several patches are solved on a table of links.
+void checkLinkedFoundation(const Sensor& sensor) {
+  if (sensor.depth_sampling == DepthSampling::kArea)
+    failField("depth_sampling", "area", "point with the law pasternak on " + std::to_string(sensor.patches.size()) + " patches");
+  if (numTaxels(sensor) > kMaxLinkedTaxels) {
+    failField("patches", std::to_string(numTaxels(sensor)) + " taxels",
+              "at most " + std::to_string(kMaxLinkedTaxels) + " with the law pasternak on several patches");
+  }
+}
+
+// A two-parameter foundation is solved on nodes between the samples.
 void checkPasternak(const Sensor& sensor) {
   const Pasternak* law = std::get_if<Pasternak>(&sensor.skin.law);
   if (law == nullptr) return;
-  if (sensor.patches.size() != 1) failField("patches", std::to_string(sensor.patches.size()) + " patches", "1 with the law pasternak");
+  if (sensor.patches.size() > 1) checkLinkedFoundation(sensor);
   if (sensor.skin.thickness > kMaxLayerThickness)
     failField("skin.thickness", numberText(sensor.skin.thickness),
               "at most " + numberText(kMaxLayerThickness) + " m with the law pasternak");
@@ -119,8 +130,7 @@ void checkPasternak(const Sensor& sensor) {
               std::string("at least ") + (sensor.depth_sampling == DepthSampling::kArea ? "9/64" : "3/16") +
                   " of the spacing of samples; raise samples_per_taxel");
   }
-  const LayerNodes nodes = pasternakNodes(sensor);
-  const double num_nodes = static_cast<double>(nodes.num_rows) * nodes.num_cols;
+  const double per_side = static_cast<double>(sensor.samples_per_taxel) * refinement, num_nodes = numTaxels(sensor) * per_side * per_side;
   if (num_nodes > kMaxLayerNodes) {
     failField("samples_per_taxel", std::to_string(sensor.samples_per_taxel) + ", " + numberText(num_nodes) + " nodes at the decay length,",
               "at most " + std::to_string(kMaxLayerNodes) + " nodes of a two-parameter foundation");

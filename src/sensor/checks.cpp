@@ -62,8 +62,9 @@ void checkSensor(const Sensor& sensor) {
   checkLayer(sensor);
   checkPasternak(sensor);
   checkDepthSampling(sensor);
-  const bool coupled = std::holds_alternative<ElasticLayer>(sensor.skin.law) || std::holds_alternative<Pasternak>(sensor.skin.law);
-  if (sensor.psf.sigma > 0 && coupled) {
+  const bool is_foundation = std::holds_alternative<Pasternak>(sensor.skin.law);
+  const bool on_one_grid = std::holds_alternative<ElasticLayer>(sensor.skin.law) || (is_foundation && sensor.patches.size() == 1);
+  if (sensor.psf.sigma > 0 && on_one_grid) {
     failField("psf.sigma", numberText(sensor.psf.sigma),
               "a kernel over the grid, or none, for the law " + std::string(kLawNames[sensor.skin.law.index()]));
   }

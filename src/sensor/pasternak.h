@@ -17,6 +17,9 @@ int pasternakRefinement(const Sensor& sensor);
 // The solver's nodes, in the middle of equal parts of the samples' cells; no margin. The sensor's law must be Pasternak.
 LayerNodes pasternakNodes(const Sensor& sensor);
 
+// Those of the patch with the smallest taxels: the stiffest links, and the slowest sweeps.
+LayerNodes finestPasternakNodes(const Sensor& sensor);
+
 // Height (m) over the skin up to which surfaces matter: a node whose surface is 2 spacings higher than its neighbour's is beyond an
 // outline.
 double pasternakReach(const LayerNodes& nodes);

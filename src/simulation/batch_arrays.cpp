@@ -81,9 +81,10 @@ std::uint64_t layerPairs(Shape s) {
   return (layout::kNumLayerArrays + relaxationStates(s) + (s.model.area() ? 1 : 0)) * padded_nodes / 2;
 }
 
-// Pairs of words of all arrays over blocks of nodes.
+// Pairs of words of all arrays over blocks of nodes, or over linked nodes and their blocks.
 std::uint64_t foundationPairs(Shape s) {
   if (!s.hasLayer() || !s.model.isPasternak()) return 0;
+  if (s.model.isLinked()) return 2 * nodes(s) + 3 * s.model.linked->blocks.size();
   constexpr std::uint64_t kRows = PasternakInterface::kBlockRows, kCols = PasternakInterface::kBlockCols;
   const std::uint64_t num_arrays = s.model.area() ? 4 : 3;
   const LayerNodes& nodes = s.model.layer->nodes;

@@ -9,7 +9,7 @@ using Candidates = FrameKind::Candidates;
 
 // Sensors that are not one tile facing along z of S search for loads with a pass of their own.
 bool searchesOverTiles(const ModelData& data, const FrameKind& kind) {
-  return kind.loads && !data.layer && !data.packed.searches_in_tile;
+  return kind.loads && (!data.layer || data.isLinked()) && !data.packed.searches_in_tile;
 }
 
 // The contact pass from poses. In a large batch of a model of several kinds of objects it is a dispatch for each kind, compiled for what
@@ -29,12 +29,14 @@ void recordContact(const Model::Impl& model, const BatchShape& shape, Recorder& 
 }
 
 // Evaluates the contact pass at the offsets of the search until it has ended.
-void recordSearchOverTiles(const Model::Impl& model, Recorder& recorder, ContactPass::Variant variant) {
+void recordSearchOverTiles(const Model::Impl& model, const BatchShape& shape, Recorder& recorder, ContactPass::Variant variant) {
   const bool with_jacobian = variant.with_jacobian;
   variant.search = ContactInterface::kSearchOverTiles;
   variant.with_jacobian = false;
   for (std::uint32_t evaluation = 0; evaluation < LoadSearchPass::kNumFrameEvaluations; ++evaluation) {
     model.contact.record(recorder, variant);
+    if (model.linked_foundation)
+      model.linked_foundation->record(recorder, {.loads = true, .with_depth = shape.options.outputs.penetration_depth});
     model.load_search.record(recorder);
   }
   // What the search leaves alone: the state of the samples and the Jacobian.
@@ -65,9 +67,10 @@ void recordObjects(const Model::Impl& model, const BatchShape& shape, Recorder& 
   const bool uses_lists = shape.keeps_candidates && !kind.loads && kind.candidates != Candidates::kLeft;
   variant.list = uses_lists ? layout::kListWholeMesh : layout::kNumLists;
   if (searchesOverTiles(model.data, kind)) {
-    recordSearchOverTiles(model, recorder, variant);
+    recordSearchOverTiles(model, shape, recorder, variant);
   } else {
     recordContact(model, shape, recorder, variant);
+    if (model.linked_foundation) model.linked_foundation->record(recorder, {.with_depth = shape.options.outputs.penetration_depth});
   }
   if (coupled && model.data.area()) {
     variant.list = layout::kNumLists;

@@ -17,7 +17,9 @@ Model::Impl::Impl(const Device& device, const ModelOptions& options, const Tunin
       contacts(data, image),
       contact_features(data, options),
       tactile_jacobian(data, options) {
-  if (data.isPasternak()) {
+  if (data.isLinked()) {
+    linked_foundation.emplace(data, options);
+  } else if (data.isPasternak()) {
     pasternak.emplace(data, options);
   } else if (data.layer) {
     elastic_layer.emplace(data, options);

@@ -10,6 +10,7 @@
 #include "simulation/passes/contacts.h"
 #include "simulation/passes/elastic_layer.h"
 #include "simulation/passes/image.h"
+#include "simulation/passes/linked_foundation.h"
 #include "simulation/passes/load_search.h"
 #include "simulation/passes/pasternak.h"
 #include "simulation/passes/tactile_jacobian.h"
@@ -32,6 +33,7 @@ struct Model::Impl {
   // Of the globally coupled laws.
   std::optional<ElasticLayerPass> elastic_layer;
   std::optional<PasternakPass> pasternak;
+  std::optional<LinkedFoundationPass> linked_foundation;
   TaxelLawPasses taxel_laws;
   ImagePass image;
   ThreeAxisPass three_axis;

@@ -225,7 +225,7 @@ void Simulator::setLoad(int instance, float load) {
   }
   if (load < 0 || std::isinf(load))
     refuse("load of instance " + std::to_string(instance) + ": " + std::to_string(load) + " is not allowed: N, >= 0");
-  if (impl_->data().layer && !std::isnan(load) && !impl_->data().packed.searches_in_tile) {
+  if (impl_->data().layer && !impl_->data().isLinked() && !std::isnan(load) && !impl_->data().packed.searches_in_tile) {
     refuse("load of instance " + std::to_string(instance) + ": " + std::to_string(load) +
            " is not allowed: none, where a skin with a globally coupled law does not face along z of the sensor frame");
   }
@@ -336,7 +336,7 @@ void Simulator::Impl::step(double dt, const Selection& selection) {
       records()[i].keys.w = layout::kFlagHeld;
     }
   }
-  if (any_load && !data().layer && !data().packed.searches_in_tile) {
+  if (any_load && (!data().layer || data().isLinked()) && !data().packed.searches_in_tile) {
     startLoadSearch(data(), records(), buffers.input<block::Poses>().first(clocks.size() * num_near), buffers.input<block::Loads>());
   }
   const FrameKind::Candidates candidates = candidatesOf(selection, any_load, num_near == 1);

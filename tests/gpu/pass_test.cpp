@@ -16,6 +16,7 @@
 #include "gpu/reflection.h"
 #include "image.spv.h"
 #include "keep_candidates.spv.h"
+#include "linked_foundation.spv.h"
 #include "load.spv.h"
 #include "mask_jacobian.spv.h"
 #include "mass_spring_damper.spv.h"
@@ -92,6 +93,7 @@ TEST(PassInterfaces, MatchTheShaders) {
   expectMatches<LoadInterface>(k_load_spirv, "load");
   expectMatches<ElasticLayerInterface>(k_elastic_layer_spirv, "elastic_layer");
   expectMatches<PasternakInterface>(k_pasternak_spirv, "pasternak");
+  expectMatches<LinkedFoundationInterface>(k_linked_foundation_spirv, "linked_foundation");
   expectMatches<TaxelLawInterface>(k_mass_spring_damper_spirv, "taxel_law");
   expectMatches<ContactsInterface>(k_contacts_spirv, "contacts");
   expectMatches<ImageInterface>(k_image_spirv, "image");

@@ -117,6 +117,25 @@ INSTANTIATE_TEST_SUITE_P(Forms, FoundationForms,
                                            Accuracy{sphere("sphere_1_mm", 1e-3), 0.03, 1e-3},
                                            Accuracy{sphere("sphere_2_mm", 2e-3), 0.03, 1e-3}));
 
+// A list of taxels on a plane, which another solver takes, and its grid.
+TEST(LinkedFoundation, ListHasTheForceOfItsGrid) {
+  constexpr double kSame = 1e-7;  // relative
+  Sensor grid = support::gridSensor({.num_rows = 3, .num_cols = 3, .pitch_x = 2e-3, .pitch_y = 3e-3, .thickness = 2e-3});
+  grid.skin.law = kLaw;
+  Sensor list = grid;
+  list.patches.clear();
+  for (const Vector3& p : taxelPositions(grid)) list.patches.push_back(taxelPatch("t", p, {0, 0, 1}, grid.patches[0].pitch));
+  const Object ball(Sphere{6e-3}), flat(Box{{1e-3, 8e-3, 0.01}});
+  for (const double x : {0.0, 0.4e-3, 2.9e-3}) {
+    const std::vector<reference::PlacedObject> pressed{{&ball, {{x, 2e-4, 5.5e-3}, {1, 0, 0, 0}}}};
+    const std::vector<reference::PlacedObject> stamped{{&flat, {{x, 2e-4, 4.5e-3}, {1, 0, 0, 0}}}};
+    for (const auto& objects : {pressed, stamped}) {
+      const double force = reference::foundationContact(grid, objects).total_force;
+      EXPECT_NEAR(reference::foundationContact(list, objects).total_force / force, 1, kSame) << x;
+    }
+  }
+}
+
 // Cells that outlines cut, nodes of 0.283 mm: a pin 1 mm deep and a sphere of 5 mm with a contact radius of 1 mm.
 TEST(FoundationCells, ForceAtAnyPlace) {
   constexpr double kPinError = 0.015, kSphereError = 0.01;

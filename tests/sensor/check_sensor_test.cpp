@@ -205,7 +205,7 @@ TEST(CheckSensor, Pasternak) {
   }
   // A decay length below 3/16 of the spacing of samples.
   expectRefused("skin.shear_stiffness", with([](Sensor&, Pasternak& l) { l.shear_stiffness = 5; }));
-  expectRefused("patches", with([](Sensor& s, Pasternak&) { s.patches.push_back(s.patches[0]); }));
+  expectAccepted(with([](Sensor& s, Pasternak&) { s.patches.push_back(s.patches[0]); }));
   expectRefused("skin.thickness", with([](Sensor& s, Pasternak&) { s.skin.thickness = 1; }));
   expectRefused("skin.margin", with([](Sensor& s, Pasternak&) { s.skin.margin = 1e-3; }));
   expectRefused("skin.relaxation", with([](Sensor& s, Pasternak&) { s.skin.relaxation = {{.fraction = 0.1, .time = 1}}; }));

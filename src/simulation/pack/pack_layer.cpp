@@ -18,6 +18,28 @@ bool fitsFloat(double force) {
   return std::isnormal(rounded) && std::isfinite(rounded * 1e6f * static_cast<float>(kMaxLayerNodes));
 }
 
+// A sensor of several patches with the nodes of its foundation as taxels of one sample.
+Sensor sensorOfPatchNodes(const Sensor& sensor) {
+  const int per_side = sensor.samples_per_taxel * pasternakRefinement(sensor);
+  Sensor result = sensor;
+  for (GridPatch& patch : result.patches) {
+    patch.num_rows *= per_side;
+    patch.num_cols *= per_side;
+    for (double& pitch : patch.pitch) pitch /= per_side;
+  }
+  result.samples_per_taxel = 1;
+  result.psf = Psf{};
+  result.readout = Readout{};
+  return result;
+}
+
+// pasternakReach() of the patch with the largest nodes.
+double largestReach(const Sensor& node_sensor) {
+  double reach = 0;
+  for (const GridPatch& patch : node_sensor.patches) reach = std::max(reach, pasternakReach({.spacing = patch.pitch}));
+  return reach;
+}
+
 }  // namespace
 
 PackedLayer packLayer(const Sensor& sensor) {
@@ -56,10 +78,10 @@ PackedLayer packLayer(const Sensor& sensor) {
 PackedLayer packFoundation(const Sensor& sensor) {
   const auto& law = std::get<Pasternak>(sensor.skin.law);
   PackedLayer packed;
-  packed.nodes = pasternakNodes(sensor);
-  packed.node_sensor = sensorOfNodes(sensor, packed.nodes);
+  packed.nodes = finestPasternakNodes(sensor);
+  packed.node_sensor = sensor.patches.size() > 1 ? sensorOfPatchNodes(sensor) : sensorOfNodes(sensor, packed.nodes);
   const double thickness = sensor.skin.thickness;
-  packed.reach = static_cast<float>(pasternakReach(packed.nodes) / thickness);
+  packed.reach = static_cast<float>(largestReach(packed.node_sensor) / thickness);
   const double springs = law.normal_contact_stiffness * packed.nodes.area() * thickness, links = law.shear_stiffness * thickness;
   if (!fitsFloat(springs) || !fitsFloat(links)) {
     throw Error(ErrorKind::kInput, "skin.normal_contact_stiffness: forces of " + std::to_string(springs) + " N and " +

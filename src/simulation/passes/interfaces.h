@@ -46,6 +46,10 @@ struct PasternakInterface {
 #include "passes/pasternak.h"
 };
 
+struct LinkedFoundationInterface {
+#include "passes/linked_foundation.h"
+};
+
 struct TaxelLawInterface {
 #include "passes/taxel_law.h"
 };

@@ -1,0 +1,116 @@
+// Arrays of a linked foundation, and the blocks whose nodes are solved: the active ones, which have a node near a block with a node that overlaps the object.
+//
+// foundation[] has per instance a pair for every node, overlap d and displacement w (m); a pair for every node with its force (N); three pairs for every block
+// with its sums (outputs.glsl).
+// Shared memory: 8 kNumBlocks + 8 bytes.
+
+const uint kNodesPerSide = SAMPLES * NODES_PER_SAMPLE;
+const uint kNodesPerTaxel = kNodesPerSide * kNodesPerSide;
+const uint kNumNodes = NUM_TAXELS * kNodesPerTaxel;
+const uint kNodesPerBlock = kNodesPerTaxel / BLOCKS_PER_TAXEL;
+const uint kNumBlocks = NUM_TAXELS * BLOCKS_PER_TAXEL;
+const uint kNumPairs = 2u * kNumNodes + 3u * kNumBlocks;
+
+// Flags of a block.
+const uint kIsNear = 1u;     // the windows of tiles reach it: its nodes have heights
+const uint kIsTouched = 2u;  // a node overlaps
+const uint kIsActive = 4u;
+
+shared uint block_flags[kNumBlocks];
+shared uint block_list[kNumBlocks];  // numbers of those that were listed last, in ascending order
+shared uint num_listed_blocks;
+shared uint is_too_deep;  // 1: a node is at the skin's full thickness
+
+uint pairAddress(uint instance, uint node) { return instance * kNumPairs + node; }
+uint forceAddress(uint instance, uint node) { return instance * kNumPairs + kNumNodes + node; }
+uint sumsAddress(uint instance, uint block) { return instance * kNumPairs + 2u * kNumNodes + 3u * block; }
+
+vec2 pairAt(uint address) { return uintBitsToFloat(wordsOf(foundation[address])); }
+void writePair(uint address, vec2 pair) { foundation[address] = pairOf(floatBitsToUint(pair)); }
+
+// Whether the window of a tile has any of the nodes: first row, end row, first column, end column.
+bool isAnyIn(uint instance, uint tile, uvec4 nodes) {
+  uvec4 window = windows[instance * NUM_HEIGHT_TILES + tile].window;
+  return all(lessThan(max(nodes.xz, window.xz), min(nodes.yw, window.yw)));
+}
+
+bool isNear(uint instance, uint block) {
+  uvec4 tiles = foundation_blocks[block].tiles, nodes = foundation_blocks[block].nodes;
+  if (isAnyIn(instance, tiles.x, nodes)) return true;
+  if (all(equal(tiles, tiles.xxxx))) return false;
+  return isAnyIn(instance, tiles.y, nodes) || isAnyIn(instance, tiles.z, nodes) || isAnyIn(instance, tiles.w, nodes);
+}
+
+// Lists the blocks with a flag. All invocations call it.
+void listBlocks(uint flag) {
+  workgroupBarrier();
+  if (gl_LocalInvocationIndex == 0) {
+    uint count = 0, block = 0;
+    for (; block < kNumBlocks; ++block) {
+      if ((block_flags[block] & flag) == 0) continue;
+      block_list[count] = block;
+      ++count;
+    }
+    checkLoop(block < kNumBlocks);
+    num_listed_blocks = count;
+  }
+  workgroupBarrierWithBuffers();
+}
+
+// The k-th node of the listed blocks: the place of its block in the list, and its number.
+uvec2 listedNode(uint k) {
+  uvec2 at = cellNumbered(k, kNodesPerBlock);
+  return uvec2(at.x, block_list[at.x] * kNodesPerBlock + at.y);
+}
+
+// Signed overlap of object and undeformed skin at a node, m.
+float overlapOf(uint instance, uint node) {
+  uvec4 record = fourOf(FoundationNodes, node);
+  uvec2 at = uvec2(record.y >> 16, record.y & 0xFFFFu);
+  uint tile = record.w & ((1u << kNodeLinksShift) - 1u);
+  if (!isInside(at, windows[instance * NUM_HEIGHT_TILES + tile].window)) return -kMiss;
+  return min(-uintBitsToFloat(heights[instance * kNumNodes + record.x]), THICKNESS);
+}
+
+// Stores the overlaps of the blocks near the object.
+void setOverlaps(uint instance) {
+  uint total = num_listed_blocks * kNodesPerBlock, k = gl_LocalInvocationIndex;
+  for (; k < total; k += WORKGROUP) {
+    uvec2 at = listedNode(k);
+    float overlap = overlapOf(instance, at.y);
+    writePair(pairAddress(instance, at.y), vec2(overlap, max(overlap, 0.0)));
+    if (LOADS && overlap >= THICKNESS) atomicOr(is_too_deep, 1u);
+    if (overlap > 0.0) atomicOr(block_flags[block_list[at.x]], kIsTouched);
+  }
+  checkLoop(k < total);
+}
+
+void activateAround(uint block) {
+  uvec4 near = foundation_blocks[block].near;
+  uint i = near.x;
+  for (; i < near.y; ++i) atomicOr(block_flags[near_blocks[i]], kIsActive);
+  checkLoop(i < near.y);
+}
+
+// Lists the active blocks and starts their nodes from the object's surface.
+void startBlocks(uint instance) {
+  workgroupBarrier();
+  if (gl_LocalInvocationIndex == 0) is_too_deep = 0;
+  uint b = gl_LocalInvocationIndex;
+  for (; b < kNumBlocks; b += WORKGROUP) block_flags[b] = isNear(instance, b) ? kIsNear : 0u;
+  checkLoop(b < kNumBlocks);
+  listBlocks(kIsNear);
+  setOverlaps(instance);
+  workgroupBarrier();
+  for (uint i = gl_LocalInvocationIndex; i < num_listed_blocks; i += WORKGROUP) {
+    if ((block_flags[block_list[i]] & kIsTouched) != 0) activateAround(block_list[i]);
+  }
+  listBlocks(kIsActive);
+  uint total = num_listed_blocks * kNodesPerBlock, k = gl_LocalInvocationIndex;
+  for (; k < total; k += WORKGROUP) {
+    uvec2 at = listedNode(k);
+    if ((block_flags[block_list[at.x]] & kIsNear) == 0) writePair(pairAddress(instance, at.y), vec2(-kMiss, 0));
+  }
+  checkLoop(k < total);
+  workgroupBarrierWithBuffers();
+}
