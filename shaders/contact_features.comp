@@ -4,8 +4,8 @@
 // Contact features pass: moments, edge angle under a window and of a fitted ridge, tilt of a flat face and type of the contact, of the sensor, of each of its
 // patches and of each region. Runs after contact_regions.comp.
 //
-// TEAM invocations share a part (one row of an instance); a workgroup has WORKGROUP / TEAM teams, and each team processes REPEAT parts in sequence. Parts of
-// the same kind of all instances are consecutive.
+// TEAM invocations share a part (one row of an instance); a workgroup has WORKGROUP / TEAM teams, and each team processes the same part of REPEAT instances in
+// sequence. The parts of a block of instances are in consecutive workgroups: most regions do not exist, and drivers give each thread consecutive workgroups.
 // In:  forces, N, and taxel_regions, shared/features.h (num_instances x num_taxels, features/taxel_words.glsl); regions (num_instances x REGIONS).
 // Out: features (block after block, each num_instances x num_rows x components, shared/features.h).
 // Parts without force skip all scans but the first.
@@ -75,8 +75,7 @@ bool isTrueForAnyTeam(bool condition) {
 }
 
 // All teams execute the same barriers; a team without a part of its own (`is_valid` false) writes nothing.
-void computePart(uint number, bool is_valid, uint num_instances) {
-  uint instance = number % num_instances, which = number / num_instances;
+void computePart(uint instance, uint which, bool is_valid, uint num_instances) {
   bool is_due = is_valid && hasNewValues(instance, CLEAN);
   Part part = loadPart(instance, which, is_due);
   PartSums sums = sumPart(kSumsForce, part, vec3(0), 0.0);
@@ -113,10 +112,10 @@ void computePart(uint number, bool is_valid, uint num_instances) {
 
 void main() {
   uint num_instances = step_record.batch.x;
-  uint num_parts = num_instances * kParts;
-  uint number = workgroupNumber() * REPEAT * kTeams + gl_LocalInvocationIndex / TEAM;
+  uint number = workgroupNumber(), which = number % kParts;
+  uint instance = number / kParts * REPEAT * kTeams + gl_LocalInvocationIndex / TEAM;
   uint r = 0;
-  for (; r < REPEAT; ++r, number += kTeams) computePart(min(number, num_parts - 1), number < num_parts, num_instances);
+  for (; r < REPEAT; ++r, instance += kTeams) computePart(min(instance, num_instances - 1), which, instance < num_instances, num_instances);
   checkLoop(r < REPEAT);
   reportUnfinishedLoops();
 }

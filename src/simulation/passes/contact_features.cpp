@@ -41,7 +41,8 @@ void ContactFeaturePasses::record(Recorder recorder, const Variant& variant) con
   // The row of a single patch is the sensor's.
   const std::uint64_t num_parts =
       numContactRows(model_.packed_contact, variant.max_regions) - (model_.packed_contact.num_patches == 1 ? 1 : 0);
-  recorder.dispatch(kernels.features, numWorkgroups(recorder.num_instances * num_parts, kernels.parts_per_workgroup));
+  recorder.dispatch(kernels.features,
+                    numWorkgroups(recorder.num_instances, kernels.parts_per_workgroup) * static_cast<std::uint32_t>(num_parts));
 }
 
 ContactFeaturePasses::Kernels ContactFeaturePasses::makeKernels(const Variant& variant) const {
