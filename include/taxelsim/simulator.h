@@ -226,6 +226,7 @@ class Simulator {
   /// Objects that each instance touches from the next step() on.
   ///
   /// `ids` (N x num_slots): indices into the model's objects, or kNoObject. `X_SO` (N x num_slots): poses in S, ignored for empty slots.
+  /// An object whose bounding box is wholly deeper than the skin of a sensor of one patch is behind it and presses on nothing.
   /// On a skin with friction, an object that stays in its slot has slid or rolled from its last pose; call reset() after a jump. Throws
   /// Error(kInput) for a wrong length, an unknown id, a pose that is not finite, a quaternion whose length is not 1 within 1e-3, or if
   /// max_contacts is not 0. Must not be called between step() and read().

@@ -104,6 +104,8 @@ class Simulator:
         poses: (N, 7) position (m) and quaternion (w, x, y, z) of the object in S, or (N, 4, 4) matrices; with slots (N, S, 7) or
             (N, S, 4, 4). Ignored for empty slots, but must be finite.
 
+        An object whose bounding box is wholly deeper than the skin of a sensor of one patch is behind it and presses on nothing.
+
         On a skin with friction, an object that stays in its slot has slid or rolled from its last pose; call reset() after a jump. Raises
         InputError, and changes nothing, for another shape or dtype, an unknown id, NaN, or a rotation that is none.
         """

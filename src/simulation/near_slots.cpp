@@ -60,7 +60,8 @@ NearSlots::NearSlots(const ModelData& model, std::size_t num_instances, std::siz
     const glm::vec2 half = 0.5f * samples * glm::vec2(patch.grid) * glm::vec2(patch.spacing) + margin;
     const glm::mat3 R_PS = rotationOf(patch), R_SP = glm::transpose(R_PS);
     if (packed.patches.size() == 1) {
-      // Surfaces count however deep they are.
+      // Surfaces count however deep they are, unless all of their object is behind the skin.
+      base_ = static_cast<float>(-model.sensor.skin.thickness) - margin;
       region_ = {R_PS, positionOf(patch), {-half.x, -half.y, -kInfinity}, {half.x, half.y, top}};
       return;
     }
@@ -72,6 +73,13 @@ NearSlots::NearSlots(const ModelData& model, std::size_t num_instances, std::siz
       region_.high = glm::max(region_.high, p_SQ);
     }
   }
+}
+
+bool NearSlots::isBehind(const layout::ObjectRecord& object, const layout::PoseRecord& X_SO) const {
+  const glm::vec3 normal = glm::transpose(region_.R_RS)[2];  // of the skin, in S
+  const glm::vec3 n_O = glm::transpose(rotationOf(X_SO)) * normal;
+  const float center = region_.p_RS.z + glm::dot(normal, positionOf(X_SO)) + glm::dot(n_O, glm::vec3(object.center));
+  return center + glm::dot(glm::abs(n_O), glm::vec3(object.half_size)) < base_;
 }
 
 bool NearSlots::reaches(const layout::ObjectRecord& object, const layout::PoseRecord& X_SO) const {
@@ -98,7 +106,9 @@ void NearSlots::place(std::size_t index, int id, const Pose& X_SO) {
     bits = static_cast<std::uint8_t>(value ? bits | bit : bits & ~bit);
   };
   set(occupied_[instance], is_occupied);
-  set(near_[instance], is_occupied && (num_slots_ == 1 || reaches(model_.object_records[static_cast<std::size_t>(id)], placed_[index])));
+  if (!is_occupied) return set(near_[instance], false);
+  const layout::ObjectRecord& object = model_.object_records[static_cast<std::size_t>(id)];
+  set(near_[instance], !isBehind(object, placed_[index]) && (num_slots_ == 1 || reaches(object, placed_[index])));
 }
 
 std::size_t NearSlots::pack(std::span<const layout::InstanceRecord> instances, std::span<layout::PoseRecord> poses) {

@@ -45,6 +45,33 @@ TEST(NearSlots, SendOnlyWhatIsNear) {
   }
 }
 
+// A ball that is wholly behind the skin, as one at the back of a hand's palm, presses on nothing, with one slot and with several; one that
+// crosses the skin's base is at full depth.
+TEST(NearSlotsOnEveryDriver, ObjectsBehindTheSkinPressOnNothing) {
+  constexpr double kRadius = 5e-3;
+  Random random(7);
+  Sensor plain = support::gridSensor(), tilted = plain;
+  tilted.patches[0].X_SP = {{0.01, -0.02, 0.005}, random.tilt(0.6)};
+  for (const Sensor& sensor : {plain, tilted}) {
+    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{kRadius}), Object(HalfSpace{})}});
+    for (const int num_slots : {1, 2}) {
+      Simulator simulator(model, {.num_instances = 3, .num_slots = num_slots});
+      const auto at = [&](double height) { return sensor.patches[0].X_SP * Pose{{0, 0, height}}; };
+      std::vector<Touch> touches{{{0}, {at(-0.05)}}, {{0}, {at(-kRadius - 0.5 * sensor.skin.thickness)}}, {{1}, {at(-0.05)}}};
+      if (num_slots == 2) {
+        for (Touch& touch : touches) touch = {{kNoObject, touch.ids[0]}, {Pose{}, touch.X_SO[0]}};
+      }
+      support::setTouches(simulator, touches);
+      simulator.step(kDt);
+      const FrameView frame = simulator.read();
+      EXPECT_EQ(frame.ground_truth.total_force[0], 0);
+      EXPECT_EQ(frame.ground_truth.over_penetration[0], 0);
+      EXPECT_GT(frame.ground_truth.over_penetration[1], 0);
+      EXPECT_EQ(frame.ground_truth.over_penetration[2], 1) << "a half-space has no back";
+    }
+  }
+}
+
 // Objects: a solid and a mesh, which keeps candidates while it is the only one that is near.
 std::vector<Object> objects() {
   Random random(3);
