@@ -40,7 +40,7 @@ std::vector<Taxel> taxelsOf(const Sensor& sensor) {
   return taxels;
 }
 
-// The plane of taxel B laid out in that of taxel A: a place x from the middle of B is at offset + turn x from the middle of A.
+// The plane of taxel B laid out in that of taxel A: a place x from the middle of B is at offset + rotation x from the middle of A.
 struct Chart {
   Place offset{};
   double cosine = 1, sine = 0;
