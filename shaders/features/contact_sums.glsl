@@ -91,8 +91,7 @@ PartSums sumPart(uint kind, Part part, vec3 middle, float force, Ridge ridge) {
   uint lane = gl_LocalInvocationIndex % TEAM;
   uint first_partial = gl_LocalInvocationIndex / TEAM * kMostSums * LANES;
   PartSums total = noSums();
-  bool skips = TEAM == 1 && part.end == part.first;
-  for (uint v = skips ? LANES : lane; v < LANES; v += TEAM) {
+  for (uint v = lane; v < LANES; v += TEAM) {
     PartSums sums = noSums();
     uint four = part.first / 4u + v;
     for (; 4u * four < part.end; four += LANES) addFour(kind, part, four, middle, force, ridge, sums);

@@ -119,8 +119,8 @@ Rows readRows(const Format& format) {
   while (reader.next()) {
     if (rows.points.size() == kMaxRecordedPoints) reader.fail(1, "more than " + std::to_string(kMaxRecordedPoints) + " contact points");
     const std::vector<double> numbers = reader.numbers(columns);
-    const std::uint64_t episode = wholeNumber(reader, columns[kEpisode], kEpisode, numbers[kEpisode]);
-    const std::uint64_t step = wholeNumber(reader, columns[kStep], kStep, numbers[kStep]);
+    const std::uint64_t episode = reader.wholeNumber(kEpisode, columns[kEpisode]);
+    const std::uint64_t step = reader.wholeNumber(kStep, columns[kStep]);
     if (++num_points[episode * static_cast<std::uint64_t>(format.num_steps) + step] > kMaxContacts) {
       reader.fail(1, "more than " + std::to_string(kMaxContacts) + " contact points in step " + std::to_string(step) + " of episode " +
                          std::to_string(episode));

@@ -1,6 +1,7 @@
 #include "scene/csv_reader.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/files.h"
 #include "base/text.h"
@@ -74,6 +75,15 @@ double CsvReader::number(std::size_t field, const CsvColumn& column) const {
                            "\" is not allowed: a number from " + numberText(column.min) + " to " + numberText(column.max) + unit);
   }
   return value;
+}
+
+std::uint64_t CsvReader::wholeNumber(std::size_t field, const CsvColumn& column) const {
+  const double value = number(field, column);
+  if (value != std::floor(value)) {
+    fail(fields_[field].column,
+         std::string(column.name) + ": " + numberText(value) + " is not allowed: a whole number from 0 to " + numberText(column.max));
+  }
+  return static_cast<std::uint64_t>(value);
 }
 
 std::vector<double> CsvReader::numbers(std::span<const CsvColumn> columns) const {

@@ -42,6 +42,8 @@ class CsvReader {
 
   // The field as a finite number within the column's range; otherwise throws as fail() does, with the value found and the range allowed.
   double number(std::size_t field, const CsvColumn& column) const;
+  // The same for a column of whole numbers from 0 on.
+  std::uint64_t wholeNumber(std::size_t field, const CsvColumn& column) const;
   // One number for each column; throws if the line has more or fewer fields.
   std::vector<double> numbers(std::span<const CsvColumn> columns) const;
 

@@ -1,11 +1,9 @@
 #include "scene/sensor_poses_file.h"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 #include <string>
 
-#include "base/text.h"
 #include "scene/csv_pose.h"
 
 namespace taxelsim {
@@ -16,21 +14,13 @@ constexpr std::size_t kMaxSensorPoses = 1'000'000;
 
 }  // namespace
 
-std::uint64_t wholeNumber(const CsvReader& at, const CsvColumn& column, std::size_t field, double value) {
-  if (value != std::floor(value)) {
-    at.fail(at.fields()[field].column,
-            std::string(column.name) + ": " + numberText(value) + " is not allowed: a whole number from 0 to " + numberText(column.max));
-  }
-  return static_cast<std::uint64_t>(value);
-}
-
 SensorPoses::SensorPoses(const std::filesystem::path& file, std::uint64_t max_episode, std::uint64_t max_step) {
   std::vector<CsvColumn> columns{{"episode", 0, static_cast<double>(max_episode)}, {"step", 0, static_cast<double>(max_step)}};
   columns.insert(columns.end(), kPoseColumns.begin(), kPoseColumns.end());
   const CsvFormat format{.columns = columns, .row = "pose of the sensor", .max_rows = kMaxSensorPoses, .max_bytes = kMaxSensorPosesBytes};
   std::set<Frame> given;
   readCsvRows(file, format, [&](std::span<const double> numbers, const CsvReader& at) {
-    const Frame frame{wholeNumber(at, columns[0], 0, numbers[0]), wholeNumber(at, columns[1], 1, numbers[1])};
+    const Frame frame{at.wholeNumber(0, columns[0]), at.wholeNumber(1, columns[1])};
     if (!given.insert(frame).second) {
       at.fail(1, "step " + std::to_string(frame.second) + " of episode " + std::to_string(frame.first) + " is given twice");
     }

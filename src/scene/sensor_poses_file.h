@@ -26,7 +26,4 @@ class SensorPoses {
   std::vector<std::pair<Frame, Pose>> rows_;  // ascending
 };
 
-// A number of a line as a whole number. Throws as CsvReader::fail() does for any other.
-std::uint64_t wholeNumber(const CsvReader& at, const CsvColumn& column, std::size_t field, double value);
-
 }  // namespace taxelsim

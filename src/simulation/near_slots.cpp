@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 
 #include "simulation/rows.h"
 #include "taxelsim/simulator.h"
@@ -12,8 +11,6 @@ namespace taxelsim {
 namespace {
 
 static_assert(kMaxSlots <= 8, "a slot is a bit of a byte");
-
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 layout::PoseRecord packPose(int id, const Pose& X_SO, std::size_t slot) {
   const auto& [w, x, y, z] = X_SO.rotation;
@@ -61,8 +58,8 @@ NearSlots::NearSlots(const ModelData& model, std::size_t num_instances, std::siz
     const glm::mat3 R_PS = rotationOf(patch), R_SP = glm::transpose(R_PS);
     if (packed.patches.size() == 1) {
       // Surfaces count however deep they are, unless all of their object is behind the skin.
-      base_ = static_cast<float>(-model.sensor.skin.thickness) - margin;
-      region_ = {R_PS, positionOf(patch), {-half.x, -half.y, -kInfinity}, {half.x, half.y, top}};
+      const float base = static_cast<float>(-model.sensor.skin.thickness) - margin;
+      region_ = {R_PS, positionOf(patch), {-half.x, -half.y, base}, {half.x, half.y, top}};
       return;
     }
     const float bottom = -patch.spacing.w - margin;
@@ -76,10 +73,10 @@ NearSlots::NearSlots(const ModelData& model, std::size_t num_instances, std::siz
 }
 
 bool NearSlots::isBehind(const layout::ObjectRecord& object, const layout::PoseRecord& X_SO) const {
-  const glm::vec3 normal = glm::transpose(region_.R_RS)[2];  // of the skin, in S
+  const glm::vec3 normal = glm::transpose(region_.R_RS)[2];  // z of R, in S
   const glm::vec3 n_O = glm::transpose(rotationOf(X_SO)) * normal;
   const float center = region_.p_RS.z + glm::dot(normal, positionOf(X_SO)) + glm::dot(n_O, glm::vec3(object.center));
-  return center + glm::dot(glm::abs(n_O), glm::vec3(object.half_size)) < base_;
+  return center + glm::dot(glm::abs(n_O), glm::vec3(object.half_size)) < region_.low.z;
 }
 
 bool NearSlots::reaches(const layout::ObjectRecord& object, const layout::PoseRecord& X_SO) const {
@@ -108,7 +105,8 @@ void NearSlots::place(std::size_t index, int id, const Pose& X_SO) {
   set(occupied_[instance], is_occupied);
   if (!is_occupied) return set(near_[instance], false);
   const layout::ObjectRecord& object = model_.object_records[static_cast<std::size_t>(id)];
-  set(near_[instance], !isBehind(object, placed_[index]) && (num_slots_ == 1 || reaches(object, placed_[index])));
+  // With one slot the device itself finds what is near, except that it sees surfaces however deep they are.
+  set(near_[instance], num_slots_ == 1 ? !isBehind(object, placed_[index]) : reaches(object, placed_[index]));
 }
 
 std::size_t NearSlots::pack(std::span<const layout::InstanceRecord> instances, std::span<layout::PoseRecord> poses) {

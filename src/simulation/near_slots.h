@@ -30,7 +30,7 @@ class NearSlots {
 
  private:
   bool reaches(const layout::ObjectRecord& object, const layout::PoseRecord& X_SO) const;
-  // Whether the object is wholly behind the skin of a sensor of one patch, below the face that the skin is on.
+  // Whether the object is wholly below the region along z of R, behind the skin.
   bool isBehind(const layout::ObjectRecord& object, const layout::PoseRecord& X_SO) const;
 
   // Box around all points that can touch the sensor, m, in the frame R of its one patch, or in S.
@@ -43,9 +43,8 @@ class NearSlots {
   const ModelData& model_;
   std::size_t num_slots_;
   Region region_;
-  float base_ = -std::numeric_limits<float>::infinity();  // height of that face in the frame R, m; -infinity with several patches
-  std::vector<layout::PoseRecord> placed_;                // (num_instances x num_slots), of objects
-  std::vector<std::uint8_t> occupied_, near_, packed_;    // (num_instances), a bit per slot
+  std::vector<layout::PoseRecord> placed_;              // (num_instances x num_slots), of objects
+  std::vector<std::uint8_t> occupied_, near_, packed_;  // (num_instances), a bit per slot
 };
 
 }  // namespace taxelsim

@@ -11,6 +11,7 @@
 #include "reference/pasternak.h"
 #include "sensor/pasternak.h"
 #include "simulation/comparison.h"
+#include "simulation/foundation_law.h"
 #include "simulation/input_error.h"
 #include "support/random_scene.h"
 #include "taxelsim/stiffness.h"
@@ -22,12 +23,8 @@ using support::Random;
 using support::Touch;
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kDt = 1e-3;        // s
-constexpr double kStiffness = 5e8;  // N/m^3
-constexpr double kDecay = 0.66e-3;  // m
+constexpr double kDt = 1e-3;  // s
 constexpr Pasternak kLaw{.normal_contact_stiffness = kStiffness, .shear_stiffness = kStiffness * kDecay * kDecay};
-// Sweeps after which the free surface is at rest to float32 rounding: a sweep reduces errors to 0.63.
-constexpr int kManySweeps = 60;
 
 Sensor foundationSensor(int iterations = kLaw.iterations, const support::GridOptions& grid = {.thickness = 2e-3}) {
   Sensor sensor = support::gridSensor(grid);

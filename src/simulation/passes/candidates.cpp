@@ -11,9 +11,7 @@ void CandidatePasses::record(Recorder& recorder, bool with_jacobian) const {
   const Variant variant{with_jacobian, contact_.repeatOfLists(recorder.num_instances)};
   const Kernels& kernels = kernels_.get(variant, [&] { return makeKernels(variant); });
   gpu::Commands& commands = recorder.commands;
-  const gpu::Buffer& empty = recorder.bindings.buffer<block::EmptyWork>();
-  commands.copy(empty, recorder.bindings.buffer<block::Work>(), (layout::kNumLists + 1) * sizeof(block::Work::Element));
-  commands.barrier(gpu::Access::kCopy, gpu::Access::kKernel);
+  recorder.copyWorkRows(0, 0, layout::kNumLists + 1);
   recorder.dispatch(kernels.keep, numWorkgroups(recorder.num_instances, gpu::DriverProfile::kIndependentWorkgroup));
   commands.barrier(gpu::Access::kKernel, gpu::Access::kIndirect);
   recorder.dispatchOverList(kernels.find, layout::kListFindCandidates);

@@ -65,15 +65,6 @@ std::uint32_t triangleSizes(const ObjectKinds& kinds, bool area) {
   return area ? kinds.triangle_sizes : (kinds.triangle_sizes | kinds.triangle_sizes >> 2) & 3u;
 }
 
-// Copies rows of block EmptyWork to Work, between two dispatches.
-void copyWorkRows(Recorder& recorder, std::uint32_t from, std::uint32_t to, std::uint32_t count) {
-  constexpr std::size_t kRow = sizeof(block::Work::Element);
-  recorder.commands.barrier(gpu::Access::kKernel, gpu::Access::kCopy);
-  recorder.commands.copy(recorder.bindings.buffer<block::EmptyWork>(), recorder.bindings.buffer<block::Work>(), count * kRow, from * kRow,
-                         to * kRow);
-  recorder.commands.barrier(gpu::Access::kCopy, gpu::Access::kKernel);
-}
-
 }  // namespace
 
 std::uint32_t maxTileSamples(const DeviceInfo& info, bool area, bool variation) {
@@ -113,7 +104,7 @@ std::uint32_t ContactPass::repeatOfLists(std::uint64_t num_instances) const {
   return leavesTiles(num_instances) ? mostInSequence() : sizes_.repeat;
 }
 
-// A load search in a tile takes all the iterations that a workgroup may. Lists count workgroups of sizes_.repeat.
+// A load search in a tile takes all the iterations that a workgroup may. Lists count workgroups of repeatOfLists().
 std::uint32_t ContactPass::repeatOf(const Variant& variant) const {
   if (variant.search == ContactInterface::kSearchInTile) return 1;
   if (variant.leaves_tiles) return mostInSequence();
@@ -130,7 +121,7 @@ void ContactPass::record(Recorder recorder, Variant variant) const {
   }
   recorder.bindings.redirect<block::PastState, block::State>();
   const Kernel& kernel = kernels_.get(variant, [&] { return makeKernel(variant); });
-  if (variant.leaves_tiles) copyWorkRows(recorder, layout::kLeftTiles, layout::kLeftTiles, 2);
+  if (variant.leaves_tiles) recorder.copyWorkRows(layout::kLeftTiles, layout::kLeftTiles, 2);
   if (variant.list == layout::kNumLists) {
     recorder.dispatch(kernel, numWorkgroups(recorder.num_instances * model_.contact_packed.tiles.size(), repeatOf(variant)));
   } else {
@@ -138,7 +129,7 @@ void ContactPass::record(Recorder recorder, Variant variant) const {
   }
   if (!variant.leaves_tiles) return;
   recorder.commands.barrier(gpu::Access::kKernel, gpu::Access::kIndirect);
-  copyWorkRows(recorder, layout::kNumWorkRows, layout::kSecondDispatch, 1);
+  recorder.copyWorkRows(layout::kNumWorkRows, layout::kSecondDispatch, 1);
   recorder.dispatchOverList(kernel, layout::kLeftTiles);
 }
 

@@ -37,12 +37,12 @@ std::uint64_t partIterations(const ModelData& model) {
 void ContactFeaturePasses::record(Recorder recorder, const Variant& variant) const {
   if (variant.clean) recorder.bindings.redirect<block::ContactFeatures, block::CleanContactFeatures>();
   const Kernels& kernels = kernels_.get(variant, [&] { return makeKernels(variant); });
-  recorder.dispatch(kernels.regions, numWorkgroups(recorder.num_instances, kernels.instances_per_workgroup));
+  recorder.dispatch(kernels.regions, numWorkgroups(recorder.num_instances, kernels.regions_per_workgroup));
   // The row of a single patch is the sensor's.
   const std::uint64_t num_parts =
       numContactRows(model_.packed_contact, variant.max_regions) - (model_.packed_contact.num_patches == 1 ? 1 : 0);
   recorder.dispatch(kernels.features,
-                    numWorkgroups(recorder.num_instances, kernels.parts_per_workgroup) * static_cast<std::uint32_t>(num_parts));
+                    numWorkgroups(recorder.num_instances, kernels.features_per_workgroup) * static_cast<std::uint32_t>(num_parts));
 }
 
 ContactFeaturePasses::Kernels ContactFeaturePasses::makeKernels(const Variant& variant) const {

@@ -25,7 +25,7 @@ class ContactFeaturePasses {
   struct Kernels {
     gpu::PassKernel<ContactRegionsInterface> regions;
     gpu::PassKernel<ContactFeaturesInterface> features;
-    std::uint32_t instances_per_workgroup = 1, parts_per_workgroup = 1;
+    std::uint32_t regions_per_workgroup = 1, features_per_workgroup = 1;  // instances
   };
   Kernels makeKernels(const Variant& variant) const;
   gpu::PassKernel<ContactRegionsInterface> makeRegions(const Variant& variant, const TeamSizes& sizes) const;

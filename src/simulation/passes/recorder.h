@@ -32,6 +32,14 @@ struct Recorder {
     commands.dispatchIndirect(kernel, bindings.buffer<block::Work>(), list * sizeof(block::Work::Element), bindings);
     commands.barrier(gpu::Access::kKernel, gpu::Access::kKernel);
   }
+
+  // Copies `count` rows of block EmptyWork, from row `from` on, to rows `to` and following of Work, between dispatches.
+  void copyWorkRows(std::uint32_t from, std::uint32_t to, std::uint32_t count) {
+    constexpr std::size_t kRow = sizeof(block::Work::Element);
+    commands.barrier(gpu::Access::kKernel, gpu::Access::kCopy);
+    commands.copy(bindings.buffer<block::EmptyWork>(), bindings.buffer<block::Work>(), count * kRow, from * kRow, to * kRow);
+    commands.barrier(gpu::Access::kCopy, gpu::Access::kKernel);
+  }
 };
 
 }  // namespace taxelsim
