@@ -4,7 +4,7 @@
 // include/taxelsim/sensor.h, DeformationMask.
 //
 // An invocation owns one taxel of one instance.
-// In:  contact_normal (num_instances x num_taxels), N, of the contact pass; mask (MASK_SOURCES x num_taxels): sources of every taxel. LAW_0: saturation pressure, Pa.
+// In:  contact_normal (num_instances x num_taxels), N, of the contact pass; mask (MASK_SOURCES / 2 x num_taxels): two sources of every taxel. LAW_0: saturation pressure, Pa.
 // Out: law_state (num_instances x num_taxels), .x: force before rescale.comp, N.
 // Shared memory: none.
 // Twin: src/reference/taxel_laws.cpp.
@@ -17,9 +17,10 @@ void main() {
   if (!isProcessed(instance)) return;
   uint taxel = number - instance * NUM_TAXELS;
   float force = 0.0;
-  for (uint e = 0; e < MASK_SOURCES; ++e) {
-    vec2 source = mask[e * NUM_TAXELS + taxel];
-    force += source.y * contactForce(instance, floatBitsToUint(source.x));
+  for (uint e = 0; e < MASK_SOURCES / 2u; ++e) {
+    uvec4 sources = fourOf(Mask, e * NUM_TAXELS + taxel);
+    force += uintBitsToFloat(sources.y) * contactForce(instance, sources.x);
+    force += uintBitsToFloat(sources.w) * contactForce(instance, sources.z);
   }
   law_state[number].x = min(force, LAW_0 * taxels[taxel].chart.w);
 }

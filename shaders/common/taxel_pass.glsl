@@ -3,6 +3,7 @@
 
 #include "shared/batch.h"
 #include "shared/sensor.h"
+#include "driver/texels.glsl"
 #include "passes/declare.glsl"
 #include "passes/taxel_law.h"
 

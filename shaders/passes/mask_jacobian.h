@@ -1,10 +1,10 @@
 // Tactile Jacobian of the law deformation_mask, through its mask, mask_jacobian.comp.
 
 CONSTANT(11, float, LAW_0)        // saturation pressure, Pa
-CONSTANT(12, uint, MASK_SOURCES)  // of a taxel
+CONSTANT(12, uint, MASK_SOURCES)  // of a taxel; even
 
 BUFFER(0, readonly, Step)
-BUFFER(1, readonly, Mask)
+TEXELS(1, Mask)
 BUFFER(2, readonly, Taxels)
 BUFFER(3, readonly, LawState)
 BUFFER(4, readonly, TaxelJacobian)

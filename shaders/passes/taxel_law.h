@@ -6,12 +6,12 @@ CONSTANT(12, float, LAW_0)  // parameters of the law
 CONSTANT(13, float, LAW_1)
 CONSTANT(14, bool, SHEAR)  // contact_shear is an output
 CONSTANT(15, float, FRICTION_COEFFICIENT)
-CONSTANT(16, uint, MASK_SOURCES)  // of a taxel
+CONSTANT(16, uint, MASK_SOURCES)  // of a taxel; even
 
 BUFFER(0, readonly, Instances)
 BUFFER(1, readonly, Step)
 BUFFER(2, readonly, SpreadScale)
-BUFFER(3, readonly, Mask)
+TEXELS(3, Mask)
 BUFFER(4, readwrite, ContactNormal)
 BUFFER(5, readwrite, LawState)
 BUFFER(6, readwrite, TileResults)

@@ -65,7 +65,9 @@ class DriverProfile {
   // Whether two words are better fetched as one integer of 64 bits.
   bool prefers64BitLoads() const { return paths_.pairs && is_software_ && has_int64_; }
 
-  // The variant for workgroups of this size. A workgroup that is one vector of Mesa's software driver runs in lockstep.
+  // The variant for workgroups of this size. A workgroup that is one vector of Mesa's software driver runs in lockstep. kNoneWaits:
+  // invocations do not wait for each other, whatever the size.
+  static constexpr std::uint32_t kNoneWaits = 1;
   std::span<const std::uint32_t> select(const ShaderVariants& variants, std::uint32_t workgroup) const;
 
   // Whether device memory is not mapped, so that results need a second buffer that they are copied to.

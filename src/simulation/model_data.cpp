@@ -77,7 +77,7 @@ void uploadSensor(const ModelData& model, ModelBuffers& buffers) {
   buffers.upload<block::Taxels>("taxels", packed.taxels);
   buffers.upload<block::SpreadRows>("spread rows", packed.spread_rows);
   buffers.upload<block::SpreadScale>("spread scale", packed.spread_scale);
-  buffers.upload<block::Mask>("mask", model.mask.empty() ? std::vector<glm::vec2>(1) : model.mask);
+  buffers.upload<block::Mask>("mask", model.mask.empty() ? std::vector<glm::vec2>(2) : model.mask);
   buffers.upload<block::Planes>("planes", model.packed_contact.planes);
   buffers.upload<block::Neighbours>("neighbours", model.packed_contact.neighbours);
   if (model.linked) {

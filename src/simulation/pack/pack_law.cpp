@@ -11,6 +11,7 @@
 #include "contact_winkler.spv.h"
 #include "contact_winkler_lockstep.spv.h"
 #include "deformation_mask.spv.h"
+#include "deformation_mask_lockstep.spv.h"
 #include "mass_spring_damper.spv.h"
 #include "proximity.spv.h"
 #include "rescale.spv.h"
@@ -19,6 +20,10 @@
 namespace taxelsim {
 namespace {
 
+gpu::ShaderVariants same(std::span<const std::uint32_t> spirv) {
+  return {spirv, spirv};
+}
+
 // What each law adds to its foundation.
 struct AddLaw {
   PackedLaw& packed;
@@ -26,15 +31,16 @@ struct AddLaw {
 
   void operator()(const Winkler&) const {}
   void operator()(const MassSpringDamper&) const {
-    packed.taxel_passes = {{"mass_spring_damper", k_mass_spring_damper_spirv}};
+    packed.taxel_passes = {{"mass_spring_damper", same(k_mass_spring_damper_spirv)}};
     packed.whole_array = true;
   }
   void operator()(const DeformationMask& law) const {
-    packed.taxel_passes = {{"deformation_mask", k_deformation_mask_spirv}, {"rescale", k_rescale_spirv, TaxelPass::Owner::kInstance}};
+    packed.taxel_passes = {{"deformation_mask", {k_deformation_mask_spirv, k_deformation_mask_lockstep_spirv}},
+                           {"rescale", same(k_rescale_spirv), TaxelPass::Owner::kInstance}};
     packed.taxel_parameters = {static_cast<float>(law.saturation_pressure)};
     packed.whole_array = true;
   }
-  void operator()(const Proximity&) const { packed.taxel_passes = {{"proximity", k_proximity_spirv, TaxelPass::Owner::kTile}}; }
+  void operator()(const Proximity&) const { packed.taxel_passes = {{"proximity", same(k_proximity_spirv), TaxelPass::Owner::kTile}}; }
   void operator()(const ElasticLayer&) const {
     packed = {.kernel = "contact_elastic_layer",
               .spirv = {k_contact_elastic_layer_spirv, k_contact_elastic_layer_lockstep_spirv},
@@ -108,35 +114,10 @@ void packRelaxation(std::span<const RelaxationTerm> terms, double dt, layout::St
 
 namespace {
 
-// A taxel as a source, in the bits of a float.
-float bitsOf(std::size_t taxel) {
-  return std::bit_cast<float>(static_cast<std::uint32_t>(taxel));
-}
-
-std::vector<glm::vec2> packMaskOfList(const Sensor& sensor) {
-  const std::vector<std::vector<MaskSource>> sources = maskSources(sensor);
-  std::size_t most = 0;
-  for (const std::vector<MaskSource>& list : sources) most = std::max(most, list.size());
-  std::vector<glm::vec2> pairs;
-  for (std::size_t e = 0; e < most; ++e) {
-    for (std::size_t t = 0; t < sources.size(); ++t) {
-      const MaskSource source = e < sources[t].size() ? sources[t][e] : MaskSource{static_cast<int>(t), 0};
-      pairs.emplace_back(bitsOf(static_cast<std::size_t>(source.taxel)), static_cast<float>(source.weight));
-    }
-  }
-  return pairs;
-}
-
-}  // namespace
-
-std::vector<glm::vec2> packMask(const Sensor& sensor) {
-  if (isTaxelList(sensor)) return packMaskOfList(sensor);
-  // RobWorkSim's mask integrated over taxels; include/taxelsim/sensor.h, DeformationMask.
+// The sources of each taxel of grids: RobWorkSim's mask integrated over taxels; include/taxelsim/sensor.h, DeformationMask.
+std::vector<std::vector<MaskSource>> maskSourcesOfGrids(const Sensor& sensor) {
   constexpr std::array<double, 3> kWeights{0.52464, 0.10387, 0.01497};  // by the number of steps to the neighbour
-  const auto num_taxels = static_cast<std::size_t>(numTaxels(sensor));
-  std::vector<glm::vec2> pairs(9 * num_taxels);
-  for (std::size_t e = 0; e < pairs.size(); ++e) pairs[e] = {bitsOf(e % num_taxels), 0.0f};
-  std::vector<std::size_t> num_sources(num_taxels, 0);
+  std::vector<std::vector<MaskSource>> sources(static_cast<std::size_t>(numTaxels(sensor)));
   int first = 0;
   for (const GridPatch& patch : sensor.patches) {
     const auto forNeighbours = [&](int i, int j, const auto& visit) {
@@ -152,11 +133,28 @@ std::vector<glm::vec2> packMask(const Sensor& sensor) {
       double inside = 0;
       forNeighbours(i, j, [&](int, double weight) { inside += weight; });
       forNeighbours(i, j, [&](int taxel, double weight) {
-        const auto t = static_cast<std::size_t>(taxel);
-        pairs[num_sources[t]++ * num_taxels + t] = {bitsOf(static_cast<std::size_t>(first + source)), static_cast<float>(weight / inside)};
+        sources[static_cast<std::size_t>(taxel)].push_back({first + source, weight / inside});
       });
     }
     first += patch.num_rows * patch.num_cols;
+  }
+  return sources;
+}
+
+}  // namespace
+
+std::vector<glm::vec2> packMask(const Sensor& sensor) {
+  const std::vector<std::vector<MaskSource>> sources = isTaxelList(sensor) ? maskSources(sensor) : maskSourcesOfGrids(sensor);
+  std::size_t most = 0;
+  for (const std::vector<MaskSource>& list : sources) most = std::max(most, list.size());
+  std::vector<glm::vec2> pairs;
+  for (std::size_t e = 0; e < most; e += 2) {
+    for (std::size_t t = 0; t < sources.size(); ++t) {
+      for (std::size_t k = e; k < e + 2; ++k) {
+        const MaskSource source = k < sources[t].size() ? sources[t][k] : MaskSource{static_cast<int>(t), 0};
+        pairs.emplace_back(std::bit_cast<float>(source.taxel), static_cast<float>(source.weight));
+      }
+    }
   }
   return pairs;
 }

@@ -19,7 +19,7 @@ struct TaxelPass {
   enum class Owner { kTaxel, kInstance, kTile };
 
   std::string kernel;
-  std::span<const std::uint32_t> spirv;
+  gpu::ShaderVariants spirv;
   Owner owner = Owner::kTaxel;  // what an invocation owns
 };
 
@@ -46,7 +46,7 @@ std::array<float, 4> transitionOf(const ContactLaw& law, double dt);
 // Writes the coefficients of relaxation over a step of `dt` s.
 void packRelaxation(std::span<const RelaxationTerm> terms, double dt, layout::StepRecord& record);
 
-// The mask of DeformationMask: (num_sources x num_taxels) pairs of source (as bits) and weight; nine sources on grids.
+// The mask of DeformationMask: (num_sources / 2 x num_taxels x 2) pairs of source (as bits) and weight; num_sources is even, ten on grids.
 std::vector<glm::vec2> packMask(const Sensor& sensor);
 
 }  // namespace taxelsim

@@ -4,6 +4,7 @@
 
 #include "force_gradient.spv.h"
 #include "mask_jacobian.spv.h"
+#include "mask_jacobian_lockstep.spv.h"
 #include "rescale_jacobian.spv.h"
 #include "sensor/curve.h"
 #include "spread_jacobian.spv.h"
@@ -93,14 +94,14 @@ TactileJacobianPasses::TaxelKernels TactileJacobianPasses::makeTaxelKernels() co
   const bool scaled = model_.packed.scalesSpread();
   TaxelKernels kernels;
   if (!model_.layer) {
-    constexpr std::uint32_t kNoneWaits = 1;  // invocations that wait for each other
     kernels.taxels.emplace(model_.context(), "taxel_jacobian",
-                           model_.profile.select({k_taxel_jacobian_spirv, k_taxel_jacobian_lockstep_spirv}, kNoneWaits), common,
-                           TaxelJacobianInterface{.SCALED = scaled && !model_.hasMask()});
+                           model_.profile.select({k_taxel_jacobian_spirv, k_taxel_jacobian_lockstep_spirv}, gpu::DriverProfile::kNoneWaits),
+                           common, TaxelJacobianInterface{.SCALED = scaled && !model_.hasMask()});
   }
   if (model_.hasMask()) {
-    kernels.mask.emplace(model_.context(), "mask_jacobian", k_mask_jacobian_spirv, common,
-                         MaskJacobianInterface{.LAW_0 = model_.law.taxel_parameters[0], .MASK_SOURCES = model_.numMaskSources()});
+    kernels.mask.emplace(model_.context(), "mask_jacobian",
+                         model_.profile.select({k_mask_jacobian_spirv, k_mask_jacobian_lockstep_spirv}, gpu::DriverProfile::kNoneWaits),
+                         common, MaskJacobianInterface{.LAW_0 = model_.law.taxel_parameters[0], .MASK_SOURCES = model_.numMaskSources()});
     kernels.rescale.emplace(model_.context(), "rescale_jacobian", k_rescale_jacobian_spirv, common,
                             RescaleJacobianInterface{.SCALED = scaled});
   }

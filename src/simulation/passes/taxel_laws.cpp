@@ -25,7 +25,7 @@ std::uint64_t TaxelLawPasses::itemsPerInstance(const TaxelPass& pass) const {
 TaxelLawPasses::Kernels TaxelLawPasses::makeKernels(bool with_shear) const {
   Kernels kernels;
   for (const TaxelPass& pass : model_.law.taxel_passes) {
-    kernels.emplace_back(model_.context(), pass.kernel, pass.spirv,
+    kernels.emplace_back(model_.context(), pass.kernel, model_.profile.select(pass.spirv, gpu::DriverProfile::kNoneWaits),
                          commonConstants(model_.sensor, model_.packed, {.workgroup = gpu::DriverProfile::kIndependentWorkgroup}),
                          TaxelLawInterface{.SCALED = model_.packed.scalesSpread(),
                                            .LAW_0 = model_.law.taxel_parameters[0],
