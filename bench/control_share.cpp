@@ -156,12 +156,14 @@ void run(const Options& options) {
   results.push_back(runRobot(model, scene, "pan_tilt", panTilt({}), options));
   results.push_back(runRobot(model, scene, "lwr_palm", arm, options));
   if (!options.json.empty()) {
-    writeJson(options.json, {{"bench", "control_share"},
-                             {"machine", machine(device.info())},
-                             {"scene", scene.name},
-                             {"num_instances", options.num_instances},
-                             {"ticks", options.num_ticks},
-                             {"robots", results}});
+    writeJson(options.json,
+              {{"bench", "control_share"},
+               {"machine", machine(device.info())},
+               {"scene", scene.name},
+               {"num_instances", options.num_instances},
+               {"ticks", options.num_ticks},
+               {"host_threads", options.num_threads > 0 ? options.num_threads : hostThreads(device.info().type, options.num_instances)},
+               {"robots", results}});
   }
 }
 
