@@ -1,6 +1,8 @@
-// Fraction of a control period that the host spends on controllers, robots and objects, with thousands of servo loops at once. One slice,
-// so that host and device do not overlap.
+// What the host does in a control period of thousands of servo loops: its time by part, what it exchanges with the device, and the fraction
+// of the period that controllers, robots and objects take. One slice, so that host and device do not overlap.
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -19,6 +21,7 @@ struct Options {
   std::string json, device;
   int num_instances = 4096;
   int num_ticks = 100;
+  int num_threads = 0;
 };
 
 // Runs one episode in each instance; discards the frames.
@@ -51,29 +54,88 @@ class NoSink : public EpisodeSink {
   double last_time_ = 0;
 };
 
+struct Part {
+  const char* name;
+  double HostTimes::*seconds;
+};
+
+constexpr std::array kParts{
+    Part{"read", &HostTimes::read},     Part{"episodes", &HostTimes::episodes}, Part{"controller", &HostTimes::controller},
+    Part{"robots", &HostTimes::robots}, Part{"objects", &HostTimes::objects},   Part{"inputs", &HostTimes::inputs},
+    Part{"submit", &HostTimes::submit}};
+
+// Of every timed control period.
+struct Ticks {
+  std::vector<double> control, share, period, host;
+  std::array<std::vector<double>, kParts.size()> parts;
+  std::vector<DeviceTraffic> traffic;
+
+  void add(const Slice::Stats& stats) {
+    control.push_back(stats.control_seconds);
+    period.push_back(stats.control_seconds + stats.wait_seconds);
+    share.push_back(control.back() / period.back());
+    host.push_back(0);
+    for (std::size_t k = 0; k < kParts.size(); ++k) {
+      parts[k].push_back(stats.host.*kParts[k].seconds);
+      host.back() += parts[k].back();
+    }
+    traffic.push_back(stats.traffic);
+  }
+};
+
+void printTicks(const std::string& name, const Ticks& ticks) {
+  std::printf("  host, processor time: %.3f ms (", 1e3 * summarise(ticks.host).median);
+  for (std::size_t k = 0; k < kParts.size(); ++k) {
+    std::printf("%s%s %.3f", k == 0 ? "" : ", ", kParts[k].name, 1e3 * summarise(ticks.parts[k]).median);
+  }
+  const DeviceTraffic& traffic = ticks.traffic.back();
+  std::printf(")\n  %llu submit, %llu bytes to the device, %llu bytes from the device\n",
+              static_cast<unsigned long long>(traffic.num_submits), static_cast<unsigned long long>(traffic.bytes_to_device),
+              static_cast<unsigned long long>(traffic.bytes_from_device));
+  if (std::any_of(ticks.traffic.begin(), ticks.traffic.end(), [&](const DeviceTraffic& other) { return other != traffic; })) {
+    throw Error(ErrorKind::kDevice, name + ": submits or bytes differ between control periods");
+  }
+}
+
+nlohmann::ordered_json describe(const Ticks& ticks) {
+  const DeviceTraffic& traffic = ticks.traffic.back();
+  nlohmann::ordered_json parts;
+  for (std::size_t k = 0; k < kParts.size(); ++k) parts[kParts[k].name] = toJson(ticks.parts[k]);
+  return {{"num_submits", traffic.num_submits},
+          {"bytes_to_device", traffic.bytes_to_device},
+          {"bytes_from_device", traffic.bytes_from_device},
+          {"tick_seconds", toJson(ticks.period)},
+          {"control_seconds", toJson(ticks.control)},
+          {"control_share", toJson(ticks.share)},
+          {"host_processor_seconds", toJson(ticks.host)},
+          {"host_processor_seconds_by_part", parts}};
+}
+
 nlohmann::ordered_json runRobot(const Model& model, Scene scene, const std::string& name, const Robot& robot, const Options& options) {
   scene.robot = robot;
   scene.num_steps = options.num_ticks + kWarmUps;
-  const SlicePlan plan(scene, {.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false});
+  SlicePlan plan(scene, {.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false});
+  plan.host_threads = options.num_threads;
   NoSink sink(options.num_instances);
   std::vector<std::unique_ptr<Slice>> slices;
   slices.push_back(std::make_unique<Slice>(model, plan, options.num_instances, sink));
-  std::vector<double> control, share, tick;
+  Ticks ticks;
   int number = 0;
   runEpisodes(model.device(), slices, nullptr, [&](const Slice::Stats& tally) {
     if (++number <= kWarmUps || tally.num_episodes > 0) return;
-    control.push_back(tally.control_seconds);
-    tick.push_back(tally.control_seconds + tally.wait_seconds);
-    share.push_back(control.back() / tick.back());
+    ticks.add(tally);
   });
   // A loop without contact computes nothing, which would falsify the time.
   if (sink.numTouching() < options.num_instances / 2) throw Error(ErrorKind::kDevice, name + ": most instances have lost contact");
   std::printf(
       "%-12s control period %7.2f ms, control %6.2f ms, %5.1f %% (median; %.1f to %.1f); %d in contact at the end, %.1f %% limited\n",
-      name.c_str(), 1e3 * summarise(tick).median, 1e3 * summarise(control).median, 100 * summarise(share).median,
-      100 * summarise(share).min, 100 * summarise(share).max, sink.numTouching(),
+      name.c_str(), 1e3 * summarise(ticks.period).median, 1e3 * summarise(ticks.control).median, 100 * summarise(ticks.share).median,
+      100 * summarise(ticks.share).min, 100 * summarise(ticks.share).max, sink.numTouching(),
       100.0 * static_cast<double>(sink.numHeldBack()) / number / options.num_instances);
-  return {{"robot", name}, {"tick_seconds", toJson(tick)}, {"control_seconds", toJson(control)}, {"control_share", toJson(share)}};
+  printTicks(name, ticks);
+  nlohmann::ordered_json result{{"robot", name}};
+  result.update(describe(ticks));
+  return result;
 }
 
 void run(const Options& options) {
@@ -94,12 +156,14 @@ void run(const Options& options) {
   results.push_back(runRobot(model, scene, "pan_tilt", panTilt({}), options));
   results.push_back(runRobot(model, scene, "lwr_palm", arm, options));
   if (!options.json.empty()) {
-    writeJson(options.json, {{"bench", "control_share"},
-                             {"machine", machine(device.info())},
-                             {"scene", scene.name},
-                             {"num_instances", options.num_instances},
-                             {"ticks", options.num_ticks},
-                             {"robots", results}});
+    writeJson(options.json,
+              {{"bench", "control_share"},
+               {"machine", machine(device.info())},
+               {"scene", scene.name},
+               {"num_instances", options.num_instances},
+               {"ticks", options.num_ticks},
+               {"host_threads", options.num_threads > 0 ? options.num_threads : hostThreads(device.info().type, options.num_instances)},
+               {"robots", results}});
   }
 }
 
@@ -113,6 +177,9 @@ int main(int argc, char** argv) {
   app.add_option("--scene", options.scene, "Scene file of kind servo")->capture_default_str();
   app.add_option("--instances", options.num_instances, "Servo loops at once")->check(CLI::Range(1, 1 << 20))->capture_default_str();
   app.add_option("--ticks", options.num_ticks, "Timed control periods per robot")->check(CLI::Range(1, 100000))->capture_default_str();
+  app.add_option("--threads", options.num_threads, "Host threads that share the loops; 0: as the library chooses for the device")
+      ->check(CLI::Range(0, 256))
+      ->capture_default_str();
   app.add_option("--device", options.device, "Device, as for `taxelsim frame --device`");
   CLI11_PARSE(app, argc, argv);
   try {

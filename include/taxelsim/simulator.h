@@ -205,6 +205,19 @@ struct StepTiming {
   int num_coherent = 0;  ///< Instances whose contact pass tested only the triangles that an earlier step found near.
 };
 
+/// What a simulator has exchanged with its device since its construction. Kernels and constants of the model are left out.
+struct DeviceTraffic {
+  std::uint64_t num_submits = 0;  ///< Submissions to the device's queue (`vkQueueSubmit`): one per step() and per vjp().
+  /// Bytes that the host has written to the memory of the device: poses, motions and records of instances at every step(), contact points
+  /// and variations when they are set, cotangents at every vjp().
+  std::uint64_t bytes_to_device = 0;
+  /// Bytes of the outputs of every step() and vjp(), an array of less than 16 bytes as 16. A device whose memory the host cannot read
+  /// copies them, whether the host reads them or not; software Vulkan does not.
+  std::uint64_t bytes_from_device = 0;
+
+  bool operator==(const DeviceTraffic&) const = default;  ///< Comparison of all counts.
+};
+
 /// A batch of sensor instances.
 ///
 /// A step: setObjects() or setContacts(), step(), read(); then vjp() if wanted. Threads: one thread at a time per simulator; simulators of
@@ -297,7 +310,8 @@ class Simulator {
   /// if the device was lost; std::logic_error between step() and read(), and before the first frame.
   GradientView vjp(std::span<const float> cotangent, std::span<const float> gain = {});
 
-  StepTiming timing() const;  ///< Times of the last frame read.
+  StepTiming timing() const;      ///< Times of the last frame read.
+  DeviceTraffic traffic() const;  ///< Counts since construction. A step() counts at once, before its read().
 
   /// @cond
   struct Impl;

@@ -72,6 +72,11 @@ class SharedSimulator {
     return simulator_.get().timing();
   }
 
+  DeviceTraffic traffic() {
+    const std::lock_guard lock(mutex_);
+    return simulator_.get().traffic();
+  }
+
   const Model& model() const { return simulator_.get().model(); }
   int numInstances() const { return simulator_.get().numInstances(); }
 
@@ -139,6 +144,10 @@ void bindOptions(nb::module_& module) {
             field("image", &StepTiming::image, "s, image pass, contact features and tactile Jacobian."),
             field("total", &StepTiming::total, "s, all passes."),
             field("num_coherent", &StepTiming::num_coherent, "Instances that tested only triangles found near by an earlier step."));
+  nb::class_<DeviceTraffic> traffic(module, "DeviceTraffic", "What a Simulator has exchanged with its device since its construction.");
+  addFields(traffic, field("num_submits", &DeviceTraffic::num_submits, "Submissions to the queue: one per step() and per vjp()."),
+            field("bytes_to_device", &DeviceTraffic::bytes_to_device, "Bytes that the host has written to the memory of the device."),
+            field("bytes_from_device", &DeviceTraffic::bytes_from_device, "Bytes of the outputs of every step() and vjp()."));
 }
 
 }  // namespace
@@ -184,7 +193,8 @@ void bindSimulator(nb::module_& module) {
             return arraysOf(simulator.read(), simulator.model().sensor(), simulator.numInstances(), self);
           },
           nb::sig("def arrays(self) -> dict[str, typing.Any]"))
-      .def_prop_ro("timing", &SharedSimulator::timing);
+      .def_prop_ro("timing", &SharedSimulator::timing)
+      .def_prop_ro("traffic", &SharedSimulator::traffic);
 }
 
 }  // namespace taxelsim::python

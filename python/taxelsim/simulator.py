@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from . import _core
 from ._arrays import Dimension, to_array
-from ._core import MemoryPlan, Model, OutputOptions, SimulatorOptions, StepTiming
+from ._core import DeviceTraffic, MemoryPlan, Model, OutputOptions, SimulatorOptions, StepTiming
 from .errors import InputError
 from .frame import Frame
 from .gradients import Gradient
@@ -259,6 +259,15 @@ class Simulator:
     def timing(self) -> StepTiming:
         """Times of the last frame read, s; NaN without device_clock."""
         return self._batch.timing
+
+    @property
+    def traffic(self) -> DeviceTraffic:
+        """Submissions and bytes since construction, without kernels and constants of the model. A step() counts at once.
+
+        A device whose memory the host cannot read copies all requested outputs; software Vulkan copies none, and bytes_from_device is their
+        size.
+        """
+        return self._batch.traffic
 
     def __repr__(self) -> str:
         return f"<taxelsim.Simulator of {self.num_instances} instances of {self._model.sensor.name}>"

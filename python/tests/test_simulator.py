@@ -134,6 +134,16 @@ def test_reset_keys_the_noise_by_episode(device, sensor, poses):
     assert (second[4] == first[2]).all()
 
 
+def test_traffic_counts_the_bytes_of_a_step(model, poses):
+    outputs = taxelsim.OutputOptions(tactile_normal_force=False, tactile_shear_force=False, penetration_depth=False)
+    simulator = taxelsim.Simulator(model, N, outputs=outputs)
+    assert (simulator.traffic.num_submits, simulator.traffic.bytes_to_device, simulator.traffic.bytes_from_device) == (0, 0, 0)
+    stepped(simulator, poses)
+    assert simulator.traffic.num_submits == 1
+    assert simulator.traffic.bytes_to_device == N * (64 + 32) + 192  # poses, keys and clocks; the step
+    assert simulator.traffic.bytes_from_device == N * 4 * (6 * 14 + 40) + 112  # images and features; lists
+
+
 def test_a_step_of_some_instances_leaves_the_others(simulator, poses):
     before = stepped(simulator, poses).tactile_image.copy()
     simulator.reset([1, 4])

@@ -103,24 +103,32 @@ void Robots::setAtRest(int i, std::span<const double> positions, const Pose& X_W
 }
 
 void Robots::command(std::span<const Twist> twists, std::span<const double> joint_velocities, std::span<const std::uint8_t> by_joints,
-                     double dt) {
+                     double dt, ThreadTeam& team) {
   assert(static_cast<int>(twists.size()) == num_instances_ && dt > 0);
-  for (int i = 0; i < num_instances_; ++i) {
-    if (chains_.empty()) {
-      stepFreeFlying(i, twists[i], dt);
-    } else if (!by_joints.empty() && by_joints[i]) {
-      stepJoints(i, joint_velocities.subspan(static_cast<std::size_t>(i) * num_joints_, num_joints_), dt);
-    } else {
-      stepManipulator(i, twists[i], dt);
-    }
+  if (chains_.empty()) {
+    return team.run(num_instances_, [&](int first, int last) {
+      for (int i = first; i < last; ++i) stepFreeFlying(i, twists[i], dt);
+    });
   }
+  team.run(num_instances_, [&](int first, int last) {
+    for (int i = first; i < last; ++i) {
+      if (!by_joints.empty() && by_joints[i]) {
+        stepJoints(i, joint_velocities.subspan(static_cast<std::size_t>(i) * num_joints_, num_joints_), dt);
+      } else {
+        stepManipulator(i, twists[i], dt);
+      }
+    }
+  });
   if (joint_drive_.delay > 0) delay_index_ = (delay_index_ + 1) % joint_drive_.delay;
 }
 
 void Robots::stepFreeFlying(int i, const Twist& twist, double dt) {
-  const Pose X_WS = isFinite(twist) ? integrate(X_WS_[i], twist, dt) : X_WS_[i];
-  status_[i] = isFinite(twist) && isFinite(X_WS) ? 0 : kLost;
-  if (status_[i] == 0) X_WS_[i] = X_WS;
+  status_[i] = kLost;
+  if (!isFinite(twist)) return;
+  const Pose X_WS = integrate(X_WS_[i], twist, dt);
+  if (!isFinite(X_WS)) return;
+  X_WS_[i] = X_WS;
+  status_[i] = 0;
 }
 
 // Steps 1 to 3 of robots.h: velocities (num_joints) of the free joints that respect all limits; 0 for the others. Returns flags of

@@ -16,6 +16,7 @@
 #include <span>
 #include <vector>
 
+#include "base/thread_team.h"
 #include "control/chain.h"
 #include "control/damped_least_squares.h"
 #include "taxelsim/robot.h"
@@ -49,8 +50,14 @@ class Robots {
   // Advances all robots by one tick of dt (s, > 0). twists (num_instances): commanded twists of the first sensor of each instance, in S.
   void command(std::span<const Twist> twists, double dt) { command(twists, {}, {}, dt); }
   // The same, but a manipulator with by_joints[i] != 0 (num_instances) follows joint_velocities (num_instances x num_joints; rad/s or m/s)
-  // instead of the twist: steps 2 to 4, where step 3 stops each joint at its limit.
-  void command(std::span<const Twist> twists, std::span<const double> joint_velocities, std::span<const std::uint8_t> by_joints, double dt);
+  // instead of the twist: steps 2 to 4, where step 3 stops each joint at its limit. The threads of `team` share the robots.
+  void command(std::span<const Twist> twists, std::span<const double> joint_velocities, std::span<const std::uint8_t> by_joints, double dt,
+               ThreadTeam& team);
+  void command(std::span<const Twist> twists, std::span<const double> joint_velocities, std::span<const std::uint8_t> by_joints,
+               double dt) {
+    ThreadTeam alone(1);
+    command(twists, joint_velocities, by_joints, dt, alone);
+  }
 
   // Steps 1 to 3 for a part of the joints: writes the velocities (num_joints) at which the joints with follows[j] != 0 (num_joints) move
   // `sensor` by the twist, in S, within their limits in a tick of dt; 0 for the other joints. Returns what limits them, flags of

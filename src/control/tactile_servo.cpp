@@ -5,9 +5,9 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "base/vector3.h"
+#include "control/line_angle.h"
 #include "control/servo_fields.h"
 
 namespace taxelsim {
@@ -54,13 +54,6 @@ double forceReference(const TactileServo& servo, double start_force) {
   return servo[ServoFeature::kTotalForce].reference.value_or(start_force);
 }
 
-// Wraps the angle between two lines to (-pi/2, pi/2].
-double wrapLineAngle(double angle) {
-  if (std::abs(angle) < std::numbers::pi / 2) return angle;
-  const double wrapped = std::remainder(angle, std::numbers::pi);
-  return wrapped <= -std::numbers::pi / 2 ? wrapped + std::numbers::pi : wrapped;
-}
-
 // Direction of the edge (rad). Of the two directions of a line, the one nearer to the reference, so that exploration does not reverse where
 // the angle wraps.
 double edgeDirection(const TactileServo& servo, double angle) {
@@ -87,6 +80,9 @@ bool needsContactFeatures(const TactileServo& servo) {
 bool needsTactileJacobian(const TactileServo& servo) {
   return servo.jacobian == TactileJacobianSource::kMeasured;
 }
+
+TactileServoController::PreparedServo::PreparedServo(const TactileServo& servo)
+    : TactileServo(servo), exploration{std::cos(servo.exploration_direction), std::sin(servo.exploration_direction)} {}
 
 TactileServoController::TactileServoController(std::span<const TactileServo> servos, const Sensor& sensor, int num_instances)
     : servos_(servos.begin(), servos.end()) {
@@ -138,7 +134,8 @@ TactileServoController::Features TactileServoController::featureErrors(const Tac
   set(ServoFeature::kCenterAcross, 0,
       (contact.center[1] - array_center_[1]) * contact.edge[0] - (contact.center[0] - array_center_[0]) * contact.edge[1]);
   set(ServoFeature::kEdgeAngle, 0, contact.angle);
-  error[at(ServoFeature::kEdgeAngle)] = wrapLineAngle(error[at(ServoFeature::kEdgeAngle)]);
+  double& angle_error = error[at(ServoFeature::kEdgeAngle)];
+  if (!std::isnan(angle_error)) angle_error = wrapLineAngle(angle_error);
   return error;
 }
 
@@ -236,13 +233,13 @@ Twist TactileServoController::measuredTwist(const TactileServo& servo, const Con
 }
 
 // Velocity at the exploration direction relative to the edge; zero if the edge is not known.
-Twist TactileServoController::explorationTwist(const TactileServo& servo, const ContactState& contact, double velocity) const {
+Twist TactileServoController::explorationTwist(const PreparedServo& servo, const ContactState& contact, double velocity) const {
   if (contact.confidence < servo.min_confidence) return {};
-  const double c = std::cos(servo.exploration_direction), s = std::sin(servo.exploration_direction);
+  const auto [c, s] = servo.exploration;
   return {{velocity * (c * contact.edge[0] - s * contact.edge[1]), velocity * (s * contact.edge[0] + c * contact.edge[1]), 0}, {}};
 }
 
-Twist TactileServoController::commandInstance(const TactileServo& servo, const ContactState& contact, double dt, PidState& pid) const {
+Twist TactileServoController::commandInstance(const PreparedServo& servo, const ContactState& contact, double dt, PidState& pid) const {
   if (contact.force <= 0 || contact.area <= 0) {
     pid.error.fill(kUndefined);
     Twist twist;
@@ -335,17 +332,17 @@ TactileServoController::ContactState TactileServoController::contactState(const 
   return contact;
 }
 
-void TactileServoController::command(const ServoInput& input, double dt, std::span<Twist> twists) {
-  const std::size_t num_instances = twists.size();
+void TactileServoController::command(const ServoInput& input, double dt, std::span<Twist> twists, int first, int last) {
+  [[maybe_unused]] const std::size_t num_instances = twists.size();
   [[maybe_unused]] const std::size_t num_rows = num_instances * static_cast<std::size_t>(input.num_rows);
   assert(num_instances == pid_states_.size());
   assert(input.edge_angle.size() == num_rows && input.edge_confidence.size() == num_rows);
   assert(input.total_force.size() == num_rows && input.center_of_pressure.size() == 3 * num_rows);
   assert(input.contact_area.size() == num_rows && input.start_force.size() == num_instances);
   assert(input.due.size() == num_instances);
-  for (std::size_t i = 0; i < num_instances; ++i) {
+  for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(last); ++i) {
     if (!input.due[i]) continue;
-    const TactileServo& servo = servos_[static_cast<std::size_t>(pid_states_[i].servo)];
+    const PreparedServo& servo = servos_[static_cast<std::size_t>(pid_states_[i].servo)];
     const ContactState contact = contactState(servo, input, i);
     const double sum = contact.angle + contact.confidence + contact.force + contact.area + contact.center[0] + contact.center[1] +
                        contact.tilt[0] + contact.tilt[1] + contact.tilt_confidence + contact.start_force;

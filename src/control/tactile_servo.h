@@ -77,7 +77,11 @@ class TactileServoController {
   // Writes twists[i] (N) of the instances that are due: v in m/s, w in rad/s, of S in S. `dt` (s, > 0): control period. An instance with
   // features that are not finite gets a zero twist; others are not affected. Without contact the sensor approaches along z if the force is
   // controlled with a positive reference, and the other loops are inactive.
-  void command(const ServoInput& input, double dt, std::span<Twist> twists);
+  void command(const ServoInput& input, double dt, std::span<Twist> twists) {
+    command(input, dt, twists, 0, static_cast<int>(twists.size()));
+  }
+  // The same for the instances from `first` to before `last`. Several threads may command parts that do not overlap.
+  void command(const ServoInput& input, double dt, std::span<Twist> twists, int first, int last);
 
   // Stiffness dF/dz (N/m) of a contact with `force` (N) on `area` (m^2): the skin's stiffness per area at the mean pressure, times the
   // area. The area is at least that of one taxel, which limits the velocity commanded for a vanishing contact.
@@ -85,6 +89,12 @@ class TactileServoController {
 
  private:
   using Features = std::array<double, kNumServoFeatures>;
+
+  // A servo, and what follows from its settings.
+  struct PreparedServo : TactileServo {
+    explicit PreparedServo(const TactileServo& servo);
+    std::array<double, 2> exploration;  // cosine and sine of exploration_direction
+  };
 
   // Features of one instance.
   struct ContactState {
@@ -103,10 +113,10 @@ class TactileServoController {
   Features featureErrors(const TactileServo& servo, const ContactState& contact) const;
   Twist nominalTwist(const TactileServo& servo, const ContactState& contact, const Features& rate) const;
   Twist measuredTwist(const TactileServo& servo, const ContactState& contact, const Features& rate) const;
-  Twist explorationTwist(const TactileServo& servo, const ContactState& contact, double velocity) const;
-  Twist commandInstance(const TactileServo& servo, const ContactState& contact, double dt, PidState& pid) const;
+  Twist explorationTwist(const PreparedServo& servo, const ContactState& contact, double velocity) const;
+  Twist commandInstance(const PreparedServo& servo, const ContactState& contact, double dt, PidState& pid) const;
 
-  std::vector<TactileServo> servos_;
+  std::vector<PreparedServo> servos_;
   std::vector<PidState> pid_states_;  // (num_instances)
   double stiffness_;                  // Pa / m^exponent
   double exponent_;

@@ -1,56 +1,13 @@
 #include "control/twist.h"
 
-#include <cmath>
-
 #include "base/vector3.h"
 
 namespace taxelsim {
-namespace {
-
-// Below this squared angle Taylor series replace the closed forms, which suffer from cancellation. The first omitted term is below 1e-16
-// of the largest.
-constexpr double kSmallAngleSquared = 1e-4;
-
-}  // namespace
 
 Twist changeFrame(const Pose& X_AB, const Twist& twist_B) {
   const Vector3 w_A = rotate(X_AB.rotation, twist_B.w);
   const Vector3 v_B_A = rotate(X_AB.rotation, twist_B.v);
   return {add(v_B_A, cross(X_AB.position, w_A)), w_A};  // v_A = v_B + w x (A's origin - B's origin)
-}
-
-Pose exponential(const Twist& twist, double dt) {
-  const Vector3 rotation = scale(dt, twist.w);  // rotation vector, rad
-  const Vector3 translation = scale(dt, twist.v);
-  const double angle_squared = dot(rotation, rotation);
-
-  double half_sinc;  // sin(theta / 2) / theta
-  double cosine;     // cos(theta / 2)
-  double b;          // (1 - cos theta) / theta^2
-  double c;          // (theta - sin theta) / theta^3
-  if (angle_squared < kSmallAngleSquared) {
-    const double t = angle_squared;
-    half_sinc = 0.5 - t / 48 + t * t / 3840;
-    cosine = 1 - t / 8 + t * t / 384;
-    b = 0.5 - t / 24 + t * t / 720;
-    c = 1.0 / 6 - t / 120 + t * t / 5040;
-  } else {
-    const double angle = std::sqrt(angle_squared);
-    const double sine = std::sin(angle / 2);
-    cosine = std::cos(angle / 2);
-    half_sinc = sine / angle;
-    b = 2 * half_sinc * half_sinc;
-    c = (angle - 2 * sine * cosine) / (angle_squared * angle);
-  }
-  const Vector3 once = cross(rotation, translation);
-  const Vector3 twice = cross(rotation, once);
-  return {{translation[0] + b * once[0] + c * twice[0], translation[1] + b * once[1] + c * twice[1],
-           translation[2] + b * once[2] + c * twice[2]},
-          {cosine, half_sinc * rotation[0], half_sinc * rotation[1], half_sinc * rotation[2]}};
-}
-
-Pose integrate(const Pose& X_WB, const Twist& twist_B, double dt) {
-  return X_WB * exponential(twist_B, dt);
 }
 
 }  // namespace taxelsim

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/philox.h"
+#include "base/pose_inline.h"
 #include "base/vector3.h"
 #include "taxelsim/error.h"
 
@@ -23,11 +24,13 @@ EpisodeBatch::EpisodeBatch(const Model& model, const EpisodePlan& plan, int num_
     : plan_(plan),
       simulator_(model, plan.simulatorOptions(num_instances)),
       robots_(plan.scene.robot, num_instances),
+      team_(plan.host_threads > 0 ? plan.host_threads : hostThreads(model.device().info().type, num_instances)),
       ids_(num_instances * plan.num_sensors, kNoObject),
       X_SO_(num_instances * plan.num_sensors),
       loads_(num_instances * plan.num_sensors, kPoseDriven),
       computed_(num_instances * plan.num_sensors, 0),
       states_(num_instances),
+      flags_(num_instances, 0),
       episodes_(num_instances, 0),
       objects_(num_instances, 0),
       load_reached_(num_instances, 1),
@@ -67,9 +70,14 @@ void EpisodeBatch::start(int i, std::uint64_t episode, const EpisodeDraw& draw) 
   episodes_[i] = episode;
   objects_[i] = draw.object;
   state.draw = draw;
-  state.X_NS.reset();
-  if (variesMounting(plan_.scene.randomization)) state.X_NS = poseOf(draw.mounting);
-  frame_numbers_[i] = state.first_frame = draw.load_driven && plan_.num_sensors > 1 ? -1 : 0;
+  flags_[i] = 0;
+  if (variesMounting(plan_.scene.randomization)) {
+    flags_[i] |= kMounted;
+    state.X_NS = poseOf(draw.mounting);
+  }
+  if (draw.linear_action_noise != 0 || draw.angular_action_noise != 0) flags_[i] |= kActionNoise;
+  if (draw.load_driven && plan_.num_sensors > 1) flags_[i] |= kWarmsUp;
+  frame_numbers_[i] = has(i, kWarmsUp) ? -1 : 0;
   state.trajectory.reset();
   if (draw.load_driven) loads_[first] = draw.load;
   for (int s = first; s < first + plan_.num_sensors; ++s) ids_[s] = draw.object;
@@ -81,8 +89,7 @@ void EpisodeBatch::start(int i, std::uint64_t episode, const EpisodeDraw& draw) 
 }
 
 Pose EpisodeBatch::inSensor(int i, const Pose& X_NO) const {
-  const std::optional<Pose>& X_NS = states_[i].X_NS;
-  return X_NS ? inverse(*X_NS) * X_NO : X_NO;
+  return has(i, kMounted) ? inlined::relative(states_[i].X_NS, X_NO) : X_NO;
 }
 
 void EpisodeBatch::prepare() {
@@ -126,7 +133,7 @@ void EpisodeBatch::initialContact(int i) {
   const int first = i * plan_.num_sensors;
   state.load_offset = draw.load_driven ? frame_.ground_truth.load_offset[first] : 0.0;
   load_reached_[i] = !draw.load_driven || frame_.ground_truth.load_reached[first] != 0;
-  const Vector3 moved_S{0, 0, state.load_offset}, moved_N = state.X_NS ? rotate(state.X_NS->rotation, moved_S) : moved_S;
+  const Vector3 moved_S{0, 0, state.load_offset}, moved_N = has(i, kMounted) ? rotate(state.X_NS.rotation, moved_S) : moved_S;
   X_WO_[i].position = add(X_WO_[i].position, moved_N);
   X_SO_[first] = inSensor(i, X_WO_[i]);
   if (draw.load_driven) {
@@ -135,15 +142,16 @@ void EpisodeBatch::initialContact(int i) {
   }
   if (draw.object == kNoObject) return;
   const std::optional<Motion>& motion = plan_.scene.objects[static_cast<std::size_t>(draw.object)].motion;
-  if (motion) state.trajectory.emplace(*motion, X_WO_[i], MotionKey{.seed = plan_.scene.seed, .episode = episodes_[i]});
+  if (!motion) return;
+  flags_[i] |= kMoves;
+  state.trajectory.emplace(*motion, X_WO_[i], MotionKey{.seed = plan_.scene.seed, .episode = episodes_[i]});
 }
 
 void EpisodeBatch::beginFrame(int i) {
-  const EpisodeState& state = states_[i];
-  if (frame_numbers_[i] == state.first_frame) initialContact(i);
+  if (frame_numbers_[i] == (has(i, kWarmsUp) ? -1 : 0)) initialContact(i);
   active_[i] = frame_numbers_[i] >= 0;
   if (!active_[i]) return;
-  if (frame_numbers_[i] == 0) start_forces_[i] = plan_.starts_at_load ? state.draw.load : frame_.total_force[i * plan_.num_sensors];
+  if (frame_numbers_[i] == 0) start_forces_[i] = plan_.starts_at_load ? states_[i].draw.load : frame_.total_force[i * plan_.num_sensors];
   control_due_[i] = frame_numbers_[i] % plan_.control_period == 0;
 }
 
@@ -213,13 +221,9 @@ FrameContext EpisodeBatch::context() const {
 
 // Poses of the object in the sensors at the current frame, after the robot has moved.
 void EpisodeBatch::updatePoses(int i) {
-  EpisodeState& state = states_[i];
-  if (state.trajectory) X_WO_[i] = state.trajectory->at(frame_numbers_[i] * plan_.dt);
-  for (int s = i * plan_.num_sensors; s < (i + 1) * plan_.num_sensors; ++s) X_SO_[s] = inSensor(i, inverse(robots_.X_WS()[s]) * X_WO_[i]);
-}
-
-bool EpisodeBatch::hasActionNoise(int i) const {
-  return states_[i].draw.linear_action_noise != 0 || states_[i].draw.angular_action_noise != 0;
+  if (has(i, kMoves)) X_WO_[i] = states_[i].trajectory->at(frame_numbers_[i] * plan_.dt);
+  const std::span<const Pose> X_WS = robots_.X_WS();
+  for (int s = i * plan_.num_sensors; s < (i + 1) * plan_.num_sensors; ++s) X_SO_[s] = inSensor(i, inlined::relative(X_WS[s], X_WO_[i]));
 }
 
 // Noise of one component of an action. Counter-based: a function of (seed, episode, frame, component) alone.
@@ -231,12 +235,12 @@ double EpisodeBatch::actionNoise(int i, std::uint32_t component, double deviatio
                                .purpose = Purpose::kActionNoise});
 }
 
-void EpisodeBatch::act(std::span<const Twist> twists) {
-  for (int i = 0; i < numInstances(); ++i) {
+void EpisodeBatch::act(std::span<const Twist> twists, int first, int last) {
+  for (int i = first; i < last; ++i) {
     if (!control_due_[i]) continue;
     by_joints_[i] = 0;
     twists_[i] = actions_[i] = twists[i];
-    if (!hasActionNoise(i)) continue;
+    if (!has(i, kActionNoise)) continue;
     const EpisodeDraw& draw = states_[i].draw;
     for (std::uint32_t k = 0; k < 3; ++k) {
       actions_[i].v[k] += actionNoise(i, k, draw.linear_action_noise);
@@ -254,7 +258,7 @@ void EpisodeBatch::actJoints(std::span<const double> velocities) {
     const std::span<double> actions = std::span(joint_actions_).subspan(first, joints.size());
     std::copy_n(velocities.begin() + static_cast<std::ptrdiff_t>(first), joints.size(), actions.begin());
     twists_[i] = actions_[i] = robots_.twistOf(i, actions);
-    if (!hasActionNoise(i)) continue;
+    if (!has(i, kActionNoise)) continue;
     const EpisodeDraw& draw = states_[i].draw;
     for (std::size_t j = 0; j < joints.size(); ++j) {
       const bool is_revolute = joints[j].type == JointType::kRevolute;
@@ -296,15 +300,42 @@ void EpisodeBatch::nextFrame(int i) {
     robots_.reset(i, Pose{});
     resetSensors(i);
   }
+  continueEpisode(i);
+}
+
+void EpisodeBatch::continueEpisode(int i) {
   updatePoses(i);
   times_[i] = frame_numbers_[i] * plan_.dt;
 }
 
 void EpisodeBatch::advance() {
-  robots_.command(actions_, joint_actions_, by_joints_, plan_.dt);
+  moveRobots();
+  moveObjects();
+}
+
+void EpisodeBatch::moveRobots() {
+  robots_.command(actions_, joint_actions_, by_joints_, plan_.dt, team_);
+}
+
+void EpisodeBatch::moveObjects() {
+  constexpr std::uint8_t kLater = 2;
+  team_.run(numInstances(), [&](int first, int last) {
+    for (int i = first; i < last; ++i) {
+      ended_[i] = 0;
+      if (!busy_[i]) continue;
+      if (const int next = frame_numbers_[i] + 1; next == 0 || next == plan_.num_frames) {
+        ended_[i] = kLater;
+      } else {
+        frame_numbers_[i] = next;
+        continueEpisode(i);
+      }
+    }
+  });
+  // Starts and ends of episodes change the whole batch.
   for (int i = 0; i < numInstances(); ++i) {
+    if (ended_[i] != kLater) continue;
     ended_[i] = 0;
-    if (busy_[i]) nextFrame(i);
+    nextFrame(i);
   }
 }
 

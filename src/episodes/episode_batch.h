@@ -19,6 +19,7 @@
 #include <span>
 #include <vector>
 
+#include "base/thread_team.h"
 #include "control/robots.h"
 #include "episodes/frame_context.h"
 #include "episodes/plan.h"
@@ -54,7 +55,9 @@ class EpisodeBatch {
 
   // Takes the twists (num_instances) of sensor 0 in S for the instances whose control tick is due, and adds the scene's action noise. The
   // robot keeps it until the instance's next tick. Robots do not move for values that are not finite (RobotStatus::kLost).
-  void act(std::span<const Twist> twists);
+  void act(std::span<const Twist> twists) { act(twists, 0, numInstances()); }
+  // The same for the instances from `first` to before `last`. The threads of team() may act on parts that do not overlap.
+  void act(std::span<const Twist> twists, int first, int last);
   // The same for joint velocities (num_instances x num_joints; rad/s or m/s) of a manipulator. Revolute joints have the scene's angular
   // action noise, prismatic joints the linear one.
   void actJoints(std::span<const double> velocities);
@@ -62,8 +65,14 @@ class EpisodeBatch {
   // first_instance: added to the number of the instance in the message.
   void checkActions(std::span<const Twist> twists, int first_instance = 0) const;
   void checkJointActions(std::span<const double> velocities, int first_instance = 0) const;
-  // Moves robots and objects to the next frame. Instances whose last frame was read have ended and become idle.
+  // Moves robots, then objects, to the next frame. Instances whose last frame was read have ended and become idle.
   void advance();
+  // The two halves of advance(), in this order.
+  void moveRobots();
+  void moveObjects();
+
+  // Threads that share loops over the instances. The results do not depend on their number.
+  ThreadTeam& team() { return team_; }
 
   int numInstances() const { return robots_.numInstances(); }
   bool busy() const { return num_busy_ > 0; }  // whether any instance runs an episode
@@ -86,32 +95,41 @@ class EpisodeBatch {
   const EpisodeDraw& draw(int i) const { return states_[i].draw; }
   // Constants of the episode without those of its controller. Valid from its frame 0 on.
   EpisodeRecord record(int i) const;
+  DeviceTraffic traffic() const { return simulator_.traffic(); }
   double timeOfFrame() const { return simulator_.timing().total; }  // s, device time; NaN unless plan.device_clock
 
  private:
-  // State of the episode that an instance runs.
+  // What an episode needs in every frame, as bits.
+  enum EpisodeFlag : std::uint8_t {
+    kWarmsUp = 1,      // the first frame is -1
+    kMounted = 2,      // X_NS is not the identity
+    kMoves = 4,        // the object has a trajectory
+    kActionNoise = 8,  // actions get noise
+  };
+  // State of the episode that an instance runs. Large, so that frames read it only where a flag says so.
   struct EpisodeState {
     EpisodeDraw draw;
-    std::optional<Pose> X_NS;              // of the sensors in the frame where the robot believes them; empty: the same frame
-    int first_frame = 0;                   // 0, or -1 with a warm-up frame
+    Pose X_NS;                             // of the sensors in the frame where the robot believes them; with kMounted
     double load_offset = 0;                // m
     std::optional<Trajectory> trajectory;  // of a moving object, from its initial contact
   };
 
   void setContacts(const ContactRecording& recording);
+  bool has(int i, EpisodeFlag flag) const { return (flags_[i] & flag) != 0; }
   Pose inSensor(int i, const Pose& X_NO) const;
   void resetSensors(int i);
   void initialContact(int i);
   void beginFrame(int i);
   void nextFrame(int i);
+  void continueEpisode(int i);
   void updatePoses(int i);
   void computeFrames(std::span<const std::uint8_t> instances);
-  bool hasActionNoise(int i) const;
   double actionNoise(int i, std::uint32_t component, double deviation) const;
 
   const EpisodePlan& plan_;
   Simulator simulator_;
   Robots robots_;
+  ThreadTeam team_;
   FrameView frame_;
   int num_busy_ = 0;
   bool loads_changed_ = false;
@@ -126,6 +144,7 @@ class EpisodeBatch {
 
   // (num_instances)
   std::vector<EpisodeState> states_;
+  std::vector<std::uint8_t> flags_;  // bits of EpisodeFlag
   std::vector<std::uint64_t> episodes_;
   std::vector<int> objects_;
   std::vector<std::uint8_t> load_reached_;

@@ -59,8 +59,10 @@ void ServoController::command(EpisodeBatch& batch) {
   input.exact_edge_angle = true_angles_;
   input.start_force = batch.startForces();
   input.due = batch.controlDue();
-  controller_.command(input, plan.control_period * plan.dt, twists_);
-  batch.act(twists_);
+  batch.team().run(batch.numInstances(), [&](int first, int last) {
+    controller_.command(input, plan.control_period * plan.dt, twists_, first, last);
+    batch.act(twists_, first, last);
+  });
 }
 
 }  // namespace taxelsim

@@ -1,6 +1,7 @@
 #include "episodes/slice.h"
 
 #include <chrono>
+#include <ctime>
 #include <string>
 #include <utility>
 
@@ -21,6 +22,29 @@ class Stopwatch {
   using SteadyClock = std::chrono::steady_clock;
   SteadyClock::time_point last_ = SteadyClock::now();
 };
+
+// Processor time of the calling thread.
+class ThreadStopwatch {
+ public:
+  // Seconds since construction or the preceding lap(); 0 where the system has no such clock.
+  double lap() {
+    const double now = seconds();
+    return now - std::exchange(last_, now);
+  }
+
+ private:
+  static double seconds() {
+    timespec time{};
+    return ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time) == 0
+               ? static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec)
+               : 0.0;
+  }
+  double last_ = seconds();
+};
+
+DeviceTraffic operator-(const DeviceTraffic& a, const DeviceTraffic& b) {
+  return {a.num_submits - b.num_submits, a.bytes_to_device - b.bytes_to_device, a.bytes_from_device - b.bytes_from_device};
+}
 
 OutputOptions operator|(const OutputOptions& a, const OutputOptions& b) {
   return {.tactile_normal_force = a.tactile_normal_force || b.tactile_normal_force,
@@ -76,9 +100,12 @@ void Slice::startNext(int i) {
 
 void Slice::submit() {
   Stopwatch stopwatch;
+  ThreadStopwatch processor;
   batch_.setInputs();
   submit_seconds_ = stopwatch.lap();
+  host_.inputs = processor.lap();
   batch_.submit();
+  host_.submit = processor.lap();
 }
 
 // Passes the constants of new episodes to the sink.
@@ -96,23 +123,37 @@ void Slice::beginRecords(Stats& stats) {
 
 Slice::Stats Slice::collect() {
   Stopwatch stopwatch;
+  ThreadStopwatch processor;
   batch_.read();
-  Stats stats{.control_seconds = submit_seconds_, .wait_seconds = stopwatch.lap(), .device_seconds = batch_.timeOfFrame()};
+  Stats stats{.control_seconds = submit_seconds_,
+              .wait_seconds = stopwatch.lap(),
+              .device_seconds = batch_.timeOfFrame(),
+              .host = host_,
+              .traffic = batch_.traffic() - traffic_};
+  traffic_ = batch_.traffic();
+  stats.host.read = processor.lap();
 
   batch_.beginFrame();
   beginRecords(stats);
+  stats.host.episodes = processor.lap();
   if (controller_) controller_->command(batch_);
+  stats.host.controller = processor.lap();
   stats.control_seconds += stopwatch.lap();
   sink_.frame(batch_.frame(), batch_.context());
+  stats.host.sink = processor.lap();
   stopwatch.lap();
 
-  batch_.advance();
+  batch_.moveRobots();
+  stats.host.robots = processor.lap();
+  batch_.moveObjects();
+  stats.host.objects = processor.lap();
   for (int i = 0; i < batch_.numInstances(); ++i) {
     if (!batch_.hasEnded(i)) continue;
     ++stats.num_episodes;
     sink_.end(i);
     startNext(i);
   }
+  stats.host.episodes += processor.lap();
   stats.control_seconds += stopwatch.lap();
   return stats;
 }

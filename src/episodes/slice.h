@@ -32,10 +32,22 @@ struct SlicePlan : EpisodePlan {
   const Policy* policy = nullptr;
 };
 
+// Host work of one frame, s of processor time of the calling thread.
+struct HostTimes {
+  double inputs = 0;      // poses and loads are checked and passed to the simulator
+  double submit = 0;      // they are packed for the device; submission
+  double read = 0;        // wait, views of the outputs
+  double episodes = 0;    // starts and ends of episodes, records
+  double controller = 0;  // features to actions, with action noise
+  double sink = 0;
+  double robots = 0;
+  double objects = 0;  // motion of the objects, their poses in the sensors
+};
+
 // Not thread-safe: all calls from one thread at a time.
 class Slice {
  public:
-  // Statistics of one collect().
+  // Statistics of one collect() and the submit() before it.
   struct Stats {
     std::uint64_t num_frames = 0;    // without warm-up frames
     std::uint64_t num_episodes = 0;  // ended
@@ -43,6 +55,8 @@ class Slice {
     double control_seconds = 0;  // host time of controllers, robots and objects from this frame to the next
     double wait_seconds = 0;     // host time spent waiting for the device
     double device_seconds = 0;   // device time of the frame, by the device's clock; NaN if not measured
+    HostTimes host;
+    DeviceTraffic traffic;  // from this slice's last collect() to this one; the first one has also what the first episodes set
   };
 
   // Takes the first episode of every instance from the sink and compiles the pipelines. Throws what Simulator throws. `plan` and `sink`
@@ -70,6 +84,8 @@ class Slice {
   EpisodeBatch batch_;
   std::unique_ptr<Controller> controller_;
   double submit_seconds_ = 0;
+  HostTimes host_;         // of the frame that is in flight
+  DeviceTraffic traffic_;  // until the last collect()
 };
 
 }  // namespace taxelsim

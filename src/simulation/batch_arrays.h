@@ -43,6 +43,7 @@ struct BatchArray {
 
   std::uint64_t bytes(const BatchShape& shape) const { return count(shape) * element_bytes; }
   bool isReadable() const { return is_read != nullptr; }
+  bool isRead(const OutputOptions& outputs, ReadAfter after) const { return isReadable() && (read_after & after) != 0 && is_read(outputs); }
 };
 
 std::span<const BatchArray> batchArrays();

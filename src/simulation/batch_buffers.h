@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <span>
 
 #include "gpu/buffer.h"
@@ -27,6 +28,9 @@ class BatchBuffers {
   }
 
   void bindTo(gpu::Bindings& bindings) const;
+
+  // Bytes of the arrays that the host may read after such commands.
+  std::uint64_t bytesRead(const OutputOptions& outputs, ReadAfter after) const;
 
   // Copies to where the host reads them, as far as the host cannot read device memory.
   void recordReadback(gpu::Commands& commands, const OutputOptions& outputs, ReadAfter after) const;

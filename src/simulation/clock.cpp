@@ -7,11 +7,7 @@
 
 namespace taxelsim {
 
-void Clock::deliver(const FrameTiming& timing, std::uint64_t episode) {
-  if (timing.rate == 0) {
-    ++frames;
-    return;
-  }
+void Clock::deliverAt(const FrameTiming& timing, std::uint64_t episode) {
   const double now = time * timing.rate + 1e-9;
   const double spread = timing.jitter * timing.rate;
   const auto due_of = [&](std::uint32_t frame) {

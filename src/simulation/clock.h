@@ -25,7 +25,16 @@ struct Clock {
   // With a tolerance of a billionth of a period.
   bool frameDue(double rate) const { return rate == 0 || time * rate >= due - 1e-9; }
   // Delivers the newest frame that is due and skips the frames between.
-  void deliver(const FrameTiming& timing, std::uint64_t episode);
+  void deliver(const FrameTiming& timing, std::uint64_t episode) {
+    if (timing.rate == 0) {
+      ++frames;
+    } else {
+      deliverAt(timing, episode);
+    }
+  }
+
+ private:
+  void deliverAt(const FrameTiming& timing, std::uint64_t episode);
 };
 
 // Lengths of the last steps of a simulator, for delays.

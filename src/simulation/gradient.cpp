@@ -49,7 +49,8 @@ GradientView Simulator::vjp(std::span<const float> cotangent, std::span<const fl
   const std::span<float> products = impl.buffers.input<block::ForceCotangents>();
   for (std::size_t i = 0; i < gain.size(); ++i) products[i] = product(i);
   gpu::Commands& commands = impl.gradientCommands(!gain.empty());
-  commands.submit();
+  impl.traffic.bytes_to_device += (cotangent.size() + gain.size()) * sizeof(float);
+  impl.submit(commands, kAfterGradient);
   commands.wait();
   impl.checkLoops();
   return {impl.buffers.output<block::TwistGradient>().first(6 * n), impl.buffers.output<block::GainGradient>().first(num_values)};

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-#include "simulation/rows.h"
+#include "base/pose_inline.h"
 #include "taxelsim/simulator.h"
 
 namespace taxelsim {
@@ -12,14 +12,25 @@ namespace {
 
 static_assert(kMaxSlots <= 8, "a slot is a bit of a byte");
 
-layout::PoseRecord packPose(int id, const Pose& X_SO, std::size_t slot) {
+Quaternion unitRotation(const Pose& X_SO) {
   const auto& [w, x, y, z] = X_SO.rotation;
   const double length = std::sqrt(w * w + x * x + y * y + z * z);
-  const std::array<double, 9> rotation = rotationMatrix({w / length, x / length, y / length, z / length});
-  return {row(rotation, X_SO.position, 0),
-          row(rotation, X_SO.position, 1),
-          row(rotation, X_SO.position, 2),
-          {static_cast<float>(id), static_cast<float>(slot), 0.0f, 0.0f}};
+  return {w / length, x / length, y / length, z / length};
+}
+
+// `R_SO`: of unit length.
+void packPose(int id, const Quaternion& R_SO, const Vector3& p_SO, std::size_t slot, layout::PoseRecord& record) {
+  const std::array<double, 9> rotation = inlined::rotationMatrix(R_SO);
+  const auto setRow = [&](glm::vec4& row, std::size_t i) {
+    row.x = static_cast<float>(rotation[3 * i]);
+    row.y = static_cast<float>(rotation[3 * i + 1]);
+    row.z = static_cast<float>(rotation[3 * i + 2]);
+    row.w = static_cast<float>(p_SO[i]);
+  };
+  setRow(record.row0, 0);
+  setRow(record.row1, 1);
+  setRow(record.row2, 2);
+  record.object = {static_cast<float>(id), static_cast<float>(slot), 0.0f, 0.0f};
 }
 
 float largestSpacing(const PackedSensor& packed) {
@@ -59,7 +70,7 @@ NearSlots::NearSlots(const ModelData& model, std::size_t num_instances, std::siz
     if (packed.patches.size() == 1) {
       // Surfaces count however deep they are, unless all of their object is behind the skin.
       const float base = static_cast<float>(-model.sensor.skin.thickness) - margin;
-      region_ = {R_PS, positionOf(patch), {-half.x, -half.y, base}, {half.x, half.y, top}};
+      region_ = {R_PS, positionOf(patch), {-half.x, -half.y, base}, {half.x, half.y, top}, R_SP[2]};
       return;
     }
     const float bottom = -patch.spacing.w - margin;
@@ -73,8 +84,8 @@ NearSlots::NearSlots(const ModelData& model, std::size_t num_instances, std::siz
 }
 
 bool NearSlots::isBehind(const layout::ObjectRecord& object, const layout::PoseRecord& X_SO) const {
-  const glm::vec3 normal = glm::transpose(region_.R_RS)[2];  // z of R, in S
-  const glm::vec3 n_O = glm::transpose(rotationOf(X_SO)) * normal;
+  const glm::vec3& normal = region_.normal;
+  const glm::vec3 n_O = glm::vec3(X_SO.row0) * normal.x + glm::vec3(X_SO.row1) * normal.y + glm::vec3(X_SO.row2) * normal.z;
   const float center = region_.p_RS.z + glm::dot(normal, positionOf(X_SO)) + glm::dot(n_O, glm::vec3(object.center));
   return center + glm::dot(glm::abs(n_O), glm::vec3(object.half_size)) < region_.low.z;
 }
@@ -95,10 +106,10 @@ bool NearSlots::reaches(const layout::ObjectRecord& object, const layout::PoseRe
                     glm::abs(R_RO[0]) * size.x + glm::abs(R_RO[1]) * size.y + glm::abs(R_RO[2]) * size.z);
 }
 
-void NearSlots::place(std::size_t index, int id, const Pose& X_SO) {
-  const std::size_t instance = index / num_slots_, slot = index % num_slots_;
+void NearSlots::place(std::size_t instance, std::size_t slot, int id, const Pose& X_SO) {
+  const std::size_t index = instance * num_slots_ + slot;
   const bool is_occupied = id != kNoObject;
-  if (is_occupied) placed_[index] = packPose(id, X_SO, slot);
+  if (is_occupied) packPose(id, unitRotation(X_SO), X_SO.position, slot, placed_[index]);
   const auto set = [bit = 1u << slot](std::uint8_t& bits, bool value) {
     bits = static_cast<std::uint8_t>(value ? bits | bit : bits & ~bit);
   };
@@ -109,14 +120,41 @@ void NearSlots::place(std::size_t index, int id, const Pose& X_SO) {
   set(near_[instance], num_slots_ == 1 ? !isBehind(object, placed_[index]) : reaches(object, placed_[index]));
 }
 
-std::size_t NearSlots::pack(std::span<const layout::InstanceRecord> instances, std::span<layout::PoseRecord> poses) {
+void NearSlots::placeAll(std::span<const int> ids, std::span<const Pose> X_SO) {
+  if (num_slots_ > 1) {
+    for (std::size_t k = 0; k < ids.size(); ++k) place(k / num_slots_, k % num_slots_, ids[k], X_SO[k]);
+    return;
+  }
+  constexpr std::size_t kChunk = 64;
+  std::array<Quaternion, kChunk> rotations;
+  for (std::size_t first = 0; first < ids.size(); first += kChunk) {
+    const std::size_t last = std::min(first + kChunk, ids.size());
+    for (std::size_t i = first; i < last; ++i) rotations[i - first] = unitRotation(X_SO[i]);
+    for (std::size_t i = first; i < last; ++i) {
+      occupied_[i] = ids[i] != kNoObject;
+      if (occupied_[i]) packPose(ids[i], rotations[i - first], X_SO[i].position, 0, placed_[i]);
+    }
+    for (std::size_t i = first; i < last; ++i) {
+      near_[i] = occupied_[i] && !isBehind(model_.object_records[static_cast<std::size_t>(ids[i])], placed_[i]);
+    }
+  }
+}
+
+std::size_t NearSlots::pack(std::span<const float> loads, std::span<layout::PoseRecord> poses) {
+  constexpr layout::PoseRecord kEmpty{{}, {}, {}, {kNoObject, 0, 0, 0}};
+  if (num_slots_ == 1) {
+    for (std::size_t i = 0; i < near_.size(); ++i) {
+      packed_[i] = std::isnan(loads[i]) ? near_[i] : occupied_[i];
+      poses[i] = packed_[i] != 0 ? placed_[i] : kEmpty;
+    }
+    return 1;
+  }
   int most = 1;
   for (std::size_t i = 0; i < near_.size(); ++i) {
-    packed_[i] = std::isnan(instances[i].drive.x) ? near_[i] : occupied_[i];
+    packed_[i] = std::isnan(loads[i]) ? near_[i] : occupied_[i];
     most = std::max(most, std::popcount(packed_[i]));
   }
   const auto stride = static_cast<std::size_t>(most);
-  constexpr layout::PoseRecord kEmpty{{}, {}, {}, {kNoObject, 0, 0, 0}};
   for (std::size_t i = 0; i < near_.size(); ++i) {
     const std::span<layout::PoseRecord> of_instance = poses.subspan(i * stride, stride);
     std::size_t count = 0;

@@ -17,13 +17,14 @@ class NearSlots {
   // `model` must outlive this.
   NearSlots(const ModelData& model, std::size_t num_instances, std::size_t num_slots);
 
-  // Sets slot `index` of (num_instances x num_slots).
-  void place(std::size_t index, int id, const Pose& X_SO);
+  void place(std::size_t instance, std::size_t slot, int id, const Pose& X_SO);
+  // Sets all slots, (num_instances x num_slots): in passes over some instances, so that the processor overlaps independent operations.
+  void placeAll(std::span<const int> ids, std::span<const Pose> X_SO);
 
   // Writes the poses of the near objects to `poses` (num_instances x the result), in the order of their slots, then empty slots. Returns
   // the largest number of near objects of an instance, at least 1. A load search moves objects: where an instance is driven by load, all
   // its objects are near.
-  std::size_t pack(std::span<const layout::InstanceRecord> instances, std::span<layout::PoseRecord> poses);
+  std::size_t pack(std::span<const float> loads, std::span<layout::PoseRecord> poses);
 
   // The near slots of an instance after pack(), as bits.
   std::uint32_t of(std::size_t instance) const { return packed_[instance]; }
@@ -38,6 +39,7 @@ class NearSlots {
     glm::mat3 R_RS{1};
     glm::vec3 p_RS{};
     glm::vec3 low{std::numeric_limits<float>::infinity()}, high{-std::numeric_limits<float>::infinity()};
+    glm::vec3 normal{0, 0, 1};  // z of R, in S
   };
 
   const ModelData& model_;

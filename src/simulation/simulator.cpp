@@ -67,11 +67,13 @@ Simulator::Impl::Impl(const Model& shared_model, const SimulatorOptions& simulat
       keeps_candidates(shapeOf(data(), options).keeps_candidates),
       near(data(), takesContacts() ? 0 : static_cast<std::size_t>(options.num_instances), static_cast<std::size_t>(options.num_slots)) {
   clocks.resize(static_cast<std::size_t>(options.num_instances));
-  for (layout::InstanceRecord& instance : records()) {
-    instance.drive.x = kPoseDriven;
-    setVariation(instance, 0, {});
-    setSkin(instance, {});
-  }
+  loads.assign(clocks.size(), kPoseDriven);
+  episodes.resize(clocks.size());
+  flags.resize(clocks.size());
+  delays.resize(clocks.size());
+  are_random.resize(clocks.size());
+  for (std::size_t i = 0; i < clocks.size(); ++i) vary(i, 0, {}, {});
+  traffic = {};
   if (data().hasFriction() && !takesContacts()) motions.emplace(clocks.size(), static_cast<std::size_t>(options.num_slots));
   viewOf(data(), options, buffers, integer_features);  // allocates the arrays of integer features, so that read() does not
 }
@@ -89,9 +91,9 @@ void Simulator::Impl::checkTakesContacts() const {
   if (!takesContacts()) refuse("this simulator takes no contacts: max_contacts is 0");
 }
 
-void Simulator::Impl::place(std::size_t slot_index, int id, const Pose& X_SO) {
-  near.place(slot_index, id, X_SO);
-  if (motions) motions->place(slot_index, id, X_SO);
+void Simulator::Impl::place(std::size_t instance, std::size_t slot, int id, const Pose& X_SO) {
+  near.place(instance, slot, id, X_SO);
+  if (motions) motions->place(instance * static_cast<std::size_t>(options.num_slots) + slot, id, X_SO);
 }
 
 gpu::Commands& Simulator::Impl::commands(const FrameKind& kind) {
@@ -109,12 +111,10 @@ void Simulator::Impl::checkLoops() const {
 }
 
 bool Simulator::Impl::anyRandom() const {
-  const std::span<const layout::InstanceRecord> all = records();
-  return model.sensor().readout.noise > 0 ||
-         std::any_of(all.begin(), all.end(), [](const layout::InstanceRecord& record) { return record.drive.z > 0 || record.drive.w > 0; });
+  return model.sensor().readout.noise > 0 || num_random > 0;
 }
 
-void Simulator::Impl::setVariation(layout::InstanceRecord& record, std::uint64_t episode, const ReadoutVariation& variation) const {
+void Simulator::Impl::vary(std::size_t instance, std::uint64_t episode, const ReadoutVariation& variation, const SkinVariation& skin) {
   const Readout& readout = model.sensor().readout;
   float gain = variation.gain;
   if (readout.press_gain_spread > 0) {
@@ -123,21 +123,21 @@ void Simulator::Impl::setVariation(layout::InstanceRecord& record, std::uint64_t
   }
   float spread = variation.gain_spread;
   if (readout.gain_spread > 0) spread = static_cast<float>(std::hypot(readout.gain_spread, variation.gain_spread));
-  record.drive = {record.drive.x, gain, spread, variation.noise};
-  record.keys.x = static_cast<std::uint32_t>(episode);
-  record.keys.y = static_cast<std::uint32_t>(episode >> 32);
+  episodes[instance] = episode;
+  delays[instance] = skin.delay;
+  num_random -= are_random[instance];
+  are_random[instance] = spread > 0 || variation.noise > 0;
+  num_random += are_random[instance];
+  layout::InstanceRecord record{};
+  record.drive = {loads[instance], gain, spread, variation.noise};
+  record.skin = {skin.stiffness, skin.friction, skin.trigger, skin.hysteresis};
+  record.spread = {skin.psf_width * skin.psf_width, skin.delay, skin.trigger_spread, 0.0f};
+  buffers.input<block::Instances>()[instance] = record;
+  traffic.bytes_to_device += sizeof(record);
 }
 
 float Simulator::Impl::longestDelay() const {
-  if (!options.vary_skin) return 1;
-  float longest = 0;
-  for (const layout::InstanceRecord& record : records()) longest = std::max(longest, record.spread.y);
-  return longest;
-}
-
-void Simulator::Impl::setSkin(layout::InstanceRecord& record, const SkinVariation& skin) {
-  record.skin = {skin.stiffness, skin.friction, skin.trigger, skin.hysteresis};
-  record.spread = {skin.psf_width * skin.psf_width, skin.delay, skin.trigger_spread, 0.0f};
+  return options.vary_skin ? *std::max_element(delays.begin(), delays.end()) : 1;
 }
 
 layout::StepRecord Simulator::Impl::stepRecord(double dt, const Selection& selection) {
@@ -196,8 +196,13 @@ void Simulator::setObjects(std::span<const int> ids, std::span<const Pose> X_SO)
   checkLength("X_SO", X_SO.size(), n * slots);
   // All are checked before any is written, so that an error changes nothing.
   const auto num_objects = static_cast<int>(impl_->model.objects().size());
-  for (std::size_t i = 0; i < ids.size(); ++i) checkSlot(ids[i], X_SO[i], i / slots, num_objects);
-  for (std::size_t i = 0; i < ids.size(); ++i) impl_->place(i, ids[i], X_SO[i]);
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t k = i * slots; k < (i + 1) * slots; ++k) checkSlot(ids[k], X_SO[k], i, num_objects);
+  }
+  impl_->near.placeAll(ids, X_SO);
+  if (impl_->motions) {
+    for (std::size_t k = 0; k < ids.size(); ++k) impl_->motions->place(k, ids[k], X_SO[k]);
+  }
 }
 
 void Simulator::setObjects(int instance, std::span<const int> ids, std::span<const Pose> X_SO) {
@@ -209,7 +214,7 @@ void Simulator::setObjects(int instance, std::span<const int> ids, std::span<con
   const auto i = static_cast<std::size_t>(instance);
   const auto num_objects = static_cast<int>(impl_->model.objects().size());
   for (std::size_t slot = 0; slot < slots; ++slot) checkSlot(ids[slot], X_SO[slot], i, num_objects);
-  for (std::size_t slot = 0; slot < slots; ++slot) impl_->place(i * slots + slot, ids[slot], X_SO[slot]);
+  for (std::size_t slot = 0; slot < slots; ++slot) impl_->place(i, slot, ids[slot], X_SO[slot]);
 }
 
 void Simulator::setLoads(std::span<const float> loads) {
@@ -229,14 +234,17 @@ void Simulator::setLoad(int instance, float load) {
     refuse("load of instance " + std::to_string(instance) + ": " + std::to_string(load) +
            " is not allowed: none, where a skin with a globally coupled law does not face along z of the sensor frame");
   }
-  impl_->records()[static_cast<std::size_t>(instance)].drive.x = load;
+  impl_->loads[static_cast<std::size_t>(instance)] = load;
+  impl_->buffers.input<block::Instances>()[static_cast<std::size_t>(instance)].drive.x = load;
+  impl_->traffic.bytes_to_device += sizeof(load);
 }
 
-void Simulator::Impl::takeContacts(std::size_t instance, std::span<const ContactPoint> contacts) const {
+void Simulator::Impl::takeContacts(std::size_t instance, std::span<const ContactPoint> contacts) {
   const auto room = static_cast<std::size_t>(options.max_contacts);
   const std::span<layout::ContactRecord> packed = buffers.input<block::Contacts>().subspan(instance * room, room);
   for (std::size_t k = 0; k < contacts.size(); ++k) packed[k] = packContact(contacts[k]);
   buffers.input<block::NumContacts>()[instance] = static_cast<std::uint32_t>(contacts.size());
+  traffic.bytes_to_device += contacts.size() * sizeof(layout::ContactRecord) + sizeof(std::uint32_t);
 }
 
 void Simulator::setContacts(std::span<const ContactPoint> contacts, std::span<const int> offsets) {
@@ -268,9 +276,7 @@ void Simulator::reset(int instance, std::uint64_t episode, const ReadoutVariatio
     if (!impl_->options.vary_skin) refuse("skin of instance " + std::to_string(instance) + ": a variation needs the option vary_skin");
     checkBelow("skin of instance " + std::to_string(instance), [&] { checkVariation(impl_->model.sensor(), skin); });
   }
-  layout::InstanceRecord& record = impl_->records()[static_cast<std::size_t>(instance)];
-  impl_->setVariation(record, episode, variation);
-  impl_->setSkin(record, skin);
+  impl_->vary(static_cast<std::size_t>(instance), episode, variation, skin);
   impl_->clocks[static_cast<std::size_t>(instance)] = {};
   if (impl_->motions) impl_->motions->forget(static_cast<std::size_t>(instance));
 }
@@ -293,83 +299,6 @@ void Simulator::prepare(bool loads) {
   for (const FrameKind& kind : kinds) impl_->commands(kind).finish();
 }
 
-void Simulator::Impl::startFrame(std::size_t instance, double dt, std::size_t num_near) {
-  const Sensor& sensor = model.sensor();
-  const FrameTiming frame_timing{.rate = sensor.frame_rate, .jitter = sensor.readout.jitter, .seed = options.seed};
-  layout::InstanceRecord& record = records()[instance];
-  Clock& clock = clocks[instance];
-  std::uint32_t flags = 0;
-  if (clock.steps == 0) flags |= layout::kFlagFirstStep;
-  if (!std::isnan(record.drive.x)) flags |= layout::kFlagLoadDriven;
-  record.keys.z = clock.frames;
-  if (clock.frameDue(frame_timing.rate)) {
-    flags |= layout::kFlagNewFrame;
-    clock.deliver(frame_timing, record.keys.x | static_cast<std::uint64_t>(record.keys.y) << 32);
-  }
-  record.keys.w = flags;
-  record.clock.x = clock.steps++;
-  if (options.vary_skin) record.clock.y = history.stepsBack(sensor.readout.delay * record.spread.y);
-  clock.time += dt;
-  if (!motions) return;
-  const float load_offset = buffers.output<block::Features>()[layout::kFeatureLoadOffset * clocks.size() + instance];
-  motions->pack(instance, load_offset, near.of(instance), buffers.input<block::Motions>().subspan(instance * num_near, num_near));
-}
-
-FrameKind::Candidates Simulator::Impl::candidatesOf(const Selection& selection, bool any_load, bool one_near) {
-  using Candidates = FrameKind::Candidates;
-  keeping = selection.isAll() && keeps_candidates && one_near && !any_load && candidate_schedule.keeps();
-  if (keeping) return any_candidates ? Candidates::kUsed : Candidates::kKept;
-  return (selection.isAll() && one_near) || !keeps_candidates || any_load ? Candidates::kSkipped : Candidates::kLeft;
-}
-
-void Simulator::Impl::step(double dt, const Selection& selection) {
-  layout::StepRecord& step_record = buffers.input<block::Step>()[0];
-  step_record = stepRecord(dt, selection);
-  const std::size_t num_near = takesContacts() ? 0 : near.pack(records(), buffers.input<block::Poses>());
-  if (!takesContacts()) step_record.batch.y = static_cast<std::uint32_t>(num_near);
-  bool any_load = false;
-  for (std::size_t i = 0; i < clocks.size(); ++i) {
-    if (selection.has(i)) {
-      startFrame(i, dt, num_near);
-      any_load = any_load || (records()[i].keys.w & layout::kFlagLoadDriven) != 0;
-    } else {
-      records()[i].keys.w = layout::kFlagHeld;
-    }
-  }
-  if (any_load && (!data().layer || data().isLinked()) && !data().packed.searches_in_tile) {
-    startLoadSearch(data(), records(), buffers.input<block::Poses>().first(clocks.size() * num_near), buffers.input<block::Loads>());
-  }
-  const FrameKind::Candidates candidates = candidatesOf(selection, any_load, num_near == 1);
-  step_record.candidates.x = candidates == FrameKind::Candidates::kUsed;
-  gpu::Commands& frame = commands({.loads = any_load, .random = anyRandom(), .many_near = num_near > 1, .candidates = candidates});
-  frame.submit();
-  running = &frame;
-}
-
-void Simulator::Impl::checkCanStep(double dt) const {
-  if (!(dt > 0) || std::isinf(dt)) refuse("dt: " + std::to_string(dt) + " is not allowed: s, > 0");
-  if (running != nullptr) throw std::logic_error("a step was taken before read() of the last one");
-}
-
-void Simulator::step(double dt) {
-  impl_->checkCanStep(dt);
-  impl_->step(dt, {});
-}
-
-void Simulator::step(double dt, std::span<const std::uint8_t> instances) {
-  impl_->checkCanStep(dt);
-  checkLength("instances", instances.size(), impl_->clocks.size());
-  bool any = false;
-  for (std::size_t i = 0; i < instances.size(); ++i) {
-    if (instances[i] == 0) continue;
-    any = true;
-    if (impl_->clocks[i].steps > 0) {
-      throw std::logic_error("instance " + std::to_string(i) + " was not reset before a step of some instances");
-    }
-  }
-  if (any) impl_->step(dt, {instances});
-}
-
 FrameView Simulator::read() {
   Impl& impl = *impl_;
   if (impl.running != nullptr) {
@@ -390,6 +319,10 @@ FrameView Simulator::read() {
 
 StepTiming Simulator::timing() const {
   return impl_->timing;
+}
+
+DeviceTraffic Simulator::traffic() const {
+  return impl_->traffic;
 }
 
 }  // namespace taxelsim

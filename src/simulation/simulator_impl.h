@@ -41,24 +41,25 @@ struct Simulator::Impl {
 
   bool takesContacts() const { return options.max_contacts > 0; }
   const ModelData& data() const { return implOf(model).data; }
-  void takeContacts(std::size_t instance, std::span<const ContactPoint> contacts) const;
-  // Sets a slot of (num_instances x num_slots). Step() sends those that are near to the device.
-  void place(std::size_t slot_index, int id, const Pose& X_SO);
-
-  std::span<layout::InstanceRecord> records() const { return buffers.input<block::Instances>(); }
+  void takeContacts(std::size_t instance, std::span<const ContactPoint> contacts);
+  // Sets a slot of an instance. Step() sends those that are near to the device.
+  void place(std::size_t instance, std::size_t slot, int id, const Pose& X_SO);
 
   // Whether some instance draws noise or gains.
   bool anyRandom() const;
-  // Draws what all taxels have in common; the device draws the rest from what the record holds.
-  void setVariation(layout::InstanceRecord& record, std::uint64_t episode, const ReadoutVariation& variation) const;
-  static void setSkin(layout::InstanceRecord& record, const SkinVariation& skin);
+  // Sets the episode of an instance and what it varies, and writes its record to the device. Draws what all taxels have in common; the
+  // device draws the rest from what the record holds.
+  void vary(std::size_t instance, std::uint64_t episode, const ReadoutVariation& variation, const SkinVariation& skin);
   // Largest factor on the delay that an instance has.
   float longestDelay() const;
   // The record of a step of dt. Throws Error(kInput) when the delay is longer than the device keeps.
   layout::StepRecord stepRecord(double dt, const Selection& selection);
   // Advances the clock of an instance by dt and writes its record, and the motions of its near objects, of which an instance has up to
   // num_near.
-  void startFrame(std::size_t instance, double dt, std::size_t num_near);
+  void startFrame(std::size_t instance, double dt, const FrameTiming& frame_timing, std::size_t num_near);
+  // startFrame() of the selected instances; holds the others. Writes the records of all. Returns whether one is driven by load.
+  bool startFrames(double dt, const Selection& selection, std::size_t num_near);
+  std::size_t numSelected(const Selection& selection) const;
   // Which candidate passes the frame runs; `one_near`: no instance has several near objects.
   FrameKind::Candidates candidatesOf(const Selection& selection, bool any_load, bool one_near);
   // Both overloads of Simulator::step(). The selection must be valid.
@@ -67,12 +68,21 @@ struct Simulator::Impl {
   // Recorded when first needed; not finished.
   gpu::Commands& commands(const FrameKind& kind);
   gpu::Commands& gradientCommands(bool with_gains);
+  // Submits a list whose outputs the host reads.
+  void submit(gpu::Commands& list, ReadAfter after);
   // Throws Error(kDevice) if the driver has cut a loop of the last commands short.
   void checkLoops() const;
 
   Model model;
   SimulatorOptions options;
   BatchBuffers buffers;
+  // (num_instances): what the host reads of the records, because reading memory of a GPU that the host writes to is slow.
+  std::vector<float> loads;  // N, or kPoseDriven
+  std::vector<std::uint64_t> episodes;
+  std::vector<std::uint32_t> flags;      // of the last step
+  std::vector<float> delays;             // factors on the delay
+  std::vector<std::uint8_t> are_random;  // 1: draws noise or gains
+  std::size_t num_random = 0;            // sum of are_random
   IntegerFeatures integer_features;
   std::vector<Clock> clocks;
   StepHistory history;
@@ -88,6 +98,7 @@ struct Simulator::Impl {
   gpu::Commands* running = nullptr;
   bool has_frame = false;  // some step has been read
   StepTiming timing;
+  DeviceTraffic traffic;
 };
 
 }  // namespace taxelsim

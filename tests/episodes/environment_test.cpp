@@ -86,8 +86,9 @@ Recording recordEnvironment(Environment& environment, std::uint64_t num_episodes
   }
 }
 
-Recording recordSlice(const Model& model, const Scene& scene, int num_instances) {
-  const SlicePlan plan(scene, {.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false});
+Recording recordSlice(const Model& model, const Scene& scene, int num_instances, int host_threads = 1) {
+  SlicePlan plan(scene, {.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false});
+  plan.host_threads = host_threads;
   RecordingSink sink(scene.num_episodes, num_instances);
   std::vector<std::unique_ptr<Slice>> slices;
   slices.push_back(std::make_unique<Slice>(model, plan, num_instances, sink));
@@ -138,6 +139,45 @@ TEST_P(EnvironmentTrajectory, IsThatOfASliceForAnyNumberOfInstances) {
       }
     }
   }
+}
+
+TEST_P(EnvironmentTrajectory, HasTheSameBitsForAnyNumberOfHostThreads) {
+  Scene scene = exampleScene();
+  GetParam().change(scene);
+  const Model model(Device::open(), modelOptionsOf(scene));
+  const Recording expected = recordSlice(model, scene, 7, 1);
+  ASSERT_EQ(expected.size(), scene.num_episodes);
+  for (const int host_threads : {2, 3, 8}) EXPECT_EQ(recordSlice(model, scene, 7, host_threads), expected) << host_threads << " threads";
+}
+
+TEST(HostThreads, AreOneOnASoftwareDeviceAndForSmallBatches) {
+  EXPECT_EQ(hostThreads(DeviceType::kCpu, 1 << 20), 1);
+  EXPECT_EQ(hostThreads(DeviceType::kDiscrete, 2047), 1);
+  EXPECT_GE(hostThreads(DeviceType::kDiscrete, 1 << 20), 1);
+  EXPECT_LE(hostThreads(DeviceType::kDiscrete, 1 << 20), 4);
+}
+
+TEST(SliceStats, CountOneSubmitPerFrameAndTimesOfAllParts) {
+  const Scene scene = exampleScene();
+  const Model model(Device::open(), modelOptionsOf(scene));
+  const SlicePlan plan(scene, {});
+  RecordingSink sink(scene.num_episodes, 5);
+  std::vector<std::unique_ptr<Slice>> slices;
+  slices.push_back(std::make_unique<Slice>(model, plan, 5, sink));
+  HostTimes sums;
+  int num_frames = 0;
+  runEpisodes(model.device(), slices, nullptr, [&](const Slice::Stats& stats) {
+    ++num_frames;
+    EXPECT_EQ(stats.traffic.num_submits, 1u);
+    EXPECT_GE(stats.traffic.bytes_to_device, 5u * (64 + 32) + 192);
+    for (const auto part : {&HostTimes::inputs, &HostTimes::submit, &HostTimes::read, &HostTimes::episodes, &HostTimes::controller,
+                            &HostTimes::sink, &HostTimes::robots, &HostTimes::objects}) {
+      EXPECT_GE(stats.host.*part, 0);
+      sums.*part += stats.host.*part;
+    }
+  });
+  EXPECT_GT(num_frames, scene.num_steps);
+  for (const double sum : {sums.submit, sums.controller, sums.sink}) EXPECT_GT(sum, 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, EnvironmentTrajectory,

@@ -23,12 +23,10 @@ std::size_t numSent(const ModelData& model, int num_slots, int num_near, float l
   NearSlots slots(model, 1, static_cast<std::size_t>(num_slots));
   for (int slot = 0; slot < num_slots; ++slot) {
     const double away = slot < num_near ? 0.0045 : 0.05;
-    slots.place(static_cast<std::size_t>(slot), 0, {.position = {slot % 2 == 0 ? 0 : away, 0, away}});
+    slots.place(0, static_cast<std::size_t>(slot), 0, {.position = {slot % 2 == 0 ? 0 : away, 0, away}});
   }
-  std::vector<layout::InstanceRecord> instances(1);
-  instances[0].drive.x = load;
   std::vector<layout::PoseRecord> poses(static_cast<std::size_t>(num_slots));
-  const std::size_t sent = slots.pack(instances, poses);
+  const std::size_t sent = slots.pack(std::span(&load, 1), poses);
   EXPECT_EQ(poses[0].object.x, sent == 1 && num_near == 0 ? kNoObject : 0);
   EXPECT_LE(std::popcount(slots.of(0)), static_cast<int>(sent));
   return sent;

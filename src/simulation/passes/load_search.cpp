@@ -25,14 +25,14 @@ gpu::PassKernel<LoadInterface> LoadSearchPass::makeKernel() const {
           LoadInterface{.EVALUATIONS = kMaxEvaluations, .NEWTON = model_.area(), .FIRST_STEP = firstStep(model_)}};
 }
 
-void startLoadSearch(const ModelData& model, std::span<const layout::InstanceRecord> instances, std::span<const layout::PoseRecord> poses,
+void startLoadSearch(const ModelData& model, std::span<const std::uint32_t> flags, std::span<const layout::PoseRecord> poses,
                      std::span<layout::LoadRecord> loads) {
   constexpr float kClearance = 1e-6f;  // m
   const std::size_t num_slots = poses.size() / loads.size();
   for (std::size_t i = 0; i < loads.size(); ++i) {
-    if ((instances[i].keys.w & layout::kFlagHeld) != 0) continue;
+    if ((flags[i] & layout::kFlagHeld) != 0) continue;
     loads[i] = {{0.0f, 0.0f, 0.0f, layout::kLoadSearching}, {0.0f, 0.0f, 0.0f, 0.0f}};
-    if ((instances[i].keys.w & layout::kFlagLoadDriven) == 0) continue;
+    if ((flags[i] & layout::kFlagLoadDriven) == 0) continue;
     float low = std::numeric_limits<float>::infinity();
     float high = -low;
     for (const layout::PoseRecord& pose : poses.subspan(i * num_slots, num_slots)) {

@@ -29,8 +29,8 @@ class LoadSearchPass {
 };
 
 // Brackets of a search over tiles, from all objects just clear of the sensor to all of them past its skin. `poses`: (num_instances x
-// those of the step).
-void startLoadSearch(const ModelData& model, std::span<const layout::InstanceRecord> instances, std::span<const layout::PoseRecord> poses,
+// those of the step). `flags` (num_instances): of InstanceRecord.
+void startLoadSearch(const ModelData& model, std::span<const std::uint32_t> flags, std::span<const layout::PoseRecord> poses,
                      std::span<layout::LoadRecord> loads);
 
 }  // namespace taxelsim
