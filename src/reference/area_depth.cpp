@@ -102,6 +102,7 @@ std::vector<CellDepth> AreaDepth::cellDepths(const Placed& object, const GridPat
 
 AreaDepths AreaDepth::at(double offset) const {
   AreaDepths depths;
+  const double most_deep = foundationOf(sensor_.skin).normal_exponent == 1 ? kMostDeep : kHalfDeep;
   for (std::size_t p = 0; p < sensor_.patches.size(); ++p) {
     const std::size_t first = depths.mean.size();
     const SampleGrid grid(sensor_.patches[p], sensor_.samples_per_taxel);
@@ -119,7 +120,7 @@ AreaDepths AreaDepth::at(double offset) const {
         depths.mean[n] = cell.mean;
         depths.share[n] = cell.share;
         depths.touching[n] = static_cast<int>(number);
-        if (varies(sensor_)) depths.points[n] = cellPoints(cell, {grid.step_x, grid.step_y});
+        if (varies(sensor_)) depths.points[n] = cellPoints(cell, {grid.step_x, grid.step_y}, most_deep);
       }
     }
   }

@@ -155,17 +155,27 @@ LayerContact loadedFoundationContact(const Sensor& sensor, std::span<const Place
   const Foundation foundation = makeFoundation(sensor);
   const Sensor nodes = refined(sensor);
   const std::vector<double> heights = layerHeights(nodes, foundation.nodes, objects);
-  const LayerCells cells = layerCellsAtFullDepth(nodes, foundation.nodes, objects);
-  if (cells.covered.empty()) {
-    return searchDepth(heights, 0, sensor.skin.thickness, load,
-                       [&](std::span<const double> moved) { return solveContact(nodes, foundation, moved); });
+  const double lowest = *std::min_element(heights.begin(), heights.end()), thickness = sensor.skin.thickness;
+  if (sensor.depth_sampling != DepthSampling::kArea || !std::isfinite(lowest) || load <= 0) {
+    return searchDepth(heights, 0, thickness, load, [&](std::span<const double> moved) { return solveContact(nodes, foundation, moved); });
   }
-  const FoundationCells cut = foundationCells(cells, foundation.nodes, heights);
-  const auto lowest = static_cast<std::size_t>(std::min_element(cut.height.begin(), cut.height.end()) - cut.height.begin());
-  return searchDepth(cut.height, 0, sensor.skin.thickness, load, [&](std::span<const double> moved) {
-    const double depth = std::isfinite(moved[lowest]) ? cut.height[lowest] - moved[lowest] : 0;
-    return solveCutContact(nodes, foundation, cells, cut, depth);
-  });
+  // The cells change with the depth, so that each depth is a frame.
+  const auto at = [&](double offset) {
+    std::vector<PlacedObject> moved(objects.begin(), objects.end());
+    for (PlacedObject& object : moved) object.X_SO.position[2] += offset;
+    LayerContact contact = foundationContact(sensor, moved);
+    contact.offset = offset;
+    return contact;
+  };
+  double deep = -lowest - thickness, shallow = thickness - lowest;  // m; a node is at its full depth; nothing touches
+  LayerContact contact = at(deep);
+  contact.load_reached = contact.total_force >= load;
+  constexpr int kHalvings = 30;  // to 4e-12 m of 2 thicknesses
+  for (int halving = 0; contact.load_reached && halving < kHalvings; ++halving) {
+    contact = at((deep + shallow) / 2);
+    (contact.total_force > load ? deep : shallow) = contact.offset;
+  }
+  return contact;
 }
 
 }  // namespace taxelsim::reference

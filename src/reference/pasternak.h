@@ -43,7 +43,7 @@ FoundationSolution solveFoundation(const Foundation& foundation, std::span<const
 // One frame of contact; `strain` is empty. Sensors of several patches: linked_foundation.h.
 LayerContact foundationContact(const Sensor& sensor, std::span<const PlacedObject> objects);
 
-// As loadedLayerContact().
+// As loadedLayerContact(). With DepthSampling::kArea by bisection over frames, each with the cells of its depth.
 LayerContact loadedFoundationContact(const Sensor& sensor, std::span<const PlacedObject> objects, double load);
 
 }  // namespace taxelsim::reference

@@ -47,6 +47,20 @@ void recordSearchOverTiles(const Model::Impl& model, const BatchShape& shape, Re
   }
 }
 
+// A two-parameter foundation. With area sampling the cells under a load are at first those at full depth, then in each round those at the
+// depth that the round before has found. `variant`: of the contact pass that writes the cells.
+void recordFoundation(const Model::Impl& model, const BatchShape& shape, Recorder& recorder, ContactPass::Variant variant) {
+  constexpr int kRounds = 4;  // error of the force under tilted objects: 59 % with one round, 2.4 % with two, 0.5 % with four
+  const bool loads = variant.search == ContactInterface::kSearchInTile;
+  const PasternakPass::Variant foundation{.loads = loads, .with_depth = shape.options.outputs.penetration_depth};
+  model.pasternak->record(recorder, foundation);
+  variant.search = ContactInterface::kSearchEnded;
+  for (int round = 1; loads && model.data.area() && round < kRounds; ++round) {
+    model.contact.record(recorder, variant);
+    model.pasternak->record(recorder, foundation);
+  }
+}
+
 // Stages 1 and 2 from poses of objects.
 void recordObjects(const Model::Impl& model, const BatchShape& shape, Recorder& recorder, const FrameKind& kind) {
   const bool coupled = model.data.layer.has_value();
@@ -77,7 +91,7 @@ void recordObjects(const Model::Impl& model, const BatchShape& shape, Recorder& 
     variant.cells = true;
     model.contact.record(recorder, variant);
   }
-  if (model.pasternak) model.pasternak->record(recorder, {.loads = kind.loads, .with_depth = shape.options.outputs.penetration_depth});
+  if (model.pasternak) recordFoundation(model, shape, recorder, variant);
   if (model.elastic_layer) {
     model.elastic_layer->record(recorder, {.loads = kind.loads,
                                            .keeps_slots = variant.keeps_slots,
