@@ -15,7 +15,7 @@
 #define BLOCK_Taxels BLOCK(Taxels, TaxelRecord, taxels[])
 #define BLOCK_SpreadRows BLOCK(SpreadRows, vec4, spread_rows[])
 #define BLOCK_SpreadScale BLOCK(SpreadScale, float, spread_scale[])  // (t)
-#define BLOCK_Mask BLOCK(Mask, vec2, mask[])                  // of deformation_mask (MASK_SOURCES / 2 x t x 2): source taxel (as bits), weight
+#define BLOCK_Mask BLOCK(Mask, vec2, mask[])  // of deformation_mask (MASK_SOURCES / 2 x t x 2): source taxel (as bits), weight
 #define BLOCK_Influence BLOCK(Influence, float, influence[])  // of an elastic layer (node rows x 2 rows of strips)
 #define BLOCK_FoundationNodes BLOCK(FoundationNodes, FoundationNodeRecord, foundation_nodes[])      // of a linked foundation (num_nodes)
 #define BLOCK_FoundationLinks BLOCK(FoundationLinks, FoundationLinkRecord, foundation_links[])      // (most links of a node x num_nodes)
