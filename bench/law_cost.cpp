@@ -1,5 +1,5 @@
 // Cost of a frame by contact law, with shear, readout stages, contact features and the tactile Jacobian, relative to `winkler` on the same
-// poses. One process, in turns, so that other load on the machine affects all cases.
+// poses, and of any two of these options together. One process, in turns, so that other load on the machine affects all cases.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -27,6 +27,7 @@ struct Options {
   std::string json, device, only;
   int num_instances = 512;  // 520 of pasternak fit into Debian's lavapipe
   int repetitions = 11;
+  bool pairs = false;
 };
 
 struct Case {
@@ -35,6 +36,8 @@ struct Case {
   bool cold = false;                    // whether to reset before every frame
   int max_regions = -1;                 // of the measured contact features; -1: no such features
   bool jacobian = false;                // whether to compute the measured tactile Jacobian
+  bool is_paired = false;               // whether to measure it with each other case of this kind, too
+  bool is_law = false;                  // two laws are no pair
 };
 
 Skin elasticSkin(const Skin& skin, ElasticLayer::Base base, double margin) {
@@ -52,9 +55,16 @@ std::vector<Case> allCases() {
   const auto stiffness = [](const Sensor& s) { return foundationOf(s.skin).normal_contact_stiffness; };
   return {
       {"winkler", [](Sensor&) {}},
-      {"winkler, damped", [](Sensor& s) { std::get<Winkler>(s.skin.law).normal_damping = 1e4; }},
-      {"mass_spring_damper", [=](Sensor& s) { s.skin.law = MassSpringDamper{.normal_contact_stiffness = stiffness(s)}; }},
-      {"deformation_mask", [](Sensor& s) { s.skin.law = DeformationMask{}; }},
+      {.name = "winkler, damped",
+       .change = [](Sensor& s) { std::get<Winkler>(s.skin.law).normal_damping = 1e4; },
+       .is_paired = true,
+       .is_law = true},
+      {.name = "winkler, area", .change = [](Sensor& s) { s.depth_sampling = DepthSampling::kArea; }, .is_paired = true},
+      {.name = "mass_spring_damper",
+       .change = [=](Sensor& s) { s.skin.law = MassSpringDamper{.normal_contact_stiffness = stiffness(s)}; },
+       .is_paired = true,
+       .is_law = true},
+      {.name = "deformation_mask", .change = [](Sensor& s) { s.skin.law = DeformationMask{}; }, .is_paired = true, .is_law = true},
       {"proximity", [=](Sensor& s) { s.skin.law = Proximity{.sensitivity = stiffness(s)}; }},
       {"winkler, 2 x 2 samples", [](Sensor& s) { s.samples_per_taxel = 2; }},
       {"elastic_layer, half-space, 2 x 2, cold",
@@ -81,32 +91,53 @@ std::vector<Case> allCases() {
        }},
       {"pasternak", [](Sensor& s) { s.skin.law = foundation(s.skin); }},
       {"pasternak, area", [](Sensor& s) { s.skin.law = foundation(s.skin), s.depth_sampling = DepthSampling::kArea; }},
-      {"lugre", [=](Sensor& s) { s.skin.law = LuGre{.normal_contact_stiffness = stiffness(s)}; }},
-      {"friction", [](Sensor& s) { s.skin.friction = {.tangential_stiffness = 1e8, .friction_coefficient = 0.5}; }},
-      {"relaxation, two terms",
-       [](Sensor& s) {
-         s.skin.relaxation = {{.fraction = 0.2, .time = 0.1}, {.fraction = 0.2, .time = 2}};
-       }},
-      {"readout: low-pass, hysteresis, creep, delay",
-       [](Sensor& s) {
-         s.readout.low_pass_time = 0.01;
-         s.readout.hysteresis_strength = {0.1, 0.1};
-         s.readout.hysteresis_width = {0.01, 0.1};
-         s.readout.creep = {{0.1, 1}, {0.1, 10}};
-         s.readout.delay = 2 * kDt;
-       }},
-      {"readout: noise, bias, walk, gain spread, dead taxels",
-       [](Sensor& s) {
-         s.readout.noise = 17;
-         s.readout.bias = 5;
-         s.readout.random_walk = 1;
-         s.readout.gain_spread = 0.05;
-         s.readout.dead_taxel_probability = 0.01;
-       }},
-      {"contact features, no regions", [](Sensor&) {}, false, 0},
-      {"contact features, four regions", [](Sensor&) {}, false, 4},
-      {"tactile Jacobian", [](Sensor&) {}, false, -1, true},
+      {.name = "lugre",
+       .change = [=](Sensor& s) { s.skin.law = LuGre{.normal_contact_stiffness = stiffness(s)}; },
+       .is_paired = true,
+       .is_law = true},
+      {.name = "friction",
+       .change = [](Sensor& s) { s.skin.friction = {.tangential_stiffness = 1e8, .friction_coefficient = 0.5}; },
+       .is_paired = true},
+      {.name = "relaxation, two terms",
+       .change =
+           [](Sensor& s) {
+             s.skin.relaxation = {{.fraction = 0.2, .time = 0.1}, {.fraction = 0.2, .time = 2}};
+           },
+       .is_paired = true},
+      {.name = "readout: low-pass, hysteresis, creep, delay",
+       .change =
+           [](Sensor& s) {
+             s.readout.low_pass_time = 0.01;
+             s.readout.hysteresis_strength = {0.1, 0.1};
+             s.readout.hysteresis_width = {0.01, 0.1};
+             s.readout.creep = {{0.1, 1}, {0.1, 10}};
+             s.readout.delay = 2 * kDt;
+           },
+       .is_paired = true},
+      {.name = "readout: noise, bias, walk, gain spread, dead taxels",
+       .change =
+           [](Sensor& s) {
+             s.readout.noise = 17;
+             s.readout.bias = 5;
+             s.readout.random_walk = 1;
+             s.readout.gain_spread = 0.05;
+             s.readout.dead_taxel_probability = 0.01;
+           },
+       .is_paired = true},
+      {.name = "contact features, no regions", .change = [](Sensor&) {}, .max_regions = 0, .is_paired = true},
+      {.name = "contact features, four regions", .change = [](Sensor&) {}, .max_regions = 4, .is_paired = true},
+      {.name = "tactile Jacobian", .change = [](Sensor&) {}, .jacobian = true, .is_paired = true},
   };
+}
+
+// Two cases at once; nothing where one excludes the other.
+std::optional<Case> bothOf(const Case& a, const Case& b) {
+  const bool excluded = (a.is_law && b.is_law) || (a.max_regions >= 0 && b.max_regions >= 0);
+  if (!a.is_paired || !b.is_paired || excluded) return {};
+  return Case{.name = a.name + " + " + b.name,
+              .change = [a = a.change, b = b.change](Sensor& s) { a(s), b(s); },
+              .max_regions = std::max(a.max_regions, b.max_regions),
+              .jacobian = a.jacobian || b.jacobian};
 }
 
 // A batch under one law.
@@ -198,15 +229,68 @@ nlohmann::ordered_json runObject(const Device& device, const Sensor& sensor, con
   return {{"object", object.name}, {"cases", results}};
 }
 
+// Median of the times of a case over those of `plain`, in turns; nothing where the library refuses the sensor.
+std::optional<double> timesPlain(Run& plain, const std::function<Run()>& makeRun, int repetitions) {
+  std::optional<Run> run;
+  try {
+    run.emplace(makeRun());
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kInput) throw;
+    return {};
+  }
+  std::vector<double> ratios;
+  for (int r = -kWarmUps; r < repetitions; ++r) {
+    const double seconds = plain.frame();
+    const double ratio = run->frame() / seconds;
+    if (r >= 0) ratios.push_back(ratio);
+  }
+  return summarise(ratios).median;
+}
+
+// Each option alone and with each other one, relative to `winkler`.
+nlohmann::ordered_json runPairs(const Device& device, const Sensor& sensor, const Object& object, const PoseSpread& spread,
+                                const Options& options) {
+  const std::vector<Pose> X_SO = randomPoses(object, spread, options.num_instances, kPoseSeed);
+  const std::vector<Case> cases = allCases();
+  Run plain(device, cases[0], sensor, object, X_SO);
+  const auto measure = [&](const Case& work) {
+    return timesPlain(
+        plain, [&] { return Run(device, work, sensor, object, X_SO); }, options.repetitions);
+  };
+  std::vector<double> alone;
+  for (const Case& work : cases) alone.push_back(work.is_paired ? measure(work).value() : 1);
+  std::printf("%s, pairs of options: times winkler, and what the pair adds to a frame over the sum of what both add alone\n",
+              object.name.c_str());
+  nlohmann::ordered_json results = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      const std::optional<Case> both = bothOf(cases[k], cases[i]);
+      if (!both) continue;
+      const std::optional<double> times = measure(*both);
+      nlohmann::ordered_json result{{"options", {cases[k].name, cases[i].name}}, {"times_winkler_alone", {alone[k], alone[i]}}};
+      if (times) {
+        result["times_winkler"] = *times;
+        std::printf("  %-100s %6.2f  %5.2f\n", both->name.c_str(), *times, (*times - 1) / (alone[k] + alone[i] - 2));
+      } else {
+        result["times_winkler"] = nullptr;
+        std::printf("  %-100s refused\n", both->name.c_str());
+      }
+      results.push_back(std::move(result));
+    }
+  }
+  return {{"object", object.name}, {"pairs", results}};
+}
+
 void run(const Options& options) {
   const Device device = Device::open({.device = options.device});
   const Sensor sensor = loadSensor(options.sensor);
   std::printf("%s, %s; %d instances of %s, %d repetitions\n", device.info().name.c_str(), device.info().driver.c_str(),
               options.num_instances, sensor.name.c_str(), options.repetitions);
   nlohmann::ordered_json results = nlohmann::ordered_json::array();
-  results.push_back(runObject(device, sensor, Object("cylinder", Cylinder{.radius = 0.008, .length = 0.04}),
-                              {.laid = axisAngle({0, 1, 0}, 1.5707963267948966)}, options));
-  results.push_back(runObject(device, sensor, Object("ellipsoid_5120", ellipsoid({0.020, 0.014, 0.012}, 4)), {.rolls = true}, options));
+  const auto runAll = options.pairs ? runPairs : runObject;
+  results.push_back(runAll(device, sensor, Object("cylinder", Cylinder{.radius = 0.008, .length = 0.04}),
+                           {.laid = axisAngle({0, 1, 0}, 1.5707963267948966)}, options));
+  results.push_back(runAll(device, sensor, Object("ellipsoid_5120", ellipsoid({0.020, 0.014, 0.012}, 4)), {.rolls = true}, options));
   if (!options.json.empty()) {
     writeJson(options.json, {{"bench", "law_cost"},
                              {"machine", machine(device.info())},
@@ -227,6 +311,7 @@ int main(int argc, char** argv) {
   app.add_option("--instances", options.num_instances, "Instances of the batch")->check(CLI::Range(1, 1 << 20))->capture_default_str();
   app.add_option("--repetitions", options.repetitions, "Timed frames per case")->check(CLI::Range(1, 10000))->capture_default_str();
   app.add_option("--only", options.only, "Only winkler and the case of this name");
+  app.add_flag("--pairs", options.pairs, "Any two options together instead of all cases");
   app.add_option("--sensor", options.sensor, "Sensor file, with law winkler on one grid")->capture_default_str();
   app.add_option("--device", options.device, "Device, as for `taxelsim frame --device`");
   CLI11_PARSE(app, argc, argv);
