@@ -43,6 +43,7 @@ const bool kShears = FRICTION && !kGlobalSolve;  // after a global solve, the pa
 const bool kManyMotions = kKeepsSlots && MANY_SLOTS;
 
 #include "depth/bodies.glsl"
+#include "depth/round_part.glsl"
 #include "depth/subpixels.glsl"
 #include "depth/mesh.glsl"
 #include "depth/area.glsl"
@@ -55,7 +56,7 @@ const bool kManyMotions = kKeepsSlots && MANY_SLOTS;
 #include "skin/laws/lugre.glsl"
 #include "skin/cell_points.glsl"
 #include "skin/cell_fluxes.glsl"
-#include "depth/polyhedron_taxels.glsl"
+#include "depth/touched_taxels.glsl"
 #include "skin/tile_pressures.glsl"
 #include "skin/tile_result.glsl"
 #include "depth/tile_sequence.glsl"

@@ -61,10 +61,22 @@ bool hasKind(uint instance) {
   return (OBJECT_KINDS & (1u << objectOf(max(objectInSlot(instance), 0)).kind_groups.x)) != 0;
 }
 
+// Shrinks the bounds of a round solid along u and v to the part that is lower than z_limit.
+const bool kBoundsRound = (OBJECT_KINDS & kRoundKinds) != 0 && !kGlobalSolve;
+void boundRound(Tile tile, vec4 parameters, inout Body body) {
+  RoundPart part = roundPartBelow(tile.z_limit, body.kind_groups.x, parameters, body.X_PO);
+  vec2 middle = (part.middle - tile.corner) / tile.spacing, half_size = halfSizeOf(part) / tile.spacing;
+  vec2 first = max(middle - half_size, body.center.xy - body.half_size.xy), last = min(middle + half_size, body.center.xy + body.half_size.xy);
+  body.center.xy = 0.5 * (first + last);
+  body.half_size.xy = 0.5 * (last - first);
+  body.near = body.near && part.exists && all(lessThanEqual(first, last)) && !outsideTile(tile, body.center, body.half_size);
+}
+
 Body nearBodyInSlot(Tile tile, uint slot_index, out int id) {
   id = objectInSlot(slot_index);
   Body body = bodyInSlot(tile, slot_index, max(id, 0));
   body.near = body.near && id >= 0;
+  if (kBoundsRound && (kRoundKinds & (1u << body.kind_groups.x)) != 0) boundRound(tile, objectOf(max(id, 0)).parameters, body);
   if (kTestsFaces) body.near = body.near && !isInFrontOfFace(tile, body, max(id, 0));
   return body;
 }
@@ -115,7 +127,7 @@ void rasterBody(Tile tile, uint instance, uint slot, Body body, int id, inout Fo
         addRound(tile, solid, found);
       } else {
         tile.deepest = min(tile.deepest, THICKNESS);
-        addSolid(tile, solid, touchedCells(tile, solid), slot, found);
+        addSolid(tile, solid, slot, found);
         sums_cells = false;
       }
     } else {

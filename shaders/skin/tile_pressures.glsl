@@ -60,6 +60,7 @@ struct TileStep {
   Body body;            // the one solid of a pass without a tile
   uint slot;            // of that solid
   vec4 parameters;      // of that solid
+  RoundPart part;       // of that solid, if kOnlyRound
 };
 
 // Sums over the samples of a taxel.
@@ -101,7 +102,8 @@ TileStep beginPressures(Tile tile, uint instance, uint tile_number, uint num_slo
   step.body = reach.body;
   step.slot = kKeepsSlots && !usesTile() ? slotNumber(instance * num_slots) : 0u;
   step.parameters = vec4(0);
-  if (!usesTile()) step.parameters = objectOf(max(reach.id, 0)).parameters;
+  if (!usesTile() || kSkipsTaxels) step.parameters = objectOf(max(reach.id, 0)).parameters;
+  if (kSkipsTaxels && kOnlyRound) step.part = roundPartBelow(tile.z_limit, step.body.kind_groups.x, step.parameters, step.body.X_PO);
   step.per_dt = HAS_STATE || BRISTLES ? step_record.time.y : 0.0;
   return step;
 }
@@ -293,7 +295,7 @@ void pressTaxels(Tile tile, TileStep step, ActiveTaxels taxels, inout Found foun
     vec4 wrench = vec4(0);
     vec2 lane_shear = vec2(0);
     vec3 change[6] = vec3[6](vec3(0), vec3(0), vec3(0), vec3(0), vec3(0), vec3(0));
-    uint touched = kSkipsTaxels ? touchedTaxels(tile, v, taxels.first, taxels.count, step.first_taxel) : 0;
+    uint touched = kSkipsTaxels ? touchedTaxels(tile, v, taxels.first, taxels.count, step.first_taxel, step.part) : 0;
     uint k = kSkipsTaxels ? nextTouched(touched, v) : v;
     while (k < num_active) {
       uvec2 in_tile = taxels.first + cellNumbered(k, taxels.count.y);

@@ -27,20 +27,42 @@ float heightAt(Tile tile, Solid solid, vec2 xy, inout Found found) {
 
 float depthUnder(float z) { return clamp(-z, 0.0, THICKNESS); }
 
-// The cells of the tile that a solid within the radius of its axis may touch: the axis is cut where it is more than the radius over the skin, and the lowest
-// point of what is left reaches farthest.
-Box touchedCells(Tile tile, Solid solid) {
-  float radius = solid.parameters.x, half_length = isKind(solid.kind, kKindSphere) ? 0.0 : solid.parameters.y;
-  vec3 low = apply(solid.X_PO, vec3(0, 0, -half_length)), high = apply(solid.X_PO, vec3(0, 0, half_length));
-  if (low.z > high.z) { vec3 swap = low; low = high; high = swap; }
-  if (low.z >= radius) return noSamples();
-  if (high.z > radius) high = mix(low, high, (radius - low.z) / (high.z - low.z));
-  float reach = low.z > 0.0 ? sqrt(radius * radius - low.z * low.z) : radius;
+// The cells of the tile that the part of a solid below the skin may touch.
+Box touchedCells(Tile tile, RoundPart part) {
   const float kRounding = 1e-3;  // samples
-  vec2 first = (min(low.xy, high.xy) - reach - tile.corner) / tile.spacing - tile.first + 0.5 - kRounding;
-  vec2 last = (max(low.xy, high.xy) + reach - tile.corner) / tile.spacing - tile.first + 0.5 + kRounding;
+  vec2 half_size = halfSizeOf(part);
+  vec2 first = (part.middle - half_size - tile.corner) / tile.spacing - tile.first + 0.5 - kRounding;
+  vec2 last = (part.middle + half_size - tile.corner) / tile.spacing - tile.first + 0.5 + kRounding;
   vec2 end = tile.end - tile.first;
-  return Box(wholeNumbers(floor(clamp(first, vec2(0), end))), wholeNumbers(floor(clamp(last, vec2(-1), end - 1.0))));
+  return part.exists ? Box(wholeNumbers(floor(clamp(first, vec2(0), end))), wholeNumbers(floor(clamp(last, vec2(-1), end - 1.0)))) : noSamples();
+}
+
+// Of each row of a box of cells a number of cells from a first one of its own, so that a solid along a diagonal does not need the whole box.
+struct CellBand {
+  Box box;
+  uint width;             // cells of a row
+  float start, per_row;  // the first cell in row 0, and how much farther it is in the next row
+};
+
+CellBand bandOf(Tile tile, RoundPart part) {
+  const float kRounding = 1e-3;  // cells
+  CellBand band;
+  band.box = touchedCells(tile, part);
+  vec2 aside = vec2(-part.ahead.y, part.ahead.x);
+  if (abs(aside.y) < 1e-3) aside.y = 1e-3;  // the width is that of the box
+  float reach = part.reach + 0.5 * dot(abs(aside), tile.spacing), per_col = abs(aside.y) * tile.spacing.y;
+  vec2 off = samplePosition(tile, tile.first) - part.middle;
+  band.start = -(dot(off, aside) / aside.y + reach / abs(aside.y)) / tile.spacing.y - kRounding;
+  band.per_row = -aside.x * tile.spacing.x / (aside.y * tile.spacing.y);
+  int num_cols = band.box.last.y - band.box.first.y + 1;
+  band.width = isAny(band.box) ? uint(wholeNumber(min(floor(2.0 * (reach / per_col + kRounding)) + 2.0, float(num_cols)))) : 0u;
+  return band;
+}
+
+uvec2 cellOf(CellBand band, uint number) {
+  uvec2 at = cellNumbered(number, band.width);
+  float start = clamp(floor(band.start + band.per_row * float(band.box.first.x + int(at.x))), float(band.box.first.y), float(band.box.last.y + 1 - int(band.width)));
+  return uvec2(uint(band.box.first.x) + at.x, uint(wholeNumber(start)) + at.y);
 }
 
 // Adds the integrals along one scan line of the cell at `at`, m along the line.
@@ -200,19 +222,20 @@ uint placeOf(Tile tile, Quadratic surface, bool is_quadratic, out float deepest)
   return surface.depth - change - bend < 0.0 || deepest > THICKNESS || surface.end < kMiss ? kEdge : kInside;
 }
 
-// Gives the cells of a box, touchedCells(), to the solid.
-void addSolid(Tile tile, Solid solid, Box box, uint slot, inout Found found) {
-  if (!isAny(box)) return;
+// Gives the cells that a solid may touch to it.
+void addSolid(Tile tile, Solid solid, uint slot, inout Found found) {
+  CellBand band = bandOf(tile, roundPartBelow(0.0, solid.kind, solid.parameters, solid.X_PO));
+  if (!isAny(band.box)) return;
   Tube tube = tubeOf(solid);
   Quadratic surface;
   float deepest;
-  uint num_cols = uint(box.last.y - box.first.y + 1), count = uint(box.last.x - box.first.x + 1) * num_cols;
+  uint count = uint(band.box.last.x - band.box.first.x + 1) * band.width;
   for (uint start = 0; start < count; start += kMostListed) {
     if (gl_LocalInvocationIndex == 0) num_edge_cells = num_scan_cells = 0;
     workgroupBarrier();
     uint end = min(start + kMostListed, count), i = start + gl_LocalInvocationIndex;
     for (; i < end; i += WORKGROUP) {
-      uvec2 at = uvec2(box.first) + cellNumbered(i, num_cols);
+      uvec2 at = cellOf(band, i);
       bool is_quadratic = quadraticUnder(tile, solid.kind, tube, samplePosition(tile, tile.first + vec2(at)), surface);
       uint place = placeOf(tile, surface, is_quadratic, deepest), packed = at.x << 16 | at.y;
       if (place == kInside) {
@@ -243,5 +266,5 @@ void addSolid(Tile tile, Solid solid, Box box, uint slot, inout Found found) {
     checkLoop(i < num_scan_cells);
     workgroupBarrier();
   }
-  grow(found.samples, box);
+  grow(found.samples, band.box);
 }

@@ -1,19 +1,20 @@
-// The taxels under a polyhedron's bounds that it may touch; the others carry no force and are skipped. A lane keeps its taxels, every LANES-th, as bits of a
-// word and processes them in the order of all taxels, so that the sums are the same. Reads the planes of depth/polyhedron.glsl.
+// The taxels under the bounds of a polyhedron or a round solid that it may touch; the others carry no force and are skipped. A lane keeps its taxels, every
+// LANES-th, as bits of a word and processes them in the order of all taxels, so that the sums are the same. Reads the planes of depth/polyhedron.glsl.
 
 const uint kRounds = (NUM_ROWS * NUM_COLS + LANES - 1u) / LANES;
 // No "||": Mesa 22.3 builds no pipeline with one in a constant expression.
-const bool kSkipsTaxels = EARLY_EXIT && kOnlyPolyhedra && NUM_ROWS > 0 && NUM_TILES == 1 && kRounds <= 32 && !OUTPUT_JACOBIAN &&
+const bool kHasBounds = (uint(kOnlyPolyhedra) | uint(kOnlyRound)) != 0u;
+const bool kSkipsTaxels = EARLY_EXIT && kHasBounds && NUM_ROWS > 0 && NUM_TILES == 1 && kRounds <= 32 && !OUTPUT_JACOBIAN &&
                          !MANY_SLOTS && SEARCH != kSearchInTile && RELAXATION == 0 && !HAS_STATE && !kShears && !kGlobalSolve;
 
-// Taxels of `lane` in a rectangle of taxels, by lower bounds of the heights of both sides over a taxel's samples, less the rounding of a sample's height.
-// Clears the outputs of all of them.
-uint touchedTaxels(Tile tile, uint lane, uvec2 first, uvec2 count, uint first_taxel) {
+// Taxels of `lane` in a rectangle of taxels that the only object may touch: a polyhedron by lower bounds of the heights of both sides over a taxel's samples,
+// less the rounding of a sample's height, a round solid by its `part`. Clears the outputs of all of them.
+uint touchedTaxels(Tile tile, uint lane, uvec2 first, uvec2 count, uint first_taxel, RoundPart part) {
   const float kRounding = 1e-6;
   vec2 half_size = 0.5 * float(SAMPLES - 1u) * tile.spacing;
   vec2 slack = half_size + kRounding * (abs(tile.corner) + tile.spacing);
   float lows[NUM_FACES], highs[NUM_FACES];
-  for (uint f = 0; f < NUM_FACES; ++f) {
+  for (uint f = 0; kOnlyPolyhedra && f < NUM_FACES; ++f) {
     float fall = dot(abs(face_slopes[f]), slack);
     lows[f] = face_lows[f] - fall - kRounding * abs(face_lows[f]);
     highs[f] = face_highs[f] - fall - kRounding * abs(face_highs[f]);
@@ -26,12 +27,13 @@ uint touchedTaxels(Tile tile, uint lane, uvec2 first, uvec2 count, uint first_ta
     if (OUTPUT_DEPTH) contact_depth[taxel] = 0.0;
     vec2 middle = samplePosition(tile, at * SAMPLES) + half_size;
     float low = -kMiss, minus_high = -kMiss;
-    for (uint f = 0; f < NUM_FACES; ++f) {
+    for (uint f = 0; kOnlyPolyhedra && f < NUM_FACES; ++f) {
       float rise = dot(face_slopes[f], middle);
       low = max(low, rise + lows[f]);
       minus_high = max(minus_high, rise + highs[f]);
     }
-    if (low < tile.z_limit && low <= -minus_high) touched |= bit;
+    bool near = kOnlyPolyhedra ? low < tile.z_limit && low <= -minus_high : reachesInto(part, middle, half_size + kSampleReach * tile.spacing);
+    if (near) touched |= bit;
     bit <<= 1;
   }
   return touched;
