@@ -54,10 +54,13 @@ void ProgressPrinter::show(const Progress& progress) {
   if (!first_) first_ = progress;
   if (line.visible()) {
     line.draw(progressBar(progress, *first_, StatusLine::width() - 1));
-  } else if (progress.seconds >= next_line_) {
-    spdlog::info("{}", progressLine(progress, *first_));
-    next_line_ = progress.seconds + static_cast<double>(kLogInterval.count());
+    return;
   }
+  const bool is_end = progress.num_episodes > 0 && progress.episodes_done == progress.num_episodes && !ended_;
+  if (progress.seconds < next_line_ && !is_end) return;
+  spdlog::info("{}", progressLine(progress, *first_));
+  next_line_ = progress.seconds + static_cast<double>(kLogInterval.count());
+  ended_ = ended_ || is_end;
 }
 
 void ProgressPrinter::clear() {

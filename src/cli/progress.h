@@ -1,4 +1,4 @@
-// Prints progress: a bar on a terminal, or a line every few seconds in a log.
+// Prints progress: a bar on a terminal, or a line every few seconds and one at the end in a log.
 #pragma once
 
 #include <chrono>
@@ -25,6 +25,7 @@ class ProgressPrinter {
  private:
   std::optional<Progress> first_;
   double next_line_ = 0;  // s, of Progress::seconds
+  bool ended_ = false;    // whether there was a line with all episodes
 };
 
 // "[####......]  40 %  400 of 1,000 episodes  12,345 frames/s  1:23 left", at most `width` characters. Bar, percentage and time left count

@@ -2,6 +2,12 @@
 #include "cli/progress.h"
 
 #include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <memory>
+#include <sstream>
 
 namespace taxelsim::cli {
 namespace {
@@ -41,6 +47,27 @@ TEST(ProgressLine, HasNoEstimateWithoutAFrame) {
   progress.frames_done = 0;
   EXPECT_EQ(progressLine(progress, kStart), "  0 %  0 of 1,000 episodes  0 frames/s  ? left");
   EXPECT_EQ(progressLine({}, {}), "  0 %  0 of 0 episodes  0 frames/s  ? left");
+}
+
+TEST(ProgressPrinter, EndsALogWithAllEpisodes) {
+  std::ostringstream log;
+  const std::shared_ptr<spdlog::logger> before = spdlog::default_logger();
+  spdlog::set_default_logger(std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_st>(log)));
+  {
+    ProgressPrinter printer;
+    printer.show(kStart);
+    Progress end = kFirstBatch;
+    end.seconds = 1;  // before the next line is due
+    printer.show(end);
+    end.episodes_done = end.num_episodes;
+    end.frames_done = end.num_frames;
+    printer.show(end);
+    printer.show(end);
+  }
+  spdlog::set_default_logger(before);
+  const std::string lines = log.str();
+  EXPECT_EQ(std::count(lines.begin(), lines.end(), '\n'), 2) << lines;
+  EXPECT_NE(lines.find("100 %  1,000 of 1,000 episodes"), std::string::npos) << lines;
 }
 
 TEST(ProgressBar, FitsTheWidth) {
