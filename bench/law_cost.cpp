@@ -51,6 +51,7 @@ Pasternak foundation(const Skin& skin) {
   return {.normal_contact_stiffness = stiffness, .shear_stiffness = stiffness * kDecay * kDecay};
 }
 
+// Long function: a list.
 std::vector<Case> allCases() {
   const auto stiffness = [](const Sensor& s) { return foundationOf(s.skin).normal_contact_stiffness; };
   return {
