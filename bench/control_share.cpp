@@ -182,11 +182,5 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--device", options.device, "Device, as for `taxelsim frame --device`");
   CLI11_PARSE(app, argc, argv);
-  try {
-    taxelsim::bench::run(options);
-    return 0;
-  } catch (const taxelsim::Error& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return error.kind() == taxelsim::ErrorKind::kInput ? 2 : 1;
-  }
+  return taxelsim::bench::exitStatus([&] { return taxelsim::bench::run(options), 0; });
 }

@@ -293,10 +293,5 @@ int main(int argc, char** argv) {
   app.add_option("--program", options.program, "The program taxelsim, for the first frame")->capture_default_str();
   app.add_option("--device", options.device, "Device, as for `taxelsim generate --device`");
   CLI11_PARSE(app, argc, argv);
-  try {
-    return taxelsim::bench::run(options);
-  } catch (const taxelsim::Error& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return error.kind() == taxelsim::ErrorKind::kInput ? 2 : 1;
-  }
+  return taxelsim::bench::exitStatus([&] { return taxelsim::bench::run(options); });
 }

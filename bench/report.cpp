@@ -1,6 +1,7 @@
 #include "report.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <string>
@@ -47,6 +48,15 @@ nlohmann::ordered_json machine(const DeviceInfo& device) {
           {"cores", std::thread::hardware_concurrency()},
           {"taxelsim", kVersion},
           {"environment", environment}};
+}
+
+int exitStatus(const std::function<int()>& work) {
+  try {
+    return work();
+  } catch (const Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return error.kind() == ErrorKind::kInput ? 2 : 1;
+  }
 }
 
 void writeJson(const std::filesystem::path& file, const nlohmann::ordered_json& json) {

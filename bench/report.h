@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -30,6 +31,9 @@ nlohmann::ordered_json toJson(const std::vector<double>& values);
 
 // Device, driver, CPU, number of cores, program version, environment variables that change a driver.
 nlohmann::ordered_json machine(const DeviceInfo& device);
+
+// Runs a program's work. Returns its exit status: that of the work; 2 after bad input, 1 after another error, whose message it prints.
+int exitStatus(const std::function<int()>& work);
 
 void writeJson(const std::filesystem::path& file, const nlohmann::ordered_json& json);
 

@@ -327,11 +327,5 @@ int main(int argc, char** argv) {
   app.add_option("--bench", options.bench, "Only this bench: 'by itself', 'loops' or 'under stamps'");
   app.add_option("--runs", options.num_runs, "Simulated sensors per bench")->check(CLI::Range(1, 100000))->capture_default_str();
   CLI11_PARSE(app, argc, argv);
-  try {
-    taxelsim::bench::run(options);
-    return 0;
-  } catch (const taxelsim::Error& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return error.kind() == taxelsim::ErrorKind::kInput ? 2 : 1;
-  }
+  return taxelsim::bench::exitStatus([&] { return taxelsim::bench::run(options), 0; });
 }

@@ -1,6 +1,6 @@
 // Contact of an elastic layer by conjugate gradients on an active set, for one instance at a time; whoever calls it computes the products
 // with the influence matrix A. The equations, the stop and the iteration of shaders/elastic_layer/solver.glsl, after I. A. Polonsky and L.
-// M. Keer, Wear 231 (1999) 206, with the residual updated instead of computed anew: one product per iteration, and a second one where the
+// M. Keer, Wear 231 (1999) 206, with the residual updated, not computed again: one product per iteration, and a second one where the
 // step released or pressed nodes.
 //
 // Pressures x are those that move their own node by x (m), so that A has ones on its diagonal.

@@ -19,7 +19,7 @@ class ThreadTeam {
   int numThreads() const { return static_cast<int>(threads_.size()) + 1; }
 
   // Calls job(first, last) for numThreads() contiguous parts of [0, count), whose sizes differ by at most 1: the first part on the calling
-  // thread, each other on a thread of its own. Waits for all. The job must not throw. Must be called from one thread at a time. Does not
+  // thread, each other part on another thread. Waits for all. The job must not throw. Must be called from one thread at a time. Does not
   // allocate.
   template <typename Job>
   void run(int count, const Job& job) {

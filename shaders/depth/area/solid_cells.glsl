@@ -37,10 +37,10 @@ Box touchedCells(Tile tile, RoundPart part) {
   return part.exists ? Box(wholeNumbers(floor(clamp(first, vec2(0), end))), wholeNumbers(floor(clamp(last, vec2(-1), end - 1.0)))) : noSamples();
 }
 
-// Of each row of a box of cells a number of cells from a first one of its own, so that a solid along a diagonal does not need the whole box.
+// The cells of a box that lie in a band along the solid's axis: each row of the box has the same number of cells, from a first cell that depends on the row.
 struct CellBand {
   Box box;
-  uint width;             // cells of a row
+  uint width;            // cells of a row
   float start, per_row;  // the first cell in row 0, and how much farther it is in the next row
 };
 
