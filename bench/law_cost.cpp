@@ -1,5 +1,6 @@
 // Cost of a frame by contact law, with shear, readout stages, contact features and the tactile Jacobian, relative to `winkler` on the same
-// poses, and of any two of these options together. One process, in turns, so that other load on the machine affects all cases.
+// poses, and of any two of these options together; and the least time that the bytes and operations of each take (option_limits.h). One
+// process, in turns, so that other load on the machine affects all cases.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -10,6 +11,8 @@
 #include <vector>
 
 #include "bench_objects.h"
+#include "frame_counts.h"
+#include "option_limits.h"
 #include "report.h"
 #include "taxelsim/error.h"
 #include "taxelsim/simulator.h"
@@ -28,7 +31,12 @@ struct Options {
   int num_instances = 512;  // 520 of pasternak fit into Debian's lavapipe
   int repetitions = 11;
   bool pairs = false;
+  double bandwidth = MachineRates{}.bandwidth / 1e9, arithmetic = MachineRates{}.arithmetic / 1e9;  // GB/s, GFLOP/s
 };
+
+MachineRates ratesOf(const Options& options) {
+  return {.bandwidth = options.bandwidth * 1e9, .arithmetic = options.arithmetic * 1e9};
+}
 
 struct Case {
   std::string name;
@@ -141,21 +149,26 @@ std::optional<Case> bothOf(const Case& a, const Case& b) {
               .jacobian = a.jacobian || b.jacobian};
 }
 
+std::vector<Pose> slid(std::vector<Pose> X_SO) {
+  for (Pose& pose : X_SO) pose.position[0] += kStride;
+  return X_SO;
+}
+
 // A batch under one law.
 class Run {
  public:
   Run(const Device& device, const Case& work, Sensor sensor, const Object& object, const std::vector<Pose>& X_SO)
-      : name_(work.name), cold_(work.cold), ids_(X_SO.size(), 0), here_(X_SO), there_(X_SO) {
-    work.change(sensor);
-    for (Pose& pose : there_) pose.position[0] += kStride;
-    const Model model(device, {.sensor = sensor, .objects = {object}});
-    simulator_.emplace(model, SimulatorOptions{.num_instances = static_cast<int>(X_SO.size()),
-                                               .outputs = {.tactile_normal_force = false,
-                                                           .tactile_shear_force = false,
-                                                           .penetration_depth = false,
-                                                           .contact_features = work.max_regions >= 0,
-                                                           .tactile_jacobian = work.jacobian},
-                                               .max_regions = std::max(work.max_regions, 0)});
+      : name_(work.name), cold_(work.cold), sensor_(std::move(sensor)), ids_(X_SO.size(), 0), here_(X_SO), there_(slid(X_SO)) {
+    work.change(sensor_);
+    const Model model(device, {.sensor = sensor_, .objects = {object}});
+    options_ = {.num_instances = static_cast<int>(X_SO.size()),
+                .outputs = {.tactile_normal_force = false,
+                            .tactile_shear_force = false,
+                            .penetration_depth = false,
+                            .contact_features = work.max_regions >= 0,
+                            .tactile_jacobian = work.jacobian},
+                .max_regions = std::max(work.max_regions, 0)};
+    simulator_.emplace(model, options_);
   }
 
   // Computes a frame; returns the seconds from poses to features.
@@ -173,26 +186,57 @@ class Run {
     for (const float residual : frame.ground_truth.contact_residual) {
       largest_residual_ = std::max(largest_residual_, static_cast<double>(residual));
     }
-    double iterations = 0;
-    for (const std::int32_t count : frame.ground_truth.contact_iterations) iterations += count;
-    iterations_ = iterations / static_cast<double>(ids_.size());
+    const auto mean = [&](const auto& counts) {
+      double sum = 0;
+      for (const auto count : counts) sum += count;
+      return sum / static_cast<double>(ids_.size());
+    };
+    measured_.iterations = mean(frame.ground_truth.contact_iterations);
+    measured_.regions = mean(frame.contact.num_regions);
+    measured_.reporting_taxels =
+        static_cast<double>(frame.tactile_image.size() -
+                            static_cast<std::size_t>(std::count(frame.tactile_image.begin(), frame.tactile_image.end(), 0u))) /
+        static_cast<double>(ids_.size());
     return seconds;
+  }
+
+  // Bytes and operations of its frames.
+  std::vector<StageWork> work(FrameCounter& counter, FrameCounts& counts) const {
+    counts = counter.count(sensor_);
+    counts.iterations = measured_.iterations, counts.regions = measured_.regions, counts.reporting_taxels = measured_.reporting_taxels;
+    return frameWork(sensor_, options_.outputs, options_.max_regions, counts);
   }
 
   const std::string& name() const { return name_; }
   std::size_t blank() const { return blank_; }
   double largestResidual() const { return largest_residual_; }
-  double iterations() const { return iterations_; }
+  double iterations() const { return measured_.iterations; }
 
  private:
   std::string name_;
   bool cold_;
+  Sensor sensor_;
+  SimulatorOptions options_;
   std::vector<int> ids_;
   std::vector<Pose> here_, there_;
   std::optional<Simulator> simulator_;
   std::size_t blank_ = 0;  // frames without force: an error
-  double largest_residual_ = 0, iterations_ = 0;
+  double largest_residual_ = 0;
+  FrameCounts measured_;  // of the last frame
 };
+
+// Adds the limit of a case's frames to its results; prints it. `per_frame`: s.
+void addLimit(const Run& run, FrameCounter& counter, double per_frame, const MachineRates& rates, nlohmann::ordered_json& result) {
+  FrameCounts counts;
+  const std::vector<StageWork> stages = run.work(counter, counts);
+  const double limit = limitOf(stages, rates);
+  const bool by_bytes = isBoundByBytes(stages, rates);
+  std::printf(", limit %7.3f us of %-10s limit / time %5.1f %%", limit * 1e6, by_bytes ? "bytes," : "operations,", 100 * limit / per_frame);
+  result["limit_seconds_per_frame"] = limit;
+  result["limit_over_time"] = limit / per_frame;
+  result["work_per_frame"] = toJson(stages);
+  result["counts_per_frame"] = toJson(counts);
+}
 
 nlohmann::ordered_json runObject(const Device& device, const Sensor& sensor, const Object& object, const PoseSpread& spread,
                                  const Options& options) {
@@ -211,6 +255,9 @@ nlohmann::ordered_json runObject(const Device& device, const Sensor& sensor, con
     }
   }
   std::printf("%s\n", object.name.c_str());
+  std::vector<Pose> frames = X_SO;
+  for (const Pose& pose : slid(X_SO)) frames.push_back(pose);
+  FrameCounter counter(device, object, frames);
   nlohmann::ordered_json results = nlohmann::ordered_json::array();
   for (std::size_t k = 0; k < runs.size(); ++k) {
     if (runs[k].blank() > 0)
@@ -218,9 +265,10 @@ nlohmann::ordered_json runObject(const Device& device, const Sensor& sensor, con
     const double per_frame = summarise(seconds[k]).median / options.num_instances;
     std::printf("  %-54s %8.2f us a frame, %8.0f frames/s, %6.2f times winkler", runs[k].name().c_str(), per_frame * 1e6, 1 / per_frame,
                 summarise(ratios[k]).median);
+    nlohmann::ordered_json result{{"case", runs[k].name()}, {"seconds", toJson(seconds[k])}, {"times_winkler", toJson(ratios[k])}};
+    addLimit(runs[k], counter, per_frame, ratesOf(options), result);
     if (runs[k].iterations() > 0) std::printf("; %.1f iterations, residual at most %.2g", runs[k].iterations(), runs[k].largestResidual());
     std::printf("\n");
-    nlohmann::ordered_json result{{"case", runs[k].name()}, {"seconds", toJson(seconds[k])}, {"times_winkler", toJson(ratios[k])}};
     if (runs[k].iterations() > 0) {
       result["mean_iterations"] = runs[k].iterations();
       result["largest_residual"] = runs[k].largestResidual();
@@ -298,6 +346,8 @@ void run(const Options& options) {
                              {"sensor", sensor.name},
                              {"num_instances", options.num_instances},
                              {"repetitions", options.repetitions},
+                             {"bandwidth_bytes_per_second", ratesOf(options).bandwidth},
+                             {"arithmetic_operations_per_second", ratesOf(options).arithmetic},
                              {"objects", results}});
   }
 }
@@ -313,6 +363,12 @@ int main(int argc, char** argv) {
   app.add_option("--repetitions", options.repetitions, "Timed frames per case")->check(CLI::Range(1, 10000))->capture_default_str();
   app.add_option("--only", options.only, "Only winkler and the case of this name");
   app.add_flag("--pairs", options.pairs, "Any two options together instead of all cases");
+  app.add_option("--bandwidth", options.bandwidth, "Memory bandwidth of the machine for the limits, GB/s")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--arithmetic", options.arithmetic, "Arithmetic rate of the machine for the limits, GFLOP/s of float32")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   app.add_option("--sensor", options.sensor, "Sensor file, with law winkler on one grid")->capture_default_str();
   app.add_option("--device", options.device, "Device, as for `taxelsim frame --device`");
   CLI11_PARSE(app, argc, argv);
