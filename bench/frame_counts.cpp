@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <string>
 
 #include "sensor/pasternak.h"
-#include "taxelsim/error.h"
 #include "taxelsim/simulator.h"
 
 namespace taxelsim::bench {
@@ -304,16 +302,13 @@ void FrameCounter::countTriangles(const Sensor& sensor, const LayerNodes& nodes,
   counts.facet_samples /= num_frames;
 }
 
-FrameCounts FrameCounter::count(const Sensor& sensor) {
+std::optional<FrameCounts> FrameCounter::count(const Sensor& sensor) {
   const LayerNodes nodes = nodesOf(sensor);
   const GridPatch& patch = sensor.patches.front();
   const auto taxelsOf = [&](const Grid& grid) { return countTaxels(grid, nodes, patch.num_rows, patch.num_cols, sensor.psf.size); };
   const bool is_layer = std::holds_alternative<ElasticLayer>(sensor.skin.law),
              is_foundation = std::holds_alternative<Pasternak>(sensor.skin.law);
-  if (is_layer && std::max(nodes.num_rows, nodes.num_cols) > kMaxTaxelsPerSide) {
-    throw Error(ErrorKind::kInput, "elastic layer: " + std::to_string(std::max(nodes.num_rows, nodes.num_cols)) +
-                                       " nodes along a side; at most " + std::to_string(kMaxTaxelsPerSide) + " can be counted");
-  }
+  if (is_layer && std::max(nodes.num_rows, nodes.num_cols) > kMaxTaxelsPerSide) return {};
   const std::vector<float>& depth = depths(sensor, nodes);
   std::vector<float> pressure;
   if (is_layer) pressure = pressures(sensor, nodes);

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 #include <tuple>
 #include <vector>
@@ -48,9 +49,9 @@ class FrameCounter {
   // `X_SO`: the object's pose in every frame.
   FrameCounter(const Device& device, Object object, std::vector<Pose> X_SO);
 
-  // Of a sensor with one grid patch. Sets all counts but those that the timed simulator measures. Throws Error(kInput) if an elastic layer
-  // has more than kMaxTaxelsPerSide nodes along a side.
-  FrameCounts count(const Sensor& sensor);
+  // Of a sensor with one grid patch. Sets all counts except those that the timed simulator measures. Nothing where an elastic layer has
+  // more than kMaxTaxelsPerSide nodes along a side: pressures are counted on a sensor with a taxel per node.
+  std::optional<FrameCounts> count(const Sensor& sensor);
 
  private:
   using Key = std::tuple<int, int, double, double, DepthSampling>;  // rows and columns of nodes, their spacing, sampling
