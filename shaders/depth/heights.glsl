@@ -135,7 +135,7 @@ void rasterBody(Tile tile, uint instance, uint slot, Body body, int id, inout Fo
       grow(found.samples, samplesUnder(tile, body));
     }
   }
-  if (sums_cells) takeCells(tile, boxAround(found.samples), slot);
+  if (sums_cells) takeCells(tile, boxAround(found.samples), slot, found);
 }
 
 // Lowers the heights of the tile to all near objects; a pass that does not use the tile loads what analyticHeight() needs. Returns the samples that the

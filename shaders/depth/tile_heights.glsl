@@ -6,13 +6,15 @@
 
 const uint kEmpty = 0x7F7FFFFFu;  // the largest finite float, as bits: no surface over the sample
 shared uint tile_heights[TILE_SAMPLES];
-shared uint cell_shares[AREA ? TILE_SAMPLES : 1u];  // with AREA, the covered share of a cell as the bits of a float, negative at the skin's full thickness
+shared uint cell_shares[AREA ? TILE_SAMPLES : 1u];  // with AREA, the covered share of a cell as the bits of a float, negative at the skin's full thickness; or its sum
 shared uint cell_variations[VARIATION ? TILE_SAMPLES : 1u];        // variationOf(), depth/area/cell_depths.glsl; the following are its sums
 shared uint cell_volumes[AREA && MANY_SLOTS ? TILE_SAMPLES : 1u];
 shared uint cell_covered[AREA && MANY_SLOTS ? TILE_SAMPLES : 1u];
 shared uint cell_squares[VARIATION ? TILE_SAMPLES : 1u];
 shared uint cell_moments[VARIATION ? 2u * TILE_SAMPLES : 1u];
 const uint kWhole = 0x3F800000u;  // the bits of 1.0
+// Whether cells keep their shares for stage 2. If not, it needs to know only which cells are at the full thickness, which Found counts.
+bool keepsShares() { return AREA && (MANY_SLOTS || VARIATION || OUTPUT_JACOBIAN || SEARCH == kSearchOverTiles); }
 #ifdef LOCKSTEP
 shared int lane_words[WORKGROUP];
 #else
@@ -23,6 +25,7 @@ shared int active_box[4];  // first row, last row, first col, last col
 struct Found {
   Box samples;       // that surfaces may cover
   bool below_floor;  // a surface below Tile::z_floor, on sensors with several patches
+  uint full_cells;   // at the skin's full thickness, of which not all is covered; without keepsShares()
 };
 
 bool isVisible(Tile tile, float z, inout Found found) {
@@ -62,7 +65,7 @@ void clearSamples(Tile tile, Box box) {
     uint first = uint(row) * tile.stride + uint(box.first.y), last = first + uint(box.last.y - box.first.y);
     for (uint address = first; address <= last; ++address) {
       tile_heights[address] = kEmpty;
-      if (AREA) cell_shares[address] = kWhole;
+      if (keepsShares()) cell_shares[address] = kWhole;
       if (VARIATION) cell_variations[address] = 0;
     }
   }

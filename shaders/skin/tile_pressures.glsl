@@ -237,7 +237,7 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
         float d = clamp(step.load_driven ? step.found.depth - (height - step.found.lowest) : THICKNESS - height, 0.0, THICKNESS);
         if (AREA) d = depthOfWord(word);
         float d_rate = HAS_STATE ? depthRate(step, depths, i, d) : 0.0;
-        float share = AREA ? uintBitsToFloat(cell_shares[address]) : 1.0;
+        float share = keepsShares() ? uintBitsToFloat(cell_shares[address]) : 1.0;
         deep += d >= THICKNESS || share < 0.0 ? 1u : 0u;
         CellPoints points;
         if (VARIATION) points = cellPoints(tile, d / abs(share), abs(share), cell_variations[address]);
@@ -290,7 +290,7 @@ void writeTaxel(Tile tile, uint instance, uvec2 in_patch, TaxelSums sums, Cell c
 // Computes all active taxels, each by one of LANES lanes, which leave partial sums of the wrench.
 void pressTaxels(Tile tile, TileStep step, ActiveTaxels taxels, inout Found found) {
   uint num_active = taxels.count.x * taxels.count.y;
-  uint deep = 0;
+  uint deep = found.full_cells;
   for (uint v = gl_LocalInvocationIndex; v < LANES; v += WORKGROUP) {
     vec4 wrench = vec4(0);
     vec2 lane_shear = vec2(0);

@@ -118,7 +118,7 @@ void giveNodeCell(Tile tile, uint address, uint slot, CellSums sums) {
 }
 
 // Gives a cell to the object in a slot if that is the deepest.
-void giveCell(Tile tile, uint address, uint slot, CellSums sums) {
+void giveCell(Tile tile, uint address, uint slot, CellSums sums, inout Found found) {
   if (kGlobalSolve) {
     giveNodeCell(tile, address, slot, sums);
     return;
@@ -132,7 +132,12 @@ void giveCell(Tile tile, uint address, uint slot, CellSums sums) {
   } else {
     tile_heights[address] = word;
   }
-  cell_shares[address] = floatBitsToUint(share > kLeastShareOfFull && depth >= kFullDepth * THICKNESS * share ? -share : share);
+  bool is_full = share > kLeastShareOfFull && depth >= kFullDepth * THICKNESS * share;
+  if (keepsShares()) {
+    cell_shares[address] = floatBitsToUint(is_full ? -share : share);
+  } else {
+    found.full_cells += is_full && depthOfWord(word) < THICKNESS ? 1u : 0u;
+  }
   if (VARIATION) cell_variations[address] = variationOf(tile, sums, depth / share);
 }
 
@@ -142,7 +147,11 @@ CellSums takeSums(Tile tile, uint address) {
   int covered = int(MANY_SLOTS ? cell_covered[address] : cell_shares[address] - kWhole);
   float unit = tile.deepest / kVolumeUnits;
   CellSums sums = CellSums(float(volume) * unit, float(covered) * (1.0 / kCoveredUnits), 0.0, vec2(0));
-  if (MANY_SLOTS) cell_volumes[address] = cell_covered[address] = 0;
+  if (MANY_SLOTS) {
+    cell_volumes[address] = cell_covered[address] = 0;
+  } else if (!keepsShares()) {
+    cell_shares[address] = kWhole;
+  }
   if (VARIATION) {
     sums.square = float(int(cell_squares[address])) * unit * tile.deepest;
     sums.moment = vec2(int(cell_moments[2u * address]), int(cell_moments[2u * address + 1u])) * unit;
@@ -152,14 +161,14 @@ CellSums takeSums(Tile tile, uint address) {
 }
 
 // Gives the cells of a box to the object whose sums are complete. All invocations call it.
-void takeCells(Tile tile, Box box, uint slot) {
+void takeCells(Tile tile, Box box, uint slot, inout Found found) {
   if (!isAny(box)) return;
   uint num_cols = uint(box.last.y - box.first.y + 1), count = uint(box.last.x - box.first.x + 1) * num_cols;
   for (uint i = gl_LocalInvocationIndex; i < count; i += WORKGROUP) {
     uvec2 at = uvec2(box.first) + cellNumbered(i, num_cols);
     uint address = at.x * tile.stride + at.y;
     CellSums sums = takeSums(tile, address);
-    if (sums.volume != 0.0 || sums.covered != 0.0) giveCell(tile, address, slot, sums);
+    if (sums.volume != 0.0 || sums.covered != 0.0) giveCell(tile, address, slot, sums, found);
   }
   workgroupBarrier();
 }

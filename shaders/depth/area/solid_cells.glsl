@@ -6,16 +6,16 @@
 // nodes in each of three pieces of what touches integrates along a line (depth/area/chords.glsl). Twin: src/reference/mean_depth.cpp.
 //
 // Cells on the edge and cells with scan lines are listed first: a vector processor takes a branch with all its lanes.
-// Shared memory: 8 bytes.
+// Shared memory: 4 bytes.
 
 const uint kLines = 4u;
 const uint kScanLines = 8u;
 const float kSmooth = 0.003;         // of the largest depth: what the quartic terms of a surface may change
 const float kGauss = 0.5773502692;   // nodes of Gauss's rule on [-1, 1]
 
-// Of listed_cells, those on an edge come first, and those with scan lines last.
-shared uint num_edge_cells;
-shared uint num_scan_cells;
+// Of listed_cells, those on an edge come first, and those with scan lines last. Their numbers, in 16 bits each.
+shared uint num_listed_cells;
+const uint kOneEdge = 1u, kOneScanned = 0x10000u;
 
 // Height (m) of the solid's lowest surface over a place of P; kMiss without one.
 float heightAt(Tile tile, Solid solid, vec2 xy, inout Found found) {
@@ -231,7 +231,7 @@ void addSolid(Tile tile, Solid solid, uint slot, inout Found found) {
   float deepest;
   uint count = uint(band.box.last.x - band.box.first.x + 1) * band.width;
   for (uint start = 0; start < count; start += kMostListed) {
-    if (gl_LocalInvocationIndex == 0) num_edge_cells = num_scan_cells = 0;
+    if (gl_LocalInvocationIndex == 0) num_listed_cells = 0;
     workgroupBarrier();
     uint end = min(start + kMostListed, count), i = start + gl_LocalInvocationIndex;
     for (; i < end; i += WORKGROUP) {
@@ -239,19 +239,22 @@ void addSolid(Tile tile, Solid solid, uint slot, inout Found found) {
       bool is_quadratic = quadraticUnder(tile, solid.kind, tube, samplePosition(tile, tile.first + vec2(at)), surface);
       uint place = placeOf(tile, surface, is_quadratic, deepest), packed = at.x << 16 | at.y;
       if (place == kInside) {
-        giveCell(tile, at.x * tile.stride + at.y, slot, integralInside(surface, tile.spacing));
+        giveCell(tile, at.x * tile.stride + at.y, slot, integralInside(surface, tile.spacing), found);
       }
-      if (place == kEdge) listed_cells[atomicAdd(num_edge_cells, 1u)] = packed;
-      if (place == kScanned) listed_cells[kMostListed - 1u - atomicAdd(num_scan_cells, 1u)] = packed;
+      if (place >= kEdge) {
+        uint before = atomicAdd(num_listed_cells, place == kEdge ? kOneEdge : kOneScanned);
+        listed_cells[place == kEdge ? before % kOneScanned : kMostListed - 1u - before / kOneScanned] = packed;
+      }
     }
     checkLoop(i < end);
     workgroupBarrier();
+    uint num_edge_cells = num_listed_cells % kOneScanned, num_scan_cells = num_listed_cells / kOneScanned;
     i = gl_LocalInvocationIndex;
     for (; i < num_edge_cells; i += WORKGROUP) {
       uvec2 at = uvec2(listed_cells[i] >> 16, listed_cells[i] & 0xFFFFu);
       bool is_quadratic = quadraticUnder(tile, solid.kind, tube, samplePosition(tile, tile.first + vec2(at)), surface);
       placeOf(tile, surface, is_quadratic, deepest);
-      giveCell(tile, at.x * tile.stride + at.y, slot, integralOf(surface, 0.5 * tile.spacing, deepest));
+      giveCell(tile, at.x * tile.stride + at.y, slot, integralOf(surface, 0.5 * tile.spacing, deepest), found);
     }
     checkLoop(i < num_edge_cells);
     i = gl_LocalInvocationIndex;
@@ -261,7 +264,7 @@ void addSolid(Tile tile, Solid solid, uint slot, inout Found found) {
       CellSums sums = CellSums(0.0, 0.0, 0.0, vec2(0));
       for (uint line = 0; line < kScanLines; ++line) addScanLine(tile, solid, tube, tile.first + vec2(at), line, sums, found);
       divideSums(sums, float(kScanLines) * tile.spacing.y);
-      giveCell(tile, at.x * tile.stride + at.y, slot, sums);
+      giveCell(tile, at.x * tile.stride + at.y, slot, sums, found);
     }
     checkLoop(i < num_scan_cells);
     workgroupBarrier();
