@@ -32,13 +32,13 @@ Sensor withCells(Sensor sensor, int samples_per_taxel, int iterations = 0) {
 }
 
 // One grid, whose nodes are 0.283 mm apart.
-Sensor grid(int iterations = 0) {
-  return withCells(support::gridSensor({.num_rows = 6, .num_cols = 6}), 4, iterations);
+Sensor grid(int iterations = 0, int taxels_per_side = 4) {
+  return withCells(support::gridSensor({.num_rows = taxels_per_side, .num_cols = taxels_per_side}), 4, iterations);
 }
 
-// The same as two grids with a seam between rows 2 and 3, where S lies.
-Sensor halves(int iterations = 0) {
-  Sensor sensor = grid(iterations);
+// The same as two grids with a seam in the middle, where S lies.
+Sensor halves(int iterations = 0, int taxels_per_side = 4) {
+  Sensor sensor = grid(iterations, taxels_per_side);
   GridPatch& patch = sensor.patches[0];
   patch.num_rows /= 2;
   sensor.patches.push_back(patch);
@@ -86,9 +86,9 @@ std::vector<double> forcesOf(const Sensor& sensor, const Object& object, const s
 
 // A seam in a plane has no effect.
 TEST(LinkedCellsOnEveryDriver, TwoHalvesHaveTheForcesOfTheGrid) {
-  // Active nodes end at least a decay length away, those of the grid two: the surface there is not quite exponential. Measured: 7e-4 with
-  // points.
-  constexpr double kMargin = 1e-3;  // of the force
+  // Active nodes end at least a decay length away, those of the grid two: the surface there is not quite exponential. Measured: 1.03e-3;
+  // 2.3e-4 where active nodes end two decay lengths away as well.
+  constexpr double kMargin = 1.5e-3;  // of the force
   constexpr int kPlaces = 16;
   Random random(8);
   double worst = 0;
@@ -114,7 +114,8 @@ TEST(LinkedCellsOnEveryDriver, TwoHalvesHaveTheForcesOfTheGrid) {
 
 // Over the seam, which lies in the middle of the places.
 TEST(LinkedCellsOnEveryDriver, ForcesMatchClosedForms) {
-  expectForms(halves(), {pin(0.5e-3, 0.045), pin(1e-3, 0.015), pin(6e-3, 0.003), sphere(0.5e-3), sphere(1e-3, 0.01), sphere(2e-3, 0.005)});
+  expectForms(halves(0, 6),
+              {pin(0.5e-3, 0.045), pin(1e-3, 0.015), pin(6e-3, 0.003), sphere(0.5e-3), sphere(1e-3, 0.01), sphere(2e-3, 0.005)});
 }
 
 double deepestOf(const reference::LayerContact& contact) {
@@ -196,9 +197,9 @@ TEST_P(CellArrays, RandomContactsMatchTheTwin) {
 // The cells are those of the offset at which the load is carried: at that pose the force is the load.
 TEST_P(CellArrays, ForcesAtThePosesOfLoadsAreTheLoads) {
   constexpr int kInstances = 8;
-  // Of the load: where the bracket of the search is as narrow as floats allow, load.comp; shares and centroids of cells have steps of 1e-6
-  // and 1e-3.
-  constexpr double kCarried = 1e-3;
+  constexpr double kCarried = 5e-6;  // of the load: the search ends at 1e-6, or at steps of the depth in float32, 2^-32 m of 0.1 mm
+  // At the pose, the offset is rounded once with the pose, 4e-9 m at 0.03 m, and cells lie otherwise in their units. Measured: 7.5e-5.
+  constexpr double kPosed = 2e-4;
   const Sensor sensor = sensorOf(GetParam(), kManySweeps);
   Random random(35 + GetParam());
   const std::vector<Object> objects{Sphere{0.006}, Box{{30e-3, 30e-3, 5e-3}}, Box{{1.1e-3, 0.9e-3, 0.01}}, Box{{4e-3, 8e-3, 0.01}}};
@@ -226,7 +227,7 @@ TEST_P(CellArrays, ForcesAtThePosesOfLoadsAreTheLoads) {
   for (std::size_t i = 0; i < kInstances; ++i) {
     SCOPED_TRACE("instance " + std::to_string(i));
     EXPECT_NEAR(carried[i], loads[i], kCarried * loads[i]);
-    EXPECT_NEAR(-posed.ground_truth.contact_wrench[6 * i + 2], loads[i], kCarried * loads[i]);
+    EXPECT_NEAR(-posed.ground_truth.contact_wrench[6 * i + 2], loads[i], kPosed * loads[i]);
     worst_carried = std::max(worst_carried, std::abs(carried[i] / loads[i] - 1));
     worst_posed = std::max(worst_posed, std::abs(-static_cast<double>(posed.ground_truth.contact_wrench[6 * i + 2]) / loads[i] - 1));
     expectLikeTwin(posed, i, sensor, reference::foundationContact(sensor, touches[i].placed(objects)), worst);
@@ -262,6 +263,25 @@ TEST(LinkedCells, ForcesAreContinuous) {
     RecordProperty("step_seam_" + std::to_string(id), std::to_string(over_seam));
     RecordProperty("step_grid_" + std::to_string(id), std::to_string(on_grid));
   }
+}
+
+TEST(LinkedCells, LoadsBeyondTheSkinAreOutOfReach) {
+  const Model model(support::sharedDevice(), {.sensor = cylinder(), .objects = {Sphere{2e-3}, Box{{1.1e-3, 0.9e-3, 0.01}}}});
+  Simulator simulator(model, {.num_instances = 4});
+  simulator.setLoads(std::vector<float>{1000, 1, 0, 1000});
+  const Quaternion upright{1, 0, 0, 0};
+  const FrameView frame = step(simulator, {{{0}, {{{0, 0, 0.02}, upright}}},
+                                           {{0}, {{{0.5, 0, 0.02}, upright}}},
+                                           {{0}, {{{0, 0, 0.02}, upright}}},
+                                           {{1}, {{{1e-3, 0, 0.02}, upright}}}});
+  EXPECT_FALSE(frame.ground_truth.load_reached[0]);
+  EXPECT_FALSE(frame.ground_truth.load_reached[1]);
+  EXPECT_TRUE(frame.ground_truth.load_reached[2]);
+  EXPECT_FALSE(frame.ground_truth.load_reached[3]);
+  EXPECT_GT(frame.ground_truth.total_force[0], 0);  // that at the skin's full thickness
+  EXPECT_EQ(frame.ground_truth.total_force[1], 0);
+  EXPECT_EQ(frame.ground_truth.total_force[2], 0);
+  EXPECT_GT(frame.ground_truth.total_force[3], 0);
 }
 
 TEST(LinkedCellsOnEveryDriver, BatchesAndWorkgroupsGiveTheSameBytes) {
