@@ -8,12 +8,10 @@
 #include <vector>
 
 #include "reference/pasternak.h"
-#include "sensor/pasternak.h"
 #include "simulation/comparison.h"
 #include "simulation/foundation_forms.h"
 #include "simulation/foundation_law.h"
 #include "support/curved_sensor.h"
-#include "taxelsim/stiffness.h"
 
 namespace taxelsim {
 namespace {
@@ -243,14 +241,14 @@ INSTANTIATE_TEST_SUITE_P(LinkedCells, CellArrays, ::testing::Range(0, 3), nameOf
 
 // Steps of a hundredth of the spacing over a seam and past nodes: the force changes by little, where points have jumps of 6 %.
 TEST(LinkedCells, ForcesAreContinuous) {
-  constexpr int kSteps = 400;
+  constexpr int kSteps = 400, kMiddle = kSteps / 2;
   constexpr double kStep = 0.85e-3 / 3 / 100, kRadius = 0.5e-3;
   constexpr double kChange = 2 * kStep / kRadius * 0.5;  // of the force: half of what the area behind a moving edge has
   const std::vector<Object> objects{Cylinder{kRadius, 0.01}, Box{{1e-3, 8e-3, 0.01}}};
   for (int id = 0; id < 2; ++id) {
     std::vector<Pose> poses;
     for (int n = 0; n < kSteps; ++n)
-      poses.push_back({{kStep * (n - kSteps / 2), 0.37 * kStep * n, 4e-3}, {std::cos(0.1), 0, 0, std::sin(0.1)}});
+      poses.push_back({{kStep * (n - kMiddle), 0.37 * kStep * n, 4e-3}, {std::cos(0.1), 0, 0, std::sin(0.1)}});
     const auto largestChange = [&](const Sensor& sensor) {
       const std::vector<double> forces = forcesOf(sensor, objects[static_cast<std::size_t>(id)], poses);
       double largest = 0;
