@@ -87,7 +87,7 @@ TEST(LinkedCellsOnEveryDriver, TwoHalvesHaveTheForcesOfTheGrid) {
   // Active nodes end at least a decay length away, those of the grid two: the surface there is not quite exponential. Measured: 1.03e-3;
   // 2.3e-4 where active nodes end two decay lengths away as well.
   constexpr double kMargin = 1.5e-3;  // of the force
-  constexpr int kPlaces = 16;
+  constexpr int kPlaces = 10;
   Random random(8);
   double worst = 0;
   const std::vector<Object> objects{Cylinder{0.5e-3, 0.01}, Cylinder{1.5e-3, 0.01}, Box{{1e-3, 8e-3, 0.01}}, Sphere{5e-3}};
@@ -261,6 +261,24 @@ TEST(LinkedCells, ForcesAreContinuous) {
     RecordProperty("step_seam_" + std::to_string(id), std::to_string(over_seam));
     RecordProperty("step_grid_" + std::to_string(id), std::to_string(on_grid));
   }
+}
+
+// The twin searches by bisection over frames of its own.
+TEST(LinkedCells, OffsetsOfLoadsMatchTheTwin) {
+  // Forces are within 2e-3 of the twin's, and grow at least as fast as the depth.
+  constexpr double kLinks = 2e-3;  // of the depth
+  constexpr double kLoad = 0.4;    // N
+  const Sensor sensor = withCells(support::cylinderFingertip(8e-3, 0.3, 3, 2, 2.5e-3), 2, kManySweeps);
+  const std::vector<Object> objects{Box{{1.1e-3, 0.9e-3, 0.01}}};
+  const Touch touch{{0}, {{{1.1e-3, -0.1e-3, 0.02}, axisAngle({0, 0, 1}, 0.4)}}};
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+  Simulator simulator(model, {});
+  simulator.setLoads(std::vector<float>{static_cast<float>(kLoad)});
+  const FrameView frame = step(simulator, {touch});
+  const reference::LayerContact twin = reference::loadedFoundationContact(sensor, touch.placed(objects), kLoad);
+  EXPECT_TRUE(twin.load_reached);
+  EXPECT_NEAR(-twin.wrench[2], kLoad, 1e-5 * kLoad);
+  EXPECT_NEAR(frame.ground_truth.load_offset[0], twin.offset, kLinks * deepestOf(twin) + 2 * support::kMarginZ);
 }
 
 TEST(LinkedCells, LoadsBeyondTheSkinAreOutOfReach) {
