@@ -4,14 +4,14 @@
 // Two-parameter foundation pass for sensors of several patches: stage 2 (contact law) of one frame for the law `pasternak`. Loads are searched by load.comp.
 //
 // A workgroup owns an instance; an invocation owns nodes, then blocks, taxels and patches. Every frame starts from the object's surface.
-// In:  heights (num_instances x num_nodes), m, over the skin, and windows (num_instances x NUM_HEIGHT_TILES), from the contact pass; tables of nodes, links and
-//      blocks (shared/linked_foundation.h).
+// In:  heights (num_instances x num_nodes), m, over the skin, and windows (num_instances x NUM_HEIGHT_TILES), from the contact pass, with area sampling node_cells
+//      (num_instances x num_nodes x kNodeCellWords); tables of nodes, links and blocks (shared/linked_foundation.h).
 // Out: contact_normal (num_instances x num_taxels), N; contact_depth (num_instances x num_taxels), m; tile_results (num_instances x num_tiles), a tile is a
 //      patch.
-// Shared memory: 8 NUM_TAXELS BLOCKS_PER_TAXEL + 8 bytes.
+// Shared memory: 8 NUM_TAXELS BLOCKS_PER_TAXEL + 12 bytes.
 // Deterministic: nodes of one color do not read each other; sums run over the nodes of a block, the blocks of a taxel and of a patch in order.
 // Mutable globals: any_unfinished_loop (driver/loop_limit.glsl).
-// Twin: src/reference/linked_foundation.cpp.
+// Twins: src/reference/linked_foundation.cpp, foundation_cells.cpp.
 
 #include "driver/pairs.glsl"
 #include "driver/barrier.glsl"
@@ -19,6 +19,7 @@
 #include "shared/batch.h"
 #include "shared/features.h"
 #include "shared/sensor.h"
+#include "shared/elastic_layer.h"
 #include "shared/linked_foundation.h"
 #include "passes/declare.glsl"
 #include "passes/linked_foundation.h"
@@ -29,7 +30,12 @@ const float kMiss = kNoHeight;  // height where there is no surface
 #include "common/workgroup.glsl"
 #include "common/instances.glsl"
 #include "driver/loop_limit.glsl"
+#include "common/node_cells.glsl"
+#include "common/cut_links.glsl"
+#include "linked_foundation/arrays.glsl"
+#include "linked_foundation/nodes.glsl"
 #include "linked_foundation/active_blocks.glsl"
+#include "linked_foundation/links.glsl"
 #include "linked_foundation/solver.glsl"
 #include "linked_foundation/outputs.glsl"
 
@@ -54,6 +60,7 @@ void solveInstance(uint instance, uint num_instances) {
     writeTooDeep(instance);
     return;
   }
+  if (AREA) cutLinks(instance);
   solveContact(instance);
   sumBlocks(instance);
   writeTaxels(instance);

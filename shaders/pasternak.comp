@@ -30,6 +30,7 @@ const float kMiss = kNoHeight;  // height where there is no surface
 #include "common/partial_sums.glsl"
 #include "driver/loop_limit.glsl"
 #include "common/node_cells.glsl"
+#include "common/cut_links.glsl"
 #include "pasternak/nodes.glsl"
 #include "pasternak/arrays.glsl"
 #include "pasternak/cells.glsl"

@@ -172,8 +172,8 @@ struct ElasticLayer {
 /// sqrt(shear_stiffness / normal_contact_stiffness), so that edges carry a line force. Solved by finite differences on nodes that are at
 /// most a third of the decay length apart, with DepthSampling::kArea four ninths: samples_per_taxel is refined by a whole number. A link
 /// between a node under the object and one beyond its outline ends half-way, with kArea where the outline crosses it, which makes the
-/// force a continuous function of the pose; under a load that is where it crosses with the object's bounds at full depth. Beyond the array
-/// the surface goes on. Several patches: laplace() is along the skin, kPoint only. No friction, relaxation, margin or tactile Jacobian.
+/// force a continuous function of the pose. Beyond the array the surface goes on. Several patches: laplace() is along the skin. No
+/// friction, relaxation, margin or tactile Jacobian.
 struct Pasternak {
   double normal_contact_stiffness = 0;  ///< N/m^3, > 0, of the springs: the foundation modulus.
   double shear_stiffness = 0;           ///< N/m, > 0, of the shear layer, or tension of the membrane.

@@ -1,15 +1,5 @@
-// Arrays of a linked foundation, and the blocks whose nodes are solved: the active ones, which have a node near a block with a node that overlaps the object.
-//
-// foundation[] has per instance a pair for every node, overlap d and displacement w (m); a pair for every node with its force (N); three pairs for every block
-// with its sums (outputs.glsl).
-// Shared memory: 8 kNumBlocks + 8 bytes.
-
-const uint kNodesPerSide = SAMPLES * NODES_PER_SAMPLE;
-const uint kNodesPerTaxel = kNodesPerSide * kNodesPerSide;
-const uint kNumNodes = NUM_TAXELS * kNodesPerTaxel;
-const uint kNodesPerBlock = kNodesPerTaxel / BLOCKS_PER_TAXEL;
-const uint kNumBlocks = NUM_TAXELS * BLOCKS_PER_TAXEL;
-const uint kNumPairs = 2u * kNumNodes + 3u * kNumBlocks;
+// The blocks whose nodes are solved: the active ones, which have a node near a block with a node that overlaps the object.
+// Shared memory: 8 kNumBlocks + 12 bytes.
 
 // Flags of a block.
 const uint kIsNear = 1u;     // the windows of tiles reach it: its nodes have heights
@@ -19,14 +9,8 @@ const uint kIsActive = 4u;
 shared uint block_flags[kNumBlocks];
 shared uint block_list[kNumBlocks];  // numbers of those that were listed last, in ascending order
 shared uint num_listed_blocks;
-shared uint is_too_deep;  // 1: a node is at the skin's full thickness
-
-uint pairAddress(uint instance, uint node) { return instance * kNumPairs + node; }
-uint forceAddress(uint instance, uint node) { return instance * kNumPairs + kNumNodes + node; }
-uint sumsAddress(uint instance, uint block) { return instance * kNumPairs + 2u * kNumNodes + 3u * block; }
-
-vec2 pairAt(uint address) { return uintBitsToFloat(wordsOf(foundation[address])); }
-void writePair(uint address, vec2 pair) { foundation[address] = pairOf(floatBitsToUint(pair)); }
+shared uint is_too_deep;      // 1: a node is at the skin's full thickness
+shared uint deepest_overlap;  // with AREA and LOADS: of a node, m, as the bits of a float that is not negative
 
 // Whether the window of a tile has any of the nodes: first row, end row, first column, end column.
 bool isAnyIn(uint instance, uint tile, uvec4 nodes) {
@@ -63,23 +47,17 @@ uvec2 listedNode(uint k) {
   return uvec2(at.x, block_list[at.x] * kNodesPerBlock + at.y);
 }
 
-// Signed overlap of object and undeformed skin at a node, m.
-float overlapOf(uint instance, uint node) {
-  uvec4 record = fourOf(FoundationNodes, node);
-  uvec2 at = uvec2(record.y >> 16, record.y & 0xFFFFu);
-  uint tile = record.w & ((1u << kNodeLinksShift) - 1u);
-  if (!isInside(at, windows[instance * NUM_HEIGHT_TILES + tile].window)) return -kMiss;
-  return min(-uintBitsToFloat(heights[instance * kNumNodes + record.x]), THICKNESS);
-}
-
 // Stores the overlaps of the blocks near the object.
 void setOverlaps(uint instance) {
   uint total = num_listed_blocks * kNodesPerBlock, k = gl_LocalInvocationIndex;
   for (; k < total; k += WORKGROUP) {
     uvec2 at = listedNode(k);
-    float overlap = overlapOf(instance, at.y);
+    uvec2 arms;
+    float overlap = overlapOf(instance, at.y, arms);
     writePair(pairAddress(instance, at.y), vec2(overlap, max(overlap, 0.0)));
-    if (LOADS && overlap >= THICKNESS) atomicOr(is_too_deep, 1u);
+    if (AREA) foundation[forceAddress(instance, at.y)] = pairOf(arms);
+    if (LOADS && overlap >= fullOverlap()) atomicOr(is_too_deep, 1u);
+    if (LOADS && AREA) atomicMax(deepest_overlap, floatBitsToUint(max(overlap, 0.0)));
     if (overlap > 0.0) atomicOr(block_flags[block_list[at.x]], kIsTouched);
   }
   checkLoop(k < total);
@@ -95,7 +73,7 @@ void activateAround(uint block) {
 // Lists the active blocks and starts their nodes from the object's surface.
 void startBlocks(uint instance) {
   workgroupBarrier();
-  if (gl_LocalInvocationIndex == 0) is_too_deep = 0;
+  if (gl_LocalInvocationIndex == 0) is_too_deep = deepest_overlap = 0;
   uint b = gl_LocalInvocationIndex;
   for (; b < kNumBlocks; b += WORKGROUP) block_flags[b] = isNear(instance, b) ? kIsNear : 0u;
   checkLoop(b < kNumBlocks);
@@ -109,7 +87,9 @@ void startBlocks(uint instance) {
   uint total = num_listed_blocks * kNodesPerBlock, k = gl_LocalInvocationIndex;
   for (; k < total; k += WORKGROUP) {
     uvec2 at = listedNode(k);
-    if ((block_flags[block_list[at.x]] & kIsNear) == 0) writePair(pairAddress(instance, at.y), vec2(-kMiss, 0));
+    if ((block_flags[block_list[at.x]] & kIsNear) != 0) continue;
+    writePair(pairAddress(instance, at.y), vec2(-kMiss, 0));
+    if (AREA) foundation[forceAddress(instance, at.y)] = pairOf(uvec2(0));
   }
   checkLoop(k < total);
   workgroupBarrierWithBuffers();

@@ -16,12 +16,14 @@ void sumBlocks(uint instance) {
     PatchRecord patch_record = patches[foundation_blocks[block].near.z];
     precise vec3 sums = vec3(0);
     float depth = 0.0, deep = 0.0;
+    bool is_near = (block_flags[block] & kIsNear) != 0;
     for (uint k = 0; k < kNodesPerBlock; ++k) {
       uint node = block * kNodesPerBlock + k;
       float force = pairAt(forceAddress(instance, node)).x, overlap = pairAt(pairAddress(instance, node)).x;
       sums += force * vec3(1, nodePosition(patch_record, fourOf(FoundationNodes, node)));
-      depth += max(overlap, 0.0);
-      deep += overlap >= THICKNESS ? 1.0 : 0.0;
+      if (!AREA) depth += max(overlap, 0.0);
+      if (AREA && OUTPUT_DEPTH && is_near) depth += meanOverlap(instance, node);
+      deep += overlap >= fullOverlap() ? 1.0 : 0.0;
     }
     uint address = sumsAddress(instance, block);
     writePair(address, sums.xy);
@@ -58,6 +60,13 @@ bool isBehind(uint instance, uint block) {
   return behind;
 }
 
+// For Newton's method of a load search, load.comp: how fast a force along z of S (N) grows with the depth, N/m. The force on a flat face grows as the depth does, that
+// on a smooth surface up to as its square; the mean of both exponents lets each step reduce the error to a third.
+float slopeOf(float force_z) {
+  const float kExponent = 1.5;
+  return kExponent * -force_z / max(uintBitsToFloat(deepest_overlap), 1e-9);
+}
+
 // Writes tile_results of a patch: force and torque about the origin of S, in S.
 void writePatch(uint instance, uint number) {
   PatchRecord patch_record = patches[number];
@@ -76,7 +85,7 @@ void writePatch(uint instance, uint number) {
   vec3 torque = -sums.z * row0.xyz + sums.y * row1.xyz + cross(origin, force);
   uint result = instance * NUM_TILES + number;
   tile_results[result].force = vec4(force, sums.w / float(NODES_PER_SAMPLE * NODES_PER_SAMPLE));
-  tile_results[result].torque = vec4(torque, sums.x);
+  tile_results[result].torque = vec4(torque, LOADS && AREA ? slopeOf(force.z) : sums.x);
   tile_results[result].window = uvec4(behind ? 1u : 0u, 0, 0, 0);
 }
 

@@ -2,34 +2,38 @@
 //
 //   spring w + sum over links of c link (w - w') = f >= 0,   w >= d,   f (w - d) = 0
 //
-// c as in pasternak/solver.glsl: 2 where an outline of the object crosses a link, on average half-way. Beyond the active blocks the surface decays
+// c as in pasternak/solver.glsl: 2 where an outline of the object crosses a link, on average half-way; with AREA links.glsl has c. Beyond the active blocks the surface decays
 // exponentially; the springs of nodes at the end of the skin include what the surface beyond it adds.
 
-// The equation of a node: sum of link (w - w'), N; its spring; sum of spring and links, N/m. The difference keeps what the pulls of the links have in common
-// out of the rounding.
+// The equation of a node: sum of link (w - w'), N; its spring; sum of spring and links, N/m, and with AREA of links that are not cut. The difference keeps what
+// the pulls of the links have in common out of the rounding.
 struct Equation {
-  float tension, spring, diagonal;
+  float tension, spring, diagonal, whole;
 };
 
 // `own`: overlap and displacement of the node.
 Equation equationOf(uint instance, uint node, vec2 own) {
   uvec4 record = fourOf(FoundationNodes, node);
   precise float tension = 0.0, diagonal = uintBitsToFloat(record.z);
+  float whole = uintBitsToFloat(record.z);
   for (uint i = 0; i < NUM_FOURS; ++i) {
     if (NUM_FOURS > 1 && i >= record.w >> kNodeLinksShift) break;
+    vec4 free = AREA ? freeSharesOf(instance, node, i) : vec4(1);
     [[unroll]] for (uint k = 0; k < 4; ++k) {
       uvec4 link = fourOf(FoundationLinks, (4u * i + k) * kNumNodes + node);
       vec3 numbers = uintBitsToFloat(link.yzw);  // stiffness, 1 / length, stiffness towards skin at rest
-      bool is_active = (block_flags[link.x >> kLinkBlockShift] & kIsActive) != 0;
-      vec2 other = pairAt(pairAddress(instance, link.x & ((1u << kLinkBlockShift) - 1u)));
+      bool is_active = isActive(link);
+      vec2 other = pairAt(pairAddress(instance, nodeOf(link)));
       float steep = clamp(abs(own.x - other.x) * numbers.y - 1.0, 0.0, 1.0);
       float factor = max(own.x, other.x) > 0.0 ? 1.0 + steep : 1.0;
+      if (AREA) factor = 1.0 / free[k];
+      if (AREA) whole += is_active ? numbers.x : numbers.z;
       float stiffness = is_active ? numbers.x * factor : numbers.z;
       tension += stiffness * (own.y - (is_active ? other.y : 0.0));
       diagonal += stiffness;
     }
   }
-  return Equation(tension, uintBitsToFloat(record.z), diagonal);
+  return Equation(tension, uintBitsToFloat(record.z), diagonal, whole);
 }
 
 // First and end of the nodes of a color, from the first node of the block on.
@@ -49,7 +53,8 @@ void sweepColor(uint instance, uint color) {
     uint node = block * kNodesPerBlock + nodes.x + at.y;
     vec2 own = pairAt(pairAddress(instance, node));
     Equation equation = equationOf(instance, node, own);
-    precise float free = own.y - OVER_RELAXATION * (equation.tension + equation.spring * own.y) / equation.diagonal;
+    float relaxation = AREA ? relaxationOf(vec4(equation.diagonal), equation.whole).x : OVER_RELAXATION;
+    precise float free = own.y - relaxation * (equation.tension + equation.spring * own.y) / equation.diagonal;
     writePair(pairAddress(instance, node), vec2(own.x, max(free, max(own.x, 0.0))));
   }
   checkLoop(k < total);

@@ -11,6 +11,7 @@ CONSTANT(18, uint, NUM_HEIGHT_TILES)  // of the contact pass
 CONSTANT(19, bool, LOADS)             // some instance is driven by load
 CONSTANT(20, bool, OUTPUT_DEPTH)      // writes contact_depth
 CONSTANT(21, uint, BLOCKS_PER_TAXEL)
+CONSTANT(22, bool, AREA)  // outlines cut links, common/cut_links.glsl
 
 BUFFER(0, readonly, Instances)
 BUFFER(1, readonly, Step)
@@ -29,3 +30,4 @@ BUFFER(13, writeonly, TileResults)
 BUFFER(14, readonly, Loads)
 BUFFER(15, writeonly, Features)
 BUFFER(16, writeonly, Problems)
+BUFFER(17, readonly, NodeCells)

@@ -13,7 +13,7 @@ CONSTANT(20, uint, MARGIN)            // nodes around the overlap that move, at 
 CONSTANT(21, uint, NUM_HEIGHT_TILES)  // of the contact pass
 CONSTANT(22, bool, LOADS)             // some instance is driven by load
 CONSTANT(23, bool, OUTPUT_DEPTH)      // writes contact_depth
-CONSTANT(24, bool, AREA)              // outlines cut links, pasternak/cells.glsl
+CONSTANT(24, bool, AREA)              // outlines cut links, common/cut_links.glsl
 
 VALUE(kBlockRows, 4)  // nodes of a block, pasternak/blocks.glsl
 VALUE(kBlockCols, 16)

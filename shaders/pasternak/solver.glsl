@@ -2,7 +2,7 @@
 //
 //   spring w + sum over links of c link (w - w') = f >= 0,   w >= d,   f (w - d) = 0
 //
-// A link has c = 2 where an outline of the object crosses it, which on average is half-way (src/reference/pasternak.h); with AREA cells.glsl has c. Beyond the
+// A link has c = 2 where an outline of the object crosses it, which on average is half-way (src/reference/pasternak.h); with AREA common/cut_links.glsl has c. Beyond the
 // active blocks and beyond the array the surface decays exponentially. Twin: src/reference/pasternak.cpp.
 //
 // An invocation sweeps a block in one pass over its columns, from one array into another, and needs nothing that others compute in the same sweep: it moves the
@@ -141,15 +141,9 @@ Equation oddEquation(Column column, Column left, Column right, Links to_left, Li
   return Equation(pull, diagonal);
 }
 
-// Over-relaxation of nodes. Less where a link is cut short: a free node that moves too far would lift the node under the object that it hardly differs from.
-vec4 relaxationOf(vec4 diagonal) {
-  if (!AREA) return vec4(OVER_RELAXATION);
-  float whole = SPRING + 2.0 * (LINK_X + LINK_Y);
-  return 1.0 + (OVER_RELAXATION - 1.0) * whole / max(diagonal, whole);
-}
-
 vec4 relaxed(vec4 w, vec4 overlap, vec4 alive, Equation equation) {
-  precise vec4 free = w + relaxationOf(equation.diagonal) * (equation.pull / equation.diagonal - w);
+  vec4 relaxation = AREA ? relaxationOf(equation.diagonal, SPRING + 2.0 * (LINK_X + LINK_Y)) : vec4(OVER_RELAXATION);
+  precise vec4 free = w + relaxation * (equation.pull / equation.diagonal - w);
   return alive * max(free, max(overlap, 0.0));
 }
 

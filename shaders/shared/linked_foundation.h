@@ -8,7 +8,9 @@
 TAXELSIM_LAYOUT_BEGIN
 
 TAXELSIM_CONSTANT kMaxNodeColors = 8u;
-TAXELSIM_CONSTANT kLinkBlockShift = 16u;  // of a link's first word: node below, its block above
+// Of a link's first word: the other node below its block, below the sides of the two cells through which the line between the nodes leaves,
+// kSideBits each: that of the node first. Sides 0 to 3 look along -x, x, -y and y of their patch.
+TAXELSIM_CONSTANT kLinkBlockShift = 16u, kLinkSidesShift = 28u, kSideBits = 2u;
 TAXELSIM_CONSTANT kNodeLinksShift = 24u;  // of a node's last word: tile below, fours of links above
 
 // A node: index in the heights of an instance; row << 16 | column in its patch; spring, N/m, as bits; tile of the contact pass and number
@@ -17,8 +19,8 @@ struct FoundationNodeRecord {
   uvec4 node;
 };
 
-// A link: node and block; stiffness, N/m, and 1 / length, 1/m, as bits; stiffness towards skin at rest, N/m, as bits. Unused links have the
-// stiffness 0.
+// A link: node, block and sides; stiffness, N/m, and 1 / length, 1/m, as bits; stiffness towards skin at rest, N/m, as bits. Unused links
+// have the stiffness 0.
 struct FoundationLinkRecord {
   uvec4 link;
 };

@@ -28,6 +28,10 @@ void writeNodeCell(uint node, float height, uint word, uint address) {
   node_cells[kNodeCellWords * node + 2u] = cell_variations[address];
 }
 
+// What a translation of the objects has added to the heights of cells, m. After a search in the tile cells have the heights of the poses; those of a search over
+// tiles belong to the offset that is tried.
+float cellOffset(Tile tile) { return SEARCH == kSearchOverTiles ? 0.0 : tile.offset_z; }
+
 // Taxels of a tile that can carry force: a rectangle, in taxels of the tile, half-open.
 struct ActiveTaxels {
   uvec2 first, count;
@@ -229,7 +233,7 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
         vec2 position = vec2(x, samplePosition(tile, first_sample + vec2(0, b)).y);
         uint word;
         float height = sampleHeight(tile, step, address, position, found, word);
-        if (kWritesCells) writeNodeCell(step.first_taxel + in_patch.x * tile.grid.y + in_patch.y, -tile.offset_z - depthOfWord(word), word, address);
+        if (kWritesCells) writeNodeCell(step.first_taxel + in_patch.x * tile.grid.y + in_patch.y, -cellOffset(tile) - depthOfWord(word), word, address);
         if (kGlobalSolve) {
           force = height >= kMiss ? kMiss : uintBitsToFloat(withSlot(tile.z_base - tile.level + height, slotOf(word)));
           continue;

@@ -58,14 +58,14 @@ double lengthBehind(const Point& direction, const Point& normal, double offset) 
 
 }  // namespace
 
-FoundationCells foundationCells(const LayerCells& cells, const LayerNodes& nodes, std::span<const double> heights) {
+FoundationCells foundationCells(const LayerCells& cells, std::span<const std::array<double, 2>> sizes, std::span<const double> heights) {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   FoundationCells result;
   for (std::size_t n = 0; n < heights.size(); ++n) {
     const bool is_over = std::isfinite(heights[n]);
     const double edge = cells.edge[n], covered = cells.covered[n], mean = cells.height[n], middle = is_over ? 1 : 0;
     const double share = middle + edge * (covered - middle);
-    const Point center{cells.place[n][0] / nodes.spacing[0], cells.place[n][1] / nodes.spacing[1]};
+    const Point center{cells.place[n][0] / sizes[n][0], cells.place[n][1] / sizes[n][1]};
     const double size = std::hypot(center[0], center[1]);
     const Point normal = edge > 0 && size > 0 ? Point{-center[0] / size, -center[1] / size} : Point{1, 0};
     const double offset = share >= 1 ? 1 : share <= 0 ? -1 : offsetWithShare(normal, share);

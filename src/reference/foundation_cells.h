@@ -1,5 +1,5 @@
 // Cells of the nodes of a two-parameter foundation with DepthSampling::kArea: which nodes an object is over, and how much of the links
-// between nodes it covers. Model and figures: shaders/pasternak/cells.glsl.
+// between nodes it covers. Model and figures: shaders/common/cut_links.glsl.
 //
 // The line that stands in for the outline within a cell is found by bisection of its offset, with the covered share by clipping of the
 // cell's square; the links are cut with that half-plane.
@@ -23,8 +23,8 @@ struct FoundationCells {
   std::vector<Arms> arms;
 };
 
-// From the cells and the heights (m) in the middle of the cells, +infinity without a surface.
-FoundationCells foundationCells(const LayerCells& cells, const LayerNodes& nodes, std::span<const double> heights);
+// From the cells, their sizes along x and y of P (m), and the heights (m) in the middle of the cells, +infinity without a surface.
+FoundationCells foundationCells(const LayerCells& cells, std::span<const std::array<double, 2>> sizes, std::span<const double> heights);
 
 // The arms under an object `depth` (m) below its pose: none where it is above the skin.
 std::vector<Arms> armsAtDepth(const FoundationCells& cells, double depth);

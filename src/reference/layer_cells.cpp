@@ -75,12 +75,11 @@ void setCompliances(LayerCells& cells, const ElasticLayer& law, const Sensor& se
 
 }  // namespace
 
-LayerCells layerCells(const Sensor& sensor, const LayerNodes& nodes, std::span<const PlacedObject> objects, double offset) {
+LayerCells sampleCells(const Sensor& sensor, std::span<const PlacedObject> objects, double offset) {
   LayerCells cells;
   if (sensor.depth_sampling != DepthSampling::kArea) return cells;
-  const Sensor of_nodes = sensorOfNodes(sensor, nodes);
-  const AreaDepth area(of_nodes, objects);
-  const auto size = static_cast<std::size_t>(nodes.num_rows * nodes.num_cols);
+  const AreaDepth area(sensor, objects);
+  const std::size_t size = samplesOf(sensor).size();
   cells.height.resize(size, 0);
   cells.covered.resize(size, 0);
   cells.share.resize(size, 0);
@@ -97,7 +96,13 @@ LayerCells layerCells(const Sensor& sensor, const LayerNodes& nodes, std::span<c
       setCell(cells, n, cell, static_cast<int>(number), offset);
     }
   }
-  if (const auto* law = std::get_if<ElasticLayer>(&sensor.skin.law)) setCompliances(cells, *law, sensor, nodes);
+  return cells;
+}
+
+LayerCells layerCells(const Sensor& sensor, const LayerNodes& nodes, std::span<const PlacedObject> objects, double offset) {
+  LayerCells cells = sampleCells(sensorOfNodes(sensor, nodes), objects, offset);
+  const auto* law = std::get_if<ElasticLayer>(&sensor.skin.law);
+  if (law != nullptr && !cells.covered.empty()) setCompliances(cells, *law, sensor, nodes);
   return cells;
 }
 

@@ -29,8 +29,11 @@ struct LayerCells {
   std::vector<double> compliance;            // m/Pa: what a node's own pressure moves it by more than that of a whole cell; of ElasticLayer
 };
 
-// Cells under the objects at their poses, or after a translation by `offset` (m) along z of S, with the heights of their poses; by exact
-// clipping and rays, area_depth.h. Empty without area sampling.
+// Cells of the samples of a sensor, under the objects after a translation by `offset` (m) along z of S, with the heights of their poses; by
+// exact clipping and rays, area_depth.h. Without compliances. Empty without area sampling.
+LayerCells sampleCells(const Sensor& sensor, std::span<const PlacedObject> objects, double offset = 0);
+
+// Those of the nodes of a grid, with compliances on an elastic layer.
 LayerCells layerCells(const Sensor& sensor, const LayerNodes& nodes, std::span<const PlacedObject> objects, double offset = 0);
 
 // The same at full depth, for a load search; the translation is along z of P.

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "base/vector3.h"
+#include "reference/area_depth.h"
 #include "reference/load.h"
 #include "sensor/pasternak.h"
 
@@ -94,7 +95,8 @@ class Linker {
           linkSide(n, u, v);
         } else {
           const auto [out, width] = sizes(n, u);
-          addHalf(n, next->second, law_.shear_stiffness * width / out / 2, out);
+          const std::size_t side = (u != 0 ? 0 : 2) + (u + v > 0 ? 1 : 0);
+          addHalf({n, next->second, law_.shear_stiffness * width / out / 2, out, side, side ^ 1u});
         }
       }
     }
@@ -110,11 +112,24 @@ class Linker {
 
   const GridPatch& patchOf(std::size_t n) const { return sensor_.patches[static_cast<std::size_t>(nodes_[n].patch)]; }
 
-  void addHalf(std::size_t n, std::size_t other, double stiffness, double size) {
-    LinkedFoundation::Link& link =
-        links_.try_emplace({std::min(n, other), std::max(n, other)}, LinkedFoundation::Link{n, other, 0, size}).first->second;
-    link.stiffness += stiffness;
-    link.length = std::min(link.length, size);
+  void addHalf(const LinkedFoundation::Link& half) {
+    const auto [found, is_new] = links_.try_emplace({std::min(half.first, half.second), std::max(half.first, half.second)}, half);
+    if (is_new) return;
+    found->second.stiffness += half.stiffness;
+    found->second.length = std::min(found->second.length, half.length);
+  }
+
+  // The side of the cell of node n through which the line to another node leaves.
+  std::size_t sideTowards(std::size_t n, std::size_t other) const {
+    constexpr double kCorner = 1e-6;
+    const auto own = static_cast<std::size_t>(nodes_[n].taxel), taxel = static_cast<std::size_t>(nodes_[other].taxel);
+    const LaidOut plane(positions_[own], normals_[own]);
+    const Vector3 place = subtract(plane.placeOf(positions_[taxel], normals_[taxel], nodes_[other].offset), nodes_[n].offset);
+    const Quaternion& R_SP = patchOf(n).X_SP.rotation;
+    const double x = dot(place, rotate(R_SP, {1, 0, 0})), y = dot(place, rotate(R_SP, {0, 1, 0}));
+    const auto [size, width] = sizes(n, 1);
+    const bool leaves_along_y = std::abs(y) * size > (1 + kCorner) * std::abs(x) * width;
+    return leaves_along_y ? (y > 0 ? 3 : 2) : (x > 0 ? 1 : 0);
   }
 
   void linkSide(std::size_t n, int u, int v) {
@@ -156,7 +171,8 @@ class Linker {
     }
     for (const auto& [other, found] : counts) {
       const double across = dot(found.second, outwards) + out / 2, distance = length(add(found.second, scale(out / 2, outwards)));
-      addHalf(n, other, law_.shear_stiffness * width * found.first / kPlaces / across / 2, distance);
+      addHalf({n, other, law_.shear_stiffness * width * found.first / kPlaces / across / 2, distance, sideTowards(n, other),
+               sideTowards(other, n)});
     }
     foundation_.spring[n] += law_.shear_stiffness * width * open / kPlaces / out * (1 - std::exp(-out / decay_));
   }
@@ -175,12 +191,13 @@ class Linker {
 // Stiffness of all springs and links under one overlap, as a product with displacements.
 class StiffnessMatrix {
  public:
-  StiffnessMatrix(const LinkedFoundation& foundation, std::span<const double> overlap)
+  StiffnessMatrix(const LinkedFoundation& foundation, std::span<const double> overlap, std::span<const Arms> arms)
       : foundation_(foundation), diagonal_(foundation.spring) {
     for (const LinkedFoundation::Link& link : foundation.links) {
       const double a = overlap[link.first], b = overlap[link.second];
       const double steep = std::max(a, b) > 0 ? std::clamp(std::abs(a - b) / link.length - 1, 0.0, 1.0) : 0;
-      stiffness_.push_back(link.stiffness * (1 + steep));
+      const double covered = arms.empty() ? 0 : arms[link.first][link.first_side] + arms[link.second][link.second_side];
+      stiffness_.push_back(link.stiffness * (arms.empty() ? 1 + steep : cutLinkFactor(a, b, covered, link.length)));
       diagonal_[link.first] += stiffness_.back();
       diagonal_[link.second] += stiffness_.back();
     }
@@ -190,9 +207,9 @@ class StiffnessMatrix {
     std::vector<double> force(w.size());
     for (std::size_t n = 0; n < w.size(); ++n) force[n] = diagonal_[n] * w[n];
     for (std::size_t k = 0; k < stiffness_.size(); ++k) {
-      const auto [first, second, stiffness, length] = foundation_.links[k];
-      force[first] -= stiffness_[k] * w[second];
-      force[second] -= stiffness_[k] * w[first];
+      const LinkedFoundation::Link& link = foundation_.links[k];
+      force[link.first] -= stiffness_[k] * w[link.second];
+      force[link.second] -= stiffness_[k] * w[link.first];
     }
     return force;
   }
@@ -230,12 +247,43 @@ class StiffnessMatrix {
   std::vector<double> diagonal_, stiffness_;
 };
 
+// What nodes meet, all of shape (nodes).
+struct MetSurface {
+  std::vector<double> heights;       // m, +infinity where a node is free
+  std::vector<Arms> arms;            // empty with points
+  std::vector<double> mean_heights;  // m: over what is covered of the cell
+  std::vector<double> covered;       // share of the cell
+  double full_depth = 1;             // thicknesses
+};
+
+// `nodes`: the sensor with its nodes as samples.
+MetSurface metSurface(const Sensor& nodes, std::span<const PlacedObject> objects) {
+  MetSurface met;
+  met.heights = surfaceHeights(nodes, objects);
+  const LayerCells cells = sampleCells(nodes, objects);
+  if (cells.covered.empty()) {
+    met.mean_heights = met.heights;
+    met.covered.assign(met.heights.size(), 1);
+    return met;
+  }
+  std::vector<std::array<double, 2>> sizes;
+  for (const Sample& sample : samplesOf(nodes)) {
+    const std::array<double, 2>& pitch = nodes.patches[static_cast<std::size_t>(sample.patch)].pitch;
+    sizes.push_back({pitch[0] / nodes.samples_per_taxel, pitch[1] / nodes.samples_per_taxel});
+  }
+  const FoundationCells cut = foundationCells(cells, sizes, met.heights);
+  return {
+      .heights = cut.height, .arms = armsAtDepth(cut, 0), .mean_heights = cells.height, .covered = cells.covered, .full_depth = kFullDepth};
+}
+
 LayerContact contactOf(const Sensor& sensor, const LinkedFoundation& foundation, std::span<const PlacedObject> objects) {
   const Sensor nodes = refined(sensor);
   const std::vector<Sample> samples = samplesOf(nodes);
+  const double thickness = sensor.skin.thickness;
+  const MetSurface met = metSurface(nodes, objects);
   LayerContact contact;
-  for (const double height : surfaceHeights(nodes, objects)) contact.overlap.push_back(std::min(-height, sensor.skin.thickness));
-  contact.solution.pressure = solveLinked(foundation, contact.overlap).pressure;
+  for (const double height : met.heights) contact.overlap.push_back(std::min(-height, thickness));
+  contact.solution.pressure = solveLinked(foundation, contact.overlap, met.arms).pressure;
   contact.taxel_force.assign(static_cast<std::size_t>(numTaxels(sensor)), 0);
   contact.mean_penetration = contact.taxel_force;
   const auto per_taxel = static_cast<double>(samplesPerTaxel(nodes));
@@ -248,9 +296,9 @@ LayerContact contactOf(const Sensor& sensor, const LinkedFoundation& foundation,
     torque = add(torque, cross(X_SP * samples[n].position_P, force_S));
     const auto taxel = static_cast<std::size_t>(samples[n].taxel);
     contact.taxel_force[taxel] += node_force;
-    contact.mean_penetration[taxel] += std::max(contact.overlap[n], 0.0) / per_taxel;
+    contact.mean_penetration[taxel] += met.covered[n] * std::clamp(-met.mean_heights[n], 0.0, thickness) / per_taxel;
     contact.total_force += node_force;
-    contact.over_penetration += contact.overlap[n] >= sensor.skin.thickness ? 1 / static_cast<double>(samples.size()) : 0;
+    contact.over_penetration += contact.overlap[n] >= met.full_depth * thickness ? 1 / static_cast<double>(samples.size()) : 0;
   }
   contact.wrench = {force[0], force[1], force[2], torque[0], torque[1], torque[2]};
   return contact;
@@ -268,14 +316,14 @@ LinkedFoundation linkedFoundation(const Sensor& sensor) {
   return foundation;
 }
 
-LinkedSolution solveLinked(const LinkedFoundation& foundation, std::span<const double> overlap) {
+LinkedSolution solveLinked(const LinkedFoundation& foundation, std::span<const double> overlap, std::span<const Arms> arms) {
   constexpr int kMaxSets = 200;
   const std::size_t size = overlap.size();
   LinkedSolution solution{std::vector<double>(size, 0), std::vector<double>(size, 0)};
   const double deepest = *std::max_element(overlap.begin(), overlap.end());
   if (deepest <= 0) return solution;
   const double rounding = 1e-12 * deepest;
-  const StiffnessMatrix matrix(foundation, overlap);
+  const StiffnessMatrix matrix(foundation, overlap, arms);
   std::vector<bool> is_held(size);
   for (std::size_t n = 0; n < size; ++n) is_held[n] = overlap[n] > 0;
   for (int set = 0; set < kMaxSets; ++set) {

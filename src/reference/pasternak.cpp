@@ -146,8 +146,9 @@ LayerContact foundationContact(const Sensor& sensor, std::span<const PlacedObjec
   const Sensor nodes = refined(sensor);
   const std::vector<double> heights = layerHeights(nodes, foundation.nodes, objects);
   const LayerCells cells = layerCells(nodes, foundation.nodes, objects);
+  const std::vector<std::array<double, 2>> sizes(heights.size(), foundation.nodes.spacing);
   return cells.covered.empty() ? solveContact(nodes, foundation, heights)
-                               : solveCutContact(nodes, foundation, cells, foundationCells(cells, foundation.nodes, heights), 0);
+                               : solveCutContact(nodes, foundation, cells, foundationCells(cells, sizes, heights), 0);
 }
 
 LayerContact loadedFoundationContact(const Sensor& sensor, std::span<const PlacedObject> objects, double load) {

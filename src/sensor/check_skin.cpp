@@ -108,8 +108,6 @@ void checkLayer(const Sensor& sensor) {
 
 // Several patches are solved on a table of links.
 void checkLinkedFoundation(const Sensor& sensor) {
-  if (sensor.depth_sampling == DepthSampling::kArea)
-    failField("depth_sampling", "area", "point with the law pasternak on " + std::to_string(sensor.patches.size()) + " patches");
   if (numTaxels(sensor) > kMaxLinkedTaxels) {
     failField("patches", std::to_string(numTaxels(sensor)) + " taxels",
               "at most " + std::to_string(kMaxLinkedTaxels) + " with the law pasternak on several patches");

@@ -47,6 +47,8 @@ struct Chart {
   bool exists = false;
 
   Place operator()(const Place& x) const { return {offset[0] + cosine * x[0] - sine * x[1], offset[1] + sine * x[0] + cosine * x[1]}; }
+  // Turns a direction in the plane of A to that of B.
+  Place turnedBack(const Place& x) const { return {cosine * x[0] + sine * x[1], cosine * x[1] - sine * x[0]}; }
 };
 
 // Direction in which B lies from A, in S and of any length: along the geodesic of skinDistance().
@@ -91,6 +93,7 @@ Place placeInTaxel(const Taxel& taxel, int per_side, int a, int b) {
 struct Candidate {
   int node = 0;
   double out = 0, along = 0;
+  int own_side = 0, side = 0;  // FoundationLink::side, and of the candidate
   double square() const { return out * out + along * along; }
 };
 
@@ -134,8 +137,8 @@ class LinkBuilder {
     spring_ = &nodes.spring;
     for (std::size_t t = 0; t < taxels_.size(); ++t) linkTaxel(t);
     for (const auto& [pair, link] : links_) {
-      nodes.links[static_cast<std::size_t>(pair.first)].push_back({pair.second, link.stiffness, link.length});
-      nodes.links[static_cast<std::size_t>(pair.second)].push_back({pair.first, link.stiffness, link.length});
+      nodes.links[static_cast<std::size_t>(pair.first)].push_back({pair.second, link.stiffness, link.length, link.side, link.other_side});
+      nodes.links[static_cast<std::size_t>(pair.second)].push_back({pair.first, link.stiffness, link.length, link.other_side, link.side});
     }
     for (std::vector<FoundationLink>& list : nodes.links) {
       std::sort(list.begin(), list.end(), [](const FoundationLink& a, const FoundationLink& b) { return a.node < b.node; });
@@ -155,8 +158,9 @@ class LinkBuilder {
     return nodeAt(static_cast<std::size_t>(number), u % per_side_, v % per_side_);
   }
 
-  void add(int node, int other, double stiffness, double length) {
-    FoundationLink& link = links_.try_emplace({std::min(node, other), std::max(node, other)}, FoundationLink{0, 0, length}).first->second;
+  void add(int node, int other, double stiffness, double length, int side, int other_side) {
+    const FoundationLink first{.length = length, .side = node < other ? side : other_side, .other_side = node < other ? other_side : side};
+    FoundationLink& link = links_.try_emplace({std::min(node, other), std::max(node, other)}, first).first->second;
     link.stiffness += stiffness;
     link.length = std::min(link.length, length);
   }
@@ -175,7 +179,8 @@ class LinkBuilder {
           } else if (du + dv > 0) {
             const std::array<double, 2> spacing = spacingOf(taxel);
             const double out = spacing[du != 0 ? 0 : 1], width = spacing[du != 0 ? 1 : 0];
-            add(nodeInPatch(taxel, u, v), nodeInPatch(taxel, u + du, v + dv), law_.shear_stiffness * width / out, out);
+            const int side = du > 0 ? 1 : 3;
+            add(nodeInPatch(taxel, u, v), nodeInPatch(taxel, u + du, v + dv), law_.shear_stiffness * width / out, out, side, side - 1);
           }
         }
       }
@@ -209,7 +214,9 @@ class LinkBuilder {
         const Place place = chart(placeInTaxel(taxels_[other], per_side_, k / per_side_, k % per_side_));
         const double x = place[0] - middle[0], y = place[1] - middle[1];
         if (x * du + y * dv <= 0 || x * x + y * y > (decay_ + half) * (decay_ + half)) continue;
-        candidates.push_back({nodeAt(other, k / per_side_, k % per_side_), x * du + y * dv, x * dv + y * du});
+        const Place towards{place[0] - own[0], place[1] - own[1]}, back = chart.turnedBack({-towards[0], -towards[1]});
+        candidates.push_back({nodeAt(other, k / per_side_, k % per_side_), x * du + y * dv, x * dv + y * du, sideTowards(towards, spacing),
+                              sideTowards(back, spacingOf(taxels_[other]))});
       }
     }
     const int node = nodeAt(t, a, b);
@@ -221,10 +228,11 @@ class LinkBuilder {
       open -= part;
       const double distance = std::hypot(across, candidates[k].along);
       // The other node's side adds its half.
-      add(node, candidates[k].node, law_.shear_stiffness * part / across / 2, distance);
+      add(node, candidates[k].node, law_.shear_stiffness * part / across / 2, distance, candidates[k].own_side, candidates[k].side);
     }
     if (open > 2 * kLeastPart * half)
-      (*spring_)[static_cast<std::size_t>(node)] += stiffnessAtRest({0, law_.shear_stiffness * open / out, out}, decay_);
+      (*spring_)[static_cast<std::size_t>(node)] +=
+          stiffnessAtRest({.stiffness = law_.shear_stiffness * open / out, .length = out}, decay_);
   }
 
   Pasternak law_;
@@ -236,6 +244,12 @@ class LinkBuilder {
 };
 
 }  // namespace
+
+int sideTowards(const std::array<double, 2>& place, const std::array<double, 2>& spacing) {
+  constexpr double kCorner = 1e-6;  // of a spacing; nodes that lie symmetrically meet at corners, to rounding
+  const std::size_t axis = std::abs(place[1]) / spacing[1] > std::abs(place[0]) / spacing[0] * (1 + kCorner) ? 1 : 0;
+  return static_cast<int>(2 * axis) + (place[axis] > 0 ? 1 : 0);
+}
 
 LinkedNodes linkedNodes(const Sensor& sensor) {
   return LinkBuilder(sensor).build();

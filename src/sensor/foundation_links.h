@@ -18,12 +18,19 @@
 
 namespace taxelsim {
 
-// Half of what joins two nodes: every link is in the lists of both, with the same numbers.
+// Half of what joins two nodes: every link is in the lists of both, with the same numbers. The straight line between the two nodes leaves
+// the cell of either through a side; sides 0 to 3 look along -x, x, -y and y of the node's patch.
 struct FoundationLink {
   int node = 0;          // the other one
   double stiffness = 0;  // N/m
   double length = 0;     // m
+  int side = 0;          // of the node's cell
+  int other_side = 0;    // of the other node's cell
 };
+
+// The side of a cell of the size `spacing` (m) through which the line from its middle to `place` (m) leaves; through a corner, that along
+// x.
+int sideTowards(const std::array<double, 2>& place, const std::array<double, 2>& spacing);
 
 // Nodes in the order of the samples of a sensor that has per_side x per_side samples per taxel: [taxel][a][b].
 struct LinkedNodes {

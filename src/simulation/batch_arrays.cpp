@@ -84,7 +84,10 @@ std::uint64_t layerPairs(Shape s) {
 // Pairs of words of all arrays over blocks of nodes, or over linked nodes and their blocks.
 std::uint64_t foundationPairs(Shape s) {
   if (!s.hasLayer() || !s.model.isPasternak()) return 0;
-  if (s.model.isLinked()) return 2 * nodes(s) + 3 * s.model.linked->blocks.size();
+  if (s.model.isLinked()) {
+    const std::uint64_t pairs_of_links = s.model.area() ? s.model.linked->num_fours : 0;
+    return (2 + pairs_of_links) * nodes(s) + 3 * s.model.linked->blocks.size();
+  }
   constexpr std::uint64_t kRows = PasternakInterface::kBlockRows, kCols = PasternakInterface::kBlockCols;
   const std::uint64_t num_arrays = s.model.area() ? 4 : 3;
   const LayerNodes& nodes = s.model.layer->nodes;

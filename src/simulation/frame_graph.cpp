@@ -28,6 +28,13 @@ void recordContact(const Model::Impl& model, const BatchShape& shape, Recorder& 
   }
 }
 
+// The second run of the contact pass, for a coupled law with area sampling.
+ContactPass::Variant ofCells(ContactPass::Variant variant) {
+  variant.list = layout::kNumLists;
+  variant.cells = true;
+  return variant;
+}
+
 // Evaluates the contact pass at the offsets of the search until it has ended.
 void recordSearchOverTiles(const Model::Impl& model, const BatchShape& shape, Recorder& recorder, ContactPass::Variant variant) {
   const bool with_jacobian = variant.with_jacobian;
@@ -35,8 +42,10 @@ void recordSearchOverTiles(const Model::Impl& model, const BatchShape& shape, Re
   variant.with_jacobian = false;
   for (std::uint32_t evaluation = 0; evaluation < LoadSearchPass::kNumFrameEvaluations; ++evaluation) {
     model.contact.record(recorder, variant);
-    if (model.linked_foundation)
+    if (model.linked_foundation) {
+      if (model.data.area()) model.contact.record(recorder, ofCells(variant));
       model.linked_foundation->record(recorder, {.loads = true, .with_depth = shape.options.outputs.penetration_depth});
+    }
     model.load_search.record(recorder);
   }
   // What the search leaves alone: the state of the samples and the Jacobian.
@@ -84,12 +93,11 @@ void recordObjects(const Model::Impl& model, const BatchShape& shape, Recorder& 
     recordSearchOverTiles(model, shape, recorder, variant);
   } else {
     recordContact(model, shape, recorder, variant);
+    if (coupled && model.data.area()) {
+      variant = ofCells(variant);
+      model.contact.record(recorder, variant);
+    }
     if (model.linked_foundation) model.linked_foundation->record(recorder, {.with_depth = shape.options.outputs.penetration_depth});
-  }
-  if (coupled && model.data.area()) {
-    variant.list = layout::kNumLists;
-    variant.cells = true;
-    model.contact.record(recorder, variant);
   }
   if (model.pasternak) recordFoundation(model, shape, recorder, variant);
   if (model.elastic_layer) {

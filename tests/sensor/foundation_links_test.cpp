@@ -57,6 +57,8 @@ TEST(FoundationLinks, ListHasTheLinksOfItsGrid) {
       EXPECT_EQ(of_list.links[n][k].node, of_grid.links[n][k].node);
       EXPECT_NEAR(of_list.links[n][k].stiffness, of_grid.links[n][k].stiffness, kRounding * kShear);
       EXPECT_NEAR(of_list.links[n][k].length, of_grid.links[n][k].length, kRounding);
+      EXPECT_EQ(of_list.links[n][k].side, of_grid.links[n][k].side);
+      EXPECT_EQ(of_list.links[n][k].other_side, of_grid.links[n][k].other_side);
     }
   }
 }
@@ -115,8 +117,7 @@ TEST(FoundationLinks, WhatSeveralPatchesAllow) {
   sensor.psf = {.sigma = 1e-3};
   EXPECT_EQ(refusalOf(sensor), "");
   sensor.depth_sampling = DepthSampling::kArea;
-  EXPECT_EQ(refusalOf(sensor), "depth_sampling: area is not allowed: point with the law pasternak on 2 patches");
-  sensor.depth_sampling = DepthSampling::kPoint;
+  EXPECT_EQ(refusalOf(sensor), "");
   sensor.patches.assign(kMaxLinkedTaxels + 1, sensor.patches[0]);
   EXPECT_EQ(refusalOf(sensor), "patches: 1025 taxels is not allowed: at most 1024 with the law pasternak on several patches");
 }
@@ -128,12 +129,38 @@ TEST(FoundationLinks, BothNodesOfALinkHaveIt) {
     for (const FoundationLink& link : nodes.links[n]) {
       bool is_found = false;
       for (const FoundationLink& back : nodes.links[static_cast<std::size_t>(link.node)]) {
-        is_found = is_found || (back.node == static_cast<int>(n) && back.stiffness == link.stiffness && back.length == link.length);
+        is_found = is_found || (back.node == static_cast<int>(n) && back.stiffness == link.stiffness && back.length == link.length &&
+                                back.side == link.other_side && back.other_side == link.side);
       }
       EXPECT_TRUE(is_found) << n;
       EXPECT_GT(link.stiffness, 0);
     }
   }
+}
+
+// The line to another node leaves a cell through the side in its way, of a wide cell rather through the long one.
+TEST(FoundationLinks, SideTowardsANode) {
+  EXPECT_EQ(sideTowards({-1, 0.2}, {1, 1}), 0);
+  EXPECT_EQ(sideTowards({1, 0.9}, {1, 1}), 1);
+  EXPECT_EQ(sideTowards({0.9, -1}, {1, 1}), 2);
+  EXPECT_EQ(sideTowards({1, 0.9}, {2, 1}), 3);
+  EXPECT_EQ(sideTowards({1, 1 + 1e-12}, {1, 1}), 1);
+  // Taxels that are turned against each other by a quarter: the link leaves one along x and enters the other along y.
+  const GridPatch square = taxelPatch("t", {0, 0, 0}, {0, 0, 1}, {2e-3, 2e-3});
+  GridPatch turned = square;
+  turned.X_SP = {{2e-3, 0, 0}, axisAngle({0, 0, 1}, kPi / 2)};
+  const LinkedNodes nodes = linkedNodes(sensorOf({square, turned}));
+  const std::size_t half = nodes.links.size() / 2;
+  int num_over_seam = 0;
+  for (std::size_t n = 0; n < half; ++n) {
+    for (const FoundationLink& link : nodes.links[n]) {
+      if (static_cast<std::size_t>(link.node) < half) continue;
+      ++num_over_seam;
+      EXPECT_EQ(link.side, 1) << n;
+      EXPECT_EQ(link.other_side, 3) << n;  // y of the turned taxel looks along -x
+    }
+  }
+  EXPECT_EQ(num_over_seam, nodes.per_side);
 }
 
 TEST(FoundationLinks, BlocksWithinReach) {

@@ -11,6 +11,7 @@
 #include "reference/pasternak.h"
 #include "sensor/pasternak.h"
 #include "simulation/comparison.h"
+#include "simulation/foundation_forms.h"
 #include "simulation/foundation_law.h"
 #include "simulation/input_error.h"
 #include "support/random_scene.h"
@@ -45,64 +46,6 @@ Pose randomContact(Random& random, Sensor sensor, const Object& object, const Qu
   const GridPatch& patch = sensor.patches[0];
   return support::poseAtDepth(sensor, object, R_SO, random.uniform(-0.4, 0.4) * patch.num_rows * patch.pitch[0],
                               random.uniform(-0.4, 0.4) * patch.num_cols * patch.pitch[1], random.uniform(0.1e-3, 1.5e-3));
-}
-
-struct Form {
-  Object object;
-  double tip;    // m, below the object's origin
-  double depth;  // m
-  double force;  // N, closed form
-  double error;  // largest relative error at any place
-};
-
-// A flat pin 1 mm deep.
-Form pin(double radius, double error) {
-  constexpr double kLength = 0.01, kDepth = 1e-3;
-  return {Cylinder{radius, kLength}, kLength / 2, kDepth, kDepth * pasternakPunchStiffness(kLaw, radius), error};
-}
-
-// A sphere without the approximation of a parabola: w = depth - f(r) inside of the contact radius a, f' (a) its slope at the edge, outside
-// proportional to K0(r / l).
-Form sphere(double a, double error = 0.03) {
-  constexpr double kRadius = 5e-3;
-  const double edge = std::sqrt(kRadius * kRadius - a * a), slope = a / edge;
-  const double depth = kRadius - edge + slope * kDecay / besselRatio(a / kDecay);
-  const double volume = kPi * a * a * (depth - kRadius) + 2 * kPi / 3 * (std::pow(kRadius, 3) - std::pow(edge, 3));
-  return {Sphere{kRadius}, kRadius, depth, kStiffness * volume + 2 * kPi * kLaw.shear_stiffness * a * slope, error};
-}
-
-// Largest relative errors of forces at 50 random places each, with the default number of sweeps.
-std::vector<double> worstErrors(const Sensor& sensor, const std::vector<Form>& forms) {
-  constexpr int kPlaces = 50;
-  std::vector<Object> objects;
-  std::vector<Touch> touches;
-  Random random(3);
-  for (const Form& form : forms) {
-    const int id = static_cast<int>(objects.size());
-    objects.push_back(form.object);
-    for (int n = 0; n < kPlaces; ++n) {
-      touches.push_back({{id}, {{{random.uniform(-2e-3, 2e-3), random.uniform(-2e-3, 2e-3), form.tip - form.depth}, {1, 0, 0, 0}}}});
-    }
-  }
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
-  Simulator simulator(model, {.num_instances = static_cast<int>(touches.size())});
-  support::setTouches(simulator, touches);
-  simulator.step(kDt);
-  const FrameView frame = simulator.read();
-  std::vector<double> worst(forms.size(), 0);
-  for (std::size_t i = 0; i < touches.size(); ++i) {
-    double& error = worst[i / kPlaces];
-    error = std::max(error, std::abs(frame.ground_truth.total_force[i] / forms[i / kPlaces].force - 1));
-  }
-  return worst;
-}
-
-void expectForms(const Sensor& sensor, const std::vector<Form>& forms) {
-  const std::vector<double> worst = worstErrors(sensor, forms);
-  for (std::size_t k = 0; k < forms.size(); ++k) {
-    EXPECT_LT(worst[k], forms[k].error) << "form " << k;
-    ::testing::Test::RecordProperty("form_" + std::to_string(k), std::to_string(worst[k]));
-  }
 }
 
 // The errors are those of outlines on nodes of 0.2125 mm.

@@ -157,11 +157,12 @@ PackedLinks packLinks(const Sensor& sensor, const PackedSensor& node_sensor) {
     packed.nodes[own] = places.recordOf(n / per_taxel, in_taxel / per_side, in_taxel % per_side, nodes.spring[n],
                                         static_cast<std::uint32_t>((list.size() + 3) / 4));
     for (std::size_t k = 0; k < 4 * packed.num_fours; ++k) {
-      const FoundationLink link = k < list.size() ? list[k] : FoundationLink{static_cast<int>(n), 0, 1};
+      const FoundationLink link = k < list.size() ? list[k] : FoundationLink{.node = static_cast<int>(n), .length = 1};
       const auto other = static_cast<std::size_t>(link.node);
       const std::uint32_t block = numbers[other] / (side * side);
-      packed.links[k * num_nodes + own] = {{numbers[other] | block << layout::kLinkBlockShift, wordOf(link.stiffness),
-                                            wordOf(1 / link.length), wordOf(stiffnessAtRest(link, decay))}};
+      const auto sides = static_cast<std::uint32_t>(link.side | link.other_side << layout::kSideBits);
+      packed.links[k * num_nodes + own] = {{numbers[other] | block << layout::kLinkBlockShift | sides << layout::kLinkSidesShift,
+                                            wordOf(link.stiffness), wordOf(1 / link.length), wordOf(stiffnessAtRest(link, decay))}};
     }
   }
   const std::vector<std::vector<int>> near = blocksWithin(sensor, static_cast<int>(parts), kMarginDecays * decay);

@@ -16,9 +16,10 @@ namespace {
 std::uint64_t iterationsOf(const ModelData& model) {
   constexpr std::uint64_t kOtherLoops = 4;  // over the nodes
   const std::uint64_t loops_of_node = model.linked->num_fours > 1 ? 2 + model.linked->num_fours : 1;
+  const std::uint64_t loops_of_cuts = model.area() ? loops_of_node : 0;
   const auto nodes = static_cast<std::uint64_t>(model.linked->nodes.size());
   const auto sweeps = static_cast<std::uint64_t>(pasternakSweeps(model.sensor));
-  return nodes * (kOtherLoops + (sweeps + 1) * loops_of_node) / 3;
+  return nodes * (kOtherLoops + loops_of_cuts + (sweeps + 1) * loops_of_node) / 3;
 }
 
 }  // namespace
@@ -48,7 +49,8 @@ LinkedFoundationPass::Kernel LinkedFoundationPass::makeKernel(const Variant& var
                                     .NUM_HEIGHT_TILES = model_.contact_packed.tiles.size(),
                                     .LOADS = variant.loads,
                                     .OUTPUT_DEPTH = variant.with_depth,
-                                    .BLOCKS_PER_TAXEL = model_.linked->blocks_per_taxel}};
+                                    .BLOCKS_PER_TAXEL = model_.linked->blocks_per_taxel,
+                                    .AREA = model_.area()}};
 }
 
 }  // namespace taxelsim
