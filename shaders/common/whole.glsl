@@ -1,9 +1,9 @@
 // Rounds floats to integers, and divides small integers, without the operations that Mesa's software driver does lane by lane.
 
-// The integer nearest to a float within +-2^22, from the last bits of the sum with 1.5 x 2^23. On Mesa's newer software driver int() costs ten times as much.
+// The integer nearest to a float within +-2^22, from the last bits of the sum with 1.5 x 2^23, which is exact (module.cmake). On Mesa's newer software driver int() costs ten times as much.
 const float kMostWhole = 4194304.0;
 int wholeNumber(float v) {
-  precise float sum = v + 12582912.0;
+  float sum = v + 12582912.0;
   return floatBitsToInt(sum) - 0x4B400000;
 }
 ivec2 wholeNumbers(vec2 v) { return ivec2(wholeNumber(v.x), wholeNumber(v.y)); }

@@ -205,10 +205,9 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
   uvec2 base = in_tile * SAMPLES;
   uvec2 in_patch = in_tile + tile.first_taxel;
   float depth_sum = 0.0;
-  // `precise`: a driver may take out a common factor in one variant of this pass and not in another.
-  precise float force = 0.0;
-  precise vec2 moment = vec2(0), shear = vec2(0);
-  precise vec3 shear_moment = vec3(0);
+  float force = 0.0;
+  vec2 moment = vec2(0), shear = vec2(0);
+  vec3 shear_moment = vec3(0);
   uint deep = 0;
   float slope = 0.0;
   bool is_reached = RELAXATION > 0 && isReached(step.skin, in_tile), touched = kStoresTouched && isInside(in_tile, step.touched);

@@ -1,8 +1,10 @@
 // Interfaces of passes: the lists in shaders/passes/ as C++ types against the compiled shaders, and what the types refuse.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <spirv_cross/spirv.h>
 
 #include <numeric>
+#include <set>
 
 #include "contact_features.spv.h"
 #include "contact_regions.spv.h"
@@ -74,6 +76,24 @@ std::map<std::uint32_t, std::string> blocksOf(std::integer_sequence<std::uint32_
   return {{kBindings, gpu::BlockAt<Interface, kBindings>::kName}...};
 }
 
+bool isFloatArithmetic(std::uint32_t operation) {
+  return operation == SpvOpFNegate || operation == SpvOpFAdd || operation == SpvOpFSub || operation == SpvOpFMul ||
+         operation == SpvOpFDiv || operation == SpvOpFMod || (operation >= SpvOpVectorTimesScalar && operation <= SpvOpDot);
+}
+
+// A driver may rearrange or fuse what is not marked.
+void expectExact(std::span<const std::uint32_t> spirv) {
+  constexpr std::size_t kHeaderWords = 5;
+  std::set<std::uint32_t> marked, results;
+  for (std::size_t at = kHeaderWords; at < spirv.size(); at += spirv[at] >> SpvWordCountShift) {
+    const std::uint32_t operation = spirv[at] & SpvOpCodeMask;
+    if (operation == SpvOpDecorate && spirv[at + 2] == SpvDecorationNoContraction) marked.insert(spirv[at + 1]);
+    if (isFloatArithmetic(operation)) results.insert(spirv[at + 2]);
+  }
+  EXPECT_FALSE(results.empty());
+  EXPECT_EQ(marked, results);
+}
+
 template <typename Interface>
 void expectMatches(std::span<const std::uint32_t> spirv, const char* name) {
   SCOPED_TRACE(name);
@@ -83,9 +103,10 @@ void expectMatches(std::span<const std::uint32_t> spirv, const char* name) {
   const gpu::Reflection reflection = gpu::reflect(spirv);
   EXPECT_EQ(reflection.constants, ids);
   EXPECT_EQ(reflection.buffers, blocksOf<Interface>(std::make_integer_sequence<std::uint32_t, gpu::countBuffers<Interface>()>()));
+  expectExact(spirv);
 }
 
-// Ids and bindings are contiguous, and no list has more or fewer than its shader.
+// Ids and bindings are contiguous, and no list has more or fewer than its shader, of which all arithmetic is exact.
 TEST(PassInterfaces, MatchTheShaders) {
   expectMatches<ContactInterface>(k_contact_winkler_spirv, "contact");
   expectMatches<KeepCandidatesInterface>(k_keep_candidates_spirv, "keep_candidates");
